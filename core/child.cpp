@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include "core/check.hpp"
+#include "core/process.hpp"
 
 namespace vantage {
 namespace {
@@ -29,6 +30,17 @@ namespace {
     ::_exit(127);
   }
   ::signal(SIGPIPE, SIG_DFL);
+  if (place.blocks_stop_signals) {
+    sigset_t stop_signals;
+    ::sigemptyset(&stop_signals);
+    for (const int signal : kStopSignals) {
+      ::sigaddset(&stop_signals, signal);
+    }
+    ::sigprocmask(SIG_BLOCK, &stop_signals, nullptr);
+  }
+  for (const int descriptor : place.keep_open) {
+    ::fcntl(descriptor, F_SETFD, 0);
+  }
   if (place.output >= 0) {
     ::dup2(place.output, STDOUT_FILENO);
     ::dup2(place.output, STDERR_FILENO);

@@ -18,6 +18,10 @@ struct ChildPlace {
   std::string folder;        ///< its working folder; empty: ours
   int end_signal = SIGTERM;  ///< sent by the kernel should the supervisor die
   std::vector<std::string> environment = {};  ///< "NAME=value"; of names that are not here: as ours
+  std::vector<int> keep_open = {};            ///< descriptors that it has under the same numbers
+  /// Blocks the signals that ask it to end until it handles them (run_process): they must not kill
+  /// it while it starts.
+  bool blocks_stop_signals = false;
 };
 
 /// How a process ended.

@@ -1,6 +1,5 @@
 #include "core/process.hpp"
 
-#include <array>
 #include <atomic>
 #include <csignal>
 #include <exception>
@@ -8,11 +7,10 @@
 #include <new>
 
 #include "core/check.hpp"
+#include "core/utf8.hpp"
 
 namespace vantage {
 namespace {
-
-constexpr std::array kStopSignals{SIGINT, SIGTERM, SIGHUP};
 
 std::atomic<int> stop_count{0};
 std::atomic<int> last_signal{0};
@@ -46,6 +44,16 @@ void handle(int signal, Handler handler) {
   sigaction(signal, &action, nullptr);
 }
 
+// A supervisor blocks them until they are handled here.
+void let_in_stop_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int signal : kStopSignals) {
+    sigaddset(&signals, signal);
+  }
+  sigprocmask(SIG_UNBLOCK, &signals, nullptr);
+}
+
 }  // namespace
 
 bool stop_requested() { return stop_count > 0; }
@@ -71,22 +79,23 @@ int run_process(const std::string& name, const std::function<int()>& body) {
   for (const int signal : kStopSignals) {
     handle(signal, handler_of(signal));
   }
+  let_in_stop_signals();
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGCHLD, SIG_DFL);  // where the parent ignores it we would not hear how ours ended
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of write()
   try {
     return body();
   } catch (const StartupError& e) {
-    std::cerr << name << ": " << e.what() << '\n';
+    std::cerr << name << ": " << printable(e.what()) << '\n';
     return 2;
   } catch (const UsageError& e) {
-    std::cerr << name << ": bad configuration: " << e.what() << '\n';
+    std::cerr << name << ": bad configuration: " << printable(e.what()) << '\n';
     return 2;
   } catch (const std::bad_alloc&) {
     std::cerr << name << ": out of memory\n";
     return 1;
   } catch (const std::exception& e) {
-    std::cerr << name << ": " << e.what() << '\n';
+    std::cerr << name << ": " << printable(e.what()) << '\n';
     return 1;
   }
 }

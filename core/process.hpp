@@ -1,14 +1,19 @@
 #pragma once
 
+#include <array>
+#include <csignal>
 #include <functional>
 #include <string>
 
 namespace vantage {
 
+/// The signals that ask a process to end.
+inline constexpr std::array kStopSignals{SIGINT, SIGTERM, SIGHUP};
+
 /// Runs `body` and turns its outcome into an exit code: what it returned, 1 when it failed while
 /// running, 2 when it could not start (StartupError, UsageError), with one sentence on stderr.
 /// SIGINT, SIGTERM and SIGHUP (unless it came in ignored, as under nohup) make stop_requested()
-/// true; `body` is expected to notice and return.
+/// true; `body` is expected to notice and return. Those that were blocked until then are let in.
 int run_process(const std::string& name, const std::function<int()>& body);
 
 /// True once the process has been asked to end. Safe to call from any thread.

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <string>
 #include <string_view>
+#include <thread>
 
 #include <pthread.h>
 #include <sched.h>
@@ -24,6 +25,13 @@ int number_of(const char* option, const char* text, int least, int most) {
           std::string(option) + ": must be a number from " + std::to_string(least) + " to " +
               std::to_string(most));
   return value;
+}
+
+/// Gives the calling thread SCHED_FIFO; an error number when that is refused.
+int set_fifo(int priority) {
+  sched_param parameters{};
+  parameters.sched_priority = priority;
+  return pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
 }
 
 [[noreturn]] void refuse(const std::string& what, int error, const std::string& remedy) {
@@ -67,14 +75,18 @@ void apply(const RealTime& real_time) {
     }
   }
   if (real_time.fifo_priority > 0) {
-    sched_param parameters{};
-    parameters.sched_priority = real_time.fifo_priority;
-    const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
+    const int error = set_fifo(real_time.fifo_priority);
     if (error != 0) {
       refuse("--fifo " + std::to_string(real_time.fifo_priority), error,
              "raise the rtprio limit (ulimit -r) or grant CAP_SYS_NICE");
     }
   }
+}
+
+bool grants_fifo(int priority) {
+  bool is_granted = false;
+  std::thread([&] { is_granted = set_fifo(priority) == 0; }).join();
+  return is_granted;
 }
 
 }  // namespace vantage

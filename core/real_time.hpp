@@ -17,4 +17,8 @@ RealTime take_real_time(int& argc, char** argv);
 /// @throws StartupError naming what was refused and what would allow it.
 void apply(const RealTime& real_time);
 
+/// True if a thread of this process may be given SCHED_FIFO with `priority`: tried on a thread of
+/// its own, which ends.
+bool grants_fifo(int priority);
+
 }  // namespace vantage

@@ -9,6 +9,45 @@ unsigned char byte_at(std::string_view text, std::size_t at) {
   return static_cast<unsigned char>(text[at]);
 }
 
+/// Whether the character of `length` bytes, at least 1, moves the cursor or changes what others
+/// look like: DEL, C1 (U+0080 to U+009F), U+2028 to U+202E, U+2066 to U+2069.
+bool is_hidden_control(std::string_view text, std::size_t at, std::size_t length) {
+  const unsigned char first = byte_at(text, at);
+  if (length == 2) {
+    return first == 0xC2U && byte_at(text, at + 1) < 0xA0U;
+  }
+  if (length == 3 && first == 0xE2U) {
+    const unsigned char second = byte_at(text, at + 1);
+    const unsigned char third = byte_at(text, at + 2);
+    return (second == 0x80U && third >= 0xA8U && third <= 0xAEU) ||
+           (second == 0x81U && third >= 0xA6U && third <= 0xA9U);
+  }
+  return first == 0x7FU;
+}
+
+/// Returns `text` with \xNN for each byte outside UTF-8, of is_hidden_control() or `is_hidden` by
+/// its first byte.
+template <class IsHidden>
+std::string escaped(std::string_view text, IsHidden is_hidden) {
+  constexpr const char* kDigits = "0123456789ABCDEF";
+  std::string out;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t length = utf8_bytes(text, at);
+    const bool is_shown =
+        length > 0 && !is_hidden(byte_at(text, at)) && !is_hidden_control(text, at, length);
+    const std::size_t end = at + (length == 0 ? 1 : length);
+    for (; at < end; ++at) {
+      const unsigned char byte = byte_at(text, at);
+      if (is_shown) {
+        out += text[at];
+      } else {
+        out += {'\\', 'x', kDigits[byte >> 4U], kDigits[byte & 0x0FU]};
+      }
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 std::size_t utf8_bytes(std::string_view text, std::size_t at) {
@@ -47,20 +86,12 @@ bool is_utf8(std::string_view text) {
 }
 
 std::string readable(std::string_view text) {
-  constexpr const char* kDigits = "0123456789ABCDEF";
-  std::string out;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t length = utf8_bytes(text, at);
-    const unsigned char first = byte_at(text, at);
-    if (length == 0 || first < 0x20U || first == 0x7FU || first == '\\') {
-      out += {'\\', 'x', kDigits[first >> 4U], kDigits[first & 0x0FU]};
-      ++at;
-      continue;
-    }
-    out += text.substr(at, length);
-    at += length;
-  }
-  return out;
+  return escaped(text, [](unsigned char first) { return first < 0x20U || first == '\\'; });
+}
+
+std::string printable(std::string_view text) {
+  return escaped(
+      text, [](unsigned char first) { return first < 0x20U && first != '\n' && first != '\t'; });
 }
 
 }  // namespace vantage

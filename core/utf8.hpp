@@ -13,8 +13,15 @@ std::size_t utf8_bytes(std::string_view text, std::size_t at);
 /// it.
 bool is_utf8(std::string_view text);
 
-/// `text` as UTF-8 of one line that a person can read and JSON can carry: bytes that are no UTF-8,
-/// control characters and the backslash become \xNN. Different texts stay different.
+/// Returns `text` as UTF-8 of one line that a person can read and JSON can carry: bytes that are no
+/// UTF-8, control characters (printable()) and the backslash become \xNN. Different texts stay
+/// different.
 std::string readable(std::string_view text);
+
+/// Returns `text` as it may be written to a terminal. Bytes outside UTF-8 and control
+/// characters become \xNN: C0 except line feed and tab, DEL, C1, line separators and those that
+/// change the direction of writing. Text from the network or a file passes through here or
+/// readable() before it reaches a terminal.
+std::string printable(std::string_view text);
 
 }  // namespace vantage

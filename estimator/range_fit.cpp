@@ -32,7 +32,7 @@ RangesOfBeacons by_beacon(std::span<const TakenRange> ranges, int beacons) {
   RangesOfBeacons out(index(beacons));
   for (const TakenRange& range : ranges) {
     require(range.beacon >= 0 && range.beacon < beacons, "a range is of no beacon");
-    require(std::isfinite(range.range_m) && range.robot_m.allFinite(), "a range is not finite");
+    require(is_within_bound(range), "a range is not finite, or beyond what can be fitted to");
     out[index(range.beacon)].push_back(range);
   }
   for (const auto& of : out) {
@@ -129,6 +129,8 @@ class Search {
         }
       }
     }
+    require(!best.noise.empty(),
+            "the ranges fit no calibration: no likelihood of them is a number");
     refine(part_, best, kRounds);
     return best;
   }
@@ -241,6 +243,11 @@ class Search {
 };
 
 }  // namespace
+
+bool is_within_bound(const TakenRange& range) {
+  const auto is_within = [](double x_m) { return std::abs(x_m) <= kRangeBound_m; };  // no NaN is
+  return is_within(range.range_m) && is_within(range.robot_m.x()) && is_within(range.robot_m.y());
+}
 
 RangeFit fit_ranges(std::span<const TakenRange> ranges, int beacons, const RangeFitSpec& spec) {
   return Search(ranges, beacons, spec).fit();

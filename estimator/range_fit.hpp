@@ -50,6 +50,12 @@ struct RangeFit {
   std::vector<FittedBeacon> beacons;
 };
 
+/// Greatest range, and greatest coordinate of a robot, that is fitted to: squares of larger numbers
+/// overflow or hide all others.
+inline constexpr double kRangeBound_m = 1e6;
+/// True for a range that fit_ranges() takes: finite and within the bound.
+bool is_within_bound(const TakenRange& range);
+
 /// Fewer ranges than this tell too little of a beacon.
 inline constexpr int kRangesOfBeaconMin = 10;
 
@@ -63,8 +69,8 @@ inline constexpr int kRangesOfBeaconMin = 10;
 /// and B from the square of the residuals' scores, B times `correlation`.
 /// Ranges of one beacon in the order of time; deterministic. O(beacons · 300) for the starts, then
 /// O(ranges) a step and O(beacons³).
-/// @throws UsageError for a range that is not finite, a beacon out of range or one with fewer than
-///         kRangesOfBeaconMin ranges.
+/// @throws UsageError for a range that is not within the bound, a beacon out of range or one with
+///         fewer than kRangesOfBeaconMin ranges, and when no start has a likelihood.
 /// Source: Lange, Little, Taylor (1989), t by EM; Huber (1967), A⁻¹ B A⁻¹; Geyer (1992), initial
 /// positive sequences, for `correlation`.
 RangeFit fit_ranges(std::span<const TakenRange> ranges, int beacons, const RangeFitSpec& spec = {});

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <filesystem>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -29,15 +30,24 @@ std::uint64_t random_session() {
   return session;
 }
 
+/// The entry of `channel`. Names that strangers invent fill the table; channels of one fixed name
+/// (VICON, COMMAND, …) get an entry all the same.
 template <class Count>
 Count& entry_of(std::map<std::string, Count, std::less<>>& counts, std::string_view channel) {
   const auto found = counts.find(channel);
   if (found != counts.end()) {
     return found->second;
   }
-  const bool has_room = counts.size() < kCountedChannelsMax;
+  const bool has_room = counts.size() < kCountedChannelsMax || is_fixed_name(channel);
   return counts[std::string(has_room ? channel : kOtherChannels)];
 }
+
+/// Whether a sender's `stamp` is within kSaidWithin of `now`.
+bool is_of_now(Time stamp, Time now) {
+  return stamp >= now - kSaidWithin && stamp <= now + kSaidWithin;
+}
+
+constexpr Duration kStaleShownFor = std::chrono::seconds(1);
 
 /// How to mend what security_faults() and authenticator_for() find.
 std::string real_fault(const scenario::Scenario& scenario) {
@@ -59,6 +69,23 @@ bool has_too_many_vehicles(const scenario::Scenario& scenario) {
          std::any_of(scenario.robots.begin(), scenario.robots.end(), [](const auto& robot) {
            return robot.device != scenario::DeviceSource::kDirect;
          });
+}
+
+std::unique_ptr<Authenticator> made_for(const scenario::Scenario& scenario,
+                                        Authenticator::Rules rules) {
+  const scenario::SecuritySpec& security = scenario.security;
+  if (security.mode == scenario::SecurityMode::kOff) {
+    return nullptr;
+  }
+  rules.mode = security.mode;
+  rules.trial = scenario::trial_mode(scenario);
+  return std::make_unique<Authenticator>(
+      std::make_shared<const Keyring>(load_keyring(security.keys)), rules);
+}
+
+bool has_key_folder(const scenario::Scenario& scenario) {
+  std::error_code error;
+  return std::filesystem::exists(scenario.security.keys, error);
 }
 
 }  // namespace
@@ -97,25 +124,36 @@ void Authenticator::seal(std::string_view channel, std::string_view robot, Time 
 }
 
 Authenticator::Judged Authenticator::judge(std::string_view channel, Bytes message, Time now,
-                                           bool judges_time, bool is_emergency_stop,
+                                           const std::optional<CommandClaim>& claim,
                                            std::uint64_t source) {
   if (rules_.is_replay) {
     return {true, payload_of(message)};
   }
-  const Verdict verdict =
-      verify(*keyring_, channel, message,
-             {rules_.trial, now, judges_time, is_emergency_stop, source}, replays_, budgets_);
+  Expectation expectation{rules_.trial, now, claim && claim->is_emergency_stop, source};
+  const bool is_command = role_of(channel) == Role::kOperator;
+  expectation.is_of_log = rules_.is_of_log;
+  if (rules_.is_of_log) {
+    expectation.echoes_now = true;
+  } else if (const auto parts = is_command ? split(message) : std::nullopt) {
+    expectation.before_signature = judge_before_signature(*parts, now, claim);
+    expectation.echoes_now = echoes_now(*parts, now);
+  }
+  const Verdict verdict = verify(*keyring_, channel, message, expectation, replays_, budgets_);
   Judged judged{true, verdict.payload};
   if (verdict.refusal == Refusal::kUnsigned && !must_be_signed(channel)) {
     return judged;
   }
+  const bool is_status = channel.starts_with(kStatusPrefix);
   if (verdict.refusal != Refusal::kNone) {
+    if (verdict.refusal == Refusal::kStale && is_status) {
+      note_stale(verdict.parts->foot, now);
+    }
     judged.may_pass = refuse(channel, verdict.refusal);
     return judged;
   }
-  if (channel.starts_with(kStatusPrefix)) {
+  if (is_status) {
     hear_nonce(channel.substr(kStatusPrefix.size()), verdict.parts->foot, now);
-  } else if (role_of(channel) == Role::kOperator && destination_) {
+  } else if (is_command && destination_) {
     judged.echo = judge_nonce(*verdict.parts, now);
   }
   return judged;
@@ -161,6 +199,46 @@ Refusal Authenticator::judge_nonce(const SignedParts& parts, Time now) const {
   return judge_echo(parts, *destination_, std::span(nonces).first(is_graceful ? 2 : 1));
 }
 
+bool Authenticator::echoes_now(const SignedParts& parts, Time now) const {
+  if (destination_) {
+    return judge_nonce(parts, now) == Refusal::kNone;
+  }
+  return std::any_of(asked_.begin(), asked_.end(), [&](const auto& each) {
+    const auto& [destination, asked] = each;
+    return now - asked.heard <= kNonceLease && parts.echo_for(destination) == asked.nonce;
+  });
+}
+
+// A recording of an earlier session echoes old nonces and has old stamps. What is of now is
+// verified whatever it echoes, so that its number counts as received. What makes a vehicle safer
+// may be late if it comes from a session that was verified before.
+Refusal Authenticator::judge_before_signature(const SignedParts& parts, Time now,
+                                              const std::optional<CommandClaim>& claim) const {
+  const bool is_late_but_known =
+      claim && claim->makes_safer && replays_.knows(parts.foot.key_id, parts.foot.session);
+  if ((claim && is_of_now(claim->stamp, now)) || is_late_but_known || echoes_now(parts, now)) {
+    return Refusal::kNone;
+  }
+  const bool may_be_anyones =
+      !destination_ || !claim || claim->makes_safer || claim->is_for_another;
+  return may_be_anyones ? Refusal::kStale : judge_nonce(parts, now);
+}
+
+void Authenticator::note_stale(const Foot& foot, Time now) {
+  constexpr auto kMax = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+  const Duration ahead = from_utime(static_cast<std::int64_t>(std::min(foot.counter, kMax))) - now;
+  const std::optional<Duration> known = stale_ahead(now);
+  if (!known || std::chrono::abs(ahead) <= std::chrono::abs(*known)) {
+    stale_ahead_ = ahead;
+    stale_received_ = now;
+  }
+}
+
+std::optional<Duration> Authenticator::stale_ahead(Time now) const {
+  const bool is_recent = stale_ahead_ && now - stale_received_ <= kStaleShownFor;
+  return is_recent ? stale_ahead_ : std::nullopt;
+}
+
 bool Authenticator::refuse(std::string_view channel, Refusal refusal) {
   ++entry_of(refused_, channel)[static_cast<std::size_t>(refusal)];
   return rules_.mode != scenario::SecurityMode::kRequire;
@@ -194,24 +272,19 @@ std::optional<RefusalCount> parse_refusal(std::string_view counter) {
              : std::nullopt;
 }
 
-std::unique_ptr<Authenticator> authenticator_for(const scenario::Scenario& scenario,
-                                                 bool is_replay) {
-  const scenario::SecuritySpec& security = scenario.security;
-  if (is_replay) {
-    std::error_code error;
-    if (security.mode == scenario::SecurityMode::kOff ||
-        !std::filesystem::exists(security.keys, error)) {
-      return nullptr;
-    }
-  } else if (needs_more(scenario)) {
+std::unique_ptr<Authenticator> authenticator_for(const scenario::Scenario& scenario) {
+  if (needs_more(scenario)) {
     throw StartupError(real_fault(scenario));
   }
-  if (security.mode == scenario::SecurityMode::kOff) {
-    return nullptr;
-  }
-  return std::make_unique<Authenticator>(
-      std::make_shared<const Keyring>(load_keyring(security.keys)),
-      Authenticator::Rules{security.mode, scenario::trial_mode(scenario), is_replay});
+  return made_for(scenario, {});
+}
+
+std::unique_ptr<Authenticator> replay_authenticator_for(const scenario::Scenario& scenario) {
+  return has_key_folder(scenario) ? made_for(scenario, {.is_replay = true}) : nullptr;
+}
+
+std::unique_ptr<Authenticator> log_authenticator_for(const scenario::Scenario& scenario) {
+  return has_key_folder(scenario) ? made_for(scenario, {.is_of_log = true}) : nullptr;
 }
 
 std::vector<std::string> security_faults(const scenario::Scenario& scenario) {

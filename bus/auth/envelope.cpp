@@ -42,15 +42,20 @@ std::vector<std::uint8_t> signed_text(std::string_view channel,
   return text;
 }
 
-/// Puts `one` into `all`, in the place of the one silent longest if there is no room.
+/// Puts `one` into a free place of `all`, or replaces the entry that has been silent longest, if
+/// that was longer than kKeptFor. Returns nullptr when all places are kept.
 template <class One>
-One& added(One one, std::vector<One>& all, std::size_t count_max) {
+One* added(One one, std::vector<One>& all, std::size_t count_max) {
   if (all.size() < count_max) {
-    return all.emplace_back(std::move(one));
+    return &all.emplace_back(std::move(one));
   }
   const auto oldest = std::min_element(
-      all.begin(), all.end(), [](const One& a, const One& b) { return a.asked < b.asked; });
-  return *oldest = std::move(one);
+      all.begin(), all.end(), [](const One& a, const One& b) { return a.received < b.received; });
+  if (one.received - oldest->received <= SignatureBudgets::kKeptFor) {
+    return nullptr;
+  }
+  *oldest = std::move(one);
+  return &*oldest;
 }
 
 bool is_of_now(std::uint64_t counter, Time now) {
@@ -75,7 +80,9 @@ Refusal judge_signature(const Key& key, std::string_view channel, const SignedPa
   if (!is_good) {
     return Refusal::kBadSignature;
   }
-  budgets.prove(sender, expectation.now);
+  if (expectation.echoes_now) {
+    budgets.prove(sender, expectation.now);
+  }
   return Refusal::kNone;
 }
 
@@ -97,16 +104,19 @@ Refusal judge(const Keyring& keyring, std::string_view channel, const SignedPart
   if (foot.mode != expectation.mode) {
     return Refusal::kWrongMode;
   }
-  // Before the signature: what was heard once and is sent again must not use a budget up.
+  // Before the signature: a message that is sent again must not use up a budget.
   if (replays.refuses(foot.key_id, foot.session, foot.counter)) {
     return Refusal::kReplayed;
   }
   if (key->role == Role::kOperator) {
+    if (expectation.before_signature != Refusal::kNone) {
+      return expectation.before_signature;
+    }
     const Refusal refusal = judge_signature(*key, channel, parts, budgets, expectation);
     if (refusal != Refusal::kNone) {
       return refusal;
     }
-  } else if (expectation.judges_time && !is_of_now(foot.counter, expectation.now)) {
+  } else if (!expectation.is_of_log && !is_of_now(foot.counter, expectation.now)) {
     return Refusal::kStale;
   }
   replays.admit(foot.key_id, foot.session, foot.counter);
@@ -235,35 +245,35 @@ SignatureBudgets::Proven* SignatureBudgets::find(const Sender& sender) {
   return found == senders_.end() ? nullptr : &*found;
 }
 
-SignatureBudgets::Host& SignatureBudgets::host_of(const Sender& sender) {
+SignatureBudgets::Host* SignatureBudgets::host_of(const Sender& sender, Time now) {
   const std::uint64_t address = sender.source >> 16U;  // whatever port it speaks from
   const auto found = std::find_if(hosts_.begin(), hosts_.end(),
                                   [&](const Host& each) { return each.address == address; });
-  if (found != hosts_.end()) {
-    return *found;
+  Host* const host =
+      found != hosts_.end() ? &*found : added(Host{address, host_, now}, hosts_, kHostsMax);
+  if (host != nullptr) {
+    host->received = now;
   }
-  return added({address, host_, {}}, hosts_, kHostsMax);
+  return host;
 }
 
 bool SignatureBudgets::take(const Sender& sender, bool is_stop, Time now) {
   const auto take_from = [is_stop, now](Rates& rates) {
     return (is_stop ? rates.stops : rates.orders).take(now);
   };
-  if (Proven* const proven = find(sender)) {
-    proven->asked = now;
-    // Whoever forges its address and session, too, has to use up the others' as well.
-    if (take_from(proven->left)) {
-      return true;
-    }
+  // A forger of the address and the session must use up the other budgets as well.
+  if (Proven* const proven = find(sender); proven != nullptr && take_from(proven->left)) {
+    return true;
   }
-  Host& host = host_of(sender);
-  host.asked = now;
-  return take_from(host.left) && take_from(strangers_);
+  Host* const host = host_of(sender, now);
+  return (host == nullptr || take_from(host->left)) && take_from(strangers_);
 }
 
 void SignatureBudgets::prove(const Sender& sender, Time now) {
-  if (find(sender) == nullptr) {
-    added({sender, proven_, now}, senders_, kProvenMax);
+  if (Proven* const proven = find(sender)) {
+    proven->received = now;
+  } else {
+    added(Proven{sender, proven_, now}, senders_, kProvenMax);
   }
 }
 

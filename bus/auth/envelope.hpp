@@ -102,10 +102,11 @@ struct Sender {
   std::uint64_t session = 0;
 };
 
-/// What signatures may cost a process, by who says them. Only those whose MAC is good are looked
-/// at, so only somebody who has the operator's MAC key, a vehicle say, can use a budget up. Whoever
-/// was right once has budgets of their own; strangers have one for each host, and one together.
-/// Emergency stops have others than everything else, each time.
+/// Limits how many signatures a process verifies, by sender. Only commands with a valid MAC that
+/// are of now or echo a nonce of now are verified (Expectation::before_signature), so recorded
+/// commands of an earlier session use up no budget. A sender has budgets of its own once it was
+/// proven; the others share one for each host and one for all hosts. Emergency stops have separate
+/// budgets everywhere.
 class SignatureBudgets {
  public:
   /// So many of what is no stop; stops.
@@ -113,8 +114,10 @@ class SignatureBudgets {
     Budget orders;
     Budget stops;
   };
-  static constexpr std::size_t kProvenMax = 16;  ///< the one silent longest gives way
+  static constexpr std::size_t kProvenMax = 16;  ///< the one silent longest is replaced
   static constexpr std::size_t kHostsMax = 64;   ///< likewise
+  /// A sender or host that was received within this time is never replaced.
+  static constexpr Duration kKeptFor = std::chrono::seconds(3);
 
   SignatureBudgets()
       : SignatureBudgets({Budget(100.0, 50.0), Budget(100.0, 50.0)},
@@ -125,22 +128,23 @@ class SignatureBudgets {
 
   /// Whether what `sender` says may be verified now. `now` never goes back.
   bool take(const Sender& sender, bool is_stop, Time now);
-  /// What `sender` said was right.
+  /// Gives `sender` budgets of its own: its signature was valid and it echoed a nonce of now.
   void prove(const Sender& sender, Time now);
 
  private:
   struct Proven {
     Sender sender;
     Rates left;
-    Time asked{};
+    Time received{};  ///< when it was proven last
   };
   struct Host {
     std::uint64_t address = 0;
     Rates left;
-    Time asked{};
+    Time received{};
   };
   [[nodiscard]] Proven* find(const Sender& sender);
-  [[nodiscard]] Host& host_of(const Sender& sender);
+  /// nullptr: all places are kept.
+  [[nodiscard]] Host* host_of(const Sender& sender, Time now);
 
   Rates proven_;  ///< as one begins
   Rates host_;
@@ -156,9 +160,13 @@ inline constexpr Duration kSaidWithin = std::chrono::seconds(2);
 struct Expectation {
   scenario::TrialMode mode = scenario::TrialMode::kLive;
   Time now{};                      ///< by the receiver's steady clock
-  bool judges_time = true;         ///< whether what is not of now is refused
   bool is_emergency_stop = false;  ///< the payload says so, before anything is proven
   std::uint64_t source = 0;        ///< who sent it, as far as can be seen: Payload::source
+  /// The reason to refuse a command without verifying its signature. It is derived from echoes and
+  /// payload, which the MAC covers.
+  Refusal before_signature = Refusal::kNone;
+  bool echoes_now = false;  ///< of a command: it echoes a nonce of now, so no recording contains it
+  bool is_of_log = false;   ///< recorded: its time is not judged
 };
 
 struct Verdict {
@@ -167,9 +175,10 @@ struct Verdict {
   std::optional<SignedParts> parts;  ///< nullopt: unsigned
 };
 
-/// Judges `message` on `channel`, all but to whom it is said (judge_echo()). Commands are not held
-/// against the time here: their stamps and echoes are. Cost: as sign(); a signature is verified in
-/// 42 µs, within the budgets. Changes `replays` only for what is otherwise good.
+/// Judges `message` on `channel` by everything except the destination (judge_echo()). The time of a
+/// command is not judged here: the caller judges its stamp and its echoes. Cost: as sign(); a
+/// signature is verified in 42 µs, within the budgets. Changes `replays` only for what is otherwise
+/// good.
 Verdict verify(const Keyring& keyring, std::string_view channel, Bytes message,
                const Expectation& expectation, ReplayGuard& replays, SignatureBudgets& budgets);
 

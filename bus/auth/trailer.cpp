@@ -26,9 +26,10 @@ struct Family {
   bool must_be_signed;
 };
 
-// HOST_, COLLISION and whatever others put on the bus only show. (TRUTH does not: where the cameras
-// are real, simulated bodies come into VICON by it. HEALTH_ does not: the supervisor ends what is
-// silent, and a trial waits for a log that is not written.)
+// Channels that are not listed here are for display only. TRUTH is listed because simulated bodies
+// enter VICON by it where the cameras are real; HEALTH_ because the supervisor ends silent
+// processes; COLLISION because it decides the exit code of `vantage up`; HOST_ because it decides
+// whether `vantage up` starts.
 constexpr std::array kFamilies{
     Family{"VICON", Role::kMocap, true},
     Family{"COMMAND", Role::kOperator, true},
@@ -47,6 +48,8 @@ constexpr std::array kFamilies{
     Family{"HEALTH_", Role::kNode, true},
     Family{"SCENARIO", Role::kNode, true},
     Family{"TRUTH", Role::kNode, true},
+    Family{"COLLISION", Role::kNode, true},
+    Family{"HOST_", Role::kNode, true},
 };
 
 const Family* family_of(std::string_view channel) {
@@ -164,6 +167,11 @@ Role role_of(std::string_view channel) {
 bool must_be_signed(std::string_view channel) {
   const Family* family = family_of(channel);
   return family != nullptr && family->must_be_signed;
+}
+
+bool is_fixed_name(std::string_view channel) {
+  const Family* family = family_of(channel);
+  return family != nullptr && family->name == channel;
 }
 
 }  // namespace vantage::bus::auth

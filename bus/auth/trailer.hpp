@@ -91,5 +91,7 @@ Role role_of(std::string_view channel);
 /// Whether an unsigned message on `channel` is refused where signatures are required: what moves a
 /// vehicle, or what those believe that move one. Others stay open to nodes that know no key.
 bool must_be_signed(std::string_view channel);
+/// Whether `channel` is one of ours that has a single name, such as VICON; PLAN_Q1 is not.
+bool is_fixed_name(std::string_view channel);
 
 }  // namespace vantage::bus::auth

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "bus/auth/authenticator.hpp"
+#include "bus/node/command_claim.hpp"
 #include "core/deadline.hpp"
 
 namespace vantage::bus {
@@ -46,12 +47,6 @@ std::map<std::string, StreamCounts> reported(std::map<std::string, StreamCounts>
   return kinds;
 }
 
-/// What decides on the budget by which a command is verified, before anything of it is proven.
-bool says_emergency_stop(std::span<const std::uint8_t> bytes) {
-  const auto wire = decode_wire<vantage_lcm::command_t>(bytes);
-  return wire && wire->action == static_cast<int>(models::OperatorAction::kEmergencyStop);
-}
-
 }  // namespace
 
 std::int64_t random_run_id() {
@@ -71,6 +66,9 @@ Bus::~Bus() = default;
 void Bus::secure(std::unique_ptr<auth::Authenticator> authenticator, const Clock& clock) {
   authenticator_ = std::move(authenticator);
   signing_clock_ = &clock;
+  if (authenticator_ && !authenticator_->is_replay()) {
+    keep_time(clock);
+  }
   if (authenticator_ && !answers_to_.empty()) {
     authenticator_->answer_to(answers_to_);
   }
@@ -99,10 +97,9 @@ bool Bus::open(Delivery& delivery) {
     hears_signed_ = hears_signed_ || auth::split(delivery.bytes).has_value();
     return true;
   }
-  const bool is_stop = delivery.name == kCommand.name && says_emergency_stop(delivery.bytes);
   const auth::Authenticator::Judged judged =
-      authenticator_->judge(delivery.name, delivery.bytes, signing_clock_->now(), clock_ != nullptr,
-                            is_stop, delivery.source);
+      authenticator_->judge(delivery.name, delivery.bytes, signing_clock_->now(),
+                            claim_of(delivery.name, delivery.bytes, answers_to_), delivery.source);
   delivery.bytes = judged.payload;
   delivery.echo = judged.echo;
   return judged.may_pass;
@@ -251,6 +248,7 @@ std::vector<models::NamedCount> Bus::counters() const {
   add_nonzero(counts, "transport.messages_sent", stats.messages_sent);
   add_nonzero(counts, "transport.messages_received", stats.messages_received);
   add_nonzero(counts, "transport.send_errors", stats.send_errors);
+  add_nonzero(counts, "transport.network_losses", stats.network_losses);
   add_nonzero(counts, "transport.malformed_datagrams", stats.malformed_datagrams);
   add_nonzero(counts, "transport.incomplete_messages", stats.incomplete_messages);
   add_nonzero(counts, "transport.queue_overflows", stats.queue_overflows);

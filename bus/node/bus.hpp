@@ -52,9 +52,9 @@ class Bus {
   /// outlive the Bus; without one, as for what a log says, a run is replaced at once.
   void keep_time(const Clock& clock) { clock_ = &clock; }
 
-  /// From now on what is published is signed, and what is heard is judged by its signature before
-  /// anything else looks at it (docs/security.md). nullptr: as without. `clock` must outlive the
-  /// Bus; others' messages are held against it only if it is kept (keep_time()).
+  /// Signs what is published, and judges what is received by its signature and by `clock`, which is
+  /// kept as by keep_time(); `clock` must outlive the Bus (docs/security.md). One that was made by
+  /// replay_authenticator_for() signs alone and judges nothing. nullptr: changes nothing.
   void secure(std::unique_ptr<auth::Authenticator> authenticator, const Clock& clock);
   /// This process is the vehicle `robot`: commands must be said to it, in its session; those that
   /// make it safer are handed on all the same. Without secure() it does nothing.

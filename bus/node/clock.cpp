@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "core/check.hpp"
 #include "core/deadline.hpp"
 
 namespace vantage::bus {
@@ -19,6 +20,10 @@ Time wall_clock() {
   return Time{std::chrono::duration_cast<Duration>(since_epoch)};
 }
 
+// From a machine with a clock that began at 1970, to the year 2200.
+constexpr Duration::rep kOffsetMin_us = -100'000'000'000'000;
+constexpr Duration::rep kOffsetMax_us = 7'258'118'400'000'000;
+
 std::optional<Duration> handed_on() {
   const char* const given = std::getenv(SteadyClock::kHandedOn);
   if (given == nullptr) {
@@ -28,7 +33,15 @@ std::optional<Duration> handed_on() {
   Duration::rep offset_us = 0;
   const auto parsed = std::from_chars(text.data(), text.data() + text.size(), offset_us);
   const bool is_number = parsed.ec == std::errc() && parsed.ptr == text.data() + text.size();
-  return is_number ? std::optional(Duration{offset_us}) : std::nullopt;
+  if (!is_number) {
+    return std::nullopt;
+  }
+  if (offset_us < kOffsetMin_us || offset_us > kOffsetMax_us) {
+    throw StartupError(std::string(SteadyClock::kHandedOn) + " is " + text + ", and must be from " +
+                       std::to_string(kOffsetMin_us) + " to " + std::to_string(kOffsetMax_us) +
+                       ": unset it, or start again");
+  }
+  return Duration{offset_us};
 }
 
 }  // namespace

@@ -49,6 +49,7 @@ class SteadyClock : public Clock {
   using WallClock = std::function<Time()>;
 
   /// The machine's clocks, and what was handed on by the environment.
+  /// @throws StartupError when a number that no machine's clock can differ by was handed on.
   SteadyClock();
   /// Any others, and nothing handed on.
   SteadyClock(MonotonicNs monotonic_ns, WallClock wall);

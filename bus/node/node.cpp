@@ -8,6 +8,7 @@
 
 #include "bus/convert/channels.hpp"
 #include "core/deadline.hpp"
+#include "core/processor_wait.hpp"
 
 namespace vantage::bus {
 namespace {
@@ -15,12 +16,34 @@ namespace {
 constexpr Duration kReportPeriod = std::chrono::seconds(1);
 constexpr Duration kReportOnChangePeriod = std::chrono::milliseconds(100);
 constexpr Duration kStopPollPeriod = std::chrono::milliseconds(50);
+constexpr Duration kWaitPeriod = std::chrono::milliseconds(50);
 
 /// Traffic, measured durations and kinds of rounds: what changes without anything being wrong.
 bool is_plain_traffic(std::string_view counter) {
   return counter == "transport.messages_sent" || counter == "transport.messages_received" ||
          counter.ends_with(".fresh") || counter.ends_with("_us") || counter.ends_with("_rounds");
 }
+
+/// Reads how long the thread has waited for a processor, and reports the last second to the node.
+class WaitReporter {
+ public:
+  explicit WaitReporter(const WaitCounter& counter) : counter_(counter) {}
+  void report(Node& node, Time now) {
+    if (!counter_ || now < next_) {
+      return;
+    }
+    next_ = now + kWaitPeriod;
+    if (const auto waited_us = counter_()) {
+      wait_.add(now, *waited_us);
+      node.on_processor_wait(wait_.recent_s());
+    }
+  }
+
+ private:
+  const WaitCounter& counter_;
+  ProcessorWait wait_;
+  Time next_{};
+};
 
 /// Whether `fd` became readable within `timeout`.
 bool wait_for(int fd, Duration timeout) {
@@ -91,11 +114,26 @@ void HealthReporter::publish(Time now, models::ProcessState state) {
   next_on_change_ = now + kReportOnChangePeriod;
 }
 
-void run_node(Bus& bus, Node& node, const Clock& clock, const std::function<bool()>& stop,
-              const Usage& usage) {
+void run_node(Bus& bus, Node& node, const Clock& clock, const std::function<int()>& stop_requests,
+              const Usage& usage, LifeSign* life, const WaitCounter& wait_counter) {
   HealthReporter health(bus, node, usage);
+  WaitReporter processor_wait(wait_counter);
   health.publish(clock.now(), models::ProcessState::kStarting);
-  while (!stop()) {
+  const auto give_sign = [&](Time now) {
+    if (life != nullptr) {
+      life->on_loop(now, node.in_flight(now));
+    }
+  };
+  int requests_seen = 0;
+  while (true) {
+    const int requests = stop_requests();
+    if (requests > requests_seen) {
+      node.on_stop_request(requests, clock.now());
+      requests_seen = requests;
+    }
+    if (requests_seen > 0 && node.may_end(clock.now())) {
+      break;
+    }
     Duration wait = std::clamp(node.next_tick() - clock.now(), Duration{0}, kStopPollPeriod);
     bool is_woken = false;
     if (node.wakes_on() >= 0) {
@@ -108,12 +146,15 @@ void run_node(Bus& bus, Node& node, const Clock& clock, const std::function<bool
     }
     const std::int64_t tick_start_ns = monotonic_ns();
     const Time now = clock.now();
+    processor_wait.report(node, now);
     if (is_woken || now >= node.next_tick()) {
       node.tick(now);
     }
     const double tick_s = static_cast<double>(monotonic_ns() - tick_start_ns) * 1e-9;
     health.on_loop(now, tick_s + bus.handling_s() - handled_before_s);
+    give_sign(now);
   }
+  give_sign(clock.now());
   health.publish(clock.now(), models::ProcessState::kStopping);
 }
 

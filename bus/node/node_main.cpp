@@ -1,21 +1,64 @@
 #include "bus/node/node_main.hpp"
 
 #include <cstdint>
+#include <iostream>
+#include <set>
 
 #include <CLI/CLI.hpp>
 
 #include "bus/auth/authenticator.hpp"
+#include "bus/node/flights.hpp"
 #include "bus/node/process_usage.hpp"
 #include "bus/transport/transport.hpp"
 #include "core/check.hpp"
+#include "core/life_line.hpp"
 #include "core/process.hpp"
 #include "core/real_time.hpp"
 #include "scenario/reader/overrides.hpp"
 
 namespace vantage::bus {
 
+namespace {
+
+std::set<std::string> robots_with_driver(const scenario::Scenario& scenario) {
+  std::set<std::string> out;
+  for (const scenario::RobotSpec& robot : scenario.robots) {
+    if (robot.device != scenario::DeviceSource::kDirect) {
+      out.insert(robot.name);
+    }
+  }
+  return out;
+}
+
+/// The requests to end that the process obeys; one that serves vehicles waits for their landing.
+class StopRequests {
+ public:
+  StopRequests(Bus& bus, const Clock& clock, const scenario::Scenario& scenario, bool serves)
+      : clock_(clock), flights_(robots_with_driver(scenario)) {
+    if (serves && !robots_with_driver(scenario).empty()) {
+      bus.subscribe<models::VehicleStatus>(vehicle_channel("*"),
+                                           [this](const models::VehicleStatus& status) {
+                                             flights_.on_status(status, clock_.now());
+                                           });
+    }
+  }
+  [[nodiscard]] int count() {
+    const Time now = clock_.now();
+    return end_.requests(stop_requests(), !flights_.in_flight(now).empty(), now);
+  }
+
+ private:
+  const Clock& clock_;
+  Flights flights_;
+  EndAfterFlights end_;
+};
+
+}  // namespace
+
+// long: the whole of a process, in its order.
 int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode& make_node) {
   return run_process(program.name, [&]() -> int {
+    LifeSign life;
     const RealTime real_time = take_real_time(argc, argv);
     CLI::App app{program.description, program.name};
     app.footer(
@@ -50,18 +93,30 @@ int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode&
     if (program.needs_robot && scenario.find_robot(arguments.robot) == nullptr) {
       throw StartupError("no robot '" + arguments.robot + "' in " + arguments.scenario);
     }
-    const auto transport =
-        open_transport(arguments.url.empty() ? scenario.network.url : arguments.url);
+    // A vehicle needs its driver, and what serves the driver, without a network too.
+    const auto transport = open_waiting_transport(
+        arguments.url.empty() ? scenario.network.url : arguments.url,
+        [&](const std::string& words) { std::cerr << program.name << ": " << words << '\n'; });
     Bus bus(*transport, random_run_id(), arguments.publish_prefix);
     const SteadyClock clock;
-    bus.secure(auth::authenticator_for(scenario, arguments.replay), clock);
-    if (!arguments.replay) {
+    if (arguments.replay) {
+      bus.secure(auth::replay_authenticator_for(scenario), clock);
+    } else {
+      bus.secure(auth::authenticator_for(scenario), clock);
       bus.keep_time(clock);
     }
     apply(real_time);  // after the network's own threads, before the node prepares its memory
     const std::unique_ptr<Node> node = make_node(bus, clock, scenario, arguments);
-    run_node(bus, *node, clock, stop_requested, usage_counters);
-    return 0;
+    StopRequests requests(bus, clock, scenario, program.serves_vehicles);
+    const ThreadWait wait;
+    run_node(
+        bus, *node, clock, [&] { return requests.count(); }, usage_counters, &life,
+        [&wait] { return wait.waited_us(); });
+    const std::string fault = node->end_fault();
+    if (!fault.empty()) {
+      std::cerr << program.name << ": " << fault << '\n';
+    }
+    return fault.empty() ? 0 : 1;
   });
 }
 

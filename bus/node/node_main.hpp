@@ -17,6 +17,7 @@ struct NodeProgram {
   std::string description;  ///< one sentence for --help
   bool needs_robot = false;
   bool can_replay = false;
+  bool serves_vehicles = false;  ///< vehicles need it to land: see EndAfterFlights
 };
 
 struct NodeArguments {
@@ -33,7 +34,7 @@ using MakeNode = std::function<std::unique_ptr<Node>(
 /// The whole of a node's main(): parses --scenario, --robot, --url, --seed, --planner,
 /// --publish-prefix, --replay and the real-time options of core/real_time, loads the scenario,
 /// opens the transport, runs the node on the system clock until a signal asks it to stop. Returns
-/// the exit code (0, 1 failed running, 2 could not start).
+/// the exit code (0, 1 failed running or at its end, 2 could not start).
 int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode& make_node);
 
 }  // namespace vantage::bus

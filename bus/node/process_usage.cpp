@@ -9,6 +9,7 @@
 #include <iterator>
 #include <system_error>
 
+#include <fcntl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -96,6 +97,22 @@ std::optional<std::int64_t> waited_us_of(int pid) {
     }
   }
   return sum_us;
+}
+
+ThreadWait::ThreadWait()
+    : descriptor_(::open("/proc/thread-self/schedstat", O_RDONLY | O_CLOEXEC)) {}
+
+ThreadWait::~ThreadWait() {
+  if (descriptor_ >= 0) {
+    ::close(descriptor_);
+  }
+}
+
+std::optional<std::int64_t> ThreadWait::waited_us() const {
+  std::array<char, 128> text{};
+  const ssize_t got = descriptor_ < 0 ? -1 : ::pread(descriptor_, text.data(), text.size(), 0);
+  return got <= 0 ? std::nullopt
+                  : waited_us_from_schedstat({text.data(), static_cast<std::size_t>(got)});
 }
 
 std::vector<models::NamedCount> usage_counters() {

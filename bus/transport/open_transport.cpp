@@ -1,4 +1,4 @@
-#include <cstdlib>
+#include <utility>
 
 #include "bus/transport/lcm_transport.hpp"
 #include "bus/transport/transport.hpp"
@@ -8,19 +8,27 @@
 
 namespace vantage::bus {
 
-std::unique_ptr<Transport> open_transport(const std::string& url) {
-  const char* from_environment = std::getenv("LCM_DEFAULT_URL");
-  const std::string fallback =
-      from_environment != nullptr && *from_environment != '\0' ? from_environment : kDefaultUrl;
-  const std::string& chosen = url.empty() ? fallback : url;
+namespace {
+
+/// @param report  nullptr: a network that is not there is an error
+std::unique_ptr<Transport> open(const std::string& url, ReportNetwork report) {
+  const std::string chosen = chosen_url(url);
   const Url parsed = parse_url(chosen);
   if (parsed.scheme == "udpm") {
-    return std::make_unique<udpm::UdpmTransport>(parse_udpm(parsed));
+    return std::make_unique<udpm::UdpmTransport>(parse_udpm(parsed), std::move(report));
   }
   if (parsed.scheme == "memq" || parsed.scheme == "file") {
     return std::make_unique<LcmTransport>(chosen);
   }
   throw StartupError("LCM url '" + chosen + "': unknown scheme (udpm, memq, file)");
+}
+
+}  // namespace
+
+std::unique_ptr<Transport> open_transport(const std::string& url) { return open(url, nullptr); }
+
+std::unique_ptr<Transport> open_waiting_transport(const std::string& url, ReportNetwork report) {
+  return open(url, std::move(report));
 }
 
 }  // namespace vantage::bus

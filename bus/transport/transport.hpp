@@ -25,6 +25,7 @@ struct TransportStats {
   std::int64_t kernel_drops = 0;          ///< datagrams for which the socket buffer had no room
   std::int64_t receive_buffer_bytes = 0;  ///< what the kernel granted; 0 without a socket
   std::int64_t receive_buffer_short_bytes = 0;  ///< asked for and not granted (net.core.rmem_max)
+  std::int64_t network_losses = 0;  ///< times that no route or card led to the group any more
 };
 
 /// What handle() answers when nothing can come any more.
@@ -66,6 +67,13 @@ class Transport {
 /// @throws StartupError saying what is wrong (no multicast route, no such card, unknown scheme, no
 /// such file).
 std::unique_ptr<Transport> open_transport(const std::string& url);
+
+/// Called with one sentence when the network is lost, and when it is back.
+using ReportNetwork = std::function<void(const std::string& words)>;
+/// As open_transport(), but waits for a network of udpm that is absent (no multicast route, no such
+/// card) instead of throwing: until it is there nothing is sent or received, and handle() tries
+/// again. For processes that must run without a network, above all the driver of a vehicle.
+std::unique_ptr<Transport> open_waiting_transport(const std::string& url, ReportNetwork report);
 
 /// A bus inside one process: every endpoint hears what any endpoint (itself included) publishes,
 /// in order. Thread-safe across endpoints; each endpoint has its own bounded queue.

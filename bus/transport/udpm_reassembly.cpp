@@ -22,7 +22,7 @@ Reassembler::Reassembler(const ReassemblyLimits& limits) : limits_(limits) {}
 std::optional<AssembledMessage> Reassembler::add(std::uint64_t source, const Packet& packet,
                                                  std::int64_t now_ns) {
   if (packet.message_bytes > limits_.message_bytes_max) {
-    ++counts_.oversized;
+    note_oversized(packet);
     return std::nullopt;
   }
   const Identity identity{source, packet.sequence, packet.message_bytes, packet.fragment_count};
@@ -92,6 +92,23 @@ std::optional<AssembledMessage> Reassembler::add(std::uint64_t source, const Pac
   bytes_kept_ -= partial->kept_bytes;
   partials_.erase(partial);
   return message;
+}
+
+// The first fragment of a message has its channel.
+void Reassembler::note_oversized(const Packet& packet) {
+  ++counts_.oversized;
+  if (packet.fragment_number != 0) {
+    return;
+  }
+  ++counts_.oversized_messages;
+  auto channel = oversized_.find(packet.channel);
+  if (channel == oversized_.end() && oversized_.size() < kOversizedKept) {
+    channel = oversized_.emplace(packet.channel, OversizedChannel{}).first;
+  }
+  if (channel != oversized_.end()) {
+    ++channel->second.messages;
+    channel->second.bytes_max = std::max(channel->second.bytes_max, packet.message_bytes);
+  }
 }
 
 void Reassembler::expire(std::int64_t now_ns) {

@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <list>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,10 +24,17 @@ struct ReassemblyLimits {
 
 struct ReassemblyCounts {
   std::int64_t completed = 0;
-  std::int64_t incomplete = 0;   ///< given up: too old, or for want of room
-  std::int64_t oversized = 0;    ///< fragments of messages above the cap, refused
+  std::int64_t incomplete = 0;          ///< given up: too old, or for want of room
+  std::int64_t oversized = 0;           ///< fragments of messages above the cap, refused
+  std::int64_t oversized_messages = 0;  ///< their first fragments
   std::int64_t duplicates = 0;   ///< fragments already there, or of a message already complete
   std::int64_t conflicting = 0;  ///< fragments and messages that contradict others of their number
+};
+
+/// Messages on one channel that were refused for their size.
+struct OversizedChannel {
+  std::int64_t messages = 0;
+  std::uint32_t bytes_max = 0;  ///< of the largest
 };
 
 /// A whole message put together from fragments.
@@ -57,6 +66,11 @@ class Reassembler {
   void expire(std::int64_t now_ns);
 
   [[nodiscard]] const ReassemblyCounts& counts() const { return counts_; }
+  [[nodiscard]] const ReassemblyLimits& limits() const { return limits_; }
+  /// Returns them by channel, for the first kOversizedKept channels.
+  [[nodiscard]] const std::map<std::string, OversizedChannel, std::less<>>& oversized() const {
+    return oversized_;
+  }
   /// Memory held for unfinished messages, book-keeping included.
   [[nodiscard]] std::size_t bytes_kept() const { return bytes_kept_; }
   [[nodiscard]] std::size_t messages_kept() const { return partials_.size(); }
@@ -101,9 +115,13 @@ class Reassembler {
   static std::optional<AssembledMessage> assemble(Partial& partial);
 
   static constexpr std::size_t kFinishedKept = 256;
+  static constexpr std::size_t kOversizedKept = 64;
+
+  void note_oversized(const Packet& packet);
 
   ReassemblyLimits limits_;
   ReassemblyCounts counts_;
+  std::map<std::string, OversizedChannel, std::less<>> oversized_;
   Partials partials_;  ///< in the order of their newest fragments
   std::size_t bytes_kept_ = 0;
   std::vector<Finished> finished_;  ///< a ring: late duplicates must not begin a message anew

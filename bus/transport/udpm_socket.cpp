@@ -45,6 +45,11 @@ std::string advice(const UdpmAddress& address) {
              : " (interface=" + address.interface + ")";
 }
 
+bool is_network_away(int error) {
+  return error == ENETUNREACH || error == ENETDOWN || error == ENODEV || error == EHOSTUNREACH ||
+         error == EADDRNOTAVAIL;
+}
+
 int open_udp() { return socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0); }
 
 }  // namespace
@@ -55,8 +60,11 @@ MulticastSocket::Descriptor::~Descriptor() {
   }
 }
 
-MulticastSocket::MulticastSocket(const UdpmAddress& address)
-    : receiver_(open_udp()), sender_(open_udp()), buffer_(kDatagramBytesMax + 1) {
+MulticastSocket::MulticastSocket(const UdpmAddress& address, Absence absence)
+    : address_(address),
+      receiver_(open_udp()),
+      sender_(open_udp()),
+      buffer_(kDatagramBytesMax + 1) {
   if (receiver_.fd() < 0 || sender_.fd() < 0) {
     throw StartupError("LCM udpm: cannot make a socket: " + reason());
   }
@@ -64,22 +72,64 @@ MulticastSocket::MulticastSocket(const UdpmAddress& address)
   group_.sin_port = htons(static_cast<std::uint16_t>(address.port));
   inet_pton(AF_INET, address.group.c_str(), &group_.sin_addr);  // checked by parse_udpm
   membership_.imr_multiaddr = group_.sin_addr;
-  find_interface(address.interface);
   open_receiver(address);
   open_sender(address);
+  fault_ = join();
+  is_joined_ = fault_.empty();
+  if (!is_joined_ && absence == Absence::kError) {
+    throw StartupError(fault_);
+  }
+  network_losses_ = is_joined_ ? 0 : 1;
 }
 
 MulticastSocket::~MulticastSocket() = default;
 
-void MulticastSocket::find_interface(const std::string& interface) {
+std::string MulticastSocket::find_interface() {
+  const std::string& interface = address_.interface;
   if (interface.empty() || inet_pton(AF_INET, interface.c_str(), &membership_.imr_address) == 1) {
-    return;  // an address that is none of ours is refused by the kernel
+    return "";  // an address that is none of ours is refused by the kernel
   }
   membership_.imr_ifindex = static_cast<int>(if_nametoindex(interface.c_str()));
-  if (membership_.imr_ifindex == 0) {
-    throw StartupError("LCM udpm: interface=" + interface + ": " + reason() +
-                       ". 'ip -4 address' shows what there is");
+  return membership_.imr_ifindex != 0 ? ""
+                                      : "LCM udpm: interface=" + interface + ": " + reason() +
+                                            ". 'ip -4 address' shows what there is";
+}
+
+std::string MulticastSocket::join() {
+  if (std::string fault = find_interface(); !fault.empty()) {
+    return fault;
   }
+  // With a card named, what comes to the group by another card is not received. A membership that
+  // is there already has outlived the loss.
+  if (!set_option(receiver_.fd(), IPPROTO_IP, IP_ADD_MEMBERSHIP, membership_) &&
+      errno != EADDRINUSE) {
+    return "LCM udpm: cannot join " + address_.group + ": " + reason() + advice(address_);
+  }
+  // Connecting sends nothing, but it looks for the route at once. A socket of its own, because a
+  // connected one would keep the route even when the interface changes.
+  const Descriptor probe(open_udp());
+  const std::string cannot_send = "LCM udpm: nothing can be sent to " + address_.group + ": ";
+  if (probe.fd() < 0) {
+    return cannot_send + reason();
+  }
+  const bool names_card = !address_.interface.empty();
+  if (names_card && (!set_option(sender_.fd(), IPPROTO_IP, IP_MULTICAST_IF, membership_) ||
+                     !set_option(probe.fd(), IPPROTO_IP, IP_MULTICAST_IF, membership_))) {
+    return "LCM udpm: cannot set IP_MULTICAST_IF: " + reason();
+  }
+  if (connect(probe.fd(), as_sockaddr(group_), sizeof group_) != 0) {
+    return cannot_send + reason() + advice(address_);
+  }
+  return "";
+}
+
+bool MulticastSocket::keep_joined(std::int64_t monotonic_ns) {
+  if (!is_joined_ && monotonic_ns >= next_try_ns_) {
+    next_try_ns_ = monotonic_ns + kTryPeriodNs;
+    fault_ = join();
+    is_joined_ = fault_.empty();
+  }
+  return is_joined_;
 }
 
 void MulticastSocket::open_receiver(const UdpmAddress& address) {
@@ -102,11 +152,6 @@ void MulticastSocket::open_receiver(const UdpmAddress& address) {
     throw StartupError("LCM udpm: cannot listen on " + address.group + ":" +
                        std::to_string(address.port) + ": " + reason());
   }
-  // With a card named, what comes to the group by another one is not heard.
-  if (!set_option(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, membership_)) {
-    throw StartupError("LCM udpm: cannot join " + address.group + ": " + reason() +
-                       advice(address));
-  }
 }
 
 void MulticastSocket::open_sender(const UdpmAddress& address) {
@@ -116,20 +161,6 @@ void MulticastSocket::open_sender(const UdpmAddress& address) {
   require_option(fd, IPPROTO_IP, IP_MULTICAST_LOOP, std::uint8_t{1}, "IP_MULTICAST_LOOP");
   set_option(fd, SOL_SOCKET, SO_SNDBUF, kSendBufferBytes);  // clamped: no harm
   require_option(fd, SOL_SOCKET, SO_SNDTIMEO, timeval{0, kSendTimeoutUs}, "SO_SNDTIMEO");
-  // Connecting sends nothing, but it looks for the route at once. A socket of its own, because a
-  // connected one would keep the route even when the interface changes.
-  const Descriptor probe(open_udp());
-  if (probe.fd() < 0) {
-    throw StartupError("LCM udpm: cannot make a socket: " + reason());
-  }
-  if (!address.interface.empty()) {
-    require_option(fd, IPPROTO_IP, IP_MULTICAST_IF, membership_, "IP_MULTICAST_IF");
-    require_option(probe.fd(), IPPROTO_IP, IP_MULTICAST_IF, membership_, "IP_MULTICAST_IF");
-  }
-  if (connect(probe.fd(), as_sockaddr(group_), sizeof group_) != 0) {
-    throw StartupError("LCM udpm: nothing can be sent to " + address.group + ": " + reason() +
-                       advice(address));
-  }
 }
 
 bool MulticastSocket::send(std::span<const std::uint8_t> head,
@@ -147,6 +178,10 @@ bool MulticastSocket::send(std::span<const std::uint8_t> head,
   do {
     sent = sendmsg(sender_.fd(), &message, MSG_NOSIGNAL);
   } while (sent < 0 && errno == EINTR);
+  if (sent < 0 && is_joined_ && is_network_away(errno)) {
+    is_joined_ = false;
+    ++network_losses_;
+  }
   return sent == static_cast<ssize_t>(head.size() + payload.size());
 }
 

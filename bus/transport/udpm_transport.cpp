@@ -44,12 +44,26 @@ class Handling {
 
 }  // namespace
 
-UdpmTransport::UdpmTransport(const UdpmAddress& address)
+UdpmTransport::UdpmTransport(const UdpmAddress& address, ReportNetwork report)
     : message_bytes_max_(static_cast<std::size_t>(address.message_bytes_max)),
       receive_buffer_asked_bytes_(address.recv_buf_bytes),
-      arrived_bytes_max_(static_cast<std::size_t>(address.recv_buf_bytes)),
-      socket_(address),
-      reassembler_(limits_for(message_bytes_max_)) {}
+      arrived_bytes_max_(
+          static_cast<std::size_t>(std::max(address.recv_buf_bytes, address.message_bytes_max))),
+      socket_(address,
+              report ? MulticastSocket::Absence::kWaits : MulticastSocket::Absence::kError),
+      report_(std::move(report)),
+      reassembler_(limits_for(message_bytes_max_)) {
+  keep_network();
+}
+
+// A network that is away for less than a try is not worth a word.
+void UdpmTransport::keep_network() {
+  const bool is_up = socket_.keep_joined(monotonic_ns());
+  if (report_ && is_up == is_loss_reported_) {
+    is_loss_reported_ = !is_up;
+    report_(is_up ? "the network is back" : socket_.fault() + ": waiting for the network");
+  }
+}
 
 void UdpmTransport::subscribe(const std::string& channel, Handler handler) {
   const auto spare = std::find_if(subscriptions_.begin(), subscriptions_.end(),
@@ -108,6 +122,7 @@ int UdpmTransport::handle(std::chrono::microseconds timeout) {
     throw UsageError("Transport::handle() called from a handler");
   }
   const Handling handling(is_handling_);
+  keep_network();
   const std::int64_t deadline_ns =
       monotonic_ns() + std::chrono::nanoseconds(std::max(timeout, {})).count();
   int handled = 0;
@@ -204,6 +219,7 @@ TransportStats UdpmTransport::stats() const {
   stats.oversized_messages = fragments.oversized;
   stats.duplicate_fragments = fragments.duplicates;
   stats.kernel_drops = socket_.kernel_drops();
+  stats.network_losses = socket_.network_losses();
   stats.receive_buffer_bytes = socket_.receive_buffer_bytes();
   stats.receive_buffer_short_bytes =
       std::max<std::int64_t>(0, receive_buffer_asked_bytes_ - stats.receive_buffer_bytes);

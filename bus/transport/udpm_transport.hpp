@@ -14,12 +14,14 @@ namespace vantage::bus::udpm {
 /// inside handle(), on bytes that were checked first.
 ///
 /// What has arrived is taken from the kernel before handlers are called and between them, into a
-/// queue of recv_buf_size bytes whose oldest messages give way: the kernel's own buffer, which
-/// keeps the oldest and is seldom granted in full, overflows only while one handler runs for long.
+/// queue of recv_buf_size bytes (at least max_message_size); the oldest messages give way. The
+/// kernel's own buffer, which keeps the oldest and is seldom granted in full, overflows only while
+/// one handler runs for long.
 class UdpmTransport : public Transport {
  public:
+  /// @param report  for an absent network, as open_waiting_transport(); nullptr: that is an error
   /// @throws StartupError as MulticastSocket.
-  explicit UdpmTransport(const UdpmAddress& address);
+  explicit UdpmTransport(const UdpmAddress& address, ReportNetwork report = nullptr);
 
   void subscribe(const std::string& channel, Handler handler) override;
   void unsubscribe(const std::string& channel) override;
@@ -30,12 +32,17 @@ class UdpmTransport : public Transport {
   /// @throws UsageError when called from a handler.
   int handle(std::chrono::microseconds timeout) override;
   [[nodiscard]] TransportStats stats() const override;
+  /// Messages that were refused for their size, by channel.
+  [[nodiscard]] const auto& oversized() const { return reassembler_.oversized(); }
+  /// `max_message_size` of the URL.
+  [[nodiscard]] std::size_t message_bytes_max() const { return message_bytes_max_; }
 
  private:
   struct Subscription {
     std::string pattern;  ///< empty: nobody's place
     Handler handler;
   };
+  void keep_network();
   bool send_fragments(const std::string& channel, std::span<const std::uint8_t> bytes,
                       const Cut& cut, std::uint32_t sequence);
   void take_arrived();
@@ -48,6 +55,8 @@ class UdpmTransport : public Transport {
   std::int64_t receive_buffer_asked_bytes_;
   std::size_t arrived_bytes_max_;
   MulticastSocket socket_;
+  ReportNetwork report_;
+  bool is_loss_reported_ = false;
   Reassembler reassembler_;
   std::deque<AssembledMessage> arrived_;
   std::size_t arrived_bytes_ = 0;

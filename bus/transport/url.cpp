@@ -1,6 +1,7 @@
 #include "bus/transport/url.hpp"
 
 #include <charconv>
+#include <cstdlib>
 #include <sstream>
 
 #include <arpa/inet.h>
@@ -57,6 +58,24 @@ Url parse_url(const std::string& url) {
     }
   }
   return parsed;
+}
+
+std::string chosen_url(const std::string& url) {
+  const char* from_environment = std::getenv("LCM_DEFAULT_URL");
+  if (!url.empty()) {
+    return url;
+  }
+  return from_environment != nullptr && *from_environment != '\0' ? from_environment : kDefaultUrl;
+}
+
+std::string with_udpm_option(const std::string& url, const std::string& name,
+                             const std::string& value) {
+  const Url parsed = parse_url(url);
+  if (parsed.scheme != "udpm" || parsed.options.contains(name)) {
+    return url;
+  }
+  return url + (parsed.options.empty() && url.find('?') == std::string::npos ? "?" : "&") + name +
+         "=" + value;
 }
 
 UdpmAddress parse_udpm(const Url& url) {

@@ -17,6 +17,14 @@ struct Url {
 /// @throws StartupError when there is no "://", or an option is not name=value or is given twice.
 Url parse_url(const std::string& url);
 
+/// Returns `url`, or for an empty one $LCM_DEFAULT_URL, or else LCM's default.
+std::string chosen_url(const std::string& url);
+
+/// Returns a udpm:// URL with the option, unless it has one of that name; others unchanged.
+/// @throws StartupError as parse_url.
+std::string with_udpm_option(const std::string& url, const std::string& name,
+                             const std::string& value);
+
 /// What udpm:// says, with LCM's defaults for what it leaves out.
 struct UdpmAddress {
   std::string group = "239.255.76.67";

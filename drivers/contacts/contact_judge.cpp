@@ -99,21 +99,25 @@ void ContactJudge::place(const models::MocapFrame& frame) {
   }
 }
 
-std::vector<models::ContactReport> ContactJudge::on_frame(const models::MocapFrame& frame) {
-  const bool is_same_run = has_last_ && frame.stamp.run_id == last_.run_id;
-  if (is_same_run && frame.stamp.time <= last_.time) {
+std::vector<models::ContactReport> ContactJudge::on_frame(const models::MocapFrame& frame,
+                                                          Time now) {
+  const bool is_same_run = has_last_ && frame.stamp.run_id == last_run_;
+  clocks_set_ += clock_.on_frame(frame, now) ? 0 : 1;
+  const Time captured = clock_.captured();
+  if (is_same_run && captured <= last_captured_) {
     ++out_of_order_;
     return {};
   }
-  if (has_last_ && (!is_same_run || frame.stamp.time - last_.time > kGapMax)) {
+  if (has_last_ && (!is_same_run || captured - last_captured_ > kGapMax)) {
     ++gaps_;
     monitor_.forget_motion();
   }
-  last_ = frame.stamp;
+  last_run_ = frame.stamp.run_id;
+  last_captured_ = captured;
   has_last_ = true;
   place(frame);
   begun_.clear();
-  monitor_.update(frame.stamp.time, centres_m_, begun_);
+  monitor_.update(captured, centres_m_, begun_);
   std::vector<models::ContactReport> out;
   std::copy_if(begun_.begin(), begun_.end(), std::back_inserter(out),
                [this](const models::ContactReport& contact) { return counts(contact); });
@@ -123,6 +127,7 @@ std::vector<models::ContactReport> ContactJudge::on_frame(const models::MocapFra
 std::vector<models::NamedCount> ContactJudge::counters() const {
   return models::nonzero({{"contacts.gaps", gaps_},
                           {"contacts.frames_out_of_order", out_of_order_},
+                          {"contacts.clocks_set", clocks_set_},
                           {"contacts.bodies_left_out", others_left_out_},
                           {"contacts.judges_differ", monitor_.disagreements()}});
 }

@@ -10,6 +10,7 @@
 #include "core/time.hpp"
 #include "models/contact/collision_monitor.hpp"
 #include "models/exchange/messages.hpp"
+#include "models/exchange/mocap_clock.hpp"
 #include "scenario/scenario.hpp"
 
 namespace vantage::drivers {
@@ -36,9 +37,11 @@ class ContactJudge {
 
   void on_status(const models::VehicleStatus& status);
   void on_truth(const models::TruthFrame& truth);
-  /// What has begun since the frame before. A frame of another run, or after a gap, has no motion
-  /// before it; one that is not newer than the last of its run is counted and left out.
-  std::vector<models::ContactReport> on_frame(const models::MocapFrame& frame);
+  /// Returns the contacts that have begun since the frame before, with times by our clock
+  /// (MocapClock). A frame of another run, or after a gap, has no motion before it. A frame that
+  /// was not captured after the last of its run is counted and left out.
+  /// @param now  arrival of the frame
+  std::vector<models::ContactReport> on_frame(const models::MocapFrame& frame, Time now);
 
   [[nodiscard]] std::vector<models::NamedCount> counters() const;
 
@@ -62,10 +65,13 @@ class ContactJudge {
   models::CollisionMonitor monitor_;
   std::vector<Eigen::Vector3d> centres_m_;
   std::vector<models::ContactReport> begun_;
-  models::Stamp last_;
+  models::MocapClock clock_;
+  std::int64_t last_run_ = 0;
+  Time last_captured_{};
   bool has_last_ = false;
   std::int64_t gaps_ = 0;
   std::int64_t out_of_order_ = 0;
+  std::int64_t clocks_set_ = 0;
   std::int64_t others_left_out_ = 0;
 };
 

@@ -58,7 +58,8 @@ AutopilotLink::AutopilotLink(const scenario::AutopilotSpec& spec,
   }
 }
 
-void AutopilotLink::receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now) {
+bool AutopilotLink::receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now) {
+  const std::int64_t before = frames_of_vehicle_;
   const auto handle = [this, now](const wire::mavlink::Frame& frame) { take(frame, now); };
   // After a pause on a serial line what was begun will not be continued.
   if (!is_datagram && last_bytes_ && now - *last_bytes_ > kSerialPause) {
@@ -69,21 +70,32 @@ void AutopilotLink::receive(std::span<const std::uint8_t> bytes, bool is_datagra
   if (is_datagram) {
     parser_.flush(handle);
   }
+  return frames_of_vehicle_ != before;
 }
 
 bool AutopilotLink::is_of_vehicle(const wire::mavlink::Frame& frame) {
-  if (frame.origin.component_id > wire::mavlink::kComponentAutopilot) {
+  const auto heartbeat = wire::mavlink::unpack<wire::mavlink::Heartbeat>(frame);
+  const bool is_autopilots =
+      !heartbeat || (heartbeat->autopilot != wire::mavlink::autopilot::kNone &&
+                     wire::mavlink::type::is_vehicle(heartbeat->type));
+  const std::uint8_t component = frame.origin.component_id;
+  // A heartbeat of component 0 counts until component 1 was received: a vehicle may begin so.
+  // Companions of any system send as component 0 by default, also in flight.
+  const bool is_first = component == 0 && heartbeat && !has_component_;
+  if (!is_autopilots || (component != wire::mavlink::kComponentAutopilot && !is_first)) {
     return false;
   }
   if (system_id_ == 0) {
-    const auto heartbeat = wire::mavlink::unpack<wire::mavlink::Heartbeat>(frame);
-    if (!heartbeat || heartbeat->autopilot == wire::mavlink::autopilot::kNone ||
-        heartbeat->type == wire::mavlink::type::kGroundStation) {
+    if (!heartbeat) {
       return false;
     }
     system_id_ = frame.origin.system_id;
   }
-  return frame.origin.system_id == system_id_;
+  if (frame.origin.system_id != system_id_) {
+    return false;
+  }
+  has_component_ = has_component_ || component == wire::mavlink::kComponentAutopilot;
+  return true;
 }
 
 void AutopilotLink::take(const wire::mavlink::Frame& frame, Time now) {
@@ -95,6 +107,7 @@ void AutopilotLink::take(const wire::mavlink::Frame& frame, Time now) {
     ++strangers_;
     return;
   }
+  ++frames_of_vehicle_;
   sequence_.see(frame.origin);
   telemetry_.take(frame, now);
   if (telemetry_.reconnections() != reconnections_seen_) {

@@ -55,8 +55,9 @@ class AutopilotLink {
   AutopilotLink(const scenario::AutopilotSpec& spec,
                 const std::optional<wire::mavlink::SigningKey>& key);
 
-  /// Bytes from the wire; a datagram, or a piece of a stream.
-  void receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now);
+  /// Takes bytes from the wire: a datagram, or a piece of a stream. True if a frame of the vehicle
+  /// was complete with them.
+  bool receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now);
   /// Says what is due. To be called at least 20 times a second.
   void tick(Time now);
 
@@ -107,7 +108,9 @@ class AutopilotLink {
   Time next_heartbeat_{};
   Time next_second_{};
   Time now_{};
-  std::int64_t strangers_ = 0;  ///< frames of other systems
+  bool has_component_ = false;  ///< a frame of component 1 was received
+  std::int64_t frames_of_vehicle_ = 0;
+  std::int64_t strangers_ = 0;  ///< frames of other systems and components
   std::int64_t signatures_refused_ = 0;
 };
 

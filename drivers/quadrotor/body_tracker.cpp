@@ -26,7 +26,8 @@ bool is_possible(const Pose3& pose) {
 
 }  // namespace
 
-BodyVerdict BodyTracker::see(const models::MocapFrame& frame, Time now, bool is_resting) {
+BodyVerdict BodyTracker::see(const models::MocapFrame& frame, Time captured, Time now,
+                             bool is_resting) {
   const models::MocapBody* const body = frame.find(name_);
   if (body == nullptr || body->occluded) {
     return BodyVerdict::kUnseen;
@@ -35,7 +36,6 @@ BodyVerdict BodyTracker::see(const models::MocapFrame& frame, Time now, bool is_
   if (!is_possible(pose)) {
     return BodyVerdict::kImpossible;
   }
-  const Time capture = frame.stamp.time;
   if (!state_ || frame.stamp.run_id != run_id_) {
     // By arrivals: another run may have another clock. It has moved on meanwhile.
     const bool is_elsewhere =
@@ -44,11 +44,11 @@ BodyVerdict BodyTracker::see(const models::MocapFrame& frame, Time now, bool is_
       return BodyVerdict::kJumped;
     }
     const auto resets = static_cast<std::uint8_t>(state_ ? state_->resets + is_elsewhere : 0);
-    start(pose, capture);
+    start(pose, captured);
     state_->resets = resets;
-  } else if (capture <= state_->capture) {
+  } else if (captured <= state_->capture) {
     return BodyVerdict::kOutOfOrder;
-  } else if (is_jump(pose, capture)) {
+  } else if (is_jump(pose, captured)) {
     const bool is_confirming =
         candidate_ && now - candidate_->newest < kConfirmation &&
         (candidate_->pose.translation_m - pose.translation_m).norm() < kSameplaceM;
@@ -60,16 +60,16 @@ BodyVerdict BodyTracker::see(const models::MocapFrame& frame, Time now, bool is_
       return BodyVerdict::kJumped;
     }
     const auto resets = static_cast<std::uint8_t>(state_->resets + 1);
-    start(pose, capture);
+    start(pose, captured);
     state_->resets = resets;
   } else {
     const bool is_same = pose.translation_m == state_->world_from_body.translation_m &&
                          pose.rotation.coeffs() == state_->world_from_body.rotation.coeffs();
-    if (is_same && !is_resting && capture - changed_ > kStuck) {
+    if (is_same && !is_resting && captured - changed_ > kStuck) {
       return BodyVerdict::kRepeated;
     }
-    changed_ = is_same ? changed_ : capture;
-    filter(pose, capture);
+    changed_ = is_same ? changed_ : captured;
+    filter(pose, captured);
   }
   candidate_.reset();
   run_id_ = frame.stamp.run_id;

@@ -19,7 +19,7 @@ enum class BodyVerdict {
   kTaken,
   kUnseen,      ///< the body is absent or occluded
   kRepeated,    ///< the same bits for half a second: it is not seen, whatever is said
-  kOutOfOrder,  ///< captured before the newest, by the same run of the mocap driver
+  kOutOfOrder,  ///< captured no later than the newest, by the same run of the mocap driver
   kImpossible,  ///< not finite, or no rotation
   kJumped       ///< farther from the newest pose than the body can have moved
 };
@@ -33,10 +33,12 @@ class BodyTracker {
   BodyTracker(std::string name, double speed_max_mps)
       : name_(std::move(name)), speed_max_mps_(speed_max_mps) {}
 
+  /// @param captured  capture of the frame by our clock; its own stamp may be of a clock that is
+  /// set
   /// @param is_resting  a body on the ground may lie perfectly still, and may be carried elsewhere:
   /// when the new place is
   ///                  confirmed by half a second of poses it is believed, and `resets` grows
-  BodyVerdict see(const models::MocapFrame& frame, Time now, bool is_resting);
+  BodyVerdict see(const models::MocapFrame& frame, Time captured, Time now, bool is_resting);
 
   /// The newest; nullopt before the first.
   [[nodiscard]] const std::optional<BodyState>& state() const { return state_; }

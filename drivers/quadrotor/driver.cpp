@@ -17,9 +17,11 @@ using models::FlightState;
 
 constexpr double kHandOverM = 0.35;  // below it the autopilot's own landing ends a landing
 constexpr double kLowM = 0.1;
-constexpr double kSeenS = 0.1;  // feedback on an older pose would push, not steer
+constexpr double kSettledS = 0.25;  // of poses before a blind landing is steered again
+constexpr double kSeenS = 0.1;      // feedback on an older pose would push, not steer
 constexpr Duration kRefusalShown = std::chrono::seconds(10);
 constexpr Duration kTextAge = std::chrono::seconds(3);
+constexpr Duration kReportedBefore = std::chrono::milliseconds(500);  // and received later
 constexpr Duration kPoseSlack{2'000};  // a frame this much early is not skipped
 
 const scenario::RobotSpec& robot_of(const scenario::Scenario& scenario, const std::string& robot) {
@@ -55,9 +57,10 @@ QuadrotorDriver::QuadrotorDriver(const scenario::Scenario& scenario, const std::
       sequence_(dialect_),
       vehicle_(limits.vehicle) {}
 
-void QuadrotorDriver::receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now) {
-  link_.receive(bytes, is_datagram, now);
+bool QuadrotorDriver::receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now) {
+  const bool is_vehicles = link_.receive(bytes, is_datagram, now);
   report_autopilot(now);
+  return is_vehicles;
 }
 
 void QuadrotorDriver::report_autopilot(Time now) {
@@ -84,6 +87,7 @@ void QuadrotorDriver::report_autopilot(Time now) {
   const auto position_m = telemetry.position_world_m(now);
   report.estimator_good = flags && !estimator_fault(dialect_, *flags, !telemetry.is_on_ground()) &&
                           position_m && telemetry.has_attitude(now);
+  report.motor_failed = telemetry.has_motor_fault(now);
   report.tilt_rad = telemetry.tilt_rad();
   report.has_position = position_m.has_value();
   report.position_world_m = position_m.value_or(Eigen::Vector3d::Zero());
@@ -91,6 +95,7 @@ void QuadrotorDriver::report_autopilot(Time now) {
   report.has_attitude = telemetry.has_attitude(now);
   report.world_from_body = telemetry.world_from_body();
   report.yaw_rate_radps = telemetry.yaw_rate_radps();
+  report.is_flown_by_hand = telemetry.is_armed() && is_flown_by_hand(dialect_, telemetry.mode());
   report.is_in_our_mode = telemetry.mode() == traits_of(dialect_).follow_mode;
   report.is_landing_itself = telemetry.mode() == traits_of(dialect_).land_mode;
   guard_.on_autopilot(report, now);
@@ -108,7 +113,7 @@ void QuadrotorDriver::on_mocap(const models::MocapFrame& frame, Time now) {
     return;
   }
   const bool is_resting = !is_airborne(orders_.state);
-  const BodyVerdict verdict = tracker_.see(frame, now, is_resting);
+  const BodyVerdict verdict = tracker_.see(frame, guard_.captured(), now, is_resting);
   if (verdict == BodyVerdict::kUnseen) {
     ++poses_unseen_;
   } else if (verdict != BodyVerdict::kTaken) {
@@ -147,10 +152,34 @@ void QuadrotorDriver::on_command(const models::OperatorCommand& command, Time no
   }
   if (is_obeyed && takes_mode && is_new && sequence_.is_mode_lost()) {
     sequence_.retake_mode();
+    lands_blind_ = false;
   }
   if (command.action == models::OperatorAction::kEmergencyStop) {
     next_setpoint_ = now;  // decided with the next tick, not with the next set-point
   }
+}
+
+void QuadrotorDriver::end(bool is_hurried) {
+  guard_.on_end_request();
+  is_hurried_ = is_hurried_ || is_hurried;
+  next_setpoint_ = Time{};  // decided with the next tick, not with the next set-point
+}
+
+EndFacts QuadrotorDriver::end_facts(Time now) const {
+  const Telemetry& telemetry = link_.telemetry();
+  const auto heartbeat = telemetry.heartbeat_time();
+  // An order to arm may have been obeyed since the heartbeat.
+  const bool is_proof = heartbeat && *heartbeat - motors_wanted_at_ > kReportedBefore;
+  EndFacts out;
+  if (is_airborne(orders_.state) || (heartbeat && (telemetry.is_armed() || !is_proof))) {
+    out.in_flight = InFlight::kYes;
+  } else if (telemetry.is_connected(now)) {
+    out.in_flight = InFlight::kNo;
+  }
+  out.is_pilots = telemetry.is_armed() && is_flown_by_hand(dialect_, telemetry.mode());
+  out.lands_itself =
+      telemetry.is_connected(now) && telemetry.mode() == traits_of(dialect_).land_mode;
+  return out;
 }
 
 void QuadrotorDriver::tick(Time now) {
@@ -165,6 +194,13 @@ bool QuadrotorDriver::is_nearly_down() const {
          tracker_.state()->world_from_body.translation_m.z() - ground_m_.value_or(0.0) < kHandOverM;
 }
 
+// Of a landing that began without poses: they are back, there is height left for bodies below to be
+// avoided, and the autopilot is in the landing mode that it was commanded into.
+bool QuadrotorDriver::may_steer_landing() const {
+  return lands_blind_ && settled_s_ >= kSettledS && !is_nearly_down() &&
+         !sequence_.is_mode_lost() && link_.telemetry().mode() == traits_of(dialect_).land_mode;
+}
+
 FlightGoal QuadrotorDriver::goal(const GuardOutput& out) const {
   switch (out.state) {
     case FlightState::kIdle:
@@ -173,10 +209,11 @@ FlightGoal QuadrotorDriver::goal(const GuardOutput& out) const {
     case FlightState::kHold:
       return FlightGoal::kFly;
     case FlightState::kLand: {
-      // Once the autopilot lands by itself it goes on doing so.
+      // Once the autopilot lands by itself it goes on doing so, unless it began blind.
+      const bool goes_on = sequence_.goal() == FlightGoal::kLand && !may_steer_landing();
       const bool is_autopilots = out.setpoint.kind == FlightSetpoint::Kind::kBlindLand ||
                                  !out.wants_armed || (out.is_sinking && is_nearly_down()) ||
-                                 sequence_.goal() == FlightGoal::kLand;
+                                 goes_on || is_hurried_;
       return is_autopilots ? FlightGoal::kLand : FlightGoal::kFly;
     }
     case FlightState::kKilled:
@@ -186,11 +223,19 @@ FlightGoal QuadrotorDriver::goal(const GuardOutput& out) const {
 }
 
 void QuadrotorDriver::fly(Time now) {
+  const double elapsed_s = to_seconds(now - last_setpoint_);
   last_setpoint_ = now;
   next_setpoint_ = now + kSetpointPeriod + kPoseGrace;
   orders_ = guard_.tick(now);
   has_news_ = has_news_ || orders_.changed;
+  const auto pose_age = tracker_.age(now);
+  settled_s_ = pose_age && to_seconds(*pose_age) < kSeenS ? settled_s_ + elapsed_s : 0.0;
   sequence_.set_goal(goal(orders_));
+  lands_blind_ = sequence_.goal() == FlightGoal::kLand &&
+                 (lands_blind_ || orders_.setpoint.kind == FlightSetpoint::Kind::kBlindLand);
+  const bool wants_motors =
+      sequence_.goal() == FlightGoal::kArm || sequence_.goal() == FlightGoal::kFly;
+  motors_wanted_at_ = wants_motors ? now : motors_wanted_at_;
 
   const std::optional<BodyState>& body = tracker_.state();
   const double height_m = body ? body->world_from_body.translation_m.z() : ground_m_.value_or(0.0);

@@ -12,6 +12,7 @@
 #include "drivers/quadrotor/flight_sequence.hpp"
 #include "drivers/quadrotor/steering.hpp"
 #include "drivers/safety/guard.hpp"
+#include "drivers/vehicle/driver_end.hpp"
 #include "models/exchange/messages.hpp"
 #include "scenario/scenario.hpp"
 
@@ -37,8 +38,9 @@ class QuadrotorDriver {
                   const SafetyLimits& limits,
                   const std::optional<wire::mavlink::SigningKey>& key = std::nullopt);
 
-  /// Bytes from the autopilot: a datagram, or a piece of a serial stream.
-  void receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now);
+  /// Takes bytes from the autopilot: a datagram, or a piece of a serial stream. True if a frame of
+  /// this vehicle was complete with them.
+  bool receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now);
   /// Forwards the pose of this vehicle at once.
   void on_mocap(const models::MocapFrame& frame, Time now);
   /// This vehicle's plan, or a teammate's.
@@ -51,6 +53,12 @@ class QuadrotorDriver {
   void on_map(bool is_same) { guard_.on_map(is_same); }
   /// Somebody said what is of no type of ours: another version of this program, perhaps.
   void on_other_version(Time now) { guard_.on_other_version(now); }
+  /// Reports how long the driver's thread waited for a processor within the last second, s.
+  void on_processor_wait(double wait_s) { guard_.on_processor_wait(wait_s); }
+  /// The driver is to end: lands the vehicle, keeps it from being armed. In a hurry the autopilot's
+  /// own landing does that from here on.
+  void end(bool is_hurried);
+  [[nodiscard]] EndFacts end_facts(Time now) const;
   /// Does what is due. To be called every 5 ms or so; set-points go out at 50 Hz.
   void tick(Time now);
 
@@ -69,6 +77,7 @@ class QuadrotorDriver {
   void fly(Time now);
   [[nodiscard]] FlightGoal goal(const GuardOutput& out) const;
   [[nodiscard]] bool is_nearly_down() const;
+  [[nodiscard]] bool may_steer_landing() const;
   [[nodiscard]] std::optional<std::string> refusal(Time now) const;
 
   std::string robot_;
@@ -89,6 +98,10 @@ class QuadrotorDriver {
   std::optional<Time> battery_reported_;
   std::optional<Time> telemetry_reported_;
   bool has_news_ = false;
+  bool lands_blind_ = false;  ///< the autopilot's landing under way began without poses
+  double settled_s_ = 0.0;    ///< since poses came without a gap
+  bool is_hurried_ = false;   ///< to end
+  Time motors_wanted_at_{};   ///< when it was last to run its motors
   std::int64_t poses_refused_ = 0;
   std::int64_t poses_unseen_ = 0;
 };

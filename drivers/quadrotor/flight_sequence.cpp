@@ -178,7 +178,7 @@ bool FlightSequence::land(AutopilotLink& link, Time now, bool is_armed) {
   if (telemetry.mode() == traits_.land_mode) {
     come_into_mode();
     waiting_for_ = "touch-down";
-    return false;
+    return traits_.wants_proof_of_life;  // so that the landing can be steered again
   }
   if (has_mode_ || is_pilots(telemetry.mode())) {
     is_mode_lost_ = true;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "core/axes.hpp"
 #include "drivers/quadrotor/dialect.hpp"
@@ -19,6 +20,12 @@ constexpr std::size_t kTextBytesMax = 500;
 constexpr int kWarning = 4;
 constexpr std::uint16_t kNoVoltage = 0xFFFF;
 constexpr double kVoltageSmoothingS = 5.0;
+constexpr Duration kBatteryAgeMax = std::chrono::seconds(10);
+constexpr Duration kThrustLossAge = std::chrono::seconds(10);
+// Source: ArduCopter, crash_check.cpp: sent once, after a second of sinking, level, at full
+// throttle.
+constexpr std::string_view kThrustLoss = "Potential Thrust Loss";
+constexpr int kSystemBattery = 256;  // SYS_STATUS; the ids of BATTERY_STATUS are below
 // A better round trip is forgotten slowly, so that drift of the clocks is followed.
 constexpr std::int64_t kRoundTripForgettingNs = 20'000;
 
@@ -31,20 +38,22 @@ void Telemetry::take(const wire::mavlink::Frame& frame, Time now) {
   } else if (const auto state = wire::mavlink::unpack<wire::mavlink::ExtendedSysState>(frame)) {
     landed_state_ = state->landed_state;
   } else if (const auto battery = wire::mavlink::unpack<wire::mavlink::BatteryStatus>(frame)) {
-    if (battery->id == 0) {
-      // Of its cells, or the whole in the first ones; 0xFFFF where there is none.
-      double voltage_mv = 0.0;
-      for (const std::uint16_t part_mv : battery->voltages) {
-        voltage_mv += part_mv == kNoVoltage ? 0.0 : part_mv;
-      }
-      take_battery(battery->battery_remaining, voltage_mv / 1000.0, now);
+    // Of its cells, or the whole in the first ones; 0xFFFF where there is none.
+    double voltage_mv = 0.0;
+    for (const std::uint16_t part_mv : battery->voltages) {
+      voltage_mv += part_mv == kNoVoltage ? 0.0 : part_mv;
     }
+    take_battery(battery->id, battery->battery_remaining, voltage_mv / 1000.0, now);
   } else if (const auto system = wire::mavlink::unpack<wire::mavlink::SysStatus>(frame)) {
-    if (!heard(wire::mavlink::BatteryStatus::kMessage.id)) {
-      take_battery(system->battery_remaining,
-                   system->voltage_battery == kNoVoltage ? 0.0 : system->voltage_battery / 1000.0,
-                   now);
-    }
+    take_battery(kSystemBattery, system->battery_remaining,
+                 system->voltage_battery == kNoVoltage ? 0.0 : system->voltage_battery / 1000.0,
+                 now);
+    // PX4 reports errors of motors_escs here, motors that its failure detector gave up included.
+    // ArduPilot always reports motor outputs as healthy.
+    // Source: PX4, src/modules/mavlink/streams/SYS_STATUS.hpp.
+    are_motors_unhealthy_ =
+        (system->onboard_control_sensors_present & system->onboard_control_sensors_enabled &
+         ~system->onboard_control_sensors_health & wire::mavlink::kSensorMotorOutputs) != 0;
   } else if (const auto px4 = wire::mavlink::unpack<wire::mavlink::EstimatorStatus>(frame)) {
     estimator_flags_ = px4->flags;
   } else if (const auto ardupilot = wire::mavlink::unpack<wire::mavlink::EkfStatusReport>(frame)) {
@@ -53,6 +62,7 @@ void Telemetry::take(const wire::mavlink::Frame& frame, Time now) {
     const Eigen::Vector3d local_m(position->x, position->y, position->z);
     const Eigen::Vector3d local_mps(position->vx, position->vy, position->vz);
     if (local_m.allFinite() && local_mps.allFinite()) {
+      position_time_ = now;
       position_world_m_ = turn_axes(local_m);
       velocity_world_mps_ = turn_axes(local_mps);
     }
@@ -90,7 +100,9 @@ void Telemetry::take_heartbeat(const wire::mavlink::Heartbeat& heartbeat, Time n
   autopilot_ = heartbeat.autopilot;
 }
 
-void Telemetry::take_battery(std::int8_t remaining_percent, double voltage_v, Time now) {
+void Telemetry::take_battery(int source, std::int8_t remaining_percent, double voltage_v,
+                             Time now) {
+  Battery& battery = batteries_[source];
   std::optional<double> share;
   if (remaining_percent >= 0 && remaining_percent <= 100) {
     share = remaining_percent / 100.0;
@@ -99,15 +111,22 @@ void Telemetry::take_battery(std::int8_t remaining_percent, double voltage_v, Ti
     const double cell_v = voltage_v / battery_->cells;
     const double newest =
         std::clamp((cell_v - battery_->empty_v) / (battery_->full_v - battery_->empty_v), 0.0, 1.0);
-    const double elapsed_s = std::max(0.0, to_seconds(now - rest_share_time_));
-    const double weight = rest_share_ ? -std::expm1(-elapsed_s / kVoltageSmoothingS) : 1.0;
-    rest_share_ = rest_share_.value_or(0.0) + weight * (newest - rest_share_.value_or(0.0));
-    rest_share_time_ = now;
-    share = share ? std::min(*share, *rest_share_) : *rest_share_;
+    const double elapsed_s = std::max(0.0, to_seconds(now - battery.time));
+    const double weight = battery.rest_share ? -std::expm1(-elapsed_s / kVoltageSmoothingS) : 1.0;
+    const double before = battery.rest_share.value_or(0.0);
+    battery.rest_share = before + weight * (newest - before);
+    share = share ? std::min(*share, *battery.rest_share) : *battery.rest_share;
   }
-  if (share) {
-    battery_share_ = share;
-    battery_time_ = now;
+  if (!share) {
+    return;
+  }
+  battery.share = share;
+  battery.time = battery_time_.emplace(now);
+  battery_share_ = share;
+  for (const auto& [id, each] : batteries_) {
+    if (each.share && now - each.time <= kBatteryAgeMax) {
+      battery_share_ = std::min(*battery_share_, *each.share);
+    }
   }
 }
 
@@ -164,8 +183,9 @@ std::optional<std::uint16_t> Telemetry::estimator_flags(Time now) const {
 }
 
 std::optional<Eigen::Vector3d> Telemetry::position_world_m(Time now) const {
-  const auto time = heard(wire::mavlink::LocalPositionNed::kMessage.id);
-  return time && now - *time <= kPositionAgeMax ? std::optional(position_world_m_) : std::nullopt;
+  return position_time_ && now - *position_time_ <= kPositionAgeMax
+             ? std::optional(position_world_m_)
+             : std::nullopt;
 }
 
 bool Telemetry::has_attitude(Time now) const {
@@ -175,6 +195,15 @@ bool Telemetry::has_attitude(Time now) const {
 std::optional<Time> Telemetry::heard(std::uint32_t message_id) const {
   const auto found = heard_.find(message_id);
   return found == heard_.end() ? std::nullopt : std::optional(found->second);
+}
+
+bool Telemetry::has_motor_fault(Time now) const {
+  if (dialect_ == models::AutopilotDialect::kPx4) {
+    return are_motors_unhealthy_;
+  }
+  return std::any_of(texts_.begin(), texts_.end(), [now](const AutopilotText& text) {
+    return text.text.starts_with(kThrustLoss) && now - text.time <= kThrustLossAge;
+  });
 }
 
 std::optional<std::string> Telemetry::newest_warning(Time now, Duration age) const {

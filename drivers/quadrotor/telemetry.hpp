@@ -46,15 +46,16 @@ class Telemetry {
 
   /// As EXTENDED_SYS_STATE says; true without one while disarmed.
   [[nodiscard]] bool is_on_ground() const;
-  /// In [0, 1]; nullopt before it is known. With a BatterySpec the lower of what the autopilot says
-  /// and what the voltage says: ArduPilot counts from full at each start, whatever it was given.
+  /// Returns the lowest charge of all batteries that were reported in the last 10 s, in [0, 1];
+  /// nullopt before one is known. With a BatterySpec the charge of each is the lower of the
+  /// autopilot's count and the voltage: ArduPilot counts from full at each start.
   [[nodiscard]] std::optional<double> battery_share() const { return battery_share_; }
-  /// When that was said last; a word of the battery without a charge does not count.
+  /// When a charge was reported last; a battery message without a charge does not count.
   [[nodiscard]] std::optional<Time> battery_time() const { return battery_time_; }
   [[nodiscard]] std::optional<std::uint16_t> estimator_flags(Time now) const;
   /// Its own estimate, world frame, if it is of the last half second.
   [[nodiscard]] std::optional<Eigen::Vector3d> position_world_m(Time now) const;
-  /// It has told its attitude, in numbers, in the last half second.
+  /// True if an attitude in finite numbers came in the last half second.
   [[nodiscard]] bool has_attitude(Time now) const;
   /// Of its z axis from the vertical, by its own attitude.
   [[nodiscard]] double tilt_rad() const { return tilt_rad_; }
@@ -62,6 +63,9 @@ class Telemetry {
   [[nodiscard]] const Eigen::Vector3d& velocity_world_mps() const { return velocity_world_mps_; }
   [[nodiscard]] const Quaternion& world_from_body() const { return world_from_body_; }
   [[nodiscard]] double yaw_rate_radps() const { return yaw_rate_radps_; }
+  /// True if the autopilot reported a motor or its speed controller as failed, or a loss of thrust,
+  /// and has not withdrawn it. PX4: in the last SYS_STATUS; ArduPilot: a text of the last 10 s.
+  [[nodiscard]] bool has_motor_fault(Time now) const;
   /// It has said so; that it knows its place is no sign of it.
   [[nodiscard]] bool has_origin() const { return has_origin_; }
   /// When a message of this kind was last heard.
@@ -75,8 +79,15 @@ class Telemetry {
 
  private:
   void take_heartbeat(const wire::mavlink::Heartbeat& heartbeat, Time now);
-  /// @param voltage_v  of the whole battery; 0: not told
-  void take_battery(std::int8_t remaining_percent, double voltage_v, Time now);
+  struct Battery {
+    std::optional<double> share;
+    std::optional<double>
+        rest_share;  ///< by voltage, smoothed: propellers pull it down for moments
+    Time time{};     ///< of the last message with a charge
+  };
+  /// @param source     its id in BATTERY_STATUS, or kSystemBattery
+  /// @param voltage_v  of the whole battery; 0: not reported
+  void take_battery(int source, std::int8_t remaining_percent, double voltage_v, Time now);
   void take_timesync(const wire::mavlink::Timesync& reply, Time now);
   void take_text(const wire::mavlink::Statustext& message, Time now);
 
@@ -90,10 +101,11 @@ class Telemetry {
   std::uint8_t landed_state_ = 0;
   std::optional<scenario::BatterySpec> battery_;
   std::optional<double> battery_share_;
-  std::optional<double> rest_share_;  ///< by voltage, smoothed: propellers pull it down for moments
-  Time rest_share_time_{};
+  std::map<int, Battery> batteries_;  ///< by source: at most 256 ids and SYS_STATUS
   std::optional<Time> battery_time_;
   std::uint16_t estimator_flags_ = 0;
+  bool are_motors_unhealthy_ = false;  ///< by the last SYS_STATUS
+  std::optional<Time> position_time_;  ///< of the last position in finite numbers
   Eigen::Vector3d position_world_m_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_world_mps_ = Eigen::Vector3d::Zero();
   Quaternion world_from_body_ = Quaternion::Identity();

@@ -99,8 +99,8 @@ CommandVerdict RoverDriver::on_command(const models::OperatorCommand& command, T
   return core_.ask(command.action);
 }
 
-void RoverDriver::receive(std::span<const std::uint8_t> datagram, Time now) {
-  (void)link_.receive(datagram, now);  // it counts what it does not take
+bool RoverDriver::receive(std::span<const std::uint8_t> datagram, Time now) {
+  return link_.receive(datagram, now);  // it counts the others
 }
 
 bool RoverDriver::sees(Time now) const {
@@ -151,6 +151,16 @@ RoverFacts RoverDriver::facts(Time now) const {
                std::abs(heard.speed_mps) < static_cast<float>(kStandingMps) &&
                std::abs(heard.yaw_rate_radps) < static_cast<float>(kStandingRadps);
   out.stop_latched = link_.has_flag(wire::rover::kStopLatched);
+  return out;
+}
+
+EndFacts RoverDriver::end_facts(Time now) const {
+  EndFacts out;
+  if (is_driving(core_.ladder.state)) {
+    out.in_flight = facts(now).stands ? InFlight::kNo : InFlight::kYes;
+  } else if (link_.has_telemetry()) {
+    out.in_flight = InFlight::kNo;
+  }
   return out;
 }
 

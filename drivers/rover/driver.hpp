@@ -11,6 +11,7 @@
 #include "drivers/rover/rules.hpp"
 #include "drivers/rover/way.hpp"
 #include "drivers/safety/guard_core.hpp"
+#include "drivers/vehicle/driver_end.hpp"
 #include "models/exchange/messages.hpp"
 #include "scenario/scenario.hpp"
 
@@ -38,12 +39,18 @@ class RoverDriver {
   PlanVerdict on_plan(const models::RobotPlan& plan, Time now);
   CommandVerdict on_command(const models::OperatorCommand& command, Time now);
   void on_map(bool is_same) { core_.map_differs = !is_same; }
+  /// The driver is to end: stops the rover, keeps it from being armed.
+  void end(bool /*is_hurried*/) { core_.is_ending = true; }
+  [[nodiscard]] EndFacts end_facts(Time now) const;
   void on_other_version(Time now) { core_.other_version_at = now; }
+  /// Reports how long the driver's thread waited for a processor within the last second, s.
+  void on_processor_wait(double wait_s) { core_.processor_wait_s = wait_s; }
   /// Drives through places instead of along a planner's plan, from where the rover stands, half a
   /// second from now on. Judged like a plan, and refused while a planner holds the lease.
   PlanVerdict drive_through(std::span<const Waypoint> waypoints, Time now);
   /// One datagram from the rover.
-  void receive(std::span<const std::uint8_t> datagram, Time now);
+  /// True if it is of this rover.
+  bool receive(std::span<const std::uint8_t> datagram, Time now);
 
   /// The command to send.
   RoverMessage tick(Time now);

@@ -47,7 +47,10 @@ constexpr auto kRows = std::to_array<Condition>({
                        [](const In& in, const Lim&) { return !in.autopilot_obeys; }),
     held_for_operator(common::kBatteryCritical),
     common::kOperatorQuiet,
+    cleared(held_for_operator(common::kEnding), "never: the driver ends once the rover stands"),
     common::kOwnStall,
+    held_for_operator(common::kShortOfProcessor),
+    common::kWaitsForProcessor,
     // Said, and no change of state
     common::kPoseUnsettled,
     common::kPlannerSilent,
@@ -55,6 +58,7 @@ constexpr auto kRows = std::to_array<Condition>({
     common::kAnotherVersion,
     common::kPlansRefused,
     common::kBatteryLow,
+    common::kHostBusy,
 });
 static_assert(kRows.size() <= kConditionsMax);
 

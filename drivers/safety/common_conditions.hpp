@@ -19,6 +19,7 @@ struct RowOptions {
   double after_s = 0.0;
   bool yields = false;
   bool blocks_take_off = false;
+  bool spares_pilot = false;
 };
 using Holds = bool (*)(const SafetyInputs& inputs, const SafetyLimits& limits);
 
@@ -34,7 +35,8 @@ constexpr Condition row_of(Severity severity, Clearing clearing, const char* cle
           .clears = clears,
           .holds = when,
           .yields = options.yields,
-          .blocks_take_off = options.blocks_take_off};
+          .blocks_take_off = options.blocks_take_off,
+          .spares_pilot = options.spares_pilot};
 }
 constexpr Condition kills(const char* name, const char* limit, const RowOptions& options,
                           Holds when) {
@@ -86,12 +88,13 @@ namespace common {
 inline constexpr Condition kEmergencyStop =
     kills("emergency stop", "any station asked", {.blocks_arming = true},
           [](const SafetyInputs& in, const SafetyLimits&) { return in.emergency_stop; });
-inline constexpr Condition kMotor =
-    kills("motor", "the autopilot reports a failed motor", {.blocks_arming = true},
-          [](const SafetyInputs& in, const SafetyLimits&) { return in.motor_failed; });
+inline constexpr Condition kMotor = kills(
+    "motor", "the autopilot reports a failed motor", {.blocks_arming = true, .spares_pilot = true},
+    [](const SafetyInputs& in, const SafetyLimits&) { return in.motor_failed; });
 inline constexpr Condition kFenceFar =
     kills("fence far", "centre > fence_kill_m outside or above the ceiling",
-          {.blocks_arming = true}, [](const SafetyInputs& in, const SafetyLimits& lim) {
+          {.blocks_arming = true, .spares_pilot = true},
+          [](const SafetyInputs& in, const SafetyLimits& lim) {
             return in.fence_centre_m < -lim.fence_kill_m;
           });
 inline constexpr Condition kPoseLost =
@@ -119,6 +122,9 @@ inline constexpr Condition kBatteryCritical =
           [](const SafetyInputs& in, const SafetyLimits& lim) {
             return in.battery_share < lim.battery_land_share;
           });
+inline constexpr Condition kEnding =
+    lands("ending", "the driver was asked to end", {.blocks_arming = true},
+          [](const SafetyInputs& in, const SafetyLimits&) { return in.is_ending; });
 inline constexpr Condition kPoseStale =
     holds("pose stale", "pose_age_s > pose_age_hold_s", {.blocks_arming = true},
           [](const SafetyInputs& in, const SafetyLimits& lim) {
@@ -175,6 +181,21 @@ inline constexpr Condition kOwnStall = holds("own stall", "stall_hold_s between 
                                              [](const SafetyInputs& in, const SafetyLimits& lim) {
                                                return in.since_last_tick_s > lim.stall_hold_s;
                                              });
+inline constexpr Condition kShortOfProcessor =
+    lands("short of processor", "processor_wait_s > processor_wait_hold_s for 3 s",
+          {.after_s = 3.0}, [](const SafetyInputs& in, const SafetyLimits& lim) {
+            return in.processor_wait_s > lim.processor_wait_hold_s;
+          });
+inline constexpr Condition kWaitsForProcessor =
+    holds("waits for processor", "processor_wait_s > processor_wait_hold_s", {},
+          [](const SafetyInputs& in, const SafetyLimits& lim) {
+            return in.processor_wait_s > lim.processor_wait_hold_s;
+          });
+inline constexpr Condition kHostBusy =
+    notes("host busy", "processor_wait_s > processor_wait_arm_s", {.blocks_arming = true},
+          [](const SafetyInputs& in, const SafetyLimits& lim) {
+            return in.processor_wait_s > lim.processor_wait_arm_s;
+          });
 inline constexpr Condition kPoseUnsettled =
     notes("pose unsettled", "fewer than pose_frames_to_arm plausible poses",
           {.blocks_arming = true}, [](const SafetyInputs& in, const SafetyLimits& lim) {

@@ -14,7 +14,8 @@ using In = SafetyInputs;
 using Lim = SafetyLimits;
 
 constexpr Condition kTilt =
-    kills("tilt", "tilt_rad > tilt_kill_rad", {.blocks_arming = true, .after_s = 0.1},
+    kills("tilt", "tilt_rad > tilt_kill_rad",
+          {.blocks_arming = true, .after_s = 0.1, .spares_pilot = true},
           [](const In& in, const Lim& lim) { return in.tilt_rad > lim.tilt_kill_rad; });
 constexpr Condition kPoseLostLow =
     kills("pose lost low",
@@ -24,22 +25,24 @@ constexpr Condition kPoseLostLow =
                    (in.height_m < lim.safe_height_m || in.fence_centre_m < 0.0);
           });
 constexpr Condition kBodyDoesNotLift =
-    kills("body does not lift", "told to take off, and not risen lift_risen_m in lift_wait_s", {},
+    kills("body does not lift", "told to take off, and not risen lift_risen_m in lift_wait_s",
+          {.spares_pilot = true},
           [](const In& in, const Lim& lim) { return in.unrisen_s > lim.lift_wait_s; });
 constexpr Condition kAnotherBodyLifts =
     kills("another body lifts", "lift_other_m by another robot's body, before this one has risen",
-          {}, [](const In& in, const Lim& lim) { return in.other_risen_m > lim.lift_other_m; });
+          {.spares_pilot = true},
+          [](const In& in, const Lim& lim) { return in.other_risen_m > lim.lift_other_m; });
 constexpr Condition kLiftAstray =
-    kills("lift astray", "> lift_astray_m from its place in the first lift", {},
+    kills("lift astray", "> lift_astray_m from its place in the first lift", {.spares_pilot = true},
           [](const In& in, const Lim& lim) { return in.lift_astray_m > lim.lift_astray_m; });
 constexpr Condition kLiftDisagrees =
     kills("lift disagrees", "first lift: climb or turn of the body against the autopilot's own",
-          {.after_s = 0.1}, [](const In& in, const Lim& lim) {
+          {.after_s = 0.1, .spares_pilot = true}, [](const In& in, const Lim& lim) {
             return in.lift_climb_error_mps > lim.lift_climb_error_mps ||
                    in.lift_turn_error_radps > lim.lift_turn_error_radps;
           });
 constexpr Condition kRisesUntold =
-    kills("rises untold", "armed, not told, and risen lift_other_m", {},
+    kills("rises untold", "armed, not told, and risen lift_other_m", {.spares_pilot = true},
           [](const In& in, const Lim& lim) { return in.risen_untold_m > lim.lift_other_m; });
 constexpr Condition kLiftUnproven =
     lands("lift unproven", "lift_proof_s in the first hover, and not gone where it was told", {},
@@ -56,9 +59,11 @@ constexpr Condition kBatteryStuck = lands(
 constexpr Condition kFlightTime =
     lands("flight time", "in the air for flight_max_s", {},
           [](const In& in, const Lim& lim) { return in.flight_s > lim.flight_max_s; });
-constexpr Condition kThrustSaturated = lands(
-    "thrust saturated", "thrust_share > thrust_saturated_share", {.after_s = 1.0},
-    [](const In& in, const Lim& lim) { return in.thrust_share > lim.thrust_saturated_share; });
+// Not KILL: autopilots report a hot speed controller or a weak motor in the same way. A vehicle
+// that cannot fly any more tilts.
+constexpr Condition kMotor =
+    lands("motor", "the autopilot reports a failed motor or a loss of thrust",
+          {.blocks_arming = true}, [](const In& in, const Lim&) { return in.motor_failed; });
 constexpr Condition kAutopilotLost = lands(
     "autopilot lost", "no heartbeat for heartbeat_age_land_s", {.blocks_arming = true},
     [](const In& in, const Lim& lim) { return in.heartbeat_age_s > lim.heartbeat_age_land_s; });
@@ -144,7 +149,6 @@ constexpr auto kRows = std::to_array<Condition>({
     // KILL
     common::kEmergencyStop,
     kTilt,
-    common::kMotor,
     common::kFenceFar,
     kPoseLostLow,
     kBodyDoesNotLift,
@@ -163,11 +167,13 @@ constexpr auto kRows = std::to_array<Condition>({
     kBatterySilent,
     kBatteryStuck,
     kFlightTime,
-    kThrustSaturated,
+    kMotor,
     kAutopilotLost,
     kEstimateLost,
     kEstimatorFailed,
     kOperatorLost,
+    common::kShortOfProcessor,
+    common::kEnding,
     // HOLD
     common::kPoseStale,
     common::kPoseLate,
@@ -188,6 +194,7 @@ constexpr auto kRows = std::to_array<Condition>({
     kAutopilotDisobeys,
     common::kOperatorQuiet,
     common::kOwnStall,
+    common::kWaitsForProcessor,
     // Said, and slowed or refused on the ground, but no change of state
     kPoseAging,
     common::kPoseUnsettled,
@@ -203,6 +210,7 @@ constexpr auto kRows = std::to_array<Condition>({
     common::kPlansRefused,
     common::kBatteryLow,
     kBatteryForTakeOff,
+    common::kHostBusy,
 });
 static_assert(kRows.size() <= kConditionsMax);
 

@@ -32,9 +32,10 @@ struct Condition {
   bool (*holds)(const SafetyInputs& inputs, const SafetyLimits& limits);
   bool yields = false;  ///< clears yield_s later for the vehicle that must let the other go first
   bool blocks_take_off = false;  ///< and not arming
+  bool spares_pilot = false;     ///< does not act while a pilot flies the vehicle by hand
 };
 
-inline constexpr std::size_t kConditionsMax = 64;
+inline constexpr std::size_t kConditionsMax = 80;
 
 /// All of them, most severe first. At most kConditionsMax.
 std::span<const Condition> conditions();

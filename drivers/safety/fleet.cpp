@@ -1,13 +1,58 @@
 #include "drivers/safety/fleet.hpp"
 
 #include <algorithm>
+#include <string_view>
 
 namespace vantage::drivers {
 namespace {
 
 constexpr double kPredictOthersS = 0.5;
+constexpr double kTeammateSpare = 1.1;  // of its vehicle's limits, that its plan may ask for
+constexpr double kForgottenS = 10.0;    // after it, a stranger that left the room is forgotten
+constexpr std::size_t kNameMax = 64;    // of a stranger, in bytes
 // A body that is not where it was believed to be is believed again after so many poses in a row.
 constexpr int kMovedAfter = 50;
+
+PoseVerdict judge(PoseMonitor& pose, const models::MocapBody* body, const SafetyLimits& limits,
+                  Time now) {
+  const bool is_lost = pose.rejected_in_row() >= kMovedAfter;
+  return pose.judge(body, {!is_lost, false, true, 0.0}, limits, now);
+}
+
+models::VehicleLimits with_spare(const models::VehicleLimits& can) {
+  return {can.speed_max_mps * kTeammateSpare, can.yaw_rate_max_radps * kTeammateSpare,
+          can.brake_mps2 * kTeammateSpare, can.radius_m};
+}
+
+// The body where it was seen last. A robot that has not been seen for long has stopped by now, as
+// it must without a pose; the tube around any other body covers where it may be.
+OtherBody body_of(const PoseMonitor& pose, const SafetyLimits& limits, Time now) {
+  OtherBody body;
+  body.position_world_m = pose.predict_m(now, limits.pose_age_hold_s);
+  body.age_s = pose.age_s(now);
+  body.went_mps = pose.velocity_world_mps().norm();
+  if (body.age_s <= limits.pose_age_hold_s) {
+    body.velocity_world_mps = pose.velocity_world_mps();
+    body.planned_world_mps = body.velocity_world_mps;
+  }
+  return body;
+}
+
+// The body on its straight path; at rest when it was last seen longer ago than it is predicted.
+OtherCourse course_of(const PoseMonitor& pose, const SafetyLimits& limits, Time now) {
+  OtherCourse course;
+  course.position_world_m = pose.predict_m(now, kPredictOthersS);
+  course.reaches_ground = true;
+  if (pose.age_s(now) <= kPredictOthersS) {
+    course.velocity_world_mps = pose.velocity_world_mps();
+    course.goes_on_s = limits.other_goes_on_s;
+  }
+  return course;
+}
+
+std::string_view kept_name(const models::MocapBody& body) {
+  return std::string_view(body.name).substr(0, kNameMax);
+}
 
 }  // namespace
 
@@ -27,41 +72,101 @@ Fleet::Fleet(const scenario::Scenario& scenario, const std::string& own_name)
   int index = 0;
   for (const scenario::RobotSpec& robot : scenario.robots) {
     if (robot.name != own_name) {
-      members_.push_back({robot.name,
-                          true,
-                          robot.name < own_name,
-                          index,
-                          robot.limits.radius_m,
-                          {},
-                          false,
-                          {},
-                          0,
-                          -1,
-                          {}});
+      Member& member = members_.emplace_back();
+      member.name = robot.name;
+      member.is_robot = true;
+      member.goes_first = robot.name < own_name;
+      member.robot = index;
+      member.can = robot.limits;
     }
     ++index;
   }
   for (const scenario::TargetSpec& target : scenario.targets) {
-    members_.push_back({target.name, false, true, -1, target.radius_m, {}, false, {}, 0, -1, {}});
+    Member& member = members_.emplace_back();
+    member.name = target.name;
+    member.can.radius_m = target.radius_m;
   }
-  bodies_.reserve(members_.size());
-  courses_.reserve(members_.size());
+  strangers_.resize(kStrangersMax);
+  for (Stranger& stranger : strangers_) {
+    stranger.name.reserve(kNameMax);
+  }
+  bodies_.reserve(members_.size() + strangers_.size());
+  courses_.reserve(members_.size() + strangers_.size());
 }
 
 void Fleet::on_mocap(const models::MocapFrame& frame, const SafetyLimits& limits, Time now) {
   for (Member& member : members_) {
     const NamedBody found = find_unique(frame, member.name);
-    const bool is_lost = member.pose.rejected_in_row() >= kMovedAfter;
-    const PoseVerdict verdict = member.pose.judge(found.is_unique ? found.body : nullptr,
-                                                  {!is_lost, false, true, 0.0}, limits, now);
+    const PoseVerdict verdict =
+        judge(member.pose, found.is_unique ? found.body : nullptr, limits, now);
     poses_refused_ += verdict == PoseVerdict::kAccepted || verdict == PoseVerdict::kAbsent ? 0 : 1;
   }
+  const models::MocapBody* const own = find_unique(frame, own_name_).body;
   for (const models::MocapBody& body : frame.bodies) {
     const bool is_known = body.name == own_name_ ||
                           std::any_of(members_.begin(), members_.end(), [&](const Member& member) {
                             return member.name == body.name;
                           });
-    unknown_bodies_ += is_known ? 0 : 1;
+    if (!is_known) {
+      ++unknown_bodies_;
+      show_stranger(body, own, limits, now);
+    }
+  }
+}
+
+void Fleet::show_stranger(const models::MocapBody& body, const models::MocapBody* own,
+                          const SafetyLimits& limits, Time now) {
+  const Eigen::Vector3d& there_m = body.world_from_body.translation_m;
+  const Eigen::Vector3d here_m =
+      own != nullptr ? own->world_from_body.translation_m : Eigen::Vector3d::Zero();
+  const auto known = std::find_if(strangers_.begin(), strangers_.end(), [&](const Stranger& each) {
+    return !each.name.empty() && each.name == kept_name(body);
+  });
+  Stranger* kept = known != strangers_.end() ? &*known : nullptr;
+  if (own != nullptr && !own->occluded && !body.occluded &&
+      (there_m - here_m).norm() < limits.vehicle.radius_m) {
+    if (kept != nullptr) {
+      kept->name.clear();
+    }
+    return;
+  }
+  if (kept == nullptr && !body.occluded && !body.name.empty()) {
+    kept = room_for(there_m, here_m, now);
+    if (kept == nullptr) {
+      ++bodies_dropped_;
+    } else {
+      kept->name.assign(kept_name(body));
+      kept->pose = {};
+    }
+  }
+  if (kept != nullptr) {
+    const PoseVerdict verdict = judge(kept->pose, &body, limits, now);
+    poses_refused_ += verdict == PoseVerdict::kAccepted || verdict == PoseVerdict::kAbsent ? 0 : 1;
+  }
+}
+
+Fleet::Stranger* Fleet::room_for(const Eigen::Vector3d& there_m, const Eigen::Vector3d& here_m,
+                                 Time now) {
+  Stranger* farthest = nullptr;
+  double farthest_m = (there_m - here_m).norm();
+  for (Stranger& each : strangers_) {
+    if (each.name.empty() || !each.pose.has_pose() || each.pose.age_s(now) > kForgottenS) {
+      return &each;
+    }
+    const double away_m = (each.pose.world_from_body().translation_m - here_m).norm();
+    if (away_m > farthest_m) {
+      farthest_m = away_m;
+      farthest = &each;
+    }
+  }
+  return farthest;
+}
+
+void Fleet::on_status(const std::string& robot, Time now) {
+  for (Member& member : members_) {
+    if (member.is_robot && member.name == robot) {
+      member.reported_at = now;
+    }
   }
 }
 
@@ -85,7 +190,9 @@ bool Fleet::take(const models::RobotPlan& plan, const SafetyLimits& limits, Time
       plan.stamp.run_id == member->plan_run && plan.stamp.sequence <= member->plan_sequence;
   HeldPlan held;
   if (is_repeated || (member->has_plan && start < member->plan.start_time) ||
-      !hold_plan(plan.trajectory, held) || check_shape(held, limits) == PlanVerdict::kNotFinite ||
+      !hold_plan(plan.trajectory, held) ||
+      check_shape(held, with_spare(member->can), limits.lateral_max_mps2 * kTeammateSpare) !=
+          PlanVerdict::kAccepted ||
       !member->lease.admit(plan.stamp.run_id, now, limits.planner_lease_s)) {
     return false;
   }
@@ -109,19 +216,13 @@ std::span<const OtherBody> Fleet::bodies(Time now, const SafetyLimits& limits) {
   bodies_.clear();
   for (const Member& member : members_) {
     if (member.pose.has_pose()) {
-      const double age_s = member.pose.age_s(now);
-      // A robot that has not been seen for long has stopped by now, as it must without a pose.
-      const bool is_fresh = age_s <= limits.pose_age_hold_s;
-      OtherBody body;
-      body.position_world_m = member.pose.predict_m(now, limits.pose_age_hold_s);
-      body.age_s = age_s;
+      OtherBody body = body_of(member.pose, limits, now);
       body.goes_first = member.goes_first;
       body.robot = member.robot;
-      body.larger_m = std::max(0.0, member.radius_m - limits.vehicle.radius_m);
-      body.went_mps = member.is_robot ? 0.0 : member.pose.velocity_world_mps().norm();
-      if (is_fresh) {
-        body.velocity_world_mps = member.pose.velocity_world_mps();
-        body.planned_world_mps = body.velocity_world_mps;
+      body.brake_mps2 = member.is_robot ? member.can.brake_mps2 : 0.0;
+      body.larger_m = std::max(0.0, member.can.radius_m - limits.vehicle.radius_m);
+      body.went_mps = member.is_robot ? 0.0 : body.went_mps;
+      if (member.is_robot && body.age_s <= limits.pose_age_hold_s) {
         // One that sets off is measured late; its plan says it at once.
         const double ahead_s = to_seconds(now - member.plan.start_time) + limits.reaction_s;
         const Eigen::Vector3d planned_mps = point_at(member.plan, ahead_s).velocity_world_mps;
@@ -133,18 +234,42 @@ std::span<const OtherBody> Fleet::bodies(Time now, const SafetyLimits& limits) {
       bodies_.push_back(body);
     }
   }
+  for (const Stranger& stranger : strangers_) {
+    if (!stranger.name.empty() && stranger.pose.age_s(now) <= kForgottenS) {
+      bodies_.push_back(body_of(stranger.pose, limits, now));
+    }
+  }
   return bodies_;
 }
 
 std::span<const OtherCourse> Fleet::courses(Time now, const SafetyLimits& limits) {
   courses_.clear();
   for (const Member& member : members_) {
-    if (!member.is_robot || (!member.has_plan && !member.pose.has_pose())) {
+    const bool is_seen = member.pose.has_pose();
+    if (!member.is_robot) {
+      if (is_seen) {
+        courses_.push_back(course_of(member.pose, limits, now));
+      }
       continue;
     }
-    const Eigen::Vector3d seen_m = member.pose.predict_m(now, kPredictOthersS);
-    const bool keeps_to_plan = member.has_plan && is_on_plan(member, now, limits);
-    courses_.push_back({keeps_to_plan ? &member.plan : nullptr, seen_m});
+    if (!member.has_plan && !is_seen) {
+      continue;
+    }
+    // A vehicle without its driver is landed by its autopilot, straight down.
+    const bool is_silent =
+        is_seen && member.reported_at && to_seconds(now - *member.reported_at) > kSilentS;
+    OtherCourse course;
+    course.position_world_m = member.pose.predict_m(now, kPredictOthersS);
+    course.reaches_ground = is_silent;
+    if (member.has_plan && !is_silent && is_on_plan(member, now, limits)) {
+      course.plan = &member.plan;
+    }
+    courses_.push_back(course);
+  }
+  for (const Stranger& stranger : strangers_) {
+    if (!stranger.name.empty() && stranger.pose.age_s(now) <= kForgottenS) {
+      courses_.push_back(course_of(stranger.pose, limits, now));
+    }
   }
   return courses_;
 }

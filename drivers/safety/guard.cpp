@@ -17,7 +17,7 @@ constexpr double kMovingMps = 0.1;
 constexpr const char* kFirstLift = "first lift";  // as vehicles tell each other
 
 bool is_sound(const AutopilotReport& report) {
-  return std::isfinite(report.tilt_rad) && std::isfinite(report.thrust_share) &&
+  return std::isfinite(report.tilt_rad) &&
          (!report.has_position ||
           (report.position_world_m.allFinite() && report.velocity_world_mps.allFinite())) &&
          (!report.has_attitude ||
@@ -77,6 +77,8 @@ bool FlightGuard::on_mocap(const models::MocapFrame& frame, Time now) {
   return p.on_mocap(frame, context, p.autopilot.armed, now);
 }
 
+Time FlightGuard::captured() const { return parts_->clock.captured(); }
+
 PoseVerdict FlightGuard::pose_verdict() const { return parts_->pose_verdict; }
 
 PlanVerdict FlightGuard::on_plan(const models::RobotPlan& plan, Time now) {
@@ -89,6 +91,7 @@ void FlightGuard::on_teammate_plan(const models::RobotPlan& plan, Time now) {
 }
 
 void FlightGuard::on_teammate_status(const models::VehicleStatus& status, Time now) {
+  parts_->fleet.on_status(status.robot, now);
   const bool is_lifting =
       std::find(status.reasons.begin(), status.reasons.end(), kFirstLift) != status.reasons.end();
   if (is_lifting && is_airborne(status.state)) {
@@ -151,6 +154,10 @@ void FlightGuard::on_battery(double share, Time now) {
 }
 
 void FlightGuard::on_map(bool is_same) { parts_->map_differs = !is_same; }
+
+void FlightGuard::on_processor_wait(double wait_s) { parts_->processor_wait_s = wait_s; }
+
+void FlightGuard::on_end_request() { parts_->is_ending = true; }
 
 void FlightGuard::on_other_version(Time now) { parts_->other_version_at = now; }
 

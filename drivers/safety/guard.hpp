@@ -25,13 +25,13 @@ struct AutopilotReport {
   bool estimator_good = false;
   bool motor_failed = false;
   double tilt_rad = 0.0;
-  double thrust_share = 0.0;  ///< of the most loaded motor, in [0, 1]; 0 when unknown
   bool has_position = false;
   Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();  ///< its own estimate
   Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();
   bool has_attitude = false;
   Quaternion world_from_body = Quaternion::Identity();  ///< its own estimate
   double yaw_rate_radps = 0.0;                          ///< by its gyroscopes
+  bool is_flown_by_hand = false;                        ///< in a mode that a pilot flies
   bool is_in_our_mode = false;                          ///< the one that takes our set-points
   bool is_landing_itself = false;                       ///< in its landing mode
 };
@@ -82,6 +82,8 @@ class FlightGuard {
   /// False for a frame of a publisher that is not believed (MocapSource). Subscribe to VICON as a
   /// shared channel: it is decided here.
   [[nodiscard]] bool on_mocap(const models::MocapFrame& frame, Time now);
+  /// Capture of the last frame of the trusted publisher, by our clock (MocapClock).
+  [[nodiscard]] Time captured() const;
   /// Of this vehicle's own body in the last frame that was believed.
   [[nodiscard]] PoseVerdict pose_verdict() const;
   /// A plan for this vehicle. Subscribe to PLAN_R as a shared channel: the lease decides here.
@@ -96,6 +98,10 @@ class FlightGuard {
   void on_battery(double share, Time now);
   /// Whether the scenario announced by others is the one flown here.
   void on_map(bool is_same);
+  /// Reports how long our own thread waited for a processor within the last second, s.
+  void on_processor_wait(double wait_s);
+  /// The driver was asked to end: from now on the vehicle lands, and is not armed again.
+  void on_end_request();
   /// Somebody said on a channel of ours what is of no type of ours.
   void on_other_version(Time now);
 

@@ -28,7 +28,7 @@ bool GuardCore::on_mocap(const models::MocapFrame& frame, BodyContext context, b
     source.confirm(frame, now);
   }
   pose = judged;
-  clocks_set += clock.on_frame(frame.stamp.time, now, frame.frame_number) ? 0 : 1;
+  clocks_set += clock.on_frame(frame, now) ? 0 : 1;
   fleet.on_mocap(frame, limits, now);
   return true;
 }
@@ -76,6 +76,7 @@ CommandVerdict GuardCore::ask(OperatorAction action) {
 void GuardCore::look(Time now) {
   in.now = now;
   in.since_last_tick_s = has_ticked ? to_seconds(now - last_tick) : 0.0;
+  in.processor_wait_s = processor_wait_s;
   in.pose_age_s = pose.age_s(now);
   in.pose_latency_s = clock.latency_s();
   in.poses_rejected = pose.rejected_in_row();
@@ -86,6 +87,7 @@ void GuardCore::look(Time now) {
   in.other_version_age_s = other_version_at ? to_seconds(now - *other_version_at) : kNever;
   in.operator_age_s = authority.age_s(now);
   in.emergency_stop = emergency_stop;
+  in.is_ending = is_ending;
   in.request = request;
 }
 
@@ -104,6 +106,7 @@ void GuardCore::count(std::vector<models::NamedCount>& out) const {
   out.push_back({"mocap.clock_set", clocks_set});
   source.count(out);
   out.push_back({"mocap.unknown_bodies", fleet.unknown_bodies()});
+  out.push_back({"mocap.bodies_dropped", fleet.bodies_dropped()});
   out.push_back({"mocap.others_refused", fleet.poses_refused()});
   out.push_back({"plan.teammate_refused", fleet.plans_refused()});
   out.push_back({"command.refused", commands_refused});

@@ -14,11 +14,11 @@
 #include "drivers/safety/inputs.hpp"
 #include "drivers/safety/ladder.hpp"
 #include "drivers/safety/limits.hpp"
-#include "drivers/safety/mocap_clock.hpp"
 #include "drivers/safety/mocap_source.hpp"
 #include "drivers/safety/plan_gate.hpp"
 #include "drivers/safety/pose_monitor.hpp"
 #include "models/exchange/messages.hpp"
+#include "models/exchange/mocap_clock.hpp"
 #include "scenario/scenario.hpp"
 
 namespace vantage::drivers {
@@ -83,7 +83,7 @@ struct GuardCore {
   Fleet fleet;
   PoseMonitor pose;
   MocapSource source;
-  MocapClock clock;
+  models::MocapClock clock;
   PlanGate plans;
   OperatorAuthority authority;
   Course course;
@@ -93,8 +93,10 @@ struct GuardCore {
   Time last_tick{};
   bool has_ticked = false;
   bool map_differs = false;
+  double processor_wait_s = 0.0;  ///< as last reported
   std::optional<Time> other_version_at;
   bool emergency_stop = false;
+  bool is_ending = false;  ///< the driver was asked to end
   std::optional<models::OperatorAction> request;
   std::array<std::int64_t, kPoseVerdicts> pose_counts{};
   PoseVerdict pose_verdict = PoseVerdict::kAbsent;  ///< of the last frame believed

@@ -15,7 +15,6 @@ using models::FlightState;
 namespace {
 
 constexpr double kSwerveMps = 0.6;        // off the course's velocity: it is pushed, not steered
-constexpr double kShiftMps = 0.6;         // to a landing spot
 constexpr double kMoveOffMps = 0.2;       // from what is too near
 constexpr double kShiftPatienceS = 6.0;   // then it comes down beside its spot
 constexpr double kAvoidPatienceS = 20.0;  // then it comes down whoever is below
@@ -148,10 +147,10 @@ void FlightGuard::Parts::look_at_all(Time now) {
 // What the autopilot says, and how far mocap agrees.
 void FlightGuard::Parts::look_at_autopilot(Time now) {
   in.autopilot_obeys = autopilot.obeys;
+  in.is_flown_by_hand = autopilot.is_flown_by_hand;
   in.estimator_good = autopilot.estimator_good;
   estimator_good_at = in.estimator_good ? now : estimator_good_at;
   in.tilt_rad = autopilot.tilt_rad;
-  in.thrust_share = autopilot.thrust_share;
   in.motor_failed = autopilot.motor_failed;
   in.estimate_error_m = in.attitude_error_rad = in.yaw_error_rad = 0.0;
   const Quaternion& seen = pose.world_from_body().rotation;
@@ -341,8 +340,10 @@ void FlightGuard::Parts::move_height(double dt_s) {
     climb_since = in.now;  // whoever flies there goes on first
     return;
   }
-  const double step_m = limits.climb_mps * dt_s;
-  height_ref_m += std::clamp(height_goal_m - height_ref_m, -step_m, step_m);
+  // No faster down than the velocity that is asked for with it.
+  const double up_m = limits.climb_mps * dt_s;
+  const double down_m = std::min(limits.climb_mps, limits.descent_mps) * dt_s;
+  height_ref_m += std::clamp(height_goal_m - height_ref_m, -down_m, up_m);
 }
 
 FlightSetpoint FlightGuard::Parts::setpoint(Time now) const {

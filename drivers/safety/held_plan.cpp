@@ -87,6 +87,29 @@ PlanPoint point_at(const HeldPlan& plan, double elapsed_s) {
   return here;
 }
 
+PlanWalk::PlanWalk(const HeldPlan& plan) : plan_(&plan) {
+  begin_.position_world_m = {plan.start.x_m, plan.start.y_m, plan.height_m};
+  begin_.yaw_rad = plan.start.yaw_rad;
+}
+
+PlanPoint PlanWalk::at(double elapsed_s) {
+  while (segment_ < plan_->count) {
+    const models::PlanSegment& segment = plan_->segments[segment_];
+    if (elapsed_s - begin_s_ < segment.duration_s) {
+      return elapsed_s < begin_s_
+                 ? begin_
+                 : along(segment, begin_.position_world_m, begin_.yaw_rad, elapsed_s - begin_s_);
+    }
+    begin_ = along(segment, begin_.position_world_m, begin_.yaw_rad, segment.duration_s);
+    begin_s_ += segment.duration_s;
+    ++segment_;
+  }
+  PlanPoint hover = begin_;
+  hover.velocity_world_mps.setZero();
+  hover.yaw_rate_radps = 0.0;
+  return hover;
+}
+
 double speed_max_mps(const HeldPlan& plan, double from_s, double to_s) {
   double fastest_mps = 0.0;
   double begin_s = 0.0;

@@ -28,6 +28,7 @@ struct Surroundings {
 struct SafetyInputs : Surroundings {
   Time now{};  ///< monotonic; only differences matter
   double since_last_tick_s = 0.0;
+  double processor_wait_s = 0.0;  ///< of our own thread, within the last second; 0: not counted
 
   // Pose.
   double pose_age_s = 0.0;        ///< since the last plausible one arrived
@@ -67,7 +68,8 @@ struct SafetyInputs : Surroundings {
 
   // Vehicle.
   bool autopilot_armed = false;
-  bool autopilot_obeys = true;  ///< it is in the mode that takes our set-points, or asked to be
+  bool autopilot_obeys = true;    ///< it is in the mode that takes our set-points, or asked to be
+  bool is_flown_by_hand = false;  ///< the autopilot is in a mode that a pilot flies
   double heartbeat_age_s = 0.0;
   double telemetry_age_s = 0.0;
   bool estimator_good = true;
@@ -75,12 +77,14 @@ struct SafetyInputs : Surroundings {
   double attitude_error_rad = 0.0;  ///< its level from the mocap's
   double yaw_error_rad = 0.0;       ///< its yaw from the mocap's
   double tilt_rad = 0.0;
-  double thrust_share = 0.0;
   bool motor_failed = false;
   double battery_share = 1.0;
   double battery_age_s = 0.0;
   double battery_unchanged_s = 0.0;  ///< in flight
   double flight_s = 0.0;             ///< since take-off
+
+  // The driver's own process.
+  bool is_ending = false;  ///< it was asked to end
 
   // Operator.
   double operator_age_s = 0.0;                    ///< since the heartbeat of the station in charge

@@ -31,7 +31,8 @@ bool is_cleared(const Condition& row, const LadderState& ladder, std::size_t i,
 void watch(LadderState& next, std::span<const Condition> rows, const SafetyInputs& inputs,
            const SafetyLimits& limits) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const bool holds = rows[i].holds(inputs, limits);
+    const bool is_spared = rows[i].spares_pilot && inputs.is_flown_by_hand;
+    const bool holds = !is_spared && rows[i].holds(inputs, limits);
     if (holds && !next.held[i]) {
       next.since[i] = inputs.now;
     } else if (!holds && next.held[i]) {

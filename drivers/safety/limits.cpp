@@ -127,13 +127,19 @@ void check_limits(const SafetyLimits& l) {
   rises({"operator_age_hold_s", l.operator_age_hold_s},
         {"operator_age_land_s", l.operator_age_land_s});
   rises({"low_descent_mps", l.low_descent_mps}, {"descent_mps", l.descent_mps});
-  const std::array<Bound, 16> positive = {{
+  rises({"processor_wait_arm_s", l.processor_wait_arm_s},
+        {"processor_wait_hold_s", l.processor_wait_hold_s});
+  const std::array<Bound, 20> positive = {{
       {"safe_height_m", l.safe_height_m},
       {"reaction_s", l.reaction_s},
       {"setpoint_loss_s", l.setpoint_loss_s},
       {"plan_separation_m", l.plan_separation_m},
       {"planner_lease_s", l.planner_lease_s},
       {"climb_mps", l.climb_mps},
+      {"other_turn_mps2", l.other_turn_mps2},
+      {"other_goes_on_s", l.other_goes_on_s},
+      {"landing_look_s", l.landing_look_s},
+      {"sinking_look_s", l.sinking_look_s},
       {"low_height_m", l.low_height_m},
       {"flight_max_s", l.flight_max_s},
       {"lift_wait_s", l.lift_wait_s},

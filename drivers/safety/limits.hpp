@@ -59,6 +59,12 @@ struct SafetyLimits {
   double speed_hold_ratio = 1.3;       ///< of the vehicle's greatest speed
   double other_pose_growth_mps = 0.5;  ///< how fast an unseen body's tube widens
   double other_pose_growth_max_m = 0.5;
+  /// Acceleration in the plane by which a body other than a robot may leave its straight path: a
+  /// person who walks at 1.5 m/s turns by 90° within 0.8 s, or stands and begins to walk.
+  double other_turn_mps2 = 3.0;
+  double other_goes_on_s = 3.0;      ///< such a body is carried on straight in the plan check
+  double landing_look_s = 1.5;       ///< and where a landing goes to, or until the vehicle is down
+  double sinking_look_s = 0.5;       ///< and below a vehicle that comes down
   double hover_clearance_m = 0.1;    ///< from the fence and obstacles, or it moves off
   double landing_clearance_m = 0.7;  ///< from bodies below
 
@@ -108,15 +114,19 @@ struct SafetyLimits {
   double estimate_error_hold_m = 0.3;
   double estimate_error_land_m = 1.0;
   double tilt_kill_rad = 1.05;
-  double thrust_saturated_share = 0.97;
 
   // The operator and this process.
   bool needs_operator = true;
   double operator_age_hold_s = 1.0;
   double operator_age_land_s = 3.0;
   double stall_hold_s = 0.25;  ///< between two of our own ticks
-  double clear_s = 0.5;        ///< a condition must be gone this long before it clears itself
-  double yield_s = 2.0;        ///< more, for the vehicle that must let the other go first
+  /// Sum of the times that our own thread waited for a processor within a second. Single long waits
+  /// are seen by stall_hold_s and by the age of poses; this sees a host that is busy throughout. On
+  /// a host with free processors the sum is 0.03 to 0.05 s.
+  double processor_wait_hold_s = 0.30;
+  double processor_wait_arm_s = 0.15;  ///< the same, of a vehicle that is to be armed
+  double clear_s = 0.5;  ///< a condition must be gone this long before it clears itself
+  double yield_s = 2.0;  ///< more, for the vehicle that must let the other go first
 };
 
 /// From where a vehicle is told to stop at `speed_mps` to where it stands: v T + v²/2a.

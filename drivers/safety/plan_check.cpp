@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace vantage::drivers {
 namespace {
@@ -10,6 +11,7 @@ namespace {
 constexpr double kSlack = 1e-6;     // of numbers that went over the wire
 constexpr double kStepMinS = 1e-3;  // at 2 m/s: 2 mm
 constexpr double kFarM = 1e6;
+constexpr double kBodyStandsMps = 0.1;
 
 bool is_finite(const HeldPlan& plan) {
   bool finite = std::abs(plan.start.x_m) < kFarM && std::abs(plan.start.y_m) < kFarM &&
@@ -25,20 +27,18 @@ bool is_finite(const HeldPlan& plan) {
   return finite && sum_s <= models::kFlownDurationMax_s;  // false for NaN and infinity, too
 }
 
-bool is_feasible(const HeldPlan& plan, const SafetyLimits& limits) {
-  const models::VehicleLimits& can = limits.vehicle;
+bool is_feasible(const HeldPlan& plan, const models::VehicleLimits& can, double lateral_max_mps2) {
   const double more = 1.0 + kSlack;
   double speed_before_mps = 0.0;
   for (std::size_t i = 0; i < plan.count; ++i) {
     const models::PlanSegment& segment = plan.segments[i];
     const double v = segment.control.speed_mps;
     const double w = segment.control.yaw_rate_radps;
-    const bool within = std::abs(v) <= can.speed_max_mps * more &&
-                        std::abs(w) <= can.yaw_rate_max_radps * more &&
-                        std::abs(v * w) <= limits.lateral_max_mps2 * more &&
-                        segment.brake_mps2 <= can.brake_mps2 * more &&
-                        (segment.brake_mps2 == 0.0 || std::abs(w) <= kSlack) &&
-                        std::abs(v - speed_before_mps) <= can.speed_max_mps * more;
+    const bool within =
+        std::abs(v) <= can.speed_max_mps * more && std::abs(w) <= can.yaw_rate_max_radps * more &&
+        std::abs(v * w) <= lateral_max_mps2 * more && segment.brake_mps2 <= can.brake_mps2 * more &&
+        (segment.brake_mps2 == 0.0 || std::abs(w) <= kSlack) &&
+        std::abs(v - speed_before_mps) <= can.speed_max_mps * more;
     if (!within) {
       return false;
     }
@@ -78,13 +78,84 @@ Room room_at(const PlanPoint& here, const SafetyLimits& limits) {
           obstacle_distance_m(limits.fence, p_m) - limits.vehicle.radius_m};
 }
 
+// The rest of the plan against all that does not move. Times count from `now`.
+PlanVerdict check_room(const HeldPlan& plan, Time now, const SafetyLimits& limits, int& steps) {
+  const double offset_s = to_seconds(now - plan.start_time);
+  const double end_s = std::max(0.0, duration_s(plan) - offset_s);
+  PlanWalk walk(plan);
+  for (double t_s = 0.0; steps < kWayStepsMax; ++steps) {
+    const Room room = room_at(walk.at(t_s + offset_s), limits);
+    if (room.fence_m < -kSlack) {
+      return PlanVerdict::kOutsideFence;
+    }
+    if (room.obstacle_m < -kSlack) {
+      return PlanVerdict::kObstacle;
+    }
+    if (t_s >= end_s) {
+      return PlanVerdict::kAccepted;
+    }
+    const double step_s = std::min(room.fence_m, room.obstacle_m) / limits.vehicle.speed_max_mps;
+    t_s = std::min(end_s, t_s + std::max(step_s, kStepMinS));
+  }
+  return PlanVerdict::kTooCostly;
+}
+
+double apart_m(const Eigen::Vector3d& p_m, const Eigen::Vector3d& other_m, bool reaches_ground) {
+  Eigen::Vector3d away_m = p_m - other_m;
+  if (reaches_ground) {
+    away_m.z() = std::max(0.0, away_m.z());
+  }
+  return away_m.norm();
+}
+
+// The rest of the plan, and the hover after it, against one other body until that has stopped, too.
+PlanVerdict check_apart(const HeldPlan& plan, Time now, const SafetyLimits& limits,
+                        const OtherCourse& other, int& steps) {
+  const double offset_s = to_seconds(now - plan.start_time);
+  const double own_end_s = std::max(0.0, duration_s(plan) - offset_s);
+  const bool has_plan = other.plan != nullptr;
+  const double other_offset_s = has_plan ? to_seconds(now - other.plan->start_time) : 0.0;
+  const double other_mps = has_plan ? speed_max_mps(*other.plan, 0.0, models::kFlownDurationMax_s)
+                                    : other.velocity_world_mps.norm();
+  const bool walks = !has_plan && other_mps > kBodyStandsMps;
+  const double other_end_s = has_plan ? duration_s(*other.plan) - other_offset_s
+                             : walks  ? other.goes_on_s
+                                      : 0.0;
+  const double end_s = walks ? other_end_s : std::max(own_end_s, other_end_s);
+  PlanWalk walk(plan);
+  std::optional<PlanWalk> others_walk;
+  if (has_plan) {
+    others_walk.emplace(*other.plan);
+  }
+  for (double t_s = 0.0; steps < kWayStepsMax; ++steps) {
+    const Eigen::Vector3d other_m =
+        has_plan ? others_walk->at(t_s + other_offset_s).position_world_m
+        : walks  ? Eigen::Vector3d(other.position_world_m + t_s * other.velocity_world_mps)
+                 : other.position_world_m;
+    const double left_m =
+        apart_m(walk.at(t_s + offset_s).position_world_m, other_m, other.reaches_ground) -
+        limits.plan_separation_m;
+    if (left_m < -kSlack) {
+      return PlanVerdict::kTeammate;
+    }
+    if (t_s >= end_s) {
+      return PlanVerdict::kAccepted;
+    }
+    const double closing_mps = (t_s <= own_end_s ? limits.vehicle.speed_max_mps : 0.0) +
+                               (t_s <= other_end_s ? other_mps : 0.0);
+    const double step_s = closing_mps > 0.0 ? left_m / closing_mps : end_s;
+    t_s = std::min(end_s, t_s + std::max(step_s, kStepMinS));
+  }
+  return PlanVerdict::kTooCostly;
+}
+
 }  // namespace
 
 const char* name_of(PlanVerdict verdict) {
   static constexpr std::array<const char*, kPlanVerdicts> kNames = {
       "accepted",     "wrong vehicle", "stale",    "too far ahead", "not finite",
       "infeasible",   "no hover",      "no lease", "not following", "discontinuous",
-      "out of fence", "obstacle",      "teammate"};
+      "out of fence", "obstacle",      "teammate", "too costly"};
   return kNames[static_cast<std::size_t>(verdict)];
 }
 
@@ -101,63 +172,37 @@ double fence_distance_m(const models::World& world, const Eigen::Vector2d& p_m) 
 }
 
 PlanVerdict check_shape(const HeldPlan& plan, const SafetyLimits& limits) {
+  return check_shape(plan, limits.vehicle, limits.lateral_max_mps2);
+}
+
+PlanVerdict check_shape(const HeldPlan& plan, const models::VehicleLimits& can,
+                        double lateral_max_mps2) {
   if (!is_finite(plan)) {
     return PlanVerdict::kNotFinite;
   }
-  if (!is_feasible(plan, limits)) {
+  if (!is_feasible(plan, can, lateral_max_mps2)) {
     return PlanVerdict::kInfeasible;
   }
   return ends_at_rest(plan) ? PlanVerdict::kAccepted : PlanVerdict::kNoHover;
 }
 
 PlanVerdict check_way(const HeldPlan& plan, Time now, const SafetyLimits& limits,
-                      std::span<const OtherCourse> others) {
-  if (plan.height_m <= 0.0 || plan.height_m >= limits.fence.ceiling_m) {
-    return PlanVerdict::kOutsideFence;
+                      std::span<const OtherCourse> others, int* steps) {
+  int taken = 0;
+  PlanVerdict verdict = PlanVerdict::kOutsideFence;
+  if (plan.height_m > 0.0 && plan.height_m < limits.fence.ceiling_m) {
+    verdict = check_room(plan, now, limits, taken);
   }
-  // Times count from `now`. Every course has stopped at `end_s`.
-  const double offset_s = to_seconds(now - plan.start_time);
-  const double own_end_s = duration_s(plan) - offset_s;
-  double end_s = std::max(0.0, own_end_s);
   for (const OtherCourse& other : others) {
-    if (other.plan != nullptr) {
-      end_s = std::max(end_s, duration_s(*other.plan) - to_seconds(now - other.plan->start_time));
+    if (verdict != PlanVerdict::kAccepted) {
+      break;
     }
+    verdict = check_apart(plan, now, limits, other, taken);
   }
-  for (double t_s = 0.0;;) {
-    const PlanPoint here = point_at(plan, t_s + offset_s);
-    const Room room = room_at(here, limits);
-    if (room.fence_m < -kSlack) {
-      return PlanVerdict::kOutsideFence;
-    }
-    if (room.obstacle_m < -kSlack) {
-      return PlanVerdict::kObstacle;
-    }
-    const double own_mps = limits.vehicle.speed_max_mps;
-    double step_s = std::min(room.fence_m, room.obstacle_m) / own_mps;
-    if (t_s > own_end_s) {
-      step_s = end_s;  // it hovers; only others move
-    }
-    for (const OtherCourse& other : others) {
-      const Eigen::Vector3d other_m =
-          other.plan == nullptr
-              ? other.position_world_m
-              : point_at(*other.plan, t_s + to_seconds(now - other.plan->start_time))
-                    .position_world_m;
-      const double apart_m = (here.position_world_m - other_m).norm() - limits.plan_separation_m;
-      if (apart_m < -kSlack) {
-        return PlanVerdict::kTeammate;
-      }
-      const double other_mps = other.plan == nullptr
-                                   ? 0.0
-                                   : speed_max_mps(*other.plan, 0.0, models::kFlownDurationMax_s);
-      step_s = std::min(step_s, apart_m / (own_mps + other_mps));
-    }
-    if (t_s >= end_s) {
-      return PlanVerdict::kAccepted;
-    }
-    t_s = std::min(end_s, t_s + std::max(step_s, kStepMinS));
+  if (steps != nullptr) {
+    *steps = taken;
   }
+  return verdict;
 }
 
 }  // namespace vantage::drivers

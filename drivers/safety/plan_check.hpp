@@ -26,9 +26,13 @@ enum class [[nodiscard]] PlanVerdict{
     kNoHover,       ///< does not end at rest
     kNoLease,       ///< another planner holds the lease
     kNotFollowing,  ///< the vehicle does not follow plans now
-    kDiscontinuous, kOutsideFence, kObstacle, kTeammate,
+    kDiscontinuous, kOutsideFence, kObstacle,
+    kTeammate,   ///< or any other body
+    kTooCostly,  ///< to check: more than kWayStepsMax steps
 };
-inline constexpr std::size_t kPlanVerdicts = 13;
+inline constexpr std::size_t kPlanVerdicts = 14;
+/// Steps of one check_way() at most, along the path and against each other body; some 10 ms.
+inline constexpr int kWayStepsMax = 50'000;
 
 /// As reasons and counters write it.
 const char* name_of(PlanVerdict verdict);
@@ -60,18 +64,41 @@ PlanPoint point_at(const HeldPlan& plan, double elapsed_s);
 /// The fastest that the plan moves within [from_s, to_s] after its start.
 double speed_max_mps(const HeldPlan& plan, double from_s, double to_s);
 
-/// Another body that the plan must keep away from: on its own plan, or where it is.
+/// The states on one plan at ascending times, as point_at() gives them; a state costs about as much
+/// as one segment, however many the plan has. The plan must outlive it.
+class PlanWalk {
+ public:
+  explicit PlanWalk(const HeldPlan& plan);
+  /// @param elapsed_s  after the start; no less than at the call before
+  PlanPoint at(double elapsed_s);
+
+ private:
+  const HeldPlan* plan_;
+  std::size_t segment_ = 0;
+  double begin_s_ = 0.0;  ///< of that segment
+  PlanPoint begin_;       ///< the state there
+};
+
+/// Another body that the plan must keep away from: on its own plan, or where it is seen and
+/// straight on from there.
 struct OtherCourse {
-  const HeldPlan* plan = nullptr;  ///< nullptr: stays at position_world_m
+  const HeldPlan* plan = nullptr;  ///< nullptr: at position_world_m
   Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();  ///< without a plan
+  double goes_on_s = 0.0;       ///< so long; a body that moves is not looked at after it
+  bool reaches_ground = false;  ///< all that is beneath it counts as well
 };
 
 /// kAccepted, kNotFinite, kInfeasible or kNoHover, from the plan alone.
 PlanVerdict check_shape(const HeldPlan& plan, const SafetyLimits& limits);
-/// kAccepted, kOutsideFence, kObstacle or kTeammate for the rest of the plan from `now` on.
-/// Advances by as much as the distance left allows, so nothing thinner than 2 mm is stepped over.
+/// Checks the plan of another vehicle by the limits of that vehicle.
+PlanVerdict check_shape(const HeldPlan& plan, const models::VehicleLimits& can,
+                        double lateral_max_mps2);
+/// kAccepted, or the first that applies of kOutsideFence, kObstacle, kTeammate and kTooCostly, for
+/// the rest of the plan from `now` on. Advances by as much as the distance left allows, so nothing
+/// thinner than 2 mm is stepped over. `steps`, where given, becomes the number of steps taken.
 PlanVerdict check_way(const HeldPlan& plan, Time now, const SafetyLimits& limits,
-                      std::span<const OtherCourse> others);
+                      std::span<const OtherCourse> others, int* steps = nullptr);
 
 /// Distance from `p_m` to the nearest obstacle, exactly; negative inside one. +∞ without any.
 double obstacle_distance_m(const models::World& world, const Eigen::Vector2d& p_m);

@@ -13,19 +13,46 @@ namespace {
 constexpr int kSamples = 16;     // along the braking way
 constexpr double kLevelM = 0.3;  // within it, two heights are one
 constexpr double kStandsMps = 0.1;
+constexpr double kMovesOffS = 1.0;  // about as long as a hover takes to move off
 constexpr double kFenceSpareM = 0.1;
 constexpr double kObstacleSpareM = 0.05;
 constexpr double kHoverSpareM = 0.05;  // beyond hover_clearance_m, where one goes to
 constexpr double kBelowSpareM = 0.1;   // beyond landing_clearance_m, the same
 
-// By how much nearer a body may be than one of our size where it was seen. A robot that is lost
-// stops; what else moves may go on as it did for a second.
-double tube_m(const OtherBody& body, const SafetyLimits& limits) {
+bool is_robot(const OtherBody& body) { return body.robot >= 0; }
+
+Eigen::Vector3d level(const Eigen::Vector3d& v) { return {v.x(), v.y(), 0.0}; }
+
+double unseen_s(const OtherBody& body, const SafetyLimits& limits) {
+  return std::max(0.0, body.age_s - limits.pose_age_hold_s);
+}
+
+// Returns how far a body may be from where it was seen. A robot that is lost stops; what else moves
+// may go on as it did for a second.
+double strayed_m(const OtherBody& body, const SafetyLimits& limits) {
   constexpr double kGoesOnS = 1.0;
-  const double unseen_s = std::max(0.0, body.age_s - limits.pose_age_hold_s);
   const double growth_mps = std::max(limits.other_pose_growth_mps, body.went_mps);
   const double most_m = std::max(limits.other_pose_growth_max_m, kGoesOnS * body.went_mps);
-  return std::min(most_m, growth_mps * unseen_s) + body.larger_m;
+  return std::min(most_m, growth_mps * unseen_s(body, limits));
+}
+
+// Returns by how much nearer a body may be than one of our size where it was seen.
+double tube_m(const OtherBody& body, const SafetyLimits& limits) {
+  return strayed_m(body, limits) + body.larger_m;
+}
+
+// Least distance from a vehicle that moves from `from_m` to `to_m` to a body that stands on the
+// ground, with its markers up to `top_m`, that moves meanwhile between two places and may be
+// `strayed_m` from them. The least of each direction, as if at the same instant: no more than the
+// true one.
+double apart_of_standing_m(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
+                           const Eigen::Vector3d& body_from_m, const Eigen::Vector3d& body_to_m,
+                           double strayed_m) {
+  const double beside_m =
+      models::closest_approach_m(level(from_m), level(to_m), level(body_from_m), level(body_to_m));
+  const double top_m = std::max(body_from_m.z(), body_to_m.z());
+  const double above_m = std::max(0.0, std::min(from_m.z(), to_m.z()) - top_m);
+  return std::hypot(std::max(0.0, beside_m - strayed_m), above_m);
 }
 
 double fence_edge_m(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
@@ -37,12 +64,13 @@ double obstacle_edge_m(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
   return obstacle_distance_m(limits.fence, p_m.head<2>()) - limits.vehicle.radius_m;
 }
 
-// Least distance of the centres while we brake along `way` and the other straight from its
-// velocity.
+// Least distance of the centres while we brake along `way` and the other, a robot, straight from
+// its velocity.
 double closest_stop_m(const BrakeWay& way, const OtherBody& body,
                       const Eigen::Vector3d& velocity_mps, const SafetyLimits& limits) {
-  const BrakeWay theirs = BrakeWay::straight(body.position_world_m, velocity_mps, 0.0,
-                                             limits.vehicle.brake_mps2, limits.reaction_s);
+  const double brake_mps2 = body.brake_mps2 > 0.0 ? body.brake_mps2 : limits.vehicle.brake_mps2;
+  const BrakeWay theirs =
+      BrakeWay::straight(body.position_world_m, velocity_mps, 0.0, brake_mps2, limits.reaction_s);
   const double end_s = std::max(way.duration_s(), theirs.duration_s());
   double least_m = (way.at(0.0).position_world_m - body.position_world_m).norm();
   for (int i = 0; i < kSamples; ++i) {
@@ -54,6 +82,25 @@ double closest_stop_m(const BrakeWay& way, const OtherBody& body,
                               theirs.at(t0_s).position_world_m, theirs.at(t1_s).position_world_m));
   }
   return least_m;
+}
+
+// Least distance of the centres until we stand, while we brake along `way` and a body that does not
+// brake goes on as it does. It may leave its straight path; one that is not seen may go anywhere.
+double closest_walk_m(const BrakeWay& way, const OtherBody& body, const SafetyLimits& limits) {
+  const bool is_seen = unseen_s(body, limits) <= 0.0;
+  const double strays_mps = is_seen ? 0.0 : body.went_mps;
+  double least_m = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kSamples; ++i) {
+    const double t0_s = way.duration_s() * i / kSamples;
+    const double t1_s = way.duration_s() * (i + 1) / kSamples;
+    const double off_m =
+        strayed_m(body, limits) + strays_mps * t1_s + 0.5 * limits.other_turn_mps2 * t1_s * t1_s;
+    least_m = std::min(least_m, apart_of_standing_m(
+                                    way.at(t0_s).position_world_m, way.at(t1_s).position_world_m,
+                                    body.position_world_m + t0_s * body.velocity_world_mps,
+                                    body.position_world_m + t1_s * body.velocity_world_mps, off_m));
+  }
+  return least_m - body.larger_m;
 }
 
 Eigen::Vector3d inside(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
@@ -68,22 +115,27 @@ Eigen::Vector3d inside(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
   return out;
 }
 
-Eigen::Vector3d level(const Eigen::Vector3d& v) { return {v.x(), v.y(), 0.0}; }
-
 bool is_standing_robot(const OtherBody& body) {
-  return body.robot >= 0 && level(body.velocity_world_mps).norm() < kStandsMps;
+  return is_robot(body) && level(body.velocity_world_mps).norm() < kStandsMps;
 }
 
-// On the straight way the body, where it is, would be nearer than `apart_m` and than it is now; as
+// Where a body will be `t_s` from now as far as a landing counts on it: a robot where it is.
+Eigen::Vector3d carried_on_m(const OtherBody& body, double t_s) {
+  return is_robot(body) ? body.position_world_m
+                        : Eigen::Vector3d(body.position_world_m + t_s * body.velocity_world_mps);
+}
+
+// On the straight way, at kShiftMps, the body would be nearer than `apart_m` and than it is now; as
 // seen from above a robot, since it may be about to come down as well, and what is not below.
 bool meets(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m, const OtherBody& body,
            double apart_m) {
   const bool is_below = body.position_world_m.z() < std::min(from_m.z(), to_m.z()) - kLevelM;
-  const bool is_column = body.robot >= 0 || !is_below;
+  const bool is_column = is_robot(body) || !is_below;
   const auto seen = [&](const Eigen::Vector3d& p_m) { return is_column ? level(p_m) : p_m; };
   const Eigen::Vector3d q_m = seen(body.position_world_m);
+  const Eigen::Vector3d then_m = seen(carried_on_m(body, (to_m - from_m).norm() / kShiftMps));
   const double now_m = (seen(from_m) - q_m).norm();
-  const double least_m = models::closest_approach_m(seen(from_m), seen(to_m), q_m, q_m);
+  const double least_m = models::closest_approach_m(seen(from_m), seen(to_m), q_m, then_m);
   return least_m < std::min(now_m, apart_m + body.larger_m) - 1e-9;
 }
 
@@ -98,9 +150,9 @@ bool is_way_clear(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
     }
   }
   return std::none_of(others.begin(), others.end(), [&](const OtherBody& body) {
-    const bool is_robot = body.robot >= 0;
-    return meets(from_m, to_m, body,
-                 is_robot ? limits.landing_clearance_m + kBelowSpareM : limits.separation_hold_m);
+    return meets(
+        from_m, to_m, body,
+        is_robot(body) ? limits.landing_clearance_m + kBelowSpareM : limits.separation_hold_m);
   });
 }
 
@@ -120,15 +172,25 @@ Surroundings look_around(const Eigen::Vector3d& position_m, const BrakeWay& way,
   }
   for (const OtherBody& body : others) {
     const double less_m = tube_m(body, limits);
-    const double apart_m = (position_m - body.position_world_m).norm() - less_m;
+    const Eigen::Vector3d& there_m = body.position_world_m;
+    const double apart_m = is_robot(body) ? (position_m - there_m).norm() - less_m
+                                          : apart_of_standing_m(position_m, position_m, there_m,
+                                                                there_m, strayed_m(body, limits)) -
+                                                body.larger_m;
     out.separation_now_m = std::min(out.separation_now_m, apart_m);
-    double least_m =
-        std::min(apart_m, closest_stop_m(way, body, body.velocity_world_mps, limits) - less_m);
-    if (body.planned_world_mps != body.velocity_world_mps) {
+    double least_m = apart_m;
+    if (!is_robot(body)) {
+      least_m = std::min(least_m, closest_walk_m(way, body, limits));
+    } else {
       least_m =
-          std::min(least_m, closest_stop_m(way, body, body.planned_world_mps, limits) - less_m);
+          std::min(least_m, closest_stop_m(way, body, body.velocity_world_mps, limits) - less_m);
+      if (body.planned_world_mps != body.velocity_world_mps) {
+        least_m =
+            std::min(least_m, closest_stop_m(way, body, body.planned_world_mps, limits) - less_m);
+      }
     }
-    if (least_m < out.separation_stop_m) {
+    const bool is_as_near = least_m == out.separation_stop_m;
+    if (least_m < out.separation_stop_m || (is_as_near && body.goes_first)) {
       out.separation_stop_m = least_m;
       out.yields = body.goes_first;
     }
@@ -154,13 +216,17 @@ double near_soon_m(const Eigen::Vector3d& position_m, std::span<const OtherBody>
 }
 
 bool is_occupied_below(const Eigen::Vector3d& position_m, std::span<const OtherBody> others,
-                       const SafetyLimits& limits, double spare_m) {
+                       const SafetyLimits& limits, double spare_m, double look_s) {
+  const double until_down_s = std::max(0.0, position_m.z()) / limits.low_descent_mps;
   return std::any_of(others.begin(), others.end(), [&](const OtherBody& body) {
-    const Eigen::Vector3d away_m = position_m - body.position_world_m;
+    const double above_m = position_m.z() - body.position_world_m.z();
     const bool is_below =
-        body.robot < 0 || away_m.z() > kLevelM || (away_m.z() > -kLevelM && body.goes_first);
+        !is_robot(body) || above_m > kLevelM || (above_m > -kLevelM && body.goes_first);
     const double needed_m = limits.landing_clearance_m + tube_m(body, limits) + spare_m;
-    return is_below && away_m.head<2>().norm() < needed_m;
+    const Eigen::Vector3d here_m = level(position_m);
+    return is_below && models::closest_approach_m(
+                           here_m, here_m, level(body.position_world_m),
+                           level(carried_on_m(body, std::min(look_s, until_down_s)))) < needed_m;
   });
 }
 
@@ -178,7 +244,7 @@ Eigen::Vector3d landing_spot(const Eigen::Vector3d& hover_m, std::span<const Oth
   constexpr int kBearings = 12;
   const Eigen::Vector3d home_m = inside(hover_m, limits);
   const auto is_free = [&](const Eigen::Vector3d& spot_m) {
-    return !is_occupied_below(spot_m, others, limits, kBelowSpareM) &&
+    return !is_occupied_below(spot_m, others, limits, kBelowSpareM, limits.landing_look_s) &&
            is_way_clear(hover_m, spot_m, others, limits);
   };
   if (is_free(home_m)) {
@@ -240,8 +306,9 @@ std::optional<Eigen::Vector3d> clear_spot(const Eigen::Vector3d& hover_m,
           hover_m + kRingM * ring * Eigen::Vector3d(std::cos(angle_rad), std::sin(angle_rad), 0.0);
       const bool is_apart = std::all_of(others.begin(), others.end(), [&](const OtherBody& body) {
         const double now_m = (hover_m - body.position_world_m).norm();
-        return (spot_m - body.position_world_m).norm() >=
-               std::min(now_m, limits.separation_hold_m + kHoverSpareM + body.larger_m);
+        const double then_m = models::closest_approach_m(spot_m, spot_m, body.position_world_m,
+                                                         carried_on_m(body, kMovesOffS));
+        return then_m >= std::min(now_m, limits.separation_hold_m + kHoverSpareM + body.larger_m);
       });
       if (is_apart && edge_m(spot_m) >= limits.hover_clearance_m + kHoverSpareM) {
         return spot_m;

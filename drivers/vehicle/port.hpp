@@ -25,14 +25,16 @@ class Port {
   [[nodiscard]] virtual bool is_datagram() const = 0;
   /// What has arrived, into `buffer`; how many bytes, 0 when nothing has.
   virtual std::size_t read(std::span<std::uint8_t> buffer, Time now) = 0;
+  /// The bytes read last came from the vehicle: from now on their sender alone is listened to, and
+  /// answered, until it has been silent for three seconds.
+  virtual void accept(Time /*now*/) {}
   /// Sends one message whole or not at all.
   virtual void write(std::span<const std::uint8_t> message, Time now) = 0;
   [[nodiscard]] virtual std::vector<models::NamedCount> counters() const = 0;
 };
 
 /// Opens a port by URL:
-///   udp://[HOST]:PORT      waits there for the vehicle and answers where it speaks from; only one
-///                          sender is heard until it has been silent for three seconds
+///   udp://[HOST]:PORT      waits there for the vehicle and answers the sender that was accepted
 ///   udpout://HOST:PORT     speaks first
 ///   serial:DEVICE[:BAUD]   921600 baud without one, 230400 at least; opened again when it goes
 ///                          away

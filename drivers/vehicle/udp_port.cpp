@@ -50,6 +50,9 @@ class UdpPort : public Port {
   [[nodiscard]] bool is_datagram() const override { return true; }
 
   std::size_t read(std::span<std::uint8_t> buffer, Time now) override {
+    if (peer_ && !is_peer_fixed_ && now - accepted_ > kSilence) {
+      disconnect();
+    }
     while (true) {
       sockaddr_in from{};
       socklen_t size = sizeof from;
@@ -61,22 +64,33 @@ class UdpPort : public Port {
         }
         return 0;
       }
-      const bool is_peer = peer_ && is_same(*peer_, from);
-      if (!is_peer && (is_peer_fixed_ || (peer_ && now - heard_ <= kSilence))) {
+      if (peer_ && !is_same(*peer_, from)) {  // it waited in the socket before the connection
         ++strangers_;
         continue;
       }
-      peer_ = from;
-      heard_ = now;
+      sender_ = from;
       if (got > 0) {
         return static_cast<std::size_t>(got);
       }
     }
   }
 
+  void accept(Time now) override {
+    accepted_ = now;
+    if (peer_ || !sender_) {
+      return;
+    }
+    // The kernel drops the datagrams of all others from here on, whatever their number.
+    if (connect(fd_, as_sockaddr(*sender_), sizeof *sender_) == 0) {
+      peer_ = sender_;
+    } else {
+      ++send_errors_;
+    }
+  }
+
   void write(std::span<const std::uint8_t> message, Time) override {
     if (!peer_) {
-      return;  // nobody to speak to yet
+      return;  // the vehicle has not been received yet
     }
     const ssize_t sent =
         sendto(fd_, message.data(), message.size(), 0, as_sockaddr(*peer_), sizeof *peer_);
@@ -97,10 +111,18 @@ class UdpPort : public Port {
   }
 
  private:
+  void disconnect() {
+    sockaddr none{};
+    none.sa_family = AF_UNSPEC;
+    connect(fd_, &none, sizeof none);
+    peer_.reset();
+  }
+
   int fd_;
-  std::optional<sockaddr_in> peer_;
+  std::optional<sockaddr_in> sender_;  ///< of the datagram read last
+  std::optional<sockaddr_in> peer_;    ///< the vehicle
   bool is_peer_fixed_ = false;
-  Time heard_{};
+  Time accepted_{};
   std::int64_t send_errors_ = 0;
   std::int64_t strangers_ = 0;
 };

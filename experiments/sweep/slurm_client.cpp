@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "core/check.hpp"
 #include "core/child.hpp"
@@ -34,8 +35,9 @@ auto count_of(const SlurmQueue& queue, const Rule& rule) {
 }  // namespace
 
 std::string SlurmJobs::are() const {
-  return collector.empty() ? fmt::format("job {} is", array)
-                           : fmt::format("jobs {} and {} are", array, collector);
+  return collector.empty()
+             ? fmt::format("job {} is", job_text(array))
+             : fmt::format("jobs {} and {} are", number_of(array), job_text(collector));
 }
 
 bool SlurmQueue::has_task(bool (*rule)(const std::string& state)) const {
@@ -62,9 +64,12 @@ std::string submit_job(const std::vector<std::string>& options, const std::strin
 }
 
 Result<SlurmQueue> ask_queue(const SlurmJobs& jobs) {
+  const std::string array = number_of(jobs.array);
+  const std::string collector = number_of(jobs.collector);
   const Result<ChildAnswer> answer =
-      ask({"squeue", "--noheader", "--array", "--states=all", "--format=%i|%T",
-           "--jobs=" + jobs.array + (jobs.collector.empty() ? "" : "," + jobs.collector)});
+      ask(joined({"squeue", "--noheader", "--array", "--states=all", "--format=%i|%T",
+                  "--jobs=" + array + (collector.empty() ? "" : "," + collector)},
+                 cluster_option(jobs.array)));
   if (!answer.ok()) {
     return answer.error();
   }
@@ -76,17 +81,29 @@ Result<SlurmQueue> ask_queue(const SlurmJobs& jobs) {
   SlurmQueue queue;
   for (const auto& [job, state] : states_of(text)) {
     const std::size_t underscore = job.find('_');
-    if (job == jobs.collector) {
+    if (job == collector) {
       queue.collector = state;
-    } else if (underscore != std::string::npos && job.substr(0, underscore) == jobs.array) {
+    } else if (underscore != std::string::npos && job.substr(0, underscore) == array) {
       queue.tasks[std::atoi(job.c_str() + underscore + 1)] = state;
     }
   }
   return queue;
 }
 
-void cancel_jobs(const std::vector<std::string>& arguments) {
-  static_cast<void>(ask(joined({"scancel", "--quiet"}, arguments)));
+void cancel_job(const std::string& job, const std::vector<std::string>& options) {
+  if (job.empty()) {
+    return;
+  }
+  static_cast<void>(ask(joined(joined(joined({"scancel", "--quiet"}, options), cluster_option(job)),
+                               {number_of(job)})));
+}
+
+std::string cancel_command(const SlurmJobs& jobs) {
+  auto words = joined(joined({"scancel"}, cluster_option(jobs.array)), {number_of(jobs.array)});
+  if (!jobs.collector.empty()) {
+    words.push_back(number_of(jobs.collector));
+  }
+  return fmt::format("{}", fmt::join(words, " "));
 }
 
 }  // namespace vantage::experiments

@@ -12,7 +12,7 @@ namespace vantage::experiments {
 
 /// The array of shards, and the job that collects them.
 struct SlurmJobs {
-  std::string array;      ///< number; empty: none was submitted
+  std::string array;      ///< as job_of() has it; empty: none was submitted
   std::string collector;  ///< likewise
   int shards = 0;         ///< into how many the sweep was parted
   /// "jobs 12 and 13 are".
@@ -29,14 +29,17 @@ struct SlurmQueue {
   [[nodiscard]] std::string describe() const;
 };
 
-/// The number that the job got from `sbatch OPTIONS SCRIPT`.
+/// Returns the job that `sbatch OPTIONS SCRIPT` made, as job_of() has it.
 /// @throws StartupError with Slurm's own words when it takes no job, or is not here
 std::string submit_job(const std::vector<std::string>& options, const std::string& script);
 
-/// The Error is squeue's when it cannot be asked.
+/// Asks the cluster that the jobs were submitted to. The Error is squeue's when it cannot be asked.
 Result<SlurmQueue> ask_queue(const SlurmJobs& jobs);
 
-/// scancel; that a job has ended already is as good.
-void cancel_jobs(const std::vector<std::string>& arguments);
+/// Cancels the job on its cluster, with more options for scancel; that it has ended already is as
+/// good.
+void cancel_job(const std::string& job, const std::vector<std::string>& options = {});
+/// The command that cancels both.
+std::string cancel_command(const SlurmJobs& jobs);
 
 }  // namespace vantage::experiments

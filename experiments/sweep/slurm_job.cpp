@@ -59,12 +59,29 @@ std::string array_text(const std::vector<int>& numbers) {
 std::string job_of(const std::string& answer) {
   std::istringstream lines(answer);
   for (std::string line; std::getline(lines, line);) {
-    const std::string number = line.substr(0, line.find(';'));  // "12;cluster"
+    const std::string number = number_of(line);
     if (!number.empty() && number.find_first_not_of("0123456789") == std::string::npos) {
-      return number;
+      return line;
     }
   }
   return "";
+}
+
+std::string number_of(const std::string& job) { return job.substr(0, job.find(';')); }
+
+std::string cluster_of(const std::string& job) {
+  const std::size_t semicolon = job.find(';');
+  return semicolon == std::string::npos ? "" : job.substr(semicolon + 1);
+}
+
+std::vector<std::string> cluster_option(const std::string& job) {
+  const std::string cluster = cluster_of(job);
+  return cluster.empty() ? std::vector<std::string>() : std::vector{"--clusters=" + cluster};
+}
+
+std::string job_text(const std::string& job) {
+  const std::string cluster = cluster_of(job);
+  return number_of(job) + (cluster.empty() ? "" : " on cluster " + cluster);
 }
 
 std::map<std::string, std::string> states_of(const std::string& answer) {

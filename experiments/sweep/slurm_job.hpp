@@ -25,9 +25,17 @@ std::vector<int> shards_lacking(const SweepPlan& plan, int of,
 /// "1-3,7" of ascending numbers, as sbatch --array has it.
 std::string array_text(const std::vector<int>& numbers);
 
-/// The number of the job in what `sbatch --parsable` said, warnings included; "" when there is
-/// none.
+/// Returns the job that `sbatch --parsable` reports, with warnings around it: "12", or "12;east"
+/// where Slurm named the cluster; "" when there is none.
 std::string job_of(const std::string& answer);
+/// The parts of it; a cluster that was not named is "".
+std::string number_of(const std::string& job);
+std::string cluster_of(const std::string& job);
+/// Returns the option that has squeue, scancel and sbatch work on the cluster of `job`; none where
+/// that was not named. A number alone may be another job on the default cluster.
+std::vector<std::string> cluster_option(const std::string& job);
+/// "12", "12 on cluster east".
+std::string job_text(const std::string& job);
 
 /// States as squeue names them, by job: of tasks "12_3", of a job that is no array "13". Words are
 /// those of `squeue --noheader --array --format=%i|%T`.

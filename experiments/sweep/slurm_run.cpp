@@ -97,12 +97,15 @@ class SlurmRun {
     return now.value().has_task(is_live) || is_live(now.value().collector);
   }
 
-  // The number that the job got.
-  [[nodiscard]] std::string sbatch(std::vector<std::string> options, const char* script) const {
+  // The job, on the cluster of `near` where that was named: a dependency does not reach another.
+  [[nodiscard]] std::string sbatch(std::vector<std::string> options, const char* script,
+                                   const std::string& near) const {
     options.push_back("--chdir=" + folder_.string());
     options.push_back("--job-name=vantage-" + identity_.experiment);
     options.emplace_back("--requeue");  // should its node die, whatever the site has as a rule
     options.insert(options.end(), slurm_.sbatch.begin(), slurm_.sbatch.end());
+    const std::vector<std::string> cluster = cluster_option(near);
+    options.insert(options.end(), cluster.begin(), cluster.end());
     return submit_job(options, (folder_ / script).string());
   }
 
@@ -119,29 +122,29 @@ class SlurmRun {
     submitted_ = {"", "", slurm_.shards};
     submitted_.array = sbatch({"--array=" + array_text(lacking), "--output=shard_%a.log",
                                fmt::format("--cpus-per-task={}", slurm_.cores_per_task)},
-                              "shards.sh");
+                              "shards.sh", "");
     keep_submitted();
     try {
-      submitted_.collector = sbatch({"--dependency=afterok:" + submitted_.array,
+      submitted_.collector = sbatch({"--dependency=afterok:" + number_of(submitted_.array),
                                      "--kill-on-invalid-dep=yes", "--output=collect.log"},
-                                    "collect.sh");
+                                    "collect.sh", submitted_.array);
     } catch (const StartupError& refusal) {
-      cancel_jobs({submitted_.array});
-      throw StartupError(
-          fmt::format("{} (that collects; job {} is cancelled)", refusal.what(), submitted_.array));
+      cancel_job(submitted_.array);
+      throw StartupError(fmt::format("{} (that collects; job {} is cancelled)", refusal.what(),
+                                     job_text(submitted_.array)));
     }
     keep_submitted();
     slurm_.tell(
         fmt::format("submitted: job {} of shards {} of {}, job {} that collects them; logs in {}",
-                    submitted_.array, array_text(lacking), slurm_.shards, submitted_.collector,
-                    folder_.string()));
+                    job_text(submitted_.array), array_text(lacking), slurm_.shards,
+                    job_text(submitted_.collector), folder_.string()));
   }
 
   SlurmEnd left_alone() const {
     slurm_.tell(
         fmt::format("{} left to run; results will be in {}. The same command waits for "
-                    "them. To cancel: scancel {} {}",
-                    submitted_.are(), options_.directory, submitted_.array, submitted_.collector));
+                    "them. To cancel: {}",
+                    submitted_.are(), options_.directory, cancel_command(submitted_)));
     return SlurmEnd::kSubmitted;
   }
 
@@ -202,11 +205,11 @@ class SlurmRun {
                                     return is_failure(task.second);
                                   });
           if (has_failed || Clock::now() - *ended > kSeenWithin) {
-            cancel_jobs({submitted_.collector});
+            cancel_job(submitted_.collector);
             return tell_lacking(last);
           }
         } else if (is_at_work(now.value().collector)) {
-          cancel_jobs({"--state=PENDING", submitted_.collector});
+          cancel_job(submitted_.collector, {"--state=PENDING"});
         } else {
           return collect();
         }

@@ -95,8 +95,9 @@ class Analyst {
         lost += channel.messages_lost;
       }
     }
-    analysis_.summary = metrics_.finish(survey.last);
+    analysis_.summary = metrics_.finish(survey.end);
     analysis_.sets = sets_.means();
+    analysis_.times_outlying = survey.times_outlying;
     analysis_.summary.messages_lost = std::max(analysis_.summary.messages_lost, lost);
     for (auto& [name, values_s] : latencies_s_) {
       analysis_.latencies[name] = spread_of(std::move(values_s));
@@ -193,11 +194,13 @@ std::vector<Hop> hops_of(const models::ProcessHealth& health) {
 
 LogAnalysis analyse_log(const IndexedLog& log, const scenario::Scenario& scenario,
                         const std::function<void(double)>& progress) {
-  Analyst analyst(scenario, log.survey().first);
+  Analyst analyst(scenario, log.survey().begin);
   LogScan scan = log.scan();
   while (const auto event = scan.next()) {
-    analyst.now(event->channel, event->time);
-    visit_message(*event, [&](const auto& message) { analyst.on(message); });
+    if (log.survey().is_usual(event->time)) {
+      analyst.now(event->channel, event->time);
+      visit_message(*event, [&](const auto& message) { analyst.on(message); });
+    }
     if (progress && scan.counts().events % kEventsPerReport == 0) {
       progress(static_cast<double>(event->offset) / static_cast<double>(log.bytes().size()));
     }
@@ -231,6 +234,7 @@ nlohmann::ordered_json to_json(const LogAnalysis& analysis) {
                                 {"margin", to_json(record.margin)},
                                 {"search", to_json(record.search)}};
   }
+  json["times_outlying"] = analysis.times_outlying;
   json["lost"] = nlohmann::ordered_json::object();
   for (const auto& [channel, lost] : analysis.lost) {
     json["lost"][readable(channel)] = lost;

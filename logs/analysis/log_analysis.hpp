@@ -49,7 +49,7 @@ struct Hop {
 /// From a process's counters NAME_p50_us, NAME_p99_us and NAME_max_us, in their order.
 std::vector<Hop> hops_of(const models::ProcessHealth& health);
 
-/// One instant of the trial's course. Seconds since the log's first event.
+/// One instant of the trial's course. Seconds since the log's begin.
 struct CoursePoint {
   double at_s = 0.0;
   std::optional<double> rmse_m;  ///< of the targets known, by the team's estimates
@@ -73,7 +73,8 @@ struct LogAnalysis {
   std::map<std::string, std::vector<Hop>> hops;     ///< by process
   std::map<std::string, DeadlineRecord> deadlines;  ///< by robot
   std::map<std::string, std::int64_t> lost;         ///< messages missing in the log, by channel
-  std::vector<CoursePoint> course;                  ///< one a judged estimator step
+  std::int64_t times_outlying = 0;  ///< events left out for their times (UsualTimes)
+  std::vector<CoursePoint> course;  ///< one a judged estimator step
   std::vector<PlanPoint> plans;
 };
 

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "bus/convert/channels.hpp"
+#include "core/saturated_time.hpp"
 
 namespace vantage::logs {
 namespace {
@@ -18,7 +19,7 @@ std::optional<LogEvent> scenario_before(const IndexedLog& log, Time time) {
   const auto is_scenario = [](const LogEvent& event) {
     return event.channel == bus::kScenario.name;
   };
-  LogScan near = log.scan_from(time - kScenarioAge);
+  LogScan near = log.scan_from(saturated_sum(time, -kScenarioAge));
   for (auto event = near.next(); event && event->time < time; event = near.next()) {
     if (is_scenario(*event)) {
       newest = *event;
@@ -64,10 +65,10 @@ EditCounts edit_log(const IndexedLog& log, EditRules& rules, const EventSink& si
     if (counts.is_stopped || counts.failed > 0) {
       break;
     }
-    if (is_sorted && event->time >= rules.to) {
+    if (is_sorted && !rules.is_before_end(event->time)) {
       break;
     }
-    if (event->time < rules.from || event->time >= rules.to ||
+    if (event->time < rules.from || !rules.is_before_end(event->time) ||
         (rules.drops_doubtful && event->is_doubtful) || !rules.channels.takes(event->channel)) {
       ++counts.left_out;
       continue;

@@ -16,11 +16,13 @@ using EventSink = std::function<bool(const LogEvent&)>;
 
 struct EditRules {
   Time from = Time::min();
-  Time to = Time::max();  ///< not included
+  Time to = Time::max();  ///< not included; Time::max(): no end
   ChannelFilter channels;
   ChannelRenames names;
   bool drops_doubtful = false;
   std::function<bool()> stop = [] { return false; };  ///< asked at each event; true ends it there
+
+  [[nodiscard]] bool is_before_end(Time time) const { return time < to || to == Time::max(); }
 };
 
 struct EditCounts {

@@ -47,6 +47,7 @@ void go_through(const IndexedLog& log, McapWriter& writer, ExportCounts& counts,
   writer.finish();
   counts.failure = writer.failure();
   counts.messages = writer.messages();
+  counts.times_held = writer.times_held();
   std::erase_if(counts.left_out, [](const auto& each) { return each.second == 0; });
   if (progress) {
     progress(1.0);

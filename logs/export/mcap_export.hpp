@@ -14,6 +14,8 @@ struct ExportCounts {
   std::uint64_t messages = 0;  ///< written
   /// Events that are no whole message of this version, by channel; of the channels that were meant.
   std::map<std::string, std::int64_t> left_out;
+  /// Messages with times that do not fit (McapWriter::times_held).
+  std::int64_t times_held = 0;
   bool is_stopped = false;  ///< before the end, by who asked for it
   std::string failure;      ///< why not all could be written, with the file's name; else empty
 };

@@ -5,9 +5,11 @@
 #include <cstdio>
 #include <cstring>
 
+#include <fmt/format.h>
 #include <zstd.h>
 
 #include "core/check.hpp"
+#include "core/saturated_time.hpp"
 #include "logs/export/crc32.hpp"
 
 namespace vantage::logs {
@@ -15,6 +17,7 @@ namespace {
 
 constexpr std::string_view kMagic("\x89MCAP0\r\n", 8);
 constexpr std::size_t kChunkBytes = std::size_t{1} << 20U;
+constexpr std::size_t kTopicsMax = 65'535;
 
 enum Opcode : std::uint8_t {
   kHeader = 0x01,
@@ -66,8 +69,6 @@ std::string record(Opcode opcode, const Content& content) {
 
 std::string part_of(const std::string& path) { return path + ".part"; }
 
-std::uint64_t nanoseconds(Time time) { return static_cast<std::uint64_t>(to_utime(time)) * 1000U; }
-
 }  // namespace
 
 void McapWriter::TimeSpan::add(std::uint64_t time_ns) {
@@ -112,9 +113,9 @@ McapWriter::McapWriter(const std::string& path, McapEncoding encoding)
 
 McapWriter::~McapWriter() { static_cast<void>(finish()); }
 
-void McapWriter::fail() {
+void McapWriter::fail(const std::string& why) {
   if (failure_.empty()) {
-    failure_ = path_ + ": cannot be written: " + std::strerror(errno);
+    failure_ = why;
     out_.close();
     std::remove(part_of(path_).c_str());
   }
@@ -125,7 +126,7 @@ void McapWriter::put(std::string_view bytes) {
     return;
   }
   if (!out_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()))) {
-    fail();
+    fail(path_ + ": cannot be written: " + std::strerror(errno));
   }
   written_bytes_ += bytes.size();
   data_crc_ = crc32(bytes, data_crc_);
@@ -152,10 +153,15 @@ std::string McapWriter::topic_record(std::size_t index) const {
 
 std::uint16_t McapWriter::topic(const std::string& name, const std::string& schema_name,
                                 const std::string& schema_text) {
-  const auto known = std::find_if(topics_.begin(), topics_.end(),
-                                  [&](const Topic& each) { return each.name == name; });
-  if (known != topics_.end()) {
-    return static_cast<std::uint16_t>(known - topics_.begin());
+  if (const auto known = ids_.find(name); known != ids_.end()) {
+    return known->second;
+  }
+  if (topics_.size() == kTopicsMax) {
+    fail(
+        fmt::format("{}: cannot be written: an MCAP file numbers at most {} topics; choose "
+                    "channels with --channels, or leave out what is drawn with --messages-only",
+                    path_, kTopicsMax));
+    return 0;
   }
   auto schema = std::find_if(schemas_.begin(), schemas_.end(),
                              [&](const Schema& each) { return each.name == schema_name; });
@@ -164,20 +170,23 @@ std::uint16_t McapWriter::topic(const std::string& name, const std::string& sche
     schema = schemas_.end() - 1;
     chunk_ += schema_record(schemas_.size() - 1);
   }
+  const auto id = static_cast<std::uint16_t>(topics_.size());
   topics_.push_back({name, static_cast<std::uint16_t>(schema - schemas_.begin() + 1), 0});
-  chunk_ += topic_record(topics_.size() - 1);
-  return static_cast<std::uint16_t>(topics_.size() - 1);
+  ids_.emplace(name, id);
+  chunk_ += topic_record(id);
+  return id;
 }
 
 void McapWriter::write(std::uint16_t topic, Time logged, Time published, std::string_view message) {
-  const std::uint64_t logged_ns = nanoseconds(logged);
+  const std::uint64_t logged_ns = nanoseconds_of(logged);
+  times_held_ += fits_nanoseconds(logged) && fits_nanoseconds(published) ? 0 : 1;
   chunk_times_[topic].emplace_back(logged_ns, chunk_.size());
   chunk_span_.add(logged_ns);
   chunk_ += record(kMessage, Content()
                                  .number(topic)
                                  .number(static_cast<std::uint32_t>(topics_[topic].messages))
                                  .number(logged_ns)
-                                 .number(nanoseconds(published))
+                                 .number(nanoseconds_of(published))
                                  .raw(message));
   ++topics_[topic].messages;
   ++messages_;
@@ -295,7 +304,7 @@ bool McapWriter::finish() {
   put(kMagic);
   out_.close();
   if (failure_.empty() && (!out_ || std::rename(part_of(path_).c_str(), path_.c_str()) != 0)) {
-    fail();
+    fail(path_ + ": cannot be written: " + std::strerror(errno));
   }
   return failure_.empty();
 }

@@ -35,8 +35,8 @@ class McapWriter {
   McapWriter(McapWriter&&) = delete;
   McapWriter& operator=(McapWriter&&) = delete;
 
-  /// A new topic, or the one of that name. Topics with equal `schema_name` share the first one's
-  /// `schema_text`.
+  /// Returns a new topic, or the one of that name. Topics with equal `schema_name` share the first
+  /// one's `schema_text`. Beyond 65,535 topics nothing more is written, see failure().
   std::uint16_t topic(const std::string& name, const std::string& schema_name,
                       const std::string& schema_text);
   /// `topic`: an answer of topic().
@@ -47,6 +47,8 @@ class McapWriter {
   /// "PATH: cannot be written: REASON"; empty while all could.
   [[nodiscard]] const std::string& failure() const { return failure_; }
   [[nodiscard]] std::uint64_t messages() const { return messages_; }
+  /// Messages with a time before 1970 or after 2262, which is written as the nearest in between.
+  [[nodiscard]] std::int64_t times_held() const { return times_held_; }
 
  private:
   struct Schema {
@@ -73,7 +75,7 @@ class McapWriter {
   std::string topic_record(std::size_t index) const;
   std::string statistics_record() const;
 
-  void fail();
+  void fail(const std::string& why);
 
   struct Compressor;
   std::string path_;
@@ -83,14 +85,16 @@ class McapWriter {
   std::ofstream out_;
   std::uint64_t written_bytes_ = 0;
   std::uint32_t data_crc_ = 0;
-  std::vector<Schema> schemas_;  ///< ids from 1
-  std::vector<Topic> topics_;    ///< ids from 0
+  std::vector<Schema> schemas_;               ///< ids from 1
+  std::vector<Topic> topics_;                 ///< ids from 0
+  std::map<std::string, std::uint16_t> ids_;  ///< of topics, by name
   std::string chunk_;
   ChunkTimes chunk_times_;
   TimeSpan chunk_span_;
   TimeSpan span_;
   std::vector<std::string> chunk_index_records_;
   std::uint64_t messages_ = 0;
+  std::int64_t times_held_ = 0;
   bool is_finished_ = false;
 };
 

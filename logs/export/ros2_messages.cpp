@@ -18,9 +18,12 @@ namespace {
 constexpr std::string_view kWorld = "world";
 constexpr double kUnknownVariance = 1e6;  // m² and rad²: of what nobody estimates
 
+// Held within what its seconds of 32 bits can say (1901 to 2038).
 Cdr& add_time(Cdr& out, Time time) {
   constexpr std::int64_t kPerSecond = 1'000'000;
-  const std::int64_t utime = to_utime(time);
+  constexpr std::int64_t kLeast = kPerSecond * std::numeric_limits<std::int32_t>::min();
+  constexpr std::int64_t kMost = kPerSecond * std::numeric_limits<std::int32_t>::max();
+  const std::int64_t utime = std::clamp(to_utime(time), kLeast, kMost);
   const std::int64_t seconds = (utime >= 0 ? utime : utime - kPerSecond + 1) / kPerSecond;
   return out.number(static_cast<std::int32_t>(seconds))
       .number(static_cast<std::uint32_t>((utime - seconds * kPerSecond) * 1'000));

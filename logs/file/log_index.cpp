@@ -4,24 +4,23 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <system_error>
+#include <vector>
 
-#include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "logs/file/survey_bytes.hpp"
 #include "logs/file/wire_witness.hpp"
 
 namespace vantage::logs {
 namespace {
 
-using Json = nlohmann::json;
 namespace fs = std::filesystem;
+using Bytes = std::vector<std::uint8_t>;
 
-constexpr int kFormat = 2;
+constexpr std::uint64_t kFormat = 0x564C494E44455803ULL;  // "VLINDEX", 3
 constexpr std::size_t kEndBytes = 4096;
-constexpr std::size_t kBlockNumbers = 4;  ///< of each, 64 bits
-constexpr std::size_t kHashBytes = 8;     ///< at the end of the index, of all before
+constexpr std::size_t kHashBytes = 8;  ///< at the end of the index, of all before
 
 std::uint64_t hash_of(std::span<const std::uint8_t> bytes) {  // FNV-1a
   std::uint64_t hash = 0xcbf29ce484222325ULL;
@@ -31,82 +30,36 @@ std::uint64_t hash_of(std::span<const std::uint8_t> bytes) {  // FNV-1a
   return hash;
 }
 
-/// What tells this very log from another.
-Json identity_of(const std::string& path, std::span<const std::uint8_t> log) {
+/// Identifies this very log: the first bytes of its index.
+Bytes identity_of(const std::string& path, std::span<const std::uint8_t> log) {
   std::error_code error;
   const auto changed = fs::last_write_time(path, error).time_since_epoch().count();
   const std::size_t end = std::min(kEndBytes, log.size());
-  return {kFormat, log.size(), changed, hash_of(log.first(end)), hash_of(log.last(end))};
+  Bytes out;
+  for (const std::uint64_t number :
+       {kFormat, std::uint64_t{log.size()}, static_cast<std::uint64_t>(changed),
+        hash_of(log.first(end)), hash_of(log.last(end))}) {
+    append_big_endian(number, sizeof number, out);
+  }
+  return out;
 }
 
-Json to_json(const LogSurvey& survey) {
-  Json channels = Json::array();
-  for (const auto& [name, c] : survey.channels) {
-    channels.push_back({name, c.type, c.events, c.data_bytes, to_utime(c.first), to_utime(c.last),
-                        c.gap_max.count(), to_utime(c.gap_at), c.messages_lost, c.other_types,
-                        Json::binary(c.in_block)});
-  }
-  std::vector<std::uint8_t> blocks;  // bytes: tens of thousands of lists are slow to read
-  blocks.reserve(survey.blocks.size() * kBlockNumbers * sizeof(std::uint64_t));
-  for (const LogBlock& b : survey.blocks) {
-    for (const std::int64_t number : {static_cast<std::int64_t>(b.offset), b.first_event,
-                                      to_utime(b.time_min), to_utime(b.time_max)}) {
-      append_big_endian(static_cast<std::uint64_t>(number), sizeof number, blocks);
-    }
-  }
-  Json stretches = Json::array();
-  for (const DamagedStretch& s : survey.stretches) {
-    stretches.push_back({s.offset, s.size_bytes, s.is_tail});
-  }
-  const ScanCounts& scan = survey.scan;
-  return {{"size", survey.size_bytes},
-          {"scan", {scan.events, scan.doubtful, scan.refused, scan.stretches, scan.bytes_damaged}},
-          {"times", {to_utime(survey.first), to_utime(survey.last)}},
-          {"order",
-           {survey.numbers_missing, survey.number_restarts, survey.times_backward,
-            survey.backward_max.count()}},
-          {"scenario", survey.begins_with_scenario},
-          {"channels", std::move(channels)},
-          {"blocks", Json::binary(std::move(blocks))},
-          {"stretches", std::move(stretches)}};
+/// More than any index of a log of that size has.
+std::size_t index_bytes_max(std::size_t log_bytes) {
+  return (std::size_t{1} << 20U) + 8 * log_bytes;
 }
 
-LogSurvey from_json(const Json& json) {
-  const auto time = [](const Json& utime) { return from_utime(utime.get<std::int64_t>()); };
-  LogSurvey survey;
-  survey.size_bytes = json.at("size");
-  const Json& scan = json.at("scan");
-  survey.scan = {scan.at(0), scan.at(1), scan.at(2), scan.at(3), scan.at(4)};
-  survey.first = time(json.at("times").at(0));
-  survey.last = time(json.at("times").at(1));
-  const Json& order = json.at("order");
-  survey.numbers_missing = order.at(0);
-  survey.number_restarts = order.at(1);
-  survey.times_backward = order.at(2);
-  survey.backward_max = Duration{order.at(3).get<std::int64_t>()};
-  survey.begins_with_scenario = json.at("scenario");
-  for (const Json& c : json.at("channels")) {
-    survey.channels[c.at(0)] = {c.at(1),       c.at(2),
-                                c.at(3),       time(c.at(4)),
-                                time(c.at(5)), Duration{c.at(6).get<std::int64_t>()},
-                                time(c.at(7)), c.at(8),
-                                c.at(9),       c.at(10).get_binary()};
+/// The regular file at `path`; empty when there is none, or one of more than `bytes_max`.
+Bytes read_file(const std::string& path, std::size_t bytes_max) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error) || fs::file_size(path, error) > bytes_max || error) {
+    return {};
   }
-  const std::vector<std::uint8_t>& blocks = json.at("blocks").get_binary();
-  constexpr std::size_t kNumberBytes = sizeof(std::uint64_t);
-  survey.blocks.reserve(blocks.size() / (kBlockNumbers * kNumberBytes));
-  for (std::size_t at = 0; at < blocks.size(); at += kBlockNumbers * kNumberBytes) {
-    const auto number = [&](std::size_t i) {
-      return static_cast<std::int64_t>(
-          read_big_endian(blocks.data() + at + i * kNumberBytes, kNumberBytes));
-    };
-    survey.blocks.push_back({static_cast<std::size_t>(number(0)), number(1), from_utime(number(2)),
-                             from_utime(number(3))});
-  }
-  for (const Json& s : json.at("stretches")) {
-    survey.stretches.push_back({s.at(0), s.at(1), s.at(2)});
-  }
-  return survey;
+  std::ifstream in(path, std::ios::binary);
+  Bytes out(static_cast<std::size_t>(fs::file_size(path, error)));
+  in.read(reinterpret_cast<char*>(out.data()), std::ssize(out));
+  out.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, in.gcount())));
+  return out;
 }
 
 std::string index_path(const std::string& log_path) { return log_path + ".index"; }
@@ -115,41 +68,29 @@ std::string index_path(const std::string& log_path) { return log_path + ".index"
 
 std::optional<LogSurvey> load_index(const std::string& log_path,
                                     std::span<const std::uint8_t> log) {
-  std::ifstream in(index_path(log_path), std::ios::binary);
-  if (!in) {
+  const Bytes whole = read_file(index_path(log_path), index_bytes_max(log.size()));
+  const Bytes identity = identity_of(log_path, log);
+  if (whole.size() < identity.size() + kHashBytes ||
+      !std::equal(identity.begin(), identity.end(), whole.begin())) {
     return std::nullopt;
   }
-  const std::vector<std::uint8_t> whole{std::istreambuf_iterator<char>(in),
-                                        std::istreambuf_iterator<char>()};
-  if (whole.size() < kHashBytes) {
+  const auto content = std::span(whole).first(whole.size() - kHashBytes);
+  if (read_big_endian(content.data() + content.size(), kHashBytes) != hash_of(content)) {
     return std::nullopt;
   }
-  const auto text = std::span(whole).first(whole.size() - kHashBytes);
-  if (read_big_endian(text.data() + text.size(), kHashBytes) != hash_of(text)) {
-    return std::nullopt;
-  }
-  const Json json = Json::from_cbor(text.begin(), text.end(), true, false);
-  if (!json.is_object() || json.value("identity", Json()) != identity_of(log_path, log)) {
-    return std::nullopt;
-  }
-  try {
-    return from_json(json.at("survey"));
-  } catch (const Json::exception&) {  // of another version
-    return std::nullopt;
-  }
+  return survey_from(content.subspan(identity.size()), log.size());
 }
 
 bool save_index(const std::string& log_path, std::span<const std::uint8_t> log,
                 const LogSurvey& survey) {
-  std::vector<std::uint8_t> text =
-      Json::to_cbor({{"identity", identity_of(log_path, log)}, {"survey", to_json(survey)}});
-  const std::uint64_t hash = hash_of(text);
-  append_big_endian(hash, kHashBytes, text);
+  Bytes content = identity_of(log_path, log);
+  append_survey(survey, content);
+  append_big_endian(hash_of(content), kHashBytes, content);
   // Under another name first: who opens the log meanwhile must find a whole index or none.
   const std::string passing = index_path(log_path) + "." + std::to_string(::getpid());
   {
     std::ofstream out(passing, std::ios::binary);
-    out.write(reinterpret_cast<const char*>(text.data()), std::ssize(text));
+    out.write(reinterpret_cast<const char*>(content.data()), std::ssize(content));
     if (!out.flush()) {
       std::remove(passing.c_str());
       return false;

@@ -13,7 +13,8 @@ namespace vantage::logs {
 /// A log and its survey, which is kept beside it (LOG.index) so that the next opening, and every
 /// seek, needs no pass over the log. The index holds for the very bytes it was made from: a log
 /// that has another size, another time of change or other bytes at its ends is surveyed anew. A
-/// folder that cannot be written to is no error; then each opening takes its pass.
+/// folder that cannot be written to is no error; then each opening takes its pass. An index that is
+/// damaged, of another version or made up is ignored and written anew.
 class IndexedLog {
  public:
   /// @throws StartupError when `path` cannot be read.

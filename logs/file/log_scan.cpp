@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <utility>
 
+#include "logs/file/mapped_file.hpp"
+
 namespace vantage::logs {
 namespace {
 
@@ -153,6 +155,9 @@ std::optional<PlacedEvent> LogScan::next() {
       position_ = find_sync(log_, position_ + 1);
       continue;
     }
+    if (is_any_cut()) {
+      require_uncut(log_);
+    }
     close_stretch(position_);
     PlacedEvent placed{*event, position_, verdict == Verdict::kDoubtful};
     remember(event->number);
@@ -162,6 +167,7 @@ std::optional<PlacedEvent> LogScan::next() {
     end_of_last_ = position_;
     return placed;
   }
+  require_uncut(log_);
   close_stretch(log_.size());
   end_of_last_ = log_.size();
   return std::nullopt;

@@ -45,7 +45,7 @@ struct ScanCounts {
   std::uint64_t bytes_damaged = 0;
 };
 
-/// Reads the events of a log in file order, whatever has happened to it. Never fails, always ends.
+/// Reads the events of a log in file order, whatever has happened to it. Always ends.
 ///
 /// An event is taken at once when a header follows its end and either the three numbers around it
 /// run on or no sync word stands inside its data. Otherwise its length may be a lie, and it is
@@ -57,14 +57,16 @@ struct ScanCounts {
 ///    its end (of unusual numbers: when its successors go on to the end of the file).
 /// So sync words, headers and even whole logs inside data do not split an event, and a wrong length
 /// swallows nothing. An event is intact when all of its bytes are there. Every intact one comes out
-/// except where the bytes say two things: its data hold a log that runs on from its own number
-/// while a neighbour is damaged; or it begins inside the wrong length of another that both
-/// neighbours' numbers vouch for, so that nothing looks damaged there.
+/// except where the bytes say two things: its data hold a log with numbers near its own while its
+/// own does not run on from both neighbours (one is damaged, or the logger does not count by one)
+/// and the witness does not know its type; or it begins inside the wrong length of another that
+/// both neighbours' numbers vouch for, so that nothing looks damaged there.
 class LogScan {
  public:
   explicit LogScan(std::span<const std::uint8_t> log, Witness witness = {}, std::size_t offset = 0);
 
-  /// The next event, nullopt at the end of the file. Cost: the bytes passed, once or twice.
+  /// Returns the next event, nullopt at the end of the file. Cost: the bytes passed, once or twice.
+  /// @throws std::runtime_error when the log is a MappedFile and has become shorter meanwhile.
   std::optional<PlacedEvent> next();
   [[nodiscard]] const ScanCounts& counts() const { return counts_; }
   /// The first of them, at most kStretchesKept; counts() has them all.

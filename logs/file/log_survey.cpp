@@ -13,6 +13,8 @@ namespace {
 constexpr std::size_t kBlockBytes = std::size_t{1} << 18U;
 constexpr std::size_t kProgressReports = 100;
 
+bool is_gap(Duration step) { return step < UsualTimes::kApart; }
+
 /// Every message of the house begins so, after its fingerprint: utime, run_id, sequence.
 models::Stamp stamp_of(std::span<const std::uint8_t> data) {
   const auto number = [&](std::size_t at) {
@@ -39,6 +41,7 @@ bool SurveyPass::go_on(std::size_t bytes) {
   while (const auto event = scan_.next()) {
     add(*event);
     if (scan_.position() >= until && until < size_bytes_) {
+      note_usual_times();
       return true;
     }
   }
@@ -46,7 +49,19 @@ bool SurveyPass::go_on(std::size_t bytes) {
   return false;
 }
 
+void SurveyPass::note_usual_times() {
+  const UsualTimes::Span span = times_.span();
+  survey_.begin = span.begin;
+  survey_.end = span.end;
+  survey_.times_outlying = span.outlying;
+}
+
 void SurveyPass::finish() {
+  note_usual_times();
+  for (auto& [name, channel] : survey_.channels) {
+    channel.first = std::clamp(channel.first, survey_.begin, survey_.end);
+    channel.last = std::clamp(channel.last, survey_.begin, survey_.end);
+  }
   survey_.size_bytes = size_bytes_;
   survey_.scan = scan_.counts();
   survey_.stretches = scan_.stretches();
@@ -75,6 +90,7 @@ void SurveyPass::add_times_and_number(const PlacedEvent& event) {
       survey_.backward_max = std::max(survey_.backward_max, last_time_ - event.time);
     }
   }
+  times_.add(event.time);
   survey_.first = std::min(survey_.first, event.time);
   survey_.last = std::max(survey_.last, event.time);
   last_number_ = event.number;
@@ -98,7 +114,7 @@ void SurveyPass::add_to_channel(const PlacedEvent& event) {
   if (channel.events == 0) {
     channel.type = type;
     channel.first = event.time;
-  } else if (event.time - channel.last > channel.gap_max) {
+  } else if (event.time - channel.last > channel.gap_max && is_gap(event.time - channel.last)) {
     channel.gap_max = event.time - channel.last;
     channel.gap_at = channel.last;
   }

@@ -12,6 +12,7 @@
 
 #include "core/time.hpp"
 #include "logs/file/log_scan.hpp"
+#include "logs/file/usual_times.hpp"
 
 namespace vantage::logs {
 
@@ -20,9 +21,9 @@ struct ChannelSurvey {
   std::string type;  ///< of the first message; empty when it is none of the house's
   std::int64_t events = 0;
   std::uint64_t data_bytes = 0;
-  Time first{};
-  Time last{};
-  Duration gap_max{};              ///< longest time between two neighbouring events
+  Time first{};                    ///< of the first event, held within the log's begin and end
+  Time last{};                     ///< likewise of the last
+  Duration gap_max{};              ///< longest time between two neighbouring events, if below a day
   Time gap_at{};                   ///< when it began
   std::int64_t messages_lost = 0;  ///< sequence numbers missing, of the house's messages
   std::int64_t other_types = 0;    ///< events whose type is not `type`
@@ -45,6 +46,9 @@ struct LogSurvey {
   std::vector<DamagedStretch> stretches;  ///< the first of them
   Time first{};                           ///< least event time
   Time last{};                            ///< greatest
+  Time begin{};                           ///< least event time that is not outlying (UsualTimes)
+  Time end{};                             ///< greatest of these
+  std::int64_t times_outlying = 0;        ///< events before begin or after end
   std::int64_t numbers_missing = 0;  ///< gaps in the logger's count (as after filtering or loss)
   std::int64_t number_restarts = 0;  ///< places where it goes back (logs put together)
   std::int64_t times_backward = 0;   ///< events earlier than the one before
@@ -53,7 +57,8 @@ struct LogSurvey {
   std::map<std::string, ChannelSurvey> channels;
   std::vector<LogBlock> blocks;
 
-  [[nodiscard]] double duration_s() const { return to_seconds(last - first); }
+  [[nodiscard]] double duration_s() const { return to_seconds(end - begin); }
+  [[nodiscard]] bool is_usual(Time time) const { return time >= begin && time <= end; }
   [[nodiscard]] bool is_whole() const { return scan.stretches == 0 && scan.doubtful == 0; }
 };
 
@@ -83,12 +88,14 @@ class SurveyPass {
   void add_times_and_number(const PlacedEvent& event);
   void add_to_block(const PlacedEvent& event);
   void add_to_channel(const PlacedEvent& event);
+  void note_usual_times();
   void finish();
 
   std::size_t size_bytes_;
   LogScan scan_;
   LogSurvey survey_;
   std::unique_ptr<Streams> streams_;  ///< of the house's channels, for what was lost on them
+  UsualTimes times_;
   std::int64_t events_ = 0;
   std::int64_t last_number_ = 0;
   Time last_time_{};

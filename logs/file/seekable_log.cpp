@@ -90,8 +90,8 @@ void SeekableLog::publish(bool is_all) {
                                            : known.blocks.back().offset;
   is_surveyed_ = is_all;
   pass_bytes_ = pass_ ? pass_->position() : 0;
-  first_ = known.first;
-  last_ = is_all ? known.last : std::max(last_, known.last);
+  first_ = known.begin;
+  last_ = is_all ? known.end : std::max(last_, known.end);
 }
 
 void SeekableLog::read_end() {
@@ -103,10 +103,12 @@ void SeekableLog::read_end() {
       continue;
     }
     is_found = true;
+    UsualTimes times;
     scan_from(event->offset, [&](const PlacedEvent& each) {
-      last_ = std::max(last_, each.time);
+      times.add(each.time);
       return true;
     });
+    last_ = std::max(last_, times.span().end);
   }
 }
 

@@ -47,8 +47,8 @@ class SeekableLog {
   /// How much of the log was looked through since it was opened: by the first pass, and for what
   /// was asked.
   [[nodiscard]] std::size_t bytes_read() const;
-  /// The least and the greatest time of an event; until is_surveyed() as the events that were read
-  /// and those at the end of the file say.
+  /// Returns the least and the greatest time of an event, outlying ones left out (UsualTimes);
+  /// until is_surveyed() as the events that were read and those at the end of the file say.
   [[nodiscard]] std::pair<Time, Time> range() const;
 
   /// The events with from ≤ time < to, by ascending time, of one time as they lie in the file.

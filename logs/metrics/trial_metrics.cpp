@@ -15,6 +15,8 @@ namespace {
 // A step is judged once this many newer ones have begun: late messages still count, and the
 // simulator's truth, which comes at its own rate, has passed the step's time.
 constexpr std::int64_t kStepsOfGrace = 2;
+/// Maximum number of processes and runs with a count of losses.
+constexpr std::size_t kRunsMost = 4096;
 
 }  // namespace
 
@@ -188,7 +190,10 @@ void TrialMetrics::on_health(const models::ProcessHealth& health) {
   for (const models::NamedCount& counter : health.counters) {
     lost += counter.name.ends_with(".lost") ? counter.count : 0;
   }
-  lost_[{health.process, health.stamp.run_id}] = lost;
+  const std::pair run(health.process, health.stamp.run_id);
+  if (lost_.contains(run) || lost_.size() < kRunsMost) {
+    lost_[run] = lost;
+  }
 }
 
 std::int64_t TrialMetrics::messages_lost() const {

@@ -8,6 +8,7 @@ namespace {
 
 constexpr double kThinning_s = 0.1;
 constexpr double kThinning_m = 0.02;
+constexpr std::size_t kBodiesMost = 4096;
 constexpr std::size_t kPointsMost = 4096;  // some seven minutes of motion at the full thinning
 
 // Every other point of a track.
@@ -55,6 +56,12 @@ SceneRecorder::SceneRecorder(const scenario::Scenario& scenario)
 void SceneRecorder::on_truth(const models::TruthFrame& frame) {
   scene_.time = std::max(scene_.time, frame.stamp.time);
   for (const models::TruthBody& body : frame.bodies) {
+    const bool is_known = thinning_s_.contains(body.name) || thinning_s_.size() < kBodiesMost;
+    const bool has_room = body.target_id < 0 || scene_.targets.contains(body.target_id) ||
+                          scene_.targets.size() < kBodiesMost;
+    if (!is_known || !has_room) {
+      continue;
+    }
     const Pose2 pose = flatten(body.world_from_body);
     double& thinning_s = thinning_s_.try_emplace(body.name, kThinning_s).first->second;
     if (body.target_id >= 0) {

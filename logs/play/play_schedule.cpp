@@ -1,11 +1,15 @@
 #include "logs/play/play_schedule.hpp"
 
+#include <algorithm>
 #include <cmath>
+
+#include "core/saturated_time.hpp"
 
 namespace vantage::logs {
 namespace {
 
 constexpr double kNsPerUs = 1e3;
+constexpr double kAheadMax_ns = 4e18;  ///< 127 years: no clock gets there
 
 }  // namespace
 
@@ -14,12 +18,12 @@ Time PlaySchedule::position(std::int64_t now_ns) const {
     return position_;
   }
   const double passed_us = static_cast<double>(now_ns - since_ns_) / kNsPerUs * speed_;
-  return position_ + Duration{std::llround(passed_us)};
+  return saturated_sum(position_, Duration{std::llround(passed_us)});
 }
 
 std::int64_t PlaySchedule::due_ns(Time time) const {
   const double ahead_us = static_cast<double>((time - position_).count()) / speed_;
-  return since_ns_ + std::llround(ahead_us * kNsPerUs);
+  return since_ns_ + std::llround(std::clamp(ahead_us * kNsPerUs, -kAheadMax_ns, kAheadMax_ns));
 }
 
 void PlaySchedule::resume(std::int64_t now_ns) {

@@ -8,7 +8,8 @@ namespace vantage::logs {
 
 /// When each instant of a log is due on a clock that never jumps (CLOCK_MONOTONIC, ns), through
 /// pauses, seeks and changes of speed. Each instant is counted from the last of these, so pacing
-/// errors do not add up. Pure: it is told what time it is.
+/// errors do not add up. Positions and times are not negative, as in a log. Pure: it is told what
+/// time it is.
 class PlaySchedule {
  public:
   /// Stands at `position`, paused. Precondition: speed > 0.

@@ -7,6 +7,7 @@
 #include <sys/prctl.h>
 
 #include "core/deadline.hpp"
+#include "core/saturated_time.hpp"
 
 namespace vantage::logs {
 namespace {
@@ -81,7 +82,7 @@ Player::Player(const IndexedLog& log, PlayOptions options, PlayTimer timer, Even
       timer_(std::move(timer)),
       sink_(std::move(sink)),
       begin_(std::max(options_.rules.from, log.survey().first)),
-      end_(std::min(options_.rules.to, log.survey().last + Duration{1})),
+      end_(std::min(options_.rules.to, saturated_sum(log.survey().last, Duration{1}))),
       schedule_(begin_, options_.speed),
       scan_(log.scan_from(begin_)) {
   next_ = scan_.next();
@@ -118,10 +119,10 @@ bool Player::obey(const PlayCommand& command) {
       set_speed(0.5 * schedule_.speed());
       return false;
     case Kind::kSeek:
-      seek(log_.survey().first + from_seconds(command.value));
+      seek(saturated_sum(log_.survey().begin, from_seconds(command.value)));
       return true;
     case Kind::kStep:
-      seek(schedule_.position(now_ns) + from_seconds(command.value));
+      seek(saturated_sum(schedule_.position(now_ns), from_seconds(command.value)));
       return true;
     case Kind::kQuit:
       is_over_ = true;
@@ -170,7 +171,8 @@ PlayReport Player::run(const std::function<std::optional<PlayCommand>()>& comman
       }
       continue;
     }
-    const bool is_at_end = !next_ || (next_->time >= end_ && log_.survey().times_backward == 0);
+    const bool is_past_end = next_ && !options_.rules.is_before_end(next_->time);
+    const bool is_at_end = !next_ || (is_past_end && log_.survey().times_backward == 0);
     if (schedule_.is_paused() && !is_at_end) {
       timer_.sleep_until_ns(attention_ns);
     } else if (is_at_end) {
@@ -179,15 +181,16 @@ PlayReport Player::run(const std::function<std::optional<PlayCommand>()>& comman
       if (!is_over_) {
         seek(begin_);
       }
-    } else if (next_->time < begin_ || next_->time >= end_) {
+    } else if (next_->time < begin_ || is_past_end) {
       next_ = scan_.next();
     } else if (const Time here = schedule_.position(now_ns);
-               next_->time > here + options_.gap_max || next_->time < here - options_.gap_max) {
+               next_->time > saturated_sum(here, options_.gap_max) ||
+               next_->time < saturated_sum(here, -options_.gap_max)) {
       ++report_.gaps;
       if (on_gap) {
         on_gap(here, next_->time);
       }
-      schedule_.seek(next_->time - kAfterGap, now_ns);
+      schedule_.seek(std::max(next_->time - kAfterGap, Time{}), now_ns);
     } else if (schedule_.due_ns(next_->time) > now_ns) {
       timer_.sleep_until_ns(std::min(schedule_.due_ns(next_->time), attention_ns));
     } else {

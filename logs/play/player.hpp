@@ -16,7 +16,8 @@ namespace vantage::logs {
 struct PlayCommand {
   enum class Kind { kPause, kResume, kToggle, kSeek, kStep, kSpeed, kFaster, kSlower, kQuit };
   Kind kind = Kind::kToggle;
-  double value = 0.0;  ///< kSeek: [s] since the log's first event; kStep: [s] on or back; kSpeed
+  double value =
+      0.0;  ///< kSeek: [s] since the log's begin (LogSurvey); kStep: [s] on or back; kSpeed
 };
 
 /// A line: "pause", "resume", "seek 12.5", "step -5", "speed 2", "quit"; or a key: space, q, + and
@@ -76,7 +77,7 @@ class Player {
   PlayTimer timer_;
   EventSink sink_;
   Time begin_;
-  Time end_;  ///< not included
+  Time end_;  ///< behind the last event that is played; seeks go no further
   PlaySchedule schedule_;
   LogScan scan_;
   std::optional<PlacedEvent> next_;

@@ -9,6 +9,7 @@
 #include "core/check.hpp"
 #include "core/deadline.hpp"
 #include "logs/file/log_event.hpp"
+#include "logs/record/log_tail.hpp"
 
 namespace vantage::logs {
 namespace {
@@ -48,11 +49,24 @@ LogSpool::LogSpool(SpoolOptions options, OpenFile open)
     }
   }
   report_.path = path_of(path_number_);
+  if (options_.existing == Existing::kAppend) {
+    report_.trimmed_bytes = trim_log(report_.path).dropped_bytes;
+  }
   auto file = open_(report_.path, options_.existing);
   if (!file.ok()) {
     throw StartupError(file.error().message);
   }
   file_ = std::move(file).value();
+  bytes_before_ = file_->size_bytes();
+  for (int number = 1; number < path_number_; ++number) {
+    std::error_code error;
+    const auto bytes = std::filesystem::file_size(path_of(number), error);
+    bytes_before_ += error ? 0 : bytes;
+  }
+  if (report_.trimmed_bytes > 0) {
+    news_.push_back(report_.path + ": its end was torn: " + std::to_string(report_.trimmed_bytes) +
+                    " bytes of an unfinished event are cut off");
+  }
   report_.free_bytes = file_->free_bytes();
   queued_.reserve(kWakeBytes);
   writer_ = std::thread([this] { write_loop(); });
@@ -149,7 +163,7 @@ void LogSpool::write_loop() {
 // Events are numbered here, and cut into runs that belong into one file.
 void LogSpool::put(std::span<std::uint8_t> events) {
   std::size_t run = 0;
-  std::uint64_t total = report_.bytes;  // written by this thread alone
+  std::uint64_t total = bytes_before_ + report_.bytes;  // written by this thread alone
   for (std::size_t at = 0; at < events.size();) {
     const std::size_t size = event_bytes_at(events, at);
     const std::span<std::uint8_t> event = events.subspan(at, size);

@@ -22,7 +22,7 @@ struct SpoolOptions {
   std::string path;
   Existing existing = Existing::kRefuse;  ///< kAppend goes on with the last of `path`'s files
   std::uint64_t rotate_bytes = 0;         ///< no file gets longer; 0: there is one file
-  std::uint64_t limit_bytes = 0;  ///< nothing is written beyond, all files together; 0: none
+  std::uint64_t limit_bytes = 0;  ///< of all files together, those that are there included; 0: none
   std::size_t queue_bytes_max = std::size_t{64} << 20U;
   std::chrono::milliseconds write_period{10};  ///< from one write to the next
   std::chrono::milliseconds sync_period{40};   ///< from the end of a sync to the next
@@ -44,7 +44,8 @@ struct SpoolReport {
   std::uint64_t queue_bytes = 0;      ///< not in a file yet
   std::optional<std::uint64_t> free_bytes;  ///< on the disk
   bool is_written = true;
-  bool is_full = false;  ///< the limit is reached
+  bool is_full = false;             ///< the limit is reached
+  std::uint64_t trimmed_bytes = 0;  ///< of an unfinished event, cut off before more was appended
 
   /// Nothing was lost, and the disk never refused.
   [[nodiscard]] bool is_good() const {
@@ -60,7 +61,8 @@ struct SpoolReport {
 /// meanwhile is lost and counted, the newest first, so that a log has one hole and not many.
 ///
 /// A file after the first, `path` numbered from 2 on, begins with the newest SCENARIO from before
-/// it. No file is deleted or written over: a number whose file is there is passed over.
+/// it. No file is deleted or written over: a number whose file is there is passed over. A log that
+/// is gone on with loses the event that a killed logger has left unfinished at its end.
 class LogSpool {
  public:
   /// Longest time that something may be lost by a power cut.
@@ -118,6 +120,7 @@ class LogSpool {
 
   // The writer's own.
   std::shared_ptr<AppendFile> file_;
+  std::uint64_t bytes_before_ = 0;      ///< in all files, when it began
   std::int64_t next_number_ = 0;        ///< of an event, in this file
   std::vector<std::uint8_t> scenario_;  ///< the newest, as an event
   int path_number_ = 1;

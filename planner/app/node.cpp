@@ -17,6 +17,10 @@ namespace {
 // ordinary scheduler hands out (8 ms steps are usual on a virtual machine, 24 ms under load).
 constexpr Duration kClosing{20'000};
 
+// Of waiting for a processor within a second, s: twice what makes a driver hold its vehicle. A
+// search that loses more than this is cut short again and again; what it lacks is given to drivers.
+constexpr double kProcessorWaitMaxS = 0.2;
+
 Duration closing_of(const RoundSchedule::Slot& slot) {
   return std::min(kClosing, (slot.end - slot.begin) / 5);
 }
@@ -30,6 +34,9 @@ Time end_of_listening(const bus::Clock& clock, const RoundSchedule& schedule) {
   const Time now = clock.now();
   return clock.is_real_time() ? now + kListening + schedule.round_length() : now;
 }
+
+// The velocity of a body other than a robot is taken over once or twice this time.
+constexpr Duration kVelocityTime{100'000};
 
 // A local search looks at what it has heard so often, and works so long in between.
 constexpr Duration kExchangePeriod{5'000};
@@ -78,7 +85,7 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock,
   }
   bus_.subscribe_shared<models::MocapFrame>(bus::kVicon,
                                             [this](const auto& /*name*/, const auto& m) {
-                                              mocap_ = m;
+                                              take_frame(m);
                                               neighbours_->on_frame(*m);
                                             });
   bus_.subscribe<models::AttackNotice>(bus::kAttack, [this](const auto& m) {
@@ -129,6 +136,30 @@ void PlannerNode::subscribe_to(const bus::Channel<Message>& channel, const std::
   });
 }
 
+void PlannerNode::take_frame(const std::shared_ptr<const models::MocapFrame>& frame) {
+  const bool goes_back = mocap_ && frame->stamp.time < mocap_->stamp.time;
+  mocap_ = frame;
+  if (goes_back) {  // another publisher, or its clock was set
+    mocap_before_ = mocap_between_ = nullptr;
+  }
+  if (!mocap_between_ || frame->stamp.time - mocap_between_->stamp.time >= kVelocityTime) {
+    mocap_before_ = mocap_between_;
+    mocap_between_ = frame;
+  }
+}
+
+void PlannerNode::use_frames() {
+  if (!mocap_) {
+    return;
+  }
+  inputs_.mocap = *mocap_;
+  inputs_.mocap_before.reset();
+  const auto robot = static_cast<std::size_t>(planner_.robot_index());
+  if (mocap_before_ && shows_bodies_in_the_way(*workspace_, robot, *mocap_)) {
+    inputs_.mocap_before = *mocap_before_;
+  }
+}
+
 void PlannerNode::take_plan(const models::RobotPlan& plan) {
   const double ahead_s = to_seconds(plan.trajectory.start_time - clock_.now());
   if (is_of_plan_length(plan.trajectory, spec_, robots_) &&
@@ -164,6 +195,9 @@ std::vector<models::InputRef> names_of(const PlanInputs& inputs, const std::stri
   }
   if (inputs.mocap) {
     add(bus::kVicon.name, inputs.mocap->stamp);
+  }
+  if (inputs.mocap_before) {
+    add(bus::kVicon.name, inputs.mocap_before->stamp);
   }
   if (inputs.own_plan) {
     add(bus::plan_channel(robot).name, inputs.own_plan->stamp);
@@ -208,9 +242,7 @@ void PlannerNode::tick(Time now) {
     return;  // until the answer has come or is due
   }
   is_asking_ = false;
-  if (mocap_) {
-    inputs_.mocap = *mocap_;
-  }
+  use_frames();
   if (now - attack_heard_ > models::kAttackKept) {
     inputs_.attack.reset();
   }
@@ -305,9 +337,7 @@ void PlannerNode::exchange(Time now) {
 
 bool PlannerNode::ask(Time now) {
   inputs_.answer.reset();
-  if (mocap_) {
-    inputs_.mocap = *mocap_;
-  }
+  use_frames();
   std::optional<models::RobotPlan> question = planner_.question(inputs_);
   answer_due_ = slot_.end - closing_of(slot_);
   if (!question || now >= answer_due_) {
@@ -336,11 +366,20 @@ void PlannerNode::hear_answer(const models::RobotPlan& answer) {
   }
 }
 
+// A robot without a driver is simulated: a busy machine slows its trial, and endangers nobody.
+bool PlannerNode::is_short_of_processor() const {
+  const scenario::RobotSpec& robot = robots_[static_cast<std::size_t>(planner_.robot_index())];
+  return robot.device != scenario::DeviceSource::kDirect && processor_wait_s_ > kProcessorWaitMaxS;
+}
+
 void PlannerNode::plan(Time now) {
   if (scenario::is_external(spec_) && asked_round_ == slot_.round && !inputs_.answer) {
     ++answers_missing_;
   }
-  std::optional<models::RobotPlan> plan = planner_.plan(inputs_, deadline_of(now));
+  const bool stops = is_short_of_processor();
+  short_of_processor_ += stops ? 1 : 0;
+  std::optional<models::RobotPlan> plan =
+      stops ? planner_.plan_to_stop(inputs_) : planner_.plan(inputs_, deadline_of(now));
   const Time finish = clock_.is_real_time() ? clock_.now() : slot_.end - closing_of(slot_);
   const bool late = finish > slot_.end;
   if (late) {
@@ -350,7 +389,7 @@ void PlannerNode::plan(Time now) {
   }
   if (plan) {
     plan->finish = finish;
-    plan->late = late;
+    plan->late = late || stops;
     plan->inputs = names_of(inputs_, robot_);
     const models::InputRef published = bus_.publish(bus::plan_channel(robot_), *plan);
     plan->stamp.run_id = published.run_id;
@@ -363,6 +402,7 @@ std::vector<models::NamedCount> PlannerNode::counters() const {
   const PlannerCounts& counts = planner_.counts();
   std::vector<models::NamedCount> all{{"plans_late", late_},
                                       {"slots_skipped", slots_skipped_},
+                                      {"rounds_short_of_processor", short_of_processor_},
                                       {"fallbacks_shifted", counts.fallbacks_shifted},
                                       {"fallbacks_braking", counts.fallbacks_braking},
                                       {"off_plan", counts.off_plan},
@@ -382,6 +422,9 @@ std::vector<models::NamedCount> PlannerNode::counters() const {
                                       {"external_late", answers_late_},
                                       {"external_unasked", answers_unasked_},
                                       {"external_refused", counts.answers_refused}};
+  if (counts.bodies_dropped > 0) {
+    all.push_back({"bodies_dropped", counts.bodies_dropped});
+  }
   if (schedule_.is_shared()) {
     all.push_back({"yielded_rounds", counts.yields});
   }

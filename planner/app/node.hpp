@@ -39,13 +39,16 @@ class PlannerNode : public bus::Node {
     return is_asking_ ? answer_due_ : std::min(slot_.begin, next_exchange_);
   }
   void tick(Time now) override;
+  void on_processor_wait(double wait_s) override { processor_wait_s_ = wait_s; }
   /// Those of the planner, and: slots_skipped, misaddressed (a robot's name inside a message is not
   /// that of its channel), unusable_plans (of teammates: too long, or for the far future),
   /// proposals_refused (of the round of a local search, that cannot be). Where another process is
   /// asked for plans: external_rounds (with an answer in time), external_missing (without),
   /// external_late (answers after it), external_unasked (of no round that was asked for, or one
   /// more), external_refused (no plan of their slot; those that are unsafe are plan_checks_failed).
-  /// Where slots are shared: yielded_rounds.
+  /// Where slots are shared: yielded_rounds. Where there were more bodies in the way than a plan
+  /// can keep from: bodies_dropped. Of a robot with a driver: rounds_short_of_processor (it brakes
+  /// instead of searching).
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
   [[nodiscard]] std::int64_t deadlines_missed() const override { return late_; }
 
@@ -54,8 +57,13 @@ class PlannerNode : public bus::Node {
   template <class Message>
   void subscribe_to(const bus::Channel<Message>& channel, const std::string& robot,
                     std::function<void(const Message&)> take);
+  void take_frame(const std::shared_ptr<const models::MocapFrame>& frame);
+  /// Makes the newest frame an input, and an earlier one where bodies are in the way.
+  void use_frames();
   void take_plan(const models::RobotPlan& plan);
   [[nodiscard]] Deadline deadline_of(Time now) const;
+  /// The process waits so long for a processor that a vehicle must not count on its next plan.
+  [[nodiscard]] bool is_short_of_processor() const;
   void propose(Time now);
   /// Local search: begins the exchange of the slot's round.
   void begin_exchange(Time now);
@@ -83,7 +91,9 @@ class PlannerNode : public bus::Node {
   PlanInputs inputs_;
   Time attack_heard_{};
   std::shared_ptr<const models::MocapFrame> mocap_;  ///< newest; of inputs_ from the slot on
-  std::optional<models::BeliefMixture> mixture_;     ///< newest; its belief comes after it
+  /// Earlier ones, at least kVelocityTime apart from each other: by them bodies move.
+  std::shared_ptr<const models::MocapFrame> mocap_before_, mocap_between_;
+  std::optional<models::BeliefMixture> mixture_;  ///< newest; its belief comes after it
   std::optional<bus::NeighbourWatch> neighbours_;
   // Of an exchange:
   std::unique_ptr<TeamExchange> exchange_;  ///< the last that was begun
@@ -102,6 +112,8 @@ class PlannerNode : public bus::Node {
   std::int64_t proposals_refused_ = 0;
   std::int64_t late_ = 0;
   std::int64_t slots_skipped_ = 0;
+  std::int64_t short_of_processor_ = 0;
+  double processor_wait_s_ = 0.0;  ///< within the last second
   std::int64_t misaddressed_ = 0;
   std::int64_t unusable_plans_ = 0;
 };

@@ -117,7 +117,7 @@ bool PlannerReplayNode::gather(const RoundSchedule::Slot& slot,
     } else if (const auto* map = maps_.find(name)) {
       inputs.map = *map;
     } else if (const auto* frame = frames_.find(name)) {
-      inputs.mocap = *frame;
+      (inputs.mocap ? inputs.mocap_before : inputs.mocap) = *frame;  // as names_of() orders them
     } else if (const auto* attack = attacks_.find(name)) {
       inputs.attack = *attack;
     } else if (const auto* proposal = proposals_.find(name)) {
@@ -149,8 +149,10 @@ PlannerReplayNode::Outcome PlannerReplayNode::replay(const models::RobotPlan& lo
   if (!gather(slot, logged.inputs, inputs)) {
     return Outcome::kIncomplete;
   }
-  auto plan = planner_.plan(inputs, Deadline::nodes(logged.nodes));
-  if (logged.late) {  // after a search whose result came too late
+  const bool is_in_time = logged.finish <= logged.deadline;
+  auto plan = logged.late && is_in_time ? planner_.plan_to_stop(inputs)
+                                        : planner_.plan(inputs, Deadline::nodes(logged.nodes));
+  if (logged.late && !is_in_time) {  // after a search whose result came too late
     plan = planner_.plan_without_search(inputs);
   }
   if (!plan) {

@@ -241,9 +241,9 @@ std::vector<Candidate> candidate_trajectories(const SearchProblem& problem,
     LastBlocks own = maker.follow(candidate);
     bool is_redundant = false;
     index.near(last.world_from_body, [&](std::uint32_t kept) {
-      is_redundant = metric.squared(candidates[kept].poses.back(), last.world_from_body) <=
-                         options.delta_m * options.delta_m &&
-                     maker.is_redundant(own, options.epsilon, blocks[kept]);
+      is_redundant =
+          metric.crosses(candidates[kept].poses.back(), last.world_from_body, options.delta_m) &&
+          maker.is_redundant(own, options.epsilon, blocks[kept]);
       return !is_redundant;
     });
     if (!is_redundant) {

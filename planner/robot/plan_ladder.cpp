@@ -89,6 +89,15 @@ models::RobotPlan PlanLadder::turned(models::Trajectory turning) {
   return plan_of(std::move(turning), models::PlanSource::kBraking);
 }
 
+models::RobotPlan PlanLadder::stopped() {
+  models::Trajectory motion = stop();
+  if (!is_safe(problem_, motion)) {
+    return fall_back();
+  }
+  ++counts_.fallbacks_braking;
+  return plan_of(std::move(motion), models::PlanSource::kBraking);
+}
+
 models::RobotPlan PlanLadder::fall_back() {
   if (is_safe(problem_, committed_)) {
     ++counts_.fallbacks_shifted;

@@ -39,6 +39,8 @@ class PlanLadder {
   [[nodiscard]] std::optional<models::RobotPlan> rest();
   /// A turn on the spot, safe wherever hovering is.
   [[nodiscard]] models::RobotPlan turned(models::Trajectory turning);
+  /// Braking to a hover where that is safe, else as fall_back().
+  [[nodiscard]] models::RobotPlan stopped();
   /// Shifted or braking, whichever is first safe.
   [[nodiscard]] models::RobotPlan fall_back();
 

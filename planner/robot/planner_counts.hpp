@@ -19,7 +19,8 @@ struct PlannerCounts {
   /// Targets that cannot be predicted (of a clock that was ahead, say) or that the scenario has
   /// not, and grids of another geometry.
   std::int64_t unusable_beliefs = 0;
-  std::int64_t unusable_maps = 0;    ///< of another grid than the scenario's
+  std::int64_t bodies_dropped = 0;  ///< in the way of plans, and farther off than kBodiesMax others
+  std::int64_t unusable_maps = 0;   ///< of another grid than the scenario's
   std::int64_t answers_refused = 0;  ///< that are no plan of their slot (motion_of_answer())
 };
 

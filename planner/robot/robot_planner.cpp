@@ -50,6 +50,7 @@ SlotTask RobotPlanner::task_of(const PlanInputs& inputs, const models::Trajector
   round_ = problem_of_round(*workspace_, robot_, inputs, committed, unseeing);
   counts_.unusable_beliefs += round_.unusable_beliefs;
   counts_.unusable_maps += round_.unusable_maps;
+  counts_.bodies_dropped += round_.bodies_dropped;
   return {inputs, committed, round_,
           PlanLadder(round_.search, committed, blank_plan_of(inputs), counts_), counts_};
 }
@@ -123,8 +124,20 @@ std::optional<models::RobotPlan> RobotPlanner::plan_without_search(const PlanInp
   if (!committed) {
     return std::nullopt;
   }
-  return task_of(inputs, *committed, resilient_round_of(inputs).unseeing_for(robot_index()))
-      .ladder.fall_back();
+  return task_without_search(inputs, *committed).ladder.fall_back();
+}
+
+std::optional<models::RobotPlan> RobotPlanner::plan_to_stop(const PlanInputs& inputs) {
+  const std::optional<models::Trajectory> committed = committed_motion(inputs);
+  if (!committed) {
+    return std::nullopt;
+  }
+  return task_without_search(inputs, *committed).ladder.stopped();
+}
+
+SlotTask RobotPlanner::task_without_search(const PlanInputs& inputs,
+                                           const models::Trajectory& committed) {
+  return task_of(inputs, committed, resilient_round_of(inputs).unseeing_for(robot_index()));
 }
 
 std::optional<int> RobotPlanner::next_place(const PlanInputs& inputs) const {

@@ -73,6 +73,11 @@ class RobotPlanner {
   /// the old plan, which every other committed plan is compatible with.
   std::optional<models::RobotPlan> plan_without_search(const PlanInputs& inputs);
 
+  /// Brakes to a hover instead of searching, in time, because the process gets too little of its
+  /// machine to know what it is committed to for much longer. Published as `late` before its
+  /// deadline, which no other plan is: so replays know it.
+  std::optional<models::RobotPlan> plan_to_stop(const PlanInputs& inputs);
+
   /// Which slot of the next round is the robot's, after it has published in its last one; nullopt
   /// where slots are not shared.
   [[nodiscard]] std::optional<int> next_place(const PlanInputs& inputs) const;
@@ -91,6 +96,8 @@ class RobotPlanner {
   /// The slot's task, about a problem that does not count on what `unseeing` robots see.
   SlotTask task_of(const PlanInputs& inputs, const models::Trajectory& committed,
                    const std::vector<int>& unseeing);
+  /// The slot's task as the proposals make it, of a plan that is not searched.
+  SlotTask task_without_search(const PlanInputs& inputs, const models::Trajectory& committed);
   /// What the proposals of the slot's round that were heard make of it.
   [[nodiscard]] ResilientRound resilient_round_of(const PlanInputs& inputs) const;
   [[nodiscard]] std::vector<int> all_robots() const;

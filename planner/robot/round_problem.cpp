@@ -27,6 +27,34 @@ double nearest_height_m(double other_m, double one_m, double two_m) {
   return std::clamp(other_m, std::min(one_m, two_m), std::max(one_m, two_m));
 }
 
+// A driver reports ten times a second. After this time without a status it is assumed to be dead.
+constexpr double kSilent_s = 0.5;
+
+// Bodies other than robots go straight on for so long; then they are taken to stop.
+constexpr double kGoesOn_s = 3.0;
+constexpr double kStands_mps = 0.1;
+constexpr double kFastest_mps = 4.0;  // a body that seems faster was mistaken for another one
+
+// Returns how far below a vehicle the markers of a body are; 0: as high, or higher. All that is
+// beneath the markers counts as well.
+double gap_below_m(const scenario::RobotSpec& robot, const models::MocapBody& body) {
+  return std::max(0.0, robot.height_m - body.world_from_body.translation_m.z());
+}
+
+// A body within the robot's own radius is carried by it.
+bool is_in_the_way(const Workspace& workspace, std::size_t robot, const models::MocapFrame& frame,
+                   const models::MocapBody& body) {
+  const scenario::RobotSpec& spec = workspace.scenario().robots[robot];
+  if (body.occluded || workspace.index_of(body.name) ||
+      gap_below_m(spec, body) >= workspace.scenario().planner.separation_m) {
+    return false;
+  }
+  const models::MocapBody* const own = frame.find(spec.name, robot);
+  return own == nullptr || own->occluded ||
+         (own->world_from_body.translation_m - body.world_from_body.translation_m).norm() >=
+             spec.limits.radius_m;
+}
+
 // Of a mixture's weight, so that it is worth a look of its own.
 constexpr double kWorthAPart = 1.0 / 32.0;
 
@@ -56,6 +84,7 @@ class Builder {
   Builder(Workspace& workspace, std::size_t robot, const PlanInputs& inputs)
       : workspace_(workspace),
         scenario_(workspace.scenario()),
+        robot_(robot),
         spec_(scenario_.robots[robot]),
         inputs_(inputs) {}
 
@@ -70,6 +99,7 @@ class Builder {
     }
     add_teammates(unseeing);
     add_places_of_those_who_wait();
+    add_bodies();
     round_.search.fixed_information = fixed_information(round_.search, round_.teammates);
     return std::move(round_);
   }
@@ -84,11 +114,18 @@ class Builder {
   void add_landmarks(const models::RobotBelief& belief);
   void add_teammates(const std::vector<int>& unseeing);
   void add_places_of_those_who_wait();
+  void add_bodies();
+  /// Straight on from where it was seen, at the velocity between the two frames.
+  [[nodiscard]] models::Trajectory motion_of(const models::MocapBody& body, std::size_t hint) const;
+  /// Whether a teammate is farther from its plan than flight safety allows.
+  [[nodiscard]] bool is_off_plan(const scenario::RobotSpec& robot,
+                                 const models::MocapBody& body) const;
   /// Whether a teammate at `place` can matter.
   [[nodiscard]] bool is_near(const Pose2& place) const;
 
   Workspace& workspace_;
   const scenario::Scenario& scenario_;
+  std::size_t robot_;  ///< by index
   const scenario::RobotSpec& spec_;
   const PlanInputs& inputs_;
   RoundProblem round_;
@@ -242,8 +279,9 @@ void Builder::add_teammates(const std::vector<int>& unseeing) {
   }
 }
 
-// Where teammates hover or stand that do not follow plans. Of one whose driver was never heard
-// where it stands on the ground alone: where it will fly, add_teammates() has said.
+// Adds the places of teammates that do not follow plans, that are off their plan, or that have a
+// status older than kSilent_s. Of a teammate without any status only the place where it stands on
+// the ground: add_teammates() has added the place where it will fly.
 void Builder::add_places_of_those_who_wait() {
   for (std::size_t i = 0; i < scenario_.robots.size(); ++i) {
     const scenario::RobotSpec& robot = scenario_.robots[i];
@@ -251,7 +289,13 @@ void Builder::add_places_of_those_who_wait() {
     const bool is_heard = said != inputs_.team_statuses.end();
     const models::FlightState state = is_heard ? said->second.state : models::FlightState::kIdle;
     const models::MocapBody* const body = seen_body(inputs_, robot.name, i);
-    if (&robot == &spec_ || state == models::FlightState::kFollow || body == nullptr) {
+    if (&robot == &spec_ || body == nullptr) {
+      continue;
+    }
+    const bool is_silent =
+        is_heard && to_seconds(inputs_.slot.begin - said->second.stamp.time) > kSilent_s;
+    const bool is_lost = is_silent || is_off_plan(robot, *body);
+    if (state == models::FlightState::kFollow && !is_lost) {
       continue;
     }
     // Its plan, if it has one, counts as well: it may begin to follow it at any moment.
@@ -261,7 +305,9 @@ void Builder::add_places_of_those_who_wait() {
     }
     const double here_m = body->world_from_body.translation_m.z();
     double height_m = robot.height_m;
-    if (state == models::FlightState::kHold) {  // it may be climbing there
+    if (is_lost && state != models::FlightState::kIdle) {  // its autopilot may bring it down
+      height_m = nearest_height_m(spec_.height_m, 0.0, here_m);
+    } else if (state == models::FlightState::kHold) {  // it may be climbing there
       height_m = nearest_height_m(spec_.height_m, here_m, robot.height_m);
     } else if (state == models::FlightState::kLand) {
       height_m = nearest_height_m(spec_.height_m, 0.0, here_m);
@@ -274,7 +320,69 @@ void Builder::add_places_of_those_who_wait() {
   }
 }
 
+bool Builder::is_off_plan(const scenario::RobotSpec& robot, const models::MocapBody& body) const {
+  const auto plan = inputs_.team_plans.find(robot.name);
+  if (plan == inputs_.team_plans.end()) {
+    return false;
+  }
+  const models::Trajectory& way = plan->second.trajectory;
+  const Time seen = inputs_.mocap->stamp.time;
+  const double until_start_s = std::max(0.0, to_seconds(way.start_time - seen));
+  const double allowed_m =
+      4.0 * scenario_.planner.tracking_tolerance_m + until_start_s * robot.limits.speed_max_mps;
+  const Pose2 planned = models::at(way, std::max(seen, way.start_time)).world_from_body;
+  return (planned.position_m() - flatten(body.world_from_body).position_m()).norm() > allowed_m;
+}
+
+models::Trajectory Builder::motion_of(const models::MocapBody& body, std::size_t hint) const {
+  const Eigen::Vector3d seen_m = body.world_from_body.translation_m;
+  Eigen::Vector2d velocity_mps = Eigen::Vector2d::Zero();
+  const models::MocapBody* const before = inputs_.mocap_before->find(body.name, hint);
+  const double since_s = to_seconds(inputs_.mocap->stamp.time - inputs_.mocap_before->stamp.time);
+  if (before != nullptr && !before->occluded && since_s > 0.0) {
+    velocity_mps = (seen_m - before->world_from_body.translation_m).head<2>() / since_s;
+  }
+  double speed_mps = velocity_mps.norm();
+  speed_mps = speed_mps < kStands_mps || speed_mps > kFastest_mps ? 0.0 : speed_mps;
+  const double yaw_rad = speed_mps > 0.0 ? std::atan2(velocity_mps.y(), velocity_mps.x()) : 0.0;
+  models::Trajectory motion =
+      hover_at({seen_m.x(), seen_m.y(), yaw_rad}, std::min(spec_.height_m, seen_m.z()),
+               inputs_.mocap->stamp.time);
+  if (speed_mps > 0.0) {
+    motion.segments = {{{speed_mps, 0.0}, kGoesOn_s, 0.0}};
+  }
+  return motion;
+}
+
+// Adds the nearest of the bodies in the way.
+void Builder::add_bodies() {
+  if (!inputs_.mocap || !inputs_.mocap_before) {
+    return;
+  }
+  const std::vector<models::MocapBody>& bodies = inputs_.mocap->bodies;
+  std::vector<std::pair<double, std::size_t>> near_m;  // distance, place in the frame
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const Pose2 place = flatten(bodies[i].world_from_body);
+    if (is_in_the_way(workspace_, robot_, *inputs_.mocap, bodies[i]) && is_near(place)) {
+      near_m.emplace_back((place.position_m() - round_.search.start.position_m()).norm(), i);
+    }
+  }
+  std::sort(near_m.begin(), near_m.end());
+  const std::size_t kept = std::min(near_m.size(), kBodiesMax);
+  round_.bodies_dropped = static_cast<std::int64_t>(near_m.size() - kept);
+  for (std::size_t k = 0; k < kept; ++k) {
+    round_.search.teammates.push_back(motion_of(bodies[near_m[k].second], near_m[k].second));
+  }
+}
+
 }  // namespace
+
+bool shows_bodies_in_the_way(const Workspace& workspace, std::size_t robot,
+                             const models::MocapFrame& frame) {
+  return std::any_of(frame.bodies.begin(), frame.bodies.end(), [&](const models::MocapBody& body) {
+    return is_in_the_way(workspace, robot, frame, body);
+  });
+}
 
 RoundProblem problem_of_round(Workspace& workspace, std::size_t robot, const PlanInputs& inputs,
                               const models::Trajectory& committed,

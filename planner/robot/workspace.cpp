@@ -13,8 +13,8 @@ SearchCapacity capacity_for(const scenario::Scenario& scenario) {
   capacity.targets_max = static_cast<int>(scenario.targets.size() + parts_max(scenario)) +
                          std::max(0, scenario.planner.exploration.landmarks_max);
   capacity.horizon_max = scenario.planner.horizon_steps;
-  // Of each its plan, where it stands on the ground, and where it hovers or will fly.
-  capacity.teammates_max = 3 * static_cast<int>(scenario.robots.size());
+  // The plan of each, where it stands on the ground, where it hovers or will fly; and bodies.
+  capacity.teammates_max = static_cast<int>(3 * scenario.robots.size() + kBodiesMax);
   return capacity;
 }
 

@@ -15,6 +15,9 @@
 
 namespace vantage::planner {
 
+/// Number of bodies other than robots, the nearest, that one plan keeps from.
+inline constexpr std::size_t kBodiesMax = 8;
+
 /// How many places where targets may be are planned with beyond one for each, who has a lower id
 /// first: none where every belief is a Gaussian, else seven more of each target and 256 in all, for
 /// the search's memory is taken once.

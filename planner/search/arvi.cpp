@@ -229,7 +229,6 @@ ReducedValueIteration::Progress ReducedValueIteration::is_pruned(NodeId id, doub
   pruned = false;
   const double cost = tree_[id].cost;
   const Pose2 pose = tree_[id].world_from_body;
-  const double delta2_m2 = delta_m * delta_m;
   Progress progress = Progress::kDone;
   constexpr int kAskEvery = 64;  // of those that need no look at their blocks: a few µs
   int passed_by = 0;
@@ -242,8 +241,7 @@ ReducedValueIteration::Progress ReducedValueIteration::is_pruned(NodeId id, doub
       }
     }
     // Cheapest test first: cost, distance, then the blocks.
-    if (tree_[other].cost > cost ||
-        metric_.squared(tree_[other].world_from_body, pose) > delta2_m2) {
+    if (tree_[other].cost > cost || !metric_.crosses(tree_[other].world_from_body, pose, delta_m)) {
       return true;
     }
     if (std::isfinite(epsilon)) {

@@ -32,8 +32,9 @@ struct ReducedOptions {
 ///
 /// S, O and C of the dissertation persist between passes: no child is ever computed twice. Nodes
 /// of a depth are considered by ascending accumulated cost J; a node is left out of O when some
-/// opened node with J' ≤ J lies within δ and ε-dominates it (single-node test: sound). The leaves
-/// are never pruned: the best one that can stop safely is the plan.
+/// opened node with J' ≤ J lies within δ and ε-dominates it (single-node test: sound). At δ = 0 the
+/// two have the same position and heading, whatever the yaw weight is. The leaves are never pruned:
+/// the best one that can stop safely is the plan.
 ///
 /// Guarantees: a plan exists as soon as one depth-T node has been generated; its cost never rises;
 /// a finished pass at (ε, δ) obeys the bound (6.1); with ε = δ = 0 finished, it is optimal.

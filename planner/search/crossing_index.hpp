@@ -19,6 +19,12 @@ struct PoseMetric {
     turn *= yaw_weight_m_per_rad;
     return dx * dx + dy * dy + turn * turn;
   }
+  /// True if d(a, b) ≤ δ. At δ = 0 whole poses have to be equal: with w = 0, or where w² is 0 in
+  /// double precision, d is 0 between two headings at one position, and a node of one heading says
+  /// nothing about what can be seen from the other.
+  [[nodiscard]] bool crosses(const Pose2& a, const Pose2& b, double delta_m) const {
+    return delta_m > 0.0 ? squared(a, b) <= delta_m * delta_m : a == b;
+  }
 };
 
 /// Spatial hash of the opened nodes of one depth: who lies within δ of a pose, without a scan.

@@ -13,6 +13,7 @@
 #include "bus/auth/authenticator.hpp"
 #include "bus/node/bus.hpp"
 #include "bus/node/clock.hpp"
+#include "bus/node/command_claim.hpp"
 #include "bus/transport/transport.hpp"
 #include "core/check.hpp"
 #include "models/exchange/counts.hpp"
@@ -37,7 +38,7 @@ class LiveBus {
     const py::gil_scoped_release release;
     transport_ = bus::open_transport(url.empty() && scenario_ ? scenario_->value.network.url : url);
     if (scenario_) {
-      authenticator_ = bus::auth::authenticator_for(scenario_->value, false);
+      authenticator_ = bus::auth::authenticator_for(scenario_->value);
     }
   }
   ~LiveBus() {
@@ -128,7 +129,8 @@ class LiveBus {
     if (!authenticator_) {
       return bytes;
     }
-    const auto judged = authenticator_->judge(channel, bytes, clock_.now(), true, false);
+    const auto judged =
+        authenticator_->judge(channel, bytes, clock_.now(), bus::claim_of(channel, bytes, ""));
     return judged.may_pass ? std::optional(judged.payload) : std::nullopt;
   }
 

@@ -9,7 +9,9 @@
 int main(int argc, char** argv) {
   using namespace vantage;  // NOLINT(google-build-using-namespace): main alone
   return bus::node_main(
-      {"vantage-sim", "Simulates the lab: quadrotors that follow plans, rovers, mocap, contacts."},
+      {.name = "vantage-sim",
+       .description = "Simulates the lab: quadrotors that follow plans, rovers, mocap, contacts.",
+       .serves_vehicles = true},
       argc, argv,
       [](bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
          const bus::NodeArguments& /*arguments*/) -> std::unique_ptr<bus::Node> {

@@ -1,9 +1,11 @@
 #include "core/real_time.hpp"
 
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include "core/check.hpp"
 
@@ -48,6 +50,25 @@ TEST(TakeRealTime, AsksForNothingByItself) {
   EXPECT_EQ(real_time.cpu, -1);
   EXPECT_FALSE(real_time.lock_memory);
   apply(real_time);
+}
+
+// Asking changes nothing for the thread that asks; the answer is that of apply().
+TEST(GrantsFifo, AnswersAsApplyDoes) {
+  const int policy_before = sched_getscheduler(0);
+  const bool is_granted = grants_fifo(50);
+  EXPECT_EQ(sched_getscheduler(0), policy_before);
+  bool is_applied = true;
+  std::thread([&] {
+    RealTime real_time;
+    real_time.fifo_priority = 50;
+    try {
+      apply(real_time);
+    } catch (const StartupError&) {
+      is_applied = false;
+    }
+  }).join();
+  EXPECT_EQ(is_granted, is_applied);
+  EXPECT_FALSE(grants_fifo(1'000)) << "no such priority";
 }
 
 TEST(TakeRealTime, RefusesValuesThatCannotBe) {

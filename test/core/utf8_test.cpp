@@ -1,6 +1,8 @@
 #include "core/utf8.hpp"
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -24,6 +26,31 @@ TEST(Readable, LeavesTextAndEscapesTheRest) {
   EXPECT_EQ(readable("a\tb\n\x1B[31m"), "a\\x09b\\x0A\\x1B[31m");
   EXPECT_EQ(readable("\\xFC"), "\\x5CxFC");
   EXPECT_EQ(readable("\xE2\x82"), "\\xE2\\x82");
+}
+
+// C1's CSI acts as ESC [ does, a right-to-left override turns what follows.
+TEST(Printable, EscapesWhatActsOnATerminalAndKeepsText) {
+  const std::vector<std::pair<std::string, std::string>> rows{
+      {"PLAN_ü 日本 \\ – \xF0\x9F\x9A\x81", "PLAN_ü 日本 \\ – \xF0\x9F\x9A\x81"},
+      {"a\tb\nc", "a\tb\nc"},
+      {"\x1B[2J\r\b\x7F", "\\x1B[2J\\x0D\\x08\\x7F"},
+      {"\xC2\x9B"
+       "2J",
+       "\\xC2\\x9B2J"},
+      {"\xC2\xA0", "\xC2\xA0"},
+      {"\xE2\x80\xAE"
+       "x",
+       "\\xE2\\x80\\xAEx"},
+      {"\xE2\x81\xA9", "\\xE2\\x81\\xA9"},
+      {"\xE2\x80\xA6", "\xE2\x80\xA6"},
+      {"\x9B"
+       "2J\xFF",
+       "\\x9B2J\\xFF"}};
+  for (const auto& [text, shown] : rows) {
+    EXPECT_EQ(printable(text), shown);
+    EXPECT_EQ(printable(shown), shown) << "escaped once";
+  }
+  EXPECT_EQ(readable("\xC2\x9B\xE2\x80\xAE"), "\\xC2\\x9B\\xE2\\x80\\xAE");
 }
 
 TEST(Readable, IsAlwaysUtf8AndTellsEachByteFromAnother) {

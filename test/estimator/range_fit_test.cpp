@@ -1,8 +1,10 @@
 #include "estimator/range_fit.hpp"
 
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <random>
+#include <string>
 #include <vector>
 
 #include <Eigen/LU>
@@ -156,6 +158,42 @@ TEST(FitRanges, RefusesWhatIsNoRecording) {
   std::vector<TakenRange> broken = scene.ranges;
   broken[5].range_m = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(fit_ranges(broken, beacons), UsageError);
+}
+
+/// Ranges to two beacons, all alike but for what a case says.
+std::vector<TakenRange> ranges_of(const std::function<TakenRange(int)>& range) {
+  std::vector<TakenRange> out;
+  for (int k = 0; k < 40; ++k) {
+    out.push_back(range(k));
+    out.back().beacon = k % 2;
+  }
+  return out;
+}
+
+// Numbers with squares that overflow, and places that make all beacons look alike.
+TEST(FitRanges, EndsWithAFitOrARefusalWhateverTheRangesAre) {
+  const auto at = [](double x_m, double range_m) {
+    return TakenRange{Eigen::Vector2d(x_m, 0.5 * x_m), range_m, 0};
+  };
+  const std::vector<std::vector<TakenRange>> all = {
+      ranges_of([&](int k) { return at(k, 1e308); }),
+      ranges_of([&](int k) { return at(k, k % 7 == 0 ? 1e300 : 5.0); }),
+      ranges_of([&](int k) { return at(k, -1e200); }),
+      ranges_of([&](int k) { return at(k * 1e300, 5.0); }),
+      ranges_of([&](int k) { return at(k % 9 == 0 ? 1e308 : k, 5.0); }),
+      ranges_of([&](int k) { return at(k, 1e12 * k); }),
+      ranges_of([&](int /*k*/) { return at(0.0, 0.0); }),
+      ranges_of([&](int /*k*/) { return at(3.0, 5.0); }),
+      ranges_of([&](int k) { return at(1e-300 * k, 1e-300); })};
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    try {
+      for (const FittedBeacon& beacon : fit_ranges(all[i], 2).beacons) {
+        EXPECT_TRUE(beacon.position_m.allFinite()) << i;
+      }
+    } catch (const UsageError& refusal) {
+      EXPECT_NE(std::string(refusal.what()).find("range"), std::string::npos) << i;
+    }
+  }
 }
 
 TEST(FitRanges, HoldsOutWhereEveryRangeIsAnOutlier) {

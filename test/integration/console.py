@@ -1,15 +1,20 @@
 #!/usr/bin/env python3
-"""console.py BIN_DIR TYPES: what an operator types into `vantage console`, and what vehicles then hear.
+"""console.py BIN_DIR TYPES SCENARIO: what an operator types into `vantage console`, and which commands
+vehicles then receive.
 
-At a terminal: arrows, Home, End, F2 and Delete are no orders, though each ends in the letter of one.
-From a pipe: orders of a robot that has not spoken yet are of that robot, in their order; a line that is
-none, or of a robot that there is not, is exit code 1. TYPES is the folder of the .lcm files. To be run
-in a network of its own.
+At a terminal: arrows, Home, End, F2 and Delete are no orders, though each ends in the letter of one;
+SPACE stops all vehicles whatever is selected; a robot is selected by its name. A terminal that is
+stopped by Ctrl-S, or that nothing reads, ends neither the heartbeat nor the emergency stop, nor the
+heartbeat of `vantage up SCENARIO --fly`; Ctrl-Z and Ctrl-\\ do nothing. From a pipe: orders of a robot
+that was not received yet are sent to that robot, in their order; a line that is no order, or of an
+unknown robot, gives exit code 1. TYPES is the folder of the .lcm files. To be run in a network of its
+own.
 """
 
 import os
 import pty
 import select
+import signal
 import subprocess
 import sys
 import tempfile
@@ -18,7 +23,7 @@ import time
 
 from lcm_socket import receiver_and_sender, sent_by, say
 
-binary, types = sys.argv[1] + "/vantage", sys.argv[2]
+binary, types, scenario = sys.argv[1] + "/vantage", sys.argv[2], sys.argv[3]
 URL = "udpm://239.255.76.67:7667?ttl=0"
 folder = tempfile.mkdtemp()
 subprocess.run(["sh", "-c", f"lcm-gen --python --ppath {folder} {types}/*.lcm"], check=True)
@@ -26,6 +31,7 @@ sys.path.insert(0, folder)
 from vantage_lcm.command_t import command_t  # noqa: E402
 from vantage_lcm.quadrotor_t import quadrotor_t  # noqa: E402
 
+PATIENCE_S, SETTLE_S = 10, 2
 WORDS = ["beat", "arm", "take-off", "follow", "hold", "land", "estop"]
 receiver, sender = receiver_and_sender()
 is_over = False
@@ -75,8 +81,9 @@ def forget():
 
 
 def typed(keys):
-    """What is heard while the `keys` are pressed one after the other at a terminal."""
+    """What is received while the `keys` are pressed one after the other at a terminal."""
     forget()
+    give_up = time.monotonic() + PATIENCE_S
     pid, terminal = pty.fork()
     if pid == 0:
         os.execv(binary, [binary, "console", "--url", URL])
@@ -87,7 +94,7 @@ def typed(keys):
             os.read(terminal, 65536)
         if keys:
             os.write(terminal, keys.pop(0))
-        return "estop" in out
+        return "estop" in out or time.monotonic() > give_up
 
     out = heard(press)
     os.write(terminal, b"q")
@@ -99,6 +106,67 @@ def typed(keys):
             break
     assert os.waitpid(pid, 0)[1] == 0
     return [words for words in out if words != "beat"]
+
+
+class Foreground:
+    """A program at a terminal of its own that nothing reads."""
+
+    def __init__(self, *words, is_full=False):
+        self.pid, self.terminal = pty.fork()
+        if self.pid == 0:
+            if is_full:
+                os.set_blocking(1, False)
+                try:
+                    while True:
+                        os.write(1, b"x" * 64)
+                except BlockingIOError:
+                    os.set_blocking(1, True)
+            os.execv(words[0], words)
+
+    def press(self, key):
+        os.write(self.terminal, key)
+
+    def end(self, signal_number):
+        os.kill(self.pid, signal_number)
+        while True:
+            try:
+                if not os.read(self.terminal, 65536):
+                    break
+            except OSError:
+                break
+        os.waitpid(self.pid, 0)
+
+
+def beats_within(count, seconds):
+    """Whether that many heartbeats come in that time."""
+    give_up, beats = time.monotonic() + seconds, 0
+    receiver.settimeout(0.05)
+    while beats < count and time.monotonic() < give_up:
+        try:
+            channel, payload = sent_by(receiver.recvfrom(65536)[0])
+            beats += channel == "COMMAND" and command_t.decode(payload).action == 0
+        except TimeoutError:
+            pass
+    return beats >= count
+
+
+def check_terminal(keys, is_full, words, stops):
+    """The program beats on after `keys`, and SPACE still stops (if it `stops`)."""
+    forget()
+    program = Foreground(*words, is_full=is_full)
+    try:
+        assert beats_within(1, PATIENCE_S), f"{words[1]}: no heartbeat at the start"
+        for key in keys:
+            program.press(key)
+        beats_within(1000, SETTLE_S)  # a screen is drawn each quarter of a second
+        assert beats_within(10, PATIENCE_S), f"{words[1]}: no heartbeat after {keys}, {is_full}"
+        if stops:
+            program.press(b" ")
+            give_up = time.monotonic() + PATIENCE_S
+            out = heard(lambda out: "estop" in out or time.monotonic() > give_up)
+            assert "estop" in out, (keys, out)
+    finally:
+        program.end(signal.SIGKILL)
 
 
 def piped(text):
@@ -119,6 +187,19 @@ try:
                  [b"\x1b", b"[", b"A", b"\x1bOF", b"h", b"\x1b", b" "]):
         found = typed(keys)
         assert found == ["hold", "estop"], found
+    # SPACE stops all though Q2 is selected; e stops Q2; names select in any letter case.
+    for keys, orders in (([b"2", b"h", b" "], ["hold Q2", "estop"]),
+                         ([b"r", b"q", b"1", b"\n", b"h", b"e", b" "], ["hold Q1", "estop Q1", "estop"]),
+                         ([b"r", b"Q", b"2", b"\n", b"l", b"\t", b" "], ["land Q2", "estop"]),
+                         ([b"r", b"h", b" "], ["estop"])):
+        found = typed(keys)
+        assert found == orders, (keys, found)
+    console = (binary, "console", "--url", URL)
+    for keys, is_full in (((b"\x13",), False), ((b"\x1a", b"\x1c"), False), ((), True)):
+        check_terminal(keys, is_full, console, True)
+    up = (binary, "up", scenario, "--fly", "--no-log", "--duration-s", "60", "--beside-others")
+    for keys, is_full in (((b"\x13",), False), ((), True)):
+        check_terminal(keys, is_full, up, False)
     for text, orders, code in (("estop Q1\n", ["estop Q1"], 0),
                                ("arm Q1\ntake-off Q1\nland Q2\n", ["land Q2", "arm Q1", "take-off Q1"], 0),
                                ("follow\nhold\n", ["hold"], 0),

@@ -23,7 +23,7 @@ TEST(ContactsLink, ACollisionOfRealVehiclesIsHeardOnTheNetwork) {
   }
   const auto judge_link = bus::open_transport(test::kUrl);
   const auto lab_link = bus::open_transport(test::kUrl);
-  const bus::SteadyClock clock;
+  bus::VirtualClock clock(from_utime(1'700'000'000'000'000));
   bus::Bus judge_bus(*judge_link, 11);
   bus::Bus lab_bus(*lab_link, 22);
   judge_bus.keep_time(clock);
@@ -45,6 +45,7 @@ TEST(ContactsLink, ACollisionOfRealVehiclesIsHeardOnTheNetwork) {
     models::MocapFrame frame;
     frame.stamp.time = start + k * std::chrono::milliseconds(10);
     frame.arrival = frame.stamp.time;
+    clock.set(frame.arrival);
     frame.bodies = {{"Q1", lift({1.0 + 0.01 * k, 4.0, 0.0}, 1.0), false},
                     {"Q2", lift({2.0, 4.0, 0.0}, 1.0), false}};
     lab_bus.publish(bus::kVicon, frame);

@@ -100,7 +100,7 @@ class Drill {
         events_(events),
         transport_(bus::open_transport(scenario.network.url)),
         bus_(*transport_, bus::random_run_id()),
-        desk_(bus_, false, clock_.now()),
+        desk_(bus_, {}, clock_.now()),
         robots_(tools::robots_with_driver(scenario)),
         program_(robots_),
         program_since_(clock_.now()) {

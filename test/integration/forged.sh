@@ -16,7 +16,7 @@ fly() {
   for _ in 1 2 3; do
     status=0 forged=0
     rm -f "$dir/$1.lcmlog"
-    "$bin/vantage" up "$2" --fly --url "$url" --log "$dir/$1.lcmlog" --json \
+    "$bin/vantage" up "$2" --fly --beside-load --url "$url" --log "$dir/$1.lcmlog" --json \
       > "$dir/$1.json" 2> "$dir/$1.err" & up=$!
     python3 "$here/forge_live.py" "$dir/py" "$dir/$1.span" || forged=$?
     kill -INT "$up"

@@ -6,7 +6,7 @@
 rounds=$3
 level=("${@:4}")
 
-"$bin/vantage" up "$scenario" --fly --log "$dir/flight.lcmlog" --json > "$dir/flight.json" 2> "$dir/flight.err" &
+"$bin/vantage" up "$scenario" --fly --beside-load --log "$dir/flight.lcmlog" --json > "$dir/flight.json" 2> "$dir/flight.err" &
 up=$!
 have_flown() { [[ -e $dir/flight.lcmlog ]] && "$bin/hil_check" --flown "$rounds" "$dir/flight.lcmlog"; }
 give_up=$((SECONDS + 110))

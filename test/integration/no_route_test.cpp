@@ -1,3 +1,9 @@
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "core/check.hpp"
@@ -15,6 +21,63 @@ TEST(WithoutARoute, OpeningFailsAndSaysWhatToDo) {
   } catch (const StartupError& e) {
     EXPECT_NE(std::string(e.what()).find("ip route add 224.0.0.0/4"), std::string::npos)
         << e.what();
+  }
+}
+
+struct Waiting {
+  std::vector<std::string> reports;
+  std::unique_ptr<bus::Transport> transport = bus::open_waiting_transport(
+      test::kUrl, [this](const std::string& words) { reports.push_back(words); });
+  int heard = 0;
+
+  Waiting() {
+    transport->subscribe("A", [this](std::string_view, const bus::Payload&) { ++heard; });
+  }
+  /// Whether a message of its own comes back within a few tries.
+  bool hears_itself() {
+    const int before = heard;
+    for (int i = 0; i < 100 && heard == before; ++i) {
+      transport->publish("A", test::random_bytes(10, 1));
+      transport->handle(std::chrono::milliseconds(20));
+    }
+    return heard > before;
+  }
+};
+
+void ip(const std::string& words) { ASSERT_EQ(std::system(("ip " + words).c_str()), 0) << words; }
+
+TEST(WithoutARoute, AWaitingTransportJoinsOnceThereIsOneAndAgainAfterEachLoss) {
+  Waiting waiting;
+  EXPECT_FALSE(waiting.hears_itself());
+  ASSERT_EQ(waiting.reports.size(), 1U) << "once, however often it tries";
+  EXPECT_NE(waiting.reports[0].find("cannot join"), std::string::npos) << waiting.reports[0];
+  EXPECT_EQ(waiting.transport->stats().network_losses, 1);
+  for (int loss = 1; loss <= 2; ++loss) {
+    ip("route add 224.0.0.0/4 dev lo");
+    EXPECT_TRUE(waiting.hears_itself());
+    EXPECT_EQ(waiting.reports.back(), "the network is back");
+    ip("route del 224.0.0.0/4 dev lo");
+    EXPECT_FALSE(waiting.hears_itself());
+    EXPECT_EQ(waiting.transport->stats().network_losses, loss + 1);
+  }
+  // A card that is taken out and another one with its name, which has no part in the membership.
+  ip("link add card type dummy");
+  for (int card = 0; card < 2; ++card) {
+    ip("addr add 10.9.9.9/24 dev card");
+    ip("link set card up multicast on");
+    ip("route add 224.0.0.0/4 dev card");
+    EXPECT_TRUE(waiting.hears_itself()) << card;
+    ip("link del card");
+    EXPECT_FALSE(waiting.hears_itself());
+    ip("link add card type dummy");
+  }
+  ip("link del card");
+}
+
+TEST(WithoutARoute, ATypingErrorInTheUrlIsStillAnError) {
+  for (const char* const url : {"udpm://239.255.76.67:0", "udpm://10.0.0.1:7667",
+                                "udpm://239.255.76.67:7667?tll=1", "udmp://239.255.76.67:7667"}) {
+    EXPECT_THROW(bus::open_waiting_transport(url, [](const std::string&) {}), StartupError) << url;
   }
 }
 

@@ -284,7 +284,8 @@ def test_datagrams_that_end_lcm_logger_do_not_end_it():
             # Its own pace: what is asked here is not how much fits into a socket's buffer.
             until(lambda: os.path.getsize(recorder.log) >= sum(map(len, good)),
                   "good messages in the log")
-    assert recorder.end() == 0, recorder.said()
+    assert recorder.end() == 1, "forged first fragments are messages that never become whole"
+    assert "parts of them never arrived" in recorder.said(), recorder.said()
     assert [data for _, data in of(recorder.log, "GOOD")] == good
     # The claim itself: one such datagram, and lcm-logger is gone.
     stock = Recorder(FOLDER / "stock.lcmlog",
@@ -322,6 +323,50 @@ def test_its_log_is_lcm_loggers():
                    timeout=PATIENCE_S)
     assert again.end() == 0
     assert of(again.log, *channels) == sent
+
+
+def paced(sender, channel, data):
+    """Publishes in fragments, at a pace that a socket's buffer follows."""
+    raw, sent = sender.raw, []
+
+    def send(datagram):
+        raw(datagram)
+        sent.append(len(datagram))
+        if len(sent) % 4 == 0:
+            time.sleep(0.001)
+    sender.raw = send
+    sender.publish(channel, data)
+    sender.raw = raw
+
+
+def test_large_messages_are_recorded_or_named():
+    picture = random.Random(3).randbytes(6_200_000)
+    recorder = Recorder(FOLDER / "large.lcmlog").start()
+    for _ in range(5):
+        paced(recorder.sender, "CAMERA", picture)
+    until(lambda: os.path.getsize(recorder.log) >= 5 * len(picture), "pictures in the log")
+    assert recorder.end() == 0, recorder.said()
+    assert of(recorder.log, "CAMERA") == 5 * [("CAMERA", picture)]
+    for options, code in ([], 1), (["--without", "CAMERA"], 0):
+        log = FOLDER / f"small{code}.lcmlog"
+        small = Recorder(log, command=[VANTAGE, "log", "record", log, "--url",
+                                       url() + "&max_message_size=4000000", *options]).start()
+        paced(small.sender, "CAMERA", picture)
+        small.sender.publish("TICK", b"after it")
+        until(lambda: of(small.log, "TICK"), "what was sent after it")
+        assert small.end() == code, small.said()
+        words = "CAMERA: 1 messages are not in the log: of up to 6200000 bytes, more than max_message_size 4000000"
+        assert (words in small.said()) == (code == 1), small.said()
+
+
+def test_a_message_that_lacks_a_part_is_reported():
+    recorder = Recorder(FOLDER / "lacks.lcmlog").start()
+    recorder.sender.raw(fragment(900, 100_000, 0, 0, 2, b"CAMERA\0" + bytes(60_000)))
+    # Given up a second after its newest fragment.
+    lacks = b"transport.incomplete_messages\0"
+    until(lambda: any(lacks in data for _, data in of(recorder.log, "HEALTH_RECORDER")), "count of it")
+    assert recorder.end() == 1, recorder.said()
+    assert "1 messages are not in the log: parts of them never arrived" in recorder.said(), recorder.said()
 
 
 def test_files_follow_one_another():

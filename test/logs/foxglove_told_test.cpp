@@ -30,6 +30,47 @@ TEST(Stream, PaintsRobotsWhenWhoIsJammedChanges) {
   EXPECT_EQ(notebook.of("/views").size(), 2U);
 }
 
+// The time of a record is when its message was received; that of what it shows is the message's
+// own.
+TEST(Stream, KeepsTheTimeOfReceptionApartFromTheTimeShown) {
+  Notebook notebook;
+  Stream stream(notebook);
+  models::ScenarioNotice notice = lab_notice();
+  notice.stamp.time = from_utime(5);
+  stream.on(notice, from_utime(7));
+  models::MocapFrame frame;
+  frame.stamp.time = from_utime(6);
+  frame.bodies.push_back({"Q1", {}, false});
+  stream.on(frame, from_utime(8));
+  models::AttackNotice attack{{from_utime(9), 0, 0}, {"Q2"}};
+  stream.on(attack, from_utime(11));
+  struct Row {
+    const char* topic;
+    std::size_t scene;
+    int shown_us;
+    int received_us;
+  };
+  for (const Row& row : std::vector<Row>{{"/world", 0, 5, 7},
+                                         {"/targets", 0, 5, 7},
+                                         {"/robots", 0, 5, 7},
+                                         {"/views", 0, 5, 7},
+                                         {"/tracks", 0, 6, 8},
+                                         {"/robots", 1, 9, 11},
+                                         {"/views", 1, 9, 11}}) {
+    std::vector<const Notebook::Record*> records;
+    for (const Notebook::Record& record : notebook.records) {
+      if (record.topic == row.topic) {
+        records.push_back(&record);
+      }
+    }
+    ASSERT_GT(records.size(), row.scene) << row.topic;
+    EXPECT_EQ(records[row.scene]->time, from_utime(row.received_us)) << row.topic;
+    EXPECT_EQ(notebook.of(row.topic)[row.scene].at("entities")[0].at("timestamp"),
+              to_json(from_utime(row.shown_us)))
+        << row.topic;
+  }
+}
+
 TEST(Stream, TellsOfPeoplesCommandsAndOfTheEmergencyStopAsAnError) {
   Notebook notebook;
   Stream stream(notebook);

@@ -42,10 +42,13 @@ TEST(IndexedLog, ReadsEveryNumberBackUnderItsName) {
   std::int64_t next = 1'000;
   const auto time = [&next] { return from_utime(++next); };
   LogSurvey made;
-  made.size_bytes = 7;
+  made.size_bytes = log.size();
   made.scan = {11, 12, 13, 14, 15};
   made.first = time();
   made.last = time();
+  made.begin = time();
+  made.end = time();
+  made.times_outlying = 16;
   made.numbers_missing = 21;
   made.number_restarts = 22;
   made.times_backward = 23;
@@ -62,7 +65,8 @@ TEST(IndexedLog, ReadsEveryNumberBackUnderItsName) {
     return std::tuple(scan.events, scan.doubtful, scan.refused, scan.stretches, scan.bytes_damaged);
   };
   EXPECT_EQ(counts(read->scan), counts(made.scan));
-  EXPECT_EQ(std::pair(read->first, read->last), std::pair(made.first, made.last));
+  EXPECT_EQ(std::tuple(read->first, read->last, read->begin, read->end, read->times_outlying),
+            std::tuple(made.first, made.last, made.begin, made.end, made.times_outlying));
   const auto order = [](const LogSurvey& of) {
     return std::tuple(of.numbers_missing, of.number_restarts, of.times_backward, of.backward_max,
                       of.begins_with_scenario);

@@ -15,6 +15,7 @@
 
 #include "bus/convert/convert.hpp"
 #include "core/check.hpp"
+#include "logs/file/seekable_log.hpp"
 #include "logs/file/wire_witness.hpp"
 #include "test/logs/damage.hpp"
 #include "test/logs/file_support.hpp"
@@ -430,6 +431,47 @@ TEST(IndexedLog, LeavesNothingBehindButItsIndex) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 2);
   EXPECT_TRUE(std::filesystem::exists(path + ".index"));
   EXPECT_FALSE(save_index(folder.file("missing/b.lcmlog"), log.bytes(), log.survey()));
+}
+
+/// `content` with the hash that an index of the log ends with.
+Bytes with_hash(Bytes content) {
+  std::uint64_t hash = 0xcbf29ce484222325ULL;  // FNV-1a
+  for (const std::uint8_t byte : content) {
+    hash = (hash ^ byte) * 0x100000001b3ULL;
+  }
+  append_big_endian(hash, sizeof hash, content);
+  return content;
+}
+
+// An index is a cache: whatever it contains, the log is read.
+TEST(IndexedLog, ReadsItsLogWhateverBytesAnIndexWithARightHashHolds) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("a.lcmlog");
+  test::write_file(path, eventful_log());
+  const LogSurvey survey = IndexedLog(path).survey();
+  Bytes index = test::read_file(path + ".index");
+  index.resize(index.size() - 8);
+
+  std::vector<Bytes> crafted;
+  for (const auto nested :
+       std::initializer_list<std::uint8_t>{0x81, 0x9f, 0xa1, 0xc1}) {  // CBOR: lists, maps and tags
+    crafted.emplace_back(2'000'000, nested);
+  }
+  std::mt19937_64 rng(8);
+  for (int i = 0; i < 3'000; ++i) {
+    Bytes bad = index;
+    bad[rng() % bad.size()] = static_cast<std::uint8_t>(rng());
+    if (i % 3 == 0) {
+      bad.resize(bad.size() - 1 - rng() % std::min<std::size_t>(bad.size() / 2, 40));
+    }
+    crafted.push_back(bad);
+  }
+  for (const Bytes& each : crafted) {
+    test::write_file(path + ".index", with_hash(each));
+    const SeekableLog log(path);
+    static_cast<void>(log.events(survey.first, survey.last));
+    static_cast<void>(log.newest_before(survey.last));
+  }
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
+#include <limits>
 #include <map>
 #include <string>
 #include <string_view>
@@ -337,6 +339,64 @@ TEST_F(McapFile, CountsWhatIsInIt) {
     }
     EXPECT_TRUE(counts.is_empty());
   }
+}
+
+// A detector of one's own may stamp with −1, or in nanoseconds.
+TEST(McapWriter, HoldsTimesWithinWhatTheFormatCanSay) {
+  const test::TemporaryFolder folder;
+  constexpr std::int64_t kMost_ns = std::numeric_limits<std::int64_t>::max();
+  const std::pair<std::int64_t, std::int64_t> cases[] = {
+      {-5'000'000, 0},
+      {std::numeric_limits<std::int64_t>::min(), 0},
+      {0, 0},
+      {1'700'000'000'000'000, 1'700'000'000'000'000'000},
+      {1'700'000'000'000'000'000, kMost_ns},
+      {std::numeric_limits<std::int64_t>::max(), kMost_ns}};
+  McapWriter writer(folder.file("a.mcap"));
+  const auto topic = writer.topic("/a", "A", "{}");
+  for (const auto& [utime, wanted_ns] : cases) {
+    writer.write(topic, from_utime(utime), from_utime(utime), "{}");
+  }
+  ASSERT_TRUE(writer.finish());
+  const test::Bytes bytes = test::read_file(folder.file("a.mcap"));
+  const std::string_view all(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  std::vector<std::uint64_t> written_ns;
+  for (const Record& record : records_of(all.substr(8, all.size() - 16), 8)) {
+    if (record.opcode == kChunk) {
+      Reader chunk(record.content);
+      chunk.number(16);
+      const std::uint64_t size = chunk.number(8);
+      chunk.number(4);
+      chunk.text();
+      std::string content(size, ' ');
+      const std::string_view packed = chunk.text(8);
+      ZSTD_decompress(content.data(), size, packed.data(), packed.size());
+      for (const Record& message : records_of(content, 0)) {
+        if (message.opcode == kMessage) {
+          Reader in(message.content);
+          in.number(6);
+          written_ns.push_back(in.number(8));
+        }
+      }
+    }
+  }
+  ASSERT_EQ(written_ns.size(), std::size(cases));
+  for (std::size_t i = 0; i < written_ns.size(); ++i) {
+    EXPECT_EQ(written_ns[i], static_cast<std::uint64_t>(cases[i].second)) << cases[i].first;
+  }
+}
+
+TEST(McapWriter, RefusesMoreTopicsThanTheFormatCanNumber) {
+  const test::TemporaryFolder folder;
+  McapWriter writer(folder.file("a.mcap"));
+  for (int i = 0; i < 65'535; ++i) {
+    EXPECT_EQ(writer.topic(std::to_string(i), "A", "{}"), i);
+  }
+  EXPECT_EQ(writer.failure(), "");
+  writer.topic("one more", "A", "{}");
+  EXPECT_NE(writer.failure().find("--channels"), std::string::npos) << writer.failure();
+  EXPECT_FALSE(writer.finish());
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
 }  // namespace

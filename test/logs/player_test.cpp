@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <deque>
+#include <limits>
 #include <tuple>
 #include <vector>
 
@@ -366,6 +367,27 @@ TEST_F(PlayerTest, WaitsOutAPauseOfAMinuteAndNoneThatIsLonger) {
     now_ns_ = kBegin;
     EXPECT_EQ(play({}).gaps, gap_us > 60'000'000 ? 1 : 0);
     EXPECT_EQ(heard().back().second, gap_us > 60'000'000 ? 500 : 60'000);
+  }
+}
+
+// One stamp near the end of what a time can be, among 100 good ones.
+TEST_F(PlayerTest, PlaysEveryEventWhateverOneStampIs) {
+  constexpr std::int64_t kNow = 1'795'000'000'000'000;
+  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
+  for (const std::int64_t broken :
+       {std::int64_t{0}, kMost / 1000, kMost - 100'000'000, kMost - 30'000'000, kMost - 1, kMost}) {
+    Bytes bytes;
+    for (std::int64_t i = 0; i < 100; ++i) {
+      const std::int64_t utime = i == 50 ? broken : kNow + 1'000 * i;
+      append_event({i, from_utime(utime), "A", Bytes{static_cast<std::uint8_t>(i)}}, bytes);
+    }
+    test::write_file(folder_.file("b"), bytes);
+    log_.emplace(folder_.file("b"));
+    heard_.clear();
+    now_ns_ = kBegin;
+    EXPECT_EQ(play({}).published, 100) << broken;
+    EXPECT_EQ(play({}, {{0, "seek 0.05"}, {5'000, "quit"}}).failed, 0) << broken;
+    EXPECT_LT((now_ns_ - kBegin) / kMs, 60'000) << broken;
   }
 }
 

@@ -138,6 +138,10 @@ class Rules(unittest.TestCase):
         for action in (10, -1, [1, 2]):
             with self.assertRaises(vantage.UsageError):
                 env.step(action)
+        for action in (3.7, float("nan"), "3", None, True):
+            with self.assertRaisesRegex(ValueError, "must be whole numbers", msg=action):
+                env.step(action)
+        env.step(3.0)
         team = vantage.env.make_team("TeamTracking")
         team.reset(seed=1)
         with self.assertRaisesRegex(ValueError, "none of robot_2"):

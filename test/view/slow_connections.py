@@ -1,21 +1,27 @@
 #!/usr/bin/env python3
-"""slow_connections.py VANTAGE SAMPLE.xz: while 64 connections are at saying what they want, and do not
-get on with it, viewers and who asks for a file are served; and they are ended before long."""
+"""slow_connections.py VANTAGE SAMPLE.xz: 150 connections begin a request and do not send the rest of it.
+Viewers and requests for a file are served meanwhile, and the slow connections are ended."""
 import http.client
-import select
 import socket
 import sys
 
 from plain_viewer import Viewer, serving
 
-SLOW = 64
-PATIENCE_S = 120
+SLOW = 150  # more than the server has threads
+PATIENCE_S = 15  # half of what the server waits for a write
 
 
 def slow(port):
     one = socket.create_connection(("127.0.0.1", port), timeout=PATIENCE_S)
     one.sendall(b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nX-Slow: ")
     return one
+
+
+def receive(one):
+    try:
+        return one.recv(4096)
+    except ConnectionResetError:
+        return b""
 
 
 def main():
@@ -26,10 +32,8 @@ def main():
         asked = http.client.HTTPConnection("127.0.0.1", port, timeout=PATIENCE_S)
         asked.request("GET", "/api/topics")
         assert asked.getresponse().status == 200
-        ended, _, _ = select.select(many, [], [], 0)
-        assert not ended, f"only once {len(ended)} of them were ended"
         for one in many:
-            while one.recv(4096):  # some error page, or nothing
+            while receive(one):  # some error page, or nothing
                 pass
     print("slow_connections: all good")
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "bus/auth/authenticator.hpp"
+#include "core/utf8.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -40,13 +41,18 @@ ArmingWatch::ArmingWatch(bus::Bus& bus, const scenario::Scenario& scenario)
   // Heard so that what does not decode is counted.
   bus.subscribe<models::RobotPlan>(bus::plan_channel("*"), [](const models::RobotPlan&) {});
   bus.subscribe<models::ScenarioNotice>(bus::kScenario, [](const models::ScenarioNotice&) {});
-  bus.subscribe<models::VehicleStatus>(
-      bus::vehicle_channel("*"),
-      [this](const models::VehicleStatus& status) { vehicles_[status.robot] = status; });
+  bus.subscribe<models::VehicleStatus>(bus::vehicle_channel("*"),
+                                       [this](const models::VehicleStatus& status) {
+                                         if (scenario_.find_robot(status.robot) != nullptr) {
+                                           vehicles_[status.robot] = status;
+                                         }
+                                       });
   bus.subscribe<models::MocapFrame>(bus::kVicon, [this](const models::MocapFrame& frame) {
     ++frames_;
     for (const models::MocapBody& body : frame.bodies) {
-      frames_with_[body.name] += body.occluded ? 0 : 1;
+      if (scenario_.find_robot(body.name) != nullptr) {
+        frames_with_[body.name] += body.occluded ? 0 : 1;
+      }
     }
   });
   bus.subscribe<models::OperatorCommand>(
@@ -60,10 +66,15 @@ ArmingWatch::ArmingWatch(bus::Bus& bus, const scenario::Scenario& scenario)
 
 // Counts are since each process's start: what it refused before this watch began is no news.
 void ArmingWatch::on_health(const models::ProcessHealth& health) {
+  if (!processes_.contains(health.process) && processes_.size() >= kProcessesMax) {
+    return;
+  }
   const bool is_first = !std::exchange(processes_[health.process], true);
   for (const models::NamedCount& counter : health.counters) {
-    if (bus::auth::parse_refusal(counter.name)) {
-      Growth& growth = refusals_[health.process][counter.name];
+    auto& known = refusals_[health.process];
+    const bool has_room = known.contains(counter.name) || known.size() < kRefusalsMax;
+    if (has_room && bus::auth::parse_refusal(counter.name)) {
+      Growth& growth = known[counter.name];
       growth.first = is_first ? counter.count : growth.first;
       growth.last = counter.count;
     }
@@ -71,12 +82,18 @@ void ArmingWatch::on_health(const models::ProcessHealth& health) {
 }
 
 void ArmingWatch::append_refusals(std::vector<std::string>& out) const {
+  for (const models::NamedCount& counter : bus_.counters()) {
+    if (const auto refusal = bus::auth::parse_refusal(counter.name)) {
+      out.push_back(fmt::format("{}: {} messages refused here ({}): {}", readable(refusal->channel),
+                                counter.count, refusal->reason, explain(refusal->reason)));
+    }
+  }
   for (const auto& [process, counters] : refusals_) {
     for (const auto& [name, growth] : counters) {
       const auto refusal = bus::auth::parse_refusal(name);
       if (refusal && growth.last > growth.first) {
-        out.push_back(fmt::format("{} of {}: {} messages now ({}): {}", refusal->channel, process,
-                                  growth.last - growth.first, refusal->reason,
+        out.push_back(fmt::format("{} of {}: {} messages now ({}): {}", readable(refusal->channel),
+                                  readable(process), growth.last - growth.first, refusal->reason,
                                   explain(refusal->reason)));
       }
     }
@@ -122,7 +139,7 @@ std::vector<std::string> ArmingWatch::blocks() const {
     if (status.state == models::FlightState::kIdle ||
         status.state == models::FlightState::kKilled) {
       for (const std::string& reason : status.reasons) {
-        out.push_back(fmt::format("robot {}: {}", robot.name, reason));
+        out.push_back(fmt::format("robot {}: {}", robot.name, readable(reason)));
       }
     }
   }

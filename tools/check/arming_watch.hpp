@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -35,6 +36,8 @@ class ArmingWatch {
     std::int64_t first = 0;
     std::int64_t last = 0;
   };
+  static constexpr std::size_t kProcessesMax = 1024;
+  static constexpr std::size_t kRefusalsMax = 256;  ///< of one process
   void on_health(const models::ProcessHealth& health);
   void append_refusals(std::vector<std::string>& out) const;
 

@@ -21,8 +21,9 @@ class VehicleCheck {
   VehicleCheck(const scenario::RobotSpec& robot,
                const std::optional<wire::mavlink::SigningKey>& key, Time now);
 
-  void receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now) {
-    link_.receive(bytes, is_datagram, now);
+  /// Returns true if a frame of the vehicle was complete with these bytes.
+  bool receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now) {
+    return link_.receive(bytes, is_datagram, now);
   }
   void tick(Time now) { link_.tick(now); }
   std::vector<drivers::WireMessage> take_output() { return link_.take_output(); }

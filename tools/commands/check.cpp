@@ -1,5 +1,10 @@
+#include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -32,12 +37,17 @@ struct CheckArguments {
   VehicleCheckOptions vehicles;
 };
 
-// What the running system itself says against arming.
-void listen(const scenario::Scenario& scenario, double listen_s, std::vector<std::string>& faults) {
+/// Appends what the running system itself reports against arming. `authenticator`: nullptr without
+/// security.
+void listen(const scenario::Scenario& scenario, double listen_s,
+            std::unique_ptr<bus::auth::Authenticator> authenticator,
+            std::vector<std::string>& faults) {
   const auto transport = bus::open_transport(scenario.network.url);
   bus::Bus bus(*transport, bus::random_run_id());
+  const bus::SteadyClock clock;
+  bus.keep_time(clock);
+  bus.secure(std::move(authenticator), clock);
   const ArmingWatch watch(bus, scenario);
-  const bus::SystemClock clock;
   const Time end = clock.now() + from_seconds(listen_s);
   while (clock.now() < end && !stop_requested()) {
     bus.handle(std::chrono::milliseconds(20));
@@ -86,13 +96,13 @@ int run(const CheckArguments& arguments) {
   const logs::LogRoom room = logs::room_for_log(scenario, log_path, logs::free_bytes_for(log_path));
   (room.is_enough ? preflight.understood : preflight.faults).push_back(room.words);
   preflight.understood.push_back(security_words(scenario));
-  for (std::string& fault : bus::auth::security_faults(scenario)) {
-    preflight.faults.push_back(std::move(fault));
-  }
+  std::vector<std::string> security_faults = bus::auth::security_faults(scenario);
+  const bool can_judge = security_faults.empty();
+  std::ranges::move(security_faults, std::back_inserter(preflight.faults));
   const MemoryRoom memory = room_for_planners(scenario, free_memory_bytes());
   (memory.is_enough ? preflight.understood : preflight.faults).push_back(memory.words);
-  if (arguments.is_live) {
-    listen(scenario, arguments.listen_s, preflight.faults);
+  if (arguments.is_live && can_judge) {
+    listen(scenario, arguments.listen_s, bus::auth::authenticator_for(scenario), preflight.faults);
   }
   if (arguments.as_json) {
     print_json(nlohmann::ordered_json{{"scenario", arguments.scenario},
@@ -108,7 +118,7 @@ int run(const CheckArguments& arguments) {
       print_line("note: " + note);
     }
     for (const std::string& fault : preflight.faults) {
-      fmt::print(stderr, "{}: {}\n", arguments.scenario, fault);
+      print_line(arguments.scenario + ": " + fault, stderr);
     }
     print_line(preflight.is_ready() ? "ready" : "not ready");
   }
@@ -127,7 +137,8 @@ void add_check_command(CLI::App& root, Runner& chosen) {
                       "when not given");
   command->add_flag("--json", arguments->as_json, "print one JSON object");
   command->add_flag("--live", arguments->is_live,
-                    "also listen to the running system and say what blocks arming");
+                    "also listen to the running system and say what blocks arming; not where the "
+                    "keys that security needs are missing");
   command->add_option("--listen", arguments->listen_s, "how long, in seconds")
       ->needs("--live")
       ->check(number_between(0.0, 3600.0));

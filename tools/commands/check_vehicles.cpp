@@ -34,7 +34,9 @@ struct Vehicle {
       if (got == 0) {
         break;
       }
-      check->receive({buffer.data(), got}, port->is_datagram(), now);
+      if (check->receive({buffer.data(), got}, port->is_datagram(), now)) {
+        port->accept(now);
+      }
     }
     check->tick(now);
     for (const drivers::WireMessage& message : check->take_output()) {

@@ -26,13 +26,15 @@ int run(const ConsoleArguments& arguments) {
   if (!arguments.scenario.empty()) {
     const scenario::Scenario scenario = scenario::load_scenario(arguments.scenario);
     bus::auth::require_operator(scenario);
-    authenticator = bus::auth::authenticator_for(scenario, false);
+    authenticator = bus::auth::authenticator_for(scenario);
     url = url.empty() ? scenario.network.url : url;
   }
   const auto transport = bus::open_transport(url);
   bus::Bus bus(*transport, bus::random_run_id());
+  const DeskRules rules{arguments.is_second, authenticator.get()};
+  bus.keep_time(clock);
   bus.secure(std::move(authenticator), clock);
-  return run_console(bus, clock, arguments.is_second, stop_requested) ? 0 : 1;
+  return run_console(bus, clock, rules, stop_requested) ? 0 : 1;
 }
 
 }  // namespace
@@ -49,8 +51,11 @@ void add_console_command(CLI::App& root, Runner& chosen) {
                     "stand by beside a station that is in charge: hold, land and e-stop at once, "
                     "the rest when the other falls silent");
   command->footer(
-      "Keys: a arm, t take off, f follow, h hold, l land, SPACE or e emergency stop,\n"
-      "      1-9 select a robot, 0 all, q quit (ends the heartbeat).\n"
+      "Keys: SPACE emergency stop of all vehicles, whatever is selected.\n"
+      "      a arm, t take off, f follow, h hold, l land, e emergency stop: of the selected "
+      "robot.\n"
+      "      0 selects all, 1-9 one of the first nine, TAB the next, r NAME ENTER any robot.\n"
+      "      q quit (ends the heartbeat).\n"
       "Without a terminal it reads lines. Where another station is in charge only the emergency\n"
       "stop is sent. Exit code 1 when anything was refused, not understood, or for a robot not "
       "heard.\n"

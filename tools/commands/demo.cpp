@@ -2,8 +2,6 @@
 
 #include <memory>
 
-#include <fmt/format.h>
-
 #include "core/process.hpp"
 #include "tools/commands/commands.hpp"
 #include "tools/commands/report.hpp"
@@ -63,7 +61,7 @@ int run(const DemoArguments& arguments) {
     print_line("look     vantage view " + shell_quoted(result.log_path));
   }
   for (const std::string& failure : result.failures) {
-    fmt::print(stderr, "vantage: {}\n", failure);
+    print_line("vantage: " + failure, stderr);
   }
   return result.summary.collisions == 0 && result.failures.empty() ? 0 : 1;
 }

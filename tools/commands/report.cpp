@@ -5,8 +5,6 @@
 #include <string>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "core/write_file.hpp"
 #include "logs/picture/picture.hpp"
 #include "scenario/search_name.hpp"
@@ -36,11 +34,11 @@ bool write_pictures(const std::string& svg_path, const scenario::Scenario& scena
     const auto png_path = std::filesystem::path(svg_path).replace_extension(".png").string();
     const Result<std::string> png = logs::render_png(svg_path, png_path);
     if (!png.ok()) {
-      fmt::print(stderr, "vantage: {}\n", png.error().message);
+      print_line("vantage: " + png.error().message, stderr);
     }
     return true;
   } catch (const std::runtime_error& error) {
-    fmt::print(stderr, "vantage: {}\n", error.what());
+    print_line(std::string("vantage: ") + error.what(), stderr);
     return false;
   }
 }

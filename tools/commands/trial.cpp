@@ -11,6 +11,7 @@
 #include "scenario/node_budget.hpp"
 #include "tools/commands/commands.hpp"
 #include "tools/commands/report.hpp"
+#include "tools/live/screen.hpp"
 #include "trial/recipe.hpp"
 
 namespace vantage::tools {
@@ -51,8 +52,9 @@ int run(const TrialArguments& arguments) {
       trial::run_trial(scenario, trial::trial_recipes(scenario), options);
   report_summary(scenario, result.summary, arguments.as_json);
   if (result.log_error) {
-    fmt::print(stderr, "vantage: {}; the log lacks {} messages\n", result.log_error->message,
-               result.summary.messages_lost);
+    print_line(fmt::format("vantage: {}; the log lacks {} messages", result.log_error->message,
+                           result.summary.messages_lost),
+               stderr);
   }
   if (result.was_stopped) {
     fmt::print(stderr, "trial stopped after {:.1f} s of {:g} s\n", result.summary.duration_s,

@@ -18,6 +18,7 @@
 #include "tools/commands/commands.hpp"
 #include "tools/commands/report.hpp"
 #include "tools/live/screen.hpp"
+#include "tools/up/process_plan.hpp"
 #include "tools/up/up_report.hpp"
 
 namespace vantage::tools {
@@ -33,6 +34,7 @@ struct UpArguments {
   bool no_log = false;
   bool fly = false;
   bool beside_others = false;
+  bool beside_load = false;
   bool has_virtual_targets = false;
   bool as_json = false;
   RestartPolicy restarts;
@@ -90,7 +92,11 @@ int run(const UpArguments& arguments) {
   options.quiet = arguments.as_json;
   options.live_table = is_terminal() && !options.quiet;
   options.fly = arguments.fly;
+  // Only a duration that was asked for may end a flight.
+  options.ends_by_duration =
+      arguments.overrides.duration_s.has_value() || robots_with_driver(scenario).empty();
   options.beside_others = arguments.beside_others;
+  options.beside_load = arguments.beside_load;
   options.has_virtual_targets = arguments.has_virtual_targets;
   options.host = arguments.host;
   options.log_path = log_path(scenario, arguments);
@@ -163,22 +169,30 @@ void add_up_command(CLI::App& root, Runner& chosen) {
                     "be the operator: arm, take off, follow, and land at the end");
   command->add_flag("--beside-others", arguments->beside_others,
                     "start though another supervisor, a simulator or vehicles are alive");
+  command->add_flag("--beside-load", arguments->beside_load,
+                    "with --fly: fly though this host is busy and grants drivers no real-time "
+                    "priority");
   command->add_flag("--virtual-targets", arguments->has_virtual_targets,
                     "simulate the targets though every device is real");
   add_restart_options(*command, arguments->restarts);
   command->add_flag("--json", arguments->as_json,
                     "print one JSON object at the end; what happens meanwhile goes to stderr");
   command->footer(
-      "Ends after the scenario's duration or with Ctrl-C or SIGTERM; all processes are gone 2 s\n"
-      "later. With --fly all mean: land everything first; a second Ctrl-C does not wait for that.\n"
-      "Once they are asked to end, one more Ctrl-C kills them at once; the log is whole all the "
-      "same.\n"
+      "Ends with Ctrl-C or SIGTERM, or after --duration-s; without vehicles that have drivers "
+      "also\n"
+      "after the scenario's duration. Vehicles in flight are landed first, within 60 s; a second\n"
+      "Ctrl-C leaves that to their autopilots. Then all processes are gone within 2 s; one more\n"
+      "Ctrl-C kills them at once; the log is whole all the same.\n"
       "Without it robots on the wire and real ones wait for `vantage console`.\n"
       "A process that dies is started again. The trial ends when the simulator or the mocap\n"
-      "driver is given up; without any other process it goes on.\n"
+      "driver is given up; without any other process it goes on. The driver of a vehicle in "
+      "flight\n"
+      "is never given up.\n"
       "Exit code 1 when a process was given up or killed, the simulator was started again (the\n"
       "world begins anew), the log lacks its end, another host flew another scenario, anything\n"
-      "collided, a robot of --fly did not fly or did not land, or the program itself failed.\n"
+      "collided, a vehicle was left in flight, a robot of --fly did not fly, or the program "
+      "itself\n"
+      "failed.\n"
       "2 when it could not start.\n"
       "Examples:\n"
       "  vantage up config/lab.yaml\n"

@@ -8,10 +8,12 @@
 
 #include <fmt/format.h>
 
+#include "core/utf8.hpp"
 #include "logs/record/log_space.hpp"
 #include "logs/record/recorder.hpp"
 #include "tools/console/order_queue.hpp"
 #include "tools/console/terminal.hpp"
+#include "tools/live/output.hpp"
 #include "tools/live/screen.hpp"
 
 namespace vantage::tools {
@@ -19,8 +21,8 @@ namespace {
 
 constexpr double kHeardS = 1.0;
 constexpr const char* kKeys =
-    "keys: a arm  t take off  f follow  h hold  l land  SPACE or e emergency stop  "
-    "0 all  1-9 one robot  q quit";
+    "keys: SPACE emergency stop of ALL  a arm  t take off  f follow  h hold  l land  e emergency "
+    "stop, of: 0 all  1-9 TAB one robot  r NAME ENTER any robot;  q quit";
 constexpr const char* kLines =
     "type: arm | take-off | follow | hold | land | estop [robot], help, quit";
 constexpr const char* kUnheard =
@@ -32,8 +34,8 @@ constexpr const char* kFarewell =
 /// Reads, obeys, shows.
 class ConsoleSession {
  public:
-  ConsoleSession(bus::Bus& bus, const bus::Clock& clock, bool is_allowed_second)
-      : desk_(bus, is_allowed_second, clock.now()), clock_(clock) {
+  ConsoleSession(bus::Bus& bus, const bus::Clock& clock, const DeskRules& rules)
+      : desk_(bus, rules, clock.now()), clock_(clock) {
     print_line(terminal_.is_interactive() ? kKeys : kLines);
   }
 
@@ -55,7 +57,7 @@ class ConsoleSession {
     is_over_ |= terminal_.is_closed();
     if (terminal_.is_interactive() && clock_.now() >= next_redraw_) {
       std::vector<std::string> lines = desk_.vehicle_table(clock_.now(), selected_);
-      lines.push_back(note_);
+      lines.push_back(keys_.prompt().empty() ? note_ : keys_.prompt());
       screen_.redraw(lines);
       next_redraw_ = clock_.now() + std::chrono::milliseconds(250);
     }
@@ -69,9 +71,10 @@ class ConsoleSession {
  private:
   void obey(const std::string& input) {
     if (terminal_.is_interactive()) {
-      if (const auto request = request_from_key(input, desk_.robots(), selected_)) {
+      if (const auto request = keys_.on_key(input, desk_.robots(), selected_)) {
         obey(*request);
       }
+      next_redraw_ = {};
       return;
     }
     if (input.find_first_not_of(" \t\r") == std::string::npos) {
@@ -94,6 +97,10 @@ class ConsoleSession {
       case OperatorRequest::Kind::kSelect:
         selected_ = request.robot;
         say("commands go to " + (selected_.empty() ? std::string("all") : selected_));
+        break;
+      case OperatorRequest::Kind::kNoRobot:
+        say("no robot, or more than one, has a name that begins with '" + request.robot +
+            "'; commands still go to " + (selected_.empty() ? std::string("all") : selected_));
         break;
       case OperatorRequest::Kind::kHelp:
         say(terminal_.is_interactive() ? kKeys : kLines);
@@ -121,6 +128,7 @@ class ConsoleSession {
   OrderQueue orders_{desk_};
   const bus::Clock& clock_;
   Terminal terminal_;
+  KeyInput keys_;
   Screen screen_;
   std::string selected_;
   std::string note_;
@@ -132,29 +140,48 @@ class ConsoleSession {
 
 }  // namespace
 
-OperatorDesk::OperatorDesk(bus::Bus& bus, bool is_allowed_second, Time start)
-    : bus_(bus), station_(bus.run_id(), is_allowed_second, start), now_(start) {
+OperatorDesk::OperatorDesk(bus::Bus& bus, const DeskRules& rules, Time start)
+    : bus_(bus),
+      authenticator_(rules.authenticator),
+      station_(bus.run_id(), rules.is_allowed_second, start),
+      now_(start) {
   bus_.subscribe<models::OperatorCommand>(
       bus::kCommand, [this](const models::OperatorCommand& command) {
         station_.on_command(command, now_ + vehicles_ahead(now_));
       });
   bus_.subscribe<models::VehicleStatus>(bus::vehicle_channel("*"),
                                         [this](const models::VehicleStatus& status) {
-                                          vehicles_[status.robot] = {status, now_};
+                                          if (vehicles_.contains(status.robot) || make_room()) {
+                                            vehicles_[status.robot] = {status, now_};
+                                          }
                                         });
   const auto on_log = [this](const models::ProcessHealth& health) {
     const bool is_lost = std::any_of(
         health.counters.begin(), health.counters.end(), [](const models::NamedCount& counter) {
           return counter.name == "log.is_written" && counter.count == 0;
         });
-    if (is_lost) {
-      log_lost_[health.process] = now_;
-    } else {
+    if (!is_lost) {
       log_lost_.erase(health.process);
+    } else if (log_lost_.contains(health.process) || log_lost_.size() < kLogsMax) {
+      log_lost_[health.process] = now_;
     }
   };
   bus_.subscribe<models::ProcessHealth>(bus::health_channel(logs::kLogHealth), on_log);
   bus_.subscribe<models::ProcessHealth>(bus::health_channel(logs::RecorderNode::kName), on_log);
+}
+
+bool OperatorDesk::make_room() {
+  if (vehicles_.size() < kVehiclesMax) {
+    return true;
+  }
+  const auto quietest =
+      std::min_element(vehicles_.begin(), vehicles_.end(),
+                       [](const auto& a, const auto& b) { return a.second.at < b.second.at; });
+  if (to_seconds(now_ - quietest->second.at) <= kKeptS) {
+    return false;
+  }
+  vehicles_.erase(quietest);
+  return true;
 }
 
 bool OperatorDesk::tick(Time now) {
@@ -188,6 +215,11 @@ void OperatorDesk::say(const Order& order) {
   publish(order.given + ahead, order.action, order.robot);
   if (order.action == models::OperatorAction::kEmergencyStop && ahead != Duration{}) {
     publish(order.given, order.action, order.robot);
+  }
+  const std::optional<Duration> stale =
+      authenticator_ == nullptr ? std::nullopt : authenticator_->stale_ahead(now_);
+  if (stale && models::makes_safer(order.action)) {
+    publish(order.given + *stale, order.action, order.robot);
   }
 }
 
@@ -256,17 +288,26 @@ std::vector<std::string> OperatorDesk::vehicle_table(Time now, const std::string
     const models::VehicleStatus& status = heard.status;
     std::string reasons;
     for (const std::string& reason : status.reasons) {
-      reasons += (reasons.empty() ? "" : ", ") + reason;
+      reasons += (reasons.empty() ? "" : ", ") + readable(reason);
     }
     const bool is_silent = to_seconds(now - heard.at) > kHeardS;
     const bool is_selected = selected.empty() || selected == name;
-    out.push_back(
-        fmt::format("{} {:<8} {:>8} {:>6.0f} % {:>8} {:>5.1f} s  {}", is_selected ? '>' : ' ', name,
-                    is_silent ? "SILENT" : name_of(status.state), 100.0 * status.battery_share,
-                    status.plan_round, to_seconds(now - heard.at), reasons));
+    out.push_back(fmt::format(
+        "{} {:<8} {:>8} {:>6.0f} % {:>8} {:>5.1f} s  {}", is_selected ? '>' : ' ', readable(name),
+        is_silent ? "SILENT" : name_of(status.state), 100.0 * status.battery_share,
+        status.plan_round, to_seconds(now - heard.at), reasons));
   }
   if (vehicles_.empty()) {
-    out.emplace_back("  no vehicle heard yet");
+    out.emplace_back("  no vehicle received yet");
+  }
+  if (authenticator_ != nullptr) {
+    if (const auto stale = authenticator_->stale_ahead(now)) {
+      out.push_back(
+          fmt::format("! refused: statuses that are {:.1f} s ahead of this station's clock: a log "
+                      "is played, or "
+                      "the clocks differ (only hold, land and emergency stop reach such vehicles)",
+                      to_seconds(*stale)));
+    }
   }
   if (is_unheard()) {
     out.push_back(std::string("! ") + kUnheard);
@@ -277,11 +318,12 @@ std::vector<std::string> OperatorDesk::vehicle_table(Time now, const std::string
   return out;
 }
 
-bool run_console(bus::Bus& bus, const bus::Clock& clock, bool is_allowed_second,
+bool run_console(bus::Bus& bus, const bus::Clock& clock, const DeskRules& rules,
                  const std::function<bool()>& stop) {
   bool was_refused = false;
   {
-    ConsoleSession session(bus, clock, is_allowed_second);
+    const NonBlockingOutput output;
+    ConsoleSession session(bus, clock, rules);
     while (!session.is_over() && !stop()) {
       bus.handle(std::chrono::milliseconds(20));
       session.step();

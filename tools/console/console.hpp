@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "bus/auth/authenticator.hpp"
 #include "bus/node/bus.hpp"
 #include "bus/node/clock.hpp"
 #include "models/exchange/messages.hpp"
@@ -15,12 +16,21 @@
 
 namespace vantage::tools {
 
+/// How a station was started.
+struct DeskRules {
+  bool is_allowed_second = false;  ///< Station: it stands by while another is in charge
+  /// What the bus signs with, which must outlive the desk; nullptr: it signs nothing.
+  const bus::auth::Authenticator* authenticator = nullptr;
+};
+
 /// The operator's end of COMMAND: sends what is asked and what its station may say, and, in charge,
 /// the heartbeat whose silence makes every vehicle land. Learns the robots from VEHICLE_*.
 ///
 /// Vehicles obey what is said now, so everything is stamped by the vehicles' own clock: where the
 /// nearest of those heard in the last second differs from ours by more than kApartMaxS, by that.
-/// An emergency stop is said by our own clock as well.
+/// An emergency stop is said by our own clock as well. Where statuses are refused as stale, because
+/// the station's clock is wrong or a log is played, hold, land and emergency stop are also stamped
+/// by their clock: a stop that is too much does no harm.
 ///
 /// A datagram may get lost, so hold, land and emergency stop are said kSaid times: the second time
 /// after kSayAgain, then after twice as long each time, which outlasts a burst of losses of half a
@@ -33,10 +43,12 @@ class OperatorDesk {
   static constexpr double kHeartbeatPeriod_s = 0.2;
   static constexpr double kApartMaxS = 1.0;
   static constexpr double kLogHeardS = 3.0;
+  static constexpr std::size_t kVehiclesMax = 1024;
+  static constexpr double kKeptS = 3.0;  ///< a vehicle received within this keeps its place
   static constexpr int kSaid = 5;
   static constexpr Duration kSayAgain = std::chrono::milliseconds(50);
 
-  OperatorDesk(bus::Bus& bus, bool is_allowed_second, Time start);
+  OperatorDesk(bus::Bus& bus, const DeskRules& rules, Time start);
   OperatorDesk(const OperatorDesk&) = delete;
   OperatorDesk& operator=(const OperatorDesk&) = delete;
   OperatorDesk(OperatorDesk&&) = delete;
@@ -76,9 +88,13 @@ class OperatorDesk {
   void say_again(Time now);
   [[nodiscard]] static bool ends(const Order& later, const Order& earlier);
   void publish(Time stamp, models::OperatorAction action, const std::string& robot);
+  /// Whether one more vehicle has a place, if need be that of one that fell silent.
+  bool make_room();
 
+  static constexpr std::size_t kLogsMax = 64;  ///< processes that report a log
   std::vector<Order> saying_;
   bus::Bus& bus_;
+  const bus::auth::Authenticator* authenticator_;
   Station station_;
   Time now_;
   Time next_heartbeat_{};
@@ -91,9 +107,10 @@ class OperatorDesk {
 };
 
 /// Runs the console on standard input and output until quit, end of input or `stop`; orders are
-/// said as an OrderQueue says them. False when something that was asked was refused or not
+/// sent as an OrderQueue sends them. In each round heartbeat and orders leave before the screen is
+/// drawn, and no output waits (NonBlockingOutput). False when a request was refused or not
 /// understood.
-bool run_console(bus::Bus& bus, const bus::Clock& clock, bool is_allowed_second,
+bool run_console(bus::Bus& bus, const bus::Clock& clock, const DeskRules& rules,
                  const std::function<bool()>& stop);
 
 }  // namespace vantage::tools

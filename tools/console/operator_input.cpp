@@ -34,6 +34,23 @@ std::string lower(std::string text) {
   return text;
 }
 
+/// Selects the robot of that name or, if there is only one, the one whose name begins so.
+OperatorRequest request_of_name(const std::string& name, const std::vector<std::string>& robots) {
+  std::vector<std::string> found;
+  for (const std::string& robot : robots) {
+    if (lower(robot) == lower(name)) {
+      return {OperatorRequest::Kind::kSelect, OperatorAction::kHold, robot};
+    }
+    if (lower(robot).starts_with(lower(name))) {
+      found.push_back(robot);
+    }
+  }
+  if (found.size() == 1) {
+    return {OperatorRequest::Kind::kSelect, OperatorAction::kHold, found.front()};
+  }
+  return {OperatorRequest::Kind::kNoRobot, OperatorAction::kHold, name};
+}
+
 }  // namespace
 
 std::string word_for(OperatorAction action) {
@@ -42,45 +59,81 @@ std::string word_for(OperatorAction action) {
   return word == kWords.end() ? "heartbeat" : std::string(word->text);
 }
 
-std::optional<OperatorRequest> request_from_key(std::string_view key,
+std::optional<OperatorRequest> KeyInput::on_name_key(char key,
+                                                     const std::vector<std::string>& robots) {
+  constexpr std::size_t kNameBytesMax = 64;
+  switch (key) {
+    case '\r':
+    case '\n': {
+      const std::string name = *std::exchange(name_, std::nullopt);
+      return name.empty() ? std::nullopt : std::optional(request_of_name(name, robots));
+    }
+    case '\x1b':
+      name_.reset();
+      return std::nullopt;
+    case '\b':
+    case '\x7f':
+      name_->resize(name_->empty() ? 0 : name_->size() - 1);
+      return std::nullopt;
+    default:
+      if (std::isgraph(static_cast<unsigned char>(key)) != 0 && name_->size() < kNameBytesMax) {
+        *name_ += key;
+      }
+      return std::nullopt;
+  }
+}
+
+std::optional<OperatorRequest> KeyInput::on_key(std::string_view key,
                                                 const std::vector<std::string>& robots,
                                                 const std::string& selected) {
-  const auto command = [&selected](OperatorAction action) {
-    return OperatorRequest{OperatorRequest::Kind::kCommand, action, selected};
+  const auto select = [](const std::string& robot) {
+    return OperatorRequest{OperatorRequest::Kind::kSelect, OperatorAction::kHold, robot};
   };
   if (key.size() != 1) {
     return std::nullopt;
   }
   const char letter = key[0];
-  switch (std::tolower(static_cast<unsigned char>(letter))) {
-    case 'a':
-      return command(OperatorAction::kArm);
-    case 't':
-      return command(OperatorAction::kTakeOff);
-    case 'f':
-      return command(OperatorAction::kFollow);
-    case 'h':
-      return command(OperatorAction::kHold);
-    case 'l':
-      return command(OperatorAction::kLand);
-    case ' ':
-    case 'e':
-      return command(OperatorAction::kEmergencyStop);
+  if (letter == ' ') {
+    name_.reset();
+    return OperatorRequest{OperatorRequest::Kind::kCommand, OperatorAction::kEmergencyStop, ""};
+  }
+  if (name_) {
+    return on_name_key(letter, robots);
+  }
+  constexpr std::string_view kLetters = "atfhle";
+  constexpr std::array kActions{OperatorAction::kArm,    OperatorAction::kTakeOff,
+                                OperatorAction::kFollow, OperatorAction::kHold,
+                                OperatorAction::kLand,   OperatorAction::kEmergencyStop};
+  const int lower_case = std::tolower(static_cast<unsigned char>(letter));
+  if (const auto at = kLetters.find(static_cast<char>(lower_case)); at != std::string_view::npos) {
+    return OperatorRequest{OperatorRequest::Kind::kCommand, kActions[at], selected};
+  }
+  switch (lower_case) {
     case 'q':
       return OperatorRequest{OperatorRequest::Kind::kQuit, OperatorAction::kHold, ""};
     case '?':
       return OperatorRequest{OperatorRequest::Kind::kHelp, OperatorAction::kHold, ""};
+    case 'r':
+      name_.emplace();
+      return std::nullopt;
+    case '0':
+      return select("");
+    case '\t': {
+      const auto now = std::find(robots.begin(), robots.end(), selected);
+      const auto next = now == robots.end() ? robots.begin() : now + 1;
+      return select(next == robots.end() ? "" : *next);
+    }
     default:
       break;
   }
-  if (letter == '0') {
-    return OperatorRequest{OperatorRequest::Kind::kSelect, OperatorAction::kHold, ""};
-  }
   if (letter >= '1' && letter <= '9' && letter - '1' < std::ssize(robots)) {
-    return OperatorRequest{OperatorRequest::Kind::kSelect, OperatorAction::kHold,
-                           robots[static_cast<std::size_t>(letter - '1')]};
+    return select(robots[static_cast<std::size_t>(letter - '1')]);
   }
   return std::nullopt;
+}
+
+std::string KeyInput::prompt() const {
+  return name_ ? "robot: " + *name_ + "_  (ENTER selects, ESC abandons)" : "";
 }
 
 Result<OperatorRequest> request_from_line(const std::string& line) {

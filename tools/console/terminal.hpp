@@ -14,8 +14,9 @@ namespace vantage::tools {
 /// Linux's ESC [ [ X); whatever cannot belong to such a key begins another, so SPACE always is one.
 std::size_t key_bytes(std::string_view typed);
 
-/// Standard input as an operator uses it: key by key from a terminal (put back as it was at the
-/// end), line by line otherwise.
+/// Standard input as an operator uses it: key by key from a terminal, line by line otherwise. At a
+/// terminal flow control and the keys that suspend or quit a process are off; its settings are
+/// restored at the end.
 class Terminal {
  public:
   Terminal();

@@ -1,6 +1,7 @@
 #include "tools/live/screen.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cstdio>
 #include <cstdlib>
@@ -10,11 +11,21 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "core/utf8.hpp"
+#include "tools/live/output.hpp"
+
 namespace vantage::tools {
+namespace {
+
+constexpr std::string_view kPlain = "\x1b[0m";
+/// By Ink, and what ends each of them.
+constexpr std::array<std::string_view, 5> kColours{"\x1b[32m", "\x1b[33m", "\x1b[1;31m", "\x1b[2m",
+                                                   kPlain};
+
+}  // namespace
 
 std::string inked(const std::string& text, Ink ink) {
-  constexpr const char* kCodes[] = {"32", "33", "1;31", "2"};
-  return fmt::format("\x1b[{}m{}\x1b[0m", kCodes[static_cast<int>(ink)], text);
+  return fmt::format("{}{}{}", kColours[static_cast<std::size_t>(ink)], text, kPlain);
 }
 
 std::string cut_to(const std::string& line, std::size_t columns) {
@@ -49,10 +60,50 @@ std::vector<std::string> fit(const std::vector<std::string>& lines, std::size_t 
   return out;
 }
 
+namespace {
+
+/// printable(), except that the colours of inked() stay.
+std::string shown(const std::string& line) {
+  std::string out;
+  std::size_t begin = 0;
+  for (std::size_t at = line.find('\x1b'); at != std::string::npos;
+       at = line.find('\x1b', at + 1)) {
+    const auto colour = std::find_if(kColours.begin(), kColours.end(), [&](std::string_view each) {
+      return line.compare(at, each.size(), each) == 0;
+    });
+    if (colour != kColours.end()) {
+      out += printable(std::string_view(line).substr(begin, at - begin));
+      out += *colour;
+      begin = at + colour->size();
+    }
+  }
+  return out + printable(std::string_view(line).substr(begin));
+}
+
+void put(std::string_view text, std::FILE* to) {
+  if (OutputQueue* const queue = NonBlockingOutput::queue_of(to)) {
+    queue->write(text);
+    return;
+  }
+  std::fwrite(text.data(), 1, text.size(), to);
+  std::fflush(to);
+}
+
+}  // namespace
+
 void Screen::redraw(const std::vector<std::string>& all_lines) {
+  if (OutputQueue* const queue = NonBlockingOutput::queue_of(stdout);
+      queue != nullptr && !queue->flush()) {
+    queue->count_dropped();
+    return;
+  }
   winsize size{};
   ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size);  // leaves zeros when it is no terminal
-  const std::vector<std::string> lines = fit(all_lines, size.ws_row, size.ws_col);
+  std::vector<std::string> lines;
+  for (const std::string& line : all_lines) {
+    lines.push_back(shown(line));
+  }
+  lines = fit(lines, size.ws_row, size.ws_col);
   std::string out;
   if (lines_drawn_ > 0) {
     out += fmt::format("\x1b[{}A", lines_drawn_);  // cursor up
@@ -62,8 +113,7 @@ void Screen::redraw(const std::vector<std::string>& all_lines) {
   }
   out += "\x1b[J";
   lines_drawn_ = lines.size();
-  std::fwrite(out.data(), 1, out.size(), stdout);
-  std::fflush(stdout);
+  put(out, stdout);
 }
 
 bool is_terminal() { return ::isatty(STDOUT_FILENO) == 1; }
@@ -78,8 +128,7 @@ bool has_colour() {
 void clear_echo() {
   std::FILE* terminal = is_terminal() ? stdout : ::isatty(STDERR_FILENO) == 1 ? stderr : nullptr;
   if (terminal != nullptr) {
-    fmt::print(terminal, "\r\x1b[K");
-    std::fflush(terminal);
+    put("\r\x1b[K", terminal);
   }
 }
 
@@ -103,10 +152,6 @@ void print_json(const nlohmann::ordered_json& json) {
   print_line(json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }
 
-void print_line(const std::string& line, std::FILE* to) {
-  std::fwrite(line.data(), 1, line.size(), to);
-  std::fputc('\n', to);
-  std::fflush(to);
-}
+void print_line(const std::string& line, std::FILE* to) { put(printable(line) + "\n", to); }
 
 }  // namespace vantage::tools

@@ -27,6 +27,8 @@ std::vector<std::string> fit(const std::vector<std::string>& lines, std::size_t 
 /// terminal's size.
 class Screen {
  public:
+  /// Writes `lines` as printable(), with the colours of inked(). While NonBlockingOutput lives and
+  /// the terminal has not accepted the screen before, this one is dropped and counted.
   void redraw(const std::vector<std::string>& lines);
 
  private:
@@ -43,7 +45,8 @@ bool has_colour();
 void clear_echo();
 /// `word` as a shell reads it as one: between quotes where it has to be.
 std::string shell_quoted(const std::string& word);
-/// Writes one line and flushes it. Where nobody reads it, it is lost, and nothing is thrown.
+/// Writes one line as printable() and flushes it. Where nothing reads it, it is lost, and nothing
+/// is thrown.
 void print_line(const std::string& line, std::FILE* to = stdout);
 /// The same of JSON, on one line; what is no UTF-8 in it (a file's name) is replaced.
 void print_json(const nlohmann::ordered_json& json);

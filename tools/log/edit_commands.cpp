@@ -5,6 +5,7 @@
 
 #include "core/check.hpp"
 #include "core/process.hpp"
+#include "core/saturated_time.hpp"
 #include "logs/edit/edit.hpp"
 #include "tools/command_line/numbers.hpp"
 #include "tools/live/screen.hpp"
@@ -34,7 +35,7 @@ int report(const EditArguments& arguments, const logs::EditCounts& counts, Outpu
                counts.name_too_long);
   }
   if (!failure.empty()) {
-    fmt::print(stderr, "vantage: {}\n", failure);
+    print_line("vantage: " + failure, stderr);
   } else if (counts.is_stopped) {
     fmt::print(stderr, "vantage: interrupted: what is written is whole, but not all\n");
   }
@@ -49,10 +50,10 @@ logs::EditRules rules_for(const EditArguments& arguments, const logs::IndexedLog
   rules.names = logs::ChannelRenames(arguments.renames);
   rules.drops_doubtful = arguments.strict;
   if (arguments.from_s) {
-    rules.from = log.survey().first + from_seconds(*arguments.from_s);
+    rules.from = saturated_sum(log.survey().begin, saturated_seconds(*arguments.from_s));
   }
   if (arguments.to_s) {
-    rules.to = log.survey().first + from_seconds(*arguments.to_s);
+    rules.to = saturated_sum(log.survey().begin, saturated_seconds(*arguments.to_s));
   }
   require(rules.from < rules.to, "--from-s must be less than --to-s");
   return rules;

@@ -31,14 +31,17 @@ void tell_left_out(const logs::IndexedLog& log, const logs::ExportCounts& counts
   int named = 0;
   for (const auto& [channel, events] : counts.left_out) {
     if (++named > kNamed) {
-      fmt::print(stderr, "{}: … and those of {} more channels\n", log.path(),
-                 counts.left_out.size() - kNamed);
+      print_line(fmt::format("{}: … and those of {} more channels", log.path(),
+                             counts.left_out.size() - kNamed),
+                 stderr);
       break;
     }
     const std::int64_t all = log.survey().channels.at(channel).events;
-    fmt::print(stderr,
-               "{}: {}: {} of {} events are no messages of this version of vantage: not exported\n",
-               log.path(), readable(channel), events, all);
+    print_line(
+        fmt::format(
+            "{}: {}: {} of {} events are no messages of this version of vantage: not exported",
+            log.path(), readable(channel), events, all),
+        stderr);
   }
 }
 
@@ -46,11 +49,17 @@ int report(const logs::IndexedLog& log, const ExportArguments& arguments,
            const logs::ExportCounts& counts) {
   print_line(fmt::format("{}: {} messages", arguments.output, counts.messages));
   tell_left_out(log, counts);
+  if (counts.times_held > 0) {
+    fmt::print(stderr,
+               "{}: {} messages have times before 1970 or after 2262, which MCAP cannot hold: "
+               "written as the nearest time that it can\n",
+               log.path(), counts.times_held);
+  }
   if (!counts.failure.empty()) {
-    fmt::print(stderr, "vantage: {}\n", counts.failure);
+    print_line("vantage: " + counts.failure, stderr);
   } else if (counts.is_stopped) {
-    fmt::print(stderr, "vantage: interrupted: what is written is whole, but not all of {}\n",
-               arguments.log);
+    print_line("vantage: interrupted: what is written is whole, but not all of " + arguments.log,
+               stderr);
   }
   return counts.failure.empty() && !counts.is_stopped && counts.left_out.empty() ? 0 : 1;
 }

@@ -121,7 +121,7 @@ bool draw(const std::vector<logs::FittedMotion>& fits, const std::string& pictur
   const Result<std::string> drawn = draw_plot(
       motion_plot_script(fits, "held-back time: how far targets got", picture), script, picture);
   if (!drawn.ok()) {
-    fmt::print(stderr, "vantage: {}\n", drawn.error().message);
+    print_line("vantage: " + drawn.error().message, stderr);
   }
   return drawn.ok();
 }

@@ -5,8 +5,6 @@
 #include <string>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "core/check.hpp"
 #include "core/process.hpp"
 #include "core/write_file.hpp"
@@ -79,7 +77,7 @@ int fit(const RangesArguments& arguments) {
   const Result<std::string> drawn =
       draw_plot(range_plot_script(report, arguments.picture), script, arguments.picture);
   if (!drawn.ok()) {
-    fmt::print(stderr, "vantage: {}\n", drawn.error().message);
+    print_line("vantage: " + drawn.error().message, stderr);
   }
   return drawn.ok() ? 0 : 1;
 }

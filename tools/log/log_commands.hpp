@@ -24,6 +24,12 @@ void add_log_fit_ranges_command(CLI::App& log, Runner& run);
 void add_log_play_command(CLI::App& log, Runner& run);
 void add_log_record_command(CLI::App& log, Runner& run);
 
+/// Largest message that `record` and `play` carry unless the URL says otherwise: twice what LCM
+/// keeps of unfinished messages. The other processes of the stack take 4 MiB.
+inline constexpr int kLogMessageBytesMax = 32 << 20;
+/// Returns `url`, or the default one when it is empty, with that max_message_size.
+std::string url_for_log(const std::string& url);
+
 /// A progress line on stderr named `what` when that is a terminal, else nothing.
 std::function<void(double)> progress_line(const std::string& what);
 

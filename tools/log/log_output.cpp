@@ -6,9 +6,11 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
+#include "bus/transport/url.hpp"
 #include "core/check.hpp"
 #include "core/process.hpp"
 #include "core/utf8.hpp"
+#include "tools/live/screen.hpp"
 #include "tools/log/log_commands.hpp"
 
 namespace vantage::tools {
@@ -18,11 +20,16 @@ std::function<void(double)> progress_line(const std::string& what) {
     return {};
   }
   return [what](double share) {
-    fmt::print(stderr, "\r{} {:3.0f} %", what, 100.0 * share);
+    fmt::print(stderr, "\r{} {:3.0f} %", readable(what), 100.0 * share);
     if (share >= 1.0) {
       fmt::print(stderr, "\r{:{}}\r", "", what.size() + 6);
     }
   };
+}
+
+std::string url_for_log(const std::string& url) {
+  return bus::with_udpm_option(bus::chosen_url(url), "max_message_size",
+                               std::to_string(kLogMessageBytesMax));
 }
 
 logs::IndexedLog open_log(const std::string& path) {
@@ -60,7 +67,7 @@ void require_channels(const logs::IndexedLog& log, const std::vector<std::string
   if (without.size() == expressions.size()) {
     throw StartupError(words);
   }
-  fmt::print(stderr, "vantage: {}\n", words);
+  print_line("vantage: " + words, stderr);
 }
 
 std::string OutputLog::checked(const std::string& path, const std::vector<std::string>& inputs,

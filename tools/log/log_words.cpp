@@ -13,7 +13,7 @@ namespace {
 using logs::ChannelSurvey;
 
 double since_start_s(const logs::LogSurvey& survey, Time time) {
-  return to_seconds(time - survey.first);
+  return to_seconds(time - survey.begin);
 }
 
 double rate_hz(const ChannelSurvey& channel) {
@@ -53,9 +53,13 @@ std::vector<std::string> describe_content(const std::string& path, const logs::L
     out.emplace_back("events    none");
     return out;
   }
-  out.push_back(fmt::format("begins    {}", utc_text(survey.first)));
+  out.push_back(fmt::format("begins    {}", utc_text(survey.begin)));
   out.push_back(
       fmt::format("lasts     {:.3f} s, {} events", survey.duration_s(), survey.scan.events));
+  if (survey.times_outlying > 0) {
+    out.push_back(fmt::format("times     {} events are more than a day from the others",
+                              survey.times_outlying));
+  }
   out.push_back(fmt::format("flown by  {}", flown_by.empty() ? "unknown: no SCENARIO" : flown_by));
   std::size_t width = 7;
   for (const auto& [name, channel] : survey.channels) {
@@ -99,6 +103,8 @@ std::vector<std::string> describe_damage(const logs::LogSurvey& survey) {
     out.push_back(fmt::format("{} events earlier than the one before, by up to {:.6f} s",
                               survey.times_backward, to_seconds(survey.backward_max)));
   }
+  count(survey.times_outlying,
+        "events whose times are more than a day from the others; they count in no duration");
   for (const auto& [raw_name, channel] : survey.channels) {
     const std::string name = readable(raw_name);
     if (channel.messages_lost > 0) {
@@ -142,8 +148,8 @@ nlohmann::ordered_json to_json(const std::string& path, const logs::LogSurvey& s
   return {{"log", path},
           {"bytes", survey.size_bytes},
           {"events", survey.scan.events},
-          {"begin_utime", to_utime(survey.first)},
-          {"end_utime", to_utime(survey.last)},
+          {"begin_utime", to_utime(survey.begin)},
+          {"end_utime", to_utime(survey.end)},
           {"duration_s", survey.duration_s()},
           {"is_whole", survey.is_whole()},
           {"events_doubtful", survey.scan.doubtful},
@@ -153,6 +159,7 @@ nlohmann::ordered_json to_json(const std::string& path, const logs::LogSurvey& s
           {"numbers_missing", survey.numbers_missing},
           {"number_restarts", survey.number_restarts},
           {"times_backward", survey.times_backward},
+          {"times_outlying", survey.times_outlying},
           {"begins_with_scenario", survey.begins_with_scenario},
           {"channels", std::move(channels)}};
 }

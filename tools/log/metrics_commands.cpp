@@ -59,6 +59,10 @@ void print(const scenario::Scenario& scenario, const logs::LogAnalysis& analysis
                            record.late, record.fallbacks, 1e3 * record.margin.least_s,
                            1e3 * record.margin.mean_s));
   }
+  if (analysis.times_outlying > 0) {
+    print_line(fmt::format("left out: {} events whose times are more than a day from the others",
+                           analysis.times_outlying));
+  }
   for (const auto& [channel, lost] : analysis.lost) {
     print_line(fmt::format("lost on {}: {} messages", readable(channel), lost));
   }
@@ -160,7 +164,7 @@ int plot(const MetricsArguments& arguments) {
   const Result<std::string> drawn =
       draw_plot(plot_script(analysis, scenario, title, arguments.output), script, arguments.output);
   if (!drawn.ok()) {
-    fmt::print(stderr, "vantage: {}\n", drawn.error().message);
+    print_line("vantage: " + drawn.error().message, stderr);
     return 1;
   }
   print_line(drawn.value());

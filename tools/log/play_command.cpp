@@ -1,11 +1,19 @@
+#include <algorithm>
+#include <limits>
+#include <map>
 #include <memory>
+#include <string>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "bus/transport/transport.hpp"
+#include "bus/transport/udpm_packet.hpp"
+#include "bus/transport/udpm_transport.hpp"
 #include "core/check.hpp"
 #include "core/process.hpp"
+#include "core/saturated_time.hpp"
+#include "core/utf8.hpp"
 #include "logs/play/player.hpp"
 #include "tools/command_line/numbers.hpp"
 #include "tools/console/terminal.hpp"
@@ -37,16 +45,16 @@ logs::PlayOptions options_of(const PlayArguments& arguments, const logs::Indexed
   logs::PlayOptions options;
   options.speed = arguments.speed;
   options.loops = arguments.loops;
-  options.gap_max = from_seconds(arguments.gap_max_s);
+  options.gap_max = saturated_seconds(arguments.gap_max_s);
   require_channels(log, arguments.include);
   options.starts_paused = arguments.starts_paused;
   options.rules.channels = logs::ChannelFilter(arguments.include, arguments.exclude);
   options.rules.names = logs::ChannelRenames(arguments.renames);
   if (arguments.from_s) {
-    options.rules.from = log.survey().first + from_seconds(*arguments.from_s);
+    options.rules.from = saturated_sum(log.survey().begin, saturated_seconds(*arguments.from_s));
   }
   if (arguments.to_s) {
-    options.rules.to = log.survey().first + from_seconds(*arguments.to_s);
+    options.rules.to = saturated_sum(log.survey().begin, saturated_seconds(*arguments.to_s));
   }
   require(options.rules.from < options.rules.to, "--from-s must be less than --to-s");
   return options;
@@ -67,47 +75,48 @@ void refuse_neighbours(const PlayArguments& arguments) {
   }
 }
 
-int run(const PlayArguments& arguments) {
-  const logs::IndexedLog log = open_log(arguments.log);
-  refuse_neighbours(arguments);
-  const auto transport = bus::open_transport(arguments.url);
-  logs::Player player(
-      log, options_of(arguments, log), logs::monotonic_timer(), [&](const logs::LogEvent& event) {
-        return transport->publish(arguments.prefix + std::string(event.channel), event.data);
-      });
-  Terminal terminal;
-  const auto command = [&]() -> std::optional<logs::PlayCommand> {
-    while (const auto text = terminal.read()) {
-      if (auto wish = logs::parse_play_command(*text)) {
-        return wish;
-      }
-      if (!terminal.is_interactive()) {
-        fmt::print(stderr, "play: do not understand '{}'\n", *text);
-      }
+/// Why messages could not be published, by channel.
+class PublishFailures {
+ public:
+  explicit PublishFailures(const bus::Transport& transport) {
+    if (const auto* udpm = dynamic_cast<const bus::udpm::UdpmTransport*>(&transport)) {
+      message_bytes_max_ = udpm->message_bytes_max();
     }
-    return std::nullopt;
-  };
-  Screen screen;
-  const bool shows = is_terminal() && !arguments.as_json;
-  const auto on_position = [&](const logs::PlaySchedule& schedule, Time position) {
-    if (shows) {
-      screen.redraw({fmt::format(
-          "{:8.2f} of {:.2f} s   × {:g}{}", to_seconds(position - log.survey().first),
-          log.survey().duration_s(), schedule.speed(), schedule.is_paused() ? "   paused" : "")});
+  }
+  void add(const std::string& channel, std::size_t bytes) {
+    if (channels_.contains(channel) || channels_.size() < kChannelsTold) {
+      channels_[channel] = std::max(channels_[channel], bytes);
     }
-  };
-  int gaps_told = 0;
-  const auto on_gap = [&](Time from, Time to) {
-    constexpr int kGapsTold = 5;
-    if (++gaps_told <= kGapsTold) {
-      fmt::print(stderr,
-                 "vantage: {}: its times jump from {:.3f} s to {:.3f} s after the first: not "
-                 "waited out\n",
-                 arguments.log, to_seconds(from - log.survey().first),
-                 to_seconds(to - log.survey().first));
+  }
+  void tell() const {
+    for (const auto& [channel, bytes] : channels_) {
+      fmt::print(stderr, "{}: {}\n", readable(channel), why(channel, bytes));
     }
-  };
-  const logs::PlayReport report = player.run(command, stop_requested, on_position, on_gap);
+  }
+
+ private:
+  static constexpr std::size_t kChannelsTold = 20;
+
+  [[nodiscard]] std::string why(const std::string& channel, std::size_t bytes) const {
+    if (bytes > message_bytes_max_) {
+      return fmt::format(
+          "messages of up to {} bytes, more than max_message_size {}; set max_message_size in "
+          "--url",
+          bytes, message_bytes_max_);
+    }
+    if (!bus::udpm::is_channel_name(channel)) {
+      return fmt::format("not a name that LCM carries: it must have 1 to {} bytes",
+                         bus::udpm::kChannelBytesMax);
+    }
+    return "the network did not take messages of up to " + std::to_string(bytes) + " bytes";
+  }
+
+  std::size_t message_bytes_max_ = std::numeric_limits<std::size_t>::max();
+  std::map<std::string, std::size_t> channels_;  ///< bytes of the largest
+};
+
+void tell_end(const PlayArguments& arguments, const logs::PlayReport& report,
+              const PublishFailures& failures) {
   if (arguments.as_json) {
     print_json(nlohmann::ordered_json{{"published", report.published},
                                       {"failed", report.failed},
@@ -122,7 +131,58 @@ int run(const PlayArguments& arguments) {
   }
   if (report.failed > 0) {
     fmt::print(stderr, "{} messages could not be published\n", report.failed);
+    failures.tell();
   }
+}
+
+int run(const PlayArguments& arguments) {
+  const logs::IndexedLog log = open_log(arguments.log);
+  refuse_neighbours(arguments);
+  const auto transport = bus::open_transport(url_for_log(arguments.url));
+  PublishFailures failures(*transport);
+  logs::Player player(log, options_of(arguments, log), logs::monotonic_timer(),
+                      [&](const logs::LogEvent& event) {
+                        const std::string channel = arguments.prefix + std::string(event.channel);
+                        const bool is_sent = transport->publish(channel, event.data);
+                        if (!is_sent) {
+                          failures.add(channel, event.data.size());
+                        }
+                        return is_sent;
+                      });
+  Terminal terminal;
+  const auto command = [&]() -> std::optional<logs::PlayCommand> {
+    while (const auto text = terminal.read()) {
+      if (auto wish = logs::parse_play_command(*text)) {
+        return wish;
+      }
+      if (!terminal.is_interactive()) {
+        print_line("play: do not understand '" + *text + "'", stderr);
+      }
+    }
+    return std::nullopt;
+  };
+  Screen screen;
+  const bool shows = is_terminal() && !arguments.as_json;
+  const auto on_position = [&](const logs::PlaySchedule& schedule, Time position) {
+    if (shows) {
+      screen.redraw({fmt::format(
+          "{:8.2f} of {:.2f} s   × {:g}{}", to_seconds(position - log.survey().begin),
+          log.survey().duration_s(), schedule.speed(), schedule.is_paused() ? "   paused" : "")});
+    }
+  };
+  int gaps_told = 0;
+  const auto on_gap = [&](Time from, Time to) {
+    constexpr int kGapsTold = 5;
+    if (++gaps_told <= kGapsTold) {
+      fmt::print(stderr,
+                 "vantage: {}: its times jump from {:.3f} s to {:.3f} s after the first: not "
+                 "waited out\n",
+                 arguments.log, to_seconds(from - log.survey().begin),
+                 to_seconds(to - log.survey().begin));
+    }
+  };
+  const logs::PlayReport report = player.run(command, stop_requested, on_position, on_gap);
+  tell_end(arguments, report, failures);
   return report.failed == 0 ? 0 : 1;
 }
 

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstddef>
+#include <deque>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -119,12 +120,10 @@ class Reader {
     Table table;
     bool has_begun = false;
     while (!text_.empty()) {
-      const std::size_t end = text_.find('\n');
-      const bool is_whole = end != std::string_view::npos;
-      const std::string_view line = text_.substr(0, end);
-      text_.remove_prefix(is_whole ? end + 1 : text_.size());
-      ++line_;
-      const std::string_view content = trimmed(line);
+      line_ += 1 + ends_in_record_;
+      const std::string_view record = take_record();
+      const bool is_whole = has_end_;
+      const std::string_view content = trimmed(record);
       if (content.empty() || content.front() == '#' || content.front() == '%') {
         continue;
       }
@@ -161,9 +160,76 @@ class Reader {
     return fmt::format("{}", fmt::join(words, ", "));
   }
 
-  void choose_separator(std::string_view line) {
+  static bool is_comment(std::string_view line) {
+    const std::string_view content = trimmed(line);
+    return !content.empty() && (content.front() == '#' || content.front() == '%');
+  }
+
+  [[nodiscard]] bool separates(char c) const {
+    return is_chosen_ ? c == separator_
+                      : std::string_view(";,\t").find(c) != std::string_view::npos;
+  }
+
+  /// Takes the next record off the text: a line, or several when a quoted cell has ends of lines.
+  /// Sets has_end_ and ends_in_record_.
+  std::string_view take_record() {
+    std::size_t end = std::min(text_.find('\n'), text_.size());
+    ends_in_record_ = 0;
+    has_end_ = end < text_.size();
+    const std::string_view line = text_.substr(0, end);
+    if (line.find('"') != std::string_view::npos && !is_comment(line)) {
+      const std::size_t closed = end_of_quoted_record();
+      const bool is_last_line = end + 1 >= text_.size();
+      if (closed == std::string_view::npos && !is_last_line) {
+        refuse("a quote without its end; expected another one behind it");
+      }
+      has_end_ = closed < text_.size();
+      end = std::min(closed, text_.size());
+      const std::string_view record = text_.substr(0, end);
+      ends_in_record_ = static_cast<std::size_t>(std::count(record.begin(), record.end(), '\n'));
+    }
+    const std::string_view record = text_.substr(0, end);
+    text_.remove_prefix(std::min(end + 1, text_.size()));
+    return record;
+  }
+
+  /// Where the record at the beginning of the text ends; npos when that is within quotes. A quote
+  /// opens a cell at its beginning only; two in a cell that is quoted stand for one.
+  [[nodiscard]] std::size_t end_of_quoted_record() const {
+    bool is_quoted = false;
+    bool may_open = true;
+    for (std::size_t at = 0; at < text_.size(); ++at) {
+      const char c = text_[at];
+      if (is_quoted) {
+        is_quoted = c != '"';
+        may_open = !is_quoted;
+      } else if (c == '\n') {
+        return at;
+      } else if (c == '"' && may_open) {
+        is_quoted = true;
+      } else {
+        const bool is_blank = kBlank.find(c) != std::string_view::npos;
+        may_open = separates(c) || (is_blank && may_open);
+      }
+    }
+    return is_quoted ? std::string_view::npos : text_.size();
+  }
+
+  static std::string without_quoted(std::string_view line) {
+    std::string out;
+    bool is_quoted = false;
+    for (const char c : line) {
+      is_quoted = is_quoted != (c == '"');
+      out += is_quoted ? '"' : c;
+    }
+    return out;
+  }
+
+  void choose_separator(std::string_view record) {
+    const std::string line = without_quoted(record);
+    is_chosen_ = true;
     for (const char separator : {';', ',', '\t'}) {
-      if (line.find(separator) != std::string_view::npos) {
+      if (line.find(separator) != std::string::npos) {
         separator_ = separator;
         return;
       }
@@ -171,13 +237,35 @@ class Reader {
     separator_ = ' ';
   }
 
-  [[nodiscard]] std::vector<std::string_view> cells_of(std::string_view line) const {
+  /// The text of the quoted cell that `line` begins with; `end`: where its separator is.
+  std::string unquoted(std::string_view line, std::size_t& end) const {
+    std::string text;
+    std::size_t at = 1;
+    for (; at < line.size(); ++at) {
+      const bool is_doubled = line.substr(at, 2) == "\"\"";
+      if (line[at] == '"' && !is_doubled) {
+        break;
+      }
+      text += line[at];
+      at += is_doubled ? 1 : 0;
+    }
+    const std::size_t behind = std::min(at + 1, line.size());
+    end = line.find(separator_, behind);
+    text += trimmed(line.substr(behind, end - behind));
+    return text;
+  }
+
+  /// Good until the next call.
+  std::vector<std::string_view> cells_of(std::string_view line) {
     std::vector<std::string_view> cells;
+    unquoted_.clear();
     while (true) {
-      const std::size_t end = line.find(separator_);
+      std::size_t end = line.find(separator_);
       std::string_view cell = trimmed(line.substr(0, end));
-      if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"') {
-        cell = trimmed(cell.substr(1, cell.size() - 2));
+      if (!cell.empty() && cell.front() == '"') {
+        unquoted_.push_back(unquoted(line.substr(line.find('"')), end));
+        end += end == std::string_view::npos ? 0 : line.find('"');
+        cell = trimmed(unquoted_.back());
       }
       cells.push_back(cell);
       if (end == std::string_view::npos) {
@@ -190,7 +278,7 @@ class Reader {
     }
   }
 
-  [[nodiscard]] bool is_header(std::string_view line) const {
+  bool is_header(std::string_view line) {
     const auto cells = cells_of(line);
     return std::none_of(cells.begin(), cells.end(), [](std::string_view cell) {
       const auto number = number_in(cell);
@@ -233,7 +321,7 @@ class Reader {
     }
   }
 
-  void take_row(std::string_view line, bool is_whole, Table& table) const {
+  void take_row(std::string_view line, bool is_whole, Table& table) {
     const auto cells = cells_of(line);
     if (cells.size() < cells_ && !is_whole) {
       table.is_torn = true;
@@ -278,7 +366,11 @@ class Reader {
   const std::string& name_;
   std::span<const ColumnSpec> columns_;
   char separator_ = ',';
-  std::size_t line_ = 0;
+  bool is_chosen_ = false;          ///< the separator
+  std::size_t line_ = 0;            ///< that the record begins in
+  std::size_t ends_in_record_ = 0;  ///< ends of lines in quoted cells
+  bool has_end_ = true;             ///< an end of line follows the record
+  std::deque<std::string> unquoted_;
   std::string_view header_;
   std::size_t cells_ = 0;      ///< of a line
   std::vector<Place> places_;  ///< by column

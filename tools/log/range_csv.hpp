@@ -36,7 +36,8 @@ struct Table {
 /// Reads a table of comma-, semicolon-, tab- or space-separated cells; `name` stands for the file
 /// in messages. A first line without any number is the header; without one the columns are those of
 /// `columns`, in that order. Empty lines, those that begin with # or % and the header once more are
-/// passed over; a byte order mark, CRLF and quoted cells are read; other columns are not.
+/// passed over; a byte order mark and CRLF are read; other columns are not. A cell in quotes may
+/// have separators, ends of lines and doubled quotes in it (RFC 4180).
 /// @throws StartupError "FILE:LINE: what it is and what was expected".
 Table parse_table(std::string_view text, const std::string& name,
                   std::span<const ColumnSpec> columns);

@@ -60,6 +60,9 @@ bool comes_before(const std::string& a, const std::string& b) {
 
 /// Puts them in order of time and counts beacons; those with too few ranges are left out.
 void take(std::vector<NamedRange> named, RangeRecording& recording) {
+  recording.too_far = static_cast<std::int64_t>(std::erase_if(named, [](const NamedRange& range) {
+    return !estimator::is_within_bound({range.robot_m, range.range_m, 0});
+  }));
   std::stable_sort(named.begin(), named.end(),
                    [](const NamedRange& a, const NamedRange& b) { return a.time_s < b.time_s; });
   std::map<std::string, std::int64_t> ranges;

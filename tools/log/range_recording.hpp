@@ -25,6 +25,7 @@ struct RangeRecording {
   std::int64_t outside_poses = 0;    ///< before the first pose or after the last
   std::int64_t in_gaps = 0;          ///< between poses too far from each other in time
   std::int64_t poses_left_out = 0;   ///< not finite, or of the instant of one before it
+  std::int64_t too_far = 0;          ///< beyond estimator::kRangeBound_m
   std::vector<std::string> too_few;  ///< beacons with fewer than kRangesOfBeaconMin ranges
   std::int64_t of_too_few = 0;       ///< their ranges
 };

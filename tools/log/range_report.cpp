@@ -41,6 +41,7 @@ std::string left_out(const RangeRecording& recording) {
   count(recording.doubled, "twice there");
   count(recording.outside_poses, "before the first pose or after the last");
   count(recording.in_gaps, "in gaps between poses");
+  count(recording.too_far, "beyond 1000 km, or taken there");
   count(recording.of_too_few, "of beacons with too few");
   return fmt::format("{}", fmt::join(words, ", "));
 }
@@ -180,7 +181,8 @@ nlohmann::ordered_json to_json(const RangeReport& report) {
   json["correlation"] = fit.correlation;
   json["ranges"] = {{"used", recording.ranges.size()}, {"not_finite", recording.not_finite},
                     {"doubled", recording.doubled},    {"outside_poses", recording.outside_poses},
-                    {"in_gaps", recording.in_gaps},    {"of_too_few", recording.of_too_few}};
+                    {"in_gaps", recording.in_gaps},    {"of_too_few", recording.of_too_few},
+                    {"too_far", recording.too_far}};
   json["poses_left_out"] = recording.poses_left_out;
   json["beacons"] = nlohmann::ordered_json::array();
   const std::vector<int> ranges = ranges_of(recording);

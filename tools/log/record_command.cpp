@@ -1,5 +1,7 @@
 #include <chrono>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -9,8 +11,11 @@
 #include "bus/node/clock.hpp"
 #include "bus/node/process_usage.hpp"
 #include "bus/transport/transport.hpp"
+#include "bus/transport/udpm_transport.hpp"
 #include "core/check.hpp"
+#include "core/life_line.hpp"
 #include "core/process.hpp"
+#include "core/utf8.hpp"
 #include "logs/record/recorder.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
 #include "tools/live/screen.hpp"
@@ -74,13 +79,45 @@ class RoomWatch {
   bool was_little_ = false;
 };
 
-/// Datagrams that reached this machine and not the log: no time was left to take them.
-std::int64_t lost_before(const bus::TransportStats& heard) {
-  return heard.kernel_drops + heard.queue_overflows;
+/// Messages that were sent and did not reach the recorder, as far as its transport knows.
+struct Losses {
+  std::int64_t for_want_of_room = 0;
+  std::int64_t incomplete = 0;
+  std::int64_t oversized = 0;
+  std::vector<std::string> sentences;
+  [[nodiscard]] bool is_none() const { return sentences.empty(); }
+};
+
+Losses losses_of(const bus::Transport& transport, logs::ChannelFilter channels) {
+  const bus::TransportStats stats = transport.stats();
+  Losses out;
+  out.for_want_of_room = stats.kernel_drops + stats.queue_overflows;
+  out.incomplete = stats.incomplete_messages;
+  if (out.for_want_of_room > 0) {
+    out.sentences.push_back(
+        fmt::format("{} datagrams or messages were lost for want of room before they were recorded",
+                    out.for_want_of_room));
+  }
+  if (out.incomplete > 0) {
+    out.sentences.push_back(
+        fmt::format("{} messages are not in the log: parts of them never arrived", out.incomplete));
+  }
+  if (const auto* udpm = dynamic_cast<const bus::udpm::UdpmTransport*>(&transport)) {
+    for (const auto& [channel, refused] : udpm->oversized()) {
+      if (channels.takes(channel)) {
+        out.oversized += refused.messages;
+        out.sentences.push_back(fmt::format(
+            "{}: {} messages are not in the log: of up to {} bytes, more than max_message_size {}; "
+            "set max_message_size in --url",
+            readable(channel), refused.messages, refused.bytes_max, udpm->message_bytes_max()));
+      }
+    }
+  }
+  return out;
 }
 
 void tell_end(const RecordArguments& arguments, const logs::SpoolReport& report,
-              const bus::TransportStats& heard) {
+              const bus::TransportStats& heard, const Losses& losses) {
   if (arguments.as_json) {
     print_json({{"path", report.path},
                 {"files", report.files},
@@ -89,7 +126,8 @@ void tell_end(const RecordArguments& arguments, const logs::SpoolReport& report,
                 {"events_lost", report.events_lost},
                 {"kernel_drops", heard.kernel_drops},
                 {"queue_overflows", heard.queue_overflows},
-                {"incomplete_messages", heard.incomplete_messages},
+                {"incomplete_messages", losses.incomplete},
+                {"oversized_messages", losses.oversized},
                 {"malformed_datagrams", heard.malformed_datagrams},
                 {"write_errors", report.write_errors},
                 {"sync_errors", report.sync_errors},
@@ -103,17 +141,16 @@ void tell_end(const RecordArguments& arguments, const logs::SpoolReport& report,
   if (report.events_lost > 0) {
     print_line(fmt::format("record: {} events were lost", report.events_lost), stderr);
   }
-  if (lost_before(heard) > 0) {
-    print_line(fmt::format("record: {} datagrams were lost for want of room before they were heard",
-                           lost_before(heard)),
-               stderr);
+  for (const std::string& sentence : losses.sentences) {
+    print_line("record: " + sentence, stderr);
   }
 }
 
 int run(const RecordArguments& arguments) {
   check_room(arguments);
   const auto tell = [](const std::string& news) { print_line("record: " + news, stderr); };
-  const auto transport = bus::open_transport(arguments.url);
+  LifeSign life;
+  const auto transport = bus::open_transport(url_for_log(arguments.url));
   logs::LogSpool spool(options_of(arguments));
   const bus::SteadyClock clock;
   logs::RecorderNode node(*transport, clock, spool,
@@ -121,8 +158,7 @@ int run(const RecordArguments& arguments) {
   bus::Bus bus(*transport, bus::random_run_id());
   bus.keep_time(clock);
   if (!arguments.scenario.empty()) {
-    bus.secure(bus::auth::authenticator_for(scenario::load_scenario(arguments.scenario), false),
-               clock);
+    bus.secure(bus::auth::authenticator_for(scenario::load_scenario(arguments.scenario)), clock);
   }
   const Time start = clock.now();
   const auto is_over = [&] {
@@ -147,17 +183,19 @@ int run(const RecordArguments& arguments) {
         room.look(report);
         return is_over() || report.is_full;
       },
-      usage);
+      usage, &life);
   const Time give_up = clock.now() + kDrainPatience;
   while (bus.handle(std::chrono::microseconds(0)) > 0 && clock.now() < give_up) {
   }
   spool.close();
   node.tick(clock.now());
   const logs::SpoolReport report = spool.report();
+  const Losses losses =
+      losses_of(*transport, logs::ChannelFilter(arguments.include, arguments.exclude));
   if (!arguments.is_quiet) {
-    tell_end(arguments, report, transport->stats());
+    tell_end(arguments, report, transport->stats(), losses);
   }
-  return report.is_good() && lost_before(transport->stats()) == 0 ? 0 : 1;
+  return report.is_good() && losses.is_none() ? 0 : 1;
 }
 
 }  // namespace
@@ -176,7 +214,8 @@ void add_log_record_command(CLI::App& log, Runner& chosen) {
   command->add_option("--rotate-mib", arguments->rotate_mib,
                       "begin another file, NAME-2, NAME-3, … before one gets longer");
   command->add_option("--limit-mib", arguments->limit_mib,
-                      "end, with exit code 1, before all files together get longer");
+                      "end, with exit code 1, before all files together get longer; with --append "
+                      "those that are there count");
   command
       ->add_option("--free-mib", arguments->free_mib,
                    "what must be free to begin; what is left is told below that")
@@ -189,7 +228,9 @@ void add_log_record_command(CLI::App& log, Runner& chosen) {
       "No log is deleted or written over. While the disk refuses (full, read-only) that is said "
       "at\n"
       "once and on HEALTH_RECORDER, and tried again; the file stays whole. Ctrl-C, SIGTERM and\n"
-      "SIGHUP end it. Each file after the first begins with the newest SCENARIO.\n"
+      "SIGHUP end it. Each file after the first begins with the newest SCENARIO. Messages of up "
+      "to\n"
+      "32 MiB are recorded; max_message_size=BYTES in --url sets another limit.\n"
       "Exit code 1 when anything was lost or the disk refused, 2 when it could not start.\n"
       "Examples:\n"
       "  vantage log record flight.lcmlog\n"

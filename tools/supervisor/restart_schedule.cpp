@@ -26,7 +26,8 @@ void RestartSchedule::on_start(Nanoseconds now_ns) {
   ended_ns_.reset();
 }
 
-std::optional<RestartSchedule::Nanoseconds> RestartSchedule::on_end(Nanoseconds now_ns) {
+std::optional<RestartSchedule::Nanoseconds> RestartSchedule::on_end(Nanoseconds now_ns,
+                                                                    bool is_needed) {
   ended_ns_ = now_ns;
   if (now_ns - started_ns_ >= nanoseconds(policy_.settled_s)) {
     streak_ = 0;
@@ -35,11 +36,12 @@ std::optional<RestartSchedule::Nanoseconds> RestartSchedule::on_end(Nanoseconds 
   while (!recent_ns_.empty() && recent_ns_.front() <= window_start_ns) {
     recent_ns_.pop_front();
   }
-  if (std::ssize(recent_ns_) >= policy_.restarts_max) {
+  if (!is_needed && std::ssize(recent_ns_) >= policy_.restarts_max) {
     return std::nullopt;
   }
   const double backoff_s =
-      std::min(std::ldexp(policy_.backoff_first_s, streak_), policy_.backoff_max_s);
+      std::min({std::ldexp(policy_.backoff_first_s, streak_), policy_.backoff_max_s,
+                is_needed ? kNeededBackoffMaxS : policy_.backoff_max_s});
   ++streak_;
   return now_ns + nanoseconds(backoff_s);
 }

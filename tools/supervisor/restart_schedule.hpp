@@ -24,8 +24,11 @@ class RestartSchedule {
 
   /// It was started, for the first time or again.
   void on_start(Nanoseconds now_ns);
-  /// It ended, or could not be started. When to start it again; nullopt: it is given up, for good.
-  [[nodiscard]] std::optional<Nanoseconds> on_end(Nanoseconds now_ns);
+  /// With `is_needed` the back-off is no longer.
+  static constexpr double kNeededBackoffMaxS = 1.0;
+  /// It ended, or could not be started. When to start it again; nullopt: it is given up
+  /// permanently. One that `is_needed`, as a vehicle may be in flight, is never given up.
+  [[nodiscard]] std::optional<Nanoseconds> on_end(Nanoseconds now_ns, bool is_needed = false);
 
   [[nodiscard]] const RestartPolicy& policy() const { return policy_; }
   /// Starts after the first.

@@ -14,6 +14,8 @@
 #include <unistd.h>
 
 #include "core/check.hpp"
+#include "core/deadline.hpp"
+#include "core/time.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -57,29 +59,44 @@ std::string last_words(const ProcessSpec& spec) {
   return last.empty() ? "" : fmt::format("; it said '{}' ({})", last, output_of(spec));
 }
 
-Result<Child> start_child(const ProcessSpec& spec) {
-  if (spec.folder.empty()) {
-    return Child::start(spec.arguments, {-1, "", spec.end_signal});
+/// As `spec` says, with a new `line` for its signs of life.
+Result<Child> start_child(const ProcessSpec& spec, LifeLine& line) {
+  ChildPlace place{-1, spec.folder, spec.end_signal};
+  place.keep_open = spec.keep_open;
+  if (spec.patience_s > 0.0) {
+    if (!line.open()) {
+      return Error{std::string("pipe: ") + std::strerror(errno)};
+    }
+    place.keep_open.push_back(line.child_end());
+    place.environment.push_back(fmt::format("{}={}", LifeSign::kHandedOn, line.child_end()));
+    place.blocks_stop_signals = true;
   }
-  std::error_code failed;
-  std::filesystem::create_directories(spec.folder, failed);
-  for (const auto& [name, content] : spec.files) {
-    std::ofstream file(spec.folder + "/" + name);
-    file << content;
-    if (!file.flush()) {
-      return Error{spec.folder + "/" + name + ": cannot be written"};
+  if (!spec.folder.empty()) {
+    std::error_code failed;
+    std::filesystem::create_directories(spec.folder, failed);
+    for (const auto& [name, content] : spec.files) {
+      std::ofstream file(spec.folder + "/" + name);
+      file << content;
+      if (!file.flush()) {
+        return Error{spec.folder + "/" + name + ": cannot be written"};
+      }
+    }
+    const std::string path = output_of(spec);
+    place.output =
+        failed ? -1 : ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+    if (place.output < 0) {
+      return Error{path + ": " + (failed ? failed.message() : std::strerror(errno))};
     }
   }
-  const std::string path = output_of(spec);
-  const int output =
-      failed ? -1 : ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
-  if (output < 0) {
-    return Error{path + ": " + (failed ? failed.message() : std::strerror(errno))};
+  Result<Child> child = Child::start(spec.arguments, place);
+  if (place.output >= 0) {
+    ::close(place.output);
   }
-  Result<Child> child = Child::start(spec.arguments, {output, spec.folder, spec.end_signal});
-  ::close(output);
+  line.close_child_end();
   return child;
 }
+
+Time time_of(Supervisor::Nanoseconds monotonic_ns) { return from_utime(monotonic_ns / 1'000); }
 
 }  // namespace
 
@@ -87,20 +104,62 @@ using models::SupervisedPhase;
 using Kind = SupervisorEvent::Kind;
 
 void Supervisor::start(const ProcessSpec& spec, Nanoseconds monotonic_ns) {
-  Result<Child> child = start_child(spec);
+  LifeLine line;
+  Result<Child> child = start_child(spec, line);
   if (!child.ok()) {
     throw StartupError("cannot start " + spec.name + ": " + child.error().message);
   }
   Supervised process{spec, RestartSchedule(policy_), std::move(child).value()};
+  process.line = std::move(line);
   process.schedule.on_start(monotonic_ns);
+  if (spec.patience_s > 0.0) {
+    watchdog_.watch(spec.name, spec.patience_s);
+  }
   processes_.push_back(std::move(process));
 }
 
-SupervisorEvent Supervisor::on_end(Supervised& process, const std::string& how,
-                                   Nanoseconds now_ns) {
+void Supervisor::take_signs(Supervised& process, Nanoseconds now_ns) {
+  const LifeLine::Signs signs = process.line.take();
+  if (signs.any) {
+    watchdog_.on_sign(process.spec.name, time_of(now_ns));
+  }
+  if (signs.in_flight != InFlight::kUnknown) {
+    process.in_flight = signs.in_flight;
+  }
+}
+
+// A process that hangs holds its place and does nothing: its end makes room for a new one.
+void Supervisor::kill_hung(Nanoseconds now_ns, std::vector<SupervisorEvent>& events) {
+  for (const std::string& name : watchdog_.overdue(time_of(now_ns))) {
+    if (Child* const child = find(name)) {
+      child->send(SIGKILL);
+      events.push_back({name, Kind::kHung, name + " gives no sign of life: ending it"});
+    }
+  }
+}
+
+SupervisorEvent Supervisor::on_end(Supervised& process, const ChildExit& how, Nanoseconds now_ns) {
+  take_signs(process, now_ns);
+  // After a failure in flight the vehicle needs a new driver; in a hurry its autopilot lands it.
+  const bool is_left = process.in_flight == InFlight::kYes && driver_requests_ == 1;
+  const bool was_asked = !process.spec.vehicle.empty() && driver_requests_ > 0;
+  if (was_asked && (how.is_success() || !is_left)) {
+    process.child.reset();
+    process.last_end = how.describe();
+    process.phase = SupervisedPhase::kEnded;
+    watchdog_.on_end(process.spec.name);
+    return {process.spec.name, Kind::kEnded, process.spec.name + " has ended"};
+  }
+  return start_again_later(process, how.describe(), now_ns);
+}
+
+SupervisorEvent Supervisor::start_again_later(Supervised& process, const std::string& how,
+                                              Nanoseconds now_ns) {
   process.child.reset();
   process.last_end = how;
-  const auto restart_at_ns = process.schedule.on_end(now_ns);
+  watchdog_.on_end(process.spec.name);
+  const bool is_needed = process.in_flight == InFlight::kYes;
+  const auto restart_at_ns = process.schedule.on_end(now_ns, is_needed);
   if (!restart_at_ns) {
     process.phase = SupervisedPhase::kGivenUp;
     const RestartPolicy& policy = process.schedule.policy();
@@ -123,12 +182,16 @@ SupervisorEvent Supervisor::restart(Supervised& process, Nanoseconds now_ns) {
     process.spec.before_restart();
   }
   process.schedule.on_start(now_ns);
-  Result<Child> child = start_child(process.spec);
+  Result<Child> child = start_child(process.spec, process.line);
   if (!child.ok()) {
-    return on_end(process, child.error().message, now_ns);
+    return start_again_later(process, child.error().message, now_ns);
   }
   process.child.emplace(std::move(child).value());
   process.phase = SupervisedPhase::kRunning;
+  watchdog_.on_start(process.spec.name, time_of(now_ns));
+  if (driver_requests_ > 0) {
+    ask_driver(process);
+  }
   return {process.spec.name, Kind::kStarted,
           fmt::format("{} started again (restart {}, {:.1f} s down in all)", process.spec.name,
                       process.schedule.restarts(), process.schedule.down_s(now_ns))};
@@ -137,9 +200,13 @@ SupervisorEvent Supervisor::restart(Supervised& process, Nanoseconds now_ns) {
 std::vector<SupervisorEvent> Supervisor::poll(Nanoseconds monotonic_ns) {
   std::vector<SupervisorEvent> events;
   for (Supervised& process : processes_) {
+    take_signs(process, monotonic_ns);
+  }
+  kill_hung(monotonic_ns, events);
+  for (Supervised& process : processes_) {
     if (process.child) {
       if (const auto ended = process.child->wait(std::chrono::milliseconds(0))) {
-        events.push_back(on_end(process, ended->describe(), monotonic_ns));
+        events.push_back(on_end(process, *ended, monotonic_ns));
       }
     } else if (process.phase == SupervisedPhase::kWaiting &&
                monotonic_ns >= process.restart_at_ns) {
@@ -147,6 +214,44 @@ std::vector<SupervisorEvent> Supervisor::poll(Nanoseconds monotonic_ns) {
     }
   }
   return events;
+}
+
+// Two different signals: of one that is sent twice at once the second is lost.
+void Supervisor::ask_driver(Supervised& process) const {
+  if (!process.spec.vehicle.empty() && process.child) {
+    process.child->send(SIGTERM);
+    if (driver_requests_ > 1) {
+      process.child->send(SIGINT);
+    }
+  }
+}
+
+void Supervisor::end_drivers() {
+  ++driver_requests_;
+  for (Supervised& process : processes_) {
+    ask_driver(process);
+    const bool waits_in_vain =
+        process.phase == SupervisedPhase::kWaiting && process.in_flight != InFlight::kYes;
+    if (!process.spec.vehicle.empty() && waits_in_vain) {
+      process.phase = SupervisedPhase::kEnded;
+    }
+  }
+}
+
+bool Supervisor::have_drivers_ended() const {
+  return std::all_of(processes_.begin(), processes_.end(), [](const Supervised& process) {
+    const bool is_over =
+        process.phase == SupervisedPhase::kEnded || process.phase == SupervisedPhase::kGivenUp;
+    return process.spec.vehicle.empty() || is_over;
+  });
+}
+
+void Supervisor::send_to_ours(int signal) {
+  for (Supervised& process : processes_) {
+    if (process.child && process.spec.patience_s > 0.0) {
+      process.child->send(signal);
+    }
+  }
 }
 
 std::vector<std::string> Supervisor::stop_all(milliseconds patience,
@@ -169,6 +274,7 @@ std::vector<std::string> Supervisor::stop_all(milliseconds patience,
     if (!ended) {
       killed.push_back(process->spec.name);
     }
+    take_signs(*process, monotonic_ns());
     process->last_end = ended ? ended->describe() : "killed";
     process->child.reset();  // kills and reaps what is left
     process->phase = SupervisedPhase::kEnded;
@@ -181,7 +287,8 @@ std::vector<SupervisedStatus> Supervisor::status(Nanoseconds monotonic_ns) const
   for (const Supervised& process : processes_) {
     out.push_back({process.spec.name, process.phase, process.schedule.restarts(),
                    process.schedule.down_s(monotonic_ns), process.last_end,
-                   process.child ? process.child->pid() : 0, process.spec.is_essential});
+                   process.child ? process.child->pid() : 0, process.spec.is_essential,
+                   process.spec.vehicle, process.in_flight});
   }
   return out;
 }

@@ -9,8 +9,10 @@
 #include <vector>
 
 #include "core/child.hpp"
+#include "core/life_line.hpp"
 #include "models/exchange/messages.hpp"
 #include "tools/supervisor/restart_schedule.hpp"
+#include "tools/supervisor/watchdog.hpp"
 
 namespace vantage::tools {
 
@@ -26,6 +28,11 @@ struct ProcessSpec {
   std::string folder = {};
   std::map<std::string, std::string> files = {};  ///< written there before each start, by name
   int end_signal = SIGTERM;                       ///< that ends it
+  /// It is ended and started again after so long without a sign of life (core/life_line); 0: it is
+  /// no program of ours, gives no signs and is not watched.
+  double patience_s = 0.0;
+  std::string vehicle = {};         ///< that it drives; empty: none
+  std::vector<int> keep_open = {};  ///< descriptors that it needs
 };
 
 struct SupervisedStatus {
@@ -36,18 +43,22 @@ struct SupervisedStatus {
   std::string last_end = {};  ///< how it last ended; empty: it never did
   pid_t pid = 0;              ///< 0 while it is not running
   bool is_essential = false;
+  std::string vehicle = {};                 ///< that it drives; empty: none
+  InFlight in_flight = InFlight::kUnknown;  ///< the vehicle, by the last sign of life
 };
 
 /// Something that happened to a process, and a sentence about it.
 struct SupervisorEvent {
-  enum class Kind { kEnded, kStarted, kGivenUp };
+  enum class Kind { kEnded, kStarted, kGivenUp, kHung };
   std::string name;
   Kind kind = Kind::kEnded;
   std::string words;
 };
 
-/// Starts processes, starts the dead ones again, ends them all. Single thread; told the time (of
-/// the monotonic clock), so that back-off can be tested without waiting.
+/// Starts processes, ends those that give no signs of life, starts the dead ones again, ends them
+/// all. Signs of life come by a pipe of each process alone, so that the network has no part in it.
+/// The driver of a vehicle that may be in flight is started again without end. Single thread; it is
+/// handed the time (of the monotonic clock), so that back-off can be tested without waiting.
 class Supervisor {
  public:
   using Nanoseconds = RestartSchedule::Nanoseconds;
@@ -55,8 +66,16 @@ class Supervisor {
 
   /// @throws StartupError when it cannot be executed at all.
   void start(const ProcessSpec& spec, Nanoseconds monotonic_ns);
-  /// Reaps the dead and starts again those whose back-off is over; what happened, in that order.
+  /// Takes signs of life, kills what gives none, reaps the dead and starts again those whose
+  /// back-off is over; what happened, in that order.
   std::vector<SupervisorEvent> poll(Nanoseconds monotonic_ns);
+  /// Asks the drivers of vehicles to end; each further call is one more request. A driver that has
+  /// ended then is not started again, unless it failed while its vehicle may be in flight: then its
+  /// successor is asked as soon as it has started.
+  void end_drivers();
+  [[nodiscard]] bool have_drivers_ended() const;
+  /// Sends `signal` to every process of ours.
+  void send_to_ours(int signal);
   /// SIGTERM to all in reverse order of starting, waits for them, SIGKILL to those still alive
   /// after `patience` or once `hurry`, asked all the time, says so; what had to be killed. Nothing
   /// is started again after that.
@@ -79,11 +98,20 @@ class Supervisor {
     models::SupervisedPhase phase = models::SupervisedPhase::kRunning;
     std::string last_end = {};
     Nanoseconds restart_at_ns = 0;
+    LifeLine line = {};
+    InFlight in_flight = InFlight::kUnknown;  ///< its vehicle, by the last sign that knew it
   };
-  static SupervisorEvent on_end(Supervised& process, const std::string& how, Nanoseconds now_ns);
-  static SupervisorEvent restart(Supervised& process, Nanoseconds now_ns);
+  void take_signs(Supervised& process, Nanoseconds now_ns);
+  void kill_hung(Nanoseconds now_ns, std::vector<SupervisorEvent>& events);
+  SupervisorEvent on_end(Supervised& process, const ChildExit& how, Nanoseconds now_ns);
+  SupervisorEvent start_again_later(Supervised& process, const std::string& how,
+                                    Nanoseconds now_ns);
+  SupervisorEvent restart(Supervised& process, Nanoseconds now_ns);
+  void ask_driver(Supervised& process) const;
 
   RestartPolicy policy_;
+  Watchdog watchdog_;
+  int driver_requests_ = 0;  ///< to end
   std::vector<Supervised> processes_;
 };
 

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "core/utf8.hpp"
+
 namespace vantage::tools {
 namespace {
 
@@ -15,10 +17,11 @@ constexpr double kShareOver_s = 0.5;
 constexpr double kMebibyte = 1024.0 * 1024.0;
 
 std::string row_of(const std::string& host, const models::SupervisedProcess& process) {
-  return fmt::format("{:<8} {:<14} {:>9} {:>9} {:>8.1f} s {:>6.1f} % {:>7.1f} MiB  {}", host,
-                     process.name, name_of(process.phase), process.restarts, process.down_s,
-                     100.0 * process.cpu_share,
-                     static_cast<double>(process.memory_bytes) / kMebibyte, process.last_end);
+  return fmt::format("{:<8} {:<14} {:>9} {:>9} {:>8.1f} s {:>6.1f} % {:>7.1f} MiB  {}",
+                     readable(host), readable(process.name), name_of(process.phase),
+                     process.restarts, process.down_s, 100.0 * process.cpu_share,
+                     static_cast<double>(process.memory_bytes) / kMebibyte,
+                     readable(process.last_end));
 }
 
 }  // namespace
@@ -50,6 +53,7 @@ HostBoard::HostBoard(const scenario::Scenario& scenario, std::string own, std::i
       hosts_[host.name].at = start;
     }
   }
+  hosts_max_ = hosts_.size() + kOtherHostsMax;
 }
 
 std::optional<std::string> HostBoard::on_report(const models::HostReport& report, Time now) {
@@ -59,17 +63,24 @@ std::optional<std::string> HostBoard::on_report(const models::HostReport& report
                : std::optional("another `vantage up` runs here or elsewhere as host " + own_ +
                                ": everything is there twice; end one of them");
   }
+  if (!hosts_.contains(report.host) && hosts_.size() >= hosts_max_) {
+    ++ignored_;
+    return std::nullopt;
+  }
   Heard& heard = hosts_[report.host];
   const bool was_restarted = heard.report && heard.report->stamp.run_id != report.stamp.run_id;
   const bool was_silent = std::exchange(heard.is_silent, false);
   const bool is_new = !heard.report && report.host != own_;
   heard.report = report;
+  if (report.processes.size() > kProcessesMax) {
+    heard.report->processes.resize(kProcessesMax);
+  }
   heard.at = now;
   if (was_restarted) {
-    return "host " + report.host + " was started again";
+    return "host " + readable(report.host) + " was started again";
   }
   if (was_silent || is_new) {
-    return "host " + report.host + (is_new ? " is up" : " is heard again");
+    return "host " + readable(report.host) + (is_new ? " is up" : " is heard again");
   }
   return std::nullopt;
 }
@@ -80,7 +91,7 @@ std::vector<std::string> HostBoard::fallen_silent(Time now) {
     const double age_s = to_seconds(now - heard.at);
     if (name != own_ && !heard.is_silent && age_s > kSilentAfter_s) {
       heard.is_silent = true;
-      out.push_back(fmt::format("host {} is {} for {:.0f} s", name,
+      out.push_back(fmt::format("host {} is {} for {:.0f} s", readable(name),
                                 heard.report ? "silent" : "not heard", age_s));
     }
   }
@@ -93,7 +104,7 @@ std::vector<std::string> HostBoard::table(Time now) const {
                                            "memory", "last end")};
   for (const auto& [name, heard] : hosts_) {
     if (!heard.report || heard.is_silent) {
-      out.push_back(fmt::format("{:<8} {} for {:.0f} s", name,
+      out.push_back(fmt::format("{:<8} {} for {:.0f} s", readable(name),
                                 heard.report ? "silent" : "not heard", to_seconds(now - heard.at)));
       continue;
     }
@@ -110,7 +121,7 @@ std::string HostBoard::line(Time now) const {
   for (const auto& [name, heard] : hosts_) {
     out += out.empty() ? "" : ", ";
     if (!heard.report || heard.is_silent) {
-      out += fmt::format("{} silent for {:.0f} s", name, to_seconds(now - heard.at));
+      out += fmt::format("{} silent for {:.0f} s", readable(name), to_seconds(now - heard.at));
       is_all_well = is_all_well && name == own_ && !heard.report;
       continue;
     }
@@ -118,7 +129,7 @@ std::string HostBoard::line(Time now) const {
     const auto running = std::count_if(all.begin(), all.end(), [](const auto& process) {
       return process.phase == SupervisedPhase::kRunning;
     });
-    out += fmt::format("{} {}/{}", name, running, all.size());
+    out += fmt::format("{} {}/{}", readable(name), running, all.size());
     is_all_well = is_all_well && running == std::ssize(all);
   }
   return hosts_.size() == 1 && is_all_well ? "" : out;

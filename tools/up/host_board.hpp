@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -42,17 +43,22 @@ class UsageMeter {
 class HostBoard {
  public:
   static constexpr double kSilentAfter_s = 3.0;
+  static constexpr std::size_t kOtherHostsMax = 32;   ///< that the scenario does not name
+  static constexpr std::size_t kProcessesMax = 1024;  ///< that are kept of one report
 
   /// @param own  the host that this supervisor is
   HostBoard(const scenario::Scenario& scenario, std::string own, std::int64_t own_run_id,
             Time start);
 
-  /// What there is to say about it: a host that came (again), one that speaks under our own name.
+  /// Returns what there is to say about it: a host that came (again), one that speaks under our own
+  /// name. Ignores, and counts, hosts for which there is no room.
   std::optional<std::string> on_report(const models::HostReport& report, Time now);
   /// Hosts that have fallen silent since the last asking, one sentence each.
   std::vector<std::string> fallen_silent(Time now);
   /// One line for each process of each host, one for each host of which nothing is known.
   [[nodiscard]] std::vector<std::string> table(Time now) const;
+  /// Reports of hosts for which there was no room.
+  [[nodiscard]] std::int64_t ignored() const { return ignored_; }
   /// "LAB 7/7, AIR silent for 4 s": running and to run; empty with one host all of which runs.
   [[nodiscard]] std::string line(Time now) const;
 
@@ -66,6 +72,8 @@ class HostBoard {
   std::int64_t own_run_id_;
   bool has_rival_ = false;
   std::map<std::string, Heard> hosts_;
+  std::size_t hosts_max_ = 0;
+  std::int64_t ignored_ = 0;
 };
 
 }  // namespace vantage::tools

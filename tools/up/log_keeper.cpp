@@ -16,11 +16,14 @@ constexpr auto kPatience = std::chrono::seconds(5);
 }  // namespace
 
 // How much room it needs is known to those who start it.
-ProcessSpec recorder_process(const std::string& executables, const std::string& scenario_path,
-                             const std::string& url, const std::string& log_path) {
-  return {kRecorderProcess,
-          {executables + "/vantage", "log", "record", log_path, "--append", "--url", url,
-           "--scenario", scenario_path, "--free-mib", "0", "--quiet"}};
+ProcessSpec recorder_process(const ProcessPlaces& places, const std::string& log_path) {
+  ProcessSpec process{
+      kRecorderProcess,
+      {places.executables + "/vantage", "log", "record", log_path, "--append", "--url", places.url,
+       "--scenario", places.scenario_path, "--free-mib", "0", "--quiet"}};
+  process.patience_s = kPatienceS;
+  process.keep_open = places.keep_open;
+  return process;
 }
 
 // The recorder writes what it hears, so it listens once its file is no longer empty.
@@ -54,10 +57,10 @@ LogKeeper::LogKeeper(const ProcessSpec& recorder, const std::string& path,
 }
 
 // Vehicles fly on whatever becomes of their log.
-TrimmedLog LogKeeper::trim() {
-  TrimmedLog trimmed;
+logs::TrimmedLog LogKeeper::trim() {
+  logs::TrimmedLog trimmed;
   try {
-    trimmed = trim_log(path_);
+    trimmed = logs::trim_log(path_);
   } catch (const StartupError&) {
     trimmed = {};
   }
@@ -71,7 +74,7 @@ TrimmedLog LogKeeper::trim() {
 
 void LogKeeper::prepare_restart() {
   note_first_event();
-  const TrimmedLog trimmed = trim();
+  const logs::TrimmedLog trimmed = trim();
   // A logger that dies again before it wrote anything leaves the gap open.
   if (!last_before_) {
     last_before_ = trimmed.last;
@@ -83,7 +86,7 @@ void LogKeeper::note_first_event() {
   if (!last_before_) {
     return;
   }
-  if (const auto first = event_time_at(path_, size_before_bytes_)) {
+  if (const auto first = logs::event_time_at(path_, size_before_bytes_)) {
     outcome_.unrecorded_s += to_seconds(*first - *last_before_);
     last_before_.reset();
   }
@@ -94,7 +97,9 @@ std::vector<SupervisorEvent> LogKeeper::poll(Supervisor::Nanoseconds monotonic_n
   return supervisor_.poll(monotonic_ns);
 }
 
-bool LogKeeper::holds(std::span<const std::uint8_t> bytes) const { return ends_with(path_, bytes); }
+bool LogKeeper::holds(std::span<const std::uint8_t> bytes) const {
+  return logs::ends_with(path_, bytes);
+}
 
 std::vector<std::string> LogKeeper::stop(milliseconds patience) {
   auto killed = supervisor_.stop_all(patience);
@@ -107,8 +112,6 @@ std::vector<std::string> LogKeeper::stop(milliseconds patience) {
   note_first_event();
   return killed;
 }
-
-Child* LogKeeper::recorder() { return supervisor_.find(kRecorderProcess); }
 
 LogOutcome LogKeeper::outcome() const {
   LogOutcome out = outcome_;

@@ -8,8 +8,9 @@
 #include <vector>
 
 #include "bus/node/clock.hpp"
+#include "logs/record/log_tail.hpp"
 #include "tools/supervisor/supervisor.hpp"
-#include "tools/up/log_tail.hpp"
+#include "tools/up/process_plan.hpp"
 #include "trial/observe/announcer.hpp"
 
 namespace vantage::tools {
@@ -17,9 +18,8 @@ namespace vantage::tools {
 /// The name of the recorder among the processes.
 inline constexpr const char* kRecorderProcess = "recorder";
 
-/// `vantage log record`, appending to `log_path`, signing as `scenario_path` says.
-ProcessSpec recorder_process(const std::string& executables, const std::string& scenario_path,
-                             const std::string& url, const std::string& log_path);
+/// `vantage log record`, appending to `log_path`, signing as the scenario of `places` says.
+ProcessSpec recorder_process(const ProcessPlaces& places, const std::string& log_path);
 
 /// What became of a trial's log.
 struct LogOutcome {
@@ -52,8 +52,6 @@ class LogKeeper {
   std::vector<SupervisorEvent> poll(Supervisor::Nanoseconds monotonic_ns);
   /// Whether `bytes`, published last of all, have come into the file.
   [[nodiscard]] bool holds(std::span<const std::uint8_t> bytes) const;
-  /// The recorder while it runs, else null.
-  [[nodiscard]] Child* recorder();
   /// Ends the recorder, which first writes what it has heard; what had to be killed. The file is
   /// whole in either case, unless what a killed one left cannot be cut off: then it is not good.
   std::vector<std::string> stop(std::chrono::milliseconds patience);
@@ -62,7 +60,7 @@ class LogKeeper {
   [[nodiscard]] LogOutcome outcome() const;
 
  private:
-  TrimmedLog trim();
+  logs::TrimmedLog trim();
   void prepare_restart();
   void note_first_event();
 

@@ -6,7 +6,7 @@
 namespace vantage::tools {
 
 Pilot::Pilot(bus::Bus& bus, const scenario::Scenario& scenario, Time start)
-    : now_(start), desk_(bus, true, start), program_(robots_with_driver(scenario)) {
+    : now_(start), desk_(bus, {true}, start), program_(robots_with_driver(scenario)) {
   for (const scenario::RobotSpec& robot : scenario.robots) {
     if (robot.device == scenario::DeviceSource::kReal) {
       throw StartupError("robot " + robot.name +

@@ -183,6 +183,7 @@ std::vector<std::string> device_faults(const scenario::Scenario& scenario) {
   return out;
 }
 
+// long: one kind of process after the other, in their order.
 std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,
                                       const ProcessPlaces& places) {
   const auto command = [&places](const std::string& program) {
@@ -193,17 +194,33 @@ std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,
     return places.host.empty() || scenario.runs_on(places.host, part);
   };
   std::vector<ProcessSpec> out;
-  const auto add_for = [&](const std::string& program, const std::string& robot) {
-    ProcessSpec process{trial::process_name(program, robot), command("vantage-" + program)};
+  const auto ours = [&](const std::string& name, const std::string& program, double patience_s) {
+    ProcessSpec process{name, command(program)};
+    process.patience_s = patience_s;
+    process.keep_open = places.keep_open;
+    return process;
+  };
+  const auto add_for = [&](const std::string& program, const std::string& robot,
+                           double patience_s = kPatienceS) -> ProcessSpec& {
+    ProcessSpec process =
+        ours(trial::process_name(program, robot), "vantage-" + program, patience_s);
     process.arguments.insert(process.arguments.end(), {"--robot", robot});
     out.push_back(std::move(process));
+    return out.back();
+  };
+  const auto give_priority = [&](ProcessSpec& process) {
+    if (places.driver_priority > 0) {
+      process.arguments.insert(process.arguments.end(),
+                               {"--fifo", std::to_string(places.driver_priority)});
+    }
   };
   const bool is_simulated =
       places.has_virtual_targets || scenario.mocap.device != DeviceSource::kReal ||
       std::any_of(scenario.robots.begin(), scenario.robots.end(),
                   [](const auto& robot) { return robot.device != DeviceSource::kReal; });
   if (is_simulated && runs(scenario::kSimPart)) {
-    out.push_back({kSimProcess, command("vantage-sim"), true});
+    out.push_back(ours(kSimProcess, "vantage-sim", kPatienceS));
+    out.back().is_essential = true;
   }
   for (const scenario::RobotSpec& robot : scenario.robots) {
     if (robot.firmware && !robot.firmware->binary.empty() && runs(scenario::kSimPart)) {
@@ -216,17 +233,21 @@ std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,
     }
   }
   if (scenario.mocap.device != DeviceSource::kDirect && runs(scenario::kMocapPart)) {
-    out.push_back({"vicon", command("vantage-vicon"), true});
+    out.push_back(ours("vicon", "vantage-vicon", kDriverPatienceS));
+    out.back().is_essential = true;
+    give_priority(out.back());
   }
   const bool has_real_robots =
       std::any_of(scenario.robots.begin(), scenario.robots.end(),
                   [](const auto& robot) { return robot.device == DeviceSource::kReal; });
   if (has_real_robots && runs(scenario::kMocapPart)) {
-    out.push_back({"contacts", command("vantage-contacts")});
+    out.push_back(ours("contacts", "vantage-contacts", kPatienceS));
   }
   for (const std::string& robot : robots_with_driver(scenario)) {
     if (runs(robot)) {
-      add_for(scenario.find_robot(robot)->rover ? "rover" : "quadrotor", robot);
+      const std::string program = scenario.find_robot(robot)->rover ? "rover" : "quadrotor";
+      add_for(program, robot, kDriverPatienceS).vehicle = robot;
+      give_priority(out.back());
     }
   }
   for (const char* const program : trial::kRobotProcesses) {

@@ -11,6 +11,11 @@ namespace vantage::tools {
 /// The name of the simulator among the processes.
 inline constexpr const char* kSimProcess = "sim";
 
+/// Longest time without a sign of life: of drivers and of the mocap driver, whose poses vehicles
+/// need within 0.5 s, and of any other process.
+inline constexpr double kDriverPatienceS = 0.8;
+inline constexpr double kPatienceS = 3.2;
+
 /// Where the processes of a trial find what they need.
 struct ProcessPlaces {
   std::string executables;    ///< the folder of the vantage-* programs
@@ -19,6 +24,8 @@ struct ProcessPlaces {
   std::string host;                  ///< the one to run of scenario.hosts; empty: all there is
   bool has_virtual_targets = false;  ///< simulated, though every device is real
   std::string firmware_folder = {};  ///< under which each firmware works in a folder of its own
+  std::vector<int> keep_open = {};   ///< descriptors that scenario_path needs
+  int driver_priority = 0;  ///< SCHED_FIFO of vehicle drivers and of the mocap driver; 0: none
 };
 
 /// The robots that a driver process flies: those whose device is `wire` or `real`.

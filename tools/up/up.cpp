@@ -6,31 +6,37 @@
 #include <csignal>
 #include <exception>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <system_error>
 #include <thread>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "bus/auth/authenticator.hpp"
 #include "bus/node/bus.hpp"
 #include "bus/node/clock.hpp"
+#include "bus/node/flights.hpp"
 #include "bus/node/process_usage.hpp"
 #include "bus/transport/transport.hpp"
 #include "core/check.hpp"
 #include "core/deadline.hpp"
+#include "core/utf8.hpp"
 #include "logs/record/append_file.hpp"
 #include "logs/record/log_space.hpp"
 #include "logs/record/recorder.hpp"
+#include "tools/live/output.hpp"
 #include "tools/live/trial_display.hpp"
-#include "tools/supervisor/watchdog.hpp"
 #include "tools/up/host_board.hpp"
+#include "tools/up/host_readiness.hpp"
+#include "tools/up/landing.hpp"
 #include "tools/up/pilot.hpp"
 #include "tools/up/process_plan.hpp"
-#include "tools/up/temporary_scenario.hpp"
+#include "tools/up/scenario_memory.hpp"
+#include "tools/up/up_report.hpp"
 #include "trial/observe/announcer.hpp"
 #include "trial/observe/neighbours.hpp"
 #include "trial/observe/observer.hpp"
@@ -41,7 +47,6 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr Duration kLandingPatience = std::chrono::seconds(60);
 constexpr Duration kReportPeriod = std::chrono::seconds(1);
 constexpr Duration kLogLookPeriod = milliseconds(500);
 // All of the end together stays below two seconds, but for a disk that is slow to take the log: its
@@ -50,9 +55,6 @@ constexpr milliseconds kTeamPatience{1200};
 constexpr Duration kDrainPatience = milliseconds(200);
 constexpr Duration kSealPatience = milliseconds(300);
 constexpr milliseconds kLoggerPatience{5000};
-// HEALTH comes each second; what flies a vehicle speaks ten times a second, and is missed sooner.
-constexpr double kHungAfterS = 3.2;
-constexpr double kDriverHungAfterS = 0.8;
 
 bool is_zero(const models::ProcessHealth& health, const std::string& counter) {
   return std::any_of(health.counters.begin(), health.counters.end(),
@@ -66,10 +68,25 @@ struct HandedClock : bus::SteadyClock {
   HandedClock() { hand_on(); }
 };
 
+std::set<std::string> as_set(const std::vector<std::string>& names) {
+  return {names.begin(), names.end()};
+}
+
 /// Signs what `bus` says as `scenario` wants it, from the first message on.
 bus::Bus& secured(bus::Bus& bus, const scenario::Scenario& scenario, const bus::Clock& clock) {
-  bus.secure(bus::auth::authenticator_for(scenario, false), clock);
+  bus.secure(bus::auth::authenticator_for(scenario), clock);
   return bus;
+}
+
+/// Reports claims that nothing proves; they keep no trial from starting.
+void tell_unverified(const std::vector<std::string>& claims) {
+  constexpr std::size_t kShown = 5;
+  for (std::size_t i = 0; i < std::min(claims.size(), kShown); ++i) {
+    print_line("! ignored, since its signature is missing or wrong: " + claims[i], stderr);
+  }
+  if (claims.size() > kShown) {
+    print_line(fmt::format("! … and {} more such messages", claims.size() - kShown), stderr);
+  }
 }
 
 /// The trial while it runs. Members in the order of starting, which no process depends on, except
@@ -87,11 +104,12 @@ class Up {
   void turn();
   bool turn_well();
   void take(const std::vector<SupervisorEvent>& events);
-  void watch(const std::vector<ProcessSpec>& processes);
-  void end_the_hung();
   [[nodiscard]] std::vector<SupervisedStatus> statuses() const;
   models::HostReport report(Time now);
   void watch_log(Time now);
+  [[nodiscard]] std::vector<std::string> others_in_flight() const;
+  [[nodiscard]] std::vector<std::string> vehicles_in_flight() const;
+  [[nodiscard]] bool has_lost_vehicles() const;
   void land();
   void stop_all();
   void seal_log();
@@ -108,7 +126,8 @@ class Up {
   bus::Bus bus_;
   const HandedClock clock_;
   trial::Announcer announcer_;
-  const TemporaryScenario file_;
+  const ScenarioMemory file_;
+  const ProcessPlaces places_;
   std::unique_ptr<LogKeeper> keeper_;
   const Time start_;
   trial::TrialObserver observer_;
@@ -121,8 +140,9 @@ class Up {
   TrialDisplay display_;
   std::unique_ptr<Pilot> pilot_;
   Supervisor team_;
-  Watchdog watchdog_;
-  std::map<std::string, std::string> by_health_;  ///< the process of each HEALTH name
+  bus::Flights flights_;          ///< of all vehicles with a driver, by the network
+  std::set<std::string> drives_;  ///< vehicles with a driver here
+  bool serves_flights_ = false;   ///< the simulator or the mocap driver runs here
   Time next_report_{};
   int requests_heeded_ = 1;  ///< to end; any more is in a hurry
   UpResult result_;
@@ -136,71 +156,33 @@ Up::Up(const scenario::Scenario& scenario, const UpOptions& options)
       bus_(*transport_, bus::random_run_id()),
       announcer_(secured(bus_, scenario, clock_), scenario, "up"),
       file_(scenario.source_text),
+      places_{options.executables,         file_.path(),
+              scenario.network.url,        options.host,
+              options.has_virtual_targets, options.firmware_folder,
+              {file_.descriptor()},        options.driver_priority},
       keeper_(options.log_path.empty()
                   ? nullptr
-                  : std::make_unique<LogKeeper>(
-                        recorder_process(options.executables, file_.path(), scenario.network.url,
-                                         options.log_path),
-                        options.log_path, options.restarts, announcer_, clock_)),
+                  : std::make_unique<LogKeeper>(recorder_process(places_, options.log_path),
+                                                options.log_path, options.restarts, announcer_,
+                                                clock_)),
       start_(clock_.now()),
       observer_(bus_, scenario, start_),
       board_(scenario, host_, bus_.run_id(), start_),
       log_watch_(logs::kLogBytesPerRobotS * static_cast<double>(scenario.robots.size())),
       display_(form_of(options.quiet, options.live_table)),
       pilot_(options.fly ? std::make_unique<Pilot>(bus_, scenario, start_) : nullptr),
-      team_(options.restarts) {
+      team_(options.restarts),
+      flights_(as_set(robots_with_driver(scenario))) {
   bus_.keep_time(clock_);
   listen();
   if (announces()) {
     announcer_.publish(start_);
   }
-  const ProcessPlaces places{options.executables,         file_.path(),
-                             scenario.network.url,        options.host,
-                             options.has_virtual_targets, options.firmware_folder};
-  const std::vector<ProcessSpec> processes = process_plan(scenario, places);
-  watch(processes);
-  for (const ProcessSpec& process : processes) {
+  for (const ProcessSpec& process : process_plan(scenario, places_)) {
     team_.start(process, monotonic_ns());
-  }
-}
-
-void Up::watch(const std::vector<ProcessSpec>& processes) {
-  for (const ProcessSpec& process : processes) {
-    const bool is_driver =
-        process.name.starts_with("quadrotor ") || process.name.starts_with("rover ");
-    watchdog_.watch(process.name, is_driver ? kDriverHungAfterS : kHungAfterS);
-    by_health_[trial::node_name(process.name)] = process.name;
-  }
-  if (keeper_) {
-    watchdog_.watch(kRecorderProcess, kHungAfterS);
-    by_health_[logs::RecorderNode::kName] = kRecorderProcess;
-  }
-  const auto on_sign = [this](const std::string& name) {
-    if (const auto found = by_health_.find(name); found != by_health_.end()) {
-      watchdog_.on_sign(found->second, monotonic_now());
-    }
-  };
-  bus_.subscribe<models::ProcessHealth>(bus::health_channel("*"),
-                                        [this, on_sign](const models::ProcessHealth& health) {
-                                          on_sign(health.process);
-                                          if (health.process == logs::RecorderNode::kName) {
-                                            is_log_refused_ = is_zero(health, "log.is_written");
-                                          }
-                                        });
-  bus_.subscribe<models::VehicleStatus>(bus::vehicle_channel("*"),
-                                        [on_sign](const models::VehicleStatus& status) {
-                                          on_sign("QUADROTOR_" + status.robot);
-                                          on_sign("ROVER_" + status.robot);
-                                        });
-}
-
-// A process that hangs holds its place and does nothing: its end makes room for a new one.
-void Up::end_the_hung() {
-  for (const std::string& name : watchdog_.overdue(monotonic_now())) {
-    const bool is_recorder = keeper_ && name == kRecorderProcess;
-    if (Child* const child = is_recorder ? keeper_->recorder() : team_.find(name)) {
-      display_.say(name + " gives no sign of life: ending it");
-      child->send(SIGKILL);
+    serves_flights_ = serves_flights_ || process.is_essential;
+    if (!process.vehicle.empty()) {
+      drives_.insert(process.vehicle);
     }
   }
 }
@@ -212,9 +194,16 @@ void Up::listen() {
   bus_.subscribe<models::ScenarioNotice>(bus::kScenario, [this](const auto& notice) {
     if (notice.yaml != scenario_.source_text && !std::exchange(result_.has_other_scenario, true)) {
       display_.say("another scenario file, or other options, are flown on this network (by " +
-                   notice.process + ", version " + notice.version + ")");
+                   readable(notice.process) + ", version " + readable(notice.version) + ")");
     }
   });
+  bus_.subscribe<models::VehicleStatus>(
+      bus::vehicle_channel("*"),
+      [this](const models::VehicleStatus& status) { flights_.on_status(status, clock_.now()); });
+  bus_.subscribe<models::ProcessHealth>(bus::health_channel(logs::RecorderNode::kName),
+                                        [this](const models::ProcessHealth& health) {
+                                          is_log_refused_ = is_zero(health, "log.is_written");
+                                        });
 }
 
 std::vector<SupervisedStatus> Up::statuses() const {
@@ -248,11 +237,6 @@ void Up::take(const std::vector<SupervisorEvent>& events) {
   for (const SupervisorEvent& event : events) {
     display_.say(event.words);
     next_report_ = {};
-    if (event.kind == SupervisorEvent::Kind::kStarted) {
-      watchdog_.on_start(event.name, monotonic_now());
-    } else {
-      watchdog_.on_end(event.name);
-    }
     if (event.name == kSimProcess && event.kind == SupervisorEvent::Kind::kStarted) {
       ++result_.world_restarts;
       display_.say("the simulated world begins anew: robots and targets are back at their starts");
@@ -280,7 +264,12 @@ void Up::watch_log(Time now) {
   result_.log_was_unwritten |= was_written && !log_watch_.is_written();
 }
 
+// Processes first: they are kept alive even where the network is not usable.
 void Up::turn() {
+  take(team_.poll(monotonic_ns()));
+  if (keeper_) {
+    take(keeper_->poll(monotonic_ns()));
+  }
   bus_.handle(milliseconds(pilot_ ? 10 : 50));
   const Time now = clock_.now();
   if (announces()) {
@@ -288,11 +277,6 @@ void Up::turn() {
   }
   if (pilot_) {
     tell(pilot_->tick(now));
-  }
-  end_the_hung();
-  take(team_.poll(monotonic_ns()));
-  if (keeper_) {
-    take(keeper_->poll(monotonic_ns()));
   }
   for (const std::string& words : board_.fallen_silent(now)) {
     display_.say(words);
@@ -324,21 +308,66 @@ bool Up::turn_well() {
   }
 }
 
-// Without the simulator there is no vehicle left to land.
+// Vehicles that other hosts drive and that need what runs here, by the network.
+std::vector<std::string> Up::others_in_flight() const {
+  std::vector<std::string> out = flights_.in_flight(clock_.now());
+  std::erase_if(out, [this](const std::string& robot) { return drives_.count(robot) > 0; });
+  return serves_flights_ ? out : std::vector<std::string>{};
+}
+
+std::vector<std::string> Up::vehicles_in_flight() const {
+  std::vector<std::string> out = others_in_flight();
+  for (const SupervisedStatus& process : team_.status(monotonic_ns())) {
+    if (!process.vehicle.empty() && process.in_flight == InFlight::kYes) {
+      out.push_back(process.vehicle);
+    }
+  }
+  return out;
+}
+
+// Vehicles that the lost simulator flew are gone with it.
+bool Up::has_lost_vehicles() const {
+  return team_.lost_essential() == kSimProcess &&
+         std::none_of(scenario_.robots.begin(), scenario_.robots.end(), [](const auto& robot) {
+           return robot.device == scenario::DeviceSource::kReal;
+         });
+}
+
 void Up::land() {
-  FlightProgram& program = pilot_->program();
-  program.bring_down();
-  display_.say("landing; a second Ctrl-C does not wait for it");
-  const Time give_up = clock_.now() + kLandingPatience;
-  while (!program.is_down() && clock_.now() < give_up && team_.lost_essential() != kSimProcess &&
-         options_.stop_requests() <= requests_heeded_) {
+  if (pilot_) {
+    pilot_->program().bring_down();
+  }
+  if (!vehicles_in_flight().empty()) {
+    display_.say(
+        fmt::format("waiting for the landing of {}; one more Ctrl-C leaves it to their "
+                    "autopilots",
+                    fmt::join(vehicles_in_flight(), ", ")));
+  }
+  team_.end_drivers();
+  Landing landing(clock_.now());
+  bool is_hurried = false;
+  const auto is_at_rest = [&] {
+    return team_.have_drivers_ended() && (others_in_flight().empty() || is_hurried);
+  };
+  while (!has_lost_vehicles()) {
+    const bool is_urgent = options_.stop_requests() > requests_heeded_;
+    const Landing::Step step = landing.step(is_at_rest(), is_urgent, clock_.now());
+    if (step == Landing::Step::kOver) {
+      break;
+    }
+    if (step == Landing::Step::kHurry) {
+      is_hurried = true;
+      team_.end_drivers();
+    }
     turn_well();
   }
   requests_heeded_ = std::clamp(options_.stop_requests(), requests_heeded_, 2);
-  result_.left_flying = program.not_down();
-  for (const std::string& robot : robots_with_driver(scenario_)) {
-    if (program.have_flown().count(robot) == 0) {
-      result_.never_flown.push_back(robot);
+  result_.left_flying = vehicles_in_flight();
+  if (pilot_) {
+    for (const std::string& robot : robots_with_driver(scenario_)) {
+      if (pilot_->program().have_flown().count(robot) == 0) {
+        result_.never_flown.push_back(robot);
+      }
     }
   }
 }
@@ -368,6 +397,9 @@ void Up::stop_all() {
   const Time begin = clock_.now();
   result_.processes = statuses();
   bool is_hurried = false;
+  if (!result_.left_flying.empty()) {
+    team_.send_to_ours(SIGINT);  // else what vehicles depend on waits for their landing
+  }
   std::vector<std::string> killed = team_.stop_all(kTeamPatience, [&] {
     is_hurried = options_.stop_requests() > requests_heeded_;
     return is_hurried;
@@ -378,7 +410,9 @@ void Up::stop_all() {
     const std::string& how = ended[i].last_end;
     const bool is_fine = how == "exit 0" || how == "signal 15" || how == "killed" ||
                          ended[i].name.starts_with("firmware ");
-    if (result_.processes[i].pid > 0 && !is_fine) {
+    const bool was_ended = result_.processes[i].pid > 0 ||
+                           result_.processes[i].phase == models::SupervisedPhase::kEnded;
+    if (was_ended && !is_fine) {
       result_.ended_badly.push_back(ended[i].name + " (" + how + ")");
     }
   }
@@ -394,16 +428,16 @@ void Up::stop_all() {
 
 UpResult Up::run(const std::function<bool()>& stop) {
   const Time end = start_ + from_seconds(scenario_.duration_s);
-  while (!stop() && clock_.now() < end && !team_.lost_essential() && turn_well()) {
+  const auto is_over = [&] { return options_.ends_by_duration && clock_.now() >= end; };
+  while (!stop() && !is_over() && !team_.lost_essential() && turn_well()) {
   }
   result_.summary = observer_.metrics().finish(clock_.now());
-  if (pilot_) {
-    land();
-  }
+  land();
   stop_all();
   const logs::TrialMetrics& heard = observer_.metrics();
   result_.summary.collisions = heard.collisions();
   result_.summary.separation_violations = heard.separation_violations();
+  result_.contacts_unverified = contacts_unverified(bus_.counters());
   result_.summary.messages_lost =
       heard.messages_lost() + bus_.messages_lost() + transport_->stats().queue_overflows;
   return std::move(result_);
@@ -431,17 +465,24 @@ UpResult run_up(const scenario::Scenario& scenario, const UpOptions& options,
                          "time (--duration-s), or do not record (--no-log)");
     }
   }
+  const LoadMeter load;
   if (!options.beside_others) {
     const auto transport = bus::open_transport(scenario.network.url);
-    const auto rivals = trial::rivals_of_up(
-        scenario, options.host, trial::hear_channels(*transport, trial::kListenToNeighbours, stop));
+    const auto authenticator = bus::auth::authenticator_for(scenario);
+    const bus::SteadyClock clock;
+    const trial::HeardChannels heard = trial::hear_channels(*transport, trial::kListenToNeighbours,
+                                                            stop, authenticator.get(), clock);
+    tell_unverified(trial::rivals_of_up(scenario, options.host, heard.unverified));
+    const auto rivals = trial::rivals_of_up(scenario, options.host, heard.accepted);
     if (!rivals.empty()) {
       throw StartupError(rivals.front() +
                          ": end it, use another network (--url), or start beside it with "
                          "--beside-others");
     }
   }
-  return Up(scenario, options).run(stop);
+  const UpOptions granted = with_priority(scenario, options, load);
+  const NonBlockingOutput output;
+  return Up(scenario, granted).run(stop);
 }
 
 }  // namespace vantage::tools

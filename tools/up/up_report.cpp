@@ -4,6 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "bus/auth/authenticator.hpp"
+#include "bus/convert/channels.hpp"
+
 namespace vantage::tools {
 namespace {
 
@@ -28,6 +31,15 @@ Json to_json(const SupervisedStatus& process) {
 }
 
 }  // namespace
+
+std::int64_t contacts_unverified(const std::vector<models::NamedCount>& counters) {
+  std::int64_t out = 0;
+  for (const models::NamedCount& counter : counters) {
+    const auto refusal = bus::auth::parse_refusal(counter.name);
+    out += refusal && refusal->channel == bus::kCollision.name ? counter.count : 0;
+  }
+  return out;
+}
 
 bool is_good(const UpResult& result) {
   return std::none_of(result.processes.begin(), result.processes.end(), is_given_up) &&
@@ -67,6 +79,12 @@ std::vector<std::string> remarks(const UpResult& result) {
   }
   if (!result.log.is_to_the_end) {
     out.push_back("log: what was published last is not in it");
+  }
+  if (result.contacts_unverified > 0) {
+    out.push_back(fmt::format(
+        "{} messages on COLLISION had no valid signature: where security is required they are not "
+        "counted",
+        result.contacts_unverified));
   }
   if (result.has_other_scenario) {
     out.push_back("another host flew another scenario file");
@@ -122,6 +140,7 @@ Json to_json(const UpResult& result) {
   out["ended_badly"] = result.ended_badly;
   out["never_flown"] = result.never_flown;
   out["left_flying"] = result.left_flying;
+  out["contacts_unverified"] = result.contacts_unverified;
   out["other_scenario"] = result.has_other_scenario;
   out["broken"] = result.broken;
   out["stop_s"] = result.stop_s;

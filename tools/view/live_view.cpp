@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <exception>
+#include <mutex>
 #include <utility>
 
 #include <fmt/format.h>
@@ -25,12 +26,37 @@ WebOptions with_history(WebOptions options, std::function<std::string()> history
   return options;
 }
 
+/// Keeps the first error of other threads for the one that waits for them.
+class Failure {
+ public:
+  /// Calls `work` and keeps the exception that it throws.
+  template <class Work>
+  void guard(const Work& work) {
+    try {
+      work();
+    } catch (const std::exception&) {
+      const std::lock_guard lock(mutex_);
+      first_ = first_ ? first_ : std::current_exception();
+    }
+  }
+  void rethrow() const {
+    const std::lock_guard lock(mutex_);
+    if (first_) {
+      std::rethrow_exception(first_);
+    }
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::exception_ptr first_;
+};
+
 /// Goes on with a log's first pass in a thread of its own until it is destroyed.
 class FirstPass {
  public:
-  FirstPass(logs::SeekableLog& log, Broker& broker)
-      : thread_([this, &log, &broker] {
-          read_first_pass(log, broker, [this] { return is_over_.load(); });
+  FirstPass(logs::SeekableLog& log, Broker& broker, Failure& failure)
+      : thread_([this, &log, &broker, &failure] {
+          failure.guard([&] { read_first_pass(log, broker, [this] { return is_over_.load(); }); });
         }) {}
   ~FirstPass() {
     is_over_ = true;
@@ -85,18 +111,22 @@ void serve_log(logs::SeekableLog& log, const logs::TypeLibrary& types, const Web
                const std::function<bool()>& stop) {
   Broker broker({"vantage " + log.path(), new_session(), log.range()});
   WebOptions of_log =
-      with_history(options, [text = log_history(log, types, broker)] { return text; });
+      with_history(options, [text = log_history(log, types, broker, stop)] { return text; });
+  Failure failure;  // a log that becomes shorter, seen by the server's threads
   of_log.series = [&](const std::string& topic, const std::string& pointer) {
-    return log_series(log, types, topic, pointer);
+    std::string series = "[]";
+    failure.guard([&] { series = log_series(log, types, topic, pointer); });
+    return series;
   };
-  LogView view(log, types, broker, first_picture(log));
+  LogView view(log, types, broker, first_picture(log, stop));
   if (is_playing) {
     view.play(monotonic_ns());
   }
   const WebServer server(broker, of_log);
   ready(server);
-  const FirstPass pass(log, broker);
+  const FirstPass pass(log, broker, failure);
   while (!stop()) {
+    failure.rethrow();
     view.tick(monotonic_ns());
     std::this_thread::sleep_for(kPollPeriod);
   }

@@ -1,5 +1,6 @@
 #include "tools/view/log_view.hpp"
 
+#include <algorithm>
 #include <functional>
 #include <set>
 #include <utility>
@@ -7,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "core/saturated_time.hpp"
 #include "tools/view/history.hpp"
 
 namespace vantage::tools {
@@ -17,7 +19,7 @@ constexpr std::int64_t kTimePeriod_ns = 50'000'000;
 constexpr Duration kOvertureMax = std::chrono::minutes(2);
 constexpr std::size_t kOvertureBytesMax = std::size_t{16} << 20U;
 constexpr Duration kSlice = std::chrono::seconds(1);  // read of a log at once
-constexpr Duration kOneNanosecond{1};
+constexpr Duration kTick{1};
 constexpr Duration kStepMin = std::chrono::milliseconds(1);
 constexpr Duration kStepMax = std::chrono::seconds(1);
 constexpr std::size_t kPassBytes = std::size_t{1} << 20U;
@@ -102,15 +104,18 @@ class Overture : public logs::foxglove::Sink {
   bool is_known_ = false;
 };
 
-/// Calls `take` with the events of a log by ascending time, while it says true.
+/// Calls `take` with the events within the range of a log by ascending time, while it says true.
 void read_through(const logs::SeekableLog& log,
                   const std::function<bool(const logs::PlacedEvent&)>& take) {
-  for (auto from = log.next_time(log.range().first); from; from = log.next_time(*from + kSlice)) {
-    for (const logs::PlacedEvent& event : log.events(*from, *from + kSlice)) {
+  const auto [begin, end] = log.range();
+  for (auto from = log.next_time(begin); from && *from <= end;) {
+    const Time to = saturated_sum(*from, kSlice);
+    for (const logs::PlacedEvent& event : log.events(*from, to)) {
       if (!take(event)) {
         return;
       }
     }
+    from = to > *from ? log.next_time(to) : std::nullopt;
   }
 }
 
@@ -123,25 +128,24 @@ void play_through(const logs::SeekableLog& log, const logs::TypeLibrary& types,
   const auto endpoint = hub.connect();
   Feed feed(*endpoint, clock, sink, types);
   read_through(log, [&](const logs::PlacedEvent& event) {
-    clock.set(event.time);
+    clock.set(std::min(event.time, kClockTimeMax));
     source->publish(std::string(event.channel), event.data);
     feed.handle(std::chrono::microseconds(0));
     return go_on(event);
   });
 }
 
-constexpr auto kToTheEnd = [](const logs::PlacedEvent& /*event*/) { return true; };
-
 }  // namespace
 
 std::string log_history(const logs::SeekableLog& log, const logs::TypeLibrary& types,
-                        logs::foxglove::Sink& audience) {
+                        logs::foxglove::Sink& audience, const std::function<bool()>& stop) {
   if (log.bytes().size() > kWholeBytesMax || !log.is_surveyed()) {
     return "[]";
   }
   bus::VirtualClock clock(log.range().first);
   History history(clock, audience, History::Audience::kIsAskedOnly, kWholeBytesMax);
-  play_through(log, types, clock, history, kToTheEnd);
+  play_through(log, types, clock, history,
+               [&](const logs::PlacedEvent& /*event*/) { return !stop(); });
   return history.text();
 }
 
@@ -153,7 +157,8 @@ std::string log_series(const logs::SeekableLog& log, const logs::TypeLibrary& ty
   Series series(topic, pointer);
   if (!topic.starts_with(kRawTopics)) {
     bus::VirtualClock clock(log.range().first);
-    play_through(log, types, clock, series, kToTheEnd);
+    play_through(log, types, clock, series,
+                 [](const logs::PlacedEvent& /*event*/) { return true; });
     return series.text();
   }
   const std::string channel = topic.substr(kRawTopics.size());
@@ -166,7 +171,7 @@ std::string log_series(const logs::SeekableLog& log, const logs::TypeLibrary& ty
   return series.text();
 }
 
-Time first_picture(const logs::SeekableLog& log) {
+Time first_picture(const logs::SeekableLog& log, const std::function<bool()>& stop) {
   Overture overture;
   bus::VirtualClock clock(log.range().first);
   const Time start = log.range().first;
@@ -177,7 +182,7 @@ Time first_picture(const logs::SeekableLog& log) {
       parts = overture.parts();
       best = event.time;
     }
-    return parts < Overture::kAll && event.time - start < kOvertureMax &&
+    return !stop() && parts < Overture::kAll && event.time - start < kOvertureMax &&
            event.offset < kOvertureBytesMax;
   });
   return best;
@@ -226,7 +231,7 @@ void LogView::go_to(Time position) {
   is_exact_ = log_.is_surveyed();
   const Time from = position - kLeadUp;
   const std::vector<logs::PlacedEvent> known = log_.newest_before(from);
-  const std::vector<logs::PlacedEvent> since = log_.events(from, position + kOneNanosecond);
+  const std::vector<logs::PlacedEvent> since = log_.events(from, saturated_sum(position, kTick));
   const auto play = [&] {
     listen_anew();
     for (const auto* part : {&known, &since}) {
@@ -249,7 +254,7 @@ void LogView::go_to(Time position) {
 void LogView::go_on_to(Time position) {
   if (position > shown_) {
     for (const logs::PlacedEvent& event :
-         log_.events(shown_ + kOneNanosecond, position + kOneNanosecond)) {
+         log_.events(saturated_sum(shown_, kTick), saturated_sum(position, kTick))) {
       feed(event);
       broker_.reached(event.time);
     }
@@ -259,7 +264,7 @@ void LogView::go_on_to(Time position) {
 }
 
 void LogView::feed(const logs::PlacedEvent& event) {
-  clock_.set(event.time);
+  clock_.set(std::min(event.time, kClockTimeMax));
   source_->publish(std::string(event.channel), event.data);
   feed_->handle(std::chrono::microseconds(0));
 }

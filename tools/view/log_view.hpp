@@ -21,9 +21,11 @@ inline constexpr std::size_t kWholeBytesMax = std::size_t{256} << 20U;
 
 /// The History of a whole log, as its text(). "[]" for a log above 256 MiB, which would take too
 /// long, and one whose first pass is not over. `audience` is asked whether it wants each topic
-/// there is, so that it knows all of them, and is told nothing else but the names of types.
-std::string log_history(const logs::SeekableLog& log, const logs::TypeLibrary& types,
-                        logs::foxglove::Sink& audience);
+/// there is, so that it knows all of them, and is told nothing else but the names of types. Ends
+/// early once `stop` says so.
+std::string log_history(
+    const logs::SeekableLog& log, const logs::TypeLibrary& types, logs::foxglove::Sink& audience,
+    const std::function<bool()>& stop = [] { return false; });
 
 /// One number of a topic over a whole log: a JSON list of [utime, value]. `pointer` (RFC 6901) says
 /// which of the content's members: a number, or true (1) and false (0); records without it are left
@@ -34,8 +36,9 @@ std::string log_series(const logs::SeekableLog& log, const logs::TypeLibrary& ty
 /// The first instant of which a picture shows a trial: every robot of the scenario has been placed
 /// and has published a plan, and somebody knows a target or a map. Where that never comes within
 /// the first two minutes and 16 MiB, the first instant that has most of it; the start of a log
-/// without a scenario.
-Time first_picture(const logs::SeekableLog& log);
+/// without a scenario. Ends early once `stop` says so.
+Time first_picture(
+    const logs::SeekableLog& log, const std::function<bool()>& stop = [] { return false; });
 
 /// Goes on with a log's first pass until it is over, or `stop` says so; viewers are told how far it
 /// is ("12 % read") until it ends. To be called once, from a thread of its own.

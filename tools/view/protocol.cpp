@@ -7,6 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/saturated_time.hpp"
+
 namespace vantage::tools {
 namespace {
 
@@ -35,12 +37,8 @@ Unsigned take(std::string_view& from) {
   return value;
 }
 
-std::uint64_t nanoseconds(Time time) {
-  return static_cast<std::uint64_t>(std::max<std::int64_t>(0, to_utime(time))) * 1000U;
-}
-
 Json seconds_json(Time time) {
-  const std::int64_t us = to_utime(time);
+  const std::int64_t us = std::max<std::int64_t>(0, to_utime(time));
   return {{"sec", us / 1'000'000}, {"nsec", us % 1'000'000 * 1000}};
 }
 
@@ -126,20 +124,20 @@ std::string remove_status_text(const std::string& id) {
 std::string message_head(std::uint32_t subscription_id, Time time) {
   std::string out(1, kMessageData);
   put(out, subscription_id);
-  put(out, nanoseconds(time));
+  put(out, nanoseconds_of(time));
   return out;
 }
 
 std::string time_frame(Time time) {
   std::string out(1, kTime);
-  put(out, nanoseconds(time));
+  put(out, nanoseconds_of(time));
   return out;
 }
 
 std::string playback_state_frame(const PlaybackState& state) {
   std::string out(1, kPlaybackState);
   out.push_back(static_cast<char>(state.status));
-  put(out, nanoseconds(state.time));
+  put(out, nanoseconds_of(state.time));
   put(out, std::bit_cast<std::uint32_t>(state.speed));
   out.push_back(state.did_seek ? 1 : 0);
   put(out, static_cast<std::uint32_t>(state.request_id.size()));

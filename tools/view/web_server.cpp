@@ -1,26 +1,39 @@
 #include "tools/view/web_server.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <condition_variable>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
+#include <map>
 #include <mutex>
+#include <optional>
+#include <set>
 #include <string_view>
+#include <system_error>
 #include <thread>
 
+#include <arpa/inet.h>
 #include <civetweb.h>
 #include <fmt/format.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 
 #include "core/check.hpp"
+#include "core/deadline.hpp"
+#include "tools/view/connection_table.hpp"
 #include "tools/view/welcome.hpp"
 
 namespace vantage::tools {
 namespace {
 
 constexpr std::size_t kClientsMax = 24;
-// Each viewer holds one, and so does who is slow to say what he wants, until his time is over; the
-// rest serves files.
+// Each viewer holds one, and each other connection (ConnectionTable::kOfAllMax).
 constexpr const char* kThreads = "112";
+static_assert(kClientsMax + ConnectionTable::kOfAllMax < 112);
+constexpr auto kEndingPeriod = std::chrono::milliseconds(250);
 constexpr int kOpcodeMask = 0x0F;
 constexpr std::size_t kRequestBytesMax = 1U << 20U;
 constexpr long long kVideoBytesMax = 2LL << 30;
@@ -88,6 +101,56 @@ int refuse(mg_connection* socket, int code, const char* reason, const char* why)
   return code;
 }
 
+ConnectionTable::Peer peer_of(const sockaddr_storage& address) {
+  std::array<char, INET6_ADDRSTRLEN> text{};
+  std::uint16_t port = 0;
+  if (address.ss_family == AF_INET) {
+    sockaddr_in in{};
+    std::memcpy(&in, &address, sizeof in);
+    port = ntohs(in.sin_port);
+    ::inet_ntop(AF_INET, &in.sin_addr, text.data(), text.size());
+  } else if (address.ss_family == AF_INET6) {
+    sockaddr_in6 in{};
+    std::memcpy(&in, &address, sizeof in);
+    port = ntohs(in.sin6_port);
+    ::inet_ntop(AF_INET6, &in.sin6_addr, text.data(), text.size());
+  }
+  return {text.data(), port};
+}
+
+ConnectionTable::Peer peer_of(const mg_connection* socket) {
+  const mg_request_info& info = *mg_get_request_info(socket);
+  return {info.remote_addr, info.remote_port};
+}
+
+/// The other end of a connected socket whose own port is `port`; nullopt for any other descriptor.
+std::optional<ConnectionTable::Peer> peer_at(int descriptor, int port) {
+  sockaddr_storage own{};
+  sockaddr_storage other{};
+  socklen_t own_size = sizeof own;
+  socklen_t other_size = sizeof other;
+  const bool is_connected =
+      ::getsockname(descriptor, reinterpret_cast<sockaddr*>(&own), &own_size) == 0 &&
+      ::getpeername(descriptor, reinterpret_cast<sockaddr*>(&other), &other_size) == 0;
+  return is_connected && peer_of(own).port == port ? std::optional(peer_of(other)) : std::nullopt;
+}
+
+/// This process's connections to `port`, those included that wait for a thread of civetweb, which
+/// tells nothing of a connection before its request has come.
+std::map<ConnectionTable::Peer, int> connections_to(int port) {
+  std::map<ConnectionTable::Peer, int> out;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", error)) {
+    const int descriptor = std::atoi(entry.path().filename().c_str());
+    if (auto peer = peer_at(descriptor, port)) {
+      out.emplace(std::move(*peer), descriptor);
+    }
+  }
+  return out;
+}
+
+Time now() { return from_utime(monotonic_ns() / 1'000); }
+
 }  // namespace
 
 struct WebServer::State {
@@ -100,6 +163,29 @@ struct WebServer::State {
   int port = 0;
   std::mutex series_mutex;
   std::atomic<std::int64_t> refused = 0;
+
+  std::mutex connections_mutex;
+  ConnectionTable connections;
+  bool is_over = false;
+  std::condition_variable over;
+  std::thread ender;
+
+  void end_slow_connections() {
+    std::unique_lock lock(connections_mutex);
+    while (!over.wait_for(lock, kEndingPeriod, [this] { return is_over; })) {
+      const std::map<ConnectionTable::Peer, int> sockets = connections_to(port);
+      std::set<ConnectionTable::Peer> open;
+      for (const auto& [peer, descriptor] : sockets) {
+        open.insert(peer);
+      }
+      for (const ConnectionTable::Peer& peer : connections.update(open, now())) {
+        const int descriptor = sockets.at(peer);
+        if (peer_at(descriptor, port) == peer) {
+          ::shutdown(descriptor, SHUT_RDWR);
+        }
+      }
+    }
+  }
 
   static State& of(const mg_connection* socket) {
     return *static_cast<State*>(mg_get_user_context_data(socket));
@@ -122,6 +208,10 @@ struct WebServer::State {
 
   // Refuses, with an answer, what civetweb would only hang up on. 0: it may go on.
   static int on_begin(mg_connection* socket) {
+    {
+      const std::lock_guard lock(of(socket).connections_mutex);
+      of(socket).connections.on_request(peer_of(socket), now());
+    }
     const std::string_view method = mg_get_request_info(socket)->request_method;
     const bool is_recording = method == "POST" && of(socket).options.recording != nullptr &&
                               mg_get_request_info(socket)->local_uri == kRecordingPath;
@@ -150,6 +240,10 @@ struct WebServer::State {
   static int on_connect(const mg_connection* /*socket*/, void* /*state*/) { return 0; }
 
   static void on_ready(mg_connection* socket, void* state) {
+    {
+      const std::lock_guard lock(of(socket).connections_mutex);
+      of(socket).connections.on_viewer(peer_of(socket), now());
+    }
     auto* connection = new Connection;  // deleted by on_close, which civetweb always calls
     const char* protocol = mg_get_request_info(socket)->acceptedWebSocketSubprotocol;
     const bool speaks_sdk = protocol != nullptr && std::string_view(protocol) == kSubprotocols[0];
@@ -339,10 +433,17 @@ WebServer::WebServer(Broker& broker, const WebOptions& options)
     state_->port = ports[0].port;
   }
   state_->set_handlers();
+  state_->ender = std::thread([state = state_.get()] { state->end_slow_connections(); });
 }
 
 WebServer::~WebServer() {
   mg_stop(state_->context);
+  {
+    const std::lock_guard lock(state_->connections_mutex);
+    state_->is_over = true;
+  }
+  state_->over.notify_all();
+  state_->ender.join();
   mg_exit_library();
 }
 

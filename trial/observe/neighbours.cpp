@@ -5,7 +5,9 @@
 #include <string_view>
 
 #include "bus/convert/channels.hpp"
+#include "bus/node/command_claim.hpp"
 #include "core/deadline.hpp"
+#include "core/utf8.hpp"
 
 namespace vantage::trial {
 namespace {
@@ -29,18 +31,31 @@ std::string vehicle_in(const std::string& channel) {
 
 }  // namespace
 
-std::set<std::string> hear_channels(bus::Transport& transport, Duration duration,
-                                    const std::function<bool()>& stop) {
-  const auto heard = std::make_shared<std::set<std::string>>();
-  transport.subscribe("*", [heard](std::string_view channel, const auto& /*bytes*/) {
-    if (heard->size() < kChannelsMax) {
-      heard->insert(std::string(channel));
+HeardChannels hear_channels(bus::Transport& transport, Duration duration,
+                            const std::function<bool()>& stop,
+                            bus::auth::Authenticator* authenticator, const bus::Clock& clock) {
+  const auto heard = std::make_shared<HeardChannels>();
+  transport.subscribe("*", [=, &clock](std::string_view channel, const bus::Payload& bytes) {
+    const bool is_accepted =
+        authenticator == nullptr ||
+        authenticator
+            ->judge(channel, bytes, clock.now(), bus::claim_of(channel, bytes, ""), bytes.source)
+            .may_pass;
+    std::set<std::string>& names = is_accepted ? heard->accepted : heard->unverified;
+    if (names.size() < kChannelsMax) {
+      names.insert(std::string(channel));
     }
   });
   const std::int64_t end_ns = monotonic_ns() + duration.count() * 1'000;
   while (!stop() && monotonic_ns() < end_ns && transport.handle(kStep) != bus::kSourceEnded) {
   }
   return *heard;
+}
+
+std::set<std::string> hear_channels(bus::Transport& transport, Duration duration,
+                                    const std::function<bool()>& stop) {
+  const bus::SteadyClock clock;
+  return hear_channels(transport, duration, stop, nullptr, clock).accepted;
 }
 
 std::vector<std::string> rivals_of_up(const scenario::Scenario& scenario, const std::string& host,
@@ -59,13 +74,13 @@ std::vector<std::string> rivals_of_up(const scenario::Scenario& scenario, const 
     const scenario::RobotSpec* const robot = scenario.find_robot(vehicle);
     const bool is_ours = robot != nullptr && robot->device != scenario::DeviceSource::kDirect;
     if (!other.empty() && (other == host || !is_of_trial(other))) {
-      out.push_back("another `vantage up` runs on this network, as host " + other);
+      out.push_back("another `vantage up` runs on this network, as host " + readable(other));
     } else if (channel == bus::kTruth.name && runs(scenario::kSimPart)) {
       out.emplace_back("a simulator runs on this network (TRUTH is published)");
     } else if (!vehicle.empty() &&
                (robot == nullptr || host.empty() || (is_ours && runs(vehicle)))) {
-      out.push_back("vehicle " + vehicle + " is alive on this network (" + channel +
-                    " is published)");
+      out.push_back("vehicle " + readable(vehicle) + " is alive on this network (" +
+                    readable(channel) + " is published)");
     }
   }
   return out;
@@ -75,9 +90,9 @@ std::vector<std::string> rivals_of_play(const std::set<std::string>& channels) {
   std::vector<std::string> out;
   for (const std::string& channel : channels) {
     if (!vehicle_in(channel).empty()) {
-      out.push_back("vehicle " + vehicle_in(channel) + " is alive on this network");
+      out.push_back("vehicle " + readable(vehicle_in(channel)) + " is alive on this network");
     } else if (!host_in(channel).empty()) {
-      out.push_back("`vantage up` runs on this network, as host " + host_in(channel));
+      out.push_back("`vantage up` runs on this network, as host " + readable(host_in(channel)));
     } else if (channel == bus::kTruth.name) {
       out.emplace_back("a simulator runs on this network");
     }

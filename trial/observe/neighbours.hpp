@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "bus/auth/authenticator.hpp"
+#include "bus/node/clock.hpp"
 #include "bus/transport/transport.hpp"
 #include "core/time.hpp"
 #include "scenario/scenario.hpp"
@@ -17,8 +19,19 @@ namespace vantage::trial {
 /// Supervisors speak once a second, everybody else more often.
 inline constexpr Duration kListenToNeighbours = std::chrono::milliseconds(1'200);
 
-/// The names of all channels on which something is said within `duration`, or until `stop`. The
-/// transport is not to be used any more after that.
+/// The names of channels on which something was received.
+struct HeardChannels {
+  std::set<std::string> accepted;
+  std::set<std::string> unverified;  ///< refused: not signed, or not by who may publish there
+};
+
+/// Returns the names of all channels on which something is received within `duration`, or until
+/// `stop`. `authenticator` decides by `clock` what is accepted; nullptr: everything. The transport
+/// is not to be used any more after that. Keeps at most 10,000 names of either kind.
+HeardChannels hear_channels(bus::Transport& transport, Duration duration,
+                            const std::function<bool()>& stop,
+                            bus::auth::Authenticator* authenticator, const bus::Clock& clock);
+/// As above where everything is accepted: the names alone.
 std::set<std::string> hear_channels(bus::Transport& transport, Duration duration,
                                     const std::function<bool()>& stop);
 

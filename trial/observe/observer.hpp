@@ -2,6 +2,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "bus/node/bus.hpp"
@@ -14,7 +15,8 @@
 namespace vantage::trial {
 
 /// Watches a whole trial over a bus: metrics for the numbers, a scene for the picture.
-/// The bus must outlive it and be handled by its owner.
+/// Messages of robots that are not the scenario's are ignored, so that its tables stay bounded. The
+/// bus must outlive it and be handled by its owner.
 class TrialObserver {
  public:
   TrialObserver(bus::Bus& bus, const scenario::Scenario& scenario, Time start);
@@ -38,6 +40,7 @@ class TrialObserver {
  private:
   logs::TrialMetrics metrics_;
   logs::SceneRecorder recorder_;
+  std::set<std::string> robots_;  ///< of the scenario
   std::optional<models::TruthFrame> truth_;
   std::map<std::string, models::RobotBelief> beliefs_;  ///< by robot
   std::map<std::string, models::RobotMap> maps_;        ///< by robot

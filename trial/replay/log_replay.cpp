@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <chrono>
-#include <filesystem>
 #include <memory>
 
 #include "bus/auth/authenticator.hpp"
-#include "bus/auth/keyring.hpp"
 #include "bus/convert/channels.hpp"
 #include "bus/node/bus.hpp"
 #include "bus/node/clock.hpp"
 #include "core/check.hpp"
+#include "core/saturated_time.hpp"
 #include "estimator/app/replay_node.hpp"
 #include "planner/app/replay_node.hpp"
 
@@ -23,19 +22,6 @@ constexpr std::int64_t kRunId = 1;
 constexpr Duration kClosing{5'000'000};
 constexpr Duration kClosingStep{100'000};
 constexpr std::int64_t kEventsPerReport = 1000;
-
-/// What the flight's own processes judged by; nullptr when they did not, or its keys are not here.
-std::unique_ptr<bus::auth::Authenticator> judge_of(const scenario::Scenario& scenario) {
-  std::error_code error;
-  if (scenario.security.mode == scenario::SecurityMode::kOff ||
-      !std::filesystem::exists(scenario.security.keys, error)) {
-    return nullptr;
-  }
-  return std::make_unique<bus::auth::Authenticator>(
-      std::make_shared<const bus::auth::Keyring>(bus::auth::load_keyring(scenario.security.keys)),
-      bus::auth::Authenticator::Rules{scenario.security.mode, scenario::trial_mode(scenario),
-                                      false});
-}
 
 }  // namespace
 
@@ -63,7 +49,8 @@ ReplayReport replay_log(const logs::IndexedLog& log, const scenario::Scenario& s
     outputs.push_back(bus::mixture_channel(target.robot).name);
   }
   ReplayReport report;
-  bus::VirtualClock clock(log.survey().first);
+  const Time end = std::min(log.survey().end, kClockTimeMax);
+  bus::VirtualClock clock(std::min(log.survey().begin, end));
   bus::InProcessHub hub;
   const auto source = hub.connect();
   const auto ear = hub.connect();
@@ -96,13 +83,13 @@ ReplayReport replay_log(const logs::IndexedLog& log, const scenario::Scenario& s
     while (ear->handle(std::chrono::microseconds(0)) > 0) {
     }
   };
-  const auto judge = judge_of(scenario);
+  const auto judge = bus::auth::log_authenticator_for(scenario);
   report.lacks_keys = !judge && scenario.security.mode != scenario::SecurityMode::kOff;
   logs::LogScan scan = log.scan();
   while (const auto event = scan.next()) {
-    clock.set(std::max(clock.now(), event->time));
+    clock.set(std::clamp(event->time, clock.now(), end));
     // The log has what was forged, too; the flight's processes did not heed it.
-    if (judge && !judge->judge(event->channel, event->data, event->time, false, false).may_pass) {
+    if (judge && !judge->judge(event->channel, event->data, event->time).may_pass) {
       ++report.refused;
       continue;
     }

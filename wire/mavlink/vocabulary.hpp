@@ -22,9 +22,25 @@ constexpr std::uint8_t kAccepted = 0;
 constexpr std::uint8_t kInProgress = 5;
 }  // namespace result
 
+/// Bits of SYS_STATUS.onboard_control_sensors_*.
+constexpr std::uint32_t kSensorMotorOutputs = 1U << 15U;
+
 namespace type {
+constexpr std::uint8_t kAntennaTracker = 5;
 constexpr std::uint8_t kGroundStation = 6;
 constexpr std::uint8_t kOnboardController = 18;
+constexpr std::uint8_t kGimbal = 26;
+constexpr std::uint8_t kAdsb = 27;
+constexpr std::uint8_t kFirstAccessory = 30;  ///< camera, charging station, FLARM, servo, ODID
+constexpr std::uint8_t kLastAccessory = 34;
+constexpr std::uint8_t kFirstPart = 36;  ///< battery, parachute, log, OSD, IMU, GPS, winch
+
+/// True if MAV_TYPE `type` is a vehicle; false for a station, a companion computer or a part.
+constexpr bool is_vehicle(std::uint8_t type) {
+  const bool is_accessory = type >= kFirstAccessory && type <= kLastAccessory;
+  return type != kAntennaTracker && type != kGroundStation && type != kOnboardController &&
+         type != kGimbal && type != kAdsb && !is_accessory && (type < kFirstPart || type > 42);
+}
 }  // namespace type
 
 namespace autopilot {

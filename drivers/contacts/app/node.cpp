@@ -14,11 +14,12 @@ constexpr Duration kIdle = std::chrono::seconds(1);
 ContactsNode::ContactsNode(bus::Bus& bus, const bus::Clock& clock,
                            const scenario::Scenario& scenario)
     : judge_(scenario), next_tick_(clock.now() + kIdle) {
-  bus.subscribe<models::MocapFrame>(bus::kVicon, [this, &bus](const models::MocapFrame& frame) {
-    for (models::ContactReport& contact : judge_.on_frame(frame)) {
-      bus.publish(bus::kCollision, std::move(contact));
-    }
-  });
+  bus.subscribe<models::MocapFrame>(
+      bus::kVicon, [this, &bus, &clock](const models::MocapFrame& frame) {
+        for (models::ContactReport& contact : judge_.on_frame(frame, clock.now())) {
+          bus.publish(bus::kCollision, std::move(contact));
+        }
+      });
   bus.subscribe<models::VehicleStatus>(
       bus::vehicle_channel("*"),
       [this](const models::VehicleStatus& status) { judge_.on_status(status); });

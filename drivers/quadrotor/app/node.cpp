@@ -8,6 +8,8 @@ namespace vantage::drivers {
 namespace {
 
 constexpr Duration kTickPeriod = std::chrono::milliseconds(5);
+// A landing looks for a free spot for 20 s at most, then comes down whatever is below.
+constexpr Duration kLanding = std::chrono::seconds(45);
 
 std::string key_file_of(const scenario::Scenario& scenario, const std::string& robot) {
   const scenario::RobotSpec* spec = scenario.find_robot(robot);
@@ -28,8 +30,8 @@ std::optional<wire::mavlink::SigningKey> load_key(const std::string& file) {
 QuadrotorNode::QuadrotorNode(bus::Bus& bus, const bus::Clock& clock,
                              const scenario::Scenario& scenario, const std::string& robot,
                              std::unique_ptr<Port> port)
-    : VehicleNode("QUADROTOR_" + robot, kTickPeriod, bus, clock, scenario, robot, std::move(port),
-                  load_key(key_file_of(scenario, robot))) {}
+    : VehicleNode("QUADROTOR_" + robot, kTickPeriod, kLanding, bus, clock, scenario, robot,
+                  std::move(port), load_key(key_file_of(scenario, robot))) {}
 
 void QuadrotorNode::on_mocap(const models::MocapFrame& frame, Time now) {
   driver().on_mocap(frame, now);
@@ -41,8 +43,8 @@ void QuadrotorNode::on_command(const models::OperatorCommand& command, Time now)
   act(now);
 }
 
-void QuadrotorNode::receive(std::span<const std::uint8_t> bytes, Time now) {
-  driver().receive(bytes, port().is_datagram(), now);
+bool QuadrotorNode::receive(std::span<const std::uint8_t> bytes, Time now) {
+  return driver().receive(bytes, port().is_datagram(), now);
 }
 
 void QuadrotorNode::act(Time now) {

@@ -27,7 +27,7 @@ class QuadrotorNode : public VehicleNode<QuadrotorDriver> {
  private:
   void on_mocap(const models::MocapFrame& frame, Time now) override;
   void on_command(const models::OperatorCommand& command, Time now) override;
-  void receive(std::span<const std::uint8_t> bytes, Time now) override;
+  bool receive(std::span<const std::uint8_t> bytes, Time now) override;
   void act(Time now) override;
   void send_output(Time now);
 };

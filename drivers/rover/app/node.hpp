@@ -21,7 +21,7 @@ class RoverNode : public VehicleNode<RoverDriver> {
  private:
   void on_mocap(const models::MocapFrame& frame, Time now) override;
   void on_command(const models::OperatorCommand& command, Time now) override;
-  void receive(std::span<const std::uint8_t> datagram, Time now) override;
+  bool receive(std::span<const std::uint8_t> datagram, Time now) override;
   void act(Time now) override;
 };
 

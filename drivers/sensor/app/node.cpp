@@ -48,7 +48,8 @@ SensorNode::SensorNode(bus::Bus& bus, const bus::Clock& clock, const scenario::S
 
 void SensorNode::tick(Time now) { next_tick_ = now + kIdle; }
 
-void SensorNode::on_frame(const std::shared_ptr<const models::MocapFrame>& shared) {
+void SensorNode::on_frame(const std::shared_ptr<const models::MocapFrame>& received) {
+  const auto shared = mocap_clock_.on_our_clock(received, clock_.now());
   const models::MocapFrame& frame = *shared;
   if (last_ && frame.stamp.run_id != last_->stamp.run_id) {
     ++mocap_restarts_;

@@ -14,6 +14,7 @@
 #include "drivers/sensor/pose_sensor.hpp"
 #include "drivers/sensor/range_scanner.hpp"
 #include "models/exchange/messages.hpp"
+#include "models/exchange/mocap_clock.hpp"
 #include "scenario/scenario.hpp"
 
 namespace vantage::drivers {
@@ -42,7 +43,7 @@ class SensorNode : public bus::Node {
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
 
  private:
-  void on_frame(const std::shared_ptr<const models::MocapFrame>& shared);
+  void on_frame(const std::shared_ptr<const models::MocapFrame>& received);
   /// Whether this robot is, by the newest notice that still holds.
   [[nodiscard]] bool is_jammed();
   void publish(const models::MocapFrame& frame, std::vector<models::InputRef> inputs);
@@ -54,6 +55,7 @@ class SensorNode : public bus::Node {
   std::optional<RangeScanner> scanner_;  ///< of a scenario that maps
   Duration step_;
   Time next_tick_;
+  models::MocapClock mocap_clock_;
   std::shared_ptr<const models::MocapFrame> last_;
   std::optional<models::AttackNotice> attack_;
   Time attack_heard_{};

@@ -15,6 +15,7 @@
 #include "core/latency_record.hpp"
 #include "core/time.hpp"
 #include "drivers/safety/limits.hpp"
+#include "drivers/vehicle/driver_end.hpp"
 #include "drivers/vehicle/port.hpp"
 #include "models/exchange/counts.hpp"
 #include "models/exchange/messages.hpp"
@@ -25,7 +26,11 @@ namespace vantage::drivers {
 /// The process of one vehicle on the bus, whatever its kind: VICON, PLAN_*, COMMAND and SCENARIO
 /// in, VEHICLE_R out at 10 Hz and on change; its port looked at each tick. A kind says what its
 /// driver does with what arrives, and how it acts. Driver(scenario, robot, limits, own) has
-/// on_plan, on_map, on_other_version, take_news, status and counters.
+/// on_plan, on_map, on_other_version, on_processor_wait, take_news, status, counters, end and
+/// end_facts.
+///
+/// Asked to end, it first brings the vehicle to rest (DriverEnd); asked again, it only waits until
+/// the vehicle has confirmed that it lands by itself.
 ///
 /// `now` is the stack's time, which never goes back (bus::SteadyClock), so that a clock that is set
 /// does not move a vehicle.
@@ -41,19 +46,19 @@ class VehicleNode : public bus::Node {
       if (got == 0) {
         break;
       }
-      receive({buffer_.data(), got}, now);
+      if (receive({buffer_.data(), got}, now)) {
+        port_->accept(now);
+      }
     }
     if (const std::int64_t count = bus_.undecoded(); count != std::exchange(undecoded_, count)) {
       driver_.on_other_version(now);
     }
     act(now);
     if (driver_.take_news() || now >= next_status_) {
-      next_status_ = now + kStatusPeriod;
-      models::VehicleStatus status = driver_.status(now);
-      status.stamp.time = now;
-      bus_.publish(bus::vehicle_channel(robot_), std::move(status));
+      publish_status(now);
     }
   }
+  void on_processor_wait(double wait_s) override { driver_.on_processor_wait(wait_s); }
   [[nodiscard]] std::vector<models::NamedCount> counters() const override {
     std::vector<models::NamedCount> out = driver_.counters();
     for (models::NamedCount& counter : port_->counters()) {
@@ -64,13 +69,37 @@ class VehicleNode : public bus::Node {
     models::append_latency(out, "latency.frame_setpoint", stack_latency_);
     return out;
   }
+  void on_stop_request(int requests, Time now) override {
+    end_.request(requests, now);
+    driver_.end(end_.is_hurried());
+  }
+  [[nodiscard]] bool may_end(Time now) override {
+    const bool was_hurried = end_.is_hurried();
+    end_.step(driver_.end_facts(now), now);
+    if (end_.is_hurried() != was_hurried) {
+      driver_.end(true);
+    }
+    if (!end_.may_end()) {
+      return false;
+    }
+    publish_status(now);  // the last one says how the vehicle was left
+    return true;
+  }
+  [[nodiscard]] std::string end_fault() const override {
+    return end_.fault().empty() ? "" : robot_ + ": " + end_.fault();
+  }
+  [[nodiscard]] InFlight in_flight(Time now) const override {
+    return driver_.end_facts(now).in_flight;
+  }
 
  protected:
   /// @param name  of the process on HEALTH_<name>
+  /// @param landing  for the vehicle to come to rest when the driver is asked to end
   /// @param own   the last argument of the Driver, after scenario, robot and limits
+  // long: every channel that a vehicle subscribes to, in one place.
   template <class Own>
-  VehicleNode(const std::string& name, Duration tick_period, bus::Bus& bus, const bus::Clock& clock,
-              const scenario::Scenario& scenario, const std::string& robot,
+  VehicleNode(const std::string& name, Duration tick_period, Duration landing, bus::Bus& bus,
+              const bus::Clock& clock, const scenario::Scenario& scenario, const std::string& robot,
               std::unique_ptr<Port> port, const Own& own)
       : bus_(bus),
         clock_(clock),
@@ -79,7 +108,8 @@ class VehicleNode : public bus::Node {
         driver_(scenario, robot, limits_for(scenario, robot), own),
         port_(std::move(port)),
         tick_period_(tick_period),
-        next_tick_(clock.now()) {
+        next_tick_(clock.now()),
+        end_(next_tick_, landing) {
     // So may several mocap systems, or a simulation beside them; the driver knows which to believe.
     bus::Channel<models::MocapFrame> vicon = bus::kVicon;
     vicon.is_shared = true;
@@ -131,8 +161,8 @@ class VehicleNode : public bus::Node {
 
   virtual void on_mocap(const models::MocapFrame& frame, Time now) = 0;
   virtual void on_command(const models::OperatorCommand& command, Time now) = 0;
-  /// What the port has read.
-  virtual void receive(std::span<const std::uint8_t> bytes, Time now) = 0;
+  /// Takes what the port has read. True if it came from the vehicle.
+  virtual bool receive(std::span<const std::uint8_t> bytes, Time now) = 0;
   /// Does and sends what is due.
   virtual void act(Time now) = 0;
 
@@ -140,6 +170,13 @@ class VehicleNode : public bus::Node {
   [[nodiscard]] Port& port() { return *port_; }
 
  private:
+  void publish_status(Time now) {
+    next_status_ = now + kStatusPeriod;
+    models::VehicleStatus status = driver_.status(now);
+    status.stamp.time = now;
+    bus_.publish(bus::vehicle_channel(robot_), std::move(status));
+  }
+
   static constexpr Duration kStatusPeriod = std::chrono::milliseconds(100);
   static constexpr Duration kMapLease = std::chrono::seconds(12);  ///< said each 5 s
   static constexpr Duration kWayMax = std::chrono::seconds(10);    ///< of a frame through the stack
@@ -154,6 +191,7 @@ class VehicleNode : public bus::Node {
   Duration tick_period_;
   Time next_tick_;
   Time next_status_{};
+  DriverEnd end_;
   std::int64_t undecoded_ = 0;
   LatencyRecord frame_latency_;   ///< from a frame's arrival at the stack until it is heard here
   LatencyRecord answer_latency_;  ///< from then until what follows from it has left

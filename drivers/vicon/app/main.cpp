@@ -6,17 +6,21 @@
 #include <string>
 
 #include "bus/node/node_main.hpp"
+#include "core/utf8.hpp"
 #include "drivers/vicon/app/node.hpp"
 
 int main(int argc, char** argv) {
   using namespace vantage;  // NOLINT(google-build-using-namespace): main alone
   return bus::node_main(
-      {"vantage-vicon", "Publishes what a Vicon or VRPN server sees."}, argc, argv,
+      {.name = "vantage-vicon",
+       .description = "Publishes what a Vicon or VRPN server sees.",
+       .serves_vehicles = true},
+      argc, argv,
       [](bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
          const bus::NodeArguments& /*arguments*/) -> std::unique_ptr<bus::Node> {
         return std::make_unique<drivers::ViconNode>(
             bus, clock, scenario, [](const std::string& status) {
-              std::fprintf(stderr, "vantage-vicon: %s\n", status.c_str());
+              std::fprintf(stderr, "vantage-vicon: %s\n", printable(status).c_str());
             });
       });
 }

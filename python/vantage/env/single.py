@@ -45,6 +45,16 @@ def require_seed(seed):
     return int(seed)
 
 
+def whole_numbers(actions):
+    """`actions` as an array of whole numbers. Raises ValueError for others, such as 3.7."""
+    given = numpy.asarray(actions)
+    if given.dtype.kind in "iu":
+        return given
+    if given.dtype.kind != "f" or not (numpy.isfinite(given) & (given == numpy.round(given))).all():
+        raise ValueError(f"actions: must be whole numbers, got {actions!r}")
+    return given.astype(numpy.int64)
+
+
 class Parts:
     """Where in an observation what stands: for everyone who would rather have names than indices."""
 
@@ -107,7 +117,7 @@ class TaskEnv(Parts, _Env):
     def step(self, action):
         if self._is_over:
             raise RuntimeError("reset() must come before the first step() and after an episode's last")
-        observations, rewards, over = self._tasks.step(numpy.atleast_1d(action))
+        observations, rewards, over = self._tasks.step(numpy.atleast_1d(whole_numbers(action)))
         self._is_over = bool(over[0])
         return observations[self._first], float(rewards[0]), False, self._is_over, {}
 

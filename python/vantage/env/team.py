@@ -2,7 +2,7 @@
 import numpy
 
 from . import spaces
-from .single import Parts, require_seed
+from .single import Parts, require_seed, whole_numbers
 
 try:
     from pettingzoo import ParallelEnv as _ParallelEnv
@@ -72,7 +72,7 @@ class TeamEnv(Parts, _ParallelEnv):
         if not self.agents:
             raise RuntimeError("reset() must come before the first step() and after an episode's last")
         try:
-            chosen = numpy.array([actions[agent] for agent in self.agents], numpy.int64)
+            chosen = whole_numbers([actions[agent] for agent in self.agents])
         except KeyError as missing:
             raise ValueError(f"actions: none of {missing.args[0]}") from None
         observations, rewards, over = self._tasks.step(chosen)

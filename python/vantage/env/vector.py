@@ -4,7 +4,7 @@ import os
 import numpy
 
 from . import spaces
-from .single import Parts, require_seed
+from .single import Parts, require_seed, whole_numbers
 
 try:
     from gymnasium.vector import VectorEnv as _VectorEnv
@@ -83,7 +83,7 @@ class TaskVectorEnv(Parts, _VectorEnv):
         return observations.reshape(self.observation_space.shape), {}
 
     def step(self, actions):
-        observations, rewards, over = self._tasks.step(actions)
+        observations, rewards, over = self._tasks.step(whole_numbers(actions))
         return observations.reshape(self.observation_space.shape), rewards, self._never.copy(), over, {}
 
     def render(self):

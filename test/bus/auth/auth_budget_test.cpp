@@ -70,21 +70,25 @@ TEST(SignatureBudgets, OfWhoWasRightAreItsOwn) {
   EXPECT_TRUE(budgets.take(known, true, kNow)) << "stops have their own";
 }
 
-TEST(SignatureBudgets, OfSixteenWhoWereRightTheOneSilentLongestGivesWay) {
+TEST(SignatureBudgets, ReplacesTheSenderSilentLongestAfterThreeSeconds) {
   SignatureBudgets budgets({kAny, kAny}, {kNone, kNone}, {kNone, kNone});
   const auto sender = [](int i) { return Sender{host(static_cast<std::uint64_t>(i)), 1}; };
   for (int i = 0; i < 16; ++i) {
     budgets.prove(sender(i), kNow + milliseconds(i));
   }
-  EXPECT_TRUE(budgets.take(sender(0), false, kNow + milliseconds(20))) << "all are known";
-  budgets.prove(sender(16), kNow + milliseconds(30));
-  EXPECT_FALSE(budgets.take(sender(1), false, kNow + milliseconds(40)));
+  budgets.prove(sender(0), kNow + milliseconds(20));
+  const Time later = kNow + milliseconds(1) + SignatureBudgets::kKeptFor;
+  budgets.prove(sender(16), later);
+  EXPECT_FALSE(budgets.take(sender(16), false, later)) << "each was received within 3 s";
+  EXPECT_TRUE(budgets.take(sender(1), false, later));
+  budgets.prove(sender(16), later + Duration{1});
+  EXPECT_FALSE(budgets.take(sender(1), false, later + milliseconds(1)));
   for (const int i : {0, 2, 15, 16}) {
-    EXPECT_TRUE(budgets.take(sender(i), false, kNow + milliseconds(40))) << i;
+    EXPECT_TRUE(budgets.take(sender(i), false, later + milliseconds(1))) << i;
   }
 }
 
-TEST(SignatureBudgets, OfSixtyFourHostsTheOneSilentLongestBeginsAnew) {
+TEST(SignatureBudgets, ReplacesTheHostSilentLongestAfterThreeSeconds) {
   SignatureBudgets budgets({kNone, kNone}, {Budget(0.0, 1.0), Budget(0.0, 1.0)}, {kAny, kAny});
   const auto take = [&budgets](std::uint64_t number, int at_ms) {
     return budgets.take({host(number), 1}, false, kNow + milliseconds(at_ms));
@@ -93,10 +97,13 @@ TEST(SignatureBudgets, OfSixtyFourHostsTheOneSilentLongestBeginsAnew) {
     EXPECT_TRUE(take(i, static_cast<int>(i)));
   }
   EXPECT_FALSE(take(0, 70)) << "all are remembered";
-  EXPECT_TRUE(take(64, 80));
-  EXPECT_FALSE(take(0, 81));
-  EXPECT_FALSE(take(2, 81));
-  EXPECT_TRUE(take(1, 82)) << "who gave way has a host's budget again";
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_TRUE(take(64, 3'001)) << "has no place: it takes from the budget of all strangers alone";
+  }
+  EXPECT_TRUE(take(64, 3'002));
+  EXPECT_FALSE(take(64, 3'003)) << "has the place of host 1";
+  EXPECT_FALSE(take(0, 3'003));
+  EXPECT_FALSE(take(2, 3'003));
 }
 
 TEST(SignatureBudgets, OfStrangersAreOneForAllHosts) {
@@ -151,26 +158,20 @@ TEST(Verify, TakesWhatIsSaidWithinTwoSecondsOfNow) {
   };
   for (const Row& row : {Row{-2'000'001, false}, Row{-2'000'000, true}, Row{0, true},
                          Row{2'000'000, true}, Row{2'000'001, false}}) {
-    for (const bool judges_time : {false, true}) {
-      Keyring keyring;
-      keyring.add(test::key_of(Role::kMocap, 1));
-      keyring.add(test::key_of(Role::kOperator, 4));
-      ReplayGuard replays;
-      SignatureBudgets budgets;
-      const std::uint64_t counter = kNowCounter + static_cast<std::uint64_t>(row.off_us);
-      const auto judged = [&](const Key& signer, const char* channel) {
-        std::vector<std::uint8_t> message{1, 2, 3};
-        sign(signer, channel, {0, 5, counter, signer.role, scenario::TrialMode::kLive}, {},
-             message);
-        return verify(keyring, channel, message,
-                      {scenario::TrialMode::kLive, kNow, judges_time, false, 0}, replays, budgets)
-            .refusal;
-      };
-      EXPECT_EQ(judged(key, "VICON"),
-                row.is_of_now || !judges_time ? Refusal::kNone : Refusal::kStale)
-          << row.off_us;
-      EXPECT_EQ(judged(station, "COMMAND"), Refusal::kNone) << "a station's clock may be wrong";
-    }
+    Keyring keyring;
+    keyring.add(test::key_of(Role::kMocap, 1));
+    keyring.add(test::key_of(Role::kOperator, 4));
+    ReplayGuard replays;
+    SignatureBudgets budgets;
+    const std::uint64_t counter = kNowCounter + static_cast<std::uint64_t>(row.off_us);
+    const auto judged = [&](const Key& signer, const char* channel) {
+      std::vector<std::uint8_t> message{1, 2, 3};
+      sign(signer, channel, {0, 5, counter, signer.role, scenario::TrialMode::kLive}, {}, message);
+      return verify(keyring, channel, message, {scenario::TrialMode::kLive, kNow}, replays, budgets)
+          .refusal;
+    };
+    EXPECT_EQ(judged(key, "VICON"), row.is_of_now ? Refusal::kNone : Refusal::kStale) << row.off_us;
+    EXPECT_EQ(judged(station, "COMMAND"), Refusal::kNone) << "a station's clock may be wrong";
   }
 }
 

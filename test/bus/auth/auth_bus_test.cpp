@@ -26,12 +26,9 @@ constexpr Time kStart = Time{Duration{1'700'000'000'000'000}};
 /// One process of a trial.
 struct Process {
   Process(InProcessHub& hub, VirtualClock& clock, std::int64_t run,
-          std::unique_ptr<Authenticator> authenticator, bool keeps_time = true)
+          std::unique_ptr<Authenticator> authenticator)
       : transport(hub.connect()), bus(*transport, run) {
     bus.secure(std::move(authenticator), clock);
-    if (keeps_time) {
-      bus.keep_time(clock);
-    }
     bus.subscribe<models::MocapFrame>(kVicon,
                                       [this](const models::MocapFrame& f) { frames.push_back(f); });
     bus.subscribe<models::OperatorCommand>(
@@ -42,6 +39,8 @@ struct Process {
                                          [this](const models::ProcessHealth&) { ++healths; });
     bus.subscribe<models::HostReport>(host_channel("*"),
                                       [this](const models::HostReport&) { ++hosts; });
+    bus.subscribe<models::ContactReport>(kCollision,
+                                         [this](const models::ContactReport&) { ++contacts; });
   }
   void hear() {
     while (bus.handle(kNoWait) > 0) {
@@ -63,6 +62,7 @@ struct Process {
   std::vector<models::VehicleStatus> statuses;
   int healths = 0;
   int hosts = 0;
+  int contacts = 0;
 };
 
 class SecuredBus : public ::testing::Test {
@@ -116,7 +116,7 @@ class SecuredBus : public ::testing::Test {
   std::vector<std::pair<std::string, std::vector<std::uint8_t>>> heard_;
   Process lab_{hub_, clock_, 1, test::authenticator(keys_)};
   Process vehicle_{hub_, clock_, 2, test::authenticator(keys_)};
-  Process station_{hub_, clock_, 3, test::authenticator(keys_), false};
+  Process station_{hub_, clock_, 3, test::authenticator(keys_)};
 };
 
 TEST_F(SecuredBus, IsUnderstoodByWhoKnowsAKeyAndByWhoKnowsOfNone) {
@@ -172,8 +172,7 @@ TEST_F(SecuredBus, RefusesASimulationAndAReplayWithTheSameKeys) {
   Process simulation(hub_, clock_, 4,
                      test::authenticator(keys_, {SecurityMode::kRequire, TrialMode::kSimulation}));
   Process replay(hub_, clock_, 5,
-                 test::authenticator(keys_, {SecurityMode::kRequire, TrialMode::kLive, true}),
-                 false);
+                 test::authenticator(keys_, {SecurityMode::kRequire, TrialMode::kLive, true}));
   simulation.bus.publish(kVicon, frame());
   replay.bus.publish(kVicon, frame());
   hear();
@@ -199,26 +198,53 @@ TEST_F(SecuredBus, RefusesWhatIsSentAgainNowAndLater) {
   EXPECT_EQ(late.count("VICON.stale"), 1);
 }
 
-TEST_F(SecuredBus, StaysOpenToStrangersWhereNothingMoves) {
+TEST_F(SecuredBus, AcceptsUnsignedMessagesOnChannelsThatDecideNothing) {
+  const Channel<models::HostReport> camera{"CAMERA"};
+  int received = 0;
+  vehicle_.bus.subscribe<models::HostReport>(camera, [&](const auto&) { ++received; });
   models::HostReport report;
   report.stamp = {clock_.now(), 77, 0};
   report.host = "CAMERA";
-  forge("HOST_CAMERA", test::encoded(report));
-  EXPECT_EQ(vehicle_.hosts, 1);
-  EXPECT_EQ(vehicle_.count("HOST_CAMERA.unsigned"), 0);
+  forge("CAMERA", test::encoded(report));
+  EXPECT_EQ(received, 1);
+  EXPECT_EQ(vehicle_.count("CAMERA.unsigned"), 0);
 }
 
-// A sign of life in a hung process's name would keep the supervisor from ending it.
-TEST_F(SecuredBus, TakesNoStrangersWordForAnothersHealth) {
+// A forged HEALTH keeps the supervisor from ending a hung process, a forged HOST keeps a trial from
+// starting, a forged COLLISION decides its exit code.
+TEST_F(SecuredBus, RefusesAndCountsUnsignedMessagesThatDecideSomething) {
+  const auto check = [this](const auto& channel, auto message, const int& received) {
+    message.stamp = {clock_.now(), 77, 0};
+    forge(channel.name, test::encoded(message));
+    EXPECT_EQ(received, 0) << channel.name;
+    EXPECT_EQ(vehicle_.count(channel.name + ".unsigned"), 1);
+    lab_.bus.publish(channel, message);
+    hear();
+    EXPECT_EQ(received, 1) << channel.name;
+  };
   models::ProcessHealth health;
-  health.stamp = {clock_.now(), 77, 0};
   health.process = "PLANNER_Q1";
-  forge("HEALTH_PLANNER_Q1", test::encoded(health));
-  EXPECT_EQ(vehicle_.healths, 0);
-  EXPECT_EQ(vehicle_.count("HEALTH_PLANNER_Q1.unsigned"), 1);
-  lab_.bus.publish(health_channel("PLANNER_Q1"), health);
-  hear();
-  EXPECT_EQ(vehicle_.healths, 1);
+  check(health_channel("PLANNER_Q1"), health, vehicle_.healths);
+  models::HostReport report;
+  report.host = "LAB";
+  check(host_channel("LAB"), report, vehicle_.hosts);
+  models::ContactReport contact;
+  contact.body_a = "Q1";
+  contact.body_b = "bounds";
+  check(kCollision, contact, vehicle_.contacts);
+}
+
+// What a console or `vantage check --live` would take for a vehicle that is alive.
+TEST_F(SecuredBus, JudgesTheTimeOfStatusesWithoutBeingToldTo) {
+  tell_status(vehicle_.bus);
+  ASSERT_EQ(station_.statuses.size(), 1U);
+  const auto recorded = heard_.back();
+  pass(std::chrono::seconds(10));
+  Process console(hub_, clock_, 9, test::authenticator(keys_));
+  send_again(recorded);
+  console.hear();
+  EXPECT_TRUE(console.statuses.empty());
+  EXPECT_EQ(console.count("VEHICLE_Q1.stale"), 1);
 }
 
 TEST_F(SecuredBus, WarnsAndTakesAllTheSameWhileKeysAreHandedOut) {
@@ -320,7 +346,7 @@ TEST_F(SecuredBus, OldStatusesThatAreSentAgainDisplaceNoLiveVehiclesNonce) {
   pass(std::chrono::seconds(1));
   vehicle_.bus.renew_session();
   tell_status(vehicle_.bus);
-  Process second(hub_, clock_, 8, test::authenticator(keys_), false);  // has heard neither
+  Process second(hub_, clock_, 8, test::authenticator(keys_));  // has heard neither
   tell_status(vehicle_.bus);
   second.hear();
   send_again(old);
@@ -352,10 +378,11 @@ TEST_F(SecuredBus, AProcessWithoutTheSeedSaysNoCommand) {
 }
 
 TEST_F(SecuredBus, AStationWhoseClockIsWrongIsHeardByItsEcho) {
-  VirtualClock wrong(kStart + std::chrono::hours(1));
-  Process station(hub_, wrong, 8, test::authenticator(keys_), false);
+  VirtualClock wrong(kStart);
+  Process station(hub_, wrong, 8, test::authenticator(keys_));
   tell_status(vehicle_.bus);
   station.hear();
+  wrong.set(kStart + std::chrono::hours(1));
   models::OperatorCommand command;
   command.stamp.time = clock_.now();
   command.action = OperatorAction::kHeartbeat;

@@ -36,7 +36,7 @@ struct Receiver {
   Keyring keyring;
   ReplayGuard replays;
   SignatureBudgets budgets;
-  Expectation expectation{TrialMode::kLive, kNow, true, false};
+  Expectation expectation{TrialMode::kLive, kNow};
 
   Refusal judge(const std::string& channel, Bytes message) {
     return verify(keyring, channel, message, expectation, replays, budgets).refusal;
@@ -376,6 +376,7 @@ Flooded flooded(bool is_stop, bool was_heard,
   Attack attack(station);
   if (was_heard) {
     receiver.expectation.source = kStation;
+    receiver.expectation.echoes_now = true;
     EXPECT_EQ(
         receiver.judge("COMMAND", signed_by(station, "COMMAND", bytes_of("beat"), kNowCounter)),
         Refusal::kNone);
@@ -458,14 +459,30 @@ TEST(Split, ReadsNothingBeyondAnythingItIsGiven) {
   EXPECT_FALSE(split({}).has_value());
 }
 
-TEST(Policy, EveryChannelThatMovesAVehicleMustBeSigned) {
-  for (const char* channel :
-       {"VICON", "COMMAND", "PLAN_Q1", "PROPOSAL_Q1", "TEAM_PROPOSAL_Q1", "EXTERNAL_REQUEST_Q1",
-        "EXTERNAL_PLAN_Q1", "VEHICLE_Q1", "QUADROTOR_Q1", "MEASUREMENT_Q1", "SCAN_Q1", "BELIEF_Q1",
-        "MIXTURE_Q1", "MAP_Q1", "ATTACK", "SCENARIO", "TRUTH", "HEALTH_PLANNER_Q1"}) {
+TEST(Policy, EveryChannelThatDecidesAnythingMustBeSigned) {
+  for (const char* channel : {"VICON",
+                              "COMMAND",
+                              "PLAN_Q1",
+                              "PROPOSAL_Q1",
+                              "TEAM_PROPOSAL_Q1",
+                              "EXTERNAL_REQUEST_Q1",
+                              "EXTERNAL_PLAN_Q1",
+                              "VEHICLE_Q1",
+                              "QUADROTOR_Q1",
+                              "MEASUREMENT_Q1",
+                              "SCAN_Q1",
+                              "BELIEF_Q1",
+                              "MIXTURE_Q1",
+                              "MAP_Q1",
+                              "ATTACK",
+                              "SCENARIO",
+                              "TRUTH",
+                              "HEALTH_PLANNER_Q1",
+                              "HOST_A",
+                              "COLLISION"}) {
     EXPECT_TRUE(must_be_signed(channel)) << channel;
   }
-  for (const char* channel : {"HOST_A", "COLLISION", "CAMERA", "", "REPLAY_VICON", "VICONS"}) {
+  for (const char* channel : {"CAMERA", "", "REPLAY_VICON", "VICONS", "HOST", "COLLISIONS"}) {
     EXPECT_FALSE(must_be_signed(channel)) << channel;
   }
 }

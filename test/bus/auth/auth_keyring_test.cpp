@@ -313,17 +313,16 @@ TEST_F(KeyFolder, IsForcedWhereADeviceIsReal) {
   using scenario::SecurityMode;
   for (const SecurityMode mode : {SecurityMode::kOff, SecurityMode::kWarn}) {
     const auto real = scenario_of(mode, folder(), DeviceSource::kReal);
-    EXPECT_THROW(static_cast<void>(authenticator_for(real, false)), StartupError);
+    EXPECT_THROW(static_cast<void>(authenticator_for(real)), StartupError);
     EXPECT_EQ(security_faults(real).size(), 1U);
     const auto wire = scenario_of(mode, folder(), DeviceSource::kWire);
-    EXPECT_NO_THROW(static_cast<void>(authenticator_for(wire, false)));
+    EXPECT_NO_THROW(static_cast<void>(authenticator_for(wire)));
     EXPECT_TRUE(security_faults(wire).empty());
   }
   const auto real = scenario_of(SecurityMode::kRequire, folder(), DeviceSource::kReal);
-  EXPECT_NE(authenticator_for(real, false), nullptr);
+  EXPECT_NE(authenticator_for(real), nullptr);
   EXPECT_TRUE(security_faults(real).empty());
-  EXPECT_EQ(authenticator_for(scenario_of(SecurityMode::kOff, "", DeviceSource::kWire), false),
-            nullptr);
+  EXPECT_EQ(authenticator_for(scenario_of(SecurityMode::kOff, "", DeviceSource::kWire)), nullptr);
 }
 
 // A command echoes at most 64 vehicles' nonces: the others could not be armed, and heard no
@@ -362,8 +361,8 @@ TEST_F(KeyFolder, IsMissedByName) {
   EXPECT_NE(security_faults(scenario)[0].find("planner"), std::string::npos);
   const auto nowhere = scenario_of(SecurityMode::kRequire, "/nowhere", DeviceSource::kWire);
   EXPECT_EQ(security_faults(nowhere).size(), 1U);
-  EXPECT_THROW(static_cast<void>(authenticator_for(nowhere, false)), StartupError);
-  EXPECT_EQ(authenticator_for(nowhere, true), nullptr) << "a replay elsewhere";
+  EXPECT_THROW(static_cast<void>(authenticator_for(nowhere)), StartupError);
+  EXPECT_EQ(replay_authenticator_for(nowhere), nullptr) << "a replay elsewhere";
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ Message said(Authenticator& process, const std::string& channel, Time now,
 SignedParts parts_of(const Message& message) { return split(message).value(); }
 
 void hear(Authenticator& station, const std::string& robot, const Message& status, Time now) {
-  EXPECT_TRUE(station.judge("VEHICLE_" + robot, status, now, true, false).may_pass);
+  EXPECT_TRUE(station.judge("VEHICLE_" + robot, status, now).may_pass);
 }
 
 TEST(Authenticator, EchoesOneVehicleOrAllThatItHeard) {
@@ -114,7 +114,7 @@ class Nonces : public ::testing::Test {
   Message status(Time now) { return said(*vehicle_, "VEHICLE_Q1", now); }
   Refusal command(Time now) {
     const Message message = said(*station_, "COMMAND", now, "Q1");
-    return vehicle_->judge("COMMAND", message, now, true, false).echo;
+    return vehicle_->judge("COMMAND", message, now, Authenticator::CommandClaim{now}).echo;
   }
   std::unique_ptr<Authenticator> vehicle_ = process();
   std::unique_ptr<Authenticator> station_ = process();
@@ -147,15 +147,16 @@ TEST_F(Nonces, AreThoseOfTheNewestStatusOrOfOneThatAloneIsHeard) {
   }
   hear(*station_, "Q1", old, kNow + seconds(2));
   EXPECT_EQ(echoed_by(*station_, kNow), session) << "older than what was heard";
-  // Heard last at 1 s: two seconds later it still is the live one's, and then no more.
+  // Received last at 1 s, by a clock that is 1 s ahead: for two seconds its nonce is kept.
   for (const bool is_over : {false, true}) {
     const auto station = test::authenticator(test::keys_of_a_trial());
+    const auto other = process();
     for (const int at_ms : {500, 1'000}) {
-      hear(*station, "Q1", status(kNow + milliseconds(at_ms)), kNow + milliseconds(at_ms));
+      hear(*station, "Q1", status(kNow + milliseconds(at_ms + 1'000)), kNow + milliseconds(at_ms));
     }
     const Time now = kNow + seconds(3) + Duration{is_over ? 1 : 0};
-    EXPECT_TRUE(station->judge("VEHICLE_Q1", old, now, false, false).may_pass);
-    EXPECT_EQ(echoed_by(*station, now), is_over ? old_session : session);
+    hear(*station, "Q1", said(*other, "VEHICLE_Q1", kNow + milliseconds(1'900)), now);
+    EXPECT_EQ(echoed_by(*station, now), is_over ? other->session() : session);
   }
 }
 
@@ -164,7 +165,7 @@ TEST(Authenticator, CountsRefusalsOf1024ChannelsByTheirNames) {
   const Message unsigned_message{1, 2, 3};
   const auto refuse = [&](int i) {
     const std::string channel = "PLAN_" + std::to_string(i);
-    EXPECT_FALSE(node->judge(channel, unsigned_message, kNow, true, false).may_pass);
+    EXPECT_FALSE(node->judge(channel, unsigned_message, kNow).may_pass);
   };
   const auto counts = [&] {
     std::vector<models::NamedCount> list;
@@ -187,9 +188,11 @@ TEST(Authenticator, CountsRefusalsOf1024ChannelsByTheirNames) {
   EXPECT_EQ(counts()["PLAN_3.unsigned"], 2);
   EXPECT_FALSE(node->refuse("PLAN_3", Refusal::kStale));
   EXPECT_EQ(counts()["PLAN_3.stale"], 1);
-  EXPECT_TRUE(node->judge("HOST_A", unsigned_message, kNow, true, false).may_pass)
+  EXPECT_FALSE(node->judge("VICON", unsigned_message, kNow).may_pass);
+  EXPECT_EQ(counts()["VICON.unsigned"], 1) << "invented names take no place from a fixed one";
+  EXPECT_TRUE(node->judge("CAMERA", unsigned_message, kNow).may_pass)
       << "what only shows needs no key";
-  EXPECT_EQ(counts().count("HOST_A.unsigned"), 0U);
+  EXPECT_EQ(counts().count("CAMERA.unsigned"), 0U);
 }
 
 }  // namespace

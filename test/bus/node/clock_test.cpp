@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/check.hpp"
 #include "core/deadline.hpp"
 
 namespace vantage::bus {
@@ -117,6 +118,15 @@ TEST(SteadyClock, HandsOnWhatLiesBetweenItAndTheMonotonicClock) {
     const bool is_number = *other == '-';
     const double apart_s = to_seconds(SteadyClock().now() - Time{Duration{monotonic_ns() / 1'000}});
     EXPECT_EQ(std::abs(apart_s + 5.0) < 1.0, is_number) << other;
+  }
+  ASSERT_EQ(::unsetenv(SteadyClock::kHandedOn), 0);
+}
+
+TEST(SteadyClock, RefusesAnOffsetThatNoClockCanHave) {
+  for (const char* const offset :
+       {"9223372036854775807", "-9223372036854775808", "7258118400000001", "-100000000000001"}) {
+    ASSERT_EQ(::setenv(SteadyClock::kHandedOn, offset, 1), 0);
+    EXPECT_THROW(SteadyClock(), StartupError) << offset;
   }
   ASSERT_EQ(::unsetenv(SteadyClock::kHandedOn), 0);
 }

@@ -108,6 +108,34 @@ TEST_F(RunNode, TicksExactlyWhenTheNodeAskedFor) {
   }
 }
 
+// A thread that waits 10 ms in every 100 ms from 2 s on.
+TEST_F(RunNode, ReportsTheWaitOfTheLastSecondBeforeTicks) {
+  class Waiter : public Ticker {
+   public:
+    using Ticker::Ticker;
+    void on_processor_wait(double wait_s) override { waits_s.push_back(wait_s); }
+    std::vector<double> waits_s;
+  };
+  Waiter waiter(start_ + milliseconds(5), milliseconds(20));
+  const auto waited_us = [&]() -> std::optional<std::int64_t> {
+    const auto since = std::max<Duration>(clock_.now() - start_ - seconds(2), Duration{0});
+    return 3'000'000 + since.count() / 100'000 * 10'000;
+  };
+  run_node(
+      bus_, waiter, clock_, [&] { return clock_.now() >= start_ + seconds(5); }, {}, nullptr,
+      waited_us);
+  ASSERT_GT(waiter.waits_s.size(), 75U);
+  EXPECT_LT(waiter.waits_s.size(), 105U) << "not before every tick";
+  EXPECT_EQ(waiter.waits_s[25], 0.0);
+  EXPECT_NEAR(waiter.waits_s.back(), 0.1, 0.011);
+  Waiter uncounted(start_ + seconds(5), milliseconds(20));
+  run_node(
+      bus_, uncounted, clock_, [&] { return clock_.now() >= start_ + seconds(6); }, {}, nullptr,
+      [] { return std::optional<std::int64_t>(); });
+  run_node(bus_, uncounted, clock_, [&] { return clock_.now() >= start_ + seconds(7); });
+  EXPECT_TRUE(uncounted.waits_s.empty()) << "the kernel does not count, or nobody reads";
+}
+
 TEST_F(RunNode, AsksWhetherToStopEvenWhenTheNodeSleepsLong) {
   Ticker sleeper(start_ + seconds(1'000), seconds(1));
   int asked = 0;
@@ -172,6 +200,57 @@ TEST_F(RunNode, TicksAsSoonAsItsDeviceSpeaks) {
   asked = 0;
   run_node(bus_, node, clock_, [&] { return ++asked > 3; });
   EXPECT_EQ(node.ticks, (std::vector<Time>{start_, start_, start_})) << "long before its time";
+}
+
+/// Needs time to end, as the driver of a vehicle that has to land.
+class Lander : public Ticker {
+ public:
+  using Ticker::Ticker;
+  void on_stop_request(int requests, Time now) override { asked.emplace_back(requests, now); }
+  [[nodiscard]] bool may_end(Time now) override { return now >= ends_at; }
+  [[nodiscard]] InFlight in_flight(Time now) const override {
+    return now >= ends_at ? InFlight::kNo : InFlight::kYes;
+  }
+
+  std::vector<std::pair<int, Time>> asked;
+  Time ends_at{};
+};
+
+TEST_F(RunNode, GoesOnUntilTheNodeMayEndAndReportsEachRequestOnce) {
+  Lander node(start_ + milliseconds(20), milliseconds(20));
+  node.ends_at = start_ + seconds(3);
+  run_node(bus_, node, clock_, [&] {
+    return clock_.now() < start_ + seconds(1) ? 0 : clock_.now() < start_ + seconds(2) ? 1 : 2;
+  });
+  using Asked = std::vector<std::pair<int, Time>>;
+  EXPECT_EQ(node.asked, (Asked{{1, start_ + seconds(1)}, {2, start_ + seconds(2)}}));
+  EXPECT_EQ(node.ticks.size(), 150U) << "it flies on until it has landed";
+}
+
+TEST_F(RunNode, GivesSignsOfLifeTheLastOfWhichSaysHowTheVehicleWasLeft) {
+  LifeLine line;
+  ASSERT_TRUE(line.open());
+  LifeSign life(dup(line.child_end()));
+  Lander node(start_ + milliseconds(20), milliseconds(20));
+  node.ends_at = start_ + seconds(1);
+  std::vector<InFlight> signs;
+  const auto take = [&] {
+    if (const LifeLine::Signs come = line.take(); come.any) {
+      signs.push_back(come.in_flight);
+    }
+  };
+  run_node(
+      bus_, node, clock_,
+      [&] {
+        take();
+        return 1;
+      },
+      {}, &life);
+  take();
+  ASSERT_EQ(signs.size(), 11U) << "ten in the second, and the landing";
+  EXPECT_EQ(signs.front(), InFlight::kYes);
+  EXPECT_EQ(signs[9], InFlight::kYes);
+  EXPECT_EQ(signs.back(), InFlight::kNo);
 }
 
 TEST_F(RunNode, ReportsItsHealthEachSecondFromStartingToStopping) {

@@ -124,6 +124,26 @@ TEST(WaitedUsOf, SumsWhatThreadsWaitForEachOther) {
   EXPECT_FALSE(waited_us_of(-1));
 }
 
+TEST(ThreadWait, ReadsTheCounterOfTheThreadThatOpenedIt) {
+  const auto by_file = [] {
+    std::ifstream file("/proc/thread-self/schedstat");
+    std::string text;
+    std::getline(file, text);
+    return waited_us_from_schedstat(text);
+  };
+  const auto before_us = by_file();
+  const ThreadWait wait;
+  const auto read_us = wait.waited_us();
+  const auto after_us = by_file();
+  ASSERT_EQ(read_us.has_value(), before_us.has_value());
+  if (!read_us) {
+    GTEST_SKIP() << "this kernel does not count it";
+  }
+  EXPECT_GE(*read_us, *before_us);
+  EXPECT_LE(*read_us, *after_us);
+  EXPECT_GE(wait.waited_us().value_or(-1), *read_us) << "read again from the beginning";
+}
+
 // What the kernel says before and after holds what is said in between.
 TEST(UsageCounters, AreWhatTheKernelSaysOfThisProcess) {
   const auto asked = [] {

@@ -230,6 +230,14 @@ TEST(Reassembler, RefusesMessagesAboveTheCap) {
   EXPECT_FALSE(reassembler.add(1, Message(2, 1000, 100).piece(0), 0).has_value());
   EXPECT_EQ(reassembler.counts().oversized, 1) << "up to the cap";
   EXPECT_EQ(reassembler.messages_kept(), 1U);
+  EXPECT_FALSE(reassembler.add(1, Message(3, 5'000, 100).piece(0), 0).has_value());
+  EXPECT_FALSE(reassembler.add(1, Message(3, 5'000, 100).piece(1), 0).has_value());
+  EXPECT_EQ(reassembler.counts().oversized, 3) << "fragments";
+  ASSERT_EQ(reassembler.oversized().size(), 1U);
+  const auto& [channel, refused] = *reassembler.oversized().begin();
+  EXPECT_EQ(channel, message.piece(0).channel);
+  EXPECT_EQ(refused.messages, 2);
+  EXPECT_EQ(refused.bytes_max, 5'000U);
 }
 
 TEST(Reassembler, IsBoundedAsItsHeaderSays) {

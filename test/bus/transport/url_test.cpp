@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -43,6 +44,18 @@ TEST(ParseUdpm, FillsInWhatIsLeftOut) {
   EXPECT_EQ(full.ttl, 1);
   EXPECT_EQ(full.recv_buf_bytes, 9000);
   EXPECT_EQ(full.message_bytes_max, 5000);
+}
+
+TEST(WithUdpmOption, AddsWhatIsNotGiven) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"udpm://", "udpm://?max_message_size=9000"},
+      {"udpm://239.255.76.67:7667?ttl=1", "udpm://239.255.76.67:7667?ttl=1&max_message_size=9000"},
+      {"udpm://?max_message_size=5000", "udpm://?max_message_size=5000"},
+      {"memq://", "memq://"},
+      {"file://a?mode=r", "file://a?mode=r"}};
+  for (const auto& [url, wanted] : cases) {
+    EXPECT_EQ(with_udpm_option(url, "max_message_size", "9000"), wanted);
+  }
 }
 
 TEST(ParseUdpm, RefusesWhatItCannotDo) {

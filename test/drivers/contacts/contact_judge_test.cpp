@@ -59,6 +59,7 @@ models::VehicleStatus status_of(const std::string& robot, FlightState state, Tim
 struct Judged {
   ContactJudge judge;
   Time now = kStart;
+  Duration mocap_clock{};  ///< by which the publisher's clock is off
 
   explicit Judged(const scenario::Scenario& scenario = real_lab()) : judge(scenario) {}
   void fly(const std::string& robot) {
@@ -66,7 +67,7 @@ struct Judged {
   }
   std::vector<models::ContactReport> see(const Placed& bodies, Duration later = kFrame) {
     now += later;
-    return judge.on_frame(frame_of(now, bodies));
+    return judge.on_frame(frame_of(now + mocap_clock, bodies), now + Duration{5'000});
   }
   std::int64_t count(const std::string& name) const {
     for (const models::NamedCount& counter : judge.counters()) {
@@ -170,7 +171,7 @@ TEST(ContactJudge, LeavesToTheSimulatorWhatItJudges) {
 TEST(ContactJudge, CountsOldFramesAndBodiesBeyondThoseItKeeps) {
   Judged lab;
   lab.see({});
-  EXPECT_TRUE(lab.judge.on_frame(frame_of(lab.now, {})).empty());
+  EXPECT_TRUE(lab.judge.on_frame(frame_of(lab.now, {}), lab.now + Duration{5'000}).empty());
   EXPECT_EQ(lab.count("contacts.frames_out_of_order"), 1);
   Placed crowd;
   for (std::size_t i = 0; i < ContactJudge::kOthersMax + 5; ++i) {
@@ -179,8 +180,26 @@ TEST(ContactJudge, CountsOldFramesAndBodiesBeyondThoseItKeeps) {
   lab.see(crowd);
   EXPECT_EQ(lab.count("contacts.bodies_left_out"), 5);
   // Of another run, and older by its own clock: the cameras have begun anew.
-  lab.judge.on_frame(frame_of(kStart, {}, 2));
+  lab.judge.on_frame(frame_of(kStart, {}, 2), kStart + Duration{5'000});
   EXPECT_EQ(lab.count("contacts.gaps"), 1);
+}
+
+TEST(ContactJudge, JudgesOnByOurTimeWhenThePublishersClockIsSet) {
+  for (const Duration set : {Duration{-std::chrono::hours(1)}, Duration{-std::chrono::seconds(1)},
+                             Duration{std::chrono::hours(1)}}) {
+    Judged lab;
+    lab.fly("Q1");
+    for (const double x_m : {2.0, 1.9, 1.8}) {
+      lab.see({{"Q1", {1.0, 4.0, 1.0}}, {"Q2", {x_m, 4.0, 1.0}}});
+    }
+    lab.mocap_clock = set;
+    lab.see({{"Q1", {1.0, 4.0, 1.0}}, {"Q2", {1.7, 4.0, 1.0}}});
+    const auto begun = lab.see({{"Q1", {1.0, 4.0, 1.0}}, {"Q2", {1.4, 4.0, 1.0}}});
+    ASSERT_EQ(begun.size(), 1U) << to_seconds(set);
+    EXPECT_NEAR(to_seconds(begun[0].stamp.time - lab.now), 0.0, 0.03) << to_seconds(set);
+    EXPECT_EQ(lab.count("contacts.clocks_set"), 1);
+    EXPECT_EQ(lab.count("contacts.frames_out_of_order"), 0);
+  }
 }
 
 TEST(ContactsNode, PublishesWhatItSeesBesideTheSimulators) {
@@ -199,6 +218,7 @@ TEST(ContactsNode, PublishesWhatItSeesBesideTheSimulators) {
 
   lab_bus.publish(bus::vehicle_channel("Q1"), status_of("Q1", FlightState::kHold));
   const Placed together = {{"Q1", {1.0, 4.0, 1.0}}, {"Q2", {1.1, 4.0, 1.0}}};
+  clock.set(kStart + Duration{5'000});
   lab_bus.publish(bus::kVicon, frame_of(kStart, together));
   judge_bus.handle(std::chrono::microseconds(0));
   models::ContactReport simulated;
@@ -206,8 +226,10 @@ TEST(ContactsNode, PublishesWhatItSeesBesideTheSimulators) {
   simulated.body_a = "Q3";
   simulated.body_b = "bounds";
   sim_bus.publish(bus::kCollision, simulated);
+  clock.set(kStart + kFrame + Duration{5'000});
   lab_bus.publish(bus::kVicon, frame_of(kStart + kFrame, {}));
   judge_bus.handle(std::chrono::microseconds(0));
+  clock.set(kStart + 2 * kFrame + Duration{5'000});
   lab_bus.publish(bus::kVicon, frame_of(kStart + 2 * kFrame, {{"Q1", {0.1, 4.0, 1.0}}}));
   judge_bus.handle(std::chrono::microseconds(0));
   while (lab_bus.handle(std::chrono::microseconds(0)) > 0) {

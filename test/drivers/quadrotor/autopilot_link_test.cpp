@@ -247,10 +247,60 @@ TEST(AutopilotLink, TakesTheFirstAutopilotWhenNoneIsNamed) {
     link.receive(bytes, true, kNow);
   };
   hear({0, 6, 8, 0, 4, 3}, 255, 190);  // a ground station is no autopilot
-  hear({0, 2, 3, 0, 4, 3}, 17, 0);     // ArduPilot's first heartbeat comes from component 0
+  hear({0, 2, 3, 0, 4, 3}, 17, 0);     // a vehicle may begin as component 0
   hear({0, 2, 3, 128, 4, 3}, 18, 1);
   EXPECT_TRUE(link.telemetry().heartbeat_time().has_value());
   EXPECT_FALSE(link.telemetry().is_armed()) << "it listened to the second one";
+}
+
+// Companions and stations may speak as component 0 or 1 of the vehicle's system: pymavlink does so
+// by default.
+TEST(AutopilotLink, TakesNothingOfComponent0OrOfAPartOnceItsAutopilotWasReceived) {
+  using wire::mavlink::Heartbeat;
+  struct Row {
+    const char* what;
+    Heartbeat heartbeat;
+    std::uint8_t component;
+  };
+  const Row rows[] = {
+      {"a companion with pymavlink's defaults", {0, 18, 8, 0, 3, 3}, 0},
+      {"a vehicle's type, no autopilot", {0, 2, 8, 0, 3, 3}, 0},
+      {"an autopilot's heartbeat of component 0", {0, 2, 12, 0, 3, 3}, 0},
+      {"a companion as component 1", {0, 18, 8, 0, 3, 3}, 1},
+      {"a station as component 1", {0, 6, 12, 0, 3, 3}, 1},
+      {"a gimbal as component 1", {0, 26, 12, 0, 3, 3}, 1},
+      {"a camera as component 1", {0, 30, 12, 0, 3, 3}, 1},
+      {"no autopilot as component 1", {0, 2, 8, 0, 3, 3}, 1},
+  };
+  for (const Row& row : rows) {
+    SCOPED_TRACE(row.what);
+    Bench bench(AutopilotDialect::kPx4);
+    bench.hear(Heartbeat{6U << 16U, 2, 12, 128, 4, 3}, kNow);
+    ASSERT_TRUE(bench.link.telemetry().is_armed());
+    bench.hear(row.heartbeat, kNow + std::chrono::milliseconds(100), 1, row.component);
+    EXPECT_TRUE(bench.link.telemetry().is_armed());
+    EXPECT_EQ(bench.link.telemetry().mode(), 6U << 16U);
+    EXPECT_EQ(bench.link.telemetry().heartbeat_time(), kNow);
+    EXPECT_EQ(bench.fault(kNow), "none");
+  }
+}
+
+TEST(AutopilotLink, TakesOfComponent0AHeartbeatAloneAndOnlyBeforeComponent1) {
+  Bench bench(AutopilotDialect::kArdupilot);
+  bench.hear(wire::mavlink::Heartbeat{4, 2, 3, 0, 4, 3}, kNow, 1, 0);
+  EXPECT_TRUE(bench.link.telemetry().heartbeat_time().has_value());
+  wire::mavlink::LocalPositionNed position;
+  position.x = 5.0F;
+  wire::mavlink::Attitude attitude;
+  attitude.roll = 1.0F;
+  wire::mavlink::BatteryStatus battery;
+  battery.battery_remaining = 90;
+  bench.hear(position, kNow, 1, 0);
+  bench.hear(attitude, kNow, 1, 0);
+  bench.hear(battery, kNow, 1, 0);
+  EXPECT_FALSE(bench.link.telemetry().position_world_m(kNow).has_value());
+  EXPECT_FALSE(bench.link.telemetry().has_attitude(kNow));
+  EXPECT_FALSE(bench.link.telemetry().battery_share().has_value());
 }
 
 TEST(AutopilotLink, NamesVersionOne) {

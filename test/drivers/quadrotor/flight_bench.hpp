@@ -131,7 +131,9 @@ class FlightBench : public SteppedBench {
   Loses drops;                                      ///< of what the vehicle says
   Loses drops_sent;                                 ///< of what the driver says
   std::function<void(models::MocapFrame&)> alters;  ///< what mocap shows
-  std::optional<Eigen::Vector3d> walker_m;          ///< where the scenario's first target is seen
+  /// Takes each captured frame on its way to the driver; empty: the bench carries it.
+  std::function<void(const models::MocapFrame&)> carries;
+  std::optional<Eigen::Vector3d> walker_m;  ///< where the scenario's first target is seen
   std::function<void(Time)> on_step;
   std::vector<std::vector<std::uint8_t>> sent;  ///< by the driver, of the last step
 
@@ -182,12 +184,16 @@ class FlightBench : public SteppedBench {
     if (alters) {
       alters(frame);
     }
-    waiting_.push_back(frame);
+    if (carries) {
+      carries(frame);
+    } else {
+      waiting_.push_back(frame);
+    }
   }
   /// The frame captured a frame time ago.
   void deliver_mocap() {
     for (models::MocapFrame& frame : waiting_) {
-      frame.arrival = now;
+      frame.arrival = frame.stamp.time + kLatency;  // by the clock that stamps it
       if (has_mocap) {
         driver->on_mocap(frame, now);
       }

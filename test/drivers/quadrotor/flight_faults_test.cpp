@@ -218,6 +218,112 @@ TEST_P(FlightFaults, NothingThatGoesWrongTakesTheModeFromAPilot) {
   }
 }
 
+// Poses come back while the autopilot lands without them, and a body moves in below: the landing
+// is steered again, and stops above it. Near the ground the autopilot goes on.
+TEST_P(FlightFaults, SteersABlindLandingAgainWhenPosesAreBack) {
+  struct Row {
+    double begins_m;  ///< height of the vehicle when poses come back
+    bool is_steered;
+  };
+  for (const Row& row : {Row{1.3, true}, Row{0.8, true}, Row{0.62, true}, Row{0.3, false}}) {
+    SCOPED_TRACE(testing::Message() << "poses back at " << row.begins_m << " m");
+    FlightBench up(GetParam());
+    up.scenario.robots[0].height_m = 1.6;
+    up.restart_driver();
+    ASSERT_TRUE(up.take_off()) << up.reasons();
+    const auto above_floor_m = [&] {
+      return up.vehicle.world_from_body().translation_m.z() - FlightBench::kFloorM;
+    };
+    up.has_mocap = false;
+    ASSERT_TRUE(up.run_until(
+        [&] {
+          return up.vehicle.controller().mode() == landing_mode() && above_floor_m() < row.begins_m;
+        },
+        20.0))
+        << up.reasons();
+    up.has_mocap = true;
+    const Eigen::Vector2d here_m = up.place_m();
+    up.walker_m = {here_m.x(), here_m.y(), FlightBench::kFloorM + 0.05};
+    double lowest_m = above_floor_m();  // of its heights above the body
+    up.on_step = [&](Time) {
+      const bool is_above = (up.place_m() - here_m).norm() < 0.4;
+      lowest_m = is_above ? std::min(lowest_m, above_floor_m()) : lowest_m;
+    };
+    up.run(6.0);
+    if (row.is_steered) {
+      EXPECT_GT(lowest_m, 0.15) << up.reasons();
+      up.walker_m.reset();
+      up.on_step = nullptr;
+    }
+    EXPECT_TRUE(up.run_until([&] { return !up.is_armed(); }, 30.0)) << up.reasons();
+  }
+}
+
+// pymavlink sends as component 0 unless it is told otherwise: a companion that does so in flight
+// takes no set-point from the vehicle.
+TEST_P(FlightFaults, AHeartbeatOfComponent0InFlightStopsNoSetPoint) {
+  ASSERT_TRUE(bench.take_off()) << bench.reasons();
+  Time last = bench.now;
+  Duration gap{};
+  int inserted = 0;
+  bench.on_step = [&](Time now) {
+    if (++inserted % 60 == 0) {
+      std::vector<std::uint8_t> bytes;
+      wire::mavlink::append_bytes(
+          wire::mavlink::pack(wire::mavlink::Heartbeat{0, 18, 8, 0, 4, 3}, {1, 0, 0}), bytes);
+      bench.driver->receive(bytes, true, now);
+    }
+    for (const auto& datagram : bench.sent) {
+      if (has(datagram, [](const wire::mavlink::Frame& frame) {
+            return frame.message_id == wire::mavlink::SetPositionTargetLocalNed::kMessage.id;
+          })) {
+        gap = std::max(gap, now - last);
+        last = now;
+      }
+    }
+  };
+  bench.run(5.0);
+  EXPECT_LT(to_seconds(gap), 0.06);
+  EXPECT_EQ(bench.state(), FlightState::kHold) << bench.reasons();
+  EXPECT_FALSE(bench.has_reason("mode")) << bench.reasons();
+}
+
+// What would stop the motors of a vehicle under our control does not stop those of a pilot's.
+TEST_P(FlightFaults, DoesNotStopTheMotorsOfAPilotForAFaultAndDoesForAnOperator) {
+  using Breaks = std::function<void(FlightBench&)>;
+  const Breaks shows_it_outside = [](FlightBench& up) {
+    up.alters = [](models::MocapFrame& frame) {
+      frame.bodies.front().world_from_body.translation_m.x() -= 3.5;
+    };
+  };
+  const Breaks says_it_is_tilted = [](FlightBench& up) {
+    up.on_step = [&up](Time now) {
+      wire::mavlink::Attitude attitude;
+      attitude.roll = 1.4F;
+      std::vector<std::uint8_t> bytes;
+      wire::mavlink::append_bytes(
+          wire::mavlink::pack(attitude, {1, wire::mavlink::kComponentAutopilot, 0}), bytes);
+      up.driver->receive(bytes, true, now);
+    };
+  };
+  for (const Breaks& breaks : {shows_it_outside, says_it_is_tilted}) {
+    FlightBench up(GetParam());
+    ASSERT_TRUE(up.take_off()) << up.reasons();
+    up.vehicle.controller().set_mode(is_px4() ? 3U << 16U : 5U, up.now);
+    up.run(2.0);
+    // Out of sight and seen again elsewhere: its pose is believed there.
+    up.has_mocap = false;
+    up.run(0.4);
+    up.has_mocap = true;
+    breaks(up);
+    up.run(3.0);
+    EXPECT_TRUE(up.is_armed()) << up.reasons();
+    up.command(OperatorAction::kEmergencyStop);
+    up.run(0.5);
+    EXPECT_FALSE(up.is_armed()) << up.reasons();
+  }
+}
+
 // An attitude that is no longer told is not level: it lands.
 TEST_P(FlightFaults, WithoutAnAttitudeItLands) {
   for (const bool is_told_as_nan : {false, true}) {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -57,6 +58,104 @@ TEST(QuadrotorNode, FliesAVehicleThatSpeaksToItsPort) {
 TEST(QuadrotorNode, FliesAVehicleThatWaitsForIt) {
   NodeBench bench(AutopilotDialect::kArdupilot, "udpout://127.0.0.1:" + port_of_this_test(1));
   fly(bench);
+}
+
+// A stranger sends one byte per half second to the vehicle's port, from before the start.
+TEST(QuadrotorNode, FliesAVehicleWhosePortAStrangerSendsTo) {
+  const std::string port = port_of_this_test(0);
+  const auto stranger = open_port("udpout://127.0.0.1:" + port);
+  NodeBench bench(AutopilotDialect::kPx4, "udp://127.0.0.1:" + port);
+  int steps = 0;
+  bench.each_step = [&] {
+    if (steps++ % 100 == 0) {
+      stranger->write(std::vector<std::uint8_t>{0}, bench.clock.now());
+    }
+  };
+  stranger->write(std::vector<std::uint8_t>{0}, bench.clock.now());
+  fly(bench);
+}
+
+// As run_node() reports it, in words that an operator sees.
+TEST(QuadrotorNode, ReportsThatItsProcessWaitsForAProcessor) {
+  NodeBench bench(AutopilotDialect::kPx4, "udp://127.0.0.1:" + port_of_this_test(3));
+  const auto says_busy = [&] {
+    const auto& reasons = bench.statuses.back().reasons;
+    return std::find(reasons.begin(), reasons.end(), "host busy") != reasons.end();
+  };
+  bench.run(0.5);
+  ASSERT_FALSE(bench.statuses.empty());
+  EXPECT_FALSE(says_busy());
+  bench.node.on_processor_wait(0.16);
+  bench.run(0.2);
+  EXPECT_TRUE(says_busy());
+  bench.node.on_processor_wait(0.15);
+  bench.run(0.2);
+  EXPECT_FALSE(says_busy());
+}
+
+/// Hovering; false when it did not come to that.
+bool hovers(NodeBench& bench) {
+  if (!bench.run_until(
+          [&] { return !bench.statuses.empty() && bench.statuses.back().reasons.empty(); }, 20.0)) {
+    return false;
+  }
+  bench.say(OperatorAction::kArm);
+  if (!bench.run_until([&] { return bench.is_armed(); }, 40.0)) {
+    return false;
+  }
+  bench.run(1.5);
+  bench.say(OperatorAction::kTakeOff);
+  return bench.run_until([&] { return bench.height_m() > 0.9; }, 15.0);
+}
+
+constexpr AutopilotDialect kDialects[] = {AutopilotDialect::kPx4, AutopilotDialect::kArdupilot};
+
+TEST(QuadrotorNode, LandsBeforeItEndsWhenItIsAskedToEndInTheAir) {
+  for (const AutopilotDialect dialect : kDialects) {
+    NodeBench bench(dialect, "udpout://127.0.0.1:" + port_of_this_test(0));
+    ASSERT_TRUE(hovers(bench));
+    EXPECT_EQ(bench.node.in_flight(bench.clock.now()), InFlight::kYes);
+    bench.node.on_stop_request(1, bench.clock.now());
+    EXPECT_TRUE(bench.run_to_the_end(30.0));
+    EXPECT_FALSE(bench.is_armed());
+    EXPECT_LT(bench.height_m(), 0.1);
+    EXPECT_EQ(bench.statuses.back().state, models::FlightState::kIdle);
+    EXPECT_EQ(bench.node.end_fault(), "");
+    EXPECT_EQ(bench.node.in_flight(bench.clock.now()), InFlight::kNo);
+  }
+}
+
+TEST(QuadrotorNode, HandsOverToTheAutopilotsLandingWhenAskedToEndAgain) {
+  for (const AutopilotDialect dialect : kDialects) {
+    NodeBench bench(dialect, "udpout://127.0.0.1:" + port_of_this_test(0));
+    ASSERT_TRUE(hovers(bench));
+    bench.node.on_stop_request(1, bench.clock.now());
+    bench.run(0.5);
+    bench.node.on_stop_request(2, bench.clock.now());
+    EXPECT_TRUE(bench.run_to_the_end(2.5));
+    EXPECT_EQ(bench.node.end_fault(), "");
+    EXPECT_TRUE(bench.is_armed()) << "it is never dropped";
+    // Without its driver, as then, the autopilot lands it.
+    EXPECT_TRUE(bench.vehicle.emulator().controller().is_armed());
+    for (int i = 0; i < 6'000 && bench.is_armed(); ++i) {
+      bench.clock.set(bench.clock.now() + Duration{5'000});
+      bench.vehicle.run_to(bench.clock.now());
+    }
+    EXPECT_FALSE(bench.is_armed());
+  }
+}
+
+TEST(QuadrotorNode, EndsAtOnceOnTheGroundAndDisarmsBefore) {
+  NodeBench bench(AutopilotDialect::kPx4, "udpout://127.0.0.1:" + port_of_this_test(0));
+  ASSERT_TRUE(bench.run_until(
+      [&] { return !bench.statuses.empty() && bench.statuses.back().reasons.empty(); }, 20.0));
+  EXPECT_EQ(bench.node.in_flight(bench.clock.now()), InFlight::kNo);
+  bench.say(OperatorAction::kArm);
+  ASSERT_TRUE(bench.run_until([&] { return bench.is_armed(); }, 40.0));
+  bench.node.on_stop_request(1, bench.clock.now());  // before any heartbeat as armed
+  EXPECT_FALSE(bench.node.may_end(bench.clock.now()));
+  EXPECT_TRUE(bench.run_to_the_end(5.0));
+  EXPECT_FALSE(bench.is_armed());
 }
 
 TEST(QuadrotorNode, TellsHowLongFramesAreOnTheirWay) {

@@ -178,5 +178,35 @@ TEST(RoverDriver, RefusesARobotThatIsNoRover) {
   EXPECT_THROW(RoverDriver(scenario, "R1", limits, 1), UsageError);
 }
 
+// A person crosses its path and does not brake. The rover stands before the person comes nearer
+// than HOLD promises.
+TEST(RoverDriver, StandsBeforeAPersonWhoWalksOnIsNear) {
+  for (const double speed_mps : {0.5, 1.0, 1.5}) {
+    for (const double heading_rad : {-kPi / 2, -kPi / 4, 0.0, kPi, kPi / 4}) {
+      RoverBench bench;
+      ASSERT_TRUE(bench.make_ready());
+      ASSERT_EQ(bench.plan(RoverBench::straight(0.5, 9.0)), PlanVerdict::kAccepted);
+      bench.run(2.0);
+      const double hold_m = limits_for(bench.scenario, "R1").separation_hold_m;
+      const Eigen::Vector2d step_m =
+          0.005 * speed_mps * Eigen::Vector2d(std::cos(heading_rad), std::sin(heading_rad));
+      // They would meet 0.75 m ahead in 1.5 s.
+      Eigen::Vector2d person_m = bench.place_m() + Eigen::Vector2d(0.0, 0.75) - 300.0 * step_m;
+      const double begins_m = (person_m - bench.place_m()).norm();
+      if (begins_m < 1.2) {
+        person_m -= 240.0 * step_m;  // far enough away to begin with
+      }
+      double least_m = 1e9;
+      for (int i = 0; i < 600 && !(i > 0 && bench.stands()); ++i) {
+        person_m += step_m;
+        bench.target_m = person_m;
+        bench.step();
+        least_m = std::min(least_m, (bench.place_m() - person_m).norm());
+      }
+      EXPECT_GE(least_m, hold_m) << speed_mps << " m/s, " << heading_rad;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace vantage::drivers

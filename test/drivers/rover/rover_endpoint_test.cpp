@@ -31,7 +31,9 @@ void drive(const std::string& url) {
     now += Duration{20'000};
     rover.run_to(now);
     while (const std::size_t got = port->read(buffer, now)) {
-      (void)link.receive({buffer.data(), got}, now);
+      if (link.receive({buffer.data(), got}, now)) {
+        port->accept(now);
+      }
     }
     port->write(link.command({0.4, 0.2}, wire::rover::kDrive, now), now);
   }

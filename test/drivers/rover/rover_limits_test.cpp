@@ -65,6 +65,12 @@ const Stated kStated[] = {
      [](SafetyInputs& in, double v) { in.operator_age_s = v; }, 1.0},
     {"own stall", kHold, kSelf, 0.0, [](SafetyInputs& in, double v) { in.since_last_tick_s = v; },
      0.25},
+    {"short of processor", kHold, kOperator, 3.0,
+     [](SafetyInputs& in, double v) { in.processor_wait_s = v; }, 0.1},
+    {"waits for processor", kHold, kSelf, 0.0,
+     [](SafetyInputs& in, double v) { in.processor_wait_s = v; }, 0.1},
+    {"host busy", Severity::kNote, Clearing::kAtOnce, 0.0,
+     [](SafetyInputs& in, double v) { in.processor_wait_s = v; }, 0.05},
     {"another version", Severity::kNote, Clearing::kAtOnce, 0.0,
      [](SafetyInputs& in, double v) { in.other_version_age_s = -v; }, -5.0},
 };

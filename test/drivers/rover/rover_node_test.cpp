@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -63,6 +64,37 @@ TEST(RoverNode, DrivesAPlanFromTheBusAndStopsOnCommand) {
   for (const models::NamedCount& counter : bench.node.counters()) {
     EXPECT_EQ(counter.name == "mocap.clock_set" ? 0 : counter.count, 0) << counter.name;
   }
+}
+
+// It holds while its process waits for a processor, and drives on half a second after that.
+TEST(RoverNode, HoldsWhileItsProcessWaitsForAProcessor) {
+  NodeBench bench;
+  ASSERT_TRUE(bench.sets_off());
+  bench.run(1.0);
+  EXPECT_EQ(bench.statuses.back().state, models::FlightState::kFollow);
+  bench.node.on_processor_wait(0.31);
+  bench.run(0.2);
+  EXPECT_EQ(bench.statuses.back().state, models::FlightState::kHold);
+  EXPECT_NE(std::find(bench.statuses.back().reasons.begin(), bench.statuses.back().reasons.end(),
+                      "waits for processor"),
+            bench.statuses.back().reasons.end());
+  bench.run(3.0);
+  bench.node.on_processor_wait(0.0);
+  bench.run(1.0);
+  EXPECT_EQ(bench.statuses.back().state, models::FlightState::kHold)
+      << "after more than 3 s the operator has to say follow";
+}
+
+TEST(RoverNode, StopsBeforeItEndsWhenItIsAskedToEnd) {
+  NodeBench bench;
+  ASSERT_TRUE(bench.sets_off());
+  bench.run(1.5);
+  EXPECT_EQ(bench.node.in_flight(bench.clock.now()), InFlight::kYes);
+  bench.node.on_stop_request(1, bench.clock.now());
+  EXPECT_FALSE(bench.node.may_end(bench.clock.now()));
+  EXPECT_TRUE(bench.run_to_the_end(2.0));
+  EXPECT_NEAR(bench.vehicle.emulator().state().speed_mps, 0.0, 0.02);
+  EXPECT_EQ(bench.node.end_fault(), "");
 }
 
 // An old log beside the drive: its mocap, its stop.

@@ -42,6 +42,15 @@ TEST_F(Arming, IsForbiddenToABodyThatLiesTilted) {
   EXPECT_TRUE(bench.vehicle("Q2").is_armed);
 }
 
+TEST_F(Arming, IsForbiddenWhileTheHostIsBusy) {
+  arm([&] { q1.knobs.processor_wait_s = 0.16; });
+  EXPECT_FALSE(q1.is_armed);
+  EXPECT_TRUE(has("host busy"));
+  EXPECT_TRUE(has("arm waits"));
+  bench.run(1.0, [&] { q1.knobs.processor_wait_s = 0.15; });
+  EXPECT_TRUE(q1.is_armed) << "the order was kept until the host had time";
+}
+
 // Defect (flown): in a world that was turned as a whole a vehicle took off and met what its map has
 // elsewhere.
 TEST_F(Arming, IsForbiddenToAVehicleThatDoesNotStandAtItsStart) {

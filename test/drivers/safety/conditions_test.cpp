@@ -53,7 +53,6 @@ std::vector<Edge> edges(const SafetyLimits& l) {
       {"battery silent", &In::battery_age_s, l.battery_age_land_s},
       {"battery stuck", &In::battery_unchanged_s, l.battery_stuck_land_s},
       {"flight time", &In::flight_s, l.flight_max_s},
-      {"thrust saturated", &In::thrust_share, l.thrust_saturated_share},
       {"autopilot lost", &In::heartbeat_age_s, l.heartbeat_age_land_s},
       {"estimate lost", &In::estimate_error_m, l.estimate_error_land_m},
       {"operator lost", &In::operator_age_s, l.operator_age_land_s},
@@ -69,6 +68,9 @@ std::vector<Edge> edges(const SafetyLimits& l) {
       {"estimate off", &In::estimate_error_m, l.estimate_error_hold_m},
       {"operator quiet", &In::operator_age_s, l.operator_age_hold_s},
       {"own stall", &In::since_last_tick_s, l.stall_hold_s},
+      {"short of processor", &In::processor_wait_s, l.processor_wait_hold_s},
+      {"waits for processor", &In::processor_wait_s, l.processor_wait_hold_s},
+      {"host busy", &In::processor_wait_s, l.processor_wait_arm_s},
       {"pose aging", &In::pose_age_s, l.pose_age_warn_s},
       {"body tilted", &In::body_tilt_rad, l.body_tilt_arm_rad},
       {"not at its start", &In::start_off_m, l.start_off_arm_m},
@@ -93,6 +95,17 @@ TEST(ConditionRow, HoldsBeyondItsLimitAndNotAtIt) {
     EXPECT_FALSE(row.holds(in, l)) << edge.name << " at " << edge.limit;
     in.*edge.input += edge.is_upper ? 1e-9 : -1e-9;
     EXPECT_TRUE(row.holds(in, l)) << edge.name << " beyond " << edge.limit;
+  }
+}
+
+// Whatever goes wrong, the motors of a vehicle that a pilot flies are stopped by an operator alone.
+TEST(ConditionRow, ThatKillsSparesAPilotUnlessItIsTheEmergencyStop) {
+  for (const Condition& row : conditions()) {
+    // "pose lost low" asks for itself whether the autopilot obeys.
+    const bool asks_itself = std::string(row.name) == "pose lost low";
+    const bool is_order = std::string(row.name) == "emergency stop";
+    EXPECT_EQ(row.spares_pilot, row.severity == Severity::kKill && !is_order && !asks_itself)
+        << row.name;
   }
 }
 

@@ -64,7 +64,15 @@ struct FaultRun {
   double closest_m = 0.0;
 };
 
+class WayWatch;
+
+/// When faults begin: in the middle of a planning round, all vehicles on their lanes.
+inline constexpr double kBeginS = 6.4;
 inline constexpr double kStaggerS = 0.25;
+/// Begins the faults one after the other, kStaggerS apart, on a bench that flies, and goes on for
+/// `lasts_s`. `way` (may be null) sees each tick.
+FaultRun fly(FlightBench& bench, std::span<const Fault* const> faults, double lasts_s,
+             WayWatch* way);
 /// Flies up, begins the faults one after the other, kStaggerS apart, and goes on for `lasts_s`.
 FaultRun fly_with(std::span<const Fault* const> faults, std::uint64_t seed, double lasts_s = 16.0);
 

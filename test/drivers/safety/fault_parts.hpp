@@ -116,7 +116,7 @@ inline Fault trusting(Fault fault) {
 std::vector<Fault> of_mocap();
 /// 14, 15, 23 … 31, 42: plans, planners, maps.
 std::vector<Fault> of_plans();
-/// 29, 31 … 35, 37, 45: the vehicle, its autopilot, its link, the driver itself.
+/// 29, 31 … 35, 37, 38, 45: the vehicle, its autopilot, its link, the driver itself.
 std::vector<Fault> of_vehicles();
 /// 17, 36: the operator.
 std::vector<Fault> of_operators();

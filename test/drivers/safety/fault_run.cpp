@@ -6,8 +6,6 @@
 namespace vantage::test {
 namespace {
 
-constexpr double kBeginS = 6.4;  // in the middle of a round, everyone under way
-
 bool is_concerned(const Fault& fault, const Vehicle& vehicle) {
   const std::string whom = fault.whom;
   return whom == "all" || whom.find(vehicle.name) != std::string::npos;
@@ -23,15 +21,6 @@ bool shows(const Vehicle& vehicle, const std::string& reason) {
   return false;
 }
 
-std::int64_t count_of(const Vehicle& vehicle, const std::string& counter) {
-  for (const models::NamedCount& each : vehicle.guard->counters()) {
-    if (each.name == counter) {
-      return each.count;
-    }
-  }
-  return -1;
-}
-
 // Follows one fault through a run.
 class Watch {
  public:
@@ -39,7 +28,7 @@ class Watch {
     outcome_.stage_s.assign(fault.stages.size(), -1.0);
     outcome_.end = models::FlightState::kKilled;
     for (const Vehicle& vehicle : bench.vehicles()) {
-      before_.push_back(fault.counter != nullptr ? count_of(vehicle, fault.counter) : 0);
+      before_.push_back(fault.counter != nullptr ? bench.count_of(vehicle, fault.counter) : 0);
     }
     reasons_of_.assign(bench.vehicles().size(), false);
   }
@@ -60,7 +49,7 @@ class Watch {
       if (fault_.reason != nullptr) {
         reasons_of_[i] = reasons_of_[i] || shows(vehicle, fault_.reason);
       } else if (fault_.counter != nullptr) {
-        reasons_of_[i] = reasons_of_[i] || count_of(vehicle, fault_.counter) > before_[i];
+        reasons_of_[i] = reasons_of_[i] || bench.count_of(vehicle, fault_.counter) > before_[i];
       } else {
         reasons_of_[i] = fault_.stages.empty() || severity_of(vehicle.out.state) > 0;
       }
@@ -109,16 +98,12 @@ class Watch {
 
 }  // namespace
 
-FaultRun fly_with(std::span<const Fault* const> faults, std::uint64_t seed, double lasts_s) {
-  const bool trusts_plans = std::any_of(faults.begin(), faults.end(),
-                                        [](const Fault* fault) { return fault->trusts_plans; });
-  FlightBench bench(seed, trusts_plans);
-  bench.fly_up(kBeginS);
+FaultRun fly(FlightBench& bench, std::span<const Fault* const> faults, double lasts_s,
+             WayWatch* way) {
   std::vector<Watch> watches;
   for (const Fault* fault : faults) {
     watches.emplace_back(*fault, bench);
   }
-  WayWatch way(bench);
   const auto ticks = static_cast<int>(lasts_s / FlightBench::kTickS);
   for (int i = 0; i < ticks; ++i) {
     const auto since_s = [i](std::size_t k) {
@@ -130,7 +115,9 @@ FaultRun fly_with(std::span<const Fault* const> faults, std::uint64_t seed, doub
       }
     }
     bench.tick();
-    way.look(bench);
+    if (way != nullptr) {
+      way->look(bench);
+    }
     for (std::size_t k = 0; k < faults.size(); ++k) {
       watches[k].look(bench, since_s(k));
     }
@@ -140,8 +127,18 @@ FaultRun fly_with(std::span<const Fault* const> faults, std::uint64_t seed, doub
     run.outcomes.push_back(watch.finish(bench));
   }
   run.violations = bench.violations();
-  run.missteps = way.missteps();
   run.closest_m = bench.closest_m();
+  return run;
+}
+
+FaultRun fly_with(std::span<const Fault* const> faults, std::uint64_t seed, double lasts_s) {
+  const bool trusts_plans = std::any_of(faults.begin(), faults.end(),
+                                        [](const Fault* fault) { return fault->trusts_plans; });
+  FlightBench bench(seed, trusts_plans);
+  bench.fly_up(kBeginS);
+  WayWatch way(bench);
+  FaultRun run = fly(bench, faults, lasts_s, &way);
+  run.missteps = way.missteps();
   return run;
 }
 

@@ -196,7 +196,12 @@ TEST_F(Seen, AreOnlyThoseThatWereSeenAndWhoGoesFirstIsByName) {
     EXPECT_EQ(bodies[i].goes_first, goes_first[i]) << i;
     EXPECT_EQ(bodies[i].robot, robots[i]) << i;
   }
-  EXPECT_EQ(fleet.courses(at(0.0), limits).size(), 2u) << "a walker flies no course";
+  const auto courses = fleet.courses(at(0.0), limits);
+  ASSERT_EQ(courses.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(courses[i].plan, nullptr) << i;
+    EXPECT_EQ(courses[i].reaches_ground, i == 2) << "a person stands on the ground";
+  }
 }
 
 TEST_F(Seen, CountStrangersAndRefusedPosesEachTime) {

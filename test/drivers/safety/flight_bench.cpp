@@ -54,11 +54,18 @@ scenario::Scenario FlightBench::scenario(double stagger_m) {
 }
 
 FlightBench::FlightBench(std::uint64_t seed, bool trusts_plans, double stagger_m)
-    : scenario_(scenario(stagger_m)), trusts_plans_(trusts_plans), random_(seed) {
+    : FlightBench(seed, scenario(stagger_m), kLeadS) {
+  trusts_plans_ = trusts_plans;
+  for (Vehicle& vehicle : vehicles_) {
+    restart_driver(vehicle);
+  }
+}
+
+FlightBench::FlightBench(std::uint64_t seed, scenario::Scenario scenario, double lead_s)
+    : scenario_(std::move(scenario)), lead_s_(lead_s), random_(seed) {
   for (const scenario::RobotSpec& robot : scenario_.robots) {
     Vehicle vehicle;
     vehicle.name = robot.name;
-    restart_driver(vehicle);
     vehicle.lane_y_m = robot.start.y_m;
     vehicle.position_m = {robot.start.x_m, robot.start.y_m, 0.0};
     vehicle.yaw_rad = robot.start.yaw_rad;
@@ -97,24 +104,32 @@ void FlightBench::tick() {
   mocap();
   plan();
   operate();
-  for (Vehicle& vehicle : vehicles_) {
-    autopilot(vehicle);
-  }
-  for (Vehicle& vehicle : vehicles_) {
-    if (!vehicle.knobs.is_stalled) {
-      vehicle.guard->on_map(!vehicle.knobs.map_differs);
-      vehicle.out = vehicle.guard->tick(now());
-    }
-  }
-  for (Vehicle& vehicle : vehicles_) {
-    fly(vehicle);
-  }
+  move();
   check();
   for (Vehicle& vehicle : vehicles_) {
     vehicle.knobs = {};
   }
   room_ = {};
   ++ticks_;
+}
+
+void FlightBench::move() {
+  for (Vehicle& vehicle : vehicles_) {
+    autopilot(vehicle);
+  }
+  for (Vehicle& vehicle : vehicles_) {
+    if (!vehicle.knobs.is_stalled) {
+      vehicle.guard->on_map(!vehicle.knobs.map_differs);
+      vehicle.guard->on_processor_wait(vehicle.knobs.processor_wait_s);
+      if (vehicle.knobs.is_ending) {
+        vehicle.guard->on_end_request();
+      }
+      vehicle.out = vehicle.guard->tick(now());
+    }
+  }
+  for (Vehicle& vehicle : vehicles_) {
+    fly(vehicle);
+  }
 }
 
 void FlightBench::run(double seconds, const std::function<void()>& set_knobs) {
@@ -158,14 +173,44 @@ void FlightBench::mocap() {
     frames_.push_back({newest_arrival_, frame});
   }
   while (!frames_.empty() && frames_.front().arrives <= now()) {
-    for (Vehicle& vehicle : vehicles_) {
-      if (!vehicle.knobs.is_stalled) {
-        (void)vehicle.guard->on_mocap(frames_.front().frame,
-                                      now() - 1'000 * Duration{room_.heard_before_ms});
-      }
-    }
+    deliver(frames_.front().frame);
     frames_.erase(frames_.begin());
   }
+}
+
+void FlightBench::deliver(const models::MocapFrame& frame) {
+  for (Vehicle& vehicle : vehicles_) {
+    if (!vehicle.knobs.is_stalled) {
+      (void)vehicle.guard->on_mocap(frame, now() - 1'000 * Duration{room_.heard_before_ms});
+    }
+  }
+}
+
+bool FlightBench::deliver(Vehicle& vehicle, const models::RobotPlan& plan) {
+  const bool is_taken = vehicle.guard->on_plan(plan, now()) == drivers::PlanVerdict::kAccepted;
+  for (Vehicle& teammate : vehicles_) {
+    if (teammate.name != vehicle.name && !teammate.knobs.mute_teammates) {
+      teammate.guard->on_teammate_plan(plan, now());
+    }
+  }
+  return is_taken;
+}
+
+void FlightBench::deliver(const models::OperatorCommand& command) {
+  for (Vehicle& vehicle : vehicles_) {
+    if (!vehicle.knobs.is_stalled) {
+      (void)vehicle.guard->on_command(command, now());
+    }
+  }
+}
+
+std::int64_t FlightBench::count_of(const Vehicle& vehicle, const std::string& counter) const {
+  for (const models::NamedCount& each : vehicle.guard->counters()) {
+    if (each.name == counter) {
+      return each.count;
+    }
+  }
+  return -1;
 }
 
 Vehicle& FlightBench::driver_of(const Vehicle& vehicle) {
@@ -255,6 +300,12 @@ void FlightBench::spoil(models::MocapFrame& frame) {
     walker.name = scenario_.targets.at(i).name;
     walker.world_from_body.translation_m = room_.walkers_m[i];
     frame.bodies.push_back(walker);
+  }
+  if (room_.stranger_m) {
+    models::MocapBody stranger;
+    stranger.name = "STRANGER";
+    stranger.world_from_body.translation_m = *room_.stranger_m;
+    frame.bodies.push_back(stranger);
   }
   if (room_.ghost_body) {
     models::MocapBody ghost = honest[0];
@@ -391,8 +442,7 @@ void FlightBench::plan() {
     }
     plan.late = plan.late || vehicle.knobs.plan_late;
     const bool is_heard = vehicle.knobs.plan != PlanFault::kDropped && !vehicle.knobs.is_stalled;
-    const bool is_taken =
-        is_heard && vehicle.guard->on_plan(plan, now()) == drivers::PlanVerdict::kAccepted;
+    const bool is_taken = is_heard && deliver(vehicle, plan);
     if (is_taken || vehicle.sent.empty()) {
       vehicle.sent.push_back(honest);
     }
@@ -400,12 +450,7 @@ void FlightBench::plan() {
       models::RobotPlan other = honest;
       other.stamp.run_id = kOtherPlannerRun;
       other.trajectory.segments.clear();
-      (void)vehicle.guard->on_plan(other, now());
-    }
-    for (Vehicle& teammate : vehicles_) {
-      if (teammate.name != vehicle.name && is_heard && !teammate.knobs.mute_teammates) {
-        teammate.guard->on_teammate_plan(plan, now());
-      }
+      deliver(vehicle, other);
     }
   }
 }
@@ -415,11 +460,7 @@ void FlightBench::say(OperatorAction action, std::int64_t run_id, std::int64_t& 
   command.stamp = {now(), run_id, sequence++};
   command.action = action;
   command.robot = run_id == kStationRun ? room_.says_to : "";
-  for (Vehicle& vehicle : vehicles_) {
-    if (!vehicle.knobs.is_stalled) {
-      (void)vehicle.guard->on_command(command, now());
-    }
-  }
+  deliver(command);
 }
 
 void FlightBench::operate() {

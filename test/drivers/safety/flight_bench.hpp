@@ -68,7 +68,6 @@ struct VehicleKnobs {
   Eigen::Vector3d push_mps2 = Eigen::Vector3d::Zero();
   Eigen::Vector3d runaway_mps = Eigen::Vector3d::Zero();  ///< added to what it is asked to fly
   bool motor_failed = false;
-  bool thrust_saturated = false;
   double tilt_rad = 0.05;
   double body_tilt_rad = 0.0;        ///< of the mocap's body, about its x axis
   double attitude_offset_rad = 0.0;  ///< of the autopilot's roll
@@ -84,7 +83,9 @@ struct VehicleKnobs {
   bool link_cut = false;
   bool telemetry_cut = false;
   bool mode_left = false;
-  bool is_stalled = false;  ///< its driver does not run
+  bool is_stalled = false;        ///< its driver does not run
+  double processor_wait_s = 0.0;  ///< of its driver, within the last second
+  bool is_ending = false;         ///< its driver was asked to end
   bool map_differs = false;
   bool mute_teammates = false;  ///< plans of others do not arrive
 };
@@ -98,7 +99,8 @@ struct RoomKnobs {
   double frame_loss = 0.0;  ///< probability
   bool mocap_dead = false;
   bool ghost_body = false;
-  std::vector<Eigen::Vector3d> walkers_m;  ///< where the scenario's first targets are seen
+  std::vector<Eigen::Vector3d> walkers_m;     ///< where the scenario's first targets are seen
+  std::optional<Eigen::Vector3d> stranger_m;  ///< where a body of an unknown name is seen
   bool operator_silent = false;
   std::string says_to;                               ///< whom `says` is meant for; empty: all
   bool second_station = false;                       ///< one that beats and says `follow`
@@ -161,9 +163,14 @@ class FlightBench {
   /// `trusts_plans`: the plan check overlooks teammates, so that only what watches positions is
   /// between two vehicles. `stagger_m`: each flies so much higher than the one before it.
   explicit FlightBench(std::uint64_t seed, bool trusts_plans = false, double stagger_m = 0.0);
+  virtual ~FlightBench() = default;
+  FlightBench(const FlightBench&) = delete;
+  FlightBench& operator=(const FlightBench&) = delete;
+  FlightBench(FlightBench&&) = delete;
+  FlightBench& operator=(FlightBench&&) = delete;
 
   /// Arms and takes off at the start; follows from 3.5 s on; until `until_s`.
-  void fly_up(double until_s);
+  virtual void fly_up(double until_s);
   /// One tick with the knobs as they are; they are set back afterwards.
   void tick();
   /// So many seconds of ticks, each after `set_knobs`.
@@ -174,8 +181,8 @@ class FlightBench {
   /// What the vehicle's status gives as reasons now.
   [[nodiscard]] static bool has_reason(const Vehicle& vehicle, const std::string& reason, Time now);
 
-  /// Begins at -kLeadS.
-  [[nodiscard]] double time_s() const { return static_cast<double>(ticks_) * kTickS - kLeadS; }
+  /// Begins at minus the lead.
+  [[nodiscard]] double time_s() const { return static_cast<double>(ticks_) * kTickS - lead_s_; }
   [[nodiscard]] Time now() const;
   [[nodiscard]] std::vector<Vehicle>& vehicles() { return vehicles_; }
   [[nodiscard]] Vehicle& vehicle(const std::string& name);
@@ -186,7 +193,24 @@ class FlightBench {
   /// Everything that must never happen and did, in words.
   [[nodiscard]] const std::vector<std::string>& violations() const { return violations_; }
   [[nodiscard]] double closest_m() const { return closest_m_; }
+  /// The newest value of a vehicle's counter, or -1 when it does not count that.
+  [[nodiscard]] virtual std::int64_t count_of(const Vehicle& vehicle,
+                                              const std::string& counter) const;
   static scenario::Scenario scenario(double stagger_m = 0.0);
+
+ protected:
+  /// For a bench that drives its vehicles by other means; it has no guards of its own.
+  FlightBench(std::uint64_t seed, scenario::Scenario scenario, double lead_s);
+
+  /// Hands a frame, a plan or an order to every driver that runs.
+  virtual void deliver(const models::MocapFrame& frame);
+  /// True if the vehicle follows the plan now.
+  virtual bool deliver(Vehicle& vehicle, const models::RobotPlan& plan);
+  virtual void deliver(const models::OperatorCommand& command);
+  /// Drivers, autopilots and vehicles go on by one tick.
+  virtual void move();
+  [[nodiscard]] const scenario::Scenario& flown() const { return scenario_; }
+  [[nodiscard]] std::int64_t ticks() const { return ticks_; }
 
  private:
   struct Flight {  ///< a frame on its way
@@ -211,7 +235,8 @@ class FlightBench {
   void check();
 
   scenario::Scenario scenario_;
-  bool trusts_plans_;
+  bool trusts_plans_ = false;
+  double lead_s_ = kLeadS;
   Random random_;
   std::vector<Vehicle> vehicles_;
   RoomKnobs room_;

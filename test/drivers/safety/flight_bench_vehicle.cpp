@@ -63,7 +63,6 @@ void FlightBench::autopilot(Vehicle& vehicle) {
     report.estimator_good = !knobs.estimator_bad && vehicle.blind_s < kEstimatorBlindS;
     report.motor_failed = knobs.motor_failed;
     report.tilt_rad = knobs.tilt_rad;
-    report.thrust_share = knobs.thrust_saturated ? 1.0 : 0.5;
     report.has_position = true;
     report.position_world_m = fed.translation_m + vehicle.drift_m;
     report.position_world_m.x() += knobs.estimate_offset_m;

@@ -286,6 +286,11 @@ TEST(GuardInTheAir, AsksForNoSpeedBeyondWhatIsStated) {
   q1.run(0.1);
   EXPECT_EQ(q1.out.state, FlightState::kFollow);
   EXPECT_EQ(q1.out.setpoint.velocity_world_mps.z(), -limits.descent_mps);
+  const double before_m = q1.out.setpoint.position_world_m.z();
+  q1.tick();
+  EXPECT_NEAR(before_m - q1.out.setpoint.position_world_m.z(),
+              limits.descent_mps * OneVehicle::kTickS, 1e-9)
+      << "the height that is asked for moves as fast as the velocity says";
 }
 
 // A change is news, once: of the state, of what is in the way, and neither without the other.

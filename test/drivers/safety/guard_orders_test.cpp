@@ -203,12 +203,10 @@ TEST(AutopilotReport, IsHeardHoweverLargeItsNumbersAre) {
   q1.stand();
   drivers::AutopilotReport report;
   report.has_attitude = true;
-  report.tilt_rad = report.thrust_share = report.yaw_rate_radps =
-      std::numeric_limits<double>::max();
+  report.tilt_rad = report.yaw_rate_radps = std::numeric_limits<double>::max();
   q1.guard.on_autopilot(report, q1.now);
   (void)q1.guard.tick(q1.now);
   EXPECT_EQ(q1.guard.inputs().tilt_rad, report.tilt_rad);
-  EXPECT_EQ(q1.guard.inputs().thrust_share, report.thrust_share);
   EXPECT_EQ(q1.count("autopilot.refused"), 0);
 }
 

@@ -177,6 +177,15 @@ TEST_F(Inputs, SayHowLongAgoTheLastTickWas) {
   }
 }
 
+TEST_F(Inputs, SayHowLongTheThreadWaitedForAProcessor) {
+  EXPECT_EQ(look(1.0).processor_wait_s, 0.0) << "nothing is reported in virtual time";
+  guard->on_processor_wait(0.3);
+  EXPECT_EQ(look(1.1).processor_wait_s, 0.3);
+  EXPECT_EQ(look(9.0).processor_wait_s, 0.3) << "until the next report";
+  guard->on_processor_wait(0.0);
+  EXPECT_EQ(look(9.1).processor_wait_s, 0.0);
+}
+
 // Told to stand, it measures how far it rises from where it stood: on a table as on the floor.
 TEST_F(Inputs, SayHowFarItRisesUntoldFromWhereItStood) {
   for (const double table_m : {0.0, 0.4}) {
@@ -220,7 +229,6 @@ TEST_F(Inputs, AreAsOldAsTheLastWordOfEach) {
     guard->on_heartbeat(at(begin_s));
     AutopilotReport report;
     report.tilt_rad = 0.1 * begin_s;
-    report.thrust_share = 0.15 * begin_s;
     report.motor_failed = begin_s > 2.0;
     report.obeys = begin_s < 2.0;
     guard->on_autopilot(report, at(begin_s + 0.1));
@@ -232,7 +240,6 @@ TEST_F(Inputs, AreAsOldAsTheLastWordOfEach) {
     EXPECT_NEAR(in.battery_age_s, 0.8, 1e-9);
     EXPECT_NEAR(in.pose_age_s, 0.7, 1e-9);
     EXPECT_EQ(in.tilt_rad, report.tilt_rad);
-    EXPECT_EQ(in.thrust_share, report.thrust_share);
     EXPECT_EQ(in.motor_failed, report.motor_failed);
     EXPECT_EQ(in.autopilot_obeys, report.obeys);
     EXPECT_EQ(in.battery_share, 0.1 * begin_s);
@@ -250,13 +257,12 @@ TEST_F(Inputs, AreNoNumbersThatAreNone) {
   good.tilt_rad = 0.2;
   guard->on_autopilot(good, at(0.0));
   guard->on_battery(0.6, at(0.0));
-  std::vector<AutopilotReport> bad(6, good);
+  std::vector<AutopilotReport> bad(5, good);
   bad[0].tilt_rad = nan;
-  bad[1].thrust_share = nan;
-  bad[2].position_world_m.z() = nan;
-  bad[3].velocity_world_mps.y() = nan;
-  bad[4].world_from_body.coeffs()[2] = nan;
-  bad[5].yaw_rate_radps = nan;
+  bad[1].position_world_m.z() = nan;
+  bad[2].velocity_world_mps.y() = nan;
+  bad[3].world_from_body.coeffs()[2] = nan;
+  bad[4].yaw_rate_radps = nan;
   std::int64_t refused = 0;
   const auto expect_refused = [&] {
     EXPECT_NEAR(look(1.0).telemetry_age_s, 1.0, 1e-9) << refused;

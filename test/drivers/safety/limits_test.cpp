@@ -59,6 +59,10 @@ TEST(SafetyLimits, AreThoseThatTheDocumentsState) {
       {"speed_hold_ratio", is.speed_hold_ratio, 1.3},
       {"other_pose_growth_mps", is.other_pose_growth_mps, 0.5},
       {"other_pose_growth_max_m", is.other_pose_growth_max_m, 0.5},
+      {"other_turn_mps2", is.other_turn_mps2, 3.0},
+      {"other_goes_on_s", is.other_goes_on_s, 3.0},
+      {"landing_look_s", is.landing_look_s, 1.5},
+      {"sinking_look_s", is.sinking_look_s, 0.5},
       {"hover_clearance_m", is.hover_clearance_m, 0.1},
       {"landing_clearance_m", is.landing_clearance_m, 0.7},
       {"lateral_max_mps2", is.lateral_max_mps2, 10.0},
@@ -101,11 +105,12 @@ TEST(SafetyLimits, AreThoseThatTheDocumentsState) {
       {"estimate_error_hold_m", is.estimate_error_hold_m, 0.3},
       {"estimate_error_land_m", is.estimate_error_land_m, 1.0},
       {"tilt_kill_rad", is.tilt_kill_rad, 1.05},  // 60°
-      {"thrust_saturated_share", is.thrust_saturated_share, 0.97},
       {"needs_operator", is.needs_operator ? 1.0 : 0.0, 1.0},
       {"operator_age_hold_s", is.operator_age_hold_s, 1.0},
       {"operator_age_land_s", is.operator_age_land_s, 3.0},
       {"stall_hold_s", is.stall_hold_s, 0.25},
+      {"processor_wait_hold_s", is.processor_wait_hold_s, 0.30},
+      {"processor_wait_arm_s", is.processor_wait_arm_s, 0.15},
       {"clear_s", is.clear_s, 0.5},
       {"yield_s", is.yield_s, 2.0},
   };
@@ -261,6 +266,7 @@ TEST(CheckLimits, RefusesALadderThatDoesNotRise) {
       {&L::heartbeat_age_hold_s, &L::heartbeat_age_land_s},
       {&L::estimate_error_hold_m, &L::estimate_error_land_m},
       {&L::operator_age_hold_s, &L::operator_age_land_s},
+      {&L::processor_wait_arm_s, &L::processor_wait_hold_s},
   };
   const SafetyLimits good = limits_for(test::FlightBench::scenario(), "Q1");
   check_limits(good);
@@ -291,6 +297,10 @@ TEST(CheckLimits, RefusesWhatIsNotPositiveAndFinite) {
       [](SafetyLimits& l) { return &l.planner_lease_s; },
       [](SafetyLimits& l) { return &l.climb_mps; },
       [](SafetyLimits& l) { return &l.low_height_m; },
+      [](SafetyLimits& l) { return &l.other_turn_mps2; },
+      [](SafetyLimits& l) { return &l.other_goes_on_s; },
+      [](SafetyLimits& l) { return &l.landing_look_s; },
+      [](SafetyLimits& l) { return &l.sinking_look_s; },
       [](SafetyLimits& l) { return &l.flight_max_s; },
       [](SafetyLimits& l) { return &l.lift_wait_s; },
       [](SafetyLimits& l) { return &l.lift_proof_s; },

@@ -1,4 +1,4 @@
-#include "drivers/safety/mocap_clock.hpp"
+#include "models/exchange/mocap_clock.hpp"
 
 #include <cmath>
 #include <utility>
@@ -7,7 +7,7 @@
 
 #include "test/support/random.hpp"
 
-namespace vantage::drivers {
+namespace vantage::models {
 namespace {
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
@@ -149,4 +149,4 @@ TEST(MocapClock, BelievesLatenciesOfNoneToASecond) {
 }
 
 }  // namespace
-}  // namespace vantage::drivers
+}  // namespace vantage::models

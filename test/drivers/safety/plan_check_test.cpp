@@ -216,6 +216,7 @@ TEST(PlanVerdict, IsNamedAsReasonsWriteIt) {
       {PlanVerdict::kOutsideFence, "out of fence"},
       {PlanVerdict::kObstacle, "obstacle"},
       {PlanVerdict::kTeammate, "teammate"},
+      {PlanVerdict::kTooCostly, "too costly"},
   };
   EXPECT_EQ(names.size(), kPlanVerdicts);
   for (const auto& [verdict, name] : names) {

@@ -303,6 +303,12 @@ TEST_F(Gate, CountsEachVerdictByItsName) {
     limits.fence = room;
     others = {{nullptr, {1.0, -0.9, 1.0}}};
     EXPECT_EQ(judge(news(0.1), 0.0), PlanVerdict::kTeammate);
+    others[0].position_world_m.y() = -1.0 + limits.plan_separation_m + 5e-4;
+    EXPECT_EQ(judge(bad([](auto& p) {
+                      p.trajectory.segments = {{{0.0, 3.0}, 59.0, 0.0}};
+                    }),
+                    0.0),
+              PlanVerdict::kTooCostly);
     others.clear();
     std::vector<models::NamedCount> counts;
     gate.count(counts);

@@ -48,6 +48,7 @@ TEST(LookAround, FindsHowFarApartTwoPassWhoMeetHeadOn) {
     const double between_m = random.uniform(0.0, 1.5);
     const double beside_m = random.uniform(0.05, 0.4);
     OtherBody body;
+    body.robot = 0;
     body.position_world_m = here_m + between_m * ahead + beside_m * aside;
     body.age_s = random.uniform(0.0, 1.5);
     const double closed_m = std::min(between_m, 2.0 * stopping_way_m(limits, v_mps.norm()));
@@ -80,6 +81,7 @@ TEST(LookAround, FindsTheLeastSeparationToHalfAMillimetre) {
     const Eigen::Vector3d here_m(0.0, -1.0, 1.0);
     const BrakeWay ours = stop_from(here_m, speed_mps(random), limits);
     OtherBody body;
+    body.robot = 0;
     body.position_world_m =
         here_m + Eigen::Vector3d(random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6), 0.0);
     body.velocity_world_mps = body.planned_world_mps = speed_mps(random);

@@ -180,6 +180,7 @@ TEST(LookAround, FindsTheLeastSeparationOfTwoThatBrake) {
     const Eigen::Vector3d here_m(0.0, -1.0, 1.0);
     const Eigen::Vector3d v_mps = random.vector<3>(-1.0, 1.0);
     OtherBody body;
+    body.robot = 0;
     body.position_world_m = here_m + random.vector<3>(-0.8, 0.8);
     body.velocity_world_mps = random.vector<3>(-1.5, 1.5);
     body.planned_world_mps =
@@ -204,6 +205,7 @@ TEST(LookAround, TakesABodyForNearerTheLongerItHasNotBeenSeen) {
   const BrakeWay way =
       BrakeWay::straight(here_m, Eigen::Vector3d::Zero(), 0.0, limits.vehicle.brake_mps2, 0.2);
   OtherBody body;
+  body.robot = 0;
   body.position_world_m = here_m + Eigen::Vector3d(0.0, 2.0, 0.0);
   for (double age_s = 0.0; age_s < 2.0; age_s += 0.01) {
     body.age_s = age_s;
@@ -225,6 +227,7 @@ TEST(LookAround, TakesTheNearestOfAllAndWhoseTurnItIs) {
       const double apart_m = i == near ? 0.8 : 1.5;
       others[i].position_world_m = here_m + Eigen::Vector3d(0.0, apart_m, 0.0);
       others[i].goes_first = i == near;
+      others[i].robot = static_cast<int>(i);
     }
     Surroundings seen = look_around(here_m, way, others, limits);
     EXPECT_NEAR(seen.separation_now_m, 0.8, 1e-12);

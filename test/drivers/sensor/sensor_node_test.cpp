@@ -27,6 +27,8 @@ struct Bench {
   SensorNode node;
   std::vector<models::DetectionSet> measured;
   std::vector<models::RangeScan> scanned;
+  Duration mocap_clock{};  ///< by which the publisher's clock is off
+  std::int64_t frames = 0;
 
   explicit Bench(const scenario::Scenario& scenario = test::lab_scenario())
       : node(sensor_bus, clock, scenario, "Q1") {
@@ -41,8 +43,10 @@ struct Bench {
   /// Q1 drives along x at 1 m/s from (1, 4); a rover stays half a metre ahead of it.
   models::InputRef send_frame(Duration after_start, bool is_seen = true) {
     models::MocapFrame frame;
-    frame.stamp.time = kStart + after_start;
+    frame.stamp.time = kStart + after_start + mocap_clock;
     frame.arrival = frame.stamp.time + Duration{5'000};
+    frame.frame_number = ++frames;
+    clock.set(kStart + after_start + Duration{6'000});
     const double x_m = 1.0 + to_seconds(after_start);
     frame.bodies.resize(2);
     frame.bodies[0].name = "Q1";
@@ -142,6 +146,23 @@ TEST(SensorNode, CountsStepsAtWhichItsRobotIsNotSeen) {
   bench.send_frame(Duration{0}, false);
   EXPECT_TRUE(bench.measured.empty());
   EXPECT_EQ(bench.count("sensor.steps_without_own_pose"), 1);
+}
+
+TEST(SensorNode, MeasuresOnByOurTimeWhenThePublishersClockIsSet) {
+  for (const Duration set : {Duration{-std::chrono::hours(1)}, Duration{-std::chrono::seconds(1)},
+                             Duration{std::chrono::hours(1)}}) {
+    Bench bench;
+    for (int k = 0; k <= 100; ++k) {
+      bench.mocap_clock = k < 40 ? Duration{} : set;
+      bench.send_frame(k * Duration{20'000});
+    }
+    ASSERT_EQ(bench.measured.size(), 5u) << to_seconds(set);
+    for (std::size_t k = 0; k < 5; ++k) {
+      EXPECT_EQ(bench.measured[k].stamp.time, kStart + static_cast<int>(k) * Duration{500'000});
+      EXPECT_NEAR(bench.measured[k].viewpoint.world_from_body.x_m,
+                  1.0 + 0.5 * static_cast<double>(k), 1e-6);
+    }
+  }
 }
 
 TEST(SensorNode, MeasuresNothingWhileItIsJammed) {

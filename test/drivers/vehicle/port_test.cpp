@@ -82,24 +82,48 @@ TEST(UdpPort, AnswersWhereTheVehicleSpeaksFrom) {
   const Socket vehicle;
   vehicle.send({1, 2, 3}, number);
   EXPECT_EQ(read_all(*port, kNow), (Bytes{1, 2, 3}));
+  port->write(Bytes{6}, kNow);  // not accepted yet: not answered
+  port->accept(kNow);
   EXPECT_TRUE(read_all(*port, kNow).empty());
   port->write(Bytes{7, 8}, kNow);
   EXPECT_EQ(vehicle.receive(), (Bytes{7, 8}));
 }
 
-TEST(UdpPort, HearsOneSenderUntilItIsSilent) {
+// A stranger that sends first, and goes on sending, does not keep the vehicle out.
+TEST(UdpPort, ListensToEverySenderUntilOneIsAccepted) {
+  const int number = test::free_port();
+  const auto port = open_port("udp://127.0.0.1:" + std::to_string(number));
+  const Socket stranger;
+  const Socket vehicle;
+  for (int second = 0; second < 5; ++second) {
+    stranger.send({2}, number);
+    EXPECT_EQ(read_all(*port, kNow + std::chrono::seconds(second)), Bytes{2});
+  }
+  vehicle.send({1}, number);
+  EXPECT_EQ(read_all(*port, kNow + std::chrono::seconds(5)), Bytes{1});
+  port->accept(kNow + std::chrono::seconds(5));
+  port->write(Bytes{9}, kNow);
+  EXPECT_EQ(vehicle.receive(), Bytes{9});
+}
+
+TEST(UdpPort, ListensToTheAcceptedSenderAloneUntilItIsSilent) {
   const int number = test::free_port();
   const auto port = open_port("udp://127.0.0.1:" + std::to_string(number));
   const Socket vehicle;
   const Socket other;
   vehicle.send({1}, number);
   EXPECT_EQ(read_all(*port, kNow), Bytes{1});
-  other.send({2}, number);
+  other.send({2}, number);  // waits in the socket when the vehicle is accepted
+  port->accept(kNow);
   EXPECT_TRUE(read_all(*port, kNow + std::chrono::seconds(1)).empty());
   ASSERT_EQ(port->counters().size(), 1U);
   EXPECT_EQ(port->counters()[0].name, "port.strangers");
-  other.send({3}, number);
-  EXPECT_EQ(read_all(*port, kNow + std::chrono::seconds(4)), Bytes{3});
+  other.send({3}, number);  // dropped by the kernel
+  EXPECT_TRUE(read_all(*port, kNow + std::chrono::seconds(2)).empty());
+  EXPECT_TRUE(read_all(*port, kNow + std::chrono::seconds(4)).empty());
+  other.send({4}, number);
+  EXPECT_EQ(read_all(*port, kNow + std::chrono::seconds(4)), Bytes{4});
+  port->accept(kNow + std::chrono::seconds(4));
   port->write(Bytes{9}, kNow);
   EXPECT_EQ(other.receive(), Bytes{9});
 }

@@ -82,6 +82,11 @@ class VehicleNodeBench {
     }
     return done();
   }
+  /// As its process is run when it was asked to end: until the node may end; false when it does
+  /// not within `seconds`.
+  bool run_to_the_end(double seconds) {
+    return run_until([this] { return node.may_end(clock.now()); }, seconds);
+  }
   void run(double seconds) {
     run_until([] { return false; }, seconds);
   }

@@ -1,12 +1,19 @@
 #include "experiments/sweep/slurm_job.hpp"
 
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <random>
 #include <set>
+#include <string>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
 #include "core/child.hpp"
+#include "experiments/sweep/slurm_client.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace vantage::experiments {
 namespace {
@@ -62,9 +69,9 @@ TEST(ArrayText, JoinsWhatIsInARow) {
   EXPECT_EQ(array_text({1, 2, 3, 7, 9, 10}), "1-3,7,9-10");
 }
 
-TEST(JobOf, IsTheNumberAmongWarningsAndBeforeTheCluster) {
+TEST(JobOf, IsTheNumberAmongWarningsWithItsCluster) {
   EXPECT_EQ(job_of("1234\n"), "1234");
-  EXPECT_EQ(job_of("sbatch: warning: 12 nodes\n77;east\n"), "77");
+  EXPECT_EQ(job_of("sbatch: warning: 12 nodes\n77;east\n"), "77;east");
   EXPECT_EQ(job_of("sbatch: error: invalid partition specified: none\n"), "");
   EXPECT_EQ(job_of(""), "");
 }
@@ -90,6 +97,58 @@ TEST(StatesOf, OfAJobThatIsTakenDownSayNotThatItHasEnded) {
   EXPECT_FALSE(is_failure("COMPLETING"));
   EXPECT_TRUE(is_at_work("REQUEUED"));
   EXPECT_FALSE(is_at_work("COMPLETED"));
+}
+
+/// squeue and scancel that keep the words they are called with; first in PATH while it lives.
+class FakeSlurm {
+ public:
+  FakeSlurm() {
+    for (const char* program : {"squeue", "scancel"}) {
+      const std::string path = folder_.file(program);
+      std::ofstream(path) << "#!/bin/sh\necho \"$(basename \"$0\") $*\" >> "
+                          << folder_.file("words")
+                          << "\necho 'CLUSTER: east'\necho '77_1|RUNNING'\necho '78|PENDING'\n";
+      std::filesystem::permissions(path, std::filesystem::perms::owner_all);
+    }
+    ::setenv("PATH", (folder_.path() + ":" + path_before_).c_str(), 1);
+  }
+  ~FakeSlurm() { ::setenv("PATH", path_before_.c_str(), 1); }
+  FakeSlurm(const FakeSlurm&) = delete;
+  FakeSlurm& operator=(const FakeSlurm&) = delete;
+  FakeSlurm(FakeSlurm&&) = delete;
+  FakeSlurm& operator=(FakeSlurm&&) = delete;
+
+  [[nodiscard]] std::string words() const {
+    std::ifstream file(folder_.file("words"));
+    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  }
+
+ private:
+  test::TemporaryFolder folder_;
+  std::string path_before_ = std::getenv("PATH");
+};
+
+TEST(SlurmClient, WorksOnTheClusterThatTheJobsWereSubmittedTo) {
+  const std::tuple<SlurmJobs, std::string, std::string> cases[] = {
+      {{"77", "78", 1}, "", "jobs 77 and 78 are"},
+      {{"77;east", "78;east", 1}, "--clusters=east ", "jobs 77 and 78 on cluster east are"}};
+  for (const auto& [jobs, option, sentence] : cases) {
+    const FakeSlurm fake;
+    const Result<SlurmQueue> queue = ask_queue(jobs);
+    ASSERT_TRUE(queue.ok());
+    EXPECT_EQ(queue.value().tasks.at(1), "RUNNING");
+    EXPECT_EQ(queue.value().collector, "PENDING");
+    cancel_job(jobs.collector, {"--state=PENDING"});
+    const std::string asked = std::string("--jobs=77,78") + (option.empty() ? "" : " ") + option;
+    EXPECT_NE(fake.words().find(asked.substr(0, asked.find_last_not_of(' ') + 1) + "\n"),
+              std::string::npos)
+        << fake.words();
+    EXPECT_NE(fake.words().find("scancel --quiet --state=PENDING " + option + "78\n"),
+              std::string::npos)
+        << fake.words();
+    EXPECT_EQ(cancel_command(jobs), "scancel " + option + "77 78");
+    EXPECT_EQ(jobs.are(), sentence);
+  }
 }
 
 }  // namespace

@@ -1,7 +1,10 @@
 #include "logs/analysis/log_analysis.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -10,6 +13,7 @@
 #include "test/logs/file_support.hpp"
 #include "tools/log/log_plot.hpp"
 #include "tools/log/log_scenario.hpp"
+#include "tools/log/log_words.hpp"
 #include "trial/trial.hpp"
 
 namespace vantage::tools {
@@ -114,6 +118,41 @@ TEST_F(AnalyseLog, IsDrawnByGnuplot) {
                                folder_.file("p.gp"), png);
   ASSERT_TRUE(drawn.ok()) << drawn.error().message;
   EXPECT_GT(std::filesystem::file_size(png), 20'000U);
+}
+
+// One stamp of a clock that was not set yet: durations are of the others.
+TEST_F(AnalyseLog, LeavesOutATimeFarFromAllOthers) {
+  const logs::test::Bytes whole = logs::test::read_file(folder_.file("trial.lcmlog"));
+  constexpr std::size_t kTimeAt = 12;  // of an event
+  std::size_t middle = 0;
+  for (int i = 0; i < 500; ++i) {
+    middle += logs::event_bytes_at(whole, middle);
+  }
+  const std::pair<std::size_t, std::uint8_t> breaks[] = {{0, 0x00}, {middle, 0x00}, {middle, 0x7f}};
+  for (const auto& [event, byte] : breaks) {
+    logs::test::Bytes broken = whole;
+    std::fill_n(broken.begin() + static_cast<std::ptrdiff_t>(event + kTimeAt), 8, byte);
+    logs::test::write_file(folder_.file("broken.lcmlog"), broken);
+    const logs::IndexedLog log(folder_.file("broken.lcmlog"));
+    EXPECT_NEAR(log.survey().duration_s(), 12.0, 1.0);
+    for (const auto& [name, channel] : log.survey().channels) {
+      EXPECT_LT(to_seconds(channel.gap_max), 12.0) << name;
+    }
+    const logs::LogAnalysis analysis = logs::analyse_log(log, scenario_of(log));
+    EXPECT_NEAR(analysis.summary.duration_s, flown_.duration_s, 0.5);
+    ASSERT_EQ(analysis.summary.discovery_time_s.size(), flown_.discovery_time_s.size());
+    for (std::size_t i = 0; i < flown_.discovery_time_s.size(); ++i) {
+      EXPECT_NEAR(analysis.summary.discovery_time_s[i].value_or(-1.0),
+                  flown_.discovery_time_s[i].value_or(-1.0), 0.5);
+    }
+    EXPECT_LE(std::abs(analysis.summary.plans - flown_.plans), 1);
+    for (const auto& [name, spread] : analysis.latencies) {
+      EXPECT_LT(std::max(spread.worst_s, -spread.least_s), 12.0) << name;
+    }
+    const std::string text = to_json("a", log.survey()).dump();
+    EXPECT_NE(text.find("\"times_outlying\":1"), std::string::npos) << text;
+    std::filesystem::remove(folder_.file("broken.lcmlog.index"));
+  }
 }
 
 }  // namespace

@@ -124,6 +124,41 @@ TEST_F(ReplayTest, PlansAgainFromBeliefsMotionsStatesAndAttacks) {
   expect_all_again(3, {"BELIEF_Q1", "PLAN_Q1", "PLAN_Q2", "VEHICLE_Q2", "VICON", "ATTACK"});
 }
 
+// A person walks at flight height: the plan names both frames by which it knows the velocity.
+TEST_F(ReplayTest, PlansAgainBesideAPersonFromTwoFrames) {
+  start_both(test::lab_scenario());
+  rounds(3, [&] {
+    world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
+    for (int i = 0; i < 3; ++i) {
+      models::MocapFrame frame = *inputs_.mocap;
+      frame.stamp.time = inputs_.slot.activation - from_seconds(0.6 - 0.12 * i);
+      models::MocapBody& person = frame.bodies.emplace_back();
+      person.name = "PERSON";
+      person.world_from_body.translation_m = {-1.5 - 0.1 * i, 0.2, 1.0};
+      world_.publish(bus::kVicon, frame);
+    }
+  });
+  expect_all_again(3, {"BELIEF_Q1", "VICON"});
+  for (const models::RobotPlan& plan : plans_) {
+    EXPECT_EQ(std::count_if(plan.inputs.begin(), plan.inputs.end(),
+                            [](const models::InputRef& input) { return input.channel == "VICON"; }),
+              2);
+  }
+}
+
+TEST_F(ReplayTest, StopsAgainWhereThePlannerHadNoProcessor) {
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.robots[0].device = scenario::DeviceSource::kWire;
+  start_both(scenario);
+  rounds(4, [&, round = 0]() mutable {
+    world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
+    node_->on_processor_wait(round++ % 2 == 0 ? 0.0 : 0.3);
+  });
+  expect_all_again(4, {"BELIEF_Q1", "PLAN_Q1", "VICON"});
+  EXPECT_FALSE(again_[2].late);
+  EXPECT_TRUE(again_[3].late);
+}
+
 TEST_F(ReplayTest, PlansAgainBesideProposals) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.attacks_max = 1;

@@ -232,6 +232,7 @@ TEST(RobotPlanner, KeepsClearOfWhatAClimbOrALandingPasses) {
   const auto kept_at_m = [&](const std::string& own, models::FlightState state, double here_m) {
     PlanInputs inputs = test::first_inputs(scenario, own == "Q1" ? 0 : 2);
     inputs.team_statuses["Q2"].state = state;  // flies at 1.5 m, Q1 at 1 m, Q3 at 2 m
+    inputs.team_statuses["Q2"].stamp.time = inputs.slot.begin;
     for (models::MocapBody& body : inputs.mocap->bodies) {
       body.world_from_body.translation_m.z() =
           body.name == "Q2" ? here_m : body.world_from_body.translation_m.z();
@@ -261,6 +262,7 @@ TEST(RobotPlanner, KeepsClearOfWhoStandsOnTheGroundThereAndWhereItWillFly) {
     PlanInputs inputs = test::first_inputs(scenario, 0);
     const std::size_t others = scenario.robots.size() - 1;
     inputs.team_statuses["Q2"].state = state;
+    inputs.team_statuses["Q2"].stamp.time = inputs.slot.begin;
     for (models::MocapBody& body : inputs.mocap->bodies) {
       body.world_from_body.translation_m.z() =
           body.name == "Q2" ? here_m : body.world_from_body.translation_m.z();

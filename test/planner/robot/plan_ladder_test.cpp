@@ -194,6 +194,27 @@ TEST_F(Ladder, RestsOrFallsBack) {
   expect_counts(0, 1, 0, 0, 1);
 }
 
+// A planner without a processor brakes where that is safe, and does what the last plan says where
+// braking is not: a teammate passes the place of the hover.
+TEST_F(Ladder, StopsAtOnceWhereThatIsSafe) {
+  {
+    PlanLadder ladder = begin(5.0);
+    const models::RobotPlan stopped = ladder.stopped();
+    EXPECT_EQ(stopped.source, models::PlanSource::kBraking);
+    EXPECT_NEAR(end_of(stopped).x_m, 5.25, 1e-12);
+    expect_counts(0, 0, 0, 0, 1);
+  }
+  PlanLadder ladder = begin(5.0);
+  const Pose2 crossing{5.25, -6.0, kPi / 2.0};
+  models::Trajectory teammate = hover_at(crossing, problem_.height_m, kStart);
+  teammate.segments = {{{1.0, 0.0}, 12.0, 0.0}};
+  problem_.teammates = {teammate};
+  const models::RobotPlan shifted = ladder.stopped();
+  EXPECT_EQ(shifted.source, models::PlanSource::kShifted);
+  EXPECT_NEAR(end_of(shifted).x_m, 6.25, 1e-12);
+  expect_counts(0, 0, 0, 1, 0);
+}
+
 // Of several the nearest, wherever in the team; none where all are as far as asked.
 TEST(TooNear, IsTheNearestOfThoseThatAre) {
   SearchProblem problem;

@@ -51,7 +51,7 @@ TEST(Workspace, HasRoomForAllThatARoundMayHave) {
     problem.sensors.emplace_back();
     problem.targets.assign(targets, {{models::TargetKind::kStatic, 2, 0.0},
                                      {Eigen::Vector2d::Zero(), Eigen::Matrix2d::Identity()}});
-    problem.teammates.resize(9);
+    problem.teammates.resize(9 + kBodiesMax);
     const Deadline deadline = Deadline::nodes(50);
     const auto plan = [&] {
       workspace.search().plan(problem, deadline);

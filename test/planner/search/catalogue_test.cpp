@@ -1,6 +1,7 @@
 #include "planner/search/catalogue.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <string>
 
@@ -11,6 +12,7 @@
 #include "planner/search/astar.hpp"
 #include "scenario/scenario.hpp"
 #include "test/planner/problem/random_problem.hpp"
+#include "test/planner/search/solved_problems.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -155,6 +157,58 @@ TEST(Catalogue, TellsEachSearchWhatItIsTold) {
     EXPECT_EQ(wastar.controls, expected.controls);
   }
   EXPECT_GT(differ, 5) << "the weight of a turn hardly mattered";
+}
+
+/// A robot that can only turn, with targets ahead of it, to its left and behind it, and a sensor
+/// that sees a quarter turn: its poses differ by their heading alone.
+SearchProblem turning_problem() {
+  SearchProblem problem;
+  problem.horizon_steps = 3;
+  problem.step_s = 1.0;
+  problem.controls = {{0.0, 0.0}, {0.0, 0.8}, {0.0, -0.8}};
+  models::SensorModel sensor;
+  sensor.kind = models::SensorKind::kPosition;
+  sensor.fov_rad = kPi / 2.0;
+  sensor.position_sigma_m = 0.5;
+  problem.sensors = {sensor};
+  for (const double bearing_rad : {1.6, 2.4, -2.4}) {
+    problem.targets.push_back({{models::TargetKind::kStatic, 2, 0.0},
+                               {3.0 * Eigen::Vector2d(std::cos(bearing_rad), std::sin(bearing_rad)),
+                                Eigen::Matrix2d::Identity()}});
+  }
+  return problem;
+}
+
+// With a yaw weight of 0, or one whose square is 0 in double precision, poses of one position and
+// different headings have the distance 0.
+TEST(Catalogue, ProvesNoFalseOptimumWhateverTheYawWeightIs) {
+  const auto expect_true_proofs = [](const SearchProblem& problem, const test::OracleAnswer& best,
+                                     const std::string& label) {
+    for (const Algorithm& algorithm : all_algorithms()) {
+      if (algorithm.name == "lawn_mower" && problem.world == nullptr) {
+        continue;  // it refuses a problem without a world to sweep
+      }
+      for (const double weight_m_per_rad : {0.0, 1e-200, 0.3}) {
+        AlgorithmOptions options;
+        options.yaw_weight_m_per_rad = weight_m_per_rad;
+        const auto search = algorithm.make(test::small_capacity(), options);
+        const SearchResult& result = search->plan(problem, Deadline::nodes(200'000));
+        const std::string what = std::string(algorithm.name) + ", yaw weight " +
+                                 std::to_string(weight_m_per_rad) + ", " + label;
+        EXPECT_LE(result.lower_bound, best.cost + test::slack(best.cost)) << what;
+        if (result.stop_reason == StopReason::kFinished) {
+          EXPECT_NEAR(result.cost, best.cost, test::slack(best.cost)) << what;
+        }
+      }
+    }
+  };
+  const SearchProblem turning = turning_problem();
+  expect_true_proofs(turning, test::best_completion(turning, test::start_of(turning)), "turning");
+  for (const auto& [seed, owned, best] : test::solved_problems(0, 60)) {
+    if (best.found) {
+      expect_true_proofs(owned.problem, best, "seed " + std::to_string(seed));
+    }
+  }
 }
 
 TEST(Catalogue, SaysWhatEachIsLike) {

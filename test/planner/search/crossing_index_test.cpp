@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -22,6 +23,19 @@ TEST(PoseMetric, CountsTheShorterTurnEitherWay) {
       EXPECT_NEAR(metric.squared(a, b), expected_m2, 1e-12) << yaw_rad << " and " << turn_rad;
       EXPECT_NEAR(metric.squared(b, a), expected_m2, 1e-12) << yaw_rad << " and " << turn_rad;
     }
+  }
+}
+
+TEST(PoseMetric, CrossesAtDeltaZeroOnlyWhereWholePosesAreEqual) {
+  const Pose2 a{1.0, -2.0, 0.5};
+  for (const double weight_m_per_rad : {0.0, 1e-200, 0.3}) {
+    const PoseMetric metric{weight_m_per_rad};
+    EXPECT_TRUE(metric.crosses(a, a, 0.0));
+    EXPECT_FALSE(metric.crosses(a, {1.0, -2.0, 0.6}, 0.0)) << weight_m_per_rad;
+    EXPECT_FALSE(metric.crosses(a, {1.0 + 1e-200, -2.0 + 1e-12, 0.5}, 0.0)) << weight_m_per_rad;
+    EXPECT_TRUE(metric.crosses(a, {1.3, -2.4, 0.5}, 0.5 + 1e-12));
+    EXPECT_FALSE(metric.crosses(a, {1.3, -2.4, 0.5}, 0.5 - 1e-12));
+    EXPECT_TRUE(metric.crosses(a, {9.0, 9.0, 3.0}, std::numeric_limits<double>::infinity()));
   }
 }
 

@@ -11,17 +11,82 @@ using models::OperatorAction;
 using Kind = OperatorRequest::Kind;
 const std::vector<std::string> kRobots = {"Q1", "Q2"};
 
-TEST(RequestFromKey, SpaceAndEStopEveryone) {
-  for (const char* key : {" ", "e", "E"}) {
-    const auto request = request_from_key(key, kRobots, "");
-    ASSERT_TRUE(request);
+std::optional<OperatorRequest> request_from_key(std::string_view key,
+                                                const std::vector<std::string>& robots,
+                                                const std::string& selected) {
+  return KeyInput().on_key(key, robots, selected);
+}
+
+TEST(KeyInput, StopsAllBySpaceAndTheSelectedRobotByE) {
+  struct Row {
+    const char* key;
+    const char* selected;
+    const char* stopped;
+  };
+  for (const Row& row : {Row{" ", "", ""}, Row{" ", "Q2", ""}, Row{"e", "", ""},
+                         Row{"e", "Q2", "Q2"}, Row{"E", "Q2", "Q2"}}) {
+    const auto request = request_from_key(row.key, kRobots, row.selected);
+    ASSERT_TRUE(request) << row.key << row.selected;
     EXPECT_EQ(request->kind, Kind::kCommand);
     EXPECT_EQ(request->action, OperatorAction::kEmergencyStop);
-    EXPECT_EQ(request->robot, "");
+    EXPECT_EQ(request->robot, row.stopped) << row.key << row.selected;
   }
 }
 
-TEST(RequestFromKey, SendsToTheSelectedRobot) {
+TEST(KeyInput, SelectsAnyRobotByItsName) {
+  std::vector<std::string> robots{"alpha"};
+  for (int i = 1; i <= 120; ++i) {
+    robots.push_back("Q" + std::to_string(i));
+  }
+  struct Row {
+    const char* typed;
+    std::optional<Kind> kind;
+    const char* robot;
+  };
+  for (const Row& row : {Row{"rQ117\n", Kind::kSelect, "Q117"}, Row{"rq12\r", Kind::kSelect, "Q12"},
+                         Row{"ral\n", Kind::kSelect, "alpha"}, Row{"rq\n", Kind::kNoRobot, "q"},
+                         Row{"rQ999\n", Kind::kNoRobot, "Q999"},
+                         Row{"rQ13\x7f\x7f\x7f\x7f\x7f"
+                             "Q2\n",
+                             Kind::kSelect, "Q2"},
+                         Row{"r\n", std::nullopt, ""}, Row{"rQ3\x1b", std::nullopt, ""},
+                         Row{"rhal ", Kind::kCommand, ""}}) {
+    KeyInput input;
+    std::optional<OperatorRequest> request;
+    for (const char key : std::string(row.typed)) {
+      ASSERT_FALSE(request) << row.typed << ": nothing before its last key";
+      request = input.on_key({&key, 1}, robots, "Q1");
+    }
+    ASSERT_EQ(request.has_value(), row.kind.has_value()) << row.typed;
+    EXPECT_TRUE(input.prompt().empty()) << row.typed;
+    if (request) {
+      EXPECT_EQ(request->kind, row.kind) << row.typed;
+      EXPECT_EQ(request->robot, row.robot) << row.typed;
+    }
+  }
+}
+
+TEST(KeyInput, ReachesEachRobotByTabAndThenAll) {
+  std::vector<std::string> robots;
+  for (int i = 1; i <= 12; ++i) {
+    robots.push_back("Q" + std::to_string(i));
+  }
+  std::string selected;
+  for (const std::string& robot : robots) {
+    selected = request_from_key("\t", robots, selected)->robot;
+    EXPECT_EQ(selected, robot);
+  }
+  EXPECT_EQ(request_from_key("\t", robots, selected)->robot, "");
+}
+
+TEST(KeyInput, ShowsTheNameThatIsTyped) {
+  KeyInput input;
+  EXPECT_FALSE(input.on_key("r", kRobots, ""));
+  EXPECT_FALSE(input.on_key("Q", kRobots, ""));
+  EXPECT_TRUE(input.prompt().starts_with("robot: Q_"));
+}
+
+TEST(KeyInput, SendsToTheSelectedRobot) {
   const std::vector<std::pair<std::string, OperatorAction>> keys = {{"a", OperatorAction::kArm},
                                                                     {"t", OperatorAction::kTakeOff},
                                                                     {"f", OperatorAction::kFollow},
@@ -35,7 +100,7 @@ TEST(RequestFromKey, SendsToTheSelectedRobot) {
   }
 }
 
-TEST(RequestFromKey, SelectsByDigitAndIgnoresDigitsWithoutARobot) {
+TEST(KeyInput, SelectsByDigitAndIgnoresDigitsWithoutARobot) {
   EXPECT_EQ(request_from_key("2", kRobots, "")->robot, "Q2");
   EXPECT_EQ(request_from_key("2", kRobots, "")->kind, Kind::kSelect);
   EXPECT_EQ(request_from_key("0", kRobots, "Q1")->robot, "");

@@ -2,6 +2,11 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -14,6 +19,7 @@
 #include "tools/check/arming_watch.hpp"
 #include "tools/check/preflight.hpp"
 #include "tools/console/console.hpp"
+#include "tools/console/order_queue.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -40,12 +46,12 @@ TEST(OperatorDesk, RefusesTheSecondStationEverythingButTheEmergencyStop) {
   std::vector<models::OperatorCommand> heard;
   vehicle.subscribe<models::OperatorCommand>(
       bus::kCommand, [&](const models::OperatorCommand& command) { heard.push_back(command); });
-  OperatorDesk first(bus_a, false, kStart);
+  OperatorDesk first(bus_a, {}, kStart);
   std::optional<OperatorDesk> second;
   for (int i = 0; i < 40; ++i) {
     const Time now = kStart + from_seconds(0.1 * i);
     if (i == 20) {
-      second.emplace(bus_b, false, now);
+      second.emplace(bus_b, DeskRules{}, now);
     }
     for (bus::Bus* each : {&bus_a, &bus_b, &vehicle}) {
       each->handle(std::chrono::microseconds(0));
@@ -84,7 +90,7 @@ TEST(OperatorDesk, SpeaksInTheVehiclesTime) {
     std::vector<models::OperatorCommand> heard;
     vehicle.subscribe<models::OperatorCommand>(
         bus::kCommand, [&](const models::OperatorCommand& command) { heard.push_back(command); });
-    OperatorDesk desk(desk_bus, false, kStart + off);
+    OperatorDesk desk(desk_bus, {}, kStart + off);
     Time now = kStart;
     for (int i = 0; i < 30; ++i) {
       now = kStart + from_seconds(0.1 * i);
@@ -110,7 +116,7 @@ TEST(OperatorDesk, ShowsThatTheLogIsNotWritten) {
   test::BusPair net(11, 12);
   bus::Bus& desk_bus = net.own;
   bus::Bus& up_bus = net.other;
-  OperatorDesk desk(desk_bus, false, kStart);
+  OperatorDesk desk(desk_bus, {}, kStart);
   logs::LogWatch log(300e3);
   const auto tell = [&](Time now, std::uint64_t size_bytes) {
     (void)log.look({size_bytes, 0}, now);
@@ -131,7 +137,7 @@ TEST(OperatorDesk, ShowsAVehicleThatHearsItAndIsNotHeard) {
   test::BusPair net(11, 13);
   bus::Bus& desk_bus = net.own;
   bus::Bus& vehicle = net.other;
-  OperatorDesk desk(desk_bus, false, kStart);
+  OperatorDesk desk(desk_bus, {}, kStart);
   models::VehicleStatus status;
   status.robot = "Q1";
   status.state = models::FlightState::kFollow;
@@ -148,7 +154,7 @@ TEST(OperatorDesk, ShowsAVehicleThatHearsItAndIsNotHeard) {
 struct LossyDesk {
   test::BusPair net{11, 13};
   bus::Bus& vehicle = net.other;
-  OperatorDesk desk{net.own, false, kStart};
+  OperatorDesk desk{net.own, {}, kStart};
   std::function<bool(Time)> is_lossy = [](Time) { return false; };
   std::vector<models::OperatorCommand> heard;
   Time now = kStart;
@@ -311,7 +317,7 @@ TEST(OperatorDesk, SaysThatItIsNotHeardWhereMessagesAreSigned) {
   bus::Bus& bus = net.own;
   bus::Bus& vehicle = net.other;
   const bus::VirtualClock clock(kStart);
-  const OperatorDesk desk(bus, false, kStart);
+  const OperatorDesk desk(bus, {}, kStart);
   const auto tell = [&] {
     models::VehicleStatus status;
     status.robot = "Q1";
@@ -324,6 +330,120 @@ TEST(OperatorDesk, SaysThatItIsNotHeardWhereMessagesAreSigned) {
   tell();
   EXPECT_TRUE(desk.is_unheard());
   EXPECT_TRUE(mentions(desk.vehicle_table(kStart, ""), "--scenario"));
+}
+
+/// A console of a trial that requires signatures, and what the network carries.
+struct SecuredConsole {
+  explicit SecuredConsole(Time now) : clock(now) {
+    auto authenticator = test::authenticator(test::keys_of_a_trial());
+    rules.authenticator = authenticator.get();
+    bus.secure(std::move(authenticator), clock);
+    desk.emplace(bus, rules, now);
+  }
+  /// Goes on for `time` in steps; `each` is called in each.
+  void pass(Duration time, const std::function<void()>& each) {
+    for (const Time end = clock.now() + time; clock.now() < end;) {
+      clock.set(clock.now() + std::chrono::milliseconds(100));
+      each();
+      while (bus.handle(std::chrono::microseconds(0)) > 0) {
+      }
+      (void)desk->tick(clock.now());
+    }
+  }
+
+  bus::InProcessHub hub;
+  bus::VirtualClock clock;
+  std::unique_ptr<bus::Transport> link = hub.connect();
+  std::unique_ptr<bus::Transport> others = hub.connect();
+  bus::Bus bus{*link, 11};
+  DeskRules rules;
+  std::optional<OperatorDesk> desk;
+};
+
+// A signed trial was recorded, ended, and is played ten seconds later.
+TEST(OperatorDesk, DoesNotReceiveRobotsOfALogThatIsPlayed) {
+  SecuredConsole console(kStart + std::chrono::seconds(10));
+  bus::VirtualClock then(kStart);
+  const auto recorder = console.hub.connect();
+  std::vector<std::vector<std::uint8_t>> log;
+  recorder->subscribe("VEHICLE_Q1", [&](std::string_view /*name*/, const bus::Payload& bytes) {
+    const std::span<const std::uint8_t> all = bytes;
+    log.emplace_back(all.begin(), all.end());
+  });
+  bus::Bus vehicle(*console.others, 13);
+  vehicle.secure(test::authenticator(test::keys_of_a_trial()), then);
+  for (int i = 0; i < 30; ++i) {
+    then.set(then.now() + std::chrono::milliseconds(100));
+    models::VehicleStatus status;
+    status.robot = "Q1";
+    status.stamp.time = then.now();
+    vehicle.publish(bus::vehicle_channel("Q1"), status);
+    recorder->handle(std::chrono::microseconds(0));
+  }
+  ASSERT_EQ(log.size(), 30U);
+  std::size_t played = 0;
+  console.pass(std::chrono::seconds(2),
+               [&] { console.others->publish("VEHICLE_Q1", log[played++]); });
+  EXPECT_TRUE(console.desk->robots().empty());
+  const auto table = console.desk->vehicle_table(console.clock.now(), "");
+  EXPECT_TRUE(mentions(table, "no vehicle received"));
+  EXPECT_TRUE(mentions(table, "refused: statuses that are -1"));
+  OrderQueue orders(*console.desk);
+  EXPECT_TRUE(mentions(orders.ask({OperatorAction::kLand, "Q1"}, console.clock.now()),
+                       "no robot 'Q1' is heard"));
+  EXPECT_TRUE(orders.was_refused());
+}
+
+// A station whose clock is wrong does not believe the vehicles, but still makes them safer.
+TEST(OperatorDesk, StampsAStopByTheClockOfVehiclesThatItRefuses) {
+  const Duration off = std::chrono::hours(1);
+  SecuredConsole console(kStart + off);
+  bus::VirtualClock true_clock(kStart);
+  bus::Bus vehicle(*console.others, 13);
+  vehicle.secure(test::authenticator(test::keys_of_a_trial()), true_clock);
+  vehicle.answer_to("Q1");
+  std::vector<models::OperatorCommand> received;
+  vehicle.subscribe<models::OperatorCommand>(
+      bus::kCommand, [&](const models::OperatorCommand& command) { received.push_back(command); });
+  console.pass(std::chrono::seconds(2), [&] {
+    true_clock.set(console.clock.now() - off);
+    models::VehicleStatus status;
+    status.robot = "Q1";
+    status.stamp.time = true_clock.now();
+    vehicle.publish(bus::vehicle_channel("Q1"), status);
+  });
+  EXPECT_TRUE(console.desk->robots().empty());
+  received.clear();
+  EXPECT_TRUE(console.desk->send(console.clock.now(), OperatorAction::kLand, ""));
+  while (vehicle.handle(std::chrono::microseconds(0)) > 0) {
+  }
+  EXPECT_TRUE(std::any_of(received.begin(), received.end(), [&](const auto& command) {
+    return command.action == OperatorAction::kLand &&
+           std::chrono::abs(command.stamp.time - true_clock.now()) <= std::chrono::seconds(1);
+  }));
+}
+
+TEST(OperatorDesk, KeepsNoMoreVehiclesThanItHasPlacesFor) {
+  test::BusPair net(11, 13);
+  OperatorDesk desk(net.own, {}, kStart);
+  const auto hear = [&](const std::string& robot, Time now) {
+    (void)desk.tick(now);
+    models::VehicleStatus status;
+    status.robot = robot;
+    status.stamp.time = now;
+    net.other.publish(bus::vehicle_channel(robot), status);
+    while (net.own.handle(std::chrono::microseconds(0)) > 0) {
+    }
+  };
+  for (int i = 0; i < 1'100; ++i) {
+    hear("X" + std::to_string(i), kStart);
+  }
+  EXPECT_EQ(desk.robots().size(), OperatorDesk::kVehiclesMax);
+  hear("Q1", kStart + std::chrono::seconds(4));
+  const auto robots = desk.robots();
+  EXPECT_EQ(robots.size(), OperatorDesk::kVehiclesMax);
+  EXPECT_TRUE(std::find(robots.begin(), robots.end(), "Q1") != robots.end())
+      << "in the place of one that fell silent";
 }
 
 TEST(CheckPreflight, RefusesWhatFlightSafetyWouldRefuseInFlight) {

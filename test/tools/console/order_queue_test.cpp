@@ -87,7 +87,7 @@ class Asked : public ::testing::Test {
  private:
   test::BusPair net_{11, 13};
   bus::Bus& vehicles_ = net_.other;
-  OperatorDesk desk_{net_.own, false, kStart};
+  OperatorDesk desk_{net_.own, {}, kStart};
 
  protected:
   OrderQueue orders{desk_};

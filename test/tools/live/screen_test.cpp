@@ -1,6 +1,17 @@
 #include "tools/live/screen.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "tools/live/output.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -20,6 +31,75 @@ TEST(CutTo, GivesColoursNoRoomAndEndsThem) {
   EXPECT_EQ(cut_to(line, 6), line);
   EXPECT_EQ(cut_to(line, 3), "ab\x1b[1;31mc\x1b[0m");
   EXPECT_EQ(cut_to(line, 5), "ab\x1b[1;31mcd\x1b[0me\x1b[0m");
+}
+
+/// A pipe of which nothing is read, with `bytes` of room at most.
+class FullPipe {
+ public:
+  FullPipe() {
+    EXPECT_EQ(::pipe2(ends_.data(), O_NONBLOCK), 0);
+    ::fcntl(ends_[1], F_SETPIPE_SZ, 4096);
+  }
+  ~FullPipe() {
+    ::close(ends_[0]);
+    ::close(ends_[1]);
+  }
+  FullPipe(const FullPipe&) = delete;
+  FullPipe& operator=(const FullPipe&) = delete;
+  FullPipe(FullPipe&&) = delete;
+  FullPipe& operator=(FullPipe&&) = delete;
+
+  [[nodiscard]] int writer() const { return ends_[1]; }
+  [[nodiscard]] std::string read() const {
+    std::string out(100'000, '\0');
+    const ssize_t count = ::read(ends_[0], out.data(), out.size());
+    out.resize(static_cast<std::size_t>(std::max<ssize_t>(0, count)));
+    return out;
+  }
+
+ private:
+  std::array<int, 2> ends_{};
+};
+
+TEST(OutputQueue, KeepsWholeTextsAndDropsAndCountsTheRest) {
+  const FullPipe pipe;
+  OutputQueue queue(pipe.writer());
+  std::string expected;
+  const std::string text(1'000, 'x');
+  for (int i = 0; i < 200; ++i) {
+    queue.write(std::to_string(i) + text + "\n");
+  }
+  EXPECT_FALSE(queue.flush());
+  EXPECT_GT(queue.dropped(), 100);
+  const std::int64_t kept = 200 - queue.dropped();
+  for (std::int64_t i = 0; i < kept; ++i) {
+    expected += std::to_string(i) + text + "\n";
+  }
+  std::string read;
+  while (!queue.flush()) {
+    read += pipe.read();
+  }
+  read += pipe.read();
+  EXPECT_EQ(read, expected);
+  queue.write("last\n");
+  EXPECT_EQ(pipe.read(), "last\n");
+}
+
+TEST(PrintLine, WritesNoEscapeSequence) {
+  for (const auto& [line, shown] :
+       std::vector<std::pair<std::string, std::string>>{{"host \x1b[2J\x07\xc2\x9b"
+                                                         "1m",
+                                                         "host \\x1B[2J\\x07\\xC2\\x9B1m\n"},
+                                                        {"ü\ttwo\nlines", "ü\ttwo\nlines\n"}}) {
+    std::FILE* const file = std::tmpfile();
+    ASSERT_NE(file, nullptr);
+    print_line(line, file);
+    std::rewind(file);
+    std::string read(200, '\0');
+    read.resize(std::fread(read.data(), 1, read.size(), file));
+    EXPECT_EQ(read, shown);
+    std::fclose(file);
+  }
 }
 
 TEST(Fit, LeavesRoomForTheCursorAndSaysWhatIsMissing) {

@@ -96,5 +96,26 @@ TEST(ReadTable, NamesAFileThatCannotBeRead) {
   EXPECT_THROW(read_table("/", kColumns), StartupError);
 }
 
+// RFC 4180, as pandas writes: quotes around separators, quotes and ends of lines.
+TEST(ParseTable, ReadsQuotedCells) {
+  const std::string_view tables[] = {
+      "time,anchor_m,beacon,range\n1,\"(21, 10)\",4,2.5\n2,\"(3, 4)\",4,3\n",
+      "time,note,beacon,range\r\n1,\"says \"\"here, there\"\"\",4,2.5\r\n2,,4,3\r\n",
+      "time,note,beacon,range\n1,\"two\nlines\",4,2.5\n2,\"\",\"4\",\"3\"\n",
+      "\"time\";\"a, b\";\"beacon\";\"range\"\n1;\";\";4;2.5\n2;\"#\";4;3\n",
+      "\"time, s\",beacon,range\n1,4,2.5\n2,4,3\n"};
+  for (const std::string_view text : tables) {
+    const Table table = parse(text);
+    ASSERT_EQ(table.rows.size(), 2u) << text;
+    EXPECT_EQ(table.rows[0].name, "4") << text;
+    EXPECT_EQ(table.rows[0].numbers, (std::vector{1.0, 2.5})) << text;
+    EXPECT_EQ(table.rows[1].numbers, (std::vector{2.0, 3.0})) << text;
+  }
+  EXPECT_EQ(parse("time,beacon,range\n1,\"a \"\"b\"\"\",2\n").rows[0].name, "a \"b\"");
+  EXPECT_EQ(refusal("time,note,beacon,range\n1,\"a\nb\",4,2\n1,x,4,far\n"),
+            "a.csv:4: range 'far'; expected a number");
+  EXPECT_TRUE(parse("time,note,beacon,range\n1,x,4,2\n2,\"torn\n").is_torn);
+}
+
 }  // namespace
 }  // namespace vantage::tools

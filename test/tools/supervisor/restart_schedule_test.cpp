@@ -34,6 +34,20 @@ TEST(RestartSchedule, BeginsAnewWithOneThatHasSettled) {
   EXPECT_EQ(schedule.on_end(14 * kSecond_ns), 14 * kSecond_ns + seconds(0.2));
 }
 
+TEST(RestartSchedule, NeverGivesUpWhatIsNeededInFlight) {
+  RestartSchedule schedule;
+  schedule.on_start(0);
+  std::int64_t now_ns = 0;
+  for (int death = 0; death < 1'000; ++death) {
+    const auto next_ns = schedule.on_end(now_ns, true);
+    ASSERT_TRUE(next_ns);
+    ASSERT_LE(*next_ns - now_ns, seconds(RestartSchedule::kNeededBackoffMaxS));
+    now_ns = *next_ns;
+    schedule.on_start(now_ns);
+  }
+  EXPECT_FALSE(schedule.on_end(now_ns, false)) << "on the ground it may be";
+}
+
 TEST(RestartSchedule, GivesUpWhatDiesAtOnceEachTime) {
   RestartSchedule schedule;
   schedule.on_start(0);

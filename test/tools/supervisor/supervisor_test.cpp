@@ -1,10 +1,13 @@
 #include "tools/supervisor/supervisor.hpp"
 
+#include <algorithm>
 #include <array>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fcntl.h>
@@ -223,6 +226,145 @@ TEST(Supervisor, EndsEveryoneAndKillsThoseThatWillNot) {
   EXPECT_EQ(supervisor.stop_all(milliseconds(300)), std::vector<std::string>{"stubborn"});
   EXPECT_EQ(::kill(polite, 0), -1);
   EXPECT_EQ(::kill(stubborn, 0), -1);
+}
+
+/// A program that is started as ours are: it gives signs of life, lets stop signals in, and does
+/// what `script` (Python) does. sign(b) writes the byte b, which describes its vehicle.
+ProcessSpec ours(const std::string& name, const std::string& script) {
+  ProcessSpec spec{name,
+                   {"python3", "-c",
+                    "import os, signal, sys, time\n"
+                    "life = int(os.environ['VANTAGE_LIFE_FD'])\n"
+                    "def sign(byte): os.write(life, byte)\n"
+                    "asked = []\n"
+                    "stops = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}\n"
+                    "for each in stops: signal.signal(each, lambda n, _: asked.append(n))\n"
+                    "signal.pthread_sigmask(signal.SIG_UNBLOCK, stops)\n" +
+                        script}};
+  spec.patience_s = 1.0;
+  return spec;
+}
+
+/// Polls until `holds`, the time going on by 50 ms each 5 ms; events are kept.
+struct Watched {
+  explicit Watched(RestartPolicy policy = {}) : supervisor(policy) {}
+
+  Supervisor supervisor;
+  std::int64_t now_ns = kSecond_ns;
+  std::vector<SupervisorEvent> events;
+  bool until(const std::function<bool()>& holds, std::int64_t step_ns = kSecond_ns / 20) {
+    for (int i = 0; i < 4'000; ++i) {
+      now_ns += step_ns;
+      for (SupervisorEvent& event : supervisor.poll(now_ns)) {
+        events.push_back(std::move(event));
+      }
+      if (holds()) {
+        return true;
+      }
+      ::poll(nullptr, 0, 5);
+    }
+    return false;
+  }
+  [[nodiscard]] int count(Kind kind) const {
+    return static_cast<int>(std::count_if(events.begin(), events.end(),
+                                          [&](const auto& each) { return each.kind == kind; }));
+  }
+  [[nodiscard]] SupervisedStatus status() const { return supervisor.status(now_ns)[0]; }
+};
+
+ProcessSpec driver(const std::string& script) {
+  ProcessSpec spec = ours("quadrotor Q1", script);
+  spec.vehicle = "Q1";
+  return spec;
+}
+
+// Whatever comes or does not come over the network.
+TEST(Supervisor, KillsAProcessWhosePipeGivesNoMoreSigns) {
+  Watched watched;
+  watched.supervisor.start(ours("planner Q1", "sign(b'?')\ntime.sleep(1000)"), watched.now_ns);
+  EXPECT_TRUE(watched.until([&] { return watched.count(Kind::kHung) == 1; }));
+  EXPECT_EQ(watched.events[0].words, "planner Q1 gives no sign of life: ending it");
+  EXPECT_TRUE(watched.until([&] { return watched.count(Kind::kEnded) == 1; }, 0));
+  EXPECT_EQ(watched.status().last_end, "signal 9");
+}
+
+TEST(Supervisor, FindsAStoppedProcess) {
+  Watched watched;
+  watched.supervisor.start(ours("planner Q1", "while True:\n  sign(b'?')\n  time.sleep(0.005)"),
+                           watched.now_ns);
+  int looks = 0;
+  EXPECT_TRUE(watched.until([&] { return ++looks > 200; }, kSecond_ns / 200));
+  EXPECT_EQ(watched.count(Kind::kHung), 0);
+  watched.supervisor.find("planner Q1")->send(SIGSTOP);
+  EXPECT_TRUE(watched.until([&] { return watched.count(Kind::kHung) == 1; }));
+}
+
+TEST(Supervisor, DoesNotWatchAProgramThatHasNoPipe) {
+  Watched watched;
+  watched.supervisor.start({"firmware Q1", {"sleep", "1000"}}, watched.now_ns);
+  int looks = 0;
+  EXPECT_TRUE(watched.until([&] { return ++looks > 50; }, 60 * kSecond_ns));
+  EXPECT_EQ(watched.count(Kind::kHung), 0);
+}
+
+TEST(Supervisor, NeverGivesUpADriverWhoseVehicleMayBeInFlight) {
+  for (const bool is_in_flight : {true, false}) {
+    Watched watched(RestartPolicy{.backoff_first_s = 0.0, .restarts_max = 1});
+    const std::string byte = is_in_flight ? "b'f'" : "b'g'";
+    watched.supervisor.start(driver("sign(" + byte + ")"), watched.now_ns);
+    EXPECT_TRUE(watched.until(
+        [&] { return watched.supervisor.any_given_up() || watched.count(Kind::kStarted) >= 4; }));
+    EXPECT_EQ(watched.supervisor.any_given_up(), !is_in_flight);
+    EXPECT_EQ(watched.status().in_flight, is_in_flight ? InFlight::kYes : InFlight::kNo);
+  }
+}
+
+TEST(Supervisor, WaitsForADriverThatLandsAndDoesNotStartItAgain) {
+  Watched watched;
+  watched.supervisor.start(driver("sign(b'f')\nwhile not asked: time.sleep(0.005)\nsign(b'g')"),
+                           watched.now_ns);
+  EXPECT_TRUE(watched.until([&] { return watched.status().in_flight == InFlight::kYes; }, 0));
+  watched.supervisor.end_drivers();
+  EXPECT_FALSE(watched.supervisor.have_drivers_ended());
+  EXPECT_TRUE(watched.until([&] { return watched.supervisor.have_drivers_ended(); }, 0));
+  EXPECT_EQ(watched.status().phase, SupervisedPhase::kEnded);
+  EXPECT_EQ(watched.status().in_flight, InFlight::kNo);
+  EXPECT_EQ(watched.status().last_end, "exit 0");
+  int looks = 0;
+  EXPECT_TRUE(watched.until([&] { return ++looks > 20; }, kSecond_ns));
+  EXPECT_EQ(watched.count(Kind::kStarted), 0);
+}
+
+// Its successor, which has nothing but the pipe of its own, is asked at once, however early.
+TEST(Supervisor, StartsADriverAgainThatFailsInTheAirWhileItIsToEnd) {
+  const test::TemporaryFolder folder;
+  const std::string mark = folder.path() + "/failed";
+  Watched watched;
+  watched.supervisor.start(
+      driver("if not os.path.exists('" + mark + "'):\n" + "  open('" + mark + "', 'w')\n" +
+             "  sign(b'f')\n"
+             "  while not asked: time.sleep(0.005)\n"
+             "  os.kill(os.getpid(), signal.SIGKILL)\n"
+             "while not asked: time.sleep(0.005)\nsign(b'g')"),
+      watched.now_ns);
+  EXPECT_TRUE(watched.until([&] { return watched.status().in_flight == InFlight::kYes; }, 0));
+  watched.supervisor.end_drivers();
+  EXPECT_TRUE(watched.until([&] { return watched.supervisor.have_drivers_ended(); }));
+  EXPECT_EQ(watched.count(Kind::kStarted), 1);
+  EXPECT_EQ(watched.status().in_flight, InFlight::kNo);
+}
+
+TEST(Supervisor, AsksDriversAgainByASecondSignal) {
+  Watched watched;
+  watched.supervisor.start(
+      driver("sign(b'f')\nwhile len(set(asked)) < 2: time.sleep(0.005)\nsys.exit(1)"),
+      watched.now_ns);
+  EXPECT_TRUE(watched.until([&] { return watched.status().in_flight == InFlight::kYes; }, 0));
+  watched.supervisor.end_drivers();
+  watched.supervisor.end_drivers();
+  EXPECT_TRUE(watched.until([&] { return watched.supervisor.have_drivers_ended(); }, 0));
+  EXPECT_EQ(watched.status().in_flight, InFlight::kYes) << "left to its autopilot, and named";
+  EXPECT_EQ(watched.count(Kind::kStarted), 0);
 }
 
 }  // namespace

@@ -1,5 +1,9 @@
 #include "tools/up/host_board.hpp"
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 namespace vantage::tools {
@@ -66,6 +70,35 @@ TEST(HostBoard, SaysWhenAHostComesFallsSilentAndComesAgain) {
             std::vector<std::string>{"host AIR is silent for 4 s"});
   EXPECT_EQ(board.on_report(report_of("AIR", 2), at_s(12.0)), "host AIR is heard again");
   EXPECT_EQ(board.on_report(report_of("AIR", 3), at_s(13.0)), "host AIR was started again");
+}
+
+TEST(HostBoard, KeepsNoMoreHostsThanTheScenariosAndThirtyTwo) {
+  HostBoard board(two_hosts(), "LAB", 1, at_s(0.0));
+  const std::vector<models::SupervisedProcess> many(5'000, process_of("x"));
+  for (int i = 0; i < 6'000; ++i) {
+    (void)board.on_report(
+        report_of("X" + std::to_string(i), 7, i == 0 ? many : std::vector{many[0]}), at_s(1.0));
+  }
+  EXPECT_EQ(board.ignored(), 6'000 - 32);
+  EXPECT_EQ(board.on_report(report_of("AIR", 2), at_s(2.0)), "host AIR is up") << "keeps its place";
+  EXPECT_EQ(board.table(at_s(2.0)).size(), 1U + 1U + 1U + 1'024U + 31U);
+}
+
+TEST(HostBoard, ShowsNoControlCharacterOfAReport) {
+  HostBoard board(two_hosts(), "LAB", 1, at_s(0.0));
+  models::SupervisedProcess process = process_of("sim\x1b[2J");
+  process.last_end = "signal\n9";
+  std::string all = board.on_report(report_of("A\x1b]0;x\x07", 2, {process}), at_s(1.0)).value();
+  for (const std::string& line : board.table(at_s(1.0))) {
+    all += line;
+  }
+  all += board.line(at_s(1.0));
+  for (const std::string& line : board.fallen_silent(at_s(9.0))) {
+    all += line;
+  }
+  EXPECT_TRUE(std::none_of(all.begin(), all.end(), [](unsigned char c) { return c < 0x20; }))
+      << all;
+  EXPECT_NE(all.find("sim\\x1B[2J"), std::string::npos);
 }
 
 TEST(HostBoard, NoticesAnotherOfItsOwnNameOnce) {

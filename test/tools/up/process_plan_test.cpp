@@ -27,6 +27,33 @@ TEST(ProcessPlan, HasOneSimulatorAndThreeProcessesARobot) {
                                       "udpm://x", "--robot", "Q2"}));
 }
 
+// Drivers and the mocap driver alone: what computes for long would take the machine from them.
+TEST(ProcessPlan, GivesDriversThePriorityThatIsGranted) {
+  scenario::Scenario scenario = two_robots();
+  scenario.mocap.device = scenario::DeviceSource::kWire;
+  scenario.robots[0].device = scenario::DeviceSource::kWire;
+  scenario.robots[0].autopilot.emplace();
+  scenario.robots[1].device = scenario::DeviceSource::kWire;
+  scenario.robots[1].rover.emplace();
+  for (const int priority : {0, 50}) {
+    ProcessPlaces places{"/opt/bin", "s.yaml", "udpm://x", ""};
+    places.driver_priority = priority;
+    int given = 0;
+    for (const ProcessSpec& process : process_plan(scenario, places)) {
+      const auto word =
+          std::find(process.arguments.begin(), process.arguments.end(), std::string("--fifo"));
+      const bool is_driver = process.name == "vicon" || process.name.starts_with("quadrotor ") ||
+                             process.name.starts_with("rover ");
+      EXPECT_EQ(word != process.arguments.end(), is_driver && priority > 0) << process.name;
+      if (word != process.arguments.end()) {
+        EXPECT_EQ(*(word + 1), "50");
+        ++given;
+      }
+    }
+    EXPECT_EQ(given, priority > 0 ? 3 : 0);
+  }
+}
+
 TEST(ProcessPlan, StartsNoSimulatorWhenEveryDeviceIsReal) {
   scenario::Scenario scenario = two_robots();
   scenario.mocap.device = scenario::DeviceSource::kReal;
@@ -63,6 +90,16 @@ scenario::Scenario on_the_wire() {
     robot.autopilot.emplace().url = "udp://:14540";
   }
   return scenario;
+}
+
+// Poses are needed within half a second, and a simulator that is started again is a new world.
+TEST(ProcessPlan, WatchesDriversAndMocapFourTimesAsCloselyAsTheOthersAndNoFirmware) {
+  for (const ProcessSpec& process : process_plan(on_the_wire(), {".", "s.yaml", "", ""})) {
+    const bool is_driver = process.name.starts_with("quadrotor ");
+    const bool is_close = is_driver || process.name == "vicon";
+    EXPECT_EQ(process.patience_s, is_close ? 0.8 : 3.2) << process.name;
+    EXPECT_EQ(process.vehicle, is_driver ? process.name.substr(10) : "") << process.name;
+  }
 }
 
 std::vector<std::string> names_of(const std::vector<ProcessSpec>& plan) {

@@ -46,6 +46,19 @@ TEST(UpReport, IsNotGoodWhenTheLogCouldNotBeWritten) {
   EXPECT_EQ(to_json(result)["log"]["was_unwritten"], true);
 }
 
+TEST(UpReport, StatesForgedContactsAndDoesNotCountThem) {
+  UpResult result;
+  result.contacts_unverified = contacts_unverified({{"COLLISION.unsigned", 30'000},
+                                                    {"COLLISION.bad_mac", 2},
+                                                    {"COLLISION.fresh", 9},
+                                                    {"VICON.unsigned", 5}});
+  EXPECT_EQ(result.contacts_unverified, 30'002);
+  EXPECT_TRUE(is_good(result));
+  ASSERT_EQ(remarks(result).size(), 1U);
+  EXPECT_NE(remarks(result)[0].find("30002 messages on COLLISION"), std::string::npos);
+  EXPECT_EQ(to_json(result)["contacts_unverified"], 30'002);
+}
+
 TEST(UpReport, IsNotGoodWhenTheProgramItselfFailed) {
   UpResult result;
   result.broken = "out of memory";

@@ -7,6 +7,7 @@
 #include "bus/node/bus.hpp"
 #include "core/deadline.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
+#include "test/bus/auth/auth_support.hpp"
 
 namespace vantage::trial {
 namespace {
@@ -103,6 +104,32 @@ TEST(HearChannels, KnowsWhoSpeaks) {
     return ++asked > 3;
   };
   EXPECT_EQ(hear_channels(*listens, std::chrono::hours(1), stop), (Channels{"HOST_LAB", "TRUTH"}));
+}
+
+TEST(HearChannels, TellsApartWhatIsSignedWhereThatIsRequired) {
+  bus::InProcessHub hub;
+  const bus::VirtualClock clock(from_utime(1'700'000'000'000'000));
+  const auto listens = hub.connect();
+  const auto speaks = hub.connect();
+  const auto stranger = hub.connect();
+  bus::Bus lab(*speaks, 1);
+  lab.secure(test::authenticator(test::keys_of_a_trial()), clock);
+  int asked = 0;
+  const auto stop = [&] {
+    models::HostReport report;
+    report.host = "LAB";
+    report.stamp.time = clock.now();
+    lab.publish(bus::host_channel("LAB"), report);
+    for (const char* const channel : {"HOST_X", "VEHICLE_Q9", "TRUTH", "CAMERA"}) {
+      stranger->publish(channel, {});
+    }
+    return ++asked > 3;
+  };
+  const auto authenticator = test::authenticator(test::keys_of_a_trial());
+  const HeardChannels heard =
+      hear_channels(*listens, std::chrono::hours(1), stop, authenticator.get(), clock);
+  EXPECT_EQ(heard.accepted, (Channels{"HOST_LAB", "CAMERA"}));
+  EXPECT_EQ(heard.unverified, (Channels{"HOST_X", "VEHICLE_Q9", "TRUTH"}));
 }
 
 /// Says `channels` one after another, each time that it is asked, then that nothing can come.

@@ -99,6 +99,27 @@ TEST_F(Observer, CountsContactsAndKnowsVehiclesLossesAndAttacks) {
   EXPECT_TRUE(observer_.scene().jammed.empty());
 }
 
+// Anybody may invent robots where messages are not signed.
+TEST_F(Observer, KeepsNothingOfRobotsThatAreNotTheScenarios) {
+  const std::size_t robots = scenario_.robots.size();
+  for (int i = 0; i < 50; ++i) {
+    const std::string name = "X" + std::to_string(i);
+    models::VehicleStatus status;
+    status.robot = name;
+    say(bus::vehicle_channel(name), status);
+    models::RobotBelief belief;
+    belief.robot = name;
+    say(bus::belief_channel(name), belief);
+    models::RobotPlan plan;
+    plan.robot = name;
+    say(bus::plan_channel(name), plan);
+  }
+  EXPECT_EQ(observer_.metrics().robots().size(), robots);
+  EXPECT_EQ(observer_.scene().robots.size(), robots);
+  EXPECT_TRUE(observer_.beliefs().empty());
+  EXPECT_EQ(observer_.metrics().rounds(), 0);
+}
+
 // A body whose number is no target of the scenario's is drawn, and nobody has an estimate of it.
 TEST_F(Observer, HasNoEstimateOfWhatIsNoTarget) {
   const int targets = static_cast<int>(scenario_.targets.size());

@@ -8,7 +8,7 @@
 
 #include "core/time.hpp"
 
-namespace vantage::tools {
+namespace vantage::logs {
 
 /// Where the last whole event among the last bytes of a log ends, and when it was logged.
 struct LogTail {
@@ -35,4 +35,4 @@ std::optional<Time> event_time_at(const std::string& path, std::uint64_t offset)
 /// Whether `bytes` stand somewhere in the last mebibyte of the file; false when it cannot be read.
 bool ends_with(const std::string& path, std::span<const std::uint8_t> bytes);
 
-}  // namespace vantage::tools
+}  // namespace vantage::logs

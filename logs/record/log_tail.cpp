@@ -1,4 +1,4 @@
-#include "tools/up/log_tail.hpp"
+#include "logs/record/log_tail.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -10,7 +10,7 @@
 #include "logs/file/log_scan.hpp"
 #include "logs/file/wire_witness.hpp"
 
-namespace vantage::tools {
+namespace vantage::logs {
 namespace {
 
 // Twice the largest message that LCM's stock settings carry here.
@@ -38,7 +38,7 @@ Bytes read_from(const std::string& path, std::uint64_t offset, std::size_t bytes
 
 LogTail find_tail(std::span<const std::uint8_t> last_bytes) {
   LogTail tail;
-  logs::LogScan scan(last_bytes, logs::wire_testimony);
+  LogScan scan(last_bytes, wire_testimony);
   while (const auto event = scan.next()) {
     tail.whole_bytes = event->offset + event->size_bytes();
     tail.last = event->time;
@@ -74,7 +74,7 @@ TrimmedLog trim_log(const std::string& path) {
 
 std::optional<Time> event_time_at(const std::string& path, std::uint64_t offset) {
   const Bytes bytes = read_from(path, offset, kTailBytes);
-  const auto event = bytes.empty() ? std::nullopt : logs::event_at(bytes, 0);
+  const auto event = bytes.empty() ? std::nullopt : event_at(bytes, 0);
   return event ? std::optional(event->time) : std::nullopt;
 }
 
@@ -90,4 +90,4 @@ bool ends_with(const std::string& path, std::span<const std::uint8_t> bytes) {
          last_bytes.end();
 }
 
-}  // namespace vantage::tools
+}  // namespace vantage::logs

@@ -1,4 +1,4 @@
-#include "tools/up/log_tail.hpp"
+#include "logs/record/log_tail.hpp"
 
 #include <filesystem>
 #include <fstream>
@@ -9,7 +9,7 @@
 
 #include "logs/file/log_event.hpp"
 
-namespace vantage::tools {
+namespace vantage::logs {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -19,7 +19,7 @@ const Bytes kPayload(200, 0x11);
 Bytes log_of(int events, std::int64_t first_number = 0) {
   Bytes out;
   for (int i = 0; i < events; ++i) {
-    logs::append_event({first_number + i, from_utime(1'000'000 + i), "FOREIGN", kPayload}, out);
+    append_event({first_number + i, from_utime(1'000'000 + i), "FOREIGN", kPayload}, out);
   }
   return out;
 }
@@ -100,11 +100,11 @@ TEST_F(LogFile, ThatIsGoneEndsNoFlight) {
 
 TEST_F(LogFile, IsSearchedForWhatWasPublishedLast) {
   Bytes bytes = log_of(2);
-  logs::append_event({2, from_utime(5), "LAST", Bytes{7, 8, 9, 10}}, bytes);
+  append_event({2, from_utime(5), "LAST", Bytes{7, 8, 9, 10}}, bytes);
   write(bytes);
   EXPECT_TRUE(ends_with(path_, Bytes{7, 8, 9, 10}));
   EXPECT_FALSE(ends_with(path_, Bytes{7, 8, 9, 11}));
 }
 
 }  // namespace
-}  // namespace vantage::tools
+}  // namespace vantage::logs

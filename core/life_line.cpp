@@ -1,0 +1,129 @@
+#include "core/life_line.hpp"
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cstdlib>
+#include <cstring>
+#include <utility>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace vantage {
+namespace {
+
+constexpr char kUnknownByte = '?';
+constexpr char kGroundByte = 'g';
+constexpr char kFlightByte = 'f';
+
+char byte_of(InFlight in_flight) {
+  switch (in_flight) {
+    case InFlight::kUnknown:
+      return kUnknownByte;
+    case InFlight::kNo:
+      return kGroundByte;
+    case InFlight::kYes:
+      return kFlightByte;
+  }
+  return kUnknownByte;
+}
+
+// The descriptor in the environment, if it is the writing end of a pipe.
+int handed_on() {
+  const char* const given = std::getenv(LifeSign::kHandedOn);
+  if (given == nullptr) {
+    return -1;
+  }
+  int descriptor = -1;
+  const char* const end = given + std::strlen(given);
+  const auto parsed = std::from_chars(given, end, descriptor);
+  ::unsetenv(LifeSign::kHandedOn);  // what this process starts has no part in it
+  struct stat what {};
+  const bool is_pipe = parsed.ec == std::errc() && parsed.ptr == end &&
+                       descriptor > STDERR_FILENO && ::fstat(descriptor, &what) == 0 &&
+                       S_ISFIFO(what.st_mode);
+  if (!is_pipe) {
+    return -1;
+  }
+  ::fcntl(descriptor, F_SETFD, FD_CLOEXEC);
+  ::fcntl(descriptor, F_SETFL, O_NONBLOCK);
+  return descriptor;
+}
+
+void close_if_open(int& descriptor) {
+  if (descriptor >= 0) {
+    ::close(descriptor);
+  }
+  descriptor = -1;
+}
+
+}  // namespace
+
+LifeSign::LifeSign() : descriptor_(handed_on()) {}
+
+LifeSign::~LifeSign() { close_if_open(descriptor_); }
+
+void LifeSign::on_loop(Time now, InFlight in_flight) {
+  const bool is_due = !last_ || now - *last_ >= kPeriod || in_flight != said_;
+  if (descriptor_ < 0 || !is_due) {
+    return;
+  }
+  last_ = now;
+  said_ = in_flight;
+  const char byte = byte_of(in_flight);
+  if (::write(descriptor_, &byte, 1) < 0 && errno == EPIPE) {
+    close_if_open(descriptor_);  // the supervisor has ended
+  }
+}
+
+LifeLine::~LifeLine() { close_all(); }
+
+LifeLine::LifeLine(LifeLine&& other) noexcept
+    : read_(std::exchange(other.read_, -1)), write_(std::exchange(other.write_, -1)) {}
+
+LifeLine& LifeLine::operator=(LifeLine&& other) noexcept {
+  if (this != &other) {
+    close_all();
+    read_ = std::exchange(other.read_, -1);
+    write_ = std::exchange(other.write_, -1);
+  }
+  return *this;
+}
+
+void LifeLine::close_all() {
+  close_if_open(read_);
+  close_if_open(write_);
+}
+
+bool LifeLine::open() {
+  close_all();
+  std::array<int, 2> ends{};
+  if (::pipe2(ends.data(), O_CLOEXEC | O_NONBLOCK) != 0) {
+    return false;
+  }
+  read_ = ends[0];
+  write_ = ends[1];
+  return true;
+}
+
+void LifeLine::close_child_end() { close_if_open(write_); }
+
+LifeLine::Signs LifeLine::take() {
+  Signs out;
+  std::array<char, 256> bytes{};
+  ssize_t count = 0;
+  while (read_ >= 0 && (count = ::read(read_, bytes.data(), bytes.size())) > 0) {
+    out.any = true;
+    for (ssize_t i = 0; i < count; ++i) {
+      const char byte = bytes[static_cast<std::size_t>(i)];
+      out.in_flight = byte == kFlightByte   ? InFlight::kYes
+                      : byte == kGroundByte ? InFlight::kNo
+                                            : out.in_flight;
+    }
+  }
+  return out;
+}
+
+}  // namespace vantage

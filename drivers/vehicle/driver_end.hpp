@@ -1,0 +1,55 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/life_line.hpp"
+#include "core/time.hpp"
+
+namespace vantage::drivers {
+
+/// State of the vehicle, as its driver knows it while it is to end.
+struct EndFacts {
+  InFlight in_flight = InFlight::kUnknown;  ///< kNo: at rest, its motors off
+  bool is_pilots = false;                   ///< a pilot flies it by hand
+  bool lands_itself = false;                ///< its autopilot has confirmed its own landing mode
+};
+
+/// Decides when the driver of a vehicle, which was asked to end, may end: once the vehicle is at
+/// rest. In a hurry: once its autopilot has confirmed that it lands the vehicle. Both are bounded.
+/// Pure.
+class DriverEnd {
+ public:
+  /// A driver that has just started looks so long for its vehicle before it ends.
+  static constexpr Duration kSearch = std::chrono::seconds(3);
+  /// For the autopilot's confirmation, in a hurry.
+  static constexpr Duration kHurry = std::chrono::seconds(3);
+
+  /// @param landing  for the vehicle to come to rest; then it hurries
+  DriverEnd(Time started, Duration landing) : started_(started), landing_(landing) {}
+
+  /// It was asked to end, `requests` times so far.
+  void request(int requests, Time now);
+  /// To be called in each loop once it was asked.
+  void step(const EndFacts& facts, Time now);
+
+  [[nodiscard]] bool is_hurried() const { return hurried_at_.has_value(); }
+  [[nodiscard]] bool may_end() const { return may_end_; }
+  /// Returns what could not be done before the end; empty: nothing, or it may not end yet.
+  [[nodiscard]] const std::string& fault() const { return fault_; }
+
+ private:
+  void end(const char* fault = "") {
+    may_end_ = true;
+    fault_ = fault;
+  }
+
+  Time started_;
+  Duration landing_;
+  std::optional<Time> asked_at_;
+  std::optional<Time> hurried_at_;
+  bool may_end_ = false;
+  std::string fault_;
+};
+
+}  // namespace vantage::drivers

@@ -1,0 +1,64 @@
+#include "models/exchange/mocap_clock.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+namespace vantage::models {
+namespace {
+
+/// Of the way from the publisher to us. A longer one is a clock that was set.
+constexpr Duration kLatencyMax = std::chrono::seconds(1);
+/// A frame that states more has no sensible arrival.
+constexpr Duration kStatedMax = std::chrono::seconds(20);
+constexpr std::int64_t kFramesMax = 100;
+
+}  // namespace
+
+bool MocapClock::on_frame(const MocapFrame& frame, Time now) {
+  if (has_frame_ && frame.stamp.run_id != run_id_) {
+    *this = {};
+  }
+  run_id_ = frame.stamp.run_id;
+  const Duration stated = frame.arrival - frame.stamp.time;
+  const bool is_sensible = stated >= Duration{} && stated <= kStatedMax;
+  return on_frame(frame.stamp.time, now, frame.frame_number, is_sensible ? stated : Duration{});
+}
+
+std::shared_ptr<const MocapFrame> MocapClock::on_our_clock(
+    const std::shared_ptr<const MocapFrame>& frame, Time now) {
+  static_cast<void>(on_frame(*frame, now));
+  const Duration apart = captured() - frame->stamp.time;
+  if (apart == Duration{}) {
+    return frame;
+  }
+  auto moved = std::make_shared<MocapFrame>(*frame);
+  moved->stamp.time += apart;
+  moved->arrival += apart;
+  return moved;
+}
+
+bool MocapClock::on_frame(Time stamp, Time arrival, std::int64_t number, Duration stated) {
+  const Duration raw = arrival - stamp;
+  const Duration as_before = raw - apart_;
+  const Duration latency_max = kLatencyMax + stated;
+  const bool goes_on = as_before >= Duration{} && as_before <= latency_max;
+  const std::int64_t frames = number - number_;
+  const bool counts = has_frame_ && frames >= 1 && frames <= kFramesMax;
+  if (goes_on) {
+    const Duration period = (stamp - stamp_) / (counts ? frames : 1);
+    period_ = counts && period > Duration{} && period < kLatencyMax ? period : period_;
+    latency_ = as_before;
+  } else {
+    const Duration gap = has_frame_ ? arrival - arrival_ : Duration{};
+    const Duration due = counts ? period_ * frames : Duration{};
+    latency_ = std::clamp(latency_ + gap - due, Duration{}, latency_max);
+    apart_ = raw - latency_;
+  }
+  has_frame_ = true;
+  stamp_ = stamp;
+  arrival_ = arrival;
+  number_ = number;
+  return goes_on;
+}
+
+}  // namespace vantage::models

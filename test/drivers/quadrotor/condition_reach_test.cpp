@@ -1,0 +1,322 @@
+// Every row of the quadrotor's condition table is reached by what comes in from outside: MAVLink
+// bytes, mocap frames, plans, orders, and what the process knows of itself.
+
+#include <algorithm>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "drivers/safety/conditions.hpp"
+#include "test/drivers/quadrotor/reach_bench.hpp"
+#include "wire/mavlink/vocabulary.hpp"
+
+namespace vantage::drivers {
+namespace {
+
+namespace mavlink = wire::mavlink;
+using models::AutopilotDialect;
+using models::OperatorAction;
+using test::FlightBench;
+using test::kFree;
+using test::Reach;
+
+struct Row {
+  const char* name;
+  std::function<void(Reach&)> reach;
+};
+
+/// Does `begin` to a vehicle that hovers, and goes on for `seconds`.
+std::function<void(Reach&)> hovering(double seconds, const std::function<void(Reach&)>& begin) {
+  return [seconds, begin](Reach& up) {
+    up.hover();
+    begin(up);
+    up.run(seconds);
+  };
+}
+
+// long: one entry for each row, in the table's order.
+std::vector<Row> rows() {
+  namespace id = mavlink;
+  return {
+      {"emergency stop",
+       hovering(0.1, [](Reach& up) { up.command(OperatorAction::kEmergencyStop); })},
+      {"tilt", hovering(1.0, [](Reach& up) { up.report_attitude(1.4, 0.0, 0.0); })},
+      {"fence far", hovering(3.0, [](Reach& up) { up.force(-1.5, kFree, 0.0); })},
+      {"pose lost low", hovering(3.0,
+                                 [](Reach& up) {
+                                   up.force(-1.5, kFree, 0.0);
+                                   up.run_until([&] { return up.place_m().x() < -0.3; }, 5.0);
+                                   up.has_mocap = false;
+                                 })},
+      {"body does not lift",
+       [](Reach& up) {
+         up.arm();
+         up.stay_down();
+         up.command(OperatorAction::kTakeOff);
+         up.run(9.0);
+       }},
+      {"another body lifts",
+       [](Reach& up) {
+         up.add_robots();
+         double height_m = FlightBench::kFloorM;
+         up.show_other([&] { return height_m; });
+         up.arm();
+         up.stay_down();
+         up.command(OperatorAction::kTakeOff);
+         up.run(1.0);
+         for (int i = 0; i < 200; ++i) {
+           height_m += 0.001;
+           up.run(0.01);
+         }
+         up.alters = nullptr;
+       }},
+      {"lift astray",
+       [](Reach& up) {
+         up.begin_take_off();
+         up.run_until([&] { return up.height_m() > 0.12; }, 10.0);
+         up.force(0.6, kFree, kFree);
+         up.run(2.0);
+       }},
+      {"lift disagrees",
+       [](Reach& up) {
+         up.begin_take_off();
+         up.run_until([&] { return up.height_m() > 0.12; }, 10.0);
+         up.report_attitude(0.0, 0.0, 2.0);
+         up.run(1.0);
+       }},
+      {"rises untold",
+       [](Reach& up) {
+         up.arm();
+         up.force(kFree, kFree, 0.3);
+         up.run(0.5);
+       }},
+      {"pose lost", hovering(1.0, [](Reach& up) { up.has_mocap = false; })},
+      {"fence",
+       [](Reach& up) {
+         up.hover();
+         up.force(-1.0, kFree, 0.0);
+         up.run_until([&] { return up.place_m().x() < -0.3; }, 5.0);
+       }},
+      {"separation breach", hovering(0.5,
+                                     [](Reach& up) {
+                                       up.walker_m = up.vehicle.world_from_body().translation_m +
+                                                     Eigen::Vector3d(0.4, 0.0, 0.0);
+                                     })},
+      {"tracking lost", hovering(1.5, [](Reach& up) { up.force(kFree, 3.0, 0.0); })},
+      {"lift unproven",
+       [](Reach& up) {
+         up.begin_take_off();
+         up.run_until([&] { return up.height_m() > 0.12; }, 10.0);
+         const Eigen::Vector2d at_m = up.place_m();
+         up.each_step = [&up, at_m](Time) {
+           const Eigen::Vector2d off_m = at_m - up.place_m();
+           const Eigen::Vector3d mps = up.vehicle.velocity_world_mps();
+           up.vehicle.controller().airframe().push(
+               {5.0 * off_m.x() - mps.x(), -(5.0 * off_m.y() - mps.y()), 0.0});
+         };
+         up.run(15.0);
+       }},
+      {"battery empty", hovering(3.0, [](Reach& up) { up.charge(0.03); })},
+      {"battery critical", hovering(6.0, [](Reach& up) { up.charge(0.1); })},
+      {"battery silent", hovering(12.0, [](Reach& up) { up.mute_batteries(); })},
+      {"battery stuck", hovering(62.0,
+                                 [](Reach& up) {
+                                   up.mute_batteries();
+                                   up.each_step = [&up](Time) {
+                                     mavlink::BatteryStatus out;
+                                     out.battery_remaining = 85;
+                                     up.insert(out);
+                                   };
+                                 })},
+      {"flight time",
+       [](Reach& up) {
+         SafetyLimits limits = limits_for(up.scenario, "Q1");
+         limits.flight_max_s = 5.0;
+         up.driver = std::make_unique<QuadrotorDriver>(up.scenario, "Q1", limits);
+         up.begin_take_off();
+         up.run(15.0);
+       }},
+      {"motor", hovering(0.3,
+                         [](Reach& up) {
+                           if (up.is_px4()) {
+                             mavlink::SysStatus out;
+                             out.onboard_control_sensors_present = mavlink::kSensorMotorOutputs;
+                             out.onboard_control_sensors_enabled = mavlink::kSensorMotorOutputs;
+                             out.battery_remaining = 80;
+                             up.insert(out);
+                           } else {
+                             mavlink::Statustext out;
+                             out.severity = 0;
+                             constexpr std::string_view kText = "Potential Thrust Loss (3)";
+                             std::copy(kText.begin(), kText.end(), out.text.begin());
+                             up.insert(out);
+                           }
+                         })},
+      {"autopilot lost", hovering(4.0, [](Reach& up) { up.is_deaf = true; })},
+      {"estimate lost", hovering(1.0, [](Reach& up) { up.report_motion(1.2, 0.0); })},
+      {"estimator failed",
+       hovering(4.0,
+                [](Reach& up) {
+                  up.mute({id::EstimatorStatus::kMessage.id, id::EkfStatusReport::kMessage.id});
+                })},
+      {"operator lost", hovering(4.0, [](Reach& up) { up.has_operator = false; })},
+      {"short of processor", hovering(4.0, [](Reach& up) { up.driver->on_processor_wait(0.4); })},
+      {"ending", hovering(0.2, [](Reach& up) { up.driver->end(false); })},
+      {"pose stale", hovering(0.3, [](Reach& up) { up.has_mocap = false; })},
+      {"pose late", hovering(3.0,
+                             [](Reach& up) {
+                               up.has_mocap = false;  // each frame goes another way, and is late
+                               up.alters = [&up](models::MocapFrame frame) {
+                                 frame.arrival = frame.stamp.time;
+                                 frame.stamp.time -= std::chrono::milliseconds(200);
+                                 up.driver->on_mocap(frame, up.now);
+                               };
+                             })},
+      {"pose implausible", hovering(0.3,
+                                    [](Reach& up) {
+                                      up.alters = [](models::MocapFrame& frame) {
+                                        frame.bodies.front().world_from_body.translation_m.x() +=
+                                            1.0;
+                                      };
+                                    })},
+      {"fence ahead", hovering(2.5, [](Reach& up) { up.force(-1.0, kFree, 0.0); })},
+      {"obstacle ahead",
+       [](Reach& up) {
+         up.scenario.world.obstacles = {{{{0.2, 1.0}, {0.6, 3.0}}, 3.0}};
+         up.restart_driver();
+         up.hover();
+         up.force(-1.0, kFree, 0.0);
+         up.run(2.0);
+       }},
+      {"separation", hovering(0.5,
+                              [](Reach& up) {
+                                up.walker_m = up.vehicle.world_from_body().translation_m +
+                                              Eigen::Vector3d(0.53, 0.0, 0.0);
+                              })},
+      {"tracking", hovering(1.5, [](Reach& up) { up.force(kFree, 1.2, 0.0); })},
+      {"too fast", hovering(1.0, [](Reach& up) { up.force(kFree, 1.8, 0.0); })},
+      {"found flying", hovering(3.0, [](Reach& up) { up.restart_driver(); })},
+      {"no plan", hovering(0.5, [](Reach& up) { up.command(OperatorAction::kFollow); })},
+      {"planner late",
+       [](Reach& up) {
+         up.hover();
+         up.command(OperatorAction::kFollow);
+         for (int i = 0; i < 4; ++i) {
+           models::RobotPlan late = up.plan_on(0.3, 2.0);
+           late.late = true;
+           up.driver->on_plan(late, up.now);
+           up.run(0.2);
+         }
+       }},
+      {"map differs", hovering(0.1, [](Reach& up) { up.driver->on_map(false); })},
+      {"autopilot quiet", hovering(2.7, [](Reach& up) { up.is_deaf = true; })},
+      {"telemetry stale", hovering(1.6, [](Reach& up) { up.is_deaf = true; })},
+      {"estimate off", hovering(1.0, [](Reach& up) { up.report_motion(0.5, 0.0); })},
+      {"estimator doubtful",
+       hovering(3.0,
+                [](Reach& up) {
+                  up.mute({id::EstimatorStatus::kMessage.id, id::EkfStatusReport::kMessage.id});
+                })},
+      {"autopilot disobeys", hovering(2.5,
+                                      [](Reach& up) {
+                                        up.vehicle.controller().set_mode(
+                                            up.is_px4() ? 3U << 16U : 5U, up.now);
+                                      })},
+      {"operator quiet", hovering(2.0, [](Reach& up) { up.has_operator = false; })},
+      {"own stall", hovering(0.1, [](Reach& up) { up.now += std::chrono::milliseconds(300); })},
+      {"waits for processor", hovering(0.2, [](Reach& up) { up.driver->on_processor_wait(0.4); })},
+      {"pose aging", hovering(0.09, [](Reach& up) { up.has_mocap = false; })},
+      {"pose unsettled", [](Reach& up) { up.run(0.3); }},
+      {"body tilted",
+       [](Reach& up) {
+         up.alters = [](models::MocapFrame& frame) {
+           frame.bodies.front().world_from_body.rotation =
+               frame.bodies.front().world_from_body.rotation *
+               Quaternion(Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitX()));
+         };
+         up.stand();
+       }},
+      {"not at its start",
+       [](Reach& up) {
+         up.scenario.robots[0].start.y_m += 1.0;
+         up.restart_driver();
+         up.stand();
+       }},
+      {"attitude disagrees",
+       [](Reach& up) {
+         up.report_attitude(0.3, 0.0, 0.0);
+         up.stand();
+       }},
+      {"yaw disagrees",
+       [](Reach& up) {
+         up.report_attitude(0.0, 0.5, 0.0);
+         up.stand();
+       }},
+      {"another vehicle is lifting",
+       [](Reach& up) {
+         up.add_robots();
+         up.show_other([] { return FlightBench::kFloorM; });
+         up.arm();
+         models::OperatorCommand other = up.order(OperatorAction::kTakeOff);
+         other.robot = "Q2";
+         up.driver->on_command(other, up.now);
+         models::OperatorCommand own = up.order(OperatorAction::kTakeOff);
+         own.robot = "Q1";
+         up.driver->on_command(own, up.now);
+         up.run(1.0);
+       }},
+      {"somebody near",
+       [](Reach& up) {
+         up.arm();
+         up.walker_m = up.vehicle.world_from_body().translation_m + Eigen::Vector3d(0.6, 0.0, 0.0);
+         up.run(0.2);
+         up.command(OperatorAction::kTakeOff);
+         up.run(0.5);
+       }},
+      {"planner silent",
+       hovering(4.0, [](Reach& up) { up.driver->on_plan(up.plan_on(0.3, 2.0), up.now); })},
+      {"two planners", hovering(0.1,
+                                [](Reach& up) {
+                                  up.driver->on_plan(up.plan_on(0.3, 2.0), up.now);
+                                  models::RobotPlan other = up.plan_on(0.3, 2.0);
+                                  other.stamp.run_id += 1;
+                                  up.driver->on_plan(other, up.now);
+                                })},
+      {"another version", hovering(0.1, [](Reach& up) { up.driver->on_other_version(up.now); })},
+      {"plans refused",
+       hovering(0.1, [](Reach& up) { up.driver->on_plan(up.plan_on(9.0, 2.0), up.now); })},
+      {"battery low", hovering(3.0, [](Reach& up) { up.charge(0.2); })},
+      {"battery for take-off",
+       [](Reach& up) {
+         up.charge(0.2);
+         up.stand();
+       }},
+      {"host busy", hovering(0.2, [](Reach& up) { up.driver->on_processor_wait(0.2); })},
+  };
+}
+
+class ConditionReach : public ::testing::TestWithParam<AutopilotDialect> {};
+INSTANTIATE_TEST_SUITE_P(Dialects, ConditionReach,
+                         ::testing::Values(AutopilotDialect::kPx4, AutopilotDialect::kArdupilot),
+                         [](const auto& chosen) { return std::string(name_of(chosen.param)); });
+
+TEST_P(ConditionReach, EveryRowOfTheTableIsReachedFromOutside) {
+  const std::vector<Row> table = rows();
+  for (const Condition& row : conditions()) {
+    SCOPED_TRACE(row.name);
+    const auto found = std::find_if(table.begin(), table.end(), [&](const Row& each) {
+      return std::string_view(each.name) == row.name;
+    });
+    ASSERT_NE(found, table.end()) << "no input is known that reaches this row";
+    Reach up(GetParam());
+    found->reach(up);
+    EXPECT_TRUE(up.given.contains(row.name)) << "now: " << up.reasons();
+  }
+}
+
+}  // namespace
+}  // namespace vantage::drivers
