@@ -73,7 +73,7 @@ void Stream::on(const models::ScenarioNotice& notice, Time heard) {
   put(
       "/targets", Schema::kSceneUpdate, heard, [&] { return targets_scene(*scenario_, time); },
       true);
-  put_robots(time, heard);
+  put_robots(heard, time);
 }
 
 void Stream::put_robots(Time heard, Time time) {

@@ -182,8 +182,7 @@ TEST(SeekableLog, FindsInTheBlocksOfDamagedLogsWhatOnePassFinds) {
     test::write_file(folder.file("a.lcmlog"), bytes);
     const SeekableLog log(folder.file("a.lcmlog"));
     ASSERT_TRUE(log.is_surveyed());
-    const auto [first, last] = log.range();
-    ASSERT_EQ(offsets_of(log.events(first, last + Duration{1})),
+    ASSERT_EQ(offsets_of(log.events(Time::min(), Time::max())),
               offsets_of(sorted_events(log.bytes())))
         << "seed " << seed;
   }

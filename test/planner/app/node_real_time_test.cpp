@@ -119,38 +119,40 @@ TEST_F(PlannerNodeTest, SaysNothingNewAfterItsSlot) {
   EXPECT_EQ(count("slots_skipped"), 0);
 }
 
+/// With a driver, and without.
+class PlannerOfABusyHost : public PlannerNodeTest, public ::testing::WithParamInterface<bool> {};
+
+INSTANTIATE_TEST_SUITE_P(WithADriver, PlannerOfABusyHost, ::testing::Bool());
+
 // A planner of a vehicle with a driver brakes when it waited for a processor for too long within
 // the last second. It searches again as soon as the machine is free.
-TEST_F(PlannerNodeTest, StopsItsVehicleWhileTheMachineGivesItTooLittle) {
+TEST_P(PlannerOfABusyHost, StopsAVehicleWithADriverWhileItWaitsForAProcessor) {
   struct Row {
     double wait_s;
     bool stops_with_driver;
   };
-  for (const bool has_driver : {true, false}) {
-    scenario::Scenario scenario = test::lab_scenario();
-    scenario.robots[0].device =
-        has_driver ? scenario::DeviceSource::kWire : scenario::DeviceSource::kDirect;
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.robots[0].device =
+      GetParam() ? scenario::DeviceSource::kWire : scenario::DeviceSource::kDirect;
+  start(scenario);
+  world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
+  std::int64_t stops = 0;
+  for (const Row& row : std::vector<Row>{
+           {0.0, false}, {0.2, false}, {0.2001, true}, {0.9, true}, {0.19, false}, {0.5, true}}) {
+    SCOPED_TRACE(row.wait_s);
+    const bool is_stop = row.stops_with_driver && GetParam();
+    node_->on_processor_wait(row.wait_s);
     plans_.clear();
-    start(scenario);
-    world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
-    std::int64_t stops = 0;
-    for (const Row& row : std::vector<Row>{
-             {0.0, false}, {0.2, false}, {0.2001, true}, {0.9, true}, {0.19, false}, {0.5, true}}) {
-      SCOPED_TRACE(row.wait_s);
-      const bool is_stop = row.stops_with_driver && has_driver;
-      node_->on_processor_wait(row.wait_s);
-      plans_.clear();
-      round();
-      inputs_.slot.activation += from_seconds(1.0);
-      stops += is_stop ? 1 : 0;
-      ASSERT_EQ(plans_.size(), 1U);
-      EXPECT_EQ(plans_[0].late, is_stop);
-      EXPECT_LE(plans_[0].finish, plans_[0].deadline) << "others count on it";
-      EXPECT_EQ(plans_[0].source,
-                is_stop ? models::PlanSource::kBraking : models::PlanSource::kSearched);
-      EXPECT_EQ(count("rounds_short_of_processor"), stops);
-      EXPECT_EQ(count("plans_late"), 0) << "none was";
-    }
+    round();
+    inputs_.slot.activation += from_seconds(1.0);
+    stops += is_stop ? 1 : 0;
+    ASSERT_EQ(plans_.size(), 1U);
+    EXPECT_EQ(plans_[0].late, is_stop);
+    EXPECT_LE(plans_[0].finish, plans_[0].deadline) << "teammates count on it";
+    EXPECT_EQ(plans_[0].source,
+              is_stop ? models::PlanSource::kBraking : models::PlanSource::kSearched);
+    EXPECT_EQ(count("rounds_short_of_processor"), stops);
+    EXPECT_EQ(count("plans_late"), 0) << "none was";
   }
 }
 

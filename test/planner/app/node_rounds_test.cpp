@@ -276,6 +276,7 @@ TEST_F(PlannerNodeTest, HearsOnlyWhatItsTeamUses) {
 TEST_F(PlannerNodeTest, CountsByThePublishedNames) {
   const std::vector<std::string> names = {"plans_late",
                                           "slots_skipped",
+                                          "rounds_short_of_processor",
                                           "fallbacks_shifted",
                                           "fallbacks_braking",
                                           "off_plan",

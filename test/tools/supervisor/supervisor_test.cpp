@@ -290,8 +290,9 @@ TEST(Supervisor, KillsAProcessWhosePipeGivesNoMoreSigns) {
 
 TEST(Supervisor, FindsAStoppedProcess) {
   Watched watched;
-  watched.supervisor.start(ours("planner Q1", "while True:\n  sign(b'?')\n  time.sleep(0.005)"),
+  watched.supervisor.start(ours("planner Q1", "while True:\n  sign(b'g')\n  time.sleep(0.005)"),
                            watched.now_ns);
+  ASSERT_TRUE(watched.until([&] { return watched.status().in_flight == InFlight::kNo; }, 0));
   int looks = 0;
   EXPECT_TRUE(watched.until([&] { return ++looks > 200; }, kSecond_ns / 200));
   EXPECT_EQ(watched.count(Kind::kHung), 0);
