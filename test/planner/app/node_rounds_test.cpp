@@ -274,28 +274,15 @@ TEST_F(PlannerNodeTest, HearsOnlyWhatItsTeamUses) {
 }
 
 TEST_F(PlannerNodeTest, CountsByThePublishedNames) {
-  const std::vector<std::string> names = {"plans_late",
-                                          "slots_skipped",
-                                          "rounds_short_of_processor",
-                                          "fallbacks_shifted",
-                                          "fallbacks_braking",
-                                          "off_plan",
-                                          "turns_away",
-                                          "bait_rounds",
-                                          "rest_rounds",
-                                          "plan_checks_failed",
-                                          "rounds_without_pose",
-                                          "rounds_of_unknown_plan",
-                                          "misaddressed",
-                                          "unusable_beliefs",
-                                          "unusable_maps",
-                                          "unusable_plans",
-                                          "proposals_refused",
-                                          "external_rounds",
-                                          "external_missing",
-                                          "external_late",
-                                          "external_unasked",
-                                          "external_refused"};
+  const std::vector<std::string> names = {
+      "plans_late",         "slots_skipped",       "rounds_short_of_processor",
+      "fallbacks_shifted",  "fallbacks_braking",   "off_plan",
+      "turns_away",         "bait_rounds",         "rest_rounds",
+      "plan_checks_failed", "rounds_without_pose", "rounds_of_unknown_plan",
+      "misaddressed",       "unusable_beliefs",    "unusable_maps",
+      "unusable_plans",     "proposals_refused",   "external_rounds",
+      "external_missing",   "external_late",       "external_unasked",
+      "external_refused"};
   start(test::lab_scenario());
   std::vector<std::string> counted;
   for (const models::NamedCount& each : node_->counters()) {
