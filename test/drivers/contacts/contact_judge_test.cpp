@@ -60,6 +60,7 @@ struct Judged {
   ContactJudge judge;
   Time now = kStart;
   Duration mocap_clock{};  ///< by which the publisher's clock is off
+  std::int64_t frames = 0;
 
   explicit Judged(const scenario::Scenario& scenario = real_lab()) : judge(scenario) {}
   void fly(const std::string& robot) {
@@ -67,7 +68,9 @@ struct Judged {
   }
   std::vector<models::ContactReport> see(const Placed& bodies, Duration later = kFrame) {
     now += later;
-    return judge.on_frame(frame_of(now + mocap_clock, bodies), now + Duration{5'000});
+    models::MocapFrame frame = frame_of(now + mocap_clock, bodies);
+    frame.frame_number = ++frames;
+    return judge.on_frame(frame, now + Duration{5'000});
   }
   std::int64_t count(const std::string& name) const {
     for (const models::NamedCount& counter : judge.counters()) {
