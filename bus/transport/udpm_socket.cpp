@@ -65,7 +65,8 @@ MulticastSocket::MulticastSocket(const UdpmAddress& address, Absence absence)
       receiver_(open_udp()),
       sender_(open_udp()),
       buffer_(kDatagramBytesMax + 1) {
-  if (receiver_.fd() < 0 || sender_.fd() < 0) {
+  // The third one is what join() looks for the route with.
+  if (receiver_.fd() < 0 || sender_.fd() < 0 || Descriptor(open_udp()).fd() < 0) {
     throw StartupError("LCM udpm: cannot make a socket: " + reason());
   }
   group_.sin_family = AF_INET;
@@ -179,6 +180,7 @@ bool MulticastSocket::send(std::span<const std::uint8_t> head,
     sent = sendmsg(sender_.fd(), &message, MSG_NOSIGNAL);
   } while (sent < 0 && errno == EINTR);
   if (sent < 0 && is_joined_ && is_network_away(errno)) {
+    fault_ = "LCM udpm: nothing can be sent to " + address_.group + ": " + reason();
     is_joined_ = false;
     ++network_losses_;
   }

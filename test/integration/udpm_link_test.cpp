@@ -18,7 +18,8 @@ using Heard = std::vector<std::pair<std::string, Bytes>>;
 TEST(UdpmLink, CountsEveryDatagramTheSocketHadNoRoomFor) {
   constexpr int kSent = 2'000;
   const auto sender = bus::open_transport(test::kUrl);
-  const auto receiver = bus::open_transport("udpm://239.255.76.67:7667?ttl=0&recv_buf_size=65536");
+  const auto receiver = bus::open_transport(
+      "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=65536&max_message_size=65536");
   Heard heard;
   test::collect(*receiver, "X", heard);
   // The kernel tells of all drops since the beginning, with the next datagram that it lets in.
@@ -68,7 +69,8 @@ TEST(UdpmLink, GivesUpTheOldestWhenItsReaderIsSlow) {
   constexpr std::uint32_t kSent = 5'000;
   constexpr std::size_t kBytes = 500;
   const auto sender = bus::open_transport(test::kUrl);
-  const auto receiver = bus::open_transport("udpm://239.255.76.67:7667?ttl=0&recv_buf_size=65536");
+  const auto receiver = bus::open_transport(
+      "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=65536&max_message_size=65536");
   std::uint32_t sent = 0;
   const auto send_one = [&] {
     Bytes bytes(kBytes);
