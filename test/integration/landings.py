@@ -144,7 +144,7 @@ class Trial:
 
     def fly(self):
         """Until all are in the air, and one of them follows its plan."""
-        self.until(lambda: self.all_in({IDLE, KILLED}), "vehicles")
+        self.until(lambda: "TRUTH" in self.witness.newest and self.all_in({IDLE, KILLED}), "vehicles")
         # Motors that idle for long stop: `hold`, which is repeated for 0.75 s, begins anew. The first `arm`
         # after motors that were stopped only ends that state.
         steps = [(0.0, {IDLE: ("hold",), KILLED: ("arm",)}), (1.5, {IDLE: ("arm", "take-off")})]
@@ -260,7 +260,7 @@ class Trial:
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--times", type=int, default=1)
-    parser.add_argument("--duration-s", type=float, default=40.0)
+    parser.add_argument("--duration-s", type=float, default=60.0)
     parser.add_argument("binaries")
     parser.add_argument("scenario")
     parser.add_argument("types")

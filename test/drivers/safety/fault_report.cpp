@@ -3,7 +3,6 @@
 #include <cstdio>
 
 #include "drivers/safety/conditions.hpp"
-#include "test/drivers/safety/fault_catalogue.hpp"
 
 namespace vantage::test {
 namespace {
@@ -24,37 +23,51 @@ not be told to the vehicle (its own watchdog lands it). No run touched anything 
 |---|---|---|---|---|---|---|
 )";
 
+std::string row(const Fault& fault) {
+  const Fault* const one[] = {&fault};
+  const FaultRun run = fly_with(one, 1);
+  const Outcome& outcome = run.outcomes.front();
+  return "| " + std::to_string(fault.number) + " | " + fault.name + " | " + fault.what + " | " +
+         reached(fault, outcome) + " | " + seen(fault, outcome) + " | " + sign(fault) + " | " +
+         end(run) + " |\n";
+}
+
+}  // namespace
+
 std::string seconds(double value_s) {
   char text[16];
   std::snprintf(text, sizeof text, "%.2f", value_s);
   return text;
 }
 
-std::string row(const Fault& fault) {
-  const Fault* const one[] = {&fault};
-  const FaultRun run = fly_with(one, 1);
-  const Outcome& outcome = run.outcomes.front();
-  std::string reached;
+std::string reached(const Fault& fault, const Outcome& outcome) {
+  std::string out;
   for (std::size_t i = 0; i < fault.stages.size(); ++i) {
     const double at_s = outcome.stage_s[i];
-    reached += (i == 0 ? "" : ", ") + std::string(name_of(fault.stages[i].state)) + " " +
-               (at_s < 0.0 ? "never" : seconds(at_s)) + " (" + seconds(fault.stages[i].within_s) +
-               ")";
+    out += (i == 0 ? "" : ", ") + std::string(name_of(fault.stages[i].state)) + " " +
+           (at_s < 0.0 ? "never" : seconds(at_s)) + " (" + seconds(fault.stages[i].within_s) + ")";
   }
-  const bool is_seen = fault.reason != nullptr || fault.counter != nullptr;
-  const std::string what = fault.reason != nullptr    ? fault.reason
-                           : fault.counter != nullptr ? std::string("`") + fault.counter + "`"
-                                                      : "";
-  std::string end = name_of(outcome.end);
-  for (const std::string& violation : run.violations) {
-    end += " **" + violation + "**";
-  }
-  return "| " + std::to_string(fault.number) + " | " + fault.name + " | " + fault.what + " | " +
-         reached + " | " + (is_seen ? seconds(outcome.reaction_s) : "") + " | " + what + " | " +
-         end + " |\n";
+  return out;
 }
 
-}  // namespace
+std::string seen(const Fault& fault, const Outcome& outcome) {
+  const bool has_sign = fault.reason != nullptr || fault.counter != nullptr;
+  return has_sign ? seconds(outcome.reaction_s) : "";
+}
+
+std::string sign(const Fault& fault) {
+  return fault.reason != nullptr    ? fault.reason
+         : fault.counter != nullptr ? std::string("`") + fault.counter + "`"
+                                    : "";
+}
+
+std::string end(const FaultRun& run) {
+  std::string out = name_of(run.outcomes.front().end);
+  for (const std::string& violation : run.violations) {
+    out += " **" + violation + "**";
+  }
+  return out;
+}
 
 std::string fault_report() {
   std::string out = kHead;

@@ -45,7 +45,7 @@ class ViconBench {
     return settings;
   }
 
-  drivers::vicon::Moment now() const { return {kEpoch + elapsed, elapsed}; }
+  drivers::vicon::Moment now() const { return {epoch + elapsed, elapsed}; }
 
   /// Lets `time` pass, opening links as the driver wishes and with them a new server peer; bytes
   /// go to and fro.
@@ -115,6 +115,7 @@ class ViconBench {
 
  public:
   bool is_server_up = true;
+  Time epoch = kEpoch;  ///< when elapsed is 0
   Duration elapsed{};
   std::vector<models::MocapFrame> frames;
   sim::vicon::ObjectStreamServer object_stream;
