@@ -41,9 +41,11 @@ bool MocapClock::on_frame(Time stamp, Time arrival, std::int64_t number, Duratio
   const Duration raw = arrival - stamp;
   const Duration as_before = raw - apart_;
   const Duration latency_max = kLatencyMax + stated;
-  const bool goes_on = as_before >= Duration{} && as_before <= latency_max;
   const std::int64_t frames = number - number_;
   const bool counts = has_frame_ && frames >= 1 && frames <= kFramesMax;
+  // A clock that is set back by less than a second looks like latency from here to there.
+  const bool was_set_back = counts && stamp + stated < reached_;
+  const bool goes_on = as_before >= Duration{} && as_before <= latency_max && !was_set_back;
   if (goes_on) {
     const Duration period = (stamp - stamp_) / (counts ? frames : 1);
     period_ = counts && period > Duration{} && period < kLatencyMax ? period : period_;
@@ -56,6 +58,7 @@ bool MocapClock::on_frame(Time stamp, Time arrival, std::int64_t number, Duratio
   }
   has_frame_ = true;
   stamp_ = stamp;
+  reached_ = stamp + stated;
   arrival_ = arrival;
   number_ = number;
   return goes_on;

@@ -13,9 +13,10 @@ namespace vantage::models {
 ///
 /// While arrival less stamp, less what the clocks are known to be apart, is between 0 and a second
 /// plus the latency that the frame itself states (its `arrival` at the publisher less its stamp),
-/// that is the latency. If not, the clock was set between two frames: the new stamp is then
-/// assumed to be where the old clock would have put it, a period later for each frame number. So a
-/// latency that was there stays, and one that begins together with the new clock is seen.
+/// that is the latency. If not, or if a frame with a higher number reached the publisher earlier
+/// than the frame before, the clock was set between the two: the new stamp is then assumed to be
+/// where the old clock would have put it, a period later for each frame number. So a latency that
+/// was there stays, and one that begins together with the new clock is seen.
 class MocapClock {
  public:
   /// Takes the next frame of the trusted publisher. Another run begins anew.
@@ -37,6 +38,7 @@ class MocapClock {
   bool has_frame_ = false;
   std::int64_t run_id_ = 0;
   Time stamp_{};
+  Time reached_{};  ///< arrival of the frame at the publisher, by the clock that stamps it
   Time arrival_{};
   std::int64_t number_ = 0;
   Duration period_{};  ///< between stamps; 0 before two frames of one clock

@@ -188,7 +188,9 @@ TEST(ContactJudge, CountsOldFramesAndBodiesBeyondThoseItKeeps) {
 }
 
 TEST(ContactJudge, JudgesOnByOurTimeWhenThePublishersClockIsSet) {
-  for (const Duration set : {Duration{-std::chrono::hours(1)}, Duration{std::chrono::hours(1)}}) {
+  for (const Duration set :
+       {Duration{-std::chrono::hours(1)}, Duration{-std::chrono::seconds(1)},
+        Duration{-std::chrono::milliseconds(500)}, Duration{std::chrono::hours(1)}}) {
     Judged lab;
     lab.fly("Q1");
     for (const double x_m : {2.0, 1.9, 1.8}) {

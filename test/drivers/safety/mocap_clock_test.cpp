@@ -54,6 +54,29 @@ TEST(MocapClock, SeesALatencyThatBeginsWithTheNewClock) {
   EXPECT_NEAR(clock.latency_s(), 0.155, 1e-6);
 }
 
+// A clock set back by up to a second looks like latency, but frames after that reach the publisher
+// earlier, by its clock, than frames before.
+TEST(MocapClock, KeepsTheLatencyWhenTheClockIsSetBackByASecondOrLess) {
+  for (const double set_s : {-0.02, -0.1, -0.5, -0.99, -1.0}) {
+    for (const int lost : {0, 1, 50}) {
+      MocapClock clock;
+      for (int i = 0; i < 10; ++i) {
+        EXPECT_TRUE(clock.on_frame(after(kPeriodS * i), after(kPeriodS * i + 0.005), i));
+      }
+      for (int i = 10 + lost; i < 300; ++i) {
+        const double captured_s = kPeriodS * i;
+        const bool goes_back = set_s + kPeriodS * (lost + 1) < 0.0;
+        const bool is_first = i == 10 + lost;
+        EXPECT_EQ(clock.on_frame(after(captured_s + set_s), after(captured_s + 0.005), i),
+                  !is_first || !goes_back);
+        if (goes_back) {
+          EXPECT_NEAR(clock.latency_s(), 0.005, 1e-6) << set_s << " " << lost;
+        }
+      }
+    }
+  }
+}
+
 // Two computers whose clocks were never compared: only what changes is latency.
 TEST(MocapClock, CountsFromTheFirstFrameWhenTheClocksDiffer) {
   MocapClock clock;
@@ -105,7 +128,7 @@ TEST(MocapClock, KnowsThePeriodOnlyFromFramesThatFollow) {
   };
   for (const Frame& odd :
        {Frame{1, 0.02, 0.02}, Frame{4, 0.08, 0.02}, Frame{100, 2.0, 0.02}, Frame{1, 0.9, 0.9},
-        Frame{1, 0.0, kPeriodS}, Frame{1, -0.02, kPeriodS}, Frame{3, -0.3, kPeriodS},
+        Frame{1, 0.0, kPeriodS}, Frame{0, -0.02, kPeriodS}, Frame{-3, -0.3, kPeriodS},
         Frame{1, 1.0, kPeriodS}, Frame{1, 5.0, kPeriodS}, Frame{0, 0.5, kPeriodS},
         Frame{0, 0.0, kPeriodS}, Frame{-9, 0.5, kPeriodS}, Frame{101, 0.5, kPeriodS},
         Frame{5000, 0.5, kPeriodS}}) {

@@ -13,6 +13,8 @@ namespace {
 using models::FlightState;
 using models::OperatorAction;
 using std::chrono::hours;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
 using test::kFarAhead;
 using test::kLabRun;
 using test::kOtherClock;
@@ -196,7 +198,9 @@ TEST_F(VehicleTrust, ForgedNumbersTakeNoPoseAway) {
 
 TEST_F(VehicleTrust, AMocapClockThatIsSetInFlightGroundsNobody) {
   take_off();
-  for (const Duration set : {Duration(-hours(1)), Duration(hours(2)), Duration(0)}) {
+  for (const Duration set :
+       {Duration(-hours(1)), Duration(hours(2)), Duration(0), Duration(-seconds(1)),
+        Duration(-milliseconds(1'500)), Duration(-milliseconds(1'600))}) {
     bench.mocap_clock = set;
     bench.run(2.0);
   }
