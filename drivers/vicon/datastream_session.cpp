@@ -11,7 +11,8 @@
 namespace vantage::drivers::vicon {
 namespace {
 
-constexpr Duration kPingPeriod = std::chrono::seconds(1);
+/// So short that a pause of the server is not mistaken for a queue of kQueuedMax (FrameClock).
+constexpr Duration kPingPeriod = std::chrono::milliseconds(50);
 /// Frames without any pose are believed after this long: nobody is seen, or a server has no poses.
 constexpr Duration kJunkMax = std::chrono::milliseconds(300);
 constexpr std::size_t kOutgoingMax = std::size_t{64} << 10U;
@@ -50,6 +51,7 @@ void DataStreamSession::open(Moment now) {
   has_latency_ = false;
   has_set_ = false;
   subjects_.clear();
+  echo_.reset();
   opened_ = last_asked_ = now;
   next_wake_ = Duration::max();
 }
@@ -112,7 +114,7 @@ void DataStreamSession::on_packet(Moment arrival, wire::vicon::Bytes body) {
     } else if (block->type == wire::vicon::kContents) {
       read(*block, contents_);
     } else if (wire::vicon::Ping ping; block->type == wire::vicon::kPing && read(*block, ping)) {
-      one_way_ = ping.id == ping_id_ ? (arrival.steady - ping_sent_) / 2 : one_way_;
+      on_ping(arrival, ping);
     }
   }
   counts.broken_blocks += cursor.is_broken() ? 1 : 0;
@@ -132,6 +134,15 @@ void DataStreamSession::on_packet(Moment arrival, wire::vicon::Bytes body) {
       ask_for_frame(false);
       last_asked_ = arrival;
     }
+  }
+}
+
+// A ping's number is the time at which it was sent: an echo that takes longer than the period of
+// pings is measured as well.
+void DataStreamSession::on_ping(Moment arrival, const wire::vicon::Ping& ping) {
+  const Duration sent{static_cast<std::int64_t>(ping.id)};
+  if (sent >= opened_.steady && sent <= arrival.steady) {
+    echo_ = {sent, arrival.steady};
   }
 }
 
@@ -172,8 +183,7 @@ void DataStreamSession::on_time(Moment now) {
     return;
   }
   next_wake_ = now.steady + kPingPeriod;
-  ping_sent_ = now.steady;
-  send(wire::vicon::Ping{++ping_id_});
+  send(wire::vicon::Ping{static_cast<std::uint64_t>(now.steady.count())});
   if (now.steady - last_asked_.steady >= kAskAgain && mode_ != scenario::StreamMode::kPush) {
     ask_for_frame(false);  // the answer was lost, or the server stood still
     last_asked_ = now;
@@ -294,6 +304,8 @@ void DataStreamSession::hand_on(Moment arrival) {
   seen_.arrival = arrival;
   seen_.number = frame_.frame_number;
   seen_.latency_s = has_latency_ ? std::optional(latency_.total_s()) : std::nullopt;
+  seen_.rate_hz = stream_.rate_hz();
+  seen_.echo = echo_;
   seen_.is_complete_list = true;
   for (const Subject& subject : subjects_) {
     SeenBody& body = seen_.add();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,8 +25,8 @@ class DataStreamSession : public Session {
   void on_time(Moment now) override;
   [[nodiscard]] Duration next_wake() const override { return next_wake_; }
 
-  /// Half of what a ping took last; 0 before the first echo.
-  [[nodiscard]] Duration one_way() const { return one_way_; }
+  /// Newest echo of a ping on this connection.
+  [[nodiscard]] const std::optional<Echo>& echo() const { return echo_; }
   [[nodiscard]] double rate_hz() const { return stream_.rate_hz(); }
   [[nodiscard]] bool is_y_up() const;
   [[nodiscard]] const std::vector<std::uint32_t>& offered() const { return offered_.types; }
@@ -38,6 +39,7 @@ class DataStreamSession : public Session {
     SeenBody seen;                   ///< but for the name
   };
 
+  void on_ping(Moment arrival, const wire::vicon::Ping& ping);
   void on_packet(Moment arrival, wire::vicon::Bytes body);
   void read_static(wire::vicon::Bytes packet);
   void read_dynamic(wire::vicon::Bytes packet);
@@ -73,9 +75,7 @@ class DataStreamSession : public Session {
   Moment opened_;
   Moment last_asked_;
   Duration next_wake_{Duration::max()};
-  Duration ping_sent_{};
-  std::uint64_t ping_id_ = 0;
-  Duration one_way_{};
+  std::optional<Echo> echo_;
 
   // Memory that is used again.
   wire::vicon::SubjectInfo subject_info_;

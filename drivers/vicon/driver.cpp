@@ -34,8 +34,14 @@ std::unique_ptr<Session> make_session(const scenario::MocapSpec& spec, FrameSink
   return std::make_unique<DataStreamSession>(spec.mode, spec.up_axis, std::move(sink));
 }
 
-GateSettings gate_of(const scenario::MocapSpec& spec) {
+/// Share of the separation by which a pose may be off its prediction: less than half.
+constexpr double kGateShare = 0.45;
+
+GateSettings gate_of(const scenario::MocapSpec& spec, double separation_m) {
   GateSettings gate;
+  if (separation_m > 0.0) {
+    gate.predicted_max_m = kGateShare * separation_m;
+  }
   gate.speed_max_mps = spec.gate_speed_mps;
   gate.turn_max_radps = spec.gate_turn_radps;
   gate.stuck_frames = spec.stuck_frames;
@@ -58,10 +64,11 @@ std::string cure_for(wire::vicon::Speaker speaker) {
 
 }  // namespace
 
-ViconDriver::ViconDriver(const scenario::MocapSpec& spec, FrameFilter::Publish publish)
+ViconDriver::ViconDriver(const scenario::MocapSpec& spec, FrameFilter::Publish publish,
+                         double separation_m)
     : spec_(spec),
       is_datagram_(spec.protocol == MocapProtocol::kObjectStream),
-      filter_(gate_of(spec), from_seconds(spec.latency_s), std::move(publish)),
+      filter_(gate_of(spec, separation_m), from_seconds(spec.latency_s), std::move(publish)),
       session_(make_session(spec, [this](const SeenFrame& frame) { on_frame(frame); })),
       back_off_(kBackOffMin),
       status_("not yet connected") {
@@ -108,6 +115,11 @@ void ViconDriver::on_closed(Moment now, const std::string& why) {
   }
   state_ = State::kClosed;
   wants_close_ = false;
+  if (is_backlog_) {
+    is_backlog_ = false;
+    next_attempt_ = now.steady;
+    return;
+  }
   next_attempt_ = now.steady + back_off_;
   back_off_ = std::min(2 * back_off_, kBackOffMax);
 }
@@ -127,6 +139,7 @@ void ViconDriver::receive(Moment arrival, wire::vicon::Bytes bytes) {
     first_bytes_.insert(first_bytes_.end(), more.begin(), more.end());
   }
   if (session_->receive(arrival, bytes)) {
+    close_if_behind(arrival);
     return;
   }
   using wire::vicon::Speaker;
@@ -152,6 +165,19 @@ void ViconDriver::on_frame(const SeenFrame& frame) {
     status_ = "frames from " + place();
   }
   filter_.accept(frame);
+}
+
+void ViconDriver::close_if_behind(Moment now) {
+  const bool may_close = !backlog_closed_ || now.steady - *backlog_closed_ >= kBacklogPeriod;
+  if (!filter_.is_behind() || !may_close) {
+    return;
+  }
+  backlog_closed_ = now.steady;
+  is_backlog_ = true;
+  ++link_counts_.backlogs;
+  close_because("is " + std::to_string(filter_.waited().count() / 1'000) +
+                " ms behind: frames wait in a queue; connecting anew to empty it; use a cable, "
+                "or mocap.mode: pull");
 }
 
 void ViconDriver::on_time(Moment now) {

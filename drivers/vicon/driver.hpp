@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,17 +19,23 @@ struct LinkCounts {
   std::int64_t connections_failed = 0;
   std::int64_t connections_lost = 0;  ///< closed by the other side, or broken
   std::int64_t silences = 0;          ///< closed by us: nothing came for too long
+  std::int64_t backlogs = 0;          ///< closed by us to empty a queue of frames
 };
 
 /// The whole driver but its sockets: connections, bytes and time in; frames, bytes and wishes out.
 ///
 /// It wants the link open whenever it is not, for ever, waiting longer after each failure (0.1 s
-/// doubling to 2 s; a frame resets that). Whoever owns the socket does as wants_open() and
-/// wants_close() say and reports what happened.
+/// doubling to 2 s; a frame resets that). It closes a connection whose frames wait in a queue, to
+/// empty the queue, at most once per kBacklogPeriod, and connects again at once. The owner of the
+/// socket does as wants_open() and wants_close() say and reports what happened.
 class ViconDriver {
  public:
+  static constexpr Duration kBacklogPeriod = std::chrono::seconds(5);
+
   /// @param publish  called with each good frame, within receive() or on_time()
-  ViconDriver(const scenario::MocapSpec& spec, FrameFilter::Publish publish);
+  /// @param separation_m  that the scenario's plans keep between bodies; 0: not known
+  ViconDriver(const scenario::MocapSpec& spec, FrameFilter::Publish publish,
+              double separation_m = 0.0);
   ~ViconDriver();
   ViconDriver(const ViconDriver&) = delete;
   ViconDriver& operator=(const ViconDriver&) = delete;
@@ -76,6 +83,7 @@ class ViconDriver {
   [[nodiscard]] std::string place() const;
   void close_because(const std::string& why);
   void on_frame(const SeenFrame& frame);
+  void close_if_behind(Moment now);
 
   scenario::MocapSpec spec_;
   bool is_datagram_;
@@ -83,6 +91,8 @@ class ViconDriver {
   std::unique_ptr<Session> session_;
   State state_ = State::kClosed;
   bool wants_close_ = false;
+  bool is_backlog_ = false;  ///< why it wants to close
+  std::optional<Duration> backlog_closed_;
   Duration next_attempt_{};
   Duration back_off_;
   Duration opening_since_{};

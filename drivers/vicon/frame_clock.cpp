@@ -6,80 +6,173 @@
 namespace vantage::drivers::vicon {
 namespace {
 
+/// The least jitter of two stretches may differ by so much: the error of a pace over its span.
+constexpr double kJitter_s = 0.003;
+/// A pace that was learned from so long a stretch stays.
+constexpr double kLearned_s = 10.0;
+constexpr double kFitPeriod_s = 1.0;
+/// Frames that come faster than the pace by more, for kBlock_s, have another pace.
+constexpr double kFaster = 0.01;
 constexpr double kBlock_s = 1.0;
-constexpr int kBlockFrames = 10;
-/// Two stretches whose paces differ by less are of one pace.
-constexpr double kSamePace = 0.02;
-/// The line rises by so much of the time that passes, for the pace is not known better; but not
-/// while nothing comes.
-constexpr double kDrift = 0.01;
+/// The line does not rise by the pace's error over a longer gap between two frames.
 constexpr double kDriftGap_s = 0.1;
 constexpr double kLate_s = 0.02;
-/// What has queued comes much faster than it was made.
-constexpr double kOwnPace = 0.8;
-constexpr int kOwnPaceFrames = 5;
-constexpr double kOwnPace_s = 0.05;
+/// A queue stands if the lateness has not fallen by kEmpties_s in this time and these frames.
+constexpr double kEmpties_s = 0.02;
+constexpr double kStands_s = 0.05;
+constexpr int kStandsFrames = 5;
+/// An echo that takes longer is slow; a server and a line without a queue may take half of it.
+constexpr double kSlowEcho_s = 0.1;
+constexpr Duration kSlowFor = std::chrono::seconds(2);
+/// An echo that is faster says what the frames behind it have waited.
+constexpr double kFastEcho_s = 0.05;
+constexpr double kSamePace = 0.01;
+constexpr double kOtherPace = 0.003;
+
+double pace_s(const FrameMark& from, const FrameMark& to) {
+  return (to.arrival_s - from.arrival_s) / static_cast<double>(to.tick - from.tick);
+}
 
 }  // namespace
 
-void FrameClock::restart() { *this = {}; }
+void FrameClock::begin(const FrameMark& now, double stated_tick_s) {
+  restart();
+  last_ = now;
+  line_s_ = now.arrival_s;
+  tick_s_ = stated_s_ = stated_tick_s;
+  is_learned_ = stated_tick_s <= 0.0;
+  fit_.add(now);
+}
 
-Duration FrameClock::lateness(std::int64_t tick, Duration arrival) {
-  const Mark now{tick, to_seconds(arrival)};
+Duration FrameClock::lateness(const FrameTiming& frame, Duration arrival, Duration latency) {
+  const FrameMark now{frame.tick, to_seconds(arrival - latency)};
   if (!last_ || now.tick < last_->tick) {
-    restart();
-    last_ = block_ = now;
-    line_s_ = now.arrival_s;
+    begin(now, frame.stated_tick_s);
     return {};
   }
+  if (frame.stated_tick_s != stated_s_) {
+    const double line_s = std::min(line_s_ + now.arrival_s - last_->arrival_s, now.arrival_s);
+    begin(now, frame.stated_tick_s);
+    line_s_ = line_s;  // a new pace empties no queue
+  }
   const double passed_s = std::clamp(now.arrival_s - last_->arrival_s, 0.0, kDriftGap_s);
-  line_s_ += tick_s_ * static_cast<double>(now.tick - last_->tick) + kDrift * passed_s;
-  last_ = now;
-  if (tick_s_ <= 0.0 || now.arrival_s <= line_s_ || goes_on_late(now)) {
+  line_s_ += tick_s_ * static_cast<double>(now.tick - last_->tick) + drift_ * passed_s;
+  if (frame.pinged) {
+    line_s_ = std::max(line_s_, to_seconds(*frame.pinged - latency));
+  }
+  if (tick_s_ <= 0.0 || now.arrival_s <= line_s_) {
     line_s_ = now.arrival_s;
   }
+  const bool has_new_tick = now.tick > last_->tick;
+  last_ = now;
   const double late_s = now.arrival_s - line_s_;
-  learn(now, late_s > kLate_s);
+  if (has_new_tick && is_learned_) {
+    learn(now, late_s);
+  } else if (has_new_tick) {
+    check_stated(now);
+  }
+  is_after_echo_ = false;
+  watch_queue(now, late_s);
   return from_seconds(late_s);
 }
 
-bool FrameClock::goes_on_late(const Mark& now) {
-  if (now.arrival_s - line_s_ <= kLate_s) {
-    late_since_.reset();
-    return false;
-  }
-  if (!late_since_) {
-    late_since_ = now;
-    late_frames_ = 0;
-    return false;
-  }
-  const double passed_s = now.arrival_s - late_since_->arrival_s;
-  const double made_s = tick_s_ * static_cast<double>(now.tick - late_since_->tick);
-  if (passed_s < kOwnPace * made_s) {
-    late_since_ = now;
-    late_frames_ = 0;
-    return false;
-  }
-  if (++late_frames_ < kOwnPaceFrames || passed_s < kOwnPace_s) {
-    return false;
-  }
-  late_since_.reset();
-  return true;
-}
-
-void FrameClock::learn(const Mark& now, bool is_late) {
-  ++block_frames_;
-  const double passed_s = now.arrival_s - block_.arrival_s;
-  if (is_late || passed_s < kBlock_s || block_frames_ < kBlockFrames || now.tick == block_.tick) {
+void FrameClock::learn(const FrameMark& now, double late_s) {
+  if (late_s > kLate_s) {
+    block_.reset();
     return;
   }
-  const double pace_s = passed_s / static_cast<double>(now.tick - block_.tick);
-  if (std::abs(pace_s - block_tick_s_) < kSamePace * pace_s) {
-    tick_s_ = 0.5 * (pace_s + block_tick_s_);
+  // What did not wait at the begin of the block shows how long the pace can be at most.
+  if (!block_) {
+    block_ = now;
+    block_late_s_ = late_s;
+  } else if (now.arrival_s - block_->arrival_s >= kBlock_s) {
+    const bool is_faster = tick_s_ > 0.0 && block_late_s_ <= kJitter_s &&
+                           pace_s(*block_, now) < (1.0 - kFaster) * tick_s_;
+    block_ = now;
+    block_late_s_ = late_s;
+    if (is_faster) {
+      tick_s_ = 0.0;
+      fit_.restart();
+      next_fit_s_ = 0.0;
+    }
   }
-  block_tick_s_ = pace_s;
-  block_ = now;
-  block_frames_ = 0;
+  if (tick_s_ > 0.0 && fit_.span_s() >= kLearned_s) {
+    return;
+  }
+  fit_.add(now);
+  const double span_s = fit_.span_s();
+  if (span_s < std::max(kLearn_s, next_fit_s_)) {
+    return;
+  }
+  next_fit_s_ = span_s + kFitPeriod_s;
+  const auto fitted_s = fit_.tick_s();
+  // A later fit may correct an earlier one by the error of that one: more is a queue that grows.
+  if (fitted_s && *fitted_s > 0.0 &&
+      (tick_s_ <= 0.0 || std::abs(*fitted_s - tick_s_) <= drift_ * tick_s_)) {
+    tick_s_ = *fitted_s;
+    drift_ = kDrift + kJitter_s / span_s;
+  }
+}
+
+// Between two frames behind fast echoes none has waited for long: their pace is the server's.
+void FrameClock::check_stated(const FrameMark& now) {
+  if (!is_after_echo_) {
+    return;
+  }
+  if (!echo_mark_) {
+    echo_mark_ = now;
+    return;
+  }
+  const double passed_s = now.arrival_s - echo_mark_->arrival_s;
+  if (passed_s < kBlock_s || now.tick <= echo_mark_->tick) {
+    return;
+  }
+  const double measured_s = pace_s(*echo_mark_, now);
+  const double error_s =
+      (round_trip_s_ + measured_s) / static_cast<double>(now.tick - echo_mark_->tick);
+  const bool is_other = std::abs(measured_s - tick_s_) > error_s + kOtherPace * tick_s_;
+  const bool is_same = std::abs(measured_s - refuted_tick_s_) < kSamePace * measured_s;
+  refutations_ = !is_other ? 0 : refutations_ > 0 && is_same ? refutations_ + 1 : 1;
+  refuted_tick_s_ = measured_s;
+  echo_mark_ = now;
+  if (refutations_ * kBlock_s >= kRefuted_s) {
+    tick_s_ = measured_s;
+    drift_ = kDrift + error_s / measured_s;
+    is_learned_ = true;
+    fit_.restart();
+  }
+}
+
+void FrameClock::watch_queue(const FrameMark& now, double late_s) {
+  if (late_s <= kLate_s) {
+    window_begin_s_.reset();
+    is_standing_ = false;
+    return;
+  }
+  const bool empties = window_begin_s_ && late_s < window_late_s_ - kEmpties_s;
+  const bool stands = window_begin_s_ && ++window_frames_ >= kStandsFrames &&
+                      now.arrival_s - *window_begin_s_ >= kStands_s;
+  is_standing_ = !empties && (is_standing_ || stands);
+  if (!window_begin_s_ || empties || stands) {
+    window_begin_s_ = now.arrival_s;
+    window_late_s_ = late_s;
+    window_frames_ = 0;
+  }
+}
+
+void FrameClock::on_echo(Duration sent, Duration arrived) {
+  const double round_trip_s = to_seconds(arrived - sent);
+  is_after_echo_ = round_trip_s < kFastEcho_s;
+  round_trip_s_ = round_trip_s;
+  if (round_trip_s < kSlowEcho_s) {
+    slow_since_.reset();
+    return;
+  }
+  least_slow_s_ = slow_since_ ? std::min(least_slow_s_, round_trip_s) : round_trip_s;
+  slow_since_ = slow_since_ ? slow_since_ : sent;
+  if (last_ && sent - *slow_since_ >= kSlowFor) {
+    line_s_ = std::min(line_s_, last_->arrival_s - (least_slow_s_ - 0.5 * kSlowEcho_s));
+  }
 }
 
 }  // namespace vantage::drivers::vicon

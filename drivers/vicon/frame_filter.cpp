@@ -17,9 +17,15 @@ constexpr std::int32_t kLostMax = 10'000;
 constexpr Duration kForgetAfter = std::chrono::seconds(60);
 /// Captures may be put right by less; beyond it the stack's clock has been set.
 constexpr Duration kClockStep = std::chrono::seconds(1);
+constexpr double kMicrosecond_s = 1e-6;
 constexpr std::size_t kNameBytesMax = 128;
 /// As near to another body as this, a jump is a swap of names.
 constexpr double kSwapDistance_m = 0.3;
+/// A body so near to its own prediction bears its own name.
+constexpr double kOwnPlace_m = 0.05;
+/// Names are swapped if that makes the distances to the predictions shorter by more, per name.
+constexpr double kSwapGain_m = 0.05;
+constexpr std::size_t kComparedMax = 64;
 
 /// UTF-8 without control characters: what a message may carry.
 bool is_name(const std::string& name) {
@@ -33,14 +39,23 @@ bool is_name(const std::string& name) {
 }  // namespace
 
 FrameFilter::FrameFilter(const GateSettings& gate, Duration latency_assumed, Publish publish)
-    : gate_(gate), latency_assumed_(latency_assumed), publish_(std::move(publish)) {
+    : gate_(gate),
+      latency_assumed_(latency_assumed),
+      publish_(std::move(publish)),
+      assignment_(static_cast<int>(kComparedMax), static_cast<int>(kComparedMax)) {
   bodies_.reserve(kBodiesMax);  // pointers into it stay good
+  compared_.reserve(kComparedMax);
+  predicted_m_.reserve(kBodiesMax);
+  cost_m_.reserve(kComparedMax * kComparedMax);
 }
 
 void FrameFilter::on_opened() {
   last_number_.reset();
   old_numbers_ = 0;
   clock_.restart();
+  waits_since_.reset();
+  is_behind_ = false;
+  waited_ = echo_taken_ = {};
 }
 
 bool FrameFilter::is_next(std::uint32_t number) {
@@ -68,8 +83,7 @@ bool FrameFilter::is_next(std::uint32_t number) {
   return true;
 }
 
-// Too long a latency is not answered by the assumed one, which is short: a frame would be said to
-// be new the older it is, and whoever holds because frames are late would fly on.
+// A latency that is long is reported as it is: the assumed one would make an old frame new.
 Duration FrameFilter::latency_of(const SeenFrame& seen) {
   if (!seen.latency_s) {
     return latency_assumed_;
@@ -78,16 +92,33 @@ Duration FrameFilter::latency_of(const SeenFrame& seen) {
     ++counts_.latencies_refused;
     return latency_assumed_;
   }
-  counts_.latencies_bounded += *seen.latency_s > kLatencyMax_s ? 1 : 0;
-  return from_seconds(std::min(*seen.latency_s, kLatencyMax_s));
+  return from_seconds(*seen.latency_s);
 }
 
-Duration FrameFilter::waited(const SeenFrame& seen, Duration latency) {
+Duration FrameFilter::wait_of(const SeenFrame& seen, Duration latency) {
   if (!seen.number && !seen.server_time_us) {
     return {};
   }
-  const std::int64_t tick = seen.number ? number_ : *seen.server_time_us;
-  return clock_.lateness(tick, seen.arrival.steady - latency);
+  if (seen.echo && seen.echo->arrived > echo_taken_) {
+    echo_taken_ = seen.echo->arrived;
+    clock_.on_echo(seen.echo->sent, seen.echo->arrived);
+  }
+  FrameTiming timing;
+  timing.tick = seen.number ? number_ : *seen.server_time_us;
+  timing.stated_tick_s = !seen.number         ? kMicrosecond_s
+                         : seen.rate_hz > 0.0 ? 1.0 / seen.rate_hz
+                                              : 0.0;
+  timing.pinged = seen.echo ? std::optional(seen.echo->sent) : std::nullopt;
+  return clock_.lateness(timing, seen.arrival.steady, latency);
+}
+
+void FrameFilter::watch_backlog(Duration now) {
+  if (waited_ <= kQueuedMax) {
+    waits_since_.reset();
+  } else if (!waits_since_) {
+    waits_since_ = now;
+  }
+  is_behind_ = waits_since_ && now - *waits_since_ >= kBehindFor;
 }
 
 Time FrameFilter::capture_time(Time arrival, Duration since_capture) {
@@ -126,13 +157,17 @@ void FrameFilter::accept(const SeenFrame& seen) {
     return;
   }
   const Duration latency = latency_of(seen);
-  const Duration waited_for = waited(seen, latency);
-  if (waited_for > kQueuedMax) {
+  waited_ = wait_of(seen, latency);
+  watch_backlog(seen.arrival.steady);
+  if (waited_ > kWaitedMax || (waited_ > kQueuedMax && !clock_.is_standing())) {
     ++counts_.frames_queued;
     return;
   }
+  counts_.frames_waited += waited_ > kQueuedMax ? 1 : 0;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     bodies_[i].is_in_frame = false;
+    bodies_[i].is_swapped = false;
+    bodies_[i].seen = nullptr;
     out_.bodies[i].occluded = true;
     out_.bodies[i].world_from_body = {};
   }
@@ -149,15 +184,90 @@ void FrameFilter::accept(const SeenFrame& seen) {
     }
     body->is_in_frame = true;
     body->last_listed = seen.arrival.steady;
-    place(listed[i], *body, seen.arrival.steady,
-          out_.bodies[static_cast<std::size_t>(body - bodies_.data())]);
+    body->seen = &listed[i];
+  }
+  find_swaps(seen.arrival.steady);
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (bodies_[i].seen != nullptr) {
+      place(*bodies_[i].seen, bodies_[i], seen.arrival.steady, out_.bodies[i]);
+    }
   }
   forget(seen);
   out_.arrival = seen.arrival.utime;
-  out_.stamp.time = capture_time(seen.arrival.utime, latency + waited_for);
+  out_.stamp.time = capture_time(seen.arrival.utime, latency + waited_);
   out_.frame_number = seen.number ? std::int64_t{*seen.number} : out_.frame_number + 1;
   ++counts_.frames;
   publish_(out_);
+}
+
+void FrameFilter::compare(std::size_t body) {
+  if (std::find(compared_.begin(), compared_.end(), body) == compared_.end() &&
+      compared_.size() < kComparedMax) {
+    compared_.push_back(body);
+  }
+}
+
+// long: one assignment, from the bodies that take part to the marks.
+void FrameFilter::find_swaps(Duration now) {
+  const auto has_pose = [&](std::size_t i) {
+    return bodies_[i].seen != nullptr && bodies_[i].seen->sight == Sight::kSeen;
+  };
+  const auto position_m = [&](std::size_t i) -> const Eigen::Vector3d& {
+    return bodies_[i].seen->world_from_body.translation_m;
+  };
+  predicted_m_.resize(bodies_.size());
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (bodies_[i].gate.is_predicted(now)) {
+      predicted_m_[i] = bodies_[i].gate.predicted_m(now);
+    }
+  }
+  // Only a body that is away from its own prediction and nearer to another one can be swapped.
+  compared_.clear();
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (!has_pose(i) || !bodies_[i].gate.is_predicted(now)) {
+      continue;
+    }
+    double nearest_m = (position_m(i) - predicted_m_[i]).norm();
+    if (nearest_m <= kOwnPlace_m) {
+      continue;
+    }
+    std::size_t nearest = i;
+    for (std::size_t j = 0; j < bodies_.size(); ++j) {
+      const bool is_near =
+          bodies_[j].gate.is_predicted(now) && (position_m(i) - predicted_m_[j]).norm() < nearest_m;
+      nearest_m = is_near ? (position_m(i) - predicted_m_[j]).norm() : nearest_m;
+      nearest = is_near ? j : nearest;
+    }
+    if (nearest != i) {
+      compare(i);
+      compare(nearest);
+    }
+  }
+  std::partition(compared_.begin(), compared_.end(), has_pose);
+  const auto rows =
+      static_cast<std::size_t>(std::count_if(compared_.begin(), compared_.end(), has_pose));
+  cost_m_.clear();
+  double as_named_m = 0.0;
+  for (std::size_t row = 0; row < rows; ++row) {
+    for (std::size_t column = 0; column < compared_.size(); ++column) {
+      cost_m_.push_back((position_m(compared_[row]) - predicted_m_[compared_[column]]).norm());
+    }
+    as_named_m += cost_m_[row * compared_.size() + row];
+  }
+  const auto columns =
+      assignment_.solve(cost_m_, static_cast<int>(rows), static_cast<int>(compared_.size()));
+  double as_assigned_m = 0.0;
+  int changed = 0;
+  for (std::size_t row = 0; row < rows; ++row) {
+    as_assigned_m += cost_m_[row * compared_.size() + static_cast<std::size_t>(columns[row])];
+    changed += columns[row] == static_cast<int>(row) ? 0 : 1;
+  }
+  if (changed == 0 || as_named_m - as_assigned_m <= kSwapGain_m * changed) {
+    return;
+  }
+  for (std::size_t row = 0; row < rows; ++row) {
+    bodies_[compared_[row]].is_swapped = columns[row] != static_cast<int>(row);
+  }
 }
 
 void FrameFilter::forget(const SeenFrame& seen) {
@@ -201,7 +311,7 @@ bool FrameFilter::is_good(const SeenBody& seen, Body& body, Duration now) {
              (other.gate.last()->translation_m - position_m).norm() < kSwapDistance_m;
     });
   };
-  switch (body.gate.judge(now, seen.world_from_body, is_other)) {
+  switch (body.gate.judge(now, seen.world_from_body, is_other, body.is_swapped)) {
     case Verdict::kGood:
       return true;
     case Verdict::kStuck:

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/assignment.hpp"
 #include "drivers/vicon/frame_clock.hpp"
 #include "drivers/vicon/pose_gate.hpp"
 #include "drivers/vicon/seen_frame.hpp"
@@ -19,16 +20,16 @@ struct FrameCounts {
   std::int64_t frames_lost = 0;      ///< numbers that never came
   std::int64_t frames_repeated = 0;  ///< dropped: a number that had come before
   std::int64_t frames_late = 0;      ///< dropped: overtaken by a newer one
-  std::int64_t frames_queued = 0;    ///< dropped: had waited on the way for longer than kQueuedMax
-  std::int64_t server_restarts = 0;  ///< numbers that began anew
+  std::int64_t frames_queued = 0;  ///< dropped: waited longer than kQueuedMax in an emptying queue
+  std::int64_t frames_waited = 0;  ///< of `frames`: waited longer than kQueuedMax
+  std::int64_t server_restarts = 0;    ///< numbers that began anew
   std::int64_t latencies_refused = 0;  ///< not finite, negative or beyond belief
-  std::int64_t latencies_bounded = 0;  ///< taken for kLatencyMax_s, being more
   std::int64_t poses_zero = 0;
   std::int64_t poses_refused = 0;  ///< not finite, no rotation, beyond any room
   std::int64_t poses_stuck = 0;
   std::int64_t poses_outlying = 0;
   std::int64_t poses_flipped = 0;
-  std::int64_t poses_swapped = 0;  ///< of outlying ones: where another body was
+  std::int64_t poses_swapped = 0;  ///< of outlying ones: at another body's position
   std::int64_t poses_unconfirmed = 0;
   std::int64_t names_refused = 0;  ///< empty, not UTF-8, or too many
   std::int64_t names_twice = 0;    ///< dropped: a second body of the same name in one frame
@@ -37,18 +38,20 @@ struct FrameCounts {
 /// Judges frames and turns them into what is published: every body ever seen (of protocols that
 /// list all: every body listed), by name, in a stable order; one without a good pose is occluded.
 ///
-/// Capture time is arrival less latency, of which no more than kLatencyMax_s is believed, and
-/// `latency_assumed` where it is not in [0, kLatencyPossible_s], and less what the frame has waited
-/// on the way (FrameClock); it is later than that of the frame before whenever that is possible
-/// without passing the arrival. A frame that has waited for longer than kQueuedMax is dropped:
-/// newer ones are behind it, and nobody may fly by it. A frame costs no allocation once all bodies
-/// are known.
+/// Capture time is arrival less the latency that the server states, or less `latency_assumed` where
+/// that is not in [0, kLatencyPossible_s], and less the time for which the
+/// frame has waited in a queue (FrameClock); it is later than that of the frame before whenever
+/// that is possible without passing the arrival. While a queue empties, frames that waited longer
+/// than kQueuedMax are dropped: newer ones are right behind them. Frames of a queue that stands are
+/// published with the latency that they have. A frame costs no allocation once all bodies are
+/// known.
 class FrameFilter {
  public:
-  static constexpr double kLatencyMax_s = 0.25;
   /// A computer that is overloaded holds frames for seconds, and says so; more is no latency.
   static constexpr double kLatencyPossible_s = 10.0;
   static constexpr Duration kQueuedMax{100'000};
+  static constexpr Duration kWaitedMax{10'000'000};  ///< a frame that waited longer is dropped
+  static constexpr Duration kBehindFor{500'000};     ///< see is_behind()
   static constexpr std::size_t kBodiesMax = 512;
 
   using Publish = std::function<void(const models::MocapFrame&)>;
@@ -58,6 +61,12 @@ class FrameFilter {
   /// A new connection: numbers begin anew, bodies stay who they are.
   void on_opened();
 
+  /// True if frames have waited longer than kQueuedMax for kBehindFor without a break. Only a new
+  /// connection empties such a queue.
+  [[nodiscard]] bool is_behind() const { return is_behind_; }
+  /// Time for which the newest frame has waited in a queue.
+  [[nodiscard]] Duration waited() const { return waited_; }
+
   [[nodiscard]] const FrameCounts& counts() const { return counts_; }
 
  private:
@@ -66,15 +75,23 @@ class FrameFilter {
     PoseGate gate;
     Duration last_listed{};
     bool is_in_frame = false;
+    const SeenBody* seen = nullptr;  ///< in the frame at hand, if it has a pose there
+    bool is_swapped = false;         ///< its pose fits another body's prediction better
   };
 
   [[nodiscard]] bool is_next(std::uint32_t number);
   /// The stack's time less the result is when the frame was captured.
   [[nodiscard]] Duration latency_of(const SeenFrame& seen);
-  [[nodiscard]] Duration waited(const SeenFrame& seen, Duration latency);
+  [[nodiscard]] Duration wait_of(const SeenFrame& seen, Duration latency);
+  void watch_backlog(Duration now);
   [[nodiscard]] Time capture_time(Time arrival, Duration since_capture);
   Body* find(const std::string& name, std::size_t hint);
   Body* add(const std::string& name);
+  /// Assigns the positions of the frame to the names by their predictions, over all bodies at once,
+  /// and marks the bodies whose position belongs to another name.
+  void find_swaps(Duration now);
+  /// Adds the body to those among which positions are assigned.
+  void compare(std::size_t body);
   void forget(const SeenFrame& seen);
   void place(const SeenBody& seen, Body& body, Duration now, models::MocapBody& out);
   [[nodiscard]] bool is_good(const SeenBody& seen, Body& body, Duration now);
@@ -87,7 +104,15 @@ class FrameFilter {
   std::optional<std::uint32_t> last_number_;
   int old_numbers_ = 0;      ///< in a row
   std::int64_t number_ = 0;  ///< the last one, without its wraps
+  AssignmentSolver assignment_;
+  std::vector<std::size_t> compared_;  ///< bodies whose positions are assigned; seen ones first
+  std::vector<Eigen::Vector3d> predicted_m_;
+  std::vector<double> cost_m_;
   FrameClock clock_;
+  Duration waited_{};
+  std::optional<Duration> waits_since_;  ///< steady; frames wait longer than kQueuedMax
+  bool is_behind_ = false;
+  Duration echo_taken_{};  ///< arrival of the newest echo that `clock_` has been given
   Time last_capture_{};
   FrameCounts counts_;
 };

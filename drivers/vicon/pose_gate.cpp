@@ -1,6 +1,13 @@
 #include "drivers/vicon/pose_gate.hpp"
 
+#include <cmath>
+
 namespace vantage::drivers::vicon {
+namespace {
+
+constexpr double kVelocityMemory_s = 0.05;
+
+}  // namespace
 
 PoseGate::Reach PoseGate::reach(const Pose3& from, const Pose3& to, Duration elapsed) const {
   const double elapsed_s = std::max(0.0, to_seconds(elapsed));
@@ -36,7 +43,35 @@ bool PoseGate::is_repeated(const Pose3& pose) {
   return settings_.stuck_frames > 0 && repetitions_ >= settings_.stuck_frames;
 }
 
+Eigen::Vector3d PoseGate::predicted_m(Duration now) const {
+  return last_->translation_m + to_seconds(std::min(now - last_time_, kPredictMax)) * velocity_mps_;
+}
+
+bool PoseGate::is_near_prediction(Duration now, const Pose3& pose) const {
+  return (pose.translation_m - predicted_m(now)).norm() <= settings_.predicted_max_m;
+}
+
+bool PoseGate::continues_chain(Duration now, const Pose3& pose) const {
+  if (!candidate_ || now - candidate_time_ > settings_.lost_after) {
+    return false;
+  }
+  const Duration passed = now - candidate_time_;
+  const Duration reached = is_swap_ ? passed / settings_.usual_divisor : passed;
+  return reach(*candidate_, pose, reached) == Reach::kWithin;
+}
+
 Verdict PoseGate::accept(Duration now, const Pose3& pose) {
+  const double passed_s = last_ ? to_seconds(now - last_time_) : 0.0;
+  if (candidate_ && is_believed(now)) {
+    velocity_mps_.setZero();  // it jumped
+  } else if (passed_s > 0.0) {
+    const Eigen::Vector3d measured_mps = (pose.translation_m - last_->translation_m) / passed_s;
+    velocity_mps_ += -std::expm1(-passed_s / kVelocityMemory_s) * (measured_mps - velocity_mps_);
+    // Frames that bunch show speeds that no body has.
+    const double usual_mps = settings_.speed_max_mps / settings_.usual_divisor;
+    const double speed_mps = velocity_mps_.norm();
+    velocity_mps_ *= speed_mps > usual_mps ? usual_mps / speed_mps : 1.0;
+  }
   last_ = pose;
   last_time_ = now;
   candidate_.reset();

@@ -36,6 +36,12 @@ struct SeenBody {
   Pose3 world_from_body;  ///< z up, metres; of a seen one
 };
 
+/// The answer to a ping, by the steady clock.
+struct Echo {
+  Duration sent{};
+  Duration arrived{};
+};
+
 /// One frame as a server sent it, before any judgement. Its memory is reused from frame to frame.
 class SeenFrame {
  public:
@@ -43,7 +49,9 @@ class SeenFrame {
   std::optional<std::uint32_t> number;         ///< of protocols that number their frames
   std::optional<std::int64_t> server_time_us;  ///< of those that stamp them, by the server's clock
   std::optional<double> latency_s;             ///< of protocols that tell; not yet believed
-  bool is_complete_list = false;               ///< a body not in it does not exist any more
+  double rate_hz = 0.0;      ///< at which numbers count, by the server's word; 0: not stated
+  std::optional<Echo> echo;  ///< newest one that arrived before this frame, behind earlier ones
+  bool is_complete_list = false;  ///< a body not in it does not exist any more
 
   void clear() { size_ = 0; }
   SeenBody& add();

@@ -85,21 +85,15 @@ std::optional<MocapProtocol> protocol_of(Speaker speaker) {
 void note_troubles(const drivers::vicon::ViconDriver& driver, Observation& observed) {
   const auto& frame = driver.frame_counts();
   const auto& wire = driver.wire_counts();
-  const std::map<std::string, std::int64_t> all{{"broken_streams", wire.broken_streams},
-                                                {"broken_blocks", wire.broken_blocks},
-                                                {"unnamed_bodies", wire.unnamed_bodies},
-                                                {"frames_lost", frame.frames_lost},
-                                                {"frames_late", frame.frames_late},
-                                                {"frames_queued", frame.frames_queued},
-                                                {"frames_repeated", frame.frames_repeated},
-                                                {"poses_refused", frame.poses_refused},
-                                                {"poses_stuck", frame.poses_stuck},
-                                                {"poses_zero", frame.poses_zero},
-                                                {"poses_outlying", frame.poses_outlying},
-                                                {"poses_flipped", frame.poses_flipped},
-                                                {"latencies_refused", frame.latencies_refused},
-                                                {"latencies_bounded", frame.latencies_bounded},
-                                                {"names_refused", frame.names_refused}};
+  const std::map<std::string, std::int64_t> all{
+      {"broken_streams", wire.broken_streams}, {"broken_blocks", wire.broken_blocks},
+      {"unnamed_bodies", wire.unnamed_bodies}, {"frames_lost", frame.frames_lost},
+      {"frames_late", frame.frames_late},      {"frames_queued", frame.frames_queued},
+      {"frames_waited", frame.frames_waited},  {"frames_repeated", frame.frames_repeated},
+      {"poses_refused", frame.poses_refused},  {"poses_stuck", frame.poses_stuck},
+      {"poses_zero", frame.poses_zero},        {"poses_outlying", frame.poses_outlying},
+      {"poses_flipped", frame.poses_flipped},  {"latencies_refused", frame.latencies_refused},
+      {"names_refused", frame.names_refused}};
   for (const auto& [name, count] : all) {
     if (count != 0) {
       observed.troubles[name] = count;

@@ -29,13 +29,15 @@ ViconNode::ViconNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Sce
                      std::function<void(const std::string&)> say)
     : bus_(bus),
       clock_(clock),
-      driver_(checked(scenario.mocap),
-              [this](models::MocapFrame frame) {
-                virtual_bodies_.add_to(frame);
-                const Time arrival = frame.arrival;
-                bus_.publish(bus::kVicon, std::move(frame));
-                latency_.add(clock_.now() - arrival);
-              }),
+      driver_(
+          checked(scenario.mocap),
+          [this](models::MocapFrame frame) {
+            virtual_bodies_.add_to(frame);
+            const Time arrival = frame.arrival;
+            bus_.publish(bus::kVicon, std::move(frame));
+            latency_.add(clock_.now() - arrival);
+          },
+          scenario.planner.separation_m),
       link_(driver_, [this] { return moment(); }),
       say_(std::move(say)),
       next_tick_(clock.now()) {
@@ -77,6 +79,7 @@ std::vector<models::NamedCount> ViconNode::counters() const {
                        {"vicon.connections_lost", link.connections_lost},
                        {"vicon.strangers", link_.strangers()},
                        {"vicon.silences", link.silences},
+                       {"vicon.backlogs", link.backlogs},
                        {"vicon.broken_streams", wire.broken_streams},
                        {"vicon.broken_blocks", wire.broken_blocks},
                        {"vicon.frames_before_set", wire.frames_before_set},
@@ -87,9 +90,9 @@ std::vector<models::NamedCount> ViconNode::counters() const {
                        {"vicon.frames_repeated", frame.frames_repeated},
                        {"vicon.frames_late", frame.frames_late},
                        {"vicon.frames_queued", frame.frames_queued},
+                       {"vicon.frames_waited", frame.frames_waited},
                        {"vicon.server_restarts", frame.server_restarts},
                        {"vicon.latencies_refused", frame.latencies_refused},
-                       {"vicon.latencies_bounded", frame.latencies_bounded},
                        {"vicon.poses_zero", frame.poses_zero},
                        {"vicon.poses_refused", frame.poses_refused},
                        {"vicon.poses_stuck", frame.poses_stuck},

@@ -20,6 +20,8 @@ struct FilterBench {
     seen.arrival = {kEpoch + elapsed, elapsed};
     seen.number = next_number++;
     seen.latency_s = 0.004;
+    seen.rate_hz = 0.0;
+    seen.echo.reset();
     return seen;
   }
   void add(const std::string& name, const Pose3& pose, Sight sight = Sight::kSeen) {

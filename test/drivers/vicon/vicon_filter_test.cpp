@@ -39,8 +39,7 @@ TEST(FrameFilter, BelievesNoLatencyThatCannotBe) {
   EXPECT_EQ(bench.filter.counts().latencies_refused, 5);
 }
 
-// A computer that cannot keep up says so, and was not believed: frames 0.3 s old were stamped 5 ms
-// old, and "pose late" ended as things got worse.
+// A server that cannot keep up states a long latency: the frame is as old as that.
 TEST(FrameFilter, AFrameIsNoYoungerForALatencyThatIsLongerThanAnyUsualOne) {
   for (const double latency_s : {0.2, 0.3, 0.34, 0.4, 1.0, 10.0}) {
     for (const double rise_s : {0.0, 0.4, 20.0}) {
@@ -60,14 +59,13 @@ TEST(FrameFilter, AFrameIsNoYoungerForALatencyThatIsLongerThanAnyUsualOne) {
           continue;
         }
         const double age_s = to_seconds(bench.out.arrival - bench.out.stamp.time);
-        ASSERT_GE(age_s, std::min(*bench.seen.latency_s, 0.25) - 1e-6) << passed_s;
+        ASSERT_GE(age_s, *bench.seen.latency_s - 1e-6) << passed_s;
         ASSERT_LE(age_s, *bench.seen.latency_s + 0.022) << passed_s;
         ASSERT_LE(arrival - silent_since, from_seconds(latency_s) + Duration{200'000});
         silent_since = arrival;
       }
       EXPECT_GT(bench.filter.counts().frames, 2'900) << latency_s << " " << rise_s;
       EXPECT_EQ(bench.filter.counts().latencies_refused, 0);
-      EXPECT_EQ(bench.filter.counts().latencies_bounded > 0, latency_s > 0.25);
     }
   }
 }
@@ -135,41 +133,148 @@ TEST(FrameFilter, WhatHasQueuedIsStampedWhenItWasCapturedOrDropped) {
   }
 }
 
-// Numbers that stand still while the server is paused make no frame old.
-TEST(FrameFilter, AServerThatPausesOrChangesItsRateIsHeardSoonAfter) {
+/// Sends frames of a server that pauses, and changes its rate.
+struct ChangingServer {
   FilterBench bench;
   Duration arrival{};
-  const auto run = [&](int frames, Duration period, std::uint32_t step) {
+  bool states_rate = false;
+  bool answers_pings = false;
+
+  void run(int frames, Duration period, std::uint32_t step = 1) {
     for (int k = 0; k < frames; ++k) {
       arrival += period;
       bench.next_number += step - 1;
       bench.begin().arrival = {kEpoch + arrival, arrival};
+      bench.seen.rate_hz = states_rate ? step / to_seconds(period) : 0.0;
+      if (answers_pings && k % 5 == 4) {
+        bench.seen.echo = Echo{arrival - Duration{1'500}, arrival - Duration{500}};
+      }
       bench.filter.accept(bench.seen);
     }
-  };
-  run(500, kPeriod, 1);
-  const auto dropped = [&] { return bench.filter.counts().frames_queued; };
-  ASSERT_EQ(dropped(), 0);
+  }
+  double age_s() const { return to_seconds(bench.out.arrival - bench.out.stamp.time); }
+  std::int64_t dropped() const { return bench.filter.counts().frames_queued; }
+};
+
+// The echo of a ping shows that no queue stands where numbers stood still.
+TEST(FrameFilter, IsFreshAgainAfterAPauseWhenAnEchoIsFast) {
+  ChangingServer server;
+  server.states_rate = server.answers_pings = true;
+  server.run(500, kPeriod);
+  ASSERT_EQ(server.dropped(), 0);
   for (const double pause_s : {0.05, 0.5, 5.0}) {
-    arrival += from_seconds(pause_s);
-    const std::int64_t before = dropped();
-    run(300, kPeriod, 1);
-    EXPECT_LE(dropped() - before, 7) << pause_s;
-    EXPECT_LE(bench.out.arrival - bench.out.stamp.time, Duration{5'000});
+    server.arrival += from_seconds(pause_s);
+    const std::int64_t before = server.dropped();
+    server.run(300, kPeriod);
+    EXPECT_LE(server.dropped() - before, 7) << pause_s;
+    EXPECT_LE(server.age_s(), 0.008) << pause_s;
+    EXPECT_FALSE(server.bench.filter.is_behind());
   }
-  for (const Duration period : {2 * kPeriod, kPeriod / 2, kPeriod}) {
-    const std::int64_t before = dropped();
-    run(600, period, 1);
-    EXPECT_LE(dropped() - before, 7) << period.count();
-    EXPECT_LE(bench.out.arrival - bench.out.stamp.time, Duration{6'000}) << period.count();
+}
+
+// Without an echo a pause looks like a queue: the latency is reported, and a new connection ends
+// it.
+TEST(FrameFilter, IsBehindAfterAPauseUntilTheConnectionIsNew) {
+  for (const double pause_s : {0.15, 0.5, 5.0}) {
+    ChangingServer server;
+    server.run(500, kPeriod);
+    server.arrival += from_seconds(pause_s);
+    server.run(100, kPeriod);
+    EXPECT_NEAR(server.age_s(), pause_s, 0.02);
+    EXPECT_TRUE(server.bench.filter.is_behind());
+    server.bench.filter.on_opened();
+    EXPECT_FALSE(server.bench.filter.is_behind());
+    server.run(300, kPeriod);
+    EXPECT_LE(server.age_s(), 0.005);
   }
-  // One in five frames only, and a jump ahead.
-  const std::int64_t before = dropped();
-  run(300, 5 * kPeriod, 5);
-  bench.next_number += 2000;
-  run(300, 5 * kPeriod, 5);
-  run(300, kPeriod, 1);
-  EXPECT_EQ(dropped(), before);
+}
+
+TEST(FrameFilter, FollowsARateThatTheServerStates) {
+  for (const bool answers_pings : {false, true}) {
+    ChangingServer server;
+    server.states_rate = true;
+    server.answers_pings = answers_pings;
+    for (const Duration period : {kPeriod, 2 * kPeriod, kPeriod / 2, kPeriod}) {
+      server.run(600, period);
+      EXPECT_LE(server.age_s(), 0.006) << period.count();
+    }
+    server.run(300, 5 * kPeriod, 5);  // one in five frames only, and a jump ahead
+    server.bench.next_number += 2000;
+    server.run(300, 5 * kPeriod, 5);
+    server.run(300, kPeriod);
+    EXPECT_LE(server.age_s(), 0.006);
+    EXPECT_EQ(server.dropped(), 0);
+  }
+}
+
+// A server may state another rate than that of its numbers. Echoes show it within three seconds.
+TEST(FrameFilter, TrustsEchoesMoreThanTheStatedRate) {
+  for (const double stated_share : {0.5, 0.999, 1.001, 2.0, 10.0}) {
+    FilterBench bench;
+    double worst_late_s = 0.0;
+    for (int k = 0; k < 3000; ++k) {
+      bench.begin().rate_hz = 100.0 * stated_share;
+      if (k % 5 == 4) {
+        bench.seen.echo = Echo{bench.elapsed - Duration{1'500}, bench.elapsed - Duration{500}};
+      }
+      bench.filter.accept(bench.seen);
+      if (k > 600) {
+        worst_late_s = std::max(worst_late_s, to_seconds(bench.out.arrival - bench.out.stamp.time));
+      }
+    }
+    EXPECT_LT(worst_late_s, 0.03) << stated_share;
+  }
+}
+
+// The pace of an object stream is learned from arrivals that jitter, and a stretch may begin late.
+TEST(FrameFilter, ReportsNoQueueInArrivalsThatJitter) {
+  for (const double jitter_s : {0.001, 0.004, 0.015}) {
+    FilterBench bench;
+    std::uint32_t draw = 7;
+    double worst_s = 0.0;
+    for (int k = 0; k < 12'000; ++k) {
+      bench.begin();
+      draw = draw * 1'664'525U + 1'013'904'223U;
+      // Each hundredth frame, and the first, is late by all of it.
+      const double share = k % 100 == 0 ? 1.0 : (draw >> 8U) / 16'777'216.0;
+      const Duration late = from_seconds(share * jitter_s);
+      bench.seen.arrival = {kEpoch + bench.elapsed + late, bench.elapsed + late};
+      bench.filter.accept(bench.seen);
+      const double waited_s = to_seconds(bench.filter.waited() - late);
+      worst_s = std::max(worst_s, std::abs(k < 300 ? std::max(0.0, waited_s) : waited_s));
+    }
+    EXPECT_LT(worst_s, 0.002 + 0.2 * jitter_s) << jitter_s;
+    EXPECT_EQ(bench.filter.counts().frames_queued, 0);
+  }
+}
+
+// A server that states no rate, and becomes slower: that cannot be told from a line that does.
+TEST(FrameFilter, LearnsASlowerPaceOnANewConnection) {
+  ChangingServer server;
+  server.run(500, kPeriod);
+  server.run(100, 2 * kPeriod);
+  EXPECT_TRUE(server.bench.filter.is_behind());
+  server.bench.filter.on_opened();
+  server.run(600, 2 * kPeriod);
+  EXPECT_LE(server.age_s(), 0.006);
+  server.run(600, kPeriod);
+  EXPECT_LE(server.age_s(), 0.006);
+  EXPECT_FALSE(server.bench.filter.is_behind());
+}
+
+// The echo comes behind the frames of the same queue, so it shows a queue that has grown too slowly
+// for the numbers.
+TEST(FrameFilter, ReportsAQueueThatOnlyEchoesShow) {
+  FilterBench bench;
+  for (int k = 0; k < 500; ++k) {
+    bench.begin();
+    if (k % 100 == 99) {
+      bench.seen.echo = Echo{bench.elapsed - Duration{400'000}, bench.elapsed - Duration{500}};
+    }
+    bench.filter.accept(bench.seen);
+  }
+  EXPECT_NEAR(to_seconds(bench.out.arrival - bench.out.stamp.time), 0.4, 0.055);
+  EXPECT_TRUE(bench.filter.is_behind());
 }
 
 TEST(FrameFilter, FollowsAClockThatIsSetBackByAnHour) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "drivers/vicon/driver.hpp"
 #include "drivers/vicon/frame_assembly.hpp"
 #include "drivers/vicon/frame_filter.hpp"
 #include "drivers/vicon/pose_gate.hpp"
@@ -29,9 +30,15 @@ TEST(ViconLimits, AreThoseThatTheDocumentStates) {
       {"scenario: gate_turn_radps", mocap.gate_turn_radps, 20.0},
       {"scenario: stuck_frames", static_cast<double>(mocap.stuck_frames), 3.0},
       {"scenario: latency_s", mocap.latency_s, 0.005},
-      {"FrameFilter::kLatencyMax_s", FrameFilter::kLatencyMax_s, 0.25},
       {"FrameFilter::kLatencyPossible_s", FrameFilter::kLatencyPossible_s, 10.0},
       {"FrameFilter::kQueuedMax", to_seconds(FrameFilter::kQueuedMax), 0.1},
+      {"FrameFilter::kWaitedMax", to_seconds(FrameFilter::kWaitedMax), 10.0},
+      {"FrameFilter::kBehindFor", to_seconds(FrameFilter::kBehindFor), 0.5},
+      {"FrameClock::kDrift", FrameClock::kDrift, 0.0005},
+      {"FrameClock::kLearn_s", FrameClock::kLearn_s, 2.0},
+      {"FrameClock::kRefuted_s", FrameClock::kRefuted_s, 3.0},
+      {"ViconDriver::kBacklogPeriod", to_seconds(ViconDriver::kBacklogPeriod), 5.0},
+      {"swap_certain", to_seconds(gate.swap_certain), 0.4},
       {"FrameAssembly::kPatience", to_seconds(FrameAssembly::kPatience), 0.004},
       {"VrpnTrackers::kSameFrame_us", static_cast<double>(VrpnTrackers::kSameFrame_us), 400.0},
   };
