@@ -20,6 +20,7 @@ struct RowOptions {
   bool yields = false;
   bool blocks_take_off = false;
   bool spares_pilot = false;
+  bool distrusts_pose = false;
 };
 using Holds = bool (*)(const SafetyInputs& inputs, const SafetyLimits& limits);
 
@@ -36,7 +37,8 @@ constexpr Condition row_of(Severity severity, Clearing clearing, const char* cle
           .holds = when,
           .yields = options.yields,
           .blocks_take_off = options.blocks_take_off,
-          .spares_pilot = options.spares_pilot};
+          .spares_pilot = options.spares_pilot,
+          .distrusts_pose = options.distrusts_pose};
 }
 constexpr Condition kills(const char* name, const char* limit, const RowOptions& options,
                           Holds when) {

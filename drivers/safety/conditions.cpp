@@ -74,6 +74,21 @@ constexpr Condition kEstimatorFailed =
     lands("estimator failed", "the autopilot's estimator is not good",
           {.blocks_arming = true, .after_s = 1.0},
           [](const In& in, const Lim&) { return !in.estimator_good; });
+constexpr Condition kPoseForeign =
+    lands("pose foreign",
+          "velocity by mocap and autopilot > velocity_error_land_mps; no pose is used any more",
+          {.after_s = 0.3, .distrusts_pose = true}, [](const In& in, const Lim& lim) {
+            return in.velocity_error_mps > lim.velocity_error_land_mps;
+          });
+constexpr Condition kHoldRestless =
+    lands("hold restless",
+          "to hover, and faster than hover_speed_mps or hover_off_m away; no pose is used any more",
+          {.after_s = 2.0, .distrusts_pose = true},
+          [](const In& in, const Lim&) { return in.is_hold_restless; });
+constexpr Condition kDoesNotSink =
+    lands("does not sink", "comes down, and sink_error_m too high; no pose is used any more",
+          {.after_s = 2.0, .distrusts_pose = true},
+          [](const In& in, const Lim& lim) { return in.sink_error_m > lim.sink_error_m; });
 constexpr Condition kOperatorLost =
     lands("operator lost", "no heartbeat for operator_age_land_s", {.blocks_arming = true},
           [](const In& in, const Lim& lim) {
@@ -97,6 +112,11 @@ constexpr Condition kEstimateOff = holds(
     "estimate off", "estimate_error_m > estimate_error_hold_m",
     {.blocks_arming = true, .after_s = 0.1},
     [](const In& in, const Lim& lim) { return in.estimate_error_m > lim.estimate_error_hold_m; });
+constexpr Condition kVelocityDisagrees =
+    holds("velocity disagrees", "velocity by mocap and autopilot > velocity_error_hold_mps",
+          {.after_s = 0.1}, [](const In& in, const Lim& lim) {
+            return in.velocity_error_mps > lim.velocity_error_hold_mps;
+          });
 constexpr Condition kEstimatorDoubtful =
     holds("estimator doubtful", "the autopilot's estimator is not good",
           {.blocks_arming = true, .after_s = 0.2},
@@ -171,6 +191,9 @@ constexpr auto kRows = std::to_array<Condition>({
     kAutopilotLost,
     kEstimateLost,
     kEstimatorFailed,
+    kPoseForeign,
+    kHoldRestless,
+    kDoesNotSink,
     kOperatorLost,
     common::kShortOfProcessor,
     common::kEnding,
@@ -190,6 +213,7 @@ constexpr auto kRows = std::to_array<Condition>({
     kAutopilotQuiet,
     kTelemetryStale,
     kEstimateOff,
+    kVelocityDisagrees,
     kEstimatorDoubtful,
     kAutopilotDisobeys,
     common::kOperatorQuiet,

@@ -33,6 +33,7 @@ struct Condition {
   bool yields = false;  ///< clears yield_s later for the vehicle that must let the other go first
   bool blocks_take_off = false;  ///< and not arming
   bool spares_pilot = false;     ///< does not act while a pilot flies the vehicle by hand
+  bool distrusts_pose = false;   ///< poses are not used any more until the vehicle is disarmed
 };
 
 inline constexpr std::size_t kConditionsMax = 80;

@@ -35,6 +35,16 @@ std::vector<std::string> names_of(const Reasons& reasons) {
   return out;
 }
 
+bool distrusts_pose(const Reasons& latched) {
+  const auto rows = conditions();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (latched[i] && rows[i].distrusts_pose) {
+      return true;
+    }
+  }
+  return false;
+}
+
 // What became of `arm` and `take-off` on the ground.
 void say_orders(const LadderState& ladder, const SafetyInputs& in,
                 std::vector<std::string>& reasons) {
@@ -73,7 +83,8 @@ bool FlightGuard::on_mocap(const models::MocapFrame& frame, Time now) {
   const bool comes_down = p.ladder.state == FlightState::kLand && p.is_sinking;
   const BodyContext context{airborne, p.course.at(now).velocity_world_mps.norm() > kMovingMps,
                             !airborne || p.in.height_m < p.limits.safe_height_m,
-                            comes_down ? p.limits.descent_mps * p.pose_age_s(now) : 0.0};
+                            comes_down ? p.limits.descent_mps * p.pose_age_s(now) : 0.0,
+                            p.distrusts_pose};
   return p.on_mocap(frame, context, p.autopilot.armed, now);
 }
 
@@ -181,6 +192,7 @@ GuardOutput FlightGuard::tick(Time now) {
   };
   const auto orders_before = orders();
   p.ladder = step_ladder(p.ladder, p.in, p.limits);
+  p.distrusts_pose = is_airborne(p.ladder.state) && distrusts_pose(p.ladder.latched);
   if (p.ladder.state != before) {
     p.change(before, now);
   }

@@ -135,6 +135,7 @@ void FlightGuard::Parts::look_at_all(Time now) {
   }
   look_at_autopilot(now);
   look_at_lift(now);
+  look_at_identity(now);
 
   in.heartbeat_age_s = age(has_heartbeat, heartbeat_at);
   in.battery_share = battery_share;
@@ -267,7 +268,8 @@ void FlightGuard::Parts::move_off(Time now) {
 }
 
 bool FlightGuard::Parts::is_blind() const {
-  return in.pose_age_s > limits.pose_age_kill_s || to_seconds(in.now - estimator_good_at) > kDoubtS;
+  return distrusts_pose || in.pose_age_s > limits.pose_age_kill_s ||
+         to_seconds(in.now - estimator_good_at) > kDoubtS;
 }
 
 // Stops, moves to where it may come down, comes down; stops again when somebody walks in below,

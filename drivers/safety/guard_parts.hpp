@@ -26,6 +26,7 @@ struct FlightGuard::Parts : GuardCore {
   void look_at_all(Time now);
   void look_at_autopilot(Time now);
   void look_at_lift(Time now);
+  void look_at_identity(Time now);
   [[nodiscard]] bool believes_armed(Time now) const;
   [[nodiscard]] double height_error_m() const;
   void lift_off(Time now);
@@ -60,7 +61,12 @@ struct FlightGuard::Parts : GuardCore {
 
   // What was heard.
   AutopilotReport autopilot;
-  int disarmed_beats = 0;  ///< heartbeats in a row that say so
+  bool distrusts_pose = false;  ///< by a row that acts
+  // Motion in the plane, which is forgotten within velocity_memory_s.
+  Eigen::Vector2d moved_apart_m = Eigen::Vector2d::Zero();  ///< reported motion less seen motion
+  double moved_m = 0.0;                                     ///< length of the reported motion
+  Eigen::Vector2d compared_m = Eigen::Vector2d::Zero();     ///< pose at the last comparison
+  int disarmed_beats = 0;                                   ///< heartbeats in a row that say so
   Time heartbeat_at{}, telemetry_at{}, battery_at{}, battery_changed_at{}, airborne_at{},
       estimator_good_at{};
   bool has_heartbeat = false, has_telemetry = false, has_battery = false;

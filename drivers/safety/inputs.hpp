@@ -38,6 +38,8 @@ struct SafetyInputs : Surroundings {
   double height_m = 0.0;          ///< best known, above the ground
   double tracking_error_m = 0.0;  ///< from the reference, height included; 0 without one
   double speed_mps = 0.0;         ///< horizontal, as measured
+  bool is_hold_restless = false;  ///< commanded to hover, and neither at rest nor at its position
+  double sink_error_m = 0.0;      ///< above the commanded height while it comes down, in the air
   double body_tilt_rad = 0.0;     ///< of the body's z axis from the vertical, by mocap
   double start_off_m = 0.0;       ///< from where its first flight begins, until it has flown
   double start_turn_rad = 0.0;    ///< the same of yaw
@@ -74,6 +76,7 @@ struct SafetyInputs : Surroundings {
   double telemetry_age_s = 0.0;
   bool estimator_good = true;
   double estimate_error_m = 0.0;    ///< its position from the mocap's, height included
+  double velocity_error_mps = 0.0;  ///< its velocity from the mocap's, in flight
   double attitude_error_rad = 0.0;  ///< its level from the mocap's
   double yaw_error_rad = 0.0;       ///< its yaw from the mocap's
   double tilt_rad = 0.0;

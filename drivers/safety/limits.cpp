@@ -90,6 +90,9 @@ SafetyLimits limits_for(const scenario::Scenario& scenario, const std::string& r
   limits.separation_hold_m =
       contact_m + 0.5 * std::max(0.02, scenario.planner.separation_m - contact_m);
   limits.landing_clearance_m = contact_m + 0.2;
+  // Less than half, so that no pose passes that is as near to another body's as to the vehicle's.
+  limits.pose_gate_max_m = std::min(0.6, 0.48 * limits.separation_hold_m);
+  limits.pose_gate_m = std::min(limits.pose_gate_m, 0.95 * limits.pose_gate_max_m);
   // Nearer than this the planner finds no way out, and it would hover there for ever.
   limits.hover_clearance_m = std::max(0.05, scenario.planner.obstacle_margin_m);
   const double round_s = scenario.planner.execute_steps * scenario.planner.step_s;
@@ -99,6 +102,7 @@ SafetyLimits limits_for(const scenario::Scenario& scenario, const std::string& r
   limits.planner_lease_s = std::max(limits.planner_lease_s, round_s + 0.5);
   limits.plan_future_max_s = std::max(limits.plan_future_max_s, 2.0 * round_s);
   limits.tracking_hold_m = 2.0 * scenario.planner.tracking_tolerance_m;
+  limits.hover_off_m = scenario.planner.tracking_tolerance_m;
   limits.tracking_land_m = 5.0 * scenario.planner.tracking_tolerance_m;
   limits.plan_start_tolerance_m = 2.0 * scenario.planner.tracking_tolerance_m;
   check_limits(limits);
@@ -124,12 +128,14 @@ void check_limits(const SafetyLimits& l) {
         {"heartbeat_age_land_s", l.heartbeat_age_land_s});
   rises({"estimate_error_hold_m", l.estimate_error_hold_m},
         {"estimate_error_land_m", l.estimate_error_land_m});
+  rises({"velocity_error_hold_mps", l.velocity_error_hold_mps},
+        {"velocity_error_land_mps", l.velocity_error_land_mps});
   rises({"operator_age_hold_s", l.operator_age_hold_s},
         {"operator_age_land_s", l.operator_age_land_s});
   rises({"low_descent_mps", l.low_descent_mps}, {"descent_mps", l.descent_mps});
   rises({"processor_wait_arm_s", l.processor_wait_arm_s},
         {"processor_wait_hold_s", l.processor_wait_hold_s});
-  const std::array<Bound, 20> positive = {{
+  const std::array<Bound, 24> positive = {{
       {"safe_height_m", l.safe_height_m},
       {"reaction_s", l.reaction_s},
       {"setpoint_loss_s", l.setpoint_loss_s},
@@ -146,6 +152,10 @@ void check_limits(const SafetyLimits& l) {
       {"lift_proof_s", l.lift_proof_s},
       {"arm_wait_s", l.arm_wait_s},
       {"clear_s", l.clear_s},
+      {"velocity_memory_s", l.velocity_memory_s},
+      {"hover_speed_mps", l.hover_speed_mps},
+      {"hover_off_m", l.hover_off_m},
+      {"sink_error_m", l.sink_error_m},
       {"speed_max_mps", l.vehicle.speed_max_mps},
       {"yaw_rate_max_radps", l.vehicle.yaw_rate_max_radps},
       {"brake_mps2", l.vehicle.brake_mps2},

@@ -21,11 +21,11 @@ struct SafetyLimits {
   double safe_height_m = 0.15;   ///< below it motors may stop without harm
   double touch_height_m = 0.06;  ///< below it a landing has landed
   double pose_latency_hold_s = 0.10;
-  int pose_rejected_hold = 3;    ///< implausible poses in a row
-  int pose_frames_to_arm = 50;   ///< plausible ones in a row
-  double pose_gate_m = 0.25;     ///< around the prediction, at the next frame
-  double pose_gate_max_m = 0.6;  ///< however long the gap
-  double pose_flip_rad = 1.0;    ///< turn between two poses that no vehicle makes
+  int pose_rejected_hold = 3;     ///< implausible poses in a row
+  int pose_frames_to_arm = 50;    ///< plausible ones in a row
+  double pose_gate_m = 0.25;      ///< around the prediction, at the next frame
+  double pose_gate_max_m = 0.26;  ///< however long the gap; less than half of separation_hold_m
+  double pose_flip_rad = 1.0;     ///< turn between two poses that no vehicle makes
   double pose_stuck_moving_s = 0.05;
   double pose_stuck_hover_s = 0.5;
   double volume_margin_m = 1.0;  ///< poses farther outside the bounds are not believed
@@ -113,6 +113,14 @@ struct SafetyLimits {
   double telemetry_age_hold_s = 0.5;
   double estimate_error_hold_m = 0.3;
   double estimate_error_land_m = 1.0;
+  /// Difference of the velocities by mocap and by the autopilot in the plane, averaged over
+  /// velocity_memory_s.
+  double velocity_error_hold_mps = 0.3;
+  double velocity_error_land_mps = 0.45;
+  double velocity_memory_s = 1.0;
+  double hover_speed_mps = 0.25;  ///< of one that hovers, by mocap and by the autopilot
+  double hover_off_m = 0.2;       ///< from where it is to hover, seen from above
+  double sink_error_m = 0.35;     ///< above the commanded height while it comes down
   double tilt_kill_rad = 1.05;
 
   // The operator and this process.

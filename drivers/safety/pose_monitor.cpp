@@ -35,7 +35,8 @@ bool is_same(const Pose3& a, const Pose3& b) {
 
 const char* name_of(PoseVerdict verdict) {
   static constexpr std::array<const char*, kPoseVerdicts> kNames = {
-      "accepted", "absent", "duplicate", "malformed", "outside", "jump", "flip", "stuck"};
+      "accepted", "absent", "duplicate", "malformed", "outside",
+      "jump",     "flip",   "stuck",     "foreign"};
   return kNames[static_cast<std::size_t>(verdict)];
 }
 
@@ -53,6 +54,9 @@ PoseVerdict PoseMonitor::judge(const models::MocapBody* body, const BodyContext&
   if (body == nullptr || body->occluded) {
     accepted_ = 0;
     return PoseVerdict::kAbsent;
+  }
+  if (context.is_distrusted) {
+    return reject(PoseVerdict::kForeign);
   }
   const Pose3& pose = body->world_from_body;
   if (!is_pose(pose)) {

@@ -19,17 +19,19 @@ enum class [[nodiscard]] PoseVerdict{
     kMalformed,  ///< not finite, or no rotation
     kOutside,    ///< where the room is not: wrong units, wrong frame; not reached from inside
     kJump,      kFlip,
-    kStuck,  ///< the same bits for too long
+    kStuck,    ///< the same bits for too long
+    kForeign,  ///< of another body: a row that distrusts poses has acted in this flight
 };
-inline constexpr std::size_t kPoseVerdicts = 8;
+inline constexpr std::size_t kPoseVerdicts = 9;
 const char* name_of(PoseVerdict verdict);
 
 /// What the judge must know about the body.
 struct BodyContext {
-  bool in_air = false;     ///< then a jump or flip is never believed
-  bool is_moving = false;  ///< commanded to; then repeated poses are found sooner
-  bool may_rest = true;    ///< may stand still for ever (on the ground)
-  double sunk_m = 0.0;     ///< so far it may have come down unseen, as it was told to
+  bool in_air = false;         ///< then a jump or flip is never believed
+  bool is_moving = false;      ///< commanded to; then repeated poses are found sooner
+  bool may_rest = true;        ///< may stand still for ever (on the ground)
+  double sunk_m = 0.0;         ///< so far it may have come down unseen, as it was told to
+  bool is_distrusted = false;  ///< poses under its name are another body's
 };
 
 /// Judges the poses of one body, frame after frame, by arrival time; mocap clocks may jump.

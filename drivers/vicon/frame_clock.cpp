@@ -6,7 +6,7 @@
 namespace vantage::drivers::vicon {
 namespace {
 
-/// The least jitter of two stretches may differ by so much: the error of a pace over its span.
+/// Greatest difference of the least jitter of two stretches: the error of a pace over its span.
 constexpr double kJitter_s = 0.003;
 /// A pace that was learned from so long a stretch stays.
 constexpr double kLearned_s = 10.0;
@@ -81,7 +81,7 @@ void FrameClock::learn(const FrameMark& now, double late_s) {
     block_.reset();
     return;
   }
-  // What did not wait at the begin of the block shows how long the pace can be at most.
+  // If the first frame of the block did not wait, the pace is no longer than the block shows.
   if (!block_) {
     block_ = now;
     block_late_s_ = late_s;

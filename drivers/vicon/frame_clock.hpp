@@ -8,12 +8,12 @@
 
 namespace vantage::drivers::vicon {
 
-/// What is known of a frame's time besides its arrival.
+/// Time of a frame by its server, and bounds of it.
 struct FrameTiming {
   std::int64_t tick = 0;       ///< the frame's number, or its server's stamp
   double stated_tick_s = 0.0;  ///< time between two ticks that the server states; 0: not stated
-  /// Sending of the ping whose echo arrived last before this frame. The server sent the frame after
-  /// that.
+  /// Sending of the ping of the newest echo that arrived before this frame. The server sent the
+  /// frame after that.
   std::optional<Duration> pinged;
 };
 

@@ -163,6 +163,16 @@ std::vector<Row> rows() {
                 [](Reach& up) {
                   up.mute({id::EstimatorStatus::kMessage.id, id::EkfStatusReport::kMessage.id});
                 })},
+      {"pose foreign", hovering(3.0, [](Reach& up) { up.report_motion(0.0, 1.0); })},
+      {"hold restless", hovering(4.0, [](Reach& up) { up.force(kFree, 0.3, 0.0); })},
+      {"does not sink", hovering(6.0,
+                                 [](Reach& up) {
+                                   up.alters = [k = 0](models::MocapFrame& frame) mutable {
+                                     frame.bodies.front().world_from_body.translation_m.z() =
+                                         1.0 + 1e-4 * (++k % 7);
+                                   };
+                                   up.command(OperatorAction::kLand);
+                                 })},
       {"operator lost", hovering(4.0, [](Reach& up) { up.has_operator = false; })},
       {"short of processor", hovering(4.0, [](Reach& up) { up.driver->on_processor_wait(0.4); })},
       {"ending", hovering(0.2, [](Reach& up) { up.driver->end(false); })},
@@ -216,6 +226,7 @@ std::vector<Row> rows() {
       {"autopilot quiet", hovering(2.7, [](Reach& up) { up.is_deaf = true; })},
       {"telemetry stale", hovering(1.6, [](Reach& up) { up.is_deaf = true; })},
       {"estimate off", hovering(1.0, [](Reach& up) { up.report_motion(0.5, 0.0); })},
+      {"velocity disagrees", hovering(3.0, [](Reach& up) { up.report_motion(0.0, 0.5); })},
       {"estimator doubtful",
        hovering(3.0,
                 [](Reach& up) {

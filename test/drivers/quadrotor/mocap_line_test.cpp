@@ -41,7 +41,7 @@ class Line {
     bench_.on_step = [this](Time) { step(); };
   }
 
-  /// Of the frames published: the greatest difference of reported and true latency.
+  /// Greatest difference of reported and true latency, of the frames published.
   double worst_error_s = 0.0;
   double slow_share = 0.0;  ///< by which frames take longer than they are apart
   Duration queue{};         ///< for which each frame waits on this connection

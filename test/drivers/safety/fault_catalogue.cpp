@@ -11,12 +11,17 @@ using models::FlightState;
 namespace {
 
 // See Fault::needs_quiet.
-constexpr const char* kNeedQuiet[] = {
-    "head-on at 2 m/s",         "planner that keeps flying at a teammate",
-    "pushed aside by a hand",   "driven at the fence",
-    "driven through the fence", "estimate 0.5 m off",
-    "estimate 1.5 m off",       "stuck while moving",
-    "stuck while hovering"};
+constexpr const char* kNeedQuiet[] = {"head-on at 2 m/s",
+                                      "planner that keeps flying at a teammate",
+                                      "pushed aside by a hand",
+                                      "driven at the fence",
+                                      "driven through the fence",
+                                      "estimate 0.5 m off",
+                                      "estimate 1.5 m off",
+                                      "stuck while moving",
+                                      "stuck while hovering",
+                                      "a still body bears its name",
+                                      "the autopilot feels another motion"};
 
 }  // namespace
 

@@ -250,7 +250,7 @@ void FlightBench::spoil(models::MocapFrame& frame) {
     pose.translation_m.x() += knobs.offset_m;
     pose.rotation = pose.rotation * Eigen::Quaterniond(Eigen::AngleAxisd(knobs.body_tilt_rad,
                                                                          Eigen::Vector3d::UnitX()));
-    if (!has(knobs, BodyFault::kFrozen)) {
+    if (!has(knobs, BodyFault::kFrozen) && !has(knobs, BodyFault::kForeign)) {
       vehicle.frozen = pose;
     }
     for (const BodyFault fault : knobs.body) {
@@ -264,6 +264,10 @@ void FlightBench::spoil(models::MocapFrame& frame) {
           break;
         case BodyFault::kFrozen:
           pose = vehicle.frozen;
+          break;
+        case BodyFault::kForeign:
+          pose = vehicle.frozen;
+          pose.translation_m += Eigen::Vector3d(1e-6 * static_cast<double>(ticks_ % 7), 0.24, 0.0);
           break;
         case BodyFault::kNotANumber:
           pose.translation_m.y() = std::nan("");

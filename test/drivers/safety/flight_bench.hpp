@@ -54,6 +54,7 @@ enum class BodyFault {
   kMirrored,
   kUpsideDown,
   kDuplicated,
+  kForeign,  ///< a still body, 0.24 m from where this one was, bears its name
 };
 
 /// What is wrong with one vehicle and its world during one tick.
@@ -75,6 +76,7 @@ struct VehicleKnobs {
   bool says_disarmed = false;        ///< a heartbeat that is not its own, or wrong
   bool estimator_bad = false;
   double estimate_offset_m = 0.0;
+  double velocity_offset_mps = 0.0;  ///< of the velocity that the autopilot reports
   std::optional<double> battery_share;
   bool battery_frozen = false;
   bool battery_silent = false;

@@ -67,6 +67,7 @@ void FlightBench::autopilot(Vehicle& vehicle) {
     report.position_world_m = fed.translation_m + vehicle.drift_m;
     report.position_world_m.x() += knobs.estimate_offset_m;
     report.velocity_world_mps = vehicle.felt_mps;
+    report.velocity_world_mps.x() += knobs.velocity_offset_mps;
     report.has_attitude = true;
     report.world_from_body =
         Eigen::AngleAxisd(yaw_rad + knobs.yaw_offset_rad, Eigen::Vector3d::UnitZ()) *

@@ -32,7 +32,7 @@ TEST(SafetyLimits, AreThoseThatTheDocumentsState) {
       {"pose_rejected_hold", static_cast<double>(is.pose_rejected_hold), 3},
       {"pose_frames_to_arm", static_cast<double>(is.pose_frames_to_arm), 50},
       {"pose_gate_m", is.pose_gate_m, 0.25},
-      {"pose_gate_max_m", is.pose_gate_max_m, 0.6},
+      {"pose_gate_max_m", is.pose_gate_max_m, 0.26},
       {"pose_flip_rad", is.pose_flip_rad, 1.0},
       {"pose_stuck_moving_s", is.pose_stuck_moving_s, 0.05},
       {"pose_stuck_hover_s", is.pose_stuck_hover_s, 0.5},
@@ -104,6 +104,12 @@ TEST(SafetyLimits, AreThoseThatTheDocumentsState) {
       {"telemetry_age_hold_s", is.telemetry_age_hold_s, 0.5},
       {"estimate_error_hold_m", is.estimate_error_hold_m, 0.3},
       {"estimate_error_land_m", is.estimate_error_land_m, 1.0},
+      {"velocity_error_hold_mps", is.velocity_error_hold_mps, 0.3},
+      {"velocity_error_land_mps", is.velocity_error_land_mps, 0.45},
+      {"velocity_memory_s", is.velocity_memory_s, 1.0},
+      {"hover_speed_mps", is.hover_speed_mps, 0.25},
+      {"hover_off_m", is.hover_off_m, 0.2},
+      {"sink_error_m", is.sink_error_m, 0.35},
       {"tilt_kill_rad", is.tilt_kill_rad, 1.05},  // 60°
       {"needs_operator", is.needs_operator ? 1.0 : 0.0, 1.0},
       {"operator_age_hold_s", is.operator_age_hold_s, 1.0},
@@ -151,6 +157,8 @@ TEST_F(FromTheScenario, EachLimitIsWhatTheScenarioSays) {
   EXPECT_NEAR(is.separation_land_m, 0.44, 1e-12);
   EXPECT_NEAR(is.separation_hold_m, 0.67, 1e-12);
   EXPECT_NEAR(is.landing_clearance_m, 0.64, 1e-12);
+  EXPECT_NEAR(is.pose_gate_max_m, 0.3216, 1e-12);
+  EXPECT_NEAR(is.hover_off_m, 0.15, 1e-12);
   EXPECT_NEAR(is.hover_clearance_m, 0.13, 1e-12);
   // A round of 4.2 s.
   EXPECT_NEAR(is.round_s, 4.2, 1e-12);
@@ -180,6 +188,8 @@ TEST_F(FromTheScenario, NoLimitIsLessThanWhatALabNeeds) {
   EXPECT_EQ(is.hover_clearance_m, 0.05);
   EXPECT_NEAR(is.separation_hold_m, 0.45, 1e-12);
   EXPECT_NEAR(is.plan_separation_m, 0.435, 1e-12);
+  EXPECT_LT(is.pose_gate_max_m, 0.5 * is.separation_hold_m);
+  EXPECT_LT(is.pose_gate_m, is.pose_gate_max_m);
 }
 
 TEST_F(FromTheScenario, WhatTheScenarioDoesNotSayIsAsStated) {
@@ -265,6 +275,7 @@ TEST(CheckLimits, RefusesALadderThatDoesNotRise) {
       {&L::battery_low_share, &L::battery_arm_share},
       {&L::heartbeat_age_hold_s, &L::heartbeat_age_land_s},
       {&L::estimate_error_hold_m, &L::estimate_error_land_m},
+      {&L::velocity_error_hold_mps, &L::velocity_error_land_mps},
       {&L::operator_age_hold_s, &L::operator_age_land_s},
       {&L::processor_wait_arm_s, &L::processor_wait_hold_s},
   };
@@ -306,6 +317,10 @@ TEST(CheckLimits, RefusesWhatIsNotPositiveAndFinite) {
       [](SafetyLimits& l) { return &l.lift_proof_s; },
       [](SafetyLimits& l) { return &l.arm_wait_s; },
       [](SafetyLimits& l) { return &l.clear_s; },
+      [](SafetyLimits& l) { return &l.velocity_memory_s; },
+      [](SafetyLimits& l) { return &l.hover_speed_mps; },
+      [](SafetyLimits& l) { return &l.hover_off_m; },
+      [](SafetyLimits& l) { return &l.sink_error_m; },
       [](SafetyLimits& l) { return &l.vehicle.speed_max_mps; },
       [](SafetyLimits& l) { return &l.vehicle.yaw_rate_max_radps; },
       [](SafetyLimits& l) { return &l.vehicle.brake_mps2; },

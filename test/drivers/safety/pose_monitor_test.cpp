@@ -58,11 +58,12 @@ TEST_F(Poses, BeginOnlyInTheRoom) {
   EXPECT_EQ(see({0.0, 9.0, 1.0}, 2.0), PoseVerdict::kOutside) << "nor jumps there in the air";
 }
 
-// In the air: as far as an unknown acceleration of 10 m/s² may have taken it, and 0.6 m at most.
+// In the air: as far as an unknown acceleration of 10 m/s² may have taken it, and less than half of
+// the separation.
 TEST_F(Poses, PassAGateThatWidensWithTheGap) {
   const Eigen::Vector3d here_m(0.5, -0.4, 1.0);
   for (const double gap_s : {0.01, 0.1, 0.2, 0.3, 1.0}) {
-    const double gate_m = std::min(0.6, 0.25 + 5.0 * gap_s * gap_s);
+    const double gate_m = std::min(limits.pose_gate_max_m, 0.25 + 5.0 * gap_s * gap_s);
     for (int axis = 0; axis < 3; ++axis) {
       for (const double side : {1.0, -1.0}) {
         const double last_m = test::last_accepted(0.001, 2.0, 1e-9, [&](double m) {
@@ -95,7 +96,7 @@ TEST_F(Poses, PassAGateThatWidensWithTheGap) {
 TEST_F(Poses, MayHaveComeDownAsFarAsItWasTold) {
   const Eigen::Vector3d here_m(0.5, -0.4, 2.0);
   const double gap_s = 0.1;
-  const double gate_m = 0.25 + 5.0 * gap_s * gap_s;
+  const double gate_m = std::min(limits.pose_gate_max_m, 0.25 + 5.0 * gap_s * gap_s);
   for (const double sunk_m : {0.0, 0.1, 0.7}) {
     BodyContext context = kHovers;
     context.sunk_m = sunk_m;
@@ -267,6 +268,16 @@ TEST_F(Poses, LeaveTheRoomOnlyInTheAirOnAWayThatGoesOn) {
   }
 }
 
+TEST_F(Poses, AreAllRefusedOnceTheyAreDistrusted) {
+  const Eigen::Vector3d here_m(0.5, -0.4, 1.0);
+  stand(here_m);
+  BodyContext context = kHovers;
+  context.is_distrusted = true;
+  EXPECT_EQ(see(here_m, kFrameS, context), PoseVerdict::kForeign);
+  EXPECT_EQ(monitor.rejected_in_row(), 1);
+  EXPECT_EQ(see(here_m, 2 * kFrameS), PoseVerdict::kAccepted);
+}
+
 // A jump and a flip by their names, outside the room too; the jump when it is both.
 TEST_F(Poses, AreRefusedInTheAirByTheirNames) {
   const Eigen::Vector3d here_m(0.5, -0.4, 1.0);
@@ -297,7 +308,7 @@ TEST_F(Poses, AreExpectedWhereAFlightThatIsNotSeenLeads) {
              PoseVerdict::kAccepted;
     };
     const double expected_m = 2.0 * std::min(gap_s, limits.pose_age_land_s);
-    const double gate_m = std::min(0.6, 0.25 + 5.0 * gap_s * gap_s);
+    const double gate_m = std::min(limits.pose_gate_max_m, 0.25 + 5.0 * gap_s * gap_s);
     EXPECT_NEAR(test::last_accepted(expected_m, 9.0, 1e-6, accepts_at), expected_m + gate_m, 1e-5);
     EXPECT_NEAR(test::last_accepted(expected_m, -9.0, 1e-6, accepts_at), expected_m - gate_m, 1e-5);
   }

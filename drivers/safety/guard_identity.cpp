@@ -1,0 +1,46 @@
+#include <algorithm>
+#include <cmath>
+
+#include "drivers/safety/guard_parts.hpp"
+
+namespace vantage::drivers {
+
+namespace {
+
+/// A yaw that is off by 15°, as arming allows, turns the reported motion by this share.
+constexpr double kTurnedShare = 0.26;
+
+}  // namespace
+
+// Compares the motion of the body that bears the vehicle's name with the motion that the autopilot
+// reports. Distances are compared, not speeds: frames that jitter by 50 ms shift the body by a few
+// centimetres, but change its measured speed by metres per second.
+void FlightGuard::Parts::look_at_identity(Time now) {
+  const bool feels = is_airborne(ladder.state) && autopilot.has_position &&
+                     autopilot.estimator_good && in.telemetry_age_s <= limits.telemetry_age_hold_s;
+  const Eigen::Vector2d seen_m = pose.world_from_body().translation_m.head<2>();
+  const Eigen::Vector2d felt_m = dt_s(now) * autopilot.velocity_world_mps.head<2>();
+  const double kept = feels ? std::exp(-dt_s(now) / limits.velocity_memory_s) : 0.0;
+  moved_apart_m = kept * (moved_apart_m + felt_m - (seen_m - compared_m));
+  moved_m = kept * (moved_m + felt_m.norm());
+  compared_m = seen_m;
+  // Poses that are late show where the vehicle was before it braked.
+  const bool can_compare = feels && in.pose_age_s <= limits.pose_age_warn_s &&
+                           in.pose_latency_s <= limits.pose_latency_hold_s;
+  const double apart_m = std::max(0.0, moved_apart_m.norm() - kTurnedShare * moved_m);
+  in.velocity_error_mps = can_compare ? apart_m / limits.velocity_memory_s : 0.0;
+  const bool is_ours = autopilot.is_in_our_mode && in.autopilot_obeys;  // and no pilot's
+  const bool hovers = ladder.state == models::FlightState::kHold && is_ours &&
+                      course.is_standing(now) && !is_climbing && !lift.is_under_way();
+  const Eigen::Vector3d off_m = pose.predict_m(now, kPredictS) - course.at(now).position_world_m;
+  in.is_hold_restless =
+      hovers && can_compare &&
+      (in.speed_mps > limits.hover_speed_mps || off_m.head<2>().norm() > limits.hover_off_m ||
+       autopilot.velocity_world_mps.head<2>().norm() > limits.hover_speed_mps);
+  const bool comes_down = ladder.state == models::FlightState::kLand && is_sinking && is_ours &&
+                          in.pose_age_s <= limits.pose_age_warn_s &&
+                          in.height_m - ground_m.value_or(0.0) > limits.safe_height_m;
+  in.sink_error_m = comes_down ? std::max(0.0, in.height_m - height_ref_m) : 0.0;
+}
+
+}  // namespace vantage::drivers
