@@ -17,13 +17,15 @@ constexpr Condition kTilt =
     kills("tilt", "tilt_rad > tilt_kill_rad",
           {.blocks_arming = true, .after_s = 0.1, .spares_pilot = true},
           [](const In& in, const Lim& lim) { return in.tilt_rad > lim.tilt_kill_rad; });
-constexpr Condition kPoseLostLow =
-    kills("pose lost low",
-          "pose_age_s > pose_age_kill_s and height < safe_height_m or outside; no pilot has it", {},
-          [](const In& in, const Lim& lim) {
-            return in.autopilot_obeys && in.pose_age_s > lim.pose_age_kill_s &&
-                   (in.height_m < lim.safe_height_m || in.fence_centre_m < 0.0);
-          });
+constexpr Condition kPoseLostLow = kills(
+    "pose lost low",
+    "pose_age_s > pose_age_kill_s and height < safe_height_m or outside; no pilot has it, and no "
+    "row has distrusted poses",
+    {}, [](const In& in, const Lim& lim) {
+      // The autopilot was sent the poses that are distrusted: its height may be theirs.
+      return !in.is_pose_distrusted && in.autopilot_obeys && in.pose_age_s > lim.pose_age_kill_s &&
+             (in.height_m < lim.safe_height_m || in.fence_centre_m < 0.0);
+    });
 constexpr Condition kBodyDoesNotLift =
     kills("body does not lift", "told to take off, and not risen lift_risen_m in lift_wait_s",
           {.spares_pilot = true},

@@ -9,6 +9,10 @@ namespace {
 
 /// A yaw that is off by 15°, as arming allows, turns the reported motion by this share.
 constexpr double kTurnedShare = 0.26;
+/// A hover that comes nearer by so much, again and again, comes to rest: after a push, for
+/// instance.
+constexpr double kNearer_m = 0.03;
+constexpr double kComesToRestMax_s = 4.0;
 
 }  // namespace
 
@@ -16,6 +20,7 @@ constexpr double kTurnedShare = 0.26;
 // reports. Distances are compared, not speeds: frames that jitter by 50 ms shift the body by a few
 // centimetres, but change its measured speed by metres per second.
 void FlightGuard::Parts::look_at_identity(Time now) {
+  in.is_pose_distrusted = distrusts_pose;
   const bool feels = is_airborne(ladder.state) && autopilot.has_position &&
                      autopilot.estimator_good && in.telemetry_age_s <= limits.telemetry_age_hold_s;
   const Eigen::Vector2d seen_m = pose.world_from_body().translation_m.head<2>();
@@ -33,11 +38,18 @@ void FlightGuard::Parts::look_at_identity(Time now) {
   const bool hovers = ladder.state == models::FlightState::kHold && is_ours &&
                       course.is_standing(now) && !is_climbing && !lift.is_under_way();
   const Eigen::Vector3d off_m = pose.predict_m(now, kPredictS) - course.at(now).position_world_m;
-  in.is_hold_restless =
+  const double off_plane_m = off_m.head<2>().norm();
+  const bool is_restless =
       hovers && can_compare &&
-      (in.speed_mps > limits.hover_speed_mps || off_m.head<2>().norm() > limits.hover_off_m ||
+      (in.speed_mps > limits.hover_speed_mps || off_plane_m > limits.hover_off_m ||
        autopilot.velocity_world_mps.head<2>().norm() > limits.hover_speed_mps);
+  restless_s = is_restless ? restless_s + dt_s(now) : 0.0;
+  restless_off_m = is_restless ? std::max(restless_off_m, off_plane_m) : off_plane_m;
+  const bool comes_nearer = off_plane_m < restless_off_m - kNearer_m;
+  restless_off_m = comes_nearer ? off_plane_m : restless_off_m;
+  in.is_hold_restless = is_restless && (!comes_nearer || restless_s > kComesToRestMax_s);
   const bool comes_down = ladder.state == models::FlightState::kLand && is_sinking && is_ours &&
+                          in.telemetry_age_s <= limits.telemetry_age_hold_s &&
                           in.pose_age_s <= limits.pose_age_warn_s &&
                           in.height_m - ground_m.value_or(0.0) > limits.safe_height_m;
   in.sink_error_m = comes_down ? std::max(0.0, in.height_m - height_ref_m) : 0.0;

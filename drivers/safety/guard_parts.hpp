@@ -66,7 +66,9 @@ struct FlightGuard::Parts : GuardCore {
   Eigen::Vector2d moved_apart_m = Eigen::Vector2d::Zero();  ///< reported motion less seen motion
   double moved_m = 0.0;                                     ///< length of the reported motion
   Eigen::Vector2d compared_m = Eigen::Vector2d::Zero();     ///< pose at the last comparison
-  int disarmed_beats = 0;                                   ///< heartbeats in a row that say so
+  double restless_s = 0.0;      ///< for so long it was to hover and did not
+  double restless_off_m = 0.0;  ///< farthest from its position since it last came nearer
+  int disarmed_beats = 0;       ///< heartbeats in a row that say so
   Time heartbeat_at{}, telemetry_at{}, battery_at{}, battery_changed_at{}, airborne_at{},
       estimator_good_at{};
   bool has_heartbeat = false, has_telemetry = false, has_battery = false;

@@ -31,18 +31,19 @@ struct SafetyInputs : Surroundings {
   double processor_wait_s = 0.0;  ///< of our own thread, within the last second; 0: not counted
 
   // Pose.
-  double pose_age_s = 0.0;        ///< since the last plausible one arrived
-  double pose_latency_s = 0.0;    ///< arrival here less capture, as far as clocks can be compared
-  int poses_rejected = 0;         ///< implausible ones in a row
-  int poses_accepted = 1000;      ///< plausible ones in a row
-  double height_m = 0.0;          ///< best known, above the ground
-  double tracking_error_m = 0.0;  ///< from the reference, height included; 0 without one
-  double speed_mps = 0.0;         ///< horizontal, as measured
-  bool is_hold_restless = false;  ///< commanded to hover, and neither at rest nor at its position
-  double sink_error_m = 0.0;      ///< above the commanded height while it comes down, in the air
-  double body_tilt_rad = 0.0;     ///< of the body's z axis from the vertical, by mocap
-  double start_off_m = 0.0;       ///< from where its first flight begins, until it has flown
-  double start_turn_rad = 0.0;    ///< the same of yaw
+  double pose_age_s = 0.0;          ///< since the last plausible one arrived
+  double pose_latency_s = 0.0;      ///< arrival here less capture, as far as clocks can be compared
+  int poses_rejected = 0;           ///< implausible ones in a row
+  int poses_accepted = 1000;        ///< plausible ones in a row
+  double height_m = 0.0;            ///< best known, above the ground
+  double tracking_error_m = 0.0;    ///< from the reference, height included; 0 without one
+  double speed_mps = 0.0;           ///< horizontal, as measured
+  bool is_hold_restless = false;    ///< commanded to hover, and neither at rest nor at its position
+  bool is_pose_distrusted = false;  ///< by a row that has acted in this flight
+  double sink_error_m = 0.0;        ///< above the commanded height while it comes down, in the air
+  double body_tilt_rad = 0.0;       ///< of the body's z axis from the vertical, by mocap
+  double start_off_m = 0.0;         ///< from where its first flight begins, until it has flown
+  double start_turn_rad = 0.0;      ///< the same of yaw
 
   // Plan.
   bool has_plan = true;                 ///< a checked plan is on the course

@@ -97,8 +97,10 @@ bool passes(const VehicleKnobs& knobs, mavlink::Frame& frame) {
       message.onboard_control_sensors_health &= ~mavlink::kSensorMotorOutputs;
     });
   }
-  alter<mavlink::LocalPositionNed>(
-      frame, [&](auto& message) { message.x += mavlink::f32(knobs.estimate_offset_m); });
+  alter<mavlink::LocalPositionNed>(frame, [&](auto& message) {
+    message.x += mavlink::f32(knobs.estimate_offset_m);
+    message.vx += mavlink::f32(knobs.velocity_offset_mps);
+  });
   alter<mavlink::Attitude>(frame, [&](auto& message) {
     message.roll = std::abs(knobs.tilt_rad) > kTiltFaultRad
                        ? mavlink::f32(knobs.tilt_rad)
