@@ -9,8 +9,7 @@ namespace {
 
 /// A yaw that is off by 15°, as arming allows, turns the reported motion by this share.
 constexpr double kTurnedShare = 0.26;
-/// A hover that comes nearer by so much, again and again, comes to rest: after a push, for
-/// instance.
+/// A vehicle that comes nearer to its position by steps of this length is coming to rest.
 constexpr double kNearer_m = 0.03;
 constexpr double kComesToRestMax_s = 4.0;
 

@@ -4,19 +4,12 @@
 
 #include "test/drivers/quadrotor/wire_bench.hpp"
 #include "test/drivers/quadrotor/wire_fault_report.hpp"
+#include "test/drivers/safety/fault_report.hpp"
 
 namespace vantage::test {
 namespace {
 
 using models::AutopilotDialect;
-
-std::string list(const std::vector<std::string>& words) {
-  std::string out;
-  for (const std::string& word : words) {
-    out += word + "; ";
-  }
-  return out;
-}
 
 class WireFaults : public testing::TestWithParam<std::tuple<AutopilotDialect, std::size_t>> {};
 

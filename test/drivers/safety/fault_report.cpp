@@ -40,6 +40,14 @@ std::string seconds(double value_s) {
   return text;
 }
 
+std::string list(const std::vector<std::string>& words) {
+  std::string out;
+  for (const std::string& word : words) {
+    out += word + "; ";
+  }
+  return out;
+}
+
 std::string reached(const Fault& fault, const Outcome& outcome) {
   std::string out;
   for (std::size_t i = 0; i < fault.stages.size(); ++i) {

@@ -1,19 +1,11 @@
 #include <gtest/gtest.h>
 
-#include "test/drivers/safety/fault_catalogue.hpp"
+#include "test/drivers/safety/fault_report.hpp"
 
 namespace vantage::test {
 namespace {
 
 using models::FlightState;
-
-std::string list(const std::vector<std::string>& words) {
-  std::string out;
-  for (const std::string& word : words) {
-    out += word + "; ";
-  }
-  return out;
-}
 
 std::string case_name(const std::string& name) {
   std::string out;
