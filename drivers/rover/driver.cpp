@@ -138,7 +138,7 @@ BrakeWay RoverDriver::brake_way(Time now) const {
   if (keeps_to_course) {
     return BrakeWay::along(core_.course.plan(), std::max(0.0, core_.course.elapsed_s(now)),
                            core_.limits.vehicle.brake_mps2, core_.limits.reaction_s,
-                           here_m - asked.position_world_m);
+                           here_m - core_.course.planned_at(now).position_world_m);
   }
   return BrakeWay::straight(here_m, core_.pose.velocity_world_mps(), 0.0,
                             core_.limits.vehicle.brake_mps2, core_.limits.reaction_s);

@@ -15,6 +15,7 @@ using models::FlightState;
 namespace {
 
 constexpr double kSwerveMps = 0.6;        // off the course's velocity: it is pushed, not steered
+constexpr double kSameSpeedMps = 0.1;     // speeds that differ by less count as equal
 constexpr double kMoveOffMps = 0.2;       // from what is too near
 constexpr double kShiftPatienceS = 6.0;   // then it comes down beside its spot
 constexpr double kAvoidPatienceS = 20.0;  // then it comes down whoever is below
@@ -36,14 +37,25 @@ bool FlightGuard::Parts::keeps_to_course(Time now) const {
          (pose.predict_m(now, kPredictS) - asked.position_world_m).norm() <= limits.tracking_hold_m;
 }
 
+// A stop follows the plan's curve only where the plan keeps one speed and the vehicle has reached
+// it. Elsewhere the set-points, which change their speed gradually, differ from the plan.
+bool FlightGuard::Parts::has_planned_speed(Time now) const {
+  const double asked_mps = course.at(now).velocity_world_mps.norm();
+  if (asked_mps > 2.0 * pose.velocity_world_mps().norm() + kSameSpeedMps) {
+    return false;  // commanded to go a moment ago
+  }
+  const double half_brake_s = 0.5 * asked_mps / limits.vehicle.brake_mps2;
+  const auto differs = [&](const PlanPoint& planned) {
+    return std::abs(planned.velocity_world_mps.norm() - asked_mps) > kSameSpeedMps;
+  };
+  return !differs(course.planned_at(now)) &&
+         !differs(course.planned_at(now + from_seconds(half_brake_s)));
+}
+
 BrakeWay FlightGuard::Parts::brake_way(Time now, double reaction_s) const {
   const Eigen::Vector3d here_m = pose.predict_m(now, kPredictS);
-  // One that has only just been told to go is not carried on by a plan that it must not begin.
-  const double asked_mps = course.at(now).velocity_world_mps.norm();
-  const bool sets_off =
-      reaction_s <= 0.0 && asked_mps > 2.0 * pose.velocity_world_mps().norm() + 0.1;
-  if (keeps_to_course(now) && !sets_off) {
-    const Eigen::Vector3d offset_m = here_m - course.at(now).position_world_m;
+  if (keeps_to_course(now) && (reaction_s > 0.0 || has_planned_speed(now))) {
+    const Eigen::Vector3d offset_m = here_m - course.planned_at(now).position_world_m;
     return BrakeWay::along(course.plan(), std::max(0.0, course.elapsed_s(now)),
                            limits.vehicle.brake_mps2, reaction_s, offset_m);
   }

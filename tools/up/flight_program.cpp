@@ -112,14 +112,4 @@ bool FlightProgram::is_down() const {
   });
 }
 
-std::vector<std::string> FlightProgram::not_down() const {
-  std::vector<std::string> out;
-  for (const auto& [name, vehicle] : vehicles_) {
-    if (vehicle.status && !is_at_rest(vehicle.status->state)) {
-      out.push_back(name);
-    }
-  }
-  return out;
-}
-
 }  // namespace vantage::tools

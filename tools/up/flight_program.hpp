@@ -38,8 +38,6 @@ class FlightProgram {
   [[nodiscard]] bool is_down() const;
   /// Vehicles that have followed a plan since the start.
   [[nodiscard]] const std::set<std::string>& have_flown() const { return have_flown_; }
-  /// Vehicles that are not at rest.
-  [[nodiscard]] std::vector<std::string> not_down() const;
 
  private:
   struct Vehicle {
