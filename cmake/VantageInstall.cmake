@@ -159,6 +159,7 @@ if(VANTAGE_EVERYTHING)
   # As they lie in the sources, with what they lead to, so that links hold (docs.links).
   install(DIRECTORY docs examples DESTINATION ${pages} COMPONENT doc
     PATTERN systemd EXCLUDE PATTERN __pycache__ EXCLUDE)
+  install(DIRECTORY ${PROJECT_BINARY_DIR}/site/ DESTINATION ${pages}/html COMPONENT doc OPTIONAL)
   install(FILES logs/sample/lab_60s.lcmlog.xz DESTINATION ${pages}/examples COMPONENT doc)
   install(FILES CHANGELOG.md DESTINATION ${pages} COMPONENT doc)
   install(FILES lcmtypes/README.md DESTINATION ${pages}/lcmtypes COMPONENT doc)
