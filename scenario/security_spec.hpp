@@ -12,7 +12,7 @@ enum class SecurityMode {
   kRequire,  ///< refused
 };
 
-/// Who is believed on the bus (docs/security.md).
+/// Who is believed on the bus (docs/guide/security.md).
 struct SecuritySpec {
   SecurityMode mode = SecurityMode::kOff;
   std::string keys;  ///< the folder that `vantage keys new` made

@@ -53,7 +53,7 @@ class Bus {
   void keep_time(const Clock& clock) { clock_ = &clock; }
 
   /// Signs what is published, and judges what is received by its signature and by `clock`, which is
-  /// kept as by keep_time(); `clock` must outlive the Bus (docs/security.md). One that was made by
+  /// kept as by keep_time(); `clock` must outlive the Bus (docs/guide/security.md). One that was made by
   /// replay_authenticator_for() signs alone and judges nothing. nullptr: changes nothing.
   void secure(std::unique_ptr<auth::Authenticator> authenticator, const Clock& clock);
   /// This process is the vehicle `robot`: commands must be said to it, in its session; those that

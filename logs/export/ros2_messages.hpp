@@ -7,7 +7,7 @@
 #include "core/time.hpp"
 #include "models/exchange/messages.hpp"
 
-// What the stack says as messages of ROS 2: docs/ros2.md is the contract.
+// What the stack says as messages of ROS 2: docs/guide/ros2.md is the contract.
 
 namespace vantage::logs::ros2 {
 

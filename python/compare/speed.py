@@ -2,7 +2,7 @@
 """speed.py [--seconds S] [--vantage BINARY] [--scenario FILE] [WHAT…]: how fast the module is.
 
   env    steps a second of each environment beside numpy_tasks.py, the same task in plain numpy: the
-         rows of docs/python.md
+         rows of docs/guide/python.md
   plan   what a call of Planner.plan() takes besides the search
   trial  a trial stepped from Python beside `vantage trial`, one after the other, again and again
 

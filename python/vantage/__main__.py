@@ -14,7 +14,7 @@ def main(arguments=None):
         prog="python3 -m vantage", description=vantage.__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
         epilog=f"Searches:\n{listed(vantage.algorithms())}\n\nTeam decisions:\n{listed(vantage.team_algorithms())}"
-        "\n\nMore: docs/python.md, and help(vantage.Trial) and the like.")
+        "\n\nMore: docs/guide/python.md, and help(vantage.Trial) and the like.")
     parser.add_argument("problem", nargs="?", help="a planning problem (JSON) to solve; without: this help")
     parser.add_argument("--algorithm", default="default", help="which search (default: what fits)")
     parser.add_argument("--nodes", type=int, help="nodes of work instead of one second")

@@ -23,7 +23,7 @@ class Bus:
 
     url: as in network.url ("" is $LCM_DEFAULT_URL, else LCM's own). scenario: a Scenario, or what
     makes one; its network.url when `url` is "", and its security: what is published is signed with the key of the
-    channel's role, and what is heard is judged (docs/security.md). Without, nobody is judged.
+    channel's role, and what is heard is judged (docs/guide/security.md). Without, nobody is judged.
 
     Raises StartupError when there is no such network, or the keys are not as they should be.
     """

@@ -311,7 +311,7 @@ void read_robot(Mapping& from, const Scenario& scenario, RobotSpec& robot) {
   if (robot.device == DeviceSource::kReal && robot.autopilot && robot.autopilot->key_file.empty()) {
     from.refuse("autopilot",
                 "must say the key_file of a real vehicle: without one whoever is on its network "
-                "flies it; docs/quadrotor.md says how the autopilot gets the key");
+                "flies it; docs/guide/quadrotors.md says how the autopilot gets the key");
   }
   from.section("rover", [&](Mapping& rover) { read_rover(rover, robot.rover.emplace()); });
   if (robot.rover && robot.autopilot) {

@@ -25,7 +25,7 @@ struct RoverEmulatorSpec {
   double battery_per_s = 1.0 / 7200.0;
 };
 
-/// A rover that obeys the protocol of docs/rover.md to the letter. Pure: it is handed time and
+/// A rover that obeys the protocol of docs/guide/rovers.md to the letter. Pure: it is handed time and
 /// bytes; `now` never goes back.
 class RoverEmulator {
  public:

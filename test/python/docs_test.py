@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The code in docs/python.md runs as it stands, from top to bottom."""
+"""The code in docs/guide/python.md runs as it stands, from top to bottom."""
 import contextlib
 import io
 import lzma
@@ -11,7 +11,7 @@ import unittest
 
 from here import SOURCE
 
-PAGE = SOURCE / "docs/python.md"
+PAGE = SOURCE / "docs/guide/python.md"
 
 
 class Page(unittest.TestCase):

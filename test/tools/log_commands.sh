@@ -1,5 +1,5 @@
 #!/bin/bash
-# log_commands.sh VANTAGE SAMPLE.xz SCENARIO: every command of `vantage log` as docs/logs.md shows
+# log_commands.sh VANTAGE SAMPLE.xz SCENARIO: every command of `vantage log` as docs/guide/logs.md shows
 # them, on the sample log and on one of a short trial of SCENARIO, and what they answer.
 set -euo pipefail
 vantage=$1 sample=$2 scenario=$3

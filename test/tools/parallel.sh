@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # parallel.sh VANTAGE: shards that GNU parallel runs leave the same bytes as one run, as
-# docs/experiments.md has it. Exit code 77: no GNU parallel here.
+# docs/guide/experiments.md has it. Exit code 77: no GNU parallel here.
 set -euo pipefail
 vantage=$1
 parallel --version 2> /dev/null | grep -q '^GNU parallel' || {

@@ -99,7 +99,7 @@ void add_plan_command(CLI::App& root, Runner& chosen) {
       footer +
       "JSON: `states` are the T poses [x, y, yaw] after each step, the start not among them;\n"
       "`cost` and `lower_bound` are the sums over t = 1 … T; what is infinite (epsilon and delta\n"
-      "before the first finite pass) or unknown is null. Schema: docs/planning-problems.md.\n"
+      "before the first finite pass) or unknown is null. Schema: docs/guide/planning-problems.md.\n"
       "Ctrl-C and SIGTERM end the search at once; the best plan so far is printed.\n"
       "Exit code 0: a plan of T steps; 1: none was found, or the search was interrupted\n"
       "(`stop_reason` says which); 2: the problem cannot be used.\n"

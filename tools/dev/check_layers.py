@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Fails if a folder includes a folder it may not see, if two folders see each other, or if a test is
-not where its subject is. The table is the architecture (docs/words.md says what each room is)."""
+not where its subject is. The table is the architecture (docs/reference/words.md says what each room is)."""
 
 import collections
 import pathlib

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""How much faster an experiment is with J jobs than with one (docs/experiments.md):
+"""How much faster an experiment is with J jobs than with one (docs/guide/experiments.md):
 
   tools/dev/jobs_pace.py VANTAGE EXPERIMENT [--trials N] [--jobs J] [--pairs P]
 

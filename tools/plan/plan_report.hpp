@@ -16,7 +16,7 @@ namespace vantage::tools {
 /// True when every one of the T steps has a control.
 bool is_complete(const planner::SearchProblem& problem, const planner::SearchResult& result);
 
-/// The object that `vantage plan --json` prints (keys: docs/planning-problems.md). What is infinite
+/// The object that `vantage plan --json` prints (keys: docs/guide/planning-problems.md). What is infinite
 /// or not known is null.
 nlohmann::ordered_json to_json(const PlanningProblem& problem, const PlanOutcome& outcome);
 /// The same for people, one line an entry.

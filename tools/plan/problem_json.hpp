@@ -11,7 +11,7 @@ struct PlanningProblem : planner::OwnedProblem {
   std::string name;  ///< "" when the file gives none
 };
 
-/// Reads the JSON schema of docs/planning-problems.md: one point robot that may neither leave the
+/// Reads the JSON schema of docs/guide/planning-problems.md: one point robot that may neither leave the
 /// map nor touch a box at any time, in metres, seconds and (where a key says so) degrees.
 /// `sensor.fov_deg` is the full angle, as in scenario files and SensorModel::fov_rad.
 /// @throws StartupError "source:line: path: rule, is what" at the first thing that cannot be true,

@@ -176,7 +176,7 @@ std::vector<std::string> device_faults(const scenario::Scenario& scenario) {
       }
       if (find_program(robot.firmware->binary).empty()) {
         out.push_back("robot " + robot.name + ": firmware.binary '" + robot.firmware->binary +
-                      "' is no program here; docs/firmware.md says how to get one");
+                      "' is no program here; docs/guide/firmware.md says how to get one");
       }
     }
   }

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-// The rover protocol: one datagram each way, fixed layouts, little-endian. docs/rover.md has the
+// The rover protocol: one datagram each way, fixed layouts, little-endian. docs/guide/rovers.md has the
 // bytes and the rules.
 
 namespace vantage::wire::rover {

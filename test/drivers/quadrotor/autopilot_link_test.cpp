@@ -390,7 +390,7 @@ TEST(AutopilotLink, SurvivesAnythingOnTheWire) {
   }
 }
 
-// docs/quadrotor.md: in all others nobody need be there, whatever PX4's sub-mode.
+// docs/guide/quadrotors.md: in all others nobody need be there, whatever PX4's sub-mode.
 TEST(Dialect, KnowsTheModesThatAreFlownByHand) {
   const std::set<std::uint32_t> px4{1, 2, 3, 5, 7, 8, 11};
   const std::set<std::uint32_t> ardupilot{0, 1, 2, 5, 11, 13, 16, 22};
@@ -405,7 +405,7 @@ TEST(Dialect, KnowsTheModesThatAreFlownByHand) {
   }
 }
 
-// docs/quadrotor.md: all that is told is of a moment ahead, as each autopilot lags.
+// docs/guide/quadrotors.md: all that is told is of a moment ahead, as each autopilot lags.
 TEST(DialectTraits, LeadByAsMuchAsTheDocumentStates) {
   const DialectTraits& px4 = traits_of(models::AutopilotDialect::kPx4);
   EXPECT_EQ(px4.lead_s, 0.05);

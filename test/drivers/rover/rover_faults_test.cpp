@@ -1,5 +1,5 @@
 // What fails while a rover drives along a plan at 0.5 m/s, in virtual time: how soon it stands, in
-// which state, and what ends it. The times stated here are those of docs/rover.md.
+// which state, and what ends it. The times stated here are those of docs/guide/rovers.md.
 
 #include <algorithm>
 #include <functional>

@@ -1,4 +1,4 @@
-// Every number of docs/vicon.md by which poses and frames are judged.
+// Every number of docs/guide/vicon.md by which poses and frames are judged.
 
 #include <gtest/gtest.h>
 
