@@ -2,10 +2,10 @@
 
 namespace vantage::models {
 
-/// Which autopilot's ways a vehicle has.
+/// Autopilot firmware family that a vehicle's autopilot belongs to.
 enum class AutopilotDialect { kPx4, kArdupilot };
 
-/// "px4", "ardupilot".
+/// Returns "px4" or "ardupilot".
 constexpr const char* name_of(AutopilotDialect dialect) {
   return dialect == AutopilotDialect::kPx4 ? "px4" : "ardupilot";
 }

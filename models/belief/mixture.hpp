@@ -6,7 +6,7 @@
 
 namespace vantage::models {
 
-/// One Gaussian of a mixture.
+/// One weighted Gaussian of a mixture.
 struct Component {
   double weight = 0.0;
   Gaussian belief;

@@ -15,16 +15,17 @@
 
 namespace vantage::models {
 
-/// Watches spheres among boxes, walls and a ceiling for contact, and flying robots for being
-/// nearer to each other than they may.
+/// Detector of contacts between spheres, boxes, walls and a ceiling, and of robots that are closer
+/// to each other than the separation distance.
 ///
-/// Two judges look at every pair at every step: FCL at the instant, and closed forms over the
-/// straight motion since the last step, so that nothing tunnels. Either can report a collision;
-/// instants at which they differ are counted. A contact is reported once, when it begins, and
-/// again only after the two have been apart by more than kReleaseM.
+/// Every pair is checked twice per step: by FCL at the current instant, and by closed forms over
+/// the straight motion since the last step, so that no contact between two steps is missed. Either
+/// check can report a collision; cases in which they differ are counted. A contact is reported
+/// once, when it begins. It is reported again only after the two bodies were more than kReleaseM
+/// apart.
 ///
-/// What it is told of is the simulator's truth or what cameras see. FCL objects are made in the
-/// constructor and by add(). Not copyable; one thread.
+/// Positions come from the simulator's truth or from the mocap system. FCL objects are created in
+/// the constructor and by add(). Not copyable; for one thread.
 class CollisionMonitor {
  public:
   static constexpr double kReleaseM = 0.02;
@@ -42,21 +43,25 @@ class CollisionMonitor {
   CollisionMonitor(CollisionMonitor&&) = delete;
   CollisionMonitor& operator=(CollisionMonitor&&) = delete;
 
-  /// One more body, the last in the order from now on. Precondition: radius_m > 0.
+  /// Adds a body, which becomes the last in the order. Precondition: radius_m > 0.
   void add(const Body& body);
-  /// The next update() has no motion before it: nobody saw how the bodies got there.
+  /// Makes the next update() check positions only, without the motion before it: the bodies were
+  /// not observed in between.
   void forget_motion() { old_m_.clear(); }
 
-  /// The bodies' centres at `now`, in the order they were told; appends what has begun since the
-  /// last call to `begun`. A centre that is not finite takes no part (FCL calls some such poses
-  /// free) and is counted. The first call has no motion before it.
+  /// Checks the bodies at `now`, given their centres (world frame, m) in the order of registration.
+  /// Appends contacts that began since the last call to `begun`. A centre that is not finite is
+  /// skipped (FCL reports some such poses as free) and counted. The first call has no motion before
+  /// it.
   void update(Time now, std::span<const Eigen::Vector3d> centres_m,
               std::vector<ContactReport>& begun);
 
-  /// Least distance so far between the centres of two robots, swept; ∞ before there were two.
+  /// Returns the minimum distance so far between the centres of two robots, m, over the swept
+  /// motion; ∞ with fewer than two robots.
   [[nodiscard]] double min_separation_m() const { return min_separation_m_; }
   [[nodiscard]] std::int64_t non_finite() const { return non_finite_; }
-  /// Instants at which FCL and the closed form differed by more than rounding (1 µm).
+  /// Returns the number of checks in which FCL and the closed form differed by more than rounding
+  /// (1 µm).
   [[nodiscard]] std::int64_t disagreements() const { return disagreements_; }
 
  private:
@@ -67,8 +72,8 @@ class CollisionMonitor {
   };
   struct Judgement {
     bool fcl_hit = false;
-    double distance_m = 0.0;        ///< between surfaces, at the instant
-    double swept_distance_m = 0.0;  ///< the least since the last step
+    double distance_m = 0.0;        ///< between surfaces, at the current instant
+    double swept_distance_m = 0.0;  ///< minimum since the last step
   };
 
   void judge(Time now, const Judgement& judgement, const std::string& a, const std::string& b,
@@ -77,7 +82,8 @@ class CollisionMonitor {
                         Contact& contact, std::vector<ContactReport>& begun);
   void check_pairs(Time now, std::vector<ContactReport>& begun);
   void check_pair(Time now, std::size_t i, std::size_t j, std::vector<ContactReport>& begun);
-  /// Pairs farther apart than this are no matter, whatever they did since the last step.
+  /// Returns the distance (m) beyond which a pair needs no check, whatever its motion since the
+  /// last step.
   [[nodiscard]] double watched_m() const;
   void check_surroundings(Time now, std::size_t i, std::vector<ContactReport>& begun);
 

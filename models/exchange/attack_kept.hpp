@@ -6,8 +6,8 @@
 
 namespace vantage::models {
 
-/// Three of the simulator's repetitions of ATTACK, one a second (lcmtypes/README.md): an attack
-/// that is not heard of again for so long is over, with whoever said it.
+/// Timeout of an attack: the simulator publishes ATTACK once per second (lcmtypes/README.md).
+/// Receivers assume that an attack has ended three missed repetitions after its last message.
 inline constexpr Duration kAttackKept = std::chrono::seconds(3);
 
 }  // namespace vantage::models

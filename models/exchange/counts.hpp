@@ -9,20 +9,20 @@
 
 namespace vantage::models {
 
-/// Those that are not 0, in the same order: what a process tells of itself.
+/// Returns the counts that are not 0, in the same order, for a process's health report.
 inline std::vector<NamedCount> nonzero(std::vector<NamedCount> counts) {
   std::erase_if(counts, [](const NamedCount& each) { return each.count == 0; });
   return counts;
 }
 
-/// Appends those that are not 0.
+/// Appends the counts that are not 0.
 inline void append_nonzero(std::vector<NamedCount>& all, std::vector<NamedCount> counts) {
   for (NamedCount& each : nonzero(std::move(counts))) {
     all.push_back(std::move(each));
   }
 }
 
-/// Appends NAME_p50_us, NAME_p99_us and NAME_max_us; nothing where nothing was measured.
+/// Appends NAME_p50_us, NAME_p99_us and NAME_max_us; nothing if nothing was measured.
 inline void append_latency(std::vector<NamedCount>& all, const std::string& name,
                            const LatencyRecord& record) {
   if (record.count() > 0) {

@@ -15,12 +15,12 @@
 #include "models/sensor/sensor.hpp"
 #include "models/world/grid.hpp"
 
-// What processes tell each other, as values. bus/convert/convert turns them into wire messages and
-// back; nothing else knows how they travel.
+// Messages between processes, as values. bus/convert/convert translates them to and from wire
+// messages; no other code knows the wire format.
 
 namespace vantage::models {
 
-/// Names one message of one process run: together with the channel it is unique for ever.
+/// Reference to one message: channel, process run and sequence number identify it uniquely.
 struct InputRef {
   std::string channel;
   std::int64_t run_id = 0;
@@ -28,179 +28,181 @@ struct InputRef {
   friend bool operator==(const InputRef&, const InputRef&) = default;
 };
 
-/// Where a message comes from and when its content is valid.
+/// Origin of a message and time for which its content is valid.
 struct Stamp {
-  Time time{};  ///< the instant that the content is valid for, not the instant of sending
+  Time time{};  ///< for which the content is valid, not the time of sending
   std::int64_t run_id = 0;
   std::int64_t sequence = 0;
 };
 
-/// One rigid body as the mocap system sees it.
+/// One rigid body as observed by the mocap system.
 struct MocapBody {
   std::string name;
   Pose3 world_from_body;
-  bool occluded = false;  ///< then the pose means nothing
+  bool occluded = false;  ///< true: the pose is meaningless
 };
 
-/// All bodies at one instant (VICON).
+/// All bodies at one instant (channel VICON).
 struct MocapFrame {
-  Stamp stamp;  ///< time: capture
+  Stamp stamp;  ///< stamp.time: capture time
   Time arrival{};
   std::int64_t frame_number = 0;
   std::vector<MocapBody> bodies;
 
   [[nodiscard]] const MocapBody* find(const std::string& name) const;
-  /// The same, of one that was at `hint` in a frame before: no search where it still is.
+  /// Finds a body that was at index `hint` in an earlier frame; no search if it still is.
   [[nodiscard]] const MocapBody* find(const std::string& name, std::size_t hint) const;
 };
 
-/// Of a detection whose sensor does not say which target it is of, if of any.
+/// Target id of a detection from a sensor that does not identify targets; it may be a false alarm.
 inline constexpr int kNoTargetId = -1;
-/// Ids from here on are labels of tracks, not of targets: where sensors tell no ids, nobody knows
-/// which track is which target of the scenario.
+/// Smallest track label. Ids from here on label tracks, not targets: without target ids from the
+/// sensors, the assignment of tracks to the scenario's targets is unknown.
 inline constexpr int kTrackLabelMin = 1 << 30;
 
-/// One target in view, or what a sensor takes for one.
+/// One detection: a target in view, or a false alarm.
 struct Detection {
   int target_id = 0;  ///< or kNoTargetId
   Measurement measurement;
 };
 
-/// Everything that one robot's sensor saw at one instant (MEASUREMENT_R); empty when it looked
-/// and saw nothing.
+/// All detections of one robot's sensor at one instant (channel MEASUREMENT_R); empty if it
+/// detected nothing.
 struct DetectionSet {
   Stamp stamp;
   std::string robot;
-  Viewpoint viewpoint;  ///< from where it looked
-  bool jammed = false;  ///< an attacked sensor did not look at all
+  Viewpoint viewpoint;  ///< of the sensor at that instant
+  bool jammed = false;  ///< true: the sensor was attacked and did not measure
   std::vector<Detection> detections;
   std::vector<InputRef> inputs;
 };
 
-/// One target as one robot knows it.
+/// One robot's belief of one target.
 struct TargetBelief {
-  int target_id = 0;        ///< or, from kTrackLabelMin on, a track's label
+  int target_id = 0;        ///< or, from kTrackLabelMin on, the label of a track
   Information information;  ///< at the message's time
-  Time last_seen{};         ///< newest measurement of anyone that went into it
+  Time last_seen{};         ///< newest measurement of any robot that was fused
 };
 
-/// What one robot knows (BELIEF_R).
+/// One robot's belief of all targets and of the explored ground (channel BELIEF_R).
 struct RobotBelief {
   Stamp stamp;
   std::string robot;
   std::int64_t step = 0;  ///< index of the estimator step that made it
   Viewpoint viewpoint;
-  int degree = 0;                     ///< neighbours in range at this step
-  std::vector<TargetBelief> targets;  ///< the discovered ones, by ascending target_id
+  int degree = 0;                     ///< number of neighbours in communication range at this step
+  std::vector<TargetBelief> targets;  ///< discovered targets, by ascending target_id
   GridGeometry grid;
   std::vector<std::int64_t> last_seen_utime;  ///< per cell, VisibilityGrid::kNeverSeen for never
-  std::vector<InputRef> inputs;               ///< what this step consumed, in that order
+  std::vector<InputRef> inputs;               ///< messages that this step used, in order of use
 };
 
-/// One target where one Gaussian says too little.
+/// Mixture belief of one target that a single Gaussian does not describe well.
 struct TargetMixture {
   int target_id = 0;       ///< as in the belief
   double existence = 1.0;  ///< probability that there is such a target, in (0, 1]
-  Mixture components;      ///< one at least; weights add up to 1
+  Mixture components;      ///< at least one; weights add up to 1
 };
 
-/// What a robot's belief of the same instant has only the moments of (MIXTURE_R).
+/// Mixtures whose moments are in the robot's belief of the same instant (channel MIXTURE_R).
 struct BeliefMixture {
   Stamp stamp;
   std::string robot;
-  std::int64_t step = 0;               ///< as in the belief
-  std::vector<TargetMixture> targets;  ///< by ascending target_id; of the others it says nothing
+  std::int64_t step = 0;  ///< as in the belief
+  /// By ascending target_id; the others are only in the belief.
+  std::vector<TargetMixture> targets;
 };
 
-/// Whether the mixture is of this very belief.
+/// True if `mixture` belongs to `belief`: same robot, run, step and time.
 bool is_of_belief(const BeliefMixture& mixture, const RobotBelief& belief);
 
-/// One scan of a robot's range finder (SCAN_R).
+/// One scan of a robot's range finder (channel SCAN_R).
 struct RangeScan {
   Stamp stamp;
   std::string robot;
-  Viewpoint viewpoint;             ///< where it is taken to have scanned from
-  bool jammed = false;             ///< an attacked range finder did not scan: no ranges
-  double field_of_view_rad = 0.0;  ///< in (0, 2π]; beams as BeamSensor has them
-  double range_max_m = 0.0;        ///< a reading of about this much met nothing
-  std::vector<double> ranges_m;    ///< by beam
+  Viewpoint viewpoint;  ///< assumed pose of the scanner at that instant
+  bool jammed = false;  ///< true: the range finder was attacked and did not scan; no ranges
+  double field_of_view_rad = 0.0;  ///< in (0, 2π]; beams are spaced as in BeamSensor
+  double range_max_m = 0.0;        ///< a reading of about this value means no hit
+  std::vector<double> ranges_m;    ///< one per beam
   std::vector<InputRef> inputs;
 };
 
-/// What one robot knows of which cells are occupied (MAP_R). Looks of a cell: scans that met
-/// something in it less scans that passed through it.
+/// One robot's occupancy map (channel MAP_R). Looks of a cell: number of scans that hit something
+/// in it minus the number that passed through it.
 struct RobotMap {
   Stamp stamp;
   std::string robot;
   std::int64_t step = 0;  ///< index of the estimator step that made it
   Viewpoint viewpoint;
   GridGeometry grid;
-  std::vector<std::int16_t> own_looks;   ///< per cell, by this run's own scans
-  std::vector<std::int16_t> team_looks;  ///< per cell, own and of each teammate what was heard
-  double entropy_nats = 0.0;             ///< of the map that team_looks makes
-  std::vector<InputRef> inputs;          ///< belief (its pose), own map before, scans, team's maps
+  std::vector<std::int16_t> own_looks;   ///< per cell, from this run's own scans
+  std::vector<std::int16_t> team_looks;  ///< per cell, own plus received teammates' own_looks
+  double entropy_nats = 0.0;             ///< entropy of the map from team_looks
+  std::vector<InputRef> inputs;  ///< belief (for the pose), own last map, scans, teammates' maps
 };
 
-/// How a published plan came about; lower is better.
+/// Origin of a published plan; a lower value is better.
 enum class PlanSource {
-  kSearched = 0,  ///< the best complete plan of this slot's search
-  kShifted = 1,   ///< last plan, shifted and checked again
+  kSearched = 0,  ///< best complete plan of this slot's search
+  kShifted = 1,   ///< remainder of the previous plan, checked again
   kBraking = 2,   ///< stop and hover
 };
 
-/// "searched", "shifted", "braking".
+/// Returns "searched", "shifted" or "braking".
 const char* name_of(PlanSource source);
 
-/// One robot's committed motion and how good it is (PLAN_R).
+/// One robot's committed motion and its quality (channel PLAN_R).
 struct RobotPlan {
-  Stamp stamp;  ///< time: when the trajectory starts, t_{k+1}
+  Stamp stamp;  ///< stamp.time: start of the trajectory, t_{k+1}
   std::string robot;
   std::int64_t round = 0;
   PlanSource source = PlanSource::kBraking;
   Trajectory trajectory;
   int horizon_steps = 0;     ///< T
   double step_s = 0.5;       ///< τ
-  double cost = 0.0;         ///< J_T of the search, nats; NaN without one
-  double lower_bound = 0.0;  ///< on J_T; −∞ when nothing is proven
-  double epsilon = 0.0;      ///< of the last finished pass; ∞ for the greedy one
+  double cost = 0.0;         ///< J_T of the search, nats; NaN if nothing was searched
+  double lower_bound = 0.0;  ///< proven bound on J_T, nats; −∞ if none
+  double epsilon = 0.0;      ///< ε of the last finished pass; ∞ for the greedy pass
   double delta_m = 0.0;
-  std::int64_t passes = 0;  ///< finished
-  std::int64_t nodes = 0;   ///< work done; the node budget that replays it exactly
+  std::int64_t passes = 0;  ///< number of finished passes
+  std::int64_t nodes = 0;   ///< work done; as node budget it reproduces the plan exactly
   Time slot_start{};
   Time deadline{};    ///< end of the slot
-  Time finish{};      ///< when the search had ended
+  Time finish{};      ///< end of the search
   bool late = false;  ///< finish > deadline
   std::vector<InputRef> inputs;
 };
 
-/// What one robot would do if it were the only one that looks (PROPOSAL_R), in the first half of a
-/// round of a team that expects attacks.
+/// Plan of one robot as if no other robot observed (channel PROPOSAL_R). Published in the first
+/// half of a round by teams that expect attacks.
 struct PlanProposal {
-  Stamp stamp;              ///< time: when the plan would start, t_{k+1}
-  double value_nats = 0.0;  ///< information that it alone gains; 0: nothing was found
+  Stamp stamp;              ///< stamp.time: start of the plan, t_{k+1}
+  double value_nats = 0.0;  ///< information gain of this robot alone; 0: no plan was found
   RobotPlan plan;
 };
 
-/// What one robot is to do in a solution of the team.
+/// Trajectory of one robot in a team solution.
 struct TeamChoice {
   std::string robot;
   Trajectory trajectory;
-  double information_nats = 0.0;  ///< that it alone gains, as its own robot counts it
-  double energy_nats = 0.0;       ///< what its motion costs
+  double information_nats = 0.0;  ///< gain of this robot alone, computed by the robot itself
+  double energy_nats = 0.0;       ///< cost of its motion
 };
 
-/// The team's solution after a local operation (TEAM_PROPOSAL_R), whole, so that it is understood
-/// by whoever has missed those before it.
+/// Complete team solution after a local operation (channel TEAM_PROPOSAL_R). It is complete so that
+/// a robot that missed earlier proposals can use it.
 struct TeamProposal {
-  Stamp stamp;        ///< time: when the trajectories would start, t_{k+1}
-  std::string robot;  ///< who proposes
+  Stamp stamp;        ///< stamp.time: start of the trajectories, t_{k+1}
+  std::string robot;  ///< robot that proposes the solution
   std::int64_t round = 0;
-  /// J = I − C: that of the solution improved on plus the rise as the proposer counts it.
+  /// J = I − C, nats: value of the solution that this one improves plus the increase computed by
+  /// the proposer.
   double value_nats = 0.0;
-  std::vector<TeamChoice> choices;    ///< at most one a robot; who is not in it rests
-  std::vector<std::int64_t> history;  ///< fingerprints of the solutions that led here, this last
-  std::int64_t nodes = 0;             ///< the node budget that repeats the search for candidates
-  /// What the candidates were made from; last the proposal that this one improves on, if any.
+  std::vector<TeamChoice> choices;    ///< at most one per robot; robots without one hover
+  std::vector<std::int64_t> history;  ///< fingerprints of the successive solutions up to this one
+  std::int64_t nodes = 0;             ///< node budget that reproduces the candidate search exactly
+  /// Messages that the candidates depend on; the last one is the improved proposal, if any.
   std::vector<InputRef> inputs;
 
   [[nodiscard]] const TeamChoice* find(const std::string& of_robot) const;
@@ -208,10 +210,10 @@ struct TeamProposal {
 
 enum class FlightState { kIdle, kFollow, kHold, kLand, kKilled };
 
-/// "idle", "follow", "hold", "land", "killed".
+/// Returns "idle", "follow", "hold", "land" or "killed".
 const char* name_of(FlightState state);
 
-/// What one vehicle does and why (VEHICLE_R).
+/// State of one vehicle and the reasons for it (channel VEHICLE_R).
 struct VehicleStatus {
   Stamp stamp;
   std::string robot;
@@ -219,23 +221,23 @@ struct VehicleStatus {
   double battery_share = 1.0;  ///< in [0, 1]
   Pose2 setpoint;
   double setpoint_height_m = 0.0;
-  std::int64_t plan_round = -1;  ///< of the plan being followed
+  std::int64_t plan_round = -1;  ///< round of the plan being followed; −1: none
   std::vector<std::string> reasons;
 };
 
 enum class OperatorAction { kHeartbeat, kArm, kTakeOff, kFollow, kHold, kLand, kEmergencyStop };
 
-/// What may be said by any station, at any time: hold, land, emergency stop.
+/// True for commands that any station may send at any time: hold, land, emergency stop.
 constexpr bool makes_safer(OperatorAction action) {
   return action == OperatorAction::kHold || action == OperatorAction::kLand ||
          action == OperatorAction::kEmergencyStop;
 }
 
-/// From the operator's console (COMMAND).
+/// Command from an operator's console (channel COMMAND).
 struct OperatorCommand {
   Stamp stamp;
   OperatorAction action = OperatorAction::kHeartbeat;
-  std::string robot;  ///< empty: all
+  std::string robot;  ///< addressee; empty: all vehicles
 };
 
 /// One body of the simulated world.
@@ -246,7 +248,7 @@ struct TruthBody {
   Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();
 };
 
-/// The simulated world at one instant (TRUTH).
+/// State of the simulated world at one instant (channel TRUTH).
 struct TruthFrame {
   Stamp stamp;
   std::vector<TruthBody> bodies;
@@ -254,16 +256,17 @@ struct TruthFrame {
 
 enum class ContactKind { kCollision, kNearMiss };
 
-/// Two bodies, or a body and an obstacle, touched or came nearer than they may (COLLISION).
+/// Contact of two bodies or of a body and an obstacle, or a violated separation distance (channel
+/// COLLISION).
 struct ContactReport {
   Stamp stamp;
   ContactKind kind = ContactKind::kNearMiss;
   std::string body_a;
   std::string body_b;       ///< a body, or "obstacle:<index>", or "bounds"
-  double distance_m = 0.0;  ///< between surfaces; ≤ 0 for a collision
+  double distance_m = 0.0;  ///< between surfaces; collision: ≤ 0
 };
 
-/// Which robots' sensors are jammed now (ATTACK).
+/// Robots whose sensors are jammed now (channel ATTACK).
 struct AttackNotice {
   Stamp stamp;
   std::vector<std::string> jammed;
@@ -276,46 +279,47 @@ struct NamedCount {
   std::int64_t count = 0;
 };
 
-/// How one process is (HEALTH_<process>), 1 Hz and on change.
+/// State of one process (channel HEALTH_<process>), published at 1 Hz and on change.
 struct ProcessHealth {
   Stamp stamp;
   std::string process;
   ProcessState state = ProcessState::kStarting;
-  std::vector<NamedCount> counters;  ///< every drop has one
+  std::vector<NamedCount> counters;  ///< named counts; every kind of dropped message has one
   std::int64_t loops = 0;
-  double loop_worst_s = 0.0;  ///< worst handling time since the last report
+  double loop_worst_s = 0.0;  ///< longest handling time of one loop since the last report
   std::int64_t deadlines_missed = 0;
 };
 
 enum class SupervisedPhase { kRunning, kWaiting, kGivenUp, kEnded };
 
-/// "running", "waiting", "given up", "ended".
+/// Returns "running", "waiting", "given up" or "ended".
 const char* name_of(SupervisedPhase phase);
 
-/// One process as its supervisor knows it.
+/// State of one process as recorded by its supervisor.
 struct SupervisedProcess {
-  std::string name;  ///< as `vantage up` calls it: "planner Q1"
+  std::string name;  ///< name used by `vantage up`, for example "planner Q1"
   SupervisedPhase phase = SupervisedPhase::kRunning;
   int restarts = 0;
-  double down_s = 0.0;     ///< not running, since its first start
-  double cpu_share = 0.0;  ///< of one core, over the last second or so
+  double down_s = 0.0;     ///< total time not running since the first start
+  double cpu_share = 0.0;  ///< share of one core over about the last second
   std::int64_t memory_bytes = 0;
-  std::string last_end;  ///< "exit 1", "signal 9"; empty: it never ended
+  std::string last_end;  ///< "exit 1", "signal 9"; empty: never ended
 };
 
-/// What one supervisor runs on its host (HOST_<host>), 1 Hz and on change.
+/// Processes that one supervisor runs on its host (channel HOST_<host>), published at 1 Hz and on
+/// change.
 struct HostReport {
   Stamp stamp;
   std::string host;
   std::vector<SupervisedProcess> processes;
 };
 
-/// The first event of every log (SCENARIO).
+/// Scenario and software version; the first event of every log (channel SCENARIO).
 struct ScenarioNotice {
   Stamp stamp;
   std::string yaml;
   std::string version;
-  std::string process;  ///< who publishes it
+  std::string process;  ///< name of the publishing process
 };
 
 }  // namespace vantage::models

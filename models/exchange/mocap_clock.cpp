@@ -6,9 +6,10 @@
 namespace vantage::models {
 namespace {
 
-/// Of the way from the publisher to us. A longer one is a clock that was set.
+/// Largest latency from the publisher to this process. A larger value means that a clock was set.
 constexpr Duration kLatencyMax = std::chrono::seconds(1);
-/// A frame that states more has no sensible arrival.
+/// Largest stated latency that is accepted; a larger one means that the frame's arrival time is
+/// wrong.
 constexpr Duration kStatedMax = std::chrono::seconds(20);
 constexpr std::int64_t kFramesMax = 100;
 
@@ -43,7 +44,8 @@ bool MocapClock::on_frame(Time stamp, Time arrival, std::int64_t number, Duratio
   const Duration latency_max = kLatencyMax + stated;
   const std::int64_t frames = number - number_;
   const bool counts = has_frame_ && frames >= 1 && frames <= kFramesMax;
-  // A clock that is set back by less than a second looks like latency from here to there.
+  // A clock that is set back by less than a second would look like latency from the publisher to
+  // this process.
   const bool was_set_back = counts && stamp + stated < reached_;
   const bool goes_on = as_before >= Duration{} && as_before <= latency_max && !was_set_back;
   if (goes_on) {

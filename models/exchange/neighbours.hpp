@@ -9,10 +9,10 @@
 
 namespace vantage::models {
 
-/// Who of `robots` is within `within_m` of robot `own` on the ground in `frame`: 1 in `is_near`,
-/// one for each; `own` itself is 0. Who is not seen stays what he was, and all do where `own` is
-/// not seen. O(robots) where frames have them in this order. Precondition: is_near has the size of
-/// robots.
+/// Sets is_near[i] to 1 if robots[i] is within `within_m` (horizontally) of robot `own` in `frame`,
+/// else to 0; `own` itself keeps its flag. Robots missing from the frame keep their previous flag;
+/// if `own` is missing, all flags are kept. O(robots) if frames list the bodies in the order of
+/// `robots`. Precondition: is_near has the size of robots.
 void find_neighbours(const MocapFrame& frame, const std::vector<std::string>& robots,
                      std::size_t own, double within_m, std::vector<std::uint8_t>& is_near);
 

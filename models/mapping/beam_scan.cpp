@@ -8,7 +8,7 @@
 namespace vantage::models {
 namespace {
 
-// Where along the ray it is inside the rectangle: empty when begin > end.
+// Part of the ray inside the rectangle, m along the ray; empty when begin > end.
 struct Stretch {
   double begin_m = -std::numeric_limits<double>::infinity();
   double end_m = std::numeric_limits<double>::infinity();

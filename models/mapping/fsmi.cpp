@@ -7,7 +7,8 @@
 namespace vantage::models {
 namespace {
 
-// KL divergence of a cell whose odds were multiplied by `ratio` from what it was.
+// Returns the KL divergence of a cell's occupancy after its odds are multiplied by `ratio` from its
+// occupancy before.
 double surprise_nats(double occupancy, double log_ratio, double ratio) {
   const double o = occupancy;
   if (o <= 0.0 || o >= 1.0) {
@@ -19,8 +20,8 @@ double surprise_nats(double occupancy, double log_ratio, double ratio) {
 
 double normal_cdf(double x) { return 0.5 * std::erfc(-x * 0.70710678118654752440); }
 
-// ∫ C(z) N(z; mean, σ²) dz over the part of z that is nearer than the cutoff, by the steps of C at
-// the cells' beginnings: C is `told_nats[k]` from begin_m[k] on, 0 before the first.
+// Returns ∫ C(z) N(z; mean, σ²) dz over the z within the cutoff of the mean. C is a step function:
+// `told_nats[k]` from begin_m[k] on, 0 before the first.
 double expected_nats(const std::vector<double>& begin_m, const std::vector<double>& told_nats,
                      double mean_m, double sigma_m, double cutoff_sigmas, std::size_t& first) {
   const double cutoff_m = cutoff_sigmas * sigma_m;
@@ -67,7 +68,7 @@ BeamInformation fsmi(const BeamProfile& beam, const BeamSensor& sensor,
 
   double sum_nats = 0.0;
   double reach = 1.0;
-  std::size_t first = 0;  // means ascend, so the window only moves on
+  std::size_t first = 0;  // means ascend, so the window only advances
   for (std::size_t j = 0; j < beam.occupancy.size(); ++j) {
     const double o = beam.occupancy[j];
     if (reach * o > 0.0) {

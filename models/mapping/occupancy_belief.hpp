@@ -7,35 +7,37 @@
 
 namespace vantage::models {
 
-/// p = 1/(1 + e^−l) and back, l = log(p/(1 − p)).
+/// Converts between probability and log-odds: p = 1/(1 + e^−l), l = log(p/(1 − p)).
 double probability_of(double log_odds);
 double log_odds_of(double probability);
-/// −p log p − (1 − p) log(1 − p), nats; 0 at 0 and at 1.
+/// Returns the entropy −p log p − (1 − p) log(1 − p) in nats; 0 at p = 0 and p = 1.
 double binary_entropy_nats(double probability);
 
-/// What is believed of a grid whose cells are occupied or free, independently of each other.
+/// Belief of a grid whose cells are occupied or free, independently of each other.
 ///
-/// A cell whose log-odds stand at the clamp is *settled*: nothing is learnt by looking at it again,
-/// and occupancy() calls it 0 or 1. Without that, a team keeps staring at what it knows, since
-/// the little that is left of every known cell adds up over many beams.
+/// A cell whose log-odds are at the clamp is *settled*: observing it again gives no information,
+/// and occupancy() returns 0 or 1. Without settled cells a team keeps observing known areas,
+/// because the small remaining uncertainty of every known cell adds up over many beams.
 /// Source: dissertation 4 F.2; Moravec and Elfes (1985); the clamp: Hornung et al., OctoMap (2013).
 class OccupancyBelief {
  public:
-  /// Every cell at probability 1/2. @param clamp_log_odds > 0
+  /// Initialises every cell to probability 1/2. @param clamp_log_odds > 0
   OccupancyBelief(const GridGeometry& geometry, double clamp_log_odds);
 
-  /// l ← clamp(l + Δ). Commutes with itself until the clamp is reached.
+  /// Updates the log-odds: l ← clamp(l + Δ). The order of updates does not matter until the clamp
+  /// is reached.
   void add_log_odds(int cell, double delta);
 
   [[nodiscard]] double log_odds(int cell) const { return log_odds_[at(cell)]; }
-  /// Probability that `cell` is occupied, in [0, 1]; exactly 0 or 1 when it is settled.
+  /// Returns the probability that `cell` is occupied, in [0, 1]; exactly 0 or 1 if it is settled.
   [[nodiscard]] double occupancy(int cell) const { return occupancy_[at(cell)]; }
   [[nodiscard]] bool is_settled(int cell) const {
     return occupancy(cell) == 0.0 || occupancy(cell) == 1.0;
   }
-  /// Entropy of one cell by its log-odds (a settled one keeps that of the clamp), nats.
+  /// Returns the entropy of one cell from its log-odds, nats; a settled cell has the entropy of the
+  /// clamp.
   [[nodiscard]] double entropy_nats(int cell) const;
-  /// Σ over the cells, nats. O(cells).
+  /// Returns the sum of the entropies of all cells, nats. O(cells).
   [[nodiscard]] double entropy_nats() const;
   [[nodiscard]] const GridGeometry& geometry() const { return geometry_; }
 

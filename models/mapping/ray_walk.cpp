@@ -13,10 +13,11 @@ struct Axis {
   double pitch_m = std::numeric_limits<double>::infinity();
 };
 
-// `place` is the start in cells, `cosine` the share of the ray's way along this axis.
+// Returns the steps along one axis. `place` is the start in units of cells; `cosine` is the
+// direction cosine of the ray along this axis.
 Axis axis_of(double place, int cell, double cosine, double resolution_m) {
   if (std::abs(cosine) < 1e-12) {
-    return {};  // crosses no edge of this axis within any grid
+    return {};  // crosses no cell border along this axis within any grid
   }
   const double edge = cosine > 0.0 ? cell + 1.0 : cell;
   return {cosine > 0.0 ? 1 : -1, std::max(0.0, (edge - place) * resolution_m / cosine),

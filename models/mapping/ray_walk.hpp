@@ -6,26 +6,26 @@
 
 namespace vantage::models {
 
-/// Walks the cells that a ray crosses, nearest first, each once.
+/// Iterator over the cells that a ray crosses, nearest first, each once.
 ///
 ///   for (RayWalk walk(geometry, from_m, bearing_rad, 1.5); walk.next();) { use walk.cell(); }
 ///
-/// Starts in the cell that holds `from_m` (nowhere when that is outside the grid) and ends at
-/// `range_max_m` or at the grid's edge. Spans are closed at enter_m and open at exit_m, they tile
-/// [0, end). A ray through a corner crosses one of the two cells beside it, by a span of length 0
-/// or a rounding. No allocation, O(1) a cell.
+/// Starts in the cell that contains `from_m` (has no cells if that is outside the grid) and ends at
+/// `range_max_m` or at the grid's edge. The intervals [enter_m, exit_m) of the cells tile [0, end).
+/// A ray through a corner crosses one of the two adjacent cells, over a length of 0 or a rounding
+/// error. No allocation, O(1) per cell.
 /// Source: Amanatides and Woo, A fast voxel traversal algorithm for ray tracing (1987).
 class RayWalk {
  public:
   RayWalk(const GridGeometry& geometry, const Eigen::Vector2d& from_m, double bearing_rad,
           double range_max_m);
 
-  /// Goes to the next cell (to the first, at first); false when the ray has ended.
+  /// Advances to the next cell (the first call: to the first cell); false when the ray has ended.
   bool next();
   [[nodiscard]] int cell() const { return row_ * columns_ + column_; }
-  /// Where along the ray the cell begins, m.
+  /// Returns where the cell begins, m along the ray.
   [[nodiscard]] double enter_m() const { return enter_m_; }
-  /// Where along the ray the cell, or the ray itself, ends, m.
+  /// Returns where the cell, or the ray itself, ends, m along the ray.
   [[nodiscard]] double exit_m() const;
 
  private:
@@ -38,9 +38,9 @@ class RayWalk {
   bool begun_ = false;
   bool ended_ = false;
   double enter_m_ = 0.0;
-  double next_column_m_ = 0.0;  ///< along the ray, to the edge of the next column
+  double next_column_m_ = 0.0;  ///< along the ray, position of the edge of the next column
   double next_row_m_ = 0.0;
-  double column_pitch_m_ = 0.0;  ///< along the ray, from one column to the next
+  double column_pitch_m_ = 0.0;  ///< along the ray, distance from one column to the next
   double row_pitch_m_ = 0.0;
   double range_max_m_ = 0.0;
 };

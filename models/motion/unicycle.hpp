@@ -8,26 +8,26 @@
 
 namespace vantage::models {
 
-/// A constant command to a unicycle: forward speed and yaw rate, in the body frame.
+/// Constant command to a unicycle: forward speed and yaw rate, in the body frame.
 struct UnicycleControl {
   double speed_mps = 0.0;
   double yaw_rate_radps = 0.0;
   friend bool operator==(const UnicycleControl&, const UnicycleControl&) = default;
 };
 
-/// The pose after holding `control` for `duration_s`, exactly (no integration error).
+/// Returns the pose after `control` was held for `duration_s`, exactly (no integration error).
 /// x' = x + ντ sinc(ωτ/2) cos(θ + ωτ/2), y' = y + ντ sinc(ωτ/2) sin(θ + ωτ/2), θ' = θ + ωτ wrapped.
 /// Source: Schlotfeldt, dissertation, eq. 2.37 with the τ that 3.5 and 4.12 drop.
 Pose2 step_unicycle(const Pose2& world_from_body, const UnicycleControl& control,
                     double duration_s);
 
-/// ∂x'/∂x of step_unicycle for x = (x, y, yaw), 3×3.
+/// Returns the Jacobian ∂x'/∂x of step_unicycle() for x = (x, y, yaw), 3×3.
 Eigen::Matrix3d unicycle_jacobian(const Pose2& world_from_body, const UnicycleControl& control,
                                   double duration_s);
 
-/// {1, 3} m/s × {0, ±1, ±3} rad/s in that order: the ten primitives of the simulations.
+/// Returns the ten primitives of the simulations: {1, 3} m/s × {0, ±1, ±3} rad/s, in that order.
 std::vector<UnicycleControl> standard_primitives();
-/// 1 m/s × {0, ±1, ±3} rad/s: the five primitives of the hardware experiment.
+/// Returns the five primitives of the hardware experiment: 1 m/s × {0, ±1, ±3} rad/s.
 std::vector<UnicycleControl> lab_primitives();
 
 }  // namespace vantage::models

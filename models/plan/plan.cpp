@@ -4,10 +4,10 @@
 #include <cmath>
 #include <limits>
 
-// Both checks below walk along trajectories in pieces of time. Over a piece of length Δ a motion
-// with ‖p̈‖ ≤ a stays within a Δ²/8 of uniform motion between the piece's ends, at every instant;
-// for an arc a = |ν ω| (this is its sagitta and more), for braking a is the deceleration. A piece
-// that this bound leaves undecided is halved.
+// The two checks below step through trajectories in pieces of time. Over a piece of length Δ a
+// motion with ‖p̈‖ ≤ a stays within a Δ²/8 of uniform motion between the piece's ends, at every
+// time. For an arc a = |ν ω| (the bound is at least its sagitta), for braking a is the
+// deceleration. If this bound leaves a piece undecided, the piece is halved.
 
 namespace vantage::models {
 namespace {
@@ -16,7 +16,7 @@ constexpr int kHalvings = 6;
 
 double sign(double x) { return x < 0.0 ? -1.0 : 1.0; }
 
-// `segment` from `start`, `elapsed_s` after its beginning.
+// Returns the state of `segment` from `start`, `elapsed_s` after its beginning.
 TrajectoryPoint along(const PlanSegment& segment, const Pose2& start, double elapsed_s) {
   if (segment.brake_mps2 <= 0.0) {
     return {step_unicycle(start, segment.control, elapsed_s), segment.control};
@@ -30,8 +30,8 @@ TrajectoryPoint along(const PlanSegment& segment, const Pose2& start, double ela
           {left_mps, 0.0}};
 }
 
-// Walks a trajectory forward in time: the wait before the start, the segments, the last hover.
-// Times are seconds after the instant that the walk began at.
+// Forward iterator over a trajectory: the wait before the start, the segments, the final hover.
+// Times are seconds after `from`.
 class Walker {
  public:
   Walker(const Trajectory& trajectory, Time from)
@@ -41,7 +41,7 @@ class Walker {
     advance_to(0.0);
   }
 
-  // Makes the piece that begins at or holds `t_s` current. Never goes back.
+  // Makes the piece that contains `t_s` (start included) the current one. Never goes backward.
   void advance_to(double t_s) {
     while (piece_end_s_ <= t_s) {
       const std::size_t next = next_segment_;
@@ -59,7 +59,7 @@ class Walker {
       }
     }
   }
-  // Precondition: `t_s` in the current piece, its end included.
+  // Precondition: `t_s` is in the current piece, its end included.
   [[nodiscard]] Eigen::Vector2d position_m(double t_s) const {
     return (segment_ == nullptr
                 ? piece_start_
@@ -79,7 +79,7 @@ class Walker {
 
  private:
   const Trajectory& trajectory_;
-  const PlanSegment* segment_ = nullptr;  // nullptr: at rest, before the start or after the end
+  const PlanSegment* segment_ = nullptr;  // nullptr: stationary, before the start or after the end
   std::size_t next_segment_ = 0;
   Pose2 piece_start_;
   double piece_start_s_ = 0.0;
@@ -172,17 +172,17 @@ std::vector<PlanSegment> brake(double speed_mps, double brake_mps2) {
 
 bool keeps_separation(const Trajectory& a, const Trajectory& b, Time from, double separation_m,
                       double piece_s, bool from_above) {
-  constexpr double kSlack_m = 1.0;  // of arcs over pieces: centimetres
+  constexpr double kSlack_m = 1.0;  // m; more than the sagitta of any piece (centimetres)
   if ((a.start.position_m() - b.start.position_m()).norm() >
       length_at_most_m(a) + length_at_most_m(b) + separation_m + kSlack_m) {
-    return true;  // most of a large team
+    return true;  // usual case in a large team
   }
   Walker walk_a(a, from);
   Walker walk_b(b, from);
   const double height_difference_m = from_above ? 0.0 : a.height_m - b.height_m;
   for (double t_s = 0.0;;) {
     const double change_s = std::min(walk_a.piece_end_s(), walk_b.piece_end_s());
-    if (std::isinf(change_s)) {  // both hover for ever
+    if (std::isinf(change_s)) {  // both hover permanently
       return separate(walk_a, walk_b, height_difference_m, t_s, t_s, separation_m, 0);
     }
     const bool both_rest = walk_a.rests() && walk_b.rests();

@@ -8,13 +8,13 @@ namespace vantage::models {
 
 struct SensorLaw;
 
-/// Which kind of sensor it is: a handle on its law, compared by identity. Kinds that are not ours
-/// are made of a SensorLaw of one's own, which must outlive them.
+/// Sensor kind: a handle to its SensorLaw, compared by identity. Custom kinds are made from a
+/// SensorLaw that must outlive them.
 class SensorKind {
  public:
   constexpr explicit SensorKind(const SensorLaw& law) : law_(&law) {}
   [[nodiscard]] constexpr const SensorLaw& law() const { return *law_; }
-  /// Its word in scenarios: "range_bearing".
+  /// Returns its name in scenario files, for example "range_bearing".
   [[nodiscard]] std::string_view name() const;
 
   friend constexpr bool operator==(SensorKind a, SensorKind b) { return a.law_ == b.law_; }
@@ -29,10 +29,10 @@ class SensorKind {
   const SensorLaw* law_;
 };
 
-/// Every kind that scenarios may name, in the order in which people are told. A new one is a file
-/// in models/sensor/kinds and its line in kinds.cpp.
+/// Returns every kind that scenarios may name, in the order of error messages. To add a kind, add a
+/// file in models/sensor/kinds and its line in kinds.cpp.
 std::span<const SensorKind> all_sensor_kinds();
-/// The one of that word.
+/// Returns the kind with that scenario name; nullopt if unknown.
 std::optional<SensorKind> sensor_kind_called(std::string_view name);
 
 }  // namespace vantage::models

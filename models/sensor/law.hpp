@@ -7,81 +7,81 @@
 
 #include "models/sensor/sensor.hpp"
 
-// What one kind of sensor is. Everybody who measures, plans or estimates asks the law and never
-// which kind it is.
+// Interface of a sensor kind. Code that measures, plans or estimates uses the law and never
+// branches on the kind.
 
 namespace vantage::models {
 
-/// The line from the sensor to the target.
+/// Line of sight from the sensor to a target.
 struct SightLine {
-  Eigen::Vector3d offset_world_m;  ///< z: true height difference, also for planar targets
+  Eigen::Vector3d offset_world_m;  ///< m; z: true height difference, also for planar targets
   double horizontal_m;
-  double range_m;  ///< horizontal for planar targets, in space for others
+  double range_m;  ///< horizontal for planar targets, otherwise in space
 };
 
-/// What a look tells of the place of a planar target, where that depends on nothing but the line of
-/// sight u: M = along · u uᵀ + across / r² · u⊥ u⊥ᵀ + all_ways · I, along and across divided by
-/// variance_growth().
+/// Information of one measurement about a planar target's position, for kinds where it depends only
+/// on the unit line of sight u: M = along · u uᵀ + across / r² · u⊥ u⊥ᵀ + all_ways · I. `along` and
+/// `across` are divided by variance_growth().
 struct PlanarLaw {
   double along_per_m2 = 0.0;
   double across_per_rad2 = 0.0;
   double all_ways_per_m2 = 0.0;
 };
 
-/// Distances from the sensor to a target, over every viewpoint of a disc, rounded outwards.
+/// Range of distances from the sensor to a target over all viewpoints of a disc, rounded outwards.
 struct ReachedDistances {
   double horizontal_near_m;
   double horizontal_far_m;
   double range_near_m;  ///< not below range_min_m
-  double drop_m;        ///< how much higher the sensor is; a planar target is on the ground
+  double drop_m;        ///< height of the sensor above the target; a planar target is on the ground
   int position_dim;
 };
 
-/// One kind of sensor. Functions are pure and allocate nothing; covariances of noise are diagonal.
+/// One kind of sensor. The functions are pure and do not allocate; noise covariances are diagonal.
 struct SensorLaw {
-  std::string_view name;  ///< in scenarios
-  /// z is the calibrated range, the bearing (wrapped), or both in that order, and nothing else; a
-  /// kind that measures anything besides has neither. A range has no direction at the sensor
-  /// itself, a bearing none above or below it.
+  std::string_view name;  ///< name in scenario files
+  /// z is the calibrated range, the bearing (wrapped), or both in that order. Both flags are false
+  /// for a kind that measures anything else in addition. A range is singular at the sensor itself,
+  /// a bearing directly above or below it.
   bool measures_range = false;
   bool measures_bearing = false;
-  /// z = H (target − sensor), H by the heading alone: a Kalman update is exact.
+  /// True if z = H (target − sensor) and H depends on the heading alone: a Kalman update is exact.
   bool is_linear = false;
   int (*measurement_dim)(int position_dim) = nullptr;
-  /// Whether a target that is within range and field of view can be measured; null: it can.
+  /// True if a target within range and field of view can be measured; null: it always can.
   bool (*sees)(const SensorModel&, const Viewpoint&, const SightLine&) = nullptr;
   MeasurementVector (*observe)(const SensorModel&, const Viewpoint&, const SightLine&,
                                int position_dim) = nullptr;
   MeasurementJacobian (*jacobian)(const SensorModel&, const Viewpoint&, const SightLine&,
                                   int position_dim) = nullptr;
-  /// Variances of z, row by row.
+  /// Returns the variances of z, one per row.
   MeasurementVector (*variances)(const SensorModel&, const Viewpoint&, const SightLine&,
                                  int position_dim) = nullptr;
-  /// λ_max of the information over the disc, at most; +∞ where there is none.
+  /// Returns an upper bound of λ_max of the information over the disc; +∞ if unbounded.
   double (*information_bound)(const SensorModel&, const ReachedDistances&) = nullptr;
-  /// See position_from(); null: it cannot tell.
+  /// See position_from(); null if z does not determine the position.
   std::optional<PositionVector> (*position_from)(const SensorModel&, const Viewpoint&,
                                                  const MeasurementVector& z,
                                                  int position_dim) = nullptr;
-  /// Null where information() depends on more than the line of sight: planners then ask
-  /// information() itself, look by look, and bounds count the look in all directions.
+  /// Null if information() depends on more than the line of sight. Planners then call information()
+  /// for each measurement, and bounds count its information in all directions.
   PlanarLaw (*planar_law)(const SensorModel&) = nullptr;
-  /// For a sensor that measures the direction to a target alone and sees it from a least depth on:
-  /// what a metre towards `bearing_rad` (from body x) and sine of elevation `up` has of depth;
-  /// null: not such a sensor.
+  /// Returns the depth along the optical axis per metre of distance, in the direction of
+  /// `bearing_rad` (from body x) and sine of elevation `up`. For sensors that measure only the
+  /// direction to a target and need a minimum depth; null for other sensors.
   double (*depth_per_m)(const SensorModel&, double bearing_rad, double cos_elevation,
                         double up) = nullptr;
 };
 
-/// Factor on range and bearing variances at `range_m`.
+/// Returns the factor on range and bearing variances at `range_m`.
 double variance_growth(const SensorModel& sensor, double range_m);
-/// The field of view is a full turn.
+/// True if the field of view is a full turn.
 bool sees_all_around(const SensorModel& sensor);
 SightLine sight_line(const Viewpoint& from, const PositionVector& target_world_m);
-/// From body x, wrapped.
+/// Returns the bearing of the target from body x, rad, wrapped.
 double bearing_rad(const Viewpoint& from, const SightLine& to);
 
-/// Nearer, ranges and bearings have no direction.
+/// Distance below which ranges and bearings are singular.
 inline constexpr double kLeastRange_m = 1e-9;
 
 }  // namespace vantage::models

@@ -1,6 +1,6 @@
 #include "models/sensor/kinds/kinds.hpp"
 
-// The direction to the target, rad from body x.
+// Bearing sensor: direction to the target, rad from body x.
 
 namespace vantage::models::sensor_kinds {
 namespace {

@@ -2,18 +2,18 @@
 
 #include "models/sensor/law.hpp"
 
-// The laws of our own sensors, one file each, and what several of them share.
+// Laws of the built-in sensors, one file each, and functions that several of them share.
 
 namespace vantage::models::sensor_kinds {
 
-// Listed in kinds.cpp.
+// Registered in kinds.cpp.
 extern const SensorLaw position;
 extern const SensorLaw range;
 extern const SensorLaw bearing;
 extern const SensorLaw range_bearing;
 extern const SensorLaw camera;
 
-/// A law of what every kind has; what else it has is set on it.
+/// Returns a law with the functions that every kind needs; the caller sets the optional ones.
 constexpr SensorLaw law_of(std::string_view name, decltype(SensorLaw::measurement_dim) dim,
                            decltype(SensorLaw::observe) observe,
                            decltype(SensorLaw::jacobian) jacobian,
@@ -32,22 +32,23 @@ constexpr double square(double x) { return x * x; }
 constexpr int one_row(int /*position_dim*/) { return 1; }
 constexpr int two_rows(int /*position_dim*/) { return 2; }
 
-/// World to body of a level vehicle.
+/// Returns the rotation from the world to the body frame of a level vehicle.
 Eigen::Matrix3d body_from_world(const Viewpoint& from);
 
-/// What the sensor says of a true range.
+/// Returns the calibrated reading of a true range, m.
 double reported_range_m(const SensorModel& sensor, double range_m);
-/// ∂(reported range) / ∂position, a row.
+/// Returns the row ∂(reported range) / ∂position.
 Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 3> range_row(const SensorModel& sensor,
                                                                           const SightLine& to,
                                                                           int position_dim);
-/// ∂bearing / ∂position, a row.
+/// Returns the row ∂bearing / ∂position.
 Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 3> bearing_row(const SightLine& to,
                                                                             int position_dim);
-/// A bearing has no direction above the sensor, nor nearer than the least range.
+/// True if a bearing to the target is defined: its horizontal distance is at least range_min_m and
+/// the target is not vertically above or below the sensor.
 bool is_beside(const SensorModel& sensor, const SightLine& to);
 
-/// Information of a range and of a bearing, at most.
+/// Return upper bounds of the information of a range and of a bearing.
 double range_information(const SensorModel& sensor, const ReachedDistances& reached);
 double bearing_information(const SensorModel& sensor, const ReachedDistances& reached);
 

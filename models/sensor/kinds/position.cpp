@@ -1,6 +1,6 @@
 #include "models/sensor/kinds/kinds.hpp"
 
-// The target's place in the body frame, m.
+// Position sensor: target position in the body frame, m.
 
 namespace vantage::models::sensor_kinds {
 namespace {
