@@ -8,8 +8,8 @@
 
 namespace vantage::scenario {
 
-/// c_ctrl(u) + c_state(x): what a step of `control` that begins at `at_m` costs, without its price.
-/// `world` may be null: no regions.
+/// Returns c_ctrl(u) + c_state(x): the cost of a step of `control` that begins at `at_m`, without
+/// price_nats. `world` may be null: no regions.
 double step_cost(const EnergySpec& energy, const models::World* world,
                  const models::UnicycleControl& control, const Eigen::Vector2d& at_m);
 

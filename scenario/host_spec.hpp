@@ -5,13 +5,13 @@
 
 namespace vantage::scenario {
 
-/// One computer of a trial and what it runs there.
+/// One computer of a trial and the parts that it runs.
 struct HostSpec {
   std::string name;               ///< channel suffix, [A-Z0-9]+
-  std::vector<std::string> runs;  ///< robots' names, "sim", "vicon", "logger"
+  std::vector<std::string> runs;  ///< robot names, "sim", "vicon", "logger"
 };
 
-/// What a host may run besides robots.
+/// Names of the parts other than robots that a host can run.
 inline constexpr const char* kSimPart = "sim";
 inline constexpr const char* kMocapPart = "vicon";
 inline constexpr const char* kLoggerPart = "logger";

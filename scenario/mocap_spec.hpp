@@ -6,46 +6,46 @@
 
 namespace vantage::scenario {
 
-/// How a mocap server talks to this stack.
+/// Protocol of a mocap server.
 enum class MocapProtocol {
   kDataStream,    ///< Vicon DataStream, TCP: Tracker, Nexus, Blade, Shogun, Evoke
   kObjectStream,  ///< Vicon Tracker's UDP object stream
   kVrpn,          ///< VRPN over TCP
 };
 
-/// As scenario files and flags write it: "datastream", "object_stream", "vrpn".
+/// Returns the name in scenario files and flags: "datastream", "object_stream" or "vrpn".
 const char* name_of(MocapProtocol protocol);
-/// The port that the protocol has when nobody says otherwise: 801, 51001, 3883.
+/// Returns the default port of the protocol: 801, 51001 or 3883.
 int default_port(MocapProtocol protocol);
 
-/// Who decides when a frame of a DataStream is sent.
+/// Transmission mode of a DataStream.
 enum class StreamMode {
-  kPush,      ///< the server, as soon as it has one: least latency
-  kPull,      ///< the client asks for each: never falls behind
-  kPreFetch,  ///< the client asks for the next one while it works on this
+  kPush,      ///< server sends each frame at once: lowest latency
+  kPull,      ///< client requests each frame: it never falls behind
+  kPreFetch,  ///< client requests the next frame while it processes one
 };
 
-/// Which way the server's world is up. kAsTold: as it says itself, z when it does not.
+/// Up axis of the server's world. kAsTold: as reported by the server, z if it reports none.
 enum class UpAxis { kAsTold, kZ, kY };
 
-/// The mocap system that localises everything. The noise is that of a simulated one; how to
-/// connect is for one that is `wire` or `real`.
+/// Mocap system that localises all bodies. Noise applies to a simulated system, the connection to
+/// `wire` and `real`.
 struct MocapSpec {
   double rate_hz = 50.0;
   double position_sigma_m = 0.0005;
   double yaw_sigma_rad = 0.001;
-  double latency_s = 0.005;  ///< simulated, and assumed of a server that does not tell its own
+  double latency_s = 0.005;  ///< simulated; also assumed of a server that states no latency
   DeviceSource device = DeviceSource::kDirect;
 
   MocapProtocol protocol = MocapProtocol::kDataStream;
-  std::string host = "127.0.0.1";  ///< of the server; by default an object stream is anyone's
-  int port = 0;                    ///< 0: the protocol's own
+  std::string host = "127.0.0.1";  ///< server; with the default, any host may send an object stream
+  int port = 0;                    ///< 0: default port of the protocol
   StreamMode mode = StreamMode::kPush;
   UpAxis up_axis = UpAxis::kAsTold;
-  int block_bytes = 256;  ///< of a simulated object stream's datagram: 256, 512 or 1024
-  int stuck_frames = 3;   ///< repetitions of a pose, bit by bit, that make it "not seen"; 0: off
-  double gate_speed_mps = 10.0;   ///< a body that would be faster is not there; 0: no gate
-  double gate_turn_radps = 20.0;  ///< nor is one that would turn faster
+  int block_bytes = 256;  ///< datagram size of a simulated object stream: 256, 512, 1024
+  int stuck_frames = 3;   ///< identical repetitions of a pose that mark it as not seen; 0: off
+  double gate_speed_mps = 10.0;   ///< poses that imply a higher speed are rejected; 0: no gate
+  double gate_turn_radps = 20.0;  ///< poses that imply a higher rate are rejected; 0: no gate
 
   [[nodiscard]] int actual_port() const { return port > 0 ? port : default_port(protocol); }
 };

@@ -4,13 +4,13 @@
 
 namespace vantage::scenario {
 
-/// The least network.neighbourhood_m that changes nothing of what keeps robots apart: two that are
-/// farther from each other now cannot come too near before each has heard the other's plan. The
-/// farthest that the team's plans reach, twice, and what is kept between them:
+/// Returns the smallest network.neighbourhood_m that keeps the separation guarantee: two robots
+/// that are farther apart now cannot come too close before each has received the other's plan. It
+/// is twice the longest reach of the team's plans plus the distance kept between robots:
 ///   2 (v (T τ + 2 n τ) + v² / 2b) + separation + 2 tolerance
-/// T τ for a plan, n τ each for the round in which one comes near and the one in which his plan is
-/// said. Nor less than what is heard (communication range), or than what a plan of T steps may come
-/// to see. Source: docs/decisions/0016.
+/// T τ is for a plan. The two n τ are for the round in which a robot approaches and the one in
+/// which its plan is published. The result is at least the communication range and the distance at
+/// which a plan of T steps can observe a target. Source: docs/decisions/0016.
 double least_neighbourhood_m(const Scenario& scenario);
 
 }  // namespace vantage::scenario

@@ -4,7 +4,8 @@
 
 namespace vantage::scenario {
 
-/// Nodes of a slot when a scenario states none and time budgets mean nothing: in virtual time.
+/// Nodes per slot in virtual time, where time budgets do not apply, if a scenario states no node
+/// budget.
 inline constexpr std::int64_t kDefaultNodeBudget = 20'000;
 
 }  // namespace vantage::scenario

@@ -22,18 +22,18 @@
 #include "scenario/mocap_spec.hpp"
 #include "scenario/security_spec.hpp"
 
-// A trial as values: what one scenario file says. Read from YAML by scenario/reader/scenario_yaml.
+// Content of one scenario file as values. Read from YAML by scenario/reader/scenario_yaml.
 
 namespace vantage::scenario {
 
-/// What a parameter of the autopilot that is not as config/autopilot wants it does to arming.
+/// Reaction to an autopilot parameter that differs from config/autopilot.
 enum class ParameterPolicy {
-  kVerify,  ///< it forbids arming
-  kWarn,    ///< it is told
-  kIgnore,  ///< nobody asks
+  kVerify,  ///< forbid arming
+  kWarn,    ///< report as a warning
+  kIgnore,  ///< do not check
 };
 
-/// A battery whose charge is known by its voltage alone. Volts of one cell, under the load of a
+/// Battery whose charge is computed from its voltage alone. Volts per cell, under the load of a
 /// hover.
 struct BatterySpec {
   int cells = 3;
@@ -41,30 +41,30 @@ struct BatterySpec {
   double full_v = 4.1;
 };
 
-/// How a robot's driver reaches its autopilot, and what it has to know of it.
+/// Connection of a robot's driver to its autopilot, and the autopilot's properties.
 struct AutopilotSpec {
   models::AutopilotDialect dialect = models::AutopilotDialect::kPx4;
   std::string url;       ///< udp://[HOST]:PORT, udpout://HOST:PORT or serial:DEVICE[:BAUD]
-  int system_id = 0;     ///< MAVLink system of the vehicle; 0: the first autopilot heard
-  std::string key_file;  ///< 32 bytes that sign every message; empty: unsigned
+  int system_id = 0;     ///< MAVLink system id of the vehicle; 0: the first autopilot that sends
+  std::string key_file;  ///< file with the 32-byte key that signs every message; empty: unsigned
   ParameterPolicy parameters = ParameterPolicy::kVerify;
-  /// When the autopilot tells no percentage, or one that counts from full at each power-up.
+  /// Used if the autopilot reports no percentage, or one that starts at full after each power-up.
   std::optional<BatterySpec> battery = std::nullopt;
 };
 
-/// Real autopilot firmware that flies a simulated vehicle: what `device: wire` means for a robot
-/// that has it. Which firmware it is, its autopilot's dialect says.
+/// Real autopilot firmware that flies a simulated vehicle of `device: wire`. The autopilot's
+/// dialect selects the firmware.
 struct FirmwareSpec {
   std::string binary;           ///< started and supervised by `vantage up`; empty: started by hand
-  std::string parameters;       ///< file that it starts with; empty: those of config/autopilot
-  std::optional<int> instance;  ///< its ports; the robot's place in the scenario when absent
+  std::string parameters;       ///< parameter file at start; empty: those of config/autopilot
+  std::optional<int> instance;  ///< determines its ports; absent: the robot's index
   std::string serial;           ///< DEVICE[:BAUD] of a board in hardware-in-the-loop mode (PX4)
 };
 
-/// How a ground robot's driver reaches its rover.
+/// Connection of a ground robot's driver to its rover.
 struct RoverSpec {
-  std::string url;  ///< udpout://HOST:PORT, or udp://[HOST]:PORT for one that speaks first
-  int number = 1;   ///< the rover's own, in every datagram
+  std::string url;  ///< udpout://HOST:PORT, or udp://[HOST]:PORT if the rover sends first
+  int number = 1;   ///< number of the rover, part of every datagram
 };
 
 struct RobotSpec {
@@ -74,74 +74,75 @@ struct RobotSpec {
   std::vector<models::UnicycleControl> primitives;
   models::VehicleLimits limits;
   models::SensorModel sensor;
-  models::DetectionModel detection;  ///< of that sensor
+  models::DetectionModel detection;  ///< detection statistics of `sensor`
   EnergySpec energy;
   DeviceSource device = DeviceSource::kDirect;
   std::optional<AutopilotSpec> autopilot;
-  std::optional<FirmwareSpec> firmware;  ///< without one an emulated autopilot stands in
-  std::optional<RoverSpec> rover;        ///< then it is a ground robot
+  std::optional<FirmwareSpec> firmware;  ///< absent: an emulated autopilot is used
+  std::optional<RoverSpec> rover;        ///< present: the robot is a ground robot
 };
 
 enum class TargetMotion {
-  kRandomWaypoint,    ///< a rover driving to random way points around obstacles and others
+  kRandomWaypoint,  ///< a rover that drives to random way points around obstacles and other bodies
   kDoubleIntegrator,  ///< white acceleration, reflected at the border
   kStill,
 };
 
 struct TargetSpec {
   std::string name;
-  int id = 0;                  ///< index used on every channel, 0 … n−1
-  std::optional<Pose2> start;  ///< drawn from free space by the seed when absent
+  int id = 0;                  ///< target id on every channel, 0 … n−1
+  std::optional<Pose2> start;  ///< absent: drawn from free space with the seed
   double radius_m = 0.2;
 };
 
-/// How the targets really move; the estimator knows none of it.
+/// True motion of the targets, unknown to the estimator.
 struct TargetTruthSpec {
   TargetMotion motion = TargetMotion::kRandomWaypoint;
   double speed_min_mps = 0.2;
-  double speed_max_mps = 0.6;  ///< of a leg, drawn anew at each way point
+  double speed_max_mps = 0.6;  ///< speed of a leg, drawn anew at each way point
   double pause_max_s = 2.0;
-  double acceleration_q = 0.001;  ///< m²/s³, of a double integrator
+  double acceleration_q = 0.001;  ///< m²/s³; double integrator only
 };
 
 struct EstimatorSpec {
   models::TargetModel target_model;
-  double prior_position_sigma_m = 1.0;  ///< of a target at its first detection, where z is silent
+  double prior_position_sigma_m = 1.0;  ///< at first detection, in unmeasured directions
   double prior_velocity_sigma_mps = 0.5;
-  /// Stated prior of a target nobody has seen: entropy counted until its discovery.
+  /// Prior of an undetected target; its entropy is counted until the discovery.
   double undiscovered_position_sigma_m = 4.0;
   double grid_resolution_m = 0.25;
-  double grid_memory_s = 30.0;  ///< after it a cell counts as unexplored again; ≤ 0: never
-  /// Innovations beyond it are counted, not used, and make the belief doubtful, where the sensor
-  /// can tell where a target is; 0: no gate.
+  double grid_memory_s = 30.0;  ///< s until a cell counts as unexplored again; ≤ 0: never
+  /// Gate for innovations, σ; 0: no gate. A detection beyond the gate is counted and not fused; it
+  /// increases the covariance instead. Applies to sensors whose measurement determines a position.
   double gate_sigma = 4.0;
-  /// Share of in-view looks that detect a target that is there; a look that finds nothing where
-  /// the belief expects a target moves the belief away. 0 switches that off.
+  /// Assumed probability that a scan detects a target in view. A scan without the expected
+  /// detection moves the belief away from the scanned area. 0 switches that off.
   double detection_probability = 0.9;
-  /// Targets are never beyond the world's bounds or in an obstacle; beliefs keep to the rest, and
-  /// those with a velocity turn back at the bounds.
+  /// True: targets are assumed to stay within the world's bounds and outside obstacles. Beliefs are
+  /// confined accordingly, and those with a velocity are reflected at the bounds.
   bool targets_stay_inside = true;
-  /// What a wall, an empty look or another target in the way has left of a belief is told by
-  /// samples until the target is seen again, where targets have a velocity and sensors tell ids.
+  /// True: beliefs that walls, scans without a detection or other targets have shaped are
+  /// represented by samples until the next detection. Requires targets with a velocity and sensors
+  /// that report ids.
   bool samples = false;
 };
 
-/// What plans are to gain.
+/// Information that plans maximise.
 enum class PlanObjective {
-  kTracking,  ///< of the targets' states
-  kMapping,   ///< of which cells of the ground are occupied
+  kTracking,  ///< about the targets' states
+  kMapping,   ///< about the occupancy of the ground's cells
 };
 
-/// The words of the searches that a robot may plan by: those of planner/search/catalogue, which a
-/// test holds them to.
+/// Names of the searches that a robot may plan with: those of planner/search/catalogue. A test
+/// checks that both agree.
 inline constexpr std::array<std::string_view, 10> kSearchWords = {
     "arvi",  "beam",   "rvi",   "fvi",         "greedy",
     "astar", "wastar", "aegis", "random_walk", "lawn_mower"};
 
-/// How the robots of a team agree on their plans.
+/// Method by which the robots of a team agree on their plans.
 enum class TeamAlgorithm {
-  kCoordinateDescent,  ///< one after another, each against the newest plans of the others
-  kLocalSearch,        ///< by proposals to one solution (docs/decisions/0006)
+  kCoordinateDescent,  ///< one after another, each given the newest plans of the others
+  kLocalSearch,        ///< by proposals for one solution (docs/decisions/0006)
 };
 
 struct PlannerSpec {
@@ -150,43 +151,44 @@ struct PlannerSpec {
   int horizon_steps = 12;          ///< T
   double step_s = 0.5;             ///< τ
   int execute_steps = 6;           ///< n_exec: a round lasts execute_steps · step_s
-  double team_budget_s = 0.5;      ///< T_ARVI, shared evenly by the robots
-  double publish_margin_s = 0.05;  ///< m: between the last slot's end and the round's
-  /// Into how many slots the budget is cut, shared by robots that are not near each other
-  /// (planner/robot/slot_colour); 0: one for each robot.
+  double team_budget_s = 0.5;      ///< T_ARVI, divided equally among the robots
+  double publish_margin_s = 0.05;  ///< m: between the end of the last slot and the end of the round
+  /// Number of slots in a round, shared by robots that are not near each other
+  /// (planner/robot/slot_colour). 0: one per robot.
   int slots = 0;
-  std::int64_t node_budget = 0;  ///< > 0: nodes instead of time, in each slot
-  double epsilon_initial = 1.0;  ///< of the first finite pass; halved each pass
+  std::int64_t node_budget = 0;  ///< > 0: nodes per slot instead of a time budget
+  double epsilon_initial = 1.0;  ///< ε of the first finite pass; halved in each pass
   double delta_initial_m = 1.0;
   double yaw_weight_m_per_rad = 0.3;  ///< metric on SE(2): hypot(distance, weight · |Δyaw|)
   TeamAlgorithm team_algorithm = TeamAlgorithm::kCoordinateDescent;
-  int candidates_max = 200;  ///< trajectories of each robot that a local search chooses from
-  int attacks_max = 0;  ///< α: so many sensors may be jammed at once; > 0: the team plans by RAIN
-  double separation_m = 0.6;  ///< least distance between two vehicles, always, in space
-  /// Plans keep it seen from above: nobody flies over or under another, who may come down any time.
+  int candidates_max = 200;   ///< trajectories per robot that local search chooses from
+  int attacks_max = 0;        ///< α: largest number of sensors jammed at once; > 0: use RAIN
+  double separation_m = 0.6;  ///< minimum distance between two vehicles in space, at all times
+  /// True: plans keep separation_m horizontally. No vehicle is then above another, because the
+  /// upper one may come down at any time.
   bool separation_from_above = false;
-  double obstacle_margin_m = 0.1;     ///< beyond the vehicle's radius
+  double obstacle_margin_m = 0.1;     ///< added to the vehicle's radius
   double tracking_tolerance_m = 0.2;  ///< allowed distance between a vehicle and its plan
   models::ExplorationSpec exploration;
 };
 
 struct NetworkSpec {
-  double communication_range_m = 0.0;  ///< beliefs from farther robots are discarded; ≤ 0: none
-  /// Nobody listens to robots, nor believes in targets, that are farther from him than this on the
-  /// ground; 0: everybody is near (scenario/neighbourhood).
+  double communication_range_m = 0.0;  ///< largest range of beliefs; ≤ 0: not exchanged
+  /// Horizontal distance; a robot ignores robots and targets that are farther away. 0: no limit
+  /// (scenario/neighbourhood).
   double neighbourhood_m = 0.0;
   std::string url = "udpm://239.255.76.67:7667?ttl=0";
 };
 
-/// For a while the sensors of some robots see nothing: what the simulator does to the team.
+/// Simulated attack that jams the sensors of some robots for a time.
 struct AttackSpec {
-  double from_s = 0.0;  ///< since the simulator's start
+  double from_s = 0.0;  ///< after the simulator's start
   double to_s = 0.0;
   std::vector<std::string> robots;
 };
 
-/// The air of a simulated lab, for all that flies in it. Without one each kind of simulated vehicle
-/// has light gusts of its own.
+/// Wind of a simulated lab, for all flying vehicles. Without it each kind of simulated vehicle has
+/// its own light gusts.
 struct WindSpec {
   double x_mps = 0.0;  ///< mean, along the world's axes
   double y_mps = 0.0;
@@ -195,7 +197,7 @@ struct WindSpec {
 
 struct Scenario {
   std::string name;
-  std::string source_text;  ///< the file as read; goes into every log
+  std::string source_text;  ///< text of the file; part of every log
   double duration_s = 300.0;
   std::uint64_t seed = 1;
   models::World world;
@@ -208,19 +210,20 @@ struct Scenario {
   NetworkSpec network;
   SecuritySpec security;
   MocapSpec mocap;
-  models::MappingSpec mapping;  ///< of the objective kMapping
+  models::MappingSpec mapping;  ///< used by the objective kMapping
   std::vector<AttackSpec> attacks;
-  std::vector<HostSpec> hosts;  ///< none: all runs on one
+  std::vector<HostSpec> hosts;  ///< empty: one host runs everything
 
-  /// Whether `host` runs `part` (a robot's name, kSimPart, …). What no host names runs on the
-  /// first; without hosts everything runs everywhere.
+  /// True if `host` runs `part` (a robot's name, kSimPart, …). The first host runs the parts that
+  /// no host names. Without hosts, always true.
   [[nodiscard]] bool runs_on(const std::string& host, const std::string& part) const;
   [[nodiscard]] const RobotSpec* find_robot(const std::string& robot) const;
-  /// Which instance of its firmware flies `robot`, one of ours: it makes their ports differ.
+  /// Returns the firmware instance of `robot`, which determines its ports. Precondition: `robot` is
+  /// an element of `robots`.
   [[nodiscard]] int firmware_instance(const RobotSpec& robot) const;
 };
 
-/// What kind of trial the devices make of `scenario`: never kReplay.
+/// Returns the kind of trial that the devices of `scenario` make; never kReplay.
 TrialMode trial_mode(const Scenario& scenario);
 
 }  // namespace vantage::scenario

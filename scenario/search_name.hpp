@@ -7,13 +7,13 @@
 
 namespace vantage::scenario {
 
-/// planner.algorithm of a robot that searches nothing itself: a process on the bus is asked for
-/// each plan. Not one of kSearchWords, since nothing in a catalogue answers to it.
+/// planner.algorithm of a robot without a search: a process on the bus is requested for each plan.
+/// Not in kSearchWords because no catalogue has an entry for it.
 inline constexpr std::string_view kExternalSearch = "external";
 
 inline bool is_external(const PlannerSpec& planner) { return planner.algorithm == kExternalSearch; }
 
-/// What a team plans by, in a word for people: the algorithm, or "mapping".
+/// Returns the name of a team's planning method for reports: the algorithm, or "mapping".
 inline std::string search_name(const PlannerSpec& planner) {
   const bool is_mapping = planner.objective == PlanObjective::kMapping;
   return is_mapping && !is_external(planner) ? "mapping" : planner.algorithm;

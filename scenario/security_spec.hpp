@@ -5,28 +5,29 @@
 
 namespace vantage::scenario {
 
-/// What becomes of messages that are not signed as they should be.
+/// Treatment of messages without a valid signature.
 enum class SecurityMode {
-  kOff,      ///< nobody signs, nobody looks
-  kWarn,     ///< signed, judged and counted, and taken all the same: while keys are handed out
-  kRequire,  ///< refused
+  kOff,      ///< messages are not signed and not checked
+  kWarn,     ///< checked and counted, but accepted: for the time while keys are distributed
+  kRequire,  ///< refuse them
 };
 
-/// Who is believed on the bus (docs/guide/security.md).
+/// Message authentication on the bus (docs/security.md).
 struct SecuritySpec {
   SecurityMode mode = SecurityMode::kOff;
-  std::string keys;  ///< the folder that `vantage keys new` made
+  std::string keys;  ///< folder created by `vantage keys new`
 };
 
-/// In what kind of trial a message was said; it is part of what is signed. Numbers are the wire's.
+/// Kind of trial in which a message was sent; part of the signed data. The numbers are used on the
+/// wire.
 enum class TrialMode : std::uint8_t {
-  kLive = 1,        ///< a device is real
-  kWire = 2,        ///< none is, and one has its real protocol and driver
-  kSimulation = 3,  ///< all are simulated outright
-  kReplay = 4,      ///< said again from a log
+  kLive = 1,        ///< at least one device is real
+  kWire = 2,        ///< no real device; at least one behind its real protocol and driver
+  kSimulation = 3,  ///< all devices are simulated directly
+  kReplay = 4,      ///< replayed from a log
 };
 
-/// "live", "wire", "simulation", "replay".
+/// Returns "live", "wire", "simulation" or "replay".
 const char* name_of(TrialMode mode);
 
 }  // namespace vantage::scenario

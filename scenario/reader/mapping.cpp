@@ -18,7 +18,8 @@ Value child(const Value& parent, std::size_t entry) {
                   parent.node->value(entry));
 }
 
-/// A parser keeps both of two equal keys, or one; nobody means that.
+/// Refuses duplicate keys, because a parser keeps both or only one of them, and keys that are not
+/// words.
 void check_keys(const Value& mapping) {
   const Node& node = *mapping.node;
   if (node.kind != Node::Kind::kMapping) {

@@ -10,15 +10,15 @@
 
 namespace vantage::scenario {
 
-/// The keys of one mapping of the file, read one by one; in layers, the first of which wins key by
-/// key and, for mappings within, again key by key. That is how robot_defaults come to lie under
-/// every robot while each value keeps the line that it was written on.
+/// Keys of one mapping of the file, read one by one. The mapping has layers: for each key the first
+/// layer that has it is used, recursively for nested mappings. So robot_defaults lie under every
+/// robot, while each value keeps its own line number for errors.
 ///
-/// A key that is absent leaves the variable as it is. Make one by read_mapping().
+/// An absent key leaves the variable unchanged. Create it with read_mapping().
 class Mapping {
  public:
   void number(std::string_view key, double& value, const Range& range);
-  /// Reads `<stem>_rad` or `<stem>_deg`, of which at most one may stand in a layer.
+  /// Reads `<stem>_rad` or `<stem>_deg`; a layer may have only one of them.
   void angle(std::string_view stem, double& value_rad, const Range& range_deg);
   void integer(std::string_view key, int& value, int min, int max);
   void flag(std::string_view key, bool& value);
@@ -35,12 +35,12 @@ class Mapping {
       value = found->word(vocabulary);
     }
   }
-  /// Calls `read` with the mapping under `key`, when there is one; whether there is.
+  /// Calls `read` with the mapping under `key` if there is one; true if there is.
   bool section(std::string_view key, const std::function<void(Mapping&)>& read);
 
-  /// The value under `key` in the first layer that has it.
+  /// Returns the value under `key` in the first layer that has it.
   [[nodiscard]] std::optional<Value> find(std::string_view key);
-  /// As find(); when absent, finish() will say so and this returns nullopt.
+  /// As find(). If the key is absent, finish() reports it and this returns nullopt.
   [[nodiscard]] std::optional<Value> find_required(std::string_view key);
   /// Makes finish() refuse the mapping when `key` is absent.
   void require(std::string_view key);
@@ -48,10 +48,10 @@ class Mapping {
   /// Declares keys that are read later, so that finish() may be called first.
   void expect(std::initializer_list<std::string_view> keys);
 
-  /// Refuses at the line of `key`, or of the mapping when `key` stands nowhere.
+  /// Throws StartupError at the line of `key`, or of the mapping if no layer has `key`.
   [[noreturn]] void refuse(std::string_view key, const std::string& what);
 
-  /// Refuses any key that nobody has asked for, then any required one that is absent.
+  /// Refuses any key that was neither read nor declared, then any required key that is absent.
   void finish();
 
  private:
@@ -65,8 +65,9 @@ class Mapping {
   std::vector<std::string> missing_;
 };
 
-/// Runs `read` over the mapping that `layers` make together, then finish().
-/// @throws StartupError when a layer is no mapping, or has a key twice or one that is not a word.
+/// Calls `read` with the combined mapping of `layers`, then finish().
+/// @throws StartupError when a layer is not a mapping, or has a duplicate key or one that is not a
+///         word
 void read_mapping(std::vector<Value> layers, const std::function<void(Mapping&)>& read);
 
 }  // namespace vantage::scenario

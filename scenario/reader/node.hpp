@@ -8,25 +8,25 @@
 #include <utility>
 #include <vector>
 
-// A file as a tree, whichever language it is in: what parsers make and value.hpp reads.
+// Tree of a YAML or JSON file: parsers build it and value.hpp reads it.
 
 namespace vantage::scenario {
 
-/// What stands at one place of a file.
+/// One node of the tree.
 struct Node {
   enum class Kind : std::uint8_t {
     kNothing,  ///< null, or a key without a value
-    kText,     ///< in quotes
-    kLiteral,  ///< a number, true or false, and no text: JSON's, where texts have quotes
-    kWord,     ///< YAML's without quotes: a text, or what a literal is
+    kText,     ///< quoted text
+    kLiteral,  ///< JSON only: number, true or false; not a text
+    kWord,     ///< YAML without quotes: text, number, true or false
     kList,
     kMapping
   };
 
   Kind kind = Kind::kNothing;
-  int line = 0;                    ///< 1-based; 0 when the parser does not know
-  std::string text;                ///< of a scalar
-  std::vector<const Node*> items;  ///< of a list; of a mapping key, value, key, value, …
+  int line = 0;                    ///< from 1; 0: unknown
+  std::string text;                ///< content of a scalar
+  std::vector<const Node*> items;  ///< elements of a list; for a mapping key, value, key, value, …
 
   [[nodiscard]] bool is_scalar() const {
     return kind == Kind::kText || kind == Kind::kLiteral || kind == Kind::kWord;
@@ -36,20 +36,21 @@ struct Node {
   [[nodiscard]] const Node& value(std::size_t entry) const { return *items[2 * entry + 1]; }
 };
 
-/// Puts a tree together in the order in which a parser meets its parts.
+/// Builder of a tree in the order in which a parser finds its parts.
 class TreeBuilder {
  public:
-  /// `file` is its name in refusals.
+  /// `file` is the file name in error messages.
   explicit TreeBuilder(std::string file) : file_(std::move(file)) {}
 
-  /// A part of what is open, or the root. A list and a mapping are open until close().
+  /// Appends a node to the innermost open list or mapping, or as the root. A list or mapping stays
+  /// open until close().
   /// @throws StartupError "file:line: …" when it is nested deeper than 32.
   const Node& add(Node::Kind kind, int line, std::string text = "");
-  /// `node`, of this tree, once more.
+  /// Appends `node` of this tree again.
   void add_again(const Node& node);
   void close() { open_.pop_back(); }
 
-  /// nullptr before the first part. Lives as long as whoever holds it.
+  /// Returns the root; nullptr before the first add(). The pointer keeps the tree alive.
   [[nodiscard]] std::shared_ptr<const Node> root() const;
 
  private:

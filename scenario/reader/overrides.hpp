@@ -9,7 +9,7 @@
 
 namespace vantage::scenario {
 
-/// What a command line, a program or a sweep changes in a scenario file. Empty members change
+/// Changes to a scenario file from a command line, a program or a sweep. Empty members change
 /// nothing.
 struct Overrides {
   std::optional<std::uint64_t> seed;
@@ -18,19 +18,19 @@ struct Overrides {
   std::optional<double> communication_range_m;
   std::optional<std::int64_t> node_budget;
   std::optional<std::string> url;
-  /// What else: by a key's whole path ("robot_defaults.sensor.range_sigma_m") what then stands
-  /// there as YAML, a number or a whole list ("0.3", "[{name: Q1}]"). What holds the key must be a
-  /// mapping or not be there.
+  /// Other changes: maps a key's full path ("robot_defaults.sensor.range_sigma_m") to its new value
+  /// in YAML, a number or a whole list ("0.3", "[{name: Q1}]"). The parent of the key must be a
+  /// mapping or absent.
   std::map<std::string, std::string> keys;
 
   [[nodiscard]] bool is_empty() const;
 };
 
-/// The scenario text with the overrides written into it; the text itself when there are none. What
-/// runs is always what the log's SCENARIO says, to the last option.
+/// Returns the scenario text with the overrides written into it; the text itself if there are none.
+/// So the SCENARIO message in the log contains exactly the scenario that runs.
 std::string apply_overrides(const std::string& yaml, const Overrides& overrides);
 
-/// Reads a scenario file and applies the overrides; `source_text` is the result's own text.
+/// Reads a scenario file and applies the overrides; the result's `source_text` includes them.
 /// @throws StartupError as scenario::load_scenario
 Scenario load_scenario_with(const std::string& path, const Overrides& overrides);
 

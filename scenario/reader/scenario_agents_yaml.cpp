@@ -22,7 +22,7 @@ constexpr std::size_t kPrimitivesMax = 64;
 constexpr double kSpeedMaxMps = 50.0;
 constexpr double kYawRateMaxRadps = 20.0;
 
-/// A name that no body has yet: it is a channel's suffix and a mocap subject at once.
+/// Refuses a name that another body has: it is both a channel suffix and a mocap subject.
 void check_name(Mapping& from, const std::string& name, const Scenario& scenario) {
   if (!is_channel_suffix(name)) {
     from.refuse("name", "must be of A-Z and 0-9 only, is '" + name + "'");
@@ -67,7 +67,7 @@ void check_sensor(Mapping& from, const SensorModel& sensor) {
                                            sensor.range_max_m, sensor.range_min_m));
   }
   if (sensor.kind.law().measures_bearing && sensor.range_min_m <= 0.0) {
-    // What a bearing tells grows as 1/r²: without a least range its bound is infinite.
+    // The information of a bearing grows as 1/r²: without a minimum range its bound is infinite.
     from.refuse("range_min_m", "must be above 0 for a sensor that measures bearings, is 0");
   }
 }
@@ -229,7 +229,8 @@ Eigen::Vector3d start_in_space_m(const RobotSpec& robot) {
   return {robot.start.x_m, robot.start.y_m, robot.height_m};
 }
 
-/// The planner keeps separation_m between any two vehicles from the first instant on.
+/// Checks that the robots start at least separation_m apart, because the planner keeps that
+/// distance from the first instant on.
 void check_separation(Mapping& from, const RobotSpec& robot, const Scenario& scenario) {
   for (const RobotSpec& other : scenario.robots) {
     const double separation_m = scenario.planner.separation_m;
@@ -249,7 +250,8 @@ void check_separation(Mapping& from, const RobotSpec& robot, const Scenario& sce
   }
 }
 
-/// Refuses plans that no driver flies, where there is one: teammates' plans are kept clear of, too.
+/// Refuses plans that are too long for drivers if a robot has one. Drivers also receive the plans
+/// of teammates, to keep clear of them.
 void check_plans(Mapping& top, const Scenario& scenario) {
   constexpr int kStepsMax = static_cast<int>(models::kFlownSegmentsMax) - 1;
   constexpr double kRounding_s = 1e-6;
@@ -410,7 +412,7 @@ void read_robots(Mapping& top, Scenario& scenario) {
 }
 
 void read_targets(Mapping& top, Scenario& scenario) {
-  // Who maps needs none.
+  // A mapping scenario needs no targets.
   const std::optional<Value> targets = scenario.planner.objective == PlanObjective::kMapping
                                            ? top.find("targets")
                                            : top.find_required("targets");

@@ -7,15 +7,15 @@
 
 namespace vantage::scenario {
 
-/// Widest coordinate and longest length that a scenario may hold.
+/// Largest coordinate and length in a scenario, m.
 inline constexpr double kLengthMaxM = 10'000.0;
 
-/// Of A-Z and 0-9 only: what may stand behind `PLAN_` and the like.
+/// True if `name` consists of A-Z and 0-9 only, as channel names such as `PLAN_<name>` require.
 bool is_channel_suffix(const std::string& name);
 
 void read_device(Mapping& from, DeviceSource& device);
 
-/// Reads `robots` over `robot_defaults`, and checks each robot against the world, the planner's
+/// Reads `robots` over `robot_defaults`. Checks each robot against the world, the planner's
 /// distances and the robots before it. Precondition: scenario.world and scenario.planner are read.
 void read_robots(Mapping& top, Scenario& scenario);
 

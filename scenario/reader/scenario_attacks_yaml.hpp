@@ -5,8 +5,9 @@
 
 namespace vantage::scenario {
 
-/// The list `attacks`, after the robots: each with its span and the robots whose sensors it jams;
-/// and that planner.attacks_max leaves at least one robot.
+/// Reads the list `attacks`: each attack has a time span and the robots whose sensors it jams.
+/// Checks that planner.attacks_max is less than the number of robots. Precondition: the robots are
+/// read.
 void read_attacks(Mapping& top, Scenario& scenario);
 
 }  // namespace vantage::scenario

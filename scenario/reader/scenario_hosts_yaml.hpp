@@ -5,8 +5,8 @@
 
 namespace vantage::scenario {
 
-/// The list `hosts`, after the robots: names of A-Z and 0-9, each with what it runs; nothing runs
-/// twice.
+/// Reads the list `hosts`: names of A-Z and 0-9, each with the parts that it runs. A part may be
+/// listed only once. Precondition: the robots are read.
 void read_hosts(Mapping& top, Scenario& scenario);
 
 }  // namespace vantage::scenario

@@ -10,7 +10,8 @@ namespace {
 using models::MappingSpec;
 
 constexpr int kBeamsMax = 10'000;
-/// A map of so many cells is a message of 200 kB: no more than a socket's usual buffer holds.
+/// Largest number of cells of a map: its message has 200 kB, about the usual size of a socket
+/// buffer.
 constexpr double kMapCellsMax = 50'000;
 
 void read_scanner(Mapping& from, models::BeamSensor& scanner) {

@@ -5,8 +5,8 @@
 
 namespace vantage::scenario {
 
-/// The section `mapping`, after the world and the planner. Refuses a scenario whose objective it
-/// is that has none.
+/// Reads the section `mapping`, which the mapping objective requires. Precondition: the world and
+/// the planner are read.
 void read_mapping_spec(Mapping& top, Scenario& scenario);
 
 }  // namespace vantage::scenario

@@ -5,7 +5,8 @@
 
 namespace vantage::scenario {
 
-/// Reads the mapping `mocap`: how a simulated system measures and how a driver reaches the server.
+/// Reads the section `mocap`: noise of a simulated system, and connection of a driver to the
+/// server.
 void read_mocap(Mapping& from, MocapSpec& mocap);
 
 }  // namespace vantage::scenario

@@ -27,7 +27,8 @@ namespace {
 
 constexpr double kDurationMaxS = 86'400.0;
 constexpr double kGridCellsMax = 4e6;
-// A belief tells of targets and cells, in a message of 4 MiB at most.
+// Size limits of a BELIEF message, which contains all targets and cells; a message has at most 4
+// MiB.
 constexpr double kBeliefBytesMax = 4e6;
 constexpr double kTargetBytes = 200.0;
 constexpr double kCellBytes = 8.0;
@@ -103,7 +104,8 @@ void read_target_truth(Mapping& from, TargetTruthSpec& truth) {
   }
 }
 
-/// By default those of a uniform draw in the world's bounds.
+/// Reads the parameters; the defaults are the mean and sigma of a uniform distribution over the
+/// world's bounds.
 void read_surroundings(Mapping& from, const models::World& world,
                        models::Surroundings& surroundings) {
   const auto pair = [&](const char* key, Eigen::Vector2d& value, const Range& range) {
@@ -172,7 +174,7 @@ void read_estimator(Mapping& from, Scenario& scenario) {
   from.number("grid_resolution_m", estimator.grid_resolution_m, above(0.0));
   from.number("grid_memory_s", estimator.grid_memory_s, from_to(-1.0, kDurationMaxS));
   from.number("gate_sigma", estimator.gate_sigma, at_least(0.0));
-  // At 1 a look that finds nothing would be proof, and its logarithm infinite.
+  // Below 1: at 1 a scan without a detection would be proof of absence, with an infinite logarithm.
   from.number("detection_probability", estimator.detection_probability, from_below(0.0, 1.0));
   from.flag("targets_stay_inside", estimator.targets_stay_inside);
   from.flag("samples", estimator.samples);
@@ -259,7 +261,7 @@ void read_planner(Mapping& from, PlannerSpec& planner) {
   check_team(from, planner);
 }
 
-/// What decides by what the whole team says has no use for neighbours.
+/// Refuses a neighbourhood with algorithms that use the messages of the whole team.
 void check_neighbourhood(Mapping& from, const Scenario& scenario) {
   const double neighbourhood_m = scenario.network.neighbourhood_m;
   const PlannerSpec& planner = scenario.planner;
@@ -312,7 +314,7 @@ void read_security(Mapping& from, SecuritySpec& security) {
   }
 }
 
-/// The name becomes part of the names of logs.
+/// Refuses a name that is unsuitable as part of the file names of logs.
 void read_name(Mapping& top, std::string& name) {
   top.text("name", name);
   const bool is_file_name = std::all_of(name.begin(), name.end(), [](char c) {

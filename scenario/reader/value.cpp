@@ -15,7 +15,7 @@
 namespace vantage::scenario {
 namespace {
 
-/// What the node is, for the second half of a refusal.
+/// Returns a description of the node for the second half of an error message.
 std::string found(const Node& node) {
   switch (node.kind) {
     case Node::Kind::kList:
@@ -29,7 +29,7 @@ std::string found(const Node& node) {
   }
 }
 
-/// Reads all of `text` as a T; std::errc() on success.
+/// Parses all of `text` as a T; returns std::errc() on success.
 template <class T>
 std::errc read_whole(const std::string& text, T& value) {
   const char* const end = text.data() + text.size();
@@ -55,7 +55,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-/// `name` without the unit at its end.
+/// Returns `name` without the unit at its end.
 std::string_view without_unit(std::string_view name) {
   static constexpr std::array<std::string_view, 28> kUnits = {
       "m",  "mm", "cm",  "km",  "ft",  "s",    "ms",    "us",   "ns",  "min",
@@ -246,7 +246,7 @@ std::string nearest_word(std::string_view word, const std::vector<std::string_vi
   for (const std::string_view candidate : known) {
     const bool is_same = differs_in_unit(word, candidate);
     if (!is_same && word.size() > candidate.size() + best_distance) {
-      continue;  // and long words take long
+      continue;  // too different; also limits the time for long words
     }
     const std::size_t distance = is_same ? 0 : edit_distance(word, candidate);
     if (distance < best_distance) {

@@ -13,12 +13,11 @@
 
 #include "scenario/reader/node.hpp"
 
-// One value of a YAML or JSON file that knows where it stands, so that whoever refuses it can say
-// so.
+// Values of a YAML or JSON file that know their position, for error messages.
 
 namespace vantage::scenario {
 
-/// Which numbers are allowed. Its words are the ones that a refusal prints.
+/// Range of allowed numbers.
 struct Range {
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
@@ -26,7 +25,7 @@ struct Range {
   bool is_max_excluded = false;
 
   [[nodiscard]] bool contains(double value) const;
-  /// "above 0 and at most 360".
+  /// Returns the range in words for error messages: "above 0 and at most 360".
   [[nodiscard]] std::string words() const;
   [[nodiscard]] Range scaled(double factor) const;
 };
@@ -39,39 +38,40 @@ constexpr Range from_to(double min, double max) { return {min, max, false, false
 constexpr Range above_to(double min, double max) { return {min, max, true, false}; }
 constexpr Range from_below(double min, double max) { return {min, max, false, true}; }
 
-/// A node of the file with its address in it. Every reading of it throws StartupError
-/// "file:line: path: what was expected, what was found" unless the node is what is asked for.
+/// Node of a file with its position. Each read function throws StartupError "file:line: path: what
+/// was expected, what was found" if the node does not match.
 struct Value {
   std::shared_ptr<const Node> node;
   std::string file;
   std::string path;  ///< "robots[1].sensor.range_max_m"; empty for the whole file
-  int line = 1;      ///< of the key, or of the item in a list
+  int line = 1;      ///< line of the key, or of the item in a list
 
-  /// In one line, whatever the file has brought into `what` or the path.
+  /// Throws StartupError as one line; control characters in `what` and the path are escaped.
   [[noreturn]] void refuse(const std::string& what) const;
 
-  /// A finite number in `range`; quoted numbers are text, not numbers.
+  /// Returns a finite number in `range`. Quoted numbers are refused: they are text.
   [[nodiscard]] double number(const Range& range) const;
-  /// A whole number within [min, max], written without point or exponent.
+  /// Returns a whole number within [min, max], written without point or exponent.
   [[nodiscard]] std::int64_t integer(std::int64_t min, std::int64_t max) const;
   [[nodiscard]] std::uint64_t unsigned_integer() const;
-  /// `true` or `false`, no other spelling.
+  /// Accepts only `true` and `false`.
   [[nodiscard]] bool flag() const;
-  /// A text that is not empty; a number of JSON is none.
+  /// Returns a text that is not empty; refuses a JSON number.
   [[nodiscard]] std::string text() const;
-  /// A text, or nothing in quotes.
+  /// Returns a text, which may be empty.
   [[nodiscard]] std::string text_or_empty() const;
-  /// [x, y], each in `range`.
+  /// Returns [x, y], each in `range`.
   [[nodiscard]] Eigen::Vector2d point(const Range& range) const;
-  /// The items of a list.
+  /// Returns the items of a list.
   [[nodiscard]] std::vector<Value> items() const;
-  /// The items of a list of `count`; `shape` is what they are: "two numbers [x, y]".
+  /// Returns the items of a list of length `count`; `shape` describes them in errors: "two numbers
+  /// [x, y]".
   [[nodiscard]] std::vector<Value> items(std::size_t count, std::string_view shape) const;
-  /// As items(), each a number in `range`.
+  /// As items(), as numbers in `range`.
   [[nodiscard]] std::vector<double> numbers(std::size_t count, std::string_view shape,
                                             const Range& range) const;
 
-  /// The enumerator that the word stands for.
+  /// Returns the enumerator of the word.
   template <class Enum>
   [[nodiscard]] Enum word(
       std::initializer_list<std::pair<std::string_view, Enum>> vocabulary) const {
@@ -91,20 +91,21 @@ struct Value {
   [[nodiscard]] std::string plain_number() const;
 };
 
-/// What stands under `key`, or in a list, within `parent`; both of the tree that holds `parent`.
+/// Returns the value of `node`, a child of `parent` in the same tree, at `path`; its line is that
+/// of `place` (the key or the list item).
 Value child_of(const Value& parent, std::string path, const Node& place, const Node& node);
 
-/// The text, or its first characters and "…".
+/// Returns the text, or its first characters and "…".
 std::string shortened(std::string_view text, std::size_t bytes_max = 40);
 
-/// "a, b, c".
+/// Returns "a, b, c".
 std::string comma_separated(const std::vector<std::string_view>& words);
 
-/// The one of `known` that `word` was probably meant to be: the same name with another unit, else
-/// the nearest by edit distance when that is near; "" when nothing is.
+/// Returns the most similar word of `known`: the same name with another unit, otherwise the nearest
+/// by edit distance. Returns "" if none is similar enough.
 std::string nearest_word(std::string_view word, const std::vector<std::string_view>& known);
 
-/// True when both names differ only in their unit, or in one having none.
+/// True if both names differ only in their unit, or one has no unit.
 bool differs_in_unit(std::string_view a, std::string_view b);
 
 }  // namespace vantage::scenario

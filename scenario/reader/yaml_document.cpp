@@ -14,7 +14,7 @@
 namespace vantage::scenario {
 namespace {
 
-/// What yaml-cpp says of a file, as a tree. An alias is the node that it names, not a copy.
+/// Converter of yaml-cpp events to a tree. An alias refers to the same node, not to a copy.
 class YamlEvents : public YAML::EventHandler {
  public:
   explicit YamlEvents(std::string file) : file_(std::move(file)), tree_(file_) {}
@@ -23,7 +23,7 @@ class YamlEvents : public YAML::EventHandler {
 
   void OnDocumentStart(const YAML::Mark& /*mark*/) override { ++documents_; }
   void OnDocumentEnd() override {}
-  // The place that it comes with is that of what comes next.
+  // yaml-cpp gives the position of the following node, so the line is not used.
   void OnNull(const YAML::Mark& /*mark*/, YAML::anchor_t anchor) override {
     add(Node::Kind::kNothing, -1, anchor);
   }
@@ -66,7 +66,7 @@ class YamlEvents : public YAML::EventHandler {
 }  // namespace
 
 Value parse_yaml(const std::string& text, const std::string& name) {
-  // yaml-cpp replaces bad bytes silently and reads tabs in ways that surprise.
+  // Required because yaml-cpp silently replaces invalid bytes and accepts some tabs.
   check_text(text, name, kScenarioText);
   YamlEvents events(name);
   try {
