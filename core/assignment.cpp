@@ -22,7 +22,7 @@ AssignmentSolver::AssignmentSolver(int rows_max, int columns_max) {
   distance_.reserve(columns);
 }
 
-// long: one search for the shortest way to a free column, row after row.
+// long: finds the shortest path to a free column for each row.
 std::span<const int> AssignmentSolver::solve(std::span<const double> cost, int rows, int columns) {
   demand(rows >= 0 && rows <= columns && cost.size() == index(rows) * index(columns),
          "an assignment needs as many columns as rows, and a cost for each pair");
@@ -60,7 +60,7 @@ std::span<const int> AssignmentSolver::solve(std::span<const double> cost, int r
       row = row_of_column_[index(nearest)];
       free_column = row < 0 ? nearest : -1;
     }
-    // Prices that keep every reduced cost at 0 or above, and those of the assignment at 0.
+    // Update the prices so that every reduced cost stays ≥ 0 and those of the assignment stay 0.
     row_price_[index(first)] += reached;
     for (int j = 0; j < columns; ++j) {
       if (is_done_[index(j)] != 0 && j != free_column) {

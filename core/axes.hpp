@@ -5,19 +5,22 @@
 
 #include "core/linear.hpp"
 
-// The one place where axes are turned. The stack's world has z up, its bodies x forward, y left,
-// z up (FLU). An autopilot's local frame is the same world turned by half a revolution about x:
-// x as ours, y to the right, z down (FRD; what it calls north is our x). Bodies likewise.
+// Conversion between the axes of this stack and of autopilots; no other code converts axes. Here
+// the world has z up and bodies have x forward, y left, z up (FLU). An autopilot's local frame is
+// the same world rotated by half a turn about x: x unchanged, y to the right, z down (FRD; its
+// north is x). Body frames are rotated likewise.
 
 namespace vantage {
 
-/// (x, −y, −z): either way, for positions, velocities and rates, of worlds and of bodies.
+/// Returns (x, −y, −z): converts in both directions, for positions, velocities and rates in world
+/// and body frames.
 inline Eigen::Vector3d turn_axes(const Eigen::Vector3d& v) { return {v.x(), -v.y(), -v.z()}; }
 
-/// local_from_body (both FRD) of world_from_body (both FLU), or the reverse: (w, x, −y, −z).
+/// Returns (w, x, −y, −z): converts world_from_body (both FLU) to local_from_body (both FRD), or
+/// the reverse.
 inline Quaternion turn_axes(const Quaternion& q) { return {q.w(), q.x(), -q.y(), -q.z()}; }
 
-/// A yaw or yaw rate, which turns the other way seen along an axis that points down.
+/// Returns the negated yaw or yaw rate: the axis of rotation points down in the other frame.
 inline double turn_yaw(double yaw) { return -yaw; }
 
 }  // namespace vantage

@@ -5,13 +5,13 @@
 
 namespace vantage {
 
-/// The caller broke a documented precondition while building an object. Thrown at start-up only.
+/// Violation of a documented precondition while an object is built. Thrown at start-up only.
 class UsageError : public std::logic_error {
  public:
   using std::logic_error::logic_error;
 };
 
-/// A file, flag or device the process was started with cannot be used.
+/// Unusable file, flag or device that the process was started with.
 class StartupError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -20,7 +20,7 @@ class StartupError : public std::runtime_error {
 /// Throws UsageError(`rule`) unless `holds`. For constructors and loaders, never in a loop.
 void require(bool holds, const std::string& rule);
 
-/// The same where nothing may be allocated while the rule holds.
+/// As require(), without an allocation while `holds` is true.
 inline void demand(bool holds, const char* rule) {
   if (!holds) {
     require(false, rule);

@@ -21,7 +21,7 @@
 namespace vantage {
 namespace {
 
-// Runs in the forked child: nothing here may allocate or lock.
+// Executed in the forked child, so it must not allocate or lock.
 [[noreturn]] void become(const char* const* arguments, const char* const* environment,
                          int report_fd, const ChildPlace& place, pid_t parent) {
   ::setpgid(0, 0);
@@ -54,7 +54,7 @@ namespace {
   ::_exit(127);
 }
 
-// Our environment with those of `own` in the place of ours that have their names; ends with null.
+// Returns this process's environment with the variables of `own` added or replaced; ends with null.
 std::vector<const char*> environment_with(const std::vector<std::string>& own) {
   std::vector<const char*> out;
   for (char** each = ::environ; *each != nullptr; ++each) {
@@ -87,7 +87,7 @@ Result<Child> Child::start(const std::vector<std::string>& arguments, const Chil
   }
   pointers.push_back(nullptr);
   const std::vector<const char*> environment = environment_with(place.environment);
-  // The write end closes by itself when exec succeeds; otherwise it carries errno.
+  // The write end is closed when exec succeeds; otherwise it carries errno.
   std::array<int, 2> pipe_fds{};
   if (::pipe2(pipe_fds.data(), O_CLOEXEC) != 0) {
     return Error{std::string("pipe: ") + std::strerror(errno)};
@@ -129,8 +129,8 @@ Child::~Child() { end(); }
 
 void Child::end() {
   if (pid_ > 0 && !exit_) {
-    ::kill(-pid_, SIGKILL);  // its group: what a browser has started goes on writing without it
-    send(SIGKILL);           // should it have left its group
+    ::kill(-pid_, SIGKILL);  // its process group: else descendants, as of a browser, go on
+    send(SIGKILL);           // if it left its group
     ::waitpid(pid_, nullptr, 0);
   }
   if (pidfd_ >= 0) {

@@ -12,34 +12,34 @@
 
 namespace vantage {
 
-/// Where a process runs and what ends it.
+/// Environment of a process to start, and the signal that ends it.
 struct ChildPlace {
-  int output = -1;           ///< descriptor for what it writes, errors included; negative: as ours
-  std::string folder;        ///< its working folder; empty: ours
-  int end_signal = SIGTERM;  ///< sent by the kernel should the supervisor die
-  std::vector<std::string> environment = {};  ///< "NAME=value"; of names that are not here: as ours
-  std::vector<int> keep_open = {};            ///< descriptors that it has under the same numbers
-  /// Blocks the signals that ask it to end until it handles them (run_process): they must not kill
-  /// it while it starts.
+  int output = -1;           ///< descriptor for stdout and stderr; negative: those of this process
+  std::string folder;        ///< working folder; empty: that of this process
+  int end_signal = SIGTERM;  ///< sent by the kernel if the supervisor dies
+  std::vector<std::string> environment = {};  ///< "NAME=value"; added to this process's environment
+  std::vector<int> keep_open = {};            ///< descriptors inherited under the same numbers
+  /// True: stop signals are blocked until the process handles them (run_process), so that they do
+  /// not kill it during its start.
   bool blocks_stop_signals = false;
 };
 
-/// How a process ended.
+/// Exit status of a process.
 struct ChildExit {
-  int code = 0;    ///< exit code, meaningless when a signal ended it
-  int signal = 0;  ///< 0: it exited by itself
+  int code = 0;    ///< meaningless if a signal ended the process
+  int signal = 0;  ///< 0: it exited without a signal
   [[nodiscard]] bool is_success() const { return signal == 0 && code == 0; }
-  /// "exit 1", "signal 9".
+  /// Returns "exit 1", "signal 9".
   [[nodiscard]] std::string describe() const;
 };
 
-/// One process that we started; killed, with what it has started, and reaped when the object goes.
-/// It is in a process group of its own, so that a Ctrl-C in the terminal reaches it only through
-/// its supervisor, and is sent a signal by the kernel should the supervisor die.
+/// Child process. The destructor kills it and its process group, and reaps it. The child has its
+/// own process group, so that a Ctrl-C in the terminal reaches it only through its supervisor. The
+/// kernel sends it a signal if the supervisor dies.
 class Child {
  public:
-  /// Starts `arguments[0]`, searched in PATH when it has no slash. The Error is that of exec
-  /// (no such file), not only of fork; a folder that cannot be entered is one, too.
+  /// Starts `arguments[0]`, searched in PATH if it has no slash. The Error covers failures of fork,
+  /// of exec (no such file) and of entering the folder.
   static Result<Child> start(const std::vector<std::string>& arguments,
                              const ChildPlace& place = {});
 
@@ -50,9 +50,9 @@ class Child {
   ~Child();
 
   [[nodiscard]] pid_t pid() const { return pid_; }
-  /// How it ended, once it has; waits up to `timeout` for that.
+  /// Waits up to `timeout` for its end; returns the exit status, nullopt if it still runs.
   std::optional<ChildExit> wait(std::chrono::milliseconds timeout);
-  /// Sends `signal` unless it has ended.
+  /// Sends `signal` if it has not ended.
   void send(int signal);
 
  private:
@@ -63,12 +63,12 @@ class Child {
   std::optional<ChildExit> exit_;
 };
 
-/// What a short command said, and how it ended.
+/// Output and exit status of a short command.
 struct ChildAnswer {
   ChildExit exit;
-  std::string text;  ///< output and errors as they came
+  std::string text;  ///< stdout and stderr in order of arrival
 };
-/// Waits for `arguments` to end. The Error is that of Child::start.
+/// Runs `arguments` and waits for the end. Error as for Child::start().
 Result<ChildAnswer> ask(const std::vector<std::string>& arguments);
 
 }  // namespace vantage

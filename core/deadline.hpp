@@ -6,37 +6,40 @@
 
 namespace vantage {
 
-/// Nanoseconds of the monotonic clock: for deadlines, ages and loop statistics; never for content.
+/// Returns the monotonic clock, ns: for deadlines, ages and loop statistics, never for message
+/// content.
 std::int64_t monotonic_ns();
 
-/// When a computation has to stop: at an instant of the monotonic clock, after an amount of work
-/// counted in nodes, or at whichever comes first.
+/// End of a computation: an instant of the monotonic clock, an amount of work counted in nodes, or
+/// whichever comes first.
 ///
-/// Under a node budget alone the computation is a pure function of its inputs. A computation that
-/// was stopped by the clock after N nodes of work stops at the same place under Deadline::nodes(N),
-/// provided that it asks at the same places and does at least one node of work between two askings;
-/// that is what makes a flight replay bit for bit.
+/// With a node budget alone the computation is a pure function of its inputs. A computation that
+/// the clock stopped after N nodes stops at the same point under Deadline::nodes(N). This requires
+/// that it calls expired() at the same points and does at least one node of work between two calls.
+/// Exact replay of a flight depends on this.
 class Deadline {
  public:
-  /// Never expires by the clock; expires once `budget_nodes` nodes are done.
+  /// Expires when `budget_nodes` nodes are done, independent of the clock.
   static Deadline nodes(std::int64_t budget_nodes) { return {budget_nodes, kNever}; }
   /// Expires when monotonic_ns() reaches `instant_ns`.
   static Deadline at(std::int64_t instant_ns) { return {kNever, instant_ns}; }
-  /// Expires at whichever comes first.
+  /// Expires at the earlier of both.
   static Deadline either(std::int64_t budget_nodes, std::int64_t instant_ns) {
     return {budget_nodes, instant_ns};
   }
   static Deadline never() { return {kNever, kNever}; }
-  /// The same, and expired as soon as `is_cancelled` says so: a person who waits no longer. Asked
-  /// as often as the clock is read; must be cheap and stay true.
+  /// Returns this deadline with cancellation: it also expires when `is_cancelled` returns true, for
+  /// example when a user aborts. It is called as often as the clock is read; it must be cheap and
+  /// stay true.
   [[nodiscard]] Deadline unless(bool (*is_cancelled)()) const {
     Deadline out = *this;
     out.is_cancelled_ = is_cancelled;
     return out;
   }
 
-  /// The same budget of nodes, and a third of the time that is left now: of a computation that
-  /// others follow. Reads the clock once, unless the budget is of nodes only.
+  /// Returns a deadline with the same node budget and a third of the remaining time, for a
+  /// computation that is followed by others. Reads the clock once, unless there is only a node
+  /// budget.
   [[nodiscard]] Deadline third() const {
     Deadline out = *this;
     if (instant_ns_ != kNever) {
@@ -46,7 +49,8 @@ class Deadline {
     return out;
   }
 
-  /// True once it is time to stop. One clock read (about 30 ns) unless the budget is of nodes only.
+  /// True once it is time to stop. Reads the clock once (about 30 ns) unless there is only a node
+  /// budget.
   [[nodiscard]] bool expired(std::int64_t nodes_done) const {
     return nodes_done >= budget_nodes_ ||
            (instant_ns_ != kNever && monotonic_ns() >= instant_ns_) ||

@@ -4,7 +4,7 @@
 
 namespace vantage {
 
-/// A number that counts from 0, as containers want it. Precondition: not negative.
+/// Converts a non-negative index to std::size_t for containers.
 template <class Integer>
 constexpr std::size_t index(Integer i) {
   return static_cast<std::size_t>(i);

@@ -7,17 +7,17 @@
 
 namespace vantage {
 
-/// How long something took, over and over: percentiles from a histogram of fixed size. Adding
-/// allocates nothing.
+/// Record of durations; percentiles from a histogram of fixed size. Adding does not allocate.
 class LatencyRecord {
  public:
-  static constexpr std::int64_t kStepUs = 10;  ///< width of a bin, so also the percentiles' error
+  static constexpr std::int64_t kStepUs = 10;  ///< width of a bin, and the error of percentiles
   static constexpr std::size_t kBins = 10'000;
 
-  /// Negative ones count as none at all; ones beyond the last bin keep their length as the maximum.
+  /// Adds a latency. Negative values count as 0; values beyond the last bin count in it and in the
+  /// maximum.
   void add(Duration latency);
   [[nodiscard]] std::int64_t count() const { return count_; }
-  /// The upper edge of the bin in which the `share`-th part of all ends; 0 before the first.
+  /// Returns the `share` quantile as the upper edge of its bin; 0 if nothing was added.
   [[nodiscard]] std::int64_t percentile_us(double share) const;
   [[nodiscard]] std::int64_t max_us() const { return max_us_; }
 

@@ -30,7 +30,7 @@ char byte_of(InFlight in_flight) {
   return kUnknownByte;
 }
 
-// The descriptor in the environment, if it is the writing end of a pipe.
+// Returns the descriptor named in the environment if it is the write end of a pipe; −1 otherwise.
 int handed_on() {
   const char* const given = std::getenv(LifeSign::kHandedOn);
   if (given == nullptr) {
@@ -39,7 +39,7 @@ int handed_on() {
   int descriptor = -1;
   const char* const end = given + std::strlen(given);
   const auto parsed = std::from_chars(given, end, descriptor);
-  ::unsetenv(LifeSign::kHandedOn);  // what this process starts has no part in it
+  ::unsetenv(LifeSign::kHandedOn);  // children of this process must not use it
   struct stat what {};
   const bool is_pipe = parsed.ec == std::errc() && parsed.ptr == end &&
                        descriptor > STDERR_FILENO && ::fstat(descriptor, &what) == 0 &&

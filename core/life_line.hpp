@@ -7,20 +7,20 @@
 
 namespace vantage {
 
-/// Whether the vehicle of a driver may be in the air or move, as far as the driver knows.
+/// Flight state of a driver's vehicle (in the air or moving), as far as the driver knows.
 enum class InFlight { kUnknown, kNo, kYes };
 
-/// The end of the pipe by which a process shows its supervisor that it runs. One byte per loop, at
-/// most every kPeriod; the byte also contains what the process knows of its vehicle. Never waits.
+/// Process end of the pipe that shows the supervisor that the process is alive. Writes one byte per
+/// loop, at most every kPeriod; the byte also contains the flight state. Never blocks.
 class LifeSign {
  public:
   static constexpr Duration kPeriod = std::chrono::milliseconds(100);
-  /// Environment variable: the number of the descriptor to write to.
+  /// Environment variable with the number of the descriptor to write to.
   static constexpr const char* kHandedOn = "VANTAGE_LIFE_FD";
 
-  /// Takes the descriptor that the environment names; without one nothing is written.
+  /// Uses the descriptor named in the environment; without one nothing is written.
   LifeSign();
-  /// Writes to `descriptor` and closes it at the end.
+  /// Uses `descriptor` and closes it in the destructor.
   explicit LifeSign(int descriptor) : descriptor_(descriptor) {}
   ~LifeSign();
   LifeSign(const LifeSign&) = delete;
@@ -28,8 +28,8 @@ class LifeSign {
   LifeSign(LifeSign&&) = delete;
   LifeSign& operator=(LifeSign&&) = delete;
 
-  /// To be called in each loop: writes when kPeriod has passed since the last sign, or when
-  /// `in_flight` differs from the last one.
+  /// Call in each loop. Writes when kPeriod has passed since the last sign, or when `in_flight`
+  /// differs from the last one.
   void on_loop(Time now, InFlight in_flight);
 
  private:
@@ -38,7 +38,7 @@ class LifeSign {
   InFlight said_ = InFlight::kUnknown;
 };
 
-/// The supervisor's end of that pipe, one for each start of a process.
+/// Supervisor end of that pipe, one for each start of a process.
 class LifeLine {
  public:
   LifeLine() = default;
@@ -48,17 +48,18 @@ class LifeLine {
   LifeLine(LifeLine&& other) noexcept;
   LifeLine& operator=(LifeLine&& other) noexcept;
 
-  /// Opens a new pipe; both ends are closed by exec and never wait. False when the system has none.
+  /// Opens a new pipe whose ends are non-blocking and closed by exec. False if the system grants
+  /// none.
   [[nodiscard]] bool open();
-  /// The end for the process; −1 once it is closed here.
+  /// Returns the end for the process; −1 after close_child_end().
   [[nodiscard]] int child_end() const { return write_; }
-  /// Closes the end of the process here, so that it alone has it.
+  /// Closes the process's end in the supervisor, so that only the process has it open.
   void close_child_end();
 
-  /// The signs that have come since the last call.
+  /// Signs received since the last call of take().
   struct Signs {
     bool any = false;
-    InFlight in_flight = InFlight::kUnknown;  ///< the newest that is known; else kUnknown
+    InFlight in_flight = InFlight::kUnknown;  ///< newest known state; kUnknown if none
   };
   [[nodiscard]] Signs take();
 

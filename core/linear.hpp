@@ -5,23 +5,20 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-// What of Eigen may stand in a header. A program may be built with other flags
-// than the library that it links, and Eigen aligns what fills whole registers
-// by them: 16 bytes without AVX, 32 with it, 64 with AVX-512. So types of 32
-// bytes or a multiple of them are not aligned here, and matrices on the heap,
-// which either side would free in its own way, do not stand in headers
+// Eigen types allowed in public headers. A program may be built with other flags than the library
+// that it links. Eigen aligns types that fill whole registers by these flags: 16 bytes without AVX,
+// 32 with AVX, 64 with AVX-512. So types of a multiple of 32 bytes are unaligned here. Headers
+// contain no matrices on the heap, because each side would free them differently
 // (docs/decisions/0010).
 
 namespace vantage {
 
-/// Option of a matrix whose layout is the same whatever flags a file is
-/// compiled with.
+/// Matrix option for a layout that does not depend on compiler flags.
 inline constexpr int kUnaligned = Eigen::ColMajor | Eigen::DontAlign;
 
 using Quaternion = Eigen::Quaternion<double, Eigen::DontAlign>;
 
-// Two and three doubles are the same everywhere, unless Eigen is told
-// otherwise.
+// Vectors of two and three doubles have a fixed layout unless Eigen's options change it.
 static_assert(alignof(Eigen::Vector2d) == 16 && alignof(Eigen::Vector3d) == 8 &&
                   !Eigen::Matrix3d::IsRowMajor,
               "vantage's libraries have Eigen's own alignment and column-major "

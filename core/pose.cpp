@@ -5,21 +5,22 @@
 namespace vantage {
 namespace {
 
-// Below these the series' next term is under rounding. 1 − cos never appears: it cancels.
+// Angles below which the next term of the series is less than the rounding error. 1 − cos is not
+// used because it cancels.
 constexpr double kSmallAngle_rad = 1e-4;
 constexpr double kSmallAngleOfCube_rad = 0.03;
 constexpr double kVertical = 1e-12;
 
-/// sin ω / ω.
+/// Returns sin ω / ω.
 double sinc(double angle_rad) {
   return std::abs(angle_rad) < kSmallAngle_rad ? 1.0 - angle_rad * angle_rad / 6.0
                                                : std::sin(angle_rad) / angle_rad;
 }
 
-/// (1 − cos ω) / ω.
+/// Returns (1 − cos ω) / ω.
 double cosc(double angle_rad) { return std::sin(0.5 * angle_rad) * sinc(0.5 * angle_rad); }
 
-/// (ω − sin ω) / ω³.
+/// Returns (ω − sin ω) / ω³.
 double sinc3(double angle_rad) {
   const double a2 = angle_rad * angle_rad;
   return std::abs(angle_rad) < kSmallAngleOfCube_rad
@@ -33,7 +34,7 @@ Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
   return S;
 }
 
-// V(θ) of SE(3): translation = V ρ. Source: Solà et al. (2018), eq. 174.
+// Returns V(θ) of SE(3): translation = V ρ. Source: Solà et al. (2018), eq. 174.
 Eigen::Matrix3d left_jacobian_so3(const Eigen::Vector3d& theta) {
   const double angle = theta.norm();
   const Eigen::Matrix3d S = skew(theta);
@@ -120,7 +121,7 @@ Pose3 lift(const Pose2& world_from_body, double height_m) {
 
 Pose2 flatten(const Pose3& world_from_body) {
   const Eigen::Vector3d forward = world_from_body.rotation * Eigen::Vector3d::UnitX();
-  // Of a vertical axis rounding leaves a direction of its own; atan2(0, 0) is 0.
+  // For a vertical axis the horizontal direction is only rounding error; atan2(0, 0) is 0.
   const bool is_vertical = forward.head<2>().norm() < kVertical;
   return {world_from_body.translation_m.x(), world_from_body.translation_m.y(),
           is_vertical ? 0.0 : std::atan2(forward.y(), forward.x())};

@@ -21,8 +21,8 @@ void on_signal(int signal) {
   ++stop_count;
 }
 
-// A terminal that closes says so more than once, to its shell and to what runs in it: that is one
-// request, and never a hurried one.
+// A closing terminal sends SIGHUP more than once, to its shell and to the programs in it. All of
+// them count as one request, so never as the urgent second one.
 void on_hang_up(int signal) {
   last_signal = signal;
   int none = 0;
@@ -32,7 +32,7 @@ void on_hang_up(int signal) {
 using Handler = void (*)(int);
 Handler handler_of(int signal) { return signal == SIGHUP ? on_hang_up : on_signal; }
 
-/// What was ignored from outside stays so.
+/// Installs `handler`; a SIGHUP that was ignored at start stays ignored.
 void handle(int signal, Handler handler) {
   struct sigaction before {};
   sigaction(signal, nullptr, &before);
@@ -44,7 +44,7 @@ void handle(int signal, Handler handler) {
   sigaction(signal, &action, nullptr);
 }
 
-// A supervisor blocks them until they are handled here.
+// Unblocks the stop signals, which a supervisor blocks until they are handled here.
 void let_in_stop_signals() {
   sigset_t signals;
   sigemptyset(&signals);
@@ -81,8 +81,8 @@ int run_process(const std::string& name, const std::function<int()>& body) {
   }
   let_in_stop_signals();
   std::signal(SIGPIPE, SIG_IGN);
-  std::signal(SIGCHLD, SIG_DFL);  // where the parent ignores it we would not hear how ours ended
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of write()
+  std::signal(SIGCHLD, SIG_DFL);  // inherited SIG_IGN would hide the exit codes of children
+  std::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is then an error of write()
   try {
     return body();
   } catch (const StartupError& e) {

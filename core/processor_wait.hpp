@@ -8,19 +8,20 @@
 
 namespace vantage {
 
-/// How long a thread has waited for a processor within the last second, from readings of the
-/// kernel's counter. Pure; constant memory; allocates nothing.
+/// Time that a thread waited for a processor within the last second, from readings of the kernel's
+/// counter. Pure; constant memory; no allocation.
 class ProcessorWait {
  public:
   static constexpr Duration kWindow = std::chrono::seconds(1);
 
-  /// Adds a reading of the counter at `now`. One that is lower than the reading before, or not
-  /// later, begins anew: the counter is another one.
+  /// Adds a reading of the counter at `now`. A reading that is lower than the one before, or not
+  /// later, starts anew: it is from another counter.
   /// @param waited_us  since the start of the thread
   void add(Time now, std::int64_t waited_us);
 
-  /// Waiting time between the newest reading and the last one that is at least kWindow older, s;
-  /// 0 before two readings. After a gap in the readings this covers more than a second.
+  /// Returns the waiting time, s, between the newest reading and the last one that is at least
+  /// kWindow older; 0 before two readings. After a gap in the readings this covers more than a
+  /// second.
   [[nodiscard]] double recent_s() const;
 
  private:

@@ -27,7 +27,7 @@ int number_of(const char* option, const char* text, int least, int most) {
   return value;
 }
 
-/// Gives the calling thread SCHED_FIFO; an error number when that is refused.
+/// Sets SCHED_FIFO for the calling thread; returns an error number if refused, otherwise 0.
 int set_fifo(int priority) {
   sched_param parameters{};
   parameters.sched_priority = priority;

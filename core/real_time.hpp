@@ -2,23 +2,24 @@
 
 namespace vantage {
 
-/// How the operating system is asked to treat this process.
+/// Real-time settings requested from the operating system.
 struct RealTime {
-  int fifo_priority = 0;     ///< 1 … 99: SCHED_FIFO for the calling thread; 0: as it is
-  int cpu = -1;              ///< the only CPU that the calling thread runs on; −1: any
-  bool lock_memory = false;  ///< no page of the process is ever swapped out or faulted in late
+  int fifo_priority = 0;     ///< 1 … 99: SCHED_FIFO for the calling thread; 0: unchanged
+  int cpu = -1;              ///< the only CPU of the calling thread; −1: any
+  bool lock_memory = false;  ///< lock all pages in memory: no swapping, no late page faults
 };
 
-/// Takes "--fifo PRIORITY", "--cpu N" and "--lock-memory" out of the arguments.
-/// @throws UsageError when a value is missing, no number, or out of range.
+/// Removes "--fifo PRIORITY", "--cpu N" and "--lock-memory" from the arguments and returns their
+/// values.
+/// @throws UsageError when a value is missing, not a number, or out of range.
 RealTime take_real_time(int& argc, char** argv);
 
-/// Applies it to the calling thread (memory: to the whole process).
-/// @throws StartupError naming what was refused and what would allow it.
+/// Applies the settings to the calling thread (memory: to the whole process).
+/// @throws StartupError naming the refused setting and the remedy.
 void apply(const RealTime& real_time);
 
-/// True if a thread of this process may be given SCHED_FIFO with `priority`: tried on a thread of
-/// its own, which ends.
+/// True if a thread of this process may get SCHED_FIFO with `priority`; tries it on a temporary
+/// thread.
 bool grants_fifo(int priority);
 
 }  // namespace vantage

@@ -12,12 +12,12 @@
 
 namespace vantage {
 
-/// One datagram as recvmsg() gives it: who sent it, how long it is, and the one thing that the
-/// kernel was asked to say of it (`Word`, as by SO_TIMESTAMPNS or SO_RXQ_OVFL).
+/// One datagram from recvmsg(): sender, size, and one ancillary value of the kernel (`Word`, as
+/// with SO_TIMESTAMPNS or SO_RXQ_OVFL).
 template <class Word>
 class Reception {
  public:
-  /// Waits as `flags` and the socket say; the datagram is in `buffer`.
+  /// Receives into `buffer`; blocks according to `flags` and the socket.
   Reception(int fd, std::span<std::uint8_t> buffer, int flags)
       : piece_{buffer.data(), buffer.size()} {
     message_.msg_name = &from_;
@@ -34,11 +34,11 @@ class Reception {
   Reception& operator=(Reception&&) = delete;
   ~Reception() = default;
 
-  /// Below 0: none, and errno says why.
+  /// Returns the size in bytes; < 0: nothing received, errno is set.
   [[nodiscard]] ssize_t size() const { return size_; }
   [[nodiscard]] const sockaddr_in& from() const { return from_; }
 
-  /// What the kernel says at SOL_SOCKET by `type`.
+  /// Returns the ancillary value of `type` at SOL_SOCKET; nullopt if there is none.
   [[nodiscard]] std::optional<Word> word(int type) {
     std::optional<Word> out;
     for (cmsghdr* part = CMSG_FIRSTHDR(&message_); part != nullptr;

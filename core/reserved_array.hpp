@@ -6,8 +6,8 @@
 
 namespace vantage {
 
-/// Address space of a fixed size: it reads as zeros, and the system commits a page of it when that
-/// is first written to. So what is sized for the worst case costs what is used of it.
+/// Address space of a fixed size. It reads as zeros, and the system commits a page on the first
+/// write to it. So memory that is sized for the worst case costs only the part in use.
 class ReservedBytes {
  public:
   ReservedBytes() = default;
@@ -26,9 +26,9 @@ class ReservedBytes {
 
   [[nodiscard]] void* begin() const { return begin_; }
   [[nodiscard]] std::size_t size() const { return size_; }
-  /// Commits all of it: no page fault comes later. What is in it stays.
+  /// Commits all pages, so that no page fault occurs later. The content is kept.
   void prefault();
-  /// What is committed by now, in whole pages. For tests and reports; asks the system.
+  /// Returns the committed bytes, in whole pages. For tests and reports; needs a system call.
   [[nodiscard]] std::size_t committed_bytes() const;
 
  private:
@@ -36,8 +36,8 @@ class ReservedBytes {
   std::size_t size_ = 0;
 };
 
-/// A fixed number of values in ReservedBytes. All of their bytes are zero at first: whoever wants
-/// another value writes it before it is read.
+/// Fixed-size array in ReservedBytes. All bytes are zero at first; write another value before it is
+/// read.
 template <class T>
 class ReservedArray {
   static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);

@@ -6,11 +6,11 @@
 
 #include "core/time.hpp"
 
-// Arithmetic on times that others wrote, such as those in a log: any 64-bit number may occur.
+// Arithmetic on times from outside, such as those in a log: any 64-bit number can occur.
 
 namespace vantage {
 
-/// Returns `t + d`, or the nearest time that there is when the sum does not fit.
+/// Returns `t + d`, or the nearest Time if the sum overflows.
 constexpr Time saturated_sum(Time t, Duration d) {
   if (d >= Duration::zero()) {
     return t > Time::max() - d ? Time::max() : t + d;
@@ -18,8 +18,8 @@ constexpr Time saturated_sum(Time t, Duration d) {
   return t < Time::min() - d ? Time::min() : t + d;
 }
 
-/// Returns the nearest whole number of microseconds to `seconds_s`, or the nearest Duration that
-/// there is. Precondition: not NaN.
+/// Returns `seconds_s` rounded to microseconds, or the nearest Duration if it overflows.
+/// Precondition: not NaN.
 inline Duration saturated_seconds(double seconds_s) {
   constexpr double kMost_s = 9.2e12;
   return seconds_s > kMost_s    ? Duration::max()
@@ -27,11 +27,11 @@ inline Duration saturated_seconds(double seconds_s) {
                                 : from_seconds(seconds_s);
 }
 
-/// Latest time that a clock is set to by a number from elsewhere: sums of it and of durations of up
-/// to a century fit.
+/// Latest time that a clock may be set to by an external number: adding durations of up to a
+/// century does not overflow.
 inline constexpr Time kClockTimeMax = Time::max() - std::chrono::hours(24 * 36'525);
 
-/// Greatest number of nanoseconds that readers with signed numbers understand (year 2262).
+/// Largest number of nanoseconds for readers with signed numbers (year 2262).
 inline constexpr std::int64_t kNanosecondsMax = std::numeric_limits<std::int64_t>::max();
 
 /// True if nanoseconds_of(t) is exactly `t`.
@@ -39,7 +39,7 @@ constexpr bool fits_nanoseconds(Time t) {
   return to_utime(t) >= 0 && to_utime(t) <= kNanosecondsMax / 1000;
 }
 
-/// Returns the nanoseconds from the Unix epoch to `t`, held within [0, kNanosecondsMax].
+/// Returns the nanoseconds from the Unix epoch to `t`, limited to [0, kNanosecondsMax].
 constexpr std::uint64_t nanoseconds_of(Time t) {
   if (fits_nanoseconds(t)) {
     return static_cast<std::uint64_t>(to_utime(t)) * 1000U;

@@ -6,9 +6,9 @@
 
 namespace vantage {
 
-/// The one clock of the stack: microseconds since the Unix epoch, the same count as the `utime`
-/// field of every LCM message. It has no now(): library code is handed a Time, so a replayed log
-/// and a live robot run the same instructions.
+/// Clock of the stack: microseconds since the Unix epoch, as in the `utime` field of every LCM
+/// message. It has no now(): library code receives a Time as argument, so a replayed log and a live
+/// robot execute the same instructions.
 struct StackClock {
   using rep = std::int64_t;
   using period = std::micro;
@@ -20,10 +20,10 @@ struct StackClock {
 using Duration = StackClock::duration;
 using Time = StackClock::time_point;
 
-/// Length of `d` in seconds, as the number the equations want.
+/// Returns `d` in seconds.
 constexpr double to_seconds(Duration d) { return std::chrono::duration<double>(d).count(); }
 
-/// The nearest whole number of microseconds to `seconds_s`.
+/// Returns `seconds_s` rounded to whole microseconds.
 inline Duration from_seconds(double seconds_s) {
   return Duration{static_cast<std::int64_t>(std::llround(seconds_s * 1e6))};
 }

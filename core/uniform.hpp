@@ -4,8 +4,8 @@
 
 namespace vantage {
 
-/// A number in [low, high) of 2⁵³ that are equally likely, of one draw: the same with every
-/// standard library, which those of std::uniform_real_distribution need not be.
+/// Returns one of 2⁵³ equally likely numbers in [low, high), from one draw. Unlike
+/// std::uniform_real_distribution, the result is the same with every standard library.
 inline double uniform(std::mt19937_64& random, double low, double high) {
   return low + (high - low) * static_cast<double>(random() >> 11U) * 0x1p-53;
 }

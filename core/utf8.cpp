@@ -9,8 +9,8 @@ unsigned char byte_at(std::string_view text, std::size_t at) {
   return static_cast<unsigned char>(text[at]);
 }
 
-/// Whether the character of `length` bytes, at least 1, moves the cursor or changes what others
-/// look like: DEL, C1 (U+0080 to U+009F), U+2028 to U+202E, U+2066 to U+2069.
+/// True if the character of `length` bytes, at least 1, moves the cursor or changes how others are
+/// displayed: DEL, C1 (U+0080 to U+009F), U+2028 to U+202E, U+2066 to U+2069.
 bool is_hidden_control(std::string_view text, std::size_t at, std::size_t length) {
   const unsigned char first = byte_at(text, at);
   if (length == 2) {
@@ -25,8 +25,8 @@ bool is_hidden_control(std::string_view text, std::size_t at, std::size_t length
   return first == 0x7FU;
 }
 
-/// Returns `text` with \xNN for each byte outside UTF-8, of is_hidden_control() or `is_hidden` by
-/// its first byte.
+/// Returns `text` with \xNN for bytes outside UTF-8, for is_hidden_control() characters, and for
+/// characters whose first byte `is_hidden`.
 template <class IsHidden>
 std::string escaped(std::string_view text, IsHidden is_hidden) {
   constexpr const char* kDigits = "0123456789ABCDEF";

@@ -5,15 +5,14 @@
 
 namespace vantage {
 
-/// Writes `text` to `path` whole: under another name beside it first, so that whoever opens `path`
-/// finds the old text or the new one, never a part. What is there and no regular file (/dev/stdout)
-/// is written as it is.
-/// @throws std::runtime_error "PATH: cannot be written: REASON"; what `path` held is then still
-/// there
+/// Writes `text` to `path` atomically: writes a file next to it first and renames it, so that
+/// readers find the old or the new text, never a part. A path that is not a regular file
+/// (/dev/stdout) is written directly.
+/// @throws std::runtime_error "PATH: cannot be written: REASON"; the previous content is then kept
 void write_file(const std::string& path, std::string_view text);
 
-/// For what is written only at the end of long work: that a file can be made at `path`, or the one
-/// there written, as far as that can be told before.
+/// Checks before long work that write_file() can create or replace the file at `path`, as far as
+/// this can be known.
 /// @throws StartupError "PATH: cannot be written: REASON"
 void require_writable(const std::string& path);
 

@@ -1,10 +1,10 @@
-/* musl's functions (libm.cmake), under names of their own, for whoever includes <cmath>
-   (first/cmath). An assembler name, not a macro: Eigen's and libstdc++'s templates, which call
-   std::log, then also call these.
+/* Declares musl's functions (libm.cmake) under separate symbol names for all code that includes
+   <cmath> (first/cmath). Assembler names are used instead of macros, so that the templates of Eigen
+   and libstdc++, which call std::log, use these functions as well.
 
-   What IEEE 754 rounds correctly is not here, since it has the same bits everywhere: sqrt, fma, fmod,
-   remainder, floor, ceil, trunc, round, ldexp, …
-   `const`: they keep no state and do not touch errno. */
+   Functions that IEEE 754 rounds correctly are absent, because their results are the same everywhere:
+   sqrt, fma, fmod, remainder, floor, ceil, trunc, round, ldexp, …
+   `const`: the functions keep no state and do not change errno. */
 #ifndef VANTAGE_CORE_LIBM_NAMES_H
 #define VANTAGE_CORE_LIBM_NAMES_H
 
