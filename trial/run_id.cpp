@@ -3,7 +3,7 @@
 namespace vantage::trial {
 
 // FNV-1a over the seed's bytes and the name, then the finaliser of SplitMix64, because FNV alone
-// leaves near names with near hashes.
+// gives similar hashes for similar names.
 std::int64_t deterministic_run_id(std::uint64_t seed, const std::string& node_name) {
   std::uint64_t hash = 0xcbf29ce484222325ULL;
   const auto mix = [&hash](std::uint64_t byte) { hash = (hash ^ byte) * 0x100000001b3ULL; };

@@ -21,29 +21,29 @@
 namespace vantage::trial {
 
 struct TrialOptions {
-  std::string log_path;  ///< an LCM event log of everything, a new file; empty: none
-  /// Called with the share of the trial that is done, about a hundred times.
+  std::string log_path;  ///< LCM event log of all messages, a new file; empty: none
+  /// Called with the completed share of the trial, about a hundred times.
   std::function<void(double)> progress;
-  /// Asked about twice a second of the trial; true ends it there. The log and the summary are whole
-  /// up to that instant.
+  /// Called about twice per second of the trial; true ends the trial. The log and the summary are
+  /// complete up to that instant.
   std::function<bool()> stop;
 };
 
 struct TrialResult {
   logs::TrialSummary summary;
   logs::Scene scene;
-  bool was_stopped = false;                       ///< before the scenario's duration
-  std::optional<Error> log_error = std::nullopt;  ///< why the log is not whole; ended the trial
+  bool was_stopped = false;                       ///< ended before the scenario's duration
+  std::optional<Error> log_error = std::nullopt;  ///< why the log is incomplete; ended the trial
 };
 
-/// One trial in virtual time, in pieces: however its span is cut, the messages, the log and the
-/// summary are those of a trial in one piece.
+/// Trial in virtual time that is executed in parts. Messages, log and summary do not depend on how
+/// it is divided.
 class Trial {
  public:
-  /// `scenario` must outlive it; a log is written when `log_path` is not empty.
+  /// `scenario` must outlive it. Writes a log if `log_path` is not empty.
   /// Precondition: the scenario's planner.node_budget is positive.
-  /// @throws StartupError when the log cannot be begun, or there is one at its path already, or a
-  ///         node refuses the scenario.
+  /// @throws StartupError when the log cannot be created or already exists, or a node refuses the
+  ///         scenario.
   Trial(const scenario::Scenario& scenario, const std::vector<NodeRecipe>& recipes,
         const std::string& log_path);
   ~Trial();
@@ -52,14 +52,14 @@ class Trial {
   Trial(Trial&&) = delete;
   Trial& operator=(Trial&&) = delete;
 
-  /// Everything before `end`; not beyond planned_end().
+  /// Executes everything before `end`, at most to planned_end().
   void advance_to(Time end);
   [[nodiscard]] Time time() const { return now_; }
   [[nodiscard]] Time start() const { return start_; }
   [[nodiscard]] Time planned_end() const { return planned_end_; }
   [[nodiscard]] const TrialObserver& observer() const { return *observer_; }
   [[nodiscard]] bool is_log_lost() const { return log_ != nullptr && log_->error(); }
-  /// What the trial comes to if it ends here; it may go on.
+  /// Returns the result as if the trial ended now; the trial can continue.
   [[nodiscard]] TrialResult result();
 
  private:
@@ -74,14 +74,15 @@ class Trial {
   std::unique_ptr<Announcer> announcer_;
 };
 
-/// When virtual time starts: 1 700 000 000 s, rounded up to a whole planning round.
+/// Returns the start of virtual time: 1 700 000 000 s, rounded up to a whole planning round.
 Time trial_start(const scenario::Scenario& scenario);
 
-/// One trial in virtual time: a pure function of the scenario (its seed included) and the nodes.
+/// Executes one trial in virtual time: a pure function of the scenario (its seed included) and the
+/// nodes. A log that can no longer be written ends the trial as `stop` does; the file ends with a
+/// whole event.
 /// Precondition: the scenario's planner.node_budget is positive.
-/// A log that cannot be written any more ends it as `stop` does: the file ends with a whole event.
-/// @throws StartupError when the log cannot be begun, or there is one at its path already, or a
-///         node refuses the scenario.
+/// @throws StartupError when the log cannot be created or already exists, or a node refuses the
+///         scenario.
 TrialResult run_trial(const scenario::Scenario& scenario, const std::vector<NodeRecipe>& recipes,
                       const TrialOptions& options = {});
 

@@ -13,45 +13,48 @@
 
 namespace vantage::trial {
 
-/// Many nodes, one thread, time that jumps. Between two instants every message is delivered to
-/// every listener, in the order of connecting; at each instant the nodes that are due act in the
-/// order of adding, each one's messages being delivered before the next acts. So a run is a pure
-/// function of the nodes and their seeds.
+/// Event loop for many nodes in one thread and virtual time. Between two instants every message is
+/// delivered to all subscribers, in the order of connection. At each instant the due nodes are
+/// executed in the order of add_node(); the messages of each are delivered before the next is
+/// executed. So a run is a pure function of the nodes and their seeds.
 class VirtualTimeLoop {
  public:
   explicit VirtualTimeLoop(Time start) : clock_(start) {}
 
   [[nodiscard]] const bus::Clock& clock() const { return clock_; }
-  /// An endpoint that its owner handles, for raw bytes; it hears what is published from now on.
+  /// Returns an endpoint for raw bytes that its owner handles; it receives all messages published
+  /// from now on.
   std::unique_ptr<bus::Transport> connect() { return hub_.connect(); }
-  /// A bus that this loop handles.
+  /// Adds a bus that this loop handles.
   bus::Bus& add_bus(std::int64_t run_id);
-  /// Makes a node and runs it from now on, its HEALTH reports included.
+  /// Creates a node and runs it from now on, including its HEALTH reports.
   void add_node(const NodeRecipe& recipe, std::int64_t run_id);
-  /// Something else to do after each delivery, as draining a recorder.
+  /// Sets an action after each delivery, for example to drain a recorder.
   void on_delivered(std::function<void()> action) { on_delivered_ = std::move(action); }
 
-  /// Acts on every instant before `end`, then stands at `end`.
-  /// @throws std::logic_error when a node's next tick does not move on.
+  /// Processes every instant before `end`, then sets the clock to `end`.
+  /// @throws std::logic_error when a node's next tick does not advance.
   void run_until(Time end);
-  /// Delivers until nothing is left.
+  /// Delivers messages until no queue has any.
   void deliver();
-  /// Gaps in the streams heard by any bus, and messages that a full queue dropped.
+  /// Returns the number of messages lost: gaps in the streams of all buses, and messages dropped by
+  /// full queues.
   [[nodiscard]] std::int64_t messages_lost() const;
 
  private:
   struct Participant {
     std::unique_ptr<bus::Transport> transport;
     std::unique_ptr<bus::Bus> bus;
-    std::unique_ptr<bus::Node> node;  ///< may be none
+    std::unique_ptr<bus::Node> node;  ///< may be null
     std::unique_ptr<bus::HealthReporter> health;
   };
-  /// The first participant, from `from` on, that something waits for; none: participants_.size().
+  /// Returns the first participant, from `from` on, with a message in its queue;
+  /// participants_.size() if none.
   [[nodiscard]] std::size_t next_waiting(std::size_t from) const;
 
   bus::VirtualClock clock_;
   bus::InProcessHub hub_;
-  std::vector<std::uint8_t> waiting_;  ///< per participant: something is in its queue
+  std::vector<std::uint8_t> waiting_;  ///< per participant: 1 if its queue has a message
   std::size_t waiting_count_ = 0;
   std::vector<Participant> participants_;
   std::function<void()> on_delivered_ = [] {};

@@ -9,16 +9,16 @@
 
 namespace vantage::trial {
 
-/// The version of this build: project version and commit.
+/// Returns the version of this build: project version and commit.
 std::string version();
 
-/// Publishes SCENARIO: now, and again every 5 s, so that a log begins with it and a late listener
-/// learns it.
+/// Publisher of SCENARIO, repeated every 5 s, so that a log begins with it and later subscribers
+/// receive it.
 class Announcer {
  public:
   /// `process` names the publisher, for example "trial".
   Announcer(bus::Bus& bus, const scenario::Scenario& scenario, std::string process);
-  /// Publishes when it is time to; the first call always does.
+  /// Publishes if a publication is due; the first call always publishes.
   void tick(Time now);
   void publish(Time now);
   [[nodiscard]] Time next_tick() const { return next_; }

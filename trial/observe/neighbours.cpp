@@ -15,7 +15,7 @@ namespace {
 constexpr std::chrono::milliseconds kStep{50};
 constexpr std::size_t kChannelsMax = 10'000;
 
-/// What the channel's name says after `prefix`; empty for another channel.
+/// Returns the part of the channel's name after `prefix`; empty for another channel.
 std::string after(const std::string& prefix, const std::string& channel) {
   return channel.starts_with(prefix) ? channel.substr(prefix.size()) : "";
 }
@@ -25,7 +25,7 @@ std::string host_in(const std::string& channel) {
 }
 std::string vehicle_in(const std::string& channel) {
   const std::string robot = after(bus::vehicle_channel("").name, channel);
-  // Who flies by a version of before flies as well.
+  // Vehicles of older versions use the old channel name.
   return robot.empty() ? after(bus::old_vehicle_channel("").name, channel) : robot;
 }
 

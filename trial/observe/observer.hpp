@@ -14,9 +14,9 @@
 
 namespace vantage::trial {
 
-/// Watches a whole trial over a bus: metrics for the numbers, a scene for the picture.
-/// Messages of robots that are not the scenario's are ignored, so that its tables stay bounded. The
-/// bus must outlive it and be handled by its owner.
+/// Observer of a whole trial on a bus: collects metrics and a scene for the display. Messages of
+/// robots that are not in the scenario are ignored, so that its tables stay bounded. The bus must
+/// outlive it; the owner of the bus handles it.
 class TrialObserver {
  public:
   TrialObserver(bus::Bus& bus, const scenario::Scenario& scenario, Time start);
@@ -28,19 +28,19 @@ class TrialObserver {
 
   [[nodiscard]] logs::TrialMetrics& metrics() { return metrics_; }
   [[nodiscard]] const logs::TrialMetrics& metrics() const { return metrics_; }
-  /// As last heard; nullopt and empty before.
+  /// The newest messages received; nullopt or empty before the first.
   [[nodiscard]] const std::optional<models::TruthFrame>& truth() const { return truth_; }
   [[nodiscard]] const std::map<std::string, models::RobotBelief>& beliefs() const {
     return beliefs_;
   }
   [[nodiscard]] const std::map<std::string, models::RobotMap>& maps() const { return maps_; }
-  /// The scene with the team's newest judged estimates in it.
+  /// Returns the scene with the team's newest evaluated estimates.
   [[nodiscard]] logs::Scene scene() const;
 
  private:
   logs::TrialMetrics metrics_;
   logs::SceneRecorder recorder_;
-  std::set<std::string> robots_;  ///< of the scenario
+  std::set<std::string> robots_;  ///< names in the scenario
   std::optional<models::TruthFrame> truth_;
   std::map<std::string, models::RobotBelief> beliefs_;  ///< by robot
   std::map<std::string, models::RobotMap> maps_;        ///< by robot

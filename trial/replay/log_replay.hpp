@@ -11,33 +11,33 @@
 
 namespace vantage::trial {
 
-/// One robot's planner or estimator.
+/// The planner or estimator of one robot.
 struct ReplayTarget {
   enum class Kind { kPlanner, kEstimator };
   Kind kind = Kind::kPlanner;
   std::string robot;
 };
 
-/// "planner:Q1" or "estimator:Q1". @throws UsageError for anything else, or when `scenario` has no
-/// such robot.
+/// Parses "planner:Q1" or "estimator:Q1". @throws UsageError for anything else, or when `scenario`
+/// has no such robot.
 ReplayTarget parse_replay_target(const std::string& text, const scenario::Scenario& scenario);
 
 struct ReplayReport {
   OutputComparison outputs;
-  std::vector<models::NamedCount> counters;  ///< of the replaying node
-  std::int64_t events = 0;                   ///< fed to it
-  std::int64_t refused =
-      0;  ///< left out: not signed with the flight's keys, where it asked for that
-  bool lacks_keys = false;  ///< the flight's keys are not here: what it refused is fed, too
-  /// Logged outputs that were not made again, because an input is not in the log.
+  std::vector<models::NamedCount> counters;  ///< counters of the replaying node
+  std::int64_t events = 0;                   ///< log events passed to the node
+  std::int64_t refused = 0;  ///< left out: no valid signature, where the flight required one
+  bool lacks_keys = false;   ///< the flight's keys are absent: refused messages are passed, too
+  /// Returns the number of logged outputs that were not reproduced because an input is not in the
+  /// log.
   [[nodiscard]] std::int64_t not_replayed() const {
     return outputs.logged() - (outputs.replayed() - outputs.unexpected());
   }
 };
 
-/// Makes the outputs of one node again: the node's own code, on exactly the inputs that each logged
-/// output names, with the node budget that it states, in virtual time. What it says is compared
-/// with what the log says, bit for bit.
+/// Reproduces the outputs of one node: runs the node's own code in virtual time on exactly the
+/// inputs that each logged output names, with the node budget that it states. Compares the results
+/// with the log, bit for bit.
 ReplayReport replay_log(const logs::IndexedLog& log, const scenario::Scenario& scenario,
                         const ReplayTarget& target,
                         const std::function<void(double)>& progress = {});

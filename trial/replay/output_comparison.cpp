@@ -13,11 +13,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kFingerprintBytes = 8;
-/// After the fingerprint and utime: run id and sequence.
+/// Bytes of the run id and the sequence number, after the fingerprint and utime.
 constexpr std::size_t kOriginBegin = 16;
 constexpr std::size_t kOriginEnd = 32;
 
-/// Calls `visit` with each innermost value that the two do not share.
+/// Calls `visit` for each innermost value that differs.
 void for_each_difference(const Json& a, const Json& b, const std::string& path, const auto& visit) {
   if (a.type() == b.type() && a.is_object()) {
     for (const auto& [name, value] : a.items()) {

@@ -12,37 +12,36 @@
 
 namespace vantage::trial {
 
-/// Where a replayed output is not the logged one.
+/// First difference between a logged and a replayed output.
 struct OutputDifference {
-  std::int64_t index = 0;  ///< round of a plan, step of a belief
-  Time time{};             ///< what the message is valid for
-  std::string member;      ///< "segments[2].speed_mps"; "(bits)" when only the bits differ
-  std::string logged;      ///< its value, JSON
+  std::int64_t index = 0;  ///< round of a plan or step of a belief
+  Time time{};             ///< time for which the message is valid
+  std::string member;      ///< "segments[2].speed_mps"; "(bits)" if only the bits differ
+  std::string logged;      ///< logged value, JSON
   std::string replayed;
   int members_different = 0;
-  std::vector<std::string>
-      inputs;  ///< what the logged output was made from: "CHANNEL run/sequence"
+  std::vector<std::string> inputs;  ///< inputs of the logged output: "CHANNEL run/sequence"
 };
 
-/// Compares what a node said in a flight with what it says of the same inputs: plans by round,
-/// beliefs and maps by step, proposals of a local search by round and solution, every byte of the
-/// message except who published it when (run id and sequence).
+/// Comparison of a node's logged outputs with its outputs from the same inputs in replay. Plans are
+/// matched by round, beliefs and maps by step, proposals of a local search by round and solution.
+/// Every byte is compared except the run id and the sequence number.
 class OutputComparison {
  public:
-  /// Messages as they travel, signed or not: the payload is compared. Others than these are counted
-  /// as unreadable.
+  /// Adds a wire message, signed or not; only the payload is compared. Messages of other types are
+  /// counted as unreadable.
   void add_logged(std::span<const std::uint8_t> signed_message);
   void add_replayed(std::span<const std::uint8_t> signed_message);
-  /// Whether the log has a counterpart of it, so far.
+  /// True if the log so far has a counterpart of the message.
   [[nodiscard]] bool has_logged(std::span<const std::uint8_t> signed_message) const;
 
   [[nodiscard]] std::int64_t logged() const { return logged_count_; }
   [[nodiscard]] std::int64_t replayed() const { return replayed_; }
   [[nodiscard]] std::int64_t different() const { return different_; }
-  /// Replayed outputs that the log has no counterpart of.
+  /// Returns the number of replayed outputs without a counterpart in the log.
   [[nodiscard]] std::int64_t unexpected() const { return unexpected_; }
   [[nodiscard]] std::int64_t unreadable() const { return unreadable_; }
-  /// The one with the least index.
+  /// Returns the difference with the smallest index.
   [[nodiscard]] const std::optional<OutputDifference>& first_difference() const { return first_; }
   [[nodiscard]] bool is_exact() const {
     return replayed_ > 0 && different_ == 0 && unexpected_ == 0 && unreadable_ == 0;
@@ -51,13 +50,13 @@ class OutputComparison {
  private:
   using Bytes = std::vector<std::uint8_t>;
   struct Key {
-    std::uint64_t type = 0;  ///< fingerprint
+    std::uint64_t type = 0;  ///< fingerprint of the message type
     std::int64_t index = 0;
-    std::int64_t solution = 0;  ///< fingerprint of the one that a proposal is of, else 0
+    std::int64_t solution = 0;  ///< fingerprint of the solution in a proposal, else 0
     friend auto operator<=>(const Key&, const Key&) = default;
   };
   static std::optional<Key> key_of(std::span<const std::uint8_t> message);
-  std::map<Key, Bytes> logged_;  ///< newest of that key (a node may be started anew)
+  std::map<Key, Bytes> logged_;  ///< newest per key (a node may be restarted)
   std::int64_t logged_count_ = 0;
   std::int64_t replayed_ = 0;
   std::int64_t different_ = 0;
@@ -66,7 +65,7 @@ class OutputComparison {
   std::optional<OutputDifference> first_;
 };
 
-/// Lines that say it, for people.
+/// Returns the difference as lines of text.
 std::vector<std::string> describe(const OutputDifference& difference);
 
 }  // namespace vantage::trial

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kSuffix = ".yaml";
 
-// Where the folder may be, the first that is there first.
+// Returns the possible folders, by descending priority.
 std::array<fs::path, 2> places() {
   std::error_code error;
   const fs::path programs = fs::read_symlink("/proc/self/exe", error).parent_path();
