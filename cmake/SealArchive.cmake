@@ -1,10 +1,11 @@
-# cmake -D ARCHIVE=libvantage_x.a -D LINKER=ld -D NM=nm -D OBJCOPY=objcopy -D AR=ar -P SealArchive.cmake
+# cmake -D ARCHIVE=libvantage_x.a -D LINKER=ld -D NM=nm -D OBJCOPY=objcopy -D AR=ar -P
+# SealArchive.cmake
 #
-# Makes one object of an archive and hides in it what the compiler made of templates and inline
-# functions, Eigen's above all. Such functions have the same names whatever flags they were compiled
-# with, and a linker keeps one of each: without this a program built with -mavx2 would share them
-# with libraries built with EIGEN_DONT_VECTORIZE, and either side would call code that was made for
-# the other's alignment (docs/decisions/0010). Sealing twice changes nothing.
+# Merges an archive into one object and makes its template instances and inline functions local,
+# mostly those of Eigen. Such functions have the same names whatever flags they were compiled with,
+# and a linker keeps only one of each. Without sealing, a program built with -mavx2 would share them
+# with libraries built with EIGEN_DONT_VECTORIZE. Either side would then call code compiled for the
+# other's alignment (docs/decisions/0010). Sealing twice has no further effect.
 cmake_minimum_required(VERSION 3.25)
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE code ERROR_VARIABLE said OUTPUT_QUIET)
@@ -15,19 +16,20 @@ endfunction()
 
 set(object "${ARCHIVE}.o")
 set(shared_names "${ARCHIVE}.names")
-# Groups are what a linker keeps one of; with the option they become plain sections.
+# A linker keeps one copy of each section group; the option turns groups into plain sections.
 run(${LINKER} -r --force-group-allocation -o "${object}" --whole-archive "${ARCHIVE}")
 execute_process(
   COMMAND ${NM} --defined-only --format=posix "${object}"
   OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)
-# V, W: defined and weak; u: one in the whole process.
+# V, W: defined and weak; u: unique in the process.
 string(REGEX MATCHALL "[^\n ]+ [VWu] " shared "${symbols}")
 list(TRANSFORM shared REPLACE " . $" "")
-# Tables of our own classes are weak even where one file alone has them; they hold no code.
+# Virtual tables and type information of vantage's classes are weak even if only one file has them;
+# they contain no code, so they are excluded.
 list(FILTER shared EXCLUDE REGEX "^_ZT[VTIS]N7vantage")
 list(JOIN shared "\n" shared)
 file(WRITE "${shared_names}" "${shared}\n")
-run(${OBJCOPY} "--weaken-symbols=${shared_names}" "${object}")  # or unique ones stay so
+run(${OBJCOPY} "--weaken-symbols=${shared_names}" "${object}")  # otherwise unique symbols remain unique
 run(${OBJCOPY} "--localize-symbols=${shared_names}" "${object}")
 file(REMOVE "${ARCHIVE}")
 run(${AR} qcs "${ARCHIVE}" "${object}")

@@ -1,11 +1,13 @@
-# The parts of vantage that others may use on their own: what is in each, which other ones it needs,
-# and which packages of Debian. Read by the build and, installed, by find_package(vantage).
+# Components of vantage that other projects may use separately: their libraries, the components that
+# they need, and their Debian packages. Read by the build and, once installed, by
+# find_package(vantage).
 include_guard()
 
 set(vantage_components core models wire scenario planner estimator scenario_reader drivers bus logs)
 
-# vantage_<component>_libraries: its libraries; where there is no library of its name, the component
-# stands for all of them. …_needs: other components. …_packages: see vantage_find_package().
+# vantage_<component>_libraries: its libraries; if none has the component's name, an interface
+# library of that name links all of them. …_needs: other components. …_packages: see
+# vantage_find_package().
 set(vantage_core_libraries core)
 set(vantage_core_needs)
 set(vantage_core_packages Eigen3)
@@ -48,7 +50,8 @@ set(vantage_logs_libraries
 set(vantage_logs_needs bus scenario_reader)
 set(vantage_logs_packages nlohmann_json fmt ZSTD)
 
-# vantage_with_needs(<variable> <component>…): those and all that they need, in order.
+# vantage_with_needs(<variable> <component>…): sets <variable> to the components and all that they
+# need, in order.
 function(vantage_with_needs variable)
   set(wanted ${ARGN})
   set(all)
@@ -68,8 +71,8 @@ function(vantage_with_needs variable)
   set(${variable} ${ordered} PARENT_SCOPE)
 endfunction()
 
-# vantage_find_package(<name>): sets <name>_FOUND and makes the targets that libraries link.
-# The names of Debian's packages are for the sentence that says what is missing.
+# vantage_find_package(<name>): sets <name>_FOUND and creates the targets that libraries link. The
+# Debian package names are for the error message about a missing package.
 set(vantage_debian_Eigen3 libeigen3-dev)
 set(vantage_debian_yaml-cpp libyaml-cpp-dev)
 set(vantage_debian_fmt libfmt-dev)

@@ -1,6 +1,6 @@
-# What `cmake --install` puts where, by parts: runtime (commands, scenarios, page), dev (libraries,
-# headers, find_package), lcmtypes (the messages for other languages), doc. tools/dev/package makes a
-# Debian package of each.
+# Rules of `cmake --install`, by parts: runtime (commands, scenarios, page), dev (libraries,
+# headers, find_package), lcmtypes (the messages for other languages), doc. tools/dev/package makes
+# a Debian package of each part.
 include_guard()
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
@@ -8,7 +8,7 @@ include(CMakePackageConfigHelpers)
 set(data ${CMAKE_INSTALL_DATADIR}/vantage)
 set(cmake_folder ${CMAKE_INSTALL_LIBDIR}/cmake/vantage)
 
-# --- dev: components that others link ---
+# --- dev: components that other projects link ---
 set(installed_headers)
 foreach(component IN LISTS built_components)
   set(libraries)
@@ -45,7 +45,7 @@ foreach(component IN LISTS built_components)
     DESTINATION ${cmake_folder} COMPONENT dev)
 endforeach()
 
-# --- dev: headers, as others include them ---
+# --- dev: headers, with the include paths of other projects ---
 list(REMOVE_DUPLICATES installed_headers)
 set(relative_headers)
 foreach(header IN LISTS installed_headers)
@@ -67,8 +67,7 @@ add_custom_target(vantage_headers ALL DEPENDS ${PROJECT_BINARY_DIR}/headers.stam
 install(DIRECTORY ${PROJECT_BINARY_DIR}/include/vantage
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev)
 
-# --- dev: find_package(vantage) ---
-# Before 1.0 any minor version may break what others wrote.
+# Before 1.0 any minor version may break the code of users.
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/vantageConfigVersion.cmake
   COMPATIBILITY SameMinorVersion)
 install(
@@ -76,7 +75,7 @@ install(
     cmake/VantageComponents.cmake
   DESTINATION ${cmake_folder} COMPONENT dev)
 
-# --- lcmtypes: what other languages need to speak on the bus ---
+# --- lcmtypes: message types for other languages ---
 if(TARGET vantage_lcm)
   get_target_property(lcm_sources vantage_lcm VANTAGE_LCM_SOURCES)
   set(languages ${PROJECT_BINARY_DIR}/lcmtypes_languages)
@@ -116,7 +115,7 @@ endif()
 
 # --- runtime: commands, scenarios, the viewer's page, systemd's unit ---
 if(VANTAGE_EVERYTHING)
-  # tools/dev/package writes them from --help.
+  # Written by tools/dev/package from --help.
   install(DIRECTORY ${PROJECT_BINARY_DIR}/packaging/man1
     DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT runtime OPTIONAL)
   install(TARGETS
@@ -124,7 +123,7 @@ if(VANTAGE_EVERYTHING)
     vantage-sensor vantage-sim vantage-vicon vantage-vicon-emulator
     RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime)
   install(DIRECTORY config DESTINATION ${data} COMPONENT runtime)
-  # What they are made of, where somebody can tell: python3 and dpkg.
+  # Software bill of materials of the programs, if python3 and dpkg are available.
   find_program(PYTHON3_PROGRAM python3)
   find_program(DPKG_QUERY dpkg-query)
   if(PYTHON3_PROGRAM AND DPKG_QUERY)
@@ -138,7 +137,8 @@ if(VANTAGE_EVERYTHING)
         COMMAND_ERROR_IS_FATAL ANY)" COMPONENT runtime)
   endif()
   install(DIRECTORY ${PROJECT_BINARY_DIR}/page DESTINATION ${data} COMPONENT runtime OPTIONAL)
-  # The unit names the programs where they are installed, which a package knows later than this.
+  # The unit contains the installed paths of the programs, which a package knows only at install
+  # time.
   set(pages ${CMAKE_INSTALL_DATADIR}/doc/vantage)
   foreach(part runtime doc)
     install(CODE "
@@ -155,8 +155,8 @@ if(VANTAGE_EVERYTHING)
     DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME vantage
     COMPONENT runtime)
 
-  # --- doc ---
-  # As they lie in the sources, with what they lead to, so that links hold (docs.links).
+  # Copied with the folder structure of the sources and with the linked files, so that links are
+  # valid (docs.links).
   install(DIRECTORY docs examples DESTINATION ${pages} COMPONENT doc
     PATTERN systemd EXCLUDE PATTERN __pycache__ EXCLUDE)
   install(DIRECTORY ${PROJECT_BINARY_DIR}/site/ DESTINATION ${pages}/html COMPONENT doc OPTIONAL)

@@ -1,7 +1,7 @@
 # vantage_lcm_types(<target> PACKAGE vantage_lcm TYPES a_t b_t)
 #
-# Runs lcm-gen on <type>.lcm and exposes the generated headers as a SYSTEM interface target, so
-# -Wconversion does not read code nobody here wrote. (Debian's liblcm has no CMake package.)
+# Runs lcm-gen on <type>.lcm and provides the generated headers as a SYSTEM interface target, so
+# that -Wconversion ignores generated code. (Debian's liblcm has no CMake package.)
 include_guard()
 
 function(vantage_lcm_types target)

@@ -1,5 +1,5 @@
-# Debian packages of what is installed (tools/dev/package): one for each part of VantageInstall, and
-# python3-vantage where python/ installs a part of that name.
+# Debian packages of the installed files (tools/dev/package): one for each part of VantageInstall,
+# and python3-vantage if python/ installs a part of that name.
 set(CPACK_GENERATOR DEB)
 set(VANTAGE_MAINTAINER "vantage developers <vantage@localhost>" CACHE STRING
   "Whom the packages name as their maintainer")
@@ -35,14 +35,14 @@ macro(vantage_package part)
   else()
     set(CPACK_DEBIAN_${upper}_PACKAGE_SHLIBDEPS ON)
   endif()
-  # What Debian asks of every package.
+  # Files that Debian requires in every package.
   set(papers ${PROJECT_BINARY_DIR}/packaging/${PACKAGE_NAME})
   file(READ ${PROJECT_SOURCE_DIR}/LICENSE license)
   file(READ ${PROJECT_SOURCE_DIR}/packaging/copyright copyright)
   file(CONFIGURE OUTPUT ${papers}/copyright CONTENT "${license}\n${copyright}" @ONLY)
   install(FILES ${papers}/copyright
     DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${PACKAGE_NAME} COMPONENT ${part})
-  # tools/dev/package writes it.
+  # Written by tools/dev/package.
   install(FILES ${PROJECT_BINARY_DIR}/packaging/changelog.gz
     DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${PACKAGE_NAME} COMPONENT ${part} OPTIONAL)
 endmacro()

@@ -1,4 +1,4 @@
-# The ways to make a target. Sources are always listed by hand, never globbed.
+# Functions that create targets. Sources are always listed explicitly, never globbed.
 include_guard()
 include(VantageComponents)
 
@@ -7,32 +7,32 @@ option(VANTAGE_OWN_LIBM "sin, exp, log, … with the same bits on every machine 
   ${PROJECT_IS_TOP_LEVEL})
 option(VANTAGE_HARDENED
   "For packages: stack and library hardening, and no folder of this machine in what is made" OFF)
-# What tools/demo and tools/test begin a build folder with. Not for everyday: a file that was changed
-# is compiled with seven others, and includes that are missing do not show.
+# VANTAGE_UNITY is set by tools/demo and tools/test in a new build folder. It is not for daily work:
+# a changed file is compiled together with seven others, and missing includes are not detected.
 option(VANTAGE_UNITY "Compile up to eight files of a library at once: from nothing in half the time" OFF)
 option(VANTAGE_WARNINGS_AS_ERRORS "Treat warnings as errors" OFF)
 
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
 find_program(CCACHE ccache)
 if(CCACHE)
-  # The sloppiness is what ccache asks for where headers are precompiled.
+  # ccache requires this sloppiness for precompiled headers.
   set(CMAKE_CXX_COMPILER_LAUNCHER
     ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
 endif()
 
-# Warnings, standard and instruction set, linked PRIVATE by every target we write ourselves.
-# EIGEN_MAX_ALIGN_BYTES=16 keeps the layout of Eigen members equal to the one that Debian's FCL was
-# compiled with; without it FCL returns wrong contacts silently once AVX is on.
-# EIGEN_DONT_VECTORIZE: Eigen's loops over matrices of run-time size peel by the address's alignment,
-# so the last bits of a result depend on where the stack happens to be; then no replay is exact. The
-# hot loops are our own and are vectorised by the compiler (docs/decisions/0004).
+# Warnings, standard and instruction set, linked PRIVATE by every target of this project.
+# EIGEN_MAX_ALIGN_BYTES=16 keeps the layout of Eigen members equal to that of Debian's FCL. Without
+# it FCL silently returns wrong contacts once AVX is enabled.
+# EIGEN_DONT_VECTORIZE: Eigen's loops over matrices of run-time size peel by the alignment of the
+# address. The last bits of a result would then depend on stack addresses, and no replay would be
+# exact. The compiler vectorises the project's own hot loops (docs/decisions/0004).
 add_library(vantage_build_flags INTERFACE)
 target_compile_features(vantage_build_flags INTERFACE cxx_std_20)
 target_compile_definitions(vantage_build_flags INTERFACE
   EIGEN_MAX_ALIGN_BYTES=16 EIGEN_MAX_STATIC_ALIGN_BYTES=16 EIGEN_DONT_VECTORIZE)
-# Every bit is the same whatever compiler, flags, processor and C library (docs/decisions/0014): no
-# product and sum become one rounding where the processor could, and sin, exp, log, … are those of
-# core/libm, which no compiler may work out beforehand in its own way.
+# Results are bit-identical for every compiler, flag, processor and C library (docs/decisions/0014).
+# Products and sums are not contracted to one rounding. sin, exp, log, … come from core/libm, and
+# the compiler must not evaluate them at compile time.
 target_compile_options(vantage_build_flags INTERFACE -ffp-contract=off)
 if(VANTAGE_OWN_LIBM)
   foreach(function
@@ -43,24 +43,25 @@ if(VANTAGE_OWN_LIBM)
     ${PROJECT_SOURCE_DIR}/core/libm/first)
 endif()
 target_compile_options(vantage_build_flags INTERFACE
-  -pthread  # everywhere, or the precompiled headers do not fit where some library asks for it
-  # Everywhere, so that what Python loads is made of the very objects that fly; without interposition
-  # the compiler inlines as it does without -fPIC.
+  -pthread  # everywhere: otherwise precompiled headers do not match in libraries that require it
+  # Everywhere, so that the Python module consists of the same object files as the processes in
+  # flight; without interposition the compiler inlines as without -fPIC.
   -fPIC -fno-semantic-interposition
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion
   -Wold-style-cast -Wnon-virtual-dtor -Woverloaded-virtual
   -Wdouble-promotion -Wimplicit-fallthrough
-  # Optimising, as every preset does, GCC 12 says these pages long of strings, of Eigen's bounded
-  # matrices, vectors and recursions, and wrongly; where they are so the sanitizers' tests say it. And a
-  # unity file is no header.
+  # With optimisation, as in every preset, GCC 12 reports these warnings wrongly for strings,
+  # Eigen's bounded matrices, vectors and recursions; the sanitizer tests detect the real cases. A
+  # unity file is not a header, hence the last option.
   "$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized;-Wno-array-bounds;-Wno-stringop-overflow>"
   "$<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overread;-Wno-restrict>"
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:${VANTAGE_UNITY}>>:-Wno-subobject-linkage>
-  # Tables of messages are made by the compiler; Clang ends that sooner than GCC.
+  # Message tables are computed at compile time; Clang's step limit is lower than GCC's.
   $<$<CXX_COMPILER_ID:Clang>:-fconstexpr-steps=100000000>
   $<$<BOOL:${VANTAGE_WARNINGS_AS_ERRORS}>:-Werror>)
 if(VANTAGE_HARDENED)
-  # Same sources, same bytes, wherever they lie and are built (test/tools/same_bytes.sh).
+  # Same sources give the same bytes, whatever the folders of sources and build
+  # (test/tools/same_bytes.sh).
   target_compile_options(vantage_build_flags INTERFACE
     -ffile-prefix-map=${PROJECT_BINARY_DIR}=build -ffile-prefix-map=${PROJECT_SOURCE_DIR}=vantage
     -fstack-protector-strong -fstack-clash-protection -fcf-protection
@@ -68,20 +69,20 @@ if(VANTAGE_HARDENED)
   target_link_options(vantage_build_flags INTERFACE -Wl,-z,relro -Wl,-z,now -Wl,-z,noexecstack)
 endif()
 if(NOT VANTAGE_PORTABLE AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
-  # Without FMA: told not to fuse, GCC 12 does so all the same where it makes additions and subtractions
-  # of one vector.
+  # Without FMA: even with -ffp-contract=off, GCC 12 fuses if it combines additions and subtractions
+  # in one vector.
   target_compile_options(vantage_build_flags INTERFACE -march=x86-64-v3 -mno-fma)
 endif()
 if(NOT PROJECT_IS_TOP_LEVEL)
   target_include_directories(vantage_build_flags INTERFACE ${PROJECT_SOURCE_DIR})
   if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
-    target_compile_options(vantage_build_flags INTERFACE -O3)  # a search without is of no use
+    target_compile_options(vantage_build_flags INTERFACE -O3)  # searches are too slow without optimisation
   endif()
 endif()
 
-# vantage_precompiled(<name> <header>…): headers compiled once, for target_precompile_headers(…
-# REUSE_FROM <name>).
-# (CONFIGURE, not WRITE: a file that stays the same must not make everything be built again.)
+# vantage_precompiled(<name> <header>…): compiles headers once, for target_precompile_headers(…
+# REUSE_FROM <name>). Uses CONFIGURE, not WRITE: rewriting an unchanged file would rebuild
+# everything.
 file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/precompiled.cpp
   CONTENT "// carries the precompiled headers\n" @ONLY)
 function(vantage_precompiled name)
@@ -91,7 +92,7 @@ function(vantage_precompiled name)
   target_precompile_headers(${name} PRIVATE ${ARGN})
 endfunction()
 
-# What nearly every file includes; what every test includes besides; what commands do.
+# Headers that nearly every file includes, and in addition those of tests and of commands.
 set(vantage_common_headers
   <algorithm> <cmath> <cstdint> <functional> <map> <memory> <optional> <random> <string> <vector>
   <Eigen/Core> <Eigen/Geometry> <Eigen/LU>)
@@ -101,7 +102,7 @@ if(VANTAGE_EVERYTHING)
     ${vantage_common_headers} <filesystem> <CLI/CLI.hpp> <nlohmann/json.hpp>)
 endif()
 
-# vantage_seal(<target>): its archive can be linked by programs that are built with any flags.
+# vantage_seal(<target>): allows programs built with any flags to link the target's archive.
 set(vantage_seal_command ${CMAKE_COMMAND}
   -D LINKER=${CMAKE_LINKER} -D NM=${CMAKE_NM} -D OBJCOPY=${CMAKE_OBJCOPY} -D AR=${CMAKE_AR})
 function(vantage_seal target)
@@ -111,13 +112,15 @@ function(vantage_seal target)
     VERBATIM)
 endfunction()
 
-# vantage_library(<name> UNITS a [HEADERS b.hpp] [SOURCES c.cpp] DEPS vantage::core [PRIVATE_DEPS …])
+# vantage_library(<name> UNITS a [HEADERS b.hpp] [SOURCES c.cpp] DEPS vantage::core
+#   [PRIVATE_DEPS …])
 #
-# A unit is a header and the source of its name: a.hpp and a.cpp. Makes static library `vantage_<name>` with alias `vantage::<name>`. Includes are root-relative:
-# #include "models/sensor/sensor.hpp"; for others they are below vantage/ (VantageInstall). Listing
-# the headers lets `all_verify_interface_header_sets` prove that each one compiles on its own. Where
-# only some components are built (VANTAGE_COMPONENTS), a library whose dependencies are not there is
-# not made.
+# Creates static library `vantage_<name>` with alias `vantage::<name>`. A unit is a header and the
+# source of the same name: a.hpp and a.cpp. Includes are relative to the root
+# ("models/sensor/sensor.hpp"); for other projects they are below vantage/ (VantageInstall). The
+# headers are listed so that `all_verify_interface_header_sets` checks that each compiles on its
+# own. If only some components are built (VANTAGE_COMPONENTS), a library with missing dependencies
+# is not created.
 function(vantage_library name)
   cmake_parse_arguments(ARG "" "" "UNITS;HEADERS;SOURCES;DEPS;PRIVATE_DEPS" ${ARGN})
   foreach(unit IN LISTS ARG_UNITS)
@@ -158,8 +161,8 @@ function(vantage_library name)
   list(TRANSFORM ARG_HEADERS PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
   set_target_properties(vantage_${name} PROPERTIES VANTAGE_HEADERS "${ARG_HEADERS}")
   if(PROJECT_IS_TOP_LEVEL)
-    # A target of their own: one that is exported may have no headers that are not installed as
-    # they are.
+    # A separate target: an exported target must not have headers that are installed in a changed
+    # form.
     add_library(vantage_${name}_headers INTERFACE)
     target_sources(vantage_${name}_headers
       INTERFACE FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${ARG_HEADERS})
@@ -172,8 +175,9 @@ endfunction()
 
 # vantage_app(<name> [COMMAND] SOURCES main.cpp DEPS vantage::estimator) -> executable `<name>`
 #
-# COMMAND: most of its files parse words and write JSON themselves. (Who has the parser's header has its
-# code compiled, too: ten seconds for a main of twenty lines.)
+# COMMAND: most files of the program use the command-line parser and JSON directly, so both are
+# precompiled. (The parser's header alone adds ten seconds to the compilation of a main() of twenty
+# lines.)
 function(vantage_app name)
   cmake_parse_arguments(ARG "COMMAND" "" "SOURCES;DEPS" ${ARGN})
   if(NOT VANTAGE_EVERYTHING)
@@ -191,12 +195,12 @@ function(vantage_app name)
     add_dependencies(vantage_programs ${name})
   endif()
 endfunction()
-# Everything that a person types and that these start: what tools/demo builds.
+# All commands and the programs that they start; built by tools/demo.
 add_custom_target(vantage_programs)
 
 # vantage_process(<name> [UNITS app/node …] [HEADERS …] DEPS vantage::bus) -> library `<name>_node`
-# (of app/node where nothing else is said) and executable `vantage-<name>` (of app/main.cpp): one
-# process of the stack.
+# (from app/node by default) and executable `vantage-<name>` (from app/main.cpp): one process of the
+# stack.
 function(vantage_process name)
   cmake_parse_arguments(ARG "" "" "UNITS;HEADERS;DEPS" ${ARGN})
   if(NOT ARG_UNITS)
@@ -210,8 +214,9 @@ endfunction()
 
 # vantage_test(<room> SOURCES x_test.cpp DEPS vantage::models [LABEL unit] [TIMEOUT 60])
 #
-# One executable per room; every TEST() is its own ctest entry, named <room>.<Suite>.<Case>. What is tested
-# is compiled as it flies; the tests themselves in half of the time (the bits are the same: decision 14).
+# One executable per folder; every TEST() is a ctest entry, named <room>.<Suite>.<Case>. The tested
+# code is compiled as for flight. The tests use -O1, which halves their compilation time (results
+# are bit-identical: decision 14).
 set(vantage_test_options $<$<CONFIG:Release>:-O1>)
 function(vantage_test name)
   cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "SOURCES;DEPS" ${ARGN})
@@ -222,7 +227,7 @@ function(vantage_test name)
     set(ARG_TIMEOUT 120)
   endif()
   if(CMAKE_CXX_FLAGS MATCHES "-fsanitize|--coverage")
-    math(EXPR ARG_TIMEOUT "5 * ${ARG_TIMEOUT}")  # what ends is not late: counting slows tenfold
+    math(EXPR ARG_TIMEOUT "5 * ${ARG_TIMEOUT}")  # the instrumentation slows programs up to tenfold
   endif()
   add_executable(${name}_test ${ARG_SOURCES})
   set_target_properties(${name}_test PROPERTIES CXX_EXTENSIONS OFF)
@@ -235,7 +240,7 @@ function(vantage_test name)
   target_compile_options(${name}_test PRIVATE ${vantage_test_options})
   target_link_libraries(${name}_test
     PRIVATE ${ARG_DEPS} GTest::gtest_main vantage_build_flags)
-  # Real measurements live beside the checkout, if at all; tests that want them skip without.
+  # Real measurements are next to the checkout, if present; tests that need them skip otherwise.
   target_compile_definitions(${name}_test PRIVATE
     VANTAGE_DATA_DIR="${PROJECT_SOURCE_DIR}/../shared/data"
     VANTAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
