@@ -6,7 +6,7 @@
 namespace vantage {
 
 /// Writes `text` to `path` atomically: writes a file next to it first and renames it, so that
-/// readers find the old or the new text, never a part. A path that is not a regular file
+/// readers find the old or the new text, never a part. An existing path that is not a regular file
 /// (/dev/stdout) is written directly.
 /// @throws std::runtime_error "PATH: cannot be written: REASON"; the previous content is then kept
 void write_file(const std::string& path, std::string_view text);

@@ -147,9 +147,9 @@ enum class TeamAlgorithm {
 
 struct PlannerSpec {
   PlanObjective objective = PlanObjective::kTracking;
-  std::string algorithm = "arvi";  ///< one of kSearchWords
-  int horizon_steps = 12;          ///< T
-  double step_s = 0.5;             ///< τ
+  std::string algorithm = "arvi";  ///< one of kSearchWords, or kExternalSearch
+  int horizon_steps = 12;          ///< T: number of steps of a plan
+  double step_s = 0.5;             ///< τ: duration of one control
   int execute_steps = 6;           ///< n_exec: a round lasts execute_steps · step_s
   double team_budget_s = 0.5;      ///< T_ARVI, divided equally among the robots
   double publish_margin_s = 0.05;  ///< m: between the end of the last slot and the end of the round
@@ -190,8 +190,8 @@ struct AttackSpec {
 /// Wind of a simulated lab, for all flying vehicles. Without it each kind of simulated vehicle has
 /// its own light gusts.
 struct WindSpec {
-  double x_mps = 0.0;  ///< mean, along the world's axes
-  double y_mps = 0.0;
+  double x_mps = 0.0;           ///< mean wind along the world's x axis
+  double y_mps = 0.0;           ///< mean wind along the world's y axis
   double gust_sigma_mps = 0.1;  ///< 1σ on each horizontal axis
 };
 

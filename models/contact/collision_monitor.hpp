@@ -96,8 +96,8 @@ class CollisionMonitor {
   NearPairs near_;
   std::vector<NearPairs::Pair> candidates_;
   std::vector<NearPairs::Pair> in_contact_;  ///< touching or near at the last step, ascending
-  std::vector<Contact> pairs_;               ///< i < j: j (j − 1) / 2 + i
-  std::vector<Contact> obstacles_;           ///< body · obstacles + obstacle
+  std::vector<Contact> pairs_;               ///< index of i < j: j (j − 1) / 2 + i
+  std::vector<Contact> obstacles_;           ///< index: body · number of obstacles + obstacle
   std::vector<Contact> bounds_;              ///< per body
   std::vector<std::string> obstacle_names_;
   double min_separation_m_;

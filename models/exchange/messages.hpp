@@ -44,8 +44,8 @@ struct MocapBody {
 
 /// All bodies at one instant (channel VICON).
 struct MocapFrame {
-  Stamp stamp;  ///< stamp.time: capture time
-  Time arrival{};
+  Stamp stamp;     ///< stamp.time: capture time
+  Time arrival{};  ///< at the publisher
   std::int64_t frame_number = 0;
   std::vector<MocapBody> bodies;
 
@@ -80,7 +80,7 @@ struct DetectionSet {
 /// One robot's belief of one target.
 struct TargetBelief {
   int target_id = 0;        ///< or, from kTrackLabelMin on, the label of a track
-  Information information;  ///< at the message's time
+  Information information;  ///< at stamp.time of the message
   Time last_seen{};         ///< newest measurement of any robot that was fused
 };
 
@@ -93,7 +93,7 @@ struct RobotBelief {
   int degree = 0;                     ///< number of neighbours in communication range at this step
   std::vector<TargetBelief> targets;  ///< discovered targets, by ascending target_id
   GridGeometry grid;
-  std::vector<std::int64_t> last_seen_utime;  ///< per cell, VisibilityGrid::kNeverSeen for never
+  std::vector<std::int64_t> last_seen_utime;  ///< per cell; VisibilityGrid::kNeverSeen: never
   std::vector<InputRef> inputs;               ///< messages that this step used, in order of use
 };
 
@@ -159,8 +159,8 @@ struct RobotPlan {
   std::int64_t round = 0;
   PlanSource source = PlanSource::kBraking;
   Trajectory trajectory;
-  int horizon_steps = 0;     ///< T
-  double step_s = 0.5;       ///< τ
+  int horizon_steps = 0;     ///< T: number of steps of a plan
+  double step_s = 0.5;       ///< τ: duration of one control
   double cost = 0.0;         ///< J_T of the search, nats; NaN if nothing was searched
   double lower_bound = 0.0;  ///< proven bound on J_T, nats; −∞ if none
   double epsilon = 0.0;      ///< ε of the last finished pass; ∞ for the greedy pass
@@ -170,7 +170,7 @@ struct RobotPlan {
   Time slot_start{};
   Time deadline{};    ///< end of the slot
   Time finish{};      ///< end of the search
-  bool late = false;  ///< finish > deadline
+  bool late = false;  ///< true: finish > deadline
   std::vector<InputRef> inputs;
 };
 

@@ -14,7 +14,7 @@ namespace vantage::scenario {
 /// layer that has it is used, recursively for nested mappings. So robot_defaults lie under every
 /// robot, while each value keeps its own line number for errors.
 ///
-/// An absent key leaves the variable unchanged. Create it with read_mapping().
+/// An absent key leaves the variable unchanged. Objects are created by read_mapping().
 class Mapping {
  public:
   void number(std::string_view key, double& value, const Range& range);

@@ -54,7 +54,7 @@ struct Value {
   /// Returns a whole number within [min, max], written without point or exponent.
   [[nodiscard]] std::int64_t integer(std::int64_t min, std::int64_t max) const;
   [[nodiscard]] std::uint64_t unsigned_integer() const;
-  /// Accepts only `true` and `false`.
+  /// Returns true or false; refuses other spellings than `true` and `false`.
   [[nodiscard]] bool flag() const;
   /// Returns a text that is not empty; refuses a JSON number.
   [[nodiscard]] std::string text() const;
