@@ -129,7 +129,7 @@ Child::~Child() { end(); }
 
 void Child::end() {
   if (pid_ > 0 && !exit_) {
-    ::kill(-pid_, SIGKILL);  // its process group: else descendants, as of a browser, go on
+    ::kill(-pid_, SIGKILL);  // its group: descendants, for example of a browser, would go on
     send(SIGKILL);           // if it left its group
     ::waitpid(pid_, nullptr, 0);
   }

@@ -38,7 +38,7 @@ class LifeSign {
   InFlight said_ = InFlight::kUnknown;
 };
 
-/// Supervisor end of that pipe, one for each start of a process.
+/// Supervisor end of the pipe of a LifeSign, one for each start of a process.
 class LifeLine {
  public:
   LifeLine() = default;
