@@ -66,7 +66,7 @@ std::vector<Measurement> sample_clutter(const SensorModel& sensor, const Viewpoi
   if (clutter_per_look <= 0.0) {
     return alarms;
   }
-  constexpr int kTriesMax = 1000;  // smaller shares of the range in view give no alarm
+  constexpr int kTriesMax = 1000;  // tries; a view below 1/1000 of the range gives no alarm
   const int count = draw_poisson(clutter_per_look, rng);
   const double least_m2 = sensor.range_min_m * sensor.range_min_m;
   const double most_m2 = sensor.range_max_m * sensor.range_max_m;

@@ -229,8 +229,8 @@ Eigen::Vector3d start_in_space_m(const RobotSpec& robot) {
   return {robot.start.x_m, robot.start.y_m, robot.height_m};
 }
 
-/// Checks that the robots start at least separation_m apart, because the planner keeps that
-/// distance from the first instant on.
+/// Checks that separation_m covers the radii and that the robots start at least separation_m apart,
+/// because the planner keeps that distance from the first instant on.
 void check_separation(Mapping& from, const RobotSpec& robot, const Scenario& scenario) {
   for (const RobotSpec& other : scenario.robots) {
     const double separation_m = scenario.planner.separation_m;
