@@ -12,7 +12,7 @@ enum class SecurityMode {
   kRequire,  ///< refuse them
 };
 
-/// Message authentication on the bus (docs/security.md).
+/// Message authentication on the bus (docs/guide/security.md).
 struct SecuritySpec {
   SecurityMode mode = SecurityMode::kOff;
   std::string keys;  ///< folder created by `vantage keys new`
