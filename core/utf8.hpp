@@ -13,7 +13,8 @@ std::size_t utf8_bytes(std::string_view text, std::size_t at);
 bool is_utf8(std::string_view text);
 
 /// Returns `text` as one line of UTF-8 that is readable and valid in JSON. Bytes outside UTF-8,
-/// control characters (printable()) and the backslash become `\\xNN`. Different texts stay different.
+/// control characters (printable()) and the backslash become `\\xNN`. Different texts stay
+/// different.
 std::string readable(std::string_view text);
 
 /// Returns `text` with unsafe bytes escaped for a terminal. Bytes outside UTF-8 and control
