@@ -25,7 +25,7 @@ using SteadyTime = std::chrono::steady_clock::time_point;
 
 constexpr milliseconds kHurryPeriod{20};
 
-// A signal may end a single wait before its time.
+// Loops, because a signal may end a single wait early.
 std::optional<ChildExit> wait_until(Child& child, SteadyTime deadline,
                                     const std::function<bool()>& hurry) {
   while (true) {
@@ -41,7 +41,8 @@ std::optional<ChildExit> wait_until(Child& child, SteadyTime deadline,
 
 std::string output_of(const ProcessSpec& spec) { return spec.folder + "/output.txt"; }
 
-/// What it said last, where it does not say it where we do: "", or "; it said '...' (FILE)".
+/// Returns the last line of the process's output file, as "; it said '...' (FILE)"; "" if the
+/// process has no output file or the file is empty.
 std::string last_words(const ProcessSpec& spec) {
   constexpr std::streamoff kEnd_bytes = 400;
   if (spec.folder.empty()) {
@@ -59,7 +60,7 @@ std::string last_words(const ProcessSpec& spec) {
   return last.empty() ? "" : fmt::format("; it said '{}' ({})", last, output_of(spec));
 }
 
-/// As `spec` says, with a new `line` for its signs of life.
+/// Starts the process of `spec` with a new pipe `line` for its signs of life.
 Result<Child> start_child(const ProcessSpec& spec, LifeLine& line) {
   ChildPlace place{-1, spec.folder, spec.end_signal};
   place.keep_open = spec.keep_open;
@@ -128,7 +129,7 @@ void Supervisor::take_signs(Supervised& process, Nanoseconds now_ns) {
   }
 }
 
-// A process that hangs holds its place and does nothing: its end makes room for a new one.
+// Kills processes that hang, so that poll() restarts them.
 void Supervisor::kill_hung(Nanoseconds now_ns, std::vector<SupervisorEvent>& events) {
   for (const std::string& name : watchdog_.overdue(time_of(now_ns))) {
     if (Child* const child = find(name)) {
@@ -140,7 +141,8 @@ void Supervisor::kill_hung(Nanoseconds now_ns, std::vector<SupervisorEvent>& eve
 
 SupervisorEvent Supervisor::on_end(Supervised& process, const ChildExit& how, Nanoseconds now_ns) {
   take_signs(process, now_ns);
-  // After a failure in flight the vehicle needs a new driver; in a hurry its autopilot lands it.
+  // After a failure in flight the vehicle needs a new driver. After a second request its autopilot
+  // lands it instead.
   const bool is_left = process.in_flight == InFlight::kYes && driver_requests_ == 1;
   const bool was_asked = !process.spec.vehicle.empty() && driver_requests_ > 0;
   if (was_asked && (how.is_success() || !is_left)) {
@@ -216,7 +218,7 @@ std::vector<SupervisorEvent> Supervisor::poll(Nanoseconds monotonic_ns) {
   return events;
 }
 
-// Two different signals: of one that is sent twice at once the second is lost.
+// Sends two different signals, as the second of two equal pending signals would be lost.
 void Supervisor::ask_driver(Supervised& process) const {
   if (!process.spec.vehicle.empty() && process.child) {
     process.child->send(SIGTERM);
@@ -276,7 +278,7 @@ std::vector<std::string> Supervisor::stop_all(milliseconds patience,
     }
     take_signs(*process, monotonic_ns());
     process->last_end = ended ? ended->describe() : "killed";
-    process->child.reset();  // kills and reaps what is left
+    process->child.reset();  // kills and reaps the process and its children
     process->phase = SupervisedPhase::kEnded;
   }
   return killed;

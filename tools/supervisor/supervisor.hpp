@@ -16,38 +16,38 @@
 
 namespace vantage::tools {
 
-/// One process to keep alive.
+/// Description of a process to keep alive.
 struct ProcessSpec {
   std::string name;
-  std::vector<std::string> arguments;  ///< the executable first
-  bool is_essential = false;           ///< without it there is no point in going on
+  std::vector<std::string> arguments;  ///< begins with the executable
+  bool is_essential = false;           ///< the trial ends if this process is given up
   /// Called before each start but the first.
   std::function<void()> before_restart = {};
-  /// Made if need be; the process works there, and what it writes goes into `output.txt`. Empty: it
-  /// works and writes where we do.
+  /// Working folder, created if missing; the output of the process is appended to its `output.txt`.
+  /// Empty: working folder and output of the supervisor.
   std::string folder = {};
-  std::map<std::string, std::string> files = {};  ///< written there before each start, by name
-  int end_signal = SIGTERM;                       ///< that ends it
-  /// It is ended and started again after so long without a sign of life (core/life_line); 0: it is
-  /// no program of ours, gives no signs and is not watched.
+  std::map<std::string, std::string> files = {};  ///< content by name, written there at each start
+  int end_signal = SIGTERM;                       ///< signal that ends the process
+  /// s; longest time without a sign of life (core/life_line) before the process is killed and
+  /// restarted. 0: a foreign program, which gives no signs of life and is not watched.
   double patience_s = 0.0;
-  std::string vehicle = {};         ///< that it drives; empty: none
-  std::vector<int> keep_open = {};  ///< descriptors that it needs
+  std::string vehicle = {};         ///< vehicle that the process drives; empty: none
+  std::vector<int> keep_open = {};  ///< descriptors that the process inherits
 };
 
 struct SupervisedStatus {
   std::string name;
   models::SupervisedPhase phase = models::SupervisedPhase::kRunning;
   int restarts = 0;
-  double down_s = 0.0;        ///< not running, since its first start
-  std::string last_end = {};  ///< how it last ended; empty: it never did
+  double down_s = 0.0;        ///< s; time in which it was not running since its first start
+  std::string last_end = {};  ///< how it last ended, such as "exit 1"; empty: it never ended
   pid_t pid = 0;              ///< 0 while it is not running
   bool is_essential = false;
-  std::string vehicle = {};                 ///< that it drives; empty: none
-  InFlight in_flight = InFlight::kUnknown;  ///< the vehicle, by the last sign of life
+  std::string vehicle = {};                 ///< vehicle that the process drives; empty: none
+  InFlight in_flight = InFlight::kUnknown;  ///< state of the vehicle in the last sign of life
 };
 
-/// Something that happened to a process, and a sentence about it.
+/// Event of a process, with a sentence that describes it.
 struct SupervisorEvent {
   enum class Kind { kEnded, kStarted, kGivenUp, kHung };
   std::string name;
@@ -55,39 +55,40 @@ struct SupervisorEvent {
   std::string words;
 };
 
-/// Starts processes, ends those that give no signs of life, starts the dead ones again, ends them
-/// all. Signs of life come by a pipe of each process alone, so that the network has no part in it.
-/// The driver of a vehicle that may be in flight is started again without end. Single thread; it is
-/// handed the time (of the monotonic clock), so that back-off can be tested without waiting.
+/// Supervisor of child processes: starts them, kills those that give no signs of life, restarts
+/// those that end, and ends them all. Each process sends its signs of life by its own pipe, so that
+/// they do not depend on the network. The driver of a vehicle that may be in flight is restarted
+/// without limit. Single-threaded. The caller passes the time of the monotonic clock, so that tests
+/// of the back-off need not wait.
 class Supervisor {
  public:
   using Nanoseconds = RestartSchedule::Nanoseconds;
   explicit Supervisor(RestartPolicy policy = {}) : policy_(policy) {}
 
-  /// @throws StartupError when it cannot be executed at all.
+  /// Starts a process. @throws StartupError if it cannot be executed.
   void start(const ProcessSpec& spec, Nanoseconds monotonic_ns);
-  /// Takes signs of life, kills what gives none, reaps the dead and starts again those whose
-  /// back-off is over; what happened, in that order.
+  /// Reads signs of life, kills processes without them, reaps those that have ended and restarts
+  /// those whose back-off is over. Returns the events in that order.
   std::vector<SupervisorEvent> poll(Nanoseconds monotonic_ns);
-  /// Asks the drivers of vehicles to end; each further call is one more request. A driver that has
-  /// ended then is not started again, unless it failed while its vehicle may be in flight: then its
-  /// successor is asked as soon as it has started.
+  /// Requests the vehicle drivers to end; each further call is one more request. A driver that ends
+  /// after that is not restarted, except if it failed after a single request while its vehicle may
+  /// be in flight. A restarted driver gets the requests as soon as it has started.
   void end_drivers();
   [[nodiscard]] bool have_drivers_ended() const;
-  /// Sends `signal` to every process of ours.
+  /// Sends `signal` to all running processes that give signs of life, i.e. not to firmware.
   void send_to_ours(int signal);
-  /// SIGTERM to all in reverse order of starting, waits for them, SIGKILL to those still alive
-  /// after `patience` or once `hurry`, asked all the time, says so; what had to be killed. Nothing
-  /// is started again after that.
+  /// Sends each process its end signal in reverse order of starting and waits for all of them.
+  /// Kills those that are alive after `patience`, or as soon as `hurry` (polled) returns true.
+  /// Returns the names of the killed processes. Nothing is restarted after that.
   std::vector<std::string> stop_all(std::chrono::milliseconds patience,
                                     const std::function<bool()>& hurry = {});
 
   [[nodiscard]] std::vector<SupervisedStatus> status(Nanoseconds monotonic_ns) const;
   [[nodiscard]] int restarts() const;
   [[nodiscard]] bool any_given_up() const;
-  /// The name of an essential process that was given up.
+  /// Returns the name of an essential process that was given up; nullopt if there is none.
   [[nodiscard]] std::optional<std::string> lost_essential() const;
-  /// nullptr while it is not running.
+  /// Returns the process of that name; nullptr while it is not running.
   [[nodiscard]] Child* find(const std::string& name);
 
  private:
@@ -99,7 +100,7 @@ class Supervisor {
     std::string last_end = {};
     Nanoseconds restart_at_ns = 0;
     LifeLine line = {};
-    InFlight in_flight = InFlight::kUnknown;  ///< its vehicle, by the last sign that knew it
+    InFlight in_flight = InFlight::kUnknown;  ///< last known state of its vehicle
   };
   void take_signs(Supervised& process, Nanoseconds now_ns);
   void kill_hung(Nanoseconds now_ns, std::vector<SupervisorEvent>& events);
@@ -111,7 +112,7 @@ class Supervisor {
 
   RestartPolicy policy_;
   Watchdog watchdog_;
-  int driver_requests_ = 0;  ///< to end
+  int driver_requests_ = 0;  ///< number of calls of end_drivers()
   std::vector<Supervised> processes_;
 };
 

@@ -9,35 +9,35 @@
 
 namespace vantage::tools {
 
-/// Tells which processes run but live no more: those that gave signs of life and have stopped.
-/// Pure; `now` is monotonic. Time in which nobody looked, for who looks was held up or put to
-/// sleep, is not their silence.
+/// Detects processes that hang: they gave signs of life and have stopped. Pure; `now` is monotonic.
+/// A long pause between two calls of overdue() (the caller was delayed or suspended) does not count
+/// as silence of the processes.
 class Watchdog {
  public:
-  /// Between two looks, at most: of a longer pause no more counts.
+  /// s; most that the time between two calls of overdue() counts as silence.
   static constexpr double kLookS = 0.25;
-  /// For the first sign of one that is started again and gave signs before.
+  /// s; time for the first sign of a restarted process, if it gave signs before the restart.
   static constexpr double kFirstSignS = 15.0;
 
-  /// From now on `process` has to give a sign at least each `patience_s`, once it has given one.
+  /// Starts to watch `process`. After its first sign it must give one at least every `patience_s`.
   void watch(const std::string& process, double patience_s) {
     watched_[process] = Watched{};
     watched_[process].patience_s = patience_s;
   }
   void on_sign(const std::string& process, Time now);
-  /// It has ended: until it is started again nothing is expected of it.
+  /// Notes that the process has ended: no signs are expected until it is restarted.
   void on_end(const std::string& process);
-  /// It has been started anew.
+  /// Notes that the process has been restarted.
   void on_start(const std::string& process, Time now);
-  /// Those overdue, each named once until it gives a sign or is started anew.
+  /// Returns the overdue processes. Each is returned once until it gives a sign or is restarted.
   std::vector<std::string> overdue(Time now);
 
  private:
   struct Watched {
     double patience_s = 0.0;
-    bool has_lived = false;  ///< gave a sign once; some never do
+    bool has_lived = false;  ///< has given a sign; some programs never do
     std::optional<Time> sign;
-    std::optional<Time> start;  ///< since when a first sign is waited for
+    std::optional<Time> start;  ///< restart whose first sign has not come yet
   };
   void leave_out_pause(Time now);
 

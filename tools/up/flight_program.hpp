@@ -11,12 +11,12 @@
 
 namespace vantage::tools {
 
-/// An operator who follows a rule: arms vehicles, has them take off and follow, and lands them at
-/// the end. What a person at the console would type, from what VEHICLE_* says; no clock, no bus.
+/// Automatic operator: arms vehicles, lets them take off and follow plans, and lands them at the
+/// end. Chooses its orders from the vehicle statuses (VEHICLE_*). Uses neither a clock nor the bus.
 ///
-/// It asks again until it is obeyed. A vehicle that another station commands is no longer its own:
-/// it is not told to fly any more, only to land at the end. One that has landed, been killed or
-/// come to rest stays down.
+/// Repeats each order until the vehicle obeys. A vehicle that another station has commanded gets
+/// only the order to land at the end. A vehicle that has landed, been killed or become idle again
+/// stays down.
 class FlightProgram {
  public:
   struct Order {
@@ -27,23 +27,26 @@ class FlightProgram {
   explicit FlightProgram(const std::vector<std::string>& robots);
 
   void on_status(const models::VehicleStatus& status);
-  /// A command by another station than this one; one that is not said now (a log) is ignored.
+  /// Handles a command of another station. Ignores heartbeats and commands that are not recent
+  /// (a log that is played).
   void on_other_station(const models::OperatorCommand& command, Time now);
-  /// What is to be said now; to be asked every 100 ms or so.
+  /// Returns the orders to send now. Call about every 100 ms.
   std::vector<Order> due(Time now);
 
-  /// From now on everything is to come down.
+  /// Lands all vehicles from now on.
   void bring_down() { is_over_ = true; }
-  /// All vehicles are at rest, and have been told so at least once.
+  /// True if every vehicle with a status is idle or killed and was ordered to land at least once.
   [[nodiscard]] bool is_down() const;
   /// Vehicles that have followed a plan since the start.
   [[nodiscard]] const std::set<std::string>& have_flown() const { return have_flown_; }
+  /// Returns the vehicles that are neither idle nor killed.
+  [[nodiscard]] std::vector<std::string> not_down() const;
 
  private:
   struct Vehicle {
     std::optional<models::VehicleStatus> status;
-    bool is_others = false;   ///< another station has spoken to it
-    bool has_lifted = false;  ///< it has been in the air
+    bool is_others = false;   ///< another station has commanded it
+    bool has_lifted = false;  ///< it has left the idle state once
     bool was_told_to_land = false;
     int ground_orders = 0;
     Time next_order{};

@@ -14,18 +14,19 @@
 
 namespace vantage::tools {
 
-/// The name on HOST_* of the only host of a scenario without `hosts`.
+/// Name on HOST_* of the only host of a scenario without `hosts`.
 inline constexpr const char* kOnlyHost = "LOCAL";
 
-/// Makes shares of processor time from readings of how much has been used. Pure.
+/// Converts readings of used processor time into shares of a processor. Pure.
 class UsageMeter {
  public:
   struct Reading {
     std::int64_t cpu_us = 0;
     std::int64_t memory_bytes = 0;
   };
-  /// Puts the usage of the process `status.pid`, as read at `now`, into `process`; of one that does
-  /// not run (no reading) nothing. The share is over at least half a second, else the last one.
+  /// Writes the usage of the process `status.pid`, read at `now`, into `process`. Writes nothing if
+  /// the process does not run (no reading). The share is a mean over at least 0.5 s; until then the
+  /// last share is written.
   void fill(const SupervisedStatus& status, const std::optional<Reading>& reading, Time now,
             models::SupervisedProcess& process);
 
@@ -39,27 +40,28 @@ class UsageMeter {
   std::map<std::string, Last> last_;
 };
 
-/// What all supervisors of a trial say of their processes: who is silent, what is down. Pure.
+/// Status of the processes of all hosts of a trial, from the reports of their supervisors. Pure.
 class HostBoard {
  public:
   static constexpr double kSilentAfter_s = 3.0;
-  static constexpr std::size_t kOtherHostsMax = 32;   ///< that the scenario does not name
-  static constexpr std::size_t kProcessesMax = 1024;  ///< that are kept of one report
+  static constexpr std::size_t kOtherHostsMax = 32;   ///< hosts that the scenario does not name
+  static constexpr std::size_t kProcessesMax = 1024;  ///< processes kept per report
 
-  /// @param own  the host that this supervisor is
+  /// @param own  name of this supervisor's host
   HostBoard(const scenario::Scenario& scenario, std::string own, std::int64_t own_run_id,
             Time start);
 
-  /// Returns what there is to say about it: a host that came (again), one that speaks under our own
-  /// name. Ignores, and counts, hosts for which there is no room.
+  /// Stores a report. Returns a sentence if the host is new, was restarted, reports again after
+  /// silence, or uses the name of this host. Ignores and counts reports of hosts beyond the limit.
   std::optional<std::string> on_report(const models::HostReport& report, Time now);
-  /// Hosts that have fallen silent since the last asking, one sentence each.
+  /// Returns one sentence for each host that has become silent since the last call.
   std::vector<std::string> fallen_silent(Time now);
-  /// One line for each process of each host, one for each host of which nothing is known.
+  /// Returns a heading, one line per process, and one line per host without a recent report.
   [[nodiscard]] std::vector<std::string> table(Time now) const;
-  /// Reports of hosts for which there was no room.
+  /// Returns the number of reports ignored because their hosts were beyond the limit.
   [[nodiscard]] std::int64_t ignored() const { return ignored_; }
-  /// "LAB 7/7, AIR silent for 4 s": running and to run; empty with one host all of which runs.
+  /// Returns the running and all processes per host: "LAB 7/7, AIR silent for 4 s". Empty if there
+  /// is one host and all its processes run.
   [[nodiscard]] std::string line(Time now) const;
 
  private:

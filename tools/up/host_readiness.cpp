@@ -19,8 +19,8 @@
 namespace vantage::tools {
 namespace {
 
-// Columns of the line "cpu" (proc(5)): user, nice, system, idle, iowait, irq, softirq, steal. Time
-// of guests is within user and nice.
+// Columns of the line "cpu" (proc(5)): user, nice, system, idle, iowait, irq, softirq, steal. User
+// and nice include the time of guests.
 constexpr std::size_t kColumns = 8;
 constexpr std::size_t kNice = 1;
 constexpr std::size_t kIdle = 3;
@@ -94,7 +94,7 @@ UpOptions with_priority(const scenario::Scenario& scenario, UpOptions options,
   }
   const bool is_granted = grants_fifo(kDriverPriority);
   options.driver_priority = is_granted ? kDriverPriority : 0;
-  if (!is_granted && options.beside_others) {  // else it has listened, and measured, already
+  if (!is_granted && options.beside_others) {  // otherwise run_up() has measured while it listened
     std::this_thread::sleep_for(trial::kListenToNeighbours);
   }
   const auto fault = is_granted ? std::nullopt : host_fault({false, load.free_processors()});

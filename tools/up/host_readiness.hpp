@@ -10,37 +10,37 @@
 
 namespace vantage::tools {
 
-/// Time that all processors of a machine have spent, in clock ticks since its start.
+/// Time that all processors of a machine have spent since its start, clock ticks.
 struct ProcessorTimes {
-  std::int64_t free = 0;  ///< idle, or at work of a low priority (nice)
+  std::int64_t free = 0;  ///< idle, waiting for a disk, or in processes of low priority (nice)
   std::int64_t total = 0;
 };
 
-/// From the text of /proc/stat; nullopt when it is not such a text.
+/// Parses the text of /proc/stat; nullopt if it has another format.
 std::optional<ProcessorTimes> processor_times(std::string_view stat);
 
-/// What a host gives to drivers: a priority, or else time.
+/// Whether a host can run drivers on time: with a real-time priority or with free processors.
 struct HostReadiness {
   bool grants_priority = false;  ///< SCHED_FIFO with kDriverPriority
-  /// Number of processors that were free while `vantage up` listened; nullopt: not measured.
+  /// Mean number of processors that were free while `vantage up` listened; nullopt: not measured.
   std::optional<double> free_processors;
 };
 
 /// SCHED_FIFO priority of vehicle drivers and of the mocap driver.
 inline constexpr int kDriverPriority = 50;
-/// What has to be free where no priority is granted, in processors.
+/// Least number of free processors where no priority is granted.
 inline constexpr double kFreeProcessorsMin = 0.5;
 
-/// Mean number of free processors between two readings of a machine with `processors`; nullopt
-/// when no time has passed between them.
+/// Returns the mean number of free processors between two readings of a machine with `processors`;
+/// nullopt if no time has passed between them.
 std::optional<double> free_processors(const ProcessorTimes& before, const ProcessorTimes& after,
                                       unsigned processors);
 
-/// Why drivers would be late on this host, and what helps; nullopt: they have what they need, or it
-/// could not be measured.
+/// Returns why drivers would be late on this host and what helps; nullopt if they have what they
+/// need, or if that could not be measured.
 std::optional<std::string> host_fault(const HostReadiness& host);
 
-/// Measures, from its construction on, how many processors of this machine are free.
+/// Measures the mean number of free processors of this machine since its construction.
 class LoadMeter {
  public:
   LoadMeter();
@@ -50,9 +50,9 @@ class LoadMeter {
   std::optional<ProcessorTimes> begin_;
 };
 
-/// Returns `options` with a priority for drivers where the system grants it. Without drivers
-/// nothing is changed or checked; a busy host that grants none is a warning without `fly`.
-/// @throws StartupError when `fly` is asked for on a host on which drivers would be late.
+/// Returns `options` with a priority for drivers if the system grants it. Returns them unchanged if
+/// the scenario has no drivers. Prints a warning if drivers would be late on this host.
+/// @throws StartupError instead of the warning if `fly` is set and `beside_load` is not.
 UpOptions with_priority(const scenario::Scenario& scenario, UpOptions options,
                         const LoadMeter& load);
 

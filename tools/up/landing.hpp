@@ -4,23 +4,23 @@
 
 namespace vantage::tools {
 
-/// The end of a trial with vehicles in flight: decides how long to wait for their drivers. The
-/// drivers were asked to end once when it begins. Pure.
+/// Decides how long to wait for the drivers at the end of a trial with vehicles in flight. The
+/// caller requests the drivers to end once before the first step. Pure.
 class Landing {
  public:
   static constexpr Duration kPatience = std::chrono::seconds(60);
-  /// For the drivers once they were asked again, to hand over to the autopilots' own landing.
+  /// Time for the drivers to hand over to the autopilots' own landing after the second request.
   static constexpr Duration kHurry = std::chrono::seconds(4);
 
   explicit Landing(Time begin) : give_up_(begin + kPatience) {}
 
   enum class Step {
     kWait,
-    kHurry,  ///< ask the drivers again
+    kHurry,  ///< request the drivers to end once more
     kOver,
   };
-  /// @param is_at_rest   no driver and no vehicle is waited for any more
-  /// @param is_urgent    somebody asked for the end once more
+  /// @param is_at_rest   all drivers have ended and all vehicles have landed
+  /// @param is_urgent    the user has requested the end once more
   Step step(bool is_at_rest, bool is_urgent, Time now);
 
  private:

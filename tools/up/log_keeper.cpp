@@ -15,7 +15,7 @@ constexpr auto kPatience = std::chrono::seconds(5);
 
 }  // namespace
 
-// How much room it needs is known to those who start it.
+// "--free-mib 0": run_up() has checked the free space already.
 ProcessSpec recorder_process(const ProcessPlaces& places, const std::string& log_path) {
   ProcessSpec process{
       kRecorderProcess,
@@ -26,7 +26,7 @@ ProcessSpec recorder_process(const ProcessPlaces& places, const std::string& log
   return process;
 }
 
-// The recorder writes what it hears, so it listens once its file is no longer empty.
+// A file that is not empty proves that the recorder receives.
 LogKeeper::LogKeeper(const ProcessSpec& recorder, const std::string& path,
                      const RestartPolicy& policy, trial::Announcer& announcer,
                      const bus::Clock& clock)
@@ -56,7 +56,7 @@ LogKeeper::LogKeeper(const ProcessSpec& recorder, const std::string& path,
   }
 }
 
-// Vehicles fly on whatever becomes of their log.
+// A failure here must not end the flight, so it is only noted in is_spoilt_.
 logs::TrimmedLog LogKeeper::trim() {
   logs::TrimmedLog trimmed;
   try {
@@ -65,7 +65,7 @@ logs::TrimmedLog LogKeeper::trim() {
     trimmed = {};
   }
   outcome_.bytes_dropped += trimmed.dropped_bytes;
-  if (trimmed.size_bytes == 0) {  // it never was empty
+  if (trimmed.size_bytes == 0) {  // the file always had an event since the constructor
     is_spoilt_ = true;
     last_before_.reset();
   }
@@ -75,7 +75,7 @@ logs::TrimmedLog LogKeeper::trim() {
 void LogKeeper::prepare_restart() {
   note_first_event();
   const logs::TrimmedLog trimmed = trim();
-  // A logger that dies again before it wrote anything leaves the gap open.
+  // If the recorder dies again before it has written anything, the gap continues.
   if (!last_before_) {
     last_before_ = trimmed.last;
   }

@@ -15,31 +15,31 @@
 
 namespace vantage::tools {
 
-/// The name of the recorder among the processes.
+/// Process name of the recorder.
 inline constexpr const char* kRecorderProcess = "recorder";
 
-/// `vantage log record`, appending to `log_path`, signing as the scenario of `places` says.
+/// Returns `vantage log record` that appends to `log_path`. Signatures follow the scenario of
+/// `places`.
 ProcessSpec recorder_process(const ProcessPlaces& places, const std::string& log_path);
 
-/// What became of a trial's log.
+/// Result of recording a trial.
 struct LogOutcome {
   std::string path;  ///< empty: nothing was to be recorded
   int restarts = 0;
-  double unrecorded_s = 0.0;        ///< from the last event before each death to the first after it
-  std::uint64_t bytes_dropped = 0;  ///< of events that a death of the logger cut in two
-  bool is_to_the_end = true;        ///< what was published last is in it
-  /// The last recorder lost nothing and was refused nothing, and what was there at each restart is.
+  double unrecorded_s = 0.0;  ///< sum of the gaps between the last event before each death of the
+                              ///< recorder and the first event after it
+  std::uint64_t bytes_dropped = 0;  ///< bytes of events that were incomplete when the recorder died
+  bool is_to_the_end = true;        ///< the log contains the last published message
+  /// The last recorder ended with exit code 0, and the file was intact at each restart.
   bool is_good = true;
 };
 
-/// Keeps a recorder writing one file. When it dies the event it was writing is cut off and the next
-/// one appends, so the file stays whole; its event numbers begin again there.
+/// Keeps a recorder running that writes one file. When the recorder dies, its incomplete last event
+/// is cut off and a new recorder appends. The file stays valid; event numbers begin again there.
 class LogKeeper {
  public:
-  /// Starts the recorder and returns once it hears the bus: SCENARIO, repeated until then, is the
-  /// first event.
-  /// @throws StartupError when there is something at `path`, or the recorder cannot run, write, or
-  ///         hear.
+  /// Starts the recorder. Publishes SCENARIO until the recorder has written it as the first event.
+  /// @throws StartupError if `path` exists, or the recorder cannot run, write or receive.
   LogKeeper(const ProcessSpec& recorder, const std::string& path, const RestartPolicy& policy,
             trial::Announcer& announcer, const bus::Clock& clock);
   LogKeeper(const LogKeeper&) = delete;
@@ -50,10 +50,11 @@ class LogKeeper {
 
   /// As Supervisor::poll().
   std::vector<SupervisorEvent> poll(Supervisor::Nanoseconds monotonic_ns);
-  /// Whether `bytes`, published last of all, have come into the file.
+  /// True if the end of the file contains `bytes`, the last published message.
   [[nodiscard]] bool holds(std::span<const std::uint8_t> bytes) const;
-  /// Ends the recorder, which first writes what it has heard; what had to be killed. The file is
-  /// whole in either case, unless what a killed one left cannot be cut off: then it is not good.
+  /// Ends the recorder, which first writes all that it has received. Returns the recorder's name if
+  /// it had to be killed. Its incomplete last event is then cut off; if that fails, the outcome is
+  /// not good.
   std::vector<std::string> stop(std::chrono::milliseconds patience);
 
   [[nodiscard]] const Supervisor& supervisor() const { return supervisor_; }
@@ -67,9 +68,9 @@ class LogKeeper {
   std::string path_;
   Supervisor supervisor_;
   LogOutcome outcome_;
-  std::optional<Time> last_before_;  ///< while the first event after a restart is awaited
+  std::optional<Time> last_before_;  ///< last event before a restart, until the first one after it
   std::uint64_t size_before_bytes_ = 0;
-  bool is_spoilt_ = false;  ///< gone or unreadable at a restart, or its torn end not cut off
+  bool is_spoilt_ = false;  ///< the file was missing, unreadable or could not be cut at a restart
 };
 
 }  // namespace vantage::tools

@@ -10,11 +10,11 @@
 
 namespace vantage::tools {
 
-/// The operator of an unattended trial, on the bus: a FlightProgram and the station it speaks from.
+/// Operator of an unattended trial: connects a FlightProgram to the bus by an operator station.
 class Pilot {
  public:
-  /// Of all robots that a driver flies.
-  /// @throws StartupError when one of them is real: a person arms it.
+  /// Commands all robots that have a driver.
+  /// @throws StartupError if one of them is real: only a person may arm it.
   Pilot(bus::Bus& bus, const scenario::Scenario& scenario, Time start);
   Pilot(const Pilot&) = delete;
   Pilot& operator=(const Pilot&) = delete;
@@ -22,7 +22,8 @@ class Pilot {
   Pilot& operator=(Pilot&&) = delete;
   ~Pilot() = default;
 
-  /// Beats and says what is due; what there is to tell the person, usually nothing.
+  /// Sends the heartbeat and the orders that are due. Returns a message for the user, usually
+  /// empty.
   std::string tick(Time now);
   [[nodiscard]] FlightProgram& program() { return program_; }
 

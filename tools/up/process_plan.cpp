@@ -26,10 +26,11 @@ using scenario::DeviceSource;
 bool has_driver(const scenario::RobotSpec& robot) { return robot.device != DeviceSource::kDirect; }
 
 constexpr const char* kDriverWaits = "udp://";
-// Where the driver tells autopilots that they are; see sim/firmware/firmware_sensors.
+// Geographic origin that the driver sends to autopilots; see sim/firmware/firmware_sensors.
 constexpr const char* kArdupilotHome = "39.9522,-75.1932,10,0";
 
-/// A program's whole path: as it is, or where PATH has it; empty when there is none.
+/// Returns the absolute path of a program, which is searched in PATH if it has no slash; empty if
+/// there is no such program.
 std::string find_program(const std::string& name) {
   std::vector<std::string> places;
   if (name.find('/') != std::string::npos) {
@@ -50,7 +51,7 @@ std::string absolute(const std::string& path) {
   return path.empty() ? path : std::filesystem::absolute(path).string();
 }
 
-/// The port at which the driver waits for its autopilot.
+/// Returns the UDP port at which the robot's driver waits for its autopilot.
 Result<int> driver_port(const scenario::RobotSpec& robot) {
   const std::string& url = robot.autopilot->url;
   const std::string refusal = "robot " + robot.name +
@@ -64,12 +65,12 @@ Result<int> driver_port(const scenario::RobotSpec& robot) {
   return address.ok() ? Result<int>(address.value().port) : Result<int>(Error{refusal});
 }
 
-// Of the body that the simulator gives it; the rest is in the file.
+// Parameters of the simulated airframe; wire::parameter_file() has the rest.
 constexpr const char* kArdupilotAirframe =
     "FRAME_CLASS 1\nFRAME_TYPE 1\nATC_ACCEL_Y_MAX 30000\nLOG_BACKEND_TYPE 0\n"
     "BATT_MONITOR 4\nBATT_CAPACITY 5600\nBATT_VOLT_PIN 13\nBATT_CURR_PIN 12\n"
     "BATT_VOLT_MULT 10.1\nBATT_AMP_PERVLT 17\n"
-    "SIM_VIB_MOT_MASK 15\n";  // the motors that its simulated battery feeds: none but with this
+    "SIM_VIB_MOT_MASK 15\n";  // motors that draw from the simulated battery; the default is none
 
 ProcessSpec ardupilot_process(const scenario::RobotSpec& robot, int instance, int system_id,
                               const ProcessPlaces& places) {
@@ -86,13 +87,14 @@ ProcessSpec ardupilot_process(const scenario::RobotSpec& robot, int instance, in
   }
   out.arguments.insert(out.arguments.end(), {"--defaults", defaults});
   out.folder = absolute(places.firmware_folder) + "/" + robot.name;
-  out.end_signal = SIGKILL;  // it hears no other when its simulator has gone
+  out.end_signal = SIGKILL;  // it ignores other signals when its simulator has ended
   return out;
 }
 
-constexpr int kPx4Port = 14'540;  // of instance 0's driver
+constexpr int kPx4Port = 14'540;  // UDP port to which instance 0 sends; instance n: + n
 
-// Of the body that the simulator gives it (sim/firmware/multirotor); the rest is in the file.
+// Parameters of the simulated airframe (sim/firmware/multirotor); wire::parameter_file() has the
+// rest.
 constexpr std::array kPx4Airframe{
     "PX4_PARAM_CA_ROTOR0_PX=0.12",  "PX4_PARAM_CA_ROTOR0_PY=0.12",  "PX4_PARAM_CA_ROTOR0_KM=0.016",
     "PX4_PARAM_CA_ROTOR1_PX=-0.12", "PX4_PARAM_CA_ROTOR1_PY=-0.12", "PX4_PARAM_CA_ROTOR1_KM=0.016",
@@ -102,7 +104,7 @@ constexpr std::array kPx4Airframe{
     "PX4_PARAM_MC_YAWRATE_P=0.5",   "PX4_PARAM_SIM_BAT_DRAIN=900",  "PX4_PARAM_SIM_BAT_MIN_PCT=0",
     "PX4_PARAM_SDLOG_BACKEND=0"};
 
-/// NAME VALUE of each line of `text` as PX4's start-up takes it from its environment.
+/// Converts lines "NAME VALUE" into the environment variables that PX4's start-up script reads.
 std::vector<std::string> px4_settings(std::istream& text) {
   std::vector<std::string> out;
   for (std::string line; std::getline(text, line);) {
@@ -129,7 +131,7 @@ ProcessSpec px4_process(const scenario::RobotSpec& robot, int instance, int syst
        robot.firmware->parameters.empty() ? px4_settings(ours) : px4_settings(file)) {
     words.push_back(setting);
   }
-  // Its start-up files lie beside its program. Without -d it wants a terminal.
+  // The start-up files are in ../etc of the program's folder. Without -d PX4 needs a terminal.
   const std::filesystem::path start_up =
       std::filesystem::path(binary).parent_path().parent_path() / "etc";
   words.insert(words.end(), {fmt::format("PX4_PARAM_MAV_SYS_ID={}", system_id), binary, "-d", "-i",
@@ -183,7 +185,7 @@ std::vector<std::string> device_faults(const scenario::Scenario& scenario) {
   return out;
 }
 
-// long: one kind of process after the other, in their order.
+// long: adds one kind of process after the other.
 std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,
                                       const ProcessPlaces& places) {
   const auto command = [&places](const std::string& program) {

@@ -4,11 +4,11 @@
 
 namespace vantage::tools {
 
-/// A scenario file without a name on any disk, for the processes of a trial: they inherit its
-/// descriptor and open it by path(). It is gone with the last of them and cannot be changed.
+/// Scenario file in memory (memfd) for the processes of a trial. They inherit its descriptor and
+/// open it by path(). It cannot be changed, and it disappears when the last process closes it.
 class ScenarioMemory {
  public:
-  /// @throws StartupError when the system gives no memory for it.
+  /// @throws StartupError if the system provides no memory for it.
   explicit ScenarioMemory(const std::string& yaml);
   ~ScenarioMemory();
   ScenarioMemory(const ScenarioMemory&) = delete;
@@ -17,7 +17,7 @@ class ScenarioMemory {
   ScenarioMemory& operator=(ScenarioMemory&&) = delete;
 
   [[nodiscard]] int descriptor() const { return descriptor_; }
-  /// Where a process that has the descriptor finds it.
+  /// Returns the path by which a process that has the descriptor opens the file.
   [[nodiscard]] std::string path() const;
 
  private:

@@ -49,8 +49,8 @@ using std::chrono::milliseconds;
 
 constexpr Duration kReportPeriod = std::chrono::seconds(1);
 constexpr Duration kLogLookPeriod = milliseconds(500);
-// All of the end together stays below two seconds, but for a disk that is slow to take the log: its
-// last two syncs may take two seconds each.
+// The whole end takes less than 2 s, except if the disk is slow: the last two syncs of the log may
+// take 2 s each.
 constexpr milliseconds kTeamPatience{1200};
 constexpr Duration kDrainPatience = milliseconds(200);
 constexpr Duration kSealPatience = milliseconds(300);
@@ -63,7 +63,7 @@ bool is_zero(const models::ProcessHealth& health, const std::string& counter) {
 
 Time monotonic_now() { return from_utime(monotonic_ns() / 1'000); }
 
-/// The trial's clock, handed on before the first process is started.
+/// Clock of the trial, handed on to child processes before the first one is started.
 struct HandedClock : bus::SteadyClock {
   HandedClock() { hand_on(); }
 };
@@ -72,13 +72,13 @@ std::set<std::string> as_set(const std::vector<std::string>& names) {
   return {names.begin(), names.end()};
 }
 
-/// Signs what `bus` says as `scenario` wants it, from the first message on.
+/// Makes `bus` sign and verify all messages by the security settings of `scenario`; returns it.
 bus::Bus& secured(bus::Bus& bus, const scenario::Scenario& scenario, const bus::Clock& clock) {
   bus.secure(bus::auth::authenticator_for(scenario), clock);
   return bus;
 }
 
-/// Reports claims that nothing proves; they keep no trial from starting.
+/// Prints claims without a valid signature. They do not prevent the start.
 void tell_unverified(const std::vector<std::string>& claims) {
   constexpr std::size_t kShown = 5;
   for (std::size_t i = 0; i < std::min(claims.size(), kShown); ++i) {
@@ -89,8 +89,8 @@ void tell_unverified(const std::vector<std::string>& claims) {
   }
 }
 
-/// The trial while it runs. Members in the order of starting, which no process depends on, except
-/// that the log is first and, destroyed in reverse also when starting fails half-way, last to go.
+/// Running trial. The members are in the order of starting. Only the position of the log matters:
+/// it starts before all processes and, also if the constructor throws, is destroyed after them.
 class Up {
  public:
   Up(const scenario::Scenario& scenario, const UpOptions& options);
@@ -134,17 +134,17 @@ class Up {
   HostBoard board_;
   UsageMeter meter_;
   logs::LogWatch log_watch_;
-  bool is_log_refused_ = false;  ///< says the recorder
+  bool is_log_refused_ = false;  ///< the recorder reports that the disk refuses the log
   Time next_log_look_{};
   Time next_log_health_{};
   TrialDisplay display_;
   std::unique_ptr<Pilot> pilot_;
   Supervisor team_;
-  bus::Flights flights_;          ///< of all vehicles with a driver, by the network
-  std::set<std::string> drives_;  ///< vehicles with a driver here
+  bus::Flights flights_;          ///< all vehicles with a driver, by their published statuses
+  std::set<std::string> drives_;  ///< vehicles with a driver on this host
   bool serves_flights_ = false;   ///< the simulator or the mocap driver runs here
   Time next_report_{};
-  int requests_heeded_ = 1;  ///< to end; any more is in a hurry
+  int requests_heeded_ = 1;  ///< requests to end that were obeyed; more of them are urgent
   UpResult result_;
 };
 
@@ -244,7 +244,7 @@ void Up::take(const std::vector<SupervisorEvent>& events) {
   }
 }
 
-// What cannot be written is said at once and to all; vehicles fly on.
+// Publishes and prints a log that cannot be written at once. The flight continues.
 void Up::watch_log(Time now) {
   if (!keeper_ || now < next_log_look_) {
     return;
@@ -264,7 +264,7 @@ void Up::watch_log(Time now) {
   result_.log_was_unwritten |= was_written && !log_watch_.is_written();
 }
 
-// Processes first: they are kept alive even where the network is not usable.
+// Polls the processes first, so that they are kept alive even if the network is not usable.
 void Up::turn() {
   take(team_.poll(monotonic_ns()));
   if (keeper_) {
@@ -292,7 +292,7 @@ void Up::turn() {
   }
 }
 
-// An error of this program is no reason to leave vehicles in the air, or a trial without its words.
+// Catches errors of this program, so that vehicles are still landed and the result is reported.
 bool Up::turn_well() {
   try {
     turn();
@@ -302,13 +302,14 @@ bool Up::turn_well() {
       result_.broken = error.what();
       display_.say(std::string("the trial ends, for an error of the program: ") + error.what());
     }
-    // What fails before it waits for messages would fail thousands of times a second while landing.
+    // An error before the wait for messages would repeat thousands of times per second in land().
     std::this_thread::sleep_for(milliseconds(10));
     return false;
   }
 }
 
-// Vehicles that other hosts drive and that need what runs here, by the network.
+// Returns the flying vehicles of other hosts, if they need the simulator or mocap driver of this
+// host.
 std::vector<std::string> Up::others_in_flight() const {
   std::vector<std::string> out = flights_.in_flight(clock_.now());
   std::erase_if(out, [this](const std::string& robot) { return drives_.count(robot) > 0; });
@@ -325,7 +326,7 @@ std::vector<std::string> Up::vehicles_in_flight() const {
   return out;
 }
 
-// Vehicles that the lost simulator flew are gone with it.
+// True if the simulator was given up and all vehicles were simulated by it.
 bool Up::has_lost_vehicles() const {
   return team_.lost_essential() == kSimProcess &&
          std::none_of(scenario_.robots.begin(), scenario_.robots.end(), [](const auto& robot) {
@@ -372,7 +373,8 @@ void Up::land() {
   }
 }
 
-// The log is complete when what is published last, after all others have ended, has come into it.
+// Publishes a last message after all other processes have ended. The log is complete if it contains
+// that message.
 void Up::seal_log() {
   models::HostReport last = report(clock_.now());
   const models::InputRef name = bus_.publish(bus::host_channel(host_), last);
@@ -393,12 +395,14 @@ void Up::seal_log() {
 }
 
 void Up::stop_all() {
-  clear_echo();  // what the processes say at their end begins a line, too
+  clear_echo();  // removes an echoed ^C before the last output of the processes
   const Time begin = clock_.now();
   result_.processes = statuses();
   bool is_hurried = false;
   if (!result_.left_flying.empty()) {
-    team_.send_to_ours(SIGINT);  // else what vehicles depend on waits for their landing
+    // Processes that vehicles depend on delay the first request until all vehicles have landed
+    // (bus::EndAfterFlights). This is the first one, so that they obey the second one at once.
+    team_.send_to_ours(SIGINT);
   }
   std::vector<std::string> killed = team_.stop_all(kTeamPatience, [&] {
     is_hurried = options_.stop_requests() > requests_heeded_;
@@ -416,7 +420,7 @@ void Up::stop_all() {
       result_.ended_badly.push_back(ended[i].name + " (" + how + ")");
     }
   }
-  // The last HEALTH of each; other hosts may go on talking for ever.
+  // Receives the last HEALTH of each process. The time is bounded, as other hosts go on sending.
   const Time give_up = clock_.now() + kDrainPatience;
   while (bus_.handle(milliseconds(50)) > 0 && clock_.now() < give_up) {
   }

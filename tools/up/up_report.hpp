@@ -10,19 +10,21 @@
 
 namespace vantage::tools {
 
-/// Nothing was given up or had to be killed, nothing collided, the world is one, the log has its
-/// end, and what was to fly has flown and landed. Restarts alone do not spoil a trial.
+/// True if the result has no fault: no process given up, killed or ended badly, no collision, no
+/// restart of the simulator, a complete log, and all vehicles flown and landed. Restarts of other
+/// processes are no fault.
 bool is_good(const UpResult& result);
 
-/// What is to be said besides the summary: losses, restarts, what went wrong. Empty: nothing.
+/// Returns the remarks to print in addition to the summary: losses, restarts and errors.
 std::vector<std::string> remarks(const UpResult& result);
 
-/// Returns how many COLLISION messages a Bus with these counters refused by their signatures.
+/// Returns the number of COLLISION messages that a Bus with these counters refused because of their
+/// signatures.
 std::int64_t contacts_unverified(const std::vector<models::NamedCount>& counters);
 
-/// The summary's keys, then `log`, `processes` (those that ended during the trial), `restarts`,
-/// `given_up`, `world_restarts`, `killed`, `ended_badly`, `never_flown`, `left_flying`,
-/// `contacts_unverified`, `other_scenario`, `broken`, `stop_s`.
+/// Returns the summary's keys, then `restarts`, `given_up`, `processes` (those that ended during
+/// the trial), `world_restarts`, `log`, `killed`, `cut_short`, `ended_badly`, `never_flown`,
+/// `left_flying`, `contacts_unverified`, `other_scenario`, `broken`, `stop_s`.
 nlohmann::ordered_json to_json(const UpResult& result);
 
 }  // namespace vantage::tools
