@@ -31,7 +31,7 @@ constexpr const char* kUnheard =
 constexpr const char* kFarewell =
     "quitting: the operator's heartbeat ends now, and vehicles that need it will land";
 
-/// Reads, obeys, shows.
+/// One run of the console: reads input, sends orders and shows the vehicles.
 class ConsoleSession {
  public:
   ConsoleSession(bus::Bus& bus, const bus::Clock& clock, const DeskRules& rules)
@@ -62,7 +62,7 @@ class ConsoleSession {
       next_redraw_ = clock_.now() + std::chrono::milliseconds(250);
     }
   }
-  /// Says again what is to be repeated.
+  /// Sends the repetitions that are due.
   void finish() { desk_.tick(clock_.now()); }
   [[nodiscard]] bool is_saying() const { return desk_.is_saying(); }
   [[nodiscard]] bool is_over() const { return is_over_ && !orders_.is_waiting(); }
@@ -132,7 +132,7 @@ class ConsoleSession {
   Screen screen_;
   std::string selected_;
   std::string note_;
-  bool was_refused_ = false;  // a line that is no request
+  bool was_refused_ = false;  // a line was not understood
   bool was_unheard_ = false;
   Time next_redraw_{};
   bool is_over_ = false;
@@ -227,7 +227,7 @@ void OperatorDesk::say_again(Time now) {
   for (Order& order : saying_) {
     if (now >= order.next) {
       order.ahead =
-          order.ahead ? order.ahead : ahead_of(now);  // it was given before they were heard
+          order.ahead ? order.ahead : ahead_of(now);  // for orders given before any reception
       say(order);
       order.next += kSayAgain * (1 << order.said);
       ++order.said;
@@ -240,7 +240,8 @@ bool OperatorDesk::ends(const Order& later, const Order& earlier) {
   const bool is_of_all_its_vehicles = later.robot.empty() || later.robot == earlier.robot;
   const bool undoes = !models::makes_safer(later.action) &&
                       earlier.action != models::OperatorAction::kEmergencyStop;
-  // What was said to all and is undone for one is not said again, or it would undo the undoing.
+  // An order to all that was revoked for one vehicle is not repeated: that would cancel the
+  // revocation.
   return is_of_all_its_vehicles || (undoes && earlier.robot.empty());
 }
 

@@ -16,35 +16,37 @@
 
 namespace vantage::tools {
 
-/// How a station was started.
+/// Options of an operator station.
 struct DeskRules {
-  bool is_allowed_second = false;  ///< Station: it stands by while another is in charge
-  /// What the bus signs with, which must outlive the desk; nullptr: it signs nothing.
+  bool is_allowed_second = false;  ///< stand by while another station is in charge (see Station)
+  /// Authenticator of the bus, which must outlive the desk; nullptr: messages are not signed.
   const bus::auth::Authenticator* authenticator = nullptr;
 };
 
-/// The operator's end of COMMAND: sends what is asked and what its station may say, and, in charge,
-/// the heartbeat whose silence makes every vehicle land. Learns the robots from VEHICLE_*.
+/// Sender of operator commands (channel COMMAND): sends the orders that its station is permitted
+/// to send. While the station is in charge it also sends the heartbeat, without which every vehicle
+/// lands. Learns the robots from VEHICLE_*.
 ///
-/// Vehicles obey what is said now, so everything is stamped by the vehicles' own clock: where the
-/// nearest of those heard in the last second differs from ours by more than kApartMaxS, by that.
-/// An emergency stop is said by our own clock as well. Where statuses are refused as stale, because
-/// the station's clock is wrong or a log is played, hold, land and emergency stop are also stamped
-/// by their clock: a stop that is too much does no harm.
+/// Vehicles obey only recent commands, so commands are stamped in the vehicles' clock. Its offset
+/// is that of the vehicle closest to our clock, of those received within the last second; up to
+/// kApartMaxS it counts as zero. An emergency stop is also sent with our own clock's stamp. If
+/// statuses are refused as stale (the station's clock is wrong, or a log is played), hold, land and
+/// emergency stop are also sent with a stamp of those statuses' clock: a superfluous stop does no
+/// harm.
 ///
-/// A datagram may get lost, so hold, land and emergency stop are said kSaid times: the second time
-/// after kSayAgain, then after twice as long each time, which outlasts a burst of losses of half a
-/// second. A repetition is the same order with the same stamp; obeying it twice does no harm. What
-/// was said before any vehicle was heard is repeated by their clock. What
-/// is ordered of the same vehicles later ends it, so that `hold`, `follow` ends with following; an
-/// emergency stop of all gives way to no order of one.
+/// Datagrams may get lost, so hold, land and emergency stop are sent kSaid times: the second time
+/// after kSayAgain, then after twice the time at each repetition. That outlasts a burst of losses
+/// of 0.5 s. A repetition has the same stamp as the first, except that an order sent before any
+/// vehicle was received is repeated in the vehicles' clock. A later order to the same vehicles ends
+/// the repetition, so that `hold`, `follow` ends with following. An emergency stop of all vehicles
+/// is not ended by an order to one of them.
 class OperatorDesk {
  public:
   static constexpr double kHeartbeatPeriod_s = 0.2;
   static constexpr double kApartMaxS = 1.0;
   static constexpr double kLogHeardS = 3.0;
   static constexpr std::size_t kVehiclesMax = 1024;
-  static constexpr double kKeptS = 3.0;  ///< a vehicle received within this keeps its place
+  static constexpr double kKeptS = 3.0;  ///< s; vehicles received within this time are not evicted
   static constexpr int kSaid = 5;
   static constexpr Duration kSayAgain = std::chrono::milliseconds(50);
 
@@ -55,23 +57,25 @@ class OperatorDesk {
   OperatorDesk& operator=(OperatorDesk&&) = delete;
   ~OperatorDesk() = default;
 
-  /// Sends the heartbeat, and says again what is to be repeated, when it is time. True when the
-  /// station's role changed.
+  /// Sends the heartbeat and the repetitions that are due. Returns true if the station's role
+  /// changed.
   bool tick(Time now);
-  /// False, and nothing sent, when the station may not say that.
+  /// Sends an order. Returns false and sends nothing if the station is not permitted to send it.
   bool send(Time now, models::OperatorAction action, const std::string& robot);
-  /// Whether something is still to be said again.
+  /// True while repetitions are still to be sent.
   [[nodiscard]] bool is_saying() const { return !saying_.empty(); }
-  /// Others sign what they say, and this station does not: who requires it does not hear it.
+  /// True if other processes sign their messages and this station does not: vehicles that require
+  /// signatures ignore it.
   [[nodiscard]] bool is_unheard() const { return bus_.hears_signed(); }
   [[nodiscard]] const Station& station() const { return station_; }
-  /// By how much the vehicles' clock is ahead of ours; 0 when it is about the same, or unknown.
+  /// Returns how far the vehicles' clock is ahead of ours; 0 if it is about the same or unknown.
   [[nodiscard]] Duration vehicles_ahead(Time now) const;
   [[nodiscard]] std::vector<std::string> robots() const;
-  /// Whether somebody who records has said within kLogHeardS that he cannot.
+  /// True if a process that records reported within kLogHeardS that the log cannot be written.
   [[nodiscard]] bool is_log_lost(Time now) const;
-  /// One line for each vehicle heard, selected ones marked; what has not been
-  /// heard for a second is SILENT, whatever it said last. One more when a log is not written.
+  /// Returns a heading and one line per vehicle, in which the selected ones are marked. A vehicle
+  /// that was not received for 1 s is SILENT. Warnings follow: statuses refused as stale, unsigned
+  /// commands, a log that is not written.
   [[nodiscard]] std::vector<std::string> vehicle_table(Time now, const std::string& selected) const;
 
  private:
@@ -79,7 +83,7 @@ class OperatorDesk {
     models::OperatorAction action = models::OperatorAction::kHold;
     std::string robot;
     Time given{};
-    std::optional<Duration> ahead;  ///< of the vehicles' clock, once any was heard
+    std::optional<Duration> ahead;  ///< of the vehicles' clock; nullopt until one was received
     int said = 0;
     Time next{};
   };
@@ -88,7 +92,8 @@ class OperatorDesk {
   void say_again(Time now);
   [[nodiscard]] static bool ends(const Order& later, const Order& earlier);
   void publish(Time stamp, models::OperatorAction action, const std::string& robot);
-  /// Whether one more vehicle has a place, if need be that of one that fell silent.
+  /// Makes room for one more vehicle, if necessary by evicting the one silent longest. Returns
+  /// false if there is no room.
   bool make_room();
 
   static constexpr std::size_t kLogsMax = 64;  ///< processes that report a log
@@ -103,12 +108,13 @@ class OperatorDesk {
     Time at{};
   };
   std::map<std::string, Heard> vehicles_;
-  std::map<std::string, Time> log_lost_;  ///< who said last that it is not written, and when
+  std::map<std::string, Time>
+      log_lost_;  ///< time of the last report of an unwritten log, by process
 };
 
-/// Runs the console on standard input and output until quit, end of input or `stop`; orders are
-/// sent as an OrderQueue sends them. In each round heartbeat and orders leave before the screen is
-/// drawn, and no output waits (NonBlockingOutput). False when a request was refused or not
+/// Runs the console on standard input and output until quit, end of input or `stop`. Orders go
+/// through an OrderQueue. Each loop sends heartbeat and orders before it draws the screen, and
+/// output never blocks (NonBlockingOutput). Returns false if a request was refused or not
 /// understood.
 bool run_console(bus::Bus& bus, const bus::Clock& clock, const DeskRules& rules,
                  const std::function<bool()>& stop);

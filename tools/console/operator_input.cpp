@@ -34,7 +34,7 @@ std::string lower(std::string text) {
   return text;
 }
 
-/// Selects the robot of that name or, if there is only one, the one whose name begins so.
+/// Selects the robot with that name, or the only robot whose name begins with it.
 OperatorRequest request_of_name(const std::string& name, const std::vector<std::string>& robots) {
   std::vector<std::string> found;
   for (const std::string& robot : robots) {

@@ -41,7 +41,7 @@ std::string OrderQueue::ask_now(const Order& order, Time now) {
   std::erase_if(waiting_, [&order](const Order& earlier) {
     return order.robot.empty() || order.robot == earlier.robot;
   });
-  // What still waits for all would undo it.
+  // A waiting order to all would cancel this one, so this one is sent again after it.
   if (std::any_of(waiting_.begin(), waiting_.end(),
                   [](const Order& earlier) { return earlier.robot.empty(); })) {
     waiting_.push_back(order);

@@ -8,16 +8,17 @@
 
 namespace vantage::tools {
 
-/// What an operator asks, said when and as it may be said: hold, land and emergency stop at once;
-/// the rest once the station is in charge, one each kPace, in the order asked, and not at all when
-/// something safer has been asked of the same vehicles meanwhile.
+/// Queue of an operator's orders. Hold, land and emergency stop are sent at once. Other orders wait
+/// until the station has listened and are then sent in sequence, one per kPace. A safer order to
+/// the same vehicles removes waiting ones.
 ///
-/// A robot that was not heard is a typing error: an emergency stop then is of everybody, hold and
-/// land are said to that name and reported, anything else is refused. While the station still
-/// listens robots may not have spoken yet, so that is judged when it has listened.
+/// The name of a robot that was never received is assumed to be a typing error. An emergency stop
+/// then goes to all vehicles, hold and land are sent to that name and reported, and other orders
+/// are refused. This is decided only after the station has listened, as robots may not have
+/// published before.
 class OrderQueue {
  public:
-  /// Vehicles take up one order in each turn of theirs.
+  /// Time between two orders: vehicles take one order per cycle.
   static constexpr Duration kPace = std::chrono::milliseconds(100);
 
   struct Order {
@@ -27,13 +28,14 @@ class OrderQueue {
 
   explicit OrderQueue(OperatorDesk& desk) : desk_(desk) {}
 
-  /// What to tell the operator, a line each.
+  /// Sends or queues an order. Returns the lines to show to the operator.
   std::vector<std::string> ask(const Order& order, Time now);
-  /// Says what has waited; to be called after each OperatorDesk::tick(). As ask().
+  /// Sends waiting orders that are due. Call after each OperatorDesk::tick(). Returns the lines to
+  /// show to the operator.
   std::vector<std::string> tick(Time now);
-  /// Whether anything asked is still to be said, or judged.
+  /// True while orders wait to be sent, or names wait to be checked.
   [[nodiscard]] bool is_waiting() const { return !waiting_.empty() || !unheard_.empty(); }
-  /// Whether anything asked was not said, or to nobody who was heard.
+  /// True if an order was not sent, or was sent to a robot that was never received.
   [[nodiscard]] bool was_refused() const { return was_refused_; }
 
  private:
@@ -48,7 +50,7 @@ class OrderQueue {
 
   OperatorDesk& desk_;
   std::vector<Order> waiting_;
-  std::vector<Order> unheard_;  ///< said while listening, to names that were not heard yet
+  std::vector<Order> unheard_;  ///< sent while listening, to robots not received yet
   Time next_{};
   bool was_refused_ = false;
 };

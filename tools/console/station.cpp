@@ -38,7 +38,7 @@ bool Station::tick(Time now) {
       }
       break;
     case Role::kRefused:
-      break;  // for good: it was not asked to stand by
+      break;  // permanent: the station was not started to stand by
   }
   return role_ != before;
 }

@@ -9,36 +9,37 @@
 
 namespace vantage::tools {
 
-/// What one operator station may do beside others. COMMAND is open to any number of stations, and
-/// an emergency stop is taken from each; so the rules are kept by the stations themselves, and
-/// again by every vehicle (drivers::OperatorAuthority).
+/// Role of one operator station among several. Any number of stations may publish on COMMAND, and
+/// vehicles accept an emergency stop from each. So the stations themselves follow these rules, and
+/// every vehicle enforces them (drivers::OperatorAuthority).
 ///
-/// A station first listens for kListenS. Hearing no other it takes charge: it beats and may say
-/// everything. Hearing another it is refused: it may only stop (emergency stop), unless it was
-/// started as an allowed second one; then it may also say hold and land, and takes charge itself
-/// once the other has been silent for kSilentS. Of two in charge the one with the smaller run id
-/// stays. Only heartbeats of now count: a log that is played is no station.
+/// A station first listens for kListenS. If it receives no other station, it takes charge: it sends
+/// heartbeats and may send every order. If it receives another one, it is refused and may only send
+/// the emergency stop. If it was started as an allowed second station, it may also send hold and
+/// land, and takes charge after kSilentS without the other one's heartbeat. If two stations are in
+/// charge, the one with the smaller run id stays. Only recent heartbeats count, so that a played
+/// log is not mistaken for a station.
 class Station {
  public:
-  static constexpr double kFreshS = 2.0;   ///< as vehicles have it
-  static constexpr double kListenS = 0.7;  ///< three heartbeats
-  static constexpr double kSilentS = 1.5;  ///< by then every vehicle holds
+  static constexpr double kFreshS = 2.0;   ///< s; as drivers::OperatorAuthority::kFreshS
+  static constexpr double kListenS = 0.7;  ///< s; more than three heartbeats
+  static constexpr double kSilentS = 1.5;  ///< s; every vehicle holds by then
 
   enum class Role { kListening, kInCharge, kSecond, kRefused };
 
   Station(std::int64_t run_id, bool is_allowed_second, Time start)
       : run_id_(run_id), is_allowed_(is_allowed_second), start_(start) {}
 
-  /// A command heard on COMMAND, of whatever station.
+  /// Handles a command received on COMMAND, from any station.
   void on_command(const models::OperatorCommand& command, Time now);
-  /// Goes on in time. True when the role changed.
+  /// Updates the role. Returns true if it changed.
   bool tick(Time now);
 
-  /// Whether what is stamped so is said now.
+  /// True if `stamp` is within kFreshS of `now`.
   [[nodiscard]] static bool is_of_now(Time stamp, Time now) {
     return std::abs(to_seconds(now - stamp)) <= kFreshS;
   }
-  /// Heartbeats heard that were not of now.
+  /// Returns the number of heartbeats ignored because they were not recent.
   [[nodiscard]] std::int64_t ignored() const { return ignored_; }
   [[nodiscard]] Role role() const { return role_; }
   [[nodiscard]] bool beats() const { return role_ == Role::kInCharge; }
@@ -54,7 +55,7 @@ class Station {
   std::int64_t ignored_ = 0;
 };
 
-/// What a station in that role tells its operator.
+/// Returns the sentence that explains a role to the operator.
 const char* explain(Station::Role role);
 
 }  // namespace vantage::tools

@@ -32,7 +32,7 @@ Terminal::Terminal() {
   termios settings{};
   if (::isatty(STDIN_FILENO) == 1 && ::tcgetattr(STDIN_FILENO, &settings) == 0) {
     saved_ = settings;
-    // No key may stop this process: neither its output (Ctrl-S) nor itself (Ctrl-Z, Ctrl-\).
+    // Disables keys that would stop the output (Ctrl-S) or the process (Ctrl-Z, Ctrl-\).
     settings.c_iflag &= ~static_cast<tcflag_t>(IXON | IXOFF | IXANY);
     settings.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
     settings.c_cc[VSUSP] = _POSIX_VDISABLE;

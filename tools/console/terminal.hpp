@@ -9,14 +9,14 @@
 
 namespace vantage::tools {
 
-/// How many bytes of `typed` its first key is; 0 when more are to come. Arrows and function keys
-/// are one key each, of several bytes that would mean something alone (ESC [ … X, ESC O X, and
-/// Linux's ESC [ [ X); whatever cannot belong to such a key begins another, so SPACE always is one.
+/// Returns the number of bytes of the first key in `typed`; 0 if more bytes are needed. Arrows and
+/// function keys are one key of several bytes each (ESC [ … X, ESC O X, and Linux's ESC [ [ X). A
+/// byte that cannot belong to such a key begins another one, so SPACE is always a key.
 std::size_t key_bytes(std::string_view typed);
 
-/// Standard input as an operator uses it: key by key from a terminal, line by line otherwise. At a
-/// terminal flow control and the keys that suspend or quit a process are off; its settings are
-/// restored at the end.
+/// Standard input of an operator: key by key from a terminal, line by line otherwise. At a terminal
+/// flow control and the keys that suspend or quit a process are disabled. The destructor restores
+/// the settings.
 class Terminal {
  public:
   Terminal();
@@ -27,10 +27,10 @@ class Terminal {
   Terminal& operator=(Terminal&&) = delete;
 
   [[nodiscard]] bool is_interactive() const { return saved_.has_value(); }
-  /// A key, as key_bytes() has it, or a line without its end; nullopt when there is none yet. Never
-  /// waits.
+  /// Returns a key (see key_bytes()), or a line without its end; nullopt if there is none yet.
+  /// Never waits.
   std::optional<std::string> read();
-  /// True once there will be no more input.
+  /// True once all input has been read and no more will come.
   [[nodiscard]] bool is_closed() const { return is_closed_ && pending_.empty(); }
 
  private:

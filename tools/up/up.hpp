@@ -54,9 +54,9 @@ struct UpResult {
 /// true, or when an essential process is given up.
 ///
 /// At the end the vehicle drivers are ended first, which land or stop their vehicles. Everything
-/// else keeps running meanwhile, for at most 60 s. Contacts during the landings are counted; all
-/// other results cover the trial only. The log begins with SCENARIO and ends with the last
-/// published message.
+/// else keeps running meanwhile, for at most 60 s. Collisions, separation violations and lost
+/// messages during the landings are counted; the rest of the summary covers the trial only. The log
+/// begins with SCENARIO and ends with the last published message.
 ///
 /// Publishes the processes on HOST_<host> and receives the reports of other hosts, which may start
 /// and end at any time.
