@@ -8,9 +8,9 @@
 namespace vantage::tools {
 namespace {
 
-constexpr std::size_t kSubscriptionsMax = 10'000;  // of one viewer
-constexpr std::size_t kControlsMax = 1000;         // waiting for the player
-/// Of the frames that tell the time: no viewer may choose it.
+constexpr std::size_t kSubscriptionsMax = 10'000;  // per viewer
+constexpr std::size_t kControlsMax = 1000;         // playback requests that wait for the player
+/// Subscription id of time frames in the Outbox; viewers must not use it.
 constexpr std::uint32_t kNoSubscription = 0xFFFFFFFFU;
 
 Frame control(std::string text) {
@@ -207,7 +207,7 @@ void Broker::set_range(Time start, Time end) {
   }
 }
 
-// Who we are and what there is.
+// Sends the server info and all channels.
 void Broker::tell_channels(Client& client) const {
   client.push(control(server_info_text(info_, client.speaks_sdk_)));
   std::vector<ChannelInfo> channels;
@@ -288,7 +288,7 @@ void Broker::subscribe(Client& client, std::uint32_t subscription_id, std::uint3
   Topic& topic = topics_.at(topic_of_.at(channel_id - 1));
   client.subscriptions_[channel_id].push_back(subscription_id);
   ++topic.subscribers;
-  if (topic.newest && !is_holding_) {  // else of an instant on the way
+  if (topic.newest && !is_holding_) {  // during hold() the record precedes the seek position
     send(client, subscription_id, topic);
   }
 }

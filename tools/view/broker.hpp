@@ -16,14 +16,14 @@
 
 namespace vantage::tools {
 
-/// One viewer, as the server sees it. Filled by the bus's thread and its connection's, emptied by a
-/// writer of its own, so that a stalled viewer delays nobody.
+/// One connected viewer with its outgoing frames. The threads of the bus and of the connection fill
+/// it; its own writer thread empties it, so that a stalled viewer does not delay others.
 class Client {
  public:
   Client(Outbox outbox, bool speaks_sdk) : speaks_sdk_(speaks_sdk), outbox_(std::move(outbox)) {}
 
   void push(Frame frame);
-  /// Waits for the next frame; nullopt once close() was called.
+  /// Waits for the next frame and returns it; nullopt once the client is closed.
   std::optional<Frame> wait_pop();
   void close();
   [[nodiscard]] bool is_closed() const;
@@ -32,9 +32,9 @@ class Client {
  private:
   friend class Broker;
   const bool speaks_sdk_;
-  /// Channel → the subscription ids on it; guarded by the Broker.
+  /// Subscription ids by channel id; guarded by the Broker.
   std::map<std::uint32_t, std::vector<std::uint32_t>> subscriptions_;
-  std::int64_t dropped_told_ = 0;  ///< guarded by the Broker
+  std::int64_t dropped_told_ = 0;  ///< last reported number of drops; guarded by the Broker
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
@@ -42,67 +42,69 @@ class Client {
   bool is_closed_ = false;
 };
 
-/// Who wants what: channels, viewers and what goes between them. Thread-safe: written by the bus's
-/// thread, asked by the connections'.
+/// Channels, viewers and their subscriptions. Thread-safe: the bus's thread writes records, the
+/// threads of the connections pass requests.
 class Broker : public logs::foxglove::Sink {
  public:
-  /// A server of a log keeps the newest record of every topic but events and raw messages, since in
-  /// a log that is paused nothing else comes; of raw messages that somebody subscribes to as well;
-  /// a live one keeps states only, and makes nothing nobody asked for.
+  /// With info.range (a log) the broker keeps the newest record of every topic except events, as a
+  /// paused log sends nothing else. It keeps raw messages only while a viewer subscribes to them.
+  /// Without info.range (live) it keeps states only. Other records are made only for subscribers.
   explicit Broker(ServerInfo info);
 
   bool wants(const std::string& topic, logs::foxglove::Schema schema, bool is_state) override;
   void write(const std::string& topic, Time time, const logs::foxglove::Json& content) override;
   void name_type(const std::string& topic, const std::string& type) override;
 
-  /// From now on records are kept and not sent: for what leads up to an instant in a log.
+  /// Keeps records without sending them from now on: used for the records before a seek position.
   void hold();
-  /// Sends the newest of each kept topic, and goes on as usual.
+  /// Sends the newest record of each kept topic to its subscribers and ends hold().
   void release();
-  /// Forgets what was kept (the log is left for another instant). Channels stay.
+  /// Discards the kept records before a jump in the log. The channels stay.
   void forget();
 
-  /// All records of the log up to then have been counted.
+  /// Notes that all records of the log up to `time` have been counted.
   void reached(Time time);
-  /// Tells everyone what time it is in the log; only the newest counts. Newcomers are told the last
-  /// time and state of playback.
+  /// Sends the time in the log to all viewers; a newer time replaces an unsent one. New viewers get
+  /// the last time and playback state.
   void broadcast_time(Time time);
   void broadcast_playback(const PlaybackState& state);
 
-  /// Says something to everyone, newcomers too, in the place of what `id` said before; empty: it is
-  /// said no more.
+  /// Shows a status message to all viewers, later ones included. It replaces the message with the
+  /// same `id`; an empty message removes it.
   void tell(const std::string& id, const std::string& message);
-  /// The log is longer or shorter than was said: viewers begin a new session where it is.
+  /// Changes the range of the log. Viewers get a new session with that range.
   void set_range(Time start, Time end);
 
-  /// A new viewer, told who we are and what there is. One that does not speak the newer subprotocol
-  /// is not told of playback, which it would not understand.
+  /// Adds a viewer and sends it the server info, channels and status messages. A viewer that does
+  /// not support the newer subprotocol gets no playback states, which it could not interpret.
   std::shared_ptr<Client> connect(bool speaks_sdk);
   void disconnect(const std::shared_ptr<Client>& client);
   void on_request(Client& client, const Request& request);
-  /// What viewers asked of the player since the last call, oldest first.
+  /// Returns the playback requests of viewers since the last call, oldest first.
   std::vector<PlaybackControl> take_controls();
 
-  /// JSON {topics, jumps, time_s}. Topics: a list of {topic, schema, count} of all that is known:
-  /// how many records there were, made or not, since the start. time_s: up to which instant of the
-  /// log they have been counted, in seconds since the Unix epoch; null on the way to another
-  /// instant, and where there is no log. Whoever asks twice after as many jumps knows the rates.
+  /// Returns JSON {topics, jumps, time_s}.
+  /// - topics: list of {topic, schema, count, type}; count is the number of records since the
+  ///   start, made or not; type is absent if the schema implies it.
+  /// - jumps: number of jumps in the log. Two answers with the same number give rates.
+  /// - time_s: instant of the log up to which records have been counted, s since the Unix epoch;
+  ///   null during a jump, and without a log.
   [[nodiscard]] std::string topics_text() const;
   [[nodiscard]] std::size_t clients() const;
-  /// Records that slow viewers did not get, since the start.
+  /// Returns the number of records dropped for slow viewers since the start.
   [[nodiscard]] std::int64_t dropped() const;
-  /// Frames of viewers that broke the protocol.
+  /// Returns the number of received frames that violate the protocol.
   [[nodiscard]] std::int64_t malformed() const;
 
  private:
   struct Topic {
     ChannelInfo channel;
-    std::string type;  ///< of a message on it; empty: its schema says it
+    std::string type;  ///< message type on the topic; empty: implied by the schema
     bool is_state = false;
     int subscribers = 0;
-    std::int64_t count = 0;                     ///< records that there were, made or not
-    Time time{};                                ///< of the newest
-    std::shared_ptr<const std::string> newest;  ///< when kept
+    std::int64_t count = 0;                     ///< number of records, made or not
+    Time time{};                                ///< time of the newest record
+    std::shared_ptr<const std::string> newest;  ///< newest record, if kept; else null
   };
 
   void tell_channels(Client& client) const;
@@ -112,16 +114,16 @@ class Broker : public logs::foxglove::Sink {
   void subscribe(Client& client, std::uint32_t subscription_id, std::uint32_t channel_id);
   void unsubscribe(Client& client, std::uint32_t subscription_id);
 
-  mutable std::mutex mutex_;  ///< of all below
+  mutable std::mutex mutex_;  ///< guards all members below
   ServerInfo info_;
   std::map<std::string, Topic> topics_;
-  std::vector<std::string> topic_of_;  ///< by channel id − 1
+  std::vector<std::string> topic_of_;  ///< topic by channel id − 1
   std::vector<std::shared_ptr<Client>> clients_;
   std::vector<PlaybackControl> controls_;
-  std::optional<PlaybackState> playback_;    ///< as last told
-  std::map<std::string, std::string> told_;  ///< what is said still, by id
+  std::optional<PlaybackState> playback_;    ///< last broadcast state
+  std::map<std::string, std::string> told_;  ///< current status messages, by id
   bool is_holding_ = false;
-  std::optional<Time> time_;  ///< reached since the last jump
+  std::optional<Time> time_;  ///< last time given to reached() since the last jump
   std::int64_t jumps_ = 0;
   std::int64_t dropped_by_the_gone_ = 0;
   std::int64_t malformed_ = 0;

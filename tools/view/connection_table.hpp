@@ -10,35 +10,36 @@
 
 namespace vantage::tools {
 
-/// Decides which connections of a web server are ended, so that slow ones leave room for others:
-/// those whose request has not come within kHeaderPatience, and the oldest of an address, or of the
-/// address that has the most, where there are too many. Viewers (WebSocket) do not count. Pure.
+/// Decides which connections of a web server to end, so that slow ones leave room for others. Ends
+/// a connection if its request has not come within kHeaderPatience. Above kOfOneAddressMax it ends
+/// the oldest connections of the address; above kOfAllMax the oldest of the address that has most.
+/// Viewers (WebSocket) do not count. Pure.
 class ConnectionTable {
  public:
   static constexpr std::size_t kOfOneAddressMax = 32;
   static constexpr std::size_t kOfAllMax = 80;
   static constexpr Duration kHeaderPatience = std::chrono::seconds(3);
 
-  /// The other end of a connection.
+  /// Remote end of a connection.
   struct Peer {
     std::string address;
     int port = 0;
     auto operator<=>(const Peer&) const = default;
   };
 
-  /// Returns those of the `open` connections that are to be ended, each one once; forgets closed
-  /// ones. To be called a few times per second.
+  /// Returns the `open` connections to end, each one once, and forgets closed ones. Call a few
+  /// times per second.
   std::vector<Peer> update(const std::set<Peer>& open, Time now);
-  /// The request of `peer` has come.
+  /// Notes that the request of `peer` has come.
   void on_request(const Peer& peer, Time now) { entry(peer, now).has_request = true; }
-  /// `peer` has become a viewer.
+  /// Notes that `peer` has become a viewer.
   void on_viewer(const Peer& peer, Time now) { entry(peer, now).counts = false; }
 
  private:
   struct Connection {
     Time since{};
     bool has_request = false;
-    bool counts = true;  ///< neither a viewer nor to be ended
+    bool counts = true;  ///< false for viewers and for connections returned by update()
   };
   Connection& entry(const Peer& peer, Time now) {
     return all_.try_emplace(peer, Connection{now}).first->second;

@@ -43,7 +43,7 @@ void Feed::listen(const bus::Channel<Message>& channel) {
 }
 
 void Feed::pass_on(std::string_view channel, std::span<const std::uint8_t> data) {
-  // Whoever is on the network may make up names: no more topics than a lab has channels.
+  // Any host on the network can invent channel names, so their number is bounded.
   const bool is_new = !raw_channels_.contains(channel);
   if (is_new) {
     if (raw_channels_.size() >= kRawChannelsMax) {
@@ -81,7 +81,7 @@ Feed::Feed(bus::Transport& transport, const bus::Clock& clock, logs::foxglove::S
   listen(bus::plan_channel("*"));
   listen(bus::team_proposal_channel("*"));
   listen(bus::vehicle_channel("*"));
-  listen(bus::old_vehicle_channel("*"));  // of a log that is played
+  listen(bus::old_vehicle_channel("*"));  // only in old logs
   listen(bus::health_channel("*"));
   listen(bus::host_channel("*"));
   listen(bus::kCollision);

@@ -15,35 +15,36 @@
 
 namespace vantage::tools {
 
-/// Topic of a channel's messages as they are on the bus.
+/// Prefix of the topics of unchanged bus messages: "/lcm/CHANNEL".
 inline constexpr std::string_view kRawTopics = "/lcm/";
-/// A message as viewers are told it: with the names of its .lcm file where `types` has one, else by
-/// its size and fingerprint.
+/// Converts a message into JSON with the field names of its .lcm file if `types` contains its type;
+/// otherwise returns its size and fingerprint.
 logs::foxglove::Json raw_message(std::span<const std::uint8_t> data,
                                  const logs::TypeLibrary& types);
 
-/// Hears everything on a bus and tells it to a Sink as viewers know it; and, where it is wanted,
-/// each message as it is, on topic /lcm/CHANNEL. Publishes nothing.
+/// Converts all messages of a bus into records of a Sink; where the Sink wants it, also each
+/// unchanged message on topic /lcm/CHANNEL. Publishes nothing.
 class Feed {
  public:
-  /// @param types  what else may be read than the house's messages; must live as long
+  /// @param types  message types for raw messages; must outlive the feed
   Feed(bus::Transport& transport, const bus::Clock& clock, logs::foxglove::Sink& sink,
        const logs::TypeLibrary& types);
 
-  /// Waits up to `timeout`, then passes on what has arrived; how many, or bus::kSourceEnded.
+  /// Waits up to `timeout` and handles all messages that have arrived. Returns their number, or
+  /// bus::kSourceEnded.
   int handle(std::chrono::microseconds timeout) { return bus_.handle(timeout); }
   [[nodiscard]] const bus::Bus& bus() const { return bus_; }
 
  private:
   template <class Message>
   void listen(const bus::Channel<Message>& channel);
-  /// A message as it is.
+  /// Writes an unchanged message.
   void pass_on(std::string_view channel, std::span<const std::uint8_t> data);
 
   const bus::Clock& clock_;
   logs::foxglove::Sink& sink_;
   const logs::TypeLibrary& types_;
-  std::set<std::string, std::less<>> raw_channels_;  ///< bounded
+  std::set<std::string, std::less<>> raw_channels_;  ///< known channels, at most kRawChannelsMax
   logs::foxglove::Stream stream_;
   bus::Bus bus_;
 };

@@ -15,7 +15,8 @@ constexpr const char* kWays = "/ways";
 constexpr Duration kStatePeriod = std::chrono::seconds(1);
 constexpr Duration kWayPeriod = std::chrono::milliseconds(200);
 
-// Zero: each record is kept. Nothing: none is.
+// Returns the least time between two stored records of a topic; zero: all records are stored;
+// nullopt: none.
 std::optional<Duration> period_of(const std::string& topic, Schema schema) {
   switch (schema) {
     case Schema::kTeam:
@@ -53,7 +54,7 @@ bool History::wants(const std::string& topic, Schema schema, bool is_state) {
   const auto period = period_of(topic, schema);
   const auto last = written_.find(topic);
   is_due_ = period && (last == written_.end() || clock_.now() - last->second >= *period ||
-                       clock_.now() < last->second);  // another run
+                       clock_.now() < last->second);  // the time went back: another run
   return is_due_ || audience_wants_;
 }
 

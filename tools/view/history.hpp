@@ -12,16 +12,18 @@
 
 namespace vantage::tools {
 
-/// Writes down what somebody who comes later needs for charts, marks and the ways of bodies: the
-/// numbers of the team and of plans, events, at most one record a second of each vehicle and
-/// process, and five times a second where every body is. Bounded: the oldest records go first.
-/// Passes everything on to another Sink, or only asks that one what it wants, so that it knows
-/// every topic. Written by one thread, read by any.
+/// Stores the records that a viewer who connects later needs for charts, marks and paths of bodies:
+/// - all records of the team, of plans and of events;
+/// - at most one record per second of each vehicle and process;
+/// - five times per second the positions of all bodies.
+/// Its size is bounded; the oldest records are removed first. Passes all records on to another
+/// Sink, or only calls its wants(), so that it knows every topic. Written by one thread, read by
+/// any.
 class History : public logs::foxglove::Sink {
  public:
   enum class Audience { kHears, kIsAskedOnly };
 
-  /// @param clock  when records are heard
+  /// @param clock  clock for the periods of the stored records
   History(const bus::Clock& clock, logs::foxglove::Sink& audience, Audience how,
           std::size_t bytes_max)
       : clock_(clock), audience_(audience), how_(how), bytes_max_(bytes_max) {}
@@ -32,8 +34,8 @@ class History : public logs::foxglove::Sink {
     audience_.name_type(topic, type);
   }
 
-  /// A JSON list of [topic, utime, content], oldest first. Where bodies are is on topic "/ways":
-  /// {body: [x_m, y_m, z_m]}.
+  /// Returns a JSON list of [topic, utime, content], oldest first. Positions of bodies are on topic
+  /// "/ways": {body: [x_m, y_m, z_m]}.
   [[nodiscard]] std::string text() const;
 
  private:
@@ -43,10 +45,10 @@ class History : public logs::foxglove::Sink {
   logs::foxglove::Sink& audience_;
   const Audience how_;
   const std::size_t bytes_max_;
-  bool is_due_ = false;                  ///< the record that was just asked for is kept
-  bool audience_wants_ = false;          ///< it is passed on
-  std::map<std::string, Time> written_;  ///< when last
-  mutable std::mutex mutex_;             ///< of the rest
+  bool is_due_ = false;                  ///< store the record of the last wants()
+  bool audience_wants_ = false;          ///< pass on the record of the last wants()
+  std::map<std::string, Time> written_;  ///< time of the last stored record, by topic
+  mutable std::mutex mutex_;             ///< guards all members below
   std::deque<std::string> records_;
   std::size_t bytes_ = 0;
 };

@@ -8,23 +8,23 @@
 
 namespace vantage::tools {
 
-/// Stands before a Sink while what led up to an instant is played to it, twice and alike: first the
-/// records of each topic are counted, then of each only the last is made. Making a record costs
-/// many times what is needed to know that there is one, and of what led up to an instant only the
-/// last of each topic is seen. Whatever the records are made from is heard in full both times.
+/// Filter in front of a Sink for the messages before a seek position, which are played twice. The
+/// first pass counts the records of each topic; the second pass makes only the last one of each
+/// topic, as viewers see no other. Making a record costs many times as much as counting it. Both
+/// passes handle all messages.
 class LeadUp : public logs::foxglove::Sink {
  public:
   explicit LeadUp(logs::foxglove::Sink& audience) : audience_(audience) {}
 
-  /// From now on records are counted, and none is made.
+  /// Begins the first pass: counts records and makes none.
   void count() {
     stage_ = Stage::kCounts;
     left_.clear();
   }
-  /// From now on the same records come again: the audience is asked whether it wants each, as if it
-  /// heard all, and gets the last of a topic.
+  /// Begins the second pass over the same records: calls the audience's wants() for each, and
+  /// passes on the last record of each topic.
   void tell() { stage_ = Stage::kTellsTheLast; }
-  /// From now on everything is passed on.
+  /// Ends the second pass: passes on everything from now on.
   void end() { stage_ = Stage::kPassesOn; }
 
   bool wants(const std::string& topic, logs::foxglove::Schema schema, bool is_state) override {
@@ -51,7 +51,7 @@ class LeadUp : public logs::foxglove::Sink {
 
   logs::foxglove::Sink& audience_;
   Stage stage_ = Stage::kPassesOn;
-  std::unordered_map<std::string, std::int64_t> left_;  ///< records still to come, by topic
+  std::unordered_map<std::string, std::int64_t> left_;  ///< remaining records, by topic
 };
 
 }  // namespace vantage::tools

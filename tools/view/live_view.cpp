@@ -26,10 +26,10 @@ WebOptions with_history(WebOptions options, std::function<std::string()> history
   return options;
 }
 
-/// Keeps the first error of other threads for the one that waits for them.
+/// First exception of several threads, for the thread that waits for them.
 class Failure {
  public:
-  /// Calls `work` and keeps the exception that it throws.
+  /// Calls `work` and stores the exception that it throws.
   template <class Work>
   void guard(const Work& work) {
     try {
@@ -51,7 +51,7 @@ class Failure {
   std::exception_ptr first_;
 };
 
-/// Goes on with a log's first pass in a thread of its own until it is destroyed.
+/// Continues a log's first pass in its own thread until it is destroyed.
 class FirstPass {
  public:
   FirstPass(logs::SeekableLog& log, Broker& broker, Failure& failure)
@@ -112,7 +112,7 @@ void serve_log(logs::SeekableLog& log, const logs::TypeLibrary& types, const Web
   Broker broker({"vantage " + log.path(), new_session(), log.range()});
   WebOptions of_log =
       with_history(options, [text = log_history(log, types, broker, stop)] { return text; });
-  Failure failure;  // a log that becomes shorter, seen by the server's threads
+  Failure failure;  // the log became shorter while one of the server's threads read it
   of_log.series = [&](const std::string& topic, const std::string& pointer) {
     std::string series = "[]";
     failure.guard([&] { series = log_series(log, types, topic, pointer); });

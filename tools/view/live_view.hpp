@@ -17,12 +17,12 @@
 
 namespace vantage::tools {
 
-/// Serves what is on a bus until it is destroyed: one thread listens, the web server's do the rest.
-/// Viewers who come late are handed what there was before, up to 8 MiB of it. `types`: what else
-/// may be read than the house's messages.
+/// Server that shows the messages of a bus until it is destroyed. One thread receives; the threads
+/// of the web server serve viewers. Viewers that connect later get up to 8 MiB of history. `types`:
+/// message types for raw messages.
 class LiveView {
  public:
-  /// @throws StartupError when the address cannot be had.
+  /// @throws StartupError if the address cannot be used.
   LiveView(std::unique_ptr<bus::Transport> transport, const WebOptions& options,
            logs::TypeLibrary types = {});
   ~LiveView();
@@ -33,7 +33,7 @@ class LiveView {
 
   [[nodiscard]] const WebServer& server() const { return server_; }
   [[nodiscard]] const Broker& broker() const { return broker_; }
-  /// Why it does not listen any more; empty while it does.
+  /// Returns why it no longer receives; empty while it does.
   [[nodiscard]] std::string failure() const;
 
  private:
@@ -46,15 +46,15 @@ class LiveView {
   History history_;
   WebServer server_;
   std::atomic<bool> is_over_ = false;
-  mutable std::mutex mutex_;  ///< of failure_
+  mutable std::mutex mutex_;  ///< guards failure_
   std::string failure_;
   std::thread thread_;
 };
 
-/// Serves a log from its first picture on, paused unless `is_playing`, until `stop` says so;
-/// `ready` is told the server first. Where the first pass over the log is not over it goes on
-/// meanwhile, and viewers are told how far it is.
-/// @throws StartupError when the address cannot be had.
+/// Serves a log until `stop` returns true. Begins at first_picture(), paused unless `is_playing`.
+/// Calls `ready` with the server before that. If the first pass over the log is not complete, it
+/// continues in another thread, and viewers see its progress.
+/// @throws StartupError if the address cannot be used.
 void serve_log(logs::SeekableLog& log, const logs::TypeLibrary& types, const WebOptions& options,
                bool is_playing, const std::function<void(const WebServer&)>& ready,
                const std::function<bool()>& stop);

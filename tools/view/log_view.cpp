@@ -14,18 +14,18 @@
 namespace vantage::tools {
 namespace {
 
-constexpr Duration kLeadUp = std::chrono::seconds(20);  // as long as a track
+constexpr Duration kLeadUp = std::chrono::seconds(20);  // length of the bodies' displayed paths
 constexpr std::int64_t kTimePeriod_ns = 50'000'000;
 constexpr Duration kOvertureMax = std::chrono::minutes(2);
 constexpr std::size_t kOvertureBytesMax = std::size_t{16} << 20U;
-constexpr Duration kSlice = std::chrono::seconds(1);  // read of a log at once
+constexpr Duration kSlice = std::chrono::seconds(1);  // part of a log that is read at once
 constexpr Duration kTick{1};
 constexpr Duration kStepMin = std::chrono::milliseconds(1);
 constexpr Duration kStepMax = std::chrono::seconds(1);
 constexpr std::size_t kPassBytes = std::size_t{1} << 20U;
-constexpr const char* kReading = "reading";  // of the status that says how far the first pass is
+constexpr const char* kReading = "reading";  // id of the status with the first pass's progress
 
-/// Hears one number of one topic.
+/// Sink that collects one number of one topic.
 class Series : public logs::foxglove::Sink {
  public:
   Series(std::string topic, const std::string& pointer)
@@ -57,7 +57,7 @@ class Series : public logs::foxglove::Sink {
   logs::foxglove::Json points_ = logs::foxglove::Json::array();
 };
 
-/// Hears how much of a picture there is.
+/// Sink that counts which conditions of first_picture() are met.
 class Overture : public logs::foxglove::Sink {
  public:
   bool wants(const std::string& topic, logs::foxglove::Schema schema, bool /*is_state*/) override {
@@ -87,7 +87,7 @@ class Overture : public logs::foxglove::Sink {
     }
   }
 
-  /// How much there is, in [0, 3].
+  /// Returns the number of conditions that are met, in [0, 3].
   [[nodiscard]] int parts() const {
     return robots_.empty() ? 0
                            : (is_placed() ? 1 : 0) + (is_known_ ? 1 : 0) +
@@ -99,12 +99,13 @@ class Overture : public logs::foxglove::Sink {
   [[nodiscard]] bool is_placed() const { return !robots_.empty() && missing_.empty(); }
 
   std::set<std::string> robots_;
-  std::set<std::string> missing_;  ///< robots that nobody has placed yet
+  std::set<std::string> missing_;  ///< robots without a position so far
   std::set<std::string> planned_;
   bool is_known_ = false;
 };
 
-/// Calls `take` with the events within the range of a log by ascending time, while it says true.
+/// Calls `take` with the events within the range of a log by ascending time, until it returns
+/// false.
 void read_through(const logs::SeekableLog& log,
                   const std::function<bool(const logs::PlacedEvent&)>& take) {
   const auto [begin, end] = log.range();
@@ -119,7 +120,7 @@ void read_through(const logs::SeekableLog& log,
   }
 }
 
-/// Plays a log from its start to a Sink, as fast as it goes, while `go_on` of each event.
+/// Plays a log from its start to a Sink as fast as possible, until `go_on` returns false.
 void play_through(const logs::SeekableLog& log, const logs::TypeLibrary& types,
                   bus::VirtualClock& clock, logs::foxglove::Sink& sink,
                   const std::function<bool(const logs::PlacedEvent&)>& go_on) {
@@ -269,7 +270,7 @@ void LogView::feed(const logs::PlacedEvent& event) {
   feed_->handle(std::chrono::microseconds(0));
 }
 
-// The same instant again, as if somebody had asked for it.
+// Seeks to the present instant again, with the range of the whole log.
 void LogView::on_surveyed(std::int64_t now_ns) {
   const PlaybackState before = playback_.state(now_ns);
   const auto [start, end] = log_.range();
@@ -288,7 +289,7 @@ void LogView::tick(std::int64_t now_ns) {
   }
   for (const PlaybackControl& request : broker_.take_controls()) {
     PlaybackState after = playback_.control(request, now_ns);
-    // To go to where it is asks for all of that instant again.
+    // A seek to the present position makes that instant again, so it is not a step.
     const bool is_step =
         after.did_seek && after.time - shown_ >= kStepMin && after.time - shown_ <= kStepMax;
     after.did_seek = after.did_seek && !is_step;

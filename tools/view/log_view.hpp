@@ -16,54 +16,55 @@
 
 namespace vantage::tools {
 
-/// Of longer logs the numbers are not read at the start.
+/// Bytes; log_history() and log_series() do not read longer logs.
 inline constexpr std::size_t kWholeBytesMax = std::size_t{256} << 20U;
 
-/// The History of a whole log, as its text(). "[]" for a log above 256 MiB, which would take too
-/// long, and one whose first pass is not over. `audience` is asked whether it wants each topic
-/// there is, so that it knows all of them, and is told nothing else but the names of types. Ends
-/// early once `stop` says so.
+/// Returns History::text() of a whole log. Returns "[]" for a log above 256 MiB, which would take
+/// too long, and if the log's first pass is not complete. Only calls wants() and name_type() of
+/// `audience`, so that it knows all topics. Ends early if `stop` returns true.
 std::string log_history(
     const logs::SeekableLog& log, const logs::TypeLibrary& types, logs::foxglove::Sink& audience,
     const std::function<bool()>& stop = [] { return false; });
 
-/// One number of a topic over a whole log: a JSON list of [utime, value]. `pointer` (RFC 6901) says
-/// which of the content's members: a number, or true (1) and false (0); records without it are left
-/// out. "[]" for a log above 256 MiB. Reads the log once; on topics /lcm/ that channel alone.
+/// Returns one number of a topic over a whole log, as a JSON list of [utime, value]. `pointer` (RFC
+/// 6901) selects the member of the content: a number, or true (1) and false (0). Records without it
+/// are left out. Returns "[]" for a log above 256 MiB. Reads the log once; for topics /lcm/ it
+/// decodes only that channel.
 std::string log_series(const logs::SeekableLog& log, const logs::TypeLibrary& types,
                        const std::string& topic, const std::string& pointer);
 
-/// The first instant of which a picture shows a trial: every robot of the scenario has been placed
-/// and has published a plan, and somebody knows a target or a map. Where that never comes within
-/// the first two minutes and 16 MiB, the first instant that has most of it; the start of a log
-/// without a scenario. Ends early once `stop` says so.
+/// Returns the first instant whose picture shows a trial: every robot of the scenario has a
+/// position and has published a plan, and a target estimate or a map exists. If that does not occur
+/// within the first 2 min and 16 MiB, returns the first instant that meets most of these
+/// conditions. Returns the start of a log without a scenario. Ends early if `stop` returns true.
 Time first_picture(
     const logs::SeekableLog& log, const std::function<bool()>& stop = [] { return false; });
 
-/// Goes on with a log's first pass until it is over, or `stop` says so; viewers are told how far it
-/// is ("12 % read") until it ends. To be called once, from a thread of its own.
+/// Continues a log's first pass until it is complete or `stop` returns true. Viewers see the
+/// progress ("12 % read") until it ends. Call once, in a separate thread.
 void read_first_pass(logs::SeekableLog& log, Broker& broker, const std::function<bool()>& stop);
 
-/// Plays a log to a broker, as its viewers command, while the log's first pass may go on in another
-/// thread: once that is over, what is shown is made again, from all that is known now. One thread.
+/// Player of a log that sends records to a broker and obeys the playback requests of its viewers.
+/// The log's first pass may run in another thread; when it is complete, the present picture is made
+/// again from the whole log. Single-threaded.
 class LogView {
  public:
-  /// Paused at `begin`. All of them must live as long.
+  /// Starts paused at `begin`. The arguments must outlive this object.
   LogView(const logs::SeekableLog& log, const logs::TypeLibrary& types, Broker& broker, Time begin);
 
-  /// Begins to play at its own speed.
+  /// Begins to play in real time.
   void play(std::int64_t now_ns) { playback_.control({true, 1.0F, std::nullopt, ""}, now_ns); }
 
-  /// Obeys what viewers asked, and sends what the time since the last call brought. A short way on
-  /// is no jump: what lies between is sent, and viewers are not told to begin anew.
+  /// Obeys the requests of viewers and sends the records since the last call. A seek of at most 1 s
+  /// forward sends the records between and does not reset the viewers.
   void tick(std::int64_t now_ns);
 
  private:
-  /// Begins anew at `position`, with what led up to it.
+  /// Jumps to `position` and plays the messages before it.
   void go_to(Time position);
-  /// Sends what is between where it is and `position`.
+  /// Sends the records between the present position and `position`.
   void go_on_to(Time position);
-  /// Hears from now on as if nothing had been heard before.
+  /// Replaces the feed, which discards everything received so far.
   void listen_anew();
   void feed(const logs::PlacedEvent& event);
   void on_surveyed(std::int64_t now_ns);
@@ -78,8 +79,8 @@ class LogView {
   std::unique_ptr<bus::Transport> source_;
   std::unique_ptr<bus::Transport> endpoint_;
   std::unique_ptr<Feed> feed_;
-  Time shown_{};           ///< until when all have been sent
-  bool is_exact_ = false;  ///< all of the log was known when it went there
+  Time shown_{};           ///< all records up to this time have been sent
+  bool is_exact_ = false;  ///< the first pass was complete at the last jump
   std::int64_t time_told_ns_ = 0;
   PlaybackStatus status_told_ = PlaybackStatus::kPaused;
 };

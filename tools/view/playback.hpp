@@ -7,22 +7,22 @@
 
 namespace vantage::tools {
 
-/// Where a log player is: position = anchor + speed · (now − then) while it plays, held at the
-/// ends. Pure: now comes from the caller's monotonic clock.
+/// Position of a log player. While it plays, position = anchor + speed · (now − time of the last
+/// control), clamped to the log's range. Pure: the caller passes the time of its monotonic clock.
 class PlaybackClock {
  public:
-  /// Paused at the start. Precondition: start ≤ end.
+  /// Starts paused at `start`. Precondition: start ≤ end.
   PlaybackClock(Time start, Time end) : start_(start), end_(end), anchor_(start) {}
 
-  /// The log is longer or shorter than was known. Precondition: start ≤ end.
+  /// Changes the range of the log. Precondition: start ≤ end.
   void set_range(Time start, Time end) {
     start_ = start;
     end_ = end;
   }
   [[nodiscard]] Time position(std::int64_t now_ns) const;
   [[nodiscard]] PlaybackState state(std::int64_t now_ns) const;
-  /// Obeys; the state afterwards, with the request's id. Playing at the end begins anew. Speeds are
-  /// held within [0.01, 100].
+  /// Obeys a request and returns the new state with the request's id. A request to play at the end
+  /// begins at the start. Speeds are clamped to [0.01, 100].
   PlaybackState control(const PlaybackControl& request, std::int64_t now_ns);
 
  private:

@@ -18,13 +18,13 @@
 
 namespace vantage::tools {
 
-/// The subprotocols, newest first. They differ in playback control, which only the first knows.
+/// Supported subprotocols, newest first. Only the first has playback control.
 inline constexpr const char* kSubprotocols[] = {"foxglove.sdk.v1", "foxglove.websocket.v1"};
 
 struct ServerInfo {
   std::string name;
-  std::string session_id;  ///< of this start: clients tell a reconnection from a new server by it
-  /// First and last instant of a log, which can then be played and sought in; none: live.
+  std::string session_id;  ///< new at each start, so that clients detect a new server
+  /// First and last instant of a log; nullopt: live.
   std::optional<std::pair<Time, Time>> range;
 };
 
@@ -43,7 +43,7 @@ struct PlaybackState {
   Time time{};
   float speed = 1.0F;
   bool did_seek = false;
-  std::string request_id;  ///< of the request that it answers; empty for none
+  std::string request_id;  ///< id of the request that it answers; empty if there is none
 };
 
 /// Text frames.
@@ -57,7 +57,7 @@ std::string message_head(std::uint32_t subscription_id, Time time);
 std::string time_frame(Time time);
 std::string playback_state_frame(const PlaybackState& state);
 
-/// What a client asks for.
+/// Requests of a client.
 struct Subscribe {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;  ///< subscription id, channel id
 };
@@ -70,11 +70,11 @@ struct PlaybackControl {
   std::optional<Time> seek;
   std::string request_id;
 };
-/// Well-formed, but nothing for a server that only shows.
+/// Well-formed request for a function that this server does not have.
 struct Declined {
   std::string what;
 };
-/// Breaks the protocol.
+/// Frame that violates the protocol.
 struct Malformed {
   std::string why;
 };
@@ -83,7 +83,7 @@ using Request = std::variant<Subscribe, Unsubscribe, PlaybackControl, Declined, 
 Request parse_text(std::string_view frame);
 Request parse_binary(std::string_view frame);
 
-/// True when a client that offers `header` (a comma-separated list) is understood.
+/// True if `header`, a comma-separated list of offered subprotocols, contains a supported one.
 bool offers_our_protocol(std::string_view header);
 
 }  // namespace vantage::tools

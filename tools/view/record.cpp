@@ -30,8 +30,8 @@ namespace fs = std::filesystem;
 constexpr const char* kBrowsers[] = {"chromium", "chromium-browser", "google-chrome",
                                      "google-chrome-stable"};
 
-/// A folder that goes when it does. Who is killed is at work for a moment yet, and may write into
-/// it meanwhile.
+/// Temporary folder that is removed by the destructor. Killed processes may still write into it for
+/// a moment, so the removal is tried repeatedly.
 class PassingFolder {
  public:
   PassingFolder() {
@@ -59,7 +59,7 @@ class PassingFolder {
   [[nodiscard]] std::string file(const std::string& name) const { return path_ / name; }
 
  private:
-  static constexpr int kTriesToRemove = 500;  // 5 s; a browser's children are not ours to wait for
+  static constexpr int kTriesToRemove = 500;  // 5 s; the browser's children cannot be waited for
   fs::path path_;
 };
 
@@ -74,7 +74,7 @@ Child start_browser(const std::string& address, const RecordOptions& options,
   ChildPlace place;
   place.output = output;
   place.end_signal = SIGKILL;
-  place.environment = {"TMPDIR=" + folder.file("")};  // what it leaves behind goes as well
+  place.environment = {"TMPDIR=" + folder.file("")};  // removed with its temporary files
   std::optional<Child> browser;
   for (const std::string& name : names) {
     std::vector<std::string> words = {
@@ -89,11 +89,11 @@ Child start_browser(const std::string& address, const RecordOptions& options,
         "--disable-sync",
         "--no-proxy-server",
         "--force-device-scale-factor=1",
-        "--remote-debugging-port=0",  // else it ends once the page is there
+        "--remote-debugging-port=0",  // without it the browser ends once the page is loaded
         "--user-data-dir=" + folder.file("profile"),
         fmt::format("--window-size={},{}", options.width, options.height)};
     if (::geteuid() == 0) {
-      words.emplace_back("--no-sandbox");  // which it refuses to make for root
+      words.emplace_back("--no-sandbox");  // the browser refuses to run sandboxed as root
     }
     words.push_back(address);
     Result<Child> started = Child::start(words, place);
@@ -134,7 +134,7 @@ bool record_log(logs::SeekableLog& log, const logs::TypeLibrary& types, WebOptio
   require_writable(options.path);
   const PassingFolder folder;
   RecordingDesk desk(fmt::format("{:016x}", bus::random_run_id()), progress);
-  web.bind = "127.0.0.1";  // browsers encode video for pages of their own machine
+  web.bind = "127.0.0.1";  // browsers encode video only for pages from a secure or local address
   web.port = 0;
   web.recording = &desk;
   std::optional<Child> browser;

@@ -10,28 +10,29 @@
 
 namespace vantage::tools {
 
-/// Which video of a log is to be made.
+/// Options of a video of a log.
 struct RecordOptions {
-  std::string path;  ///< of the WebM file
+  std::string path;  ///< WebM file to write
   double from_s = 0.0;
-  std::optional<double> to_s;  ///< none: the log's end
-  double speed = 1.0;          ///< seconds of the log in one of the video
+  std::optional<double> to_s;  ///< nullopt: the end of the log
+  double speed = 1.0;          ///< seconds of the log per second of the video
   int fps = 25;
   int width = 1280;
   int height = 720;
   bool is_dark = false;
-  std::string link;  ///< what a link of the page says behind its #: view, cameras, layers
+  std::string link;  ///< part of a page link after its '#': view, cameras, layers
 };
 
-/// The page's address for a browser that is to record.
+/// Returns the address of the page for a browser that records.
 std::string record_address(const std::string& url, const std::string& key,
                            const RecordOptions& options, double length_s);
 
-/// Makes the video: serves the log to this host alone, starts a browser without a window that
-/// draws each picture at its instant, however long that takes, and writes the file when it is
-/// whole. `progress` hears the share that is done.
-/// @throws StartupError when there is no browser or page, or the file cannot be written;
-///   std::runtime_error when the browser fails. False: `stop` said so before it was whole.
+/// Makes the video: serves the log to this host only, starts a browser without a window that draws
+/// each picture at its instant, and writes the file when it is complete. The time per picture is
+/// not limited. Calls `progress` with the completed share in [0, 1]. Returns false if `stop`
+/// returned true before the video was complete.
+/// @throws StartupError if there is no browser or page, or the file cannot be written;
+///   std::runtime_error if the browser fails.
 bool record_log(logs::SeekableLog& log, const logs::TypeLibrary& types, WebOptions web,
                 const RecordOptions& options, const std::function<void(double)>& progress,
                 const std::function<bool()>& stop);

@@ -8,11 +8,11 @@
 
 namespace vantage::tools {
 
-/// Where the page of a browser that was started to record hands over what it has made. Only who has
-/// the key may. Thread-safe.
+/// Receiver of the video from the page of a recording browser, which must send the key.
+/// Thread-safe.
 class RecordingDesk {
  public:
-  /// @param on_progress  hears the share that is done, on the server's threads
+  /// @param on_progress  called with the completed share in [0, 1] on the server's threads
   RecordingDesk(std::string key, std::function<void(double)> on_progress)
       : key_(std::move(key)), on_progress_(std::move(on_progress)) {}
 
@@ -23,16 +23,16 @@ class RecordingDesk {
   void take(std::string video);
   void fail(std::string why);
 
-  /// True once there is a video or a reason why there is none.
+  /// True once there is a video or a failure.
   [[nodiscard]] bool is_over() const;
-  /// Empty: there is none.
+  /// Returns the video; empty if there is none.
   [[nodiscard]] std::string video() const;
   [[nodiscard]] std::string failure() const;
 
  private:
   const std::string key_;
   const std::function<void(double)> on_progress_;
-  mutable std::mutex mutex_;  ///< of the rest
+  mutable std::mutex mutex_;  ///< guards all members below
   std::string video_;
   std::string failure_;
 };

@@ -30,7 +30,7 @@ namespace vantage::tools {
 namespace {
 
 constexpr std::size_t kClientsMax = 24;
-// Each viewer holds one, and each other connection (ConnectionTable::kOfAllMax).
+// One thread per viewer and per other connection (ConnectionTable::kOfAllMax).
 constexpr const char* kThreads = "112";
 static_assert(kClientsMax + ConnectionTable::kOfAllMax < 112);
 constexpr auto kEndingPeriod = std::chrono::milliseconds(250);
@@ -45,14 +45,14 @@ constexpr const char* kNoPage =
     "<code>tools/setup</code> fetches what it is made of; then build again. "
     "Foxglove and Lichtblick can connect to this address all the same, by <code>ws://</code>.";
 
-/// One viewer's connection: what its handlers are called with.
+/// One viewer's connection, passed to its handlers.
 struct Connection {
   std::shared_ptr<Client> client;
   std::thread writer;
-  std::string text;  ///< a message that comes in several frames
-  int opcode = 0;    ///< of its first frame
+  std::string text;  ///< received part of a message of several frames
+  int opcode = 0;    ///< opcode of its first frame
 
-  /// Nothing goes out any more once it returns.
+  /// Ends the writer. Nothing is sent after it returns.
   void end_writing() {
     client->close();
     if (writer.joinable()) {
@@ -67,8 +67,8 @@ struct Connection {
       if (frame->body) {
         bytes += *frame->body;
       }
-      // A viewer that reads nothing for the time that a write may take gets a part of a message:
-      // nothing may follow it, or it would be read as the rest.
+      // If the viewer stops reading, the write times out and sends a part of the message. The
+      // connection must then end, as any further bytes would be read as the rest of that message.
       const int written = mg_websocket_write(socket, kind, bytes.data(), bytes.size());
       if (written < 0 || static_cast<std::size_t>(written) != bytes.size()) {
         client->close();
@@ -78,7 +78,7 @@ struct Connection {
 };
 
 std::string content_policy() {
-  // The page comes from here and talks to here: nothing from the network is ever loaded.
+  // The page is loaded from this server and connects only to it.
   return "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
          "connect-src 'self' ws: wss:";
 }
@@ -92,7 +92,7 @@ void answer(mg_connection* socket, const char* type, const std::string& body) {
   mg_write(socket, body.data(), body.size());
 }
 
-// By hand: civetweb writes no headers of its own to who asked for a WebSocket.
+// Writes the headers itself, as civetweb writes none in answer to a WebSocket request.
 int refuse(mg_connection* socket, int code, const char* reason, const char* why) {
   mg_printf(socket,
             "HTTP/1.1 %d %s\r\nContent-Type: text/plain\r\nContent-Length: %zu\r\n"
@@ -123,7 +123,8 @@ ConnectionTable::Peer peer_of(const mg_connection* socket) {
   return {info.remote_addr, info.remote_port};
 }
 
-/// The other end of a connected socket whose own port is `port`; nullopt for any other descriptor.
+/// Returns the remote end of a connected socket whose own port is `port`; nullopt for any other
+/// descriptor.
 std::optional<ConnectionTable::Peer> peer_at(int descriptor, int port) {
   sockaddr_storage own{};
   sockaddr_storage other{};
@@ -135,8 +136,8 @@ std::optional<ConnectionTable::Peer> peer_at(int descriptor, int port) {
   return is_connected && peer_of(own).port == port ? std::optional(peer_of(other)) : std::nullopt;
 }
 
-/// This process's connections to `port`, those included that wait for a thread of civetweb, which
-/// tells nothing of a connection before its request has come.
+/// Returns this process's connections to `port` with their descriptors. Reads them from /proc, as
+/// civetweb reports a connection only after its request has come.
 std::map<ConnectionTable::Peer, int> connections_to(int port) {
   std::map<ConnectionTable::Peer, int> out;
   std::error_code error;
@@ -194,8 +195,8 @@ struct WebServer::State {
     return static_cast<Connection*>(mg_get_user_connection_data(socket));
   }
 
-  // A page of somebody else's, opened in a browser of this network, must not read the bus: neither
-  // by a name of its own that it makes mean our address, nor by asking from where it is.
+  // A foreign page in a browser of this network must not read the bus. The Host check prevents DNS
+  // rebinding, the Origin check cross-origin requests.
   static bool is_welcome(const mg_connection* socket, const WebOptions& options) {
     const char* host = mg_get_header(socket, "Host");
     if (host != nullptr && !is_our_host(host, options.hosts)) {
@@ -206,7 +207,8 @@ struct WebServer::State {
            is_known_origin(origin, host == nullptr ? "" : host, options.origins);
   }
 
-  // Refuses, with an answer, what civetweb would only hang up on. 0: it may go on.
+  // Refuses requests with an answer where civetweb would only close the connection. Returns 0 if
+  // the request is permitted.
   static int on_begin(mg_connection* socket) {
     {
       const std::lock_guard lock(of(socket).connections_mutex);
@@ -259,7 +261,7 @@ struct WebServer::State {
       return 0;
     }
     if (opcode == MG_WEBSOCKET_OPCODE_CONNECTION_CLOSE) {
-      // Answered with the code that came, after the last frame that goes out (RFC 6455, 5.5.1).
+      // Answers with the received code after the last outgoing frame (RFC 6455, 5.5.1).
       constexpr std::size_t kCodeBytes = 2;
       viewer->end_writing();
       mg_websocket_write(socket, MG_WEBSOCKET_OPCODE_CONNECTION_CLOSE, bytes,
@@ -322,7 +324,7 @@ struct WebServer::State {
 
   static int on_series(mg_connection* socket, void* state) {
     auto& self = *static_cast<State*>(state);
-    // One at a time: each reads the log, and the player has to as well.
+    // One call at a time: each reads the whole log, which the player reads as well.
     const std::lock_guard lock(self.series_mutex);
     const auto& series = self.options.series;
     answer(socket, "application/json",
@@ -330,7 +332,7 @@ struct WebServer::State {
     return 200;
   }
 
-  /// How far the recording is (done=SHARE), why there is none (failed=1), or the video.
+  /// Receives the progress of the recording (done=SHARE), its failure (failed=1) or the video.
   static int on_recording(mg_connection* socket, void* state) {
     RecordingDesk& desk = *static_cast<State*>(state)->options.recording;
     if (!desk.is_key(parameter(socket, "key"))) {
@@ -397,7 +399,7 @@ WebServer::WebServer(Broker& broker, const WebOptions& options)
                             address.c_str(),
                             "num_threads",
                             kThreads,
-                            "request_timeout_ms",  // also of a write
+                            "request_timeout_ms",  // also limits a write
                             "30000",
                             "websocket_timeout_ms",
                             "20000",

@@ -13,28 +13,30 @@ namespace vantage::tools {
 
 struct WebOptions {
   std::string bind = "127.0.0.1";
-  int port = 8765;          ///< 0: any free one
-  std::string page_folder;  ///< of the built page; without index.html a note is served instead
-  /// Names by which browsers may ask for this host, besides addresses, localhost and its own.
+  int port = 8765;          ///< 0: any free port
+  std::string page_folder;  ///< folder of the built page; without index.html a note is served
+  /// Further host names that requests may use, in addition to addresses, localhost and this host's
+  /// own name.
   std::vector<std::string> hosts;
-  /// Pages of other servers that may connect, such as "https://viewer.example"; Foxglove's own and
-  /// those of this host (Lichtblick) always may.
+  /// Pages of other servers that may connect, such as "https://viewer.example". Foxglove's pages
+  /// and those of this host (Lichtblick) may always connect.
   std::vector<std::string> origins;
-  /// Answers GET /api/history: JSON of what there was, for charts, marks and ways. Any thread.
+  /// Answers GET /api/history: JSON of past records for charts, marks and paths. Called on any
+  /// thread.
   std::function<std::string()> history;
-  /// Answers GET /api/series?topic=…&field=…: one number over the whole log. One call at a time,
-  /// any thread; empty: there is no log.
+  /// Answers GET /api/series?topic=…&field=…: one number over the whole log. Called on any thread,
+  /// one call at a time. Empty function: there is no log.
   std::function<std::string(const std::string& topic, const std::string& pointer)> series;
-  /// Takes what a page that records has made (POST /api/recording?key=…); null: nothing is taken.
+  /// Receives the video of a recording page (POST /api/recording?key=…); null: not accepted.
   RecordingDesk* recording = nullptr;
 };
 
-/// HTTP and WebSocket on one port, by civetweb: the page's files, and a Broker's frames to any
-/// number of viewers up to a bound. A thread per connection reads, another one writes. It never
-/// writes anything but to its sockets.
+/// HTTP and WebSocket server on one port (civetweb). It serves the page's files, and a Broker's
+/// frames to a bounded number of viewers. One thread per connection reads, another one writes. It
+/// writes only to its sockets.
 class WebServer {
  public:
-  /// @throws StartupError when the address cannot be had.
+  /// @throws StartupError if the address cannot be used.
   WebServer(Broker& broker, const WebOptions& options);
   ~WebServer();
   WebServer(const WebServer&) = delete;
@@ -43,10 +45,10 @@ class WebServer {
   WebServer& operator=(WebServer&&) = delete;
 
   [[nodiscard]] int port() const;
-  /// "http://127.0.0.1:8765".
+  /// Returns the address of the page, such as "http://127.0.0.1:8765".
   [[nodiscard]] std::string url() const;
   [[nodiscard]] bool has_page() const;
-  /// Connections refused for the name or the page they came by, since the start.
+  /// Returns the number of connections refused because of their Host or Origin since the start.
   [[nodiscard]] std::int64_t refused() const;
 
  private:

@@ -10,7 +10,7 @@
 namespace vantage::tools {
 namespace {
 
-// "lab-pc" of "lab-pc:8765", "::1" of "[::1]:8765"; in small letters.
+// Returns the host name in lower case: "lab-pc" of "lab-pc:8765", "::1" of "[::1]:8765".
 std::string name_of(std::string_view host) {
   if (host.starts_with('[')) {
     host = host.substr(1, std::min(host.find(']'), host.size()) - 1);
@@ -34,7 +34,7 @@ std::string own_name() {
   return ::gethostname(name, sizeof name - 1) == 0 ? name_of(name) : "";
 }
 
-// "host:port" of "http://host:port"; empty for another scheme.
+// Returns "host:port" of "http://host:port"; empty for another scheme than http and https.
 std::string_view host_of(std::string_view origin) {
   for (const std::string_view scheme : {"http://", "https://"}) {
     if (origin.starts_with(scheme)) {

@@ -4,17 +4,17 @@
 #include <string>
 #include <string_view>
 
-// Which browsers' requests are meant for this server. Pure but for the host's own name.
+// Checks of a browser's Host and Origin headers. Pure except for the host's own name.
 
 namespace vantage::tools {
 
-/// True for a Host header ("lab-pc:8765") that names an address, localhost, this host's own name
-/// (with or without .local) or one of `more`. Another name may be anyone's who lets it mean our
-/// address.
+/// True if a Host header ("lab-pc:8765") contains an address, localhost, this host's own name (with
+/// or without .local) or one of `more`. Other names may belong to an attacker who lets them resolve
+/// to our address (DNS rebinding).
 bool is_our_host(std::string_view header, std::span<const std::string> more);
 
-/// True for an Origin header of our own page (that of `host`), of this machine's pages, of
-/// Foxglove's application and site, or one of `more`.
+/// True if an Origin header is that of our own page (from `host`), of a page of localhost, of
+/// Foxglove's application or site, or one of `more`.
 bool is_known_origin(std::string_view origin, std::string_view host,
                      std::span<const std::string> more);
 
