@@ -1,6 +1,6 @@
 import { defineConfig } from "vite";
 
-// One page without anything from elsewhere; old enough a target for a lab's tablets.
+// One page that loads nothing from other servers. The target is old enough for tablets in a lab.
 export default defineConfig({
   base: "./",
   build: { target: "es2020", chunkSizeWarningLimit: 2000, assetsInlineLimit: 0 },

@@ -1,12 +1,12 @@
-// The beat: words, charts and the clock are written at once, five times a second. Between beats nothing but the stage changes,
-// so that nothing else has to be put together anew: of what changed the browser takes the least box around all of it.
+// Common refresh timer: text, charts and the clock change together, five times per second. Between these beats only the stage
+// changes. A browser composites the bounding box of all changes again, so this keeps that box small.
 
 export const kBeat_ms = 200;
 
 const calls = [];
 let count = 0;
 
-/** Calls `write` each so many beats, with how many there were, while somebody sees the page. */
+/** Calls `write` with the number of the beat every `beats` beats while the page is visible. */
 export function on_beat(write, beats = 1) {
   calls.push({ write, beats });
 }

@@ -1,20 +1,20 @@
-// Charts of numbers over time: what is charted, what is under the cursor, which stretch is shown.
+// Charts of numbers over time, with values under the cursor and a common time interval.
 
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { kBeat_ms, on_beat } from "./beat.js";
 import { digits, kDashes, look, robot_css, robot_look, title_of } from "./look.js";
 
-const kWindow_s = 120; // of a live view
-const kPoints = 20000; // a series at most
-const kRefresh_ms = 500; // of each chart
-const kRead = 8; // series whose values are told under the cursor
-const kLeast_s = 0.2; // shown at least
-const kLeast_px = 236; // a chart's width
+const kWindow_s = 120; // displayed interval of a live view
+const kPoints = 20000; // most points per series
+const kRefresh_ms = 500; // period of each chart
+const kRead = 8; // most series whose values are shown under the cursor
+const kLeast_s = 0.2; // shortest displayed interval
+const kLeast_px = 236; // least width of a chart
 const kGap_px = 8;
-const kPadding = [6, 10, 0, 0]; // around a plot: above, right
+const kPadding = [6, 10, 0, 0]; // pixels around a plot: above, right, below, left
 
-/// Of a plot in `body` that is neither zoomed nor told by a legend of its own.
+/// Returns the options of a plot in `body` without zoom and without uPlot's legend.
 const still_options = (body) => ({
   width: Math.max(80, body.clientWidth),
   height: Math.max(60, body.clientHeight),
@@ -26,10 +26,10 @@ const still_options = (body) => ({
 const number = (x) => (typeof x === "boolean" ? Number(x) : typeof x === "number" && Number.isFinite(x) ? x : null);
 const robot_of = (topic) => topic.split("/")[2];
 
-/** The team's number and the mean of its robots', each by its own belief alone. */
+/** Returns a `take` for a number of the team and the mean of the robots' numbers, each from the robot's own belief. */
 const of_both = (team, robot) => (r) => [["team", number(r[team])], ["a robot", number(r[robot])]];
 
-/** What is charted: `take` gives a list of [series, value] of a record; null where there is none. */
+/** All charts. `take` converts a record into a list of [series, value]; the value is null if it is missing. */
 const kCharts = [
   { key: "entropy", measure: "entropy", topic: /^\/team$/, take: of_both("entropy_nats", "robot_entropy_nats") },
   { key: "map_entropy", measure: "map_entropy", topic: /^\/team$/, take: (r) => [["team", number(r.map_entropy_nats)]] },
@@ -80,10 +80,11 @@ const kCharts = [
   { key: "lost", measure: "lost", topic: /^\/team$/, take: (r) => [["team", number(r.messages_lost)]], zero: true, count: true },
 ];
 
-/** The member of a record that a path names: ["a", "0", "b"]. */
+/** Returns the member of a record at a path: ["a", "0", "b"]. */
 export const member = (record, path) => path.reduce((value, key) => value?.[key], record);
 
-/** Topics that differ in whose they are: "/vehicle/Q1" → ["/vehicle/*", "Q1"], "/lcm/PLAN_Q1" → ["/lcm/PLAN_*", "Q1"]. */
+/** Splits a topic into its family and the robot's name: "/vehicle/Q1" → ["/vehicle/*", "Q1"], "/lcm/PLAN_Q1" →
+    ["/lcm/PLAN_*", "Q1"]. Without a robot: the topic and its last part. */
 export function family_of(topic, robots) {
   for (const robot of robots) {
     const parts = topic.split(new RegExp(`(?<=[/_])${robot.replace(/[^\w]/g, "\\$&")}(?=/|$)`));
@@ -92,7 +93,7 @@ export function family_of(topic, robots) {
   return [topic, topic.split("/").at(-1)];
 }
 
-/** Puts a colour before an element's words. */
+/** Shows a colour before an element's text. */
 function mark_of(element, colour) {
   element.className = "of";
   element.style.setProperty("--of", colour);
@@ -100,22 +101,22 @@ function mark_of(element, colour) {
 
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
-/** Axes as all charts have them. */
+/** Returns the options that the axes of all charts share. */
 const axis_look = () => ({
   stroke: css("--quiet"), font: "11px system-ui", gap: 3, grid: { stroke: css("--line"), width: 1 }, ticks: { stroke: css("--line"), width: 1, size: 4 },
 });
 
-/** Series that are of no robot of the scenario's. */
+/** Look of the series that do not belong to one robot. */
 const kOfTeam = { team: { colour: "--ink" }, "a robot": { colour: "--quiet", dash: [5, 3] } };
 
 class Chart {
   constructor(box, spec, source) {
     this.spec = spec;
     this.source = source;
-    this.series = new Map(); // name → {t, v}
+    this.series = new Map(); // {t, v} by name
     this.box = document.createElement("figure");
     this.box.dataset.chart = spec.key;
-    this.is_off = false; // taken away by the user
+    this.is_off = false; // removed by the user
     this.caption = document.createElement("figcaption");
     this.title = document.createElement("b");
     this.title.textContent = this.box.title = spec.title ?? title_of(spec.measure);
@@ -138,7 +139,7 @@ class Chart {
     this.show();
   }
 
-  /** A chart is on the page unless it was taken away or has nothing to show. */
+  /** Shows the chart unless it was removed or has no series. */
   show() {
     this.box.hidden = this.is_off || (!this.spec.fields && this.series.size === 0);
   }
@@ -167,7 +168,7 @@ class Chart {
     this.is_stale = true;
   }
 
-  /** Puts a whole series at once. */
+  /** Replaces a whole series. */
   fill(name, points) {
     this.series.set(name, { t: points.map(([t]) => t), v: points.map(([, v]) => v) });
     this.destroy();
@@ -203,7 +204,7 @@ class Chart {
   make() {
     const axis = axis_look();
     const { zero, range, count } = this.spec;
-    this.write_legend(); // which says how much room there is
+    this.write_legend(); // before the size is read, which depends on it
     this.plot = new uPlot(
       {
         width: Math.max(80, this.body.clientWidth),
@@ -226,7 +227,7 @@ class Chart {
               if (range) return range;
               if (low === null) return [0, 1];
               if (zero) [low, high] = [Math.min(0, low), Math.max(0, high)];
-              if (count) return [0, Math.max(4, 1.08 * high)]; // of whole things
+              if (count) return [0, Math.max(4, 1.08 * high)]; // numbers of things: whole ticks
               const pad = Math.max(1e-6, 0.08 * (high - low || Math.abs(high) || 1));
               return [low < 0 || !zero ? low - pad : 0, high + pad];
             },
@@ -257,11 +258,11 @@ class Chart {
     this.listen(this.plot.over);
   }
 
-  /** The wheel zooms in time, dragging goes along it, a click goes there, two show all. */
+  /** Handles the mouse: the wheel zooms in time, dragging pans, a click seeks, a double click shows all. */
   listen(over) {
     const time_at = (event) => {
       const box = over.getBoundingClientRect();
-      const [from, to] = this.source.window(); // which the plot may not have drawn yet
+      const [from, to] = this.source.window(); // newer than the plot's scale, which changes when it is drawn
       return from + ((event.clientX - box.left) / box.width) * (to - from);
     };
     over.addEventListener("wheel", (event) => {
@@ -291,7 +292,7 @@ class Chart {
     over.addEventListener("dblclick", () => this.source.zoom(null));
   }
 
-  /** Values where the cursor is, those nearest to it first where there are many. */
+  /** Shows the values under the cursor; of many series only the nearest ones. */
   tell() {
     const { idx, top } = this.plot.cursor;
     const names = this.names();
@@ -300,7 +301,7 @@ class Chart {
       return;
     }
     const time = this.plot.data[0][idx];
-    // Series are not sampled at the same instants: of each its newest value until then.
+    // Series are sampled at different instants, so the newest value up to the cursor is taken from each.
     let values = names.map((name, i) => {
       let at = idx;
       while (at > 0 && (this.plot.data[i + 1][at] ?? null) === null) at -= 1;
@@ -327,7 +328,7 @@ class Chart {
     this.read.classList.toggle("left", this.plot.cursor.left > this.plot.over.clientWidth / 2);
   }
 
-  /** Names where there is room for all of them; else how many. */
+  /** Writes the names of the series, or their number if there is not room for all. */
   write_legend() {
     const names = this.names();
     const label = (name) => {
@@ -350,10 +351,10 @@ class Chart {
     return lines.length === 0 ? [[], []] : uPlot.join(lines.map((line) => [line.t, line.v]));
   }
 
-  /** Marks where we are in a log. Over the plot, so that it need not be drawn again for that; and not by the plot's own
-      scale, which is there only once it is drawn. */
+  /** Marks the present position in a log with an element over the plot, so that the plot is not drawn again. The position is
+      computed without the plot's scale, which is valid only after drawing. */
   mark_now() {
-    if (!this.mark) return; // nothing is drawn yet
+    if (!this.mark) return; // no plot yet
     const now = this.source.now();
     const [from, to] = this.source.window();
     this.mark.hidden = now === null || now < from || now > to;
@@ -368,7 +369,7 @@ class Chart {
     } else if (this.is_stale) {
       this.plot.setData(this.table());
     } else if (window !== this.window) {
-      this.plot.setScale("x", { min: 0, max: 1 }); // asks for the window again
+      this.plot.setScale("x", { min: 0, max: 1 }); // makes uPlot call range(), which returns the window
     }
     this.mark_now();
     this.window = window;
@@ -394,23 +395,23 @@ class Chart {
   }
 }
 
-const kBins = 24; // of a histogram, about
+const kBins = 24; // approximate number of bins of a histogram
 
-/** How wide bins are so that there are about kBins over a range: 1, 2 or 5 times a power of ten. */
+/** Returns the width of bins so that a range has about kBins or fewer: 1, 2 or 5 times a power of ten. */
 function bin_width(range) {
   const least = Math.max(range, 1e-9) / kBins;
   const power = 10 ** Math.floor(Math.log10(least));
   return power * [1, 2, 5, 10].find((each) => each * power >= least);
 }
 
-/** How often a number had which value in the stretch that is shown; below zero in the colour of what is late. */
+/** Histogram of a number in the displayed interval. Negative values have the colour of late plans. */
 class Histogram extends Chart {
   constructor(...how) {
     super(...how);
     this.body.setAttribute("aria-label", this.title.textContent);
   }
 
-  /** [from, to) of each bin and how many values are in it. */
+  /** Returns the width of the bins, the start of each bin and the number of values in it. */
   bins() {
     const [from, to] = this.source.window();
     const values = [...this.series.values()].flatMap(({ t, v }) => v.filter((_, i) => t[i] >= from && t[i] <= to));
@@ -485,10 +486,10 @@ class Histogram extends Chart {
   }
 }
 
-const kMostShown = 8; // times what is expected; what is more is marked at the edge
-const kBatch_s = 5; // judged as one sample: within it steps know of each other
+const kMostShown = 8; // largest displayed value, times the expected one; larger means are marked at the edge
+const kBatch_s = 5; // length of a batch, which counts as one sample because its steps are correlated
 
-/** How many standard errors the 95 % band of a mean is wide to either side, by Student's t.
+/** Returns the half width of the 95 % band of a mean in standard errors (Student's t).
     Source: Abramowitz and Stegun 26.7.5 (for 3 degrees of freedom 0.7 % too little); 1 and 2 exactly. */
 export function t_95(freedom) {
   if (freedom < 3) return [Infinity, 12.706, 4.303][freedom];
@@ -496,16 +497,16 @@ export function t_95(freedom) {
   return z + (z ** 3 + z) / (4 * freedom) + (5 * z ** 5 + 16 * z ** 3 + 3 * z) / (96 * freedom ** 2) + (3 * z ** 7 + 19 * z ** 5 + 17 * z ** 3 - 15 * z) / (384 * freedom ** 3);
 }
 
-/** Mean NEES of what the robots believe in the stretch that is shown, by how long ago a target was last seen, with the
-    95 % band of that mean; and what it is where the estimators know how wrong they are. */
+/** Mean NEES of the robots' beliefs in the displayed interval, by the time since the target was last seen, with the 95 % band
+    of the mean and the value expected of consistent estimators. */
 class ByAge extends Chart {
   constructor(...how) {
     super(...how);
     this.body.setAttribute("aria-label", `${this.title.textContent}: mean and its 95 % band`);
   }
 
-  /** Of each class {age, samples, mean, half}: half of the band, null where there is too little for one.
-      Steps that follow each other are alike, so that the band is that of the means of batches, each by its samples. */
+  /** Returns {age, samples, mean, half} of each class; half: half width of the band, null with fewer than two batches.
+      Consecutive steps are correlated, so the band is that of the means of batches, weighted by their samples. */
   classes() {
     const [from, to] = this.source.window();
     return [...this.series].sort(([a], [b]) => parseFloat(a) - parseFloat(b)).map(([age, { t, v }]) => {
@@ -536,7 +537,7 @@ class ByAge extends Chart {
   table() {
     this.judged = this.classes();
     const places = this.judged.map((_, i) => i);
-    // Beyond the first and the last place, so that the line goes through.
+    // Half a class beyond both ends, so that the line of the expected value crosses the whole plot.
     const all = places.length === 0 ? [] : [-0.5, ...places, places.length - 0.5];
     return [all, all.map(() => this.expected()), all.map((i) => this.judged[i]?.mean ?? null)];
   }
@@ -568,7 +569,7 @@ class ByAge extends Chart {
     this.plot.over.append(this.read);
   }
 
-  /** Up to where NEES are drawn: where all of them are, unless they are far from what is expected. */
+  /** Returns the upper limit of the axis: above all means and bands, but at most kMostShown times the expected value. */
   top() {
     const expected = this.expected() ?? 1;
     const most = Math.max(2 * expected, ...this.judged.map(({ mean, half }) => Math.min(mean + (half ?? 0), 2 * mean)));
@@ -589,7 +590,7 @@ class ByAge extends Chart {
     this.judged.forEach(({ mean, half }, i) => {
       const x = plot.valToPos(i, "x", true);
       if (mean > top) {
-        // Which it is is said under the cursor.
+        // Only an arrow; the value is shown under the cursor.
         ctx.moveTo(x - 5 * ratio, bbox.top + 9 * ratio);
         ctx.lineTo(x, bbox.top + 2 * ratio);
         ctx.lineTo(x + 5 * ratio, bbox.top + 9 * ratio);
@@ -634,13 +635,13 @@ class ByAge extends Chart {
 const kKinds = { histogram: Histogram, ages: ByAge };
 
 export class Charts {
-  /** @param source {now(), window(), seek(since), on_zoom([from, to] or null), on_change(), on_beyond(left, right)}: in seconds
-      since the start */
+  /** @param source {now(), window(), seek(since), on_zoom([from, to] or null), on_change(), on_beyond(left, right)}; times in
+      seconds since the start; left, right: numbers of charts beyond the edges */
   constructor(box, source) {
     this.box = box;
     this.source = source;
     this.robots = [];
-    this.zoomed = null; // what is shown, where it is not all
+    this.zoomed = null; // displayed interval; null: all
     const own = {
       now: source.now,
       seek: source.seek,
@@ -654,7 +655,7 @@ export class Charts {
     };
     this.own = own;
     this.charts = kCharts.map((spec) => new (kKinds[spec.kind] ?? Chart)(box, spec, own));
-    // One more chart makes the others smaller.
+    // Observes each chart, as the others become smaller when one is added.
     this.sizes = new ResizeObserver(() => {
       this.arrange();
       this.charts.forEach((chart) => chart.resize());
@@ -665,13 +666,13 @@ export class Charts {
     on_beat((beat) => this.refresh(beat));
   }
 
-  /** Of what is drawn some charts each beat, one after the other: all at once is a pause that one sees. */
+  /** Refreshes some charts with each beat in turn, as all charts at once would be a visible pause. */
   refresh(beat) {
     const turns = Math.ceil(kRefresh_ms / kBeat_ms);
     this.charts.forEach((chart, i) => (i % turns === beat % turns ? chart.refresh() : chart.mark_now()));
   }
 
-  /** Shows a stretch of time in all charts; null: all of it. */
+  /** Shows an interval of time in all charts; null: all of it. */
   zoom(from, to) {
     const [first, last] = this.source.window();
     let next = null;
@@ -693,18 +694,18 @@ export class Charts {
     this.charts.forEach((chart) => !chart.spec.fields && chart.add(topic, time, record));
   }
 
-  /** What comes on the topics of charted fields. */
+  /** Adds a record of a topic with charted fields. */
   add_field(topic, time, record) {
     for (const chart of this.charts) {
       const name = chart.spec.fields?.get(topic);
       const value = name && !chart.is_whole ? number(member(record, chart.spec.path)) : null;
-      // The newest comes again to who subscribes anew.
+      // The server sends the newest record again after a new subscription.
       if (value !== null && value !== undefined && chart.series.get(name)?.t.at(-1) !== time) chart.put(name, time, value);
     }
   }
 
-  /** Charts a number of a topic; of topics that differ in whose they are in one chart.
-      @param path ["a", "0", "b"] @param points of a log, [since, value]; null: as they come */
+  /** Charts a number of a topic. Topics that differ only in the robot share one chart.
+      @param path ["a", "0", "b"] @param points [since, value] of a whole log; null: added as records come */
   plot(topic, path, points) {
     const [family, name] = family_of(topic, this.robots);
     const key = `${family} ${path.join(".")}`;
@@ -723,7 +724,7 @@ export class Charts {
     this.source.on_change();
   }
 
-  /** As many side by side as there is room for, none cut through. */
+  /** Sets the number of charts that are displayed side by side, so that none is cut. */
   arrange() {
     const count = this.charts.filter(({ box }) => !box.hidden).length;
     const fitting = Math.max(1, Math.floor((this.box.clientWidth + kGap_px) / (kLeast_px + kGap_px)));
@@ -731,7 +732,7 @@ export class Charts {
     this.tell_beyond();
   }
 
-  /** Says how many charts are to the left and to the right of those that are seen. */
+  /** Reports the numbers of charts beyond the left and right edges. */
   tell_beyond() {
     const { left, right } = this.box.getBoundingClientRect();
     const boxes = this.charts.filter(({ box }) => !box.hidden).map(({ box }) => box.getBoundingClientRect());
@@ -739,17 +740,17 @@ export class Charts {
     this.source.on_beyond(boxes.filter((at) => middle(at) < left).length, boxes.filter((at) => middle(at) > right).length);
   }
 
-  /** Goes on to the charts beyond: `way` is −1 or 1. */
+  /** Scrolls by one page. @param way −1: left, 1: right */
   scroll(way) {
     this.box.scrollBy({ left: way * (this.box.clientWidth + kGap_px) });
   }
 
-  /** Those that draw lines over time. */
+  /** Returns the charts that draw lines over time. */
   lines() {
     return this.charts.filter(({ spec }) => !spec.kind);
   }
 
-  /** One of a field goes; one of our own can be had back. */
+  /** Removes the chart of a field, or hides a built-in chart, which can be shown again. */
   remove(chart) {
     if (chart.spec.fields) {
       this.charts.splice(this.charts.indexOf(chart), 1);
@@ -763,7 +764,7 @@ export class Charts {
     this.source.on_change();
   }
 
-  /** Keys of our own charts that were taken away. */
+  /** Returns the keys of the hidden built-in charts. */
   off() {
     return this.charts.filter(({ is_off }) => is_off).map(({ spec }) => spec.key);
   }
@@ -777,17 +778,17 @@ export class Charts {
     this.source.on_change();
   }
 
-  /** Takes the charts of all fields away. */
+  /** Removes the charts of all fields. */
   forget_fields() {
     this.charts.filter(({ spec }) => spec.fields).forEach((chart) => this.remove(chart));
   }
 
-  /** [topic, path] of each field that is charted. */
+  /** Returns [topic, path] of each charted field. */
   fields() {
     return this.charts.flatMap(({ spec }) => [...(spec.fields?.keys() ?? [])].map((topic) => [topic, spec.path]));
   }
 
-  /** Comma-separated values of all that is shown, in the stretch that is shown. */
+  /** Returns the series of all displayed line charts in the displayed interval as comma-separated values. */
   csv() {
     const [from, to] = this.zoomed ?? this.source.window();
     const columns = this.lines().filter(({ is_off }) => !is_off).flatMap((chart) =>
@@ -803,7 +804,7 @@ export class Charts {
     return rows.map((row) => row.join(",")).join("\n") + "\n";
   }
 
-  /** @param robots names, in the scenario's order */
+  /** Sets the robots, which determine colours and order. @param robots names in the scenario's order */
   set_robots(robots) {
     if (robots.join() === this.robots.join()) return;
     this.robots = robots;

@@ -1,20 +1,19 @@
-// The Foxglove WebSocket protocol, client side: what arrives becomes calls of `on`.
+// Client of the Foxglove WebSocket protocol: converts received frames into calls of `on`.
 
 const kMessage = 0x01;
 const kTime = 0x02;
 const kPlayback = 0x05;
 const kRetry_ms = 1500;
-/** Each record of these shows the whole of its topic, so of those that come between two pictures
-    only the newest is read. */
+/** Schemas whose record replaces the whole topic: of those received between two pictures only the newest is parsed. */
 const kPictures = new Set(["foxglove.SceneUpdate", "foxglove.FrameTransforms", "foxglove.Grid"]);
 
-/** Of this topic one is read each so many seconds of its own time, too, however seldom pictures are drawn:
-    where bodies went is told by these alone. */
+/** Of this topic one record per kWayPeriod_s (time of the records) is parsed even if pictures are drawn less often, as the
+    trails are made only from these. */
 const kWays = "/transforms";
 const kWayPeriod_s = 0.2;
 const kPassedMax = 1000;
 
-/** Seconds of microseconds since the epoch: one time is one number, whichever way it came. */
+/** Converts microseconds since the epoch into seconds. All times use it, so that equal times are equal numbers. */
 export const seconds_of = (utime) => utime / 1e6;
 const seconds_at = (view, offset) => seconds_of(Number(view.getBigUint64(offset, true) / 1000n));
 export const seconds = (time) => time.sec + time.nsec * 1e-9;
@@ -24,11 +23,11 @@ export class Connection {
   constructor(url, on) {
     this.url = url;
     this.on = on;
-    this.channels = new Map(); // by topic
+    this.channels = new Map(); // channel by topic
     this.subscriptions = new Map(); // topic by subscription id
-    this.waiting = new Map(); // newest picture not yet read, by topic
-    this.passed = []; // records of kWays that are to be read before it
-    this.passed_at = -Infinity; // time of the last of these
+    this.waiting = new Map(); // newest unparsed record of kPictures, by topic
+    this.passed = []; // records of kWays to parse before it
+    this.passed_at = -Infinity; // time of the last one in `passed`
     this.next_id = 1;
     this.requests = 0;
     this.connect();
@@ -77,7 +76,7 @@ export class Connection {
       if (topic === undefined) return;
       if (kPictures.has(this.channels.get(topic)?.schemaName)) {
         if (topic === kWays) this.keep_way(this.waiting.get(topic));
-        this.waiting.delete(topic); // behind those that came before it
+        this.waiting.delete(topic); // so that it is last in the order of the map
         this.waiting.set(topic, view);
       } else {
         this.read(topic, view);
@@ -94,7 +93,8 @@ export class Connection {
     }
   }
 
-  /** @param view a record that another one takes the place of, or nothing */
+  /** Keeps a record that a newer one replaces, if kWayPeriod_s has passed since the last kept one.
+      @param view the record, or undefined */
   keep_way(view) {
     if (!view || this.passed.length >= kPassedMax) return;
     const time = seconds_at(view, 5);
@@ -111,7 +111,7 @@ export class Connection {
     else this.on.record(...record);
   }
 
-  /** Keeps what comes until go_on(). */
+  /** Delays the delivery of records until go_on(). */
   hold() {
     this.held ??= [];
   }
@@ -122,7 +122,7 @@ export class Connection {
     held.forEach((record) => this.on.record(...record));
   }
 
-  /** Tells what waits: to be called before each picture. */
+  /** Delivers the waiting records. Call before each picture. */
   read_waiting() {
     const waiting = [...this.waiting];
     this.waiting.clear();
@@ -130,13 +130,13 @@ export class Connection {
     waiting.forEach(([topic, view]) => this.read(topic, view));
   }
 
-  /** The player went elsewhere: what waits is of before. */
+  /** Discards the waiting records after a jump of the player. */
   forget_waiting() {
     this.waiting.clear();
     this.passed.length = 0;
   }
 
-  /** Subscribes to a known topic, or gives it up; what is already so stays so. */
+  /** Subscribes to a known topic, or unsubscribes, unless that is already the case. */
   want(topic, is_wanted) {
     const channel = this.channels.get(topic);
     const known = [...this.subscriptions].find(([, name]) => name === topic);

@@ -1,29 +1,29 @@
-// The world painted on a 2-D canvas, far things first: where a processor draws the graphics, or there
-// are none, this is many times faster than WebGL.
+// The world painted on a 2-D canvas, far things first. Many times faster than WebGL if WebGL is drawn by the processor or
+// missing.
 //
-// Things are painted by height, the farthest from the eye's first, which is exact for what lies level
-// (fields of view, ellipses, plans, discs); and before each obstacle all that is behind it. A line of
-// which an obstacle hides only a part is hidden or seen as its middle is.
+// Things are sorted by their height; those farthest from the camera's height are painted first. That is exact for horizontal
+// things (fields of view, ellipses, plans, discs). Everything behind an obstacle is painted before it. A line that is partly
+// hidden by an obstacle is drawn as a whole before or after it, depending on its middle.
 
 import * as THREE from "three";
 import { Line, Surface, edges_of } from "./outline.js";
 import { corners_of, enlarged, glyph_of, lines_of, matrix_of, pixels_of } from "./shapes.js";
 import { Ball, Block, Disc } from "./solids.js";
 
-const kLevel_m = 0.02; // heights closer than this are one
-const kLow_m = 0.1; // what is lower hides nothing
-const kCrowd = 250; // things
-const kFar_m = 1e5; // where the eye of a parallel view is
+const kLevel_m = 0.02; // heights closer than this count as equal
+const kLow_m = 0.1; // lower boxes are not treated as obstacles
+const kCrowd = 250; // number of things above which thin lines are simplified
+const kFar_m = 1e5; // distance of the camera of a parallel projection
 
 const origin = new THREE.Vector3();
 const large = new THREE.Matrix4();
 
-/** What a camera sees in an area of the stage. */
+/** Projection of a camera into an area of the stage. */
 class View {
   constructor(camera, at) {
     this.at = at;
     const [half_width, half_height] = [at.width / 2, at.height / 2];
-    /** Pixels of the stage, times the distance, from metres of the world. */
+    /** From metres of the world to pixels of the stage, homogeneous (times the distance). */
     this.stage_from_world = new THREE.Matrix4()
       .set(half_width, 0, 0, at.x + half_width, 0, -half_height, 0, at.y + half_height, 0, 0, 1, 0, 0, 0, 0, 1)
       .multiply(camera.projectionMatrix)
@@ -35,7 +35,7 @@ class View {
     this.frames = new Map();
   }
 
-  /** Pixels from metres of a frame. */
+  /** Returns the matrix elements from metres of a frame to pixels. */
   through(frame) {
     if (!this.frames.has(frame)) {
       this.frames.set(frame, new THREE.Matrix4().multiplyMatrices(this.stage_from_world, frame.matrix).elements);
@@ -43,7 +43,7 @@ class View {
     return this.frames.get(frame);
   }
 
-  /** The same of a body that is drawn no smaller than can be seen; `glyph_m`: how far it reaches. */
+  /** Returns the same for a body that is enlarged so that it stays visible. @param glyph_m radius of the body */
   through_glyph(frame, glyph_m) {
     const scale = enlarged(glyph_m, this.pixels_at(origin.setFromMatrixPosition(frame.matrix)));
     if (scale === 1) return this.through(frame);
@@ -55,13 +55,13 @@ class View {
     return e[3] * point.x + e[7] * point.y + e[11] * point.z + e[15];
   }
 
-  /** Pixels a metre there; negative behind the eye. */
+  /** Returns the pixels per metre at a point; negative behind the camera. */
   pixels_at(point) {
     return this.scale / this.distance_to(point);
   }
 }
 
-/** A grid as a coloured floor, kept as it was painted until it or the view is another. */
+/** Grid as a coloured floor. Its image is kept until the grid or the view changes. */
 class Floor {
   constructor(frame, grid) {
     this.frame = frame;
@@ -70,7 +70,7 @@ class Floor {
     this.columns = columns;
     this.rows = rows;
     this.matrix = matrix_of(grid).scale(new THREE.Vector3(grid.cell_size.x, grid.cell_size.y, 1));
-    this.painted = new Map(); // by camera: {key, canvas}
+    this.painted = new Map(); // {key, canvas} by camera
   }
 
   paint(pen, view, camera) {
@@ -82,7 +82,7 @@ class Floor {
     pen.drawImage(this.painted.get(camera).canvas, view.at.x, view.at.y);
   }
 
-  /** Each pixel has the colour of the cell that it shows. */
+  /** Makes an image in which each pixel has the colour of its cell. */
   make(e, at) {
     const stage_from_cells = new THREE.Matrix3().set(e[0], e[4], e[12], e[1], e[5], e[13], e[3], e[7], e[15]);
     const m = stage_from_cells.invert().elements;
@@ -132,13 +132,13 @@ const from_far = (a, b) => a.level - b.level || a.rank - b.rank || b.distance - 
 
 export class FlatPicture {
   constructor() {
-    this.is_kept = true; // what was painted before stays
-    this.things = new Map(); // by topic
+    this.is_kept = true; // areas that are not drawn keep their last picture
+    this.things = new Map(); // things by topic
   }
 
   resize() {}
 
-  /** Shows these of a topic, and nothing else of it. */
+  /** Replaces all items of a topic. */
   set(topic, items) {
     this.things.set(topic, items.flatMap((item) => things_of(topic, item)));
   }

@@ -1,4 +1,4 @@
-// The world drawn by the graphics: three.js on WebGL.
+// The world drawn by three.js with WebGL.
 
 import * as THREE from "three";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
@@ -12,9 +12,9 @@ function colour_of(color) {
   return new THREE.Color().setRGB(r, g, b, THREE.SRGBColorSpace);
 }
 
-const materials = new Map(); // by class, then by its options
+const materials = new Map(); // materials by class, then by options
 
-/** A material, the same for the same words: a new one costs the graphics more than its object. */
+/** Returns a material, shared for equal options, as a new material costs WebGL more than an object. */
 function material_of(kind, options) {
   if (!materials.has(kind)) materials.set(kind, new Map());
   const known = materials.get(kind);
@@ -45,7 +45,7 @@ function make_lines({ color, thickness, scale_invariant }, positions, colours) {
   return { object: new LineSegments2(geometry, material), buffer: geometry.attributes.instanceStart.data };
 }
 
-/** Corners of one kind in one object, which follow the frames that they are of. */
+/** Triangles or lines of one kind in one object. Their corners follow their frames. */
 class Corners {
   constructor(shape, make) {
     this.shape = shape;
@@ -75,7 +75,7 @@ class Corners {
     for (const { frame, corners, glyph_m } of this.pieces) {
       const scale = glyph_scale(camera, height_px, frame, glyph_m);
       for (const corner of corners) {
-        // Of a frame that nobody has placed yet all corners fall together: nothing is seen.
+        // All corners of a frame without a position get the same point, so that nothing is visible.
         if (frame.is_placed) at.set(scale * corner.x, scale * corner.y, corner.z).applyMatrix4(frame.matrix);
         at.toArray(this.buffer.array, next);
         next += 3;
@@ -121,11 +121,11 @@ class Bodies {
 
   dispose() {
     this.object.removeFromParent();
-    this.object.dispose(); // its own buffers; the geometry is everyone's
+    this.object.dispose(); // only the object's buffers: the geometry is shared
   }
 }
 
-/** A grid as a coloured floor. */
+/** Grid as a coloured floor. */
 class Floor {
   constructor(frame, grid) {
     this.frame = frame;
@@ -137,7 +137,7 @@ class Floor {
     const [width, height] = [columns * grid.cell_size.x, rows * grid.cell_size.y];
     const material = new THREE.MeshBasicMaterial({ map: this.texture, transparent: true, depthWrite: false });
     const geometry = new THREE.PlaneGeometry(width, height).translate(width / 2, height / 2, 0);
-    this.matrix = matrix_of(grid).premultiply(new THREE.Matrix4().makeTranslation(0, 0, -0.01)); // under what lies on it
+    this.matrix = matrix_of(grid).premultiply(new THREE.Matrix4().makeTranslation(0, 0, -0.01)); // 1 cm below things at z = 0
     this.object = new THREE.Mesh(geometry, material);
     this.object.renderOrder = -1;
     this.object.matrixAutoUpdate = false;
@@ -160,7 +160,7 @@ const cube = new THREE.BoxGeometry(1, 1, 1);
 const sphere = new THREE.SphereGeometry(0.5, 16, 12);
 const cylinder = new THREE.CylinderGeometry(0.5, 0.5, 1, 24).rotateX(Math.PI / 2);
 
-/** What is seen of many items, an object for each kind: what a crowd costs is their number. */
+/** Makes one object per kind of shape from many items, as the cost of drawing grows with the number of objects. */
 function batches_of(topic, items) {
   const batches = new Map();
   const batch = (key, make) => {
@@ -188,22 +188,22 @@ function batches_of(topic, items) {
   return [...batches.values()];
 }
 
-/** The corners of a shape's lines, two a piece. */
+/** Returns the corners of the segments of a shape's lines; two per segment. */
 const segments_of = (shape) =>
   lines_of(shape).flatMap((line) => line.slice(1).flatMap((corner, i) => [line[i], corner]));
 
 export class GlPicture {
   constructor(canvas) {
-    this.is_kept = false; // what was drawn before the last picture is gone
+    this.is_kept = false; // each picture must draw all areas
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true });
-    this.renderer.debug.checkShaderErrors = import.meta.env.DEV; // to ask waits for the graphics
+    this.renderer.debug.checkShaderErrors = import.meta.env.DEV; // not in production: the check waits for the GPU
     this.renderer.setScissorTest(true);
     this.scene = new THREE.Scene();
     this.scene.add(new THREE.HemisphereLight(0xffffff, 0x888888, 2.2));
     const sun = new THREE.DirectionalLight(0xffffff, 1.2);
     sun.position.set(3, -5, 10);
     this.scene.add(sun);
-    this.batches = new Map(); // by topic
+    this.batches = new Map(); // batches by topic
   }
 
   resize(width, height, ratio) {
@@ -212,12 +212,12 @@ export class GlPicture {
     this.renderer.setSize(width, height, false);
   }
 
-  /** Shows these of a topic, and nothing else of it. */
+  /** Replaces all items of a topic. */
   set(topic, items) {
     this.batches.get(topic)?.forEach((each) => each.dispose());
     this.batches.set(topic, batches_of(topic, items));
     for (const { object } of this.batches.get(topic)) {
-      object.frustumCulled = false; // it is everywhere
+      object.frustumCulled = false; // the object spans the whole world
       this.scene.add(object);
     }
   }
@@ -226,7 +226,7 @@ export class GlPicture {
     this.renderer.setClearColor(background);
   }
 
-  /** Puts everything where its frame is now, no smaller than can be seen by this camera. */
+  /** Draws all objects at the present positions of their frames, enlarged so that they stay visible to this camera. */
   draw(camera, at) {
     this.batches.forEach((batches) => batches.forEach((each) => each.follow(camera, at.height)));
     const bottom = this.height - at.y - at.height;

@@ -1,18 +1,19 @@
-// Names beside their things, none upon another: each takes the first place that is free, where it was
-// before first; who finds none is not written.
+// Placement of labels next to their things without overlap. Each label takes its last position if that is free, else the
+// first free one. A label without a free position is not drawn.
 
-/** Places around a thing: its name's middle from the thing's, in half sizes of the name and the thing's radius. */
+/** Positions of a label's centre relative to the thing's centre, in units of half the label's size plus the thing's radius. */
 const kPlaces = [[0, -1], [1, 0], [-1, 0], [0, 1], [0.8, -0.8], [-0.8, -0.8], [0.8, 0.8], [-0.8, 0.8]];
 const kGap_px = 2;
 
 export class Labels {
   constructor() {
-    this.places = new Map(); // by key: where it was
+    this.places = new Map(); // index of the last position in kPlaces, by key
   }
 
-  /** @param wanted [{key, x, y, radius_px, width, height, rank}]: lower ranks first
+  /** Places labels and returns their boxes.
+      @param wanted [{key, x, y, radius_px, width, height, rank}]: lower ranks first
       @param at the area that they must stay in
-      @param write called with (label, left, top) of each that has a place */
+      @param write called with (label, left, top) of each placed label */
   place(wanted, at, write) {
     const taken = [];
     const is_free = (box) =>

@@ -1,4 +1,4 @@
-// Layouts by name, kept by this browser: what a link says but for the log and the time.
+// Named layouts, stored in this browser: the content of a link without log and time.
 
 import { make } from "./panels.js";
 
@@ -9,12 +9,12 @@ function kept() {
     const found = JSON.parse(localStorage.getItem(kKept) ?? "{}");
     return Object.fromEntries(Object.entries(found).filter(([, text]) => typeof text === "string"));
   } catch {
-    return {}; // of another page, or not allowed
+    return {}; // written by another page, or storage is not permitted
   }
 }
 
 export class Layouts {
-  /** @param on {take(): the layout as text, give(text), failed(words)} */
+  /** @param on {take(): returns the present layout as text, give(text): applies a layout, failed(words)} */
   constructor(dialog, on) {
     this.dialog = dialog;
     this.on = on;

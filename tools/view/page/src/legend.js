@@ -1,11 +1,11 @@
-// What the glyphs on the stage mean, of those that can be seen there.
+// Legend of the glyphs that are visible on the stage.
 
 import { css_of_role, look, robot_css } from "./look.js";
 import { make } from "./panels.js";
 
 const kSize = "0 0 30 18";
 
-/** Glyph → inside of its picture, 30 × 18. */
+/** SVG content of each glyph's picture, 30 × 18. */
 const kDrawn = {
   robot: () => `<circle cx="13" cy="9" r="6" fill="${robot_css(0)}"/><path d="M20 9l-5 4v-8z" transform="translate(4 0)" fill="${robot_css(0)}"/>`,
   jammed: () => `<circle cx="13" cy="9" r="6" fill="${css_of_role("jammed")}"/><circle cx="13" cy="9" r="3" fill="${robot_css(0)}"/><path d="M20 9l-5 4v-8z" transform="translate(4 0)" fill="${css_of_role("jammed")}"/>`,
@@ -23,8 +23,9 @@ const kDrawn = {
   unknown: () => `<rect x="3" y="3" width="24" height="12" fill="${css_of_role("unseen")}" stroke="${css_of_role("wall", 0.5)}"/>`,
 };
 
-/** @param glyphs names in look.json, those that are to be explained
-    @param more added to some glyph's words, by its name */
+/** Writes the legend into `box`.
+    @param glyphs names in look.json of the glyphs to explain
+    @param more text added to a glyph's explanation, by its name */
 export function write_legend(box, glyphs, more) {
   const said = glyphs.map((glyph) => `${glyph}${more[glyph] ?? ""}`).join();
   const key = `${said} ${css_of_role("truth")}`;
@@ -35,7 +36,7 @@ export function write_legend(box, glyphs, more) {
     const picture = document.createElementNS("http://www.w3.org/2000/svg", "svg");
     picture.setAttribute("viewBox", kSize);
     picture.setAttribute("aria-hidden", "true");
-    picture.innerHTML = kDrawn[glyph](); // of this file's own text
+    picture.innerHTML = kDrawn[glyph](); // safe: the text is from this file
     row.append(picture, make("span", "", `${look.glyphs[glyph]}${more[glyph] ?? ""}`));
     return row;
   }));

@@ -1,6 +1,7 @@
-// What a link carries: which log and when, what is shown and from where.
+// Links that contain the log, the instant, the layout and the cameras.
 
-/** @param state {log, since, view, cameras, off, on, trail_s, zoomed, charts_off, theme, fields,
+/** Converts a state into the text after a link's '#'.
+    @param state {log, since, view, cameras, off, on, trail_s, zoomed, charts_off, theme, fields,
     picked, side, follow}; members that are not set are left out */
 export function write_link(state) {
   const out = new URLSearchParams();
@@ -27,7 +28,7 @@ const numbers = (text, count) => {
   return list.length === count && list.every(Number.isFinite) ? list : null;
 };
 
-/** The same state; what is not there or cannot be read is null, lists are empty. */
+/** Parses the text of write_link(). Missing or unreadable members are null; missing lists are empty. */
 export function read_link(hash) {
   const from = new URLSearchParams(hash.replace(/^#/, ""));
   const words = (key) => (from.get(key) ?? "").split(/[, ]/).filter(Boolean);
@@ -51,7 +52,7 @@ export function read_link(hash) {
   };
 }
 
-/** Offers a file to keep. */
+/** Offers a file for download. */
 export function save(name, content) {
   const link = document.createElement("a");
   link.download = name;

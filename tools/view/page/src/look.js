@@ -1,4 +1,4 @@
-// What things look like and are called: the same table as in pictures, plots and the terminal.
+// Colours and names of things, from the table that pictures, plots and the terminal use as well.
 
 import table from "../../../../logs/look/look.json";
 
@@ -6,7 +6,7 @@ export const look = table;
 
 const channels = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
 
-/** On the stream a colour is halfway between those on a light and on a dark ground: which one is it? */
+/** Colours for a light and a dark background, by the mean of both, which is the colour in the stream. */
 const by_middle = new Map(
   [...table.robots, ...Object.values(table.roles)].map((paint) => {
     const [light, dark] = [channels(paint.light), channels(paint.dark)];
@@ -16,12 +16,12 @@ const by_middle = new Map(
 
 let theme = "light";
 
-/** The ground that is drawn on: "light" or "dark". */
+/** Sets the background: "light" or "dark". */
 export function set_ground(name) {
   theme = name;
 }
 
-/** A colour of the stream as it is to be shown on this ground; strangers' stay as they are. */
+/** Converts a colour of the stream into the one for the present background. Unknown colours stay unchanged. */
 export function shown(color) {
   const paint = by_middle.get([color.r, color.g, color.b].map((c) => Math.round(255 * c)).join());
   if (!paint) return color;
@@ -29,20 +29,20 @@ export function shown(color) {
   return { r, g, b, a: color.a };
 }
 
-/** A role's colour as the stream has it. */
+/** Returns a role's colour as in the stream: the mean for both backgrounds. */
 export function color_of_role(role) {
   const [light, dark] = ["light", "dark"].map((ground) => channels(table.roles[role][ground]));
   const [r, g, b] = light.map((c, i) => Math.floor((c + dark[i]) / 2) / 255);
   return { r, g, b, a: 1 };
 }
 
-/** Red, green and blue of a role on this ground, each in [0, 255]. */
+/** Returns red, green and blue of a role for the present background, each in [0, 255]. */
 export const channels_of = (role) => channels(table.roles[role][theme]);
 
-/** A role's colour for CSS. */
+/** Returns a role's colour for CSS. */
 export const css_of_role = (role, alpha = 1) => `rgba(${channels_of(role)},${alpha})`;
 
-/** As logs/look says it: what tells robot `index` of a scenario from the others. */
+/** Returns the colours and the dash that distinguish robot `index` of a scenario, as logs/look does. */
 export function robot_look(index) {
   const count = table.robots.length;
   const turn = Math.floor(index / count) % count;
@@ -51,16 +51,16 @@ export function robot_look(index) {
 
 export const robot_css = (place) => `rgba(${channels(table.robots[place][theme])},1)`;
 
-/** How a chart's line is dashed, by `dash` of robot_look(). */
+/** Dash patterns of chart lines, by `dash` of robot_look(). */
 export const kDashes = [[], [7, 4], [2, 3], [10, 3, 2, 3], [4, 2], [12, 5], [2, 6], [8, 2, 2, 2, 2, 2]];
 
-/** "entropy a target [nat]". */
+/** Returns the name of a measure with its unit, such as "entropy a target [nat]". */
 export function title_of(measure) {
   const { name, unit } = table.measures[measure];
   return unit ? `${name} [${unit}]` : name;
 }
 
-/** A number with as many digits as say something. */
+/** Formats a number with its significant digits. */
 export function digits(value) {
   if (!Number.isFinite(value)) return String(value);
   const size = Math.abs(value);

@@ -1,4 +1,4 @@
-// The page: what the connection hears goes to the world, the charts, the panels and the timeline.
+// The page: passes received records to the world, the charts, the panels and the timeline.
 
 import "./style.css";
 import { on_beat } from "./beat.js";
@@ -19,32 +19,32 @@ import { World } from "./world.js";
 
 const by_id = (id) => document.getElementById(id);
 
-/** Switchable parts of the picture: topics by pattern, a key, shown at first or not. */
+/** Layers of the picture that can be switched: pattern of their topics, key, initial state. */
 const kLayers = [
   { name: "map", topic: /^\/(grid|map)$/, key: "g", shown: true },
   { name: "views", topic: /^\/views$/, key: "f", shown: true },
   { name: "plans", topic: /^\/plan\/[^/]+$/, key: "p", shown: true },
   { name: "proposals", topic: /^\/proposal\/[^/]+$/, key: "s", shown: true },
-  { name: "trails", topic: /^\/trails$/, key: "t", shown: true }, // the page's own, longer or shorter than /tracks
+  { name: "trails", topic: /^\/trails$/, key: "t", shown: true }, // made by the page instead of /tracks, with selectable length
   { name: "estimates", topic: /^\/estimates$/, key: "e", shown: true },
   { name: "truth", topic: /^\/targets$/, key: "o", shown: true },
   { name: "looks", topic: /^\/measurement\/[^/]+$/, key: "m", shown: false },
   { name: "beliefs", topic: /^\/belief\/[^/]+$/, key: "b", shown: false },
 ];
-/** Always heard: what is moved, and what is told in numbers. */
+/** Topics that are always subscribed: poses, the scene, and those of charts and panels. */
 const kAlways = [/^\/transforms$/, /^\/world$/, /^\/robots$/, /^\/scenario$/, /^\/attack$/, /^\/team$/,
   /^\/events$/, /^\/vehicle\//, /^\/health\//, /^\/plan\/[^/]+\/status$/];
 const kTrails = "/trails";
-const kSetBack_s = 60; // a live record as much older than the newest is of a clock that was set back
+const kSetBack_s = 60; // a live record older than the newest by this much means that a clock was set back
 const kTrailPeriod_s = 0.2;
 const kShortStep_s = 0.1;
 const kTrailLengths_s = [2, 5, 10, 20, 60, 300];
 
 const state = {
-  start: null, // of the log, or of the first record heard; seconds since the epoch
-  now: null, // since the start
-  jumps: 0, // of a log's player, so far
-  range: null, // of a log
+  start: null, // s since the epoch: start of the log, or time of the first received record
+  now: null, // s since the start
+  jumps: 0, // number of jumps of the log's player
+  range: null, // [start, end] of the log; null: live
   session: null,
   speed: 1,
   is_playing: false,
@@ -52,27 +52,27 @@ const state = {
   has_scenario: false,
   picked: null,
   log: null, // name of the log
-  arrived: null, // the server's time as it last told it
-  awaited: null, // {since, resolve} of an instant that something waits for
-  theme: null, // that was chosen here
+  arrived: null, // last time received from the server
+  awaited: null, // {since, resolve} of the instant that be_at() waits for
+  theme: null, // chosen by the user; null: that of the system
   filming: null, // {is_over} while a video is made
   jammed: [],
-  colors: new Map(), // by body
-  newest: new Map(), // by topic: of what says all there is to know
-  heard_until: new Map(), // by topic: time of the newest live record, by the history or as it came
+  colors: new Map(), // colour by body
+  newest: new Map(), // newest record of the topics of kNewest, by topic
+  heard_until: new Map(), // time of the newest live record from the history or the connection, by topic
   trail_s: look.trail_s,
   side: "status",
-  wanted: read_link(location.hash), // by a link, not yet given
+  wanted: read_link(location.hash), // content of the link, until it is applied
 };
 
-/** How the world is drawn, where the address says so (?draw=gl or ?draw=canvas). */
+/** Way of drawing set by the address (?draw=gl or ?draw=canvas). */
 const kQuery = new URLSearchParams(location.search);
 const kDraw = { gl: false, canvas: true }[kQuery.get("draw")] ?? null;
-/** The key of the recording that this page was opened for: nothing but the stage is shown. */
+/** Key of the recording for which this page was opened; then only the stage is shown. */
 const kRecord = kQuery.get("record");
 if (kRecord) {
   document.body.dataset.shown = "stage";
-  // Whatever the window of a browser without one is like.
+  // The size of the window of a headless browser is not reliable.
   for (const side of ["width", "height"]) document.body.style[side] = `${Number(kQuery.get(side))}px`;
 }
 
@@ -102,7 +102,7 @@ const charts = new Charts(by_id("charts"), {
     update_link();
   },
 });
-/** Charts that were taken away, to have them back. */
+/** Writes the list of removed charts, from which they can be restored. */
 function write_hidden_charts() {
   const box = by_id("hidden-charts");
   const off = charts.charts.filter(({ is_off }) => is_off);
@@ -114,7 +114,7 @@ const trails = new Trails();
 const topics = new Topics(by_id("topics"), {
   open: (topic, is_open) => {
     subscribe(topic);
-    // In a log that is paused nothing comes by itself.
+    // A paused log sends nothing, so seeking makes it send the newest message.
     if (is_open && state.range && !state.is_playing) seek(state.now);
   },
   plot: (topic, path) => plot(topic, path),
@@ -154,13 +154,13 @@ function clear_all() {
   by_id("empty").hidden = false;
 }
 
-/** What there was comes at once, by HTTP: of a log all of it, live what the server kept. */
+/** Loads the history by HTTP: of a log all of it, live the part that the server has kept. */
 async function load_history(session) {
   let history = [];
   try {
     history = await (await fetch("api/history")).json();
   } catch {
-    // The connection is gone as well, and will be tried again.
+    // The connection has failed as well and will be opened again.
   }
   if (session !== state.session) return;
   if (!state.range && history.length > 0) state.start = seconds_of(history[0][1]);
@@ -170,7 +170,7 @@ async function load_history(session) {
     if (!state.range) state.heard_until.set(topic, time);
     if (topic === "/ways") {
       for (const [body, at] of Object.entries(record)) trails.add(body, time, ...at);
-      state.trails_at = null; // what came late is drawn though the time stands
+      state.trails_at = null; // draws the trails again even if the time does not change
     } else if (topic === "/events") {
       const event = event_of(time, record);
       timeline.add_event(event);
@@ -186,7 +186,7 @@ async function load_history(session) {
   if (kRecord) record();
 }
 
-/** Makes the video that the address asks for. */
+/** Makes the video that the address requests. */
 async function record() {
   const from = Number(kQuery.get("from"));
   await hand_over(kRecord, async (on_progress) => {
@@ -196,14 +196,14 @@ async function record() {
   });
 }
 
-/** Whether a live record has been heard: by the history, or as it came. The server sends the newest again to who
-    subscribes, late or anew. */
+/** True if a live record was already received, by the history or the connection. The server sends the newest record again
+    after each subscription. */
 function was_heard(topic, time) {
   if (state.range) return false;
-  const name = topic === "/transforms" ? "/ways" : topic; // what the history has of bodies
+  const name = topic === "/transforms" ? "/ways" : topic; // topic of the bodies' positions in the history
   const until = state.heard_until.get(name) ?? -Infinity;
   if (time <= until && time > until - kSetBack_s) return true;
-  if (topic !== "/events") state.heard_until.set(name, time); // of events two may have one time, and none is kept
+  if (topic !== "/events") state.heard_until.set(name, time); // events may share a time, and the server keeps none of them
   return false;
 }
 
@@ -230,7 +230,7 @@ const takers = [
     state.memory_s = record.grid_memory_s;
     world.set_bounds(record);
     state.colors = new Map(record.robots.map(({ name, color }) => [name, color]));
-    state.trails_at = null; // their colours are known now
+    state.trails_at = null; // draws the trails again with the robots' colours
     charts.set_robots(record.robots.map(({ name }) => name));
   }],
   [/^\/attack$/, (record) => set_jammed(record.jammed)],
@@ -238,7 +238,7 @@ const takers = [
   [/^\/health\//, (record) => processes.on_health(record)],
   [/^\/plan\/[^/]+\/status$/, (record) => vehicles.on_plan(record)],
   [/^\/(grid|map)$/, (record, topic) => {
-    // Of a team that maps the map says more than when its ground was seen.
+    // If there is a map, it is shown instead of the grid of last-seen times.
     if (!layer_of(topic).shown || (topic === "/grid" && world.layers.has("/map"))) return;
     if (topic === "/map") world.clear("/grid");
     world.update_grid(topic, record);
@@ -273,7 +273,7 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
     else if (level > 0) set_badge(message, "warn");
   },
   time: (time) => {
-    state.arrived = time; // all of the scene at that instant has come before it
+    state.arrived = time; // all records up to that instant came before it
     set_now(time);
     if (state.awaited && Math.abs(state.now - state.awaited.since) < 2e-6) {
       state.awaited.resolve();
@@ -313,7 +313,7 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
 
 const kNothingYet = by_id("empty").textContent;
 
-/** A log that no scenario is in has no world to show, but its messages can be read and charted. */
+/** Hides the world of a log without a scenario; its messages can still be read and charted. */
 function update_scene() {
   const has_none = state.range !== null && connection.channels.size > 0 && !connection.channels.has("/scenario");
   if (has_none === (document.body.dataset.scene === "none")) return;
@@ -354,41 +354,42 @@ function toggle(layer) {
   update_link();
 }
 
-/** A log's values of a field; null: as they come. */
+/** Returns a field's values of a whole log; null if live, if the log is too large, or on failure: then records are added as
+    they come. */
 async function points_of(topic, path) {
   if (!state.range) return null;
   const field = path.map((key) => `/${key.replaceAll("~", "~0").replaceAll("/", "~1")}`).join("");
   try {
     const points = (await (await fetch(`api/series?${new URLSearchParams({ topic, field })}`)).json())
       .map(([utime, value]) => [seconds_of(utime) - state.start, value]);
-    return points.length === 0 ? null : points; // none of too large a log: as it plays
-  } catch {
-    return null; // the connection is gone as well
+    return points.length === 0 ? null : points; // the server returns none for a log that is too large
+    } catch {
+    return null; // the connection has failed as well
   }
 }
 
-/** Resolves once the scenario is known, where there is one: whose a topic is depends on it. */
+/** Resolves once the scenario is known, if there is one: family_of() needs the robots' names. */
 async function scenario_known() {
   const is_awaited = () => (connection.channels.size === 0 ? state.range !== null : connection.channels.has("/scenario") && !state.has_scenario);
   while (is_awaited()) await new Promise((resolve) => setTimeout(resolve, 20));
 }
 
 let plotted = Promise.resolve();
-let on_the_way = []; // [topic, path] of each field that is not charted before its values have come
-/** Charts a number of a topic: of a log all of it, live from now on. Charts stand in the order in
-    which they were asked for, whichever answer comes first. */
+let on_the_way = []; // [topic, path] of each requested field whose values have not come yet
+/** Charts a number of a topic: of a log all of it, live from now on. The order of the charts is that of the requests,
+    independent of the order of the answers. */
 function plot(topic, path) {
   const field = [topic, path];
   on_the_way.push(field);
   plotted = Promise.all([points_of(topic, path), plotted.catch(() => {}), scenario_known()]).then(([points]) => {
-    if (!on_the_way.includes(field)) return; // no longer wanted
+    if (!on_the_way.includes(field)) return; // cancelled by another layout
     on_the_way = on_the_way.filter((each) => each !== field);
     charts.plot(topic, path, points);
   });
   return plotted;
 }
 
-/** [topic, path] of each field that is charted, or soon will be: links and layouts have both. */
+/** Returns [topic, path] of each charted or requested field, for links and layouts. */
 function wanted_fields() {
   const charted = charts.fields();
   const names = new Set(charted.map((field) => field.join()));
@@ -476,7 +477,7 @@ function follow(id) {
 
 const toggle_follow = () => follow(world.followed ? null : (state.picked ?? "team"));
 
-/** A record's members in words, those of one level. */
+/** Returns the top-level members of a record as [key, text], without objects. */
 function rows_of(record, left_out) {
   return Object.entries(record)
     .filter(([key, value]) => !["timestamp", "robot", "process", ...left_out].includes(key) && (value === null || typeof value !== "object" || Array.isArray(value)))
@@ -534,7 +535,7 @@ by_id("inspect").onclick = (event) => {
   if (event.target.dataset.act === "follow") follow(world.followed === state.picked ? null : state.picked);
 };
 
-/** Explains what can be seen now. */
+/** Writes the legend of what is visible now. */
 function refresh_legend() {
   const sizes = Object.entries(world.sizes()).filter(([, size]) => size > 0).map(([topic]) => topic);
   const has = (pattern) => sizes.some((topic) => pattern.test(topic));
@@ -562,7 +563,7 @@ function refresh_legend() {
 on_beat(refresh_legend, 2);
 
 let link_timer = null;
-/** Writes into the address bar what is shown, soon. */
+/** Writes the present state into the address bar after a short delay. */
 function update_link() {
   link_timer ??= setTimeout(() => {
     link_timer = null;
@@ -592,7 +593,7 @@ function link_text() {
   });
 }
 
-/** Gives what a link asked for, once there is something to give it of. */
+/** Applies the content of a link once the history is loaded. */
 function give_wanted() {
   const { wanted } = state;
   state.wanted = null;
@@ -611,7 +612,7 @@ function give_wanted() {
   if (wanted.picked) pick(wanted.picked);
   if (wanted.side) show_side(wanted.side);
   if (wanted.cameras) {
-    // The world's size fits the cameras first.
+    // Waits for the world's size, which fits the cameras and would override the link's.
     state.wanted_cameras = wanted.cameras;
     const look_when_known = () => {
       if (!world.layers.has("/world") || !state.has_scenario) return setTimeout(look_when_known, 50);
@@ -639,22 +640,22 @@ async function share() {
   }
 }
 
-/** Says something for a while. */
+/** Shows a message for 2.5 s. */
 function tell(words) {
   by_id("note").textContent = words;
   by_id("note").hidden = false;
   setTimeout(() => (by_id("note").hidden = true), 2500);
 }
 
-/** Paints the stage as it is, with what it is of and when written below. */
+/** Paints the stage into a canvas, with the scenario, the log and the time in a line below. */
 function paint_stage(out) {
   world.set_stale();
-  world.draw(); // what the graphics drew is there until the picture is shown
+  world.draw(); // the content of a WebGL canvas is valid only until it is displayed
   const canvases = [by_id("world"), by_id("names")].filter((canvas) => canvas.offsetWidth > 0);
   const { width, height } = by_id("names");
   const ratio = width / by_id("stage").clientWidth;
   const line = Math.round(26 * ratio);
-  const even = (pixels) => pixels - (pixels % 2); // as videos want it
+  const even = (pixels) => pixels - (pixels % 2); // video encoders need even sizes
   if (out.width !== even(width) || out.height !== even(height + line)) [out.width, out.height] = [even(width), even(height + line)];
   const pen = out.getContext("2d");
   const style = getComputedStyle(document.documentElement);
@@ -673,7 +674,7 @@ function take_shot() {
   out.toBlob((blob) => save(`vantage_${file_stem()}.png`, blob));
 }
 
-/** Goes to an instant of a log; resolves once all of it is in the world. */
+/** Seeks to an instant of a log; resolves once the world shows that instant. */
 function be_at(since) {
   return new Promise((resolve) => {
     state.awaited = { since, resolve };
@@ -685,7 +686,7 @@ function be_at(since) {
   });
 }
 
-/** What of a log a video is of, unless it is said: the stretch that the charts show, else the rest. */
+/** Returns the interval of a video of a log: the zoomed interval of the charts, else from now to the end. */
 const film_stretch = () => charts.zoomed ?? [state.now, state.range[1] - state.range[0]];
 
 function film(how) {
@@ -694,7 +695,7 @@ function film(how) {
   return state.range ? film_log({ speed: state.speed, go_to: be_at, ...common }) : film_live(common);
 }
 
-/** Begins a video, or ends it and saves what there is. */
+/** Begins a video, or ends it and saves the recorded part. */
 async function toggle_video() {
   if (state.filming) {
     state.filming.is_over = true;
@@ -754,7 +755,7 @@ function set_theme(theme) {
   refresh_legend();
 }
 
-/** What is shown, but for of what and when. */
+/** Returns the present layout as text: a link without log, time, interval and selection. */
 function layout_text() {
   const text = new URLSearchParams(link_text());
   ["log", "t", "win", "pick"].forEach((key) => text.delete(key));
@@ -777,7 +778,7 @@ const layouts = new Layouts(by_id("layouts"), { take: layout_text, give: give_la
 
 const other_theme = () => (document.documentElement.dataset.theme === "dark" ? "light" : "dark");
 
-/** What a person chooses is in the link; what the system prefers is not. */
+/** Switches the theme. Only a theme chosen by the user is in links, not that of the system. */
 function choose_theme() {
   state.theme = other_theme();
   set_theme(state.theme);
@@ -820,11 +821,11 @@ document.addEventListener("keydown", (event) => {
   const { tagName } = event.target;
   if (event.ctrlKey || event.metaKey || event.altKey || tagName === "SELECT" || tagName === "INPUT") return;
   const name = kNamed[event.key] ?? event.key.toLowerCase();
-  if (name === "space" && (tagName === "BUTTON" || tagName === "SUMMARY")) return; // it presses them
+  if (name === "space" && (tagName === "BUTTON" || tagName === "SUMMARY")) return; // space presses the focused button
   if (by_id("layouts").open || (name === "escape" && by_id("help").open)) return;
   const found = kKeys.find(([key]) => key === name);
   if (found) {
-    if (name !== "escape") event.preventDefault(); // it also closes the dialog
+    if (name !== "escape") event.preventDefault(); // escape must also close the dialog
     found[2](event);
   }
 });
@@ -835,7 +836,7 @@ function fit() {
 }
 
 world.on_view = update_link;
-// A button that was clicked leaves the keys to the page.
+// Removes the focus from a clicked button, so that keys go to the page.
 document.addEventListener("click", (event) => event.detail > 0 && event.target.closest?.("button, summary")?.blur());
 by_id("reset").onclick = fit;
 by_id("follow").onclick = toggle_follow;
@@ -867,7 +868,7 @@ set_trail(state.trail_s);
 by_id("legend").open = innerWidth >= 1500;
 
 function loop() {
-  requestAnimationFrame(loop); // not called while nobody sees the page
+  requestAnimationFrame(loop); // paused while the page is not visible
   connection.read_waiting();
   if (state.now !== null) world.expire(state.start + state.now);
   if (state.now !== null && Math.abs(state.now - (state.trails_at ?? -1)) >= kTrailPeriod_s) {
@@ -878,7 +879,7 @@ function loop() {
 }
 loop();
 
-// For tests: what is on the screen, as numbers.
+// For tests: the content of the screen as numbers.
 window.vantage = {
   state,
   stats: () => ({ entities: world.entities(), layers: world.sizes(), frames: world.frames_drawn, series: charts.lines().map((c) => c.series.size) }),
@@ -904,7 +905,7 @@ window.vantage = {
   hear: (topic, record) => connection.on.record(topic, state.start + state.now, record),
   be_at: (since) => be_at(since),
   zoom: (from, to) => charts.zoom(from, to),
-  /** The stage's pixels, as they are filmed. */
+  /** Returns the pixels of the stage as in a video. */
   painted: () => {
     const sheet = document.createElement("canvas");
     paint_stage(sheet);

@@ -1,5 +1,4 @@
-// Names in the picture, on a canvas. Each name is drawn with its halo once and stamped from then on,
-// since writing text is slow.
+// Labels on a canvas. Drawing text is slow, so each label is drawn once with its halo and then copied as an image.
 
 import { shown } from "./look.js";
 
@@ -7,16 +6,16 @@ const kPad = 3;
 const kKeptMax = 2000;
 
 export class Names {
-  /** @param options of the canvas's context, for the stamps as well */
+  /** @param options of the contexts of the canvas and of the label images */
   constructor(canvas, options) {
     this.canvas = canvas;
     this.options = options;
     this.pen = canvas.getContext("2d", options);
-    this.ruler = new OffscreenCanvas(1, 1).getContext("2d"); // the pen is set to what was last drawn
+    this.ruler = new OffscreenCanvas(1, 1).getContext("2d"); // separate, so that measuring does not change the pen's font
     this.ratio = 1;
     this.halo = "";
-    this.stamps = new Map(); // by what they say and how
-    this.known = new WeakMap(); // by text annotation
+    this.stamps = new Map(); // image by text, size and colour
+    this.known = new WeakMap(); // image by text annotation
   }
 
   resize(width, height, ratio) {
@@ -32,13 +31,13 @@ export class Names {
     this.known = new WeakMap();
   }
 
-  /** Begins a picture. */
+  /** Begins a picture. @param halo colour of the halos */
   begin(halo) {
     if (halo !== this.halo || this.stamps.size > kKeptMax) this.forget();
     this.halo = halo;
   }
 
-  /** A new picture in an area: what `draw` draws with the pen, in the stage's pixels, stays inside. */
+  /** Clears an area and calls `draw` with the pen, clipped to that area. Coordinates are the stage's pixels. */
   within(at, draw) {
     const { pen } = this;
     pen.save();
@@ -51,13 +50,13 @@ export class Names {
     pen.restore();
   }
 
-  /** How large a text annotation is, in the stage's pixels. */
+  /** Returns the size of a text annotation in the stage's pixels. */
   size_of(text) {
     const { image } = this.stamp_of(text);
     return { width: image.width / this.ratio, height: image.height / this.ratio };
   }
 
-  /** A text annotation with its left upper corner at a place. */
+  /** Draws a text annotation with its upper left corner at (left, top). */
   write(text, left, top) {
     const { image } = this.stamp_of(text);
     this.pen.drawImage(image, left, top, image.width / this.ratio, image.height / this.ratio);

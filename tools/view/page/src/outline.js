@@ -1,10 +1,10 @@
-// Lines and level surfaces on a 2-D canvas, as a camera sees them.
+// Lines and horizontal surfaces on a 2-D canvas, as a camera sees them.
 
 import { shown } from "./look.js";
 
-const kNear_m = 0.02; // nearer to the eye nothing is seen
+const kNear_m = 0.02; // distance of the near clipping plane
 const kStep_px = 0.7; // corners closer than this to the last one are left out
-const kThin_px = 1.5; // in a crowd lines up to this are a pixel wide, which takes half the time
+const kThin_px = 1.5; // thinner lines are drawn 1 pixel wide if there are many things, which halves the time
 
 let last_x = 0;
 let last_y = 0;
@@ -16,8 +16,8 @@ function go(pen, x, y, is_move) {
   last_y = y;
 }
 
-/** Adds a line, or the edge of a surface, to the pen's path, as far as it lies before the eye.
-    @param e elements of the matrix that gives pixels of the stage, times the distance
+/** Adds the part of a line, or of the edge of a surface, that is in front of the camera to the pen's path.
+    @param e elements of the matrix from the corners' frame to pixels of the stage, homogeneous (times the distance)
     @param corners x, y, z of each */
 export function trace(pen, e, corners, is_surface) {
   const count = corners.length;
@@ -26,7 +26,7 @@ export function trace(pen, e, corners, is_surface) {
   let from_y = 0;
   let from_w = -1;
   for (let i = is_surface ? -3 : 0; i < count; i += 3) {
-    const at = i < 0 ? count - 3 : i; // a surface's edge begins with the way from its last corner
+    const at = i < 0 ? count - 3 : i; // a surface's edge begins with the segment from its last corner
     const a = corners[at];
     const b = corners[at + 1];
     const c = corners[at + 2];
@@ -89,7 +89,7 @@ export class Line {
   }
 }
 
-/** Surfaces of one colour, each level in itself. */
+/** Horizontal surfaces of one colour. */
 export class Surface {
   constructor(frame, edges, { color }) {
     this.frame = frame;
@@ -109,10 +109,10 @@ export class Surface {
 
 const name_of = (corner) => `${corner.x} ${corner.y} ${corner.z}`;
 
-/** The edges around what triangles cover together: where two meet there is none. Painted one by one
-    they would show seams. @param corners three a triangle */
+/** Returns the outline of the union of triangles, without the edges that two triangles share. Triangles that are painted one
+    by one would show seams. @param corners three per triangle */
 export function edges_of(corners) {
-  const ways = new Map(); // by the names of both ends
+  const ways = new Map(); // directed edges by the names of both ends
   for (let i = 0; i + 2 < corners.length; i += 3) {
     for (let k = 0; k < 3; ++k) {
       const [from, to] = [corners[i + k], corners[i + ((k + 1) % 3)]];
@@ -121,7 +121,7 @@ export function edges_of(corners) {
       if (!ways.delete(`${there} > ${here}`)) ways.set(`${here} > ${there}`, { from, here, there });
     }
   }
-  const onward = new Map(); // ways by where they begin
+  const onward = new Map(); // directed edges by the name of their start
   for (const way of ways.values()) {
     if (!onward.has(way.here)) onward.set(way.here, []);
     onward.get(way.here).push(way);

@@ -1,9 +1,9 @@
-// What is told in words: vehicles, processes, events, and the thing that was clicked.
+// Panels of text: vehicles, processes, events, and details of the selected thing.
 
 import { on_beat } from "./beat.js";
 
 const kEventsShown = 200;
-const kCrowd = 12; // rows; of more only those that are to be noted are shown at first
+const kCrowd = 12; // number of rows above which rows without a problem are hidden at first
 
 export function make(tag, className, text) {
   const element = document.createElement(tag);
@@ -12,14 +12,14 @@ export function make(tag, className, text) {
   return element;
 }
 
-/** Names as people order them: Q2 before Q10. */
+/** Compares names in natural order: Q2 before Q10. */
 export const in_order = new Intl.Collator("en", { numeric: true }).compare;
 
-/** Rows by key in a box, made once; written again with each beat, where what they say is another. In a crowd those that
-    are calm are folded away, and a line says how many there are of which kind. */
+/** Rows by key in a box. Rows are made once and updated with a beat if their text has changed. In a crowd the calm rows are
+    hidden, and a heading shows the number of rows by state. */
 class Table {
-  /** @param of {row(key), is_calm(key), words(keys)}: the elements of a key's row and its title; whether nothing is to be noted
-      of it; what is told of all of them */
+  /** @param of {row(key): the elements of a row and its title; is_calm(key): true if the row shows no problem;
+      words(keys): text of the heading} */
   constructor(box, of) {
     this.of = of;
     this.head = make("button", "fold");
@@ -33,7 +33,7 @@ class Table {
     on_beat(() => this.write());
   }
 
-  /** Shows all of a crowd, or only what is to be noted. */
+  /** Shows all rows of a crowd, or only those with a problem. */
   unfold(is_open) {
     this.head.setAttribute("aria-expanded", is_open);
     this.rows.forEach((_, key) => this.changed.add(key));
@@ -51,7 +51,7 @@ class Table {
     if (is_crowd) {
       const said = this.of.words([...this.rows.keys()]);
       if (this.head.textContent !== said) this.head.textContent = said;
-      if (this.head.hidden) this.rows.forEach((_, key) => this.changed.add(key)); // it has become one
+      if (this.head.hidden) this.rows.forEach((_, key) => this.changed.add(key)); // it has just become a crowd
     }
     this.head.hidden = !is_crowd;
     const is_folded = is_crowd && this.head.getAttribute("aria-expanded") !== "true";
@@ -87,7 +87,7 @@ class Table {
   }
 }
 
-/** "48 follow, 2 hold" of ["follow", "hold", …]: the commonest first. */
+/** Counts words, the most frequent first: "48 follow, 2 hold" of ["follow", "hold", …]. */
 function counted(words) {
   const counts = new Map();
   words.forEach((word) => counts.set(word, (counts.get(word) ?? 0) + 1));
@@ -193,18 +193,18 @@ export class Processes {
   }
 }
 
-const kInfo = 2; // of foxglove.Log
+const kInfo = 2; // level of foxglove.Log
 const who_of = ({ text }) => text.split(": ")[0];
 
 export class Events {
-  /** @param filter an input: only events whose words have its text are shown
-      @param on_seek called with a time when an event is clicked */
+  /** @param filter an input element: only events that contain its text are shown
+      @param on_seek called with the time of a clicked event */
   constructor(box, filter, on_seek) {
     this.box = box;
     this.filter = filter;
     filter.oninput = () => [...box.children].forEach((item) => this.sift(item));
     this.on_seek = on_seek;
-    this.open = new Map(); // by process: the words of trouble that goes on
+    this.open = new Map(); // element of the text of a trouble that has not ended, by process
   }
 
   add(event) {
@@ -230,7 +230,7 @@ export class Events {
     item.hidden = !item.textContent.toLowerCase().includes(this.filter.value.trim().toLowerCase());
   }
 
-  /** Whether it ends a trouble that is told of already: one line each. */
+  /** Returns true if an event ends a displayed trouble, and appends it to that line. */
   is_end(event) {
     const words = this.open.get(who_of(event));
     this.open.delete(who_of(event));
@@ -245,7 +245,7 @@ export class Events {
   }
 }
 
-/** Shows one thing with everything known of it.
+/** Shows the details of one thing.
     @param sections [title, [[key, value]]] */
 export function write_inspect(box, id, is_followed, sections) {
   box.hidden = id === null;

@@ -1,10 +1,10 @@
-// Videos of the stage: of a log each picture at its instant, however long that takes; live as it comes.
+// Videos of the stage. Of a log each picture is drawn at its instant, without a time limit; live pictures are taken in real time.
 
 import { Video } from "./video.js";
 
 export const kFps = 25;
 
-/** Films a log. @param how {from, to, speed, fps, go_to(since): resolves once that instant is there, paint(sheet),
+/** Records a video of a log. @param how {from, to, speed, fps, go_to(since): resolves once that instant is displayed, paint(sheet),
     on_progress(share), is_over()} @returns the video's bytes */
 export async function film_log({ from, to, speed, fps, go_to, paint, on_progress, is_over }) {
   const sheet = document.createElement("canvas");
@@ -21,7 +21,8 @@ export async function film_log({ from, to, speed, fps, go_to, paint, on_progress
   return video.end();
 }
 
-/** Films what comes, until it is over or the stage has another size. @param how {fps, paint(sheet), on_progress(since_s), is_over()} */
+/** Records the live stage until is_over() or until the stage's size changes.
+    @param how {fps, paint(sheet), on_progress(since_s), is_over()} @returns the video's bytes */
 export async function film_live({ fps, paint, on_progress, is_over }) {
   const sheet = document.createElement("canvas");
   paint(sheet);
@@ -41,7 +42,8 @@ export async function film_live({ fps, paint, on_progress, is_over }) {
   return video.end();
 }
 
-/** Hands over to the server that asked for it what it is to have. @param key of the recording */
+/** Makes a video and sends it, its progress or its failure to the server that requested it.
+    @param key of the recording @param make called with the function to report progress; resolves to the video's bytes */
 export async function hand_over(key, make) {
   const post = (query, body) => fetch(`api/recording?${new URLSearchParams({ key, ...query })}`, { method: "POST", body });
   let told = 0;

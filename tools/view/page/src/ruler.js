@@ -1,13 +1,13 @@
-// Grid, numbers along it, scale bar, what is measured and what is selected: drawn over or under the world.
+// Drawings over or under the world: grid with numbers, scale bar, measured distance, ring around the selection.
 
 import * as THREE from "three";
 import { css_of_role } from "./look.js";
 
-const kSpace_px = 72; // between lines of the grid, at least
-const kBar_px = 150; // the scale bar, at most
+const kSpace_px = 72; // least distance between lines of the grid
+const kBar_px = 150; // greatest length of the scale bar
 const kFont = '11px system-ui, "DejaVu Sans", sans-serif';
 
-/** The least of 1, 2, 5, 10, … that is `least` or more. */
+/** Returns the least number of 1, 2, 5, 10, … (times a power of ten) that is ≥ `least`. */
 export function round_up(least) {
   const decade = 10 ** Math.floor(Math.log10(least));
   return [1, 2, 5, 10].map((step) => step * decade).find((step) => step >= least * (1 - 1e-9));
@@ -15,7 +15,7 @@ export function round_up(least) {
 
 export const metres = (value) => String(Number(value.toPrecision(6)));
 
-/** Where lines of the grid are between two coordinates. */
+/** Returns the coordinates of grid lines between two coordinates. */
 function ticks(from, to, spacing) {
   const out = [];
   for (let i = Math.ceil(from / spacing - 1e-6); i * spacing <= to + 1e-6 * spacing; ++i) out.push(i * spacing);
@@ -24,7 +24,7 @@ function ticks(from, to, spacing) {
 
 export const spacing_of = (pixels_a_m) => round_up(kSpace_px / pixels_a_m);
 
-/** The grid as an entity of a scene. */
+/** Returns the grid as an entity of a scene. */
 export function grid_entity({ min_m, max_m }, spacing) {
   const z = 0.004;
   const lines = [
@@ -41,7 +41,7 @@ export function grid_entity({ min_m, max_m }, spacing) {
   };
 }
 
-/** Numbers beside the world's edges; in the plan they stay in view. */
+/** Writes the numbers next to the world's edges; in the plan they stay in view. */
 export function write_numbers(pen, project, at, { min_m, max_m }, spacing, is_plan) {
   pen.font = kFont;
   pen.fillStyle = css_of_role("wall");
@@ -73,7 +73,7 @@ export function write_numbers(pen, project, at, { min_m, max_m }, spacing, is_pl
   }, "y [m]");
 }
 
-/** What a view is; a line to the left of it where there is another. */
+/** Writes the name of a view, and a line at its left edge if another view is there. */
 export function draw_caption(pen, at, words) {
   pen.font = kFont;
   pen.fillStyle = css_of_role("wall");
@@ -84,7 +84,7 @@ export function draw_caption(pen, at, words) {
   if (at.x > 0) pen.fillRect(at.x, at.y, 1, at.height);
 }
 
-/** How long a scale bar says what: {length_m, width_px}. */
+/** Returns the length of the scale bar: {length_m, width_px}. */
 export function scale_of(pixels_a_m) {
   const most_m = kBar_px / pixels_a_m;
   const length_m = [5, 2, 1].map((step) => step * 10 ** Math.floor(Math.log10(most_m))).find((step) => step <= most_m);
@@ -108,7 +108,7 @@ export function draw_scale(pen, at, pixels_a_m) {
   pen.fillText(`${metres(length_m)} m`, x + width_px / 2, y - 3);
 }
 
-/** A ring around what is selected. */
+/** Draws the ring around the selected entity. */
 export function draw_ring(pen, point, radius_px) {
   pen.strokeStyle = css_of_role("truth", 0.85);
   pen.lineWidth = 1.5;
@@ -119,7 +119,7 @@ export function draw_ring(pen, point, radius_px) {
   pen.setLineDash([]);
 }
 
-/** Length and direction between two points of the ground, in words. */
+/** Returns length and direction between two points of the ground as text. */
 export function distance_words(a, b) {
   const [dx, dy] = [b[0] - a[0], b[1] - a[1]];
   const degrees = (180 / Math.PI) * Math.atan2(dy, dx);
@@ -156,9 +156,8 @@ export function draw_measure(pen, project, at, a, b) {
   pen.fillText(words, left + 6, top + 10);
 }
 
-/** Where a camera's fit puts the corners of a box so that they fill a share of an area: moves and aims
-    the camera, which keeps the direction that it looks in.
-    @param corners of what is to be seen
+/** Moves a camera without turning it, so that corners fill the free part of an area. Moves `target` as well.
+    @param corners corners of the box to be visible
     @param room {left, right, top, bottom}: pixels to keep free at each edge */
 export function fit_perspective(camera, target, corners, { width, height }, room) {
   const backward = new THREE.Vector3().subVectors(camera.position, target).normalize();
@@ -172,7 +171,7 @@ export function fit_perspective(camera, target, corners, { width, height }, room
     const [xs, ys] = [points.map(({ x }) => x), points.map(({ y }) => y)];
     return { left: Math.min(...xs), right: Math.max(...xs), bottom: Math.min(...ys), top: Math.max(...ys) };
   };
-  // The area that is free, in the coordinates that a projection gives.
+  // Free area in normalised device coordinates.
   const free = {
     left: -1 + (2 * room.left) / width, right: 1 - (2 * room.right) / width,
     bottom: -1 + (2 * room.bottom) / height, top: 1 - (2 * room.top) / height,
@@ -184,7 +183,7 @@ export function fit_perspective(camera, target, corners, { width, height }, room
     const larger = Math.max((box.right - box.left) / (free.right - free.left), (box.top - box.bottom) / (free.top - free.bottom));
     distance *= 1 + 0.7 * (larger - 1);
     const seen = box_of();
-    // Aims so that the middles meet, along the picture's own axes.
+    // Moves along the axes of the picture, so that both centres coincide.
     const off_x = (seen.left + seen.right - free.left - free.right) / 2;
     const off_y = (seen.bottom + seen.top - free.bottom - free.top) / 2;
     const side = new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, 0);

@@ -1,21 +1,21 @@
-// What foxglove.SceneUpdate and foxglove.Grid say, as corners and matrices, however it is drawn then.
+// Corners and matrices of foxglove.SceneUpdate and foxglove.Grid, for both ways of drawing.
 
 import * as THREE from "three";
 import { channels_of } from "./look.js";
 
 const kStrip = 0;
 const kLoop = 1;
-const kGlyph_px = 7; // half as wide as a body is at least
-const kLeast_px = new Map([["/robots", kGlyph_px], ["/targets", 5]]); // by topic of bodies: robots stand out of a crowd
+const kGlyph_px = 7; // least half width of a body
+const kLeast_px = new Map([["/robots", kGlyph_px], ["/targets", 5]]); // least half width by topic; larger for robots
 
-let memory_s = 30; // after which ground that was seen is stale
+let memory_s = 30; // s after which seen ground is stale
 
-/** @param of_scenario the estimators' memory; 0: they do not forget */
+/** Sets the time after which seen ground is stale. @param of_scenario the estimators' memory, s; 0: unlimited, 30 s are used */
 export function set_memory(of_scenario) {
   memory_s = of_scenario > 0 ? of_scenario : 30;
 }
 
-/** Frame from what has `pose`, and `size` where it has one. */
+/** Returns the transform of a shape into its entity's frame, scaled by its `size` if it has one. */
 export function matrix_of({ pose, size }) {
   const { position: p, orientation: q } = pose;
   return new THREE.Matrix4().compose(
@@ -25,13 +25,13 @@ export function matrix_of({ pose, size }) {
   );
 }
 
-/** The corners of a shape, in its entity's frame: of its triangles three a piece. */
+/** Returns the corners of a shape in its entity's frame; three per triangle. */
 export function corners_of(shape) {
   const matrix = matrix_of(shape);
   return shape.points.map((c) => new THREE.Vector3(c.x, c.y, c.z).applyMatrix4(matrix));
 }
 
-/** The lines of a shape, each a list of corners. */
+/** Returns the lines of a shape, each a list of corners. */
 export function lines_of(shape) {
   const corners = corners_of(shape);
   if (shape.type === kLoop && corners.length > 0) corners.push(corners[0]);
@@ -39,8 +39,8 @@ export function lines_of(shape) {
   return Array.from({ length: corners.length / 2 }, (_, i) => corners.slice(2 * i, 2 * i + 2));
 }
 
-/** How far from its middle [m] the body of an entity is to reach kGlyph_px at any distance, so that it can be seen; 0 of other
-    topics. */
+/** Returns the radius [m] of an entity's body that must cover at least kGlyph_px on the screen, so that it stays visible;
+    0 for other topics. */
 export function glyph_of(topic, entity) {
   const least_px = kLeast_px.get(topic);
   if (!least_px) return 0;
@@ -48,14 +48,14 @@ export function glyph_of(topic, entity) {
   return (reach_m * kGlyph_px) / least_px;
 }
 
-/** How many times larger than it is a body is drawn, in its own plane, so that it can be seen.
-    @param pixels_a_m at the body */
+/** Returns the factor by which a body is enlarged in its own plane so that it stays visible; ≥ 1.
+    @param pixels_a_m pixels per metre at the body */
 export const enlarged = (glyph_m, pixels_a_m) =>
   glyph_m > 0 && pixels_a_m > 0 ? Math.max(1, kGlyph_px / (glyph_m * pixels_a_m)) : 1;
 
 const there = new THREE.Vector3();
 
-/** Pixels a metre where a camera sees a frame's origin. */
+/** Returns the pixels per metre at a frame's origin, as a camera sees it. */
 export function pixels_a_metre(camera, height_px, frame) {
   const scale = 0.5 * height_px * camera.projectionMatrix.elements[5];
   if (camera.isOrthographicCamera) return scale;
@@ -67,8 +67,8 @@ export const glyph_scale = (camera, height_px, frame, glyph_m) =>
 
 const mix = (from, to, share) => from.map((c, i) => c + (to[i] - c) * share);
 
-/** What a grid's field looks like: a function of its value that gives red, green and blue. When a cell
-    was last seen, from seen to stale. What stands there: free, not settled, occupied. */
+/** Returns the function from a grid field's value to red, green and blue. age_s: from seen to stale. occupancy: from free
+    over undecided to occupied. */
 function colours_of(field) {
   const [seen, stale, unseen, free, occupied] = ["seen", "stale", "unseen", "free", "occupied"].map(channels_of);
   return {
@@ -77,7 +77,7 @@ function colours_of(field) {
   }[field];
 }
 
-/** A grid as colours, rows of cells. */
+/** Converts a grid into colours, in rows of cells. */
 export function pixels_of(grid) {
   const colour = colours_of(grid.fields[0].name);
   const bytes = Uint8Array.from(atob(grid.data), (c) => c.charCodeAt(0));

@@ -1,4 +1,4 @@
-// Bodies on a 2-D canvas: their sides that face the eye, lit as the graphics light them.
+// Bodies on a 2-D canvas: the faces that are turned to the camera, lit as in gl_picture.js.
 
 import * as THREE from "three";
 import { css_of, trace } from "./outline.js";
@@ -7,9 +7,9 @@ import { matrix_of } from "./shapes.js";
 const kSun = new THREE.Vector3(3, -5, 10).normalize();
 const kGamma = 2.2;
 
-/** How bright a side is that looks along a normal. */
+/** Returns the brightness of a face with a normal. */
 function shade_of(normal) {
-  const sky = 0.5 * (1 + normal.z) + 0.25 * 0.5 * (1 - normal.z); // the ground sends a quarter back
+  const sky = 0.5 * (1 + normal.z) + 0.25 * 0.5 * (1 - normal.z); // the ground reflects a quarter
   return Math.pow((2.2 * sky + 1.2 * Math.max(0, normal.dot(kSun))) / Math.PI, 1 / kGamma);
 }
 
@@ -21,7 +21,7 @@ const kSides = [0, 1, 2].flatMap((axis) =>
   }),
 );
 
-/** A cube that its matrix stretches. */
+/** Box: a unit cube scaled by its matrix. */
 export class Block {
   constructor(frame, shape) {
     this.frame = frame;
@@ -34,7 +34,7 @@ export class Block {
     this.inverse = new THREE.Matrix4();
   }
 
-  /** Takes notice of where the eye is. */
+  /** Stores the camera's position in the box's frame. */
   look(view) {
     this.inverse.multiplyMatrices(this.frame.matrix, this.matrix).invert();
     this.eye.copy(view.eye).applyMatrix4(this.inverse);
@@ -44,7 +44,7 @@ export class Block {
     return this.eye.getComponent(axis) * Math.sign(end) > 0.5;
   }
 
-  /** Whether a point cannot be in front: it is behind each side that faces the eye. */
+  /** True if a point is behind each face that is turned to the camera, so that it cannot hide the box. */
   is_before(point) {
     const at = scratch.copy(point).applyMatrix4(this.inverse);
     return kSides.every((side) => !this.faces(side) || at.getComponent(side.axis) * Math.sign(side.end) < 0.5);
@@ -78,7 +78,7 @@ const kRings = [8, 12, 24].map(ring);
 const kUpright = new THREE.Vector3(0, 0, 1);
 const kAside = new THREE.Vector3(0, -1, 0);
 
-/** A cylinder: the end that faces the eye, and the part of its mantle that does. */
+/** Cylinder: the end and the part of the lateral surface that face the camera. */
 export class Disc {
   constructor(frame, shape) {
     this.frame = frame;
@@ -92,7 +92,7 @@ export class Disc {
 
   paint(pen, e, view) {
     const radius_px = this.radius_m * view.pixels_at(this.at);
-    if (!(radius_px > 0)) return; // behind the eye
+    if (!(radius_px > 0)) return; // behind the camera
     const corners = kRings[radius_px < 4 ? 0 : radius_px < 12 ? 1 : 2];
     const m = through_scratch.fromArray(e).multiply(this.matrix).elements;
     const ends = [-0.5, 0.5].map((z) =>
@@ -117,7 +117,7 @@ export class Disc {
   }
 }
 
-/** Adds a polygon whose corners go around leftwards as the eye sees it, y down; else nothing. */
+/** Adds a polygon if its corners are counter-clockwise on the screen (y down), i.e. if it faces the camera. */
 function polygon_if_facing(pen, corners) {
   let twice_area = 0;
   let [x0, y0] = corners.at(-1);
@@ -132,7 +132,7 @@ function polygon_if_facing(pen, corners) {
 
 const kDotMin_px = 1;
 
-/** A sphere. */
+/** Sphere. */
 export class Ball {
   constructor(frame, shape) {
     this.frame = frame;

@@ -1,8 +1,8 @@
-// The bar below: where we are in a log, what happened when, and the player's keys.
+// Bar at the bottom: position in the log, marks of events, and the controls of the player.
 
 import { on_beat } from "./beat.js";
 
-const kLive_s = 300; // shown of a live view
+const kLive_s = 300; // displayed time of a live view
 export const kSpeeds = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20];
 
 export class Timeline {
@@ -18,14 +18,14 @@ export class Timeline {
     this.speeds = document.getElementById("speed");
     this.speeds.replaceChildren(...kSpeeds.map((speed) => new Option(`${speed}×`, speed, speed === 1, speed === 1)));
     this.events = [];
-    this.length_s = null; // live
+    this.length_s = null; // null: live
     this.now = 0;
     this.is_playing = false;
     on_beat(() => this.write());
     this.button.onclick = () => on.play(!this.is_playing);
     this.speeds.onchange = () => {
       on.speed(Number(this.speeds.value));
-      this.speeds.blur(); // the keys are the page's again
+      this.speeds.blur(); // so that keys go to the page again
     };
     this.bar.onmousemove = (event) => {
       const box = this.bar.getBoundingClientRect();
@@ -52,12 +52,12 @@ export class Timeline {
       };
       this.bar.onpointerup = (up) => {
         this.bar.onpointermove = this.bar.onpointerup = null;
-        if (up.clientX !== at_px) seek(up); // a second time would only clear the picture again
+        if (up.clientX !== at_px) seek(up); // a second seek to the same instant would only clear the picture
       };
     };
   }
 
-  /** A log of `length_s`, or live when null. */
+  /** Sets the length of the log; null: live. */
   set_length(length_s) {
     this.length_s = length_s;
     document.body.dataset.mode = length_s === null ? "live" : "log";
@@ -70,7 +70,7 @@ export class Timeline {
 
   set_now(since) {
     this.now = since;
-    if (this.length_s !== null && !this.is_playing) this.write(); // else with the next beat
+    if (this.length_s !== null && !this.is_playing) this.write(); // otherwise the next beat writes it
   }
 
   write() {
@@ -97,7 +97,7 @@ export class Timeline {
     }
   }
 
-  /** Shows which stretch the charts show; null: all. */
+  /** Marks the interval that the charts show; null: all. */
   set_span(zoomed) {
     this.zoomed = zoomed;
     this.span.hidden = zoomed === null;

@@ -1,4 +1,4 @@
-// Every topic that the server knows, with its rate; opened, its newest message, whose numbers can be charted.
+// List of all topics of the server with their rates. An opened topic shows its newest message, whose numbers can be charted.
 
 import { on_beat } from "./beat.js";
 import { digits } from "./look.js";
@@ -6,9 +6,9 @@ import { in_order, make } from "./panels.js";
 
 const kPoll_ms = 1000;
 const kWriteBeats = 2;
-const kCounted_s = 0.2; // less says nothing of a rate
-const kElements = 24; // shown of a list
-const kText = 80; // characters shown of a text
+const kCounted_s = 0.2; // least time over which a rate is computed
+const kElements = 24; // most displayed elements of a list
+const kText = 80; // most displayed characters of a text
 
 export class Topics {
   /** @param on {open(topic, is_open), plot(topic, path), is_log()} */
@@ -22,10 +22,10 @@ export class Topics {
     this.filter.oninput = () => this.write();
     this.list = make("div", "topics");
     this.box.append(this.filter, this.list);
-    this.rows = new Map(); // by topic: {row, rate, body}
-    this.counts = new Map(); // by topic: {type, count, hz}
-    this.counted = null; // {time_s, jumps}: when that was, in the log's own time if it is one; over a jump there is no rate
-    this.opened = new Map(); // by topic: newest record, or null
+    this.rows = new Map(); // {row, rate, body} by topic
+    this.counts = new Map(); // {type, count, hz} by topic
+    this.counted = null; // {time_s, jumps} of the last poll; time_s is the log's time if there is a log. No rates across a jump
+    this.opened = new Map(); // newest record or null, by topic
     this.is_shown = false;
     setInterval(() => this.is_shown && !document.hidden && this.poll(), kPoll_ms);
     on_beat(() => this.is_shown && this.write_opened(), kWriteBeats);
@@ -41,7 +41,7 @@ export class Topics {
     try {
       known = await (await fetch("api/topics")).json();
     } catch {
-      return; // the page says elsewhere that there is no connection
+      return; // the badge of the connection shows the failure
     }
     const now = { jumps: known.jumps, time_s: this.on.is_log() ? known.time_s : performance.now() / 1e3 };
     const is_known = now.time_s !== null && this.counted !== null && this.counted.time_s !== null;
@@ -107,7 +107,7 @@ export class Topics {
     }
   }
 
-  /** Writes values where they are, so that what is open stays open and a button can be hit. */
+  /** Writes values into the existing elements, so that opened parts stay open and buttons can be clicked. */
   write_record(body, topic, record) {
     const shape = shape_of(record);
     if (shape !== body.shape) {
@@ -161,7 +161,7 @@ export class Topics {
   }
 }
 
-/** What a record is made of, without its values: records of one shape are written into one tree. */
+/** Returns the structure of a record without its values. Records of equal structure share one tree of elements. */
 function shape_of(value) {
   if (value === null || typeof value !== "object") return typeof value === "number" || typeof value === "boolean" ? "n" : "t";
   const entries = Object.entries(value);
@@ -169,7 +169,7 @@ function shape_of(value) {
 }
 
 function words_of(value) {
-  if (typeof value === "number") return Number.isSafeInteger(value) ? String(value) : digits(value); // instants, too
+  if (typeof value === "number") return Number.isSafeInteger(value) ? String(value) : digits(value); // all digits of time stamps
   const text = String(value);
   return text.length > kText ? `${text.slice(0, kText)}… (${text.length} characters)` : text;
 }

@@ -1,12 +1,12 @@
-// The ways of bodies, as long as one wants to see them.
+// Paths of bodies, displayed over a selectable time.
 
 const kLeast_s = 0.15;
 const kLeast_m = 0.02;
-const kSpeed_s = 1.2; // of the way that says how fast
-const kGone_s = 5; // who was not seen for so long
-const kPointsMax = 40_000; // of a body
+const kSpeed_s = 1.2; // part of the path from which the speed is computed
+const kGone_s = 5; // the speed of a body not seen for this time is unknown
+const kPointsMax = 40_000; // per body
 
-/** First index whose time is after `time`. */
+/** Returns the first index whose time is after `time`. */
 function after(times, time) {
   let [low, high] = [0, times.length];
   while (low < high) {
@@ -19,8 +19,8 @@ function after(times, time) {
 
 export class Trails {
   constructor() {
-    this.ways = new Map(); // by body: {t, x, y, z}
-    this.seen = new Map(); // by body: when last, moved or not
+    this.ways = new Map(); // {t, x, y, z} by body
+    this.seen = new Map(); // time when last seen, also without motion, by body
   }
 
   clear() {
@@ -34,7 +34,7 @@ export class Trails {
     const way = this.ways.get(body);
     const last = way.t.length - 1;
     if (last >= 0) {
-      if (time < way.t[last] - 1) Object.values(way).forEach((list) => (list.length = 0)); // another run
+      if (time < way.t[last] - 1) Object.values(way).forEach((list) => (list.length = 0)); // the time went back: another run
       else if (time - way.t[last] < kLeast_s || Math.hypot(x - way.x[last], y - way.y[last], z - way.z[last]) < kLeast_m) return;
     }
     way.t.push(time);
@@ -44,15 +44,15 @@ export class Trails {
     if (way.t.length > kPointsMax) Object.values(way).forEach((list) => list.splice(0, kPointsMax / 10));
   }
 
-  /** The way of the last `length_s` until `now`. */
+  /** Returns the points of the path between `now` − `length_s` and `now`. */
   points(body, now, length_s) {
     const way = this.ways.get(body);
     const [from, to] = [after(way.t, now - length_s), after(way.t, now)];
     return Array.from({ length: to - from }, (_, i) => ({ x: way.x[from + i], y: way.y[from + i], z: way.z[from + i] }));
   }
 
-  /** How fast a body moves at `now` [m/s], by its way of the last second; null where that is not known. A way has
-      no more points while its body stands. */
+  /** Returns the speed of a body at `now` [m/s], from its path of the last kSpeed_s; null if unknown. A path gets no points
+      while its body is stationary, so a path without recent points gives 0. */
   speed(body, now) {
     const way = this.ways.get(body);
     if (!way || this.seen.get(body) < now - kGone_s) return null;
@@ -67,7 +67,7 @@ export class Trails {
   }
 }
 
-/** A trail as an entity of a scene. */
+/** Returns a trail as an entity of a scene. */
 export function trail_entity(body, points, color) {
   return {
     id: `track/${body}`, frame_id: "world", metadata: [], texts: [], cubes: [], spheres: [], cylinders: [], triangles: [],

@@ -1,20 +1,21 @@
-// Pictures of a canvas become a video, each at its instant, however long it took to draw it.
+// Video of pictures of a canvas. The time of each picture is given, so drawing it may take any time.
 
 import { webm } from "./webm.js";
 
-const kKeyPeriod_s = 2; // pictures that need no other: where a player can go to
-const kWaiting = 8; // pictures that the encoder may lag behind
+const kKeyPeriod_s = 2; // between key frames, to which a player can seek
+const kWaiting = 8; // most pictures that wait for the encoder
 const kBitsAPixel = 0.14;
 const kCodecs = [["vp09.00.40.08", "V_VP9"], ["vp8", "V_VP8"]];
 
-/** Why there can be no video here; null where it can. */
+/** Returns why this browser cannot encode videos here; null if it can. */
 export const why_no_video = () =>
   typeof VideoEncoder !== "undefined" ? null
     : window.isSecureContext ? "this browser has no video encoder (WebCodecs)"
       : "browsers encode video for pages of this machine or of https only";
 
 export class Video {
-  /** @param width, height even numbers of pixels @param fps at most */
+  /** Opens an encoder. @param width, height even, pixels @param fps largest number of pictures per second
+      @throws Error if the browser cannot encode */
   static async open(width, height, fps) {
     const why_not = why_no_video();
     if (why_not) throw new Error(why_not);
@@ -41,7 +42,7 @@ export class Video {
     this.encoder.configure(config);
   }
 
-  /** @param since_s of this picture, since the first one */
+  /** Adds a picture. @param since_s s since the first picture */
   async add(canvas, since_s) {
     if (this.failure) throw this.failure;
     const picture = new VideoFrame(canvas, { timestamp: Math.round(1e6 * since_s), alpha: "discard" });
@@ -53,7 +54,7 @@ export class Video {
     while (this.encoder.encodeQueueSize > kWaiting) await new Promise((resolve) => setTimeout(resolve, 2));
   }
 
-  /** The video as bytes. */
+  /** Ends the encoder and returns the bytes of the WebM file. */
   async end() {
     await this.encoder.flush();
     this.encoder.close();

@@ -1,5 +1,5 @@
-// A WebM file of encoded pictures, which can be sought in: it says how long it is, and where each
-// picture is that needs no other one. Pure: numbers and bytes in, bytes out.
+// Writer of a WebM file of encoded pictures. Players can seek in it: it contains its length and an index of the key frames.
+// Pure: numbers and bytes in, bytes out.
 // Source: RFC 8794 (EBML), RFC 9559 (Matroska), of which WebM is a part.
 
 const kClock_ns = 1_000_000; // all times are in milliseconds
@@ -7,7 +7,7 @@ const kClock_ns = 1_000_000; // all times are in milliseconds
 const bytes_of = (hex) => Uint8Array.from(hex.match(/../g), (pair) => parseInt(pair, 16));
 const text = (words) => new TextEncoder().encode(words);
 
-/** An unsigned integer in `width` bytes, big-endian. */
+/** Encodes an unsigned integer in `width` bytes, big-endian. */
 function unsigned(value, width = 8) {
   const out = new Uint8Array(width);
   for (let i = width - 1, left = value; i >= 0; i -= 1, left = Math.floor(left / 256)) out[i] = left % 256;
@@ -26,7 +26,7 @@ function joined(parts) {
   return out;
 }
 
-/** Identifier, length in eight bytes, and what is in it. */
+/** Encodes an EBML element: identifier, length in eight bytes, content. */
 function element(id, ...parts) {
   const body = joined(parts);
   const length = unsigned(body.length);
@@ -53,7 +53,7 @@ function tracks({ codec, width, height, fps }) {
     element("e0", element("b0", unsigned(width, 2)), element("ba", unsigned(height, 2)))));
 }
 
-/** Pictures from one that needs no other up to the next such. */
+/** Groups pictures: each group begins with a key frame. */
 function clusters_of(pictures) {
   const clusters = [];
   for (const picture of pictures) {
@@ -71,16 +71,16 @@ function cluster(pictures) {
       element("a3", Uint8Array.of(0x81), unsigned(at_ms - from_ms, 2), Uint8Array.of(is_key ? 0x80 : 0), data)));
 }
 
-/** Where each cluster begins; as long whatever the numbers are. */
+/** Encodes the index of the clusters. Its length does not depend on the offsets. */
 function cues(places) {
   return element("1c53bb6b", ...places.map(({ at_ms, offset }) =>
     element("bb", element("b3", unsigned(at_ms)), element("b7", element("f7", unsigned(1, 1)), element("f1", unsigned(offset))))));
 }
 
-/** The whole file.
+/** Returns the bytes of the whole file.
     @param track {codec: "V_VP8" or "V_VP9", width, height, fps}
-    @param pictures {at_ms, is_key, data}, in order, whole milliseconds, the first one a key, keys at most 32 s apart
-    @param length_ms of all */
+    @param pictures {at_ms, is_key, data}, in order, whole milliseconds, the first one a key frame, key frames at most 32 s apart
+    @param length_ms length of the video */
 export function webm(track, pictures, length_ms) {
   const groups = clusters_of(pictures);
   const made = groups.map(cluster);

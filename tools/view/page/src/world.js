@@ -1,4 +1,4 @@
-// The world on the screen: one scene, seen from above and in perspective.
+// The world on the screen: one scene with a plan view from above and a perspective view.
 
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
@@ -11,13 +11,13 @@ import { draw_caption, draw_measure, draw_ring, draw_scale, fit_perspective, gri
 import { glyph_of, glyph_scale, pixels_a_metre, set_memory } from "./shapes.js";
 
 const kWorld = "world";
-const kGrid = "/grid-lines"; // the page's own, among the topics
-const kRoom = { left: 44, right: 20, top: 30, bottom: 58 }; // kept free around the world, for numbers and, below, the scale bar
-/** Names of what is more important are placed first. */
+const kGrid = "/grid-lines"; // made by the page, treated as a topic
+const kRoom = { left: 44, right: 20, top: 30, bottom: 58 }; // pixels kept free around the world for numbers and the scale bar
+/** Labels of topics with lower ranks are placed first. */
 const kRanks = { "/robots": 0, "/targets": 1, "/estimates": 2 };
 
-/** Whether the graphics draw faster than we paint: not those of a virtual machine or a remote desktop,
-    which a processor draws, and not none. */
+/** True if WebGL is drawn by a GPU. WebGL drawn by the processor, as in a virtual machine or a remote desktop, is slower
+    than painting on a canvas. */
 function has_graphics() {
   const gl = document.createElement("canvas").getContext("webgl2");
   const names = gl?.getExtension("WEBGL_debug_renderer_info");
@@ -27,19 +27,20 @@ function has_graphics() {
 }
 
 export class World {
-  /** @param is_flat painted and not drawn by the graphics; null: whatever is faster here */
+  /** @param on_pick called with the id of a clicked entity, or null
+      @param is_flat true: paint on a 2-D canvas; false: draw with WebGL; null: the faster one here */
   constructor(stage, on_pick, is_flat) {
     this.stage = stage;
     this.is_flat = is_flat ?? !has_graphics();
     stage.dataset.drawn = this.is_flat ? "flat" : "gl";
-    // A painted picture is on the canvas of the names, which the graphics should not touch.
+    // A painted picture is on the canvas of the labels, which should not be kept in the memory of a GPU.
     this.names = new Names(document.getElementById("names"), { willReadFrequently: this.is_flat });
     this.picture = this.is_flat ? new FlatPicture() : new GlPicture(document.getElementById("world"));
     this.fixed = { matrix: new THREE.Matrix4(), is_placed: true, is_fixed: true };
-    this.frames = new Map(); // by id: {matrix, is_placed, is_fixed}
+    this.frames = new Map(); // {matrix, is_placed, is_fixed} by id
     this.layers = new Map(); // topic → Map(id → {frame, entity} or {frame, grid})
-    this.changed = new Set(); // topics that the picture does not yet show as they are
-    this.passing = new Set(); // {topic, id, item, until} of what is shown for a while only
+    this.changed = new Set(); // topics to update in the picture
+    this.passing = new Set(); // {topic, id, item, until} of items with a lifetime
     this.view = "both";
     this.bounds = { min_m: [-5, -5], max_m: [5, 5], ceiling_m: 3 };
     this.selected = null; // id of an entity
@@ -72,12 +73,12 @@ export class World {
     this.fit();
   }
 
-  /** Whether what is on the screen is not what there is. */
+  /** True if a view must be drawn again. */
   is_stale() {
     return this.eyes().some((eye) => eye.is_stale);
   }
 
-  /** All is to be drawn anew. */
+  /** Requests both views to be drawn again. */
   set_stale() {
     this.plan.is_stale = this.space.is_stale = true;
   }
@@ -132,7 +133,7 @@ export class World {
     for (const entity of scene.entities) {
       const item = { frame: this.frame(entity.frame_id), entity };
       this.put(topic, entity.id, item);
-      const lifetime_s = seconds(entity.lifetime); // 0: for ever
+      const lifetime_s = seconds(entity.lifetime); // 0: unlimited
       if (lifetime_s > 0) {
         this.passing.add({ topic, id: entity.id, item, until: seconds(entity.timestamp) + lifetime_s });
       }
@@ -140,13 +141,13 @@ export class World {
     this.set_stale();
   }
 
-  /** Takes off what was to be shown until `now` [s since the epoch] at most. */
+  /** Removes items whose lifetime has ended at `now` [s since the epoch]. */
   expire(now) {
     for (const passing of this.passing) {
       if (now < passing.until) continue;
       this.passing.delete(passing);
       const { topic, id, item } = passing;
-      if (this.layers.get(topic)?.get(id) !== item) continue; // another one took its place
+      if (this.layers.get(topic)?.get(id) !== item) continue; // it was replaced
       this.remove(topic, id);
       this.set_stale();
     }
@@ -157,14 +158,14 @@ export class World {
     this.set_stale();
   }
 
-  /** Takes a topic off the screen. */
+  /** Removes all items of a topic. */
   clear(topic) {
     this.layers.delete(topic);
     this.changed.add(topic);
     this.set_stale();
   }
 
-  /** Takes everything off. */
+  /** Removes all items and frames. */
   clear_all() {
     [...this.layers.keys()].forEach((topic) => this.clear(topic));
     this.spacing = null;
@@ -172,7 +173,7 @@ export class World {
     this.passing.clear();
   }
 
-  /** @returns whether the world is another than before */
+  /** Sets the bounds of the world. @returns true if they have changed */
   set_bounds(scenario) {
     set_memory(scenario.grid_memory_s);
     const bounds = { ...scenario.bounds, ceiling_m: scenario.ceiling_m };
@@ -183,7 +184,7 @@ export class World {
     return true;
   }
 
-  /** The whole world in view, as large as the areas let it be. */
+  /** Moves the cameras so that the whole world is visible as large as possible. */
   fit() {
     this.followed = null;
     const { min_m, max_m } = this.bounds;
@@ -213,13 +214,13 @@ export class World {
     this.on_view?.();
   }
 
-  /** Keeps the whole world in view where nobody has turned away from it. */
+  /** Keeps the whole world in view unless the user has moved a camera. */
   on_resize() {
     if (this.is_fitted) this.fit();
     else this.resize();
   }
 
-  /** @param half_height of what the plan shows [m] */
+  /** Sets the camera of the plan. @param half_height half the height of the visible area [m] */
   look_at_plan(x, y, half_height) {
     this.plan.half_height = half_height;
     this.plan.camera.zoom = 1;
@@ -228,7 +229,7 @@ export class World {
     this.plan.controls.update();
   }
 
-  /** Where the eyes are, as numbers for view_from(). */
+  /** Returns the positions of both cameras as numbers for view_from(). */
   cameras() {
     const { camera, controls } = this.space;
     return [
@@ -246,7 +247,7 @@ export class World {
     this.set_stale();
   }
 
-  /** Moves the eyes with what they follow. */
+  /** Moves the cameras with the followed thing. */
   keep_up() {
     const at = this.followed && this.place_of(this.followed);
     if (!at) return;
@@ -259,7 +260,7 @@ export class World {
     }
   }
 
-  /** Where an entity is, or the middle of the team; null where that is not known. */
+  /** Returns the position of an entity, or the mean position of the team for "team"; null if unknown. */
   place_of(id) {
     if (id !== "team") return this.find(id)?.position ?? null;
     const placed = [...(this.layers.get("/robots")?.values() ?? [])].filter(({ frame }) => frame.is_placed);
@@ -279,7 +280,7 @@ export class World {
     this.set_stale();
   }
 
-  /** Colours of another ground: all is made anew. */
+  /** Makes everything again after a change of the background. */
   repaint() {
     [...this.layers.keys()].forEach((topic) => this.changed.add(topic));
     this.names.forget();
@@ -293,7 +294,7 @@ export class World {
       const box = eye.area.getBoundingClientRect();
       const x = Math.round(box.left - stage.left - this.stage.clientLeft);
       const y = Math.round(box.top - stage.top - this.stage.clientTop);
-      eye.at = { x, y, width: Math.round(box.width), height: Math.round(box.height) }; // on the stage
+      eye.at = { x, y, width: Math.round(box.width), height: Math.round(box.height) }; // pixels on the stage
     }
     const ratio = this.is_flat ? 1 : Math.min(window.devicePixelRatio, 2);
     this.picture.resize(width, height, ratio);
@@ -301,12 +302,12 @@ export class World {
     this.set_stale();
   }
 
-  /** Pixels a metre in the plan. */
+  /** Returns the pixels per metre of the plan. */
   plan_scale() {
     return (this.plan.at.height / 2 / this.plan.half_height) * this.plan.camera.zoom;
   }
 
-  /** The grid has lines as far apart as the plan's scale asks for; without a plan, the 3-D view's. */
+  /** Makes the grid again if the scale of the plan needs another spacing; without a plan, that of the 3-D view. */
   update_grid_lines() {
     const pixels_a_m = this.view === "space" ? pixels_a_metre(this.space.camera, this.space.at.height, { matrix: new THREE.Matrix4().setPosition(this.space.controls.target) }) : this.plan_scale();
     const spacing = this.has_grid && pixels_a_m > 0 && Number.isFinite(pixels_a_m) ? spacing_of(pixels_a_m) : null;
@@ -352,7 +353,7 @@ export class World {
     camera.updateMatrixWorld();
   }
 
-  /** What lies over the world: numbers, scale, names, what is selected and measured. */
+  /** Draws over the world: numbers, scale, labels, selection and measured distance. */
   draw_over(eye, pen) {
     const { camera, at } = eye;
     const is_plan = eye === this.plan;
@@ -384,7 +385,7 @@ export class World {
         if (!frame.is_placed || !entity) continue;
         entity.texts.forEach((text, i) => {
           origin.copy(text.pose.position);
-          if (entity.frame_id !== kWorld) origin.set(0, 0, 0); // beside the body
+          if (entity.frame_id !== kWorld) origin.set(0, 0, 0); // the label is placed next to the body
           origin.applyMatrix4(frame.matrix);
           const spot = project(origin.x, origin.y, origin.z);
           if (!spot) return;
@@ -432,7 +433,7 @@ export class World {
     this.set_stale();
   }
 
-  /** The place on the ground under the pointer, or of the thing that it points at; null: the sky. */
+  /** Returns [x, y] of the ground under the pointer, or of a thing under it; null: the sky. */
   ground_at(eye, event) {
     const id = this.pick(eye, event, 12);
     if (id) {
@@ -449,7 +450,7 @@ export class World {
     return [from.x + share * (to.x - from.x), from.y + share * (to.y - from.y)];
   }
 
-  /** The nearest named entity within a fingertip of a click, or null. */
+  /** Returns the id of the nearest entity with metadata within `within_px` of a click; null if there is none. */
   pick(eye, event, within_px = 28) {
     const box = eye.area.getBoundingClientRect();
     const point = new THREE.Vector3();
@@ -471,7 +472,7 @@ export class World {
     return best;
   }
 
-  /** A scene entity as it came last, and where its frame is now. */
+  /** Returns the newest entity with an id and its present position; null if there is none. */
   find(id) {
     for (const layer of this.layers.values()) {
       if (layer.has(id)) {
@@ -485,7 +486,7 @@ export class World {
     return null;
   }
 
-  /** Where an entity is in the window, as the plan shows it. */
+  /** Returns the position of an entity in the plan, in pixels of the window; null if there is none. */
   pixel(id) {
     const found = this.find(id);
     if (!found) return null;
@@ -498,7 +499,7 @@ export class World {
     return [...this.layers].reduce((sum, [topic, layer]) => sum + (topic === kGrid ? 0 : layer.size), 0);
   }
 
-  /** The entities of a topic. */
+  /** Returns the entities of a topic. */
   shown(topic) {
     return [...(this.layers.get(topic)?.values() ?? [])].map(({ entity }) => entity);
   }
@@ -508,7 +509,7 @@ export class World {
   }
 }
 
-/** Where an entity of the world frame is: the mean of its first line; of others their origin. */
+/** Returns the centre of an entity in its frame: the mean of its first line in the world frame, the origin in other frames. */
 function centre_of(entity) {
   const points = entity.frame_id === kWorld ? (entity.lines[0]?.points ?? []) : [];
   const centre = new THREE.Vector3();
