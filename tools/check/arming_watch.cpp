@@ -13,7 +13,7 @@
 namespace vantage::tools {
 namespace {
 
-/// What a reason of bus::auth means to who has to mend it.
+/// Returns the explanation of a refusal reason of bus::auth for the user who must fix it.
 const char* explain(std::string_view reason) {
   constexpr std::array<std::pair<std::string_view, const char*>, 12> kWords{{
       {"unsigned", "not signed: its sender runs without security, or is a stranger"},
@@ -38,7 +38,7 @@ const char* explain(std::string_view reason) {
 
 ArmingWatch::ArmingWatch(bus::Bus& bus, const scenario::Scenario& scenario)
     : bus_(bus), scenario_(scenario) {
-  // Heard so that what does not decode is counted.
+  // Subscribes so that messages that cannot be decoded are counted.
   bus.subscribe<models::RobotPlan>(bus::plan_channel("*"), [](const models::RobotPlan&) {});
   bus.subscribe<models::ScenarioNotice>(bus::kScenario, [](const models::ScenarioNotice&) {});
   bus.subscribe<models::VehicleStatus>(bus::vehicle_channel("*"),
@@ -64,7 +64,8 @@ ArmingWatch::ArmingWatch(bus::Bus& bus, const scenario::Scenario& scenario)
       bus::health_channel("*"), [this](const models::ProcessHealth& health) { on_health(health); });
 }
 
-// Counts are since each process's start: what it refused before this watch began is no news.
+// Counters begin at the start of each process, so the first value is stored and only the growth is
+// reported.
 void ArmingWatch::on_health(const models::ProcessHealth& health) {
   if (!processes_.contains(health.process) && processes_.size() >= kProcessesMax) {
     return;

@@ -13,10 +13,12 @@
 
 namespace vantage::tools {
 
-/// Listens to a running system and says what keeps each vehicle from being armed: bodies that mocap
-/// does not show, drivers that are silent, an operator who is missing, messages of another version
-/// of the message types, messages that processes refuse meanwhile for their signatures, and what
-/// each driver gives as its reasons.
+/// Monitor of a running system that reports why vehicles cannot be armed:
+/// - bodies without mocap poses, and drivers without statuses;
+/// - a missing heartbeat of an operator;
+/// - messages of another version of the message types;
+/// - messages that processes refuse because of their signatures;
+/// - the reasons that each driver reports.
 class ArmingWatch {
  public:
   /// `bus` and `scenario` must outlive it.
@@ -27,17 +29,17 @@ class ArmingWatch {
   ArmingWatch& operator=(ArmingWatch&&) = delete;
   ~ArmingWatch() = default;
 
-  /// One line for each obstacle to arming, from what was heard so far; empty: all may be armed.
+  /// Returns one line per reason, from the messages received so far; empty: all may be armed.
   [[nodiscard]] std::vector<std::string> blocks() const;
 
  private:
-  /// What one counter of one process said first and last.
+  /// First and last value of one counter of one process.
   struct Growth {
     std::int64_t first = 0;
     std::int64_t last = 0;
   };
   static constexpr std::size_t kProcessesMax = 1024;
-  static constexpr std::size_t kRefusalsMax = 256;  ///< of one process
+  static constexpr std::size_t kRefusalsMax = 256;  ///< counters per process
   void on_health(const models::ProcessHealth& health);
   void append_refusals(std::vector<std::string>& out) const;
 
@@ -47,7 +49,7 @@ class ArmingWatch {
   std::map<std::string, int> frames_with_;  ///< frames that show the body unoccluded
   int frames_ = 0;
   int heartbeats_ = 0;
-  std::map<std::string, bool> processes_;                          ///< heard once already
+  std::map<std::string, bool> processes_;                          ///< true once received
   std::map<std::string, std::map<std::string, Growth>> refusals_;  ///< by process and counter
 };
 

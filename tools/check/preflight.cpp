@@ -94,7 +94,8 @@ void check_robots(const Scenario& scenario, std::vector<std::string>& faults) {
   }
 }
 
-// What the vehicle's own flight safety would refuse or stop in flight.
+// Finds settings that the vehicle's flight safety would refuse, or that would make it stop a
+// flight.
 void check_safety(const Scenario& scenario, std::vector<std::string>& faults) {
   for (const scenario::RobotSpec& robot : scenario.robots) {
     if (scenario.planner.separation_m <= 2.0 * robot.limits.radius_m) {
@@ -129,7 +130,7 @@ void check_safety(const Scenario& scenario, std::vector<std::string>& faults) {
   }
 }
 
-// "line 12: …", as the reader of the file would say it.
+// Prefixes the line of a key in the file: "line 12: …", as the reader of the file does.
 std::string at_line(const Scenario& scenario, const std::string& key, const std::string& words) {
   const int line =
       scenario.source_text.empty() ? 0 : scenario::line_of_key(scenario.source_text, key);
@@ -148,7 +149,7 @@ void check_network(const Scenario& scenario, std::vector<std::string>& faults) {
   }
 }
 
-// The simulator would not begin.
+// Finds scenarios for which the simulator could not place its targets.
 void check_free_ground(const Scenario& scenario, std::vector<std::string>& faults) {
   try {
     static_cast<void>(sim::target_starts(scenario, scenario.seed));
@@ -190,13 +191,14 @@ double speed_max_mps(const scenario::RobotSpec& robot) {
   return out;
 }
 
-// What is planned is checked with lost_way_m less the autopilot's own time-out.
+// Notes a separation or margin that is too small if a driver dies. Plans are checked with
+// stopping_way_m(), which is lost_way_m() without the autopilot's own time-out.
 void note_lost_way(const Scenario& scenario, std::vector<std::string>& notes) {
   struct Lost {
     const scenario::RobotSpec* robot = nullptr;
     double speed_mps = 0.0;
-    double way_m = 0.0;     ///< until it stands
-    double beyond_m = 0.0;  ///< of it, what was not checked
+    double way_m = 0.0;     ///< m; distance until the vehicle hovers
+    double beyond_m = 0.0;  ///< m; part of it beyond the checked path
   };
   Lost worst;
   double radius_m = 0.0;
@@ -209,7 +211,7 @@ void note_lost_way(const Scenario& scenario, std::vector<std::string>& notes) {
     try {
       limits = drivers::limits_for(scenario, robot.name);
     } catch (const UsageError&) {
-      continue;  // a fault already
+      continue;  // check_safety() reports it
     }
     const double speed_mps = speed_max_mps(robot);
     const double way_m = drivers::lost_way_m(limits, speed_mps);
@@ -248,8 +250,8 @@ void note_lost_way(const Scenario& scenario, std::vector<std::string>& notes) {
   }
 }
 
-// A vehicle cannot change its course at once: it begins to before the plan does (drivers'
-// Course), and does not know then what a plan says that comes later.
+// A vehicle cannot change its speed at once, so it begins before its plan does (drivers::Course). A
+// plan that is published after that is not considered in time.
 void note_late_plans(const Scenario& scenario, std::vector<std::string>& notes) {
   double early_s = 0.0;
   for (const scenario::RobotSpec& robot : scenario.robots) {
@@ -279,8 +281,8 @@ void note_wind(const Scenario& scenario, std::vector<std::string>& notes) {
   }
 }
 
-// Each look that finds a target where it was not believed makes such a belief surer, not wider:
-// after twenty seconds it may be a thousand million times surer than it is right.
+// With a static target model each measurement shrinks the covariance, also if it contradicts the
+// belief: after 20 s the belief may be 10⁹ times too confident.
 void note_targets_that_drive(const Scenario& scenario, std::vector<std::string>& notes) {
   const models::TargetModel& believed = scenario.estimator.target_model;
   const bool is_believed_to_stand =

@@ -9,39 +9,44 @@
 
 namespace vantage::tools {
 
-/// What a look at a scenario before flying found.
+/// Result of checking a scenario before a flight.
 struct Preflight {
-  std::vector<std::string> understood;  ///< the trial in a few lines
-  std::vector<std::string> faults;      ///< why it must not fly
-  std::vector<std::string> notes;       ///< what it does not budget or use, and what to change
+  std::vector<std::string> understood;  ///< summary of the trial
+  std::vector<std::string> faults;      ///< reasons why it must not fly
+  std::vector<std::string> notes;       ///< risks and unused settings, with remedies
   [[nodiscard]] bool is_ready() const { return faults.empty(); }
 };
 
-/// Checks what a reader of the file alone cannot: every robot's start is clear of obstacles and
-/// walls by its radius and the planner's margin, can be stopped at, no two starts are nearer than
-/// the separation, stated targets start on free ground, drawn ones find some (by the scenario's own
-/// seed), the network's address is multicast, the slots fit into the round; and flight
-/// safety has limits that it can keep and refuses none of the robots' primitives. Noted is a
-/// separation or a margin that a driver which dies in motion would use up (lost_way_m), and a wind
-/// that nothing feels.
-///
-/// The least that a driver's death needs, so that its vehicle touches nothing: what it flies on
-/// when set-points stop, beyond the way that was checked, and kLossSpareM for how well it is
-/// followed.
+/// m; spare distance for tracking errors when a driver dies. The obstacle margin that then prevents
+/// a contact is this plus the distance flown without set-points beyond the checked path. The
+/// separation must be two radii larger.
 inline constexpr double kLossSpareM = 0.1;
 
+/// Checks what the reader of the file does not check. Faults:
+/// - a robot's start is closer to obstacles or walls than its radius plus the planner's margin, or
+///   two starts are closer than the separation;
+/// - a given target start is not free, or no free starts are found for drawn targets (with the
+///   scenario's seed);
+/// - the network's URL is invalid, or its address is not multicast;
+/// - the slots do not fit into the round, or more steps are executed than planned;
+/// - flight safety has no valid limits for a robot or refuses one of its primitives;
+/// - the combination of devices has a fault.
+///
+/// Notes: a separation or margin that is too small if a driver dies in motion (lost_way_m), plans
+/// that are published too late, wind without effect, and moving targets that are modelled as
+/// static.
 Preflight check_preflight(const scenario::Scenario& scenario);
 
-/// What one robot's planner holds at most, measured: fifty in one process took 5.7 GB.
+/// Bytes; most memory of one robot's planner. Measured: 50 in one process took 5.7 GB.
 inline constexpr double kPlannerBytes = 120e6;
 struct MemoryRoom {
   bool is_enough = true;
   std::string words;
 };
-/// Whether the planners of the host that has most of them find room, in a sentence.
+/// Compares the free memory with the need of the planners on the host that has most of them.
 MemoryRoom room_for_planners(const scenario::Scenario& scenario,
                              std::optional<std::uint64_t> free_bytes);
-/// What this machine can still give out; nullopt when it does not say.
+/// Returns the available memory of this machine in bytes; nullopt if unknown.
 std::optional<std::uint64_t> free_memory_bytes();
 
 }  // namespace vantage::tools

@@ -9,7 +9,8 @@
 namespace vantage::tools {
 namespace {
 
-// Whatever the scenario says of arming, who asks for the parameters wants to know them.
+// Returns the robot's autopilot with the policy to verify parameters, independent of the scenario's
+// policy.
 scenario::AutopilotSpec spec_of(const scenario::RobotSpec& robot) {
   require(robot.autopilot.has_value(), "vehicle check: robot " + robot.name + " has no autopilot");
   scenario::AutopilotSpec out = *robot.autopilot;

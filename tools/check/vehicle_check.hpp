@@ -10,14 +10,15 @@
 
 namespace vantage::tools {
 
-/// A vehicle's autopilot looked at without flying it: its parameters read back, and mended when
-/// told to. Bytes in, bytes out; handed time. It never arms, and sets nothing on an armed vehicle.
+/// Check of a vehicle's autopilot without flying it: reads its parameters, and corrects them after
+/// load(). Bytes in, bytes out; the caller passes the time. It never arms, and writes nothing to an
+/// armed vehicle.
 class VehicleCheck {
  public:
-  /// How long it waits for an autopilot to be heard.
+  /// Longest wait for the first message of an autopilot.
   static constexpr Duration kHeardWithin = std::chrono::seconds(10);
 
-  /// @throws UsageError for a robot without an autopilot.
+  /// @throws UsageError if the robot has no autopilot.
   VehicleCheck(const scenario::RobotSpec& robot,
                const std::optional<wire::mavlink::SigningKey>& key, Time now);
 
@@ -28,16 +29,16 @@ class VehicleCheck {
   void tick(Time now) { link_.tick(now); }
   std::vector<drivers::WireMessage> take_output() { return link_.take_output(); }
 
-  /// Has every parameter that breaks its rule set; what is there to be set is read then.
+  /// Writes each parameter that violates its rule, and reads it back.
   void load();
 
-  /// Everything is read, or will not be.
+  /// True if all parameters are read, or cannot be read (armed, or no answer).
   [[nodiscard]] bool is_done(Time now) const;
-  /// Why it cannot be read, in words; nullopt when it can.
+  /// Returns why the parameters are not read; nullopt if they are.
   [[nodiscard]] std::optional<std::string> fault(Time now) const;
-  /// Those whose rule is broken, by the order of the rules.
+  /// Returns the parameters that violate their rules, in the order of the rules.
   [[nodiscard]] std::vector<drivers::ParameterCheck::Entry> differences() const;
-  /// Nothing that differs forbids a flight.
+  /// True if the parameters are read and none of the differences forbids a flight.
   [[nodiscard]] bool is_ready(Time now) const {
     return !fault(now) && link_.parameters().is_kept();
   }
@@ -53,10 +54,10 @@ class VehicleCheck {
   Time started_;
 };
 
-/// The robots of a scenario that have an autopilot at the end of a wire.
+/// Returns the robots of a scenario that have an autopilot with a URL and are not `direct`.
 std::vector<const scenario::RobotSpec*> robots_with_autopilot(const scenario::Scenario& scenario);
 
-/// What was found, a line each: the differences as a table, or that there is none.
+/// Returns the result as lines: a table of the differences, a fault, or that all is correct.
 std::vector<std::string> describe(const VehicleCheck& vehicle, Time now);
 
 }  // namespace vantage::tools

@@ -34,7 +34,7 @@ CLI::Validator number_that(const std::string& what, Rule holds) {
       "NUMBER");
 }
 
-// The command that `words` choose, and what is left of them.
+// Returns the command that `words` choose; `used`: the number of words that name it.
 const CLI::App* chosen_command(const CLI::App& root, const std::vector<std::string>& words,
                                std::size_t& used) {
   const CLI::App* app = &root;

@@ -4,7 +4,7 @@
 
 namespace vantage::tools {
 
-/// What the chosen subcommand does; its exit code.
+/// Action of the chosen subcommand; returns the exit code.
 using Runner = std::function<int()>;
 
 }  // namespace vantage::tools

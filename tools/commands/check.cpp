@@ -37,7 +37,7 @@ struct CheckArguments {
   VehicleCheckOptions vehicles;
 };
 
-/// Appends what the running system itself reports against arming. `authenticator`: nullptr without
+/// Appends the reports of the running system that prevent arming. `authenticator`: nullptr without
 /// security.
 void listen(const scenario::Scenario& scenario, double listen_s,
             std::unique_ptr<bus::auth::Authenticator> authenticator,

@@ -21,7 +21,7 @@ namespace vantage::tools {
 namespace {
 
 constexpr auto kPause = std::chrono::milliseconds(5);
-constexpr int kReadsMax = 64;  // of one vehicle in a row
+constexpr int kReadsMax = 64;  // consecutive reads per vehicle
 
 struct Vehicle {
   std::unique_ptr<drivers::Port> port;
@@ -64,7 +64,7 @@ std::vector<Vehicle> open(const scenario::Scenario& scenario, const std::string&
   return out;
 }
 
-/// Until every vehicle is read or will not be.
+/// Runs the checks until each vehicle's parameters are read or have failed, or until Ctrl-C.
 void converse(std::vector<Vehicle>& vehicles, const bus::Clock& clock, bool shows_progress) {
   Screen screen;
   bool is_done = false;

@@ -10,20 +10,22 @@
 namespace vantage::tools {
 
 struct VehicleCheckOptions {
-  std::string robot;      ///< this one alone; empty: all
-  bool is_load = false;   ///< write what differs
-  bool is_sure = false;   ///< without asking
-  bool is_quiet = false;  ///< nothing on standard output
+  std::string robot;      ///< only robot to check; empty: all
+  bool is_load = false;   ///< write parameters that differ
+  bool is_sure = false;   ///< write without confirmation
+  bool is_quiet = false;  ///< print nothing on standard output
 };
 
 struct VehicleReport {
-  nlohmann::ordered_json vehicles;  ///< an object each
+  nlohmann::ordered_json vehicles;  ///< one object per vehicle
   bool is_ready = false;
 };
 
-/// Asks the autopilots of a scenario for their parameters, says what differs and, when told to,
-/// writes it and reads it back. Nothing is armed, and nothing written to an armed vehicle.
-/// @throws StartupError for a port that cannot be opened, no such robot, or nobody to confirm.
+/// Reads the parameters of a scenario's autopilots and reports those that differ from the rules.
+/// With `is_load` it writes those and reads them back. It arms no vehicle, and writes nothing to an
+/// armed one.
+/// @throws StartupError if a port cannot be opened, the robot does not exist, or confirmation is
+///   needed without a terminal.
 VehicleReport check_vehicles(const scenario::Scenario& scenario,
                              const VehicleCheckOptions& options);
 

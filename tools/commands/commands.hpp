@@ -13,7 +13,7 @@
 
 namespace vantage::tools {
 
-// Each adds one subcommand to `root`, which sets `run` when it is chosen.
+// Each of these adds one subcommand to `root`. The subcommand sets `run` when it is chosen.
 void add_trial_command(CLI::App& root, Runner& run);
 void add_demo_command(CLI::App& root, Runner& run);
 void add_up_command(CLI::App& root, Runner& run);
@@ -27,8 +27,8 @@ void add_view_command(CLI::App& root, Runner& run);
 void add_keys_command(CLI::App& root, Runner& run);
 void add_log_command(CLI::App& root, Runner& run);
 
-/// Lets `command` do `run(*arguments)`, whose `scenario` the person may have named as
-/// trial::scenario_path() says.
+/// Makes `command` call `run(*arguments)` after it has resolved arguments->scenario by
+/// trial::scenario_path().
 template <class Arguments>
 void run_on_scenario(CLI::App& command, Runner& chosen, std::shared_ptr<Arguments> arguments,
                      int (*run)(const std::type_identity_t<Arguments>&)) {
@@ -40,14 +40,14 @@ void run_on_scenario(CLI::App& command, Runner& chosen, std::shared_ptr<Argument
   });
 }
 
-/// The scenario as run_on_scenario() takes it, which has to be named.
+/// Adds the required argument `scenario` for run_on_scenario().
 void add_scenario_option(CLI::App& command, std::string& scenario);
-/// --seed, --duration-s, --planner, --communication-range-m and --nodes, shared by all that run a
-/// trial.
+/// Adds --seed, --duration-s, --planner, --communication-range-m and --nodes, which all commands
+/// that run a trial share.
 void add_override_options(CLI::App& command, scenario::Overrides& overrides);
-/// --port and --bind of what is shown in the browser.
+/// Adds the options of the web server: --port, --bind, --host, --origin and --page.
 void add_web_options(CLI::App& command, WebOptions& web);
-/// Prints where to look.
+/// Prints the address of the viewer.
 void announce_view(const WebServer& server, const std::string& what);
 
 }  // namespace vantage::tools

@@ -37,7 +37,7 @@ int copy(const CopyArguments& arguments) {
   return 0;
 }
 
-// Each with the first line of its file, which says what it is.
+// Prints each name with the first line of its file, which describes it.
 int list() {
   for (const std::string& name : trial::config_names()) {
     std::ifstream file(trial::config_path(name));

@@ -14,7 +14,7 @@ namespace vantage::tools {
 namespace {
 
 struct DemoArguments {
-  std::string scenario;  ///< empty: the lab that comes with vantage
+  std::string scenario;  ///< empty: the scenario `lab` that is supplied with vantage
   std::string directory = "demo-out";
   scenario::Overrides overrides;
   bool as_json = false;

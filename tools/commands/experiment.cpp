@@ -34,7 +34,7 @@ struct ExperimentArguments {
   experiments::SlurmOptions slurm;
 };
 
-// "2/8": the second of eight.
+// Parses a shard: "2/8" is the second of eight.
 experiments::Shard shard_of(const std::string& text) {
   experiments::Shard shard;
   char end = '\0';
@@ -45,7 +45,7 @@ experiments::Shard shard_of(const std::string& text) {
   return shard;
 }
 
-// On one line of a terminal, whose text it replaces.
+// Replaces the current line of the terminal, if standard error is one.
 void show_line(const std::string& text) {
   if (::isatty(STDERR_FILENO) == 1) {
     fmt::print(stderr, "\r\033[K{}", text);
@@ -60,7 +60,7 @@ std::string only_text(const ExperimentArguments& arguments) {
   return text;
 }
 
-// Says what is kept and how to go on.
+// Prints which units are kept and the command that continues.
 void tell_stopped(const ExperimentArguments& arguments, const experiments::SweepIdentity& identity,
                   const experiments::SweepProgress& progress) {
   fmt::print(
@@ -92,7 +92,7 @@ int tell(const ExperimentArguments& arguments, const experiments::SweepIdentity&
   return 0;
 }
 
-// Exit code 1: interrupted, or jobs ended without all of their units.
+// Returns the exit code; 1 if interrupted, or if jobs ended without all of their units.
 int run_as_jobs(ExperimentArguments& arguments, const experiments::SweepIdentity& identity,
                 const experiments::Sweep& sweep, const char* what) {
   experiments::SlurmOptions& slurm = arguments.slurm;
@@ -148,7 +148,7 @@ int run(ExperimentArguments arguments) {
   const experiments::SweepIdentity identity{arguments.name, trial::version(), arguments.seed,
                                             arguments.extent.is_smoke,
                                             arguments.extent.planning_share};
-  // A unit may take minutes: those that run are dropped, of which no row is begun.
+  // A unit may take minutes, so running units are dropped. They have written no rows yet.
   arguments.options.progress = [&](const experiments::SweepProgress& progress) {
     show_line(progress.is_stopping ? "" : experiments::progress_text(progress));
     if (progress.is_stopping) {
@@ -163,7 +163,7 @@ int run(ExperimentArguments arguments) {
               experiments::run_sweep(sweep, identity, experiment->what, arguments.options));
 }
 
-// `others` do not go with --slurm.
+// Adds --slurm and its options. `others` cannot be combined with --slurm.
 void add_slurm_options(CLI::App& command, ExperimentArguments& arguments,
                        std::initializer_list<CLI::Option*> others) {
   CLI::Option* slurm = command.add_flag(

@@ -43,7 +43,7 @@ int main(int argc, char** argv) {
       return app.exit(error) == 0 ? 0 : 2;
     }
     const int code = run();
-    // What nobody got is not done: a closed pipe, a full disk.
+    // Output that could not be written (closed pipe, full disk) is a failure.
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
       std::fputs("vantage: standard output: cannot be written\n", stderr);
       return std::max(code, 1);

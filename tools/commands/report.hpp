@@ -12,8 +12,8 @@ namespace vantage::tools {
 void report_summary(const scenario::Scenario& scenario, const logs::TrialSummary& summary,
                     bool as_json);
 
-/// Writes `svg_path` and, beside it, a PNG when rsvg-convert is there; says on stderr when not.
-/// False when one could not be written, which is said, too.
+/// Writes `svg_path` and next to it a PNG if rsvg-convert is installed; otherwise prints a message
+/// on stderr. Returns false, and prints the error, if a file could not be written.
 [[nodiscard]] bool write_pictures(const std::string& svg_path, const scenario::Scenario& scenario,
                                   const logs::Scene& scene, const logs::TrialSummary& summary);
 

@@ -92,7 +92,7 @@ int run(const UpArguments& arguments) {
   options.quiet = arguments.as_json;
   options.live_table = is_terminal() && !options.quiet;
   options.fly = arguments.fly;
-  // Only a duration that was asked for may end a flight.
+  // Flights of vehicles with drivers end after a duration only if the user has given one.
   options.ends_by_duration =
       arguments.overrides.duration_s.has_value() || robots_with_driver(scenario).empty();
   options.beside_others = arguments.beside_others;

@@ -51,7 +51,7 @@ logs::SeekableLog open_seekable(const std::string& path) {
   return logs::SeekableLog(path);
 }
 
-/// Reads all of it, for which one may have to wait.
+/// Completes the first pass over the log and shows the progress.
 void survey(logs::SeekableLog& log) {
   constexpr std::size_t kStepBytes = std::size_t{16} << 20U;
   const EndsAtOnce reading;
@@ -73,7 +73,7 @@ bool has_message(const logs::SeekableLog& log) {
   });
 }
 
-/// There would be nothing to show.
+/// @throws StartupError if the log has no message of a known type, so that nothing can be shown.
 void require_messages(logs::SeekableLog& log, const logs::TypeLibrary& types) {
   if (has_message(log) || (types.size() > 0 && has_message_of(log, types))) {
     return;
@@ -132,7 +132,7 @@ int run(const ViewArguments& arguments) {
   return 0;
 }
 
-/// Of the installed program the page beside it, else that of this build.
+/// Returns the page of the installed program, if there is one, else that of this build.
 std::string page_folder() {
   std::error_code error;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);

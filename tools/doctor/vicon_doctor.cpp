@@ -28,7 +28,7 @@ constexpr int kGreeting_ms = 1500;
 
 using Stop = std::function<bool()>;
 
-/// True once `polled` is ready; false after `timeout_ms`, or when told to stop.
+/// Waits until `polled` is ready. Returns false after `timeout_ms` or if `stop` returns true.
 bool wait_for(pollfd& polled, int timeout_ms, const Stop& stop) {
   constexpr int kSlice_ms = 50;
   for (int left_ms = timeout_ms; left_ms > 0 && !stop(); left_ms -= kSlice_ms) {
@@ -39,7 +39,7 @@ bool wait_for(pollfd& polled, int timeout_ms, const Stop& stop) {
   return false;
 }
 
-/// Who accepts at `port`, and how he begins.
+/// Connects to `port` and identifies the server by its first bytes.
 void probe(sockaddr_in address, ViconPort& port, const Stop& stop) {
   address.sin_port = htons(static_cast<std::uint16_t>(port.port));
   const Descriptor line(socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
@@ -151,7 +151,7 @@ Observation observe(const scenario::MocapSpec& spec, Duration listen, const Stop
 std::vector<ViconPort> examine_vicon(const std::string& host, const std::vector<int>& tcp_ports,
                                      int udp_port, Duration listen, const Stop& stop) {
   const sockaddr_in address = [&host] {
-    const EndsAtOnce looking_up;  // a name server that is silent takes its time
+    const EndsAtOnce looking_up;  // looking up a name may block for a long time
     return require_host(host, 0);
   }();
   std::vector<ViconPort> out;

@@ -15,28 +15,28 @@
 
 namespace vantage::tools {
 
-/// What answers at one TCP port.
+/// Answer of one port.
 enum class Answer {
   kNone,     ///< no answer: wrong host, cable, firewall
-  kRefused,  ///< the host is there, nobody listens
-  kSpeech,   ///< somebody accepts; see ViconPort::speaker
+  kRefused,  ///< the host refuses the connection: no server listens there
+  kSpeech,   ///< the connection is accepted; see ViconPort::speaker
 };
 
 struct ObservedBody {
-  std::int64_t frames = 0;  ///< in which it was listed
-  std::int64_t seen = 0;
+  std::int64_t frames = 0;  ///< frames that list the body
+  std::int64_t seen = 0;    ///< frames in which it is not occluded
   Eigen::Vector3d last_world_m = Eigen::Vector3d::Zero();
-  double rate_hz = 0.0;  ///< of its own reports, where each body has its own; else 0
+  double rate_hz = 0.0;  ///< Hz; rate of the body's reports if each body has its own, else 0
 };
 
-/// What a driver made of a stream.
+/// Result of receiving a stream with the mocap driver.
 struct Observation {
   std::int64_t frames = 0;
   double rate_hz = 0.0;
-  double latency_s = 0.0;  ///< mean of arrival less capture
+  double latency_s = 0.0;  ///< s; mean of arrival time minus capture time
   std::map<std::string, ObservedBody> bodies;
-  std::map<std::string, std::int64_t> troubles;  ///< counters that are not zero
-  std::string status;                            ///< the driver's own word
+  std::map<std::string, std::int64_t> troubles;  ///< error counters that are not zero
+  std::string status;                            ///< status text of the driver
 };
 
 struct ViconPort {
@@ -44,21 +44,21 @@ struct ViconPort {
   int port = 0;
   Answer answer = Answer::kNone;
   wire::vicon::Speaker speaker = wire::vicon::Speaker::kTooFewBytes;
-  std::optional<Observation> observed;  ///< when a mocap protocol is spoken there
+  std::optional<Observation> observed;  ///< nullopt if the port has no mocap protocol
 };
 
-/// Looks who speaks at `host`: at `ports` by TCP, each with the protocol that is usual there, and
-/// what comes to `udp_port`; listens to each stream for `listen`. Takes that long and up to 3 s a
-/// port; told to `stop`, it returns within 0.1 s what it has, the ports that it did not come to
-/// left out. @throws StartupError when no such host is known.
+/// Identifies the mocap servers of `host` at `tcp_ports`, and the object stream that arrives at
+/// `udp_port`. Receives each stream for `listen`. Takes that time and up to 3 s per port. After
+/// `stop` it returns within 0.1 s, without the ports not examined yet.
+/// @throws StartupError if the host is unknown.
 std::vector<ViconPort> examine_vicon(
     const std::string& host, const std::vector<int>& tcp_ports, int udp_port, Duration listen,
     const std::function<bool()>& stop = [] { return false; });
 
-/// The findings in words, then what to do: the scenario's `mocap` when something was found.
+/// Returns the findings as text, then the remedy: the scenario's `mocap` if a server was found.
 std::vector<std::string> describe(const std::string& host, const std::vector<ViconPort>& ports);
 
-/// Some stream has bodies that are seen.
+/// True if a stream has a body that was seen.
 bool is_usable(const std::vector<ViconPort>& ports);
 
 }  // namespace vantage::tools

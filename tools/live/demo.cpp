@@ -52,7 +52,7 @@ void draw(const scenario::Scenario& scenario, const logs::Scene& scene, DemoResu
 
 }  // namespace
 
-// long: sets up, in order, what must outlive what comes after it.
+// long: creates objects in an order in which each outlives the later ones.
 DemoResult run_demo(const scenario::Scenario& scenario,
                     const std::vector<trial::NodeRecipe>& recipes, const DemoOptions& options,
                     const std::function<bool()>& stop) {
@@ -136,7 +136,7 @@ DemoResult run_demo(const scenario::Scenario& scenario,
           own_transport->stats().queue_overflows;
   result.summary = observer.metrics().finish(ended, lost);
   tell();
-  if (!recording.is_good()) {  // a disk that is only slow has lost nothing
+  if (!recording.is_good()) {  // warnings of a slow disk are no failure if nothing is lost
     std::ranges::move(said, std::back_inserter(result.failures));
   }
   draw(scenario, observer.scene(), result);

@@ -13,30 +13,30 @@
 namespace vantage::tools {
 
 struct DemoOptions {
-  std::string directory = "demo-out";  ///< made when absent; log and pictures go there
-  bool live_table = false;             ///< redraw in place; else a line each 5 s
+  std::string directory = "demo-out";  ///< folder for log and pictures, created if missing
+  bool live_table = false;             ///< redraw a table in place; else print a line every 5 s
   bool quiet = false;
-  /// Called with the trial's bus before anything is published on it; what it returns lives until
-  /// the trial is over. For someone to watch.
+  /// Called with the trial's bus before anything is published on it, to attach a viewer. The
+  /// returned object lives until the trial ends.
   std::function<std::shared_ptr<void>(bus::InProcessHub&)> attach;
-  /// Told at once what is lost while it flies on.
+  /// Called at once with warnings of the log while the trial goes on.
   std::function<void(const std::string&)> warn = [](const std::string&) {};
 };
 
 struct DemoResult {
   logs::TrialSummary summary;
   std::string log_path;
-  std::string svg_path;               ///< empty when it could not be written
-  std::string png_path;               ///< empty when it could not be made
-  std::string png_error;              ///< what is missing for it
-  std::vector<std::string> failures;  ///< what nodes threw; what could not be written, and why
+  std::string svg_path;               ///< empty if it could not be written
+  std::string png_path;               ///< empty if it could not be made
+  std::string png_error;              ///< why the PNG could not be made, e.g. a missing program
+  std::vector<std::string> failures;  ///< exceptions of nodes, and files that were not written
 };
 
-/// A trial in real time in this process: each node on a thread and endpoint of its own, everything
-/// recorded. Ends after scenario.duration_s, or at once when `stop` says so or a node fails; what
-/// was sent by then is recorded and summed up all the same. What cannot be written any more is told
-/// and left out; it flies on.
-/// @throws StartupError when a file cannot be begun or a node refuses the scenario.
+/// Runs and records a trial in real time in this process. Each node has its own thread and
+/// transport. Ends after scenario.duration_s, or at once if `stop` returns true or a node fails;
+/// everything sent until then is recorded and summarised. If the log cannot be written, it warns
+/// and the trial goes on.
+/// @throws StartupError if a file cannot be created or a node refuses the scenario.
 DemoResult run_demo(const scenario::Scenario& scenario,
                     const std::vector<trial::NodeRecipe>& recipes, const DemoOptions& options,
                     const std::function<bool()>& stop);

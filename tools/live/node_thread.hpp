@@ -13,8 +13,8 @@
 
 namespace vantage::tools {
 
-/// One node, its bus and its thread. Made and asked by the owner's thread before start() and after
-/// join(); in between everything belongs to the node's thread.
+/// One node with its bus and its thread. The owner's thread may use it before start() and after
+/// join(); in between only the node's thread uses it.
 class NodeThread {
  public:
   NodeThread(bus::InProcessHub& hub, const bus::Clock& clock, const trial::NodeRecipe& recipe);
@@ -24,13 +24,14 @@ class NodeThread {
   NodeThread(NodeThread&&) = delete;
   NodeThread& operator=(NodeThread&&) = delete;
 
-  /// Runs the node until `stop`; `on_failure` is called, on the thread, when it throws.
+  /// Runs the node until `stop` returns true. If the node throws, its thread calls `on_failure`.
   void start(std::function<bool()> stop, std::function<void()> on_failure);
-  /// Precondition: stop() says true by now, or start() was never called.
+  /// Waits for the thread. Precondition: stop() returns true, or start() was never called.
   void join();
-  /// After join(): what the node threw, with its name; empty when it did not.
+  /// Returns, after join(), the node's name and exception; empty if it threw none.
   [[nodiscard]] const std::string& failure() const { return failure_; }
-  /// After join(): gaps heard and messages dropped from a full queue.
+  /// Returns, after join(), the number of lost messages: gaps in the sequence numbers and messages
+  /// dropped from a full queue.
   [[nodiscard]] std::int64_t messages_lost() const;
 
  private:

@@ -38,7 +38,7 @@ bool OutputQueue::flush() {
     } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
       return false;
     } else if (errno != EINTR) {
-      pending_.clear();  // nothing reads it any more
+      pending_.clear();  // the reader has closed its end
       ++dropped_;
     }
   }
@@ -76,7 +76,7 @@ void NonBlockingOutput::open(Stream& stream) {
   if (::fstat(stream.descriptor, &status) != 0 || S_ISREG(status.st_mode)) {
     return;
   }
-  // A new open file description: O_NONBLOCK of the old one is shared with the shell.
+  // Opens a new file description, as O_NONBLOCK of the old one would also affect the shell.
   const std::string path = fmt::format("/proc/self/fd/{}", stream.descriptor);
   const int own = ::open(path.c_str(), O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
   if (own >= 0) {
@@ -91,7 +91,7 @@ void NonBlockingOutput::open(Stream& stream) {
   }
 }
 
-// Where nothing reads to the last, what is open stays non-blocking: the process must end.
+// If the reader never reads, the descriptor stays non-blocking, so that the process can end.
 void NonBlockingOutput::close(Stream& stream) {
   pollfd ready{stream.descriptor, POLLOUT, 0};
   const std::int64_t give_up_ns = monotonic_ns() + kLastPatience_ns;

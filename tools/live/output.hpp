@@ -8,8 +8,8 @@
 
 namespace vantage::tools {
 
-/// Text for a descriptor that may not accept it at once. It never waits: the text is kept up to
-/// kBytesMax, and a text that does not fit is dropped whole and counted.
+/// Queue of text for a descriptor that may not accept it at once. It never waits. It keeps up to
+/// kBytesMax; a text that does not fit is dropped as a whole and counted.
 class OutputQueue {
  public:
   static constexpr std::size_t kBytesMax = 65'536;
@@ -17,9 +17,9 @@ class OutputQueue {
   explicit OutputQueue(int descriptor) : descriptor_(descriptor) {}
 
   void write(std::string_view text);
-  /// Writes what the descriptor accepts now; true when nothing is left.
+  /// Writes what the descriptor accepts now. Returns true if nothing is left.
   bool flush();
-  /// Counts a text that its owner did not hand over because an earlier one is still waiting.
+  /// Counts a text that the caller dropped because an earlier one is still waiting.
   void count_dropped() { ++dropped_; }
   [[nodiscard]] std::int64_t dropped() const { return dropped_; }
 
@@ -29,12 +29,12 @@ class OutputQueue {
   std::int64_t dropped_ = 0;
 };
 
-/// While it lives, no write to standard output or standard error waits, neither of this process nor
-/// of the processes that it starts: a terminal that is stopped (Ctrl-S) or that nothing reads
-/// delays no heartbeat, order or driver. print_line() and Screen then write through OutputQueues.
-/// Terminals and pipes are opened anew for that, so that the shell keeps its own settings; files
-/// stay as they are. At the end it states how many texts were dropped. At most one; made and ended
-/// by the main thread, which alone prints.
+/// Makes standard output and standard error non-blocking while it exists, for this process and the
+/// processes that it starts. So a stopped terminal (Ctrl-S) or a missing reader does not delay
+/// heartbeats, orders or drivers. print_line() and Screen then write through OutputQueues.
+/// Terminals and pipes are opened again for that, so that the shell keeps its settings; files stay
+/// unchanged. The destructor prints the number of dropped texts. At most one may exist. Only the
+/// main thread may create and destroy it and print.
 class NonBlockingOutput {
  public:
   NonBlockingOutput();
@@ -44,14 +44,15 @@ class NonBlockingOutput {
   NonBlockingOutput(NonBlockingOutput&&) = delete;
   NonBlockingOutput& operator=(NonBlockingOutput&&) = delete;
 
-  /// The queue of `stream`; nullptr where writes may wait: none lives, or another stream.
+  /// Returns the queue of `stream`; nullptr if no NonBlockingOutput exists or for another stream,
+  /// whose writes may block.
   static OutputQueue* queue_of(std::FILE* stream);
 
  private:
   struct Stream {
     int descriptor;
-    int saved = -1;        ///< what was open before; -1: the same still is
-    int saved_flags = -1;  ///< of what was made non-blocking in its place; -1: none
+    int saved = -1;        ///< duplicate of the original descriptor; -1: not replaced
+    int saved_flags = -1;  ///< original flags if it was made non-blocking in place; -1: it was not
     OutputQueue queue{descriptor};
   };
   static void open(Stream& stream);

@@ -18,7 +18,7 @@ namespace vantage::tools {
 namespace {
 
 constexpr std::string_view kPlain = "\x1b[0m";
-/// By Ink, and what ends each of them.
+/// SGR sequences by Ink, and the one that ends them.
 constexpr std::array<std::string_view, 5> kColours{"\x1b[32m", "\x1b[33m", "\x1b[1;31m", "\x1b[2m",
                                                    kPlain};
 
@@ -47,7 +47,7 @@ std::string cut_to(const std::string& line, std::size_t columns) {
 std::vector<std::string> fit(const std::vector<std::string>& lines, std::size_t rows,
                              std::size_t columns) {
   std::vector<std::string> out = lines;
-  // The cursor needs a row of its own.
+  // The cursor needs one row.
   if (rows > 2 && lines.size() > rows - 1) {
     out.resize(rows - 2);
     out.push_back(fmt::format("... {} more lines", lines.size() - (rows - 2)));
@@ -62,7 +62,7 @@ std::vector<std::string> fit(const std::vector<std::string>& lines, std::size_t 
 
 namespace {
 
-/// printable(), except that the colours of inked() stay.
+/// Applies printable() but keeps the colours of inked().
 std::string shown(const std::string& line) {
   std::string out;
   std::size_t begin = 0;
@@ -98,7 +98,7 @@ void Screen::redraw(const std::vector<std::string>& all_lines) {
     return;
   }
   winsize size{};
-  ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size);  // leaves zeros when it is no terminal
+  ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size);  // size stays zero without a terminal
   std::vector<std::string> lines;
   for (const std::string& line : all_lines) {
     lines.push_back(shown(line));
@@ -109,7 +109,7 @@ void Screen::redraw(const std::vector<std::string>& all_lines) {
     out += fmt::format("\x1b[{}A", lines_drawn_);  // cursor up
   }
   for (const std::string& line : lines) {
-    out += "\r" + line + "\x1b[K\n";  // clear what is left of the old line
+    out += "\r" + line + "\x1b[K\n";  // clear the rest of the old line
   }
   out += "\x1b[J";
   lines_drawn_ = lines.size();

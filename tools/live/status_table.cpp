@@ -9,18 +9,18 @@
 namespace vantage::tools {
 namespace {
 
-constexpr double kSure = 3.0;  // sigmas: an error beyond them is one that the estimator denies
+constexpr double kSure = 3.0;  // standard deviations; a larger error is inconsistent
 
 std::string cell(const std::optional<double>& value, int decimals, const char* unit) {
   return value ? fmt::format("{:.{}f} {}", *value, decimals, unit) : "-";
 }
 
-// A word of a table, padded before it is coloured.
+// Colours a word of a table. The word is padded already, as colours change its length.
 std::string word(const std::string& padded, std::optional<Ink> ink, bool in_colour) {
   return ink && in_colour ? inked(padded, *ink) : padded;
 }
 
-// Who knows it now is another thing than whether it was ever found, and an error needs a truth.
+// A target may have been discovered without an estimate now. The error is known only with a truth.
 std::string target_row(const logs::TargetStatus& target, bool in_colour) {
   std::optional<double> sigma_m;
   std::string by = target.discovered_s ? "nobody now" : "not found yet";
@@ -71,7 +71,7 @@ std::string robot_row(const std::string& name, const logs::RobotStatus& robot, b
                           plan.late ? std::optional(Ink::kBad) : std::nullopt, in_colour));
 }
 
-// "late 3", red where there is one.
+// Returns "late 3", in colour if the number is not zero.
 std::string count(const char* what, std::int64_t number, bool in_colour, Ink ink) {
   return word(fmt::format("{} {}", what, number), number > 0 ? std::optional(ink) : std::nullopt,
               in_colour);

@@ -9,17 +9,17 @@
 
 namespace vantage::tools {
 
-/// The state of a running trial as lines of text, all of the same number at all times: one per
-/// target (of a team that maps one for all), one per robot, one of totals. In colour what is well,
-/// to be watched or wrong.
+/// Returns the state of a running trial as lines of text: one per target (one line for the map if
+/// the team maps), one per robot, one of totals. The number of lines does not change during a
+/// trial. With `in_colour`, good states, warnings and errors are coloured.
 std::vector<std::string> status_table(const scenario::Scenario& scenario,
                                       const logs::TrialMetrics& metrics, double elapsed_s,
                                       bool in_colour = false);
 
-/// The same in one line.
+/// Returns a summary of the same state in one line.
 std::string status_line(const logs::TrialMetrics& metrics, double elapsed_s);
 
-/// The outcome of a trial for people.
+/// Returns the result of a trial as a table of text.
 std::vector<std::string> summary_table(const scenario::Scenario& scenario,
                                        const logs::TrialSummary& summary);
 

@@ -11,17 +11,18 @@
 
 namespace vantage::tools {
 
-/// Tells the person in front of it how a trial goes: a table in place, or lines.
+/// Display of a running trial in a terminal: a table that is redrawn in place, or lines.
 class TrialDisplay {
  public:
   enum class Form { kQuiet, kLines, kTable };
   explicit TrialDisplay(Form form) : form_(form) {}
 
-  /// What happened: also when quiet, on the other stream.
+  /// Shows an event; if quiet, on standard error.
   void say(const std::string& words);
-  /// Whether show() is of use: not when quiet, nor more often than anybody reads.
+  /// True if show() should be called: not quiet, and the refresh period has passed.
   [[nodiscard]] bool is_due(Time now) const { return form_ != Form::kQuiet && now >= next_; }
-  /// How the trial is. `rows` stand below a table, with what happened last; `words` after a line.
+  /// Shows the state of the trial. In a table `rows` and the last events follow below; in the form
+  /// of lines `words` is appended.
   void show(Time now, const scenario::Scenario& scenario, const logs::TrialMetrics& metrics,
             double elapsed_s, const std::vector<std::string>& rows = {},
             const std::string& words = "");
@@ -33,7 +34,7 @@ class TrialDisplay {
   Time next_{};
 };
 
-/// The form that options ask for.
+/// Returns the form that options request.
 inline TrialDisplay::Form form_of(bool is_quiet, bool is_table) {
   return is_quiet   ? TrialDisplay::Form::kQuiet
          : is_table ? TrialDisplay::Form::kTable
