@@ -16,7 +16,7 @@ namespace {
 
 struct EditArguments {
   std::string input;
-  std::vector<std::string> inputs;  ///< of merge
+  std::vector<std::string> inputs;  ///< for merge
   std::string output;
   bool force = false;
   std::optional<double> from_s;

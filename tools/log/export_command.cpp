@@ -25,7 +25,7 @@ struct ExportArguments {
   bool force = false;
 };
 
-// One line a channel, as far as anyone reads.
+// Prints one line per channel, for at most kNamed channels.
 void tell_left_out(const logs::IndexedLog& log, const logs::ExportCounts& counts) {
   constexpr int kNamed = 20;
   int named = 0;

@@ -30,7 +30,7 @@ struct FitArguments {
   bool as_json = false;
 };
 
-/// Where the motion capture saw the scenario's targets.
+/// Returns the courses of the scenario's targets as measured by motion capture.
 std::vector<logs::TargetCourse> courses_of(const logs::IndexedLog& log,
                                            const scenario::Scenario& scenario) {
   std::map<std::string, std::size_t> targets;
@@ -55,7 +55,7 @@ std::vector<logs::TargetCourse> courses_of(const logs::IndexedLog& log,
   return courses;
 }
 
-/// The model as a scenario file has it.
+/// Returns the model as YAML for a scenario file.
 std::string yaml_of(const models::TargetModel& model) {
   if (model.kind != models::TargetKind::kDampedOscillator) {
     return fmt::format("{{kind: {}, q: {:.3g}}}", kind_word(model), model.q);
@@ -128,7 +128,7 @@ bool draw(const std::vector<logs::FittedMotion>& fits, const std::string& pictur
 
 int fit(const FitArguments& arguments) {
   if (!arguments.picture.empty()) {
-    static_cast<void>(plot_terminal(arguments.picture));  // refused before long logs are read
+    static_cast<void>(plot_terminal(arguments.picture));  // checks the name before reading logs
     require_writable(arguments.picture);
   }
   const EndsAtOnce reading;

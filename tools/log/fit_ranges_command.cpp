@@ -19,10 +19,10 @@ namespace vantage::tools {
 namespace {
 
 struct RangesArguments {
-  std::string source;   ///< a table of ranges, with `poses`, or a log
-  std::string poses;    ///< empty: `source` is a log
-  std::string beacons;  ///< the survey; empty: there is none
-  std::string robot;    ///< of a log; empty: all
+  std::string source;   ///< table of ranges (with `poses`), or log
+  std::string poses;    ///< table of poses; empty: `source` is a log
+  std::string beacons;  ///< survey; empty: none
+  std::string robot;    ///< only robot to read from a log; empty: all
   std::optional<double> gap_max_s;
   double fitted_share = 0.7;
   std::string picture;  ///< empty: none
@@ -54,7 +54,7 @@ RangeRecording read(const RangesArguments& arguments) {
 
 int fit(const RangesArguments& arguments) {
   if (!arguments.picture.empty()) {
-    static_cast<void>(plot_terminal(arguments.picture));  // refused before long files are read
+    static_cast<void>(plot_terminal(arguments.picture));  // checks the name before reading files
     require_writable(arguments.picture);
   }
   const EndsAtOnce working;

@@ -25,7 +25,7 @@ std::string number(const std::optional<double>& value) {
   return value ? fmt::format("{:.9g}", *value) : kMissing;
 }
 
-/// Whether a picture ends as one of its kind does.
+/// True if a picture ends with the end marker of a PNG, SVG or PDF file.
 bool is_whole(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
@@ -34,7 +34,7 @@ bool is_whole(const std::string& path) {
          end.find("%%EOF") != std::string::npos;
 }
 
-// A robot has the colour of its place in the scenario, as everywhere.
+// Returns the index of a robot in the scenario, which determines its colour.
 std::size_t place_of(const scenario::Scenario& scenario, const std::string& robot) {
   const auto is_it = [&](const scenario::RobotSpec& each) { return each.name == robot; };
   return static_cast<std::size_t>(
@@ -72,7 +72,7 @@ std::string gnuplot_text(const std::string& text) {
   return "'" + out + "'";
 }
 
-// long: one script, from top to bottom.
+// long: writes one script from top to bottom.
 std::string plot_script(const logs::LogAnalysis& analysis, const scenario::Scenario& scenario,
                         const std::string& title, const std::string& picture_path) {
   std::string out = "$course << EOD\n";
@@ -103,10 +103,10 @@ std::string plot_script(const logs::LogAnalysis& analysis, const scenario::Scena
     ++robot_index;
   }
   const bool has_plans = !analysis.deadlines.empty();
-  // A legend of many names takes several columns.
+  // A legend of many names has several columns.
   const std::size_t key_columns = robot_index / 13 + 1;
-  // Every chart has the same margins, so that an instant is at the same place in all of them; the
-  // names are outside, where no line can be.
+  // All charts have equal margins, so that an instant is at the same x position in each of them.
+  // The legend is outside, where it covers no line.
   out += fmt::format(
       "set terminal {terminal}\n"
       "set output {output}\n"
@@ -154,7 +154,7 @@ Result<std::string> draw_plot(const std::string& script, const std::string& scri
     return Error{"no plot: gnuplot is not installed (apt install gnuplot-nox)"};
   }
   const std::optional<ChildExit> ended = std::move(child).value().wait(std::chrono::seconds(60));
-  // A full disk is nothing to gnuplot, which then ends well.
+  // gnuplot ends with exit code 0 also if the disk is full, so the picture is checked.
   if (!ended || !ended->is_success() || !is_whole(picture_path)) {
     std::remove(picture_path.c_str());
     return Error{picture_path + ": cannot be written: gnuplot failed on " + script_path};

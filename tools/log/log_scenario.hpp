@@ -8,11 +8,11 @@
 
 namespace vantage::tools {
 
-/// The first SCENARIO of the log that can be read; nullopt when there is none.
+/// Returns the first readable SCENARIO message of the log; nullopt if there is none.
 std::optional<models::ScenarioNotice> find_scenario_notice(const logs::IndexedLog& log);
 
-/// The scenario that the log was flown with. @throws StartupError when the log does not say, or
-/// says what this version cannot read.
+/// Returns the scenario of the log. @throws StartupError if the log has no SCENARIO message, or one
+/// that this version cannot read.
 scenario::Scenario scenario_of(const logs::IndexedLog& log);
 
 }  // namespace vantage::tools

@@ -9,15 +9,15 @@
 
 namespace vantage::tools {
 
-/// What a log holds: span, size, versions, and a table of its channels.
+/// Returns lines with the span, size and versions of a log, and a table of its channels.
 std::vector<std::string> describe_content(const std::string& path, const logs::LogSurvey& survey,
                                           const std::string& flown_by);
-/// What is wrong with it, one line each; empty for a log that is as its logger meant it.
-/// Loss that happened before the log (missing messages) is named, but is no damage.
+/// Returns one line per defect of a log; empty if there is none. Includes messages that were lost
+/// before they were logged, which do not count as damage.
 std::vector<std::string> describe_damage(const logs::LogSurvey& survey);
 nlohmann::ordered_json to_json(const std::string& path, const logs::LogSurvey& survey);
 
-/// "1.4 MiB".
+/// Formats a number of bytes: "1.4 MiB".
 std::string bytes_text(double bytes);
 
 }  // namespace vantage::tools

@@ -83,7 +83,7 @@ void print_hops(const logs::LogAnalysis& analysis) {
   }
 }
 
-// What is compared between trials, in the order it is printed.
+// Returns the quantities that are compared between trials, in the order of printing.
 std::vector<std::pair<std::string, std::optional<double>>> figures_of(
     const logs::LogAnalysis& analysis) {
   const logs::TrialSummary& summary = analysis.summary;
@@ -107,8 +107,8 @@ std::vector<std::pair<std::string, std::optional<double>>> figures_of(
   return out;
 }
 
-// Steps of one trial are not independent of each other, trials are: only over these is there a
-// band of what chance leaves open.
+// Prints means with confidence bands over trials. Steps of one trial are correlated; only trials
+// are independent samples.
 void print_bands(const std::vector<logs::LogAnalysis>& analyses) {
   std::map<std::string, experiments::Sample> samples;
   for (const logs::LogAnalysis& analysis : analyses) {
@@ -150,7 +150,7 @@ int metrics(const MetricsArguments& arguments) {
 }
 
 int plot(const MetricsArguments& arguments) {
-  static_cast<void>(plot_terminal(arguments.output));  // refused before a long log is read
+  static_cast<void>(plot_terminal(arguments.output));  // checks the name before reading the log
   require_writable(arguments.output);
   const EndsAtOnce drawing;
   const std::string& path = arguments.logs.front();

@@ -60,7 +60,8 @@ logs::PlayOptions options_of(const PlayArguments& arguments, const logs::Indexed
   return options;
 }
 
-/// A log is not played into a flight, whose vehicles might take it for what happens now.
+/// @throws StartupError if a flight is running on the network, as its vehicles might use the log's
+/// messages.
 void refuse_neighbours(const PlayArguments& arguments) {
   if (arguments.beside_others || !arguments.prefix.empty()) {
     return;
@@ -75,7 +76,7 @@ void refuse_neighbours(const PlayArguments& arguments) {
   }
 }
 
-/// Why messages could not be published, by channel.
+/// Reasons why messages could not be published, by channel.
 class PublishFailures {
  public:
   explicit PublishFailures(const bus::Transport& transport) {
@@ -112,7 +113,7 @@ class PublishFailures {
   }
 
   std::size_t message_bytes_max_ = std::numeric_limits<std::size_t>::max();
-  std::map<std::string, std::size_t> channels_;  ///< bytes of the largest
+  std::map<std::string, std::size_t> channels_;  ///< bytes of the largest message, by channel
 };
 
 void tell_end(const PlayArguments& arguments, const logs::PlayReport& report,

@@ -57,7 +57,7 @@ std::span<const Unit> units_of(Quantity quantity) {
                                          : std::span<const Unit>();
 }
 
-/// A heading without what stands between word and unit: "Range [cm]" is "range_cm".
+/// Normalises a heading to lower case with underscores: "Range [cm]" becomes "range_cm".
 std::string plain(std::string_view heading) {
   std::string out;
   for (const char c : small_letters(heading)) {
@@ -74,7 +74,7 @@ std::string plain(std::string_view heading) {
   return out;
 }
 
-/// What a number under `heading` is multiplied by, if the column is the one that is looked for.
+/// Returns the factor to s or m of the numbers under `heading`; nullopt if it is not `column`.
 std::optional<double> factor_of(const std::string& heading, const ColumnSpec& column) {
   for (const std::string_view name : column.names) {
     if (heading == name) {
@@ -89,7 +89,7 @@ std::optional<double> factor_of(const std::string& heading, const ColumnSpec& co
   return std::nullopt;
 }
 
-/// NaN for what says that there is no number; nullopt for what is none.
+/// Parses a number. Returns NaN for words that mean a missing number; nullopt for other text.
 std::optional<double> number_in(std::string_view cell) {
   const std::string word = small_letters(cell);
   for (const std::string_view none : {"", "nan", "-nan", "+nan", "na", "n/a", "null", "none"}) {
@@ -137,7 +137,7 @@ class Reader {
         take_order(content);
       }
       if (content == header_) {
-        continue;  // files that were put together
+        continue;  // concatenated files
       }
       take_row(content, is_whole, table);
     }
@@ -170,8 +170,8 @@ class Reader {
                       : std::string_view(";,\t").find(c) != std::string_view::npos;
   }
 
-  /// Takes the next record off the text: a line, or several when a quoted cell has ends of lines.
-  /// Sets has_end_ and ends_in_record_.
+  /// Removes the next record from the text and returns it: one line, or several if a quoted cell
+  /// has ends of lines. Sets has_end_ and ends_in_record_.
   std::string_view take_record() {
     std::size_t end = std::min(text_.find('\n'), text_.size());
     ends_in_record_ = 0;
@@ -193,8 +193,8 @@ class Reader {
     return record;
   }
 
-  /// Where the record at the beginning of the text ends; npos when that is within quotes. A quote
-  /// opens a cell at its beginning only; two in a cell that is quoted stand for one.
+  /// Returns the end of the record at the beginning of the text; npos if it is within quotes. A
+  /// quote opens a cell only at its beginning; two quotes in a quoted cell mean one.
   [[nodiscard]] std::size_t end_of_quoted_record() const {
     bool is_quoted = false;
     bool may_open = true;
@@ -237,7 +237,8 @@ class Reader {
     separator_ = ' ';
   }
 
-  /// The text of the quoted cell that `line` begins with; `end`: where its separator is.
+  /// Returns the text of the quoted cell at the beginning of `line`. Sets `end` to the position of
+  /// the separator after it.
   std::string unquoted(std::string_view line, std::size_t& end) const {
     std::string text;
     std::size_t at = 1;
@@ -255,7 +256,7 @@ class Reader {
     return text;
   }
 
-  /// Good until the next call.
+  /// Splits a line into cells. The result is valid until the next call.
   std::vector<std::string_view> cells_of(std::string_view line) {
     std::vector<std::string_view> cells;
     unquoted_.clear();
@@ -366,14 +367,14 @@ class Reader {
   const std::string& name_;
   std::span<const ColumnSpec> columns_;
   char separator_ = ',';
-  bool is_chosen_ = false;          ///< the separator
-  std::size_t line_ = 0;            ///< that the record begins in
-  std::size_t ends_in_record_ = 0;  ///< ends of lines in quoted cells
+  bool is_chosen_ = false;          ///< separator_ is determined
+  std::size_t line_ = 0;            ///< line in which the record begins
+  std::size_t ends_in_record_ = 0;  ///< number of ends of lines within the record
   bool has_end_ = true;             ///< an end of line follows the record
   std::deque<std::string> unquoted_;
   std::string_view header_;
-  std::size_t cells_ = 0;      ///< of a line
-  std::vector<Place> places_;  ///< by column
+  std::size_t cells_ = 0;      ///< expected number of cells per line
+  std::vector<Place> places_;  ///< cell of each column of columns_
 };
 
 }  // namespace

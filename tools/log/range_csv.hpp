@@ -8,41 +8,42 @@
 
 namespace vantage::tools {
 
-/// What a column of a table holds.
+/// Quantity in a column of a table.
 enum class Quantity {
-  kTime,    ///< seconds here; in the file also ms, us, ns, min
-  kLength,  ///< metres here; in the file also cm, mm, km, ft, in
+  kTime,    ///< converted to s; the file may have s, ms, us, ns, min
+  kLength,  ///< converted to m; the file may have m, cm, mm, km, ft, in
   kName,    ///< text
 };
 
-/// A column that is read, by what it may be called. A unit may follow: `range_cm`, `Range [cm]`,
-/// `range (cm)`; without one it is seconds, metres, and of `utime` microseconds.
+/// Column to read, identified by its heading. A unit may follow the heading: `range_cm`,
+/// `Range [cm]`, `range (cm)`. Without a unit the values are seconds (`utime`: microseconds) or
+/// metres.
 struct ColumnSpec {
   Quantity quantity = Quantity::kLength;
-  std::vector<std::string_view> names;  ///< in small letters; the first is said to people
+  std::vector<std::string_view> names;  ///< accepted names in lower case; messages use the first
 };
 
 struct TableRow {
-  std::string name;             ///< of the column that is kName; else empty
-  std::vector<double> numbers;  ///< of the others, in their order; s and m
+  std::string name;             ///< text of the column kName; empty if there is none
+  std::vector<double> numbers;  ///< values of the other columns in their order; s and m
 };
 
 struct Table {
-  std::vector<TableRow> rows;   ///< those that are whole, in the file's order
-  std::int64_t not_finite = 0;  ///< rows left out: a number is nan, inf or not there
-  bool is_torn = false;         ///< the last line ends in the middle, and is left out
+  std::vector<TableRow> rows;   ///< complete rows, in the file's order
+  std::int64_t not_finite = 0;  ///< rows left out because a number is nan, inf or missing
+  bool is_torn = false;         ///< the last line is incomplete and left out
 };
 
-/// Reads a table of comma-, semicolon-, tab- or space-separated cells; `name` stands for the file
-/// in messages. A first line without any number is the header; without one the columns are those of
-/// `columns`, in that order. Empty lines, those that begin with # or % and the header once more are
-/// passed over; a byte order mark and CRLF are read; other columns are not. A cell in quotes may
-/// have separators, ends of lines and doubled quotes in it (RFC 4180).
+/// Reads a table of comma-, semicolon-, tab- or space-separated cells. `name` is the file's name in
+/// messages. A first line without a number is the header; without a header the file must have
+/// exactly `columns`, in that order. Skips other columns, empty lines, lines that begin with # or
+/// %, repetitions of the header, and a byte order mark. Accepts CRLF. A quoted cell may contain
+/// separators, ends of lines and doubled quotes (RFC 4180).
 /// @throws StartupError "FILE:LINE: what it is and what was expected".
 Table parse_table(std::string_view text, const std::string& name,
                   std::span<const ColumnSpec> columns);
 
-/// The same of a file. @throws StartupError also when it cannot be read or is over 256 MiB.
+/// Reads a table from a file. @throws StartupError also if it cannot be read or exceeds 256 MiB.
 Table read_table(const std::string& path, std::span<const ColumnSpec> columns);
 
 }  // namespace vantage::tools

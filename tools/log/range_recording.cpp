@@ -32,7 +32,7 @@ ColumnSpec length_column(std::vector<std::string_view> names) {
 ColumnSpec x_column() { return length_column({"x", "x_world", "pos_x", "position_x", "px"}); }
 ColumnSpec y_column() { return length_column({"y", "y_world", "pos_y", "position_y", "py"}); }
 
-/// One range of a beacon by name, before beacons are counted.
+/// One range with the beacon's name, before beacons have numbers.
 struct NamedRange {
   double time_s = 0.0;
   std::string beacon;
@@ -42,7 +42,7 @@ struct NamedRange {
   [[nodiscard]] auto key() const { return std::tie(time_s, beacon, range_m); }
 };
 
-/// Numbers by size, before words.
+/// Orders names: numbers by value, then words.
 bool comes_before(const std::string& a, const std::string& b) {
   const auto number = [](const std::string& word) -> std::optional<double> {
     double out = 0.0;
@@ -58,7 +58,7 @@ bool comes_before(const std::string& a, const std::string& b) {
   return x.has_value() != y.has_value() ? x.has_value() : a < b;
 }
 
-/// Puts them in order of time and counts beacons; those with too few ranges are left out.
+/// Sorts ranges by time and numbers the beacons. Beacons with too few ranges are left out.
 void take(std::vector<NamedRange> named, RangeRecording& recording) {
   recording.too_far = static_cast<std::int64_t>(std::erase_if(named, [](const NamedRange& range) {
     return !estimator::is_within_bound({range.robot_m, range.range_m, 0});
@@ -105,7 +105,8 @@ std::vector<NamedRange> without_doubles(Table table, std::int64_t& doubled) {
   return out;
 }
 
-/// Longer than any pause between poses of a recording without gaps.
+/// Returns the default of gap_max_s, which exceeds the time between poses of a recording without
+/// gaps.
 double usual_gap_s(const std::vector<TableRow>& way) {
   std::vector<double> steps_s;
   for (std::size_t i = 1; i < way.size(); ++i) {
@@ -215,7 +216,7 @@ RangeRecording recording_of(const logs::IndexedLog& log, const std::string& robo
         for (const models::Detection& each : message.detections) {
           const auto target = static_cast<std::size_t>(each.target_id);
           if (!rangers.contains(message.robot) || target >= scenario.targets.size()) {
-            continue;  // nobody says whose range it is
+            continue;  // not a selected robot, or a range without a target's id
           }
           named.push_back({1e-6 * static_cast<double>(to_utime(message.stamp.time)),
                            scenario.targets[target].name, each.measurement.z(0),

@@ -29,7 +29,7 @@ std::optional<SurveyedBeacon> beside(const estimator::FittedBeacon& beacon, cons
                         error_m.dot(beacon.covariance_m2().inverse() * error_m)};
 }
 
-/// Where ranges went that are not in it; empty when all are.
+/// Returns the numbers of ranges left out, by reason; empty if there are none.
 std::string left_out(const RangeRecording& recording) {
   std::vector<std::string> words;
   const auto count = [&](std::int64_t number, const char* what) {
@@ -228,7 +228,7 @@ std::string range_plot_script(const RangeReport& report, const std::string& pict
                        (beacon_m - range.robot_m).norm(), residual_m(fit, range));
   }
   out += "EOD\n$beacons << EOD\n";                      // x y width height angle name
-  constexpr double kAxes95 = 2.0 * 2.4477468306808166;  // both halves of √χ²₂(0.95)
+  constexpr double kAxes95 = 2.0 * 2.4477468306808166;  // full axis: 2 √χ²₂(0.95)
   for (std::size_t b = 0; b < fit.beacons.size(); ++b) {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(fit.beacons[b].covariance_m2());
     const Eigen::Vector2d size_m = kAxes95 * axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();

@@ -61,7 +61,7 @@ void check_room(const RecordArguments& arguments) {
   }
 }
 
-/// Says once when less than --free-mib is left, and again when there is room again.
+/// Prints once when the free space falls below --free-mib, and once when it rises above it again.
 class RoomWatch {
  public:
   explicit RoomWatch(const RecordArguments& arguments) : arguments_(arguments) {}
@@ -79,7 +79,7 @@ class RoomWatch {
   bool was_little_ = false;
 };
 
-/// Messages that were sent and did not reach the recorder, as far as its transport knows.
+/// Messages that were sent but not recorded, as far as the transport knows.
 struct Losses {
   std::int64_t for_want_of_room = 0;
   std::int64_t incomplete = 0;
@@ -165,7 +165,8 @@ int run(const RecordArguments& arguments) {
     return stop_requested() || (arguments.duration_s > 0.0 &&
                                 clock.now() >= start + from_seconds(arguments.duration_s));
   };
-  // What others say comes first: a log begins with SCENARIO, not with this process's health.
+  // Waits for the first message, so that the log begins with SCENARIO and not with this process's
+  // health.
   while (!is_over() && node.heard() == 0 && clock.now() < start + kFirstPatience) {
     bus.handle(std::chrono::milliseconds(20));
   }

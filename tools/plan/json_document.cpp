@@ -16,7 +16,8 @@ namespace {
 
 using scenario::Node;
 
-/// The parser says what comes and not where: this goes through the text beside it.
+/// Scanner that finds the lines of tokens. It follows the parser through the text, as the parser
+/// does not report positions.
 class Tokens {
  public:
   explicit Tokens(std::string_view text) : text_(text) {
@@ -24,7 +25,7 @@ class Tokens {
     at_ = text_.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0;
   }
 
-  /// The next that is no comma and no colon. Precondition: the parser has read it.
+  /// Returns the next token, without commas and colons. Precondition: the parser has read it.
   std::string_view next() {
     constexpr std::string_view kBetween = " \t\r\n,:";
     for (; kBetween.find(text_[at_]) != std::string_view::npos; ++at_) {
@@ -42,7 +43,7 @@ class Tokens {
     }
     return text_.substr(begin, at_ - begin);
   }
-  /// Of the token that next() returned.
+  /// Returns the line of the token that next() returned.
   [[nodiscard]] int line() const { return line_; }
 
  private:
@@ -51,8 +52,8 @@ class Tokens {
   int line_ = 1;
 };
 
-// "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error …": the last
-// part.
+// Returns the last part of "[json.exception.parse_error.101] parse error at line 1, column 2:
+// syntax error …".
 std::string reason_of(const nlohmann::json::exception& error) {
   constexpr std::size_t kShown = 120;
   const std::string what = error.what();
@@ -62,7 +63,7 @@ std::string reason_of(const nlohmann::json::exception& error) {
       scenario::shortened(start == std::string::npos ? what : what.substr(start + 2), kShown));
 }
 
-/// What nlohmann's parser says of a file, as a tree.
+/// Handler of the events of nlohmann's parser that builds a tree.
 class JsonEvents : public nlohmann::json_sax<nlohmann::json> {
  public:
   JsonEvents(std::string_view text, const std::string& file)
@@ -77,7 +78,7 @@ class JsonEvents : public nlohmann::json_sax<nlohmann::json> {
   bool number_float(double value, const std::string& written) override {
     constexpr double kExactMax = 9'007'199'254'740'992.0;  // 2⁵³
     const bool is_whole = value == std::floor(value) && std::abs(value) <= kExactMax;
-    // 1e-400 is no 0, and -0.0 has a sign.
+    // Numbers that round to zero, such as 1e-400, and -0.0 are kept as written.
     if (!is_whole || (value == 0.0 && written != "0.0")) {
       return add_as_written();
     }
@@ -93,7 +94,7 @@ class JsonEvents : public nlohmann::json_sax<nlohmann::json> {
   bool parse_error(std::size_t byte, const std::string& /*token*/,
                    const nlohmann::json::exception& error) override {
     const std::string_view before = text_.substr(0, byte == 0 ? 0 : byte - 1);
-    const std::size_t line_begin = before.rfind('\n') + 1;  // 0 when there is none
+    const std::size_t line_begin = before.rfind('\n') + 1;  // 0 on the first line
     throw StartupError(fmt::format("{}:{}:{}: not JSON: {}", file_,
                                    1 + std::count(before.begin(), before.end(), '\n'),
                                    1 + before.size() - line_begin, reason_of(error)));

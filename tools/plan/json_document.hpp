@@ -12,9 +12,9 @@ inline constexpr scenario::TextRule kProblemText{.expected = "a planning problem
                                                  .may_have_tabs = true,
                                                  .may_be_pipe = true};
 
-/// The JSON in `text`, for the reader that scenario files have; `name` stands for the file in
-/// messages. A number that is whole is one for Value::integer(), whether written 12 or 12.0.
-/// @throws StartupError as scenario::check_text(), and "name:line:column: …" for what is no JSON.
+/// Parses JSON into the value tree that scenario files use. `name` is the file's name in messages.
+/// Value::integer() accepts a whole number written as 12 or 12.0.
+/// @throws StartupError as scenario::check_text(), and "name:line:column: …" for invalid JSON.
 scenario::Value parse_json(const std::string& text, const std::string& name);
 
 }  // namespace vantage::tools

@@ -19,7 +19,7 @@ using Points = std::vector<Eigen::Vector2d>;
 
 std::string_view path_colour() { return logs::robot_colour(0); }
 
-// Covariance of one target after the last step, and the way its mean is predicted to go.
+// Predicted path of one target's mean, and its covariance before the first and after the last step.
 struct Course {
   Points mean_m;
   Eigen::Matrix2d before_m2;
@@ -53,7 +53,7 @@ void draw_ellipse(logs::Svg& svg, const logs::Layout& layout, const Eigen::Vecto
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance_m2);
   const Eigen::Vector2d half_px = logs::look().ellipse_radius() * layout.px_per_m *
                                   axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
-  // The page's y axis points down, so a counter-clockwise angle turns negative.
+  // The page's y axis points down, so a counter-clockwise angle is negative.
   const double angle_deg =
       -degrees(std::atan2(axes.eigenvectors()(1, 0), axes.eigenvectors()(0, 0)));
   svg.ellipse(layout.page_from_world(mean_m), half_px, angle_deg, style);
@@ -110,16 +110,16 @@ void draw_path(logs::Svg& svg, const logs::Layout& layout, const planner::Search
 constexpr std::string_view kHead = R"(font-size="15" font-weight="bold" fill="#202124")";
 constexpr std::string_view kKey = R"(font-size="12.5" fill="#5f6368")";
 constexpr std::string_view kBody = R"(font-size="12.5" fill="#202124")";
-constexpr double kValue_px = 78.0;  // where values begin
+constexpr double kValue_px = 78.0;  // x position of values
 constexpr double kRow_px = 20.0;
-constexpr std::size_t kValueColumns = 40;  // characters that fit beside the keys
+constexpr std::size_t kValueColumns = 40;  // characters that fit next to the keys
 
 struct Row {
   std::string key;
   std::string value;
 };
 
-// Lines of to_lines() as key and value, long values on several rows; all words are kept.
+// Splits lines of to_lines() into key and value, and long values into several rows.
 std::vector<Row> rows_of(const std::vector<std::string>& lines) {
   std::vector<Row> rows;
   for (const std::string& line : lines) {

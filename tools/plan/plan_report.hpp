@@ -13,16 +13,16 @@
 
 namespace vantage::tools {
 
-/// True when every one of the T steps has a control.
+/// True if each of the T steps has a control.
 bool is_complete(const planner::SearchProblem& problem, const planner::SearchResult& result);
 
-/// The object that `vantage plan --json` prints (keys: docs/guide/planning-problems.md). What is infinite
-/// or not known is null.
+/// Returns the object that `vantage plan --json` prints (keys: docs/planning-problems.md). Infinite
+/// and unknown values are null.
 nlohmann::ordered_json to_json(const PlanningProblem& problem, const PlanOutcome& outcome);
-/// The same for people, one line an entry.
+/// Returns the same as text, one line per entry.
 std::vector<std::string> to_lines(const PlanningProblem& problem, const PlanOutcome& outcome);
-/// Map, obstacles, predicted targets with their uncertainty before and after, path, and the field
-/// of view at every step, as SVG.
+/// Draws map, obstacles, predicted targets with their uncertainty before and after the plan, the
+/// path, and the field of view at each step. Returns SVG.
 std::string draw_plan_picture(const PlanningProblem& problem, const PlanOutcome& outcome);
 
 std::string_view word_of(planner::StopReason reason);

@@ -19,15 +19,16 @@ using scenario::Mapping;
 using scenario::Range;
 using scenario::Value;
 
-// Far beyond any lab or field, near enough that every square and sum of steps stays exact.
+// m; larger than any lab or field, small enough that squares and sums of steps keep their
+// precision.
 constexpr double kFar_m = 1e6;
 constexpr double kFastest_mps = 1e3;
 constexpr double kLongest_s = 3600.0;
 constexpr double kLeastSigma = 1e-6;
-// A bearing knows no direction at its own place. A target this near is not seen; it keeps the
-// information of a look finite, and so the lower bound.
+// m; nearer targets are not seen. The information of a bearing grows without limit towards zero
+// distance; this keeps it finite, and so the lower bound.
 constexpr double kLeastBearingRange_m = 1e-3;
-// The field only speeds up what is decided exactly; a million cells are enough for that.
+// The distance field only speeds up exact tests; 10⁶ cells are enough for that.
 constexpr double kFieldCellsMax = 1e6;
 constexpr double kFieldColumnsMax = 1e5;
 
@@ -47,7 +48,7 @@ models::Obstacle read_obstacle(const Value& value) {
   return obstacle;
 }
 
-/// Returns the resolution that the distance field is made with.
+/// Reads the map. Returns the resolution of the distance field.
 double read_map(Mapping& map, models::World& world) {
   const std::optional<Value> min = map.find_required("min");
   const std::optional<Value> max = map.find_required("max");
@@ -119,7 +120,7 @@ void read_sensor(Mapping& keys, models::SensorModel& sensor) {
   }
 }
 
-/// What the targets share.
+/// Reads the model and the prior covariance that all targets share.
 planner::SearchTarget read_target_model(Mapping& keys) {
   planner::SearchTarget target;
   models::TargetModel& model = target.model;
@@ -172,7 +173,7 @@ std::vector<planner::SearchTarget> read_targets(Mapping& keys) {
   return targets;
 }
 
-// What describes a problem and changes nothing of it.
+// Reads the keys that describe a problem without changing it.
 void read_description(Mapping& keys, PlanningProblem& read) {
   if (const std::optional<Value> name = keys.find("name")) {
     read.name = name->text_or_empty();

@@ -6,19 +6,20 @@
 
 namespace vantage::tools {
 
-/// A planning problem of a file.
+/// Planning problem read from a file.
 struct PlanningProblem : planner::OwnedProblem {
-  std::string name;  ///< "" when the file gives none
+  std::string name;  ///< empty if the file has none
 };
 
-/// Reads the JSON schema of docs/guide/planning-problems.md: one point robot that may neither leave the
-/// map nor touch a box at any time, in metres, seconds and (where a key says so) degrees.
-/// `sensor.fov_deg` is the full angle, as in scenario files and SensorModel::fov_rad.
-/// @throws StartupError "source:line: path: rule, is what" at the first thing that cannot be true,
-/// and "source:line:column: …" for text that is no JSON.
+/// Reads the JSON schema of docs/planning-problems.md: one point robot that must stay inside the
+/// map and outside the boxes at all times. Units are metres, seconds and, in keys that end in
+/// `_deg`, degrees. `sensor.fov_deg` is the full angle, as in scenario files and
+/// SensorModel::fov_rad.
+/// @throws StartupError "source:line: path: rule, is what" for the first invalid value, and
+/// "source:line:column: …" for invalid JSON.
 PlanningProblem parse_problem(const std::string& text, const std::string& source);
 
-/// parse_problem() of a file. @throws StartupError also when it cannot be read.
+/// Reads a file by parse_problem(). @throws StartupError also if it cannot be read.
 PlanningProblem load_problem(const std::string& path);
 
 }  // namespace vantage::tools

@@ -57,7 +57,7 @@ Solver::Solver(PlanRequest request) : request_(std::move(request)) {
 }
 
 void Solver::prepare(const planner::SearchProblem& problem) {
-  constexpr std::size_t kSlackNodes = 64;  // of the last piece of work
+  constexpr std::size_t kSlackNodes = 64;  // nodes that the last piece of work may add
   const planner::Algorithm& algorithm = planner::algorithm_called(
       request_.algorithm == kDefault ? planner::default_algorithm(problem)
                                      : std::string_view(request_.algorithm));
@@ -67,7 +67,7 @@ void Solver::prepare(const planner::SearchProblem& problem) {
   const planner::SearchCapacity needed =
       planner::capacity_for(algorithm, problem, request_.memory_mb << 20U, nodes_max);
   if (search_ == nullptr || algorithm_ != &algorithm || !has_room(capacity_, needed)) {
-    search_.reset();  // before the new arena is there, the old one's memory is free
+    search_.reset();  // frees the old arena before the new one is allocated
     search_ = algorithm.make(needed, request_.options);
     algorithm_ = &algorithm;
     capacity_ = needed;

@@ -12,39 +12,39 @@ namespace vantage::tools {
 
 inline constexpr double kLongestBudget_s = 86'400.0;
 
-/// How a planning problem is to be solved.
+/// Options for solving a planning problem.
 struct PlanRequest {
   std::string algorithm =
-      "default";          ///< of planner::all_algorithms(), or "default": what fits the problem
-  double budget_s = 1.0;  ///< time for the search alone
-  std::optional<std::int64_t> nodes;  ///< instead of time: the same answer to the bit, every time
+      "default";  ///< a name of planner::all_algorithms(), or "default": chosen by the problem
+  double budget_s = 1.0;              ///< s; time for the search only
+  std::optional<std::int64_t> nodes;  ///< nodes instead of time: the result is reproducible
   planner::AlgorithmOptions options;
-  std::size_t memory_mb = 512;  ///< most memory of the search
+  std::size_t memory_mb = 512;  ///< MiB; most memory of the search
 };
 
-/// One search that was run, and what it took.
+/// Result of one search with its cost.
 struct PlanOutcome {
-  std::string source;  ///< what the problem was read from; the caller's
+  std::string source;  ///< file of the problem; set by the caller
   std::string algorithm;
   planner::SearchResult result;
-  double elapsed_s = 0.0;       ///< wall clock of the search alone
-  double cpu_s = 0.0;           ///< of the searching thread, the same span
-  std::size_t peak_bytes = 0;   ///< nodes, blocks and lists in use
-  bool is_interrupted = false;  ///< by who asked for it, before the budget was spent
+  double elapsed_s = 0.0;       ///< s; wall-clock time of the search only
+  double cpu_s = 0.0;           ///< s; processor time of the searching thread in that span
+  std::size_t peak_bytes = 0;   ///< bytes; nodes, blocks and lists in use
+  bool is_interrupted = false;  ///< cancelled by the user before the budget was spent
 };
 
-/// Solves problem after problem with memory that is prepared once: what `vantage plan` and Python
-/// share. One thread at a time.
+/// Solver of planning problems for `vantage plan` and Python. It reuses its memory for several
+/// problems. One thread at a time.
 class Solver {
  public:
-  /// @throws UsageError naming what is wrong with `request`.
+  /// @throws UsageError if a value of `request` is invalid.
   explicit Solver(PlanRequest request);
 
-  /// Makes room for problems of this size, unless there is. Allocates.
+  /// Allocates memory for problems of this size unless there is enough.
   void prepare(const planner::SearchProblem& problem);
-  /// prepare(), then the best plan by the deadline, or by when `is_cancelled` says so (see
-  /// Deadline::unless). The reference is good until the next call.
-  /// @throws UsageError when `problem` breaks a rule of planner::require_valid.
+  /// Calls prepare() and returns the best plan found until the deadline or until `is_cancelled`
+  /// returns true (see Deadline::unless). The reference is valid until the next call.
+  /// @throws UsageError if `problem` violates a rule of planner::require_valid.
   const PlanOutcome& solve(const planner::SearchProblem& problem, bool (*is_cancelled)() = nullptr);
 
   [[nodiscard]] const PlanRequest& request() const { return request_; }
