@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Fails if a folder includes a folder it may not see, if two folders see each other, or if a test is
-not where its subject is. The table is the architecture (docs/reference/words.md says what each room is)."""
+"""Checks the architecture. Fails if a folder includes a folder that MAY_INCLUDE does not permit, if
+folders include each other in a cycle, or if a test has no folder of the same path as its subject."""
 
 import collections
 import pathlib
@@ -26,9 +26,9 @@ MAY_INCLUDE = {
     "python": TRIAL | {"experiments", "tools", "python"},
     "test": None,  # may include everything
 }
-# The app room of a process is its border: it alone also sees the bus.
+# The folders `app` connect a process to the bus, so only they may include it in addition.
 APP_EXTRA = {"bus"}
-# Folders of tests whose subject is no folder: networks, numbers, whole programs, what tests share.
+# Folders of tests without a subject of the same path: networks, benchmarks, whole programs, shared parts.
 TESTS_OF_NO_FOLDER = {"bench", "data", "docs", "examples", "fuzz", "guard", "integration", "mutation", "support", "view"}
 INCLUDE = re.compile(r'^\s*#include "([^"]+)"')
 LCM = re.compile(r'^\s*#include <lcm/')
@@ -39,7 +39,7 @@ def sources(root, folder):
 
 
 def violations(root):
-    seen_by = collections.defaultdict(dict)  # folder -> folder it sees -> where
+    seen_by = collections.defaultdict(dict)  # folder -> included folder -> "file:line"
     for folder, allowed in MAY_INCLUDE.items():
         for path in sources(root, folder):
             rel = path.relative_to(root)
@@ -60,7 +60,7 @@ def violations(root):
 
 
 def cycles(seen_by):
-    """Each group of folders that see each other, by one way round it."""
+    """Yields one cycle for each group of folders that include each other."""
     done = set()
 
     def walk(folder, way):

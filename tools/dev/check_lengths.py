@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Fails on a function of more than 60 lines outside tests that has no reason beside it, and on a C++ file
-of more than 500 lines. A reason is a comment `long: why` in the lines directly above the function. Reads
-text as clang-format leaves it: a definition's last `}` stands under the column its first line begins at."""
+"""Fails on a C++ file of more than 500 lines, and outside tests on a function of more than 60 lines
+without a reason. A reason is a comment `long: why` in the lines directly above the function. Expects text
+formatted by clang-format: the last `}` of a definition is in the column in which its first line begins."""
 
 import pathlib
 import re
@@ -10,22 +10,22 @@ import sys
 
 FUNCTION_LINES_MAX = 60
 FILE_LINES_MAX = 500
-# Statements, types and tables that open a brace as well.
+# Keywords of statements and types that open a brace as well.
 NO_FUNCTION = re.compile(r"^(if|for|while|switch|do|else|namespace|class|struct|enum|union|case|default|try|catch|extern|return|using)\b")
 LAMBDA = re.compile(r"\[[^\]]*\](\s*\(|\s*\{|\s*mutable)")
 HEAD = re.compile(r"^[\w~:<>,*&\[\]()\s\"=.!+\-/|^%]*\)[\w\s&:(){},.<>*]*\{$")
 
 
 def blank(text):
-    """The same lines without comments and the insides of literals."""
+    """Returns the text with comments and the content of literals replaced by blanks."""
     pattern = r'R"(\w*)\((?:.|\n)*?\)\1"|//[^\n]*|/\*(?:.|\n)*?\*/|"(?:[^"\\\n]|\\.)*"|(?<!\d)\'(?:[^\'\\\n]|\\.)\''
     return re.sub(pattern, lambda m: re.sub(r"[^\n]", " ", m[0]), text)
 
 
 def functions(text):
-    """(first line, last line), from 1, of each function's definition."""
+    """Yields (first line, last line), from 1, of each function definition."""
     lines = blank(text).split("\n")
-    begin = None  # of the declaration being read
+    begin = None  # first line of the declaration that is being read
     for i, line in enumerate(lines):
         stripped = line.strip()
         if not stripped:

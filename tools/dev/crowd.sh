@@ -1,8 +1,8 @@
 #!/bin/bash
-# crowd.sh [SECONDS [READERS [STALLED]]]: the lab's trial in processes of its own, watched by
-# `vantage view` with READERS viewers that read everything and STALLED that never read (600 s, 2 and
-# 1). Prints, each 10 s, the server's memory and what the first reader got; at the end the trial's
-# summary. Runs in a network of its own: nothing reaches or survives outside.
+# crowd.sh [SECONDS [READERS [STALLED]]]: flies config/lab.yaml with `vantage up` and serves it with
+# `vantage view` to READERS viewers that read everything and STALLED viewers that never read (600 s, 2
+# and 1). Prints every 10 s the server's memory and what the first reader received; at the end the
+# trial's summary. Runs in a separate network namespace and leaves nothing behind.
 # BIN: the folder of the programs, build/release/bin unless set.
 set -euo pipefail
 cd "$(dirname "$0")/../.."

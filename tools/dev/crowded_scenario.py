@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""A scenario with many robots and targets, on standard output.
+"""Prints a scenario with many robots and targets.
 
-As it is, for the viewer's frame rate and not for what planners make of it: 80 m × 80 m, flown by the
-lawn mower. With --area-m2, for how cost grows with a team (test/bench/trial_bench): the field grows
-with the team, so that every robot has as many neighbours whatever the team's size.
+Without options it is meant for measuring the viewer's frame rate: 80 m × 80 m, with the planner
+lawn_mower. With --area-m2 it is meant for measuring how the cost grows with the team
+(test/bench/trial_bench): the field grows with the team, so that the number of neighbours per robot is
+constant.
 """
 import argparse
 import math

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""How much faster an experiment is with J jobs than with one (docs/guide/experiments.md):
+"""Measures the speed-up of an experiment with J jobs over one job (docs/experiments.md):
 
   tools/dev/jobs_pace.py VANTAGE EXPERIMENT [--trials N] [--jobs J] [--pairs P]
 
-Runs both in turn, and of each pair says wall time, CPU time, the cores that others took meanwhile, and
-what counts where others are at work: J times the share of a core's time that was not lost. Time in
-which a thread was ready and had no core (/proc/PID/task/*/schedstat) is taken from its wall time; what
-is left are its work and its own waiting, for locks and for the slowest thread at the end."""
+Runs both in turn. Prints for each pair the wall time, the CPU time, the cores used by other programs, and
+the speed-up corrected for those programs. For the correction, the time in which a thread was ready
+without a core (/proc/PID/task/*/schedstat) is subtracted from its wall time. The rest is its work and its
+own waiting, for locks and for the slowest thread at the end."""
 
 import argparse
 import glob
@@ -18,14 +18,15 @@ import time
 
 
 def busy_s():
-    """CPU seconds of the whole machine."""
+    """Returns the CPU time of the whole machine in s."""
     with open("/proc/stat", encoding="ascii") as file:
         ticks = [int(word) for word in file.readline().split()[1:9]]
     return (sum(ticks) - ticks[3] - ticks[4]) / os.sysconf("SC_CLK_TCK")
 
 
 def run(arguments, jobs):
-    """(wall, CPU, cores that others took, seconds of cores that were ours), of one run."""
+    """Runs once and returns (wall time in s, CPU time in s, cores used by other programs, core time available to this
+    run in s)."""
     waited_s = {}
     ran_s = {}
     with tempfile.TemporaryDirectory() as folder:
@@ -43,7 +44,7 @@ def run(arguments, jobs):
                         ran, waited, _ = file.read().split()
                     ran_s[path], waited_s[path] = int(ran) * 1e-9, int(waited) * 1e-9
                 except OSError:
-                    pass  # it has ended
+                    pass  # the thread has ended
             time.sleep(0.02)
         wall_s = time.monotonic() - start
         assert status == 0, "it failed"

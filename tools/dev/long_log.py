@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""long_log.py LOG GIGABYTES OUT: LOG again and again, as if it had gone on for so long.
+"""long_log.py LOG GIGABYTES OUT: writes repetitions of LOG to OUT as one long log.
 
-Each time the events' numbers and times, their messages' sequence numbers and every instant inside them
-go on where the time before ended. For measuring how long logs are opened and sought in (see
-docs/results/viewer.md and test/view/peer/seek.mjs).
+In each repetition the numbers and times of the events, the sequence numbers of their messages and all
+instants in them continue those of the previous one. For measuring how long logs are opened and sought
+in (see docs/results/viewer.md and test/view/peer/seek.mjs).
 """
 import os
 import pathlib
@@ -12,12 +12,12 @@ import sys
 
 HEADER = struct.Struct(">IqqII")  # sync word, number, time, lengths of channel and data
 NUMBER = struct.Struct(">q")
-STAMP_BYTES = 32                  # fingerprint, utime, run_id, sequence: every message begins so
-AROUND_US = 3_600_000_000         # instants inside messages are as near as that to the log
+STAMP_BYTES = 32                  # every message begins with fingerprint, utime, run_id, sequence
+AROUND_US = 3_600_000_000         # us; largest distance of instants in messages to the log's times
 
 
 def events(log):
-    """(offset, number, utime, channel, offset of the data, their length) of each."""
+    """Yields (offset, number, utime, channel, offset of the data, their length) of each event."""
     at = 0
     while at + HEADER.size <= len(log):
         _, number, utime, name_bytes, data_bytes = HEADER.unpack_from(log, at)
@@ -27,8 +27,8 @@ def events(log):
 
 
 def instants(log, first_us, last_us):
-    """Offsets of all big-endian 64-bit integers that are instants in or around the log: hardly
-    anything else looks like one."""
+    """Yields the offsets of all big-endian 64-bit integers that are instants in or around the log. It is
+    very unlikely that other data have such a value."""
     low, high = (NUMBER.pack(each) for each in (first_us - AROUND_US, last_us + AROUND_US))
     prefix = os.path.commonprefix([low, high])
     at = log.find(prefix)
@@ -45,7 +45,7 @@ def main():
     all_events = list(events(log))
     times_us = [utime for _, _, utime, *_ in all_events]
     first_us, last_us = min(times_us), max(times_us)
-    sequences = {}  # of each channel
+    sequences = {}  # sequence numbers by channel
     for _, _, _, name, data, length in all_events:
         if length >= STAMP_BYTES:
             sequences.setdefault(name, set()).add(NUMBER.unpack_from(log, data + 24)[0])

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""play_pace.py [LOG [ROUNDS]]: how exactly `vantage log play` and lcm-logplayer keep a log's pace.
+"""play_pace.py [LOG [ROUNDS]]: measures how exactly `vantage log play` and lcm-logplayer keep a log's times.
 
-Both play the same log in turn, ROUNDS times each (3), to a socket that has the kernel stamp what
-arrives. An event's error is when it came, minus when it was logged, both counted from the run's
-median event; a run's drift is its last tenth against its first. LOG: the first 15 s of the sample
-unless given. BIN: the folder of the programs, build/release/bin unless set. Runs in a network of its
-own: nothing reaches or survives outside.
+Both play the same log in turn, ROUNDS times each (3), to a socket with time stamps of the kernel. The
+error of an event is its arrival time minus its logged time, relative to the median of the run. The drift
+of a run is the median difference of its last tenth minus that of its first tenth. LOG: the first 15 s of
+the sample unless given. BIN: the folder of the programs, build/release/bin unless set. Runs in a separate
+network namespace and leaves nothing behind.
 """
 import os
 import pathlib
@@ -25,7 +25,7 @@ BIN = pathlib.Path(os.environ.get("BIN", ROOT / "build/release/bin")).resolve()
 
 
 def event_times_us(path):
-    """When each event of the log was received, by index."""
+    """Returns the times in us at which the events of a log were received, in its order."""
     log, at, times = pathlib.Path(path).read_bytes(), 0, []
     while at + 28 <= len(log):
         _, _, utime, channel, size = struct.unpack_from(">IqqII", log, at)
@@ -35,7 +35,7 @@ def event_times_us(path):
 
 
 def arrivals_us(command, count):
-    """The player's messages: arrival by sequence number, while it runs."""
+    """Runs a player. Returns the arrival times in us of its messages by sequence number."""
     ear = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     ear.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     ear.setsockopt(socket.SOL_SOCKET, SO_TIMESTAMPNS, 1)

@@ -1,9 +1,9 @@
 #!/bin/bash
 # replay_trials.sh [TRIALS [STRESSED [SECONDS [SCENARIO]]]]: flies TRIALS real-time trials of SCENARIO
-# with one process each (`vantage up`), seeds 1 and on, the last STRESSED of them beside stress-ng on
-# every core, and makes every plan and every belief again from the logs (`vantage log replay`).
-# Prints a table; exit code 1 unless every output is equal to the last bit. (10, 2, 30 s, the lab.)
-# Runs in a network of its own: nothing reaches or survives outside.
+# with one process per node (`vantage up`), seeds from 1, the last STRESSED of them with stress-ng on
+# every core. Computes all plans and beliefs again from the logs (`vantage log replay`) and prints a
+# table; exit code 1 unless all bits of all outputs are equal. Defaults: 10, 2, 30 s, config/lab.yaml.
+# Runs in a separate network namespace and leaves nothing behind.
 # BIN: the folder of the programs, build/release/bin unless set.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -29,7 +29,7 @@ for trial in $(seq "$trials"); do
     beside="stress-ng, $(nproc) cores"
     stress-ng --cpu "$(nproc)" --timeout $((seconds + 10)) >/dev/null 2>&1 & stress=$!
   fi
-  # Exit code 1 (say, a near collision) is no matter here: what was logged counts.
+  # Exit code 1 (for example after a collision) is ignored here: only the log is used.
   "$bin/vantage" up "$scenario" --seed "$trial" --duration-s "$seconds" --url "$url" --json \
     --log "$dir/flight.lcmlog" >"$dir/up.json" 2>"$dir/up.err" || (($? == 1))
   if [[ -n "$stress" ]]; then

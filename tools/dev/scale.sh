@@ -1,9 +1,9 @@
 #!/bin/bash
-# scale.sh [OUT [ROBOTS…]]: what trials of growing teams cost, as many targets as robots, 400 m² of field
-# for each (20 m × 20 m), everything else the same: OUT/cost.csv, OUT/traffic.csv (bytes that a robot
-# says in a second, by channel) and OUT/scale.png (build/scale; 3 10 30 100 300 1000).
-# A machine that is doing nothing else for about ten minutes, and 4 GB. BIN: the folder of the programs,
-# build/release/bin unless set. NODES, SECONDS_FLOWN: of work a plan (5000), of each trial (5).
+# scale.sh [OUT [ROBOTS…]]: measures the cost of trials by team size, with one target and 400 m² of field
+# (20 m × 20 m) per robot. Writes OUT/cost.csv, OUT/traffic.csv (bytes per second that a robot publishes,
+# by channel) and OUT/scale.png. Defaults: build/scale; 3 10 30 100 300 1000.
+# Needs an otherwise idle machine for about 10 min, and 4 GB. BIN: the folder of the programs,
+# build/release/bin unless set. NODES: search nodes per plan (5000). SECONDS_FLOWN: s per trial (5).
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 out=${1:-build/scale}

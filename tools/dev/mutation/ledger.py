@@ -1,4 +1,4 @@
-"""What was drawn and what came of it: one JSON object a line, in the order of the draw."""
+"""Ledger of drawn mutations and their outcomes: one JSON object per line, in the order of the draw."""
 
 import collections
 import json
@@ -8,21 +8,21 @@ import random
 
 from . import sites
 
-# What a mutation can have come to. Of the score are the first three.
-KILLED = "killed"  # `by` a test that failed, or by the time limit
+# Outcomes of a mutation. Only the first three count in the score.
+KILLED = "killed"  # noticed: `by` a test that failed or exceeded the time limit
 SURVIVED = "survived"
-EQUIVALENT = "equivalent"  # with a `reason` that a person wrote
-SAME_CODE = "same code"  # the compiler makes the same bytes of it
+EQUIVALENT = "equivalent"  # with a `reason` that a person has written
+SAME_CODE = "same code"  # the object code is unchanged
 NOT_BUILT = "not built"  # does not compile
-GONE = "gone"  # the source has changed, and no longer has it
+GONE = "gone"  # the source has changed and no longer contains it
 PENDING = "pending"
 OUTCOMES = (KILLED, SURVIVED, EQUIVALENT, SAME_CODE, NOT_BUILT, GONE, PENDING)
 
 
 class Ledger:
-    """Rows are dictionaries: id, draw, seed, file, line, operator, before, after, outcome; then by,
-    reason, commit (at which it came to that) and first (what it had come to at first, if that was
-    something else)."""
+    """Rows of drawn mutations. A row is a dictionary: id, draw, seed, file, line, operator, before, after,
+    outcome; optionally by, reason, commit (of the outcome) and first (the first outcome, if it was
+    another)."""
 
     def __init__(self, path):
         self.path = pathlib.Path(path)
@@ -31,7 +31,7 @@ class Ledger:
             self.rows = [json.loads(line) for line in self.path.read_text().splitlines() if line.strip()]
 
     def save(self):
-        """All or nothing: whoever is killed here leaves the ledger of before."""
+        """Writes the file atomically: a process killed here leaves the previous ledger."""
         self.path.parent.mkdir(parents=True, exist_ok=True)
         unfinished = self.path.with_suffix(".unfinished")
         with open(unfinished, "w", encoding="utf-8") as file:
@@ -48,7 +48,7 @@ class Ledger:
         return any(row["draw"] == name and row["seed"] == seed for row in self.rows)
 
     def add(self, drawn, name, seed):
-        """Adds what is not there yet, of whichever draw; returns how much that was."""
+        """Adds the sites that no draw contains yet. Returns their number."""
         known = {row["id"] for row in self.rows}
         fresh = [site for site in drawn if site.id not in known]
         for site in fresh:
@@ -68,7 +68,7 @@ class Ledger:
 
 
 def some_files(names, count, seed, path):
-    """`count` of the source files, or all files: where there is no time to read a whole folder."""
+    """Returns `count` random source files (.cpp); all files if `count` is None or not less than their number."""
     sources = sorted(name for name in names if name.endswith(".cpp"))
     if count is None or count >= len(sources):
         return names
@@ -76,8 +76,8 @@ def some_files(names, count, seed, path):
 
 
 def draw(found, count, seed, name):
-    """`count` of the sites, each kind of bug as often as the others while it lasts; of one seed and name
-    always the same from the same sites, in whatever order they come."""
+    """Draws `count` sites, with equal numbers per operator as long as it has sites. The result depends only on
+    the seed, the name and the set of sites, not on their order."""
     chance = random.Random(f"{seed}/{name}")
     by_operator = collections.defaultdict(list)
     for site in sorted(found, key=lambda site: (site.file, site.begin, site.end, site.id)):
@@ -96,7 +96,7 @@ def draw(found, count, seed, name):
 
 
 def table(rows, key):
-    """Markdown: a line for each value of the key, then all."""
+    """Returns a table in Markdown with one row per value of the key, and one for all."""
     groups = collections.OrderedDict()
     for row in rows:
         groups.setdefault(str(row[key]), []).append(row)
@@ -107,7 +107,7 @@ def table(rows, key):
     for name, group in groups.items():
         count = collections.Counter(row["outcome"] for row in group)
         first = collections.Counter(row.get("first", row["outcome"]) for row in group)
-        first[EQUIVALENT] = count[EQUIVALENT]  # was so from the beginning
+        first[EQUIVALENT] = count[EQUIVALENT]  # equivalent mutations were so from the beginning
         first[SURVIVED] -= sum(1 for row in group
                                if row["outcome"] == EQUIVALENT and row.get("first") == SURVIVED)
         idle = count[SAME_CODE] + count[NOT_BUILT] + count[GONE]
@@ -117,7 +117,7 @@ def table(rows, key):
 
 
 def _share(count):
-    """Killed or equivalent, of all that could be noticed."""
+    """Returns the share of killed and equivalent mutations of those plus the survived ones."""
     good = count[KILLED] + count[EQUIVALENT]
     whole = good + count[SURVIVED]
     return f"{100.0 * good / whole:.0f} %" if whole else "-"

@@ -1,7 +1,7 @@
-"""Where a C++ file can be changed by one small bug, found on the syntax tree of libclang.
+"""Finds the places of a C++ file where one small bug can be put, on the syntax tree of libclang.
 
-A site is one mutation: a piece of the source and what stands there instead. Found are the kinds of bug
-that people make and tests let through:
+A site is one mutation: a part of the source and its replacement. The operators are kinds of bugs that
+programmers make and tests miss:
 
   comparison  a < b -> a > b; also a <= b, but not of floating point (an edge of measure zero); !a -> a
   sign        a + b -> a - b, a += b -> a -= b, -a -> a
@@ -13,11 +13,11 @@ that people make and tests let through:
   return      an early return, a continue, or a break out of a loop, removed
   reset       an assignment (=, +=, ++, ...), .reset(), .clear() or the like, removed
   swap        two neighbouring arguments or initialisers of one type, swapped
-  unit        a value whose name says its unit, read in another; a factor 1e3, 1e-6, 60, ... that is forgotten
+  unit        a value with a unit in its name, scaled to another unit; a factor 1e3, 1e-6, 60, ... removed
 
-Not looked at: comments and texts, what goes to the log, static assertions, declarations (parameters,
-template arguments, case labels, enumerators, bounds of arrays), and whatever a macro has written.
-"""
+  Not mutated: comments and string literals, log messages, static assertions, declarations (parameters,
+  template arguments, case labels, enumerators, bounds of arrays), and expansions of macros.
+  """
 
 import collections
 import dataclasses
@@ -26,7 +26,7 @@ import os
 import re
 import sys
 
-# Debian's module is plain Python: any interpreter may read it.
+# Debian's module is pure Python, so any interpreter can import it.
 sys.path.append("/usr/lib/python3/dist-packages")
 try:
     from clang import cindex
@@ -49,7 +49,7 @@ OTHER_EXTREME |= {big: small for small, big in OTHER_EXTREME.items()}
 NEIGHBOUR = {"x": "y", "y": "x", "z": "y", "front": "back", "back": "front"}
 RESETS = {"reset", "clear", "fill", "setZero", "erase", "pop_front", "pop_back"}
 SYMMETRIC = {"min", "max", "fmin", "fmax", "hypot", "swap"}
-# A name's unit, and by what a reader is wrong who takes it for another.
+# Unit suffix of a name, and the factor by which a value is wrong in a similar unit.
 UNIT_FACTORS = {"s": "1e-3", "ms": "1e3", "us": "1e3", "ns": "1e3", "m": "1e3", "mm": "1e-3",
                 "rad": "57.29577951308232", "deg": "0.017453292519943295", "mps": "3.6",
                 "radps": "57.29577951308232", "share": "100", "hz": "1e-3"}
@@ -58,7 +58,7 @@ UNIT_NUMBERS = {10.0 ** n for n in (-9, -6, -3, -2, 2, 3, 6, 9)} | {60.0, 3600.0
 NUMBER = re.compile(r"(\d[\d']*(?:\.\d*)?(?:[eE][-+]?\d+)?|\.\d+(?:[eE][-+]?\d+)?)([uUlLfFzZ]*)$")
 SHOWN_MAX = 240
 SHOWN_AROUND = 40
-LENIENT = ("-Wno-everything", "-fconstexpr-steps=100000000")  # as much as other compilers work out
+LENIENT = ("-Wno-everything", "-fconstexpr-steps=100000000")  # enough for constant expressions that GCC accepts
 LOG = re.compile(r"\s*(spdlog::|logger?(\.|->|\())")
 
 
@@ -74,7 +74,7 @@ class Site:
     operator: str
     before: str  # the expression or statement that is changed, in one line
     after: str
-    begin: int  # bytes of the file that are replaced
+    begin: int  # offsets of the replaced bytes in the file
     end: int
     replacement: bytes
 
@@ -84,10 +84,10 @@ class Site:
 
 @dataclasses.dataclass(frozen=True)
 class Body:
-    """What stands between the braces of a function, in bytes of its file."""
+    """Content between the braces of a function, as byte offsets in its file."""
     begin: int
     end: int
-    is_void: bool  # it may end without a return
+    is_void: bool  # the function may end without a return
 
 
 def is_available():
@@ -95,7 +95,7 @@ def is_available():
 
 
 def parse_arguments(command):
-    """What libclang needs of a compiler's command line."""
+    """Returns the arguments of a compiler's command line that libclang needs."""
     kept = []
     words = iter(command)
     for word in words:
@@ -107,7 +107,7 @@ def parse_arguments(command):
 
 
 def find_sites(path, name, arguments):
-    """The sites of the file at `path`, called `name` in the ledger, in the order of their place."""
+    """Returns the sites of the file at `path`, called `name` in the ledger, in the order of their offsets."""
     source, unit = _parsed(path, name, arguments)
     finder = _Finder(str(path), source)
     for cursor in unit.cursor.get_children():
@@ -121,7 +121,7 @@ def find_sites(path, name, arguments):
 
 
 def find_bodies(path, name, arguments):
-    """The functions that the file defines, but for those that a compiler may run, in the order of their place."""
+    """Returns the functions that the file defines, except constexpr and consteval ones, in the order of their offsets."""
     source, unit = _parsed(path, name, arguments)
     found = []
 
@@ -144,12 +144,12 @@ def find_bodies(path, name, arguments):
 
 
 def _parsed(path, name, arguments):
-    """The file's bytes, and libclang's tree of it."""
+    """Returns the bytes of a file and its syntax tree."""
     with open(path, "rb") as file:
         source = file.read()
     read, unsaved = str(path), []
     if read.endswith(".hpp"):
-        # As its readers have it: what it includes may include it again.
+        # Included by another file, as in a build: a file that the header includes may include it again.
         read = f"{path}.cpp"
         unsaved = [(read, f'#include "{path}"\n')]
     unit = cindex.Index.create().parse(
@@ -162,10 +162,11 @@ def _parsed(path, name, arguments):
 
 
 def _named(found, source, name):
-    """Ids that stay when lines elsewhere change: of function, expression, change, and which of the same."""
+    """Returns the sites with ids. An id is a hash of function, expression, change and the index among equal ones, so
+    that it stays the same when other lines change."""
     sites = []
     same = collections.Counter()
-    places = {}  # the first that finds a change at a place keeps it
+    places = {}  # only the first of equal changes at a place is kept
     for entry in found:
         places.setdefault((entry[2], entry[3], entry[4]), entry)
     order = OPERATORS.index
@@ -184,7 +185,7 @@ def _named(found, source, name):
 
 
 def _shown(before, after):
-    """Both, without most of what they have in common when that is long."""
+    """Returns both texts, with long common parts shortened."""
     if max(len(before), len(after)) <= SHOWN_MAX:
         return before, after
     head = len(os.path.commonprefix((before, after)))
@@ -225,7 +226,7 @@ def _is_number(type_):
 
 
 def _is_text_or_place(type_):
-    """A string, a pointer or an iterator: + and - mean something else there."""
+    """Returns true for a string, pointer or iterator, whose + and - are not arithmetic."""
     canonical = type_.get_canonical()
     name = canonical.spelling
     return canonical.kind in (TypeKind.POINTER, TypeKind.CONSTANTARRAY, TypeKind.INCOMPLETEARRAY) or \
@@ -244,7 +245,7 @@ class _Finder:
         self.macros = []
         self.found = []
 
-    # --- of the source ---
+    # --- text of the source ---
 
     def extent(self, cursor):
         return cursor.extent.start.offset, cursor.extent.end.offset
@@ -256,7 +257,7 @@ class _Finder:
         return self.text(*self.extent(cursor))
 
     def bare(self, begin, end):
-        """The text without comments and blanks at its ends."""
+        """Returns the text without comments, and without blanks at its ends."""
         return re.sub(r"//[^\n]*|/\*.*?\*/", "", self.text(begin, end), flags=re.S).strip()
 
     def add(self, operator, stack, begin, end, replacement, outer=None, at=None):
@@ -269,7 +270,7 @@ class _Finder:
         self.found.append((operator, context, begin, end, replacement.encode(), outer,
                            begin if at is None else at))
 
-    # --- of the tree ---
+    # --- nodes of the tree ---
 
     def walk(self, cursor, stack):
         kind = cursor.kind
@@ -283,11 +284,11 @@ class _Finder:
         if kind == Kind.CALL_EXPR and LOG.match(self.text_of(cursor)):
             return
         if kind in FUNCTIONS:
-            # Members are initialised and the body is run; the rest declares.
+            # Only the initialisers of members and the body are executed; the rest is a declaration.
             children = [c for c in children if c.extent.start.offset > cursor.location.offset and
                         (c.kind.is_expression() or c.kind.is_statement())]
         elif kind in (Kind.VAR_DECL, Kind.FIELD_DECL):
-            # Before the name stands the type.
+            # Skips the type, which is before the name.
             children = [c for c in children if c.extent.start.offset > cursor.location.offset and
                         not self.is_bound(c)]
         elif kind == Kind.MEMBER_REF_EXPR:
@@ -360,7 +361,7 @@ class _Finder:
 
     @staticmethod
     def fits(part, whole):
-        """The part has a type that can stand for the whole: not one instant for a difference of two."""
+        """Returns true if the type of the part can replace that of the whole, unlike an instant and a difference of two."""
         names = _plain(part.type), _plain(whole.type)
         return all(_is_number(c.type) or "Eigen" in name for c, name in zip((part, whole), names)) or \
             names[0] == names[1]
@@ -386,7 +387,7 @@ class _Finder:
             return
         if any(c.kind == Kind.ARRAY_SUBSCRIPT_EXPR or c.spelling in ("operator[]", "operator()")
                for c in stack[-3:]):
-            return  # that is an index
+            return  # an index, which index() mutates
         digits = match.group(1).replace("'", "")
         if digits.isdigit() and not digits.startswith("0"):
             doubled, halved = (f"{n}{match.group(2)}" for n in (2 * int(digits), int(digits) // 2))
@@ -398,7 +399,7 @@ class _Finder:
         self.add("constant", stack, begin, end, halved, outer)
 
     def shown_around(self, cursor, stack):
-        """What to show of a number's surroundings: the next expression or declaration around it."""
+        """Returns the extent to show for a number: the innermost expression or declaration around it."""
         own = self.extent(cursor)
         for around in reversed(stack):
             begin, end = self.extent(around)
@@ -408,7 +409,7 @@ class _Finder:
         return own
 
     def callee(self, cursor, children):
-        """What is called: the end of its name, and the name."""
+        """Returns (begin, end, name) of the called function's name; None if it cannot be found."""
         if not children:
             return None
         first = children[0]
@@ -488,7 +489,7 @@ class _Finder:
             if texts[0] == texts[1] or texts[0].startswith(".") or _plain(one.type) != _plain(other.type):
                 continue
             if "char" in _plain(one.type) and _is_text_or_place(one.type):
-                continue  # a text
+                continue  # string literals
             between = self.text(first[1], second[0])
             self.add("swap", stack, first[0], second[1], texts[1] + between + texts[0], whole)
 
@@ -513,7 +514,7 @@ class _Finder:
         self.add("unit", stack, begin, end, f"({factor} * {self.text(begin, end)})")
 
     def body_around(self, stack):
-        """The stack within the innermost function, and the function."""
+        """Returns the innermost function or lambda and the part of the stack within it."""
         for depth in range(len(stack) - 1, -1, -1):
             if stack[depth].kind in FUNCTIONS or stack[depth].kind == Kind.LAMBDA_EXPR:
                 return stack[depth], stack[depth + 1:]
@@ -526,7 +527,7 @@ class _Finder:
         if cursor.kind == Kind.RETURN_STMT:
             last = list(inner[0].get_children())[-1]
             is_last = self.extent(last) == self.extent(cursor)
-            # Without it the function must still end in a return of its own.
+            # Without this return the function must still end in another return.
             if is_last or (list(cursor.get_children()) and last.kind != Kind.RETURN_STMT):
                 return
             if self.extent(last)[0] <= self.extent(cursor)[0] < self.extent(last)[1] and \

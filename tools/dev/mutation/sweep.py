@@ -1,5 +1,5 @@
-"""Every mutation of a file in one object: each function has its body once more for each of them, and a
-number from the environment says which is run. So files are compiled once and not for each mutation."""
+"""Builds all mutations of a file into one object: each function contains a copy of its body per mutation,
+and a number from the environment selects the copy. So a file is compiled once instead of once per mutation."""
 
 import bisect
 import collections
@@ -10,10 +10,10 @@ import shutil
 from . import ledger, sites
 from .workshop import Trouble
 
-VARIABLE = "VANTAGE_MUTANT"  # of the environment: the number; whatever else is as the sources are
-CHOICE = "vantage_mutant"  # of the program: the same
-OPTIONS = ("-w", "-D_GLIBCXX_ASSERTIONS")  # an index that is out of range is noticed
-# Before any other constructor of the program: tests are listed, and their inputs made, by those.
+VARIABLE = "VANTAGE_MUTANT"  # environment variable with the number; without it the original code runs
+CHOICE = "vantage_mutant"  # variable of the program with the same number
+OPTIONS = ("-w", "-D_GLIBCXX_ASSERTIONS")  # assertions make an index out of range noticeable
+# Runs before all other constructors of the program, as those register tests and make their inputs.
 CHOOSER = f"""#include <cstdlib>
 extern "C" int {CHOICE} = -1;
 __attribute__((constructor(101))) static void choose() {{
@@ -23,8 +23,8 @@ __attribute__((constructor(101))) static void choose() {{
 
 
 def text_of(source, bodies, numbered):
-    """The source with the body of each function once more for each mutation in it, and whose the lines
-    are: (first line, number) in their order, None where they are nobody's. `numbered` is of (number, site)."""
+    """Returns the source with a copy of a function's body per mutation in it, and the owners of its lines: a list
+    of (first line, number of the mutation or None) in order. `numbered`: list of (number, site)."""
     pieces = [f'extern "C" int {CHOICE};\n'.encode()]
     owners = [(1, None)]
     line = 2
@@ -55,31 +55,31 @@ def text_of(source, bodies, numbered):
 
 
 def body_of(bodies, site):
-    """The function that a site is within."""
+    """Returns the function body that contains a site; None if there is none."""
     return next((body for body in bodies if body.begin <= site.begin and site.end <= body.end), None)
 
 
 def culprits(errors, owners):
-    """Numbers of the mutations that a compiler complained of."""
+    """Returns the numbers of the mutations in lines with compile errors."""
     lines = [line for line, _ in owners]
     found = {owners[bisect.bisect_right(lines, line) - 1][1] for line in errors}
     return found - {None}
 
 
 class Sweep:
-    """The programs that see some files, each linked with all mutations of these."""
+    """Test programs of some files, each linked with all mutations of these files."""
 
     def __init__(self, shop, sites_of):
-        """`sites_of`: the sites by file."""
+        """Compiles all mutations. `sites_of`: the sites by file."""
         self.shop = shop
         self.place = shop.place / "sweep"
         shutil.rmtree(self.place, ignore_errors=True)
         self.place.mkdir()
-        self.number_of = {}  # by id, of what is built
-        self.errors = {}  # by id, of what is not
-        self.outside = []  # what stands in no function
-        self.objects = {}  # by object of the build: its like with all mutations
-        self.paths = {}  # by program
+        self.number_of = {}  # number of each built mutation, by id
+        self.errors = {}  # error of each mutation that was not built, by id
+        self.outside = []  # sites outside of functions
+        self.objects = {}  # object with all mutations, by object of the build
+        self.paths = {}  # path of each linked program, by program
         number = 0
         for name, found in sites_of.items():
             bodies = sites.find_bodies(shop.root / name, name, shop.arguments_for(name))
@@ -97,7 +97,7 @@ class Sweep:
         shop.command([next(iter(shop.command_of.values()))[0], "-c", chooser, "-o", self.objects["chooser"]])
 
     def compile(self, name, bodies, numbered):
-        """Each object of a file, without those mutations that no compiler takes."""
+        """Compiles each object of a file, without the mutations that do not compile."""
         source = (self.shop.root / name).read_bytes()
         wanted = sorted({o for _, objects in self.shop.who_sees(name) for o in objects
                          if self.shop.source_of[o] == name})
@@ -120,7 +120,7 @@ class Sweep:
         self.shop.say(f"{name}: {len(left)} of {len(numbered)} in one object")
 
     def judge(self, site, killers=()):
-        """Outcome, and by what, or which programs did not notice."""
+        """Returns the outcome and the test that noticed the mutation, or the programs that did not."""
         if site.id in self.errors:
             return ledger.NOT_BUILT, self.errors[site.id]
         chosen = ("env", f"{VARIABLE}={self.number_of[site.id]}")
@@ -137,7 +137,7 @@ class Sweep:
         return (ledger.PENDING, "") if self.shop.quick_s is not None else (ledger.SURVIVED, " ".join(tried))
 
     def path_of(self, program):
-        """The program with all mutations, linked when it is asked for first."""
+        """Returns the path of the program with all mutations, which is linked at the first call."""
         with self.shop.is_one_at_a_time:
             if program not in self.paths:
                 path = self.place / os.path.basename(program)
