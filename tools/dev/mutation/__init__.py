@@ -1,1 +1,1 @@
-"""The parts of tools/dev/mutate."""
+"""Modules of tools/dev/mutate."""

@@ -1,6 +1,6 @@
-"""Where mutations are built and tried: objects and a program of their own in build/mutate, linked with
-what the checkout's build folder has of all the rest. The checkout and its build are only read, so
-nothing that ends this process can leave a mutation in them."""
+"""Builds and tests mutations: compiles mutated objects in build/mutate and links them with the other
+objects of the checkout's build folder. The checkout and its build are only read, so no mutation can
+remain in them if this process is killed."""
 
 import dataclasses
 import fcntl
@@ -21,22 +21,22 @@ import time
 from . import ledger, sites
 
 INCLUDE = re.compile(rb'^[ \t]*#[ \t]*include[ \t]*"([^"]+)"', re.M)
-GENERATED = "vantage_lcm_gen"  # headers that must be there before a file can be parsed
+GENERATED = "vantage_lcm_gen"  # target of the headers that must exist before a file can be parsed
 BUILD_LIMIT_S = 1800.0
-TIERS_S = (0.03, 0.5, 3.0, math.inf)  # the cheapest tests are asked first
-QUICK_S = TIERS_S[1]  # the slowest with --quick
-KILLERS = 12  # so many tests that noticed another bug nearby are asked before all others
-UNKNOWN_S = 0.1  # of a test that has not been timed
-SCRIPTED = "vantage"  # the program that scripts start
-WALL_LIMIT_S = 900  # of a run of tests that waits instead
-LEAST_SHARE = 0.002  # of a processor: what has had so much meanwhile did not wait
-# Where no build is found: optimised a little, with assertions, without what only a debugger reads.
+TIERS_S = (0.03, 0.5, 3.0, math.inf)  # upper limits of duration; the fastest tests run first
+QUICK_S = TIERS_S[1]  # longest test with --quick
+KILLERS = 12  # largest number of tests that run first because they noticed a mutation nearby
+UNKNOWN_S = 0.1  # assumed duration of a test that has not been timed
+SCRIPTED = "vantage"  # program that scripts start
+WALL_LIMIT_S = 900  # longest wait of a run of tests without using the processor
+LEAST_SHARE = 0.002  # processors; a process that used this share or more is not waiting
+# Configuration of a new build: little optimisation, with assertions, without debug information.
 CONFIGURATION = ("-G", "Ninja", "-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_CXX_FLAGS_DEBUG=-O1 -D_GLIBCXX_ASSERTIONS",
                  "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON", "-DVANTAGE_BUILD_TESTS=ON")
 
 
 class Trouble(Exception):
-    """Something a person must put right first."""
+    """Problem that the user must fix first."""
 
 
 def git(root, *words):
@@ -45,7 +45,7 @@ def git(root, *words):
 
 
 def changed_files(root, but):
-    """What git calls changed or unknown, except the files in `but`."""
+    """Returns the changed and untracked files, except those in `but`."""
     out = []
     for entry in git(root, "status", "--porcelain", "-z", "--no-renames",
                      "--untracked-files=all").split("\0"):
@@ -56,7 +56,7 @@ def changed_files(root, but):
 
 
 def changed_lines(root, revision):
-    """By file, the lines that differ from a revision, as they are numbered now."""
+    """Returns {file: set of the present numbers of lines that differ from a revision}."""
     lines = {}
     name = None
     for line in git(root, "diff", "-U0", "--no-ext-diff", revision, "--", "*.cpp", "*.hpp").splitlines():
@@ -70,7 +70,7 @@ def changed_lines(root, revision):
 
 
 def source_files(root, path):
-    """The C++ files at or below a path."""
+    """Returns the C++ files at or below a path."""
     names = [name for name in git(root, "ls-files", "-z", "--", path).split("\0")
              if name.endswith((".cpp", ".hpp"))]
     if not path.startswith("test"):
@@ -79,8 +79,8 @@ def source_files(root, path):
 
 
 def processor_time(session):
-    """Seconds that the processes have had which one has started in a session of its own, and those they
-    waited for; whether one of them wants more."""
+    """Returns the processor time in s of all processes of a session and of their ended children, and whether one of
+    them is ready to run."""
     ticks = 0
     wants_more = False
     for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
@@ -95,8 +95,8 @@ def processor_time(session):
 
 
 def output_of(process, limit_s):
-    """What it says until it ends, as long as it does not wait for `limit_s`. On a busy machine what works
-    may get little."""
+    """Returns the output of a process when it ends. Raises TimeoutExpired if it has not used the processor for
+    `limit_s`. Wall time alone is no measure, as a working process may get little time on a busy machine."""
     used_s = 0.0
     while True:
         try:
@@ -113,34 +113,35 @@ def hash_of(path):
 
 
 def has_every_file_alone(build):
-    """Something is built there, and not several files at once: a mutant takes the place of one."""
+    """Returns true if a build exists that compiles each file separately (no unity build), as a mutated object
+    replaces that of one file."""
     cache = build / "CMakeCache.txt"
     return (build / "build.ninja").exists() and not (
         cache.exists() and "VANTAGE_UNITY:BOOL=ON" in cache.read_text())
 
 
 class Workshop:
-    """The sources as they are, a build of them, and what is known of its tests."""
+    """The unmutated sources, a build of them, and the known facts about its tests."""
 
     def __init__(self, root, build=None, exclude_labels="", exclude_tests="", only="", quick_s=None,
                  jobs=1, limit_factor=5.0, limit_slack_s=5.0, scripts="", say=print):
         self.root = pathlib.Path(root)
         self.place = self.root / "build" / "mutate"
         release = self.root / "build" / "release"
-        self.is_given = build is not None  # and is then as it shall be
+        self.is_given = build is not None  # a given build is used without updating it
         self.build = self.root / build if build else \
             release if has_every_file_alone(release) else self.place / "build"
         self.exclude_labels = exclude_labels
         self.exclude_tests = exclude_tests
         self.only = only
-        self.quick_s = quick_s  # what takes longer is not asked, and nothing is settled by that
+        self.quick_s = quick_s  # longer tests are not run, and mutations that survive stay pending
         self.scripts = scripts
         self.jobs = jobs
         self.limit_factor = limit_factor
         self.limit_slack_s = limit_slack_s
         self.say = say
         self.programs = None
-        self.scripted = None  # the program that scripts start, and its objects
+        self.scripted = None  # (program that scripts start, its objects)
         self.sites = {}
         self.tests = {}
         self.sound = {}
@@ -149,12 +150,12 @@ class Workshop:
         self.compiled = {}
         self.running = set()
         self.is_stopped = False
-        self.is_one_at_a_time = threading.RLock()  # for what all mutations share
+        self.is_one_at_a_time = threading.RLock()  # guards the data that all mutations share
 
     # --- the build ---
 
     def open(self, is_for_tests):
-        """One session at a time, or baselines are measured against each other."""
+        """Opens a session. Only one at a time is permitted, as sessions would disturb each other's timings."""
         self.place.mkdir(parents=True, exist_ok=True)
         self.lock = open(self.place / "lock", "w")
         try:
@@ -170,11 +171,11 @@ class Workshop:
         elif not self.is_given and self.targets().get(GENERATED):
             self.ninja([GENERATED])
 
-    # --- commands, none of which outlives us ---
+    # --- commands, which end with this process ---
 
     def command(self, words, limit_s=BUILD_LIMIT_S, is_checked=True, cpu_limit_s=None, cwd=None, env=None):
-        """Output and exit code; None for the code when it had to be stopped: it waited for `limit_s`.
-        The CPU time is that of each process: seconds of a clock say nothing on a busy machine."""
+        """Runs a command. Returns its output and exit code; the code is None if it was killed because it waited for
+        `limit_s`. `cpu_limit_s` limits the CPU time of each process, as wall time is not useful on a busy machine."""
         def limit():
             if cpu_limit_s is not None:
                 resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(cpu_limit_s),) * 2)
@@ -187,7 +188,7 @@ class Workshop:
         code = None
         self.running.add(process)
         try:
-            if self.is_stopped:  # between the start and the note of it
+            if self.is_stopped:  # stop() was called before the process was in `running`
                 os.killpg(process.pid, signal.SIGKILL)
             output = output_of(process, limit_s)
             code = process.returncode
@@ -206,7 +207,7 @@ class Workshop:
         return output, code
 
     def stop(self):
-        """Ends what is under way in other threads; what they say of it is not to be believed."""
+        """Kills the commands of other threads, whose results are then invalid."""
         self.is_stopped = True
         for process in list(self.running):
             try:
@@ -218,10 +219,10 @@ class Workshop:
         if not self.is_given:
             self.command(["ninja", "-j", self.jobs, "-C", self.build, *targets])
 
-    # --- who sees what ---
+    # --- dependencies ---
 
     def targets(self):
-        """Rule by target."""
+        """Returns {target: rule} of the build."""
         out = {}
         for line in self.command(["ninja", "-C", self.build, "-t", "targets", "all"])[0].splitlines():
             name, _, rule = line.partition(": ")
@@ -229,7 +230,7 @@ class Workshop:
         return out
 
     def read_graph(self):
-        """Of each test program, the objects that it is linked from; of each object, its source."""
+        """Reads the objects of each test program, the source and command of each object, and the includes."""
         self.ninja(["build.ninja"])
         kept = self.place / "graph.json"
         digest = hash_of(self.build / "build.ninja")
@@ -270,7 +271,7 @@ class Workshop:
             return json.load(file)
 
     def readers(self, name):
-        """The files that include this one, whatever lies between, and itself."""
+        """Returns the file and all files that include it directly or indirectly."""
         seen, new = {name}, [name]
         while new:
             for reader in self.includers.get(new.pop(), ()):
@@ -280,7 +281,7 @@ class Workshop:
         return seen
 
     def who_sees(self, name):
-        """Test programs, the nearest first, each with its objects that are compiled from the file."""
+        """Returns the test programs that depend on the file, the nearest first, each with its objects that do."""
         readers = self.readers(name)
         out = []
         near = set(pathlib.PurePath(name).parts)
@@ -294,7 +295,8 @@ class Workshop:
         return [(program, seen) for _, _, program, seen in sorted(out, key=lambda entry: entry[:3])]
 
     def arguments_for(self, name):
-        """libclang's arguments for a file: its own, or for a header those of one that includes it."""
+        """Returns libclang's arguments for a file: its own, or for a header those of a file that includes it; None if
+        there is none."""
         by_source = {source: self.command_of[made] for made, source in self.source_of.items()}
         folder = os.path.dirname(name)
         if name in by_source:
@@ -317,7 +319,7 @@ class Workshop:
             yield from self.sites[name]
 
     def kept_sites(self, name, arguments):
-        """Those of a text are found once: libclang reads all that it includes, seconds for each file."""
+        """Returns the sites of a file from a cache by its content, as libclang needs seconds per file."""
         finder = pathlib.Path(sites.__file__).read_bytes()
         text = (self.root / name).read_bytes()
         key = hashlib.sha256(b"\0".join((name.encode(), finder, text))).hexdigest()[:24]
@@ -336,7 +338,7 @@ class Workshop:
     # --- the unmutated tests ---
 
     def known(self, program):
-        """Its tests, with the seconds that each took when it was run last: nothing is run to learn them."""
+        """Returns the tests of a program with their last known durations. Does not run tests for that."""
         with self.is_one_at_a_time:
             if program not in self.tests:
                 self.ninja([program])
@@ -344,7 +346,7 @@ class Workshop:
             return [test.timed(self.seconds.get(test.name, UNKNOWN_S)) for test in self.tests[program]]
 
     def read_seconds(self):
-        """Of ctest's own notes, and of runs of mutations before this one."""
+        """Returns the durations of tests from ctest's notes and from earlier sessions."""
         out = {}
         notes = self.build / "Testing" / "Temporary" / "CTestCostData.txt"
         if notes.exists():
@@ -356,7 +358,7 @@ class Workshop:
         return out | (json.loads(kept.read_text()) if kept.exists() else {})
 
     def is_sound(self, program, test):
-        """It passes unmutated: asked of those alone that noticed something, once."""
+        """Returns true if a test passes without mutation. Runs once per test, only for tests that noticed a mutation."""
         with self.is_one_at_a_time:
             if test.name not in self.sound:
                 begun = time.monotonic()
@@ -368,7 +370,7 @@ class Workshop:
             return self.sound[test.name]
 
     def tests_of(self, program):
-        """What ctest has of what is run by this program."""
+        """Returns the tests of ctest that run this program."""
         out = []
         for entry in self.told():
             words = entry.get("command", ())
@@ -379,13 +381,13 @@ class Workshop:
         return out
 
     def told(self):
-        """What ctest says of every test."""
+        """Returns ctest's description of all tests."""
         told, _ = self.command(["ctest", "--test-dir", self.build, "--show-only=json-v1",
                                 *(["--label-exclude", self.exclude_labels] if self.exclude_labels else [])])
         return json.loads(told)["tests"]
 
     def script_tests(self):
-        """Those that are asked last, the quickest first: each a whole command that starts the scripted program."""
+        """Returns the tests that are scripts and start SCRIPTED, the fastest first. They run after all others."""
         with self.is_one_at_a_time:
             if SCRIPTED not in self.tests:
                 chosen = re.compile(self.scripts) if self.scripts else None
@@ -397,7 +399,7 @@ class Workshop:
             return sorted(self.tests[SCRIPTED], key=lambda test: self.seconds.get(test.name, UNKNOWN_S))
 
     def try_tests(self, path, tests, cpu_limit_s=None):
-        """Output and exit code of a group that one process runs, until the first fails."""
+        """Runs a group of tests in one process until the first failure. Returns its output and exit code."""
         words = [*tests[0].before, path]
         if tests[0].filter:
             words += ["--gtest_filter=" + ":".join(t.filter for t in tests)]
@@ -410,7 +412,7 @@ class Workshop:
     # --- one mutation ---
 
     def judge(self, site, killers=()):
-        """Outcome, and by what, or which programs did not notice."""
+        """Returns the outcome and the test that noticed the mutation, or the programs that did not."""
         place = self.place / "work" / site.id
         try:
             return self.judge_in(place, site, killers)
@@ -421,7 +423,7 @@ class Workshop:
 
     def judge_in(self, place, site, killers):
         tried = []
-        made = {}  # object: how the mutated one is called
+        made = {}  # path of the mutated object, by object
         for program, objects in self.who_sees(site.file):
             known = self.known(program)
             if not known:
@@ -441,7 +443,7 @@ class Workshop:
             path.unlink()
             if killer:
                 return ledger.KILLED, killer
-            # What is killed is not the same: only of the others it is compiled as it is, too.
+            # A killed mutation has other code, so the unmutated object is compiled only for the others.
             if len(tried) == 1 and site.file.endswith(".cpp") and all(
                     hash_of(made[o]) == self.unmutated(o, site) for o in objects):
                 return ledger.SAME_CODE, ""
@@ -450,7 +452,7 @@ class Workshop:
         return self.judge_by_scripts(place, site, made, tried)
 
     def judge_by_scripts(self, place, site, made, tried):
-        """What no test program noticed: tests that are scripts, with the one program mutated that they start."""
+        """Judges a mutation that no test program noticed by scripts, which start the mutated SCRIPTED program."""
         name, inputs = self.scripted or ("", set())
         readers = self.readers(site.file)
         objects = {o for o in inputs if self.source_of.get(o) in readers}
@@ -473,7 +475,7 @@ class Workshop:
                 return ledger.NOT_BUILT, first_error(output)
             tried.append(SCRIPTED)
         for test in scripts:
-            # Is asked first: nobody knows yet how long it takes.
+            # Runs it unmutated first, which also measures its duration.
             if not self.is_sound_script(test):
                 continue
             limit_s = self.limit_slack_s + self.limit_factor * self.seconds[test.name]
@@ -482,7 +484,7 @@ class Workshop:
         return ledger.SURVIVED, " ".join(tried) or "no test program that sees it"
 
     def try_script(self, test, folder=None, cpu_limit_s=None):
-        """Exit code of a script, with the programs of another folder."""
+        """Runs a script with the programs of another folder. Returns the exit code."""
         there = str((self.build / self.scripted[0]).parent)
         words = [word.replace(there, str(folder or there)) for word in test.before]
         return self.command(words, WALL_LIMIT_S, is_checked=False, cpu_limit_s=cpu_limit_s, cwd=test.place)[1]
@@ -492,13 +494,13 @@ class Workshop:
             if test.name not in self.sound:
                 begun = time.monotonic()
                 self.sound[test.name] = self.try_script(test) == 0
-                self.seconds[test.name] = time.monotonic() - begun  # of each of its processes, at most
+                self.seconds[test.name] = time.monotonic() - begun  # upper bound for each of its processes
                 if not self.sound[test.name]:
                     self.say(f"  unmutated: {test.name} fails, and is left out")
             return self.sound[test.name]
 
     def compile(self, wanted, made, sources, name, text, options=()):
-        """An object from a file where the file `name`, itself or a header, has another text."""
+        """Compiles an object with another text of the file `name`, its source or a header."""
         words = list(self.command_of[wanted])
         words[words.index("-o") + 1] = made
         overlay = sources / name
@@ -508,12 +510,12 @@ class Workshop:
         if source == name:
             words[words.index("-c") + 1] = overlay
         beside = [f"-iquote{(sources / source).parent}", f"-iquote{(self.root / source).parent}"]
-        # Before all other folders: the header that is mutated is found there.
+        # First in the search path, so that the mutated header is found.
         words[1:1] = [*beside, f"-I{sources}", f"-ffile-prefix-map={sources}={self.root}", *options]
         return self.command(words, is_checked=False, cwd=self.build)
 
     def unmutated(self, wanted, site):
-        """Hash of what the compiler makes of a file as it is, in the same way."""
+        """Returns the hash of an object that is compiled in the same way without mutation."""
         with self.is_one_at_a_time:
             if wanted not in self.compiled:
                 place = self.place / "work" / "unmutated"
@@ -524,7 +526,7 @@ class Workshop:
             return self.compiled[wanted]
 
     def link(self, program, made, path):
-        """The program with the mutated objects; they stand before the archives, which give the rest."""
+        """Links a program with the mutated objects, which are placed before the archives that contain the others."""
         if program not in self.links:
             last = self.command(["ninja", "-C", self.build, "-t", "commands", program])[0].splitlines()[-1]
             step = next(s for s in last.split(" && ") if f" -o {program}" in s)
@@ -536,7 +538,7 @@ class Workshop:
         return self.command(words, is_checked=False, cwd=self.build)
 
     def killer(self, program, path, known, killers):
-        """The test that fails first; those are asked first that noticed other bugs nearby."""
+        """Returns the first test that fails, or "". Tests that noticed other mutations nearby run first."""
         if self.quick_s is not None:
             known = [t for t in known if t.seconds <= self.quick_s]
         old = [t for k in killers for t in known if t.name == k and t.seconds <= TIERS_S[-2]][:KILLERS]
@@ -552,7 +554,7 @@ class Workshop:
         return ""
 
     def failing(self, program, path, group):
-        """The first of a group that fails, twice (a hiccup kills nothing), and passes unmutated."""
+        """Returns the first test of a group that fails twice (against sporadic failures) and passes unmutated."""
         while group:
             limit_s = self.limit_slack_s + self.limit_factor * sum(t.seconds for t in group)
             output, code = self.try_tests(path, group, limit_s)
@@ -568,19 +570,19 @@ class Workshop:
             _, code = self.try_tests(path, [test], limit_s)
             if code != 0 and self.is_sound(program, test):
                 takes_s = self.seconds.get(test.name, 0.0)
-                if code in (None, -9, -24) and takes_s > test.seconds:  # it was given too little
+                if code in (None, -9, -24) and takes_s > test.seconds:  # the limit was too short
                     _, code = self.try_tests(path, [test], self.limit_slack_s + self.limit_factor * takes_s)
             if code != 0 and self.is_sound(program, test):
                 how = "" if code == 1 else " (does not end)" if code in (None, -9, -24) else " (crashes)"
                 return test.name + how
-            # What comes after it has not been asked.
+            # Continues with the tests that have not run yet.
             group = [t for t in group if t.key not in passed and t is not test]
         return ""
 
 
 class Test:
-    """A test as ctest knows it, what chooses it in its program (nothing: it is the program), and what its
-    program is run by (a network of its own)."""
+    """A test of ctest, with its --gtest_filter (empty: the whole program) and the command before its program
+    (e.g. for a separate network namespace)."""
 
     def __init__(self, name, chosen, place, seconds=0.0, before=()):
         self.name, self.filter, self.place, self.seconds, self.before = name, chosen, place, seconds, tuple(before)
@@ -590,17 +592,17 @@ class Test:
         return Test(self.name, self.filter, self.place, seconds, self.before)
 
     def run_by(self, words):
-        """The same with a command before its program."""
+        """Returns the same test with a command before its program."""
         return Test(self.name, self.filter, self.place, self.seconds, (*self.before, *words))
 
 
 def place_of(entry):
-    """Where ctest runs a test."""
+    """Returns the working directory of a test."""
     return next((p["value"] for p in entry["properties"] if p["name"] == "WORKING_DIRECTORY"), None)
 
 
 def by_kind(tests):
-    """Groups that one process can run."""
+    """Returns groups of tests that one process can run."""
     chosen = {}
     for test in tests:
         if test.filter:
@@ -615,7 +617,7 @@ def last_begun(output):
 
 
 def passes(output):
-    """Seconds by test."""
+    """Returns the durations in s of the tests that passed or were skipped."""
     found = re.findall(r"^\[       OK \] (\S+) \((\d+) ms\)$", output, re.M)
     return {name: int(ms) / 1e3 for name, ms in found} | \
         {name: 0.0 for name in re.findall(r"^\[  SKIPPED \] (\S+) \(\d+ ms\)$", output, re.M)}
