@@ -46,7 +46,7 @@ class ArmingWatch {
   const bus::Bus& bus_;
   const scenario::Scenario& scenario_;
   std::map<std::string, models::VehicleStatus> vehicles_;
-  std::map<std::string, int> frames_with_;  ///< frames that show the body unoccluded
+  std::map<std::string, int> frames_with_;  ///< number of frames in which the body is not occluded
   int frames_ = 0;
   int heartbeats_ = 0;
   std::map<std::string, bool> processes_;                          ///< true once received

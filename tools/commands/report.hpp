@@ -8,7 +8,7 @@
 
 namespace vantage::tools {
 
-/// Prints the outcome of a trial: one JSON object on one line, or a table.
+/// Prints the result of a trial: one JSON object on one line, or a table.
 void report_summary(const scenario::Scenario& scenario, const logs::TrialSummary& summary,
                     bool as_json);
 

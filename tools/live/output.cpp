@@ -85,7 +85,8 @@ void NonBlockingOutput::open(Stream& stream) {
     ::close(own);
     return;
   }
-  stream.saved_flags = ::fcntl(stream.descriptor, F_GETFL);  // a socket, or another user's terminal
+  // A socket, or a terminal of another user, cannot be opened again.
+  stream.saved_flags = ::fcntl(stream.descriptor, F_GETFL);
   if (stream.saved_flags >= 0) {
     ::fcntl(stream.descriptor, F_SETFL, stream.saved_flags | O_NONBLOCK);
   }

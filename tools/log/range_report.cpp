@@ -221,7 +221,7 @@ nlohmann::ordered_json to_json(const RangeReport& report) {
 
 std::string range_plot_script(const RangeReport& report, const std::string& picture_path) {
   const estimator::RangeFit& fit = report.fit;
-  std::string out = "$ranges << EOD\n";  // x y distance residual
+  std::string out = "$ranges << EOD\n";  // columns: x y distance residual
   for (const estimator::TakenRange& range : report.recording.ranges) {
     const Eigen::Vector2d& beacon_m = fit.beacons[index(range.beacon)].position_m;
     out += fmt::format("{:.9g} {:.9g} {:.9g} {:.9g}\n", range.robot_m.x(), range.robot_m.y(),

@@ -21,7 +21,7 @@ struct ProcessSpec {
   std::string name;
   std::vector<std::string> arguments;  ///< begins with the executable
   bool is_essential = false;           ///< the trial ends if this process is given up
-  /// Called before each start but the first.
+  /// Called before each restart.
   std::function<void()> before_restart = {};
   /// Working folder, created if missing; the output of the process is appended to its `output.txt`.
   /// Empty: working folder and output of the supervisor.

@@ -37,7 +37,7 @@ class FlightProgram {
   void bring_down() { is_over_ = true; }
   /// True if every vehicle with a status is idle or killed and was ordered to land at least once.
   [[nodiscard]] bool is_down() const;
-  /// Vehicles that have followed a plan since the start.
+  /// Returns the vehicles that have followed a plan since the start.
   [[nodiscard]] const std::set<std::string>& have_flown() const { return have_flown_; }
   /// Returns the vehicles that are neither idle nor killed.
   [[nodiscard]] std::vector<std::string> not_down() const;

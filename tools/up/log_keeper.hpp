@@ -24,7 +24,7 @@ ProcessSpec recorder_process(const ProcessPlaces& places, const std::string& log
 
 /// Result of recording a trial.
 struct LogOutcome {
-  std::string path;  ///< empty: nothing was to be recorded
+  std::string path;  ///< empty: no recording was requested
   int restarts = 0;
   double unrecorded_s = 0.0;  ///< sum of the gaps between the last event before each death of the
                               ///< recorder and the first event after it
@@ -48,7 +48,7 @@ class LogKeeper {
   LogKeeper& operator=(LogKeeper&&) = delete;
   ~LogKeeper() = default;
 
-  /// As Supervisor::poll().
+  /// Restarts the recorder if it has died; see Supervisor::poll().
   std::vector<SupervisorEvent> poll(Supervisor::Nanoseconds monotonic_ns);
   /// True if the end of the file contains `bytes`, the last published message.
   [[nodiscard]] bool holds(std::span<const std::uint8_t> bytes) const;

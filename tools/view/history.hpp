@@ -12,7 +12,7 @@
 
 namespace vantage::tools {
 
-/// Stores the records that a viewer who connects later needs for charts, marks and paths of bodies:
+/// Stores the records that viewers need after a late connection, for charts, marks and body paths:
 /// - all records of the team, of plans and of events;
 /// - at most one record per second of each vehicle and process;
 /// - five times per second the positions of all bodies.

@@ -12,8 +12,8 @@
 #include "core/time.hpp"
 #include "logs/foxglove/schema.hpp"
 
-// The Foxglove WebSocket protocol, bytes ↔ values. Pure. Text frames are JSON objects with "op",
-// binary frames begin with an opcode byte and are little-endian after it.
+// Encoding and decoding of the Foxglove WebSocket protocol. Pure. Text frames are JSON objects with
+// "op"; binary frames begin with an opcode byte and are little-endian after it.
 // Source: docs/spec.md of foxglove/ws-protocol, and the playback control of foxglove-sdk.
 
 namespace vantage::tools {
@@ -46,13 +46,13 @@ struct PlaybackState {
   std::string request_id;  ///< id of the request that it answers; empty if there is none
 };
 
-/// Text frames.
+/// Return text frames.
 std::string server_info_text(const ServerInfo& info, bool speaks_sdk);
 std::string advertise_text(std::span<const ChannelInfo> channels);
 std::string status_text(StatusLevel level, const std::string& message, const std::string& id);
 std::string remove_status_text(const std::string& id);
 
-/// Binary frames. The head of message data is followed by the payload.
+/// Return binary frames. The payload of a message follows its head.
 std::string message_head(std::uint32_t subscription_id, Time time);
 std::string time_frame(Time time);
 std::string playback_state_frame(const PlaybackState& state);

@@ -272,7 +272,7 @@ struct WebServer::State {
       return 0;
     }
     if (opcode > MG_WEBSOCKET_OPCODE_BINARY) {
-      return 1;  // ping and pong: civetweb answers
+      return 1;  // civetweb answers ping and pong
     }
     if (opcode != MG_WEBSOCKET_OPCODE_CONTINUATION) {
       viewer->text.clear();

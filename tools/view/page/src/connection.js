@@ -19,11 +19,11 @@ const seconds_at = (view, offset) => seconds_of(Number(view.getBigUint64(offset,
 export const seconds = (time) => time.sec + time.nsec * 1e-9;
 
 export class Connection {
-  /** @param on {open, close, info, channel, record, time, playback, status} */
+  /** @param on {open, close, info, channel, channels, record, time, playback, status}: called for each event */
   constructor(url, on) {
     this.url = url;
     this.on = on;
-    this.channels = new Map(); // channel by topic
+    this.channels = new Map(); // advertised channel by topic
     this.subscriptions = new Map(); // topic by subscription id
     this.waiting = new Map(); // newest unparsed record of kPictures, by topic
     this.passed = []; // records of kWays to parse before it
