@@ -64,8 +64,7 @@ ArmingWatch::ArmingWatch(bus::Bus& bus, const scenario::Scenario& scenario)
       bus::health_channel("*"), [this](const models::ProcessHealth& health) { on_health(health); });
 }
 
-// Counters begin at the start of each process, so the first value is stored and only the growth is
-// reported.
+// Counters begin at the start of each process, so only their growth since the first message counts.
 void ArmingWatch::on_health(const models::ProcessHealth& health) {
   if (!processes_.contains(health.process) && processes_.size() >= kProcessesMax) {
     return;

@@ -132,7 +132,7 @@ int run(const ViewArguments& arguments) {
   return 0;
 }
 
-/// Returns the page of the installed program, if there is one, else that of this build.
+/// Returns the folder of the installed program's page, if there is one, else that of this build.
 std::string page_folder() {
   std::error_code error;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);

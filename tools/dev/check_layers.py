@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Checks the architecture. Fails if a folder includes a folder that MAY_INCLUDE does not permit, if
-folders include each other in a cycle, or if a test has no folder of the same path as its subject."""
+folders include each other in a cycle, or if test/FOLDER contains tests and FOLDER does not exist."""
 
 import collections
 import pathlib

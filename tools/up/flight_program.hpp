@@ -27,8 +27,8 @@ class FlightProgram {
   explicit FlightProgram(const std::vector<std::string>& robots);
 
   void on_status(const models::VehicleStatus& status);
-  /// Handles a command of another station. Ignores heartbeats and commands that are not recent
-  /// (a log that is played).
+  /// Handles a command of another station. Ignores heartbeats, and old commands (a log that is
+  /// played).
   void on_other_station(const models::OperatorCommand& command, Time now);
   /// Returns the orders to send now. Call about every 100 ms.
   std::vector<Order> due(Time now);

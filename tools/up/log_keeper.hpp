@@ -53,8 +53,7 @@ class LogKeeper {
   /// True if the end of the file contains `bytes`, the last published message.
   [[nodiscard]] bool holds(std::span<const std::uint8_t> bytes) const;
   /// Ends the recorder, which first writes all that it has received. Returns the recorder's name if
-  /// it had to be killed. Its incomplete last event is then cut off; if that fails, the outcome is
-  /// not good.
+  /// it had to be killed. Then its incomplete last event is cut off, and the outcome is not good.
   std::vector<std::string> stop(std::chrono::milliseconds patience);
 
   [[nodiscard]] const Supervisor& supervisor() const { return supervisor_; }

@@ -10,9 +10,11 @@
 
 namespace vantage::tools {
 
-/// True if the result has no fault: no process given up, killed or ended badly, no collision, no
-/// restart of the simulator, a complete log, and all vehicles flown and landed. Restarts of other
-/// processes are no fault.
+/// True if all of this holds:
+/// - no process was given up, killed or ended badly, and this program had no error;
+/// - nothing collided, and all vehicles have flown and landed;
+/// - the simulator was not restarted (other processes may be);
+/// - the log is complete, and no other scenario was flown on the network.
 bool is_good(const UpResult& result);
 
 /// Returns the remarks to print in addition to the summary: losses, restarts and errors.

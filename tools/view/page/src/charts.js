@@ -569,7 +569,8 @@ class ByAge extends Chart {
     this.plot.over.append(this.read);
   }
 
-  /** Returns the upper limit of the axis: above all means and bands, but at most kMostShown times the expected value. */
+  /** Returns the upper limit of the axis. It is above all means and their bands (of which at most twice the mean counts), but
+      between 2 and kMostShown times the expected value. */
   top() {
     const expected = this.expected() ?? 1;
     const most = Math.max(2 * expected, ...this.judged.map(({ mean, half }) => Math.min(mean + (half ?? 0), 2 * mean)));

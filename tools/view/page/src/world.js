@@ -33,7 +33,7 @@ export class World {
     this.stage = stage;
     this.is_flat = is_flat ?? !has_graphics();
     stage.dataset.drawn = this.is_flat ? "flat" : "gl";
-    // A painted picture is on the canvas of the labels, which should not be kept in the memory of a GPU.
+    // A painted picture is on the canvas of the labels; willReadFrequently keeps that canvas in main memory.
     this.names = new Names(document.getElementById("names"), { willReadFrequently: this.is_flat });
     this.picture = this.is_flat ? new FlatPicture() : new GlPicture(document.getElementById("world"));
     this.fixed = { matrix: new THREE.Matrix4(), is_placed: true, is_fixed: true };
