@@ -282,7 +282,7 @@ void note_wind(const Scenario& scenario, std::vector<std::string>& notes) {
 }
 
 // With a static target model each measurement shrinks the covariance, also if it contradicts the
-// belief: after 20 s the belief may be 10⁹ times too confident.
+// belief. After 20 s the belief may be 10⁹ times too confident.
 void note_targets_that_drive(const Scenario& scenario, std::vector<std::string>& notes) {
   const models::TargetModel& believed = scenario.estimator.target_model;
   const bool is_believed_to_stand =

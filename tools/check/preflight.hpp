@@ -32,9 +32,10 @@ inline constexpr double kLossSpareM = 0.1;
 /// - flight safety has no valid limits for a robot or refuses one of its primitives;
 /// - the combination of devices has a fault.
 ///
-/// Notes: a separation or margin that is too small if a driver dies in motion (lost_way_m), plans
-/// that are published too late, wind without effect, and moving targets that are modelled as
-/// static.
+/// Notes:
+/// - a separation or margin that is too small if a driver dies in motion (lost_way_m);
+/// - plans that are published too late, and wind without effect;
+/// - moving targets that are modelled as static.
 Preflight check_preflight(const scenario::Scenario& scenario);
 
 /// Bytes; most memory of one robot's planner. Measured: 50 in one process took 5.7 GB.

@@ -29,17 +29,18 @@ struct DeskRules {
 ///
 /// Vehicles obey only recent commands, so commands are stamped in the vehicles' clock. Its offset
 /// is that of the vehicle closest to our clock, of those received within the last second; up to
-/// kApartMaxS it counts as zero. An emergency stop is also sent with our own clock's stamp. If
-/// statuses are refused as stale (the station's clock is wrong, or a log is played), hold, land and
-/// emergency stop are also sent with a stamp of those statuses' clock: a superfluous stop does no
-/// harm.
+/// kApartMaxS it counts as zero. An emergency stop is also sent with our own clock's stamp.
 ///
-/// Datagrams may get lost, so hold, land and emergency stop are sent kSaid times: the second time
-/// after kSayAgain, then after twice the time at each repetition. That outlasts a burst of losses
-/// of 0.5 s. A repetition has the same stamp as the first, except that an order sent before any
-/// vehicle was received is repeated in the vehicles' clock. A later order to the same vehicles ends
-/// the repetition, so that `hold`, `follow` ends with following. An emergency stop of all vehicles
-/// is not ended by an order to one of them.
+/// Statuses are refused as stale if the station's clock is wrong or a log is played. Then hold,
+/// land and emergency stop are also sent with a stamp of those statuses' clock. A superfluous stop
+/// does no harm.
+///
+/// Datagrams may get lost, so hold, land and emergency stop are sent kSaid times. The first pause
+/// is kSayAgain, and each further pause is twice as long. That outlasts a burst of losses of 0.5 s.
+/// A repetition has the same stamp as the first, except that an order sent before any vehicle was
+/// received is repeated in the vehicles' clock. A later order to the same vehicles ends the
+/// repetition, so that `hold`, `follow` ends with following. An emergency stop of all vehicles is
+/// not ended by an order to one of them.
 class OperatorDesk {
  public:
   static constexpr double kHeartbeatPeriod_s = 0.2;

@@ -15,10 +15,11 @@ namespace vantage::tools {
 ///
 /// A station first listens for kListenS. If it receives no other station, it takes charge: it sends
 /// heartbeats and may send every order. If it receives another one, it is refused and may only send
-/// the emergency stop. If it was started as an allowed second station, it may also send hold and
-/// land, and takes charge after kSilentS without the other one's heartbeat. If two stations are in
-/// charge, the one with the smaller run id stays. Only recent heartbeats count, so that a played
-/// log is not mistaken for a station.
+/// the emergency stop.
+///
+/// An allowed second station may also send hold and land. It takes charge after kSilentS without a
+/// heartbeat of the other one. If two stations are in charge, the one with the smaller run id
+/// stays. Only recent heartbeats count, so that a played log is not mistaken for a station.
 class Station {
  public:
   static constexpr double kFreshS = 2.0;   ///< s; as drivers::OperatorAuthority::kFreshS

@@ -1,7 +1,7 @@
 #!/bin/bash
-# crowd.sh [SECONDS [READERS [STALLED]]]: flies config/lab.yaml with `vantage up` and serves it with
-# `vantage view` to READERS viewers that read everything and STALLED viewers that never read (600 s, 2
-# and 1). Prints every 10 s the server's memory and what the first reader received; at the end the
+# crowd.sh [SECONDS [READERS [STALLED]]]: flies config/lab.yaml for SECONDS (600) and serves it by
+# `vantage view`. READERS viewers (2) read everything, STALLED viewers (1) never read.
+# Prints every 10 s the server's memory and what the first reader received; at the end the
 # trial's summary. Runs in a separate network namespace and leaves nothing behind.
 # BIN: the folder of the programs, build/release/bin unless set.
 set -euo pipefail

@@ -41,8 +41,8 @@ Table read_poses(const std::string& path);
 ///                   median distance, and at least 1 s
 RangeRecording place_ranges(Table ranges, Table poses, std::optional<double> gap_max_s);
 
-/// Returns the ranges in a log that the range and range-bearing sensors of its robots (or only of
-/// `robot`) measured to targets, with the positions of the measurements.
+/// Returns the ranges to targets in a log and the positions from which they were measured, by the
+/// range and range-bearing sensors of all robots or only of `robot`.
 /// @throws StartupError if there is no such robot or sensor.
 RangeRecording recording_of(const logs::IndexedLog& log, const std::string& robot);
 

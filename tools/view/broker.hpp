@@ -17,7 +17,7 @@
 namespace vantage::tools {
 
 /// One connected viewer with its outgoing frames. The threads of the bus and of the connection fill
-/// it; its own writer thread empties it, so that a stalled viewer does not delay others.
+/// it. Its own writer thread empties it, so that a stalled viewer does not delay others.
 class Client {
  public:
   Client(Outbox outbox, bool speaks_sdk) : speaks_sdk_(speaks_sdk), outbox_(std::move(outbox)) {}

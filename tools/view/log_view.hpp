@@ -33,9 +33,9 @@ std::string log_history(
 std::string log_series(const logs::SeekableLog& log, const logs::TypeLibrary& types,
                        const std::string& topic, const std::string& pointer);
 
-/// Returns the first instant whose picture shows a trial: every robot of the scenario has a
-/// position and has published a plan, and a target estimate or a map exists. If that does not occur
-/// within the first 2 min and 16 MiB, returns the first instant that meets most of these
+/// Returns the first instant at which there is a picture of a trial. Then every robot of the
+/// scenario has a position and a plan, and a target estimate or a map exists. If that does not
+/// occur within the first 2 min and 16 MiB, returns the first instant that meets most of these
 /// conditions. Returns the start of a log without a scenario. Ends early if `stop` returns true.
 Time first_picture(
     const logs::SeekableLog& log, const std::function<bool()>& stop = [] { return false; });

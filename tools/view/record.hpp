@@ -27,9 +27,9 @@ struct RecordOptions {
 std::string record_address(const std::string& url, const std::string& key,
                            const RecordOptions& options, double length_s);
 
-/// Makes the video: serves the log to this host only, starts a browser without a window that draws
-/// each picture at its instant, and writes the file when it is complete. The time per picture is
-/// not limited. Calls `progress` with the completed share in [0, 1]. Returns false if `stop`
+/// Makes the video. Serves the log to this host only and starts a browser without a window, which
+/// draws each picture at its instant. The time per picture is not limited. Writes the file when the
+/// video is complete. Calls `progress` with the completed share in [0, 1]. Returns false if `stop`
 /// returned true before the video was complete.
 /// @throws StartupError if there is no browser or page, or the file cannot be written;
 ///   std::runtime_error if the browser fails.

@@ -23,8 +23,8 @@ __attribute__((constructor(101))) static void choose() {{
 
 
 def text_of(source, bodies, numbered):
-    """Returns the source with a copy of a function's body per mutation in it, and the owners of its lines: a list
-    of (first line, number of the mutation or None) in order. `numbered`: list of (number, site)."""
+    """Returns the source with a copy of a function's body per mutation in it, and the owners of its lines. The owners are
+    a list of (first line, number of the mutation or None) in order. `numbered`: list of (number, site)."""
     pieces = [f'extern "C" int {CHOICE};\n'.encode()]
     owners = [(1, None)]
     line = 2
