@@ -29,8 +29,8 @@ constexpr const char* kDriverWaits = "udp://";
 // Geographic origin that the driver sends to autopilots; see sim/firmware/firmware_sensors.
 constexpr const char* kArdupilotHome = "39.9522,-75.1932,10,0";
 
-/// Returns the absolute path of a program, which is searched in PATH if it has no slash; empty if
-/// there is no such program.
+/// Returns the path of an executable; empty if there is none. Makes a name with a slash absolute
+/// and searches other names in PATH.
 std::string find_program(const std::string& name) {
   std::vector<std::string> places;
   if (name.find('/') != std::string::npos) {
