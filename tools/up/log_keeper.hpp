@@ -26,8 +26,8 @@ ProcessSpec recorder_process(const ProcessPlaces& places, const std::string& log
 struct LogOutcome {
   std::string path;  ///< empty: no recording was requested
   int restarts = 0;
-  double unrecorded_s = 0.0;  ///< sum of the gaps between the last event before each death of the
-                              ///< recorder and the first event after it
+  /// s; sum of the gaps from the last event before each death of the recorder to the next event.
+  double unrecorded_s = 0.0;
   std::uint64_t bytes_dropped = 0;  ///< bytes of events that were incomplete when the recorder died
   bool is_to_the_end = true;        ///< the log contains the last published message
   /// The last recorder ended with exit code 0, and the file was intact at each restart.
