@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures the speed-up of an experiment with J jobs over one job (docs/experiments.md):
+"""Measures the speed-up of an experiment with J jobs over one job (docs/guide/experiments.md):
 
   tools/dev/jobs_pace.py VANTAGE EXPERIMENT [--trials N] [--jobs J] [--pairs P]
 

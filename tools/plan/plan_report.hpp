@@ -16,7 +16,7 @@ namespace vantage::tools {
 /// True if each of the T steps has a control.
 bool is_complete(const planner::SearchProblem& problem, const planner::SearchResult& result);
 
-/// Returns the object that `vantage plan --json` prints (keys: docs/planning-problems.md). Infinite
+/// Returns the object that `vantage plan --json` prints (keys: docs/guide/planning-problems.md). Infinite
 /// and unknown values are null.
 nlohmann::ordered_json to_json(const PlanningProblem& problem, const PlanOutcome& outcome);
 /// Returns the same as text, one line per entry.

@@ -11,7 +11,7 @@ struct PlanningProblem : planner::OwnedProblem {
   std::string name;  ///< empty if the file has none
 };
 
-/// Reads the JSON schema of docs/planning-problems.md: one point robot that must stay inside the
+/// Reads the JSON schema of docs/guide/planning-problems.md: one point robot that must stay inside the
 /// map and outside the boxes at all times. Units are metres, seconds and, in keys that end in
 /// `_deg`, degrees. `sensor.fov_deg` is the full angle, as in scenario files and
 /// SensorModel::fov_rad.
