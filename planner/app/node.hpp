@@ -18,19 +18,18 @@
 
 namespace vantage::planner {
 
-/// Joins a RobotPlanner to the bus: BELIEF_R with its MIXTURE_R (and MAP_R where the team maps),
-/// VICON, teammates' PLAN_* and ATTACK in, PLAN_R out, once a round in this robot's slot; in a team
-/// that expects attacks PROPOSAL_* besides, in and out; in one that plans by local search
-/// TEAM_PROPOSAL_*; of planner.algorithm `external` EXTERNAL_REQUEST_R out and EXTERNAL_PLAN_R in.
+/// Connects a RobotPlanner to the bus. Inputs: BELIEF_R with its MIXTURE_R (and MAP_R in mapping),
+/// VICON, teammates' PLAN_* and ATTACK. Output: PLAN_R, once per round in this robot's slot. In
+/// addition: PROPOSAL_* in and out if the team expects attacks; TEAM_PROPOSAL_* in and out with
+/// local search; EXTERNAL_REQUEST_R out and EXTERNAL_PLAN_R in with planner.algorithm `external`.
 ///
-/// In a neighbourhood (network.neighbourhood_m) only teammates within it are listened to.
-///
-/// Under a clock that is not real time the budget is planner.node_budget nodes.
+/// With a neighbourhood (network.neighbourhood_m) it subscribes only to teammates within it. If the
+/// clock is not real time, the budget is planner.node_budget nodes.
 class PlannerNode : public bus::Node {
  public:
   PlannerNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
               const std::string& robot);
-  /// One of several that run in turn in one thread and share a workspace.
+  /// Creates one of several nodes that run in turn in one thread and share a workspace.
   PlannerNode(bus::Bus& bus, const bus::Clock& clock, std::shared_ptr<Workspace> workspace,
               const std::string& robot);
 
@@ -40,43 +39,43 @@ class PlannerNode : public bus::Node {
   }
   void tick(Time now) override;
   void on_processor_wait(double wait_s) override { processor_wait_s_ = wait_s; }
-  /// Those of the planner, and: slots_skipped, misaddressed (a robot's name inside a message is not
-  /// that of its channel), unusable_plans (of teammates: too long, or for the far future),
-  /// proposals_refused (of the round of a local search, that cannot be). Where another process is
-  /// asked for plans: external_rounds (with an answer in time), external_missing (without),
-  /// external_late (answers after it), external_unasked (of no round that was asked for, or one
-  /// more), external_refused (no plan of their slot; those that are unsafe are plan_checks_failed).
-  /// Where slots are shared: yielded_rounds. Where there were more bodies in the way than a plan
-  /// can keep from: bodies_dropped. Of a robot with a driver: rounds_short_of_processor (it brakes
-  /// instead of searching).
+  /// Counters of the planner, and: slots_skipped; misaddressed (a robot's name inside a message
+  /// differs from its channel); unusable_plans (of teammates: too long, or too far in the future);
+  /// proposals_refused (inconsistent, in a round of local search). With an external planner:
+  /// external_rounds (answered in time), external_missing (not answered), external_late (answers
+  /// after the deadline), external_unasked (answers to no request, or duplicates), external_refused
+  /// (not a valid plan of their slot; unsafe ones count as plan_checks_failed). With shared slots:
+  /// yielded_rounds. With more bodies in the way than a plan can avoid: bodies_dropped. For a robot
+  /// with a driver: rounds_short_of_processor (it brakes instead of searching).
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
   [[nodiscard]] std::int64_t deadlines_missed() const override { return late_; }
 
  private:
-  /// Calls take() with each message on `channel` that is of `robot`; counts the others.
+  /// Calls take() for each message on `channel` that is of `robot`; counts the others.
   template <class Message>
   void subscribe_to(const bus::Channel<Message>& channel, const std::string& robot,
                     std::function<void(const Message&)> take);
   void take_frame(const std::shared_ptr<const models::MocapFrame>& frame);
-  /// Makes the newest frame an input, and an earlier one where bodies are in the way.
+  /// Makes the newest frame an input, and an earlier one if bodies are in the way.
   void use_frames();
   void take_plan(const models::RobotPlan& plan);
   [[nodiscard]] Deadline deadline_of(Time now) const;
-  /// The process waits so long for a processor that a vehicle must not count on its next plan.
+  /// True if the process waits so long for a processor that a vehicle must not rely on its next
+  /// plan.
   [[nodiscard]] bool is_short_of_processor() const;
   void propose(Time now);
-  /// Local search: begins the exchange of the slot's round.
+  /// Local search: starts the exchange of the slot's round.
   void begin_exchange(Time now);
-  /// Searches for a while, publishes what it has found.
+  /// Searches for a limited time and publishes its result.
   void exchange(Time now);
   void listen_to_status_of(const std::string& name);
   void listen_to(const std::string& name);
   void hear(const models::TeamProposal& proposal);
-  /// Asks the process on the bus for the slot's plan; false when nothing can be asked (any more).
+  /// Requests the slot's plan from the external process; false if nothing can be requested.
   bool ask(Time now);
   void hear_answer(const models::RobotPlan& answer);
   void plan(Time now);
-  /// Waits for the robot's first slot after that time.
+  /// Selects the robot's first slot after that time.
   void move_on(Time after);
 
   bus::Bus& bus_;
@@ -90,20 +89,20 @@ class PlannerNode : public bus::Node {
   RoundSchedule::Slot slot_;
   PlanInputs inputs_;
   Time attack_heard_{};
-  std::shared_ptr<const models::MocapFrame> mocap_;  ///< newest; of inputs_ from the slot on
-  /// Earlier ones, at least kVelocityTime apart from each other: by them bodies move.
+  std::shared_ptr<const models::MocapFrame> mocap_;  ///< newest; input from the slot on
+  /// Earlier frames, at least kVelocityTime apart, for the velocity of bodies.
   std::shared_ptr<const models::MocapFrame> mocap_before_, mocap_between_;
-  std::optional<models::BeliefMixture> mixture_;  ///< newest; its belief comes after it
+  std::optional<models::BeliefMixture> mixture_;  ///< newest; arrives before its belief
   std::optional<bus::NeighbourWatch> neighbours_;
-  // Of an exchange:
-  std::unique_ptr<TeamExchange> exchange_;  ///< the last that was begun
+  // State of an exchange:
+  std::unique_ptr<TeamExchange> exchange_;  ///< the last one started
   Time next_exchange_ = Time::max();
   Time exchange_end_{};
-  std::vector<models::InputRef> exchange_inputs_;          ///< what the candidates were made from
+  std::vector<models::InputRef> exchange_inputs_;          ///< inputs of the candidates
   std::map<std::string, models::TeamProposal> overheard_;  ///< newest of each teammate
-  // Of planner.algorithm `external`:
+  // For planner.algorithm `external`:
   bool is_asking_ = false;
-  Time answer_due_{};  ///< then the robot goes on without one
+  Time answer_due_{};  ///< after this the robot plans without an answer
   std::int64_t asked_round_ = -1;
   std::int64_t answers_ = 0;
   std::int64_t answers_missing_ = 0;
@@ -113,12 +112,12 @@ class PlannerNode : public bus::Node {
   std::int64_t late_ = 0;
   std::int64_t slots_skipped_ = 0;
   std::int64_t short_of_processor_ = 0;
-  double processor_wait_s_ = 0.0;  ///< within the last second
+  double processor_wait_s_ = 0.0;  ///< over the last second
   std::int64_t misaddressed_ = 0;
   std::int64_t unusable_plans_ = 0;
 };
 
-/// The messages that `inputs` consists of, by name, in a fixed order.
+/// Returns references to the messages in `inputs`, in a fixed order.
 std::vector<models::InputRef> names_of(const PlanInputs& inputs, const std::string& robot);
 
 }  // namespace vantage::planner

@@ -14,10 +14,9 @@
 
 namespace vantage::planner {
 
-/// Plans again what a log says was planned: each logged PLAN_R (and, of a local search, each
-/// TEAM_PROPOSAL_R) names its inputs and its node budget, so the same planner must come to the
-/// same. Publishes its own under the bus's
-/// prefix and counts the differences.
+/// Replans what a log contains: each logged PLAN_R (and, with local search, each TEAM_PROPOSAL_R)
+/// names its inputs and its node budget, so the same planner must give the same result. Publishes
+/// its results under the bus's prefix and counts the differences.
 class PlannerReplayNode : public bus::Node {
  public:
   PlannerReplayNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
@@ -50,15 +49,15 @@ class PlannerReplayNode : public bus::Node {
   bus::InputStore<models::PlanProposal> proposals_{64};
   bus::InputStore<models::AttackNotice> attacks_{64};
   bus::InputStore<models::TeamProposal> team_proposals_{500};
-  /// Proposals come in bursts.
+  /// Capacity for bursts of proposals.
   bus::ReplayQueue<std::variant<models::RobotPlan, models::TeamProposal>> logged_{31};
   std::int64_t same_ = 0;
   std::int64_t different_ = 0;
   std::int64_t incomplete_ = 0;
 };
 
-/// True when both plans, or proposals, are the same motion for the same reasons: everything but
-/// stamps, times of computing and inputs, bit for bit.
+/// True if both plans, or proposals, are the same: equal bit for bit except for stamps, computation
+/// times and inputs.
 bool is_same_decision(const models::RobotPlan& a, const models::RobotPlan& b);
 bool is_same_decision(const models::TeamProposal& a, const models::TeamProposal& b);
 

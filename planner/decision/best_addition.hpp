@@ -10,23 +10,25 @@ namespace vantage::planner {
 
 /// One robot's best candidate to add to a solution that only grows.
 ///
-/// Lazily: gains of earlier, smaller solutions bound what a candidate adds now, so that only those
-/// are asked for that may still be best (Minoux's accelerated greedy). Sound for submodular J.
+/// Lazy mode: gains for earlier, smaller solutions are upper bounds of the present gains, so only
+/// candidates that may still be best are evaluated (Minoux's accelerated greedy). Sound for
+/// submodular J.
 class BestAddition {
  public:
   /// `oracle` must outlive this.
   BestAddition(const TeamOracle& oracle, int robot, bool lazy);
 
-  /// The candidate that adds most to `team`, not among those marked in `excluded` (by candidate;
-  /// empty: none), whether or not that is anything; nothing when there is none. Ties: the lowest
-  /// number. Precondition: the robot has none in `team`, which holds all of earlier calls' sets.
+  /// Returns the candidate with the greatest gain for `team`, even if the gain is not positive; no
+  /// proposal if there is no candidate. `excluded` marks candidates to skip, by id; empty: none.
+  /// Ties: the lowest id. Precondition: the robot has no candidate in `team`, which contains the
+  /// sets of all earlier calls.
   Proposal find(TeamSet& team, std::span<const char> excluded);
 
  private:
   struct Bound {
     double gain = 0.0;
     CandidateId id = kNoCandidate;
-    /// Heap order: the greatest gain first, the lowest number among equals.
+    /// Heap order: greatest gain first, then the lowest id.
     friend bool operator<(const Bound& a, const Bound& b) {
       return a.gain < b.gain || (a.gain == b.gain && a.id > b.id);
     }

@@ -13,61 +13,63 @@
 
 namespace vantage::planner {
 
-/// A trajectory that a robot may be given, as far as the team's choice is concerned.
+/// A trajectory that the team's choice may assign to a robot.
 struct Candidate {
-  std::vector<int> controls;  ///< indices into its SearchProblem::controls, one a step
-  std::vector<Pose2> poses;   ///< at each step's end
-  std::vector<Look> looks;    ///< by target, then step; only those that see something
+  std::vector<int> controls;  ///< indices into its SearchProblem::controls, one per step
+  std::vector<Pose2> poses;   ///< at the end of each step
+  std::vector<Look> looks;    ///< by target, then step; only nonzero information
   double energy_cost = 0.0;   ///< r_i C_i ≥ 0, nats
-  /// What it gains of things that only its own robot knows of, ≥ 0, nats: counted whole.
+  /// Gain about things that only this robot knows, ≥ 0, nats; added in full.
   double unshared_nats = 0.0;
-  /// I(y_{1:T}; z_{1:T}) of these looks alone at the targets it was made for, nats, where that came
-  /// with its making: a TeamOracle of the same targets need not ask for it. Who changes the looks
-  /// or the targets clears it.
+  /// I(y_{1:T}; z_{1:T}) of these looks alone about the targets that they were computed for, nats,
+  /// if known. A TeamOracle of the same targets then does not evaluate it. Code that changes the
+  /// looks or the targets must clear it.
   std::optional<double> mutual_nats = std::nullopt;
 };
 
 using EnergyModel = scenario::EnergySpec;
 
-/// C_i of `controls` from the problem's start through `poses`, without its price. The state of each
-/// step is where the step begins. Precondition: as many poses as controls.
+/// Returns the energy C_i of `controls` from the problem's start through `poses`, without the
+/// price. The state of each step is its start position. Precondition: as many poses as controls.
 double energy_used(const EnergyModel& energy, const SearchProblem& problem,
                    const std::vector<int>& controls, const std::vector<Pose2>& poses);
 
-/// The candidate of `controls`: its poses, looks about the targets' predicted means, its cost.
+/// Returns the candidate of `controls`: its poses, its looks at the targets' predicted means, its
+/// cost.
 Candidate make_candidate(const SearchProblem& problem, const EnergyModel& energy,
                          std::vector<int> controls);
 
-/// The candidate that a search's plan is, its hover at the end included.
+/// Returns the candidate of a search's plan, including the hover at its end.
 Candidate make_candidate(const SearchProblem& problem, const EnergyModel& energy,
                          const SearchResult& result);
 
-/// The candidate that a teammate's `trajectory` is to the beliefs of `problem`, seen through
-/// `sensor`; nullptr: a robot that sees nothing.
+/// Returns the candidate of a teammate's `trajectory`, evaluated with `sensor` on the beliefs of
+/// `problem`; nullptr: a robot without sensing.
 Candidate make_candidate(const SearchProblem& problem, const models::SensorModel* sensor,
                          const models::Trajectory& trajectory, double energy_cost);
 
-/// How the candidate trajectories of a robot are found.
+/// Options of the search for a robot's candidate trajectories.
 struct CandidateOptions {
-  double epsilon = 1.0;  ///< of the reduced value iteration's one pass
+  double epsilon = 1.0;  ///< of the single pass of reduced value iteration
   double delta_m = 2.0;
   double yaw_weight_m_per_rad = 0.3;
-  /// Anytime passes from (ε, δ) on instead of one, and the leaves by ascending ½ J_T plus the cost
-  /// of their energy instead of J_T: a set that is good whenever the deadline comes.
+  /// True: anytime passes starting at (ε, δ) instead of one pass, and leaves ordered by ½ J_T plus
+  /// their energy cost instead of J_T. The candidates are then usable whenever the deadline
+  /// expires.
   bool is_anytime = false;
-  std::size_t leaves_max = kNoLimit;      ///< that are looked at, in that order
-  std::size_t candidates_max = kNoLimit;  ///< that are kept
+  std::size_t leaves_max = kNoLimit;      ///< leaves examined, in that order
+  std::size_t candidates_max = kNoLimit;  ///< candidates kept
 
   static constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();
 };
 
-/// The complete trajectories that reduced value iteration leaves, in the order of its tree; those
-/// that cannot stop where a stop is demanded are left out. The last depth is reduced as all others
-/// are: of leaves that δ-cross and are ε-redundant the cheaper one stays, so the best plan of the
-/// search always does. Whether leaves are redundant shows when each is followed to its end, and so
-/// does what it gains (mutual_nats, unless teammates' looks are fixed). `search` must be large
-/// enough for `problem`: a pass that was cut short gives what it reached. The deadline is the
-/// search's; what follows takes at most leaves_max times the targets and steps.
+/// Returns the complete trajectories that reduced value iteration leaves, in the order of its tree.
+/// Trajectories that cannot stop where a stop is required are omitted. The last depth is reduced
+/// like the others: of leaves that δ-cross and are ε-redundant the cheapest stays, so the best plan
+/// of the search always stays. Each leaf is evaluated to its end, which decides redundancy and
+/// gives its gain (mutual_nats, unless teammates' information is fixed). `search` must be large
+/// enough for `problem`: a pass that is cut short gives only the leaves reached. The deadline
+/// applies to the search; the evaluation after it is O(leaves_max · targets · steps).
 /// @throws UsageError as ReducedValueIteration::plan does, or when ε or δ is not finite
 /// Source: dissertation 3 D (Mᵢ from reduced value iteration).
 std::vector<Candidate> candidate_trajectories(const SearchProblem& problem,

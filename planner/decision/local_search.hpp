@@ -5,12 +5,12 @@
 
 namespace vantage::planner {
 
-/// Centralised local search: from the best single trajectory, Delete / Add / Swap while one of them
-/// improves (ImprovementRule), the first found in that order and by number; then once more with
-/// what was chosen taken out of the ground set; the better of the two.
-/// For submodular J: g(S*) ≤ 4 (1 + α) g(S), g = J + O. Cost: N (n + 1) oracle calls to be sure
-/// that nothing improves. The deadline counts oracle calls as nodes. Source: dissertation Alg. 6;
-/// Lee et al. 2009, Thm 4.
+/// Centralised local search: starts from the best single trajectory and applies Delete / Add / Swap
+/// while one of them improves (ImprovementRule), taking the first found in that order and by
+/// number. Then repeats with the chosen candidates removed from the ground set, and returns the
+/// better result. For submodular J: g(S*) ≤ 4 (1 + α) g(S), g = J + O. Cost: N (n + 1) oracle calls
+/// to verify that no operation improves. The deadline counts oracle calls as nodes.
+/// Source: dissertation Alg. 6; Lee et al. 2009, Thm 4.
 TeamDecision centralised_local_search(const TeamOracle& oracle, double alpha,
                                       const Deadline& deadline);
 

@@ -8,28 +8,28 @@
 
 namespace vantage::planner {
 
-/// One robot's search for a local operation with its own candidates, one oracle call at a time: it
-/// can be left whenever a teammate's proposal or the end of a slot comes first.
+/// One robot's search for a local operation with its own candidates, one oracle call at a time. It
+/// can be interrupted at any call, when a teammate's proposal arrives or the slot ends.
 ///
-/// Order: additions, then for the robot's own trajectory and each teammate's by number the deletion
-/// and the swaps with it. Lazily (submodular J): candidates are tried from the best alone on, and
-/// given up once J({a}) is below what has to be gained, for no later one can gain it either.
+/// Order: additions; then, for the robot's own trajectory and for each teammate's by number, the
+/// deletion and the swaps with it. Lazy mode (submodular J): candidates are tried by descending
+/// value alone until J({a}) is below the required gain; no later candidate can reach it either.
 /// Source: dissertation Alg. 8, with deletion proposed for d ≠ NOP only.
 class ProposalSearch {
  public:
   enum class State { kSearching, kProposes, kNothing };
 
-  /// All of `oracle` and `rule` must outlive this.
+  /// `oracle` and `rule` must outlive this object.
   ProposalSearch(const TeamOracle& oracle, const ImprovementRule& rule, int robot, bool lazy);
 
-  /// Starts again about the team's solution, of value J = `value`. `excluded` marks the candidates
-  /// that are out of the ground set and must live until the next begin().
+  /// Restarts around the team's solution, of value J = `value`. `excluded` marks candidates removed
+  /// from the ground set; it must stay valid until the next begin().
   void begin(const Choice& choice, double value, std::span<const char> excluded);
 
-  /// At most one oracle call more.
+  /// Makes at most one more oracle call.
   State advance();
 
-  /// After kProposes.
+  /// Returns the proposal after kProposes.
   [[nodiscard]] const Proposal& proposal() const { return proposal_; }
   [[nodiscard]] std::int64_t calls() const { return team_.calls(); }
 
@@ -37,7 +37,7 @@ class ProposalSearch {
   [[nodiscard]] CandidateId chosen_by(int robot) const {
     return choice_[static_cast<std::size_t>(robot)];
   }
-  /// Turns to the next d; false when there is none. Asks for the deletion's value unless d = NOP.
+  /// Advances to the next d; false if there is none. Evaluates the deletion unless d = NOP.
   bool turn_to_next_deletion();
   void end_additions();
   State propose(CandidateId add, double value);
@@ -51,11 +51,11 @@ class ProposalSearch {
   std::span<const char> excluded_;
   Choice choice_;
   double value_ = 0.0;
-  int turn_ = 0;  ///< of deletions: NOP, the robot's own, the teammates'
+  int turn_ = 0;  ///< index of the deletion: NOP, own, then the teammates'
   int drop_robot_ = -1;
   bool is_adding_ = false;
   std::size_t next_addition_ = 0;
-  double needed_ = 0.0;  ///< Δ
+  double needed_ = 0.0;  ///< Δ, the required gain
   Proposal proposal_;
 };
 

@@ -7,13 +7,14 @@
 
 namespace vantage::planner {
 
-/// One round of a local search: from `start` without the candidates marked in `excluded` to where
-/// it ends, adding what that took to `decision`.
+/// One round of a local search: goes from `start`, without the candidates marked in `excluded`, to
+/// a local optimum, which it returns. Adds its effort to `decision`.
 using SearchRound = std::function<Choice(const Choice& start, std::span<const char> excluded,
                                          TeamDecision& decision)>;
 
-/// What centralised and distributed local search share: two rounds, each from the best single
-/// trajectory that is left, the second without what the first chose; the better result of both.
+/// Runs two rounds of local search, the common part of centralised and distributed search. Each
+/// starts from the best single trajectory left; the second excludes the choices of the first.
+/// Returns the better result.
 /// Source: dissertation Alg. 6, 7.
 TeamDecision search_in_two_rounds(const TeamOracle& oracle, const SearchRound& round);
 

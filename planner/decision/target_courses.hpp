@@ -9,37 +9,38 @@
 
 namespace vantage::planner {
 
-/// What one look along a trajectory tells of one target.
+/// Information of one measurement along a trajectory about one target.
 struct Look {
   std::uint16_t target = 0;
-  std::uint16_t step = 0;  ///< 1 … T: on arrival there
+  std::uint16_t step = 0;  ///< 1 … T: on arrival at that step
   PackedInformation information;
 };
 
-/// How the belief in each target goes on while robots look at it, and what that is worth.
+/// Evolution of the belief in each target under the robots' measurements, and its information gain.
 class TargetCourses {
  public:
-  /// The targets of `problem`, their motion, the horizon, and what teammates are sure to see.
+  /// Takes the targets of `problem`, their motion, the horizon and the teammates' fixed
+  /// information.
   TargetCourses(const SearchProblem& problem, InformationMeasure measure);
 
   [[nodiscard]] const BeliefTable& beliefs() const { return beliefs_; }
 
-  /// One target's belief after a step, and what was gained of it until then.
+  /// One target's belief after a step and the gain accumulated until then.
   struct Course {
     double block[kMaxPacked] = {};
-    LogProduct gained;  ///< of e^{2 · nats}
+    LogProduct gained;  ///< product of e^{2 · nats}
     bool is_seen = false;
   };
-  /// One robot's looks at one target, by step.
+  /// One robot's measurements of one target, by step.
   using Looks = std::span<const Look>;
 
-  /// The course after `step`, until which nobody looks.
+  /// Returns the course after `step` without any measurement.
   [[nodiscard]] Course unseen(int target, int step = 0) const;
-  /// Carries `course` from step `from` through the looks of several robots, added up in the order
-  /// given; returns the nats gained by the end. Where `kept` is not null the course after each
-  /// step t > from is written to kept[t]. A pure function of the looks, to the bit, whatever
-  /// `from` it is taken up at: that is why no search of this room can go in circles.
-  /// The spans of `looks` are used up.
+  /// Carries `course` from step `from` through the measurements of several robots, summed in the
+  /// order given; returns the nats gained by the end. If `kept` is not null, writes the course
+  /// after each step t > from to kept[t]. The result is a pure function of the measurements, bit
+  /// for bit, whatever `from` it starts at; therefore no search in planner/decision can cycle.
+  /// Consumes the spans of `looks`.
   double follow(int target, int from, Course course, std::span<Looks> looks, Course* kept) const;
 
  private:
@@ -48,7 +49,7 @@ class TargetCourses {
   InformationMeasure measure_;
 };
 
-/// Calls of(target, its looks) for every target that is looked at, in order.
+/// Calls of(target, its looks) for every measured target, in order.
 /// Precondition: `looks` are ordered by target.
 template <class Of>
 void for_each_target(std::span<const Look> looks, Of&& of) {

@@ -10,34 +10,34 @@
 
 namespace vantage::planner {
 
-/// Index of a candidate among all of the team's, robot after robot.
+/// Index of a candidate among all candidates of the team, robot after robot.
 using CandidateId = std::int32_t;
 inline constexpr CandidateId kNoCandidate = -1;
 
-/// S: the candidate of each robot, or kNoCandidate. At most one a robot (a partition matroid).
+/// S: the candidate of each robot, or kNoCandidate. At most one per robot (a partition matroid).
 using Choice = std::vector<CandidateId>;
 
 /// Choose at most one candidate for each robot such that J(S) = I(S) − C(S) is largest.
 /// Source: dissertation Problem 4 (eq. 3.13).
 struct TeamProblem {
-  std::vector<SearchTarget> targets;  ///< in the order that the looks count them
+  std::vector<SearchTarget> targets;  ///< in the order of Look::target
   int horizon_steps = 10;
   double step_s = 0.5;
   InformationMeasure measure = InformationMeasure::kMutual;
   std::vector<std::vector<Candidate>> candidates;  ///< [robot]
 };
 
-/// What does not depend on S: candidates by number, the targets' motion, the value of each
-/// candidate alone. Sets are valued by TeamSet.
+/// Everything about a team problem that does not depend on S: candidates by id, target motion, the
+/// value of each candidate alone. TeamSet evaluates sets.
 class TeamOracle {
  public:
-  /// Values each candidate alone that does not bring what it gains (Candidate::mutual_nats): one
-  /// oracle call for each. `problem` must outlive this.
+  /// Evaluates every candidate alone, with one oracle call for each that lacks
+  /// Candidate::mutual_nats. `problem` must outlive this object.
   /// @throws UsageError when a look is out of range or order, or a cost is negative
   explicit TeamOracle(const TeamProblem& problem);
 
   [[nodiscard]] int robot_count() const { return static_cast<int>(problem_->candidates.size()); }
-  /// N, of the whole team.
+  /// Returns N, the number of candidates of the whole team.
   [[nodiscard]] CandidateId candidate_count() const { return begin_.back(); }
   /// The candidates of a robot are begin(robot) … end(robot) − 1.
   [[nodiscard]] CandidateId begin(int robot) const { return begin_[index(robot)]; }
@@ -45,11 +45,11 @@ class TeamOracle {
   [[nodiscard]] int robot_of(CandidateId id) const { return robot_of_[index(id)]; }
   [[nodiscard]] const Candidate& candidate(CandidateId id) const { return *candidates_[index(id)]; }
 
-  /// J({id}), nats; J(∅) = 0.
+  /// Returns J({id}), nats; J(∅) = 0.
   [[nodiscard]] double alone(CandidateId id) const { return alone_[index(id)]; }
-  /// The robot's candidates from the best alone to the worst, equals by number.
+  /// Returns the robot's candidates by descending value alone; equal values by id.
   [[nodiscard]] std::span<const CandidateId> by_value(int robot) const;
-  /// O = Σ_i max_a r_i C_i(a), so that g = J + O ≥ 0 everywhere.
+  /// Returns O = Σ_i max_a r_i C_i(a), so that g = J + O ≥ 0 everywhere.
   [[nodiscard]] double offset() const { return offset_; }
   [[nodiscard]] bool is_submodular() const {
     return problem_->measure == InformationMeasure::kMutual;
@@ -58,7 +58,7 @@ class TeamOracle {
   [[nodiscard]] int target_count() const { return courses_.beliefs().target_count(); }
 
   [[nodiscard]] const TargetCourses& courses() const { return courses_; }
-  /// Oracle calls that valuing candidates alone took.
+  /// Returns the oracle calls spent on candidates alone.
   [[nodiscard]] std::int64_t calls() const { return calls_; }
 
  private:
@@ -67,7 +67,7 @@ class TeamOracle {
   const TeamProblem* problem_;
   TargetCourses courses_;
   std::int64_t calls_ = 0;
-  std::vector<CandidateId> begin_;  ///< per robot, and the end
+  std::vector<CandidateId> begin_;  ///< per robot, and one end
   std::vector<int> robot_of_;
   std::vector<const Candidate*> candidates_;
   std::vector<double> alone_;

@@ -7,41 +7,42 @@
 
 namespace vantage::planner {
 
-/// Gains that differ by no more are equal, nats: far above the error of a sum.
+/// Gains that differ by no more than this are equal, nats; far above the rounding error of a sum.
 inline constexpr double kGainRounding_nats = 1e-9;
 
-/// A set S of at most one candidate for each robot, with everything kept that makes the value of
-/// its neighbours cheap: each target's belief after every step, and what it has brought.
+/// A set S of at most one candidate per robot, with the state that makes neighbouring sets cheap to
+/// evaluate: each target's belief after every step, and its gain.
 ///
-/// A neighbour's value costs only the targets that the candidate sees, from its first look on:
-/// O(looks · robots that see them) and one addition a target. values are pure functions of the set,
-/// to the bit: neither the order in which S came about nor the way it is asked matters.
-/// Allocates nothing after construction but where a target is seen by more robots than ever.
+/// Evaluating a neighbour costs only the targets that the candidate measures, from its first
+/// measurement on: O(looks · robots that measure them) and one addition per target. Values are pure
+/// functions of the set, bit for bit: neither the history of S nor the query affects them.
+/// Allocates nothing after construction, except when a target is measured by more robots than
+/// before.
 class TeamSet {
  public:
-  /// Nobody does anything. `oracle` must outlive this.
+  /// Creates the empty set. `oracle` must outlive this object.
   explicit TeamSet(const TeamOracle& oracle);
 
   [[nodiscard]] const Choice& choice() const { return choice_; }
-  /// J(S), nats.
+  /// Returns J(S), nats.
   [[nodiscard]] double value() const { return value_; }
-  /// I(S), nats.
+  /// Returns I(S), nats.
   [[nodiscard]] double information() const;
 
-  /// Gives `id` to its robot. Precondition: that robot has none.
+  /// Adds `id` for its robot. Precondition: that robot has none.
   void add(CandidateId id);
-  /// Takes what `robot` has. Precondition: it has one.
+  /// Removes the candidate of `robot`. Precondition: it has one.
   void drop(int robot);
-  /// Becomes `choice`, by as few of both as it takes.
+  /// Changes the set to `choice` with as few additions and removals as possible.
   void become(const Choice& choice);
 
-  /// J(S ∪ {id}): one oracle call. Precondition: its robot has none.
+  /// Returns J(S ∪ {id}): one oracle call. Precondition: its robot has none.
   double value_with(CandidateId id);
-  /// J(S \ {what `robot` has}): one oracle call. Precondition: it has one.
+  /// Returns J(S \ {candidate of `robot`}): one oracle call. Precondition: it has one.
   double value_without(int robot);
-  /// I(S ∪ {id}) − I(S), nats, also where its robot has another: one oracle call.
+  /// Returns I(S ∪ {id}) − I(S), nats, even if its robot has another candidate: one oracle call.
   double information_gain(CandidateId id);
-  /// Oracle calls so far.
+  /// Returns the oracle calls so far.
   [[nodiscard]] std::int64_t calls() const { return calls_; }
 
  private:
@@ -52,10 +53,10 @@ class TeamSet {
   [[nodiscard]] TargetCourses::Course* courses(int target) {
     return &courses_[static_cast<std::size_t>(target) * depths_];
   }
-  /// What target is worth once its seers are those of S but `left_out`, with `added` beside them;
-  /// `first` is the earliest look that changes.
+  /// Returns the gain of `target` when its measuring robots are those of S without `left_out` and
+  /// with `added`. `first` is the step of the earliest changed measurement.
   double value_of_target(int target, int left_out, const Seer& added, int first, bool keep);
-  /// Sums over targets and robots, in their order: with `id` added or `robot` left out.
+  /// Sums over targets and robots in their fixed order, with `id` added or `robot` left out.
   double sum_with(CandidateId id, int left_out);
   void change(CandidateId id, int left_out);
 

@@ -12,28 +12,27 @@
 
 namespace vantage::planner {
 
-/// A plan that tells of a map.
+/// A plan that gains information about a map.
 struct MapPlan {
-  /// Cost is the negative of what the plan is worth, nats: its information less the pull of the
-  /// frontier. A search that comes to its end proves it optimal over the controls: bound = cost.
+  /// Cost is the negative of the plan's value, nats: its information less the frontier penalty. A
+  /// completed search proves it optimal over the controls: bound = cost.
   SearchResult result;
-  double gain_nats = 0.0;  ///< what it adds to the looks it was planned against; ≥ 0
+  double gain_nats = 0.0;  ///< gain over the fixed measurements; ≥ 0
 };
 
-/// Searches one robot's problem for the plan that tells most of the map.
+/// Searches one robot's problem for the plan with the greatest information gain about the map.
 ///
-/// Which motion is allowed is the problem's: the world that is known to be there, teammates, and a
-/// stop at the end. Every robot scans each step_s of the common time: the looks of the own start
-/// and of the teammates' fixed motion over the horizon count as taken, and what they tell is not
-/// told again.
+/// The problem defines the allowed motion: the known world, teammates, and a stop at the end. Every
+/// robot scans each step_s of the common time. Scans at the own start and along the teammates'
+/// fixed motion over the horizon count as taken; their information is not counted again.
 class MapPlanner {
  public:
-  /// @throws UsageError for a scanner that makes no sense.
+  /// @throws UsageError for an invalid scanner.
   explicit MapPlanner(const scenario::Scenario& scenario);
 
-  /// `looks` are what is known, of each cell of the scenario's map; empty: all of it is unknown.
-  /// Teammates that are jammed see nothing, but are still there.
-  /// @throws UsageError for looks of another number of cells.
+  /// Plans with the map measurements `looks`, one count per cell of the scenario's map; empty:
+  /// everything is unknown. Jammed teammates give no information but are still obstacles.
+  /// @throws UsageError when `looks` has another number of cells.
   MapPlan plan(const SearchProblem& problem, const models::Looks& looks,
                const std::vector<FixedTeammate>& teammates, const Deadline& deadline);
 

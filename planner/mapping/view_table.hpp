@@ -10,33 +10,33 @@
 
 namespace vantage::planner {
 
-/// What a beam is worth by itself.
+/// Information measure of one beam.
 enum class BeamMeasure {
   kCsqmi,  ///< Cauchy–Schwarz quadratic mutual information
   kFsmi,   ///< Shannon mutual information
 };
 
-/// How beams that look at the same cells are counted. Both work on what a beam tells of each of
-/// its cells: its information, parted in proportion to P(beam comes to the cell) · o (1 − o).
+/// Handling of beams that observe the same cells. Both modes divide a beam's information among its
+/// cells in proportion to P(beam reaches the cell) · o (1 − o).
 enum class BeamDependence {
-  /// A beam goes wholly when at least `dependent_share` of it is told by beams that count already,
-  /// and counts wholly otherwise. Charrow et al.; depends on the order of the beams.
+  /// Drops a beam if other counted beams already give at least `dependent_share` of its
+  /// information; otherwise counts it in full. Charrow et al.; depends on the order of the beams.
   kDropBeams,
-  /// Of each cell only the beam that tells most of it counts: Σ_cells max_beams. Independent of
-  /// order, monotone and submodular in the set of beams, so the guarantees of team planning hold.
+  /// Counts for each cell only the beam with the most information: Σ_cells max_beams. Independent
+  /// of order, monotone and submodular in the set of beams, so the guarantees of team planning
+  /// hold.
   kBestOfCell,
 };
 
 struct ViewOptions {
   BeamMeasure measure = BeamMeasure::kCsqmi;
   BeamDependence dependence = BeamDependence::kBestOfCell;
-  double dependent_share = 0.5;           ///< of kDropBeams, in (0, 1]
-  double cutoff_sigmas = 6.0;             ///< e^−9 of a Gaussian product's peak is let go
-  models::InverseBeamModel inverse = {};  ///< of kFsmi
+  double dependent_share = 0.5;           ///< for kDropBeams, in (0, 1]
+  double cutoff_sigmas = 6.0;             ///< neglects e^−9 of a Gaussian product's peak
+  models::InverseBeamModel inverse = {};  ///< for kFsmi
 };
 
-/// What a scan from some place would tell, with the beams that depend on each other inside the
-/// scan removed.
+/// Information of a scan from one position, without the dependent beams inside the scan.
 struct BeamView {
   struct Share {
     int cell = 0;
@@ -47,20 +47,19 @@ struct BeamView {
     std::uint32_t begin = 0;  ///< its cells are shares[begin … end)
     std::uint32_t end = 0;
   };
-  double nats = 0.0;  ///< of all; an upper bound of what it adds to whatever else is seen
+  double nats = 0.0;  ///< sum; upper bound of the gain over any other scans
   std::vector<Beam> beams;
   std::vector<Share> shares;
 };
 
-/// The cells that a set of scans tells of, and how much the best of them tells of each. What has
-/// been added can be taken back, last first.
+/// The best information about each cell from a set of scans. Additions can be undone, last first.
 class MapCoverage {
  public:
   explicit MapCoverage(int cells) : told_nats_(static_cast<std::size_t>(cells), 0.0) {}
 
-  /// Adds `view`; returns by how much the information rises, in [0, view.nats].
+  /// Adds `view`; returns the increase of information, in [0, view.nats].
   double add(const BeamView& view, const ViewOptions& options);
-  /// A place to come back to.
+  /// Returns a mark for take_back().
   [[nodiscard]] std::size_t mark() const { return undo_.size(); }
   void take_back(std::size_t mark);
 
@@ -73,20 +72,20 @@ class MapCoverage {
   std::vector<Undo> undo_;
 };
 
-/// The views of one belief, each worked out when it is first asked for.
+/// The views of one belief, each computed at its first query.
 ///
-/// Planning looks from the middle of the cell that the robot is in, with the beams at fixed
-/// bearings of the world (a full circle) or the heading rounded to the spacing of the beams (less
-/// than that): places within a cell differ by less than half its diagonal, and a team's searches
-/// come to the same cells many times. `belief` must outlive this and not change.
+/// A view is taken from the centre of the robot's cell. Its beams have fixed world bearings (full
+/// circle), or its heading is rounded to 1/(4 · beams) of a circle (smaller field of view).
+/// Positions within a cell differ by less than half its diagonal, and a team's searches query the
+/// same cells many times. `belief` must outlive this object and not change.
 class ViewTable {
  public:
-  /// Throws UsageError for a sensor or options that make no sense.
+  /// Throws UsageError for an invalid sensor or invalid options.
   ViewTable(const models::OccupancyBelief& belief, const models::BeamSensor& sensor,
             const ViewOptions& options);
 
-  /// The view from `world_from_body`; an empty one outside the grid. The reference is good for
-  /// the table's life.
+  /// Returns the view from `world_from_body`; an empty one outside the grid. The reference is valid
+  /// for the table's lifetime.
   const BeamView& view(const Pose2& world_from_body);
 
   [[nodiscard]] const ViewOptions& options() const { return options_; }
@@ -101,9 +100,9 @@ class ViewTable {
   const models::OccupancyBelief* belief_;
   models::BeamSensor sensor_;
   ViewOptions options_;
-  int sectors_ = 1;              ///< headings that are told apart
+  int sectors_ = 1;              ///< number of distinct headings
   std::int64_t beam_cells_ = 0;  ///< cells of all beams so far: the work done
-  MapCoverage within_;           ///< of one scan
+  MapCoverage within_;           ///< for one scan
   models::BeamProfile profile_;
   std::vector<double> weight_;  ///< per cell of the beam
   std::unordered_map<std::int64_t, BeamView> views_;

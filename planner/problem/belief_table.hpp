@@ -11,10 +11,11 @@
 
 namespace vantage::planner {
 
-/// What every node of a depth shares: where each target is expected, how uncertain it is if nobody
-/// of this search looks (teammates' fixed information included), and what that costs.
+/// Depth-dependent quantities that all nodes of a depth share: predicted target positions, their
+/// open-loop covariances and the open-loop cost. "Open loop" means without measurements of this
+/// search, but with the teammates' fixed information.
 ///
-/// reset() is O(T·M); it allocates up to the sizes asked for at construction.
+/// reset() is O(T·M). It allocates only up to the sizes given to the constructor.
 class BeliefTable {
  public:
   BeliefTable(int targets_max, int horizon_max);
@@ -40,11 +41,11 @@ class BeliefTable {
     return stage_costs_[static_cast<std::size_t>(t)];
   }
 
-  /// Prediction into depth t of a block at depth t − 1, teammates' information of t included.
+  /// Predicts a block from depth t − 1 to depth t, including the teammates' information at t.
   void predict_into(int m, int t, const double* in, double* out) const;
 
   [[nodiscard]] CostKind cost() const { return cost_; }
-  /// Whether teammates are sure to tell anything.
+  /// True if teammates contribute information that does not depend on this robot's plan.
   [[nodiscard]] bool has_fixed() const { return has_fixed_; }
 
  private:
@@ -60,12 +61,12 @@ class BeliefTable {
   std::vector<double> per_measures_;
   std::vector<double> stage_costs_;
   std::vector<PackedInformation> fixed_;  ///< [t − 1][m]
-  std::vector<std::uint8_t> is_fixed_;    ///< whether fixed_ is not zero
+  std::vector<std::uint8_t> is_fixed_;    ///< 1 where fixed_ is not zero
 };
 
 /// Packs the upper triangle of a planar, spatial or moving covariance.
 void pack(BlockLayout layout, const models::StateMatrix& covariance, double* out);
-/// The full symmetric matrix of a packed block.
+/// Returns the full symmetric matrix of a packed block.
 models::StateMatrix unpack(BlockLayout layout, const double* packed);
 
 }  // namespace vantage::planner

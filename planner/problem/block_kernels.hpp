@@ -10,12 +10,12 @@
 
 // Covariance arithmetic on packed blocks, the inner loop of every search. Legend:
 //   P  position covariance, C = cov(position, velocity), V velocity covariance
-//   M  information of one look at the position, G = (I + M P)⁻¹ M
+//   M  information of one position measurement, G = (I + M P)⁻¹ M
 // Three layouts, by the target's state:
 //   kPlanar  (x, y)            [Pxx Pxy Pyy]
 //   kSpatial (x, y, z)         [Pxx Pxy Pxz Pyy Pyz Pzz]
 //   kMoving  (x, y, ẋ, ẏ)      [Pxx Pxy Pyy  Cxx Cxy Cyx Cyy  Vxx Vxy Vyy]
-// All agree with models/belief to rounding (tested), without its generality.
+// Results agree with models/belief to rounding (tested); models/belief is more general.
 
 namespace vantage::planner {
 
@@ -32,7 +32,7 @@ struct PackedInformation {
   double m[6] = {0, 0, 0, 0, 0, 0};
 };
 
-/// One axis of a step of motion: A = [a b; c d] and W = [position cross; cross velocity].
+/// Motion of one axis over one step: A = [a b; c d] and W = [position cross; cross velocity].
 struct AxisMotion {
   double a = 1.0;
   double b = 0.0;
@@ -43,31 +43,31 @@ struct AxisMotion {
   double velocity = 0.0;
 };
 
-/// One step of prediction, A and W of the target's model by their few distinct entries. A target
-/// that moves freely (A = [1 step_s; 0 1] on both axes) has one W; a damped oscillator, `is_bound`,
-/// its own A and W on each axis.
+/// One step of prediction: the distinct entries of the target model's A and W. A freely moving
+/// target (A = [1 step_s; 0 1] on both axes) has one W for both axes. A damped oscillator
+/// (`is_bound`) has its own A and W on each axis.
 struct StepMotion {
   double step_s = 0.5;
-  double position = 0.0;  ///< on the diagonal of P
-  double cross = 0.0;     ///< on the diagonal of C
-  double velocity = 0.0;  ///< on the diagonal of V
+  double position = 0.0;  ///< added to the diagonal of P
+  double cross = 0.0;     ///< added to the diagonal of C
+  double velocity = 0.0;  ///< added to the diagonal of V
   bool is_bound = false;
-  AxisMotion x = {};  ///< where is_bound
+  AxisMotion x = {};  ///< used if is_bound
   AxisMotion y = {};
 
-  /// Whether A is the same on both axes.
+  /// True if A is the same on both axes.
   [[nodiscard]] bool is_alike() const {
     return !is_bound || (x.a == y.a && x.b == y.b && x.c == y.c && x.d == y.d);
   }
 };
 
-/// Of one step of `model`.
+/// Returns the motion of `model` over one step.
 StepMotion step_motion(const models::TargetModel& model, double step_s);
 
 inline double det2(const double* p) { return p[0] * p[2] - p[1] * p[1]; }
 
-/// By pivots: the cofactors of a block that is sharp in two directions and vague in the third (a
-/// camera's) cancel to nothing.
+/// Computes the determinant by pivots. Cofactors would cancel for a block that is certain in two
+/// directions and uncertain in the third (a camera's).
 inline double det3(const double* p) {
   const double l1 = p[1] / p[0];
   const double l2 = p[2] / p[0];
@@ -76,7 +76,7 @@ inline double det3(const double* p) {
   return p[0] * (d1 * (p[5] - l2 * p[2]) - x * x);
 }
 
-/// det Σ of one block.
+/// Returns det Σ of one block.
 inline double determinant(BlockLayout layout, const double* b) {
   switch (layout) {
     case BlockLayout::kPlanar:
@@ -113,7 +113,7 @@ inline double trace(BlockLayout layout, const double* b) {
   return b[0] + b[2] + b[7] + b[9];
 }
 
-/// predict() of a moving block whose axes have their own A and W.
+/// Predicts a moving block whose axes have their own A and W.
 inline void predict_bound(const AxisMotion& x, const AxisMotion& y, const double* in, double* out) {
   const double p0 = in[0];
   const double p1 = in[1];
@@ -137,7 +137,7 @@ inline void predict_bound(const AxisMotion& x, const AxisMotion& y, const double
   out[9] = y.c * y.c * p2 + 2.0 * y.c * y.d * c3 + y.d * y.d * v2 + y.velocity;
 }
 
-/// A Σ Aᵀ + W. `in` may be `out`.
+/// Computes A Σ Aᵀ + W. `in` and `out` may be the same.
 inline void predict(BlockLayout layout, const StepMotion& w, const double* in, double* out) {
   if (layout == BlockLayout::kPlanar) {
     out[0] = in[0] + w.position;
@@ -172,13 +172,13 @@ inline void predict(BlockLayout layout, const StepMotion& w, const double* in, d
   out[9] = in[9] + w.velocity;
 }
 
-/// det(I + M P), planar: 1 + tr(M P) + det M det P.
+/// Returns det(I + M P) of a planar block: 1 + tr(M P) + det M det P.
 inline double gain2(const double* m, const double* p) {
   return 1.0 + m[0] * p[0] + 2.0 * m[1] * p[1] + m[2] * p[2] +
          (m[0] * m[2] - m[1] * m[1]) * det2(p);
 }
 
-/// (I + M P)⁻¹ M, planar, packed: (M + det M adj P) / det(I + M P).
+/// Computes (I + M P)⁻¹ M of a planar block, packed: (M + det M adj P) / det(I + M P).
 inline void posterior_gain2(const double* m, const double* p, double* g) {
   const double det_m = m[0] * m[2] - m[1] * m[1];
   const double scale = 1.0 / gain2(m, p);
@@ -202,12 +202,13 @@ inline void pack3(const Eigen::Matrix3d& full, double* p) {
   p[5] = full(2, 2);
 }
 
-/// I + Lᵀ M L with P = L Lᵀ, spatial: symmetric and ≥ I however sharp the look is.
+/// Returns the Cholesky factor of I + Lᵀ M L with P = L Lᵀ, spatial. The matrix is symmetric and ≥
+/// I however precise the measurement is.
 inline Eigen::LLT<Eigen::Matrix3d> whitened_gain3(const double* m, const Eigen::Matrix3d& L) {
   return Eigen::LLT<Eigen::Matrix3d>(Eigen::Matrix3d::Identity() + L.transpose() * unpack3(m) * L);
 }
 
-/// det(I + M P) of any layout.
+/// Returns det(I + M P) for any layout.
 inline double gain(BlockLayout layout, const double* m, const double* b) {
   if (layout == BlockLayout::kSpatial) {
     const Eigen::Matrix3d L = Eigen::LLT<Eigen::Matrix3d>(unpack3(b)).matrixL();
@@ -217,10 +218,10 @@ inline double gain(BlockLayout layout, const double* m, const double* b) {
   return gain2(m, b);
 }
 
-/// (Σ⁻¹ + M)⁻¹. `in` may be `out`.
+/// Computes (Σ⁻¹ + M)⁻¹. `in` and `out` may be the same.
 inline void update(BlockLayout layout, const double* m, const double* in, double* out) {
   if (layout == BlockLayout::kSpatial) {
-    // L (I + Lᵀ M L)⁻¹ Lᵀ: nothing is subtracted, so it stays definite.
+    // L (I + Lᵀ M L)⁻¹ Lᵀ contains no subtraction, so it stays positive definite.
     const Eigen::Matrix3d L = Eigen::LLT<Eigen::Matrix3d>(unpack3(in)).matrixL();
     const Eigen::Matrix3d X = whitened_gain3(m, L).matrixL().solve(L.transpose());
     pack3(X.transpose() * X, out);
@@ -264,7 +265,7 @@ struct Square2 {
   double yy = 0.0;
 };
 
-/// P P + C Cᵀ of a planar or moving block.
+/// Returns P P + C Cᵀ of a planar or moving block.
 inline Square2 squared_rows(BlockLayout layout, const double* b) {
   Square2 s{b[0] * b[0] + b[1] * b[1], b[0] * b[1] + b[1] * b[2], b[1] * b[1] + b[2] * b[2]};
   if (layout == BlockLayout::kMoving) {
@@ -275,7 +276,7 @@ inline Square2 squared_rows(BlockLayout layout, const double* b) {
   return s;
 }
 
-/// tr Σ − tr (Σ⁻¹ + M)⁻¹ = tr(G (P P + C Cᵀ)).
+/// Returns tr Σ − tr (Σ⁻¹ + M)⁻¹ = tr(G (P P + C Cᵀ)).
 inline double trace_reduction(BlockLayout layout, const double* m, const double* b) {
   if (layout == BlockLayout::kSpatial) {
     double after[6];
@@ -288,8 +289,8 @@ inline double trace_reduction(BlockLayout layout, const double* m, const double*
   return g[0] * s.xx + 2.0 * g[1] * s.xy + g[2] * s.yy;
 }
 
-/// True when a + εI − b is positive semidefinite, exactly: by Cholesky with a tolerance that can
-/// only make the answer false. A test that may prune must never say true wrongly.
+/// True only if a + εI − b is positive semidefinite. Uses Cholesky with a tolerance that can only
+/// turn true into false, so that pruning by this test is sound.
 bool dominates(BlockLayout layout, const double* a, double epsilon, const double* b);
 
 }  // namespace vantage::planner

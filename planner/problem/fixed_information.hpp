@@ -10,16 +10,16 @@
 
 namespace vantage::planner {
 
-/// A teammate whose plan is fixed: where it will go and what it sees with.
+/// A teammate with a fixed plan: its trajectory and its sensor.
 struct FixedTeammate {
   models::Trajectory trajectory;
   models::SensorModel sensor;
-  bool jammed = false;    ///< then it sees nothing, but is still there
-  std::size_t robot = 0;  ///< which of the scenario's it is
+  bool jammed = false;    ///< true: its sensor gives nothing, but it is still an obstacle
+  std::size_t robot = 0;  ///< index among the scenario's robots
 };
 
-/// Coordinate descent's view of the teammates: the sensor information matrices along their fixed
-/// trajectories about each target's predicted mean, [target][depth − 1], summed over teammates.
+/// Returns the teammates' sensor information about each target's predicted mean along their fixed
+/// trajectories, [target][depth − 1], summed over teammates: the input of coordinate descent. Cost:
 /// O(N·M·T). Source: dissertation 3 B (sequential greedy).
 std::vector<std::vector<models::PositionMatrix>> fixed_information(
     const SearchProblem& problem, const std::vector<FixedTeammate>& teammates);

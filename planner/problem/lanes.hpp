@@ -4,21 +4,21 @@
 #include <cstdint>
 #include <cstring>
 
-// Four doubles side by side, in the compiler's own vector type: every lane does the same exact
-// IEEE operations whatever the other lanes hold, so a result does not depend on its lane or on its
-// neighbours. Without AVX the compiler makes two halves or four scalars of it.
+// Four doubles in the compiler's own vector type. Every lane does the same exact IEEE operations,
+// so a result does not depend on its lane or on the other lanes. Without AVX the compiler uses two
+// halves or four scalars.
 
 namespace vantage::planner {
 
 inline constexpr int kLanes = 4;
 
 using Lanes = double __attribute__((vector_size(32)));
-/// Per lane all ones (true) or zero.
+/// All bits of a lane set (true) or zero (false).
 using LaneMask = std::int64_t __attribute__((vector_size(32)));
 
 inline Lanes broadcast(double value) { return Lanes{value, value, value, value}; }
 
-/// `values[0 … 3]`.
+/// Loads `values[0 … 3]`.
 inline Lanes load(const double* values) {
   Lanes lanes;
   std::memcpy(&lanes, values, sizeof(lanes));
@@ -28,7 +28,7 @@ inline void store(double* values, const Lanes& lanes) {
   std::memcpy(values, &lanes, sizeof(lanes));
 }
 
-/// One bit a lane, lane 0 lowest.
+/// Returns one bit per lane, lane 0 lowest.
 inline unsigned bits(const LaneMask& mask) {
 #ifdef __AVX__
   return static_cast<unsigned>(__builtin_ia32_movmskpd256(reinterpret_cast<Lanes>(mask)));

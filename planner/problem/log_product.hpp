@@ -4,11 +4,11 @@
 
 namespace vantage::planner {
 
-/// Beyond it a product of factors is turned into its logarithm.
+/// A product of factors beyond this limit is replaced by its logarithm.
 inline constexpr double kProductMax = 1e150;
 
-/// A sum of logarithms as the logarithm of a product, taken whenever the product might leave the
-/// range of a double: a single factor may be as small or large as 1e±150.
+/// A sum of logarithms, computed as the logarithm of a product. The logarithm is taken whenever the
+/// product might leave the range of a double. A single factor may be between 1e−150 and 1e150.
 class LogProduct {
  public:
   void multiply(double factor) {

@@ -7,8 +7,9 @@
 
 namespace vantage::planner {
 
-/// Information that all `sensors` give together of a target at `target_m` from `from`, nothing
-/// through an obstacle; position_dim square, zero when nobody sees it. `world` may be null.
+/// Returns the information that all `sensors` together give about a target at `target_m`, measured
+/// from `from`. Obstacles block sight. The result is position_dim square, and zero if no sensor
+/// sees the target. `world` may be null.
 models::PositionMatrix look(const models::World* world,
                             std::span<const models::SensorModel> sensors,
                             const models::Viewpoint& from, const models::PositionVector& target_m);

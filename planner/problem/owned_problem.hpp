@@ -8,8 +8,8 @@
 
 namespace vantage::planner {
 
-/// A problem together with the world that it points to, or without one. Moving it is safe: world
-/// and field stay where they are.
+/// A problem and the world that it points to, if any. Can be moved safely: world and field keep
+/// their addresses.
 struct OwnedProblem {
   std::unique_ptr<models::World> world;
   std::unique_ptr<models::DistanceField> field;

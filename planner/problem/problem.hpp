@@ -17,7 +17,7 @@
 
 namespace vantage::planner {
 
-/// Of one problem, at most.
+/// Maximum number of controls of one problem.
 inline constexpr int kMaxControls = 64;
 
 enum class CostKind {
@@ -25,15 +25,15 @@ enum class CostKind {
   kTrace,   ///< J_T = Σ_t Σ_m tr Σ_{m,t}
 };
 
-/// One independent target (or exploration landmark) as it is believed to be at the plan's start.
+/// One independent target (or exploration landmark) and its belief at the plan's start.
 struct SearchTarget {
   models::TargetModel model;
   models::Gaussian prior;
 };
 
 /// One robot's planning problem: choose `horizon_steps` controls, each held for `step_s`, that
-/// minimise the summed cost of the beliefs; at each step every block is predicted, then updated by
-/// what the sensors see from the new pose about the target's predicted mean.
+/// minimise the summed cost of the beliefs. At each step every block is predicted and then updated
+/// with the sensors' information at the new pose about the target's predicted mean.
 /// Source: dissertation eq. 2.10 (Problem 2), with the sum over t = 1 … T.
 struct SearchProblem {
   Time start_time{};
@@ -42,61 +42,64 @@ struct SearchProblem {
   std::vector<models::UnicycleControl> controls;
   int horizon_steps = 12;
   double step_s = 0.5;
-  std::vector<models::SensorModel> sensors;  ///< all carried by the robot; their information adds
+  std::vector<models::SensorModel> sensors;  ///< all on this robot; their information adds up
   std::vector<SearchTarget> targets;
   CostKind cost = CostKind::kLogDet;
 
-  /// Information that teammates' fixed plans will have given of target m by arrival at depth t:
+  /// Information of the teammates' fixed plans about target m on arrival at depth t:
   /// fixed_information[m][t − 1], position_dim square. Empty: none.
   std::vector<std::vector<models::PositionMatrix>> fixed_information;
 
   const models::World* world = nullptr;          ///< null: unbounded and empty
-  const models::DistanceField* field = nullptr;  ///< of `world`; null: slower, same answers
-  double clearance_m = 0.0;                      ///< the disc around the robot that must be free
-  bool obstacles_block_sight = true;             ///< false: sensors see over or through them
+  const models::DistanceField* field = nullptr;  ///< of `world`; null: same results, slower
+  double clearance_m = 0.0;           ///< m; radius of the disc around the robot that must be free
+  bool obstacles_block_sight = true;  ///< false: sensors see over or through them
 
-  /// Teammates' committed motion, to be kept at `separation_m` in space, or whatever their heights;
-  /// kept_separation_m() says what that means for a robot that starts nearer.
+  /// Committed motion of the teammates. The plan keeps `separation_m` from it in space, or in the
+  /// plane if `separation_from_above`. See kept_separation_m() for a robot that starts closer.
   std::vector<models::Trajectory> teammates;
   double separation_m = 0.0;
   bool separation_from_above = false;
-  /// Deceleration of the stop that must be possible, clear and apart at the end; 0: none demanded.
+  /// Deceleration of the stop that must be collision-free at the plan's end, m/s²; 0: no stop
+  /// required.
   double brake_mps2 = 0.0;
-  double start_speed_mps = 0.0;  ///< at `start`, for the stop of a plan that moves no more
-  std::uint64_t seed = 0;        ///< of searches that draw
+  double start_speed_mps = 0.0;  ///< speed at `start`, for the stop of a plan without motion
+  std::uint64_t seed = 0;        ///< of randomised searches
 };
 
-/// What stands between sensors and targets: the world, or null.
+/// Returns the world that blocks sight between sensors and targets, or null.
 inline const models::World* sight_world(const SearchProblem& problem) {
   return problem.obstacles_block_sight ? problem.world : nullptr;
 }
 
-/// The height at which a plan keeps from a teammate: the teammate's or, seen from above, its own.
+/// Returns the height used for the distance to a teammate: the teammate's, or the robot's own if
+/// `separation_from_above`.
 inline double kept_height_m(const SearchProblem& problem, const models::Trajectory& teammate) {
   return problem.separation_from_above ? problem.height_m : teammate.height_m;
 }
 
-/// What a plan keeps from teammate i: `separation_m` or, if it is nearer when the plan starts, that
-/// distance less a centimetre. Whoever has come too near may leave, and comes no nearer.
+/// Returns the distance that a plan must keep from teammate i: `separation_m`, or the distance at
+/// the plan's start less 1 cm if that is smaller. A robot that is too close may thus move away but
+/// come no closer.
 double kept_separation_m(const SearchProblem& problem, std::size_t i);
-/// The same of any two motions that begin when the plan does.
+/// The same for any two motions that begin when the plan does.
 double kept_separation_m(const SearchProblem& problem, const models::Trajectory& own,
                          const models::Trajectory& other);
 
-/// Throws UsageError naming the rule that `problem` breaks: sizes, finite numbers, positive steps,
-/// forward controls, definite symmetric priors, information for every step. A search checks this
-/// once when it is given a problem. Allocates nothing unless it throws.
+/// Throws UsageError that names the violated rule: sizes, finite numbers, positive steps, forward
+/// controls, definite symmetric priors, information for every step. A search calls this once per
+/// problem. Allocates nothing unless it throws.
 void require_valid(const SearchProblem& problem);
 
-/// Why a search ended.
+/// Reason why a search ended.
 enum class StopReason {
   kFinished,   ///< nothing left to do: the result is optimal over the controls
   kDeadline,   ///< time or nodes were used up
   kMemory,     ///< the arena is full
-  kConverged,  ///< the asked (ε, δ) pass is done
+  kConverged,  ///< the requested (ε, δ) pass is complete
 };
 
-/// What was known when one pass of an anytime search ended.
+/// State of an anytime search at the end of one pass.
 struct PassReport {
   double epsilon = 0.0;
   double delta_m = 0.0;
@@ -106,40 +109,40 @@ struct PassReport {
 
 /// The best complete plan that a search found.
 struct SearchResult {
-  bool found = false;         ///< false only when nothing at all is feasible
-  std::vector<int> controls;  ///< indices into SearchProblem::controls, one a step
-  std::vector<Pose2> poses;   ///< at each step's end, as many
+  bool found = false;         ///< false only if no plan at all is feasible
+  std::vector<int> controls;  ///< indices into SearchProblem::controls, one per step
+  std::vector<Pose2> poses;   ///< at the end of each of the horizon's steps
   double cost = 0.0;          ///< J_T
-  /// Leading steps taken from `controls`; fewer than the horizon when no complete sequence was
-  /// feasible and the robot stops and hovers from there on (controls then has just these).
+  /// Number of leading steps taken from `controls`. It is less than the horizon if no complete
+  /// sequence was feasible; `controls` then has only these steps, after which the robot stops and
+  /// hovers.
   int moving_steps = 0;
-  double lower_bound = 0.0;  ///< proven, ≤ the optimum; −∞ when none is
-  double epsilon = 0.0;      ///< of the last finished pass
+  double lower_bound = 0.0;  ///< proven, ≤ the optimum; −∞: no bound
+  double epsilon = 0.0;      ///< of the last completed pass
   double delta_m = 0.0;
-  std::int64_t passes = 0;  ///< finished
+  std::int64_t passes = 0;  ///< completed passes
   std::int64_t nodes_generated = 0;
   std::int64_t nodes_expanded = 0;
-  std::int64_t work_nodes = 0;  ///< generated + considered + compared: the unit of node budgets
-  std::size_t peak_bytes = 0;   ///< of nodes, blocks and lists: what the search has touched
+  std::int64_t work_nodes = 0;  ///< generated + considered + compared: unit of node budgets
+  std::size_t peak_bytes = 0;   ///< peak of nodes, blocks and lists in use
   StopReason stop_reason = StopReason::kFinished;
-  std::vector<PassReport> history;  ///< one entry a finished pass, in order
+  std::vector<PassReport> history;  ///< one entry per completed pass, in order
 
-  /// As before a search: nothing found, nothing proven, nothing counted. What vectors have reserved
-  /// they keep.
+  /// Resets the result to its state before a search. Vectors keep their capacity.
   void reset();
 
-  /// The node budget under which the same search ends at the same place.
+  /// Returns the node budget that stops the same search at the same node.
   [[nodiscard]] std::int64_t replay_budget_nodes() const {
     return stop_reason == StopReason::kDeadline ? work_nodes : work_nodes + 1;
   }
 };
 
-/// The motion that `result` stands for: its primitives, the stop, the hover.
+/// Returns the motion of `result`: its primitives, the stop, the hover.
 models::Trajectory to_trajectory(const SearchProblem& problem, const SearchResult& result);
 models::Trajectory to_trajectory(const SearchProblem& problem, std::span<const int> controls);
 
-/// J_T of being at `poses` (one a step) by the plain recursion of models/belief: the scorer that
-/// searches are tested against. O(T·M).
+/// Returns J_T for `poses` (one per step) by the plain recursion of models/belief: the reference
+/// for tests of the searches. O(T·M).
 double score(const SearchProblem& problem, const std::vector<Pose2>& poses);
 
 }  // namespace vantage::planner

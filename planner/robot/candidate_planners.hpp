@@ -12,23 +12,23 @@
 
 namespace vantage::planner {
 
-/// Plans that are chosen from candidates, by what they tell and cost.
+/// Base of planners that choose a plan from candidates by information gain and energy cost.
 class CandidatePlanner : public SlotPlanner {
  protected:
-  /// `workspace` must outlive it.
+  /// `workspace` must outlive this object.
   CandidatePlanner(Workspace& workspace, std::size_t robot)
       : scenario_(workspace.scenario()), robot_(robot), search_(workspace.reduced()) {}
 
   [[nodiscard]] const scenario::Scenario& scenario() const { return scenario_; }
   [[nodiscard]] std::size_t robot() const { return robot_; }
-  /// A round about candidates that are found by `deadline`; `committed` as SessionSetup's.
+  /// Starts an exchange round on candidates found by `deadline`; `committed` as in SessionSetup.
   std::unique_ptr<TeamExchange> round_of(const SlotTask& task,
                                          std::optional<std::vector<models::TeamChoice>> committed,
                                          const Deadline& deadline);
 
-  /// Of a robot that rests where no motion can begin and is given none: a turn to where one can.
-  /// Where a motion can begin it may rest, for none may be worth its energy. `own`: what it is
-  /// given, if anything.
+  /// Returns a turn on the spot if the robot stays where no motion can begin: a turn to a heading
+  /// where one can. nullopt otherwise: where a motion can begin, staying may be best because no
+  /// motion is worth its energy. `own`: the robot's assigned motion, or null.
   [[nodiscard]] std::optional<models::RobotPlan> turned(SlotTask& task,
                                                         const models::TeamChoice* own) const;
 
@@ -38,17 +38,17 @@ class CandidatePlanner : public SlotPlanner {
   ReducedValueIteration& search_;
 };
 
-/// Of a robot that pays for its energy: coordinate descent over candidates, what they cost
-/// included. It rests where none is worth that. The search for them has a third of the time: what
-/// follows it takes tens of milliseconds.
+/// Planner of a robot with an energy price: coordinate descent over candidates, including their
+/// costs. The robot stays if no candidate has a positive value. The candidate search gets a third
+/// of the time; the rest takes tens of milliseconds.
 class WorthPlanner : public CandidatePlanner {
  public:
   WorthPlanner(Workspace& workspace, std::size_t robot) : CandidatePlanner(workspace, robot) {}
   models::RobotPlan plan(SlotTask& task, const Deadline& deadline) override;
 };
 
-/// In a team that plans by local search: does what the solution in its inputs gives it, a motion
-/// that passes the closing check, or rest; so does a robot without any. Source:
+/// Planner of a team that uses local search. Flies the robot's motion in the solution of its inputs
+/// if the motion passes the closing check. A robot without one stops and stays. Source:
 /// docs/decisions/0006.
 class AgreedPlanner : public CandidatePlanner {
  public:

@@ -9,21 +9,22 @@
 
 namespace vantage::planner {
 
-/// What a robot flies when the plan of a slot begins, whatever that plan will be.
+/// Motion that a robot flies when the plan of a slot begins, whatever that plan is.
 struct Commitment {
   enum class Known {
     kMotion,
-    kNoPose,       ///< it was never seen
-    kUnknownPlan,  ///< it flies a plan of before its planner's restart
+    kNoPose,       ///< its pose was never received
+    kUnknownPlan,  ///< it flies a plan from before its planner's restart
   };
   Known known = Known::kMotion;
-  models::Trajectory motion;  ///< from t_{k+1} on; of kMotion alone
-  bool is_off_plan = false;   ///< it was seen, or holds, farther from its plan than the tolerance
+  models::Trajectory motion;  ///< from t_{k+1} on; only if kMotion
+  bool is_off_plan = false;   ///< off its plan by more than the tolerance
 };
 
-/// The commitment of robot `robot` (by index) in the slot of `inputs`: what is left of its last
-/// plan or, where the vehicle holds off it or is far from it, a hover there. A robot that has no
-/// plan yet hovers where it is seen, once it cannot be flying one of before a restart.
+/// Returns the commitment of robot `robot` (by index) in the slot of `inputs`: the rest of its last
+/// plan, or a hover at the vehicle's position if it holds off its plan or is far from it. A robot
+/// without a plan hovers at its observed pose, once it cannot be flying a plan from before a
+/// restart.
 Commitment commitment_of(const scenario::Scenario& scenario, std::size_t robot,
                          const PlanInputs& inputs);
 

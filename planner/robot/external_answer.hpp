@@ -8,14 +8,14 @@
 
 namespace vantage::planner {
 
-/// The motion that another process's `answer` gives a robot, as it may be flown: from where
-/// `committed` begins, to the bit, to a hover; a stop that the answer lacks is the vehicle's own.
+/// Returns the motion in an external planner's `answer`, adapted for flight. It starts exactly
+/// where `committed` does and ends in a hover; a missing stop is added with the vehicle's limits.
 ///
-/// nullopt for what is no plan of this slot: it begins at another time, or farther than 1 mm or
-/// 1 mrad from there, or at another height; it drives for longer than the horizon (and its stop) or
-/// in more segments than four horizons have steps, or than the horizon's and than drivers fly; a
-/// segment without length, backwards, beyond the vehicle's limits, or turning while it brakes.
-/// Whether the motion is clear of walls and teammates is not asked here.
+/// Returns nullopt for an invalid plan of this slot: one that starts at another time, farther than
+/// 1 mm or 1 mrad away, or at another height; that drives or brakes for longer than the horizon;
+/// that has more segments than four horizons have steps, or than drivers fly (but a horizon's worth
+/// is always allowed); or with a segment of no duration, backwards, beyond the vehicle's limits, or
+/// turning while braking. Does not check walls and teammates.
 std::optional<models::Trajectory> motion_of_answer(const models::RobotPlan& answer,
                                                    const models::Trajectory& committed,
                                                    const scenario::PlannerSpec& planner,

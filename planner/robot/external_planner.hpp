@@ -7,11 +7,11 @@
 
 namespace vantage::planner {
 
-/// Of planner.algorithm `external`: searches nothing; its plan is the answer in the inputs, if that
-/// passes the closing check, else what it falls back on.
+/// Planner for planner.algorithm `external`. Does not search: its plan is the answer in the inputs
+/// if that passes the closing check, otherwise the fallback.
 class ExternalPlanner : public SlotPlanner {
  public:
-  /// `scenario` must outlive it.
+  /// `scenario` must outlive this object.
   ExternalPlanner(const scenario::Scenario& scenario, std::size_t robot)
       : planner_(scenario.planner), limits_(scenario.robots[robot].limits) {}
   models::RobotPlan plan(SlotTask& task, const Deadline& deadline) override;

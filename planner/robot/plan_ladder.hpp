@@ -12,36 +12,38 @@
 
 namespace vantage::planner {
 
-/// A plan of that slot that says nothing yet: no motion, no cost, nothing proven.
+/// Returns an empty plan of that slot: no motion, no cost, no bound.
 models::RobotPlan blank_plan(const scenario::PlannerSpec& planner, const std::string& robot,
                              const RoundSchedule::Slot& slot);
 
-/// What is published in one slot: a motion that was found, where the closing check lets it pass;
-/// else the last plan, shifted and checked again; else braking to a hover. A rung that does not
-/// bear gives nullopt; fall_back() always bears. Counts which it was.
+/// Chooses the motion to publish in a slot: a found motion if it passes the closing check;
+/// otherwise the last plan, shifted and checked again; otherwise braking to a hover. A step that is
+/// not feasible returns nullopt; fall_back() always succeeds. Counts the choice.
 class PlanLadder {
  public:
-  /// All but `blank` must outlive it. `committed` is the robot's motion from the problem's start.
+  /// All but `blank` must outlive this object. `committed` is the robot's motion from the problem's
+  /// start.
   PlanLadder(const SearchProblem& problem, const models::Trajectory& committed,
              models::RobotPlan blank, PlannerCounts& counts)
       : problem_(problem), committed_(committed), plan_(std::move(blank)), counts_(counts) {}
 
-  /// Says of every plan what work it took.
+  /// Sets the number of search nodes in every plan.
   void set_nodes(std::int64_t nodes) { plan_.nodes = nodes; }
 
-  /// What a search found; nullopt when that is nothing, or not safe.
+  /// Returns the plan of a search result; nullopt if nothing was found or it is not safe.
   [[nodiscard]] std::optional<models::RobotPlan> searched(const SearchResult& result);
-  /// A motion that was chosen or answered.
+  /// Returns the plan of a chosen or answered motion; nullopt if it is not safe.
   [[nodiscard]] std::optional<models::RobotPlan> chosen(const models::Trajectory& motion);
-  /// The robot's own proposal; nullopt, not counted, when it was not searched or is not safe now.
+  /// Returns the plan of the robot's own proposal; nullopt (not counted) if it was not searched or
+  /// is not safe now.
   [[nodiscard]] std::optional<models::RobotPlan> proposed(const models::RobotPlan& proposal) const;
-  /// Stops and rests, which is what the search found.
+  /// Returns the plan to stop and stay, as the result of a search; nullopt if it is not safe.
   [[nodiscard]] std::optional<models::RobotPlan> rest();
-  /// A turn on the spot, safe wherever hovering is.
+  /// Returns a turn on the spot, which is safe wherever hovering is.
   [[nodiscard]] models::RobotPlan turned(models::Trajectory turning);
-  /// Braking to a hover where that is safe, else as fall_back().
+  /// Returns braking to a hover if that is safe, otherwise fall_back().
   [[nodiscard]] models::RobotPlan stopped();
-  /// Shifted or braking, whichever is first safe.
+  /// Returns the shifted plan if it is safe, otherwise braking to a hover.
   [[nodiscard]] models::RobotPlan fall_back();
 
  private:

@@ -9,8 +9,7 @@
 
 namespace vantage::planner {
 
-/// A robot's search, by what the scenario's planner.objective wants to know more of: targets, or
-/// the map.
+/// A robot's search, for targets or for the map, as selected by planner.objective.
 class RoundSearch {
  public:
   RoundSearch() = default;
@@ -20,18 +19,19 @@ class RoundSearch {
   RoundSearch(RoundSearch&&) = delete;
   RoundSearch& operator=(RoundSearch&&) = delete;
 
-  /// What a search has found; good until the next one.
+  /// Result of a search; valid until the next one.
   struct Found {
     const SearchResult& result;
-    bool is_boxed_in = false;  ///< from here, so turned, no motion can begin
+    bool is_boxed_in = false;  ///< no motion can begin at this pose
   };
   virtual Found plan(const RoundProblem& round, const Deadline& deadline) = 0;
 
-  /// Information that `found`, of the last plan(), of `round`, gains, nats; ≥ 0.
+  /// Returns the information gain of `found` in nats (≥ 0). `found` must come from the last call of
+  /// plan(round).
   [[nodiscard]] virtual double gain_nats(const RoundProblem& round, const Found& found) const = 0;
 };
 
-/// `workspace` must outlive it.
+/// `workspace` must outlive the result.
 std::unique_ptr<RoundSearch> make_round_search(Workspace& workspace, std::size_t robot);
 
 }  // namespace vantage::planner

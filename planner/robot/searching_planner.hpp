@@ -10,12 +10,13 @@
 
 namespace vantage::planner {
 
-/// Searches against the teammates' newest plans (coordinate descent) or, in a team that expects
-/// attacks, against those that are no bait; bait does as it has proposed. At rest with nothing to
-/// do it turns to where it could go. Source: dissertation Alg. 9, 10 (RAIN).
+/// Searches given the teammates' newest plans (coordinate descent) or, in a team that expects
+/// attacks, given the plans outside the bait; a bait robot flies its proposal. If the robot is
+/// stationary and finds no motion, it turns towards a free direction. Source: dissertation Alg. 9,
+/// 10 (RAIN).
 class SearchingPlanner : public SlotPlanner {
  public:
-  /// `workspace` must outlive it.
+  /// `workspace` must outlive this object.
   SearchingPlanner(Workspace& workspace, std::size_t robot)
       : spec_(workspace.scenario().robots[robot]), search_(make_round_search(workspace, robot)) {}
   models::RobotPlan plan(SlotTask& task, const Deadline& deadline) override;

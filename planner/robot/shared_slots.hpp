@@ -9,16 +9,17 @@
 
 namespace vantage::planner {
 
-/// Which slot of a round is one robot's, where robots share them: by what its own and its
-/// neighbours' newest plans say.
+/// Assignment of one robot's slot if robots share slots, from its own and its neighbours' newest
+/// plans.
 class SharedSlots {
  public:
-  /// Precondition: the scenario's slots are shared. `workspace` must outlive it.
+  /// Precondition: the scenario's slots are shared. `workspace` must outlive this object.
   SharedSlots(const Workspace& workspace, int robot);
 
-  /// Whether the slot of `inputs` is this robot's alone among its neighbours.
+  /// True if this robot may search in the slot of `inputs`: its last plan was made in it, and no
+  /// neighbour of lower index holds it.
   [[nodiscard]] bool has_slot(const PlanInputs& inputs) const;
-  /// Which slot of the next round is the robot's, after it has published in its last one.
+  /// Returns the robot's slot of the next round, after it has published in its last one.
   [[nodiscard]] int next_place(const PlanInputs& inputs) const;
 
  private:

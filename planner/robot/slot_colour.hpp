@@ -4,31 +4,31 @@
 
 namespace vantage::planner {
 
-/// Which robot's newest plan was made in which slot of its round.
+/// A robot and the slot of its round in which its newest plan was made.
 struct SlotHolder {
-  int robot = 0;  ///< by index
+  int robot = 0;  ///< index
   int slot = 0;
 };
 
-// Slots that robots share are colours of the graph in which two robots are joined when they are
-// near each other (network.neighbourhood_m): who plans at the same time must not be near. The
-// robots colour it themselves, by what their plans say anyhow, the slot that each was made in:
+// Shared slots are colours of the graph whose edges join robots that are near each other
+// (network.neighbourhood_m): robots that plan at the same time must not be near. The robots colour
+// the graph themselves, from the slot in which each received plan was made:
 //
-//   a robot keeps its slot until a neighbour of lower index is heard in it; then it takes one that
-//   no neighbour holds, and what it publishes there first is what it is committed to: a claim, by
-//   which all neighbours know of it before it plans.
+//   A robot keeps its slot until it receives a plan made in that slot by a neighbour of lower
+//   index.
+//   It then takes a slot that no neighbour holds. Its first plan there is its committed motion: a
+//   claim that informs all neighbours before it searches.
 //
-// So of two neighbours who have heard each other's last plan never more than one searches in a
-// slot, whatever slots they take; and a graph in which nobody has more neighbours than there are
-// slots, less one, is coloured for good as soon as it stays the same, for the lowest of those who
-// want a slot keeps it. Where there are fewer slots, the higher robots go on with what they are
-// committed to, which is safe.
+// So of two neighbours that have received each other's last plan at most one searches in a slot. If
+// every robot has fewer neighbours than there are slots, a graph that stops changing soon gets a
+// permanent colouring, because the lowest robot that wants a slot keeps it. With fewer slots, the
+// higher-numbered robots continue their committed motion, which is safe.
 
-/// Whether `own` may search in its slot. Precondition: its newest plan was made in it, too.
+/// True if `own` may search in its slot. Precondition: its newest plan was made in that slot, too.
 bool may_search(const SlotHolder& own, std::span<const SlotHolder> neighbours);
 
-/// The slot of own's next round: the same while may_search(), else one that no neighbour holds (a
-/// different one for each robot that looks, as far as they go); the same if there is none.
+/// Returns own's slot of the next round: the same if may_search(), otherwise one that no neighbour
+/// holds (spread over the free slots by robot index); the same if none is free.
 int next_slot(const SlotHolder& own, std::span<const SlotHolder> neighbours, int slots);
 
 }  // namespace vantage::planner

@@ -15,18 +15,17 @@
 
 namespace vantage::planner {
 
-/// What is to be decided in a slot, once it is known what the robot is committed to. Good for one
-/// call.
+/// Task of a slot once the robot's committed motion is known. Used for one call.
 struct SlotTask {
   const PlanInputs& inputs;
   const models::Trajectory& committed;
   const RoundProblem& round;
-  PlanLadder ladder;  ///< of the slot's plan
+  PlanLadder ladder;  ///< for the slot's plan
   PlannerCounts& counts;
-  bool is_bait = false;  ///< it does as it has proposed
+  bool is_bait = false;  ///< the robot flies its proposal
 };
 
-/// How a robot comes to the plan of its slot; a scenario says which it is (make_slot_planner()).
+/// Planning method of a robot's slot; selected by the scenario (make_slot_planner()).
 class SlotPlanner {
  public:
   SlotPlanner() = default;
@@ -36,18 +35,19 @@ class SlotPlanner {
   SlotPlanner(SlotPlanner&&) = delete;
   SlotPlanner& operator=(SlotPlanner&&) = delete;
 
-  /// The slot's plan.
+  /// Returns the slot's plan.
   virtual models::RobotPlan plan(SlotTask& task, const Deadline& deadline) = 0;
-  /// What the robot would do alone, of a task in which nobody else sees; nullopt: it never says.
+  /// Returns the robot's plan alone, for a task without other robots' sensors; nullopt: the method
+  /// makes no proposals.
   virtual std::optional<models::PlanProposal> propose(SlotTask& task, const Deadline& deadline);
-  /// Its part in the round's exchange, of the same task; null: its team exchanges nothing.
+  /// Starts its part in the round's exchange, for the same task; null: the team exchanges nothing.
   virtual std::unique_ptr<TeamExchange> begin_exchange(const SlotTask& task,
                                                        const Deadline& deadline);
 };
 
-/// The one that the scenario asks for: planner.algorithm `external` asks another process, a team
-/// that plans by local search flies what it has agreed on, a robot that pays for its energy weighs
-/// candidates, all others search. `workspace` must outlive it.
+/// Creates the planner that the scenario selects: an external process for planner.algorithm
+/// `external`, the agreed solution for local search, weighing of candidates for a robot with an
+/// energy price, otherwise a search. `workspace` must outlive the result.
 std::unique_ptr<SlotPlanner> make_slot_planner(Workspace& workspace, std::size_t robot);
 
 }  // namespace vantage::planner

@@ -13,44 +13,45 @@
 
 namespace vantage::planner {
 
-/// What became of a proposal that was heard.
+/// Outcome of a received proposal.
 enum class Heard {
-  kTaken,       ///< it is the best known now
-  kNotBetter,   ///< than what is known
-  kOtherRound,  ///< it is of another round
-  kRefused,     ///< it cannot be
+  kTaken,       ///< it is now the best known
+  kNotBetter,   ///< not better than the best known
+  kOtherRound,  ///< of another round
+  kRefused,     ///< inconsistent or too long
 };
 
-/// One robot's round of local search on what it believes: makes its candidates, sees teammates'
-/// motions through their sensors, keeps proposed motions apart. It is there from the round's begin
-/// to its end, and nothing is heard or proposed without it.
+/// One robot's round of local search on its own beliefs: makes its candidates, evaluates teammates'
+/// motions with their sensors, and rejects proposed motions that come too close. It exists from the
+/// round's begin to its end; no proposal is made or taken without it.
 class TeamExchange {
  public:
-  /// What a round begins with, besides the problem.
+  /// Inputs of a round in addition to the problem.
   struct Start {
     std::int64_t round = 0;
-    /// Stopping and hovering: a candidate too, for it may see something.
+    /// Stopping and hovering, which is also a candidate because it may gain information.
     models::Trajectory rest;
-    std::vector<std::string> jammed;  ///< robots that see nothing
-    /// As SessionSetup's.
+    std::vector<std::string> jammed;  ///< robots without sensing
+    /// As in SessionSetup.
     std::optional<std::vector<models::TeamChoice>> committed;
   };
-  /// Candidates are what the search finds by `deadline` and the closing check lets pass. Teammates
-  /// of `problem` are kept clear of; what they see, if anything, guides the search.
-  /// `scenario` and the world of `problem` must outlive it; `search` serves others from then on.
+  /// Candidates are the search results found by `deadline` that pass the closing check. They avoid
+  /// the teammates of `problem`, whose fixed information, if any, guides the search. `scenario` and
+  /// the world of `problem` must outlive this object; `search` is free for others after
+  /// construction.
   TeamExchange(const scenario::Scenario& scenario, int robot, ReducedValueIteration& search,
                const SearchProblem& problem, const Start& start, const Deadline& deadline);
   ~TeamExchange() = default;
-  TeamExchange(const TeamExchange&) = delete;  // its session refers to it
+  TeamExchange(const TeamExchange&) = delete;  // session_ refers to this object
   TeamExchange& operator=(const TeamExchange&) = delete;
   TeamExchange(TeamExchange&&) = delete;
   TeamExchange& operator=(TeamExchange&&) = delete;
 
-  /// As LocalSearchSession's.
+  /// See LocalSearchSession.
   [[nodiscard]] Heard hear(const models::TeamProposal& proposal);
   [[nodiscard]] std::optional<models::TeamProposal> improve(const Deadline& deadline);
 
-  /// Of the search for the candidates: the node budget that repeats it.
+  /// Returns the node budget that repeats the candidate search.
   [[nodiscard]] std::int64_t nodes() const { return nodes_; }
 
  private:

@@ -7,16 +7,17 @@
 
 namespace vantage::planner {
 
-/// Whether some motion may begin from where the robot rests, once it has turned by so much.
+/// True if some motion can begin at the stationary robot's position after a turn by `turned_rad`.
 bool has_way_out(const SearchProblem& problem, double turned_rad);
 
-/// For a robot that rests and that a search leaves where it is: a turn on the spot by an eighth,
-/// after which a motion may begin. Turning moves no disc, so it is safe wherever hovering is.
+/// Returns a turn on the spot by an eighth of a circle for a stationary robot whose search found no
+/// motion; a motion may begin after it. Turning moves no disc, so it is safe wherever hovering is.
 ///
-/// From a teammate that is too near it turns away or, once it faces away, on and on, until some
-/// heading has a way out. Where walls or teammates are so near ahead that no motion can begin it
-/// turns towards the nearest heading with a way out. nullopt where there is one already, unless the
-/// search says otherwise (`is_boxed_in`: then on and on, to the left), and where there is none.
+/// If a teammate is too near, the robot turns away from it. Once it faces away, it keeps turning
+/// until some heading allows a motion. If walls or teammates ahead block every motion, it turns
+/// towards the nearest heading that allows one. nullopt if the present heading allows one, unless
+/// the search disagrees (`is_boxed_in`), or if no heading does; with `is_boxed_in` it then keeps
+/// turning left.
 std::optional<models::Trajectory> turn_to_a_way_out(const SearchProblem& problem, bool is_boxed_in,
                                                     double yaw_rate_max_radps);
 

@@ -15,47 +15,47 @@
 
 namespace vantage::planner {
 
-/// Number of bodies other than robots, the nearest, that one plan keeps from.
+/// Maximum number of bodies other than robots that one plan avoids: the nearest.
 inline constexpr std::size_t kBodiesMax = 8;
 
-/// How many places where targets may be are planned with beyond one for each, who has a lower id
-/// first: none where every belief is a Gaussian, else seven more of each target and 256 in all, for
-/// the search's memory is taken once.
+/// Returns the maximum number of mixture components used in planning beyond one per target; targets
+/// of lower id come first. It is 0 if every belief is a Gaussian, otherwise 7 per target and at
+/// most 256, since the search's memory is allocated once.
 std::size_t parts_max(const scenario::Scenario& scenario);
 
-/// What the planners of one thread have in common, so that a team in one process costs one of it:
-/// the scenario, its world's distance field, and the searches with their memory.
+/// Shared resources of the planners of one thread, so that a team in one process needs them only
+/// once: the scenario, its world's distance field, and the searches with their memory.
 ///
-/// Planners take turns: what a search found has to be taken before the next one begins. A search
-/// keeps nothing from one plan to the next, so it finds the same whoever used it before.
+/// Planners take turns: a search result must be used before the next search begins. A search keeps
+/// no state between plans, so its result does not depend on earlier users.
 class Workspace {
  public:
   explicit Workspace(const scenario::Scenario& scenario);
 
   [[nodiscard]] const scenario::Scenario& scenario() const { return scenario_; }
   [[nodiscard]] const models::DistanceField& field() const { return field_; }
-  /// Which of the scenario's robots is called so; nullopt: none.
+  /// Returns the index of the robot with that name; nullopt: none.
   [[nodiscard]] std::optional<std::size_t> index_of(const std::string& robot) const;
-  /// The scenario's search, for all who do not need one of their own (Algorithm::remembers). Built,
-  /// as reduced(), when it is first asked for.
+  /// Returns the scenario's search, for all planners that do not need their own
+  /// (Algorithm::remembers). Created at the first call, like reduced().
   Search& search();
-  /// The scenario's search for that robot alone.
+  /// Creates a search for that robot alone.
   [[nodiscard]] std::unique_ptr<Search> make_search(int robot_index) const;
-  /// Makes the candidates of a team's decision.
+  /// Returns the search that makes the candidates of a team's decision.
   ReducedValueIteration& reduced();
-  /// That part of the ground as it was last seen, one stamp a cell; good until the next call. Which
-  /// cells are free is found anew only when another part is asked for.
+  /// Returns that part of the ground with its last-seen stamps, one per cell; valid until the next
+  /// call. Recomputes the free cells only if another part is requested.
   const models::VisibilityGrid& ground(const models::GridGeometry& part,
                                        const std::vector<std::int64_t>& last_seen_utime);
 
-  /// For real time: the search that the scenario's planners use takes all of its memory now.
+  /// Commits the memory of the searches created so far. For real time.
   void prefault();
 
  private:
   scenario::Scenario scenario_;
   std::unordered_map<std::string, std::size_t> indices_;  ///< of robots, by name
   models::DistanceField field_;
-  models::VisibilityGrid ground_;  ///< the part that was asked for last
+  models::VisibilityGrid ground_;  ///< the part requested last
   std::optional<ReducedValueIteration> reduced_;
   std::unique_ptr<Search> search_;
 };

@@ -14,76 +14,76 @@
 namespace vantage::planner {
 
 enum class ReducedSearch {
-  kAnytime,     ///< ARVI: ε = δ = ∞ first, then the schedule, at last ε = δ = 0
+  kAnytime,     ///< ARVI: ε = δ = ∞ first, then the schedule, finally ε = δ = 0
   kSinglePass,  ///< RVI with the given ε and δ
-  kGreedy,      ///< the first pass of ARVI alone: the best next step, T times
-  kExhaustive,  ///< FVI: nothing is pruned
+  kGreedy,      ///< only the first pass of ARVI: the best next step, T times
+  kExhaustive,  ///< FVI: no pruning
 };
 
 struct ReducedOptions {
   ReducedSearch search = ReducedSearch::kAnytime;
-  double epsilon = 1.0;  ///< of the first finite pass (kAnytime) or the only one
+  double epsilon = 1.0;  ///< of the first finite pass (kAnytime) or the single pass
   double delta_m = 1.0;
-  int halvings = 12;  ///< finite passes, each with half the last ε and δ, before (0, 0)
+  int halvings = 12;  ///< number of finite passes before (0, 0); each halves ε and δ
   double yaw_weight_m_per_rad = 0.3;
 };
 
-/// Forward, reduced and anytime reduced value iteration over one persistent tree.
+/// Forward, reduced and anytime reduced value iteration (FVI, RVI, ARVI) over one persistent tree.
 ///
-/// S, O and C of the dissertation persist between passes: no child is ever computed twice. Nodes
-/// of a depth are considered by ascending accumulated cost J; a node is left out of O when some
-/// opened node with J' ≤ J lies within δ and ε-dominates it (single-node test: sound). At δ = 0 the
-/// two have the same position and heading, whatever the yaw weight is. The leaves are never pruned:
-/// the best one that can stop safely is the plan.
+/// S, O and C of the dissertation persist between passes, so no child is computed twice. The nodes
+/// of a depth are considered by ascending accumulated cost J. A node is left out of O if an opened
+/// node with J' ≤ J lies within δ and ε-dominates it (single-node test: sound). At δ = 0 both nodes
+/// must have the same position and heading, whatever the yaw weight. Leaves are never pruned: the
+/// best leaf that can stop safely is the plan.
 ///
-/// Guarantees: a plan exists as soon as one depth-T node has been generated; its cost never rises;
-/// a finished pass at (ε, δ) obeys the bound (6.1); with ε = δ = 0 finished, it is optimal.
-/// Interruptible at each node; stops at the same node under Deadline::nodes(work_nodes).
-/// Allocates nothing in plan() while the problem fits the capacity.
+/// Guarantees: a plan exists as soon as one depth-T node has been generated; its cost never
+/// increases; a completed pass at (ε, δ) satisfies the bound (6.1); a completed pass at ε = δ = 0
+/// is optimal. Can be interrupted at each node; stops at the same node under
+/// Deadline::nodes(work_nodes). plan() allocates nothing while the problem fits the capacity.
 /// Source: dissertation Alg. 1 and 2, Thm 3; Vasquez et al. / Atanasov et al. for RVI.
 class ReducedValueIteration : private TreeSearch {
  public:
   explicit ReducedValueIteration(const SearchCapacity& capacity);
 
-  /// Takes all the memory that was reserved, so that no page fault comes in plan(): for real time.
+  /// Commits all reserved memory, so that plan() causes no page fault. For real time.
   void prefault();
 
-  /// The best plan found by the deadline. The reference is good until the next call.
+  /// Returns the best plan found by the deadline. The reference is valid until the next call.
   /// @throws UsageError when `problem` breaks a rule of require_valid or exceeds the capacity.
   const SearchResult& plan(const SearchProblem& problem, const ReducedOptions& options,
                            const Deadline& deadline);
 
-  /// What the last plan() returned.
+  /// Returns the result of the last plan().
   [[nodiscard]] const SearchResult& result() const { return result_; }
-  /// Everything the last search computed, for pictures and tests.
+  /// Returns the tree of the last search, for plots and tests.
   [[nodiscard]] const Tree& tree() const { return tree_; }
 
  private:
   struct Level {
-    NodeList pending;             ///< considered before and left out, by ascending cost
+    NodeList pending;             ///< considered in earlier passes and left out, by ascending cost
     NodeList open;                ///< O_t
-    NodeId unexpanded = kNoNode;  ///< first member of `open` that is not of C_t
+    NodeId unexpanded = kNoNode;  ///< first member of `open` that is not in C_t
   };
   enum class Progress { kDone, kDeadline, kMemory };
 
   Progress improve_path(double epsilon, double delta_m, bool prune);
-  /// Generates the children of depth t of all nodes opened since: into O_t at once when nothing
-  /// is to be pruned, into fresh_ otherwise.
+  /// Generates the depth-t children of all nodes opened since the last call, into O_t if nothing is
+  /// pruned, otherwise into fresh_.
   Progress expand_level(int t, bool prune);
   Progress open_level(int t, double epsilon, double delta_m);
-  /// True when an opened node makes `id` superfluous; kDeadline or kMemory end the search.
+  /// Sets `pruned` if an opened node makes `id` redundant; kDeadline or kMemory end the search.
   Progress is_pruned(NodeId id, double epsilon, double delta_m, const Level& level, bool& pruned);
   void offer_leaf(NodeId id);
-  /// When no depth-T node can stop safely: stop as late as is safe, and hover.
+  /// Plan when no depth-T node can stop safely: stop at the deepest safe node and hover.
   void fall_back_to_hover();
   void open_node(Level& level, NodeId id);
-  /// The cheaper of what was left out and what is new; kNoNode when neither is left.
+  /// Removes the cheapest of the pending and the new nodes; kNoNode if none is left.
   NodeId pop_least(Level& level);
 
   RootBound root_bound_;
   CrossingIndex index_;
   std::vector<Level> levels_;
-  CostOrder fresh_;  ///< generated and not yet considered: of one depth at a time
+  CostOrder fresh_;  ///< generated and not yet considered; of one depth at a time
   std::size_t fresh_peak_ = 0;
   std::size_t index_peak_ = 0;
   PoseMetric metric_;

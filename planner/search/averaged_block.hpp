@@ -4,20 +4,20 @@
 
 namespace vantage::planner {
 
-/// A planar block averaged over all turns and reflections of the plane: the same for each axis.
+/// A planar block averaged over all rotations and reflections of the plane: the same for each axis.
 ///
-/// Averaging the information matrix Ω over O(2) bounds every cost from below: Riccati's step is
-/// operator concave and monotone in Ω and treats all directions alike, so the average of the true
-/// Ω_k stays below what the recursion makes of the average, each look M entering by its average
-/// ½ tr M · I; and log det Ω is concave, tr Ω⁻¹ convex. Hence half of the looks' strength in every
-/// direction is enough for a bound, where M̄ = λ_max I takes all of it in both. That treats all
-/// directions alike where A is the same on both axes; of unlike W the smaller one counts, as it is
-/// below both: with the same A they differ by a factor.
+/// Averaging the information matrix Ω over O(2) gives a lower bound of every cost. The Riccati step
+/// is operator concave and monotone in Ω and isotropic. So the average of the true Ω_k is at most
+/// the recursion's result from the averages, where each measurement M enters as ½ tr M · I; and log
+/// det Ω is concave, tr Ω⁻¹ convex. The bound thus needs only half of the information in every
+/// direction, where M̄ = λ_max I takes all of it. The step is isotropic if A is the same on both
+/// axes. If W differs between the axes, the smaller one is used; it bounds both, since with the
+/// same A they differ by a factor.
 /// Source: ours; concavity of the Riccati map as in Anderson & Duffin 1969 (parallel sum).
 class AveragedBlock {
  public:
   AveragedBlock() = default;
-  /// Of a packed planar or moving covariance, definite.
+  /// Averages a packed planar or moving covariance, which must be positive definite.
   AveragedBlock(BlockLayout layout, const double* b) : moves_(layout == BlockLayout::kMoving) {
     if (!moves_) {
       position_ = 2.0 * det2(b) / (b[0] + b[2]);  // 1 / (½ tr P⁻¹)
@@ -71,7 +71,7 @@ class AveragedBlock {
     velocity_ += w.velocity;
   }
 
-  /// A look of this strength in every direction.
+  /// Applies a measurement of this information in every direction.
   void update(double strength) {
     const double scale = 1.0 / (1.0 + strength * position_);
     velocity_ -= strength * cross_ * cross_ * scale;

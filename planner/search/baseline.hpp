@@ -7,15 +7,15 @@
 #include "planner/problem/problem.hpp"
 #include "planner/search/arvi.hpp"
 
-// Planners that do not think, to be compared with. They obey the same rules as the search: free of
-// obstacles and teammates, ending in a safe stop.
+// Baseline planners for comparison. They obey the search's rules: no collision with obstacles or
+// teammates, and a safe stop at the end.
 
 namespace vantage::planner {
 
 struct RandomWalkOptions {};
 
-/// A uniformly random feasible control at each step, drawn by the problem's seed; dead ends are
-/// backed out of. Allocates; takes no notice of deadlines (5000 tries at most).
+/// Chooses a uniformly random feasible control at each step, seeded by the problem; backtracks from
+/// dead ends. Allocates; ignores deadlines (5000 tries at most).
 class RandomWalk {
  public:
   explicit RandomWalk(const SearchCapacity& /*capacity*/) {}
@@ -26,16 +26,15 @@ class RandomWalk {
   SearchResult result_;
 };
 
-/// Which part of the world a robot sweeps.
+/// The part of the world that a robot sweeps.
 struct SweepShare {
-  int index = 0;  ///< of `count` strips
+  int index = 0;  ///< strip number, of `count` strips
   int count = 1;
 };
 
-/// Controls that lead nearest to the way points of a lawn-mower sweep, one after another, by a
-/// short look-ahead at each step: rows 1.6 ranges of the first sensor apart. Remembers how far it
-/// has got, so each robot has its own. Allocates; takes no notice of deadlines (5000 tries at
-/// most). plan() throws UsageError when the problem has no world.
+/// Follows the waypoints of a lawn-mower sweep with a two-step look-ahead; rows are 1.6 ranges of
+/// the first sensor apart. Stores its progress, so each robot needs its own. Allocates; ignores
+/// deadlines (5000 tries at most). plan() throws UsageError when the problem has no world.
 class LawnMower {
  public:
   explicit LawnMower(const SearchCapacity& /*capacity*/) {}
@@ -48,8 +47,8 @@ class LawnMower {
   SearchResult result_;
 };
 
-/// Way points of a lawn-mower sweep of robot `index` of `count`: the world's longer side is cut
-/// into `count` strips, each swept in rows `spacing_m` apart, there and back again.
+/// Returns the waypoints of a lawn-mower sweep of robot `index` of `count`: the world's longer side
+/// is cut into `count` strips, each swept in rows `spacing_m` apart, forth and back.
 std::vector<Eigen::Vector2d> lawn_mower_waypoints(const models::Rectangle& bounds, int index,
                                                   int count, double spacing_m, double margin_m);
 

@@ -10,24 +10,25 @@
 
 namespace vantage::planner {
 
-/// Which targets may be seen from about a place at a depth, so that a node's cost does not depend
-/// on how many targets there are elsewhere.
+/// Spatial index of the targets that may be seen near a position at a depth, so that a node's cost
+/// does not depend on the number of targets elsewhere.
 ///
-/// At each depth only the targets that the start can get near enough to by then matter; among them
-/// a square grid lists who is within sight of each cell. A cell is listed when it is first asked
-/// for, in O(targets that matter). Lists are complete; their members have to be tested exactly.
-/// Allocates nothing after construction: when the pool is full, whole depths are answered.
+/// At each depth only targets that may be in range from a reachable position are relevant. A square
+/// grid lists, for each cell, those in range. A cell's list is made at its first query, in
+/// O(relevant targets). Lists are complete but not exact, so their members must be tested.
+/// Allocates nothing after construction; if the pool is full, a query returns all relevant targets
+/// of the depth.
 class CandidateGrid {
  public:
   CandidateGrid(int targets_max, int horizon_max);
 
-  /// For nodes that reach at most depth · reach_m from `start_m`. `beliefs` must outlive queries.
+  /// Prepares for nodes within depth · reach_m of `start_m`. `beliefs` must outlive the queries.
   void reset(const BeliefTable& beliefs, const Eigen::Vector2d& start_m, int horizon_steps,
              double reach_m, double range_max_m);
 
-  /// By ascending index, at least every target whose mean at depth t is nearer than range_max_m +
-  /// reach_m to `p_m`. Precondition: 1 ≤ t ≤ horizon_steps, ‖p_m − start‖ ≤ t · reach_m. Good
-  /// until the next reset.
+  /// Returns, by ascending index, at least every target whose mean at depth t is closer than
+  /// range_max_m + reach_m to `p_m`. Precondition: 1 ≤ t ≤ horizon_steps, ‖p_m − start‖ ≤ t ·
+  /// reach_m. Valid until the next reset.
   [[nodiscard]] std::span<const std::uint16_t> near(const Eigen::Vector2d& p_m, int t);
 
  private:
@@ -38,15 +39,15 @@ class CandidateGrid {
     bool is_listed = false;
   };
   [[nodiscard]] std::span<const std::uint16_t> relevant(int t) const;
-  /// Lists the cell around `centre_m`, unless the pool is full.
+  /// Fills the list of the cell around `centre_m`; false if the pool is full.
   bool list(const Eigen::Vector2d& centre_m, int t, Cell& cell);
 
   const BeliefTable* beliefs_ = nullptr;
   Eigen::Vector2d start_m_ = Eigen::Vector2d::Zero();
-  double far_m_ = 0.0;  ///< range and one step
+  double far_m_ = 0.0;  ///< m; range plus one step
   double reach_m_ = 0.0;
   std::vector<double> cell_m_;                 ///< per depth
-  std::vector<std::uint32_t> relevant_begin_;  ///< per depth, into relevant_; one more at the end
+  std::vector<std::uint32_t> relevant_begin_;  ///< per depth, into relevant_; one extra at the end
   std::vector<std::uint16_t> relevant_;
   std::vector<Cell> cells_;  ///< [t − 1][row][column]
   std::vector<std::uint16_t> pool_;

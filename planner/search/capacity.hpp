@@ -6,8 +6,8 @@
 
 namespace vantage::planner {
 
-/// How large a problem a search object is built for. Its arenas are reserved for the largest and
-/// take memory as it is first used: small problems cost little however much is reserved.
+/// Largest problem that a search object accepts. Its arenas are reserved for that size but take
+/// memory only when first used, so small problems are cheap.
 struct SearchCapacity {
   std::size_t nodes_max = 400'000;
   std::size_t block_doubles_max = 8'000'000;
@@ -16,8 +16,8 @@ struct SearchCapacity {
   int teammates_max = 16;
 };
 
-/// @throws UsageError when `problem` has more steps, targets or teammates. Allocates nothing unless
-/// it throws.
+/// @throws UsageError when `problem` has more steps, targets or teammates than `capacity`.
+/// Allocates nothing unless it throws.
 void require_fits(const SearchProblem& problem, const SearchCapacity& capacity);
 
 }  // namespace vantage::planner

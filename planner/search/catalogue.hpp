@@ -15,7 +15,7 @@
 
 namespace vantage::planner {
 
-/// What a search may be told besides its problem; each algorithm uses those that it knows.
+/// Options of a search in addition to its problem; each algorithm uses those that it supports.
 struct AlgorithmOptions {
   double epsilon = 1.0;
   double delta_m = 1.0;
@@ -24,7 +24,7 @@ struct AlgorithmOptions {
   SweepShare sweep;
 };
 
-/// One robot's search, its arena prepared: plan() allocates nothing where the algorithm says so.
+/// One robot's search with its arena. plan() allocates nothing if the algorithm documents so.
 class Search {
  public:
   Search() = default;
@@ -33,12 +33,12 @@ class Search {
   Search& operator=(const Search&) = delete;
   Search(Search&&) = delete;
   Search& operator=(Search&&) = delete;
-  /// The best plan found by the deadline. The reference is good until the next call.
+  /// Returns the best plan found by the deadline. The reference is valid until the next call.
   /// @throws UsageError when `problem` breaks a rule of require_valid or exceeds the capacity.
   virtual const SearchResult& plan(const SearchProblem& problem, const Deadline& deadline) = 0;
-  /// Takes all the memory that was reserved, so that no page fault comes in plan(): for real time.
+  /// Commits all reserved memory, so that plan() causes no page fault. For real time.
   virtual void prefault() {}
-  /// Bytes that the last search had in use at its peak, of nodes, blocks and lists.
+  /// Returns the peak memory of the last search in nodes, blocks and lists, bytes.
   [[nodiscard]] virtual std::size_t peak_bytes() const = 0;
 };
 
@@ -46,26 +46,26 @@ class Search {
 struct Algorithm {
   std::string_view name;
   std::string_view what;  ///< one line for --help
-  double kept_share;      ///< of the nodes that it generates, at most
-  bool remembers;         ///< what it did in earlier plans: each robot has its own
-  bool makes_candidates;  ///< its tree gives a team's decision many trajectories to choose from
+  double kept_share;      ///< share of the generated nodes that it keeps, at most
+  bool remembers;         ///< keeps state between plans, so each robot needs its own
+  bool makes_candidates;  ///< its tree yields many trajectories for a team decision
   std::function<std::unique_ptr<Search>(const SearchCapacity&, const AlgorithmOptions&)> make;
 };
 
-/// Every algorithm: what robots fly by, `vantage plan` and the planner study offer. A new search is
-/// added here; that scenarios may name it, scenario::kSearchWords says.
+/// Returns all algorithms: those of robots, `vantage plan` and the planner study. A new search is
+/// added here; scenario::kSearchWords lists the names that scenarios may use.
 const std::vector<Algorithm>& all_algorithms();
-/// The one called `name`. @throws UsageError with the names when it is not in the table.
+/// Returns the algorithm `name`. @throws UsageError with all names when it is unknown.
 const Algorithm& algorithm_called(std::string_view name);
-/// The one that does best on problems of this family: "astar" for range-only mapping of what stands
-/// still, where its sequencing bound soon proves the optimum; else "beam".
+/// Returns the best algorithm for problems of this family: "astar" for range-only mapping of static
+/// targets, where its sequencing bound soon proves the optimum; otherwise "beam".
 std::string_view default_algorithm(const SearchProblem& problem);
 
-/// The capacity that `algorithm` needs for `problem`, in about `memory_bytes` at most, when it
-/// generates no more than `nodes_max` nodes.
+/// Returns the capacity that `algorithm` needs for `problem` if it generates at most `nodes_max`
+/// nodes, limited to about `memory_bytes`.
 SearchCapacity capacity_for(const Algorithm& algorithm, const SearchProblem& problem,
                             std::size_t memory_bytes, std::size_t nodes_max);
-/// Nodes that no search can exceed within the budget: what sizes the arena.
+/// Returns an upper bound of the nodes generated within the budget, to size the arena.
 std::size_t nodes_within(double budget_s);
 
 }  // namespace vantage::planner

@@ -10,26 +10,26 @@
 
 namespace vantage::planner {
 
-/// Nodes by ascending cost, those of equal cost as they were added: a radix sort in bounded steps,
-/// so that a search can stop in its middle. O(n), about 15 ns a node. Allocates nothing after
+/// Queue of nodes by ascending cost, stable for equal costs. Uses a radix sort in bounded steps, so
+/// that a search can stop in the middle. O(n), about 15 ns per node. Allocates nothing after
 /// construction.
 class CostOrder {
  public:
   explicit CostOrder(std::size_t entries_max);
 
-  /// As Tree::prefault().
+  /// See Tree::prefault().
   void prefault();
 
   void clear();
-  /// Precondition: room, and `cost` is a number.
+  /// Adds a node. Precondition: the queue is not full, and `cost` is not NaN.
   void add(double cost, NodeId id) { entries_[count_++] = {key_of(cost), id}; }
 
-  /// Sorts what was added since clear(). Asks `go_on()` at least every kStep entries of work; false
-  /// as soon as that says false, and the order is then of no use until clear().
+  /// Sorts the entries added since clear(). Calls `go_on()` at least every kStep entries of work
+  /// and returns false as soon as it does; the order is then invalid until clear().
   template <class GoOn>
   [[nodiscard]] bool sort(GoOn&& go_on);
 
-  /// After sort(): what pop() would give next.
+  /// True if pop() has no more entries. Call after sort().
   [[nodiscard]] bool is_empty() const { return next_ == count_; }
   [[nodiscard]] bool is_next_before(double cost) const {
     return entries_[next_].key < key_of(cost);
@@ -41,7 +41,7 @@ class CostOrder {
 
  private:
   static constexpr std::size_t kStep = 512;
-  static constexpr std::size_t kFew = 160;  ///< are sorted at once, in some µs
+  static constexpr std::size_t kFew = 160;  ///< up to this size, one step of a few µs sorts all
   static constexpr int kDigitBits = 11;
   static constexpr int kDigits = 6;
   static constexpr std::size_t kRadix = std::size_t{1} << kDigitBits;
@@ -49,19 +49,19 @@ class CostOrder {
     std::uint64_t key = 0;
     NodeId id = kNoNode;
   };
-  /// Orders as the number does, without its sign's pitfalls.
+  /// Maps `cost` to an integer of the same order, including negative numbers.
   static std::uint64_t key_of(double cost);
   static std::size_t digit_of(std::uint64_t key, int digit) {
     return (key >> (kDigitBits * digit)) & (kRadix - 1);
   }
   void sort_few();
   void count_digits(std::size_t begin, std::size_t end);
-  /// Makes counts of `digit` into places; false when all entries share it.
+  /// Turns the counts of `digit` into positions; false if all entries share the digit.
   bool place(int digit);
   void scatter(int digit, std::size_t begin, std::size_t end);
 
   ReservedArray<Entry> entries_;
-  ReservedArray<Entry> other_;  ///< where a pass puts them
+  ReservedArray<Entry> other_;  ///< output of a radix pass
   std::size_t count_ = 0;
   std::size_t next_ = 0;
   std::array<std::array<std::uint32_t, kRadix>, kDigits> places_{};

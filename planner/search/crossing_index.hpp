@@ -8,7 +8,7 @@
 
 namespace vantage::planner {
 
-/// The metric of δ-crossing on SE(2): d(a, b) = hypot(‖p_a − p_b‖, w · |Δyaw|).
+/// Metric of δ-crossing on SE(2): d(a, b) = hypot(‖p_a − p_b‖, w · |Δyaw|).
 struct PoseMetric {
   double yaw_weight_m_per_rad = 0.0;
   [[nodiscard]] double squared(const Pose2& a, const Pose2& b) const {
@@ -19,31 +19,31 @@ struct PoseMetric {
     turn *= yaw_weight_m_per_rad;
     return dx * dx + dy * dy + turn * turn;
   }
-  /// True if d(a, b) ≤ δ. At δ = 0 whole poses have to be equal: with w = 0, or where w² is 0 in
-  /// double precision, d is 0 between two headings at one position, and a node of one heading says
-  /// nothing about what can be seen from the other.
+  /// True if d(a, b) ≤ δ. At δ = 0 the whole poses must be equal. Otherwise, with w = 0 or w² = 0
+  /// in double precision, two headings at one position would cross, although their sensors see
+  /// different targets.
   [[nodiscard]] bool crosses(const Pose2& a, const Pose2& b, double delta_m) const {
     return delta_m > 0.0 ? squared(a, b) <= delta_m * delta_m : a == b;
   }
 };
 
-/// Spatial hash of the opened nodes of one depth: who lies within δ of a pose, without a scan.
-/// reset() is O(1); insertion O(1); a query visits nine cells. Allocates nothing after
+/// Spatial hash of the opened nodes of one depth: finds the nodes within δ of a pose without a
+/// scan. reset() and insertion are O(1); a query visits nine cells. Allocates nothing after
 /// construction.
 class CrossingIndex {
  public:
   explicit CrossingIndex(std::size_t entries_max);
 
-  /// As Tree::prefault().
+  /// See Tree::prefault().
   void prefault();
 
-  /// Empties the index for crossings at `delta_m` ≥ 0 (at 0: equal positions).
+  /// Empties the index and prepares for crossings at `delta_m` ≥ 0 (0: equal positions).
   void reset(double delta_m);
-  /// False when the index is full.
+  /// Inserts a node; false if the index is full.
   bool insert(const Pose2& pose, NodeId id);
   [[nodiscard]] std::size_t size() const { return count_ - 1; }
   [[nodiscard]] static std::size_t bytes_per_entry() { return sizeof(Entry); }
-  /// Calls `visit(id)` with the inserted nodes in the cells around `pose` until it answers false.
+  /// Calls `visit(id)` for the inserted nodes in the cells around `pose` until it returns false.
   template <class Visit>
   void near(const Pose2& pose, Visit&& visit) const;
 
@@ -59,7 +59,7 @@ class CrossingIndex {
 
   double cell_m_ = 1.0;
   std::uint32_t epoch_ = 0;
-  ReservedArray<std::uint32_t> heads_;  ///< index into entries_, valid when epochs_ agrees
+  ReservedArray<std::uint32_t> heads_;  ///< index into entries_, valid if epochs_ matches
   ReservedArray<std::uint32_t> epochs_;
   ReservedArray<Entry> entries_;
   std::size_t count_ = 1;

@@ -13,7 +13,7 @@
 
 namespace vantage::planner {
 
-/// The children of one node: the feasible controls in ascending order.
+/// Children of one node: the feasible controls in ascending order.
 struct Children {
   int count = 0;
   std::int16_t control[kMaxControls];
@@ -31,52 +31,55 @@ struct Children {
   }
 };
 
-/// One expansion: collision-free motion, information of every sensor about every target in sight,
-/// accumulated cost. All searches share it; they differ in what they expand and what they prune.
+/// Node expansion: collision-free motion, information of every sensor about every visible target,
+/// accumulated cost. All searches share it; they differ in the nodes that they expand and prune.
 ///
-/// A parent is predicted once for all children; a child costs one small determinant for each
-/// target in its sight, and its covariances are worked out only when it is expanded or compared.
-/// Allocates nothing after construction.
+/// A parent is predicted once for all children. A child costs one small determinant per visible
+/// target; its covariances are computed only when it is expanded or compared. Allocates nothing
+/// after construction.
 class Expander {
  public:
   Expander(int targets_max, int horizon_max, int teammates_max);
 
-  /// Tables `problem`, which must outlive the queries. Precondition: require_valid(problem).
+  /// Tabulates `problem`, which must outlive the queries. Precondition: require_valid(problem).
   void reset(const SearchProblem& problem);
 
   [[nodiscard]] Node root() const;
 
-  /// Fills `out` with the children of `id`, whose blocks it keeps in `tree`. False when the arena
-  /// is full (`out` is then empty).
+  /// Computes the children of `id` and stores the blocks of `id` in `tree`. False if the arena is
+  /// full (`out` is then empty).
   bool expand(Tree& tree, NodeId id, Children& out);
 
-  /// Works out and keeps the blocks of `id`, unless they are. Its parent must have been expanded.
+  /// Computes and stores the blocks of `id` if they are missing. Its parent must have been
+  /// expanded.
   bool ensure_posterior(Tree& tree, NodeId id);
 
-  /// Cost of standing still at `id`'s pose for the steps left after its depth, added to its own.
+  /// Returns the cost of `id` plus that of staying at its pose for the remaining steps.
   /// Precondition: has_posterior(id).
   [[nodiscard]] double cost_of_hovering(const Tree& tree, NodeId id);
 
-  /// True when every block of a, plus εI, dominates (⪰) that of b: b knows at least as much.
-  /// Precondition: both at one depth, with posteriors. Exact; see planner::dominates.
+  /// True if every block of a, plus εI, dominates (⪰) that of b, that is, b has at least as much
+  /// information. Exact; see planner::dominates. Precondition: both have the same depth and
+  /// posteriors.
   [[nodiscard]] bool is_redundant(const Tree& tree, NodeId a, double epsilon, NodeId b) const;
 
   [[nodiscard]] const MotionTable& motion() const { return motion_; }
   [[nodiscard]] const BeliefTable& beliefs() const { return beliefs_; }
 
  private:
-  /// What the looks of all children of one node are worth, by child.
+  /// Information gain of all children of one node, by child.
   struct Gains {
-    alignas(32) double product[kMaxControls];  ///< of det(I + M P), near 1e±150 moved into sum
+    alignas(32) double product[kMaxControls];  ///< of det(I + M P); values near 1e±150 are moved
+                                               ///< into sum
     alignas(32) double sum[kMaxControls];      ///< nats, or m² for the trace
   };
   bool keep_posterior(Tree& tree, NodeId id, double cos_yaw, double sin_yaw);
-  /// The feasible children's controls, poses and views.
+  /// Computes the feasible children's controls, poses and views.
   void move(const Node& node, double cos_yaw, double sin_yaw, Children& out);
   void look_from_children(int t, const Children& children, Gains& gains) const;
   void look_at_one(int m, int t, Gains& gains) const;
   void look_at_one_each(int m, int t, const Children& children, Gains& gains) const;
-  /// Predicts blocks into depth t: fills touched_ (targets) and predicted_ (packed, strided).
+  /// Predicts blocks to depth t: fills touched_ (targets) and predicted_ (packed, strided).
   void predict_blocks(const Blocks& blocks, int t);
   void forget_blocks();
   [[nodiscard]] const double* predicted(int m, int t) const {
@@ -84,13 +87,13 @@ class Expander {
     return slot < 0 ? beliefs_.open_loop(m, t)
                     : &predicted_[kMaxPacked * static_cast<std::size_t>(slot)];
   }
-  /// Stage cost of depth t with the predicted blocks and no look.
+  /// Returns the stage cost of depth t with the predicted blocks and no measurement.
   [[nodiscard]] double predicted_cost(int t) const;
   struct Kept {
     std::size_t targets = 0;
     std::size_t doubles = 0;
   };
-  /// Updates the predicted blocks by a look from `at` at depth t into `room`.
+  /// Updates the predicted blocks with the information from `at` at depth t, into `room`.
   Kept update_blocks(const Pose2& at, double cos_yaw, double sin_yaw, int t, Tree::Room room);
 
   const SearchProblem* problem_ = nullptr;
@@ -98,11 +101,11 @@ class Expander {
   BeliefTable beliefs_;
   SightTable sight_;
   CandidateGrid grid_;
-  std::vector<std::int32_t> slot_of_;   ///< per target: index into predicted_, −1: untouched
+  std::vector<std::int32_t> slot_of_;   ///< per target: index into predicted_; −1: untouched
   std::vector<std::uint16_t> touched_;  ///< by ascending target
   std::vector<double> predicted_;
   std::span<const std::uint16_t> candidates_;
-  Views views_;  ///< of the children being made
+  Views views_;  ///< of the children under construction
   std::vector<std::uint16_t> result_targets_;
   std::vector<double> result_;
 };

@@ -9,16 +9,15 @@
 
 namespace vantage::planner {
 
-/// Lengths of shortest ways around obstacles, between fixed points and from anywhere: what a robot
-/// has to travel at least, whatever it does. The shortest way among boxes is taut and bends at
-/// their corners alone, so a visibility graph of the corners, closed once, answers a query exactly.
+/// Shortest path lengths around obstacles, between fixed points and from any position: a lower
+/// bound of a robot's travel. A shortest path among boxes is taut and bends only at their corners.
+/// So a visibility graph of the corners, with its transitive closure, answers a query exactly.
 ///
-/// Every answer is a lower bound for a disc of any radius: boxes are shrunk by some nanometres
-/// against rounding, walls do not count beyond the corners outside of them, and only the
-/// kBoxesMax largest boxes are kept (leaving one out can only shorten ways). Between boxes that
-/// only touch each other there is thus a way as thin as the shrinking; boxes that overlap are shut.
-/// reset() is O((4 boxes)³); it allocates up to the size asked for at construction, the queries
-/// nothing.
+/// Every answer is a lower bound for a disc of any radius. Boxes are shrunk by some nanometres
+/// against rounding, walls only exclude corners beyond them, and only the kBoxesMax largest boxes
+/// are kept (leaving one out can only shorten paths). Boxes that only touch thus leave a gap of the
+/// shrinking width; overlapping boxes leave none. reset() is O((4 boxes)³) and allocates up to the
+/// size given to the constructor; the queries allocate nothing.
 class GeodesicTable {
  public:
   static constexpr int kBoxesMax = 8;
@@ -26,16 +25,16 @@ class GeodesicTable {
 
   explicit GeodesicTable(int points_max);
 
-  /// Forgets all points; `world` may be null (nothing in the way).
+  /// Replaces all points; `world` may be null (no obstacles).
   void reset(const models::World* world, const std::vector<Eigen::Vector2d>& points_m);
 
   [[nodiscard]] int point_count() const { return static_cast<int>(points_.size()); }
-  /// Way between points i and j, m; +∞ when one is walled in. O(boxes + corners).
+  /// Returns the path length between points i and j, m; +∞ if one is enclosed. O(boxes + corners).
   [[nodiscard]] double between_m(int i, int j) const;
-  /// True when no robot can be at `p_m`: in a box or beyond a wall.
+  /// True if no robot can be at `p_m`: inside a box or beyond a wall.
   [[nodiscard]] bool is_blocked(const Eigen::Vector2d& p_m) const;
 
-  /// The corners in sight of one place. O(corners · boxes).
+  /// The corners visible from one position. O(corners · boxes).
   struct Outlook {
     Eigen::Vector2d from_m = Eigen::Vector2d::Zero();
     int count = 0;
@@ -43,7 +42,7 @@ class GeodesicTable {
     double legs_m[kCornersMax];
   };
   void look_around(const Eigen::Vector2d& from_m, Outlook& out) const;
-  /// Way from there to a point, m. O(boxes + corners).
+  /// Returns the path length from the outlook's position to a point, m. O(boxes + corners).
   [[nodiscard]] double way_m(const Outlook& outlook, int point) const;
 
  private:
@@ -59,7 +58,7 @@ class GeodesicTable {
   models::Rectangle walls_;
   int box_count_ = 0;
   int corner_count_ = 0;
-  models::Rectangle boxes_[kBoxesMax];  ///< shrunk twice: what blocks sight
+  models::Rectangle boxes_[kBoxesMax];  ///< shrunk twice; these block sight
   Eigen::Vector2d corners_[kCornersMax];
   std::vector<double> corner_ways_;  ///< [corner][corner]
   std::vector<Eigen::Vector2d> points_;

@@ -13,38 +13,38 @@
 
 namespace vantage::planner {
 
-/// The cost of planar targets as an affine function of what all looks at them tell: a lower bound
-/// on it everywhere, exact where it is taken.
+/// The cost of planar targets as an affine function of the information of all measurements: a lower
+/// bound everywhere, exact at its reference.
 ///
-/// J is convex in the information of all looks together (Riccati's step is operator concave, and so
-/// is −2 I(y_{1:T}; z_{1:T}), whose Hessian is that of −log det): around any reference R,
-/// J(M) ≥ J(R) + Σ ⟨G, R⟩ − Σ ⟨G, M⟩ with G = −∂J/∂M at R. What is left is additive over steps,
-/// targets and robots. A reference is a symmetric 2×2 matrix of each target and depth, 1/m², in
-/// three floats.
+/// J is convex in the information of all measurements: the Riccati step is operator concave, and −2
+/// I(y_{1:T}; z_{1:T}) has the Hessian of −log det. So around any reference R, J(M) ≥ J(R) + Σ ⟨G,
+/// R⟩ − Σ ⟨G, M⟩ with G = −∂J/∂M at R, which is additive over steps, targets and robots. A
+/// reference is a symmetric 2×2 matrix per target and depth, 1/m², in three floats.
 ///
 /// Allocates nothing after construction. Source: ours (reverse differentiation of the recursion).
 class LinearisedCost {
  public:
   LinearisedCost(int targets_max, int horizon_max);
 
-  /// Tables the targets of `problem`; both must outlive the queries. By kLogDet the cost is J_T, by
-  /// kMutual −2 I.
+  /// Tabulates the targets of `problem`; both must outlive the queries. The cost is J_T for kLogDet
+  /// and −2 I for kMutual.
   void reset(const SearchProblem& problem, const BeliefTable& beliefs, InformationMeasure measure);
 
-  /// Floats in a reference.
+  /// Returns the number of floats in a reference.
   [[nodiscard]] std::size_t reference_size() const { return 3 * index(targets_) * index(horizon_); }
-  /// Of target m at depth k ≥ 1, in a reference.
+  /// Returns the index of target m at depth k ≥ 1 in a reference, in matrices.
   [[nodiscard]] std::size_t at(int m, int k) const {
     return index(m) * index(horizon_) + index(k - 1);
   }
 
-  /// Nobody comes near any target …
+  /// Marks all targets as out of reach at all depths. Unreached entries of a reference are ignored.
   void clear_reached();
-  /// … but who does so of target m at depth k. A reference counts for nothing elsewhere.
+  /// Marks target m as in reach at depth k.
   void set_reached(int m, int k) { reached_[at(m, k)] = 1; }
   [[nodiscard]] bool is_reached(int m, int k) const { return reached_[at(m, k)] != 0; }
 
-  /// J(R) + Σ ⟨G, R⟩ of target m over the depths after `depth`, where it is known by `block`.
+  /// Returns J(R) + Σ ⟨G, R⟩ of target m over the depths after `depth`, where its belief is
+  /// `block`.
   double linearise(int m, int depth, const double* block, const float* reference);
 
   /// Symmetric 2×2, m².
@@ -53,13 +53,13 @@ class LinearisedCost {
     double xy = 0.0;
     double yy = 0.0;
   };
-  /// G of target m at depth k.
+  /// Returns G of target m at depth k.
   [[nodiscard]] const Gradient& gradient(int m, int k) const { return gradients_[at(m, k)]; }
-  /// Least information of the position that there is without any look, 1/m².
+  /// Returns the least position information without any measurement, 1/m².
   [[nodiscard]] double known(int m, int k) const { return known_[at(m, k)]; }
-  /// A look at depth k that raises the information of a direction by a factor f lowers the cost by
-  /// so many times ln f at most: J_T is of the states from this step on, and by data processing
-  /// along the Markov chain none of them gains more than that of its step.
+  /// Returns w such that a measurement at depth k that raises the information of a direction by a
+  /// factor f lowers the cost by at most w ln f. J_T sums over the states from this step on, and by
+  /// data processing along the Markov chain no later state gains more than the state at k.
   [[nodiscard]] double weight(int k) const {
     return measure_ == InformationMeasure::kLogDet ? 1.0 + horizon_ - k : 1.0;
   }

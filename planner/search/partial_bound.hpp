@@ -8,8 +8,8 @@
 
 namespace vantage::planner {
 
-/// What bounds of some of a problem's targets have in common: what they were told of, and which
-/// targets take part. The others are Thm 6's.
+/// Common part of bounds that cover only some of a problem's targets: the tabulated inputs and the
+/// set of covered targets. Thm 6 covers the others.
 class PartialBound {
  public:
   /// 1 for each target that takes part.
@@ -17,7 +17,7 @@ class PartialBound {
   [[nodiscard]] bool is_empty() const { return targets_.empty(); }
 
  protected:
-  /// Nobody takes part yet.
+  /// Sets the inputs; no target takes part yet.
   void begin(const SearchProblem& problem, const BeliefTable& beliefs,
              const InformationHeuristic& heuristic) {
     problem_ = &problem;

@@ -9,18 +9,18 @@
 namespace vantage::planner {
 
 /// The cheapest node at which a robot can stop and hover for the rest of the horizon: the plan of a
-/// search that finds no complete sequence. Offer it nodes of one depth; allocates nothing.
+/// search that finds no complete sequence. Takes nodes of one depth; allocates nothing.
 class HoverChoice {
  public:
   HoverChoice(Expander& expander, Tree& tree) : expander_(expander), tree_(tree) {}
 
-  /// Takes `id` if stopping there is safe and cheaper than what was offered before. Its parent must
-  /// have been expanded. Costs one update for each step left.
+  /// Takes `id` if stopping there is safe and cheaper than the earlier offers. Its parent must have
+  /// been expanded. Costs one update per remaining step.
   void offer(NodeId id);
 
-  /// kNoNode when none of the nodes offered will do.
+  /// Returns the chosen node; kNoNode if no offered node is suitable.
   [[nodiscard]] NodeId best() const { return best_; }
-  [[nodiscard]] double cost() const { return cost_; }  ///< +∞ without one
+  [[nodiscard]] double cost() const { return cost_; }  ///< +∞ if there is none
 
  private:
   Expander& expander_;
@@ -29,11 +29,12 @@ class HoverChoice {
   double cost_ = std::numeric_limits<double>::infinity();
 };
 
-/// Writes the way from the root to `last` into `result`, hovering there until `horizon_steps`; the
-/// cost is left alone. Allocates nothing while the horizon fits what is reserved. O(horizon_steps).
+/// Writes the path from the root to `last` into `result`, followed by a hover until
+/// `horizon_steps`; does not change the cost. Allocates nothing while the horizon fits the reserved
+/// size. O(horizon_steps).
 void write_path(const Tree& tree, NodeId last, int horizon_steps, SearchResult& result);
 
-/// The same with one control more, which leads from `parent` to `leaf` at the horizon's end.
+/// The same with one more control, which leads from `parent` to `leaf` at the horizon's end.
 void write_path(const Tree& tree, NodeId parent, int control, const Pose2& leaf,
                 SearchResult& result);
 

@@ -11,30 +11,30 @@
 
 namespace vantage::planner {
 
-/// A bound on plans that move at every step, raised for as long as there is time: best first over
-/// the plans' first steps, which are made exactly, with LatticeBound for the rest. What is open is
-/// bounded each by itself, so what is least is a bound on all. Of the node that is least, first the
-/// reference is bettered, then its children are looked at with it.
+/// Anytime lower bound for plans that move at every step: a best-first search over exact first
+/// steps of the plans, with LatticeBound for the rest. Each open node has its own bound, so the
+/// least of them bounds all plans. For the least node, first its reference is improved, then its
+/// children are evaluated with that reference.
 ///
 /// Allocates nothing after construction. Source: ours.
 class PrefixBound {
  public:
   PrefixBound(int targets_max, int horizon_max);
 
-  /// Takes all the memory that was reserved.
+  /// Commits all reserved memory.
   void prefault();
 
-  /// Tables `problem`; all three must outlive the queries, `expander` reset to it.
+  /// Tabulates `problem`; both must outlive the queries, and `expander` must be reset to `problem`.
   void reset(const SearchProblem& problem, Expander& expander);
 
-  /// Whether it bounds nothing of this problem.
+  /// True if this problem cannot be bounded.
   [[nodiscard]] bool is_empty() const { return lattice_.is_empty(); }
 
   struct Answer {
-    double cost = 0.0;     ///< no less than what was answered before; −∞: nothing yet
-    bool expired = false;  ///< the deadline came
+    double cost = 0.0;     ///< never decreases from call to call; −∞: no bound yet
+    bool expired = false;  ///< the deadline expired
   };
-  /// Goes on until `work_nodes` is at `until_nodes`, the deadline comes or nothing is left to do.
+  /// Continues until `work_nodes` reaches `until_nodes`, the deadline expires or no work is left.
   Answer raise(std::int64_t until_nodes, const Deadline& deadline, std::int64_t& work_nodes);
 
  private:
@@ -44,12 +44,12 @@ class PrefixBound {
   };
 
   void push(NodeId id, double f);
-  /// Works on the least open node. False when the deadline came or memory is used up.
+  /// Works on the least open node. False if the deadline expired or memory is used up.
   bool step(const Deadline& deadline, std::int64_t& work_nodes);
   bool better(Entry least, const Deadline& deadline, std::int64_t& work_nodes);
   bool expand(Entry least, const Deadline& deadline, std::int64_t& work_nodes);
 
-  /// Of a new node with its parent's reference; −∞ when there is no more time or memory.
+  /// Returns the bound of a new node with its parent's reference; −∞ if time or memory is used up.
   double cost_to_go(NodeId id, const Deadline& deadline, std::int64_t& work_nodes);
 
   LatticeBound lattice_;
@@ -58,12 +58,12 @@ class PrefixBound {
   Expander* expander_ = nullptr;
   Children children_;
   std::vector<Entry> open_;          ///< a heap, least f first
-  ReservedArray<float> references_;  ///< of nodes that were bettered; Node::next says which
+  ReservedArray<float> references_;  ///< of improved nodes, indexed by Node::next
   std::vector<float> scratch_;
   std::size_t reference_count_ = 0;
   double proven_ = 0.0;
   bool expired_ = false;
-  bool full_ = false;  ///< nothing is left to do, or no memory to do it with
+  bool full_ = false;  ///< no work left, or no memory for it
 };
 
 }  // namespace vantage::planner

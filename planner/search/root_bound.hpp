@@ -10,14 +10,15 @@
 
 namespace vantage::planner {
 
-/// The certificate for searches that have none of their own (ARVI, RVI, beams): bounds at the root.
-/// Allocates nothing after construction.
+/// Lower bounds at the root for searches without a bound of their own (ARVI, RVI, beams). Allocates
+/// nothing after construction.
 class RootBound {
  public:
-  /// of_moving_plan() is worth its time once a search has done so much work.
+  /// Nodes of search work after which of_moving_plan() is worth its time.
   static constexpr std::int64_t kWorthAfterNodes = 50'000;
-  /// And raise() is, once it has done so much more: at first for so many nodes and then for a share
-  /// of the search's own. In long searches, where passes find little more, for as many as those.
+  /// Nodes of search work after which raise() is worth its time. It first gets kRaiseAtFirstNodes,
+  /// then a share of the search's nodes. In long searches, whose passes find little more, it gets
+  /// as many nodes as they do.
   static constexpr std::int64_t kRaiseAfterNodes = 300'000;
   static constexpr std::int64_t kRaiseAtFirstNodes = 500'000;
   static constexpr double kRaiseShare = 0.25;
@@ -25,28 +26,28 @@ class RootBound {
 
   RootBound(int targets_max, int horizon_max, int states_max = 300);
 
-  /// Tables a problem and gives what no plan can cost less than, also one that stops and hovers on
-  /// the way: Thm 6, by the larger of h and the sum of the stage floors; −∞ when nothing bounds the
-  /// information. 10–100 µs. `beliefs` are those of `problem`; both must outlive the next call.
+  /// Tabulates a problem and returns a lower bound of every plan, including those that stop and
+  /// hover: the larger of h (Thm 6) and the sum of the stage floors; −∞ if the information is
+  /// unbounded. 10–100 µs. `beliefs` must be those of `problem`; both must outlive the next call.
   double of_any_plan(const SearchProblem& problem, const BeliefTable& beliefs);
 
-  /// What no plan can cost less than that takes every step from the controls, of the problem last
-  /// tabled: no less than of_any_plan(), for the robot cannot look everywhere at once, nor be right
-  /// beside every target. Up to `states_max` / 3 µs, and what NearBound takes (a bounded number of
-  /// steps); when the deadline comes, what is bounded so far, and the search has to stop at once.
-  /// Adds to `work_nodes` what it expands.
+  /// Lower bound of every plan that takes all steps from the controls, for the problem last
+  /// tabulated. At least of_any_plan(), because the robot can neither measure everywhere at once
+  /// nor be very close to every target. Expands up to `states_max` states (3 µs each), plus
+  /// NearBound's bounded number of steps. If the deadline expires, returns the bound so far, and
+  /// the search must stop. Adds the expanded states to `work_nodes`.
   struct Answer {
     double cost = 0.0;
     bool expired = false;
   };
   Answer of_moving_plan(const Deadline& deadline, std::int64_t& work_nodes);
 
-  /// The same, raised by PrefixBound until `work_nodes` is at `until_nodes`; goes on from where the
-  /// last call ended. `expander` is reset to the problem last tabled.
+  /// The same, raised by PrefixBound until `work_nodes` reaches `until_nodes`; continues from the
+  /// last call. `expander` must be reset to the problem last tabulated.
   Answer raise(Expander& expander, std::int64_t until_nodes, const Deadline& deadline,
                std::int64_t& work_nodes);
 
-  /// Takes all the memory that was reserved.
+  /// Commits all reserved memory.
   void prefault() { prefix_.prefault(); }
 
  private:
@@ -55,12 +56,12 @@ class RootBound {
   NearBound near_;
   PrefixBound prefix_;
   const SearchProblem* problem_ = nullptr;
-  bool is_raised_ = false;  ///< prefix_ is of this problem
+  bool is_raised_ = false;  ///< prefix_ is tabulated for this problem
   Pose2 start_;
   double any_plan_ = 0.0;
   double reach_ = 0.0;       ///< h at the root
-  double others_ = 0.0;      ///< of the targets that take no part in a sequence
-  double not_moving_ = 0.0;  ///< of those that take no part in near_
+  double others_ = 0.0;      ///< h of the targets outside sequencing_
+  double not_moving_ = 0.0;  ///< h of the targets outside near_
 };
 
 }  // namespace vantage::planner

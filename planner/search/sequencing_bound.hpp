@@ -11,23 +11,26 @@
 
 namespace vantage::planner {
 
-/// Least cost-to-go when the robot cannot be everywhere at once: Thm 6 lets it look at every target
-/// in reach at every step; here it has to travel between the places from which they are seen.
+/// Lower bound of the cost-to-go that accounts for travel time. Thm 6 lets the robot measure every
+/// target in reach at every step; here it has to travel between the regions from which they are
+/// visible.
 ///
 /// The relaxed problem, over planar targets that stay: choose at which steps which targets are
-/// seen, such that (1) after one of the robot's controls, target i is seen no earlier than the way
-/// from there to its disc of sight takes, (2) a look at j follows one at i no sooner than the way
-/// between their discs takes, and (3) targets seen at one step have discs that meet. After n looks
-/// by step k a target costs at least c(k, n): the looks as good as any can be, in the best of
-/// directions, at the last n steps. Its optimum is found by a best-first search of its own over
-/// (looks, earliest next looks), whose least open f is a sound bound at any moment: so it may be
-/// cut off after `states_max` states or by a deadline, and never grows exponentially. Where discs
-/// overlap in more than kStopsMax ways, overlapping ones are merged into one place that sees all of
-/// them.
+/// measured, such that (1) after one of the robot's controls, target i is measured no earlier than
+/// the path to its disc of visibility takes, (2) a measurement of j follows one of i no sooner than
+/// the path between their discs takes, and (3) targets measured at one step have discs that meet.
+/// After n measurements by step k a target costs at least c(k, n): the best possible measurements,
+/// in the best directions, at the last n steps.
 ///
-/// Sound for every problem, for plans that move at every step (a hover is Thm 6's). Allocates
-/// nothing after construction.
-/// Source: ours, after the observation that travel, not sensing, limits mapping by a short-sighted
+/// A best-first search over (numbers of measurements, earliest next measurements) solves this
+/// problem. Its least open f is a sound bound at any moment. So it can be cut off after
+/// `states_max` states or by a deadline, and never grows exponentially. If discs overlap in more
+/// than kStopsMax combinations, overlapping discs are merged into one region that sees all their
+/// targets.
+///
+/// Sound for every problem, for plans that move at every step (hovering plans are bounded by Thm
+/// 6). Allocates nothing after construction.
+/// Source: ours, after the observation that travel, not sensing, limits mapping with a short-range
 /// sensor.
 class SequencingBound : public PartialBound {
  public:
@@ -36,56 +39,59 @@ class SequencingBound : public PartialBound {
 
   SequencingBound(int targets_max, int horizon_max, int states_max);
 
-  /// Tables `problem`; all three must outlive the queries.
+  /// Tabulates `problem`; all three must outlive the queries.
   void reset(const SearchProblem& problem, const BeliefTable& beliefs,
              const InformationHeuristic& heuristic);
 
   struct Answer {
     double cost = 0.0;     ///< of the targets that take part, over the steps after `depth`
-    bool expired = false;  ///< the deadline came; `cost` is a bound nevertheless
+    bool expired = false;  ///< the deadline expired; `cost` is a valid bound nevertheless
   };
-  /// Bound of a node before the last depth. Ends early when it is sure to reach `cutoff`. Adds one
-  /// to `work_nodes` for each state expanded, and asks the deadline every few of them.
+  /// Returns the bound of a node before the last depth. Ends early when the bound is certain to
+  /// reach `cutoff`. Adds one to `work_nodes` per expanded state, and checks the deadline every few
+  /// states.
   Answer cost_to_go(const Pose2& at, int depth, const Blocks& blocks, double cutoff,
                     const Deadline& deadline, std::int64_t& work_nodes);
-  /// What is bounded by the last answer when control `c` is the next: no less than its cost.
+  /// Returns the bound of the last answer if control `c` comes next; at least the answer's cost.
   [[nodiscard]] double cost_after(int c) const { return after_[index(c)]; }
 
  private:
   struct Stop {
-    std::uint32_t targets = 0;  ///< bits
+    std::uint32_t targets = 0;  ///< bit set
     std::uint8_t steps_to[kTargetsMax] = {};
   };
   struct State {
     double f = 0.0;
-    double alone = 0.0;   ///< bound of each target by itself, summed
-    double passed = 0.0;  ///< cost of the steps up to `step`; of targets without noise alone
+    double alone = 0.0;   ///< sum of the bounds of the single targets
+    double passed = 0.0;  ///< cost of the steps up to `step`; only for targets without noise
     std::uint8_t step = 0;
-    std::uint8_t control = 0;  ///< the first
+    std::uint8_t control = 0;  ///< the first control
     std::uint8_t looks[kTargetsMax] = {};
-    std::uint8_t next[kTargetsMax] = {};  ///< earliest step of the next look
+    std::uint8_t next[kTargetsMax] = {};  ///< earliest step of the next measurement
   };
   struct Entry {
     double f = 0.0;
     std::uint32_t state = 0;
   };
 
-  /// c(k, n) of target i of those that take part, and rests_ from it.
+  /// Computes c(k, n) of the i-th target that takes part, and rests_ from it.
   void fill_costs(int i, int depth, const double* block);
   void fill_rests(int i);
-  /// Σ_{k < next} c(k, n) + c(next, n + 1) + c(next + 1, n + 2) + …: up to a constant, what the
-  /// target costs after n looks when it is seen at every step from `next` on.
+  /// Returns, by `next`, Σ_{k < next} c(k, n) + c(next, n + 1) + c(next + 1, n + 2) + …: up to a
+  /// constant, the target's cost after n measurements if it is measured at every step from `next`
+  /// on.
   [[nodiscard]] const double* rests(int i, int n) const { return &rests_[cell(i, n, 0)]; }
   [[nodiscard]] std::size_t cell(int i, int n, int step) const {
     return (index(i) * index(horizon_ + 2) + index(n)) * index(horizon_ + 2) + index(step);
   }
-  /// Cost per step of target i after n looks, if its kind does not depend on the step.
+  /// Returns the cost per step of target i after n measurements, for targets whose cost does not
+  /// depend on the step.
   [[nodiscard]] double cost_after_looks(int i, int n) const {
     return costs_[cell(i, n, steps_left_)];
   }
   void fill_gains(int i);
-  /// Least cost from a state on when at each step one place at most is looked at: unit tasks with
-  /// release times, for which the greatest gain first is optimal. Only if schedules_.
+  /// Returns the least cost from a state on if at most one region is measured per step: unit tasks
+  /// with release times, for which taking the greatest gain first is optimal. Only if schedules_.
   [[nodiscard]] double schedule(const State& state) const;
   void open_controls(const Pose2& at, double cutoff);
   void open(const State& state);
@@ -95,11 +101,11 @@ class SequencingBound : public PartialBound {
   void add_places();
   void find_places();
   [[nodiscard]] bool is_full() const { return stops_.size() == kStopsMax; }
-  /// Opens what may follow, below `cutoff`. False when nothing can be seen any more.
+  /// Opens the successors below `cutoff`. False if no target can be measured any more.
   bool expand(const State& state, double cutoff);
 
   int steps_left_ = 0;
-  bool any_member_ = false;  ///< stops are merged: one of the members is enough
+  bool any_member_ = false;  ///< stops are merged: one member of a stop is sufficient
   std::vector<LookBound> looks_;
   std::uint32_t meets_[kTargetsMax] = {};
   std::uint8_t steps_between_[kTargetsMax][kTargetsMax] = {};
@@ -107,10 +113,10 @@ class SequencingBound : public PartialBound {
   std::vector<double> costs_;  ///< [i][n][k]
   std::vector<double> rests_;  ///< [i][n][next]
   std::vector<double> onwards_;
-  bool schedules_ = false;             ///< all of them: no process noise, no teammates' looks
-  std::vector<std::uint32_t> places_;  ///< targets whose discs hang together
-  std::vector<double> hulls_;          ///< [i][n]: convex in n, ≤ the cost after n looks
-  std::vector<double> gains_;          ///< [i][n]: of the next look by the hull, never rising
+  bool schedules_ = false;             ///< no target has process noise or teammates' information
+  std::vector<std::uint32_t> places_;  ///< groups of targets whose discs are connected
+  std::vector<double> hulls_;          ///< [i][n]: convex in n, ≤ the cost after n measurements
+  std::vector<double> gains_;  ///< [i][n]: gain of the next measurement by the hull, non-increasing
   std::vector<double> row_blocks_;
   std::vector<AveragedBlock> row_averages_;
   std::vector<Eigen::Vector2d> ends_;  ///< of the controls, in the body frame

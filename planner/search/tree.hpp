@@ -12,39 +12,39 @@ namespace vantage::planner {
 using NodeId = std::uint32_t;
 inline constexpr NodeId kNoNode = 0xFFFFFFFF;
 
-/// One node of a search tree, 48 bytes. Its belief is kept apart and only where it is needed.
+/// One node of a search tree, 48 bytes. Its belief is stored separately, and only if needed.
 struct Node {
   Pose2 world_from_body;
   double cost = 0.0;  ///< accumulated J
   NodeId parent = kNoNode;
-  std::uint32_t posterior = 0;  ///< index of its blocks in Tree, 0: not worked out yet
-  NodeId next = kNoNode;        ///< the algorithm's own: in whatever list it keeps the node
-  std::int16_t control = -1;    ///< that led here
+  std::uint32_t posterior = 0;  ///< index of its blocks in Tree; 0: not computed yet
+  NodeId next = kNoNode;        ///< for the algorithm: link in the node's list
+  std::int16_t control = -1;    ///< control that led here
   std::uint8_t depth = 0;
-  std::uint8_t state = 0;  ///< the algorithm's own flags
+  std::uint8_t state = 0;  ///< for the algorithm: flags
 };
 
 static_assert(sizeof(Node) == 48);
 
-/// The blocks that a node's own history of measurements changed, by ascending target; every other
-/// target is at the open-loop prediction that all nodes of the depth share.
+/// The blocks that a node's own measurements changed, by ascending target. All other targets have
+/// the open-loop prediction that all nodes of the depth share.
 struct Blocks {
   std::span<const std::uint16_t> targets;
-  const double* packed = nullptr;  ///< one after the other, packed_size(layout) each
+  const double* packed = nullptr;  ///< consecutive, packed_size(layout) doubles each
 };
 
-/// The arena of one search: nodes and blocks in flat arrays sized at construction, no pointers
-/// chased, nothing freed until clear(). 48 bytes a node; blocks only for nodes that were expanded
-/// or compared. Memory is taken as it is first used, unless prefault() takes all of it.
+/// Arena of one search: nodes and blocks in flat arrays sized at construction, without pointers and
+/// freed only by clear(). 48 bytes per node; blocks only for nodes that were expanded or compared.
+/// Memory is taken at its first use, unless prefault() takes all of it.
 class Tree {
  public:
   Tree(std::size_t nodes_max, std::size_t block_doubles_max);
 
-  /// Commits every page, so that no page fault comes during a search.
+  /// Commits every page, so that a search causes no page fault.
   void prefault();
 
   void clear();
-  /// kNoNode when the arena is full.
+  /// Adds a node; kNoNode if the arena is full.
   NodeId add(const Node& node) {
     if (node_count_ == nodes_.size()) {
       return kNoNode;
@@ -55,11 +55,11 @@ class Tree {
   Node& operator[](NodeId id) { return nodes_[id]; }
   const Node& operator[](NodeId id) const { return nodes_[id]; }
 
-  /// Keeps a copy of a node's blocks. False when the arena is full.
+  /// Stores a copy of a node's blocks. False if the arena is full.
   bool keep_posterior(NodeId id, std::span<const std::uint16_t> targets,
                       std::span<const double> packed);
-  /// Room to write the blocks of a node in place, as at most so many targets and doubles; null
-  /// where the arena is full. Nothing is kept until commit_posterior() follows.
+  /// Space to write a node's blocks in place, up to the given numbers of targets and doubles; null
+  /// if the arena is full. commit_posterior() must follow to store them.
   struct Room {
     std::uint16_t* targets = nullptr;
     double* packed = nullptr;
@@ -71,7 +71,7 @@ class Tree {
   [[nodiscard]] Blocks posterior(NodeId id) const;
 
   [[nodiscard]] std::size_t node_count() const { return node_count_; }
-  /// Bytes in use by nodes and blocks.
+  /// Returns the bytes in use by nodes and blocks.
   [[nodiscard]] std::size_t bytes_used() const;
 
  private:

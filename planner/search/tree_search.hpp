@@ -12,10 +12,10 @@
 
 namespace vantage::planner {
 
-/// What every search over a tree has: its arena, what expands the nodes, and what it found.
+/// Common members of tree searches: arena, expander, result.
 class TreeSearch {
  protected:
-  /// `passes_max`: of the result's history. What a search writes is reserved here.
+  /// Reserves all memory that a search writes. `passes_max`: capacity of the result's history.
   TreeSearch(const SearchCapacity& capacity, std::size_t passes_max)
       : capacity_(capacity),
         tree_(capacity.nodes_max, capacity.block_doubles_max),
@@ -27,9 +27,9 @@ class TreeSearch {
 
   [[nodiscard]] bool expired() const { return deadline_->expired(result_.work_nodes); }
 
-  /// The plan when no complete sequence can stop safely: to the best hover of the deepest depth
-  /// below `depths` that has one. `offer(depth, choice)` offers what the search keeps of a depth.
-  /// Leaves the result alone where there is none.
+  /// Sets the plan when no complete sequence can stop safely: the best hover of the deepest depth
+  /// below `depths` that has one. `offer(depth, choice)` offers the search's nodes of a depth.
+  /// Leaves the result unchanged if there is none.
   template <class Offer>
   void hover_as_late_as_safe(int depths, const Offer& offer) {
     for (int depth = depths - 1; depth >= 0; --depth) {
