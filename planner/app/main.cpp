@@ -1,5 +1,5 @@
-// vantage-planner: BELIEF_R, MIXTURE_R (or MAP_R), VICON, PLAN_* and ATTACK in, PLAN_R out; one
-// process per robot.
+// vantage-planner, one process per robot. Inputs: BELIEF_R, MIXTURE_R (or MAP_R), VICON, PLAN_*,
+// ATTACK. Output: PLAN_R.
 
 #include <memory>
 

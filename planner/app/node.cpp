@@ -13,21 +13,21 @@
 namespace vantage::planner {
 namespace {
 
-// The search has to be over, checked and sent before the slot ends, in spite of the stalls that an
-// ordinary scheduler hands out (8 ms steps are usual on a virtual machine, 24 ms under load).
+// Time reserved at the end of a slot. The search must be finished, checked and sent before the slot
+// ends, despite scheduler stalls (8 ms is usual on a virtual machine, 24 ms under load).
 constexpr Duration kClosing{20'000};
 
-// Of waiting for a processor within a second, s: twice what makes a driver hold its vehicle. A
-// search that loses more than this is cut short again and again; what it lacks is given to drivers.
+// Maximum processor wait within one second, s: twice the wait at which a driver holds its vehicle.
+// A search that loses more is cut short repeatedly, and drivers need the processor time.
 constexpr double kProcessorWaitMaxS = 0.2;
 
 Duration closing_of(const RoundSchedule::Slot& slot) {
   return std::min(kClosing, (slot.end - slot.begin) / 5);
 }
 
-// A planner that was started anew hears first what its vehicle is doing, which is said at 10 Hz,
-// and then a plan of every teammate: who was not heard is taken for one that hovers. Everybody else
-// has a slot in the round before its own.
+// Listening time after a restart. A planner first needs its vehicle's status, published at 10 Hz,
+// and a plan of every teammate, since one without a received plan is assumed to hover. All
+// teammates have a slot in the round before the planner's own.
 constexpr Duration kListening{350'000};
 
 Time end_of_listening(const bus::Clock& clock, const RoundSchedule& schedule) {
@@ -35,10 +35,10 @@ Time end_of_listening(const bus::Clock& clock, const RoundSchedule& schedule) {
   return clock.is_real_time() ? now + kListening + schedule.round_length() : now;
 }
 
-// The velocity of a body other than a robot is taken over once or twice this time.
+// The velocity of a body other than a robot is computed over one to two times this interval.
 constexpr Duration kVelocityTime{100'000};
 
-// A local search looks at what it has heard so often, and works so long in between.
+// Period of a local search's work, and its work per period; messages are handled in between.
 constexpr Duration kExchangePeriod{5'000};
 constexpr std::int64_t kExchangeWork_ns = 3'000'000;
 constexpr std::int64_t kExchangeCalls = 5'000;
@@ -139,7 +139,7 @@ void PlannerNode::subscribe_to(const bus::Channel<Message>& channel, const std::
 void PlannerNode::take_frame(const std::shared_ptr<const models::MocapFrame>& frame) {
   const bool goes_back = mocap_ && frame->stamp.time < mocap_->stamp.time;
   mocap_ = frame;
-  if (goes_back) {  // another publisher, or its clock was set
+  if (goes_back) {  // another publisher, or a changed clock
     mocap_before_ = mocap_between_ = nullptr;
   }
   if (!mocap_between_ || frame->stamp.time - mocap_between_->stamp.time >= kVelocityTime) {
@@ -231,7 +231,7 @@ void PlannerNode::tick(Time now) {
     return;
   }
   next_exchange_ = Time::max();
-  if (now >= slot_.end && !is_asking_) {  // the whole slot was slept through
+  if (now >= slot_.end && !is_asking_) {  // missed the whole slot
     ++slots_skipped_;
     ++late_;
     move_on(now);
@@ -239,7 +239,7 @@ void PlannerNode::tick(Time now) {
   }
   inputs_.slot = slot_;
   if (!is_asking_ && scenario::is_external(spec_) && ask(now)) {
-    return;  // until the answer has come or is due
+    return;  // wait for the answer or its deadline
   }
   is_asking_ = false;
   use_frames();
@@ -280,7 +280,7 @@ void PlannerNode::propose(Time now) {
 
 void PlannerNode::begin_exchange(Time now) {
   inputs_.solution.reset();
-  // Candidates have a third of the time, proposals the rest.
+  // Candidates get a third of the time, proposals the rest.
   Deadline deadline =
       Deadline::nodes(spec_.node_budget > 0 ? spec_.node_budget : scenario::kDefaultNodeBudget);
   if (clock_.is_real_time()) {
@@ -295,7 +295,7 @@ void PlannerNode::begin_exchange(Time now) {
   for (const auto& [teammate, proposal] : overheard_) {
     hear(proposal);
   }
-  exchange_end_ = slot_.end - closing_of(slot_);  // the last proposals have time to arrive
+  exchange_end_ = slot_.end - closing_of(slot_);  // leaves time for the last proposals to arrive
   next_exchange_ = now + kExchangePeriod;
 }
 
@@ -346,7 +346,7 @@ bool PlannerNode::ask(Time now) {
   question->deadline = answer_due_;
   question->finish = now;
   question->inputs = names_of(inputs_, robot_);
-  is_asking_ = true;  // an answer may be there before publish() returns
+  is_asking_ = true;  // the answer may arrive before publish() returns
   asked_round_ = slot_.round;
   bus_.publish(bus::external_request_channel(robot_), *question);
   return true;
@@ -366,7 +366,7 @@ void PlannerNode::hear_answer(const models::RobotPlan& answer) {
   }
 }
 
-// A robot without a driver is simulated: a busy machine slows its trial, and endangers nobody.
+// A robot without a driver is simulated: a busy machine slows its trial and endangers nobody.
 bool PlannerNode::is_short_of_processor() const {
   const scenario::RobotSpec& robot = robots_[static_cast<std::size_t>(planner_.robot_index())];
   return robot.device != scenario::DeviceSource::kDirect && processor_wait_s_ > kProcessorWaitMaxS;
@@ -383,7 +383,7 @@ void PlannerNode::plan(Time now) {
   const Time finish = clock_.is_real_time() ? clock_.now() : slot_.end - closing_of(slot_);
   const bool late = finish > slot_.end;
   if (late) {
-    // Teammates already plan against the old motion: nothing new may be published now.
+    // Teammates already plan given the old motion: no new motion may be published now.
     ++late_;
     plan = planner_.plan_without_search(inputs_);
   }

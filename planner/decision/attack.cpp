@@ -14,8 +14,8 @@ bool has(const Choice& choice, int robot) {
   return choice[static_cast<std::size_t>(robot)] != kNoCandidate;
 }
 
-// Calls of() for each set of exactly `count` robots of `choice` from `from` on, taken out of
-// `team`.
+// Calls of() for every set of exactly `count` robots of `choice`, with indices ≥ `from`, while that
+// set is removed from `team`.
 void for_each_removal(const Choice& choice, int from, int count, TeamSet& team,
                       std::vector<int>& removed, const std::function<void()>& of) {
   if (count == 0) {
@@ -154,7 +154,8 @@ std::vector<int> random_attack(int robot_count, int attacks, std::mt19937_64& rn
   std::vector<int> robots(static_cast<std::size_t>(robot_count));
   std::iota(robots.begin(), robots.end(), 0);
   for (std::size_t i = 0; i < static_cast<std::size_t>(attacks); ++i) {
-    // A multiple of the count of robots left, by refusal: no set is likelier than another.
+    // Rejection sampling from a multiple of the number of robots left, so that all sets are equally
+    // likely.
     const std::uint64_t left = robots.size() - i;
     const std::uint64_t fair = std::mt19937_64::max() - std::mt19937_64::max() % left;
     std::uint64_t draw = rng();

@@ -13,10 +13,10 @@
 namespace vantage::planner {
 namespace {
 
-// Packed covariance of every target at the end of a trajectory.
+// Packed covariances of all targets at the end of a trajectory.
 using LastBlocks = std::vector<double>;
 
-// Candidates of one problem, whose predicted means are worked out once.
+// Makes candidates of one problem; computes its predicted means once.
 class CandidateMaker {
  public:
   CandidateMaker(const SearchProblem& problem, const EnergyModel& energy)
@@ -39,7 +39,7 @@ class CandidateMaker {
         const Eigen::Vector3d& mean_m = beliefs_.mean_m(m, static_cast<int>(t) + 1);
         if ((mean_m.head<2>() - poses[t].position_m()).squaredNorm() >=
             range_max_m_ * range_max_m_) {
-          continue;  // no sensor reaches it: ranges are never shorter than on the ground
+          continue;  // out of range: a range is at least the distance in the plane
         }
         const models::PositionVector target_m = mean_m.head(spatial ? 3 : 2);
         const models::PositionMatrix M =
@@ -57,7 +57,7 @@ class CandidateMaker {
     return candidate;
   }
 
-  // Follows `candidate` alone to the end: what is believed there, and what it gained on the way.
+  // Follows `candidate` alone to the horizon's end: returns the beliefs there and sets its gain.
   LastBlocks follow(Candidate& candidate) {
     LastBlocks blocks(static_cast<std::size_t>(beliefs_.target_count()) * kMaxPacked);
     for (int m = 0; m < beliefs_.target_count(); ++m) {
@@ -78,7 +78,7 @@ class CandidateMaker {
     return blocks;
   }
 
-  // Whether every block of `a`, plus εI, dominates that of `b`.
+  // True if every block of `a`, plus εI, dominates that of `b`.
   [[nodiscard]] bool is_redundant(const LastBlocks& a, double epsilon, const LastBlocks& b) const {
     for (int m = 0; m < beliefs_.target_count(); ++m) {
       const std::size_t at = static_cast<std::size_t>(m) * kMaxPacked;
@@ -99,11 +99,11 @@ class CandidateMaker {
 };
 
 struct Leaf {
-  double order = 0.0;  ///< the least first
+  double order = 0.0;  ///< ascending
   NodeId id = kNoNode;
 };
 
-// What the way to `leaf` costs, nats.
+// Returns the energy cost of the path to `leaf`, nats.
 double energy_of(const Tree& tree, NodeId leaf, const SearchProblem& problem,
                  const EnergyModel& energy) {
   double used = 0.0;
@@ -186,7 +186,7 @@ Candidate make_candidate(const SearchProblem& problem, const models::SensorModel
   return candidate;
 }
 
-// long: leaves in order, each against all those kept; what is kept is shared.
+// long: one loop over the leaves, each compared with all kept ones, which share state.
 std::vector<Candidate> candidate_trajectories(const SearchProblem& problem,
                                               const EnergyModel& energy,
                                               ReducedValueIteration& search,
@@ -224,8 +224,8 @@ std::vector<Candidate> candidate_trajectories(const SearchProblem& problem,
   CrossingIndex index(leaves.size());
   index.reset(options.delta_m);
   std::vector<Candidate> candidates;
-  std::vector<LastBlocks> blocks;  // of each candidate
-  std::vector<NodeId> places;      // of each candidate in the tree
+  std::vector<LastBlocks> blocks;  // per candidate
+  std::vector<NodeId> places;      // per candidate: its leaf in the tree
   for (const auto& [order, leaf] : leaves) {
     if (candidates.size() == options.candidates_max) {
       break;

@@ -10,8 +10,8 @@
 namespace vantage::planner {
 namespace {
 
-// The robot's best candidate beside `team`, of which it has none, as far as the deadline lets it
-// look; kNoCandidate when none adds.
+// Returns the robot's candidate with the greatest positive gain for `team`, in which it has none,
+// as far as the deadline allows; kNoCandidate if no gain is positive.
 CandidateId best_beside(const TeamOracle& oracle, TeamSet& team, int robot, bool lazy,
                         const Deadline& deadline) {
   const double before = team.value();
@@ -56,7 +56,7 @@ TeamDecision coordinate_descent(const TeamOracle& oracle, const DescentOptions& 
       if (best != kNoCandidate) {
         team.add(best);
       }
-      if (had != kNoCandidate && !(team.value() > value_before)) {  // another, but no better
+      if (had != kNoCandidate && !(team.value() > value_before)) {  // no better than before
         if (best != kNoCandidate) {
           team.drop(robot);
         }

@@ -16,7 +16,7 @@ ImprovementRule::ImprovementRule(const TeamOracle& oracle, double alpha, double 
 }
 
 bool is_preferred(const Proposal& a, const Proposal& b) {
-  // As unsigned numbers "nothing" comes last.
+  // Cast to unsigned, −1 ("none") comes last.
   const auto order = [](const Proposal& p) {
     return std::tuple(-p.value, static_cast<std::uint32_t>(p.add),
                       static_cast<std::uint32_t>(p.drop_robot));

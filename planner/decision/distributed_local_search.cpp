@@ -8,7 +8,7 @@
 namespace vantage::planner {
 namespace {
 
-// One round: all robots about one solution that they hold in common.
+// One round: all robots search around one shared solution.
 class TeamRound {
  public:
   TeamRound(const TeamOracle& oracle, const ImprovementRule& rule,
@@ -55,8 +55,8 @@ class TeamRound {
     ++decision_.adopted;
   }
 
-  // Robots without a trajectory propose their best additions one after another, those that have
-  // heard a better one keeping silent; the best is adopted.
+  // Robots without a trajectory propose their best additions one after another; a robot that has
+  // received a better proposal sends none. Adopts the best.
   void add_greedily(std::span<const char> excluded) {
     std::vector<BestAddition> additions;
     for (int robot = 0; robot < oracle_.robot_count(); ++robot) {
@@ -83,7 +83,7 @@ class TeamRound {
     }
   }
 
-  // Ticks of one call for each robot that still searches, until one of them proposes.
+  // Runs ticks of one oracle call per searching robot, until a robot proposes.
   Proposal propose(std::span<const char> excluded) {
     std::vector<ProposalSearch*> searching;
     for (ProposalSearch& search : searches_) {

@@ -12,7 +12,7 @@ class OperationFinder {
                   std::span<const char> excluded, TeamSet& team)
       : oracle_(oracle), rule_(rule), excluded_(excluded), team_(team) {}
 
-  /// The first operation that improves `team`, or nothing.
+  /// Returns the first operation that improves `team`, or no operation.
   Proposal find() {
     before_ = team_.value();
     for (int robot = 0; robot < oracle_.robot_count(); ++robot) {

@@ -11,10 +11,11 @@
 namespace vantage::planner {
 namespace {
 
-// Of the rule, whose N would be the whole team's: the least rise alone counts.
+// α of the improvement rule. It is negligible because its N would be the whole team's, which is
+// unknown; only the least increase counts.
 constexpr double kAlpha = 1e-12;
 
-// FNV-1a, 64 bits.
+// FNV-1a hash, 64 bits.
 class Hash {
  public:
   void add(std::uint64_t word) {
@@ -240,7 +241,7 @@ std::optional<models::TeamProposal> LocalSearchSession::improve(const Deadline& 
     if (phase_ == Phase::kAdding) {
       const Proposal best = addition_->find(*team_, excluded_);
       if (best.is_nothing() || !rule_->improves(team_->value(), best.value)) {
-        phase_ = Phase::kSearching;  // in which none is left out
+        phase_ = Phase::kSearching;  // the search excludes no candidate
         std::fill(excluded_.begin(), excluded_.end(), 0);
       } else {
         proposal = try_proposal(best);

@@ -108,7 +108,7 @@ class LocalSearchSession {
   Phase phase_ = Phase::kDone;
   std::int64_t calls_ = 0;
 
-  // Of the search around the held solution; each member refers to those before it.
+  // State of the search around the held solution; each member refers to those before it.
   std::unique_ptr<TeamOracle> oracle_;
   std::unique_ptr<ImprovementRule> rule_;
   std::unique_ptr<TeamSet> team_;

@@ -11,9 +11,10 @@ namespace vantage::planner {
 namespace {
 
 constexpr std::size_t kStatesMax = 1'700'000;
-constexpr double kFloatRounding = 1e-5;  // of sums of floats, and of the reference
+constexpr double kFloatRounding =
+    1e-5;  // relative rounding error of float sums and of the reference
 
-// A turn of all robots: coarse lattices at first, for steps of Frank and Wolfe count more then.
+// Returns the lattice size of an iteration: coarse at first, when Frank-Wolfe steps gain most.
 std::size_t states_of_turn(int turn) {
   constexpr std::size_t kStates[] = {100'000, 100'000, 300'000, 300'000, 300'000, 700'000};
   constexpr int kTurns = static_cast<int>(std::size(kStates));
@@ -27,7 +28,7 @@ PathsBound::PathsBound(int targets_max, int horizon_max)
       lattice_(targets_max, horizon_max, kStatesMax),
       beliefs_(targets_max, horizon_max) {}
 
-// long: one turn of all robots after another.
+// long: the loop of iterations over all robots.
 PathsBound::Answer PathsBound::of(std::span<const SearchProblem> problems,
                                   std::span<const int> robots, InformationMeasure measure,
                                   const Deadline& deadline) {
@@ -63,7 +64,7 @@ PathsBound::Answer PathsBound::of(std::span<const SearchProblem> problems,
   }
   std::vector<double> parts(own.size());
   for (int turn = 0;; ++turn) {
-    double least = -unseen;  // of the cost, above what nobody's looks would leave
+    double least = -unseen;  // bound of the cost relative to no measurements
     for (int m = 0; m < beliefs_.target_count(); ++m) {
       least += cost_.linearise(m, 0, beliefs_.open_loop(m, 0), reference_.data());
     }
@@ -74,7 +75,7 @@ PathsBound::Answer PathsBound::of(std::span<const SearchProblem> problems,
       const auto path = lattice_.best_path(own[i].start, 0, cost_, looked_.data(), states, deadline,
                                            best.work_nodes);
       if (path.expired || (path.gained == kInfinity && states == kStatesMax)) {
-        return best;  // there is no more time, or so long a way fits into no lattice
+        return best;  // out of time, or the path is too long for any lattice
       }
       parts[i] = 0.5 * path.gained;
       least -= path.gained + kFloatRounding * (1.0 + path.gained);
@@ -84,7 +85,7 @@ PathsBound::Answer PathsBound::of(std::span<const SearchProblem> problems,
       best.parts = parts;
     }
     if (std::isinf(least)) {
-      continue;  // too few states for somebody's way
+      continue;  // too few states for some robot's path
     }
     const float share = 2.0F / static_cast<float>(turn + 3);
     for (std::size_t i = 0; i < reference_.size(); ++i) {

@@ -10,7 +10,7 @@
 namespace vantage::planner {
 namespace {
 
-// The part of a team's problem that predicting its targets takes.
+// Returns the part of a team's problem needed to predict its targets.
 SearchProblem prediction_of(const TeamProblem& problem) {
   SearchProblem prediction;
   prediction.controls = {{0.0, 0.0}};

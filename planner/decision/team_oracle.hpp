@@ -17,7 +17,8 @@ inline constexpr CandidateId kNoCandidate = -1;
 /// S: the candidate of each robot, or kNoCandidate. At most one per robot (a partition matroid).
 using Choice = std::vector<CandidateId>;
 
-/// Choose at most one candidate for each robot such that J(S) = I(S) − C(S) is largest.
+/// A team's decision problem: choose at most one candidate per robot such that J(S) = I(S) − C(S)
+/// is largest.
 /// Source: dissertation Problem 4 (eq. 3.13).
 struct TeamProblem {
   std::vector<SearchTarget> targets;  ///< in the order of Look::target

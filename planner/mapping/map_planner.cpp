@@ -17,7 +17,8 @@ int controls_max(const scenario::Scenario& scenario) {
   return static_cast<int>(most);
 }
 
-// Scans that are taken anyway: at the start, and along what teammates that see will do.
+// Returns the scans that are taken anyway: at the start, and along the plans of teammates that
+// sense.
 std::vector<MapRoute> routes_taken(const SearchProblem& problem,
                                    const std::vector<FixedTeammate>& teammates) {
   std::vector<MapRoute> routes(1);
@@ -55,7 +56,7 @@ MapPlan MapPlanner::plan(const SearchProblem& problem, const models::Looks& look
       models::belief_of(geometry_, looks.empty() ? models::Looks(cells, 0) : looks, spec_);
   ViewTable views(belief, planned_, {});
   DriveOptions drive_options;
-  // Only for ways to the frontier; what may be driven is the problem's.
+  // Only for distances to the frontier; the problem defines the allowed motion.
   drive_options.radius_m = std::max(problem.clearance_m, 0.5 * spec_.resolution_m);
   const DriveMap drive(belief, drive_options);
   motion_.reset(problem);

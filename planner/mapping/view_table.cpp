@@ -13,7 +13,7 @@ bool is_full_circle(const models::BeamSensor& sensor) {
   return sensor.field_of_view_rad >= 2.0 * kPi - 1e-12;
 }
 
-// Beams with the cells of `from` that tell anything, each cell once and in one beam only.
+// Merges all beams into one that contains each informative cell of `from` once.
 BeamView merged(const BeamView& from) {
   std::vector<BeamView::Share> shares = from.shares;
   std::sort(shares.begin(), shares.end(), [](const auto& a, const auto& b) {
@@ -114,7 +114,7 @@ BeamView ViewTable::look(const Eigen::Vector2d& from_m, double yaw_rad) {
       reach *= 1.0 - o;
     }
     if (weights <= 0.0) {
-      continue;  // everything on the way is known
+      continue;  // everything on the beam is known
     }
     const double nats =
         options_.measure == BeamMeasure::kCsqmi

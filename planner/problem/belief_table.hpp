@@ -26,17 +26,17 @@ class BeliefTable {
   [[nodiscard]] BlockLayout layout(int m) const { return layouts_[index(m)]; }
   [[nodiscard]] int position_dim(int m) const { return layout(m) == BlockLayout::kSpatial ? 3 : 2; }
 
-  /// Predicted position of target m at depth t (z = 0 for planar targets), t = 0 … T.
+  /// Returns the predicted position of target m at depth t = 0 … T (z = 0 for planar targets).
   [[nodiscard]] const Eigen::Vector3d& mean_m(int m, int t) const { return means_[at(m, t)]; }
-  /// Packed covariance of target m at depth t if no node ever measures it.
+  /// Returns the packed covariance of target m at depth t if no node ever measures it.
   [[nodiscard]] const double* open_loop(int m, int t) const {
     return &open_loop_[kMaxPacked * at(m, t)];
   }
-  /// Determinant or trace of open_loop(m, t), whichever the cost needs.
+  /// Returns the determinant or trace of open_loop(m, t), depending on the cost.
   [[nodiscard]] double open_loop_measure(int m, int t) const { return measures_[at(m, t)]; }
-  /// 1 / open_loop_measure(m, t).
+  /// Returns 1 / open_loop_measure(m, t).
   [[nodiscard]] double open_loop_per_measure(int m, int t) const { return per_measures_[at(m, t)]; }
-  /// Stage cost of depth t if nothing is ever measured.
+  /// Returns the stage cost of depth t without any measurement.
   [[nodiscard]] double open_loop_cost(int t) const {
     return stage_costs_[static_cast<std::size_t>(t)];
   }

@@ -3,7 +3,7 @@
 namespace vantage::planner {
 namespace {
 
-// Unpacks a + εI − b into a full symmetric matrix of `n` rows; returns n.
+// Computes a + εI − b as a full symmetric matrix of `n` rows (lower triangle); returns n.
 int difference(BlockLayout layout, const double* a, double epsilon, const double* b,
                double (&d)[4][4]) {
   if (layout == BlockLayout::kMoving) {
@@ -61,14 +61,14 @@ StepMotion step_motion(const models::TargetModel& model, double step_s) {
 bool dominates(BlockLayout layout, const double* a, double epsilon, const double* b) {
   double d[4][4];
   const int n = difference(layout, a, epsilon, b, d);
-  for (int i = 0; i < n; ++i) {  // cheapest first: the diagonal
+  for (int i = 0; i < n; ++i) {  // cheapest test first: the diagonal
     if (!(d[i][i] >= 0.0)) {
       return false;
     }
   }
   const double magnitude = trace(layout, a) + trace(layout, b) + epsilon;
-  // Cholesky. A pivot has to clear its own rounding error, or be exactly zero with all of its
-  // column (as where two blocks share entries): then and only then is the answer certain.
+  // Cholesky. A pivot must exceed its own rounding error, or be exactly zero together with its
+  // whole column (if two blocks share entries). Only then is the answer certain.
   constexpr double kRounding = 1e-14;
   for (int j = 0; j < n; ++j) {
     const double scale = d[j][j];

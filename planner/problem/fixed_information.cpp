@@ -11,13 +11,13 @@ struct View {
   const models::SensorModel* sensor = nullptr;
 };
 
-// Where the targets are expected from the plan's start to its end.
+// Returns the bounding box of the expected target positions over the plan.
 models::Rectangle around_targets(const SearchProblem& problem) {
   models::Rectangle around{Eigen::Vector2d::Constant(kInfinity),
                            Eigen::Vector2d::Constant(-kInfinity)};
   for (const SearchTarget& target : problem.targets) {
     models::StateVector mean = target.prior.mean;
-    for (int t = 0; t <= problem.horizon_steps; ++t) {  // no mean need move straight
+    for (int t = 0; t <= problem.horizon_steps; ++t) {  // a mean may move along a curve
       const Eigen::Vector2d at_m = mean.head<2>();
       around.min_m = around.min_m.cwiseMin(at_m);
       around.max_m = around.max_m.cwiseMax(at_m);
@@ -27,7 +27,7 @@ models::Rectangle around_targets(const SearchProblem& problem) {
   return around;
 }
 
-// False for a teammate from whose whole way no target is within range: most of a large team.
+// False if no target is in range from the teammate's whole path, as for most of a large team.
 bool may_see(const FixedTeammate& teammate, const models::Rectangle& around) {
   constexpr double kSlack_m = 1e-3;
   const Eigen::Array2d within_m = Eigen::Array2d::Constant(
@@ -42,7 +42,7 @@ bool may_see(const FixedTeammate& teammate, const models::Rectangle& around) {
 std::vector<std::vector<models::PositionMatrix>> fixed_information(
     const SearchProblem& problem, const std::vector<FixedTeammate>& teammates) {
   const auto steps = static_cast<std::size_t>(problem.horizon_steps);
-  // Where each teammate looks from, [step][teammate]: once, not for each target again.
+  // Each teammate's viewpoints, [step][teammate], computed once for all targets.
   const models::Rectangle around = around_targets(problem);
   std::vector<std::vector<View>> views(steps);
   for (const FixedTeammate& teammate : teammates) {

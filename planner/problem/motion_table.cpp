@@ -6,26 +6,27 @@
 namespace vantage::planner {
 namespace {
 
-// Height of a circular arc over its chord, for an arc of `length_m` turning by `angle_rad`.
+// Returns an upper bound of the height of a circular arc over its chord, for an arc of `length_m`
+// turning by `angle_rad`.
 double sagitta_of(double length_m, double angle_rad) {
-  return 0.125 * length_m * std::abs(angle_rad);  // an upper bound: r(1 − cos(a/2)) ≤ r a²/8
+  return 0.125 * length_m * std::abs(angle_rad);  // r(1 − cos(a/2)) ≤ r a²/8
 }
 
-// Instants are whole microseconds: half of one at no more than 20 m/s.
+// Position error from times rounded to whole microseconds: 0.5 µs at up to 20 m/s.
 constexpr double kClockRounding_m = 1e-5;
 
-// Rounding of the arithmetic around it; the bounds themselves are proven.
+// Rounding of the surrounding arithmetic; the bounds themselves are proven.
 constexpr double kChordSlack = 1.0 + 1e-6;
 
-// How far `trajectory` may be, at any instant between `from` and `to`, from uniform motion between
-// its places at both. Where the velocity changes by at most a per second this is a Δ²/8, where it
-// jumps by J after a share s of it, J s (1 − s) Δ; the deviation is linear in the velocity: they
-// add.
+// Returns an upper bound of the deviation of `trajectory`, at any time between `from_s` and `to_s`,
+// from uniform motion between its positions at both. A velocity that changes by at most a per
+// second contributes a Δ²/8; a jump J after a share s of the interval contributes J s (1 − s) Δ.
+// The deviation is linear in the velocity, so the contributions add.
 double piece_slack_m(const models::Trajectory& trajectory, double from_s, double to_s) {
   const double duration_s = to_s - from_s;
   double acceleration_mps2 = 0.0;
   double kinks_m = 0.0;
-  double speed_mps = 0.0;  // before the start it rests
+  double speed_mps = 0.0;  // stationary before the start
   double begin_s = 0.0;
   const auto jump_to = [&](double next_mps, double at_s) {
     if (at_s >= from_s && at_s <= to_s) {
@@ -48,7 +49,7 @@ double piece_slack_m(const models::Trajectory& trajectory, double from_s, double
     speed_mps = std::copysign(slower_mps, segment.control.speed_mps);
     begin_s = end_s;
   }
-  jump_to(0.0, begin_s);  // then it hovers
+  jump_to(0.0, begin_s);  // hovers afterwards
   return kChordSlack * (0.125 * acceleration_mps2 * duration_s * duration_s + kinks_m);
 }
 
@@ -61,7 +62,7 @@ MotionTable::MotionTable(int controls_max, int horizon_max, int teammates_max) {
   kept_m_.reserve(static_cast<std::size_t>(teammates_max));
 }
 
-// long: fills one table after another.
+// long: fills several tables in turn.
 void MotionTable::reset(const SearchProblem& problem) {
   problem_ = &problem;
   primitives_.clear();
@@ -100,7 +101,7 @@ void MotionTable::reset(const SearchProblem& problem) {
     const double left_s = to_seconds(models::end_time(teammate) - problem.start_time);
     steps = std::max(steps, static_cast<int>(std::ceil(left_s / problem.step_s)) + 1);
   }
-  if (problem.brake_mps2 > 0.0) {  // our own last stop may outlast theirs
+  if (problem.brake_mps2 > 0.0) {  // the robot's own last stop may end later
     const double speed_mps = std::max(reach_m_ / problem.step_s, problem.start_speed_mps);
     steps += static_cast<int>(std::ceil(speed_mps / problem.brake_mps2 / problem.step_s));
   }
@@ -162,7 +163,7 @@ bool MotionTable::is_free(const Pose2& from, double cos_yaw, double sin_yaw, int
 
 bool MotionTable::is_clear(const Pose2& from, double cos_yaw, double sin_yaw,
                            const Primitive& primitive, int begin, int end) const {
-  constexpr double kOutside_m = -1.0;  // what the field says where it knows nothing
+  constexpr double kOutside_m = -1.0;  // value outside the field
   constexpr double kRounding = 1e-6;   // the field rounds down
   constexpr double kSlack_m = 1e-4;
   const models::DistanceField& field = *problem_->field;
@@ -174,7 +175,8 @@ bool MotionTable::is_clear(const Pose2& from, double cos_yaw, double sin_yaw,
   if (at_least_m > problem_->clearance_m + (1.0 + kRounding) * half_m + kRounding) {
     return true;
   }
-  // The true distance is at most a cell's diagonal more: known at its centre, half of it away.
+  // The true distance is at most one cell diagonal more: the field holds the value at a cell's
+  // centre, at most half a diagonal away.
   const double at_most_m = at_least_m + std::sqrt(2.0) * field.geometry().resolution_m;
   if (at_least_m != kOutside_m && at_most_m < problem_->clearance_m - kSlack_m) {
     return false;
@@ -193,7 +195,7 @@ bool MotionTable::is_apart(const Pose2& from, double cos_yaw, double sin_yaw,
   for (std::size_t i = 0; i < problem_->teammates.size(); ++i) {
     const TeammatePiece* pieces = &teammate_pieces_[i * static_cast<std::size_t>(pieces_each_) +
                                                     static_cast<std::size_t>(depth * kPieces)];
-    // Far enough apart that one step cannot bring them together: both move at most this far.
+    // Too far apart to meet within one step: each moves at most this far.
     const double far_m = kept_m_[i] + primitive.length_m +
                          step_ways_m_[i * static_cast<std::size_t>(pieces_each_ / kPieces) +
                                       static_cast<std::size_t>(depth)];
@@ -226,8 +228,8 @@ bool MotionTable::can_stop_at(const Pose2& at, double speed_mps, int depth) cons
       !arc_is_clear(*problem_->world, at, {way_m, 0.0}, 1.0, problem_->clearance_m)) {
     return false;
   }
-  // The stop, then the hover, against all that the teammates still do: their tables go on until
-  // every one of them hovers too.
+  // The stop, then the hover, checked against the teammates' remaining motion: their tables extend
+  // until all of them hover.
   const double piece_s = problem_->step_s / kPieces;
   const double slack_m = 0.125 * problem_->brake_mps2 * piece_s * piece_s;
   const double cos_yaw = std::cos(at.yaw_rad);
@@ -257,7 +259,7 @@ bool MotionTable::can_stop_at(const Pose2& at, double speed_mps, int depth) cons
 bool arc_is_clear(const models::World& world, const Pose2& from,
                   const models::UnicycleControl& control, double duration_s, double radius_m) {
   constexpr double kResolution_m = 1e-6;
-  // Parts still to be proven, as an explicit stack of halvings: start and length in seconds.
+  // Parts still to be proven, as an explicit stack of bisections: start and length in seconds.
   struct Part {
     double start_s;
     double length_s;
@@ -283,8 +285,9 @@ bool arc_is_clear(const models::World& world, const Pose2& from,
       return false;
     }
     if (control.yaw_rate_radps == 0.0) {
-      // Along a wall a straight line may be hardly clear all the way, and have to be halved into
-      // thousands of parts; its clearance has a closed form. (An arc is near a wall at one place.)
+      // A straight line along a wall may be barely clear all the way and need thousands of
+      // bisections, but its clearance has a closed form. (An arc is near a wall only at one
+      // position.)
       const Pose2 end = models::step_unicycle(from, control, duration_s);
       return models::swept_clearance_m(world, from.position_m(), end.position_m()) > radius_m;
     }

@@ -70,7 +70,7 @@ void require_valid_information(const SearchProblem& problem) {
 
 double kept_from_m(const SearchProblem& problem, const Pose2& start, double height_m,
                    const models::Trajectory& other) {
-  // Steps are checked by chords, whose rounding must not forbid every way out.
+  // Steps are checked by chords, whose rounding must not forbid every motion away.
   constexpr double kChords_m = 0.01;
   const double other_height_m = problem.separation_from_above ? height_m : other.height_m;
   Eigen::Vector3d away_m;

@@ -3,7 +3,7 @@
 namespace vantage::planner {
 namespace {
 
-// The search's own margins are tighter than the closing check's by rounding and its finer pieces.
+// The search's margins are tighter than the closing check's by rounding and finer pieces.
 constexpr double kRounding_m = 0.02;
 
 }  // namespace

@@ -14,9 +14,9 @@ const models::VehicleStatus* own_status(const scenario::RobotSpec& robot,
   return own == inputs.team_statuses.end() ? nullptr : &own->second;
 }
 
-// Where the vehicle holds, when it says so and that is off its plan. A vehicle that holds stands
-// where its driver stopped it, and will not come back to its plan by itself: the next one must
-// begin there, or it is refused for ever.
+// Returns the vehicle's hold set-point if it holds off its plan. A vehicle on hold stays where its
+// driver stopped it and does not return to its plan by itself. The next plan must begin there,
+// otherwise it would always be refused.
 std::optional<Pose2> hover_off_plan(const scenario::PlannerSpec& planner,
                                     const scenario::RobotSpec& robot, const PlanInputs& inputs) {
   constexpr double kTurnMaxRad = 0.4;
@@ -34,7 +34,7 @@ std::optional<Pose2> hover_off_plan(const scenario::PlannerSpec& planner,
   return is_off ? std::optional(hover) : std::nullopt;
 }
 
-// The vehicle says that it follows a plan that can still be moving when the slot begins.
+// True if the vehicle reports that it follows a plan that may still be moving when the slot begins.
 bool flies_unknown_plan(const scenario::PlannerSpec& planner, const scenario::RobotSpec& robot,
                         const PlanInputs& inputs) {
   const models::VehicleStatus* own = own_status(robot, inputs);
@@ -45,7 +45,7 @@ bool flies_unknown_plan(const scenario::PlannerSpec& planner, const scenario::Ro
   if (rounds < 0) {
     return false;  // of another schedule
   }
-  // Seen when the slot begins, it must stand.
+  // Time from that plan's start to this slot's begin, when the vehicle must be stationary.
   const double since_s = static_cast<double>(rounds * planner.execute_steps) * planner.step_s -
                          to_seconds(inputs.slot.activation - inputs.slot.begin);
   return since_s < planner.horizon_steps * planner.step_s +
@@ -75,8 +75,8 @@ Commitment commitment_of(const scenario::Scenario& scenario, std::size_t robot,
           (expected.position_m() - flatten(body->world_from_body).position_m()).norm();
       if (off_m > planner.tracking_tolerance_m) {
         commitment.is_off_plan = true;
-        // Far off, the vehicle has not followed at all (held by its operator, say): start anew
-        // from where it is. In between, its own feedback brings it back onto the plan.
+        // Far off its plan, the vehicle has not followed it at all (held by its operator, say):
+        // plan anew from its position. At smaller errors its own feedback returns it to the plan.
         on_plan = off_m <= 3.0 * planner.tracking_tolerance_m;
       }
     }

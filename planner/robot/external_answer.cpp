@@ -10,9 +10,9 @@ namespace {
 
 constexpr double kSamePlace_m = 1e-3;
 constexpr double kSameYaw_rad = 1e-3;
-constexpr double kRounding = 1e-9;  // relative, of what another program computed
+constexpr double kRounding = 1e-9;  // relative, for results of another program
 
-// No NaN passes these.
+// These conditions are false for NaN.
 bool is_from_zero_to(double value, double most) {
   return value >= 0.0 && value <= most * (1.0 + kRounding);
 }
@@ -46,13 +46,13 @@ std::optional<models::Trajectory> motion_of_answer(const models::RobotPlan& answ
   models::Trajectory motion = answer.trajectory;
   const auto steps = static_cast<std::size_t>(planner.horizon_steps);
   const std::size_t segments_max =
-      std::clamp(models::kFlownSegmentsMax - 1, steps, 4 * steps);  // and a stop
+      std::clamp(models::kFlownSegmentsMax - 1, steps, 4 * steps);  // plus a stop
   if (!begins_as(motion, committed) || motion.segments.size() > segments_max) {
     return std::nullopt;
   }
   motion.start = committed.start;
   motion.height_m = committed.height_m;
-  double drive_s = 0.0;  // before it brakes
+  double drive_s = 0.0;  // without braking
   double stop_s = 0.0;
   for (const models::PlanSegment& segment : motion.segments) {
     if (!is_flyable(segment, limits)) {

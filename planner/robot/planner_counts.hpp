@@ -10,7 +10,7 @@ struct PlannerCounts {
   std::int64_t fallbacks_braking = 0;
   std::int64_t off_plan = 0;       ///< vehicle farther from its plan than the tolerance
   std::int64_t checks_failed = 0;  ///< searched plans rejected by the closing check
-  std::int64_t turns_away = 0;     ///< turns on the spot when a teammate or wall blocks all motion
+  std::int64_t turns_away = 0;     ///< turns on the spot: a teammate or wall blocks the way ahead
   std::int64_t baits = 0;          ///< rounds in which this robot was bait
   std::int64_t rests = 0;          ///< rounds in which no motion was worth its energy
   std::int64_t yields = 0;         ///< rounds in which it did not own its slot, or only claimed it

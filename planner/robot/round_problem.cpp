@@ -13,7 +13,7 @@
 namespace vantage::planner {
 namespace {
 
-// A different stream of random numbers for each robot and round, the same at every replay.
+// Returns a seed that differs for each robot and round, and is the same in every replay.
 std::uint64_t draw_seed(std::uint64_t seed, std::size_t robot, std::int64_t round) {
   std::seed_seq sequence{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32U),
                          static_cast<std::uint32_t>(robot), static_cast<std::uint32_t>(round)};
@@ -22,26 +22,27 @@ std::uint64_t draw_seed(std::uint64_t seed, std::size_t robot, std::int64_t roun
   return (std::uint64_t{words[1]} << 32U) | words[0];
 }
 
-// Of what a vehicle passes between two heights, that which is nearest to another's height.
+// Returns the height, between two heights that a vehicle passes through, nearest to another
+// vehicle.
 double nearest_height_m(double other_m, double one_m, double two_m) {
   return std::clamp(other_m, std::min(one_m, two_m), std::max(one_m, two_m));
 }
 
-// A driver reports ten times a second. After this time without a status it is assumed to be dead.
+// A driver reports 10 times per second. After this time without a status it is assumed to be dead.
 constexpr double kSilent_s = 0.5;
 
-// Bodies other than robots go straight on for so long; then they are taken to stop.
+// Bodies other than robots are assumed to move straight on for this time, then to stop.
 constexpr double kGoesOn_s = 3.0;
 constexpr double kStands_mps = 0.1;
-constexpr double kFastest_mps = 4.0;  // a body that seems faster was mistaken for another one
+constexpr double kFastest_mps = 4.0;  // a faster body was mistaken for another one
 
-// Returns how far below a vehicle the markers of a body are; 0: as high, or higher. All that is
-// beneath the markers counts as well.
+// Returns how far the markers of a body are below a vehicle, m; 0: at the same height or higher.
+// The space below the markers counts as occupied.
 double gap_below_m(const scenario::RobotSpec& robot, const models::MocapBody& body) {
   return std::max(0.0, robot.height_m - body.world_from_body.translation_m.z());
 }
 
-// A body within the robot's own radius is carried by it.
+// A body within the robot's own radius is carried by it, so it is not in the way.
 bool is_in_the_way(const Workspace& workspace, std::size_t robot, const models::MocapFrame& frame,
                    const models::MocapBody& body) {
   const scenario::RobotSpec& spec = workspace.scenario().robots[robot];
@@ -55,10 +56,10 @@ bool is_in_the_way(const Workspace& workspace, std::size_t robot, const models::
              spec.limits.radius_m;
 }
 
-// Of a mixture's weight, so that it is worth a look of its own.
+// Minimum weight of a mixture component to be planned for separately.
 constexpr double kWorthAPart = 1.0 / 32.0;
 
-// Whether a search can work on it: what it multiplies of such numbers stays finite.
+// True if a search can process this prior: its products of such numbers stay finite.
 bool is_searchable(const models::Gaussian& prior) {
   constexpr double kLargest = 1e30;  // m or m/s, and their squares
   return prior.mean.cwiseAbs().maxCoeff() <= kLargest &&
@@ -78,7 +79,7 @@ const models::MocapBody* seen_body(const PlanInputs& inputs, const std::string& 
   return body != nullptr && !body->occluded ? body : nullptr;
 }
 
-// One round's problem while it is put together.
+// Builds the problem of one round.
 class Builder {
  public:
   Builder(Workspace& workspace, std::size_t robot, const PlanInputs& inputs)
@@ -108,24 +109,24 @@ class Builder {
   void begin(std::size_t robot, const models::Trajectory& committed);
   void add_map();
   void add_targets(const models::RobotBelief& belief);
-  /// The places where a target may be, of its mixture; none where the belief says all.
+  /// Returns the components of a target's mixture; empty if the belief is a single Gaussian.
   template <class Then>
   [[nodiscard]] std::vector<SearchTarget> parts_of(int target_id, const Then& then) const;
   void add_landmarks(const models::RobotBelief& belief);
   void add_teammates(const std::vector<int>& unseeing);
   void add_places_of_those_who_wait();
   void add_bodies();
-  /// Straight on from where it was seen, at the velocity between the two frames.
+  /// Returns a straight motion from the observed position, at the velocity between the two frames.
   [[nodiscard]] models::Trajectory motion_of(const models::MocapBody& body, std::size_t hint) const;
-  /// Whether a teammate is farther from its plan than flight safety allows.
+  /// True if a teammate is farther from its plan than flight safety allows.
   [[nodiscard]] bool is_off_plan(const scenario::RobotSpec& robot,
                                  const models::MocapBody& body) const;
-  /// Whether a teammate at `place` can matter.
+  /// True if a teammate at `place` is within the neighbourhood.
   [[nodiscard]] bool is_near(const Pose2& place) const;
 
   Workspace& workspace_;
   const scenario::Scenario& scenario_;
-  std::size_t robot_;  ///< by index
+  std::size_t robot_;  ///< index
   const scenario::RobotSpec& spec_;
   const PlanInputs& inputs_;
   RoundProblem round_;
@@ -146,7 +147,7 @@ void Builder::begin(std::size_t robot, const models::Trajectory& committed) {
   problem.world = &scenario_.world;
   problem.field = &workspace_.field();
   problem.clearance_m = spec_.limits.radius_m + planner.obstacle_margin_m;
-  // Both vehicles may be off their plans by the tolerance at once.
+  // Both vehicles may be off their plans by the tolerance at the same time.
   problem.separation_m = planner.separation_m + 2.0 * planner.tracking_tolerance_m;
   problem.separation_from_above = planner.separation_from_above;
   problem.brake_mps2 = spec_.limits.brake_mps2;
@@ -170,7 +171,7 @@ void Builder::add_targets(const models::RobotBelief& belief) {
   const double ahead_s = to_seconds(inputs_.slot.activation - belief.stamp.time);
   const double step_s = scenario_.planner.step_s;
   std::size_t planned = 0;
-  std::size_t room = parts_max(scenario_);  // beyond one for each target
+  std::size_t room = parts_max(scenario_);  // beyond one per target
   for (const models::TargetBelief& target : belief.targets) {
     const auto gaussian = target.information.vector.size() == model.dim() && ahead_s >= 0.0
                               ? models::to_gaussian(target.information)
@@ -266,7 +267,7 @@ void Builder::add_teammates(const std::vector<int>& unseeing) {
     if (plan != inputs_.team_plans.end()) {
       teammate.trajectory = plan->second.trajectory;
     } else {
-      // Never heard: it hovers where mocap sees it, or where the scenario starts it.
+      // No plan received: it hovers where motion capture sees it, or at its start in the scenario.
       const models::MocapBody* body = seen_body(inputs_, robot.name, i);
       const Pose2 pose = body != nullptr ? flatten(body->world_from_body) : robot.start;
       if (!is_near(pose)) {
@@ -279,9 +280,9 @@ void Builder::add_teammates(const std::vector<int>& unseeing) {
   }
 }
 
-// Adds the places of teammates that do not follow plans, that are off their plan, or that have a
-// status older than kSilent_s. Of a teammate without any status only the place where it stands on
-// the ground: add_teammates() has added the place where it will fly.
+// Adds the positions of teammates that do not follow plans, are off their plan, or whose status is
+// older than kSilent_s. For a teammate without any status it adds only its position on the ground;
+// add_teammates() has added the position where it will fly.
 void Builder::add_places_of_those_who_wait() {
   for (std::size_t i = 0; i < scenario_.robots.size(); ++i) {
     const scenario::RobotSpec& robot = scenario_.robots[i];
@@ -298,20 +299,20 @@ void Builder::add_places_of_those_who_wait() {
     if (state == models::FlightState::kFollow && !is_lost) {
       continue;
     }
-    // Its plan, if it has one, counts as well: it may begin to follow it at any moment.
+    // Its plan, if any, is also kept: it may begin to follow it at any moment.
     const Pose2 place = flatten(body->world_from_body);
     if (!is_heard && !is_near(place)) {
       continue;
     }
     const double here_m = body->world_from_body.translation_m.z();
     double height_m = robot.height_m;
-    if (is_lost && state != models::FlightState::kIdle) {  // its autopilot may bring it down
+    if (is_lost && state != models::FlightState::kIdle) {  // its autopilot may land it
       height_m = nearest_height_m(spec_.height_m, 0.0, here_m);
-    } else if (state == models::FlightState::kHold) {  // it may be climbing there
+    } else if (state == models::FlightState::kHold) {  // it may be climbing to its height
       height_m = nearest_height_m(spec_.height_m, here_m, robot.height_m);
     } else if (state == models::FlightState::kLand) {
       height_m = nearest_height_m(spec_.height_m, 0.0, here_m);
-    } else if (here_m < 0.5 * robot.height_m) {  // it stands on the ground, and may take off
+    } else if (here_m < 0.5 * robot.height_m) {  // it is on the ground and may take off
       round_.search.teammates.push_back(hover_at(place, here_m, inputs_.slot.activation));
     }
     if (is_heard) {
@@ -354,13 +355,13 @@ models::Trajectory Builder::motion_of(const models::MocapBody& body, std::size_t
   return motion;
 }
 
-// Adds the nearest of the bodies in the way.
+// Adds the nearest bodies in the way.
 void Builder::add_bodies() {
   if (!inputs_.mocap || !inputs_.mocap_before) {
     return;
   }
   const std::vector<models::MocapBody>& bodies = inputs_.mocap->bodies;
-  std::vector<std::pair<double, std::size_t>> near_m;  // distance, place in the frame
+  std::vector<std::pair<double, std::size_t>> near_m;  // distance, index in the frame
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const Pose2 place = flatten(bodies[i].world_from_body);
     if (is_in_the_way(workspace_, robot_, *inputs_.mocap, bodies[i]) && is_near(place)) {

@@ -10,7 +10,7 @@
 namespace vantage::planner {
 namespace {
 
-// Σ_{t=1}^{T} of the stage costs when nobody of the search looks.
+// Returns Σ_{t=1}^{T} of the stage costs without measurements of this search.
 double cost_without_looks(const SearchProblem& problem) {
   BeliefTable beliefs(static_cast<int>(problem.targets.size()), problem.horizon_steps);
   beliefs.reset(problem);
@@ -32,7 +32,7 @@ class TargetSearch : public RoundSearch {
 
   Found plan(const RoundProblem& round, const Deadline& deadline) override {
     const SearchResult& result = search_->plan(round.search, deadline);
-    // It ended without a single child.
+    // Boxed in: the search ended without a single child.
     return {result, result.nodes_generated == 0 && result.stop_reason != StopReason::kDeadline};
   }
 
@@ -41,7 +41,7 @@ class TargetSearch : public RoundSearch {
   }
 
  private:
-  std::unique_ptr<Search> own_search_;  ///< of one that remembers
+  std::unique_ptr<Search> own_search_;  ///< if the algorithm remembers
   Search* search_ = nullptr;            ///< the workspace's, or own_search_
 };
 

@@ -11,7 +11,7 @@
 namespace vantage::planner {
 namespace {
 
-// Looked at, of the complete plans that the search leaves: about 10 µs each.
+// Maximum leaves of the search that are examined; about 10 µs each.
 constexpr std::size_t kLeavesMax = 2000;
 
 CandidateOptions options_of(const scenario::PlannerSpec& planner) {

@@ -11,7 +11,8 @@ namespace {
 
 constexpr double kTurn_rad = kPi / 4.0;
 
-// An eighth of a turn, to the side of `off_rad`; to the left when that is nearly ahead.
+// Returns a turn by an eighth of a circle, to the side of `off_rad`; to the left unless off_rad ≤
+// −45°.
 models::Trajectory turn(const SearchProblem& problem, double off_rad, double yaw_rate_max_radps) {
   constexpr double kYawRate_radps = 1.5;
   const double rate_radps = std::min(kYawRate_radps, yaw_rate_max_radps);
@@ -39,7 +40,7 @@ bool has_way_out(const SearchProblem& problem, double turned_rad) {
     for (const auto& stop : models::brake(control.speed_mps, problem.brake_mps2)) {
       step.segments.push_back(stop);
     }
-    // No more than the search asks for: where it stands, there may not be more.
+    // Requires no more than the search does, since there may be no more room at this position.
     return control.speed_mps > 0.0 &&
            models::is_clear(*problem.world, step, step.start_time, problem.clearance_m) &&
            keeps_apart(problem, step, 0.0);
@@ -53,7 +54,7 @@ std::optional<models::Trajectory> turn_to_a_way_out(const SearchProblem& problem
                 yaw_rate_max_radps);
   }
   if (!is_boxed_in && has_way_out(problem, 0.0)) {
-    return std::nullopt;  // it may stay because that is best
+    return std::nullopt;  // staying may be best
   }
   for (const double turn_rad : {kTurn_rad, 2.0 * kTurn_rad, 3.0 * kTurn_rad, kPi}) {
     for (const double off_rad : {turn_rad, -turn_rad}) {

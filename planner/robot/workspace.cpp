@@ -6,14 +6,15 @@ namespace vantage::planner {
 namespace {
 
 constexpr double kFieldResolution_m = 0.05;
-constexpr double kFieldCells_max = 500.0;  // along the longer side
+constexpr double kFieldCells_max = 500.0;  // cells along the longer side
 
 SearchCapacity capacity_for(const scenario::Scenario& scenario) {
   SearchCapacity capacity;
   capacity.targets_max = static_cast<int>(scenario.targets.size() + parts_max(scenario)) +
                          std::max(0, scenario.planner.exploration.landmarks_max);
   capacity.horizon_max = scenario.planner.horizon_steps;
-  // The plan of each, where it stands on the ground, where it hovers or will fly; and bodies.
+  // Three per robot: its plan, its position on the ground, its hover or future flight position. In
+  // addition, the bodies.
   capacity.teammates_max = static_cast<int>(3 * scenario.robots.size() + kBodiesMax);
   return capacity;
 }
@@ -29,7 +30,7 @@ AlgorithmOptions options_of(const scenario::Scenario& scenario, int robot_index)
   options.epsilon = planner.epsilon_initial;
   options.delta_m = planner.delta_initial_m;
   options.yaw_weight_m_per_rad = planner.yaw_weight_m_per_rad;
-  options.weight = 2.5;  // of wastar: as it is used in the source's library
+  options.weight = 2.5;  // for wastar, as in the source's library
   options.sweep = {robot_index, static_cast<int>(scenario.robots.size())};
   return options;
 }
@@ -37,7 +38,7 @@ AlgorithmOptions options_of(const scenario::Scenario& scenario, int robot_index)
 }  // namespace
 
 std::size_t parts_max(const scenario::Scenario& scenario) {
-  constexpr std::size_t kPartsOfATarget = 8;  // as many as estimators tell: Samples::kPartsMax
+  constexpr std::size_t kPartsOfATarget = 8;  // as in the estimator: Samples::kPartsMax
   constexpr std::size_t kPartsInAll = 256;
   const bool has_mixtures =
       scenario.estimator.samples ||

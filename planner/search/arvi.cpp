@@ -27,7 +27,7 @@ void ReducedValueIteration::prefault() {
   fresh_.prefault();
 }
 
-// long: the passes, and all that the result says of them.
+// long: the passes, and all result fields.
 const SearchResult& ReducedValueIteration::plan(const SearchProblem& problem,
                                                 const ReducedOptions& options,
                                                 const Deadline& deadline) {
@@ -51,7 +51,7 @@ const SearchResult& ReducedValueIteration::plan(const SearchProblem& problem,
   double moving_bound = result_.lower_bound;
   open_node(levels_[0], tree_.add(expander_.root()));
 
-  // The schedule: (∞, ∞), then the finite passes, then (0, 0), as far as the kind of search goes.
+  // The schedule, as far as the search kind uses it: (∞, ∞), the finite passes, (0, 0).
   Progress progress = Progress::kDone;
   const auto pass = [&](double epsilon, double delta_m, bool prune) {
     progress = improve_path(epsilon, delta_m, prune);
@@ -108,7 +108,7 @@ const SearchResult& ReducedValueIteration::plan(const SearchProblem& problem,
   } else {
     fall_back_to_hover();
   }
-  result_.lower_bound = std::min(result_.lower_bound, result_.cost);  // to rounding
+  result_.lower_bound = std::min(result_.lower_bound, result_.cost);  // against rounding
   result_.peak_bytes = tree_.bytes_used() + fresh_peak_ * CostOrder::bytes_per_entry() +
                        index_peak_ * CrossingIndex::bytes_per_entry();
   return result_;
@@ -134,7 +134,7 @@ ReducedValueIteration::Progress ReducedValueIteration::expand_level(int t, bool 
   const bool is_last = t == problem_->horizon_steps;
   fresh_.clear();
   for (NodeId parent = parents.unexpanded; parent != kNoNode; parent = parents.unexpanded) {
-    ++result_.work_nodes;  // before each asking, so that no two askings see the same count
+    ++result_.work_nodes;  // before each check, so that no two checks see the same count
     if (expired()) {
       return Progress::kDeadline;
     }
@@ -230,7 +230,7 @@ ReducedValueIteration::Progress ReducedValueIteration::is_pruned(NodeId id, doub
   const double cost = tree_[id].cost;
   const Pose2 pose = tree_[id].world_from_body;
   Progress progress = Progress::kDone;
-  constexpr int kAskEvery = 64;  // of those that need no look at their blocks: a few µs
+  constexpr int kAskEvery = 64;  // of nodes whose blocks are not compared: a few µs
   int passed_by = 0;
   const auto go_on_after = [&](NodeId other) {
     if (++passed_by % kAskEvery == 0) {
@@ -240,7 +240,7 @@ ReducedValueIteration::Progress ReducedValueIteration::is_pruned(NodeId id, doub
         return false;
       }
     }
-    // Cheapest test first: cost, distance, then the blocks.
+    // Cheapest test first: cost, distance, then blocks.
     if (tree_[other].cost > cost || !metric_.crosses(tree_[other].world_from_body, pose, delta_m)) {
       return true;
     }
@@ -263,7 +263,7 @@ ReducedValueIteration::Progress ReducedValueIteration::is_pruned(NodeId id, doub
   };
   if (std::isfinite(delta_m)) {
     index_.near(pose, go_on_after);
-  } else {  // everything crosses everything
+  } else {  // all nodes cross each other
     NodeId other = level.open.first;
     while (other != kNoNode && go_on_after(other)) {
       other = tree_[other].next;

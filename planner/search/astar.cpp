@@ -23,7 +23,7 @@ enum NodeState : std::uint8_t {
   kClosed = 4
 };
 
-// Least key first; of equals the younger, which is as a rule the deeper.
+// Least key first; ties: the younger node, which is usually deeper.
 constexpr auto kAfter = [](const auto& a, const auto& b) {
   return a.key > b.key || (a.key == b.key && a.id < b.id);
 };
@@ -61,7 +61,7 @@ void BestFirstSearch::start(const SearchProblem& problem, const BestFirstOptions
   heuristic_.reset(problem, expander_.beliefs());
   sequencing_.reset(problem, expander_.beliefs(), heuristic_);
   index_.reset(options.delta_m);
-  child_f_.assign(1, 0.0F);  // place 0 means none
+  child_f_.assign(1, 0.0F);  // index 0 means none
   open_.clear();
   floors_.clear();
   open_peak_ = 0;
@@ -124,7 +124,7 @@ const SearchResult& BestFirstSearch::plan(const SearchProblem& problem,
     result_.lower_bound = std::min({result_.cost, least_f, least_dominated_});
   } else {
     fall_back_to_hover();
-    // Hovering is no path of the tree: only what holds of every motion bounds it.
+    // Hovering is not a path of the tree, so only the bound for every motion applies.
     result_.lower_bound = std::min(result_.cost, floor_sums_.back());
   }
   return result_;
@@ -199,7 +199,8 @@ BestFirstSearch::Progress BestFirstSearch::evaluate_sequence(NodeId id) {
     node.state = kSequenced;
     return Progress::kGoOn;
   }
-  // Far enough to tell it from the nodes whose turn is near; further when it comes to that.
+  // Compute the bound only far enough to separate the node from those selected next; further if it
+  // is selected again.
   constexpr double kShare = 0.3;
   const double least = std::max(f_[id], open_.empty() ? f_[id] : open_.front().key);
   const double enough = node.state == kEvaluated
@@ -227,9 +228,9 @@ BestFirstSearch::Progress BestFirstSearch::evaluate_sequence(NodeId id) {
   return Progress::kGoOn;
 }
 
-// long: one expansion; what its parts share is half of the state.
+// long: one expansion; its parts share half of the state.
 BestFirstSearch::Progress BestFirstSearch::step() {
-  ++result_.work_nodes;  // before each asking, so that no two askings see the same count
+  ++result_.work_nodes;  // before each check, so that no two checks see the same count
   if (expired()) {
     return Progress::kDeadline;
   }
@@ -253,7 +254,7 @@ BestFirstSearch::Progress BestFirstSearch::step() {
   if (f_[id] >= result_.cost) {
     if (!weighted_ && !diving) {
       push(id);
-      return Progress::kDone;  // and so are all the others
+      return Progress::kDone;  // all other open nodes cost at least as much
     }
     tree_[id].state = kClosed;
     return Progress::kGoOn;
@@ -303,7 +304,7 @@ BestFirstSearch::Progress BestFirstSearch::step() {
 BestFirstSearch::Progress BestFirstSearch::is_dominated(NodeId id, bool& dominated) {
   const Node node = tree_[id];
   Progress progress = Progress::kGoOn;
-  constexpr int kAskEvery = 64;  // of those that need no look at their blocks: a few µs
+  constexpr int kAskEvery = 64;  // of nodes whose blocks are not compared: a few µs
   int passed_by = 0;
   index_.near(node.world_from_body, [&](NodeId other) {
     if (++passed_by % kAskEvery == 0) {

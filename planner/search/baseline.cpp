@@ -13,9 +13,8 @@
 namespace vantage::planner {
 namespace {
 
-// Depth-first descent: at each step the children in the order that `rank` puts them in; backs out
-// of dead ends; ends in a leaf that can stop. Bounded, since a hopeless corner is left to the
-// fallback of the round.
+// Depth-first descent with the children of each step in the order of `rank`. Backtracks from dead
+// ends; ends in a leaf that can stop. Bounded: a hopeless position is left to the round's fallback.
 class Descent {
  public:
   using Rank = std::function<void(const Pose2& at, int depth, std::vector<int>& controls)>;
@@ -81,10 +80,10 @@ class Descent {
   Rank rank_;
 };
 
-// Through the way points from `next` on, which is moved on as they are reached.
+// Plans through the waypoints from `next` on; advances `next` as they are reached.
 SearchResult plan_through(const SearchProblem& problem,
                           const std::vector<Eigen::Vector2d>& waypoints, std::size_t& next) {
-  // A way point counts as reached within the tightest turn of a typical primitive.
+  // A waypoint counts as reached within the tightest turn of a typical primitive.
   constexpr double kReached_m = 0.5;
   const auto aim = [&](const Pose2& at) {
     for (std::size_t tried = 0;
@@ -96,7 +95,7 @@ SearchResult plan_through(const SearchProblem& problem,
   };
   const auto rank = [&](const Pose2& at, int /*depth*/, std::vector<int>& controls) {
     const Eigen::Vector2d goal_m = aim(at);
-    // Nearest after this control held and then the best control once more: enough to turn around.
+    // Distance after this control and then the best second control: enough to turn around.
     const auto distance = [&](int c) {
       const Pose2 one =
           models::step_unicycle(at, problem.controls[static_cast<std::size_t>(c)], problem.step_s);
@@ -124,7 +123,7 @@ SearchResult plan_through(const SearchProblem& problem,
   SearchResult result = Descent(problem, rank).run();
   next = result.moving_steps > 0 ? after_start : start;
   if (waypoints.size() > 1 && result.moving_steps == 0) {
-    next = (next + 1) % waypoints.size();  // this one cannot be reached: do not insist
+    next = (next + 1) % waypoints.size();  // unreachable: skip it
   }
   return result;
 }
@@ -138,7 +137,7 @@ const SearchResult& RandomWalk::plan(const SearchProblem& problem,
   result_ = Descent(problem, [&rng](const Pose2&, int, std::vector<int>& controls) {
               std::shuffle(controls.begin(), controls.end(), rng);
             }).run();
-  result_.stop_reason = StopReason::kConverged;  // nothing is proven
+  result_.stop_reason = StopReason::kConverged;  // no bound
   return result_;
 }
 
@@ -171,7 +170,7 @@ std::vector<Eigen::Vector2d> lawn_mower_waypoints(const models::Rectangle& bound
 const SearchResult& LawnMower::plan(const SearchProblem& problem, const SweepShare& share,
                                     const Deadline& /*deadline*/) {
   constexpr double kRowsPerRange = 1.6;
-  constexpr double kBesideWall_m = 0.25;  // besides the clearance
+  constexpr double kBesideWall_m = 0.25;  // in addition to the clearance
   require(problem.world != nullptr, "lawn_mower: the problem has no world to sweep");
   if (waypoints_.empty()) {
     const double range_m = problem.sensors.empty() ? 1.0 : problem.sensors.front().range_max_m;
@@ -179,7 +178,7 @@ const SearchResult& LawnMower::plan(const SearchProblem& problem, const SweepSha
                                       kRowsPerRange * range_m, problem.clearance_m + kBesideWall_m);
   }
   result_ = plan_through(problem, waypoints_, next_);
-  result_.stop_reason = StopReason::kConverged;  // nothing is proven
+  result_.stop_reason = StopReason::kConverged;  // no bound
   return result_;
 }
 

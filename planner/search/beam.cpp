@@ -12,18 +12,18 @@
 namespace vantage::planner {
 namespace {
 
-constexpr std::size_t kChunk = 128;  // candidates looked through between two askings: some µs
+constexpr std::size_t kChunk = 128;  // candidates between two deadline checks: some µs
 constexpr int kPassesMax = 100;
-constexpr unsigned kRegionBits = 2;                 // a region is 4 cells wide in each of x, y, yaw
-constexpr double kGoldenShare = 0.618033988749895;  // no two passes have their cells' edges in line
+constexpr unsigned kRegionBits = 2;                 // a region has 4 cells in each of x, y, yaw
+constexpr double kGoldenShare = 0.618033988749895;  // keeps the cells of two passes unaligned
 
 std::uint64_t cell_index(double value, double cell, double offset) {
-  constexpr double kCentre = 1'048'576.0;  // 2²⁰: 21 bits a coordinate
+  constexpr double kCentre = 1'048'576.0;  // 2²⁰: 21 bits per coordinate
   return static_cast<std::uint64_t>(
       std::clamp(std::floor(value / cell + offset) + kCentre, 0.0, 2.0 * kCentre - 1.0));
 }
 
-std::uint64_t mixed(std::uint64_t key) {  // the finaliser of splitmix64
+std::uint64_t mixed(std::uint64_t key) {  // finaliser of splitmix64
   key = (key ^ (key >> 30U)) * 0xBF58476D1CE4E5B9U;
   key = (key ^ (key >> 27U)) * 0x94D049BB133111EBU;
   return key ^ (key >> 31U);
@@ -35,7 +35,7 @@ RefiningBeam::RefiningBeam(const SearchCapacity& capacity)
     : TreeSearch(capacity, kPassesMax + 1),
       root_bound_(capacity.targets_max, capacity.horizon_max),
       level_begin_(index(capacity.horizon_max + 1)),
-      // Of the children of a level only the kept ones become nodes.
+      // Only the kept children of a level become nodes.
       candidates_(std::max<std::size_t>(capacity.nodes_max, kMaxControls)),
       ranks_(candidates_.size()),
       marks_(candidates_.size()),
@@ -83,7 +83,7 @@ const SearchResult& RefiningBeam::plan(const SearchProblem& problem, const BeamO
   } else {
     result_.lower_bound = std::max(result_.lower_bound, moving_bound_);
   }
-  result_.lower_bound = std::min(result_.lower_bound, result_.cost);  // to rounding
+  result_.lower_bound = std::min(result_.lower_bound, result_.cost);  // against rounding
   return result_;
 }
 
@@ -91,7 +91,7 @@ void RefiningBeam::run_passes(const BeamOptions& options, std::size_t width_max)
   double width = 1.0;
   double cell_m = options.cell_m;
   double cell_rad = options.cell_rad;
-  bool split = false;  // every child a cell of its own, now that all of them fit
+  bool split = false;  // every child has its own cell, since all fit
   for (int k = 0; k < kPassesMax; ++k) {
     const double narrowed = k % 2 == 0 ? options.alternation : 1.0;
     Pass pass;
@@ -201,7 +201,7 @@ RefiningBeam::Progress RefiningBeam::expand_level(Pass& pass, int t) {
     result_.work_nodes += children_.count;
     const double cost_before = tree_[parent].cost;
     const bool blind = tree_.posterior(parent).targets.empty();
-    if (blind && work()) {  // what might be sighted takes as long again
+    if (blind && work()) {  // sighting values take as long again
       return Progress::kDeadline;
     }
     for (int i = 0; i < children_.count; ++i) {
@@ -267,8 +267,8 @@ void RefiningBeam::offer_candidate(Pass& pass, Candidate& candidate, double rank
   ranks_[at] = rank;
 }
 
-// Two rounds of counting find the rank up to which candidates are kept, without a sort that could
-// not be interrupted; those that share the last bin are taken in order.
+// Two rounds of counting find the rank up to which candidates are kept, because a sort could not be
+// interrupted. Candidates in the last bin are taken in order.
 // long: two rounds of counting over the same bins.
 bool RefiningBeam::keep_best(std::size_t room, Mark from) {
   constexpr std::size_t kBins = 256;
@@ -280,7 +280,7 @@ bool RefiningBeam::keep_best(std::size_t room, Mark from) {
       return std::min(kBins - 1, static_cast<std::size_t>(std::max(0.0, (rank - low) * per_bin)));
     }
   };
-  // Calls take(i) for every candidate in question, asking for the time in between.
+  // Calls take(i) for every candidate in question; checks the deadline in between.
   const auto for_all = [&](const auto& take) {
     for (std::size_t i = 0; i < candidate_count_; ++i) {
       if (i % kChunk == 0 && work()) {
@@ -292,7 +292,7 @@ bool RefiningBeam::keep_best(std::size_t room, Mark from) {
     }
     return true;
   };
-  // The bin in which the count passes `room`, which becomes what is left for that bin.
+  // Returns the bin in which the count exceeds `left`; reduces `left` to the rest for that bin.
   const auto edge_of = [](const Histogram& histogram, std::size_t& left) {
     std::size_t bin = 0;
     while (bin + 1 < kBins && histogram[bin] <= left) {

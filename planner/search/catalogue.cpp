@@ -38,7 +38,7 @@ using BeamAdapter = Adapter<RefiningBeam, BeamOptions>;
 using RandomWalkAdapter = Adapter<RandomWalk, RandomWalkOptions>;
 using LawnMowerAdapter = Adapter<LawnMower, SweepShare>;
 
-/// A search that is told ε and δ; `tell` adds to its options what else it is told.
+/// Makes an algorithm that takes ε and δ; `tell` sets its further options.
 template <class Planner, class Options>
 Algorithm told_bounds(std::string_view name, std::string_view what, bool makes_candidates,
                       const Options& own, void (*tell)(const AlgorithmOptions&, Options&)) {
@@ -141,8 +141,8 @@ std::string_view default_algorithm(const SearchProblem& problem) {
 
 SearchCapacity capacity_for(const Algorithm& algorithm, const SearchProblem& problem,
                             std::size_t memory_bytes, std::size_t nodes_max) {
-  // A node with its record, its place in the lists, the index or the cells; and its share of the
-  // blocks, which only the expanded have.
+  // Bytes of a node with its record and its entries in lists, index or cells, plus its share of the
+  // blocks, which only expanded nodes have.
   constexpr std::size_t kNodeBytes = 48 + 12 + 200;
   constexpr std::size_t kBlockDoubleBytes = 9;
   constexpr std::size_t kDoublesPerNode = 12;

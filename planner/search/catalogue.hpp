@@ -20,7 +20,7 @@ struct AlgorithmOptions {
   double epsilon = 1.0;
   double delta_m = 1.0;
   double yaw_weight_m_per_rad = 0.3;
-  double weight = 1.0;  ///< of the heuristic
+  double weight = 1.0;  ///< weight of the heuristic
   SweepShare sweep;
 };
 

@@ -121,7 +121,7 @@ void Expander::look_at_one(int m, int t, Gains& gains) const {
         }
       }
     }
-    // gain2() and trace_reduction(), four at once.
+    // gain2() and trace_reduction(), four lanes at once.
     const Lanes det_m = M.m00 * M.m11 - M.m01 * M.m01;
     const Lanes gain = 1.0 + M.m00 * P[0] + 2.0 * M.m01 * P[1] + M.m11 * P[2] + det_m * det2(P);
     if (beliefs_.cost() == CostKind::kTrace) {
@@ -277,8 +277,8 @@ double Expander::cost_of_hovering(const Tree& tree, NodeId id) {
     const Kept kept = update_blocks(node.world_from_body, cos_yaw, sin_yaw, t,
                                     {result_targets_.data(), result_.data()});
     forget_blocks();
-    // The blocks just made are the next step's input: they live in result_, which predict_blocks
-    // reads before update_blocks overwrites it.
+    // The new blocks are the next step's input. They are in result_, which predict_blocks() reads
+    // before update_blocks() overwrites it.
     blocks = {{result_targets_.data(), kept.targets}, result_.data()};
     cost += beliefs_.open_loop_cost(t);
     const double* block = result_.data();

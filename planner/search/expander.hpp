@@ -69,8 +69,7 @@ class Expander {
  private:
   /// Information gain of all children of one node, by child.
   struct Gains {
-    alignas(32) double product[kMaxControls];  ///< of det(I + M P); values near 1e±150 are moved
-                                               ///< into sum
+    alignas(32) double product[kMaxControls];  ///< of det(I + M P); moved into sum beyond 1e150
     alignas(32) double sum[kMaxControls];      ///< nats, or m² for the trace
   };
   bool keep_posterior(Tree& tree, NodeId id, double cos_yaw, double sin_yaw);

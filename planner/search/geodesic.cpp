@@ -8,16 +8,16 @@
 namespace vantage::planner {
 namespace {
 
-// Ways bend at corners of boxes shrunk once, sight is blocked by boxes shrunk twice: a leg that
-// grazes a corner is never called blocked by rounding.
+// Paths bend at corners of boxes shrunk once, and boxes shrunk twice block sight, so that rounding
+// never blocks a leg that touches a corner.
 constexpr double kShrink_m = 1e-7;
 
 models::Rectangle shrunk(const models::Rectangle& box, double by_m) {
   return {box.min_m.array() + by_m, box.max_m.array() - by_m};
 }
 
-// A box that touches a wall, carried on beyond it: nobody gets through between the two, and with
-// everything inside the walls no sight passes there either.
+// Extends a box that touches a wall beyond the wall: no path passes between the two, and with
+// everything inside the walls no line of sight does either.
 models::Rectangle into_the_walls(models::Rectangle box, const models::Rectangle& walls) {
   constexpr double kBeyond_m = 1.0;
   for (int axis = 0; axis < 2; ++axis) {
@@ -33,7 +33,7 @@ models::Rectangle into_the_walls(models::Rectangle box, const models::Rectangle&
 
 double area_m2(const models::Rectangle& box) { return (box.max_m - box.min_m).prod(); }
 
-// Whether the segment passes through the interior of the box: clipped slab by slab.
+// True if the segment passes through the box's interior: clipping slab by slab.
 bool passes_through(const models::Rectangle& box, const Eigen::Vector2d& a,
                     const Eigen::Vector2d& d) {
   double enter = 0.0;
@@ -74,7 +74,7 @@ bool GeodesicTable::sees(const Eigen::Vector2d& a_m, const Eigen::Vector2d& b_m)
   return true;
 }
 
-// long: fills one table after another.
+// long: fills several tables in turn.
 void GeodesicTable::reset(const models::World* world,
                           const std::vector<Eigen::Vector2d>& points_m) {
   points_.assign(points_m.begin(), points_m.end());
@@ -101,7 +101,7 @@ void GeodesicTable::reset(const models::World* world,
       }
       kept[at] = box;
     }
-    // Nothing that matters happens outside of the walls and the points.
+    // Positions outside the walls and the points are irrelevant.
     walls_ = shrunk(world->bounds, -kShrink_m);
     models::Rectangle all = world->bounds;
     for (const Eigen::Vector2d& p : points_) {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kRounding_m = 1e-9;
 
-// Horizontal distance beyond which `sensor` does not see a target, whatever the heading.
+// Returns the horizontal distance beyond which `sensor` cannot see a target at any heading, m.
 double sight_of(const models::SensorModel& sensor, bool in_space, double drop_m) {
   const double range_m = sensor.range_max_m;
   if (!in_space) {
@@ -41,7 +41,7 @@ InformationHeuristic::InformationHeuristic(int targets_max, int horizon_max) : w
   slots_.reserve(targets);
 }
 
-// long: fills one table after another.
+// long: fills several tables in turn.
 void InformationHeuristic::reset(const SearchProblem& problem, const BeliefTable& beliefs) {
   problem_ = &problem;
   beliefs_ = &beliefs;
@@ -85,7 +85,7 @@ void InformationHeuristic::reset(const SearchProblem& problem, const BeliefTable
         stays && (target.model.q == 0.0 || target.model.kind == models::TargetKind::kStatic);
     only_own_looks_.push_back(still && !fixed ? 1 : 0);
   }
-  ways_.reset(sight_world(problem), points_);  // sight that passes cuts them short
+  ways_.reset(sight_world(problem), points_);  // no detours if sensors see over obstacles
   slots_.assign(index(targets), -1);
 
   open_loop_rests_.assign(index(targets) * index(horizon_ + 1), 0.0);
@@ -132,7 +132,7 @@ LookBound InformationHeuristic::look_bound(int m, double nearest_m, double farth
                                            int steps) const {
   LookBound bound;
   const bool in_space = beliefs_->position_dim(m) == 3;
-  // Only the distance matters: the target at the origin, the robot along x.
+  // Only the distance matters: place the target at the origin and the robot on the x axis.
   const double middle_m = 0.5 * (nearest_m + farthest_m);
   const models::Viewpoint from{{middle_m, 0.0, 0.0}, problem_->height_m};
   models::PositionVector target = models::PositionVector::Zero(in_space ? 3 : 2);
@@ -145,7 +145,7 @@ LookBound InformationHeuristic::look_bound(int m, double nearest_m, double farth
     if (strongest == 0.0) {
       continue;
     }
-    // What tells of one direction alone, or of two at right angles.
+    // Sensors that measure one direction only, or two perpendicular ones.
     const models::SensorLaw& law = sensor.kind.law();
     const bool pointed =
         !in_space && law.planar_law != nullptr && law.planar_law(sensor).all_ways_per_m2 == 0.0;
@@ -238,7 +238,8 @@ double InformationHeuristic::rest(int m, int t, const double* block, const WayAt
 }
 
 int InformationHeuristic::ring_of(double way_m) const {
-  // A step leads inwards by kRingsPerStep rings at most, rounding or not: step_m_ is rounded up.
+  // A step crosses at most kRingsPerStep rings inwards despite rounding, since step_m_ is rounded
+  // up.
   const double ring = (way_m - kRounding_m) * kRingsPerStep / step_m_;
   return static_cast<int>(std::clamp(ring, 0.0, kRings - 1.0));
 }

@@ -12,16 +12,16 @@ namespace {
 
 constexpr double kEdge_rad = 1e-6;
 constexpr double kEdge_m = ReachLattice::kEdge_m;
-constexpr double kFloatRounding = 1e-5;  // of sums of floats
-constexpr std::size_t kCellNodes = 4;    // a look from a cell takes the time of so many nodes
+constexpr double kFloatRounding = 1e-5;  // relative rounding error of float sums
+constexpr std::size_t kCellNodes = 4;    // nodes of work per view from a cell
 
-// How much of a strength counts linearly, and e to the power of what the rest tells of each state.
+// Part of the information that counts linearly, and e to the power of the excess's gain per state.
 struct Capped {
   double kept = 0.0;
   double more = 1.0;
 };
 
-// The least over b' of `per_strength` b' + weight ln((b + known) / (b' + known)).
+// Minimises `per_strength` b' + weight ln((b + known) / (b' + known)) over b'.
 Capped capped(double strength, double per_strength, double weight, double known) {
   const double kept = std::max(0.0, weight / per_strength - known);
   return kept < strength ? Capped{kept, (strength + known) / (kept + known)}
@@ -90,9 +90,9 @@ void LatticeBound::find_rare() {
   beside_m_.assign(index(targets_), 0.0);
   waits_ = 1;
   if (sensors_.size() > 1) {
-    return;  // of what is rare add_rewards() takes the most of one look
+    return;  // add_rewards() takes only the maximum rare gain of one sensor
   }
-  // Ways of one and of two steps.
+  // Distances covered in one and in two steps.
   double least_m[kWaitsMax] = {0.0, kInfinity, kInfinity};
   double most_m[kWaitsMax] = {};
   for (const Pose2& first : reach_.ends()) {
@@ -105,7 +105,8 @@ void LatticeBound::find_rare() {
       most_m[2] = std::max(most_m[2], way_m);
     }
   }
-  // How near at most so that nothing leads from (i, k) to (j, k + steps); less than 0: something.
+  // Returns the radius sum below which no controls lead from (i, k) to (j, k + steps); negative:
+  // some always do.
   const auto slack_m = [&](int i, int j) {
     double slack = kInfinity;
     for (int steps = i == j ? 1 : 0; steps < kWaitsMax; ++steps) {
@@ -210,7 +211,7 @@ LatticeBound::Price LatticeBound::price(int m, int k) const {
   return out;
 }
 
-// long: distances and directions that a cell offers, then what they are worth.
+// long: distances and directions of a cell, then their values.
 LatticeBound::Look LatticeBound::look(const Price& price, const Sensor& sensor, double dx_m,
                                       double dy_m, double half_cell_m) {
   const double ax_m = std::abs(dx_m);
@@ -226,7 +227,7 @@ LatticeBound::Look LatticeBound::look(const Price& price, const Sensor& sensor, 
   if (fx_m * fx_m + fy_m * fy_m < sensor.range_min_m * sensor.range_min_m) {
     return {};
   }
-  // What directions towards the cell may ask of the gradient.
+  // Range of the gradient's values over the directions towards the cell.
   const double amplitude = price.amplitude;
   const double center2_m2 = dx_m * dx_m + dy_m * dy_m;
   const double sin2_spread = 2.0 * half_cell_m * half_cell_m / center2_m2;
@@ -275,7 +276,7 @@ LatticeBound::Look LatticeBound::look(const Price& price, const Sensor& sensor, 
   return out;
 }
 
-// long: the loops over targets, sensors and cells, and what each needs only once.
+// long: loops over targets, sensors and cells, with values hoisted at each level.
 bool LatticeBound::add_rewards(int t) {
   const int k = depth_ + t;
   const ReachLattice::Level& level = layout_->levels[index(t)];

@@ -152,7 +152,7 @@ class LatticeBound {
   std::vector<double> beside_m_;  ///< per target: closer is a rare event; 0: not known to be rare
   ReachLattice reach_;
 
-  // Of one query.
+  // State of one query.
   Pose2 from_;
   int depth_ = 0;
   LinearisedCost cost_;                   ///< of cost_to_go()

@@ -4,7 +4,7 @@
 #include "core/angle.hpp"
 #include "planner/search/lattice_bound.hpp"
 
-// What the best path over the lattice gathers, and which it is.
+// Finds the gain of the best path over the lattice, and the path itself.
 
 namespace vantage::planner {
 
@@ -31,7 +31,8 @@ void LatticeBound::take_next(int t, int n, int j, ReachLattice::Row row, int res
 bool LatticeBound::gather(int t) {
   const ReachLattice::Level& level = layout_->levels[index(t)];
   const std::size_t controls = reach_.ends().size();
-  // What follows with a step to rest is what follows with none; what is rare comes on top of that.
+  // With one rest left, the gain is that of no rest without a rare event now. A state without rest
+  // takes the better of that and a rare event.
   const bool has_rare = waits_ > 1;
   for (int rests = has_rare ? 1 : 0; rests < waits_; ++rests) {
     for (int n = -level.turns; n <= level.turns; ++n) {
@@ -75,7 +76,7 @@ bool LatticeBound::gather(int t) {
       }
     }
   }
-  // Then the most of 2 × 2 cells, for the level before.
+  // Maxima of 2 × 2 cells, for the level before.
   for (int rests = 0; rests < waits_; ++rests) {
     for (int n = -level.turns; n <= level.turns; ++n) {
       const ReachLattice::Plane& plane = layout_->plane(t, n);
@@ -110,7 +111,7 @@ ReachLattice::Shift LatticeBound::first_cell(std::size_t control) const {
           static_cast<int>(std::floor(end.y_m / layout_->cell_m + 0.5))};
 }
 
-// long: finds a step of the path, then sees what it sees.
+// long: finds each step of the path, then its measurements.
 bool LatticeBound::follow_best(float* looked) {
   const int steps = horizon_ - depth_;
   const double half_cell_m = 0.5 * layout_->cell_m + ReachLattice::kEdge_m;

@@ -8,7 +8,7 @@
 namespace vantage::planner {
 namespace {
 
-// λ_max of the position's covariance.
+// Returns λ_max of the position covariance.
 double widest(const double* packed) {
   const double half = 0.5 * (packed[0] + packed[2]);
   const double difference = 0.5 * (packed[0] - packed[2]);
@@ -45,7 +45,7 @@ double LinearisedCost::linearise(int m, int depth, const double* block, const fl
              : linearise_block<4>(m, depth, block, reference);
 }
 
-// long: forwards what the next loop needs backwards.
+// long: the forward pass stores what the backward pass needs.
 template <int kDim>
 double LinearisedCost::linearise_block(int m, int depth, const double* block,
                                        const float* reference) {
@@ -58,7 +58,7 @@ double LinearisedCost::linearise_block(int m, int depth, const double* block,
   std::copy_n(block, packed_size(layout), unseen);
   double cost = 0.0;
   bool any = false;
-  // Forwards: the covariances at the reference, and what they cost.
+  // Forward: covariances at the reference, and their cost.
   for (int k = depth + 1; k <= horizon_; ++k) {
     any = any || is_reached(m, k);
     beliefs_->predict_into(m, k, packed, packed);
@@ -79,7 +79,7 @@ double LinearisedCost::linearise_block(int m, int depth, const double* block,
   if (!any) {
     return cost;
   }
-  // Backwards: L = ∂J/∂Σ at each depth.
+  // Backward: L = ∂J/∂Σ at each depth.
   const Matrix A = problem_->targets[index(m)].model.transition(problem_->step_s);
   Matrix L = Matrix::Zero();
   for (int k = horizon_; k > depth; --k) {

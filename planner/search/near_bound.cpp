@@ -9,9 +9,9 @@ namespace vantage::planner {
 namespace {
 
 constexpr double kPlay_m = 1e-6;
-constexpr double kRadii_m[] = {0.5, 0.2, 0.1};  // discs tried, largest first
-constexpr int kAskEvery = 64;                   // steps of recursion between looks at the deadline
-constexpr std::int64_t kStepsMax = 60'000;      // of recursion, for one size of discs
+constexpr double kRadii_m[] = {0.5, 0.2, 0.1};  // disc radii, largest first
+constexpr int kAskEvery = 64;                   // recursion steps between deadline checks
+constexpr std::int64_t kStepsMax = 60'000;      // recursion steps per disc size
 
 }  // namespace
 
@@ -27,7 +27,7 @@ NearBound::NearBound(int targets_max, int horizon_max) {
 void NearBound::reset(const SearchProblem& problem, const BeliefTable& beliefs,
                       const InformationHeuristic& heuristic) {
   begin(problem, beliefs, heuristic);
-  constexpr int kStepsAtMost = 30;  // events are bits
+  constexpr int kStepsAtMost = 30;  // events are bits of a 32-bit integer
   for (int m = 0; m < beliefs.target_count() && horizon_ <= kStepsAtMost; ++m) {
     if (heuristic.is_averaged(m) && !heuristic.only_own_looks(m)) {
       targets_.push_back(m);
@@ -43,7 +43,7 @@ void NearBound::reset(const SearchProblem& problem, const BeliefTable& beliefs,
 }
 
 void NearBound::tabulate_hops() {
-  constexpr std::size_t kControlsMax = 12;  // 12³ ends are soon made
+  constexpr std::size_t kControlsMax = 12;  // 12³ end poses are computed quickly
   hops_[1] = hops_[2] = hops_[3] = {kInfinity, 0.0};
   const auto add = [](Hop& hop, const Pose2& to) {
     hop.least_m = std::min(hop.least_m, to.position_m().norm());

@@ -13,11 +13,11 @@ constexpr std::size_t kBlockDoublesMax = 1U << 20U;
 constexpr std::size_t kReferenceFloatsMax = 1U << 21U;
 constexpr std::size_t kStatesMax = 1'700'000;
 
-// What a node of this depth is bettered by, one after the other: the root coarsely at first, for
-// steps of Frank and Wolfe count more there than a fine lattice.
+// Improvement steps of a node at this depth. The root starts with coarse lattices, because
+// Frank-Wolfe steps gain more there than a fine lattice.
 struct Turn {
   std::size_t states = 0;
-  double share = 0.0;  // of the way to what the best path saw
+  double share = 0.0;  // of the step towards the best path's information
 };
 constexpr Turn kOfRoot[] = {{300'000, 0.67}, {300'000, 0.5},  {300'000, 0.4},
                             {300'000, 0.33}, {700'000, 0.29}, {kStatesMax, 0.25}};
@@ -74,7 +74,7 @@ PrefixBound::Answer PrefixBound::raise(std::int64_t until_nodes, const Deadline&
     lattice_.begin(references_.data());
     reference_count_ = 1;
     Node root = expander_->root();
-    root.next = 0;  // its reference
+    root.next = 0;  // index of its reference
     push(tree_.add(root), -kInfinity);
   }
   while (!full_ && !open_.empty() && work_nodes < until_nodes && step(deadline, work_nodes)) {
@@ -87,7 +87,7 @@ bool PrefixBound::step(const Deadline& deadline, std::int64_t& work_nodes) {
   const Entry least = open_.front();
   const Node& node = tree_[least.id];
   if (node.depth == problem_->horizon_steps) {
-    full_ = true;  // a whole plan, and none costs less
+    full_ = true;  // a complete plan, and no plan costs less
     return true;
   }
   return node.state < turns_of(node).size() ? better(least, deadline, work_nodes)
@@ -145,7 +145,7 @@ bool PrefixBound::expand(Entry least, const Deadline& deadline, std::int64_t& wo
     const NodeId id = tree_.add(child);
     children_.cost[i] = std::max(least.f, child.cost + cost_to_go(id, deadline, work_nodes));
     if (expired_ || full_) {
-      return false;  // the parent stands for them
+      return false;  // the parent's bound covers them
     }
   }
   std::pop_heap(open_.begin(), open_.end(), kLater);

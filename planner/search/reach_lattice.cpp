@@ -11,9 +11,9 @@ namespace {
 
 constexpr std::size_t kPlanesMax = 2048;
 constexpr std::size_t kHeadingsMax = 1024;
-constexpr int kMargin = 2;  // cells about those that can be reached
+constexpr int kMargin = 2;  // cells around the reachable ones
 
-// Directions: 0 is +x, a quarter of them further +y, and so on.
+// Directions: 0 is +x, a quarter of the count is +y, and so on.
 struct Direction {
   double cos = 1.0;
   double sin = 0.0;
@@ -28,7 +28,7 @@ std::array<Direction, kCount> directions() {
   return out;
 }
 
-// The largest angle that all turns are whole multiples of; 0: none was found.
+// Returns the largest angle of which all turns are integer multiples; 0: none found.
 double unit_of_turns(const SearchProblem& problem) {
   double least_rad = kInfinity;
   for (const models::UnicycleControl& control : problem.controls) {
@@ -108,7 +108,7 @@ void ReachLattice::reach() {
   Support nothing;
   nothing.fill(-kInfinity);
   supports_.assign(1, Support{});
-  std::size_t before = 0;  // first plane of the level before
+  std::size_t before = 0;  // first plane of the previous level
   for (int t = 1; t <= horizon_; ++t) {
     const std::size_t first = supports_.size();
     const int turns = t * turn_most_;
@@ -137,7 +137,7 @@ ReachLattice::Plane ReachLattice::plane_of(const Support& support, double cell_m
   if (support[0] == -kInfinity) {
     return out;
   }
-  // A cell reaches so far beyond its middle, and the way to it was rounded.
+  // A cell extends this far from its centre; includes the rounding of the positions.
   const double beyond = 0.5 + kEdge_m / cell_m;
   const auto most = [&](std::size_t d) {
     return static_cast<int>(std::floor(support[d] / cell_m + beyond));
@@ -186,7 +186,7 @@ void ReachLattice::lay_out(double ratio, Layout& out) const {
   out.cell_m = step_m_ / ratio;
   out.planes.clear();
   out.levels.assign(1, Level{});
-  std::size_t plane = 1;  // of supports_: the start is no level
+  std::size_t plane = 1;  // index in supports_; the start is not a level
   std::size_t begin = 0;
   for (int t = 1; t <= horizon_; ++t) {
     Level level;

@@ -12,12 +12,12 @@ namespace {
 constexpr double kAnywhere_m = 1e9;
 constexpr double kRounding = 1e-9;
 
-// Least f first; of equals the later step.
+// Least f first; ties: the later step.
 constexpr auto kAfter = [](const auto& a, const auto& b) {
   return a.f > b.f || (a.f == b.f && a.state < b.state);
 };
 
-// Steps that a way takes at least: one if it is none.
+// Returns the minimum number of steps for a path length; at least one.
 int steps_of(double way_m, double step_m, int steps_max) {
   const double steps = std::ceil(way_m / step_m - kRounding);
   return steps >= steps_max ? steps_max : std::max(1, static_cast<int>(steps));
@@ -54,7 +54,7 @@ void SequencingBound::reset(const SearchProblem& problem, const BeliefTable& bel
   schedules_ = true;
   GeodesicTable::Outlook outlook;
   heuristic.ways().look_around(problem.start.position_m(), outlook);
-  // The nearest that can be seen at all, and whose looks are bounded.
+  // The nearest targets that can be seen at all and whose information is bounded.
   nearest_.clear();
   for (int m = 0; m < beliefs.target_count(); ++m) {
     if (!heuristic.stays(m) || beliefs.layout(m) != BlockLayout::kPlanar) {
@@ -112,7 +112,7 @@ void SequencingBound::find_stops() {
   }
 }
 
-// Every set of targets whose discs meet pairwise. False when there are too many.
+// Adds every set of targets whose discs meet pairwise. False if there are too many.
 bool SequencingBound::add_cliques(std::uint32_t clique, std::uint32_t candidates) {
   while (candidates != 0) {
     const int i = std::countr_zero(candidates);
@@ -135,7 +135,7 @@ bool SequencingBound::add_cliques(std::uint32_t clique, std::uint32_t candidates
   return true;
 }
 
-// Targets whose discs hang together, as one place that sees them all.
+// Adds each group of targets with connected discs as one region that sees all of them.
 void SequencingBound::add_places() {
   for (const std::uint32_t place : places_) {
     Stop stop;
@@ -179,7 +179,7 @@ void SequencingBound::fill_costs(int i, int depth, const double* block) {
   const int left = steps_left_;
   PackedInformation look;
   look.m[0] = look.m[2] = strength;
-  // Best sums of n looks, whenever they were.
+  // Best sums of n measurements, whatever their times.
   double summed[256];
   if (by_sum) {
     PointedInformation sum(block);
@@ -189,7 +189,7 @@ void SequencingBound::fill_costs(int i, int depth, const double* block) {
       sum.add(looks_[index(i)]);
     }
   }
-  // row_blocks_[n]: the covariance at step k when the last n steps had a look.
+  // row_blocks_[n]: covariance at step k if the last n steps had a measurement.
   std::copy_n(block, 3, row_blocks_.begin());
   const bool by_average = by_recursion && by_sum;
   if (by_average) {
@@ -229,11 +229,11 @@ void SequencingBound::fill_rests(int i) {
     double* rest = &rests_[cell(i, n, 0)];
     double passed = 0.0;
     for (int next = n + 1; next <= left + 1; ++next) {
-      rest[next] = passed;  // of the steps before it
+      rest[next] = passed;  // of the steps before `next`
       passed += next <= left ? costs_[cell(i, n, next)] : 0.0;
     }
   }
-  // Then what comes from it on, diagonal by diagonal.
+  // Then the cost from `next` on, diagonal by diagonal.
   for (int next = left; next >= 1; --next) {
     for (int n = 0; n < next; ++n) {
       const double onwards =
@@ -248,7 +248,7 @@ void SequencingBound::fill_gains(int i) {
   const int left = steps_left_;
   double* hull = &hulls_[index(i) * index(horizon_ + 2)];
   double* gain = &gains_[index(i) * index(horizon_ + 2)];
-  // Lower convex hull, corner by corner: the next corner is where the slope falls most.
+  // Lower convex hull, corner by corner: the next corner has the steepest descent.
   hull[0] = cost_after_looks(i, 0);
   int from = 0;
   while (from < left) {
@@ -274,10 +274,10 @@ double SequencingBound::schedule(const State& state) const {
   const int left = steps_left_ - state.step;
   const std::size_t stride = index(horizon_ + 2);
   const int places = static_cast<int>(places_.size());
-  double at_rest = 0.0;  // cost of a step
+  double at_rest = 0.0;  // cost per step
   int released[kTargetsMax];
   double gain[kTargetsMax];
-  const double* rows[kTargetsMax];  // where the next gain of a place with one target is
+  const double* rows[kTargetsMax];  // next gain of a region with one target
   int looks[kTargetsMax];
   const auto sum_of_gains = [&](int p) {
     double sum = 0.0;
@@ -290,7 +290,7 @@ double SequencingBound::schedule(const State& state) const {
   };
   for (int p = 0; p < places; ++p) {
     const std::uint32_t targets = places_[index(p)];
-    const int first = std::countr_zero(targets) % kTargetsMax;  // no place is empty
+    const int first = std::countr_zero(targets) % kTargetsMax;  // no region is empty
     const std::size_t at = index(first) * stride + state.looks[first];
     looks[p] = 0;
     if ((targets & (targets - 1)) == 0) {
@@ -371,7 +371,7 @@ void SequencingBound::open_controls(const Pose2& at, double cutoff) {
 }
 
 SequencingBound::Answer SequencingBound::answer(double cost, bool expired) {
-  // After each control: what its states still open can come to. Those popped were below.
+  // `cost` is the least f of all open states, so it bounds the cost after each control.
   for (double& after : after_) {
     after = std::max(after, cost);
   }
@@ -417,7 +417,7 @@ SequencingBound::Answer SequencingBound::cost_to_go(const Pose2& at, int depth,
     std::pop_heap(open_.begin(), open_.end(), kAfter);
     open_.pop_back();
     if (!expand(state, cutoff)) {
-      return answer(least, false);  // a whole sequence, and none is cheaper
+      return answer(least, false);  // a complete sequence, and none is cheaper
     }
   }
   return answer(cutoff, false);
