@@ -69,8 +69,8 @@ class LocalSearchSession {
 
   /// Takes a proposal of a teammate (or an earlier one of this robot) if it is better than the held
   /// one; returns whether it was taken. Rejects a proposal of another round, with unknown robots,
-  /// with a motion of this robot that it does not have (it has restarted since), or with a history
-  /// that does not end in its own solution.
+  /// or with a history that does not end in its own solution. Also rejects one with a motion of
+  /// this robot that it does not have, because it has restarted since.
   bool hear(const models::TeamProposal& heard);
 
   /// True if `heard` belongs to this round, or if its content is consistent, respectively.

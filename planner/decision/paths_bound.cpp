@@ -11,8 +11,7 @@ namespace vantage::planner {
 namespace {
 
 constexpr std::size_t kStatesMax = 1'700'000;
-constexpr double kFloatRounding =
-    1e-5;  // relative rounding error of float sums and of the reference
+constexpr double kFloatRounding = 1e-5;  // relative, of float sums and the reference
 
 // Returns the lattice size of an iteration: coarse at first, when Frank-Wolfe steps gain most.
 std::size_t states_of_turn(int turn) {

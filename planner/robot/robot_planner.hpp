@@ -23,18 +23,18 @@ namespace vantage::planner {
 /// One robot's share of a planning round, as a function of its inputs (and, for the sweeping
 /// baseline, of the sweep's progress). Reads no clock: the caller decides whether it was late.
 ///
-/// The robot plans from its committed position at t_{k+1} (commitment_of()), given the teammates'
-/// newest plans, their information and their swept motion (problem_of_round()), with the method
-/// that the scenario selects (make_slot_planner()). A silent teammate is assumed to continue its
-/// last plan, which ends in a hover. If a teammate reports that it does not follow plans, its
-/// present position is kept free as well. The published plan is the first safe one of: the found
-/// plan, the last plan shifted, braking to a hover (PlanLadder).
+/// The robot plans from its committed position at t_{k+1} (commitment_of()) with the method that
+/// the scenario selects (make_slot_planner()). The problem contains the teammates' newest plans,
+/// their information and their swept motion (problem_of_round()). A silent teammate is assumed to
+/// continue its last plan, which ends in a hover. If a teammate reports that it does not follow
+/// plans, its present position is kept free as well. The published plan is the first safe one of:
+/// the found plan, the last plan shifted, braking to a hover (PlanLadder).
 ///
 /// A restarted planner does not know what its robot flies, but every teammate does. It waits until
 /// that plan has ended in its hover, and plans from there.
 ///
-/// With shared slots it searches in its slot only if no neighbour of lower index has the same slot,
-/// and not in the first round after taking it. Otherwise it continues its committed motion.
+/// With shared slots it continues its committed motion without a search in two cases: a neighbour
+/// of lower index has the same slot, or this is the first round after it took the slot.
 ///
 /// If the team expects attacks (planner.attacks_max = α > 0), each robot first proposes its plan
 /// alone. The α robots with the most valuable proposals are the bait and fly these; the others plan

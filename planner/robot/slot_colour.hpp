@@ -20,8 +20,8 @@ struct SlotHolder {
 //   claim that informs all neighbours before it searches.
 //
 // So of two neighbours that have received each other's last plan at most one searches in a slot. If
-// every robot has fewer neighbours than there are slots, a graph that stops changing soon gets a
-// permanent colouring, because the lowest robot that wants a slot keeps it. With fewer slots, the
+// every robot has fewer neighbours than there are slots, the colouring becomes permanent once the
+// graph stops changing: the lowest robot that wants a slot keeps it. With fewer slots, the
 // higher-numbered robots continue their committed motion, which is safe.
 
 /// True if `own` may search in its slot. Precondition: its newest plan was made in that slot, too.

@@ -20,8 +20,8 @@ models::Trajectory hover_at(const Pose2& pose, double height_m, Time start);
 /// True if `motion` stays where it starts: it hovers or turns on the spot.
 bool rests(const models::Trajectory& motion);
 
-/// True if `motion` can be a plan of one of `robots`: it ends within four horizons and the longest
-/// stop (a plan is one horizon and a stop), and has at most as many segments as four horizons have
+/// True if `motion` can be a plan of one of `robots` (one horizon and a stop). It must end within
+/// four horizons and the longest stop, and have at most as many segments as four horizons have
 /// steps. Longer motions would take unbounded time to process.
 bool is_of_plan_length(const models::Trajectory& motion, const scenario::PlannerSpec& planner,
                        const std::vector<scenario::RobotSpec>& robots);

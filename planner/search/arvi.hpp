@@ -45,7 +45,7 @@ class ReducedValueIteration : private TreeSearch {
  public:
   explicit ReducedValueIteration(const SearchCapacity& capacity);
 
-  /// Commits all reserved memory, so that plan() causes no page fault. For real time.
+  /// Commits the reserved arrays, so that plan() causes no page fault in them. For real time.
   void prefault();
 
   /// Returns the best plan found by the deadline. The reference is valid until the next call.

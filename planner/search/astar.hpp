@@ -45,14 +45,15 @@ struct BestFirstOptions {
 /// is dropped.
 ///
 /// The certificate is unweighted: lower_bound = min(cost, least g + h over OPEN and over all nodes
-/// that AEGIS discarded as dominated). A node discarded with ε = δ = 0 has an equal or better twin
-/// and does not count, so AEGIS(0, 0) ends at the optimum with gap 0, like A*. A node is compared
-/// with expanded nodes (the CLOSED of Alg. 4): no node in OPEN can be better before it is selected.
+/// that AEGIS discarded as dominated). A node discarded with ε = δ = 0 does not count, because it
+/// has an equal or better twin. So AEGIS(0, 0) ends at the optimum with gap 0, like A*. A node is
+/// compared with expanded nodes (the CLOSED of Alg. 4): no node in OPEN can be better before it is
+/// selected.
 ///
 /// Weights require costs ≥ 0, but log det can be negative. So w multiplies h' = h − Σ_{k>t} L_k,
 /// and g' is g − Σ_{k≤t} L_k, where L_k is the least possible cost of the stage at depth k
-/// (InformationHeuristic::stage_floor). Weighted A* thus guarantees J − L ≤ w (J* − L), with L =
-/// Σ_k L_k the heuristic of the root.
+/// (InformationHeuristic::stage_floor). Weighted A* thus guarantees J − L ≤ w (J* − L), where L =
+/// Σ_k L_k is the heuristic of the root.
 ///
 /// Can be interrupted at each node; stops at the same node under Deadline::nodes(work_nodes).
 /// plan() allocates nothing while the problem fits the capacity.
@@ -61,7 +62,7 @@ class BestFirstSearch : private TreeSearch {
  public:
   explicit BestFirstSearch(const SearchCapacity& capacity);
 
-  /// Commits all reserved memory, so that plan() causes no page fault. For real time.
+  /// Commits the reserved arrays, so that plan() causes no page fault in them. For real time.
   void prefault();
 
   /// Returns the best plan found by the deadline. The reference is valid until the next call.

@@ -30,11 +30,11 @@ struct BeamOptions {
 ///
 /// A pass goes depth by depth. Of all children in one cell over (x, y, yaw) only the most promising
 /// stays. The beam then keeps the most promising child of each region (4 × 4 × 4 cells), up to a
-/// share of the width, and fills up with the most promising of all. The rank, lower is better, is
-/// the accumulated cost, less the expected later value of the depth's information. While no target
-/// has been seen, it also subtracts the value of the target that can be sighted soonest. The first
-/// pass has width 1, so a plan exists after T expansions. Every pass starts at the root and keeps
-/// only the best plan, so memory is that of one beam.
+/// share of the width. The rest of the width goes to the most promising of all. The rank, lower is
+/// better, is the accumulated cost, less the expected later value of the depth's information. While
+/// no target has been seen, it also subtracts the value of the target that can be sighted soonest.
+/// The first pass has width 1, so a plan exists after T expansions. Every pass starts at the root
+/// and keeps only the best plan, so memory is that of one beam.
 ///
 /// The widths depend on the pass, not on the clock: a search stopped by the clock is replayed bit
 /// for bit under Deadline::nodes(work_nodes). If a pass discarded nothing, its best leaf is the
@@ -48,7 +48,7 @@ class RefiningBeam : private TreeSearch {
  public:
   explicit RefiningBeam(const SearchCapacity& capacity);
 
-  /// Commits all reserved memory, so that plan() causes no page fault. For real time.
+  /// Commits the reserved arrays, so that plan() causes no page fault in them. For real time.
   void prefault();
 
   /// Returns the best plan found by the deadline. The reference is valid until the next call.

@@ -10,7 +10,7 @@
 
 namespace vantage::planner {
 
-/// Spatial index of the targets that may be seen near a position at a depth, so that a node's cost
+/// Spatial index of the targets that may be seen near a position at a depth. With it a node's cost
 /// does not depend on the number of targets elsewhere.
 ///
 /// At each depth only targets that may be in range from a reachable position are relevant. A square

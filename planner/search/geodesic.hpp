@@ -14,8 +14,8 @@ namespace vantage::planner {
 /// So a visibility graph of the corners, with its transitive closure, answers a query exactly.
 ///
 /// Every answer is a lower bound for a disc of any radius. Boxes are shrunk by some nanometres
-/// against rounding, walls only exclude corners beyond them, and only the kBoxesMax largest boxes
-/// are kept (leaving one out can only shorten paths). Boxes that only touch thus leave a gap of the
+/// against rounding, and walls only exclude corners beyond them. Only the kBoxesMax largest boxes
+/// are kept; leaving one out can only shorten paths. Boxes that only touch thus leave a gap of the
 /// shrinking width; overlapping boxes leave none. reset() is O((4 boxes)³) and allocates up to the
 /// size given to the constructor; the queries allocate nothing.
 class GeodesicTable {

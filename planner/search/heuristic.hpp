@@ -17,10 +17,10 @@ namespace vantage::planner {
 /// the robot's reachable positions.
 ///
 /// h(x, Σ, t) = Σ_{k=t+1..T} c(Σ̄_k), Σ̄_k = (ρᵖ(Σ̄_{k−1})⁻¹ + M̄ᵏ⁻ᵗ(x))⁻¹, with M̄ʲ over all
-/// positions within j steps; for targets that stay, distances go around obstacles. For planar
+/// positions within j steps. For targets that stay, distances go around obstacles. For planar
 /// targets that stay, a sum of rank-one information over the measurements replaces M̄ = λ_max I.
-/// With a ≤ b the eigenvalues of the present information and E that of the measurements so far, its
-/// determinant is at most (a + E) b after one measurement or while a + E ≤ b, else ((a + b +
+/// Let a ≤ b be the eigenvalues of the present information and E that of the measurements so far.
+/// The determinant is at most (a + E) b after one measurement or while a + E ≤ b, else ((a + b +
 /// E)/2)². For all other planar targets the direction-averaged block (AveragedBlock) gives a second
 /// bound; the larger is used.
 ///
@@ -88,8 +88,8 @@ class InformationHeuristic {
     double nearest_m = 0.0;
     double farthest_m = 0.0;
   };
-  /// Calls emit(k, measure) for k = t + 1 … T with the least trace or determinant of target m,
-  /// where way(k) bounds the path length to its mean at depth k. False if it is unbounded.
+  /// Calls emit(k, measure) for k = t + 1 … T with the least trace or determinant of target m.
+  /// way(k) bounds the path length to its mean at depth k. False if it is unbounded.
   template <class WayAt, class Emit>
   bool for_each_step(int m, int t, const double* block, const WayAt& way, const Emit& emit) const;
   template <class WayAt>

@@ -20,25 +20,25 @@ namespace vantage::planner {
 /// costs and turns that are integer multiples of one angle. It bounds the gain of the best single
 /// path, where Thm 6 lets a separate robot measure every target in all directions.
 ///
-/// Around a reference the cost is additive over steps (LinearisedCost). Dynamic programming over a
-/// lattice (ReachLattice) finds the path with the greatest linearised gain. A cell stands for the
-/// best measurement from any position in it (distance, field of view), and a control leads to every
+/// Around a reference R the cost is additive over steps (LinearisedCost). Dynamic programming over
+/// a lattice (ReachLattice) finds the path with the greatest linearised gain. A cell stands for the
+/// best measurement from any position in it (distance, field of view). A control leads to every
 /// cell that the moved square touches. Information b along a direction counts linearly only up to
-/// some b'. The excess gives at most ln((b + p)/(b' + p)) about the state at its step and, by data
-/// processing along the Markov chain, about each later one, where p is the information without
-/// measurements.
+/// some b'. The excess gives at most ln((b + p)/(b' + p)) about the state at its step, where p is
+/// the information without measurements. By data processing along the Markov chain the same holds
+/// for each later state.
 ///
-/// Measurements very close to a target have the greatest gain. If no controls lead from close to
-/// one target to close to the same or another target within two steps, the lattice lets such gains
-/// count only that rarely. Repeated calls move R towards the information of the best path:
-/// Frank-Wolfe steps to a tighter bound.
+/// Measurements very close to a target have the greatest gain. If no controls lead from one such
+/// position to another within two steps, the lattice counts such a gain at most every third step.
+/// Repeated calls move R towards the information of the best path: Frank-Wolfe steps to a tighter
+/// bound.
 ///
 /// Allocates nothing after construction. Source: ours; Frank & Wolfe 1956.
 class LatticeBound {
  public:
   LatticeBound(int targets_max, int horizon_max, std::size_t states_max);
 
-  /// Commits all reserved memory.
+  /// Commits the reserved arrays.
   void prefault();
 
   /// Tabulates `problem`; both must outlive the queries.

@@ -57,9 +57,9 @@ class LinearisedCost {
   [[nodiscard]] const Gradient& gradient(int m, int k) const { return gradients_[at(m, k)]; }
   /// Returns the least position information without any measurement, 1/m².
   [[nodiscard]] double known(int m, int k) const { return known_[at(m, k)]; }
-  /// Returns w such that a measurement at depth k that raises the information of a direction by a
-  /// factor f lowers the cost by at most w ln f. J_T sums over the states from this step on, and by
-  /// data processing along the Markov chain no later state gains more than the state at k.
+  /// Returns w: a measurement at depth k that raises the information of a direction by a factor f
+  /// lowers the cost by at most w ln f. J_T sums over the states from this step on. By data
+  /// processing along the Markov chain no later state gains more than the state at k.
   [[nodiscard]] double weight(int k) const {
     return measure_ == InformationMeasure::kLogDet ? 1.0 + horizon_ - k : 1.0;
   }

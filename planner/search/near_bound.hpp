@@ -12,16 +12,15 @@
 namespace vantage::planner {
 
 /// Lower bound of the cost of plans that move at every step, for planar targets that move or
-/// spread. The robot cannot be very close to every target at every step, as Thm 6 assumes, and a
+/// spread. Thm 6 lets the robot be very close to every target at every step, which is impossible. A
 /// bearing from very close has a hundred thousand times the information of one from afar.
 ///
 /// At step k the robot is near target m if it is within ρ(m, k) of it; the discs of one step do not
-/// overlap. So at most one target is near at a step, and one near event follows another 1 … 3 steps
+/// overlap. So at most one target is near at a step. One near event follows another 1 … 3 steps
 /// later only if some controls lead exactly that far. With every measurement from ρ or farther the
-/// targets cost at least Σ J̄_m (AveragedBlock). A near event at k reduces this by at most b(m, k),
-/// the maximum, over all earlier events of m, of its saving from k to the end. The bound subtracts
-/// the sum of these along the best possible chain of events. Several disc sizes are tried; the best
-/// bound counts.
+/// targets cost at least Σ J̄_m (AveragedBlock). A near event at k saves at most b(m, k) from k to
+/// the end, the maximum over all earlier events of m. The bound subtracts the sum of these along
+/// the best possible chain of events. Several disc sizes are tried; the best bound counts.
 ///
 /// Allocates nothing after construction. Source: ours.
 class NearBound : public PartialBound {

@@ -19,10 +19,10 @@ struct LookBound {
 };
 
 /// Greatest information that measurements in the best directions can give about a planar target
-/// that stays. With a ≤ b the eigenvalues of the present information (all-round measurements added
-/// to both) and E the sum of the pointed measurements, det Ω ≤ (a + E) b after one measurement or
-/// while a + E ≤ b, else ((a + b + E)/2)²; tr Ω = a + b + E. The bound is attained: any such Ω is a
-/// sum of two or more equal measurements.
+/// that stays. Let a ≤ b be the eigenvalues of the present information, with all-round measurements
+/// added to both, and E the sum of the pointed measurements. Then det Ω ≤ (a + E) b after one
+/// measurement or while a + E ≤ b, else ((a + b + E)/2)²; tr Ω = a + b + E. The bound is attained:
+/// any such Ω is a sum of two or more equal measurements.
 /// Source: Fiedler 1971 (determinant of a sum), Schur–Horn (directions that attain it).
 class PointedInformation {
  public:

@@ -21,7 +21,7 @@ class PrefixBound {
  public:
   PrefixBound(int targets_max, int horizon_max);
 
-  /// Commits all reserved memory.
+  /// Commits the reserved arrays.
   void prefault();
 
   /// Tabulates `problem`; both must outlive the queries, and `expander` must be reset to `problem`.

@@ -47,7 +47,7 @@ class RootBound {
   Answer raise(Expander& expander, std::int64_t until_nodes, const Deadline& deadline,
                std::int64_t& work_nodes);
 
-  /// Commits all reserved memory.
+  /// Commits the reserved arrays.
   void prefault() { prefix_.prefault(); }
 
  private:

@@ -16,9 +16,11 @@ namespace vantage::planner {
 /// visible.
 ///
 /// The relaxed problem, over planar targets that stay: choose at which steps which targets are
-/// measured, such that (1) after one of the robot's controls, target i is measured no earlier than
-/// the path to its disc of visibility takes, (2) a measurement of j follows one of i no sooner than
-/// the path between their discs takes, and (3) targets measured at one step have discs that meet.
+/// measured, subject to three rules.
+///   (1) After a first control, a target is measured no earlier than the path to its disc of
+///       visibility takes.
+///   (2) Between measurements of two targets, the path between their discs must be travelled.
+///   (3) Targets measured at one step have discs that meet.
 /// After n measurements by step k a target costs at least c(k, n): the best possible measurements,
 /// in the best directions, at the last n steps.
 ///

@@ -18,9 +18,9 @@ class SightingValue {
   /// Tabulates `problem`. Both must outlive the queries, and `expander` must be reset to `problem`.
   void reset(const SearchProblem& problem, const Expander& expander);
 
-  /// Returns the maximum over the targets of (gain of one measurement) × (steps from the first
-  /// sighting to the end) from `pose` at depth t, driving and turning at full speed; nats, or m²
-  /// for the trace. O(targets).
+  /// Returns, from `pose` at depth t, the maximum over the targets of (gain of one measurement) ×
+  /// (steps from the first sighting to the end); nats, or m² for the trace. Assumes driving and
+  /// turning at full speed. O(targets).
   [[nodiscard]] double value(const Pose2& pose, int t) const;
 
  private:

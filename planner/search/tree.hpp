@@ -40,7 +40,7 @@ class Tree {
  public:
   Tree(std::size_t nodes_max, std::size_t block_doubles_max);
 
-  /// Commits every page, so that a search causes no page fault.
+  /// Commits every page, so that a search causes no page fault in the tree.
   void prefault();
 
   void clear();
