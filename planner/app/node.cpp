@@ -366,7 +366,7 @@ void PlannerNode::hear_answer(const models::RobotPlan& answer) {
   }
 }
 
-// A robot without a driver is simulated: a busy machine slows its trial and endangers nobody.
+// A robot without a driver is simulated: a busy machine slows its trial but is not dangerous.
 bool PlannerNode::is_short_of_processor() const {
   const scenario::RobotSpec& robot = robots_[static_cast<std::size_t>(planner_.robot_index())];
   return robot.device != scenario::DeviceSource::kDirect && processor_wait_s_ > kProcessorWaitMaxS;

@@ -75,8 +75,9 @@ Commitment commitment_of(const scenario::Scenario& scenario, std::size_t robot,
           (expected.position_m() - flatten(body->world_from_body).position_m()).norm();
       if (off_m > planner.tracking_tolerance_m) {
         commitment.is_off_plan = true;
-        // Far off its plan, the vehicle has not followed it at all (held by its operator, say):
-        // plan anew from its position. At smaller errors its own feedback returns it to the plan.
+        // Far off its plan, the vehicle has not followed it at all (for example, its operator held
+        // it): plan anew from its position. At smaller errors its own feedback returns it to the
+        // plan.
         on_plan = off_m <= 3.0 * planner.tracking_tolerance_m;
       }
     }

@@ -33,9 +33,9 @@ class RootBound {
 
   /// Lower bound of every plan that takes all steps from the controls, for the problem last
   /// tabulated. At least of_any_plan(), because the robot can neither measure everywhere at once
-  /// nor be very close to every target. Expands up to `states_max` states (3 µs each), plus
-  /// NearBound's bounded number of steps. If the deadline expires, returns the bound so far, and
-  /// the search must stop. Adds the expanded states to `work_nodes`.
+  /// nor be very close to every target. Takes up to `states_max` / 3 µs, plus NearBound's bounded
+  /// number of steps. If the deadline expires, returns the bound so far, and the search must stop.
+  /// Adds the expanded states to `work_nodes`.
   struct Answer {
     double cost = 0.0;
     bool expired = false;
