@@ -105,7 +105,7 @@ bool OperatorAuthority::admit(const models::OperatorCommand& command, Time now, 
     station->stamp = stamp.time;
     station->heard = now;
   } else if (is_late) {
-    station->sequence = stamp.sequence;  // late once, and not whenever it is repeated
+    station->sequence = stamp.sequence;  // accepted late only once, not on each repetition
   }
   return counts || models::makes_safer(action);
 }

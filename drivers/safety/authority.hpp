@@ -10,17 +10,18 @@
 
 namespace vantage::drivers {
 
-/// Which of several planners of one robot is obeyed: the first heard, until it has been silent for
-/// the lease. Its place is then taken by whoever speaks next, and it is refused if it comes back.
+/// Lease that selects one of several planners of a robot. The first planner received holds it until
+/// it has been silent for the lease time. The next planner received then takes over, and the
+/// earlier one is refused if it returns.
 class PlannerLease {
  public:
-  /// True when a plan of `run_id` may be judged at all.
+  /// True if a plan of `run_id` may be checked. The run then takes or renews the lease.
   [[nodiscard]] bool admit(std::int64_t run_id, Time now, double lease_s);
-  /// Since the holder spoke; kNever before anyone did.
+  /// Returns the time since the holder's last message, s; kNever before any.
   [[nodiscard]] double age_s(Time now) const;
-  /// True for the one that holds it, and for anyone before somebody does.
+  /// True if `run_id` holds the lease, or if no run does.
   [[nodiscard]] bool is_holder(std::int64_t run_id) const { return !is_held_ || run_id == holder_; }
-  /// True when another run spoke within the last `lease_s`.
+  /// True if another run published within the last `lease_s`.
   [[nodiscard]] bool is_contested(Time now, double lease_s) const;
   [[nodiscard]] std::int64_t takeovers() const { return takeovers_; }
 
@@ -33,45 +34,47 @@ class PlannerLease {
   std::int64_t takeovers_ = 0;
 };
 
-/// Which of several operator stations is in charge: the first whose heartbeat is heard, until it
-/// has been silent for `silent_s`. Any station may make the vehicle safer (hold, land, emergency
-/// stop), only the one in charge may arm, take off or follow, and only its heartbeat counts.
+/// Selection of the operator station in charge: the first whose heartbeat is received, until it has
+/// been silent for `silent_s`. Any station may make the vehicle safer (hold, land, emergency stop).
+/// Only the station in charge may arm, take off or follow, and only its heartbeat counts.
 ///
-/// What is said is obeyed when it is of now: stamped within kFreshS of our clock, or of the clock
-/// of a station that is known. A station is known once a heartbeat of it was of now by our clock;
-/// when its clock is set after that, the next heartbeat in its numbering says by how much. So a log
-/// that is played, or a packet of yesterday, says nothing here; neither do old words of a station
-/// that is alive; and one whose clock is set goes on being heard. What makes the vehicle safer is
-/// also taken late from a known station, if it was not heard before by its number.
+/// A command is obeyed if it is current: stamped within kFreshS of our clock, or of the clock of a
+/// known station. A station becomes known by a heartbeat that is current by our clock. If its clock
+/// is set later, its next heartbeat with a continuing number gives the new offset, so the station
+/// stays accepted. A replayed log, an old packet and old messages of a live station are therefore
+/// refused. Hold, land and emergency stop of a known station are also accepted late, if their
+/// number is new.
 class OperatorAuthority {
  public:
   static constexpr double kFreshS = 2.0;
-  /// True when the command may act.
+  /// True if the command may act.
   [[nodiscard]] bool admit(const models::OperatorCommand& command, Time now, double silent_s);
-  /// Since the heartbeat of the station in charge; kNever before any.
+  /// Returns the time since the last heartbeat of the station in charge, s; kNever before any.
   [[nodiscard]] double age_s(Time now) const;
   [[nodiscard]] std::int64_t handovers() const { return handovers_; }
-  /// Appends handovers, commands and heartbeats that were not of now, and how often the clock of a
-  /// known station was set.
+  /// Appends the number of handovers, of messages refused because they were not current, and of
+  /// clock changes of known stations.
   void count(std::vector<models::NamedCount>& out) const;
 
  private:
   static constexpr std::size_t kStationsMax = 8;
   static constexpr std::int64_t kGoesOnMax = 100;  ///< messages lost while a clock is set
 
-  /// One that has beaten in this session.
+  /// Station with a received heartbeat in this session.
   struct Station {
     std::int64_t run_id = 0;
-    std::int64_t sequence = 0;  ///< newest number heard
-    Time stamp{};               ///< newest time, by its own clock
+    std::int64_t sequence = 0;  ///< newest number received
+    Time stamp{};               ///< newest stamp, by its own clock
     Time heard{};
-    Duration ahead{};  ///< of our clock behind its own
+    Duration ahead{};  ///< lag of our clock behind the station's
   };
   Station* find(std::int64_t run_id);
-  /// The place of a new station: a free one, or that of the one silent longest and not in charge.
+  /// Returns an entry for a new station: a free one, or that of the station silent longest that is
+  /// not in charge.
   Station& place();
   [[nodiscard]] static bool is_of_now(Time stamp, Duration ahead, Time now);
-  /// Follows a clock that was set; learns a new station. nullptr: not known.
+  /// Updates the clock offset of the sender or adds a new station. Returns nullptr if it is
+  /// unknown.
   Station* learn(const models::OperatorCommand& command, Time now);
 
   bool is_held_ = false;

@@ -2,9 +2,9 @@
 
 #include "drivers/safety/conditions.hpp"
 
-// The rows of tables of conditions: how one is written, and those that every vehicle has. A
-// vehicle's table names the common ones among its own; where its answer or the words for it differ,
-// it says so there.
+// Functions that build rows of condition tables, and the rows that all vehicle types share. The
+// table of a vehicle type contains shared rows and its own rows; it adapts shared rows where its
+// action or wording differs.
 
 namespace vantage::drivers {
 
@@ -13,7 +13,7 @@ inline constexpr const char* kOperatorRule = "gone, and the operator says follow
 inline constexpr const char* kGroundRule = "gone, landed and disarmed";
 inline constexpr const char* kRearmRule = "on the ground, gone, and the operator says arm";
 
-/// What a row may have besides; as Condition has it.
+/// Optional fields of a row, as in Condition.
 struct RowOptions {
   bool blocks_arming = false;
   double after_s = 0.0;
@@ -61,24 +61,25 @@ constexpr Condition notes(const char* name, const char* limit, const RowOptions&
   return row_of(Severity::kNote, Clearing::kAtOnce, "at once", name, limit, options, when);
 }
 
-/// `row` of a vehicle that stands when it has to land: it holds, and the operator ends it.
+/// Returns `row` for a vehicle that stops instead of landing: it holds until the operator sends
+/// `follow`.
 constexpr Condition held_for_operator(Condition row) {
   row.severity = Severity::kHold;
   row.clearing = Clearing::kOperator;
   row.clears = kOperatorRule;
   return row;
 }
-/// `row` with other words for its limit.
+/// Returns `row` with another text for its limit.
 constexpr Condition limited(Condition row, const char* limit) {
   row.limit = limit;
   return row;
 }
-/// `row` with other words for what clears it.
+/// Returns `row` with another text for its clearing.
 constexpr Condition cleared(Condition row, const char* clears) {
   row.clears = clears;
   return row;
 }
-/// `row` that is cleared in another way.
+/// Returns `row` with another rule of clearing.
 constexpr Condition cleared(Condition row, Clearing clearing, const char* clears) {
   row.clearing = clearing;
   row.clears = clears;

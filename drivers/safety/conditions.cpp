@@ -4,8 +4,8 @@
 
 #include "drivers/safety/common_conditions.hpp"
 
-// The table. To change what the vehicle does when something fails, change a row. Rows are ordered
-// by severity and, within one, by what a reader looks for first.
+// The table of conditions. To change the reaction to a fault, change its row. Rows are ordered by
+// severity and, within one severity, by importance to a reader.
 
 namespace vantage::drivers {
 namespace {
@@ -22,7 +22,7 @@ constexpr Condition kPoseLostLow = kills(
     "pose_age_s > pose_age_kill_s and height < safe_height_m or outside; no pilot has it, and no "
     "row has distrusted poses",
     {}, [](const In& in, const Lim& lim) {
-      // The autopilot was sent the poses that are distrusted: its height may be theirs.
+      // The autopilot received the distrusted poses, so its height may be that of the other body.
       return !in.is_pose_distrusted && in.autopilot_obeys && in.pose_age_s > lim.pose_age_kill_s &&
              (in.height_m < lim.safe_height_m || in.fence_centre_m < 0.0);
     });
@@ -62,7 +62,7 @@ constexpr Condition kFlightTime =
     lands("flight time", "in the air for flight_max_s", {},
           [](const In& in, const Lim& lim) { return in.flight_s > lim.flight_max_s; });
 // Not KILL: autopilots report a hot speed controller or a weak motor in the same way. A vehicle
-// that cannot fly any more tilts.
+// that can no longer fly tilts, and `tilt` acts.
 constexpr Condition kMotor =
     lands("motor", "the autopilot reports a failed motor or a loss of thrust",
           {.blocks_arming = true}, [](const In& in, const Lim&) { return in.motor_failed; });
@@ -221,7 +221,7 @@ constexpr auto kRows = std::to_array<Condition>({
     common::kOperatorQuiet,
     common::kOwnStall,
     common::kWaitsForProcessor,
-    // Said, and slowed or refused on the ground, but no change of state
+    // Reported, and slowed or forbidden on the ground, without a change of state
     kPoseAging,
     common::kPoseUnsettled,
     kBodyTilted,

@@ -8,37 +8,37 @@
 
 namespace vantage::drivers {
 
-/// What a condition asks of the vehicle; the most severe one that holds wins.
+/// Action that a condition demands of the vehicle. The most severe condition that acts wins.
 enum class Severity { kNote, kHold, kLand, kKill };
 
-/// Who may end what a condition began.
+/// Rule that ends the action of a condition.
 enum class Clearing {
-  kAtOnce,    ///< ends as soon as the condition is gone
-  kSelf,      ///< ends when the condition has been gone for clear_s
-  kOperator,  ///< gone, and the operator says `follow` (or `arm`, on the ground)
-  kGround,    ///< gone, and the vehicle stands on the ground, disarmed
-  kRearm,     ///< on the ground, and the operator says `arm` after the condition is gone
+  kAtOnce,    ///< as soon as the condition is gone
+  kSelf,      ///< when the condition has been gone for clear_s
+  kOperator,  ///< when it is gone and the operator sends `follow` (or `arm`, on the ground)
+  kGround,    ///< when it is gone and the vehicle is on the ground, disarmed
+  kRearm,     ///< on the ground, when the operator sends `arm` after it is gone
 };
 
-/// One row of the table that flight safety is.
+/// One row of the table of flight safety.
 struct Condition {
-  const char* name;   ///< as reasons and reports write it
+  const char* name;   ///< as in reasons and reports
   Severity severity;  ///< in the air
   Clearing clearing;
-  bool blocks_arming = false;  ///< and, with it, taking off
-  double after_s = 0.0;        ///< must hold this long before it counts
-  const char* limit;           ///< what is compared with what
-  const char* clears;          ///< the rule, in words
+  bool blocks_arming = false;  ///< and thus also taking off
+  double after_s = 0.0;        ///< s; must hold this long before it acts
+  const char* limit;           ///< the comparison, in words
+  const char* clears;          ///< the rule of clearing, in words
   bool (*holds)(const SafetyInputs& inputs, const SafetyLimits& limits);
-  bool yields = false;  ///< clears yield_s later for the vehicle that must let the other go first
-  bool blocks_take_off = false;  ///< and not arming
-  bool spares_pilot = false;     ///< does not act while a pilot flies the vehicle by hand
-  bool distrusts_pose = false;   ///< poses are not used any more until the vehicle is disarmed
+  bool yields = false;           ///< clears yield_s later for the vehicle that must yield
+  bool blocks_take_off = false;  ///< forbids taking off, but not arming
+  bool spares_pilot = false;     ///< has no effect while a pilot flies the vehicle by hand
+  bool distrusts_pose = false;   ///< stops the use of poses until the vehicle is disarmed
 };
 
 inline constexpr std::size_t kConditionsMax = 80;
 
-/// All of them, most severe first. At most kConditionsMax.
+/// Returns all rows, most severe first; at most kConditionsMax.
 std::span<const Condition> conditions();
 
 const char* name_of(Severity severity);

@@ -32,7 +32,7 @@ BrakeWay BrakeWay::straight(const Eigen::Vector3d& position_m, const Eigen::Vect
 }
 
 PlanPoint BrakeWay::at(double t_s) const {
-  // Uniform until the reaction, then s(u) = u − u²/(2 T): a clock that slows from 1 to 0.
+  // Uniform until the reaction, then s(u) = u − u²/(2 T): time that slows from rate 1 to 0.
   const double u = std::clamp(t_s - reaction_s_, 0.0, brake_s_);
   const double gone_s =
       std::clamp(t_s, 0.0, reaction_s_) + (brake_s_ > 0.0 ? u - 0.5 * u * u / brake_s_ : 0.0);
@@ -142,7 +142,7 @@ PlanPoint Course::planned_at(Time time, double lag_s) const {
       PlanPoint out = from_;
       const Eigen::Vector3d way_m = to_m_ - from_.position_world_m;
       const double length_m = way_m.norm();
-      // Half a window late: smoothed, it begins at rest.
+      // Starts half a window late, so that the averaged motion starts at rest.
       const double gone_m = shift_mps_ * std::max(0.0, to_seconds(time - begin_) - half_window_s_);
       if (gone_m >= length_m) {
         out.position_world_m = to_m_;
@@ -164,7 +164,7 @@ PlanPoint Course::smoothed_at(Time time, double lag_s) const {
   if (!(half_window_s_ > 0.0) || !changes_speed) {
     return out;
   }
-  // Trapezoids over the window: places, and yaw as turned since its beginning.
+  // Trapezoidal rule over the window: positions, and yaw relative to its begin.
   const PlanPoint first = planned_at(time - from_seconds(half_window_s_), lag_s);
   PlanPoint last = first;
   Eigen::Vector3d sum_m = 0.5 * first.position_world_m;

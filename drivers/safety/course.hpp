@@ -8,19 +8,19 @@
 
 namespace vantage::drivers {
 
-/// The way from being told to stop to standing still, as a closed form of time: flown on for the
-/// reaction time, then slowed at the brake's deceleration, along the checked plan or straight.
+/// Path from the stop command to standstill in closed form: constant speed for the reaction time,
+/// then braking at the given deceleration, along the checked plan or straight.
 class BrakeWay {
  public:
   BrakeWay() = default;
-  /// Along `plan` from `elapsed_s` after its start; places shifted by `offset_m`.
+  /// Path along `plan` from `elapsed_s` after its start; positions are shifted by `offset_m`.
   static BrakeWay along(const HeldPlan& plan, double elapsed_s, double brake_mps2,
                         double reaction_s, const Eigen::Vector3d& offset_m);
-  /// Straight on from `position_m` at `velocity_mps`.
+  /// Straight path from `position_m` at `velocity_mps`.
   static BrakeWay straight(const Eigen::Vector3d& position_m, const Eigen::Vector3d& velocity_mps,
                            double yaw_rad, double brake_mps2, double reaction_s);
 
-  /// `t_s` after it began; at rest from duration_s() on.
+  /// Returns the state `t_s` after the path began; at rest from duration_s() on.
   [[nodiscard]] PlanPoint at(double t_s) const;
   [[nodiscard]] double duration_s() const { return reaction_s_ + brake_s_; }
 
@@ -34,48 +34,50 @@ class BrakeWay {
   double brake_s_ = 0.0;
 };
 
-/// What one vehicle is asked to fly in the plane: a plan and the one to follow it, or a stop and
-/// the hover after it, or a shift from one hover to the next. Heights are not its business.
+/// Commanded horizontal motion of one vehicle: a plan and its successor, a stop with the hover
+/// after it, or a shift from one hover to another. Heights are handled elsewhere.
 ///
-/// Plans change their speed at once, which nothing that flies can do. What is asked is therefore
-/// the mean of the planned places within `half_window_s` before and after: it begins to slow before
-/// the plan does, its velocity and acceleration are differences of planned places, and the speed v
-/// changes within the window, at v / (2 half_window_s). It cuts a corner of speeds by at most
-/// v half_window_s / 4, and a circle's radius by the factor sin(ω half_window_s)/(ω half_window_s).
+/// Plans change their speed instantaneously, which no vehicle can. The course therefore commands
+/// the mean of the planned positions within ± `half_window_s`. It begins to slow before the plan
+/// does, and its velocity and acceleration are differences of planned positions. A speed v changes
+/// within the window at v / (2 half_window_s). The mean cuts a change of speed by at most v
+/// half_window_s / 4, and scales a circle's radius by sin(ω half_window_s)/(ω half_window_s).
 ///
-/// What a plan says beyond its round will most likely be taken back by the next one, which comes at
-/// the last moment: until that has come or should have, the way is taken to go straight on from
-/// there. Without it a turn that the next plan turns round was begun 0.35 s too soon.
+/// The part of a plan after its round will probably be replaced by the next plan, which arrives at
+/// the last moment. Until the next plan has arrived or is due, the course extrapolates straight
+/// from the end of the round. Otherwise it would begin a turn 0.35 s too soon that the next plan
+/// reverses.
 class Course {
  public:
-  /// @param round_s  after which the next plan takes over; 0: plans are believed to their end
+  /// @param half_window_s  half the averaging window, s; 0: no averaging
+  /// @param round_s  after which the next plan takes over, s; 0: plans are flown to their end
   explicit Course(double half_window_s, double round_s = 0.0)
       : half_window_s_(half_window_s), round_s_(round_s) {}
 
-  /// Stands at a place.
+  /// Hovers at `position_m`.
   void stand(const Eigen::Vector3d& position_m, double yaw_rad, Time now);
-  /// Puts a checked plan on the course, from its start time on.
+  /// Puts a checked plan on the course from its start time on.
   void follow(const HeldPlan& plan, Time now);
-  /// Forgets a plan that has not begun.
+  /// Drops the next plan if it has not begun.
   void forget_next() { has_next_ = false; }
-  /// Stops from what it is doing, and forgets every plan.
+  /// Stops along `way` and drops all plans.
   void stop(const BrakeWay& way, Time now);
-  /// After a stop: moves its hover to `to_m` at `speed_mps`, from rest to rest.
+  /// Moves the hover after a stop to `to_m` at `speed_mps`, from rest to rest.
   void shift(const Eigen::Vector3d& to_m, double speed_mps, Time now);
-  /// Time goes on by `dt_s`; the plan's own clock at `rate` of it, in [0, 1].
+  /// Advances by `dt_s`; the plan's own clock advances by `rate` · `dt_s`, with rate in [0, 1].
   void advance(Time now, double dt_s, double rate);
 
   [[nodiscard]] PlanPoint at(Time time) const { return smoothed_at(time, lag_s_); }
-  /// The same as if the plan's clock had never been slowed.
+  /// Returns the same without the slow-down of the plan's clock.
   [[nodiscard]] PlanPoint on_time(Time time) const { return smoothed_at(time, 0.0); }
-  /// What the plan itself says, with its jumps.
+  /// Returns the planned state, without averaging.
   [[nodiscard]] PlanPoint planned_at(Time time) const { return planned_at(time, lag_s_); }
-  /// True while a plan is being flown that has not come to its hover.
+  /// True while a plan is flown that has not reached its hover.
   [[nodiscard]] bool has_plan(Time now) const;
-  /// A stop or shift is over.
+  /// True if it hovers and a stop or shift is complete.
   [[nodiscard]] bool is_standing(Time now) const;
   [[nodiscard]] bool is_on_plan() const { return mode_ == Mode::kPlan; }
-  /// Fills what `inputs` says of a plan on the course.
+  /// Fills the fields of `inputs` that describe the plan on the course.
   void report(Time now, SafetyInputs& inputs) const {
     inputs.has_plan = is_on_plan();
     inputs.plan_ended = !has_plan(now);
@@ -94,10 +96,10 @@ class Course {
 
   double half_window_s_;
   double round_s_;
-  Time now_{};  ///< of the last advance()
+  Time now_{};  ///< at the last advance()
   Mode mode_ = Mode::kStand;
   Time begin_{};
-  PlanPoint from_;  ///< of kStand and kShift
+  PlanPoint from_;  ///< for kStand and kShift
   Eigen::Vector3d to_m_ = Eigen::Vector3d::Zero();
   double shift_mps_ = 0.0;
   BrakeWay way_;
@@ -106,7 +108,7 @@ class Course {
   bool has_next_ = false;
   HeldPlan next_;
   bool has_past_ = false;
-  HeldPlan past_;  ///< flown before plan_, with no stop between
+  HeldPlan past_;  ///< flown before plan_ without a stop between
   double past_lag_s_ = 0.0;
 };
 

@@ -7,10 +7,10 @@ namespace vantage::drivers {
 namespace {
 
 constexpr double kPredictOthersS = 0.5;
-constexpr double kTeammateSpare = 1.1;  // of its vehicle's limits, that its plan may ask for
-constexpr double kForgottenS = 10.0;    // after it, a stranger that left the room is forgotten
-constexpr std::size_t kNameMax = 64;    // of a stranger, in bytes
-// A body that is not where it was believed to be is believed again after so many poses in a row.
+constexpr double kTeammateSpare = 1.1;  // share of its vehicle's limits that a plan may use
+constexpr double kForgottenS = 10.0;    // s; an unknown body unseen for longer has left the room
+constexpr std::size_t kNameMax = 64;    // bytes; name of an unknown body
+// A body that is elsewhere than expected is accepted again after this number of consecutive poses.
 constexpr int kMovedAfter = 50;
 
 PoseVerdict judge(PoseMonitor& pose, const models::MocapBody* body, const SafetyLimits& limits,
@@ -24,8 +24,8 @@ models::VehicleLimits with_spare(const models::VehicleLimits& can) {
           can.brake_mps2 * kTeammateSpare, can.radius_m};
 }
 
-// The body where it was seen last. A robot that has not been seen for long has stopped by now, as
-// it must without a pose; the tube around any other body covers where it may be.
+// Returns the body where it was last seen. A robot that has long not been seen has stopped, as it
+// must without a pose. The uncertainty radius covers the motion of any other body.
 OtherBody body_of(const PoseMonitor& pose, const SafetyLimits& limits, Time now) {
   OtherBody body;
   body.position_world_m = pose.predict_m(now, limits.pose_age_hold_s);
@@ -38,7 +38,8 @@ OtherBody body_of(const PoseMonitor& pose, const SafetyLimits& limits, Time now)
   return body;
 }
 
-// The body on its straight path; at rest when it was last seen longer ago than it is predicted.
+// Returns the straight course of a body; at rest if it was last seen longer ago than the
+// extrapolation.
 OtherCourse course_of(const PoseMonitor& pose, const SafetyLimits& limits, Time now) {
   OtherCourse course;
   course.position_world_m = pose.predict_m(now, kPredictOthersS);
@@ -223,7 +224,7 @@ std::span<const OtherBody> Fleet::bodies(Time now, const SafetyLimits& limits) {
       body.larger_m = std::max(0.0, member.can.radius_m - limits.vehicle.radius_m);
       body.went_mps = member.is_robot ? 0.0 : body.went_mps;
       if (member.is_robot && body.age_s <= limits.pose_age_hold_s) {
-        // One that sets off is measured late; its plan says it at once.
+        // A robot that starts to move is measured late; its plan gives the velocity at once.
         const double ahead_s = to_seconds(now - member.plan.start_time) + limits.reaction_s;
         const Eigen::Vector3d planned_mps = point_at(member.plan, ahead_s).velocity_world_mps;
         if (member.has_plan && is_on_plan(member, now, limits) &&
@@ -255,7 +256,7 @@ std::span<const OtherCourse> Fleet::courses(Time now, const SafetyLimits& limits
     if (!member.has_plan && !is_seen) {
       continue;
     }
-    // A vehicle without its driver is landed by its autopilot, straight down.
+    // The autopilot of a vehicle without a driver lands it straight down.
     const bool is_silent =
         is_seen && member.reported_at && to_seconds(now - *member.reported_at) > kSilentS;
     OtherCourse course;

@@ -14,7 +14,8 @@ using models::FlightState;
 namespace {
 
 constexpr double kMovingMps = 0.1;
-constexpr const char* kFirstLift = "first lift";  // as vehicles tell each other
+// reason in the status by which vehicles announce it
+constexpr const char* kFirstLift = "first lift";
 
 bool is_sound(const AutopilotReport& report) {
   return std::isfinite(report.tilt_rad) &&
@@ -45,7 +46,7 @@ bool distrusts_pose(const Reasons& latched) {
   return false;
 }
 
-// What became of `arm` and `take-off` on the ground.
+// Appends the status of the orders `arm` and `take-off` on the ground.
 void say_orders(const LadderState& ladder, const SafetyInputs& in,
                 std::vector<std::string>& reasons) {
   if (ladder.arm.is_given && !ladder.wants_armed) {
@@ -117,7 +118,7 @@ CommandVerdict FlightGuard::on_command(const models::OperatorCommand& command, T
     return p.is_ours(command) ? CommandVerdict::kNotInCharge : CommandVerdict::kNotForUs;
   }
   if (command.action == OperatorAction::kTakeOff) {
-    p.lift_queue.on_take_off(command.robot);  // whoever is told: they lift one after the other
+    p.lift_queue.on_take_off(command.robot);  // for any robot, since robots lift one after another
   }
   if (const auto verdict = p.obey_at_once(command)) {
     return *verdict;
@@ -172,7 +173,7 @@ void FlightGuard::on_end_request() { parts_->is_ending = true; }
 
 void FlightGuard::on_other_version(Time now) { parts_->other_version_at = now; }
 
-// long: one tick in its order, which is what is to be read here; the steps are functions.
+// long: one tick, kept in one place because the order matters; the steps are functions
 GuardOutput FlightGuard::tick(Time now) {
   Parts& p = *parts_;
   const double dt_s = p.dt_s(now);
@@ -197,7 +198,7 @@ GuardOutput FlightGuard::tick(Time now) {
     p.change(before, now);
   }
   if (p.ladder.state == FlightState::kHold && !p.may_take_plans()) {
-    // A plan that was taken while nothing forbade it must not begin once something does.
+    // A plan accepted before a condition forbade plans must not begin now.
     p.course.forget_next();
     if (p.course.is_on_plan()) {
       p.course.stop(p.brake_way(now, 0.0), now);
@@ -246,7 +247,7 @@ models::VehicleStatus FlightGuard::status(Time now) const {
   out.state = p.ladder.state;
   out.battery_share = p.battery_share;
   if (p.setpoint(now).kind == FlightSetpoint::Kind::kTrack) {
-    const PlanPoint asked = p.course.at(now);  // now, not when it will be answered
+    const PlanPoint asked = p.course.at(now);  // the current set-point, without setpoint_lead_s
     out.setpoint = {asked.position_world_m.x(), asked.position_world_m.y(), asked.yaw_rad};
     out.setpoint_height_m = std::max(0.0, p.height_ref_m);
   } else {

@@ -18,10 +18,10 @@
 
 namespace vantage::drivers {
 
-/// What the autopilot said, as far as it is known; handed over whenever any of it is news.
+/// Last known report of the autopilot, passed whenever a field is updated.
 struct AutopilotReport {
   bool armed = false;
-  bool obeys = true;  ///< in the mode that takes our set-points, or we have not asked for it yet
+  bool obeys = true;  ///< in the mode that takes set-points, or that mode was not requested yet
   bool estimator_good = false;
   bool motor_failed = false;
   double tilt_rad = 0.0;
@@ -31,18 +31,18 @@ struct AutopilotReport {
   bool has_attitude = false;
   Quaternion world_from_body = Quaternion::Identity();  ///< its own estimate
   double yaw_rate_radps = 0.0;                          ///< by its gyroscopes
-  bool is_flown_by_hand = false;                        ///< in a mode that a pilot flies
-  bool is_in_our_mode = false;                          ///< the one that takes our set-points
+  bool is_flown_by_hand = false;                        ///< in a mode in which a pilot flies
+  bool is_in_our_mode = false;                          ///< in the mode that takes set-points
   bool is_landing_itself = false;                       ///< in its landing mode
 };
 
-/// What the vehicle is to do now.
+/// Set-point of the vehicle for this tick.
 struct FlightSetpoint {
   enum class Kind {
-    kNone,       ///< idle on the ground: nothing; disarm when armed and not wanted
-    kTrack,      ///< be at position_world_m moving at velocity_world_mps, setpoint_lead_s from now
-    kBlindLand,  ///< no position to steer by: the autopilot's own landing
-    kMotorsOff,  ///< forced disarm, repeated each tick
+    kNone,       ///< idle on the ground: no set-point; disarm if armed and not wanted
+    kTrack,      ///< position and velocity to reach setpoint_lead_s from now
+    kBlindLand,  ///< no usable position: the autopilot's own landing
+    kMotorsOff,  ///< forced disarm, repeated at each tick
   };
   Kind kind = Kind::kNone;
   Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
@@ -55,22 +55,24 @@ struct FlightSetpoint {
 struct GuardOutput {
   models::FlightState state = models::FlightState::kIdle;
   FlightSetpoint setpoint;
-  bool wants_armed = false;  ///< arm the autopilot when false there, disarm it when false here
-  double climb_to_m = 0.0;   ///< height that a climb under way goes to; the first lift's, then more
-  bool is_sinking = false;   ///< landing, over its place, and nobody below is waited for
-  bool changed = false;      ///< state, reasons or what became of orders differ
-  Reasons reasons;           ///< what acts (in the air) or blocks what is ordered (on the ground)
+  /// arm the autopilot if true and it is disarmed; disarm it if false and it is armed
+  bool wants_armed = false;
+  /// m; goal of the current climb: the first lift, then the flight height
+  double climb_to_m = 0.0;
+  bool is_sinking = false;  ///< landing, at its spot, and not waiting for a body below
+  bool changed = false;     ///< state, reasons or the status of an order changed
+  Reasons reasons;          ///< acting conditions (in the air), or those that block (on the ground)
 };
 
-/// Flight safety of one vehicle: hears everything, judges it, and says at each tick what the
-/// vehicle is to do. Sits between the bus and the autopilot's codec; knows neither.
+/// Flight safety of one flying vehicle. It receives all messages, checks them, and computes at each
+/// tick what the vehicle must do. It is independent of the bus and of the autopilot's protocol.
 ///
-/// `now` is the receiver's own monotonic time expressed in the stack's clock (plans are timed by
-/// it), never older than the one before. Call tick() at 50 Hz or more, whatever else happens.
-/// Nothing but the constructor and on_map() allocates.
+/// `now` is the receiver's monotonic time expressed in the stack's clock, in which plans are timed.
+/// It must not decrease between calls. Call tick() at 50 Hz or more in all circumstances. Only the
+/// constructor, on_map() and the functions marked so allocate.
 class FlightGuard {
  public:
-  /// @throws UsageError for an unknown robot or limits that cannot be.
+  /// @throws UsageError for an unknown robot or invalid limits.
   FlightGuard(const scenario::Scenario& scenario, const std::string& robot,
               const SafetyLimits& limits);
   ~FlightGuard();
@@ -79,41 +81,43 @@ class FlightGuard {
   FlightGuard(FlightGuard&&) = delete;
   FlightGuard& operator=(FlightGuard&&) = delete;
 
-  /// False for a frame of a publisher that is not believed (MocapSource). Subscribe to VICON as a
-  /// shared channel: it is decided here.
+  /// Processes a mocap frame. Returns false for a publisher that is not accepted (MocapSource).
+  /// Subscribe to VICON as a shared channel: the publisher is chosen here.
   [[nodiscard]] bool on_mocap(const models::MocapFrame& frame, Time now);
-  /// Capture of the last frame of the trusted publisher, by our clock (MocapClock).
+  /// Returns the capture time of the last frame of the accepted publisher, by our clock
+  /// (MocapClock).
   [[nodiscard]] Time captured() const;
-  /// Of this vehicle's own body in the last frame that was believed.
+  /// Returns the verdict about this vehicle's body in the last accepted frame.
   [[nodiscard]] PoseVerdict pose_verdict() const;
-  /// A plan for this vehicle. Subscribe to PLAN_R as a shared channel: the lease decides here.
+  /// Checks a plan for this vehicle. Subscribe to PLAN_R as a shared channel: the lease decides
+  /// here.
   PlanVerdict on_plan(const models::RobotPlan& plan, Time now);
-  /// A teammate's; ignored for robots that the scenario does not know.
+  /// Takes a teammate's plan; ignored for robots that are not in the scenario.
   void on_teammate_plan(const models::RobotPlan& plan, Time now);
-  /// What a teammate says of itself: whether it is at its first lift.
+  /// Takes a teammate's status: that its driver reports, and whether it is in its first lift.
   void on_teammate_status(const models::VehicleStatus& status, Time now);
   CommandVerdict on_command(const models::OperatorCommand& command, Time now);
   void on_heartbeat(Time now);
   void on_autopilot(const AutopilotReport& report, Time now);
   void on_battery(double share, Time now);
-  /// Whether the scenario announced by others is the one flown here.
+  /// Reports whether the scenario announced by others is the one flown here.
   void on_map(bool is_same);
   /// Reports how long our own thread waited for a processor within the last second, s.
   void on_processor_wait(double wait_s);
-  /// The driver was asked to end: from now on the vehicle lands, and is not armed again.
+  /// Requests the end of the driver: from now on the vehicle lands, and is not armed again.
   void on_end_request();
-  /// Somebody said on a channel of ours what is of no type of ours.
+  /// Reports a message of an unknown type on a channel of this stack.
   void on_other_version(Time now);
 
   GuardOutput tick(Time now);
 
-  /// For VEHICLE_R; the stamp's run and sequence are the publisher's. Allocates.
+  /// Returns the status for VEHICLE_R; the publisher sets the stamp's run and sequence. Allocates.
   [[nodiscard]] models::VehicleStatus status(Time now) const;
-  /// Everything refused or dropped, by name. Allocates.
+  /// Returns the counters of refused and dropped messages. Allocates.
   [[nodiscard]] std::vector<models::NamedCount> counters() const;
-  /// What the last tick looked at.
+  /// Returns the inputs of the last tick.
   [[nodiscard]] const SafetyInputs& inputs() const;
-  /// Last plausible pose; identity before any.
+  /// Returns the last plausible pose; identity before the first.
   [[nodiscard]] Pose3 world_from_body() const;
 
  private:

@@ -23,46 +23,46 @@
 
 namespace vantage::drivers {
 
-inline constexpr double kPredictS = 0.1;  ///< how far the own pose is carried on
+inline constexpr double kPredictS = 0.1;  ///< s; longest extrapolation of the own pose
 
-/// What became of a command.
+/// Result of an operator command.
 enum class [[nodiscard]] CommandVerdict{
-    kObeyed,  ///< or waits until it can be: see the status
+    kObeyed,  ///< obeyed, or waiting until it can be; see the status
     kNotForUs,
-    kNotInCharge,  ///< another station is; only hold, land and emergency stop are taken from this
-                   ///< one
-    kRefused,      ///< it makes no sense in this state
+    kNotInCharge,  ///< another station is in charge; only hold, land and emergency stop are taken
+    kRefused,      ///< not possible in this state
 };
 
-/// What the guard of every vehicle has in common, whatever moves it: whom it believes, where it is,
-/// what it follows, who is around it, what it was told. A vehicle's own guard says what that means
-/// for its state: it asks this, steps its ladder, and ends its tick here.
+/// State and functions that the guards of all vehicle types share: trusted sources, own pose,
+/// course, other bodies and pending commands. The guard of a vehicle type calls look(), steps its
+/// own ladder, and calls end_tick().
 ///
-/// Times as FlightGuard's. Nothing but the constructor and count() allocates.
+/// Times are those of FlightGuard. Only the constructor and count() allocate.
 struct GuardCore {
   GuardCore(const scenario::Scenario& scenario, const std::string& robot, const SafetyLimits& given,
             const Course& own_course)
       : name(robot), limits(given), fleet(scenario, robot), plans(robot), course(own_course) {}
 
-  /// False for a frame of a publisher that is not believed (MocapSource). One that takes over while
-  /// the vehicle `is_armed` must show it where it is, as if it were in the air.
+  /// Processes a mocap frame. Returns false for a publisher that is not accepted (MocapSource). A
+  /// publisher that takes over while the vehicle `is_armed` must show it where it is, as in the
+  /// air.
   [[nodiscard]] bool on_mocap(const models::MocapFrame& frame, BodyContext context, bool is_armed,
                               Time now);
-  /// A plan for this vehicle at `height_m`; followed when it passes.
+  /// Checks a plan for this vehicle at `height_m` and puts it on the course if it is accepted.
   PlanVerdict on_plan(const models::RobotPlan& plan, bool may_take, double height_m, Time now);
   void on_teammate_plan(const models::RobotPlan& plan, Time now) {
     (void)fleet.on_plan(plan, limits, now);  // counted there
   }
 
-  /// Whether its station may say it now.
+  /// True if the station of `command` may give it now; counts refusals.
   [[nodiscard]] bool admits(const models::OperatorCommand& command, Time now);
   [[nodiscard]] bool is_ours(const models::OperatorCommand& command) const {
     return command.robot.empty() || command.robot == name;
   }
-  /// Of one that is admitted: what needs no look at the vehicle's state. nullopt: the state
-  /// decides.
+  /// Executes an admitted command that does not depend on the vehicle's state. nullopt: it depends
+  /// on it.
   std::optional<CommandVerdict> obey_at_once(const models::OperatorCommand& command);
-  /// Keeps it for the next tick. Of several commands within one tick the safest counts.
+  /// Stores `action` for the next tick. Of several commands within one tick the safest is kept.
   CommandVerdict ask(models::OperatorAction action);
   CommandVerdict refuse() {
     ++commands_refused;
@@ -72,9 +72,10 @@ struct GuardCore {
   [[nodiscard]] double dt_s(Time now) const {
     return has_ticked ? std::max(0.0, to_seconds(now - last_tick)) : 0.0;
   }
-  /// Fills of `in` what is the same for every vehicle; the ages are of what was heard, or kNever.
+  /// Fills the fields of `in` that all vehicle types share. Ages count from the last message
+  /// received, or are kNever.
   void look(Time now);
-  /// What was told has been answered.
+  /// Ends the tick: forgets the commands that it has answered.
   void end_tick(Time now);
   void count(std::vector<models::NamedCount>& out) const;
 
@@ -89,17 +90,17 @@ struct GuardCore {
   Course course;
   LadderState ladder;
   SafetyInputs in;
-  Reasons reasons;  ///< of the last tick
+  Reasons reasons;  ///< at the last tick
   Time last_tick{};
   bool has_ticked = false;
   bool map_differs = false;
-  double processor_wait_s = 0.0;  ///< as last reported
+  double processor_wait_s = 0.0;  ///< s; as last reported
   std::optional<Time> other_version_at;
   bool emergency_stop = false;
-  bool is_ending = false;  ///< the driver was asked to end
+  bool is_ending = false;  ///< the driver was requested to end
   std::optional<models::OperatorAction> request;
   std::array<std::int64_t, kPoseVerdicts> pose_counts{};
-  PoseVerdict pose_verdict = PoseVerdict::kAbsent;  ///< of the last frame believed
+  PoseVerdict pose_verdict = PoseVerdict::kAbsent;  ///< in the last accepted frame
   std::int64_t clocks_set = 0, commands_refused = 0;
 };
 

@@ -7,9 +7,9 @@ namespace vantage::drivers {
 
 namespace {
 
-/// A yaw that is off by 15°, as arming allows, turns the reported motion by this share.
+/// Share by which a yaw error of 15°, the limit for arming, changes the reported motion.
 constexpr double kTurnedShare = 0.26;
-/// A vehicle that comes nearer to its position by steps of this length is coming to rest.
+/// m; a vehicle that approaches its position by steps of this length is coming to rest.
 constexpr double kNearer_m = 0.03;
 constexpr double kComesToRestMax_s = 4.0;
 
@@ -33,7 +33,8 @@ void FlightGuard::Parts::look_at_identity(Time now) {
                            in.pose_latency_s <= limits.pose_latency_hold_s;
   const double apart_m = std::max(0.0, moved_apart_m.norm() - kTurnedShare * moved_m);
   in.velocity_error_mps = can_compare ? apart_m / limits.velocity_memory_s : 0.0;
-  const bool is_ours = autopilot.is_in_our_mode && in.autopilot_obeys;  // and no pilot's
+  // and not controlled by a pilot
+  const bool is_ours = autopilot.is_in_our_mode && in.autopilot_obeys;
   const bool hovers = ladder.state == models::FlightState::kHold && is_ours &&
                       course.is_standing(now) && !is_climbing && !lift.is_under_way();
   const Eigen::Vector3d off_m = pose.predict_m(now, kPredictS) - course.at(now).position_world_m;

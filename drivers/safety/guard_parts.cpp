@@ -14,19 +14,20 @@ using models::FlightState;
 
 namespace {
 
-constexpr double kSwerveMps = 0.6;        // off the course's velocity: it is pushed, not steered
-constexpr double kSameSpeedMps = 0.1;     // speeds that differ by less count as equal
-constexpr double kMoveOffMps = 0.2;       // from what is too near
-constexpr double kShiftPatienceS = 6.0;   // then it comes down beside its spot
-constexpr double kAvoidPatienceS = 20.0;  // then it comes down whoever is below
-constexpr double kCommitM = 0.35;         // a landing that begins lower does not look around
-constexpr double kDoubtS = 0.2;           // longer than one lost word of the estimator's
+// m/s off the course's velocity; then the vehicle is assumed to be pushed
+constexpr double kSwerveMps = 0.6;
+constexpr double kMoveOffMps = 0.2;       // m/s; speed away from fence or obstacle
+constexpr double kShiftPatienceS = 6.0;   // s; then it descends even if it is not over its spot
+constexpr double kAvoidPatienceS = 20.0;  // s; then it descends even if a body is below
+constexpr double kCommitM = 0.35;  // m; a landing that begins lower does not wait or move aside
+constexpr double kDoubtS = 0.2;    // s; longer than a single lost estimator report
 constexpr double kOverSpotM = 0.25;
-constexpr double kFallsMps = 1.0;  // faster than any landing
+constexpr double kFallsMps = 1.0;  // m/s; faster than any landing
 constexpr int kDisarmedBeats = 3;
-constexpr double kClimbedM = 0.15;       // of its height: the climb is over
-constexpr double kClimbSlackS = 5.0;     // and over after twice its time and so much
-constexpr double kBlindSinkShare = 0.4;  // of the descent rate, believed while nothing measures it
+constexpr double kClimbedM = 0.15;    // m from its goal; then the climb is over
+constexpr double kClimbSlackS = 5.0;  // s; a climb is over after twice its duration plus this
+// assumed share of the descent rate while no measurement is available
+constexpr double kBlindSinkShare = 0.4;
 
 }  // namespace
 
@@ -54,8 +55,12 @@ bool FlightGuard::Parts::has_planned_speed(Time now) const {
 
 BrakeWay FlightGuard::Parts::brake_way(Time now, double reaction_s) const {
   const Eigen::Vector3d here_m = pose.predict_m(now, kPredictS);
-  if (keeps_to_course(now) && (reaction_s > 0.0 || has_planned_speed(now))) {
-    const Eigen::Vector3d offset_m = here_m - course.planned_at(now).position_world_m;
+  // A vehicle that was just commanded to move does not brake along a plan that it must not begin.
+  const double asked_mps = course.at(now).velocity_world_mps.norm();
+  const bool sets_off =
+      reaction_s <= 0.0 && asked_mps > 2.0 * pose.velocity_world_mps().norm() + 0.1;
+  if (keeps_to_course(now) && !sets_off) {
+    const Eigen::Vector3d offset_m = here_m - course.at(now).position_world_m;
     return BrakeWay::along(course.plan(), std::max(0.0, course.elapsed_s(now)),
                            limits.vehicle.brake_mps2, reaction_s, offset_m);
   }
@@ -63,8 +68,9 @@ BrakeWay FlightGuard::Parts::brake_way(Time now, double reaction_s) const {
                             limits.vehicle.brake_mps2, reaction_s);
 }
 
-// An autopilot that says its motors are off while the body is seen to fly is not believed: the word
-// may be another's. When nobody sees it, it must say so several times.
+// Returns false when the motors are accepted to be off. While the body is seen to fly, a report of
+// disarmed motors is ignored, since it may come from another vehicle. While it is not seen,
+// kDisarmedBeats reports are required.
 bool FlightGuard::Parts::believes_armed(Time now) const {
   if (autopilot.armed || !in.autopilot_armed || !is_airborne(ladder.state)) {
     return autopilot.armed;
@@ -76,7 +82,8 @@ bool FlightGuard::Parts::believes_armed(Time now) const {
   return disarmed_beats < kDisarmedBeats;
 }
 
-// Of what is asked; during a take-off, which the autopilot may do by its own law, of the whole way.
+// Returns the height error against the set-point, m. During take-off, which the autopilot may fly
+// by its own law, any height between start and goal counts as 0; so does a descent.
 double FlightGuard::Parts::height_error_m() const {
   if (ladder.state == FlightState::kLand && is_sinking) {
     return 0.0;
@@ -87,8 +94,8 @@ double FlightGuard::Parts::height_error_m() const {
   return std::abs(in.height_m - height_ref_m);
 }
 
-// Fills `in` with what is known at `now`.
-// long: fills the inputs in an order in which later ones use earlier ones.
+// Fills `in` with the state at `now`.
+// long: later inputs use earlier ones
 void FlightGuard::Parts::look_at_all(Time now) {
   started_at = has_ticked ? started_at : now;
   in.autopilot_armed = believes_armed(now);
@@ -104,7 +111,7 @@ void FlightGuard::Parts::look_at_all(Time now) {
   } else {
     in.height_m = feels ? autopilot.position_world_m.z() : blind_height_m;
   }
-  // Found in the air: by the cameras, or when they have said nothing for long by its own word.
+  // Found in the air: by mocap or, after a long time without a pose, by the autopilot's estimate.
   const bool is_unseen =
       std::min(in.pose_age_s, to_seconds(now - started_at)) > limits.pose_age_land_s;
   const bool is_found = ladder.state == FlightState::kIdle && !ladder.wants_armed &&
@@ -118,7 +125,8 @@ void FlightGuard::Parts::look_at_all(Time now) {
   in.is_found_landing = is_found && autopilot.is_landing_itself;
   has_flown = has_flown || is_found;
   const bool airborne = is_airborne(ladder.state) || in.is_found_flying || in.is_found_landing;
-  // In the air what was never heard is as old as this process: it may have begun just now.
+  // In the air, the age of a message that was never received counts from the start of this process,
+  // which may have begun just now.
   const auto aged = [&](double age_s) {
     return age_s == kNever && airborne ? to_seconds(now - started_at) : age_s;
   };
@@ -141,7 +149,7 @@ void FlightGuard::Parts::look_at_all(Time now) {
         look_around(here_m, brake_way(now, limits.reaction_s), bodies, limits);
     in.near_m = near_soon_m(here_m, bodies, limits.take_off_look_s);
     if (std::exchange(had_motors, in.autopilot_armed) != in.autopilot_armed) {
-      lift_queue.begin_turn(now);  // others' motors may have begun to turn at the same instant
+      lift_queue.begin_turn(now);  // other motors may have changed at the same instant
     }
     lift_queue.look(bodies, limits, now);
   }
@@ -157,7 +165,7 @@ void FlightGuard::Parts::look_at_all(Time now) {
       has_battery ? std::min(in.flight_s, to_seconds(now - battery_changed_at)) : 0.0;
 }
 
-// What the autopilot says, and how far mocap agrees.
+// Fills the inputs from the autopilot's report, and its differences from mocap.
 void FlightGuard::Parts::look_at_autopilot(Time now) {
   in.autopilot_obeys = autopilot.obeys;
   in.is_flown_by_hand = autopilot.is_flown_by_hand;
@@ -171,7 +179,7 @@ void FlightGuard::Parts::look_at_autopilot(Time now) {
   in.body_tilt_rad = pose.has_pose() ? std::acos(std::clamp((seen * up).z(), -1.0, 1.0)) : 0.0;
   in.start_off_m = in.start_turn_rad = 0.0;
   if (limits.start && pose.has_pose() && !has_flown) {
-    // A world that is turned as a whole looks right to every instrument on board.
+    // No on-board instrument can detect a world that is turned as a whole.
     const Pose2 here = flatten(pose.world_from_body());
     in.start_off_m = (here.position_m() - limits.start->position_m()).norm();
     in.start_turn_rad = std::abs(wrap_to_pi(here.yaw_rad - limits.start->yaw_rad));
@@ -194,7 +202,7 @@ void FlightGuard::Parts::look_at_autopilot(Time now) {
                                          flatten({Eigen::Vector3d::Zero(), felt}).yaw_rad));
 }
 
-// How the take-off goes, its own and the others'.
+// Fills the inputs about our own take-off and those of others.
 void FlightGuard::Parts::look_at_lift(Time now) {
   const Eigen::Vector3d here_m = pose.predict_m(now, kPredictS);
   const bool sees = in.pose_age_s <= limits.pose_age_hold_s;
@@ -218,7 +226,7 @@ void FlightGuard::Parts::look_at_lift(Time now) {
   }
 }
 
-// What begins when the state changes.
+// Starts the actions of a new state.
 void FlightGuard::Parts::change(FlightState before, Time now) {
   const FlightState state = ladder.state;
   if (!is_airborne(before) && is_airborne(state)) {
@@ -234,7 +242,7 @@ void FlightGuard::Parts::change(FlightState before, Time now) {
   const bool leaves_plan = before == FlightState::kFollow || (lands && course.is_on_plan());
   if (leaves_plan && is_airborne(state)) {
     if (in.plan_ended && course.is_on_plan() && !course.has_next()) {
-      // The plan's own hover, which was checked with it.
+      // The plan's final hover, which was checked with it.
       const PlanPoint end = course.at(now);
       course.stand(end.position_world_m, end.yaw_rad, now);
     } else {
@@ -250,7 +258,8 @@ void FlightGuard::Parts::change(FlightState before, Time now) {
     landing_since = spot_since = now;
     has_spot = false;
     is_sinking = false;
-    // A climb ends here, and on the way up, near the ground, down is nearest.
+    // A climb ends here. During a climb near the ground, descending at once is the shortest
+    // landing.
     height_ref_m = height_goal_m = std::min(height_ref_m, in.height_m);
     is_committed = in.height_m < kCommitM;
   }
@@ -265,13 +274,13 @@ void FlightGuard::Parts::lift_off(Time now) {
   climb_since = now;
 }
 
-// Who hovers where a gust would make it touch something moves away from it.
+// Moves a vehicle away from a fence or obstacle that a gust would make it touch.
 void FlightGuard::Parts::move_off(Time now) {
   if (lift.is_under_way() || !course.is_standing(now) || in.pose_age_s > limits.pose_age_warn_s ||
       !in.estimator_good) {
     return;
   }
-  // The course of a climb stands where it began; the vehicle is higher.
+  // The course of a climb stays at the height of its start; the vehicle is higher.
   const Eigen::Vector3d hover_m = course.at(now).position_world_m;
   const Eigen::Vector3d here_m(hover_m.x(), hover_m.y(), in.height_m);
   if (const auto clear_m = clear_spot(here_m, fleet.bodies(now, limits), limits)) {
@@ -284,8 +293,8 @@ bool FlightGuard::Parts::is_blind() const {
          to_seconds(in.now - estimator_good_at) > kDoubtS;
 }
 
-// Stops, moves to where it may come down, comes down; stops again when somebody walks in below,
-// until it is committed, low or late, or blind.
+// Stops, moves to a landing spot and descends. Stops the descent when a body enters below, unless
+// the landing is committed (low or long under way) or blind.
 void FlightGuard::Parts::land(Time now, double dt_s) {
   const Eigen::Vector3d here_m = pose.predict_m(now, kPredictS);
   const bool sees = in.pose_age_s <= limits.pose_age_hold_s;
@@ -321,14 +330,15 @@ void FlightGuard::Parts::land(Time now, double dt_s) {
                          to_seconds(now - spot_since) > kShiftPatienceS);
   if ((is_there && is_free) || is_committed || is_blind()) {
     is_sinking = true;
-    height_goal_m = -limits.descent_mps;  // through the floor: the ground ends it
+    // below the floor: contact with the ground ends the descent
+    height_goal_m = -limits.descent_mps;
     const bool is_low = height_ref_m < limits.low_height_m;
     const double sink_m = (is_low ? limits.low_descent_mps : limits.descent_mps) * dt_s;
     height_ref_m = std::max({height_goal_m, height_ref_m - sink_m, in.height_m - 0.5});
     blind_height_m = std::max(0.0, blind_height_m - kBlindSinkShare * sink_m);
   } else if (is_sinking) {
     is_sinking = false;
-    height_ref_m = std::max(height_ref_m, in.height_m);  // what is asked was lower already
+    height_ref_m = std::max(height_ref_m, in.height_m);  // the set-point was lower already
   }
 }
 
@@ -351,10 +361,10 @@ void FlightGuard::Parts::move_height(double dt_s) {
   const bool climbs_on = is_climbing && !lift.is_under_way() && height_ref_m < height_goal_m;
   if (climbs_on && is_climb_taken(pose.predict_m(in.now, kPredictS), height_goal_m,
                                   fleet.bodies(in.now, limits), limits)) {
-    climb_since = in.now;  // whoever flies there goes on first
+    climb_since = in.now;  // the other vehicle goes first
     return;
   }
-  // No faster down than the velocity that is asked for with it.
+  // Descends no faster than the velocity in the set-point.
   const double up_m = limits.climb_mps * dt_s;
   const double down_m = std::min(limits.climb_mps, limits.descent_mps) * dt_s;
   height_ref_m += std::clamp(height_goal_m - height_ref_m, -down_m, up_m);
@@ -378,8 +388,8 @@ FlightSetpoint FlightGuard::Parts::setpoint(Time now) const {
     case FlightState::kHold:
       break;
   }
-  // One instant, so that place and velocity fit together. To accelerate it has to tilt first, and
-  // what comes late there comes as a speed that nobody asked for.
+  // Position and velocity are of one instant, so that they are consistent. The acceleration has its
+  // own lead: the vehicle must tilt first, and a delay there becomes an unwanted speed.
   const PlanPoint soon = course.at(now + from_seconds(limits.setpoint_lead_s));
   const PlanPoint then = course.at(now + from_seconds(limits.acceleration_lead_s));
   out.kind = FlightSetpoint::Kind::kTrack;

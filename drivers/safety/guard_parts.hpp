@@ -10,19 +10,18 @@
 
 namespace vantage::drivers {
 
-/// What the guard of a vehicle that flies remembers besides, and what it does at each tick.
+/// State of the guard of a flying vehicle, and the steps of its tick.
 struct FlightGuard::Parts : GuardCore {
   Parts(const scenario::Scenario& scenario, const std::string& robot, const SafetyLimits& given)
       : GuardCore(scenario, robot, given,
-                  // Speeds then change no faster than the vehicle brakes.
+                  // This window limits changes of speed to the vehicle's braking deceleration.
                   Course(half_window_s(given.vehicle), given.round_s)),
         lift_queue(scenario, robot) {}
 
   [[nodiscard]] double pose_age_s(Time now) const { return pose.age_s(now); }
   [[nodiscard]] BrakeWay brake_way(Time now, double reaction_s) const;
   [[nodiscard]] bool keeps_to_course(Time now) const;
-  [[nodiscard]] bool has_planned_speed(Time now) const;
-  /// Landing, there is no position to steer by.
+  /// True if a landing has no position that it can use.
   [[nodiscard]] bool is_blind() const;
   void look_at_all(Time now);
   void look_at_autopilot(Time now);
@@ -44,32 +43,33 @@ struct FlightGuard::Parts : GuardCore {
 
   // Heights.
   bool had_motors = false;  ///< at the last tick
-  bool has_flown = false;   ///< its first lift was proven, or it was found in the air
+  bool has_flown = false;   ///< the first lift was completed, or the vehicle was found in the air
   double height_ref_m = 0.0;
-  double height_rate_mps = 0.0;  ///< of height_ref_m, at the last tick
+  double height_rate_mps = 0.0;  ///< m/s; rate of height_ref_m at the last tick
   double height_goal_m = 0.0;
   double blind_height_m = 0.0;
-  double stand_height_m = 0.0;     ///< where it was last seen without motors
-  std::optional<double> ground_m;  ///< where it was last seen with its motors off
+  double stand_height_m = 0.0;     ///< m; height before the motors were started on the ground
+  std::optional<double> ground_m;  ///< m; last height seen with the motors off
   double climb_from_m = 0.0;
   Time climb_since{};
-  bool is_climbing = false;  ///< to where a take-off goes; by the autopilot's own law perhaps
+  bool is_climbing = false;  ///< a take-off climbs, possibly by the autopilot's own law
   Time landing_since{}, spot_since{};
   Eigen::Vector3d spot_m = Eigen::Vector3d::Zero();
   bool has_spot = false;
   bool is_sinking = false;
   bool is_committed = false;
 
-  // What was heard.
+  // Received messages.
   AutopilotReport autopilot;
-  bool distrusts_pose = false;  ///< by a row that acts
-  // Motion in the plane, which is forgotten within velocity_memory_s.
-  Eigen::Vector2d moved_apart_m = Eigen::Vector2d::Zero();  ///< reported motion less seen motion
-  double moved_m = 0.0;                                     ///< length of the reported motion
-  Eigen::Vector2d compared_m = Eigen::Vector2d::Zero();     ///< pose at the last comparison
-  double restless_s = 0.0;      ///< for so long it was to hover and did not
-  double restless_off_m = 0.0;  ///< farthest from its position since it last came nearer
-  int disarmed_beats = 0;       ///< heartbeats in a row that say so
+  bool distrusts_pose = false;  ///< by an acting row
+  // Horizontal motion, forgotten within velocity_memory_s.
+  Eigen::Vector2d moved_apart_m = Eigen::Vector2d::Zero();  ///< m; reported motion less seen motion
+  double moved_m = 0.0;                                     ///< m; length of the reported motion
+  Eigen::Vector2d compared_m = Eigen::Vector2d::Zero();     ///< m; position at the last comparison
+  double restless_s = 0.0;  ///< s during which it was commanded to hover and did not
+  /// m; farthest distance from its position since it last came nearer
+  double restless_off_m = 0.0;
+  int disarmed_beats = 0;  ///< consecutive heartbeats that report disarmed motors
   Time heartbeat_at{}, telemetry_at{}, battery_at{}, battery_changed_at{}, airborne_at{},
       estimator_good_at{};
   bool has_heartbeat = false, has_telemetry = false, has_battery = false;

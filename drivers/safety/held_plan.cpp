@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kStraightRadps = 1e-6;
 
-// `segment` from (p, yaw), `t` seconds after its beginning. An arc is a turn about its centre,
-// which lies v/ω to the left.
+// Returns the state `t` seconds after the begin of `segment` at (p, yaw). An arc is a turn about
+// its centre, which lies v/ω to the left.
 PlanPoint along(const models::PlanSegment& segment, const Eigen::Vector3d& p_m, double yaw_rad,
                 double t) {
   const double v = segment.control.speed_mps;

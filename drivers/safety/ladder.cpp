@@ -10,7 +10,7 @@ namespace {
 using models::FlightState;
 using models::OperatorAction;
 
-constexpr double kStoppingS = 2.5;  // a disarming on its way, and the heartbeat that tells of it
+constexpr double kStoppingS = 2.5;  // s; for a pending disarming and the heartbeat that reports it
 
 void come_to_rest(LadderState& next, FlightState state) {
   next.state = state;
@@ -28,11 +28,11 @@ void refuse(LadderState& next, Refusal::Order order, const Reasons& reasons) {
   }
 }
 
-// The orders that were given and are not obeyed yet.
+// Takes new orders that are to be obeyed later.
 void hear_orders(LadderState& next, const SafetyInputs& inputs) {
   if (asks(inputs, OperatorAction::kArm)) {
     next.arm = {true, inputs.now};
-    next.forbidden_at = inputs.now - std::chrono::hours(1);  // nothing before counts
+    next.forbidden_at = inputs.now - std::chrono::hours(1);  // earlier causes do not count
     next.refusal = {};
   } else if (asks(inputs, OperatorAction::kTakeOff)) {
     next.refusal = {};
@@ -69,7 +69,8 @@ void step_idle(LadderState& next, const SafetyInputs& inputs, const SafetyLimits
   const Reasons blocks = arming_blocks(inputs, limits);
   if (blocks.none()) {
     next.arm.waits_since = inputs.now;
-    // Motors do not idle for others: autopilots stop them by themselves, and that ends an order.
+    // Motors idle for at most lift_idle_s while another lifts: autopilots stop idle motors, which
+    // ends an order.
     const bool is_turn = !next.take_off.is_given || !inputs.is_lift_taken;
     next.its_turn_at = is_turn ? inputs.now : next.its_turn_at;
     next.wants_armed =
@@ -90,7 +91,7 @@ void step_idle(LadderState& next, const SafetyInputs& inputs, const SafetyLimits
   const bool may_stop = next.is_stopping && to_seconds(inputs.now - next.unwanted_at) < kStoppingS;
   const Reasons near = take_off_blocks(inputs, limits);
   if (inputs.is_lift_taken) {
-    next.take_off.waits_since = inputs.now;  // its turn will come
+    next.take_off.waits_since = inputs.now;  // waiting for the turn does not count as forbidden
   } else if (has_waited(next.take_off)) {
     refuse(next, Refusal::Order::kTakeOff, near | blocks);
   } else if (next.wants_armed && inputs.autopilot_armed && !may_stop && near.none()) {
@@ -105,7 +106,7 @@ void step_airborne(LadderState& next, const SafetyInputs& inputs, const SafetyLi
     come_to_rest(next, FlightState::kKilled);
     return;
   }
-  if (!inputs.autopilot_armed) {  // landed, or the pilot took the motors away
+  if (!inputs.autopilot_armed) {  // landed, or disarmed by the pilot
     come_to_rest(next, FlightState::kIdle);
     next.latched.reset();
     return;

@@ -21,7 +21,7 @@ bool is_cleared(const Condition& row, const LadderState& ladder, std::size_t i,
       return asks(inputs, OperatorAction::kFollow);
     case Clearing::kGround:
     case Clearing::kRearm:
-      return false;  // by the change of state that ends them
+      return false;  // cleared by the change of state that ends them
   }
   return false;
 }
@@ -73,7 +73,7 @@ bool holds_any(std::span<const Condition> rows, const LadderState& ladder, Clear
 
 bool waits_for_more_than_a_plan(std::span<const Condition> rows, const Reasons& latched) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    // What ends with a plan cannot wait for one.
+    // A condition that ends when a plan begins must not block plans.
     const bool ends_with_plan = rows[i].clearing == Clearing::kAtOnce;
     if (latched[i] && rows[i].severity != Severity::kNote && !ends_with_plan) {
       return true;

@@ -5,16 +5,16 @@
 #include "drivers/safety/conditions.hpp"
 #include "drivers/safety/ladder.hpp"
 
-// How the rows of any table of conditions are watched, latched and cleared. `rows` are at most
-// kConditionsMax and the same for the whole life of a LadderState.
+// Functions that evaluate, latch and clear the rows of any table of conditions. `rows` has at most
+// kConditionsMax entries and must not change during the life of a LadderState.
 
 namespace vantage::drivers {
 
-/// Which conditions hold, and since when.
+/// Updates which conditions hold, and since when.
 void watch(LadderState& next, std::span<const Condition> rows, const SafetyInputs& inputs,
            const SafetyLimits& limits);
-/// One tick of a ladder: watches, then takes the step of the state that it is in: `idle`, `moving`
-/// (following, holding, landing) or `killed`, each of (LadderState& next).
+/// Computes one tick of a ladder: calls watch(), then the function of the current state: `idle`,
+/// `moving` (follow, hold, land) or `killed`, each called with (LadderState& next).
 template <class Idle, class Moving, class Killed>
 LadderState step_by_state(const LadderState& before, std::span<const Condition> rows,
                           const SafetyInputs& inputs, const SafetyLimits& limits, const Idle& idle,
@@ -36,22 +36,22 @@ LadderState step_by_state(const LadderState& before, std::span<const Condition> 
   }
   return next;
 }
-/// Sets and clears what acts, from what watch() saw.
+/// Sets and clears the acting conditions from the result of watch().
 void latch(LadderState& next, std::span<const Condition> rows, const SafetyInputs& inputs,
            const SafetyLimits& limits);
-/// Whether anything latched is of that severity.
+/// True if a latched condition has this severity.
 bool acts(std::span<const Condition> rows, const Reasons& latched, Severity severity);
-/// Whether any condition holds now that clears this way.
+/// True if a condition with this rule of clearing holds now.
 bool holds_any(std::span<const Condition> rows, const LadderState& ladder, Clearing clearing);
-/// Whether anything latched would not end by a plan beginning.
+/// True if a latched condition would not end when a plan begins.
 bool waits_for_more_than_a_plan(std::span<const Condition> rows, const Reasons& latched);
-/// What forbids arming now.
+/// Returns the conditions that forbid arming now.
 Reasons arming_blocks(std::span<const Condition> rows, const SafetyInputs& inputs,
                       const SafetyLimits& limits);
-/// What forbids taking off and not arming.
+/// Returns the conditions that forbid taking off but not arming.
 Reasons take_off_blocks(std::span<const Condition> rows, const SafetyInputs& inputs,
                         const SafetyLimits& limits);
-/// Whether any of `reasons` is one that only the operator ends.
+/// True if any of `reasons` can only be cleared by the operator.
 bool needs_operator(std::span<const Condition> rows, const Reasons& reasons);
 
 }  // namespace vantage::drivers

@@ -9,14 +9,14 @@
 namespace vantage::drivers {
 namespace {
 
-constexpr double kOnItsWayM = 0.02;  // above its rest, a body that climbs is lifting
+constexpr double kOnItsWayM = 0.02;  // m above its lowest height; a climbing body lifts above this
 constexpr double kStillLiftingM = 0.5;
 constexpr double kClimbsMps = 0.05;
-constexpr double kTurnSlackS = 6.0;  // its motors may have to be started
-constexpr double kSaidS = 0.5;       // a vehicle speaks ten times a second
+constexpr double kTurnSlackS = 6.0;  // s; for the start of its motors
+constexpr double kSaidS = 0.5;       // s; vehicles report at 10 Hz
 constexpr double kPolitenessS = 0.15;
-constexpr double kShownShare = 0.3;  // of a step or turn that was asked for
-constexpr double kBeneathM = 0.06;   // of its hover, where the proof may begin
+constexpr double kShownShare = 0.3;  // share of a commanded step or turn
+constexpr double kBeneathM = 0.06;   // m below the hover height; the proof begins above this
 
 }  // namespace
 
@@ -92,7 +92,7 @@ void LiftQueue::look(std::span<const OtherBody> bodies, const SafetyLimits& limi
     }
     if (entry.climb_mps > kClimbsMps) {
       is_taken_ = is_taken_ || (risen_m > kOnItsWayM && risen_m < kStillLiftingM);
-      // One that hovered already when our lift began is somebody else's.
+      // A body that hovered before our lift began belongs to another vehicle.
       if (entry.begun_m - entry.rest_m < limits.lift_risen_m) {
         other_risen_m_ = std::max(other_risen_m_, entry.height_m - entry.begun_m);
       }
@@ -127,7 +127,8 @@ void Lift::begin(const Pose3& world_from_body, std::span<const OtherBody> others
   rest_m_ = world_from_body.translation_m;
   rest_yaw_rad_ = flatten(world_from_body).yaw_rad;
   height_m_ = std::min(rest_m_.z() + limits.lift_height_m, limits.take_off_height_m);
-  // Along both axes: a world that mirrors either shows it. Of the four ways the one with most room.
+  // The step goes along both axes, so that a world mirrored in either is detected. Of the four
+  // directions the one with the most room is chosen.
   double roomiest_m = -std::numeric_limits<double>::infinity();
   for (const Eigen::Vector2d& sign : {Eigen::Vector2d(1.0, 1.0), Eigen::Vector2d(-1.0, 1.0),
                                       Eigen::Vector2d(-1.0, -1.0), Eigen::Vector2d(1.0, -1.0)}) {

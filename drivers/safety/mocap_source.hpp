@@ -9,38 +9,41 @@
 
 namespace vantage::drivers {
 
-/// Which of several publishers of VICON is believed. Subscribe to VICON as a shared channel: the
-/// bus then orders the frames of each run by themselves, and it is decided here.
+/// Selection of one of several publishers of VICON. Subscribe to VICON as a shared channel: the bus
+/// then orders the frames of each run separately, and the publisher is chosen here.
 ///
-/// The source is the first run of which a frame passed as the vehicle's own pose (confirm()). While
-/// it is heard nobody else is; silent for kSilentS it is replaced by the next run of which a frame
-/// passes, which in the air only one does that sees the vehicle where it is. Until then it takes
-/// its place again as soon as it speaks.
+/// The source is the first run with a frame that passed as the vehicle's own pose (confirm()).
+/// While it is received, other runs are refused. After a silence of kSilentS, the next run with a
+/// frame that passes replaces it; in the air this requires that it shows the vehicle where it is.
+/// Until then the old source is accepted again as soon as it returns.
 ///
-/// A run is looked at only when its stamps are within kFreshS of our own clock, so a log that is
-/// played is nobody; hosts need a common clock (NTP or PTP). The source's clock may be set: it goes
-/// on being believed when its frame numbers go on, and its stamps are then held against that clock.
+/// A run is considered only if its stamps are within kFreshS of our own clock, so a replayed log is
+/// refused; hosts need a common clock (NTP or PTP). The source's clock may be set: the source stays
+/// accepted if its frame numbers continue, and its stamps are then compared with the new clock.
 class MocapSource {
  public:
-  static constexpr double kSilentS =
-      0.3;  ///< longer than a pose is believed, shorter than it lands
+  /// s; longer than a pose is accepted, shorter than the time to land
+  static constexpr double kSilentS = 0.3;
   static constexpr double kFreshS = 2.0;
-  static constexpr std::int64_t kGoesOnMax = 1000;  ///< frames lost while its clock is set
+  /// frames that may be lost while its clock is set
+  static constexpr std::int64_t kGoesOnMax = 1000;
 
-  /// What may be done with a frame.
+  /// Treatment of a frame.
   enum class [[nodiscard]] Standing{
-      kBelieved,   ///< the source's
-      kCandidate,  ///< of a run that may become it: only when it passes as the own pose
+      kBelieved,   ///< of the source
+      kCandidate,  ///< of a run that may become the source: use it only if it passes as the own
+                   ///< pose
       kRefused,
   };
 
   Standing judge(const models::MocapFrame& frame, Time now);
-  /// A candidate's frame has passed.
+  /// Makes the run of a candidate's frame the source, after the frame has passed.
   void confirm(const models::MocapFrame& frame, Time now);
 
-  /// Who is refused now, in words for people; nullptr: nobody was in the last kFreshS.
+  /// Returns a message about what was refused in the last kFreshS; nullptr if nothing was.
   [[nodiscard]] const char* complaint(Time now) const;
-  /// Appends what was refused: frames of other sources, frames of other times.
+  /// Appends the number of frames refused from other sources and with other times, and of
+  /// takeovers.
   void count(std::vector<models::NamedCount>& out) const;
 
  private:
@@ -49,10 +52,10 @@ class MocapSource {
 
   std::optional<std::int64_t> run_id_;
   Time heard_{};
-  std::int64_t number_ = 0;               ///< of its newest frame
-  Duration ahead_{};                      ///< of our clock behind its own, since it was set
-  std::optional<Time> other_heard_;       ///< another source beside it
-  std::optional<Time> other_time_heard_;  ///< a frame of another time
+  std::int64_t number_ = 0;          ///< number of its newest frame
+  Duration ahead_{};                 ///< lag of our clock behind the source's, since that was set
+  std::optional<Time> other_heard_;  ///< last frame of another source
+  std::optional<Time> other_time_heard_;  ///< last frame with another time
   std::int64_t others_refused_ = 0;
   std::int64_t other_time_ = 0;
   std::int64_t takeovers_ = 0;

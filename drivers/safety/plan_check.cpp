@@ -8,8 +8,8 @@
 namespace vantage::drivers {
 namespace {
 
-constexpr double kSlack = 1e-6;     // of numbers that went over the wire
-constexpr double kStepMinS = 1e-3;  // at 2 m/s: 2 mm
+constexpr double kSlack = 1e-6;     // rounding in messages
+constexpr double kStepMinS = 1e-3;  // s; 2 mm at 2 m/s
 constexpr double kFarM = 1e6;
 constexpr double kBodyStandsMps = 0.1;
 
@@ -24,7 +24,7 @@ bool is_finite(const HeldPlan& plan) {
              segment.brake_mps2 >= 0.0 && std::isfinite(segment.brake_mps2);
     sum_s += segment.duration_s;
   }
-  return finite && sum_s <= models::kFlownDurationMax_s;  // false for NaN and infinity, too
+  return finite && sum_s <= models::kFlownDurationMax_s;  // also false for NaN and infinity
 }
 
 bool is_feasible(const HeldPlan& plan, const models::VehicleLimits& can, double lateral_max_mps2) {
@@ -58,7 +58,7 @@ bool ends_at_rest(const HeldPlan& plan) {
   return stops || (speed_mps <= kSlack && last.brake_mps2 == 0.0);
 }
 
-// Outside distance and inside depth of a rectangle in one: the signed distance.
+// Returns the signed distance to a rectangle, m; negative inside.
 double signed_distance_m(const models::Rectangle& box, const Eigen::Vector2d& p_m) {
   const double out_x = std::max(box.min_m.x() - p_m.x(), p_m.x() - box.max_m.x());
   const double out_y = std::max(box.min_m.y() - p_m.y(), p_m.y() - box.max_m.y());
@@ -66,7 +66,7 @@ double signed_distance_m(const models::Rectangle& box, const Eigen::Vector2d& p_
          std::min(std::max(out_x, out_y), 0.0);
 }
 
-// What is left between the vehicle at `here` and everything that does not move.
+// Distances between the vehicle and everything that does not move.
 struct Room {
   double fence_m;
   double obstacle_m;
@@ -78,7 +78,7 @@ Room room_at(const PlanPoint& here, const SafetyLimits& limits) {
           obstacle_distance_m(limits.fence, p_m) - limits.vehicle.radius_m};
 }
 
-// The rest of the plan against all that does not move. Times count from `now`.
+// Checks the rest of the plan against everything that does not move. Times count from `now`.
 PlanVerdict check_room(const HeldPlan& plan, Time now, const SafetyLimits& limits, int& steps) {
   const double offset_s = to_seconds(now - plan.start_time);
   const double end_s = std::max(0.0, duration_s(plan) - offset_s);
@@ -108,7 +108,8 @@ double apart_m(const Eigen::Vector3d& p_m, const Eigen::Vector3d& other_m, bool 
   return away_m.norm();
 }
 
-// The rest of the plan, and the hover after it, against one other body until that has stopped, too.
+// Checks the rest of the plan and its final hover against another body until that has stopped as
+// well.
 PlanVerdict check_apart(const HeldPlan& plan, Time now, const SafetyLimits& limits,
                         const OtherCourse& other, int& steps) {
   const double offset_s = to_seconds(now - plan.start_time);

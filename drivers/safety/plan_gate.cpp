@@ -46,7 +46,7 @@ PlanVerdict PlanGate::look_at(const models::RobotPlan& plan, const PlanSituation
   if (const PlanVerdict shape = check_shape(out, limits); shape != PlanVerdict::kAccepted) {
     return shape;
   }
-  // Only what could be flown takes or renews the lease, or contests it.
+  // Only a feasible plan takes, renews or contests the lease.
   if (!lease_.admit(plan.stamp.run_id, now, limits.planner_lease_s)) {
     return PlanVerdict::kNoLease;
   }
@@ -54,7 +54,7 @@ PlanVerdict PlanGate::look_at(const models::RobotPlan& plan, const PlanSituation
   if (!situation.may_take) {
     return PlanVerdict::kNotFollowing;
   }
-  // One that waits for its start would be lost with its way to where this one begins.
+  // A later plan would replace the waiting one, and with it the path to its own start.
   if (situation.course.has_next() && newest_start_ > now && out.start_time > newest_start_) {
     return PlanVerdict::kTooFarAhead;
   }

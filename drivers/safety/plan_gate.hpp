@@ -16,30 +16,31 @@
 
 namespace vantage::drivers {
 
-/// What a plan must fit to.
+/// Situation of the vehicle that a plan must match.
 struct PlanSituation {
-  bool may_take = false;  ///< the vehicle follows plans now
-  const Course& course;   ///< where it is asked to be
-  double height_m = 0.0;  ///< and how high
+  bool may_take = false;  ///< the vehicle accepts plans now
+  const Course& course;   ///< commanded positions
+  double height_m = 0.0;  ///< m; commanded height
   std::span<const OtherCourse> others;
 };
 
-/// Judges the plans of one vehicle, one after the other: whose they are, whether they are news,
-/// whether they can be driven, begin where the vehicle will be, and lead where nothing is.
+/// Checks of the plans of one vehicle in order of arrival: vehicle, age, feasibility, lease,
+/// continuity with the course, and a clear path.
 class PlanGate {
  public:
   explicit PlanGate(std::string robot) : robot_(std::move(robot)) {}
 
-  /// kAccepted, and the plan in `out`; else the first reason that applies. Allocates nothing.
+  /// Checks `plan`. Returns kAccepted and copies the plan to `out`, or returns the first reason
+  /// that applies. Allocates nothing.
   PlanVerdict judge(const models::RobotPlan& plan, const PlanSituation& situation,
                     const SafetyLimits& limits, Time now, HeldPlan& out);
-  /// Fills what `inputs` says of the newest plan and its planners.
+  /// Fills the fields of `inputs` that describe the newest plan and its planners.
   void report(Time now, const SafetyLimits& limits, SafetyInputs& inputs) const;
 
-  /// Of the newest plan accepted; −1 before any.
+  /// Returns the round of the last accepted plan; −1 before any.
   [[nodiscard]] std::int64_t round() const { return round_; }
   [[nodiscard]] const PlannerLease& lease() const { return lease_; }
-  /// Appends how many plans met each refusal.
+  /// Appends the number of plans for each refusal.
   void count(std::vector<models::NamedCount>& out) const;
 
  private:
@@ -54,8 +55,8 @@ class PlanGate {
   std::int64_t run_ = 0;
   std::int64_t sequence_ = -1;
   std::int64_t round_ = -1;
-  int late_ = 0;     ///< in a row
-  int refused_ = 0;  ///< in a row
+  int late_ = 0;     ///< consecutive
+  int refused_ = 0;  ///< consecutive
   std::array<std::int64_t, kPlanVerdicts> counts_{};
 };
 

@@ -71,7 +71,7 @@ PoseVerdict PoseMonitor::judge(const models::MocapBody* body, const BodyContext&
     return PoseVerdict::kAccepted;
   }
   if (is_stuck(pose, context, limits, now)) {
-    // It was already stuck when it first came again: its age counts from there.
+    // It was stuck since the pose first appeared: the age counts from then.
     accepted_at_ = std::min(accepted_at_, identical_since_);
     velocity_mps_.setZero();
     accepted_ = 0;
@@ -110,9 +110,9 @@ void PoseMonitor::begin(const Pose3& pose, Time now) {
   accepted_ = 1;
 }
 
-// Position as measured; velocity by an α–β filter with the memory stated above, which changes no
-// faster than a body can: a small jump of the pose is not taken for a flight at many metres a
-// second.
+// Sets the position as measured, and the velocity by an α–β filter with time constant
+// kVelocityMemoryS. The change of velocity is limited by kUnknownAccelerationMps2: a small jump of
+// the pose must not look like a motion at metres per second.
 void PoseMonitor::update(const Pose3& pose, Time now) {
   const double gap_s = age_s(now);
   if (gap_s > 0.0) {
@@ -135,7 +135,7 @@ void PoseMonitor::update(const Pose3& pose, Time now) {
 
 bool PoseMonitor::is_stuck(const Pose3& pose, const BodyContext& context,
                            const SafetyLimits& limits, Time now) {
-  // Against the last one accepted: a wrong pose in between makes a repeated one no newer.
+  // Compares with the last accepted pose: a wrong pose in between does not make a repeated one new.
   if (!is_same(pose, pose_) || context.may_rest) {
     return false;
   }

@@ -11,48 +11,48 @@
 
 namespace vantage::drivers {
 
-/// What became of one body in one mocap frame.
+/// Result of the check of one body in one mocap frame.
 enum class [[nodiscard]] PoseVerdict{
     kAccepted,
     kAbsent,     ///< not in the frame, or occluded
-    kDuplicate,  ///< the name is there twice
-    kMalformed,  ///< not finite, or no rotation
-    kOutside,    ///< where the room is not: wrong units, wrong frame; not reached from inside
+    kDuplicate,  ///< the name occurs twice
+    kMalformed,  ///< not finite, or not a rotation
+    kOutside,    ///< outside the room (wrong units or frame) and not reached from inside
     kJump,      kFlip,
-    kStuck,    ///< the same bits for too long
+    kStuck,    ///< identical for too long
     kForeign,  ///< of another body: a row that distrusts poses has acted in this flight
 };
 inline constexpr std::size_t kPoseVerdicts = 9;
 const char* name_of(PoseVerdict verdict);
 
-/// What the judge must know about the body.
+/// Facts about the body that the check needs.
 struct BodyContext {
-  bool in_air = false;         ///< then a jump or flip is never believed
-  bool is_moving = false;      ///< commanded to; then repeated poses are found sooner
-  bool may_rest = true;        ///< may stand still for ever (on the ground)
-  double sunk_m = 0.0;         ///< so far it may have come down unseen, as it was told to
-  bool is_distrusted = false;  ///< poses under its name are another body's
+  bool in_air = false;         ///< jumps and flips are rejected
+  bool is_moving = false;      ///< commanded to move; repeated poses are detected sooner
+  bool may_rest = true;        ///< may be stationary without limit (on the ground)
+  double sunk_m = 0.0;         ///< m; possible descent while it was not seen, as commanded
+  bool is_distrusted = false;  ///< poses under its name belong to another body
 };
 
-/// Judges the poses of one body, frame after frame, by arrival time; mocap clocks may jump.
+/// Checks the poses of one body frame by frame. Uses arrival times, since mocap clocks may jump.
 ///
-/// A pose passes when it lies within pose_gate_m of the constant-velocity prediction, plus
-/// ½ a t² of an unknown acceleration, at most pose_gate_max_m. A body on the ground may be carried:
-/// there the track begins anew and counts from one. A body in the air may leave the room: a track
-/// that goes on is believed wherever it goes, and only begins inside.
+/// A pose passes if it lies within pose_gate_m + ½ a t² of the constant-velocity prediction, at
+/// most pose_gate_max_m, where a is an unknown acceleration. A body on the ground may be carried:
+/// its track restarts at the new pose, with a count of one. A body in the air may leave the room: a
+/// continuous track is accepted anywhere, but must begin inside.
 class PoseMonitor {
  public:
   PoseVerdict judge(const models::MocapBody* body, const BodyContext& context,
                     const SafetyLimits& limits, Time now);
 
   [[nodiscard]] bool has_pose() const { return has_pose_; }
-  /// Since the last accepted pose arrived; kNever before any.
+  /// Returns the time since the arrival of the last accepted pose, s; kNever before any.
   [[nodiscard]] double age_s(Time now) const;
   [[nodiscard]] const Pose3& world_from_body() const { return pose_; }
   [[nodiscard]] const Eigen::Vector3d& velocity_world_mps() const { return velocity_mps_; }
-  /// About the vertical, counter-clockwise.
+  /// Returns the yaw rate, rad/s; counter-clockwise.
   [[nodiscard]] double turn_radps() const { return turn_radps_; }
-  /// Moved on from the last pose at its velocity, for at most `horizon_s`.
+  /// Returns the position extrapolated from the last pose at its velocity, by at most `horizon_s`.
   [[nodiscard]] Eigen::Vector3d predict_m(Time now, double horizon_s) const;
   [[nodiscard]] int rejected_in_row() const { return rejected_; }
   [[nodiscard]] int accepted_in_row() const { return accepted_; }

@@ -10,14 +10,14 @@
 namespace vantage::drivers {
 namespace {
 
-constexpr int kSamples = 16;     // along the braking way
-constexpr double kLevelM = 0.3;  // within it, two heights are one
+constexpr int kSamples = 16;     // samples along the braking path
+constexpr double kLevelM = 0.3;  // m; smaller differences count as the same height
 constexpr double kStandsMps = 0.1;
-constexpr double kMovesOffS = 1.0;  // about as long as a hover takes to move off
+constexpr double kMovesOffS = 1.0;  // s; about the time that a hover takes to move away
 constexpr double kFenceSpareM = 0.1;
 constexpr double kObstacleSpareM = 0.05;
-constexpr double kHoverSpareM = 0.05;  // beyond hover_clearance_m, where one goes to
-constexpr double kBelowSpareM = 0.1;   // beyond landing_clearance_m, the same
+constexpr double kHoverSpareM = 0.05;  // m beyond hover_clearance_m, at a new position
+constexpr double kBelowSpareM = 0.1;   // m beyond landing_clearance_m, at a new position
 
 bool is_robot(const OtherBody& body) { return body.robot >= 0; }
 
@@ -27,8 +27,8 @@ double unseen_s(const OtherBody& body, const SafetyLimits& limits) {
   return std::max(0.0, body.age_s - limits.pose_age_hold_s);
 }
 
-// Returns how far a body may be from where it was seen. A robot that is lost stops; what else moves
-// may go on as it did for a second.
+// Returns how far a body may be from where it was seen, m. A robot that is lost stops; any other
+// moving body may continue for a second.
 double strayed_m(const OtherBody& body, const SafetyLimits& limits) {
   constexpr double kGoesOnS = 1.0;
   const double growth_mps = std::max(limits.other_pose_growth_mps, body.went_mps);
@@ -36,15 +36,15 @@ double strayed_m(const OtherBody& body, const SafetyLimits& limits) {
   return std::min(most_m, growth_mps * unseen_s(body, limits));
 }
 
-// Returns by how much nearer a body may be than one of our size where it was seen.
+// Returns the distance to subtract for a body, m: its uncertainty radius and its excess radius.
 double tube_m(const OtherBody& body, const SafetyLimits& limits) {
   return strayed_m(body, limits) + body.larger_m;
 }
 
-// Least distance from a vehicle that moves from `from_m` to `to_m` to a body that stands on the
-// ground, with its markers up to `top_m`, that moves meanwhile between two places and may be
-// `strayed_m` from them. The least of each direction, as if at the same instant: no more than the
-// true one.
+// Returns the least distance between a vehicle that moves from `from_m` to `to_m` and a body that
+// stands on the ground and moves meanwhile between two positions, m. The body may be `strayed_m`
+// off its path; the space below its markers is occupied. Horizontal and vertical distance are
+// minimized separately, so the result is a lower bound.
 double apart_of_standing_m(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
                            const Eigen::Vector3d& body_from_m, const Eigen::Vector3d& body_to_m,
                            double strayed_m) {
@@ -64,8 +64,8 @@ double obstacle_edge_m(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
   return obstacle_distance_m(limits.fence, p_m.head<2>()) - limits.vehicle.radius_m;
 }
 
-// Least distance of the centres while we brake along `way` and the other, a robot, straight from
-// its velocity.
+// Returns the least distance of the centres while this vehicle brakes along `way` and a robot
+// brakes straight from `velocity_mps`, m.
 double closest_stop_m(const BrakeWay& way, const OtherBody& body,
                       const Eigen::Vector3d& velocity_mps, const SafetyLimits& limits) {
   const double brake_mps2 = body.brake_mps2 > 0.0 ? body.brake_mps2 : limits.vehicle.brake_mps2;
@@ -84,8 +84,9 @@ double closest_stop_m(const BrakeWay& way, const OtherBody& body,
   return least_m;
 }
 
-// Least distance of the centres until we stand, while we brake along `way` and a body that does not
-// brake goes on as it does. It may leave its straight path; one that is not seen may go anywhere.
+// Returns the least distance of the centres until this vehicle stops along `way`, m, to a body that
+// keeps its velocity. The body may leave its straight path; while it is not seen it may move
+// anywhere at its last speed.
 double closest_walk_m(const BrakeWay& way, const OtherBody& body, const SafetyLimits& limits) {
   const bool is_seen = unseen_s(body, limits) <= 0.0;
   const double strays_mps = is_seen ? 0.0 : body.went_mps;
@@ -119,14 +120,15 @@ bool is_standing_robot(const OtherBody& body) {
   return is_robot(body) && level(body.velocity_world_mps).norm() < kStandsMps;
 }
 
-// Where a body will be `t_s` from now as far as a landing counts on it: a robot where it is.
+// Returns the position of a body in `t_s` for a landing. A robot is assumed to stay where it is.
 Eigen::Vector3d carried_on_m(const OtherBody& body, double t_s) {
   return is_robot(body) ? body.position_world_m
                         : Eigen::Vector3d(body.position_world_m + t_s * body.velocity_world_mps);
 }
 
-// On the straight way, at kShiftMps, the body would be nearer than `apart_m` and than it is now; as
-// seen from above a robot, since it may be about to come down as well, and what is not below.
+// True if the body would come closer to the straight path, flown at kShiftMps, than `apart_m` and
+// closer than it is now. Robots are compared horizontally, since they may land as well; so are
+// bodies that are not below.
 bool meets(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m, const OtherBody& body,
            double apart_m) {
   const bool is_below = body.position_world_m.z() < std::min(from_m.z(), to_m.z()) - kLevelM;
@@ -141,7 +143,7 @@ bool meets(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m, const Oth
 
 bool is_way_clear(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
                   std::span<const OtherBody> others, const SafetyLimits& limits) {
-  // Who hovers nearer to an obstacle than that may go away from it.
+  // A vehicle that hovers closer to an obstacle than the spare may still move away from it.
   const double way_spare_m = std::min(kObstacleSpareM, obstacle_edge_m(from_m, limits));
   for (int i = 0; i <= kSamples; ++i) {
     const Eigen::Vector3d p_m = from_m + (to_m - from_m) * (static_cast<double>(i) / kSamples);
@@ -250,7 +252,7 @@ Eigen::Vector3d landing_spot(const Eigen::Vector3d& hover_m, std::span<const Oth
   if (is_free(home_m)) {
     return home_m;
   }
-  // Whoever moves strays: first where there is room for that, then where there is just enough.
+  // A moving vehicle deviates, so spots with spare room are tried first.
   const double roomy_m = limits.hover_clearance_m + kHoverSpareM;
   for (const bool is_roomy : {true, false}) {
     for (int ring = 1; ring <= kRings; ++ring) {
@@ -273,7 +275,7 @@ Eigen::Vector3d landing_spot(const Eigen::Vector3d& hover_m, std::span<const Oth
 bool is_climb_taken(const Eigen::Vector3d& position_m, double goal_m,
                     std::span<const OtherBody> others, const SafetyLimits& limits) {
   constexpr double kLookS = 2.0;
-  constexpr double kRoomM = 0.25;  // for a turn that it makes meanwhile
+  constexpr double kRoomM = 0.25;  // m; for a turn of the other body meanwhile
   return std::any_of(others.begin(), others.end(), [&](const OtherBody& body) {
     const double z_m = body.position_world_m.z();
     const bool is_on_the_way =
