@@ -14,19 +14,20 @@ namespace {
 using wire::mavlink::f32;
 
 constexpr Duration kSecond = std::chrono::seconds(1);
-// Several within the second after which an autopilot is to notice that they have stopped.
+// Several heartbeats within the second after which an autopilot should detect their loss.
 constexpr Duration kHeartbeatPeriod = std::chrono::milliseconds(200);
 constexpr Duration kStreamAgeMax = std::chrono::seconds(3);
 constexpr Duration kSerialPause = std::chrono::milliseconds(100);
-constexpr std::size_t kOutputMax = 1024;  // messages nobody takes: the oldest half goes
+// messages that are not fetched; the oldest half is dropped
+constexpr std::size_t kOutputMax = 1024;
 constexpr std::uint8_t kLinkId = 1;
 constexpr float kNotGiven = std::numeric_limits<float>::quiet_NaN();
-// Anywhere with a well-behaved tangent plane; poses are relative to it.
+// Any location with a well-defined tangent plane; poses are relative to it.
 constexpr std::int32_t kOriginLatitudeDegE7 = 399'522'000;
 constexpr std::int32_t kOriginLongitudeDegE7 = -751'932'000;
 constexpr std::int32_t kOriginAltitudeMm = 10'000;
 
-/// Diagonal of the upper triangle of a 6×6 matrix, row-major.
+/// Returns the upper triangle of a diagonal 6×6 covariance matrix, row-major.
 std::array<float, 21> covariance(double first_three_sigma, double last_three_sigma) {
   std::array<float, 21> out{};
   for (const std::size_t i : {0U, 6U, 11U}) {
@@ -61,7 +62,7 @@ AutopilotLink::AutopilotLink(const scenario::AutopilotSpec& spec,
 bool AutopilotLink::receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now) {
   const std::int64_t before = frames_of_vehicle_;
   const auto handle = [this, now](const wire::mavlink::Frame& frame) { take(frame, now); };
-  // After a pause on a serial line what was begun will not be continued.
+  // After a pause of a serial line an incomplete frame will not be continued.
   if (!is_datagram && last_bytes_ && now - *last_bytes_ > kSerialPause) {
     parser_.flush(handle);
   }
@@ -170,7 +171,7 @@ void AutopilotLink::tick(Time now) {
 
 void AutopilotLink::ask_for_streams(Time now) {
   if (commands_.is_under_way(wire::mavlink::command::kSetMessageInterval)) {
-    return;  // its answers do not say which message they are about: one after the other
+    return;  // acknowledgements do not name the message, so requests are sent one at a time
   }
   for (const WantedStream& stream : traits_.streams) {
     const std::optional<Time> heard = telemetry_.heard(stream.message_id);
@@ -191,7 +192,7 @@ void AutopilotLink::ask_for_streams(Time now) {
 
 void AutopilotLink::ask_for_parameters(Time now) {
   if (telemetry_.is_armed()) {
-    return;  // in flight the link is for flying
+    return;  // in flight the link is reserved for flying
   }
   ParameterCheck::Due due = parameters_.due(now);
   const auto address_and_send = [&](auto& message) {

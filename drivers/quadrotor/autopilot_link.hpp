@@ -21,10 +21,10 @@
 
 namespace vantage::drivers {
 
-/// One message as it goes onto the wire: a datagram, or bytes of a serial line.
+/// Message to send: a datagram, or bytes of a serial line.
 using WireMessage = std::vector<std::uint8_t>;
 
-/// Where a body is and how it moves, from outside.
+/// Pose and motion of a body by mocap.
 struct BodyState {
   Time capture{};
   Pose3 world_from_body;
@@ -32,12 +32,11 @@ struct BodyState {
   double position_sigma_m = 0.01;
   double attitude_sigma_rad = 0.01;
   double velocity_sigma_mps = 0.05;
-  std::uint8_t resets = 0;  ///< how often its pose has jumped
+  std::uint8_t resets = 0;  ///< number of jumps of the pose
 };
 
-/// What a vehicle is to do now: be at a place, moving and speeding up like this. Always all of it:
-/// ArduPilot starts its position controller anew with each change of kind, and what it did at that
-/// moment to brake it then goes on doing (docs/decisions/0009).
+/// Set-point for the autopilot, always with all fields. ArduPilot restarts its position controller
+/// when the set of fields changes, and then keeps the braking of that moment (docs/decisions/0009).
 struct Setpoint {
   Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();
@@ -46,38 +45,37 @@ struct Setpoint {
   double yaw_rate_radps = 0.0;
 };
 
-/// The conversation with one autopilot: what has to be said whatever the vehicle does (heartbeat,
-/// clock, streams, origin, poses) and the words for what it is to do. Bytes in, bytes out; handed
-/// time, it never asks for it.
+/// MAVLink connection with one autopilot: periodic messages (heartbeat, clock, streams, origin,
+/// poses), set-points and commands. It processes and returns bytes; the time is passed in.
 class AutopilotLink {
  public:
-  /// Its parameters are asked for while it is not armed, unless the spec ignores them.
+  /// Parameters are requested while the autopilot is not armed, unless `spec` ignores them.
   AutopilotLink(const scenario::AutopilotSpec& spec,
                 const std::optional<wire::mavlink::SigningKey>& key);
 
-  /// Takes bytes from the wire: a datagram, or a piece of a stream. True if a frame of the vehicle
-  /// was complete with them.
+  /// Processes bytes: a datagram, or a piece of a stream. Returns true if they completed a frame of
+  /// the vehicle.
   bool receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now);
-  /// Says what is due. To be called at least 20 times a second.
+  /// Sends all pending messages. Call it at least 20 times per second.
   void tick(Time now);
 
   void send_pose(const BodyState& state, Time now);
   void send_setpoint(const Setpoint& setpoint, Time now);
-  /// Has a command sent and repeated until it is answered; see CommandSender::want().
+  /// Sends a command and repeats it until it is acknowledged; see CommandSender::want().
   void want(wire::mavlink::CommandLong command, Time now, Duration pause);
   void insist(wire::mavlink::CommandLong command, Time now, Duration period);
 
-  /// What is to go out, in order; empties it.
+  /// Returns the messages to send in order, and removes them.
   std::vector<WireMessage> take_output();
 
   [[nodiscard]] const Telemetry& telemetry() const { return telemetry_; }
   [[nodiscard]] const CommandSender& commands() const { return commands_; }
   [[nodiscard]] const ParameterCheck& parameters() const { return parameters_; }
-  /// Has the parameters that break their rules set; nothing is set while it is armed.
+  /// Sets the parameters that violate their rules; nothing is set while the autopilot is armed.
   void mend_parameters() { parameters_.mend(); }
-  /// Why there is no conversation, in words; nullopt when there is.
+  /// Returns why the connection does not work, in words; nullopt if it works.
   [[nodiscard]] std::optional<std::string> fault(Time now) const;
-  /// Everything that was lost or refused.
+  /// Returns the counters of lost and refused messages.
   [[nodiscard]] std::vector<models::NamedCount> counters() const;
 
  private:
@@ -101,7 +99,7 @@ class AutopilotLink {
   ParameterCheck parameters_;
   std::int64_t reconnections_seen_ = 0;
   std::vector<WireMessage> output_;
-  std::map<std::uint32_t, Time> streams_asked_;  ///< when, by message id
+  std::map<std::uint32_t, Time> streams_asked_;  ///< time of the last request, by message id
   std::uint8_t next_sequence_ = 0;
   bool is_heartbeat_v1_ = false;
   std::optional<Time> last_bytes_;

@@ -11,11 +11,11 @@ namespace {
 constexpr double kAccelerationSigmaMps2 = 5.0;
 constexpr double kPositionSigmaM = 0.001;
 constexpr double kStartVelocitySigmaMps = 1.0;
-constexpr double kJumpM = 0.3;  // beyond what its speed explains
+constexpr double kJumpM = 0.3;  // m beyond the reach at maximum speed
 constexpr double kJumpRad = 0.8;
 constexpr double kTurnMaxRadps = 8.0;
 constexpr double kSameplaceM = 0.2;
-constexpr double kGapMaxS = 0.5;  // the filter starts anew after a longer one
+constexpr double kGapMaxS = 0.5;  // s; the filter restarts after a longer gap
 constexpr Duration kStuck = std::chrono::milliseconds(500);
 constexpr Duration kConfirmation = std::chrono::milliseconds(500);
 
@@ -37,7 +37,7 @@ BodyVerdict BodyTracker::see(const models::MocapFrame& frame, Time captured, Tim
     return BodyVerdict::kImpossible;
   }
   if (!state_ || frame.stamp.run_id != run_id_) {
-    // By arrivals: another run may have another clock. It has moved on meanwhile.
+    // Uses arrival times, since another run may have another clock, and the body has moved since.
     const bool is_elsewhere =
         state_ && is_jump(pose, state_->capture + std::max(Duration{}, now - arrival_));
     if (is_elsewhere && !is_resting) {

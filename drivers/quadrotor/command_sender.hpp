@@ -11,32 +11,32 @@
 
 namespace vantage::drivers {
 
-/// Sends commands until they are answered. One of each kind is under way at a time; it is repeated
-/// with a growing confirmation until an acknowledgement comes or nobody answers.
+/// Sender of commands that repeats each with a growing confirmation until it is acknowledged or
+/// given up. One command of each kind is pending at a time.
 /// Source: MAVLink developer guide, command protocol.
 class CommandSender {
  public:
-  /// How a command ended.
+  /// Result of a command.
   struct Outcome {
-    std::optional<std::uint8_t> result;  ///< of the acknowledgement; none: nobody answered
+    std::optional<std::uint8_t> result;  ///< of the acknowledgement; nullopt: no answer
     Time time{};
     [[nodiscard]] bool is_accepted() const { return result && *result == 0; }
   };
 
-  /// Has `command` sent, unless the same is under way or ended less than `pause` ago. Another of
-  /// its kind is given up for it.
+  /// Sends `command`, unless the same command is pending or ended less than `pause` ago. It
+  /// replaces another pending command of its kind.
   void want(const wire::mavlink::CommandLong& command, Time now, Duration pause);
-  /// Has `command` sent each `period` for as long as it is asked, whatever is answered (emergency
+  /// Sends `command` every `period` as long as this is called, whatever the answer (emergency
   /// stop).
   void insist(const wire::mavlink::CommandLong& command, Time now, Duration period);
   void acknowledge(const wire::mavlink::CommandAck& ack, Time now);
-  /// What is to be sent now.
+  /// Returns the commands to send now.
   std::vector<wire::mavlink::CommandLong> due(Time now);
 
   [[nodiscard]] bool is_under_way(std::uint16_t command) const;
-  /// Of the newest of its kind that ended.
+  /// Returns the result of the newest command of its kind that ended.
   [[nodiscard]] std::optional<Outcome> outcome(std::uint16_t command) const;
-  /// Commands that were given up because nobody answered.
+  /// Returns the number of commands given up without an answer.
   [[nodiscard]] std::int64_t unanswered() const { return unanswered_; }
 
  private:
@@ -48,7 +48,7 @@ class CommandSender {
     Time next_send{};
     std::optional<Outcome> outcome;
   };
-  std::map<std::uint16_t, Entry> entries_;  ///< by command; the driver has a handful of kinds
+  std::map<std::uint16_t, Entry> entries_;  ///< by command; the driver uses a handful of kinds
   std::int64_t unanswered_ = 0;
 };
 

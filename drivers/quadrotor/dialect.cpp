@@ -35,7 +35,8 @@ DialectTraits px4() {
   out.name = "PX4";
   out.autopilot_id = wire::mavlink::autopilot::kPx4;
   out.own_system_id = 254;
-  out.own_type = wire::mavlink::type::kGroundStation;  // to others it never says why it refuses
+  out.own_type = wire::mavlink::type::kGroundStation;  // PX4 reports the reason of a refusal to
+                                                       // ground stations only
   out.follow_mode = px4_mode(6);
   out.land_mode = px4_mode(4, 6);
   out.wants_proof_of_life = true;
@@ -49,7 +50,7 @@ DialectTraits ardupilot() {
   DialectTraits out;
   out.name = "ArduPilot";
   out.autopilot_id = wire::mavlink::autopilot::kArdupilot;
-  out.own_system_id = 255;  // whose heartbeat its ground-station failsafe listens to
+  out.own_system_id = 255;  // the id that its ground-station failsafe monitors
   out.own_type = wire::mavlink::type::kGroundStation;
   out.follow_mode = 4;
   out.land_mode = 9;
@@ -158,7 +159,7 @@ std::optional<std::string> estimator_fault(AutopilotDialect dialect, std::uint16
   if (lacks(bit::kHeight)) {
     return "estimator has no height";
   }
-  // PX4 reports constant position while it stands on the ground, rightly.
+  // PX4 correctly reports a constant position while it is on the ground.
   const bool may_stand_still = dialect == AutopilotDialect::kPx4 && !is_airborne;
   if (!lacks(bit::kConstantPosition) && !may_stand_still) {
     return "estimator assumes that the vehicle does not move";

@@ -10,52 +10,52 @@
 
 namespace vantage::drivers {
 
-/// A message that the driver wants to hear, and how often.
+/// Message that the driver requests, with its rate.
 struct WantedStream {
   std::uint32_t message_id = 0;
   double rate_hz = 0.0;
 };
 
-/// In what PX4 and ArduCopter differ for this driver. Everything else is the same conversation.
+/// Differences between PX4 and ArduCopter for this driver. Everything else is identical.
 struct DialectTraits {
   const char* name = "";
   std::uint8_t autopilot_id = 0;   ///< in its HEARTBEAT
-  std::uint8_t own_system_id = 0;  ///< as which the driver speaks
+  std::uint8_t own_system_id = 0;  ///< system id of the driver
   std::uint8_t own_type = 0;
-  std::uint32_t follow_mode = 0;  ///< custom_mode in which it takes set-points
+  std::uint32_t follow_mode = 0;  ///< custom_mode that takes set-points
   std::uint32_t land_mode = 0;
-  /// Set-points have to arrive for more than a second before the mode may be entered.
+  /// Set-points must arrive for more than a second before the mode can be entered.
   bool wants_proof_of_life = false;
-  /// It takes off by a command, and a set-point during it would end it.
+  /// It takes off by a command, and a set-point during take-off would end it.
   bool takes_off_by_command = false;
-  /// Its estimator has no origin without a GPS, and says nothing before it has one.
+  /// Its estimator has no origin without a GPS, and publishes nothing before it has one.
   bool needs_origin = false;
-  // How much earlier it is told than it is to be there; measured, with our parameters.
-  double lead_s = 0.0;               ///< of place and velocity
-  double acceleration_lead_s = 0.0;  ///< of the acceleration, for which it has to tilt
+  // Lead of the set-points, measured with our parameters.
+  double lead_s = 0.0;               ///< s; for position and velocity
+  double acceleration_lead_s = 0.0;  ///< s; for the acceleration, which requires a tilt first
   std::vector<WantedStream> streams;
 };
 
 const DialectTraits& traits_of(models::AutopilotDialect dialect);
 
-/// To enter follow_mode; to land.
+/// Return the command that enters follow_mode or lands.
 wire::mavlink::CommandLong follow_mode_command(models::AutopilotDialect dialect);
 wire::mavlink::CommandLong land_command(models::AutopilotDialect dialect);
 
-/// "offboard", "land", "mode 0x3040000".
+/// Returns the name of a mode: "offboard", "land", "mode 0x3040000".
 std::string mode_name(models::AutopilotDialect dialect, std::uint32_t custom_mode);
 
-/// Somebody at a radio control flies it in that mode. In the others (landing, return, a hold of its
-/// own) nobody need be there.
+/// True if a pilot flies the vehicle in that mode. The other modes (landing, return, autonomous
+/// hold) need no pilot.
 bool is_flown_by_hand(models::AutopilotDialect dialect, std::uint32_t custom_mode);
 
-/// What the estimator lacks for a flight on external poses, in words; nullopt when nothing.
+/// Returns what the estimator lacks for a flight on external poses, in words; nullopt if nothing.
 std::optional<std::string> estimator_fault(models::AutopilotDialect dialect, std::uint16_t flags,
                                            bool is_airborne);
 
-/// "denied", "temporarily rejected", …
+/// Returns the name of a result: "denied", "temporarily rejected", …
 const char* result_name(std::uint8_t ack_result);
-/// "arm", "take-off", …
+/// Returns the name of a command: "arm", "take-off", …
 std::string command_name(std::uint16_t command);
 
 }  // namespace vantage::drivers

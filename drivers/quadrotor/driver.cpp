@@ -15,14 +15,15 @@ namespace {
 
 using models::FlightState;
 
-constexpr double kHandOverM = 0.35;  // below it the autopilot's own landing ends a landing
+constexpr double kHandOverM = 0.35;  // m; below it the autopilot's own landing completes a landing
 constexpr double kLowM = 0.1;
-constexpr double kSettledS = 0.25;  // of poses before a blind landing is steered again
-constexpr double kSeenS = 0.1;      // feedback on an older pose would push, not steer
+constexpr double kSettledS = 0.25;  // s of poses before a blind landing is steered again
+constexpr double kSeenS = 0.1;      // s; feedback on an older pose would displace the set-point
 constexpr Duration kRefusalShown = std::chrono::seconds(10);
 constexpr Duration kTextAge = std::chrono::seconds(3);
-constexpr Duration kReportedBefore = std::chrono::milliseconds(500);  // and received later
-constexpr Duration kPoseSlack{2'000};  // a frame this much early is not skipped
+// longest delay between report and reception
+constexpr Duration kReportedBefore = std::chrono::milliseconds(500);
+constexpr Duration kPoseSlack{2'000};  // a frame that is early by this is not skipped
 
 const scenario::RobotSpec& robot_of(const scenario::Scenario& scenario, const std::string& robot) {
   const scenario::RobotSpec* const spec = scenario.find_robot(robot);
@@ -38,7 +39,7 @@ SafetyLimits with_leads(SafetyLimits limits, const DialectTraits& traits) {
   return limits;
 }
 
-/// The later of two times that may not have been.
+/// Returns the later of two optional times.
 std::optional<Time> later(std::optional<Time> a, std::optional<Time> b) {
   return !a ? b : !b ? a : std::optional(std::max(*a, *b));
 }
@@ -105,7 +106,7 @@ void QuadrotorDriver::on_mocap(const models::MocapFrame& frame, Time now) {
   if (!guard_.on_mocap(frame, now)) {
     return;  // counted there
   }
-  // What flight safety does not believe neither steers the vehicle nor teaches its autopilot.
+  // Poses that flight safety rejects are neither used for steering nor sent to the autopilot.
   const PoseVerdict judged = guard_.pose_verdict();
   if (judged != PoseVerdict::kAccepted && judged != PoseVerdict::kAbsent &&
       judged != PoseVerdict::kStuck) {
@@ -145,7 +146,7 @@ void QuadrotorDriver::on_command(const models::OperatorCommand& command, Time no
   const bool takes_mode = command.action == models::OperatorAction::kFollow ||
                           command.action == models::OperatorAction::kHold ||
                           command.action == models::OperatorAction::kLand;
-  // A repetition, which has the stamp of the order, was said before a pilot took over.
+  // A repetition has the stamp of the order, which may be older than a pilot's takeover.
   const bool is_new = !mode_ordered_at_ || command.stamp.time != *mode_ordered_at_;
   if (takes_mode) {
     mode_ordered_at_ = command.stamp.time;
@@ -155,20 +156,20 @@ void QuadrotorDriver::on_command(const models::OperatorCommand& command, Time no
     lands_blind_ = false;
   }
   if (command.action == models::OperatorAction::kEmergencyStop) {
-    next_setpoint_ = now;  // decided with the next tick, not with the next set-point
+    next_setpoint_ = now;  // decide at the next tick instead of the next set-point
   }
 }
 
 void QuadrotorDriver::end(bool is_hurried) {
   guard_.on_end_request();
   is_hurried_ = is_hurried_ || is_hurried;
-  next_setpoint_ = Time{};  // decided with the next tick, not with the next set-point
+  next_setpoint_ = Time{};  // decide at the next tick instead of the next set-point
 }
 
 EndFacts QuadrotorDriver::end_facts(Time now) const {
   const Telemetry& telemetry = link_.telemetry();
   const auto heartbeat = telemetry.heartbeat_time();
-  // An order to arm may have been obeyed since the heartbeat.
+  // The autopilot may have armed since its last heartbeat.
   const bool is_proof = heartbeat && *heartbeat - motors_wanted_at_ > kReportedBefore;
   EndFacts out;
   if (is_airborne(orders_.state) || (heartbeat && (telemetry.is_armed() || !is_proof))) {
@@ -190,12 +191,13 @@ void QuadrotorDriver::tick(Time now) {
 }
 
 bool QuadrotorDriver::is_nearly_down() const {
-  return tracker_.state() &&  // where it was never seen standing the floor is taken for the ground
+  return tracker_.state() &&  // without a known ground height, 0 is assumed
          tracker_.state()->world_from_body.translation_m.z() - ground_m_.value_or(0.0) < kHandOverM;
 }
 
-// Of a landing that began without poses: they are back, there is height left for bodies below to be
-// avoided, and the autopilot is in the landing mode that it was commanded into.
+// True if the driver may steer a landing that began without poses: poses have returned, the height
+// allows it to avoid bodies below, and the autopilot is in the landing mode commanded by this
+// driver.
 bool QuadrotorDriver::may_steer_landing() const {
   return lands_blind_ && settled_s_ >= kSettledS && !is_nearly_down() &&
          !sequence_.is_mode_lost() && link_.telemetry().mode() == traits_of(dialect_).land_mode;
@@ -209,7 +211,7 @@ FlightGoal QuadrotorDriver::goal(const GuardOutput& out) const {
     case FlightState::kHold:
       return FlightGoal::kFly;
     case FlightState::kLand: {
-      // Once the autopilot lands by itself it goes on doing so, unless it began blind.
+      // A landing by the autopilot continues, unless it began blind and may be steered again.
       const bool goes_on = sequence_.goal() == FlightGoal::kLand && !may_steer_landing();
       const bool is_autopilots = out.setpoint.kind == FlightSetpoint::Kind::kBlindLand ||
                                  !out.wants_armed || (out.is_sinking && is_nearly_down()) ||
@@ -258,7 +260,7 @@ void QuadrotorDriver::fly(Time now) {
     const bool is_seen = age && to_seconds(*age) < kSeenS;
     link_.send_setpoint(steer(orders_.setpoint, is_seen ? body : std::nullopt, vehicle_), now);
   } else if (body) {
-    Setpoint here;  // on the ground: stay where you are
+    Setpoint here;  // on the ground: hold the position
     here.position_world_m = body->world_from_body.translation_m;
     here.yaw_rad = flatten(body->world_from_body).yaw_rad;
     link_.send_setpoint(here, now);
@@ -273,8 +275,8 @@ std::optional<std::string> QuadrotorDriver::refusal(Time now) const {
   std::uint16_t which = 0;
   std::array<std::optional<CommandSender::Outcome>, kCommands.size()> outcomes;
   for (std::size_t i = 0; i < kCommands.size(); ++i) {
-    // Told twice, since it takes seconds to lift, an ArduCopter that lifts says that the second
-    // failed.
+    // Take-off is commanded repeatedly because lifting takes seconds. An ArduCopter that lifts
+    // reports a later command as failed.
     const bool is_done =
         kCommands[i] == wire::mavlink::command::kTakeOff && sequence_.has_climbed();
     outcomes[i] = link_.commands().outcome(kCommands[i]);

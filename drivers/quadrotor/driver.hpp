@@ -18,55 +18,55 @@
 
 namespace vantage::drivers {
 
-/// The driver of one quadrotor, without any input or output of its own: what arrives is handed to
-/// it with the time of arrival, what is to go out is fetched. Flight safety (FlightGuard) decides
-/// where the vehicle is to be; this carries it out over MAVLink and reports what the vehicle says.
+/// Driver of one quadrotor, without input and output: messages are passed in with their time of
+/// arrival, and messages to send are fetched. Flight safety (FlightGuard) decides where the vehicle
+/// must be. The driver executes this over MAVLink and reports the state of the vehicle.
 ///
-/// Times are the receiver's monotonic ones, expressed in the stack's clock. The same calls give the
-/// same bytes.
+/// Times are the receiver's monotonic times, expressed in the stack's clock. The same calls give
+/// the same bytes.
 class QuadrotorDriver {
  public:
-  /// Set-points leave with a pose, as soon as this is over since the last one, so that they are
-  /// told from a pose that is new; and without poses by the clock.
+  /// A set-point is sent with a pose if this time has passed since the last one, so that it is
+  /// computed from a new pose. Without poses it is sent by the clock.
   static constexpr Duration kSetpointSpacing{15'000};
   static constexpr Duration kSetpointPeriod{20'000};  ///< 50 Hz
-  static constexpr Duration kPoseGrace{3'000};        ///< that the clock waits longer for a pose
-  static constexpr Duration kPosePeriod{20'000};      ///< poses are forwarded no faster
+  static constexpr Duration kPoseGrace{3'000};        ///< additional wait of the clock for a pose
+  static constexpr Duration kPosePeriod{20'000};      ///< least period between forwarded poses
 
   /// @throws UsageError for a robot that is not in the scenario or has no autopilot.
   QuadrotorDriver(const scenario::Scenario& scenario, const std::string& robot,
                   const SafetyLimits& limits,
                   const std::optional<wire::mavlink::SigningKey>& key = std::nullopt);
 
-  /// Takes bytes from the autopilot: a datagram, or a piece of a serial stream. True if a frame of
-  /// this vehicle was complete with them.
+  /// Processes bytes from the autopilot: a datagram, or a piece of a serial stream. Returns true if
+  /// they completed a frame of this vehicle.
   bool receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now);
-  /// Forwards the pose of this vehicle at once.
+  /// Checks a mocap frame, and forwards the pose of this vehicle to the autopilot.
   void on_mocap(const models::MocapFrame& frame, Time now);
-  /// This vehicle's plan, or a teammate's.
+  /// Processes a plan of this vehicle or of a teammate.
   void on_plan(const models::RobotPlan& plan, Time now);
   void on_teammate_status(const models::VehicleStatus& status, Time now) {
     guard_.on_teammate_status(status, now);
   }
   void on_command(const models::OperatorCommand& command, Time now);
-  /// Whether the scenario that others announce is the one flown here.
+  /// Reports whether the scenario that others announce is the one flown here.
   void on_map(bool is_same) { guard_.on_map(is_same); }
-  /// Somebody said what is of no type of ours: another version of this program, perhaps.
+  /// Reports a message of an unknown type, perhaps from another version of this program.
   void on_other_version(Time now) { guard_.on_other_version(now); }
   /// Reports how long the driver's thread waited for a processor within the last second, s.
   void on_processor_wait(double wait_s) { guard_.on_processor_wait(wait_s); }
-  /// The driver is to end: lands the vehicle, keeps it from being armed. In a hurry the autopilot's
-  /// own landing does that from here on.
+  /// Ends the driver: lands the vehicle and keeps it from being armed. If `is_hurried`, the
+  /// autopilot's own landing is used from now on.
   void end(bool is_hurried);
   [[nodiscard]] EndFacts end_facts(Time now) const;
-  /// Does what is due. To be called every 5 ms or so; set-points go out at 50 Hz.
+  /// Performs all pending work. Call it about every 5 ms; set-points are sent at 50 Hz.
   void tick(Time now);
 
   [[nodiscard]] std::vector<WireMessage> take_output() { return link_.take_output(); }
-  /// For VEHICLE_R: flight safety's view, and in its reasons what the autopilot refuses or waits
-  /// for.
+  /// Returns the status for VEHICLE_R: that of flight safety, with what the autopilot refuses or
+  /// waits for in its reasons.
   [[nodiscard]] models::VehicleStatus status(Time now) const;
-  /// True once after the state or the reasons have changed.
+  /// Returns true once after the state or the reasons have changed.
   [[nodiscard]] bool take_news() { return std::exchange(has_news_, false); }
   [[nodiscard]] std::vector<models::NamedCount> counters() const;
   [[nodiscard]] const Telemetry& telemetry() const { return link_.telemetry(); }
@@ -89,8 +89,9 @@ class QuadrotorDriver {
   FlightSequence sequence_;
   models::VehicleLimits vehicle_;
   GuardOutput orders_;
-  std::optional<double> ground_m_;  ///< height of the body when it was last seen standing unarmed
-  std::optional<Time> mode_ordered_at_;  ///< stamp of the last order that takes the mode
+  /// m; height at which the body was last seen unarmed on the ground
+  std::optional<double> ground_m_;
+  std::optional<Time> mode_ordered_at_;  ///< stamp of the last order that may take the mode
   Time last_setpoint_{};
   Time next_setpoint_{};
   Time next_pose_{};
@@ -98,10 +99,10 @@ class QuadrotorDriver {
   std::optional<Time> battery_reported_;
   std::optional<Time> telemetry_reported_;
   bool has_news_ = false;
-  bool lands_blind_ = false;  ///< the autopilot's landing under way began without poses
-  double settled_s_ = 0.0;    ///< since poses came without a gap
-  bool is_hurried_ = false;   ///< to end
-  Time motors_wanted_at_{};   ///< when it was last to run its motors
+  bool lands_blind_ = false;  ///< the current landing by the autopilot began without poses
+  double settled_s_ = 0.0;    ///< s; time without a gap in the poses
+  bool is_hurried_ = false;   ///< ends without waiting for a steered landing
+  Time motors_wanted_at_{};   ///< last time that the motors were wanted
   std::int64_t poses_refused_ = 0;
   std::int64_t poses_unseen_ = 0;
 };

@@ -5,13 +5,14 @@
 namespace vantage::drivers {
 namespace {
 
-// More than a second of set-points before the mode is asked for.
+// More than a second of set-points before the mode is requested.
 constexpr Duration kProofOfLife = std::chrono::milliseconds(1500);
 constexpr Duration kModePause = std::chrono::seconds(1);
-constexpr Duration kTakeOffPause = std::chrono::seconds(3);  // its motors spool up first
+constexpr Duration kTakeOffPause = std::chrono::seconds(3);  // the motors spool up first
 constexpr Duration kArmPause = std::chrono::seconds(2);
 constexpr Duration kKillPeriod = std::chrono::milliseconds(100);
-constexpr Duration kSaidBefore = std::chrono::milliseconds(500);  // and heard later
+// longest delay between report and reception
+constexpr Duration kSaidBefore = std::chrono::milliseconds(500);
 constexpr Duration kDisarmAfterLanding = std::chrono::seconds(5);
 constexpr Duration kLeftInTheAir = std::chrono::seconds(1);
 constexpr double kClimbedM = 0.25;
@@ -35,7 +36,7 @@ void FlightSequence::set_goal(FlightGoal goal) {
     was_ours_ = false;
     streaming_since_.reset();
   }
-  // Armed on the ground and flying are the same mode; a lost one is not taken by going on.
+  // Armed on the ground and flying use the same mode; the change does not retake a lost mode.
   const bool goes_on = goal_ == FlightGoal::kArm && goal == FlightGoal::kFly;
   if (!goes_on) {
     has_mode_ = false;
@@ -52,8 +53,8 @@ bool FlightSequence::step(AutopilotLink& link, const Situation& situation) {
   const Telemetry& telemetry = link.telemetry();
   waiting_for_.reset();
   if (!telemetry.is_connected(situation.now) && goal_ != FlightGoal::kKill) {
-    // What was said before the silence may not have been heard; flying vehicles still get their
-    // set-points, and the order to land: what we do not hear may hear us.
+    // Earlier commands may not have been received. A flying vehicle still gets set-points and the
+    // command to land, since only the direction from the autopilot to us may be broken.
     if (was_armed_ && goal_ == FlightGoal::kLand) {
       is_mode_lost_ = is_pilots(telemetry.mode());
       if (!is_mode_lost_) {
@@ -89,11 +90,12 @@ bool FlightSequence::rest(AutopilotLink& link, Time now) {
   streaming_since_.reset();
   has_climbed_ = false;
   if (link.commands().is_under_way(arm_command(true).command) && !link.telemetry().is_armed()) {
-    link.want(arm_command(false), now, kArmPause);  // an order to arm that may yet be heard
+    link.want(arm_command(false), now,
+              kArmPause);  // a pending command to arm may still be received
   }
   disarm_on_ground(link, now, Duration{0});
-  // In the air and in the mode that we fly it in: an earlier run of this driver left it there.
-  // Flight safety holds it there when it knows where it is; nobody else is going to bring it down.
+  // In the air and in our mode: an earlier run of this driver left it there. Flight safety holds it
+  // there if it knows the position; otherwise this landing is the only way down.
   const Telemetry& telemetry = link.telemetry();
   const bool is_left =
       telemetry.is_armed() && !telemetry.is_on_ground() && telemetry.mode() == traits_.follow_mode;
@@ -135,7 +137,7 @@ bool FlightSequence::fly(AutopilotLink& link, const Situation& situation) {
     come_into_mode();
   } else if (has_mode_ || is_pilots(telemetry.mode())) {
     is_mode_lost_ = true;
-    return traits_.wants_proof_of_life;  // so that the mode can be taken again
+    return traits_.wants_proof_of_life;  // required to take the mode again
   } else {
     waiting_for_ = mode_name(dialect_, traits_.follow_mode) + " mode";
     if (!streaming_since_) {
@@ -149,7 +151,7 @@ bool FlightSequence::fly(AutopilotLink& link, const Situation& situation) {
   if (goal_ == FlightGoal::kArm) {
     return traits_.wants_proof_of_life;
   }
-  // The first lift is a small one.
+  // The first lift is small.
   const double climbed_m = std::min(kClimbedM, 0.4 * situation.take_off_height_m);
   has_climbed_ = has_climbed_ || situation.height_error_m < climbed_m || situation.is_landing;
   if (has_climbed_) {
@@ -178,7 +180,7 @@ bool FlightSequence::land(AutopilotLink& link, Time now, bool is_armed) {
   if (telemetry.mode() == traits_.land_mode) {
     come_into_mode();
     waiting_for_ = "touch-down";
-    return traits_.wants_proof_of_life;  // so that the landing can be steered again
+    return traits_.wants_proof_of_life;  // required to steer the landing again
   }
   if (has_mode_ || is_pilots(telemetry.mode())) {
     is_mode_lost_ = true;
@@ -190,8 +192,8 @@ bool FlightSequence::land(AutopilotLink& link, Time now, bool is_armed) {
 }
 
 void FlightSequence::kill(AutopilotLink& link, Time now) {
-  // Heartbeats come once a second: the last one may be of before an order to arm that has been
-  // obeyed since, or is still on its way.
+  // Heartbeats come at 1 Hz: the last one may be older than a command to arm that was obeyed since
+  // or is still pending.
   const Telemetry& telemetry = link.telemetry();
   kill_since_ = kill_since_.value_or(now);
   const bool is_said_since =

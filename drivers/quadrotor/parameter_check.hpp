@@ -11,12 +11,11 @@
 
 namespace vantage::drivers {
 
-/// Asks an autopilot for every parameter that there is a rule for, judges what it answers, and
-/// mends it when told to. Bytes and time are others' business.
+/// Reads all parameters of an autopilot for which there is a rule, checks them, and corrects them
+/// on request. It does no input or output.
 ///
-/// A few questions are under way at a time, so that a radio is not flooded; each is repeated until
-/// it is answered, and given up after a few times: autopilots do not answer to names they do not
-/// know.
+/// A few requests are pending at a time, so that a radio link is not flooded. Each is repeated a
+/// few times and then given up, since autopilots do not answer requests for unknown names.
 class ParameterCheck {
  public:
   static constexpr Duration kAnswerWait = std::chrono::milliseconds(500);
@@ -26,45 +25,46 @@ class ParameterCheck {
 
   ParameterCheck(models::AutopilotDialect dialect, const std::vector<wire::ParameterRule>& rules);
 
-  /// One rule and what is known of it.
+  /// Rule and the known value of its parameter.
   struct Entry {
     wire::ParameterRule rule;
-    std::optional<double> actual;  ///< nullopt: not answered yet, or not there
-    bool is_settled = false;       ///< answered, or given up
+    std::optional<double> actual;  ///< nullopt: not answered yet, or no such parameter
+    bool is_settled = false;       ///< answered or given up
     [[nodiscard]] bool is_kept() const { return actual && rule.accepts(*actual); }
   };
 
-  /// Forgets every value: what answers now may be another vehicle, or a restarted one.
+  /// Forgets all values: another or a restarted vehicle may answer from now on.
   void restart();
-  /// Whatever the autopilot says of a parameter, asked for or not.
+  /// Takes a value from the autopilot, requested or not.
   void take(const wire::mavlink::ParamValue& value, Time now);
-  /// Has every existing parameter that breaks its rule set to its value, and read back.
+  /// Requests that each existing parameter that violates its rule is set and read back.
   void mend();
 
   struct Due {
     std::vector<wire::mavlink::ParamRequestRead> reads;
     std::vector<wire::mavlink::ParamSet> sets;
   };
-  /// What is to be said now, without the target. Old values are asked for again.
+  /// Returns the messages to send now, without the target. Old values are requested again.
   Due due(Time now);
 
-  /// All are answered or given up.
+  /// True if all parameters are answered or given up.
   [[nodiscard]] bool is_complete() const { return settled() == entries_.size(); }
   [[nodiscard]] std::size_t settled() const;
-  /// Every rule that matters for safety is known to be kept.
+  /// True if all rules that matter for safety are known to be met.
   [[nodiscard]] bool is_kept() const;
-  /// Of this parameter; nullopt for one without a rule, or not known.
+  /// Returns the value of a parameter; nullopt without a rule, or if unknown.
   [[nodiscard]] std::optional<double> value(const std::string& name) const;
-  /// By the order of the rules.
+  /// Returns the entries in the order of the rules.
   [[nodiscard]] std::vector<Entry> entries() const;
-  /// Why the vehicle must not be armed, in words: a few differences, or how far the reading is.
+  /// Returns why the vehicle must not be armed, in words: a few differences, and the progress of
+  /// reading.
   [[nodiscard]] std::vector<std::string> reasons() const;
 
  private:
   struct Item {
     Entry known;
     std::uint8_t type = wire::mavlink::parameter_type::kFloat;
-    int asked = 0;  ///< since it was settled last
+    int asked = 0;  ///< requests since it was last settled
     std::optional<Time> next_ask;
     Time answered{};
     bool is_to_be_set = false;

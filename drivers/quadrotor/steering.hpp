@@ -8,10 +8,10 @@
 
 namespace vantage::drivers {
 
-/// Turns where a vehicle is asked to be into what its autopilot is told: place, velocity,
-/// acceleration, heading and turn. The autopilot closes the loop. The speed asked for is cut at the
-/// vehicle's limit, and the place at kReachM from where the body is seen, so that no error makes it
-/// dash.
+/// Returns the autopilot set-point for the commanded motion `asked`: position, velocity,
+/// acceleration, yaw and yaw rate. The autopilot closes the loop. The speed is limited to the
+/// vehicle's limit, and the position to kReachM from the body seen, so that no error causes a
+/// sudden fast motion.
 /// Precondition: asked.kind is kTrack.
 Setpoint steer(const FlightSetpoint& asked, const std::optional<BodyState>& seen,
                const models::VehicleLimits& limits);

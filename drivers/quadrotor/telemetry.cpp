@@ -26,7 +26,7 @@ constexpr Duration kThrustLossAge = std::chrono::seconds(10);
 // throttle.
 constexpr std::string_view kThrustLoss = "Potential Thrust Loss";
 constexpr int kSystemBattery = 256;  // SYS_STATUS; the ids of BATTERY_STATUS are below
-// A better round trip is forgotten slowly, so that drift of the clocks is followed.
+// The best round trip is forgotten slowly, so that clock drift is followed.
 constexpr std::int64_t kRoundTripForgettingNs = 20'000;
 
 }  // namespace
@@ -38,7 +38,7 @@ void Telemetry::take(const wire::mavlink::Frame& frame, Time now) {
   } else if (const auto state = wire::mavlink::unpack<wire::mavlink::ExtendedSysState>(frame)) {
     landed_state_ = state->landed_state;
   } else if (const auto battery = wire::mavlink::unpack<wire::mavlink::BatteryStatus>(frame)) {
-    // Of its cells, or the whole in the first ones; 0xFFFF where there is none.
+    // Voltages of the cells, or the total in the first entries; 0xFFFF if absent.
     double voltage_mv = 0.0;
     for (const std::uint16_t part_mv : battery->voltages) {
       voltage_mv += part_mv == kNoVoltage ? 0.0 : part_mv;
@@ -133,7 +133,7 @@ void Telemetry::take_battery(int source, std::int8_t remaining_percent, double v
 void Telemetry::take_timesync(const wire::mavlink::Timesync& reply, Time now) {
   const std::int64_t now_ns = to_utime(now) * 1000;
   if (reply.tc1 == 0 || reply.ts1 > now_ns || reply.ts1 < now_ns - 1'000'000'000) {
-    return;  // a request, or an answer to nothing that was asked in the last second
+    return;  // a request, or a reply to no request of the last second
   }
   const std::int64_t round_trip_ns = now_ns - reply.ts1;
   if (!clock_offset_ns_ || round_trip_ns <= round_trip_best_ns_) {

@@ -1,5 +1,5 @@
-// vantage-quadrotor: flies one quadrotor with a MAVLink autopilot. VICON, PLAN_*, COMMAND and
-// SCENARIO in, VEHICLE_R out; one process per robot.
+// vantage-quadrotor: flies one quadrotor with a MAVLink autopilot. Subscribes to VICON, PLAN_*,
+// COMMAND and SCENARIO, publishes VEHICLE_R; one process per robot.
 
 #include <memory>
 

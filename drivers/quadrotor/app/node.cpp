@@ -8,7 +8,7 @@ namespace vantage::drivers {
 namespace {
 
 constexpr Duration kTickPeriod = std::chrono::milliseconds(5);
-// A landing looks for a free spot for 20 s at most, then comes down whatever is below.
+// A landing waits for a free spot for at most 20 s, then descends whatever is below.
 constexpr Duration kLanding = std::chrono::seconds(45);
 
 std::string key_file_of(const scenario::Scenario& scenario, const std::string& robot) {
