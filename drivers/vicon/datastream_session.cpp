@@ -11,9 +11,10 @@
 namespace vantage::drivers::vicon {
 namespace {
 
-/// So short that a pause of the server is not mistaken for a queue of kQueuedMax (FrameClock).
+/// Short enough that a pause of the server is not mistaken for a queue of kQueuedMax (FrameClock).
 constexpr Duration kPingPeriod = std::chrono::milliseconds(50);
-/// Frames without any pose are believed after this long: nobody is seen, or a server has no poses.
+/// Frames without poses are accepted after this time: no body is visible, or the server has no
+/// poses.
 constexpr Duration kJunkMax = std::chrono::milliseconds(300);
 constexpr std::size_t kOutgoingMax = std::size_t{64} << 10U;
 constexpr Duration kAskAgain = std::chrono::seconds(1);
@@ -83,7 +84,7 @@ bool DataStreamSession::receive(Moment arrival, wire::vicon::Bytes bytes) {
 template <class Value>
 void DataStreamSession::send(const Value& value) {
   if (outgoing.size() > kOutgoingMax) {
-    return;  // it asks and asks, but does not listen
+    return;  // a server that sends requests but does not read
   }
   wire::vicon::PacketWriter packet(outgoing);
   append(packet, value);
@@ -137,8 +138,8 @@ void DataStreamSession::on_packet(Moment arrival, wire::vicon::Bytes body) {
   }
 }
 
-// A ping's number is the time at which it was sent: an echo that takes longer than the period of
-// pings is measured as well.
+// The id of a ping is its sending time, so that echoes slower than the ping period are measured
+// too.
 void DataStreamSession::on_ping(Moment arrival, const wire::vicon::Ping& ping) {
   const Duration sent{static_cast<std::int64_t>(ping.id)};
   if (sent >= opened_.steady && sent <= arrival.steady) {
@@ -185,7 +186,7 @@ void DataStreamSession::on_time(Moment now) {
   next_wake_ = now.steady + kPingPeriod;
   send(wire::vicon::Ping{static_cast<std::uint64_t>(now.steady.count())});
   if (now.steady - last_asked_.steady >= kAskAgain && mode_ != scenario::StreamMode::kPush) {
-    ask_for_frame(false);  // the answer was lost, or the server stood still
+    ask_for_frame(false);  // the answer was lost, or the server paused
     last_asked_ = now;
   }
 }
@@ -202,8 +203,8 @@ void DataStreamSession::read_static(wire::vicon::Bytes packet) {
       read(*block, application_);
     }
   }
-  // A static set without subjects means none, unless it says that they are as before. Rate and
-  // axis stay what they were said to be: an application does not change them unsaid.
+  // A static set without subjects means that there are none, unless they are unchanged. Rate and
+  // axis stay as stated until they are stated again.
   if (subjects > 0 || !contents_.is_unchanged(wire::vicon::kSubjectInfo)) {
     subjects_.resize(subjects);
   }
@@ -219,7 +220,8 @@ void DataStreamSession::on_subject(std::size_t index, const wire::vicon::Subject
   }
   subject.id = info.subject_id;
   subject.name = info.name;
-  // Tracker names an object's only segment like the object; a skeleton stands on its root.
+  // Tracker gives an object's only segment the name of the object; a skeleton is represented by its
+  // root.
   const auto same_name = std::find_if(info.segments.begin(), info.segments.end(),
                                       [&](const auto& each) { return each.name == info.name; });
   const auto root = std::find_if(info.segments.begin(), info.segments.end(),

@@ -10,12 +10,11 @@
 
 namespace vantage::drivers::vicon {
 
-/// A client of Vicon's DataStream.
+/// Client of Vicon's DataStream.
 ///
-/// The server speaks first and says what it has; the client asks for what poses need, then for
-/// frames in the way of `mode`. What a packet's Contents call unchanged is kept; of static content
-/// the whole set is replaced together. An occluded body is one that was introduced and has no pose
-/// in the frame.
+/// The server first announces its content. The client requests what poses need, then frames in the
+/// manner of `mode`. Content that a packet's Contents block calls unchanged is kept; static content
+/// is replaced as a whole. An occluded body is one that was described and has no pose in the frame.
 class DataStreamSession : public Session {
  public:
   DataStreamSession(scenario::StreamMode mode, scenario::UpAxis up_axis, FrameSink sink);
@@ -25,7 +24,7 @@ class DataStreamSession : public Session {
   void on_time(Moment now) override;
   [[nodiscard]] Duration next_wake() const override { return next_wake_; }
 
-  /// Newest echo of a ping on this connection.
+  /// Returns the newest echo of a ping on this connection.
   [[nodiscard]] const std::optional<Echo>& echo() const { return echo_; }
   [[nodiscard]] double rate_hz() const { return stream_.rate_hz(); }
   [[nodiscard]] bool is_y_up() const;
@@ -35,8 +34,8 @@ class DataStreamSession : public Session {
   struct Subject {
     std::uint32_t id = 0;
     std::string name;
-    std::uint32_t body_segment = 0;  ///< the segment that stands for the subject
-    SeenBody seen;                   ///< but for the name
+    std::uint32_t body_segment = 0;  ///< the segment that represents the subject
+    SeenBody seen;                   ///< without the name
   };
 
   void on_ping(Moment arrival, const wire::vicon::Ping& ping);
@@ -60,16 +59,16 @@ class DataStreamSession : public Session {
   FrameSink sink_;
   wire::vicon::StreamBuffer stream_buffer_;
 
-  // Said by the server, on this connection.
+  // Received from the server on this connection.
   wire::vicon::ObjectEnums offered_;
-  std::uint32_t segments_type_ = 0;  ///< which of 9, 8, 901 was asked for
+  std::uint32_t segments_type_ = 0;  ///< requested type: 9, 8 or 901
   wire::vicon::Contents contents_;
   wire::vicon::StreamInfo stream_;
   wire::vicon::ApplicationInfo application_;
   wire::vicon::FrameInfo frame_;
   wire::vicon::LatencyInfo latency_;
   bool has_latency_ = false;
-  bool has_set_ = false;  ///< frames hold what was asked for
+  bool has_set_ = false;  ///< frames contain the requested content
   std::vector<Subject> subjects_;
 
   Moment opened_;
@@ -77,7 +76,7 @@ class DataStreamSession : public Session {
   Duration next_wake_{Duration::max()};
   std::optional<Echo> echo_;
 
-  // Memory that is used again.
+  // Reused memory.
   wire::vicon::SubjectInfo subject_info_;
   wire::vicon::Segments segments_;
   wire::vicon::LightweightSegments light_segments_;

@@ -6,7 +6,7 @@
 
 namespace vantage::drivers::vicon {
 
-/// A file descriptor that is closed with its owner; −1: none.
+/// File descriptor that is closed with its owner; −1: none.
 class Descriptor {
  public:
   Descriptor() = default;

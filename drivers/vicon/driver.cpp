@@ -16,7 +16,7 @@ using scenario::MocapProtocol;
 constexpr Duration kBackOffMin = std::chrono::milliseconds(100);
 constexpr Duration kBackOffMax = std::chrono::seconds(2);
 constexpr Duration kOpeningMax = std::chrono::seconds(3);
-/// A server that streams is never silent for so long, and one that stands answers pings.
+/// A streaming server is never silent for this long, and an idle one answers pings.
 constexpr Duration kSilenceMax = std::chrono::seconds(3);
 constexpr Duration kNoFrameHint = std::chrono::seconds(2);
 constexpr std::size_t kFirstBytes = 64;
@@ -34,7 +34,7 @@ std::unique_ptr<Session> make_session(const scenario::MocapSpec& spec, FrameSink
   return std::make_unique<DataStreamSession>(spec.mode, spec.up_axis, std::move(sink));
 }
 
-/// Share of the separation by which a pose may be off its prediction: less than half.
+/// Largest distance from the prediction as a share of the separation; less than half.
 constexpr double kGateShare = 0.45;
 
 GateSettings gate_of(const scenario::MocapSpec& spec, double separation_m) {
@@ -48,7 +48,7 @@ GateSettings gate_of(const scenario::MocapSpec& spec, double separation_m) {
   return gate;
 }
 
-/// What to do about a port that belongs to another product; empty when nobody knows.
+/// Returns the remedy for a port that belongs to another product.
 std::string cure_for(wire::vicon::Speaker speaker) {
   switch (speaker) {
     case wire::vicon::Speaker::kDataStream:
@@ -153,7 +153,8 @@ void ViconDriver::receive(Moment arrival, wire::vicon::Bytes bytes) {
                           : std::string("is ") + wire::vicon::name_of(speaker) + ", not " +
                                 wire::vicon::name_of(expected) + cure_for(speaker);
   if (is_datagram_) {
-    status_ = place() + " " + complaint;  // others may send to it as well: keep listening
+    // other hosts may send to this port as well: keep listening
+    status_ = place() + " " + complaint;
   } else {
     close_because(complaint);
   }
@@ -190,7 +191,7 @@ void ViconDriver::on_time(Moment now) {
   session_->on_time(now);
   if (now.steady - last_heard_ > kSilenceMax) {
     if (is_datagram_) {
-      last_heard_ = now.steady;  // say it once a while
+      last_heard_ = now.steady;  // report it only now and then
       status_ = "nothing arrives at " + place() +
                 "; in Tracker turn on the UDP object stream to this host and port";
     } else {

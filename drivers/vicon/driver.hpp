@@ -17,23 +17,24 @@ namespace vantage::drivers::vicon {
 struct LinkCounts {
   std::int64_t connections = 0;
   std::int64_t connections_failed = 0;
-  std::int64_t connections_lost = 0;  ///< closed by the other side, or broken
-  std::int64_t silences = 0;          ///< closed by us: nothing came for too long
+  std::int64_t connections_lost = 0;  ///< closed by the server, or broken
+  std::int64_t silences = 0;          ///< closed by us after a silence
   std::int64_t backlogs = 0;          ///< closed by us to empty a queue of frames
 };
 
-/// The whole driver but its sockets: connections, bytes and time in; frames, bytes and wishes out.
+/// Driver of a mocap server without its sockets. Connections, bytes and time are passed in; it
+/// returns frames, bytes to send, and requests to open or close the connection.
 ///
-/// It wants the link open whenever it is not, for ever, waiting longer after each failure (0.1 s
-/// doubling to 2 s; a frame resets that). It closes a connection whose frames wait in a queue, to
-/// empty the queue, at most once per kBacklogPeriod, and connects again at once. The owner of the
-/// socket does as wants_open() and wants_close() say and reports what happened.
+/// It requests a connection whenever there is none, without limit, and waits longer after each
+/// failure (0.1 s doubling to 2 s; a frame resets this). If frames wait in a queue, it closes the
+/// connection to empty the queue, at most once per kBacklogPeriod, and reconnects at once. The
+/// owner of the socket follows wants_open() and wants_close() and reports the result.
 class ViconDriver {
  public:
   static constexpr Duration kBacklogPeriod = std::chrono::seconds(5);
 
   /// @param publish  called with each good frame, within receive() or on_time()
-  /// @param separation_m  that the scenario's plans keep between bodies; 0: not known
+  /// @param separation_m  distance that the scenario's plans keep between bodies, m; 0: unknown
   ViconDriver(const scenario::MocapSpec& spec, FrameFilter::Publish publish,
               double separation_m = 0.0);
   ~ViconDriver();
@@ -42,10 +43,11 @@ class ViconDriver {
   ViconDriver(ViconDriver&&) = delete;
   ViconDriver& operator=(ViconDriver&&) = delete;
 
-  /// True when datagrams are to be heard at `port`; else a TCP connection is to be made.
+  /// True if datagrams are received at `port`; otherwise a TCP connection is used.
   [[nodiscard]] bool is_datagram() const { return is_datagram_; }
   [[nodiscard]] const std::string& host() const { return spec_.host; }
-  /// True when datagrams are taken from host() alone: the scenario names another than the default.
+  /// True if only datagrams from host() are accepted: the scenario names a host other than the
+  /// default.
   [[nodiscard]] bool has_sender() const {
     return is_datagram_ && spec_.host != scenario::MocapSpec{}.host;
   }
@@ -53,24 +55,24 @@ class ViconDriver {
 
   [[nodiscard]] bool wants_open(Moment now) const;
   [[nodiscard]] bool wants_close() const { return wants_close_; }
-  /// An attempt to open has begun.
+  /// Reports that an attempt to open has begun.
   void on_opening(Moment now);
   void on_opened(Moment now);
-  /// The attempt failed, or the link is gone; `why` in words, for people.
+  /// Reports that the attempt failed or the connection is lost; `why` in words.
   void on_closed(Moment now, const std::string& why);
-  /// The next bytes of the stream, cut anywhere, or one datagram.
+  /// Processes the next bytes of the stream, split anywhere, or one datagram.
   void receive(Moment arrival, wire::vicon::Bytes bytes);
   void on_time(Moment now);
-  /// The steady time by which on_time() wants to be called.
+  /// Returns the steady time at which on_time() must be called.
   [[nodiscard]] Duration next_wake() const;
 
-  /// Bytes to send; the caller erases what it has sent.
+  /// Returns the bytes to send; the caller erases what it has sent.
   std::vector<std::uint8_t>& outgoing() { return session_->outgoing; }
 
-  /// How it stands, in one sentence that says what to do where something can be done.
+  /// Returns the status in one sentence, with the remedy where there is one.
   [[nodiscard]] const std::string& status() const { return status_; }
   [[nodiscard]] bool is_open() const { return state_ == State::kOpen; }
-  /// A frame has come on this connection.
+  /// True if a frame was received on this connection.
   [[nodiscard]] bool has_frames() const { return is_open() && frames_since_open_ > 0; }
   [[nodiscard]] const LinkCounts& link_counts() const { return link_counts_; }
   [[nodiscard]] const WireCounts& wire_counts() const { return session_->counts; }
@@ -91,7 +93,7 @@ class ViconDriver {
   std::unique_ptr<Session> session_;
   State state_ = State::kClosed;
   bool wants_close_ = false;
-  bool is_backlog_ = false;  ///< why it wants to close
+  bool is_backlog_ = false;  ///< reason of wants_close_
   std::optional<Duration> backlog_closed_;
   Duration next_attempt_{};
   Duration back_off_;
@@ -99,7 +101,7 @@ class ViconDriver {
   Duration last_heard_{};
   Duration opened_at_{};
   std::int64_t frames_since_open_ = 0;
-  std::vector<std::uint8_t> first_bytes_;  ///< of this connection, to tell who speaks
+  std::vector<std::uint8_t> first_bytes_;  ///< of this connection, to identify the server
   std::string status_;
   LinkCounts link_counts_;
 };

@@ -10,12 +10,12 @@
 
 namespace vantage::drivers::vicon {
 
-/// Puts a frame together from pieces that do not say how many they are: datagrams with one frame
-/// number, or messages with one time stamp.
+/// Assembly of a frame from an unknown number of pieces: datagrams with one frame number, or
+/// messages with one stamp.
 ///
-/// A frame is handed on as soon as it has every body of the frame before, else when the next one
-/// begins or kPatience after its first piece; the first of all waits, too. So a body that vanishes
-/// costs one frame kPatience of delay, and a system that stands costs none.
+/// A frame is passed on as soon as it has each body of the previous frame. Otherwise it is passed
+/// on when the next one begins, or kPatience after its first piece; so is the very first frame. A
+/// body that vanishes thus delays one frame by kPatience.
 class FrameAssembly {
  public:
   static constexpr Duration kPatience{4'000};
@@ -25,15 +25,15 @@ class FrameAssembly {
   void clear();
   [[nodiscard]] bool is_open() const { return is_open_; }
   [[nodiscard]] SeenFrame& frame() { return frame_; }
-  /// Starts a frame; the one before, if it is still open, is handed on first.
+  /// Starts a frame; passes the previous one on if it is still open.
   SeenFrame& begin(Moment arrival);
-  /// Call after each batch of pieces.
+  /// Passes the frame on if it is complete. Call it after each batch of pieces.
   void hand_on_if_whole();
   void on_time(Moment now);
   [[nodiscard]] std::optional<Duration> next_wake() const;
-  /// The next frame waits for this body.
+  /// Makes the next frame wait for this body.
   void expect(std::string_view name);
-  /// The same, of a body whose piece came after its frame was handed on; frame() has it from now.
+  /// The same for a body whose piece arrived after its frame was passed on; adds it to frame().
   void expect_also(std::string_view name);
 
  private:
@@ -43,7 +43,8 @@ class FrameAssembly {
   SeenFrame frame_;
   bool is_open_ = false;
   bool is_first_ = true;
-  std::vector<std::string> expected_;  ///< memory is reused; the first expected_size_ count
+  /// memory is reused; the first expected_size_ entries are valid
+  std::vector<std::string> expected_;
   std::size_t expected_size_ = 0;
 };
 

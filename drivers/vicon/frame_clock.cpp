@@ -6,25 +6,27 @@
 namespace vantage::drivers::vicon {
 namespace {
 
-/// Greatest difference of the least jitter of two stretches: the error of a pace over its span.
+/// Largest difference of the least jitter of two stretches; over a span it gives the error of a
+/// pace.
 constexpr double kJitter_s = 0.003;
-/// A pace that was learned from so long a stretch stays.
+/// A pace learned from a stretch of this length is final.
 constexpr double kLearned_s = 10.0;
 constexpr double kFitPeriod_s = 1.0;
-/// Frames that come faster than the pace by more, for kBlock_s, have another pace.
+/// Frames that are faster than the pace by a larger share for kBlock_s have another pace.
 constexpr double kFaster = 0.01;
 constexpr double kBlock_s = 1.0;
-/// The line does not rise by the pace's error over a longer gap between two frames.
+/// Longest gap between frames over which the line rises by the error of the pace.
 constexpr double kDriftGap_s = 0.1;
 constexpr double kLate_s = 0.02;
-/// A queue stands if the lateness has not fallen by kEmpties_s in this time and these frames.
+/// A queue stands if the lateness has not fallen by kEmpties_s within this time and number of
+/// frames.
 constexpr double kEmpties_s = 0.02;
 constexpr double kStands_s = 0.05;
 constexpr int kStandsFrames = 5;
-/// An echo that takes longer is slow; a server and a line without a queue may take half of it.
+/// A slower echo counts as slow; half of this time is assumed without a queue.
 constexpr double kSlowEcho_s = 0.1;
 constexpr Duration kSlowFor = std::chrono::seconds(2);
-/// An echo that is faster says what the frames behind it have waited.
+/// A faster echo shows that the frames after it have not waited for long.
 constexpr double kFastEcho_s = 0.05;
 constexpr double kSamePace = 0.01;
 constexpr double kOtherPace = 0.003;
@@ -53,7 +55,7 @@ Duration FrameClock::lateness(const FrameTiming& frame, Duration arrival, Durati
   if (frame.stated_tick_s != stated_s_) {
     const double line_s = std::min(line_s_ + now.arrival_s - last_->arrival_s, now.arrival_s);
     begin(now, frame.stated_tick_s);
-    line_s_ = line_s;  // a new pace empties no queue
+    line_s_ = line_s;  // a new pace does not empty a queue
   }
   const double passed_s = std::clamp(now.arrival_s - last_->arrival_s, 0.0, kDriftGap_s);
   line_s_ += tick_s_ * static_cast<double>(now.tick - last_->tick) + drift_ * passed_s;
@@ -81,7 +83,7 @@ void FrameClock::learn(const FrameMark& now, double late_s) {
     block_.reset();
     return;
   }
-  // If the first frame of the block did not wait, the pace is no longer than the block shows.
+  // If the first frame of the block did not wait, the pace is at most that of the block.
   if (!block_) {
     block_ = now;
     block_late_s_ = late_s;
@@ -106,7 +108,8 @@ void FrameClock::learn(const FrameMark& now, double late_s) {
   }
   next_fit_s_ = span_s + kFitPeriod_s;
   const auto fitted_s = fit_.tick_s();
-  // A later fit may correct an earlier one by the error of that one: more is a queue that grows.
+  // A later fit may correct an earlier one within that one's error; a larger change is a growing
+  // queue.
   if (fitted_s && *fitted_s > 0.0 &&
       (tick_s_ <= 0.0 || std::abs(*fitted_s - tick_s_) <= drift_ * tick_s_)) {
     tick_s_ = *fitted_s;
@@ -114,7 +117,7 @@ void FrameClock::learn(const FrameMark& now, double late_s) {
   }
 }
 
-// Between two frames behind fast echoes none has waited for long: their pace is the server's.
+// Frames after fast echoes have not waited for long: the pace between two of them is the server's.
 void FrameClock::check_stated(const FrameMark& now) {
   if (!is_after_echo_) {
     return;

@@ -9,25 +9,25 @@
 namespace vantage::drivers::vicon {
 namespace {
 
-/// Datagrams overtake each other by a few frames; farther back is a server that began anew.
+/// Datagrams overtake each other by a few frames; a larger step back is a restart of the server.
 constexpr std::int32_t kOvertakenMax = 10;
 constexpr int kOldNumbersMax = 3;
-/// A jump ahead by more is a server that began anew, not frames that were lost.
+/// A larger step ahead is a restart of the server, not a loss of frames.
 constexpr std::int32_t kLostMax = 10'000;
 constexpr Duration kForgetAfter = std::chrono::seconds(60);
-/// Captures may be put right by less; beyond it the stack's clock has been set.
+/// Largest correction of a capture time; a larger step back means that the stack's clock was set.
 constexpr Duration kClockStep = std::chrono::seconds(1);
 constexpr double kMicrosecond_s = 1e-6;
 constexpr std::size_t kNameBytesMax = 128;
-/// As near to another body as this, a jump is a swap of names.
+/// A jump to within this distance of another body is a swap of names.
 constexpr double kSwapDistance_m = 0.3;
-/// A body so near to its own prediction bears its own name.
+/// A body within this distance of its own prediction has its own name.
 constexpr double kOwnPlace_m = 0.05;
-/// Names are swapped if that makes the distances to the predictions shorter by more, per name.
+/// Smallest reduction of the distances to the predictions, per name, that proves a swap of names.
 constexpr double kSwapGain_m = 0.05;
 constexpr std::size_t kComparedMax = 64;
 
-/// UTF-8 without control characters: what a message may carry.
+/// True for a name that a message may contain: UTF-8 without control characters.
 bool is_name(const std::string& name) {
   return !name.empty() && name.size() <= kNameBytesMax && is_utf8(name) &&
          std::none_of(name.begin(), name.end(), [](char c) {
@@ -43,7 +43,7 @@ FrameFilter::FrameFilter(const GateSettings& gate, Duration latency_assumed, Pub
       latency_assumed_(latency_assumed),
       publish_(std::move(publish)),
       assignment_(static_cast<int>(kComparedMax), static_cast<int>(kComparedMax)) {
-  bodies_.reserve(kBodiesMax);  // pointers into it stay good
+  bodies_.reserve(kBodiesMax);  // keeps pointers into it valid
   compared_.reserve(kComparedMax);
   predicted_m_.reserve(kBodiesMax);
   cost_m_.reserve(kComparedMax * kComparedMax);
@@ -60,7 +60,7 @@ void FrameFilter::on_opened() {
 
 bool FrameFilter::is_next(std::uint32_t number) {
   if (last_number_) {
-    // Modulo 2³²: the counter may wrap.
+    // modulo 2³², since the counter may wrap
     const auto ahead = static_cast<std::int32_t>(number - *last_number_);
     if (ahead == 0) {
       ++counts_.frames_repeated;
@@ -83,7 +83,7 @@ bool FrameFilter::is_next(std::uint32_t number) {
   return true;
 }
 
-// A latency that is long is reported as it is: the assumed one would make an old frame new.
+// A long latency is accepted as stated: with the assumed one an old frame would appear new.
 Duration FrameFilter::latency_of(const SeenFrame& seen) {
   if (!seen.latency_s) {
     return latency_assumed_;
@@ -123,7 +123,7 @@ void FrameFilter::watch_backlog(Duration now) {
 
 Time FrameFilter::capture_time(Time arrival, Duration since_capture) {
   Time capture = arrival - since_capture;
-  // Latencies jump, and frames of one instant arrive together; time must not stand still for that.
+  // Latencies jump and frames may arrive together, but capture times must increase.
   const Time next = last_capture_ + Duration{1};
   if (capture < next && next - capture < kClockStep && next <= arrival) {
     capture = next;
@@ -134,7 +134,7 @@ Time FrameFilter::capture_time(Time arrival, Duration since_capture) {
 
 FrameFilter::Body* FrameFilter::find(const std::string& name, std::size_t hint) {
   if (hint < bodies_.size() && bodies_[hint].name == name) {
-    return &bodies_[hint];  // servers keep their order, mostly
+    return &bodies_[hint];  // servers usually keep their order
   }
   const auto found = std::find_if(bodies_.begin(), bodies_.end(),
                                   [&](const Body& body) { return body.name == name; });
@@ -207,7 +207,7 @@ void FrameFilter::compare(std::size_t body) {
   }
 }
 
-// long: one assignment, from the bodies that take part to the marks.
+// long: one assignment, from the selection of the bodies to the marks
 void FrameFilter::find_swaps(Duration now) {
   const auto has_pose = [&](std::size_t i) {
     return bodies_[i].seen != nullptr && bodies_[i].seen->sight == Sight::kSeen;
@@ -221,7 +221,7 @@ void FrameFilter::find_swaps(Duration now) {
       predicted_m_[i] = bodies_[i].gate.predicted_m(now);
     }
   }
-  // Only a body that is away from its own prediction and nearer to another one can be swapped.
+  // Only a body away from its own prediction and nearer to another one can be swapped.
   compared_.clear();
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     if (!has_pose(i) || !bodies_[i].gate.is_predicted(now)) {

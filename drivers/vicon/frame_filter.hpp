@@ -14,40 +14,41 @@
 
 namespace vantage::drivers::vicon {
 
-/// What the filter counts, since it was made.
+/// Counters of the filter since its construction.
 struct FrameCounts {
   std::int64_t frames = 0;           ///< published
-  std::int64_t frames_lost = 0;      ///< numbers that never came
-  std::int64_t frames_repeated = 0;  ///< dropped: a number that had come before
+  std::int64_t frames_lost = 0;      ///< missing frame numbers
+  std::int64_t frames_repeated = 0;  ///< dropped: repeated frame number
   std::int64_t frames_late = 0;      ///< dropped: overtaken by a newer one
   std::int64_t frames_queued = 0;  ///< dropped: waited longer than kQueuedMax in an emptying queue
   std::int64_t frames_waited = 0;  ///< of `frames`: waited longer than kQueuedMax
-  std::int64_t server_restarts = 0;    ///< numbers that began anew
-  std::int64_t latencies_refused = 0;  ///< not finite, negative or beyond belief
+  std::int64_t server_restarts = 0;    ///< restarts of the numbering
+  std::int64_t latencies_refused = 0;  ///< not finite, negative or above kLatencyPossible_s
   std::int64_t poses_zero = 0;
-  std::int64_t poses_refused = 0;  ///< not finite, no rotation, beyond any room
+  std::int64_t poses_refused = 0;  ///< not finite, not a rotation, or outside any room
   std::int64_t poses_stuck = 0;
   std::int64_t poses_outlying = 0;
   std::int64_t poses_flipped = 0;
-  std::int64_t poses_swapped = 0;  ///< of outlying ones: at another body's position
+  std::int64_t poses_swapped = 0;  ///< not in poses_outlying: at another body's position
   std::int64_t poses_unconfirmed = 0;
   std::int64_t names_refused = 0;  ///< empty, not UTF-8, or too many
   std::int64_t names_twice = 0;    ///< dropped: a second body of the same name in one frame
 };
 
-/// Judges frames and turns them into what is published: every body ever seen (of protocols that
-/// list all: every body listed), by name, in a stable order; one without a good pose is occluded.
+/// Filter that checks frames and converts them into messages. A message contains every body seen so
+/// far, or listed where a protocol lists all, in a stable order. A body without a good pose is
+/// occluded.
 ///
-/// Capture time is arrival less the latency that the server states, or less `latency_assumed` where
-/// that is not in [0, kLatencyPossible_s], and less the time for which the
-/// frame has waited in a queue (FrameClock); it is later than that of the frame before whenever
-/// that is possible without passing the arrival. While a queue empties, frames that waited longer
-/// than kQueuedMax are dropped: newer ones are right behind them. Frames of a queue that stands are
-/// published with the latency that they have. A frame costs no allocation once all bodies are
-/// known.
+/// The capture time is the arrival less the latency that the server states, or less
+/// `latency_assumed` if that is not in [0, kLatencyPossible_s], and less the time that the frame
+/// waited in a queue (FrameClock). It increases from frame to frame unless that would exceed the
+/// arrival or the clock was set. While a queue empties, frames that waited longer than kQueuedMax
+/// are dropped, since newer ones follow at once. Frames of a standing queue are published with
+/// their latency. A frame does not allocate once all bodies are known.
 class FrameFilter {
  public:
-  /// A computer that is overloaded holds frames for seconds, and says so; more is no latency.
+  /// Largest latency that is accepted, s; an overloaded server holds frames for seconds and states
+  /// it.
   static constexpr double kLatencyPossible_s = 10.0;
   static constexpr Duration kQueuedMax{100'000};
   static constexpr Duration kWaitedMax{10'000'000};  ///< a frame that waited longer is dropped
@@ -58,13 +59,13 @@ class FrameFilter {
   FrameFilter(const GateSettings& gate, Duration latency_assumed, Publish publish);
 
   void accept(const SeenFrame& seen);
-  /// A new connection: numbers begin anew, bodies stay who they are.
+  /// Reports a new connection: the numbering restarts, bodies are kept.
   void on_opened();
 
   /// True if frames have waited longer than kQueuedMax for kBehindFor without a break. Only a new
   /// connection empties such a queue.
   [[nodiscard]] bool is_behind() const { return is_behind_; }
-  /// Time for which the newest frame has waited in a queue.
+  /// Returns the time that the newest frame waited in a queue.
   [[nodiscard]] Duration waited() const { return waited_; }
 
   [[nodiscard]] const FrameCounts& counts() const { return counts_; }
@@ -75,12 +76,12 @@ class FrameFilter {
     PoseGate gate;
     Duration last_listed{};
     bool is_in_frame = false;
-    const SeenBody* seen = nullptr;  ///< in the frame at hand, if it has a pose there
+    const SeenBody* seen = nullptr;  ///< pose in the current frame, if it has one
     bool is_swapped = false;         ///< its pose fits another body's prediction better
   };
 
   [[nodiscard]] bool is_next(std::uint32_t number);
-  /// The stack's time less the result is when the frame was captured.
+  /// Returns the accepted latency of a frame.
   [[nodiscard]] Duration latency_of(const SeenFrame& seen);
   [[nodiscard]] Duration wait_of(const SeenFrame& seen, Duration latency);
   void watch_backlog(Duration now);
@@ -90,7 +91,7 @@ class FrameFilter {
   /// Assigns the positions of the frame to the names by their predictions, over all bodies at once,
   /// and marks the bodies whose position belongs to another name.
   void find_swaps(Duration now);
-  /// Adds the body to those among which positions are assigned.
+  /// Adds a body to those whose positions are assigned.
   void compare(std::size_t body);
   void forget(const SeenFrame& seen);
   void place(const SeenBody& seen, Body& body, Duration now, models::MocapBody& out);
@@ -99,20 +100,20 @@ class FrameFilter {
   GateSettings gate_;
   Duration latency_assumed_;
   Publish publish_;
-  std::vector<Body> bodies_;  ///< the i-th is out_.bodies[i]
+  std::vector<Body> bodies_;  ///< bodies_[i] is out_.bodies[i]
   models::MocapFrame out_;
   std::optional<std::uint32_t> last_number_;
-  int old_numbers_ = 0;      ///< in a row
-  std::int64_t number_ = 0;  ///< the last one, without its wraps
+  int old_numbers_ = 0;      ///< consecutive
+  std::int64_t number_ = 0;  ///< last number, without wraps
   AssignmentSolver assignment_;
   std::vector<std::size_t> compared_;  ///< bodies whose positions are assigned; seen ones first
   std::vector<Eigen::Vector3d> predicted_m_;
   std::vector<double> cost_m_;
   FrameClock clock_;
   Duration waited_{};
-  std::optional<Duration> waits_since_;  ///< steady; frames wait longer than kQueuedMax
+  std::optional<Duration> waits_since_;  ///< steady; since when frames wait longer than kQueuedMax
   bool is_behind_ = false;
-  Duration echo_taken_{};  ///< arrival of the newest echo that `clock_` has been given
+  Duration echo_taken_{};  ///< arrival of the newest echo passed to `clock_`
   Time last_capture_{};
   FrameCounts counts_;
 };

@@ -34,7 +34,7 @@ void ObjectStreamSession::open(Moment /*now*/) {
 bool ObjectStreamSession::receive(Moment arrival, wire::vicon::Bytes datagram) {
   const bool is_block = wire::vicon::decode_object_block(datagram, block_);
   if (!is_block || block_.objects.empty() || block_.is_truncated) {
-    // A packet of a DataStream, too, begins like some frame of some objects.
+    // A packet of a DataStream may also look like the begin of a frame.
     const wire::vicon::Speaker speaker = wire::vicon::identify_datagram(datagram);
     if (speaker == wire::vicon::Speaker::kDataStream || speaker == wire::vicon::Speaker::kVrpn) {
       ++counts.broken_streams;
@@ -47,11 +47,12 @@ bool ObjectStreamSession::receive(Moment arrival, wire::vicon::Bytes datagram) {
   }
   counts.broken_blocks += block_.is_truncated ? 1 : 0;
   if (block_.is_truncated && block_.objects.empty()) {
-    return true;  // noise: it must not even count as a frame
+    return true;  // noise, not even counted as a frame
   }
   const bool is_continued = last_number_ == block_.frame_number;
   if (is_continued && !assembly_.is_open()) {
-    // The frame was thought whole. What it lacked comes a frame late, from now on in time.
+    // The frame was assumed complete. The missing bodies come one frame late, and in time from now
+    // on.
     bool is_news = false;
     for (const wire::vicon::TrackerObject& object : block_.objects) {
       if (!assembly_.frame().has(object.name())) {

@@ -6,14 +6,14 @@
 
 namespace vantage::drivers::vicon {
 
-/// Listens to Tracker's UDP object stream: one way, frames of one or more datagrams.
+/// Receiver of Tracker's UDP object stream: one direction, frames of one or more datagrams.
 class ObjectStreamSession : public Session {
  public:
   ObjectStreamSession(bool is_y_up, FrameSink sink);
 
   void open(Moment now) override;
-  /// One datagram. A foreign one is dropped and counted as a broken stream; true unless it is
-  /// known to be of another product.
+  /// Processes one datagram. A foreign one is dropped and counted as a broken stream. Returns true
+  /// unless it is known to be from another product.
   [[nodiscard]] bool receive(Moment arrival, wire::vicon::Bytes datagram) override;
   void on_time(Moment now) override { assembly_.on_time(now); }
   [[nodiscard]] Duration next_wake() const override;
@@ -22,7 +22,7 @@ class ObjectStreamSession : public Session {
   bool is_y_up_;
   FrameAssembly assembly_;
   wire::vicon::ObjectBlock block_;
-  std::optional<std::uint32_t> last_number_;  ///< of the newest frame begun
+  std::optional<std::uint32_t> last_number_;  ///< number of the newest frame
 };
 
 }  // namespace vantage::drivers::vicon

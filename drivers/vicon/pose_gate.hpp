@@ -11,63 +11,66 @@
 
 namespace vantage::drivers::vicon {
 
-/// What the gate makes of a pose.
+/// Verdict of the gate on a pose.
 enum class Verdict {
   kGood,
-  kStuck,        ///< the same as before, bit by bit, too often for a live measurement
-  kOutlier,      ///< no body moves that fast
-  kFlip,         ///< nor turns that fast: markers taken for each other
-  kUnconfirmed,  ///< first of a body that was long unseen
+  kStuck,        ///< identical to previous poses too often for a live measurement
+  kOutlier,      ///< farther away than a body can move
+  kFlip,         ///< a larger turn than a body can make: markers were confused
+  kUnconfirmed,  ///< of a body that was long unseen, and not confirmed yet
 };
 
 struct GateSettings {
-  double speed_max_mps = 10.0;     ///< 0: no gate
-  double turn_max_radps = 20.0;    ///< 0: attitudes are not judged
-  double jump_margin_m = 0.15;     ///< allowed on top of the speed: noise, and frames that bunch
-  double turn_margin_rad = 0.5;    ///< likewise
-  Duration lost_after{1'000'000};  ///< unseen for so long, a body may be anywhere
-  /// Greatest distance from the prediction at constant velocity, however long the gap: less than
-  /// half of what keeps two bodies apart, so that another body's pose does not pass.
+  double speed_max_mps = 10.0;   ///< 0: no gate
+  double turn_max_radps = 20.0;  ///< 0: attitudes are not checked
+  double jump_margin_m = 0.15;   ///< m; in addition to the reach by speed: noise and bunched frames
+  double turn_margin_rad = 0.5;  ///< rad; the same for the attitude
+  Duration lost_after{1'000'000};  ///< a body unseen for longer may be anywhere
+  /// Largest distance from the constant-velocity prediction for any gap, m. It is less than half of
+  /// the separation between bodies, so that another body's pose does not pass.
   double predicted_max_m = std::numeric_limits<double>::infinity();
-  /// A swap of names is certain after a gap no longer than this; predictions are good by then.
+  /// Longest gap after which a swap of names is certain; predictions are good for this long.
   Duration swap_certain{400'000};
-  /// The limits over what bodies usually do: 2 m/s and 4 rad/s, twice what flies in a laboratory.
+  /// Ratio of the limits to usual motions: 2 m/s and 4 rad/s, twice the values of flights in the
+  /// lab.
   int usual_divisor = 5;
-  int confirm_frames = 5;  ///< of a lost one, consistent with each other, before it is back
-  /// A jump is believed after the poses since were consistent with each other for so long. By then
-  /// whoever flies on this body has been without it for long enough to land (design §6).
+  int confirm_frames = 5;  ///< consistent poses required of a lost body
+  /// A jump is accepted after its poses were consistent for this time. By then a vehicle that uses
+  /// this body has been without a pose for long enough to land (design §6).
   Duration believe_jump_after{2'000'000};
-  int stuck_frames = 3;  ///< repetitions; 0: not judged
+  int stuck_frames = 3;  ///< repetitions; 0: not checked
 };
 
-/// Decides, pose by pose, whether one body can be where it is said to be.
+/// Gate that decides pose by pose whether a body can be where the server reports it.
 ///
-/// A good pose is within reach of the last good one. One that is not starts a chain of candidates;
-/// later poses belong to the chain as long as they are within reach of its end, and stay refused
-/// until the chain is believed. A pose within reach of the last good one is good again at once if
-/// it is outside the chain, or farther from the chain's end than bodies usually go and nearer to
-/// the good one: the chain's reach grows with every gap, and takes in where the body really is.
-/// A chain that began where another body was (`is_other`), or with a pose that fits another body's
-/// prediction better after a short gap, is never believed: names have been swapped. Such a chain
-/// ends when the body goes farther than bodies usually go, or is unseen for lost_after.
+/// A pose is good if it is within reach of the last good one. Any other pose starts a chain of
+/// candidates. Later poses within reach of the chain's end extend the chain, and are refused until
+/// the chain is accepted. A pose within reach of the last good one and outside the chain is good at
+/// once. So is a pose that is farther from the chain's end than bodies usually move, and nearer to
+/// the last good pose: the reach of the chain grows with each gap and may include the true
+/// position.
+///
+/// A chain is never accepted if it began at the position of another body (`is_other`), or after a
+/// short gap with a pose that fits another body's prediction better: names have been swapped. Such
+/// a chain ends when the body moves farther than bodies usually do, or is unseen for lost_after.
 class PoseGate {
  public:
   explicit PoseGate(const GateSettings& settings) : settings_(settings) {}
 
-  /// @param is_other    whether a position is that of another body now; asked when a chain begins
+  /// @param is_other    true for a position of another body now; called when a chain begins
   /// @param is_swapped  the pose fits another body's prediction better than this one's
   template <class IsOther>
   Verdict judge(Duration now, const Pose3& pose, const IsOther& is_other, bool is_swapped = false);
 
-  /// True if the body was good so recently that its position can be predicted.
+  /// True if the body was good recently enough for a prediction.
   [[nodiscard]] bool is_predicted(Duration now) const {
     return last_ && now - last_time_ <= settings_.lost_after;
   }
-  /// Last good position, moved on at the last velocity for at most kPredictMax.
+  /// Returns the last good position, extrapolated at the last velocity for at most kPredictMax.
   /// Precondition: is_predicted().
   [[nodiscard]] Eigen::Vector3d predicted_m(Duration now) const;
 
-  /// Where and when the body was last good.
+  /// Returns the last good pose and its time.
   [[nodiscard]] const std::optional<Pose3>& last() const { return last_; }
   [[nodiscard]] Duration last_time() const { return last_time_; }
   [[nodiscard]] bool is_swap_suspected() const { return candidate_ && is_swap_; }
@@ -76,9 +79,9 @@ class PoseGate {
   static constexpr Duration kPredictMax{500'000};
   enum class Reach { kWithin, kTooFar, kTurned };
   [[nodiscard]] Reach reach(const Pose3& from, const Pose3& to, Duration elapsed) const;
-  /// How far apart, in margins, by what is more: place or attitude.
+  /// Returns the larger of the distances in position and attitude, in units of their margins.
   [[nodiscard]] double margins_between(const Pose3& a, const Pose3& b) const;
-  /// Of a pose in reach of both: whether it belongs to the last good one, not to the chain's end.
+  /// True if a pose within reach of both belongs to the last good one, not to the chain.
   [[nodiscard]] bool is_back(Duration now, const Pose3& pose) const;
   [[nodiscard]] bool is_repeated(const Pose3& pose);
   Verdict accept(Duration now, const Pose3& pose);
@@ -94,9 +97,9 @@ class PoseGate {
   Duration candidate_time_{};
   Duration candidate_since_{};
   int candidate_frames_ = 0;
-  Verdict candidate_kind_ = Verdict::kOutlier;  ///< why the chain began
+  Verdict candidate_kind_ = Verdict::kOutlier;  ///< verdict at the begin of the chain
   bool is_swap_ = false;
-  std::optional<Pose3> previous_;  ///< pose before, whatever became of it
+  std::optional<Pose3> previous_;  ///< previous pose, whatever its verdict
   int repetitions_ = 0;
 };
 

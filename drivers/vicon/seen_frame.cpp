@@ -7,7 +7,7 @@
 namespace vantage::drivers::vicon {
 namespace {
 
-/// No room is larger; a pose beyond it is millimetres taken for metres, or garbage.
+/// m; larger positions are millimetres mistaken for metres, or garbage.
 constexpr double kRoomMax_m = 500.0;
 
 }  // namespace

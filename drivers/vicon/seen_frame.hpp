@@ -13,45 +13,46 @@
 
 namespace vantage::drivers::vicon {
 
-/// An instant on both clocks: the stack's, for content, and a steady one (since any start), for
-/// ages and time-outs, which a step of the first must not disturb.
+/// Instant on two clocks: the stack's, for content, and a steady one (with any origin) for ages and
+/// time-outs, which is not affected when the first is set.
 struct Moment {
   Time utime{};
   Duration steady{};
 };
 
-inline constexpr double kMetresPerMillimetre = 1e-3;  ///< servers of Vicon speak of millimetres
+inline constexpr double kMetresPerMillimetre = 1e-3;  ///< Vicon servers use millimetres
 
-/// What a server said of one body.
+/// State of one body in a server's frame.
 enum class Sight {
   kSeen,
-  kAbsent,    ///< it exists, but the frame has no pose of it
-  kZero,      ///< a pose that is exactly nothing: some servers' word for "not seen"
+  kAbsent,    ///< it exists, but has no pose in the frame
+  kZero,      ///< a pose of exact zeros; some servers report unseen bodies this way
   kNotAPose,  ///< not finite, not a rotation, or beyond any room
 };
 
 struct SeenBody {
   std::string name;
   Sight sight = Sight::kAbsent;
-  Pose3 world_from_body;  ///< z up, metres; of a seen one
+  Pose3 world_from_body;  ///< z up, metres; valid if seen
 };
 
-/// The answer to a ping, by the steady clock.
+/// Answer to a ping, by the steady clock.
 struct Echo {
   Duration sent{};
   Duration arrived{};
 };
 
-/// One frame as a server sent it, before any judgement. Its memory is reused from frame to frame.
+/// Frame as a server sent it, unchecked. Its memory is reused for the next frame.
 class SeenFrame {
  public:
   Moment arrival;
-  std::optional<std::uint32_t> number;         ///< of protocols that number their frames
-  std::optional<std::int64_t> server_time_us;  ///< of those that stamp them, by the server's clock
-  std::optional<double> latency_s;             ///< of protocols that tell; not yet believed
-  double rate_hz = 0.0;      ///< at which numbers count, by the server's word; 0: not stated
-  std::optional<Echo> echo;  ///< newest one that arrived before this frame, behind earlier ones
-  bool is_complete_list = false;  ///< a body not in it does not exist any more
+  std::optional<std::uint32_t> number;  ///< of protocols with frame numbers
+  /// µs; of protocols with stamps, by the server's clock
+  std::optional<std::int64_t> server_time_us;
+  std::optional<double> latency_s;  ///< s; of protocols that state it; unchecked
+  double rate_hz = 0.0;      ///< Hz; rate of the frame numbers stated by the server; 0: not stated
+  std::optional<Echo> echo;  ///< newest echo before this frame
+  bool is_complete_list = false;  ///< bodies not in the list do not exist any more
 
   void clear() { size_ = 0; }
   SeenBody& add();
@@ -63,8 +64,8 @@ class SeenFrame {
   std::size_t size_ = 0;
 };
 
-/// Turns what is on the wire into a body's sight: of a pose with `rotation` absent when it was
-/// none. `is_zero`: every number of it was exactly nothing.
+/// Sets the state and pose of `body` from a pose on the wire. `rotation` is nullopt if it was not a
+/// rotation. `is_zero`: all its numbers were exactly zero.
 void set_pose(SeenBody& body, const Eigen::Vector3d& position_m,
               const std::optional<Quaternion>& rotation, bool is_zero, bool is_y_up);
 

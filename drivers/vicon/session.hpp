@@ -12,24 +12,24 @@ namespace vantage::drivers::vicon {
 
 using FrameSink = std::function<void(const SeenFrame&)>;
 
-/// What a session counts, by what went wrong; all since the driver was made.
+/// Counters of a session, since the construction of the driver.
 struct WireCounts {
-  std::int64_t broken_streams = 0;     ///< bytes that are not of the protocol
+  std::int64_t broken_streams = 0;     ///< bytes that do not belong to the protocol
   std::int64_t broken_blocks = 0;      ///< parts of a frame that could not be read
-  std::int64_t frames_before_set = 0;  ///< of a stream that has just been asked for its content
-  std::int64_t unnamed_bodies = 0;     ///< poses of subjects that nobody has introduced
-  std::int64_t late_blocks = 0;        ///< parts of a frame that was thought whole
-  std::int64_t duplicate_blocks = 0;   ///< parts of a frame that had come before
+  std::int64_t frames_before_set = 0;  ///< frames before the requested content begins
+  std::int64_t unnamed_bodies = 0;     ///< poses of subjects that were not described
+  std::int64_t late_blocks = 0;        ///< parts of a frame that was assumed complete
+  std::int64_t duplicate_blocks = 0;   ///< repeated parts of a frame
 };
 
-/// How often a server reports a body by itself.
+/// Rate at which a server reports a body separately.
 struct BodyRate {
   std::string name;
-  double rate_hz = 0.0;  ///< 0: too few reports to tell
+  double rate_hz = 0.0;  ///< 0: too few reports
 };
 
-/// One protocol's side of a conversation, as a pure state machine: bytes and time in, frames (to
-/// the sink, within the call) and bytes out.
+/// Client of one protocol as a pure state machine: bytes and time are passed in; frames (to the
+/// sink, within the call) and bytes to send are returned.
 class Session {
  public:
   Session() = default;
@@ -39,20 +39,21 @@ class Session {
   Session(Session&&) = delete;
   Session& operator=(Session&&) = delete;
 
-  /// A new connection: everything said on the one before is forgotten.
+  /// Starts a new connection and forgets the state of the previous one.
   virtual void open(Moment now) = 0;
-  /// The next bytes of the stream, cut anywhere, or one datagram. False: this is not the protocol,
-  /// and nothing more can be made of this connection.
+  /// Processes the next bytes of the stream, split anywhere, or one datagram. Returns false if the
+  /// bytes do not belong to this protocol and the connection is unusable.
   [[nodiscard]] virtual bool receive(Moment arrival, wire::vicon::Bytes bytes) = 0;
-  /// Time has passed.
+  /// Performs the work that is due.
   virtual void on_time(Moment now) = 0;
-  /// The steady time at which on_time() has something to do.
+  /// Returns the steady time at which on_time() has work to do.
   [[nodiscard]] virtual Duration next_wake() const = 0;
 
-  /// Of each body, in a protocol whose bodies report each at instants of their own; else empty.
+  /// Returns the rate of each body in a protocol in which bodies report at separate instants;
+  /// otherwise empty.
   [[nodiscard]] virtual std::vector<BodyRate> rates() const { return {}; }
 
-  /// Bytes for the server; whoever sends them clears what he sent.
+  /// Bytes for the server; the sender erases what it has sent.
   std::vector<std::uint8_t> outgoing;
   WireCounts counts;
 };

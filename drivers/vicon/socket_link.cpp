@@ -15,13 +15,13 @@
 namespace vantage::drivers::vicon {
 namespace {
 
-constexpr std::size_t kReadBytes = std::size_t{1} << 16U;  // no datagram is longer
+constexpr std::size_t kReadBytes = std::size_t{1} << 16U;  // largest datagram
 constexpr int kReceiveBufferBytes = 4 << 20;               // 4 s of 100 bodies at 100 Hz
 
 std::string reason(int error) { return std::system_category().message(error); }
 
 void set_option(int fd, int level, int name, int value) {
-  setsockopt(fd, level, name, &value, sizeof value);  // best effort: none is vital
+  setsockopt(fd, level, name, &value, sizeof value);  // best effort: none is essential
 }
 
 void enlarge_receive_buffer(int fd) {
@@ -55,7 +55,7 @@ void SocketLink::watch(std::uint32_t events) {
 }
 
 void SocketLink::fail(const std::string& why) {
-  socket_.reset();  // which also leaves the epoll set
+  socket_.reset();  // also removes it from the epoll set
   watched_ = 0;
   is_opening_ = false;
   driver_.on_closed(now_(), why);
@@ -99,7 +99,7 @@ void SocketLink::open_datagram(Moment now) {
     sender_ = sender.value().sin_addr.s_addr;
   }
   socket_.reset(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-  set_option(socket_.fd(), SOL_SOCKET, SO_REUSEADDR, 1);  // others may hear a broadcast as well
+  set_option(socket_.fd(), SOL_SOCKET, SO_REUSEADDR, 1);  // others may receive a broadcast as well
   enlarge_receive_buffer(socket_.fd());
   const sockaddr_in address = address_of(INADDR_ANY, driver_.port());
   if (bind(socket_.fd(), as_sockaddr(address), sizeof address) != 0) {

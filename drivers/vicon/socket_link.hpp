@@ -13,24 +13,24 @@
 
 namespace vantage::drivers::vicon {
 
-/// The driver's socket: opens, closes, reads and writes as the driver wishes, without ever waiting
-/// (but for a name that has to be looked up; addresses are not).
+/// Socket of the driver. It opens, closes, reads and writes on the driver's request without
+/// blocking, except for the lookup of a host name.
 class SocketLink {
  public:
-  /// @param now  what time it is; asked after each read, so it is the arrival time
-  /// @throws StartupError when the system gives no descriptors.
+  /// @param now  returns the current time; called after each read for the arrival time
+  /// @throws StartupError if the system has no free descriptor.
   SocketLink(ViconDriver& driver, std::function<Moment()> now);
 
-  /// Becomes readable when step() has something to do before next_wake().
+  /// Returns a descriptor that becomes readable when step() has work before next_wake().
   [[nodiscard]] int wake_fd() const { return epoll_.fd(); }
   [[nodiscard]] Duration next_wake() const { return driver_.next_wake(); }
-  /// Does what there is to do.
+  /// Performs all pending work.
   void step();
-  /// Datagrams of others than the configured sender.
+  /// Returns the number of datagrams from senders other than the configured one.
   [[nodiscard]] std::int64_t strangers() const { return strangers_; }
 
  private:
-  static constexpr int kReadsMax = 256;  ///< of one step: a flood must not stop the process
+  static constexpr int kReadsMax = 256;  ///< per step: a flood must not block the process
 
   void open(Moment now);
   void open_datagram(Moment now);
@@ -45,7 +45,7 @@ class SocketLink {
   std::function<Moment()> now_;
   Descriptor epoll_;
   Descriptor socket_;
-  std::optional<in_addr_t> sender_;  ///< of datagrams; nullopt: anyone
+  std::optional<in_addr_t> sender_;  ///< accepted sender of datagrams; nullopt: any
   std::int64_t strangers_ = 0;
   bool is_opening_ = false;
   std::uint32_t watched_ = 0;

@@ -8,23 +8,22 @@
 
 namespace vantage::drivers::vicon {
 
-/// Bodies that no camera sees, because they are simulated: a trial of real vehicles and simulated
-/// ones has them in its frames as if they stood in the lab.
+/// Simulated bodies, which no camera sees. In a trial with real and simulated vehicles they are
+/// added to the frames as if they were in the lab.
 ///
-/// Where they are comes from the simulator's TRUTH, whose bodies are the simulated ones and nothing
-/// else, carried on to the instant of the frame by their velocity. What the cameras see wins over a
-/// simulated body of the same name. Real bodies never depend on this: without a simulator, frames
-/// are as they came.
+/// Their poses come from the simulator's TRUTH, which contains only simulated bodies, extrapolated
+/// to the instant of the frame by their velocity. A real body has priority over a simulated one of
+/// the same name. Real bodies do not depend on this: without a simulator, frames are unchanged.
 class VirtualBodies {
  public:
-  /// A truth farther from the frame's instant than this tells nothing (a simulator that has ended,
-  /// a log that is played back): nothing is added.
+  /// A truth farther from the instant of the frame is ignored (the simulator has ended, or a log is
+  /// replayed).
   static constexpr Duration kAgeMax = std::chrono::milliseconds(200);
 
   void on_truth(const models::TruthFrame& truth) { truth_ = truth; }
-  /// Adds the simulated bodies to a frame of the cameras'.
+  /// Adds the simulated bodies to a frame of the cameras.
   void add_to(models::MocapFrame& frame);
-  /// Simulated bodies left out, because a real one has their name.
+  /// Returns the number of simulated bodies left out because a real body has their name.
   [[nodiscard]] std::int64_t names_taken() const { return names_taken_; }
 
  private:

@@ -12,9 +12,9 @@
 
 namespace vantage::drivers::vicon {
 
-/// A client of a VRPN server, over TCP alone. Every sender that sends poses is a body; sensor 0 is
-/// its pose, others are its limbs. A frame is what carries nearly the same time stamp, and where
-/// the trackers that report at other instants are by then (VrpnTrackers).
+/// Client of a VRPN server over TCP only. Each sender of poses is a body; sensor 0 is its pose,
+/// other sensors are limbs. A frame contains the poses with nearly the same stamp, and the
+/// extrapolated poses of trackers that report at other instants (VrpnTrackers).
 class VrpnSession : public Session {
  public:
   VrpnSession(bool is_y_up, FrameSink sink);
@@ -26,7 +26,7 @@ class VrpnSession : public Session {
   [[nodiscard]] std::vector<BodyRate> rates() const override { return trackers_.rates(); }
 
   [[nodiscard]] std::optional<wire::vicon::VrpnVersion> version() const { return version_; }
-  /// Names announced by the server.
+  /// Returns the names announced by the server.
   [[nodiscard]] std::vector<std::string> senders() const;
 
  private:
@@ -50,10 +50,10 @@ class VrpnSession : public Session {
   std::optional<wire::vicon::VrpnVersion> version_;
   std::vector<Name> senders_;
   std::vector<Name> types_;
-  std::int32_t pose_type_ = 0;  ///< the server's number for poses, once it has said it
+  std::int32_t pose_type_ = 0;  ///< the server's number for poses, once announced
   bool has_pose_type_ = false;
-  bool is_introduced_ = false;       ///< we told our own names
-  std::int64_t frame_stamp_us_ = 0;  ///< of the frame being put together
+  bool is_introduced_ = false;       ///< our names were sent
+  std::int64_t frame_stamp_us_ = 0;  ///< stamp of the frame in progress
   Duration next_ping_{Duration::max()};
 };
 

@@ -9,9 +9,9 @@
 namespace vantage::drivers::vicon {
 namespace {
 
-/// A step that is longer is a tracker that saw nothing, not its period.
+/// A longer interval is a tracker without sight, not its period.
 constexpr std::int64_t kStepMax_us = 250'000;
-/// The leader of whose period nothing is known yet is silent after this.
+/// Silence after which a leader with unknown period is replaced.
 constexpr std::int64_t kUnknownSilence_us = 100'000;
 constexpr int kApartReports = 3;
 constexpr int kTogetherReports = 1'000;
@@ -30,13 +30,14 @@ Eigen::Quaterniond rotation_of(const wire::vicon::VrpnPose& pose) {
   return Eigen::Quaterniond(q.w(), q.x(), q.y(), q.z()).normalized();
 }
 
-/// Where a body is that went on from `before` to `last` as it goes, `share` steps after `last`.
+/// Returns the pose of a body that moved from `before` to `last`, extrapolated by `share` of that
+/// step.
 wire::vicon::VrpnPose moved_on(const wire::vicon::VrpnPose& before,
                                const wire::vicon::VrpnPose& last, double share) {
   wire::vicon::VrpnPose out = last;
   out.position_m = last.position_m + share * (last.position_m - before.position_m);
   const Eigen::AngleAxisd turn(rotation_of(before).conjugate() * rotation_of(last));
-  double angle_rad = turn.angle();  // the short way round
+  double angle_rad = turn.angle();  // the shorter rotation
   angle_rad -= angle_rad > kPi ? 2.0 * kPi : 0.0;
   out.quaternion_xyzw =
       (rotation_of(last) * Eigen::AngleAxisd(share * angle_rad, turn.axis())).coeffs();
@@ -117,7 +118,7 @@ bool VrpnTrackers::take(const std::string& name, std::int64_t stamp_us,
   if (&tracker == &leader) {
     return false;
   }
-  // Of one instant either may come first.
+  // The reports of one instant may come in any order.
   const bool is_together =
       is_near(stamp_us, leader.last.stamp_us) ||
       (tracker.reports > 1 && (is_near(tracker.before.stamp_us, leader.last.stamp_us) ||
@@ -126,7 +127,7 @@ bool VrpnTrackers::take(const std::string& name, std::int64_t stamp_us,
   tracker.together = is_together ? tracker.together + 1 : 0;
   const bool is_slower = tracker.period_us() > 0 && leader.period_us() > 0 &&
                          2 * tracker.period_us() > 3 * leader.period_us();
-  // One that has come to lead and has hardly been heard holds nobody: it may be gone.
+  // A new leader with unknown period holds no other tracker, since it may vanish again.
   if ((tracker.apart >= kApartReports && leader.period_us() > 0) || is_slower) {
     tracker.is_held = true;
   } else if (tracker.together >= kTogetherReports) {

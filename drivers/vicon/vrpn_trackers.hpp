@@ -11,29 +11,31 @@
 
 namespace vantage::drivers::vicon {
 
-/// When each tracker of a VRPN server reports, and where it is meanwhile.
+/// Trackers of a VRPN server: when each reports, and where it is in between.
 ///
-/// Trackers that share their instants make frames as they come. A server may also have trackers
-/// that report each at its own instants and rate. Then the fastest leads: its reports make the
-/// frames, and the others are held, that is moved on (or back) from their last two reports to the
-/// frame's instant, for 1.5 of their own periods; then they are not seen. Pure; allocates for a new
-/// tracker alone.
+/// Trackers with common instants form frames directly. A server may also have trackers that report
+/// at separate instants and rates. Then the reports of the fastest one form the frames. The others
+/// are held: they are extrapolated (or interpolated) from their last two reports to the instant of
+/// the frame, for 1.5 of their own periods, and are absent afterwards. Pure; allocates only for a
+/// new tracker.
 class VrpnTrackers {
  public:
   explicit VrpnTrackers(bool is_y_up) : is_y_up_(is_y_up) {}
 
   void clear();
-  /// Takes a report. True: this tracker is held, its report makes no frame and belongs to none.
+  /// Processes a report. Returns true if this tracker is held, so that its report belongs to no
+  /// frame.
   bool take(const std::string& name, std::int64_t stamp_us, const wire::vicon::VrpnPose& pose);
-  /// Adds the held ones to the frame of `stamp_us`.
+  /// Adds the held trackers to the frame of `stamp_us`.
   void add_held(std::int64_t stamp_us, SeenFrame& frame) const;
-  /// What each reports by itself.
+  /// Returns the report rate of each tracker.
   [[nodiscard]] std::vector<BodyRate> rates() const;
 
-  /// Turns a pose of the wire into a body's sight.
+  /// Sets the state of `body` from a pose on the wire.
   static void place(SeenBody& body, const wire::vicon::VrpnPose& pose, bool is_y_up);
 
-  /// Poses of one frame are stamped one after the other; those of two are 1 ms apart at least.
+  /// The poses of a frame are stamped one after another; those of different frames are at least 1
+  /// ms apart.
   static constexpr std::int64_t kSameFrame_us = 400;
 
  private:
@@ -47,13 +49,13 @@ class VrpnTrackers {
     Report last;
     Report before;
     int reports = 0;
-    std::array<std::int64_t, kSteps> steps_us{};  ///< between its reports, the newest of them
-    std::size_t steps = 0;                        ///< ever
-    int apart = 0;                                ///< reports in a row away from the leader's
-    int together = 0;                             ///< likewise with it
+    std::array<std::int64_t, kSteps> steps_us{};  ///< µs; newest intervals between its reports
+    std::size_t steps = 0;                        ///< number of intervals so far
+    int apart = 0;                                ///< consecutive reports apart from the leader's
+    int together = 0;                             ///< consecutive reports with the leader's
     bool is_held = false;
 
-    /// Median of the newest steps; 0 while there are too few.
+    /// Returns the median of the newest intervals, µs; 0 with too few.
     [[nodiscard]] std::int64_t period_us() const;
     void note(std::int64_t stamp_us, const wire::vicon::VrpnPose& pose);
   };
@@ -64,7 +66,7 @@ class VrpnTrackers {
 
   bool is_y_up_;
   std::vector<Tracker> trackers_;
-  std::size_t leader_ = 0;  ///< whenever there is any
+  std::size_t leader_ = 0;  ///< valid if there are trackers
 };
 
 }  // namespace vantage::drivers::vicon

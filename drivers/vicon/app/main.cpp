@@ -1,5 +1,5 @@
-// vantage-vicon: the mocap server's wire in, VICON out. Where the server is stands in the
-// scenario's `mocap`.
+// vantage-vicon: reads the wire of a mocap server and publishes VICON. The scenario's `mocap` gives
+// the address of the server.
 
 #include <cstdio>
 #include <memory>

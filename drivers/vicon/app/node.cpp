@@ -41,7 +41,8 @@ ViconNode::ViconNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Sce
       link_(driver_, [this] { return moment(); }),
       say_(std::move(say)),
       next_tick_(clock.now()) {
-  if (scenario.mocap.device == scenario::DeviceSource::kReal) {  // a simulated one sees them itself
+  if (scenario.mocap.device ==
+      scenario::DeviceSource::kReal) {  // simulated mocap contains them already
     bus_.subscribe<models::TruthFrame>(
         bus::kTruth, [this](const models::TruthFrame& truth) { virtual_bodies_.on_truth(truth); });
   }
@@ -63,7 +64,7 @@ void ViconNode::tell(const std::string& status) {
   if (driver_.has_frames()) {
     said_.clear();
   }
-  // While it tries again and again, each thing is said once.
+  // During repeated attempts each status is reported once.
   if (std::find(said_.begin(), said_.end(), status) == said_.end() && said_.size() < kSaidMax) {
     said_.push_back(status);
     say_(status);

@@ -16,13 +16,13 @@
 
 namespace vantage::drivers {
 
-/// vantage-vicon on the bus: the mocap server's wire in, VICON out. A real mocap's frames are
-/// joined by the bodies that a simulator publishes on TRUTH. Its state of affairs goes, as one
-/// sentence when it changes to something new, to `say`.
+/// Bus node of vantage-vicon: reads the wire of a mocap server and publishes VICON. Bodies that a
+/// simulator publishes on TRUTH are added to the frames of a real mocap. Each new status is passed
+/// to `say` as one sentence.
 class ViconNode : public bus::Node {
  public:
-  /// @throws StartupError for a scenario whose mocap is `direct`: then the simulator publishes
-  /// VICON.
+  /// @throws StartupError for a scenario whose mocap is `direct`, since the simulator then
+  /// publishes VICON.
   ViconNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
             std::function<void(const std::string&)> say);
 
@@ -44,9 +44,9 @@ class ViconNode : public bus::Node {
   vicon::ViconDriver driver_;
   vicon::SocketLink link_;
   std::function<void(const std::string&)> say_;
-  LatencyRecord latency_;  ///< from a frame's arrival until it has been published
+  LatencyRecord latency_;  ///< from the arrival of a frame to its publication
   std::string status_;
-  std::vector<std::string> said_;  ///< since frames last came
+  std::vector<std::string> said_;  ///< statuses reported since the last frames
   Time next_tick_;
 };
 
