@@ -50,7 +50,7 @@ void ContactJudge::on_status(const models::VehicleStatus& status) {
     robot.killed_at = status.stamp.time;
   }
   robot.is_killed = is_killed;
-  // One that was killed on the ground does not fall.
+  // A robot that was killed on the ground does not fall.
   robot.is_flying = is_killed ? robot.is_flying : status.state != models::FlightState::kIdle;
 }
 

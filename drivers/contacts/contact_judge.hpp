@@ -15,31 +15,30 @@
 
 namespace vantage::drivers {
 
-/// Says which real bodies touch, or come nearer to each other than they may, from what cameras see:
-/// a CollisionMonitor over the bodies of mocap frames.
+/// Detector of contacts and near misses of real bodies from mocap frames, by a CollisionMonitor.
 ///
-/// A robot is as big as its limits say, a target as the scenario says, and any other body as the
-/// largest robot: so flight safety takes it to be. A body that is not seen takes no part.
+/// A robot has the radius of its limits, a target that of the scenario, and any other body that of
+/// the largest robot. Bodies that are not seen are ignored.
 ///
-/// Counted is what a vehicle in flight has to do with: a contact of bodies that all rest is
-/// people's work. A robot rests until its driver first says that it flies, again when it says
-/// `idle`, and kFall after it was killed. Contacts between simulated bodies alone are the
-/// simulator's to judge: these are the robots whose device is not real, and the targets that TRUTH
-/// has named. Pure, one thread.
+/// Only contacts that involve a vehicle in flight count; contacts between stationary bodies are
+/// assumed to be caused by handling. A robot counts as in flight from its driver's first status
+/// other than `idle` until `idle`, or until kFall after it was killed. Contacts without a real body
+/// are left to the simulator: robots are simulated if their device is not real, targets if TRUTH
+/// contains them. Pure; not thread-safe.
 class ContactJudge {
  public:
   static constexpr Duration kFall = std::chrono::seconds(3);
-  /// Over a longer gap between two frames nobody knows how the bodies moved.
+  /// Over a longer gap between two frames the motion of the bodies is unknown.
   static constexpr Duration kGapMax = std::chrono::milliseconds(200);
-  static constexpr std::size_t kOthersMax = 32;  ///< bodies that the scenario does not name
+  static constexpr std::size_t kOthersMax = 32;  ///< bodies that are not in the scenario
 
   explicit ContactJudge(const scenario::Scenario& scenario);
 
   void on_status(const models::VehicleStatus& status);
   void on_truth(const models::TruthFrame& truth);
-  /// Returns the contacts that have begun since the frame before, with times by our clock
-  /// (MocapClock). A frame of another run, or after a gap, has no motion before it. A frame that
-  /// was not captured after the last of its run is counted and left out.
+  /// Returns the contacts that began since the previous frame, with times by our clock
+  /// (MocapClock). A frame of another run, or after a gap, starts without earlier motion. A frame
+  /// that was not captured after the last one of its run is counted and ignored.
   /// @param now  arrival of the frame
   std::vector<models::ContactReport> on_frame(const models::MocapFrame& frame, Time now);
 
@@ -57,8 +56,8 @@ class ContactJudge {
   void place(const models::MocapFrame& frame);
 
   double other_radius_m_ = 0.0;
-  std::map<std::string, std::size_t> bodies_;  ///< their places in the monitor's order
-  std::size_t named_ = 0;                      ///< by the scenario
+  std::map<std::string, std::size_t> bodies_;  ///< index in the monitor, by name
+  std::size_t named_ = 0;                      ///< number of bodies in the scenario
   std::set<std::string> simulated_;
   std::set<std::string> targets_;
   std::map<std::string, Flown> robots_;

@@ -16,12 +16,13 @@ using models::OperatorAction;
 
 namespace {
 
-constexpr double kSwerveMps = 0.6;  // off the course's velocity: it is pushed, not steered
+// m/s off the course's velocity; then the rover is assumed to be pushed
+constexpr double kSwerveMps = 0.6;
 constexpr double kMovingMps = 0.1;
 constexpr double kStandingMps = 0.02;
 constexpr double kStandingRadps = 0.05;
-constexpr double kReleaseS = 0.5;  // then `arm` must be said again
-constexpr double kSetOffS = 0.5;   // from a way being asked for to its start
+constexpr double kReleaseS = 0.5;  // s; then `arm` must be sent again
+constexpr double kSetOffS = 0.5;   // s; from the request of a motion to its start
 
 const scenario::RoverSpec& rover_of(const scenario::Scenario& scenario, const std::string& robot) {
   const scenario::RobotSpec* spec = scenario.find_robot(robot);
@@ -55,7 +56,7 @@ PlanVerdict RoverDriver::on_plan(const models::RobotPlan& plan, Time now) {
 }
 
 PlanVerdict RoverDriver::take(const models::RobotPlan& plan, Time now) {
-  // Heights are not a rover's business: a plan must be at the scenario's.
+  // Rovers have no height control: a plan must have the scenario's height.
   return core_.on_plan(plan, may_take_plans(), core_.limits.take_off_height_m, now);
 }
 
@@ -78,7 +79,7 @@ CommandVerdict RoverDriver::on_command(const models::OperatorCommand& command, T
   }
   const FlightState state = core_.ladder.state;
   switch (command.action) {
-    case OperatorAction::kTakeOff:  // said to all vehicles, meant for those that fly
+    case OperatorAction::kTakeOff:  // sent to all vehicles, meant for those that fly
       return CommandVerdict::kNotForUs;
     case OperatorAction::kArm:
       if (is_driving(state) || (state == FlightState::kIdle && core_.reasons.any())) {
@@ -100,7 +101,7 @@ CommandVerdict RoverDriver::on_command(const models::OperatorCommand& command, T
 }
 
 bool RoverDriver::receive(std::span<const std::uint8_t> datagram, Time now) {
-  return link_.receive(datagram, now);  // it counts the others
+  return link_.receive(datagram, now);  // the link counts other datagrams
 }
 
 bool RoverDriver::sees(Time now) const {
@@ -127,7 +128,8 @@ bool RoverDriver::may_take_plans() const {
          !waits_for_more_than_a_plan(rover_conditions(), core_.ladder.latched);
 }
 
-// Along the plan while it keeps to it; else straight on as it is seen to move.
+// Returns the braking path: along the plan while the rover follows it, otherwise straight at its
+// measured velocity.
 BrakeWay RoverDriver::brake_way(Time now) const {
   const Eigen::Vector3d here_m = core_.pose.predict_m(now, kPredictS);
   const PlanPoint asked = core_.course.at(now);
@@ -183,13 +185,13 @@ void RoverDriver::look(Time now) {
   in.motor_failed = link_.has_flag(wire::rover::kMotorFailed);
   in.battery_share =
       link_.has_telemetry() ? static_cast<double>(link_.telemetry().battery_share) : 1.0;
-  // Once killed, the rover's latch is what `arm` releases, and no new reason.
+  // In the killed state the rover's latched stop is released by `arm`, and is not a new reason.
   const bool is_news =
       core_.ladder.state != FlightState::kKilled && link_.has_flag(wire::rover::kStopLatched);
   in.emergency_stop = in.emergency_stop || is_news;
 }
 
-// A course is a plan or the place where the rover stands.
+// Sets the course to the rover's position unless a plan is followed or about to begin.
 void RoverDriver::keep_course(FlightState before, Time now) {
   const bool stops = before == FlightState::kFollow && core_.ladder.state != FlightState::kFollow;
   const bool waits =

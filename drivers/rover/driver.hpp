@@ -19,52 +19,51 @@ namespace vantage::drivers {
 
 using RoverMessage = std::array<std::uint8_t, wire::rover::kCommandBytes>;
 
-/// Drives one rover: hears everything, judges it, and says at each tick what the rover is to do.
-/// Pure: it is handed time, messages and bytes, and gives bytes back.
+/// Driver of one rover. It receives all messages, checks them, and computes at each tick the
+/// command for the rover. Pure: time, messages and bytes are passed in, bytes are returned.
 ///
-/// `now` is the receiver's own monotonic time expressed in the stack's clock, never older than the
-/// one before. Call tick() at 50 Hz or more: the rover stops 0.2 s after the last command.
-/// Following, it steers back to the plan (steer()); otherwise it brakes at the vehicle's brake on
-/// the circle it is on, which needs no pose. Nothing but the constructor, status() and counters()
-/// allocates.
+/// `now` is the receiver's monotonic time expressed in the stack's clock and must not decrease.
+/// Call tick() at 50 Hz or more: the rover stops 0.2 s after the last command. In FOLLOW it steers
+/// back to the plan (steer()). Otherwise it brakes at the vehicle's deceleration on its present
+/// circle, which needs no pose. Only the constructor, status() and counters() allocate.
 class RoverDriver {
  public:
-  /// @param session  drawn at random by each start
-  /// @throws UsageError for an unknown robot, one that is no rover, or limits that cannot be.
+  /// @param session  drawn at random at each start
+  /// @throws UsageError for an unknown robot, one that is not a rover, or invalid limits.
   RoverDriver(const scenario::Scenario& scenario, const std::string& robot,
               const SafetyLimits& limits, std::uint32_t session);
 
   void on_mocap(const models::MocapFrame& frame, Time now);
-  /// A plan of any robot; its own is judged, a teammate's remembered.
+  /// Processes a plan of any robot: checks its own, stores a teammate's.
   PlanVerdict on_plan(const models::RobotPlan& plan, Time now);
   CommandVerdict on_command(const models::OperatorCommand& command, Time now);
   void on_map(bool is_same) { core_.map_differs = !is_same; }
-  /// The driver is to end: stops the rover, keeps it from being armed.
+  /// Ends the driver: stops the rover and keeps it from being armed.
   void end(bool /*is_hurried*/) { core_.is_ending = true; }
   [[nodiscard]] EndFacts end_facts(Time now) const;
   void on_other_version(Time now) { core_.other_version_at = now; }
   /// Reports how long the driver's thread waited for a processor within the last second, s.
   void on_processor_wait(double wait_s) { core_.processor_wait_s = wait_s; }
-  /// Drives through places instead of along a planner's plan, from where the rover stands, half a
-  /// second from now on. Judged like a plan, and refused while a planner holds the lease.
+  /// Drives through way points instead of along a planner's plan, from the rover's present
+  /// position, starting half a second from now. The motion is checked like a plan, and refused
+  /// while a planner holds the lease.
   PlanVerdict drive_through(std::span<const Waypoint> waypoints, Time now);
-  /// One datagram from the rover.
-  /// True if it is of this rover.
+  /// Processes one datagram. Returns true if it came from this rover.
   bool receive(std::span<const std::uint8_t> datagram, Time now);
 
-  /// The command to send.
+  /// Returns the command to send.
   RoverMessage tick(Time now);
-  /// True once after state or reasons changed.
+  /// Returns true once after state or reasons changed.
   bool take_news();
 
   [[nodiscard]] models::FlightState state() const { return core_.ladder.state; }
-  /// What acts, or forbids arming, by index into rover_conditions().
+  /// Returns the conditions that act or forbid arming, by index into rover_conditions().
   [[nodiscard]] const Reasons& reasons() const { return core_.reasons; }
-  /// What the last tick looked at.
+  /// Returns the inputs of the last tick.
   [[nodiscard]] const SafetyInputs& inputs() const { return core_.in; }
   [[nodiscard]] const Course& course() const { return core_.course; }
   [[nodiscard]] const models::UnicycleControl& control() const { return control_; }
-  /// For VEHICLE_R, where every vehicle says how it is.
+  /// Returns the status for VEHICLE_R.
   [[nodiscard]] models::VehicleStatus status(Time now) const;
   [[nodiscard]] std::vector<models::NamedCount> counters() const;
 
@@ -82,8 +81,8 @@ class RoverDriver {
 
   GuardCore core_;
   RoverLink link_;
-  models::UnicycleControl control_;  ///< last asked of the rover
-  std::int64_t run_id_;              ///< of its own ways
+  models::UnicycleControl control_;  ///< last command to the rover
+  std::int64_t run_id_;              ///< of the plans made by drive_through()
   std::int64_t ways_ = 0;
   Time release_since_{};
   bool has_news_ = true;

@@ -43,7 +43,7 @@ bool RoverLink::receive(std::span<const std::uint8_t> datagram, Time now) {
   has_telemetry_ = true;
   telemetry_ = heard;
   heard_ = now;
-  // What it says it has taken must be something that was said.
+  // The reported command must be one that this session sent.
   const bool was_said =
       heard.session == session_ && !wire::rover::is_after(heard.command_sequence, sequence_);
   const Time sent = from_utime(heard.command_time_us);

@@ -12,28 +12,28 @@
 
 namespace vantage::drivers {
 
-/// The driver's end of the rover protocol: numbers what it says, and believes only what is news
-/// from its own rover. Allocates nothing but in count().
+/// Driver side of the rover protocol. It numbers its commands, and accepts only new telemetry of
+/// its own rover. Only count() allocates.
 class RoverLink {
  public:
-  /// @param session  any number; 0 is taken as 1
+  /// @param session  any number; 0 is replaced by 1
   RoverLink(std::uint32_t number, std::uint32_t session);
 
   std::array<std::uint8_t, wire::rover::kCommandBytes> command(
       const models::UnicycleControl& control, std::uint32_t flags, Time now);
-  /// True when it is news of our rover.
+  /// Processes a datagram. Returns true if it is new telemetry of our rover.
   bool receive(std::span<const std::uint8_t> datagram, Time now);
 
   [[nodiscard]] bool has_telemetry() const { return has_telemetry_; }
-  /// The newest; zeros before any.
+  /// Returns the newest telemetry; zeros before any.
   [[nodiscard]] const wire::rover::Telemetry& telemetry() const { return telemetry_; }
   [[nodiscard]] bool has_flag(std::uint32_t flag) const { return (telemetry_.flags & flag) != 0; }
-  /// Since the newest telemetry came; infinite before any.
+  /// Returns the time since the arrival of the newest telemetry, s; infinite before any.
   [[nodiscard]] double heard_age_s(Time now) const;
-  /// Since the newest of our commands that the rover says it has taken was sent: both directions
-  /// of the wire in one number. Infinite before any.
+  /// Returns the time since the sending of the newest command that the rover reports as taken, s: a
+  /// measure of both directions of the link. Infinite before any.
   [[nodiscard]] double obeyed_age_s(Time now) const;
-  /// False while the rover says that it takes commands from another session.
+  /// False while the rover reports that it takes commands from another session.
   [[nodiscard]] bool is_ours() const;
   void count(std::vector<models::NamedCount>& out) const;
 
@@ -48,7 +48,7 @@ class RoverLink {
   Time obeyed_{};
   std::array<std::int64_t, wire::rover::kVerdicts> verdicts_{};
   std::int64_t misaddressed_ = 0;
-  std::int64_t late_ = 0;      ///< older than what was heard before
+  std::int64_t late_ = 0;      ///< not newer than earlier telemetry
   std::int64_t restarts_ = 0;  ///< of the rover
 };
 

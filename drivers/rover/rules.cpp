@@ -51,7 +51,7 @@ constexpr auto kRows = std::to_array<Condition>({
     common::kOwnStall,
     held_for_operator(common::kShortOfProcessor),
     common::kWaitsForProcessor,
-    // Said, and no change of state
+    // Reported, without a change of state
     common::kPoseUnsettled,
     common::kPlannerSilent,
     common::kTwoPlanners,
@@ -96,8 +96,8 @@ void step_driving(LadderState& next, const SafetyInputs& inputs, const RoverFact
 }
 
 void step_killed(LadderState& next, const SafetyInputs& inputs, const RoverFacts& facts) {
-  // `arm` releases the rover's own stop (wants_armed tells the driver to ask it); idle when the
-  // rover says that it is.
+  // `arm` releases the rover's own stop (wants_armed makes the driver request it); the state
+  // becomes idle when the rover reports the release.
   if (inputs.emergency_stop) {
     next.wants_armed = false;
   } else if (asks(inputs, OperatorAction::kArm) && facts.stands) {

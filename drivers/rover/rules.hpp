@@ -7,28 +7,28 @@
 #include "drivers/safety/ladder.hpp"
 #include "drivers/safety/limits.hpp"
 
-// What stops a rover. Its safe state is standing still, so the ladder is short: FOLLOW → HOLD →
-// KILL; `land` is a stop that ends disarmed.
+// Conditions and ladder of a rover. Its safe state is standstill, so the ladder is short: FOLLOW →
+// HOLD → KILL; `land` is a stop that ends disarmed.
 
 namespace vantage::drivers {
 
-/// Everything that stops a rover or keeps it from being armed, most severe first. The columns are
-/// those of the quadrotor's conditions(); no row has the severity kLand.
+/// Returns the conditions that stop a rover or keep it from being armed, most severe first. The
+/// columns are those of the quadrotor's conditions(); no row has severity kLand.
 std::span<const Condition> rover_conditions();
 
-/// What the ladder asks beyond SafetyInputs.
+/// Inputs of the ladder in addition to SafetyInputs.
 struct RoverFacts {
-  bool stands = false;        ///< its wheels are known to stand
-  bool stop_latched = false;  ///< by the rover's own word
+  bool stands = false;        ///< its wheels are known to be stationary
+  bool stop_latched = false;  ///< as reported by the rover
 };
 
-/// One tick: the most severe condition wins. kIdle does not drive; kHold brakes and stands; kLand
-/// brakes and becomes kIdle once it stands; kKilled ends by `arm`, standing, with the rover's own
-/// stop released. Pure; constant time; allocates nothing.
+/// Computes one tick: the most severe condition wins. kIdle does not drive; kHold brakes and stays
+/// stationary; kLand brakes and becomes kIdle at standstill. kKilled ends by `arm` at standstill,
+/// once the rover's own stop is released. Pure; constant time; allocates nothing.
 LadderState step_rover_ladder(const LadderState& before, const SafetyInputs& inputs,
                               const RoverFacts& facts, const SafetyLimits& limits);
 
-/// True while commands to drive are sent: following, holding or stopping for good.
+/// True if commands to drive are sent: follow, hold or land.
 bool is_driving(models::FlightState state);
 
 }  // namespace vantage::drivers

@@ -7,27 +7,27 @@
 
 namespace vantage::drivers {
 
-/// How a rover comes back to its reference. In metres driven, a sideways error dies like an
-/// oscillator of √side_per_m2 rad/m with damping turn_per_m / (2 √side_per_m2).
+/// Gains of a rover's tracking control. As a function of distance driven, a sideways error decays
+/// like an oscillator of √side_per_m2 rad/m with damping turn_per_m / (2 √side_per_m2).
 struct SteeringGains {
   double along_per_s = 1.5;  ///< K_x
   double side_per_m2 = 4.0;  ///< K_y
   double turn_per_m = 3.2;   ///< K_θ
-  double pivot_mps = 0.3;    ///< stands for the speed where the reference turns on the spot
+  double pivot_mps = 0.3;    ///< m/s; replaces the speed when the reference turns in place
 };
 
-/// The command that brings a unicycle at `world_from_body` to `reference`, whose velocity and yaw
-/// rate it feeds forward:
+/// Returns the command that brings a unicycle at `world_from_body` to `reference`, with feedforward
+/// of the reference's velocity and yaw rate:
 ///   v = v_r cos θ_e + K_x x_e,   ω = ω_r + K_y v_r y_e + K_θ (|v_r| + v_p) sin θ_e,
-/// (x_e, y_e, θ_e) the reference in the body's frame; v_p is 0 unless the reference turns or moves.
-/// Within the vehicle's limits; it never drives against the reference's direction. The reference's
-/// velocity is taken along its yaw.
-/// Source: Kanayama, Kimura, Miyazaki, Noguchi, A stable tracking control method for an autonomous
-/// mobile robot (1990), eq. 8, with v_p added.
+/// (x_e, y_e, θ_e) is the reference in the body's frame; v_p is 0 unless the reference turns or
+/// moves. The command is within the vehicle's limits, and never drives against the reference's
+/// direction. The reference's velocity is taken along its yaw. Source: Kanayama, Kimura, Miyazaki,
+/// Noguchi, A stable tracking control method for an autonomous mobile robot (1990), eq. 8, with v_p
+/// added.
 models::UnicycleControl steer(const Pose2& world_from_body, const PlanPoint& reference,
                               const models::VehicleLimits& limits, const SteeringGains& gains = {});
 
-/// `control` slowed by `brake_mps2` over `dt_s` on the same circle, to a stop.
+/// Returns `control` slowed by `brake_mps2` over `dt_s` on the same circle, at most to a stop.
 models::UnicycleControl brake_on_circle(const models::UnicycleControl& control, double brake_mps2,
                                         double dt_s);
 

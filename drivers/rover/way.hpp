@@ -11,16 +11,17 @@
 
 namespace vantage::drivers {
 
-/// Where a rover shall go next, and how fast.
+/// Next position of a rover, and its speed on the way there.
 struct Waypoint {
   Eigen::Vector2d position_world_m = Eigen::Vector2d::Zero();
   double speed_mps = 0.3;
 };
 
-/// The motion from `start` through the way points, standing at each: turns on the spot towards the
-/// next at half the vehicle's yaw rate, then drives straight and brakes at the vehicle's brake (no
-/// faster than half the way allows to brake from). Way points nearer than 1 cm are passed over.
-/// Speeds beyond the vehicle's are cut. Two or three segments a way point.
+/// Returns the motion from `start` through the way points, with a stop at each. The rover turns in
+/// place towards the next one at half the vehicle's yaw rate, then drives straight and brakes at
+/// the vehicle's deceleration. The speed allows it to brake within half the distance. Way points
+/// closer than 1 cm are skipped, and speeds are limited to the vehicle's. Two or three segments per
+/// way point.
 models::Trajectory way_through(std::span<const Waypoint> waypoints, const Pose2& start,
                                double height_m, Time start_time,
                                const models::VehicleLimits& limits);

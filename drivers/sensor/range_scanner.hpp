@@ -9,17 +9,17 @@
 
 namespace vantage::drivers {
 
-/// A range finder that a lab does not have: what the scenario's scanner would read from a pose in
-/// the scenario's world. Other robots and targets do not show.
+/// Simulated range finder: the readings of the scenario's scanner from a pose in the scenario's
+/// world. Other robots and targets are invisible to it.
 ///
-/// Noise is a function of (seed, robot, instant) alone, as of PoseSensor.
+/// Noise is a function of (seed, robot, instant) only, as in PoseSensor.
 class RangeScanner {
  public:
-  /// @throws UsageError for a scanner that makes no sense.
+  /// @throws UsageError for an invalid scanner.
   RangeScanner(const scenario::Scenario& scenario, const std::string& robot);
 
-  /// One scan at `time` from `viewpoint`; without ranges, and `jammed` set, under attack. Run id,
-  /// sequence and inputs are left to the caller.
+  /// Returns one scan at `time` from `viewpoint`; under attack without ranges and with `jammed`
+  /// set. The caller sets run id, sequence and inputs.
   [[nodiscard]] models::RangeScan scan(Time time, const models::Viewpoint& viewpoint,
                                        bool jammed) const;
 

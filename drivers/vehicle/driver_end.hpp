@@ -8,29 +8,29 @@
 
 namespace vantage::drivers {
 
-/// State of the vehicle, as its driver knows it while it is to end.
+/// State of a vehicle whose driver is to end.
 struct EndFacts {
   InFlight in_flight = InFlight::kUnknown;  ///< kNo: at rest, its motors off
   bool is_pilots = false;                   ///< a pilot flies it by hand
   bool lands_itself = false;                ///< its autopilot has confirmed its own landing mode
 };
 
-/// Decides when the driver of a vehicle, which was asked to end, may end: once the vehicle is at
-/// rest. In a hurry: once its autopilot has confirmed that it lands the vehicle. Both are bounded.
-/// Pure.
+/// Decision when the driver of a vehicle may end after it was requested to: once the vehicle is at
+/// rest, or, in a hurry, once its autopilot has confirmed that it lands the vehicle. Both waits are
+/// bounded. Pure.
 class DriverEnd {
  public:
-  /// A driver that has just started looks so long for its vehicle before it ends.
+  /// Time for which a new driver waits for its vehicle before it ends.
   static constexpr Duration kSearch = std::chrono::seconds(3);
-  /// For the autopilot's confirmation, in a hurry.
+  /// Time for the autopilot's confirmation, in a hurry.
   static constexpr Duration kHurry = std::chrono::seconds(3);
 
-  /// @param landing  for the vehicle to come to rest; then it hurries
+  /// @param landing  time for the vehicle to come to rest; afterwards the driver hurries
   DriverEnd(Time started, Duration landing) : started_(started), landing_(landing) {}
 
-  /// It was asked to end, `requests` times so far.
+  /// Reports that the driver was requested to end, `requests` times so far.
   void request(int requests, Time now);
-  /// To be called in each loop once it was asked.
+  /// Updates the decision. Call it in each loop after a request.
   void step(const EndFacts& facts, Time now);
 
   [[nodiscard]] bool is_hurried() const { return hurried_at_.has_value(); }

@@ -11,7 +11,8 @@
 
 namespace vantage::drivers {
 
-/// One end of a wire: bytes out, bytes in, never waiting. What goes wrong is counted and mended.
+/// Non-blocking connection for bytes in both directions. Errors are counted, and a lost connection
+/// is restored.
 class Port {
  public:
   Port() = default;
@@ -21,25 +22,24 @@ class Port {
   Port(Port&&) = delete;
   Port& operator=(Port&&) = delete;
 
-  /// Whether what read() gives are whole datagrams.
+  /// True if read() returns whole datagrams.
   [[nodiscard]] virtual bool is_datagram() const = 0;
-  /// What has arrived, into `buffer`; how many bytes, 0 when nothing has.
+  /// Reads received bytes into `buffer`. Returns their number; 0 if there are none.
   virtual std::size_t read(std::span<std::uint8_t> buffer, Time now) = 0;
-  /// The bytes read last came from the vehicle: from now on their sender alone is listened to, and
+  /// Reports that the last bytes came from the vehicle. From now on only their sender is read and
   /// answered, until it has been silent for three seconds.
   virtual void accept(Time /*now*/) {}
-  /// Sends one message whole or not at all.
+  /// Sends one message completely or not at all.
   virtual void write(std::span<const std::uint8_t> message, Time now) = 0;
   [[nodiscard]] virtual std::vector<models::NamedCount> counters() const = 0;
 };
 
 /// Opens a port by URL:
-///   udp://[HOST]:PORT      waits there for the vehicle and answers the sender that was accepted
-///   udpout://HOST:PORT     speaks first
-///   serial:DEVICE[:BAUD]   921600 baud without one, 230400 at least; opened again when it goes
-///                          away
-/// @throws StartupError saying what is wrong with the URL, the address or the device's settings. A
-/// serial device that is not there yet is waited for.
+///   udp://[HOST]:PORT      receives there from the vehicle and answers the accepted sender
+///   udpout://HOST:PORT     sends first
+///   serial:DEVICE[:BAUD]   default 921600 baud, at least 230400; reopened when it was lost
+/// @throws StartupError that names the fault in the URL, the address or the device's settings. A
+/// serial device that does not exist yet is waited for.
 std::unique_ptr<Port> open_port(const std::string& url);
 
 std::unique_ptr<Port> open_udp_port(const std::string& host, std::uint16_t port, bool speaks_first);

@@ -11,10 +11,10 @@
 namespace vantage::drivers {
 namespace {
 
-// A fifth of a second at the slowest rate: what waits longer than that is stale.
+// About 0.2 s at the slowest rate; older messages are stale.
 constexpr std::size_t kWaitingMax = 4096;
-// Signed poses (258 bytes) and set-points (78 bytes), 50 of each a second, take 17 kB/s; a byte is
-// ten bits on the line.
+// Signed poses (258 bytes) and set-points (78 bytes), each 50 times per second, need 17 kB/s; a
+// byte takes ten bits on the line.
 constexpr int kBaudMin = 230'400;
 constexpr Duration kRetryFirst = std::chrono::milliseconds(250);
 constexpr Duration kRetryMax = std::chrono::seconds(4);
@@ -50,7 +50,8 @@ class SerialPort : public Port {
       waiting_.insert(waiting_.end(), message.begin(), message.end());
       sizes_.push_back(message.size());
     }
-    // The oldest that has not been begun makes room: the newest counts, a stop among them.
+    // Drops the oldest message that was not begun: the newest messages matter, and may be stop
+    // commands.
     while (waiting_.size() > kWaitingMax && sizes_.size() > 2) {
       const auto second = waiting_.begin() + static_cast<std::ptrdiff_t>(sizes_[0]);
       waiting_.erase(second, second + static_cast<std::ptrdiff_t>(sizes_[1]));
@@ -72,7 +73,7 @@ class SerialPort : public Port {
   }
 
  private:
-  /// Opens the device when it is time to try again.
+  /// Returns true if the device is open; tries to open it if a retry is due.
   bool is_open(Time now) {
     if (fd_ >= 0) {
       return true;
@@ -111,7 +112,8 @@ class SerialPort : public Port {
     ++losses_;
     hang_up();
   }
-  /// What waited is forgotten: a command must not come out when the line is back.
+  /// Closes the device and drops waiting messages: a command must not be sent after the line has
+  /// recovered.
   void hang_up() {
     if (fd_ >= 0) {
       close(fd_);
@@ -126,8 +128,8 @@ class SerialPort : public Port {
   int fd_ = -1;
   Time next_try_{};
   Duration retry_ = kRetryFirst;
-  std::vector<std::uint8_t> waiting_;  ///< to be sent, the rest of a begun message first
-  std::deque<std::size_t> sizes_;      ///< how many bytes of waiting_ each message is
+  std::vector<std::uint8_t> waiting_;  ///< bytes to send, starting with the rest of a begun message
+  std::deque<std::size_t> sizes_;      ///< bytes of each message in waiting_
   std::int64_t dropped_ = 0;
   std::int64_t losses_ = 0;
 };

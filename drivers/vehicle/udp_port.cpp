@@ -60,11 +60,11 @@ class UdpPort : public Port {
           recvfrom(fd_, buffer.data(), buffer.size(), 0, reinterpret_cast<sockaddr*>(&from), &size);
       if (got < 0) {
         if (errno == EINTR || errno == ECONNREFUSED) {
-          continue;  // a refusal answers an earlier datagram
+          continue;  // a refusal belongs to an earlier datagram
         }
         return 0;
       }
-      if (peer_ && !is_same(*peer_, from)) {  // it waited in the socket before the connection
+      if (peer_ && !is_same(*peer_, from)) {  // it was in the socket before the connection
         ++strangers_;
         continue;
       }
@@ -80,7 +80,7 @@ class UdpPort : public Port {
     if (peer_ || !sender_) {
       return;
     }
-    // The kernel drops the datagrams of all others from here on, whatever their number.
+    // From now on the kernel drops the datagrams of all other senders, whatever their number.
     if (connect(fd_, as_sockaddr(*sender_), sizeof *sender_) == 0) {
       peer_ = sender_;
     } else {
@@ -119,7 +119,7 @@ class UdpPort : public Port {
   }
 
   int fd_;
-  std::optional<sockaddr_in> sender_;  ///< of the datagram read last
+  std::optional<sockaddr_in> sender_;  ///< sender of the last datagram
   std::optional<sockaddr_in> peer_;    ///< the vehicle
   bool is_peer_fixed_ = false;
   Time accepted_{};

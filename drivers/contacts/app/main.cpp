@@ -1,5 +1,5 @@
-// vantage-contacts: who touches whom among the bodies that cameras see. VICON, VEHICLE_* and
-// TRUTH in, COLLISION out; one process for a trial with real vehicles.
+// vantage-contacts: publishes contacts and near misses of the bodies that cameras see. Subscribes
+// to VICON, VEHICLE_* and TRUTH, publishes COLLISION; one process for a trial with real vehicles.
 
 #include <memory>
 

@@ -13,14 +13,14 @@
 
 namespace vantage::drivers {
 
-/// vantage-contacts on the bus: VICON, VEHICLE_* and TRUTH in, COLLISION out, of the bodies that
-/// no simulator judges.
+/// Bus node of vantage-contacts: subscribes to VICON, VEHICLE_* and TRUTH, and publishes COLLISION
+/// for bodies that no simulator judges.
 class ContactsNode : public bus::Node {
  public:
   ContactsNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario);
 
   [[nodiscard]] std::string name() const override { return "CONTACTS"; }
-  /// It works when frames arrive; the tick has nothing to do.
+  /// All work is done when frames arrive; the tick does nothing.
   [[nodiscard]] Time next_tick() const override { return next_tick_; }
   void tick(Time now) override;
   [[nodiscard]] std::vector<models::NamedCount> counters() const override {

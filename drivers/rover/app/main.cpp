@@ -1,5 +1,5 @@
-// vantage-rover: drives one rover. VICON, PLAN_*, COMMAND and SCENARIO in, VEHICLE_R out; one
-// process per robot.
+// vantage-rover: drives one rover. Subscribes to VICON, PLAN_*, COMMAND and SCENARIO, publishes
+// VEHICLE_R; one process per robot.
 
 #include <memory>
 

@@ -10,11 +10,11 @@
 
 namespace vantage::drivers {
 
-/// vantage-rover of one robot on the bus, which says how it is on VEHICLE_R as every vehicle
-/// does. A command on its port each 20 ms, and at once on an operator's word.
+/// Bus node of vantage-rover for one robot; publishes VEHICLE_R. It sends a command on its port
+/// every 20 ms, and at once after an operator command.
 class RoverNode : public VehicleNode<RoverDriver> {
  public:
-  /// @throws UsageError for a robot that is not in the scenario or is no rover.
+  /// @throws UsageError for a robot that is not in the scenario or not a rover.
   RoverNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
             const std::string& robot, std::unique_ptr<Port> port);
 

@@ -1,5 +1,5 @@
-// vantage-sensor: measurements of one robot, made from mocap poses. VICON and ATTACK in,
-// MEASUREMENT_R (and SCAN_R where the team maps) out; one process per robot.
+// vantage-sensor: computes the measurements of one robot from mocap poses. Subscribes to VICON and
+// ATTACK, publishes MEASUREMENT_R (and SCAN_R if the team maps); one process per robot.
 
 #include <memory>
 

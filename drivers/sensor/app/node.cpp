@@ -11,7 +11,7 @@
 namespace vantage::drivers {
 namespace {
 
-// Over a longer gap between frames nobody knows where the bodies went.
+// Over a longer gap between frames the motion of the bodies is unknown.
 constexpr Duration kGapMax{200'000};
 constexpr Duration kIdle = std::chrono::seconds(1);
 
@@ -59,7 +59,7 @@ void SensorNode::on_frame(const std::shared_ptr<const models::MocapFrame>& recei
     ++frames_out_of_order_;
     return;
   }
-  // The newest kτ that this frame is at or beyond, and how many were passed since the last frame.
+  // The newest kτ up to this frame, and the number of such instants since the last frame.
   const std::int64_t step_us = step_.count();
   const std::int64_t newest = to_utime(frame.stamp.time) / step_us;
   const Time instant = from_utime(newest * step_us);

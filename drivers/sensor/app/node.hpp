@@ -19,32 +19,32 @@
 
 namespace vantage::drivers {
 
-/// vantage-sensor of one robot on the bus: VICON and ATTACK in, MEASUREMENT_R out and, in a
-/// scenario that maps, SCAN_R.
+/// Bus node of vantage-sensor for one robot: subscribes to VICON and ATTACK, publishes
+/// MEASUREMENT_R and, in a scenario with mapping, SCAN_R.
 ///
-/// A measurement is of the instants kτ, k whole, τ = planner.step_s, counted from the epoch: as
-/// soon as the first frame captured at or after kτ is there, the bodies are put between it and the
-/// frame before. A frame captured at kτ itself is used alone.
+/// Measurements are made at the instants kτ since the epoch, with integer k and τ = planner.step_s.
+/// When the first frame captured at or after kτ arrives, the bodies are interpolated between it and
+/// the previous frame. A frame captured at kτ itself is used alone.
 class SensorNode : public bus::Node {
  public:
-  /// What is seen in a frame, as PoseSensor::look().
+  /// Measurement of a frame, as PoseSensor::look().
   using Look = std::function<std::optional<models::DetectionSet>(const models::MocapFrame& frame,
                                                                  bool jammed)>;
 
-  /// @param look  another sensor than the scenario's; empty: PoseSensor
+  /// @param look  replaces the scenario's sensor; empty: PoseSensor
   /// @throws UsageError for a robot that is not in the scenario or a step that is not positive.
   SensorNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
              const std::string& robot, Look look = {});
 
   [[nodiscard]] std::string name() const override { return "SENSOR_" + robot_; }
-  /// It works when frames arrive; the tick has nothing to do.
+  /// All work is done when frames arrive; the tick does nothing.
   [[nodiscard]] Time next_tick() const override { return next_tick_; }
   void tick(Time now) override;
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
 
  private:
   void on_frame(const std::shared_ptr<const models::MocapFrame>& received);
-  /// Whether this robot is, by the newest notice that still holds.
+  /// True if this robot is jammed according to the newest notice that is still valid.
   [[nodiscard]] bool is_jammed();
   void publish(const models::MocapFrame& frame, std::vector<models::InputRef> inputs);
 
@@ -52,7 +52,7 @@ class SensorNode : public bus::Node {
   const bus::Clock& clock_;
   std::string robot_;
   Look look_;
-  std::optional<RangeScanner> scanner_;  ///< of a scenario that maps
+  std::optional<RangeScanner> scanner_;  ///< only in a scenario with mapping
   Duration step_;
   Time next_tick_;
   models::MocapClock mocap_clock_;

@@ -23,16 +23,15 @@
 
 namespace vantage::drivers {
 
-/// The process of one vehicle on the bus, whatever its kind: VICON, PLAN_*, COMMAND and SCENARIO
-/// in, VEHICLE_R out at 10 Hz and on change; its port looked at each tick. A kind says what its
-/// driver does with what arrives, and how it acts. Driver(scenario, robot, limits, own) has
-/// on_plan, on_map, on_other_version, on_processor_wait, take_news, status, counters, end and
-/// end_facts.
+/// Bus node of one vehicle of any type. It subscribes to VICON, PLAN_*, COMMAND and SCENARIO,
+/// publishes VEHICLE_R at 10 Hz and on change, and reads its port at each tick. A derived class
+/// passes received data to its driver and acts. Driver(scenario, robot, limits, own) has on_plan,
+/// on_map, on_other_version, on_processor_wait, take_news, status, counters, end and end_facts.
 ///
-/// Asked to end, it first brings the vehicle to rest (DriverEnd); asked again, it only waits until
-/// the vehicle has confirmed that it lands by itself.
+/// When requested to end, it first brings the vehicle to rest (DriverEnd). After a second request
+/// it only waits until the vehicle has confirmed that it lands itself.
 ///
-/// `now` is the stack's time, which never goes back (bus::SteadyClock), so that a clock that is set
+/// `now` is the stack's time, which never decreases (bus::SteadyClock), so that setting a clock
 /// does not move a vehicle.
 template <class Driver>
 class VehicleNode : public bus::Node {
@@ -82,7 +81,7 @@ class VehicleNode : public bus::Node {
     if (!end_.may_end()) {
       return false;
     }
-    publish_status(now);  // the last one says how the vehicle was left
+    publish_status(now);  // the last status reports the final state
     return true;
   }
   [[nodiscard]] std::string end_fault() const override {
@@ -94,8 +93,8 @@ class VehicleNode : public bus::Node {
 
  protected:
   /// @param name  of the process on HEALTH_<name>
-  /// @param landing  for the vehicle to come to rest when the driver is asked to end
-  /// @param own   the last argument of the Driver, after scenario, robot and limits
+  /// @param landing  time for the vehicle to come to rest when the driver is requested to end
+  /// @param own   last argument of Driver, after scenario, robot and limits
   // long: every channel that a vehicle subscribes to, in one place.
   template <class Own>
   VehicleNode(const std::string& name, Duration tick_period, Duration landing, bus::Bus& bus,
@@ -110,20 +109,22 @@ class VehicleNode : public bus::Node {
         tick_period_(tick_period),
         next_tick_(clock.now()),
         end_(next_tick_, landing) {
-    // So may several mocap systems, or a simulation beside them; the driver knows which to believe.
+    // Several mocap systems or simulators may publish VICON; the driver selects one.
     bus::Channel<models::MocapFrame> vicon = bus::kVicon;
     vicon.is_shared = true;
     bus_.subscribe<models::MocapFrame>(vicon, [this](const models::MocapFrame& frame) {
       const Time now = clock_.now();
       on_mocap(frame, now);
       const Time answered = clock_.now();
-      if (frame.arrival <= now && frame.arrival >= now - kWayMax) {  // else a stranger's, or none
+      if (frame.arrival <= now &&
+          frame.arrival >=
+              now - kWayMax) {  // otherwise the arrival is not set, or of another clock
         frame_latency_.add(now - frame.arrival);
         answer_latency_.add(answered - now);
         stack_latency_.add(answered - frame.arrival);
       }
     });
-    // Several planners may speak on one robot's channel; the driver knows which one to heed.
+    // Several planners may publish on the channel of a robot; the driver selects one.
     bus::Channel<models::RobotPlan> plans = bus::plan_channel("*");
     plans.is_shared = true;
     bus_.subscribe<models::RobotPlan>(plans, [this](const models::RobotPlan& plan) {
@@ -143,14 +144,15 @@ class VehicleNode : public bus::Node {
     bus_.subscribe<models::OperatorCommand>(
         bus::kCommand, [this](const models::OperatorCommand& command) {
           on_command(command, clock_.now());
-          // What was said before is not to be said again to a vehicle that may fly now.
+          // Arming starts a new session, so that earlier commands cannot be replayed to a vehicle
+          // that may fly.
           if (command.action == models::OperatorAction::kArm &&
               (command.robot.empty() || command.robot == robot_)) {
-            // The next status says what commands have to echo from now on.
+            // The next status contains what commands must echo from now on.
             next_status_ = bus_.renew_session() ? Time{} : next_status_;
           }
         });
-    // A second trial beside this one announces its own.
+    // A second trial on the same network announces its own scenario.
     bus::Channel<models::ScenarioNotice> maps = bus::kScenario;
     maps.lease = kMapLease;
     bus_.subscribe<models::ScenarioNotice>(
@@ -161,9 +163,9 @@ class VehicleNode : public bus::Node {
 
   virtual void on_mocap(const models::MocapFrame& frame, Time now) = 0;
   virtual void on_command(const models::OperatorCommand& command, Time now) = 0;
-  /// Takes what the port has read. True if it came from the vehicle.
+  /// Processes bytes that the port has read. Returns true if they came from the vehicle.
   virtual bool receive(std::span<const std::uint8_t> bytes, Time now) = 0;
-  /// Does and sends what is due.
+  /// Performs and sends all pending work.
   virtual void act(Time now) = 0;
 
   [[nodiscard]] Driver& driver() { return driver_; }
@@ -178,9 +180,10 @@ class VehicleNode : public bus::Node {
   }
 
   static constexpr Duration kStatusPeriod = std::chrono::milliseconds(100);
-  static constexpr Duration kMapLease = std::chrono::seconds(12);  ///< said each 5 s
-  static constexpr Duration kWayMax = std::chrono::seconds(10);    ///< of a frame through the stack
-  static constexpr int kReadsMax = 64;  ///< in one tick: a flood must not keep the vehicle waiting
+  static constexpr Duration kMapLease = std::chrono::seconds(12);  ///< published every 5 s
+  /// longest plausible latency of a frame in the stack
+  static constexpr Duration kWayMax = std::chrono::seconds(10);
+  static constexpr int kReadsMax = 64;  ///< per tick: a flood must not delay the vehicle
 
   bus::Bus& bus_;
   const bus::Clock& clock_;
@@ -193,9 +196,9 @@ class VehicleNode : public bus::Node {
   Time next_status_{};
   DriverEnd end_;
   std::int64_t undecoded_ = 0;
-  LatencyRecord frame_latency_;   ///< from a frame's arrival at the stack until it is heard here
-  LatencyRecord answer_latency_;  ///< from then until what follows from it has left
-  LatencyRecord stack_latency_;   ///< both
+  LatencyRecord frame_latency_;  ///< from the arrival of a frame at the stack to its reception here
+  LatencyRecord answer_latency_;  ///< from then until the resulting messages are sent
+  LatencyRecord stack_latency_;   ///< sum of both
   std::array<std::uint8_t, 2048> buffer_{};
 };
 
