@@ -36,8 +36,8 @@ class BodyTracker {
 
   /// @param captured    capture of the frame by our clock; its stamp may be of a clock that was set
   /// @param is_resting  the body is on the ground: it may be perfectly still or be carried. A pose
-  ///                    elsewhere is accepted after half a second of consistent poses; `resets`
-  ///                    grows
+  ///                    elsewhere is accepted after half a second of consistent poses, and counted
+  ///                    in `resets`
   BodyVerdict see(const models::MocapFrame& frame, Time captured, Time now, bool is_resting);
 
   /// Returns the newest state; nullopt before the first.

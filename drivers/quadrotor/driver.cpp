@@ -104,7 +104,7 @@ void QuadrotorDriver::report_autopilot(Time now) {
 
 void QuadrotorDriver::on_mocap(const models::MocapFrame& frame, Time now) {
   if (!guard_.on_mocap(frame, now)) {
-    return;  // counted there
+    return;  // counted by the guard
   }
   // Poses that flight safety rejects are neither used for steering nor sent to the autopilot.
   const PoseVerdict judged = guard_.pose_verdict();
@@ -135,7 +135,7 @@ void QuadrotorDriver::on_mocap(const models::MocapFrame& frame, Time now) {
 
 void QuadrotorDriver::on_plan(const models::RobotPlan& plan, Time now) {
   if (plan.robot == robot_) {
-    static_cast<void>(guard_.on_plan(plan, now));  // counted there
+    static_cast<void>(guard_.on_plan(plan, now));  // counted by the guard
   } else {
     guard_.on_teammate_plan(plan, now);
   }

@@ -90,8 +90,8 @@ bool FlightSequence::rest(AutopilotLink& link, Time now) {
   streaming_since_.reset();
   has_climbed_ = false;
   if (link.commands().is_under_way(arm_command(true).command) && !link.telemetry().is_armed()) {
-    link.want(arm_command(false), now,
-              kArmPause);  // a pending command to arm may still be received
+    // a pending command to arm may still be received
+    link.want(arm_command(false), now, kArmPause);
   }
   disarm_on_ground(link, now, Duration{0});
   // In the air and in our mode: an earlier run of this driver left it there. Flight safety holds it
@@ -151,7 +151,7 @@ bool FlightSequence::fly(AutopilotLink& link, const Situation& situation) {
   if (goal_ == FlightGoal::kArm) {
     return traits_.wants_proof_of_life;
   }
-  // The first lift is small.
+  // kClimbedM is too coarse for the first lift, which is small.
   const double climbed_m = std::min(kClimbedM, 0.4 * situation.take_off_height_m);
   has_climbed_ = has_climbed_ || situation.height_error_m < climbed_m || situation.is_landing;
   if (has_climbed_) {

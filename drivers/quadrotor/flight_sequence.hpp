@@ -77,7 +77,7 @@ class FlightSequence {
   bool was_armed_ = false;
   bool has_climbed_ = false;
   bool has_mode_ = false;  ///< the mode of the goal was reached
-  bool was_ours_ = false;  ///< some goal's mode was reached since the rest goal or the last retake
+  bool was_ours_ = false;  ///< the mode of some goal was reached since the last rest goal or retake
   bool is_mode_lost_ = false;
   bool is_over_ = false;
   std::optional<std::string> waiting_for_;

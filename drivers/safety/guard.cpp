@@ -14,7 +14,7 @@ using models::FlightState;
 namespace {
 
 constexpr double kMovingMps = 0.1;
-// reason in the status by which vehicles announce it
+// reason in a status that announces the first lift
 constexpr const char* kFirstLift = "first lift";
 
 bool is_sound(const AutopilotReport& report) {

@@ -23,7 +23,7 @@
 
 namespace vantage::drivers {
 
-inline constexpr double kPredictS = 0.1;  ///< s; longest extrapolation of the own pose
+inline constexpr double kPredictS = 0.1;  ///< s; longest extrapolation of the vehicle's own pose
 
 /// Result of an operator command.
 enum class [[nodiscard]] CommandVerdict{
@@ -51,7 +51,7 @@ struct GuardCore {
   /// Checks a plan for this vehicle at `height_m` and puts it on the course if it is accepted.
   PlanVerdict on_plan(const models::RobotPlan& plan, bool may_take, double height_m, Time now);
   void on_teammate_plan(const models::RobotPlan& plan, Time now) {
-    (void)fleet.on_plan(plan, limits, now);  // counted there
+    (void)fleet.on_plan(plan, limits, now);  // the fleet counts refusals
   }
 
   /// True if the station of `command` may give it now; counts refusals.
@@ -59,8 +59,8 @@ struct GuardCore {
   [[nodiscard]] bool is_ours(const models::OperatorCommand& command) const {
     return command.robot.empty() || command.robot == name;
   }
-  /// Executes an admitted command that does not depend on the vehicle's state. nullopt: it depends
-  /// on it.
+  /// Executes an admitted command if that needs no check of the vehicle's state. Returns nullopt if
+  /// it does.
   std::optional<CommandVerdict> obey_at_once(const models::OperatorCommand& command);
   /// Stores `action` for the next tick. Of several commands within one tick the safest is kept.
   CommandVerdict ask(models::OperatorAction action);

@@ -30,7 +30,7 @@ struct Surroundings {
 struct SafetyInputs : Surroundings {
   Time now{};  ///< monotonic; only differences matter
   double since_last_tick_s = 0.0;
-  /// s in the last second that our own thread waited; 0: not counted
+  /// s; time in the last second that our own thread waited for a processor; 0: not counted
   double processor_wait_s = 0.0;
 
   // Pose.
@@ -53,8 +53,8 @@ struct SafetyInputs : Surroundings {
   bool plan_ended = false;              ///< the plan has reached its final hover
   double plan_age_s = 0.0;              ///< s since the last accepted plan
   double planner_age_s = 0.0;           ///< s since the last message of the leaseholder
-  int plans_late = 0;                   ///< in a row
-  int plans_refused = 0;                ///< in a row
+  int plans_late = 0;                   ///< consecutive
+  int plans_refused = 0;                ///< consecutive
   bool second_planner = false;          ///< a run without the lease published within the lease time
   bool map_differs = false;             ///< planner and vehicle use different scenarios
   double other_version_age_s = kNever;  ///< s since a message of an unknown type was received

@@ -20,7 +20,7 @@ enum class [[nodiscard]] PoseVerdict{
     kOutside,    ///< outside the room (wrong units or frame) and not reached from inside
     kJump,      kFlip,
     kStuck,    ///< identical for too long
-    kForeign,  ///< of another body: a row that distrusts poses has acted in this flight
+    kForeign,  ///< pose of another body: a row that distrusts poses has acted in this flight
 };
 inline constexpr std::size_t kPoseVerdicts = 9;
 const char* name_of(PoseVerdict verdict);

@@ -288,7 +288,7 @@ void DataStreamSession::set_segment(std::uint32_t subject_id, std::uint32_t segm
     return;
   }
   if (subject->body_segment != segment) {
-    return;  // a limb
+    return;  // a limb, not the body
   }
   const bool is_zero =
       position_mm.isZero(0.0) && (world_from_body.isZero(0.0) || world_from_body.isIdentity(0.0));

@@ -18,7 +18,7 @@ struct LinkCounts {
   std::int64_t connections = 0;
   std::int64_t connections_failed = 0;
   std::int64_t connections_lost = 0;  ///< closed by the server, or broken
-  std::int64_t silences = 0;          ///< closed by us after a silence
+  std::int64_t silences = 0;          ///< closed by us because nothing was received
   std::int64_t backlogs = 0;          ///< closed by us to empty a queue of frames
 };
 

@@ -150,7 +150,7 @@ void VrpnSession::on_pose(Moment arrival, const wire::vicon::VrpnHeader& header,
     return;
   }
   if (pose->sensor != 0) {
-    return;  // a limb
+    return;  // a limb, not the body
   }
   const std::int64_t stamp_us =
       std::int64_t{header.seconds} * 1'000'000 + std::int64_t{header.microseconds};

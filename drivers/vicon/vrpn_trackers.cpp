@@ -9,7 +9,7 @@
 namespace vantage::drivers::vicon {
 namespace {
 
-/// A longer interval is a tracker without sight, not its period.
+/// A longer interval means that the tracker saw nothing; it is not its period.
 constexpr std::int64_t kStepMax_us = 250'000;
 /// Silence after which a leader with unknown period is replaced.
 constexpr std::int64_t kUnknownSilence_us = 100'000;

@@ -116,9 +116,8 @@ class VehicleNode : public bus::Node {
       const Time now = clock_.now();
       on_mocap(frame, now);
       const Time answered = clock_.now();
-      if (frame.arrival <= now &&
-          frame.arrival >=
-              now - kWayMax) {  // otherwise the arrival is not set, or of another clock
+      // Otherwise the arrival is not set, or of another clock.
+      if (frame.arrival <= now && frame.arrival >= now - kWayMax) {
         frame_latency_.add(now - frame.arrival);
         answer_latency_.add(answered - now);
         stack_latency_.add(answered - frame.arrival);
@@ -128,7 +127,7 @@ class VehicleNode : public bus::Node {
     bus::Channel<models::RobotPlan> plans = bus::plan_channel("*");
     plans.is_shared = true;
     bus_.subscribe<models::RobotPlan>(plans, [this](const models::RobotPlan& plan) {
-      static_cast<void>(driver_.on_plan(plan, clock_.now()));  // counted there
+      static_cast<void>(driver_.on_plan(plan, clock_.now()));  // counted by the driver
     });
     if constexpr (requires(Driver & driver, const models::VehicleStatus& status) {
                     driver.on_teammate_status(status, Time{});

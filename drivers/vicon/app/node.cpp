@@ -41,8 +41,8 @@ ViconNode::ViconNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Sce
       link_(driver_, [this] { return moment(); }),
       say_(std::move(say)),
       next_tick_(clock.now()) {
-  if (scenario.mocap.device ==
-      scenario::DeviceSource::kReal) {  // simulated mocap contains them already
+  // Simulated mocap contains the simulated bodies already.
+  if (scenario.mocap.device == scenario::DeviceSource::kReal) {
     bus_.subscribe<models::TruthFrame>(
         bus::kTruth, [this](const models::TruthFrame& truth) { virtual_bodies_.on_truth(truth); });
   }
