@@ -90,7 +90,7 @@ bool FlightSequence::rest(AutopilotLink& link, Time now) {
   streaming_since_.reset();
   has_climbed_ = false;
   if (link.commands().is_under_way(arm_command(true).command) && !link.telemetry().is_armed()) {
-    // a pending command to arm may still be received
+    // A pending command to arm may still be received.
     link.want(arm_command(false), now, kArmPause);
   }
   disarm_on_ground(link, now, Duration{0});

@@ -10,9 +10,8 @@ namespace vantage::drivers {
 
 /// Returns the autopilot set-point for the commanded motion `asked`: position, velocity,
 /// acceleration, yaw and yaw rate. The autopilot closes the loop. The speed is limited to the
-/// vehicle's limit, and the position to kReachM from the body seen, so that no error causes a
-/// sudden fast motion.
-/// Precondition: asked.kind is kTrack.
+/// vehicle's limit. The position is limited to kReachM from the body seen, so that no error causes
+/// a sudden fast motion. Precondition: asked.kind is kTrack.
 Setpoint steer(const FlightSetpoint& asked, const std::optional<BodyState>& seen,
                const models::VehicleLimits& limits);
 

@@ -30,10 +30,10 @@ class Fleet {
   Fleet(const scenario::Scenario& scenario, const std::string& own_name);
 
   void on_mocap(const models::MocapFrame& frame, const SafetyLimits& limits, Time now);
-  /// Takes a teammate's plan if it is current, newer than the last one, feasible for its vehicle,
-  /// and from the planner that holds that teammate's lease. Otherwise returns false and counts it:
-  /// the teammate is then assumed to follow its last accepted plan or, if it is off that plan, to
-  /// be where it is seen.
+  /// Takes a teammate's plan if it is current, newer than the last one and feasible for its
+  /// vehicle, and if its planner holds that teammate's lease. Otherwise returns false and counts
+  /// it: the teammate is then assumed to follow its last accepted plan or, if it is off that plan,
+  /// to be where it is seen.
   bool on_plan(const models::RobotPlan& plan, const SafetyLimits& limits, Time now);
   /// Notes that a teammate's driver has reported. After kSilentS without a report that driver is
   /// assumed to be dead, and its vehicle to descend where it is seen.

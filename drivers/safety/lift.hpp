@@ -24,8 +24,8 @@ namespace vantage::drivers {
 ///
 /// An ordered vehicle that does not rise is skipped after lift_wait_s and 6 s for the start of its
 /// motors; one that has risen, after lift_proof_s more. No vehicle waits forever. After each turn a
-/// vehicle waits 0.15 s longer than the vehicle before it in the scenario, so that two vehicles
-/// that waited for the same turn do not begin together.
+/// vehicle waits 0.15 s longer than the one before it in the scenario. Two vehicles that waited for
+/// the same turn therefore do not begin together.
 class LiftQueue {
  public:
   LiftQueue(const scenario::Scenario& scenario, const std::string& own_name);
@@ -74,8 +74,8 @@ class LiftQueue {
   double other_risen_m_ = 0.0;
 };
 
-/// First lift of our own vehicle: it climbs to lift_height_m above its ground position, moves by a
-/// small step and a small turn, and continues once mocap has shown each of them.
+/// First lift of our own vehicle. It climbs to lift_height_m above its ground position and makes a
+/// small step and a small turn. It continues once mocap has shown each of them.
 class Lift {
  public:
   enum class Phase {

@@ -41,10 +41,10 @@ double tube_m(const OtherBody& body, const SafetyLimits& limits) {
   return strayed_m(body, limits) + body.larger_m;
 }
 
-// Returns the least distance between a vehicle that moves from `from_m` to `to_m` and a body that
-// stands on the ground and moves meanwhile between two positions, m. The body may be `strayed_m`
-// off its path; the space below its markers is occupied. Horizontal and vertical distance are
-// minimized separately, so the result is a lower bound.
+// Returns the least distance between a vehicle that moves from `from_m` to `to_m` and a moving body
+// that stands on the ground, m. The body moves meanwhile from `body_from_m` to `body_to_m`, and may
+// be `strayed_m` off that path; the space below its markers is occupied. Horizontal and vertical
+// distance are minimized separately, so the result is a lower bound.
 double apart_of_standing_m(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
                            const Eigen::Vector3d& body_from_m, const Eigen::Vector3d& body_to_m,
                            double strayed_m) {

@@ -76,8 +76,8 @@ inline bool is_occupied_below(const Eigen::Vector3d& position_m, std::span<const
   return is_occupied_below(position_m, others, limits, spare_m, limits.sinking_look_s);
 }
 
-/// True if another robot is, or within two seconds at constant velocity comes, so close
-/// horizontally that a climb from `position_m` to `goal_m` would meet it. Only robots above
+/// True if another robot would meet a climb from `position_m` to `goal_m`: it is too close
+/// horizontally now, or comes too close within two seconds at constant velocity. Only robots above
 /// `position_m` and below `goal_m` + separation_hold_m count.
 bool is_climb_taken(const Eigen::Vector3d& position_m, double goal_m,
                     std::span<const OtherBody> others, const SafetyLimits& limits);

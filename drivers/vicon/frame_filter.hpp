@@ -39,12 +39,12 @@ struct FrameCounts {
 /// far, or listed where a protocol lists all, in a stable order. A body without a good pose is
 /// occluded.
 ///
-/// The capture time is the arrival less the latency that the server states, or less
-/// `latency_assumed` if that is not in [0, kLatencyPossible_s], and less the time that the frame
-/// waited in a queue (FrameClock). It increases from frame to frame unless that would exceed the
-/// arrival or the clock was set. While a queue empties, frames that waited longer than kQueuedMax
-/// are dropped, since newer ones follow at once. Frames of a standing queue are published with
-/// their latency. A frame does not allocate once all bodies are known.
+/// The capture time is the arrival less the latency, and less the time that the frame waited in a
+/// queue (FrameClock). The latency is the one that the server states, or `latency_assumed` if that
+/// is not in [0, kLatencyPossible_s]. Capture times increase from frame to frame unless that would
+/// exceed the arrival or the clock was set. While a queue empties, frames that waited longer than
+/// kQueuedMax are dropped, since newer ones follow at once. Frames of a standing queue are
+/// published with their latency. A frame does not allocate once all bodies are known.
 class FrameFilter {
  public:
   /// Largest latency that is accepted, s; an overloaded server holds frames for seconds and states

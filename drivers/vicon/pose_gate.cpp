@@ -27,8 +27,8 @@ double PoseGate::margins_between(const Pose3& a, const Pose3& b) const {
   return settings_.turn_max_radps > 0.0 ? std::max(moved, turned) : moved;
 }
 
-// Nearness alone is not sufficient. A body with a swapped name may pass the last good position, as
-// vehicles in a line do, and is closest to it for one frame.
+// Nearness alone is not sufficient. Vehicles in a line pass the last good positions of each other.
+// A body with a swapped name is then closest to that position for one frame.
 bool PoseGate::is_back(Duration now, const Pose3& pose) const {
   const Duration usual = (now - candidate_time_) / settings_.usual_divisor;
   return reach(*candidate_, pose, usual) != Reach::kWithin &&

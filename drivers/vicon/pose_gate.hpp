@@ -50,9 +50,10 @@ struct GateSettings {
 /// the last good pose: the reach of the chain grows with each gap and may include the true
 /// position.
 ///
-/// A chain is never accepted if it began at the position of another body (`is_other`), or after a
-/// short gap with a pose that fits another body's prediction better: names have been swapped. Such
-/// a chain ends when the body moves farther than bodies usually do, or is unseen for lost_after.
+/// Names have been swapped if a chain began at the position of another body (`is_other`), or after
+/// a short gap with a pose that fits another body's prediction better. Such a chain is never
+/// accepted. It ends when the body moves farther than bodies usually do, or is unseen for
+/// lost_after.
 class PoseGate {
  public:
   explicit PoseGate(const GateSettings& settings) : settings_(settings) {}

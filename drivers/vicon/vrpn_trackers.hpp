@@ -15,9 +15,9 @@ namespace vantage::drivers::vicon {
 ///
 /// Trackers with common instants form frames directly. A server may also have trackers that report
 /// at separate instants and rates. Then the reports of the fastest one form the frames. The others
-/// are held: they are extrapolated (or interpolated) from their last two reports to the instant of
-/// the frame, for 1.5 of their own periods, and are absent afterwards. Pure; allocates only for a
-/// new tracker.
+/// are held: their last two reports are extrapolated (forward or backward) to the instant of the
+/// frame. A held tracker is absent when its last report is older than 1.5 of its own periods. Pure;
+/// allocates only for a new tracker.
 class VrpnTrackers {
  public:
   explicit VrpnTrackers(bool is_y_up) : is_y_up_(is_y_up) {}
