@@ -88,8 +88,8 @@ struct SafetyLimits {
   double low_height_m = 1.0;
 
   // Checks that the commanded vehicle is the body seen: on the ground, and in a small first lift.
-  double body_tilt_arm_rad = 0.26;  ///< rad; tilt of the body by mocap
-  /// rad; difference of the vertical between mocap and the autopilot
+  double body_tilt_arm_rad = 0.26;  ///< rad; largest tilt by mocap for arming
+  /// rad; largest difference of the vertical between mocap and the autopilot
   double attitude_error_arm_rad = 0.17;
   double yaw_error_arm_rad = 0.26;  ///< rad; the same for yaw
   std::optional<Pose2> start;       ///< pose at which the first flight must begin
@@ -129,9 +129,10 @@ struct SafetyLimits {
   double velocity_error_hold_mps = 0.3;
   double velocity_error_land_mps = 0.45;
   double velocity_memory_s = 1.0;
-  double hover_speed_mps = 0.25;  ///< m/s; fastest hover, by mocap or by the autopilot
-  double hover_off_m = 0.2;       ///< m; horizontal distance from the commanded hover position
-  double sink_error_m = 0.35;     ///< m above the commanded height during the descent
+  /// m/s; a faster vehicle does not hover, by mocap or by the autopilot
+  double hover_speed_mps = 0.25;
+  double hover_off_m = 0.2;    ///< m; horizontal distance from the commanded hover position
+  double sink_error_m = 0.35;  ///< m above the commanded height during the descent
   double tilt_kill_rad = 1.05;
 
   // Operator and this process.
@@ -143,7 +144,7 @@ struct SafetyLimits {
   /// poses detect single long waits; this sum detects a host that is busy throughout. It is 0.03 to
   /// 0.05 s on a host with free processors.
   double processor_wait_hold_s = 0.30;
-  double processor_wait_arm_s = 0.15;  ///< s; the same, to arm
+  double processor_wait_arm_s = 0.15;  ///< s; the same limit for arming
   double clear_s = 0.5;  ///< s; a condition that clears by itself must be gone for this long
   double yield_s = 2.0;  ///< s; additional time for the vehicle that must yield
 };
