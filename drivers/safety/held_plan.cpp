@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kStraightRadps = 1e-6;
 
-// Returns the state `t` seconds after the begin of `segment` at (p, yaw). An arc is a turn about
+// Returns the state `t` seconds after the start of `segment` at (p, yaw). An arc is a turn about
 // its centre, which lies v/ω to the left.
 PlanPoint along(const models::PlanSegment& segment, const Eigen::Vector3d& p_m, double yaw_rad,
                 double t) {

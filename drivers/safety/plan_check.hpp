@@ -77,8 +77,8 @@ class PlanWalk {
  private:
   const HeldPlan* plan_;
   std::size_t segment_ = 0;
-  double begin_s_ = 0.0;  ///< s; begin of that segment
-  PlanPoint begin_;       ///< state at its begin
+  double begin_s_ = 0.0;  ///< s; start of that segment
+  PlanPoint begin_;       ///< state at its start
 };
 
 /// Predicted course of another body: on its own plan, or straight on from its position.

@@ -67,7 +67,7 @@ class FrameClock {
 
   PaceFit fit_;
   double next_fit_s_ = 0.0;         ///< s; span at which the fit is computed again
-  std::optional<FrameMark> block_;  ///< begin of the interval in which too fast frames are detected
+  std::optional<FrameMark> block_;  ///< start of the interval in which too fast frames are detected
   double block_late_s_ = 0.0;
 
   bool is_after_echo_ = false;          ///< a fast echo arrived since the last frame
@@ -79,8 +79,8 @@ class FrameClock {
   std::optional<Duration> slow_since_;  ///< sending time of the first of consecutive slow pings
   double least_slow_s_ = 0.0;
 
-  std::optional<double> window_begin_s_;  ///< begin of the stretch in which the queue is watched
-  double window_late_s_ = 0.0;            ///< s; lateness at its begin
+  std::optional<double> window_begin_s_;  ///< start of the stretch in which the queue is watched
+  double window_late_s_ = 0.0;            ///< s; lateness at its start
   int window_frames_ = 0;
   bool is_standing_ = false;
 };

@@ -34,7 +34,7 @@ void ObjectStreamSession::open(Moment /*now*/) {
 bool ObjectStreamSession::receive(Moment arrival, wire::vicon::Bytes datagram) {
   const bool is_block = wire::vicon::decode_object_block(datagram, block_);
   if (!is_block || block_.objects.empty() || block_.is_truncated) {
-    // A packet of a DataStream may also look like the begin of a frame.
+    // A packet of a DataStream may also look like the start of a frame.
     const wire::vicon::Speaker speaker = wire::vicon::identify_datagram(datagram);
     if (speaker == wire::vicon::Speaker::kDataStream || speaker == wire::vicon::Speaker::kVrpn) {
       ++counts.broken_streams;

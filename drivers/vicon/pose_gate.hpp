@@ -98,7 +98,7 @@ class PoseGate {
   Duration candidate_time_{};
   Duration candidate_since_{};
   int candidate_frames_ = 0;
-  Verdict candidate_kind_ = Verdict::kOutlier;  ///< verdict at the begin of the chain
+  Verdict candidate_kind_ = Verdict::kOutlier;  ///< verdict at the start of the chain
   bool is_swap_ = false;
   std::optional<Pose3> previous_;  ///< previous pose, whatever its verdict
   int repetitions_ = 0;
