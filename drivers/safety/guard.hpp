@@ -69,7 +69,7 @@ struct GuardOutput {
 ///
 /// `now` is the receiver's monotonic time expressed in the stack's clock, in which plans are timed.
 /// It must not decrease between calls. Call tick() at 50 Hz or more in all circumstances. Only the
-/// constructor, on_map() and the functions marked so allocate.
+/// constructor and the functions marked so allocate.
 class FlightGuard {
  public:
   /// @throws UsageError for an unknown robot or invalid limits.
