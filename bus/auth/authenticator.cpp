@@ -17,7 +17,8 @@ namespace {
 
 constexpr std::string_view kStatusPrefix = "VEHICLE_";
 constexpr std::string_view kNoKey = "no_key";
-/// Counts by channel keep their size whatever names arrive; the rest share one entry.
+/// Limit of the counts by channel, so that invented names cannot exhaust memory. Further channels
+/// share one entry.
 constexpr std::size_t kCountedChannelsMax = 1024;
 constexpr std::string_view kOtherChannels = "(other)";
 
@@ -30,8 +31,8 @@ std::uint64_t random_session() {
   return session;
 }
 
-/// The entry of `channel`. Names that strangers invent fill the table; channels of one fixed name
-/// (VICON, COMMAND, …) get an entry all the same.
+/// Returns the count of `channel`. Invented names may fill the table, but channels with a fixed
+/// name (VICON, COMMAND, …) always get an entry.
 template <class Count>
 Count& entry_of(std::map<std::string, Count, std::less<>>& counts, std::string_view channel) {
   const auto found = counts.find(channel);
@@ -42,14 +43,14 @@ Count& entry_of(std::map<std::string, Count, std::less<>>& counts, std::string_v
   return counts[std::string(has_room ? channel : kOtherChannels)];
 }
 
-/// Whether a sender's `stamp` is within kSaidWithin of `now`.
+/// True if a sender's `stamp` is within kSaidWithin of `now`.
 bool is_of_now(Time stamp, Time now) {
   return stamp >= now - kSaidWithin && stamp <= now + kSaidWithin;
 }
 
 constexpr Duration kStaleShownFor = std::chrono::seconds(1);
 
-/// How to mend what security_faults() and authenticator_for() find.
+/// Returns the fault of a real device without required signatures, with its remedy.
 std::string real_fault(const scenario::Scenario& scenario) {
   return "a device is real, so what moves it must be signed: write security: {mode: require, "
          "keys: FOLDER} into the scenario, and make the keys: vantage keys new " +
@@ -61,8 +62,9 @@ bool needs_more(const scenario::Scenario& scenario) {
          scenario.security.mode != scenario::SecurityMode::kRequire;
 }
 
-/// Vehicles beyond those that one command can be said to could not be armed, and would take the
-/// operator for silent. Every robot asks for an echo; those with drivers act on it.
+/// True if there are more vehicles than one command can address. The others could not be armed and
+/// would treat the operator as silent. Every robot requests an echo; only those with drivers act on
+/// it.
 bool has_too_many_vehicles(const scenario::Scenario& scenario) {
   return scenario.security.mode == scenario::SecurityMode::kRequire &&
          scenario.robots.size() > kEchoesMax &&
@@ -177,8 +179,8 @@ void Authenticator::hear_nonce(std::string_view robot, const Foot& foot, Time no
   }
 }
 
-// Of one that was silent for longer than its lease any nonce is believed: forgetting it gives
-// nothing away.
+// If a vehicle was silent for longer than its lease, any nonce of it is accepted anyway, so
+// forgetting it loses no protection.
 bool Authenticator::make_room(Time now) {
   if (asked_.size() < kEchoesMax) {
     return true;
@@ -209,9 +211,9 @@ bool Authenticator::echoes_now(const SignedParts& parts, Time now) const {
   });
 }
 
-// A recording of an earlier session echoes old nonces and has old stamps. What is of now is
-// verified whatever it echoes, so that its number counts as received. What makes a vehicle safer
-// may be late if it comes from a session that was verified before.
+// A recording of an earlier session echoes old nonces and has old stamps. A current command is
+// verified whatever it echoes, so that its counter is recorded. A command that makes a vehicle
+// safer may be late if its session was verified before.
 Refusal Authenticator::judge_before_signature(const SignedParts& parts, Time now,
                                               const std::optional<CommandClaim>& claim) const {
   const bool is_late_but_known =

@@ -18,79 +18,83 @@
 
 namespace vantage::bus::auth {
 
-/// One process's part in an authenticated bus: its session, what it heard of others', the nonces
-/// that vehicles ask for, what was refused. Handed time; not thread-safe.
+/// The state of one process on an authenticated bus: its session, the replay windows and nonces of
+/// other sessions, and the counts of refusals. Times are parameters. Not thread-safe.
 class Authenticator {
  public:
   struct Rules {
     scenario::SecurityMode mode = scenario::SecurityMode::kRequire;
     scenario::TrialMode trial = scenario::TrialMode::kLive;
-    bool is_replay = false;  ///< signs everything as kReplay, and judges nothing
-    bool is_of_log = false;  ///< judges what a log contains: by its signatures, not by time
+    bool is_replay = false;  ///< signs everything as kReplay, accepts everything
+    bool is_of_log = false;  ///< checks recorded messages: by signature, not by time
   };
-  /// How long a vehicle still takes the nonce that it asked for before.
+  /// Time for which a vehicle still accepts its previous nonce.
   static constexpr Duration kNonceGrace = std::chrono::seconds(1);
-  /// A vehicle's nonce of another session is not believed while this one was heard within so long,
-  /// unless it was said later: old statuses that are sent again displace no live vehicle's.
+  /// While the last status with a vehicle's nonce is more recent than this, another nonce is only
+  /// accepted from a newer status. So replayed old statuses cannot displace the nonce of a live
+  /// vehicle.
   static constexpr Duration kNonceLease = std::chrono::seconds(2);
 
   Authenticator(std::shared_ptr<const Keyring> keyring, const Rules& rules);
 
-  /// From now on this process is the vehicle `robot`: its statuses carry the nonce that commands
-  /// must echo, or they act on it only by making it safer.
+  /// Declares this process to be the vehicle `robot`. Its statuses then carry the nonce that
+  /// commands must echo; a command without it is only obeyed if it makes the vehicle safer.
   void answer_to(std::string_view robot) { destination_ = destination_of(robot); }
-  /// A new session, and with it a new nonce.
+  /// Begins a new session, and with it a new nonce.
   void renew_session(Time now);
 
-  /// Appends to the payload in `message` what makes it signed, if this process has the key of the
-  /// channel's role; else counts. `robot`: to whom a command is said; empty: to all that are heard.
+  /// Appends the trailer that signs the payload in `message`, if this process has the key of the
+  /// channel's role; otherwise counts the message. `robot`: addressee of a command; empty: all
+  /// vehicles that are received.
   void seal(std::string_view channel, std::string_view robot, Time now,
             std::vector<std::uint8_t>& message);
 
   struct Judged {
     bool may_pass = false;
     Bytes payload;
-    Refusal echo = Refusal::kNone;  ///< of a command that passes, held against this vehicle's nonce
+    Refusal echo = Refusal::kNone;  ///< of a command that passes: result of the check against this
+                                    ///< vehicle's nonce
   };
-  /// The statements of a command's payload, before anything is proven.
+  /// The unverified content of a command.
   struct CommandClaim {
     Time stamp{};
-    bool makes_safer = false;  ///< hold, land, emergency stop
+    bool makes_safer = false;  ///< hold, land or emergency stop
     bool is_emergency_stop = false;
-    bool is_for_another = false;  ///< it names another vehicle than this one
+    bool is_for_another = false;  ///< addressed to another vehicle
   };
-  /// Decides whether `message` may pass, and counts the reason if not. The time is judged by `now`,
-  /// except in a replay. `claim`: of a command, if its payload can be read. `source`: the sender,
-  /// as far as can be seen (Payload::source).
+  /// Decides whether `message` may pass, and counts the reason if not. Its time is compared with
+  /// `now`, except with is_of_log; with is_replay everything passes. `claim`: of a command with a
+  /// readable payload. `source`: the sender, as far as visible (Payload::source).
   Judged judge(std::string_view channel, Bytes message, Time now,
                const std::optional<CommandClaim>& claim = std::nullopt, std::uint64_t source = 0);
 
-  /// Counts a refusal; whether the message may pass all the same (SecurityMode::kWarn).
+  /// Counts a refusal. Returns true if the message may pass nevertheless: any mode but kRequire.
   bool refuse(std::string_view channel, Refusal refusal);
-  /// Appends "<channel>.<reason>" for each reason that refused something, and "<channel>.no_key".
+  /// Appends "<channel>.<reason>" for each reason that refused a message, and "<channel>.no_key".
   void count(std::vector<models::NamedCount>& out) const;
 
   [[nodiscard]] std::uint64_t session() const { return session_; }
   [[nodiscard]] bool is_replay() const { return rules_.is_replay; }
-  /// Returns how far statuses that were refused as stale within the last second are ahead of our
-  /// clock: the smallest difference. nullopt: none was refused.
+  /// Returns how far the statuses refused as stale within the last second are ahead of our clock:
+  /// the smallest difference. nullopt: none was refused.
   [[nodiscard]] std::optional<Duration> stale_ahead(Time now) const;
 
  private:
-  /// What a vehicle asks to be echoed, as its statuses say.
+  /// The nonce that a vehicle's statuses request.
   struct Asked {
     std::uint64_t nonce = 0;
-    std::uint64_t counter = 0;  ///< of the newest status with it
+    std::uint64_t counter = 0;  ///< of the newest status with this nonce
     Time heard{};
   };
   void hear_nonce(std::string_view robot, const Foot& foot, Time now);
-  /// Whether another vehicle can be echoed, if need be in the place of one that is heard no more.
+  /// Makes room for the nonce of another vehicle, if need be by removing a silent one; returns
+  /// false when there is none.
   [[nodiscard]] bool make_room(Time now);
   [[nodiscard]] Refusal judge_nonce(const SignedParts& parts, Time now) const;
-  /// Whether the command echoes a nonce that is valid now: ours, or that of a vehicle which this
+  /// True if the command echoes a nonce that is valid now: ours, or that of a vehicle which this
   /// process receives.
   [[nodiscard]] bool echoes_now(const SignedParts& parts, Time now) const;
-  /// The reason to refuse a command before its signature is verified; kNone: verify it.
+  /// Returns the reason to refuse a command before its signature is verified; kNone: verify it.
   [[nodiscard]] Refusal judge_before_signature(const SignedParts& parts, Time now,
                                                const std::optional<CommandClaim>& claim) const;
   void note_stale(const Foot& foot, Time now);
@@ -101,8 +105,9 @@ class Authenticator {
   std::uint64_t session_before_ = 0;
   std::optional<Time> renewed_;
   std::uint64_t counter_ = 0;
-  std::optional<std::uint32_t> destination_;  ///< of a vehicle
-  std::map<std::uint32_t, Asked> asked_;      ///< by destination
+  std::optional<std::uint32_t>
+      destination_;                       ///< of the vehicle that this process is; nullopt: none
+  std::map<std::uint32_t, Asked> asked_;  ///< by destination
   std::optional<Duration> stale_ahead_;
   Time stale_received_{};
   ReplayGuard replays_;
@@ -111,30 +116,30 @@ class Authenticator {
   std::map<std::string, std::int64_t, std::less<>> without_key_;
 };
 
-/// The channel and the reason of a counter that count() made; nullopt for any other.
+/// The channel and the reason of a counter from count(); parse_refusal() returns nullopt for
+/// others.
 struct RefusalCount {
   std::string channel;
   std::string reason;
 };
 std::optional<RefusalCount> parse_refusal(std::string_view counter);
 
-/// Makes what a live process of `scenario` signs and judges by; nullptr without security.
-/// @throws StartupError where a device is real and security is not `require`, and as
-/// load_keyring().
+/// Creates the authenticator of a live process of `scenario`; nullptr without security.
+/// @throws StartupError when a device is real and security is not `require`, and as load_keyring().
 std::unique_ptr<Authenticator> authenticator_for(const scenario::Scenario& scenario);
-/// The form for a replay: signs as a replay and judges nothing. nullptr without security, or where
-/// the folder of keys does not exist. @throws StartupError as load_keyring().
+/// Creates the authenticator of a replay: it signs as a replay and checks nothing. nullptr without
+/// security or without the folder of keys. @throws StartupError as load_keyring().
 std::unique_ptr<Authenticator> replay_authenticator_for(const scenario::Scenario& scenario);
-/// The form for who reads a log: judges as the flight's processes did, but not by time. nullptr and
-/// @throws as the form for a replay.
+/// Creates the authenticator of a log reader: it checks as the processes of the flight did, except
+/// for time. nullptr and @throws as replay_authenticator_for().
 std::unique_ptr<Authenticator> log_authenticator_for(const scenario::Scenario& scenario);
 
-/// What keeps `scenario` from being flown as it says, each a sentence; empty: nothing. Looks at the
-/// key files: every role's must be here. Where commands must echo nonces there is room for those of
-/// kEchoesMax robots.
+/// Returns the security faults that prevent `scenario` from being flown, one sentence each; empty:
+/// none. Checks the key files: keys of all roles must be present. If commands must echo nonces, at
+/// most kEchoesMax robots are possible.
 std::vector<std::string> security_faults(const scenario::Scenario& scenario);
 
-/// @throws StartupError when this host's keys do not let it say commands.
+/// @throws StartupError when this host's keys do not allow it to sign commands.
 void require_operator(const scenario::Scenario& scenario);
 
 }  // namespace vantage::bus::auth

@@ -30,7 +30,7 @@ Mac mac_of(const Secret& key, std::string_view channel, std::initializer_list<By
   return mac;
 }
 
-/// What Ed25519 is of: it wants it in one piece.
+/// Returns the signed bytes in one piece, as Ed25519 needs them.
 std::vector<std::uint8_t> signed_text(std::string_view channel,
                                       std::initializer_list<Bytes> parts) {
   std::vector<std::uint8_t> text;
@@ -42,8 +42,8 @@ std::vector<std::uint8_t> signed_text(std::string_view channel,
   return text;
 }
 
-/// Puts `one` into a free place of `all`, or replaces the entry that has been silent longest, if
-/// that was longer than kKeptFor. Returns nullptr when all places are kept.
+/// Adds `one` to `all` if there is room. Otherwise it replaces the entry that has been silent
+/// longest, if that is longer than kKeptFor. Returns nullptr when no entry can be replaced.
 template <class One>
 One* added(One one, std::vector<One>& all, std::size_t count_max) {
   if (all.size() < count_max) {
@@ -104,7 +104,7 @@ Refusal judge(const Keyring& keyring, std::string_view channel, const SignedPart
   if (foot.mode != expectation.mode) {
     return Refusal::kWrongMode;
   }
-  // Before the signature: a message that is sent again must not use up a budget.
+  // Checked before the signature, so that a replayed message cannot use up a budget.
   if (replays.refuses(foot.key_id, foot.session, foot.counter)) {
     return Refusal::kReplayed;
   }
@@ -246,7 +246,7 @@ SignatureBudgets::Proven* SignatureBudgets::find(const Sender& sender) {
 }
 
 SignatureBudgets::Host* SignatureBudgets::host_of(const Sender& sender, Time now) {
-  const std::uint64_t address = sender.source >> 16U;  // whatever port it speaks from
+  const std::uint64_t address = sender.source >> 16U;  // without the port
   const auto found = std::find_if(hosts_.begin(), hosts_.end(),
                                   [&](const Host& each) { return each.address == address; });
   Host* const host =

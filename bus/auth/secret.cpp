@@ -15,7 +15,7 @@ namespace {
 
 std::string reason(int error) { return std::system_category().message(error); }
 
-/// A descriptor that is closed at its end.
+/// A file descriptor that is closed on destruction.
 class File {
  public:
   explicit File(int fd) : fd_(fd) {}
@@ -34,7 +34,7 @@ class File {
   int fd_;
 };
 
-/// What is wrong with the secret in `file`; empty: nothing, and it is in `out`.
+/// Reads the secret in `file` into `out`. Returns the fault; empty: none.
 std::string fault_of_reading(const std::string& file, std::span<std::uint8_t> out,
                              const std::string& what) {
   const File opened(open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));

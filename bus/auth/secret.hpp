@@ -8,15 +8,15 @@
 
 namespace vantage::bus::auth {
 
-/// Makes libsodium ready; cheap when it is. @throws StartupError when it cannot be.
+/// Initializes libsodium; cheap after the first call. @throws StartupError on failure.
 void start_sodium();
 
-/// A secret in memory of its own: never swapped out (as far as RLIMIT_MEMLOCK lets it), in no core
-/// dump, between guard pages, and wiped at its end. Moved, not copied. Not for loops: making one
-/// takes system calls.
+/// A secret in its own memory pages: locked against swapping (as far as RLIMIT_MEMLOCK allows),
+/// excluded from core dumps, between guard pages, and wiped on destruction. Can be moved, not
+/// copied. Not for loops, because construction takes system calls.
 class Secret {
  public:
-  /// `size` zeros. @throws StartupError when there is no memory.
+  /// Creates `size` zero bytes. @throws StartupError when there is no memory.
   explicit Secret(std::size_t size);
 
   [[nodiscard]] std::span<std::uint8_t> bytes() { return {bytes_.get(), size_}; }
@@ -30,15 +30,15 @@ class Secret {
   std::size_t size_ = 0;
 };
 
-/// Fills `out` from `file`; `what` names it in messages ("signing key").
-/// @throws StartupError for a file that cannot be read, is a link or no file, is not exactly as
-/// long as `out`, belongs to another user, or may be read or changed by others (its mode must be
-/// 0600 or less). `out` is wiped then.
+/// Reads `file` into `out`; `what` names it in messages ("signing key").
+/// @throws StartupError for a file that cannot be read, is a link or no regular file, or has
+/// another length than `out`. Also if it belongs to another user, or is accessible to others (its
+/// mode must be 0600 or less). `out` is then wiped.
 void read_secret_file(const std::string& file, std::span<std::uint8_t> out,
                       const std::string& what);
 
-/// Makes `file`, mode 0600, with `bytes` in it, on the disk when it returns.
-/// @throws StartupError when it is there already or cannot be written.
+/// Creates `file` with mode 0600 and content `bytes`; the data is on disk on return.
+/// @throws StartupError when the file exists or cannot be written.
 void write_secret_file(const std::string& file, std::span<const std::uint8_t> bytes);
 
 }  // namespace vantage::bus::auth

@@ -21,15 +21,14 @@ bool is_role(std::uint8_t value) { return value >= 1 && value <= kRoles.size(); 
 bool is_mode(std::uint8_t value) { return value >= 1 && value <= 4; }
 
 struct Family {
-  std::string_view name;  ///< of a channel, or a prefix that ends in '_'
+  std::string_view name;  ///< channel name, or a prefix that ends in '_'
   Role role;
   bool must_be_signed;
 };
 
 // Channels that are not listed here are for display only. TRUTH is listed because simulated bodies
-// enter VICON by it where the cameras are real; HEALTH_ because the supervisor ends silent
-// processes; COLLISION because it decides the exit code of `vantage up`; HOST_ because it decides
-// whether `vantage up` starts.
+// reach VICON through it when the cameras are real. HEALTH_ is listed because the supervisor ends
+// silent processes. COLLISION decides the exit code of `vantage up`, and HOST_ whether it starts.
 constexpr std::array kFamilies{
     Family{"VICON", Role::kMocap, true},
     Family{"COMMAND", Role::kOperator, true},
@@ -38,7 +37,7 @@ constexpr std::array kFamilies{
     Family{"TEAM_PROPOSAL_", Role::kPlanner, true},
     Family{"EXTERNAL_", Role::kPlanner, true},
     Family{"VEHICLE_", Role::kVehicle, true},
-    Family{"QUADROTOR_", Role::kVehicle, true},  // its old name, which replay and viewers read
+    Family{"QUADROTOR_", Role::kVehicle, true},  // old name of VEHICLE_, for replay and viewers
     Family{"MEASUREMENT_", Role::kNode, true},
     Family{"SCAN_", Role::kNode, true},
     Family{"BELIEF_", Role::kNode, true},

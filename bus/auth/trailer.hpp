@@ -10,9 +10,9 @@
 
 #include "scenario/security_spec.hpp"
 
-// What stands behind a signed message's payload, bytes to values and back. Pure; no cryptography.
-// LCM's tools carry it unread, and decoders that lcm-gen wrote, of any language, ignore it. All
-// numbers are big-endian, as LCM's.
+// Encodes and decodes the trailer of a signed message, which follows the payload. Pure functions,
+// no cryptography. LCM's tools forward it unread, and decoders from lcm-gen ignore it in every
+// language. All numbers are big-endian, as in LCM.
 //
 //   payload    as lcm-gen encodes it
 //   echoes     0 to 64 times: u32 destination, u64 nonce
@@ -23,30 +23,31 @@
 
 namespace vantage::bus::auth {
 
-/// Who may say something. Each role has keys of its own; which one a channel needs: role_of().
+/// The role of a publisher. Each role has its own keys; role_of() gives the role of a channel.
 enum class Role : std::uint8_t {
   kMocap = 1,     ///< VICON
   kPlanner = 2,   ///< PLAN_*, PROPOSAL_*, TEAM_PROPOSAL_*
   kVehicle = 3,   ///< VEHICLE_*
-  kOperator = 4,  ///< COMMAND, which is signed besides
+  kOperator = 4,  ///< COMMAND, which also has a signature
   kNode = 5,      ///< everything else
 };
 inline constexpr std::array kRoles{Role::kMocap, Role::kPlanner, Role::kVehicle, Role::kOperator,
                                    Role::kNode};
-/// "mocap", "planner", "vehicle", "operator", "node".
+/// Returns "mocap", "planner", "vehicle", "operator" or "node".
 const char* name_of(Role role);
 
-/// To whom a command is said, and what that vehicle asks to be echoed.
+/// The addressee of a command and the nonce that this vehicle requests.
 struct Echo {
-  std::uint32_t destination = 0;  ///< destination_of() its name
-  std::uint64_t nonce = 0;        ///< the session of its newest status
+  std::uint32_t destination = 0;  ///< destination_of() the vehicle's name
+  std::uint64_t nonce = 0;        ///< session of the vehicle's newest status
   friend bool operator==(const Echo&, const Echo&) = default;
 };
 
 struct Foot {
   std::uint32_t key_id = 0;
-  std::uint64_t session = 0;  ///< random, for each start of a process; of a vehicle, at arming too
-  std::uint64_t counter = 0;  ///< the sender's time, µs since the Unix epoch, but always rising
+  std::uint64_t session =
+      0;  ///< random for each start of a process; a vehicle's also changes at arming
+  std::uint64_t counter = 0;  ///< sender's time, µs since the Unix epoch, but strictly increasing
   Role role = Role::kNode;
   scenario::TrialMode mode = scenario::TrialMode::kLive;
   friend bool operator==(const Foot&, const Foot&) = default;
@@ -60,7 +61,7 @@ inline constexpr std::size_t kFootBytes = 32;
 
 using Bytes = std::span<const std::uint8_t>;
 
-/// A signed message taken apart; views into it, valid as long as it is.
+/// The parts of a signed message; views into it, valid as long as it is.
 struct SignedParts {
   Bytes payload;
   Bytes echoes;
@@ -69,14 +70,15 @@ struct SignedParts {
   Bytes foot_bytes;
   Foot foot;
 
-  /// The nonce echoed to `destination`, if it is one of those that are spoken to.
+  /// Returns the nonce echoed to `destination`; nullopt if the command is not addressed to it.
   [[nodiscard]] std::optional<std::uint64_t> echo_for(std::uint32_t destination) const;
 };
 
-/// nullopt when `message` ends in no trailer of this version. Reads nothing outside `message`.
+/// Returns the parts of `message`; nullopt when it does not end in a trailer of this version. Reads
+/// nothing outside `message`.
 std::optional<SignedParts> split(Bytes message);
 
-/// `message` without the trailer, if it has one: what a decoder that looks at every byte is given.
+/// Returns `message` without its trailer, if it has one. Decoders that check every byte need it.
 Bytes payload_of(Bytes message);
 
 /// Appends the number as `width` bytes, big-endian.
@@ -86,12 +88,13 @@ void append_echoes(std::span<const Echo> echoes, std::vector<std::uint8_t>& out)
 std::array<std::uint8_t, kFootBytes> foot_bytes(const Foot& foot, std::size_t echoes,
                                                 std::size_t signatures);
 
-/// The role whose key signs `channel`.
+/// Returns the role whose key signs `channel`.
 Role role_of(std::string_view channel);
-/// Whether an unsigned message on `channel` is refused where signatures are required: what moves a
-/// vehicle, or what those believe that move one. Others stay open to nodes that know no key.
+/// True if an unsigned message on `channel` is refused when signatures are required. These are the
+/// channels that move a vehicle, directly or through other processes. Nodes without a key may
+/// publish on the others.
 bool must_be_signed(std::string_view channel);
-/// Whether `channel` is one of ours that has a single name, such as VICON; PLAN_Q1 is not.
+/// True if `channel` is a known channel with a single name, such as VICON; PLAN_Q1 is not.
 bool is_fixed_name(std::string_view channel);
 
 }  // namespace vantage::bus::auth

@@ -8,20 +8,22 @@
 
 namespace vantage::bus {
 
-/// A channel name welded to the one message that may travel on it. A name that ends in '*' stands
-/// for every channel with that prefix, for subscribing only.
+/// A channel name and the only message type that may be sent on it. A name that ends in '*' matches
+/// every channel with that prefix, for subscribing only.
 ///
-/// LCM cannot tell apart two structs whose fields have the same names and types, so the pairing is
-/// made here, once, and checked by the compiler at every publish() and subscribe().
+/// LCM cannot distinguish two structs whose fields have the same names and types. The pairs are
+/// therefore defined here, once, and the compiler checks them at every publish() and subscribe().
 template <class Message>
 struct Channel {
   std::string name;
   bool is_shared = false;  ///< several processes may publish on it at once; see SharedStreamMonitor
-  /// While its publisher was heard within this, no other replaces it; see StreamRules.
+  /// Time without a message after which another publisher may replace the current one; see
+  /// StreamRules.
   Duration lease{};
 };
 
-/// A second mocap, or a second simulation, takes nothing from those who hear the first.
+/// Lease of a channel: receivers keep their publisher, so a second mocap or simulation cannot
+/// replace it.
 inline constexpr Duration kLease = std::chrono::milliseconds(500);
 inline const Channel<models::MocapFrame> kVicon{"VICON", false, kLease};
 inline const Channel<models::TruthFrame> kTruth{"TRUTH"};
@@ -30,7 +32,7 @@ inline const Channel<models::AttackNotice> kAttack{"ATTACK"};
 inline const Channel<models::OperatorCommand> kCommand{"COMMAND", true};  // any console
 inline const Channel<models::ScenarioNotice> kScenario{"SCENARIO"};
 
-/// `robot` "*" subscribes to all of them.
+/// `robot` "*" subscribes to the channels of all robots.
 inline Channel<models::DetectionSet> measurement_channel(const std::string& robot) {
   return {"MEASUREMENT_" + robot};
 }
@@ -56,8 +58,8 @@ inline Channel<models::TeamProposal> team_proposal_channel(const std::string& ro
 inline Channel<models::VehicleStatus> vehicle_channel(const std::string& robot) {
   return {"VEHICLE_" + robot, false, kLease};
 }
-/// As logs of before that name have it: for who reads what a log says. Nothing is published on it,
-/// and nothing that flies or commands listens to it.
+/// Name of the status channel in old logs; only for code that reads logs. Nothing is published on
+/// it, and no code that flies or commands vehicles subscribes to it.
 inline Channel<models::VehicleStatus> old_vehicle_channel(const std::string& robot) {
   return {"QUADROTOR_" + robot, false, kLease};
 }
@@ -68,8 +70,9 @@ inline Channel<models::HostReport> host_channel(const std::string& host) {
   return {"HOST_" + host};
 }
 
-/// Whether a message is handed on though it is overtaken, sent twice or numbered wrongly. What
-/// makes a vehicle safer is: who hears it judges it by itself, and obeying it twice does no harm.
+/// True if a message is delivered although it is overtaken, duplicated or misnumbered. This holds
+/// for commands that make a vehicle safer: receivers check each one, and obeying it twice does no
+/// harm.
 template <class Message>
 bool passes_every_filter(const Message& /*message*/) {
   return false;

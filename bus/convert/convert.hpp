@@ -23,11 +23,11 @@
 
 #include "models/exchange/messages.hpp"
 
-// The border. Wire structs exist only on the far side of these functions.
+// Conversions between wire structs and models. Nodes only use the models.
 //
-// from_wire() checks (finite numbers, ranges, sizes, symmetric positive definite matrices, unit
-// quaternions, known enumerators) and answers nullopt for a message that cannot be true; to_wire()
-// cannot fail. Every pair has a round-trip test and a refusal test.
+// from_wire() checks the values: finite numbers, ranges, sizes, symmetric positive definite
+// matrices, unit quaternions, known enumerators. It returns nullopt for a message with impossible
+// values; to_wire() cannot fail. Every pair has a round-trip test and a refusal test.
 
 namespace vantage::bus {
 

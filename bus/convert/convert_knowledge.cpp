@@ -3,7 +3,7 @@
 
 #include "bus/convert/convert_parts.hpp"
 
-// What robots see and believe: MEASUREMENT_R and BELIEF_R.
+// Measurements and beliefs of robots: MEASUREMENT_R and BELIEF_R.
 
 namespace vantage::bus {
 

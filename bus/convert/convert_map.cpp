@@ -1,6 +1,6 @@
 #include "bus/convert/convert_parts.hpp"
 
-// What robots know of the map: SCAN_R and MAP_R.
+// Scans and maps of robots: SCAN_R and MAP_R.
 
 namespace vantage::bus {
 

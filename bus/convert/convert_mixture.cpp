@@ -2,7 +2,7 @@
 
 #include "bus/convert/convert_parts.hpp"
 
-// What robots believe in that is no Gaussian: MIXTURE_R.
+// Non-Gaussian beliefs of robots: MIXTURE_R.
 
 namespace vantage::bus {
 
@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kWeightSumErrorMax = 1e-6;
 
-bool is_probability(double p) { return p > 0.0 && p <= 1.0; }  // false of NaN
+bool is_probability(double p) { return p > 0.0 && p <= 1.0; }  // false for NaN
 
 std::optional<models::Component> component_from(const vantage_lcm::mixture_component_t& wire) {
   const bool has_shape = wire.dim >= models::kMinTargetDim && wire.dim <= models::kMaxTargetDim &&

@@ -34,7 +34,8 @@ std::optional<models::MocapFrame> from_wire(const vantage_lcm::vicon_frame_t& wi
     if (!is_text(body.name) || !is_boolean(body.occluded) || (!pose && body.occluded == 0)) {
       return std::nullopt;
     }
-    // An occluded body's pose means nothing; one that is not even a pose must not travel on.
+    // The pose of an occluded body is meaningless. Replace an invalid one, so that it is not
+    // forwarded.
     frame.bodies.push_back({body.name, pose.value_or(Pose3{}), body.occluded != 0});
   }
   return frame;

@@ -23,7 +23,7 @@ std::string fitting(std::string text) {
   if (text.size() > kTextBytesMax) {
     text.resize(kTextBytesMax - kMore.size());
     while (!is_utf8(text)) {
-      text.pop_back();  // a character that was cut in two
+      text.pop_back();  // removes a character that was cut in two
     }
     text += kMore;
   }
@@ -46,11 +46,11 @@ std::optional<Pose3> pose3_from(const double (&position_m)[3], const double (&qu
   Quaternion rotation(quaternion_wxyz[0], quaternion_wxyz[1], quaternion_wxyz[2],
                       quaternion_wxyz[3]);
   const double norm = rotation.norm();
-  // A NaN norm fails this as well.
+  // Also rejects a NaN norm.
   if (!position.allFinite() || !(std::abs(norm - 1.0) <= kQuaternionNormErrorMax)) {
     return std::nullopt;
   }
-  // What is unit up to rounding stays as it is, so that a replayed log says the same bits.
+  // Keep a quaternion that is unit up to rounding, so that a replayed log gives the same bits.
   constexpr double kRounding = 1e-12;
   if (std::abs(norm - 1.0) > kRounding) {
     rotation.normalize();

@@ -16,8 +16,8 @@
 #include "core/linear.hpp"
 #include "models/exchange/messages.hpp"
 
-// Pieces that several messages share. `…_from` check and answer nullopt for what cannot be true;
-// `…_to` cannot fail.
+// Conversions that several messages share. `…_from` functions return nullopt for impossible values;
+// `…_to` functions cannot fail.
 
 namespace vantage::bus::parts {
 
@@ -25,26 +25,28 @@ inline constexpr std::size_t kTextBytesMax = 256;
 inline constexpr std::size_t kYamlBytesMax = std::size_t{1} << 20U;
 inline constexpr std::size_t kItemsMax = 10'000;  ///< targets, segments, bodies, inputs, …
 inline constexpr std::size_t kCellsMax = 1'000'000;
-/// The year 2286, in µs. Differences of two such times never overflow.
+/// The year 2286, µs. Differences of two such times do not overflow.
 inline constexpr std::int64_t kUtimeMax = 10'000'000'000'000'000;
-/// Of a motion: farther from the origin, longer, faster (m/s, rad/s, m/s²) nothing here moves. What
-/// is worked out of one within these stays finite.
+/// Limits of a motion: distance from the origin, duration, and rate (m/s, rad/s, m/s²). Results
+/// computed from values within these limits stay finite.
 inline constexpr double kPlaceMax_m = 1e6;
 inline constexpr double kMotionMax_s = 3600.0;
 inline constexpr double kRateMax = 1e3;
 inline constexpr double kAsymmetryMax = 1e-9;  ///< relative to the largest entry
 inline constexpr double kQuaternionNormErrorMax = 1e-3;
 
-/// Up to 4×4, in place: covariances of measurements and information of targets.
+/// Matrix of up to 4×4 without heap memory, for covariances of measurements and information of
+/// targets.
 using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, kUnaligned, 4, 4>;
 using Rows = std::vector<std::vector<double>>;
 
 bool is_utime(std::int64_t utime);
-/// At most `bytes_max` bytes of UTF-8 without NUL.
+/// True if `text` is at most `bytes_max` bytes of UTF-8 without NUL.
 bool is_text(const std::string& text, std::size_t bytes_max = kTextBytesMax);
-/// `text` as is_text() takes it: readable() unless it is UTF-8, ending in "…" where it was longer.
+/// Returns `text` in a form that is_text() accepts: made readable() if it is not UTF-8, and cut
+/// with a final "…" if it is too long.
 std::string fitting(std::string text);
-/// The count on the wire, the elements there are and the cap agree.
+/// True if the count on the wire is the number of elements and within the cap.
 bool is_count(std::int64_t count, std::size_t elements, std::size_t cap = kItemsMax);
 template <class... Doubles>
 bool are_finite(Doubles... values) {
@@ -55,9 +57,11 @@ std::optional<Pose2> pose2_from(double x_m, double y_m, double yaw_rad);
 std::optional<Pose3> pose3_from(const double (&position_m)[3], const double (&quaternion_wxyz)[4]);
 void pose3_to(const Pose3& pose, double (&position_m)[3], double (&quaternion_wxyz)[4]);
 
-/// A symmetric positive definite dim × dim matrix.
+/// Returns the matrix if it is symmetric positive definite with dim × dim entries; otherwise
+/// nullopt.
 std::optional<SmallMatrix> definite_from(const Rows& rows, int dim);
-/// Row-major; what `M` lacks of dim × dim becomes NaN, which no receiver accepts.
+/// Returns the rows of `M`. Entries that `M` lacks of dim × dim become NaN, which no receiver
+/// accepts.
 Rows rows_to(const SmallMatrix& M, int dim);
 
 std::optional<std::vector<models::InputRef>> inputs_from(
@@ -66,7 +70,7 @@ std::vector<vantage_lcm::input_ref_t> inputs_to(const std::vector<models::InputR
 
 inline std::int32_t count_of(std::size_t elements) { return static_cast<std::int32_t>(elements); }
 
-/// The same of a message that names what it was made from.
+/// Reads the input references of a message that has them.
 template <class Wire>
 auto inputs_from(const Wire& wire) {
   return inputs_from(wire.num_inputs, wire.inputs);
@@ -85,7 +89,7 @@ std::optional<Enum> enumerator_from(std::int32_t value, Enum last) {
   return static_cast<Enum>(value);
 }
 
-/// Booleans travel as bytes; only 0 and 1 are ones.
+/// True if the byte is a valid boolean: 0 or 1.
 inline bool is_boolean(std::int8_t value) { return value == 0 || value == 1; }
 
 template <class Wire>
@@ -95,7 +99,7 @@ void stamp_to(const models::Stamp& stamp, Wire& wire) {
   wire.sequence = stamp.sequence;
 }
 
-/// A message of `stamp` and nothing else yet.
+/// Returns a message with `stamp` and otherwise empty fields.
 template <class Wire>
 Wire stamped(const models::Stamp& stamp) {
   Wire wire{};
@@ -137,7 +141,7 @@ void grid_to(const models::GridGeometry& grid, Wire& wire) {
   wire.grid_rows = grid.rows;
 }
 
-/// `cells`: how many elements of each cell's array there are.
+/// `cells`: number of elements in each array over the cells.
 template <class Wire>
 std::optional<models::GridGeometry> grid_from(const Wire& wire, std::size_t cells) {
   if (!are_finite(wire.grid_origin_x_m, wire.grid_origin_y_m, wire.grid_resolution_m) ||
@@ -152,8 +156,7 @@ std::optional<models::GridGeometry> grid_from(const Wire& wire, std::size_t cell
                               wire.grid_rows};
 }
 
-/// What beliefs and maps have in common: which step of a robot, from where, over which grid, of
-/// which inputs.
+/// The common fields of beliefs and maps: the robot's step, its viewpoint, the grid and the inputs.
 struct StepHead {
   models::Stamp stamp;
   models::Viewpoint viewpoint;
@@ -173,7 +176,8 @@ std::optional<StepHead> step_head_from(const Wire& wire, std::size_t cells) {
   return StepHead{*stamp, *viewpoint, *grid, std::move(*inputs)};
 }
 
-/// A message with that of `content`, which is over so many cells, and nothing else yet.
+/// Returns a message with the common fields of `content` and a count of `cells`; other fields are
+/// empty.
 template <class Wire, class Content>
 Wire with_step_head(const Content& content, std::size_t cells) {
   auto wire = stamped<Wire>(content.stamp);

@@ -1,7 +1,7 @@
 #include "bus/convert/convert_parts.hpp"
 
-// How things are and what is asked of them: VEHICLE_R, COMMAND, COLLISION, ATTACK, HEALTH_*,
-// HOST_*, SCENARIO.
+// Status of vehicles and processes, commands and events: VEHICLE_R, COMMAND, COLLISION, ATTACK,
+// HEALTH_*, HOST_*, SCENARIO.
 
 namespace vantage::bus {
 
@@ -45,7 +45,7 @@ std::optional<models::VehicleStatus> from_wire(const vantage_lcm::quadrotor_t& w
   const auto state = enumerator_from(wire.state, models::FlightState::kKilled);
   const auto setpoint =
       pose2_from(wire.setpoint_x_world_m, wire.setpoint_y_world_m, wire.setpoint_yaw_world_rad);
-  const bool has_battery = wire.battery_share >= 0.0 && wire.battery_share <= 1.0;  // no NaN
+  const bool has_battery = wire.battery_share >= 0.0 && wire.battery_share <= 1.0;  // false for NaN
   if (!stamp || !state || !setpoint || !has_battery || !are_finite(wire.setpoint_height_m) ||
       wire.plan_round < -1 || !is_text(wire.robot) || !are_texts(wire.num_reasons, wire.reasons)) {
     return std::nullopt;
@@ -112,7 +112,8 @@ vantage_lcm::health_t to_wire(const models::ProcessHealth& health) {
   wire.num_counters = count_of(health.counters.size());
   wire.counters.resize(health.counters.size());
   for (std::size_t i = 0; i < health.counters.size(); ++i) {
-    wire.counters[i].name = fitting(health.counters[i].name);  // may be of a channel of others
+    wire.counters[i].name =
+        fitting(health.counters[i].name);  // may contain the name of a foreign channel
     wire.counters[i].count = health.counters[i].count;
   }
   wire.loops = health.loops;

@@ -2,15 +2,16 @@
 
 #include "bus/convert/channels.hpp"
 
-// Of planner.algorithm `external`: what a robot asks another process for, and what it is answered.
+// Channels of planner.algorithm `external`: a robot's request to another process, and the answer.
 
 namespace vantage::bus {
 
-/// The robot's committed motion from the coming round's start on, as a plan that nobody searched.
+/// The request: the robot's committed motion from the start of the next round, as a plan without a
+/// search.
 inline Channel<models::RobotPlan> external_request_channel(const std::string& robot) {
   return {"EXTERNAL_REQUEST_" + robot};
 }
-/// The same with other segments.
+/// The answer: the same plan with other segments.
 inline Channel<models::RobotPlan> external_plan_channel(const std::string& robot) {
   return {"EXTERNAL_PLAN_" + robot};
 }

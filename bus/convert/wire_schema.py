@@ -2,7 +2,7 @@
 """Prints the layout of .lcm types as C++ tables for bus/convert/wire_walk.hpp.
 
 Usage: wire_schema.py A.lcm B.lcm … > wire_schema.cpp. Reads the part of the LCM language that the
-house uses: one struct a file, constants skipped, arrays of constant or earlier-field dimensions.
+project uses: one struct per file, constants skipped, arrays of constant or earlier-field dimensions.
 """
 
 import re

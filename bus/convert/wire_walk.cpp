@@ -8,7 +8,8 @@ namespace {
 
 constexpr int kMaxDepth = 8;
 
-/// No overflow makes a small count of a large one.
+/// Returns the product, or the largest number on overflow, so that a large count never becomes
+/// small.
 std::uint64_t saturating_product(std::uint64_t a, std::uint64_t b) {
   constexpr auto kMost = std::numeric_limits<std::uint64_t>::max();
   return b != 0 && a > kMost / b ? kMost : a * b;
@@ -35,8 +36,8 @@ class Walker {
         if (length < 0) {
           return false;
         }
-        // What the message asks for on its own as well: n rows of nothing take no bytes but n
-        // vectors.
+        // Also limit the product of the dimensions in the message: n rows of zero elements take no
+        // bytes, but allocate n vectors.
         if (dim.field >= 0 && length > 0) {
           rows = saturating_product(rows, static_cast<std::uint64_t>(length));
           if (rows > left_.size()) {
@@ -94,7 +95,7 @@ class Walker {
     return is_terminated;
   }
 
-  /// The big-endian signed integer of `width` bytes that comes next; does not advance.
+  /// Returns the next big-endian signed integer of `width` bytes; does not advance.
   [[nodiscard]] std::int64_t integer(std::size_t width) const {
     std::uint64_t value = (left_[0] & 0x80U) != 0 ? ~std::uint64_t{0} : 0;
     for (const std::uint8_t byte : left_.first(width)) {

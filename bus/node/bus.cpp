@@ -11,7 +11,8 @@
 namespace vantage::bus {
 namespace {
 
-/// Counts by channel keep their size whatever names arrive; the rest share one entry.
+/// Limit of the counts by channel, so that invented names cannot exhaust memory. Further channels
+/// share one entry.
 constexpr std::size_t kCountedChannelsMax = 1024;
 constexpr const char* kOtherChannels = "(other)";
 
@@ -21,8 +22,8 @@ void add_nonzero(std::vector<models::NamedCount>& counts, std::string name, std:
   }
 }
 
-/// Streams that are told of one by one; of more, one sum for each kind, "PLAN_*": what a process
-/// says of itself must not grow with the team.
+/// Maximum number of streams reported individually. Beyond it, one sum per kind ("PLAN_*") is
+/// reported, so that the report of a process does not grow with the team.
 constexpr std::size_t kNamedStreamsMax = 256;
 
 std::map<std::string, StreamCounts> reported(std::map<std::string, StreamCounts> streams) {
@@ -42,7 +43,7 @@ std::map<std::string, StreamCounts> reported(std::map<std::string, StreamCounts>
     sum.runs += std::max<std::int64_t>(0, stream.runs - 1);
   }
   for (auto& [name, sum] : kinds) {
-    ++sum.runs;  // restarts are one less
+    ++sum.runs;  // each kind's number of runs is one more than its restarts
   }
   return kinds;
 }
@@ -110,7 +111,7 @@ bool Bus::is_said_to_us(Delivery& delivery, const models::OperatorCommand& comma
     return true;
   }
   if (!command.robot.empty() && command.robot != answers_to_) {
-    return false;  // said to another: nothing is wrong with it
+    return false;  // addressed to another vehicle; not an error
   }
   if (!std::exchange(delivery.is_echo_counted, true)) {
     delivery.echo =
@@ -129,7 +130,7 @@ bool Bus::send(const std::string& channel, std::span<const std::uint8_t> bytes) 
 
 void Bus::add_subscription(Subscription subscription) {
   const bool is_new = !index_.contains(subscription.pattern);
-  // A flood of other names must not take the place of a channel that was asked for by name.
+  // Reserve the entry now, so that a flood of other names cannot use up the limit of streams.
   if (!subscription.pattern.ends_with('*')) {
     if (subscription.is_shared) {
       shared_streams_.try_emplace(subscription.pattern);
@@ -159,7 +160,7 @@ void Bus::unsubscribe(const std::string& name) {
   }
   transport_.unsubscribe(name);
   if (index_.next(name, 0)) {
-    return;  // a pattern hears it
+    return;  // a pattern subscription still receives it
   }
   if (const auto stream = streams_.find(name); stream != streams_.end()) {
     left_.add(stream->second.counts());
@@ -171,8 +172,8 @@ void Bus::unsubscribe(const std::string& name) {
   }
 }
 
-// The transport calls once for each distinct pattern that hears a message. The first of them
-// serves all subscriptions, so that the stream is judged once; the others find nothing to do.
+// The transport calls this once for each distinct pattern that matches a message. Only the call for
+// the first pattern serves all subscriptions, so that the stream is checked once.
 void Bus::on_message(const std::string& pattern, std::string_view name, const Payload& bytes) {
   const auto first = index_.next(name, 0);
   if (!first || subscriptions_[*first].pattern != pattern) {
@@ -181,7 +182,8 @@ void Bus::on_message(const std::string& pattern, std::string_view name, const Pa
   const std::int64_t start_ns = monotonic_ns();
   Delivery delivery{std::string(name), bytes};
   delivery.source = bytes.source;
-  delivery.decoded = authenticator_ ? nullptr : bytes.decoded;  // what is signed is its own matter
+  delivery.decoded =
+      authenticator_ ? nullptr : bytes.decoded;  // with signatures, each Bus verifies for itself
   if (!open(delivery)) {
     handling_ns_ += monotonic_ns() - start_ns;
     return;

@@ -27,20 +27,22 @@ class Authenticator;
 enum class Refusal : std::uint8_t;
 }  // namespace auth
 
-/// A random, non-zero identity for one start of one process.
+/// Returns a random, positive id for one start of a process.
 std::int64_t random_run_id();
 
-/// Typed, counted publishing and subscribing over one Transport.
+/// Typed publish and subscribe over one Transport.
 ///
-/// Handlers run inside handle(), on the thread that called it. Every message carries the run id of
-/// its publisher and a sequence number per channel from 0, both set here; receivers count gaps,
-/// duplicates, reordering and old runs, and never see a duplicate, an overtaken message or one of
-/// a run that has been replaced (on a shared channel no run replaces another), except those that
-/// pass every filter (passes_every_filter). Not thread-safe: one Bus, one thread.
+/// handle() runs the handlers on the thread that calls it. Each message carries the run id of its
+/// publisher and a sequence number per channel, which starts at 0. publish() sets both.
+/// Receivers count gaps, duplicates, reordering and old runs. They drop duplicates, overtaken
+/// messages and messages of a replaced run. Messages that pass every filter (passes_every_filter)
+/// are delivered nevertheless. On a shared channel, no run replaces another. Not thread-safe: use
+/// one Bus per thread.
 class Bus {
  public:
-  /// @param publish_prefix  put before the name of every channel published on (for a replay
-  ///                        beside the original); names subscribed to are not changed
+  /// @param publish_prefix  prepended to the name of every channel published on, so that a replay
+  /// can
+  ///                        run next to the original; subscribed names are unchanged
   Bus(Transport& transport, std::int64_t run_id, std::string publish_prefix = "");
   ~Bus();
   Bus(const Bus&) = delete;
@@ -48,77 +50,79 @@ class Bus {
   Bus(Bus&&) = delete;
   Bus& operator=(Bus&&) = delete;
 
-  /// From now on runs are judged by when they were heard, too (a channel's lease). `clock` must
-  /// outlive the Bus; without one, as for what a log says, a run is replaced at once.
+  /// Gives the Bus a clock, so that a run is only replaced after the lease of its channel has
+  /// expired. `clock` must outlive the Bus. Without a clock, for example for a log, a run is
+  /// replaced at once.
   void keep_time(const Clock& clock) { clock_ = &clock; }
 
-  /// Signs what is published, and judges what is received by its signature and by `clock`, which is
-  /// kept as by keep_time(); `clock` must outlive the Bus (docs/guide/security.md). One that was made by
-  /// replay_authenticator_for() signs alone and judges nothing. nullptr: changes nothing.
+  /// Signs published messages, and verifies received ones by their signature and by `clock`. Also
+  /// calls keep_time(), except with an authenticator from replay_authenticator_for(), which only
+  /// signs. `clock` must outlive the Bus (docs/security.md). nullptr: no effect.
   void secure(std::unique_ptr<auth::Authenticator> authenticator, const Clock& clock);
-  /// This process is the vehicle `robot`: commands must be said to it, in its session; those that
-  /// make it safer are handed on all the same. Without secure() it does nothing.
+  /// Declares this process to be the vehicle `robot`: commands must be addressed to it and echo its
+  /// session. Commands that make it safer are always delivered. No effect without secure().
   void answer_to(const std::string& robot);
-  /// Begins a new session, which commands must echo: a vehicle's, when it is armed. False without
-  /// secure(): there are no sessions.
+  /// Begins a new session, which commands must echo; a vehicle calls it when it is armed. Returns
+  /// false without secure(), which provides the sessions.
   bool renew_session();
-  /// Whether somebody signs, though this Bus neither signs nor judges.
+  /// True if signed messages were received although this Bus has no authenticator.
   [[nodiscard]] bool hears_signed() const { return hears_signed_; }
 
-  /// Stamps `message` with this run's id and the channel's next sequence number, and sends it.
-  /// The content's time is the caller's. Returns the name under which others may refer to it.
+  /// Sets the run id and the next sequence number of the channel in `message`, and sends it. The
+  /// caller sets the time of the content. Returns the name by which other messages can refer to it.
   template <class Message>
   models::InputRef publish(const Channel<Message>& channel, Message message);
 
-  /// Calls `handler` with every good message on `channel`, for the life of the Bus. Messages that
-  /// do not decode or cannot be true are counted and dropped. Several handlers may hear the same
-  /// channel; each message is judged once. A Bus may be destroyed before its transport.
+  /// Calls `handler` with every accepted message on `channel` while the Bus exists. Messages that
+  /// do not decode or have impossible values are counted and dropped. A channel may have several
+  /// handlers; each message is checked once. A Bus may be destroyed before its transport.
   template <class Message>
   void subscribe(const Channel<Message>& channel, std::function<void(const Message&)> handler);
 
-  /// As above with the full channel name first, for prefixes.
+  /// As above; the handler also gets the full channel name, for prefix subscriptions.
   template <class Message>
   void subscribe_named(const Channel<Message>& channel,
                        std::function<void(const std::string& name, const Message&)> handler);
 
-  /// As above, for those who keep the message: many may keep the same.
+  /// As above, for handlers that store the message: all handlers share one copy.
   template <class Message>
   void subscribe_shared(
       const Channel<Message>& channel,
       std::function<void(const std::string& name, const std::shared_ptr<const Message>&)> handler);
 
-  /// Forgets every handler of that very channel name, and the stream: heard again, it begins anew,
-  /// and what was said in between is not lost. A handler of another channel may call it.
+  /// Removes every handler of exactly that channel name, and its stream. After a new subscription
+  /// the stream starts anew, and messages sent in between do not count as lost. A handler of
+  /// another channel may call it.
   void unsubscribe(const std::string& name);
 
-  /// Waits up to `timeout`, then dispatches what has arrived; how many messages, or
-  /// kSourceEnded. What a handler throws comes out here.
+  /// Waits up to `timeout`, then dispatches the messages that have arrived. Returns their number,
+  /// or kSourceEnded. Exceptions of handlers are passed on to the caller.
   int handle(std::chrono::microseconds timeout);
 
   [[nodiscard]] std::int64_t run_id() const { return run_id_; }
-  /// Every counter of the transport and of the streams heard, non-zero ones, by name.
+  /// Returns the non-zero counters of the transport and of all received streams, by name.
   [[nodiscard]] std::vector<models::NamedCount> counters() const;
-  /// Messages of believed senders that were of no type of ours, over all channels heard.
+  /// Returns the number of accepted messages that did not decode, over all channels.
   [[nodiscard]] std::int64_t undecoded() const { return undecoded_; }
-  /// Messages known to be missing (gaps) over all streams heard.
+  /// Returns the number of messages known to be missing (gaps) over all streams.
   [[nodiscard]] std::int64_t messages_lost() const;
-  /// Time spent in handlers since the start, for loop statistics.
+  /// Returns the time spent in handlers since the start, for loop statistics.
   [[nodiscard]] double handling_s() const { return static_cast<double>(handling_ns_) * 1e-9; }
 
  private:
-  static constexpr std::size_t kStreamsMax = 16'384;  ///< of a thousand robots
+  static constexpr std::size_t kStreamsMax = 16'384;  ///< enough for a thousand robots
 
-  /// One message on its way through the subscriptions that hear it.
+  /// One message while it is passed to the matching subscriptions.
   struct Delivery {
     std::string name;
     std::span<const std::uint8_t> bytes;
-    std::optional<bool> is_fresh = std::nullopt;  ///< once judged
+    std::optional<bool> is_fresh = std::nullopt;  ///< nullopt: not checked yet
     bool is_shared = false;                       ///< several publishers are expected
     Duration lease{};                             ///< of the channel
-    Decoded* decoded = nullptr;                   ///< what the bytes are, shared with others
-    bool is_faulty = false;                       ///< does not decode or cannot be true: counted
-    std::uint64_t source = 0;                     ///< who sent it, as far as can be seen
-    auth::Refusal echo{};                         ///< of a command, held against our nonce
+    Decoded* decoded = nullptr;  ///< decoded message, shared with other subscribers
+    bool is_faulty = false;      ///< does not decode or has impossible values; counted
+    std::uint64_t source = 0;    ///< sender's address and port; 0: unknown
+    auth::Refusal echo{};        ///< result of the nonce check of a command
     bool is_echo_counted = false;
   };
   struct Subscription {
@@ -129,20 +133,22 @@ class Bus {
   };
 
   std::int64_t next_sequence(const std::string& channel);
-  /// Signs what stands in buffer_, if that is asked for. `robot`: to whom a command is said.
+  /// Signs the message in buffer_. `robot`: the addressee of a command. Precondition: secure() with
+  /// an authenticator.
   void seal(const std::string& channel, const std::string& robot);
-  /// Takes the signature off delivery.bytes; false when the message is not believed.
+  /// Removes the signature from delivery.bytes; returns false when the message is refused.
   bool open(Delivery& delivery);
-  /// Whether a command is said to this process, as far as it asks.
+  /// True if this process may act on the command, by its addressee and its echoed nonce.
   bool is_said_to_us(Delivery& delivery, const models::OperatorCommand& command);
   bool send(const std::string& channel, std::span<const std::uint8_t> bytes);
   void add_subscription(Subscription subscription);
   void on_message(const std::string& pattern, std::string_view name, const Payload& bytes);
-  /// What is in the delivery; null, and counted, where that does not decode or cannot be true.
+  /// Returns the decoded message; null (and counted) when it does not decode or has impossible
+  /// values.
   template <class Message>
   std::shared_ptr<const Message> message_of(Delivery& delivery);
   bool is_fresh(Delivery& delivery, const models::Stamp& stamp);
-  /// Counts of every channel heard, by name.
+  /// Returns the counts of every received channel, by name.
   [[nodiscard]] std::map<std::string, StreamCounts> stream_counts() const;
   void count_fault(Delivery& delivery, std::map<std::string, std::int64_t>& counts);
 
@@ -155,18 +161,19 @@ class Bus {
   std::int64_t run_id_;
   std::string publish_prefix_;
   std::deque<Subscription> subscriptions_;  ///< a deque: handlers may subscribe
-  ChannelIndex index_;                      ///< of subscriptions_
-  std::shared_ptr<Bus*> self_;              ///< the transport's handlers look whether it is gone
-  std::vector<std::uint8_t> buffer_;        ///< of the message being encoded
+  ChannelIndex index_;                      ///< indexes subscriptions_
+  std::shared_ptr<Bus*> self_;        ///< lets the transport's handlers detect that the Bus is gone
+  std::vector<std::uint8_t> buffer_;  ///< message being encoded
   std::int64_t handling_ns_ = 0;
-  std::int64_t streams_refused_ = 0;  ///< messages on more channels than kStreamsMax
+  std::int64_t streams_refused_ = 0;  ///< messages beyond kStreamsMax channels
   ByName<std::int64_t> next_sequence_;
   ByName<StreamMonitor> streams_;
   ByName<SharedStreamMonitor> shared_streams_;
-  StreamCounts left_;  ///< of streams that are no more listened to
+  StreamCounts left_;  ///< of streams that were unsubscribed
   std::int64_t undecoded_ = 0;
   std::map<std::string, std::int64_t> decode_errors_;  ///< by channel: wrong type or truncated
-  std::map<std::string, std::int64_t> refused_;        ///< by channel: decoded, but cannot be true
+  std::map<std::string, std::int64_t>
+      refused_;  ///< by channel: decoded, but with impossible values
 };
 
 }  // namespace vantage::bus

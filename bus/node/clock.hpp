@@ -8,7 +8,8 @@
 
 namespace vantage::bus {
 
-/// What time it is for the whole stack. Only nodes ask; what they call is handed the answer.
+/// Source of the time for the whole stack. Only nodes read it; they pass the time to the code they
+/// call.
 class Clock {
  public:
   Clock() = default;
@@ -18,47 +19,47 @@ class Clock {
   Clock(Clock&&) = delete;
   Clock& operator=(Clock&&) = delete;
   [[nodiscard]] virtual Time now() const = 0;
-  /// True when now() follows the machine's clock, so that a time budget means something.
+  /// True if now() follows the machine's clock, so that time budgets are meaningful.
   [[nodiscard]] virtual bool is_real_time() const = 0;
 };
 
-/// The machine's wall clock, which may be set at any time: for what only shows or records.
+/// The machine's wall clock, which can be set at any time. Only for display and records.
 class SystemClock : public Clock {
  public:
   [[nodiscard]] Time now() const override;
   [[nodiscard]] bool is_real_time() const override { return true; }
 };
 
-/// The stack's time as every process of a trial keeps it: what the wall clock said when the trial
-/// began, carried on by the machine's monotonic clock, which nobody can set. It never goes back.
+/// The common time of all processes of a trial: the wall clock at the start of the trial, continued
+/// by the machine's monotonic clock, which cannot be set. It never goes back.
 ///
-/// While the wall clock is within kFollowMax of it, it is drawn there by at most kSlewPerS, so that
-/// NTP and PTP keep the hosts of a trial together. A wall clock that is farther away was set: that
-/// is not followed as long as the process lives, and apart() says by how much. Processes of one
-/// host keep one time, also one that is started after the wall clock was set: the first, usually
-/// `vantage up`, hands what lies between its time and the monotonic clock on to its children
-/// (hand_on()). Thread-safe.
+/// While the wall clock is within kFollowMax of this time, this time is slewed towards it by at
+/// most kSlewPerS. So NTP and PTP keep the hosts of a trial synchronous. A wall clock that is
+/// farther away was set. This process never follows it; apart() returns the difference. Processes
+/// of one host share one time, even those started after the wall clock was set: the first process,
+/// usually `vantage up`, passes its offset from the monotonic clock to its children (hand_on()).
+/// Thread-safe.
 class SteadyClock : public Clock {
  public:
   static constexpr Duration kFollowMax = std::chrono::milliseconds(500);
   static constexpr double kSlewPerS = 0.005;
-  /// Environment variable: the stack's time less the monotonic clock's, microseconds.
+  /// Environment variable: the stack's time minus the monotonic clock, µs.
   static constexpr const char* kHandedOn = "VANTAGE_CLOCK_OFFSET_US";
 
   using MonotonicNs = std::function<std::int64_t()>;
   using WallClock = std::function<Time()>;
 
-  /// The machine's clocks, and what was handed on by the environment.
-  /// @throws StartupError when a number that no machine's clock can differ by was handed on.
+  /// Uses the machine's clocks and the offset in the environment, if there is one.
+  /// @throws StartupError when that offset is out of range.
   SteadyClock();
-  /// Any others, and nothing handed on.
+  /// Uses the given clocks and ignores the environment.
   SteadyClock(MonotonicNs monotonic_ns, WallClock wall);
 
   [[nodiscard]] Time now() const override;
   [[nodiscard]] bool is_real_time() const override { return true; }
-  /// The wall clock less now().
+  /// Returns the wall clock minus now().
   [[nodiscard]] Duration apart() const { return wall_() - now(); }
-  /// For processes that this one starts. Call before any thread.
+  /// Stores the offset in the environment, for child processes. Call before any thread starts.
   void hand_on() const;
 
  private:
@@ -68,12 +69,12 @@ class SteadyClock : public Clock {
   MonotonicNs monotonic_ns_;
   WallClock wall_;
   mutable std::mutex mutex_;
-  mutable Time compared_{};   ///< by the monotonic clock: with the wall clock
-  mutable Duration ahead_{};  ///< of the monotonic clock, then
-  mutable Duration draw_{};   ///< by how much ahead_ is to change from then on
+  mutable Time compared_{};   ///< monotonic time of the last comparison with the wall clock
+  mutable Duration ahead_{};  ///< offset from the monotonic clock at compared_
+  mutable Duration draw_{};   ///< change of ahead_ still to be made after compared_
 };
 
-/// Stands still until it is moved.
+/// A clock that only advances when it is set.
 class VirtualClock : public Clock {
  public:
   explicit VirtualClock(Time start) : now_(start) {}

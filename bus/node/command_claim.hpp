@@ -9,8 +9,8 @@
 
 namespace vantage::bus {
 
-/// Reads what a command states before anything of it is proven. `own`: the vehicle that this
-/// process is, or empty. nullopt: another channel than COMMAND, or an unreadable payload.
+/// Returns what an unverified command claims. `own`: name of the vehicle that this process is, or
+/// empty. nullopt: the channel is not COMMAND, or the payload is unreadable.
 std::optional<auth::Authenticator::CommandClaim> claim_of(std::string_view channel,
                                                           std::span<const std::uint8_t> bytes,
                                                           std::string_view own);

@@ -11,17 +11,17 @@
 
 namespace vantage::bus {
 
-/// The vehicles that are in the air or drive, by their last status (VEHICLE_*).
+/// The vehicles that are flying or driving, according to their last status (VEHICLE_*).
 class Flights {
  public:
-  /// An older status counts as none.
+  /// Maximum age of a status; older ones are ignored.
   static constexpr Duration kKnownFor = std::chrono::seconds(1);
 
   explicit Flights(std::set<std::string> robots) : robots_(std::move(robots)) {}
 
-  /// `now`: when it arrived. Statuses of other robots are ignored.
+  /// `now`: arrival time of the status. Statuses of other robots are ignored.
   void on_status(const models::VehicleStatus& status, Time now);
-  /// Those in the air or driving, by name.
+  /// Returns the names of the vehicles that are flying or driving.
   [[nodiscard]] std::vector<std::string> in_flight(Time now) const;
 
  private:
@@ -29,13 +29,13 @@ class Flights {
   std::map<std::string, Time> seen_in_flight_;
 };
 
-/// Holds back the first request to end a process on which vehicles depend, until they have landed.
+/// Delay of the first stop request of a process that vehicles depend on, until they have landed.
 class EndAfterFlights {
  public:
-  /// The first request is not held back for longer.
+  /// Maximum delay of the first request.
   static constexpr Duration kPatience = std::chrono::seconds(60);
 
-  /// The number of requests to obey now, of `requests` that have been made.
+  /// Returns the number of requests to obey now; `requests` is the number of requests made so far.
   int requests(int requests, bool is_any_in_flight, Time now);
 
  private:

@@ -10,13 +10,13 @@
 
 namespace vantage::bus {
 
-/// Remembers the newest messages of one kind on each channel, so that a replayed node can be given
-/// exactly those that the original consumed: it names the last one of who is silent for as long as
-/// it runs. Bounded: the oldest of a channel is forgotten.
+/// The newest messages of one kind on each channel, from which a replayed node is given exactly the
+/// inputs of the original. A node keeps naming the last message of a silent sender as its input.
+/// Bounded: the oldest message of a channel is dropped.
 template <class Message>
 class InputStore {
  public:
-  /// @param capacity  of each channel, above 0
+  /// @param capacity  messages kept per channel; > 0
   explicit InputStore(std::size_t capacity) : capacity_(capacity) {}
 
   void add(const std::string& channel, const Message& message) {
@@ -27,7 +27,8 @@ class InputStore {
     messages.push_back(message);
   }
 
-  /// nullptr when it was never heard, or too long ago. Newest first: O(age).
+  /// Returns the message `name`; nullptr when it was never received or was dropped. Searches from
+  /// the newest: O(age).
   [[nodiscard]] const Message* find(const models::InputRef& name) const {
     const auto found = messages_.find(name.channel);
     if (found == messages_.end()) {

@@ -25,7 +25,8 @@ NeighbourWatch::NeighbourWatch(const scenario::Scenario& scenario, const std::st
 }
 
 void NeighbourWatch::on_frame(const models::MocapFrame& frame) {
-  // A frame of long before the last one looked at: that one's time was wrong, or the clock is set.
+  // A time stamp long before the last update means that its time was wrong or that the clock was
+  // reset. Accept such a frame.
   const Duration since = looked_ ? frame.stamp.time - *looked_ : step_;
   if (robots_.empty() || (since < step_ && since > -step_)) {
     return;

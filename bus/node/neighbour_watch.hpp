@@ -13,15 +13,16 @@
 
 namespace vantage::bus {
 
-/// Whom a robot's process listens to: its whole team or, where the scenario states a neighbourhood,
-/// those whom mocap shows within it, looked up once a planning step. Until the first frame that
-/// shows the robot itself that is nobody.
+/// The set of robots that a robot's process subscribes to: the whole team or, if the scenario
+/// states a neighbourhood, the robots that mocap shows within it. The set is updated once per
+/// planning step. It is empty until the first frame that contains the robot itself.
 class NeighbourWatch {
  public:
   using Action = std::function<void(const std::string& teammate)>;
 
-  /// Calls `comes` for each teammate to listen to from now on (at once for all of them without a
-  /// neighbourhood), and `goes` for each who is no more near. Both may subscribe and unsubscribe.
+  /// Calls `comes` for each teammate to subscribe to from now on. Without a neighbourhood it does
+  /// so at once for all teammates. Calls `goes` for each teammate that has left the neighbourhood.
+  /// Both may subscribe and unsubscribe.
   /// Precondition: `robot` is in the scenario.
   NeighbourWatch(const scenario::Scenario& scenario, const std::string& robot, Action comes,
                  Action goes);
@@ -34,9 +35,9 @@ class NeighbourWatch {
   Action comes_;
   Action goes_;
   std::vector<std::string> robots_;
-  std::vector<std::uint8_t> is_near_;  ///< of robots_, at the last look
+  std::vector<std::uint8_t> is_near_;  ///< of robots_, at the last update
   std::vector<std::uint8_t> was_near_;
-  std::optional<Time> looked_;  ///< at a frame of then
+  std::optional<Time> looked_;  ///< time of the frame of the last update
 };
 
 }  // namespace vantage::bus

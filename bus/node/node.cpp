@@ -18,13 +18,13 @@ constexpr Duration kReportOnChangePeriod = std::chrono::milliseconds(100);
 constexpr Duration kStopPollPeriod = std::chrono::milliseconds(50);
 constexpr Duration kWaitPeriod = std::chrono::milliseconds(50);
 
-/// Traffic, measured durations and kinds of rounds: what changes without anything being wrong.
+/// True for counters that change in normal operation: traffic, durations and kinds of rounds.
 bool is_plain_traffic(std::string_view counter) {
   return counter == "transport.messages_sent" || counter == "transport.messages_received" ||
          counter.ends_with(".fresh") || counter.ends_with("_us") || counter.ends_with("_rounds");
 }
 
-/// Reads how long the thread has waited for a processor, and reports the last second to the node.
+/// Reporter of the time that the thread waited for a processor in the last second.
 class WaitReporter {
  public:
   explicit WaitReporter(const WaitCounter& counter) : counter_(counter) {}
@@ -45,7 +45,7 @@ class WaitReporter {
   Time next_{};
 };
 
-/// Whether `fd` became readable within `timeout`.
+/// Returns true if `fd` became readable within `timeout`.
 bool wait_for(int fd, Duration timeout) {
   const timespec limit{timeout.count() / 1'000'000, timeout.count() % 1'000'000 * 1'000};
   pollfd polled{fd, POLLIN, 0};
@@ -62,7 +62,7 @@ HealthReporter::HealthReporter(Bus& bus, const Node& node, Usage usage)
       trouble_last_second_(trouble_reported_) {}
 
 std::int64_t HealthReporter::trouble() const {
-  // Unsigned: a saturated count must wrap, not overflow; only change matters.
+  // Unsigned: a saturated count must wrap instead of overflowing. Only changes matter.
   auto sum = static_cast<std::uint64_t>(node_.deadlines_missed());
   for (const models::NamedCount& counter : bus_.counters()) {
     sum += is_plain_traffic(counter.name) ? 0 : static_cast<std::uint64_t>(counter.count);

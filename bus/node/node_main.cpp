@@ -30,7 +30,8 @@ std::set<std::string> robots_with_driver(const scenario::Scenario& scenario) {
   return out;
 }
 
-/// The requests to end that the process obeys; one that serves vehicles waits for their landing.
+/// Counter of the stop requests that the process obeys. A process that serves vehicles waits for
+/// their landing.
 class StopRequests {
  public:
   StopRequests(Bus& bus, const Clock& clock, const scenario::Scenario& scenario, bool serves)
@@ -55,7 +56,7 @@ class StopRequests {
 
 }  // namespace
 
-// long: the whole of a process, in its order.
+// Long function: the whole life of a process in order.
 int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode& make_node) {
   return run_process(program.name, [&]() -> int {
     LifeSign life;
@@ -93,7 +94,7 @@ int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode&
     if (program.needs_robot && scenario.find_robot(arguments.robot) == nullptr) {
       throw StartupError("no robot '" + arguments.robot + "' in " + arguments.scenario);
     }
-    // A vehicle needs its driver, and what serves the driver, without a network too.
+    // Drivers, and the processes that serve them, must also run without a network.
     const auto transport = open_waiting_transport(
         arguments.url.empty() ? scenario.network.url : arguments.url,
         [&](const std::string& words) { std::cerr << program.name << ": " << words << '\n'; });

@@ -11,13 +11,13 @@
 
 namespace vantage::bus {
 
-/// What is the same in every process of the stack: the name, the flags, opening the bus, running.
+/// The properties of one node executable that node_main() needs.
 struct NodeProgram {
   std::string name;         ///< of the executable
   std::string description;  ///< one sentence for --help
   bool needs_robot = false;
   bool can_replay = false;
-  bool serves_vehicles = false;  ///< vehicles need it to land: see EndAfterFlights
+  bool serves_vehicles = false;  ///< vehicles need the process to land; see EndAfterFlights
 };
 
 struct NodeArguments {
@@ -31,10 +31,10 @@ struct NodeArguments {
 using MakeNode = std::function<std::unique_ptr<Node>(
     Bus& bus, const Clock& clock, const scenario::Scenario& scenario, const NodeArguments&)>;
 
-/// The whole of a node's main(): parses --scenario, --robot, --url, --seed, --planner,
-/// --publish-prefix, --replay and the real-time options of core/real_time, loads the scenario,
-/// opens the transport, runs the node on the system clock until a signal asks it to stop. Returns
-/// the exit code (0, 1 failed running or at its end, 2 could not start).
+/// Implements main() of a node. Parses --scenario, --robot, --url, --seed, --planner,
+/// --publish-prefix, --replay and the real-time options of core/real_time. Loads the scenario,
+/// opens the transport and runs the node on SteadyClock until a signal stops it. Returns the exit
+/// code: 0, 1 (failed while running or at its end) or 2 (could not start).
 int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode& make_node);
 
 }  // namespace vantage::bus

@@ -26,7 +26,7 @@ std::int64_t micros(const timeval& time) {
   return std::int64_t{time.tv_sec} * 1'000'000 + time.tv_usec;
 }
 
-/// Nothing when it cannot be read.
+/// Returns an empty text when the file cannot be read.
 std::string text_of(const std::filesystem::path& path) {
   std::ifstream file(path);
   return {std::istreambuf_iterator<char>(file), {}};
@@ -36,7 +36,7 @@ std::string text_of(const std::filesystem::path& path) {
 
 std::optional<ProcessUsage> usage_from_stat(std::string_view stat, std::int64_t ticks_per_s,
                                             std::int64_t page_bytes) {
-  const std::size_t name_end = stat.rfind(')');  // a name may hold anything, brackets too
+  const std::size_t name_end = stat.rfind(')');  // a name may contain any character, brackets too
   if (name_end == std::string_view::npos || ticks_per_s <= 0) {
     return std::nullopt;
   }
@@ -69,8 +69,8 @@ std::optional<ProcessUsage> usage_of(int pid) {
                          ::sysconf(_SC_PAGESIZE));
 }
 
-// Its three numbers: ran and waited, in nanoseconds, and how often it was given a processor. All
-// are 0 where the kernel does not count them; a thread may wait before it is given one.
+// The text has three numbers: run time and waiting time in ns, and the number of time slices. All
+// are 0 if the kernel does not count them. A thread may wait before its first time slice.
 std::optional<std::int64_t> waited_us_from_schedstat(std::string_view schedstat) {
   std::array<std::int64_t, 3> fields{};
   for (std::int64_t& field : fields) {
@@ -92,7 +92,7 @@ std::optional<std::int64_t> waited_us_of(int pid) {
   for (std::filesystem::directory_iterator task(tasks, gone), end; task != end;
        task.increment(gone)) {
     const auto waited_us = waited_us_from_schedstat(text_of(task->path() / "schedstat"));
-    if (waited_us) {  // else the thread has ended meanwhile
+    if (waited_us) {  // otherwise the thread has ended meanwhile
       sum_us = sum_us.value_or(0) + *waited_us;
     }
   }

@@ -9,22 +9,23 @@
 
 namespace vantage::bus {
 
-/// How often a node that replays a log calls ReplayQueue::tick().
+/// Interval at which a node that replays a log calls ReplayQueue::tick().
 inline constexpr Duration kReplayTick = std::chrono::milliseconds(100);
 
-/// What a log says was made and is to be made again, in its order. Each waits for inputs that may
-/// still be on their way until `later_max` later ones wait behind it or it has waited two seconds
-/// of ticks: then it has to do with what is there.
+/// The logged outputs that a replay must recompute, in their order. The first output waits for
+/// inputs that may still arrive. The wait ends when more than `later_max` outputs are queued, or
+/// after two seconds of ticks. Then the output is recomputed from the inputs present.
 template <class Logged>
 class ReplayQueue {
  public:
   explicit ReplayQueue(std::size_t later_max = 3) : later_max_(later_max) {}
 
   void add(const Logged& logged) { waiting_.push_back(logged); }
-  /// Once every kReplayTick, then work().
+  /// Call once per kReplayTick, followed by work().
   void tick() { ticks_ = waiting_.empty() ? 0 : ticks_ + 1; }
-  /// Gives what waits to redo(logged, is_last_chance), one after another while that says true: done
-  /// with it. It may say false, to be asked again, but for the last chance.
+  /// Passes the queued outputs to redo(logged, is_last_chance), one after another while it returns
+  /// true (output is done). If it returns false, it is called again later, except after the last
+  /// chance.
   template <class Redo>
   void work(const Redo& redo) {
     while (!waiting_.empty()) {
@@ -42,7 +43,7 @@ class ReplayQueue {
 
   std::size_t later_max_;
   std::deque<Logged> waiting_;
-  int ticks_ = 0;  ///< that the first of them has waited
+  int ticks_ = 0;  ///< number of ticks that the first output has waited
 };
 
 }  // namespace vantage::bus

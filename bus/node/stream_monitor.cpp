@@ -6,7 +6,7 @@
 namespace vantage::bus {
 namespace {
 
-/// A hostile sequence number may claim that 2⁶³ messages were lost, more than once.
+/// Adds without overflow: a forged sequence number can claim 2⁶³ lost messages, more than once.
 void add_saturating(std::int64_t& sum, std::int64_t more) {
   constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
   sum = more > kMax - sum ? kMax : sum + more;
@@ -26,7 +26,7 @@ void StreamCounts::add(const StreamCounts& more) {
 
 void StreamMonitor::advance_to(const models::Stamp& stamp, const StreamRules& rules) {
   const std::int64_t skipped =
-      stamp.sequence - (newest_sequence_ + 1);  // in this order: no overflow
+      stamp.sequence - (newest_sequence_ + 1);  // this order avoids overflow
   add_saturating(counts_.lost, skipped);
   const auto kept = static_cast<std::int64_t>(kMissingKept);
   if (skipped > kept) {
@@ -83,8 +83,8 @@ void StreamMonitor::begin_run(const models::Stamp& stamp) {
       retired_runs_.erase(retired_runs_.begin());
     }
   }
-  // Of the first run heard, or of one that comes back, what came before is none of our business; a
-  // later one starts at 0, unless that cannot be.
+  // Messages before the first one received are not counted for the first run, or for one that
+  // returns. Any other run starts at 0, unless its first number is implausibly large.
   const bool was_retired = std::erase(retired_runs_, stamp.run_id) > 0;
   const bool is_late = !heard_any_ || was_retired || stamp.sequence >= kStepMax;
   first_sequence_ = is_late ? stamp.sequence : 0;

@@ -13,7 +13,7 @@
 
 namespace vantage::bus {
 
-/// Hash of a name that is looked up by string_view, too.
+/// Hash of a name that also supports lookup by string_view.
 struct NameHash {
   using is_transparent = void;
   std::size_t operator()(std::string_view name) const {
@@ -25,12 +25,12 @@ struct NameHash {
 template <class Value>
 using ByName = std::unordered_map<std::string, Value, NameHash, std::equal_to<>>;
 
-/// Who listens to which channels, numbered as they were added: found by name, whatever others
-/// listen to. Patterns ("PREFIX*") are gone through one by one, so they should be few. A number
-/// that was given back is given again, so numbers stay below the most that there were at once.
+/// Index from channel names to numbered subscriptions. Exact names are found by hash, at a cost
+/// independent of the other subscriptions. Patterns ("PREFIX*") are searched one by one, so there
+/// should be few. A removed number is reused, so numbers stay below the largest count so far.
 class ChannelIndex {
  public:
-  /// The pattern's number: 0, 1, … or the one that was given back last.
+  /// Adds the pattern and returns its number: the one removed last, or else the next of 0, 1, …
   std::size_t add(const std::string& pattern) {
     const std::size_t number = free_.empty() ? count_++ : free_.back();
     if (!free_.empty()) {
@@ -45,7 +45,7 @@ class ChannelIndex {
     return number;
   }
 
-  /// Gives back the numbers of this very pattern, and says which.
+  /// Removes all entries of exactly this pattern and returns their numbers.
   std::vector<std::size_t> remove(const std::string& pattern) {
     std::vector<std::size_t> numbers;
     if (const auto found = exact_.find(pattern); found != exact_.end()) {
@@ -63,14 +63,14 @@ class ChannelIndex {
     return numbers;
   }
 
-  /// Whether this very pattern was added.
+  /// True if exactly this pattern was added.
   [[nodiscard]] bool contains(const std::string& pattern) const {
     return exact_.contains(pattern) ||
            std::any_of(prefixes_.begin(), prefixes_.end(),
                        [&](const Prefix& each) { return each.pattern == pattern; });
   }
 
-  /// The least number, at least `from`, that hears `channel`.
+  /// Returns the smallest number ≥ `from` whose pattern matches `channel`.
   [[nodiscard]] std::optional<std::size_t> next(std::string_view channel, std::size_t from) const {
     std::optional<std::size_t> least;
     if (const auto found = exact_.find(channel); found != exact_.end()) {
@@ -95,7 +95,7 @@ class ChannelIndex {
     std::size_t number = 0;
   };
   std::size_t count_ = 0;
-  std::vector<std::size_t> free_;  ///< below count_, of nobody
+  std::vector<std::size_t> free_;  ///< unused numbers below count_
   ByName<std::vector<std::size_t>> exact_;
   std::vector<Prefix> prefixes_;
 };

@@ -24,10 +24,10 @@ struct InProcessHub::State {
   class Endpoint;
 
   std::size_t queue_capacity = 0;
-  /// Held during a whole publish, so that all endpoints hear all messages in one order. Taken
-  /// before an endpoint's own mutex, never after.
+  /// Held during a whole publish, so that all endpoints receive all messages in the same order.
+  /// Always locked before an endpoint's own mutex.
   std::mutex mutex;
-  /// Who listens: by channel name, and by pattern. An endpoint is once in each list.
+  /// Subscribed endpoints, by channel name and by pattern. An endpoint is once in each list.
   ByName<std::vector<Endpoint*>> listeners;
   std::vector<Endpoint*> pattern_listeners;
 };
@@ -105,14 +105,14 @@ class InProcessHub::State::Endpoint : public Transport {
     return true;
   }
 
-  // What handlers publish meanwhile waits for the next handle(): a pair of nodes that answer each
-  // other must not keep this one from returning.
+  // Messages published by handlers wait for the next handle(). Otherwise two nodes that answer each
+  // other could keep this call from returning.
   int handle(std::chrono::microseconds timeout) override {
     std::size_t batch = 0;
     {
       std::unique_lock lock(mutex_);
-      // Who does not wait does not go to sleep either: a timed wait of nothing still costs what the
-      // kernel rounds a timer up to, and virtual time asks thousands of times a second.
+      // Do not sleep with a zero timeout. A timed wait of zero still costs the kernel's timer
+      // rounding, and virtual time calls this thousands of times per second.
       if (queue_.empty() && timeout.count() > 0) {
         arrived_.wait_for(lock, timeout, [&] { return !queue_.empty(); });
       }
@@ -173,8 +173,8 @@ class InProcessHub::State::Endpoint : public Transport {
     return posted;
   }
 
-  // Only the owner's thread adds subscriptions, and a deque keeps its elements where they are, so
-  // handlers run without the lock and may subscribe and publish.
+  // Handlers run without the lock and may subscribe and publish: only the owner's thread adds
+  // subscriptions, and a deque does not move its elements.
   void dispatch(const Posted& posted) {
     for (auto i = index_.next(posted.channel, 0); i; i = index_.next(posted.channel, *i + 1)) {
       subscriptions_[*i].handler(posted.channel, Payload(posted.bytes, &posted.decoded));
@@ -186,7 +186,7 @@ class InProcessHub::State::Endpoint : public Transport {
   mutable std::mutex mutex_;
   std::condition_variable arrived_;
   std::deque<Subscription> subscriptions_;
-  ChannelIndex index_;  ///< of subscriptions_
+  ChannelIndex index_;  ///< indexes subscriptions_
   std::vector<std::string> patterns_;
   std::deque<std::shared_ptr<const Posted>> queue_;
   TransportStats stats_;

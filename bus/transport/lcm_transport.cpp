@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kMessagesPerHandle = 4096;
 
-/// The regular expression that liblcm takes for `channel`; it adds ^ and $ itself.
+/// Returns the regular expression that liblcm expects for `channel`; liblcm adds ^ and $ itself.
 std::string expression_of(const std::string& channel) {
   const bool is_prefix = !channel.empty() && channel.back() == '*';
   const std::string stem = is_prefix ? channel.substr(0, channel.size() - 1) : channel;
@@ -39,7 +39,7 @@ void LcmTransport::subscribe(const std::string& channel, Handler handler) {
   own.lcm = lcm_subscribe(lcm_.get(), expression.c_str(), &LcmTransport::on_message, &own);
 }
 
-// What it was stays where it is: liblcm may hold a pointer to it until its handle() is over.
+// The entry remains in the deque: liblcm may hold a pointer to it until its handle() returns.
 void LcmTransport::unsubscribe(const std::string& channel) {
   for (Subscription& each : subscriptions_) {
     if (each.lcm != nullptr && each.channel == channel) {
@@ -56,8 +56,8 @@ bool LcmTransport::publish(const std::string& channel, std::span<const std::uint
   return is_sent;
 }
 
-// Called from C, which cannot carry an exception, and which would be left unusable by one: it is
-// kept until the C frames are gone.
+// Called from C code, which cannot propagate an exception. The exception is stored and rethrown
+// after the C frames have returned.
 void LcmTransport::on_message(const lcm_recv_buf_t* buffer, const char* channel,
                               void* subscription) {
   auto& self = *static_cast<Subscription*>(subscription);
@@ -77,7 +77,7 @@ int LcmTransport::handle(std::chrono::microseconds timeout) {
   if (has_ended_) {
     return kSourceEnded;
   }
-  // Rounded up: a wait of half a millisecond must not become a busy loop.
+  // Rounded up: a wait of 0.5 ms must not become a busy loop.
   auto wait = std::chrono::ceil<std::chrono::milliseconds>(std::max(timeout, {}));
   int handled = 0;
   is_handling_ = true;

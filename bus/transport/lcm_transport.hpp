@@ -11,10 +11,10 @@
 
 namespace vantage::bus {
 
-/// liblcm's own providers, for what has no receive thread open to strangers: memq:// and file://.
+/// liblcm's own providers memq:// and file://, which have no receive thread exposed to the network.
 ///
-/// Channel names subscribed to may have letters, digits and "_:/-" only, since liblcm reads them as
-/// regular expressions; "PREFIX*" becomes "PREFIX.*".
+/// Names subscribed to may only have letters, digits and "_:/-", because liblcm reads them as
+/// regular expressions. "PREFIX*" becomes "PREFIX.*".
 class LcmTransport : public Transport {
  public:
   /// @throws StartupError when liblcm cannot open `url`.
@@ -25,7 +25,7 @@ class LcmTransport : public Transport {
   LcmTransport(LcmTransport&&) = delete;
   LcmTransport& operator=(LcmTransport&&) = delete;
 
-  /// @throws UsageError for a name that liblcm would read as something else.
+  /// @throws UsageError for a name that liblcm would interpret differently.
   void subscribe(const std::string& channel, Handler handler) override;
   void unsubscribe(const std::string& channel) override;
   bool publish(const std::string& channel, std::span<const std::uint8_t> bytes) override;
@@ -37,7 +37,7 @@ class LcmTransport : public Transport {
     LcmTransport* transport;
     std::string channel;
     Handler handler;
-    lcm_subscription_t* lcm = nullptr;  ///< null once it was given up
+    lcm_subscription_t* lcm = nullptr;  ///< null after unsubscribe()
   };
   static void on_message(const lcm_recv_buf_t* buffer, const char* channel, void* subscription);
 

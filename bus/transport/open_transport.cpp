@@ -10,7 +10,7 @@ namespace vantage::bus {
 
 namespace {
 
-/// @param report  nullptr: a network that is not there is an error
+/// @param report  nullptr: a missing network is an error
 std::unique_ptr<Transport> open(const std::string& url, ReportNetwork report) {
   const std::string chosen = chosen_url(url);
   const Url parsed = parse_url(chosen);

@@ -9,11 +9,10 @@
 
 namespace vantage::bus {
 
-/// What one message's bytes were decoded to, kept where many listeners share the bytes: the first
-/// of them decodes for all. Thread-safe.
+/// The decoded message of shared bytes: the first subscriber decodes it for all. Thread-safe.
 class Decoded {
  public:
-  /// Null: not decoded yet, or to something else.
+  /// Returns the decoded message; null when the bytes were not decoded yet, or to another type.
   template <class Message>
   [[nodiscard]] std::shared_ptr<const Message> get() const {
     const std::lock_guard lock(mutex_);
@@ -31,7 +30,7 @@ class Decoded {
   template <class Message>
   static const void* kind_of() {
     static constexpr char kKind = 0;
-    return &kKind;  // another for each type
+    return &kKind;  // a distinct address for each type
   }
 
   mutable std::mutex mutex_;
@@ -39,16 +38,15 @@ class Decoded {
   std::shared_ptr<const void> message_;
 };
 
-/// A message's bytes as a handler gets them.
+/// The bytes of a message as a handler receives them.
 struct Payload : std::span<const std::uint8_t> {
   Payload(std::span<const std::uint8_t> bytes, Decoded* decoded_once = nullptr)  // NOLINT: as it is
       : std::span<const std::uint8_t>(bytes), decoded(decoded_once) {}
   Payload(const std::vector<std::uint8_t>& bytes)  // NOLINT: as it is
       : Payload(std::span<const std::uint8_t>(bytes)) {}
 
-  Decoded* decoded = nullptr;  ///< null: nobody shares the bytes
-  std::uint64_t source =
-      0;  ///< who sent them, as far as can be seen: an address and port; 0: unseen
+  Decoded* decoded = nullptr;  ///< null: the bytes are not shared
+  std::uint64_t source = 0;    ///< sender's address and port, as far as visible; 0: unknown
 };
 
 }  // namespace vantage::bus

@@ -12,28 +12,29 @@
 
 namespace vantage::bus {
 
-/// What a transport itself saw go wrong; all since it was opened.
+/// Counts of traffic and errors that a transport detected since it was opened.
 struct TransportStats {
   std::int64_t messages_sent = 0;
   std::int64_t messages_received = 0;
   std::int64_t send_errors = 0;
-  std::int64_t malformed_datagrams = 0;   ///< not LCM, or lying about lengths
-  std::int64_t incomplete_messages = 0;   ///< given up with fragments missing
-  std::int64_t queue_overflows = 0;       ///< oldest message dropped for a newer one
-  std::int64_t oversized_messages = 0;    ///< refused for announcing more than the size cap
-  std::int64_t duplicate_fragments = 0;   ///< ignored
-  std::int64_t kernel_drops = 0;          ///< datagrams for which the socket buffer had no room
-  std::int64_t receive_buffer_bytes = 0;  ///< what the kernel granted; 0 without a socket
-  std::int64_t receive_buffer_short_bytes = 0;  ///< asked for and not granted (net.core.rmem_max)
-  std::int64_t network_losses = 0;  ///< times that no route or card led to the group any more
+  std::int64_t malformed_datagrams = 0;  ///< not LCM, or with inconsistent lengths
+  std::int64_t incomplete_messages = 0;  ///< discarded with fragments missing
+  std::int64_t queue_overflows = 0;      ///< oldest messages dropped for newer ones
+  std::int64_t oversized_messages = 0;   ///< refused because they announce more than the size limit
+  std::int64_t duplicate_fragments = 0;  ///< ignored
+  std::int64_t kernel_drops = 0;         ///< datagrams for which the socket buffer had no room
+  std::int64_t receive_buffer_bytes = 0;  ///< size that the kernel granted; 0 without a socket
+  std::int64_t receive_buffer_short_bytes = 0;  ///< requested but not granted (net.core.rmem_max)
+  std::int64_t network_losses = 0;  ///< times that the route or the network card was lost
 };
 
-/// What handle() answers when nothing can come any more.
+/// Result of handle() once no more messages can arrive.
 inline constexpr int kSourceEnded = -1;
 
-/// Moves bytes under channel names. The one thing to replace in order to leave LCM.
+/// Transfer of bytes under channel names. Only this interface has to be implemented again to
+/// replace LCM.
 ///
-/// Not thread-safe: one owner, one thread, unless a class says otherwise.
+/// Not thread-safe unless a class states otherwise: one owner, one thread.
 class Transport {
  public:
   using Handler = std::function<void(std::string_view channel, const Payload& bytes)>;
@@ -45,38 +46,38 @@ class Transport {
   Transport(Transport&&) = delete;
   Transport& operator=(Transport&&) = delete;
 
-  /// Calls `handler`, inside handle(), with every message on `channel`; a name that ends in '*'
-  /// stands for every channel with that prefix ("*": all).
+  /// Registers `handler` for every message on `channel`; handle() calls it. A name that ends in '*'
+  /// matches every channel with that prefix ("*": all).
   virtual void subscribe(const std::string& channel, Handler handler) = 0;
-  /// Forgets the handlers of that very name or pattern. A handler may call it of another name than
-  /// those that it listens to itself.
+  /// Removes the handlers of exactly that name or pattern. A handler may call it only for names
+  /// that it is not subscribed to itself.
   virtual void unsubscribe(const std::string& channel) = 0;
-  /// False when the message could not be handed to the network (counted).
+  /// Returns false when the message could not be handed to the network (counted).
   virtual bool publish(const std::string& channel, std::span<const std::uint8_t> bytes) = 0;
-  /// Waits up to `timeout` for a message, then dispatches everything that has arrived; returns how
-  /// many, or kSourceEnded once nothing can come any more (a log that was read to its end). An
-  /// exception from a handler comes out here and leaves the transport usable. Not to be called from
-  /// a handler.
+  /// Waits up to `timeout` for a message, then dispatches all that have arrived. Returns their
+  /// number, or kSourceEnded once no more can arrive (a log was read to its end). An exception of a
+  /// handler is passed on to the caller and leaves the transport usable. Must not be called from a
+  /// handler.
   virtual int handle(std::chrono::microseconds timeout) = 0;
   [[nodiscard]] virtual TransportStats stats() const = 0;
 };
 
-/// Opens a transport by URL: "udpm://239.255.76.67:7667?ttl=1&interface=eth1" (LCM's multicast, our
-/// own bounded receiver; other options in bus/transport/url), "memq://" (one process) or
-/// "file://LOG?mode=r" (LCM's). An empty URL means $LCM_DEFAULT_URL, else LCM's default.
-/// @throws StartupError saying what is wrong (no multicast route, no such card, unknown scheme, no
-/// such file).
+/// Opens a transport by URL: "udpm://239.255.76.67:7667?ttl=1&interface=eth1" (LCM's multicast with
+/// our own bounded receiver; other options in bus/transport/url), "memq://" (one process) or
+/// "file://LOG?mode=r" (LCM's). An empty URL means $LCM_DEFAULT_URL, or else LCM's default.
+/// @throws StartupError that names the problem (no multicast route, no such card, unknown scheme,
+/// no such file).
 std::unique_ptr<Transport> open_transport(const std::string& url);
 
-/// Called with one sentence when the network is lost, and when it is back.
+/// Called with one sentence when the network is lost, and when it has returned.
 using ReportNetwork = std::function<void(const std::string& words)>;
-/// As open_transport(), but waits for a network of udpm that is absent (no multicast route, no such
-/// card) instead of throwing: until it is there nothing is sent or received, and handle() tries
-/// again. For processes that must run without a network, above all the driver of a vehicle.
+/// As open_transport(), but a missing udpm network (no multicast route, no such card) is no error.
+/// Until it is present, nothing is sent or received, and handle() retries. For processes that must
+/// run without a network, above all the driver of a vehicle.
 std::unique_ptr<Transport> open_waiting_transport(const std::string& url, ReportNetwork report);
 
-/// A bus inside one process: every endpoint hears what any endpoint (itself included) publishes,
-/// in order. Thread-safe across endpoints; each endpoint has its own bounded queue.
+/// A bus inside one process. Every endpoint receives, in order, what any endpoint publishes, itself
+/// included. Thread-safe across endpoints; each endpoint has its own bounded queue.
 class InProcessHub {
  public:
   explicit InProcessHub(std::size_t queue_capacity = 10'000);
@@ -86,8 +87,8 @@ class InProcessHub {
   InProcessHub(InProcessHub&&) = delete;
   InProcessHub& operator=(InProcessHub&&) = delete;
 
-  /// A new endpoint. The hub must outlive it. `on_arrival` is called with every message that is put
-  /// into its queue, by whoever published it: it has to be quick, and may not use the hub.
+  /// Creates an endpoint. The hub must outlive it. `on_arrival` is called for every message put
+  /// into its queue, on the publisher's thread. It must be quick and must not use the hub.
   std::unique_ptr<Transport> connect(std::function<void()> on_arrival = {});
 
  private:

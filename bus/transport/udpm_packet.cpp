@@ -9,7 +9,7 @@ namespace {
 constexpr std::uint32_t kShortMagic = 0x4C433032;     // "LC02"
 constexpr std::uint32_t kFragmentMagic = 0x4C433033;  // "LC03"
 
-/// The big-endian number in `width` bytes at `at`. Precondition: they are there.
+/// Returns the big-endian number in `width` bytes at `at`. Precondition: these bytes exist.
 std::uint32_t number(std::span<const std::uint8_t> bytes, std::size_t at, std::size_t width) {
   std::uint32_t value = 0;
   for (const std::uint8_t byte : bytes.subspan(at, width)) {
@@ -18,7 +18,7 @@ std::uint32_t number(std::span<const std::uint8_t> bytes, std::size_t at, std::s
   return value;
 }
 
-/// Moves the channel name in front of `rest` to `channel`; false when there is none.
+/// Moves the channel name at the start of `rest` to `channel`; returns false when there is none.
 bool take_channel(std::span<const std::uint8_t>& rest, std::string_view& channel) {
   const auto searched = rest.first(std::min(rest.size(), kChannelBytesMax + 1));
   const auto nul = std::find(searched.begin(), searched.end(), std::uint8_t{0});
@@ -58,7 +58,7 @@ std::optional<Packet> parse_packet(std::span<const std::uint8_t> datagram) {
   packet.fragment_count = static_cast<std::uint16_t>(number(datagram, 18, 2));
   packet.payload = datagram.subspan(kFragmentHeaderBytes);
   if (packet.fragment_number >= packet.fragment_count ||
-      packet.fragment_count > packet.message_bytes ||  // each carries a byte at least
+      packet.fragment_count > packet.message_bytes ||  // each fragment carries at least one byte
       (packet.fragment_number == 0 && !take_channel(packet.payload, packet.channel))) {
     return std::nullopt;
   }

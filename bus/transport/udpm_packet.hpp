@@ -7,42 +7,42 @@
 #include <span>
 #include <string_view>
 
-// LCM's datagrams, bytes to values and back. Pure. All numbers are big-endian on the wire.
+// Encodes and decodes LCM's datagrams. Pure functions. All numbers are big-endian on the wire.
 //
 //   short     "LC02", u32 sequence, channel, NUL, payload
 //   fragment  "LC03", u32 sequence, u32 message bytes, u32 fragment offset, u16 fragment number,
-//             u16 fragment count; number 0 goes on with channel, NUL; then payload
+//             u16 fragment count; then channel, NUL in fragment 0; payload
 // Source: LCM, doc/content/udp-multicast-protocol.md; limits measured with liblcm 1.3.1.
 
 namespace vantage::bus::udpm {
 
 inline constexpr std::size_t kChannelBytesMax = 63;
-/// Channel, NUL and payload of a message that travels in one datagram.
+/// Largest channel, NUL and payload of a message in one datagram, bytes.
 inline constexpr std::size_t kShortBytesMax = 65'499;
-/// Channel and NUL (first fragment only) and payload of a fragment.
+/// Largest channel and NUL (first fragment only) and payload of a fragment, bytes.
 inline constexpr std::size_t kFragmentBytesMax = 65'487;
 inline constexpr std::size_t kShortHeaderBytes = 8;
 inline constexpr std::size_t kFragmentHeaderBytes = 20;
 inline constexpr std::size_t kDatagramBytesMax = 65'507;
 
-/// A datagram whose own statements hold together; views into it, valid as long as it is.
+/// A datagram with consistent header fields; holds views into it that are valid as long as it is.
 struct Packet {
   bool is_fragment = false;
   std::uint32_t sequence = 0;         ///< of the message, per sender
-  std::uint32_t message_bytes = 0;    ///< of the whole payload
-  std::uint32_t fragment_offset = 0;  ///< of this payload in the whole
+  std::uint32_t message_bytes = 0;    ///< size of the whole payload
+  std::uint32_t fragment_offset = 0;  ///< position of this payload in the whole one
   std::uint16_t fragment_number = 0;
   std::uint16_t fragment_count = 1;
   std::string_view channel;  ///< empty in fragments after the first
   std::span<const std::uint8_t> payload;
 };
 
-/// What `datagram` says, or nullopt when it is not LCM's or contradicts itself: too short, channel
-/// empty, without NUL or longer than 63 bytes, fragment number not below the count, an empty
-/// fragment, or one that reaches beyond its message. Reads nothing outside `datagram`.
+/// Parses `datagram`. Returns nullopt when it is not LCM's or is inconsistent: too short; channel
+/// empty, longer than 63 bytes or without NUL; fragment number not below the count; fragment empty
+/// or reaching beyond its message. Reads nothing outside `datagram`.
 std::optional<Packet> parse_packet(std::span<const std::uint8_t> datagram);
 
-/// What goes before the payload of a datagram: header, and channel with NUL if it carries one.
+/// The part of a datagram before its payload: the header, and channel with NUL if it has one.
 class PacketHead {
  public:
   static PacketHead of_short(std::uint32_t sequence, std::string_view channel);
@@ -65,12 +65,13 @@ class PacketHead {
 /// True for a name that LCM can carry: 1 to 63 bytes without NUL.
 bool is_channel_name(std::string_view channel);
 
-/// How a message is cut: 1 fragment stands for a short message.
+/// The division of a message into fragments; 1 fragment means a short message.
 struct Cut {
   std::size_t fragments = 1;
-  std::size_t first_bytes = 0;  ///< payload of the first
+  std::size_t first_bytes = 0;  ///< payload bytes in the first fragment
 };
-/// nullopt when the message would take more than 65 535 fragments. Precondition: is_channel_name.
+/// Returns the division of a message; nullopt when it needs more than 65 535 fragments.
+/// Precondition: is_channel_name.
 std::optional<Cut> cut_message(std::size_t channel_bytes, std::size_t payload_bytes);
 
 }  // namespace vantage::bus::udpm

@@ -9,16 +9,16 @@ namespace {
 /// Allocator and container overhead charged for each message and each piece kept.
 constexpr std::size_t kMessageOverheadBytes = 256;
 constexpr std::size_t kPieceOverheadBytes =
-    128;  // 64 of Piece, twice: the vector grows by doubling
+    128;  // sizeof(Piece) is 64; twice that, because the vector grows by doubling
 
-/// One in so many of the messages kept, the last that were added to, is not given up for others.
+/// One in this many messages, those with the newest fragments, is spared from eviction.
 constexpr std::size_t kSparedShare = 8;
 
 }  // namespace
 
 Reassembler::Reassembler(const ReassemblyLimits& limits) : limits_(limits) {}
 
-// long: one fragment's way past every limit into its message; each step may be its last.
+// Long function: one fragment passes every limit in order; each check may end it.
 std::optional<AssembledMessage> Reassembler::add(std::uint64_t source, const Packet& packet,
                                                  std::int64_t now_ns) {
   if (packet.message_bytes > limits_.message_bytes_max) {
@@ -94,7 +94,7 @@ std::optional<AssembledMessage> Reassembler::add(std::uint64_t source, const Pac
   return message;
 }
 
-// The first fragment of a message has its channel.
+// Only the first fragment of a message carries its channel.
 void Reassembler::note_oversized(const Packet& packet) {
   ++counts_.oversized;
   if (packet.fragment_number != 0) {
@@ -139,13 +139,13 @@ bool Reassembler::is_finished(const Identity& identity, std::int64_t now_ns) con
   });
 }
 
-// Of `source`, or of all.
+// Evicts one message of `source`, or of any source.
 bool Reassembler::evict(const std::optional<std::uint64_t>& source, const Partial* keep) {
   const std::size_t spared = std::min(limits_.messages_max / kSparedShare, partials_.size());
   auto least = partials_.end();
   std::size_t index = 0;
   for (auto each = partials_.begin(); each != partials_.end(); ++each, ++index) {
-    // The newest are in the making, unless there is nothing else.
+    // Spare the newest messages, which are probably still arriving, if there are others.
     if (least != partials_.end() && index >= partials_.size() - spared) {
       break;
     }
@@ -190,7 +190,7 @@ void Reassembler::drop(Partials::iterator partial) {
   partials_.erase(partial);
 }
 
-// The pieces must tile the message exactly: no gap, no overlap, in the order of their numbers.
+// The pieces must cover the message exactly, in the order of their numbers, without gap or overlap.
 std::optional<AssembledMessage> Reassembler::assemble(Partial& partial) {
   std::sort(partial.pieces.begin(), partial.pieces.end(),
             [](const Piece& a, const Piece& b) { return a.number < b.number; });

@@ -13,65 +13,67 @@
 
 namespace vantage::bus::udpm {
 
-/// Bounds on what strangers can make a Reassembler keep.
+/// Limits on the memory that untrusted senders can make a Reassembler use.
 struct ReassemblyLimits {
   std::size_t message_bytes_max = std::size_t{4} << 20U;
-  std::size_t source_bytes_max = std::size_t{8} << 20U;  ///< kept for one sender
+  std::size_t source_bytes_max = std::size_t{8} << 20U;  ///< for one sender
   std::size_t total_bytes_max = std::size_t{32} << 20U;
-  std::size_t messages_max = 256;           ///< unfinished ones
+  std::size_t messages_max = 256;           ///< incomplete messages
   std::int64_t age_max_ns = 1'000'000'000;  ///< since the newest fragment
 };
 
 struct ReassemblyCounts {
   std::int64_t completed = 0;
-  std::int64_t incomplete = 0;          ///< given up: too old, or for want of room
-  std::int64_t oversized = 0;           ///< fragments of messages above the cap, refused
-  std::int64_t oversized_messages = 0;  ///< their first fragments
-  std::int64_t duplicates = 0;   ///< fragments already there, or of a message already complete
-  std::int64_t conflicting = 0;  ///< fragments and messages that contradict others of their number
+  std::int64_t incomplete = 0;          ///< discarded: too old, or no room
+  std::int64_t oversized = 0;           ///< refused fragments of messages above the size limit
+  std::int64_t oversized_messages = 0;  ///< first fragments among `oversized`
+  std::int64_t duplicates =
+      0;  ///< fragments that are already stored, or of a message that is complete
+  std::int64_t conflicting =
+      0;  ///< fragments and messages that contradict others with the same sequence number
 };
 
-/// Messages on one channel that were refused for their size.
+/// Messages on one channel that were refused because of their size.
 struct OversizedChannel {
   std::int64_t messages = 0;
-  std::uint32_t bytes_max = 0;  ///< of the largest
+  std::uint32_t bytes_max = 0;  ///< size of the largest one
 };
 
-/// A whole message put together from fragments.
+/// A complete message assembled from fragments.
 struct AssembledMessage {
   std::string channel;
   std::vector<std::uint8_t> payload;
   std::uint64_t source = 0;  ///< the sender's address and port
 };
 
-/// Puts fragments together, in whatever order and however often they come.
+/// Assembler of fragments that arrive in any order and any number of times.
 ///
-/// Only bytes that really arrived are kept, never what a header announces, so that empty claims are
-/// cheap. When there is no room, the message of which least has arrived gives way, the oldest such
-/// first, but none of the eighth that was added to last: a flood of first fragments displaces
-/// itself rather than honest traffic, and so does one of nearly whole messages.
+/// Memory is only used for bytes that have arrived, never for sizes that a header announces, so
+/// false claims cost little. When there is no room, the message with the fewest bytes is evicted,
+/// the oldest first. The eighth of the messages with the newest fragments is spared. So a flood of
+/// first fragments, or of nearly complete messages, evicts itself rather than honest traffic.
 ///
-/// What one sender says is never mixed with another's. Who speaks in a sender's own name can spoil
-/// the one message whose number, size and count he claims, not the others. Pure: no clock (times
-/// are handed in), no socket.
+/// Fragments of different senders are never combined. A forger of a sender's address can only
+/// spoil the message whose sequence number, size and fragment count it copies. Pure: times are
+/// parameters, no socket.
 class Reassembler {
  public:
   explicit Reassembler(const ReassemblyLimits& limits = {});
 
-  /// Takes one fragment of `source` (an address and port as a number). The message if it is whole
-  /// now. Precondition: packet.is_fragment, from parse_packet.
+  /// Adds one fragment from `source` (address and port as a number). Returns the message if it is
+  /// complete now. Precondition: packet.is_fragment, from parse_packet.
   std::optional<AssembledMessage> add(std::uint64_t source, const Packet& packet,
                                       std::int64_t now_ns);
-  /// Gives up messages without a new fragment for age_max_ns.
+  /// Discards messages without a new fragment for age_max_ns.
   void expire(std::int64_t now_ns);
 
   [[nodiscard]] const ReassemblyCounts& counts() const { return counts_; }
   [[nodiscard]] const ReassemblyLimits& limits() const { return limits_; }
-  /// Returns them by channel, for the first kOversizedKept channels.
+  /// Returns the refused messages by channel, for the first kOversizedKept channels.
   [[nodiscard]] const std::map<std::string, OversizedChannel, std::less<>>& oversized() const {
     return oversized_;
   }
-  /// Memory held for unfinished messages, book-keeping included.
+  /// Returns the memory used for incomplete messages, overhead included.
   [[nodiscard]] std::size_t bytes_kept() const { return bytes_kept_; }
   [[nodiscard]] std::size_t messages_kept() const { return partials_.size(); }
 
@@ -81,7 +83,7 @@ class Reassembler {
     std::uint32_t offset = 0;
     std::vector<std::uint8_t> bytes;
   };
-  /// What all fragments of a message say alike.
+  /// Header fields that all fragments of a message share.
   struct Identity {
     std::uint64_t source = 0;
     std::uint32_t sequence = 0;
@@ -107,8 +109,8 @@ class Reassembler {
   Partials::iterator find(const Identity& identity);
   [[nodiscard]] bool is_disputed(const Identity& identity) const;
   [[nodiscard]] bool is_finished(const Identity& identity, std::int64_t now_ns) const;
-  /// Evicts until `bytes` more fit into message `keep` (null: into a new one), never `keep` itself;
-  /// false when that cannot be.
+  /// Evicts messages until `bytes` more fit into message `keep` (null: a new one). Never evicts
+  /// `keep` itself. Returns false when there cannot be enough room.
   bool make_room(std::uint64_t source, std::size_t bytes, const Partial* keep);
   bool evict(const std::optional<std::uint64_t>& source, const Partial* keep);
   void drop(Partials::iterator partial);
@@ -122,9 +124,9 @@ class Reassembler {
   ReassemblyLimits limits_;
   ReassemblyCounts counts_;
   std::map<std::string, OversizedChannel, std::less<>> oversized_;
-  Partials partials_;  ///< in the order of their newest fragments
+  Partials partials_;  ///< ordered by their newest fragment
   std::size_t bytes_kept_ = 0;
-  std::vector<Finished> finished_;  ///< a ring: late duplicates must not begin a message anew
+  std::vector<Finished> finished_;  ///< ring buffer: late duplicates must not start a message again
   std::size_t finished_next_ = 0;
 };
 

@@ -65,7 +65,7 @@ MulticastSocket::MulticastSocket(const UdpmAddress& address, Absence absence)
       receiver_(open_udp()),
       sender_(open_udp()),
       buffer_(kDatagramBytesMax + 1) {
-  // The third one is what join() looks for the route with.
+  // The third socket checks that join() can open its probe.
   if (receiver_.fd() < 0 || sender_.fd() < 0 || Descriptor(open_udp()).fd() < 0) {
     throw StartupError("LCM udpm: cannot make a socket: " + reason());
   }
@@ -88,7 +88,7 @@ MulticastSocket::~MulticastSocket() = default;
 std::string MulticastSocket::find_interface() {
   const std::string& interface = address_.interface;
   if (interface.empty() || inet_pton(AF_INET, interface.c_str(), &membership_.imr_address) == 1) {
-    return "";  // an address that is none of ours is refused by the kernel
+    return "";  // the kernel refuses an address that is not this host's
   }
   membership_.imr_ifindex = static_cast<int>(if_nametoindex(interface.c_str()));
   return membership_.imr_ifindex != 0 ? ""
@@ -100,14 +100,14 @@ std::string MulticastSocket::join() {
   if (std::string fault = find_interface(); !fault.empty()) {
     return fault;
   }
-  // With a card named, what comes to the group by another card is not received. A membership that
-  // is there already has outlived the loss.
+  // With a configured card, datagrams that arrive on another card are not received. EADDRINUSE: the
+  // membership has survived the loss of the network.
   if (!set_option(receiver_.fd(), IPPROTO_IP, IP_ADD_MEMBERSHIP, membership_) &&
       errno != EADDRINUSE) {
     return "LCM udpm: cannot join " + address_.group + ": " + reason() + advice(address_);
   }
-  // Connecting sends nothing, but it looks for the route at once. A socket of its own, because a
-  // connected one would keep the route even when the interface changes.
+  // connect() sends nothing, but checks the route at once. It needs a separate socket, because a
+  // connected one would keep its route when the interface changes.
   const Descriptor probe(open_udp());
   const std::string cannot_send = "LCM udpm: nothing can be sent to " + address_.group + ": ";
   if (probe.fd() < 0) {
@@ -135,20 +135,20 @@ bool MulticastSocket::keep_joined(std::int64_t monotonic_ns) {
 
 void MulticastSocket::open_receiver(const UdpmAddress& address) {
   const int fd = receiver_.fd();
-  // Both: liblcm shares its port by the first, and two of ours must share whatever others set.
+  // Set both: liblcm shares its port by SO_REUSEADDR, and two of our sockets must share it as well.
   require_option(fd, SOL_SOCKET, SO_REUSEADDR, 1, "SO_REUSEADDR");
   require_option(fd, SOL_SOCKET, SO_REUSEPORT, 1, "SO_REUSEPORT");
-  // The privileged call may pass net.core.rmem_max; without the privilege the plain one is clamped.
+  // The privileged option may exceed net.core.rmem_max; the plain one is clamped to it.
   if (!set_option(fd, SOL_SOCKET, SO_RCVBUFFORCE, address.recv_buf_bytes)) {
     require_option(fd, SOL_SOCKET, SO_RCVBUF, address.recv_buf_bytes, "SO_RCVBUF");
   }
-  int doubled = 0;  // the kernel answers twice what it was asked, book-keeping included
+  int doubled = 0;  // the kernel returns twice the requested size, overhead included
   socklen_t size = sizeof doubled;
   getsockopt(fd, SOL_SOCKET, SO_RCVBUF, &doubled, &size);
   receive_buffer_bytes_ = doubled / 2;
   set_option(fd, SOL_SOCKET, SO_RXQ_OVFL, 1);       // best effort: counts drops
-  set_option(fd, IPPROTO_IP, IP_MULTICAST_ALL, 0);  // only the group that was joined here
-  // Bound to the group, not to any address: what is sent to this host's own addresses stays out.
+  set_option(fd, IPPROTO_IP, IP_MULTICAST_ALL, 0);  // only the group that this socket joined
+  // Bound to the group address, so datagrams to this host's own addresses are not received.
   if (bind(fd, as_sockaddr(group_), sizeof group_) != 0) {
     throw StartupError("LCM udpm: cannot listen on " + address.group + ":" +
                        std::to_string(address.port) + ": " + reason());
@@ -160,13 +160,14 @@ void MulticastSocket::open_sender(const UdpmAddress& address) {
   require_option(fd, IPPROTO_IP, IP_MULTICAST_TTL, static_cast<std::uint8_t>(address.ttl),
                  "IP_MULTICAST_TTL");
   require_option(fd, IPPROTO_IP, IP_MULTICAST_LOOP, std::uint8_t{1}, "IP_MULTICAST_LOOP");
-  set_option(fd, SOL_SOCKET, SO_SNDBUF, kSendBufferBytes);  // clamped: no harm
+  set_option(fd, SOL_SOCKET, SO_SNDBUF,
+             kSendBufferBytes);  // clamped by the kernel, which is harmless
   require_option(fd, SOL_SOCKET, SO_SNDTIMEO, timeval{0, kSendTimeoutUs}, "SO_SNDTIMEO");
 }
 
 bool MulticastSocket::send(std::span<const std::uint8_t> head,
                            std::span<const std::uint8_t> payload) {
-  // sendmsg does not write through these, but C has no way to say so.
+  // sendmsg does not write through these pointers, but its C interface is not const.
   std::array<iovec, 2> pieces{
       iovec{const_cast<std::uint8_t*>(head.data()), head.size()},         // NOLINT
       iovec{const_cast<std::uint8_t*>(payload.data()), payload.size()}};  // NOLINT

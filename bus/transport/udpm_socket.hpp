@@ -20,20 +20,21 @@ struct Datagram {
   std::span<const std::uint8_t> bytes;
 };
 
-/// A pair of sockets on one multicast group: one hears the group, one sends to it.
+/// A pair of sockets on one multicast group: one receives from the group, one sends to it.
 ///
-/// Opening never waits. Datagrams sent are heard on this host as well, by the sender too.
+/// Opening does not block. Datagrams are looped back to this host, the sender included.
 ///
-/// The network may go and come back: a route that is deleted, a card that is taken out. The group
-/// is then joined again (keep_joined()), since a new card has no part in the old membership.
+/// The network may disappear and return, for example a deleted route or a removed card.
+/// keep_joined() then joins the group again, because a new card does not have the old membership.
 class MulticastSocket {
  public:
-  /// The treatment of a group to which no route or card leads when it is opened.
+  /// What to do when no route or card leads to the group at opening: throw, or wait.
   enum class Absence { kError, kWaits };
   static constexpr std::int64_t kTryPeriodNs = 500'000'000;
 
-  /// @throws StartupError saying what is wrong. Where absence is an error, above all when no route
-  ///         leads to the group or the host does not have the interface.
+  /// @throws StartupError that names the problem. With Absence::kError also when no route leads to
+  /// the
+  ///         group or the host does not have the interface.
   explicit MulticastSocket(const UdpmAddress& address, Absence absence = Absence::kError);
   ~MulticastSocket();
   MulticastSocket(const MulticastSocket&) = delete;
@@ -41,24 +42,24 @@ class MulticastSocket {
   MulticastSocket(MulticastSocket&&) = delete;
   MulticastSocket& operator=(MulticastSocket&&) = delete;
 
-  /// Sends `head` and `payload` as one datagram; false when the network refuses, or for 100 ms has
-  /// no room.
+  /// Sends `head` and `payload` as one datagram. Returns false when the network refuses it, or has
+  /// had no room for 100 ms.
   bool send(std::span<const std::uint8_t> head, std::span<const std::uint8_t> payload);
-  /// After a loss of the network: tries to join the group again, at most each kTryPeriodNs. True
-  /// while the network is there.
+  /// After a loss of the network, tries to join the group again, at most once per kTryPeriodNs.
+  /// Returns true while the network is present.
   bool keep_joined(std::int64_t monotonic_ns);
-  /// The error of the last try to join; empty: it succeeded.
+  /// Returns the error of the last attempt to join; empty: it succeeded.
   [[nodiscard]] const std::string& fault() const { return fault_; }
-  /// Times that the network was lost, or not there at the start.
+  /// Returns how often the network was lost, or missing at the start.
   [[nodiscard]] std::int64_t network_losses() const { return network_losses_; }
-  /// Waits up to `timeout`; true when there is something to receive.
+  /// Waits up to `timeout`; returns true when a datagram can be received.
   bool wait(std::chrono::nanoseconds timeout);
-  /// The next datagram that has arrived; nullopt when there is none. Never waits.
+  /// Returns the next datagram that has arrived; nullopt when there is none. Never waits.
   std::optional<Datagram> receive();
 
-  /// What the kernel grants for datagrams waiting to be received.
+  /// Returns the size of the receive buffer that the kernel granted.
   [[nodiscard]] std::int64_t receive_buffer_bytes() const { return receive_buffer_bytes_; }
-  /// Datagrams lost because that was full, since opening.
+  /// Returns the number of datagrams dropped since opening because that buffer was full.
   [[nodiscard]] std::int64_t kernel_drops() const { return kernel_drops_; }
 
  private:
@@ -78,18 +79,18 @@ class MulticastSocket {
 
   void open_receiver(const UdpmAddress& address);
   void open_sender(const UdpmAddress& address);
-  /// Joins the group. Returns the error in words; empty: the group is joined and can be sent to.
+  /// Joins the group. Returns the error text; empty: the group is joined and can be sent to.
   std::string join();
   std::string find_interface();
 
   UdpmAddress address_;
   sockaddr_in group_{};
-  ip_mreqn membership_{};  ///< the group, and the card if one was named
+  ip_mreqn membership_{};  ///< the group, and the card if one is configured
   Descriptor receiver_;
   Descriptor sender_;
   std::vector<std::uint8_t> buffer_;
   std::int64_t receive_buffer_bytes_ = 0;
-  std::uint32_t kernel_drops_seen_ = 0;  ///< the kernel's counter, which wraps
+  std::uint32_t kernel_drops_seen_ = 0;  ///< last value of the kernel's counter, which wraps
   std::int64_t kernel_drops_ = 0;
   bool is_joined_ = false;
   std::string fault_;

@@ -11,9 +11,9 @@ namespace vantage::bus::udpm {
 namespace {
 
 constexpr int kMessagesPerHandle = 4096;
-constexpr int kDatagramsPerTaking = 256;  // a flood of junk must not keep messages from handlers
-constexpr std::int64_t kOvertimeNs = 5'000'000;  // beyond what the caller has given
-constexpr std::int64_t kTakePeriodNs = 100'000;  // the kernel is asked again after that
+constexpr int kDatagramsPerTaking = 256;  // limit, so that a flood of junk cannot delay handlers
+constexpr std::int64_t kOvertimeNs = 5'000'000;  // allowed beyond the caller's timeout
+constexpr std::int64_t kTakePeriodNs = 100'000;  // longest time between reads from the kernel
 constexpr std::size_t kQueuedOverheadBytes = 128;
 
 std::size_t cost_of(const AssembledMessage& message) {
@@ -28,7 +28,7 @@ ReassemblyLimits limits_for(std::size_t message_bytes_max) {
   return limits;
 }
 
-/// True while it lives; also when a handler throws.
+/// Guard that sets the flag and resets it on destruction, even when a handler throws.
 class Handling {
  public:
   explicit Handling(bool& flag) : flag_(flag) { flag_ = true; }
@@ -56,7 +56,7 @@ UdpmTransport::UdpmTransport(const UdpmAddress& address, ReportNetwork report)
   keep_network();
 }
 
-// A network that is away for less than a try is not worth a word.
+// A loss that ends before the next attempt to join is not reported.
 void UdpmTransport::keep_network() {
   const bool is_up = socket_.keep_joined(monotonic_ns());
   if (report_ && is_up == is_loss_reported_) {
@@ -75,7 +75,7 @@ void UdpmTransport::subscribe(const std::string& channel, Handler handler) {
   }
 }
 
-// Its place stays, for the next one: dispatch() may be on its way through them.
+// The entry stays for reuse, because dispatch() may be iterating over the entries.
 void UdpmTransport::unsubscribe(const std::string& channel) {
   for (Subscription& each : subscriptions_) {
     if (each.pattern == channel) {
@@ -85,7 +85,7 @@ void UdpmTransport::unsubscribe(const std::string& channel) {
 }
 
 bool UdpmTransport::publish(const std::string& channel, std::span<const std::uint8_t> bytes) {
-  // What our own receivers would refuse is refused here, where somebody can be told.
+  // Refuse here what our own receivers would refuse, so that the caller learns of it.
   const bool is_possible = is_channel_name(channel) && bytes.size() <= message_bytes_max_;
   const auto cut = is_possible ? cut_message(channel.size(), bytes.size()) : std::nullopt;
   if (!cut) {
@@ -110,7 +110,7 @@ bool UdpmTransport::send_fragments(const std::string& channel, std::span<const s
         sequence, static_cast<std::uint32_t>(bytes.size()), static_cast<std::uint32_t>(offset),
         static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(cut.fragments), channel);
     if (!socket_.send(head.bytes(), bytes.subspan(offset, size))) {
-      return false;  // the rest would be of no use
+      return false;  // the remaining fragments would be useless
     }
     offset += size;
   }
@@ -132,7 +132,7 @@ int UdpmTransport::handle(std::chrono::microseconds timeout) {
     }
     if (arrived_.empty()) {
       const std::int64_t left_ns = deadline_ns - monotonic_ns();
-      // Junk and other people's channels are no reason to stop waiting.
+      // Junk and unwanted channels must not end the wait.
       if (handled > 0 || left_ns <= 0 || !socket_.wait(std::chrono::nanoseconds(left_ns))) {
         break;
       }
@@ -143,7 +143,7 @@ int UdpmTransport::handle(std::chrono::microseconds timeout) {
     arrived_bytes_ -= cost_of(message);
     ++handled;
     dispatch(message);
-    // A flood must not keep the caller from its own work.
+    // A flood must not block the caller.
     if (monotonic_ns() - deadline_ns > kOvertimeNs) {
       break;
     }

@@ -9,37 +9,37 @@
 
 namespace vantage::bus::udpm {
 
-/// LCM's UDP multicast, compatible on the wire, without liblcm: its receive thread can be crashed
-/// by one datagram and waits up to 10 s for a network that filters. No thread: everything happens
-/// inside handle(), on bytes that were checked first.
+/// LCM's UDP multicast, compatible on the wire but without liblcm. One datagram can crash liblcm's
+/// receive thread, and it waits up to 10 s on a network that filters. This class has no thread: all
+/// work is done inside handle(), on bytes that were checked first.
 ///
-/// What has arrived is taken from the kernel before handlers are called and between them, into a
-/// queue of recv_buf_size bytes (at least max_message_size); the oldest messages give way. The
-/// kernel's own buffer, which keeps the oldest and is seldom granted in full, overflows only while
-/// one handler runs for long.
+/// Arrived datagrams are read from the kernel before and between handler calls, into a queue of
+/// recv_buf_size bytes (at least max_message_size). A full queue drops its oldest messages. The
+/// kernel's own buffer drops the newest ones instead and is seldom granted in full. It only
+/// overflows while one handler runs for long.
 class UdpmTransport : public Transport {
  public:
-  /// @param report  for an absent network, as open_waiting_transport(); nullptr: that is an error
+  /// @param report  enables waiting for a missing network, as open_waiting_transport(); nullptr: a
+  /// missing network is an error
   /// @throws StartupError as MulticastSocket.
   explicit UdpmTransport(const UdpmAddress& address, ReportNetwork report = nullptr);
 
   void subscribe(const std::string& channel, Handler handler) override;
   void unsubscribe(const std::string& channel) override;
   bool publish(const std::string& channel, std::span<const std::uint8_t> bytes) override;
-  /// Dispatches at most 4096 messages, and none once 5 ms more than `timeout` have passed, so that
-  /// a flood cannot keep the caller; what has arrived and is not dispatched waits for the next
-  /// call.
+  /// Dispatches at most 4096 messages, and none later than 5 ms after `timeout`, so that a flood
+  /// cannot block the caller. The remaining messages wait for the next call.
   /// @throws UsageError when called from a handler.
   int handle(std::chrono::microseconds timeout) override;
   [[nodiscard]] TransportStats stats() const override;
-  /// Messages that were refused for their size, by channel.
+  /// Returns the number and size of messages that were refused because of their size, by channel.
   [[nodiscard]] const auto& oversized() const { return reassembler_.oversized(); }
-  /// `max_message_size` of the URL.
+  /// Returns `max_message_size` of the URL.
   [[nodiscard]] std::size_t message_bytes_max() const { return message_bytes_max_; }
 
  private:
   struct Subscription {
-    std::string pattern;  ///< empty: nobody's place
+    std::string pattern;  ///< empty: unused entry
     Handler handler;
   };
   void keep_network();
@@ -60,7 +60,7 @@ class UdpmTransport : public Transport {
   Reassembler reassembler_;
   std::deque<AssembledMessage> arrived_;
   std::size_t arrived_bytes_ = 0;
-  std::int64_t taken_at_ns_ = 0;            ///< when the kernel was asked last
+  std::int64_t taken_at_ns_ = 0;            ///< time of the last read from the kernel
   std::deque<Subscription> subscriptions_;  ///< a deque: handlers may subscribe
   std::uint32_t next_sequence_ = 0;
   bool is_handling_ = false;
