@@ -41,8 +41,7 @@ std::int64_t random_run_id();
 class Bus {
  public:
   /// @param publish_prefix  prepended to the name of every channel published on, so that a replay
-  /// can
-  ///                        run next to the original; subscribed names are unchanged
+  ///                        can run next to the original; subscribed names are unchanged
   Bus(Transport& transport, std::int64_t run_id, std::string publish_prefix = "");
   ~Bus();
   Bus(const Bus&) = delete;

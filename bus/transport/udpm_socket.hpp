@@ -28,13 +28,12 @@ struct Datagram {
 /// keep_joined() then joins the group again, because a new card does not have the old membership.
 class MulticastSocket {
  public:
-  /// What to do when no route or card leads to the group at opening: throw, or wait.
+  /// The behaviour when no route or card leads to the group at opening: throw, or wait.
   enum class Absence { kError, kWaits };
   static constexpr std::int64_t kTryPeriodNs = 500'000'000;
 
   /// @throws StartupError that names the problem. With Absence::kError also when no route leads to
-  /// the
-  ///         group or the host does not have the interface.
+  ///         the group or the host does not have the interface.
   explicit MulticastSocket(const UdpmAddress& address, Absence absence = Absence::kError);
   ~MulticastSocket();
   MulticastSocket(const MulticastSocket&) = delete;

@@ -11,7 +11,7 @@
 namespace vantage::wire {
 namespace {
 
-constexpr double kPrecision = 1e-6;  // single precision has seven digits
+constexpr double kPrecision = 1e-6;  // relative; single precision has seven digits
 
 using Kind = ParameterRule::Kind;
 
@@ -19,7 +19,7 @@ bool is_about(double a, double b) {
   return std::abs(a - b) <= kPrecision * std::max({1.0, std::abs(a), std::abs(b)});
 }
 
-/// Takes `words` off the front of the text, if they stand there.
+/// Removes `words` from the start of the text and returns true, if the text starts with them.
 bool take(std::string_view& text, std::string_view words) {
   const bool is_there = text.starts_with(words);
   text.remove_prefix(is_there ? words.size() : 0);
@@ -33,8 +33,8 @@ std::string_view trim(std::string_view text) {
              : text.substr(first, text.find_last_not_of(" \t\r") + 1 - first);
 }
 
-/// Numbers with blanks between them.
-/// @throws StartupError for anything else.
+/// Parses numbers separated by blanks.
+/// @throws StartupError for other text.
 std::vector<double> numbers(std::string_view text) {
   std::istringstream in{std::string(text)};
   std::vector<double> out;

@@ -10,44 +10,46 @@
 
 namespace vantage::wire {
 
-/// One parameter that an autopilot must have, and what comes of another value.
+/// The required value of one autopilot parameter, and the effect of another value.
 struct ParameterRule {
   enum class Kind { kExactly, kAtMost, kAtLeast, kBetween, kOneOf };
 
-  std::string name;    ///< as the autopilot calls it, at most 16 characters
-  double value = 0.0;  ///< that is loaded; it keeps the rule
+  std::string name;    ///< the autopilot's name for it, at most 16 characters
+  double value = 0.0;  ///< the value to load; it satisfies the rule
   Kind kind = Kind::kExactly;
-  std::vector<double> bounds;  ///< of the kind: none, one, two, or all that are allowed
-  bool is_advised = false;     ///< a difference is told, and is no obstacle
-  std::string otherwise;       ///< what the vehicle does then: "it flies on …"
+  std::vector<double> bounds;  ///< depends on `kind`: none, one, two, or all allowed values
+  bool is_advised = false;     ///< a difference is only reported; it does not prevent flight
+  std::string otherwise;       ///< effect of a wrong value on the vehicle: "it flies on …"
 
-  /// Autopilots keep single precision: a millionth of the number does not matter.
+  /// True if `actual` satisfies the rule. Autopilots store single precision, so a relative
+  /// difference of 1e-6 is allowed.
   [[nodiscard]] bool accepts(double actual) const;
-  /// "5", "at most 0.5", "0, 8 or 16".
+  /// Returns the rule as text: "5", "at most 0.5", "0, 8 or 16".
   [[nodiscard]] std::string wanted() const;
-  /// "GUID_TIMEOUT is 3, wanted is at most 0.5: it flies on …"; without a value "… is not there".
+  /// Returns a text such as "GUID_TIMEOUT is 3, wanted is at most 0.5: it flies on …"; without a
+  /// value "… is not there".
   [[nodiscard]] std::string complaint(std::optional<double> actual) const;
 };
 
-/// Lines `NAME VALUE  # RULE: OTHERWISE`; lines that are empty or begin with # say nothing. RULE is
-/// one of exactly, at most X, at least X, between X and Y, one of X Y …; `advised, ` may stand
-/// before it.
-/// @throws StartupError with the number of the line that is not so, that comes a second time, or
-/// whose value breaks its own rule.
+/// Parses lines `NAME VALUE  # RULE: OTHERWISE`; lines that are empty or begin with # are skipped.
+/// RULE is one of exactly, at most X, at least X, between X and Y, one of X Y …; it may be preceded
+/// by `advised, `.
+/// @throws StartupError with the number of a line that is malformed, repeats a name, or has a value
+/// that violates its own rule.
 std::vector<ParameterRule> parse_parameter_rules(std::string_view text);
 
-/// The text of config/autopilot/{ardupilot.parm,px4.params} when this was built.
+/// Returns the text of config/autopilot/{ardupilot.parm,px4.params}, as it was at build time.
 const char* parameter_file(models::AutopilotDialect dialect);
-/// The same, read.
+/// Returns the parsed rules of parameter_file().
 const std::vector<ParameterRule>& parameter_rules(models::AutopilotDialect dialect);
 
-/// How the autopilot writes whole numbers into the float of PARAM_VALUE.
+/// Returns how the autopilot encodes integers in the float of PARAM_VALUE.
 constexpr mavlink::ParameterEncoding parameter_encoding(models::AutopilotDialect dialect) {
   return dialect == models::AutopilotDialect::kPx4 ? mavlink::ParameterEncoding::kBytewise
                                                    : mavlink::ParameterEncoding::kCast;
 }
 
-/// "3", "0.3": as few digits as say it in single precision.
+/// Returns the number with as few digits as single precision needs: "3", "0.3".
 std::string parameter_text(double value);
 
 }  // namespace vantage::wire

@@ -6,8 +6,8 @@
 
 namespace vantage::wire::mavlink {
 
-/// CRC-16/MCRF4XX (x²⁵ polynomial 0x1021 reflected, start 0xFFFF, no final exclusive or), fed piece
-/// by piece. Source: MAVLink developer guide, serialization.
+/// CRC-16/MCRF4XX (X.25 polynomial 0x1021 reflected, initial value 0xFFFF, no final XOR), computed
+/// incrementally. Source: MAVLink developer guide, serialization.
 class Crc {
  public:
   constexpr void add(std::uint8_t byte) {

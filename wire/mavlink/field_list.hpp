@@ -8,8 +8,8 @@
 
 #include "wire/mavlink/crc.hpp"
 
-// One description per message: a struct with its members and the list of them. Names, order,
-// lengths, encoding, decoding and CRC_EXTRA all follow from it.
+// Each message is described once: a struct with its members and the list of them. Names, order,
+// lengths, encoding, decoding and CRC_EXTRA all follow from this description.
 
 namespace vantage::wire::mavlink {
 
@@ -18,7 +18,7 @@ struct MessageName {
   std::uint32_t id = 0;
 };
 
-/// The name of a data member, as the compiler spells it: "custom_mode".
+/// Returns the name of a data member as the compiler prints it: "custom_mode".
 template <auto Member>
 constexpr std::string_view field_name() {
   std::string_view text = __PRETTY_FUNCTION__;
@@ -27,7 +27,7 @@ constexpr std::string_view field_name() {
   return text.substr(text.rfind(':') + 1);
 }
 
-/// What a field is made of: itself, or the elements of its array.
+/// The element type, count and size of a field, which may be an array.
 template <class T>
 struct FieldShape {
   using Element = T;
@@ -58,11 +58,11 @@ template <auto... first, auto... second>
 struct JoinedFields<FieldList<first...>, FieldList<second...>> {
   using Type = FieldList<first..., second...>;
 };
-/// The fields of `First`, then those of `Second`: of messages that begin with the same ones.
+/// The fields of `First`, then those of `Second`, for messages that share their first fields.
 template <class First, class Second>
 using Joined = typename JoinedFields<First, Second>::Type;
 
-/// How the message definitions call a type.
+/// Returns the name of a type in the message definitions.
 template <class T>
 constexpr std::string_view type_name() {
   if constexpr (std::is_same_v<T, float>) {
@@ -80,7 +80,7 @@ constexpr std::string_view type_name() {
   }
 }
 
-/// Bytes of a payload that ends with `Fields`, before truncation.
+/// Returns the size of `Fields` in a payload before truncation, bytes.
 template <class Message, class Fields>
 constexpr std::size_t payload_bytes() {
   std::size_t bytes = 0;
@@ -99,9 +99,9 @@ constexpr std::size_t full_bytes() {
   return base_bytes<Message>() + payload_bytes<Message, typename Message::Extensions>();
 }
 
-/// A checksum over a message's name, field types and field names that goes into each frame's CRC,
-/// so that two ends with different definitions do not understand each other by accident. Extensions
-/// do not count. Source: MAVLink developer guide, serialization, CRC_EXTRA.
+/// Returns a checksum over a message's name, field types and field names. It is part of each
+/// frame's CRC, so that two ends with different definitions reject each other's frames. Extensions
+/// are excluded. Source: MAVLink developer guide, serialization, CRC_EXTRA.
 template <class Message>
 constexpr std::uint8_t crc_extra() {
   Crc crc;

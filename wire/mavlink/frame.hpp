@@ -11,7 +11,7 @@
 
 #include "wire/mavlink/messages.hpp"
 
-// Frames: messages in the envelope that travels. Source: MAVLink developer guide, serialization.
+// MAVLink frames, which carry the messages. Source: MAVLink developer guide, serialization.
 
 namespace vantage::wire::mavlink {
 
@@ -21,7 +21,7 @@ constexpr std::uint8_t kFlagSigned = 0x01;
 constexpr std::size_t kPayloadMax = 255;
 constexpr std::size_t kFrameMax = 10 + kPayloadMax + 2 + 13;
 
-/// Who sends, and its running number.
+/// The sender and its sequence number.
 struct Origin {
   std::uint8_t system_id = 0;
   std::uint8_t component_id = 0;
@@ -35,14 +35,14 @@ struct Signature {
   std::array<std::uint8_t, 6> truncated{};  ///< first 48 bits of the SHA-256
 };
 
-/// One frame whose CRC is right.
+/// One frame with a valid CRC.
 struct Frame {
   bool is_v1 = false;
   std::uint8_t incompatible_flags = 0;
   std::uint8_t compatible_flags = 0;
   Origin origin;
   std::uint32_t message_id = 0;
-  std::uint8_t payload_size = 0;  ///< as sent: truncated in version 2
+  std::uint8_t payload_size = 0;  ///< as sent: version 2 cuts trailing zeros
   std::array<std::uint8_t, kPayloadMax> payload{};
   std::uint16_t crc = 0;
   std::optional<Signature> signature;
@@ -52,14 +52,14 @@ struct Frame {
   }
 };
 
-/// The CRC that `frame` must carry. Precondition: find_message(frame.message_id).
+/// Returns the CRC that `frame` must carry. Precondition: find_message(frame.message_id).
 std::uint16_t crc_of(const Frame& frame);
-/// Header, payload and CRC of `frame` appended to `out`, without the signature.
+/// Appends header, payload and CRC of `frame` to `out`, without the signature.
 void append_unsigned_bytes(const Frame& frame, std::vector<std::uint8_t>& out);
-/// All of `frame` as it travels, appended to `out`.
+/// Appends all bytes of `frame` to `out`.
 void append_bytes(const Frame& frame, std::vector<std::uint8_t>& out);
 
-/// Little-endian payload bytes of one element.
+/// Writes the little-endian payload bytes of one element.
 template <class T>
 void put_element(T value, std::uint8_t* out) {
   using Bits = std::conditional_t<
@@ -84,7 +84,7 @@ T element_at(const std::uint8_t* in) {
   return std::bit_cast<T>(static_cast<Bits>(bits));
 }
 
-/// `message` in a version-2 frame, trailing zeros cut, unsigned.
+/// Returns `message` in an unsigned version-2 frame, with trailing zeros cut.
 template <class Message>
 Frame pack(const Message& message, const Origin& origin) {
   Frame frame;
@@ -114,8 +114,8 @@ Frame pack(const Message& message, const Origin& origin) {
   return frame;
 }
 
-/// The message in `frame`; nullopt when it is another one. What was cut off reads as zero, what
-/// goes beyond the known fields is ignored.
+/// Returns the message in `frame`; nullopt when it has another id. Bytes that were cut off read as
+/// zero, and bytes beyond the known fields are ignored.
 template <class Message>
 std::optional<Message> unpack(const Frame& frame) {
   if (frame.message_id != Message::kMessage.id) {
@@ -123,7 +123,7 @@ std::optional<Message> unpack(const Frame& frame) {
   }
   std::array<std::uint8_t, kPayloadMax> bytes{};
   std::copy_n(frame.payload.begin(), frame.payload_size, bytes.begin());
-  if (frame.is_v1) {  // knows no extensions
+  if (frame.is_v1) {  // version 1 has no extensions
     std::fill(bytes.begin() + base_bytes<Message>(), bytes.end(), std::uint8_t{0});
   }
   const std::uint8_t* in = bytes.data();

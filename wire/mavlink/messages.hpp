@@ -12,7 +12,7 @@
 
 namespace vantage::wire::mavlink {
 
-/// Every message that is understood, by ascending id.
+/// All supported messages, by ascending id.
 using AllMessages =
     std::tuple<Heartbeat, SysStatus, SystemTime, SetMode, ParamRequestRead, ParamValue, ParamSet,
                Attitude, AttitudeQuaternion, LocalPositionNed, SetGpsGlobalOrigin, GpsGlobalOrigin,
@@ -23,16 +23,16 @@ using AllMessages =
                EkfStatusReport, EstimatorStatus, GpsInput, HomePosition, MessageInterval,
                ExtendedSysState, Statustext, Odometry>;
 
-/// What a receiver must know of a message before it can check a frame.
+/// Properties of a message that a receiver needs to check a frame.
 struct MessageInfo {
   std::string_view name;
   std::uint32_t id = 0;
   std::uint8_t crc_extra = 0;
   std::uint8_t base_bytes = 0;  ///< without extensions
-  std::uint8_t full_bytes = 0;  ///< with them; both before truncation
+  std::uint8_t full_bytes = 0;  ///< with extensions; both sizes are before truncation
 };
 
-/// Of the message with this id; null when it is none of AllMessages.
+/// Returns the properties of the message with this id; null when it is not in AllMessages.
 const MessageInfo* find_message(std::uint32_t id);
 
 }  // namespace vantage::wire::mavlink

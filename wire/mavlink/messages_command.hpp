@@ -6,8 +6,8 @@
 #include "wire/mavlink/field_list.hpp"
 #include "wire/mavlink/messages_motion.hpp"
 
-// What a vehicle is told and what it answers. Members stand in wire order, with the
-// names, units and types of the message definitions (common.xml, ardupilotmega.xml).
+// Commands to a vehicle and its answers. Members are in wire order, with the names, units and types
+// of the message definitions (common.xml, ardupilotmega.xml).
 
 namespace vantage::wire::mavlink {
 
@@ -122,7 +122,7 @@ struct SetAttitudeTarget {
   using Extensions = FieldList<&SetAttitudeTarget::thrust_body>;
 };
 
-/// What both messages of a target begin with.
+/// The common first fields of both position target messages.
 struct PositionTarget : LocalMotion {
   float afx = 0.0F;       ///< [m/s/s]
   float afy = 0.0F;       ///< [m/s/s]

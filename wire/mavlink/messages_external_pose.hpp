@@ -6,8 +6,8 @@
 #include "wire/mavlink/field_list.hpp"
 #include "wire/mavlink/messages_motion.hpp"
 
-// How a vehicle is told where it is. Members stand in wire order, with the
-// names, units and types of the message definitions (common.xml, ardupilotmega.xml).
+// External position and pose for a vehicle. Members are in wire order, with the names, units and
+// types of the message definitions (common.xml, ardupilotmega.xml).
 
 namespace vantage::wire::mavlink {
 

@@ -5,11 +5,11 @@
 
 #include "wire/mavlink/field_list.hpp"
 
-// What several messages begin with, in wire order.
+// Common first fields of several messages, in wire order.
 
 namespace vantage::wire::mavlink {
 
-/// Place and velocity in the local frame, as told and as asked for.
+/// Position and velocity in the local frame, estimated or commanded.
 struct LocalMotion {
   std::uint32_t time_boot_ms = 0;  ///< [ms]
   float x = 0.0F;                  ///< [m]
@@ -23,7 +23,7 @@ struct LocalMotion {
                 &LocalMotion::vx, &LocalMotion::vy, &LocalMotion::vz>;
 };
 
-/// A pose that was seen from outside.
+/// A pose measured by an external system.
 struct PoseEstimate {
   std::uint64_t usec = 0;  ///< [us]
   float x = 0.0F;          ///< [m]

@@ -6,8 +6,8 @@
 #include "wire/mavlink/field_list.hpp"
 #include "wire/mavlink/messages_motion.hpp"
 
-// Where a vehicle believes it is and how well. Members stand in wire order, with the
-// names, units and types of the message definitions (common.xml, ardupilotmega.xml).
+// A vehicle's estimated state and its quality. Members are in wire order, with the names, units and
+// types of the message definitions (common.xml, ardupilotmega.xml).
 
 namespace vantage::wire::mavlink {
 

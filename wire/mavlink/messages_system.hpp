@@ -6,8 +6,8 @@
 #include "wire/mavlink/field_list.hpp"
 #include "wire/mavlink/vocabulary.hpp"
 
-// Who a vehicle is, how it is and what it says. Members stand in wire order, with the
-// names, units and types of the message definitions (common.xml, ardupilotmega.xml).
+// Identity, status, parameters and texts of a vehicle. Members are in wire order, with the names,
+// units and types of the message definitions (common.xml, ardupilotmega.xml).
 
 namespace vantage::wire::mavlink {
 
@@ -25,7 +25,7 @@ struct Heartbeat {
   using Extensions = FieldList<>;
 };
 
-/// Of a peer that is on the line and flies nothing itself.
+/// Returns the heartbeat of a peer that does not fly, such as a ground station; `type` is MAV_TYPE.
 constexpr Heartbeat heartbeat_of(std::uint8_t type) {
   Heartbeat heartbeat;
   heartbeat.type = type;

@@ -8,7 +8,7 @@
 namespace vantage::wire::mavlink {
 namespace {
 
-/// Calls use(T{}) with the whole type of up to four bytes that `type` means; false for any other.
+/// Calls use(T{}) with the integer type of up to four bytes that `type` means; false for others.
 template <class Use>
 bool with_whole_type(std::uint8_t type, const Use& use) {
   switch (type) {

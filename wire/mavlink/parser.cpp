@@ -22,7 +22,7 @@ Signature read_signature(std::span<const std::uint8_t> bytes) {
   return signature;
 }
 
-/// Header and payload; the CRC is not judged.
+/// Reads header and payload without checking the CRC.
 Frame read_unjudged(std::span<const std::uint8_t> bytes) {
   Frame frame;
   frame.is_v1 = bytes[0] == kMarkerV1;
@@ -56,7 +56,7 @@ std::size_t Parser::fill(std::span<const std::uint8_t> bytes) {
     end_ -= begin_;
     begin_ = 0;
   }
-  // next() leaves less than one frame behind, so there is always room.
+  // next() leaves less than one frame in the buffer, so there is always room.
   const std::size_t taken = std::min(bytes.size(), kBufferBytes - end_);
   std::copy_n(bytes.begin(), taken, buffer_.begin() + static_cast<std::ptrdiff_t>(end_));
   end_ += taken;
@@ -101,7 +101,7 @@ std::optional<Frame> Parser::read_frame(bool& is_incomplete) {
   Frame frame = read_unjudged(bytes.first(size));
   const MessageInfo* const message = find_message(frame.message_id);
   if (message == nullptr) {
-    // Its CRC cannot be checked; what follows tells whether it was a frame.
+    // Without its CRC_EXTRA the CRC cannot be checked; the next byte shows whether it was a frame.
     if (bytes.size() == size || is_marker(bytes[size])) {
       begin_ += size;
       ++counts_.unknown;

@@ -12,21 +12,21 @@
 
 namespace vantage::wire::mavlink {
 
-/// What a Parser has seen.
+/// Counts of a Parser since its start.
 struct ParserCounts {
-  std::int64_t frames = 0;         ///< handed on
-  std::int64_t frames_v1 = 0;      ///< of these, in version 1
-  std::int64_t unknown = 0;        ///< whole frames of messages that are not in AllMessages
-  std::int64_t unknown_flags = 0;  ///< frames dropped for an incompatible flag nobody knows
-  std::int64_t bytes_skipped = 0;  ///< that belong to no frame: noise, wrong CRC, cut off
+  std::int64_t frames = 0;         ///< delivered frames
+  std::int64_t frames_v1 = 0;      ///< of `frames`, those in version 1
+  std::int64_t unknown = 0;        ///< complete frames of messages that are not in AllMessages
+  std::int64_t unknown_flags = 0;  ///< frames dropped because of an unknown incompatible flag
+  std::int64_t bytes_skipped = 0;  ///< bytes outside frames: noise, wrong CRC, truncated
 };
 
-/// Finds frames in a stream of bytes that comes in pieces of any size, with noise between and in
-/// them. Bounded: it keeps at most kBufferBytes whatever arrives. After a wrong byte it looks for
-/// the next frame from the byte after the false start, so no good frame is lost to a bad one.
+/// Finder of frames in a byte stream that arrives in pieces of any size, with noise between and in
+/// them. Bounded: it stores at most kBufferBytes. After an invalid frame it resumes the search one
+/// byte after that start, so a bad frame cannot hide a good one.
 class Parser {
  public:
-  /// Calls handle(const Frame&) with each frame that ends within `bytes`.
+  /// Calls handle(const Frame&) for each frame that ends within `bytes`.
   template <class Handle>
   void feed(std::span<const std::uint8_t> bytes, const Handle& handle) {
     while (!bytes.empty()) {
@@ -36,8 +36,8 @@ class Parser {
       }
     }
   }
-  /// Gives up what is incomplete, because nothing that belongs to it will come (the end of a
-  /// datagram, a pause on a serial line); good frames within it are still found.
+  /// Discards an incomplete frame when the rest of it cannot arrive: at the end of a datagram or in
+  /// a pause on a serial line. Valid frames within these bytes are still found.
   template <class Handle>
   void flush(const Handle& handle) {
     while (begin_ != end_) {
@@ -53,11 +53,11 @@ class Parser {
  private:
   static constexpr std::size_t kBufferBytes = 1024;
 
-  /// Takes what there is room for; how much.
+  /// Copies the bytes that fit into the buffer, and returns their number.
   std::size_t fill(std::span<const std::uint8_t> bytes);
-  /// The next frame that is complete in the buffer.
+  /// Returns the next frame that is complete in the buffer.
   std::optional<Frame> next();
-  /// What stands at the marker at begin_, or nullopt and true in `is_incomplete`.
+  /// Reads the frame whose marker is at begin_. Sets `is_incomplete` when bytes are missing.
   std::optional<Frame> read_frame(bool& is_incomplete);
   void skip(std::size_t bytes);
 
@@ -67,8 +67,8 @@ class Parser {
   ParserCounts counts_;
 };
 
-/// Counts what was lost on the way from each sender, by its running numbers (8 bits, so a loss of
-/// 128 frames or more in one go looks like reordering). Keeps at most kSendersMax senders.
+/// Counter of the lost frames of each sender, by its sequence numbers. They have 8 bits, so a loss
+/// of 128 or more frames in a row looks like reordering. Stores at most kSendersMax senders.
 class SequenceMonitor {
  public:
   void see(const Origin& origin);

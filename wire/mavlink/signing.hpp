@@ -15,10 +15,10 @@
 
 namespace vantage::wire::mavlink {
 
-/// Overwrites a secret with zeros, which no compiler leaves out.
+/// Overwrites a secret with zeros; compilers cannot optimize it away.
 void wipe(std::span<std::uint8_t> secret);
 
-/// The shared secret of a link. Every copy is wiped at its end.
+/// The shared secret of a link. Every copy is wiped on destruction.
 struct SigningKey : std::array<std::uint8_t, 32> {
   constexpr ~SigningKey() {
     if (!std::is_constant_evaluated()) {
@@ -27,31 +27,32 @@ struct SigningKey : std::array<std::uint8_t, 32> {
   }
 };
 
-/// Signing time: units of 10 µs since 2015-01-01, 48 bits; 0 before.
+/// Returns the signing time in units of 10 µs since 2015-01-01, 48 bits; 0 for earlier times.
 std::uint64_t signing_timestamp_10us(Time time);
 
-/// The first 48 bits of SHA-256(key ‖ header ‖ payload ‖ CRC ‖ link id ‖ timestamp).
+/// Returns the first 48 bits of SHA-256(key ‖ header ‖ payload ‖ CRC ‖ link id ‖ timestamp).
 std::array<std::uint8_t, 6> truncated_signature(const SigningKey& key, const Frame& frame,
                                                 std::uint8_t link_id, std::uint64_t timestamp_10us);
 
 enum class SignatureVerdict {
   kGood,
   kUnsigned,
-  kWrong,          ///< not made with this key, or changed on the way
-  kReplayed,       ///< not newer than the newest of its stream, or of a new stream and too old
-  kTooManyStreams  ///< more than a link has senders
+  kWrong,          ///< not made with this key, or modified in transit
+  kReplayed,       ///< not newer than the last of its stream, or too old for a new stream
+  kTooManyStreams  ///< the limit of streams per link is reached
 };
 
-/// One end of a signed link: signs what goes out, judges what comes in.
+/// One end of a signed link: signs outgoing frames and checks incoming ones.
 class Signer {
  public:
   Signer(const SigningKey& key, std::uint8_t link_id) : key_(key), link_id_(link_id) {}
 
-  /// Signs `frame`, which must be of version 2. Timestamps grow with each call even when `now`
-  /// stands still or steps back.
+  /// Signs `frame`, which must be of version 2. Timestamps increase with each call even when `now`
+  /// stops or goes back.
   void sign(Frame& frame, Time now);
-  /// Judges a frame that arrived at `now`. A stream is a (system, component, link id); its
-  /// timestamps must grow; that of a new stream may be at most a minute behind this end's.
+  /// Checks a frame that arrived at `now`. A stream is identified by (system, component, link id),
+  /// and its timestamps must increase. That of a new stream may be at most one minute behind this
+  /// end's.
   SignatureVerdict check(const Frame& frame, Time now);
 
  private:
@@ -60,7 +61,7 @@ class Signer {
 
   SigningKey key_;
   std::uint8_t link_id_;
-  std::uint64_t newest_10us_ = 0;  ///< sent by this end or accepted from another
+  std::uint64_t newest_10us_ = 0;  ///< newest timestamp sent by this end or accepted from another
   std::map<Stream, std::uint64_t> streams_;
 };
 

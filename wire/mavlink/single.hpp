@@ -2,7 +2,7 @@
 
 namespace vantage::wire::mavlink {
 
-/// `x` as most of MAVLink's fields have it.
+/// Returns `x` in single precision, which most MAVLink fields have.
 constexpr float f32(double x) { return static_cast<float>(x); }
 
 }  // namespace vantage::wire::mavlink

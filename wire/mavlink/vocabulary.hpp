@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-// Numbers of the MAVLink definitions that a driver uses; so does its peer in the simulator. Source:
+// Constants of the MAVLink definitions that a driver and its simulated peer use. Source:
 // common.xml, minimal.xml.
 
 namespace vantage::wire::mavlink {
@@ -67,7 +67,7 @@ constexpr std::uint8_t kBodyFrd = 12;
 constexpr std::uint8_t kLocalFrd = 20;
 }  // namespace frame
 
-/// type_mask of a position target: what is to be ignored; and what is left by the masks in use.
+/// Bits of type_mask in a position target, which disable fields, and the combinations in use.
 namespace mask {
 constexpr std::uint16_t kIgnorePosition = 7;
 constexpr std::uint16_t kIgnoreVelocity = 56;
@@ -80,7 +80,7 @@ constexpr std::uint16_t kPositionAndYaw = kIgnoreVelocity | kIgnoreAcceleration 
 constexpr std::uint16_t kVelocityAndYawRate = kIgnorePosition | kIgnoreAcceleration | kIgnoreYaw;
 }  // namespace mask
 
-/// Of ESTIMATOR_STATUS and EKF_STATUS_REPORT alike.
+/// Flags of ESTIMATOR_STATUS and EKF_STATUS_REPORT.
 namespace estimator {
 constexpr std::uint16_t kAttitude = 1;
 constexpr std::uint16_t kHorizontalVelocity = 2;
@@ -89,7 +89,7 @@ constexpr std::uint16_t kRelativePosition = 8;
 constexpr std::uint16_t kAbsolutePosition = 16;
 constexpr std::uint16_t kHeight = 32;
 constexpr std::uint16_t kConstantPosition = 128;
-constexpr std::uint16_t kUninitialised = 1024;  ///< of EKF_STATUS_REPORT alone
+constexpr std::uint16_t kUninitialised = 1024;  ///< EKF_STATUS_REPORT only
 }  // namespace estimator
 
 }  // namespace vantage::wire::mavlink

@@ -27,7 +27,7 @@ constexpr std::array<std::uint32_t, 256> crc_table() {
   return table;
 }
 
-/// Numbers one after the other into a message of a fixed size, its checksum last.
+/// Writer of numbers into a message of fixed size, with the checksum last.
 template <std::size_t kBytes>
 class Writer {
  public:
@@ -53,7 +53,7 @@ class Writer {
   std::size_t at_ = 0;
 };
 
-/// What the frame around the content says; the content alone in `content` when accepted.
+/// Checks the frame around the content. Sets `content` when the frame is accepted.
 Verdict open(std::span<const std::uint8_t> datagram, std::uint8_t kind, std::size_t bytes,
              std::span<const std::uint8_t>& content) {
   Reader header(datagram);

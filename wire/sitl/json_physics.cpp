@@ -13,7 +13,7 @@ constexpr std::size_t kHead = 8;
 constexpr std::size_t kBytes16 = kHead + 2 * 16;
 constexpr std::size_t kBytes32 = kHead + 2 * 32;
 
-// The firmware writes its own structs, and runs on little-endian machines only, as we do.
+// The firmware sends its own structs and runs on little-endian machines only, as this code does.
 template <class T>
 T at(std::span<const std::uint8_t> bytes, std::size_t offset) {
   T value{};

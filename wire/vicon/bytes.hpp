@@ -8,14 +8,14 @@
 #include <string_view>
 #include <vector>
 
-// Numbers to bytes and back, in either byte order.
+// Conversion between numbers and bytes in either byte order.
 
 namespace vantage::wire::vicon {
 
 using Bytes = std::span<const std::uint8_t>;
 
-/// Reads numbers one after the other. Reading beyond the end gives zeros and makes ok() false for
-/// good; nothing outside of `bytes` is ever touched.
+/// Reader of consecutive numbers. Reading beyond the end returns zeros and makes ok() false
+/// permanently; no memory outside `bytes` is read.
 template <std::endian kOrder>
 class Reader {
  public:
@@ -30,7 +30,7 @@ class Reader {
   float f32() { return std::bit_cast<float>(u32()); }
   double f64() { return std::bit_cast<double>(u64()); }
 
-  /// The next `count` bytes; none, and ok() false, when there are fewer.
+  /// Returns the next `count` bytes; none, with ok() false, when there are fewer.
   Bytes take(std::size_t count) {
     if (count > rest_.size()) {
       is_ok_ = false;
@@ -45,8 +45,8 @@ class Reader {
     const Bytes taken = take(count);
     return {reinterpret_cast<const char*>(taken.data()), taken.size()};
   }
-  /// A count of elements of at least `element_bytes` each; 0, and ok() false, when the remaining
-  /// bytes cannot hold them.
+  /// Reads a count of elements of at least `element_bytes` each. Returns 0, with ok() false, when
+  /// the remaining bytes cannot hold them.
   std::uint32_t count(std::size_t element_bytes) {
     const std::uint32_t elements = u32();
     if (elements > rest_.size() / element_bytes) {
@@ -76,7 +76,7 @@ class Reader {
   bool is_ok_ = true;
 };
 
-/// Appends numbers to a buffer; a buffer that is cleared and used again allocates nothing.
+/// Writer that appends numbers to a buffer; reusing a cleared buffer allocates nothing.
 template <std::endian kOrder>
 class Writer {
  public:
@@ -93,7 +93,7 @@ class Writer {
   void text(std::string_view text) { out_.insert(out_.end(), text.begin(), text.end()); }
   void zeros(std::size_t count) { out_.insert(out_.end(), count, 0); }
 
-  /// Writes over the four bytes at `offset`: lengths are known last.
+  /// Overwrites the four bytes at `offset`, for lengths that are only known at the end.
   void patch_u32(std::size_t offset, std::uint32_t value) {
     for (std::size_t i = 0; i < sizeof value; ++i) {
       const std::size_t from_low = kOrder == std::endian::little ? i : sizeof value - 1 - i;

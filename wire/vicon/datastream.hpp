@@ -19,7 +19,7 @@ namespace vantage::wire::vicon {
 inline constexpr int kDataStreamPort = 801;
 inline constexpr std::uint32_t kPacketMagic = 0x1A2B0001;
 inline constexpr std::size_t kPacketHeaderBytes = 8;
-/// Longer packets than this are taken for nonsense: 10 000 subjects fit.
+/// Larger packets are treated as invalid; 10 000 subjects fit into this size.
 inline constexpr std::size_t kPacketBytesMax = std::size_t{2} << 20U;
 
 enum BlockType : std::uint32_t {
@@ -47,13 +47,13 @@ enum BlockType : std::uint32_t {
   kRequestNextFrame = 100008,
 };
 
-/// True for what describes the scene and is sent when it changes; such blocks make up the static
-/// set, which any packet with a static block replaces as a whole.
+/// True for blocks that describe the scene and are sent when it changes. They form the static set,
+/// which any packet with a static block replaces as a whole.
 bool is_static(std::uint32_t type);
-/// True for what belongs to one frame; a packet with none of it is no frame.
+/// True for blocks of a single frame; a packet without such a block is not a frame.
 bool is_dynamic(std::uint32_t type);
 
-/// The first packet of `stream`. A wrong magic number is known from its first wrong byte on.
+/// Returns the first packet of `stream`. A wrong magic number is detected at its first wrong byte.
 Framed next_packet(Bytes stream);
 
 /// One block of a packet.
@@ -62,11 +62,11 @@ struct Block {
   Bytes body;
 };
 
-/// Walks the blocks of a packet's body.
+/// Iterator over the blocks of a packet's body.
 class BlockCursor {
  public:
   explicit BlockCursor(Bytes packet_body) : reader_(packet_body) {}
-  /// The next block; nullopt at the end or when what is left is none (is_broken()).
+  /// Returns the next block; nullopt at the end, or when the rest is not a block (is_broken()).
   std::optional<Block> next();
   [[nodiscard]] bool is_broken() const { return !reader_.ok(); }
 
@@ -74,7 +74,7 @@ class BlockCursor {
   Reader<std::endian::little> reader_;
 };
 
-/// Appends one packet to a buffer: blocks between construction and finish().
+/// Writer that appends one packet to a buffer. Blocks are added between construction and finish().
 class PacketWriter {
  public:
   explicit PacketWriter(std::vector<std::uint8_t>& out);

@@ -9,35 +9,35 @@
 
 #include "wire/vicon/datastream.hpp"
 
-// The bodies of the blocks that poses need. Each `decode` fills a value whose memory it reuses and
-// answers false, the value then being unspecified, for a body that is too short or whose counts do
-// not fit into it; bytes after what it knows are ignored, as Vicon's own client does. Each
-// `append` adds one block to a packet. Lengths are millimetres here and only here.
+// Bodies of the blocks that are needed for poses. Each `decode` fills a value and reuses its
+// memory. It returns false for a body that is too short or has counts that do not fit; the value is
+// then unspecified. Bytes after the known fields are ignored, as in Vicon's own client. Each
+// `append` adds one block to a packet. Lengths are in mm in this protocol only.
 
 namespace vantage::wire::vicon {
 
-/// 100001: what a server can send, or a client wants.
+/// Block 100001: the block types that a server offers, or that a client requests.
 struct ObjectEnums {
   std::vector<std::uint32_t> types;  ///< ascending
 };
 bool decode(Bytes body, ObjectEnums& out);
 void append(PacketWriter& packet, const ObjectEnums& value);
 
-/// 100002. false asks for one frame.
+/// Block 100002. streaming = false requests a single frame.
 struct RequestFrame {
   bool streaming = false;
 };
 bool decode(Bytes body, RequestFrame& out);
 void append(PacketWriter& packet, const RequestFrame& value);
 
-/// 100008.
+/// Block 100008.
 struct RequestNextFrame {
   std::uint32_t count = 1;
 };
 bool decode(Bytes body, RequestNextFrame& out);
 void append(PacketWriter& packet, const RequestNextFrame& value);
 
-/// 100004: what a packet holds, and what the receiver is to keep from the packet before.
+/// Block 100004: the block types in a packet, and those to keep from the packet before.
 struct Contents {
   struct Entry {
     std::uint32_t type = 0;
@@ -51,27 +51,27 @@ struct Contents {
 bool decode(Bytes body, Contents& out);
 void append(PacketWriter& packet, const Contents& value);
 
-/// 42: echoed as it came.
+/// Block 42: echoed unchanged.
 struct Ping {
   std::uint64_t id = 0;
 };
 bool decode(Bytes body, Ping& out);
 void append(PacketWriter& packet, const Ping& value);
 
-/// 1.
+/// Block 1.
 struct StreamInfo {
   static constexpr double kTicksPerSecond = 135e6;
   std::int64_t period_ticks = 0;
-  /// 0 when it is not known.
+  /// Returns 0 when the rate is unknown.
   [[nodiscard]] double rate_hz() const;
 };
 bool decode(Bytes body, StreamInfo& out);
 void append(PacketWriter& packet, const StreamInfo& value);
 
-/// 2: one subject and what it is made of.
+/// Block 2: one subject with its segments and markers.
 struct SubjectInfo {
   struct Segment {
-    std::uint32_t parent_id = 0;  ///< 0: the root
+    std::uint32_t parent_id = 0;  ///< 0: this is the root
     std::uint32_t id = 0;
     std::array<float, 6> bounds{};
     std::string name;
@@ -93,7 +93,7 @@ struct SubjectInfo {
 bool decode(Bytes body, SubjectInfo& out);
 void append(PacketWriter& packet, const SubjectInfo& value);
 
-/// 5. The number kNoFrame means that there is none; Vicon's SDK reports it plus one.
+/// Block 5. kNoFrame means that there is no frame number. Vicon's SDK reports the number plus one.
 struct FrameInfo {
   static constexpr std::uint32_t kNoFrame = 0xFFFFFFFF;
   std::uint32_t frame_number = 0;
@@ -101,21 +101,21 @@ struct FrameInfo {
 bool decode(Bytes body, FrameInfo& out);
 void append(PacketWriter& packet, const FrameInfo& value);
 
-/// 36.
+/// Block 36.
 struct HardwareFrameInfo {
   std::uint32_t frame_number = 0;
 };
 bool decode(Bytes body, HardwareFrameInfo& out);
 void append(PacketWriter& packet, const HardwareFrameInfo& value);
 
-/// 37.
+/// Block 37.
 struct ApplicationInfo {
-  bool is_y_up = false;  ///< else z
+  bool is_y_up = false;  ///< false: z is up
 };
 bool decode(Bytes body, ApplicationInfo& out);
 void append(PacketWriter& packet, const ApplicationInfo& value);
 
-/// 9 (poses in the world) and 8 (relative to the parent segment; of the root: in the world).
+/// Blocks 9 (world poses) and 8 (relative to the parent segment; the root's is in the world).
 struct Segments {
   struct Pose {
     std::uint32_t segment_id = 0;
@@ -123,12 +123,12 @@ struct Segments {
     Eigen::Matrix3d world_from_body = Eigen::Matrix3d::Identity();  ///< row major on the wire
   };
   std::uint32_t subject_id = 0;
-  std::vector<Pose> poses;  ///< of those that are seen; an occluded one is absent
+  std::vector<Pose> poses;  ///< visible segments only; occluded ones are absent
 };
 bool decode(Bytes body, Segments& out);
 void append(PacketWriter& packet, const Segments& value, BlockType type = kGlobalSegments);
 
-/// 901: as 8, in single precision, rotations as axis times angle.
+/// Block 901: as 8, in single precision, with rotations as axis times angle.
 struct LightweightSegments {
   struct Pose {
     std::uint32_t segment_id = 0;
@@ -141,7 +141,7 @@ struct LightweightSegments {
 bool decode(Bytes body, LightweightSegments& out);
 void append(PacketWriter& packet, const LightweightSegments& value);
 
-/// 26: where the time went on the Vicon host.
+/// Block 26: processing times on the Vicon host.
 struct LatencyInfo {
   struct Stage {
     std::string name;
@@ -153,7 +153,7 @@ struct LatencyInfo {
 bool decode(Bytes body, LatencyInfo& out);
 void append(PacketWriter& packet, const LatencyInfo& value);
 
-/// 39: rates by name.
+/// Block 39: rates by name.
 struct FrameRateInfo {
   struct Entry {
     std::string name;
@@ -164,7 +164,7 @@ struct FrameRateInfo {
 bool decode(Bytes body, FrameRateInfo& out);
 void append(PacketWriter& packet, const FrameRateInfo& value);
 
-/// 40: how well Tracker finds an object, 0 … 1.
+/// Block 40: quality of Tracker's fit of an object, 0 … 1.
 struct ObjectQuality {
   std::uint32_t subject_id = 0;
   double quality = 0.0;
@@ -172,7 +172,7 @@ struct ObjectQuality {
 bool decode(Bytes body, ObjectQuality& out);
 void append(PacketWriter& packet, const ObjectQuality& value);
 
-/// 29.
+/// Block 29.
 struct SubjectHealth {
   std::uint32_t subject_id = 0;
   double marker_error = 0.0;
@@ -181,7 +181,7 @@ struct SubjectHealth {
 bool decode(Bytes body, SubjectHealth& out);
 void append(PacketWriter& packet, const SubjectHealth& value);
 
-/// 23.
+/// Block 23.
 struct Timecode {
   std::uint8_t hours = 0;
   std::uint8_t minutes = 0;

@@ -3,7 +3,7 @@
 #include "wire/vicon/datastream_blocks.hpp"
 #include "wire/vicon/datastream_parts.hpp"
 
-// What client and server say to each other about the stream, and single numbers.
+// Blocks that control the stream, and blocks with a single number.
 
 namespace vantage::wire::vicon {
 

@@ -5,7 +5,7 @@
 #include "wire/vicon/bytes.hpp"
 #include "wire/vicon/datastream.hpp"
 
-// What the bodies of several blocks are made of.
+// Parts that the bodies of several blocks share.
 
 namespace vantage::wire::vicon::parts {
 
@@ -25,7 +25,7 @@ inline void write_count(LittleWriter& to, std::size_t elements) {
   to.u32(static_cast<std::uint32_t>(elements));
 }
 
-/// One block of `type`: `write` fills its body.
+/// Appends one block of `type`; `write` fills its body.
 template <class Write>
 void append_block(PacketWriter& packet, std::uint32_t type, const Write& write) {
   packet.begin_block(type);

@@ -1,7 +1,7 @@
 #include "wire/vicon/datastream_blocks.hpp"
 #include "wire/vicon/datastream_parts.hpp"
 
-// What is said of subjects, and lists of named numbers.
+// Blocks that describe subjects, and lists of named numbers.
 
 namespace vantage::wire::vicon {
 

@@ -28,7 +28,7 @@ bool starts_alike(std::string_view a, std::string_view b) {
   return a.substr(0, common) == b.substr(0, common);
 }
 
-/// Counts, sizes and numbers are what this stream has; nonsense hardly ever is.
+/// True if counts, sizes and numbers are plausible for this stream; random data hardly ever passes.
 bool is_object_block(Bytes datagram) {
   ObjectBlock block;
   return decode_object_block(datagram, block) && !block.is_truncated && block.skipped_items == 0 &&

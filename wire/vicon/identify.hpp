@@ -4,23 +4,23 @@
 
 namespace vantage::wire::vicon {
 
-/// Who is at the other end of a port.
+/// The type of server at the other end of a port.
 enum class Speaker {
-  kUnknown,       ///< bytes that fit nothing known
-  kTooFewBytes,   ///< all that came fits, but it is not enough to tell
+  kUnknown,       ///< no known protocol
+  kTooFewBytes,   ///< a valid start, but too short to decide
   kDataStream,    ///< Vicon DataStream (Tracker, Nexus, Blade, Shogun, Evoke)
-  kVrpn,          ///< a VRPN server, of Vicon or anybody
+  kVrpn,          ///< a VRPN server, from Vicon or another vendor
   kObjectStream,  ///< Vicon Tracker's UDP object stream
   kQualisys,      ///< Qualisys Track Manager's real-time server
-  kText,          ///< something that greets in words: SSH, HTTP, SMTP, …
+  kText,          ///< a text protocol: SSH, HTTP, SMTP, …
 };
 
-/// Who speaks, by the first bytes that a server sends over TCP.
+/// Identifies the server type from the first bytes that it sends over TCP.
 Speaker identify_stream(Bytes first_bytes);
-/// Who speaks, by one datagram.
+/// Identifies the server type from one datagram.
 Speaker identify_datagram(Bytes datagram);
 
-/// "a Vicon DataStream server", … for sentences.
+/// Returns a name for use in sentences: "a Vicon DataStream server", …
 const char* name_of(Speaker speaker);
 
 }  // namespace vantage::wire::vicon

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kRotationErrorMax = 1e-3;
 
-/// z-up-from-y-up of axes: a quarter turn about x.
+/// Returns the rotation from y-up to z-up axes: a quarter turn about x.
 Quaternion quarter_turn() {
   const double half = std::sqrt(0.5);
   return {half, half, 0.0, 0.0};
@@ -29,14 +29,14 @@ Eigen::Vector3d euler_xyz_from_rotation(const Quaternion& world_from_body) {
   const Eigen::Matrix3d R = world_from_body.toRotationMatrix();
   const double a = std::atan2(-R(1, 2), R(2, 2));
   const double b = std::atan2(R(0, 2), std::hypot(R(0, 0), R(0, 1)));
-  // From what is left when a is taken off, Rx(a)ᵀ·R = Ry(b)·Rz(c): near |b| = π/2, where a is
-  // badly determined, c makes up for it.
+  // Removing a leaves Rx(a)ᵀ·R = Ry(b)·Rz(c), which determines c. Near |b| = π/2, where a is
+  // ill-determined, c compensates its error.
   const Eigen::RowVector3d left = std::cos(a) * R.row(1) + std::sin(a) * R.row(2);
   return {a, b, std::atan2(left(0), left(1))};
 }
 
 std::optional<Quaternion> rotation_from_matrix(const Eigen::Matrix3d& R) {
-  if (!R.allFinite()) {  // maxCoeff() may pass over a NaN
+  if (!R.allFinite()) {  // maxCoeff() may ignore a NaN
     return std::nullopt;
   }
   const double error = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();

@@ -7,29 +7,30 @@
 #include "core/linear.hpp"
 #include "core/pose.hpp"
 
-// Vicon's ways to write an attitude and a world.
+// Vicon's representations of attitude and of the vertical axis.
 
 namespace vantage::wire::vicon {
 
-/// World-from-body for intrinsic x-y-z angles: R = Rx(a)·Ry(b)·Rz(c), rad. Not roll-pitch-yaw.
+/// Returns the world-from-body rotation for intrinsic x-y-z angles: R = Rx(a)·Ry(b)·Rz(c), rad.
+/// These are not roll-pitch-yaw.
 /// Source: Vicon DataStream SDK, EulerXYZ.
 Quaternion rotation_from_euler_xyz(const Eigen::Vector3d& euler_rad);
 
-/// An inverse: b in [−π/2, π/2], a and c in [−π, π]. R(result) = R to rounding everywhere, also
-/// where |b| = π/2 and only a ± c is determined.
+/// Returns angles with b in [−π/2, π/2] and a and c in [−π, π]. They reproduce R up to rounding
+/// everywhere, even at |b| = π/2, where only a ± c is determined.
 Eigen::Vector3d euler_xyz_from_rotation(const Quaternion& world_from_body);
 
-/// The rotation nearest to `R`; nullopt when R is not one to within 1e-3 an entry of RᵀR, or turns
-/// hands (det < 0).
+/// Returns the rotation nearest to `R`. nullopt when an entry of RᵀR is off by more than 1e-3, or
+/// when R is a reflection (det < 0).
 std::optional<Quaternion> rotation_from_matrix(const Eigen::Matrix3d& R);
 
-/// `q` made unit; nullopt when its norm is not 1 to within 1e-3.
+/// Returns the normalized quaternion; nullopt when its norm differs from 1 by more than 1e-3.
 std::optional<Quaternion> rotation_from_xyzw(double x, double y, double z, double w);
 
-/// A pose written in a world and a body with y up, in the world and body with z up:
-/// (x, y, z) becomes (x, −z, y) and R becomes Rx(90°)·R·Rx(−90°).
+/// Converts a pose with y up in world and body to z up in both: (x, y, z) becomes (x, −z, y), and R
+/// becomes Rx(90°)·R·Rx(−90°).
 Pose3 z_up_from_y_up(const Pose3& pose);
-/// The inverse.
+/// Converts a pose with z up to y up: the inverse of z_up_from_y_up().
 Pose3 y_up_from_z_up(const Pose3& pose);
 
 }  // namespace vantage::wire::vicon

@@ -9,12 +9,12 @@
 
 namespace vantage::wire::vicon {
 
-/// What of a byte stream has arrived and is not yet understood, in a buffer that never grows.
+/// The bytes of a stream that have arrived but are not yet decoded, in a buffer of fixed size.
 class StreamBuffer {
  public:
   explicit StreamBuffer(std::size_t capacity) : buffer_(capacity) {}
 
-  /// Takes as many of `bytes` as there is room for; how many. 0 of a non-empty span means that
+  /// Appends as many of `bytes` as fit, and returns their number. 0 for a non-empty span means that
   /// view() is full.
   std::size_t push(Bytes bytes) {
     if (bytes.size() > buffer_.size() - end_ && begin_ > 0) {
@@ -28,7 +28,7 @@ class StreamBuffer {
     return taken;
   }
   [[nodiscard]] Bytes view() const { return Bytes(buffer_).subspan(begin_, end_ - begin_); }
-  /// Drops the first `count` ≤ view().size() bytes of view().
+  /// Removes the first `count` bytes of view(). Precondition: count ≤ view().size().
   void consume(std::size_t count) {
     begin_ += count;
     if (begin_ == end_) {
@@ -46,18 +46,18 @@ class StreamBuffer {
   std::size_t end_ = 0;
 };
 
-/// What the beginning of a byte stream holds.
+/// The state of the first packet or message in a byte stream.
 enum class Framing {
-  kWhole,     ///< a whole packet or message
-  kNeedMore,  ///< the beginning of one
-  kBroken,    ///< nothing of this protocol, or longer than allowed: the stream is lost
+  kWhole,     ///< complete
+  kNeedMore,  ///< incomplete
+  kBroken,    ///< not this protocol, or too long: the stream cannot be used any more
 };
 
 /// The first packet or message of a stream.
 struct Framed {
   Framing state = Framing::kNeedMore;
-  Bytes body;             ///< of a whole one
-  std::size_t bytes = 0;  ///< to consume, header and padding included
+  Bytes body;             ///< of a complete one
+  std::size_t bytes = 0;  ///< bytes to consume, header and padding included
 };
 
 }  // namespace vantage::wire::vicon

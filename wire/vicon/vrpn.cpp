@@ -36,7 +36,8 @@ void vector_to(const Vector& vector, BigWriter& to) {
   }
 }
 
-/// What poses and velocities begin with: who was sensed, padding, three numbers, a quaternion.
+/// Reads the common first fields of poses and velocities: sensor, padding, three numbers,
+/// quaternion.
 template <class Linear, class Quaternion>
 void sensed_from(BigReader& from, std::int32_t& sensor, Linear& linear,
                  Quaternion& quaternion_xyzw) {
@@ -52,7 +53,7 @@ void header_to(const VrpnHeader& header, std::size_t payload_bytes, BigWriter& t
   to.u32(header.microseconds);
   to.i32(header.sender);
   to.i32(header.type);
-  to.u32(0);  // the sequence number, which nobody reads
+  to.u32(0);  // sequence number, unused by receivers
 }
 
 template <class Linear, class Quaternion>

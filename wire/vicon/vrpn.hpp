@@ -14,9 +14,9 @@
 #include "wire/vicon/bytes.hpp"
 #include "wire/vicon/stream_buffer.hpp"
 
-// VRPN (port 3883, TCP and UDP), all numbers big-endian: each side sends a cookie of 24 bytes, then
-// messages of a 24-byte header and a payload padded to a multiple of 8. Senders and types are
-// numbered by each side for itself and announced by name.
+// VRPN (port 3883, TCP and UDP), all numbers big-endian. Each side sends a cookie of 24 bytes.
+// Messages follow, with a 24-byte header and a payload padded to a multiple of 8. Each side numbers
+// its own senders and types, and announces their names.
 
 namespace vantage::wire::vicon {
 
@@ -26,7 +26,7 @@ inline constexpr std::size_t kVrpnHeaderBytes = 24;
 inline constexpr std::size_t kVrpnMessageBytesMax = 65536;
 inline constexpr std::size_t kVrpnNameBytesMax = 128;
 
-// Types that need no announcement.
+// Message types that are known without an announcement.
 inline constexpr std::int32_t kVrpnSenderDescription = -1;
 inline constexpr std::int32_t kVrpnTypeDescription = -2;
 inline constexpr std::int32_t kVrpnUdpDescription = -3;
@@ -38,15 +38,15 @@ inline constexpr std::string_view kVrpnVelocityType = "vrpn_Tracker Velocity";
 inline constexpr std::string_view kVrpnPingType = "vrpn_Base ping_message";
 inline constexpr std::string_view kVrpnPongType = "vrpn_Base pong_message";
 
-/// "vrpn: ver. 07.35", two spaces, log mode "0", zeros: 24 bytes.
+/// Appends the cookie: "vrpn: ver. 07.35", two spaces, log mode "0", zeros; 24 bytes.
 void append_vrpn_cookie(std::vector<std::uint8_t>& out, int minor = 35);
-/// The versions that `bytes`, the first 24 of a stream, name; nullopt when they are no cookie.
+/// The version in a cookie, the first 24 bytes of a stream; decode returns nullopt for other bytes.
 struct VrpnVersion {
   int major = 0;
   int minor = 0;
 };
 std::optional<VrpnVersion> decode_vrpn_cookie(Bytes bytes);
-/// Only the major number has to agree.
+/// Only the major version has to match.
 inline constexpr int kVrpnMajor = 7;
 
 struct VrpnHeader {
@@ -56,21 +56,21 @@ struct VrpnHeader {
   std::int32_t type = 0;
 };
 
-/// The first message of a stream that has its cookie behind it; `header` is set when it is whole.
+/// Returns the first message of a stream after its cookie; sets `header` when it is complete.
 /// `body` is the payload without padding.
 Framed next_vrpn_message(Bytes stream, VrpnHeader& header);
 
 /// Appends a message with `payload` and its padding.
 void append_vrpn_message(std::vector<std::uint8_t>& out, const VrpnHeader& header, Bytes payload);
 
-/// The name that a description (type −1 or −2) announces for header.sender; nullopt when there is
-/// none of 1 … 128 bytes. The view is into `payload`.
+/// Returns the name that a description (type −1 or −2) announces for header.sender, as a view into
+/// `payload`. nullopt unless it has 1 … 128 bytes.
 std::optional<std::string_view> decode_vrpn_name(Bytes payload);
 /// Announces `name` under `id`; `type` is kVrpnSenderDescription or kVrpnTypeDescription.
 void append_vrpn_name(std::vector<std::uint8_t>& out, std::int32_t type, std::int32_t id,
                       std::string_view name);
 
-/// Pos_Quat: 64 bytes.
+/// Position and attitude (Pos_Quat); 64 bytes.
 struct VrpnPose {
   std::int32_t sensor = 0;
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
@@ -80,7 +80,7 @@ std::optional<VrpnPose> decode_vrpn_pose(Bytes payload);
 void append_vrpn_pose(std::vector<std::uint8_t>& out, const VrpnHeader& header,
                       const VrpnPose& pose);
 
-/// Velocity: 72 bytes; the rotation is the one made in `interval_s`.
+/// Velocity; 72 bytes. The quaternion is the rotation during `interval_s`.
 struct VrpnVelocity {
   std::int32_t sensor = 0;
   Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
@@ -91,7 +91,7 @@ std::optional<VrpnVelocity> decode_vrpn_velocity(Bytes payload);
 void append_vrpn_velocity(std::vector<std::uint8_t>& out, const VrpnHeader& header,
                           const VrpnVelocity& velocity);
 
-/// The datagram by which a client asks a server to dial back: "<ip> <port>" and a NUL.
+/// The datagram with which a client asks a server to connect to it: "<ip> <port>" and a NUL.
 struct VrpnCallback {
   std::string address;
   int port = 0;
