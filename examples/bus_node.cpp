@@ -1,5 +1,5 @@
-// A node: hears what robots believe, says each second what it knows, reports its health by itself.
-// Needs component bus. With no argument on $LCM_DEFAULT_URL; `bus_node memq:// 3` speaks to itself.
+// A node: receives beliefs, publishes its own every second; run_node() reports its health. Needs
+// component bus. Default URL: $LCM_DEFAULT_URL. `bus_node memq:// 3` receives its own messages.
 #include <cstdio>
 #include <cstdlib>
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""external_planner.py SCENARIO ROBOT…: answers for a team of planner.algorithm: external. Each robot turns
-to the target that it knows least of, and drives there for a second: put what you have learned here."""
+"""external_planner.py SCENARIO ROBOT…: sends the plans of a team with planner.algorithm: external. Each robot turns
+to its least certain target and drives towards it for a second. Replace answer() by your own (learned) policy."""
 import sys
 import numpy
 from vantage import live
@@ -19,7 +19,7 @@ def answer(channel, asked):
             segment.speed_mps, segment.yaw_rate_radps, segment.duration_s = speed, yaw_rate, duration
             asked.segments.append(segment)
     asked.num_segments = len(asked.segments)
-    node.publish(f"EXTERNAL_PLAN_{asked.robot}", asked)  # from where, when and for which round: as asked
+    node.publish(f"EXTERNAL_PLAN_{asked.robot}", asked)  # start, time and round as requested
 
 beliefs = {}
 node = live.Node("POLICY", scenario=sys.argv[1])

@@ -1,5 +1,5 @@
-// Follows a target by what a range-bearing sensor says of it. Needs component estimator: Eigen
-// alone.
+// Tracks a target from the measurements of a range-bearing sensor. Needs component estimator, which
+// only depends on Eigen.
 #include <cstdio>
 #include <random>
 

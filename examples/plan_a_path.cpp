@@ -1,4 +1,4 @@
-// Where should a robot go to learn most about two targets? Needs component planner: Eigen alone.
+// Plans the path on which a robot learns most about two targets. Needs component planner (Eigen).
 #include <cstdio>
 
 #include <vantage/planner/search/arvi.hpp>

@@ -1,5 +1,5 @@
-// Reads a log, damaged ones too: how many messages a channel has, and what robots believed at last.
-// Needs component logs.
+// Reads a log, even a damaged one. Prints the message count of each channel and the last belief of
+// each robot. Needs component logs.
 #include <cstdio>
 #include <map>
 #include <string>
