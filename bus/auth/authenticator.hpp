@@ -105,9 +105,8 @@ class Authenticator {
   std::uint64_t session_before_ = 0;
   std::optional<Time> renewed_;
   std::uint64_t counter_ = 0;
-  std::optional<std::uint32_t>
-      destination_;                       ///< of the vehicle that this process is; nullopt: none
-  std::map<std::uint32_t, Asked> asked_;  ///< by destination
+  std::optional<std::uint32_t> destination_;  ///< of the vehicle that this process is
+  std::map<std::uint32_t, Asked> asked_;      ///< by destination
   std::optional<Duration> stale_ahead_;
   Time stale_received_{};
   ReplayGuard replays_;

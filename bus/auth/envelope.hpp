@@ -114,9 +114,8 @@ class SignatureBudgets {
     Budget orders;
     Budget stops;
   };
-  static constexpr std::size_t kProvenMax =
-      16;  ///< a new sender replaces the one that was silent longest
-  static constexpr std::size_t kHostsMax = 64;  ///< likewise
+  static constexpr std::size_t kProvenMax = 16;  ///< a new one replaces the longest silent one
+  static constexpr std::size_t kHostsMax = 64;   ///< likewise
   /// A sender or host that was received within this time is never replaced.
   static constexpr Duration kKeptFor = std::chrono::seconds(3);
 
@@ -166,9 +165,8 @@ struct Expectation {
   /// Reason to refuse a command without verifying its signature. It is derived from the echoes and
   /// the payload, which the MAC covers.
   Refusal before_signature = Refusal::kNone;
-  bool echoes_now =
-      false;  ///< of a command: it echoes a current nonce, so it is not from a recording
-  bool is_of_log = false;  ///< recorded: its time is not checked
+  bool echoes_now = false;  ///< a command with a current nonce, so not from a recording
+  bool is_of_log = false;   ///< recorded: its time is not checked
 };
 
 struct Verdict {

@@ -282,9 +282,7 @@ void end_rotation(const std::string& folder, std::optional<Role> role) {
     throw StartupError(folder + ": there is no new key to sign with; vantage keys rotate " +
                        folder);
   }
-  for (const KeyUse use :
-       {KeyUse::kSigns,
-        KeyUse::kNext}) {  // in this order, so that there are never two signing keys
+  for (const KeyUse use : {KeyUse::kSigns, KeyUse::kNext}) {  // never two signing keys at once
     for (const Key& key : keyring.keys()) {
       if (key.use == use && is_meant(key, role) && has_next(key.role)) {
         const fs::path path = path_of(folder, key);

@@ -45,8 +45,7 @@ struct Echo {
 
 struct Foot {
   std::uint32_t key_id = 0;
-  std::uint64_t session =
-      0;  ///< random for each start of a process; a vehicle's also changes at arming
+  std::uint64_t session = 0;  ///< random, new at each process start and at each arming of a vehicle
   std::uint64_t counter = 0;  ///< sender's time, µs since the Unix epoch, but strictly increasing
   Role role = Role::kNode;
   scenario::TrialMode mode = scenario::TrialMode::kLive;

@@ -112,8 +112,7 @@ vantage_lcm::health_t to_wire(const models::ProcessHealth& health) {
   wire.num_counters = count_of(health.counters.size());
   wire.counters.resize(health.counters.size());
   for (std::size_t i = 0; i < health.counters.size(); ++i) {
-    wire.counters[i].name =
-        fitting(health.counters[i].name);  // may contain the name of a foreign channel
+    wire.counters[i].name = fitting(health.counters[i].name);  // may have a foreign channel name
     wire.counters[i].count = health.counters[i].count;
   }
   wire.loops = health.loops;

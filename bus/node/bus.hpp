@@ -171,8 +171,7 @@ class Bus {
   StreamCounts left_;  ///< of streams that were unsubscribed
   std::int64_t undecoded_ = 0;
   std::map<std::string, std::int64_t> decode_errors_;  ///< by channel: wrong type or truncated
-  std::map<std::string, std::int64_t>
-      refused_;  ///< by channel: decoded, but with impossible values
+  std::map<std::string, std::int64_t> refused_;        ///< by channel: impossible values
 };
 
 }  // namespace vantage::bus

@@ -30,8 +30,7 @@ struct StreamCounts {
   std::int64_t lost = 0;  ///< sequence numbers skipped and not received since
   std::int64_t duplicates = 0;
   std::int64_t reordered = 0;  ///< arrived after a newer one; subtracted from `lost`
-  std::int64_t old_runs =
-      0;  ///< of a run that was replaced, or that may not replace the current one
+  std::int64_t old_runs = 0;   ///< of a replaced run, or one that may not replace the current
   std::int64_t too_far_ahead = 0;
   std::int64_t runs = 0;  ///< distinct runs received
 

@@ -27,10 +27,8 @@ struct ReassemblyCounts {
   std::int64_t incomplete = 0;          ///< discarded: too old, or no room
   std::int64_t oversized = 0;           ///< refused fragments of messages above the size limit
   std::int64_t oversized_messages = 0;  ///< first fragments among `oversized`
-  std::int64_t duplicates =
-      0;  ///< fragments that are already stored, or of a message that is complete
-  std::int64_t conflicting =
-      0;  ///< fragments and messages that contradict others with the same sequence number
+  std::int64_t duplicates = 0;          ///< fragments already stored, or of a completed message
+  std::int64_t conflicting = 0;         ///< contradict others with the same sequence number
 };
 
 /// Messages on one channel that were refused because of their size.

@@ -160,8 +160,7 @@ void MulticastSocket::open_sender(const UdpmAddress& address) {
   require_option(fd, IPPROTO_IP, IP_MULTICAST_TTL, static_cast<std::uint8_t>(address.ttl),
                  "IP_MULTICAST_TTL");
   require_option(fd, IPPROTO_IP, IP_MULTICAST_LOOP, std::uint8_t{1}, "IP_MULTICAST_LOOP");
-  set_option(fd, SOL_SOCKET, SO_SNDBUF,
-             kSendBufferBytes);  // clamped by the kernel, which is harmless
+  set_option(fd, SOL_SOCKET, SO_SNDBUF, kSendBufferBytes);  // the kernel may clamp it
   require_option(fd, SOL_SOCKET, SO_SNDTIMEO, timeval{0, kSendTimeoutUs}, "SO_SNDTIMEO");
 }
 

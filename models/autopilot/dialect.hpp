@@ -2,7 +2,7 @@
 
 namespace vantage::models {
 
-/// Autopilot firmware family that a vehicle's autopilot belongs to.
+/// The autopilot firmware of a vehicle, which determines modes, parameters and encodings.
 enum class AutopilotDialect { kPx4, kArdupilot };
 
 /// Returns "px4" or "ardupilot".

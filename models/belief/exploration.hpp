@@ -12,19 +12,19 @@ namespace vantage::models {
 
 /// Placement and number of exploration landmarks.
 struct ExplorationSpec {
-  double landmark_sigma_m = 1.0;  ///< m; 1σ of the Gaussian prior (l, Σ_l) of each pseudo-target
-  double landmark_spacing_m = 1.0;  ///< m; minimum distance between two landmarks
+  double landmark_sigma_m = 1.0;    ///< 1σ of the Gaussian prior (l, Σ_l) of each pseudo-target
+  double landmark_spacing_m = 1.0;  ///< minimum distance of two landmarks
   int landmarks_max = 12;           ///< maximum number; the nearest to the robot are used
-  /// True: landmarks are used only while a robot's belief holds fewer targets than the scenario
-  /// has. False: always, because a target may also have passed unseen.
+  /// If true, landmarks are only used while a robot has found fewer targets than exist: the missing
+  /// ones may be in unexplored areas. If false, also where targets may have moved unseen.
   bool until_found = false;
 };
 
-/// Returns the exploration landmarks: static planar pseudo-targets N(l, landmark_sigma_m² I₂) at
-/// the frontiers of the explored area. Returns the `landmarks_max` nearest to `from_m` by ascending
-/// distance (ties: in grid order). A plan that observes a landmark gains its entropy, so it leads
-/// to unexplored ground. Landmarks depend on the grid alone: an explored one is absent from the
-/// next call. Returns none when `landmarks_max` ≤ 0 or nothing is left to explore. Allocates.
+/// Returns exploration landmarks: static planar pseudo-targets N(l, landmark_sigma_m² I₂) at the
+/// frontiers of the explored area. They are the `landmarks_max` nearest to `from_m`, by ascending
+/// distance (ties: in grid order). A plan that sees a landmark gains information, so the planner
+/// explores. Landmarks only depend on the grid, so an explored one is gone at the next call. Empty
+/// when `landmarks_max` ≤ 0 or everything is explored. Allocates.
 /// Source: dissertation 3.4, Alg. 5.
 std::vector<Gaussian> exploration_landmarks(const VisibilityGrid& grid, const ExplorationSpec& spec,
                                             const Eigen::Vector2d& from_m, Time now);

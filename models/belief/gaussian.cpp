@@ -8,8 +8,8 @@
 
 #include "core/angle.hpp"
 
-// P position rows, N state rows, Z measurement rows. All matrices have a compile-time maximum size,
-// so nothing here allocates on the heap.
+// P position rows, N state rows, Z measurement rows. All matrices have a maximum size that is known
+// at compile time, so they do not use the heap.
 
 namespace vantage::models {
 namespace {
@@ -28,7 +28,7 @@ std::optional<StateMatrix> inverse_spd(const StateMatrix& X) {
   return symmetrised(inverse);
 }
 
-// Formula of the general case in update_covariance(), with sizes that the compiler can unroll.
+// The same formula as in the general case, with sizes that allow the compiler to unroll loops.
 template <int N, int P>
 StateMatrix update_fixed(const StateMatrix& covariance, const PositionMatrix& M_position) {
   const Eigen::Matrix<double, N, N> S = covariance;

@@ -7,10 +7,10 @@
 #include "models/sensor/sensor.hpp"
 #include "models/target/target_model.hpp"
 
-// One block of a block-diagonal belief. Targets are independent and each measurement is of one
-// target, so the joint covariance stays block diagonal and is never formed. Planner and estimator
-// call the same functions, so the covariance that a plan predicts is the one that the filter
-// reports.
+// One block of a block-diagonal belief. Targets are independent, and each measurement is of one
+// target. The joint covariance therefore stays block diagonal and is never formed. Planner and
+// estimator call the same two functions, so the uncertainty predicted by a plan is that of the
+// filter.
 
 namespace vantage::models {
 
@@ -20,37 +20,36 @@ struct Gaussian {
   StateMatrix covariance;  ///< symmetric, positive definite
 };
 
-/// Gaussian in information form: matrix Ω = Σ⁻¹, vector ω = Ω y. Ω = 0 is complete ignorance.
+/// The same belief in information form: matrix Ω = Σ⁻¹, vector ω = Ω y. Ω = 0: no information.
 struct Information {
   StateVector vector;
   StateMatrix matrix;
 };
 
-/// Converts between both forms; nullopt when the matrix is not positive definite (by Cholesky) or
-/// its inverse is not finite. No allocation.
+/// Convert between the two forms; nullopt when the matrix cannot be inverted (not positive definite
+/// by Cholesky). Do not allocate.
 std::optional<Information> to_information(const Gaussian& belief);
 std::optional<Gaussian> to_gaussian(const Information& belief);
 
-/// Predicts the belief (ρᵖ): mean A y, covariance A Σ Aᵀ + W. No allocation.
+/// Returns ρᵖ: mean A y, covariance A Σ Aᵀ + W. Does not allocate.
 Gaussian predict(const Gaussian& belief, const StateMatrix& A, const StateMatrix& W);
-/// Predicts the belief over `dt_s` with A and W of `model`; the mean is c + A (y − c).
+/// Returns the prediction with the model's A and W for `dt_s`; the mean is c + A (y − c).
 Gaussian predict(const Gaussian& belief, const TargetModel& model, double dt_s);
-/// Predicts the belief of a target last seen `unseen_s` before the belief's time. Growing
-/// uncertainty counts in steps of `step_s`; other models do not use `unseen_s`. Used by estimator
-/// and planner alike.
+/// As above, for a target that was last seen `unseen_s` before the time of the belief. Growing
+/// uncertainty counts in steps of `step_s`. Estimators and planners both use this function.
 Gaussian predict_unseen(const Gaussian& belief, const TargetModel& model, double dt_s,
                         double unseen_s, double step_s);
-/// Predicts in information form: Ω ← (A Ω⁻¹ Aᵀ + W)⁻¹, ω ← Ω A ŷ; nullopt when Ω is singular.
+/// Returns (A Ω⁻¹ Aᵀ + W)⁻¹ with the vector of the mean A ŷ; nullopt when Ω is singular.
 std::optional<Information> predict(const Information& belief, const StateMatrix& A,
                                    const StateMatrix& W);
 
-/// Updates the covariance (ρᵉ): (Σ⁻¹ + M)⁻¹ with M acting on the position components alone.
-/// Computed as Σ − Σ_{:p} (I + M Σ_pp)⁻¹ M Σ_{p:}, symmetrised: works for singular M and never
+/// Returns ρᵉ of the covariance: (Σ⁻¹ + M)⁻¹, where M acts on the position components only.
+/// Computed as Σ − Σ_{:p} (I + M Σ_pp)⁻¹ M Σ_{p:}, symmetrised. Works for singular M and never
 /// inverts Σ.
 StateMatrix update_covariance(const StateMatrix& covariance, const PositionMatrix& M);
 /// Returns log det of the covariance by Cholesky; −∞ when it is singular.
 double log_det(const StateMatrix& covariance);
-/// Returns the differential entropy of the belief, ½ log det(2πe Σ), in nats.
+/// Returns the differential entropy of the belief, ½ log det(2πe Σ), nats.
 double entropy_nats(const Gaussian& belief);
 
 /// Fuses one linearised measurement: covariance by the Joseph form, mean by the Kalman gain. `H` is

@@ -41,7 +41,7 @@ struct CollisionMonitor::Geometry {
   std::vector<Object> bodies;
   std::vector<Object> obstacles;
   std::vector<Box3> boxes;
-  std::vector<Object> walls;  ///< half-spaces outside the bounds and above the ceiling
+  std::vector<Object> walls;  ///< half-spaces outside the bounds
 };
 
 CollisionMonitor::CollisionMonitor(const World& world, const std::vector<Body>& bodies,
@@ -118,8 +118,8 @@ double CollisionMonitor::watched_m() const {
   double radius_m = 0.0;
   double travelled_m = 0.0;
   int robots = 0;
-  // Distance of some pair: an upper bound of the minimum over all pairs, so the first step need not
-  // check all of them.
+  // Distance of any pair of robots. It bounds the smallest distance, so that the first call does
+  // not have to check all pairs.
   double some_pair_m = min_separation_m_;
   std::size_t last = 0;
   for (std::size_t i = 0; i < new_m_.size(); ++i) {
@@ -135,7 +135,7 @@ double CollisionMonitor::watched_m() const {
       travelled_m = std::max(travelled_m, (new_m_[i] - old_m_[i]).norm());
     }
   }
-  // Pairs that stay farther apart than min_separation_m_ during the whole step cannot change it.
+  // Pairs that stay farther apart than min_separation_m_ during the whole step change no result.
   const double separation_m = robots < 2 ? 0.0 : std::max(some_pair_m, separation_m_ + kReleaseM);
   return std::max(2.0 * radius_m + kReleaseM, separation_m) + 2.0 * travelled_m + kRoundingM;
 }
@@ -190,7 +190,7 @@ void CollisionMonitor::check_surroundings(Time now, std::size_t i,
     judgement.fcl_hit = fcl_hit(geometry_->bodies[i], wall) || judgement.fcl_hit;
   }
   judgement.distance_m = distance_to_bounds_m(world_, new_m_[i]) - radius_m;
-  // The inside is convex: the minimum distance over a straight motion is at one of its ends.
+  // The inside is convex, so the smallest distance of a straight motion is at one of its ends.
   judgement.swept_distance_m =
       std::min(judgement.distance_m, distance_to_bounds_m(world_, old_m_[i]) - radius_m);
   judge(now, judgement, bodies_[i].name, "bounds", bounds_[i], begun);
@@ -213,8 +213,8 @@ void CollisionMonitor::judge(Time now, const Judgement& judgement, const std::st
     report.distance_m = std::min(judgement.swept_distance_m, 0.0);
     begun.push_back(std::move(report));
   }
-  // Bodies that are apart at the end of the step are released, even if they were in contact during
-  // it.
+  // Bodies that are apart at the end of the step are released, even if they touched during the
+  // step.
   contact.touching = (hit || contact.touching) && judgement.distance_m <= kReleaseM;
 }
 

@@ -15,17 +15,16 @@
 
 namespace vantage::models {
 
-/// Detector of contacts between spheres, boxes, walls and a ceiling, and of robots that are closer
-/// to each other than the separation distance.
+/// Detector of contacts between spheres, boxes, walls and a ceiling, and of robots that are nearer
+/// to each other than allowed.
 ///
-/// Every pair is checked twice per step: by FCL at the current instant, and by closed forms over
-/// the straight motion since the last step, so that no contact between two steps is missed. Either
-/// check can report a collision; cases in which they differ are counted. A contact is reported
-/// once, when it begins. It is reported again only after the two bodies were more than kReleaseM
-/// apart.
+/// Two methods check every pair at every step: FCL at the current positions, and closed forms over
+/// the straight motion since the last step, so that fast contacts are not missed. Either can report
+/// a collision; differences between the two are counted. A contact is reported once, when it
+/// begins. It is reported again only after the two have been apart by more than kReleaseM.
 ///
-/// Positions come from the simulator's truth or from the mocap system. FCL objects are created in
-/// the constructor and by add(). Not copyable; for one thread.
+/// Positions come from the simulator's truth or from the cameras. FCL objects are created in the
+/// constructor and by add(). Not copyable, not thread-safe.
 class CollisionMonitor {
  public:
   static constexpr double kReleaseM = 0.02;
@@ -33,7 +32,7 @@ class CollisionMonitor {
   struct Body {
     std::string name;
     double radius_m = 0.0;
-    bool is_robot = false;  ///< robots keep separation from each other
+    bool is_robot = false;  ///< robots must keep separation from each other
   };
 
   CollisionMonitor(const World& world, const std::vector<Body>& bodies, double separation_m);
@@ -43,25 +42,23 @@ class CollisionMonitor {
   CollisionMonitor(CollisionMonitor&&) = delete;
   CollisionMonitor& operator=(CollisionMonitor&&) = delete;
 
-  /// Adds a body, which becomes the last in the order. Precondition: radius_m > 0.
+  /// Adds a body at the end of the order. Precondition: radius_m > 0.
   void add(const Body& body);
-  /// Makes the next update() check positions only, without the motion before it: the bodies were
-  /// not observed in between.
+  /// Makes the next update() ignore the motion before it, for bodies that were not observed
+  /// meanwhile.
   void forget_motion() { old_m_.clear(); }
 
-  /// Checks the bodies at `now`, given their centres (world frame, m) in the order of registration.
-  /// Appends contacts that began since the last call to `begun`. A centre that is not finite is
-  /// skipped (FCL reports some such poses as free) and counted. The first call has no motion before
-  /// it.
+  /// Checks the bodies' centres at `now`, in the order in which the bodies were added. Appends the
+  /// contacts that began since the last call to `begun`. A centre that is not finite is counted and
+  /// excluded, because FCL reports some such poses as free. The first call has no motion before it.
   void update(Time now, std::span<const Eigen::Vector3d> centres_m,
               std::vector<ContactReport>& begun);
 
-  /// Returns the minimum distance so far between the centres of two robots, m, over the swept
-  /// motion; ∞ with fewer than two robots.
+  /// Returns the smallest distance so far between the centres of two robots, swept; ∞ without a
+  /// pair.
   [[nodiscard]] double min_separation_m() const { return min_separation_m_; }
   [[nodiscard]] std::int64_t non_finite() const { return non_finite_; }
-  /// Returns the number of checks in which FCL and the closed form differed by more than rounding
-  /// (1 µm).
+  /// Returns how often FCL and the closed form differed by more than rounding (1 µm).
   [[nodiscard]] std::int64_t disagreements() const { return disagreements_; }
 
  private:
@@ -72,8 +69,8 @@ class CollisionMonitor {
   };
   struct Judgement {
     bool fcl_hit = false;
-    double distance_m = 0.0;        ///< between surfaces, at the current instant
-    double swept_distance_m = 0.0;  ///< minimum since the last step
+    double distance_m = 0.0;        ///< between surfaces, now
+    double swept_distance_m = 0.0;  ///< the smallest since the last step
   };
 
   void judge(Time now, const Judgement& judgement, const std::string& a, const std::string& b,
@@ -82,8 +79,8 @@ class CollisionMonitor {
                         Contact& contact, std::vector<ContactReport>& begun);
   void check_pairs(Time now, std::vector<ContactReport>& begun);
   void check_pair(Time now, std::size_t i, std::size_t j, std::vector<ContactReport>& begun);
-  /// Returns the distance (m) beyond which a pair needs no check, whatever its motion since the
-  /// last step.
+  /// Returns the distance beyond which a pair cannot matter, whatever its motion since the last
+  /// step.
   [[nodiscard]] double watched_m() const;
   void check_surroundings(Time now, std::size_t i, std::vector<ContactReport>& begun);
 

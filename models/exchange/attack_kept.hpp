@@ -6,8 +6,8 @@
 
 namespace vantage::models {
 
-/// Timeout of an attack: the simulator publishes ATTACK once per second (lcmtypes/README.md).
-/// Receivers assume that an attack has ended three missed repetitions after its last message.
+/// Time after which an attack without further ATTACK messages is over. It is three repetitions of
+/// the simulator, which sends one per second (lcmtypes/README.md).
 inline constexpr Duration kAttackKept = std::chrono::seconds(3);
 
 }  // namespace vantage::models

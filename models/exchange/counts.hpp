@@ -9,7 +9,7 @@
 
 namespace vantage::models {
 
-/// Returns the counts that are not 0, in the same order, for a process's health report.
+/// Returns the counts that are not 0, in the same order, for the report of a process.
 inline std::vector<NamedCount> nonzero(std::vector<NamedCount> counts) {
   std::erase_if(counts, [](const NamedCount& each) { return each.count == 0; });
   return counts;
@@ -22,7 +22,7 @@ inline void append_nonzero(std::vector<NamedCount>& all, std::vector<NamedCount>
   }
 }
 
-/// Appends NAME_p50_us, NAME_p99_us and NAME_max_us; nothing if nothing was measured.
+/// Appends NAME_p50_us, NAME_p99_us and NAME_max_us, unless nothing was measured.
 inline void append_latency(std::vector<NamedCount>& all, const std::string& name,
                            const LatencyRecord& record) {
   if (record.count() > 0) {

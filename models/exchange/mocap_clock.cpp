@@ -6,10 +6,9 @@
 namespace vantage::models {
 namespace {
 
-/// Largest latency from the publisher to this process. A larger value means that a clock was set.
+/// Largest latency from the publisher to us. A larger one means that a clock was set.
 constexpr Duration kLatencyMax = std::chrono::seconds(1);
-/// Largest stated latency that is accepted; a larger one means that the frame's arrival time is
-/// wrong.
+/// Largest stated latency; a frame that states more has an invalid arrival time.
 constexpr Duration kStatedMax = std::chrono::seconds(20);
 constexpr std::int64_t kFramesMax = 100;
 
@@ -44,8 +43,7 @@ bool MocapClock::on_frame(Time stamp, Time arrival, std::int64_t number, Duratio
   const Duration latency_max = kLatencyMax + stated;
   const std::int64_t frames = number - number_;
   const bool counts = has_frame_ && frames >= 1 && frames <= kFramesMax;
-  // A clock that is set back by less than a second would look like latency from the publisher to
-  // this process.
+  // A clock that is set back by less than a second looks like latency when only this frame is seen.
   const bool was_set_back = counts && stamp + stated < reached_;
   const bool goes_on = as_before >= Duration{} && as_before <= latency_max && !was_set_back;
   if (goes_on) {

@@ -4,14 +4,14 @@
 
 namespace vantage::models {
 
-/// Information of one beam and the error bound of that value.
+/// Information of one beam, with an error bound.
 struct BeamInformation {
   double nats = 0.0;
-  double error_nats = 0.0;  ///< upper bound of |nats − exact value|, without rounding
+  double error_nats = 0.0;  ///< |nats − exact value| is at most this, except for rounding
 };
 
-/// Distance of two Gaussians, in σ, beyond which their overlap is neglected. At 10 σ the neglected
-/// product of two of them is e^−25 of its peak.
+/// Distance of two Gaussians, in σ, at which their overlap counts as zero. At 10 σ, the neglected
+/// product of two of them is at most e^−25 of its peak.
 inline constexpr double kCutoffSigmas = 10.0;
 
 /// Returns the Cauchy–Schwarz quadratic mutual information between the map and one reading z of the
@@ -20,37 +20,35 @@ inline constexpr double kCutoffSigmas = 10.0;
 ///   I = log Σ_m ∫ p(m,z)² dz + log Σ_m ∫ p(m)² p(z)² dz − 2 log Σ_m ∫ p(m,z) p(m) p(z) dz
 ///     = log [ pᵀKp / (pᵀK w)² ],   K_jl = exp(−(μ_j − μ_l)² / 4σ²)
 ///
-/// The sums are over the events e_j "the first occupied cell is j" and e_0 "no cell is occupied". p
-/// are their probabilities, w their probabilities if the odds of every cell are squared. μ_j is the
-/// mean reading at the middle of cell j, and μ_0 = range_max. This is the form of Charrow et al.
-/// with every sum divided by Π_i (o_i² + (1 − o_i)²), because that product underflows on long beams
-/// and cancels.
+/// over the events e_j "the first occupied cell is j" and e_0 "no cell is occupied". p are their
+/// probabilities, and w their probabilities when every cell's odds are squared. μ_j is the mean
+/// reading at the middle of cell j, and μ_0 = range_max. This is the form of Charrow et al. with
+/// every sum divided by Π_i (o_i² + (1 − o_i)²). That factor cancels, and would underflow on long
+/// beams.
 ///
-/// The result is ≥ 0, and 0 when every cell is certain. Pairs of events farther apart than
-/// `cutoff_sigmas` σ are neglected; error_nats bounds the resulting error. Cost: linear in the
-/// number of cells, times the number of cells within the cutoff. No allocation after the first call
-/// of a thread with the longest beam.
+/// ≥ 0; 0 when every cell is certain. Pairs of events farther apart than `cutoff_sigmas` σ are
+/// neglected, and error_nats bounds the effect. The time is linear in the cells (times the cells in
+/// that window). Each thread only allocates until its longest beam so far.
 /// Source: Charrow et al., Information-theoretic mapping using CSQMI (ICRA 2015), eq. 10–15.
 BeamInformation csqmi(const BeamProfile& beam, const BeamSensor& sensor,
                       double cutoff_sigmas = kCutoffSigmas);
 
-/// Log odds ratios by which one reading changes a cell: `hit` for the cell where the beam ended,
-/// `miss` for the cells before it.
+/// Changes of a cell's log-odds by a scan: `hit` where the beam ended, `miss` before it.
 struct InverseBeamModel {
   double hit_log_odds = 2.944;    ///< log(0.95 / 0.05)
-  double miss_log_odds = -2.944;  ///< log(0.05 / 0.95)
+  double miss_log_odds = -2.944;  ///< minus the same
 };
 
-/// Returns the fast Shannon mutual information (FSMI). This is the expected sum over the cells of
-/// the Kullback–Leibler divergence of the belief after the reading from the belief before it. The
+/// Returns the fast Shannon mutual information: the expected sum over the cells of the
+/// Kullback–Leibler divergence of the belief after the reading from the belief before it. The
 /// belief is updated by `inverse`, and z is distributed as in csqmi():
 ///
 ///   I = Σ_j p(e_j) Σ_k C_k ∫_{cell k} N(z; μ_j, σ²) dz
 ///   C_k = f(hit, o_k) + Σ_{i<k} f(miss, o_i),   f(l, o) = KL( σ(logit o + l) ‖ o )
 ///
-/// A reading of at least no_hit_range_m(), or beyond the last cell, is a miss of all cells. A
-/// reading before the first cell changes none. With strong odds and little noise the result is
-/// Shannon's mutual information; it is ≥ 0. Cost and error as for csqmi().
+/// A reading ≥ no_hit_range_m(), or beyond the last cell, is a miss of all cells. A reading before
+/// the first cell gives no information. With strong odds and little noise this is Shannon's mutual
+/// information. ≥ 0. Cost and error as for csqmi().
 /// Source: Zhang et al., FSMI (ICRA 2019, IJRR 2020), Theorem 1 and the truncation of section IV-B.
 BeamInformation fsmi(const BeamProfile& beam, const BeamSensor& sensor,
                      const InverseBeamModel& inverse, double cutoff_sigmas = kCutoffSigmas);

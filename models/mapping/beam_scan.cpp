@@ -8,7 +8,7 @@
 namespace vantage::models {
 namespace {
 
-// Part of the ray inside the rectangle, m along the ray; empty when begin > end.
+// Interval of the ray inside the rectangle; begin > end: empty.
 struct Stretch {
   double begin_m = -std::numeric_limits<double>::infinity();
   double end_m = std::numeric_limits<double>::infinity();

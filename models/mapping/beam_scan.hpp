@@ -9,14 +9,13 @@
 
 namespace vantage::models {
 
-/// Returns the exact distance (m) from `from_m` along `bearing_rad` (world frame) to the first
-/// obstacle or wall of the bounds; 0 inside an obstacle or outside the bounds. Closed form,
-/// O(obstacles). It uses no grid, so a map built from its readings does not depend on the map's own
-/// discretisation.
+/// Returns the exact distance from `from_m` along `bearing_rad` to the first obstacle or wall; 0
+/// inside an obstacle or outside the bounds. Closed form, O(obstacles). It uses no grid, so
+/// simulated scans do not share the assumptions of the map made from them.
 double ray_distance_m(const World& world, const Eigen::Vector2d& from_m, double bearing_rad);
 
-/// Returns one reading per beam from `world_from_body`, m: N(mean_range_m(distance), σ²). Source:
-/// dissertation 4.13.
+/// Returns one reading of every beam from `world_from_body`: N(mean_range_m(distance), σ²).
+/// Source: dissertation 4.13.
 std::vector<double> beam_scan(const World& world, const BeamSensor& sensor,
                               const Pose2& world_from_body, std::mt19937_64& random);
 

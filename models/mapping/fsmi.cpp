@@ -7,8 +7,7 @@
 namespace vantage::models {
 namespace {
 
-// Returns the KL divergence of a cell's occupancy after its odds are multiplied by `ratio` from its
-// occupancy before.
+// Returns KL(posterior ‖ prior) of a cell whose odds are multiplied by `ratio`, nats.
 double surprise_nats(double occupancy, double log_ratio, double ratio) {
   const double o = occupancy;
   if (o <= 0.0 || o >= 1.0) {
@@ -20,8 +19,8 @@ double surprise_nats(double occupancy, double log_ratio, double ratio) {
 
 double normal_cdf(double x) { return 0.5 * std::erfc(-x * 0.70710678118654752440); }
 
-// Returns ∫ C(z) N(z; mean, σ²) dz over the z within the cutoff of the mean. C is a step function:
-// `told_nats[k]` from begin_m[k] on, 0 before the first.
+// Returns ∫ C(z) N(z; mean, σ²) dz over the z within the cutoff, as a sum over the steps of C: C is
+// `told_nats[k]` from begin_m[k] on, and 0 before the first.
 double expected_nats(const std::vector<double>& begin_m, const std::vector<double>& told_nats,
                      double mean_m, double sigma_m, double cutoff_sigmas, std::size_t& first) {
   const double cutoff_m = cutoff_sigmas * sigma_m;
@@ -68,7 +67,7 @@ BeamInformation fsmi(const BeamProfile& beam, const BeamSensor& sensor,
 
   double sum_nats = 0.0;
   double reach = 1.0;
-  std::size_t first = 0;  // means ascend, so the window only advances
+  std::size_t first = 0;  // means ascend, so the window only moves forward
   for (std::size_t j = 0; j < beam.occupancy.size(); ++j) {
     const double o = beam.occupancy[j];
     if (reach * o > 0.0) {

@@ -9,24 +9,24 @@
 
 namespace vantage::models {
 
-/// Scan count per cell: number of scans that hit something in it minus the number that passed
-/// through it. Sums of counts do not depend on the order of the scans, unlike log-odds that are
-/// clamped after each scan. Maps are therefore sent and merged as counts. A count saturates at the
-/// limits of int16_t (hours at one cell).
+/// The look counts of a map: for each cell, the number of scans that hit something in it minus the
+/// number that passed through it. Sums of counts do not depend on the order of scans, unlike
+/// clamped log-odds, so maps are sent and merged in this form. Counts saturate at the limits of
+/// int16_t (hours of scans of one cell).
 using Looks = std::vector<std::int16_t>;
 
-/// Adds one observation of `cell`: +1 for a hit, −1 for a pass.
+/// Adds one look to the count of `cell`.
 void add_look(Looks& looks, int cell, bool met_something);
-/// Returns the sum of all counts per cell, limited once at the end, so the result does not depend
-/// on the order. Precondition: at least one, equal sizes.
+/// Returns the sums, cell by cell, saturated once, so that the order does not matter. Precondition:
+/// at least one map, equal sizes.
 Looks sum_of(std::span<const std::span<const std::int16_t>> all);
 
-/// Returns the occupancy belief of `looks`: count · log-odds of one look, clamped to the log-odds
-/// of settled_probability. Precondition: geometry.size() looks.
+/// Returns the belief for `looks`: the log-odds are the count times the log-odds of one look,
+/// clamped at the settled probability. Precondition: geometry.size() looks.
 OccupancyBelief belief_of(const GridGeometry& geometry, std::span<const std::int16_t> looks,
                           const MappingSpec& spec);
 
-/// Returns the grid of `spec` that covers the world's bounds.
+/// Returns the grid of `spec` over the world.
 GridGeometry map_geometry(const World& world, const MappingSpec& spec);
 
 }  // namespace vantage::models

@@ -13,11 +13,10 @@ struct Axis {
   double pitch_m = std::numeric_limits<double>::infinity();
 };
 
-// Returns the steps along one axis. `place` is the start in units of cells; `cosine` is the
-// direction cosine of the ray along this axis.
+// `place`: start in cells. `cosine`: component of the ray's direction along this axis.
 Axis axis_of(double place, int cell, double cosine, double resolution_m) {
   if (std::abs(cosine) < 1e-12) {
-    return {};  // crosses no cell border along this axis within any grid
+    return {};  // crosses no edge of this axis within the grid
   }
   const double edge = cosine > 0.0 ? cell + 1.0 : cell;
   return {cosine > 0.0 ? 1 : -1, std::max(0.0, (edge - place) * resolution_m / cosine),

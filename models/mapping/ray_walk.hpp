@@ -10,22 +10,23 @@ namespace vantage::models {
 ///
 ///   for (RayWalk walk(geometry, from_m, bearing_rad, 1.5); walk.next();) { use walk.cell(); }
 ///
-/// Starts in the cell that contains `from_m` (has no cells if that is outside the grid) and ends at
-/// `range_max_m` or at the grid's edge. The intervals [enter_m, exit_m) of the cells tile [0, end).
-/// A ray through a corner crosses one of the two adjacent cells, over a length of 0 or a rounding
-/// error. No allocation, O(1) per cell.
+/// Starts in the cell that contains `from_m` (no cells if that is outside the grid), and ends at
+/// `range_max_m` or at the grid's edge. Spans are closed at enter_m, open at exit_m, and tile [0,
+/// end). A ray through a corner crosses one of the two adjacent cells, with a span of length 0 or
+/// of rounding size. No allocation, O(1) per cell.
 /// Source: Amanatides and Woo, A fast voxel traversal algorithm for ray tracing (1987).
 class RayWalk {
  public:
   RayWalk(const GridGeometry& geometry, const Eigen::Vector2d& from_m, double bearing_rad,
           double range_max_m);
 
-  /// Advances to the next cell (the first call: to the first cell); false when the ray has ended.
+  /// Moves to the next cell; the first call moves to the first. Returns false when the ray has
+  /// ended.
   bool next();
   [[nodiscard]] int cell() const { return row_ * columns_ + column_; }
-  /// Returns where the cell begins, m along the ray.
+  /// Returns the distance along the ray at which the cell begins, m.
   [[nodiscard]] double enter_m() const { return enter_m_; }
-  /// Returns where the cell, or the ray itself, ends, m along the ray.
+  /// Returns the distance along the ray at which the cell, or the ray itself, ends, m.
   [[nodiscard]] double exit_m() const;
 
  private:
@@ -38,9 +39,9 @@ class RayWalk {
   bool begun_ = false;
   bool ended_ = false;
   double enter_m_ = 0.0;
-  double next_column_m_ = 0.0;  ///< along the ray, position of the edge of the next column
+  double next_column_m_ = 0.0;  ///< along the ray, to the next column's edge
   double next_row_m_ = 0.0;
-  double column_pitch_m_ = 0.0;  ///< along the ray, distance from one column to the next
+  double column_pitch_m_ = 0.0;  ///< along the ray, between column edges
   double row_pitch_m_ = 0.0;
   double range_max_m_ = 0.0;
 };

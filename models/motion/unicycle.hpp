@@ -15,19 +15,19 @@ struct UnicycleControl {
   friend bool operator==(const UnicycleControl&, const UnicycleControl&) = default;
 };
 
-/// Returns the pose after `control` was held for `duration_s`, exactly (no integration error).
+/// Returns the exact pose after `duration_s` of `control` (no integration error).
 /// x' = x + ντ sinc(ωτ/2) cos(θ + ωτ/2), y' = y + ντ sinc(ωτ/2) sin(θ + ωτ/2), θ' = θ + ωτ wrapped.
 /// Source: Schlotfeldt, dissertation, eq. 2.37 with the τ that 3.5 and 4.12 drop.
 Pose2 step_unicycle(const Pose2& world_from_body, const UnicycleControl& control,
                     double duration_s);
 
-/// Returns the Jacobian ∂x'/∂x of step_unicycle() for x = (x, y, yaw), 3×3.
+/// Returns ∂x'/∂x of step_unicycle for x = (x, y, yaw), 3×3.
 Eigen::Matrix3d unicycle_jacobian(const Pose2& world_from_body, const UnicycleControl& control,
                                   double duration_s);
 
-/// Returns the ten primitives of the simulations: {1, 3} m/s × {0, ±1, ±3} rad/s, in that order.
+/// Returns {1, 3} m/s × {0, ±1, ±3} rad/s in that order: the ten primitives of the simulations.
 std::vector<UnicycleControl> standard_primitives();
-/// Returns the five primitives of the hardware experiment: 1 m/s × {0, ±1, ±3} rad/s.
+/// Returns 1 m/s × {0, ±1, ±3} rad/s: the five primitives of the hardware experiment.
 std::vector<UnicycleControl> lab_primitives();
 
 }  // namespace vantage::models

@@ -2,12 +2,12 @@
 
 namespace vantage::models {
 
-/// Motion limits and size of a vehicle.
+/// The limits of a vehicle's motion, and its size.
 struct VehicleLimits {
   double speed_max_mps = 3.0;
   double yaw_rate_max_radps = 3.0;
-  double brake_mps2 = 2.0;  ///< deceleration of the stop that ends every plan
-  double radius_m = 0.25;   ///< of the disc around its centre that must stay free of obstacles
+  double brake_mps2 = 2.0;  ///< deceleration of the stop at the end of every plan
+  double radius_m = 0.25;   ///< radius of the disc around its centre that must stay clear
 };
 
 }  // namespace vantage::models

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <limits>
 
-// The two checks below step through trajectories in pieces of time. Over a piece of length Δ a
-// motion with ‖p̈‖ ≤ a stays within a Δ²/8 of uniform motion between the piece's ends, at every
-// time. For an arc a = |ν ω| (the bound is at least its sagitta), for braking a is the
-// deceleration. If this bound leaves a piece undecided, the piece is halved.
+// Both checks below divide trajectories into pieces of time. During a piece of length Δ, a motion
+// with ‖p̈‖ ≤ a stays within a Δ²/8 of uniform motion between the ends of the piece. For an arc a =
+// |ν ω|, which covers its sagitta; for braking a is the deceleration. A piece that this bound
+// cannot decide is halved.
 
 namespace vantage::models {
 namespace {
@@ -16,7 +16,7 @@ constexpr int kHalvings = 6;
 
 double sign(double x) { return x < 0.0 ? -1.0 : 1.0; }
 
-// Returns the state of `segment` from `start`, `elapsed_s` after its beginning.
+// Returns the state at `elapsed_s` after the start of `segment`, which begins at `start`.
 TrajectoryPoint along(const PlanSegment& segment, const Pose2& start, double elapsed_s) {
   if (segment.brake_mps2 <= 0.0) {
     return {step_unicycle(start, segment.control, elapsed_s), segment.control};
@@ -30,8 +30,8 @@ TrajectoryPoint along(const PlanSegment& segment, const Pose2& start, double ela
           {left_mps, 0.0}};
 }
 
-// Forward iterator over a trajectory: the wait before the start, the segments, the final hover.
-// Times are seconds after `from`.
+// Iterator over a trajectory, forward in time: the wait before the start, the segments, the final
+// hover. Times are seconds after the start of the iteration.
 class Walker {
  public:
   Walker(const Trajectory& trajectory, Time from)
@@ -41,7 +41,7 @@ class Walker {
     advance_to(0.0);
   }
 
-  // Makes the piece that contains `t_s` (start included) the current one. Never goes backward.
+  // Makes the piece that begins at or contains `t_s` current. Never goes back.
   void advance_to(double t_s) {
     while (piece_end_s_ <= t_s) {
       const std::size_t next = next_segment_;
@@ -172,10 +172,10 @@ std::vector<PlanSegment> brake(double speed_mps, double brake_mps2) {
 
 bool keeps_separation(const Trajectory& a, const Trajectory& b, Time from, double separation_m,
                       double piece_s, bool from_above) {
-  constexpr double kSlack_m = 1.0;  // m; more than the sagitta of any piece (centimetres)
+  constexpr double kSlack_m = 1.0;  // deviation of arcs from their pieces is only centimetres
   if ((a.start.position_m() - b.start.position_m()).norm() >
       length_at_most_m(a) + length_at_most_m(b) + separation_m + kSlack_m) {
-    return true;  // usual case in a large team
+    return true;  // the usual case in a large team
   }
   Walker walk_a(a, from);
   Walker walk_b(b, from);

@@ -8,13 +8,13 @@ namespace vantage::models {
 
 struct SensorLaw;
 
-/// Sensor kind: a handle to its SensorLaw, compared by identity. Custom kinds are made from a
-/// SensorLaw that must outlive them.
+/// A kind of sensor: a handle to its law, compared by identity. User-defined kinds are made from a
+/// SensorLaw, which must outlive them.
 class SensorKind {
  public:
   constexpr explicit SensorKind(const SensorLaw& law) : law_(&law) {}
   [[nodiscard]] constexpr const SensorLaw& law() const { return *law_; }
-  /// Returns its name in scenario files, for example "range_bearing".
+  /// Returns the name used in scenarios, such as "range_bearing".
   [[nodiscard]] std::string_view name() const;
 
   friend constexpr bool operator==(SensorKind a, SensorKind b) { return a.law_ == b.law_; }
@@ -29,8 +29,8 @@ class SensorKind {
   const SensorLaw* law_;
 };
 
-/// Returns every kind that scenarios may name, in the order of error messages. To add a kind, add a
-/// file in models/sensor/kinds and its line in kinds.cpp.
+/// Returns all kinds that scenarios may name, in display order. A new kind needs a file in
+/// models/sensor/kinds and a line in kinds.cpp.
 std::span<const SensorKind> all_sensor_kinds();
 /// Returns the kind with that scenario name; nullopt if unknown.
 std::optional<SensorKind> sensor_kind_called(std::string_view name);

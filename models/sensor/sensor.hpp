@@ -11,9 +11,8 @@
 #include "models/target/target_model.hpp"
 
 // Gaussian sensors, z = h(x, y) + v with v ~ N(0, V(x, y)): the five of the dissertation and any
-// custom SensorLaw (models/sensor/law.hpp). Every sensor measures only a target's position. That
-// position is planar (2 rows: the target is on the ground, z = 0) or in space (3 rows). No function
-// here allocates.
+// other with a law (models/sensor/law.hpp). All of them only measure a target's position. It is
+// planar (2 rows: on the ground, z = 0) or in space (3 rows). No function allocates.
 
 namespace vantage::models {
 
@@ -27,7 +26,7 @@ using MeasurementMatrix =
 using MeasurementJacobian =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, kUnaligned, 3, kMaxTargetDim>;
 
-/// Pose of a sensor: that of its vehicle in the plane, and its height above the ground.
+/// The position of a sensor: the planar pose of its vehicle and its height above the ground.
 struct Viewpoint {
   Pose2 world_from_body;
   double height_m = 0.0;
@@ -44,26 +43,26 @@ struct RangeCalibration {
 /// Parameters of one sensor. Ranges are horizontal for planar targets and in space for targets with
 /// three coordinates. Angles are in the horizontal plane.
 struct SensorModel {
-  SensorKind kind = SensorKind::kRangeBearing;  ///< selects which of the other fields apply
-  double range_max_m = 10.0;  ///< a target at this range or beyond is not measured
-  double range_min_m = 0.0;   ///< a nearer target is not measured; bearing sensors need it > 0 and
-                              ///< apply it to the horizontal distance, where they are singular
-  double fov_rad = 2.0 * kPi;  ///< full angle φ; a target with |bearing| ≥ φ/2 is not measured (a
-                               ///< full turn has no limit)
+  SensorKind kind = SensorKind::kRangeBearing;  ///< determines which other fields are used
+  double range_max_m = 10.0;   ///< targets at this range or beyond are not measured
+  double range_min_m = 0.0;    ///< nearer targets are not measured; a bearing sensor needs > 0, and
+                               ///< compares it with the horizontal distance (it is singular at 0)
+  double fov_rad = 2.0 * kPi;  ///< full angle φ; targets with |bearing| ≥ φ/2 are not seen
+                               ///< (except with a full turn)
   double range_sigma_m = 0.15;              ///< 1σ of a range
   double bearing_sigma_rad = radians(5.0);  ///< 1σ of a bearing
   double position_sigma_m = 0.1;            ///< 1σ of each coordinate of a position
   double pixel_sigma = 1.0;                 ///< 1σ of each image coordinate
   double focal_length_pixels = 500.0;       ///< K = diag(f, f) with the principal point at 0
-  double camera_tilt_rad = kPi / 2;         ///< 0: optical axis along body x, π/2: straight down
-  double depth_min_m = 0.05;  ///< along the optical axis; a camera measures no nearer target
-  /// True: range and bearing variances grow linearly with range, V = V_max · max(floor, r /
-  /// range_max), to the full σ² at range_max (dissertation after eq. 3.8). False: constant.
+  double camera_tilt_rad = kPi / 2;         ///< 0 is along body x, π/2 straight down
+  double depth_min_m = 0.05;                ///< minimum depth along the camera's axis
+  /// Range and bearing variances grow linearly in range, V = V_max · max(floor, r / range_max),
+  /// up to the full σ² at range_max (dissertation after eq. 3.8); false: constant.
   bool variance_grows_with_range = false;
   double variance_floor = 0.1;
   RangeCalibration calibration;
 
-  /// Returns the number of rows of z for a target with `position_dim` coordinates.
+  /// Returns the rows of z for a target with `position_dim` coordinates.
   [[nodiscard]] int measurement_dim(int position_dim) const;
 };
 
@@ -75,12 +74,12 @@ struct Measurement {
 };
 
 /// True if range, field of view and minimum distance allow a measurement. Line of sight is checked
-/// separately (models/world).
+/// in models/world.
 bool in_view(const SensorModel& sensor, const Viewpoint& from,
              const PositionVector& target_world_m);
 
-/// Returns h(x, y) with calibration: the noise-free measurement. Precondition: in_view(), or at
-/// least a target that is not at the sensor itself.
+/// Returns h(x, y), calibrated: the measurement of a noise-free sensor. Precondition: in_view, or
+/// at least a target that is not at the sensor itself.
 MeasurementVector observe(const SensorModel& sensor, const Viewpoint& from,
                           const PositionVector& target_world_m);
 
@@ -92,21 +91,20 @@ MeasurementMatrix noise_covariance(const SensorModel& sensor, const Viewpoint& f
 MeasurementJacobian observation_jacobian(const SensorModel& sensor, const Viewpoint& from,
                                          const PositionVector& target_world_m);
 
-/// Returns z − ẑ with bearings wrapped into (−π, π]. Do not subtract bearings elsewhere.
+/// Returns z − ẑ with bearings wrapped into (−π, π]. Do not subtract bearings directly.
 MeasurementVector innovation(const SensorModel& sensor, const MeasurementVector& z,
                              const MeasurementVector& z_expected);
 
-/// Returns the sensor information matrix M = Hᵀ V⁻¹ H about `target_world_m`, position_dim ×
-/// position_dim; zero if the target is not in_view(). Source: dissertation eq. 2.19–2.30, 3.6.
+/// Returns the sensor information matrix M = Hᵀ V⁻¹ H at `target_world_m`, position_dim ×
+/// position_dim; zero if the target is not in_view. Source: dissertation eq. 2.19–2.30, 3.6.
 PositionMatrix information(const SensorModel& sensor, const Viewpoint& from,
                            const PositionVector& target_world_m);
 
-/// Returns an upper bound of information() over every viewpoint within `reach_m` (horizontally) of
-/// `from` at any heading. The bound is a multiple of the identity; that factor is returned. It is 0
-/// if the target cannot be seen from any such viewpoint. It is +∞ for a bearing sensor without a
-/// minimum range that may be directly above the target. Distances are rounded outwards by a
-/// nanometre, so that sums of steps stay inside. Source: dissertation app. G with the corrections
-/// of 2.29 (r² for r).
+/// Returns an upper bound of information() over all viewpoints within `reach_m` (horizontally) of
+/// `from` and all headings. The bound is a multiple of the identity; the multiple is returned. It
+/// is 0 if no such viewpoint can see the target. It is +∞ for a bearing sensor without a minimum
+/// range that may be above the target. Rounded outwards by a nanometre, so that accumulated step
+/// errors stay inside. Source: dissertation app. G with the corrections of 2.29 (r² for r).
 double information_bound(const SensorModel& sensor, const Viewpoint& from, double reach_m,
                          const PositionVector& target_world_m);
 
@@ -114,10 +112,10 @@ double information_bound(const SensorModel& sensor, const Viewpoint& from, doubl
 Measurement sample(const SensorModel& sensor, const Viewpoint& from,
                    const PositionVector& target_world_m, std::mt19937_64& rng);
 
-/// Returns the target position that explains `z` exactly. Returns nullopt for sensors whose z does
-/// not determine a position (range or bearing alone) and for a z that no target explains. A
-/// camera's ray is intersected with the ground plane. A range-bearing sensor measures no elevation,
-/// so its target in space is assumed to be on the ground plane as well.
+/// Returns the target position that explains `z` exactly. nullopt for sensors that cannot determine
+/// it (only range or only bearing) and for a z without such a position. Where a target in space is
+/// undetermined (camera ray; range and bearing without elevation), it is placed on the ground
+/// plane.
 std::optional<PositionVector> position_from(const SensorModel& sensor, const Viewpoint& from,
                                             const MeasurementVector& z, int position_dim);
 

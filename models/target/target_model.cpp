@@ -5,7 +5,7 @@
 namespace vantage::models {
 namespace {
 
-/// Matrix e^{Ft} = [a b; c d] of one axis, F = [0 1; −k −γ].
+/// The matrix exponential e^{Ft} for one axis, F = [0 1; −k −γ].
 struct AxisStep {
   double a, b, c, d;
 };
@@ -40,7 +40,7 @@ AxisStep axis_step(const Surroundings& of, Eigen::Index axis, double t) {
   return axis_step(omega * omega, of.damping_per_s(axis), t);
 }
 
-// Returns Σ j over whole j < k; linear between whole steps.
+// Returns Σ j over integers j < k, interpolated linearly between integers.
 double grown(double steps) {
   const double whole = std::floor(steps);
   return 0.5 * whole * (whole - 1.0) + whole * (steps - whole);
@@ -96,7 +96,7 @@ StateMatrix TargetModel::process_noise(double dt_s, int steps_unseen) const {
     case TargetKind::kGrowingUncertainty:
       W.diagonal().setConstant(q * steps_unseen);
       break;
-    case TargetKind::kDampedOscillator:  // W = P − A P Aᵀ with the stationary covariance P
+    case TargetKind::kDampedOscillator:  // W restores the stationary spread that A reduces
       for (Eigen::Index i = 0; i < 2; ++i) {
         const AxisStep step = axis_step(surroundings, i, dt_s);
         const double p = surroundings.position_sigma_m(i) * surroundings.position_sigma_m(i);
@@ -118,7 +118,7 @@ StateMatrix TargetModel::grown_noise(double from_steps, double to_steps) const {
 TargetModel TargetModel::as_planned(double steps_unseen, double step_s) const {
   TargetModel planned = *this;
   if (kind == TargetKind::kGrowingUncertainty) {
-    constexpr double kRounding = 1e-6;  // of times to microseconds, in steps
+    constexpr double kRounding = 1e-6;  // instants are rounded to microseconds
     planned.kind = TargetKind::kRandomWalk;
     planned.q *= std::floor(steps_unseen + kRounding) / step_s;
   }

@@ -9,7 +9,7 @@ namespace vantage::models {
 inline constexpr int kMinTargetDim = 2;
 inline constexpr int kMaxTargetDim = 4;
 
-/// State and matrices of one target: 2, 3 or 4 rows, stored inline (never on the heap).
+/// State and matrices of one target: 2, 3 or 4 rows, stored in place without heap memory.
 using StateVector = Eigen::Matrix<double, Eigen::Dynamic, 1, kUnaligned, kMaxTargetDim, 1>;
 using StateMatrix =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, kUnaligned, kMaxTargetDim, kMaxTargetDim>;
@@ -18,14 +18,14 @@ enum class TargetKind {
   kStatic,              ///< y' = y
   kRandomWalk,          ///< y' = y + w, W = qτ I
   kDoubleIntegrator,    ///< (y₁, y₂, ẏ₁, ẏ₂) with white acceleration of density q
-  kGrowingUncertainty,  ///< y' = y + w, W = q k I; k: steps since the target was last seen, at the
-                        ///< beginning of the step
-  kDampedOscillator,  ///< (y₁, y₂, ẏ₁, ẏ₂) with a stationary distribution: Surroundings
+  kGrowingUncertainty,  ///< y' = y + w, W = q k I; k: number of steps since the target was last
+                        ///< seen, at the start of the step
+  kDampedOscillator,  ///< (y₁, y₂, ẏ₁, ẏ₂), confined to its surroundings; see Surroundings
 };
 
-/// Parameters of a damped oscillator per axis: ÿ = −(σ_v²/σ_p²)(y − c) − γ ẏ + white noise of
-/// density 2 γ σ_v². Its stationary distribution is N(c, σ_p²) for the position and N(0, σ_v²) for
-/// the velocity, independent of each other and of the initial state.
+/// Parameters of a damped oscillator on each axis: ÿ = −(σ_v²/σ_p²)(y − c) − γ ẏ + white noise of
+/// density 2 γ σ_v². Its stationary distribution has position N(c, σ_p²) and velocity N(0, σ_v²),
+/// which are independent.
 struct Surroundings {
   Eigen::Vector2d center_m = Eigen::Vector2d::Zero();            ///< m; c
   Eigen::Vector2d position_sigma_m = Eigen::Vector2d::Ones();    ///< m; σ_p
@@ -33,35 +33,35 @@ struct Surroundings {
   Eigen::Vector2d damping_per_s = Eigen::Vector2d::Ones();       ///< 1/s; γ
 };
 
-/// Linear motion model of one target, y' = c + A (y − c) + w, w ~ N(0, W); c = 0 except for a
-/// damped oscillator. The position is the first `position_dim` components of the state.
+/// Linear motion of one target, y' = c + A (y − c) + w, w ~ N(0, W); c = 0 except for a damped
+/// oscillator. The position is the first `position_dim` components of the state.
 /// Source: dissertation ch. 2 H, 3.4, 4.2, F.3; oscillator: Uhlenbeck, Ornstein, On the theory of
 /// the Brownian motion (1930), part II.
 struct TargetModel {
   TargetKind kind = TargetKind::kRandomWalk;
   int position_dim = 2;  ///< 2 or 3; models with a velocity are planar
-  double q = 0.0;        ///< m²/s for random walk, m²/s³ for double integrator, m² for growing
-  Surroundings surroundings = {};  ///< used by a damped oscillator only
+  double q = 0.0;  ///< noise: m²/s for a random walk, m²/s³ for a double integrator, m² for growing
+  Surroundings surroundings = {};  ///< damped oscillator only
 
-  /// True if the state contains a velocity: double integrator and damped oscillator.
+  /// True if the state has a velocity: double integrator and damped oscillator.
   [[nodiscard]] bool has_velocity() const {
     return kind == TargetKind::kDoubleIntegrator || kind == TargetKind::kDampedOscillator;
   }
-  /// Returns the number of state rows: 4 with a velocity, otherwise position_dim.
+  /// Returns the rows of the state: 4 with a velocity, else position_dim.
   [[nodiscard]] int dim() const;
   /// Returns A, dim × dim.
   [[nodiscard]] StateMatrix transition(double dt_s) const;
-  /// Returns the expected state c + A (y − c).
+  /// Returns c + A (y − c).
   [[nodiscard]] StateVector expected(const StateVector& y, double dt_s) const;
-  /// Returns W, dim × dim. `steps_unseen` is used only by growing uncertainty.
+  /// Returns W, dim × dim. `steps_unseen` only affects growing uncertainty.
   [[nodiscard]] StateMatrix process_noise(double dt_s, int steps_unseen = 1) const;
   /// Returns W of growing uncertainty from `from_steps` to `to_steps` after the target was last
-  /// seen: q (g(to) − g(from)) I with g(k) = Σ j over whole j < k. g is linear between whole steps,
-  /// so the parts of a divided step add up. Precondition: 0 ≤ from_steps ≤ to_steps.
+  /// seen: q (g(to) − g(from)) I. g(k) = Σ j over integers j < k, interpolated linearly between
+  /// integers, so that partial steps add up. Precondition: 0 ≤ from_steps ≤ to_steps.
   [[nodiscard]] StateMatrix grown_noise(double from_steps, double to_steps) const;
-  /// Returns the model that planners use. Growing uncertainty becomes a random walk with the noise
-  /// of the coming step over the whole horizon, because the plan itself decides when the target is
-  /// seen again. Other models are unchanged.
+  /// Returns the model used in planning. Growing uncertainty becomes a random walk with the noise
+  /// of the next step, because the planned measurements decide when the growth ends. Other models
+  /// are unchanged.
   [[nodiscard]] TargetModel as_planned(double steps_unseen, double step_s) const;
 };
 

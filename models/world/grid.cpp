@@ -11,11 +11,11 @@
 namespace vantage::models {
 namespace {
 
-constexpr double kSlack_m = 1e-9;  // m; rounding error of sums of cell sizes
+constexpr double kSlack_m = 1e-9;  // tolerance for rounding in sums of cell sizes
 
 std::size_t at_index(int index) { return static_cast<std::size_t>(index); }
 
-// Cells [first, last] along one axis that [low_m, high_m] overlaps; empty if first > last.
+// Cells [first, last] on one axis that [low_m, high_m] overlaps; first > last: none.
 struct CellSpan {
   int first = 0;
   int last = -1;
@@ -35,8 +35,8 @@ float rounded_down(double value) {
              : std::nextafter(nearest, -std::numeric_limits<float>::infinity());
 }
 
-// Greedy thinning with a hash of squares of side `spacing_m`: only the 3 × 3 squares around a point
-// can contain a kept point that is too near.
+// Greedy thinning with a hash of squares of side `spacing_m`: kept points that are too near can
+// only be in the 3 × 3 squares around a point.
 class Thinner {
  public:
   Thinner(const GridGeometry& geometry, double spacing_m)
@@ -176,7 +176,7 @@ DistanceField::DistanceField(const World& world, double resolution_m)
   const double half_diagonal_m = resolution_m * std::sqrt(0.5) + kSlack_m;
   distance_m_.reserve(at_index(geometry_.size()));
   for (int index = 0; index < geometry_.size(); ++index) {
-    // clearance_m is 1-Lipschitz, so it is at least this value in the whole cell.
+    // clearance_m is 1-Lipschitz, so it is at least this everywhere in the cell.
     const double least_m = clearance_m(world, geometry_.centre_m(index)) - half_diagonal_m;
     distance_m_.push_back(rounded_down(least_m));
   }

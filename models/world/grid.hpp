@@ -13,7 +13,7 @@
 
 namespace vantage::models {
 
-/// Division of a rectangle into square cells; row-major from the minimum corner, x fastest.
+/// A rectangle divided into square cells; row-major from the minimum corner, x fastest.
 struct GridGeometry {
   Eigen::Vector2d origin_m = Eigen::Vector2d::Zero();  ///< minimum corner of cell (0, 0)
   double resolution_m = 0.25;
@@ -23,38 +23,38 @@ struct GridGeometry {
   static GridGeometry covering(const Rectangle& bounds, double resolution_m);
   [[nodiscard]] int size() const { return columns * rows; }
   [[nodiscard]] Eigen::Vector2d centre_m(int index) const;
-  /// Returns the index of the cell that contains `p_m`; −1 outside.
+  /// Returns the index of the cell that contains `p_m`, or −1 outside.
   [[nodiscard]] int index_of(const Eigen::Vector2d& p_m) const;
-  /// Returns the sub-grid of the cells that overlap the square of half side `half_m` around
+  /// Returns the grid of the whole cells that overlap the square of half side `half_m` around
   /// `around_m`; at least one cell, the nearest.
   [[nodiscard]] GridGeometry window(const Eigen::Vector2d& around_m, double half_m) const;
-  /// Returns the (column, row) of the other grid's cell (0, 0) in this grid; may be outside.
-  /// nullopt if the cells of both grids do not coincide.
+  /// Returns (column, row) in this grid of the other grid's cell (0, 0), inside or outside; nullopt
+  /// when the cells of the two grids do not coincide.
   [[nodiscard]] std::optional<Eigen::Vector2i> place_of(const GridGeometry& other) const;
   friend bool operator==(const GridGeometry&, const GridGeometry&) = default;
 };
 
-/// Takes the newer of both stamps in every cell that both grids have; stamps of `theirs` are
-/// limited to `limit_utime`. Returns false, without a change, if the cells do not coincide or a
-/// number of stamps differs from the number of cells.
+/// Stores the newer of both stamps in each cell that both grids have. Stamps in `theirs` are
+/// limited to `limit_utime`. Returns false without any change when the cells do not coincide, or
+/// when a number of stamps is not that of its cells.
 bool merge_stamps(const GridGeometry& geometry, std::vector<std::int64_t>& stamps_utime,
                   const GridGeometry& their_geometry, const std::vector<std::int64_t>& theirs_utime,
                   std::int64_t limit_utime);
 
-/// Cells that an obstacle overlaps (1) or not (0); a shared edge is not an overlap.
+/// Cells that an obstacle overlaps (1) or not (0); a shared edge does not count.
 struct OccupancyGrid {
   GridGeometry geometry;
   std::vector<std::uint8_t> occupied;
 };
 OccupancyGrid rasterise(const World& world, double resolution_m);
 
-/// Table for a lower bound of clearance_m(): exact clearance at each cell's centre minus half the
-/// cell's diagonal. The disc around a point with this radius is free.
+/// A lower bound of clearance_m() by one look-up: the exact clearance at each cell's centre minus
+/// half the cell's diagonal. The disc of this radius around a point is free.
 class DistanceField {
  public:
   DistanceField() = default;
   DistanceField(const World& world, double resolution_m);
-  /// Returns a lower bound of clearance_m(world, p_m); −1 outside the bounds.
+  /// Returns a value ≤ clearance_m(world, p_m); −1 outside the bounds.
   [[nodiscard]] double lower_bound_m(const Eigen::Vector2d& p_m) const;
   [[nodiscard]] const GridGeometry& geometry() const { return geometry_; }
 
@@ -63,26 +63,26 @@ class DistanceField {
   std::vector<float> distance_m_;
 };
 
-/// Time at which each cell was last in any field of view. A cell not seen for `memory_s` counts as
-/// unexplored again, because a moving target may have entered it.
+/// The time at which each cell was last in a field of view. A cell that was not seen for `memory_s`
+/// is unexplored again, because a moving target may have entered it.
 class VisibilityGrid {
  public:
   static constexpr std::int64_t kNeverSeen = 0;
 
   VisibilityGrid() = default;
-  /// Covers the whole world. Cells whose centre is in an obstacle are never frontiers. `memory_s` ≤
-  /// 0: cells stay explored.
+  /// Cells with a centre inside an obstacle are never frontiers. `memory_s` ≤ 0: cells stay
+  /// explored.
   VisibilityGrid(const World& world, double resolution_m, double memory_s);
-  /// Covers a part of the world.
+  /// As above, for a part of the world.
   VisibilityGrid(const World& world, const GridGeometry& geometry, double memory_s);
 
-  /// Marks every free cell whose centre is in view of `sensor` with line of sight.
+  /// Stamps every free cell with a centre in view of `sensor` and in line of sight.
   void see(const SensorModel& sensor, const Viewpoint& from, const World& world, Time now);
-  /// Takes the newer of both stamps in every cell. Precondition: equal geometry.
+  /// Stores the newer of both stamps in every cell. Precondition: equal geometry.
   void merge(const VisibilityGrid& other);
-  /// Merges stamps of this geometry; they are limited to `limit_utime`.
+  /// As above, for stamps of this geometry; stamps are limited to `limit_utime`.
   void merge(const std::vector<std::int64_t>& last_seen_utime, std::int64_t limit_utime);
-  /// Merges stamps of another geometry; see merge_stamps().
+  /// As above, for stamps of another geometry; see merge_stamps().
   bool merge(const GridGeometry& geometry, const std::vector<std::int64_t>& last_seen_utime,
              std::int64_t limit_utime) {
     return merge_stamps(geometry_, last_seen_, geometry, last_seen_utime, limit_utime);
@@ -93,14 +93,13 @@ class VisibilityGrid {
   }
   /// Returns the share of the free cells that are explored, in [0, 1].
   [[nodiscard]] double explored_share(Time now) const;
-  /// Returns the centres of unexplored free cells with an explored free cell among their 4
-  /// neighbours, thinned so that no two are nearer than `spacing_m`; in index order, hence
-  /// deterministic. If no cell is explored, every free cell counts as a frontier.
+  /// Returns the centres of unexplored free cells next to an explored free cell (4 neighbours).
+  /// They are thinned in index order to a distance ≥ `spacing_m`, hence deterministic. While no
+  /// cell is explored, every free cell counts as a frontier.
   [[nodiscard]] std::vector<Eigen::Vector2d> frontiers(Time now, double spacing_m) const;
 
   [[nodiscard]] const GridGeometry& geometry() const { return geometry_; }
-  /// Returns the last time each cell was seen, µs since the Unix epoch; kNeverSeen if never. For
-  /// the wire.
+  /// Returns the utime at which each cell was last seen, or kNeverSeen; for the wire.
   [[nodiscard]] const std::vector<std::int64_t>& last_seen_utime() const { return last_seen_; }
   /// Replaces the stamps (from the wire). Precondition: geometry().size() entries.
   void set_last_seen(std::vector<std::int64_t> last_seen_utime);

@@ -20,8 +20,8 @@ double cross(const Eigen::Vector2d& u, const Eigen::Vector2d& v) {
   return u.x() * v.y() - u.y() * v.x();
 }
 
-// True if the closed segment crosses the open rectangle. Separating-axis test with x, y and the
-// segment's normal. It needs no division, so touching an edge or a corner is decided exactly.
+// Tests the separating axes of a closed segment and an open rectangle: x, y and the segment's
+// normal. Without division, so that grazing along an edge or through a corner is decided exactly.
 bool crosses_interior(const Rectangle& box, const Eigen::Vector2d& a_m,
                       const Eigen::Vector2d& b_m) {
   if (std::max(a_m.x(), b_m.x()) <= box.min_m.x() || std::min(a_m.x(), b_m.x()) >= box.max_m.x() ||
@@ -30,7 +30,7 @@ bool crosses_interior(const Rectangle& box, const Eigen::Vector2d& a_m,
   }
   const Eigen::Vector2d d = b_m - a_m;
   if (d.x() == 0.0 || d.y() == 0.0) {
-    return true;  // a point or parallel to an axis: the test of the axes is sufficient
+    return true;  // a point, or parallel to an axis: the axes above are sufficient
   }
   const double s00 = cross(d, box.min_m - a_m);
   const double s11 = cross(d, box.max_m - a_m);
@@ -47,7 +47,7 @@ double point_segment_distance_m(const Eigen::Vector2d& p_m, const Eigen::Vector2
   return (a_m + s * d - p_m).norm();
 }
 
-// The minimum distance of two disjoint convex polygons is at a corner of one of them.
+// The smallest distance of two disjoint convex sets is at a corner of one of them.
 double segment_distance_m(const Rectangle& box, const Eigen::Vector2d& a_m,
                           const Eigen::Vector2d& b_m) {
   const double ends = std::min(signed_distance_m(box, a_m), signed_distance_m(box, b_m));
@@ -73,7 +73,7 @@ double clearance_m(const World& world, const Eigen::Vector2d& p_m) {
     const Rectangle& box = obstacle.footprint;
     const double apart_m = std::max(std::max(box.min_m.x() - p_m.x(), p_m.x() - box.max_m.x()),
                                     std::max(box.min_m.y() - p_m.y(), p_m.y() - box.max_m.y()));
-    if (apart_m < clearance) {  // a lower bound of the distance: most boxes need no square root
+    if (apart_m < clearance) {  // a lower bound of the distance, so most boxes need no square root
       clearance = std::min(clearance, signed_distance_m(box, p_m));
     }
   }
@@ -134,7 +134,7 @@ double closest_approach_m(const Eigen::Vector3d& a0_m, const Eigen::Vector3d& a1
 
 double swept_clearance_m(const World& world, const Eigen::Vector2d& a_m,
                          const Eigen::Vector2d& b_m) {
-  // The bounds are convex, so the segment is nearest to the walls at one of its ends.
+  // The bounds are convex, so the point nearest to the walls is an end of the segment.
   double clearance =
       -std::max(signed_distance_m(world.bounds, a_m), signed_distance_m(world.bounds, b_m));
   const Eigen::Vector2d low_m = a_m.cwiseMin(b_m);
@@ -143,7 +143,7 @@ double swept_clearance_m(const World& world, const Eigen::Vector2d& a_m,
     const Rectangle& box = obstacle.footprint;
     const double apart_m =
         std::max((box.min_m - high_m).maxCoeff(), (low_m - box.max_m).maxCoeff());
-    if (apart_m < clearance) {  // as in clearance_m()
+    if (apart_m < clearance) {  // lower bound, as in clearance_m()
       clearance = std::min(clearance, segment_distance_m(box, a_m, b_m));
     }
   }

@@ -21,14 +21,12 @@ inline constexpr double kTelemetryPeriodS = 0.05;
 
 /// Bits of Command::flags.
 inline constexpr std::uint32_t kDrive = 1U << 0U;  ///< obey the speeds; without it they are ignored
-inline constexpr std::uint32_t kEmergencyStop =
-    1U << 1U;  ///< brake as hard as possible; the rover latches it
-inline constexpr std::uint32_t kReleaseStop = 1U << 2U;  ///< release a latched emergency stop
+inline constexpr std::uint32_t kEmergencyStop = 1U << 1U;  ///< brake hardest; the rover latches it
+inline constexpr std::uint32_t kReleaseStop = 1U << 2U;    ///< release a latched emergency stop
 
 /// Bits of Telemetry::flags.
-inline constexpr std::uint32_t kDriving = 1U << 0U;  ///< speeds are obeyed
-inline constexpr std::uint32_t kStopLatched =
-    1U << 1U;  ///< an emergency stop was commanded or the button pressed
+inline constexpr std::uint32_t kDriving = 1U << 0U;      ///< speeds are obeyed
+inline constexpr std::uint32_t kStopLatched = 1U << 1U;  ///< emergency stop by command or button
 inline constexpr std::uint32_t kWatchdogOut = 1U << 2U;  ///< no command within kWatchdogS
 inline constexpr std::uint32_t kMotorFailed = 1U << 3U;
 

@@ -1,6 +1,6 @@
 #include "models/sensor/kinds/kinds.hpp"
 
-// Bearing sensor: direction to the target, rad from body x.
+// Measures the direction to the target, rad from body x.
 
 namespace vantage::models::sensor_kinds {
 namespace {

@@ -4,8 +4,8 @@
 
 #include "models/sensor/kinds/kinds.hpp"
 
-// Camera: image coordinates, pixels. Camera frame: x right, y down, z along the optical axis, which
-// is tilted down from body x.
+// Measures image coordinates, pixels. Camera frame: x right, y down, z along the optical axis,
+// which is tilted down from body x.
 
 namespace vantage::models::sensor_kinds {
 namespace {
@@ -53,7 +53,7 @@ MeasurementVector variances(const SensorModel& sensor, const Viewpoint& /*from*/
   return Eigen::Vector2d::Constant(square(sensor.pixel_sigma));
 }
 
-// Source: dissertation 2.30 f. with d_min; the second bound is not from there.
+// Returns the information bound. Source: dissertation 2.30 f. with d_min; the second bound is ours.
 double bound(const SensorModel& sensor, const ReachedDistances& reached) {
   const bool in_space = reached.position_dim == 3;
   const double drop_m = reached.drop_m;
@@ -63,8 +63,7 @@ double bound(const SensorModel& sensor, const ReachedDistances& reached) {
   const double farthest_m = std::min(reached.horizontal_far_m, horizontal_max_m);
   const double c = std::cos(sensor.camera_tilt_rad);
   const double s = std::sin(sensor.camera_tilt_rad);
-  // depth = c ρ cos β + s · drop is bilinear in ρ and cos β, so its extremes are at the corners of
-  // their box.
+  // depth = c ρ cos β + s · drop is bilinear in ρ and cos β: its extrema are at the box corners.
   const double least_cos = sees_all_around(sensor) ? -1.0 : std::cos(0.5 * sensor.fov_rad);
   double depth_min_m = std::numeric_limits<double>::infinity();
   double depth_max_m = -depth_min_m;
@@ -85,9 +84,9 @@ double bound(const SensorModel& sensor, const ReachedDistances& reached) {
   const double distance2_m2 = square(farthest_m) + square(drop_m);
   double gain = distance2_m2 / square(square(depth_m));
   if (!in_space) {
-    // Motion in the plane changes the depth by at most |c| per metre: ‖P v‖ ≤ 1/d + ‖q_⊥‖ |c| / d².
-    // This is exact for a camera that points straight down, where the other bound is (‖q‖/d)² times
-    // too large.
+    // Planar motion changes the depth by at most |c|: ‖P v‖ ≤ 1/d + ‖q_⊥‖ |c| / d². This is exact
+    // for a camera that points straight down, for which the other bound is (‖q‖/d)² times too
+    // large.
     const double across_m = std::sqrt(std::max(0.0, distance2_m2 - square(depth_m)));
     gain = std::min(gain, square((1.0 + across_m * std::abs(c) / depth_m) / depth_m));
   }

@@ -76,7 +76,7 @@ double bearing_information(const SensorModel& sensor, const ReachedDistances& re
     return 0.0;
   }
   const double rho_m = std::max(sensor.range_min_m, reached.horizontal_near_m);
-  // The bound is +∞ for a bearing sensor without a minimum range.
+  // A bearing sensor without a minimum range has unbounded information above the target: +∞.
   return rho_m > 0.0 ? 1.0 / (square(sensor.bearing_sigma_rad * rho_m) *
                               variance_growth(sensor, reached.range_near_m))
                      : std::numeric_limits<double>::infinity();

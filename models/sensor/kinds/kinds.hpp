@@ -2,7 +2,7 @@
 
 #include "models/sensor/law.hpp"
 
-// Laws of the built-in sensors, one file each, and functions that several of them share.
+// The laws of the built-in sensors, one file each, and functions that several of them share.
 
 namespace vantage::models::sensor_kinds {
 
@@ -13,7 +13,7 @@ extern const SensorLaw bearing;
 extern const SensorLaw range_bearing;
 extern const SensorLaw camera;
 
-/// Returns a law with the functions that every kind needs; the caller sets the optional ones.
+/// Returns a law with the functions that every kind has; set optional fields on the result.
 constexpr SensorLaw law_of(std::string_view name, decltype(SensorLaw::measurement_dim) dim,
                            decltype(SensorLaw::observe) observe,
                            decltype(SensorLaw::jacobian) jacobian,
@@ -32,20 +32,19 @@ constexpr double square(double x) { return x * x; }
 constexpr int one_row(int /*position_dim*/) { return 1; }
 constexpr int two_rows(int /*position_dim*/) { return 2; }
 
-/// Returns the rotation from the world to the body frame of a level vehicle.
+/// Returns the rotation from world to body of a level vehicle.
 Eigen::Matrix3d body_from_world(const Viewpoint& from);
 
-/// Returns the calibrated reading of a true range, m.
+/// Returns the sensor's reading for a true range, including its calibration.
 double reported_range_m(const SensorModel& sensor, double range_m);
-/// Returns the row ∂(reported range) / ∂position.
+/// Returns ∂(reported range) / ∂position, a row.
 Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 3> range_row(const SensorModel& sensor,
                                                                           const SightLine& to,
                                                                           int position_dim);
-/// Returns the row ∂bearing / ∂position.
+/// Returns ∂bearing / ∂position, a row.
 Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 3> bearing_row(const SightLine& to,
                                                                             int position_dim);
-/// True if a bearing to the target is defined: its horizontal distance is at least range_min_m and
-/// the target is not vertically above or below the sensor.
+/// True if a bearing is defined: not directly above the sensor, and not within the minimum range.
 bool is_beside(const SensorModel& sensor, const SightLine& to);
 
 /// Return upper bounds of the information of a range and of a bearing.

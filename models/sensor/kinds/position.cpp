@@ -1,6 +1,6 @@
 #include "models/sensor/kinds/kinds.hpp"
 
-// Position sensor: target position in the body frame, m.
+// Measures the target's position in the body frame, m.
 
 namespace vantage::models::sensor_kinds {
 namespace {

@@ -1,6 +1,6 @@
 #include "models/sensor/kinds/kinds.hpp"
 
-// Range sensor: distance to the target, m.
+// Measures the distance to the target, m.
 
 namespace vantage::models::sensor_kinds {
 namespace {
