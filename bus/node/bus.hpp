@@ -56,7 +56,7 @@ class Bus {
 
   /// Signs published messages, and verifies received ones by their signature and by `clock`. Also
   /// calls keep_time(), except with an authenticator from replay_authenticator_for(), which only
-  /// signs. `clock` must outlive the Bus (docs/security.md). nullptr: no effect.
+  /// signs. `clock` must outlive the Bus (docs/guide/security.md). nullptr: no effect.
   void secure(std::unique_ptr<auth::Authenticator> authenticator, const Clock& clock);
   /// Declares this process to be the vehicle `robot`: commands must be addressed to it and echo its
   /// session. Commands that make it safer are always delivered. No effect without secure().

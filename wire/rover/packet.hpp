@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-// The rover protocol: one datagram in each direction, fixed layouts, little-endian. docs/rover.md
+// The rover protocol: one datagram in each direction, fixed layouts, little-endian. docs/guide/rovers.md
 // describes the bytes and the rules.
 
 namespace vantage::wire::rover {
