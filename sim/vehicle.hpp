@@ -9,17 +9,17 @@
 
 namespace vantage::sim {
 
-/// A flying body of the simulated world, whoever controls it: its truth, and how it moves on.
+/// A robot's body in the simulated world, whatever controls it: its true state and its motion.
 class Vehicle {
  public:
   virtual ~Vehicle() = default;
 
   [[nodiscard]] virtual const std::string& name() const = 0;
-  /// Of the sphere around its centre that collides.
+  /// Radius of the collision sphere around its centre.
   [[nodiscard]] virtual double radius_m() const = 0;
   [[nodiscard]] virtual Pose3 world_from_body() const = 0;
   [[nodiscard]] virtual Eigen::Vector3d velocity_world_mps() const = 0;
-  /// Moves on from `now` by `dt_s` ≤ 0.02 s.
+  /// Steps from `now` by `dt_s` ≤ 0.02 s.
   virtual void step(Time now, double dt_s) = 0;
 
  protected:

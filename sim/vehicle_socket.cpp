@@ -61,7 +61,7 @@ std::optional<VehicleSocket::Datagram> VehicleSocket::read() {
   while (true) {
     Reception<timespec> heard(fd_, buffer_, 0);
     if (heard.size() < 0 && (errno == EINTR || errno == ECONNREFUSED)) {
-      continue;  // a refusal answers an earlier datagram
+      continue;  // ECONNREFUSED refers to an earlier datagram
     }
     if (heard.size() < 0) {
       return std::nullopt;

@@ -12,13 +12,13 @@
 
 namespace vantage::sim {
 
-/// A simulated vehicle's end of the UDP wire to its driver, whatever is spoken on it. Never waits.
+/// A simulated vehicle's end of the UDP wire to its driver, for any protocol. Never waits.
 class VehicleSocket {
  public:
-  /// @param driver_url  how the driver is told to reach its vehicle: at udp://[HOST]:PORT it waits
-  ///                    to be spoken to (this host when there is none), at udpout://HOST:PORT it
-  ///                    speaks first, to us
-  /// @throws StartupError for another URL, or a port that cannot be had.
+  /// @param driver_url  URL by which the driver reaches its vehicle. With udp://[HOST]:PORT the
+  ///                    driver listens there (default: this host) and the vehicle sends first; with
+  ///                    udpout://HOST:PORT the driver sends first, to this socket
+  /// @throws StartupError for another URL, or if the port cannot be opened.
   explicit VehicleSocket(const std::string& driver_url);
   ~VehicleSocket();
   VehicleSocket(const VehicleSocket&) = delete;
@@ -26,8 +26,9 @@ class VehicleSocket {
   VehicleSocket(VehicleSocket&&) = delete;
   VehicleSocket& operator=(VehicleSocket&&) = delete;
 
-  /// Hands over each datagram that has arrived, as take(bytes, arrival): the arrival is by the
-  /// kernel's word, in the machine's clock. At most kReadsMax: a flood must not stop the vehicle.
+  /// Calls take(bytes, arrival) for each received datagram. The arrival is the kernel's time stamp
+  /// in the machine's clock. Reads at most kReadsMax, so that a flood of datagrams cannot block the
+  /// vehicle.
   template <class Take>
   void read_each(const Take& take) {
     for (int i = 0; i < kReadsMax; ++i) {
@@ -40,14 +41,14 @@ class VehicleSocket {
   }
   void write(std::span<const std::uint8_t> datagram);
 
-  /// Datagrams that could not be sent. A driver that does not listen yet is not counted.
+  /// Number of datagrams that could not be sent, except to a driver that does not listen yet.
   [[nodiscard]] std::int64_t send_errors() const { return send_errors_; }
 
  private:
   static constexpr int kReadsMax = 64;
 
   struct Datagram {
-    std::span<const std::uint8_t> bytes;  ///< until the next one is read
+    std::span<const std::uint8_t> bytes;  ///< valid until the next read
     Time arrival{};
   };
   std::optional<Datagram> read();

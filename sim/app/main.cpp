@@ -1,5 +1,6 @@
-// vantage-sim: the simulated lab. TRUTH and COLLISION out; of direct devices PLAN_* and COMMAND in,
-// VICON and VEHICLE_R out; of devices on the wire a mocap server and MAVLink autopilots.
+// vantage-sim: the simulated lab. Publishes TRUTH and COLLISION. For direct devices it receives
+// PLAN_* and COMMAND and publishes VICON and VEHICLE_R; for devices on the wire it runs a mocap
+// server and emulated autopilots and rovers.
 
 #include <memory>
 

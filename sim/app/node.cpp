@@ -81,7 +81,7 @@ vicon::EmulatedFrame emulated(const models::MocapFrame& frame, Time now) {
   vicon::EmulatedFrame out;
   out.number = static_cast<std::uint32_t>(frame.frame_number);
   out.captured = frame.stamp.time;
-  out.latency_s = to_seconds(now - frame.stamp.time);  // as long as it has really taken
+  out.latency_s = to_seconds(now - frame.stamp.time);  // measured latency, not the nominal one
   out.bodies.reserve(frame.bodies.size());
   for (const models::MocapBody& body : frame.bodies) {
     out.bodies.push_back({body.name, body.world_from_body, body.occluded});
@@ -125,7 +125,7 @@ void SimNode::on_plan(const std::string& channel, const models::RobotPlan& plan)
   }
   const std::optional<PlanVerdict> verdict = world_.offer(plan);
   if (!verdict) {
-    return;  // a real vehicle's business
+    return;  // a vehicle on the wire or a real one: its driver follows the plan
   }
   switch (*verdict) {
     case PlanVerdict::kAccepted:

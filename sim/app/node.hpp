@@ -18,19 +18,19 @@
 
 namespace vantage::sim {
 
-/// vantage-sim on the bus: the world, and each device of the scenario that is simulated.
+/// Bus node of vantage-sim: steps the world and simulates the devices that the scenario does not
+/// mark as `real`.
 ///
-/// TRUTH and COLLISION are published of all bodies, whatever their devices. Of `direct` devices the
-/// node speaks itself: VICON, VEHICLE_R of those that follow PLAN_R. Devices on the `wire` speak
-/// their own protocols on sockets (a mocap server, an autopilot per robot), and their drivers
-/// publish. `real` ones are left alone.
+/// TRUTH and COLLISION are published for all bodies, whatever their device. For `direct` devices
+/// the node itself publishes VICON and, for each robot that follows PLAN_R, VEHICLE_R. Devices on
+/// the `wire` use their own protocols on sockets (a mocap server, an autopilot per robot), and
+/// their drivers publish.
 ///
-/// The world stands at the last instant published; it is stepped to each next one (a mocap capture,
-/// a truth frame, a status report) when the mocap latency has passed after it, so a frame is on the
-/// bus when a real one would be. What is published does not depend on how often tick() is called,
-/// only on the plans and commands that were heard before it. With a vehicle on the wire the
-/// world keeps up with the clock instead, in steps of 5 ms, and frames wait for the latency to
-/// pass.
+/// The world is stepped to each next instant of publication (a mocap capture, a truth frame, a
+/// status report) when the mocap latency has passed after that instant. A frame is therefore on the
+/// bus when a real one would be. The published messages do not depend on how often tick() is
+/// called, only on the plans and commands received before it. With a vehicle on the wire the world
+/// instead follows the clock in steps of 5 ms, and frames are held until the latency has passed.
 class SimNode : public bus::Node {
  public:
   /// @throws StartupError for a device on the wire under a clock that is not real time, or that
@@ -39,10 +39,11 @@ class SimNode : public bus::Node {
 
   [[nodiscard]] std::string name() const override { return "SIM"; }
   [[nodiscard]] Time next_tick() const override;
-  /// At most kInstantsMax instants: after a stall it catches up in pieces, hearing the bus between.
+  /// Publishes at most kInstantsMax instants: after a stall it catches up in pieces and receives
+  /// messages between them.
   void tick(Time now) override;
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
-  /// Ticks that came more than a mocap period late.
+  /// Number of ticks that were more than a mocap period late.
   [[nodiscard]] std::int64_t deadlines_missed() const override { return late_ticks_; }
 
   [[nodiscard]] const WorldSimulation& world() const { return world_; }
@@ -53,7 +54,8 @@ class SimNode : public bus::Node {
   void on_plan(const std::string& channel, const models::RobotPlan& plan);
   void publish_instant(Time instant);
   void publish_statuses(Time instant, bool is_due);
-  /// ATTACK: who is jammed at `instant` by the scenario, once a second and on change.
+  /// Publishes ATTACK with the robots that the scenario jams at `instant`, once per second and on
+  /// change.
   void publish_attack(Time instant);
   void deliver_frames(Time now);
   void serve_wires(Time now);
@@ -70,19 +72,19 @@ class SimNode : public bus::Node {
   scenario::Scenario scenario_;
   Time start_;
   std::vector<std::unique_ptr<WireVehicle>> wires_;
-  std::unique_ptr<vicon::SocketServer> mocap_server_;  ///< of a mocap system on the wire
+  std::unique_ptr<vicon::SocketServer> mocap_server_;  ///< mocap system on the wire; null otherwise
   WorldSimulation world_;
-  Duration lag_;           ///< by which the world follows the clock
-  Duration truth_period_;  ///< that of a real mocap, whose driver adds the simulated bodies
+  Duration lag_;           ///< delay of the world behind the clock
+  Duration truth_period_;  ///< a real mocap's driver adds the simulated bodies: its period
   Time next_capture_;
   Time next_truth_;
   Time next_status_;
-  Time next_exchange_;  ///< with what is on the wire
+  Time next_exchange_;  ///< exchange with the devices on the wire
   Time last_tick_;
-  std::deque<models::MocapFrame> frames_;       ///< captured, and not yet out
-  std::optional<models::AttackNotice> attack_;  ///< as last said
+  std::deque<models::MocapFrame> frames_;       ///< captured and not yet delivered
+  std::optional<models::AttackNotice> attack_;  ///< last published
   Time next_attack_{};
-  std::vector<Said> said_;  ///< what each vehicle last reported
+  std::vector<Said> said_;  ///< last published status of each Quadrotor
   std::int64_t late_ticks_ = 0;
   std::int64_t chunks_ = 0;
   std::int64_t not_finite_ = 0;

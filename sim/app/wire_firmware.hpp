@@ -12,12 +12,12 @@
 
 namespace vantage::sim {
 
-/// A quadrotor that unmodified autopilot firmware flies: its body is ours, and its firmware speaks
-/// with the driver itself. It stands on the ground at the robot's start.
+/// A quadrotor that unmodified autopilot firmware flies. The simulator supplies the body; the
+/// firmware communicates with the driver directly. It stands on the ground at the robot's start.
 class WireFirmware : public WireVehicle {
  public:
-  /// @param instance  of the firmware: its ports
-  /// @throws StartupError for a port that cannot be had.
+  /// @param instance  instance number of the firmware, which selects its ports
+  /// @throws StartupError if a port cannot be opened.
   WireFirmware(const scenario::RobotSpec& robot, const scenario::WindSpec& wind, int instance,
                std::uint64_t seed);
 
@@ -27,7 +27,7 @@ class WireFirmware : public WireVehicle {
   [[nodiscard]] Eigen::Vector3d velocity_world_mps() const override {
     return now_.velocity_world_mps;
   }
-  /// Looks where the body has got to: it moves by itself.
+  /// Reads the state of the body, which FirmwareFlight moves on its own thread.
   void step(Time now, double dt_s) override;
   void exchange(Time now) override;
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
@@ -37,7 +37,7 @@ class WireFirmware : public WireVehicle {
   double radius_m_;
   FirmwareFlight flight_;
   FirmwareFlight::Sample now_;
-  std::int64_t monotonic_less_clock_ns_ = 0;  ///< of the stack's clock
+  std::int64_t monotonic_less_clock_ns_ = 0;  ///< ns; monotonic clock minus the stack's clock
   bool has_clock_ = false;
 };
 

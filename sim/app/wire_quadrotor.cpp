@@ -69,7 +69,7 @@ void WireQuadrotor::step(Time now, double dt_s) {
 }
 
 void WireQuadrotor::exchange(Time now) {
-  // Within the step that it stands at, or the emulator would leave steps out.
+  // Keep the time within the emulator's present step; otherwise the emulator would skip steps.
   const Time heard = std::clamp(now, stepped_, stepped_ + AutopilotEmulator::kStep - Duration{1});
   socket_.read_each([&](auto bytes, Time arrival) {
     watcher_.feed(bytes, [&](const wire::mavlink::Frame& frame) { measure(frame, arrival); });

@@ -16,15 +16,16 @@
 
 namespace vantage::sim {
 
-/// The body of an emulated vehicle in that air; its own light gusts without one.
+/// Returns the airframe parameters of an emulated vehicle in `wind`; without wind, the default
+/// light gusts.
 AirframeParameters airframe_in(const std::optional<scenario::WindSpec>& wind);
 
-/// A quadrotor on the wire: an emulated autopilot, whose airframe is the vehicle's truth. It stands
-/// on the ground at the robot's start until the driver at the other end flies it.
+/// A quadrotor on the wire: an emulated autopilot whose airframe is the vehicle's truth. It stands
+/// on the ground at the robot's start until its driver flies it.
 class WireQuadrotor : public WireVehicle {
  public:
   /// @throws StartupError for a robot without an `autopilot`, with one that cannot be emulated, or
-  ///         a port that cannot be had.
+  ///         if a port cannot be opened.
   WireQuadrotor(const scenario::RobotSpec& robot, const std::optional<scenario::WindSpec>& wind,
                 std::uint8_t system_id, std::uint64_t seed, Time start);
 
@@ -39,9 +40,9 @@ class WireQuadrotor : public WireVehicle {
   void exchange(Time now) override;
 
   [[nodiscard]] const AutopilotEmulator& emulator() const { return emulator_; }
-  /// What went wrong, and how old what the driver sends is when it arrives here:
-  /// `.pose_…_us` from the capture that an external pose states to its arrival, `.setpoint_…_us`
-  /// from the capture of the newest such pose to the arrival of a set-point.
+  /// Returns error counters and the age of received messages: `.pose_…_us` is the time from the
+  /// capture stated in an external pose to its arrival, `.setpoint_…_us` from the capture of the
+  /// newest such pose to the arrival of a set-point.
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
 
  private:
@@ -51,7 +52,7 @@ class WireQuadrotor : public WireVehicle {
   double radius_m_;
   AutopilotEmulator emulator_;
   VehicleSocket socket_;
-  Time stepped_;  ///< the emulator stands here
+  Time stepped_;  ///< time of the emulator
   wire::mavlink::Parser watcher_;
   Time newest_capture_{};
   LatencyRecord pose_age_;

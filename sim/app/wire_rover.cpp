@@ -16,7 +16,7 @@ const scenario::RoverSpec& rover_of(const scenario::RobotSpec& robot) {
   return *robot.rover;
 }
 
-// A machine that can a little more than the scenario asks of it, as one would buy it.
+// Gives the rover a little more than the scenario's limits, as a bought machine would have.
 RoverEmulatorSpec spec_of(const scenario::RobotSpec& robot, std::uint32_t boot) {
   constexpr double kReserve = 1.1;
   RoverEmulatorSpec spec;

@@ -12,12 +12,12 @@
 
 namespace vantage::sim {
 
-/// A ground robot on the wire: an emulated rover behind the protocol of docs/guide/rovers.md. Its body is
-/// at the height of its markers.
+/// A ground robot on the wire: an emulated rover with the protocol of docs/rover.md. Its body is at
+/// the height of its markers.
 class WireRover : public WireVehicle {
  public:
-  /// @param boot  told in its telemetry; another one at each start
-  /// @throws StartupError for a robot without a `rover`, or a port that cannot be had.
+  /// @param boot  boot number sent in its telemetry; different at each start
+  /// @throws StartupError for a robot without a `rover`, or if a port cannot be opened.
   WireRover(const scenario::RobotSpec& robot, std::uint32_t boot, Time start);
 
   [[nodiscard]] const std::string& name() const override { return name_; }
@@ -35,7 +35,7 @@ class WireRover : public WireVehicle {
   double radius_m_;
   double height_m_;
   RoverEndpoint endpoint_;
-  Time stepped_;  ///< the emulator stands here
+  Time stepped_;  ///< time of the emulator
 };
 
 }  // namespace vantage::sim

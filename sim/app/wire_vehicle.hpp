@@ -8,15 +8,15 @@
 
 namespace vantage::sim {
 
-/// A robot of the scenario whose device is `wire`: its truth moves as the device at the end of a
-/// real UDP wire does, which its driver at the other end commands.
+/// A robot of the scenario whose device is `wire`: its truth is the state of an emulated device on
+/// a UDP wire, which its driver commands.
 class WireVehicle : public Vehicle {
  public:
-  /// Takes what the driver has sent, sends what is due. To be called at `now`, when the world has
-  /// been stepped as far as it will be. Never waits.
+  /// Receives the driver's messages and sends the messages that are due. Call at `now`, after the
+  /// world has been stepped for this tick. Never waits.
   virtual void exchange(Time now) = 0;
 
-  /// What went wrong on the wire, and what was measured there: `wire.ROBOT.…`.
+  /// Returns the error counters and measurements of the wire: `wire.ROBOT.…`.
   [[nodiscard]] virtual std::vector<models::NamedCount> counters() const = 0;
 };
 

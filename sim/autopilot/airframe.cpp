@@ -28,7 +28,7 @@ void Airframe::step(bool motors_on, const Eigen::Vector3d& acceleration_mps2, do
                     double dt_s) {
   const AirframeParameters& p = parameters_;
   blow(dt_s);
-  // Specific force that gives the acceleration: thrust points up, against z down.
+  // Specific force for the acceleration: thrust points up, against z down.
   Eigen::Vector3d force = acceleration_mps2 - Eigen::Vector3d(0.0, 0.0, kGravityMps2);
   force.z() = std::min(force.z(), -0.2 * kGravityMps2);
   const double level_max = -force.z() * std::tan(p.tilt_max_rad);
@@ -53,7 +53,7 @@ void Airframe::step(bool motors_on, const Eigen::Vector3d& acceleration_mps2, do
   position_m_ += 0.5 * dt_s * (old_mps + velocity_mps_);
   if (position_m_.z() >= ground_m_) {
     if (old_m.z() >= ground_m_) {
-      position_m_ = old_m;  // wind does not push what stands
+      position_m_ = old_m;  // wind does not move a body that stands on the ground
     }
     position_m_.z() = ground_m_;
     velocity_mps_.setZero();

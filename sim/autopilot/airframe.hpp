@@ -11,8 +11,8 @@
 
 namespace vantage::sim {
 
-/// A multirotor as a body: mass-specific thrust along its z axis, tilt and thrust that follow with
-/// a lag, drag against a gusty wind, a battery that sags. Local frame: z down (NED), body FRD.
+/// Parameters of a multirotor body: mass-specific thrust along its z axis, first-order lags of tilt
+/// and thrust, drag against a gusty wind, a battery that sags. Local frame: z down (NED), body FRD.
 struct AirframeParameters {
   double tilt_lag_s = 0.10;
   double thrust_lag_s = 0.05;
@@ -23,7 +23,7 @@ struct AirframeParameters {
   Eigen::Vector3d wind_mean_mps = Eigen::Vector3d::Zero();
   double wind_sigma_mps = 0.3;  ///< 1σ of gusts on each horizontal axis
   double wind_memory_s = 2.0;
-  double battery_endurance_s = 900.0;  ///< of hovering, from full to empty
+  double battery_endurance_s = 900.0;  ///< hover time from full to empty
   double battery_start_share = 1.0;
   double battery_full_v = 12.6;
   double battery_empty_v = 10.5;
@@ -35,8 +35,8 @@ class Airframe {
   Airframe(const AirframeParameters& parameters, std::uint64_t seed,
            const Eigen::Vector3d& position_m, double yaw_rad);
 
-  /// Moves on by `dt_s` ≤ 0.01 s, asked for an acceleration (NED) and a yaw rate (clockwise seen
-  /// from above). With the motors off it falls.
+  /// Steps by `dt_s` ≤ 0.01 s with a commanded acceleration (NED) and yaw rate (clockwise seen from
+  /// above). With the motors off it falls.
   void step(bool motors_on, const Eigen::Vector3d& acceleration_mps2, double yaw_rate_radps,
             double dt_s);
 
@@ -48,10 +48,10 @@ class Airframe {
   [[nodiscard]] bool is_on_ground() const { return position_m_.z() >= ground_m_; }
   [[nodiscard]] double battery_share() const { return battery_share_; }
   [[nodiscard]] double battery_v() const;
-  /// Of the thrust that it has at most.
+  /// Returns the thrust as a share of the maximum thrust.
   [[nodiscard]] double thrust_share() const { return thrust_mps2_ / parameters_.thrust_max_mps2; }
 
-  /// A hand, a gust, a tether: added to the velocity at once.
+  /// Adds `velocity_mps` to the velocity at once, as a hand, a gust or a tether would.
   void push(const Eigen::Vector3d& velocity_mps) { velocity_mps_ += velocity_mps; }
   void set_battery_share(double share) { battery_share_ = share; }
 
@@ -60,10 +60,10 @@ class Airframe {
 
   AirframeParameters parameters_;
   std::mt19937_64 rng_;
-  double ground_m_;  ///< z at which it stands
+  double ground_m_;  ///< z of the body when it stands on the ground
   Eigen::Vector3d position_m_;
   Eigen::Vector3d velocity_mps_ = Eigen::Vector3d::Zero();
-  Eigen::Vector3d down_body_ = Eigen::Vector3d::UnitZ();  ///< its z axis
+  Eigen::Vector3d down_body_ = Eigen::Vector3d::UnitZ();  ///< unit; local frame; z axis of the body
   double yaw_rad_;
   double yaw_rate_radps_ = 0.0;
   double thrust_mps2_ = 0.0;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint32_t kTimesyncId = wire::mavlink::Timesync::kMessage.id;
 
-/// Between the stack's axes (z up) and the autopilot's (z down): either way.
+/// Converts between the stack's axes (z up) and the autopilot's (z down), in both directions.
 Eigen::Vector3d turn(const Eigen::Vector3d& v) { return {v.x(), -v.y(), -v.z()}; }
 
 }  // namespace
@@ -71,7 +71,7 @@ void AutopilotEmulator::take(const wire::mavlink::Frame& frame) {
   } else if (take_parameter_talk(frame)) {
     return;
   } else if (const auto origin = wire::mavlink::unpack<wire::mavlink::SetGpsGlobalOrigin>(frame)) {
-    // It takes one, confirms it, and says nothing to any other.
+    // The first origin is accepted and confirmed; later ones get no reply.
     if (is_for_me(origin->target_system) && controller_.has_estimator(now_) &&
         !controller_.has_origin()) {
       controller_.set_origin();
@@ -88,7 +88,7 @@ void AutopilotEmulator::take_command(const wire::mavlink::CommandLong& command,
   ack.result = obey(command);
   ack.target_system = from.system_id;
   ack.target_component = from.component_id;
-  // The reason comes before the refusal.
+  // Send the texts with the reason before the refusal.
   speak();
   send(ack);
 }
@@ -159,7 +159,7 @@ void AutopilotEmulator::take_odometry(const wire::mavlink::Odometry& odometry) {
       std::copy_n(words, std::strlen(words), text.text.begin());
       say(text);
     }
-    ++ignored_;  // also of mocap: a topic that the estimator does not read
+    ++ignored_;  // mocap is also ignored: the estimator does not read its topic
     return;
   }
   constexpr std::uint8_t kLocalEnu = 4;
@@ -279,7 +279,7 @@ bool AutopilotEmulator::take_parameter_talk(const wire::mavlink::Frame& frame) {
 void AutopilotEmulator::say_parameter(const std::string& name) {
   const auto found = parameters_.find(name);
   if (found == parameters_.end()) {
-    ++ignored_;  // as both do: no answer to a name that is not known
+    ++ignored_;  // as both firmwares do: no reply to an unknown name
     return;
   }
   const auto& [value, type] = found->second;

@@ -16,26 +16,25 @@
 
 namespace vantage::sim {
 
-/// What an autopilot knows of its battery.
+/// Battery information that an autopilot reports.
 enum class BatteryReport {
-  kShare,        ///< its charge
-  kVoltageOnly,  ///< without a current sensor
-  kFromFull,     ///< it counts the charge used, and takes every battery for full at power-up
+  kShare,        ///< state of charge
+  kVoltageOnly,  ///< no current sensor, so no charge
+  kFromFull,     ///< counts the charge used and assumes a full battery at power-up
 };
 
 struct AutopilotEmulatorSpec {
   models::AutopilotDialect dialect = models::AutopilotDialect::kPx4;
   std::uint8_t system_id = 1;
-  Pose3 start;  ///< world from body, standing on the ground there
+  Pose3 start;  ///< world from body; it stands on the ground there
   std::uint64_t seed = 1;
   AirframeParameters airframe;
   BatteryReport battery = BatteryReport::kShare;
 };
 
-/// A vehicle with a simulated autopilot at the end of a MAVLink wire. It knows its peer only from
-/// the bytes that come, answers as the real autopilots were seen to answer, and flies by what they
-/// ask for. Virtual time: handed in, it never asks for it; the same bytes at the same times give
-/// the same bytes.
+/// A vehicle with a simulated autopilot on a MAVLink wire. It reacts only to the received bytes,
+/// replies as the recorded real autopilots did, and flies as commanded. Time is an argument and
+/// virtual: the same bytes at the same times produce the same output.
 class AutopilotEmulator {
  public:
   static constexpr Duration kStep{5'000};
@@ -43,23 +42,23 @@ class AutopilotEmulator {
   AutopilotEmulator(const AutopilotEmulatorSpec& spec, Time boot);
 
   void receive(std::span<const std::uint8_t> bytes, Time now);
-  /// Steps on to `now`, a whole number of steps after boot, and says what became due.
+  /// Steps to `now`, a whole number of steps after boot, and queues the messages that became due.
   void advance_to(Time now);
-  /// Changes a parameter, or makes one; it starts with those of config/autopilot, as loaded.
+  /// Sets or creates a parameter. The initial ones are those that config/autopilot loads.
   void set_parameter(const std::string& name, double value);
-  /// It knows no such parameter any more, and says nothing to the name.
+  /// Removes a parameter; requests for it get no reply.
   void forget_parameter(const std::string& name);
   [[nodiscard]] std::optional<double> parameter(const std::string& name) const;
 
-  /// What is to go out, a datagram each; empties it.
+  /// Returns the queued output, one datagram per element, and empties the queue.
   std::vector<std::vector<std::uint8_t>> take_output() { return std::exchange(output_, {}); }
 
-  /// The truth, world z up, body FLU.
+  /// The true pose; world z up, body FLU.
   [[nodiscard]] Pose3 world_from_body() const;
   [[nodiscard]] Eigen::Vector3d velocity_world_mps() const;
   [[nodiscard]] const FlightController& controller() const { return controller_; }
   [[nodiscard]] FlightController& controller() { return controller_; }
-  /// Frames that came and were ignored because the real one ignores them too.
+  /// Number of received frames that were ignored because the real autopilot ignores them too.
   [[nodiscard]] std::int64_t ignored() const { return ignored_; }
 
  private:
@@ -73,12 +72,12 @@ class AutopilotEmulator {
   void take_timesync(const wire::mavlink::Timesync& message);
   bool take_parameter_talk(const wire::mavlink::Frame& frame);
   void say_parameter(const std::string& name);
-  /// Makes the controller obey the parameters as they are now.
+  /// Applies the present parameters to the controller.
   void obey_parameters();
   [[nodiscard]] bool is_for_me(std::uint8_t target_system) const {
     return target_system == 0 || target_system == spec_.system_id;
   }
-  /// Host time to the instant in the vehicle's own clock that it means, as the vehicle knows it.
+  /// Converts host time to this vehicle's clock, using the vehicle's own estimate of the offset.
   [[nodiscard]] Time capture_time(std::uint64_t host_usec) const;
   void speak();
   void speak_once(std::uint32_t message_id);
@@ -95,7 +94,7 @@ class AutopilotEmulator {
   wire::mavlink::Parser parser_;
   std::vector<std::vector<std::uint8_t>> output_;
   std::uint8_t next_sequence_ = 0;
-  std::uint16_t next_text_ = 0;  ///< of those that go in pieces
+  std::uint16_t next_text_ = 0;  ///< id of the next text that is sent in several chunks
   struct Stream {
     Duration interval{};
     Time next{};
@@ -107,7 +106,7 @@ class AutopilotEmulator {
   };
   std::map<std::string, Parameter> parameters_;
   std::optional<std::int64_t> host_minus_own_ns_;
-  std::optional<Time> station_heard_;  ///< its newest heartbeat
+  std::optional<Time> station_heard_;  ///< arrival of the ground station's newest heartbeat
   std::int64_t ignored_ = 0;
 };
 

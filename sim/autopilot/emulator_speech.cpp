@@ -1,4 +1,4 @@
-// What the emulated autopilot says by itself: streams, and the texts of its controller.
+// Messages that the emulated autopilot sends unprompted: streams, and the texts of its controller.
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@ namespace {
 
 using wire::mavlink::f32;
 
-constexpr std::size_t kOutputMax = 1024;  // datagrams that nobody fetches: the oldest half goes
+constexpr std::size_t kOutputMax = 1024;  // datagrams; when full, the older half is dropped
 constexpr std::uint8_t kQuadrotor = 2;
 constexpr std::uint8_t kStandby = 3;
 constexpr std::uint16_t kNoVoltage = 0xFFFF;
@@ -67,7 +67,7 @@ void AutopilotEmulator::speak() {
     text.severity = spoken.severity;
     const std::size_t room = text.text.size();
     if (spoken.text.size() > room) {
-      text.id = ++next_text_;  // in pieces
+      text.id = ++next_text_;  // several chunks
     }
     for (std::size_t begin = 0; begin < spoken.text.size(); begin += room) {
       text.text.fill('\0');
@@ -110,7 +110,7 @@ void AutopilotEmulator::speak_once(std::uint32_t message_id) {
       if (!is_fed && profile_.needs_origin) {
         return;
       }
-      // Without poses PX4 takes itself to stand where it was switched on.
+      // Without poses PX4 reports the position where it was switched on.
       const Eigen::Vector3d position_m =
           is_fed ? controller_.estimator().position_m() : Eigen::Vector3d::Zero();
       const Eigen::Vector3d velocity_mps =
@@ -148,7 +148,7 @@ void AutopilotEmulator::speak_once(std::uint32_t message_id) {
       return send(out);
     }
     default:
-      return;  // accepted, and never sent: as a message whose source is not there
+      return;  // accepted but never sent, like a message without a source
   }
 }
 

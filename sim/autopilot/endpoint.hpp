@@ -9,14 +9,15 @@
 
 namespace vantage::sim {
 
-/// An emulated autopilot on a UDP socket, where its driver's URL expects it: it speaks to a driver
-/// that waits (udp://[HOST]:PORT), and waits for one that speaks first (udpout://HOST:PORT).
+/// An emulated autopilot on a UDP socket at the address that its driver's URL expects. It sends
+/// first to a driver that listens (udp://[HOST]:PORT), and waits for a driver that sends first
+/// (udpout://HOST:PORT).
 class AutopilotEndpoint {
  public:
   /// @throws StartupError as VehicleSocket does.
   AutopilotEndpoint(const AutopilotEmulatorSpec& spec, const std::string& driver_url, Time boot);
 
-  /// Takes what has arrived, flies on to `now`, sends what became due. Never waits.
+  /// Receives all datagrams, flies to `now` and sends the messages that became due. Never waits.
   void run_to(Time now);
 
   [[nodiscard]] AutopilotEmulator& emulator() { return emulator_; }

@@ -163,7 +163,7 @@ bool FlightController::has_proof_of_life(Time now) const {
 }
 
 std::uint8_t FlightController::set_mode(std::uint32_t mode, Time now) {
-  // Before the motors run both take any mode, and refuse to arm in it.
+  // Before arming, both firmwares accept any mode and then refuse to arm in it.
   if (mode == profile_.follow_mode && mode_ != mode) {
     if (is_armed_ && !has_position(now)) {
       say(kCritical, "Mode change failed: requires position");
@@ -174,7 +174,7 @@ std::uint8_t FlightController::set_mode(std::uint32_t mode, Time now) {
       return profile_.refusal;
     }
     if (!profile_.wants_proof_of_life) {
-      target_.reset();  // of an earlier time in this mode
+      target_.reset();  // target of an earlier period in this mode
     }
   }
   if (mode == profile_.land_mode) {
@@ -207,12 +207,12 @@ void FlightController::take_target(const FlightTarget& target, Time now) {
     targets_since_ = now;
   }
   target_time_ = now;
-  // On the ground ArduPilot waits for its take-off command; in the air a target ends it.
+  // On the ground ArduPilot waits for its take-off command; in the air a target ends the take-off.
   if (profile_.takes_off_by_command && airframe_.is_on_ground()) {
     return;
   }
-  // Another kind of target: the controller begins anew, and holds what it does at this moment to be
-  // what the wind asks for (ArduCopter 4.6, pva_control_start and init_xy_controller).
+  // When the kind of target changes, the controller restarts and attributes its present
+  // acceleration to the wind (ArduCopter 4.6, pva_control_start and init_xy_controller).
   const bool is_other_kind = !target_ ||
                              target.position_m.has_value() != target_->position_m.has_value() ||
                              target.velocity_mps.has_value() != target_->velocity_mps.has_value();
@@ -307,7 +307,7 @@ std::optional<Eigen::Vector3d> FlightController::wanted_velocity_mps(Time now) c
   }
   Eigen::Vector3d wanted = Eigen::Vector3d::Zero();
   if (mode_ == profile_.land_mode) {
-    // Blind it stands still as far as it knows.
+    // Without poses it holds its estimated position, so it moves against the drift.
     wanted = is_blind_ ? Eigen::Vector3d(-estimator_.drift_mps()) : towards(landing_at_m_);
     wanted.z() = now < descends_at_ ? 0.0 : settings_.land_speed_mps;
     return airframe_.is_on_ground() ? std::nullopt : std::optional(wanted);

@@ -16,7 +16,7 @@
 
 namespace vantage::sim {
 
-/// What a position target asks for; local frame.
+/// Content of a position target; local frame.
 struct FlightTarget {
   std::optional<Eigen::Vector3d> position_m;
   std::optional<Eigen::Vector3d> velocity_mps;
@@ -30,18 +30,19 @@ struct SpokenText {
   std::string text;
 };
 
-/// The inside of a simulated autopilot: modes, arming, failsafes, control, over an Airframe. It
-/// refuses and gives up where and when the real one of its profile did. Handed time.
+/// Flight control of a simulated autopilot: modes, arming, failsafes and control of an Airframe. It
+/// rejects commands and triggers failsafes under the conditions recorded from the real autopilot of
+/// its profile. Time is an argument.
 class FlightController {
  public:
   FlightController(const AutopilotProfile& profile, const AutopilotSettings& settings,
                    const AirframeParameters& airframe, std::uint64_t seed,
                    const Eigen::Vector3d& position_m, double yaw_rad, Time boot);
 
-  /// What its owner has set; obeyed from now on.
+  /// Applies the owner's settings from now on.
   void set_settings(const AutopilotSettings& settings);
 
-  /// Each returns the result of an acknowledgement: 0 accepted.
+  /// Each returns the result code of an acknowledgement: 0 is accepted.
   std::uint8_t arm(Time now);
   std::uint8_t disarm(bool is_forced);
   std::uint8_t set_mode(std::uint32_t mode, Time now);
@@ -49,22 +50,22 @@ class FlightController {
 
   void take_target(const FlightTarget& target, Time now);
   void take_pose(Time now, Time capture, const Eigen::Vector3d& position_m, std::uint8_t resets);
-  /// A heartbeat of the system `system_id`.
+  /// Processes a heartbeat of the system `system_id`.
   void take_heartbeat(int system_id, Time now);
-  /// A fault of the vehicle's own that it will not fly with; empty: none.
+  /// Sets a fault that prevents arming; an empty text clears it.
   void set_fault(std::string why) { fault_ = std::move(why); }
   void set_origin() { has_origin_ = true; }
-  /// Its estimator has begun, and takes an origin.
+  /// True if its estimator has started, so that it accepts an origin.
   [[nodiscard]] bool has_estimator(Time now) const {
     return to_seconds(now - boot_) >= profile_.estimator_boot_s;
   }
 
-  /// Moves on by `dt_s` to `now`.
+  /// Steps by `dt_s` to `now`.
   void step(Time now, double dt_s);
 
   [[nodiscard]] bool is_armed() const { return is_armed_; }
   [[nodiscard]] std::uint32_t mode() const { return mode_; }
-  /// As EXTENDED_SYS_STATE counts: 1 on the ground, 2 in the air, 3 taking off, 4 landing.
+  /// As in EXTENDED_SYS_STATE: 1 on the ground, 2 in the air, 3 taking off, 4 landing.
   [[nodiscard]] std::uint8_t landed_state() const;
   [[nodiscard]] bool has_position(Time now) const;
   [[nodiscard]] bool has_origin() const { return has_origin_; }
@@ -72,7 +73,7 @@ class FlightController {
   [[nodiscard]] const Airframe& airframe() const { return airframe_; }
   [[nodiscard]] Airframe& airframe() { return airframe_; }
   [[nodiscard]] const PoseEstimator& estimator() const { return estimator_; }
-  /// What it has said since the last call.
+  /// Returns the status texts since the last call.
   std::vector<SpokenText> take_texts() { return std::exchange(texts_, {}); }
 
  private:
@@ -83,14 +84,14 @@ class FlightController {
   void watch_speakers(Time now);
   void watch_ground(Time now);
   void enter_landing(Time now);
-  /// By its own decision.
+  /// Lands by the autopilot's own decision and reports `why`.
   void fail_safe(const std::string& why, Time now);
   void stop_motors();
   [[nodiscard]] bool has_proof_of_life(Time now) const;
-  /// Why it does not arm now, as it says it.
+  /// Returns the reasons against arming now, as the real autopilot words them.
   [[nodiscard]] std::vector<std::string> obstacles(Time now) const;
   [[nodiscard]] bool is_following() const { return mode_ == profile_.follow_mode; }
-  /// What velocity is wanted now; nullopt to stay on the ground.
+  /// Returns the velocity to command now; nullopt to stay on the ground.
   [[nodiscard]] std::optional<Eigen::Vector3d> wanted_velocity_mps(Time now) const;
   [[nodiscard]] Eigen::Vector3d towards(const Eigen::Vector3d& position_m) const;
   void control(const std::optional<Eigen::Vector3d>& wanted_mps, double dt_s);
@@ -108,21 +109,21 @@ class FlightController {
   bool has_origin_ = false;
   bool is_blind_ = false;
   Time armed_at_{};
-  std::optional<Time> touched_down_;  ///< stands on the ground since, after a flight
+  std::optional<Time> touched_down_;  ///< since when it has stood on the ground after a flight
   std::optional<Time> lost_since_;
   std::optional<FlightTarget> target_;
   Time target_time_{};
   std::optional<Time> station_heard_;
   bool is_station_lost_ = false;
   Time station_checked_{};
-  Time descends_at_{};                         ///< when it lands
-  std::optional<Time> targets_since_;          ///< they come without a gap
-  std::optional<Eigen::Vector3d> climb_to_m_;  ///< of a take-off by command
+  Time descends_at_{};                         ///< start of the descent in landing mode
+  std::optional<Time> targets_since_;          ///< start of the present gapless stream of targets
+  std::optional<Eigen::Vector3d> climb_to_m_;  ///< goal of a commanded take-off
   Eigen::Vector3d landing_at_m_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d shaped_mps_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d integral_mps2_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d commanded_mps2_ = Eigen::Vector3d::Zero();
-  double yaw_rate_radps_ = 0.0;  ///< asked of the airframe
+  double yaw_rate_radps_ = 0.0;  ///< commanded to the airframe
   std::string fault_;
   std::vector<SpokenText> texts_;
 };

@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kRadPerDeg = M_PI / 180.0;
 
-/// A time after which something is done; never when the parameter is zero or less.
+/// Returns `seconds`, or nullopt (never) if it is zero or less.
 std::optional<double> if_positive(double seconds) {
   return seconds > 0.0 ? std::optional(seconds) : std::nullopt;
 }
@@ -16,19 +16,19 @@ AutopilotSettings px4(const ParameterValue& value) {
   const auto of = [&](const char* name, double otherwise) {
     return value(name).value_or(otherwise);
   };
-  constexpr long kLand = 4;      // of COM_OBL_RC_ACT
-  constexpr long kLinkLand = 3;  // of NAV_DLL_ACT
+  constexpr long kLand = 4;      // value of COM_OBL_RC_ACT
+  constexpr long kLinkLand = 3;  // value of NAV_DLL_ACT
   AutopilotSettings out;
   out.setpoint_loss_s = of("COM_OF_LOSS_T", 1.0);
   out.lands_on_setpoint_loss = std::lround(of("COM_OBL_RC_ACT", 0.0)) == kLand;
   if (std::lround(of("NAV_DLL_ACT", 0.0)) == kLinkLand) {
     out.heartbeat_loss_s = of("COM_DL_LOSS_T", 10.0);
   }
-  constexpr double kBeforeNoAidS = 0.4;  // it says so sooner than that
+  constexpr double kBeforeNoAidS = 0.4;  // PX4 reports the loss this much earlier
   out.pose_loss_s = 1e-6 * of("EKF2_NOAID_TOUT", 5e6) - kBeforeNoAidS;
   out.has_barometer = of("EKF2_BARO_CTRL", 1.0) > 0.0;
   if (const auto idle_s = if_positive(of("COM_DISARM_PRFLT", 10.0))) {
-    constexpr double kSpoolUpS = 1.0;  // counts from there
+    constexpr double kSpoolUpS = 1.0;  // PX4 counts from the end of spool-up
     out.idle_disarm_s = *idle_s + kSpoolUpS;
   }
   out.land_disarm_s = if_positive(of("COM_DISARM_LAND", 2.0));
@@ -44,7 +44,7 @@ AutopilotSettings ardupilot(const ParameterValue& value) {
   const auto of = [&](const char* name, double otherwise) {
     return value(name).value_or(otherwise);
   };
-  constexpr long kLand = 5;  // of FS_GCS_ENABLE
+  constexpr long kLand = 5;  // value of FS_GCS_ENABLE
   constexpr double kLandedS = 0.45;
   AutopilotSettings out;
   out.setpoint_loss_s = of("GUID_TIMEOUT", 3.0);

@@ -8,20 +8,20 @@
 
 namespace vantage::sim {
 
-/// What the owner of a vehicle has set, as far as an emulated autopilot obeys it. Times that are
-/// not there: it never does so.
+/// Settings of the vehicle's owner that an emulated autopilot obeys. An absent time means that the
+/// autopilot never does it.
 struct AutopilotSettings {
-  // When somebody stops speaking to it.
+  // Loss of set-points, heartbeats and poses.
   double setpoint_loss_s = 0.0;
-  bool lands_on_setpoint_loss = false;     ///< otherwise it brakes to a halt and stays in the mode
-  std::optional<double> heartbeat_loss_s;  ///< of its ground station's, until it lands
-  std::optional<int> station_id;           ///< its ground station's system id; any when absent
+  bool lands_on_setpoint_loss = false;     ///< otherwise it brakes to a stop and stays in the mode
+  std::optional<double> heartbeat_loss_s;  ///< ground station silent, until it lands
+  std::optional<int> station_id;           ///< system id of its ground station; absent: any
   double pose_loss_s = 0.0;                ///< without poses, until its position is lost
   bool lands_on_pose_loss = true;
-  bool has_barometer = true;  ///< which keeps its height when poses do not
+  bool has_barometer = true;  ///< keeps the height estimate without poses
   // On the ground.
-  std::optional<double> idle_disarm_s;  ///< armed and not taken off
-  std::optional<double> land_disarm_s;  ///< after a landing was noticed
+  std::optional<double> idle_disarm_s;  ///< armed without take-off, until it disarms
+  std::optional<double> land_disarm_s;  ///< from the detected landing to disarming
   // Motion.
   double speed_max_mps = 3.0;
   double land_speed_mps = 0.5;
@@ -30,10 +30,10 @@ struct AutopilotSettings {
   double velocity_gain_per_s = 2.0;
 };
 
-/// A parameter's value by its name; nullopt when the vehicle has none.
+/// Function that returns a parameter's value by name; nullopt if the vehicle has no such parameter.
 using ParameterValue = std::function<std::optional<double>(const std::string&)>;
 
-/// With the firmware's own values for those that are not there.
+/// Returns the settings for these parameters, with the firmware's defaults for absent ones.
 AutopilotSettings settings_of(models::AutopilotDialect dialect, const ParameterValue& value);
 
 }  // namespace vantage::sim

@@ -63,7 +63,7 @@ std::optional<MotorCommand> ArdupilotLink::receive(Duration timeout) {
   if (ppoll(&polled, 1, &limit, nullptr) <= 0) {
     return std::nullopt;
   }
-  // The newest of what has come: after a silence the firmware says the same again.
+  // Keep only the newest command: after a silence the firmware repeats the last one.
   std::optional<MotorCommand> newest;
   while (true) {
     sockaddr_in from{};

@@ -10,12 +10,12 @@
 
 namespace vantage::sim {
 
-/// ArduPilot's firmware by its JSON physics back end, over UDP (wire/sitl). It speaks first,
-/// and each of its datagrams is answered once.
+/// Link to ArduPilot's firmware through its JSON physics back end over UDP (wire/sitl). The
+/// firmware sends first, and each of its datagrams is answered once.
 class ArdupilotLink : public FirmwareLink {
  public:
-  /// Listens at 127.0.0.1, where firmware of `instance` speaks to: port 9002 + 10 instance.
-  /// @throws StartupError when the port cannot be had.
+  /// Listens at 127.0.0.1, port 9002 + 10 instance, to which firmware of `instance` sends.
+  /// @throws StartupError if the port cannot be opened.
   explicit ArdupilotLink(int instance);
   ~ArdupilotLink() override;
 
@@ -28,7 +28,7 @@ class ArdupilotLink : public FirmwareLink {
  private:
   int fd_ = -1;
   std::optional<sockaddr_in> firmware_;
-  bool is_asked_ = false;  ///< it has spoken since it was last answered
+  bool is_asked_ = false;  ///< a datagram of the firmware is not yet answered
   std::array<std::uint8_t, 256> buffer_{};
 };
 

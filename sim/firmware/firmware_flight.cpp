@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::int64_t kPatienceNs = FirmwareFlight::kPatience.count() * 1'000;
 constexpr std::int64_t kCarryOnNs = 20'000'000;
-constexpr Duration kSlice{20'000};  // between two looks at whether it is over
+constexpr Duration kSlice{20'000};  // between two checks of is_over_
 
 void sleep_until_ns(std::int64_t monotonic_ns) {
   const timespec due{monotonic_ns / 1'000'000'000, monotonic_ns % 1'000'000'000};
@@ -43,16 +43,16 @@ void FirmwareFlight::record(std::int64_t monotonic_ns) {
 
 void FirmwareFlight::run() {
   const std::int64_t period_ns = link_->period().count() * 1'000;
-  Duration elapsed{0};                   // of the body's own time
-  std::int64_t due_ns = monotonic_ns();  // when the body's time is now
+  Duration elapsed{0};                   // simulated time of the body
+  std::int64_t due_ns = monotonic_ns();  // monotonic time at which the next step is due
   std::int64_t heard_ns = due_ns;
   Throttles throttles{};
   bool is_answered = !link_->is_lockstep();
   bool is_silent = true;
   Counts counts;
   while (!is_over_) {
-    // In lockstep the next motors are the answer to the last sensors. From who is silent it may
-    // come until the next are due, no longer: an answer to older ones is none.
+    // In lockstep the next motor command is the answer to the last sensors. A firmware that was
+    // silent may answer until the next sensors are due; later answers do not count.
     const std::int64_t spare_ns = std::max<std::int64_t>(0, due_ns + period_ns - monotonic_ns());
     const Duration wait = is_silent ? Duration{spare_ns / 1'000} : kSlice;
     if (const auto command =
@@ -69,7 +69,7 @@ void FirmwareFlight::run() {
       ++counts.silences;
     }
     if (link_->is_lockstep() && !is_answered && !is_silent) {
-      continue;  // the firmware is still thinking
+      continue;  // the firmware still computes its answer
     }
     if (now_ns - due_ns > 2 * kPatienceNs) {
       due_ns = now_ns;

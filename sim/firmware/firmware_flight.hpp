@@ -17,12 +17,12 @@
 
 namespace vantage::sim {
 
-/// One vehicle that real firmware flies: a Multirotor and its sensors, in step with the firmware at
-/// the other end of a link, at the pace of the machine's monotonic clock, on a thread of its own.
+/// One vehicle that real firmware flies: a Multirotor and its sensors on a separate thread, in step
+/// with the firmware at the other end of a link and with the machine's monotonic clock.
 ///
-/// While the firmware is late the body waits with it for at most kPatience, and then catches up; a
-/// firmware that is silent for longer has lost its motors, and the body falls. Time that the thread
-/// itself was not given is not caught up beyond kPatience.
+/// While the firmware is late, the body waits for at most kPatience and then catches up. After a
+/// longer silence the motors are assumed lost, and the body falls. If the thread itself was
+/// suspended for more than twice kPatience, the missed time is skipped.
 class FirmwareFlight {
  public:
   static constexpr Duration kPatience{250'000};
@@ -35,8 +35,8 @@ class FirmwareFlight {
   };
   struct Counts {
     std::int64_t steps = 0;
-    std::int64_t silences = 0;  ///< of the firmware, longer than kPatience
-    std::int64_t resumed = 0;   ///< the thread was away for longer than kPatience
+    std::int64_t silences = 0;  ///< silences of the firmware longer than kPatience
+    std::int64_t resumed = 0;   ///< suspensions of the thread whose time was skipped
   };
 
   FirmwareFlight(const MultirotorParameters& parameters, const SensorNoise& noise,
@@ -47,8 +47,8 @@ class FirmwareFlight {
   FirmwareFlight(FirmwareFlight&&) = delete;
   FirmwareFlight& operator=(FirmwareFlight&&) = delete;
 
-  /// Where it was at `monotonic_ns`: between the two samples around it; carried on by at most
-  /// 20 ms beyond the newest.
+  /// Returns the state at `monotonic_ns`, interpolated between the two samples around it, or
+  /// extrapolated by at most 20 ms beyond the newest.
   [[nodiscard]] Sample at(std::int64_t monotonic_ns) const;
   [[nodiscard]] Counts counts() const;
   [[nodiscard]] double battery_share() const;
@@ -61,13 +61,13 @@ class FirmwareFlight {
   Multirotor body_;
   SensorBoard board_;
   std::unique_ptr<FirmwareLink> link_;
-  mutable std::mutex mutex_;  ///< of what follows
+  mutable std::mutex mutex_;  ///< protects the members below
   std::array<Sample, kSamples> samples_;
   std::size_t newest_ = 0;
   Counts counts_;
   double battery_share_ = 1.0;
   std::atomic<bool> is_over_{false};
-  std::thread thread_;  ///< last: it uses everything else
+  std::thread thread_;  ///< last member: it uses all others
 };
 
 }  // namespace vantage::sim

@@ -9,13 +9,13 @@
 
 namespace vantage::sim {
 
-/// What firmware asks of its motors.
+/// Motor command of the firmware.
 struct MotorCommand {
   Throttles throttles{};
 };
 
-/// The simulator's end of the line to the firmware of one autopilot: sensors there, motors back.
-/// Used by one thread.
+/// Simulator's end of the link to the firmware of one autopilot: sends sensors, receives motor
+/// commands. Used by one thread.
 class FirmwareLink {
  public:
   FirmwareLink() = default;
@@ -25,13 +25,13 @@ class FirmwareLink {
   FirmwareLink(FirmwareLink&&) = delete;
   FirmwareLink& operator=(FirmwareLink&&) = delete;
 
-  /// How often the firmware wants its sensors.
+  /// Period at which the firmware expects its sensors.
   [[nodiscard]] virtual Duration period() const = 0;
-  /// The firmware's clock stands between sensors and motors.
+  /// True if the firmware's clock stops between sensors and motor command.
   [[nodiscard]] virtual bool is_lockstep() const = 0;
-  /// Hands the firmware what its sensors say now; false while nobody is there to be told.
+  /// Sends the sensor values to the firmware; false if no firmware is connected.
   virtual bool send(const FirmwareSensors& sensors) = 0;
-  /// The next motor command, waiting at most `timeout`; nullopt when none came.
+  /// Returns the next motor command after at most `timeout`; nullopt if none arrived.
   virtual std::optional<MotorCommand> receive(Duration timeout) = 0;
 };
 

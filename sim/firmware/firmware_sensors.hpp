@@ -12,8 +12,8 @@
 
 namespace vantage::sim {
 
-/// What the sensors of an autopilot say at one instant. Local frame NED from where the world's
-/// origin is (north is the world's x), body FRD. There is no GPS.
+/// Sensor values of an autopilot at one instant. Local frame NED with its origin at the world's
+/// origin (north is the world's x), body FRD. There is no GPS.
 struct FirmwareSensors {
   Duration since_start{};
   Eigen::Vector3d gyro_body_radps = Eigen::Vector3d::Zero();
@@ -22,7 +22,7 @@ struct FirmwareSensors {
   double pressure_hpa = 1013.25;
   double pressure_altitude_m = 0.0;
   double temperature_c = 20.0;
-  // The truth, for firmware that simulates some of its sensors itself.
+  // True state, for firmware that simulates some of its sensors itself.
   Eigen::Vector3d position_local_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_local_mps = Eigen::Vector3d::Zero();
   Quaternion local_from_body = Quaternion::Identity();
@@ -31,7 +31,7 @@ struct FirmwareSensors {
   double battery_share = 1.0;
 };
 
-/// 1σ of white noise on each sample, and of the offsets drawn once.
+/// Sensor errors: 1σ of the white noise of each sample and of the constant offsets.
 struct SensorNoise {
   double gyro_sigma_radps = 0.003;
   double gyro_bias_sigma_radps = 0.002;
@@ -46,7 +46,7 @@ class SensorBoard {
  public:
   SensorBoard(const SensorNoise& noise, std::uint64_t seed);
 
-  /// Draws random numbers: one call for each sample.
+  /// Returns the sensor values at one instant. Draws random numbers: call it once per sample.
   FirmwareSensors sample(const Multirotor& body, Duration since_start);
 
  private:

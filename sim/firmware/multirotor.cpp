@@ -12,9 +12,9 @@ namespace {
 constexpr double kGravityMps2 = 9.81;
 
 struct Mount {
-  double x;     ///< forward, in arms
-  double y;     ///< to the left
-  double spin;  ///< of the torque on the body about its z axis: against the propeller's turn
+  double x;     ///< forward; in arm lengths
+  double y;     ///< to the left; in arm lengths
+  double spin;  ///< sign of the torque on the body about z, opposite to the propeller's turn
 };
 constexpr std::array<Mount, kMotors> kMounts{
     {{1.0, -1.0, -1.0}, {-1.0, 1.0, -1.0}, {1.0, 1.0, 1.0}, {-1.0, -1.0, 1.0}}};
@@ -60,7 +60,7 @@ void Multirotor::substep(const Throttles& throttles, double dt_s) {
   const Eigen::Vector3d air_mps = p.wind_world_mps + gust_mps_;
   Eigen::Vector3d force_n = thrust_n() * (q * Eigen::Vector3d::UnitZ());
   stand(force_n, torque_nm);
-  // Wind does not push what stands.
+  // Wind does not move a body that stands on the ground.
   if (!is_on_ground_) {
     force_n += p.mass_kg * p.drag_per_s * (air_mps - velocity_mps_);
   }
@@ -77,8 +77,8 @@ void Multirotor::substep(const Throttles& throttles, double dt_s) {
   }
 }
 
-// A spring and a damper under each foot; it holds on to where it touched down until friction gives
-// way.
+// Adds the forces of a spring and a damper under each foot. Each foot is held at its touch-down
+// point until friction is exceeded.
 void Multirotor::stand(Eigen::Vector3d& force_n, Eigen::Vector3d& torque_body_nm) {
   const MultirotorParameters& p = parameters_;
   const Quaternion& q = world_from_body_.rotation;
@@ -105,7 +105,7 @@ void Multirotor::stand(Eigen::Vector3d& force_n, Eigen::Vector3d& torque_body_nm
     Eigen::Vector2d grip_n = -p.foot_stiffness_npm * (foot_m.head<2>() - foot.anchor_m) -
                              p.foot_damping_nspm * foot_mps.head<2>();
     const double grip_max_n = p.friction * load_n;
-    if (grip_n.norm() > grip_max_n) {  // it slides, and takes its hold along
+    if (grip_n.norm() > grip_max_n) {  // slides: the held point moves along
       grip_n *= grip_max_n / grip_n.norm();
       foot.anchor_m = foot_m.head<2>() + grip_n / p.foot_stiffness_npm;
     }

@@ -25,7 +25,7 @@ namespace {
 constexpr std::uint32_t kInertialFields = 0x3F;
 constexpr std::uint32_t kMagneticFields = 0x1C0;
 constexpr std::uint32_t kBarometerFields = 0x1A00;  // pressure, its altitude, temperature
-// Compass and barometer are slower than the inertial unit; in turns, at 50 Hz each.
+// Magnetometer and barometer are slower than the inertial unit: alternately, at 50 Hz each.
 constexpr std::int64_t kSlowEvery = 5;
 constexpr std::int64_t kBarometerTurn = 2;
 
@@ -165,7 +165,7 @@ bool Px4Link::write_some() {
 
 template <class Message>
 bool Px4Link::write(const Message& message) {
-  // A frame begun has to be ended, or the next one is lost as well.
+  // Finish a partly sent frame first; otherwise the next frame is lost as well.
   if (!waiting_.empty() && (!write_some() || !waiting_.empty())) {
     ++counts_.unsent;
     return false;
@@ -185,7 +185,7 @@ bool Px4Link::send(const FirmwareSensors& sensors) {
   if (line_ < 0) {
     return false;
   }
-  if (samples_ % kHeartbeatEvery == 0) {  // a board's USB line wakes up when it is spoken to
+  if (samples_ % kHeartbeatEvery == 0) {  // a board starts its USB line when it receives data
     write(wire::mavlink::heartbeat_of(wire::mavlink::type::kOnboardController));
   }
   const wire::mavlink::HilSensor words = words_of(sensors, samples_++);
@@ -206,7 +206,7 @@ void Px4Link::hear(const wire::mavlink::Frame& frame) {
   newest_.emplace();
   for (std::size_t i = 0; i < kMotors && (controls->mode & wire::mavlink::kArmedFlag) != 0; ++i) {
     const double throttle = controls->controls[i];
-    newest_->throttles[i] = throttle > 0.0 ? std::min(throttle, 1.0) : 0.0;  // not a number: none
+    newest_->throttles[i] = throttle > 0.0 ? std::min(throttle, 1.0) : 0.0;  // NaN: off
   }
 }
 

@@ -6,7 +6,7 @@
 namespace vantage::sim {
 namespace {
 
-// The controller looks a little back in time to smooth corners.
+// Past that is kept: the controller reads slightly earlier course points to smooth corners.
 constexpr Duration kMemory{1'000'000};
 
 }  // namespace

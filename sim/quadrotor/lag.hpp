@@ -6,8 +6,8 @@
 
 namespace vantage::sim {
 
-/// Exact response over `dt_s` of ẋ = (command − x) / time_constant to a held command, with the
-/// change limited to `rate_max` · dt_s in norm:
+/// Returns the exact response over `dt_s` of ẋ = (command − x) / time_constant to a constant
+/// command, with the norm of the change limited to `rate_max` · dt_s:
 /// x(t + dt) = command + (x − command) e^(−dt/T) while that is within the limit.
 template <int N>
 Eigen::Matrix<double, N, 1> first_order_lag(const Eigen::Matrix<double, N, 1>& x,

@@ -15,7 +15,7 @@
 
 namespace vantage::sim {
 
-/// How a simulated quadrotor answers; nothing that a planner knows.
+/// Dynamics of a simulated quadrotor. The planner does not know these values.
 struct QuadrotorParameters {
   double velocity_lag_s = 0.15;
   double acceleration_max_mps2 = 10.0;  ///< horizontal: a tilt of 45°
@@ -25,24 +25,25 @@ struct QuadrotorParameters {
   double position_gain_per_s = 2.0;
   double yaw_gain_per_s = 4.0;
   double height_gain_per_s = 2.0;
-  double corner_window_s = 0.12;  ///< the controller rounds corners over ± this time
-  double command_reserve = 1.3;   ///< commands are cut at this multiple of the vehicle's limits
-  Eigen::Vector2d wind_mean_mps2 = Eigen::Vector2d::Zero();  ///< of the wind's acceleration
-  double wind_sigma_mps2 = 0.15;  ///< 1σ of the wind's acceleration on each axis, cut at 3σ
+  double corner_window_s = 0.12;  ///< the controller smooths corners over ± this time
+  double command_reserve = 1.3;   ///< commands are limited to this multiple of the vehicle's limits
+  Eigen::Vector2d wind_mean_mps2 = Eigen::Vector2d::Zero();  ///< mean acceleration by the wind
+  double wind_sigma_mps2 = 0.15;  ///< 1σ per axis of the gusts' acceleration, limited to 3σ
   double wind_memory_s = 2.0;
   double endurance_s = 1200.0;  ///< battery from full to empty
 };
 
-/// A vehicle in that air, whose drag turns wind into acceleration; its own light gusts without one.
+/// Returns the parameters of a vehicle in `wind`, which drag turns into acceleration; without wind,
+/// the default light gusts.
 QuadrotorParameters parameters_in(const std::optional<scenario::WindSpec>& wind);
 
-/// What became of a plan that was offered to a vehicle.
+/// Result of offering a plan to a vehicle.
 enum class [[nodiscard]] PlanVerdict{
     kAccepted,
-    kNotFinite,      ///< or a duration or deceleration that cannot be
-    kDiscontinuous,  ///< starts too far from where the vehicle will be
+    kNotFinite,      ///< or an invalid duration or deceleration
+    kDiscontinuous,  ///< starts too far from the vehicle's course
     kStale,          ///< older than the plan already accepted
-    kNotFollowing,   ///< the operator holds, lands or has stopped the vehicle
+    kNotFollowing,   ///< the vehicle holds, lands, is idle or was stopped
 };
 
 /// One flying vehicle: a velocity-controlled multirotor with first-order lags and wind, and the
@@ -51,20 +52,20 @@ enum class [[nodiscard]] PlanVerdict{
 ///   v̇ = (v_cmd − v)/T_v + wind,  ω̇ = (ω_cmd − ω)/T_ω,
 ///   v_cmd = v_s + T_v a_s + k (p_ref − p),  ω_cmd = ω_s + T_ω α_s + k_yaw (θ_ref − θ)
 ///
-/// with the reference's velocity and acceleration averaged over ± corner_window_s, so that jumps
-/// of speed and yaw rate between primitives become ramps that are begun before the jump. It can
-/// move sideways, as a multirotor does; heading is controlled apart from motion.
+/// The reference's velocity and acceleration are averaged over ± corner_window_s: jumps of speed
+/// and yaw rate between primitives become ramps that begin before the jump. The vehicle can move
+/// sideways, as a multirotor does; its heading is controlled independently of its motion.
 class Quadrotor : public Vehicle {
  public:
-  /// Hovers at its start, following.
+  /// Starts in hover at its start position, in the state kFollow.
   Quadrotor(const scenario::RobotSpec& spec, double tracking_tolerance_m, std::uint64_t seed,
             Time start, const QuadrotorParameters& parameters = {});
 
-  /// Takes a plan if it is finite, not older than the newest one, and its state at
-  /// max(its start, `now`) lies within twice the tracking tolerance (in space) of the course.
+  /// Accepts a plan if it is finite, not older than the newest one, and its state at max(its start,
+  /// `now`) lies within twice the tracking tolerance (in space) of the course.
   PlanVerdict offer(const models::RobotPlan& plan, Time now);
   void command(models::OperatorAction action, Time now);
-  /// Moves on from `now` by `dt_s` ≤ 0.02 s. Allocates only when plans are forgotten.
+  /// Steps from `now` by `dt_s` ≤ 0.02 s. Allocates only when old plans are removed.
   void step(Time now, double dt_s) override;
 
   [[nodiscard]] const std::string& name() const override { return name_; }
@@ -76,7 +77,7 @@ class Quadrotor : public Vehicle {
   [[nodiscard]] double yaw_rate_radps() const { return yaw_rate_radps_; }
   [[nodiscard]] models::FlightState state() const { return state_; }
   [[nodiscard]] const Course& course() const { return course_; }
-  /// What it would say on VEHICLE_<robot>.
+  /// Returns the status that is published on VEHICLE_<robot>.
   [[nodiscard]] models::VehicleStatus status(Time now) const;
 
  private:

@@ -11,14 +11,14 @@
 namespace vantage::sim {
 
 /// Discs with white acceleration of density q, v ← v + √(q dt) n, that bounce off walls, obstacles
-/// and each other. Faster than the speed limit they lose the excess. They start at rest.
+/// and each other. Their speed is limited. They start at rest.
 class Drifters {
  public:
   Drifters(const models::World& world, std::vector<Disc> starts, double acceleration_q_m2ps3,
            double speed_max_mps, std::uint64_t seed);
 
-  /// Moves each on in turn. A move that would come nearer than a millimetre to anything is not
-  /// made; the velocity is turned back instead, so nothing is ever touched.
+  /// Moves each disc in turn. If a move would end within a millimetre of anything, the disc stays
+  /// and its velocity is reversed instead, so that discs never touch.
   void step(double dt_s);
 
   [[nodiscard]] std::size_t size() const { return discs_.size(); }

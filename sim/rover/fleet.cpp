@@ -13,17 +13,17 @@
 namespace vantage::sim {
 namespace {
 
-constexpr double kSafetyMarginM = 0.03;  // kept between surfaces, beyond all prediction error
-constexpr double kRouteMarginM = 0.1;    // a route passes other rovers at this distance
-constexpr double kNeighbourhoodM = 1.5;  // rovers nearer than this are planned around
-constexpr double kLookAheadM = 0.6;      // how far along its path a rover steers
-constexpr double kArrivalM = 0.15;       // a way point counts as reached this near
-constexpr double kHeadwayM = 0.1;        // less than this in kPatienceS is being stuck
-constexpr double kRerouteS = 1.0;        // stuck this long, it looks for a way around
-constexpr double kPatienceS = 4.0;       // stuck this long, it goes elsewhere
+constexpr double kSafetyMarginM = 0.03;  // kept between surfaces, on top of all prediction errors
+constexpr double kRouteMarginM = 0.1;    // clearance of a route from other rovers
+constexpr double kNeighbourhoodM = 1.5;  // routes avoid rovers nearer than this
+constexpr double kLookAheadM = 0.6;      // distance of the point that a rover steers to
+constexpr double kArrivalM = 0.15;       // a way point nearer than this counts as reached
+constexpr double kHeadwayM = 0.1;        // a rover that moves less than this is stuck
+constexpr double kRerouteS = 1.0;        // time stuck after which it searches a new route
+constexpr double kPatienceS = 4.0;       // time stuck after which it chooses another way point
 constexpr double kTurnGainPerS = 3.0;
 constexpr double kRoundingM = 1e-9;
-constexpr double kClearlyM = 1e-6;  // beyond it nothing need be measured
+constexpr double kClearlyM = 1e-6;  // added to the bound that skips exact distances
 constexpr int kDrawsMax = 40;
 // Variations on the desired command, gentlest first: share of speed, added yaw rate.
 constexpr std::array<std::array<double, 2>, 8> kVariations{{{1.0, 0.0},
@@ -35,7 +35,7 @@ constexpr std::array<std::array<double, 2>, 8> kVariations{{{1.0, 0.0},
                                                             {0.3, -2.0},
                                                             {0.0, 0.0}}};
 
-/// From the straight piece a–b to a point.
+/// Returns the distance from the segment a–b to a point.
 double distance_m(const Eigen::Vector2d& a_m, const Eigen::Vector2d& b_m,
                   const Eigen::Vector2d& point_m) {
   const Eigen::Vector2d ab_m = b_m - a_m;
@@ -79,7 +79,7 @@ void RoverFleet::decide(double elapsed_s) {
     supervise(i, elapsed_s);
     Rover& rover = rovers_[i];
     const RoverCommand wish = desired(rover);
-    // Braking keeps to the ground already committed; turning on the spot sweeps none at all.
+    // Braking stays on the committed ground; turning on the spot sweeps no ground.
     rover.command = RoverCommand{0.0, rover.state.speed_mps > 0.0 ? 0.0 : wish.yaw_rate_radps};
     StoppingPath chosen(rover.state, rover.command, parameters_, kDecisionPeriodS);
     for (const auto& [share, turn_radps] : kVariations) {
@@ -172,7 +172,7 @@ void RoverFleet::choose_way_point(std::size_t i) {
   const double needed_m = map_.clearance_needed_m(rover.radius_m);
   for (int draw = 0; draw < kDrawsMax && rover.path.empty(); ++draw) {
     const models::Rectangle& bounds = world_.bounds;
-    // One after the other: arguments are drawn in an order that is each compiler's own.
+    // Draw in separate statements: the order of evaluation of arguments depends on the compiler.
     const double y_m = uniform(rover.rng, bounds.min_m.y(), bounds.max_m.y());
     const double x_m = uniform(rover.rng, bounds.min_m.x(), bounds.max_m.x());
     const Eigen::Vector2d goal_m(x_m, y_m);
@@ -180,7 +180,7 @@ void RoverFleet::choose_way_point(std::size_t i) {
       rover.path = map_.route(here_m, goal_m, rover.radius_m, blocked);
     }
   }
-  if (rover.path.empty()) {  // hemmed in: wait a little and draw again
+  if (rover.path.empty()) {  // enclosed: wait a little and draw again
     rover.pause_s = uniform(rover.rng, 0.1, 1.0);
   }
 }
@@ -191,7 +191,8 @@ RoverCommand RoverFleet::desired(Rover& rover) const {
   }
   const Pose2& pose = rover.state.world_from_body;
   const Eigen::Vector2d here_m = pose.position_m();
-  // Steer for the farthest point of the path, within the look-ahead, that can be driven straight.
+  // Steer to the farthest point of the path, within the look-ahead, that is reachable in a straight
+  // line.
   std::size_t aim = rover.passed;
   for (std::size_t k = rover.passed; k < rover.path.size(); ++k) {
     if ((rover.path[k] - here_m).norm() > kLookAheadM) {
@@ -207,7 +208,8 @@ RoverCommand RoverFleet::desired(Rover& rover) const {
   const double error_rad = wrap_to_pi(std::atan2(to_aim_m.y(), to_aim_m.x()) - pose.yaw_rad);
   const double ahead = std::max(0.0, std::cos(error_rad));
   const double left_m = (rover.path.back() - here_m).norm();
-  const double arrive_mps = std::sqrt(parameters_.brake_mps2 * left_m);  // half the full brake
+  const double arrive_mps =
+      std::sqrt(parameters_.brake_mps2 * left_m);  // stops with half the full deceleration
   return {std::min(rover.leg_speed_mps, arrive_mps) * ahead * ahead * ahead,
           std::clamp(kTurnGainPerS * error_rad, -parameters_.yaw_rate_max_radps,
                      parameters_.yaw_rate_max_radps)};
@@ -216,7 +218,7 @@ RoverCommand RoverFleet::desired(Rover& rover) const {
 bool RoverFleet::is_safe(std::size_t i, const StoppingPath& path) const {
   const Rover& rover = rovers_[i];
   const Eigen::Vector2d here_m = rover.state.world_from_body.position_m();
-  // What is nearer than it should be from the start on may only not become nearer still.
+  // A distance that is too small from the start may only not decrease further.
   const double wall_m =
       std::min(rover.radius_m + kSafetyMarginM, models::clearance_m(world_, here_m));
   const auto points = path.points_m();

@@ -15,13 +15,14 @@ namespace vantage::sim {
 
 /// Rovers that drive to random way points around obstacles and each other.
 ///
-/// Every decision keeps one invariant: the ground that each rover sweeps until it has stopped, if
-/// it brakes from now on, touches neither an obstacle nor the ground that any other rover sweeps
-/// so. A new command is taken only if it keeps that; braking always does. Hence no rover ever
-/// touches anything (that stood clear of it at the start), and the price is a stop now and then.
+/// Every decision keeps one invariant. The *stopping area* of a rover is the ground that it sweeps
+/// until it has stopped if it brakes from now on. It touches no obstacle and no other rover's
+/// stopping area. A new command is accepted only if it keeps the invariant; braking always does.
+/// Hence a rover never touches anything from which it was clear at the start, at the price of an
+/// occasional stop.
 class RoverFleet {
  public:
-  /// How long a command is held.
+  /// Time for which a command is held.
   static constexpr double kDecisionPeriodS = 0.05;
 
   struct Start {
@@ -33,12 +34,12 @@ class RoverFleet {
              const std::vector<Start>& starts, std::uint64_t seed,
              const RoverParameters& parameters = {});
 
-  /// From now on rovers come no nearer than `distance_m`, centre to centre, to these points; one
-  /// that is nearer already comes no nearer still.
+  /// Keeps rovers at least `distance_m`, centre to centre, from these points from now on. A rover
+  /// that is already nearer comes no nearer.
   void keep_out(std::vector<Eigen::Vector2d> centres_m, double distance_m);
-  /// Chooses the commands for the next period; to be called every kDecisionPeriodS or earlier.
+  /// Chooses the commands for the next period. Call every kDecisionPeriodS or earlier.
   void decide(double elapsed_s);
-  /// Drives on for `dt_s`.
+  /// Drives all rovers for `dt_s`.
   void step(double dt_s);
 
   [[nodiscard]] std::size_t size() const { return rovers_.size(); }
@@ -54,11 +55,11 @@ class RoverFleet {
     StoppingPath committed;
     double radius_m = 0.0;
     std::mt19937_64 rng;
-    std::vector<Eigen::Vector2d> path;  ///< to the way point; empty while it waits
-    std::size_t passed = 0;             ///< points of `path` already behind
+    std::vector<Eigen::Vector2d> path;  ///< to the way point; empty while the rover waits
+    std::size_t passed = 0;             ///< number of points of `path` already passed
     double leg_speed_mps = 0.0;
     double pause_s = 0.0;
-    double stuck_s = 0.0;  ///< since it last made headway
+    double stuck_s = 0.0;  ///< since its last progress
     bool rerouted = false;
     Eigen::Vector2d headway_m = Eigen::Vector2d::Zero();
   };
@@ -74,13 +75,13 @@ class RoverFleet {
   scenario::TargetTruthSpec truth_;
   RoverParameters parameters_;
   RouteMap map_;
-  /// Where a rover's committed path is, at most: side by side, for looking who is near among many.
+  /// Disc around a rover's committed path. Contiguous, for a fast search of near rovers.
   struct Around {
     Eigen::Vector2d first_m;
-    double reach_m = 0.0;  ///< of its disc's edge
+    double reach_m = 0.0;  ///< from first_m to the farthest point of the rover's body
   };
   std::vector<Rover> rovers_;
-  std::vector<Around> around_;  ///< of rovers_
+  std::vector<Around> around_;  ///< one per rover
   std::vector<Eigen::Vector2d> kept_out_m_;
   double keep_out_m_ = 0.0;
   std::int64_t way_points_reached_ = 0;

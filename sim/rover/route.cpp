@@ -29,11 +29,11 @@ RouteMap::RouteMap(const models::World& world)
 }
 
 double RouteMap::clearance_needed_m(double radius_m) const {
-  // Half a diagonal step: no point between two centres is farther than that from one of them.
+  // Half a diagonal step: the largest distance of a point between two centres from the nearer one.
   return radius_m + kMarginM + geometry_.resolution_m / std::numbers::sqrt2;
 }
 
-// long: one grid search, whose costs and ways are its own.
+// long: one grid search with its own costs and parents.
 std::vector<Eigen::Vector2d> RouteMap::route(const Eigen::Vector2d& from_m,
                                              const Eigen::Vector2d& to_m, double radius_m,
                                              const std::vector<Disc>& blocked) const {
@@ -43,7 +43,7 @@ std::vector<Eigen::Vector2d> RouteMap::route(const Eigen::Vector2d& from_m,
     return {};
   }
   const double needed_m = clearance_needed_m(radius_m);
-  // A disc may start nearer to things than a route leads: let it get away from there.
+  // A disc may start nearer to obstacles than a route allows; let it leave from there.
   const double departure_m = std::max(kDepartureM, 1.5 * geometry_.resolution_m);
   const auto is_open = [&](int index) {
     const Eigen::Vector2d centre_m = geometry_.centre_m(index);
@@ -78,7 +78,7 @@ std::vector<Eigen::Vector2d> RouteMap::route(const Eigen::Vector2d& from_m,
     }
     const double here = cost[static_cast<std::size_t>(cell)];
     if (priority > here + to_go(cell) + 1e-9) {
-      continue;  // an entry that a cheaper one has replaced
+      continue;  // obsolete entry, replaced by a cheaper one
     }
     const int column = cell % geometry_.columns;
     const int row = cell / geometry_.columns;

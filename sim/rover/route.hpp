@@ -15,21 +15,22 @@ struct Disc {
   double radius_m = 0.0;
 };
 
-/// Finds ways for discs over free ground: A* over the centres of square cells, eight neighbours.
+/// Finds routes for discs over free ground: A* over the centres of square cells, eight neighbours.
 /// Source: Hart, Nilsson, Raphael, A formal basis for the heuristic determination of minimum cost
 /// paths (1968).
 class RouteMap {
  public:
   explicit RouteMap(const models::World& world);
 
-  /// Cell centres from near `from_m` to near `to_m` and then `to_m` itself, every centre at least
-  /// clearance_needed_m(radius_m) from obstacles and walls (near the start radius_m is enough) and
-  /// outside each disc of `blocked`; empty when there is no way. O(cells log cells), allocates.
+  /// Returns a route: cell centres from near `from_m` to near `to_m`, then `to_m` itself; empty if
+  /// there is none. Every centre is outside each disc of `blocked` and at least
+  /// clearance_needed_m(radius_m) from obstacles and walls (near the start radius_m suffices).
+  /// O(cells log cells), allocates.
   [[nodiscard]] std::vector<Eigen::Vector2d> route(const Eigen::Vector2d& from_m,
                                                    const Eigen::Vector2d& to_m, double radius_m,
                                                    const std::vector<Disc>& blocked) const;
-  /// Clearance that a cell's centre needs, so that a disc of `radius_m` moving straight between
-  /// neighbouring centres keeps 5 cm from everything.
+  /// Returns the clearance that a cell's centre needs so that a disc of `radius_m` that moves
+  /// straight between neighbouring centres keeps 5 cm from obstacles and walls.
   [[nodiscard]] double clearance_needed_m(double radius_m) const;
 
  private:

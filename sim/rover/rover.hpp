@@ -10,7 +10,7 @@
 
 namespace vantage::sim {
 
-/// What a small indoor rover can do.
+/// Limits of a small indoor rover.
 struct RoverParameters {
   double speed_max_mps = 1.4;  ///< never exceeded
   double acceleration_mps2 = 1.0;
@@ -19,34 +19,34 @@ struct RoverParameters {
   double yaw_acceleration_radps2 = 8.0;
 };
 
-/// State of a differential drive; it never reverses.
+/// State of a differential-drive rover, which never reverses.
 struct RoverState {
   Pose2 world_from_body;
   double speed_mps = 0.0;
   double yaw_rate_radps = 0.0;
 };
 
-/// What its controller asks of it.
+/// Command of a rover's controller.
 struct RoverCommand {
   double speed_mps = 0.0;
   double yaw_rate_radps = 0.0;
 };
 
-/// The state after `dt_s` of ramping towards `command` at the stated accelerations.
+/// Returns the state after `dt_s` of ramping towards `command` at the given accelerations.
 RoverState step_rover(const RoverState& state, const RoverCommand& command,
                       const RoverParameters& parameters, double dt_s);
 
-/// Where a rover's centre goes when it follows a command for one decision period and then stops as
-/// fast as it can: points along the way, the present first, the standstill last.
+/// Path of a rover's centre when it follows a command for one decision period and then stops as
+/// fast as it can: points from the present position to the stop.
 class StoppingPath {
  public:
   StoppingPath() = default;
-  /// `period_s` of `command`, then full braking. Bounded work: at most kPointsMax steps.
+  /// Predicts `period_s` of `command`, then full braking; at most kPointsMax points.
   StoppingPath(const RoverState& state, const RoverCommand& command,
                const RoverParameters& parameters, double period_s);
 
   [[nodiscard]] std::span<const Eigen::Vector2d> points_m() const { return {points_m_.data(), n_}; }
-  /// Every point of the path lies within this distance of its first.
+  /// Returns the largest distance of a point of the path from its first.
   [[nodiscard]] double reach_m() const { return reach_m_; }
 
  private:
@@ -58,9 +58,9 @@ class StoppingPath {
   double reach_m_ = 0.0;
 };
 
-/// The distance between two paths, whatever the times at which they are driven, points joined by
-/// straight pieces: from every point of each to every piece of the other, which is exact unless
-/// the paths cross (then it is at most half a piece). Far apart, a lower bound of it.
+/// Returns the distance between two paths regardless of time, with points joined by straight
+/// pieces. It is the least distance from a point of one to a piece of the other: exact unless the
+/// paths cross (then at most half a piece). For paths far apart it is a lower bound.
 double distance_m(const StoppingPath& a, const StoppingPath& b);
 
 }  // namespace vantage::sim

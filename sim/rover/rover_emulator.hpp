@@ -12,39 +12,38 @@
 
 namespace vantage::sim {
 
-/// One rover, and how it differs from what its driver believes.
+/// Parameters of an emulated rover, and its deviations from its driver's model.
 struct RoverEmulatorSpec {
   std::uint32_t number = 1;
   std::uint32_t boot = 1;
   Pose2 start;  ///< world from body
   RoverParameters can;
-  double delay_s = 0.03;      ///< from a command's arrival to its effect
-  double grip = 0.97;         ///< share of the wheels' way that is gone: tyres slip
-  double drift_radps = 0.02;  ///< turns to the left that the wheels do not measure, when moving
+  double delay_s = 0.03;      ///< from the arrival of a command to its effect
+  double grip = 0.97;         ///< distance travelled per distance turned by the wheels (slip)
+  double drift_radps = 0.02;  ///< unmeasured left turn while moving
   double battery_share = 0.9;
   double battery_per_s = 1.0 / 7200.0;
 };
 
-/// A rover that obeys the protocol of docs/guide/rovers.md to the letter. Pure: it is handed time and
-/// bytes; `now` never goes back.
+/// A rover with the protocol of docs/rover.md. Time and bytes are arguments; `now` never decreases.
 class RoverEmulator {
  public:
   RoverEmulator(const RoverEmulatorSpec& spec, Time start);
 
-  /// Drives on to `now`.
+  /// Drives to `now`.
   void advance_to(Time now);
-  /// One datagram, arrived at `now`.
+  /// Processes a datagram that arrived at `now`.
   void receive(std::span<const std::uint8_t> datagram, Time now);
-  /// The telemetry that is due, if it is.
+  /// Returns the telemetry if it is due.
   std::optional<std::array<std::uint8_t, wire::rover::kTelemetryBytes>> take_output();
 
-  /// The button on its back.
+  /// Presses the stop button on the rover.
   void press_stop() { is_stopped_ = true; }
   void fail_motor() { has_motor_failed_ = true; }
   void set_battery(double share) { battery_share_ = share; }
   void push_to(const Pose2& world_from_body) { state_.world_from_body = world_from_body; }
 
-  /// Where it is, and how fast its wheels turn.
+  /// True pose; speed and yaw rate as its wheels measure them.
   [[nodiscard]] const RoverState& state() const { return state_; }
   [[nodiscard]] bool is_stopped() const { return is_stopped_; }
   [[nodiscard]] std::int64_t refused() const { return refused_; }
@@ -61,7 +60,7 @@ class RoverEmulator {
   RoverEmulatorSpec spec_;
   RoverState state_;
   Time now_;
-  std::deque<Demand> demands_;  ///< on their way to the wheels
+  std::deque<Demand> demands_;  ///< received, not yet in effect
   RoverCommand demand_;
   bool is_driving_ = false;
   bool is_stopped_ = false;

@@ -9,14 +9,16 @@
 
 namespace vantage::sim {
 
-/// An emulated rover on a UDP socket, where its driver's URL expects it: it waits for a driver that
-/// speaks first (udpout://HOST:PORT), and speaks to one that waits (udp://[HOST]:PORT).
+/// An emulated rover on a UDP socket at the address that its driver's URL expects. It waits for a
+/// driver that sends first (udpout://HOST:PORT), and sends first to a driver that listens
+/// (udp://[HOST]:PORT).
 class RoverEndpoint {
  public:
   /// @throws StartupError as VehicleSocket does.
   RoverEndpoint(const RoverEmulatorSpec& spec, const std::string& driver_url, Time start);
 
-  /// Takes what has arrived, drives on to `now`, sends what became due. Never waits.
+  /// Drives to `now`, processes the received datagrams and sends telemetry if it is due. Never
+  /// waits.
   void run_to(Time now);
 
   [[nodiscard]] RoverEmulator& emulator() { return emulator_; }

@@ -11,7 +11,7 @@
 namespace vantage::sim::vicon {
 namespace {
 
-// What this server can send; of these, what is static and what is dynamic.
+// Contents that this server can send: static and dynamic.
 constexpr std::array<std::uint32_t, 5> kStatic{
     wire::vicon::kStreamInfo, wire::vicon::kSubjectInfo, wire::vicon::kSubjectHealth,
     wire::vicon::kApplicationInfo, wire::vicon::kObjectQuality};
@@ -25,7 +25,7 @@ constexpr std::uint32_t kRootSegment = 1;
 
 std::uint32_t subject_id(std::size_t index) { return static_cast<std::uint32_t>(index + 1); }
 
-/// Tracker is asked for the share of each stage; two are enough to show that they add up.
+/// Tracker reports the latency of each stage; two stages suffice to test that clients add them.
 wire::vicon::LatencyInfo latency_of(const EmulatedFrame& frame) {
   return {{{"Camera", 0.25 * frame.latency_s}, {"Processing", 0.75 * frame.latency_s}}};
 }
@@ -48,7 +48,7 @@ bool DataStreamPeer::receive(wire::vicon::Bytes bytes) {
   while (!bytes.empty()) {
     const std::size_t taken = stream_.push(bytes);
     if (taken == 0) {
-      return false;  // no client has so much to say
+      return false;  // larger than any packet of a client
     }
     bytes = bytes.subspan(taken);
     for (;;) {
@@ -182,7 +182,8 @@ void DataStreamPeer::append_static(wire::vicon::PacketWriter& packet) const {
 
 void DataStreamPeer::append_dynamic(wire::vicon::PacketWriter& packet,
                                     const EmulatedFrame& frame) const {
-  append(packet, wire::vicon::FrameInfo{frame.number});  // always: a packet without is no frame
+  append(packet,
+         wire::vicon::FrameInfo{frame.number});  // always: a packet without it is not a frame
   if (is_asked(wire::vicon::kHardwareFrameInfo)) {
     append(packet, wire::vicon::HardwareFrameInfo{frame.number});
   }
@@ -213,7 +214,7 @@ void DataStreamPeer::append_poses(wire::vicon::PacketWriter& packet,
     if (is_asked(wire::vicon::kGlobalSegments)) {
       append(packet, segments, wire::vicon::kGlobalSegments);
     }
-    if (is_asked(wire::vicon::kLocalSegments)) {  // of a root: the same
+    if (is_asked(wire::vicon::kLocalSegments)) {  // equal to the global pose for a root segment
       append(packet, segments, wire::vicon::kLocalSegments);
     }
     if (is_asked(wire::vicon::kLightweightSegments)) {

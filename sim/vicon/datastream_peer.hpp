@@ -8,11 +8,12 @@
 
 namespace vantage::sim::vicon {
 
-/// One client of the emulated DataStream.
+/// Server side of one client's connection to the emulated DataStream.
 ///
-/// It says what it has; it answers pings at once, sends what was asked for so far, pushed or one
-/// frame a request, and static content (subjects, rate, axis, quality) once after each change of
-/// what is asked for or of the subjects; after that its Contents call it unchanged.
+/// It announces the available contents and answers pings at once. It sends the requested contents,
+/// either streamed or one frame per request. Static content (subjects, rate, axis, quality) is sent
+/// once after each change of the request or of the subjects; later Contents blocks mark it as
+/// unchanged.
 class DataStreamPeer : public Peer {
  public:
   explicit DataStreamPeer(const ServerSettings& settings);
@@ -36,7 +37,7 @@ class DataStreamPeer : public Peer {
   std::vector<std::string> subjects_;
   bool is_static_due_ = true;
   bool is_streaming_ = false;
-  std::uint32_t frames_wanted_ = 0;  ///< one by one
+  std::uint32_t frames_wanted_ = 0;  ///< number of frames requested one by one
 };
 
 }  // namespace vantage::sim::vicon

@@ -16,28 +16,28 @@ struct EmulatedBody {
   bool is_occluded = false;
 };
 
-/// What the cameras saw at one instant.
+/// Bodies captured at one instant.
 struct EmulatedFrame {
   std::uint32_t number = 0;
   Time captured{};         ///< on the server's clock
-  double latency_s = 0.0;  ///< until the server had it
+  double latency_s = 0.0;  ///< from capture to the server
   std::vector<EmulatedBody> bodies;
 };
 
-/// How an occluded body looks on the wire. A DataStream leaves it out, whatever this says.
+/// Representation of an occluded body on the wire. A DataStream always omits it.
 enum class OcclusionStyle {
   kAbsent,
-  kZero,      ///< all numbers zero
-  kRepeated,  ///< its last pose, for ever
+  kZero,      ///< pose and orientation all zero
+  kRepeated,  ///< its last pose, repeated
 };
 
 struct ServerSettings {
   scenario::MocapProtocol protocol = scenario::MocapProtocol::kDataStream;
   double rate_hz = 100.0;
-  std::size_t block_bytes = 256;  ///< of an object stream's datagram: 256, 512 or 1024
-  bool is_y_up = false;           ///< the world that is sent, as Nexus and Blade have it
+  std::size_t block_bytes = 256;  ///< datagram size of an object stream: 256, 512 or 1024
+  bool is_y_up = false;           ///< sends a y-up world, as Nexus and Blade do
   OcclusionStyle occlusion = OcclusionStyle::kAbsent;
-  /// Bytes that may wait for a client that does not read; beyond it frames are skipped.
+  /// Limit of unsent bytes for a client that does not read; beyond it frames are skipped.
   std::size_t backlog_bytes_max = std::size_t{4} << 20U;
 };
 

@@ -10,18 +10,19 @@
 
 namespace vantage::sim::vicon {
 
-/// Tracker's UDP object stream: a frame becomes datagrams of a fixed size, as many as its bodies
-/// need, all with its number.
+/// Tracker's UDP object stream: a frame is split into datagrams of a fixed size, all with its
+/// number.
 class ObjectStreamServer {
  public:
   explicit ObjectStreamServer(const ServerSettings& settings) : settings_(settings) {}
 
-  /// The datagrams of `frame`; at least one, even when nobody is seen. Names are cut to 24 bytes.
+  /// Returns the datagrams of `frame`; at least one, even without a visible body. Names are cut to
+  /// 24 bytes.
   const std::vector<std::vector<std::uint8_t>>& encode(const EmulatedFrame& frame);
 
  private:
   ServerSettings settings_;
-  std::map<std::string, wire::vicon::TrackerObject> last_seen_;  ///< for kRepeated
+  std::map<std::string, wire::vicon::TrackerObject> last_seen_;  ///< used for kRepeated
   std::vector<std::vector<std::uint8_t>> datagrams_;
 };
 

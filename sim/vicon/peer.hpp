@@ -8,8 +8,7 @@
 
 namespace vantage::sim::vicon {
 
-/// The server's side of one client's connection, as a pure state machine: bytes and frames in,
-/// bytes out.
+/// Server side of one client's connection as a pure state machine: bytes and frames in, bytes out.
 class Peer {
  public:
   Peer() = default;
@@ -19,14 +18,15 @@ class Peer {
   Peer(Peer&&) = delete;
   Peer& operator=(Peer&&) = delete;
 
-  /// The client's bytes, cut anywhere. False: it does not speak this protocol; hang up.
+  /// Processes bytes of the client, split at any point. Returns false if they break the protocol;
+  /// the connection must then be closed.
   [[nodiscard]] virtual bool receive(wire::vicon::Bytes bytes) = 0;
-  /// The newest frame; sent now, later or never, as the client has asked.
+  /// Takes the newest frame and queues it if the client has requested it.
   virtual void on_frame(const EmulatedFrame& frame) = 0;
 
-  std::vector<std::uint8_t> outgoing;  ///< whoever sends them erases what he sent
+  std::vector<std::uint8_t> outgoing;  ///< the sender erases the bytes that it has sent
   std::int64_t frames_sent = 0;
-  std::int64_t frames_skipped = 0;  ///< the client did not read
+  std::int64_t frames_skipped = 0;  ///< frames skipped because the client did not read
 };
 
 }  // namespace vantage::sim::vicon

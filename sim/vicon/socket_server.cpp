@@ -145,7 +145,8 @@ void SocketServer::on_callbacks() {
     if (!callback) {
       continue;
     }
-    // To the port it names, but at the address it really has: nobody is sent to a third party.
+    // Connect to the requested port, but at the sender's real address, so that no third party can
+    // be contacted.
     from.sin_port = htons(static_cast<std::uint16_t>(callback->port));
     const int fd = socket(AF_INET, SOCK_STREAM | kSocketFlags, 0);
     if (connect(fd, as_sockaddr(from), sizeof from) == 0 || errno == EINPROGRESS) {
@@ -230,7 +231,7 @@ void SocketServer::wait(std::chrono::nanoseconds timeout) {
 void SocketServer::publish(const EmulatedFrame& frame) {
   if (settings_.protocol == scenario::MocapProtocol::kObjectStream) {
     for (const std::vector<std::uint8_t>& datagram : object_stream_.encode(frame)) {
-      // Nobody listening is no fault of a server that only talks.
+      // ECONNREFUSED is not an error: an object stream may have no listener.
       const ssize_t sent = send(datagrams_, datagram.data(), datagram.size(), MSG_NOSIGNAL);
       send_errors_ += sent < 0 && errno != ECONNREFUSED ? 1 : 0;
     }

@@ -11,17 +11,18 @@
 
 namespace vantage::sim::vicon {
 
-/// The emulated server on real sockets; any number of clients (up to kClientsMax at once).
+/// The emulated server on real sockets, for up to kClientsMax clients.
 ///
-/// A DataStream or VRPN server listens at `port` (VRPN also by UDP, and then dials back); an object
-/// stream is sent to `host` and `port`. Never blocks but in wait().
+/// A DataStream or VRPN server listens at `port` (VRPN also by UDP, and then connects back to the
+/// client); an object stream is sent to `host` and `port`. Only wait() blocks.
 class SocketServer {
  public:
   static constexpr std::size_t kClientsMax = 64;
 
-  /// @param port  0: any free one; see port()
-  /// @param host  where to listen, or where to send an object stream (may be a broadcast address)
-  /// @throws StartupError when the port cannot be had.
+  /// @param port  0: any free port; see port()
+  /// @param host  address to listen at, or to which an object stream is sent (may be a broadcast
+  ///              address)
+  /// @throws StartupError if the port cannot be opened.
   SocketServer(const ServerSettings& settings, const std::string& host, int port);
   ~SocketServer();
   SocketServer(const SocketServer&) = delete;
@@ -31,13 +32,13 @@ class SocketServer {
 
   [[nodiscard]] int port() const { return port_; }
   [[nodiscard]] std::size_t clients() const;
-  /// Frames that some client should have had and did not, because it did not read.
+  /// Number of frames skipped for clients that did not read.
   [[nodiscard]] std::int64_t frames_skipped() const { return frames_skipped_; }
   [[nodiscard]] std::int64_t send_errors() const { return send_errors_; }
 
-  /// Serves the clients, and waits up to `timeout` for one to say something.
+  /// Serves the clients, and waits up to `timeout` for one to send something.
   void wait(std::chrono::nanoseconds timeout);
-  /// Sends a frame to everybody who wants it.
+  /// Sends a frame to all clients that request it.
   void publish(const EmulatedFrame& frame);
 
  private:
@@ -54,7 +55,7 @@ class SocketServer {
   ServerSettings settings_;
   int port_ = 0;
   int listener_ = -1;   ///< TCP
-  int datagrams_ = -1;  ///< UDP: to send an object stream, to hear VRPN's calls
+  int datagrams_ = -1;  ///< UDP: sends an object stream, receives VRPN's connection requests
   ObjectStreamServer object_stream_;
   std::vector<std::unique_ptr<Client>> clients_;
   std::int64_t frames_skipped_ = 0;

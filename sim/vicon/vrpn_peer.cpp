@@ -5,13 +5,13 @@
 namespace vantage::sim::vicon {
 namespace {
 
-// Our numbers of types.
+// Type numbers of this server.
 constexpr std::int32_t kPoseType = 0;
 constexpr std::int32_t kPongType = 1;
 constexpr std::int64_t kMicrosecondsPerSecond = 1'000'000;
 
 wire::vicon::VrpnPose pose_of(const Pose3& pose) {
-  return {0, pose.translation_m, pose.rotation.coeffs()};  // Eigen's own order is x y z w, too
+  return {0, pose.translation_m, pose.rotation.coeffs()};  // Eigen's order is x y z w, like VRPN's
 }
 
 }  // namespace

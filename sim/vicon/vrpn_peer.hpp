@@ -10,8 +10,9 @@
 
 namespace vantage::sim::vicon {
 
-/// One client of the emulated VRPN server: each body is a sender of poses of sensor 0. Both sides
-/// begin with their cookie; names follow once the client's has come; pings are answered.
+/// Server side of one client's connection to the emulated VRPN server: each body is a sender of
+/// poses of sensor 0. Both sides start with their cookie; the server sends names after the client's
+/// cookie and answers pings.
 class VrpnPeer : public Peer {
  public:
   explicit VrpnPeer(const ServerSettings& settings);
@@ -27,11 +28,11 @@ class VrpnPeer : public Peer {
 
   ServerSettings settings_;
   wire::vicon::StreamBuffer stream_;
-  bool is_greeted_ = false;                      ///< the client's cookie has come
-  std::map<std::string, std::int32_t> senders_;  ///< our numbers
+  bool is_greeted_ = false;                      ///< the client's cookie was received
+  std::map<std::string, std::int32_t> senders_;  ///< sender numbers of the server
   std::map<std::int32_t, std::string> client_senders_;
   std::map<std::int32_t, std::string> client_types_;
-  std::map<std::string, wire::vicon::VrpnPose> last_seen_;  ///< for kRepeated
+  std::map<std::string, wire::vicon::VrpnPose> last_seen_;  ///< used for kRepeated
 };
 
 }  // namespace vantage::sim::vicon

@@ -8,7 +8,7 @@
 namespace vantage::sim {
 namespace {
 
-// Of a double integrator: the fastest target of the dissertation's experiments.
+// Speed limit of a double integrator: that of the fastest target in the dissertation's experiments.
 constexpr double kDrifterSpeedMaxMps = 2.0;
 
 }  // namespace

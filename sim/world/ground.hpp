@@ -13,12 +13,12 @@
 
 namespace vantage::sim {
 
-/// The scenario's targets as they really move, whatever their kind of motion.
+/// True motion of the scenario's targets, for every kind of motion.
 class Ground {
  public:
   Ground(const scenario::Scenario& scenario, std::uint64_t seed);
 
-  /// From now on rovers come no nearer than `distance_m`, centre to centre, to these points.
+  /// Keeps rovers at least `distance_m`, centre to centre, from these points from now on.
   void keep_out(std::vector<Eigen::Vector2d> centres_m, double distance_m);
   void decide(double elapsed_s);
   void step(double dt_s);

@@ -10,20 +10,21 @@
 
 namespace vantage::sim {
 
-/// A draw from N(0, L D Lᵀ), which may be singular; `root` is the decomposition of the covariance.
+/// Returns a draw from N(0, L D Lᵀ), which may be singular; `root` is the decomposition of the
+/// covariance.
 models::StateVector draw_gaussian(const Eigen::LDLT<models::StateMatrix>& root,
                                   std::mt19937_64& rng);
 
-/// Targets that move as their model says and no other way: x ← A x + w, w ~ N(0, W) of one step.
-/// Who leaves the bounds comes back as from a mirror.
+/// Targets that move exactly as their model: x ← A x + w, w ~ N(0, W) of one step. A target that
+/// leaves the bounds is reflected back.
 class LinearTargets {
  public:
-  /// @param starts  of position and velocity, 4 components
-  /// @param rng  of their noise, and of nothing else
+  /// @param starts  position and velocity, 4 components
+  /// @param rng  engine used only for their noise
   LinearTargets(const models::TargetModel& model, double step_s, const models::Rectangle& bounds,
                 std::vector<models::StateVector> starts, const std::mt19937_64& rng);
 
-  /// One step of each in turn.
+  /// Moves each target by one step.
   void move();
   [[nodiscard]] const std::vector<models::StateVector>& states() const { return states_; }
 

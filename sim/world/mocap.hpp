@@ -9,21 +9,21 @@
 
 namespace vantage::sim {
 
-/// A motion-capture system: all bodies at instants that are whole multiples of its period since
-/// the epoch, with independent Gaussian noise on each coordinate and on yaw, reaching the stack a
-/// fixed latency later.
+/// A motion-capture system. It captures all bodies at whole multiples of its period since the
+/// epoch, with independent Gaussian noise on each coordinate and on yaw. Frames arrive a fixed
+/// latency later.
 class MocapCamera {
  public:
   /// @throws UsageError for a rate outside (0, 1000] Hz, a negative noise or latency.
   MocapCamera(const scenario::MocapSpec& spec, std::uint64_t seed);
 
-  /// 1/rate to the nearest microsecond.
+  /// Returns 1/rate to the nearest microsecond.
   [[nodiscard]] Duration period() const { return period_; }
   [[nodiscard]] Duration latency() const { return latency_; }
-  /// The first instant of capture at or after `time`.
+  /// Returns the first instant of capture at or after `time`.
   [[nodiscard]] Time capture_at_or_after(Time time) const;
-  /// What it sees of `truth`; the capture time is truth's, the frame number counts periods since
-  /// the epoch.
+  /// Returns the captured frame of `truth`; its capture time is truth's, and its frame number
+  /// counts periods since the epoch. Draws random numbers.
   models::MocapFrame capture(const models::TruthFrame& truth);
 
  private:

@@ -16,40 +16,41 @@
 
 namespace vantage::sim {
 
-/// The lab: vehicles in the air, targets that drive about, and who touches whom.
+/// The simulated lab: vehicles, moving targets, and their contacts.
 ///
-/// A robot is either a Quadrotor that follows plans by itself, or a vehicle of the caller's, whose
-/// truth counts just so. Robots whose device is real are not here.
+/// A robot is either a Quadrotor that follows plans, or a vehicle of the caller, whose truth is
+/// used as it is. Robots whose device is real are not simulated.
 ///
 /// Deterministic: the same scenario, seed, start, plans and commands at the same times give the
-/// same bytes. Time is handed in; physics runs in steps that end on each whole multiple of kStep
-/// since the epoch. Targets keep away from the caller's vehicles while these are low: people keep
-/// the ground free where something starts or lands.
+/// same bytes. Time is an argument; physics runs in steps that end on each whole multiple of kStep
+/// since the epoch. Targets keep away from the caller's vehicles while these are low, as people
+/// keep the ground free where a vehicle starts or lands.
 class WorldSimulation {
  public:
   static constexpr Duration kStep{5'000};
-  static constexpr double kLowM = 0.9;      ///< a vehicle below it has the ground around it free
-  static constexpr double kKeepOutM = 1.0;  ///< between its centre and a target's
+  static constexpr double kLowM = 0.9;      ///< height below which targets keep away from a vehicle
+  static constexpr double kKeepOutM = 1.0;  ///< distance between its centre and a target's
 
-  /// @param vehicles  fly instead of the Quadrotors of the same names; they outlive the world
-  /// @throws UsageError for a scenario that cannot be simulated, saying which value and why.
+  /// @param vehicles  replace the Quadrotors of the same names; must outlive the world
+  /// @throws UsageError for a scenario that cannot be simulated, with the value and the rule.
   WorldSimulation(const scenario::Scenario& scenario, std::uint64_t seed, Time start,
                   const std::vector<Vehicle*>& vehicles = {});
 
-  /// Steps on to `time` exactly; nothing when that is past.
+  /// Steps to `time` exactly; does nothing if it is past.
   void advance_to(Time time);
   [[nodiscard]] Time time() const { return time_; }
 
-  /// Offers a plan to its robot, now; nullopt when that robot is no Quadrotor of this world.
+  /// Offers a plan to its robot now; nullopt if that robot is not a Quadrotor of this world.
   std::optional<PlanVerdict> offer(const models::RobotPlan& plan);
-  /// For one Quadrotor or, with an empty name, all.
+  /// Applies a command to one Quadrotor or, with an empty name, to all.
   void command(const models::OperatorCommand& command);
 
-  /// All bodies now: robots first, then targets, each in the scenario's order.
+  /// Returns all bodies now: robots first, then targets, each in the scenario's order.
   [[nodiscard]] models::TruthFrame truth() const;
-  /// A noisy look at all bodies now. Draws random numbers: one call for each instant of capture.
+  /// Returns a noisy capture of all bodies now. Draws random numbers: call it once per instant of
+  /// capture.
   models::MocapFrame capture() { return camera_.capture(truth()); }
-  /// Contacts that began since the last call.
+  /// Returns the contacts that began since the last call.
   std::vector<models::ContactReport> take_contacts();
 
   [[nodiscard]] const MocapCamera& camera() const { return camera_; }
@@ -66,8 +67,8 @@ class WorldSimulation {
   Time time_;
   Time decided_;
   std::vector<Quadrotor> quadrotors_;
-  std::vector<Vehicle*> given_;     ///< by the caller
-  std::vector<Vehicle*> vehicles_;  ///< both kinds, in the scenario's order
+  std::vector<Vehicle*> given_;     ///< vehicles of the caller
+  std::vector<Vehicle*> vehicles_;  ///< both kinds, in the scenario's order of robots
   Ground ground_;
   MocapCamera camera_;
   models::CollisionMonitor collisions_;

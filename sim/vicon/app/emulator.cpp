@@ -94,7 +94,7 @@ std::unique_ptr<Source> make_source(const Arguments& arguments, Time start) {
   return std::make_unique<CirclingBodies>(arguments.bodies);
 }
 
-/// Bodies take turns in being hidden.
+/// Occludes the bodies in turn, each for `occluded_s` per period.
 void hide(double time_s, double occluded_s, EmulatedFrame& frame) {
   for (std::size_t i = 0; i < frame.bodies.size(); ++i) {
     const double shift_s =
@@ -121,7 +121,8 @@ int serve(const Arguments& arguments) {
   std::int64_t sent = 0;
   for (std::int64_t k = 0; !stop_requested(); ++k) {
     const double time_s = static_cast<double>(k) / arguments.settings.rate_hz;
-    // What was captured at time_s is there after the latency, as it would be for real.
+    // A real server delivers a frame after its latency; here due_ns is the delivery, and the
+    // capture time is set earlier by the latency.
     const std::int64_t due_ns = start_ns + std::llround(time_s * 1e9);
     for (std::int64_t left_ns = due_ns - monotonic_ns(); left_ns > 0 && !stop_requested();
          left_ns = due_ns - monotonic_ns()) {

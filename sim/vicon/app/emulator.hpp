@@ -2,8 +2,8 @@
 
 namespace vantage::sim::vicon {
 
-/// The whole of vantage-vicon-emulator: parses its flags (see --help), serves until it is asked to
-/// end or its recording is over; the exit code.
+/// Runs vantage-vicon-emulator: parses its flags (see --help) and serves until it is stopped or its
+/// recording is over. Returns the exit code.
 /// @throws StartupError for a port or a file that cannot be used.
 int run_emulator(int argc, char** argv);
 

@@ -1,5 +1,5 @@
-// vantage-vicon-emulator: a Vicon or VRPN server that is none, of bodies on circles, of recorded
-// flights or of a scenario's world.
+// vantage-vicon-emulator: an emulated Vicon or VRPN server that sends bodies on circles, recorded
+// flights or a scenario's world.
 
 #include "core/process.hpp"
 #include "sim/vicon/app/emulator.hpp"

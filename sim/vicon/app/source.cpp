@@ -45,7 +45,7 @@ bool Flights::look(double time_s, EmulatedFrame& frame) {
   if (time_s >= length_s_ && !is_endless_) {
     return false;
   }
-  // A hair beyond the instant, or rounding would show the row before.
+  // Add a little, because rounding could select the row before.
   const double at_s = std::fmod(time_s, length_s_) + 1e-9;
   frame.bodies.resize(flights_.size());
   for (std::size_t i = 0; i < flights_.size(); ++i) {

@@ -11,7 +11,7 @@
 
 namespace vantage::sim::vicon {
 
-/// What the emulated cameras look at: the k-th frame of something that moves.
+/// Source of the poses that the emulated cameras capture.
 class Source {
  public:
   Source() = default;
@@ -20,11 +20,11 @@ class Source {
   Source& operator=(const Source&) = delete;
   Source(Source&&) = delete;
   Source& operator=(Source&&) = delete;
-  /// Fills in the bodies of frame `k`, `time_s` after the start; false when it is over.
+  /// Fills in the bodies at `time_s` after the start; false when the source is over.
   virtual bool look(double time_s, EmulatedFrame& frame) = 0;
 };
 
-/// Bodies BODY0, BODY1, … on circles of their own.
+/// Bodies BODY0, BODY1, …, each on a separate circle.
 class CirclingBodies : public Source {
  public:
   explicit CirclingBodies(int count) : count_(count) {}
@@ -37,7 +37,7 @@ class CirclingBodies : public Source {
 /// Recorded flights, all from their beginning; the newest row at each instant.
 class Flights : public Source {
  public:
-  /// @param is_endless  begin again at the end of the shortest
+  /// @param is_endless  restarts all flights at the end of the shortest
   Flights(const std::vector<std::string>& paths, bool is_endless);
   bool look(double time_s, EmulatedFrame& frame) override;
 
@@ -47,7 +47,7 @@ class Flights : public Source {
   bool is_endless_;
 };
 
-/// A scenario's world with nobody planning: robots stand, targets move.
+/// A scenario's world without planners: robots hover, targets move.
 class ScenarioWorld : public Source {
  public:
   ScenarioWorld(const scenario::Scenario& scenario, Time start);
