@@ -12,7 +12,7 @@
 
 namespace vantage::sim {
 
-/// A ground robot on the wire: an emulated rover with the protocol of docs/rover.md. Its body is at
+/// A ground robot on the wire: an emulated rover with the protocol of docs/guide/rovers.md. Its body is at
 /// the height of its markers.
 class WireRover : public WireVehicle {
  public:
