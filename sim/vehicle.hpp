@@ -15,7 +15,7 @@ class Vehicle {
   virtual ~Vehicle() = default;
 
   [[nodiscard]] virtual const std::string& name() const = 0;
-  /// Radius of the collision sphere around its centre.
+  /// Returns the radius of the collision sphere around its centre.
   [[nodiscard]] virtual double radius_m() const = 0;
   [[nodiscard]] virtual Pose3 world_from_body() const = 0;
   [[nodiscard]] virtual Eigen::Vector3d velocity_world_mps() const = 0;

@@ -41,7 +41,8 @@ class VehicleSocket {
   }
   void write(std::span<const std::uint8_t> datagram);
 
-  /// Number of datagrams that could not be sent, except to a driver that does not listen yet.
+  /// Returns the number of datagrams that could not be sent, except to a driver that does not
+  /// listen yet.
   [[nodiscard]] std::int64_t send_errors() const { return send_errors_; }
 
  private:

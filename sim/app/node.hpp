@@ -43,7 +43,7 @@ class SimNode : public bus::Node {
   /// messages between them.
   void tick(Time now) override;
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
-  /// Number of ticks that were more than a mocap period late.
+  /// Returns the number of ticks that were more than a mocap period late.
   [[nodiscard]] std::int64_t deadlines_missed() const override { return late_ticks_; }
 
   [[nodiscard]] const WorldSimulation& world() const { return world_; }
@@ -75,7 +75,7 @@ class SimNode : public bus::Node {
   std::unique_ptr<vicon::SocketServer> mocap_server_;  ///< mocap system on the wire; null otherwise
   WorldSimulation world_;
   Duration lag_;           ///< delay of the world behind the clock
-  Duration truth_period_;  ///< a real mocap's driver adds the simulated bodies: its period
+  Duration truth_period_;  ///< mocap period if a real mocap's driver adds the simulated bodies
   Time next_capture_;
   Time next_truth_;
   Time next_status_;

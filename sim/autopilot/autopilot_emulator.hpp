@@ -53,12 +53,13 @@ class AutopilotEmulator {
   /// Returns the queued output, one datagram per element, and empties the queue.
   std::vector<std::vector<std::uint8_t>> take_output() { return std::exchange(output_, {}); }
 
-  /// The true pose; world z up, body FLU.
+  /// Returns the true pose; world z up, body FLU.
   [[nodiscard]] Pose3 world_from_body() const;
   [[nodiscard]] Eigen::Vector3d velocity_world_mps() const;
   [[nodiscard]] const FlightController& controller() const { return controller_; }
   [[nodiscard]] FlightController& controller() { return controller_; }
-  /// Number of received frames that were ignored because the real autopilot ignores them too.
+  /// Returns the number of received frames that were ignored because the real autopilot ignores
+  /// them too.
   [[nodiscard]] std::int64_t ignored() const { return ignored_; }
 
  private:

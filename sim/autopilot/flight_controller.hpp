@@ -65,7 +65,8 @@ class FlightController {
 
   [[nodiscard]] bool is_armed() const { return is_armed_; }
   [[nodiscard]] std::uint32_t mode() const { return mode_; }
-  /// As in EXTENDED_SYS_STATE: 1 on the ground, 2 in the air, 3 taking off, 4 landing.
+  /// Returns the state as in EXTENDED_SYS_STATE: 1 on the ground, 2 in the air, 3 taking off, 4
+  /// landing.
   [[nodiscard]] std::uint8_t landed_state() const;
   [[nodiscard]] bool has_position(Time now) const;
   [[nodiscard]] bool has_origin() const { return has_origin_; }

@@ -15,7 +15,7 @@ struct AutopilotProfile {
   std::uint32_t land_mode = 0;
   std::uint32_t start_mode = 0;
 
-  bool speaks_to_stations_alone = false;  ///< texts need a ground station's heartbeat
+  bool speaks_to_stations_alone = false;  ///< sends texts only with a ground station present
 
   // Estimator, fed with external poses.
   PoseEstimatorTraits estimator;
@@ -39,7 +39,7 @@ struct AutopilotProfile {
   // Loss of set-points and of the ground station.
   double setpoint_check_s = 0.0;     ///< delay of its detection that set-points have stopped
   double station_check_s = 0.0;      ///< period of its check of the ground station's heartbeat
-  bool wants_proof_of_life = false;  ///< needs set-points to enter follow_mode or arm in it
+  bool wants_proof_of_life = false;  ///< needs set-points to arm in follow_mode or to enter it
   bool takes_off_by_command = false;
   /// Between two targets, extrapolates the target position at the target velocity.
   bool carries_targets_on = false;
@@ -52,7 +52,7 @@ struct AutopilotProfile {
   double climb_gain_per_s = 4.0;    ///< PX4: MPC_Z_VEL_P_ACC
   double velocity_integral_per_s2 = 0.15;
   double feed_forward = 0.0;         ///< share of the shaped acceleration, 0 to 1
-  bool cuts_whole_velocity = false;  ///< otherwise limits only the position correction
+  bool cuts_whole_velocity = false;  ///< limits the whole velocity, not only the correction
   double climb_max_mps = 0.7;
   double acceleration_max_mps2 = 3.0;
   double yaw_gain_per_s = 2.5;

@@ -25,9 +25,10 @@ class FirmwareLink {
   FirmwareLink(FirmwareLink&&) = delete;
   FirmwareLink& operator=(FirmwareLink&&) = delete;
 
-  /// Period at which the firmware expects its sensors.
+  /// Returns the period at which the firmware expects its sensors.
   [[nodiscard]] virtual Duration period() const = 0;
-  /// True if the firmware's clock stops between sensors and motor command.
+  /// True if the firmware's clock advances only with the sensors: each sensor message is answered
+  /// by one motor command.
   [[nodiscard]] virtual bool is_lockstep() const = 0;
   /// Sends the sensor values to the firmware; false if no firmware is connected.
   virtual bool send(const FirmwareSensors& sensors) = 0;

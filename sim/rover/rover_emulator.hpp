@@ -43,7 +43,7 @@ class RoverEmulator {
   void set_battery(double share) { battery_share_ = share; }
   void push_to(const Pose2& world_from_body) { state_.world_from_body = world_from_body; }
 
-  /// True pose; speed and yaw rate as its wheels measure them.
+  /// Returns the true pose, and the speed and yaw rate of the wheels.
   [[nodiscard]] const RoverState& state() const { return state_; }
   [[nodiscard]] bool is_stopped() const { return is_stopped_; }
   [[nodiscard]] std::int64_t refused() const { return refused_; }

@@ -182,8 +182,7 @@ void DataStreamPeer::append_static(wire::vicon::PacketWriter& packet) const {
 
 void DataStreamPeer::append_dynamic(wire::vicon::PacketWriter& packet,
                                     const EmulatedFrame& frame) const {
-  append(packet,
-         wire::vicon::FrameInfo{frame.number});  // always: a packet without it is not a frame
+  append(packet, wire::vicon::FrameInfo{frame.number});  // required in every frame
   if (is_asked(wire::vicon::kHardwareFrameInfo)) {
     append(packet, wire::vicon::HardwareFrameInfo{frame.number});
   }

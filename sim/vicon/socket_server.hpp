@@ -32,7 +32,7 @@ class SocketServer {
 
   [[nodiscard]] int port() const { return port_; }
   [[nodiscard]] std::size_t clients() const;
-  /// Number of frames skipped for clients that did not read.
+  /// Returns the number of frames skipped for clients that did not read.
   [[nodiscard]] std::int64_t frames_skipped() const { return frames_skipped_; }
   [[nodiscard]] std::int64_t send_errors() const { return send_errors_; }
 
