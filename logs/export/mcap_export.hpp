@@ -31,8 +31,8 @@ ExportCounts export_mcap(
     const std::function<bool()>& stop = [] { return false; });
 
 /// Writes what of `log` has a counterpart in ROS 2 as an MCAP file of the profile "ros2", which ROS
-/// 2's own tools open: CDR messages, topics and frames as docs/guide/ros2.md says. Channels of which
-/// nothing has one are left out, and not counted as such.
+/// 2's own tools open: CDR messages, topics and frames as docs/guide/ros2.md says. Channels of
+/// which nothing has one are left out, and not counted as such.
 /// @throws StartupError when `path` cannot be written.
 ExportCounts export_ros2(
     const IndexedLog& log, const std::string& path, ChannelFilter& channels,
