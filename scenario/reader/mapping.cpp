@@ -70,6 +70,16 @@ std::optional<Value> Mapping::find_in(const Value& layer, std::string_view key) 
   return std::nullopt;
 }
 
+void Mapping::note(std::string_view key, std::string values, std::string initial,
+                   bool is_required) const {
+  const Value& first = layers_.front();
+  if (first.keys != nullptr) {
+    const std::string path = first.path.empty() ? "" : first.path + ".";
+    first.keys->note(
+        {path + std::string(key), std::move(values), std::move(initial), is_required, 0});
+  }
+}
+
 std::optional<Value> Mapping::find(std::string_view key) {
   for (const Value& layer : layers_) {
     if (std::optional<Value> value = find_in(layer, key)) {
@@ -80,6 +90,7 @@ std::optional<Value> Mapping::find(std::string_view key) {
 }
 
 std::optional<Value> Mapping::find_required(std::string_view key) {
+  note(key, "", "", true);
   std::optional<Value> value = find(key);
   if (!value) {
     missing_.emplace_back(key);
@@ -96,6 +107,7 @@ void Mapping::expect(std::initializer_list<std::string_view> keys) {
 void Mapping::require(std::string_view key) { static_cast<void>(find_required(key)); }
 
 void Mapping::number(std::string_view key, double& value, const Range& range) {
+  note(key, range.words(), fmt::format("{}", value));
   if (const std::optional<Value> found = find(key)) {
     value = found->number(range);
   }
@@ -106,6 +118,8 @@ void Mapping::angle(std::string_view stem, double& value_rad, const Range& range
   const std::string in_deg = std::string(stem) + "_deg";
   know(in_rad);
   know(in_deg);
+  note(in_deg, range_deg.words() + "; or " + in_rad,
+       fmt::format("{:.6g}", value_rad * 180.0 / kPi));
   for (const Value& layer : layers_) {
     const std::optional<Value> rad = find_in(layer, in_rad);
     const std::optional<Value> deg = find_in(layer, in_deg);
@@ -125,24 +139,28 @@ void Mapping::angle(std::string_view stem, double& value_rad, const Range& range
 }
 
 void Mapping::integer(std::string_view key, int& value, int min, int max) {
+  note(key, whole_words(min, max), std::to_string(value));
   if (const std::optional<Value> found = find(key)) {
     value = static_cast<int>(found->integer(min, max));
   }
 }
 
 void Mapping::flag(std::string_view key, bool& value) {
+  note(key, "true or false", value ? "true" : "false");
   if (const std::optional<Value> found = find(key)) {
     value = found->flag();
   }
 }
 
 void Mapping::text(std::string_view key, std::string& value) {
+  note(key, "text", value);
   if (const std::optional<Value> found = find(key)) {
     value = found->text();
   }
 }
 
 bool Mapping::section(std::string_view key, const std::function<void(Mapping&)>& read) {
+  note(key, "section");
   std::vector<Value> sections;
   for (const Value& layer : layers_) {
     if (std::optional<Value> value = find_in(layer, key)) {

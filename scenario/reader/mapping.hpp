@@ -31,6 +31,13 @@ class Mapping {
   template <class Enum>
   void word(std::string_view key, Enum& value,
             const std::vector<std::pair<std::string_view, Enum>>& vocabulary) {
+    std::vector<std::string_view> words;
+    std::string initial;
+    for (const auto& [name, enumerator] : vocabulary) {
+      words.push_back(name);
+      initial = enumerator == value ? name : initial;
+    }
+    note(key, one_of(words), std::move(initial));
     if (const std::optional<Value> found = find(key)) {
       value = found->word(vocabulary);
     }
@@ -59,6 +66,9 @@ class Mapping {
   explicit Mapping(std::vector<Value> layers);
   [[nodiscard]] std::optional<Value> find_in(const Value& layer, std::string_view key);
   void know(std::string_view key);
+  /// Adds the rule of `key` to the table of keys, if there is one.
+  void note(std::string_view key, std::string values, std::string initial = "",
+            bool is_required = false) const;
 
   std::vector<Value> layers_;
   std::vector<std::string> known_;

@@ -381,6 +381,23 @@ Scenario parse_scenario(const std::string& yaml, const std::string& name) {
   return scenario;
 }
 
+std::vector<KeyRule> keys_of_scenario(const std::string& path) {
+  constexpr std::string_view kDefaults = "robot_defaults.";
+  KeyTable asked;
+  Value document = parse_yaml(read_text_file(path), path);
+  document.keys = &asked;
+  Scenario scenario;
+  read_mapping({document}, [&](Mapping& top) { read_scenario(top, scenario); });
+  KeyTable merged;
+  for (KeyRule rule : asked.rules()) {
+    if (rule.path.starts_with(kDefaults)) {
+      rule.path.replace(0, kDefaults.size(), "robots[].");
+    }
+    merged.note(std::move(rule));
+  }
+  return merged.rules();
+}
+
 int line_of_key(const std::string& text, const std::string& path) {
   const Value document = parse_yaml(text, "");
   const Node* node = document.node.get();

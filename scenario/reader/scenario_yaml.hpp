@@ -1,7 +1,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "scenario/reader/key_table.hpp"
 #include "scenario/scenario.hpp"
 
 namespace vantage::scenario {
@@ -18,5 +20,11 @@ int line_of_key(const std::string& text, const std::string& path);
 
 /// Reads a scenario from text; `name` stands for the file in messages.
 Scenario parse_scenario(const std::string& yaml, const std::string& name);
+
+/// Returns the rules of all keys that the reader of the scenario file at `path` asks for. Keys of
+/// a section or list that the file does not have are missing. `robot_defaults` is merged into
+/// `robots[]`, which takes the same keys.
+/// @throws StartupError as load_scenario()
+std::vector<KeyRule> keys_of_scenario(const std::string& path);
 
 }  // namespace vantage::scenario

@@ -107,7 +107,14 @@ std::string Value::plain_number() const {
   return text.size() > 1 && text.front() == '+' && text[1] != '-' ? text.substr(1) : text;
 }
 
+void Value::note(std::string values) const {
+  if (keys != nullptr) {
+    keys->note({path, std::move(values), "", false, line});
+  }
+}
+
 double Value::number(const Range& range) const {
+  note(range.words());
   const std::string text = plain_number();
   double value = 0.0;
   const std::errc error = read_whole(text, value);
@@ -128,6 +135,7 @@ double Value::number(const Range& range) const {
 }
 
 std::int64_t Value::integer(std::int64_t min, std::int64_t max) const {
+  note(whole_words(min, max));
   std::int64_t value = 0;
   const std::errc error = read_whole(plain_number(), value);
   if (error == std::errc::invalid_argument) {
@@ -140,6 +148,7 @@ std::int64_t Value::integer(std::int64_t min, std::int64_t max) const {
 }
 
 std::uint64_t Value::unsigned_integer() const {
+  note("a whole number, at least 0");
   std::uint64_t value = 0;
   if (read_whole(plain_number(), value) != std::errc()) {
     refuse(fmt::format("must be a whole number of at least 0 and at most {}, is {}",
@@ -149,6 +158,7 @@ std::uint64_t Value::unsigned_integer() const {
 }
 
 bool Value::flag() const {
+  note("true or false");
   const bool is_bare = node->kind == Node::Kind::kLiteral || node->kind == Node::Kind::kWord;
   if (!is_bare || (node->text != "true" && node->text != "false")) {
     refuse("must be true or false, is " + found(*node));
@@ -165,6 +175,7 @@ std::string Value::text() const {
 }
 
 std::string Value::text_or_empty() const {
+  note("text");
   if (node->kind == Node::Kind::kLiteral) {
     refuse("must be a text, in quotes, is " + shortened(node->text));
   }
@@ -180,6 +191,7 @@ Eigen::Vector2d Value::point(const Range& range) const {
 }
 
 std::vector<Value> Value::items() const {
+  note("list");
   if (node->kind != Node::Kind::kList) {
     refuse("must be a list, is " + found(*node));
   }
@@ -197,7 +209,9 @@ std::vector<Value> Value::items(std::size_t count, std::string_view shape) const
     refuse(fmt::format("must be a list of {}, is {}{}", shape, found(*node),
                        is_list ? fmt::format(" of {}", node->items.size()) : ""));
   }
-  return items();
+  std::vector<Value> out = items();
+  note(std::string(shape));
+  return out;
 }
 
 std::vector<double> Value::numbers(std::size_t count, std::string_view shape,
@@ -220,7 +234,7 @@ std::ptrdiff_t Value::index_of_word(const std::vector<std::string_view>& words) 
 
 Value child_of(const Value& parent, std::string path, const Node& place, const Node& node) {
   return {std::shared_ptr<const Node>(parent.node, &node), parent.file, std::move(path),
-          place.line > 0 ? place.line : parent.line};
+          place.line > 0 ? place.line : parent.line, parent.keys};
 }
 
 std::string shortened(std::string_view text, std::size_t bytes_max) {
@@ -229,6 +243,14 @@ std::string shortened(std::string_view text, std::size_t bytes_max) {
     end += std::max<std::size_t>(utf8_bytes(text, end), 1);
   }
   return std::string(text.substr(0, end)) + (end < text.size() ? "…" : "");
+}
+
+std::string one_of(const std::vector<std::string_view>& words) {
+  return "one of " + comma_separated(words);
+}
+
+std::string whole_words(std::int64_t min, std::int64_t max) {
+  return fmt::format("a whole number, at least {} and at most {}", min, max);
 }
 
 std::string comma_separated(const std::vector<std::string_view>& words) {

@@ -11,6 +11,7 @@
 
 #include <Eigen/Core>
 
+#include "scenario/reader/key_table.hpp"
 #include "scenario/reader/node.hpp"
 
 // Values of a YAML or JSON file that know their position, for error messages.
@@ -38,16 +39,26 @@ constexpr Range from_to(double min, double max) { return {min, max, false, false
 constexpr Range above_to(double min, double max) { return {min, max, true, false}; }
 constexpr Range from_below(double min, double max) { return {min, max, false, true}; }
 
+/// Returns "one of a, b, c".
+std::string one_of(const std::vector<std::string_view>& words);
+
+/// Returns "a whole number, at least 1 and at most 5".
+std::string whole_words(std::int64_t min, std::int64_t max);
+
 /// Node of a file with its position. Each read function throws StartupError "file:line: path: what
 /// was expected, what was found" if the node does not match.
 struct Value {
   std::shared_ptr<const Node> node;
   std::string file;
-  std::string path;  ///< "robots[1].sensor.range_max_m"; empty for the whole file
-  int line = 1;      ///< line of the key, or of the item in a list
+  std::string path;          ///< "robots[1].sensor.range_max_m"; empty for the whole file
+  int line = 1;              ///< line of the key, or of the item in a list
+  KeyTable* keys = nullptr;  ///< receives the rule of each key that is read; nullptr: none
 
   /// Throws StartupError as one line; control characters in `what` and the path are escaped.
   [[noreturn]] void refuse(const std::string& what) const;
+
+  /// Adds the rule of this value to `keys`; `values` in words.
+  void note(std::string values) const;
 
   /// Returns a finite number in `range`. Quoted numbers are refused: they are text.
   [[nodiscard]] double number(const Range& range) const;
@@ -83,6 +94,7 @@ struct Value {
     for (const auto& [name, enumerator] : vocabulary) {
       words.push_back(name);
     }
+    note(one_of(words));
     return (vocabulary.begin() + index_of_word(words))->second;
   }
 

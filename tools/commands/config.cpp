@@ -2,11 +2,14 @@
 #include <fstream>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "core/check.hpp"
 #include "core/write_file.hpp"
+#include "scenario/reader/scenario_yaml.hpp"
 #include "scenario/reader/text_file.hpp"
 #include "tools/commands/commands.hpp"
 #include "tools/live/screen.hpp"
@@ -50,6 +53,37 @@ int list() {
   return 0;
 }
 
+// Prints the keys of all `scenarios`, or of those that come with vantage if it is empty.
+int list_keys(const std::vector<std::string>& scenarios, bool as_json) {
+  scenario::KeyTable table;
+  nlohmann::ordered_json places = nlohmann::ordered_json::object();
+  for (const std::string& name : scenarios.empty() ? trial::config_names() : scenarios) {
+    const std::string path = trial::scenario_path(name);
+    for (const scenario::KeyRule& rule : scenario::keys_of_scenario(path)) {
+      table.note(rule);
+      if (rule.line > 0) {
+        places[rule.path].push_back({path, rule.line});
+      }
+    }
+  }
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const scenario::KeyRule& rule : table.rules()) {
+    const std::string initial = rule.is_required ? "required" : rule.initial;
+    if (as_json) {
+      all.push_back({{"key", rule.path},
+                     {"values", rule.values},
+                     {"default", initial},
+                     {"places", places[rule.path]}});
+    } else {
+      print_line(fmt::format("{:44} {:12} {}", rule.path, initial, rule.values));
+    }
+  }
+  if (as_json) {
+    print_line(all.dump(1));
+  }
+  return 0;
+}
+
 }  // namespace
 
 void add_config_command(CLI::App& root, Runner& chosen) {
@@ -71,6 +105,22 @@ void add_config_command(CLI::App& root, Runner& chosen) {
       "  vantage config copy field mine.yaml");
   copy_command->callback(
       [&chosen, arguments] { chosen = [arguments] { return copy(*arguments); }; });
+
+  CLI::App* keys_command = config->add_subcommand(
+      "keys", "List all keys of scenario files: default and allowed values.");
+  auto scenarios = std::make_shared<std::vector<std::string>>();
+  auto as_json = std::make_shared<bool>(false);
+  keys_command->add_option("scenario", *scenarios,
+                           "scenario files; default: all that come with vantage. A list or section "
+                           "that none of them has is missing");
+  keys_command->add_flag("--json", *as_json, "print JSON, with the file and line of each key");
+  keys_command->footer(
+      "Examples:\n"
+      "  vantage config keys\n"
+      "  vantage config keys mine.yaml --json");
+  keys_command->callback([&chosen, scenarios, as_json] {
+    chosen = [scenarios, as_json] { return list_keys(*scenarios, *as_json); };
+  });
 }
 
 }  // namespace vantage::tools
