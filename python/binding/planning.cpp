@@ -164,7 +164,8 @@ double gap_of(const Plan& plan) {
 
 // long: a list of what Python sees, one entry a name.
 void bind_problem(py::module_& module) {
-  py::class_<Problem>(module, "Problem", R"(One robot's planning problem: docs/guide/planning-problems.md.
+  py::class_<Problem>(module, "Problem",
+                      R"(One robot's planning problem: docs/guide/planning-problems.md.
 
 Problem(source): of a dict with the keys of that page, or of the JSON file at a path.
 Raises StartupError with the words of `vantage plan` at the first thing that cannot be.)")

@@ -12,8 +12,8 @@
 
 namespace vantage::sim {
 
-/// A ground robot on the wire: an emulated rover with the protocol of docs/guide/rovers.md. Its body is at
-/// the height of its markers.
+/// A ground robot on the wire: an emulated rover with the protocol of docs/guide/rovers.md. Its
+/// body is at the height of its markers.
 class WireRover : public WireVehicle {
  public:
   /// @param boot  boot number sent in its telemetry; different at each start

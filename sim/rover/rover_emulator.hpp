@@ -25,7 +25,8 @@ struct RoverEmulatorSpec {
   double battery_per_s = 1.0 / 7200.0;
 };
 
-/// A rover with the protocol of docs/guide/rovers.md. Time and bytes are arguments; `now` never decreases.
+/// A rover with the protocol of docs/guide/rovers.md. Time and bytes are arguments; `now` never
+/// decreases.
 class RoverEmulator {
  public:
   RoverEmulator(const RoverEmulatorSpec& spec, Time start);

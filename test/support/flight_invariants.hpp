@@ -39,7 +39,8 @@ double processors_used(const FlightRecord& record, Time begin, Time end);
 std::optional<std::string> held_up(const FlightRecord& record, const FlightBounds& bounds = {});
 
 /// The collisions that are judged, for people: all; where the flight was held_up() those of
-/// landings without a pose are not, which are the autopilot's, straight down (docs/explanation/safety.md).
+/// landings without a pose are not, which are the autopilot's, straight down
+/// (docs/explanation/safety.md).
 std::vector<std::string> collisions(const FlightRecord& record, const FlightBounds& bounds = {});
 
 /// What did not hold, a line each: `ROBOT INVARIANT: what was seen (what is allowed)`. The

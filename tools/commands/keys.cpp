@@ -108,7 +108,8 @@ void add_keys_command(CLI::App& root, Runner& chosen) {
       });
   revoke->add_option("key", arguments->key, "ID or ROLE-ID, as `show` says")->required();
   command->footer(
-      "Processes read their keys when they start. docs/guide/security.md tells which files go where.\n"
+      "Processes read their keys when they start. docs/guide/security.md tells which files go "
+      "where.\n"
       "Examples:\n"
       "  vantage keys new keys\n"
       "  vantage keys rotate keys --role operator");

@@ -119,7 +119,8 @@ void add_log_export_command(CLI::App& log, Runner& chosen) {
   command->footer(
       "CSV: a message with a list (bodies, targets, …) is one line an element. MCAP: JSON "
       "messages\n"
-      "with their schemas; Foxglove, Lichtblick and PlotJuggler open it. Details: docs/guide/logs.md.\n"
+      "with their schemas; Foxglove, Lichtblick and PlotJuggler open it. Details: "
+      "docs/guide/logs.md.\n"
       "Ctrl-C ends it at once with what is written, whole. Exit code 1 then, when the disk is "
       "full,\n"
       "and when events were left out that are no messages of this version: each channel is named.\n"

@@ -16,8 +16,8 @@ namespace vantage::tools {
 /// True if each of the T steps has a control.
 bool is_complete(const planner::SearchProblem& problem, const planner::SearchResult& result);
 
-/// Returns the object that `vantage plan --json` prints (keys: docs/guide/planning-problems.md). Infinite
-/// and unknown values are null.
+/// Returns the object that `vantage plan --json` prints (keys: docs/guide/planning-problems.md).
+/// Infinite and unknown values are null.
 nlohmann::ordered_json to_json(const PlanningProblem& problem, const PlanOutcome& outcome);
 /// Returns the same as text, one line per entry.
 std::vector<std::string> to_lines(const PlanningProblem& problem, const PlanOutcome& outcome);

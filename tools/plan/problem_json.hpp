@@ -11,8 +11,8 @@ struct PlanningProblem : planner::OwnedProblem {
   std::string name;  ///< empty if the file has none
 };
 
-/// Reads the JSON schema of docs/guide/planning-problems.md: one point robot that must stay inside the
-/// map and outside the boxes at all times. Units are metres, seconds and, in keys that end in
+/// Reads the JSON schema of docs/guide/planning-problems.md: one point robot that must stay inside
+/// the map and outside the boxes at all times. Units are metres, seconds and, in keys that end in
 /// `_deg`, degrees. `sensor.fov_deg` is the full angle, as in scenario files and
 /// SensorModel::fov_rad.
 /// @throws StartupError "source:line: path: rule, is what" for the first invalid value, and

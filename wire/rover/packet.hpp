@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <span>
 
-// The rover protocol: one datagram in each direction, fixed layouts, little-endian. docs/guide/rovers.md
-// describes the bytes and the rules.
+// The rover protocol: one datagram in each direction, fixed layouts, little-endian.
+// docs/guide/rovers.md describes the bytes and the rules.
 
 namespace vantage::wire::rover {
 

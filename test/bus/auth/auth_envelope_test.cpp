@@ -59,7 +59,8 @@ Message signed_by(const Key& key, const std::string& channel, const Message& pay
   return message;
 }
 
-// Made by Python's hashlib.blake2b, as docs/guide/security.md shows: what other programs have to make.
+// Made by Python's hashlib.blake2b, as docs/guide/security.md shows: what other programs have to
+// make.
 TEST(Sign, MakesTheBytesThatAnIndependentProgramMakes) {
   const Key key = test::key_of(Role::kMocap, 0);
   EXPECT_EQ(key.id, 0x5b595a32U);

@@ -1,4 +1,5 @@
-// Every number of docs/guide/rovers.md that stops a rover, at its edge; and those by which it is steered.
+// Every number of docs/guide/rovers.md that stops a rover, at its edge; and those by which it is
+// steered.
 
 #include <algorithm>
 #include <string>

@@ -13,8 +13,9 @@
 #include "test/support/stated.hpp"
 #include "wire/autopilot/parameter_rules.hpp"
 
-// Every number of SafetyLimits once, against where it comes from: docs/explanation/safety.md and the rows of
-// docs/results/faults.md for those that are the same in every lab, the scenario for the others.
+// Every number of SafetyLimits once, against where it comes from: docs/explanation/safety.md and
+// the rows of docs/results/faults.md for those that are the same in every lab, the scenario for the
+// others.
 
 namespace vantage::drivers {
 namespace {
@@ -206,8 +207,9 @@ TEST_F(FromTheScenario, WhatTheScenarioDoesNotSayIsAsStated) {
   EXPECT_EQ(is.reaction_s, 0.20);
 }
 
-// docs/explanation/safety.md, "When a driver dies in motion". What was budgeted holds for each vehicle that
-// arms: none does with a longer time-out (Parameters.LongerThanTheStopWasBudgetedFor...).
+// docs/explanation/safety.md, "When a driver dies in motion". What was budgeted holds for each
+// vehicle that arms: none does with a longer time-out
+// (Parameters.LongerThanTheStopWasBudgetedFor...).
 TEST_F(FromTheScenario, EachAutopilotIsBudgetedWithItsReactionAndItsTimeOut) {
   using models::AutopilotDialect;
   struct Budget {

@@ -1,8 +1,8 @@
 // Records what real firmware does in a drill:
 //   autopilot_recorder DRILL BINARY FOLDER > DRILL.csv
-// BINARY as docs/guide/firmware.md has it; it is started as `vantage up` would, and works in FOLDER. Its
-// ports are those of instance 0. Without arguments: says which drills there are. With DRILL alone
-// the emulated autopilot plays it. Not part of ctest; recordings_test.cpp compares.
+// BINARY as docs/guide/firmware.md has it; it is started as `vantage up` would, and works in
+// FOLDER. Its ports are those of instance 0. Without arguments: says which drills there are. With
+// DRILL alone the emulated autopilot plays it. Not part of ctest; recordings_test.cpp compares.
 
 #include <iostream>
 #include <memory>
