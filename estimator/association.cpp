@@ -10,7 +10,7 @@
 namespace vantage::estimator {
 namespace {
 
-/// A pair that cannot be costs so much: e^−1e5 is 0 beside any odds.
+/// Cost of an impossible pair: e^−1e5 is 0 compared with any odds.
 constexpr double kForbidden = 1e5;
 constexpr int kRoundsMax = 200;
 constexpr double kSettled = 1e-9;
@@ -43,7 +43,7 @@ void Association::start(int tracks, int detections) {
 }
 
 std::span<const int> Association::best() {
-  const int columns = detections_ + tracks_;  // to be missed is a column for each
+  const int columns = detections_ + tracks_;  // each track has a column for being missed
   cost_.assign(index(tracks_) * index(columns), 0.0);
   for (int i = 0; i < tracks_; ++i) {
     for (int j = 0; j < detections_; ++j) {
@@ -112,15 +112,15 @@ void Association::set_group_probability(int row, int column, double probability)
   probabilities_[at(track, detection)] = probability;
 }
 
-// F_r(S): sum over what rows before r can be such that they take the columns S between them. B(S):
-// the same of rows from r on, S taken before. β_rc = odds_rc Σ_{S ∌ c} F_r(S) B_{r+1}(S ∪ c) /
-// F(all).
+// F_r(S): sum over all assignments of the rows before r that use exactly the columns S. B_r(S): the
+// same for the rows from r on, with S already used. β_rc = odds_rc Σ_{S ∌ c} F_r(S) B_{r+1}(S ∪ c)
+// / F(all).
 void Association::solve_exactly() {
   const int rows = static_cast<int>(std::max(group_tracks_.size(), group_detections_.size()));
   const int columns = static_cast<int>(std::min(group_tracks_.size(), group_detections_.size()));
   const std::size_t subsets = std::size_t{1} << index(columns);
   const auto bit = [](int c) { return std::size_t{1} << index(c); };
-  // Each row is divided by its sum, or large odds of many rows would overflow.
+  // Each row is divided by its sum; otherwise large odds of many rows would overflow.
   const auto share_of = [&](int r) {
     double sum = 1.0;
     for (int c = 0; c < columns; ++c) {

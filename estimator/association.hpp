@@ -8,52 +8,54 @@
 
 namespace vantage::estimator {
 
-/// How likely it is that each track was seen as each detection, if each was seen as at most one and
-/// each detection is of at most one.
+/// Joint association probabilities of tracks and detections. Each track causes at most one
+/// detection, and each detection belongs to at most one track.
 ///
-/// An association a gives track i the detection a_i or none (a_i = 0); its probability is
-/// ∝ Π_i w_{i a_i} over all a that give no detection twice. What is asked for is the marginals
-/// β_ij = P(a_i = j), in which Σ_j β_ij + β_i0 = 1 and Σ_i β_ij ≤ 1, and the likeliest a.
-/// Storage is of the size that it was made for; nothing else is allocated.
+/// An association a gives track i the detection a_i or none (a_i = 0). Its probability is ∝ Π_i
+/// w_{i a_i} over all a that use no detection twice. The class computes the marginals β_ij = P(a_i
+/// = j), with Σ_j β_ij + β_i0 = 1 and Σ_i β_ij ≤ 1, and the most likely a. The constructor reserves
+/// all storage; nothing is allocated later.
 /// Source: Bar-Shalom, Fortmann, Scheffe, Joint probabilistic data association for multiple targets
 /// in clutter (1980).
 class Association {
  public:
-  /// The more numerous side of a group of tracks and detections that compete is summed over subsets
-  /// of the less numerous one, exactly, up to this many of them; larger groups are left to belief
-  /// propagation.
+  /// Exact marginals are computed by a sum over subsets of the smaller side of a group of competing
+  /// tracks and detections, up to this size. Larger groups use belief propagation.
   static constexpr int kExactMax = 10;
 
   Association() = default;
   Association(int tracks_max, int detections_max);
 
-  /// Starts anew with tracks that were all missed. Precondition: within what it was made for.
+  /// Resets to tracks that are all missed.
+  /// Precondition: at most the numbers given to the constructor.
   void start(int tracks, int detections);
-  /// w_ij / w_i0 ≥ 0: what speaks for detection j being track i, against track i being missed and
-  /// detection j being nobody's.
+  /// Sets w_ij / w_i0 ≥ 0: the odds of detection j belonging to track i against track i being
+  /// missed and detection j belonging to no track.
   void set(int track, int detection, double odds) { odds_[at(track, detection)] = odds; }
   [[nodiscard]] double odds(int track, int detection) const { return odds_[at(track, detection)]; }
 
-  /// Detection of each track in the likeliest association, −1: none. Valid until the next call.
+  /// Returns the detection of each track in the most likely association, −1 for none. Valid until
+  /// the next call.
   /// Cost: O(tracks² · (tracks + detections)).
   std::span<const int> best();
-  /// Computes the marginals. Cost of a group of competing tracks and detections, p the fewer and q
-  /// the more of them: O(p q 2^p) up to p = kExactMax, else of at most 200 rounds of O(p q), and
-  /// then approximate.
+  /// Computes the marginals. For a group with p the smaller and q the larger of its numbers of
+  /// tracks and detections, the cost is O(p q 2^p) up to p = kExactMax. Above it, belief
+  /// propagation takes at most 200 rounds of O(p q), and the result is approximate.
   void solve();
-  /// β_ij and β_i0 of the last solve().
+  /// Returns β_ij of the last solve(); miss_probability() returns β_i0.
   [[nodiscard]] double probability(int track, int detection) const {
     return probabilities_[at(track, detection)];
   }
   [[nodiscard]] double miss_probability(int track) const;
-  /// 1 − Σ_i β_ij: that detection j is none of the tracks.
+  /// Returns 1 − Σ_i β_ij, the probability that detection j belongs to no track.
   [[nodiscard]] double nobodys_probability(int detection) const;
 
  private:
   [[nodiscard]] std::size_t at(int track, int detection) const {
     return static_cast<std::size_t>(track * detections_ + detection);
   }
-  /// Odds of row against column of the group, rows the more numerous side.
+  /// Returns the odds of a row and a column of the group. Rows are the larger of tracks and
+  /// detections.
   [[nodiscard]] double group_odds(int row, int column) const;
   void set_group_probability(int row, int column, double probability);
   void gather_group(int first_track);
@@ -66,11 +68,11 @@ class Association {
   std::vector<double> probabilities_;
   std::vector<char> is_grouped_;   // by track
   std::vector<char> is_in_group_;  // by detection
-  std::vector<int> group_tracks_;  // that compete with each other
+  std::vector<int> group_tracks_;  // the group's competing tracks
   std::vector<int> group_detections_;
   bool has_tracks_as_rows_ = true;
-  std::vector<double> forward_;   // rows + 1 times 2^columns; messages
-  std::vector<double> backward_;  // 2^columns, twice
+  std::vector<double> forward_;   // (rows + 1) · 2^columns entries, or messages
+  std::vector<double> backward_;  // 2 · 2^columns entries, or messages
   std::vector<double> cost_;
   std::vector<int> best_;
   AssignmentSolver solver_;

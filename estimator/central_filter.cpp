@@ -53,7 +53,7 @@ void CentralFilter::look(const models::SensorModel& sensor,
         }
       }
     } else if (std::ranges::none_of(looks, reports)) {
-      continue;  // there and back by the information would only round it
+      continue;  // converting to information form and back would only add rounding
     }
     std::optional<models::Information> information = models::to_information(beliefs_[m]);
     for (const models::DetectionSet& look : looks) {

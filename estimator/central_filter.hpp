@@ -11,38 +11,41 @@
 
 namespace vantage::estimator {
 
-/// What a CentralFilter has to know of the targets and of looks at them.
+/// Parameters of a CentralFilter: the targets' motion and the use of observations.
 struct CentralFilterSpec {
   models::TargetModel model;
   double step_s = 0.5;
-  /// With which a look that finds nothing moves a belief away; 0: such looks are not used. Looks
-  /// of successive steps are nearly the same look, which a Gaussian cannot remember: far below the
-  /// sensor's own probability, or the filter grows sure of where targets are not.
+  /// Detection probability assumed for observations without a detection; 0: they are not used.
+  /// Successive observations see nearly the same area, and a Gaussian cannot represent this. The
+  /// value must be far below the sensor's detection probability; otherwise the filter becomes
+  /// overconfident about where targets are not.
   double detection_probability = 0.0;
-  bool targets_stay_inside = true;  ///< of the world's bounds: beliefs are reflected there
+  bool targets_stay_inside = true;  ///< beliefs are reflected at the world's bounds
 };
 
-/// What a team believes whose robots hear each other's looks at once and whose targets are known
-/// from the beginning, by their numbers: one extended Kalman filter a target, in moments, step by
-/// step. What the source's simulations of ch. 4 ask for. A robot that has to discover targets and
-/// hears others late or never runs a DistributedFilter.
+/// Central filter of a team that shares all observations at once and knows all targets, by number,
+/// from the beginning. It runs one extended Kalman filter per target, in moments, step by step, as
+/// the simulations of chapter 4 of the source require. A robot that must discover targets, or
+/// receives others' messages late or never, runs a DistributedFilter.
 class CentralFilter {
  public:
-  /// `world` must outlive this. @param priors  of target 0, 1, …, each of the model's dimension
+  /// `world` must outlive this.
+  /// @param priors  of target 0, 1, …, each of the model's dimension
   CentralFilter(const CentralFilterSpec& spec, const models::World& world,
                 std::vector<models::Gaussian> priors);
 
-  /// One step of the targets.
+  /// Predicts all beliefs by one step.
   void predict();
-  /// The looks of one instant, at most one of a robot, each of every robot that was not jammed: of
-  /// each target first those that do not report it, then those that do, in their order. What robots
-  /// that do not see it know does not depend on a measurement, and a narrow belief beside a field
-  /// of view is not touched by it.
+  /// Uses the observations of one instant: one per robot that was not jammed. For each target,
+  /// observations that do not report it come first, then those that report it, in their order.
+  /// Missed detections thus do not depend on a measurement, and do not change a belief that a
+  /// measurement has narrowed next to a field of view.
   void look(const models::SensorModel& sensor, std::span<const models::DetectionSet> looks);
 
   [[nodiscard]] const models::TargetModel& model() const { return spec_.model; }
   [[nodiscard]] const std::vector<models::Gaussian>& beliefs() const { return beliefs_; }
-  /// Not 0 of those of which the last looks brought a measurement that was used, by target.
+  /// Returns, by target, nonzero if the last observations contained a measurement of it that was
+  /// used.
   [[nodiscard]] const std::vector<char>& is_seen() const { return is_seen_; }
 
  private:

@@ -13,8 +13,8 @@ namespace vantage::estimator {
 
 namespace {
 
-// Whether every point of the rule is in `bounds`. Rounding is monotone, so that the outermost four,
-// computed as all are, are the outermost of all.
+// True if every point of the rule is in `bounds`. Rounding is monotone, so testing the four
+// outermost points, computed like all others, is sufficient.
 bool are_all_inside(const ProductRule& rule, const Eigen::Vector2d& mean_m,
                     const Eigen::Matrix2d& L, const models::Rectangle& bounds) {
   const double first = rule.point.front();
@@ -35,7 +35,7 @@ bool are_all_inside(const ProductRule& rule, const Eigen::Vector2d& mean_m,
 Folded fold(double position_m, double min_m, double max_m) {
   const double width_m = max_m - min_m;
   double along_m = position_m - min_m;
-  if (!(std::abs(along_m) < 2.0 * width_m)) {  // else fmod() gives back what it gets
+  if (!(std::abs(along_m) < 2.0 * width_m)) {  // else fmod() would return it unchanged
     along_m = std::fmod(along_m, 2.0 * width_m);
   }
   if (along_m < 0.0) {
@@ -73,7 +73,7 @@ models::Gaussian reflect(const models::Gaussian& belief, const models::Rectangle
   const Eigen::Matrix2d G = root.matrixL().solve(P_pv).transpose();  // velocity from u
   const Eigen::Matrix2d C = belief.covariance.bottomRightCorner<2, 2>() - G * G.transpose();
 
-  // Plain arrays, for the compiler to take four of them at once.
+  // Plain arrays let the compiler vectorise over four rows.
   std::array<double, 4> sum{};
   std::array<std::array<double, 4>, 4> sum_of_squares{};  // [column][row]
   for (int i = 0; i < rule.size; ++i) {

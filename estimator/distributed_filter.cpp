@@ -18,9 +18,9 @@ namespace {
 constexpr std::size_t kTeammatesReserved = 64;
 constexpr int kOwnLooksReserved = 4;
 
-/// The world's cells or, in a neighbourhood, those around where the robot is: the same while it
-/// stays in a square of half the neighbourhood, so that they seldom change and depend on nothing
-/// but its place.
+/// Returns the grid of the world or, in a neighbourhood, of the robot's surroundings. It stays the
+/// same while the robot is within one square of half the neighbourhood. Thus it changes seldom and
+/// depends only on the robot's position.
 models::GridGeometry grid_around(const FilterSpec& spec, const Eigen::Vector2d& place_m) {
   const auto whole =
       models::GridGeometry::covering(spec.world.bounds, spec.estimator.grid_resolution_m);
@@ -48,7 +48,8 @@ bool is_same(const models::Gaussian& a, const models::Gaussian& b) {
   return a.mean == b.mean && a.covariance == b.covariance;
 }
 
-/// Makes `belief` what is known of it; false, counted and as it was, where it is no Gaussian.
+/// Sets the track's information from `belief`. Returns false, counted and unchanged, when the
+/// covariance is singular.
 bool tell(KnownTrack& known, const models::Gaussian& belief, FilterCounters& count) {
   const auto information = models::to_information(belief);
   if (information) {
@@ -59,18 +60,19 @@ bool tell(KnownTrack& known, const models::Gaussian& belief, FilterCounters& cou
   return information.has_value();
 }
 
-/// The same of what its samples say.
+/// The same with the moments of its samples.
 bool tell_samples(KnownTrack& known, FilterCounters& count) {
   return tell(known, known.samples.moments(), count);
 }
 
-/// A detection of `time` is in what is known.
+/// Marks the track as updated by a detection of `time`.
 void saw(Track& track, Time time) {
   track.last_seen = std::max(track.last_seen, time);
   track.doubted = {};
 }
 
-/// Which sample meets which noise: the same for all robots, another at each instant.
+/// Returns the key that pairs samples with noise: the same for all robots, different at each
+/// instant.
 std::uint64_t noise_key(int target_id, Time at) {
   return (static_cast<std::uint64_t>(to_utime(at)) << 10U) + static_cast<std::uint64_t>(target_id);
 }
@@ -98,7 +100,7 @@ DistributedFilter::DistributedFilter(FilterSpec spec)
   }
   records_.resize(static_cast<std::size_t>(spec_.history_steps));
   const bool has_ids = spec_.detection.detects_ids;
-  for (StepRecord& r : records_) {  // copying a vector does not copy what it has reserved
+  for (StepRecord& r : records_) {  // copying a vector does not copy its reserved capacity
     r = StepRecord(has_ids ? spec_.target_count : kLabelledDetections, looks);
   }
   if (!has_ids) {
@@ -219,7 +221,7 @@ int DistributedFilter::file(const models::DetectionSet& look, Time now) {
     ++counters_.late_measurements;
   }
   const models::SensorModel& sensor = sensor_of(looker);
-  if (is_own) {  // what teammates have looked at comes with their grids
+  if (is_own) {  // teammates' scanned cells come with their grids
     grid_.see(sensor, look.viewpoint, spec_.world, at);
   }
   Look& filed = record(age).insert(at, looker);
@@ -251,7 +253,7 @@ void DistributedFilter::run(StepRecord& record) {
   if (record.from < record.to) {
     reconcile_labels(record, record.from);
   }
-  fuse(record.heard_of_start);  // what happens in the step then happens to what is told as well
+  fuse(record.heard_of_start);  // first, so that the step's prediction acts on received beliefs too
   for (; next < record.look_count && look(next).time < record.to; ++next) {
     propagate_all(at, look(next).time);
     at = look(next).time;
@@ -265,7 +267,7 @@ void DistributedFilter::run(StepRecord& record) {
   for (; next < record.look_count; ++next) {
     apply(look(next));
   }
-  if (record.is_heard_of_end) {  // a belief of `to` holds looks of `to`: they are in before it is
+  if (record.is_heard_of_end) {  // contains the observations of `to`
     fuse(record.heard);
   }
   reconcile_labels(record, record.to);
@@ -326,7 +328,7 @@ void DistributedFilter::propagate_all(Time from, Time to) {
                                  track.last_seen, from, to);
     if (later) {
       track.information = *later;
-    } else {  // nothing trustworthy is left: discover it again
+    } else {  // drop the track; the next detection discovers it again
       ++counters_.singular;
       track.known = false;
     }

@@ -2,13 +2,13 @@
 
 #include "estimator/distributed_filter.hpp"
 
-// What a filter tells of what it knows, and how it goes on from what it told.
+// Publishes the estimate of a filter and continues from a published one.
 
 namespace vantage::estimator {
 namespace {
 
-/// Parts of what is believed of an unseen target are this share of the sensor's range in σ: so
-/// small that one look tells whether the target is there. Measured (docs/decisions/0025).
+/// Size of a part of an unseen target's belief: this share of the sensor's range in σ. It is so
+/// small that one observation decides whether the target is there. Measured (docs/decisions/0025).
 constexpr double kPartShare = 0.2;
 
 }  // namespace

@@ -8,19 +8,19 @@
 #include "estimator/confinement.hpp"
 #include "estimator/distributed_filter.hpp"
 
-// What a filter makes of its teammates' beliefs.
+// Fusion of teammates' beliefs.
 
 namespace vantage::estimator {
 namespace {
 
-/// √det Ω, a belief's share in a fusion; 0 when Ω is not positive definite.
+/// Returns √det Ω, the weight of a belief in a fusion; 0 when Ω is not positive definite.
 double weight_of(const models::StateMatrix& Omega) {
   const Eigen::LLT<models::StateMatrix> root(Omega);
   return root.info() == Eigen::Success ? root.matrixLLT().diagonal().prod() : 0.0;
 }
 
-/// The κ in [0, 1] for which det((1 − κ) A + κ B) is largest. log det is concave in κ, so its slope
-/// tr((B − A) Ω⁻¹) falls; halving finds where it is 0, to 1/4096.
+/// Returns the κ in [0, 1] that maximises det((1 − κ) A + κ B). log det is concave in κ, so its
+/// slope tr((B − A) Ω⁻¹) falls; bisection finds its zero to 1/4096.
 double intersection_weight(const models::StateMatrix& A, const models::StateMatrix& B) {
   const models::StateMatrix D = B - A;
   const auto is_rising = [&](double kappa) {
@@ -83,7 +83,8 @@ std::optional<models::Information> DistributedFilter::kept_inside(
 }
 
 void DistributedFilter::hear(const models::RobotBelief& belief, StepRecord& record) {
-  // Before the first step nothing is known of its beginning, looks of which may be in the belief.
+  // In the first step the tracks at its start are empty, and the belief may contain observations
+  // made since.
   const bool is_of_start = time_ && belief.stamp.time <= record.from;
   const Time now = is_of_start ? record.from : record.to;
   HeardTable& all_heard = is_of_start ? record.heard_of_start : record.heard;
@@ -100,7 +101,8 @@ void DistributedFilter::hear(const models::RobotBelief& belief, StepRecord& reco
     }
     auto now_known = propagate(spec_.estimator.target_model, spec_.step_s, target.information,
                                target.last_seen, belief.stamp.time, now);
-    // Or one that has meanwhile come to a wall would be surer of itself than one that has turned.
+    // Without this, a belief predicted into a wall would be more confident than one that was
+    // reflected.
     if (now_known && belief.stamp.time < now) {
       now_known = kept_inside(*now_known);
     }
@@ -131,9 +133,9 @@ void DistributedFilter::hear(const models::RobotBelief& belief, StepRecord& reco
 void DistributedFilter::hear_labels(const models::RobotBelief& belief, StepRecord& record) {
   const Time told_at = belief.stamp.time;
   if (told_at < record.from) {
-    return;  // of a step that was reconciled already, or missed
+    return;  // of a step that was reconciled already, or too old
   }
-  // What is told of `from` holds no look of this step; what is told of later is used when all are.
+  // A belief of `from` contains no observation of this step. A later one is used after all of them.
   const Time at = told_at == record.from && record.from < record.to ? record.from : record.to;
   const models::TargetModel& model = spec_.estimator.target_model;
   const int teller = record.heard_labels.empty() ? 0 : record.heard_labels.back().teller + 1;
@@ -144,7 +146,7 @@ void DistributedFilter::hear_labels(const models::RobotBelief& belief, StepRecor
     if (target.target_id < models::kTrackLabelMin) {
       ++counters_.unknown_ids;
     } else if (!believed || record.heard_labels.size() >= spec_.team.size() * labelled_.size()) {
-      ++counters_.malformed_beliefs;  // nobody who keeps to the scenario tells of so many
+      ++counters_.malformed_beliefs;  // a team that conforms to the scenario never sends that many
     } else {
       record.heard_labels.push_back(
           {teller, at, target.target_id,
@@ -159,7 +161,7 @@ void DistributedFilter::merge_grid(const models::RobotBelief& belief) {
   if (belief.last_seen_utime.empty()) {
     return;
   }
-  // Nobody has seen anything after the instant of their own message.
+  // No cell can have been seen after the instant of the message.
   const bool is_one_grid = spec_.neighbourhood_m > 0.0 || belief.grid == grid_.geometry();
   if (!is_one_grid ||
       !grid_.merge(belief.grid, belief.last_seen_utime, to_utime(belief.stamp.time))) {
@@ -178,10 +180,10 @@ void DistributedFilter::fuse(const HeardTable& all_heard) {
     }
     Track& own = known->track;
     if (heard.last_seen < own.doubted) {
-      continue;  // it would do away with the doubt, and knows nothing of it
+      continue;  // it is older than the doubt and would remove it
     }
-    // Where nobody who was heard knows of a newer detection they have seen other empty places at
-    // most: told are moments, and of two that differ the surer one is the likelier to be wrong.
+    // Without a newer detection, teammates can have only other missed detections. They publish
+    // moments, and of two different moments the more confident ones are more likely to be wrong.
     if (!known->samples.empty() && heard.last_seen <= own.last_seen) {
       continue;
     }

@@ -3,7 +3,7 @@
 #include "core/check.hpp"
 #include "estimator/distributed_filter.hpp"
 
-// What a filter is made from, and what it says of itself.
+// Makes the filter's spec from a scenario, and names its counters.
 
 namespace vantage::estimator {
 

@@ -11,20 +11,20 @@
 #include "estimator/posterior_moments.hpp"
 #include "estimator/view_limits.hpp"
 
-// posterior_moments() where rays from the sensor do not serve.
+// The quadrature of posterior_moments() for sensors for which integration along rays is unsuitable.
 
 namespace vantage::estimator {
 
-/// What prior, measurement and limits come to.
+/// Moments of the product of prior, measurement likelihood and view limits.
 struct IntegratedMoments {
-  models::PositionVector mean_m;  ///< from the sensor; of a GroundGrid in the world
+  models::PositionVector mean_m;  ///< relative to the sensor; from a GroundGrid in the world frame
   models::PositionMatrix covariance_m2;
   double mahalanobis2 = 0.0;
   double share_in_view = 1.0;
 };
 
-/// Any sensor of targets on the ground, a camera above all: p on the axes of the posterior
-/// linearised at its top.
+/// Quadrature for any sensor of targets on the ground, in particular a camera. p is evaluated on a
+/// grid along the axes of the posterior linearised at its mode.
 class GroundGrid {
  public:
   GroundGrid(const PositionPrior& prior, const models::SensorModel& sensor,

@@ -10,10 +10,10 @@
 namespace vantage::estimator {
 namespace {
 
-/// Farther than so many σ from its mean a target is not looked for.
+/// A target farther than this many σ from its mean is neglected.
 constexpr double kReach_sigma = 4.0;
 
-/// The greatest of two coordinates' σ, times kReach_sigma.
+/// Returns kReach_sigma times the larger σ of two coordinates, from `first` on.
 double reach_of(const models::Gaussian& belief, Eigen::Index first) {
   return kReach_sigma * std::sqrt(belief.covariance.diagonal().segment<2>(first).maxCoeff());
 }
@@ -37,7 +37,7 @@ void Meetings::let_meet(TrackTable& tracks, double dt_s, std::uint64_t key) {
     party.target_id = each.target_id;
     const auto belief = models::to_gaussian(each.track.information);
     if (!belief) {
-      party.radius_m = -std::numeric_limits<double>::infinity();  // near nobody
+      party.radius_m = -std::numeric_limits<double>::infinity();  // near no other target
       continue;
     }
     const double speed_max_mps = belief->mean.segment<2>(2).norm() + reach_of(*belief, 2);

@@ -9,30 +9,33 @@
 
 namespace vantage::estimator {
 
-/// Targets are discs: no two of them are in one place, and who walks into another turns back there.
-/// Where a belief allows that its target does, samples of it do, and what comes of it is no
-/// Gaussian (docs/decisions/0024).
+/// Collisions between targets. Targets are discs that cannot overlap; a target that walks into
+/// another one turns back. Where beliefs allow a collision, samples represent the result, which is
+/// not Gaussian (docs/decisions/0024).
 ///
-/// A value, of nothing but scratch. Nothing allocates up to TrackTable::kReserved targets.
+/// A value; the members are only scratch. It does not allocate for up to TrackTable::kReserved
+/// targets.
 class Meetings {
  public:
-  /// Of up to so many targets, whose middles come no nearer than `distance_m` to each other.
+  /// Reserves room for `target_count` targets; their centres are at least `distance_m` apart.
   Meetings(int target_count, double distance_m);
 
-  /// Those of the dt_s from now on. Of which of `tracks` a sample walks into another's, it is told
-  /// by samples from here on; predicted by dt_s, they are where they are after it. What is told of
-  /// them, their information, is as it was. `key` chooses which sample meets which, for the same
-  /// targets the same. Precondition: a model with a velocity.
+  /// Applies the collisions of the next dt_s. If a sample of a track collides with another track's
+  /// sample, the track is represented by samples from now on. The samples are moved such that a
+  /// prediction by dt_s puts them where they are after the collision. The tracks' information is
+  /// not changed. `key` selects which sample is paired with which; the same key and targets give
+  /// the same pairs.
+  /// Precondition: a model with a velocity.
   void let_meet(TrackTable& tracks, double dt_s, std::uint64_t key);
 
  private:
-  /// A target, and the disc that it hardly leaves within the time.
+  /// A target and the disc that it leaves with negligible probability within dt_s.
   struct Party {
     int target_id = 0;
     Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();
     double radius_m = 0.0;
     bool has_met = false;
-    Samples samples = {};  ///< of who is near another; none of a belief that is nothing definite
+    Samples samples = {};  ///< only if another target is near; empty for a singular belief
   };
   [[nodiscard]] bool may_meet(const Party& one, const Party& other) const;
 

@@ -6,17 +6,18 @@
 
 namespace vantage::estimator {
 
-/// Whether a look from there may report a target at `target_m`: models::in_view and line of sight.
+/// True if an observation from `from` may report a target at `target_m`: it is in view
+/// (models::in_view) and in line of sight.
 bool can_report(const models::SensorModel& sensor, const models::Viewpoint& from,
                 const models::World& world, const models::PositionVector& target_m);
 
-/// A look that did not report a target although the belief expected it says where the target is
-/// not: the moments of N(y; μ, P) · (1 − p_D · 1[y in view]) / Z ("negative information"). See
-/// reweighted() for how, and for what is returned unchanged; also p_D ≤ 0 and a belief beyond reach
-/// of the sensor.
+/// Updates a belief with an observation that did not report the target ("negative information").
+/// Returns the moments of N(y; μ, P) · (1 − p_D · 1[y in view]) / Z, where "in view" is
+/// can_report(). See reweighted() for the method and for the cases that are returned unchanged. p_D
+/// ≤ 0 and a belief beyond the sensor's range are unchanged as well.
 ///
-/// "In view" is can_report().
-/// @param probability  if not null: Z, that of the look not reporting the target
+/// @param probability  if not null: receives Z, the probability that the observation does not
+/// report the target
 /// Cost: at most 343 line-of-sight queries, no allocation.
 /// Source: Ristic, Arulampalam, Gordon, Beyond the Kalman Filter (2004), 11.3 (no-detection
 /// likelihood).

@@ -10,12 +10,12 @@
 
 #include "models/belief/gaussian.hpp"
 
-// What is known of a position without having been measured, put into a Gaussian: the belief times
-// a likelihood of any shape, then the Gaussian of the same mean and covariance.
+// Updates a Gaussian with a likelihood of the position that is not Gaussian: the product is
+// replaced by the Gaussian of the same mean and covariance.
 
 namespace vantage::estimator {
 
-/// Equally spaced points with Gaussian weights, of mean 0 and variance 1 exactly.
+/// Equally spaced quadrature points with Gaussian weights, of mean 0 and variance 1 exactly.
 struct ProductRule {
   static constexpr int kPointsMax = 15;
   static constexpr double kReachSigma = 3.0;
@@ -43,30 +43,32 @@ struct ProductRule {
     spacing = point[1] - point[0];
   }
 
-  /// 15 points a coordinate in the plane, 7 in space.
+  /// Returns the rule with 15 points per coordinate in the plane, 7 in space.
   static const ProductRule& of(Eigen::Index position_dim) {
     static const ProductRule planar(15);
     static const ProductRule spatial(7);
     return position_dim == 3 ? spatial : planar;
   }
-  /// How far from the mean of N(·, L Lᵀ) the rule's points are at most, in the norm.
+  /// Returns an upper bound of the distance of the rule's points from the mean of N(·, L Lᵀ), m.
   [[nodiscard]] double reach_m(const models::PositionMatrix& L) const {
     return std::abs(point[0]) * L.cwiseAbs().rowwise().sum().norm();
   }
 };
 
-/// The Gaussian with the mean and covariance of N(y; μ, P) · likelihood(y) / Z, y the position,
-/// 0 ≤ likelihood ≤ 1; velocity follows through its correlation with the position.
+/// Returns the Gaussian with the mean and covariance of N(y; μ, P) · likelihood(y) / Z, where y is
+/// the position and 0 ≤ likelihood ≤ 1. The velocity follows through its correlation with the
+/// position.
 ///
-/// The moments come from a fixed product rule on ±3σ of the position ellipse, scaled so that it
-/// has the Gaussian's own first two moments: a likelihood that is the same everywhere changes
-/// nothing. The covariance may shrink (one side is ruled out) as well as grow (the middle is); it
-/// never goes below the variance of one cell of the rule, in no direction, so it stays definite.
+/// The moments come from a fixed product rule on ±3σ of the position ellipse. It is scaled to have
+/// the Gaussian's own first two moments, so a constant likelihood changes nothing. The covariance
+/// may shrink (one side is excluded) or grow (the middle is excluded). In no direction does it fall
+/// below the variance of one cell of the rule, so it stays positive definite.
 ///
-/// Returned unchanged: a likelihood of 1 at every point, one that contradicts the belief altogether
-/// (Z < 1e−6), a covariance that is not positive definite.
+/// The belief is returned unchanged when the likelihood is 1 at every point, when it contradicts
+/// the belief (Z < 1e−6), or when the covariance is not positive definite.
 /// Cost: 225 (plane) or 343 (space) calls of `likelihood`, no allocation.
-/// @param share  if not null: Z, or 1 of a likelihood of 1 at every point or no covariance
+/// @param share  if not null: receives Z, or 1 if the likelihood is 1 at every point; not written
+/// when the covariance is not positive definite
 /// Source: assumed-density filtering; Ristic, Arulampalam, Gordon, Beyond the Kalman Filter (2004).
 // long: one integral: its points, their moments and what refuses them.
 template <class Likelihood>
@@ -124,7 +126,7 @@ models::Gaussian reweighted(const models::Gaussian& belief, const Likelihood& li
   const models::PositionMatrix S_floored = axes.eigenvectors() *
                                            axes.eigenvalues().cwiseMax(floor).asDiagonal() *
                                            axes.eigenvectors().transpose();
-  // y = μ + G u + (what the position does not tell), G = P_{:p} L⁻ᵀ.
+  // y = μ + G u + (part uncorrelated with the position), G = P_{:p} L⁻ᵀ.
   using Gain = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor,
                              models::kMaxTargetDim, 3>;
   const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 3,

@@ -18,22 +18,23 @@
 namespace vantage::estimator {
 namespace {
 
-/// Below it a track is forgotten, and a birth is none.
+/// Existence probability below which a track is deleted or not started.
 constexpr double kExistenceMin = 0.01;
 constexpr double kConfirmed = 0.5;
-/// So many targets are always taken to be untracked, or who is tracked wrongly would never be
-/// found.
+/// Least assumed number of targets without a track. With zero, a target that is tracked wrongly
+/// would never be found again.
 constexpr double kUntrackedMin = 0.05;
-/// False alarms of a look at least: with none a single outlier of a measurement is a target.
+/// Least number of false alarms per observation. With zero, a single outlier would start a
+/// confirmed track.
 constexpr double kClutterMin = 1e-3;
 constexpr double kDetectionMax = 0.99;
-// Of a mixture: what is merged, what is dropped, and from which share of a track on a posterior is
-// worth its quadrature.
+// Mixture reduction: merge distance, least weight, and the weight from which a posterior is
+// computed by quadrature.
 constexpr double kMerge_sigma = 1.0;
 constexpr double kWeightMin = 1e-3;
 constexpr double kExactFrom = 0.02;
-// Tracks by counts: told after so many hits; forgotten after so many looks in a row that should
-// have seen them and did not.
+// Hit counts: hits to confirm a track, and consecutive missed detections that delete a tentative or
+// a confirmed track.
 constexpr int kHitsToConfirm = 3;
 constexpr int kMissesOfTentative = 2;
 constexpr int kMissesOfConfirmed = 5;
@@ -55,8 +56,8 @@ struct MultiTargetFilter::Look {
   const models::Viewpoint& from;
   Time at;
   double detection_probability;
-  double clutter_per_m2;    ///< expected false alarms on a square metre in view
-  double untracked_per_m2;  ///< expected reports of targets that are not tracked
+  double clutter_per_m2;    ///< expected false alarms per m² in view
+  double untracked_per_m2;  ///< expected detections of targets without a track, per m²
   int first_label;
 };
 
@@ -236,7 +237,7 @@ void MultiTargetFilter::share_out(bool is_exclusive) {
           !is_own && std::find(best.begin(), best.end(), detection) != best.end();
       if (is_anothers || (is_exclusive && !is_own)) {
         association_.set(static_cast<int>(i), detection, 0.0);
-      } else if (is_exclusive) {  // taken to be so
+      } else if (is_exclusive) {  // certain association
         association_.set(static_cast<int>(i), detection, 1e12);
       }
     }
@@ -320,7 +321,7 @@ void MultiTargetFilter::count_hits(std::vector<LabelledTrack>& tracks, const Loo
   }
 }
 
-// P(i | at most N) = r_i P(at most N − 1 of the others) / P(at most N), the others being those
+// P(i exists | at most N) = r_i P(at most N − 1 of the others) / P(at most N). The others are those
 // before i and those after it.
 void MultiTargetFilter::keep_to_number(std::vector<LabelledTrack>& tracks) {
   const std::size_t counts = index(spec_.targets) + 1;

@@ -24,7 +24,7 @@ void OccupancyFusion::mark(int cell, Mark as) {
   mark = std::max(mark, as);
 }
 
-// True when the beam met something within the grid.
+// Marks the cells of one beam. Returns true if the beam hit a surface within the grid.
 bool OccupancyFusion::mark_beam(const models::GridGeometry& geometry, const Pose2& world_from_body,
                                 int beam, double range_m) {
   const bool may_hit = range_m < sensor_.no_hit_range_m();
@@ -34,7 +34,7 @@ bool OccupancyFusion::mark_beam(const models::GridGeometry& geometry, const Pose
     if (may_hit && walk.exit_m() > range_m + 2.0 * sensor_.sigma_m) {
       if (walk.enter_m() > 0.0) {
         mark(walk.cell(), Mark::kHit);
-      }  // else it met something within the vehicle's own cell
+      }  // else the surface is within the vehicle's own cell
       return true;
     }
     if (walk.enter_m() == 0.0 || 0.5 * (walk.enter_m() + walk.exit_m()) < range_m) {

@@ -19,12 +19,12 @@ namespace {
 using models::PositionMatrix;
 using models::PositionVector;
 
-/// What lies this far below the largest exponent (5σ of a Gaussian) is left out.
+/// Exponents this far below the largest one (5σ of a Gaussian) are neglected.
 constexpr double kNegligible = 12.5;
 constexpr int kZoomsMax = 10;
-/// Less than this share of what is possible lies in view: the limits are wrong.
+/// Share of the mass in view below which the limits are assumed to be wrong.
 constexpr double kContradiction = 1e-3;
-/// More than this: they change nothing.
+/// Share of the mass in view above which the limits have no effect.
 constexpr double kAllInView = 1.0 - 1e-6;
 constexpr double kLeastRange_m = 1e-9;
 
@@ -34,17 +34,19 @@ struct Interval {
   [[nodiscard]] double width() const { return high - low; }
 };
 
-/// ∫ of p along one ray, times exp(−top): of 1, of the distance r, of r², and of 1 within limits.
+/// Integrals of p along one ray, times exp(−top): of 1, of the distance r, of r², and of 1 within
+/// the limits.
 struct RayIntegral {
   double top = -std::numeric_limits<double>::infinity();
   double mass = 0.0;
   double first = 0.0;
   double second = 0.0;
   double in_view = 0.0;
-  double log_mass = -std::numeric_limits<double>::infinity();  ///< times exp(−top) no more
+  /// log of the mass without the factor exp(−top)
+  double log_mass = -std::numeric_limits<double>::infinity();
 };
 
-/// Prior, measurement and limits as seen from the sensor, along rays.
+/// Quadrature of prior, measurement and limits along rays from the sensor.
 class Rays {
  public:
   Rays(const PositionPrior& prior, const models::SensorModel& sensor, const models::Viewpoint& from,
@@ -67,7 +69,7 @@ class Rays {
     linear_ = Omega_ * offset_m;
     constant_ = -0.5 * offset_m.dot(linear_);
     believed_rad_ = std::atan2(offset_m.y(), offset_m.x()) - from.world_from_body.yaw_rad;
-    if (law_.is_linear) {  // Gaussian as it is
+    if (law_.is_linear) {  // the likelihood is itself Gaussian
       const models::MeasurementJacobian H =
           models::observation_jacobian(sensor, from, prior.mean_m);
       const models::MeasurementJacobian HtW = H.transpose() * W_;
@@ -79,7 +81,7 @@ class Rays {
 
   [[nodiscard]] const PositionVector& eye_m() const { return eye_m_; }
 
-  /// nullopt: nothing is possible, or it has no bound.
+  /// Returns the moments; nullopt if p is zero everywhere or unbounded.
   [[nodiscard]] std::optional<IntegratedMoments> integrate(bool is_limited) const {
     return dim_ == 3 ? integrate_over<32, 32>(is_limited) : integrate_over<64, 1>(is_limited);
   }
@@ -87,7 +89,8 @@ class Rays {
  private:
   [[nodiscard]] bool sees_all_around() const { return models::sees_all_around(sensor_); }
 
-  /// So far beyond the field of view at most is something possible.
+  /// Returns an upper bound of the angle beyond the field of view at which p is not negligible,
+  /// rad.
   [[nodiscard]] double softest_rad() const {
     const double reach = std::sqrt(2.0 * kNegligible);
     const double nearest_m =
@@ -95,8 +98,9 @@ class Rays {
     return reach * std::hypot(soft_.angle_rad, soft_.distance_m / nearest_m);
   }
 
-  /// How far beyond a limit known to `sigma_m` exp(slope x − ½ a x²) times the limit's own tail,
-  /// exp(−½ x²/σ²), is not negligible; `slope` of the exponent there, outwards.
+  /// Returns the distance beyond a limit, known to `sigma_m`, at which exp(slope x − ½ a x²) times
+  /// the limit's own tail, exp(−½ x²/σ²), becomes negligible. `slope` is the outward slope of the
+  /// exponent at the limit.
   [[nodiscard]] static double softness_m(double slope, double a, double sigma_m) {
     if (!(sigma_m > 0.0)) {
       return 0.0;
@@ -105,13 +109,14 @@ class Rays {
     return std::max(0.0, slope / steep) + std::sqrt(2.0 * kNegligible / steep);
   }
 
-  /// Bearings from body x that are possible.
+  /// Returns the interval of possible bearings from body x.
   [[nodiscard]] Interval bearings_rad(bool is_limited) const {
     const double half_rad = is_limited && !sees_all_around()
                                 ? std::min(kPi, 0.5 * sensor_.fov_rad + softest_rad())
                                 : kPi;
     if (!law_.measures_bearing) {
-      // A full turn begins opposite to where the target was believed, or narrowing could not.
+      // The full turn begins opposite to the prior mean; otherwise it could not be narrowed around
+      // that mean.
       const double middle_rad = half_rad == kPi ? believed_rad_ : 0.0;
       return {middle_rad - half_rad, middle_rad + half_rad};
     }
@@ -119,14 +124,15 @@ class Rays {
     const double reach_rad =
         std::min(kPi, std::sqrt(2.0 * kNegligible / W_(z_.rows() - 1, z_.rows() - 1)));
     const Interval noise{z_rad - reach_rad, z_rad + reach_rad};
-    // Where the noise reaches around the back the field of view would be two pieces.
+    // If the noise interval extends past ±π, its intersection with the field of view could be two
+    // pieces.
     if (half_rad == kPi || noise.low < -kPi || noise.high > kPi) {
       return half_rad == kPi ? noise : Interval{-half_rad, half_rad};
     }
     return {std::max(noise.low, -half_rad), std::min(noise.high, half_rad)};
   }
 
-  /// Distances along the ray that the sensor measures at.
+  /// Returns the sensor's limits of the distance along the ray.
   [[nodiscard]] Interval distances_m(double cos_elevation, double depth_share) const {
     Interval r{sensor_.range_min_m, sensor_.range_max_m};
     if (law_.measures_bearing) {
@@ -138,7 +144,8 @@ class Rays {
     return r;
   }
 
-  /// `u`: a unit vector, `bearing_rad` from body x. long: one integrand, case by case.
+  /// Integrates along the ray of unit vector `u`, `bearing_rad` from body x. long: one integrand,
+  /// case by case.
   [[nodiscard]] RayIntegral along(const PositionVector& u, double bearing_rad, double cos_elevation,
                                   bool is_limited) const {
     RayIntegral out;
@@ -181,7 +188,7 @@ class Rays {
     if (!(r.low < r.high)) {
       return out;
     }
-    // The largest exponent on the interval, and how far from it the negligible begins.
+    // Peak of the exponent on the interval, and the distance from it beyond which p is negligible.
     const double peak = a > 0.0 ? std::clamp(c / a, r.low, r.high) : (c > 0.0 ? r.high : r.low);
     if (!std::isfinite(peak)) {
       return out;
@@ -210,7 +217,8 @@ class Rays {
       return estimator::view_probability(sensor_, soft_, r_m, r_m * cos_elevation, bearing_rad,
                                          depth_per_m * r_m);
     };
-    std::array<double, kLegendrePoints> shares;  // apart, so that the sums stay in registers
+    // separate loop, so that the sums stay in registers
+    std::array<double, kLegendrePoints> shares;
     for (std::size_t i = 0; i < kLegendrePoints; ++i) {
       const double from_peak_m =
           middle_m + kLegendreSide[i % 2] * half_m * kLegendreNode[i / 2] - peak;
@@ -219,7 +227,8 @@ class Rays {
     }
     for (std::size_t i = 0; i < kLegendrePoints; ++i) {
       const double r_m = middle_m + kLegendreSide[i % 2] * half_m * kLegendreNode[i / 2];
-      const double spread = dim_ == 3 ? r_m * r_m * cos_elevation : r_m;  // of directions, at r
+      // Jacobian of the polar coordinates at r
+      const double spread = dim_ == 3 ? r_m * r_m * cos_elevation : r_m;
       const double in_view = view_probability(r_m);
       const double likely = half_m * kLegendreWeight[i / 2] * spread * shares[i];
       const double p = is_limited ? likely * in_view : likely;
@@ -273,7 +282,7 @@ class Rays {
       if (!std::isfinite(most)) {
         return std::nullopt;
       }
-      // Directions that count, and one more on each side.
+      // The relevant directions, plus one on each side.
       std::size_t first_i = Bearings;
       std::size_t last_i = 0;
       std::size_t first_j = Elevations;
@@ -337,11 +346,12 @@ class Rays {
   const models::MeasurementMatrix W_;  // V⁻¹
   const LimitSoftness soft_;
   const Eigen::Index dim_;
-  PositionMatrix Omega_;  // what is Gaussian in the offset from the sensor: prior, a position
+  // Gaussian part in the offset from the sensor: the prior, and a linear measurement
+  PositionMatrix Omega_;
   PositionVector linear_;
   double constant_ = 0.0;
   PositionVector eye_m_;
-  double believed_rad_ = 0.0;  // the prior's mean, from body x
+  double believed_rad_ = 0.0;  // bearing of the prior's mean from body x
 };
 
 template <class Integral>
@@ -359,7 +369,7 @@ std::optional<IntegratedMoments> within_limits(const Integral& integral) {
   return limited;
 }
 
-/// What z leaves possible has a simple form along each ray from the sensor.
+/// True if the likelihood of z has a closed form along each ray from the sensor.
 bool is_along_rays(const models::SensorModel& sensor, Eigen::Index position_dim) {
   const models::SensorLaw& law = sensor.kind.law();
   return law.is_linear || law.measures_range || law.measures_bearing ||

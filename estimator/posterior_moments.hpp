@@ -7,44 +7,45 @@
 
 namespace vantage::estimator {
 
-/// What was known of a position before a measurement: exp(−½ (y − mean)ᵀ Ω (y − mean)), Ω positive
-/// semidefinite; Ω = 0 says nothing.
+/// Prior of a position: exp(−½ (y − mean)ᵀ Ω (y − mean)), Ω positive semidefinite; Ω = 0 is no
+/// information.
 struct PositionPrior {
   models::PositionVector mean_m;
   models::PositionMatrix information;  ///< Ω, m⁻²
 };
 
-/// Mean and covariance of a position after a measurement.
+/// Posterior mean and covariance of a position.
 struct PositionMoments {
   models::PositionVector mean_m;
   models::PositionMatrix covariance_m2;
-  /// Least over y of (y − mean)ᵀ Ω (y − mean) + (z − h(y))ᵀ V⁻¹ (z − h(y)), to about 0.05: how far
-  /// measurement and prior are apart, squared, in σ. For a linear sensor it is νᵀ S⁻¹ ν.
+  /// Minimum over y of (y − mean)ᵀ Ω (y − mean) + (z − h(y))ᵀ V⁻¹ (z − h(y)), to about 0.05: the
+  /// squared distance between measurement and prior in σ. For a linear sensor it is νᵀ S⁻¹ ν.
   double mahalanobis2 = 0.0;
 };
 
-/// Whether posterior_moments() knows how to integrate over what `sensor` measures of targets with
-/// `position_dim` coordinates. Not, in space, over a kind that is neither linear nor of ranges,
-/// bearings or directions.
+/// True if posterior_moments() supports `sensor` for targets with `position_dim` coordinates. In
+/// space, only linear sensors and those of ranges, bearings or directions are supported.
 bool can_integrate(const models::SensorModel& sensor, Eigen::Index position_dim);
 
-/// The moments of p(y) ∝ prior(y) · N(z; h(y), V) · P(y in view), by quadrature on the sensor's own
-/// geometry. z was reported, so the target was in view, as far as it is known where view ends
-/// (view_limits.hpp); unless less than a thousandth of what prior and z leave possible is: then the
-/// limits are not what the sensor keeps to, and are not used.
+/// Computes the moments of p(y) ∝ prior(y) · N(z; h(y), V) · P(y in view) by quadrature on the
+/// sensor's own geometry. The target was reported, so it was in view, as far as the view limits are
+/// known (view_limits.hpp). If less than a thousandth of the mass of prior and measurement lies in
+/// view, the limits are assumed to be wrong and are ignored.
 ///
-/// Seen from the sensor, prior and range are one Gaussian along each ray, bearings (and a camera's
-/// image) are constant on it. So p is integrated along each ray by 12 Gauss-Legendre nodes over
-/// where it is not negligible, which ends a few σ beyond the limits of range and depth, and over
-/// the rays by the midpoint rule: 64 bearings in the plane, 32 × 32 directions in space. The fan
-/// starts as wide as view and bearing noise allow and is narrowed (at most 10 times) to the
-/// directions that count, so neither a beacon far away nor a target under the robot is missed. A
-/// camera over targets on the ground bends along the rays, and other kinds may; there p is
-/// integrated on 31 × 31 points of the linearised posterior's own axes.
+/// Along each ray from the sensor, prior and range are one Gaussian, and bearings (and a camera's
+/// image) are constant. So p is integrated along each ray by 12 Gauss-Legendre nodes over the
+/// interval where it is not negligible. This interval ends a few σ beyond the limits of range and
+/// depth. Over the rays the midpoint rule is used: 64 bearings in the plane, 32 × 32 directions in
+/// space. The fan of rays starts as wide as view and bearing noise allow and is narrowed (at most
+/// 10 times) to the relevant directions. Thus neither a distant beacon nor a target under the robot
+/// is missed. The image of a target on the ground varies along the rays, and other kinds of
+/// measurement may vary too. For these, p is integrated on 31 × 31 points along the axes of the
+/// linearised posterior.
 ///
-/// nullopt: !can_integrate, V is not positive definite, z leaves nothing possible, or nothing
-/// bounds y. Cost: some 20 to 40 µs in the plane (a camera 150 µs), 1 ms in space; no allocation. A
-/// pure function.
+/// Returns nullopt if !can_integrate(), V is not positive definite, no position is compatible with
+/// z, or y is unbounded.
+/// Cost: about 20 to 40 µs in the plane (camera 150 µs), 1 ms in space; no allocation. Pure
+/// function.
 std::optional<PositionMoments> posterior_moments(const PositionPrior& prior,
                                                  const models::SensorModel& sensor,
                                                  const models::Viewpoint& from,

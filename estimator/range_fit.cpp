@@ -17,7 +17,7 @@
 namespace vantage::estimator {
 namespace {
 
-/// Starts are looked for on so many ranges of a beacon, evenly drawn.
+/// Number of evenly drawn ranges per beacon on which starts are computed.
 constexpr std::size_t kDrawn = 300;
 constexpr std::array kScales = {0.8, 0.9, 1.0, 1.12, 1.25};
 constexpr std::array kBiases_m = {-1.5, 0.0, 1.5};
@@ -59,7 +59,7 @@ double quantile(std::vector<double> values, double share) {
   return *at;
 }
 
-/// Where a beacon may be if the sensor is calibrated so, the likeliest first.
+/// Returns the possible positions of a beacon under the calibration in `spec`, most likely first.
 Places places_by(const std::vector<TakenRange>& ranges, const RangeOnlySpec& spec) {
   RangeOnlyFilter filter(spec);
   for (const TakenRange& range : ranges) {
@@ -75,7 +75,7 @@ Places places_by(const std::vector<TakenRange>& ranges, const RangeOnlySpec& spe
   return out;
 }
 
-/// One beacon with the calibration held.
+/// Fit of one beacon with fixed calibration.
 struct Alone {
   RangeState state;
   double nats = 0.0;
@@ -113,7 +113,7 @@ class Search {
   }
 
  private:
-  /// Refined from every calibration and width of noise of the grid.
+  /// Returns the best refined state over the grid of calibrations and noise widths.
   RangeState best_start() {
     RangeState best;
     double best_nats = -kInfinity;
@@ -138,7 +138,8 @@ class Search {
   RangeState start(const models::RangeCalibration& calibration, double wider) {
     RangeOnlySpec spec;
     spec.calibration = calibration;
-    // The grid's scales are 6 % from any, its biases 0.75 m.
+    // Calibrations within the grid differ by at most 6 % from one of its scales and by 0.75 m from
+    // one of its biases.
     spec.range_sigma_m = wider * std::hypot(0.04 * median_m_, 0.4);
     spec.outlier_share = 0.2;
     spec.outlier_span_m = whole_.outlier_span_m;
@@ -156,7 +157,7 @@ class Search {
     return state;
   }
 
-  /// The beacon by itself from `place_m`, with the calibration of `state` held.
+  /// Refines one beacon from `place_m`, with the calibration of `state` fixed.
   static Alone alone(const RangeProblem& like, std::vector<TakenRange> ranges,
                      const RangeState& state, const Eigen::Vector2d& place_m) {
     for (TakenRange& range : ranges) {
@@ -170,7 +171,7 @@ class Search {
     return out;
   }
 
-  /// The tops that any start's places of a beacon lead to, each once.
+  /// Returns the distinct local maxima reached from the positions of all starts.
   std::vector<Alone> tops(const RangeState& state, std::size_t beacon) const {
     std::vector<Alone> out;
     const auto add = [&](const Eigen::Vector2d& from_m) {
@@ -197,7 +198,7 @@ class Search {
     return out;
   }
 
-  /// Puts each beacon where it is likeliest with this calibration. @return whether one moved.
+  /// Moves each beacon to its most likely position for this calibration. Returns true if one moved.
   bool exchange_places(RangeState& state) const {
     bool moved = false;
     for (std::size_t b = 0; b < found_.size(); ++b) {
@@ -213,14 +214,15 @@ class Search {
     return moved;
   }
 
-  /// How likely the other places are, on the ranges drawn; those that agree count once.
+  /// Computes the probabilities of the alternative positions from the drawn ranges; positions that
+  /// coincide count once.
   void weigh_others(const RangeState& state, int beacon, RangeFit& fit) const {
     const std::vector<Alone> all = tops(state, index(beacon));
     FittedBeacon& of = fit.beacons[index(beacon)];
     const double thinner = static_cast<double>(by_beacon_[index(beacon)].size()) /
                            static_cast<double>(drawn_[index(beacon)].size());
     double others = 0.0;
-    double likeliest = 1e-3;  // what is less likely is no place
+    double likeliest = 1e-3;  // least odds of an alternative position
     for (std::size_t k = 1; k < all.size(); ++k) {
       const double nats = thinner * (all[k].nats - all.front().nats) / fit.correlation;
       const double odds = std::exp(std::min(nats, 50.0));
@@ -236,7 +238,7 @@ class Search {
   RangesOfBeacons by_beacon_;
   RangesOfBeacons drawn_;
   std::vector<TakenRange> all_drawn_;
-  std::vector<Places> found_;  ///< by beacon: where any start put it
+  std::vector<Places> found_;  ///< by beacon: its positions in all starts
   double median_m_ = 0.0;
   RangeProblem whole_;
   RangeProblem part_;
@@ -245,7 +247,7 @@ class Search {
 }  // namespace
 
 bool is_within_bound(const TakenRange& range) {
-  const auto is_within = [](double x_m) { return std::abs(x_m) <= kRangeBound_m; };  // no NaN is
+  const auto is_within = [](double x_m) { return std::abs(x_m) <= kRangeBound_m; };  // not NaN
   return is_within(range.range_m) && is_within(range.robot_m.x()) && is_within(range.robot_m.y());
 }
 

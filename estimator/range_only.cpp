@@ -41,7 +41,7 @@ void RangeOnlyFilter::update(const Eigen::Vector2d& robot_m, double range_m) {
 
   honest_ += honest;
   if (++window_ == spec_.restart_window) {
-    if (honest_ < 0.5 * window_) {  // the ring was drawn from an outlier
+    if (honest_ < 0.5 * window_) {  // the ring came from an outlier
       ++restarts_;
       hypotheses_.clear();
     }
@@ -76,8 +76,8 @@ double RangeOnlyFilter::update(BeaconHypothesis& hypothesis, const Eigen::Vector
   const double scale = spec_.calibration.range_scale;
   const Eigen::RowVector2d H = scale * away_m.transpose() / distance_m;
   const Eigen::Matrix2d& P = hypothesis.covariance_m2;
-  // Second order: along the tangent the range curves, by less than nothing when the hypothesis is
-  // narrow and by metres on a fresh ring.
+  // Second-order correction: the range is curved along the tangent. The effect is negligible for a
+  // narrow hypothesis and amounts to metres on a new ring.
   const Eigen::Vector2d across(-away_m.y() / distance_m, away_m.x() / distance_m);
   const double curve_m = 0.5 * scale * across.dot(P * across) / distance_m;
   const double S =
@@ -126,14 +126,15 @@ void RangeOnlyFilter::normalise_and_drop() {
 
 void RangeOnlyFilter::merge() {
   const double limit = spec_.merge_distance_sigma * spec_.merge_distance_sigma;
-  // However narrow they are, two so near that no single range tells them apart are one.
+  // Two hypotheses this close are merged however narrow they are, because no single range
+  // distinguishes them.
   const double same_m = spec_.merge_distance_sigma * spec_.range_sigma_m;
   for (std::size_t i = 0; i < hypotheses_.size(); ++i) {
     for (std::size_t j = hypotheses_.size(); j-- > i + 1;) {
       BeaconHypothesis& a = hypotheses_[i];
       const BeaconHypothesis& b = hypotheses_[j];
       const Eigen::Vector2d apart_m = a.mean_m - b.mean_m;
-      // Judged by the narrower of the two, or a wide one would swallow a narrow one.
+      // The narrower covariance decides; otherwise a wide hypothesis would absorb a narrow one.
       const Eigen::Matrix2d& narrow = a.covariance_m2.determinant() < b.covariance_m2.determinant()
                                           ? a.covariance_m2
                                           : b.covariance_m2;

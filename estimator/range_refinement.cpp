@@ -16,8 +16,9 @@ namespace vantage::estimator {
 namespace {
 
 constexpr double kFreedom = 5.0;              ///< of Student's t
-constexpr double kPeak = 0.3796066898224944;  ///< its density at 0: Γ(3)/(Γ(5/2) √(5π))
-/// A beacon with few ranges borrows so many of all beacons' noise.
+constexpr double kPeak = 0.3796066898224944;  ///< density of Student's t at 0: Γ(3)/(Γ(5/2) √(5π))
+/// Weight of the pooled noise of all beacons in each beacon's noise, in ranges. It matters for a
+/// beacon with few ranges.
 constexpr double kBorrowed = 20.0;
 
 Eigen::Index row_of(int beacon) { return 2 + 2 * Eigen::Index{beacon}; }
@@ -30,7 +31,7 @@ Eigen::Vector4d jacobian(const RangeState& state, const TakenRange& range) {
   return {distance_m, 1.0, H.x(), H.y()};
 }
 
-/// Adds c J Jᵀ where the calibration and this beacon stand.
+/// Adds c J Jᵀ to the blocks of the calibration and of this beacon.
 void add_outer(Eigen::MatrixXd& sum, int beacon, double c, const Eigen::Vector4d& J) {
   const Eigen::Index row = row_of(beacon);
   const Eigen::Matrix4d outer = c * J * J.transpose();
@@ -50,7 +51,8 @@ Eigen::Vector2d off_prior(const RangeProblem& problem, const RangeState& state) 
           problem.prior.range_bias_m - state.calibration.range_bias_m};
 }
 
-/// Widths and shares that the residuals of `state` make likeliest, given what each is taken for.
+/// Sets the most likely noise widths and outlier shares, given the current outlier probability of
+/// each residual.
 void update_noise(const RangeProblem& problem, RangeState& state) {
   struct Sums {
     double ranges = 0.0;
@@ -94,7 +96,8 @@ RangeState moved(const RangeState& from, const Eigen::VectorXd& step) {
   return to;
 }
 
-/// One Gauss-Newton step, halved until it climbs. @return how far it went, in σ.
+/// Makes one Gauss-Newton step, halved until the posterior rises. Returns the length of the step
+/// made in σ; 0 if none rises.
 double climb(const RangeProblem& problem, RangeState& state, double& height) {
   const Eigen::Index size = row_of(static_cast<int>(state.places_m.size()));
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(size, size);
@@ -110,7 +113,7 @@ double climb(const RangeProblem& problem, RangeState& state, double& height) {
     gradient.head<2>() += verdict.score * J.head<2>();
     gradient.segment<2>(row_of(range.beacon)) += verdict.score * J.tail<2>();
   }
-  A.diagonal() *= 1.0 + 1e-9;  // a beacon whose ranges are all outliers stays where it is
+  A.diagonal() *= 1.0 + 1e-9;  // keeps a beacon in place if all its ranges are outliers
   A.diagonal().array() += 1e-9;
   const Eigen::VectorXd step = A.ldlt().solve(gradient);
   const double length = std::sqrt(std::max(step.dot(gradient), 0.0));
@@ -126,13 +129,13 @@ double climb(const RangeProblem& problem, RangeState& state, double& height) {
   return 0.0;
 }
 
-/// Standardised scores of one beacon's ranges in the order of time, and where they were taken.
+/// Standardised scores of one beacon's ranges in the order of time, and the robot's positions.
 struct ScoreSeries {
   std::vector<double> scores;
   std::vector<Eigen::Vector2d> robots_m;
 };
 
-/// 1 + 2 Σ ρ over lags while pairs of neighbours are above what chance leaves open.
+/// Returns 1 + 2 Σ ρ over the lags while the sums of adjacent pairs exceed the level of chance.
 double correlation_in_time(const std::vector<ScoreSeries>& series, double squares, double count) {
   const auto correlation = [&](std::size_t lag) {
     double sum = 0.0;
@@ -158,7 +161,7 @@ double correlation_in_time(const std::vector<ScoreSeries>& series, double square
   return std::max(time, 1.0);
 }
 
-/// How far the robot usually gets between two ranges to one beacon.
+/// Returns the median distance of the robot between successive ranges to one beacon, m.
 double usual_way_m(const std::vector<ScoreSeries>& series) {
   std::vector<double> ways_m;
   for (const ScoreSeries& of : series) {
@@ -174,16 +177,17 @@ double usual_way_m(const std::vector<ScoreSeries>& series) {
   return *middle;
 }
 
-/// The same over pairs of ranges of one beacon by how far apart they were taken: what a place does
-/// to ranges it does again when the robot comes back. Of at most kPaired ranges a beacon, drawn
-/// by chance: drawn evenly, a robot that goes round is taken at the same few places each time.
+/// Returns the same over pairs of ranges of one beacon, binned by the distance between the robot's
+/// positions: errors caused by a position recur when the robot returns to it. Uses at most kPaired
+/// random ranges per beacon. Regular subsampling of a periodic path would select the same few
+/// positions every lap.
 double correlation_in_space(const std::vector<ScoreSeries>& series, double squares, double count) {
   constexpr std::size_t kPaired = 800;
   constexpr std::size_t kBins = 200;
   struct Bin {
     double pairs = 0.0;
     double products = 0.0;
-    double all_products = 0.0;  ///< for all ranges, had all been paired
+    double all_products = 0.0;  ///< estimate for all ranges, as if all were paired
   };
   std::vector<Bin> bins(kBins);
   const double bin_m = std::max(usual_way_m(series), kRangeNearest_m);
@@ -219,7 +223,8 @@ double correlation_in_space(const std::vector<ScoreSeries>& series, double squar
     if (bin.pairs == 0.0) {
       continue;
     }
-    // Pairs of errors that repeat are not independent: there are no more of these than errors.
+    // Pairs of recurring errors are not independent: the number of independent pairs is at most
+    // that of the errors.
     const double independent = std::min(bin.pairs, paired) / space;
     if (bin.products * count / squares < 2.0 * bin.pairs / std::sqrt(independent)) {
       break;
@@ -245,12 +250,12 @@ double correlation_of(const std::vector<ScoreSeries>& series) {
                   correlation_in_space(series, squares, count));
 }
 
-/// What the residuals of one beacon are like.
+/// Sums over the residuals of one beacon.
 struct Shape {
   double ranges = 0.0;
   double honest = 0.0;
-  double scores = 0.0;      ///< Σ ψ², in widths
-  double slopes = 0.0;      ///< Σ ψ′, in widths
+  double scores = 0.0;      ///< Σ ψ², in 1/width²
+  double slopes = 0.0;      ///< Σ ψ′, in 1/width²
   double squares_m2 = 0.0;  ///< Σ r² of the honest
 
   void add(const Shape& other, double share) {
@@ -335,8 +340,8 @@ double log_posterior(const RangeProblem& problem, const RangeState& state) {
 }
 
 double refine(const RangeProblem& problem, RangeState& state, int rounds) {
-  constexpr double kStill = 1e-4;  // of a σ
-  constexpr double kLevel = 1e-6;  // nats
+  constexpr double kStill = 1e-4;  // in σ; length of a step that counts as converged
+  constexpr double kLevel = 1e-6;  // nats; rise that counts as converged
   double before = -std::numeric_limits<double>::infinity();
   for (int round = 0; round < rounds; ++round) {
     update_noise(problem, state);
@@ -360,12 +365,12 @@ RangeFit fit_at(const RangeProblem& problem, const RangeState& state) {
   fit.calibration = state.calibration;
   fit.correlation = correlation_of(residuals.series);
 
-  // By range: expected slope, and expected square of the score.
+  // By beacon: expected slope, and expected square of the score, per range.
   std::vector<double> slope(state.places_m.size());
   std::vector<double> square(state.places_m.size());
   for (int b = 0; b < beacons; ++b) {
     Shape shape = residuals.shapes[index(b)];
-    const double spent = 2.0 + 2.0 / beacons;  // parameters that these ranges were fitted by
+    const double spent = 2.0 + 2.0 / beacons;  // parameters fitted by these ranges
     const double told = shape.honest / fit.correlation;
     const double small = told / std::max(told - spent, 1.0);
     shape.add(all, kBorrowed / all.ranges);

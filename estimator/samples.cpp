@@ -23,9 +23,9 @@ using State = Samples::State;
 constexpr std::size_t kSize = Samples::kCount;
 using Weights = std::array<double, kSize>;
 
-/// Evenly spread points of N(0, I), each with its opposite, of mean 0 and covariance I exactly.
-/// Evenly spread in the unit cube: Roberts (2018), multiples of the powers of 1/φ₄; from there by
-/// Box and Muller (1958).
+/// Returns points of N(0, I), each with its negative, of mean 0 and covariance I exactly.
+/// Low-discrepancy points in the unit cube: Roberts (2018), multiples of the powers of 1/φ₄.
+/// Transformed by Box and Muller (1958).
 std::array<State, kSize> standard_points() {
   constexpr double kPhi = 1.1673039782614187;  // φ⁵ = φ + 1
   std::array<State, kSize> points;
@@ -59,8 +59,8 @@ const std::array<State, kSize>& points() {
   return all;
 }
 
-/// A number that looks like none of its neighbours'. Source: Steele, Lea, Flood, Fast splittable
-/// pseudorandom number generators (2014).
+/// Returns a hash of `key`.
+/// Source: Steele, Lea, Flood, Fast splittable pseudorandom number generators (2014).
 std::uint64_t mixed(std::uint64_t key) {
   key += 0x9e3779b97f4a7c15U;
   key = (key ^ (key >> 30U)) * 0xbf58476d1ce4e5b9U;
@@ -68,8 +68,8 @@ std::uint64_t mixed(std::uint64_t key) {
   return key ^ (key >> 31U);
 }
 
-/// Which of as many others belongs to each of kSize: to i that of a i + b, a odd, so that each
-/// belongs to one.
+/// Pairing of kSize items with kSize others: i is paired with a i + b, a odd, so that each is used
+/// once.
 class Pairing {
  public:
   explicit Pairing(std::uint64_t bits) : a_((bits >> 8U) | 1U), b_(bits >> 40U) {}
@@ -80,15 +80,16 @@ class Pairing {
   std::size_t b_;
 };
 
-/// So many partners are tried for a sample that is in one place with another.
+/// Number of partners tried for a sample that overlaps its partner.
 constexpr std::size_t kPairsTried = 4;
-/// Doubles are moved apart by this share of the whole's σ. Measured (docs/decisions/0023).
+/// Shift of duplicates as a share of σ of all samples. Measured (docs/decisions/0023).
 constexpr double kSmear = 0.3;
-/// Odd, so that each point is met once, and far from the order in which doubles stand.
+/// Odd, so that each point is used once, and large compared with the distance between duplicates.
 constexpr std::size_t kSmearStep = 101;
 
-/// What walks against `away`, a unit vector, has turned back at_s from now: one component of its
-/// velocity has, the one that takes it away. It is put where it has to have been all the while.
+/// Applies a collision at_s from now to a state that moves against the unit vector `away`: reverses
+/// one component of its velocity, the one that takes it away. The position is changed as if it had
+/// moved with the new velocity from the start.
 void turn_back_from(State& state, const Eigen::Vector2d& away, double at_s) {
   const Eigen::Vector2d v_mps = state.tail<2>();
   const Eigen::Vector2d by_x(-v_mps.x(), v_mps.y());
@@ -97,15 +98,15 @@ void turn_back_from(State& state, const Eigen::Vector2d& away, double at_s) {
   state.tail<2>() = turned_mps;
 }
 
-/// Below 0: the two are in one place.
+/// Returns squared distance minus distance_m²; below 0 the two overlap.
 double beyond(const State& one, const State& other, double distance_m) {
   return (one - other).head<2>().squaredNorm() - distance_m * distance_m;
 }
 
-/// When and from where `one` walks into `other`, within dt_s from now.
+/// Time and direction of the first collision of `one` with `other`, within dt_s from now.
 struct Contact {
   double at_s;
-  Eigen::Vector2d away;  ///< from the other, a unit vector
+  Eigen::Vector2d away;  ///< unit vector from the other to this one
 };
 std::optional<Contact> contact(const State& one, const State& other, double distance_m,
                                double dt_s) {
@@ -113,29 +114,30 @@ std::optional<Contact> contact(const State& one, const State& other, double dist
   const Eigen::Vector2d change_mps = one.tail<2>() - other.tail<2>();
   const double closing = -apart_m.dot(change_mps);
   const double square = change_mps.squaredNorm();
-  // |apart + change t| = distance, for the first time
+  // first solution of |apart + change t| = distance
   const double discriminant = closing * closing - square * beyond(one, other, distance_m);
   if (closing <= 0.0 || discriminant <= 0.0) {
     return std::nullopt;
   }
   const double at_s = (closing - std::sqrt(discriminant)) / square;
   const Eigen::Vector2d away = (apart_m + at_s * change_mps).normalized();
-  if (at_s > dt_s || one.tail<2>().dot(away) >= 0.0) {  // or it is the other who walks into it
+  // at_s too late, or the other one runs into this one
+  if (at_s > dt_s || one.tail<2>().dot(away) >= 0.0) {
     return std::nullopt;
   }
   return Contact{at_s, away};
 }
 
-/// Some of the samples.
+/// A subset of the samples.
 struct Part {
   std::vector<std::size_t> members;
   double weight = 0.0;
   State mean = State::Zero();
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
-  double widest_m2 = 0.0;  ///< variance of the place `along` that direction
+  double widest_m2 = 0.0;  ///< m²; position variance along `along`
   Eigen::Vector2d along = Eigen::Vector2d::UnitX();
 
-  /// Moments of the members; none of what weighs nothing.
+  /// Computes the moments of the members; zero if their weight is zero.
   void describe(const Weights& weights, const std::array<State, kSize>& states) {
     weight = 0.0;
     State sum = State::Zero();
@@ -154,13 +156,14 @@ struct Part {
     widest_m2 = axes.eigenvalues()(1);
     along = axes.eigenvectors().col(1);
   }
-  /// What splitting it would spare of the spread, about; none where it is not wider than that.
+  /// Returns the approximate reduction of variance by a split; 0 if it is not wider than sigma_m.
   [[nodiscard]] double worth_splitting(double sigma_m) const {
     return widest_m2 > sigma_m * sigma_m ? weight * widest_m2 : 0.0;
   }
 };
 
-/// The sample that each of kSize equal shares of the weight begins with. Source: Kitagawa (1996).
+/// Returns, for each of kSize equal shares of the weight, the sample at its middle.
+/// Source: Kitagawa (1996).
 std::array<std::size_t, kSize> systematic(const Weights& weights) {
   std::array<std::size_t, kSize> chosen;
   double passed = 0.0;
@@ -175,7 +178,8 @@ std::array<std::size_t, kSize> systematic(const Weights& weights) {
   return chosen;
 }
 
-/// How many samples of equal weight speak as loudly. Source: Kong, Liu, Wong (1994).
+/// Returns the effective number of samples.
+/// Source: Kong, Liu, Wong (1994).
 double effective_count(const Weights& weights, double sum) {
   double squares = 0.0;
   for (const double weight : weights) {
@@ -264,7 +268,7 @@ void Samples::predict(const models::TargetModel& model, double dt_s, std::uint64
   const Eigen::Vector4d scale = factors.vectorD().cwiseMax(0.0).cwiseSqrt();
   Eigen::Matrix4d root = factors.transpositionsP().transpose() *
                          (Eigen::Matrix4d(factors.matrixL()) * scale.asDiagonal());
-  // Each sample meets one of the points, with one of 16 signs.
+  // Each sample gets the noise of one of the points; all share one of 16 sign patterns.
   const std::uint64_t bits = mixed(key);
   const Pairing noise_of(bits);
   for (Eigen::Index axis = 0; axis < 4; ++axis) {
@@ -290,7 +294,7 @@ bool Samples::walk_into(const Samples& others, double distance_m, double dt_s, s
   const std::array<std::size_t, kSize> chosen = systematic(others.weights_);
   bool has_met = false;
   for (std::size_t i = 0; i < kSize; ++i) {
-    // Two in one place are not there: such a pair says nothing, and another is asked.
+    // An overlapping pair is impossible and carries no information, so another partner is tried.
     const State* other = nullptr;
     for (std::size_t attempt = 0; attempt < kPairsTried && other == nullptr; ++attempt) {
       const State& next = others.states_[chosen[partner(i + attempt)]];

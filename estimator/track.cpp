@@ -18,7 +18,7 @@ using models::MeasurementMatrix;
 using models::MeasurementVector;
 using models::StateMatrix;
 
-/// ∂z/∂state from ∂z/∂position: a sensor is blind to everything but position.
+/// Returns ∂z/∂state from ∂z/∂position: a sensor measures position only.
 MeasurementJacobian state_jacobian(const MeasurementJacobian& by_position, Eigen::Index dim) {
   MeasurementJacobian H = MeasurementJacobian::Zero(by_position.rows(), dim);
   H.leftCols(by_position.cols()) = by_position;
@@ -27,23 +27,24 @@ MeasurementJacobian state_jacobian(const MeasurementJacobian& by_position, Eigen
 
 Eigen::Index position_rows(Eigen::Index state_rows) { return state_rows == 3 ? 3 : 2; }
 
-/// Corners of the belief's axes, this many σ out along each, are where h is held against its
-/// tangent.
+/// Distance along each axis of the belief of the corners at which h is compared with its tangent.
 constexpr double kCorner_sigma = 1.5;
-/// So far out a linearised posterior must be in view for the limits to mean nothing to it.
+/// Distance from the mean within which a linearised posterior must be in view to be independent of
+/// the limits.
 constexpr double kClear_sigma = 3.0;
-/// As likely as that, Φ(3), where the limits are soft.
+/// Φ(3): the corresponding view probability for soft limits.
 constexpr double kClear = 0.99865;
 
-/// h linearised at a belief's mean.
+/// Linearisation of h at a belief's mean.
 struct Tangent {
   models::PositionVector mean_m;
   MeasurementVector expected;
-  MeasurementJacobian H;  ///< by position
+  MeasurementJacobian H;  ///< ∂h/∂position
 };
 
-/// Calls `visit` with y = mean + L u for the corners u of a cube of half side `reach`, and with
-/// those on its axes as far out as the corners; until it says false, which is returned.
+/// Calls `visit` with y = mean + L u for the corners u of a cube of half side `reach`, and
+/// `with_axes` also for points on the axes at the corners' distance. Stops and returns false when
+/// `visit` returns false.
 template <class Visit>
 bool for_all_around(const models::PositionVector& mean_m, const models::PositionMatrix& L,
                     double reach, bool with_axes, const Visit& visit) {
@@ -68,8 +69,8 @@ bool for_all_around(const models::PositionVector& mean_m, const models::Position
   return true;
 }
 
-/// L with L Lᵀ = covariance; its columns turn with the robot, so that whether h is linear enough
-/// does not depend on where x points.
+/// Returns L with L Lᵀ = covariance. Its columns rotate with the robot, so that the linearity test
+/// does not depend on the world's x axis.
 models::PositionMatrix root_of(const models::PositionMatrix& covariance_m2,
                                const models::Viewpoint& from) {
   models::PositionMatrix world_from_body =
@@ -111,8 +112,9 @@ bool is_clear_of_limits(const models::Gaussian& posterior, Eigen::Index n,
                         });
 }
 
-/// Adds what turns the position's marginal from `prior` into `posterior`; the rest of the state
-/// follows through its correlation. False, belief untouched, when that leaves nothing definite.
+/// Changes the position's marginal from `prior` to `posterior`; the rest of the state follows
+/// through its correlation. Returns false, belief unchanged, when the result is not positive
+/// definite.
 bool shift_position(Information& belief, const PositionPrior& prior,
                     const PositionMoments& posterior) {
   const Eigen::Index n = prior.mean_m.size();
@@ -135,7 +137,7 @@ bool shift_position(Information& belief, const PositionPrior& prior,
 std::optional<Information> propagate(const models::TargetModel& model, double step_s,
                                      const Information& information, Time last_seen, Time from,
                                      Time to) {
-  // A static belief must not collect the rounding of an inversion that changes nothing.
+  // A static belief must not accumulate rounding errors of an inversion that changes nothing.
   if (to == from || model.kind == models::TargetKind::kStatic) {
     return information;
   }

@@ -8,74 +8,80 @@
 #include "models/target/target_model.hpp"
 #include "scenario/scenario.hpp"
 
-// What happens to the belief of one target: it is carried through time, discovered, measured.
-// Pure; nothing here allocates.
+// Operations on the belief of one target: prediction, discovery, measurement. Pure; nothing here
+// allocates.
 
 namespace vantage::estimator {
 
-/// One target as one robot knows it; until its discovery nothing but `known` means anything.
+/// One robot's track of a target. Until its discovery only `known` is valid.
 struct Track {
   bool known = false;
   models::Information information;
-  Time last_seen{};  ///< newest measurement of anyone that went into it
-  Time doubted{};    ///< newest one beyond the gate since the last that was used; else none
+  Time last_seen{};  ///< newest measurement of any robot that it contains
+  Time doubted{};    ///< newest measurement outside the gate since the last used one; zero if there
+                     ///< is none
 };
 
-/// The belief of instant `from` brought to `to` ≥ `from`, exactly, whatever the elapsed time:
-/// Ω ← (A Ω⁻¹ Aᵀ + W)⁻¹, ω ← Ω (c + A (ŷ − c)) with A and W of the whole interval. Carrying it in
-/// two parts gives the same. Growing uncertainty adds its grown_noise() with k = (t − last_seen)/τ:
-/// at whole steps Σ q k, the sum of the steps' own noise. nullopt when Ω cannot be inverted.
+/// Predicts the belief from `from` to `to` ≥ `from`, exactly, for any interval:
+///   Ω ← (A Ω⁻¹ Aᵀ + W)⁻¹, ω ← Ω (c + A (ŷ − c))
+/// with A and W of the whole interval. Two partial predictions give the same result. A model of
+/// growing uncertainty adds its grown_noise() with k = (t − last_seen)/τ: at whole steps Σ q k, the
+/// sum of the steps' own noise. Returns nullopt when Ω cannot be inverted.
 std::optional<models::Information> propagate(const models::TargetModel& model, double step_s,
                                              const models::Information& information, Time last_seen,
                                              Time from, Time to);
 
-/// A measurement is linearised about the belief's mean where h leaves its tangent by no more than
-/// this many σ of the noise, √(bᵀ V⁻¹ b), b = h(y) − h(ŷ) − H (y − ŷ), at the corners y of the
-/// belief's axes ±1.5σ out. Up to it the linearised posterior's mean was found less than 0.13 σ off
-/// and its covariance less than 10 % in 95 of 100 cases, beyond it far more (docs/decisions/0011).
+/// Greatest deviation of h from its tangent at which a measurement is linearised about the belief's
+/// mean, in σ of the noise: √(bᵀ V⁻¹ b), b = h(y) − h(ŷ) − H (y − ŷ). It is tested at the corners
+/// y, 1.5σ out along each axis of the belief. Below it, in 95 of 100 cases, the linearised
+/// posterior's mean was less than 0.13 σ and its covariance less than 10 % off; above it the errors
+/// are much larger (docs/decisions/0011).
 inline constexpr double kBendMax = 0.2;
 
-/// What became of one measurement.
+/// Result of using one measurement.
 enum class [[nodiscard]] Use{kUsed, kGated, kSingular};
 
-/// Adds one measurement to a belief. Where h is linear enough about the mean (kBendMax) and the
-/// posterior clear of the limits of range and view by 3σ, however soft they are:
-/// Ω ← Ω + Hᵀ V⁻¹ H, ω ← ω + Hᵀ V⁻¹ z̃ with z̃ = z − h(x, ŷ) + H ŷ, bearings wrapped. Elsewhere
-/// (near the robot, under it, long unseen, at the edge of view) the position's marginal gets the
-/// posterior_moments(), and the velocity follows through its correlation.
-/// @param gate_sigma  > 0: leave the belief alone (kGated) when z is farther than this from what
-///                    was expected: √(νᵀ (H Ω⁻¹ Hᵀ + V)⁻¹ ν), or the square root of
-///                    PositionMoments::mahalanobis2
-/// kSingular, belief untouched: Ω or V not positive definite, or a z that leaves nothing possible.
+/// Adds one measurement to a belief. The linear update is used where h is linear enough about the
+/// mean (kBendMax) and the posterior is 3σ away from the limits of range and view:
+///   Ω ← Ω + Hᵀ V⁻¹ H, ω ← ω + Hᵀ V⁻¹ z̃ with z̃ = z − h(x, ŷ) + H ŷ, bearings wrapped.
+/// Elsewhere (close to the robot, under it, after a long time unseen, at the edge of view) the
+/// position's marginal is set to the posterior_moments(), and the velocity follows through its
+/// correlation.
+/// @param gate_sigma  > 0: returns kGated, belief unchanged, when z is farther than this from the
+/// prediction: √(νᵀ (H Ω⁻¹ Hᵀ + V)⁻¹ ν), or the square root of PositionMoments::mahalanobis2
+/// Returns kSingular, belief unchanged, when Ω or V is not positive definite, or no position is
+/// compatible with z.
+/// Precondition: z has measurement_dim rows.
 /// Cost: about 1 µs linear, else that of posterior_moments(). No allocation.
-/// Precondition: z has measurement_dim rows. Source: dissertation 3.3; algorithms §4.
+/// Source: dissertation 3.3; algorithms §4.
 Use measure(models::Information& belief, const models::SensorModel& sensor,
             const models::Viewpoint& from, const models::Measurement& measurement,
             double gate_sigma);
 
-/// Whether one detection tells where a target is: not of a sensor of range or bearing alone.
+/// True if one detection determines a target's position: false for a sensor of range or bearing
+/// alone.
 bool can_discover(const models::SensorModel& sensor);
 
-/// The belief of a target after its very first detection. Position: posterior_moments() of z over
-/// all that is in view, with nothing known before but, where z is silent (the null space of
-/// ∂h/∂position at the position that explains z), the stated prior_position_sigma_m. Velocity:
-/// zero, prior_velocity_sigma_mps.
-/// nullopt where the sensor cannot tell where the target is.
+/// Returns the belief of a target after its first detection. Position: posterior_moments() of z
+/// over all that is in view, without prior. In directions that z does not measure (the null space
+/// of ∂h/∂position at the position that explains z), the prior is prior_position_sigma_m. Velocity:
+/// zero with prior_velocity_sigma_mps; of a damped oscillator, the model's own velocity σ. Returns
+/// nullopt where the sensor cannot determine the position.
 std::optional<models::Information> discover(const scenario::EstimatorSpec& spec,
                                             const models::SensorModel& sensor,
                                             const models::Viewpoint& from,
                                             const models::Measurement& measurement);
 
-/// How likely it is that a detection beyond the gate is right, and its target did what no model
-/// foresaw; else it is another's.
+/// Probability that a detection outside the gate is right because its target moved unexpectedly.
+/// Otherwise it belongs to another target.
 inline constexpr double kDoubt = 0.5;
 
-/// A detection of this track's id was beyond the gate, at `time`. What is believed stays in its
-/// place, and its covariance takes up kDoubt of what would be believed by the detection alone, by
-/// discover(): Σ ← Σ + kDoubt (Σ_z + d dᵀ), d from the mean to there. Whichever is true, the next
-/// detection finds its target within the gate: where it was, or where this one was. Until then no
-/// belief counts that knows of nothing as new. False, track untouched, where the sensor cannot tell
-/// where that is.
+/// Handles a detection of this track's id that was outside the gate, at `time`. The mean is kept.
+/// The covariance is enlarged with kDoubt towards the belief that discover() gives for the
+/// detection alone: Σ ← Σ + kDoubt (Σ_z + d dᵀ), d from the mean to that belief's mean. Whichever
+/// is true, the next detection is within the gate: at the old position or at this one. Until then,
+/// beliefs without a detection at least as new are not fused. Returns false, track unchanged, where
+/// the sensor cannot determine the position.
 bool doubt(Track& track, const scenario::EstimatorSpec& spec, const models::SensorModel& sensor,
            const models::Viewpoint& from, const models::Measurement& measurement, Time time);
 

@@ -17,13 +17,13 @@ static_assert(kLabels == models::kTrackLabelMin, "labels are the upper half of w
 
 constexpr double kSameWithin_sigma = 3.0;
 constexpr double kTellsMore_nats = 0.5;
-/// Of own tracks only those this likely are compared with what a teammate has confirmed.
+/// Least existence of an own track that is matched with a teammate's confirmed track.
 constexpr double kPlausible = 0.1;
 constexpr double kConfirmed = 0.5;
-/// Of what somebody has confirmed; what it was exactly is not told.
+/// Existence of a track that a teammate confirmed; beliefs do not contain the exact value.
 constexpr double kHeardExistence = 0.9;
 
-/// By ascending target, of each the first.
+/// Sorts by target_id and keeps the first entry of each.
 template <class List>
 void order(List& list) {
   std::stable_sort(list.begin(), list.end(),
@@ -43,7 +43,7 @@ void set_belief(LabelledTrack& track, const models::Gaussian& belief, Time last_
   track.last_seen = last_seen;
 }
 
-/// Another in the place of the one that is least likely; false when all are likely.
+/// Replaces the track of the lowest existence; false when all are confirmed.
 bool add(std::vector<LabelledTrack>& tracks, int label, const models::Gaussian& belief,
          Time last_seen) {
   const auto least = std::min_element(tracks.begin(), tracks.end(),
@@ -66,8 +66,8 @@ double mahalanobis2(const models::Gaussian& a, const models::Gaussian& b) {
   return off_m.dot(S_m2.llt().solve(off_m));
 }
 
-/// Gives the older label to both of the nearest pair that have none in common; false if there is
-/// none.
+/// Gives the older label to both tracks of the nearest pair with labels that the other side does
+/// not have; false if there is no such pair.
 bool join_nearest(std::vector<LabelledTrack>& tracks, std::span<HeardLabel> heard,
                   Reconciled& done) {
   LabelledTrack* own = nullptr;
@@ -156,7 +156,7 @@ std::vector<models::TargetMixture> told_mixtures(const MultiTargetFilter& filter
   for (const LabelledTrack& track : tracks) {
     if (filter.is_confirmed(track) && models::to_information(moments(track.mixture))) {
       mixtures.push_back({track.label, std::min(track.existence, 1.0), track.mixture});
-      // What rounding has added is no more than surely.
+      // Rounding may raise a weight slightly above 1.
       for (Component& component : mixtures.back().components) {
         component.weight = std::min(component.weight, 1.0);
       }

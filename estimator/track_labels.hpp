@@ -8,62 +8,65 @@
 #include "estimator/multi_target.hpp"
 #include "models/exchange/messages.hpp"
 
-// What robots that track without ids call their tracks, and how a team comes to call them the same.
-// No robot is asked: a label is the name of the detection that the track was born of, so whoever
-// has heard that look calls it the same. Who has not found the target by a later look, and is told
-// by a teammate's belief: of two labels of one target the older one stays.
+// Labels of tracks without target ids, and their agreement in a team without negotiation. The label
+// names the detection that started the track, so all robots that received that observation use the
+// same label. A robot that found the target by a later observation learns the label from a
+// teammate's belief: of two labels of one target, the older one is kept.
 
 namespace vantage::estimator {
 
-/// Looks of one robot that are this far apart make different labels.
+/// Observations of one robot that are at least this far apart have different labels.
 inline constexpr Duration kLabelTick{20'000};
-/// As many robots and detections of a look have labels of their own.
+/// Numbers of robots, and of detections per observation, that have distinct labels.
 inline constexpr int kLabelledRobots = 32;
 inline constexpr int kLabelledDetections = 32;
 
-/// Label of a track that the first detection of a look founds, in the detections' own order; the
-/// next has the next label. It holds the instant, in ticks, modulo 2^20 (5.8 hours: the labels of a
-/// track are taken to be no more than half of that apart), the robot and the detection.
+/// Returns the label of a track started by the first detection of an observation; each further
+/// detection has the next label. It encodes the instant in ticks modulo 2^20 (5.8 hours), the robot
+/// and the detection. Labels are compared on the assumption that they are at most half of that
+/// period apart.
 /// @throws UsageError unless 0 ≤ robot < kLabelledRobots.
 int first_label(Time of_look, int robot);
-/// Of the look of an earlier instant; of the same, of the robot that comes first.
+/// True if `label` names an earlier detection than `than`: of an earlier instant or, at the same
+/// instant, of a robot with a smaller index.
 bool is_older(int label, int than);
 
-/// A track that a teammate tells of.
+/// A track in a teammate's belief.
 struct HeardLabel {
-  int teller = 0;  ///< who: what one teammate says goes together
+  int teller = 0;  ///< index of the teammate; its tracks are reconciled together
   Time at{};       ///< instant of `belief`
   int label = 0;
   models::Gaussian belief;
   Time last_seen{};
 };
 
-/// What hearing of teammates' tracks came to.
+/// Results of reconcile(), counted.
 struct Reconciled {
-  std::int64_t relabelled = 0;  ///< own tracks that took an older label
-  std::int64_t adopted = 0;     ///< theirs that are none of the own
-  std::int64_t taken_over = 0;  ///< beliefs of own tracks of which the teammate knows more
+  std::int64_t relabelled = 0;  ///< own tracks that were given an older label
+  std::int64_t adopted = 0;     ///< teammates' tracks that match no own track and were added
+  std::int64_t taken_over = 0;  ///< own tracks that took a teammate's more informative belief
 };
 
-/// Makes `tracks` agree with those that one teammate tells of, of the same instant, the instant
-/// before anything is used that is not in `heard`. `heard` is scratch.
+/// Reconciles `tracks` with those of one teammate, of the same instant. It must run before any
+/// observation is used that `heard` does not contain. `heard` is modified.
 ///
-/// An own track and one of theirs whose labels the other side has not are one target where they are
-/// nearest to each other by Mahalanobis distance of positions, and within 3: both are called by the
-/// older label (the other side does the same when it hears of this). What then has no label here is
-/// adopted if there is room. Of a track that both have, the belief that tells more by half a nat or
-/// more is taken, whole: a choice between two beliefs never counts a look twice, whatever they have
-/// in common. Robots that have used the same looks have nothing to reconcile. Allocates nothing.
+/// An own track and a received one with labels that the other side does not have are the same
+/// target if their positions are nearest to each other by Mahalanobis distance, and within 3. Both
+/// get the older label; the teammate does the same when it receives this robot's belief. A received
+/// track whose label is still unknown is added if there is room. For a track that both have, the
+/// received belief replaces the own one if its entropy is lower by more than half a nat. A choice
+/// between two beliefs never counts an observation twice, whatever they have in common. Robots that
+/// used the same observations have nothing to reconcile. Allocates nothing.
 Reconciled reconcile(std::vector<LabelledTrack>& tracks, std::span<HeardLabel> heard);
 
-/// What `tracks` tell of: those that are confirmed, as Gaussians, by ascending label.
+/// Returns the confirmed tracks as Gaussians, by ascending label.
 std::vector<models::TargetBelief> told(const MultiTargetFilter& filter,
                                        const std::vector<LabelledTrack>& tracks);
-/// The same tracks' mixtures and probabilities of existence.
+/// Returns the same tracks' mixtures and existence probabilities.
 std::vector<models::TargetMixture> told_mixtures(const MultiTargetFilter& filter,
                                                  const std::vector<LabelledTrack>& tracks);
-/// Tracks of which only what was told is known: an existence of 0.9, one Gaussian each. What has
-/// not `dim` components is left out.
+/// Replaces `tracks` by those of `told`, with one Gaussian and an existence of 0.9 each. Beliefs
+/// without `dim` components are left out.
 void set_told(std::vector<LabelledTrack>& tracks, std::span<const models::TargetBelief> told,
               int dim);
 

@@ -9,12 +9,12 @@
 
 namespace vantage::estimator {
 
-/// The tracks that are known, by ascending target: as large as what a robot knows, whatever the
-/// number of targets there are. `Kept` has a target_id.
+/// Table of entries sorted by target id. Its size is the number of known targets, not of all
+/// targets. `Kept` has a target_id.
 template <class Kept>
 class TargetTable {
  public:
-  /// Room for this many is made at once: up to it nothing is allocated later.
+  /// Largest number of entries reserved at construction; up to it nothing is allocated later.
   static constexpr std::size_t kReserved = 128;
   explicit TargetTable(int target_count = 0) {
     kept_.reserve(std::min(static_cast<std::size_t>(std::max(0, target_count)), kReserved));
@@ -28,7 +28,7 @@ class TargetTable {
     const auto at = place_of(kept_, target_id);
     return at != kept_.end() && at->target_id == target_id ? &*at : nullptr;
   }
-  /// In the place of another of the same target, if there is one.
+  /// Inserts `one`, or replaces the entry of the same target.
   Kept& put(const Kept& one) {
     const auto at = place_of(kept_, one.target_id);
     if (at != kept_.end() && at->target_id == one.target_id) {
@@ -58,11 +58,11 @@ class TargetTable {
 struct KnownTrack {
   int target_id = 0;
   Track track;
-  Samples samples = {};  ///< where there are any, the track's information has their moments
+  Samples samples = {};  ///< if not empty, the track's information has their moments
 };
 using TrackTable = TargetTable<KnownTrack>;
 
-/// Σ_j w_j (Ω_j, ω_j) over the teammates who know the target, w_j = √det Ω_j.
+/// Σ_j w_j (Ω_j, ω_j) over the teammates that know the target, w_j = √det Ω_j.
 struct HeardTrack {
   int target_id = 0;
   Track track;

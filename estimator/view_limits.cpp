@@ -68,7 +68,7 @@ double view_probability(const models::SensorModel& sensor, const LimitSoftness& 
   const Eigen::Vector2d off_m = target_m.head<2>() - from.world_from_body.position_m();
   const double reach_m = sensor.range_max_m + kViewCertain_sigma * softness.distance_m;
   if (off_m.squaredNorm() > reach_m * reach_m) {
-    return 0.0;  // the cheap way out for most targets
+    return 0.0;  // early exit for most targets
   }
   const models::SightLine to = models::sight_line(from, target_m);
   if (law.measures_range && to.range_m < models::kLeastRange_m) {

@@ -2,38 +2,38 @@
 
 #include "models/sensor/sensor.hpp"
 
-// The limits of range, depth and view as evidence. They are as sharp as a sensor's parts are; where
-// they lay in the world is known no better than where the robot was and what it measured, and how a
-// belief falls off there, a Gaussian does not know.
+// Soft limits of range, depth and view. A sensor's limits are sharp, but their position in the
+// world is as uncertain as the robot's pose and the measurement, and a Gaussian belief does not
+// represent its fall-off at a limit.
 
 namespace vantage::estimator {
 
-/// 1σ of where limits lie; 0: exactly.
+/// 1σ of the position of the limits; 0: exact.
 struct LimitSoftness {
-  double distance_m = 0.0;  ///< of those of range and depth, and of the edges of view sideways
-  double angle_rad = 0.0;   ///< beside that, of the edges of view
+  /// m; limits of range and depth, and lateral position of the edges of view
+  double distance_m = 0.0;
+  double angle_rad = 0.0;  ///< rad; additional angle of the edges of view
 };
 
-/// Limits are known to this share of what is measured: 1σ of it in 1σ of the noise. Measured
-/// (docs/decisions/0021).
+/// 1σ of a limit as a share of 1σ of the measurement noise. Measured (docs/decisions/0021).
 inline constexpr double kSoftShare = 0.1;
 
-/// Of looks with noise covariance V: kSoftShare of 1σ of a range or of a coordinate of a position,
-/// of a bearing or of a camera's line of sight. A kind that measures something else, or has limits
-/// of its own: exactly.
+/// Returns the softness for noise covariance V: kSoftShare of 1σ of a range or position coordinate,
+/// of a bearing or of a camera's line of sight. Exact for a kind that measures something else or
+/// has limits of its own.
 LimitSoftness limit_softness(const models::SensorModel& sensor, const models::MeasurementMatrix& V);
 
-/// Probability that a target there is in view: Φ of its distance from each limit in σ, multiplied.
-/// With limits that are known exactly, and for a kind with limits of its own, 1 or 0 as
-/// models::in_view() has it. No allocation.
+/// Returns the probability that a target at `target_m` is in view: the product of Φ(distance from
+/// the limit in σ) over all limits. For exact limits, and for a kind with limits of its own, it is
+/// 1 or 0 as given by models::in_view(). No allocation.
 double view_probability(const models::SensorModel& sensor, const LimitSoftness& softness,
                         const models::Viewpoint& from, const models::PositionVector& target_m);
-/// The same of a target that is `range_m` away, `horizontal_m` of it horizontally, at `bearing_rad`
-/// from body x; `depth_m`: +∞ for a sensor that has no least one.
+/// The same for a target at distance `range_m`, of which `horizontal_m` is horizontal, at
+/// `bearing_rad` from body x. `depth_m` is +∞ for a sensor without a least depth.
 double view_probability(const models::SensorModel& sensor, const LimitSoftness& softness,
                         double range_m, double horizontal_m, double bearing_rad, double depth_m);
 
-/// Farther than this from every limit it is 1 or 0.
+/// Distance from a limit beyond which its factor is 1 or 0.
 inline constexpr double kViewCertain_sigma = 6.0;
 
 }  // namespace vantage::estimator

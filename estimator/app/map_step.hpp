@@ -18,38 +18,39 @@
 
 namespace vantage::estimator {
 
-/// The map's part of an estimator on the bus: SCAN_R and the teammates' MAP_* in, MAP_R out, once
-/// after each BELIEF_R. Each message names the belief, the own map before, the scans and the
-/// teammates' maps that it stands on, so that it can be made again from these alone.
+/// Connects a TeamMap to the bus: SCAN_R and the teammates' MAP_* in, MAP_R out, once after each
+/// BELIEF_R. Each message names its inputs: the belief, the own previous map, the scans and the
+/// teammates' maps. It can be reproduced from these alone.
 class MapPublisher {
  public:
   MapPublisher(bus::Bus& bus, const scenario::Scenario& scenario, const std::string& robot);
 
-  /// `belief` as it was published under `name`.
+  /// Publishes the map of the step of `belief`, which was published under `name`.
   void step(const models::RobotBelief& belief, const models::InputRef& name);
   [[nodiscard]] std::vector<models::NamedCount> counters() const;
 
  private:
-  /// Runs of one teammate's estimator that are remembered: of more, those with the newest maps.
+  /// Maximum number of runs kept per teammate's estimator; those with the newest maps are kept.
   static constexpr std::ptrdiff_t kRunsKept = 16;
-  using Run = std::pair<std::string, std::int64_t>;  ///< a robot, and a run of its estimator
+  using Run = std::pair<std::string, std::int64_t>;  ///< robot, run id of its estimator
 
-  /// Takes up what was heard in range.
+  /// Copies the newest maps that were sent in range to taken_.
   void take_up(const models::RobotBelief& belief);
 
   bus::Bus& bus_;
   std::string robot_;
   TeamMap map_;
-  std::deque<Heard<models::RangeScan>> scans_;             ///< not counted yet
+  std::deque<Heard<models::RangeScan>> scans_;             ///< not used yet
   std::map<std::string, Heard<models::RobotMap>> newest_;  ///< by teammate, in range or not
-  std::map<Run, Heard<models::RobotMap>> taken_;           ///< newest in range of each run
+  std::map<Run, Heard<models::RobotMap>> taken_;           ///< newest map in range, by run
   std::optional<Heard<models::RobotMap>> own_;
   std::int64_t scans_overflowed_ = 0;
   std::int64_t misaddressed_ = 0;
   std::int64_t runs_forgotten_ = 0;
 };
 
-/// Makes the logged MAP_R again, each from the inputs that it names, under the bus's prefix.
+/// Recomputes each logged MAP_R from the inputs that it names and publishes it under the bus's
+/// prefix.
 class MapReplayer {
  public:
   MapReplayer(bus::Bus& bus, const scenario::Scenario& scenario, const std::string& robot);
@@ -59,7 +60,7 @@ class MapReplayer {
 
  private:
   void work();
-  /// False while an input is missing.
+  /// Recomputes one map. Returns false while an input is missing.
   bool redo(const models::RobotMap& logged);
 
   bus::Bus& bus_;
@@ -68,9 +69,10 @@ class MapReplayer {
   bus::InputStore<models::RobotBelief> beliefs_{64};
   bus::InputStore<models::RangeScan> scans_{256};
   bus::InputStore<models::RobotMap> maps_;
-  /// What the step before stood on: it may be named long after it was heard.
+  /// Maps of teammates used by the previous step, kept because a log may reference them long after
+  /// reception.
   std::vector<std::pair<models::InputRef, models::RobotMap>> standing_;
-  bus::ReplayQueue<models::RobotMap> logged_;  ///< not made again yet
+  bus::ReplayQueue<models::RobotMap> logged_;  ///< not recomputed yet
   std::int64_t incomplete_ = 0;
 };
 

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kLooksWaitingPerRobot = 64;
 constexpr std::size_t kPosesKept = 256;
 
-/// The last instant kτ that is not after `t`.
+/// Returns the last instant kτ ≤ `t`.
 Time instant_before(Time t, Duration step) {
   const std::int64_t utime = to_utime(t);
   const std::int64_t step_us = step.count();
@@ -140,7 +140,7 @@ Time EstimatorNode::next_tick() const {
   const Time latest = next_instant_ + lag_max_;
   const Duration since_look = next_instant_ - last_own_look_;
   if (since_look >= 2 * step_) {
-    return soonest;  // none came of the last instant either
+    return soonest;  // no observation of the last instant either: do not wait
   }
   const bool is_awaited = since_look >= step_;
   return is_awaited ? latest : std::clamp(last_own_look_heard_ + step_ / 100, soonest, latest);
@@ -165,7 +165,7 @@ void EstimatorNode::tick(Time now) {
     map_->step(made, published);
   }
 
-  // A belief counts as stale once; what a silent teammate said last is then let go.
+  // A belief is counted as stale once; then the last message of a silent teammate is dropped.
   const Duration age_max = from_seconds(filter_.spec().belief_age_max_s);
   std::erase_if(newest_,
                 [&](const auto& entry) { return t - entry.second.content->stamp.time > age_max; });

@@ -21,24 +21,26 @@
 
 namespace vantage::estimator {
 
-/// Joins a DistributedFilter to the bus: the team's MEASUREMENT_*, VICON and the teammates'
-/// BELIEF_* in, BELIEF_R out, before it MIXTURE_R of what in it is no Gaussian; in a scenario that
-/// maps, MAP_R after it. Which teammates' looks are
-/// in range is the filter's business; in a neighbourhood, only those within it are listened to.
+/// Connects a DistributedFilter to the bus. Inputs are the team's MEASUREMENT_*, VICON and the
+/// teammates' BELIEF_*. It publishes MIXTURE_R for beliefs that are not Gaussian, then BELIEF_R
+/// and, in a mapping scenario, MAP_R. The filter decides which teammates' observations are in
+/// range; with a neighbourhood, it subscribes only to the teammates in it.
 ///
-/// A step is of the instant t = kτ of the absolute time, and is made a tenth of τ later so that
-/// the measurement of that instant has come. Where the own looks come later than that (they need
-/// a mocap frame that is old when it arrives) it waits for this one up to a sixth of τ, and a
-/// hundredth more for the teammates'. Its message says `utime` = t, `step` = steps made
-/// since the start, and names every message it used. Later looks wait for the next step; newest
-/// beliefs are used until they are stale.
+/// A step belongs to the instant t = kτ of absolute time and is made τ/10 later, so that the
+/// measurement of t has arrived. Own observations may arrive later, because they need a mocap frame
+/// that is old on arrival. The step then waits for the own observation, and τ/100 more for the
+/// teammates', but no longer than τ/6 after t. The published belief has `utime` = t, `step` = the
+/// number of steps since the start, and the names of all messages used. Later observations are used
+/// in the next step. The newest beliefs are used until they are stale.
 class EstimatorNode : public bus::Node {
  public:
-  /// What is believed of the targets at t, by ascending target_id, after the looks of its step.
+  /// Returns the beliefs of the targets at t, by ascending target_id, after the observations of its
+  /// step.
   using Believe = std::function<std::vector<models::TargetBelief>(
       Time t, const std::vector<Heard<models::DetectionSet>>& looks)>;
 
-  /// @param believe  said instead of what the filter believes of the targets; none: the filter's
+  /// @param believe  publishes its beliefs of the targets instead of the filter's; empty: the
+  /// filter's
   /// @throws UsageError when `scenario` has no such robot.
   EstimatorNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
                 const std::string& robot, Believe believe = {});
@@ -46,11 +48,11 @@ class EstimatorNode : public bus::Node {
   [[nodiscard]] std::string name() const override;
   [[nodiscard]] Time next_tick() const override;
   void tick(Time now) override;
-  /// Those of the filter, and: looks_overflowed (more waited than fit), misaddressed (a robot's
-  /// name inside a message is not that of its channel), viewpoint_unknown (steps that had to take
-  /// the robot to be where it was).
+  /// Returns the filter's counters and: looks_overflowed (observations dropped from the full
+  /// queue), misaddressed (the robot's name in a message differs from that of its channel),
+  /// viewpoint_unknown (steps that used the robot's last known viewpoint).
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
-  /// Instants kτ that passed without a step.
+  /// Returns the number of instants kτ without a step.
   [[nodiscard]] std::int64_t deadlines_missed() const override { return instants_missed_; }
 
   [[nodiscard]] const DistributedFilter& filter() const { return filter_; }
@@ -69,18 +71,18 @@ class EstimatorNode : public bus::Node {
   DistributedFilter filter_;
   Believe believe_;
   std::string robot_;
-  std::size_t mocap_index_;  ///< where frames have the robot, most likely
+  std::size_t mocap_index_;  ///< likely index of the robot in frames
   Duration step_;
   Duration lag_;
   Duration lag_max_;
   Time next_instant_{};
-  Time last_own_look_{};        ///< the newest one's instant
-  Time last_own_look_heard_{};  ///< and when it came
+  Time last_own_look_{};        ///< instant of the newest own observation
+  Time last_own_look_heard_{};  ///< and its time of reception
   std::int64_t steps_ = 0;
   std::deque<Heard<models::DetectionSet>> looks_;             ///< not used yet
   std::deque<Heard<OwnPose>> poses_;                          ///< newest last
   std::map<std::string, Heard<models::RobotBelief>> newest_;  ///< by teammate
-  std::optional<MapPublisher> map_;                           ///< of a scenario that maps
+  std::optional<MapPublisher> map_;                           ///< only in a mapping scenario
   std::optional<bus::NeighbourWatch> neighbours_;
   std::int64_t instants_missed_ = 0;
   std::int64_t looks_overflowed_ = 0;

@@ -17,15 +17,15 @@
 
 namespace vantage::estimator {
 
-/// Does the steps of a logged estimator again: for each logged BELIEF_R, in order of `step`, the
-/// same step from exactly the inputs that it names, published under the bus's prefix (and
-/// MIXTURE_R). What it makes does not depend on when the log player delivers what.
+/// Repeats the steps of a logged estimator. For each logged BELIEF_R, in order of `step`, it
+/// computes the step from exactly the inputs named in it and publishes the result, and MIXTURE_R,
+/// under the bus's prefix. The result does not depend on the delivery times of the log player.
 ///
-/// A step waits for inputs that are still to come, see ReplayQueue. When inputs are missing for
-/// good, or steps are missing from the log, nothing is published for that step and the filter
-/// continues from the logged content, so that one loss does not spoil the rest; the first step
-/// heard is such a one unless it is step 0, and so is a step with a look that belongs before the
-/// last such one: the steps to be done again with it are not known.
+/// A step waits for inputs that are still to come, see ReplayQueue. When inputs are missing
+/// permanently, or steps are missing from the log, the step is not published. The filter then
+/// continues from the logged content (it is rebased), so that one loss does not affect all later
+/// steps. The first step received is treated in this way unless it is step 0. So is a step with an
+/// observation older than the last rebase, because the steps to repeat with it are unknown.
 class EstimatorReplayNode : public bus::Node {
  public:
   /// @throws UsageError when `scenario` has no such robot.
@@ -35,8 +35,8 @@ class EstimatorReplayNode : public bus::Node {
   [[nodiscard]] std::string name() const override;
   [[nodiscard]] Time next_tick() const override { return next_tick_; }
   void tick(Time now) override;
-  /// Those of the filter, and: steps_rebased, inputs_missing, and differences:
-  /// redone steps that are not the logged ones within 1e−9 (relative to 1 + |x|).
+  /// Returns the filter's counters and: steps_rebased, inputs_missing, and differences (repeated
+  /// steps that differ from the logged ones by more than 1e−9, relative to 1 + |x|).
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
 
   [[nodiscard]] std::int64_t steps_redone() const { return steps_redone_; }
@@ -46,9 +46,9 @@ class EstimatorReplayNode : public bus::Node {
 
  private:
   void work();
-  /// From what is there of the inputs that `logged` names; `missing` are not.
+  /// Repeats the step of `logged` from the available inputs; `missing` inputs are absent.
   void redo(const models::RobotBelief& logged, const StepMaterial& material, std::int64_t missing);
-  /// The inputs that `logged` names; `missing` is how many are not there.
+  /// Returns the available inputs named by `logged`; `missing` receives the number of absent ones.
   StepMaterial gather(const models::RobotBelief& logged, std::int64_t& missing) const;
 
   bus::Bus& bus_;
@@ -58,20 +58,20 @@ class EstimatorReplayNode : public bus::Node {
   bus::InputStore<models::DetectionSet> looks_;
   bus::InputStore<models::MocapFrame> frames_;
   bus::InputStore<models::RobotBelief> beliefs_;
-  bus::ReplayQueue<models::RobotBelief> logged_;  ///< not done yet
+  bus::ReplayQueue<models::RobotBelief> logged_;  ///< not repeated yet
   std::optional<models::Stamp> last_done_;
   std::int64_t last_step_ = -1;
-  std::optional<Time> rebased_to_;  ///< where the filter last continued from the log
+  std::optional<Time> rebased_to_;  ///< instant at which the filter last continued from the log
   Time next_tick_{};
   std::int64_t steps_redone_ = 0;
   std::int64_t steps_rebased_ = 0;
   std::int64_t inputs_missing_ = 0;
   std::int64_t differences_ = 0;
-  std::optional<MapReplayer> map_;  ///< of a scenario that maps
+  std::optional<MapReplayer> map_;  ///< only in a mapping scenario
 };
 
-/// True when the two say the same of the same targets and cells, numbers within
-/// `tolerance` · (1 + |x|).
+/// True if the two have the same targets and cells with equal content, numbers within `tolerance` ·
+/// (1 + |x|).
 bool same_content(const models::RobotBelief& a, const models::RobotBelief& b, double tolerance);
 
 }  // namespace vantage::estimator

@@ -13,46 +13,47 @@
 
 namespace vantage::estimator {
 
-/// A message and the name under which others may refer to it.
+/// A received message and the name by which other messages refer to it.
 template <class Content>
 struct Heard {
   models::InputRef ref;
   std::shared_ptr<const Content> content;
 };
 
-/// Where the mocap system saw the own body.
+/// Pose of the robot as measured by the mocap system.
 struct OwnPose {
   Time time{};
   models::Viewpoint viewpoint;
 };
 
-/// Everything that one step uses. Live and replayed steps are made from it by the same function,
-/// which is why they are the same.
+/// All inputs of one step. Live and replayed steps are computed from it by the same function, so
+/// they are equal.
 struct StepMaterial {
   std::vector<Heard<models::DetectionSet>> looks;
-  std::optional<Heard<OwnPose>> pose;  ///< when no look of this step says where the robot is
+  std::optional<Heard<OwnPose>> pose;  ///< without an own observation
   std::vector<Heard<models::RobotBelief>> beliefs;
 };
 
-/// The name of a message that arrived on `channel`.
+/// Returns the name of a message received on `channel`.
 models::InputRef name_of(const std::string& channel, const models::Stamp& stamp);
 
-/// The pose of `robot` in `frame`; nullopt when it is missing or occluded.
+/// Returns the pose of `robot` in `frame`; nullopt when it is missing or occluded.
+/// @param hint  likely index of the robot in `frame`
 std::optional<OwnPose> own_pose(const models::MocapFrame& frame, const std::string& robot,
                                 std::size_t hint = 0);
 
-/// True when one of `looks` is of `robot` and of the interval (t − τ, t], so that its viewpoint
-/// serves for t.
+/// True if one of `looks` is from `robot` and from the interval (t − τ, t], so that its viewpoint
+/// can be used for t.
 bool has_viewpoint(const std::vector<Heard<models::DetectionSet>>& looks, const std::string& robot,
                    Time t, Duration step);
 
-/// Advances `filter` to `t` and returns BELIEF_R complete but for its stamp's run id and sequence:
-/// inputs are named in order of use, looks, pose, beliefs.
+/// Advances `filter` to `t` and returns BELIEF_R, complete except for run id and sequence of its
+/// stamp. Inputs are named in order of use: observations, pose, beliefs.
 models::RobotBelief make_step(DistributedFilter& filter, Time t, std::int64_t step,
                               const StepMaterial& material);
 
-/// MIXTURE_R of the step that `made` is of, but for the same; nullopt where there is nothing to
-/// say.
+/// Returns MIXTURE_R of the step of `made`, complete except for run id and sequence; nullopt if it
+/// is empty.
 std::optional<models::BeliefMixture> mixture_of(const DistributedFilter& filter,
                                                 const models::RobotBelief& made);
 
