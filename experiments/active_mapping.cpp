@@ -20,15 +20,15 @@ namespace {
 using planner::SearchProblem;
 using planner::SearchResult;
 
-constexpr int kStarts = 100;  // as the dissertation
+constexpr int kStarts = 100;  // as in the dissertation
 constexpr std::array<double, 2> kBudgets_s = {0.01, 0.1};
-constexpr double kProof_s = 1.0;  // of A* alone: the source gave it ten
+constexpr double kProof_s = 1.0;  // s; for A* only; the source used 10 s
 constexpr double kEpsilon = 1.0;  // as in Fig. 2.5
 constexpr double kDelta_m = 0.1;
 constexpr double kHeatMap_m = 0.05;
 
-// A search and its nodes of work a second on the reference machine (one core of a 2-core virtual
-// machine, release preset), by which budgets of time are turned into nodes.
+// A search and its rate of nodes per second on the reference machine (one core of a 2-core virtual
+// machine, release preset). The rate converts time budgets into nodes.
 struct Method {
   const char* name;
   double nodes_per_s;
@@ -38,7 +38,7 @@ constexpr Method kArvi{"arvi", 5.0e6};
 constexpr Method kAegis{"aegis", 1.5e6};
 constexpr std::array<Method, 3> kMethods = {kAStar, kArvi, kAegis};
 
-// How large the pictures' trees may be.
+// Limits of the trees in the figures.
 struct Drawing {
   std::int64_t arvi_nodes = 4'000'000;
   std::int64_t moving_nodes = 20'000'000;
@@ -74,10 +74,10 @@ struct Searches {
   }
 };
 
-// One for each thread, since 1 GB takes longer to prepare than a search; what was searched last
-// does not matter to what is found next.
+// Returns the calling thread's searches. They are kept because their 1 GB takes longer to prepare
+// than a search. Earlier searches do not affect later ones.
 Searches& searches() {
-  // On the heap: a thread's own variables take room on the stack of every thread of the program.
+  // On the heap, because thread-local objects take space on the stack of every thread.
   thread_local const auto own = std::make_unique<Searches>();
   return *own;
 }
@@ -95,7 +95,7 @@ int seen_by(const SearchProblem& problem, const std::vector<Pose2>& poses) {
   return seen;
 }
 
-// A complete plan's; +∞ without.
+// Returns the cost of a complete plan; +∞ if there is none.
 double cost_of(const SearchProblem& problem, const SearchResult& result) {
   return result.found && result.moving_steps == problem.horizon_steps
              ? result.cost
@@ -129,7 +129,7 @@ UnitRows run_drawn(const planner::OwnedProblem& owned, const std::string& method
   return rows;
 }
 
-// A setting and what runs it.
+// A setting and the function that runs it.
 struct MappingCase {
   Setting setting;
   std::function<UnitRows(std::uint64_t seed)> run;
@@ -172,7 +172,7 @@ std::vector<MappingCase> all_cases(const Drawing& drawing) {
   return cases;
 }
 
-// All plans of one setting.
+// Samples of all plans of one setting.
 struct PlanSamples {
   Sample cost;
   Sample gap;
@@ -188,7 +188,7 @@ std::map<std::string, PlanSamples> samples_of(const SweepPlan& plan, const Table
     PlanSamples& of = samples[plan.settings[record.unit.setting].cells];
     const double cost = record.number(3);
     if (!std::isfinite(cost)) {
-      continue;  // from there no sequence of the primitives stays clear of the wall
+      continue;  // no sequence of primitives from this start avoids the wall
     }
     of.cost.add(cost);
     of.gap.add(cost - record.number(4));

@@ -6,14 +6,14 @@
 
 namespace vantage::experiments {
 
-/// An attacker that experiments are run with, as a cell and as words.
+/// An attacker of the experiments, with its table cell and its description.
 struct NamedAttacker {
   planner::Attacker attacker;
   const char* name;
   const char* text;
 };
 
-/// The first is the source's.
+/// The first one is the attacker of the source.
 inline constexpr std::array<NamedAttacker, 2> kAttackers = {
     {{planner::Attacker::kGreedy, "greedy", "greatest loss to the team, greedily"},
      {planner::Attacker::kBestAlone, "best_alone", "robots whose plans alone are worth most"}}};

@@ -8,10 +8,10 @@ namespace {
 constexpr double kLowest_m = 5.5;
 constexpr double kApart_m = 1.0;
 constexpr double kAboveRoof_m = 1.0;
-constexpr double kTrunk_m = 1.5;  // edge of a tree with its crown
+constexpr double kTrunk_m = 1.5;  // m; edge of a tree's box, crown included
 
 struct Building {
-  double x_m, y_m, width_m, depth_m, height_m;  // x, y: the corner
+  double x_m, y_m, width_m, depth_m, height_m;  // x, y: lower corner
 };
 
 constexpr std::array<Building, 15> kBuildings = {{

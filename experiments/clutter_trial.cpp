@@ -45,7 +45,7 @@ estimator::MultiTargetSpec tracker_spec(const scenario::Scenario& scenario,
   return spec;
 }
 
-// One method, what it believes and how it was judged.
+// Metrics of one method.
 struct Judged {
   logs::OspaJudge judge{logs::kOspaCutoff_m};
   ClutterScore sum;
@@ -79,8 +79,8 @@ class ClutterTrial {
     }
   }
 
-  // Each goes to the target that is known least for its distance and that nobody before it took;
-  // about when there is none.
+  // Sends each robot to the untaken target with the largest position variance for its distance, or
+  // to a random position if there is none.
   void plan() {
     goals_m_.clear();
     std::vector<char> is_taken(scenario_.targets.size(), 0);
@@ -193,7 +193,7 @@ class ClutterTrial {
     return bounds.min_m + Eigen::Vector2d(x, share(rng_)).cwiseProduct(bounds.max_m - bounds.min_m);
   }
 
-  // With ids, those of false alarms −1.
+  // Simulates the detections, with target ids; filter() adds false alarms with id −1.
   void detect(Time now) {
     std::uniform_real_distribution<double> share(0.0, 1.0);
     looks_.clear();
@@ -247,15 +247,15 @@ class ClutterTrial {
   models::DetectionModel detection_;
   double step_s_;
   int steps_;
-  int settling_;  ///< steps that are not judged
-  int step_ = 0;  ///< the present one, from 1
+  int settling_;  ///< first steps, not evaluated
+  int step_ = 0;  ///< current step, from 1
   sim::Ground ground_;
   std::mt19937_64 rng_;
   estimator::DistributedFilter known_;
   std::vector<Tracking> trackings_;  ///< in the order of ClutterMethod
   std::array<Judged, kClutterMethods.size()> judged_;
-  std::vector<Eigen::Vector2d> places_m_;  ///< of the robots
-  std::vector<Eigen::Vector2d> goals_m_;   ///< of each
+  std::vector<Eigen::Vector2d> places_m_;  ///< m; by robot
+  std::vector<Eigen::Vector2d> goals_m_;   ///< m; by robot
   std::vector<logs::Labelled> truth_;
   std::vector<models::DetectionSet> looks_;
 };

@@ -69,11 +69,11 @@ Summary summarise_savings(const Tables& tables) {
   return summary;
 }
 
-// DLS less the better of both orders of CD, over the trials of each team size.
+// DLS minus the better order of coordinate descent, over the trials of each team size.
 struct Gaps {
   std::map<int, Sample> of_dls;
   std::map<int, Sample> of_best_share;
-  Sample slope;  ///< by trial: of the gap of DLS over the number of robots, least squares
+  Sample slope;  ///< by trial: slope of DLS's gap over the number of robots, least squares
 };
 
 double slope_of(const std::map<int, double>& gap_by_robots) {

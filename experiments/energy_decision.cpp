@@ -53,8 +53,8 @@ Decided descent(const std::string& method, const TeamOracle& oracle, bool is_las
 }
 
 planner::ReducedValueIteration& own_search() {
-  // What it found last does not matter to what it finds next. On the heap: a thread's own variables
-  // take room on the stack of every thread of the program.
+  // Earlier searches do not affect later ones. It is on the heap, because thread-local objects take
+  // space on the stack of every thread.
   thread_local const auto own = std::make_unique<planner::ReducedValueIteration>(kCapacity);
   return *own;
 }

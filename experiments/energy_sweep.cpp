@@ -12,13 +12,13 @@ namespace {
 
 using planner::TeamOracle;
 
-constexpr int kTrials = 50;  // as the dissertation
+constexpr int kTrials = 50;  // as in the dissertation
 constexpr int kRobotsMin = 2;
 constexpr int kRobotsMax = 10;
 constexpr int kRobotsMaxSmoke = 4;
 
-// Seconds of one oracle call that keeps nothing from call to call: every target from the first step
-// on, for full teams of random candidates.
+// Returns the CPU seconds of one oracle call without caching: every target from the first step on,
+// for full teams of random candidates.
 double from_scratch_call_s(const TeamOracle& oracle, std::uint64_t seed) {
   constexpr int kCalls = 300;
   std::vector<planner::TargetCourses::Looks> looks;
@@ -40,7 +40,7 @@ double from_scratch_call_s(const TeamOracle& oracle, std::uint64_t seed) {
       sink += oracle.courses().follow(m, 0, oracle.courses().unseen(m), looks, nullptr);
     }
   }
-  // Used, so that nothing of it can be left out.
+  // Uses the result, so that the compiler cannot remove the computation.
   return (thread_cpu_s() - start_s + 0.0 * sink) / kCalls;
 }
 

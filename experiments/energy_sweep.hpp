@@ -11,19 +11,19 @@
 
 namespace vantage::experiments {
 
-/// Teams of 2 … 10 robots of draw_energy_trial (2 … 4 in a smoke run), each trial by every method
-/// of `decide`.
+/// Returns a sweep over teams of 2 … 10 robots of draw_energy_trial() (2 … 4 in a smoke run); each
+/// trial is decided by every method of `decide`.
 Sweep energy_sweep(const Extent& extent,
                    std::function<std::vector<Decided>(const planner::TeamOracle&)> decide,
                    std::function<Summary(const Tables&)> summarise);
 
-/// How many robots the setting of that index has.
+/// Returns the number of robots of a setting.
 int robots_of(std::size_t setting);
 
-/// What the source leaves open about these trials.
+/// Returns our choices where the source leaves the trials open.
 std::vector<std::string> energy_choices();
 
-/// All trials of one way to decide.
+/// Samples of all trials of one decision method.
 struct MethodSamples {
   Sample value;
   Sample calls;
@@ -31,7 +31,7 @@ struct MethodSamples {
   Sample messages;
 };
 
-/// The rows of an energy sweep, by team size and method.
+/// Samples of an energy sweep, by team size and method.
 class EnergySamples {
  public:
   explicit EnergySamples(const Tables& tables);
@@ -43,7 +43,7 @@ class EnergySamples {
   [[nodiscard]] const Sample& cpu_s(int robots, const std::string& part) const {
     return times_.at(robots).at(part);
   }
-  /// Means, deviations and intervals.
+  /// Returns means, deviations and confidence intervals.
   [[nodiscard]] std::string csv() const;
 
  private:

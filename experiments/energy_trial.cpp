@@ -68,7 +68,7 @@ planner::SearchTarget draw_static_target(std::mt19937_64& rng, double side,
   return target;
 }
 
-// A trial without robots and targets, and what the problems of all its robots share.
+// Returns a trial without robots and targets, with the parameters that all robots' problems share.
 EnergyTrial trial_in(const models::World& world, int horizon_steps) {
   EnergyTrial trial;
   trial.world = std::make_unique<models::World>(world);

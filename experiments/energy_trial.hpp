@@ -10,46 +10,49 @@
 
 namespace vantage::experiments {
 
-/// What the text of the dissertation leaves open about its two scenarios.
+/// Parameters of both scenarios that the text of the dissertation leaves open.
 struct EnergyTrialOptions {
   double prior_position_sigma_m = 1.0;
   double prior_velocity_sigma_mps = 1.0;
-  double acceleration_q = 0.1;  ///< m²/s³, of the targets
-  /// Of the metric in which δ = 2 m is meant: such that N of ten robots comes near the text's
-  /// 12500.
+  double acceleration_q = 0.1;  ///< m²/s³; acceleration noise density of the targets
+  /// m/rad; weight of the yaw in the metric of δ = 2 m. Chosen such that N of ten robots is near
+  /// the text's 12500.
   double yaw_weight_m_per_rad = 1.7;
 };
 
-/// One draw of a team, its targets and the candidates of each robot.
+/// One random draw of a team, its targets and the candidates of each robot.
 struct EnergyTrial {
-  std::unique_ptr<models::World> world;        ///< that the robots' problems point to
-  std::vector<planner::SearchProblem> robots;  ///< what each robot's candidates solve
-  std::vector<planner::EnergyModel> energy;    ///< of each robot
+  std::unique_ptr<models::World> world;        ///< referenced by the robots' problems
+  std::vector<planner::SearchProblem> robots;  ///< by robot: the problem that its candidates solve
+  std::vector<planner::EnergyModel> energy;    ///< by robot
   planner::TeamProblem team;
 };
 
-/// Scenario 1, "multi-robot dynamic target tracking": n ground robots and as many targets in a
-/// square of 40 m (n = 2) to 60 m (n = 10), the i-th robot i times as dear to move as the first.
-/// Where robots and targets are is drawn by `seed` and `n` alone: the same on every machine.
+/// Draws a trial of scenario 1, "multi-robot dynamic target tracking": n ground robots and n
+/// targets in a square of 40 m (n = 2) to 60 m (n = 10). The i-th robot's motion costs i times that
+/// of the first. `seed` and `n` alone determine the positions of robots and targets, on every
+/// machine.
 /// Source: dissertation 3 D.2, Table 3.1.
 EnergyTrial draw_energy_trial(int n, std::uint64_t seed, const EnergyTrialOptions& options,
                               planner::ReducedValueIteration& search);
 
-/// Scenario 2, "heterogeneous sensing and control": two ground robots, then one that flies, and ten
-/// static targets in a square of 100 m with mud and wind. Robots begin outside both.
+/// Options of scenario 2, "heterogeneous sensing and control": two ground robots, one flying robot,
+/// and ten static targets in a square of 100 m with mud and wind. Robots start outside both
+/// regions.
 /// Source: dissertation 3 D.3, Table 3.1.
 struct HeterogeneousTrialOptions {
-  double price_nats = 0.0;  ///< r, of every robot
+  double price_nats = 0.0;  ///< r, the same for every robot
   int horizon_steps = 20;
   EnergyTrialOptions open;
 };
 EnergyTrial draw_heterogeneous_trial(std::uint64_t seed, const HeterogeneousTrialOptions& options,
                                      planner::ReducedValueIteration& search);
 
-/// The arena of scenario 2: its mud and its wind, which overlap.
+/// Returns the world of scenario 2 with its regions of mud and wind, which overlap.
 models::World heterogeneous_world();
 
-/// `team` with the best `share` of each robot's candidates by value alone, at least one each.
+/// Returns `team` reduced to the best `share` of each robot's candidates by individual value, at
+/// least one each.
 planner::TeamProblem best_share(const planner::TeamOracle& oracle, double share);
 
 }  // namespace vantage::experiments

@@ -20,9 +20,9 @@ Sweep active_mapping(const Extent& extent);
 Sweep tracking_communication(const Extent& extent);
 Sweep tracking_time(const Extent& extent);
 Sweep tracking_noise(const Extent& extent);
-/// Not of the dissertation: tracking by looks without ids, among false alarms.
+/// Not in the dissertation: tracking by observations without ids and with false alarms.
 Sweep tracking_clutter(const Extent& extent);
-/// Fig. 3.4: the lab's trial, simulated, and three planners that do not think ahead.
+/// Fig. 3.4: the lab trial, simulated, compared with three planners without look-ahead.
 Sweep hardware(const Extent& extent);
 /// Fig. 3.6: oracle calls and proposals of distributed local search, naive, lazy, warm and both.
 Sweep dls_savings(const Extent& extent);
@@ -32,11 +32,11 @@ Sweep dls_objective(const Extent& extent);
 Sweep heterogeneous(const Extent& extent);
 /// Table 4.1 and Fig. 4.3: tracking under worst-case attacks, RAIN against coordinate descent.
 Sweep resilient_tracking(const Extent& extent);
-/// Three rows of Table 4.1 with what the text leaves open settled in eight ways.
+/// Three rows of Table 4.1, with the three open choices of the text resolved in eight combinations.
 Sweep resilient_tracking_choices(const Extent& extent);
 /// Fig. 4.4 and 4.5: mapping under attack, RAIN against coordinate descent.
 Sweep resilient_mapping(const Extent& extent);
-/// Fig. 4.7: a camp watched over under attack, planned anew every 1 to 10 steps.
+/// Fig. 4.7: surveillance of a camp under attack, replanned every 1 to 10 steps.
 Sweep surveillance(const Extent& extent);
 /// Fig. 4.9: two robots and two targets, one robot jammed at all times, simulated.
 Sweep resilient_hardware(const Extent& extent);

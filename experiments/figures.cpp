@@ -7,9 +7,9 @@
 namespace vantage::experiments {
 namespace {
 
-// Draws `plots` as `name`.svg and `name`.png.
+// Returns a script that draws `plots` as `name`.svg and `name`.png.
 std::string figure(const std::string& name, const std::string& size, const std::string& plots) {
-  // Lines are not drawn across what a filter within gnuplot leaves out: awk picks the rows.
+  // gnuplot breaks lines at rows that its own filters exclude, so awk selects the rows.
   return "reset\nrows(m) = sprintf(\"< awk -F, '$2 == \\\"%s\\\"' summary.csv\", m)\n"
          "set datafile separator ','\nset grid lc rgb '#dddddd'\n"
          "set style fill transparent solid 0.15 noborder\n"
@@ -167,8 +167,8 @@ std::string resilient_mapping_figures() {
 
 namespace {
 
-// What the pictures of active mapping share: the size of the world, and the boxes of the one that
-// has some.
+// Common parts of the figures of active mapping: the size of the world, and the boxes for the
+// figures that have some.
 const char* const kMappingArea = R"gp(
   set xrange [0:10]; set yrange [0:10]; set size ratio -1
   set xlabel "x [m]"; set ylabel "y [m]"
@@ -180,8 +180,8 @@ const char* const kMappingBoxes = R"gp(
   set object 3 rectangle from 3.885,6.945 to 5.925,8.975 front fillcolor rgb "#8b939c" fillstyle solid noborder
 )gp";
 
-// Search trees tree_`kind`_NAME.txt of three planners beside each other, by depth; each is called
-// as in `titles`, and plans for what is at the places in `targets`.
+// Returns panels of the search trees tree_`kind`_NAME.txt of three planners side by side, coloured
+// by depth. `titles` names the planners, `targets` lists the target positions.
 std::string tree_panels(const std::string& kind, const std::string& names,
                         const std::string& titles, int depth, const std::string& targets) {
   return fmt::format(R"gp(
@@ -292,10 +292,11 @@ std::string resilient_hardware_figure() {
 std::string team_figure(const std::string& name, const std::string& axis,
                         const std::string& columns) {
   const bool is_pair = columns.find(',') != std::string::npos;
-  // After the number, the setting's columns and the trials come pairs of a mean and its interval.
+  // After the index, the setting's columns and the trials, the columns are pairs of mean and
+  // interval.
   const std::string label = is_pair ? "strcol(2).', '.strcol(3)" : "strcol(2)";
   const int first = is_pair ? 5 : 4;
-  // A line between two planners would be between nothing.
+  // A line between two planners would have no meaning.
   const std::string style = columns == "planner" ? "yerrorbars" : "yerrorlines";
   const auto panel = [&](int measure, const std::string& what) {
     return "  set ylabel '" + what +
@@ -316,7 +317,7 @@ std::string tracking_clutter_figure(std::span<const char* const> methods) {
   const auto panel = [&](int column, const std::string& what) {
     std::string out = "  set ylabel '" + what + "'\n  plot ";
     for (std::size_t i = 0; i < methods.size(); ++i) {
-      // A little beside each other, or the intervals hide one another.
+      // Shifted sideways so that the intervals do not overlap.
       out += fmt::format(
           "{}'summary.csv' every {}::{} using ($0 + {}):{}:{}{} with yerrorlines lw 2 pt 7 "
           "lc rgb '{}' title '{}'",

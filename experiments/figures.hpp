@@ -5,17 +5,17 @@
 
 #include "models/world/world.hpp"
 
-// gnuplot scripts, each run in the directory of its experiment's files; SVG and PNG come out.
+// gnuplot scripts. Each is run in the directory of its experiment's files and writes SVG and PNG.
 
 namespace vantage::experiments {
 
 std::string dls_savings_figure();
 std::string dls_objective_figure();
-/// Information over energy (Fig. 3.8), and the ways that each method chose in one trial in `world`
+/// Information over energy (Fig. 3.8), and the paths chosen by each method in one trial in `world`
 /// (Fig. 3.9) under `titles`, each in quotes.
 std::string heterogeneous_figures(const models::World& world, const std::string& titles);
 std::string resilient_tracking_figure();
-/// Mean errors of each combination beside what is printed, from table.csv.
+/// Mean errors of each combination compared with the printed ones, from table.csv.
 std::string resilient_tracking_choices_figure();
 /// Maps of the first trial of RAIN with two attacks (Fig. 4.4), and entropy over time (Fig. 4.5).
 std::string resilient_mapping_figures();
@@ -25,14 +25,14 @@ std::string active_mapping_figures();
 std::string team_figure(const std::string& name, const std::string& axis,
                         const std::string& columns);
 
-/// OSPA and swaps of each of `methods` at each setting of tracking-clutter, from summary.csv, whose
-/// rows are a setting's methods in that order.
+/// OSPA and swaps of each of `methods` at each setting of tracking-clutter, from summary.csv. Its
+/// rows are the methods of each setting, in the order of `methods`.
 std::string tracking_clutter_figure(std::span<const char* const> methods);
 
-/// Of surveillance: the measures against T_REPLAN from summary.csv, α = 2; the camp and the ways of
+/// Surveillance: the measures against T_REPLAN from summary.csv, α = 2; the camp and the paths of
 /// one trial.
 std::string surveillance_figures();
-/// Of resilient-hardware: ways of one trial and distances to both targets, both planners.
+/// Resilient hardware: paths of one trial and distances to both targets, for both planners.
 std::string resilient_hardware_figure();
 
 }  // namespace vantage::experiments

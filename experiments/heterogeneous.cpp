@@ -10,9 +10,9 @@
 namespace vantage::experiments {
 namespace {
 
-constexpr int kTrials = 50;  // as the dissertation
+constexpr int kTrials = 50;  // as in the dissertation
 constexpr int kHorizonSmoke = 6;
-constexpr int kFlying = 2;  // the robot that does
+constexpr int kFlying = 2;  // index of the flying robot
 
 HeterogeneousOutcome outcome_of(const EnergyTrial& trial, const planner::TeamOracle& oracle,
                                 const Decided& decided) {
@@ -30,7 +30,7 @@ HeterogeneousOutcome outcome_of(const EnergyTrial& trial, const planner::TeamOra
   return outcome;
 }
 
-// Where the robots go, and how often each target is looked at.
+// Adds the robots' paths and the number of observations of each target.
 void add_picture_rows(UnitRows& rows, const EnergyTrial& trial, const planner::TeamOracle& oracle,
                       const Decided& decided) {
   std::vector<int> looks(trial.team.targets.size());

@@ -12,7 +12,7 @@
 namespace vantage::experiments {
 namespace {
 
-// All trials of one price and method.
+// Samples of all trials of one price and method.
 struct PointSamples {
   std::map<int, HeterogeneousOutcome> by_trial;
   Sample value;
@@ -84,7 +84,7 @@ class Summarised {
     return text;
   }
 
-  // By trial, J of DLS less `other` of it.
+  // Returns, over the trials, J of DLS minus `other`(trial).
   template <class Other>
   [[nodiscard]] Sample gap(const std::string& price, const Other& other) const {
     Sample sample;
@@ -102,7 +102,8 @@ class Summarised {
                     curves_.at(kMethods[1].name).at(price).by_trial.at(trial).value);
   }
 
-  // Mean information of DLS where its mean energy is `energy`, between its points and ∅.
+  // Returns the mean information of DLS at mean energy `energy`, interpolated between its points
+  // and the origin.
   [[nodiscard]] double dls_information_at(double energy) const {
     std::map<double, double> curve = {{0.0, 0.0}};
     for (const auto& [price, point] : curves_.at("dls")) {
@@ -121,7 +122,7 @@ class Summarised {
   }
 
   void compare(Summary& summary, const HeterogeneousMethod& method) const {
-    Sample above;  // of DLS's curve over the points of `method`
+    Sample above;  // DLS's curve minus the points of `method`, nats
     int higher = 0;
     int better = 0;
     int surely_better = 0;
@@ -161,7 +162,7 @@ class Summarised {
     return text + fmt::format(" DLS over the better order of each trial {}", mean_text(gain));
   }
 
-  // Where DLS gains most on the better order.
+  // Returns the trial with the largest gain of DLS over the better order.
   [[nodiscard]] int pictured_trial() const {
     const auto& dls = curves_.at("dls").at(kPicturedPrice).by_trial;
     const auto gain = [&](const auto& of) {
@@ -172,7 +173,7 @@ class Summarised {
         ->first;
   }
 
-  // Blocks of gnuplot: a way for each method and robot; the targets for each method.
+  // Adds gnuplot blocks: one path per method and robot, and the targets of each method.
   void add_picture(Summary& summary, int trial) const {
     std::string titles;
     for (const HeterogeneousMethod& method : kMethods) {
@@ -190,7 +191,7 @@ class Summarised {
     summary.figures = {"heterogeneous", "heterogeneous-ways"};
   }
 
-  // The rows of a table that begin with `keys`, without them.
+  // Returns the rows of a table that begin with `keys`, without these cells.
   [[nodiscard]] std::string block(const char* table, int trial,
                                   const std::vector<std::string>& keys) const {
     std::string text;

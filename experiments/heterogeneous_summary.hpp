@@ -8,24 +8,24 @@ namespace vantage::experiments {
 
 struct HeterogeneousMethod {
   const char* name;
-  const char* called;  ///< in figures
+  const char* called;  ///< name in figures
 };
 inline constexpr std::array<HeterogeneousMethod, 3> kMethods = {
     {{"cd uav first", "CD, UAV first"}, {"cd ugvs first", "CD, UGVs first"}, {"dls", "DLS"}}};
-/// The setting of which there are the tables "ways" and "targets", that of Fig. 3.9.
+/// Price of the setting that writes the tables "ways" and "targets", that of Fig. 3.9.
 inline constexpr const char* kPicturedPrice = "0.20";
 
-/// What one method chose in one trial: the columns of "trials" after its name.
+/// Result of one method in one trial: the columns of "trials" after its name.
 struct HeterogeneousOutcome {
   double value = 0.0;        ///< J, nats
   double information = 0.0;  ///< I, nats
-  double energy_ugvs = 0.0;  ///< without its price
+  double energy_ugvs = 0.0;  ///< energy, not multiplied by the price
   double energy_uav = 0.0;
   [[nodiscard]] double energy() const { return energy_ugvs + energy_uav; }
 };
 
-/// All but the choices. The picture is of the trial in which DLS gains most on the better order of
-/// coordinate descent.
+/// Returns the summary without the choices. The picture shows the trial with the largest gain of
+/// DLS over the better order of coordinate descent.
 Summary summarise_heterogeneous(const SweepPlan& plan, const Tables& tables);
 
 }  // namespace vantage::experiments

@@ -23,7 +23,7 @@ class Mean {
     sum_ += value;
     count_ += 1.0;
   }
-  // NaN: of nothing.
+  // NaN without values.
   [[nodiscard]] double value() const {
     return count_ > 0.0 ? sum_ / count_ : std::numeric_limits<double>::quiet_NaN();
   }
@@ -121,7 +121,7 @@ class LandmarkWatch {
   [[nodiscard]] const WatchRun& run() const { return run_; }
 
  private:
-  // What hinders a robot's way.
+  // Obstacles that block a robot.
   struct Surroundings {
     models::World world;
     models::DistanceField field;
@@ -152,8 +152,9 @@ class LandmarkWatch {
     return targets;
   }
 
-  // Of poses within δ of one another the cheapest is gone on from, whatever it knows: plans differ
-  // in where they lead, and a way to a landmark out of sight costs nothing until it is seen.
+  // The search continues only from the cheapest of the poses within δ of each other, whatever its
+  // belief. Plans thus differ in their destinations: a path to a landmark out of sight brings no
+  // information until the landmark is seen.
   [[nodiscard]] planner::ReducedOptions reduction() const {
     planner::ReducedOptions options;
     options.search = planner::ReducedSearch::kSinglePass;
@@ -167,11 +168,11 @@ class LandmarkWatch {
   bool is_resilient_;
   planner::ReducedValueIteration search_;
   std::vector<models::Gaussian> beliefs_;
-  std::vector<int> steps_unseen_;           ///< of each landmark
-  std::vector<Surroundings> surroundings_;  ///< of each robot
+  std::vector<int> steps_unseen_;           ///< by landmark
+  std::vector<Surroundings> surroundings_;  ///< by robot
   SearchingTeam team_;
   std::vector<char> attacked_;
-  std::vector<char> seen_;  ///< by landmark, in the last look
+  std::vector<char> seen_;  ///< by landmark, in the last observation
   WatchRun run_;
 };
 

@@ -14,7 +14,7 @@
 namespace vantage::experiments {
 namespace {
 
-constexpr int kTrials = 50;  // as the dissertation
+constexpr int kTrials = 50;  // as in the dissertation
 constexpr int kSmokeSteps = 4;
 constexpr std::array<int, 3> kAttacks = {1, 2, 3};
 constexpr int kDrawnAttacks = 2;
@@ -45,12 +45,12 @@ struct MappingCase {
   Variant variant = Variant::kPlain;
   bool is_rain = false;
 
-  // Of these, what both planners' plans are worth is noted round by round.
+  // For these cases the values of both planners' plans are recorded in each round.
   [[nodiscard]] bool is_compared() const {
     return !is_corridors && attack == AttackKind::kWorstCase && attacks == kDrawnAttacks &&
            variant == Variant::kPlain;
   }
-  // Of these, maps and ways are kept.
+  // For these cases maps and paths are stored.
   [[nodiscard]] bool is_drawn() const {
     return is_rain && attack == AttackKind::kWorstCase && attacks == kDrawnAttacks &&
            variant == Variant::kPlain;
@@ -66,7 +66,7 @@ struct MappingCase {
   [[nodiscard]] std::string cells() const { return group() + (is_rain ? ",rain" : ",descent"); }
 };
 
-// Both planners of each: 2i is coordinate descent, 2i + 1 RAIN.
+// Two cases per setting: 2i is coordinate descent, 2i + 1 RAIN.
 std::vector<MappingCase> all_cases() {
   std::vector<MappingCase> cases;
   for (const bool is_corridors : {false, true}) {
@@ -107,7 +107,8 @@ double kept_nats(planner::MappingSearch& search, const std::vector<planner::MapR
   return search.value(left);
 }
 
-// Plans both ways, notes what both would keep after the greedy worst attack, and goes one way.
+// Plans with both methods, records the values that remain after the greedy worst attack, and uses
+// one of the plans.
 MappingTeamPlanner comparing(bool is_rain, std::vector<std::string>& rounds) {
   return [is_rain, &rounds](planner::MappingSearch& search, std::span<const Pose2> starts,
                             int attacks) {
@@ -162,7 +163,7 @@ UnitRows run_unit(const MappingCase& of, bool is_smoke, std::uint64_t seed) {
   return rows;
 }
 
-// End and half-way entropy of one setting, by trial.
+// Entropy at the end and half-way of one setting, by trial.
 struct EndSamples {
   Sample halfway_nats;
   Sample end_nats;
@@ -182,7 +183,8 @@ std::vector<EndSamples> ends_of(const Tables& tables, std::size_t settings) {
   return ends;
 }
 
-// Both planners of a trial have the same start, noise and random attacks.
+// Returns RAIN minus coordinate descent by trial; both use the same start, noise and random
+// attacks.
 Sample rain_less_descent(const EndSamples& descent, const EndSamples& rain) {
   Sample difference;
   for (std::size_t trial = 0; trial < rain.end_by_trial_nats.size(); ++trial) {

@@ -18,7 +18,7 @@ char shade_of(double occupancy) {
   return kShades[std::clamp(static_cast<int>(std::lround(kShadeMax * occupancy)), 0, kShadeMax)];
 }
 
-// The cells of a row as the numbers that gnuplot reads a matrix from.
+// Returns the cells of a row as the numbers of a gnuplot matrix.
 std::string matrix_line(const std::string& cells) {
   std::string line;
   for (const char cell : cells) {
@@ -85,7 +85,7 @@ std::map<std::string, std::string> map_files(const Tables& tables,
       const std::string world = cells_of(setting_cells(record.unit.setting)).front();
       std::string& file = files[world + "_ways.txt"];
       if (record.cells[1] == "0" && !file.empty()) {
-        file += "\n\n";  // another robot
+        file += "\n\n";  // next robot
       }
       file += fmt::format("{} {} {} {}\n", record.cells[1], record.cells[2], record.cells[3],
                           record.cells[4]);

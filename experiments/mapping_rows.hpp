@@ -10,27 +10,27 @@
 #include "models/mapping/occupancy_belief.hpp"
 #include "models/world/world.hpp"
 
-// Maps and ways of resilient mapping as rows, and the files that gnuplot draws them from.
+// Maps and paths of resilient mapping as rows, and the files that gnuplot draws.
 
 namespace vantage::experiments {
 
-/// Adds `map` to the table "maps": a row of cells each, one character a cell from '0' (free) to
-/// 'z' (occupied).
+/// Adds `map` to the table "maps": each row holds one row of cells, one character per cell from '0'
+/// (free) to 'z' (occupied).
 void add_map_rows(UnitRows& rows, const std::string& name, const models::OccupancyBelief& map);
 
-/// Adds where each robot was at each step, and whether it was attacked, to the table "ways".
+/// Adds each robot's position at each step, and whether it was attacked, to the table "ways".
 void add_way_rows(UnitRows& rows, const MappingOutcome& outcome);
 
-/// The cells that name the setting of that index: "squares,worst,2,plain,rain".
+/// Returns the cells that name a setting: "squares,worst,2,plain,rain".
 using SettingCells = std::function<std::string(std::size_t)>;
 
-/// For each of `worlds`, by its name, WORLD_truth.txt; and of the first trial of its setting that
-/// keeps maps WORLD_half.txt, WORLD_end.txt and WORLD_ways.txt.
+/// Returns, for each of `worlds`, WORLD_truth.txt, and for the first trial of its setting that
+/// stores maps WORLD_half.txt, WORLD_end.txt and WORLD_ways.txt.
 std::map<std::string, std::string> map_files(const Tables& tables,
                                              const std::map<std::string, models::World>& worlds,
                                              const SettingCells& setting_cells);
 
-/// Entropy by step, mean and interval over the trials, as CSV.
+/// Returns the entropy by step, mean and interval over the trials, as CSV.
 std::string entropy_curves(const Tables& tables, const SettingCells& setting_cells);
 
 }  // namespace vantage::experiments

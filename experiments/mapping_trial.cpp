@@ -18,7 +18,7 @@ namespace {
 using models::OccupancyBelief;
 using planner::MapRoute;
 
-constexpr double kStartSquare_m = 3.0;  // half the side of the square that a team starts in
+constexpr double kStartSquare_m = 3.0;  // m; half the side of the start square of a team
 
 std::vector<Pose2> draw_starts(const MappingSetup& setup, std::mt19937_64& random) {
   const models::Rectangle& bounds = setup.world.bounds;
@@ -42,7 +42,7 @@ std::vector<Pose2> draw_starts(const MappingSetup& setup, std::mt19937_64& rando
       starts.push_back(start);
     }
     if (tries % 1'000 == 999) {
-      starts.clear();  // a place that is too narrow for all
+      starts.clear();  // the position is too narrow for all robots
     }
   }
   return starts;
@@ -119,7 +119,7 @@ class MappingTrial {
         continue;
       }
       ++known;
-      // A cell that an obstacle's edge runs through may be called either.
+      // A cell crossed by an obstacle's edge may be either.
       const double clearance_m = models::clearance_m(setup_.world, map.geometry().centre_m(cell));
       const double edge_m = 0.71 * map.geometry().resolution_m;
       wrong += (o < 0.5 && clearance_m < -edge_m) || (o > 0.5 && clearance_m > edge_m) ? 1 : 0;
@@ -130,14 +130,14 @@ class MappingTrial {
   const MappingSetup& setup_;
   MappedWorld ground_;
   std::mt19937_64 attacker_;
-  // Of the present plans.
+  // Data of the current plans.
   std::optional<planner::ViewTable> views_;
   std::optional<planner::DriveMap> drive_;
   std::optional<planner::MappingSearch> search_;
   std::vector<MapRoute> routes_;
   std::vector<bool> stopped_;  ///< by robot
   std::vector<int> attacked_;
-  std::vector<int> chosen_before_;  ///< of kPreviousPlans: by the plans before
+  std::vector<int> chosen_before_;  ///< for kPreviousPlans: chosen by the previous plans
   MappingOutcome outcome_;
 };
 
@@ -153,7 +153,8 @@ MappedWorld::MappedWorld(const MappingSetup& setup, std::uint64_t seed)
   poses_ = draw_starts(setup, starts);
 }
 
-// A robot that came no nearer to what stopped it might never see it, and try the same for ever.
+// The robot moves as close as it can: otherwise its scans might never show the obstacle, and it
+// would repeat the same attempt.
 bool MappedWorld::drive(std::size_t robot, const models::UnicycleControl& control) {
   constexpr int kParts = 16;
   Pose2& pose = poses_[robot];
@@ -169,7 +170,7 @@ bool MappedWorld::drive(std::size_t robot, const models::UnicycleControl& contro
   return is_clear;
 }
 
-// All scan, so that one's attack shifts no other's noise.
+// All robots scan, so that an attack on one does not change the noise of the others.
 void MappedWorld::look(std::span<const int> attacked) {
   for (std::size_t robot = 0; robot < poses_.size(); ++robot) {
     const std::vector<double> ranges_m =

@@ -15,16 +15,17 @@
 
 namespace vantage::experiments {
 
-/// One route for each of `starts`, prepared for the loss of up to `attacks` of them.
+/// Returns one route for each of `starts`, prepared for attacks on up to `attacks` robots.
 using MappingTeamPlanner = std::function<std::vector<planner::MapRoute>(
     planner::MappingSearch& search, std::span<const Pose2> starts, int attacks)>;
 
-/// Coordinate descent in the order of the robots; takes no heed of attacks.
+/// Plans by coordinate descent in the robots' order; ignores attacks.
 std::vector<planner::MapRoute> plan_by_coordinate_descent(planner::MappingSearch& search,
                                                           std::span<const Pose2> starts,
                                                           int attacks);
 
-/// A trial of resilient mapping. Source: dissertation 4 F.2; what it does not say is ours.
+/// Parameters of a trial of resilient mapping. Values that the source leaves open are ours.
+/// Source: dissertation 4 F.2.
 struct MappingSetup {
   models::World world;
   double resolution_m = 0.2;
@@ -33,8 +34,8 @@ struct MappingSetup {
   int attacks = 2;
   AttackKind attack = AttackKind::kWorstCase;
   MappingTeamPlanner planner = plan_by_coordinate_descent;
-  models::BeamSensor scanner{96, 2.0 * kPi, 0.0, 1.5, 0.01};  ///< that maps
-  int planned_beams = 48;                                     ///< of them, for planning
+  models::BeamSensor scanner{96, 2.0 * kPi, 0.0, 1.5, 0.01};  ///< scanner used for mapping
+  int planned_beams = 48;  ///< number of its beams used for planning
   models::InverseBeamModel inverse = {};
   double clamp_log_odds = 4.595;  ///< log(0.99 / 0.01)
   planner::ViewOptions views = {};
@@ -42,18 +43,19 @@ struct MappingSetup {
   planner::MappingSearchOptions search = {};  ///< its horizon is also the replanning period
 };
 
-/// What a mapping team drives about in and what it has found out: the truth, the robots, one map of
-/// all scans that count. `setup` must outlive it; its planner and attacker are not asked.
+/// Simulated world and shared map of a mapping team: the truth, the robots, and one map from all
+/// scans of robots that are not attacked. `setup` must outlive it; its planner and attack are not
+/// used.
 class MappedWorld {
  public:
-  /// Robots start together at a random place.
+  /// Places the robots together at a random position.
   /// @throws UsageError when the world has no room for that.
   MappedWorld(const MappingSetup& setup, std::uint64_t seed);
 
-  /// Moves `robot` along the control as far as the true world allows less a sixteenth of the step;
-  /// false when that is not all.
+  /// Moves `robot` along the control. Stops a sixteenth of a step before contact with the true
+  /// world; returns false then.
   bool drive(std::size_t robot, const models::UnicycleControl& control);
-  /// Every robot scans; the map learns of those that are not in `attacked`, which is sorted.
+  /// Scans with every robot; the map uses the scans of those not in `attacked`, which is sorted.
   void look(std::span<const int> attacked);
 
   [[nodiscard]] const std::vector<Pose2>& poses() const { return poses_; }
@@ -68,26 +70,28 @@ class MappedWorld {
 };
 
 struct MappingStep {
-  double entropy_nats = 0.0;  ///< of the team's map
-  std::vector<Pose2> poses;   ///< of the robots
-  std::vector<int> attacked;  ///< that did not see in this step
+  double entropy_nats = 0.0;  ///< nats; of the team's map
+  std::vector<Pose2> poses;   ///< by robot
+  std::vector<int> attacked;  ///< robots attacked in this step
 };
 
 struct MappingOutcome {
-  std::vector<MappingStep> steps;  ///< the first is after the look from the start
-  std::int64_t stopped = 0;     ///< steps cut short, since the robot would have touched something
-  std::int64_t nodes = 0;       ///< of all searches
-  std::int64_t beam_cells = 0;  ///< of all views that were planned with
-  /// Share of the cells believed free or occupied (beyond 9 to 1) that are not so at their centre.
+  std::vector<MappingStep> steps;  ///< the first is after the scan at the start
+  std::int64_t stopped = 0;        ///< steps cut short to avoid contact
+  std::int64_t nodes = 0;          ///< of all searches
+  std::int64_t beam_cells = 0;     ///< of all views used for planning
+  /// Share of wrong cells among those with an occupancy < 0.1 or > 0.9, judged at the cell's
+  /// centre.
   double wrong_share = 0.0;
   models::OccupancyBelief map;  ///< at the end
   models::OccupancyBelief halfway;
 };
 
-/// Drives a team about `setup.world`: plan, let the attacker choose, drive and scan step by step,
-/// fuse the scans of those that are not attacked into one map, again. Robots start together at a
-/// random place. The route is planned on the map; a step that would touch the true world ends just
-/// before (a bumper), and the robot then waits for its next plan. A pure function of its arguments.
+/// Runs a mapping trial in `setup.world`: plan, let the attacker choose, then drive and scan step
+/// by step, fusing the scans of robots that are not attacked into one map; repeat. Robots start
+/// together at a random position. Routes are planned on the map. A step that would touch an
+/// obstacle of the true world ends just before contact (a bumper), and the robot waits for its next
+/// plan. A pure function of its arguments.
 MappingOutcome run_mapping_trial(const MappingSetup& setup, std::uint64_t seed);
 
 }  // namespace vantage::experiments

@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kHeight_m = 3.0;
 
-constexpr double kDrawn_m = 24.0;  // the side that the boxes below are drawn for
+constexpr double kDrawn_m = 24.0;  // m; side for which the boxes below are given
 
 models::World scaled(models::World world, double side_m) {
   const double scale = side_m / kDrawn_m;
@@ -39,10 +39,10 @@ models::World square_obstacles_world(double side_m) {
 
 models::World corridor_world(double side_m) {
   models::World world{{{0.0, 0.0}, {kDrawn_m, kDrawn_m}}, kHeight_m, {}, {}};
-  // A ring of corridors around four blocks; two blocks are solid, two are rooms with a door.
+  // A ring and a cross of corridors around four blocks; two are solid, two are rooms with a door.
   add_box(world, 2.53, 2.53, 10.61, 10.53);
   add_box(world, 13.39, 13.43, 21.47, 21.51);
-  const double t_m = 0.43;  // thickness of a wall
+  const double t_m = 0.43;  // m; wall thickness
   add_box(world, 13.39, 2.53, 21.47, 2.53 + t_m);
   add_box(world, 13.39, 10.13, 21.47, 10.53);
   add_box(world, 13.39, 2.53, 13.39 + t_m, 5.33);
@@ -53,7 +53,7 @@ models::World corridor_world(double side_m) {
   add_box(world, 2.53, 13.43, 2.53 + t_m, 21.51);
   add_box(world, 10.21, 13.43, 10.61, 16.43);
   add_box(world, 10.21, 18.63, 10.61, 21.51);
-  // Something in the rooms.
+  // One obstacle in each room.
   add_box(world, 16.93, 5.77, 18.07, 7.17);
   add_box(world, 5.83, 16.67, 7.07, 18.03);
   return scaled(std::move(world), side_m);

@@ -14,7 +14,7 @@ namespace {
 constexpr int kTrials = 10;
 constexpr int kSmokeSteps = 12;
 
-// Who is jammed.
+// The jammed robot; −1: chosen by the attacker.
 struct Jam {
   const char* name;
   int robot;
@@ -29,7 +29,7 @@ struct JamCase {
   [[nodiscard]] std::string cells() const { return fmt::format("{},{}", jam.name, method()); }
 };
 
-// Each of them by coordinate descent, then by RAIN.
+// Returns each of kJams by coordinate descent, then by RAIN.
 std::vector<JamCase> all_cases() {
   std::vector<JamCase> cases;
   for (const Jam& jam : kJams) {
@@ -74,8 +74,8 @@ Summary summarise(const Tables& tables) {
     std::array<Sample, 2> switches;
     std::array<Sample, 2> home_share;
     Sample entropy_nats;
-    int sticking = 0;   ///< both robots never switch
-    int switching = 0;  ///< both do
+    int sticking = 0;   ///< trials in which neither robot switches
+    int switching = 0;  ///< trials in which both switch
   };
   const std::vector<JamCase> cases = all_cases();
   std::vector<Trials> of(cases.size());

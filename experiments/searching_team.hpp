@@ -9,24 +9,24 @@
 
 namespace vantage::experiments {
 
-/// Robots that search for their plans, one beside another, and are where these lead; and an
-/// attacker that knows them.
+/// A team that plans by search, one robot after another, and follows its plans exactly; and an
+/// attacker that knows the plans.
 struct SearchingTeam {
   using Search = std::function<planner::SearchResult(const planner::SearchProblem&)>;
 
-  /// Of each robot: one horizon and step, one sensor each, and as its start where it is now. The
-  /// targets and what the others' looks bring are plan()'s to say.
+  /// By robot, with the same horizon and step and one sensor each. `start` is the robot's current
+  /// pose. plan() sets the targets and the information of the other robots.
   std::vector<planner::SearchProblem> problems;
-  std::vector<planner::SearchResult> plans;  ///< of each robot the one it found last
+  std::vector<planner::SearchResult> plans;  ///< by robot: its latest plan
 
-  /// All plan for `targets`, prepared for `attacks_max` attacks: RAIN, or coordinate descent where
-  /// there are none.
+  /// Plans with all robots for `targets`: by RAIN prepared for `attacks_max` attacks, or by
+  /// coordinate descent if it is 0.
   void plan(const std::vector<planner::SearchTarget>& targets, int attacks_max,
             const Search& search);
-  /// Not 0 of the robots, `attacks` at most, whose sensors the attacker takes; by robot.
+  /// Returns, by robot, nonzero if the attacker takes its sensor; at most `attacks` are.
   [[nodiscard]] std::vector<char> attacked(planner::Attacker attacker, int attacks) const;
-  /// Takes all to where the `step_of_plan`-th step of their plans leads, from 0. Who has no such
-  /// step stays and turns by `idle_turn_radps`; how many these are.
+  /// Moves all robots by step `step_of_plan` (from 0) of their plans. A robot without such a step
+  /// stays and turns by `idle_turn_radps`. Returns the number of these robots.
   int move(int step_of_plan, double idle_turn_radps);
   [[nodiscard]] std::vector<Pose2> poses() const;
 };

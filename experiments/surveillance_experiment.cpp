@@ -16,7 +16,7 @@
 namespace vantage::experiments {
 namespace {
 
-constexpr int kTrials = 50;  // as the dissertation
+constexpr int kTrials = 50;  // as in the dissertation
 constexpr int kRobots = 5;
 constexpr int kAttacks = 2;
 constexpr int kReplanMax = 10;
@@ -24,7 +24,7 @@ constexpr int kDrawnReplan = 5;
 constexpr int kSmokeSteps = 20;
 constexpr double kSmokeDelta_m = 4.0;
 
-// Settings come in pairs: coordinate descent, RAIN.
+// Settings are pairs: coordinate descent, then RAIN.
 struct WatchCase {
   NamedAttacker attacker;
   int replan_steps;
@@ -40,7 +40,7 @@ struct WatchCase {
   }
 };
 
-// What is compared over all values of T_REPLAN.
+// Attacker and number of attacks of a comparison over all values of T_REPLAN.
 struct Attacked {
   NamedAttacker attacker;
   int attacks;
@@ -48,7 +48,7 @@ struct Attacked {
 constexpr std::array<Attacked, 3> kAttacked = {
     {{kAttackers[0], kAttacks}, {kAttackers[1], kAttacks}, {kAttackers[0], kAttacks + 1}}};
 
-// For each of them all values of T_REPLAN; then one attack, by the first attacker.
+// Returns, for each of kAttacked, all values of T_REPLAN; then one attack by the first attacker.
 std::vector<WatchCase> all_cases() {
   std::vector<WatchCase> cases;
   const auto add = [&](const NamedAttacker& attacker, int replan_steps, int attacks) {
@@ -117,7 +117,7 @@ UnitRows run_unit(const WatchCase& of, bool is_smoke, std::uint64_t seed) {
   return rows;
 }
 
-// Of one setting, by measure and trial; NaN where there is none.
+// Values of one setting, by measure and trial; NaN where there is none.
 using Runs = std::array<std::vector<double>, kMeasures>;
 
 Sample sample_of(const std::vector<double>& values) {
@@ -130,7 +130,7 @@ Sample sample_of(const std::vector<double>& values) {
   return sample;
 }
 
-// What RAIN takes off, trial by trial: both have the same starts.
+// Returns the reduction by RAIN, trial by trial; both methods have the same starts.
 Sample less_by_rain(const std::vector<double>& descent, const std::vector<double>& rain) {
   std::vector<double> less;
   for (std::size_t i = 0; i < std::min(descent.size(), rain.size()); ++i) {
@@ -170,7 +170,7 @@ std::string summary_csv(const std::vector<WatchCase>& cases, const std::vector<R
   return text;
 }
 
-// Corners of all boxes, buildings first: index, x0, y0, x1, y1.
+// Returns the corners of all boxes, buildings first: index, x0, y0, x1, y1.
 std::string boxes_text() {
   std::string text;
   const std::size_t buildings = camp_landmarks_m().size();
@@ -200,7 +200,7 @@ std::map<std::string, std::string> way_files(const Tables& tables,
   return files;
 }
 
-// `runs` of one attacker and number of attacks: pairs by T_REPLAN.
+// Compares the `runs` of one attacker and number of attacks, in pairs by T_REPLAN.
 void compare(const Attacked& attacked, std::span<const Runs> runs, Summary& summary) {
   for (const auto& [measure, called] : kCompared) {
     const std::string what =

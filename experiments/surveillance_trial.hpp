@@ -7,12 +7,14 @@
 
 namespace vantage::experiments {
 
-/// The camp watched over as in the text, T_REPLAN = `replan_steps`, α = `attacks`. What the text
-/// leaves open: the camp, the noise of the range (that of its tracking), the prior, the nodes.
+/// Returns the setting of the camp surveillance of the text, with T_REPLAN = `replan_steps` and α =
+/// `attacks`. The text leaves open the camp, the range noise (here that of its tracking), the prior
+/// and the nodes.
 /// Source: dissertation 4 F.3.
 WatchSetting surveillance_setting(int replan_steps, int attacks);
 
-/// Robots at their heights, anywhere free in the camp, facing anywhere. By `seed` alone.
+/// Returns random free starts in the camp with random headings, at the robots' heights; determined
+/// by `seed`.
 std::vector<models::Viewpoint> surveillance_starts(const WatchSetting& setting, int robots,
                                                    std::uint64_t seed);
 

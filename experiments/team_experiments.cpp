@@ -12,7 +12,7 @@
 namespace vantage::experiments {
 namespace {
 
-constexpr int kTrials = 10;  // as the dissertation
+constexpr int kTrials = 10;  // as in the dissertation
 constexpr double kSmoke_s = 12.0;
 
 // One setting of a sweep.
@@ -21,22 +21,22 @@ struct TeamCase {
   TeamTrial trial;
 };
 
-// What the text says of two measures from the first to the last setting.
+// Trend of a measure from the first to the last setting, as printed.
 struct Trend {
-  std::size_t column;  ///< of kTeamTrialColumns
+  std::size_t column;  ///< index into kTeamTrialColumns
   const char* what;
   const char* unit;
   const char* printed;
 };
 
-// A sweep of trials of one scenario.
+// A sweep over trials of one scenario.
 struct TeamSweep {
-  std::string columns;  ///< what is swept
-  std::string axis;     ///< the same in the figure
+  std::string columns;  ///< columns of the swept values
+  std::string axis;     ///< axis label in the figure
   std::string figure;
   std::vector<TeamCase> cases;
   std::vector<Trend> trends;
-  bool is_improving = true;  ///< from the first case to the last, by the text
+  bool is_improving = true;  ///< the text states an improvement from the first case to the last
   std::vector<std::string> choices;
 };
 
@@ -50,7 +50,7 @@ constexpr std::size_t kCollisions = 9;
 constexpr std::size_t kViolations = 10;
 constexpr std::size_t kColumns = 15;
 
-// All trials of one setting, by column.
+// Samples of all trials of one setting, by column.
 using CaseSamples = std::array<Sample, kColumns>;
 
 std::vector<CaseSamples> samples_of(const Tables& tables, std::size_t cases) {
@@ -230,7 +230,7 @@ Sweep hardware(const Extent& extent) {
   sweep.columns = "planner";
   sweep.axis = "planner";
   sweep.figure = "hardware";
-  // From the last of the list to the first the text says nothing; ARVI is what it flew.
+  // ARVI is the planner that the source flew. The text gives no trend from random walk to ARVI.
   for (const char* planner : {"random_walk", "lawn_mower", "greedy", "arvi"}) {
     sweep.cases.push_back({planner, {.file = "lab.yaml", .planner = planner}});
   }

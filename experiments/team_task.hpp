@@ -2,18 +2,19 @@
 
 namespace vantage::experiments {
 
-/// What a team does in equal steps, whatever it looks for, as the parts of a round.
+/// A team's task in equal steps, as the parts of a round.
 template <class Task>
 concept TeamTask = requires(Task task, int step_of_plan) {
-  task.plan();              // all decide what they do until they plan again
-  task.attack();            // who knows these plans decides who loses its sensor until then
-  task.move(step_of_plan);  // all that moves does so for a step, robots by that one of their plans
-  task.look();              // who is not attacked looks, and what the team knows is of now
-  task.judge();             // how it was after the step is taken down
+  task.plan();    // all robots plan until the next planning
+  task.attack();  // the attacker, knowing the plans, chooses the sensors that fail until then
+  task.move(step_of_plan);  // robots move by this step of their plans, targets by one step
+  task.look();              // robots that are not attacked observe; beliefs are updated to now
+  task.judge();             // records the result of the step
 };
 
-/// `steps` steps in rounds of `replan_steps` ≥ 1: plan, attack, and for each step move, look,
-/// judge. Steps of a plan count from 0. Source: dissertation Alg. 9.
+/// Runs `steps` steps in rounds of `replan_steps` ≥ 1: plan, attack, and for each step move, look,
+/// judge. Steps of a plan count from 0.
+/// Source: dissertation Alg. 9.
 template <TeamTask Task>
 void run_team_task(Task& task, int steps, int replan_steps) {
   for (int step = 0; step < steps; ++step) {

@@ -17,7 +17,8 @@
 namespace vantage::experiments {
 namespace {
 
-// Evenly on a circle around the centre, looking outward, at staggered heights.
+// Returns the robots' YAML: evenly on a circle around the centre, facing outwards, at staggered
+// heights.
 std::string circle_of_robots(int count) {
   constexpr double kRadius_m = 4.0;
   std::string robots;

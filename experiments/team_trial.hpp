@@ -9,35 +9,37 @@
 
 namespace vantage::experiments {
 
-/// Nodes of work a second of ARVI on tracking problems on the reference machine (one core of a
-/// 2-core virtual machine, release preset): a slot of T_ARVI / n seconds is as many nodes, so that
+/// Nodes per second of ARVI on tracking problems on the reference machine (one core of a 2-core
+/// virtual machine, release preset). A slot of T_ARVI / n seconds is converted into nodes, so that
 /// a trial is the same on every machine.
 inline constexpr double kReferenceNodesPerS = 6.0e6;
 
-/// A scenario of config/ and what an experiment changes in it.
+/// A scenario of config/ and the changes by an experiment.
 struct TeamTrial {
   std::string file;  ///< "field.yaml"
   std::optional<std::string> planner = {};
   std::optional<double> communication_range_m = {};
-  double planning_time_s = 0.5;  ///< T_ARVI, of the whole team
+  double planning_time_s = 0.5;  ///< s; T_ARVI, of the whole team
   std::optional<double> range_sigma_m = {};
   std::optional<double> bearing_sigma_deg = {};
-  std::optional<int> robots = {};  ///< on a circle around the centre, looking outward
+  std::optional<int> robots = {};  ///< number, on a circle around the centre, facing outwards
   std::optional<int> targets = {};
   std::optional<double> duration_s = {};
 };
 
-/// The text of a scenario file that comes with vantage. @throws StartupError when it is not there
+/// Returns the text of a scenario file shipped with vantage.
+/// @throws StartupError when it does not exist
 std::string scenario_text(const std::string& file);
 
-/// The trial's scenario. @throws StartupError when the file cannot be read or says what cannot be
+/// Returns the trial's scenario.
+/// @throws StartupError when the file cannot be read or its content is invalid
 scenario::Scenario scenario_of(const TeamTrial& trial, std::uint64_t seed);
 
-/// Columns of what team_trial_row() gives: measures of a robot (each by its own belief, mean over
-/// the robots), of the team (the best informed robot of each step), and what must not happen.
+/// Columns of team_trial_row(): measures per robot (each by its own belief, mean over the robots),
+/// of the team (the best informed robot of each step), and counts of errors.
 extern const char* const kTeamTrialColumns;
 
-/// Runs it in virtual time. A pure function of its arguments.
+/// Runs the trial in virtual time and returns its row. A pure function of its arguments.
 std::string team_trial_row(const TeamTrial& trial, std::uint64_t seed);
 
 }  // namespace vantage::experiments

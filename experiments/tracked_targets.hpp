@@ -14,47 +14,47 @@
 
 namespace vantage::experiments {
 
-/// One target after a step and its measurements.
+/// Error of one target's belief after a step and its measurements.
 struct TargetStep {
-  double error_m = 0.0;  ///< of the believed position
-  double nees = 0.0;  ///< eᵀ Σ⁻¹ e of position and velocity; of a consistent filter 4 in the mean
+  double error_m = 0.0;  ///< m; position error
+  double nees = 0.0;  ///< eᵀ Σ⁻¹ e of position and velocity; mean 4 for a consistent filter
   bool is_seen = false;  ///< by a robot that is not attacked
 };
 
-/// How targets begin and how looks at them are used.
+/// Start of the targets and use of observations.
 struct TargetSetting {
   int count = 10;
-  double start_side_m = 64.0;  ///< they start in a square of this side in the middle of the world
+  double start_side_m = 64.0;  ///< m; side of the centred square in which targets start
   double q_m2ps3 = 0.001;      ///< density of the white acceleration
   double step_s = 0.5;
   double prior_position_sigma_m = 1.0;
   double prior_velocity_sigma_mps = 0.02;
   double detection_probability = 0.05;  ///< see estimator::CentralFilterSpec
-  bool beliefs_stay_inside = true;      ///< mirrored at the walls, as the targets are at all times
+  bool beliefs_stay_inside = true;      ///< beliefs are mirrored at the walls; targets always are
 };
 
-/// Double integrators in a square world, mirrored at its walls, and what a team that shares
-/// everything believes of them by the central filter.
+/// Targets that move as double integrators in a square world, mirrored at its walls, and the
+/// central filter of a team that shares everything.
 ///
-/// Targets start at rest; each prior mean is drawn about the truth with the prior's covariance, so
-/// that the filter is consistent from the beginning. All of it depends on `seed` and on where the
-/// robots look, on nothing else; where targets go depends on `seed` alone.
+/// Targets start at rest. Each prior mean is drawn around the truth with the prior's covariance, so
+/// that the filter is consistent from the beginning. The targets' motion depends only on `seed`;
+/// the beliefs depend on `seed` and on the robots' poses.
 class TrackedTargets {
  public:
   /// `world` must outlive this.
   TrackedTargets(const TargetSetting& setting, const models::World& world, std::uint64_t seed);
 
-  /// One step of targets and beliefs.
+  /// Moves the targets and predicts the beliefs by one step.
   void move();
-  /// Looks of all robots at once; those for which `is_blind` is not 0 see nothing and say nothing.
+  /// Uses the observations of all robots at once, except those with a nonzero `is_blind`.
   void look(const models::SensorModel& sensor, const std::vector<Pose2>& poses,
             const std::vector<char>& is_blind);
 
   [[nodiscard]] const models::TargetModel& model() const { return filter_.model(); }
   [[nodiscard]] const std::vector<models::Gaussian>& beliefs() const { return filter_.beliefs(); }
-  /// Not 0 of those that a robot saw in the last look, by target.
+  /// Returns, by target, nonzero if a robot observed it in the last look().
   [[nodiscard]] const std::vector<char>& is_seen() const { return filter_.is_seen(); }
-  /// As they are now, in the order of the targets.
+  /// Returns the current errors, in the order of the targets.
   [[nodiscard]] std::vector<TargetStep> steps() const;
 
  private:

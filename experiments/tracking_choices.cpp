@@ -15,12 +15,12 @@
 namespace vantage::experiments {
 namespace {
 
-constexpr int kRuns = 10;  // as the dissertation
+constexpr int kRuns = 10;  // as in the dissertation
 constexpr int kSmokeNodes = 500;
 // (5, 10, 2), (10, 5, 4) and (10, 10, 4).
 constexpr std::array<std::size_t, 3> kRows = {1, 4, 7};
 
-// What is chosen: the first of each is how Table 4.1 is run otherwise.
+// Alternatives of each choice. The first is the one used for Table 4.1 elsewhere.
 constexpr std::array<std::pair<BearingNoise, const char*>, 2> kBearingNoise = {
     {{BearingNoise::kByRange, "range"}, {BearingNoise::kByBearing, "bearing"}}};
 constexpr std::array<NamedAttacker, 2> kChosenAttackers = {
@@ -30,7 +30,7 @@ constexpr std::array<NamedAttacker, 2> kChosenAttackers = {
 constexpr std::array<std::pair<bool, const char*>, 2> kBeliefs = {
     {{true, "inside"}, {false, "free"}}};
 
-// One way of settling all three.
+// One combination of the three choices.
 struct Choices {
   std::size_t bearing_noise = 0;
   std::size_t attacker = 0;
@@ -44,10 +44,10 @@ struct Choices {
 constexpr std::size_t kCombinations =
     kBearingNoise.size() * kChosenAttackers.size() * kBeliefs.size();
 
-// Settings are the combinations, for each the rows, each by both methods.
+// Settings are ordered by combination, then table row, then method.
 struct ChoiceCase {
   Choices choices;
-  std::size_t row = 0;  ///< of Table 4.1
+  std::size_t row = 0;  ///< row of Table 4.1
   bool is_rain = false;
   [[nodiscard]] std::string cells() const {
     return fmt::format("{},{},{},{},{}", choices.cells(), kTrackingTable[row].robots,
@@ -109,7 +109,7 @@ std::vector<CaseSamples> samples_of(const Tables& tables, std::size_t cases) {
   return samples;
 }
 
-// The factor by which values are off what is printed, up or down alike: exp of the mean |log|.
+// Factor between our values and the printed ones, in either direction: exp of the mean |log|.
 class Factor {
  public:
   void add(double ours, double printed) { logs_.add(std::abs(std::log(ours / printed))); }
@@ -119,12 +119,12 @@ class Factor {
   Sample logs_;
 };
 
-// How far one combination is from what is printed, over its rows and methods.
+// Deviation of one combination from the printed values, over its rows and methods.
 struct Distance {
   Factor mean;
   Factor peak;
   Factor both;
-  int rain_better = 0;  ///< rows in which RAIN is below CD, in the mean and in the peak
+  int rain_better = 0;  ///< rows in which RAIN is below CD in both mean and peak
 
   void add(const TrackingTableRow& row, const CaseSamples& of, std::size_t method) {
     mean.add(of.mean_m.mean(), row.mean_m[method]);

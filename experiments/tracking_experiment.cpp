@@ -14,9 +14,9 @@
 namespace vantage::experiments {
 namespace {
 
-constexpr int kRuns = 10;  // as the dissertation
+constexpr int kRuns = 10;  // as in the dissertation
 
-// Settings are the attackers, for each the rows, each by both methods.
+// Settings are ordered by attacker, then table row, then method.
 std::size_t attacker_of(std::size_t setting) { return setting / (2 * kTrackingTable.size()); }
 std::size_t table_index_of(std::size_t setting) { return setting / 2 % kTrackingTable.size(); }
 const TrackingTableRow& row_of(std::size_t setting) {
@@ -98,7 +98,7 @@ std::string table_csv(const TableSamples& samples) {
   return text;
 }
 
-// Means over the runs, step by step, of what is drawn.
+// Returns the drawn quantities by step, as means over the runs.
 std::string curves_csv(const Tables& tables) {
   std::map<std::pair<std::size_t, int>, std::pair<Sample, Sample>> curves;
   for (const Record& record : tables.at("steps")) {
@@ -129,7 +129,7 @@ void compare_table(const TableSamples& samples, const NamedAttacker& attacker, S
         fmt::format("n = {}, M = {}, α = {}", row.robots, row.targets, row.attacks);
     for (const std::size_t method : {0U, 1U}) {
       const char* called = method == 0 ? "CD" : "RAIN";
-      // The printed attacker is the greedy one.
+      // The printed values are for the greedy attacker.
       if (attacker.attacker == planner::Attacker::kGreedy) {
         summary.compared.push_back(compare_number(fmt::format("{}: mean RMSE of {}", name, called),
                                                   ours.mean_m[method], row.mean_m[method], "m"));

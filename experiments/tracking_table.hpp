@@ -4,7 +4,7 @@
 
 namespace vantage::experiments {
 
-/// A row of Table 4.1: what is printed there for coordinate descent and for RAIN.
+/// A row of Table 4.1 with the values printed for coordinate descent and for RAIN.
 struct TrackingTableRow {
   int robots;
   int targets;
@@ -12,7 +12,7 @@ struct TrackingTableRow {
   std::array<double, 2> mean_m;  ///< CD, RAIN
   std::array<double, 2> peak_m;
 
-  /// The pictures show ten robots and ten targets.
+  /// True if the row is drawn in the figures: ten robots and ten targets.
   [[nodiscard]] bool is_drawn() const { return robots == 10 && targets == 10; }
 };
 
@@ -27,7 +27,7 @@ inline constexpr std::array<TrackingTableRow, 9> kTrackingTable = {
      {10, 10, 4, {0.24, 0.23}, {4.19, 2.66}},
      {10, 10, 6, {4.39, 1.2}, {69.77, 26.4}}}};
 
-/// As cells.
+/// Table cells of the methods.
 inline constexpr std::array<const char*, 2> kTrackingMethods = {"cd", "rain"};
 
 }  // namespace vantage::experiments

@@ -10,7 +10,7 @@
 namespace vantage::experiments {
 namespace {
 
-// "plan,3,x y x y x y": a motion in a few straight pieces.
+// Returns a motion as four straight segments: "plan,3,x y x y x y".
 std::string motion_row(const char* part, const planner::SearchProblem& problem, const Pose2& from,
                        int control, int depth) {
   constexpr int kPieces = 4;
@@ -23,7 +23,7 @@ std::string motion_row(const char* part, const planner::SearchProblem& problem, 
   return row;
 }
 
-// The points of a motion, one a line.
+// Returns the points of a motion, one per line.
 std::string polyline(const Record& record) {
   std::string text;
   int spaces = 0;
@@ -98,12 +98,12 @@ std::map<std::string, std::string> tree_files(const SweepPlan& plan, const Table
     std::replace(name.begin(), name.end(), ',', '_');
     std::string& file = files[name];
     if (!file.empty() && record.cells[0] != part) {
-      file += '\n';  // another block
+      file += '\n';  // next block
     }
     part = record.cells[0];
     file += polyline(record);
     if (part == "tree") {
-      file += '\n';  // another line
+      file += '\n';  // next line
     }
   }
   for (const Record& record : tables.at("heat_map")) {

@@ -7,24 +7,25 @@
 
 namespace vantage::experiments {
 
-/// Two quadrotors over two targets that stand still, 4 m apart in a lab of 8 × 4 m, sensing 1 m
-/// around themselves. `jammed_robot` −1: at each planning the one whose plan would bring more.
-/// What the text leaves open is the lab's (config/lab.yaml): primitives, noise, T = 12, τ = 0.5 s,
-/// planned anew every two steps; that what is known of a target fades as of a random walk of
-/// 0.01 m²/s; two minutes; the targets' places.
+/// Returns the setting of two quadrotors above two static targets, 4 m apart in a lab of 8 × 4 m,
+/// with a sensor range of 1 m. With `jammed_robot` −1, the robot with the more valuable plan is
+/// jammed at each planning. Choices where the text is open: primitives, noise, T = 12 and τ = 0.5 s
+/// of the lab (config/lab.yaml); replanning every two steps; uncertainty that grows as in a random
+/// walk of 0.01 m²/s; two minutes; the targets' positions.
 /// Source: dissertation 4 F.4.
 WatchSetting two_targets_setting(int jammed_robot);
 
-/// The first robot anywhere in the first target's half of the lab, the second in the other; 1 m and
-/// 2 m high, so that they cannot meet. By `seed` alone.
+/// Returns random starts, determined by `seed`: the first robot in the first target's half of the
+/// lab, the second in the other. They are 1 m and 2 m high, so that they cannot collide.
 std::vector<models::Viewpoint> two_targets_starts(const WatchSetting& setting, std::uint64_t seed);
 
-/// Which targets a robot goes to.
+/// Targets visited by a robot.
 struct Visits {
-  int switches = 0;         ///< times it came into range of another target than the last
-  double home_share = 0.0;  ///< of its steps in range of any, those of its start's nearest target
+  int switches = 0;  ///< number of times it came into range of a target other than the last
+  /// share of the steps near the target nearest to its start, among the steps in range of any
+  double home_share = 0.0;
 };
-/// Of `robot` in a run over two targets; being jammed does not matter.
+/// Counts the visits of `robot` in a run over two targets; jamming is ignored.
 Visits visits(const WatchSetting& setting, const WatchRun& run, std::size_t robot);
 
 }  // namespace vantage::experiments

@@ -8,8 +8,8 @@
 
 namespace vantage::experiments {
 
-/// A sweep at `extent` whose settings are `cases`, in their order, by what their cells() say of the
-/// columns `setting_columns`; run_unit(case, is_smoke, seed) makes a unit's rows.
+/// Returns a sweep at `extent` with the settings `cases`, in their order. cells() of each gives its
+/// cells in `setting_columns`. run_unit(case, is_smoke, seed) makes a unit's rows.
 template <class Case, class RunUnit>
 Sweep sweep_over(const std::string& setting_columns, const std::vector<Case>& cases,
                  int usual_trials, const Extent& extent, RunUnit run_unit) {

@@ -23,7 +23,7 @@ namespace {
 
 constexpr const char* kName = "manifest.json";
 
-// Of the plan, without the trials.
+// Returns the plan without the number of trials as JSON.
 nlohmann::ordered_json settings_json(const SweepPlan& plan) {
   nlohmann::ordered_json json;
   json["parameters"] = plan.parameters;
@@ -55,14 +55,15 @@ nlohmann::ordered_json manifest_json(const SweepIdentity& identity, const SweepP
 
 std::filesystem::path write_beside(const std::string& directory,
                                    const nlohmann::ordered_json& json) {
-  const std::filesystem::path path =
-      std::filesystem::path(directory) /
-      fmt::format("{}.{}.{}", kName, host_name(), ::getpid());  // nodes may share the directory
+  // Host name and pid, because nodes may share the directory.
+  const std::filesystem::path path = std::filesystem::path(directory) /
+                                     fmt::format("{}.{}.{}", kName, host_name(), ::getpid());
   write_file(path, json.dump(2) + "\n");
   return path;
 }
 
-// A manifest that is being written, by us or by another shard, is not in the way.
+// True if the directory contains only manifests. One that is still being written, by this or
+// another shard, is ignored.
 bool is_free(const std::string& directory) {
   for (const auto& entry : std::filesystem::directory_iterator(directory)) {
     if (entry.path().filename().string().rfind(kName, 0) != 0) {
@@ -147,12 +148,12 @@ void claim_directory(const std::string& directory, const SweepIdentity& identity
   }
   const std::filesystem::path manifest = std::filesystem::path(directory) / kName;
   if (!std::filesystem::exists(manifest)) {
-    // Another shard may have made it since, and begun its rows.
+    // Another shard may have created it meanwhile and begun its rows.
     if (!is_free(directory) && !std::filesystem::exists(manifest)) {
       throw StartupError(directory +
                          ": is not empty and has no manifest.json; choose another --out");
     }
-    // Of shards that start together one may make the name; the others then compare.
+    // Among shards that start together, one creates the name; the others then compare.
     const std::filesystem::path written = write_beside(directory, manifest_json(identity, plan));
     const int linked = ::link(written.c_str(), manifest.c_str());
     const int why = errno;

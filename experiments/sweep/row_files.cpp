@@ -74,7 +74,7 @@ void read_file(const std::filesystem::path& path, const SweepPlan& plan,
     const bool is_last = end + 1 >= text.size();
     const std::string line = text.substr(begin, end - begin);
     begin = end + 1;
-    if (end == text.size()) {  // the line has no end
+    if (end == text.size()) {  // incomplete line
       ++stored.torn;
       break;
     }
@@ -182,7 +182,7 @@ void RowWriter::append(const std::string& line) {
     }
     if (count < 0) {
       const int why = errno;
-      // What other units append after half a line would be no line.
+      // Other units must not be appended to an incomplete line.
       if (::ftruncate(descriptor_, whole_bytes_) != 0) {
         ::close(std::exchange(descriptor_, -1));
       }

@@ -9,8 +9,8 @@
 
 #include "experiments/sweep/sweep.hpp"
 
-// Rows on disk: DIRECTORY/rows/*.jsonl, a file for each process that ran units. The first line
-// says which process and of which run, every further one is a whole unit.
+// Rows on disk: DIRECTORY/rows/*.jsonl, one file per process that ran units. The first line names
+// the process and its run; each further line is one complete unit.
 
 namespace vantage::experiments {
 
@@ -25,38 +25,40 @@ struct RowProcess {
   double cpu_s = 0.0;
 };
 
-/// What the files of a directory hold.
+/// Content of the row files of a directory.
 struct StoredRows {
   std::map<Unit, UnitRows> done;
   std::vector<RowProcess> processes;  ///< by file name
-  std::size_t torn = 0;               ///< last lines that a process did not live to finish
+  std::size_t torn = 0;               ///< last lines that a process did not finish
 };
 
-/// One unit as a line of text, and back. The numbers of `rows` are text already, so that what was
-/// read back is what was written.
+/// Returns one unit as a line of text; unit_of_line() parses it. The numbers in `rows` are text
+/// already, so parsing returns exactly what was written.
 std::string unit_line(const SweepPlan& plan, const Unit& unit, const UnitRows& rows);
-/// @throws std::exception when the line is not whole or names a setting that `plan` has not
+/// Parses a line of unit_line().
+/// @throws std::exception when the line is incomplete or names a setting that is not in `plan`
 std::pair<Unit, UnitRows> unit_of_line(const SweepPlan& plan, const std::string& line);
 
-/// Reads all rows in `directory`; none where there are no files. A last line that is not whole is
-/// left out; trials beyond the plan's are, too.
-/// @throws StartupError when another line is not whole, a unit is there twice with other rows, or
-///   a file is of another run (it was copied there)
+/// Reads all rows in `directory`; none if there are no files. An incomplete last line and trials
+/// beyond the plan's are left out.
+/// @throws StartupError when another line is incomplete, a unit is present twice with different
+/// rows, or a file is from another run (it was copied there)
 StoredRows read_rows(const std::string& directory, const SweepPlan& plan,
                      const SweepIdentity& identity);
 
-/// Appends to a file of its own. What append() has returned from outlives the process (not the
-/// loss of power).
+/// Appends rows to a separate file. A line is safe against the end of the process (not against loss
+/// of power) once append() has returned.
 class RowWriter {
  public:
-  /// @throws StartupError when the file cannot be made
+  /// @throws StartupError when the file cannot be created
   RowWriter(const std::string& directory, const RowProcess& process, const SweepIdentity& identity,
             const SweepPlan& plan);
   RowWriter(const RowWriter&) = delete;
   RowWriter& operator=(const RowWriter&) = delete;
   ~RowWriter();
 
-  /// @throws std::runtime_error when the disk takes no more; then nothing is left of the line
+  /// Appends one line.
+  /// @throws std::runtime_error when it cannot be written; then nothing of the line is left
   void append(const std::string& line);
 
  private:

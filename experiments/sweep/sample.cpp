@@ -6,7 +6,7 @@
 namespace vantage::experiments {
 namespace {
 
-// Student's t at 97.5 % for 1 … 30 degrees of freedom; the normal's beyond to 2 %.
+// Student's t at 97.5 % for 1 … 30 degrees of freedom; beyond, the normal value is within 2 %.
 constexpr std::array<double, 30> kStudent = {
     12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228,
     2.201,  2.179, 2.160, 2.145, 2.131, 2.120, 2.110, 2.101, 2.093, 2.086,

@@ -5,15 +5,15 @@
 
 namespace vantage::experiments {
 
-/// Numbers of independent trials, and what they say of their mean.
+/// Values of independent trials, with their mean and its confidence interval.
 class Sample {
  public:
   void add(double value) { values_.push_back(value); }
   [[nodiscard]] std::size_t size() const { return values_.size(); }
   [[nodiscard]] double mean() const;
-  /// Of one trial, unbiased; 0 of fewer than two.
+  /// Returns the standard deviation of one trial (unbiased variance); 0 for fewer than two.
   [[nodiscard]] double deviation() const;
-  /// Half the 95 % confidence interval of the mean, by Student's t.
+  /// Returns half the 95 % confidence interval of the mean, by Student's t.
   [[nodiscard]] double half_interval() const;
 
  private:

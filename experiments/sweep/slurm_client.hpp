@@ -6,40 +6,40 @@
 
 #include "core/result.hpp"
 
-// Slurm's own commands: sbatch, squeue, scancel.
+// Calls of the Slurm commands sbatch, squeue and scancel.
 
 namespace vantage::experiments {
 
-/// The array of shards, and the job that collects them.
+/// Job of the array of shards, and the job that collects their rows.
 struct SlurmJobs {
-  std::string array;      ///< as job_of() has it; empty: none was submitted
+  std::string array;      ///< format of job_of(); empty: nothing was submitted
   std::string collector;  ///< likewise
-  int shards = 0;         ///< into how many the sweep was parted
-  /// "jobs 12 and 13 are".
+  int shards = 0;         ///< number of shards of the sweep
+  /// Returns "jobs 12 and 13 are".
   [[nodiscard]] std::string are() const;
 };
 
-/// What Slurm knows of them: all until a few minutes after their end, then nothing.
+/// States of both jobs in Slurm, known until a few minutes after their end.
 struct SlurmQueue {
   std::map<int, std::string> tasks;  ///< state by shard
-  std::string collector;             ///< state; empty: not known
-  /// Whether the state of a task is one of those, as is_live().
+  std::string collector;             ///< state; empty: unknown
+  /// True if a task is in a state for which `rule` (such as is_live()) is true.
   [[nodiscard]] bool has_task(bool (*rule)(const std::string& state)) const;
-  /// "tasks: 3 running, 5 waiting".
+  /// Returns "tasks: 3 running, 5 waiting".
   [[nodiscard]] std::string describe() const;
 };
 
-/// Returns the job that `sbatch OPTIONS SCRIPT` made, as job_of() has it.
-/// @throws StartupError with Slurm's own words when it takes no job, or is not here
+/// Runs `sbatch OPTIONS SCRIPT` and returns the job in the format of job_of().
+/// @throws StartupError with Slurm's message when it refuses the job, or sbatch is not installed
 std::string submit_job(const std::vector<std::string>& options, const std::string& script);
 
-/// Asks the cluster that the jobs were submitted to. The Error is squeue's when it cannot be asked.
+/// Queries the cluster of the jobs. Returns squeue's Error when the query fails.
 Result<SlurmQueue> ask_queue(const SlurmJobs& jobs);
 
-/// Cancels the job on its cluster, with more options for scancel; that it has ended already is as
-/// good.
+/// Cancels the job on its cluster, with additional options for scancel. Errors are ignored: the job
+/// may have ended already.
 void cancel_job(const std::string& job, const std::vector<std::string>& options = {});
-/// The command that cancels both.
+/// Returns the command that cancels both.
 std::string cancel_command(const SlurmJobs& jobs);
 
 }  // namespace vantage::experiments

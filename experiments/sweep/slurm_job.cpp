@@ -10,7 +10,7 @@
 namespace vantage::experiments {
 namespace {
 
-// As one word of a shell.
+// Returns `text` quoted as one shell word.
 std::string quoted(const std::string& text) {
   std::string word = "'";
   for (const char c : text) {

@@ -97,12 +97,13 @@ class SlurmRun {
     return now.value().has_task(is_live) || is_live(now.value().collector);
   }
 
-  // The job, on the cluster of `near` where that was named: a dependency does not reach another.
+  // Returns the job, submitted to the cluster of `near` if it is named: a dependency cannot refer
+  // to another cluster.
   [[nodiscard]] std::string sbatch(std::vector<std::string> options, const char* script,
                                    const std::string& near) const {
     options.push_back("--chdir=" + folder_.string());
     options.push_back("--job-name=vantage-" + identity_.experiment);
-    options.emplace_back("--requeue");  // should its node die, whatever the site has as a rule
+    options.emplace_back("--requeue");  // run again if its node fails, whatever the site's default
     options.insert(options.end(), slurm_.sbatch.begin(), slurm_.sbatch.end());
     const std::vector<std::string> cluster = cluster_option(near);
     options.insert(options.end(), cluster.begin(), cluster.end());
@@ -117,7 +118,7 @@ class SlurmRun {
     write_file(folder_ / "collect.sh", scripts.collect);
     for (const int shard : lacking) {
       fs::remove(log_of(shard),
-                 error);  // of an earlier job, that its words are not taken for these
+                 error);  // log of an earlier job, which could be mistaken for the new one
     }
     submitted_ = {"", "", slurm_.shards};
     submitted_.array = sbatch({"--array=" + array_text(lacking), "--output=shard_%a.log",
@@ -148,7 +149,7 @@ class SlurmRun {
     return SlurmEnd::kSubmitted;
   }
 
-  // Up to `time`; false when told to stop.
+  // Waits for `time`; returns false when the caller stops the run.
   [[nodiscard]] bool pause(std::chrono::milliseconds time) const {
     const auto until = Clock::now() + time;
     while (Clock::now() < until) {
@@ -170,7 +171,8 @@ class SlurmRun {
     return progress;
   }
 
-  // Often at first, for jobs that are short, then gently for whoever runs the cluster.
+  // Returns a short period at first, for short jobs, and a longer one later to limit the load on
+  // the cluster.
   [[nodiscard]] std::chrono::milliseconds poll_period() const {
     using std::chrono::milliseconds;
     return std::clamp(std::chrono::duration_cast<milliseconds>(Clock::now() - start_) / 10,
@@ -178,10 +180,10 @@ class SlurmRun {
   }
 
   SlurmEnd wait() {
-    // What a node wrote may be seen here a while later, on a file system of a network.
+    // On a network file system, rows written by a node may become visible later.
     constexpr std::chrono::seconds kSeenWithin{60};
     std::optional<Clock::time_point> ended;
-    std::map<int, std::string> last;  // the last known state of each task
+    std::map<int, std::string> last;  // last known state of each task
     while (true) {
       const Result<SlurmQueue> now = ask_queue(submitted_);
       const SweepProgress progress = progress_now();
@@ -195,11 +197,11 @@ class SlurmRun {
       }
       const bool is_whole = progress.done >= progress.units;
       if (now.ok() && now.value().has_task(is_whole ? is_at_work : is_live)) {
-        ended.reset();  // a task was put back into the queue
+        ended.reset();  // a task was requeued
       } else if (now.ok()) {
         ended = ended.value_or(Clock::now());
         if (!is_whole) {
-          // The collecting job is cancelled when a task fails, or is cancelled before it begins.
+          // The collecting job is cancelled if a task fails or is cancelled before it begins.
           const bool has_failed = is_failure(now.value().collector) ||
                                   std::any_of(last.begin(), last.end(), [](const auto& task) {
                                     return is_failure(task.second);

@@ -21,7 +21,7 @@ double Record::number(std::size_t column) const {
 std::vector<Unit> units_of(const SweepPlan& plan, const Shard& shard) {
   std::vector<Unit> units;
   for (int trial = 0; trial < plan.trials; ++trial) {
-    std::size_t before = 0;  // units of the settings before this one
+    std::size_t before = 0;  // number of units of the previous settings
     for (std::size_t setting = 0; setting < plan.settings.size(); ++setting) {
       const bool is_once = plan.settings[setting].is_once;
       const std::size_t number = before + static_cast<std::size_t>(trial);

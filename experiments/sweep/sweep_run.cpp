@@ -18,7 +18,7 @@
 namespace vantage::experiments {
 namespace {
 
-// Runs the script with gnuplot; what to tell of it.
+// Runs the script with gnuplot. Returns a line that reports the result.
 std::string draw(const std::string& directory, const std::string& script,
                  const std::function<bool()>& stop) {
   const std::string enter = "cd '" + directory + "'";
@@ -95,7 +95,7 @@ void check_beginnings(const SweepPlan& plan, const std::vector<std::string>& beg
   }
 }
 
-// The units of the share that no file has, and how far that leaves us.
+// Returns the units of the share that are in no file, and sets the progress.
 std::vector<Unit> units_left(const Sweep& sweep, const SweepOptions& options,
                              const StoredRows& stored, SweepProgress& progress) {
   std::vector<Unit> left;

@@ -11,32 +11,32 @@
 
 namespace vantage::experiments {
 
-/// Where and how units are run.
+/// Options of run_sweep().
 struct SweepOptions {
   std::string directory;
   int jobs = 1;
-  std::optional<Shard> shard;  ///< run this share, write rows only
-  /// Beginnings of settings' cells (begins_with_any): run those alone, and write their rows and
-  /// tables but no summary, which is of all settings. Empty: all.
+  std::optional<Shard> shard;  ///< run this share and write only rows
+  /// Beginnings of settings' cells, see begins_with_any(): only these settings are run. Their rows
+  /// and tables are written, but no summary, which needs all settings. Empty: all.
   std::vector<std::string> only;
-  std::function<bool()> stop;  ///< asked before each unit; may be empty
-  /// Told about once a second and after each unit; may be empty.
+  std::function<bool()> stop;  ///< called before each unit, true: stop; may be empty
+  /// Called about once per second and after each unit; may be empty.
   std::function<void(const SweepProgress&)> progress;
 };
 
 struct SweepOutcome {
   SweepProgress progress;
-  bool is_stopped = false;         ///< before all of the share was done
-  std::vector<std::string> lines;  ///< what to tell
+  bool is_stopped = false;         ///< stopped before the whole share was done
+  std::vector<std::string> lines;  ///< lines to print
 };
 
-/// Runs what is not done yet of the share of `sweep` in the directory. Rows are on disk as each
-/// unit ends; those that are there are not run again. Once no unit is left, and no shard was asked
-/// for, writes each table and the summary's files as CSV, times.csv and times.txt, figures (where
-/// gnuplot is there), report.md and the whole manifest. Equal seeds and settings leave equal files
-/// whatever the shards, jobs and interruptions, but for rows/, manifest.json and times.*.
-/// @throws StartupError when the directory is another run's, a file cannot be written, or one of
-///   `only` begins no setting
+/// Runs the missing units of the share of `sweep` in the directory. Rows are on disk as soon as a
+/// unit ends, and units on disk are not run again. When no unit is missing and no shard is set, it
+/// writes each table and the summary's files as CSV, times.csv and times.txt, figures (if gnuplot
+/// is installed), report.md and the complete manifest. Equal seeds and settings give equal files
+/// whatever the shards, jobs and interruptions, except for rows/, manifest.json and times.*.
+/// @throws StartupError when the directory belongs to another run, a file cannot be written, or one
+/// of `only` begins no setting
 SweepOutcome run_sweep(const Sweep& sweep, const SweepIdentity& identity, const std::string& what,
                        const SweepOptions& options);
 

@@ -65,7 +65,7 @@ class Pool {
   const PoolOptions& options_;
   const std::function<UnitRows(const Unit&)>& work_;
   const std::function<void(const Unit&, UnitRows)>& keep_;
-  std::mutex mutex_;  ///< of all below, and held while keep_ is called
+  std::mutex mutex_;  ///< guards all members below; held while keep_ is called
   std::condition_variable ended_;
   std::size_t next_ = 0;
   int running_ = 0;
