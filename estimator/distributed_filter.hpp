@@ -181,7 +181,7 @@ class DistributedFilter {
   [[nodiscard]] std::optional<models::Information> kept_inside(
       const models::Information& information) const;
   void hear(const models::RobotBelief& belief, StepRecord& record);
-  /// The same for sensors without ids.
+  /// Like hear(), for sensors without ids.
   void hear_labels(const models::RobotBelief& belief, StepRecord& record);
   void merge_grid(const models::RobotBelief& belief);
   /// Returns the index in spec_.team of the robot that made an observation; for a robot outside the

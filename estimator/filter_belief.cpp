@@ -2,7 +2,7 @@
 
 #include "estimator/distributed_filter.hpp"
 
-// Publishes the estimate of a filter and continues from a published one.
+// Conversion of a filter's estimate to and from messages.
 
 namespace vantage::estimator {
 namespace {

@@ -55,7 +55,7 @@ class GroundGrid {
     }
   }
 
-  // long: exponents at points of the body frame, which turn with the world; then their moments.
+  // long: exponents at points along axes that rotate with the robot, then their moments.
   [[nodiscard]] std::optional<IntegratedMoments> integrate(bool is_limited) const {
     const double c = std::cos(from_.world_from_body.yaw_rad);
     const double s = std::sin(from_.world_from_body.yaw_rad);

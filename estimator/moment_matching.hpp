@@ -70,7 +70,7 @@ struct ProductRule {
 /// @param share  if not null: receives Z, or 1 if the likelihood is 1 at every point; not written
 /// when the covariance is not positive definite
 /// Source: assumed-density filtering; Ristic, Arulampalam, Gordon, Beyond the Kalman Filter (2004).
-// long: one integral: its points, their moments and what refuses them.
+// long: one integral: its points, their moments and the cases that leave the belief unchanged.
 template <class Likelihood>
 models::Gaussian reweighted(const models::Gaussian& belief, const Likelihood& likelihood,
                             double* share = nullptr) {

@@ -96,7 +96,7 @@ struct MultiTargetCounters {
 /// Bar-Shalom, Fortmann, Scheffe (1980).
 class MultiTargetFilter {
  public:
-  /// @throws UsageError for a spec that makes no sense.
+  /// @throws UsageError for an invalid spec.
   explicit MultiTargetFilter(MultiTargetSpec spec);
 
   /// Returns tracks_max tracks of existence 0.

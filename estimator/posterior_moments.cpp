@@ -241,7 +241,7 @@ class Rays {
     return out;
   }
 
-  // long: one integral over an array of rays, zoomed in until it is where the mass is.
+  // long: one integral over an array of rays, narrowed to the directions that contain the mass.
   template <std::size_t Bearings, std::size_t Elevations>
   [[nodiscard]] std::optional<IntegratedMoments> integrate_over(bool is_limited) const {
     std::array<RayIntegral, Bearings * Elevations> rays;

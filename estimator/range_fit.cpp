@@ -267,7 +267,7 @@ InnovationScore judge(const RangeFit& fit, std::span<const TakenRange> ranges) {
     const Eigen::Vector2d H = fit.calibration.range_scale / distance_m * away_m;
     const Eigen::Vector4d J(distance_m, 1.0, H.x(), H.y());
     const double S = J.dot(beacon.joint * J) + beacon.range_sigma_m * beacon.range_sigma_m;
-    constexpr double kOutlier = 16.0;  // 4σ
+    constexpr double kOutlier = 16.0;  // 4σ, squared
     if (nu * nu > kOutlier * S) {
       ++out.outliers;
       continue;

@@ -36,8 +36,8 @@ struct BeaconHypothesis {
 /// range_bias_m + v, with known positions p of the robot.
 ///
 /// The first range puts the beacon on a ring: `hypotheses` Gaussians around the robot. Every
-/// further range updates each of them by an EKF with an innovation that is either honest, N(0, S),
-/// or an outlier (uniform). With posterior probability β of the former, the update is that of
+/// further range updates each of them by an EKF. Its innovation is either honest, N(0, S), or an
+/// outlier (uniform). With posterior probability β of being honest, the update is that of
 /// probabilistic data association: x + βKν, P − βKSKᵀ + β(1 − β) KννᵀKᵀ. The weight follows the
 /// mixture's likelihood. Hypotheses of small weight are dropped and similar ones merged until one
 /// remains. Sequential, one pass.

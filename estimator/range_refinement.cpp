@@ -15,7 +15,7 @@
 namespace vantage::estimator {
 namespace {
 
-constexpr double kFreedom = 5.0;              ///< of Student's t
+constexpr double kFreedom = 5.0;              ///< degrees of freedom of Student's t
 constexpr double kPeak = 0.3796066898224944;  ///< density of Student's t at 0: Γ(3)/(Γ(5/2) √(5π))
 /// Weight of the pooled noise of all beacons in each beacon's noise, in ranges. It matters for a
 /// beacon with few ranges.
@@ -23,7 +23,7 @@ constexpr double kBorrowed = 20.0;
 
 Eigen::Index row_of(int beacon) { return 2 + 2 * Eigen::Index{beacon}; }
 
-/// ∂r/∂(scale, bias, x, y).
+/// Returns ∂r/∂(scale, bias, x, y).
 Eigen::Vector4d jacobian(const RangeState& state, const TakenRange& range) {
   const Eigen::Vector2d away_m = state.places_m[index(range.beacon)] - range.robot_m;
   const double distance_m = std::max(away_m.norm(), kRangeNearest_m);

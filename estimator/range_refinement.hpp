@@ -42,7 +42,7 @@ struct ResidualVerdict {
 };
 ResidualVerdict verdict_of(double residual_m, const RangeNoise& noise, double outlier_span_m);
 
-/// r − (range_scale ‖y − p‖ + range_bias_m).
+/// Returns the residual r − (range_scale ‖y − p‖ + range_bias_m), m.
 double residual_m(const RangeState& state, const TakenRange& range);
 
 /// Sets the noise of `state` from its residuals, as a start.

@@ -9,7 +9,7 @@
 namespace vantage::estimator {
 namespace {
 
-/// Φ(clearance / σ).
+/// Returns Φ(clearance / σ).
 double within(double clearance, double sigma) {
   if (!(std::abs(clearance) < kViewCertain_sigma * sigma)) {
     return clearance > 0.0 ? 1.0 : 0.0;

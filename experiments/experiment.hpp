@@ -28,7 +28,7 @@ Sweep hardware(const Extent& extent);
 Sweep dls_savings(const Extent& extent);
 /// Fig. 3.7: J of distributed local search against coordinate descent in both orders.
 Sweep dls_objective(const Extent& extent);
-/// Fig. 3.8, 3.9: two UGVs and a UAV among mud and wind, information against energy.
+/// Fig. 3.8, 3.9: two UGVs and a UAV in a world with mud and wind, information against energy.
 Sweep heterogeneous(const Extent& extent);
 /// Table 4.1 and Fig. 4.3: tracking under worst-case attacks, RAIN against coordinate descent.
 Sweep resilient_tracking(const Extent& extent);

@@ -9,7 +9,7 @@
 
 namespace vantage::experiments {
 
-/// A team that plans by search, one robot after another, and follows its plans exactly; and an
+/// A team that plans by search, one robot after another, and follows its plans exactly, and an
 /// attacker that knows the plans.
 struct SearchingTeam {
   using Search = std::function<planner::SearchResult(const planner::SearchProblem&)>;

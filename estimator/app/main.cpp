@@ -1,5 +1,5 @@
-// vantage-estimator: MEASUREMENT_R, VICON and the teammates' BELIEF_* in, MIXTURE_R and BELIEF_R
-// out; one process per robot.
+// vantage-estimator: the estimator process, one per robot. Inputs: MEASUREMENT_R, VICON and the
+// teammates' BELIEF_*. Outputs: MIXTURE_R and BELIEF_R.
 
 #include <memory>
 

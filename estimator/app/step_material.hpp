@@ -27,7 +27,7 @@ struct OwnPose {
 };
 
 /// All inputs of one step. Live and replayed steps are computed from it by the same function, so
-/// they are equal.
+/// their results are equal.
 struct StepMaterial {
   std::vector<Heard<models::DetectionSet>> looks;
   std::optional<Heard<OwnPose>> pose;  ///< without an own observation

@@ -16,8 +16,8 @@ std::string text_hash(const std::string& text);
 /// Returns the SHA-256 of the plan without the number of trials.
 std::string settings_hash(const SweepPlan& plan);
 
-/// Returns the identity of this run as JSON: experiment, version, seed, smoke, settings_sha256 and
-/// others.
+/// Returns the identity of this run as JSON: experiment, version, seed, smoke, planning_share,
+/// settings_sha256.
 std::string identity_text(const SweepIdentity& identity, const SweepPlan& plan);
 /// Returns the first difference between `theirs`, JSON with at least the same keys, and this run:
 /// "another version: "1.0", and this one is of "1.1"". Empty if both are the same run.
