@@ -81,7 +81,7 @@ struct FilterCounters {
   std::int64_t malformed_detections = 0;  ///< wrong dimension, or the second of one target
   std::int64_t surplus_detections = 0;    ///< of an observation without ids: beyond the capacity
   std::int64_t gated = 0;
-  std::int64_t unknown_ids = 0;     ///< ids outside 0 … target_count − 1
+  std::int64_t unknown_ids = 0;     ///< neither a target of the scenario nor a track label
   std::int64_t undiscoverable = 0;  ///< first detected by a sensor that does not measure position
   std::int64_t singular = 0;        ///< a matrix that could not be inverted
   std::int64_t missed_detections = 0;  ///< belief updates by missed detections

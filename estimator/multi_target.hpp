@@ -37,7 +37,7 @@ struct MultiTargetSpec {
   int detections_max = 32;  ///< per observation; the rest is not used
   int components_max = 6;   ///< of a track's mixture; 1 for kJpda and kNearest
   Tracker tracker = Tracker::kLabelled;
-  /// gate: a detection farther than this from the prediction is not associated
+  /// Gate: a detection farther than this from the prediction is not associated.
   double gate_sigma = 4.0;
 };
 
@@ -48,7 +48,7 @@ struct LabelledTrack {
   Time last_seen{};        ///< newest observation that detected it with a probability > 0.5
   int label = 0;           ///< label of the detection that started the track, see first_label()
   int hits = 0;            ///< observations that detected it
-  /// observations since the last hit in which a detection was expected and missing
+  /// Observations since the last hit in which a detection was expected and missing.
   int misses = 0;
 };
 
@@ -150,10 +150,10 @@ class MultiTargetFilter {
   // By track and component: belief and weight if the track is not detected.
   std::vector<Component> missed_;
   std::vector<double> missed_probability_;  ///< by track
-  std::vector<double> fit_per_m2_;          ///< p(z_j | component), by at(i, k) and j
-  Mixture mixture_;                         ///< before reduction
-  std::vector<double> before_;              ///< P(n of the tracks before i exist), by i and n
-  std::vector<double> after_;  ///< P(at most n of the tracks from i on exist), by i and n
+  std::vector<double> fit_per_m2_;  ///< density of detection j given a component, by at(i, k), j
+  Mixture mixture_;                 ///< before reduction
+  std::vector<double> before_;      ///< P(n of the tracks before i exist), by i and n
+  std::vector<double> after_;       ///< P(at most n of the tracks from i on exist), by i and n
 };
 
 }  // namespace vantage::estimator

@@ -16,7 +16,7 @@ namespace vantage::estimator {
 struct ScanCounts {
   std::int64_t hits = 0;    ///< hit a surface
   std::int64_t misses = 0;  ///< reached the maximum range, or left the grid
-  /// not finite, negative beyond noise, too short, or the sensor is outside the grid
+  /// Not finite, negative beyond noise, too short, or the sensor is outside the grid.
   std::int64_t ignored = 0;
 };
 

@@ -42,7 +42,7 @@ struct RayIntegral {
   double first = 0.0;
   double second = 0.0;
   double in_view = 0.0;
-  /// log of the mass without the factor exp(−top)
+  /// Log of the mass without the factor exp(−top).
   double log_mass = -std::numeric_limits<double>::infinity();
 };
 
@@ -217,7 +217,7 @@ class Rays {
       return estimator::view_probability(sensor_, soft_, r_m, r_m * cos_elevation, bearing_rad,
                                          depth_per_m * r_m);
     };
-    // separate loop, so that the sums stay in registers
+    // Separate loop, so that the sums stay in registers.
     std::array<double, kLegendrePoints> shares;
     for (std::size_t i = 0; i < kLegendrePoints; ++i) {
       const double from_peak_m =

@@ -46,7 +46,7 @@ struct RangeFit {
   models::RangeCalibration calibration;
   double range_scale_sigma = 0.0;   ///< 1σ
   double range_bias_sigma_m = 0.0;  ///< 1σ
-  /// number of ranges with the information of one independent range; ≥ 1
+  /// Number of ranges with the information of one independent range; ≥ 1.
   double correlation = 1.0;
   std::vector<FittedBeacon> beacons;
 };
@@ -81,7 +81,7 @@ RangeFit fit_ranges(std::span<const TakenRange> ranges, int beacons, const Range
 struct InnovationScore {
   int honest = 0;    ///< ranges within 4σ of the prediction
   int outliers = 0;  ///< the others; not part of nees
-  /// mean of ν²/(H Σ Hᵀ + σ²) over the honest ranges; 1 if the fit is consistent
+  /// Mean of ν²/(H Σ Hᵀ + σ²) over the honest ranges; 1 if the fit is consistent.
   double nees = 0.0;
 };
 InnovationScore judge(const RangeFit& fit, std::span<const TakenRange> ranges);

@@ -20,7 +20,7 @@ struct RangeOnlySpec {
   double outlier_span_m = 100.0;  ///< m; outliers are uniform over this span
   int hypotheses = 48;            ///< Gaussians on the first ring; also the maximum number
   double weight_min = 1e-4;       ///< lighter hypotheses are dropped
-  /// hypotheses nearer than this, in σ of their own or of a range, are merged
+  /// Hypotheses nearer than this, in σ of their own or of a range, are merged.
   double merge_distance_sigma = 0.5;
   int restart_window = 30;  ///< ranges; restart if most in one window match no hypothesis
 };

@@ -178,7 +178,7 @@ double usual_way_m(const std::vector<ScoreSeries>& series) {
 }
 
 /// Returns the same over pairs of ranges of one beacon, binned by the distance between the robot's
-/// positions: errors caused by a position recur when the robot returns to it. Uses at most kPaired
+/// positions. Errors caused by a position recur when the robot returns to it. Uses at most kPaired
 /// random ranges per beacon. Regular subsampling of a periodic path would select the same few
 /// positions every lap.
 double correlation_in_space(const std::vector<ScoreSeries>& series, double squares, double count) {

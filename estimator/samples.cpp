@@ -114,14 +114,14 @@ std::optional<Contact> contact(const State& one, const State& other, double dist
   const Eigen::Vector2d change_mps = one.tail<2>() - other.tail<2>();
   const double closing = -apart_m.dot(change_mps);
   const double square = change_mps.squaredNorm();
-  // first solution of |apart + change t| = distance
+  // First solution of |apart + change t| = distance.
   const double discriminant = closing * closing - square * beyond(one, other, distance_m);
   if (closing <= 0.0 || discriminant <= 0.0) {
     return std::nullopt;
   }
   const double at_s = (closing - std::sqrt(discriminant)) / square;
   const Eigen::Vector2d away = (apart_m + at_s * change_mps).normalized();
-  // at_s too late, or the other one runs into this one
+  // The contact is too late, or the other one runs into this one.
   if (at_s > dt_s || one.tail<2>().dot(away) >= 0.0) {
     return std::nullopt;
   }

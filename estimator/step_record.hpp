@@ -32,7 +32,7 @@ struct StepRecord {
   HeardTable heard;                            ///< fused beliefs of instants > `from`, at `to`
   std::vector<LabelledTrack> labelled_before;  ///< tracks at `from` for sensors without ids
   std::vector<HeardLabel> heard_labels;        ///< teammates' tracks at `from` or `to`, by teammate
-  /// a received belief is of `to` and contains the observations of `to`
+  /// A received belief is of `to` and contains the observations of `to`.
   bool is_heard_of_end = false;
   std::vector<Look> looks;  ///< the first look_count, by time and looker; the others are spare
   int look_count = 0;

@@ -41,12 +41,12 @@ inline constexpr double kBendMax = 0.2;
 /// Result of using one measurement.
 enum class [[nodiscard]] Use{kUsed, kGated, kSingular};
 
-/// Adds one measurement to a belief. The linear update is used where h is linear enough about the
-/// mean (kBendMax) and the posterior is 3σ away from the limits of range and view:
+/// Adds one measurement to a belief. The update is linear where h is linear enough about the mean
+/// (kBendMax) and the posterior is 3σ away from the limits of range and view:
 ///   Ω ← Ω + Hᵀ V⁻¹ H, ω ← ω + Hᵀ V⁻¹ z̃ with z̃ = z − h(x, ŷ) + H ŷ, bearings wrapped.
-/// Elsewhere (close to the robot, under it, after a long time unseen, at the edge of view) the
-/// position's marginal is set to the posterior_moments(), and the velocity follows through its
-/// correlation.
+/// Elsewhere the position's marginal is set to the posterior_moments(), and the velocity follows
+/// through its correlation. This happens close to the robot, under it, after a long time unseen and
+/// at the edge of view.
 /// @param gate_sigma  > 0: returns kGated, belief unchanged, when z is farther than this from the
 /// prediction: √(νᵀ (H Ω⁻¹ Hᵀ + V)⁻¹ ν), or the square root of PositionMoments::mahalanobis2
 /// Returns kSingular, belief unchanged, when Ω or V is not positive definite, or no position is

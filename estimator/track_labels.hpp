@@ -48,15 +48,16 @@ struct Reconciled {
 };
 
 /// Reconciles `tracks` with those of one teammate, of the same instant. It must run before any
-/// observation is used that `heard` does not contain. `heard` is modified.
+/// observation is used that is not in `heard`. `heard` is modified.
 ///
-/// An own track and a received one with labels that the other side does not have are the same
-/// target if their positions are nearest to each other by Mahalanobis distance, and within 3. Both
-/// get the older label; the teammate does the same when it receives this robot's belief. A received
-/// track whose label is still unknown is added if there is room. For a track that both have, the
-/// received belief replaces the own one if its entropy is lower by more than half a nat. A choice
-/// between two beliefs never counts an observation twice, whatever they have in common. Robots that
-/// used the same observations have nothing to reconcile. Allocates nothing.
+/// An own and a received track may be the same target if neither side has the label of the other.
+/// They are taken to be one if their positions are nearest to each other by Mahalanobis distance,
+/// and within 3. Both get the older label; the teammate does the same when it receives this robot's
+/// belief. A received track with a label that is still unknown is added if there is room. For a
+/// track that both have, the received belief replaces the own one if its entropy is lower by more
+/// than half a nat. A choice between two beliefs never counts an observation twice, whatever they
+/// have in common. Robots that used the same observations have nothing to reconcile. Allocates
+/// nothing.
 Reconciled reconcile(std::vector<LabelledTrack>& tracks, std::span<HeardLabel> heard);
 
 /// Returns the confirmed tracks as Gaussians, by ascending label.

@@ -3,8 +3,8 @@
 #include "models/sensor/sensor.hpp"
 
 // Soft limits of range, depth and view. A sensor's limits are sharp, but their position in the
-// world is as uncertain as the robot's pose and the measurement, and a Gaussian belief does not
-// represent its fall-off at a limit.
+// world is as uncertain as the robot's pose and the measurement. A Gaussian belief does not
+// represent the fall-off at a limit.
 
 namespace vantage::estimator {
 

@@ -88,7 +88,7 @@ struct MappingOutcome {
 };
 
 /// Runs a mapping trial in `setup.world`: plan, let the attacker choose, then drive and scan step
-/// by step, fusing the scans of robots that are not attacked into one map; repeat. Robots start
+/// by step; repeat. The scans of robots that are not attacked are fused into one map. Robots start
 /// together at a random position. Routes are planned on the map. A step that would touch an
 /// obstacle of the true world ends just before contact (a bumper), and the robot waits for its next
 /// plan. A pure function of its arguments.

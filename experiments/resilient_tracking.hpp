@@ -28,7 +28,7 @@ struct TrackingSetting {
   // Parameters that the text leaves open.
   double start_side_m = 64.0;  ///< m; side of the centred square in which robots and targets start
   double prior_position_sigma_m = 1.0;
-  /// targets start at rest; √(q τ), the growth of one step
+  /// Targets start at rest; √(q τ), the growth of one step.
   double prior_velocity_sigma_mps = 0.02;
   double detection_probability = 0.05;  ///< see TargetSetting
   /// Least range of the observations that plans count. A bearing from r gives information ∝ 1/r²

@@ -35,8 +35,8 @@ std::string scenario_text(const std::string& file);
 /// @throws StartupError when the file cannot be read or its content is invalid
 scenario::Scenario scenario_of(const TeamTrial& trial, std::uint64_t seed);
 
-/// Columns of team_trial_row(): measures per robot (each by its own belief, mean over the robots),
-/// of the team (the best informed robot of each step), and counts of errors.
+/// Columns of team_trial_row(): measures per robot (each by its own belief, mean over the robots)
+/// and of the team (the best informed robot of each step), then safety and timing counters.
 extern const char* const kTeamTrialColumns;
 
 /// Runs the trial in virtual time and returns its row. A pure function of its arguments.

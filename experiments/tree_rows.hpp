@@ -11,9 +11,9 @@
 
 namespace vantage::experiments {
 
-/// Returns the cost per step of an average path in the tree: the mean of g(n)/t over the nodes of
-/// each depth t = 1 … T − 1, averaged over the depths, so that a tree with many deep nodes has no
-/// advantage. Leaves are excluded, because best-first searches keep none.
+/// Returns the cost per step of an average path in the tree. It is the mean of g(n)/t over the
+/// nodes of each depth t = 1 … T − 1, averaged over the depths. Thus a tree with many deep nodes
+/// has no advantage. Leaves are excluded, because best-first searches keep none.
 double cost_per_path(const planner::Tree& tree, int horizon_steps);
 
 /// Adds the motions of the tree's first `nodes_max` nodes, and of the plan, to the table "motions".

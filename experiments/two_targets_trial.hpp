@@ -22,7 +22,7 @@ std::vector<models::Viewpoint> two_targets_starts(const WatchSetting& setting, s
 /// Targets visited by a robot.
 struct Visits {
   int switches = 0;  ///< number of times it came into range of a target other than the last
-  /// share of the steps near the target nearest to its start, among the steps in range of any
+  /// Share of the steps near the target nearest to its start, among the steps in range of any.
   double home_share = 0.0;
 };
 /// Counts the visits of `robot` in a run over two targets; jamming is ignored.

@@ -48,9 +48,9 @@ class EstimatorNode : public bus::Node {
   [[nodiscard]] std::string name() const override;
   [[nodiscard]] Time next_tick() const override;
   void tick(Time now) override;
-  /// Returns the filter's counters and: looks_overflowed (observations dropped from the full
-  /// queue), misaddressed (the robot's name in a message differs from that of its channel),
-  /// viewpoint_unknown (steps that used the robot's last known viewpoint).
+  /// Returns the filter's counters and three more. looks_overflowed: observations dropped from the
+  /// full queue. misaddressed: messages with a robot name other than that of their channel.
+  /// viewpoint_unknown: steps that used the robot's last known viewpoint.
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
   /// Returns the number of instants kτ without a step.
   [[nodiscard]] std::int64_t deadlines_missed() const override { return instants_missed_; }

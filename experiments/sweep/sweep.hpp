@@ -14,7 +14,7 @@ namespace vantage::experiments {
 /// Extent of an experiment's run.
 struct Extent {
   int trials = 0;  ///< per setting; 0: as in the dissertation
-  /// two trials and shortened horizons with the same code, to test that it runs
+  /// Two trials and shortened horizons with the same code, to test that it runs.
   bool is_smoke = false;
   /// Share, in (0, 1], of the dissertation's planning time, for experiments that convert this time
   /// into nodes.
@@ -115,8 +115,8 @@ struct Shard {
 };
 
 /// Returns the units of `shard` in the order of execution: the first trial of every setting, then
-/// the second and so on, so that the remaining time can be estimated early. Every shard has a part
-/// of each setting; together the shards contain each unit once.
+/// the second and so on. Thus the remaining time can be estimated early. Every shard has a part of
+/// each setting; together the shards contain each unit once.
 std::vector<Unit> units_of(const SweepPlan& plan, const Shard& shard);
 
 /// True if the cells of `setting` equal or begin with one of `beginnings`, cell by cell: "a,1"

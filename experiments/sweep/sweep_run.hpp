@@ -32,9 +32,10 @@ struct SweepOutcome {
 
 /// Runs the missing units of the share of `sweep` in the directory. Rows are on disk as soon as a
 /// unit ends, and units on disk are not run again. When no unit is missing and no shard is set, it
-/// writes each table and the summary's files as CSV, times.csv and times.txt, figures (if gnuplot
-/// is installed), report.md and the complete manifest. Equal seeds and settings give equal files
-/// whatever the shards, jobs and interruptions, except for rows/, manifest.json and times.*.
+/// writes all results. These are each table and the summary's files as CSV, times.csv and
+/// times.txt, figures (if gnuplot is installed), report.md and the complete manifest. Equal seeds
+/// and settings give equal files whatever the shards, jobs and interruptions, except for rows/,
+/// manifest.json and times.*.
 /// @throws StartupError when the directory belongs to another run, a file cannot be written, or one
 /// of `only` begins no setting
 SweepOutcome run_sweep(const Sweep& sweep, const SweepIdentity& identity, const std::string& what,
