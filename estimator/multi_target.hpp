@@ -21,10 +21,8 @@ enum class Tracker {
   /// observation updates, and a mixture over its possible associations. A detection that no track
   /// explains starts a track with the probability that it is not a false alarm.
   kLabelled,
-  kJpda,  ///< joint probabilistic data association: one Gaussian; tracks confirmed and deleted by
-          ///< hit counts
-  kNearest,  ///< global nearest neighbour: only the most likely association; hit counts as for
-             ///< kJpda
+  kJpda,     ///< joint probabilistic data association: one Gaussian; hit counts confirm and delete
+  kNearest,  ///< global nearest neighbour: only the most likely association; hit counts
 };
 
 struct MultiTargetSpec {

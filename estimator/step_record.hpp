@@ -28,8 +28,8 @@ struct StepRecord {
   Time to{};
   Eigen::Vector2d place_m = Eigen::Vector2d::Zero();  ///< m; the robot's position at `to`
   TrackTable before;                                  ///< tracks at `from`
-  HeardTable heard_of_start;                   ///< fused beliefs of instants ≤ `from`, at `from`
-  HeardTable heard;                            ///< fused beliefs of instants > `from`, at `to`
+  HeardTable heard_of_start;  ///< received beliefs of instants ≤ `from`, at `from`
+  HeardTable heard;           ///< received beliefs of instants > `from`, at `to`
   std::vector<LabelledTrack> labelled_before;  ///< tracks at `from` for sensors without ids
   std::vector<HeardLabel> heard_labels;        ///< teammates' tracks at `from` or `to`, by teammate
   /// A received belief is of `to` and contains the observations of `to`.

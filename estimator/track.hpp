@@ -18,8 +18,7 @@ struct Track {
   bool known = false;
   models::Information information;
   Time last_seen{};  ///< newest measurement of any robot that it contains
-  Time doubted{};    ///< newest measurement outside the gate since the last used one; zero if there
-                     ///< is none
+  Time doubted{};    ///< newest measurement outside the gate after the last used one, else zero
 };
 
 /// Predicts the belief from `from` to `to` ≥ `from`, exactly, for any interval:
@@ -77,8 +76,8 @@ std::optional<models::Information> discover(const scenario::EstimatorSpec& spec,
 inline constexpr double kDoubt = 0.5;
 
 /// Handles a detection of this track's id that was outside the gate, at `time`. The mean is kept.
-/// The covariance is enlarged with kDoubt towards the belief that discover() gives for the
-/// detection alone: Σ ← Σ + kDoubt (Σ_z + d dᵀ), d from the mean to that belief's mean. Whichever
+/// The covariance is enlarged towards the belief that discover() gives for the detection alone,
+/// with share kDoubt: Σ ← Σ + kDoubt (Σ_z + d dᵀ), d from the mean to that belief's mean. Whichever
 /// is true, the next detection is within the gate: at the old position or at this one. Until then,
 /// beliefs without a detection at least as new are not fused. Returns false, track unchanged, where
 /// the sensor cannot determine the position.

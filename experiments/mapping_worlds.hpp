@@ -5,8 +5,8 @@
 namespace vantage::experiments {
 
 /// Returns a square room with sixteen square obstacles, each a twelfth of its side wide, slightly
-/// off a regular lattice. The source's map is a picture without a scale and almost complete after
-/// 50 steps; with 16 m this holds here too.
+/// off a regular lattice. The source's map is a picture without a scale, almost complete after 50
+/// steps. With a side of 16 m this holds here, too.
 /// Source: dissertation Fig. 4.4, top row.
 models::World square_obstacles_world(double side_m = 16.0);
 
