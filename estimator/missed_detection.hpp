@@ -11,10 +11,10 @@ namespace vantage::estimator {
 bool can_report(const models::SensorModel& sensor, const models::Viewpoint& from,
                 const models::World& world, const models::PositionVector& target_m);
 
-/// Updates a belief with an observation that did not report the target ("negative information").
-/// Returns the moments of N(y; μ, P) · (1 − p_D · 1[y in view]) / Z, where "in view" is
-/// can_report(). See reweighted() for the method and for the cases that are returned unchanged. p_D
-/// ≤ 0 and a belief beyond the sensor's range are unchanged as well.
+/// Returns a belief updated with an observation that did not report the target ("negative
+/// information"). It has the moments of N(y; μ, P) · (1 − p_D · 1[y in view]) / Z, where "in view"
+/// is can_report(). See reweighted() for the method and for the cases that are returned unchanged.
+/// p_D ≤ 0 and a belief beyond the sensor's range are unchanged as well.
 ///
 /// @param probability  if not null: receives Z, the probability that the observation does not
 /// report the target

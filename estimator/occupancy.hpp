@@ -20,11 +20,11 @@ struct ScanCounts {
   std::int64_t ignored = 0;
 };
 
-/// Fuses range scans into an occupancy belief by log-odds.
+/// Fusion of range scans into an occupancy belief by log-odds.
 ///
 /// A reading z marks as hit the cell that contains the range z + 2 σ. A surface is at the near side
 /// of its cell, and with z itself noise would put half of the hits one cell too near. The cells
-/// before it whose middle is nearer than z are marked as missed. The sensor's cell is missed. A
+/// before it are marked as missed if their middle is nearer than z. The sensor's cell is missed. A
 /// scan changes a cell once, and a hit overrides a miss; otherwise beams that graze a wall would
 /// erase it.
 /// Source: log-odds of the inverse sensor model: Moravec and Elfes (1985); once a scan, hits first:

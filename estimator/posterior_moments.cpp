@@ -89,8 +89,7 @@ class Rays {
  private:
   [[nodiscard]] bool sees_all_around() const { return models::sees_all_around(sensor_); }
 
-  /// Returns an upper bound of the angle beyond the field of view at which p is not negligible,
-  /// rad.
+  /// Returns the angle beyond the field of view up to which p is not negligible, rad.
   [[nodiscard]] double softest_rad() const {
     const double reach = std::sqrt(2.0 * kNegligible);
     const double nearest_m =
@@ -115,8 +114,7 @@ class Rays {
                                 ? std::min(kPi, 0.5 * sensor_.fov_rad + softest_rad())
                                 : kPi;
     if (!law_.measures_bearing) {
-      // The full turn begins opposite to the prior mean; otherwise it could not be narrowed around
-      // that mean.
+      // The full turn begins opposite to the prior mean, so that it can be narrowed around it.
       const double middle_rad = half_rad == kPi ? believed_rad_ : 0.0;
       return {middle_rad - half_rad, middle_rad + half_rad};
     }
@@ -124,8 +122,7 @@ class Rays {
     const double reach_rad =
         std::min(kPi, std::sqrt(2.0 * kNegligible / W_(z_.rows() - 1, z_.rows() - 1)));
     const Interval noise{z_rad - reach_rad, z_rad + reach_rad};
-    // If the noise interval extends past ±π, its intersection with the field of view could be two
-    // pieces.
+    // Past ±π the intersection of the noise interval and the field of view could be two pieces.
     if (half_rad == kPi || noise.low < -kPi || noise.high > kPi) {
       return half_rad == kPi ? noise : Interval{-half_rad, half_rad};
     }

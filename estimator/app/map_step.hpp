@@ -18,7 +18,7 @@
 
 namespace vantage::estimator {
 
-/// Connects a TeamMap to the bus: SCAN_R and the teammates' MAP_* in, MAP_R out, once after each
+/// Bus interface of a TeamMap: SCAN_R and the teammates' MAP_* in, MAP_R out, once after each
 /// BELIEF_R. Each message names its inputs: the belief, the own previous map, the scans and the
 /// teammates' maps. It can be reproduced from these alone.
 class MapPublisher {
@@ -49,8 +49,8 @@ class MapPublisher {
   std::int64_t runs_forgotten_ = 0;
 };
 
-/// Recomputes each logged MAP_R from the inputs that it names and publishes it under the bus's
-/// prefix.
+/// Replayer of logged maps: recomputes each MAP_R from the inputs that it names and publishes it
+/// under the bus's prefix.
 class MapReplayer {
  public:
   MapReplayer(bus::Bus& bus, const scenario::Scenario& scenario, const std::string& robot);

@@ -21,10 +21,10 @@
 
 namespace vantage::estimator {
 
-/// Connects a DistributedFilter to the bus. Inputs are the team's MEASUREMENT_*, VICON and the
-/// teammates' BELIEF_*. It publishes MIXTURE_R for beliefs that are not Gaussian, then BELIEF_R
-/// and, in a mapping scenario, MAP_R. The filter decides which teammates' observations are in
-/// range; with a neighbourhood, it subscribes only to the teammates in it.
+/// Bus node of a DistributedFilter. Inputs are the team's MEASUREMENT_*, VICON and the teammates'
+/// BELIEF_*. It publishes MIXTURE_R for beliefs that are not Gaussian, then BELIEF_R and, in a
+/// mapping scenario, MAP_R. The filter decides which teammates' observations are in range; with a
+/// neighbourhood, the node subscribes only to the teammates in it.
 ///
 /// A step belongs to the instant t = kτ of absolute time and is made τ/10 later, so that the
 /// measurement of t has arrived. Own observations may arrive later, because they need a mocap frame

@@ -17,9 +17,10 @@
 
 namespace vantage::estimator {
 
-/// Repeats the steps of a logged estimator. For each logged BELIEF_R, in order of `step`, it
-/// computes the step from exactly the inputs named in it and publishes the result, and MIXTURE_R,
-/// under the bus's prefix. The result does not depend on the delivery times of the log player.
+/// Bus node that repeats the steps of a logged estimator. For each logged BELIEF_R, in order of
+/// `step`, it computes the step from exactly the inputs named in it. It publishes the result, and
+/// MIXTURE_R, under the bus's prefix. The result does not depend on the delivery times of the log
+/// player.
 ///
 /// A step waits for inputs that are still to come, see ReplayQueue. When inputs are missing
 /// permanently, or steps are missing from the log, the step is not published. The filter then

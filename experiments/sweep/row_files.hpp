@@ -46,8 +46,8 @@ std::pair<Unit, UnitRows> unit_of_line(const SweepPlan& plan, const std::string&
 StoredRows read_rows(const std::string& directory, const SweepPlan& plan,
                      const SweepIdentity& identity);
 
-/// Appends rows to a separate file. A line is safe against the end of the process (not against loss
-/// of power) once append() has returned.
+/// Writer that appends rows to a separate file. A line is safe against the end of the process (not
+/// against loss of power) once append() has returned.
 class RowWriter {
  public:
   /// @throws StartupError when the file cannot be created
