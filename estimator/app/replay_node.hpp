@@ -26,7 +26,7 @@ namespace vantage::estimator {
 /// permanently, or steps are missing from the log, the step is not published. The filter then
 /// continues from the logged content (it is rebased), so that one loss does not affect all later
 /// steps. The first step received is treated in this way unless it is step 0. So is a step with an
-/// observation older than the last rebase, because the steps to repeat with it are unknown.
+/// observation at or before the last rebase, because the steps to repeat with it are unknown.
 class EstimatorReplayNode : public bus::Node {
  public:
   /// @throws UsageError when `scenario` has no such robot.
