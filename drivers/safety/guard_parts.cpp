@@ -16,6 +16,7 @@ namespace {
 
 // m/s off the course's velocity; then the vehicle is assumed to be pushed
 constexpr double kSwerveMps = 0.6;
+constexpr double kSameSpeedMps = 0.1;     // m/s; speeds that differ by less count as equal
 constexpr double kMoveOffMps = 0.2;       // m/s; speed away from fence or obstacle
 constexpr double kShiftPatienceS = 6.0;   // s; then it descends even if it is not over its spot
 constexpr double kAvoidPatienceS = 20.0;  // s; then it descends even if a body is below
@@ -43,7 +44,7 @@ bool FlightGuard::Parts::keeps_to_course(Time now) const {
 bool FlightGuard::Parts::has_planned_speed(Time now) const {
   const double asked_mps = course.at(now).velocity_world_mps.norm();
   if (asked_mps > 2.0 * pose.velocity_world_mps().norm() + kSameSpeedMps) {
-    return false;  // commanded to go a moment ago
+    return false;  // commanded to move a moment ago: it must not begin the plan in order to stop
   }
   const double half_brake_s = 0.5 * asked_mps / limits.vehicle.brake_mps2;
   const auto differs = [&](const PlanPoint& planned) {
@@ -55,12 +56,8 @@ bool FlightGuard::Parts::has_planned_speed(Time now) const {
 
 BrakeWay FlightGuard::Parts::brake_way(Time now, double reaction_s) const {
   const Eigen::Vector3d here_m = pose.predict_m(now, kPredictS);
-  // A vehicle that was just commanded to move does not brake along a plan that it must not begin.
-  const double asked_mps = course.at(now).velocity_world_mps.norm();
-  const bool sets_off =
-      reaction_s <= 0.0 && asked_mps > 2.0 * pose.velocity_world_mps().norm() + 0.1;
-  if (keeps_to_course(now) && !sets_off) {
-    const Eigen::Vector3d offset_m = here_m - course.at(now).position_world_m;
+  if (keeps_to_course(now) && (reaction_s > 0.0 || has_planned_speed(now))) {
+    const Eigen::Vector3d offset_m = here_m - course.planned_at(now).position_world_m;
     return BrakeWay::along(course.plan(), std::max(0.0, course.elapsed_s(now)),
                            limits.vehicle.brake_mps2, reaction_s, offset_m);
   }

@@ -21,6 +21,7 @@ struct FlightGuard::Parts : GuardCore {
   [[nodiscard]] double pose_age_s(Time now) const { return pose.age_s(now); }
   [[nodiscard]] BrakeWay brake_way(Time now, double reaction_s) const;
   [[nodiscard]] bool keeps_to_course(Time now) const;
+  [[nodiscard]] bool has_planned_speed(Time now) const;
   /// True if a landing has no position that it can use.
   [[nodiscard]] bool is_blind() const;
   void look_at_all(Time now);

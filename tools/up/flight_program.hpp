@@ -39,8 +39,6 @@ class FlightProgram {
   [[nodiscard]] bool is_down() const;
   /// Returns the vehicles that have followed a plan since the start.
   [[nodiscard]] const std::set<std::string>& have_flown() const { return have_flown_; }
-  /// Returns the vehicles that are neither idle nor killed.
-  [[nodiscard]] std::vector<std::string> not_down() const;
 
  private:
   struct Vehicle {
