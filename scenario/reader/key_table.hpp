@@ -5,7 +5,7 @@
 
 namespace vantage::scenario {
 
-/// What the reader accepts under one key of a file.
+/// Rule of one key of a file: place, allowed values, default.
 struct KeyRule {
   std::string path;          ///< "robots[].sensor.range_max_m"
   std::string values;        ///< "above 0 and at most 360", "one of arvi, beam", "list"

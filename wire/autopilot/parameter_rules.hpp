@@ -38,7 +38,7 @@ struct ParameterRule {
 /// that violates its own rule.
 std::vector<ParameterRule> parse_parameter_rules(std::string_view text);
 
-/// Returns the text of config/autopilot/{ardupilot.parm,px4.params}, as it was at build time.
+/// Returns the text of config/autopilot/{ardupilot.parm,px4.params} at build time.
 const char* parameter_file(models::AutopilotDialect dialect);
 /// Returns the parsed rules of parameter_file().
 const std::vector<ParameterRule>& parameter_rules(models::AutopilotDialect dialect);
