@@ -22,7 +22,8 @@ using models::FlightState;
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 constexpr Duration kFrame{20'000};
 
-/// The lab with real vehicles: 4 × 8 m, ceiling 3 m, vehicles of 0.25 m radius, 0.6 m apart.
+/// Returns the lab with real vehicles: 4 × 8 m, ceiling 3 m, vehicles of 0.25 m radius, 0.6 m
+/// separation.
 scenario::Scenario real_lab() {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.mocap.device = scenario::DeviceSource::kReal;
@@ -59,7 +60,7 @@ models::VehicleStatus status_of(const std::string& robot, FlightState state, Tim
 struct Judged {
   ContactJudge judge;
   Time now = kStart;
-  Duration mocap_clock{};  ///< by which the publisher's clock is off
+  Duration mocap_clock{};  ///< offset of the publisher's clock
   std::int64_t frames = 0;
 
   explicit Judged(const scenario::Scenario& scenario = real_lab()) : judge(scenario) {}
@@ -116,7 +117,7 @@ TEST(ContactJudge, SeesWhoMeetsBetweenTwoFrames) {
   Judged lab;
   lab.fly("Q1");
   lab.see({{"Q1", {1.0, 4.0, 1.0}}, {"Q2", {2.0, 4.0, 1.0}}});
-  // Past each other in 20 ms: at neither instant do they touch.
+  // They pass each other within 20 ms, so they touch at neither instant.
   const auto begun = lab.see({{"Q1", {2.0, 4.0, 1.0}}, {"Q2", {1.0, 4.0, 1.0}}});
   ASSERT_FALSE(begun.empty());
   EXPECT_EQ(begun[0].kind, ContactKind::kCollision);
@@ -144,7 +145,7 @@ TEST(ContactJudge, LeavesPeopleAloneWhoCarryWhatRests) {
   lab.fly("Q1");
   lab.see(apart);
   EXPECT_EQ(lab.see(together).size(), 2U);
-  // Killed, it falls; then it lies there.
+  // A killed vehicle counts while it falls, and not after that.
   lab.judge.on_status(status_of("Q1", FlightState::kKilled, lab.now));
   lab.see(apart);
   EXPECT_EQ(lab.see(together).size(), 2U);
@@ -167,7 +168,7 @@ TEST(ContactJudge, LeavesToTheSimulatorWhatItJudges) {
   EXPECT_TRUE(lab.see({{"Q2", {1.0, 4.0, 1.0}}, {"Q3", {1.1, 4.0, 1.0}}}).empty());
   EXPECT_TRUE(lab.see({{"Q2", {1.0, 4.0, 0.2}}, {"ROVER1", {1.1, 4.0, 0.1}}}).empty());
   EXPECT_TRUE(lab.see({{"Q2", {0.1, 4.0, 1.0}}}).empty());
-  // A real vehicle and a simulated one are nobody else's.
+  // Contacts of a real with a simulated vehicle are judged only here.
   EXPECT_EQ(lab.see({{"Q1", {3.0, 7.0, 1.0}}, {"Q3", {3.1, 7.0, 1.0}}}).size(), 2U);
 }
 
@@ -182,7 +183,7 @@ TEST(ContactJudge, CountsOldFramesAndBodiesBeyondThoseItKeeps) {
   }
   lab.see(crowd);
   EXPECT_EQ(lab.count("contacts.bodies_left_out"), 5);
-  // Of another run, and older by its own clock: the cameras have begun anew.
+  // A new run with an older clock: the cameras were restarted.
   lab.judge.on_frame(frame_of(kStart, {}, 2), kStart + Duration{5'000});
   EXPECT_EQ(lab.count("contacts.gaps"), 1);
 }

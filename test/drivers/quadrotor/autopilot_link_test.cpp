@@ -1,4 +1,4 @@
-// What the driver says on the wire, against the protocol itself.
+// Messages of the driver on the wire, compared with the protocol.
 
 #include "drivers/quadrotor/autopilot_link.hpp"
 
@@ -21,7 +21,7 @@ using models::AutopilotDialect;
 
 constexpr Time kNow = from_utime(1'700'000'000'123'456);
 
-/// A link, and what it says, unpacked.
+/// A link and its unpacked output.
 struct Bench {
   explicit Bench(AutopilotDialect dialect, const std::optional<wire::mavlink::SigningKey>& key = {},
                  scenario::ParameterPolicy parameters = scenario::ParameterPolicy::kIgnore)
@@ -76,7 +76,7 @@ TEST(AutopilotLink, SaysItsHeartbeatFiveTimesASecondAsTheDialectExpects) {
     const auto heartbeat = wire::mavlink::unpack<wire::mavlink::Heartbeat>(frames[0]);
     ASSERT_TRUE(heartbeat.has_value());
     const bool is_px4 = dialect == AutopilotDialect::kPx4;
-    EXPECT_EQ(heartbeat->type, 6);  // PX4 says why it refuses to ground stations alone
+    EXPECT_EQ(heartbeat->type, 6);  // PX4 reports refusal reasons only to ground stations
     EXPECT_EQ(heartbeat->autopilot, 8);
     EXPECT_EQ(heartbeat->system_status, 4);
     EXPECT_EQ(frames[0].origin.system_id, is_px4 ? 254 : 255);
@@ -110,7 +110,7 @@ TEST(AutopilotLink, SendsPosesAsTheEstimatorsAcceptThem) {
       EXPECT_GT(odometry.pose_covariance[diagonal], 0.0F);
       EXPECT_GT(odometry.velocity_covariance[diagonal], 0.0F);
     }
-    // By rotation matrices: half a revolution about x turns both the world and the body.
+    // By rotation matrices: half a turn about x transforms both the world and the body frame.
     const Eigen::DiagonalMatrix<double, 3> turn(1.0, -1.0, -1.0);
     const Eigen::Matrix3d world_from_body = state.world_from_body.rotation.toRotationMatrix();
     const Eigen::Matrix3d local_from_body = turn * world_from_body * turn;
@@ -145,7 +145,7 @@ TEST(AutopilotLink, TellsPlaceVelocityAndAccelerationInEachSetPoint) {
     EXPECT_EQ((std::vector{t.x, t.y, t.z, t.yaw}), (std::vector{1.0F, -2.0F, -3.0F, -0.5F}));
     EXPECT_EQ((std::vector{t.vx, t.vy, t.vz, t.yaw_rate}), (std::vector{0.1F, -0.2F, -0.3F, 0.4F}));
     EXPECT_EQ((std::vector{t.afx, t.afy, t.afz}), (std::vector{-0.5F, -0.25F, -0.125F}));
-    // One kind of set-point, whatever it asks for: no change of kind can upset an autopilot.
+    // Set-points have a single kind; a change of the kind can upset an autopilot.
     EXPECT_EQ(targets[0].type_mask, 0);
     EXPECT_EQ(targets[1].type_mask, 0);
   }
@@ -166,13 +166,13 @@ TEST(AutopilotLink, AnswersTheVehiclesClockAndMeasuresIt) {
   said = bench.said_of<wire::mavlink::Timesync>();
   ASSERT_EQ(said.size(), 1U);
   EXPECT_EQ(said[0].tc1, 0);
-  // The vehicle's clock began 100 s ago; 2 ms there, 2 ms back.
+  // The clock of the vehicle started 100 s ago; 2 ms for each direction.
   wire::mavlink::Timesync reply;
   reply.tc1 = 100'002'000'000;
   reply.ts1 = said[0].ts1;
   bench.hear(reply, kNow + Duration{4'000});
   EXPECT_EQ(bench.link.telemetry().clock_offset_ns(), 100'000'000'000 - to_utime(kNow) * 1000);
-  // An answer to nothing, of another time, changes nothing.
+  // A reply to an unknown request is ignored.
   reply.tc1 = 5;
   reply.ts1 = 1;
   bench.hear(reply, kNow + Duration{4'000});
@@ -216,7 +216,7 @@ TEST(AutopilotLink, GivesArdupilotAnOriginUntilItHasOne) {
     };
     const std::size_t wanted = dialect == AutopilotDialect::kPx4 ? 0U : 5U;
     EXPECT_EQ(origins_in(0, 5), wanted);
-    // ArduCopter knows its place without an origin, and does not arm.
+    // ArduCopter reports a position without an origin, but does not arm.
     bench.hear(wire::mavlink::LocalPositionNed{}, kNow + std::chrono::seconds(5));
     EXPECT_EQ(origins_in(5, 10), wanted);
     bench.hear(wire::mavlink::GpsGlobalOrigin{}, kNow + std::chrono::seconds(10));
@@ -230,7 +230,7 @@ TEST(AutopilotLink, HearsItsVehicleAlone) {
   EXPECT_FALSE(bench.link.telemetry().heartbeat_time().has_value());
   EXPECT_STREQ(bench.fault(kNow).c_str(),
                "no autopilot of this system id is heard, but others are");
-  bench.hear(wire::mavlink::Heartbeat{0, 6, 8, 128, 4, 3}, kNow, 1, 190);  // a gimbal, a station
+  bench.hear(wire::mavlink::Heartbeat{0, 6, 8, 128, 4, 3}, kNow, 1, 190);  // ground station
   EXPECT_FALSE(bench.link.telemetry().heartbeat_time().has_value());
   bench.hear_heartbeat(kNow);
   EXPECT_FALSE(bench.link.fault(kNow).has_value());
@@ -246,15 +246,15 @@ TEST(AutopilotLink, TakesTheFirstAutopilotWhenNoneIsNamed) {
     wire::mavlink::append_bytes(wire::mavlink::pack(heartbeat, {system, component, 0}), bytes);
     link.receive(bytes, true, kNow);
   };
-  hear({0, 6, 8, 0, 4, 3}, 255, 190);  // a ground station is no autopilot
-  hear({0, 2, 3, 0, 4, 3}, 17, 0);     // a vehicle may begin as component 0
+  hear({0, 6, 8, 0, 4, 3}, 255, 190);  // not an autopilot
+  hear({0, 2, 3, 0, 4, 3}, 17, 0);     // a vehicle may start as component 0
   hear({0, 2, 3, 128, 4, 3}, 18, 1);
   EXPECT_TRUE(link.telemetry().heartbeat_time().has_value());
   EXPECT_FALSE(link.telemetry().is_armed()) << "it listened to the second one";
 }
 
-// Companions and stations may speak as component 0 or 1 of the vehicle's system: pymavlink does so
-// by default.
+// Companions and ground stations may send as component 0 or 1 of the system of the vehicle;
+// pymavlink does so by default.
 TEST(AutopilotLink, TakesNothingOfComponent0OrOfAPartOnceItsAutopilotWasReceived) {
   using wire::mavlink::Heartbeat;
   struct Row {
@@ -390,7 +390,7 @@ TEST(AutopilotLink, SurvivesAnythingOnTheWire) {
   }
 }
 
-// docs/guide/quadrotors.md: in all others nobody need be there, whatever PX4's sub-mode.
+// docs/guide/quadrotors.md: all other modes may run without a pilot, whatever the sub-mode of PX4.
 TEST(Dialect, KnowsTheModesThatAreFlownByHand) {
   const std::set<std::uint32_t> px4{1, 2, 3, 5, 7, 8, 11};
   const std::set<std::uint32_t> ardupilot{0, 1, 2, 5, 11, 13, 16, 22};
@@ -405,7 +405,7 @@ TEST(Dialect, KnowsTheModesThatAreFlownByHand) {
   }
 }
 
-// docs/guide/quadrotors.md: all that is told is of a moment ahead, as each autopilot lags.
+// docs/guide/quadrotors.md: set-points lead by the response time of each autopilot.
 TEST(DialectTraits, LeadByAsMuchAsTheDocumentStates) {
   const DialectTraits& px4 = traits_of(models::AutopilotDialect::kPx4);
   EXPECT_EQ(px4.lead_s, 0.05);

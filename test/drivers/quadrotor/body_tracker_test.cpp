@@ -82,8 +82,8 @@ TEST(BodyTracker, NeverBelievesAJumpInTheAir) {
             BodyVerdict::kJumped);
 }
 
-// Flown: after the mocap's driver had been killed and started again, none of its poses came to the
-// autopilot, as the vehicle had flown on meanwhile; five seconds later it was blind.
+// Regression, flown: after a restart of the mocap driver no pose reached the autopilot, because the
+// vehicle had moved on. Five seconds later the autopilot had no position.
 TEST(BodyTracker, FollowsAMocapThatIsStartedAgainThoughTheBodyHasFlownOn) {
   for (const Duration other_clock : {Duration{}, Duration{std::chrono::hours(-3)}}) {
     BodyTracker tracker("Q1", 1.0);
@@ -100,7 +100,7 @@ TEST(BodyTracker, FollowsAMocapThatIsStartedAgainThoughTheBodyHasFlownOn) {
       ASSERT_EQ(see(2, other_clock), BodyVerdict::kTaken) << i;
     }
     EXPECT_EQ(tracker.state()->resets, 0) << "it flew there";
-    // Elsewhere at once is no flight.
+    // A sudden other position is a jump.
     EXPECT_EQ(tracker.see(frame_at(now, at(-2.0, 0.0), 3), now, now, false), BodyVerdict::kJumped);
   }
 }

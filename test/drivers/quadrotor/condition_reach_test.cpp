@@ -1,5 +1,5 @@
-// Every row of the quadrotor's condition table is reached by what comes in from outside: MAVLink
-// bytes, mocap frames, plans, orders, and what the process knows of itself.
+// Every row of the condition table of the quadrotor can be reached by external inputs: MAVLink
+// bytes, mocap frames, plans, commands, and the state of the process.
 
 #include <algorithm>
 #include <functional>
@@ -29,7 +29,7 @@ struct Row {
   std::function<void(Reach&)> reach;
 };
 
-/// Does `begin` to a vehicle that hovers, and goes on for `seconds`.
+/// Returns a reach function: hovers, calls `begin` and runs for `seconds`.
 std::function<void(Reach&)> hovering(double seconds, const std::function<void(Reach&)>& begin) {
   return [seconds, begin](Reach& up) {
     up.hover();
@@ -179,7 +179,7 @@ std::vector<Row> rows() {
       {"pose stale", hovering(0.3, [](Reach& up) { up.has_mocap = false; })},
       {"pose late", hovering(3.0,
                              [](Reach& up) {
-                               up.has_mocap = false;  // each frame goes another way, and is late
+                               up.has_mocap = false;  // frames take another path and are late
                                up.alters = [&up](models::MocapFrame frame) {
                                  frame.arrival = frame.stamp.time;
                                  frame.stamp.time -= std::chrono::milliseconds(200);

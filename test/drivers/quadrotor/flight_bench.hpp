@@ -14,13 +14,13 @@
 
 namespace vantage::test {
 
-/// A driver, an emulated autopilot, mocap at 100 Hz, an operator and a planner, in virtual time.
-/// Q1 stands on the floor at (2, 2) and looks along y.
+/// A driver, an emulated autopilot, mocap at 100 Hz, an operator and a planner, in virtual time. Q1
+/// starts on the floor at (2, 2) with its heading along y.
 class FlightBench : public SteppedBench {
  public:
   static constexpr Duration kTick{5'000};
   static constexpr Duration kLatency{5'000};
-  static constexpr double kFloorM = 0.05;  ///< height of its markers when it stands
+  static constexpr double kFloorM = 0.05;  ///< m; height of its markers on the floor
 
   static scenario::Scenario scenario_for(models::AutopilotDialect dialect) {
     scenario::Scenario scenario = lab_scenario();
@@ -51,20 +51,20 @@ class FlightBench : public SteppedBench {
 
   void command(models::OperatorAction action) { driver->on_command(order(action), now); }
   models::OperatorCommand order(models::OperatorAction action) { return next_command(action); }
-  /// The same order, repeated: of the same time, and another message.
+  /// Returns a repetition of the same command: same time, new message.
   models::OperatorCommand said_again(const models::OperatorCommand& earlier) {
     models::OperatorCommand out = next_command(earlier.action);
     out.stamp.time = earlier.stamp.time;
     return out;
   }
 
-  /// A plan from where the driver is asked to be, `delay` from now.
+  /// Returns a plan that begins at `start`, `delay` from now.
   models::RobotPlan plan(const Pose2& start, const std::vector<models::PlanSegment>& segments,
                          Duration delay) {
     return next_plan("Q1", now + delay, start, scenario.robots[0].height_m, segments);
   }
 
-  /// Arms, takes off and comes to a hover; false when it did not.
+  /// Arms, takes off and hovers; returns false if that fails.
   bool take_off() {
     if (!run_until([this] { return now > kStart + from_seconds(1.0) && reasons().empty(); },
                    20.0)) {
@@ -74,14 +74,14 @@ class FlightBench : public SteppedBench {
     if (!run_until([this] { return vehicle.controller().is_armed(); }, 60.0)) {
       return false;
     }
-    // The vehicle's heartbeat tells it a second later.
+    // The heartbeat of the vehicle reports it up to a second later.
     run(1.5);
     command(models::OperatorAction::kTakeOff);
     return run_until([this] { return height_error_m() < 0.1; }, 15.0);
   }
 
-  /// Follows a plan straight ahead from where it hovers, until it has gone at that speed for a
-  /// while; false when it does not come to that.
+  /// Follows a straight plan from the hover until the vehicle has flown at that speed for a while;
+  /// returns false if that fails.
   bool follow_straight(double speed_mps) {
     command(models::OperatorAction::kFollow);
     run(0.1);
@@ -116,7 +116,7 @@ class FlightBench : public SteppedBench {
     return std::abs(vehicle.world_from_body().translation_m.z() - scenario.robots[0].height_m);
   }
   bool is_armed() const { return vehicle.controller().is_armed(); }
-  /// Of its body, as seen from above.
+  /// Returns the horizontal position of the body, m.
   Eigen::Vector2d place_m() const { return vehicle.world_from_body().translation_m.head<2>(); }
   double speed_mps() const { return vehicle.velocity_world_mps().head<2>().norm(); }
 
@@ -126,16 +126,17 @@ class FlightBench : public SteppedBench {
   bool has_mocap = true;
   bool has_operator = true;
   bool is_wire_cut = false;
-  bool is_deaf = false;  ///< the driver; the vehicle hears it
+  bool is_deaf = false;  ///< the driver receives nothing; the vehicle still does
   using Loses = std::function<bool(const std::vector<std::uint8_t>& datagram)>;
-  Loses drops;                                      ///< of what the vehicle says
-  Loses drops_sent;                                 ///< of what the driver says
-  std::function<void(models::MocapFrame&)> alters;  ///< what mocap shows
-  /// Takes each captured frame on its way to the driver; empty: the bench carries it.
+  Loses drops;                                      ///< selects lost datagrams of the vehicle
+  Loses drops_sent;                                 ///< selects lost datagrams of the driver
+  std::function<void(models::MocapFrame&)> alters;  ///< changes mocap frames
+  /// Receives each captured frame instead of the driver; empty: the bench delivers it.
   std::function<void(const models::MocapFrame&)> carries;
-  std::optional<Eigen::Vector3d> walker_m;  ///< where the scenario's first target is seen
+  std::optional<Eigen::Vector3d> walker_m;  ///< m; shown position of the first target of the
+                                            ///< scenario
   std::function<void(Time)> on_step;
-  std::vector<std::vector<std::uint8_t>> sent;  ///< by the driver, of the last step
+  std::vector<std::vector<std::uint8_t>> sent;  ///< by the driver in the last step
 
  private:
   void step() final {
@@ -172,7 +173,7 @@ class FlightBench : public SteppedBench {
     models::MocapBody body;
     body.name = "Q1";
     body.world_from_body = vehicle.world_from_body();
-    // A tenth of a millimetre of noise, so that no two poses are the same bits.
+    // Noise of 0.1 mm makes consecutive poses different.
     body.world_from_body.translation_m.x() += 1e-4 * std::sin(static_cast<double>(ticks_));
     frame.bodies.push_back(body);
     if (walker_m) {
@@ -190,10 +191,10 @@ class FlightBench : public SteppedBench {
       waiting_.push_back(frame);
     }
   }
-  /// The frame captured a frame time ago.
+  /// Delivers the frames captured one frame time ago.
   void deliver_mocap() {
     for (models::MocapFrame& frame : waiting_) {
-      frame.arrival = frame.stamp.time + kLatency;  // by the clock that stamps it
+      frame.arrival = frame.stamp.time + kLatency;  // by the clock of the stamp
       if (has_mocap) {
         driver->on_mocap(frame, now);
       }

@@ -1,5 +1,5 @@
-// What goes wrong between a driver and a vehicle in the air: poses that are not its own, a link of
-// one direction, a driver that begins anew, pilots, and orders that are late.
+// Faults between a driver and a vehicle in the air: poses of another body, a one-way link, a
+// restarted driver, pilots, and delayed commands.
 
 #include <algorithm>
 #include <functional>
@@ -33,7 +33,7 @@ class FlightFaults : public ::testing::TestWithParam<AutopilotDialect> {
   }
 };
 
-/// Whether a frame in `datagram` is one that is meant.
+/// True if `datagram` contains a frame that satisfies `is_meant`.
 bool has(const std::vector<std::uint8_t>& datagram,
          const std::function<bool(const wire::mavlink::Frame&)>& is_meant) {
   bool found = false;
@@ -43,7 +43,7 @@ bool has(const std::vector<std::uint8_t>& datagram,
   return found;
 }
 
-/// Where a message says that the vehicle is or shall be, seen from above in the world.
+/// Returns the horizontal position in a message, in the world frame, m.
 Eigen::Vector2d place_of(const auto& message) {
   return {static_cast<double>(message.x), -static_cast<double>(message.y)};
 }
@@ -52,8 +52,8 @@ INSTANTIATE_TEST_SUITE_P(Dialects, FlightFaults,
                          ::testing::Values(AutopilotDialect::kPx4, AutopilotDialect::kArdupilot),
                          [](const auto& chosen) { return std::string(name_of(chosen.param)); });
 
-// Occluded for a second, and then somebody else's body bears its name: flight safety does not
-// believe it, so it steers nothing.
+// After an occlusion the body of another vehicle appears under its name. Flight safety rejects the
+// pose, so it must not affect control.
 TEST_P(FlightFaults, APoseThatIsNotBelievedSteersNothing) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.run(2.0);
@@ -64,9 +64,9 @@ TEST_P(FlightFaults, APoseThatIsNotBelievedSteersNothing) {
   bench.alters = [](models::MocapFrame& frame) {
     frame.bodies.front().world_from_body.translation_m.x() += 1.0;
   };
-  bench.run(0.02);  // what was captured before
+  bench.run(0.02);  // until earlier captures have arrived
   int poses = 0;
-  double told_off_m = 0.0;  // by how much anything told to the autopilot is beside where it hovers
+  double told_off_m = 0.0;  // m; greatest distance of a sent position from the hover
   bench.on_step = [&](Time) {
     for (const auto& datagram : bench.sent) {
       has(datagram, [&](const wire::mavlink::Frame& frame) {
@@ -93,7 +93,8 @@ TEST_P(FlightFaults, APoseThatIsNotBelievedSteersNothing) {
   EXPECT_LT(told_off_m, 0.3);
 }
 
-// A radio of which one direction fails: what we do not hear hears us, and must not hover for ever.
+// A radio that fails in one direction: the vehicle still receives the driver and must not hover
+// permanently.
 TEST_P(FlightFaults, AVehicleThatIsNoLongerHeardIsLanded) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.is_deaf = true;
@@ -101,8 +102,8 @@ TEST_P(FlightFaults, AVehicleThatIsNoLongerHeardIsLanded) {
   EXPECT_NEAR(height_m(), 0.0, 1e-6);
 }
 
-// Begun anew in the air it comes down by its set-points, as ever, and not by its autopilot's
-// landing from there: that does not stop for who walks in below.
+// A driver restarted in the air lands by set-points. It must not hand over to the landing mode of
+// the autopilot, which does not stop for a body below.
 TEST_P(FlightFaults, ADriverThatBeginsInTheAirDoesNotTakeThatForTheGround) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.run(2.0);
@@ -121,7 +122,7 @@ TEST_P(FlightFaults, ADriverThatBeginsInTheAirDoesNotTakeThatForTheGround) {
   EXPECT_LT(handed_over_m, 0.4);
 }
 
-// The order is lost, the operator thinks better of it: it is not sent again.
+// The arm command is lost and then withdrawn; it must not be sent again.
 TEST_P(FlightFaults, AnOrderToArmThatWasWithdrawnIsNotSaidAgain) {
   ASSERT_TRUE(bench.run_until(
       [this] {
@@ -150,7 +151,8 @@ TEST_P(FlightFaults, AnOrderToArmThatWasWithdrawnIsNotSaidAgain) {
   EXPECT_FALSE(has_armed);
 }
 
-// The console says `hold` again for most of a second. A pilot who takes over in that time keeps it.
+// The console repeats `hold` for most of a second. A pilot who takes over meanwhile must keep
+// control.
 TEST_P(FlightFaults, ARepeatedOrderTakesNothingFromAPilot) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   const models::OperatorCommand hold = bench.order(OperatorAction::kHold);
@@ -167,9 +169,10 @@ TEST_P(FlightFaults, ARepeatedOrderTakesNothingFromAPilot) {
   EXPECT_NE(bench.vehicle.controller().mode(), theirs) << "said anew it takes the vehicle back";
 }
 
-// A pilot flies it by hand, perhaps because mocap is bad: it is landed when it is seen no more,
-// but not out of his hands, whether the vehicle is still heard or not. In a hold of the autopilot's
-// own nobody need be there. An operator's order takes it, once more after a second pilot.
+// A pilot flies it by hand, perhaps because mocap is bad. When it is no longer seen, its state
+// becomes LAND, but the mode stays with the pilot, whether the link works or not. In the hold mode
+// of the autopilot no pilot may be present, so it is landed. An operator command takes over, also
+// from a second pilot.
 TEST_P(FlightFaults, NothingThatGoesWrongTakesTheModeFromAPilot) {
   for (const bool is_by_hand : {true, false}) {
     for (const bool is_deaf : {true, false}) {
@@ -205,12 +208,12 @@ TEST_P(FlightFaults, NothingThatGoesWrongTakesTheModeFromAPilot) {
       EXPECT_EQ(orders_to_land, 0);
       up.is_deaf = false;
       up.has_mocap = true;
-      for (int round = 0; round < 2; ++round) {  // and once more
+      for (int round = 0; round < 2; ++round) {  // repeated with the same vehicle
         takes_over();
         up.run(3.0);
         EXPECT_EQ(orders_to_land, 0) << round;
         up.command(OperatorAction::kLand);
-        up.run(1.5);  // heartbeats tell the mode once a second
+        up.run(1.5);  // heartbeats report the mode once per second
         EXPECT_EQ(orders_to_land, 1) << up.reasons();
         orders_to_land = 0;
       }
@@ -218,11 +221,11 @@ TEST_P(FlightFaults, NothingThatGoesWrongTakesTheModeFromAPilot) {
   }
 }
 
-// Poses come back while the autopilot lands without them, and a body moves in below: the landing
-// is steered again, and stops above it. Near the ground the autopilot goes on.
+// Poses return during a blind landing while a body moves in below: the controlled landing resumes
+// and stops above the body. Near the ground the blind landing continues.
 TEST_P(FlightFaults, SteersABlindLandingAgainWhenPosesAreBack) {
   struct Row {
-    double begins_m;  ///< height of the vehicle when poses come back
+    double begins_m;  ///< m; height of the vehicle when poses return
     bool is_steered;
   };
   for (const Row& row : {Row{1.3, true}, Row{0.8, true}, Row{0.62, true}, Row{0.3, false}}) {
@@ -244,7 +247,7 @@ TEST_P(FlightFaults, SteersABlindLandingAgainWhenPosesAreBack) {
     up.has_mocap = true;
     const Eigen::Vector2d here_m = up.place_m();
     up.walker_m = {here_m.x(), here_m.y(), FlightBench::kFloorM + 0.05};
-    double lowest_m = above_floor_m();  // of its heights above the body
+    double lowest_m = above_floor_m();  // m; least height above the body
     up.on_step = [&](Time) {
       const bool is_above = (up.place_m() - here_m).norm() < 0.4;
       lowest_m = is_above ? std::min(lowest_m, above_floor_m()) : lowest_m;
@@ -259,8 +262,8 @@ TEST_P(FlightFaults, SteersABlindLandingAgainWhenPosesAreBack) {
   }
 }
 
-// pymavlink sends as component 0 unless it is told otherwise: a companion that does so in flight
-// takes no set-point from the vehicle.
+// pymavlink sends as component 0 by default. A companion that does so in flight must not interrupt
+// the set-points.
 TEST_P(FlightFaults, AHeartbeatOfComponent0InFlightStopsNoSetPoint) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   Time last = bench.now;
@@ -288,7 +291,7 @@ TEST_P(FlightFaults, AHeartbeatOfComponent0InFlightStopsNoSetPoint) {
   EXPECT_FALSE(bench.has_reason("mode")) << bench.reasons();
 }
 
-// What would stop the motors of a vehicle under our control does not stop those of a pilot's.
+// Faults that would stop the motors of a vehicle under our control do not stop them under a pilot.
 TEST_P(FlightFaults, DoesNotStopTheMotorsOfAPilotForAFaultAndDoesForAnOperator) {
   using Breaks = std::function<void(FlightBench&)>;
   const Breaks shows_it_outside = [](FlightBench& up) {
@@ -311,7 +314,7 @@ TEST_P(FlightFaults, DoesNotStopTheMotorsOfAPilotForAFaultAndDoesForAnOperator) 
     ASSERT_TRUE(up.take_off()) << up.reasons();
     up.vehicle.controller().set_mode(is_px4() ? 3U << 16U : 5U, up.now);
     up.run(2.0);
-    // Out of sight and seen again elsewhere: its pose is believed there.
+    // After a loss it is seen at another position, and that pose is accepted.
     up.has_mocap = false;
     up.run(0.4);
     up.has_mocap = true;
@@ -324,7 +327,7 @@ TEST_P(FlightFaults, DoesNotStopTheMotorsOfAPilotForAFaultAndDoesForAnOperator) 
   }
 }
 
-// An attitude that is no longer told is not level: it lands.
+// Without attitude reports it lands.
 TEST_P(FlightFaults, WithoutAnAttitudeItLands) {
   for (const bool is_told_as_nan : {false, true}) {
     FlightBench up(GetParam());

@@ -1,5 +1,5 @@
-// Poses that are another body's, and poses that another clock stamps: what they do to a vehicle in
-// flight and to its autopilot.
+// Effects of poses of another body, and of poses with another clock, on a vehicle in flight and its
+// autopilot.
 
 #include <algorithm>
 #include <array>
@@ -21,7 +21,8 @@ using test::FlightBench;
 
 constexpr std::array kDialects{AutopilotDialect::kPx4, AutopilotDialect::kArdupilot};
 
-/// A still body bears the vehicle's name, `off_m` away, after the vehicle was unseen for `gap_s`.
+/// A stationary body with the name of the vehicle appears `off_m` away after the vehicle was not
+/// seen for `gap_s`.
 struct ForeignRow {
   double gap_s;
   double off_m;
@@ -58,14 +59,14 @@ TEST(MocapIdentity, AVehicleWhoseNameAStillBodyBearsEndsLandedAndNear) {
   }
 }
 
-// Two bodies exchange their names, as a mocap system does that loses sight of both.
+// Two bodies exchange their names, as can happen when mocap loses both.
 struct SwapRow {
   double apart_m;
   double gap_s;
 };
 constexpr std::array kSwapRows{SwapRow{0.6, 0.3}, SwapRow{1.0, 0.1}, SwapRow{2.0, 0.2}};
-constexpr double kFarM = 2.2;         // between the bodies at the take-off
-constexpr double kApproachMps = 0.3;  // of the other one, in the air
+constexpr double kFarM = 2.2;         // m; between the bodies at take-off
+constexpr double kApproachMps = 0.3;  // m/s; of the other body, in the air
 
 TEST(MocapIdentity, NamesThatAreSwappedReachNoVehicle) {
   for (const SwapRow& row : kSwapRows) {
@@ -129,7 +130,7 @@ TEST(MocapIdentity, NamesThatAreSwappedReachNoVehicle) {
   }
 }
 
-/// Counts the poses that the driver sends, and the greatest difference of their times from ours.
+/// Number of poses that the driver sent, and the greatest error of their stamps.
 struct PoseWatch {
   int poses = 0;
   double worst_s = 0.0;

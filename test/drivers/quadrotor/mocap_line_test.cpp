@@ -1,5 +1,5 @@
-// A line between mocap server and driver that is too slow, or holds a queue: from the server's
-// bytes to the reason that the vehicle's driver reports.
+// A slow or queued line between mocap server and driver: from the bytes of the server to the reason
+// that the driver of the vehicle reports.
 
 #include <algorithm>
 #include <cmath>
@@ -26,10 +26,10 @@ using test::FlightBench;
 
 constexpr Duration kFrame{10'000};
 constexpr double kFrameS = 0.01;
-constexpr double kServerS = 0.004;  // from capture to the server's socket
+constexpr double kServerS = 0.004;  // s; from capture to the socket of the server
 
 /// Carries the frames of a bench through an emulated server, a line and the mocap driver. The line
-/// delivers in order: echoes of pings come behind the frames before them.
+/// keeps the order, so echoes of pings arrive after earlier frames.
 class Line {
  public:
   Line(FlightBench& bench, MocapProtocol protocol)
@@ -41,10 +41,10 @@ class Line {
     bench_.on_step = [this](Time) { step(); };
   }
 
-  /// Greatest difference of reported and true latency, of the frames published.
+  /// s; greatest difference of reported and true latency of published frames
   double worst_error_s = 0.0;
-  double slow_share = 0.0;  ///< by which frames take longer than they are apart
-  Duration queue{};         ///< for which each frame waits on this connection
+  double slow_share = 0.0;  ///< relative excess of the transmission time over the frame period
+  Duration queue{};         ///< delay of each frame on this connection
   [[nodiscard]] const vicon::ViconDriver& driver() const { return driver_; }
 
  private:
@@ -127,7 +127,7 @@ class Line {
   }
 
   void publish(models::MocapFrame frame) {
-    // An object stream states no rate: on a new connection it has to be learned first.
+    // An object stream states no rate, so the rate must be estimated on a new connection.
     if (!driver_.is_datagram() || driver_.link_counts().backlogs == 0) {
       worst_error_s = std::max(worst_error_s, std::abs(to_seconds(frame.stamp.time - captured_)));
     }
@@ -157,8 +157,8 @@ struct LineRow {
 
 class MocapLine : public ::testing::TestWithParam<LineRow> {};
 
-// An object stream states no rate: a line that is slow from its first frame on is not noticed, one
-// that becomes slow is.
+// An object stream states no rate: a line that is slow from the first frame is not detected, but
+// one that becomes slow is.
 const LineRow kLineRows[] = {
     {"DataStreamSlowBy2", MocapProtocol::kDataStream, 0.02, 0.0},
     {"DataStreamSlowBy5", MocapProtocol::kDataStream, 0.05, 0.0},
@@ -187,7 +187,7 @@ TEST_P(MocapLine, ReportsItsLatencyAndHoldsTheVehicleUntilTheQueueIsEmptied) {
   EXPECT_LT(line.worst_error_s, 0.02);
   line.slow_share = row.slow_share;
   line.queue = from_seconds(row.queue_s);
-  // 0.1 s of latency and 0.05 s of error; a queue first delivers nothing for its own length.
+  // 0.1 s of latency and 0.05 s of error; a queue delivers nothing for its own length first.
   const double promised_s = row.slow_share > 0.0 ? 0.15 / row.slow_share + 0.1 : row.queue_s + 0.15;
   EXPECT_TRUE(bench.run_until([&] { return bench.has_reason("pose late"); }, promised_s))
       << bench.reasons();

@@ -1,4 +1,4 @@
-// What is asked of an autopilot, how often, and what is made of its answers.
+// Requests for parameters, their repetition, and the evaluation of replies.
 
 #include "drivers/quadrotor/parameter_check.hpp"
 
@@ -13,7 +13,7 @@ using models::AutopilotDialect;
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
-/// A check of three parameters, and an autopilot that answers what it knows.
+/// A check of three parameters, and an autopilot that replies with its known values.
 struct Bench {
   ParameterCheck check{AutopilotDialect::kArdupilot,
                        wire::parse_parameter_rules("GUID_TIMEOUT 0.3 # at most 0.5: it flies on\n"
@@ -101,7 +101,8 @@ TEST(ParameterCheck, NamesADifferenceAndForgivesOneThatIsAdvised) {
   EXPECT_EQ(bench.check.reasons(),
             std::vector<std::string>{"GUID_TIMEOUT is 3, wanted is at most 0.5: it flies on"});
   bench.known["GUID_TIMEOUT"] = 0.5;
-  bench.answer("GUID_TIMEOUT");  // somebody else changed it, and the autopilot tells everybody
+  bench.answer("GUID_TIMEOUT");  // another client changed it, and the autopilot broadcasts the
+                                 // change
   EXPECT_TRUE(bench.check.is_kept());
 }
 
@@ -109,7 +110,7 @@ TEST(ParameterCheck, AsksAgainLaterAndBelievesTheNewestWord) {
   Bench bench;
   bench.run(2.0);
   ASSERT_TRUE(bench.check.is_kept());
-  bench.known["FS_GCS_ENABLE"] = 0.0;  // without telling us
+  bench.known["FS_GCS_ENABLE"] = 0.0;  // without a broadcast
   bench.run(to_seconds(ParameterCheck::kRefresh) + 1.0);
   EXPECT_FALSE(bench.check.is_kept());
   bench.known.clear();

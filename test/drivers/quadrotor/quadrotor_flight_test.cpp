@@ -1,4 +1,4 @@
-// The driver flies emulated autopilots of both kinds, in virtual time.
+// The driver flies emulated autopilots of both dialects in virtual time.
 
 #include <algorithm>
 #include <cstdint>
@@ -64,7 +64,7 @@ TEST_P(Flight, LandsFromTheMiddleOfItsTakeOff) {
   }
 }
 
-// Somebody walks in while it comes down, and stands there: it stops, goes aside, lands beside them.
+// A person walks in during the descent and stays: it stops, moves aside and lands.
 TEST_P(Flight, LandsBesideWhoWalksInBelow) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.walker_m = Eigen::Vector3d(3.0, 2.0, 0.0);
@@ -84,7 +84,7 @@ TEST_P(Flight, LandsBesideWhoWalksInBelow) {
   EXPECT_GT(closest_m, 0.45);
 }
 
-/// A curve of 0.6 m/s through the room: straight, left, right, and a stop.
+/// Returns a plan at 0.6 m/s: straight, left, right, and a stop.
 models::RobotPlan curve(FlightBench& bench) {
   const Pose2 start = flatten(bench.vehicle.world_from_body());
   std::vector<models::PlanSegment> segments{{{0.6, 0.0}, 2.0, 0.0},
@@ -123,7 +123,7 @@ TEST_P(Flight, FollowsAPlanToItsHover) {
   RecordProperty("worst_mm", static_cast<int>(1000.0 * worst_m));
 }
 
-/// The kinds of set-points among what was sent: what of each is to be ignored.
+/// Returns the type masks of the set-points among `sent`.
 std::set<std::uint16_t> kinds_told(const std::vector<std::vector<std::uint8_t>>& sent) {
   std::set<std::uint16_t> out;
   wire::mavlink::Parser parser;
@@ -138,13 +138,13 @@ std::set<std::uint16_t> kinds_told(const std::vector<std::vector<std::uint8_t>>&
   return out;
 }
 
-// Defect: a HOLD from motion threw a real ArduCopter by a metre. At rest the driver told another
-// kind of set-point than in motion, and at each change of kind the autopilot takes its present
-// braking for the wind's (RecordedMotion.ThrowsAsFarWhenTheKindOfTargetChanges holds the emulated
-// one to that). So it is told one kind for the whole flight, stops on the way that was budgeted,
-// and stays there; each time.
+// Regression: a HOLD in motion threw a real ArduCopter by one metre. The driver sent one kind of
+// set-point in motion and another at rest. At each change of kind the autopilot attributes its
+// current braking to wind (RecordedMotion.ThrowsAsFarWhenTheKindOfTargetChanges verifies this for
+// the emulator). The driver now sends one kind for the whole flight, stops within the budgeted
+// distance and stays there, also when repeated.
 TEST_P(Flight, StopsOnTheBudgetedWayWhenItIsHeldInMotionAndOnceMore) {
-  constexpr double kRecordedM = 0.12;  // the emulated autopilots are true to the real ones by that
+  constexpr double kRecordedM = 0.12;  // m; accuracy of the emulated autopilots
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.run(3.0);
   std::set<std::uint16_t> kinds;
@@ -188,7 +188,7 @@ TEST_P(Flight, HoldsWhenAPlanIsTakenFromItAndLandsWithoutPoses) {
   bench.run(0.4);
   EXPECT_EQ(bench.state(), FlightState::kLand) << bench.reasons();
   ASSERT_TRUE(bench.run_until([&] { return !bench.is_armed(); }, 30.0)) << bench.reasons();
-  bench.run(1.0);  // near the floor flight safety lets it drop
+  bench.run(1.0);  // near the floor flight safety stops the motors
   EXPECT_NEAR(bench.vehicle.world_from_body().translation_m.z(), FlightBench::kFloorM, 1e-9);
 }
 
@@ -204,8 +204,8 @@ TEST_P(Flight, StopsTheMotorsAtOnceInAnEmergency) {
   EXPECT_FALSE(bench.is_armed());
 }
 
-// From the ground to the top of its climb, and in the very moment of arming, of which no heartbeat
-// has told yet. The motors stop at once, it falls, and nothing but `arm` lets them run again.
+// From the ground to the end of the climb, and right after arming, before a heartbeat reports it.
+// The motors stop at once, it falls, and only `arm` lets them run again.
 TEST_P(Flight, StopsTheMotorsAtOnceInAnEmergencyOnItsWayUp) {
   for (const double above_m : {-1.0, 0.02, 0.1, 0.3, 0.8}) {
     SCOPED_TRACE(above_m);
@@ -219,7 +219,7 @@ TEST_P(Flight, StopsTheMotorsAtOnceInAnEmergencyOnItsWayUp) {
     up.command(OperatorAction::kArm);
     ASSERT_TRUE(up.run_until([&up] { return up.is_armed(); }, 60.0)) << up.reasons();
     if (above_m > 0.0) {
-      up.run(1.5);  // its heartbeat tells it a second later
+      up.run(1.5);  // its heartbeat reports it up to a second later
       up.command(OperatorAction::kTakeOff);
       ASSERT_TRUE(up.run_until([&] { return height_m() > above_m; }, 15.0)) << up.reasons();
     }
@@ -262,10 +262,11 @@ TEST_P(Flight, IsLandedByItsAutopilotWhenTheWireIsCut) {
   ASSERT_TRUE(bench.run_until([&] { return !bench.is_armed(); }, 40.0));
 }
 
-// Defect: a driver restarted in the air said `idle`, and landed it whatever the operator wanted.
+// Regression: a driver restarted in the air reported `idle` and landed the vehicle against the wish
+// of the operator.
 TEST_P(Flight, HoldsAVehicleThatAnEarlierRunLeftInTheAirAndAsks) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
-  bench.run(2.0);  // until it climbs no more: its autopilot goes on with that for a while
+  bench.run(2.0);  // until it hovers: the autopilot completes its climb first
   const Eigen::Vector3d place_m = bench.vehicle.world_from_body().translation_m;
   bench.restart_driver();
   ASSERT_TRUE(bench.run_until([&] { return bench.state() == FlightState::kHold; }, 2.0))
@@ -278,7 +279,7 @@ TEST_P(Flight, HoldsAVehicleThatAnEarlierRunLeftInTheAirAndAsks) {
   ASSERT_TRUE(bench.run_until([&] { return !bench.is_armed(); }, 40.0)) << bench.reasons();
 }
 
-// Nobody sees it either: it is brought down.
+// Without mocap it is landed.
 TEST_P(Flight, BringsDownAVehicleThatAnEarlierRunLeftInTheAirUnseen) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.restart_driver();
@@ -310,8 +311,8 @@ TEST_P(Flight, ShowsWhyTheAutopilotRefuses) {
   EXPECT_FALSE(bench.is_armed());
 }
 
-// Seen with ArduCopter: it was told to take off once more while it lifted, refused, and every
-// vehicle that followed its first plan said "take-off failed" for 5 s.
+// Seen with ArduCopter: it was commanded to take off again during its lift and refused. Every
+// vehicle then reported "take-off failed" for 5 s while it followed its first plan.
 TEST_P(Flight, SaysNothingOfARefusedTakeOffOnceItHasTakenOff) {
   bool has_said = false;
   bench.on_step = [&](Time now) {

@@ -50,7 +50,7 @@ void fly(NodeBench& bench) {
 TEST(QuadrotorNode, FliesAVehicleThatSpeaksToItsPort) {
   NodeBench bench(AutopilotDialect::kPx4, "udp://127.0.0.1:" + port_of_this_test(0));
   fly(bench);
-  // At least ten words a second.
+  // At least ten statuses per second.
   EXPECT_GT(static_cast<double>(bench.statuses.size()),
             9.9 * to_seconds(bench.clock.now() - FlightBench::kStart));
 }
@@ -60,7 +60,7 @@ TEST(QuadrotorNode, FliesAVehicleThatWaitsForIt) {
   fly(bench);
 }
 
-// A stranger sends one byte per half second to the vehicle's port, from before the start.
+// A stranger sends one byte every half second to the vehicle's port, starting before the vehicle.
 TEST(QuadrotorNode, FliesAVehicleWhosePortAStrangerSendsTo) {
   const std::string port = port_of_this_test(0);
   const auto stranger = open_port("udpout://127.0.0.1:" + port);
@@ -75,7 +75,7 @@ TEST(QuadrotorNode, FliesAVehicleWhosePortAStrangerSendsTo) {
   fly(bench);
 }
 
-// As run_node() reports it, in words that an operator sees.
+// As run_node() reports it; the status shows it to the operator.
 TEST(QuadrotorNode, ReportsThatItsProcessWaitsForAProcessor) {
   NodeBench bench(AutopilotDialect::kPx4, "udp://127.0.0.1:" + port_of_this_test(3));
   const auto says_busy = [&] {
@@ -93,7 +93,7 @@ TEST(QuadrotorNode, ReportsThatItsProcessWaitsForAProcessor) {
   EXPECT_FALSE(says_busy());
 }
 
-/// Hovering; false when it did not come to that.
+/// Arms and takes off; returns false if that fails.
 bool hovers(NodeBench& bench) {
   if (!bench.run_until(
           [&] { return !bench.statuses.empty() && bench.statuses.back().reasons.empty(); }, 20.0)) {
@@ -135,7 +135,7 @@ TEST(QuadrotorNode, HandsOverToTheAutopilotsLandingWhenAskedToEndAgain) {
     EXPECT_TRUE(bench.run_to_the_end(2.5));
     EXPECT_EQ(bench.node.end_fault(), "");
     EXPECT_TRUE(bench.is_armed()) << "it is never dropped";
-    // Without its driver, as then, the autopilot lands it.
+    // The driver has ended, and the autopilot lands the vehicle.
     EXPECT_TRUE(bench.vehicle.emulator().controller().is_armed());
     for (int i = 0; i < 6'000 && bench.is_armed(); ++i) {
       bench.clock.set(bench.clock.now() + Duration{5'000});
@@ -152,7 +152,7 @@ TEST(QuadrotorNode, EndsAtOnceOnTheGroundAndDisarmsBefore) {
   EXPECT_EQ(bench.node.in_flight(bench.clock.now()), InFlight::kNo);
   bench.say(OperatorAction::kArm);
   ASSERT_TRUE(bench.run_until([&] { return bench.is_armed(); }, 40.0));
-  bench.node.on_stop_request(1, bench.clock.now());  // before any heartbeat as armed
+  bench.node.on_stop_request(1, bench.clock.now());  // before a heartbeat reports it as armed
   EXPECT_FALSE(bench.node.may_end(bench.clock.now()));
   EXPECT_TRUE(bench.run_to_the_end(5.0));
   EXPECT_FALSE(bench.is_armed());

@@ -1,4 +1,4 @@
-// The driver and the parameters and battery of the autopilot that it is to arm.
+// The driver and the parameters and battery of the autopilot that it arms.
 
 #include <gtest/gtest.h>
 
@@ -16,11 +16,11 @@ using test::FlightBench;
 class Parameters : public ::testing::TestWithParam<AutopilotDialect> {
  protected:
   FlightBench bench{GetParam()};
-  /// The one that says how long it flies on.
+  /// Returns the name of the parameter for the time without set-points.
   std::string loss_name() const {
     return GetParam() == AutopilotDialect::kPx4 ? "COM_OF_LOSS_T" : "GUID_TIMEOUT";
   }
-  /// Asks for motors until they run, at most `seconds`.
+  /// Commands arming and runs until the motors run, at most `seconds`.
   bool arms_within(double seconds) {
     bench.command(OperatorAction::kArm);
     return bench.run_until([this] { return bench.is_armed(); }, seconds);
@@ -43,7 +43,7 @@ TEST_P(Parameters, ThatDifferForbidArmingAndSayWhatWouldHappen) {
   EXPECT_NEAR(bench.driver->parameters().value(loss_name()).value_or(0.0), 3.0, 1e-6);
 }
 
-// Defect: the rules let 0.5 s arm, and the stop was budgeted with 0.3 s.
+// Regression: the rules allowed 0.5 s, but the stop was budgeted with 0.3 s.
 TEST_P(Parameters, LongerThanTheStopWasBudgetedForForbidArming) {
   bench.vehicle.set_parameter(loss_name(), 0.5);
   bench.run(30.0);
@@ -51,7 +51,8 @@ TEST_P(Parameters, LongerThanTheStopWasBudgetedForForbidArming) {
   EXPECT_FALSE(arms_within(10.0));
 }
 
-// With the longest time-out that arms: from motion to where it stands, nobody telling it anything.
+// With the longest permitted time-out, measures the distance from motion to the stop without
+// set-points.
 TEST_P(Parameters, ThatLetItArmStopItWithinTheBudgetWhenItsDriverDies) {
   bench.vehicle.set_parameter(loss_name(), 0.3);
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
@@ -82,7 +83,7 @@ TEST_P(Parameters, ThatWereMendedLetItArm) {
   bench.run(30.0);
   ASSERT_TRUE(bench.has_reason(loss_name()));
   bench.vehicle.set_parameter(loss_name(), 0.3);
-  bench.run(35.0);  // asked for again by then
+  bench.run(35.0);  // s; includes the next parameter request
   EXPECT_FALSE(bench.has_reason(loss_name())) << bench.reasons();
   EXPECT_TRUE(arms_within(60.0)) << bench.reasons();
 }
@@ -130,7 +131,7 @@ TEST_P(Parameters, AreNotAskedForInFlight) {
   EXPECT_EQ(asked, 0);
 }
 
-/// Vehicles whose autopilot does not know its charge.
+/// Vehicles whose autopilot does not report its charge.
 class Battery : public ::testing::TestWithParam<AutopilotDialect> {
  protected:
   static std::unique_ptr<FlightBench> bench_with(sim::BatteryReport report, double share) {
@@ -139,7 +140,7 @@ class Battery : public ::testing::TestWithParam<AutopilotDialect> {
     vehicle.airframe.battery_start_share = share;
     return std::make_unique<FlightBench>(GetParam(), vehicle);
   }
-  /// The scenario says how to know it.
+  /// Returns a bench whose scenario states the voltages of the battery.
   static std::unique_ptr<FlightBench> known_bench(sim::BatteryReport report, double share) {
     auto bench = bench_with(report, share);
     bench->scenario.robots[0].autopilot->battery = scenario::BatterySpec{3, 3.4, 4.1};
@@ -179,7 +180,8 @@ TEST_P(Battery, LandsTheVehicleByItsVoltage) {
 }
 
 TEST_P(Battery, ThatIsNearlyEmptyIsNotBelievedToBeFull) {
-  // ArduCopter 4.6.2 was seen to tell 100 % of a three-cell battery at 10.6 V: it counts from full.
+  // ArduCopter 4.6.2 reported 100 % for a three-cell battery at 10.6 V, because it counts down from
+  // full.
   const auto bench = known_bench(sim::BatteryReport::kFromFull, 0.05);
   bench->run(30.0);
   EXPECT_LT(bench->driver->telemetry().battery_share().value_or(1.0), 0.45);

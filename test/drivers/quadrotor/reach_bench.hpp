@@ -16,10 +16,10 @@
 
 namespace vantage::test {
 
-/// Of force(): this axis is left alone.
+/// Argument of force(): leaves this axis free.
 inline constexpr double kFree = std::numeric_limits<double>::quiet_NaN();
 
-/// A flight bench that collects the reasons which the driver gave.
+/// Flight bench that collects the reasons that the driver reports.
 struct Reach : FlightBench {
   explicit Reach(models::AutopilotDialect dialect) : FlightBench(dialect) {
     on_step = [this](Time at) {
@@ -41,7 +41,7 @@ struct Reach : FlightBench {
   [[nodiscard]] double height_m() const {
     return vehicle.world_from_body().translation_m.z() - kFloorM;
   }
-  /// The emulated autopilot's messages with one of these ids do not arrive.
+  /// Drops messages of the emulated autopilot with one of these ids.
   void mute(const std::set<std::uint32_t>& ids) {
     drops = [ids](const std::vector<std::uint8_t>& datagram) {
       bool found = false;
@@ -52,7 +52,7 @@ struct Reach : FlightBench {
       return found;
     };
   }
-  /// Bytes of the autopilot arrive that contain `message`.
+  /// Delivers `message` to the driver as bytes of the autopilot.
   template <class Message>
   void insert(const Message& message) {
     std::vector<std::uint8_t> bytes;
@@ -60,7 +60,7 @@ struct Reach : FlightBench {
         wire::mavlink::pack(message, {1, wire::mavlink::kComponentAutopilot, 0}), bytes);
     driver->receive(bytes, true, now);
   }
-  /// Replaces the autopilot's attitude; its yaw is that of the start.
+  /// Replaces the reported attitude; `yaw_off_rad` is relative to the yaw at the start.
   void report_attitude(double roll_rad, double yaw_off_rad, double yaw_rate_radps) {
     mute({wire::mavlink::Attitude::kMessage.id});
     each_step = [=, this](Time) {
@@ -71,7 +71,7 @@ struct Reach : FlightBench {
       insert(out);
     };
   }
-  /// Replaces the autopilot's position and velocity by the true ones and these offsets along x.
+  /// Replaces the reported position and velocity by the true ones plus these offsets along x.
   void report_motion(double off_m, double off_mps) {
     mute({wire::mavlink::LocalPositionNed::kMessage.id});
     each_step = [=, this](Time) {
@@ -91,7 +91,7 @@ struct Reach : FlightBench {
     mute({wire::mavlink::BatteryStatus::kMessage.id, wire::mavlink::SysStatus::kMessage.id});
   }
   void charge(double share) { vehicle.controller().airframe().set_battery_share(share); }
-  /// Forces its velocity, world frame; NaN: leaves it along that axis.
+  /// Sets its velocity in the world frame; NaN leaves that axis free.
   void force(double x_mps, double y_mps, double z_mps) {
     each_step = [=, this](Time) {
       const Eigen::Vector3d now_mps = vehicle.velocity_world_mps();
@@ -103,7 +103,7 @@ struct Reach : FlightBench {
     };
   }
   void stay_down() { force(0.0, 0.0, -0.1); }
-  /// Two more robots, whose bodies stand away from this one.
+  /// Adds two more robots, whose bodies stand away from this one.
   void add_robots() {
     scenario = lab_scenario();
     scenario.world.obstacles.clear();

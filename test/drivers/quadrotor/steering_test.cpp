@@ -38,7 +38,7 @@ TEST(Steering, HandsOnWhatIsWithinTheLimits) {
   EXPECT_EQ(told.yaw_rate_radps, -3.0);
 }
 
-// Speed limits are limits, whichever way it goes; and no error makes it dash.
+// Speed limits hold in every direction, and large errors are limited.
 TEST(Steering, NeverAsksForMoreThanTheLimitsNorForAPlaceFarFromWhereItIs) {
   std::mt19937_64 rng(3);
   std::uniform_real_distribution<double> any(-3.0, 3.0);
@@ -53,7 +53,7 @@ TEST(Steering, NeverAsksForMoreThanTheLimitsNorForAPlaceFarFromWhereItIs) {
     const Eigen::Vector3d away_m = told.position_world_m - here_m;
     EXPECT_LE(away_m.head<2>().norm(), kReachM + 1e-9);
     EXPECT_LE(std::abs(away_m.z()), kReachM + 1e-9);
-    // Towards where it is asked to be, not elsewhere.
+    // The direction is towards the set-point.
     const Eigen::Vector3d wanted_m = asked.position_world_m - here_m;
     EXPECT_NEAR(away_m.x() * wanted_m.y(), away_m.y() * wanted_m.x(), 1e-9);
     EXPECT_GE(away_m.head<2>().dot(wanted_m.head<2>()), 0.0);
@@ -65,7 +65,7 @@ TEST(Steering, LeavesThePlaceAloneWhileTheBodyIsNotSeen) {
   EXPECT_EQ(steer(asked, std::nullopt, kLimits).position_world_m, asked.position_world_m);
 }
 
-// Left = right: the mirrored question has the mirrored answer.
+// A mirrored input gives the mirrored output.
 TEST(Steering, IsTheSameMirrored) {
   const Eigen::Vector3d mirror(1.0, -1.0, 1.0);
   const FlightSetpoint asked = asked_at({2.0, 1.0, 1.0}, {1.0, 2.0, 0.1});

@@ -68,7 +68,7 @@ TEST(Telemetry, KeepsNoAttitudeFreshThatIsNoNumber) {
   }
 }
 
-// Each dialect's own report counts, and that of the other dialect does not.
+// Each dialect has its own report; that of the other dialect is ignored.
 TEST(Telemetry, KnowsAMotorFaultAsTheDialectReportsIt) {
   using wire::mavlink::kSensorMotorOutputs;
   struct Row {
@@ -110,7 +110,7 @@ TEST(Telemetry, KnowsAMotorFaultAsTheDialectReportsIt) {
   }
 }
 
-// The vehicle lands by its emptiest battery, whatever the ids of its batteries are.
+// The lowest battery decides, whatever the ids are.
 TEST(Telemetry, KnowsTheLowestChargeOfAllBatteriesThatReport) {
   struct Report {
     int id;  ///< negative: SYS_STATUS

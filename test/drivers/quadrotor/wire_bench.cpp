@@ -22,11 +22,11 @@ using models::AutopilotDialect;
 using models::FlightState;
 using models::OperatorAction;
 
-constexpr Duration kStep{5'000};  // of the emulated autopilots and the nodes
-constexpr double kFloorM = 0.05;  // height of the markers of a vehicle that stands
-constexpr double kLineS = 0.001;  // of the latency that the server does not state
+constexpr Duration kStep{5'000};  // step of the emulated autopilots and the nodes
+constexpr double kFloorM = 0.05;  // m; height of the markers on the floor
+constexpr double kLineS = 0.001;  // s; latency that the server does not report
 constexpr double kRunawayLagS = 0.15;
-constexpr double kTiltFaultRad = 0.5;  // smaller ones are what a vehicle does anyway
+constexpr double kTiltFaultRad = 0.5;  // rad; smaller faults are within normal motion
 constexpr std::uint8_t kArmedFlag = 0x80;
 constexpr std::int8_t kFrozenPercent = 85;
 constexpr std::uint32_t kPx4Position = 3U << 16U;
@@ -37,7 +37,7 @@ bool is_battery(std::uint32_t message_id) {
          message_id == mavlink::SysStatus::kMessage.id;
 }
 
-/// Replaces the payload of `frame` by what `change` makes of it, if it is a `Message`.
+/// Changes the payload of `frame` by `change` if it is a `Message`.
 template <class Message, class Change>
 void alter(mavlink::Frame& frame, const Change& change) {
   if (auto message = mavlink::unpack<Message>(frame)) {
@@ -46,7 +46,8 @@ void alter(mavlink::Frame& frame, const Change& change) {
   }
 }
 
-/// By what pushes the vehicle: a runaway is carried along until it goes at that speed.
+/// Returns the acceleration that pushes the vehicle, m/s²; a runaway accelerates it until it has
+/// that speed.
 Eigen::Vector3d push_mps2(const Vehicle& vehicle) {
   const Eigen::Vector3d& runaway_mps = vehicle.knobs.runaway_mps;
   const double speed_mps = runaway_mps.norm();
@@ -58,7 +59,7 @@ Eigen::Vector3d push_mps2(const Vehicle& vehicle) {
   return vehicle.knobs.push_mps2 + along * missing_mps / kRunawayLagS;
 }
 
-/// What ArduCopter says of a motor that does not lift.
+/// Returns the message of ArduCopter about a motor without thrust.
 mavlink::Statustext thrust_loss() {
   constexpr std::string_view kText = "Potential Thrust Loss (1)";
   mavlink::Statustext out;
@@ -67,7 +68,7 @@ mavlink::Statustext thrust_loss() {
   return out;
 }
 
-/// What the vehicle's fault makes of one message of its autopilot; false: it does not arrive.
+/// Applies the faults to one message of the autopilot; returns false if it is lost.
 bool passes(const VehicleKnobs& knobs, mavlink::Frame& frame) {
   if (knobs.telemetry_cut && frame.message_id != mavlink::Heartbeat::kMessage.id) {
     return false;
@@ -224,8 +225,8 @@ std::int64_t WireBench::count_of(const Vehicle& vehicle, const std::string& coun
   return -1;
 }
 
-// Vehicles lift one after the other, an order that waits is forgotten after 10 s, and motors that
-// were stopped meanwhile need a new one: all is ordered again until all have flown.
+// Vehicles lift one after the other, and a waiting order is dropped after 10 s. Motors stopped
+// meanwhile need a new order, so all orders are repeated until all vehicles have flown.
 void WireBench::fly_up(double until_s) {
   constexpr std::int64_t kCycleTicks = 2'000;
   while (time_s() < until_s) {

@@ -17,14 +17,14 @@
 #include "test/drivers/safety/flight_bench.hpp"
 #include "test/drivers/vicon/vicon_bench.hpp"
 
-// The flight bench from device bytes to device bytes, in virtual time: a DataStream server's bytes
-// go through the mocap driver and its filter onto a bus, from there into three quadrotor nodes, and
-// from these as MAVLink into emulated autopilots, and back. Plans and orders are encoded messages
-// on the same bus. The knobs of FlightBench change bytes here, or what a device does.
+// Flight bench from device bytes to device bytes, in virtual time. Bytes of a DataStream server
+// pass through the mocap driver and its filter onto a bus, into three quadrotor nodes, and as
+// MAVLink into emulated autopilots and back. Plans and commands are encoded messages on the same
+// bus. The knobs of FlightBench change these bytes or the behaviour of a device.
 
 namespace vantage::test {
 
-/// Both ends of a vehicle's wire. Knobs decide what passes.
+/// Both ends of the wire of a vehicle; knobs decide which messages pass.
 class WirePort : public drivers::Port {
  public:
   [[nodiscard]] bool is_datagram() const override { return true; }
@@ -38,18 +38,19 @@ class WirePort : public drivers::Port {
 
 class WireBench : public FlightBench {
  public:
-  /// Before time 0: boot, parameters, arming, take-off.
+  /// Time before 0 for boot, parameters, arming and take-off, s.
   static constexpr double kWireLeadS = 70.0;
 
-  /// Q1 and Q3 have autopilots of `dialect`, Q2 has one of the other.
+  /// Constructs a bench in which Q1 and Q3 have autopilots of `dialect` and Q2 has the other
+  /// dialect.
   WireBench(std::uint64_t seed, models::AutopilotDialect dialect);
 
   void fly_up(double until_s) override;
   [[nodiscard]] std::int64_t count_of(const Vehicle& vehicle,
                                       const std::string& counter) const override;
-  /// Of the vehicle's node, of its bus and of the mocap driver.
+  /// Returns the counters of the node of the vehicle, of its bus and of the mocap driver.
   [[nodiscard]] std::vector<models::NamedCount> counts_of(const Vehicle& vehicle) const;
-  /// What the vehicle's newest status gives as reasons.
+  /// Returns the reasons in the newest status of the vehicle.
   [[nodiscard]] const std::vector<std::string>& reasons_of(const std::string& robot);
   [[nodiscard]] sim::AutopilotEmulator& emulator(const std::string& robot);
 
@@ -71,7 +72,7 @@ class WireBench : public FlightBench {
     std::vector<std::string> reasons;
     bool was_mode_left = false;
     bool was_end_requested = false;
-    std::optional<double> charge_share;  ///< what the battery has without its fault
+    std::optional<double> charge_share;  ///< battery share without a battery fault
   };
   static scenario::Scenario wire_scenario(models::AutopilotDialect dialect);
   [[nodiscard]] bool is_px4(const std::string& robot) const;
@@ -87,7 +88,8 @@ class WireBench : public FlightBench {
   bus::VirtualClock clock_;
   std::unique_ptr<bus::Transport> mocap_side_ = hub_.connect();
   bus::Bus mocap_bus_{*mocap_side_, 33};
-  std::unique_ptr<bus::Transport> stranger_ = hub_.connect();  ///< plans and orders, as encoded
+  std::unique_ptr<bus::Transport> stranger_ = hub_.connect();  ///< publishes plans and commands as
+                                                               ///< encoded
   std::unique_ptr<bus::Transport> lab_side_ = hub_.connect();
   bus::Bus lab_{*lab_side_, 44};
   ViconBench vicon_;

@@ -14,13 +14,13 @@ using models::FlightState;
 
 constexpr AutopilotDialect kDialects[] = {AutopilotDialect::kPx4, AutopilotDialect::kArdupilot};
 
-/// How one fault is seen and how it ends on the wire, where that is not as in the catalogue.
+/// Difference between the catalogue and the wire for one fault.
 struct Difference {
   const char* fault;
   const char* why;
   const char* reason = nullptr;
   const char* counter = nullptr;
-  std::optional<FlightState> end = std::nullopt;  ///< of the catalogue if empty
+  std::optional<FlightState> end = std::nullopt;  ///< final state; empty: as in the catalogue
   std::optional<FlightState> end_px4 = std::nullopt;
   bool has_stages = true;
   double delay_s = 0.1;
@@ -70,8 +70,9 @@ const Difference* difference_of(const Fault& fault) {
   return found == std::end(kDifferences) ? nullptr : found;
 }
 
-// Two need a driver whose plan check overlooks teammates, which no device can bring about; two a
-// rotation that the matrices of DataStream cannot express (VRPN's quaternions can: vicon_test).
+// True if device bytes can carry the fault. Two faults need a plan check without teammates, which
+// no device can cause. Two need rotations that the matrices of DataStream cannot express
+// (quaternions of VRPN can: vicon_test).
 bool is_on_the_wire(const Fault& fault) {
   const std::string name = fault.name;
   return !fault.trusts_plans && name != "no rotation" && name != "no unit rotation";

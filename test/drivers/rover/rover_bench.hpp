@@ -16,12 +16,12 @@
 
 namespace vantage::test {
 
-/// A driver, an emulated rover whose tyres slip, mocap at 100 Hz with noise and 5 ms of latency, an
-/// operator and a planner, in virtual time. R1 stands at (1, 1) and looks along y.
+/// A driver, an emulated rover with tyre slip, mocap at 100 Hz with noise and 5 ms of latency, an
+/// operator and a planner, in virtual time. R1 starts at (1, 1) with its heading along y.
 class RoverBench : public SteppedBench {
  public:
   static constexpr Duration kStep{5'000};
-  static constexpr double kMarkersM = 0.2;  ///< height of its markers
+  static constexpr double kMarkersM = 0.2;  ///< m; height of its markers
 
   static scenario::Scenario scenario_for() {
     scenario::Scenario scenario = lab_scenario();
@@ -75,7 +75,7 @@ class RoverBench : public SteppedBench {
   drivers::CommandVerdict command(models::OperatorAction action) {
     return driver.on_command(next_command(action), now);
   }
-  /// From where it stands, `delay_s` from now, unless told otherwise.
+  /// Sends a plan that begins after `delay_s`, at the current pose unless `start` is given.
   drivers::PlanVerdict plan(const std::vector<models::PlanSegment>& segments, double delay_s = 0.3,
                             std::optional<Pose2> start = std::nullopt) {
     return driver.on_plan(
@@ -83,7 +83,7 @@ class RoverBench : public SteppedBench {
                   kMarkersM, segments),
         now);
   }
-  /// Armed, and told to follow; a second and a half later.
+  /// Arms, commands `follow` and runs 1.5 s in total; returns whether both were obeyed.
   bool make_ready() {
     run(1.0);
     const bool armed = command(models::OperatorAction::kArm) == drivers::CommandVerdict::kObeyed;
@@ -93,7 +93,7 @@ class RoverBench : public SteppedBench {
     run(0.4);
     return armed && follows;
   }
-  /// Straight on along y at `speed_mps` for `seconds`, then braking.
+  /// Returns segments straight ahead at `speed_mps` for `seconds`, then braking.
   static std::vector<models::PlanSegment> straight(double speed_mps, double seconds) {
     return {{{speed_mps, 0.0}, seconds, 0.0}, {{speed_mps, 0.0}, speed_mps / 2.0, 2.0}};
   }
@@ -116,7 +116,7 @@ class RoverBench : public SteppedBench {
   bool commands_on = true;
   bool operator_on = true;
   bool driver_on = true;
-  std::optional<Pose3> seen_as;  ///< what mocap says instead of the truth
+  std::optional<Pose3> seen_as;  ///< pose in mocap frames instead of the truth
   std::optional<Eigen::Vector2d> target_m;
   std::function<drivers::RoverMessage(const drivers::RoverMessage&)> change;
 

@@ -1,4 +1,4 @@
-// The driver with an emulated rover in virtual time: what it does when nothing fails.
+// The driver with an emulated rover in virtual time, without faults.
 
 #include <algorithm>
 #include <cmath>
@@ -17,13 +17,14 @@ using models::FlightState;
 using models::OperatorAction;
 using test::RoverBench;
 
-// Stated: with 3 % of slip and 30 ms of delay the rover keeps within so much of its plan. Plans
-// jump to their speed, and from rest the wheels take half a second to get there.
+// Stated tracking errors with 3 % of slip and 30 ms of delay. Plans change their speed abruptly,
+// and from rest the wheels need half a second to reach it.
 constexpr double kSetOffErrorM = 0.15;
 constexpr double kPlanErrorM = 0.05;
 constexpr double kSetOffS = 1.5;
 
-/// A curved round of 6 s: speeds and rates of the lab's primitives, from (1, 1) along y.
+/// Returns a curved path of about 6 s with speeds and rates of the lab's primitives, from (1, 1)
+/// along y.
 std::vector<models::PlanSegment> curves() {
   return {{{0.5, 0.0}, 1.5, 0.0},
           {{0.5, -0.5}, 2.0, 0.0},
@@ -178,8 +179,8 @@ TEST(RoverDriver, RefusesARobotThatIsNoRover) {
   EXPECT_THROW(RoverDriver(scenario, "R1", limits, 1), UsageError);
 }
 
-// A person crosses its path and does not brake. The rover stands before the person comes nearer
-// than HOLD promises.
+// A person crosses the path of the rover without stopping. The rover stops before the person is
+// closer than separation_hold_m.
 TEST(RoverDriver, StandsBeforeAPersonWhoWalksOnIsNear) {
   for (const double speed_mps : {0.5, 1.0, 1.5}) {
     for (const double heading_rad : {-kPi / 2, -kPi / 4, 0.0, kPi, kPi / 4}) {
@@ -190,11 +191,11 @@ TEST(RoverDriver, StandsBeforeAPersonWhoWalksOnIsNear) {
       const double hold_m = limits_for(bench.scenario, "R1").separation_hold_m;
       const Eigen::Vector2d step_m =
           0.005 * speed_mps * Eigen::Vector2d(std::cos(heading_rad), std::sin(heading_rad));
-      // They would meet 0.75 m ahead in 1.5 s.
+      // They would meet 0.75 m ahead after 1.5 s.
       Eigen::Vector2d person_m = bench.place_m() + Eigen::Vector2d(0.0, 0.75) - 300.0 * step_m;
       const double begins_m = (person_m - bench.place_m()).norm();
       if (begins_m < 1.2) {
-        person_m -= 240.0 * step_m;  // far enough away to begin with
+        person_m -= 240.0 * step_m;  // m; start far enough away
       }
       double least_m = 1e9;
       for (int i = 0; i < 600 && !(i > 0 && bench.stands()); ++i) {

@@ -1,5 +1,5 @@
-// What fails while a rover drives along a plan at 0.5 m/s, in virtual time: how soon it stands, in
-// which state, and what ends it. The times stated here are those of docs/guide/rovers.md.
+// Faults of a rover that follows a plan at 0.5 m/s, in virtual time: time until it stops, state,
+// and how the fault ends. The times are those of docs/guide/rovers.md.
 
 #include <algorithm>
 #include <functional>
@@ -17,15 +17,15 @@ using models::FlightState;
 using models::OperatorAction;
 using test::RoverBench;
 
-// From the driver's decision to standing wheels: a tick, the rover's own delay, 0.5 m/s at 2 m/s²
-// twice (the driver's ramp, and the wheels behind it), two steps of the bench.
+// Time from the decision of the driver to stationary wheels: a tick, the delay of the rover, twice
+// 0.5 m/s at 2 m/s² (ramp of the driver and of the wheels), two bench steps.
 constexpr double kBrakeS = 0.02 + 0.03 + 0.25 + 0.05 + 0.01;
 constexpr double kWatchdogS = wire::rover::kWatchdogS;
 
 struct Fault {
   const char* name;
   std::function<void(RoverBench&)> begin;
-  double seen_after_s;  ///< at the latest, from its beginning
+  double seen_after_s;  ///< s; upper limit, from the start of the fault
   FlightState end;
   const char* reason;
 };
@@ -93,7 +93,7 @@ TEST_P(RoverFault, StopsItInTheStatedTime) {
 INSTANTIATE_TEST_SUITE_P(All, RoverFault, ::testing::ValuesIn(kFaults),
                          [](const auto& each) { return std::string(each.param.name); });
 
-/// A rover on its way.
+/// A rover that follows a plan.
 class RoverUnderWay : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -174,7 +174,7 @@ TEST_F(RoverUnderWay, WaitsForFollowAfterTheOperatorWasAway) {
   EXPECT_EQ(bench.plan(RoverBench::straight(0.5, 1.0)), PlanVerdict::kAccepted);
 }
 
-// Its steering jams on a curve that ends before the wall: it must not reach the wall.
+// The steering jams in a curve that ends before the wall; the rover must not reach the wall.
 TEST(RoverFence, IsNotCrossedByARoverThatDoesNotTurn) {
   scenario::Scenario scenario = RoverBench::scenario_for();
   scenario.world.bounds = {{0.0, 0.0}, {4.0, 3.0}};

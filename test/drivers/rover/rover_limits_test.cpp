@@ -1,5 +1,5 @@
-// Every number of docs/guide/rovers.md that stops a rover, at its edge; and those by which it is
-// steered.
+// Every limit of docs/guide/rovers.md that stops a rover, on both sides, and the parameters of its
+// steering.
 
 #include <algorithm>
 #include <string>
@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kToleranceM = 0.15;
 
-/// One line of the document's table. `set` gives the inputs a value, of which `last` is the last
-/// one that is borne, and `last` + `step` is not.
+/// One line of the table in the document. `set` sets an input; `last` is its last permitted value,
+/// and `last` + `step` is not permitted.
 struct Stated {
   const char* name;
   Severity severity;
@@ -32,7 +32,7 @@ constexpr auto kHold = Severity::kHold;
 constexpr auto kSelf = Clearing::kSelf;
 constexpr auto kOperator = Clearing::kOperator;
 
-// What must not become less is stated with its sign changed.
+// Lower limits are stated with the opposite sign.
 const Stated kStated[] = {
     {"fence far", kKill, Clearing::kRearm, 0.0,
      [](SafetyInputs& in, double v) { in.fence_centre_m = -v; }, 1.0},
@@ -49,7 +49,7 @@ const Stated kStated[] = {
     {"obstacle ahead", kHold, kSelf, 0.0,
      [](SafetyInputs& in, double v) { in.obstacle_stop_m = -v; }, 0.0},
     {"separation breach", kHold, kOperator, 0.0,
-     [](SafetyInputs& in, double v) { in.separation_now_m = -v; }, -0.4},  // two radii
+     [](SafetyInputs& in, double v) { in.separation_now_m = -v; }, -0.4},  // m; two radii
     {"tracking lost", kHold, kOperator, 0.1,
      [](SafetyInputs& in, double v) { in.tracking_error_m = v; }, 5.0 * kToleranceM},
     {"tracking", kHold, kSelf, 0.1, [](SafetyInputs& in, double v) { in.tracking_error_m = v; },

@@ -27,7 +27,8 @@ struct NodeBench : test::VehicleNodeBench<RoverNode, sim::RoverEndpoint> {
                            return lift(rover.emulator().state().world_from_body, 0.2);
                          }) {}
 
-  /// Armed and told to follow, with a plan of round 5 straight on; false when it was not ready.
+  /// Arms, commands `follow` and publishes a straight plan of round 5; returns false if the rover
+  /// is not ready.
   bool sets_off() {
     if (!run_until([&] { return !statuses.empty() && statuses.back().reasons.empty(); }, 3.0)) {
       return false;
@@ -66,7 +67,8 @@ TEST(RoverNode, DrivesAPlanFromTheBusAndStopsOnCommand) {
   }
 }
 
-// It holds while its process waits for a processor, and drives on half a second after that.
+// It holds while its process waits for a processor; after more than 3 s the operator must command
+// `follow`.
 TEST(RoverNode, HoldsWhileItsProcessWaitsForAProcessor) {
   NodeBench bench;
   ASSERT_TRUE(bench.sets_off());
@@ -97,7 +99,7 @@ TEST(RoverNode, StopsBeforeItEndsWhenItIsAskedToEnd) {
   EXPECT_EQ(bench.node.end_fault(), "");
 }
 
-// An old log beside the drive: its mocap, its stop.
+// An old log is replayed during the drive, with its mocap and its stop.
 TEST(RoverNode, DrivesOnBesideAnOldLogAndASecondMocap) {
   NodeBench bench;
   ASSERT_TRUE(bench.sets_off());

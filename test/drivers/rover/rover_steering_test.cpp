@@ -53,7 +53,8 @@ TEST(Steer, AsksForNothingBeyondTheVehicleAndNeverBackwards) {
   }
 }
 
-// The law is exponentially stable along a moving reference: errors are gone after a few metres.
+// The control law is exponentially stable along a moving reference: errors vanish after a few
+// metres.
 TEST(Steer, BringsAnExactUnicycleBackToACircle) {
   std::mt19937_64 random(4);
   std::uniform_real_distribution<double> off(-0.2, 0.2);

@@ -1,4 +1,4 @@
-// What forbids arming and taking off, and what becomes of an order meanwhile.
+// Conditions that forbid arming and taking off, and the handling of orders meanwhile.
 
 #include <cmath>
 
@@ -20,7 +20,7 @@ class Arming : public testing::Test {
  protected:
   Arming() : q1(bench.vehicle("Q1")) {}
   bool has(const std::string& reason) { return FlightBench::has_reason(q1, reason, bench.now()); }
-  /// On the ground for a second with the knobs, then told to arm, and half a second more.
+  /// Stays on the ground for 1 s with the knobs, commands `arm` and runs 0.5 s more.
   void arm(const std::function<void()>& set_knobs = [] {}) {
     bench.run(1.0, set_knobs);
     set_knobs();
@@ -32,7 +32,7 @@ class Arming : public testing::Test {
   Vehicle& q1;
 };
 
-// Defect: mocap showed the vehicle lying on its side, and it armed and flew away.
+// Regression: a vehicle that mocap showed on its side armed and flew away.
 TEST_F(Arming, IsForbiddenToABodyThatLiesTilted) {
   for (const double tilt_rad : {16.0 * kDegree, -16.0 * kDegree, 90.0 * kDegree, kPi}) {
     arm([&] { q1.knobs.body_tilt_rad = q1.knobs.attitude_offset_rad = tilt_rad; });
@@ -51,8 +51,8 @@ TEST_F(Arming, IsForbiddenWhileTheHostIsBusy) {
   EXPECT_TRUE(q1.is_armed) << "the order was kept until the host had time";
 }
 
-// Defect (flown): in a world that was turned as a whole a vehicle took off and met what its map has
-// elsewhere.
+// Regression, flown: in a world rotated as a whole a vehicle took off and hit an obstacle that its
+// map had elsewhere.
 TEST_F(Arming, IsForbiddenToAVehicleThatDoesNotStandAtItsStart) {
   const Eigen::Vector3d start_m = q1.position_m;
   const double start_yaw_rad = q1.yaw_rad;
@@ -84,7 +84,7 @@ TEST_F(Arming, IsAllowedWhereItLandedOnceItHasFlown) {
   bench.say(OperatorAction::kLand);
   bench.run(15.0);
   ASSERT_FALSE(q1.is_armed);
-  q1.position_m.y() += 0.8;  // carried
+  q1.position_m.y() += 0.8;  // carried by a person
   bench.run(3.0);
   arm();
   EXPECT_TRUE(q1.is_armed);
@@ -119,7 +119,8 @@ TEST_F(Arming, IsForbiddenWhenItsOwnHeightIsNotTheBodys) {
   EXPECT_TRUE(has("estimate off"));
 }
 
-// Defect: anything that blocked arming for an instant made `arm` forgotten, and nothing said so.
+// Regression: a condition that blocked arming for an instant deleted the `arm` order without a
+// report.
 TEST_F(Arming, IsRememberedWhileSomethingPassesBy) {
   arm();
   ASSERT_TRUE(q1.is_armed);
@@ -146,7 +147,7 @@ TEST_F(Arming, IsForgottenAfterAWhileAndSaysSo) {
   EXPECT_FALSE(has("arm refused: separation"));
 }
 
-// What only the operator may end ends the order.
+// A condition that only the operator can clear deletes the order.
 TEST_F(Arming, IsNotRememberedWithoutAnOperator) {
   arm();
   bench.run(2.0, [&] { bench.room().operator_silent = true; });
@@ -156,7 +157,7 @@ TEST_F(Arming, IsNotRememberedWithoutAnOperator) {
   EXPECT_TRUE(has("arm refused: operator quiet"));
 }
 
-// Defect: `take-off` said before the motors ran was dropped, and nothing said so.
+// Regression: `take-off` before the motors ran was dropped without a report.
 TEST_F(Arming, TakeOffSaidBeforeTheMotorsRunIsRemembered) {
   bench.run(1.0);
   bench.say(OperatorAction::kArm);
@@ -178,7 +179,7 @@ TEST_F(Arming, TakeOffSaidBeforeArmIsRefusedAndSaysSo) {
   EXPECT_FALSE(has("take-off refused: not armed"));
 }
 
-// Defect: a rover underneath landed it at once on take-off.
+// Regression: a rover underneath made it land at once after the take-off.
 TEST_F(Arming, TakeOffWaitsForWhoIsBesideOrComes) {
   for (const double side : {1.0, -1.0}) {
     FlightBench room(5);
@@ -205,8 +206,7 @@ TEST_F(Arming, TakeOffWaitsForWhoIsBesideOrComes) {
   }
 }
 
-// An angle between two attitudes is a number, whatever rounding makes of its cosine: what is none
-// forbids nothing.
+// Rounding of the cosine must not make the angle NaN, because NaN would forbid nothing.
 TEST_F(Arming, TheAngleBetweenTwoAttitudesIsAlwaysANumber) {
   for (int degrees = -180; degrees <= 180; degrees += 6) {
     for (const double off_rad : {0.0, kPi}) {

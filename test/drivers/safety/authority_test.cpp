@@ -124,8 +124,8 @@ TEST_F(Authority, RemembersTheOneInChargeHoweverManyOthersBeat) {
   EXPECT_TRUE(admit(OperatorAction::kArm, 1, 0.2));
 }
 
-// A clock that was set is believed of a station whose numbers go on, and not of a later part of its
-// log: a hundred messages may get lost meanwhile, no more.
+// A changed clock is accepted if the sequence numbers continue, with fewer than a hundred lost
+// messages. A later part of a log is not.
 TEST_F(Authority, FollowsAClockThatIsSetOnlyWhileTheNumbersGoOn) {
   for (const std::int64_t lost : {0, 99, 100, 100'000}) {
     authority = {};
@@ -136,14 +136,14 @@ TEST_F(Authority, FollowsAClockThatIsSetOnlyWhileTheNumbersGoOn) {
   }
 }
 
-// Overtaken on the way: an order that was numbered and stamped before the newest one is over.
+// An order with a lower number and an earlier stamp than the newest is outdated.
 TEST_F(Authority, ObeysNoOrderThatWasOvertaken) {
   EXPECT_TRUE(authority.admit(command(OperatorAction::kHeartbeat, 1, 10, 0.0), kStart, kSilentS));
   const auto admit_at = [&](std::int64_t number, double stamped_s, double at_s) {
     return authority.admit(command(OperatorAction::kArm, 1, number, stamped_s),
                            kStart + from_seconds(at_s), kSilentS);
   };
-  for (const double begin_s : {0.0, 1.0}) {  // and once more
+  for (const double begin_s : {0.0, 1.0}) {  // repeated later
     const auto first = static_cast<std::int64_t>(20 + 10 * begin_s);
     EXPECT_TRUE(admit_at(first + 2, begin_s + 0.3, begin_s + 0.31));
     EXPECT_FALSE(admit_at(first + 1, begin_s + 0.2, begin_s + 0.32));
@@ -221,7 +221,7 @@ TEST_F(Authority, HearsWhatIsSaidWithinTwoSecondsOfItsClock) {
       authority = {};
       const auto beat = command(OperatorAction::kHeartbeat, 1, 0, side * ahead_s);
       EXPECT_EQ(authority.admit(beat, kStart, kSilentS), is_heard) << side * ahead_s;
-      // Nobody is known yet: a stop is held against our clock, too.
+      // No station is known yet, so a stop is also compared with our clock.
       authority = {};
       const auto stop = command(OperatorAction::kEmergencyStop, 1, 0, side * ahead_s);
       EXPECT_EQ(authority.admit(stop, kStart, kSilentS), is_heard) << side * ahead_s;
@@ -229,11 +229,11 @@ TEST_F(Authority, HearsWhatIsSaidWithinTwoSecondsOfItsClock) {
   }
 }
 
-// Eight stations are known. A ninth takes the place of the one that was silent longest, unless that
-// is in charge: what makes the vehicle safer is taken late from a known one alone.
+// Eight stations are remembered. A ninth replaces the one that was silent longest, except the one
+// in charge. Late commands that make the vehicle safer are accepted only from known stations.
 TEST_F(Authority, ForgetsTheStationThatWasSilentLongestOnly) {
   const auto is_known = [&](std::int64_t run) {
-    OperatorAuthority asked = authority;  // what is said late leaves no trace of its own
+    OperatorAuthority asked = authority;  // the test of a late command must not change the state
     return asked.admit(command(OperatorAction::kHold, run, 1'000, 0.0),
                        kStart + from_seconds(100.0), kSilentS);
   };
@@ -244,7 +244,8 @@ TEST_F(Authority, ForgetsTheStationThatWasSilentLongestOnly) {
     EXPECT_TRUE(is_known(run)) << run;
   }
   EXPECT_FALSE(is_known(9));
-  admit(OperatorAction::kHeartbeat, 3, 0.9);  // now the fourth is silent longest but one
+  admit(OperatorAction::kHeartbeat, 3, 0.9);  // now station 4 has been silent longest, except for
+                                              // the one in charge
   admit(OperatorAction::kHeartbeat, 2, 0.95);
   for (const std::int64_t newcomer : {9, 10}) {
     admit(OperatorAction::kHeartbeat, newcomer, 0.96 + 0.001 * static_cast<double>(newcomer));
@@ -261,7 +262,7 @@ TEST(PlannerLease, IsContestedByNobodyAtTheBeginningOfTime) {
   EXPECT_FALSE(lease.is_contested(Time{} + from_seconds(0.5), 2.0));
 }
 
-// A heartbeat that was heard before, of whichever age, sets no clock and keeps nobody in charge.
+// A replayed heartbeat of any age neither sets the clock nor keeps its station in charge.
 TEST_F(Authority, FollowsNoClockOfWhatWasHeardBefore) {
   for (const std::int64_t number : {5, 9, 10}) {  // 10: the newest itself
     authority = {};
@@ -272,7 +273,7 @@ TEST_F(Authority, FollowsNoClockOfWhatWasHeardBefore) {
     for (std::int64_t i = 0; i <= 10; ++i) {
       EXPECT_TRUE(beat(i, 0.1 * static_cast<double>(i), 0.1 * static_cast<double>(i)));
     }
-    for (const double at_s : {4.0, 3600.0}) {  // and once more
+    for (const double at_s : {4.0, 3600.0}) {  // repeated much later
       EXPECT_FALSE(beat(number, 0.1 * static_cast<double>(number), at_s)) << number;
       EXPECT_NEAR(authority.age_s(kStart + from_seconds(at_s)), at_s - 1.0, 1e-9);
       const auto stop =
@@ -283,9 +284,10 @@ TEST_F(Authority, FollowsNoClockOfWhatWasHeardBefore) {
   }
 }
 
-// Who is silent is followed by whoever beats, not by a heartbeat of before nor by an order.
+// A silent station is replaced by one that sends a new heartbeat, but not by a replayed heartbeat
+// or an order.
 TEST_F(Authority, PassesToAStationThatBeatsNow) {
-  for (const std::int64_t first : {0, 1}) {  // an id is any number
+  for (const std::int64_t first : {0, 1}) {  // any number is a valid id
     authority = {};
     EXPECT_TRUE(authority.admit(command(OperatorAction::kHeartbeat, first, 1, 0.0), kStart, 1.0));
     const auto heard = command(OperatorAction::kHeartbeat, 7, 4, 0.5);
@@ -303,7 +305,7 @@ TEST_F(Authority, PassesToAStationThatBeatsNow) {
   }
 }
 
-// A stop that was held up acts, once; it keeps nobody in charge, and an order that was is none.
+// A delayed stop acts once. It does not keep its station in charge, and a delayed order is refused.
 TEST_F(Authority, TakesWhatIsSaferLateOnceEach) {
   const auto at = [](double t_s) { return kStart + from_seconds(t_s); };
   EXPECT_TRUE(authority.admit(command(OperatorAction::kHeartbeat, 1, 50, 0.0), at(0.0), 1.0));
@@ -321,7 +323,7 @@ TEST_F(Authority, TakesWhatIsSaferLateOnceEach) {
   std::vector<models::NamedCount> after;
   authority.count(after);
   EXPECT_EQ(after[1].count, before[1].count + 1) << "operator.other_time";
-  // And it goes on as it did; what had been overtaken before has been.
+  // The station continues normally; orders that were outdated before stay refused.
   EXPECT_TRUE(authority.admit(command(OperatorAction::kHeartbeat, 1, 53, 4.1), at(4.1), 1.0));
   EXPECT_TRUE(authority.admit(command(OperatorAction::kHold, 1, 54, 1.0), at(4.15), 1.0));
   EXPECT_FALSE(authority.admit(command(OperatorAction::kFollow, 1, 52, 4.05), at(4.2), 1.0));

@@ -7,8 +7,8 @@
 #include "test/drivers/safety/flight_bench.hpp"
 #include "test/support/bisect.hpp"
 
-// Bodies other than robots of the scenario: they do not brake, they stand on the ground, and a
-// landing counts on where they go.
+// Bodies that are not robots of the scenario: they do not brake, they stand on the ground, and
+// landings predict their motion.
 
 namespace vantage::drivers {
 namespace {
@@ -31,8 +31,8 @@ double stop_m(const OtherBody& body, double own_mps, const SafetyLimits& limits)
   return look_around(kHere_m, way, {&body, 1}, limits).separation_stop_m;
 }
 
-// Head-on: v T + v²/2a of our own, and of the person the whole time at its speed, and as far as it
-// can leave its straight path meanwhile.
+// Head-on: our own braking distance v T + v²/2a, the person at constant speed for the whole time,
+// and the distance by which the person can leave the straight path.
 TEST(LookAround, CarriesAPersonOnUntilTheVehicleStands) {
   const SafetyLimits limits = bench_limits();
   for (const double own_mps : {0.0, 0.5, 1.0}) {
@@ -53,12 +53,12 @@ TEST(LookAround, LetsARobotBrakeAsItsScenarioSays) {
     body.robot = 1;
     body.brake_mps2 = brake_mps2;
     EXPECT_NEAR(stop_m(body, 0.0, limits), 3.0 - limits.reaction_s - 0.5 / brake_mps2, 1e-9);
-    body.brake_mps2 = 0.0;  // not known: as we do
+    body.brake_mps2 = 0.0;  // unknown: as ours
     EXPECT_NEAR(stop_m(body, 0.0, limits), 3.0 - stopping_way_m(limits, 1.0), 1e-9);
   }
 }
 
-// The person is beneath the markers of the helmet; a rover on the floor is below us.
+// A person reaches from the markers down to the ground; a rover on the floor is below the vehicle.
 TEST(LookAround, TakesAPersonDownToTheGround) {
   const SafetyLimits limits = bench_limits();
   const double at_rest_m = 0.5 * limits.other_turn_mps2 * limits.reaction_s * limits.reaction_s;
@@ -72,7 +72,7 @@ TEST(LookAround, TakesAPersonDownToTheGround) {
   }
 }
 
-// It may go anywhere at the speed that it had, while it is not seen and until we stand.
+// A lost person may move anywhere at the last speed until the vehicle has stopped.
 TEST(LookAround, TakesAnOccludedPersonForOneWhoWalksOnUntilTheVehicleStands) {
   const SafetyLimits limits = bench_limits();
   for (const double unseen_s : {0.1, 0.5, 0.9}) {
@@ -86,7 +86,7 @@ TEST(LookAround, TakesAnOccludedPersonForOneWhoWalksOnUntilTheVehicleStands) {
   }
 }
 
-// A person counts who will be below before the vehicle is down, for sinking_look_s at most.
+// A person counts if the person will be below before touchdown, within sinking_look_s.
 TEST(OccupiedBelow, CountsWhereAPersonWillBe) {
   const SafetyLimits limits = bench_limits();
   for (const double height_m : {0.2, 0.4, 1.0, 2.0}) {
@@ -107,8 +107,7 @@ TEST(OccupiedBelow, CountsWhereAPersonWillBe) {
   }
 }
 
-// A person 1.5 m off walks in below: it goes elsewhere, and neither along the person's path nor to
-// its end.
+// A person 1.5 m away walks in below. The spot is neither on nor at the end of the person's path.
 TEST(LandingSpot, IsNotWhereAPersonWillBe) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d hover_m(2.0, -0.5, 1.0);
@@ -122,11 +121,11 @@ TEST(LandingSpot, IsNotWhereAPersonWillBe) {
   EXPECT_EQ(landing_spot(hover_m, {&body, 1}, limits), hover_m);
 }
 
-// The person's path crosses ours while we go, or does not.
+// A person whose path crosses ours during the motion blocks it.
 TEST(WayTaken, CountsAPersonThatCrossesItMeanwhile) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d from_m(0.0, 0.0, 1.0);
-  const Eigen::Vector3d to_m(1.2, 0.0, 1.0);  // 2 s
+  const Eigen::Vector3d to_m(1.2, 0.0, 1.0);  // takes 2 s
   OtherBody body;
   body.position_world_m = {0.6, 1.0, 1.0};
   EXPECT_FALSE(is_way_taken(from_m, to_m, {&body, 1}, limits));

@@ -10,7 +10,7 @@
 #include "test/drivers/safety/flight_bench.hpp"
 #include "test/support/random.hpp"
 
-// Where one comes down, and who comes near.
+// Landing spots and approaching bodies.
 
 namespace vantage::drivers {
 namespace {
@@ -22,7 +22,8 @@ SafetyLimits wide_limits() {
   return limits;
 }
 
-// Somebody below, not seen for long: the nearest ring that is far enough, as far as 1.5 m away.
+// A body below that has not been seen for long: the spot is on the nearest ring that is far enough,
+// up to 1.5 m away.
 TEST(LandingSpot, IsTheNearestFreeOfSomePlacesWithinAMetreAndAHalf) {
   SafetyLimits limits = wide_limits();
   const Eigen::Vector3d hover_m(0.5, -0.5, 1.0);
@@ -43,7 +44,8 @@ TEST(LandingSpot, IsTheNearestFreeOfSomePlacesWithinAMetreAndAHalf) {
   }
 }
 
-// Robots that stand wait for their turn; what moves comes, and people are where they are.
+// Stationary robots are ignored because they wait for their turn; moving robots and all other
+// bodies count.
 TEST(NearSoon, CountsWhoMovesOrIsNoRobotAndWhereItWillBe) {
   const Eigen::Vector3d here_m(1.0, 2.0, 0.0);
   const double never_m = std::numeric_limits<double>::infinity();
@@ -63,12 +65,11 @@ TEST(NearSoon, CountsWhoMovesOrIsNoRobotAndWhereItWillBe) {
   EXPECT_DOUBLE_EQ(near_m(-1, -1.0), 1.0);
 }
 
-// Five rovers that drive on at up to 0.5 m/s and turn as they like, as in the lab, among three
-// vehicles that are told to land at once: nobody is hit, and few landings wait for long. (Places
-// that nobody drives towards, chosen first, made hardly a difference: 28 of 360 over 8 s instead
-// of 37.)
-// What it asks for sinks as slowly as is stated, slower near the ground, from where it is: a
-// controller that follows it well comes down no faster.
+// Five rovers drive at up to 0.5 m/s with random turns among three vehicles that land at once. No
+// vehicle is hit, and few landings take long. (Preferring spots that no rover drives towards had
+// little effect: 28 instead of 37 of 360 took over 8 s.)
+// The set-point sinks at the stated speed, slower near the ground, starting at the vehicle. A
+// controller that tracks it well does not descend faster.
 TEST(FlightGuard, ComesDownNoFasterThanItStates) {
   test::FlightBench bench(3, false, 0.7);
   bench.fly_up(3.0);
@@ -77,7 +78,7 @@ TEST(FlightGuard, ComesDownNoFasterThanItStates) {
   ASSERT_GT(q3.position_m.z(), limits.low_height_m + 0.5);
   bench.say(models::OperatorAction::kLand, "Q3");
   bench.tick();
-  const auto asked_m = [&] {  // at this tick
+  const auto asked_m = [&] {  // now, without the lead
     const FlightSetpoint& out = q3.out.setpoint;
     return out.position_world_m.z() - limits.setpoint_lead_s * out.velocity_world_mps.z();
   };
@@ -118,11 +119,12 @@ TEST(FlightGuard, ComesDownAmongRoversThatDriveOn) {
     std::vector<double> down_s(bench.vehicles().size(), 30.0);
     bench.run(30.0, [&] {
       for (std::size_t i = 0; i < rovers_m.size(); ++i) {
-        headings_rad[i] += random.normal() * std::sqrt(test::FlightBench::kTickS);  // 1 rad in 1 s
+        headings_rad[i] += random.normal() * std::sqrt(test::FlightBench::kTickS);  // random walk:
+                                                                                    // 1 rad in 1 s
         Eigen::Vector3d ahead_m = rovers_m[i] + kRoverMps * test::FlightBench::kTickS *
                                                     Eigen::Vector3d(std::cos(headings_rad[i]),
                                                                     std::sin(headings_rad[i]), 0.0);
-        bool is_down_there = false;  // nobody drives into what stands
+        bool is_down_there = false;  // rovers do not drive into a landed vehicle
         for (const test::Vehicle& vehicle : bench.vehicles()) {
           is_down_there = is_down_there || (vehicle.position_m.z() < 0.5 &&
                                             (vehicle.position_m - ahead_m).norm() < 0.75);
@@ -150,7 +152,7 @@ TEST(FlightGuard, ComesDownAmongRoversThatDriveOn) {
   const auto slower_than = [&](double limit_s) {
     return std::count_if(took_s.begin(), took_s.end(), [&](double s) { return s > limit_s; });
   };
-  EXPECT_LE(slower_than(8.0), 12);  // of 60; 37 of 360 were
+  EXPECT_LE(slower_than(8.0), 12);  // of 60; 37 of 360 in a longer run
   EXPECT_EQ(slower_than(25.0), 0);
 }
 

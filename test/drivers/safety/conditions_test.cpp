@@ -9,7 +9,7 @@
 
 #include "test/drivers/safety/flight_bench.hpp"
 
-// Each row of the table that compares a number with a limit, on both sides of it.
+// Both sides of the limit of each table row that compares a number with a limit.
 
 namespace vantage::drivers {
 namespace {
@@ -30,7 +30,7 @@ struct Edge {
   const char* name;
   double In::*input;
   double limit;
-  bool is_upper = true;  ///< it holds above; else below
+  bool is_upper = true;  ///< true: the row holds above the limit; false: below
 };
 
 std::vector<Edge> edges(const SafetyLimits& l) {
@@ -101,10 +101,10 @@ TEST(ConditionRow, HoldsBeyondItsLimitAndNotAtIt) {
   }
 }
 
-// Whatever goes wrong, the motors of a vehicle that a pilot flies are stopped by an operator alone.
+// Except for the emergency stop, no row stops the motors of a vehicle that a pilot flies.
 TEST(ConditionRow, ThatKillsSparesAPilotUnlessItIsTheEmergencyStop) {
   for (const Condition& row : conditions()) {
-    // "pose lost low" asks for itself whether the autopilot obeys.
+    // "pose lost low" itself tests whether the autopilot obeys.
     const bool asks_itself = std::string(row.name) == "pose lost low";
     const bool is_order = std::string(row.name) == "emergency stop";
     EXPECT_EQ(row.spares_pilot, row.severity == Severity::kKill && !is_order && !asks_itself)
@@ -112,7 +112,7 @@ TEST(ConditionRow, ThatKillsSparesAPilotUnlessItIsTheEmergencyStop) {
   }
 }
 
-// What is looked at before take-off does not come up in the air, where it would be said for ever.
+// Rows for the ground must not hold in the air, where they would be reported permanently.
 TEST(ConditionRow, OfTheGroundIsSilentInTheAir) {
   const SafetyLimits l = limits();
   const std::set<std::string> of_the_ground = {"body tilted",   "not at its start",
@@ -143,7 +143,8 @@ TEST(ConditionRow, ThatCountsHoldsFromTheNumberThatItNames) {
   EXPECT_TRUE(holds("plans refused", &In::plans_refused, 1));
 }
 
-// Of several facts: near the floor or outside when blind; no plan, or one that ended long ago.
+// Rows with several facts: blind and near the floor or outside; no plan, or one that ended long
+// ago.
 TEST(ConditionRow, OfTwoFactsNeedsWhatItSays) {
   const SafetyLimits l = limits();
   SafetyInputs in;

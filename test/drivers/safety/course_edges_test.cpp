@@ -1,4 +1,4 @@
-// What a course asks for at the instants at which something begins or ends, in closed form.
+// Set-points of a course at its start and end instants, in closed form.
 
 #include <algorithm>
 #include <cmath>
@@ -38,8 +38,8 @@ void expect_same(const PlanPoint& is, const PlanPoint& should_be) {
   EXPECT_NEAR(is.yaw_rate_radps, should_be.yaw_rate_radps, 1e-12);
 }
 
-// Only plans and shifts change their speed at once. A stop does not, and is asked for as it is,
-// with or without a plan that is to follow much later; and once more.
+// Only plans and shifts change their speed abruptly and are smoothed. A stop is followed exactly,
+// with or without a later plan, also when repeated.
 TEST(Course, AsksForAStopAsItIs) {
   test::Random random(21);
   Course course(kHalfWindowS);
@@ -79,8 +79,8 @@ TEST(Course, IsThePlanItselfWithoutAWindow) {
   }
 }
 
-// To the instant, from a hover and from another plan, and whatever is asked before it. A plan that
-// is flown from a hover has begun in its own beginning.
+// A plan counts from its exact start time, after a hover and after another plan, whatever was
+// queried before. A plan that follows a hover begins at its own start position.
 TEST(Course, TakesAPlanFromItsStartTimeOn) {
   Course course(kHalfWindowS);
   Eigen::Vector3d before_m(5.0, 5.0, 1.0);
@@ -108,8 +108,8 @@ TEST(Course, TakesAPlanFromItsStartTimeOn) {
   }
 }
 
-// From standing to v and ω at t = 0: both change within the window, at v/(2 w) and ω/(2 w), from
-// the instant at which it reaches the beginning until that at which it has left it behind.
+// From rest to v and ω at t = 0: both change only while the window contains the start, at v/(2 w)
+// and ω/(2 w).
 TEST(Course, ChangesItsSpeedWithinTheWindowAndNotBesideIt) {
   constexpr double kW = kHalfWindowS;
   for (const double rate_radps : {2.0, -2.0}) {
@@ -125,7 +125,7 @@ TEST(Course, ChangesItsSpeedWithinTheWindowAndNotBesideIt) {
             << t_s;
         const double share = std::clamp((t_s + kW) / (2.0 * kW), 0.0, 1.0);
         EXPECT_NEAR(here.yaw_rate_radps, turns_radps * share, 1e-9) << t_s;
-        // Trapezoids of width w/8 err by up to ω (w/8)² / 8 of a corner's area, over 2 w.
+        // Trapezoids of width w/8 err by up to ω (w/8)² / 8 of the area of a corner, over 2 w.
         const double turned_rad = turns_radps * (kW * share * share + std::max(0.0, t_s - kW));
         EXPECT_NEAR(here.yaw_rad, turned_rad, 6e-4) << t_s;
       }
@@ -133,8 +133,8 @@ TEST(Course, ChangesItsSpeedWithinTheWindowAndNotBesideIt) {
   }
 }
 
-// From rest to rest in closed form: v τ²/(4 w) while it gets faster, then w behind, and slower as
-// it got faster; there, and back again much later, and from the end of a stop.
+// From rest to rest in closed form: v τ²/(4 w) while it accelerates, then a delay of w, and the
+// mirrored deceleration. Tested forth, back much later, and from the end of a stop.
 TEST(Course, ShiftsFromWhereItIs) {
   constexpr double kShiftMps = 0.4;
   constexpr double kW = kHalfWindowS;
@@ -170,8 +170,8 @@ TEST(Course, ShiftsFromWhereItIs) {
   expect_shift({1.0, 1.0, 1.0});
 }
 
-// Whatever it did before: told to shift or to stand in the middle of a turn, it plans neither speed
-// nor turning nor acceleration at the beginning and at the end.
+// A shift or a hover that begins in the middle of a turn starts and ends with zero speed, turn rate
+// and acceleration.
 TEST(Course, ShiftsAndStandsWithNothingLeftOfWhatItDidBefore) {
   Course course(kHalfWindowS);
   course.follow(driving({0.0, 0.0, 0.0}, kSpeedMps, 1.0, kStart), kStart);
@@ -200,7 +200,8 @@ TEST(Course, BelievesPlansToTheirEndWhereNoRoundIsKnown) {
   }
 }
 
-// Within the round, and beyond it from when the next plan has come on until that begins.
+// The plan counts within its round, and beyond it once the next plan has arrived, until that
+// begins.
 TEST(Course, BelievesWhatNoNextPlanWillTakeBack) {
   constexpr double kRoundS = 1.0;
   for (const double rate_radps : {0.8, -0.8}) {

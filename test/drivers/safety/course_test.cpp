@@ -19,7 +19,7 @@ constexpr double kSpeedMps = 1.0;
 
 Time after(double t_s) { return kStart + from_seconds(t_s); }
 
-// Standing, driving and turning by turns, half a second each, and a stop.
+// Returns a random plan of standing, driving and turning segments, 0.5 s each, and a stop.
 HeldPlan random_plan(test::Random& random, Time start) {
   HeldPlan plan;
   plan.start_time = start;
@@ -44,11 +44,11 @@ TEST(Course, AsksForNoMoreAccelerationThanTheWindowAllows) {
     for (double t_s = 0.0; t_s < 6.0; t_s += 0.01) {
       course.advance(after(t_s), 0.01, 1.0);
       const PlanPoint here = course.at(after(t_s));
-      // Two velocities of at most v differ by at most 2 v; turning on the spot needs none.
+      // Two velocities of at most v differ by at most 2 v; a turn on the spot adds nothing.
       EXPECT_LE(here.acceleration_world_mps2.norm(), kSpeedMps / kHalfWindowS + 1e-9);
       EXPECT_LE((here.velocity_world_mps - last_mps).norm(),
                 0.01 * kSpeedMps / kHalfWindowS + 1e-9);
-      // Averages of points of a way stay within v × half the mean distance in time.
+      // Averages of points of a path stay within v × half the mean distance in time.
       const PlanPoint planned = course.planned_at(after(t_s));
       EXPECT_LE((here.position_world_m - planned.position_world_m).norm(),
                 0.5 * kSpeedMps * kHalfWindowS + 1e-9);
@@ -78,8 +78,8 @@ TEST(Course, AsksForVelocitiesThatAreTheDerivativesOfItsPlaces) {
   }
 }
 
-// In closed form: from standing to v at t = 0, the mean over ±w is v (t + w)² / (4 w), and v w / 4
-// at the corner itself.
+// In closed form: from rest to v at t = 0, the mean over ±w is v (t + w)² / (4 w), and v w / 4 at
+// the start itself.
 TEST(Course, SetsOffBeforeThePlanDoesAndCutsTheCornerAsStated) {
   HeldPlan plan;
   plan.start_time = after(1.0);
@@ -91,7 +91,7 @@ TEST(Course, SetsOffBeforeThePlanDoesAndCutsTheCornerAsStated) {
   const double w_s = kHalfWindowS;
   for (const double t_s : {-0.25, -0.2, -0.1, 0.0, 0.1, 0.2, 0.25}) {
     const PlanPoint here = course.at(after(1.0 + t_s));
-    // Trapezoids of width w/8 err by up to v (w/8)² / 8 of a corner's area, over 2 w.
+    // Trapezoids of width w/8 err by up to v (w/8)² / 8 of the area of a corner, over 2 w.
     EXPECT_NEAR(here.position_world_m.x(), kSpeedMps * (t_s + w_s) * (t_s + w_s) / (4.0 * w_s),
                 3e-4);
     EXPECT_NEAR(here.velocity_world_mps.x(), kSpeedMps * (t_s + w_s) / (2.0 * w_s), 1e-6);
@@ -171,7 +171,7 @@ TEST(Course, ShiftsFromRestToRest) {
   }
 }
 
-/// The same plan as `plan`, from where a course is at `start` on.
+/// Returns `plan`, moved to begin at `start` at the position of the course.
 HeldPlan continued(HeldPlan plan, const Course& course, Time start) {
   const PlanPoint there = course.planned_at(start);
   plan.start_time = start;
@@ -188,8 +188,8 @@ HeldPlan driving(double rate_radps, Time start) {
   return plan;
 }
 
-// A plan that was slowed lies behind its clock; what it hands over to begins where it is. Three in
-// a row, for the second one's past must not be the first one's.
+// A slowed plan lags behind its clock; the next plan begins at its actual position. Three in a row
+// show that the past of the second is not that of the first.
 TEST(Course, HandsOverWithoutAJumpFromPlansThatWereSlowed) {
   for (const double side : {1.0, -1.0}) {
     Course course(kHalfWindowS);
@@ -207,7 +207,7 @@ TEST(Course, HandsOverWithoutAJumpFromPlansThatWereSlowed) {
     };
     fly(0.5, 1.0);
     for (int plan = 1; plan <= 3; ++plan) {
-      const double slow_s = 0.1 * plan;  // another lag for each
+      const double slow_s = 0.1 * plan;  // a different lag for each
       const double from_s = t_s;
       fly(from_s + slow_s, 0.0);
       EXPECT_NEAR(to_seconds(after(t_s) - course.plan().start_time) - course.elapsed_s(after(t_s)),
@@ -223,13 +223,12 @@ TEST(Course, HandsOverWithoutAJumpFromPlansThatWereSlowed) {
   }
 }
 
-// What was flown before a stop is over: a plan that begins in a hover begins from that hover.
-// Twice.
+// A stop ends the past: a plan that begins in a hover begins from that hover. Tested twice.
 TEST(Course, RemembersNoPlanFromBeforeAStop) {
   Course course(kHalfWindowS);
   for (int time = 0; time < 2; ++time) {
     const double begin_s = 10.0 * time;
-    for (int leg = 0; leg < 2; ++leg) {  // from plan to plan, so that there is a past
+    for (int leg = 0; leg < 2; ++leg) {  // two plans in sequence create a past
       course.follow(continued(driving(0.5, after(begin_s)), course, after(begin_s + leg)),
                     after(begin_s + leg));
       course.advance(after(begin_s + leg), 0.01, 1.0);
@@ -267,8 +266,8 @@ TEST(Course, IsWhereItWouldBeOnTimeHadItNotBeenSlowed) {
                             never.at(after(2.0)).position_world_m, 1e-5));
 }
 
-// Until the next plan has come or should have, the way beyond the round is straight on: for the
-// first plan and for the one after it.
+// Until the next plan arrives or is due, the path beyond the round continues straight. Tested for
+// the first plan and the next.
 TEST(Course, GoesStraightOnBeyondTheRoundUntilTheNextPlanComes) {
   constexpr double kRoundS = 1.0;
   Course course(kHalfWindowS, kRoundS);
@@ -290,7 +289,8 @@ TEST(Course, GoesStraightOnBeyondTheRoundUntilTheNextPlanComes) {
     EXPECT_NEAR(believed.yaw_rad, 0.0, 1e-12);
     EXPECT_TRUE(test::is_near(course.planned_at(after(begin_s + 0.9)).position_world_m,
                               Eigen::Vector3d(round + 0.9, 0.0, 1.0), 1e-9));
-    course.advance(after(begin_s + kRoundS), 0.01, 1.0);  // and nothing came
+    course.advance(after(begin_s + kRoundS), 0.01, 1.0);  // the next plan is due and has not
+                                                          // arrived
     EXPECT_NEAR(course.planned_at(after(begin_s + 1.5)).yaw_rad, 1.0, 1e-9);
   }
 }
@@ -327,7 +327,8 @@ TEST(Course, HasAPlanUntilItsHoverAndStandsOnlyAfterAStop) {
   }
 }
 
-// Equations of motion in small steps: the reaction flown on, then slowed to rest and no farther.
+// Compares with small steps of the equations of motion: constant velocity during the reaction, then
+// braking to rest.
 TEST(BrakeWay, IsThatOfAVehicleThatBrakesAfterItsReaction) {
   test::Random random(7);
   for (int trial = 0; trial < 100; ++trial) {
@@ -359,7 +360,8 @@ TEST(BrakeWay, IsThatOfAVehicleThatBrakesAfterItsReaction) {
   }
 }
 
-// Along a plan it stays on the plan's line, shifted; it comes to rest whatever the plan does then.
+// Along a plan the braking path stays on the shifted line of the plan and ends at rest, whatever
+// the plan does later.
 TEST(BrakeWay, FollowsItsPlanToRest) {
   test::Random random(8);
   for (int trial = 0; trial < 200; ++trial) {
@@ -386,7 +388,7 @@ TEST(BrakeWay, FollowsItsPlanToRest) {
   }
 }
 
-// Left is as good as right, one bearing as another, and no time is special.
+// Mirroring, rotation and a time shift do not change the result.
 TEST(Course, IsTheSameInAMirrorAndTurnedAndLater) {
   test::Random random(9);
   for (int trial = 0; trial < 100; ++trial) {

@@ -10,7 +10,7 @@ namespace vantage::test {
 
 inline drivers::SafetyLimits limits() { return drivers::limits_for(FlightBench::scenario(), "Q1"); }
 
-/// A ladder driven tick by tick with inputs that stay as they are set.
+/// Ladder stepped tick by tick; its inputs keep their values until changed.
 class Driven {
  public:
   Driven() { in.autopilot_armed = true; }

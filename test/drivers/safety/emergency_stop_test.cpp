@@ -1,4 +1,4 @@
-// Fault 36 where the catalogue does not begin it: on the way up, and while everything else is said.
+// Fault 36 outside the catalogue: during take-off and in a flood of messages.
 
 #include <algorithm>
 #include <cstdint>
@@ -16,10 +16,10 @@ namespace {
 using models::FlightState;
 using models::OperatorAction;
 
-constexpr double kStopS = 0.03;  // a tick of telemetry, one of ours, one for rounding
+constexpr double kStopS = 0.03;  // s; one telemetry tick, one guard tick and one for rounding
 constexpr std::int64_t kStranger = 99;
 
-/// How far the first one's take-off has come.
+/// Progress of the take-off of the first vehicle.
 struct Moment {
   const char* name;
   bool (*has_come)(const Vehicle& first);
@@ -41,7 +41,7 @@ constexpr Moment kMoments[] = {
 
 class EmergencyStopOnTheWayUp : public testing::TestWithParam<Moment> {
  protected:
-  /// Until it has come, at most `seconds`.
+  /// Runs until `has_come` is true, at most `seconds`; returns whether it is.
   bool run_until(const std::function<bool()>& has_come, double seconds) {
     for (const double end_s = bench.time_s() + seconds; bench.time_s() < end_s && !has_come();) {
       bench.tick();
@@ -63,8 +63,8 @@ class EmergencyStopOnTheWayUp : public testing::TestWithParam<Moment> {
   FlightBench bench{5};
 };
 
-// One lifts, two wait for their turn: all motors off at once, and again at the second time. Only
-// `arm` ends it, and only a second `arm` arms.
+// One vehicle lifts and two wait: all motors stop at once, and again at the second stop. Only `arm`
+// ends the stop, and only a second `arm` arms.
 TEST_P(EmergencyStopOnTheWayUp, StopsEveryMotorUntilItIsArmedAnewAndOnceMore) {
   const Vehicle& first = bench.vehicle("Q1");
   bench.run(1.0);
@@ -107,8 +107,8 @@ models::OperatorCommand stop_of(std::int64_t run_id, Time said_at) {
   return out;
 }
 
-/// The `i`-th of many messages to a vehicle: stations that nobody knows, planners that plan badly,
-/// an autopilot that says nonsense.
+/// Delivers the `i`-th of many bad messages: unknown stations, infeasible plans, an invalid battery
+/// value.
 void flood(drivers::FlightGuard& guard, int i, Time now) {
   constexpr OperatorAction kWanted[] = {OperatorAction::kHeartbeat, OperatorAction::kFollow,
                                         OperatorAction::kArm, OperatorAction::kTakeOff};
@@ -129,7 +129,7 @@ void flood(drivers::FlightGuard& guard, int i, Time now) {
   guard.on_battery(2.0, now);
 }
 
-// Whoever says it, and wherever in the queue it stands.
+// The stop may come from any station and at any position in the queue.
 TEST(EmergencyStop, IsHeardAmongThousandsOfMessagesOfOneTick) {
   constexpr int kMessages = 4000;
   for (const int place : {0, kMessages / 2, kMessages - 1}) {
@@ -155,7 +155,7 @@ TEST(EmergencyStop, IsHeardAmongThousandsOfMessagesOfOneTick) {
   }
 }
 
-// Its process got no time for 0.4 s; the stop waited for it. The first tick after that obeys.
+// The process was stalled for 0.4 s while the stop waited; its first tick obeys.
 TEST(EmergencyStop, ThatWaitedForAProcessWithoutTimeIsObeyedByItsNextTick) {
   FlightBench bench(5);
   bench.fly_up(6.4);

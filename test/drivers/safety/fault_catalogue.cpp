@@ -10,7 +10,7 @@ using models::FlightState;
 
 namespace {
 
-// See Fault::needs_quiet.
+// Faults with Fault::needs_quiet.
 constexpr const char* kNeedQuiet[] = {"head-on at 2 m/s",
                                       "planner that keeps flying at a teammate",
                                       "pushed aside by a hand",

@@ -9,28 +9,29 @@
 namespace vantage::test {
 namespace {
 
-constexpr double kRoundS = 1.0;      // from plan to plan on the bench
-constexpr double kFloorS = 10.0;     // limit of a stage that waits for the floor
-constexpr std::size_t kOneIn = 4;    // pairs flown by default
-constexpr std::size_t kSample = 11;  // which of them; a seed
+constexpr double kRoundS = 1.0;      // s; between plans on the bench
+constexpr double kFloorS = 10.0;     // s; time limit of a stage that ends on the floor
+constexpr std::size_t kOneIn = 4;    // 1 / share of the pairs flown by default
+constexpr std::size_t kSample = 11;  // seed that selects them
 
 constexpr const char* kSaysFollow = "first station lost, a second beats on";
 
-// Two faults by name, in either order, and why something is not asked of them.
+// Two faults by name, in either order, and the reason why a check is skipped.
 struct Exception {
   const char* one;
   const char* other;
   const char* why;
 };
 
-// Nothing is asked, for no vehicle can survive both.
+// Pairs that no vehicle can survive: nothing is checked.
 constexpr Exception kNoneSurvives[] = {
     {"driven at the fence", "driven through the fence",
      "the pushes follow one another: 0.75 s at 1.3 m/s and more, and 0.65 m to the fence"},
     {"driven through the fence", "attitude beyond 60°", "motors off, it goes on as it was pushed"},
 };
 
-// No collision and no breach of the fence, as always; but the reaction of each alone is not asked.
+// Pairs in which one fault hides the other: violations are checked, but not the reaction to each
+// fault.
 constexpr Exception kOneHidesTheOther[] = {
     {"only bad plans from then on", "stopped leader wakes up",
      "the second planner's plans are good"},
@@ -58,8 +59,8 @@ bool is_listed(std::span<const Exception> list, const Fault& a, const Fault& b) 
   });
 }
 
-// All pairs when asked for, else one in kOneIn, and always those in which two vehicles are meant
-// to meet.
+// Returns true for all pairs if VANTAGE_ALL_FAULT_PAIRS is set, otherwise for one in kOneIn and for
+// those that make two vehicles meet.
 bool is_flown(std::size_t i, std::size_t j) {
   const auto& all = fault_catalogue();
   return std::getenv("VANTAGE_ALL_FAULT_PAIRS") != nullptr ||
@@ -70,15 +71,15 @@ void expect_as_alone(const Fault& fault, const Outcome& outcome, const Fault& ot
   if (fault.needs_quiet && !other.stages.empty()) {
     return;
   }
-  // Who lands before the motors would have been stopped near the floor has landed.
+  // A vehicle that lands before its motors would be stopped near the floor has landed.
   const bool ends_at_floor = !fault.stages.empty() && fault.stages.back().within_s >= kFloorS;
-  // A hold that the operator may end is ended by one who says follow.
+  // A hold that the operator may end is ended by a station that sends `follow`.
   const bool goes_on =
       std::string(other.name) == kSaysFollow && fault.end == models::FlightState::kHold;
   const int needed = goes_on ? 0 : std::min(severity_of(fault.end), ends_at_floor ? 2 : 3);
   EXPECT_GE(severity_of(outcome.end), needed)
       << fault.name << " ends in " << name_of(outcome.end) << " with " << other.name;
-  // What one plan was to do, the next one does when the other fault takes the first away.
+  // If the other fault suppresses the plan that would strike, the next plan strikes.
   const double later_s = fault.strikes_by_plans && other.strikes_by_plans ? kRoundS : 0.0;
   for (std::size_t s = 0; s < fault.stages.size() - (ends_at_floor ? 1 : 0); ++s) {
     EXPECT_GE(outcome.stage_s[s], 0.0) << fault.name << " never reaches "
@@ -90,8 +91,9 @@ void expect_as_alone(const Fault& fault, const Outcome& outcome, const Fault& ot
 
 bool is_of_cameras(const Fault& fault) { return fault.number <= 12; }
 
-// Why what a fault alone makes a vehicle count need not be counted beside the other; nullptr: it
-// must. The catalogue is in the order of numbers, so the first of two is of the cameras if one is.
+// Returns the reason why the count of a fault need not appear together with the other fault,
+// nullptr if it must appear. The catalogue is sorted by number, so of a pair with one camera fault
+// the first is that fault.
 const char* hides_count(const Fault& fault, const Fault& other, bool is_first) {
   if (!is_first && is_of_cameras(fault)) {
     return "the first of two faults of the cameras may leave no frame, or no pose, to be wrong";
@@ -105,7 +107,7 @@ const char* hides_count(const Fault& fault, const Fault& other, bool is_first) {
   return nullptr;
 }
 
-// What is counted alone is counted beside the other.
+// Expects that a fault counted alone is also counted together with the other.
 void expect_counted(const Fault& fault, const Outcome& outcome, const Fault& other, bool is_first) {
   const bool is_known_by_count = fault.counter != nullptr && fault.reason == nullptr;
   if (is_known_by_count && hides_count(fault, other, is_first) == nullptr) {
@@ -114,10 +116,10 @@ void expect_counted(const Fault& fault, const Outcome& outcome, const Fault& oth
   }
 }
 
-// The first of two begins in the very world in which it is flown alone. So each state comes as soon
-// as it did there, whatever the table allows: a tick of telemetry, one of ours, one for rounding,
-// and what the other delays. Not asked: what waits for the floor, and what strikes by where the
-// vehicle is or by plans once the other may have changed them; those are held to the table.
+// The first fault begins in the same world as when it is flown alone. Expects each state as early
+// as there, plus a telemetry tick, a guard tick, one for rounding and the delay of the other fault.
+// Skips stages that wait for the floor. Also skips those that depend on positions or plans, if the
+// other fault may have changed them; for those the limits of the table apply.
 void expect_as_soon(const Fault& fault, const Outcome& alone, const Outcome& outcome,
                     const Fault& other) {
   constexpr double kTicksS = 0.03;
@@ -133,11 +135,12 @@ void expect_as_soon(const Fault& fault, const Outcome& alone, const Outcome& out
   }
 }
 
-// Lanes are 1.3 m apart, and no fault brings two vehicles much nearer but those of who trusts plans
-// (who are kept from touching, which is asked of each pair): so no two do.
+// Lanes are 1.3 m apart, and only faults with `trusts_plans` bring vehicles much closer; for those
+// the collision check of each pair applies. Expects that no other pair brings them closer.
 void expect_as_far_apart(const Fault& a, const FaultRun& alone, const Fault& b,
                          const FaultRun& run) {
-  constexpr double kLanesKeptM = 1.0;  // FaultTable asks it of each fault that is flown through
+  constexpr double kLanesKeptM = 1.0;  // m; FaultTable checks it for each fault that is flown
+                                       // through
   constexpr double kSlackM = 0.1;
   if (!a.trusts_plans && !b.trusts_plans) {
     EXPECT_GE(run.closest_m, std::min(alone.closest_m, kLanesKeptM) - kSlackM)
@@ -147,10 +150,10 @@ void expect_as_far_apart(const Fault& a, const FaultRun& alone, const Fault& b,
 
 class FaultPairs : public testing::TestWithParam<std::size_t> {};
 
-// Every fault together with every one after it on the list, begun a quarter of a second later:
-// nobody collides or leaves the fence, each reaction is as quick as alone, and each fault ends at
-// least as severely as alone. And on the way there nothing is asked that cannot be flown, no state
-// is taken back, nobody comes nearer to another, and nothing that is counted alone goes uncounted.
+// Flies every fault with every later one of the list, begun 0.25 s later. No vehicle collides or
+// leaves the fence; each reaction is as fast and each final state at least as severe as alone.
+// Set-points can be flown, states are not revoked, separation is kept, and counted faults are
+// counted.
 TEST_P(FaultPairs, AreNoWorseThanTheWorse) {
   const auto& all = fault_catalogue();
   const std::size_t i = GetParam();
@@ -179,7 +182,7 @@ TEST_P(FaultPairs, AreNoWorseThanTheWorse) {
   }
 }
 
-// An exception for faults that are not there, or without a reason, excuses nobody knows what.
+// An exception must name existing faults and give a reason.
 TEST(FaultPairExceptions, NameFaultsThatExistAndSayWhy) {
   const auto exists = [](const std::string& name) {
     const auto& all = fault_catalogue();

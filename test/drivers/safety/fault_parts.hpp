@@ -6,7 +6,7 @@
 
 #include "test/drivers/safety/fault_catalogue.hpp"
 
-/// What the parts of the catalogue have in common; only they include it.
+/// Helpers shared by the parts of the fault catalogue; only those parts include it.
 namespace vantage::test::faults {
 
 using models::FlightState;
@@ -17,20 +17,20 @@ inline constexpr auto kLand = FlightState::kLand;
 inline constexpr auto kIdle = FlightState::kIdle;
 inline constexpr auto kKilled = FlightState::kKilled;
 
-/// One tick of telemetry, one of ours, one for rounding.
+/// s; one telemetry tick, one guard tick and one for rounding
 inline constexpr double kTicks = 0.03;
 
 inline VehicleKnobs& q1(FlightBench& bench) { return bench.vehicle("Q1").knobs; }
 inline VehicleKnobs& q2(FlightBench& bench) { return bench.vehicle("Q2").knobs; }
 
-/// Of two faults of one plan the first counts.
+/// Sets a plan fault; of two faults of one plan the first counts.
 inline void spoil(VehicleKnobs& knobs, PlanFault fault) {
   knobs.plan = knobs.plan == PlanFault::kNone ? fault : knobs.plan;
 }
 /// True during one tick only.
 inline bool is_at(double since_s, double at_s) { return std::abs(since_s - at_s) < 0.004; }
 
-/// The knob of Q1, or of the room, stands there.
+/// Returns an act that sets a knob of Q1 or of the room.
 template <class Knob, class Value = Knob>
 Act sets(Knob VehicleKnobs::*knob, Value value) {
   return [knob, value](FlightBench& bench, double) { q1(bench).*knob = value; };
@@ -39,7 +39,7 @@ template <class Knob, class Value = Knob>
 Act sets(Knob RoomKnobs::*knob, Value value) {
   return [knob, value](FlightBench& bench, double) { bench.room().*knob = value; };
 }
-/// At one tick.
+/// Returns an act that runs at one tick only.
 inline Act at(double at_s, Act act) {
   return [at_s, act = std::move(act)](FlightBench& bench, double since_s) {
     if (is_at(since_s, at_s)) {
@@ -67,12 +67,12 @@ inline Act both(Act one, Act other) {
     other(bench, since_s);
   };
 }
-/// The operator, once.
+/// Returns an act in which the operator sends one command.
 inline Act says(OperatorAction action, double at_s = 0.0) {
   return at(at_s, sets(&RoomKnobs::says, action));
 }
 
-/// How a fault goes on and ends.
+/// Expected reaction to a fault and the final state.
 struct Course {
   std::vector<Stage> stages;
   const char* reason = nullptr;
@@ -89,7 +89,7 @@ inline Course ends(FlightState end, std::vector<Stage> stages, const char* reaso
   return {std::move(stages), reason, counter, end};
 }
 
-/// Of Q1, at once.
+/// Returns a fault of Q1 that begins at once.
 inline Fault fault(int number, const char* name, const char* what, Act act, Course course) {
   return {number,         name,          what,          "Q1",           0.0,
           std::move(act), course.stages, course.reason, course.counter, course.end};
@@ -112,13 +112,13 @@ inline Fault trusting(Fault fault) {
   return fault;
 }
 
-/// Numbers 1 … 12: cameras, their computer, their clock.
+/// Returns faults 1 … 12: cameras, their computer, their clock.
 std::vector<Fault> of_mocap();
-/// 14, 15, 23 … 31, 42: plans, planners, maps.
+/// Returns faults 14, 15, 23 … 31, 42: plans, planners, maps.
 std::vector<Fault> of_plans();
-/// 29, 31 … 35, 37, 38, 45: the vehicle, its autopilot, its link, the driver itself.
+/// Returns faults 29, 31 … 35, 37, 38, 45: the vehicle, its autopilot, its link, the driver.
 std::vector<Fault> of_vehicles();
-/// 17, 36: the operator.
+/// Returns faults 17 and 36: the operator.
 std::vector<Fault> of_operators();
 
 }  // namespace vantage::test::faults

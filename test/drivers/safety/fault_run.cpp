@@ -21,7 +21,7 @@ bool shows(const Vehicle& vehicle, const std::string& reason) {
   return false;
 }
 
-// Follows one fault through a run.
+// Observes one fault during a run.
 class Watch {
  public:
   Watch(const Fault& fault, FlightBench& bench) : fault_(fault) {

@@ -23,8 +23,7 @@ std::string case_name(const std::string& name) {
 
 class FaultTable : public testing::TestWithParam<std::size_t> {};
 
-// One fault alone: each stage of the reaction in time, the stated reason, the stated end, and
-// nothing of what must never happen.
+// One fault alone: each stage in time, the stated reason and final state, and no violation.
 TEST_P(FaultTable, ReactsInTimeAndEndsAsWritten) {
   const Fault& fault = fault_catalogue()[GetParam()];
   const Fault* const one[] = {&fault};

@@ -14,7 +14,7 @@ Act swaps_names() {
     q2(bench).swapped_with = "Q1";
   };
 }
-/// Of two latencies the longer one.
+/// Sets the mocap latency; of two faults the longer one counts.
 Act latency(double latency_s) {
   return [latency_s](FlightBench& bench, double) {
     bench.room().mocap_latency_s = std::max(latency_s, bench.room().mocap_latency_s);
@@ -27,7 +27,7 @@ std::vector<Fault> of_mocap() {
   const std::vector<Stage> gone = {{kHold, 0.10 + kTicks}, {kLand, 0.50 + kTicks}};
   std::vector<Stage> to_the_end = gone;
   to_the_end.push_back({kKilled, 10.0});
-  /// A body that is shown so from then on.
+  /// Returns a fault with a body that is shown this way from then on.
   const auto believed_by_nobody = [&](int number, const char* name, const char* what,
                                       BodyFault how) {
     return fault(number, name, what, body(how), ends(kKilled, to_the_end, "pose implausible"));

@@ -1,4 +1,5 @@
-// The vehicle commanded is proven to be the body seen: on the ground, or within its first 0.3 m.
+// The commanded vehicle must be proven to be the observed body on the ground or within its first
+// 0.3 m.
 
 #include <algorithm>
 #include <cmath>
@@ -23,7 +24,7 @@ Eigen::Matrix3d turned(double degrees) {
 Eigen::Matrix3d diagonal(double x, double y, double z) {
   return Eigen::Vector3d(x, y, z).asDiagonal();
 }
-/// z to the side and y up: (x, y, z) is shown as (x, z, -y).
+/// z sideways and y up: (x, y, z) is shown as (x, z, -y).
 Eigen::Matrix3d y_up() {
   Eigen::Matrix3d out;
   out << 1, 0, 0, 0, 0, 1, 0, -1, 0;
@@ -33,8 +34,8 @@ Eigen::Matrix3d y_up() {
 struct WorldSetup {
   const char* name;
   Wiring wiring;
-  const char* whom;  ///< who must not fly
-  bool flies;        ///< nothing is wrong
+  const char* whom;  ///< vehicles that must not fly
+  bool flies;        ///< the set-up is correct
 };
 
 std::vector<WorldSetup> setups() {
@@ -59,9 +60,8 @@ std::vector<WorldSetup> setups() {
       {"MirroredXPositionsOnly", world(diagonal(-1, 1, 1), false), "Q1 Q2 Q3", false},
       {"MirroredYPositionsOnly", world(diagonal(1, -1, 1), false), "Q1 Q2 Q3", false},
       {"UpsideDown", world(diagonal(1, 1, -1)), "Q1 Q2 Q3", false},
-      // An autopilot that takes its yaw from the poses flies right in a world that is turned about
-      // the vertical; nothing is wrong but where the room is: nobody stands where the scenario
-      // says.
+      // An autopilot that takes its yaw from the poses flies correctly in a world that is rotated
+      // about the vertical. Only the start positions of the scenario do not match.
       {"Turned20", world(turned(20.0)), "Q1 Q2 Q3", false},
       {"Turned90", world(turned(90.0)), "Q1 Q2 Q3", false},
       {"Turned180", world(turned(180.0)), "Q1 Q2 Q3", false},
@@ -74,10 +74,10 @@ std::vector<WorldSetup> setups() {
 
 class FirstLift : public testing::TestWithParam<std::size_t> {};
 
-// Defects: y-up mocap was flown in, two swapped addresses climbed to 12 m.
+// Regression: vehicles flew with y-up mocap, and two with swapped addresses climbed to 12 m.
 TEST_P(FirstLift, NeverArmsOrIsBackOnTheGroundBelowItsProof) {
   const WorldSetup setup = setups()[GetParam()];
-  // One told, or all at once.
+  // Take-off of one vehicle or of all at once.
   for (const char* whom : {"", "Q1", "Q2"}) {
     SCOPED_TRACE(std::string("told: ") + (*whom == '\0' ? "all" : whom));
     FlightBench bench(7);
@@ -155,7 +155,7 @@ TEST(FirstLiftOfThree, OneAfterTheOtherByName) {
   }
 }
 
-// Nobody waits for ever: one that was told and cannot is passed by.
+// A vehicle that cannot lift is skipped after a time limit.
 TEST(FirstLiftOfThree, WhoCannotIsNotWaitedForForEver) {
   for (const char* broken : {"Q1", "Q2", "Q3"}) {
     FlightBench bench(4);
@@ -179,7 +179,7 @@ TEST(FirstLiftOfThree, WhoCannotIsNotWaitedForForEver) {
   }
 }
 
-// Told one shortly after the other, not together.
+// The take-off orders arrive one shortly after the other.
 TEST(FirstLiftOfThree, WhoWasToldFirstGoesFirst) {
   for (const double later_s : {0.02, 0.3, 1.0, 2.0}) {
     FlightBench bench(4);
@@ -197,7 +197,7 @@ TEST(FirstLiftOfThree, WhoWasToldFirstGoesFirst) {
   }
 }
 
-// Motors on, and somebody lifts it up, or its body is another's.
+// Its motors run and someone lifts it, or mocap shows the body of another vehicle.
 TEST(FirstLiftOfThree, ABodyThatRisesUntoldStopsItsMotors) {
   FlightBench bench(4);
   bench.run(1.0);
@@ -211,8 +211,8 @@ TEST(FirstLiftOfThree, ABodyThatRisesUntoldStopsItsMotors) {
   EXPECT_TRUE(FlightBench::has_reason(q1, "rises untold", bench.now()));
 }
 
-// Real autopilots take half a minute until they arm, and seconds to spool up: by then the order in
-// which vehicles were told is forgotten, and mocap shows nothing yet. So they say it themselves.
+// Real autopilots take up to half a minute to arm, and seconds to spool up. By then the order of
+// the commands is forgotten and mocap shows nothing yet, so vehicles report their own lift.
 TEST(LiftQueue, WaitsForWhoSaysThatItLiftsAndThenGoesByName) {
   const scenario::Scenario scenario = FlightBench::scenario();
   const drivers::SafetyLimits limits = drivers::limits_for(scenario, "Q2");
@@ -223,7 +223,7 @@ TEST(LiftQueue, WaitsForWhoSaysThatItLiftsAndThenGoesByName) {
     second.look({}, limits, start + from_seconds(at_s));
     third.look({}, limits, start + from_seconds(at_s));
   };
-  for (const double begin_s : {0.0, 20.0}) {  // and once more
+  for (const double begin_s : {0.0, 20.0}) {  // repeated later with the same queues
     look(begin_s);
     EXPECT_FALSE(second.is_taken());
     for (int i = 0; i <= 40; ++i) {
@@ -247,7 +247,7 @@ TEST(LiftQueue, WaitsForWhoSaysThatItLiftsAndThenGoesByName) {
   }
 }
 
-// Two whose motors begin to turn at the same instant.
+// Two vehicles whose motors start at the same instant.
 TEST(LiftQueue, LetsNoTwoBeginTogether) {
   const scenario::Scenario scenario = FlightBench::scenario();
   const drivers::SafetyLimits limits = drivers::limits_for(scenario, "Q1");
@@ -267,14 +267,14 @@ TEST(LiftQueue, LetsNoTwoBeginTogether) {
   EXPECT_GT(begun_s[2], begun_s[1] + 0.1);
 }
 
-// The one before us by name stands there and does not rise, or rises and is never proven; and once
-// more.
+// The vehicle before ours does not rise, or rises and is never proven. The sequence is repeated
+// with the same queue.
 TEST(LiftQueue, WaitsForWhoIsBeforeUsAsLongAsItStates) {
   const scenario::Scenario scenario = FlightBench::scenario();
   const drivers::SafetyLimits limits = drivers::limits_for(scenario, "Q2");
   const Time start = from_utime(1'700'000'000'000'000);
-  constexpr double kSlackS = 6.0;       // for its motors
-  constexpr double kPolitenessS = 0.3;  // of the second by name
+  constexpr double kSlackS = 6.0;       // s; allowance for the start of its motors
+  constexpr double kPolitenessS = 0.3;  // s; extra wait of the second by name
   drivers::LiftQueue queue(scenario, "Q2");
   drivers::OtherBody first;
   first.robot = 0;
@@ -296,8 +296,8 @@ TEST(LiftQueue, WaitsForWhoIsBeforeUsAsLongAsItStates) {
   }
 }
 
-// A step and a turn count only in the direction in which they were asked for, and beyond a share of
-// what was asked for; wherever it stood, and however it was turned.
+// Step and turn count only in the commanded direction and beyond 0.3 of the commanded amount, for
+// any ground position and yaw.
 TEST(Lift, IsProvenByItsStepAndItsTurnAsTheyWereAskedFor) {
   const drivers::SafetyLimits limits = drivers::limits_for(FlightBench::scenario(), "Q1");
   const Time start = from_utime(1'700'000'000'000'000);
@@ -321,7 +321,7 @@ TEST(Lift, IsProvenByItsStepAndItsTurnAsTheyWereAskedFor) {
     const bool is_proven = own.step(hover_m + gone_m, yaw_rad, course, limits, start);
     EXPECT_EQ(own.is_under_way(), !is_proven);
     const drivers::PlanPoint then =
-        course.planned_at(start);  // back, or still where it was told to
+        course.planned_at(start);  // back after the proof, otherwise still at the step
     const Eigen::Vector2d back_m =
         is_proven ? rest.position_m() : Eigen::Vector2d(asked.position_world_m.head<2>());
     EXPECT_LT((then.position_world_m.head<2>() - back_m).norm(), 1e-12);
@@ -342,7 +342,7 @@ TEST(Lift, IsProvenByItsStepAndItsTurnAsTheyWereAskedFor) {
   }
 }
 
-// Its first hover is no higher than what it was told to take off to.
+// The first hover is not above the commanded take-off height.
 TEST(Lift, RisesNoHigherThanTheTakeOff) {
   const drivers::SafetyLimits limits = drivers::limits_for(FlightBench::scenario(), "Q1");
   drivers::Lift own;
@@ -350,7 +350,7 @@ TEST(Lift, RisesNoHigherThanTheTakeOff) {
   EXPECT_DOUBLE_EQ(own.height_m(), limits.take_off_height_m);
 }
 
-// Its step aside goes along both axes, whichever of the four ways has most room.
+// The step goes along both axes, to the diagonal with the most room.
 TEST(Lift, StepsAsideToWhereThereIsMostRoom) {
   const drivers::SafetyLimits limits = drivers::limits_for(FlightBench::scenario(), "Q1");
   const Time start = from_utime(1'700'000'000'000'000);
@@ -374,7 +374,7 @@ TEST(Lift, StepsAsideToWhereThereIsMostRoom) {
   }
 }
 
-// 0.65 m from a wall is more room than 0.74 m from the middle of another body.
+// 0.65 m to a wall is more room than 0.74 m to the centre of another body.
 TEST(Lift, HasARadiusLessOfRoomBesideAnotherBodyThanBesideAWall) {
   drivers::SafetyLimits limits = drivers::limits_for(FlightBench::scenario(), "Q1");
   limits.vehicle.radius_m = 0.15;

@@ -27,7 +27,7 @@ class FleetOfQ2 : public testing::Test {
     }
     fleet.on_mocap(frame, limits, at(at_s));
   }
-  /// A plan of Q3, which hovers at (1, −1, 1) unless `change` says otherwise.
+  /// Returns a plan of Q3: a hover at (1, −1, 1) unless `change` modifies it.
   models::RobotPlan plan(const std::function<void(models::Trajectory&)>& change = nullptr) {
     models::RobotPlan out;
     out.robot = "Q3";
@@ -47,7 +47,7 @@ class FleetOfQ2 : public testing::Test {
   std::int64_t sequence = 0;
 };
 
-// Such a plan is counted, and the teammate is where it is seen.
+// Such a plan is counted, and the teammate is taken at its seen position.
 TEST_F(FleetOfQ2, RefusesATeammatesPlanThatItsVehicleCannotFly) {
   using Segments = std::vector<models::PlanSegment>;
   struct Case {
@@ -80,7 +80,7 @@ TEST_F(FleetOfQ2, RefusesATeammatesPlanThatItsVehicleCannotFly) {
   EXPECT_EQ(refused, 6);
 }
 
-// Its driver reported, and then no more: its autopilot lands it, straight down.
+// The driver of the teammate has fallen silent, so its autopilot lands it straight down.
 TEST_F(FleetOfQ2, TakesATeammateWhoseDriverIsSilentForAColumnWhereItIsSeen) {
   const auto course_at = [&](double t_s) {
     show(t_s, {{"Q3", {1.0, -1.0, 1.5}}});
@@ -98,7 +98,7 @@ TEST_F(FleetOfQ2, TakesATeammateWhoseDriverIsSilentForAColumnWhereItIsSeen) {
   EXPECT_NEAR(silent.position_world_m.z(), 1.5, 1e-9);
   fleet.on_status("Q3", at(2.6));
   EXPECT_NE(course_at(2.7).plan, nullptr);
-  fleet.on_status("Q9", at(2.6));  // not of the scenario
+  fleet.on_status("Q9", at(2.6));  // not in the scenario
 }
 
 TEST_F(FleetOfQ2, CarriesABodyOtherThanARobotStraightOn) {
@@ -113,7 +113,7 @@ TEST_F(FleetOfQ2, CarriesABodyOtherThanARobotStraightOn) {
   EXPECT_EQ(fleet.courses(at(3.0), limits)[0].velocity_world_mps.norm(), 0.0) << "not seen";
 }
 
-// A person in the room counts whatever mocap calls it; what this vehicle carries does not.
+// A person in the room counts under any name; a body that this vehicle carries does not.
 TEST_F(FleetOfQ2, KeepsBodiesOfNamesThatTheScenarioDoesNotHave) {
   show(0.0, {{"Q2", {0, 0, 1}}, {"HELMET", {1.5, 0, 1.7}}, {"GIMBAL", {0.1, 0, 1.0}}});
   auto bodies = fleet.bodies(at(0.0), limits);

@@ -21,7 +21,7 @@ constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
 class TeammatesPlans : public testing::Test {
  protected:
-  /// A hover at the origin from `start_s` on.
+  /// Returns a hover at the origin from `start_s` on.
   static models::RobotPlan hover(std::int64_t run, std::int64_t sequence, double start_s,
                                  const std::string& robot = "Q2") {
     models::RobotPlan plan;
@@ -88,7 +88,7 @@ TEST_F(TeammatesPlans, MayBeginExactlyAtTheirLimits) {
   }
 }
 
-// The first of a run is its number 0, and any number may name a run.
+// The numbers of a run start at 0; any number is a valid run id.
 TEST_F(TeammatesPlans, AreTakenFromAnyRunAndOnceEach) {
   for (const std::int64_t run :
        {std::int64_t{0}, std::int64_t{1}, std::int64_t{-1},
@@ -120,7 +120,7 @@ TEST_F(TeammatesPlans, AreTakenFirstWhateverTheClockSays) {
   }
 }
 
-// What cannot be flown by anybody neither counts as a plan nor takes the lease.
+// A plan that cannot be flown is ignored and does not take the lease.
 TEST_F(TeammatesPlans, ThatCannotBeAreAsIfNotHeard) {
   models::RobotPlan plan = hover(1, 0, 1.0);
   plan.trajectory.start.x_m = std::numeric_limits<double>::quiet_NaN();
@@ -143,7 +143,7 @@ TEST_F(TeammatesPlans, AreOfRobotsAndNotOnesOwn) {
   EXPECT_TRUE(fleet.courses(kStart, limits).empty());
 }
 
-/// A fleet as Q2 sees it: Q1, Q3 and the walkers W1 … W9.
+/// Fleet as seen by Q2: Q1, Q3 and the walkers W1 … W9.
 class Seen : public testing::Test {
  protected:
   void show(double at_s, const std::map<std::string, Eigen::Vector3d>& places_m) {
@@ -153,7 +153,7 @@ class Seen : public testing::Test {
     }
     fleet.on_mocap(frame, limits, at(at_s));
   }
-  /// Q3 hovers at `p_m` and sets off along x at `start_s`.
+  /// Delivers a plan of Q3: a hover at `p_m` that moves off along x at `start_s`.
   bool plan_of_q3(double start_s, double heard_s, const Eigen::Vector3d& p_m) {
     models::RobotPlan plan;
     plan.robot = "Q3";
@@ -189,8 +189,9 @@ TEST_F(Seen, AreOnlyThoseThatWereSeenAndWhoGoesFirstIsByName) {
   const auto bodies = fleet.bodies(at(0.0), limits);
   ASSERT_EQ(bodies.size(), 3u) << "itself is no other";
   const double xs_m[] = {0.0, 2.0, 3.0};
-  const bool goes_first[] = {true, false, true};  // Q1 is before Q2; who is no robot always is
-  const int robots[] = {0, 2, -1};                // by their place in the scenario
+  const bool goes_first[] = {true, false, true};  // Q1 is before Q2; a body that is not a robot
+                                                  // always has priority
+  const int robots[] = {0, 2, -1};                // indices in the scenario
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(bodies[i].position_world_m.x(), xs_m[i]);
     EXPECT_EQ(bodies[i].goes_first, goes_first[i]) << i;
@@ -216,7 +217,7 @@ TEST_F(Seen, CountStrangersAndRefusedPosesEachTime) {
   }
 }
 
-// One that has been moved is believed again after so many poses in a row, each time.
+// A moved body is accepted again after fifty consecutive poses, each time.
 TEST_F(Seen, AreBelievedWhereTheyAreAfterFiftyPoses) {
   double t_s = 0.0;
   show(t_s, {{"Q1", {0, 0, 1}}});
@@ -231,8 +232,8 @@ TEST_F(Seen, AreBelievedWhereTheyAreAfterFiftyPoses) {
   }
 }
 
-// A teammate's measured velocity comes late; what its plan says counts as soon as braking would
-// need it: the reaction time before it sets off.
+// The measured velocity of a teammate is late. The velocity of its plan counts from the reaction
+// time before it sets off, when braking would need it.
 TEST_F(Seen, SetOffAsTheirPlanSaysAReactionTimeBefore) {
   const Eigen::Vector3d hover_m(1.0, -1.0, 1.0);
   const double seen_s = test::last_accepted(1.5, 0.0, 1e-7, [&](double t_s) {
@@ -246,7 +247,8 @@ TEST_F(Seen, SetOffAsTheirPlanSaysAReactionTimeBefore) {
   EXPECT_EQ(body(1.4).velocity_world_mps.norm(), 0.0);
 }
 
-// A plan makes things worse or leaves them: one that is braking by its plan still moves.
+// The planned velocity never improves the prediction: a teammate that should stand by its plan may
+// still move.
 TEST_F(Seen, AreNotTakenForSlowerThanTheyAre) {
   for (double t_s = 0.0; t_s < 0.5; t_s += 0.01) {
     show(t_s, {{"Q3", {0.5 * t_s, -1.0, 1.0}}});
@@ -271,7 +273,7 @@ TEST_F(Seen, HaveStoppedWhereTheyWereLastIfNotSeenForLong) {
   EXPECT_EQ(body(5.0).planned_world_mps.norm(), 0.0);
 }
 
-// A person who is occluded does not stop for that, and is as large as the scenario says.
+// An occluded person is assumed to keep walking, and has the radius of the scenario.
 TEST_F(Seen, GoOnIfTheyAreNoRobotsAndAreAsLargeAsTheyAre) {
   scenario.targets[0].radius_m = 0.4;
   scenario.robots[0].limits.radius_m = 0.3;
@@ -293,7 +295,8 @@ TEST_F(Seen, GoOnIfTheyAreNoRobotsAndAreAsLargeAsTheyAre) {
   }
 }
 
-// While it keeps to its plan it is where the plan says; strayed, where it is seen; and again.
+// A teammate that keeps to its plan is assumed to follow it; one that strays is taken at its seen
+// position, and later again on its plan.
 TEST_F(Seen, FlyTheirPlanWhileTheyKeepToIt) {
   const Eigen::Vector3d hover_m(1.0, -1.0, 1.0);
   show(0.0, {{"Q3", hover_m}});
@@ -327,7 +330,7 @@ TEST_F(Seen, FlyTheirPlanWhileTheyKeepToIt) {
   }
 }
 
-// Where it is not known which of two is meant, it stays where it was and is seen no more.
+// While a name appears twice, its body stays at its last position and counts as not seen.
 TEST_F(Seen, AreNotBelievedWhileTheirNameIsThereTwice) {
   const Eigen::Vector3d here_m(1.0, -1.0, 1.0);
   show(0.0, {{"Q3", here_m}});
@@ -345,7 +348,7 @@ TEST_F(Seen, AreNotBelievedWhileTheirNameIsThereTwice) {
   EXPECT_EQ(body(0.03).age_s, 0.0) << "and once more when it is alone";
 }
 
-// What it says of itself is looked at where its plan is by now, not where it began.
+// The comparison uses the point of the plan at the current time, not its start.
 TEST_F(Seen, KeepToAPlanThatTheyFly) {
   const Eigen::Vector3d hover_m(-1.0, -1.0, 1.0);
   EXPECT_TRUE(plan_of_q3(0.0, 0.0, hover_m));
@@ -375,7 +378,8 @@ TEST_F(Seen, AreAskedWhatTheirPlanSaysAReactionTimeLater) {
   const auto asked_mps = [&](double t_s) {
     fleet = Fleet(scenario, "Q2");
     EXPECT_TRUE(fleet.on_plan(plan, limits, at(0.0)));
-    show(t_s, {{"Q3", hover_m + Eigen::Vector3d(0.2 * t_s, 0.0, 0.0)}});  // near enough
+    show(t_s, {{"Q3", hover_m + Eigen::Vector3d(0.2 * t_s, 0.0, 0.0)}});  // close enough to its
+                                                                          // plan
     return body(t_s).planned_world_mps.x();
   };
   const double soon_s = limits.reaction_s;
@@ -399,7 +403,7 @@ TEST_F(Seen, AreNotAskedWhatAPlanSaysThatTheyHaveLeft) {
   }
 }
 
-// One of which no plan was heard is where it is, also near the origin of the world.
+// A teammate without a received plan is at its seen position, also near the origin.
 TEST_F(Seen, WithoutAPlanAreWhereTheyAre) {
   test::Random random(51);
   for (int i = 0; i < 100; ++i) {
@@ -412,7 +416,7 @@ TEST_F(Seen, WithoutAPlanAreWhereTheyAre) {
   }
 }
 
-// Half a second on at its velocity, and no farther.
+// The prediction goes on at the last velocity for half a second at most.
 TEST_F(Seen, AreBelievedToGoOnForHalfASecond) {
   for (double t_s = 0.0; t_s < 0.5; t_s += 0.01) {
     show(t_s, {{"Q3", {0.5 * t_s, -1.0, 1.0}}});

@@ -20,7 +20,7 @@ constexpr double kSpeedMps = 1.0;
 constexpr double kBrakeMps2 = 2.0;
 constexpr double kTurnRadps = 2.5;
 constexpr std::int64_t kRoundTicks = 100;
-constexpr std::int64_t kPublishTick = 90;  // of a round
+constexpr std::int64_t kPublishTick = 90;  // tick of the round
 constexpr std::int64_t kPlannerRun = 100;
 constexpr std::int64_t kOtherPlannerRun = 500;
 constexpr std::int64_t kStationRun = 7;
@@ -168,7 +168,7 @@ void FlightBench::mocap() {
     spoil(frame);
     const Time arrives = now() + from_seconds(room_.mocap_latency_s +
                                               random_.uniform(0.0, 1.0) * room_.mocap_jitter_s);
-    newest_arrival_ = std::max(newest_arrival_, arrives);  // a network keeps their order
+    newest_arrival_ = std::max(newest_arrival_, arrives);  // the network keeps the order
     frame.arrival = newest_arrival_;
     frames_.push_back({newest_arrival_, frame});
   }
@@ -319,8 +319,8 @@ void FlightBench::spoil(models::MocapFrame& frame) {
   }
 }
 
-// Along the lane to its end, turn there, back. From where it will be if it keeps to its plan, else
-// from where it is.
+// Returns a plan along the lane to its end, a turn, and back. It starts at the predicted position
+// if the vehicle keeps to its plan, otherwise at the current one.
 models::RobotPlan FlightBench::honest_plan(Vehicle& vehicle, Time start) {
   models::RobotPlan plan;
   plan.robot = vehicle.name;
@@ -398,7 +398,7 @@ void FlightBench::spoil(models::RobotPlan& plan, Vehicle& vehicle) {
       straight_to(0.0, 0.65);
       break;
     case PlanFault::kMeetsTeammate: {
-      // Where the other will be when this one gets there.
+      // Predicted position of the other vehicle when this one arrives.
       const Vehicle& other = vehicles_[vehicle.name == "Q1" ? 1 : 0];
       Eigen::Vector2d meeting_m = other.position_m.head<2>();
       for (int i = 0; i < 10; ++i) {

@@ -16,13 +16,13 @@
 #include "scenario/scenario.hpp"
 #include "test/support/random.hpp"
 
-// A small closed loop in virtual time: three point-mass vehicles with lag behind a stand-in for the
-// autopilot, a planner each that shuttles along a lane, mocap at 100 Hz, an operator, and flight
-// safety, ticked at 100 Hz. Faults set the knobs afresh at each tick.
+// A small closed loop in virtual time: three point-mass vehicles with lag and a simulated
+// autopilot, one planner each that shuttles along a lane, mocap at 100 Hz, an operator, and flight
+// safety at 100 Hz. A fault sets the knobs again at each tick.
 
 namespace vantage::test {
 
-/// How a plan is spoilt before the vehicle hears it.
+/// Corruption of a plan before it reaches the vehicle.
 enum class PlanFault {
   kNone,
   kDropped,
@@ -34,14 +34,14 @@ enum class PlanFault {
   kLeavesFence,
   kMeetsObstacle,
   kMeetsTeammate,
-  kHeadOn,  ///< the same, for who trusts plans
+  kHeadOn,  ///< straight at a teammate; for guards that do not check plans against teammates
   kWrongVehicle,
   kEmpty,
   kHalfASecondOld,
-  kReplayed,  ///< one of three seconds ago
+  kReplayed,  ///< the plan sent three rounds earlier
 };
 
-/// How one body is spoilt in the mocap's frames.
+/// Corruption of one body in the mocap frames.
 enum class BodyFault {
   kNone,
   kOccluded,
@@ -54,70 +54,73 @@ enum class BodyFault {
   kMirrored,
   kUpsideDown,
   kDuplicated,
-  kForeign,  ///< a still body, 0.24 m from where this one was, bears its name
+  kForeign,  ///< a stationary body with this name, 0.24 m from the last position
 };
 
-/// What is wrong with one vehicle and its world during one tick.
+/// Faults of one vehicle and its environment during one tick.
 struct VehicleKnobs {
-  std::vector<BodyFault> body;  ///< all of them
-  double offset_m = 0.0;        ///< of its pose, along x
+  std::vector<BodyFault> body;  ///< all apply
+  double offset_m = 0.0;        ///< m; added to its shown position along x
   std::string swapped_with;
   PlanFault plan = PlanFault::kNone;
-  bool plan_late = false;  ///< it says itself that it missed its deadline, whatever else
+  bool plan_late = false;  ///< the plan reports a missed deadline
   bool second_planner = false;
   bool planner_dead = false;
   Eigen::Vector3d push_mps2 = Eigen::Vector3d::Zero();
-  Eigen::Vector3d runaway_mps = Eigen::Vector3d::Zero();  ///< added to what it is asked to fly
+  Eigen::Vector3d runaway_mps = Eigen::Vector3d::Zero();  ///< m/s; added to the commanded velocity
   bool motor_failed = false;
   double tilt_rad = 0.05;
-  double body_tilt_rad = 0.0;        ///< of the mocap's body, about its x axis
-  double attitude_offset_rad = 0.0;  ///< of the autopilot's roll
-  double yaw_offset_rad = 0.0;       ///< of the autopilot's yaw
-  bool says_disarmed = false;        ///< a heartbeat that is not its own, or wrong
+  double body_tilt_rad = 0.0;        ///< rad; of the mocap body about its x axis
+  double attitude_offset_rad = 0.0;  ///< rad; added to the roll that the autopilot reports
+  double yaw_offset_rad = 0.0;       ///< rad; added to the yaw that the autopilot reports
+  bool says_disarmed = false;        ///< heartbeats report disarmed while the motors run
   bool estimator_bad = false;
   double estimate_offset_m = 0.0;
-  double velocity_offset_mps = 0.0;  ///< of the velocity that the autopilot reports
+  double velocity_offset_mps = 0.0;  ///< m/s; added to the x velocity that the autopilot reports
   std::optional<double> battery_share;
   bool battery_frozen = false;
   bool battery_silent = false;
-  bool motors_off = false;   ///< whatever it is told
-  bool cannot_lift = false;  ///< its motors turn and that is all
+  bool motors_off = false;   ///< motors stop whatever is commanded
+  bool cannot_lift = false;  ///< motors run without lift
   bool link_cut = false;
   bool telemetry_cut = false;
   bool mode_left = false;
-  bool is_stalled = false;        ///< its driver does not run
-  double processor_wait_s = 0.0;  ///< of its driver, within the last second
-  bool is_ending = false;         ///< its driver was asked to end
+  bool is_stalled = false;        ///< the driver does not run
+  double processor_wait_s = 0.0;  ///< s; reported wait of the driver within the last second
+  bool is_ending = false;         ///< the driver was requested to end
   bool map_differs = false;
-  bool mute_teammates = false;  ///< plans of others do not arrive
+  bool mute_teammates = false;  ///< plans of teammates do not arrive
 };
 
 struct RoomKnobs {
-  int mocap_every = 1;      ///< ticks a frame
-  int heard_before_ms = 0;  ///< what a tick hears of mocap had come so long before it
+  int mocap_every = 1;      ///< ticks per frame
+  int heard_before_ms = 0;  ///< ms; age of mocap frames when a tick processes them
   double mocap_latency_s = 0.005;
   double mocap_jitter_s = 0.0;
   Duration mocap_clock{};
   double frame_loss = 0.0;  ///< probability
   bool mocap_dead = false;
   bool ghost_body = false;
-  std::vector<Eigen::Vector3d> walkers_m;     ///< where the scenario's first targets are seen
-  std::optional<Eigen::Vector3d> stranger_m;  ///< where a body of an unknown name is seen
+  std::vector<Eigen::Vector3d> walkers_m;     ///< m; shown positions of the first targets of the
+                                              ///< scenario
+  std::optional<Eigen::Vector3d> stranger_m;  ///< m; shown position of a body with an unknown name
   bool operator_silent = false;
-  std::string says_to;                               ///< whom `says` is meant for; empty: all
-  bool second_station = false;                       ///< one that beats and says `follow`
-  bool second_arms = false;                          ///< and `arm`
-  std::optional<models::OperatorAction> says;        ///< the operator, at this tick
-  std::optional<models::OperatorAction> other_says;  ///< another station
+  std::string says_to;                               ///< recipient of `says`; empty: all
+  bool second_station = false;                       ///< a second station sends heartbeats and
+                                                     ///< `follow`
+  bool second_arms = false;                          ///< it also sends `arm`
+  std::optional<models::OperatorAction> says;        ///< operator command at this tick
+  std::optional<models::OperatorAction> other_says;  ///< command of the second station at this tick
 };
 
-/// How the room was set up, wrongly perhaps. Not a fault of a moment: it is so from the beginning.
+/// Set-up of the room, possibly wrong. It holds for the whole run.
 struct Wiring {
   Eigen::Matrix3d mocap_from_world = Eigen::Matrix3d::Identity();
-  bool mirrors_attitude = true;  ///< a mirrored mocap mirrors rotations, too
+  bool mirrors_attitude = true;  ///< a mirrored mocap also mirrors rotations
   bool swaps_names = false;      ///< mocap shows Q1 under the name Q2, and the reverse
-  bool swaps_addresses = false;  ///< the driver of Q1 speaks to the autopilot of Q2
-  bool has_compass = false;      ///< autopilots know the true yaw and do not take the mocap's
+  bool swaps_addresses = false;  ///< the driver of Q1 is connected to the autopilot of Q2, and the
+                                 ///< reverse
+  bool has_compass = false;      ///< autopilots measure the true yaw and ignore that of mocap
 };
 
 struct Vehicle {
@@ -135,10 +138,11 @@ struct Vehicle {
   bool has_flown = false;
 
   // The autopilot.
-  Eigen::Vector3d drift_m = Eigen::Vector3d::Zero();  ///< of its estimate
+  Eigen::Vector3d drift_m = Eigen::Vector3d::Zero();  ///< m; error of its position estimate
   double blind_s = 0.0;
-  Eigen::Vector3d felt_mps = Eigen::Vector3d::Zero();  ///< its velocity by its own estimate
-  double turn_radps = 0.0;                             ///< truth, and what its gyroscopes say
+  Eigen::Vector3d felt_mps = Eigen::Vector3d::Zero();  ///< m/s; velocity as estimated by the
+                                                       ///< autopilot
+  double turn_radps = 0.0;                             ///< rad/s; true value and gyroscope reading
   double spool_s = 0.0;
   double ground_s = 0.0;
   double without_setpoint_s = 0.0;
@@ -158,12 +162,12 @@ struct Vehicle {
 class FlightBench {
  public:
   static constexpr double kTickS = 0.01;
-  static constexpr double kSeparationMinM = 0.5;  ///< two vehicles touch
-  /// Before time 0: three vehicles lift one after the other.
+  static constexpr double kSeparationMinM = 0.5;  ///< m; closer vehicles count as a collision
+  /// Time before 0 in which the three vehicles lift one after the other, s.
   static constexpr double kLeadS = 15.0;
 
-  /// `trusts_plans`: the plan check overlooks teammates, so that only what watches positions is
-  /// between two vehicles. `stagger_m`: each flies so much higher than the one before it.
+  /// With `trusts_plans` the plan check ignores teammates, so that only the position checks
+  /// separate vehicles. `stagger_m` is the height difference between consecutive vehicles.
   explicit FlightBench(std::uint64_t seed, bool trusts_plans = false, double stagger_m = 0.0);
   virtual ~FlightBench() = default;
   FlightBench(const FlightBench&) = delete;
@@ -171,51 +175,52 @@ class FlightBench {
   FlightBench(FlightBench&&) = delete;
   FlightBench& operator=(FlightBench&&) = delete;
 
-  /// Arms and takes off at the start; follows from 3.5 s on; until `until_s`.
+  /// Runs until `until_s`: arms and takes off at the start, follows from 3.5 s on.
   virtual void fly_up(double until_s);
-  /// One tick with the knobs as they are; they are set back afterwards.
+  /// Runs one tick with the current knobs, then resets them.
   void tick();
-  /// So many seconds of ticks, each after `set_knobs`.
+  /// Runs ticks for `seconds`; calls `set_knobs` before each.
   void run(
       double seconds, const std::function<void()>& set_knobs = [] {});
-  /// The operator says it at the next tick, to one vehicle or to all.
+  /// Sends an operator command at the next tick, to one vehicle or, if `whom` is empty, to all.
   void say(models::OperatorAction action, const std::string& whom = "");
-  /// What the vehicle's status gives as reasons now.
+  /// True if the status of the vehicle contains `reason` now.
   [[nodiscard]] static bool has_reason(const Vehicle& vehicle, const std::string& reason, Time now);
 
-  /// Begins at minus the lead.
+  /// Returns the bench time; it starts at minus the lead.
   [[nodiscard]] double time_s() const { return static_cast<double>(ticks_) * kTickS - lead_s_; }
   [[nodiscard]] Time now() const;
   [[nodiscard]] std::vector<Vehicle>& vehicles() { return vehicles_; }
   [[nodiscard]] Vehicle& vehicle(const std::string& name);
   [[nodiscard]] RoomKnobs& room() { return room_; }
   Wiring& wiring() { return wiring_; }
-  /// The driver of a vehicle dies and begins anew.
+  /// Replaces the guard of the vehicle by a new one.
   void restart_driver(Vehicle& vehicle);
-  /// Everything that must never happen and did, in words.
+  /// Returns descriptions of all collisions, breaches of the fence and other forbidden events so
+  /// far.
   [[nodiscard]] const std::vector<std::string>& violations() const { return violations_; }
   [[nodiscard]] double closest_m() const { return closest_m_; }
-  /// The newest value of a vehicle's counter, or -1 when it does not count that.
+  /// Returns the newest value of a counter of the vehicle, −1 if it has no such counter.
   [[nodiscard]] virtual std::int64_t count_of(const Vehicle& vehicle,
                                               const std::string& counter) const;
   static scenario::Scenario scenario(double stagger_m = 0.0);
 
  protected:
-  /// For a bench that drives its vehicles by other means; it has no guards of its own.
+  /// Constructs a bench without guards, for a subclass that drives its vehicles by other means.
   FlightBench(std::uint64_t seed, scenario::Scenario scenario, double lead_s);
 
-  /// Hands a frame, a plan or an order to every driver that runs.
+  /// Delivers a frame, a plan or a command to every running driver.
   virtual void deliver(const models::MocapFrame& frame);
-  /// True if the vehicle follows the plan now.
+  /// Returns true if the vehicle accepts the plan.
   virtual bool deliver(Vehicle& vehicle, const models::RobotPlan& plan);
   virtual void deliver(const models::OperatorCommand& command);
-  /// Drivers, autopilots and vehicles go on by one tick.
+  /// Advances drivers, autopilots and vehicles by one tick.
   virtual void move();
   [[nodiscard]] const scenario::Scenario& flown() const { return scenario_; }
   [[nodiscard]] std::int64_t ticks() const { return ticks_; }
 
  private:
-  struct Flight {  ///< a frame on its way
+  struct Flight {  ///< a frame in transit
     Time arrives;
     models::MocapFrame frame;
   };
@@ -227,11 +232,11 @@ class FlightBench {
   void operate();
   void say(models::OperatorAction action, std::int64_t run_id, std::int64_t& sequence);
   void autopilot(Vehicle& vehicle);
-  /// What mocap shows of a vehicle, without noise.
+  /// Returns the pose of the vehicle as mocap shows it, without noise.
   [[nodiscard]] Pose3 shown(const Vehicle& vehicle) const;
-  /// Whose driver speaks to this vehicle.
+  /// Returns the vehicle whose driver is connected to the autopilot of `vehicle`.
   [[nodiscard]] Vehicle& driver_of(const Vehicle& vehicle);
-  /// The vehicle whose body carries that one's name.
+  /// Returns the vehicle whose body mocap shows under the name of `named`.
   [[nodiscard]] Vehicle& carrier_of(const Vehicle& named);
   void fly(Vehicle& vehicle);
   void check();

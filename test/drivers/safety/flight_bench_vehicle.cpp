@@ -1,4 +1,4 @@
-// The bench's stand-in for an autopilot and its airframe, and what must never happen to it.
+// Simulated autopilot and airframe of the bench, and the checks of forbidden events.
 
 #include <algorithm>
 #include <cmath>
@@ -13,16 +13,17 @@ using models::FlightState;
 namespace {
 
 constexpr double kSpeedMaxMps = 1.3;
-constexpr double kAnswerS = 0.1;  // SafetyLimits::setpoint_lead_s
+constexpr double kAnswerS = 0.1;  // s; equals SafetyLimits::setpoint_lead_s
 constexpr double kLagS = 0.15;
 constexpr double kAccelerationMaxMps2 = 6.0;
 constexpr double kGravityMps2 = 9.81;
-constexpr double kEstimatorBlindS = 5.0;  // it calls itself good for so long without a pose
-constexpr double kDriftMps = 0.05;        // of its estimate meanwhile
+constexpr double kEstimatorBlindS = 5.0;  // s; time without a pose during which it still reports
+                                          // good
+constexpr double kDriftMps = 0.05;        // m/s; drift of its estimate without poses
 constexpr double kSpoolUpS = 0.8;
 constexpr double kYawGainPerS = 10.0;
 constexpr double kTurnMaxRadps = 4.0;
-constexpr double kVelocityMemoryS = 0.2;  // its own accelerometers count for about so long
+constexpr double kVelocityMemoryS = 0.2;  // s; time constant of the accelerometers in its estimate
 
 double yaw_of(const Pose3& pose) { return flatten(pose).yaw_rad; }
 
@@ -32,8 +33,8 @@ Eigen::Vector3d turned(const Eigen::Vector3d& v, double by_rad) {
 
 }  // namespace
 
-// What the vehicle's own electronics know and tell. Where it is and its yaw it knows from the poses
-// that its driver sends it; that it accelerates and turns, it feels itself.
+// Simulates the estimator and telemetry of the autopilot. Position and yaw come from the poses that
+// its driver sends, accelerations and turn rates from its own sensors.
 void FlightBench::autopilot(Vehicle& vehicle) {
   Vehicle& driver = driver_of(vehicle);
   const VehicleKnobs& knobs = driver.knobs;
@@ -107,7 +108,7 @@ void FlightBench::fly(Vehicle& vehicle) {
   if (vehicle.is_armed && lands_itself) {
     ask_mps = {0.0, 0.0, -0.5};
   } else if (is_tracking && vehicle.spool_s > kSpoolUpS && !knobs.cannot_lift) {
-    // It is told where to be when it will have answered.
+    // Set-points state the position at the time of the response.
     const Eigen::Vector3d believed_m =
         fed.translation_m + vehicle.drift_m + kAnswerS * vehicle.velocity_mps;
     ask_mps =
@@ -131,7 +132,7 @@ void FlightBench::fly(Vehicle& vehicle) {
   const Eigen::Vector3d before_mps = vehicle.velocity_mps;
   vehicle.velocity_mps += acceleration_mps2 * kTickS;
   if (vehicle.position_m.z() <= 0.0 && vehicle.velocity_mps.z() <= 0.0) {
-    vehicle.velocity_mps.setZero();  // the floor
+    vehicle.velocity_mps.setZero();  // on the floor
     vehicle.ground_s += kTickS;
     const bool comes_down = lands_itself || driver.out.state == FlightState::kLand;
     if (comes_down && vehicle.ground_s > 1.0) {

@@ -1,5 +1,5 @@
-// Who flies is what the body does: a driver that begins in the air, and an autopilot that says, or
-// is said to say, that its motors are off.
+// The motion of the body decides whether the vehicle flies: drivers that start in the air, and
+// disarmed reports.
 
 #include <cmath>
 
@@ -21,7 +21,7 @@ class FlyingAlready : public testing::Test {
   Vehicle& q1;
 };
 
-// Defect: a new driver said `idle` in the air and landed it.
+// Regression: a new driver went to `idle` in the air and landed the vehicle.
 TEST_F(FlyingAlready, ADriverThatIsRestartedHoldsAndAsks) {
   bench.fly_up(6.4);
   bench.run(0.5, [&] { q1.knobs.is_stalled = true; });
@@ -71,7 +71,7 @@ TEST_F(FlyingAlready, ADriverThatIsRestartedWithoutAPoseLands) {
   EXPECT_LT(q1.position_m.z(), 0.1);
 }
 
-// Defect: one word that the motors are off, in flight, made the guard idle and the driver land.
+// Regression: one disarmed report in flight made the guard idle and the driver land.
 TEST_F(FlyingAlready, IsNotDisarmedBecauseSomebodySaysSo) {
   for (const double lasts_s : {0.02, 1.0, 6.0}) {
     FlightBench room(9);
@@ -88,8 +88,8 @@ TEST_F(FlyingAlready, IsNotDisarmedBecauseSomebodySaysSo) {
   }
 }
 
-// Nobody sees it: then three heartbeats in a row must say so, which come once a second. Until then
-// it is brought down as it would be.
+// Without mocap, three consecutive heartbeats (one per second) must report it. Until then the
+// landing continues.
 TEST_F(FlyingAlready, UnseenIsNotDisarmedBeforeThreeHeartbeatsSaySo) {
   bench.fly_up(6.4);
   const auto hide = [&] { q1.knobs.body = {BodyFault::kOccluded}; };
@@ -108,7 +108,7 @@ TEST_F(FlyingAlready, UnseenIsNotDisarmedBeforeThreeHeartbeatsSaySo) {
   EXPECT_FALSE(q1.is_armed);
 }
 
-// The third such heartbeat in a row is believed, in the very tick that hears it.
+// The third such heartbeat in a row is accepted, in the tick that receives it.
 TEST_F(FlyingAlready, UnseenIsDisarmedByTheThirdHeartbeatThatSaysSo) {
   bench.fly_up(6.4);
   int beats = 0;
@@ -132,7 +132,7 @@ TEST_F(FlyingAlready, UnseenIsDisarmedByTheThirdHeartbeatThatSaysSo) {
   ADD_FAILURE() << "never believed";
 }
 
-// Motors that really are off: it falls, and that is seen at once.
+// With motors that really are off it falls, which is seen at once.
 TEST_F(FlyingAlready, IsDisarmedWhenItFalls) {
   bench.fly_up(6.4);
   bench.run(0.6, [&] { q1.knobs.motors_off = true; });
@@ -150,8 +150,8 @@ TEST_F(FlyingAlready, ADisarmedOneOnTheGroundIsIdleAtOnce) {
   EXPECT_EQ(q1.out.state, FlightState::kIdle);
 }
 
-// Where the ground is, cameras say. One whose estimate has drifted while nobody saw it does not fly
-// when it is seen again and somebody arms it by hand.
+// Mocap defines the ground. A vehicle on the ground whose estimate drifted while it was not seen is
+// not flying when it is seen again and armed by hand.
 TEST_F(FlyingAlready, DriftedUnseenOnTheGroundIsNotFlying) {
   bench.run(1.0);
   bench.run(2.0, [&] {

@@ -1,5 +1,4 @@
-// How a vehicle lifts, is watched while it does, and climbs; what it is asked on the way, to the
-// centimetre.
+// First lift, its supervision, and the climb, with set-points checked to the centimetre.
 
 #include <algorithm>
 #include <cmath>
@@ -21,8 +20,9 @@ constexpr double kLiftM = 0.2;
 
 double asked_m(const OneVehicle& one) { return one.out.setpoint.position_world_m.z(); }
 
-// At 0.5 m/s to 0.2 m, there it proves itself, and to 1 m; asked 0.1 s ahead. It is a climb, and no
-// time for plans, until it is within 0.15 m of its height; and once more.
+// It climbs at 0.5 m/s to 0.2 m, proves itself there, and climbs to 1 m, with set-points 0.1 s
+// ahead. Plans are not taken until it is within 0.15 m of its height. A second flight does the
+// same.
 TEST(Climbs, ToItsLiftAndThenToItsHeight) {
   OneVehicle one;
   for (int flight = 0; flight < 2; ++flight) {
@@ -64,7 +64,7 @@ TEST(Climbs, ToItsLiftAndThenToItsHeight) {
   }
 }
 
-// From a table, too.
+// Heights count from the ground position, for example a table.
 TEST(Climbs, FromWhereItStands) {
   scenario::Scenario room = OneVehicle::room();
   OneVehicle one({0.0, 0.0, 0.0}, 0.0, room);
@@ -73,7 +73,8 @@ TEST(Climbs, FromWhereItStands) {
   ASSERT_EQ(one.state(), FlightState::kHold);
   EXPECT_NEAR(one.out.climb_to_m, 0.3 + kLiftM, 1e-9);
   EXPECT_NEAR(asked_m(one), 0.3 + 0.01 + 0.1 * kClimbMps, 1e-9);
-  // Anywhere on its way up it is where it should be; below and above it is not.
+  // During the climb any height up to the goal counts as tracked; below the start and above the
+  // goal do not.
   EXPECT_NEAR(one.in().tracking_error_m, 0.0, 1e-9);
   for (const double off_m : {-0.2, -0.1, 0.1}) {
     one.hold_at_height(0.3 + off_m);
@@ -88,8 +89,8 @@ TEST(Climbs, FromWhereItStands) {
       << "above, and not gone where it was told";
 }
 
-// A climb that does not come to its height is over after twice its time and 5 s. What is asked is
-// its height all the while.
+// A climb that does not reach its height ends after twice its nominal time and 5 s. The set-point
+// stays at the goal height all the time.
 TEST(Climbs, NotForEver) {
   OneVehicle one;
   one.hold_at_height(0.3);
@@ -112,7 +113,8 @@ TEST(Climbs, NotForEver) {
   EXPECT_NEAR(climbed_s, 5.0 + 2.0 * 0.7 / kClimbMps, 0.05);
 }
 
-// Another vehicle flies above: what is asked stops, and its time does not run; then it goes on.
+// While another vehicle flies above, the set-point stops and the time limit does not run; then the
+// climb continues.
 TEST(Climbs, OnlyWhenNobodyFliesAbove) {
   OneVehicle one;
   const auto above = [&] { one.others = {one.body("Q2", {0.5, 0.0, 1.2})}; };
@@ -131,7 +133,8 @@ TEST(Climbs, OnlyWhenNobodyFliesAbove) {
   });
   EXPECT_EQ(one.out.setpoint.velocity_world_mps.z(), 0.0);
   EXPECT_NEAR(one.out.climb_to_m, 1.0, 1e-9);
-  // Beside its way it flies on; a hover at its height is no climb.
+  // The other vehicle moves away and the climb continues; a hover at the goal height is not a
+  // climb.
   double x_m = 0.5;
   one.run(1.2, [&] {
     x_m += 0.01;
@@ -145,8 +148,8 @@ TEST(Climbs, OnlyWhenNobodyFliesAbove) {
   EXPECT_NEAR(asked_m(one), 1.0, 1e-6) << "and is asked to be there";
 }
 
-// Who hovers above while it was held back for long does not make a climb of it again, and who is
-// far above is in nobody's way. In its first lift it does not stop for anybody, nor on its plan.
+// A vehicle above does not restart a climb that was held back for long, and one far above does not
+// block it. The first lift and a followed plan are not interrupted.
 TEST(Climbs, ForAsLongAsTheyShouldWithSomebodyAbove) {
   OneVehicle one;
   const auto fly_above = [&] { one.others = {one.body("Q2", {0.5, 0.0, 1.5})}; };
@@ -195,7 +198,7 @@ TEST(Climbs, InTheFirstLiftAndOnAPlanWhoeverIsAbove) {
   }
 }
 
-// A climb is over once it is: pushed down then, it is not where it should be.
+// A finished climb stays finished: pushed down later, the vehicle has a tracking error.
 TEST(Climbs, AreOverOnceTheyAre) {
   OneVehicle one;
   one.begin_lift();
@@ -226,8 +229,8 @@ TEST(Climbs, AreOverOnceItLands) {
   EXPECT_GT(one.in().tracking_error_m, std::hypot(level_m, 0.1)) << "lower than where it waits";
 }
 
-// A plan at another height is flown at that height, at the speed of a climb, up and down, whoever
-// flies above; a hover keeps what it has.
+// A plan at another height is flown at that height, up or down, at the speed of a climb, even with
+// a vehicle above. A hover keeps its height.
 TEST(Climbs, ToTheHeightOfItsPlan) {
   for (const double height_m : {1.2, 1.8}) {
     OneVehicle one;
@@ -252,7 +255,8 @@ TEST(Climbs, ToTheHeightOfItsPlan) {
   }
 }
 
-// What is asked fits together, 0.1 s from now: the mean of the plan around then.
+// Position, velocity, acceleration and yaw of a set-point are consistent: the window mean of the
+// plan 0.1 s from now.
 TEST(Climbs, AskForWhatIsToBeATenthOfASecondFromNow) {
   OneVehicle one({0.0, 0.0, 1.5});
   one.wait_for_plan();
@@ -275,7 +279,7 @@ TEST(Climbs, AskForWhatIsToBeATenthOfASecondFromNow) {
   }
 }
 
-// Idle it is asked for nothing, killed for its motors to stop and nothing else.
+// An idle vehicle gets no set-point, a killed vehicle only the motor stop.
 TEST(Climbs, AskNothingOnTheGroundAndNothingOfTheKilled) {
   OneVehicle one;
   one.stand();
@@ -290,7 +294,7 @@ TEST(Climbs, AskNothingOnTheGroundAndNothingOfTheKilled) {
   EXPECT_FALSE(one.lifts());
 }
 
-// A killed vehicle that still flies is not found anew.
+// A killed vehicle that is still in the air is not treated as found flying.
 TEST(Climbs, FindNoKilledVehicle) {
   OneVehicle one;
   one.run(0.2);
@@ -300,7 +304,7 @@ TEST(Climbs, FindNoKilledVehicle) {
   EXPECT_FALSE(one.in().is_found_flying);
 }
 
-// Whoever ends a lift: killed, landed.
+// A lift ends with an emergency stop or a landing.
 TEST(Climbs, LiftNoMoreOnceTheyAreOver) {
   for (const OperatorAction action : {OperatorAction::kEmergencyStop, OperatorAction::kLand}) {
     OneVehicle one;
@@ -313,7 +317,7 @@ TEST(Climbs, LiftNoMoreOnceTheyAreOver) {
   }
 }
 
-// Plans are for who follows, or waits for one and for nothing else.
+// Plans are accepted while following, or while only a plan is missing for it.
 TEST(Climbs, AndPlansAreTakenByWhoWaitsForThem) {
   OneVehicle one;
   const auto verdict = [&] { return one.follow(0.2, 0.0, 0.2, 1.5, 0.3); };

@@ -25,7 +25,7 @@ scenario::Scenario room() {
   return out;
 }
 
-// Whatever the order in which they come; and in the tick after that again.
+// The result does not depend on the order of the commands; the next tick starts without any.
 TEST(GuardCore, AnswersTheSafestOfTheOrdersOfATick) {
   const scenario::Scenario scenario = room();
   GuardCore core(scenario, "Q1", limits_for(scenario, "Q1"), Course(0.25));
@@ -45,7 +45,7 @@ TEST(GuardCore, AnswersTheSafestOfTheOrdersOfATick) {
   } while (std::next_permutation(orders.begin(), orders.end()));
 }
 
-// A heartbeat asks for nothing, and says nothing that is to be answered.
+// A heartbeat requests nothing and is obeyed at once.
 TEST(GuardCore, ObeysAtOnceWhatNeedsNoLook) {
   const scenario::Scenario scenario = room();
   GuardCore core(scenario, "Q1", limits_for(scenario, "Q1"), Course(0.25));
@@ -70,11 +70,11 @@ TEST(GuardCore, ObeysAtOnceWhatNeedsNoLook) {
   EXPECT_FALSE(core.request);
 }
 
-/// Q1 is seen at a place, by runs of mocap one after the other.
+/// Q1 as seen by successive mocap publishers.
 class SeenCore : public testing::Test {
  protected:
-  /// What came of it; `latency_s` after it was stamped it arrives at mocap's driver, and `way_s`
-  /// later here, now.
+  /// Delivers a frame and returns whether its publisher is accepted. It reaches the mocap driver
+  /// `latency_s` after its stamp and this process `way_s` later, now.
   bool see(std::int64_t run_id, const Eigen::Vector3d& place_m, bool is_armed = false,
            BodyContext context = {}) {
     models::MocapFrame frame;
@@ -94,7 +94,7 @@ class SeenCore : public testing::Test {
   Time now = from_utime(1'700'000'000'000'000);
   double latency_s = 0.02;
   double way_s = 0.0;
-  double clock_s = 0.0;  ///< of the mocap computer, ahead of ours
+  double clock_s = 0.0;  ///< s; lead of the clock of the mocap computer over ours
   std::int64_t number = 1;
   const Eigen::Vector3d here_m{0.5, -0.5, 0.0};
   const Eigen::Vector3d far_m{1.5, -0.5, 0.0};
@@ -102,9 +102,9 @@ class SeenCore : public testing::Test {
   static constexpr int kOther = 4;
 };
 
-// Once it is armed, who takes over the poses must show it where it is; before, it may have been
-// carried meanwhile. The source that it has may show it elsewhere on the ground, armed or not, and
-// in the air never.
+// After arming, a new publisher must show the vehicle at its known position; before, it may have
+// been carried. The current publisher may show it elsewhere on the ground, armed or not, but never
+// in the air.
 TEST_F(SeenCore, MustBeSeenWhereItIsByWhoTakesOverOnceItIsArmed) {
   for (const bool is_armed : {false, true}) {
     for (const bool in_air : {false, true}) {
@@ -120,7 +120,7 @@ TEST_F(SeenCore, MustBeSeenWhereItIsByWhoTakesOverOnceItIsArmed) {
           const bool is_heard = see(is_other ? kOther : kFirst, shown_m, is_armed, {in_air});
           EXPECT_EQ(is_heard, is_believed || !is_other) << "its own source stays its source";
           EXPECT_TRUE(is_at(is_believed ? shown_m : here_m));
-          // Who did not pass is not the source, and the first comes back at once.
+          // A refused publisher does not become the source, so the first continues at once.
           EXPECT_EQ(see(kFirst, here_m), !(is_other && is_believed));
         }
       }
@@ -128,7 +128,7 @@ TEST_F(SeenCore, MustBeSeenWhereItIsByWhoTakesOverOnceItIsArmed) {
   }
 }
 
-// Of both directions, each once, and of nothing else.
+// Counts each change of the clock once, in either direction, and nothing else.
 TEST_F(SeenCore, CountsHowOftenTheClockOfItsPosesWasSet) {
   const auto frames = [&] {
     for (int i = 0; i < 20; ++i) {
@@ -153,9 +153,9 @@ TEST_F(SeenCore, CountsHowOftenTheClockOfItsPosesWasSet) {
   EXPECT_NEAR(core.in.pose_latency_s, 0.12, 1e-6);
 }
 
-// Whoever makes it late: the cameras' computer, or the network from mocap's driver to here.
+// The delay counts in the cameras' computer and in the network from the mocap driver.
 TEST_F(SeenCore, SeesThatItsPosesAreLateWhereverTheyWaited) {
-  for (int round = 0; round < 2; ++round) {  // and once more
+  for (int round = 0; round < 2; ++round) {  // repeated with the same state
     for (const double waits_s : {0.0, 0.05, 0.3, 0.9, 0.0}) {
       pass(std::max(0.0, waits_s - way_s));  // nothing arrives while the path becomes longer
       way_s = waits_s;
@@ -170,12 +170,12 @@ TEST_F(SeenCore, SeesThatItsPosesAreLateWhereverTheyWaited) {
   EXPECT_EQ(core.clocks_set, 0);
 }
 
-// In a row, each of them; and of no frame nothing.
+// Both counts are consecutive; without a frame they are 0.
 TEST_F(SeenCore, SaysHowManyPosesItBelievedAndRefused) {
   core.look(now);
   EXPECT_EQ(core.in.poses_accepted, 0);
   EXPECT_EQ(core.in.poses_rejected, 0);
-  for (int round = 0; round < 2; ++round) {  // and once more
+  for (int round = 0; round < 2; ++round) {  // repeated with the same state
     const int before = core.in.poses_accepted;
     for (int i = 1; i <= 7; ++i) {
       pass(0.01);
@@ -194,7 +194,7 @@ TEST_F(SeenCore, SaysHowManyPosesItBelievedAndRefused) {
   }
 }
 
-// A plan that passes is on the course, and none that does not.
+// Only an accepted plan is put on the course.
 TEST_F(SeenCore, FollowsThePlansThatPass) {
   models::RobotPlan plan;
   plan.robot = "Q1";

@@ -1,4 +1,4 @@
-// Whom a guard that was not told to fly finds in the air.
+// Detection of a vehicle that is in the air without an order of this guard.
 
 #include <ostream>
 #include <string>
@@ -12,8 +12,9 @@ namespace {
 
 using models::FlightState;
 
-// Found in the air is who has motors that turn, is higher above where it last stood without than
-// 0.15 m, is seen or long unseen and says so itself, and was not told to by us.
+// A vehicle is found flying if its motors run, it is over 0.15 m above its last position with
+// motors off, and this guard did not order it. It must be seen, or unseen for long and report its
+// position.
 struct Found {
   const char* what;
   void (*set)(OneVehicle&);

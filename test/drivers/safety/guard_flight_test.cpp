@@ -1,5 +1,5 @@
-// What the guard of a vehicle that flies asks, believes and says in the air, of a body that does
-// exactly what the test says.
+// Commands, accepted poses and status of the guard in the air, with a body that moves exactly as
+// the test states.
 
 #include <algorithm>
 #include <string>
@@ -18,13 +18,13 @@ using models::OperatorAction;
 
 const Eigen::Vector3d kHigh(-2.0, -1.3, 1.6);
 
-/// Hovers: every note of its beginning is over.
+/// Hovers until the messages of the start are over.
 void hover(OneVehicle& q1) {
   q1.report.armed = q1.report.is_in_our_mode = true;
   q1.run(0.6);
 }
 
-/// Told to follow, and given a plan that begins a moment later; until it does.
+/// Commands `follow`, sends a plan that begins 0.1 s later, and runs until it begins.
 void follow(OneVehicle& q1, double speed_mps, double height_m) {
   q1.say(OperatorAction::kFollow);
   q1.tick();
@@ -34,7 +34,7 @@ void follow(OneVehicle& q1, double speed_mps, double height_m) {
   q1.run(0.1 + OneVehicle::kTickS);
 }
 
-/// Comes down as far as it is asked, and is switched off there.
+/// Commands a landing, descends as commanded and switches the motors off on the ground.
 void land(OneVehicle& q1) {
   q1.say(OperatorAction::kLand);
   q1.run(5.0);
@@ -77,8 +77,8 @@ constexpr Phase kPhases[] = {
      }},
 };
 
-// One that sinks may have come down by what it was asked meanwhile, when it is seen again; nobody
-// else may: on both sides of either limit.
+// When a vehicle is seen again, a sinking vehicle may be lower by its commanded descent. A vehicle
+// that was not sinking may not. Tested on both sides of either limit.
 TEST(GuardInTheAir, BelievesThatItSankOnlyWhenItWasToldTo) {
   constexpr double kUnseenS = 0.4;
   for (const Phase& phase : kPhases) {
@@ -99,7 +99,8 @@ TEST(GuardInTheAir, BelievesThatItSankOnlyWhenItWasToldTo) {
   }
 }
 
-// The same bits again and again are a mocap that hangs, in the air; near the ground it may stand.
+// In the air, poses repeated bit for bit mean that mocap is stuck. Near the ground the vehicle may
+// really be stationary.
 TEST(GuardInTheAir, BelievesThatItStandsStillOnlyNearTheGround) {
   for (const double off_m : {-0.03, 0.03}) {
     OneVehicle q1({-2.0, -1.3, 0.3});
@@ -119,7 +120,7 @@ TEST(GuardInTheAir, BelievesThatItStandsStillOnlyNearTheGround) {
   }
 }
 
-// A vehicle that is told to move, at more than 0.1 m/s, cannot show the same bits for long.
+// A vehicle that is commanded to move faster than 0.1 m/s cannot show identical poses for long.
 TEST(GuardInTheAir, DoesNotBelieveThatItStandsStillWhileItIsToldToMove) {
   for (const double speed_mps : {0.07, 0.15}) {
     OneVehicle q1(kHigh);
@@ -135,8 +136,8 @@ TEST(GuardInTheAir, DoesNotBelieveThatItStandsStillWhileItIsToldToMove) {
   }
 }
 
-// The plan's clock goes on as time does while poses are fresh, stands when they are as old as is
-// allowed, and in between in proportion.
+// The clock of the plan runs at full rate with fresh poses, stops at the maximum pose age, and
+// slows linearly in between.
 TEST(GuardInTheAir, SlowsItsPlanInProportionAsPosesAge) {
   constexpr double kSpeedMps = 0.5;
   constexpr double kStepS = 0.1;
@@ -164,8 +165,7 @@ TEST(GuardInTheAir, SlowsItsPlanInProportionAsPosesAge) {
   }
 }
 
-// What was taken while nothing forbade it begins when it was to; not once the operator has said
-// `hold`, and not later either.
+// An accepted plan begins at its start time. After `hold` it does not begin, then or later.
 TEST(GuardInTheAir, BeginsNoPlanOnceItIsToldToHold) {
   for (const bool is_told : {false, true}) {
     OneVehicle q1(kHigh);
@@ -192,7 +192,7 @@ TEST(GuardInTheAir, BeginsNoPlanOnceItIsToldToHold) {
   }
 }
 
-// Too near the fence it moves off while it holds, and stays where it hovers when there is room.
+// Too close to the fence, it moves away while it holds; with enough room it stays at its hover.
 TEST(GuardInTheAir, MovesOffTheFenceWhileItHolds) {
   const double fence_m = -5.0;
   for (const double room_m : {0.02, 0.2}) {
@@ -206,8 +206,8 @@ TEST(GuardInTheAir, MovesOffTheFenceWhileItHolds) {
   }
 }
 
-// While it waits at its first height its course is still that of the ground, and a teammate that
-// hovers beside it is as near as it is.
+// While it waits at the lift height, its course is still that of the ground. A teammate that hovers
+// next to it is then as close as it appears.
 TEST(GuardInTheAir, MovesOffTheFenceAfterItsLiftAndNotAtATeammate) {
   scenario::Scenario room = OneVehicle::room();
   room.world.bounds.min_m.y() = -0.27;
@@ -225,11 +225,11 @@ TEST(GuardInTheAir, MovesOffTheFenceAfterItsLiftAndNotAtATeammate) {
   EXPECT_GT((q1.position_m - mate_m).norm(), 0.6);
 }
 
-// Down as fast as is stated, slower near the ground; the speed that is asked for is the one at
-// which the height that is asked for changes.
+// It descends at the stated speed, slower near the ground. The commanded vertical velocity equals
+// the rate of the commanded height.
 TEST(GuardInTheAir, AsksForTheSpeedAtWhichItsHeightChanges) {
   OneVehicle q1(kHigh);
-  q1.beside_m.z() = 0.01;  // what is asked for does not jump to where its body is
+  q1.beside_m.z() = 0.01;  // avoids a jump of the set-point to the body
   hover(q1);
   q1.say(OperatorAction::kLand);
   double height_m = q1.guard.status(q1.now).setpoint_height_m;
@@ -250,7 +250,7 @@ TEST(GuardInTheAir, AsksForTheSpeedAtWhichItsHeightChanges) {
   EXPECT_GT(low, 50);
 }
 
-// Two ticks at one instant are one: no speed comes of no time.
+// Two ticks at the same instant count as one; the zero time step must not produce a velocity.
 TEST(GuardInTheAir, AsksForNumbersWhenNoTimeHasPassed) {
   OneVehicle q1(kHigh);
   hover(q1);
@@ -264,8 +264,8 @@ TEST(GuardInTheAir, AsksForNumbersWhenNoTimeHasPassed) {
   EXPECT_LT(q1.out.setpoint.velocity_world_mps.z(), 0.0);
 }
 
-// Whatever lifts it while it lands, and however fast the numbers that it flies by let its height
-// change: it never asks for more than is stated, up or down.
+// The commanded vertical velocity stays within the limits, even when the vehicle is lifted during a
+// landing or climb and descent limits differ.
 TEST(GuardInTheAir, AsksForNoSpeedBeyondWhatIsStated) {
   OneVehicle lifted(kHigh);
   hover(lifted);
@@ -293,7 +293,7 @@ TEST(GuardInTheAir, AsksForNoSpeedBeyondWhatIsStated) {
       << "the height that is asked for moves as fast as the velocity says";
 }
 
-// A change is news, once: of the state, of what is in the way, and neither without the other.
+// `changed` is set for one tick when the state or the reasons change, each without the other.
 TEST(GuardInTheAir, SaysOnceThatSomethingHasChanged) {
   OneVehicle q1(kHigh);
   hover(q1);
@@ -318,7 +318,7 @@ TEST(GuardInTheAir, SaysOnceThatSomethingHasChanged) {
   EXPECT_FALSE(q1.out.changed);
 }
 
-// Of the place that is asked for while there is one, else of where it is.
+// The status gives the set-point if there is one, otherwise the position.
 TEST(VehicleStatus, SaysWhereItIsToBeOrElseWhereItIs) {
   OneVehicle q1(kHigh, 0.5);
   q1.stand();
@@ -355,15 +355,15 @@ TEST(VehicleStatus, SaysWhereItIsToBeOrElseWhereItIs) {
   expect_at(-1.94, -1.22, 0.8);
 }
 
-// Unseen, it believes that its motors are off when the third heartbeat in a row says so, however
-// often it was said before in between.
+// Without mocap, the motors count as off after the third consecutive heartbeat that reports it.
+// Earlier interrupted reports do not count.
 TEST(GuardInTheAir, BelievesUnseenThatItsMotorsAreOffAtTheThirdWordInARow) {
   OneVehicle q1(kHigh);
   hover(q1);
   q1.has_mocap = false;
   q1.run(0.12);
   ASSERT_EQ(q1.out.state, FlightState::kHold);
-  // What the next heartbeat says.
+  // Sets the content of the next heartbeat.
   const auto turn = [&](bool are_on) {
     q1.report.armed = are_on;
     q1.guard.on_autopilot(q1.report, q1.now);
@@ -380,11 +380,11 @@ TEST(GuardInTheAir, BelievesUnseenThatItsMotorsAreOffAtTheThirdWordInARow) {
   }
 }
 
-// Said since it first spoke, though it first said what is taken for granted before.
+// The age of the battery value counts from its first report, even if that equals the default value.
 TEST(GuardInTheAir, KnowsSinceWhenItsBatterySaysTheSame) {
   for (const double share : {1.0, 0.9}) {
     OneVehicle q1(kHigh);
-    q1.battery_share = -1.0;  // no word that is believed
+    q1.battery_share = -1.0;  // out of range, therefore refused
     hover(q1);
     q1.battery_share = share;
     q1.tick();

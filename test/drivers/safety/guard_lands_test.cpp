@@ -1,5 +1,5 @@
-// How a vehicle comes down: where, how fast, and for whom it waits; and once more, by the same
-// guard.
+// Landings: position, descent speed, and waiting for bodies below. Several tests fly twice with the
+// same guard.
 
 #include <algorithm>
 #include <cmath>
@@ -17,10 +17,10 @@ using drivers::FlightSetpoint;
 using models::FlightState;
 using models::OperatorAction;
 
-// At 0.6 m/s, and 0.4 m/s below 1 m.
+// It descends at 0.6 m/s, and at 0.4 m/s below 1 m.
 TEST(ComesDown, AtItsTwoSpeeds) {
   OneVehicle one;
-  for (int flight = 0; flight < 2; ++flight) {  // and once more
+  for (int flight = 0; flight < 2; ++flight) {  // second flight with the same guard
     one.land_from({0.5, -0.5, 2.0});
     EXPECT_TRUE(one.out.is_sinking);
     EXPECT_LT(one.out.climb_to_m, 0.0);
@@ -44,20 +44,20 @@ TEST(ComesDown, AtItsTwoSpeeds) {
   }
 }
 
-// It is asked to go down until it is down, and no farther below where it is than 0.5 m.
+// The set-point goes down until touchdown, but never more than 0.5 m below the vehicle.
 TEST(ComesDown, ToNoFartherThanHalfAMetreBelowWhereItIs) {
   for (const double held_m : {0.3, 1.8}) {
     OneVehicle one;
     one.land_from({0.0, 0.0, 2.0});
     one.run(held_m < 1.0 ? 3.5 : 0.1);
     one.hold_at_height(held_m);
-    one.run(2.2);  // no longer: it would be found not to sink
+    one.run(2.2);  // limited: later the sinking check would act
     EXPECT_NEAR(one.out.setpoint.position_world_m.z(), held_m - 0.5, 1e-6);
     EXPECT_NEAR(one.out.setpoint.velocity_world_mps.z(), 0.0, 1e-6);
   }
 }
 
-// A climb ends where it lands: from what is lower, what it was asked or where it is.
+// A landing during a climb starts from the lower of set-point and position.
 TEST(ComesDown, FromTheLowerOfWhereItIsAndWasAskedToBe) {
   for (const double off_m : {-0.3, 0.3}) {
     OneVehicle one;
@@ -75,8 +75,8 @@ TEST(ComesDown, FromTheLowerOfWhereItIsAndWasAskedToBe) {
   }
 }
 
-// Waiting, it stays as high as it was asked to be, though it was pushed up; after a landing that
-// did not wait, too.
+// A vehicle that was pushed up and waits for its landing keeps the height of its set-point. This
+// also holds after an earlier landing without a wait.
 TEST(ComesDown, FromNoHigherThanItWasAskedToBe) {
   OneVehicle one;
   one.land_from({0.0, 0.0, 1.5});
@@ -98,8 +98,8 @@ TEST(ComesDown, FromNoHigherThanItWasAskedToBe) {
   EXPECT_NEAR(one.out.setpoint.position_world_m.z(), 1.5, 1e-3);
 }
 
-// Somebody below: it moves to where nobody is, at 0.6 m/s, before it comes down there; and once
-// more.
+// With a body below, it first moves aside at 0.6 m/s and then descends. The second flight does the
+// same.
 TEST(ComesDown, BesideWhoIsBelow) {
   OneVehicle one;
   for (int flight = 0; flight < 2; ++flight) {
@@ -126,17 +126,17 @@ TEST(ComesDown, BesideWhoIsBelow) {
   }
 }
 
-// Its hover has drifted, and somebody is below where it is or below where it is asked to be: it
-// comes down where there is nobody.
+// The vehicle has drifted from its hover, and a body is below the vehicle or below the hover. It
+// lands where neither is the case.
 TEST(ComesDown, WhereNobodyIsBelowItNorBelowItsHover) {
-  for (const double at_m : {-0.5, 0.85}) {  // nearer than 0.7 m to one of the two only
+  for (const double at_m : {-0.5, 0.85}) {  // closer than 0.7 m to only one of the two
     OneVehicle one;
     const Eigen::Vector3d walker_m(at_m, 0.0, 0.2);
     one.position_m = {0.0, 0.0, 1.5};
     one.run(0.4);
     one.answers = false;
     one.drift_mps = Eigen::Vector3d(0.3, 0.0, 0.0);
-    one.run(0.8);  // less than the gate of poses, for the way back in one tick
+    one.run(0.8);  // less than the pose gate, which the return in one tick must pass
     one.drift_mps = Eigen::Vector3d::Zero();
     one.others = {one.body("W1", walker_m)};
     one.run(0.1);
@@ -158,8 +158,8 @@ TEST(ComesDown, WhereNobodyIsBelowItNorBelowItsHover) {
   }
 }
 
-// Who does not get to its place comes down beside it 6 s after it was told where; who is within
-// 0.25 m of it when it should be there, then.
+// A vehicle that does not reach its landing spot descends 6 s after the command to go there. A
+// vehicle within 0.25 m of the spot at the expected arrival descends then.
 TEST(ComesDown, BesideItsPlaceWhenItDoesNotGetThere) {
   OneVehicle one;
   const Eigen::Vector3d walker_m(-0.1, 0.0, 0.3);
@@ -183,7 +183,7 @@ TEST(ComesDown, BesideItsPlaceWhenItDoesNotGetThere) {
   }
 }
 
-// As long as somebody is everywhere below, it waits; 20 s, and no longer; and once more.
+// While there is no free spot it waits, for at most 20 s. The second flight does the same.
 TEST(ComesDown, WhoeverIsBelowWhenItHasWaitedForLong) {
   scenario::Scenario room = OneVehicle::room();
   room.world.bounds = {{-0.5, -0.5}, {0.5, 0.5}};
@@ -209,7 +209,7 @@ TEST(ComesDown, WhoeverIsBelowWhenItHasWaitedForLong) {
   }
 }
 
-// Who begins to land so low looks at nobody; and once more.
+// A landing that begins this low ignores bodies below. The second flight does the same.
 TEST(ComesDown, WithoutALookFromBelow35Centimetres) {
   OneVehicle one;
   for (const double from_m : {0.33, 0.37, 0.33, 0.37}) {
@@ -220,8 +220,8 @@ TEST(ComesDown, WithoutALookFromBelow35Centimetres) {
   }
 }
 
-// Somebody walks in while it sinks: it stops where it is, no lower, and goes on when he has left.
-// Below 0.15 m it does not.
+// When a body moves in below, a descent stops at its height and continues after the body has left.
+// Below 0.15 m it does not stop.
 TEST(ComesDown, AndWaitsForWhoWalksInUntilItIsLow) {
   for (const double at_m : {0.8, 0.2, 0.1}) {
     scenario::Scenario room = OneVehicle::room();
@@ -245,7 +245,7 @@ TEST(ComesDown, AndWaitsForWhoWalksInUntilItIsLow) {
   }
 }
 
-// What stops a landing to move aside is a way that is taken: then it stops, and looks again.
+// When the path aside becomes blocked, the vehicle stops and searches again.
 TEST(ComesDown, AndStopsOnItsWayAsideForWhoStepsInToIt) {
   OneVehicle one;
   const Eigen::Vector3d below_m(-0.1, 0.0, 0.3);
@@ -267,7 +267,7 @@ TEST(ComesDown, AndStopsOnItsWayAsideForWhoStepsInToIt) {
                (one.position_m - ahead_m).head<2>().norm() < one.limits.landing_clearance_m);
 }
 
-// A free way is gone to its end, in one go.
+// A free path aside is flown to its end without a stop.
 TEST(ComesDown, AsideWithoutAStopOnAFreeWay) {
   OneVehicle one;
   const Eigen::Vector3d below_m(-0.1, 0.0, 0.3);
@@ -287,7 +287,7 @@ TEST(ComesDown, AsideWithoutAStopOnAFreeWay) {
   EXPECT_LT(one.ticks, 200);
 }
 
-// Pushed down while it waits, it has not decided to land.
+// A vehicle that is pushed down while it waits has not begun its descent.
 TEST(ComesDown, ByItsOwnDecisionOnly) {
   OneVehicle one;
   const auto walker = [&] { one.others = {one.body("W1", {0.65, 0.0, 0.1})}; };
@@ -303,8 +303,8 @@ TEST(ComesDown, ByItsOwnDecisionOnly) {
   EXPECT_FALSE(one.out.is_sinking);
 }
 
-// It sinks beside its place: whoever comes below it, or below its place alone, stops it, and it
-// goes from where it is to where nobody is.
+// A vehicle sinks 0.2 m beside its spot. A body below the vehicle, or only below the spot, stops
+// the descent. The vehicle then moves from its position to a free spot.
 TEST(ComesDown, AndWaitsForWhoComesBelowItOrBelowItsPlace) {
   for (const double at_m : {-0.55, 0.8}) {
     OneVehicle one;
@@ -334,7 +334,7 @@ TEST(ComesDown, AndWaitsForWhoComesBelowItOrBelowItsPlace) {
   }
 }
 
-// Decided, it comes down over its place, and is not asked to be where it happens to be.
+// Once the descent is decided, the set-point stays above the spot and does not follow the vehicle.
 TEST(ComesDown, OverItsPlaceOnceItHasDecided) {
   OneVehicle one;
   for (int i = 1; i <= 20; ++i) {
@@ -350,8 +350,8 @@ TEST(ComesDown, OverItsPlaceOnceItHasDecided) {
   EXPECT_LT(one.position_m.z(), 0.04);
 }
 
-// On its way aside its estimator failed, and it came down so far meanwhile that it has decided: it
-// stops there, within its brake, and is not carried on.
+// During the path aside the estimator failed and the vehicle sank so low that the landing is
+// decided. The vehicle stops there within its braking distance and is not moved aside.
 TEST(ComesDown, WithoutGoingAsideOnceItIsLow) {
   OneVehicle one;
   const auto walker = [&] { one.others = {one.body("W1", {-0.62, 0.0, 0.1})}; };
@@ -373,7 +373,7 @@ TEST(ComesDown, WithoutGoingAsideOnceItIsLow) {
   EXPECT_LT((one.asked_m() - here_m).norm(), 0.05);
 }
 
-// The 6 s to its place count from when it was told of that place.
+// The 6 s to reach the spot count from the command to go to that spot.
 TEST(ComesDown, BesideItsLastPlaceAsLateAsBesideItsFirst) {
   OneVehicle one;
   one.land_from({0.0, 0.0, 1.5});
@@ -392,7 +392,7 @@ TEST(ComesDown, BesideItsLastPlaceAsLateAsBesideItsFirst) {
   EXPECT_NEAR(waited_s, 6.04, 0.06);
 }
 
-// Found landing beyond where it should, it is brought inside; and once more.
+// A vehicle that is found landing at the fence is brought inside. The second flight does the same.
 TEST(ComesDown, InsideTheFenceWhenItWasFoundLandingAtIt) {
   OneVehicle one;
   one.report.is_in_our_mode = false;

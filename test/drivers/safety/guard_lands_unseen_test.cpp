@@ -1,4 +1,4 @@
-// How a vehicle comes down that is not seen, or whose autopilot does not know where it is.
+// Landings of a vehicle that is not seen, or whose autopilot has no position.
 
 #include <cmath>
 
@@ -13,7 +13,8 @@ using drivers::FlightSetpoint;
 using models::FlightState;
 using models::OperatorAction;
 
-// Without a position to steer by, at once after a doubt of 0.2 s, the autopilot lands by itself.
+// In a landing, the autopilot takes over and lands by itself once its estimator has been bad for
+// 0.2 s.
 TEST(ComesDownUnseen, BlindlyWhenTheEstimatorFails) {
   OneVehicle one;
   one.land_from({0.0, 0.0, 1.5});
@@ -34,7 +35,8 @@ TEST(ComesDownUnseen, BlindlyWhenTheEstimatorFails) {
   }
 }
 
-// Who sees nothing comes down over its hover for 1.4 s, and blindly after 1.5 s; whoever is below.
+// A vehicle that is not seen waits above its hover for 1.4 s and lands blindly after 1.5 s, even
+// with a body below.
 TEST(ComesDownUnseen, BlindlyWhenItIsNotSeenForLong) {
   OneVehicle one;
   one.run(0.4);
@@ -42,7 +44,7 @@ TEST(ComesDownUnseen, BlindlyWhenItIsNotSeenForLong) {
   one.tick();
   one.has_mocap = false;
   one.answers = false;
-  one.tells = false;  // nor does its autopilot say how high it is
+  one.tells = false;  // nor does its autopilot report its height
   double unseen_s = OneVehicle::kTickS;
   double blind_at_s = 0.0;
   for (; unseen_s < 2.0; unseen_s += OneVehicle::kTickS) {
@@ -58,7 +60,8 @@ TEST(ComesDownUnseen, BlindlyWhenItIsNotSeenForLong) {
   EXPECT_TRUE(one.out.is_sinking);
 }
 
-// What nothing measures is believed to sink at 0.4 of what is asked, and not below the floor.
+// Without any height measurement the estimated height sinks at 0.4 of the commanded speed and stops
+// at the floor.
 TEST(ComesDownUnseen, AndIsBelievedToSinkWhileNothingMeasuresIt) {
   OneVehicle one;
   one.land_from({0.0, 0.0, 1.5});
@@ -89,8 +92,8 @@ TEST(ComesDownUnseen, AndIsNotBelievedToBeBelowTheFloor) {
   EXPECT_EQ(one.state(), FlightState::kLand);
 }
 
-// Over its hover, unseen for a while, it comes down there without looking for a place; and waits
-// there for who was seen below.
+// A vehicle that has not been seen for a while descends above its hover without a search for
+// another spot. It waits if a body was last seen below.
 TEST(ComesDownUnseen, OverItsHoverWhileItIsNotSeen) {
   for (const bool is_free : {true, false}) {
     OneVehicle one;
@@ -113,7 +116,7 @@ TEST(ComesDownUnseen, OverItsHoverWhileItIsNotSeen) {
   }
 }
 
-// A pose of less than 0.1 s ago is good enough to look for a place by.
+// A pose up to 0.1 s old is fresh enough for the search of a landing spot.
 TEST(ComesDownUnseen, ByAPoseThatIsNotNew) {
   OneVehicle one;
   const auto walker = [&] { one.others = {one.body("W1", {-0.1, 0.0, 0.2})}; };
@@ -126,7 +129,7 @@ TEST(ComesDownUnseen, ByAPoseThatIsNotNew) {
   EXPECT_GT(one.out.setpoint.velocity_world_mps.head<2>().norm(), 0.05);
 }
 
-// Found landing by its autopilot's word alone, it comes down from where that says that it is.
+// A landing known only from the autopilot report starts at the reported height.
 TEST(ComesDownUnseen, FromWhereItsAutopilotSaysThatItIs) {
   OneVehicle one({0.0, 0.0, 1.5});
   one.has_mocap = one.report.is_in_our_mode = false;

@@ -1,5 +1,5 @@
-// The first lift of a vehicle, as it is watched: risen or not, proven or not, astray or not, and
-// compared with what its autopilot feels.
+// Supervision of the first lift: rise, proof, deviation from the path, and comparison with the
+// autopilot.
 
 #include <cmath>
 
@@ -15,7 +15,7 @@ using models::OperatorAction;
 
 constexpr double kLiftM = 0.2;
 
-// While it has not risen, and while it has not gone where it was told.
+// The times without a rise and without the commanded step.
 TEST(Lifts, AreTimedUntilTheyRiseAndUntilTheyAreProven) {
   OneVehicle one;
   one.hold_at_height(0.0);
@@ -35,7 +35,8 @@ TEST(Lifts, AreTimedUntilTheyRiseAndUntilTheyAreProven) {
   EXPECT_LT(one.in().unproven_s, 1.3);
 }
 
-// Armed, it stands; what lifts it up is not its order. What is not seen did not rise.
+// While it is armed on the ground, a rise is not due to an order. A body that is not seen has not
+// risen.
 TEST(Lifts, AreUntoldWhenItIsOnlyArmed) {
   OneVehicle one;
   one.stand();
@@ -44,7 +45,7 @@ TEST(Lifts, AreUntoldWhenItIsOnlyArmed) {
   for (int i = 0; i < 100 && !one.out.wants_armed; ++i) {
     one.tick();
   }
-  one.hold_at_height(0.04);  // its motors do not turn yet
+  one.hold_at_height(0.04);  // its motors do not run yet
   one.run(0.2);
   EXPECT_EQ(one.in().risen_untold_m, 0.0);
   one.report.armed = one.report.is_in_our_mode = true;
@@ -68,7 +69,7 @@ TEST(Lifts, AreUntoldWhenItIsOnlyArmed) {
   EXPECT_EQ(carried.state(), FlightState::kKilled);
 }
 
-// Another vehicle's body that rises instead of ours; once ours has risen, that is another matter.
+// A rise of another body counts only until our own body has risen.
 TEST(Lifts, WatchAnotherBodyUntilTheirOwnHasRisen) {
   for (const bool has_risen : {false, true}) {
     OneVehicle one;
@@ -87,7 +88,7 @@ TEST(Lifts, WatchAnotherBodyUntilTheirOwnHasRisen) {
   }
 }
 
-// Aside of its way, now or where it will be in 0.2 s.
+// Distance from the path of the lift, now or in 0.2 s.
 TEST(Lifts, AreAstrayWhereTheyAreOrWillBe) {
   OneVehicle one;
   one.hold_at_height(0.0);
@@ -109,7 +110,7 @@ TEST(Lifts, AreAstrayWhereTheyAreOrWillBe) {
   EXPECT_EQ(one.in().lift_astray_m, 0.0);
 }
 
-// Body and autopilot must climb and turn alike, and are compared while both speak.
+// Climb and turn rates of body and autopilot are compared while both report.
 TEST(Lifts, AreComparedWithWhatTheAutopilotFeels) {
   enum class Lacks { kNothing, kPosition, kTelemetry, kPose };
   for (const Lacks lacks : {Lacks::kNothing, Lacks::kPosition, Lacks::kTelemetry, Lacks::kPose}) {
@@ -142,7 +143,7 @@ TEST(Lifts, AreComparedWithWhatTheAutopilotFeels) {
   }
 }
 
-// A pose 0.05 s old proves nothing; and what is seen late is no end of a climb.
+// A pose 0.05 s old neither proves the lift nor ends the climb.
 TEST(Lifts, GoOnByPosesOfNow) {
   for (const double late_s : {0.04, 0.06}) {
     OneVehicle one;
@@ -172,7 +173,7 @@ TEST(Lifts, GoOnByPosesOfNow) {
   EXPECT_NEAR(one.in().tracking_error_m, 0.0, 1e-4);
 }
 
-// A lift near the fence goes where the lift goes, and does not move off.
+// During a lift near the fence, the vehicle does not move away from it.
 TEST(Lifts, DoNotMoveOffFromTheFence) {
   scenario::Scenario room = OneVehicle::room();
   room.robots[0].start = {4.7, 0.0, 0.0};

@@ -1,5 +1,4 @@
-// What a vehicle takes for true at a tick, of what was seen and said; all of it as inputs() shows
-// it.
+// State that the guard derives at a tick from the messages received, as inputs() shows it.
 
 #include <cmath>
 
@@ -15,8 +14,8 @@ using drivers::kNever;
 using models::FlightState;
 using models::OperatorAction;
 
-// Seen, as it is seen. Not seen for longer than 0.1 s, as its autopilot says, if that knows; and
-// else as it was last seen.
+// The height comes from mocap. After 0.1 s without a pose it comes from the autopilot if that has a
+// valid position; otherwise the last pose counts.
 TEST(Looks, AtItsHeightFromTheBestThatItHas) {
   enum class Lacks { kNothing, kPosition, kEstimator, kTelemetry };
   for (const Lacks lacks :
@@ -37,7 +36,7 @@ TEST(Looks, AtItsHeightFromTheBestThatItHas) {
     one.tick();
     const double felt_m = lacks == Lacks::kNothing || lacks == Lacks::kTelemetry ? 1.6 : 1.5;
     EXPECT_NEAR(one.in().height_m, felt_m, 1e-6) << static_cast<int>(lacks);
-    one.run(0.36);  // what was told 0.5 s ago is believed
+    one.run(0.36);  // a report up to 0.5 s old is accepted
     EXPECT_NEAR(one.in().height_m, felt_m, 1e-6) << static_cast<int>(lacks);
     one.run(0.04);
     EXPECT_NEAR(one.in().height_m, lacks == Lacks::kNothing ? 1.6 : 1.5, 1e-6);
@@ -47,7 +46,7 @@ TEST(Looks, AtItsHeightFromTheBestThatItHas) {
   }
 }
 
-// The height's error is of what is asked, above or below.
+// The tracking error includes the height error, above or below.
 TEST(Looks, AtHowFarItIsFromItsHeight) {
   for (const double off_m : {-0.3, 0.3}) {
     OneVehicle one({0.4, -0.7, 1.5});
@@ -58,7 +57,7 @@ TEST(Looks, AtHowFarItIsFromItsHeight) {
   }
 }
 
-// Where it once landed the next flight is measured as the first was.
+// After a landing, the next flight is measured like the first.
 TEST(Looks, AtHowFarItIsFromItsHeightAfterALandingToo) {
   OneVehicle one({0.4, -0.7, 1.5});
   one.run(0.4);
@@ -77,7 +76,7 @@ TEST(Looks, AtHowFarItIsFromItsHeightAfterALandingToo) {
   EXPECT_NEAR(one.in().tracking_error_m, 0.3, 0.01);
 }
 
-// An autopilot that says in the air that its motors are off has not told where the ground is.
+// A disarmed report in the air does not reset the reference height of the ground.
 TEST(Looks, ForTheGroundOnTheGround) {
   OneVehicle one({0.4, -0.7, 1.5});
   one.run(0.4);
@@ -92,8 +91,7 @@ TEST(Looks, ForTheGroundOnTheGround) {
   EXPECT_TRUE(one.in().is_found_flying);
 }
 
-// Sinking on its way down, a vehicle is not measured by the height that it is asked for; waiting,
-// it is.
+// While a vehicle sinks, its height error is ignored; while it waits for its landing, it counts.
 TEST(Looks, AtItsHeightInALandingOnlyWhileItWaits) {
   for (const bool waits : {false, true}) {
     OneVehicle one({0.0, 0.0, 1.5});
@@ -115,8 +113,8 @@ TEST(Looks, AtItsHeightInALandingOnlyWhileItWaits) {
   }
 }
 
-// An autopilot that says its motors are off is not believed while the body is seen to fly: high
-// enough, and not falling at 1 m/s.
+// A disarmed report is rejected while the body is seen to fly: above 0.15 m and not falling at 1
+// m/s.
 TEST(Looks, ForFlightBeforeItBelievesThatTheMotorsAreOff) {
   struct Case {
     double height_m, sinks_mps;
@@ -150,7 +148,8 @@ TEST(Looks, ForFlightBeforeItBelievesThatTheMotorsAreOff) {
   }
 }
 
-// When nobody sees it, it must say so by three heartbeats; taken back between, it counts anew.
+// Without mocap, three consecutive heartbeats must report it; an armed report in between resets the
+// count.
 TEST(Looks, ForThreeHeartbeatsWhenNobodySeesIt) {
   OneVehicle one({0.3, 3.0, 1.5});
   one.run(0.4);
@@ -171,7 +170,7 @@ TEST(Looks, ForThreeHeartbeatsWhenNobodySeesIt) {
       beat();
       EXPECT_TRUE(one.in().autopilot_armed) << beats;
     }
-    if (time == 0) {  // taken back: it counts anew
+    if (time == 0) {  // the count starts again
       one.report.armed = true;
       one.tick();
       beat();
@@ -181,7 +180,7 @@ TEST(Looks, ForThreeHeartbeatsWhenNobodySeesIt) {
   EXPECT_FALSE(one.in().autopilot_armed);
 }
 
-// On the ground it is believed at once, up and down.
+// On the ground, armed and disarmed reports are accepted at once.
 TEST(Looks, AtNothingElseOnTheGround) {
   OneVehicle one;
   one.stand();
@@ -195,7 +194,7 @@ TEST(Looks, AtNothingElseOnTheGround) {
     one.tick();
     EXPECT_FALSE(one.in().autopilot_armed);
   }
-  one.position_m.z() = 1.0;  // carried
+  one.position_m.z() = 1.0;  // carried by a person
   one.report.armed = true;
   one.has_mocap = false;
   one.tick();
@@ -205,7 +204,8 @@ TEST(Looks, AtNothingElseOnTheGround) {
   EXPECT_FALSE(one.in().autopilot_armed) << "carried, not flown";
 }
 
-// Nobody's word is older than this process, in the air; on the ground it was never heard.
+// In the air, the age of an input that never arrived counts from the start of the flight. On the
+// ground it is kNever.
 TEST(Looks, AtWhatItNeverHeard) {
   OneVehicle one({0.3, 0.05, 1.5});
   one.has_mocap = one.beats = one.is_commanded = false;
@@ -240,7 +240,7 @@ TEST(Looks, AtWhatItNeverHeard) {
   EXPECT_EQ(mute.in().telemetry_age_s, kNever);
 }
 
-// The ages of what was heard, and that of the charge of a battery only in flight.
+// Ages of the inputs received; that of the battery value counts in flight only.
 TEST(Looks, AtTheAgeOfWhatItHeard) {
   OneVehicle one({0.3, 0.05, 1.5});
   one.report.is_in_our_mode = false;
@@ -264,7 +264,7 @@ TEST(Looks, AtTheAgeOfWhatItHeard) {
   EXPECT_NEAR(one.in().flight_s, 1.8, 1e-9);
 }
 
-// Seen from above, while it is seen.
+// The horizontal speed, while the vehicle is seen.
 TEST(Looks, AtItsSpeedWhileItIsSeen) {
   OneVehicle one({0.3, 0.05, 1.5});
   one.run(0.4);
@@ -283,14 +283,15 @@ TEST(Looks, AtItsSpeedWhileItIsSeen) {
   EXPECT_EQ(carried.in().tracking_error_m, 0.0) << "on the ground nothing is asked";
 }
 
-// A plan whose clock is slowed, because it is seen late, is left behind: that is an error, too.
+// A plan whose clock is slowed because of late poses falls behind; the delay counts as tracking
+// error.
 TEST(Looks, AtHowFarItIsBehindItsPlan) {
   OneVehicle one({0.0, 0.0, 1.5});
   one.wait_for_plan();
   ASSERT_EQ(one.follow(1.0, 0.0, 4.0, 1.5), drivers::PlanVerdict::kAccepted);
   one.run(1.0);
   EXPECT_NEAR(one.in().tracking_error_m, 0.0, 0.01);
-  for (int i = 0; i < 8; ++i) {  // seen at every fifth tick, its clock goes at 0.68
+  for (int i = 0; i < 8; ++i) {  // seen at every fifth tick, so the plan clock runs at 0.68
     one.has_mocap = false;
     one.run(0.08);
     one.has_mocap = true;
@@ -301,7 +302,7 @@ TEST(Looks, AtHowFarItIsBehindItsPlan) {
   EXPECT_NEAR(one.in().tracking_error_m, late_m, 0.03);
 }
 
-// Before its first flight it is compared with the scenario's start, and never after.
+// Only before its first flight is it compared with the start of the scenario.
 TEST(Looks, AtHowFarItIsFromItsStartUntilItHasFlown) {
   scenario::Scenario room = OneVehicle::room();
   room.robots[0].start = {1.0, -1.0, 3.0};
@@ -342,7 +343,7 @@ TEST(Looks, AtHowFarItIsFromItsStartUntilItHasFlown) {
   EXPECT_EQ(unseen.in().body_tilt_rad, 0.0);
 }
 
-// What walks by is near where it will be within a second.
+// near_m is the least distance to a passing body within the next second.
 TEST(Looks, AtWhoComesNear) {
   OneVehicle one;
   one.stand();
@@ -356,7 +357,7 @@ TEST(Looks, AtWhoComesNear) {
   EXPECT_NEAR(one.in().near_m, std::hypot(x_m + 0.02 - 1.0, 0.5), 0.02);
 }
 
-// What autopilot and mocap say of each other is compared only while both speak.
+// Autopilot and mocap are compared only while both are fresh.
 TEST(Looks, AtTheEstimateOnlyWhileBothAreFresh) {
   for (const int lacks : {0, 1, 2, 3, 4}) {
     OneVehicle one({0.3, 0.05, 1.5});

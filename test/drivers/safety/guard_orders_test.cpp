@@ -1,5 +1,5 @@
-// What the guard of a vehicle that flies answers to whom, on the ground and in the air, and how it
-// waits for its turn.
+// Answers of the guard to commands on the ground and in the air, and how a take-off waits for its
+// turn.
 
 #include <limits>
 #include <string>
@@ -21,7 +21,7 @@ constexpr OperatorAction kAll[] = {OperatorAction::kHeartbeat,    OperatorAction
                                    OperatorAction::kHold,         OperatorAction::kLand,
                                    OperatorAction::kEmergencyStop};
 
-/// Between ticks, so that no answer depends on what was said before.
+/// Returns the answer of a new vehicle, so that it does not depend on earlier commands.
 CommandVerdict answer(bool is_airborne, OperatorAction action, const std::string& whom,
                       std::int64_t station) {
   OneVehicle q1;
@@ -32,7 +32,7 @@ CommandVerdict answer(bool is_airborne, OperatorAction action, const std::string
   EXPECT_EQ(q1.out.state, is_airborne ? FlightState::kHold : FlightState::kIdle);
   const std::int64_t refused = q1.count("command.refused");
   const CommandVerdict verdict = q1.say_to(whom, action, station);
-  // What is for others is no order that was refused, and a heartbeat is no order.
+  // Commands for other vehicles and heartbeats are not counted as refused.
   const bool counts =
       verdict == CommandVerdict::kRefused ||
       (verdict == CommandVerdict::kNotInCharge && action != OperatorAction::kHeartbeat);
@@ -40,7 +40,7 @@ CommandVerdict answer(bool is_airborne, OperatorAction action, const std::string
   return verdict;
 }
 
-// To arm and to take off makes sense on the ground only, to follow in the air only.
+// Arming and taking off are for the ground, following is for the air.
 TEST(GuardOrders, AreRefusedWhereTheyMakeNoSense) {
   for (const bool is_airborne : {false, true}) {
     for (const OperatorAction action : kAll) {
@@ -57,8 +57,8 @@ TEST(GuardOrders, AreRefusedWhereTheyMakeNoSense) {
   }
 }
 
-// Anybody may make it safer; the rest only the station in charge may say, and what is said to
-// another vehicle is no business of this one, whoever says it.
+// Any station may send commands that make the vehicle safer; all others only the station in charge.
+// Commands for another vehicle are ignored.
 TEST(GuardOrders, AreTakenFromTheStationInCharge) {
   for (const bool is_airborne : {false, true}) {
     for (const OperatorAction action : kAll) {
@@ -70,7 +70,7 @@ TEST(GuardOrders, AreTakenFromTheStationInCharge) {
   }
 }
 
-// Another station is in charge once the first was silent for the limit: on both sides of it.
+// Another station takes charge after the first was silent for the limit; both sides of it.
 TEST(GuardOrders, AreTakenFromAnotherStationOnceTheFirstIsSilent) {
   for (const double off_s : {-0.01, 0.01}) {
     OneVehicle q1;
@@ -84,7 +84,7 @@ TEST(GuardOrders, AreTakenFromAnotherStationOnceTheFirstIsSilent) {
   }
 }
 
-// It waits for its motors, and when they turn for who lifts; and says both.
+// A take-off waits for the motors and then for the vehicle that lifts; the status shows both.
 TEST(GuardOrders, SayWhatATakeOffWaitsFor) {
   OneVehicle q1;
   q1.stand();
@@ -111,7 +111,7 @@ TEST(GuardOrders, SayWhatATakeOffWaitsFor) {
   EXPECT_EQ(q1.out.state, FlightState::kIdle);
 }
 
-// A teammate lifts when it is in the air and says so: neither alone, and not for ever.
+// A teammate counts as lifting while it is airborne and reports its lift, for a limited time.
 TEST(GuardOrders, WaitForATeammateThatSaysInTheAirThatItLifts) {
   for (const FlightState state : {FlightState::kIdle, FlightState::kFollow, FlightState::kHold,
                                   FlightState::kLand, FlightState::kKilled}) {
@@ -136,7 +136,7 @@ TEST(GuardOrders, WaitForATeammateThatSaysInTheAirThatItLifts) {
   }
 }
 
-// Two are told at once: the first by name lifts, and its turn ends with its lift and not before.
+// Two take-off orders at once: the first by name lifts, and its turn ends with its lift.
 TEST(GuardOrders, LeaveTheTurnToTheNextOnceItsOwnLiftIsOver) {
   OneVehicle q1;
   q1.stand();
@@ -169,12 +169,12 @@ TEST(GuardOrders, LeaveTheTurnToTheNextOnceItsOwnLiftIsOver) {
   }
 }
 
-// A map until the right one is announced again, a version for a while.
+// A wrong map counts until the right one is announced, another version for a limited time.
 TEST(GuardOnTheGround, SaysThatAnotherMapOrAnotherVersionIsAnnounced) {
   OneVehicle q1;
   q1.stand();
   q1.run(1.2);
-  for (int time = 0; time < 2; ++time) {  // and once more
+  for (int time = 0; time < 2; ++time) {  // repeated with the same guard
     EXPECT_EQ(q1.reasons(), std::vector<std::string>());
     q1.guard.on_map(false);
     q1.tick();
@@ -197,7 +197,7 @@ TEST(GuardOnTheGround, SaysThatAnotherMapOrAnotherVersionIsAnnounced) {
   }
 }
 
-// Whatever is a number is taken for one, however large.
+// Any finite number is accepted, however large.
 TEST(AutopilotReport, IsHeardHoweverLargeItsNumbersAre) {
   OneVehicle q1;
   q1.stand();

@@ -1,5 +1,5 @@
-// How a vehicle stops: along its plan while it keeps to it, straight on when it does not; and what
-// begins when its state changes.
+// Stops: along the plan while the vehicle tracks it, straight on otherwise; and what begins at a
+// change of state.
 
 #include <cmath>
 
@@ -18,7 +18,8 @@ using models::OperatorAction;
 constexpr double kBrakeMps2 = 2.0;
 constexpr double kYawRad = 0.5;
 
-// On a circle of 1 m about (0, 1), at 1 m/s, from the origin eastwards.
+// Returns the point at path length `way_m` of a circle with radius 1 m around (0, 1), from the
+// origin eastwards.
 Eigen::Vector2d on_circle(double way_m) { return {std::sin(way_m), 1.0 - std::cos(way_m)}; }
 
 void follow_circle(OneVehicle& one, double seconds) {
@@ -28,7 +29,7 @@ void follow_circle(OneVehicle& one, double seconds) {
   ASSERT_EQ(one.state(), FlightState::kFollow);
 }
 
-// Straight on at kYawRad, which the numbers of these tests are turned by.
+// Rotates a vector by kYawRad, the heading of these tests.
 Eigen::Vector3d turned(double on_m, double aside_m) {
   return {on_m * std::cos(kYawRad) - aside_m * std::sin(kYawRad),
           on_m * std::sin(kYawRad) + aside_m * std::cos(kYawRad), 0.0};
@@ -44,8 +45,8 @@ void follow_straight(OneVehicle& one, double seconds) {
   ASSERT_EQ(one.state(), FlightState::kFollow);
 }
 
-// Within v²/2a on the circle, where a straight way would end 3 cm beside it; and as far along it
-// as a reaction and a stop go, it looks.
+// It stops within v²/2a on the circle; a straight stop would end 3 cm beside it. The predicted
+// braking path also follows the circle.
 TEST(Stops, AlongThePlanWhileItKeepsToIt) {
   for (const double unseen_s : {0.0, 0.04}) {
     OneVehicle one;
@@ -65,16 +66,16 @@ TEST(Stops, AlongThePlanWhileItKeepsToIt) {
   }
 }
 
-// Set-points change their speed gradually where the plan changes it at once: at the ends of a plan
-// the vehicle is up to 0.1 m from its plan, and at another speed. A stop begins at its position and
-// speed.
+// Set-points change their speed gradually where the plan changes it abruptly. At the ends of a plan
+// the vehicle is up to 0.1 m from its plan and has a different speed. A stop begins at its position
+// and speed.
 TEST(Stops, FromItsPositionAndSpeedWhereThePlanChangesItsSpeed) {
   for (const double after_s : {0.1, 0.2, 0.3, 1.0, 2.8, 3.0, 3.1}) {
     OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
     follow_straight(one, after_s);
     one.say(OperatorAction::kHold);
     one.tick();
-    const double speed_mps = one.in().speed_mps;  // as it is estimated
+    const double speed_mps = one.in().speed_mps;  // estimated value
     const Eigen::Vector2d here_m = one.position_m.head<2>();
     const Eigen::Vector2d velocity_mps = one.out.setpoint.velocity_world_mps.head<2>();
     const Eigen::Vector2d now_m = one.asked_m() - one.limits.setpoint_lead_s * velocity_mps;
@@ -86,7 +87,7 @@ TEST(Stops, FromItsPositionAndSpeedWhereThePlanChangesItsSpeed) {
   }
 }
 
-// What is not seen for so long that it lands stops straight on from where it was last believed.
+// After a loss long enough to land, it stops straight on from its last accepted position.
 TEST(Stops, StraightOnWhenItHasNotBeenSeenForLong) {
   OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
   follow_straight(one, 1.0);
@@ -102,7 +103,8 @@ TEST(Stops, StraightOnWhenItHasNotBeenSeenForLong) {
   EXPECT_LT((back(one.asked_m()) - seen_m - on_s * Eigen::Vector2d(1.0, 0.3)).norm(), 0.01);
 }
 
-// Pushed off its velocity by so much, on or back or aside: 0.6 m/s is still steered.
+// A velocity error of more than 0.6 m/s in any direction makes it stop straight on; below that it
+// still follows the plan.
 TEST(Stops, StraightOnWhenItIsPushedOffItsVelocity) {
   for (const Eigen::Vector2d& push_mps :
        {Eigen::Vector2d(0.0, 0.5), Eigen::Vector2d(0.0, 0.75), Eigen::Vector2d(0.0, -0.75),
@@ -126,7 +128,7 @@ TEST(Stops, StraightOnWhenItIsPushedOffItsVelocity) {
   }
 }
 
-// Beside its plan by more than the tracking allows, which stops it by itself.
+// An error larger than the tracking limit stops the vehicle without a command.
 TEST(Stops, StraightOnFromFarBesideItsPlan) {
   for (const bool is_far : {false, true}) {
     OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
@@ -151,7 +153,7 @@ TEST(Stops, StraightOnFromFarBesideItsPlan) {
   }
 }
 
-// A hover that is pushed stops as it moves, not as a plan that is over did.
+// The braking path of a pushed hover follows its measured motion, not that of a finished plan.
 TEST(Stops, LooksAheadAsFarAsItDriftsInAHover) {
   for (const bool has_flown_a_plan : {false, true}) {
     OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
@@ -168,8 +170,8 @@ TEST(Stops, LooksAheadAsFarAsItDriftsInAHover) {
   }
 }
 
-// A vehicle that was commanded to go a moment ago stops where it is, and does not begin the plan in
-// order to stop on it: when the commanded speed exceeds twice its own by 0.1 m/s.
+// A vehicle that has only just been commanded to move stops at its position and does not begin the
+// plan. This holds if the commanded speed exceeds twice its own by more than 0.1 m/s.
 TEST(Stops, WhereItIsWhenItHasOnlyJustBeenToldToGo) {
   struct Case {
     double own_mps, asked_mps;
@@ -197,7 +199,7 @@ TEST(Stops, WhereItIsWhenItHasOnlyJustBeenToldToGo) {
   }
 }
 
-// It looks along the plan that it is about to fly all the same.
+// The braking path follows a plan that has just been commanded.
 TEST(Stops, LooksAlongThePlanThatItIsAboutToFly) {
   OneVehicle one;
   one.wait_for_plan();
@@ -208,8 +210,8 @@ TEST(Stops, LooksAlongThePlanThatItIsAboutToFly) {
   EXPECT_NEAR(one.in().fence_stop_m, 5.0 - 0.25 - 0.2 - 0.25, 0.06);
 }
 
-// What a plan ends in was checked with it: it hovers there, wherever the body is just then. When
-// another plan was to come, it stops from where it is.
+// The final hover of a plan was checked with it, so the vehicle hovers there, wherever the body is.
+// If a further plan was accepted, it stops from its position.
 TEST(Stops, InTheHoverThatItsPlanEndedIn) {
   for (const bool has_next : {false, true}) {
     OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
@@ -235,7 +237,7 @@ TEST(Stops, InTheHoverThatItsPlanEndedIn) {
   }
 }
 
-// In the middle of one, it stops from where it is, not at a place where it is not.
+// In the middle of a plan it stops from its actual position.
 TEST(Stops, FromWhereItIsInTheMiddleOfAPlan) {
   OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
   follow_straight(one, 1.0);
@@ -249,8 +251,8 @@ TEST(Stops, FromWhereItIsInTheMiddleOfAPlan) {
   EXPECT_LT(one.out.setpoint.velocity_world_mps.head<2>().norm(), 1e-9);
 }
 
-// A plan that was taken while it held is not flown once it lands, and a hover is not left for a
-// place beside it.
+// A plan that was accepted during a hold is not flown after a landing has begun, and the hover
+// position is kept.
 TEST(Stops, BeforeAPlanThatItHasTakenAndMayNotFly) {
   OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
   one.wait_for_plan();
@@ -275,7 +277,7 @@ TEST(Stops, InItsHoverWhenItLandsFromIt) {
   EXPECT_LT((one.asked_m() - Eigen::Vector2d(0.3, -0.4)).norm(), 1e-6);
 }
 
-// The time of a flight is counted through all of its states, and from nothing in the next.
+// The flight time runs through all airborne states and starts at 0 in the next flight.
 TEST(Stops, DoNotBeginAFlightAnew) {
   OneVehicle one;
   one.tick();
@@ -297,7 +299,7 @@ TEST(Stops, DoNotBeginAFlightAnew) {
   goes_on(0.4, FlightState::kLand);
 }
 
-// A pose of less than 0.05 s ago is good enough to move off by.
+// A pose up to 0.05 s old is fresh enough for a move away from the fence.
 TEST(Stops, AndMovesOffByAPoseThatIsNotNew) {
   OneVehicle one({5.0 - 0.25 - 0.05, 1.0, 1.5});
   one.report.armed = one.beats = false;
@@ -308,12 +310,12 @@ TEST(Stops, AndMovesOffByAPoseThatIsNotNew) {
   ASSERT_EQ(one.state(), FlightState::kHold);
   one.has_mocap = true;
   one.tick();
-  // 0.1 s ahead of 0.02 s, and not of nothing.
+  // This is the velocity 0.1 s after the 0.02 s tick.
   EXPECT_GT(one.out.setpoint.velocity_world_mps.head<2>().norm(), 0.2 * 0.11 / 0.5);
 }
 
-// A hover nearer to the fence than 0.1 m goes to where it is 0.15 m, at 0.2 m/s; not while it is
-// not seen well, nor while the estimator is in doubt.
+// A hover closer than 0.1 m to the fence moves at 0.2 m/s to 0.15 m. It does not move while poses
+// are old or the estimator is bad.
 TEST(Stops, AndMovesOffFromTheFence) {
   enum class Waits { kNot, kForMocap, kForEstimator };
   for (const Waits waits : {Waits::kNot, Waits::kForMocap, Waits::kForEstimator}) {

@@ -7,7 +7,8 @@
 
 namespace vantage::test {
 
-/// A plan as flight safety holds it; it must be one that can be held.
+/// Returns the plan in the form in which flight safety holds it; fails the test if it cannot be
+/// held.
 inline drivers::HeldPlan held(const models::Trajectory& way) {
   drivers::HeldPlan plan;
   EXPECT_TRUE(drivers::hold_plan(way, plan));

@@ -11,8 +11,8 @@
 #include "test/drivers/safety/held.hpp"
 #include "test/support/random.hpp"
 
-// What a held plan says of itself: where it is, how fast, for how long. Flight safety brakes, looks
-// around and hands set-points on by these numbers alone.
+// Position, velocity and duration of a held plan. Braking, distance checks and set-points depend
+// only on these numbers.
 
 namespace vantage::drivers {
 namespace {
@@ -21,7 +21,8 @@ using test::held;
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
-/// Forwards and backwards, straight, in arcs and on the spot; stops, some of them with time left.
+/// Random paths forwards and backwards, straight, in arcs and on the spot, with stops, some of them
+/// with time left.
 models::Trajectory random_way(test::Random& random) {
   models::Trajectory way;
   way.start_time = kStart;
@@ -37,7 +38,7 @@ models::Trajectory random_way(test::Random& random) {
   return way;
 }
 
-// Velocity and yaw rate against differences of places and yaws, in every kind of segment.
+// Velocity and yaw rate compared with differences of position and yaw, in every kind of segment.
 TEST(PointAt, MovesAsFastAsItSays) {
   constexpr double kHalfS = 1e-5;
   test::Random random(41);
@@ -62,7 +63,8 @@ TEST(PointAt, MovesAsFastAsItSays) {
   }
 }
 
-// A stop from v at a: v²/2a long, over after v/a, and at rest for as long as the segment lasts.
+// A stop from v at a is v²/2a long, takes v/a and stays at rest for the remaining time of the
+// segment.
 TEST(PointAt, BrakesAsHardAsItSaysAndThenStands) {
   for (const double speed_mps : {0.6, 1.0, 1.7}) {
     for (const double brake_mps2 : {0.5, 1.0, 2.5}) {
@@ -89,7 +91,7 @@ TEST(PointAt, BrakesAsHardAsItSaysAndThenStands) {
   }
 }
 
-// Also one that drives and turns to its last instant: the hover after it is where it ends.
+// The hover after a plan is at its end, even if it drives and turns until its last instant.
 TEST(PointAt, StandsBeforeItsStartAndAfterItsEnd) {
   HeldPlan plan;
   plan.start = {1.0, -0.5, 3.0};
@@ -121,8 +123,8 @@ TEST(PointAt, StandsBeforeItsStartAndAfterItsEnd) {
   }
 }
 
-// After a minute at 1 m/s a turn that is taken for straight is 2 mm off at most: its chord is
-// v t sinc(ω t / 2), half-way between both headings.
+// A turn that is treated as straight deviates by at most 2 mm after 60 s at 1 m/s. Its exact chord
+// is v t sinc(ω t / 2), half-way between both headings.
 TEST(PointAt, KnowsTheSlowestTurnsToTwoMillimetres) {
   HeldPlan plan;
   plan.count = 1;
@@ -163,8 +165,8 @@ TEST(HoldPlan, HoldsAsManySegmentsAsItHasRoomForEachAsItWas) {
   EXPECT_NEAR(duration_s(plan), 3e-3 * 64.0 * 65.0 / 2.0, 1e-12);
 }
 
-// The space is used again for plan after plan: of a longer one before it nothing is left that
-// counts, be it fast, tight, endless or no number.
+// The storage is reused: remains of a longer earlier plan do not count, even if they are fast,
+// tight, long or not finite.
 TEST(HoldPlan, ForgetsTheLongerPlanThatWasInItsPlace) {
   test::Random random(42);
   const SafetyLimits limits = limits_for(test::FlightBench::scenario(), "Q1");
@@ -173,7 +175,7 @@ TEST(HoldPlan, ForgetsTheLongerPlanThatWasInItsPlace) {
   for (int i = 0; i < 300; ++i) {
     models::Trajectory way = random_way(random);
     for (models::PlanSegment& segment : way.segments) {
-      segment.control.speed_mps *= i % 2 == 0 ? 0.2 : 1.0;  // every other one is feasible
+      segment.control.speed_mps *= i % 2 == 0 ? 0.2 : 1.0;  // every other plan is feasible
       segment.brake_mps2 = 0.0;
     }
     way.segments.push_back({{}, 0.1, 0.0});

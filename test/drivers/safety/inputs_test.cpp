@@ -1,5 +1,5 @@
-// What flight safety looks at, as plain numbers, of what was said to it: on the ground in closed
-// form, in a first lift against what the bench knows, and in a second flight as in the first.
+// Inputs of the ladder computed from messages: on the ground in closed form, in a first lift
+// against the truth of the bench, and in a second flight as in the first.
 
 #include "drivers/safety/inputs.hpp"
 
@@ -22,7 +22,7 @@ using test::FlightBench;
 using test::Vehicle;
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
-constexpr double kSeenS = 0.02;  ///< after the beginning; looked at 10 ms later
+constexpr double kSeenS = 0.02;  ///< s after kStart; evaluated 10 ms later
 constexpr double kNowS = 0.03;
 
 Time at(double t_s) { return kStart + from_seconds(t_s); }
@@ -33,7 +33,7 @@ Quaternion turned(double yaw_rad, double roll_rad = 0.0, double pitch_rad = 0.0)
          Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitX());
 }
 
-/// Q1 (its start: (-2, -1.3), yaw 0) stands on the ground, seen and heard once.
+/// Q1 (start at (-2, -1.3), yaw 0) stands on the ground; one pose and one report were received.
 class Inputs : public testing::Test {
  protected:
   void see(const Eigen::Vector3d& place_m, const Quaternion& rotation, double t_s = kSeenS) {
@@ -62,7 +62,7 @@ class Inputs : public testing::Test {
   std::int64_t number = 0;
 };
 
-// Each component counts, of either sign, and none of them more than another.
+// All components count equally, with either sign.
 TEST_F(Inputs, SayHowFarTheAutopilotIsFromWhereItIsSeen) {
   const Eigen::Vector3d here_m(-2.1, -1.2, 0.05);
   for (const Eigen::Vector3d& off_m :
@@ -74,7 +74,7 @@ TEST_F(Inputs, SayHowFarTheAutopilotIsFromWhereItIsSeen) {
   }
 }
 
-// Whichever way the body is turned, either side, and across the half turn.
+// Holds for any yaw of the body, either sign, and across ±π.
 TEST_F(Inputs, SayByHowMuchYawAndLevelDifferFromWhatIsSeen) {
   const Eigen::Vector3d here_m(-2.0, -1.3, 0.0);
   for (const double yaw_rad : {0.0, 1.0, -2.0, 3.1, -3.1}) {
@@ -109,8 +109,7 @@ TEST_F(Inputs, SayHowItStandsAndHowFarFromItsStart) {
   }
 }
 
-// Nothing is compared with what is too old, or was never said; an attitude that was not said is
-// the worst there is.
+// Old or missing values are not compared. A missing attitude counts as the worst case.
 TEST_F(Inputs, AreComparedOnlyWhileBothAreFresh) {
   const Eigen::Vector3d here_m(-2.0, -1.3, 0.0);
   const Eigen::Vector3d there_m(-2.0, -1.3, 0.7);
@@ -146,7 +145,7 @@ TEST_F(Inputs, AreComparedOnlyWhileBothAreFresh) {
   }
 }
 
-// A quaternion that is a little too long or short tilts nothing, on its feet or on its head.
+// A quaternion with a small length error does not add tilt, upright or upside down.
 TEST_F(Inputs, SayANumberForEveryTilt) {
   for (const double length : {0.995, 1.0, 1.005}) {
     for (const double roll_rad : {0.0, kPi}) {
@@ -186,7 +185,8 @@ TEST_F(Inputs, SayHowLongTheThreadWaitedForAProcessor) {
   EXPECT_EQ(look(9.1).processor_wait_s, 0.0);
 }
 
-// Told to stand, it measures how far it rises from where it stood: on a table as on the floor.
+// While ordered to stay on the ground, the rise is measured from its ground position, floor or
+// table.
 TEST_F(Inputs, SayHowFarItRisesUntoldFromWhereItStood) {
   for (const double table_m : {0.0, 0.4}) {
     guard.emplace(scenario, "Q1", limits);
@@ -218,14 +218,15 @@ TEST_F(Inputs, SayHowFarItRisesUntoldFromWhereItStood) {
   }
 }
 
-// Each word has its own age, and what the autopilot says of itself is handed on as it is.
+// Each input has its own age. The values that the autopilot reports about itself are passed on
+// unchanged.
 TEST_F(Inputs, AreAsOldAsTheLastWordOfEach) {
   const SafetyInputs& never = look(0.0);
   EXPECT_EQ(never.heartbeat_age_s, kNever);
   EXPECT_EQ(never.telemetry_age_s, kNever);
   EXPECT_EQ(never.battery_age_s, kNever);
   EXPECT_EQ(never.pose_age_s, kNever);
-  for (const double begin_s : {1.0, 5.0}) {  // and once more
+  for (const double begin_s : {1.0, 5.0}) {  // repeated later with the same guard
     guard->on_heartbeat(at(begin_s));
     AutopilotReport report;
     report.tilt_rad = 0.1 * begin_s;
@@ -249,7 +250,7 @@ TEST_F(Inputs, AreAsOldAsTheLastWordOfEach) {
   }
 }
 
-// What is no number or no share changes nothing, and is counted.
+// Values that are not numbers or not shares are ignored and counted.
 TEST_F(Inputs, AreNoNumbersThatAreNone) {
   const double nan = std::nan("");
   AutopilotReport good;
@@ -283,7 +284,7 @@ TEST_F(Inputs, AreNoNumbersThatAreNone) {
     ++refused;
     expect_refused();
   }
-  // What is not claimed is not looked at; and the ends are shares.
+  // Fields that the report does not claim are not checked; 0 and 1 are valid shares.
   AutopilotReport little;
   little.position_world_m.x() = little.velocity_world_mps.x() = little.yaw_rate_radps = nan;
   little.world_from_body.coeffs()[0] = nan;
@@ -296,8 +297,8 @@ TEST_F(Inputs, AreNoNumbersThatAreNone) {
   }
 }
 
-// In a first lift a body that climbs or turns unlike what its autopilot feels is not its own:
-// either sign, on both sides of the limit.
+// In a first lift, climb and turn rates are compared between body and autopilot: either sign, on
+// both sides of the limit.
 TEST(FirstLiftInputs, AreHowMuchTheBodyClimbsAndTurnsUnlikeItsAutopilot) {
   struct Lie {
     double climb_mps, turn_radps;
@@ -308,7 +309,7 @@ TEST(FirstLiftInputs, AreHowMuchTheBodyClimbsAndTurnsUnlikeItsAutopilot) {
         Lie{0.0, 0.7, false}, Lie{0.0, -0.7, false}, Lie{0.0, 0.9, true}, Lie{0.0, -0.9, true}}) {
     FlightBench bench(3);
     Vehicle& q1 = bench.vehicle("Q1");
-    while (q1.position_m.z() < 0.1 && bench.time_s() < 0.0) {  // it climbs as it is told
+    while (q1.position_m.z() < 0.1 && bench.time_s() < 0.0) {  // still climbing as commanded
       bench.fly_up(bench.time_s() + FlightBench::kTickS);
     }
     ASSERT_TRUE(FlightBench::has_reason(q1, "first lift", bench.now()));
@@ -324,7 +325,7 @@ TEST(FirstLiftInputs, AreHowMuchTheBodyClimbsAndTurnsUnlikeItsAutopilot) {
       report.velocity_world_mps = q1.velocity_mps + Eigen::Vector3d(0.0, 0.0, lie.climb_mps);
       report.world_from_body = turned(q1.yaw_rad);
       report.yaw_rate_radps = q1.turn_radps + lie.turn_radps;
-      q1.knobs.telemetry_cut = true;  // its own words
+      q1.knobs.telemetry_cut = true;  // replaces the reports of the bench
       q1.guard->on_autopilot(report, bench.now());
       bench.tick();
       if (q1.out.state == FlightState::kHold && tick < 5) {
@@ -339,8 +340,7 @@ TEST(FirstLiftInputs, AreHowMuchTheBodyClimbsAndTurnsUnlikeItsAutopilot) {
   }
 }
 
-// A battery that says the same again and again says it since it last said another share, or since
-// the take-off.
+// The time without change counts from the last different share, or from the take-off.
 TEST(FlightInputs, SayHowLongABatteryHasSaidTheSame) {
   FlightBench bench(3);
   Vehicle& q1 = bench.vehicle("Q1");
@@ -360,8 +360,8 @@ TEST(FlightInputs, SayHowLongABatteryHasSaidTheSame) {
   EXPECT_EQ(other.guard->inputs().battery_unchanged_s, other.guard->inputs().flight_s);
 }
 
-// What a flight leaves behind must not show in the next: how far it is off its height, how long it
-// is in the air, how long its battery has said the same.
+// Nothing of the first flight remains in the second: height error, flight time, age of the battery
+// value.
 TEST(SecondFlight, IsLookedAtAsTheFirst) {
   for (const double push_mps : {1.0, -1.0}) {
     FlightBench bench(3);

@@ -3,7 +3,7 @@
 #include "drivers/safety/ladder.hpp"
 #include "test/drivers/safety/driven_ladder.hpp"
 
-// What becomes of orders when a vehicle comes to rest, is found in the air, or may not lift yet.
+// Orders after a flight ends, when a vehicle is found in the air, and while it may not lift yet.
 
 namespace vantage::drivers {
 namespace {
@@ -19,7 +19,7 @@ class LadderOrders : public ::testing::Test {
     EXPECT_FALSE(d.ladder.take_off.is_given) << when;
     EXPECT_FALSE(d.ladder.wants_follow) << when;
   }
-  /// On the ground with both orders given, and another vehicle's turn.
+  /// On the ground with both orders given, while another vehicle lifts.
   void wait_for_its_turn() {
     d.in.autopilot_armed = false;
     d.step(0.01, OperatorAction::kArm);
@@ -78,7 +78,7 @@ TEST_F(LadderOrders, ATakeOffIsOverOnceItHasBegun) {
 
 TEST_F(LadderOrders, ATakeOffIsRefusedWithTheArmingThatItNeeds) {
   wait_for_its_turn();
-  d.in.poses_rejected = d.lim.pose_rejected_hold;  // only the operator ends that
+  d.in.poses_rejected = d.lim.pose_rejected_hold;  // only the operator clears it
   d.step();
   EXPECT_EQ(d.ladder.refusal.order, Refusal::Order::kArm);
   expect_nothing_is_wanted("refused");
@@ -96,7 +96,7 @@ TEST_F(LadderOrders, EachTakesBackWhatWasSaidOfTheLast) {
     d.step(0.01, next);
     EXPECT_EQ(d.ladder.refusal, Refusal{});
   }
-  // A take-off that is heard, after one that was refused because somebody stood there too long.
+  // A new take-off order after one that was refused because a body stayed near for too long.
   d = {};
   wait_for_its_turn();
   d.in.is_lift_taken = false;
@@ -112,7 +112,7 @@ TEST_F(LadderOrders, AVehicleThatIsFoundInTheAirHoldsOrGoesOnLanding) {
   for (const bool is_flying : {false, true}) {
     for (const bool is_landing : {false, true}) {
       d = {};
-      d.step(0.01, OperatorAction::kTakeOff);  // refused: nobody has said arm
+      d.step(0.01, OperatorAction::kTakeOff);  // refused: not armed
       ASSERT_EQ(d.ladder.refusal.order, Refusal::Order::kTakeOff);
       d.in.is_found_flying = is_flying;
       d.in.is_found_landing = is_landing;
@@ -146,13 +146,13 @@ TEST_F(LadderOrders, ATakeOffWaitsForWhoIsNear) {
   }
 }
 
-// Motors that were not wanted and are still seen to turn are being stopped, for as long as that may
-// take and its heartbeat: 2.5 s. Those that turn then do so because they are wanted again.
+// Motors that were not wanted and are still seen to run may stop within 2.5 s, the stop delay and
+// one heartbeat. Motors that run after that run because they are wanted again.
 TEST_F(LadderOrders, ATakeOffWaitsForMotorsThatMayStopForAsLongAsTheyMay) {
   wait_for_its_turn();
   for (int time = 0; time < 2; ++time) {
     d.in.is_lift_taken = true;
-    d.wait(d.lim.lift_idle_s + 5.0);  // unwanted for much longer than they take
+    d.wait(d.lim.lift_idle_s + 5.0);  // unwanted for longer than they need to stop
     ASSERT_FALSE(d.ladder.wants_armed);
     d.in.is_lift_taken = false;
     EXPECT_EQ(d.wait(2.45), FlightState::kIdle) << time;

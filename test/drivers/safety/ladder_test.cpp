@@ -76,7 +76,8 @@ TEST_F(StepLadder, NeverLeavesALandingBeforeTheGround) {
   EXPECT_EQ(d.step(), FlightState::kIdle);
 }
 
-// A height that is only believed disarms nobody: not once the pose is too old to hold by.
+// An estimated height does not disarm: once the pose is older than the hold limit, the motors stay
+// armed.
 TEST_F(StepLadder, StaysArmedInALandingWhileItsHeightIsOnlyBelieved) {
   for (int time = 0; time < 2; ++time) {
     d = Driven();
@@ -99,7 +100,7 @@ TEST_F(StepLadder, StaysArmedInALandingWhileItsHeightIsOnlyBelieved) {
   }
 }
 
-// The clocks of a latch, and once more: it must last, and be gone, without a break.
+// A condition must hold, and must be gone, without a break. Each period is timed separately.
 TEST_F(StepLadder, CountsEachTimeAnewHowLongAConditionHoldsAndIsGone) {
   d.airborne();
   for (int time = 0; time < 2; ++time) {
@@ -111,7 +112,7 @@ TEST_F(StepLadder, CountsEachTimeAnewHowLongAConditionHoldsAndIsGone) {
     }
     d.in.tracking_error_m = d.lim.tracking_hold_m + 0.01;
     EXPECT_EQ(d.wait(0.12), FlightState::kHold);
-    for (int burst = 0; burst < 3; ++burst) {  // and be gone for clear_s
+    for (int burst = 0; burst < 3; ++burst) {  // it must be gone for clear_s
       d.in.tracking_error_m = 0.0;
       EXPECT_EQ(d.wait(0.45), FlightState::kHold) << "gone " << burst;
       d.in.tracking_error_m = d.lim.tracking_hold_m + 0.01;
@@ -123,7 +124,7 @@ TEST_F(StepLadder, CountsEachTimeAnewHowLongAConditionHoldsAndIsGone) {
   }
 }
 
-// The later name of the two waits longer, each time; the other does not.
+// The vehicle whose name is later waits longer, each time.
 TEST_F(StepLadder, YieldsAsLongAsItStates) {
   d.airborne();
   for (int time = 0; time < 2; ++time) {
@@ -151,11 +152,11 @@ TEST_F(StepLadder, WaitsForTheOperatorEachTime) {
   }
 }
 
-// Orders on the ground: what forbids them, for how long they wait, and that the next one is new.
+// Orders on the ground: what forbids them, how long they wait, and that each order is new.
 TEST_F(StepLadder, ForgetsAnOrderThatCannotBeObeyedEachTime) {
   d.in.autopilot_armed = false;
   for (int time = 0; time < 2; ++time) {
-    d.in.pose_age_s = d.lim.pose_age_hold_s + 0.01;  // ends by itself
+    d.in.pose_age_s = d.lim.pose_age_hold_s + 0.01;  // clears without the operator
     d.step(0.01, OperatorAction::kArm);
     EXPECT_TRUE(d.ladder.arm.is_given);
     EXPECT_EQ(d.ladder.refusal.order, Refusal::Order::kNone);
@@ -186,7 +187,7 @@ TEST_F(StepLadder, ArmsOnceNothingHasForbiddenItForAWhileEachTime) {
     d.wait(0.04);
     EXPECT_TRUE(d.ladder.wants_armed);
   }
-  // What forbids it now and then never does so for arm_wait_s on end.
+  // A condition that comes and goes does not forbid it for an uninterrupted arm_wait_s.
   for (int time = 0; time < 4; ++time) {
     d.in.pose_age_s = d.lim.pose_age_hold_s + 0.01;
     d.wait(0.6 * d.lim.arm_wait_s);
@@ -219,7 +220,7 @@ TEST_F(StepLadder, TakesBackOrdersThatOnlyTheOperatorCouldHelp) {
   }
 }
 
-// Flown twice: what one flight left behind is gone when the next begins.
+// Nothing of one flight remains in the next.
 TEST_F(StepLadder, BeginsEachFlightAnew) {
   for (int flight = 0; flight < 3; ++flight) {
     d.in = {};
@@ -274,8 +275,8 @@ TEST_F(StepLadder, KillsABlindVehicleOnlyNearTheFloorOrOutside) {
   EXPECT_EQ(d.step(), FlightState::kKilled);
 }
 
-// Drives each input beyond each limit at random: the state is never less severe than the rows
-// that have held long enough, and never killed without a row or a stop that says so.
+// Random inputs around their limits: the state equals the severity of the worst condition that
+// held.
 TEST_F(StepLadder, IsNeverLessSevereThanItsWorstCondition) {
   test::Random random(11);
   for (int trial = 0; trial < 3000; ++trial) {
@@ -309,7 +310,7 @@ TEST_F(StepLadder, IsNeverLessSevereThanItsWorstCondition) {
   }
 }
 
-// Autopilots stop motors that idle for ten seconds, and that would end the order.
+// Autopilots stop motors that idle for ten seconds, which would end the order.
 TEST_F(StepLadder, DoesNotIdleForLongWhileOthersLift) {
   d.in.autopilot_armed = false;
   d.step(0.01, OperatorAction::kArm);
@@ -331,7 +332,8 @@ TEST_F(StepLadder, DoesNotIdleForLongWhileOthersLift) {
   EXPECT_EQ(d.step(), FlightState::kHold);
 }
 
-// Its turn comes while the motors that idled for it are being stopped: flown, it lifted and fell.
+// Regression, flown: the turn came while the idling motors were being stopped, so the vehicle
+// lifted and fell.
 TEST_F(StepLadder, DoesNotLiftOnMotorsThatAreBeingStopped) {
   d.in.autopilot_armed = false;
   d.step(0.01, OperatorAction::kArm);
@@ -340,7 +342,7 @@ TEST_F(StepLadder, DoesNotLiftOnMotorsThatAreBeingStopped) {
   d.step(0.01, OperatorAction::kTakeOff);
   d.wait(d.lim.lift_idle_s + 0.5);
   ASSERT_FALSE(d.ladder.wants_armed);
-  d.in.is_lift_taken = false;  // and the disarming is not yet known of
+  d.in.is_lift_taken = false;  // the disarming is not yet reported
   d.wait(0.5);
   EXPECT_EQ(d.ladder.state, FlightState::kIdle);
   d.in.autopilot_armed = false;
@@ -350,7 +352,7 @@ TEST_F(StepLadder, DoesNotLiftOnMotorsThatAreBeingStopped) {
   EXPECT_EQ(d.step(), FlightState::kHold);
 }
 
-// How far one goes that is told to stop, and one that nobody tells any more.
+// Distances until a vehicle stops that was commanded to, and one that gets no more commands.
 TEST(SafetyLimits, SayHowFarAVehicleGoesOn) {
   const SafetyLimits lim = limits();  // brakes at 2 m/s²
   EXPECT_NEAR(stopping_way_m(lim, 1.0), 0.20 + 0.25, 1e-12);
@@ -365,8 +367,7 @@ TEST_F(StepLadder, AllocatesNothing) {
   EXPECT_EQ(allocations.count(), 0u);
 }
 
-// Each row alone, by making the one input cross the one limit: it holds there, not before, and a
-// healthy vehicle has none.
+// A healthy vehicle has no condition, and names are unique.
 TEST(Conditions, AreAllSilentForAHealthyVehicleAndHaveTheirOwnNames) {
   SafetyInputs in;
   in.flight_s = 5.0;

@@ -16,7 +16,7 @@ namespace {
 
 using models::FlightState;
 
-constexpr double kTouchM = 0.5;  // centre to centre
+constexpr double kTouchM = 0.5;  // m; centre to centre
 
 double clearance_m(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
   const Eigen::Vector2d level_m = p_m.head<2>();
@@ -49,7 +49,7 @@ TEST(LandingSpot, HasNobodyBelowAndRoomToStray) {
   EXPECT_GT(moved, 500);
 }
 
-// In a room too narrow for that it still goes aside; in one with no place at all it stays.
+// In a narrow room it still moves aside; in a room without any free spot it stays.
 TEST(LandingSpot, TakesLessRoomWhereThereIsNoMore) {
   SafetyLimits limits = bench_limits();
   limits.hover_clearance_m = 0.2;
@@ -76,11 +76,11 @@ TEST(LandingSpot, TheWayToItIsTakenByWhoGoesFirst) {
   others[0].goes_first = true;
   others[0].position_world_m.y() = limits.separation_hold_m + 0.01;
   EXPECT_FALSE(is_way_taken(from_m, to_m, others, limits));
-  others[0].position_world_m = {-0.1, 0.0, 1.0};  // behind: no nearer than it is now
+  others[0].position_world_m = {-0.1, 0.0, 1.0};  // behind: not closer than it is now
   EXPECT_FALSE(is_way_taken(from_m, to_m, others, limits));
 }
 
-// What stands there will not make way, whoever would go first: it comes down there.
+// A stationary robot lands there and does not give way, whatever its priority.
 TEST(LandingSpot, TheWayToItIsTakenByARobotThatStandsAtAnyHeight) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d from_m(0.0, 0.0, 1.0);
@@ -103,7 +103,7 @@ TEST(LandingSpot, TheWayToItIsTakenByARobotThatStandsAtAnyHeight) {
   }
 }
 
-// Whoever flies above comes down, too.
+// A robot that flies above may land as well.
 TEST(LandingSpot, IsNotBelowAnotherRobotNorReachedBelowIt) {
   const SafetyLimits limits = bench_limits();
   test::Random random(22);
@@ -149,15 +149,17 @@ TEST(LandingSpot, SomebodyNotSeenLatelyMayHaveComeNearer) {
 }
 
 struct Landing {
-  double closest_m = 1e9;    ///< to the walker
-  double clearance_m = 1e9;  ///< of fence and obstacles
-  double way_m = 0.0;        ///< seen from above, from where it was told
-  double late_mps = 0.0;     ///< fastest, seen from above, later than 21 s
-  double took_s = 0.0;       ///< until it was idle; no more than it was given
-  double fell_m = 0.0;       ///< at most, since it stopped sinking until it sank again
+  double closest_m = 1e9;    ///< m; to the walker
+  double clearance_m = 1e9;  ///< m; to fence and obstacles
+  double way_m = 0.0;        ///< m; greatest horizontal distance from the position at the command
+  double late_mps = 0.0;     ///< m/s; greatest horizontal speed later than 21 s
+  double took_s = 0.0;       ///< s; until idle, at most the time limit
+  double fell_m = 0.0;       ///< m; greatest fall between a stop of the descent and its
+                             ///< continuation
 };
 
-/// Q1 is told to land; a walker is where `walk` says, by the seconds since then and Q1's place.
+/// Commands Q1 to land; `walk` gives the walker position from the time since the command and the
+/// position of Q1.
 Landing land_beside(test::FlightBench& bench, double give_s,
                     const std::function<Eigen::Vector3d(double, const Eigen::Vector3d&)>& walk) {
   test::Vehicle& vehicle = bench.vehicle("Q1");
@@ -204,8 +206,8 @@ TEST(FlightGuard, DoesNotComeDownOnWhoStandsBelow) {
   }
 }
 
-// Somebody walks along below it, wherever it goes, for longer than it looks for a place at all: it
-// stays up, and comes down when they have gone.
+// A person follows below the vehicle for 12 s. The vehicle stays up and lands after the person has
+// left.
 TEST(FlightGuard, WaitsWhileSomebodyFollowsBelow) {
   test::FlightBench bench(1);
   bench.fly_up(6.4);
@@ -222,8 +224,8 @@ TEST(FlightGuard, WaitsWhileSomebodyFollowsBelow) {
   EXPECT_LT(seen.took_s, 25.0);
 }
 
-// Somebody walks in when it is half down, from each side, and stands there: it stops its descent in
-// time, and goes on beside them.
+// A person walks in from each side during the descent and stays. The vehicle stops its descent in
+// time and lands aside.
 TEST(FlightGuard, StopsComingDownWhenSomebodyWalksIn) {
   enum class Walker { kWaits, kWalks, kStands };
   for (int side = 0; side < 8; ++side) {
@@ -251,7 +253,7 @@ TEST(FlightGuard, StopsComingDownWhenSomebodyWalksIn) {
   }
 }
 
-// Somebody comes to take it up before its motors have stopped: it stays down.
+// A person approaches before the motors have stopped; the vehicle stays on the ground.
 TEST(FlightGuard, StaysDownWhoeverComesNear) {
   test::FlightBench bench(1);
   bench.fly_up(6.4);
@@ -272,9 +274,9 @@ TEST(FlightGuard, StaysDownWhoeverComesNear) {
   EXPECT_LT(seen.took_s, 15.0);
 }
 
-// All are told to land at once, each with somebody below, or about to be: nobody goes where another
-// comes down. Of 400 seeds four had a contact when only who was below was looked at; three are
-// here.
+// All vehicles land at once, each with bodies below or close. No vehicle goes where another lands.
+// If landings consider only bodies below, four of 400 seeds end in a contact; three of those seeds
+// are included here.
 TEST(FlightGuard, AllThatLandAtOnceAboveWalkersKeepApart) {
   std::vector<std::uint64_t> seeds = {226, 251};
   for (std::uint64_t seed = 80; seed < 100; ++seed) {
@@ -310,8 +312,8 @@ TEST(FlightGuard, AllThatLandAtOnceAboveWalkersKeepApart) {
   }
 }
 
-// Seen with real firmware: from 2 m, at 0.4 m/s to a spot and down, it took 10.6 s, rovers below
-// that drove on among it.
+// Regression, seen with real firmware: a landing from 2 m among moving rovers took 10.6 s at 0.4
+// m/s.
 TEST(FlightGuard, IsDownWithinEightSecondsBesideWhoStandsBelow) {
   double slowest_s = 0.0;
   int aside = 0;
@@ -335,13 +337,13 @@ TEST(FlightGuard, IsDownWithinEightSecondsBesideWhoStandsBelow) {
     aside += (highest.position_m - from_m).head<2>().norm() > 0.5 ? 1 : 0;
   }
   EXPECT_GE(aside, 15);
-  EXPECT_LT(slowest_s, 7.0);  // 8.0 s with both speeds as they were
+  EXPECT_LT(slowest_s, 7.0);  // s; 8.0 s with both speeds at 0.4 m/s
 }
 
-// A plan that was taken before `land` and would have begun after it does not begin.
+// A plan that was accepted before `land` and would begin after it is dropped.
 TEST(FlightGuard, ForgetsThePlanToComeWhenItLands) {
   test::FlightBench bench(1);
-  bench.fly_up(3.93);  // plans of 3.9 s begin at 4.0 s
+  bench.fly_up(3.93);  // plans published at 3.9 s begin at 4.0 s
   ASSERT_EQ(bench.vehicle("Q1").out.state, FlightState::kHold);
   const Landing seen = land_beside(
       bench, 20.0, [](double, const Eigen::Vector3d&) { return Eigen::Vector3d(3.5, 1.8, 0.0); });
@@ -349,7 +351,7 @@ TEST(FlightGuard, ForgetsThePlanToComeWhenItLands) {
   EXPECT_LT(seen.took_s, 10.0);
 }
 
-// On the way up, near the ground, it goes down at once, whoever stands beside it.
+// During the first lift, near the ground, it descends at once, even with a body next to it.
 TEST(FlightGuard, EndsATakeOffAtOnce) {
   for (const double up_to_m : {0.05, 0.1, 0.2, 0.3}) {
     test::FlightBench bench(1);
@@ -364,13 +366,12 @@ TEST(FlightGuard, EndsATakeOffAtOnce) {
       return Eigen::Vector3d(at_m.x() + 0.6, at_m.y(), 0.0);
     });
     EXPECT_LT(highest_m, up_to_m + 0.15);
-    EXPECT_LT(seen.way_m, 0.1);  // it may have been on the step aside of its first lift
+    EXPECT_LT(seen.way_m, 0.1);  // m; may include the step aside of the first lift
     EXPECT_LT(seen.took_s, 5.0);
   }
 }
 
-// Pushed to one side all the time, towards somebody who is just far enough from where it means to
-// be.
+// A constant push to one side, towards a body just far enough from the landing spot.
 TEST(FlightGuard, DoesNotStayUpBecauseItIsPushed) {
   test::FlightBench bench(1);
   bench.fly_up(6.4);
@@ -385,7 +386,8 @@ TEST(FlightGuard, DoesNotStayUpBecauseItIsPushed) {
   EXPECT_LT(seen.took_s, 15.0);
 }
 
-// Not seen itself, it does not come down on somebody who is, as long as it can wait.
+// While the vehicle itself is not seen, it does not descend onto a body that is seen, as long as it
+// can wait.
 TEST(FlightGuard, LooksBelowWithoutAPoseToo) {
   test::FlightBench bench(1);
   bench.fly_up(6.4);
@@ -400,7 +402,7 @@ TEST(FlightGuard, LooksBelowWithoutAPoseToo) {
   EXPECT_EQ(vehicle.out.state, FlightState::kLand);
 }
 
-// One word that the estimator is not good does not give the landing away; a fifth of a second does.
+// A single bad estimator report does not end the controlled landing; 0.2 s of them do.
 TEST(FlightGuard, DoesNotGiveALandingAwayForOneBadWord) {
   test::FlightBench bench(1);
   bench.fly_up(6.4);
@@ -417,7 +419,7 @@ TEST(FlightGuard, DoesNotGiveALandingAwayForOneBadWord) {
   EXPECT_EQ(vehicle.out.setpoint.kind, FlightSetpoint::Kind::kBlindLand);
 }
 
-// Nothing keeps a vehicle up for ever: not one who follows it, not a crowd that leaves no place.
+// The wait for a free spot is limited, with a follower below or a crowd that leaves no spot.
 TEST(FlightGuard, ComesDownInTheEndWhoeverIsBelow) {
   test::FlightBench bench(1);
   bench.fly_up(6.4);
@@ -438,7 +440,7 @@ TEST(FlightGuard, ComesDownInTheEndWhoeverIsBelow) {
       crowded.room().says = models::OperatorAction::kLand;
     }
     if (crowded.time_s() < start_s + 1.0) {
-      centre_m = below(vehicle.position_m);  // the crowd gathers where it stops
+      centre_m = below(vehicle.position_m);  // the crowd gathers where the vehicle stops
     }
     for (int i = 0; i < 9; ++i) {
       crowded.room().walkers_m.emplace_back(centre_m + Eigen::Vector3d(i % 3 - 1, i / 3 - 1, 0.0));

@@ -11,8 +11,8 @@
 
 #include "test/support/random.hpp"
 
-// How any table of conditions is watched, latched and cleared: of rows made up for it, each of
-// which holds when a bit says so, held against what their whole history says.
+// Watching, latching and clearing of conditions, tested with an artificial table. Each row holds
+// while its bit is set. The result is compared with a brute-force evaluation of the whole history.
 
 namespace vantage::drivers {
 namespace {
@@ -22,7 +22,7 @@ using models::OperatorAction;
 constexpr std::size_t kRows = 20;
 constexpr Time kStart{Duration{1'000'000}};
 
-/// Row i holds while bit i of poses_rejected is set.
+/// True while bit kBit of poses_rejected is set; row i uses bit i.
 template <std::size_t kBit>
 bool is_set(const SafetyInputs& inputs, const SafetyLimits& /*limits*/) {
   return ((static_cast<unsigned>(inputs.poses_rejected) >> kBit) & 1U) != 0;
@@ -34,7 +34,8 @@ std::array<bool (*)(const SafetyInputs&, const SafetyLimits&), kRows> all_bits(
   return {is_set<kBits>...};
 }
 
-/// Every way to end, in the four severities; some must hold for a while, some yield.
+/// Returns rows with every combination of clearing and severity; some need a minimum duration, some
+/// yield.
 std::vector<Condition> made_rows() {
   const auto bits = all_bits(std::make_index_sequence<kRows>());
   std::vector<Condition> rows;
@@ -76,7 +77,7 @@ TEST(Latches, AreWhatTheWholeHistorySays) {
     watch(ladder, rows, inputs, limits);
     latch(ladder, rows, inputs, limits);
     for (std::size_t i = 0; i < kRows; ++i) {
-      // For how long it has held, or been gone, without a break.
+      // Duration of the current uninterrupted period.
       const bool holds = rows[i].holds(inputs, limits);
       Time since = inputs.now;
       bool held_ever = false;
@@ -115,7 +116,7 @@ TEST(Latches, AreWhatTheWholeHistorySays) {
   EXPECT_TRUE(ladder.latched[kRows - 1]) << "what only arming again ends is there for good";
 }
 
-/// Each row alone, and all but that one: no other may be taken for it.
+/// Tests each row alone, and all other rows without it, so that rows cannot be confused.
 template <class Ask>
 void expect_of_rows(const std::vector<Condition>& rows, const Ask& ask,
                     const std::vector<bool>& expected) {
@@ -159,7 +160,7 @@ TEST(Latches, ActByTheirSeverityAndWaitByTheWayTheyEnd) {
         },
         of([&](const Condition& row) { return row.clearing == clearing; }));
   }
-  // A note keeps nobody, and what ends with a plan waits for none.
+  // Notes and conditions that clear at once do not count.
   expect_of_rows(
       rows, [&](const Reasons& latched) { return waits_for_more_than_a_plan(rows, latched); },
       of([](const Condition& row) {

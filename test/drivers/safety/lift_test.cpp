@@ -1,4 +1,4 @@
-// Whose turn it is to lift, and the first lift itself: by hand, without a flight around it.
+// The order in which vehicles lift, and the first lift itself, tested without a simulated flight.
 
 #include "drivers/safety/lift.hpp"
 
@@ -19,7 +19,7 @@ namespace {
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 constexpr double kClimbMps = 0.3;
-constexpr double kPolitenessS = 0.15;  // longer for each in the scenario
+constexpr double kPolitenessS = 0.15;  // s; added per position in the scenario
 
 Time after(double t_s) { return kStart + from_seconds(t_s); }
 
@@ -39,8 +39,8 @@ OtherBody body(int robot, double height_m, double climb_mps = 0.0) {
   return out;
 }
 
-/// Bodies stand at `rest_m`, then the bodies are as `then`, as the first of three sees them, long
-/// after anything else.
+/// Returns the queue of Q1 of three that saw the bodies at rest as in `rest` and, 1 s later, as in
+/// `then`.
 LiftQueue seen(const std::vector<OtherBody>& rest, const std::vector<OtherBody>& then) {
   LiftQueue queue(team({"Q1", "Q2", "Q3"}), "Q1");
   queue.look(rest, SafetyLimits{}, kStart);
@@ -48,8 +48,9 @@ LiftQueue seen(const std::vector<OtherBody>& rest, const std::vector<OtherBody>&
   return queue;
 }
 
-// One list of names, as it was heard: who was told again keeps its place, and of those told at once
-// the names decide, whatever the scenario's order. Each comes off when mocap shows it risen.
+// Vehicles lift in the order in which their take-off orders arrived. A repeated order keeps the
+// position; orders for several vehicles at once are sorted by name. A vehicle leaves the queue when
+// mocap shows that it has risen.
 TEST(LiftQueue, GoesInTheOrderInWhichTheyWereToldAndByNameAtOnce) {
   const SafetyLimits limits;
   const std::vector<std::string> names = {"Q3", "Q1", "Q4", "Q2"};
@@ -81,7 +82,7 @@ TEST(LiftQueue, GoesInTheOrderInWhichTheyWereToldAndByNameAtOnce) {
     double t_s = 0.0;
     std::vector<bool> is_gone(names.size(), false);
     for (; !heard.empty(); heard.erase(heard.begin())) {
-      for (const double later_s : {0.0, 1.0}) {  // nobody is polite for so long
+      for (const double later_s : {0.0, 1.0}) {  // longer than the extra wait of any vehicle
         for (LiftQueue& queue : queues) {
           queue.look(bodies, limits, after(t_s + later_s));
         }
@@ -109,13 +110,13 @@ TEST(LiftQueue, GoesInTheOrderInWhichTheyWereToldAndByNameAtOnce) {
   }
 }
 
-// Half a second after the last word, and as much longer as there are in the scenario before it.
-// What it says itself, or one that is not in the scenario, is nothing to wait for.
+// A report of lifting blocks for 0.5 s and the extra wait of the vehicle. Own reports and those of
+// unknown vehicles are ignored.
 TEST(LiftQueue, WaitsAsLongAsItStatesForWhoSaidThatItLifts) {
   const std::vector<std::string> names = {"Q1", "Q2", "Q3"};
   for (std::size_t own = 0; own < names.size(); ++own) {
     LiftQueue queue(team(names), names[own]);
-    for (const double begin_s : {0.0, 10.0}) {  // and once more
+    for (const double begin_s : {0.0, 10.0}) {  // repeated later with the same queue
       queue.on_lifting(names[own], after(begin_s));
       queue.on_lifting("Q9", after(begin_s));
       queue.look({}, SafetyLimits{}, after(begin_s));
@@ -131,7 +132,7 @@ TEST(LiftQueue, WaitsAsLongAsItStatesForWhoSaidThatItLifts) {
   }
 }
 
-// A monotonic clock may have begun just now: who has said nothing has not said it then.
+// A monotonic clock may start at 0: without a report, nothing counts as received at time 0.
 TEST(LiftQueue, HearsNothingAtTheBeginningOfTheClock) {
   LiftQueue queue(team({"Q1", "Q2"}), "Q1");
   for (const double t_s : {0.2, 0.3, 0.4}) {
@@ -140,7 +141,7 @@ TEST(LiftQueue, HearsNothingAtTheBeginningOfTheClock) {
   }
 }
 
-// Its turn begins when it is first seen to be the front. Static: in memory that was zero before.
+// The turn of the front begins when it is first seen. The queue is static, so its memory was zero.
 TEST(LiftQueue, WaitsFromTheFirstLookOnForWhoWasToldBeforeIt) {
   static LiftQueue queue(team({"Q1", "Q2"}), "Q2");
   queue.on_take_off("Q1");
@@ -160,8 +161,8 @@ TEST(LiftQueue, OfNobodyWaitsForNobody) {
   EXPECT_EQ(queue.other_risen_m(), 0.0);
 }
 
-// On the floor, on a table or in a pit: more than 0.02 m and less than 0.5 m above its rest, and
-// climbing, which is neither moving aside nor hanging there. Whoever it is but ourselves.
+// A body other than our own counts as lifting if it is 0.02 m to 0.5 m above its rest height and
+// climbs faster than 0.05 m/s. The rest height may be the floor, a table or a pit.
 TEST(LiftQueue, TakesABodyThatClimbsALittleAboveItsRestForOneThatLifts) {
   for (const double rest_m : {0.0, 0.4, -0.3}) {
     for (const double risen_m : {0.0, 0.01, 0.019, 0.021, 0.1, 0.3, 0.49, 0.51, 2.0}) {
@@ -215,8 +216,8 @@ TEST(LiftQueue, BelievesABodyAsLongAsAPoseMayBeOld) {
   }
 }
 
-// The farthest that a body which climbs has come since our own lift began, of those that had not
-// risen by then; and once more, with a lift that begins later, and nothing when all stand still.
+// Returns the largest rise since our own lift began of those bodies that climb and had not risen by
+// then. A second, later lift starts from new heights; the result is 0 when all stand still.
 TEST(LiftQueue, SaysHowFarAnotherBodyHasRisenInsteadOfOurs) {
   const SafetyLimits limits;
   test::Random random(32);
@@ -270,7 +271,7 @@ TEST(LiftQueue, CountsFromWhereABodyWasFirstSeenSinceOurLiftBegan) {
   }
 }
 
-// Whoever stands on a table waits there as long as on the floor, and rises from there.
+// A vehicle on a table waits as long as one on the floor; its rise counts from the table.
 TEST(LiftQueue, GivesATurnAsLongWhereverItsBodyStands) {
   const SafetyLimits limits;
   for (const double rest_m : {0.0, 0.4, -0.3}) {
@@ -296,7 +297,7 @@ struct Room {
   SafetyLimits limits;
   std::vector<OtherBody> others;
   Eigen::Vector3d rest_m;
-  /// By the four walls, the boxes and the edges of the bodies, each by itself.
+  /// Returns the free distance around `p_m`: the minimum over walls, boxes and edges of bodies.
   [[nodiscard]] double around_m(const Eigen::Vector2d& p_m) const {
     const models::Rectangle& walls = limits.fence.bounds;
     double out_m = std::min((p_m - walls.min_m).minCoeff(), (walls.max_m - p_m).minCoeff());
@@ -313,8 +314,8 @@ struct Room {
   }
 };
 
-// One of the four places that are a step away along both axes, and none of the others has more
-// room; whether walls, boxes or bodies leave the least.
+// The step goes to one of the four diagonal positions at lift_step_m, and no other has more room.
+// Walls, boxes and bodies each are the limit in some trials.
 TEST(Lift, StepsToTheRoomiestOfFourPlaces) {
   test::Random random(33);
   int least[3] = {};
@@ -326,7 +327,8 @@ TEST(Lift, StepsToTheRoomiestOfFourPlaces) {
     for (int i = random.integer(0, 2); i > 0; --i) {
       const Eigen::Vector2d apart_m = random.vector<2>(-1.0, 1.0);
       const Eigen::Vector2d corner_m =
-          room.rest_m.head<2>() + apart_m + 0.3 * apart_m.normalized();  // a step does not reach it
+          room.rest_m.head<2>() + apart_m + 0.3 * apart_m.normalized();  // beyond the reach of the
+                                                                         // step
       room.limits.fence.obstacles.push_back({{corner_m, corner_m}, 1.0});
     }
     for (int i = random.integer(0, 2); i > 0; --i) {
@@ -360,9 +362,9 @@ TEST(Lift, StepsToTheRoomiestOfFourPlaces) {
   EXPECT_GT(*std::min_element(std::begin(least), std::end(least)), 50);
 }
 
-constexpr double kBeneathM = 0.06;  // of its hover, where the proof may begin
+constexpr double kBeneathM = 0.06;  // m; below its hover, where the proof may begin
 
-/// Told to climb from where it stands, in a room with no walls near.
+/// A vehicle commanded to climb from its ground position, far from all walls.
 struct Flight {
   SafetyLimits limits;
   Lift own;
@@ -408,7 +410,7 @@ TEST(Lift, CountsFromTheTakeOffUntilItHasRisenAndFromTheHoverUntilItIsProven) {
   }
 }
 
-// Only a hover can be proven, once: not on the way up, not after the proof and not after the end.
+// Only the hover can be proven, once: not during the climb, after the proof or after end().
 TEST(Lift, ProvesNothingButItsHover) {
   for (const bool is_proven_first : {true, false}) {
     Flight f({1.0, -2.0, 0.5}, 0.1);
@@ -427,7 +429,7 @@ TEST(Lift, ProvesNothingButItsHover) {
     EXPECT_FALSE(step(asked.position_world_m, asked.yaw_rad));
     EXPECT_FALSE(f.own.is_under_way());
     EXPECT_EQ(f.course.planned_at(kStart).position_world_m, elsewhere_m);
-    // On the ground again, and up once more.
+    // Back on the ground, a second lift begins.
     f.own.begin(lift(f.rest, f.rest_m), {}, f.limits, kStart);
     EXPECT_FALSE(step(asked.position_world_m - Eigen::Vector3d(0.0, 0.0, 0.2), asked.yaw_rad));
     EXPECT_EQ(f.own.phase(), Lift::Phase::kRising);
@@ -435,8 +437,8 @@ TEST(Lift, ProvesNothingButItsHover) {
   }
 }
 
-// Brute force: the nearest of ten thousand places along the way, from beside it and from beyond
-// both ends; whatever the height. Nobody is astray before the lift and after it.
+// Compares with the nearest of ten thousand points of the path, also beyond both ends and at any
+// height. Before and after the lift the distance is 0.
 TEST(Lift, IsAstrayByItsDistanceFromTheWayAside) {
   Flight f({1.0, -2.0, 0.5}, 0.1);
   EXPECT_EQ(Lift{}.astray_m({3.0, 3.0, 3.0}), 0.0);

@@ -13,9 +13,8 @@
 #include "test/support/stated.hpp"
 #include "wire/autopilot/parameter_rules.hpp"
 
-// Every number of SafetyLimits once, against where it comes from: docs/explanation/safety.md and
-// the rows of docs/results/faults.md for those that are the same in every lab, the scenario for the
-// others.
+// Every value of SafetyLimits compared with its definition: docs/explanation/safety.md and
+// docs/results/faults.md for values that hold in every lab, the scenario for the others.
 
 namespace vantage::drivers {
 namespace {
@@ -153,7 +152,7 @@ TEST_F(FromTheScenario, EachLimitIsWhatTheScenarioSays) {
   EXPECT_EQ(is.vehicle.brake_mps2, 1.9);
   EXPECT_EQ(is.vehicle.radius_m, 0.22);
   EXPECT_EQ(is.take_off_height_m, 1.4);
-  // Two touch at 0.44 m; the planner keeps them 0.9 m apart, and they hold half-way between.
+  // Vehicles touch at 0.44 m, the planner keeps 0.9 m, and the hold distance is half-way between.
   EXPECT_NEAR(is.plan_separation_m, 0.89, 1e-12);
   EXPECT_NEAR(is.separation_land_m, 0.44, 1e-12);
   EXPECT_NEAR(is.separation_hold_m, 0.67, 1e-12);
@@ -161,17 +160,17 @@ TEST_F(FromTheScenario, EachLimitIsWhatTheScenarioSays) {
   EXPECT_NEAR(is.pose_gate_max_m, 0.3216, 1e-12);
   EXPECT_NEAR(is.hover_off_m, 0.15, 1e-12);
   EXPECT_NEAR(is.hover_clearance_m, 0.13, 1e-12);
-  // A round of 4.2 s.
+  // A round takes 4.2 s.
   EXPECT_NEAR(is.round_s, 4.2, 1e-12);
   EXPECT_NEAR(is.plan_age_hold_s, 4.7, 1e-12);
   EXPECT_NEAR(is.plan_silent_warn_s, 4.7, 1e-12);
   EXPECT_NEAR(is.planner_lease_s, 4.7, 1e-12);
   EXPECT_NEAR(is.plan_future_max_s, 8.4, 1e-12);
-  // Twice the tracking tolerance, and five times.
+  // Two and five times the tracking tolerance.
   EXPECT_NEAR(is.tracking_hold_m, 0.30, 1e-12);
   EXPECT_NEAR(is.tracking_land_m, 0.75, 1e-12);
   EXPECT_NEAR(is.plan_start_tolerance_m, 0.30, 1e-12);
-  // Each robot has its own.
+  // Each robot has its own limits.
   EXPECT_EQ(of("Q2").vehicle.speed_max_mps, scenario.robots[1].limits.speed_max_mps);
   EXPECT_EQ(of("Q2").take_off_height_m, scenario.robots[1].height_m);
 }
@@ -179,7 +178,7 @@ TEST_F(FromTheScenario, EachLimitIsWhatTheScenarioSays) {
 TEST_F(FromTheScenario, NoLimitIsLessThanWhatALabNeeds) {
   scenario.planner.execute_steps = 1;  // a round of 0.6 s
   scenario.planner.obstacle_margin_m = 0.01;
-  scenario.planner.separation_m = 0.445;  // they touch at 0.44 m
+  scenario.planner.separation_m = 0.445;  // vehicles touch at 0.44 m
   const SafetyLimits is = of();
   EXPECT_NEAR(is.round_s, 0.6, 1e-12);
   EXPECT_EQ(is.plan_age_hold_s, 2.0);
@@ -207,8 +206,8 @@ TEST_F(FromTheScenario, WhatTheScenarioDoesNotSayIsAsStated) {
   EXPECT_EQ(is.reaction_s, 0.20);
 }
 
-// docs/explanation/safety.md, "When a driver dies in motion". What was budgeted holds for each
-// vehicle that arms: none does with a longer time-out
+// docs/explanation/safety.md, "When a driver dies in motion". The budget holds for each vehicle
+// that arms, because arming is refused with a longer time-out
 // (Parameters.LongerThanTheStopWasBudgetedFor...).
 TEST_F(FromTheScenario, EachAutopilotIsBudgetedWithItsReactionAndItsTimeOut) {
   using models::AutopilotDialect;
@@ -216,7 +215,7 @@ TEST_F(FromTheScenario, EachAutopilotIsBudgetedWithItsReactionAndItsTimeOut) {
     AutopilotDialect dialect;
     const char* time_out;
     double setpoint_loss_s;
-    double stopping_way_m;  // from 1 m/s, braked at 2 m/s²
+    double stopping_way_m;  // m; from 1 m/s, braking at 2 m/s²
     double lost_way_m;
   };
   scenario.robots[0].limits.brake_mps2 = 2.0;
@@ -239,7 +238,7 @@ TEST_F(FromTheScenario, EachAutopilotIsBudgetedWithItsReactionAndItsTimeOut) {
   }
 }
 
-// Half the time from rest to its greatest speed, as hard as it brakes.
+// Half the time from rest to the greatest speed at the braking deceleration.
 TEST(HalfWindow, IsHalfTheTimeToTheGreatestSpeed) {
   struct Vehicle {
     double speed_max_mps, brake_mps2, half_window_s;
@@ -256,7 +255,7 @@ TEST(HalfWindow, IsHalfTheTimeToTheGreatestSpeed) {
 
 TEST_F(FromTheScenario, AnUnknownRobotIsRefused) { EXPECT_THROW(of("Q9"), UsageError); }
 
-// Each step of each ladder lies below the next: equal is refused, as is what is not a number.
+// The limits of each ladder must increase strictly and be finite.
 TEST(CheckLimits, RefusesALadderThatDoesNotRise) {
   using Limit = double SafetyLimits::*;
   using L = SafetyLimits;

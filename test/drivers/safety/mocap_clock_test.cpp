@@ -15,8 +15,8 @@ constexpr double kPeriodS = 0.01;
 
 Time after(double seconds_s) { return kStart + from_seconds(seconds_s); }
 
-// Frames that are lost, jitter and are stamped by a clock that is set again and again: what is
-// told is the true latency.
+// With lost frames, jitter and a clock that is set repeatedly, the reported latency is the true
+// one.
 TEST(MocapClock, TellsTheLatencyWhateverTheClockIsSetTo) {
   test::Random random(5);
   MocapClock clock;
@@ -54,8 +54,8 @@ TEST(MocapClock, SeesALatencyThatBeginsWithTheNewClock) {
   EXPECT_NEAR(clock.latency_s(), 0.155, 1e-6);
 }
 
-// A clock set back by up to a second looks like latency, but frames after that reach the publisher
-// earlier, by its clock, than frames before.
+// A clock set back by up to a second looks like latency. It is detected because, by the publisher's
+// clock, later frames then arrive earlier than previous ones.
 TEST(MocapClock, KeepsTheLatencyWhenTheClockIsSetBackByASecondOrLess) {
   for (const double set_s : {-0.02, -0.1, -0.5, -0.99, -1.0}) {
     for (const int lost : {0, 1, 50}) {
@@ -77,7 +77,7 @@ TEST(MocapClock, KeepsTheLatencyWhenTheClockIsSetBackByASecondOrLess) {
   }
 }
 
-// Two computers whose clocks were never compared: only what changes is latency.
+// Two computers with unsynchronised clocks: only changes of the offset count as latency.
 TEST(MocapClock, CountsFromTheFirstFrameWhenTheClocksDiffer) {
   MocapClock clock;
   EXPECT_FALSE(clock.on_frame(after(-7200.0), after(0.0), 0));
@@ -86,8 +86,8 @@ TEST(MocapClock, CountsFromTheFirstFrameWhenTheClocksDiffer) {
   EXPECT_NEAR(clock.latency_s(), 0.12, 1e-6);
 }
 
-// What cannot be is not told: a frame before it was taken, or one that is older than a clock that
-// was set could tell.
+// Impossible latencies are limited: arrival before capture gives 0 s, and after a clock change the
+// maximum is 1 s.
 TEST(MocapClock, TellsALatencyBetweenNoneAndASecondWhenTheClockIsSet) {
   MocapClock clock;
   for (int i = 0; i < 10; ++i) {
@@ -101,8 +101,8 @@ TEST(MocapClock, TellsALatencyBetweenNoneAndASecondWhenTheClockIsSet) {
   EXPECT_EQ(clock.latency_s(), 1.0);
 }
 
-// A clock that is set while frames are lost: they were due, of a hundred at the most. What is so
-// many that none knows how long they took adds to the latency.
+// When the clock is set while frames are lost, up to a hundred missing frames account for the gap.
+// The time of a longer gap counts as latency.
 TEST(MocapClock, CountsUpToAHundredFramesThatAreDue) {
   for (const auto& [frames, due] :
        {std::pair{1, 1}, {99, 99}, {100, 100}, {101, 0}, {0, 0}, {-1, 0}}) {
@@ -110,7 +110,7 @@ TEST(MocapClock, CountsUpToAHundredFramesThatAreDue) {
     for (int i = 0; i < 10; ++i) {
       EXPECT_TRUE(clock.on_frame(after(kPeriodS * i), after(kPeriodS * i + 0.005), i));
     }
-    // Later by 0.2 s than so many frames take.
+    // 0.2 s later than these frames take.
     const double gap_s = kPeriodS * due + 0.2;
     const double at_s = kPeriodS * 9 + 0.005 + gap_s;
     EXPECT_FALSE(clock.on_frame(after(at_s + 3600.0), after(at_s), 9 + frames)) << frames;
@@ -118,13 +118,13 @@ TEST(MocapClock, CountsUpToAHundredFramesThatAreDue) {
   }
 }
 
-// The period is known from numbered frames that follow one another. Stamps that stand still or go
-// back, numbers that repeat, begin anew or leap, and pauses tell none: then it is as before.
+// The frame period comes from consecutive frame numbers. Stamps that do not advance, numbers that
+// repeat, restart or jump, and pauses leave it unchanged.
 TEST(MocapClock, KnowsThePeriodOnlyFromFramesThatFollow) {
   struct Frame {
-    std::int64_t numbers;  // since the last one
+    std::int64_t numbers;  // frame numbers since the last one
     double stamps_s;
-    double period_s;  // known by then
+    double period_s;  // s; expected estimate of the period
   };
   for (const Frame& odd :
        {Frame{1, 0.02, 0.02}, Frame{4, 0.08, 0.02}, Frame{100, 2.0, 0.02}, Frame{1, 0.9, 0.9},
@@ -140,7 +140,7 @@ TEST(MocapClock, KnowsThePeriodOnlyFromFramesThatFollow) {
     const double stamp_s = 9 * kPeriodS + odd.stamps_s;
     EXPECT_TRUE(clock.on_frame(after(stamp_s), after(stamp_s + 0.5), 9 + odd.numbers));
     EXPECT_NEAR(clock.latency_s(), 0.5, 1e-6);
-    // The clock is set before the next frame, which comes 0.2 s later than it is due.
+    // The clock is set before the next frame, which is 0.2 s late.
     const double gap_s = odd.period_s + 0.2;
     EXPECT_FALSE(
         clock.on_frame(after(stamp_s + 3600.0), after(stamp_s + 0.5 + gap_s), 9 + odd.numbers + 1));
@@ -148,8 +148,8 @@ TEST(MocapClock, KnowsThePeriodOnlyFromFramesThatFollow) {
   }
 }
 
-// One frame alone has no period, also where clocks count from when they were switched on: what
-// comes after it is late by all the time that passed.
+// A single frame has no period, also on clocks that count from power-up. All time after it counts
+// as latency.
 TEST(MocapClock, KnowsNoPeriodFromTheFirstFrame) {
   for (const std::int64_t number : {0, 1, 7, 100, 101}) {
     MocapClock clock;
@@ -161,7 +161,7 @@ TEST(MocapClock, KnowsNoPeriodFromTheFirstFrame) {
   }
 }
 
-// A latency is believed up to a second; beyond it, and before its own stamp, the clock was set.
+// Latencies from 0 to 1 s are accepted; other values mean that the clock was set.
 TEST(MocapClock, BelievesLatenciesOfNoneToASecond) {
   for (const auto& [latency_s, is_believed] :
        {std::pair{0.0, true}, {1e-6, true}, {1.0, true}, {-1e-6, false}, {1.0 + 1e-6, false}}) {

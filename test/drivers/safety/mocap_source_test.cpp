@@ -18,7 +18,7 @@ Time at(double seconds_s) { return kStart + from_seconds(seconds_s); }
 
 class Source : public testing::Test {
  protected:
-  /// A frame of `run` that arrives at `at_s`, stamped by a clock that is `ahead_s` ahead of ours.
+  /// Delivers a frame of `run` that arrives at `at_s`; its clock is `ahead_s` ahead of ours.
   Standing hear(std::int64_t run, double at_s, double ahead_s = 0.0, std::int64_t number = -1) {
     models::MocapFrame frame;
     frame.stamp.run_id = run;
@@ -86,7 +86,8 @@ TEST_F(Source, IsBelievedWithAClockThatIsSetOnlyWhileItsFramesGoOn) {
   EXPECT_EQ(hear(1, 0.0, 0.0, 10), Standing::kCandidate);
   std::int64_t number = 10;
   double ahead_s = -kHourS;
-  for (const std::int64_t lost : {std::int64_t{0}, MocapSource::kGoesOnMax}) {  // and once more
+  for (const std::int64_t lost : {std::int64_t{0}, MocapSource::kGoesOnMax}) {  // repeated with the
+                                                                                // same source
     const std::int64_t far = number + MocapSource::kGoesOnMax + 1;
     EXPECT_EQ(hear(1, 0.1, ahead_s, far), Standing::kRefused) << "too many lost";
     EXPECT_EQ(hear(1, 0.1, ahead_s, number), Standing::kRefused) << "the same number again";
@@ -117,7 +118,7 @@ TEST_F(Source, IsCountedWhenItIsRefusedAndWhenItTakesOver) {
   }
 }
 
-// Both limits of time on both sides of them, and again after a take-over.
+// Both sides of both time limits, and again after a take-over.
 TEST_F(Source, IsSilentAfterThreeTenthsAndOfNowWithinTwoSeconds) {
   shows_body = false;
   for (const double side : {1.0, -1.0}) {
@@ -135,7 +136,7 @@ TEST_F(Source, IsSilentAfterThreeTenthsAndOfNowWithinTwoSeconds) {
   }
 }
 
-// In words for people: a second source first, then a clock that is another; each for two seconds.
+// The complaint names a second source first, then another clock; each for two seconds.
 TEST_F(Source, SaysWhoWasRefusedInTheLastTwoSeconds) {
   const std::string second = "a second source of VICON is refused";
   const std::string other_time = "VICON stamped by another clock, or of a log, is refused";
@@ -158,12 +159,13 @@ TEST_F(Source, SaysWhoWasRefusedInTheLastTwoSeconds) {
     EXPECT_EQ(complaint(begin_s + 2.24), other_time);
     EXPECT_EQ(complaint(begin_s + 2.26), "");
   }
-  // Whoever takes over is a second source no more.
+  // The new source is no longer a second source.
   EXPECT_EQ(hear(2, 20.0), Standing::kCandidate);
   EXPECT_EQ(complaint(20.0), "");
 }
 
-// Frames of the source itself that are neither of now nor go on: counted and said, each time.
+// Frames of the source itself with an old stamp and a discontinuous number are counted and
+// reported, each time.
 TEST_F(Source, IsRefusedForFramesOfItsOwnOfAnotherTime) {
   EXPECT_EQ(hear(1, 0.0, 0.0, 100), Standing::kCandidate);
   for (std::int64_t time = 1; time <= 2; ++time) {
@@ -181,7 +183,7 @@ TEST_F(Source, IsRefusedForFramesOfItsOwnOfAnotherTime) {
   }
 }
 
-// A clock that was set is believed until it is set back, and is nobody else's.
+// A changed clock is accepted until it is set back, and only for its own source.
 TEST_F(Source, FollowsOneClockAtATime) {
   EXPECT_EQ(hear(1, 0.0, 0.0, 100), Standing::kCandidate);
   EXPECT_EQ(hear(1, 0.1, kHourS, 101), Standing::kBelieved);

@@ -18,7 +18,7 @@ namespace {
 
 using models::FlightState;
 
-// Without a fault nothing acts: the laws below are worth nothing if everything always holds.
+// A flight without faults has no reaction; otherwise the fault tests would prove nothing.
 TEST(FlightGuard, FollowsForAMinuteWithoutAReasonToStop) {
   FlightBench bench(1);
   bench.fly_up(5.0);
@@ -44,8 +44,8 @@ TEST(FlightGuard, FollowsForAMinuteWithoutAReasonToStop) {
   }
 }
 
-// Where it asks to be is the course of its plans, of which nothing after the round counts before
-// the next plan is there. It keeps up with them as long as poses are younger than 50 ms.
+// Set-points follow the course of the plans; a plan does not count beyond its round before the next
+// one arrives. The course keeps up while poses are younger than 50 ms.
 TEST(FlightGuard, AsksForTheCourseOfItsPlansUntilTheRoundEnds) {
   FlightBench bench(1);
   bench.fly_up(5.0);
@@ -58,7 +58,7 @@ TEST(FlightGuard, AsksForTheCourseOfItsPlansUntilTheRoundEnds) {
   for (int i = 0; i < 3000; ++i) {
     const std::size_t plans = q1.sent.size();
     const Time now = bench.now();
-    if (i / 100 % 5 == 1) {  // so that plans end anywhere in a round
+    if (i / 100 % 5 == 1) {  // lets plans end anywhere in a round
       q1.knobs.plan = PlanFault::kDropped;
     }
     bench.room().heard_before_ms = 8;
@@ -72,7 +72,7 @@ TEST(FlightGuard, AsksForTheCourseOfItsPlansUntilTheRoundEnds) {
     course.advance(now, FlightBench::kTickS, 1.0);
     endless.advance(now, FlightBench::kTickS, 1.0);
     if (i < 300) {
-      continue;  // until it has the plan before the one that it flies
+      continue;  // until the course has the previous plan
     }
     const Time soon = now + from_seconds(limits.setpoint_lead_s);
     const Eigen::Vector3d asked_m = q1.out.setpoint.position_world_m;
@@ -82,7 +82,7 @@ TEST(FlightGuard, AsksForTheCourseOfItsPlansUntilTheRoundEnds) {
   EXPECT_GT(different, 10) << "no plan turned or braked just after a round";
 }
 
-// Whatever can be refused has a counter, under a name of its own.
+// Every possible refusal has its own counter.
 TEST(FlightGuard, CountsEveryVerdictByItsName) {
   FlightBench bench(1);
   std::vector<std::string> names;
@@ -99,7 +99,7 @@ TEST(FlightGuard, CountsEveryVerdictByItsName) {
   }
 }
 
-// What another source of mocap shows is not used, however near it is; what the own one shows is.
+// Frames of a second source are ignored, however similar; those of the own source are used.
 TEST(FlightGuard, BelievesNoFrameOfASecondSource) {
   FlightBench bench(2);
   bench.run(1.0);
@@ -119,7 +119,7 @@ TEST(FlightGuard, BelievesNoFrameOfASecondSource) {
   }
 }
 
-// Each counter counts what its name says.
+// Each fault increases the counter with its name.
 TEST(FlightGuard, CountsEachVerdictOfAPoseUnderItsName) {
   FlightBench bench(2);
   bench.run(1.0);

@@ -20,9 +20,9 @@
 
 namespace vantage::test {
 
-/// One guard, ticked at 50 Hz, and everything that it hears, as a test sets it: exact where
-/// FlightBench is like a room. A body that answers is exactly where it is asked to be, unless it is
-/// to be slow.
+/// One guard, ticked at 50 Hz, with all its inputs set exactly by the test, while FlightBench
+/// simulates a room with noise. A body that answers is exactly at its set-point, unless its speed
+/// is limited.
 struct OneVehicle {
   static constexpr double kTickS = 0.02;
 
@@ -53,7 +53,7 @@ struct OneVehicle {
     report.estimator_good = report.has_position = report.has_attitude = true;
   }
 
-  /// Stands on the ground, its motors off.
+  /// Places the vehicle on the ground with its motors off.
   void stand() {
     report.armed = report.is_in_our_mode = false;
     position_m.z() = 0.0;
@@ -62,7 +62,7 @@ struct OneVehicle {
   void say(models::OperatorAction action) {
     (void)say_to(action == models::OperatorAction::kHeartbeat ? "" : own, action);
   }
-  /// To another, or to everybody, "", by another station.
+  /// Sends a command for `whom` ("": all vehicles) from the given station.
   drivers::CommandVerdict say_to(const std::string& whom, models::OperatorAction action,
                                  std::int64_t station = 7) {
     models::OperatorCommand command;
@@ -72,7 +72,7 @@ struct OneVehicle {
     return guard.on_command(command, now);
   }
 
-  /// What mocap shows now.
+  /// Delivers a mocap frame of the current state.
   void see() {
     models::MocapFrame frame;
     frame.stamp = {now, 3, ++frames};
@@ -82,7 +82,7 @@ struct OneVehicle {
     if (is_seen) {
       models::MocapBody& body = frame.bodies.emplace_back();
       body.name = own;
-      // No measurement is the same twice.
+      // Two measurements are never identical.
       const double twitch_m = frames % 2 == 0 && !is_frozen ? 1e-9 : 0.0;
       body.world_from_body =
           lift({position_m.x(), position_m.y(), yaw_rad}, position_m.z() + twitch_m);
@@ -91,7 +91,7 @@ struct OneVehicle {
       (void)guard.on_mocap(frame, now);
     }
   }
-  /// What everybody else tells it.
+  /// Delivers all other inputs: heartbeats, autopilot report, battery.
   void hear() {
     if (is_commanded && ticks % 10 == 0) {
       say(models::OperatorAction::kHeartbeat);
@@ -131,7 +131,7 @@ struct OneVehicle {
     }
   }
 
-  /// To where it is asked to be now.
+  /// Moves the body to its current set-point.
   void move() {
     const Eigen::Vector3d from_m = position_m;
     const double from_rad = yaw_rad;
@@ -171,7 +171,7 @@ struct OneVehicle {
     return out_body;
   }
 
-  /// From where it is, `speed_mps` for `seconds` and then to rest.
+  /// Returns a plan from the current pose: `speed_mps` for `seconds`, then a stop.
   models::RobotPlan plan(double speed_mps, double turn_radps, double seconds, double height_m,
                          double start_in_s = 0.0) {
     models::RobotPlan made;
@@ -184,12 +184,12 @@ struct OneVehicle {
                                 {{speed_mps, 0.0}, speed_mps / 2.0, 2.0}};
     return made;
   }
-  /// Is given such a plan to follow.
+  /// Delivers such a plan to the guard.
   drivers::PlanVerdict follow(double speed_mps, double turn_radps, double seconds, double height_m,
                               double start_in_s = 0.0) {
     return guard.on_plan(plan(speed_mps, turn_radps, seconds, height_m, start_in_s), now);
   }
-  /// In the air at a place, seen there and told to land.
+  /// Puts the vehicle in the air at a position where mocap sees it, and commands it to land.
   void land_from(const Eigen::Vector3d& from_m) {
     position_m = from_m;
     report.armed = true;
@@ -198,7 +198,7 @@ struct OneVehicle {
     tick();
     EXPECT_EQ(out.state, models::FlightState::kLand);
   }
-  /// Comes down whatever it is asked, and its motors stop.
+  /// Moves the body to the ground whatever is commanded, and stops its motors.
   void come_to_rest() {
     others.clear();
     drift_mps = Eigen::Vector3d(0.0, 0.0, -1.0);
@@ -210,7 +210,7 @@ struct OneVehicle {
     drift_mps.reset();
     EXPECT_EQ(out.state, models::FlightState::kIdle);
   }
-  /// Its motors turn, as it was told; it stands.
+  /// Arms the vehicle on the ground by a command.
   void arm() {
     stand();
     run(1.5);
@@ -221,7 +221,7 @@ struct OneVehicle {
     report.armed = report.is_in_our_mode = true;
     run(0.4);
   }
-  /// Told to, it has just begun its first lift.
+  /// Arms, commands the take-off and runs until the first lift begins.
   void begin_lift() {
     arm();
     say(models::OperatorAction::kTakeOff);
@@ -234,7 +234,7 @@ struct OneVehicle {
     const std::vector<std::string> all = reasons();
     return std::find(all.begin(), all.end(), reason) != all.end();
   }
-  /// One of its counters; below 0: there is none of that name.
+  /// Returns the value of a counter, −1 if there is none with this name.
   [[nodiscard]] std::int64_t count(const std::string& name) const {
     for (const models::NamedCount& each : guard.counters()) {
       if (each.name == name) {
@@ -245,7 +245,7 @@ struct OneVehicle {
   }
   [[nodiscard]] bool lifts() const { return has_reason("first lift"); }
 
-  /// Seen flying, and told to follow: waits for plans.
+  /// Lets it be seen flying and commands it to follow; it then waits for plans.
   void wait_for_plan() {
     run(0.1);
     say(models::OperatorAction::kFollow);
@@ -267,21 +267,24 @@ struct OneVehicle {
   double yaw_rad;
   Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
   bool answers = true;
-  /// No faster than so towards where it is asked to be.
+  /// Limits of the speed towards the set-point.
   double fastest_mps = drivers::kNever, fastest_radps = drivers::kNever;
-  Eigen::Vector3d beside_m = Eigen::Vector3d::Zero();  ///< of where it is asked to be
-  std::optional<Eigen::Vector3d> drift_mps;            ///< whatever it is asked
+  Eigen::Vector3d beside_m = Eigen::Vector3d::Zero();  ///< m; offset of the body from its set-point
+  std::optional<Eigen::Vector3d> drift_mps;            ///< m/s; replaces the motion towards the
+                                                       ///< set-point
   double turns_radps = 0.0;
   bool rises = true;
   double held_m = 0.0;
   std::vector<models::MocapBody> others;
 
-  // What is heard.
+  // Inputs that arrive.
   bool is_seen = true, has_mocap = true, is_commanded = true, beats = true, tells = true;
-  bool is_frozen = false;  ///< mocap shows the same bits again and again
+  bool is_frozen = false;  ///< mocap repeats the same pose bit for bit
   drivers::AutopilotReport report;
-  std::optional<Eigen::Vector3d> feels_m;            ///< the autopilot's own estimate, when another
-  double climb_off_mps = 0.0, turn_off_radps = 0.0;  ///< of what the autopilot feels
+  std::optional<Eigen::Vector3d> feels_m;            ///< m; the autopilot's own position estimate
+                                                     ///< if it differs
+  double climb_off_mps = 0.0, turn_off_radps = 0.0;  ///< added to the climb and turn rates that the
+                                                     ///< autopilot reports
   std::optional<double> battery_share = 0.9;
   drivers::GuardOutput out;
 };

@@ -10,7 +10,7 @@
 #include "test/drivers/safety/flight_bench.hpp"
 #include "test/drivers/safety/held.hpp"
 
-// The plan check against bodies without a plan, and its cost against many teammates.
+// The plan check against bodies without a plan, and its cost with many teammates.
 
 namespace vantage::drivers {
 namespace {
@@ -21,7 +21,7 @@ constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
 SafetyLimits limits() { return limits_for(test::FlightBench::scenario(), "Q1"); }
 
-/// From (−2, −1.3) along x at 1 m/s for 3 s, then to a stop.
+/// Returns a path from (−2, −1.3) along x: 3 s at 1 m/s and a stop.
 HeldPlan lane() {
   models::Trajectory way;
   way.start_time = kStart;
@@ -60,7 +60,7 @@ TEST(CheckWay, KeepsFromABodyWhereItWillBe) {
   }
 }
 
-// One after the other, each at its own pace: what is far costs next to nothing.
+// Each teammate is stepped separately, so distant ones cost almost nothing.
 TEST(CheckWay, TakesFewStepsBesideNinetyNineTeammates) {
   SafetyLimits lim = limits();
   lim.fence.bounds = {{-400.0, -400.0}, {400.0, 400.0}};
@@ -82,12 +82,13 @@ TEST(CheckWay, TakesFewStepsBesideNinetyNineTeammates) {
   std::vector<OtherCourse> far(others.begin() + 1, others.end());
   EXPECT_EQ(check_way(own, kStart, lim, far, &steps), PlanVerdict::kAccepted);
   EXPECT_LT(steps, 3'000);
-  // Half a millimetre beyond the separation for a minute: 60 000 steps, and no more are taken.
+  // Half a millimetre beyond the separation for a minute needs 60 000 steps; the check stops at its
+  // limit.
   EXPECT_EQ(check_way(own, kStart, lim, others, &steps), PlanVerdict::kTooCostly);
   EXPECT_LE(steps, kWayStepsMax);
 }
 
-// The states of a plan of 64 segments are those that point_at() gives, on both sides of each end.
+// The states of a plan of 64 segments equal those of point_at(), on both sides of each segment end.
 TEST(PlanWalk, AgreesWithPointAt) {
   models::Trajectory way;
   way.start_time = kStart;

@@ -25,7 +25,7 @@ constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
 SafetyLimits limits() { return limits_for(test::FlightBench::scenario(), "Q1"); }
 
-/// A room in which nothing is near.
+/// Returns limits for a room without anything near.
 SafetyLimits open_limits() {
   SafetyLimits out = limits();
   out.fence.bounds = {{-100.0, -100.0}, {100.0, 100.0}};
@@ -46,7 +46,7 @@ models::Trajectory random_way(test::Random& random) {
   return way;
 }
 
-// Two independent closed forms of the same motion.
+// Compares two independent closed forms of the same motion.
 TEST(PointAt, AgreesWithTheTrajectoryThatEveryoneElseUses) {
   test::Random random(3);
   for (int i = 0; i < 2000; ++i) {
@@ -61,7 +61,7 @@ TEST(PointAt, AgreesWithTheTrajectoryThatEveryoneElseUses) {
   }
 }
 
-// Brute force: every millisecond of the way, by the same distances.
+// Brute force: samples the path every millisecond with the same distance functions.
 TEST(CheckWay, FindsWhatASampleEachMillisecondFinds) {
   test::Random random(4);
   const SafetyLimits lim = limits();
@@ -93,7 +93,8 @@ TEST(CheckWay, FindsWhatASampleEachMillisecondFinds) {
   EXPECT_LT(refused, 395);
 }
 
-// The shared models know swept clearance by another method; whatever we accept they must, too.
+// The shared models compute swept clearance by another method and must accept every plan that we
+// accept.
 TEST(CheckWay, AcceptsNothingThatTheModelsCallBlocked) {
   test::Random random(5);
   const SafetyLimits lim = limits();
@@ -169,7 +170,7 @@ TEST(HoldPlan, RefusesMoreSegmentsThanItHasRoomFor) {
   EXPECT_FALSE(hold_plan(way, plan));
 }
 
-// What turns too slowly for an arc turns, too: to the side that it says.
+// A turn rate too small for an arc still turns the yaw, to the correct side.
 TEST(PointAt, TurnsAsSlowlyAsItSaysOnBothSidesOfTheStraightest) {
   HeldPlan plan;
   plan.start = {0.0, 0.0, 0.5};
@@ -182,14 +183,14 @@ TEST(PointAt, TurnsAsSlowlyAsItSaysOnBothSidesOfTheStraightest) {
   }
 }
 
-// What somebody flies at most from one instant to another, forwards or backwards.
+// The result is the greatest speed between two instants, forwards or backwards.
 TEST(SpeedMax, IsOfWhatIsFlownMeanwhile) {
   HeldPlan plan;
   plan.count = 3;
   plan.segments[0] = {{0.5, 0.0}, 1.0, 0.0};
   plan.segments[1] = {{-0.9, 1.0}, 2.0, 0.0};
   plan.segments[2] = {{0.2, 0.0}, 1.0, 0.2};
-  plan.segments[3] = {{7.0, 0.0}, 9.0, 0.0};  // of a plan before it
+  plan.segments[3] = {{7.0, 0.0}, 9.0, 0.0};  // remains from an earlier plan
   struct Window {
     double from_s, to_s, fastest_mps;
   };
@@ -224,7 +225,7 @@ TEST(PlanVerdict, IsNamedAsReasonsWriteIt) {
   }
 }
 
-// Whichever number of a plan is none: refused as such, and before anything else is looked at.
+// Any value of a plan that is not finite is refused with this verdict, before all other checks.
 TEST(CheckShape, RefusesWhateverIsNoNumber) {
   const SafetyLimits lim = limits();
   const std::vector<double* (*)(HeldPlan&)> numbers = {
@@ -254,7 +255,7 @@ TEST(CheckShape, RefusesWhateverIsNoNumber) {
       EXPECT_EQ(check_shape(plan, lim), PlanVerdict::kNotFinite) << i << " is " << value;
     }
   }
-  // The greatest number is one, and nothing flies so fast.
+  // The greatest finite number is valid, but infeasible.
   HeldPlan plan = held(way);
   for (double* number :
        {&plan.segments[0].control.speed_mps, &plan.segments[0].control.yaw_rate_radps}) {
@@ -266,8 +267,8 @@ TEST(CheckShape, RefusesWhateverIsNoNumber) {
   }
 }
 
-// Numbers went over the wire: each limit is kept to a millionth of it, forwards and backwards, to
-// either side, also by what speeds up or slows down in steps.
+// Rounding on the wire: each limit may be exceeded by 1e-6 of its value, in both directions and on
+// both sides, also by segments that change the speed in steps.
 TEST(CheckShape, ForgivesAMillionthOfEachLimitAndNoMore) {
   SafetyLimits lim = limits();
   lim.vehicle.speed_max_mps = 0.8;
@@ -312,12 +313,12 @@ TEST(CheckShape, ForgivesAMillionthOfEachLimitAndNoMore) {
       });
       EXPECT_NEAR(tight, 1e-6, 1e-9);
     }
-    // A stop may be a millionth of a second too short and a millionth of a metre a second left.
+    // A stop may be 1e-6 s too short and may leave 1e-6 m/s.
     const double stop_s = test::last_accepted(1.0, 0.0, 1e-12, [&](double t_s) {
       return accepts({{{sign * 0.8, 0.0}, t_s, 1.6}});
     });
     EXPECT_NEAR(0.8 / 1.6 - stop_s, 1e-6 + 1e-6 / 1.6, 1e-10);
-    // Without a stop it must be at rest already.
+    // Without a stop the final speed must already be 0.
     const double left_mps = test::last_accepted(0.0, 0.1, 1e-12, [&](double v) {
       return accepts({half, {{sign * v, 0.0}, 0.1, 0.0}});
     });
@@ -325,7 +326,7 @@ TEST(CheckShape, ForgivesAMillionthOfEachLimitAndNoMore) {
   }
 }
 
-// Of several obstacles the nearest counts, outside and inside, whichever is told first.
+// The nearest obstacle counts, outside and inside, in any order.
 TEST(Distances, AreToTheNearestOfAllObstacles) {
   test::Random random(38);
   for (int i = 0; i < 300; ++i) {
@@ -347,7 +348,7 @@ TEST(Distances, AreToTheNearestOfAllObstacles) {
   }
 }
 
-/// From x = 0 along the x axis for 3 s at 1 m/s, and to a stop at x = 3.25 m.
+/// Returns a path from x = 0 along the x axis: 3 s at 1 m/s and a stop at x = 3.25 m.
 HeldPlan drive(double start_s, double y_m = 0.0) {
   models::Trajectory way;
   way.start_time = kStart + from_seconds(start_s);
@@ -365,8 +366,8 @@ HeldPlan hover(double start_s, double x_m, double y_m) {
   return held(way);
 }
 
-// To the last centimetre of whoever stops last, whenever each began or will begin, and also when
-// somebody else has come to rest long before.
+// Paths are checked to the centimetre up to the end of the later one, for any start times, and also
+// if another teammate came to rest long before.
 TEST(CheckWay, LooksAtEveryWayToItsEnd) {
   SafetyLimits lim = open_limits();
   lim.plan_separation_m = 0.5;
@@ -395,7 +396,7 @@ TEST(CheckWay, LooksAtEveryWayToItsEnd) {
       for (const auto& others : {alone, first, last}) {
         EXPECT_EQ(check_way(stands, kStart, lim, others), expected) << others.size();
       }
-      // And to the last centimetre before a wall.
+      // The same before a wall.
       SafetyLimits walled = open_limits();
       const double face_m = 3.25 + walled.vehicle.radius_m + (is_apart ? 0.01 : -0.01);
       walled.fence.obstacles = {{{{face_m, -1.0}, {face_m + 1.0, 1.0}}, 2.0}};
@@ -405,11 +406,11 @@ TEST(CheckWay, LooksAtEveryWayToItsEnd) {
   }
 }
 
-// A teammate that has begun is where its plan is by now: what it has passed it does not meet.
+// A teammate under way is at the current point of its plan; the part behind it does not count.
 TEST(CheckWay, CountsTheWaysOfOthersFromNowOn) {
   SafetyLimits lim = open_limits();
   lim.plan_separation_m = 0.5;
-  const HeldPlan passes = drive(0.0, 0.3);  // x = 1 m at 0.3 m; it is 0.5 m away again at 1.4 m
+  const HeldPlan passes = drive(0.0, 0.3);  // at 0.3 m when x = 1 m; 0.5 m away again at 1.4 m
   const OtherCourse others[] = {{&passes, {}}};
   const double since_s = test::last_accepted(3.0, 0.0, 1e-7, [&](double t_s) {
     const HeldPlan stands = hover(t_s - 0.1, 1.0, 0.0);
@@ -424,7 +425,8 @@ TEST(CheckWay, CountsTheWaysOfOthersFromNowOn) {
   }
 }
 
-// However fast its vehicle is: a thin wall across its way is found, beside its way it is none.
+// At any speed of the vehicle, a thin wall across the path is found, and one beside the path is not
+// a conflict.
 TEST(CheckWay, FindsAThinWallAtAnySpeed) {
   for (const double speed_mps : {0.3, 1.0, 2.0, 3.0, 6.0}) {
     SafetyLimits lim = open_limits();
@@ -443,7 +445,7 @@ TEST(CheckWay, FindsAThinWallAtAnySpeed) {
   }
 }
 
-// At 2 m/s nothing is stepped over that is 2 mm thick.
+// At 2 m/s no body of 2 mm is stepped over.
 TEST(CheckWay, FindsTwoMillimetresAtTwoMetresASecond) {
   test::Random random(39);
   SafetyLimits lim = open_limits();

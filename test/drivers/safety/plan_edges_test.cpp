@@ -13,9 +13,8 @@
 #include "test/support/bisect.hpp"
 #include "test/support/random.hpp"
 
-// The plan check where it is hardest: at the edge of what it accepts, for plans drawn so that they
-// pass as near as they may, and for the same plans seen in a mirror, turned, later and under other
-// names.
+// Plan check at the edge of what it accepts: random plans that pass as closely as allowed, and the
+// same plans mirrored, rotated, shifted in time and with other names.
 
 namespace vantage::drivers {
 namespace {
@@ -25,7 +24,7 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 
 SafetyLimits bench_limits() { return limits_for(test::FlightBench::scenario(), "Q1"); }
 
-/// A room in which nothing is near.
+/// Returns limits for a room without anything near.
 SafetyLimits open_limits() {
   SafetyLimits limits = bench_limits();
   limits.fence.bounds = {{-100.0, -100.0}, {100.0, 100.0}};
@@ -44,7 +43,7 @@ HeldPlan held(Time start, const Pose2& pose, std::vector<models::PlanSegment> se
   return plan;
 }
 
-// Some driving and turning, and a stop; as fast as `speed_mps` at most.
+// Returns a random plan of driving, turning and a stop, with at most `speed_mps`.
 HeldPlan random_plan(test::Random& random, double speed_mps) {
   std::vector<models::PlanSegment> segments;
   const double speed = speed_mps * random.uniform(0.3, 1.0);
@@ -57,7 +56,7 @@ HeldPlan random_plan(test::Random& random, double speed_mps) {
               std::move(segments));
 }
 
-/// The same motion, placed so that at `time` it is at `p_m` with that yaw.
+/// Returns the same motion, moved so that it is at `p_m` with this yaw at `time`.
 HeldPlan placed(HeldPlan plan, Time time, const Eigen::Vector2d& p_m, double yaw_rad) {
   const double elapsed_s = to_seconds(time - plan.start_time);
   plan.start = {0.0, 0.0, 0.0};
@@ -70,7 +69,7 @@ HeldPlan placed(HeldPlan plan, Time time, const Eigen::Vector2d& p_m, double yaw
   return plan;
 }
 
-/// Least value of `distance_m` over each half millisecond of [now, until].
+/// Returns the least value of `distance_m`, sampled every half millisecond in [now, until].
 double sampled_m(Time now, Time until, const std::function<double(Time)>& distance_m) {
   double least_m = kInf;
   for (Time t = now; t <= until; t += Duration{500}) {
@@ -85,10 +84,10 @@ Eigen::Vector3d place_m(const HeldPlan& plan, Time t) {
 
 Time end_of(const HeldPlan& plan) { return plan.start_time + from_seconds(duration_s(plan)); }
 
-// How much the check may be wrong: it steps a millisecond at least, at the speed of both.
+// m; error of the check, which steps at least 1 ms at the speed of both
 constexpr double kStepM = 0.004;
 
-/// A plan that comes as near as `least_m` is refused once `limit_m` asks for more, and not before.
+/// Expects that a plan with the least distance `least_m` is refused only if `limit_m` exceeds it.
 void expect_edge_at(double least_m, double& limit_m, const HeldPlan& plan, Time now,
                     const SafetyLimits& limits, std::span<const OtherCourse> others,
                     PlanVerdict refusal) {
@@ -98,7 +97,7 @@ void expect_edge_at(double least_m, double& limit_m, const HeldPlan& plan, Time 
   EXPECT_EQ(check_way(plan, now, limits, others), refusal) << least_m;
 }
 
-/// Calls look(i, random, plan, now) with random plans, at instants about their beginning.
+/// Calls look(i, random, plan, now) with random plans, at times around their start.
 template <class Look>
 void for_each_plan(unsigned seed, int count, const Look& look) {
   test::Random random(seed);
@@ -110,8 +109,8 @@ void for_each_plan(unsigned seed, int count, const Look& look) {
   }
 }
 
-// Crossing, head-on, overtaking: whatever they do, two plans are accepted to the least separation
-// that samples of both find and not beyond it.
+// Crossing, head-on and overtaking plans are accepted exactly down to the least separation that
+// sampling finds.
 TEST(CheckWay, FindsTheLeastSeparationOfTwoPlansThatPassClosely) {
   test::Random random(31);
   SafetyLimits limits = open_limits();
@@ -121,7 +120,7 @@ TEST(CheckWay, FindsTheLeastSeparationOfTwoPlansThatPassClosely) {
     const PlanPoint here = point_at(plan, to_seconds(meets - plan.start_time));
     const double bearing_rad = random.uniform(-kPi, kPi);
     const double apart_m = random.uniform(0.2, 0.9);
-    // Teammates of other makes may be faster than we are.
+    // Other teammates may be faster than this vehicle.
     const double yaw_rad = i % 2 == 0 ? here.yaw_rad + kPi : random.uniform(-kPi, kPi);
     const HeldPlan other =
         placed(random_plan(random, i % 3 == 0 ? 2.5 : 1.0), meets,
@@ -163,7 +162,7 @@ TEST(CheckWay, FindsTheLeastDistanceOfFenceAndObstacle) {
     if (i % 2 == 0) {
       limits.fence.bounds = {{-100.0, -100.0}, {100.0, 100.0}};
       limits.fence.obstacles = {{{corner_m, corner_m + random.vector<2>(0.02, 0.5)}, 2.5}};
-    } else {  // one edge of the fence near
+    } else {  // one edge of the fence is near
       refusal = PlanVerdict::kOutsideFence;
       limits.fence.obstacles.clear();
       limits.fence.bounds = {{-100.0, -100.0}, {100.0, 100.0}};
@@ -180,7 +179,7 @@ TEST(CheckWay, FindsTheLeastDistanceOfFenceAndObstacle) {
   for_each_plan(33, 400, check);
 }
 
-// However thin: a body of 2 mm right on the way, and a teammate head-on that needs 4 mm.
+// Thin conflicts: a body of 2 mm on the path, and a head-on teammate with a limit of 4 mm.
 TEST(CheckWay, StepsOverNothingThatIsAsThickAsStated) {
   test::Random random(37);
   SafetyLimits limits = open_limits();
@@ -198,7 +197,7 @@ TEST(CheckWay, StepsOverNothingThatIsAsThickAsStated) {
   }
 }
 
-// Signed distances by brute force over the points of a fine grid of the rectangle's edge.
+// Signed distances by brute force over a fine grid on the edge of the rectangle.
 TEST(Distances, AreThoseToTheNearestPointOfTheEdge) {
   test::Random random(34);
   for (int i = 0; i < 300; ++i) {
@@ -225,13 +224,13 @@ TEST(Distances, AreThoseToTheNearestPointOfTheEdge) {
   }
 }
 
-// ---- The same again, in a mirror, turned, later, under other names ----
+// ---- The same scenes mirrored, rotated, later and with other names ----
 
 struct Scene {
   HeldPlan plan;
   Time now{};
-  std::array<HeldPlan, 2> plans;        // of teammates
-  std::vector<Eigen::Vector3d> bodies;  // without a plan
+  std::array<HeldPlan, 2> plans;        // of the teammates
+  std::vector<Eigen::Vector3d> bodies;  // of bodies without a plan
   SafetyLimits limits;
 
   [[nodiscard]] PlanVerdict verdict() const {
@@ -254,12 +253,12 @@ Scene random_scene(test::Random& random) {
   scene.limits = bench_limits();
   scene.limits.plan_separation_m = random.uniform(0.1, 0.6);
   scene.limits.vehicle.radius_m = random.uniform(0.02, 0.25);
-  scene.limits.lateral_max_mps2 = random.uniform(1.5, 4.0);  // of the turns some are too tight
+  scene.limits.lateral_max_mps2 = random.uniform(1.5, 4.0);  // some turns are too tight
   scene.limits.vehicle.yaw_rate_max_radps = random.uniform(2.0, 4.0);
   return scene;
 }
 
-/// `of(x, y)` for every place, `yaw(yaw)` for every yaw, and turns by `sense`.
+/// Transforms positions by `of(x, y)` and yaws by `yaw(yaw)`; multiplies turn rates by `sense`.
 template <class Place, class Yaw>
 Scene seen(Scene scene, const Place& of, const Yaw& yaw, double sense) {
   const auto move = [&](HeldPlan& plan) {
@@ -331,7 +330,7 @@ TEST(PlanCheck, AnswersTheSameInAMirrorTurnedLaterAndWithOthersRenamed) {
   }
 }
 
-// Backwards is as good as forwards: the same places in the same time.
+// Driving backwards reaches the same positions at the same times.
 TEST(PlanCheck, JudgesDrivingBackwardsAsDrivingTurnedRound) {
   test::Random random(36);
   for (int i = 0; i < 1000; ++i) {
@@ -347,7 +346,7 @@ TEST(PlanCheck, JudgesDrivingBackwardsAsDrivingTurnedRound) {
   }
 }
 
-// ---- Margins of a plan's shape, by bisection on both sides ----
+// ---- Limits of the shape of a plan, by bisection from both sides ----
 
 class ShapeEdges : public testing::Test {
  protected:
@@ -357,7 +356,7 @@ class ShapeEdges : public testing::Test {
   bool accepts(std::vector<models::PlanSegment> segments) const {
     return verdict(std::move(segments)) == PlanVerdict::kAccepted;
   }
-  /// At `speed_mps`, turning, and then at rest.
+  /// True if a turn at `speed_mps` with a stop after it is accepted.
   bool turns(double speed_mps, double rate_radps) const {
     return accepts({{{speed_mps, rate_radps}, 0.5, 0.0}, {{}, 0.1, 0.0}});
   }
@@ -397,7 +396,7 @@ TEST_F(ShapeEdges, BrakesAsHardAsItsVehicleAndLongEnough) {
       return accepts({{{v, 0.0}, t_s, 2.0}});
     });
     EXPECT_NEAR(brake_s, 0.5, 1e-5) << "1 m/s at 2 m/s²";
-    // Straight on while it brakes: nobody has worked out the way of a turn that slows.
+    // Braking segments must be straight; there is no closed form for a turn while braking.
     for (const double side : {1.0, -1.0}) {
       const double turn_radps = test::last_accepted(0.0, 1.0, 1e-9, [&](double w) {
         return accepts({{{v, side * w}, 0.5, 2.0}});
@@ -444,19 +443,20 @@ TEST_F(ShapeEdges, FliesBetweenTheGroundAndTheCeiling) {
   EXPECT_NEAR(test::last_accepted(1.0, 9.0, 1e-9, accepts_height), limits.fence.ceiling_m, 1e-8);
 }
 
-// What is behind the vehicle does not count any more: the last instant of a conflict that does.
+// The part of the path behind the vehicle does not count; finds the last instant of a conflict
+// ahead.
 TEST_F(ShapeEdges, CountsFromNowOn) {
   limits = open_limits();
   const HeldPlan plan = held(kStart, {}, {{{1.0, 0.0}, 3.0, 0.0}, models::brake(1.0, 2.0).front()});
   const OtherCourse others[] = {{nullptr, {1.0, 0.3, 1.0}}};  // passed at 0.3 m after 1 s
-  limits.plan_separation_m = 0.5;                             // left at 1.4 m
+  limits.plan_separation_m = 0.5;                             // m; left at x = 1.4 m
   const double since_s = test::last_accepted(3.0, 0.0, 1e-7, [&](double t_s) {
     return check_way(plan, kStart + from_seconds(t_s), limits, others) == PlanVerdict::kAccepted;
   });
   EXPECT_NEAR(since_s, 1.4, 5e-6);
 }
 
-// Of several others each counts, whichever place it has in the list.
+// Each other body counts, at any position in the list.
 TEST_F(ShapeEdges, KeepsFromEveryOtherOne) {
   const HeldPlan plan = held(kStart, {1.0, -1.0, 0.0}, {});
   for (std::size_t near = 0; near < 4; ++near) {
@@ -467,8 +467,7 @@ TEST_F(ShapeEdges, KeepsFromEveryOtherOne) {
   }
 }
 
-// Numbers that went over the wire are off by a little: a millionth of a metre too near is not
-// refused, and no more than that is forgiven.
+// Rounding on the wire: a violation of up to 1e-6 m is accepted, a larger one is not.
 TEST_F(ShapeEdges, ForgivesAMillionthOfAMetre) {
   const auto forgiven_m = [&](const Eigen::Vector2d& edge_m, const Eigen::Vector2d& inward,
                               std::vector<OtherCourse> others = {}) {

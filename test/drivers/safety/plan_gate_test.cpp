@@ -21,12 +21,12 @@ constexpr double kSeparationM = 0.5;
 
 Time after(double t_s) { return kStart + from_seconds(t_s); }
 
-/// A gate of Q1, which hovers at (1, −1, 1) and looks nearly west, so that yaws pass ±π.
+/// Plan gate of Q1, which hovers at (1, −1, 1) with a yaw near π, so that yaws cross ±π.
 class Gate : public testing::Test {
  protected:
   Gate() { course.stand({1.0, -1.0, 1.0}, kYawRad, kStart); }
 
-  /// A hover where the vehicle is, news of the planner `run`.
+  /// Returns a new plan of planner `run`: a hover at the position of the vehicle.
   models::RobotPlan news(double start_s, std::int64_t run = 1) {
     models::RobotPlan plan;
     plan.robot = "Q1";
@@ -45,7 +45,7 @@ class Gate : public testing::Test {
     gate.report(after(at_s), limits, out);
     return out;
   }
-  /// Of a gate that has heard nothing yet.
+  /// True if a gate without history accepts the plan.
   bool accepts_at_first(const models::RobotPlan& plan, double at_s) {
     gate = PlanGate("Q1");
     return judge(plan, at_s) == PlanVerdict::kAccepted;
@@ -76,7 +76,7 @@ TEST_F(Gate, TakesNewsAndSaysHowOldItIs) {
   }
 }
 
-// A plan may be late now and then: only so many in a row count, and a good one begins the row anew.
+// Only consecutive late plans count; a plan in time resets the count.
 TEST_F(Gate, CountsLatePlansInARowAndAGoodOneEndsTheRow) {
   int expected[] = {1, 2, 0, 1, 2, 3, 0, 0, 1};
   bool is_late[] = {true, true, false, true, true, true, false, false, true};
@@ -164,7 +164,8 @@ TEST_F(Gate, TakesPlansOfNowOnly) {
   EXPECT_EQ(judge(news(6.0), 0.0), PlanVerdict::kTooFarAhead);
 }
 
-// The way from where it hovers to where a third plan begins is the second one's, which waits.
+// The path between the current hover and a third plan belongs to the second plan, which has not
+// begun.
 TEST_F(Gate, TakesNoPlanThatBeginsAfterOneThatWaits) {
   for (const double at_s : {0.0, 10.0}) {
     const models::RobotPlan next = news(at_s + 0.5);
@@ -209,12 +210,12 @@ TEST_F(Gate, TakesPlansThatBeginWhereTheVehicleWillBe) {
     });
     EXPECT_NEAR(turn_rad, limits.plan_start_turn_rad, 1e-8) << side;
   }
-  // Its height is told from outside; the course does not know it.
+  // The height is given separately; the course does not contain it.
   height_m = 1.0 + limits.plan_start_tolerance_m + 1e-6;
   EXPECT_FALSE(accepts_at_first(news(0.0), 0.0));
 }
 
-// A plan that has begun is judged from now on, one that has not from where it begins.
+// A plan that has begun is compared at the current time, a future plan at its start.
 TEST_F(Gate, LooksWhereThePlanIsNowOrWillBegin) {
   HeldPlan drives;
   drives.start_time = kStart;
@@ -234,8 +235,8 @@ TEST_F(Gate, LooksWhereThePlanIsNowOrWillBegin) {
   EXPECT_FALSE(accepts_at_first(plan, 0.0));
 }
 
-// One that says of the past half second what was flown goes on from here, however fast; one that
-// would have to be where it began does not.
+// A plan whose last half second agrees with the flown path continues from here at any speed. A plan
+// that begins again at the old start does not.
 TEST_F(Gate, TakesWhatGoesOnFromWhereTheVehicleIsByNow) {
   limits.plan_start_tolerance_m = 0.01;
   models::RobotPlan plan = news(0.0);
@@ -319,7 +320,7 @@ TEST_F(Gate, CountsEachVerdictByItsName) {
   }
 }
 
-// Each name has its own number, not its neighbour's.
+// Each counter has its own value.
 TEST_F(Gate, CountsEachVerdictUnderItsOwnName) {
   const std::map<std::string, int> met = {
       {"accepted", 5}, {"wrong vehicle", 1}, {"stale", 2}, {"too far ahead", 3}, {"not finite", 4}};
@@ -349,7 +350,7 @@ TEST_F(Gate, CountsEachVerdictUnderItsOwnName) {
   }
 }
 
-// Another planner was heard: told until it has been silent for as long as a lease lasts; and again.
+// A second planner is reported until it has been silent for the lease time, each time.
 TEST_F(Gate, TellsOfASecondPlannerForALease) {
   EXPECT_EQ(judge(news(0.0, 1), 0.0), PlanVerdict::kAccepted);
   EXPECT_FALSE(report(0.0).second_planner);

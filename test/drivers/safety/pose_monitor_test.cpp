@@ -28,18 +28,19 @@ class Poses : public testing::Test {
     const models::MocapBody body{"Q1", lift({p_m.x(), p_m.y(), yaw_rad}, p_m.z()), false};
     return monitor.judge(&body, context, limits, kStart + from_seconds(at_s));
   }
-  /// Anew, and then at rest until time 0.
+  /// Resets the monitor and shows the body at rest until time 0.
   void stand(const Eigen::Vector3d& p_m) {
     monitor = {};
     EXPECT_EQ(see(p_m, -kFrameS), PoseVerdict::kAccepted);
     EXPECT_EQ(see(p_m, 0.0), PoseVerdict::kAccepted);
   }
 
-  SafetyLimits limits = limits_for(test::FlightBench::scenario(), "Q1");  // ±4 m, ±2.2 m, 3 m high
+  SafetyLimits limits = limits_for(test::FlightBench::scenario(), "Q1");  // room: ±4 m, ±2.2 m, 3 m
+                                                                          // high
   PoseMonitor monitor;
 };
 
-// Where the room is not: a metre beyond fence and ceiling, 0.3 m below the floor.
+// The accepted volume ends 1 m beyond fence and ceiling, and 0.3 m below the floor.
 TEST_F(Poses, BeginOnlyInTheRoom) {
   const Eigen::Vector3d middle_m(0.5, -0.4, 1.0);
   const double ends_m[3][2] = {{-5.0, 5.0}, {-3.2, 3.2}, {-0.3, 4.0}};
@@ -58,8 +59,8 @@ TEST_F(Poses, BeginOnlyInTheRoom) {
   EXPECT_EQ(see({0.0, 9.0, 1.0}, 2.0), PoseVerdict::kOutside) << "nor jumps there in the air";
 }
 
-// In the air: as far as an unknown acceleration of 10 m/s² may have taken it, and less than half of
-// the separation.
+// In the air the gate covers an unknown acceleration of 10 m/s² during the gap, and stays below
+// half of the separation.
 TEST_F(Poses, PassAGateThatWidensWithTheGap) {
   const Eigen::Vector3d here_m(0.5, -0.4, 1.0);
   for (const double gap_s : {0.01, 0.1, 0.2, 0.3, 1.0}) {
@@ -83,7 +84,7 @@ TEST_F(Poses, PassAGateThatWidensWithTheGap) {
       EXPECT_NEAR(last_rad, turn_rad, 1e-7) << gap_s << " " << side;
     }
   }
-  // What it may have sunk unseen it is allowed downwards, and nowhere else.
+  // The possible descent while not seen widens the gate downwards only.
   for (const double z_m : {-0.4, 0.4}) {
     stand(here_m);
     const BodyContext sinks{true, false, false, 0.3};
@@ -92,7 +93,7 @@ TEST_F(Poses, PassAGateThatWidensWithTheGap) {
   }
 }
 
-// Unseen it came down as it was told to, which is no jump: so far below the gate, and not above.
+// A commanded descent while not seen widens the gate downwards only.
 TEST_F(Poses, MayHaveComeDownAsFarAsItWasTold) {
   const Eigen::Vector3d here_m(0.5, -0.4, 2.0);
   const double gap_s = 0.1;
@@ -112,7 +113,8 @@ TEST_F(Poses, MayHaveComeDownAsFarAsItWasTold) {
   }
 }
 
-// On the ground it may be carried: there a track begins anew, at rest, and counts from one. Twice.
+// On the ground the body may be carried: a jump starts a new track at rest with a count of one.
+// Tested twice.
 TEST_F(Poses, BeginAnewAtRestWhereABodyIsCarried) {
   double t_s = 0.0;
   Eigen::Vector3d p_m(0.0, -1.0, 0.0);
@@ -135,8 +137,8 @@ TEST_F(Poses, BeginAnewAtRestWhereABodyIsCarried) {
   }
 }
 
-// A step of the velocity is known to 1 − e^(−t / 50 ms), whichever way; none is believed that needs
-// more than 10 m/s².
+// The response to a velocity step is 1 − e^(−t / 50 ms) in either direction. A velocity that needs
+// more than 10 m/s² is limited.
 TEST_F(Poses, TellVelocityAndTurnWithAMemoryOfFiftyMilliseconds) {
   for (const double side : {1.0, -1.0}) {
     stand({0.0, -1.0, 1.0});
@@ -157,13 +159,14 @@ TEST_F(Poses, TellVelocityAndTurnWithAMemoryOfFiftyMilliseconds) {
   }
 }
 
-// The same bits again and again: not believed for longer than stated, and as old as their first.
+// Identical poses are accepted for the stated time; afterwards the age counts from the first of
+// them.
 TEST_F(Poses, AreStuckAfterWhatTheLimitsState) {
   const Eigen::Vector3d here_m(0.0, -1.0, 1.0);
   for (const BodyContext& context : {kFlies, kHovers}) {
     const double allowed_s =
         context.is_moving ? limits.pose_stuck_moving_s : limits.pose_stuck_hover_s;
-    stand(here_m);  // first seen so at -10 ms
+    stand(here_m);  // first seen at -10 ms
     double t_s = 0.0;
     while (see(here_m, t_s += kFrameS, context) == PoseVerdict::kAccepted && t_s < 2.0) {
     }
@@ -214,7 +217,7 @@ TEST_F(Poses, AreCountedInARowFromTheFirst) {
   EXPECT_EQ(monitor.accepted_in_row(), 1);
 }
 
-// Of a rotation's length a hundredth may be missing or too much, whoever wrote it.
+// The length of a quaternion may be off by 1 %.
 TEST_F(Poses, HaveRotationsOfUnitLength) {
   const auto accepts = [&](double length) {
     monitor = {};
@@ -248,8 +251,8 @@ TEST_F(Poses, ArePredictedNowhereBeforeTheFirst) {
   }
 }
 
-// Out of the room on a way that goes on: in the air believed wherever it goes, and back; on the
-// ground, or as the first that is seen, never.
+// A continuous path out of the room is accepted in the air, and also the way back. On the ground,
+// or for a first pose, it is not.
 TEST_F(Poses, LeaveTheRoomOnlyInTheAirOnAWayThatGoesOn) {
   const double beyond_m = 4.0 + limits.volume_margin_m;
   for (const BodyContext& context : {kFlies, kHovers, kOnGround}) {
@@ -278,7 +281,7 @@ TEST_F(Poses, AreAllRefusedOnceTheyAreDistrusted) {
   EXPECT_EQ(see(here_m, 2 * kFrameS), PoseVerdict::kAccepted);
 }
 
-// A jump and a flip by their names, outside the room too; the jump when it is both.
+// A jump and a flip are reported by name, also outside the room; a pose with both is a jump.
 TEST_F(Poses, AreRefusedInTheAirByTheirNames) {
   const Eigen::Vector3d here_m(0.5, -0.4, 1.0);
   const Eigen::Vector3d there_m = here_m + Eigen::Vector3d(1.0, 0.0, 0.0);
@@ -291,7 +294,7 @@ TEST_F(Poses, AreRefusedInTheAirByTheirNames) {
   EXPECT_EQ(see(here_m, kFrameS), PoseVerdict::kAccepted);
 }
 
-// Unseen it goes on as it did, for half a second: around there the next pose is believed.
+// An unseen flight is extrapolated for half a second; the next pose is accepted around there.
 TEST_F(Poses, AreExpectedWhereAFlightThatIsNotSeenLeads) {
   const Eigen::Vector3d begin_m(-2.0, -1.0, 1.0);
   for (const double gap_s : {0.1, 0.3, 0.5, 0.8}) {
@@ -314,8 +317,8 @@ TEST_F(Poses, AreExpectedWhereAFlightThatIsNotSeenLeads) {
   }
 }
 
-// A flight whose pose comes again and again: believed until the limit counts from the first of
-// them, however long it flew before; then it stands, as old as that first one. And once more.
+// When the pose of a moving vehicle repeats, the limit counts from its first occurrence, however
+// long it flew before. Afterwards the age counts from that pose. A second repetition acts the same.
 TEST_F(Poses, AreStuckFromWhenTheyFirstCame) {
   double t_s = 0.0;
   Eigen::Vector3d p_m(-3.0, -1.0, 1.0);

@@ -1,4 +1,5 @@
-// A body that goes where it is not told, upwards too: it is believed, held, landed, and stopped.
+// A body that moves against its commands, also upwards: its poses are accepted, and it is held,
+// landed and stopped.
 
 #include <algorithm>
 
@@ -17,15 +18,15 @@ struct Seen {
   double oldest_pose_s = 0.0;
 };
 
-/// Q1 is told to hover in the middle and carried away at `mps`, whatever it is told.
+/// Commands Q1 to hover in the middle while it is carried away at `mps`.
 Seen carry_away(const Eigen::Vector3d& mps, double seconds) {
   FlightBench bench(3);
-  bench.fly_up(3.0);  // hovers where it took off
+  bench.fly_up(3.0);  // hovers above its start
   Vehicle& q1 = bench.vehicle("Q1");
   Seen seen;
   const double start_s = bench.time_s();
   bench.run(seconds, [&] {
-    // Its controller asks for 1.3 m/s the other way.
+    // Compensates the 1.3 m/s that its controller commands in the opposite direction.
     q1.knobs.runaway_mps = mps + 1.3 * mps.normalized();
     const double since_s = bench.time_s() - start_s;
     const auto note = [&](double& at_s, FlightState state) {
@@ -44,8 +45,8 @@ Seen carry_away(const Eigen::Vector3d& mps, double seconds) {
   return seen;
 }
 
-// Defect: it climbed through the ceiling to 12 m in `hold`, and a metre above the ceiling its poses
-// were no longer believed.
+// Regression: a vehicle in `hold` climbed to 12 m, because its poses were refused from one metre
+// above the ceiling.
 TEST(Runaway, UpwardsIsLandedAndThenStoppedAboveTheCeiling) {
   const Seen seen = carry_away({0.0, 0.0, 0.7}, 8.0);
   ASSERT_GE(seen.landed_s, 0.0);
@@ -72,7 +73,7 @@ TEST(Runaway, SidewaysIsTheSameInEachDirection) {
   }
 }
 
-// A pose outside that is not where the body went is not believed, in the air as before.
+// A pose outside the room that does not continue the motion is refused, also in the air.
 TEST(Runaway, AJumpOutOfTheRoomIsNotOne) {
   FlightBench bench(3);
   bench.fly_up(3.0);
@@ -82,7 +83,7 @@ TEST(Runaway, AJumpOutOfTheRoomIsNotOne) {
   EXPECT_LT(q1.guard->world_from_body().translation_m.x(), 0.0);
 }
 
-// Height counts as much as place.
+// The tracking error includes the height error.
 TEST(Runaway, OffItsHeightIsOffItsCourse) {
   for (const double push_mps : {1.0, -1.0}) {
     FlightBench bench(3);
@@ -96,7 +97,8 @@ TEST(Runaway, OffItsHeightIsOffItsCourse) {
   }
 }
 
-// A climb may take five seconds and twice its time; whoever is still below then is off its course.
+// A climb may take 5 s and twice its nominal time; a vehicle that is still below then has a
+// tracking error.
 TEST(Runaway, DownwardsInAClimbIsOffItsCourseOnceTheClimbShouldBeOver) {
   FlightBench bench(3);
   Vehicle& q1 = bench.vehicle("Q1");
@@ -105,7 +107,7 @@ TEST(Runaway, DownwardsInAClimbIsOffItsCourseOnceTheClimbShouldBeOver) {
   double said_s = 9.0;
   while (bench.time_s() < 5.0 && said_s > 5.0) {
     if (begin_s < 0.0) {
-      q1.knobs.runaway_mps = {0.0, 0.0, -1.0};  // half a metre below what is asked
+      q1.knobs.runaway_mps = {0.0, 0.0, -1.0};  // half a metre below its set-point
     }
     bench.fly_up(bench.time_s() + 0.5 * FlightBench::kTickS);
     const bool lifts = FlightBench::has_reason(q1, "first lift", bench.now());
@@ -118,7 +120,7 @@ TEST(Runaway, DownwardsInAClimbIsOffItsCourseOnceTheClimbShouldBeOver) {
   EXPECT_NEAR(said_s - begin_s, 5.0 + 2.0 * 1.0 / limits.climb_mps, 0.3);
 }
 
-// Faster than it may: held.
+// Above its maximum speed it holds.
 TEST(Runaway, FasterThanItsLimitIsHeld) {
   for (const double way : {1.0, -1.0}) {
     FlightBench bench(3);
@@ -133,7 +135,7 @@ TEST(Runaway, FasterThanItsLimitIsHeld) {
   }
 }
 
-// Carried up while it comes down: what it asks for follows, and no steeper than it climbs.
+// Carried up during a landing: the set-point follows at no more than the climb speed.
 TEST(Runaway, UpwardsInALandingAsksForNoSteeperWayThanItsLimits) {
   FlightBench bench(3);
   bench.fly_up(3.0);

@@ -1,5 +1,5 @@
-// What a vehicle says of itself, and what flight safety hands to its driver, from the ground to the
-// ground: held against one another and against what the bench knows.
+// Status and guard output of a whole flight, compared with each other and with the truth of the
+// bench.
 
 #include <algorithm>
 #include <cmath>
@@ -21,8 +21,8 @@ using models::OperatorAction;
 
 constexpr double kSpeedMaxMps = 1.0;
 
-/// The place that is asked for now moves by at most 4 m/s², so that from where it will be it is
-/// told to within a t² / 2.
+/// Expects that the set-point extrapolated back by the lead time agrees with the current one, to
+/// within a t² / 2 with at most 4 m/s².
 void expect_asked_now(const models::VehicleStatus& status, const FlightSetpoint& soon,
                       const drivers::SafetyLimits& limits) {
   const double lead_s = limits.setpoint_lead_s;
@@ -33,7 +33,7 @@ void expect_asked_now(const models::VehicleStatus& status, const FlightSetpoint&
               slack_m);
   const double height_m = soon.position_world_m.z() - lead_s * soon.velocity_world_mps.z();
   EXPECT_NEAR(status.setpoint_height_m, std::max(0.0, height_m), 1e-9);
-  // 12 rad/s² of a turn, smoothed over half a second.
+  // At most 12 rad/s² of yaw, smoothed over half a second.
   EXPECT_NEAR(wrap_to_pi(soon.yaw_rad - lead_s * soon.yaw_rate_radps - status.setpoint.yaw_rad),
               0.0, 0.5 * 12.0 * lead_s * lead_s + 1e-6);
 }
@@ -49,7 +49,7 @@ TEST(VehicleStatus, SaysWhatIsAskedNowAndByWhichPlan) {
   int lifting = 0;
   int coming_down = 0;
   const auto look = [&] {
-    const Time now = bench.now() - from_seconds(FlightBench::kTickS);  // of this tick
+    const Time now = bench.now() - from_seconds(FlightBench::kTickS);  // time of this tick
     const models::VehicleStatus status = q1.guard->status(now);
     const FlightSetpoint& soon = q1.out.setpoint;
     EXPECT_EQ(status.stamp.time, now);
@@ -58,7 +58,7 @@ TEST(VehicleStatus, SaysWhatIsAskedNowAndByWhichPlan) {
     EXPECT_EQ(status.battery_share, q1.guard->inputs().battery_share);
     const bool is_airborne = drivers::is_airborne(q1.out.state);
     EXPECT_EQ(soon.kind, is_airborne ? FlightSetpoint::Kind::kTrack : FlightSetpoint::Kind::kNone);
-    // Its height goes up and down no faster than stated, wherever it is to go.
+    // The height set-point moves at most at the stated speed.
     if (is_airborne && drivers::is_airborne(before.state)) {
       const double step_m = status.setpoint_height_m - height_before_m;
       const bool lands = q1.out.state == FlightState::kLand;
@@ -72,7 +72,7 @@ TEST(VehicleStatus, SaysWhatIsAskedNowAndByWhichPlan) {
       EXPECT_EQ(status.setpoint.position_m(), q1.guard->world_from_body().translation_m.head<2>());
     }
     fastest_mps = std::max(fastest_mps, soon.velocity_world_mps.head<2>().norm());
-    // A plan that begins later is told of as soon as it is taken.
+    // A plan that begins later is reported as soon as it is accepted.
     const bool flies_plan = q1.out.state == FlightState::kFollow && q1.guard->inputs().has_plan;
     if (flies_plan) {
       EXPECT_EQ(status.plan_round, q1.sent.back().round);
@@ -91,7 +91,7 @@ TEST(VehicleStatus, SaysWhatIsAskedNowAndByWhichPlan) {
       EXPECT_EQ(q1.out.climb_to_m, 1.0);
     }
     EXPECT_TRUE(q1.out.state == FlightState::kLand || !q1.out.is_sinking);
-    // In the air no order is open; near the ground it asks for its motors no more.
+    // In the air no order is pending; near the ground the guard stops requesting the motors.
     const bool is_other = q1.out.state != before.state || q1.out.reasons != before.reasons;
     if (is_airborne && drivers::is_airborne(before.state)) {
       EXPECT_EQ(q1.out.changed, is_other || q1.out.wants_armed != before.wants_armed);
@@ -116,7 +116,7 @@ TEST(VehicleStatus, SaysWhatIsAskedNowAndByWhichPlan) {
   EXPECT_FALSE(q1.out.wants_armed);
 }
 
-// An order that is taken back says all that was in its way, in the order of the table.
+// A revoked order reports all conditions against it, in the order of the table.
 TEST(VehicleStatus, NamesEverythingThatIsInTheWay) {
   FlightBench bench(3);
   Vehicle& q1 = bench.vehicle("Q1");
@@ -153,7 +153,7 @@ TEST(VehicleStatus, NamesEverythingThatIsInTheWay) {
   EXPECT_FALSE(FlightBench::has_reason(q1, "arm waits", bench.now()));
 }
 
-// Plans are taken once it has climbed to within 15 cm of its height, and not before, whoever waits.
+// Plans are accepted only after the climb has come within 15 cm of its height.
 TEST(TakeOff, FollowsNoPlanBeforeItsClimbIsOver) {
   for (const double told_s : {-14.2, -13.9, -13.6}) {
     FlightBench bench(3);
@@ -179,8 +179,7 @@ TEST(TakeOff, FollowsNoPlanBeforeItsClimbIsOver) {
   }
 }
 
-// Nobody sees it, and it says nothing itself: it is believed to sink by two fifths of what it is
-// asked to.
+// Without mocap and telemetry, the estimated height sinks at 0.4 of the commanded speed.
 TEST(BlindDescent, IsBelievedToBeSlowerThanAsked) {
   FlightBench bench(3);
   bench.fly_up(3.0);

@@ -13,15 +13,14 @@
 #include "test/support/bisect.hpp"
 #include "test/support/random.hpp"
 
-// How near is near: each distance of the surroundings on both sides of its edge, in rooms so plain
-// that the answer can be said beforehand.
+// Both sides of the limits of each distance of Surroundings, in rooms with known answers.
 
 namespace vantage::drivers {
 namespace {
 
 SafetyLimits bench_limits() { return limits_for(test::FlightBench::scenario(), "Q1"); }
 
-/// The bench's vehicle in a room without obstacles.
+/// Returns the limits of the bench vehicle in a room without obstacles.
 SafetyLimits limits_in(const models::Rectangle& bounds) {
   SafetyLimits limits = bench_limits();
   limits.fence.bounds = bounds;
@@ -29,13 +28,13 @@ SafetyLimits limits_in(const models::Rectangle& bounds) {
   return limits;
 }
 
-/// The way to rest of who is told to stop at `p_m`.
+/// Returns the braking path of a vehicle that is commanded to stop at `p_m`.
 BrakeWay stop_from(const Eigen::Vector3d& p_m, const Eigen::Vector3d& v_mps,
                    const SafetyLimits& limits) {
   return BrakeWay::straight(p_m, v_mps, 0.0, limits.vehicle.brake_mps2, limits.reaction_s);
 }
 
-// Two as fast as each other that fly past each other: seen from one, the other goes straight.
+// Two vehicles with equal speed pass each other head-on. The relative motion is a straight line.
 TEST(LookAround, FindsHowFarApartTwoPassWhoMeetHeadOn) {
   const SafetyLimits limits = bench_limits();
   test::Random random(51);
@@ -54,7 +53,7 @@ TEST(LookAround, FindsHowFarApartTwoPassWhoMeetHeadOn) {
     const double closed_m = std::min(between_m, 2.0 * stopping_way_m(limits, v_mps.norm()));
     const double tube_m = std::clamp(0.5 * (body.age_s - 0.1), 0.0, 0.5);
     const double least_m = std::hypot(between_m - closed_m, beside_m) - tube_m;
-    // A plan makes things worse, never better.
+    // A planned velocity can only reduce the predicted separation.
     const std::vector<std::pair<double, double>> ways = {
         {-1.0, -1.0}, {-1.0, 0.0}, {-1.0, 1.0}, {0.0, -1.0}, {1.0, -1.0}};
     for (const auto& [does, plans] : ways) {
@@ -67,8 +66,8 @@ TEST(LookAround, FindsHowFarApartTwoPassWhoMeetHeadOn) {
   }
 }
 
-// Seen from one that brakes, the other flies a curve: its chords over a 16th of the time, less than
-// 45 ms, are half a millimetre off at most.
+// The path relative to a braking vehicle is curved. Its chords, each 1/16 of the time and under 45
+// ms, deviate from it by at most half a millimetre.
 TEST(LookAround, FindsTheLeastSeparationToHalfAMillimetre) {
   const SafetyLimits limits = bench_limits();
   const auto speed_mps = [](test::Random& random) -> Eigen::Vector3d {
@@ -98,8 +97,8 @@ TEST(LookAround, FindsTheLeastSeparationToHalfAMillimetre) {
   }
 }
 
-// Straight from inside a room, nearest to its walls and ceiling where it begins or where it ends;
-// and to a wall across it where it ends, or, if it comes off it, where it begins.
+// On a straight path in a convex room the least distance to walls and ceiling is at one end of the
+// path. The same holds for one wall outside the room.
 TEST(LookAround, FindsTheLeastDistanceOfPlainWallsAtAnEndOfTheWay) {
   SafetyLimits limits = limits_in({{-8.0, 3.0}, {4.5, 9.0}});
   limits.fence.ceiling_m = 2.6;
@@ -125,7 +124,7 @@ TEST(LookAround, FindsTheLeastDistanceOfPlainWallsAtAnEndOfTheWay) {
   }
 }
 
-// A post as thick as a 16th of the way is not missed, wherever it stands beside it.
+// A post as thick as 1/16 of the path is found at every position along the path.
 TEST(LookAround, FindsAPostBesideTheWay) {
   SafetyLimits limits = limits_in({{-8.0, -8.0}, {8.0, 8.0}});
   const Eigen::Vector3d here_m(1.0, -2.0, 1.0);
@@ -141,7 +140,7 @@ TEST(LookAround, FindsAPostBesideTheWay) {
   }
 }
 
-// Each of several passes by when it does; the nearest counts, whichever is named first.
+// Bodies pass at different times; the nearest counts in any order of the list.
 TEST(NearSoon, CountsTheNearest) {
   const Eigen::Vector3d here_m(1.0, -1.0, 1.0);
   std::vector<OtherBody> others(3);
@@ -149,7 +148,7 @@ TEST(NearSoon, CountsTheNearest) {
   others[1].position_world_m = {4.0, -1.0, 0.0};
   others[1].velocity_world_mps = {-1.0, 0.0, 0.0};
   others[2].position_world_m = {-3.0, -0.6, 0.0};
-  others[2].velocity_world_mps = {8.0, 0.0, 0.0};  // past us and away
+  others[2].velocity_world_mps = {8.0, 0.0, 0.0};  // passes us and moves away
   for (int i = 0; i < 3; ++i) {
     EXPECT_NEAR(near_soon_m(here_m, others, 0.0), 3.0, 1e-12);
     EXPECT_NEAR(near_soon_m(here_m, others, 1.0), 0.4, 1e-12);
@@ -157,8 +156,8 @@ TEST(NearSoon, CountsTheNearest) {
   }
 }
 
-// Outside it comes down just inside, its edge 0.1 m from the wall; where there is no such place,
-// in the middle between the walls.
+// A hover outside the fence gets a landing spot just inside, with its edge 0.1 m from the wall. If
+// the room is too small for that, the spot is in the middle between the walls.
 TEST(LandingSpot, IsBroughtInsideTheFence) {
   test::Random random(53);
   for (int i = 0; i < 200; ++i) {
@@ -180,29 +179,29 @@ TEST(LandingSpot, IsBroughtInsideTheFence) {
   }
 }
 
-/// Somebody lies below the hover, in a corridor so narrow that there are two places to come down
-/// at: 1 m ahead, or 1 m behind.
+/// A body lies below the hover in a corridor so narrow that only two landing spots exist: 1 m ahead
+/// and 1 m behind.
 class Corridor {
  public:
-  /// @param is_turned  it goes along y
+  /// @param is_turned  the corridor runs along y
   explicit Corridor(bool is_turned = false) : is_turned_(is_turned) {
     limits_ = limits_in(between(-7.0, 7.0, 0.38));
     others_.resize(1);
     others_[0].position_world_m = {hover_m_.x(), hover_m_.y(), 0.0};
   }
 
-  /// A wall across it, from `from_m` to `to_m` ahead.
+  /// Adds a wall across the corridor, from `from_m` to `to_m` ahead.
   void build(double from_m, double to_m) {
     limits_.fence.obstacles.push_back(
         {between(std::min(from_m, to_m), std::max(from_m, to_m), 1.0), 2.5});
   }
-  /// Somebody, so far from the hover.
+  /// Adds a body at an offset from the hover.
   void add(OtherBody body, double ahead_m, double beside_m, double above_m) {
     body.position_world_m = hover_m_ + way(ahead_m, beside_m, above_m);
     others_.push_back(body);
   }
   void ask_clearance(double clearance_m) { limits_.landing_clearance_m = clearance_m; }
-  /// How far ahead of the hover it comes down: 0 if there is no such place.
+  /// Returns the distance of the landing spot ahead of the hover, m; 0 if there is none.
   [[nodiscard]] double spot_m() const {
     const Eigen::Vector3d spot_m = landing_spot(hover_m_, others_, limits_) - hover_m_;
     EXPECT_NEAR(spot_m(is_turned_ ? 0 : 1), 0.0, 1e-9);
@@ -233,7 +232,7 @@ TEST(LandingSpot, IsOnTheSideWhereNoObstacleIsInTheWay) {
       Corridor corridor(is_turned);
       corridor.build(0.45 * side, 0.55 * side);
       EXPECT_NEAR(corridor.spot_m(), -side, 1e-9);
-      corridor.build(-1.6 * side, -1.7 * side);  // beyond the place
+      corridor.build(-1.6 * side, -1.7 * side);  // behind the spot
       EXPECT_NEAR(corridor.spot_m(), -side, 1e-9);
       corridor.build(-0.45 * side, -0.55 * side);
       EXPECT_EQ(corridor.spot_m(), 0.0);
@@ -241,7 +240,7 @@ TEST(LandingSpot, IsOnTheSideWhereNoObstacleIsInTheWay) {
   }
 }
 
-// Its edge comes no nearer to an obstacle than 0.05 m.
+// The edge of the vehicle stays at least 0.05 m from an obstacle.
 TEST(LandingSpot, IsAsFarFromObstaclesAsItStates) {
   for (const double side : {1.0, -1.0}) {
     const double end_m = test::last_accepted(3.0, 0.5, 1e-9, [&](double wall_m) {
@@ -254,7 +253,7 @@ TEST(LandingSpot, IsAsFarFromObstaclesAsItStates) {
   }
 }
 
-// Who hovers nearer to an obstacle than that still goes away from it when somebody is below.
+// A hover closer to an obstacle than that still moves away from it when a body is below.
 TEST(LandingSpot, IsFoundFromBesideAnObstacleAsFromAfar) {
   const double radius_m = bench_limits().vehicle.radius_m;
   for (const bool is_turned : {false, true}) {
@@ -266,7 +265,7 @@ TEST(LandingSpot, IsFoundFromBesideAnObstacleAsFromAfar) {
         corridor.build(-0.45 * side, -0.55 * side);
         EXPECT_EQ(corridor.spot_m(), 0.0) << "and through nothing";
       }
-      // Nor to beside another.
+      // The spot also keeps 0.05 m from a second obstacle.
       for (const double beyond_m : {0.04, 0.06}) {
         Corridor corridor(is_turned);
         corridor.build((radius_m + 0.02) * side, (radius_m + 0.1) * side);
@@ -278,8 +277,8 @@ TEST(LandingSpot, IsFoundFromBesideAnObstacleAsFromAfar) {
   }
 }
 
-// The way leads past a robot as far off as a landing stays clear of bodies and 0.1 m, seen from
-// above; past anybody else as far off as a hold allows.
+// The path keeps landing_clearance_m + 0.1 m horizontally from robots and separation_hold_m from
+// other bodies.
 TEST(LandingSpot, IsReachedAsFarFromOthersAsItStates) {
   const auto passes_m = [](int robot, double above_m) {
     return test::last_accepted(3.0, 0.1, 1e-9, [&](double beside_m) {
@@ -301,7 +300,8 @@ TEST(LandingSpot, IsReachedAsFarFromOthersAsItStates) {
   }
 }
 
-// As far from who is below as it must be and 0.1 m: 1 m off is enough for no more than 0.9 m.
+// The spot keeps the landing clearance and 0.1 m from a body below, so a spot 1 m away allows a
+// clearance of at most 0.9 m.
 TEST(LandingSpot, IsAsFarFromWhoIsBelowAsItStates) {
   Corridor corridor;
   const double asked_m = test::last_accepted(0.8, 1.1, 1e-9, [&](double clearance_m) {
@@ -311,8 +311,8 @@ TEST(LandingSpot, IsAsFarFromWhoIsBelowAsItStates) {
   EXPECT_NEAR(asked_m, 0.9, 1e-8);
 }
 
-// In every direction: exactly as far as a hold allows is far enough; and whoever is beside us is no
-// nearer later, however near. The last digits decide neither.
+// In every direction, exactly separation_hold_m is enough. A body abeam at the start only gets
+// farther away. Rounding must not change either result.
 TEST(WayTaken, NotByWhoIsJustFarEnoughNorByWhoIsLeftBehind) {
   const SafetyLimits limits = bench_limits();
   test::Random random(54);
@@ -331,8 +331,8 @@ TEST(WayTaken, NotByWhoIsJustFarEnoughNorByWhoIsLeftBehind) {
   }
 }
 
-// As seen from above counts a robot, the first of them, too, and who reaches up to the way or
-// higher.
+// All robots, including index 0, count at any height. Other bodies count if they reach the height
+// of the path or more.
 TEST(WayTaken, ByRobotsAtAnyHeightAndByOthersUnlessTheyAreBelow) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d from_m(1.0, -1.0, 1.0);
@@ -351,7 +351,7 @@ TEST(WayTaken, ByRobotsAtAnyHeightAndByOthersUnlessTheyAreBelow) {
   EXPECT_TRUE(is_taken(-1, -0.29));
 }
 
-// Within two seconds, straight on.
+// Robots at constant velocity count if they come close within two seconds.
 TEST(ClimbTaken, ByWhoComesWithinTwoSeconds) {
   const SafetyLimits limits = bench_limits();
   for (const double speed_mps : {0.0, 0.4, 1.0}) {
@@ -366,7 +366,8 @@ TEST(ClimbTaken, ByWhoComesWithinTwoSeconds) {
   }
 }
 
-/// How far clear_spot() goes from where one's edge is `edge_m` from the wall at y = −2; 0: nowhere.
+/// Returns the distance that clear_spot() moves a hover whose edge is `edge_m` from the wall at y =
+/// −2, m; 0: it finds none.
 double moves_m(double edge_m, std::span<const OtherBody> others) {
   const SafetyLimits limits = limits_in({{-8.0, -2.0}, {12.0, 12.0}});
   const Eigen::Vector3d hover_m(3.0, -2.0 + limits.vehicle.radius_m + edge_m, 1.0);
@@ -374,7 +375,7 @@ double moves_m(double edge_m, std::span<const OtherBody> others) {
   return spot_m ? (*spot_m - hover_m).norm() : 0.0;
 }
 
-// Straight off, by steps of 5 cm, until its edge is 0.15 m away, and no farther than 0.6 m.
+// The hover moves straight away in steps of 5 cm until its edge is 0.15 m away, by at most 0.6 m.
 TEST(ClearSpot, IsTheNearestThatIsClear) {
   ASSERT_EQ(bench_limits().hover_clearance_m, 0.1);
   EXPECT_EQ(moves_m(0.1001, {}), 0.0);
@@ -384,10 +385,10 @@ TEST(ClearSpot, IsTheNearestThatIsClear) {
   }
 }
 
-// It comes nearer to another as long as 0.05 m are left to where a hold begins; from who is nearer
-// it goes away.
+// The spot may approach another body down to separation_hold_m + 0.05 m. From a closer body it
+// moves away.
 TEST(ClearSpot, IsAsFarFromOthersAsItStates) {
-  constexpr double kEdgeM = 0.0501;  // clear is 0.1 m straight off, and nothing else so near
+  constexpr double kEdgeM = 0.0501;  // m; the only clear spot this near is 0.1 m straight away
   const SafetyLimits limits = bench_limits();
   OtherBody body;
   const auto with_body_m = [&](double x_m, double y_m) {

@@ -34,7 +34,7 @@ TEST(ClearSpot, IsClearNearAndLeavesAloneWhoIsClear) {
     const auto spot_m = clear_spot(hover_m, {}, limits);
     if (before_m >= limits.hover_clearance_m) {
       EXPECT_FALSE(spot_m.has_value());
-    } else if (before_m > -0.25) {  // 0.4 m to go at most, and 0.6 looked through
+    } else if (before_m > -0.25) {  // at most 0.4 m to go; 0.6 m are searched
       ASSERT_TRUE(spot_m.has_value()) << hover_m.transpose();
       EXPECT_GE(clearance_m(*spot_m, limits), limits.hover_clearance_m + 0.05);
       EXPECT_LE((*spot_m - hover_m).norm(), 0.6 + 1e-9);
@@ -65,8 +65,8 @@ TEST(ClearSpot, DoesNotComeNearerToAnotherThanItShould) {
   }
 }
 
-// Told to hold at the very edge of an obstacle, it goes a little way off, and flies on when told
-// to; whether frames come with its ticks or between them.
+// Commanded to hold at the edge of an obstacle, it moves away a little, and flies on when
+// commanded. The parameter is the age of mocap frames at a tick, ms.
 class Hovering : public ::testing::TestWithParam<int> {};
 
 TEST_P(Hovering, IsNotWhereAGustWouldMakeItTouchSomething) {
@@ -78,7 +78,7 @@ TEST_P(Hovering, IsNotWhereAGustWouldMakeItTouchSomething) {
     ASSERT_LT(bench.time_s(), 20.0);
     bench.tick();
   }
-  vehicle.position_m.y() = 1.07;  // the obstacle ends at 0.8, and the radius is 0.25
+  vehicle.position_m.y() = 1.07;  // m; the obstacle ends at 0.8 m, the radius is 0.25 m
   bench.tick();
   const auto tick = [&bench] {
     bench.room().heard_before_ms = GetParam();
@@ -102,8 +102,8 @@ TEST_P(Hovering, IsNotWhereAGustWouldMakeItTouchSomething) {
 
 INSTANTIATE_TEST_SUITE_P(FlightGuard, Hovering, ::testing::Values(0, 8));
 
-// The cameras' pose jumps by as much as the gate lets through: nobody takes it for a flight at
-// metres a second, and brakes through the room from that.
+// A pose jump within the gate must not be taken for a velocity of metres per second and start a
+// braking manoeuvre.
 TEST(FlightGuard, IsNotCarriedAwayByASmallJumpOfThePose) {
   test::FlightBench bench(1);
   bench.fly_up(6.4);
@@ -117,7 +117,7 @@ TEST(FlightGuard, IsNotCarriedAwayByASmallJumpOfThePose) {
   EXPECT_EQ(vehicle.out.state, models::FlightState::kFollow);
 }
 
-// A late climber met who flew above it.
+// Regression: a late climber met a vehicle that flew above it.
 TEST(ClimbTaken, ByARobotAboveUpToTheGoalNowOrSoonFromEitherSide) {
   const SafetyLimits limits;
   const Eigen::Vector3d here_m(0.0, 0.0, 0.3);
@@ -153,7 +153,8 @@ OtherBody random_body(test::Random& random) {
   return body;
 }
 
-/// Two that brake straight after the reaction, by small steps of their equations of motion.
+/// Integrates two vehicles that brake straight after the reaction time, in small steps; returns
+/// their least distance.
 double stepped_closest_m(Eigen::Vector3d p_m, Eigen::Vector3d v_mps, Eigen::Vector3d q_m,
                          Eigen::Vector3d w_mps, const SafetyLimits& limits) {
   constexpr double kStepS = 2e-4;
@@ -198,7 +199,8 @@ TEST(LookAround, FindsTheLeastSeparationOfTwoThatBrake) {
   }
 }
 
-// What has not been seen for longer than a hold may be anywhere within a tube that widens, so far.
+// A body that was not seen for longer than a hold may be anywhere within a tube that grows to a
+// limit.
 TEST(LookAround, TakesABodyForNearerTheLongerItHasNotBeenSeen) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d here_m(1.0, -1.0, 1.0);
@@ -260,7 +262,8 @@ TEST(LookAround, FindsTheLeastDistanceOfFenceCeilingAndObstaclesOnTheWayToRest) 
     }
     const Surroundings seen = look_around(here_m, way, {}, limits);
     EXPECT_NEAR(seen.fence_stop_m, fence_m, 1e-9);
-    EXPECT_NEAR(seen.obstacle_stop_m, obstacle_m, 0.02);  // places 7 cm apart, past a corner
+    EXPECT_NEAR(seen.obstacle_stop_m, obstacle_m, 0.02);  // m; the path is sampled every 7 cm, past
+                                                          // a corner
     const double centre_m = fence_distance_m(limits.fence, here_m.head<2>());
     const double below_m = limits.fence.ceiling_m - here_m.z();
     EXPECT_NEAR(seen.fence_centre_m, std::min(centre_m, below_m), 1e-12);
@@ -268,8 +271,8 @@ TEST(LookAround, FindsTheLeastDistanceOfFenceCeilingAndObstaclesOnTheWayToRest) 
   }
 }
 
-/// The room and everybody in it, seen otherwise: `of(x, y)` for places and, without the shift of
-/// its origin, for velocities.
+/// The room and all bodies in transformed coordinates: `of(x, y)` maps positions and, without its
+/// shift of the origin, velocities.
 template <class Place>
 struct SeenOtherwise {
   Place of;
@@ -314,7 +317,7 @@ void expect_the_same(const Place& of, test::Random& random) {
   std::vector<OtherBody> others;
   for (int i = 0; i < 3; ++i) {
     bodies.push_back(random_body(random));
-    others.insert(others.begin(), seen.body(bodies.back()));  // and in another order
+    others.insert(others.begin(), seen.body(bodies.back()));  // also in reverse order
   }
   const auto look = [&](const Eigen::Vector3d& p_m, const Eigen::Vector3d& speed_mps,
                         const std::vector<OtherBody>& around, const SafetyLimits& lim) {
@@ -338,7 +341,7 @@ void expect_the_same(const Place& of, test::Random& random) {
             is_way_taken(seen.place(here_m), seen.place(there_m), others, other_limits));
   EXPECT_EQ(is_climb_taken(here_m, 1.5, bodies, limits),
             is_climb_taken(seen.place(here_m), 1.5, others, other_limits));
-  // Which of several places equally near is taken is not said; how near it is, is.
+  // Of several equally near spots any may be chosen; the distance is unique.
   EXPECT_NEAR((landing_spot(here_m, bodies, limits) - here_m).norm(),
               (landing_spot(seen.place(here_m), others, other_limits) - seen.place(here_m)).norm(),
               1e-9);
@@ -360,7 +363,8 @@ TEST(Surroundings, AreTheSameInAMirrorAndTurnedAndFromAnotherOriginAndWithOthers
   }
 }
 
-// Who walks walks on when he is lost, for a second; who is large is so much nearer.
+// A body that is not a robot keeps its last speed for one second after it was lost. Its excess
+// radius reduces the distance.
 TEST(Surroundings, WidenForWhoGoesOnAndForWhoIsLarge) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d here_m(0.0, -1.0, 1.0);
@@ -407,7 +411,7 @@ TEST(Surroundings, WidenForWhoGoesOnAndForWhoIsLarge) {
   }
 }
 
-// The edges of what is near, on both sides, by bisection.
+// Finds the limits of each distance by bisection, from both sides.
 TEST(Surroundings, HaveTheMarginsThatTheirLimitsState) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d here_m(0.0, -1.0, 1.0);
@@ -433,7 +437,7 @@ TEST(Surroundings, HaveTheMarginsThatTheirLimitsState) {
       });
       EXPECT_NEAR(above_m, limits.separation_hold_m + 0.25 + tube_m, 1e-8) << age_s;
     }
-    // Beside is below for who must give way; above is nobody's business in a landing.
+    // A robot at our height with priority counts as below; robots above do not block a landing.
     const auto occupies = [&](double z_m, bool goes_first, int robot = 2) {
       OtherBody body = at(0.2, z_m);
       body.goes_first = goes_first;
@@ -447,7 +451,8 @@ TEST(Surroundings, HaveTheMarginsThatTheirLimitsState) {
     for (const double z_m : {-0.9, -0.2, 0.2, 0.75, 2.0}) {
       EXPECT_TRUE(occupies(z_m, true, -1)) << "a person, from the helmet down to the ground";
     }
-    // A way is taken by who is nearer to it than a hold allows, and than it is already.
+    // A path is blocked by a body closer to it than separation_hold_m and than the current
+    // distance.
     const Eigen::Vector3d to_m = here_m + Eigen::Vector3d(2.0, 0.0, 0.0);
     const double beside_m = test::last_accepted(2.0, 0.0, 1e-9, [&](double y_m) {
       OtherBody body;
@@ -455,7 +460,7 @@ TEST(Surroundings, HaveTheMarginsThatTheirLimitsState) {
       return !is_way_taken(here_m, to_m, {&body, 1}, limits);
     });
     EXPECT_NEAR(beside_m, limits.separation_hold_m, 1e-7);
-    // Who passes in a moment, and who stands and waits for its turn.
+    // A passing body counts; a standing robot that waits for its turn does not.
     OtherBody walker = at(1.5, 0.4);
     walker.velocity_world_mps = {-side, 0.0, 0.3};
     EXPECT_NEAR(near_soon_m(here_m, {&walker, 1}, 1.0), 0.5, 1e-9);
@@ -473,7 +478,7 @@ TEST(Surroundings, HaveTheMarginsThatTheirLimitsState) {
   }
 }
 
-// Seen from above: how high a teammate flies decides whether a climb meets it, on both sides.
+// Only robots within a range of heights block a climb; finds both limits by bisection.
 TEST(ClimbTaken, HasTheHeightsThatItStates) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d here_m(0.0, -1.0, 0.3);

@@ -10,8 +10,8 @@
 #include "test/drivers/safety/flight_bench.hpp"
 #include "test/support/random.hpp"
 
-// Persons who walk toward a vehicle that follows its plan, as mocap shows them at flight height. A
-// person does not brake. Until the vehicle has stopped it comes no nearer than HOLD promises.
+// Persons at flight height walk towards a vehicle that follows its plan. A person does not brake.
+// Until the vehicle has stopped, the person comes no closer than HOLD allows.
 
 namespace vantage::drivers {
 namespace {
@@ -20,24 +20,24 @@ using models::FlightState;
 using models::OperatorAction;
 
 constexpr double kStandsMps = 0.1;
-constexpr double kBeginsM = 1.5;  // nearer than that no person appears
-constexpr double kMeetS = 3.0;    // from the beginning of a case to where both would meet
+constexpr double kBeginsM = 1.5;  // m; least initial distance of a person
+constexpr double kMeetS = 3.0;    // s; from the start of a case until both would meet
 
-/// What a person does who walks toward where the vehicle will be.
+/// Behaviour of a person that walks towards the future position of the vehicle.
 enum class Person {
   kWalksOn,
-  kStops,      ///< 1.2 m before the vehicle
-  kTurnsToUs,  ///< would pass 1.3 m beside it, and turns toward it from 1.8 m on
+  kStops,      ///< 1.2 m in front of the vehicle
+  kTurnsToUs,  ///< would pass at 1.3 m, but turns towards the vehicle from 1.8 m on
 };
 
 struct Case {
   const char* name;
   Person person;
   double speed_mps;
-  bool is_stranger = false;  ///< of a name that the scenario does not have
+  bool is_stranger = false;  ///< has a name that is not in the scenario
 };
 
-/// Q2 alone flies along its lane, whose middle is the middle of the room.
+/// Only Q2 flies along its lane, which is in the middle of the room.
 class Flight {
  public:
   explicit Flight(std::uint64_t seed) : bench_(seed) {
@@ -54,7 +54,7 @@ class Flight {
 
   test::Vehicle& vehicle() { return bench_.vehicle("Q2"); }
 
-  /// Until it has set off from an end of its lane.
+  /// Runs until it has set off from an end of its lane.
   void begin_lane() {
     const double until_s = bench_.time_s() + 20.0;
     const auto sets_off = [this] {
@@ -67,7 +67,7 @@ class Flight {
     ASSERT_TRUE(sets_off());
   }
 
-  /// Least distance, centre to centre, while the vehicle moves.
+  /// Returns the least centre distance while the vehicle moves, m.
   double least_m(const Case& with, double heading_rad) {
     const Eigen::Vector3d ahead(std::cos(heading_rad), std::sin(heading_rad), 0.0);
     const Eigen::Vector3d aside(-ahead.y(), ahead.x(), 0.0);
@@ -75,7 +75,7 @@ class Flight {
     Eigen::Vector3d velocity_mps = with.speed_mps * ahead;
     Eigen::Vector3d person_m = meet_m - kMeetS * velocity_mps;
     person_m += (with.person == Person::kTurnsToUs ? 1.3 : 0.0) * aside;
-    // One that would begin beside the vehicle begins farther back, and follows it.
+    // A person that would start next to the vehicle starts farther back and follows it.
     while ((person_m - vehicle().position_m).norm() < kBeginsM) {
       person_m -= 0.5 * ahead;
     }
@@ -97,7 +97,7 @@ class Flight {
       const bool stands = vehicle().out.state != FlightState::kFollow &&
                           vehicle().velocity_mps.head<2>().norm() < kStandsMps;
       if (stands && apart_m < limits_.separation_hold_m + 0.05) {
-        break;  // the person has walked up to a vehicle that stands
+        break;  // the person has walked up to a stationary vehicle
       }
       least_m = stands ? least_m : std::min(least_m, apart_m);
     }
@@ -105,7 +105,7 @@ class Flight {
   }
 
  private:
-  // By other_turn_mps2 and at the same speed.
+  // Turns by other_turn_mps2 at constant speed.
   void turn(Eigen::Vector3d& velocity_mps, const Eigen::Vector3d& to_us_m) const {
     const double wanted_rad = std::atan2(to_us_m.y(), to_us_m.x());
     const double is_rad = std::atan2(velocity_mps.y(), velocity_mps.x());
@@ -157,7 +157,7 @@ INSTANTIATE_TEST_SUITE_P(FlightGuard, Walker,
                                                 true}),
                          [](const auto& each) { return std::string(each.param.name); });
 
-/// Rovers that drive on the floor along straight paths, from wall to wall.
+/// Rovers that drive on straight paths from wall to wall.
 class Rovers {
  public:
   explicit Rovers(std::uint64_t seed) : random_(seed) {
@@ -187,8 +187,8 @@ class Rovers {
   std::vector<Eigen::Vector3d> places_m_, velocities_mps_;
 };
 
-// Targets that the team tracks drive below it, 0.8 m and more. They neither stop nor refuse
-// anything.
+// Tracked targets drive below the team, 0.8 m lower and more. They must not stop a vehicle or cause
+// a refused plan.
 TEST(FlightGuard, IsNotHeldByRoversThatDriveBelow) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     test::FlightBench bench(seed);
@@ -208,7 +208,7 @@ TEST(FlightGuard, IsNotHeldByRoversThatDriveBelow) {
   }
 }
 
-// It lands between them before it stops avoiding bodies (20 s), and touches none.
+// It lands between them within the 20 s in which it avoids bodies, and touches none.
 TEST(FlightGuard, ComesDownAmongRoversThatDriveOn) {
   double slowest_s = 0.0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {

@@ -9,7 +9,7 @@ namespace {
 
 using models::FlightState;
 
-constexpr double kInTimeS = 1.05;  // plans come once a second
+constexpr double kInTimeS = 1.05;  // s; plans arrive once per second
 constexpr double kSmoothed = 1.0 / 16.0;
 constexpr double kRoundingM = 0.005;
 
@@ -39,7 +39,7 @@ double WayWatch::step_max_m(const Vehicle& vehicle, const Seen& before) const {
   const bool follows =
       vehicle.out.state == FlightState::kFollow && before.state == FlightState::kFollow;
   double more_m = corner_m_;
-  if (in.plan_age_s < 0.5 * FlightBench::kTickS) {  // taken at this tick
+  if (in.plan_age_s < 0.5 * FlightBench::kTickS) {  // accepted at this tick
     more_m = limits_.plan_start_tolerance_m;
   } else if (follows && in.plan_age_s < kInTimeS) {
     more_m = kSmoothed * limits_.plan_start_tolerance_m;

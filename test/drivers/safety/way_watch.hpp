@@ -9,26 +9,24 @@
 
 namespace vantage::test {
 
-/// Looks, tick after tick, whether what flight safety asks for is one way that can be flown.
-///
-/// **States** go up the ladder: who lands, has landed or is killed does not fly on, and who is
-/// killed stays so (nobody re-arms here).
-///
-/// **Set-points**, as seen from above, go no further in a tick than the greatest speed allows, but
-/// - v half_window / 2 more: the course looks half its window ahead, where another plan begins, or
-/// where the
-///   plan goes on otherwise than straight because no other came;
-/// - a plan may begin plan_start_tolerance_m away from the course, when it is taken; while it is
-///   followed, and the next one comes in time, that gap is smoothed, a sixteenth at a time;
-/// - to hold or land it may be asked to begin where its body is believed to be: within kAtBodyM of
-///   it (a tenth of a second of prediction and one of lead, at twice the speed, and the braking).
+/// Checks at every tick that the commands of flight safety form one path that can be flown.
+/// **States** only become more severe: a vehicle that lands, has landed or is killed does not fly
+/// again, and a killed vehicle stays killed (nothing re-arms it here).
+/// **Set-points**, in the horizontal plane, move per tick at most as far as the greatest speed
+/// allows, plus:
+/// - v half_window / 2, since the course averages the plan over a window: at the start of another
+/// plan, or where a plan turns at its end because no successor arrived;
+/// - plan_start_tolerance_m when a plan is accepted, since it may begin that far from the course;
+/// while plans arrive in time, this gap is smoothed by a sixteenth per tick;
+/// - any distance when a hold or landing begins within kAtBodyM of the estimated body position (0.1
+/// s of prediction and 0.1 s of lead at twice the speed, and the braking distance).
 class WayWatch {
  public:
   static constexpr double kAtBodyM = 0.45;
 
   explicit WayWatch(FlightBench& bench);
   void look(FlightBench& bench);
-  /// The first of its kind of each vehicle, in words.
+  /// Returns the first misstep of each kind for each vehicle, in words.
   [[nodiscard]] const std::vector<std::string>& missteps() const { return missteps_; }
 
  private:

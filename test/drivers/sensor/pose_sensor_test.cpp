@@ -24,7 +24,7 @@ models::MocapBody body(const std::string& name, const Pose2& pose, double height
   return out;
 }
 
-/// Q1 at (2, 4) looking along +x at 1 m, and one rover beside it.
+/// Returns a frame with Q1 at (2, 4), heading along +x at 1 m, and one rover.
 models::MocapFrame frame_with(const Pose2& rover, Time time = kStart) {
   models::MocapFrame frame;
   frame.stamp.time = time;
@@ -38,8 +38,8 @@ scenario::Scenario scenario_with(models::SensorKind kind) {
   return scenario;
 }
 
-// Whitened by its own covariance, the error of a measurement is standard normal: its squared norm
-// is χ² with one degree of freedom for each row, and the mean of n of them has σ = √(2 d / n).
+// The measurement error, whitened by its covariance, is standard normal. Its squared norm is χ²
+// with one degree of freedom per row, and the mean of n of them has σ = √(2 d / n).
 class EverySensor : public ::testing::TestWithParam<models::SensorKind> {};
 
 TEST_P(EverySensor, HasTheNoiseItStates) {
@@ -124,7 +124,7 @@ TEST(PoseSensor, DrawsTheSameNoiseForTheSameInstantOnly) {
   EXPECT_NE(first, z("Q1", kStart));
 }
 
-/// How many detections each of 5000 looks at one target in view reports.
+/// Mean and variance of the number of detections in 5000 observations of one target in view.
 struct Reports {
   static constexpr int kLooks = 5000;
   double mean = 0.0;
@@ -145,15 +145,15 @@ struct Reports {
   }
 };
 
-// A Bernoulli number: mean p, variance p (1 − p).
+// Bernoulli distribution: mean p, variance p (1 − p).
 TEST(PoseSensor, MissesAsOftenAsItsScenarioSays) {
   const Reports reports({0.7, 0.0, true});
   EXPECT_NEAR(reports.mean, 0.7, 5.0 * std::sqrt(0.21 / Reports::kLooks));
   EXPECT_NEAR(reports.variance, 0.21, 0.01);
 }
 
-// Of a Poisson number mean and variance are λ, and the variance has σ² = (λ + 2 λ²) / n; the target
-// itself adds p and p (1 − p).
+// Mean and variance of a Poisson number are λ, and the variance has σ² = (λ + 2 λ²) / n. The target
+// adds p and p (1 − p).
 TEST(PoseSensor, RaisesFalseAlarmsByPoissonsLaw) {
   const double lambda = 2.0;
   const Reports reports({0.9, lambda, false});
@@ -176,7 +176,7 @@ TEST(PoseSensor, TellsNothingOfWhichDetectionIsOfATarget) {
     EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end(), [](const auto& a, const auto& b) {
       return a.measurement.z(0) < b.measurement.z(0);
     }));
-    // The target's own measurement is among them, the one that known ids would have had.
+    // One of them is the measurement of the target, equal to that with known ids.
     const auto own = naming.look(frame, false)->detections.at(0).measurement.z;
     const auto at = std::find_if(seen.begin(), seen.end(),
                                  [&](const auto& each) { return each.measurement.z == own; });

@@ -14,7 +14,7 @@
 namespace vantage::drivers {
 namespace {
 
-// A whole multiple of τ = 0.5 s.
+// A multiple of τ = 0.5 s.
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
 struct Bench {
@@ -27,7 +27,7 @@ struct Bench {
   SensorNode node;
   std::vector<models::DetectionSet> measured;
   std::vector<models::RangeScan> scanned;
-  Duration mocap_clock{};  ///< by which the publisher's clock is off
+  Duration mocap_clock{};  ///< offset of the publisher's clock
   std::int64_t frames = 0;
 
   explicit Bench(const scenario::Scenario& scenario = test::lab_scenario())
@@ -40,7 +40,7 @@ struct Bench {
         [this](const models::DetectionSet& set) { measured.push_back(set); });
   }
 
-  /// Q1 drives along x at 1 m/s from (1, 4); a rover stays half a metre ahead of it.
+  /// Publishes a frame: Q1 moves along x at 1 m/s from (1, 4), and a rover stays 0.5 m ahead of it.
   models::InputRef send_frame(Duration after_start, bool is_seen = true) {
     models::MocapFrame frame;
     frame.stamp.time = kStart + after_start + mocap_clock;
@@ -113,7 +113,7 @@ TEST(SensorNode, PublishesDetectionsWithoutNamesWhereItsSensorTellsNone) {
       EXPECT_EQ(each.target_id, models::kNoTargetId);
     }
   }
-  EXPECT_GT(detections, 21u + 20u);  // 42 false alarms in the mean, σ 6.5
+  EXPECT_GT(detections, 21u + 20u);  // mean of 42 false alarms, σ 6.5
 }
 
 TEST(SensorNode, InterpolatesToTheExactStepBetweenFrames) {
@@ -184,8 +184,8 @@ TEST(SensorNode, MeasuresNothingWhileItIsJammed) {
   EXPECT_FALSE(bench.measured[2].jammed);
 }
 
-// Who says it says it again each second; whoever ended in the middle left its robots jammed for
-// the rest of the flight.
+// Attack notices are repeated every second. Without the time limit, a sender that ends in the
+// middle would leave its robots jammed for the rest of the flight.
 TEST(SensorNode, ANoticeOfAnAttackThatIsNotRepeatedIsForgottenAfterThreeSeconds) {
   Bench bench;
   const auto measure_at = [&](Duration after_start) {
@@ -197,7 +197,7 @@ TEST(SensorNode, ANoticeOfAnAttackThatIsNotRepeatedIsForgottenAfterThreeSeconds)
   bench.send_attack({"Q1"});
   EXPECT_TRUE(measure_at(Duration{500'000}));
   EXPECT_TRUE(measure_at(Duration{3'000'000}));
-  bench.send_attack({"Q1"});  // stamped as before: when it is heard counts
+  bench.send_attack({"Q1"});  // same stamp; the time of reception counts
   EXPECT_TRUE(measure_at(Duration{3'500'000}));
   EXPECT_TRUE(measure_at(Duration{6'000'000}));
   EXPECT_FALSE(measure_at(Duration{6'500'000}));
@@ -225,13 +225,13 @@ TEST(SensorNode, ScansTheWorldAroundTheRobotWhereTheTeamMapsUnlessItIsJammed) {
   EXPECT_EQ(scan.robot, "Q1");
   EXPECT_EQ(scan.viewpoint.world_from_body.x_m, 1.0);
   EXPECT_FALSE(scan.jammed);
-  ASSERT_EQ(scan.ranges_m.size(), 4u);  // 4 × 8 m, seen from (1, 4); a wall 1 m behind
+  ASSERT_EQ(scan.ranges_m.size(), 4u);  // room of 4 × 8 m, seen from (1, 4); a wall 1 m behind
   EXPECT_EQ(scan.range_max_m, 2.5);
   const models::BeamSensor scanner = mapping_scenario().mapping.scanner;
   for (int beam = 0; beam < 4; ++beam) {
     const bool is_behind = std::abs(std::abs(scanner.bearing_rad(beam)) - kPi) < 1e-9;
     const bool is_right = std::abs(scanner.bearing_rad(beam) + kPi / 2) < 1e-9;
-    const double wanted_m = is_behind ? 1.0 : is_right ? 1.0 : 2.5;  // a box from y = 2.5 to 3
+    const double wanted_m = is_behind ? 1.0 : is_right ? 1.0 : 2.5;  // obstacle from y = 2.5 to 3
     EXPECT_NEAR(scan.ranges_m[static_cast<std::size_t>(beam)], wanted_m, 0.01) << beam;
   }
   ASSERT_EQ(scan.inputs.size(), 1u);

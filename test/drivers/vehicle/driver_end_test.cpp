@@ -12,7 +12,7 @@ using std::chrono::seconds;
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 constexpr Duration kLanding = seconds(45);
 
-/// The driver of a vehicle, an hour after its start.
+/// The end logic of a driver, one hour after its start.
 struct Driver {
   DriverEnd end{kStart - std::chrono::hours(1), kLanding};
   bool may_end(const EndFacts& facts, Duration since) {
@@ -71,7 +71,7 @@ TEST(DriverEnd, LeavesTheVehicleToAPilotWhoFliesIt) {
   EXPECT_NE(driver.end.fault().find("a pilot flies"), std::string::npos);
 }
 
-// A driver that is started again in flight and asked to end at once has not received anything yet.
+// A driver that restarts in flight and is requested to end at once has not received anything yet.
 TEST(DriverEnd, LooksForItsVehicleBeforeItEnds) {
   DriverEnd end(kStart, kLanding);
   end.request(1, kStart);

@@ -1,4 +1,4 @@
-// A vehicle beside which somebody runs another version of this program, through its node and a bus.
+// A vehicle, with its node and a bus, next to a program of another version.
 
 #include <algorithm>
 
@@ -30,7 +30,7 @@ class OtherVersion : public ::testing::Test {
     ASSERT_TRUE(bench_.run_until(
         [&] { return !bench_.statuses.empty() && bench_.statuses.back().reasons.empty(); }, 20.0));
   }
-  /// A plan as another version would say it: its type's hash is another.
+  /// Publishes a plan of another version: its type has another hash.
   void speak_otherwise() { bench_.stranger->publish("PLAN_Q9", std::vector<std::uint8_t>(64, 7)); }
 
   test::VehicleNodeBench<QuadrotorNode, sim::AutopilotEndpoint> bench_{

@@ -23,7 +23,7 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 constexpr Time kNow = from_utime(1'700'000'000'000'000);
 
-/// A plain UDP socket on the loopback, bound to a port of the kernel's choosing.
+/// A plain UDP socket on the loopback with a port chosen by the kernel.
 class Socket {
  public:
   Socket() : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
@@ -78,18 +78,18 @@ TEST(UdpPort, AnswersWhereTheVehicleSpeaksFrom) {
   const int number = test::free_port();
   const auto port = open_port("udp://127.0.0.1:" + std::to_string(number));
   EXPECT_TRUE(port->is_datagram());
-  port->write(Bytes{1}, kNow);  // to nobody
+  port->write(Bytes{1}, kNow);  // no recipient yet
   const Socket vehicle;
   vehicle.send({1, 2, 3}, number);
   EXPECT_EQ(read_all(*port, kNow), (Bytes{1, 2, 3}));
-  port->write(Bytes{6}, kNow);  // not accepted yet: not answered
+  port->write(Bytes{6}, kNow);  // not accepted yet: no answer
   port->accept(kNow);
   EXPECT_TRUE(read_all(*port, kNow).empty());
   port->write(Bytes{7, 8}, kNow);
   EXPECT_EQ(vehicle.receive(), (Bytes{7, 8}));
 }
 
-// A stranger that sends first, and goes on sending, does not keep the vehicle out.
+// A stranger that sends first, and continues, must not keep the vehicle out.
 TEST(UdpPort, ListensToEverySenderUntilOneIsAccepted) {
   const int number = test::free_port();
   const auto port = open_port("udp://127.0.0.1:" + std::to_string(number));
@@ -217,7 +217,7 @@ TEST(SerialPort, NoticesThatTheLineWasCutAndForgetsWhatWaited) {
   EXPECT_EQ(counters.back().name, "port.losses");
 }
 
-// A line that is stuck for a while: what is sent then is whole, and the newest of all.
+// While a line is stuck, only whole messages are dropped, the oldest first.
 TEST(SerialPort, DropsTheOldestThatItHasNotBegunAndNoneInPart) {
   constexpr std::size_t kBytes = 90;
   constexpr int kMessages = 400;
@@ -237,7 +237,7 @@ TEST(SerialPort, DropsTheOldestThatItHasNotBegunAndNoneInPart) {
   for (int i = 0; i < 100 && heard.size() < sent * kBytes; ++i) {
     const Bytes some = line.receive(std::min<std::size_t>(2000, sent * kBytes - heard.size()));
     heard.insert(heard.end(), some.begin(), some.end());
-    port->write({}, kNow);  // what waits goes on
+    port->write({}, kNow);  // continues with the queued messages
   }
   ASSERT_EQ(heard.size(), sent * kBytes);
   std::vector<int> numbers;

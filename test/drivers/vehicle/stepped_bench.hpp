@@ -10,8 +10,7 @@
 
 namespace vantage::test {
 
-/// A driver and its vehicle in virtual time: how time passes there, and what operator and planner
-/// say.
+/// Base of benches with a driver and its vehicle: virtual time, commands and plans.
 class SteppedBench {
  public:
   static constexpr Time kStart = from_utime(1'700'000'000'000'000);
@@ -22,7 +21,7 @@ class SteppedBench {
       step();
     }
   }
-  /// Until `done`, at most `seconds`; whether it came.
+  /// Runs until `done` is true, at most `seconds`; returns whether it is.
   bool run_until(const std::function<bool()>& done, double seconds) {
     const Time end = now + from_seconds(seconds);
     while (now < end && !done()) {
@@ -42,14 +41,14 @@ class SteppedBench {
   SteppedBench(SteppedBench&&) = default;
   SteppedBench& operator=(SteppedBench&&) = default;
 
-  /// What the operator says next.
+  /// Returns the next command of the operator.
   models::OperatorCommand next_command(models::OperatorAction action) {
     models::OperatorCommand out;
     out.stamp = {now, 77, command_sequence_++};
     out.action = action;
     return out;
   }
-  /// What the planner says next: a plan that begins at `start`.
+  /// Returns the next plan of the planner, beginning at `start`.
   models::RobotPlan next_plan(std::string robot, Time start, const Pose2& from, double height_m,
                               std::vector<models::PlanSegment> segments) {
     models::RobotPlan out;

@@ -1,4 +1,4 @@
-// Who a flying vehicle believes when somebody speaks in the names of those that it hears.
+// Trust of a flying vehicle in messages forged in the name of its partners.
 
 #include <map>
 
@@ -18,14 +18,14 @@ using test::kOtherRun;
 using test::kSecondSource;
 using test::VehicleTrust;
 
-// What nobody can tell from the true words without keys: the run ids and the next numbers of the
-// live stream, stamped now.
+// Forgeries that cannot be detected without keys: run ids and next sequence numbers of the live
+// stream, with current stamps.
 
 class ForgedInThisSession : public VehicleTrust {
  protected:
   static constexpr std::int64_t kPlannerRun = 77;
 
-  /// Forges what hears the flight and speaks in its name for three seconds.
+  /// Forges poses in the name of the live publisher for three seconds.
   void forge_poses() {
     const auto ear = listen();
     bench.each_step = [&] {
@@ -48,7 +48,7 @@ class ForgedInThisSession : public VehicleTrust {
     send(bus::kCommand.name, bytes_of(command(action, command_.run_id, command_.sequence + 1, {})));
     bench.run(0.5);
   }
-  /// The payload alone, and dressed in the newest trailer that was heard on the channel.
+  /// Sends the payload alone, and with the newest trailer received on the channel.
   void send(const std::string& channel, const std::vector<std::uint8_t>& payload) {
     bench.stranger->publish(channel, payload);
     std::vector<std::uint8_t> dressed = payload;
@@ -58,7 +58,7 @@ class ForgedInThisSession : public VehicleTrust {
                    whole.end());
     if (trailer_bytes > 0) {
       bench.stranger->publish(channel, dressed);
-      bench.stranger->publish(channel, whole);  // and the true one again
+      bench.stranger->publish(channel, whole);  // replay of the true message
     }
   }
   template <class Message>
@@ -87,7 +87,7 @@ class ForgedInThisSession : public VehicleTrust {
       command_ = {from_utime(order->utime), order->run_id, order->sequence};
     }
   }
-  /// A plan that begins where the vehicle hovers, now.
+  /// Returns a plan that begins at the hover of the vehicle 0.5 s from now.
   models::RobotPlan plan() const {
     models::RobotPlan plan;
     plan.robot = bench.robot();

@@ -18,12 +18,13 @@
 
 namespace vantage::test {
 
-/// A vehicle's node with its socket and the emulated vehicle at the other end: virtual time, real
-/// datagrams on the loopback, an in-process bus with mocap at 100 Hz and an operator.
+/// Node of a vehicle connected by sockets to the emulated vehicle: virtual time, real datagrams on
+/// the loopback, and an in-process bus with mocap at 100 Hz and an operator.
 template <class Node, class Endpoint>
 class VehicleNodeBench {
  public:
-  using Place = std::function<Pose3(const Endpoint&)>;  ///< of its markers, in the world
+  using Place = std::function<Pose3(const Endpoint&)>;  ///< returns the pose of its markers in the
+                                                        ///< world
 
   template <class Spec>
   VehicleNodeBench(const scenario::Scenario& given, const Spec& spec, const std::string& url,
@@ -38,7 +39,7 @@ class VehicleNodeBench {
         [this](const models::VehicleStatus& heard) { statuses.push_back(heard); });
   }
 
-  /// From now on vehicle and lab sign and judge, as their processes do; the stranger has no key.
+  /// Makes node and lab sign and verify messages from now on; the stranger has no key.
   void secure(const std::shared_ptr<const bus::auth::Keyring>& keys,
               const bus::auth::Authenticator::Rules& rules) {
     node_bus.secure(authenticator(keys, rules), clock);
@@ -52,7 +53,7 @@ class VehicleNodeBench {
     command.action = action;
     lab.publish(bus::kCommand, command);
   }
-  /// Somebody else's message, with a run id and a sequence number of their choosing.
+  /// Publishes a message of a third party, with the run id and sequence number that it contains.
   template <class Message>
   void forge(const bus::Channel<Message>& channel, const Message& message) {
     const auto wire = bus::to_wire(message);
@@ -82,8 +83,8 @@ class VehicleNodeBench {
     }
     return done();
   }
-  /// As its process is run when it was asked to end: until the node may end; false when it does
-  /// not within `seconds`.
+  /// Runs as a process that was requested to end, until the node may end; returns false if that
+  /// takes longer than `seconds`.
   bool run_to_the_end(double seconds) {
     return run_until([this] { return node.may_end(clock.now()); }, seconds);
   }
@@ -91,7 +92,7 @@ class VehicleNodeBench {
     run_until([] { return false; }, seconds);
   }
   [[nodiscard]] const std::string& robot() const { return scenario.robots[0].name; }
-  /// What mocap sees now.
+  /// Returns a mocap frame of the current state.
   [[nodiscard]] models::MocapFrame see() const {
     models::MocapFrame frame;
     frame.stamp.time = frame.arrival = clock.now() + mocap_clock;
@@ -117,10 +118,10 @@ class VehicleNodeBench {
   Place place;
   std::vector<models::VehicleStatus> statuses;
   std::int64_t steps = 0;
-  bus::Bus* mocap = &lab;           ///< who publishes VICON; nullptr: nobody
-  Duration mocap_clock{};           ///< by which its clock is off
-  Duration operator_clock{};        ///< and the operator's
-  std::function<void()> each_step;  ///< what else happens
+  bus::Bus* mocap = &lab;           ///< publisher of VICON; nullptr: none
+  Duration mocap_clock{};           ///< offset of the mocap clock
+  Duration operator_clock{};        ///< offset of the clock of the operator
+  std::function<void()> each_step;  ///< called at each step
 };
 
 }  // namespace vantage::test

@@ -15,7 +15,7 @@
 #include "test/drivers/vehicle/vehicle_node_bench.hpp"
 #include "test/support/udp_port.hpp"
 
-// A vehicle with its node and a real bus, in flight, for tests of whom it believes.
+// A vehicle in flight with its node and a real bus, for tests of the trusted sources.
 
 namespace vantage::test {
 
@@ -87,7 +87,7 @@ class VehicleTrust : public ::testing::Test {
     out.action = action;
     return out;
   }
-  /// Whether nothing else was reported since take_off().
+  /// True if the vehicle reported nothing else since take_off().
   [[nodiscard]] testing::AssertionResult only_hovered() const {
     for (models::VehicleStatus status : bench.statuses) {
       std::erase(status.reasons, kSecondSource);
@@ -110,7 +110,7 @@ class VehicleTrust : public ::testing::Test {
     return out;
   }
 
-  /// A second mocap, which sees the vehicle elsewhere, until each_step is set anew.
+  /// Starts a second mocap that shows the vehicle elsewhere, until each_step is replaced.
   void begin_second_mocap() {
     second_side_ = bench.hub.connect();
     second_ = std::make_unique<bus::Bus>(*second_side_, kOtherRun);
@@ -124,7 +124,7 @@ class VehicleTrust : public ::testing::Test {
   }
 
   FlightNodeBench bench{"udp://127.0.0.1:" + port_of_this_test(0)};
-  std::vector<std::string> hovering_;  ///< what the vehicle says when all is well
+  std::vector<std::string> hovering_;  ///< reasons reported in a normal hover
   std::unique_ptr<bus::Transport> second_side_;
   std::unique_ptr<bus::Bus> second_;
 };

@@ -1,5 +1,5 @@
-// Who a flying vehicle believes, through its node and a real bus: forged numbers, old logs, a
-// second mocap, clocks that are set.
+// Trust of a flying vehicle in messages, through its node and a real bus: forged numbers, old logs,
+// a second mocap, changed clocks.
 
 #include "test/drivers/vehicle/vehicle_trust.hpp"
 
@@ -115,7 +115,8 @@ TEST_F(VehicleTrust, ASecondMocapBesideTheFlightIsRefusedAndTheTrueOneIsNot) {
   EXPECT_TRUE(hovers());
 }
 
-// Flown: a second trial of another scenario on the network held three vehicles for ten seconds.
+// Regression, flown: a second trial with another scenario on the network held three vehicles for
+// ten seconds.
 TEST_F(VehicleTrust, TheMapOfASecondTrialHoldsNobodyWhileTheFirstIsAnnounced) {
   take_off();
   const auto side = bench.hub.connect();
@@ -127,7 +128,7 @@ TEST_F(VehicleTrust, TheMapOfASecondTrialHoldsNobodyWhileTheFirstIsAnnounced) {
     notice.yaml = bench.scenario.source_text;
     bench.lab.publish(bus::kScenario, notice);
   };
-  bench.node_bus.keep_time(bench.clock);  // as a node's process does
+  bench.node_bus.keep_time(bench.clock);  // as the process of a node does
   announce_ours();
   bench.run(0.1);
   bench.each_step = [&] {
@@ -148,7 +149,7 @@ TEST_F(VehicleTrust, TheMapOfASecondTrialHoldsNobodyWhileTheFirstIsAnnounced) {
   EXPECT_TRUE(bench.says("map differs"));
 }
 
-// The second one must not stay because the first faltered.
+// The second source must not stay in use after a dropout of the first.
 TEST_F(VehicleTrust, TheMocapOfTheFlightIsBelievedAgainAtOnceWhenItComesBack) {
   take_off();
   begin_second_mocap();

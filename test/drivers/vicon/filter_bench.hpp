@@ -9,7 +9,7 @@ namespace vantage::drivers::vicon {
 inline constexpr Time kEpoch = from_utime(1'700'000'000'000'000);
 inline constexpr Duration kPeriod{10'000};
 
-/// Feeds frames at 100 Hz and keeps what comes out.
+/// Feeds frames at 100 Hz and keeps the last output.
 struct FilterBench {
   explicit FilterBench(const GateSettings& gate = {})
       : filter(gate, Duration{5'000}, [this](const models::MocapFrame& frame) { out = frame; }) {}
@@ -30,14 +30,14 @@ struct FilterBench {
     body.sight = sight;
     body.world_from_body = pose;
   }
-  /// One body in a frame of its own; whether it is taken for seen.
+  /// Feeds one body in its own frame; returns whether it counts as seen.
   bool is_seen(const Pose3& pose) {
     begin();
     add("A", pose);
     filter.accept(seen);
     return !out.bodies.at(0).occluded;
   }
-  /// A body on its way along x at 1 m/s.
+  /// Returns the pose of a body that moves along x at 1 m/s.
   Pose3 moving() const { return {{to_seconds(elapsed), 0.0, 1.0}, Eigen::Quaterniond::Identity()}; }
 
   models::MocapFrame out;

@@ -16,7 +16,7 @@
 
 namespace vantage::test {
 
-/// A server of 100 Hz, and the time between two frames.
+/// Returns the spec of a server at 100 Hz.
 inline scenario::MocapSpec spec_of(scenario::MocapProtocol protocol) {
   scenario::MocapSpec spec;
   spec.protocol = protocol;
@@ -25,12 +25,12 @@ inline scenario::MocapSpec spec_of(scenario::MocapProtocol protocol) {
 }
 inline constexpr Duration kPeriod{10'000};
 
-/// A driver and the emulated server, joined by bytes in virtual time: no socket, no clock.
+/// A driver and the emulated server, connected by bytes in virtual time, without sockets or clocks.
 class ViconBench {
  public:
   using Bytes = wire::vicon::Bytes;
 
-  /// @param chunk_bytes  how many bytes of a TCP stream arrive at once; 0: all
+  /// @param chunk_bytes  bytes of a TCP stream that arrive at once; 0: all
   ViconBench(const scenario::MocapSpec& spec, const sim::vicon::ServerSettings& settings,
              std::size_t chunk_bytes = 0)
       : settings_(settings),
@@ -47,8 +47,8 @@ class ViconBench {
 
   drivers::vicon::Moment now() const { return {epoch + elapsed, elapsed}; }
 
-  /// Lets `time` pass, opening links as the driver wishes and with them a new server peer; bytes
-  /// go to and fro.
+  /// Advances the time by `time`. Opens links with a new server peer when the driver requests it,
+  /// and exchanges bytes.
   void pass(Duration time) {
     const Duration end = elapsed + time;
     do {
@@ -70,13 +70,13 @@ class ViconBench {
     } while (elapsed < end);
   }
 
-  /// The connection is cut; the server may stay away.
+  /// Cuts the connection; the server may stay down.
   void cut() {
     peer.reset();
     driver.on_closed(now(), "cut");
   }
 
-  /// The server publishes; what it sends arrives at this instant.
+  /// Publishes a frame; its bytes arrive at this instant.
   void publish(const sim::vicon::EmulatedFrame& frame) {
     if (driver.is_datagram()) {
       for (const auto& datagram : object_stream.encode(frame)) {
@@ -90,7 +90,7 @@ class ViconBench {
     }
   }
 
-  /// Bytes to and fro until nobody has anything to say.
+  /// Exchanges bytes until both sides have nothing to send.
   void exchange() {
     while (peer && !(peer->outgoing.empty() && driver.outgoing().empty())) {
       const std::vector<std::uint8_t> down = std::exchange(peer->outgoing, {});
@@ -115,7 +115,7 @@ class ViconBench {
 
  public:
   bool is_server_up = true;
-  Time epoch = kEpoch;  ///< when elapsed is 0
+  Time epoch = kEpoch;  ///< time at which elapsed is 0
   Duration elapsed{};
   std::vector<models::MocapFrame> frames;
   sim::vicon::ObjectStreamServer object_stream;
@@ -141,7 +141,7 @@ class ViconBench {
   }
 };
 
-/// `count` bodies that fly on circles of their own, `time_s` into it.
+/// Returns a frame of `count` bodies on separate circles at `time_s`.
 inline sim::vicon::EmulatedFrame circling(int count, double time_s) {
   sim::vicon::EmulatedFrame frame;
   frame.captured = ViconBench::kEpoch + from_seconds(time_s);

@@ -41,7 +41,7 @@ TEST(ReadFlight, TakesEvenTimesAndUnitQuaternionsAlone) {
   EXPECT_FALSE(is_taken("1.02,0,0,1,1,0,0"));
 }
 
-/// Each protocol, and each way to ask for a DataStream.
+/// Protocols and DataStream request modes under test.
 struct Way {
   std::string name;
   MocapProtocol protocol;

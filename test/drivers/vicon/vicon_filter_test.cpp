@@ -33,13 +33,13 @@ TEST(FrameFilter, BelievesNoLatencyThatCannotBe) {
     EXPECT_EQ(bench.out.arrival - bench.out.stamp.time, Duration{5'000}) << latency_s;
   }
   EXPECT_EQ(bench.filter.counts().latencies_refused, 5);
-  bench.begin().latency_s.reset();  // a protocol that does not tell
+  bench.begin().latency_s.reset();  // a protocol without latency
   bench.filter.accept(bench.seen);
   EXPECT_EQ(bench.out.arrival - bench.out.stamp.time, Duration{5'000});
   EXPECT_EQ(bench.filter.counts().latencies_refused, 5);
 }
 
-// A server that cannot keep up states a long latency: the frame is as old as that.
+// A server that cannot keep up reports a long latency; the frame is at least that old.
 TEST(FrameFilter, AFrameIsNoYoungerForALatencyThatIsLongerThanAnyUsualOne) {
   for (const double latency_s : {0.2, 0.3, 0.34, 0.4, 1.0, 10.0}) {
     for (const double rise_s : {0.0, 0.4, 20.0}) {
@@ -75,7 +75,7 @@ TEST(FrameFilter, NeverLetsCaptureTimesStandStillOrRunAhead) {
   Time last{};
   for (int k = 0; k < 50; ++k) {
     bench.begin();
-    // Twenty frames queue and arrive at one instant, with a latency that jumps by 30 ms.
+    // Twenty frames queue and arrive at one instant, with a latency that alternates by 30 ms.
     if (k >= 20 && k < 40) {
       bench.seen.arrival.utime = kEpoch + 40 * kPeriod;
     }
@@ -109,7 +109,7 @@ TEST(FrameFilter, CountsGapsRepetitionsAndOvertakenFrames) {
   EXPECT_EQ(bench.filter.counts().frames_lost, 2);
   EXPECT_EQ(bench.filter.counts().frames_repeated, 1);
   EXPECT_EQ(bench.filter.counts().frames_late, 1);
-  send(0);  // far back: the server began anew
+  send(0);  // far back: the server restarted
   send(1);
   EXPECT_EQ(bench.filter.counts().frames, 6);
   EXPECT_EQ(bench.filter.counts().server_restarts, 1);

@@ -8,8 +8,8 @@
 #include "test/fuzz/vicon/harness.hpp"
 #include "test/support/random.hpp"
 
-// Seeded mutations of good conversations. The harness aborts on a broken promise; under asan it
-// also finds what is read or written out of bounds.
+// Seeded mutations of valid conversations. The harness aborts on a violated invariant; under ASan
+// it also finds out-of-bounds accesses.
 
 namespace vantage::test {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 using scenario::MocapProtocol;
 using Sample = std::vector<std::uint8_t>;
 
-/// VANTAGE_FUZZ_INPUTS makes it more, for a night.
+/// Returns the number of inputs; VANTAGE_FUZZ_INPUTS raises it, for example for a run over night.
 int inputs() {
   const char* wanted = std::getenv("VANTAGE_FUZZ_INPUTS");
   return wanted != nullptr ? std::atoi(wanted) : 100'000;
@@ -40,7 +40,7 @@ void mutate(Sample& sample, const std::vector<Sample>& samples, Random& random) 
     case 1:
       sample[at] = static_cast<std::uint8_t>(random.integer(0, 255));
       break;
-    case 2: {  // a count or a length of either byte order
+    case 2: {  // a count or length in either byte order
       const std::uint32_t number = kNastyNumbers[static_cast<std::size_t>(random.integer(0, 7))];
       const bool is_big = random.coin();
       for (std::size_t i = 0; i < 4 && at + i < sample.size(); ++i) {

@@ -50,7 +50,7 @@ TEST(FrameFilter, BodiesThatSwapTheirNamesAreNeitherOfThemFollowed) {
     ASSERT_EQ(bench.out.bodies[1].occluded, k >= 20) << k;
   }
   EXPECT_EQ(bench.filter.counts().poses_swapped, 2 * 980);
-  bench.begin();  // and both are themselves again
+  bench.begin();  // both have their own names again
   Pose3 b = bench.moving();
   b.translation_m += apart;
   bench.add("A", bench.moving());
@@ -59,8 +59,9 @@ TEST(FrameFilter, BodiesThatSwapTheirNamesAreNeitherOfThemFollowed) {
   EXPECT_TRUE(bench.out.bodies[0].occluded) << "it went 10 m unseen: five frames to be sure";
 }
 
-// One wrong frame and then a gap: within it a body at the gate's limits could have gone from the
-// wrong place to the right one, and the right one was disbelieved with it: a swap for ever.
+// Regression: one wrong frame followed by a gap. Within the gap a body could have moved from the
+// wrong pose to the right one inside the gate limits. The right pose was therefore refused as a
+// swap, permanently.
 TEST(FrameFilter, ABodyThatIsBackWhereItWasIsGoodAtOnceAfterAWrongFrameAndAGap) {
   const Pose3 of_other{{0.0, 1.0, 0.0}, Eigen::Quaterniond::Identity()};
   const Pose3 of_nobody{{0.0, -1.0, 0.0}, Eigen::Quaterniond::Identity()};
@@ -86,8 +87,8 @@ TEST(FrameFilter, ABodyThatIsBackWhereItWasIsGoodAtOnceAfterAWrongFrameAndAGap) 
   }
 }
 
-// What returns to where it was may be another body that comes by there under its name: half a metre
-// behind, at 1 m/s, and seen only each `period_frames`.
+// A body that returns to an earlier position may be another body under its name: here it follows up
+// to 0.8 m behind at 1 m/s and is seen only every `period_frames`.
 TEST(FrameFilter, ABodyThatBearsAnothersNameIsNotBelievedWhereThatOneWasBefore) {
   for (const double behind_m : {0.3, 0.5, 0.8}) {
     for (const int period_frames : {1, 3, 10, 20}) {

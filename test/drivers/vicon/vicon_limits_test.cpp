@@ -1,4 +1,4 @@
-// Every number of docs/guide/vicon.md by which poses and frames are judged.
+// Every limit of docs/guide/vicon.md for poses and frames.
 
 #include <gtest/gtest.h>
 

@@ -26,7 +26,8 @@ class ViconLink : public ::testing::TestWithParam<MocapProtocol> {
   ViconLink() : spec(spec_of(GetParam())), bench(spec, ViconBench::settings_for(spec)) {
     bench.pass(Duration{2'000});
   }
-  /// `count` frames of two bodies at 100 Hz; how many the driver published of them.
+  /// Publishes `count` frames of two bodies at 100 Hz; returns the number that the driver
+  /// published.
   std::size_t fly(int count) {
     const std::size_t before = bench.frames.size();
     for (int k = 0; k < count; ++k) {
@@ -47,7 +48,7 @@ TEST_P(ViconLink, ComesBackAfterEachCutForEver) {
   for (int cut = 0; cut < 30; ++cut) {
     ASSERT_EQ(fly(20), 20u) << "after cut " << cut << ": " << bench.driver.status();
     bench.cut();
-    bench.pass(Duration{150'000});  // the first try is after 0.1 s
+    bench.pass(Duration{150'000});  // the first retry is after 0.1 s
   }
   EXPECT_EQ(bench.driver.link_counts().connections, 31);
   EXPECT_EQ(bench.driver.link_counts().connections_lost, 30);
@@ -64,8 +65,8 @@ TEST_P(ViconLink, WaitsLongerEachTimeThatNobodyListensAndIsBackWhenTheServerIs) 
   EXPECT_NE(bench.driver.status().find("nobody listens"), std::string::npos);
   bench.is_server_up = true;
   bench.pass(std::chrono::seconds(2) + Duration{10'000});
-  number = 0;  // the server began anew
-  // Two metres apart in two minutes: the bodies must be confirmed, frames must not be missed.
+  number = 0;  // the server restarted
+  // The bodies moved two metres in two minutes, so they must be confirmed; no frame may be missed.
   EXPECT_EQ(fly(10), 10u);
   EXPECT_FALSE(bench.frames.back().bodies[0].occluded);
   EXPECT_TRUE(bench.driver.has_frames());
@@ -96,7 +97,7 @@ TEST_P(ViconLink, HangsUpOnAServerThatFallsSilent) {
   ASSERT_EQ(fly(10), 10u);
   const auto connections = bench.driver.link_counts().connections;
   if (bench.peer) {
-    // Neither frames nor answers to pings: the cable is out.
+    // Neither frames nor replies to pings, as with an unplugged cable.
     for (int ms = 0; ms < 5000; ++ms) {
       bench.driver.on_time({bench.now().utime, bench.now().steady + Duration{1'000} * ms});
     }
@@ -124,7 +125,7 @@ TEST_P(ViconLink, AllocatesNothingForAFrameOfBodiesItKnows) {
   std::size_t published = 0;
   ViconDriver driver(here,
                      [&](const models::MocapFrame& frame) { published += frame.bodies.size(); });
-  // The bytes of each frame, made beforehand.
+  // The bytes of all frames, prepared in advance.
   std::vector<std::vector<std::uint8_t>> bytes;
   const auto settings = ViconBench::settings_for(here);
   sim::vicon::ObjectStreamServer object_stream(settings);
@@ -169,7 +170,7 @@ INSTANTIATE_TEST_SUITE_P(Protocols, ViconLink,
                                          MocapProtocol::kVrpn),
                          [](const auto& protocol) { return std::string(name_of(protocol.param)); });
 
-/// A DataStream server by hand, one packet at a time.
+/// A DataStream server controlled by the test, one packet at a time.
 struct HandServer {
   explicit HandServer(scenario::UpAxis up_axis = scenario::UpAxis::kAsTold)
       : session(scenario::StreamMode::kPush, up_axis, [this](const SeenFrame& frame) {
@@ -229,7 +230,7 @@ TEST(DataStreamSession, KeepsStaticContentUntilAnyComesWithoutItsLeave) {
     append(packet, HandServer::pose(7, 1001.0));
   });
   ASSERT_EQ(server.bodies.size(), 1u);
-  server.send([](wire::vicon::PacketWriter& packet) {  // some, the rest as before
+  server.send([](wire::vicon::PacketWriter& packet) {  // some new content, the rest unchanged
     append(packet, wire::vicon::Contents{{}, {wire::vicon::kSubjectInfo}});
     append(packet, wire::vicon::StreamInfo{1'350'000});
     append(packet, wire::vicon::FrameInfo{3});
@@ -237,7 +238,7 @@ TEST(DataStreamSession, KeepsStaticContentUntilAnyComesWithoutItsLeave) {
   });
   ASSERT_EQ(server.bodies.size(), 1u);
   EXPECT_EQ(server.session.rate_hz(), 100.0);
-  server.send([](wire::vicon::PacketWriter& packet) {  // some, the rest none
+  server.send([](wire::vicon::PacketWriter& packet) {  // some new content, no other
     append(packet, wire::vicon::StreamInfo{1'350'000});
     append(packet, wire::vicon::FrameInfo{4});
     append(packet, HandServer::pose(7, 1003.0));
@@ -271,7 +272,7 @@ TEST(DataStreamSession, DropsFramesFromBeforeItsWishWasHeard) {
   });
   EXPECT_TRUE(server.numbers.empty());
   EXPECT_EQ(server.session.counts.frames_before_set, 1);
-  server.send([](wire::vicon::PacketWriter& packet) {  // all occluded, but the poses are there
+  server.send([](wire::vicon::PacketWriter& packet) {  // poses are present, all occluded
     append(packet, wire::vicon::Contents{{{wire::vicon::kGlobalSegments, 0}}, {}});
     append(packet, wire::vicon::FrameInfo{2});
   });

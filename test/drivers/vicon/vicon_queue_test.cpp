@@ -12,9 +12,9 @@
 namespace vantage::drivers::vicon {
 namespace {
 
-// Seen in flight: a driver that was stopped for 0.6 s found thirty frames in its socket, all of
-// them were said to be of the instant at which it read them, and an autopilot was told of metres
-// per second.
+// Regression, seen in flight: a driver that was stalled for 0.6 s read thirty queued frames. All
+// were stamped with the time of reading, and the autopilot received velocities of metres per
+// second.
 TEST(FrameFilter, WhatHasQueuedIsStampedWhenItWasCapturedOrDropped) {
   for (const bool is_stamped : {false, true}) {
     for (const double stall_s : {0.03, 0.06, 0.6, 2.0, 40.0}) {
@@ -58,7 +58,7 @@ TEST(FrameFilter, WhatHasQueuedIsStampedWhenItWasCapturedOrDropped) {
   }
 }
 
-/// Sends frames of a server that pauses, and changes its rate.
+/// Server that pauses and changes its rate.
 struct ChangingServer {
   FilterBench bench;
   Duration arrival{};
@@ -81,7 +81,7 @@ struct ChangingServer {
   std::int64_t dropped() const { return bench.filter.counts().frames_queued; }
 };
 
-// The echo of a ping shows that no queue stands where numbers stood still.
+// After a pause of the frame numbers, the echo of a ping shows that there is no queue.
 TEST(FrameFilter, IsFreshAgainAfterAPauseWhenAnEchoIsFast) {
   ChangingServer server;
   server.states_rate = server.answers_pings = true;
@@ -97,7 +97,7 @@ TEST(FrameFilter, IsFreshAgainAfterAPauseWhenAnEchoIsFast) {
   }
 }
 
-// Without an echo a pause looks like a queue: the latency is reported, and a new connection ends
+// Without an echo a pause looks like a queue. The latency is reported until a new connection ends
 // it.
 TEST(FrameFilter, IsBehindAfterAPauseUntilTheConnectionIsNew) {
   for (const double pause_s : {0.15, 0.5, 5.0}) {
@@ -123,7 +123,7 @@ TEST(FrameFilter, FollowsARateThatTheServerStates) {
       server.run(600, period);
       EXPECT_LE(server.age_s(), 0.006) << period.count();
     }
-    server.run(300, 5 * kPeriod, 5);  // one in five frames only, and a jump ahead
+    server.run(300, 5 * kPeriod, 5);  // only one in five frames, and a jump ahead
     server.bench.next_number += 2000;
     server.run(300, 5 * kPeriod, 5);
     server.run(300, kPeriod);
@@ -132,7 +132,7 @@ TEST(FrameFilter, FollowsARateThatTheServerStates) {
   }
 }
 
-// A server may state another rate than that of its numbers. Echoes show it within three seconds.
+// If the stated rate differs from that of the frame numbers, echoes reveal it within three seconds.
 TEST(FrameFilter, TrustsEchoesMoreThanTheStatedRate) {
   for (const double stated_share : {0.5, 0.999, 1.001, 2.0, 10.0}) {
     FilterBench bench;
@@ -151,7 +151,8 @@ TEST(FrameFilter, TrustsEchoesMoreThanTheStatedRate) {
   }
 }
 
-// The pace of an object stream is learned from arrivals that jitter, and a stretch may begin late.
+// The period of an object stream is estimated from arrivals with jitter, possibly starting with a
+// late frame.
 TEST(FrameFilter, ReportsNoQueueInArrivalsThatJitter) {
   for (const double jitter_s : {0.001, 0.004, 0.015}) {
     FilterBench bench;
@@ -160,7 +161,7 @@ TEST(FrameFilter, ReportsNoQueueInArrivalsThatJitter) {
     for (int k = 0; k < 12'000; ++k) {
       bench.begin();
       draw = draw * 1'664'525U + 1'013'904'223U;
-      // Each hundredth frame, and the first, is late by all of it.
+      // Every hundredth frame, including the first, has the full delay.
       const double share = k % 100 == 0 ? 1.0 : (draw >> 8U) / 16'777'216.0;
       const Duration late = from_seconds(share * jitter_s);
       bench.seen.arrival = {kEpoch + bench.elapsed + late, bench.elapsed + late};
@@ -173,7 +174,7 @@ TEST(FrameFilter, ReportsNoQueueInArrivalsThatJitter) {
   }
 }
 
-// A server that states no rate, and becomes slower: that cannot be told from a line that does.
+// A server without a stated rate becomes slower, which cannot be distinguished from a slow line.
 TEST(FrameFilter, LearnsASlowerPaceOnANewConnection) {
   ChangingServer server;
   server.run(500, kPeriod);
@@ -187,8 +188,8 @@ TEST(FrameFilter, LearnsASlowerPaceOnANewConnection) {
   EXPECT_FALSE(server.bench.filter.is_behind());
 }
 
-// The echo comes behind the frames of the same queue, so it shows a queue that has grown too slowly
-// for the numbers.
+// The echo waits behind the frames of the same queue. It shows a queue that grew too slowly for the
+// frame numbers.
 TEST(FrameFilter, ReportsAQueueThatOnlyEchoesShow) {
   FilterBench bench;
   for (int k = 0; k < 500; ++k) {

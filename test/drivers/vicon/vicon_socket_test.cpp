@@ -21,8 +21,8 @@
 #include "test/support/free_port.hpp"
 #include "wire/vicon/vrpn.hpp"
 
-// The node and the emulated server on real sockets of this host's loopback. Nothing here depends on
-// how fast the machine is: each step waits until what it waits for has happened.
+// The node and the emulated server on real loopback sockets. The result does not depend on the
+// speed of the machine: each step waits for its condition.
 
 namespace vantage::drivers {
 namespace {
@@ -31,7 +31,7 @@ using scenario::MocapProtocol;
 using sim::vicon::EmulatedFrame;
 using sim::vicon::SocketServer;
 
-constexpr std::int64_t kPatience_ns = 60'000'000'000;  // until a test is given up
+constexpr std::int64_t kPatience_ns = 60'000'000'000;  // ns; time limit of a wait
 
 struct SocketBench {
   explicit SocketBench(MocapProtocol protocol, const std::string& host = "127.0.0.1") {
@@ -52,7 +52,7 @@ struct SocketBench {
     server = std::make_unique<SocketServer>(settings, "127.0.0.1", scenario.mocap.port);
   }
 
-  /// Lets both sides work until `is_done`, at most for kPatience.
+  /// Runs both sides until `is_done`, at most kPatience_ns; returns false on time-out.
   template <class IsDone>
   bool until(const IsDone& is_done) {
     const std::int64_t end_ns = monotonic_ns() + kPatience_ns;
@@ -69,7 +69,7 @@ struct SocketBench {
     return true;
   }
 
-  /// Sends frames until one has come, so that nothing of the next ones can be missed.
+  /// Sends frames until one arrives, so that later ones cannot be missed.
   void warm_up() {
     ASSERT_TRUE(until([&] {
       if (frames.empty()) {
@@ -77,7 +77,7 @@ struct SocketBench {
       }
       return !frames.empty();
     })) << node->driver().status();
-    // What is still under way comes in, then it is forgotten.
+    // Receives and discards the frames in transit.
     const std::int64_t last = number - 1;
     ASSERT_TRUE(until([&] {
       return scenario.mocap.protocol == MocapProtocol::kVrpn ||
@@ -122,10 +122,10 @@ TEST_P(ViconSocket, CarriesTheRecordedFlightsWithoutALoss) {
   SocketBench bench(GetParam());
   bench.warm_up();
   double worst_m = 0.0;
-  // Each frame is awaited before the next: a quarter of a minute of flight, for time's sake.
+  // Each frame is awaited before the next, so only 15 s of flight are used.
   for (std::size_t k = 0; k < 1500; ++k) {
     EmulatedFrame frame;
-    // The server's clock: 100 Hz, however fast the frames are sent here.
+    // The server clock runs at 100 Hz, independent of the sending speed.
     frame.captured = test::ViconBench::kEpoch + 10'000 * Duration{bench.number};
     frame.number = bench.number++;
     for (const auto& flight : flights) {
@@ -135,7 +135,7 @@ TEST_P(ViconSocket, CarriesTheRecordedFlightsWithoutALoss) {
     bench.server->publish(frame);
     ASSERT_TRUE(bench.until([&] { return bench.frames.size() > before; })) << k;
     if (k == 0 && bench.frames.back().find("v1_03") == nullptr) {
-      continue;  // other bodies than before: the first frame may come in parts
+      continue;  // new bodies: the first frame may arrive in parts
     }
     for (const auto& body : frame.bodies) {
       const models::MocapBody* found = bench.frames.back().find(body.name);
@@ -150,7 +150,7 @@ TEST_P(ViconSocket, CarriesTheRecordedFlightsWithoutALoss) {
   EXPECT_EQ(bench.listener.messages_lost(), 0);
 }
 
-// Datagrams of another sender than the one that the scenario names.
+// Datagrams from another sender than the configured one.
 TEST(ViconObjectStream, IsTakenFromTheConfiguredSenderAlone) {
   const auto counted = [](const SocketBench& bench) {
     const auto counters = bench.node->counters();
@@ -239,7 +239,7 @@ TEST(SocketServer, DialsBackToAVrpnClientThatCallsByDatagram) {
   std::vector<std::uint8_t> call;
   wire::vicon::append_vrpn_callback(call, {"127.0.0.1", ntohs(own.sin_port)});
   ASSERT_GT(sendto(caller, call.data(), call.size(), 0, reinterpret_cast<sockaddr*>(&to), size), 0);
-  server.wait(std::chrono::seconds(10));  // returns as soon as the call is there
+  server.wait(std::chrono::seconds(10));  // returns as soon as the call has arrived
   const int line = accept(listener, nullptr, nullptr);
   ASSERT_GE(line, 0);
   server.wait(std::chrono::milliseconds(10));
@@ -273,7 +273,7 @@ TEST(SocketServer, ServesSeveralClientsAndSkipsFramesForOneThatDoesNotRead) {
   }
   const std::int64_t end_ns = monotonic_ns() + kPatience_ns;
   EmulatedFrame frame = test::circling(100, 0.0);
-  // The third client asks for frames and then hears no more.
+  // The third client requests frames and then stops reading.
   while ((server.frames_skipped() == 0 || heard[0] < 100 || heard[1] < 100) &&
          monotonic_ns() < end_ns) {
     server.wait(std::chrono::microseconds(0));
@@ -292,7 +292,7 @@ TEST(SocketServer, ServesSeveralClientsAndSkipsFramesForOneThatDoesNotRead) {
   EXPECT_EQ(drivers[0]->frame_counts().frames_lost, 0);
 }
 
-// One more is turned away at once; who leaves makes room for another.
+// A client beyond the limit is disconnected at once; a client that leaves makes room.
 TEST(SocketServer, ServesNoMoreClientsThanItSays) {
   SocketServer server({}, "127.0.0.1", 0);
   std::vector<int> clients;

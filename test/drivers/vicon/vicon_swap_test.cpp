@@ -1,4 +1,4 @@
-// Two bodies exchange their names, as a mocap system does that loses sight of both.
+// Two bodies exchange their names, as can happen when mocap loses both.
 
 #include <cmath>
 
@@ -9,7 +9,7 @@
 namespace vantage::drivers::vicon {
 namespace {
 
-/// Two bodies that fly side by side at 0.7 m/s, slightly apart in speed.
+/// Two bodies that fly abreast at 0.7 m/s.
 struct Pair {
   explicit Pair(double separation_m) : apart_m(separation_m), bench(gate()) {}
 
@@ -18,7 +18,8 @@ struct Pair {
     settings.predicted_max_m = 0.27;
     return settings;
   }
-  /// Sends frames of both; returns in how many the filter published a pose of the wrong body.
+  /// Sends frames of both; returns the number of poses that the filter published for the wrong
+  /// body.
   int fly(double seconds, bool is_seen, bool is_swapped) {
     int wrong = 0;
     for (int k = 0; k < std::lround(100.0 * seconds); ++k) {
@@ -61,7 +62,7 @@ TEST(FrameFilter, PublishesNoPoseOfAnotherBodyWhenNamesAreSwappedAfterAGap) {
     static_cast<void>(pair.fly(row.gap_s, false, false));
     EXPECT_EQ(pair.fly(3.0, true, true), 0);
     EXPECT_GT(pair.bench.filter.counts().poses_swapped, 0);
-    // Names that are right again.
+    // The names are right again.
     EXPECT_EQ(pair.fly(3.0, true, false), 0);
     EXPECT_EQ(pair.good, 2);
   }
@@ -80,7 +81,7 @@ TEST(FrameFilter, RefusesNoPoseOfBodiesThatKeepTheirNamesThroughAGap) {
   }
 }
 
-// One body passes the other at 2 m/s and 0.3 m: no name is swapped.
+// One body passes the other at 2 m/s and a distance of 0.3 m without a swap of names.
 TEST(FrameFilter, TakesBodiesThatPassEachOtherForThemselves) {
   for (const double gap_s : {0.0, 0.1, 0.3}) {
     FilterBench bench(Pair::gate());
