@@ -133,8 +133,7 @@ class FlightBench : public SteppedBench {
   std::function<void(models::MocapFrame&)> alters;  ///< changes mocap frames
   /// Receives each captured frame instead of the driver; empty: the bench delivers it.
   std::function<void(const models::MocapFrame&)> carries;
-  std::optional<Eigen::Vector3d> walker_m;  ///< m; shown position of the first target of the
-                                            ///< scenario
+  std::optional<Eigen::Vector3d> walker_m;  ///< m; shown position of the first target
   std::function<void(Time)> on_step;
   std::vector<std::vector<std::uint8_t>> sent;  ///< by the driver in the last step
 

@@ -170,9 +170,9 @@ TEST_P(FlightFaults, ARepeatedOrderTakesNothingFromAPilot) {
 }
 
 // A pilot flies it by hand, perhaps because mocap is bad. When it is no longer seen, its state
-// becomes LAND, but the mode stays with the pilot, whether the link works or not. In the hold mode
-// of the autopilot no pilot may be present, so it is landed. An operator command takes over, also
-// from a second pilot.
+// becomes LAND, but the mode stays with the pilot, whether the link works or not. In a hold mode of
+// the autopilot there may be no pilot, so it is landed. An operator command takes over, also from a
+// second pilot.
 TEST_P(FlightFaults, NothingThatGoesWrongTakesTheModeFromAPilot) {
   for (const bool is_by_hand : {true, false}) {
     for (const bool is_deaf : {true, false}) {

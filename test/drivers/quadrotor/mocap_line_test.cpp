@@ -41,7 +41,7 @@ class Line {
     bench_.on_step = [this](Time) { step(); };
   }
 
-  /// s; greatest difference of reported and true latency of published frames
+  /// Greatest difference of reported and true latency of published frames, s.
   double worst_error_s = 0.0;
   double slow_share = 0.0;  ///< relative excess of the transmission time over the frame period
   Duration queue{};         ///< delay of each frame on this connection

@@ -101,8 +101,7 @@ TEST(ParameterCheck, NamesADifferenceAndForgivesOneThatIsAdvised) {
   EXPECT_EQ(bench.check.reasons(),
             std::vector<std::string>{"GUID_TIMEOUT is 3, wanted is at most 0.5: it flies on"});
   bench.known["GUID_TIMEOUT"] = 0.5;
-  bench.answer("GUID_TIMEOUT");  // another client changed it, and the autopilot broadcasts the
-                                 // change
+  bench.answer("GUID_TIMEOUT");  // changed by another client and broadcast
   EXPECT_TRUE(bench.check.is_kept());
 }
 

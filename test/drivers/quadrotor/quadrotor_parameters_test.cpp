@@ -83,7 +83,7 @@ TEST_P(Parameters, ThatWereMendedLetItArm) {
   bench.run(30.0);
   ASSERT_TRUE(bench.has_reason(loss_name()));
   bench.vehicle.set_parameter(loss_name(), 0.3);
-  bench.run(35.0);  // s; includes the next parameter request
+  bench.run(35.0);  // includes the next parameter request
   EXPECT_FALSE(bench.has_reason(loss_name())) << bench.reasons();
   EXPECT_TRUE(arms_within(60.0)) << bench.reasons();
 }

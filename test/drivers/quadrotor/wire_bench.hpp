@@ -88,8 +88,8 @@ class WireBench : public FlightBench {
   bus::VirtualClock clock_;
   std::unique_ptr<bus::Transport> mocap_side_ = hub_.connect();
   bus::Bus mocap_bus_{*mocap_side_, 33};
-  std::unique_ptr<bus::Transport> stranger_ = hub_.connect();  ///< publishes plans and commands as
-                                                               ///< encoded
+  std::unique_ptr<bus::Transport> stranger_ = hub_.connect();  ///< publishes encoded plans,
+                                                               ///< commands
   std::unique_ptr<bus::Transport> lab_side_ = hub_.connect();
   bus::Bus lab_{*lab_side_, 44};
   ViconBench vicon_;

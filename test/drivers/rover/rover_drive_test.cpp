@@ -195,7 +195,7 @@ TEST(RoverDriver, StandsBeforeAPersonWhoWalksOnIsNear) {
       Eigen::Vector2d person_m = bench.place_m() + Eigen::Vector2d(0.0, 0.75) - 300.0 * step_m;
       const double begins_m = (person_m - bench.place_m()).norm();
       if (begins_m < 1.2) {
-        person_m -= 240.0 * step_m;  // m; start far enough away
+        person_m -= 240.0 * step_m;  // starts far enough away
       }
       double least_m = 1e9;
       for (int i = 0; i < 600 && !(i > 0 && bench.stands()); ++i) {

@@ -65,9 +65,6 @@ TEST(NearSoon, CountsWhoMovesOrIsNoRobotAndWhereItWillBe) {
   EXPECT_DOUBLE_EQ(near_m(-1, -1.0), 1.0);
 }
 
-// Five rovers drive at up to 0.5 m/s with random turns among three vehicles that land at once. No
-// vehicle is hit, and few landings take long. (Preferring spots that no rover drives towards had
-// little effect: 28 instead of 37 of 360 took over 8 s.)
 // The set-point sinks at the stated speed, slower near the ground, starting at the vehicle. A
 // controller that tracks it well does not descend faster.
 TEST(FlightGuard, ComesDownNoFasterThanItStates) {
@@ -98,6 +95,9 @@ TEST(FlightGuard, ComesDownNoFasterThanItStates) {
   EXPECT_EQ(q3.out.state, models::FlightState::kIdle);
 }
 
+// Five rovers drive at up to 0.5 m/s with random turns among three vehicles that land at once. No
+// vehicle is hit, and few landings take long. (Preferring spots that no rover drives towards had
+// little effect: 28 instead of 37 of 360 took over 8 s.)
 TEST(FlightGuard, ComesDownAmongRoversThatDriveOn) {
   constexpr double kRoverMps = 0.5;
   const models::Rectangle bounds = limits_for(test::FlightBench::scenario(), "Q1").fence.bounds;
@@ -119,8 +119,7 @@ TEST(FlightGuard, ComesDownAmongRoversThatDriveOn) {
     std::vector<double> down_s(bench.vehicles().size(), 30.0);
     bench.run(30.0, [&] {
       for (std::size_t i = 0; i < rovers_m.size(); ++i) {
-        headings_rad[i] += random.normal() * std::sqrt(test::FlightBench::kTickS);  // random walk:
-                                                                                    // 1 rad in 1 s
+        headings_rad[i] += random.normal() * std::sqrt(test::FlightBench::kTickS);  // 1 rad in 1 s
         Eigen::Vector3d ahead_m = rovers_m[i] + kRoverMps * test::FlightBench::kTickS *
                                                     Eigen::Vector3d(std::cos(headings_rad[i]),
                                                                     std::sin(headings_rad[i]), 0.0);

@@ -31,8 +31,7 @@ struct Fault {
   Act act;
   std::vector<Stage> stages;      ///< empty: the vehicle flies on
   const char* reason = nullptr;   ///< condition that must be among the reasons
-  const char* counter = nullptr;  ///< counter that must have grown, for input that is refused
-                                  ///< without a reaction
+  const char* counter = nullptr;  ///< must have grown; for inputs refused without a reaction
   models::FlightState end = models::FlightState::kFollow;
   bool trusts_plans = false;  ///< see FlightBench
   double delays_s = 0.0;      ///< s; during this time no other fault can be detected either
@@ -51,8 +50,7 @@ int severity_of(models::FlightState state);
 /// Result of one fault within a run.
 struct Outcome {
   bool reacted = false;
-  double reaction_s = 0.0;           ///< s until all concerned vehicles show the reason or a grown
-                                     ///< counter
+  double reaction_s = 0.0;           ///< s until all concerned vehicles show it
   std::vector<double> stage_s;       ///< s until each stage; negative: never
   models::FlightState end{};         ///< least severe state of the concerned vehicles
   std::vector<std::string> reasons;  ///< in the order of appearance

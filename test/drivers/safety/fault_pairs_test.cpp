@@ -118,6 +118,7 @@ void expect_counted(const Fault& fault, const Outcome& outcome, const Fault& oth
 
 // The first fault begins in the same world as when it is flown alone. Expects each state as early
 // as there, plus a telemetry tick, a guard tick, one for rounding and the delay of the other fault.
+//
 // Skips stages that wait for the floor. Also skips those that depend on positions or plans, if the
 // other fault may have changed them; for those the limits of the table apply.
 void expect_as_soon(const Fault& fault, const Outcome& alone, const Outcome& outcome,
@@ -139,8 +140,7 @@ void expect_as_soon(const Fault& fault, const Outcome& alone, const Outcome& out
 // the collision check of each pair applies. Expects that no other pair brings them closer.
 void expect_as_far_apart(const Fault& a, const FaultRun& alone, const Fault& b,
                          const FaultRun& run) {
-  constexpr double kLanesKeptM = 1.0;  // m; FaultTable checks it for each fault that is flown
-                                       // through
+  constexpr double kLanesKeptM = 1.0;  // m; FaultTable checks it for faults flown through
   constexpr double kSlackM = 0.1;
   if (!a.trusts_plans && !b.trusts_plans) {
     EXPECT_GE(run.closest_m, std::min(alone.closest_m, kLanesKeptM) - kSlackM)

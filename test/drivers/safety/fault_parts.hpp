@@ -17,7 +17,7 @@ inline constexpr auto kLand = FlightState::kLand;
 inline constexpr auto kIdle = FlightState::kIdle;
 inline constexpr auto kKilled = FlightState::kKilled;
 
-/// s; one telemetry tick, one guard tick and one for rounding
+/// Slack of time limits, s: one telemetry tick, one guard tick and one for rounding.
 inline constexpr double kTicks = 0.03;
 
 inline VehicleKnobs& q1(FlightBench& bench) { return bench.vehicle("Q1").knobs; }

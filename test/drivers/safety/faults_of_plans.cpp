@@ -5,7 +5,7 @@
 namespace vantage::test::faults {
 namespace {
 
-// s; plans arrive once per second
+// Plans arrive once per second.
 constexpr double kRound = 1.0 + kTicks;
 
 Act spoils(PlanFault fault, const char* robot = "Q1") {

@@ -189,8 +189,7 @@ TEST_F(Seen, AreOnlyThoseThatWereSeenAndWhoGoesFirstIsByName) {
   const auto bodies = fleet.bodies(at(0.0), limits);
   ASSERT_EQ(bodies.size(), 3u) << "itself is no other";
   const double xs_m[] = {0.0, 2.0, 3.0};
-  const bool goes_first[] = {true, false, true};  // Q1 is before Q2; a body that is not a robot
-                                                  // always has priority
+  const bool goes_first[] = {true, false, true};  // Q1 is before Q2; other bodies go first
   const int robots[] = {0, 2, -1};                // indices in the scenario
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(bodies[i].position_world_m.x(), xs_m[i]);
@@ -378,8 +377,7 @@ TEST_F(Seen, AreAskedWhatTheirPlanSaysAReactionTimeLater) {
   const auto asked_mps = [&](double t_s) {
     fleet = Fleet(scenario, "Q2");
     EXPECT_TRUE(fleet.on_plan(plan, limits, at(0.0)));
-    show(t_s, {{"Q3", hover_m + Eigen::Vector3d(0.2 * t_s, 0.0, 0.0)}});  // close enough to its
-                                                                          // plan
+    show(t_s, {{"Q3", hover_m + Eigen::Vector3d(0.2 * t_s, 0.0, 0.0)}});  // close to its plan
     return body(t_s).planned_world_mps.x();
   };
   const double soon_s = limits.reaction_s;

@@ -38,7 +38,7 @@ enum class PlanFault {
   kWrongVehicle,
   kEmpty,
   kHalfASecondOld,
-  kReplayed,  ///< the plan sent three rounds earlier
+  kReplayed,  ///< repeats the fourth newest accepted plan
 };
 
 /// Corruption of one body in the mocap frames.
@@ -73,7 +73,7 @@ struct VehicleKnobs {
   double body_tilt_rad = 0.0;        ///< rad; of the mocap body about its x axis
   double attitude_offset_rad = 0.0;  ///< rad; added to the roll that the autopilot reports
   double yaw_offset_rad = 0.0;       ///< rad; added to the yaw that the autopilot reports
-  bool says_disarmed = false;        ///< heartbeats report disarmed while the motors run
+  bool says_disarmed = false;        ///< the autopilot reports disarmed motors
   bool estimator_bad = false;
   double estimate_offset_m = 0.0;
   double velocity_offset_mps = 0.0;  ///< m/s; added to the x velocity that the autopilot reports
@@ -101,13 +101,11 @@ struct RoomKnobs {
   double frame_loss = 0.0;  ///< probability
   bool mocap_dead = false;
   bool ghost_body = false;
-  std::vector<Eigen::Vector3d> walkers_m;     ///< m; shown positions of the first targets of the
-                                              ///< scenario
+  std::vector<Eigen::Vector3d> walkers_m;     ///< m; shown positions of the first targets
   std::optional<Eigen::Vector3d> stranger_m;  ///< m; shown position of a body with an unknown name
   bool operator_silent = false;
   std::string says_to;                               ///< recipient of `says`; empty: all
-  bool second_station = false;                       ///< a second station sends heartbeats and
-                                                     ///< `follow`
+  bool second_station = false;                       ///< it sends heartbeats and `follow`
   bool second_arms = false;                          ///< it also sends `arm`
   std::optional<models::OperatorAction> says;        ///< operator command at this tick
   std::optional<models::OperatorAction> other_says;  ///< command of the second station at this tick
@@ -118,8 +116,7 @@ struct Wiring {
   Eigen::Matrix3d mocap_from_world = Eigen::Matrix3d::Identity();
   bool mirrors_attitude = true;  ///< a mirrored mocap also mirrors rotations
   bool swaps_names = false;      ///< mocap shows Q1 under the name Q2, and the reverse
-  bool swaps_addresses = false;  ///< the driver of Q1 is connected to the autopilot of Q2, and the
-                                 ///< reverse
+  bool swaps_addresses = false;  ///< Q1 and Q2 each drive the autopilot of the other
   bool has_compass = false;      ///< autopilots measure the true yaw and ignore that of mocap
 };
 
@@ -140,8 +137,7 @@ struct Vehicle {
   // The autopilot.
   Eigen::Vector3d drift_m = Eigen::Vector3d::Zero();  ///< m; error of its position estimate
   double blind_s = 0.0;
-  Eigen::Vector3d felt_mps = Eigen::Vector3d::Zero();  ///< m/s; velocity as estimated by the
-                                                       ///< autopilot
+  Eigen::Vector3d felt_mps = Eigen::Vector3d::Zero();  ///< m/s; its own velocity estimate
   double turn_radps = 0.0;                             ///< rad/s; true value and gyroscope reading
   double spool_s = 0.0;
   double ground_s = 0.0;

@@ -17,8 +17,7 @@ constexpr double kAnswerS = 0.1;  // s; equals SafetyLimits::setpoint_lead_s
 constexpr double kLagS = 0.15;
 constexpr double kAccelerationMaxMps2 = 6.0;
 constexpr double kGravityMps2 = 9.81;
-constexpr double kEstimatorBlindS = 5.0;  // s; time without a pose during which it still reports
-                                          // good
+constexpr double kEstimatorBlindS = 5.0;  // s without a pose until it reports bad
 constexpr double kDriftMps = 0.05;        // m/s; drift of its estimate without poses
 constexpr double kSpoolUpS = 0.8;
 constexpr double kYawGainPerS = 10.0;

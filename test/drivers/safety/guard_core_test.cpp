@@ -153,7 +153,7 @@ TEST_F(SeenCore, CountsHowOftenTheClockOfItsPosesWasSet) {
   EXPECT_NEAR(core.in.pose_latency_s, 0.12, 1e-6);
 }
 
-// The delay counts in the cameras' computer and in the network from the mocap driver.
+// Latency includes delays in the cameras' computer and in the network from the mocap driver.
 TEST_F(SeenCore, SeesThatItsPosesAreLateWhereverTheyWaited) {
   for (int round = 0; round < 2; ++round) {  // repeated with the same state
     for (const double waits_s : {0.0, 0.05, 0.3, 0.9, 0.0}) {

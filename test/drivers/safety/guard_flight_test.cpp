@@ -18,7 +18,7 @@ using models::OperatorAction;
 
 const Eigen::Vector3d kHigh(-2.0, -1.3, 1.6);
 
-/// Hovers until the messages of the start are over.
+/// Hovers until the reasons reported at the start have cleared.
 void hover(OneVehicle& q1) {
   q1.report.armed = q1.report.is_in_our_mode = true;
   q1.run(0.6);
@@ -206,8 +206,8 @@ TEST(GuardInTheAir, MovesOffTheFenceWhileItHolds) {
   }
 }
 
-// While it waits at the lift height, its course is still that of the ground. A teammate that hovers
-// next to it is then as close as it appears.
+// While it waits at the lift height, its course still has the height of the ground. The distance to
+// a teammate must be computed from its actual height.
 TEST(GuardInTheAir, MovesOffTheFenceAfterItsLiftAndNotAtATeammate) {
   scenario::Scenario room = OneVehicle::room();
   room.world.bounds.min_m.y() = -0.27;

@@ -143,7 +143,8 @@ TEST(Lifts, AreComparedWithWhatTheAutopilotFeels) {
   }
 }
 
-// A pose 0.05 s old neither proves the lift nor ends the climb.
+// A pose older than 0.05 s does not prove the lift, and a short loss of poses does not end the
+// climb.
 TEST(Lifts, GoOnByPosesOfNow) {
   for (const double late_s : {0.04, 0.06}) {
     OneVehicle one;

@@ -113,8 +113,8 @@ TEST(Looks, AtItsHeightInALandingOnlyWhileItWaits) {
   }
 }
 
-// A disarmed report is rejected while the body is seen to fly: above 0.15 m and not falling at 1
-// m/s.
+// A disarmed report is rejected while the body is seen to fly: above 0.15 m and not falling at
+// 1 m/s.
 TEST(Looks, ForFlightBeforeItBelievesThatTheMotorsAreOff) {
   struct Case {
     double height_m, sinks_mps;
@@ -204,7 +204,7 @@ TEST(Looks, AtNothingElseOnTheGround) {
   EXPECT_FALSE(one.in().autopilot_armed) << "carried, not flown";
 }
 
-// In the air, the age of an input that never arrived counts from the start of the flight. On the
+// In the air, the age of an input that never arrived counts from the start of the process. On the
 // ground it is kNever.
 TEST(Looks, AtWhatItNeverHeard) {
   OneVehicle one({0.3, 0.05, 1.5});

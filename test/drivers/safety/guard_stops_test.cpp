@@ -310,7 +310,7 @@ TEST(Stops, AndMovesOffByAPoseThatIsNotNew) {
   ASSERT_EQ(one.state(), FlightState::kHold);
   one.has_mocap = true;
   one.tick();
-  // This is the velocity 0.1 s after the 0.02 s tick.
+  // The shift began one tick ago, so the velocity 0.1 s ahead is that of 0.12 s, not of 0.1 s.
   EXPECT_GT(one.out.setpoint.velocity_world_mps.head<2>().norm(), 0.2 * 0.11 / 0.5);
 }
 

@@ -154,8 +154,7 @@ struct Landing {
   double way_m = 0.0;        ///< m; greatest horizontal distance from the position at the command
   double late_mps = 0.0;     ///< m/s; greatest horizontal speed later than 21 s
   double took_s = 0.0;       ///< s; until idle, at most the time limit
-  double fell_m = 0.0;       ///< m; greatest fall between a stop of the descent and its
-                             ///< continuation
+  double fell_m = 0.0;       ///< m; greatest fall between stop and continuation
 };
 
 /// Commands Q1 to land; `walk` gives the walker position from the time since the command and the
@@ -312,8 +311,8 @@ TEST(FlightGuard, AllThatLandAtOnceAboveWalkersKeepApart) {
   }
 }
 
-// Regression, seen with real firmware: a landing from 2 m among moving rovers took 10.6 s at 0.4
-// m/s.
+// Regression, seen with real firmware: a landing from 2 m among moving rovers took 10.6 s at
+// 0.4 m/s.
 TEST(FlightGuard, IsDownWithinEightSecondsBesideWhoStandsBelow) {
   double slowest_s = 0.0;
   int aside = 0;
@@ -337,7 +336,7 @@ TEST(FlightGuard, IsDownWithinEightSecondsBesideWhoStandsBelow) {
     aside += (highest.position_m - from_m).head<2>().norm() > 0.5 ? 1 : 0;
   }
   EXPECT_GE(aside, 15);
-  EXPECT_LT(slowest_s, 7.0);  // s; 8.0 s with both speeds at 0.4 m/s
+  EXPECT_LT(slowest_s, 7.0);  // 8.0 s with both speeds at 0.4 m/s
 }
 
 // A plan that was accepted before `land` and would begin after it is dropped.
@@ -351,7 +350,7 @@ TEST(FlightGuard, ForgetsThePlanToComeWhenItLands) {
   EXPECT_LT(seen.took_s, 10.0);
 }
 
-// During the first lift, near the ground, it descends at once, even with a body next to it.
+// During a take-off, near the ground, it descends at once, even with a body next to it.
 TEST(FlightGuard, EndsATakeOffAtOnce) {
   for (const double up_to_m : {0.05, 0.1, 0.2, 0.3}) {
     test::FlightBench bench(1);
@@ -366,7 +365,7 @@ TEST(FlightGuard, EndsATakeOffAtOnce) {
       return Eigen::Vector3d(at_m.x() + 0.6, at_m.y(), 0.0);
     });
     EXPECT_LT(highest_m, up_to_m + 0.15);
-    EXPECT_LT(seen.way_m, 0.1);  // m; may include the step aside of the first lift
+    EXPECT_LT(seen.way_m, 0.1);  // may include the step aside of the first lift
     EXPECT_LT(seen.took_s, 5.0);
   }
 }

@@ -141,7 +141,8 @@ TEST(LiftQueue, HearsNothingAtTheBeginningOfTheClock) {
   }
 }
 
-// The turn of the front begins when it is first seen. The queue is static, so its memory was zero.
+// The turn of the front begins when it is first seen. The queue is static so that its memory starts
+// as zero.
 TEST(LiftQueue, WaitsFromTheFirstLookOnForWhoWasToldBeforeIt) {
   static LiftQueue queue(team({"Q1", "Q2"}), "Q2");
   queue.on_take_off("Q1");
@@ -327,8 +328,7 @@ TEST(Lift, StepsToTheRoomiestOfFourPlaces) {
     for (int i = random.integer(0, 2); i > 0; --i) {
       const Eigen::Vector2d apart_m = random.vector<2>(-1.0, 1.0);
       const Eigen::Vector2d corner_m =
-          room.rest_m.head<2>() + apart_m + 0.3 * apart_m.normalized();  // beyond the reach of the
-                                                                         // step
+          room.rest_m.head<2>() + apart_m + 0.3 * apart_m.normalized();  // a step cannot reach it
       room.limits.fence.obstacles.push_back({{corner_m, corner_m}, 1.0});
     }
     for (int i = random.integer(0, 2); i > 0; --i) {

@@ -118,8 +118,9 @@ TEST(MocapClock, CountsUpToAHundredFramesThatAreDue) {
   }
 }
 
-// The frame period comes from consecutive frame numbers. Stamps that do not advance, numbers that
-// repeat, restart or jump, and pauses leave it unchanged.
+// The frame period comes from stamps and numbers that advance by less than 1 s per frame and at
+// most 100 frames. Stamps that do not advance, numbers that repeat, restart or jump, and pauses
+// leave it unchanged.
 TEST(MocapClock, KnowsThePeriodOnlyFromFramesThatFollow) {
   struct Frame {
     std::int64_t numbers;  // frame numbers since the last one

@@ -18,7 +18,8 @@ namespace {
 
 using models::FlightState;
 
-// A flight without faults has no reaction; otherwise the fault tests would prove nothing.
+// Flight safety does not act in a flight without faults; otherwise the fault tests would prove
+// nothing.
 TEST(FlightGuard, FollowsForAMinuteWithoutAReasonToStop) {
   FlightBench bench(1);
   bench.fly_up(5.0);

@@ -270,8 +270,7 @@ struct OneVehicle {
   /// Limits of the speed towards the set-point.
   double fastest_mps = drivers::kNever, fastest_radps = drivers::kNever;
   Eigen::Vector3d beside_m = Eigen::Vector3d::Zero();  ///< m; offset of the body from its set-point
-  std::optional<Eigen::Vector3d> drift_mps;            ///< m/s; replaces the motion towards the
-                                                       ///< set-point
+  std::optional<Eigen::Vector3d> drift_mps;            ///< m/s; replaces the motion
   double turns_radps = 0.0;
   bool rises = true;
   double held_m = 0.0;
@@ -281,10 +280,8 @@ struct OneVehicle {
   bool is_seen = true, has_mocap = true, is_commanded = true, beats = true, tells = true;
   bool is_frozen = false;  ///< mocap repeats the same pose bit for bit
   drivers::AutopilotReport report;
-  std::optional<Eigen::Vector3d> feels_m;            ///< m; the autopilot's own position estimate
-                                                     ///< if it differs
-  double climb_off_mps = 0.0, turn_off_radps = 0.0;  ///< added to the climb and turn rates that the
-                                                     ///< autopilot reports
+  std::optional<Eigen::Vector3d> feels_m;            ///< m; own position estimate if different
+  double climb_off_mps = 0.0, turn_off_radps = 0.0;  ///< added to the reported rates
   std::optional<double> battery_share = 0.9;
   drivers::GuardOutput out;
 };

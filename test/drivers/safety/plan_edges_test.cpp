@@ -84,7 +84,7 @@ Eigen::Vector3d place_m(const HeldPlan& plan, Time t) {
 
 Time end_of(const HeldPlan& plan) { return plan.start_time + from_seconds(duration_s(plan)); }
 
-// m; error of the check, which steps at least 1 ms at the speed of both
+// Error of the check, m: it steps at least 1 ms at the speed of both.
 constexpr double kStepM = 0.004;
 
 /// Expects that a plan with the least distance `least_m` is refused only if `limit_m` exceeds it.
@@ -449,7 +449,7 @@ TEST_F(ShapeEdges, CountsFromNowOn) {
   limits = open_limits();
   const HeldPlan plan = held(kStart, {}, {{{1.0, 0.0}, 3.0, 0.0}, models::brake(1.0, 2.0).front()});
   const OtherCourse others[] = {{nullptr, {1.0, 0.3, 1.0}}};  // passed at 0.3 m after 1 s
-  limits.plan_separation_m = 0.5;                             // m; left at x = 1.4 m
+  limits.plan_separation_m = 0.5;                             // passed at x = 1.4 m
   const double since_s = test::last_accepted(3.0, 0.0, 1e-7, [&](double t_s) {
     return check_way(plan, kStart + from_seconds(t_s), limits, others) == PlanVerdict::kAccepted;
   });

@@ -236,7 +236,7 @@ TEST_F(Gate, LooksWhereThePlanIsNowOrWillBegin) {
 }
 
 // A plan whose last half second agrees with the flown path continues from here at any speed. A plan
-// that begins again at the old start does not.
+// that begins now at the old start position does not.
 TEST_F(Gate, TakesWhatGoesOnFromWhereTheVehicleIsByNow) {
   limits.plan_start_tolerance_m = 0.01;
   models::RobotPlan plan = news(0.0);

@@ -35,8 +35,7 @@ class Poses : public testing::Test {
     EXPECT_EQ(see(p_m, 0.0), PoseVerdict::kAccepted);
   }
 
-  SafetyLimits limits = limits_for(test::FlightBench::scenario(), "Q1");  // room: ±4 m, ±2.2 m, 3 m
-                                                                          // high
+  SafetyLimits limits = limits_for(test::FlightBench::scenario(), "Q1");  // ±4 m, ±2.2 m, 3 m high
   PoseMonitor monitor;
 };
 

@@ -66,8 +66,8 @@ TEST(LookAround, FindsHowFarApartTwoPassWhoMeetHeadOn) {
   }
 }
 
-// The path relative to a braking vehicle is curved. Its chords, each 1/16 of the time and under 45
-// ms, deviate from it by at most half a millimetre.
+// The path relative to a braking vehicle is curved. Its chords, each 1/16 of the time and under
+// 45 ms, deviate from it by at most half a millimetre.
 TEST(LookAround, FindsTheLeastSeparationToHalfAMillimetre) {
   const SafetyLimits limits = bench_limits();
   const auto speed_mps = [](test::Random& random) -> Eigen::Vector3d {
@@ -366,8 +366,8 @@ TEST(ClimbTaken, ByWhoComesWithinTwoSeconds) {
   }
 }
 
-/// Returns the distance that clear_spot() moves a hover whose edge is `edge_m` from the wall at y =
-/// −2, m; 0: it finds none.
+/// Returns the distance, m, by which clear_spot() moves a hover with its edge `edge_m` from the
+/// wall at y = −2. 0: none found.
 double moves_m(double edge_m, std::span<const OtherBody> others) {
   const SafetyLimits limits = limits_in({{-8.0, -2.0}, {12.0, 12.0}});
   const Eigen::Vector3d hover_m(3.0, -2.0 + limits.vehicle.radius_m + edge_m, 1.0);

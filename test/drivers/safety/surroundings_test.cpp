@@ -78,7 +78,7 @@ TEST_P(Hovering, IsNotWhereAGustWouldMakeItTouchSomething) {
     ASSERT_LT(bench.time_s(), 20.0);
     bench.tick();
   }
-  vehicle.position_m.y() = 1.07;  // m; the obstacle ends at 0.8 m, the radius is 0.25 m
+  vehicle.position_m.y() = 1.07;  // the obstacle ends at 0.8 m, the radius is 0.25 m
   bench.tick();
   const auto tick = [&bench] {
     bench.room().heard_before_ms = GetParam();
@@ -262,8 +262,7 @@ TEST(LookAround, FindsTheLeastDistanceOfFenceCeilingAndObstaclesOnTheWayToRest) 
     }
     const Surroundings seen = look_around(here_m, way, {}, limits);
     EXPECT_NEAR(seen.fence_stop_m, fence_m, 1e-9);
-    EXPECT_NEAR(seen.obstacle_stop_m, obstacle_m, 0.02);  // m; the path is sampled every 7 cm, past
-                                                          // a corner
+    EXPECT_NEAR(seen.obstacle_stop_m, obstacle_m, 0.02);  // path sampled every 7 cm, past a corner
     const double centre_m = fence_distance_m(limits.fence, here_m.head<2>());
     const double below_m = limits.fence.ceiling_m - here_m.z();
     EXPECT_NEAR(seen.fence_centre_m, std::min(centre_m, below_m), 1e-12);

@@ -10,16 +10,18 @@
 namespace vantage::test {
 
 /// Checks at every tick that the commands of flight safety form one path that can be flown.
+///
 /// **States** only become more severe: a vehicle that lands, has landed or is killed does not fly
 /// again, and a killed vehicle stays killed (nothing re-arms it here).
+///
 /// **Set-points**, in the horizontal plane, move per tick at most as far as the greatest speed
 /// allows, plus:
 /// - v half_window / 2, since the course averages the plan over a window: at the start of another
-/// plan, or where a plan turns at its end because no successor arrived;
+///   plan, or where a plan turns at its end because no successor arrived;
 /// - plan_start_tolerance_m when a plan is accepted, since it may begin that far from the course;
-/// while plans arrive in time, this gap is smoothed by a sixteenth per tick;
-/// - any distance when a hold or landing begins within kAtBodyM of the estimated body position (0.1
-/// s of prediction and 0.1 s of lead at twice the speed, and the braking distance).
+///   while plans arrive in time, this gap is smoothed by a sixteenth per tick;
+/// - any distance when a hold or landing begins within kAtBodyM of the estimated body position
+///   (0.1 s of prediction and 0.1 s of lead at twice the speed, and the braking distance).
 class WayWatch {
  public:
   static constexpr double kAtBodyM = 0.45;
