@@ -38,7 +38,7 @@ TEST(Steering, HandsOnWhatIsWithinTheLimits) {
   EXPECT_EQ(told.yaw_rate_radps, -3.0);
 }
 
-// Speed limits hold in every direction, and large errors are limited.
+// Speed limits hold in every direction, and the position stays within kReachM of the vehicle.
 TEST(Steering, NeverAsksForMoreThanTheLimitsNorForAPlaceFarFromWhereItIs) {
   std::mt19937_64 rng(3);
   std::uniform_real_distribution<double> any(-3.0, 3.0);

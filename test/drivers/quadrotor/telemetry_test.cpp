@@ -68,7 +68,7 @@ TEST(Telemetry, KeepsNoAttitudeFreshThatIsNoNumber) {
   }
 }
 
-// Each dialect has its own report; that of the other dialect is ignored.
+// Each dialect reports motor faults in its own way; the report of the other dialect is ignored.
 TEST(Telemetry, KnowsAMotorFaultAsTheDialectReportsIt) {
   using wire::mavlink::kSensorMotorOutputs;
   struct Row {

@@ -18,9 +18,9 @@
 #include "test/drivers/vicon/vicon_bench.hpp"
 
 // Flight bench from device bytes to device bytes, in virtual time. Bytes of a DataStream server
-// pass through the mocap driver and its filter onto a bus, into three quadrotor nodes, and as
-// MAVLink into emulated autopilots and back. Plans and commands are encoded messages on the same
-// bus. The knobs of FlightBench change these bytes or the behaviour of a device.
+// pass through the mocap driver and its filter onto a bus. Three quadrotor nodes read them there
+// and exchange MAVLink with emulated autopilots. Plans and commands are encoded messages on the
+// same bus. The knobs of FlightBench change these bytes or the behaviour of a device.
 
 namespace vantage::test {
 

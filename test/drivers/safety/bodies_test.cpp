@@ -31,8 +31,8 @@ double stop_m(const OtherBody& body, double own_mps, const SafetyLimits& limits)
   return look_around(kHere_m, way, {&body, 1}, limits).separation_stop_m;
 }
 
-// Head-on: our own braking distance v T + v²/2a, the person at constant speed for the whole time,
-// and the distance by which the person can leave the straight path.
+// Head-on: the distance shrinks by our braking distance v T + v²/2a and by the path of the person
+// at constant speed. It also shrinks by the distance that the person can leave the straight path.
 TEST(LookAround, CarriesAPersonOnUntilTheVehicleStands) {
   const SafetyLimits limits = bench_limits();
   for (const double own_mps : {0.0, 0.5, 1.0}) {

@@ -223,7 +223,8 @@ TEST(Course, HandsOverWithoutAJumpFromPlansThatWereSlowed) {
   }
 }
 
-// A stop ends the past: a plan that begins in a hover begins from that hover. Tested twice.
+// A stop discards earlier plans: a plan that begins in a hover begins from that hover. Tested
+// twice.
 TEST(Course, RemembersNoPlanFromBeforeAStop) {
   Course course(kHalfWindowS);
   for (int time = 0; time < 2; ++time) {

@@ -12,8 +12,8 @@ namespace {
 
 using models::FlightState;
 
-// A vehicle is found flying if its motors run, it is over 0.15 m above its last position with
-// motors off, and this guard did not order it. It must be seen, or unseen for long and report its
+// A vehicle is found flying if its motors run without an order of this guard and it is over 0.15 m
+// above its last position with motors off. It must be seen, or unseen for long and report its
 // position.
 struct Found {
   const char* what;

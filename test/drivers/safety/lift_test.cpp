@@ -217,8 +217,9 @@ TEST(LiftQueue, BelievesABodyAsLongAsAPoseMayBeOld) {
   }
 }
 
-// Returns the largest rise since our own lift began of those bodies that climb and had not risen by
-// then. A second, later lift starts from new heights; the result is 0 when all stand still.
+// The result is the largest rise since our own lift began of those bodies that climb and had not
+// risen by then. A second, later lift starts from new heights; the result is 0 when all stand
+// still.
 TEST(LiftQueue, SaysHowFarAnotherBodyHasRisenInsteadOfOurs) {
   const SafetyLimits limits;
   test::Random random(32);

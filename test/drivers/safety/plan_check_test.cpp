@@ -366,8 +366,8 @@ HeldPlan hover(double start_s, double x_m, double y_m) {
   return held(way);
 }
 
-// Paths are checked to the centimetre up to the end of the later one, for any start times, and also
-// if another teammate came to rest long before.
+// Every path is checked to its end, to the centimetre, for any start times. A teammate that came to
+// rest long before does not shorten the check.
 TEST(CheckWay, LooksAtEveryWayToItsEnd) {
   SafetyLimits lim = open_limits();
   lim.plan_separation_m = 0.5;
