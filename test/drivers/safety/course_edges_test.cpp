@@ -80,7 +80,7 @@ TEST(Course, IsThePlanItselfWithoutAWindow) {
 }
 
 // A plan counts from its exact start time, after a hover and after another plan, whatever was
-// queried before. A plan that follows a hover begins at its own start position.
+// queried before. Once begun after a hover, a plan gives its own start position for earlier times.
 TEST(Course, TakesAPlanFromItsStartTimeOn) {
   Course course(kHalfWindowS);
   Eigen::Vector3d before_m(5.0, 5.0, 1.0);

@@ -98,7 +98,7 @@ TEST(LookAround, FindsTheLeastSeparationToHalfAMillimetre) {
 }
 
 // On a straight path in a convex room the least distance to walls and ceiling is at one end of the
-// path. The same holds for one wall outside the room.
+// path. The same holds for a wall across the room.
 TEST(LookAround, FindsTheLeastDistanceOfPlainWallsAtAnEndOfTheWay) {
   SafetyLimits limits = limits_in({{-8.0, 3.0}, {4.5, 9.0}});
   limits.fence.ceiling_m = 2.6;
@@ -253,7 +253,7 @@ TEST(LandingSpot, IsAsFarFromObstaclesAsItStates) {
   }
 }
 
-// A hover closer to an obstacle than that still moves away from it when a body is below.
+// A hover closer than 0.05 m to an obstacle still moves away from it when a body is below.
 TEST(LandingSpot, IsFoundFromBesideAnObstacleAsFromAfar) {
   const double radius_m = bench_limits().vehicle.radius_m;
   for (const bool is_turned : {false, true}) {

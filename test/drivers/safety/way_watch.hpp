@@ -17,7 +17,7 @@ namespace vantage::test {
 /// **Set-points**, in the horizontal plane, move per tick at most as far as the greatest speed
 /// allows, plus:
 /// - v half_window / 2, since the course averages the plan over a window: at the start of another
-///   plan, or where a plan turns at its end because no successor arrived;
+///   plan, or when the assumed straight continuation ends because no successor arrived;
 /// - plan_start_tolerance_m when a plan is accepted, since it may begin that far from the course;
 ///   while plans arrive in time, this gap is smoothed by a sixteenth per tick;
 /// - any distance when a hold or landing begins within kAtBodyM of the estimated body position
