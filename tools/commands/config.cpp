@@ -53,11 +53,25 @@ int list() {
   return 0;
 }
 
+// Returns the scenarios that come with vantage, except templates that the user has to complete.
+std::vector<std::string> complete_scenarios() {
+  std::vector<std::string> names = trial::config_names();
+  std::erase_if(names, [](const std::string& name) {
+    try {
+      scenario::load_scenario(trial::config_path(name));
+      return false;
+    } catch (const StartupError&) {
+      return true;
+    }
+  });
+  return names;
+}
+
 // Prints the keys of all `scenarios`, or of those that come with vantage if it is empty.
 int list_keys(const std::vector<std::string>& scenarios, bool as_json) {
   scenario::KeyTable table;
   nlohmann::ordered_json places = nlohmann::ordered_json::object();
-  for (const std::string& name : scenarios.empty() ? trial::config_names() : scenarios) {
+  for (const std::string& name : scenarios.empty() ? complete_scenarios() : scenarios) {
     const std::string path = trial::scenario_path(name);
     for (const scenario::KeyRule& rule : scenario::keys_of_scenario(path)) {
       table.note(rule);
