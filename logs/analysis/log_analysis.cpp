@@ -18,7 +18,7 @@ class Analyst {
         sets_(static_cast<int>(scenario.targets.size())),
         start_(start) {}
 
-  /// The channel and the instant of logging of what comes next.
+  /// Sets the channel and the logging time of the next message.
   void now(std::string_view channel, Time logged) {
     channel_ = channel;
     logged_ = logged;
@@ -39,7 +39,7 @@ class Analyst {
   void on(const models::AttackNotice& /*attack*/) {}
   void on(const models::PlanProposal& /*proposal*/) {}
   void on(const models::TeamProposal& /*proposal*/) {}
-  void on(const models::BeliefMixture& /*mixture*/) {}  // its belief says what is judged
+  void on(const models::BeliefMixture& /*mixture*/) {}  // its belief is evaluated instead
   void on(const models::RangeScan& /*scan*/) {}
   void on(const models::RobotMap& map) { metrics_.on_map(map); }
   void on(const models::OperatorCommand& /*command*/) {}
@@ -110,7 +110,7 @@ class Analyst {
   }
 
  private:
-  /// Steps are judged one late; what is known now is of the step before.
+  /// Adds a point with the newest evaluated values, which belong to an earlier step than `step`.
   void note_course(std::int64_t step) {
     if (step <= newest_step_) {
       return;

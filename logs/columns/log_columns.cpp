@@ -40,7 +40,7 @@ bool has_list(const WireField& field) {
 
 }  // namespace
 
-/// Reads a body that is_well_formed() has found good.
+/// Reader of a message body that is_well_formed() has accepted.
 class LogColumns::Reader {
  public:
   Reader(LogColumns& to, std::span<const std::uint8_t> left) : to_(to), left_(left) {}
@@ -69,7 +69,7 @@ class LogColumns::Reader {
   }
 
  private:
-  /// The value where it may be a count, else 0.
+  /// Returns the value if it may be an array size, else 0.
   std::size_t read_element(const Field& field) {
     if (field.wire->kind == WireKind::kStruct) {
       read(field.nested);

@@ -12,47 +12,48 @@
 
 namespace vantage::logs {
 
-/// The values of one field over all messages, one after the other. Whole numbers of any width are
-/// std::int64_t, floats double, booleans and bytes std::uint8_t.
+/// Values of one field over all messages, in order. Integers of any width are std::int64_t,
+/// floating-point numbers double, booleans and bytes std::uint8_t.
 struct LogColumn {
   using Values = std::variant<std::vector<double>, std::vector<std::int64_t>,
                               std::vector<std::uint8_t>, std::vector<std::string>>;
-  std::string name;                     ///< "cost", "segments.duration_s"
-  bool is_truth = false;                ///< of booleans
-  std::vector<std::size_t> item_shape;  ///< of an array of constant size; empty: one value a row
-  int list = -1;                        ///< whose elements its rows are; −1: the messages
+  std::string name;       ///< "cost", "segments.duration_s"
+  bool is_truth = false;  ///< true for booleans
+  /// shape of an array of constant size; empty: one value per row
+  std::vector<std::size_t> item_shape;
+  int list = -1;  ///< list whose elements are the rows; −1: the messages
   Values values;
 };
 
-/// A list of changing length within messages.
+/// List of variable length within messages.
 struct LogList {
-  std::string name;  ///< "segments", or that of the one column it has
-  int parent = -1;   ///< whose elements have such a list each; −1: the messages
-  /// Elements of row i of the parent: [offsets[i], offsets[i + 1]).
+  std::string name;  ///< "segments", or the name of its only column
+  int parent = -1;   ///< list whose elements each contain such a list; −1: the messages
+  /// Row i of the parent has the elements [offsets[i], offsets[i + 1]).
   std::vector<std::int64_t> offsets{0};
 };
 
-/// Messages of one type as columns, from the layouts that are generated from lcmtypes/: a new type
-/// needs nothing here. Lists are laid end to end, with offsets; two-dimensional ones row by row.
+/// Messages of one type as columns. It uses layouts that are generated from lcmtypes/, so a new
+/// type needs no code here. Lists are concatenated, with offsets; two-dimensional ones row by row.
 class LogColumns {
  public:
   explicit LogColumns(const bus::WireSchema& schema);
 
-  /// Adds the message in `data` (fingerprint included). False, and nothing added, when it is not
-  /// exactly one message of this type.
+  /// Adds the message in `data` (fingerprint included). Returns false and adds nothing if the data
+  /// are not exactly one message of this type.
   bool add(Time logged, std::span<const std::uint8_t> data);
 
   [[nodiscard]] std::vector<LogColumn>& columns() { return columns_; }
   [[nodiscard]] std::vector<LogList>& lists() { return lists_; }
-  /// When each message was logged.
+  /// Returns the time at which each message was logged.
   [[nodiscard]] std::vector<std::int64_t>& logged_utime() { return logged_utime_; }
 
  private:
-  /// Where the values of one field go.
+  /// Destination of the values of one field.
   struct Field {
     const bus::WireField* wire = nullptr;
-    int column = -1;  ///< of numbers and text
-    int list = -1;    ///< of what has a changing length, and of structs in any array
+    int column = -1;  ///< of numbers and text; −1: none
+    int list = -1;    ///< of fields of variable length, and of structs in any array; −1: none
     std::vector<Field> nested;
   };
   class Reader;
@@ -62,7 +63,7 @@ class LogColumns {
   const bus::WireSchema& schema_;
   std::vector<LogColumn> columns_;
   std::vector<LogList> lists_;
-  std::vector<Field> fields_;  ///< after what plan() fills
+  std::vector<Field> fields_;  ///< used after plan() has filled the columns
   std::vector<std::int64_t> logged_utime_;
 };
 

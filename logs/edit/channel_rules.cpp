@@ -45,7 +45,7 @@ bool ChannelFilter::takes(std::string_view channel) {
   const bool taken =
       (include_.empty() || any_matches(include_, name)) && !any_matches(exclude_, name);
   if (known_.size() >= kKnownMax) {
-    known_.clear();  // strangers may make up names without end
+    known_.clear();  // limits the memory: foreign logs may contain any number of names
   }
   known_.emplace(name, taken);
   return taken;

@@ -9,12 +9,13 @@
 
 namespace vantage::logs {
 
-/// Which channels of a log are meant. Each rule is a regular expression that must match the whole
-/// name, as everywhere in LCM ("VICON" is one channel; ".*VICON.*" is all that have it inside).
+/// Selection of channels of a log. Each rule is a regular expression that must match the whole
+/// name, as everywhere in LCM ("VICON" is one channel, ".*VICON.*" all whose names contain it).
 class ChannelFilter {
  public:
-  /// A channel is taken when some of `include` matches (all, when there is none) and none of
-  /// `exclude` does. @throws UsageError when one is no regular expression.
+  /// Selects a channel if it matches one of `include` (or if `include` is empty) and none of
+  /// `exclude`.
+  /// @throws UsageError if one is not a regular expression.
   ChannelFilter(const std::vector<std::string>& include, const std::vector<std::string>& exclude);
   ChannelFilter() = default;
 
@@ -29,11 +30,11 @@ class ChannelFilter {
 /// New names for channels: "OLD=NEW", or "OLD*=NEW*" for every name that begins with OLD.
 class ChannelRenames {
  public:
-  /// The first rule that fits counts. @throws UsageError for a rule of another form.
+  /// Only the first rule that matches is applied. @throws UsageError for a rule of another form.
   explicit ChannelRenames(const std::vector<std::string>& rules);
   ChannelRenames() = default;
 
-  /// The channel's name from now on; nullopt when it would be longer than LCM carries.
+  /// Returns the new name of `channel`; nullopt if it would be empty or longer than LCM permits.
   [[nodiscard]] std::optional<std::string> rename(std::string_view channel) const;
 
  private:

@@ -9,8 +9,8 @@
 namespace vantage::logs {
 namespace {
 
-/// How far before a part the newest SCENARIO is looked for (it comes every 5 s), and how many
-/// events from the beginning otherwise.
+/// Range in which the newest SCENARIO before a part is searched (it is published every 5 s): this
+/// time before the part, otherwise this number of events from the beginning.
 constexpr Duration kScenarioAge{15'000'000};
 constexpr int kScenarioWithin = 1000;
 

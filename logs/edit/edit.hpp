@@ -11,36 +11,38 @@
 
 namespace vantage::logs {
 
-/// Takes one event; false when it could not be written.
+/// Function that writes one event. Returns false if that fails.
 using EventSink = std::function<bool(const LogEvent&)>;
 
 struct EditRules {
   Time from = Time::min();
-  Time to = Time::max();  ///< not included; Time::max(): no end
+  Time to = Time::max();  ///< exclusive; Time::max(): no end
   ChannelFilter channels;
   ChannelRenames names;
   bool drops_doubtful = false;
-  std::function<bool()> stop = [] { return false; };  ///< asked at each event; true ends it there
+  /// called for each event; true stops the edit
+  std::function<bool()> stop = [] { return false; };
 
   [[nodiscard]] bool is_before_end(Time time) const { return time < to || to == Time::max(); }
 };
 
 struct EditCounts {
   std::int64_t written = 0;
-  std::int64_t left_out = 0;       ///< of those between the first and the last written
-  std::int64_t name_too_long = 0;  ///< left out because of that
-  std::int64_t failed = 0;         ///< could not be written: the first of them ended it
-  bool is_stopped = false;         ///< before the end, by who asked for it
+  /// events between the first and the last written one that were left out
+  std::int64_t left_out = 0;
+  std::int64_t name_too_long = 0;  ///< events left out because of the length of their name
+  std::int64_t failed = 0;  ///< events that could not be written; the first one ends the edit
+  bool is_stopped = false;  ///< ended early by the caller's request
 };
 
-/// Hands what `rules` leave of `log` to `sink`, in file order.
+/// Passes the events of `log` that `rules` select to `sink`, in file order.
 ///
-/// A part that begins later than the log, and that SCENARIO belongs to, begins with the newest
-/// SCENARIO from before it, stamped with `rules.from`: every log says what was flown.
+/// If the selection begins later than the log and includes SCENARIO, it starts with the newest
+/// SCENARIO from before it, stamped with `rules.from`, so that every log contains its scenario.
 EditCounts edit_log(const IndexedLog& log, EditRules& rules, const EventSink& sink);
 
-/// Hands the events of all `logs` to `sink` in the order of their times; of equal times the log
-/// named first comes first, and each log's own order stands.
+/// Passes the events of all `logs` to `sink` by ascending time. Events with equal times are in the
+/// order of `logs`. The order within each log is kept.
 EditCounts merge_logs(
     const std::vector<const IndexedLog*>& logs, const EventSink& sink,
     const std::function<bool()>& stop = [] { return false; });

@@ -8,7 +8,7 @@
 
 namespace vantage::logs {
 
-/// Bytes of a ROS 2 message: plain CDR, little-endian, each number aligned to its own size.
+/// Builder of a ROS 2 message in plain CDR: little-endian, each number aligned to its own size.
 /// Source: OMG, Extended CDR encoding 1 (DDS-XTypes 1.3, 7.4.1).
 class Cdr {
  public:
@@ -18,11 +18,11 @@ class Cdr {
     bytes_.resize(kHeader +
                   (bytes_.size() - kHeader + sizeof value - 1) / sizeof value * sizeof value);
     char raw[sizeof value];
-    std::memcpy(raw, &value, sizeof value);  // machines that this runs on are little-endian
+    std::memcpy(raw, &value, sizeof value);  // target machines are little-endian
     bytes_.append(raw, sizeof value);
     return *this;
   }
-  /// A sequence's length, which comes before its elements.
+  /// Appends the length of a sequence; its elements must follow.
   Cdr& count(std::size_t elements) { return number(static_cast<std::uint32_t>(elements)); }
   Cdr& text(std::string_view text) {
     count(text.size() + 1);

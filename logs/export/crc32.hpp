@@ -5,7 +5,7 @@
 
 namespace vantage::logs {
 
-/// CRC-32 of `bytes` after what `before` is the CRC-32 of (0: nothing).
+/// Returns the CRC-32 of the bytes with CRC-32 `before` (0: none) followed by `bytes`.
 /// Source: IEEE 802.3, reflected polynomial 0xEDB88320.
 std::uint32_t crc32(std::string_view bytes, std::uint32_t before = 0);
 

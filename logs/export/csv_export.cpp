@@ -18,7 +18,7 @@
 namespace vantage::logs {
 namespace {
 
-/// One table being written.
+/// One table that is being written.
 struct Table {
   Table(const bus::WireSchema& schema, std::string to)
       : csv(schema), path(std::move(to)), out(path, std::ios::binary) {
@@ -36,7 +36,7 @@ struct Table {
   std::ofstream out;
 };
 
-/// What was written of it by lines.
+/// Truncates the file to its last complete line.
 void cut_to_last_line(const std::string& path) {
   std::error_code error;
   auto size = std::filesystem::file_size(path, error);

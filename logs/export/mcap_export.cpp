@@ -28,7 +28,7 @@ class McapSink : public foxglove::Sink {
   std::map<std::string, std::uint16_t> topics_;
 };
 
-// Calls `take(event)` with each event until it is told to stop or nothing can be written any more.
+// Calls `take(event)` for each event until the caller stops it or writing fails.
 template <class Take>
 void go_through(const IndexedLog& log, McapWriter& writer, ExportCounts& counts,
                 const std::function<void(double)>& progress, const std::function<bool()>& stop,

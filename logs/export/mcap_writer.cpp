@@ -33,7 +33,7 @@ enum Opcode : std::uint8_t {
   kDataEnd = 0x0F
 };
 
-/// Little-endian numbers and length-prefixed text, one after the other.
+/// Builder of a sequence of little-endian numbers and length-prefixed texts.
 class Content {
  public:
   template <class Number>
@@ -85,7 +85,7 @@ struct McapWriter::Compressor {
   Compressor(Compressor&&) = delete;
   Compressor& operator=(Compressor&&) = delete;
 
-  /// Good until the next call.
+  /// Returns a view that is valid until the next call.
   std::string_view compress(std::string_view bytes) {
     out.resize(ZSTD_compressBound(bytes.size()));
     const std::size_t size =
@@ -94,7 +94,7 @@ struct McapWriter::Compressor {
     return std::string_view(out).substr(0, size);
   }
 
-  static constexpr int kLevel = 3;  // zstd's own usual one
+  static constexpr int kLevel = 3;  // zstd's default
   ZSTD_CCtx* context;
   std::string out;
 };

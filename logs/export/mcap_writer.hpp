@@ -13,17 +13,17 @@
 
 namespace vantage::logs {
 
-/// What the messages of an MCAP file are, all alike.
+/// Encoding of all messages of an MCAP file.
 struct McapEncoding {
-  std::string profile;  ///< what a reader may count on; "ros2"
+  std::string profile;  ///< profile of the MCAP file, such as "ros2"
   std::string message = "json";
   std::string schema = "jsonschema";
 };
 
-/// Writes an MCAP file of messages in one encoding: chunks (compressed with zstd) with their
-/// indexes, a summary with schemas, channels, statistics and chunk index, checksums throughout; so
-/// viewers can seek in it. It has another name, PATH.part, until it is whole; one that cannot be
-/// written is not left. Source: the MCAP format specification, mcap.dev/spec.
+/// Writer of an MCAP file with messages in one encoding. The file has zstd-compressed chunks with
+/// indexes, a summary with schemas, channels, statistics and chunk index, and checksums throughout,
+/// so viewers can seek in it. It is named PATH.part until it is complete; an incomplete file is
+/// deleted. Source: the MCAP format specification, mcap.dev/spec.
 class McapWriter {
  public:
   /// @throws StartupError "PATH: cannot be written: REASON".
@@ -35,19 +35,19 @@ class McapWriter {
   McapWriter(McapWriter&&) = delete;
   McapWriter& operator=(McapWriter&&) = delete;
 
-  /// Returns a new topic, or the one of that name. Topics with equal `schema_name` share the first
-  /// one's `schema_text`. Beyond 65,535 topics nothing more is written, see failure().
+  /// Returns the topic `name`, which is added if it is new. Topics with equal `schema_name` share
+  /// the first one's `schema_text`. Beyond 65,535 topics nothing more is written, see failure().
   std::uint16_t topic(const std::string& name, const std::string& schema_name,
                       const std::string& schema_text);
-  /// `topic`: an answer of topic().
+  /// Appends a message. `topic` must be a result of topic().
   void write(std::uint16_t topic, Time logged, Time published, std::string_view message);
-  /// Writes what is pending and the summary, and gives the file its name. False when not all could
-  /// be written; failure() says why.
+  /// Writes pending data and the summary, and renames the file. Returns false if not everything
+  /// could be written; failure() contains the reason.
   bool finish();
-  /// "PATH: cannot be written: REASON"; empty while all could.
+  /// Returns "PATH: cannot be written: REASON"; empty without an error.
   [[nodiscard]] const std::string& failure() const { return failure_; }
   [[nodiscard]] std::uint64_t messages() const { return messages_; }
-  /// Messages with a time before 1970 or after 2262, which is written as the nearest in between.
+  /// Returns the number of messages with a time before 1970 or after 2262, which is clamped.
   [[nodiscard]] std::int64_t times_held() const { return times_held_; }
 
  private:
@@ -60,7 +60,7 @@ class McapWriter {
     std::uint16_t schema = 0;
     std::uint64_t messages = 0;
   };
-  /// Of the chunk in hand: per topic, (time, offset in the chunk) of each message.
+  /// Times of the current chunk: for each topic (time, offset in the chunk) of each message.
   using ChunkTimes = std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>>;
   struct TimeSpan {
     std::uint64_t first_ns = 0;
@@ -87,7 +87,7 @@ class McapWriter {
   std::uint32_t data_crc_ = 0;
   std::vector<Schema> schemas_;               ///< ids from 1
   std::vector<Topic> topics_;                 ///< ids from 0
-  std::map<std::string, std::uint16_t> ids_;  ///< of topics, by name
+  std::map<std::string, std::uint16_t> ids_;  ///< topic ids by name
   std::string chunk_;
   ChunkTimes chunk_times_;
   TimeSpan chunk_span_;

@@ -3,13 +3,13 @@
 #include <array>
 #include <string_view>
 
-// Definitions of ROS 2's messages as they are in common_interfaces, without comments.
+// Definitions of ROS 2 messages as in common_interfaces, without comments.
 
 namespace vantage::logs::ros2 {
 
 struct Definition {
   std::string_view type;    ///< package/Name
-  std::string_view fields;  ///< a line each
+  std::string_view fields;  ///< one per line
 };
 
 inline constexpr std::array kDefinitions{

@@ -16,9 +16,9 @@ namespace vantage::logs::ros2 {
 namespace {
 
 constexpr std::string_view kWorld = "world";
-constexpr double kUnknownVariance = 1e6;  // m² and rad²: of what nobody estimates
+constexpr double kUnknownVariance = 1e6;  // m² and rad²; for quantities without an estimate
 
-// Held within what its seconds of 32 bits can say (1901 to 2038).
+// Clamps the time to the range of 32-bit seconds (1901 to 2038).
 Cdr& add_time(Cdr& out, Time time) {
   constexpr std::int64_t kPerSecond = 1'000'000;
   constexpr std::int64_t kLeast = kPerSecond * std::numeric_limits<std::int32_t>::min();
@@ -37,7 +37,7 @@ Cdr& add_place(Cdr& out, double x_m, double y_m, double z_m) {
   return out.number(x_m).number(y_m).number(z_m);
 }
 
-// geometry_msgs has x, y, z, w; the stack's messages w, x, y, z.
+// Appends x, y, z, w as in geometry_msgs; vantage's messages use w, x, y, z.
 Cdr& add_yaw(Cdr& out, double yaw_rad) {
   return out.number(0.0)
       .number(0.0)
@@ -90,8 +90,8 @@ std::string_view fields_of(std::string_view type) {
   return found->fields;
 }
 
-/// Appends the definition of each message type that `fields` name and that is not in `told`, with
-/// its own parts behind it.
+/// Appends the definition of each message type in `fields` that is not yet in `told`, followed by
+/// the definitions of its own parts.
 void append_parts(std::string_view fields, std::vector<std::string_view>& told, std::string& text) {
   while (!fields.empty()) {
     const std::string_view type = fields.substr(0, fields.find_first_of(" ["));
@@ -148,7 +148,7 @@ std::vector<Message> to_ros2(const models::RangeScan& scan) {
   const bool is_all_round = scan.field_of_view_rad > 2.0 * kPi - 1e-9;
   const double gaps = sensor.beams - (is_all_round ? 0 : 1);
   const double step_rad = gaps > 0.0 ? scan.field_of_view_rad / gaps : 0.0;
-  // Beams that pass −π/π go on beyond it, as LaserScan counts.
+  // Bearings beyond ±π continue to increase, as LaserScan requires.
   const double first_rad = sensor.bearing_rad(0);
   Cdr out;
   add_header(out, scan.stamp.time, scan.robot);

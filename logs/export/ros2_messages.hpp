@@ -7,20 +7,20 @@
 #include "core/time.hpp"
 #include "models/exchange/messages.hpp"
 
-// What the stack says as messages of ROS 2: docs/guide/ros2.md is the contract.
+// Conversion of vantage messages to ROS 2 messages, specified in docs/guide/ros2.md.
 
 namespace vantage::logs::ros2 {
 
-/// One message of ROS 2, serialised.
+/// One serialised ROS 2 message.
 struct Message {
   std::string topic;
   std::string_view type;  ///< "nav_msgs/msg/Path"
-  Time valid{};           ///< the stamp in its header
+  Time valid{};           ///< stamp in the header
   std::string cdr;
 };
 
-/// The definition of a type that to_ros2() makes, and of all that it consists of, as `ros2msg`
-/// schemas have them. Precondition: it is one of those.
+/// Returns the definition of a type and of all types that it contains, in the format of `ros2msg`
+/// schemas. Precondition: to_ros2() produces this type.
 std::string definition_of(std::string_view type);
 
 std::vector<Message> to_ros2(const models::MocapFrame& frame);

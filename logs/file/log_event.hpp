@@ -19,12 +19,12 @@ namespace vantage::logs {
 inline constexpr std::uint32_t kSyncWord = 0xEDA1DA01U;
 inline constexpr std::size_t kSyncBytes = sizeof kSyncWord;
 inline constexpr std::size_t kEventHeaderBytes = 28;
-inline constexpr std::size_t kChannelBytesMax = 63;  ///< LCM publishes no longer name
+inline constexpr std::size_t kChannelBytesMax = 63;  ///< limit of LCM for names that it publishes
 
-/// One event. Channel and data belong to whoever holds the log's bytes.
+/// One event. Channel and data are views into the log's bytes, which must outlive the event.
 struct LogEvent {
   std::int64_t number = 0;  ///< counted by the logger from 0
-  Time time{};              ///< when the logger received it
+  Time time{};              ///< time of reception by the logger
   std::string_view channel;
   std::span<const std::uint8_t> data;
 
@@ -33,34 +33,34 @@ struct LogEvent {
   }
 };
 
-/// The event whose header begins at `offset`, or nullopt when there is none that could be true:
-/// sync word, number and time not negative, a name of 1 to 63 bytes that is UTF-8 or without
-/// control characters, and all of it inside `log`. Says nothing about what comes after it.
+/// Returns the event whose header begins at `offset`, or nullopt if no valid event is there. Valid:
+/// sync word, number and time ≥ 0, is_event_channel(), and all bytes inside `log`. The bytes that
+/// follow the event are not checked.
 std::optional<LogEvent> event_at(std::span<const std::uint8_t> log, std::size_t offset);
 
-/// Whether events on `channel` can be told from damage when they are read: 1 to 63 bytes that are
-/// UTF-8 or have no control character among them.
+/// True if `channel` is a plausible name: 1 to 63 bytes that are UTF-8 or contain no control
+/// character. A reader takes events with other names for damage.
 bool is_event_channel(std::string_view channel);
 
-/// First place at or after `offset` where the sync word stands; log.size() when there is none.
+/// Returns the offset of the first sync word at or after `offset`; log.size() if there is none.
 std::size_t find_sync(std::span<const std::uint8_t> log, std::size_t offset);
 
-/// Appends the event as it stands in a file.
+/// Appends the event in the format of the file.
 void append_event(const LogEvent& event, std::vector<std::uint8_t>& out);
 
-/// The size of the event at `offset`. Precondition: a whole one begins there.
+/// Returns the size of the event at `offset`. Precondition: a complete event begins there.
 std::size_t event_bytes_at(std::span<const std::uint8_t> events, std::size_t offset);
 
-/// How much of `events`, whole ones one after the other, `written` bytes are.
+/// Division of a sequence of complete events at a number of written bytes.
 struct WholeEvents {
-  std::size_t bytes = 0;           ///< of those that end within `written`
-  std::int64_t events_beyond = 0;  ///< the others
+  std::size_t bytes = 0;           ///< size of the events that end within the written bytes
+  std::int64_t events_beyond = 0;  ///< events that do not
 };
 WholeEvents whole_events(std::span<const std::uint8_t> events, std::size_t written);
 
-/// The big-endian number of `width` ≤ 8 bytes at `bytes`.
+/// Reads the big-endian number of `width` ≤ 8 bytes at `bytes`.
 std::uint64_t read_big_endian(const std::uint8_t* bytes, std::size_t width);
-/// Appends it.
+/// Appends the lowest `width` ≤ 8 bytes of `value` in big-endian order.
 void append_big_endian(std::uint64_t value, std::size_t width, std::vector<std::uint8_t>& out);
 
 }  // namespace vantage::logs

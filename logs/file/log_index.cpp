@@ -20,7 +20,7 @@ using Bytes = std::vector<std::uint8_t>;
 
 constexpr std::uint64_t kFormat = 0x564C494E44455803ULL;  // "VLINDEX", 3
 constexpr std::size_t kEndBytes = 4096;
-constexpr std::size_t kHashBytes = 8;  ///< at the end of the index, of all before
+constexpr std::size_t kHashBytes = 8;  ///< hash of all preceding bytes, at the end of the index
 
 std::uint64_t hash_of(std::span<const std::uint8_t> bytes) {  // FNV-1a
   std::uint64_t hash = 0xcbf29ce484222325ULL;
@@ -30,7 +30,7 @@ std::uint64_t hash_of(std::span<const std::uint8_t> bytes) {  // FNV-1a
   return hash;
 }
 
-/// Identifies this very log: the first bytes of its index.
+/// Returns bytes that identify this log: the start of its index.
 Bytes identity_of(const std::string& path, std::span<const std::uint8_t> log) {
   std::error_code error;
   const auto changed = fs::last_write_time(path, error).time_since_epoch().count();
@@ -44,12 +44,13 @@ Bytes identity_of(const std::string& path, std::span<const std::uint8_t> log) {
   return out;
 }
 
-/// More than any index of a log of that size has.
+/// Upper bound of the size of the index for a log of that size.
 std::size_t index_bytes_max(std::size_t log_bytes) {
   return (std::size_t{1} << 20U) + 8 * log_bytes;
 }
 
-/// The regular file at `path`; empty when there is none, or one of more than `bytes_max`.
+/// Returns the content of the regular file at `path`; empty if there is none or if it is larger
+/// than `bytes_max`.
 Bytes read_file(const std::string& path, std::size_t bytes_max) {
   std::error_code error;
   if (!fs::is_regular_file(path, error) || fs::file_size(path, error) > bytes_max || error) {
@@ -86,7 +87,8 @@ bool save_index(const std::string& log_path, std::span<const std::uint8_t> log,
   Bytes content = identity_of(log_path, log);
   append_survey(survey, content);
   append_big_endian(hash_of(content), kHashBytes, content);
-  // Under another name first: who opens the log meanwhile must find a whole index or none.
+  // Write to a temporary name first: a process that opens the log meanwhile must find a complete
+  // index or none.
   const std::string passing = index_path(log_path) + "." + std::to_string(::getpid());
   {
     std::ofstream out(passing, std::ios::binary);

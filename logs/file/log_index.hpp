@@ -10,11 +10,11 @@
 
 namespace vantage::logs {
 
-/// A log and its survey, which is kept beside it (LOG.index) so that the next opening, and every
-/// seek, needs no pass over the log. The index holds for the very bytes it was made from: a log
-/// that has another size, another time of change or other bytes at its ends is surveyed anew. A
-/// folder that cannot be written to is no error; then each opening takes its pass. An index that is
-/// damaged, of another version or made up is ignored and written anew.
+/// A log and its survey, which is stored next to the log as LOG.index. Later openings and seeks
+/// then need no pass over the log. An index is valid only for an unchanged log: if the log's size,
+/// its time of modification or the bytes at its ends differ, the log is surveyed again. An index
+/// that is damaged, forged or of another version is ignored and replaced. A read-only folder is no
+/// error: each opening then reads the log.
 class IndexedLog {
  public:
   /// @throws StartupError when `path` cannot be read.
@@ -23,11 +23,11 @@ class IndexedLog {
   [[nodiscard]] const LogSurvey& survey() const { return survey_; }
   [[nodiscard]] const std::string& path() const { return file_.path(); }
   [[nodiscard]] std::span<const std::uint8_t> bytes() const { return file_.bytes(); }
-  /// True when the index beside the log was used.
+  /// True if a stored index was used.
   [[nodiscard]] bool was_indexed() const { return was_indexed_; }
 
-  /// The events from the beginning, or from the first one that is not earlier than `from`. Spans
-  /// and names in them live as long as this object.
+  /// Returns a scan from the beginning, or from the first event with time ≥ `from`. Spans and names
+  /// of its events are valid during the lifetime of this object.
   [[nodiscard]] LogScan scan() const;
   [[nodiscard]] LogScan scan_from(Time from) const;
 
@@ -37,9 +37,9 @@ class IndexedLog {
   bool was_indexed_ = false;
 };
 
-/// The index of `log_path` as it lies beside it, when there is one and it fits the log.
+/// Returns the stored index of `log_path`; nullopt if there is none or if it does not match `log`.
 std::optional<LogSurvey> load_index(const std::string& log_path, std::span<const std::uint8_t> log);
-/// False when it could not be written.
+/// Writes the index next to the log. Returns false if that fails.
 bool save_index(const std::string& log_path, std::span<const std::uint8_t> log,
                 const LogSurvey& survey);
 

@@ -9,12 +9,14 @@
 namespace vantage::logs {
 namespace {
 
-/// How far apart the numbers of events of one log may lie where they stand close together. (Numbers
-/// are not negative, so their differences do not overflow.)
+/// Largest difference between the numbers of nearby events of one log. (Numbers are ≥ 0, so their
+/// differences cannot overflow.)
 constexpr std::int64_t kNear = 10'000;
-/// So many events in a row with other numbers are the log's own: it was put together of several.
+/// After this number of consecutive events with other numbers, these numbers become the usual ones:
+/// the log was concatenated from several logs.
 constexpr int kStrangersMax = 64;
-/// Sync words looked at inside one event: so a file of nothing but headers takes linear time.
+/// Maximum number of sync words examined inside one event. It keeps the time linear for a file that
+/// contains only headers.
 constexpr int kInsideMax = 200;
 
 bool is_near(std::int64_t number, std::int64_t other) { return std::abs(other - number) <= kNear; }
@@ -34,13 +36,13 @@ std::int64_t median(std::vector<std::int64_t> numbers) {
 LogScan::LogScan(std::span<const std::uint8_t> log, Witness witness, std::size_t offset)
     : log_(log), witness_(std::move(witness)), position_(offset), end_of_last_(offset) {}
 
-// A log inside of data comes to light when the event around it is damaged; its numbers must not be
-// taken for the log's own. So the majority says what these are. What lies inside an event that its
-// own successor follows has no vote.
+// If an event that contains a log is damaged, the headers of the inner log become visible, and
+// their numbers must not be mistaken for the log's own. The median of recent and following numbers
+// decides. Headers inside an event that its own successor follows are not counted.
 std::int64_t LogScan::usual_number(std::size_t offset) const {
   constexpr std::size_t kHeadersAhead = 64;
   constexpr std::size_t kBytesAhead = std::size_t{1}
-                                      << 20U;  // what is far costs a read of the disk
+                                      << 20U;  // farther headers would cost disk reads
   const auto ahead = log_.first(offset + std::min(kBytesAhead, log_.size() - offset));
   std::vector<std::int64_t> numbers = usual_numbers_;
   const std::size_t recent = numbers.size();

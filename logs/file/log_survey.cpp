@@ -9,13 +9,14 @@
 namespace vantage::logs {
 namespace {
 
-/// A seek into pages that are not in memory waits for a block: 1 MiB took 23 ms of a slow disk.
+/// Size of a block. A seek into pages that are not in memory reads one block; 1 MiB took 23 ms on a
+/// slow disk.
 constexpr std::size_t kBlockBytes = std::size_t{1} << 18U;
 constexpr std::size_t kProgressReports = 100;
 
 bool is_gap(Duration step) { return step < UsualTimes::kApart; }
 
-/// Every message of the house begins so, after its fingerprint: utime, run_id, sequence.
+/// Reads the stamp that follows the fingerprint in each vantage message: utime, run_id, sequence.
 models::Stamp stamp_of(std::span<const std::uint8_t> data) {
   const auto number = [&](std::size_t at) {
     return static_cast<std::int64_t>(read_big_endian(data.data() + at, 8));

@@ -18,40 +18,44 @@ namespace vantage::logs {
 
 /// One channel of a log.
 struct ChannelSurvey {
-  std::string type;  ///< of the first message; empty when it is none of the house's
+  std::string type;  ///< of the first message; empty if it is not a vantage type
   std::int64_t events = 0;
   std::uint64_t data_bytes = 0;
-  Time first{};                    ///< of the first event, held within the log's begin and end
-  Time last{};                     ///< likewise of the last
-  Duration gap_max{};              ///< longest time between two neighbouring events, if below a day
-  Time gap_at{};                   ///< when it began
-  std::int64_t messages_lost = 0;  ///< sequence numbers missing, of the house's messages
+  Time first{};  ///< time of the first event, clamped to the log's begin and end
+  Time last{};   ///< time of the last event, clamped likewise
+  /// longest time between two consecutive events, gaps of a day or more left out
+  Duration gap_max{};
+  Time gap_at{};                   ///< start of that gap
+  std::int64_t messages_lost = 0;  ///< missing sequence numbers of vantage messages
   std::int64_t other_types = 0;    ///< events whose type is not `type`
-  /// Bit b % 8 of byte b / 8: an event of it begins in block b. Ends with the last such block.
+  /// Bit b % 8 of byte b / 8: an event of this channel begins in block b. The last byte is that of
+  /// the channel's last block.
   std::vector<std::uint8_t> in_block;
 };
 
-/// A stretch of about 256 KiB of a log, from the header of an event on.
+/// Section of about 256 KiB of a log that begins at the header of an event.
 struct LogBlock {
   std::size_t offset = 0;
-  std::int64_t first_event = 0;  ///< how many events come before it
+  std::int64_t first_event = 0;  ///< number of events before the block
   Time time_min{};
   Time time_max{};
 };
 
-/// Everything that one pass over a log tells.
+/// Result of one pass over a log.
 struct LogSurvey {
   std::uint64_t size_bytes = 0;
   ScanCounts scan;
-  std::vector<DamagedStretch> stretches;  ///< the first of them
+  std::vector<DamagedStretch> stretches;  ///< the first LogScan::kStretchesKept
   Time first{};                           ///< least event time
   Time last{};                            ///< greatest
   Time begin{};                           ///< least event time that is not outlying (UsualTimes)
   Time end{};                             ///< greatest of these
   std::int64_t times_outlying = 0;        ///< events before begin or after end
-  std::int64_t numbers_missing = 0;  ///< gaps in the logger's count (as after filtering or loss)
-  std::int64_t number_restarts = 0;  ///< places where it goes back (logs put together)
-  std::int64_t times_backward = 0;   ///< events earlier than the one before
+  /// numbers skipped by the logger's count (after filtering or loss)
+  std::int64_t numbers_missing = 0;
+  /// number of times that the count goes back (concatenated logs)
+  std::int64_t number_restarts = 0;
+  std::int64_t times_backward = 0;  ///< events earlier than the preceding one
   Duration backward_max{};
   bool begins_with_scenario = false;
   std::map<std::string, ChannelSurvey> channels;
@@ -62,10 +66,10 @@ struct LogSurvey {
   [[nodiscard]] bool is_whole() const { return scan.stretches == 0 && scan.doubtful == 0; }
 };
 
-/// The pass over a log that surveys it, for who cannot wait for all of it.
+/// Incremental pass that surveys a log, for callers that cannot wait for the whole log.
 class SurveyPass {
  public:
-  /// Nothing is read yet. `log` must live as long.
+  /// Reads nothing yet. The bytes of `log` must outlive this object.
   explicit SurveyPass(std::span<const std::uint8_t> log);
   ~SurveyPass();
   SurveyPass(SurveyPass&&) noexcept;
@@ -73,13 +77,14 @@ class SurveyPass {
   SurveyPass(const SurveyPass&) = delete;
   SurveyPass& operator=(const SurveyPass&) = delete;
 
-  /// Goes on until the events of so many more bytes have been read; false: that was the last.
+  /// Continues until the events of `bytes` more bytes have been read. Returns false at the end of
+  /// the log.
   bool go_on(std::size_t bytes);
-  /// Where it is in the log.
+  /// Returns the current offset in the log.
   [[nodiscard]] std::size_t position() const;
-  /// Of what it has passed; its last block may grow until the end.
+  /// Returns the survey of the part that has been read. Its last block may still grow.
   [[nodiscard]] const LogSurvey& survey() const { return survey_; }
-  /// The survey, once go_on() has said that that was all. Ends the pass.
+  /// Returns the complete survey and ends the pass. Precondition: go_on() has returned false.
   LogSurvey take() { return std::move(survey_); }
 
  private:
@@ -94,19 +99,22 @@ class SurveyPass {
   std::size_t size_bytes_;
   LogScan scan_;
   LogSurvey survey_;
-  std::unique_ptr<Streams> streams_;  ///< of the house's channels, for what was lost on them
+  /// monitors of the channels with vantage messages; they count lost messages
+  std::unique_ptr<Streams> streams_;
   UsualTimes times_;
   std::int64_t events_ = 0;
   std::int64_t last_number_ = 0;
   Time last_time_{};
 };
 
-/// Reads all of `log`. `progress` hears the share that is done, about a hundred times.
+/// Surveys the whole of `log`. Calls `progress` about 100 times with the completed share, in [0,
+/// 1].
 LogSurvey survey_log(std::span<const std::uint8_t> log,
                      const std::function<void(double)>& progress = {});
 
-/// Where the first event, in file order, that is not earlier than `time` begins; log.size() when
-/// there is none. `survey` must be of `log`. Cost: the blocks, then at most about one of them read.
+/// Returns the offset of the first event, in file order, with time ≥ `time`; log.size() if there is
+/// none. `survey` must be of `log`. Cost: a search through the blocks, then about one block of
+/// reading.
 std::size_t seek_offset(std::span<const std::uint8_t> log, const LogSurvey& survey, Time time);
 
 }  // namespace vantage::logs

@@ -17,14 +17,15 @@
 
 namespace vantage::logs {
 
-/// Mappings are never freed, only used again, so that the handler may go through them at any time.
+/// Mapping that the signal handler can read. Mappings are reused but never freed, so that the
+/// handler can walk the list at any time.
 struct Mapping {
   std::atomic<const std::uint8_t*> data = nullptr;  ///< null: not in use
   std::atomic<std::size_t> size_bytes = 0;
   std::atomic<bool> is_cut = false;
   Mapping* next = nullptr;  ///< constant once the mapping is in the list
-  std::string path;         ///< not for the handler
-  struct stat status {};    ///< likewise; at the opening
+  std::string path;         ///< not used by the handler
+  struct stat status {};    ///< not used by the handler; state when the file was opened
 
   [[nodiscard]] bool has(const std::uint8_t* at) const {
     const std::uint8_t* begin = data.load();
@@ -36,11 +37,11 @@ namespace {
 
 std::atomic<int> cuts = 0;
 std::atomic<Mapping*> newest_mapping = nullptr;
-std::mutex mappings_mutex;  // of all that the handler does not read
+std::mutex mappings_mutex;  // protects everything that the handler does not read
 struct sigaction handler_before {};
 std::size_t page_bytes = 4096;
 
-// Puts zeros where the file has ended, so that the read goes on.
+// Maps zeros over the missing part of the file, so that the interrupted read continues.
 void on_bus_error(int signal, siginfo_t* info, void* context) {
   const int errno_before = errno;
   const auto* at = static_cast<const std::uint8_t*>(info->si_addr);
@@ -65,7 +66,7 @@ void on_bus_error(int signal, siginfo_t* info, void* context) {
   } else if (handler_before.sa_handler != SIG_DFL && handler_before.sa_handler != SIG_IGN) {
     handler_before.sa_handler(signal);
   } else {
-    ::signal(SIGBUS, SIG_DFL);  // the access is made again, and ends the process
+    ::signal(SIGBUS, SIG_DFL);  // the access is repeated and terminates the process
   }
 }
 
@@ -78,7 +79,7 @@ void handle_bus_errors() {
   ::sigaction(SIGBUS, &action, &handler_before);
 }
 
-// Before the first byte of it is read.
+// Registers a mapping. Must be called before its first byte is read.
 Mapping* enlist(const std::string& path, const struct stat& status, const std::uint8_t* data) {
   const std::lock_guard lock(mappings_mutex);
   if (newest_mapping == nullptr) {

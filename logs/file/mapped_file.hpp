@@ -7,17 +7,18 @@
 
 namespace vantage::logs {
 
-struct Mapping;  ///< what the signal handler knows of a MappedFile
+struct Mapping;  ///< data of a MappedFile that the signal handler uses
 
-/// A file's bytes, mapped for reading: what is not touched is not read, so a log larger than the
-/// memory is no trouble. The length is that of the moment of opening.
+/// Bytes of a file, mapped for reading. Only the accessed parts are read, so a log may be larger
+/// than the memory. The length is fixed when the file is opened.
 ///
-/// When the file becomes shorter while it is mapped, or its disk fails, the missing bytes are read
-/// as zeros from then on, and require_uncut() throws. (The system reports this by SIGBUS, which the
-/// first MappedFile of a process handles; faults in other memory go to the handler before it.)
+/// If the file becomes shorter while it is mapped, or its disk fails, the missing bytes read as
+/// zeros from then on, and require_uncut() throws. The system reports such accesses by SIGBUS. The
+/// first MappedFile of a process installs a handler; faults in other memory are passed to the
+/// previous handler.
 class MappedFile {
  public:
-  /// @throws StartupError when `path` cannot be read or is not a file.
+  /// @throws StartupError if `path` cannot be read or is not a regular file.
   explicit MappedFile(const std::string& path);
   ~MappedFile();
   MappedFile(MappedFile&& other) noexcept;
@@ -38,8 +39,8 @@ class MappedFile {
 /// True once any MappedFile of this process has lost bytes. Cost: one load.
 bool is_any_cut();
 
-/// Throws std::runtime_error when `bytes` begin in a MappedFile that has become shorter than it was
-/// when it was opened. Other memory passes. Asks the file system.
+/// Throws std::runtime_error if `bytes` begin in a MappedFile that is shorter than when it was
+/// opened. Accepts all other memory. Cost: one stat call.
 void require_uncut(std::span<const std::uint8_t> bytes);
 
 }  // namespace vantage::logs

@@ -9,13 +9,13 @@
 
 namespace vantage::logs {
 
-/// Whether a channel is of planner.algorithm `external`: what others are asked for and answer is no
-/// plan of the robot's, though it looks like one.
+/// True for the channels of planner.algorithm `external`. Their messages are requests to an
+/// external planner and its answers: they have the type of plans, but a robot does not fly them.
 inline bool is_external(std::string_view channel) { return channel.starts_with("EXTERNAL_"); }
 
-/// Calls `visit` with the message in `event` as a value of models/exchange, by the type that its
-/// data name. False when it is none of the house's, does not decode or cannot be true, and for a
-/// channel that is_external().
+/// Decodes the message in `event` by its fingerprint and calls `visit` with it as a type of
+/// models/exchange. Returns false if it is not a vantage message, cannot be decoded, has invalid
+/// values, or if the channel is_external().
 template <class Visit>
 bool visit_message(const LogEvent& event, Visit&& visit) {
   const bus::WireSchema* schema = type_of(event.data);

@@ -10,17 +10,20 @@ namespace vantage::logs {
 namespace {
 
 constexpr std::size_t kHeadBytes = std::size_t{8} << 20U;
-constexpr std::size_t kTailBytes = std::size_t{64} << 10U;     ///< looked at first
-constexpr std::size_t kTailBytesMax = std::size_t{16} << 20U;  ///< of foreign bytes passed over
-constexpr std::size_t kProbeBytes = std::size_t{64} << 10U;    ///< halved no further
+/// size of the first attempt to find an event at the end
+constexpr std::size_t kTailBytes = std::size_t{64} << 10U;
+/// largest size of these attempts, to skip foreign bytes
+constexpr std::size_t kTailBytesMax = std::size_t{16} << 20U;
+constexpr std::size_t kProbeBytes = std::size_t{64} << 10U;  ///< smallest range of the bisection
 constexpr std::size_t kForeignBytesMax = std::size_t{8} << 20U;
-constexpr std::size_t kLookBackBytes = std::size_t{1} << 20U;  ///< for the newest of each channel
+/// searched before an instant for the newest event of each channel
+constexpr std::size_t kLookBackBytes = std::size_t{1} << 20U;
 constexpr std::size_t kBlocksRead = 32;
 constexpr Duration kTick{1};
 
 bool is_earlier(const PlacedEvent& a, const PlacedEvent& b) { return a.time < b.time; }
 
-/// Takes `event` for its channel's newest unless a newer one is known.
+/// Stores `event` as the newest of its channel unless a newer one is known.
 void keep_newest(const PlacedEvent& event, std::map<std::string_view, PlacedEvent>& newest) {
   const auto [known, is_new] = newest.try_emplace(event.channel, event);
   if (!is_new &&
@@ -72,7 +75,7 @@ void SeekableLog::publish(bool is_all) {
   const LogSurvey& known = survey();
   const std::lock_guard lock(mutex_);
   const std::size_t before = blocks_.size();
-  // The last one may grow; it is not searched before it has its end.
+  // The last block may still grow, so it is not searched before it is complete.
   const std::size_t count =
       is_all ? known.blocks.size()
              : known.blocks.size() - std::min<std::size_t>(1, known.blocks.size());
@@ -185,7 +188,7 @@ std::optional<PlacedEvent> SeekableLog::sound_event(std::size_t offset) const {
 }
 
 std::size_t SeekableLog::offset_of(Time time) const {
-  std::size_t low = surveyed_bytes_;  // an event before `time` begins here, or none is before it
+  std::size_t low = surveyed_bytes_;  // an event before `time` begins here, or there is none
   std::size_t high = file_.bytes().size();
   while (high - low > kProbeBytes) {
     const std::size_t middle = low + (high - low) / 2;
@@ -224,8 +227,8 @@ std::vector<PlacedEvent> SeekableLog::events(Time from, Time to) const {
   return found;
 }
 
-// Blocks in the order of the newest event before `time` that could be in them. Each channel is
-// looked for until none of the blocks that are left can have a newer one.
+// Visits blocks by descending time of the newest event before `time` that they may contain. Each
+// channel is searched until no remaining block can contain a newer event.
 void SeekableLog::add_newest_of_blocks(Time time,
                                        std::map<std::string_view, PlacedEvent>& newest) const {
   std::vector<std::pair<Time, std::size_t>> candidates;  // a heap

@@ -30,7 +30,8 @@ class Writer {
   std::vector<std::uint8_t>& out_;
 };
 
-/// Reads numbers and text. After the first one that does not fit, all are 0 and is_good() is false.
+/// Reader of numbers and text. After the first value that does not fit, all values are 0 and
+/// is_good() is false.
 class Reader {
  public:
   explicit Reader(std::span<const std::uint8_t> left) : left_(left) {}
@@ -47,7 +48,7 @@ class Reader {
     is_good_ = is_good_ && value <= 1;
     return value == 1;
   }
-  /// Not negative: as event_at() takes times.
+  /// Returns a time ≥ 0, as event_at() requires.
   Time time() {
     const std::int64_t utime = integer();
     is_good_ = is_good_ && utime >= 0;
@@ -59,7 +60,7 @@ class Reader {
     const auto raw = bytes();
     return {raw.begin(), raw.end()};
   }
-  /// Returns the number of things, of at least `least_bytes` each, that follow.
+  /// Returns the number of elements that follow, each at least `least_bytes` long.
   std::size_t count(std::size_t least_bytes) {
     const std::uint64_t value = number();
     is_good_ = is_good_ && value <= left_.size() / least_bytes;
@@ -81,7 +82,7 @@ class Reader {
   bool is_good_ = true;
 };
 
-constexpr std::size_t kChannelNumbers = 11;  ///< lengths included
+constexpr std::size_t kChannelNumbers = 11;  ///< including the lengths of texts and bits
 constexpr std::size_t kBlockNumbers = 4;
 constexpr std::size_t kStretchNumbers = 3;
 
@@ -99,7 +100,7 @@ void append_channel(const std::string& name, const ChannelSurvey& channel, Write
   out.bytes(channel.in_block);
 }
 
-// In braces: the order of the reads is that of the members.
+// Braces fix the order of the reads to that of the members.
 std::pair<std::string, ChannelSurvey> read_channel(Reader& in) {
   std::string name = in.text();
   ChannelSurvey channel{in.text(),     in.integer(), in.number(),  in.time(),    in.time(),
@@ -109,7 +110,7 @@ std::pair<std::string, ChannelSurvey> read_channel(Reader& in) {
   return {std::move(name), std::move(channel)};
 }
 
-/// Blocks cover the log in its order.
+/// True if the blocks are in ascending order within the log.
 bool are_blocks(const std::vector<LogBlock>& blocks, std::size_t log_bytes) {
   std::size_t end = 0;
   for (std::size_t i = 0; i < blocks.size(); ++i) {

@@ -5,7 +5,7 @@
 
 namespace vantage::logs {
 
-// Times from a log are at least 0, so that their differences do not overflow.
+// Times from a log are ≥ 0, so their differences cannot overflow.
 bool UsualTimes::Group::reaches(Time time) const {
   return time >= begin ? time - end < kApart : begin - time < kApart;
 }
@@ -23,7 +23,7 @@ void UsualTimes::add(Time time) {
   if (is_within || groups_.size() == 1) {
     return;
   }
-  // It has grown, and may have come near another one.
+  // The group has grown and may now reach another one: merge them.
   for (std::size_t i = groups_.size() - 1; i > 0; --i) {
     const Group& other = groups_[i];
     if (groups_.front().reaches(other.begin) || groups_.front().reaches(other.end)) {

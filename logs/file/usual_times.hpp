@@ -9,12 +9,12 @@
 
 namespace vantage::logs {
 
-/// Event times of one log, with those left out that are far from the others: of a clock that was
-/// not set yet (1970), of another unit, or damaged.
+/// Range of the event times of one log without outliers. Outliers come from a clock that was not
+/// set yet (1970), from another unit or from damage.
 ///
-/// Times with less than a day from one to the next make a group. A group is outlying when the
-/// largest group has at least ten times as many events. So a log that was put together from flights
-/// of several days keeps them all, and one broken stamp does not make a flight last for decades.
+/// Times that are less than a day apart form a group. A group is outlying if the largest group has
+/// at least ten times as many events. So a log that was concatenated from flights on several days
+/// keeps them all, and one damaged time stamp does not extend a flight to decades.
 class UsualTimes {
  public:
   static constexpr Duration kApart = std::chrono::hours(24);
@@ -25,7 +25,7 @@ class UsualTimes {
   struct Span {
     Time begin{};
     Time end{};
-    std::int64_t outlying = 0;  ///< times that are not within
+    std::int64_t outlying = 0;  ///< number of times outside
   };
   /// Returns zeros when no time was added.
   [[nodiscard]] Span span() const;
@@ -40,8 +40,10 @@ class UsualTimes {
   };
   void add_to_others(Time time);
 
-  std::vector<Group> groups_;   ///< apart from each other; the first has the newest time
-  std::int64_t forgotten_ = 0;  ///< events of the smallest groups, when there were too many
+  /// separate groups; the first one contains the most recently added time
+  std::vector<Group> groups_;
+  /// events of the smallest groups, which are dropped when there are too many groups
+  std::int64_t forgotten_ = 0;
 };
 
 }  // namespace vantage::logs

@@ -5,10 +5,11 @@
 
 namespace vantage::logs {
 
-/// The house's message type whose fingerprint `data` begin with; nullptr for any other.
+/// Returns the vantage message type whose fingerprint is at the start of `data`; nullptr for
+/// others.
 const bus::WireSchema* type_of(std::span<const std::uint8_t> data);
 
-/// Testifies for the house's own types: their lengths must add up exactly. Other types: kNone.
+/// Checks that the lengths inside a vantage message are consistent. Other types: kNone.
 Testimony wire_testimony(const LogEvent& event);
 
 }  // namespace vantage::logs

@@ -13,7 +13,7 @@ std::string reasons_of(const models::VehicleStatus& status) {
   return status.reasons.empty() ? "" : fmt::format(": {}", fmt::join(status.reasons, ", "));
 }
 
-// Rounds are counted from 1970 on: people tell them apart by their last digits.
+// Rounds are counted from 1970, so their last five digits are shown to distinguish them.
 std::int64_t shown_round(const models::RobotPlan& plan) { return plan.round % 100'000; }
 
 }  // namespace

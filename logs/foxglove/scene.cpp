@@ -13,7 +13,7 @@
 namespace vantage::logs::foxglove {
 namespace {
 
-// What the ground is that a viewer draws on is not known here: colours are those between.
+// The background of the viewer is unknown here, so colours are the mean of both variants.
 Colour of_paint(const Paint& paint, double alpha = 1.0) {
   const std::uint32_t rgb = paint.middle();
   return {(rgb >> 16U) / 255.0, (rgb >> 8U & 0xFFU) / 255.0, (rgb & 0xFFU) / 255.0, alpha};
@@ -24,8 +24,8 @@ Colour of_role(const char* role, double alpha = 1.0) {
 }
 
 constexpr double kLabel_px = 13.0;
-constexpr double kCrossLeast_m = 0.1;  // half of the cross at an estimate's mean
-constexpr double kCrossShare = 0.25;   // of one sigma
+constexpr double kCrossLeast_m = 0.1;  // m; half size of the cross at an estimate's mean, minimum
+constexpr double kCrossShare = 0.25;   // half size per sigma
 constexpr int kFanPieces = 32;
 constexpr double kPlanPiece_s = 0.1;
 constexpr double kDash_s = 0.2;
@@ -54,7 +54,7 @@ Json box_on_ground(const models::Rectangle& footprint, double height_m, const Co
               {size.x(), size.y(), height_m}, colour);
 }
 
-// The footprint of what a sensor sees, on the ground, in the body's frame.
+// Returns the ground footprint of the sensor's field of view, in the body's frame.
 std::vector<Eigen::Vector3d> field_of_view(const models::SensorModel& sensor, double height_m) {
   const double half_rad = 0.5 * std::min(sensor.fov_rad, 2.0 * kPi);
   std::vector<Eigen::Vector3d> arc;
@@ -66,8 +66,8 @@ std::vector<Eigen::Vector3d> field_of_view(const models::SensorModel& sensor, do
   return arc;
 }
 
-// Where a trajectory is at its start, its end and between, at most `step_s` apart unless it is one
-// that only a stranger would send.
+// Returns points along a trajectory including its ends, at most `step_s` apart. kPiecesMax limits
+// their number for implausibly long trajectories in foreign messages.
 std::vector<Eigen::Vector3d> points_of(const models::Trajectory& way, double step_s) {
   const double length_s = to_seconds(models::end_time(way) - way.start_time);
   const int pieces = static_cast<int>(std::clamp(std::ceil(length_s / step_s), 1.0, kPiecesMax));
@@ -87,7 +87,7 @@ Json robot_entity(const scenario::RobotSpec& robot, const Colour& colour, bool i
   out["cylinders"].push_back(cylinder({}, {2.0 * radius_m, 2.0 * radius_m, 0.08}, colour));
   const RobotLook looks = robot_look(index);
   if (is_jammed || looks.core != looks.body) {
-    // Red alone would not say which of them it is.
+    // Keep the robot's colour in the core: red alone would not identify the robot.
     const Colour core = of_paint(is_jammed ? looks.body_paint() : looks.core_paint());
     out["cylinders"].push_back(
         cylinder({{0, 0, 0.03}, Eigen::Quaterniond::Identity()}, {radius_m, radius_m, 0.08}, core));
@@ -133,7 +133,7 @@ std::size_t index_of(const scenario::Scenario& scenario, const std::string& robo
       scenario.robots.begin());
 }
 
-// make(robot, colour, is_jammed, index) of each.
+// Collects make(robot, colour, is_jammed, index) of each robot.
 Json robots_as(const scenario::Scenario& scenario, const std::set<std::string>& jammed,
                const auto& make) {
   std::vector<Json> entities;
@@ -196,7 +196,7 @@ Json targets_scene(const scenario::Scenario& scenario, Time time) {
   std::vector<Json> entities;
   for (const scenario::TargetSpec& target : scenario.targets) {
     Json out = entity("target/" + target.name, target.name, time, true);
-    // From above a diamond with its corners on the target's circle, one of them ahead.
+    // A diamond from above, with its corners on the target's circle and one corner forward.
     const double side_m = std::sqrt(2.0) * target.radius_m;
     const Quaternion turned(Eigen::AngleAxisd(0.25 * kPi, Eigen::Vector3d::UnitZ()));
     out["cubes"].push_back(cube({{0, 0, 0.05}, turned}, {side_m, side_m, 0.1}, of_role("truth")));
@@ -281,7 +281,7 @@ Json estimates_scene(const std::string& prefix, const std::vector<EstimateView>&
     const double x_m = estimate.mean_m(0);
     const double y_m = estimate.mean_m(1);
     out["lines"].push_back(line(LineType::kLoop, edge, 2.0, estimate_colour));
-    // As large as the ellipse lets one see from as far as that is seen from.
+    // Scale the cross with the ellipse so that both are visible from the same distance.
     const double cross_m = std::max(kCrossLeast_m, kCrossShare * estimate.sigma_m());
     out["lines"].push_back(line(LineType::kList,
                                 {{x_m - cross_m, y_m, z_m},
@@ -321,7 +321,7 @@ Json measurement_scene(const models::DetectionSet& detections, const models::Sen
   const Eigen::Vector3d eye(from.world_from_body.x_m, from.world_from_body.y_m, from.height_m);
   std::vector<Eigen::Vector3d> points;
   for (const models::Detection& detection : detections.detections) {
-    // What another sensor than the scenario's measured cannot be drawn.
+    // Skip measurements of another sensor kind than the scenario's.
     if (detection.measurement.z.size() != sensor.measurement_dim(position_dim)) {
       continue;
     }

@@ -120,7 +120,7 @@ OrderedJson well_known(Schema schema) {
   }
 }
 
-// long: a table, one entry for each schema.
+// long: a table, one entry per schema.
 OrderedJson ours(Schema schema) {
   const OrderedJson point = list_of(number());
   const OrderedJson rectangle = object({{"min_m", point}, {"max_m", point}});
@@ -199,7 +199,7 @@ OrderedJson ours(Schema schema) {
                      {"messages_lost", integer()},
                      {"counters", list_of(counter())}});
     case Schema::kLcm:
-      return {{"type", "object"}};  // of the type that the message has
+      return {{"type", "object"}};  // schema of the message's own type
     default:                        // kAttack
       return object({{"timestamp", time()}, {"jammed", list_of(text())}});
   }

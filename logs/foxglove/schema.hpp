@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <string>
 
-// The kinds of message that viewers are told: the well-known ones of the Foxglove schemas, which
-// their 3D and log panels draw as they are, and a few of our own for numbers. All are JSON text.
+// Message types for viewers: Foxglove schemas, which the 3D and log panels display directly, and
+// vantage's own schemas for numbers. All are JSON text.
 
 namespace vantage::logs::foxglove {
 
@@ -13,13 +13,13 @@ enum class Schema : std::uint8_t {
   kGrid,
   kFrameTransforms,
   kLog,
-  kScenario,  ///< the world and who is in it
-  kTeam,      ///< how well the team knows its targets
-  kPlan,      ///< one plan in numbers
-  kVehicle,   ///< one vehicle's state with its reasons
-  kHealth,    ///< one process
-  kAttack,    ///< who is jammed
-  kLcm,       ///< a message as it is on the bus, with the names of its .lcm file
+  kScenario,  ///< world, robots and targets
+  kTeam,      ///< quality of the team's estimates
+  kPlan,      ///< numbers of one plan
+  kVehicle,   ///< state of one vehicle with reasons
+  kHealth,    ///< state of one process
+  kAttack,    ///< jammed robots
+  kLcm,       ///< a bus message as it is, with the names of its .lcm file
 };
 
 inline constexpr Schema kSchemas[] = {
@@ -28,11 +28,11 @@ inline constexpr Schema kSchemas[] = {
     Schema::kPlan,        Schema::kVehicle,  Schema::kHealth,
     Schema::kAttack,      Schema::kLcm};
 
-/// "foxglove.SceneUpdate", … for the well-known ones; "vantage.Team", … for ours.
+/// Returns "foxglove.SceneUpdate", … for Foxglove schemas; "vantage.Team", … for vantage's own.
 const char* name_of(Schema schema);
 
-/// Its JSON Schema (draft 2020-12) as text: what `schema` of a channel is with `schemaEncoding`
-/// "jsonschema".
+/// Returns the JSON Schema (draft 2020-12) as text, for the field `schema` of a channel with
+/// `schemaEncoding` "jsonschema".
 /// Source: the members of the Foxglove schemas; ours are written where they are made.
 const std::string& json_schema(Schema schema);
 

@@ -21,7 +21,7 @@ constexpr double kTrackPoint_m = 0.02;
 constexpr double kTrackBend_m = 0.01;
 constexpr Duration kTrackPieceMax = std::chrono::seconds(2);
 constexpr Duration kMocapSilence = std::chrono::seconds(1);
-constexpr std::size_t kPlansTraced = 16;  // the newest of each robot
+constexpr std::size_t kPlansTraced = 16;  // newest plans of each robot
 
 models::InputRef reference_to(const std::string& channel, const models::Stamp& stamp) {
   return {channel, stamp.run_id, stamp.sequence};
@@ -108,7 +108,7 @@ void Stream::on(const models::TruthFrame& truth, Time heard) {
   }
   put("/truth/transforms", Schema::kFrameTransforms, heard,
       [&] { return frame_transforms(truth, "truth/"); });
-  // Without motion capture on the bus (a log that was filtered) the truth moves the bodies.
+  // If no motion capture is on the bus (in a filtered log), the truth moves the bodies.
   if (!last_mocap_ || truth.stamp.time - *last_mocap_ > kMocapSilence) {
     put("/transforms", Schema::kFrameTransforms, heard,
         [&] { return frame_transforms(truth, ""); });
@@ -152,7 +152,8 @@ void Stream::on(const models::RobotBelief& belief, Time heard) {
   }
   const int dim = scenario_->estimator.target_model.position_dim;
   std::vector<EstimateView> own;
-  // Labels of tracks come and go without end, so that nobody could list those that are gone.
+  // Track labels are created without limit, so their deletions cannot be listed; they expire
+  // instead.
   const Duration track_lifetime = from_seconds(1.5 * scenario_->planner.step_s);
   for (const models::TargetBelief& target : belief.targets) {
     const auto estimate = position_estimate(target, belief.robot, belief.stamp.time, dim);
@@ -196,7 +197,8 @@ void Stream::put_estimates(const std::string& topic, const std::string& prefix,
         for (const EstimateView& view : views) {
           shown.insert(view.name);
         }
-        // All of them and not only those of before: who missed a message must not keep a ghost.
+        // List all missing targets, not only new ones: a viewer that missed a message must not keep
+        // one.
         std::vector<std::string> gone;
         for (const scenario::TargetSpec& target : scenario_->targets) {
           if (!shown.contains(target.name)) {
@@ -214,7 +216,7 @@ void Stream::put_grid(const models::RobotBelief& belief, Time heard) {
   }
   put("/belief/" + belief.robot + "/grid", Schema::kGrid, heard,
       [&] { return visibility_grid(belief.grid, belief.last_seen_utime, belief.stamp.time); });
-  // Beliefs of a neighbourhood have the part of the world's grid that is around their robot.
+  // In neighbourhood mode a belief contains only the part of the grid around its robot.
   const bool is_part = scenario_ && scenario_->network.neighbourhood_m > 0.0;
   const models::GridGeometry whole =
       is_part ? models::GridGeometry::covering(scenario_->world.bounds,
@@ -277,7 +279,7 @@ void Stream::note_latency(const models::VehicleStatus& status) {
   }
   capture_to_setpoint_.erase(status.robot);
   const auto rounds = captures_of_plans_.find(status.robot);
-  // Of a vehicle that is heard for the first time nobody knows since when it has followed its plan.
+  // After the first status of a vehicle it is unknown since when it has followed its plan.
   if (before == vehicles_.end() || rounds == captures_of_plans_.end()) {
     return;
   }
@@ -371,7 +373,7 @@ void Stream::follow(const std::string& body, const Eigen::Vector3d& position_m, 
     }
   }
   if (points.size() >= 2) {
-    // A point that lies between its neighbours says nothing: most of a way is straight.
+    // Drop points between collinear neighbours: most of a path is straight.
     const auto& [from_time, from_m] = points[points.size() - 2];
     const Eigen::Vector3d way_m = position_m - from_m;
     const Eigen::Vector3d to_last_m = points.back().second - from_m;

@@ -19,7 +19,7 @@
 
 namespace vantage::logs::foxglove {
 
-/// Who takes what a Stream makes: a viewer's server, an MCAP file.
+/// Receiver of the records of a Stream, such as a viewer's server or an MCAP file.
 class Sink {
  public:
   Sink() = default;
@@ -29,55 +29,55 @@ class Sink {
   Sink(Sink&&) = delete;
   Sink& operator=(Sink&&) = delete;
 
-  /// Asked before each record; makes the topic known, always with the same schema. False: nobody
-  /// wants this one, do not make it. `is_state`: the newest record says all there is to know on
-  /// the topic, and it comes seldom, so it is worth having for who asks later.
+  /// Announces the topic, always with the same schema; called before each record. Returns false if
+  /// the record should not be made. `is_state`: the newest record is the complete state of the
+  /// topic and records are rare, so it should be kept for clients that connect later.
   virtual bool wants(const std::string& topic, Schema schema, bool is_state) = 0;
-  /// A record of a topic that wants() just said true to. `time`: when it was heard.
+  /// Writes a record of a topic for which wants() has just returned true. `time`: time of
+  /// reception.
   virtual void write(const std::string& topic, Time time, const Json& content) = 0;
-  /// Of a topic that is known: what a message on it is, for people ("plan_t").
+  /// Sets the readable message type ("plan_t") of a known topic.
   virtual void name_type(const std::string& /*topic*/, const std::string& /*type*/) {}
 };
 
-/// Turns the messages of a trial, in the order heard, into records for viewers. Pure: no clock, no
-/// network. Holds what a picture needs of the past: the scenario, who is jammed, the last 20 s of
-/// each body's way, the newest belief of each robot, what plans were made from.
+/// Converter of a trial's messages, in order of reception, to records for viewers. It uses no clock
+/// and no network. It keeps the state that drawings need: the scenario, the jammed robots, the last
+/// 20 s of each body's path, the newest belief of each robot, and the inputs of plans.
 ///
-/// Topics (P: of the robot or process of that name):
+/// Topics (P: name of a robot or process):
 ///   /scenario /attack /team       vantage.*           state; team at each step of the estimators
 ///   /plan/P/status /vehicle/P /health/P   vantage.*
 ///   /events                       foxglove.Log        collisions, late plans, attacks, safety …
 ///   /transforms /truth/transforms foxglove.FrameTransforms   world → body, mocap and truth
 ///   /world /robots /views /targets   foxglove.SceneUpdate   once, and on change
 ///   /plan/P /proposal/P /measurement/P /belief/P /estimates /tracks   foxglove.SceneUpdate
-///   /grid /belief/P/grid          foxglove.Grid       when each cell was last seen, by all and P
-///   /map /map/P                   foxglove.Grid       occupancy, as the last heard and as P knows
-///   it
+///   /grid /belief/P/grid          foxglove.Grid       age of each cell's last scan, by all and P
+///   /map /map/P                   foxglove.Grid       occupancy: newest map of any robot, and of P
 class Stream {
  public:
   explicit Stream(Sink& sink) : sink_(sink) {}
 
-  /// `heard`: when the message came in (live) or was logged.
+  /// `heard`: time of reception (live) or of logging.
   void on(const models::ScenarioNotice& notice, Time heard);
   void on(const models::MocapFrame& frame, Time heard);
   void on(const models::TruthFrame& truth, Time heard);
   void on(const models::DetectionSet& detections, Time heard);
   void on(const models::RobotBelief& belief, Time heard);
-  void on(const models::BeliefMixture& /*mixture*/, Time /*heard*/) {}  // the beliefs are shown
-  void on(const models::RangeScan& /*scan*/, Time /*heard*/) {}  // the map shows what it told
+  void on(const models::BeliefMixture& /*mixture*/, Time /*heard*/) {}  // beliefs are shown instead
+  void on(const models::RangeScan& /*scan*/, Time /*heard*/) {}         // the map shows its content
   void on(const models::RobotMap& map, Time heard);
   void on(const models::RobotPlan& plan, Time heard);
-  void on(const models::PlanProposal& /*proposal*/, Time /*heard*/) {}  // the plans are shown
+  void on(const models::PlanProposal& /*proposal*/, Time /*heard*/) {}  // plans are shown instead
   void on(const models::TeamProposal& proposal, Time heard);
   void on(const models::VehicleStatus& status, Time heard);
   void on(const models::ProcessHealth& health, Time heard);
   void on(const models::HostReport& report, Time heard);
   void on(const models::ContactReport& contact, Time heard);
   void on(const models::AttackNotice& attack, Time heard);
-  /// Commands of people (heartbeats are not worth a line).
+  /// Operator commands. Heartbeats are ignored.
   void on(const models::OperatorCommand& command, Time heard);
 
-  /// Scenarios that could not be read, so far.
+  /// Returns the number of scenarios so far that could not be read.
   [[nodiscard]] std::int64_t scenarios_refused() const { return scenarios_refused_; }
 
  private:
@@ -89,23 +89,24 @@ class Stream {
   void put_robots(Time heard, Time time);
   void put_estimates(const std::string& topic, const std::string& prefix,
                      const std::vector<EstimateView>& views, Time heard);
-  /// The team's estimates of this step, once, when its beliefs have come.
+  /// Publishes the team's estimates of the current step once, when its beliefs have arrived.
   void flush_estimates(Time heard);
   void put_grid(const models::RobotBelief& belief, Time heard);
   void follow(const std::string& body, const Eigen::Vector3d& position_m, Time time);
   void put_tracks(Time heard, Time time);
-  /// Remembers which measurement `plan` comes from.
+  /// Stores the capture time of the newest measurement that `plan` is based on.
   void trace(const models::RobotPlan& plan);
-  /// Notes how old it was when `status` is the first to say that its plan is followed.
+  /// Stores that measurement's age if `status` is the first one to report that its plan is
+  /// followed.
   void note_latency(const models::VehicleStatus& status);
-  /// nullopt: no robot of the scenario, or none was heard.
+  /// Returns nullopt if there is no scenario yet or if it does not contain the robot.
   [[nodiscard]] std::optional<Colour> colour_of(const std::string& robot) const;
-  /// Precondition: a scenario was heard.
+  /// Precondition: a scenario was received.
   [[nodiscard]] std::string target_name(int target_id) const;
 
   Sink& sink_;
   std::optional<scenario::Scenario> scenario_;
-  std::optional<TrialMetrics> metrics_;  ///< whenever scenario_ is
+  std::optional<TrialMetrics> metrics_;  ///< set whenever scenario_ is
   std::optional<models::AttackNotice> attack_;
   std::map<std::string, models::VehicleStatus> vehicles_;
   std::map<std::string, HealthStory> processes_;
@@ -113,14 +114,14 @@ class Stream {
   std::map<std::string, Track> tracks_;
   std::optional<Time> next_tracks_;
   OriginTimes captures_;             ///< of measurements
-  OriginTimes captures_of_beliefs_;  ///< of the newest that is in each
+  OriginTimes captures_of_beliefs_;  ///< of the newest measurement in each belief
   std::map<std::string, std::map<std::int64_t, Time>> captures_of_plans_;  ///< by robot and round
-  std::map<std::string, Duration> capture_to_setpoint_;  ///< of the plan it follows
+  std::map<std::string, Duration> capture_to_setpoint_;  ///< of the plan that the robot follows
   std::map<int, EstimateView> estimates_;                ///< best of the newest step, by target
-  std::optional<Time> estimates_time_;                   ///< of those not yet shown
+  std::optional<Time> estimates_time_;                   ///< time of the estimates not yet shown
   std::optional<Time> last_mocap_;
   models::GridGeometry grid_;
-  std::vector<std::int64_t> last_seen_utime_;  ///< newest of all robots
+  std::vector<std::int64_t> last_seen_utime_;  ///< µs; newest of all robots, per cell
   std::int64_t grid_step_ = -1;
   std::int64_t newest_step_ = -1;
   std::int64_t scenarios_refused_ = 0;

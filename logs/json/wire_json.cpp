@@ -21,14 +21,15 @@ using bus::WireSchema;
 
 constexpr std::size_t kFingerprintBytes = 8;
 
-/// Reads a body that is_well_formed() has found good.
+/// Reader of a message body that is_well_formed() has accepted.
 class Reader {
  public:
   explicit Reader(std::span<const std::uint8_t> left) : left_(left) {}
 
   Json read_struct(const WireSchema& schema) {
     Json out = Json::object();
-    std::vector<std::size_t> integers(schema.fields.size(), 0);  // the counts among them
+    // values of integer members, which may be array sizes
+    std::vector<std::size_t> integers(schema.fields.size(), 0);
     for (std::size_t i = 0; i < schema.fields.size(); ++i) {
       const WireField& field = schema.fields[i];
       std::array<std::size_t, bus::kWireDims> counts{};

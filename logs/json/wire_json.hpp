@@ -9,26 +9,26 @@
 
 #include "bus/convert/wire_walk.hpp"
 
-// Every message of the house as JSON with the names of its .lcm file, from the layouts that are
-// generated from those files: a new type needs nothing here.
+// Conversion of every vantage message to JSON with the field names of its .lcm file. It uses
+// layouts that are generated from these files, so a new type needs no code here.
 
 namespace vantage::logs {
 
-/// The message in `message` (fingerprint included, signed or not) as an object whose members stand
-/// in wire order; nullopt when it is none of the house's or not well formed. Numbers that are not
-/// finite are null, as JSON has none.
+/// Returns `message` (with its fingerprint, signed or unsigned) as an object with its members in
+/// wire order; nullopt if it is not a well-formed vantage message. Non-finite numbers become null
+/// because JSON has no such numbers.
 std::optional<nlohmann::ordered_json> message_json(std::span<const std::uint8_t> message);
 
-/// The same of a message whose fingerprint says that it is one of `schema`, the house's or not.
+/// Same for a message of type `schema`, which may be a vantage type or another one.
 std::optional<nlohmann::ordered_json> message_json(std::span<const std::uint8_t> message,
                                                    const bus::WireSchema& schema);
 
-/// On one line; what is not UTF-8 in it is replaced.
+/// Returns `json` on one line. Bytes that are not UTF-8 are replaced.
 std::string dumped(const nlohmann::ordered_json& json);
 
-/// The JSON schema (draft 2020-12) of message_json()'s answers for messages of type `schema`. Of
-/// matrices it says nothing: Foxglove's viewers refuse a channel whose schema has lists of lists,
-/// and show what a schema does not mention.
+/// Returns the JSON schema (draft 2020-12) of message_json()'s results for messages of type
+/// `schema`. Matrices are omitted: Foxglove viewers refuse channels whose schema has nested lists,
+/// but display members that the schema does not mention.
 nlohmann::ordered_json json_schema(const bus::WireSchema& schema);
 
 }  // namespace vantage::logs

@@ -6,57 +6,57 @@
 #include <string>
 #include <vector>
 
-// What things look like and are called, wherever they are drawn: by the page, in pictures and
-// plots, in the terminal. Said once, in look.json, which the page reads as well.
+// Appearance and names of all displayed items, for page, pictures, plots and terminal. They are
+// defined once, in look.json, which the page also reads.
 
 namespace vantage::logs {
 
 /// The text of look.json.
 extern const char* const kLookText;
 
-/// One colour on a white ground and on a black one; both "#rrggbb". What is drawn for an unknown
-/// ground has middle().
+/// One colour for a white and one for a black background, both "#rrggbb". Drawings for an unknown
+/// background use middle().
 struct Paint {
   std::string light;
   std::string dark;
 
-  /// Halfway between the two, each channel rounded down: 0xRRGGBB.
+  /// Returns the mean of the two colours, each channel rounded down: 0xRRGGBB.
   [[nodiscard]] std::uint32_t middle() const;
 };
 
-/// A number that is shown: "entropy a target", "nat".
+/// Name and unit of a displayed quantity: "entropy a target", "nat".
 struct Measure {
   std::string name;
-  std::string unit;  ///< empty: a count
+  std::string unit;  ///< empty for a count
 
-  /// "entropy a target [nat]".
+  /// Returns "entropy a target [nat]".
   [[nodiscard]] std::string title() const;
 };
 
 struct Look {
-  double ellipse_probability = 0.0;  ///< what a drawn ellipse holds
-  double trail_s = 0.0;              ///< how much of the way behind a body is shown
-  std::vector<Paint> robots;         ///< of the bodies; told apart by the colour-blind, too
+  double ellipse_probability = 0.0;  ///< probability inside a drawn ellipse
+  double trail_s = 0.0;              ///< s; length of the displayed path behind a body
+  std::vector<Paint> robots;         ///< body colours; distinguishable for colour-blind people
   std::map<std::string, Paint> roles;
-  std::map<std::string, std::string> glyphs;  ///< what a legend says of them
+  std::map<std::string, std::string> glyphs;  ///< meaning of each glyph, for legends
   std::map<std::string, Measure> measures;
 
-  /// Mahalanobis radius of an ellipse of `ellipse_probability` in two dimensions, √(−2 ln(1 − p)).
+  /// Returns the Mahalanobis radius of an ellipse of `ellipse_probability` in 2-D, √(−2 ln(1 − p)).
   [[nodiscard]] double ellipse_radius() const;
-  /// "95 %".
+  /// Returns "95 %".
   [[nodiscard]] std::string ellipse_words() const;
 };
 
-/// The table. Each name that the sources ask for is in it (.at() throws what is missing).
+/// Returns the table. Lookups by .at() throw if a name is missing in look.json.
 const Look& look();
 
-/// What tells robot `index` of a scenario from the others, the same wherever it is drawn: one
-/// colour of look().robots for its body and, from the ninth robot on, another one for its core; in
-/// charts its line is dashed in one of 8 ways. 64 robots differ.
+/// Appearance that identifies robot `index` of a scenario in all drawings. The body has one colour
+/// of look().robots. From the ninth robot on, a core has another colour. In charts the line has one
+/// of 8 dash patterns. It distinguishes 64 robots.
 struct RobotLook {
-  std::size_t body = 0;  ///< of look().robots
-  std::size_t core = 0;  ///< of look().robots; equal to `body`: none
-  std::size_t dash = 0;  ///< 0: drawn through
+  std::size_t body = 0;  ///< index into look().robots
+  std::size_t core = 0;  ///< index into look().robots; equal to `body`: no core
+  std::size_t dash = 0;  ///< dash pattern; 0: solid
 
   [[nodiscard]] const Paint& body_paint() const { return look().robots[body]; }
   [[nodiscard]] const Paint& core_paint() const { return look().robots[core]; }

@@ -6,7 +6,7 @@
 namespace vantage::logs {
 namespace {
 
-// χ²ₙ is less than this in 95 of 100 cases.
+// 95 % quantile of χ² with `dim` (2 or 3) degrees of freedom.
 double chi_squared_95(int dim) { return dim == 3 ? 7.814728 : 5.991465; }
 
 }  // namespace

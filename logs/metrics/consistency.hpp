@@ -9,28 +9,28 @@
 
 namespace vantage::logs {
 
-/// Whether an estimator knows how wrong it is, from normalised squared errors e = εᵀ Σ⁻¹ ε of
-/// positions with n coordinates. Where it does, e is χ² distributed: mean n, median 1.39 (n = 2) or
-/// 2.37 (n = 3), and 95 of 100 lie inside their 95 % ellipse. The mean tells of rare gross errors,
-/// the median of the bulk.
+/// Consistency of an estimator, from normalised estimation errors squared (NEES) e = εᵀ Σ⁻¹ ε of
+/// positions with n coordinates. If the estimator is consistent, e is χ² distributed: mean n,
+/// median 1.39 (n = 2) or 2.37 (n = 3), and 95 % of the positions lie inside their 95 % ellipse.
+/// The mean reacts to rare gross errors, the median to the majority.
 struct Consistency {
   std::int64_t samples = 0;
   std::optional<double> mean_nees;
-  std::optional<double> median_nees;  ///< to 1 %
-  std::optional<double> coverage_95;  ///< share inside the 95 % ellipse
+  std::optional<double> median_nees;  ///< accurate to 1 %
+  std::optional<double> coverage_95;  ///< share inside the 95 % ellipse, in [0, 1]
 };
 
-/// Gathers a Consistency. Memory does not grow with the samples.
+/// Accumulator of a Consistency. Its memory does not grow with the number of samples.
 class NeesSums {
  public:
-  /// @param position_dim  n, 2 or 3
+  /// @param position_dim  number of coordinates n, 2 or 3
   explicit NeesSums(int position_dim) : position_dim_(position_dim) {}
 
   void add(double nees);
   [[nodiscard]] Consistency result() const;
 
  private:
-  // The median comes from a histogram of log₁₀ e: 100 bins a decade, from 1e−4 to 1e6.
+  // The median comes from a histogram of log₁₀ e: 100 bins per decade, from 1e−4 to 1e6.
   static constexpr int kBinsPerDecade = 100;
   static constexpr int kLeastExponent = -4;
   static constexpr int kBins = 10 * kBinsPerDecade;
@@ -42,14 +42,14 @@ class NeesSums {
   std::array<std::int64_t, kBins> bins_{};
 };
 
-/// How long ago a target was last seen by anyone, as its belief says: class i holds
+/// Classes of the time since any robot last saw a target, as stated in the belief: class i holds
 /// kAgeEdges_s[i] ≤ age < kAgeEdges_s[i + 1].
 inline constexpr std::array<double, 6> kAgeEdges_s = {
     0.0, 1.0, 2.0, 4.0, 8.0, std::numeric_limits<double>::infinity()};
 inline constexpr std::size_t kAgeClasses = kAgeEdges_s.size() - 1;
-/// Its index; an age below 0 counts as 0.
+/// Returns the index of the class; an age below 0 counts as 0.
 std::size_t age_class(double age_s);
-/// "2-4" of class 2; "8+" of the last.
+/// Returns the name of a class: "2-4" for class 2, "8+" for the last one.
 std::string age_name(std::size_t age_class);
 
 }  // namespace vantage::logs

@@ -13,7 +13,7 @@
 
 namespace vantage::logs {
 
-/// Remembers an instant for each of the newest messages, by name.
+/// Store of one instant for each of the newest kKept messages, by the message's name.
 class OriginTimes {
  public:
   void add(const models::InputRef& name, Time time) {
@@ -27,7 +27,7 @@ class OriginTimes {
     }
   }
 
-  /// The latest among those of `names` that are known.
+  /// Returns the latest instant among the known messages of `names`; nullopt if none is known.
   [[nodiscard]] std::optional<Time> newest(std::span<const models::InputRef> names) const {
     std::optional<Time> newest;
     for (const models::InputRef& name : names) {

@@ -11,27 +11,28 @@
 
 namespace vantage::logs {
 
-/// Who is where, or is said to be.
+/// True or estimated position with its label.
 struct Labelled {
   std::int64_t label = 0;
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
 };
 
-/// What one set of estimates is worth against the truth.
+/// Error of one set of estimates against the truth.
 struct SetError {
   double ospa_m = 0.0;
-  /// Root mean square distance of the pairs of the assignment of least squared distance, without a
-  /// cutoff; 0 where nothing is paired.
+  /// Root mean square distance of the pairs in the assignment of least squared distance, without a
+  /// cutoff; 0 if there are no pairs.
   double matched_rmse_m = 0.0;
-  int pairs = 0;  ///< of that assignment: the smaller of the two numbers
+  int pairs = 0;  ///< pairs of that assignment: the size of the smaller set
 };
 
-/// Judges estimates of several targets whose names mean nothing, instant by instant.
+/// Error measures for estimates of several targets whose labels carry no identity, at one instant
+/// after another.
 ///
 /// OSPA of order 2 with cutoff c between sets of m ≤ n points: √((Σ min(c, d)² + c² (n − m)) / n),
-/// d the distances of the best assignment; 0 of two empty sets. A swap is a target that the same
-/// assignment gives to a track, nearer than c, of another label than that it last had.
-/// Allocates only for more points than any set before.
+/// where d are the distances of the best assignment; 0 for two empty sets. A swap: that assignment
+/// gives a target to a track nearer than c whose label differs from that of the target's last
+/// track. Allocates only if a set is larger than all sets before.
 /// Source: Schuhmacher, Vo, Vo, A consistent metric for performance evaluation of multi-object
 /// filters (2008); swaps: Bernardin, Stiefelhagen, Evaluating multiple object tracking performance:
 /// the CLEAR MOT metrics (2008).
@@ -40,17 +41,17 @@ class OspaJudge {
   explicit OspaJudge(double cutoff_m) : cutoff_m_(cutoff_m) {}
 
   SetError judge(std::span<const Labelled> truth, std::span<const Labelled> estimates);
-  /// Since construction, all targets together.
+  /// Returns the number of swaps since construction, summed over the targets.
   [[nodiscard]] std::int64_t swaps() const { return swaps_; }
 
  private:
-  /// Column of each row, the smaller set's points being the rows.
+  /// Returns the column assigned to each row. The rows are the points of the smaller set.
   template <class Cost>
   std::span<const int> assign(std::size_t truths, std::size_t estimates, const Cost& cost);
 
   double cutoff_m_;
   std::int64_t swaps_ = 0;
-  std::map<std::int64_t, std::int64_t> tracked_as_;  ///< label of the track, by target
+  std::map<std::int64_t, std::int64_t> tracked_as_;  ///< label of the last track, by target
   std::vector<double> cost_m2_;
   AssignmentSolver solver_;
 };

@@ -16,22 +16,25 @@ namespace vantage::logs {
 
 class TruthHistory;
 
-/// The trial as its robots saw it, each judged by its own belief alone; then the mean over the
-/// robots. This is what the source's figures 3.3 and 4.3 plot. (The rest of a TrialSummary judges
-/// the team: the best informed robot of each step.)
+/// Means over the robots of a trial, where each robot is evaluated by its own belief alone. Figures
+/// 3.3 and 4.3 of the dissertation plot these values. (The rest of a TrialSummary evaluates the
+/// team: the best informed robot at each step.)
 struct RobotMeans {
-  std::optional<double> rmse_m;  ///< mean over time of the position RMSE of what a robot knows
-  double entropy_nats = 0.0;     ///< mean over time and targets; unknown ones count their prior
-  double discovered = 0.0;       ///< targets that a robot ever knew
-  /// Mean time until a robot knows a target; the trial's length where it never did.
+  /// mean over time of the position RMSE of the robot's known targets
+  std::optional<double> rmse_m;
+  /// mean over time and targets; unknown targets count with their prior
+  double entropy_nats = 0.0;
+  double discovered = 0.0;  ///< targets that a robot has ever known
+  /// Mean time until a robot knows a target; the trial's duration if it never does.
   double discovery_time_s = 0.0;
-  double undiscovered_share = 0.0;  ///< mean over time of the share of targets a robot ignores
-  /// Of every robot's position estimates of the targets it knows, pooled.
+  /// mean over time of the share of targets that a robot does not know
+  double undiscovered_share = 0.0;
+  /// Pooled over all robots' position estimates of their known targets.
   Consistency consistency;
   std::array<Consistency, kAgeClasses> consistency_by_age;  ///< see kAgeEdges_s
 };
 
-/// One step as its robots saw it, each judged by its own belief alone.
+/// One estimator step, where each robot is evaluated by its own belief alone.
 class RobotStep {
  public:
   struct Nees {
@@ -39,14 +42,14 @@ class RobotStep {
     double sum = 0.0;
   };
 
-  /// One robot. `rmse_m` of the targets whose truth is known, if any.
+  /// Adds one robot. `rmse_m` is over the targets whose truth is known; nullopt without any.
   void add(double entropy_nats, std::optional<double> rmse_m);
   void add_nees(std::size_t age_class, double nees);
 
-  /// Means over the robots; nullopt without any.
+  /// Return the means over the robots; nullopt if there are none.
   [[nodiscard]] std::optional<double> entropy_nats() const;
   [[nodiscard]] std::optional<double> rmse_m() const;
-  /// By how long ago the target was last seen; see kAgeEdges_s.
+  /// Returns the NEES by the time since the target was last seen; see kAgeEdges_s.
   [[nodiscard]] const std::array<Nees, kAgeClasses>& nees_by_age() const { return nees_by_age_; }
 
  private:
@@ -57,13 +60,13 @@ class RobotStep {
   std::array<Nees, kAgeClasses> nees_by_age_;
 };
 
-/// Gathers RobotMeans step by step.
+/// Accumulator of RobotMeans over the steps.
 class RobotSums {
  public:
   RobotSums(int targets, int position_dim, double prior_entropy_nats);
 
-  /// One robot's belief of one step, which is added to `step` as well. `since_start_s` is the
-  /// belief's time in the trial. Targets without truth at that time count for the entropy only.
+  /// Adds the belief of one robot at one step, also to `step`. `since_start_s` is the time since
+  /// the start of the trial. Targets without truth at that time count only for the entropy.
   void add(const std::string& robot, Time time, double since_start_s,
            std::span<const models::TargetBelief> beliefs, const TruthHistory& truth,
            RobotStep& step);

@@ -6,8 +6,8 @@
 
 namespace vantage::logs {
 
-/// Whole numbers, each counted once, kept as runs of neighbours: those that come one after the
-/// other, in any order, take the memory of one.
+/// Set of integers, stored as runs of consecutive numbers. Consecutive numbers, inserted in any
+/// order, use the memory of one run.
 class RunSet {
  public:
   void insert(std::int64_t number) {
@@ -32,7 +32,7 @@ class RunSet {
   [[nodiscard]] std::int64_t runs() const { return std::ssize(runs_); }
 
  private:
-  std::map<std::int64_t, std::int64_t> runs_;  ///< first to last
+  std::map<std::int64_t, std::int64_t> runs_;  ///< first to last number of each run
   std::int64_t size_ = 0;
 };
 

@@ -14,24 +14,24 @@
 
 namespace vantage::logs {
 
-/// The targets of a trial as a set, whatever they are called: means over each robot's beliefs, then
+/// Errors of the targets of a trial as an unlabelled set: means over each robot's beliefs, then
 /// over the robots.
 struct SetMeans {
-  double ospa_m = 0.0;         ///< order 2, cutoff kOspaCutoff_m, of ground positions
-  double swaps_per_min = 0.0;  ///< of one robot
+  double ospa_m = 0.0;         ///< OSPA of order 2 with cutoff kOspaCutoff_m, of ground positions
+  double swaps_per_min = 0.0;  ///< swaps per minute of one robot
   double matched_rmse_m = 0.0;
 };
 inline constexpr double kOspaCutoff_m = 1.0;
 
-/// Gathers SetMeans. Messages come in the order of a log; a belief is judged once the truth of a
-/// later instant is there.
+/// Accumulator of SetMeans. Messages must arrive in the order of a log. A belief is evaluated once
+/// truth of the same or a later instant has arrived.
 class SetSums {
  public:
   explicit SetSums(int targets) : targets_(targets) {}
 
   void on_truth(const models::TruthFrame& frame);
   void on_belief(const models::RobotBelief& belief);
-  /// nullopt when there was no belief with truth around it.
+  /// Returns nullopt if truth was available for no belief.
   [[nodiscard]] std::optional<SetMeans> means() const;
 
  private:

@@ -9,10 +9,10 @@
 
 namespace vantage::logs {
 
-/// The tracks of one belief of a team whose sensors tell no ids, each under the id of the target
-/// that it is taken for: by the assignment of least squared distance to where the `targets` are at
-/// `time`, however far that is. Tracks beyond the number of targets have none and are left out; all
-/// of them where the truth of `time` is not known. By ascending id.
+/// Returns the tracks of one belief with the ids of true targets, by ascending id. For teams whose
+/// sensors report no ids. The ids come from the assignment of least squared distance to the true
+/// positions of the `targets` at `time`, without a distance limit. Surplus tracks are left out; so
+/// are all tracks if the truth at `time` is unknown.
 std::vector<models::TargetBelief> named_by_place(std::span<const models::TargetBelief> tracks,
                                                  const TruthHistory& truth, int targets, Time time);
 

@@ -12,10 +12,10 @@
 namespace vantage::logs {
 namespace {
 
-// A step is judged once this many newer ones have begun: late messages still count, and the
-// simulator's truth, which comes at its own rate, has passed the step's time.
+// Number of newer steps that must have begun before a step is evaluated. Late messages then still
+// count, and the simulator's truth, which has its own rate, has passed the step's time.
 constexpr std::int64_t kStepsOfGrace = 2;
-/// Maximum number of processes and runs with a count of losses.
+/// Maximum number of stored pairs of process and run with a count of lost messages.
 constexpr std::size_t kRunsMost = 4096;
 
 }  // namespace

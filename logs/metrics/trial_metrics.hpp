@@ -17,26 +17,28 @@
 
 namespace vantage::logs {
 
-/// One target, as of the newest step that has been judged.
+/// State of one target at the newest evaluated step.
 struct TargetStatus {
   std::string name;
-  std::optional<double> discovered_s;        ///< since the trial's start
-  std::optional<PositionEstimate> estimate;  ///< the team's; none while nobody knows it
-  std::optional<double> error_m;             ///< of the estimate against the truth at its own time
-  double entropy_nats = 0.0;                 ///< of the stated prior while nobody knows it
+  std::optional<double> discovered_s;  ///< s since the start of the trial
+  /// the team's estimate; nullopt while no robot knows it
+  std::optional<PositionEstimate> estimate;
+  /// error of the estimate against the truth at the estimate's time
+  std::optional<double> error_m;
+  double entropy_nats = 0.0;  ///< entropy of the scenario's prior while no robot knows it
 };
 
-/// One robot, as last heard.
+/// Newest messages of one robot.
 struct RobotStatus {
   std::optional<models::FlightState> state;
   std::optional<models::RobotPlan> plan;
 };
 
-/// Judges a trial from the messages that travelled in it: pure, fed one message at a time, in the
-/// order of arrival. Beliefs are gathered by estimator step and judged one step late, when the
-/// truth around them and the other robots' beliefs of the same step have come. Of a team whose
-/// sensors tell no ids a track is judged as the target that named_by_place() takes it for, and a
-/// target is discovered when that is nearer than 1 m.
+/// Evaluation of a trial from its messages. It has no side effects; messages are added one at a
+/// time in order of arrival. Beliefs are grouped by estimator step. A step is evaluated two steps
+/// later, when the surrounding truth and the other robots' beliefs have arrived. If the sensors
+/// report no ids, named_by_place() assigns each track to a target; the target counts as discovered
+/// if the track is within 1 m of it.
 class TrialMetrics {
  public:
   TrialMetrics(const scenario::Scenario& scenario, Time start);
@@ -47,21 +49,22 @@ class TrialMetrics {
   void on_plan(const models::RobotPlan& plan);
   void on_contact(const models::ContactReport& contact);
   void on_vehicle(const models::VehicleStatus& status);
-  /// Messages that a process reports lost: its newest counters whose name ends in ".lost", added up
-  /// over its runs: a process that was started again counts from 0.
+  /// Counts the messages that a process reports as lost: its newest counters whose name ends in
+  /// ".lost". They are summed over the runs of a process, because a restarted process counts from
+  /// 0.
   void on_health(const models::ProcessHealth& health);
 
-  /// Judges what is still pending and sums up. `messages_lost` overrides what HEALTH said, for
-  /// callers that can ask every bus themselves.
+  /// Evaluates the pending steps and returns the summary. `messages_lost` replaces the count from
+  /// HEALTH, for callers that can query every bus themselves.
   TrialSummary finish(Time end, std::optional<std::int64_t> messages_lost = std::nullopt);
 
   [[nodiscard]] const std::vector<TargetStatus>& targets() const { return targets_; }
   [[nodiscard]] const std::map<std::string, RobotStatus>& robots() const { return robots_; }
-  /// The newest step that has been judged, as its robots saw it.
+  /// Returns the newest evaluated step, each robot evaluated by its own belief.
   [[nodiscard]] const RobotStep& step_of_robots() const { return step_of_robots_; }
-  /// n of a position's coordinates: the mean NEES of an estimator that knows how wrong it is.
+  /// Returns the number of position coordinates n: the mean NEES of a consistent estimator.
   [[nodiscard]] int position_dim() const { return position_dim_; }
-  /// Mean over the robots' newest maps; none where nobody maps.
+  /// Returns the mean over the robots' newest maps; nullopt if no robot maps.
   [[nodiscard]] std::optional<double> map_entropy_nats() const;
   [[nodiscard]] std::int64_t collisions() const { return collisions_; }
   [[nodiscard]] std::int64_t separation_violations() const { return separation_violations_; }
@@ -84,10 +87,10 @@ class TrialMetrics {
   void judge(const Step& step);
   void judge_targets(const TeamEstimate& team);
   void discover(int target_id, Time time);
-  /// Ids in the place of labels, and what they have discovered.
+  /// Returns the tracks with target ids instead of labels, and marks the targets as discovered.
   [[nodiscard]] std::vector<models::TargetBelief> named(const Heard& heard);
 
-  /// What the steps of `plan` until the next one cost, priced.
+  /// Returns the priced energy of the steps of `plan` that are executed before the next plan.
   [[nodiscard]] double energy_nats(const models::RobotPlan& plan) const;
 
   const models::World world_;
@@ -97,8 +100,8 @@ class TrialMetrics {
   const std::int64_t step_us_;
   const int position_dim_;
   const double prior_entropy_nats_;
-  const bool has_ids_;    ///< detections bear ids, beliefs too
-  TrialSummary summary_;  ///< what is known from the start: names, seed, sizes
+  const bool has_ids_;    ///< true if detections and beliefs contain target ids
+  TrialSummary summary_;  ///< values known from the start: names, seed, sizes
 
   TruthHistory truth_;
   std::map<std::int64_t, Step> pending_;  ///< by step index
@@ -120,7 +123,7 @@ class TrialMetrics {
   RunSet rounds_late_;
   std::int64_t plans_ = 0;
   std::int64_t fallbacks_ = 0;
-  std::map<std::string, double> map_entropies_nats_;                   ///< newest, by robot
+  std::map<std::string, double> map_entropies_nats_;  ///< of the newest map, by robot
   std::map<std::pair<std::string, std::int64_t>, std::int64_t> lost_;  ///< by process and run
 };
 

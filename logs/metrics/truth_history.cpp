@@ -33,7 +33,7 @@ void TruthHistory::add(const models::TruthFrame& frame) {
 void TruthHistory::approach(const Frame& before, const Frame& after) {
   constexpr double kRoundingM = 1e-6;
   std::vector<Eigen::Vector3d> to_m;
-  std::vector<const Eigen::Vector3d*> from_m;  // null: not seen before
+  std::vector<const Eigen::Vector3d*> from_m;  // null: not in the previous frame
   double travelled_m = 0.0;
   for (const auto& [name, position_m] : after.robots) {
     const auto seen = before.robots.find(name);
@@ -42,7 +42,7 @@ void TruthHistory::approach(const Frame& before, const Frame& after) {
     travelled_m = std::max(travelled_m,
                            from_m.back() == nullptr ? 0.0 : (position_m - *from_m.back()).norm());
   }
-  // Those who are farther apart cannot have come nearer than others did before.
+  // Only pairs within this distance now can have come closer than the minimum so far.
   const double within_m = min_separation_m_ + 2.0 * travelled_m + kRoundingM;
   for (const auto& [i, j] : near_.find(to_m, within_m)) {
     const bool both = from_m[i] != nullptr && from_m[j] != nullptr;

@@ -14,21 +14,21 @@
 
 namespace vantage::logs {
 
-/// Where the targets really were, at any instant of the last while, and how near the robots ever
-/// came to each other.
+/// True target positions of the last `memory_s` seconds, and the least distance between robots.
 class TruthHistory {
  public:
   explicit TruthHistory(double memory_s = 10.0) : memory_s_(memory_s) {}
 
-  /// Frames that are not newer than the newest are ignored and counted.
+  /// Adds a frame. A frame that is not newer than the newest one is ignored and counted.
   void add(const models::TruthFrame& frame);
 
-  /// Position of a target at `time`, linear between the frames around it; nullopt outside what is
-  /// remembered.
+  /// Returns the position of a target at `time`, interpolated linearly between frames; nullopt
+  /// outside the remembered time.
   [[nodiscard]] std::optional<Eigen::Vector3d> target_position_m(int target_id, Time time) const;
 
-  /// Least distance so far between the centres of two robots, in space, with linear motion between
-  /// frames (so that nothing tunnels); nullopt before two robots were seen.
+  /// Returns the least distance so far between the centres of two robots, in 3-D. The motion
+  /// between frames is assumed linear, so that no near miss between frames is overlooked. Returns
+  /// nullopt until two robots have been seen.
   [[nodiscard]] std::optional<double> min_separation_m() const;
 
   [[nodiscard]] std::int64_t frames_ignored() const { return frames_ignored_; }

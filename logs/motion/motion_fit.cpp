@@ -19,7 +19,7 @@ double log_likelihood(double squared_error, double variance) {
   return -0.5 * (std::log(2.0 * kPi * variance) + squared_error / variance);
 }
 
-/// What a model makes of one coordinate h ahead: a y + b ẏ, variance w.
+/// Prediction of one coordinate h ahead: mean a y + b ẏ, variance w.
 struct Foretold {
   double a = 1.0;
   double b = 0.0;
@@ -34,7 +34,7 @@ Foretold foretell(const models::TargetModel& model, Eigen::Index axis, double ho
 
 using Point = Eigen::Vector3d;
 
-/// Where `cost` is least, near `start`, by a simplex whose first edges are `edge` long.
+/// Returns the minimum of `cost` near `start`, by a simplex search with initial edges of `edge`.
 template <class Cost>
 Point least(const Cost& cost, const Point& start, double edge) {
   struct Corner {
@@ -73,7 +73,7 @@ Point least(const Cost& cost, const Point& start, double edge) {
   return simplex.front().at;
 }
 
-/// The oscillator of one coordinate whose logarithms of σ_p, σ_v and γ these are.
+/// Returns the oscillator of one coordinate with the given logarithms of σ_p, σ_v and γ.
 models::TargetModel oscillator(const Point& logarithms, Eigen::Index axis) {
   models::TargetModel model{models::TargetKind::kDampedOscillator};
   model.surroundings.position_sigma_m(axis) = std::exp(logarithms.x());
@@ -186,9 +186,9 @@ models::TargetModel fit_oscillator(const MotionSample& sample) {
       }
       return sum;
     };
-    // From the spread and the speed that the sample has, and a damping of once a second.
+    // Start at the spread and speed of the sample, with a damping of 1/s.
     const Eigen::Matrix3d mean = moments.front().sum / static_cast<double>(moments.front().samples);
-    constexpr double kLeast = 1e-12;  // of a target that stood still
+    constexpr double kLeast = 1e-12;  // for targets that did not move
     const Point start(0.5 * std::log(std::max(mean(1, 1), kLeast)),
                       0.5 * std::log(std::max(mean(2, 2), kLeast)), 0.0);
     const models::Surroundings best = oscillator(least(cost, start, 0.3), axis).surroundings;
@@ -214,7 +214,7 @@ std::vector<FittedMotion> fit_motion(std::span<const std::vector<TargetCourse>> 
       }
     }
     if (begin > end) {
-      continue;  // a log in which no target has a place has no time
+      continue;  // no target has a position in this log
     }
     for (const TargetCourse& course : courses) {
       fitted.add(course, begin, end, 0.0, fitted_share);

@@ -9,7 +9,7 @@
 namespace vantage::logs {
 namespace {
 
-// Runs of equal cells in a row become one rectangle: a field has 65 000 cells.
+// Draws runs of equal cells in a row as one rectangle, because a field has 65 000 cells.
 void draw_cells(Svg& svg, const Layout& layout, const Scene& scene, double memory_s) {
   const models::GridGeometry& grid = scene.grid;
   const auto kind_of = [&](int index) {
@@ -43,14 +43,14 @@ void draw_cells(Svg& svg, const Layout& layout, const Scene& scene, double memor
   svg.close_group();
 }
 
-/// How sure one is of a cell: by steps, so that neighbours are drawn as one rectangle.
+/// Number of shades of the occupancy: quantised so that equal neighbours become one rectangle.
 constexpr int kShades = 8;
 
 int mixed(int from, int to, double share) {
   return static_cast<int>(std::lround(from + (to - from) * share));
 }
 
-// The colour of an occupancy in [0, 1]: free, not settled, occupied.
+// Returns the colour of an occupancy in [0, 1]: free, unsettled, occupied.
 std::string occupancy_colour(double p) {
   const auto channel = [](std::string_view colour, std::size_t i) {
     return std::stoi(std::string(colour.substr(1 + 2 * i, 2)), nullptr, 16);

@@ -7,14 +7,14 @@
 
 namespace vantage::logs {
 
-/// Finds places for labels beside their points so that they cover neither each other nor what must
-/// stay visible: greedy over a ring of candidates, least covered area first.
+/// Placement of labels next to their points so that they cover neither each other nor areas that
+/// must stay visible. Greedy: of a ring of candidates the one with the least covered area.
 class LabelPlacer {
  public:
   explicit LabelPlacer(const Eigen::AlignedBox2d& page_px) : page_px_(page_px) {}
-  /// Keeps labels off this area where possible.
+  /// Keeps labels away from this area where possible.
   void avoid(const Eigen::AlignedBox2d& area_px) { taken_px_.push_back(area_px); }
-  /// Where a label of `size_px` for `anchor_px` goes; the area is taken from then on.
+  /// Returns the area of a label of `size_px` for `anchor_px`, and marks it as occupied.
   Eigen::AlignedBox2d place(const Eigen::Vector2d& anchor_px, const Eigen::Vector2d& size_px);
 
  private:

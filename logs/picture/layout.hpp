@@ -10,13 +10,13 @@
 
 namespace vantage::logs {
 
-/// Where things are on the page, and the map from the world to it.
+/// Positions of the parts on the page, and the map from the world to the page.
 struct Layout {
   static constexpr double kMargin_px = 56.0;
   static constexpr double kHeader_px = 92.0;
   static constexpr double kPanel_px = 372.0;
 
-  /// The page is as tall as the taller of the map and the panel beside it.
+  /// Makes the page as tall as the taller of the map and the panel next to it.
   Layout(const models::Rectangle& bounds, double panel_height_px);
 
   [[nodiscard]] Eigen::Vector2d page_from_world(const Eigen::Vector2d& p_m) const {
@@ -32,7 +32,7 @@ struct Layout {
   Eigen::Vector2d panel_corner_px;
 };
 
-/// Pictures are on white: the table's colours for a light ground.
+/// Pictures have a white background, so they use the colours for a light background.
 inline std::string_view role_colour(const char* role) { return logs::look().roles.at(role).light; }
 inline std::string_view robot_colour(std::size_t index) {
   return logs::robot_look(index).body_paint().light;

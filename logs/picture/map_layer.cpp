@@ -14,7 +14,7 @@ namespace {
 
 using Points = std::vector<Eigen::Vector2d>;
 
-// The old part first and faint, the recent part on top.
+// Draws the old part first and faint, the recent part on top.
 void draw_track(Svg& svg, const Layout& layout, const std::vector<TrackPoint>& track, Time now,
                 std::string_view colour, double width_px, double opacity) {
   Points old_px;
@@ -62,7 +62,7 @@ Eigen::AlignedBox2d around(const Eigen::Vector2d& centre_px, double radius_px) {
   return {centre_px - r_px, centre_px + r_px};
 }
 
-constexpr double kRobot_px = 8.0;  // the radius of a robot's body at least
+constexpr double kRobot_px = 8.0;  // minimum radius of a robot's body
 
 bool is_jammed(const Scene& scene, const scenario::RobotSpec& robot) {
   return scene.jammed.contains(robot.name);
@@ -156,7 +156,7 @@ void draw_estimates(Svg& svg, const Layout& layout, const Scene& scene) {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance_m2);
     const Eigen::Vector2d half_px = logs::look().ellipse_radius() * layout.px_per_m *
                                     axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
-    // The page's y axis points down, so a counter-clockwise angle turns negative.
+    // The page's y axis points down, so a counter-clockwise angle becomes negative.
     const double angle_deg =
         -degrees(std::atan2(axes.eigenvectors()(1, 0), axes.eigenvectors()(0, 0)));
     svg.ellipse(mean_px, half_px, angle_deg,

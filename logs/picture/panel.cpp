@@ -28,11 +28,11 @@ std::string number_or_dash(const std::optional<double>& value, std::string_view 
 }
 
 struct Column {
-  double x_px;  ///< its right end, from the table's left
+  double x_px;  ///< right end, from the table's left
   const char* head;
 };
 
-/// A table's title, the heads of its columns and the line below them; where its rows begin.
+/// Draws a table's title, column heads and line. Returns the y position of the first row.
 double draw_table_head(Svg& svg, const Eigen::Vector2d& corner_px, const char* title,
                        const char* names, std::initializer_list<Column> columns) {
   const double x_px = corner_px.x();
@@ -105,7 +105,7 @@ class Legend {
     svg_.text(at_px_ + Eigen::Vector2d(0, 14), "Legend", kHead);
     at_px_.y() += 36.0;
   }
-  /// Centre of the next entry's symbol; writes what look.json says of `glyph`, and `more`.
+  /// Writes the text of look.json for `glyph` and `more`. Returns the centre of the entry's symbol.
   Eigen::Vector2d entry(const char* glyph, std::string_view more = "") {
     svg_.text(at_px_ + Eigen::Vector2d(44, 4.5),
               fmt::format("{}{}", logs::look().glyphs.at(glyph), more), kBody);
@@ -113,7 +113,7 @@ class Legend {
     at_px_.y() += kLegendRow_px;
     return symbol_px;
   }
-  /// All robots, several beside each other.
+  /// Draws all robots, several per row.
   void robots(const std::vector<scenario::RobotSpec>& robots) {
     for (std::size_t i = 0; i < robots.size(); ++i) {
       const auto column = static_cast<double>(i % kRobotColumns);
@@ -133,7 +133,7 @@ class Legend {
   Eigen::Vector2d at_px_;
 };
 
-// long: one entry of the legend after another.
+// long: the entries of the legend in order.
 void draw_legend(Svg& svg, const Eigen::Vector2d& corner_px, const scenario::Scenario& scenario,
                  const Scene& scene) {
   const Eigen::Vector2d dx(14, 0);

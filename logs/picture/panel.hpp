@@ -8,12 +8,12 @@
 
 namespace vantage::logs {
 
-/// Title line and key numbers above the map.
+/// Draws the title line and the key numbers above the map.
 void draw_header(Svg& svg, const Layout& layout, const scenario::Scenario& scenario,
                  const logs::TrialSummary& summary);
-/// How tall draw_panel() will be, in pixels.
+/// Returns the height of draw_panel() in pixels.
 double panel_height_px(const scenario::Scenario& scenario);
-/// Table of targets, or of what each robot mapped, and legend beside the map.
+/// Draws the table of targets, or of each robot's map, and the legend next to the map.
 void draw_panel(Svg& svg, const Layout& layout, const scenario::Scenario& scenario,
                 const Scene& scene, const logs::TrialSummary& summary);
 

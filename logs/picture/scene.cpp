@@ -9,9 +9,10 @@ namespace {
 constexpr double kThinning_s = 0.1;
 constexpr double kThinning_m = 0.02;
 constexpr std::size_t kBodiesMost = 4096;
-constexpr std::size_t kPointsMost = 4096;  // some seven minutes of motion at the full thinning
+// about seven minutes of motion with the initial thinning
+constexpr std::size_t kPointsMost = 4096;
 
-// Every other point of a track.
+// Removes every second point of a track.
 void thin(std::vector<TrackPoint>& track) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < track.size(); i += 2) {
@@ -20,7 +21,8 @@ void thin(std::vector<TrackPoint>& track) {
   track.resize(kept);
 }
 
-// A trial may last for days: a track that is full is thinned once more, and so is what comes after.
+// Adds a point. A full track is thinned and its interval doubled, because a trial may last for
+// days.
 void extend(std::vector<TrackPoint>& track, double& thinning_s, Time time,
             const Eigen::Vector2d& position_m) {
   const bool keep = track.empty() || (to_seconds(time - track.back().time) >= thinning_s &&

@@ -17,7 +17,7 @@
 
 namespace vantage::logs {
 
-/// A point of a driven track.
+/// One point of a body's track.
 struct TrackPoint {
   Time time{};
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
@@ -25,30 +25,30 @@ struct TrackPoint {
 
 struct RobotScene {
   std::vector<TrackPoint> track;
-  std::optional<Pose2> world_from_body;  ///< now
+  std::optional<Pose2> world_from_body;  ///< current pose
   std::optional<models::RobotPlan> plan;
 };
 
 struct TargetScene {
-  std::vector<TrackPoint> track;  ///< true; empty when no truth is heard
+  std::vector<TrackPoint> track;  ///< true path; empty without truth messages
   std::optional<logs::PositionEstimate> estimate;
 };
 
-/// All that a picture of a trial shows, as of `time`.
+/// Content of a picture of a trial at `time`.
 struct Scene {
   Time time{};
   std::map<std::string, RobotScene> robots;
   std::map<int, TargetScene> targets;
   models::GridGeometry grid;
-  std::vector<std::int64_t> last_seen_utime;         ///< per cell, newest of any robot
-  std::set<std::string> jammed;                      ///< robots
-  std::optional<models::RobotMap> map;               ///< newest of any robot, of a team that maps
-  std::map<std::string, double> map_entropies_nats;  ///< of each robot's newest map
+  std::vector<std::int64_t> last_seen_utime;         ///< µs; per cell, newest of any robot
+  std::set<std::string> jammed;                      ///< names of robots
+  std::optional<models::RobotMap> map;               ///< newest of any robot, if the team maps
+  std::map<std::string, double> map_entropies_nats;  ///< entropy of each robot's newest map
 };
 
-/// Gathers a Scene from the messages of a trial; pure. Tracks are thinned to one point each
-/// 0.1 s or 2 cm, whichever is rarer; one that comes to 4096 points is thinned by half from then
-/// on, so that it stays whole and its memory bounded however long the trial.
+/// Collector of a Scene from the messages of a trial. Tracks are thinned to one point per 0.1 s or
+/// 2 cm, whichever is rarer. A track that reaches 4096 points is thinned by half from then on. So
+/// tracks stay complete and their memory is bounded for trials of any length.
 class SceneRecorder {
  public:
   explicit SceneRecorder(const scenario::Scenario& scenario);
@@ -61,8 +61,9 @@ class SceneRecorder {
 
  private:
   Scene scene_;
-  std::map<std::string, double> thinning_s_;  ///< of each body's track, now
-  bool are_grids_parts_ = false;              ///< of the world's: beliefs of a neighbourhood
+  std::map<std::string, double> thinning_s_;  ///< current thinning interval of each body's track
+  /// true if beliefs cover parts of the world's grid only (neighbourhoods)
+  bool are_grids_parts_ = false;
 };
 
 }  // namespace vantage::logs

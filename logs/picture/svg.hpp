@@ -8,8 +8,8 @@
 
 namespace vantage::logs {
 
-/// Builds the text of an SVG in page pixels, x right, y down. Numbers are written with two
-/// decimals; text is escaped.
+/// Builder of an SVG document in page pixels, x right, y down. Numbers have two decimals; text is
+/// escaped.
 class Svg {
  public:
   Svg(double width_px, double height_px);
@@ -18,20 +18,20 @@ class Svg {
   void rectangle(const Eigen::Vector2d& corner_px, const Eigen::Vector2d& size_px,
                  std::string_view style);
   void circle(const Eigen::Vector2d& centre_px, double radius_px, std::string_view style);
-  /// Half axes along page x and y before the turn by `angle_deg` (clockwise on the page).
+  /// Half axes are along page x and y before the rotation by `angle_deg` (clockwise on the page).
   void ellipse(const Eigen::Vector2d& centre_px, const Eigen::Vector2d& half_axes_px,
                double angle_deg, std::string_view style);
   void line(const Eigen::Vector2d& from_px, const Eigen::Vector2d& to_px, std::string_view style);
   void polyline(const std::vector<Eigen::Vector2d>& points_px, std::string_view style);
   void polygon(const std::vector<Eigen::Vector2d>& points_px, std::string_view style);
   void text(const Eigen::Vector2d& baseline_px, std::string_view words, std::string_view style);
-  /// Everything until close_group() carries `style`.
+  /// Applies `style` to everything until close_group().
   void open_group(std::string_view style);
   void close_group();
-  /// Everything until close_group() is shown inside the rectangle alone.
+  /// Clips everything until close_group() to the rectangle.
   void open_clip(const Eigen::Vector2d& corner_px, const Eigen::Vector2d& size_px);
 
-  /// The document so far, closed.
+  /// Returns the complete document with the content so far.
   [[nodiscard]] std::string str() const;
 
  private:
@@ -41,7 +41,7 @@ class Svg {
   int clips_ = 0;
 };
 
-/// `text` with the five characters that XML reserves written as entities.
+/// Returns `text` with the five characters that XML reserves written as entities.
 std::string escape_xml(std::string_view text);
 
 }  // namespace vantage::logs

@@ -6,13 +6,13 @@
 
 namespace vantage::logs {
 
-/// When each instant of a log is due on a clock that never jumps (CLOCK_MONOTONIC, ns), through
-/// pauses, seeks and changes of speed. Each instant is counted from the last of these, so pacing
-/// errors do not add up. Positions and times are not negative, as in a log. Pure: it is told what
-/// time it is.
+/// Schedule that maps each instant of a log to its due time on a monotonic clock (CLOCK_MONOTONIC,
+/// ns), across pauses, seeks and changes of speed. Each instant is counted from the last of these,
+/// so pacing errors do not accumulate. Positions and times are ≥ 0, as in a log. It reads no clock:
+/// callers pass the time.
 class PlaySchedule {
  public:
-  /// Stands at `position`, paused. Precondition: speed > 0.
+  /// Starts paused at `position`. Precondition: speed > 0.
   PlaySchedule(Time position, double speed) : position_(position), speed_(speed) {}
 
   void resume(std::int64_t now_ns);
@@ -23,16 +23,16 @@ class PlaySchedule {
 
   [[nodiscard]] bool is_paused() const { return is_paused_; }
   [[nodiscard]] double speed() const { return speed_; }
-  /// Where in the log it is.
+  /// Returns the position in the log.
   [[nodiscard]] Time position(std::int64_t now_ns) const;
-  /// When `time` is due. Precondition: not paused.
+  /// Returns the due time of `time`. Precondition: not paused.
   [[nodiscard]] std::int64_t due_ns(Time time) const;
 
  private:
   Time position_;
   double speed_;
   bool is_paused_ = true;
-  std::int64_t since_ns_ = 0;  ///< when it stood at position_
+  std::int64_t since_ns_ = 0;  ///< time at which position_ was valid
 };
 
 }  // namespace vantage::logs

@@ -12,7 +12,7 @@
 
 namespace vantage::logs {
 
-/// What the one who watches wants of a Player.
+/// One command of the user to a Player.
 struct PlayCommand {
   enum class Kind { kPause, kResume, kToggle, kSeek, kStep, kSpeed, kFaster, kSlower, kQuit };
   Kind kind = Kind::kToggle;
@@ -20,44 +20,45 @@ struct PlayCommand {
       0.0;  ///< kSeek: [s] since the log's begin (LogSurvey); kStep: [s] on or back; kSpeed
 };
 
-/// A line: "pause", "resume", "seek 12.5", "step -5", "speed 2", "quit"; or a key: space, q, + and
-/// −, f and b (5 s on and back), and the arrows as terminals send them. nullopt for anything else.
+/// Parses a line: "pause", "resume", "seek 12.5", "step -5", "speed 2", "quit"; or a key: space, q,
+/// + and −, f and b (5 s forward and back), and the arrow keys as terminals send them. Returns
+/// nullopt for anything else.
 std::optional<PlayCommand> parse_play_command(const std::string& text);
 
-/// The machine's steady clock, so that a test can stand in for it.
+/// Steady clock, replaceable in tests.
 struct PlayTimer {
   std::function<std::int64_t()> now_ns;
   std::function<void(std::int64_t)> sleep_until_ns;  ///< may return early
 };
-/// CLOCK_MONOTONIC; the thread's timer slack is set as low as the kernel allows.
+/// Returns a timer on CLOCK_MONOTONIC and minimises the timer slack of the calling thread.
 PlayTimer monotonic_timer();
 
 struct PlayOptions {
-  EditRules rules;  ///< what to play, under which names
+  EditRules rules;  ///< selection of events and renaming of channels
   double speed = 1.0;
   bool loops = false;
   bool starts_paused = false;
-  /// Time stamps that lie farther apart, on or back, are broken or a pause that nobody waits out.
+  /// Larger jumps of the time stamps, forward or back, are skipped: damaged stamps or long pauses.
   Duration gap_max = std::chrono::seconds(60);
 };
 
 struct PlayReport {
   std::int64_t published = 0;
-  std::int64_t failed = 0;  ///< the sink did not take
-  int passes = 0;           ///< ends reached
-  /// How late events went out (after the instant that they were due), over all of them.
+  std::int64_t failed = 0;  ///< events that the sink or the renaming refused
+  int passes = 0;           ///< number of times that the end was reached
+  /// Delay between the due time and the publication of an event, over all events.
   double late_mean_us = 0.0;
   double late_worst_us = 0.0;
   std::int64_t late_over_1_ms = 0;
-  std::int64_t gaps = 0;  ///< that were not waited out
+  std::int64_t gaps = 0;  ///< skipped jumps of the time stamps
 };
 
-/// Plays a log into `sink` at its own pace.
+/// Player of a log into `sink` in real time, times the speed.
 class Player {
  public:
-  /// `command` is asked at least every 20 ms; `on_position` is told about as often where it is.
-  /// Where the time stamps jump by more than gap_max, kAfterGap later it goes on behind the jump;
-  /// `on_gap` is told from where to where.
+  /// Polls `command` and calls `on_position` about every 20 ms. If the time stamps jump by more
+  /// than gap_max, playback continues kAfterGap before the event after the jump, and `on_gap`
+  /// receives both ends of the jump.
   Player(const IndexedLog& log, PlayOptions options, PlayTimer timer, EventSink sink);
 
   PlayReport run(const std::function<std::optional<PlayCommand>()>& command,
@@ -67,7 +68,7 @@ class Player {
   static constexpr Duration kAfterGap = std::chrono::milliseconds(500);
 
  private:
-  /// True when the scan must begin anew where the schedule now stands.
+  /// Executes a command. Returns true if the position in the log has changed or playback ends.
   bool obey(const PlayCommand& command);
   void seek(Time position);
   void publish(const LogEvent& event);
@@ -77,7 +78,7 @@ class Player {
   PlayTimer timer_;
   EventSink sink_;
   Time begin_;
-  Time end_;  ///< behind the last event that is played; seeks go no further
+  Time end_;  ///< end of the played range, behind its last event; seeks are limited to it
   PlaySchedule schedule_;
   LogScan scan_;
   std::optional<PlacedEvent> next_;

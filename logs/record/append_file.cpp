@@ -48,7 +48,7 @@ class DiskFile : public AppendFile {
     if (::fdatasync(fd_) != 0) {
       return Error{path_ + ": may not be on the disk: " + reason()};
     }
-    // A file whose name is lost is lost as well.
+    // Sync the folder once as well: without its directory entry the file would be lost.
     if (!std::exchange(is_named_, true)) {
       const int folder = ::open(folder_of(path_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
       const bool is_synced = folder >= 0 && ::fsync(folder) == 0;
@@ -85,7 +85,7 @@ class DiskFile : public AppendFile {
   int fd_;
   std::string path_;
   std::uint64_t size_bytes_;
-  bool is_named_ = false;  ///< its folder's entry is on the disk
+  bool is_named_ = false;  ///< its directory entry is on the disk
 };
 
 }  // namespace

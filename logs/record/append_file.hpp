@@ -12,8 +12,8 @@
 
 namespace vantage::logs {
 
-/// A file that is added to at its end. Each call may wait for the disk, for seconds when that is
-/// slow. Errors name the file and the reason.
+/// File that is only extended at its end. Each call may wait for the disk, for seconds if the disk
+/// is slow. Errors contain the file's name and the reason.
 class AppendFile {
  public:
   AppendFile() = default;
@@ -23,33 +23,34 @@ class AppendFile {
   AppendFile(AppendFile&&) = delete;
   AppendFile& operator=(AppendFile&&) = delete;
 
-  /// Adds the first of `bytes`, one at least; how many. What was added outlives this process.
+  /// Appends a prefix of `bytes` and returns its length, at least 1. Appended bytes survive the end
+  /// of this process.
   virtual Result<std::size_t> append(std::span<const std::uint8_t> bytes) = 0;
-  /// Returns once what was added outlives a power cut, the file's name included; may be called
-  /// while another thread adds.
+  /// Returns once all appended bytes and the file's name would survive a power failure. May be
+  /// called while another thread appends.
   virtual std::optional<Error> sync() = 0;
-  /// Cuts off what lies beyond the first `size_bytes`.
+  /// Truncates the file to `size_bytes`.
   virtual std::optional<Error> cut(std::uint64_t size_bytes) = 0;
   [[nodiscard]] virtual std::uint64_t size_bytes() const = 0;
-  /// What its file system has left for us; nullopt when that cannot be told.
+  /// Returns the free space of the file system for this user; nullopt if unknown.
   [[nodiscard]] virtual std::optional<std::uint64_t> free_bytes() const = 0;
 };
 
-/// What to do with a file that is there already.
+/// Treatment of an existing file.
 enum class Existing { kRefuse, kAppend, kReplace };
 
 using OpenFile =
     std::function<Result<std::unique_ptr<AppendFile>>(const std::string& path, Existing existing)>;
 
-/// Opens, or makes, the file at `path` on this machine.
+/// Opens or creates the file at `path` on this machine.
 Result<std::unique_ptr<AppendFile>> open_append_file(const std::string& path, Existing existing);
 
 /// "lab.lcmlog", 3 → "lab-3.lcmlog".
 std::string numbered_path(const std::string& path, int number);
-/// `path` itself where nothing is there, else the first of its numbered ones from 2 on.
+/// Returns `path` if it does not exist, else its first unused numbered variant from 2 on.
 std::string unused_path(const std::string& path);
 
-/// What is free for a file at `path`, by its file system; nullopt when that cannot be told.
+/// Returns the free space of the file system of `path`; nullopt if unknown.
 std::optional<std::uint64_t> free_bytes_for(const std::string& path);
 
 }  // namespace vantage::logs

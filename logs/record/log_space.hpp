@@ -11,15 +11,15 @@
 
 namespace vantage::logs {
 
-/// What a log grows by for each robot, at most: the lab's 3 robots and 5 targets write 23 kB/s
-/// each, a crowd of 50 robots and 100 targets 57 kB/s.
+/// Upper bound of the growth of a log per robot, B/s. The lab with 3 robots and 5 targets writes 23
+/// kB/s per robot, a team of 50 robots and 100 targets 57 kB/s.
 inline constexpr double kLogBytesPerRobotS = 100e3;
-/// Beyond the trial, for landings.
+/// Time added to the trial for landings, s.
 inline constexpr double kLogSpareS = 60.0;
 
-/// The most that the whole trial's log takes.
+/// Returns the maximum size of the log of a complete trial.
 std::uint64_t log_bytes_needed(const scenario::Scenario& scenario);
-/// Whether a trial's log finds room, and what is free and needed, as one sentence.
+/// Result of comparing free and needed space for a log, with a sentence that states both.
 struct LogRoom {
   bool is_enough = true;
   std::string words;
@@ -27,24 +27,26 @@ struct LogRoom {
 LogRoom room_for_log(const scenario::Scenario& scenario, const std::string& path,
                      std::optional<std::uint64_t> free_bytes);
 
-/// Notices while flying that a log is not written, or soon will not be. Pure.
+/// Monitor that detects during flight that a log is not being written, or soon will not be. It has
+/// no side effects.
 class LogWatch {
  public:
-  static constexpr double kUnwrittenS = 3.0;    ///< something is published each second
-  static constexpr double kNearlyFullS = 60.0;  ///< of flight that still fit
+  /// s without growth; messages are published every second
+  static constexpr double kUnwrittenS = 3.0;
+  static constexpr double kNearlyFullS = 60.0;  ///< s of flight for which space is left
 
-  /// @param bytes_per_s  that the log grows by at most
+  /// @param bytes_per_s  maximum growth of the log
   explicit LogWatch(double bytes_per_s) : bytes_per_s_(bytes_per_s) {}
 
   struct Look {
     std::uint64_t size_bytes = 0;
     std::optional<std::uint64_t> free_bytes;
-    bool is_refused = false;  ///< the recorder says that the disk does not take it
+    bool is_refused = false;  ///< the recorder reports that the disk refuses data
   };
-  /// What is to be told at once; nullopt when nothing has changed.
+  /// Returns a message to be shown immediately; nullopt if nothing has changed.
   std::optional<std::string> look(const Look& look, Time now);
   [[nodiscard]] bool is_written() const { return state_ != State::kUnwritten; }
-  /// What to say of it on HEALTH_LOG.
+  /// Returns the content of HEALTH_LOG.
   [[nodiscard]] models::ProcessHealth health(Time now) const;
 
  private:
@@ -59,7 +61,7 @@ class LogWatch {
   std::int64_t looks_ = 0;
 };
 
-/// The name of the log on HEALTH_<name>.
+/// Process name of the log in HEALTH_<name>.
 inline constexpr const char* kLogHealth = "LOG";
 
 }  // namespace vantage::logs

@@ -14,8 +14,9 @@
 namespace vantage::logs {
 namespace {
 
-constexpr std::size_t kWakeBytes = std::size_t{1} << 20U;  ///< not to wait for write_period
-constexpr std::size_t kNumberAt = 4;                       ///< in an event
+/// wakes the writer before write_period ends
+constexpr std::size_t kWakeBytes = std::size_t{1} << 20U;
+constexpr std::size_t kNumberAt = 4;  ///< offset of the number in an event
 constexpr std::size_t kTimeAt = 12;
 constexpr std::int64_t kNsPerUs = 1'000;
 
@@ -25,7 +26,7 @@ void put_big_endian(std::uint64_t value, std::span<std::uint8_t> event, std::siz
   }
 }
 
-/// The earlier of two instants of which 0 is none.
+/// Returns the earlier of two instants; 0 means none.
 std::int64_t earlier(std::int64_t a_ns, std::int64_t b_ns) {
   return a_ns == 0 ? b_ns : b_ns == 0 ? a_ns : std::min(a_ns, b_ns);
 }
@@ -109,7 +110,7 @@ SpoolReport LogSpool::report() const {
   const std::lock_guard lock(mutex_);
   SpoolReport out = report_;
   out.queue_bytes = queued_.size() + taken_bytes_;
-  // What is at risk now counts before it is safe: a disk that hangs must show.
+  // Data at risk now count before they are synced, so that a hanging disk is visible.
   const std::int64_t since_ns = earlier(earlier(queued_since_ns_, taken_since_ns_),
                                         earlier(unsynced_since_ns_, syncing_since_ns_));
   if (since_ns != 0) {
@@ -160,10 +161,10 @@ void LogSpool::write_loop() {
   file_.reset();
 }
 
-// Events are numbered here, and cut into runs that belong into one file.
+// Numbers the events and splits them into runs that belong to one file.
 void LogSpool::put(std::span<std::uint8_t> events) {
   std::size_t run = 0;
-  std::uint64_t total = bytes_before_ + report_.bytes;  // written by this thread alone
+  std::uint64_t total = bytes_before_ + report_.bytes;  // only this thread writes these values
   for (std::size_t at = 0; at < events.size();) {
     const std::size_t size = event_bytes_at(events, at);
     const std::span<std::uint8_t> event = events.subspan(at, size);
@@ -257,7 +258,7 @@ bool LogSpool::open_next(Time time) {
   return true;
 }
 
-// False when there is no point in trying again: it is to end now.
+// Waits for the next attempt. Returns false if the spool is closing, so that retrying ends.
 bool LogSpool::wait_to_retry(const Error& error) {
   const auto free_bytes = file_->free_bytes();
   Lock lock(mutex_);

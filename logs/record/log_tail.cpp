@@ -13,14 +13,15 @@
 namespace vantage::logs {
 namespace {
 
-// Twice the largest message that LCM's stock settings carry here.
+// Twice the largest message that LCM transports with its default settings.
 constexpr std::size_t kTailBytes = std::size_t{8} << 20U;
 constexpr std::size_t kSearchedBytes = std::size_t{1} << 20U;
 
 using Bytes = std::vector<std::uint8_t>;
 
-// Read, not mapped: what a disk refuses, or somebody cuts meanwhile, is an end here, not a signal.
-// A log that is gone or unreadable ends no flight: nothing then.
+// Reads the file instead of mapping it: a disk error or a concurrent truncation then shortens the
+// result instead of raising a signal. Returns no bytes if the log is missing or unreadable, because
+// that must not end a flight.
 Bytes read_from(const std::string& path, std::uint64_t offset, std::size_t bytes_max) {
   std::ifstream file(path, std::ios::binary);
   Bytes out;

@@ -14,34 +14,35 @@
 
 namespace vantage::logs {
 
-/// Writes an LCM event log in the caller's own time, for what can wait for a disk: trials in
-/// virtual time, parts of other logs. What flies is recorded by a LogSpool.
+/// Synchronous writer of an LCM event log, for callers that may wait for the disk: trials in
+/// virtual time, parts of other logs. Real flights are recorded by a LogSpool.
 ///
-/// Events are kept until 64 KiB of them are together. After the first error nothing more is
-/// written; the file then ends with its last whole event.
+/// Events are buffered up to 64 KiB. After the first error nothing more is written; the file then
+/// ends with its last complete event.
 class LogWriter {
  public:
-  /// @throws StartupError when `path` cannot be written, or is there already and is to be refused.
+  /// @throws StartupError if `path` cannot be written, or if it exists and `existing` is kRefuse.
   explicit LogWriter(const std::string& path, Existing existing = Existing::kRefuse,
                      const OpenFile& open = open_append_file);
-  /// Closes.
+  /// Calls close().
   ~LogWriter();
   LogWriter(const LogWriter&) = delete;
   LogWriter& operator=(const LogWriter&) = delete;
   LogWriter(LogWriter&&) = delete;
   LogWriter& operator=(LogWriter&&) = delete;
 
-  /// False when the event is known not to come into the file; counted.
+  /// Returns false if the event is known to be lost; lost events are counted.
   bool write(Time time, std::string_view channel, std::span<const std::uint8_t> bytes);
-  /// Writes what is kept. Not after close().
+  /// Writes the buffered events. Must not be called after close().
   void flush();
-  /// Writes what is kept; why not everything is in the file, if so. Nothing may be written after.
+  /// Writes the buffered events and closes the file. Returns the error if an event is missing in
+  /// the file. Nothing may be written afterwards.
   std::optional<Error> close();
 
-  /// In the file, or kept for it.
+  /// Returns the number of events in the file or in the buffer.
   [[nodiscard]] std::int64_t events() const { return events_; }
   [[nodiscard]] std::int64_t events_lost() const { return events_lost_; }
-  /// Why nothing is written any more, with the file's name; nullopt while all is.
+  /// Returns the error that ended the writing, with the file's name; nullopt if there was none.
   [[nodiscard]] const std::optional<Error>& error() const { return error_; }
 
  private:

@@ -15,15 +15,16 @@
 
 namespace vantage::logs {
 
-/// Hands everything that `endpoint` hears on channels of a filter to a log, stamped with the
-/// stack's clock. Connect it before anyone publishes: then the first event is the first message.
+/// Recorder that passes all messages which `endpoint` receives on selected channels to a log,
+/// stamped with the stack's clock. Create it before any process publishes, so that the first event
+/// is the first message.
 class Recorder {
  public:
-  /// False when the event is lost.
+  /// Function that records one event. Returns false if the event is lost.
   using Log =
       std::function<bool(Time, std::string_view channel, std::span<const std::uint8_t> data)>;
 
-  /// Both must outlive the endpoint's last handle().
+  /// `endpoint` and `clock` must outlive the endpoint's last handle().
   Recorder(bus::Transport& endpoint, const bus::Clock& clock, Log log, ChannelFilter channels = {});
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
@@ -32,8 +33,8 @@ class Recorder {
   ~Recorder() = default;
 
   [[nodiscard]] std::int64_t heard() const { return heard_; }
-  /// Messages on channels with control characters in their names, which nobody could tell from
-  /// damage in a log; not recorded.
+  /// Returns the number of messages that were not recorded because their channel is not
+  /// is_event_channel(). In a log they could not be distinguished from damage.
   [[nodiscard]] std::int64_t names_refused() const { return names_refused_; }
 
  private:
@@ -43,10 +44,10 @@ class Recorder {
   std::int64_t names_refused_ = 0;
 };
 
-/// The process that records a bus: HEALTH_RECORDER says how its log is.
+/// Process that records a bus and reports the state of its log on HEALTH_RECORDER.
 class RecorderNode : public bus::Node {
  public:
-  /// @param tell  hears of every trouble with the log, and of its end, at once
+  /// @param tell  called immediately for every failure of the log and for its end
   RecorderNode(bus::Transport& transport, const bus::Clock& clock, LogSpool& spool,
                ChannelFilter channels, std::function<void(const std::string&)> tell);
 
@@ -54,7 +55,7 @@ class RecorderNode : public bus::Node {
   [[nodiscard]] Time next_tick() const override { return next_tick_; }
   void tick(Time now) override;
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
-  /// What changes without anything being wrong.
+  /// Returns the counters that change in normal operation.
   [[nodiscard]] std::vector<models::NamedCount> traffic() const;
   [[nodiscard]] std::int64_t heard() const { return recorder_.heard(); }
 

@@ -1,7 +1,7 @@
 #!/bin/bash
-# record.sh [VANTAGE]: records lab_60s.lcmlog.xz anew with the release build, or another, which makes
-# the same bytes, and replays it. Needed when planner or estimator decide otherwise than before (the
-# test tools.sample_replays says so).
+# record.sh [VANTAGE]: records lab_60s.lcmlog.xz again with the release build or with VANTAGE (any
+# build gives the same bytes) and replays it. Needed after a change of the planner's or estimator's
+# decisions; the test tools.sample_replays then fails.
 set -euo pipefail
 cd "$(dirname "$0")"
 vantage=$(realpath "${1:-../../build/release/bin/vantage}")

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::array<std::string_view, 9> kBasic = {
     "int8_t", "int16_t", "int32_t", "int64_t", "byte", "float", "double", "string", "boolean"};
-constexpr std::string_view kSingle = "();\",:'[]{}=";  // a token of its own each
+constexpr std::string_view kSingle = "();\",:'[]{}=";  // each is a token on its own
 
 bool is_word(std::string_view token) {
   return !token.empty() &&
@@ -125,7 +125,7 @@ class Parser {
     return static_cast<std::int32_t>(size);
   }
 
-  // Says nothing of what is on the wire.
+  // Skips an enum: it does not affect the wire format.
   void skip_enum() {
     static_cast<void>(name("an enum"));
     expect("{");
@@ -186,7 +186,7 @@ class Parser {
     throw StartupError(path_ + ":" + std::to_string(line_) + ": " + why);
   }
 
-  /// token_ becomes the next one, empty at the end.
+  /// Advances token_ to the next token; empty at the end.
   void advance() {
     skip_blanks();
     token_line_ = next_line_;
@@ -228,11 +228,12 @@ class Parser {
   std::string_view left_;
   const std::string& path_;
   std::string_view token_;
-  std::size_t next_line_ = 1;   ///< of what is left
-  std::size_t token_line_ = 1;  ///< of token_
-  std::size_t line_ = 1;        ///< of the token that was taken last
+  std::size_t next_line_ = 1;   ///< line of the unread text
+  std::size_t token_line_ = 1;  ///< line of token_
+  std::size_t line_ = 1;        ///< line of the token that was taken last
   std::string package_;
-  std::map<std::string, std::pair<std::string, std::string>> constants_;  ///< of this struct
+  /// type and value by name, of this struct
+  std::map<std::string, std::pair<std::string, std::string>> constants_;
   std::vector<LcmStruct> structs_;
 };
 

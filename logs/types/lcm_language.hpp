@@ -6,21 +6,22 @@
 #include <string_view>
 #include <vector>
 
-// The language of .lcm files, as lcm-gen reads it. Pure.
+// Parser of .lcm files that follows lcm-gen. Free of side effects.
 // Source: LCM's type specification; the grammar of lcm-gen 1.3.1, and constants as array sizes as
 // 1.4 has them.
 
 namespace vantage::logs {
 
-/// One dimension of an array: of constant size, or as long as an earlier member says.
+/// One dimension of an array: its size is constant or the value of an earlier member.
 struct LcmDimension {
-  std::string size;  ///< as it is written; of a named constant its value as it is written
+  /// text of the size in the source; a named constant is replaced by the text of its value
+  std::string size;
   std::int32_t constant = 0;
-  std::int32_t member = -1;  ///< index of the member that says how long; −1: constant
+  std::int32_t member = -1;  ///< index of the member that contains the size; −1: constant
 };
 
 struct LcmMember {
-  std::string type;  ///< a basic one, or the whole name of a struct: "package.name_t"
+  std::string type;  ///< basic type, or full name of a struct: "package.name_t"
   std::string name;
   std::vector<LcmDimension> dimensions;
 };
@@ -28,14 +29,14 @@ struct LcmMember {
 struct LcmStruct {
   std::string name;  ///< with its package
   std::vector<LcmMember> members;
-  std::size_t line = 0;  ///< where it begins, from 1
+  std::size_t line = 0;  ///< first line in the file, from 1
 };
 
-/// True for a type that the language has itself: "double", "string", …
+/// True for a built-in type of the language: "double", "string", …
 bool is_basic_lcm_type(std::string_view type);
 
-/// The structs of a .lcm file, in its order. `path` is for messages only.
-/// @throws StartupError "PATH:LINE: what" where lcm-gen would refuse it, too.
+/// Returns the structs of a .lcm file in file order. `path` is used in messages only.
+/// @throws StartupError "PATH:LINE: reason" for files that lcm-gen refuses, too.
 std::vector<LcmStruct> parse_lcm(std::string_view text, const std::string& path);
 
 }  // namespace vantage::logs

@@ -24,7 +24,7 @@ constexpr std::size_t kFingerprintBytes = 8;
 struct Basic {
   WireKind kind;
   WireNumber number;
-  std::int32_t bytes;  ///< of a string: its length and its NUL
+  std::int32_t bytes;  ///< smallest size; of a string: its length field and its NUL
 };
 
 Basic basic(const std::string& type) {
@@ -41,7 +41,7 @@ Basic basic(const std::string& type) {
   return kTypes.at(type);
 }
 
-/// Of a struct alone, without what its members' structs are made of. Its name is not in it.
+/// Returns the hash of the struct alone: without nested structs and without its name.
 /// Source: lcm-gen's hash of a struct, 64 bits, the shift to the right of a signed number.
 std::uint64_t own_hash(const LcmStruct& source) {
   std::uint64_t hash = 0x12345678;
@@ -169,7 +169,7 @@ void TypeLibrary::lay_out(Layout& layout) {
   layout.schema = {layout.source.name, layout.fields};
 }
 
-// A struct that holds itself counts as 0 there.
+// A struct that contains itself contributes 0 at the inner occurrence.
 std::uint64_t TypeLibrary::hash_of(const Layout& layout,
                                    std::vector<const Layout*>& parents) const {
   if (std::find(parents.begin(), parents.end(), &layout) != parents.end()) {

@@ -14,24 +14,26 @@
 
 namespace vantage::logs {
 
-/// The message types that can be read: the house's own, and those of .lcm files that a person gives
-/// for what others publish.
+/// Message types that can be decoded: vantage's own types, and types from .lcm files that the user
+/// provides for other publishers.
 class TypeLibrary {
  public:
-  /// The house's types alone.
+  /// Contains vantage's own types only.
   TypeLibrary() = default;
-  /// And those of `paths`: .lcm files, or folders, which are searched with all that is in them.
-  /// @throws StartupError for a path that is not there or has no type, a file that breaks the
-  /// language ("PATH:LINE: why"), a member of a type that no file has, two types of one name.
+  /// Contains vantage's types and those of `paths`: .lcm files, or folders (searched recursively).
+  /// @throws StartupError if a path does not exist or contains no .lcm file, if a file breaks the
+  /// language ("PATH:LINE: reason"), if the type of a member is in no file, or if two different
+  /// types have one name.
   explicit TypeLibrary(const std::vector<std::string>& paths);
 
-  /// The type whose fingerprint `message` begins with, of two with one layout the house's, else
-  /// that of the name first in the alphabet; nullptr when there is none.
+  /// Returns the type whose fingerprint is at the start of `message`; nullptr if there is none. If
+  /// several types have the same layout, vantage's own type wins, then the first name in
+  /// alphabetical order.
   [[nodiscard]] const bus::WireSchema* find(std::span<const std::uint8_t> message) const;
 
-  /// How many types the files have.
+  /// Returns the number of types from files.
   [[nodiscard]] std::size_t size() const { return structs_.size(); }
-  /// The fingerprint of `type` ("package.name_t") of the files; nullopt for any other.
+  /// Returns the fingerprint of `type` ("package.name_t") if it comes from a file, else nullopt.
   [[nodiscard]] std::optional<std::uint64_t> fingerprint(const std::string& type) const;
 
  private:
