@@ -14,10 +14,10 @@
 namespace vantage::logs {
 namespace {
 
-/// wakes the writer before write_period ends
+/// Size that wakes the writer before write_period ends.
 constexpr std::size_t kWakeBytes = std::size_t{1} << 20U;
 constexpr std::size_t kNumberAt = 4;  ///< offset of the number in an event
-constexpr std::size_t kTimeAt = 12;
+constexpr std::size_t kTimeAt = 12;   ///< offset of the time in an event
 constexpr std::int64_t kNsPerUs = 1'000;
 
 void put_big_endian(std::uint64_t value, std::span<std::uint8_t> event, std::size_t at) {

@@ -12,14 +12,14 @@
 #include "core/check.hpp"
 #include "core/pose.hpp"
 
-// What the parts of the module share. Whatever may take longer than some microseconds runs with the
-// interpreter's lock released and an own mutex held, which is never waited for under that lock.
+// Shared parts of the module's bindings. Work longer than a few microseconds runs without the
+// interpreter's lock and with a separate mutex. Never wait for that mutex while holding the lock.
 
 namespace vantage::python {
 
 namespace py = pybind11;
 
-/// C-ordered, converted when it is not: what is asked for as an argument.
+/// C-ordered array argument; other arrays are converted.
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 void bind_planning(py::module_& module);
@@ -30,20 +30,20 @@ void bind_logs(py::module_& module);
 void bind_models(py::module_& module);
 void bind_env(py::module_& module);
 
-/// `value` as JSON text, numpy's numbers and arrays among it. @throws TypeError of Python.
+/// Returns `value` as JSON text; numpy numbers and arrays are allowed. @throws TypeError of Python.
 inline std::string json_text(const py::object& value) {
   return py::cast<std::string>(py::module_::import("vantage._arguments").attr("to_json")(value));
 }
-/// What `text` says. The reverse.
+/// Parses JSON text; the inverse of json_text().
 inline py::object from_json(const std::string& text) {
   return py::module_::import("json").attr("loads")(text);
 }
-/// The path that a str or os.PathLike names.
+/// Returns the path in a str or os.PathLike.
 inline std::string path_text(const py::object& path) {
   return py::cast<std::string>(py::module_::import("os").attr("fspath")(path));
 }
 
-/// @throws ValueError unless `array` has this shape; −1: any.
+/// @throws ValueError unless `array` has this shape; −1 allows any size.
 inline void require_shape(const Doubles& array, const std::vector<py::ssize_t>& shape,
                           const char* name) {
   bool fits = array.ndim() == static_cast<py::ssize_t>(shape.size());
@@ -57,7 +57,7 @@ inline void require_shape(const Doubles& array, const std::vector<py::ssize_t>& 
   }
 }
 
-/// What `word` names. @throws UsageError with the names that there are.
+/// Returns the value of `word`. @throws UsageError that lists the valid names.
 template <class Kind>
 Kind kind_of(const std::string& word, const std::map<std::string, Kind>& kinds,
              const char* argument = "kind") {
@@ -86,7 +86,7 @@ py::array_t<double> array_of(const Vector& vector) {
   return out;
 }
 
-/// Rows × columns.
+/// Converts to an array (rows, columns).
 template <class Matrix>
 py::array_t<double> matrix_array(const Matrix& matrix) {
   py::array_t<double> out(
@@ -100,7 +100,7 @@ py::array_t<double> matrix_array(const Matrix& matrix) {
   return out;
 }
 
-/// (n, 3): x, y, yaw.
+/// Converts to an array (n, 3): x, y in m, yaw in rad.
 inline py::array_t<double> poses_array(const std::vector<Pose2>& poses, std::size_t count) {
   py::array_t<double> out({static_cast<py::ssize_t>(count), py::ssize_t{3}});
   auto view = out.mutable_unchecked<2>();

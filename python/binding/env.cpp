@@ -17,7 +17,7 @@
 namespace vantage::python {
 namespace {
 
-// Takes what it knows out of `options`; finish() refuses the rest by name.
+// Reader of named options from a dict. finish() throws for names that were not taken.
 class Options {
  public:
   explicit Options(const py::dict& options) : left_(options.attr("copy")()) {}
@@ -172,7 +172,7 @@ const TeamTask& task_at(const VectorTask& tasks, std::size_t index) {
   return tasks.task(index);
 }
 
-// What is known and, of how wrong that is, the truth: of one task, for pictures and tests.
+// Returns the knowledge of one task and its true errors, for pictures and tests.
 // long: one key after another.
 py::dict state_of(const Tasks& tasks, std::size_t index) {
   struct State {
@@ -248,7 +248,7 @@ class Baseline {
   Baseline(const std::shared_ptr<Tasks>& tasks, const TeamPlannerSpec& spec)
       : tasks_(tasks), planner_(make_team_planner(tasks->first(), spec)) {}
 
-  // [robot][step], as lists of different lengths.
+  // Returns controls by [robot][step]; the lists may have different lengths.
   std::vector<std::vector<std::int64_t>> plan(std::size_t index) {
     return tasks_->alone(
         [&](const VectorTask& all) { return planner_->plan(task_at(all, index)); });

@@ -14,7 +14,7 @@ constexpr std::int64_t kEvery_ns = 50'000'000;
 
 thread_local Interruption* innermost = nullptr;
 
-// To some milliseconds, but cheap: searches ask at each node.
+// Coarse to a few milliseconds but cheap, because searches call it at each node.
 std::int64_t coarse_ns() {
   timespec now{};
   ::clock_gettime(CLOCK_MONOTONIC_COARSE, &now);
@@ -38,7 +38,7 @@ bool Interruption::came() {
     return self != nullptr && self->came_;
   }
   const py::gil_scoped_acquire lock;
-  self->came_ = PyErr_CheckSignals() != 0;  // what was raised waits for rethrow()
+  self->came_ = PyErr_CheckSignals() != 0;  // the exception is kept until rethrow()
   self->next_ns_ = coarse_ns() + kEvery_ns;
   return self->came_;
 }

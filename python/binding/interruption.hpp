@@ -4,9 +4,10 @@
 
 namespace vantage::python {
 
-/// Ctrl-C, and whatever else Python's signal handlers are for, during work without the
-/// interpreter's lock. Made under that lock by the thread that works, while it works; in the main
-/// thread, which alone hears signals, the lock is then taken each 50 ms, for the handlers to run.
+/// Checks for Ctrl-C and other Python signals during work without the interpreter's lock. Create it
+/// under that lock in the working thread; it must live as long as the work. Python handles signals
+/// only in its main thread. There came() acquires the lock every 50 ms and runs the handlers; other
+/// threads never stop.
 class Interruption {
  public:
   Interruption();
@@ -16,13 +17,14 @@ class Interruption {
   Interruption(Interruption&&) = delete;
   Interruption& operator=(Interruption&&) = delete;
 
-  /// For Deadline::unless: whether a handler has raised since this thread's last one was made.
+  /// True if a handler has raised since the newest object of this thread was created. For
+  /// Deadline::unless.
   static bool came();
-  /// Under the lock, when the work has ended. @throws what the handler raised
+  /// Must be called under the lock after the work. @throws the exception of the handler, if any
   void rethrow() const;
 
  private:
-  Interruption* outer_;  ///< of the same thread: a handler may plan, too
+  Interruption* outer_;  ///< previous object of the same thread: a handler may start a plan, too
   std::int64_t next_ns_;
   bool came_ = false;
 };

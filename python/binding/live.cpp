@@ -24,13 +24,13 @@
 namespace vantage::python {
 namespace {
 
-// Channels of others may have any bytes in their names.
+// Decodes a channel name. Names of foreign channels may contain any bytes.
 py::str text_of(std::string_view name) {
   return py::reinterpret_steal<py::str>(
       PyUnicode_DecodeUTF8(name.data(), static_cast<Py_ssize_t>(name.size()), "surrogateescape"));
 }
 
-// Bytes under channel names; vantage.live makes messages of them.
+// Transport of bytes by channel name; vantage.live converts them to messages.
 class LiveBus {
  public:
   LiveBus(const std::string& url, std::shared_ptr<Scenario> scenario)
@@ -50,7 +50,8 @@ class LiveBus {
   LiveBus(LiveBus&&) = delete;
   LiveBus& operator=(LiveBus&&) = delete;
 
-  // With the bus to itself, without the interpreter's lock; a handler may publish.
+  // Calls `action` with exclusive access to the bus, without the interpreter's lock. The mutex is
+  // recursive because a handler may publish.
   template <class Action>
   auto alone(const Action& action) {
     const py::gil_scoped_release release;
@@ -123,7 +124,7 @@ class LiveBus {
     ~Handling() { flag = false; }
   };
 
-  // What may be believed of a message, its signature taken off; nullopt: nothing.
+  // Returns the payload of an accepted message without its signature; nullopt if it is rejected.
   std::optional<std::span<const std::uint8_t>> opened(std::string_view channel,
                                                       std::span<const std::uint8_t> bytes) {
     if (!authenticator_) {

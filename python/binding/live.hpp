@@ -4,7 +4,7 @@
 
 namespace vantage::python {
 
-/// vantage.live: the running system's channels.
+/// Adds vantage.live: the channels of the running system.
 void bind_live(pybind11::module_& module);
 
 }  // namespace vantage::python

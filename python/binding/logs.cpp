@@ -15,7 +15,7 @@
 namespace vantage::python {
 namespace {
 
-// A numpy array that owns what was a vector: nothing is copied.
+// Returns a numpy array that takes over the vector's memory without a copy.
 template <class Number>
 py::array owning_array(std::vector<Number>&& values, const std::vector<std::size_t>& item_shape,
                        const py::dtype& type) {
@@ -46,7 +46,7 @@ py::object column_array(logs::LogColumn& column) {
   const auto& texts = std::get<std::vector<std::string>>(column.values);
   py::list list(texts.size());
   for (std::size_t i = 0; i < texts.size(); ++i) {
-    // Names on a network need not be UTF-8; what is not comes back as it was by surrogateescape.
+    // Names from a network may not be UTF-8; surrogateescape preserves their bytes.
     list[i] = py::reinterpret_steal<py::object>(PyUnicode_DecodeUTF8(
         texts[i].data(), static_cast<py::ssize_t>(texts[i].size()), "surrogateescape"));
   }
@@ -57,7 +57,7 @@ class Log {
  public:
   explicit Log(const std::string& path) : log_(path) {}
 
-  // (type name or None, messages, first utime, last utime, bytes) by channel, of this pass.
+  // Returns (type name or None, messages, first utime, last utime) by channel. Reads the whole log.
   py::dict channels() const {
     struct Seen {
       const bus::WireSchema* type = nullptr;
@@ -95,7 +95,7 @@ class Log {
     return out;
   }
 
-  // (columns, offsets, log_utime, type name) of one channel.
+  // Returns (columns, offsets, parents, log_utime, type name, refused) of one channel.
   py::tuple read(const std::string& channel, std::optional<std::int64_t> from_utime_us,
                  std::optional<std::int64_t> to_utime_us) const {
     std::unique_ptr<logs::LogColumns> columns;

@@ -206,7 +206,7 @@ TargetModel("damped_oscillator", center_m, position_sigma_m, velocity_sigma_mps,
           py::arg("dt_s"), py::arg("steps_unseen") = 1, "W, (n, n).");
 }
 
-// long: a list of what Python sees, one entry a name.
+// long: a list of the Python names, one entry each.
 void bind_sensor(py::module_& module) {
   py::class_<SensorModel> sensor(module, "SensorModel",
                                  R"(One of the stack's sensors, z = h(x, y) + v.

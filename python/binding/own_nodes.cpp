@@ -13,7 +13,7 @@
 
 namespace vantage::python {
 
-// The owner is freed under the interpreter's lock, whoever is the last to let go.
+// The deleter acquires the interpreter's lock, whichever thread releases the last reference.
 KeptFunction kept(const py::function& function) {
   return {new py::function(function), [](py::function* each) {
             const py::gil_scoped_acquire acquire;

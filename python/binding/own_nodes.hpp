@@ -12,16 +12,16 @@
 #include "python/binding/bind.hpp"
 #include "scenario/scenario.hpp"
 
-// What somebody writes in Python and flies in a trial. Called by the trial's thread, without the
-// interpreter's lock, which each takes for as long as it calls.
+// Sensors, filters and planners of a trial that are Python functions. The trial's thread runs them
+// without the interpreter's lock; each acquires the lock for its calls.
 
 namespace vantage::python {
 
-/// A Python function that may be copied and freed without the interpreter's lock.
+/// Python function that may be copied and freed without the interpreter's lock.
 using KeptFunction = std::shared_ptr<py::function>;
 KeptFunction kept(const py::function& function);
 
-/// What a sensor says of a frame.
+/// Sensor whose detections come from a Python function.
 class PythonSensor {
  public:
   PythonSensor(const scenario::Scenario& scenario, const std::string& robot, KeptFunction look);
@@ -35,7 +35,7 @@ class PythonSensor {
   std::map<std::string, int> ids_;
 };
 
-/// What a filter believes of the targets after the looks of a step.
+/// Filter whose beliefs, after the scans of a step, come from a Python function.
 class PythonFilter {
  public:
   PythonFilter(const scenario::Scenario& scenario, KeptFunction filter);
@@ -45,10 +45,10 @@ class PythonFilter {
  private:
   KeptFunction filter_;
   Eigen::Index dim_ = 0;
-  std::map<int, Time> last_seen_;  ///< newest look at each target
+  std::map<int, Time> last_seen_;  ///< time of the newest scan of each target
 };
 
-/// Answers one robot's EXTERNAL_REQUEST_R by what a function makes of it.
+/// Node that answers one robot's EXTERNAL_REQUEST_R with the result of a Python function.
 class PythonPlannerNode : public bus::Node {
  public:
   PythonPlannerNode(bus::Bus& bus, const scenario::Scenario& scenario, const std::string& robot,
@@ -59,7 +59,7 @@ class PythonPlannerNode : public bus::Node {
 
  private:
   void answer(const models::RobotPlan& question);
-  /// What the function is asked. Under the interpreter's lock.
+  /// Returns the function's argument. Requires the interpreter's lock.
   [[nodiscard]] py::dict question_dict(const models::RobotPlan& question) const;
 
   bus::Bus& bus_;

@@ -20,7 +20,7 @@ namespace {
 using planner::SearchResult;
 using tools::PlanOutcome;
 
-// What a plan says, apart from the problem it was made for.
+// A plan, independent of the lifetime of its problem.
 struct Plan {
   PlanOutcome outcome;
   int horizon_steps = 0;
@@ -162,7 +162,7 @@ double gap_of(const Plan& plan) {
                           : std::numeric_limits<double>::infinity();
 }
 
-// long: a list of what Python sees, one entry a name.
+// long: a list of the Python names, one entry each.
 void bind_problem(py::module_& module) {
   py::class_<Problem>(module, "Problem",
                       R"(One robot's planning problem: docs/guide/planning-problems.md.
@@ -231,7 +231,7 @@ they are clear.)")
       });
 }
 
-// long: a list of what Python sees, one entry a name.
+// long: a list of the Python names, one entry each.
 void bind_plan(py::module_& module) {
   const auto integer = [](std::int64_t SearchResult::*member) {
     return [member](const Plan& p) { return p.result().*member; };

@@ -14,11 +14,11 @@
 
 namespace vantage::python {
 
-/// A mutex that refuses, rather than wait for itself, the thread that holds it: a signal's handler
-/// that asks for what was interrupted.
+/// Mutex that throws instead of deadlocking if its own thread locks it again. This happens when a
+/// signal handler uses the object whose work it interrupted.
 class WorkMutex {
  public:
-  /// @throws UsageError in the thread that holds it
+  /// @throws UsageError in the thread that already holds it
   void lock() {
     require(holder_ != std::this_thread::get_id(),
             "what this thread is at work on may not be used by a signal's handler");
@@ -35,21 +35,21 @@ class WorkMutex {
   std::atomic<std::thread::id> holder_;
 };
 
-/// What Python's vantage.Problem holds: a problem and who is at work on it.
+/// Value of Python's vantage.Problem: a problem and a mutex for its users.
 class Problem {
  public:
   Problem(tools::PlanningProblem planning, std::string source)
       : planning_(std::move(planning)), source_(std::move(source)) {}
 
-  /// Calls `action` with the problem to itself, without the interpreter's lock.
+  /// Calls `action` with exclusive access to the problem, without the interpreter's lock.
   template <class Action>
   auto alone(const Action& action) const {
     const py::gil_scoped_release release;
     const std::lock_guard lock(mutex_);
     return action(planning_);
   }
-  /// Lets `action` change the problem. @throws UsageError when it then breaks a rule: it has not
-  /// changed.
+  /// Lets `action` change the problem. @throws UsageError if the result breaks a rule; the problem
+  /// is then unchanged.
   template <class Action>
   void change(const Action& action) {
     const py::gil_scoped_release release;
@@ -74,13 +74,14 @@ class Problem {
   std::string source_;
 };
 
-/// What Python's vantage.Planner holds: a search with its memory, one problem at a time. Called
+/// Value of Python's vantage.Planner: a search with its memory, for one problem at a time. Called
 /// without the interpreter's lock.
 class Planner {
  public:
   explicit Planner(const tools::PlanRequest& request) : solver_(request) {}
 
-  /// By the deadline, or sooner when an Interruption of the calling thread comes.
+  /// Returns the result at the deadline, or earlier if an Interruption of the calling thread
+  /// occurs.
   tools::PlanOutcome solve(const planner::SearchProblem& problem);
   void prepare(const planner::SearchProblem& problem);
 

@@ -31,7 +31,7 @@ std::shared_ptr<Scenario> scenario_of(const py::object& source) {
 
 }  // namespace
 
-// long: a list of what Python sees, one entry a name.
+// long: a list of the Python names, one entry each.
 void bind_scenario(py::module_& module) {
   py::class_<Scenario, std::shared_ptr<Scenario>>(module, "Scenario",
                                                   R"(A trial as one file says it.

@@ -7,10 +7,10 @@
 
 namespace vantage::python {
 
-/// What Python's vantage.Scenario holds: it never changes, so that trials may share it.
+/// Value of Python's vantage.Scenario. It is immutable, so trials can share it.
 struct Scenario {
   scenario::Scenario value;
-  std::string source;  ///< file, or what stands for it in messages
+  std::string source;  ///< file, or its substitute in messages
 };
 
 }  // namespace vantage::python

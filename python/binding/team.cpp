@@ -21,7 +21,7 @@ namespace vantage::python {
 namespace {
 
 using Costs = std::map<std::string, double>;
-using TeamCosts = std::variant<Costs, std::vector<Costs>>;  // one for all, or one a robot
+using TeamCosts = std::variant<Costs, std::vector<Costs>>;  // one for all robots, or one per robot
 
 planner::EnergyModel energy_of(const Costs& costs) {
   planner::EnergyModel energy;
@@ -58,7 +58,7 @@ planner::InformationMeasure measure_of(const std::string& word) {
   return kind_of(word, kMeasures, "measure");
 }
 
-// What points into it, a problem's world, lives as long as `kept`.
+// Returns the problems. `kept` keeps the objects alive whose worlds the problems refer to.
 std::vector<planner::SearchProblem> problems_of(const py::sequence& sources, py::list& kept) {
   std::vector<planner::SearchProblem> problems;
   for (const py::handle each : sources) {
@@ -90,7 +90,7 @@ std::unique_ptr<Decision> decided(std::vector<planner::SearchProblem> problems, 
   return decision;
 }
 
-// One entry a robot: of(what it was given), of nothing where it was given nothing.
+// Returns a list of of(chosen candidate) per robot; for a robot without a choice, of an empty one.
 template <class Of>
 py::list per_robot(const Decision& decision, const Of& of) {
   static const planner::Candidate kNothing;
@@ -122,7 +122,7 @@ py::list candidates_of(const Decision& decision) {
   return out;
 }
 
-// long: a list of what Python sees, one entry a name.
+// long: a list of the Python names, one entry each.
 void bind_decision(py::module_& module) {
   py::class_<Decision>(module, "Decision",
                        "What a team decided: one entry a robot, in the order of the problems.")
@@ -198,7 +198,7 @@ a million. None: nothing is known (of targets in space, say).)")
 
 }  // namespace
 
-// long: a list of what Python sees, one entry a name.
+// long: a list of the Python names, one entry each.
 void bind_team(py::module_& module) {
   bind_decision(module);
   module.def(

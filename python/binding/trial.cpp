@@ -26,7 +26,8 @@ namespace {
 
 using Functions = std::map<std::string, py::function>;  // by robot
 
-// As it is run: with a node budget, and by other planners than its own if there are any.
+// Returns the scenario with a node budget, and for external planners with planner.algorithm
+// external.
 std::shared_ptr<Scenario> as_run(const std::shared_ptr<Scenario>& scenario, bool has_planners) {
   scenario::Overrides overrides;
   if (scenario->value.planner.node_budget <= 0) {
@@ -91,7 +92,7 @@ class Trial {
 
   ~Trial() {
     const py::gil_scoped_release release;
-    trial_.reset();  // ends the log
+    trial_.reset();  // closes the log
   }
   Trial(const Trial&) = delete;
   Trial& operator=(const Trial&) = delete;
@@ -121,7 +122,7 @@ class Trial {
     }
   }
 
-  // Calls `action` with the trial to itself, without the interpreter's lock.
+  // Calls `action` with exclusive access to the trial, without the interpreter's lock.
   template <class Action>
   auto alone(const Action& action) const {
     const py::gil_scoped_release release;
@@ -143,13 +144,13 @@ class Trial {
     ~AtWork() { flag = false; }
   };
   std::shared_ptr<Scenario> scenario_;
-  mutable std::recursive_mutex
-      mutex_;  ///< a sensor of Python's may look at the trial it is part of
+  /// recursive: a Python sensor may query the trial that it is part of
+  mutable std::recursive_mutex mutex_;
   std::atomic<bool> is_at_work_ = false;
   std::unique_ptr<trial::Trial> trial_;
 };
 
-// Poses of the newest TRUTH: robots (−1) or targets, in the scenario's order.
+// Returns the poses of the newest TRUTH, of robots or of targets, in the scenario's order.
 py::array_t<double> truth_array(const Trial& trial, bool of_targets) {
   const auto truth = trial.alone([](trial::Trial& t) { return t.observer().truth(); });
   const scenario::Scenario& scenario = trial.scenario()->value;
@@ -271,7 +272,7 @@ py::dict map_dict(const models::RobotMap& map, Time start) {
 
 }  // namespace
 
-// long: a list of what Python sees, one entry a name.
+// long: a list of the Python names, one entry each.
 void bind_trial(py::module_& module) {
   py::class_<Trial>(module, "Trial",
                     R"(One trial in virtual time: simulator, sensors, estimators, planners.

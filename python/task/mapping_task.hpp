@@ -10,21 +10,21 @@
 
 namespace vantage::python {
 
-/// A team that explores: it maps a world of which it knows nothing but the walls around it. The
-/// defaults are the source's (dissertation 4 F.2) with fewer robots.
+/// Exploration by a team that initially knows only the outer walls of its world. The defaults are
+/// those of dissertation 4 F.2 with fewer robots.
 struct MappingTaskSpec {
   int robots = 2;
   std::string world = "pillars";  ///< or "corridors"
   double side_m = 16.0;
-  int patch_cells = 32;  ///< side of the part of the map around a robot that it is told
+  int patch_cells = 32;  ///< side of the observed part of the map around a robot, cells
   int episode_steps = 100;
   JammerSpec jammer;
 };
 
-/// Reward: nats that the map's entropy fell by. A robot drives as far as the world allows.
+/// Mapping task. Reward: decrease of the map's entropy, nats. Robots stop at obstacles.
 class MappingTask final : public TeamTask {
  public:
-  /// @throws UsageError for a spec that makes no sense, naming the rule.
+  /// @throws UsageError for an invalid spec, with the rule.
   explicit MappingTask(const MappingTaskSpec& spec);
 
   [[nodiscard]] int actions() const override {
@@ -39,20 +39,20 @@ class MappingTask final : public TeamTask {
   [[nodiscard]] double entropy_nats() const override { return entropy_nats_; }
 
   [[nodiscard]] const experiments::MappingSetup& setup() const { return setup_; }
-  /// Of this episode. Precondition: reset() was called.
+  /// Returns the world of the current episode. Precondition: reset() was called.
   [[nodiscard]] const experiments::MappedWorld& ground() const { return *ground_; }
 
  private:
   void on_reset(std::uint64_t seed) override;
   double on_step(std::span<const std::int64_t> actions) override;
   void look();
-  /// Brings cell_nats_ up to date within the reach of `robot`; by how much the entropy fell.
+  /// Updates cell_nats_ within the range of `robot`. Returns the decrease of the entropy, nats.
   double learn_around(std::size_t robot);
 
   MappingTaskSpec spec_;
   experiments::MappingSetup setup_;
   std::optional<experiments::MappedWorld> ground_;
-  std::vector<double> cell_log_odds_;  ///< that cell_nats_ is of
+  std::vector<double> cell_log_odds_;  ///< log-odds for which cell_nats_ was computed
   std::vector<double> cell_nats_;
   double entropy_nats_ = 0.0;
   std::vector<int> attacked_;

@@ -9,11 +9,11 @@
 #include "core/pose.hpp"
 #include "models/world/world.hpp"
 
-// What both tasks tell a robot of itself and its teammates.
+// Parts of an observation that both tasks share: the robot itself and its teammates.
 
 namespace vantage::python {
 
-/// Writes an observation entry by entry, each kept in [−1, 1].
+/// Writer of an observation, entry by entry, each clamped to [−1, 1].
 class ObservationWriter {
  public:
   explicit ObservationWriter(std::span<float> out) : out_(out) {}
@@ -27,9 +27,9 @@ class ObservationWriter {
 inline constexpr int kSelfEntries = 5;
 inline constexpr int kTeammateEntries = 4;
 
-/// Self: x, y about the world's middle in halves of its sides, cos and sin of the yaw, jammed (1)
-/// or not (0). Then each teammate: its place in the body frame in diagonals of the world, cos and
-/// sin of its heading from there.
+/// Appends the robot itself: x, y relative to the world's centre in half side lengths, cos and sin
+/// of the yaw, jammed (1) or not (0). Then for each teammate: position in the body frame in
+/// diagonals of the world, cos and sin of the heading in that frame.
 inline void add_team(ObservationWriter& out, const models::Rectangle& bounds,
                      const std::vector<Pose2>& poses, std::size_t robot, bool is_jammed) {
   const Eigen::Vector2d middle_m = 0.5 * (bounds.min_m + bounds.max_m);

@@ -67,7 +67,8 @@ void ParallelFor::share(std::unique_lock<std::mutex>& lock) {
 }
 
 void ParallelFor::run(std::size_t count, const std::function<void(std::size_t)>& body) {
-  constexpr std::size_t kPiecesEach = 4;  // so that a slow one does not keep the others waiting
+  // pieces per thread, so that a slow piece delays the end little
+  constexpr std::size_t kPiecesEach = 4;
   std::unique_lock lock(mutex_);
   body_ = &body;
   count_ = count;

@@ -10,10 +10,10 @@
 
 namespace vantage::python {
 
-/// Threads that share the indices of a loop. The calling thread works, too.
+/// Thread pool that distributes the indices of a loop. The calling thread takes part.
 class ParallelFor {
  public:
-  /// @param threads  ≥ 1, the caller's among them
+  /// @param threads  ≥ 1, including the caller's
   explicit ParallelFor(int threads);
   ~ParallelFor();
   ParallelFor(const ParallelFor&) = delete;
@@ -21,13 +21,13 @@ class ParallelFor {
   ParallelFor(ParallelFor&&) = delete;
   ParallelFor& operator=(ParallelFor&&) = delete;
 
-  /// Calls body(i) for each i < count, each once, in any order and on any of the threads; then
-  /// throws what was thrown first. Not to be called by two threads at once.
+  /// Calls body(i) once for each i < count, in any order and on any of the threads. Rethrows the
+  /// first exception at the end. Must not be called by two threads at once.
   void run(std::size_t count, const std::function<void(std::size_t)>& body);
 
  private:
   void work();
-  /// Takes one index after the other until none is left. `lock` is held on entry and on return.
+  /// Processes indices until none is left. `lock` is held on entry and on return.
   void share(std::unique_lock<std::mutex>& lock);
 
   std::mutex mutex_;
@@ -36,7 +36,7 @@ class ParallelFor {
   const std::function<void(std::size_t)>* body_ = nullptr;
   std::size_t count_ = 0;
   std::size_t next_ = 0;
-  std::size_t pieces_ = 1;   ///< indices taken at once
+  std::size_t pieces_ = 1;   ///< number of indices taken at once
   std::size_t working_ = 0;  ///< threads within share()
   std::exception_ptr thrown_;
   bool is_ending_ = false;

@@ -34,7 +34,7 @@ using planner::TeamProblem;
 
 constexpr std::string_view kRain = "rain";
 constexpr std::string_view kExhaustive = "exhaustive";
-// Valued one by one: some seconds.
+// Maximum number of sets that are evaluated one by one, which takes some seconds.
 constexpr double kMostSets = 1e6;
 
 bool has(const TeamAlgorithm& algorithm, std::string_view option) {
@@ -134,7 +134,7 @@ void require_few(const char* argument, double sets) {
                       sets, kMostSets));
 }
 
-// Choices of one candidate for each of `robots`, or of none where `may_rest`.
+// Returns the number of choices of one candidate per robot, or of none if `may_rest`.
 double choices(const TeamOracle& oracle, const std::vector<int>& robots, bool may_rest) {
   double product = 1.0;
   for (const int robot : robots) {
@@ -144,7 +144,7 @@ double choices(const TeamOracle& oracle, const std::vector<int>& robots, bool ma
   return product;
 }
 
-// Σ_{k ≤ k_max} C(n, k).
+// Returns Σ_{k ≤ k_max} C(n, k).
 double subsets(int n, int k_max) {
   double sum = 1.0;
   double of_size = 1.0;
@@ -300,7 +300,8 @@ Decision::Decision(std::vector<SearchProblem> problems, const TeamRequest& reque
       const bool is_planned = !team_.candidates[index(robot)].empty();
       decided_.choice.push_back(is_planned ? oracle_->begin(robot) : planner::kNoCandidate);
     }
-    // As of plan_resiliently(): the value alone, where there are attacks, and the choice.
+    // As in plan_resiliently(): one message for the value alone, if there are attacks, and one for
+    // the choice.
     decided_.messages = (request.attacks_max > 0 ? 2 : 1) * oracle_->robot_count();
   } else if (has(called(algorithm_), "attacks_max")) {
     const planner::ResilientRound round(best_alone(*oracle_), request.attacks_max);

@@ -15,35 +15,37 @@
 
 namespace vantage::python {
 
-/// One of the ways of planner/decision in which a team may decide.
+/// Name and description of one decision algorithm of planner/decision.
 struct TeamAlgorithm {
   std::string_view name;
-  std::string_view what;                  ///< one line
-  std::vector<std::string_view> options;  ///< what else of a request means something to it
+  std::string_view what;  ///< description in one line
+  /// fields of TeamRequest that the algorithm uses in addition
+  std::vector<std::string_view> options;
 };
 const std::vector<TeamAlgorithm>& team_algorithms();
 
-/// How a team is to decide. Options that mean nothing to the algorithm are as they are here.
+/// Options of a team decision. Fields that the algorithm does not use keep their defaults.
 struct TeamRequest {
   std::string algorithm = "coordinate_descent";
   planner::InformationMeasure measure = planner::InformationMeasure::kMutual;
-  planner::CandidateOptions candidates;  ///< anytime, whatever it says
-  std::int64_t nodes = 20'000;           ///< of work, of each robot's search
+  planner::CandidateOptions candidates;  ///< is_anytime is ignored: always true
+  std::int64_t nodes = 20'000;           ///< budget of work nodes for each robot's search
   int attacks_max = 0;
-  std::vector<int> order;  ///< of coordinate descent; empty: 0, 1, 2, …
+  std::vector<int> order;  ///< order in coordinate descent; empty: 0, 1, 2, …
   int rounds_max = 1;
-  double alpha = 1.0;                        ///< of local searches
-  std::vector<planner::EnergyModel> energy;  ///< empty: motion costs nothing; else one a robot
-  /// Finds a robot's plan, where robots search; empty: the default search, with `nodes`.
+  double alpha = 1.0;                        ///< minimum gain of local searches, over N⁴
+  std::vector<planner::EnergyModel> energy;  ///< empty: motion costs nothing; else one per robot
+  /// Search of one robot's plan, for algorithms that search; empty: the default search with
+  /// `nodes`.
   std::function<planner::SearchResult(const planner::SearchProblem&)> search;
   bool (*is_cancelled)() = nullptr;  ///< see Deadline::unless
 };
 
-/// What a team decided, and what it could choose from.
+/// A team's decision and the candidates it was chosen from.
 class Decision {
  public:
-  /// Robots in the order of `problems`, whose fixed information is not used.
-  /// @throws UsageError naming the argument that breaks a rule
+  /// Decides for the robots in the order of `problems`, whose fixed information is ignored.
+  /// @throws UsageError that names the argument that breaks a rule
   Decision(std::vector<planner::SearchProblem> problems, const TeamRequest& request);
   ~Decision() = default;
   Decision(const Decision&) = delete;  // the oracle refers to the team
@@ -53,20 +55,21 @@ class Decision {
 
   [[nodiscard]] const std::string& algorithm() const { return algorithm_; }
   [[nodiscard]] const planner::TeamProblem& team() const { return team_; }
-  /// Of each robot which of its candidates it was given; nullopt: none.
+  /// Returns the index of each robot's chosen candidate; nullopt: none.
   [[nodiscard]] std::vector<std::optional<std::size_t>> chosen() const;
-  /// J of what was chosen, nobody attacked, nats.
+  /// Returns the value J of the choice without an attack, nats.
   [[nodiscard]] double value() const { return value_; }
-  /// Proven: no choice of these candidates is worth more, nobody attacked.
+  /// Returns a proven upper bound of J over all choices of these candidates, without an attack,
+  /// nats.
   [[nodiscard]] std::optional<double> bound() const { return bound_; }
   [[nodiscard]] const std::vector<int>& bait() const { return bait_; }
   [[nodiscard]] std::int64_t oracle_calls() const { return decided_.oracle_calls; }
   [[nodiscard]] std::int64_t messages() const { return decided_.messages; }
-  /// @throws UsageError when there are too many attacks to look at one by one
+  /// @throws UsageError if there are too many attacks to enumerate
   [[nodiscard]] planner::Attack worst_attack(int attacks_max) const;
-  /// Proven: no paths that the robots' controls allow are worth more, however they were found, or,
-  /// with attacks, leave more to the team under the worst one, nats; ∞: nothing is known.
-  /// @throws UsageError naming the argument that breaks a rule
+  /// Returns a proven upper bound, nats, of J over all paths that the robots' controls allow. With
+  /// attacks it bounds the value that remains after the worst one. ∞: no bound is known.
+  /// @throws UsageError that names the argument that breaks a rule
   [[nodiscard]] double paths_bound(int attacks_max, std::int64_t nodes,
                                    bool (*is_cancelled)()) const;
 
@@ -75,7 +78,8 @@ class Decision {
   std::vector<int> bait_;
   planner::TeamDecision decided_;
   planner::TeamProblem team_;
-  std::vector<planner::SearchProblem> problems_;  ///< without worlds, which may be gone
+  /// without their worlds, which may no longer exist
+  std::vector<planner::SearchProblem> problems_;
   std::unique_ptr<planner::TeamOracle> oracle_;
   double value_ = 0.0;
   std::optional<double> bound_;

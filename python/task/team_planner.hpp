@@ -12,24 +12,25 @@
 
 namespace vantage::python {
 
-/// The stack's planners as policies for the tasks: the robots plan in their order, each against the
-/// plans of those before it (coordinate descent).
+/// Planner as a policy for a task: the robots plan in order, each given the plans of the robots
+/// before it (coordinate descent).
 class TeamPlanner {
  public:
   virtual ~TeamPlanner() = default;
-  /// Controls of each robot from where it is now, [robot][step]; a robot without a plan has none.
+  /// Returns the controls of each robot from its current pose, [robot][step]; empty without a plan.
   virtual std::vector<std::vector<std::int64_t>> plan(const TeamTask& task) = 0;
 };
 
 struct TeamPlannerSpec {
-  std::string algorithm = "arvi";  ///< tracking: of planner::all_algorithms(); mapping: "forward"
+  /// tracking: a name of planner::all_algorithms(); mapping: "forward"
+  std::string algorithm = "arvi";
   int horizon_steps = 12;
-  std::int64_t nodes = 2'000;  ///< of work, of each robot's search (tracking)
+  std::int64_t nodes = 2'000;  ///< budget of work nodes for each robot's search (tracking)
 };
 
-/// A planner for tasks like `task`. Of tracking its searches know what the team believes, not what
-/// is true, and count no look from nearer than 3 m (experiments::TrackingSetting says why).
-/// @throws UsageError for an algorithm that the kind of task does not have.
+/// Creates a planner for tasks like `task`. In tracking the searches use the team's beliefs instead
+/// of the truth, and ignore observations from less than 3 m (reason: experiments::TrackingSetting).
+/// @throws UsageError for an algorithm that this kind of task does not have.
 std::unique_ptr<TeamPlanner> make_team_planner(const TeamTask& task, const TeamPlannerSpec& spec);
 
 }  // namespace vantage::python

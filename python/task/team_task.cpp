@@ -44,7 +44,7 @@ double TeamTask::step(std::span<const std::int64_t> actions) {
   return on_step(actions);
 }
 
-// Without require(), which would write each message whether it is needed or not.
+// Does not use require(), which would format each message even if it is not needed.
 void require_actions(std::span<const std::int64_t> actions, std::size_t tasks,
                      const TeamTask& task) {
   const auto robots = static_cast<std::size_t>(task.robots());
@@ -67,7 +67,7 @@ void TeamTask::choose_jammed() {
   }
   std::vector<std::size_t> order(seen_.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  // By hand: what std::shuffle draws is each library's own.
+  // Shuffles explicitly because std::shuffle differs between standard libraries.
   for (std::size_t i = order.size() - 1; i > 0; --i) {
     std::swap(order[i], order[attacker_() % (i + 1)]);
   }

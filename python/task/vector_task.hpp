@@ -11,23 +11,23 @@
 
 namespace vantage::python {
 
-/// Many tasks of one kind, stepped together on several threads. What each does is a pure function
-/// of its seed and its actions, however many threads there are.
+/// Tasks of one kind that are stepped together on several threads. The result of each depends only
+/// on its seed and its actions, not on the number of threads.
 class VectorTask {
  public:
   using Make = std::function<std::unique_ptr<TeamTask>()>;
-  /// @throws UsageError for a count or threads below 1, and what `make` throws.
+  /// @throws UsageError for a count or threads below 1, and any exception of `make`.
   VectorTask(int count, int threads, const Make& make);
 
-  /// Begins all again, each by its own seed.
+  /// Starts new episodes of all tasks, each with its own seed.
   void reset(std::span<const std::uint64_t> seeds);
-  /// Steps all. A task whose episode was over begins its next one instead: its actions are ignored,
-  /// its reward is 0. The next episode's seed follows from the one before.
-  /// @param actions  [task][robot]; what is wrong with one is found before anything moves
-  /// @param rewards, is_over  one a task
+  /// Steps all tasks. A task whose episode was over starts the next one instead: its actions are
+  /// ignored and its reward is 0. The next seed follows from the previous one.
+  /// @param actions  [task][robot]; all are checked before any task moves
+  /// @param rewards, is_over  one per task
   void step(std::span<const std::int64_t> actions, std::span<double> rewards,
             std::span<bool> is_over);
-  /// Observations of all: [task][robot][entry].
+  /// Writes the observations of all tasks: [task][robot][entry].
   void observe(std::span<float> out);
 
   [[nodiscard]] std::size_t size() const { return tasks_.size(); }
@@ -35,12 +35,12 @@ class VectorTask {
 
  private:
   std::vector<std::unique_ptr<TeamTask>> tasks_;
-  std::vector<std::uint64_t> seeds_;  ///< of the present episodes
+  std::vector<std::uint64_t> seeds_;  ///< seeds of the current episodes
   bool was_reset_ = false;
   ParallelFor parallel_;
 };
 
-/// The seed of the episode after that of `seed`.
+/// Returns the seed of the episode after that of `seed`.
 std::uint64_t next_episode_seed(std::uint64_t seed);
 
 }  // namespace vantage::python
