@@ -1,9 +1,8 @@
-"""The environments' tasks in plain numpy, as one would write them in an afternoon: what their speed is
-compared with, and a second opinion on what they do.
+"""The environments' tasks in plain numpy, written as a user would: a reference for speed and results.
 
-The same motion, sensors, filters, rewards and observations, vectorised over targets, beams and cells
-where that is natural. Not the same random numbers. Where a wall reflects a belief, this mirrors the mean
-alone, which is less work than the library's moments of the folded Gaussian.
+Motion, sensors, filters, rewards and observations are the same, vectorised over targets, beams and cells
+where that is natural. The random numbers differ. At a wall this code mirrors only a belief's mean, which is
+less work than the library's moments of the folded Gaussian.
 """
 import numpy
 
@@ -15,7 +14,7 @@ def wrap(angle):
 
 
 def step_unicycle(poses, controls, step_s):
-    """Poses (N, 3) after controls (N, 2)."""
+    """Returns the poses (N, 3) after the controls (N, 2)."""
     speed, rate = controls[:, 0], controls[:, 1]
     half = 0.5 * rate * step_s
     chord = speed * step_s * numpy.sinc(half / PI)
@@ -54,7 +53,7 @@ class Jammer:
 
 
 class Tracking:
-    """vantage.env's tracking with its defaults, detection_probability 0."""
+    """The tracking task of vantage.env with its defaults and detection_probability 0."""
 
     def __init__(self, robots=1, targets=5, side_m=40.0, episode_steps=200, attacks=0, period=25):
         self.robots, self.targets, self.side_m, self.episode_steps = robots, targets, side_m, episode_steps
@@ -96,7 +95,7 @@ class Tracking:
             self.jammer.choose()
         self.steps += 1
         moved = step_unicycle(self.poses, self.controls[actions], self.step_s)
-        # The disc must stay clear of the walls all along: looked at in pieces.
+        # The disc must not touch a wall during the step: checked at four instants.
         clear = numpy.ones(self.robots, bool)
         for part in (0.25, 0.5, 0.75, 1.0):
             at = step_unicycle(self.poses, self.controls[actions], part * self.step_s)[:, :2]
@@ -140,7 +139,7 @@ class Tracking:
         a = mean[:, :2].copy()
         distance = numpy.hypot(*(a - pose[:2]).T)
         wide = numpy.sqrt(P[:, 0, 0] + P[:, 1, 1]) > 0.15 * distance
-        if wide.any():  # iterate from where z points
+        if wide.any():  # iterate from the position that z indicates
             bearing = pose[2] + z[wide, 1]
             a[wide] = pose[:2] + z[wide, :1] * numpy.column_stack([numpy.cos(bearing), numpy.sin(bearing)])
             for _ in range(3):
@@ -181,7 +180,7 @@ def entropy_of(log_odds):
 
 
 class Mapping:
-    """vantage.env's mapping with its defaults, in a world of boxes (B, 4)."""
+    """The mapping task of vantage.env with its defaults, in a world of boxes (B, 4)."""
 
     def __init__(self, boxes, robots=1, side_m=16.0, patch=32, episode_steps=100, attacks=0, period=25):
         self.boxes, self.robots, self.side_m, self.patch = boxes, robots, side_m, patch
@@ -255,7 +254,7 @@ class Mapping:
         return learnt
 
     def fuse(self, pose, ranges):
-        # All beams walk from cell to cell at once (Amanatides and Woo).
+        # Traverse the cells of all beams simultaneously (Amanatides and Woo).
         angle = pose[2] + self.bearings
         direction = numpy.column_stack([numpy.cos(angle), numpy.sin(angle)])
         cell = numpy.repeat(numpy.floor(pose[None, :2] / self.res).astype(int), self.beams, axis=0)
@@ -304,7 +303,7 @@ class Mapping:
 
 
 def pillars(side_m=16.0):
-    """The boxes of vantage.env's world of that name."""
+    """Returns the boxes of the world `pillars` of vantage.env."""
     boxes = [[x, y, x + 2.0, y + 2.0]
              for row in range(4) for column in range(4)
              for x, y in [(2.27 + 5.8 * column + 0.31 * (row % 2), 2.13 + 5.8 * row + 0.37 * (column % 2))]]

@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""speed.py [--seconds S] [--vantage BINARY] [--scenario FILE] [WHAT…]: how fast the module is.
+"""speed.py [--seconds S] [--vantage BINARY] [--scenario FILE] [WHAT…]: measures the speed of the module.
 
-  env    steps a second of each environment beside numpy_tasks.py, the same task in plain numpy: the
-         rows of docs/guide/python.md
-  plan   what a call of Planner.plan() takes besides the search
-  trial  a trial stepped from Python beside `vantage trial`, one after the other, again and again
+  env    steps per second of each environment compared with numpy_tasks.py, the same task in plain
+         numpy: the rows of docs/guide/python.md
+  plan   time of a call of Planner.plan() in addition to the search
+  trial  a trial stepped from Python compared with `vantage trial`, in alternation
 
 Without WHAT: all three.
 
-Set PYTHONPATH to the module's folder (build/release/python). Medians of several pieces of the same
-work, by CPU time where not said otherwise, since on a busy machine the clock says little.
+Set PYTHONPATH to the module's folder (build/release/python). Results are medians of several
+repetitions, in CPU time unless stated otherwise, because wall time is unreliable on a busy machine.
 """
 import argparse
 import json
@@ -32,7 +32,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
 def rate(run, seconds, clock=time.process_time, pieces=5):
-    """Median over pieces of the steps a second; run(n) does about n steps and says how many."""
+    """Returns the median of the steps per second; run(n) performs about n steps and returns their number."""
     run(20)
     begin = clock()
     done = run(20)
@@ -91,7 +91,7 @@ def plain(name):
 
 
 def three_figures(number):
-    """54600 of 54 612.3, thousands apart, as on the page."""
+    """Returns 54 612.3 as "54 600": three significant digits, thousands separated."""
     digits = max(0, len(str(int(number))) - 3)
     return f"{round(number, -digits):,.0f}".replace(",", " ")
 
@@ -103,7 +103,7 @@ def compare_env(seconds):
     print("| task | numpy | one environment | × | 256 together | × |")
     print("|---|---|---|---|---|---|")
     for name in vantage.env.tasks:
-        # One after the other within some seconds: what else the machine does meets all alike.
+        # Measured within a few seconds, so that other load of the machine affects all alike.
         slow, one, together = (rate(run, seconds) for run in (plain(name), single(name), many(name, 256, 1)))
         clocked[name] = three_figures(rate(many(name, 256, threads), seconds, time.perf_counter))
         print(f"| `{name}` | {three_figures(slow)} | {three_figures(one)} | {one / slow:.0f} "

@@ -207,8 +207,8 @@ std::vector<planner::Candidate> candidates_of(const SearchProblem& problem,
                                 Deadline::nodes(request.nodes).unless(request.is_cancelled));
 }
 
-// Robots search one beside another; what each has found at last is its one candidate in `team`.
-// Returns the bait.
+// Searches the robots' plans in turn, each given the plans of its teammates. The last plan of each
+// robot is its only candidate in `team`. Returns the bait.
 std::vector<int> search_in_turn(std::vector<SearchProblem> problems, const TeamRequest& request,
                                 TeamProblem& team) {
   tools::PlanRequest by_default;

@@ -1,17 +1,17 @@
 """vantage: active information acquisition by teams of robots.
 
 Plans      Problem, Planner, Plan, plan(), algorithms()
-Teams      decide(), Decision, team_algorithms(): what each robot of a team is to do
-Trials     Scenario, Trial: the whole stack in virtual time, step by step; sweep(): many of them
-Logs       Log, and what it gives, logs.Columns
-Live       vantage.live: read and publish the running system's channels, in a node of 20 lines
+Teams      decide(), Decision, team_algorithms(): joint plans of a team of robots
+Trials     Scenario, Trial: the complete stack in virtual time, step by step; sweep(): many trials
+Logs       Log, and its result logs.Columns
+Live       vantage.live: subscribe and publish on the running system's channels, in a node of 20 lines
 Own        vantage.own: target models, costs, filters and planners written in Python
 Models     step_unicycle(), TargetModel, SensorModel, World; predict(), measure(), miss(), confine()
 Learning   vantage.env: environments with the interfaces of Gymnasium and PettingZoo
 
-SI units and radians, a unit in each name; poses are (x, y, yaw), viewpoints (x, y, z, yaw), in the
-world's frame. What cannot be is refused as the commands do, as StartupError (a file or text) or
-UsageError (an argument), both ValueErrors.
+Units are SI and radians, and names contain the unit. Poses are (x, y, yaw) and viewpoints
+(x, y, z, yaw), in the world frame. Invalid input raises the errors of the commands: StartupError (a
+file or text) or UsageError (an argument). Both are ValueErrors.
 
     import vantage
     print(vantage.plan("problem.json", nodes=100_000).cost)

@@ -1,4 +1,4 @@
-"""python3 -m vantage: what there is, and one planning problem solved."""
+"""python3 -m vantage: shows an overview, or solves one planning problem."""
 import argparse
 import sys
 

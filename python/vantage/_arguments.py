@@ -1,10 +1,10 @@
-"""What Python values become before the library reads them."""
+"""Conversion of Python values to the library's input."""
 import json
 import os
 
 
 def _plain(value):
-    if hasattr(value, "tolist"):  # numpy's arrays and numbers
+    if hasattr(value, "tolist"):  # numpy arrays and numbers
         return value.tolist()
     if isinstance(value, os.PathLike):
         return os.fspath(value)
@@ -12,5 +12,5 @@ def _plain(value):
 
 
 def to_json(value):
-    """`value` as JSON text, a key a line, so that a message's line can be found in it."""
+    """Returns `value` as JSON text with one key per line, so that an error's line number can be found in it."""
     return json.dumps(value, default=_plain, ensure_ascii=False, indent=1)

@@ -1,4 +1,4 @@
-"""Trial after trial over values of a scenario's options and seeds."""
+"""Trials over combinations of scenario options and seeds."""
 import concurrent.futures
 import itertools
 import os
@@ -12,22 +12,22 @@ _KEYS = ("duration_s", "planner", "communication_range_m", "node_budget")
 
 
 class _Stopped(Exception):
-    """Raised within a trial that nobody waits for any more."""
+    """Raised in a trial that was cancelled."""
 
 
 def sweep(scenario, parameters, seeds, *, threads=None, progress=None):
-    """Whole trials of all combinations of values and seeds, as columns of numpy.
+    """Runs a trial for every combination of values and seeds; returns columns of numpy arrays.
 
-    sweep(scenario, {"node_budget": [200, 2000]}, seeds=range(10)): `scenario` as of Trial; the keys of
-    `parameters` are those of Scenario.replace(), the values lists; the seeds come last, and fastest. It
-    gives a dict with a row a trial in each column: the keys, seed, and every number of Trial.metrics
-    by its name there ("rmse_m", "per_robot.entropy", …), nan where there is none; lists are left out.
-    To the bit the same whatever the number of `threads` (default: one a core). progress(share) is
-    called by the caller's thread after each trial.
+    sweep(scenario, {"node_budget": [200, 2000]}, seeds=range(10)): `scenario` as for Trial. The keys of
+    `parameters` are options of Scenario.replace(), the values are lists. Seeds vary fastest. The result is a
+    dict with one row per trial in each column: the keys, seed, and every number of Trial.metrics under its
+    name ("rmse_m", "per_robot.entropy", …), nan if absent; lists are left out. The result is identical to the
+    bit for any number of `threads` (default: one per core). The calling thread calls progress(share) after
+    each trial.
 
-    Everything is read before anything flies. What ends a sweep early, Ctrl-C among it, or what a trial or
-    `progress` raises, has the rows of the trials that had ended, in order, as its attribute `columns`;
-    trials on their way are given up within half a second of theirs:
+    All arguments are checked before the first trial starts. A sweep ends early after Ctrl-C or an exception of
+    a trial or of `progress`. The exception's attribute `columns` then contains the rows of the completed
+    trials, in order; running trials are cancelled within 0.5 s of trial time:
 
         try:
             columns = vantage.sweep(…)
@@ -72,7 +72,7 @@ def sweep(scenario, parameters, seeds, *, threads=None, progress=None):
 
 
 def _rows(parameters, seeds):
-    """What each trial replaces of the scenario."""
+    """Returns the replaced options of each trial."""
     for key, values in parameters.items():
         if key not in _KEYS:
             raise UsageError(f"parameters: unknown key {key}; known here are {', '.join(_KEYS)}")
@@ -88,7 +88,7 @@ def _rows(parameters, seeds):
 
 
 def _numbers(metrics, before=""):
-    """{name: number or None} of what the metrics say, lists and text left out."""
+    """Returns {name: number or None} of the metrics without lists and text."""
     out = {}
     for name, value in metrics.items():
         if isinstance(value, dict):

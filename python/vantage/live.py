@@ -1,4 +1,4 @@
-"""The running system's channels, read and published: any LCM type, on the stack's own transport.
+"""Access to the running system's channels: any LCM type, on the stack's own transport.
 
     from vantage import live
     from vantage_lcm import measurement_t
@@ -8,8 +8,8 @@
     node.every(0.5, lambda utime: node.publish("MEASUREMENT_Q1", message))
     node.run()
 
-Types are classes with encode() and decode(), as `lcm-gen --python` writes; those of this stack are
-the package vantage_lcm (Debian: vantage-lcmtypes). Without a type there are bytes.
+Types are classes with encode() and decode(), as `lcm-gen --python` writes; those of this stack are in
+the package vantage_lcm (Debian: vantage-lcmtypes). Without a type, messages are bytes.
 """
 import time
 
@@ -19,13 +19,14 @@ __all__ = ["Bus", "Node"]
 
 
 class Bus:
-    """One process's end of the bus. One thread at a time; another waits.
+    """Connection of one process to the bus. Calls from several threads wait for each other.
 
-    url: as in network.url ("" is $LCM_DEFAULT_URL, else LCM's own). scenario: a Scenario, or what
-    makes one; its network.url when `url` is "", and its security: what is published is signed with the key of the
-    channel's role, and what is heard is judged (docs/guide/security.md). Without, nobody is judged.
+    url: as in network.url ("": $LCM_DEFAULT_URL, else the default of LCM). scenario: a Scenario or its source.
+    If `url` is "", its network.url is used. Its security applies: published messages are signed with the key
+    of the channel's role, and received messages are verified (docs/guide/security.md). Without a scenario,
+    messages are not verified.
 
-    Raises StartupError when there is no such network, or the keys are not as they should be.
+    Raises StartupError if there is no such network or the keys are invalid.
     """
 
     def __init__(self, url="", scenario=None):
@@ -37,13 +38,13 @@ class Bus:
         self._run_id = self._bus.random_run_id()
         self._sequences = {}
         self._decode_errors = {}
-        self._handled_s = 0.0  # spent in handlers
+        self._handled_s = 0.0  # time spent in handlers
 
     def subscribe(self, channel, type, handler):
-        """handler(channel, message) with each message on `channel`; one that ends in * is a prefix.
+        """Calls handler(channel, message) for each message on `channel`; a name that ends in * is a prefix.
 
-        type None: messages are bytes. What does not decode is counted and dropped. What a handler raises
-        comes out of handle().
+        type None: messages are bytes. Messages that cannot be decoded are counted and dropped. Exceptions of a
+        handler are raised by handle().
         """
         def timed(name, message):
             begin = time.monotonic()
@@ -61,10 +62,10 @@ class Bus:
         self._bus.subscribe(channel, timed if type is None else decoded)
 
     def publish(self, channel, message):
-        """Sends bytes, or a message with encode(); False when the network did not take it (counted).
+        """Sends bytes or a message with encode(). Returns False if the network refused it (counted).
 
-        A message with the fields run_id and sequence gets this process's run and the channel's next
-        number; one whose utime is 0 the time that it is.
+        If a message has the fields run_id and sequence, they are set to this process's run and the channel's next
+        number. A utime of 0 is replaced by the current time.
         """
         if not isinstance(message, (bytes, bytearray, memoryview)):
             if hasattr(message, "run_id") and hasattr(message, "sequence"):
@@ -77,31 +78,31 @@ class Bus:
         return self._bus.publish(channel, bytes(message))
 
     def handle(self, timeout_s=0.0):
-        """Waits for a message for up to timeout_s, then calls the handlers of all that have come; how many."""
+        """Waits up to timeout_s for a message and calls the handlers of all received ones. Returns their number."""
         return self._bus.handle(timeout_s)
 
     @property
     def utime(self):
-        """What time it is for the stack, µs since the Unix epoch."""
+        """Current time of the stack, µs since the Unix epoch."""
         return self._bus.now_utime()
 
     @property
     def counters(self):
-        """{name: count} of what was sent, received, lost, and refused by its signature; zeros are left out."""
+        """{name: count} of messages sent, received, lost, and rejected by signature; zeros are left out."""
         return {**self._bus.counters(), **self._decode_errors}
 
 
 class Node(Bus):
-    """A process on the bus: handlers of messages, and what is done every so often, until Ctrl-C.
+    """A process on the bus: handles messages and runs periodic actions until Ctrl-C.
 
-    With vantage_lcm installed it says once a second how it is, on HEALTH_<name>, as every process does.
+    If vantage_lcm is installed, it publishes its state once per second on HEALTH_<name>, as every process does.
     """
 
     def __init__(self, name, url="", scenario=None):
         super().__init__(url, scenario)
         self.name = name
         """[A-Z0-9_]+"""
-        self._tasks = []  # [due, period_s, action] by the monotonic clock
+        self._tasks = []  # [due, period_s, action], due on the monotonic clock
         self._is_stopped = False
         self._loops = 0
         self._worst_s = 0.0
@@ -113,17 +114,17 @@ class Node(Bus):
             self._lcm = None
 
     def every(self, period_s, action):
-        """action(utime) every period_s; instants that were slept through are left out."""
+        """Calls action(utime) every period_s. Missed instants are skipped."""
         if not period_s > 0.0:
             raise _vantage.UsageError("period_s: must be > 0")
         self._tasks.append([time.monotonic(), period_s, action])
 
     def stop(self):
-        """run() ends: for handlers and actions."""
+        """Ends run(). For use in handlers and actions."""
         self._is_stopped = True
 
     def run(self, duration_s=None):
-        """Handles messages and does what is due until stop(), Ctrl-C or duration_s later."""
+        """Handles messages and runs due actions until stop(), Ctrl-C or the end of duration_s."""
         end = None if duration_s is None else time.monotonic() + duration_s
         self._is_stopped = False
         try:
@@ -135,7 +136,7 @@ class Node(Bus):
     def _turn(self, end):
         wake = min([task[0] for task in self._tasks] + ([] if end is None else [end]), default=time.monotonic() + 0.1)
         handled_s = self._handled_s
-        self.handle(min(max(wake - time.monotonic(), 0.0), 0.1))  # Ctrl-C is looked for as often
+        self.handle(min(max(wake - time.monotonic(), 0.0), 0.1))  # at most 0.1 s, so that Ctrl-C is noticed
         begin = time.monotonic() - (self._handled_s - handled_s)
         for task in self._tasks:
             if task[0] <= time.monotonic():

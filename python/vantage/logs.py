@@ -12,13 +12,12 @@ __all__ = ["Columns", "Log"]
 class Columns(collections.abc.Mapping):
     """The messages of one channel: a numpy array for each field of its .lcm file.
 
-    A scalar field is (n,), one of constant size (n, k), for n messages; text is dtype object. Whole
-    numbers are int64, floats float64, whatever their width in the message.
+    For n messages a scalar field is (n,), a field of constant size (n, k); text has dtype object. Integers are
+    int64 and floating-point numbers float64, whatever their width in the message.
 
-    What lies in a list of changing length is laid end to end: columns["segments.duration_s"] holds
-    the segments of all messages, and those of message i are
-    offsets["segments"][i]:offsets["segments"][i + 1]. Lists in lists count in the rows of the outer
-    one. Two-dimensional lists are row-major.
+    Lists of variable length are concatenated: columns["segments.duration_s"] contains the segments of all
+    messages, and those of message i are offsets["segments"][i]:offsets["segments"][i + 1]. The offsets of a
+    nested list count rows of the outer list. Two-dimensional lists are row-major.
     """
 
     def __init__(self, channel, read):
@@ -36,18 +35,18 @@ class Columns(collections.abc.Mapping):
         return iter(self._values)
 
     def __len__(self):
-        """How many fields; len(columns.log_utime) is how many messages."""
+        """Returns the number of fields; len(columns.log_utime) is the number of messages."""
         return len(self._values)
 
     def row(self, field):
-        """For each value of a field in a list: the index of the element, or message, that holds it."""
+        """Returns, for each value of a field in a list, the index of its element or message."""
         name = self._lists[field]
         if name is None:
             return numpy.arange(len(self[field]))
         return numpy.repeat(numpy.arange(len(self.offsets[name]) - 1), numpy.diff(self.offsets[name]))
 
     def split(self, field):
-        """The values of a field in a list, an array for each message or outer element."""
+        """Returns the values of a field in a list as one array per message or outer element."""
         name = self._lists[field]
         return numpy.split(self[field], [] if name is None else self.offsets[name][1:-1])
 
@@ -59,10 +58,10 @@ Channel = collections.namedtuple("Channel", "type messages first_utime last_utim
 
 
 class Log:
-    """An LCM event log, damaged ones too: what is left of it is what there is.
+    """An LCM event log. Of a damaged log, all intact events are read.
 
-    log["PLAN_Q1"] reads a channel; read() a part of one. log.channels says which there are.
-    Raises StartupError when the file cannot be read.
+    log["PLAN_Q1"] reads a channel; read() reads a part of one. log.channels contains all channels.
+    Raises StartupError if the file cannot be read.
     """
 
     def __init__(self, path):
@@ -76,16 +75,16 @@ class Log:
 
     @property
     def start_utime(self):
-        """When the first message was logged, µs since the Unix epoch."""
+        """Time at which the first message was logged, µs since the Unix epoch."""
         return min((each.first_utime for each in self.channels.values()), default=0)
 
     @property
     def damaged_bytes(self):
-        """Bytes that belong to no event."""
+        """Number of bytes that belong to no event."""
         return self._log.damaged_bytes()
 
     def read(self, channel, from_s=None, to_s=None):
-        """Columns of the messages logged in [from_s, to_s) since the log's start; None: no limit."""
+        """Returns the Columns of the messages logged in [from_s, to_s) since the log's start; None: no limit."""
         def utime(since_s):
             return None if since_s is None else self.start_utime + round(1e6 * since_s)
         return Columns(channel, self._log.read(channel, utime(from_s), utime(to_s)))

@@ -1,16 +1,16 @@
-"""Target models, costs, filters and planners written in Python. Slow: for trying an idea out.
+"""Target models, costs, filters and planners written in Python. Slow: for experiments with new ideas.
 
-A target model is whatever has transition(dt_s) and process_noise(dt_s), both (n, n), as
-vantage.TargetModel has; one with expected(mean, dt_s) may be nonlinear: transition(dt_s, mean=mean)
-is then its Jacobian there. n is that of the scenario's own model, position first.
+A target model is any object with transition(dt_s) and process_noise(dt_s), both (n, n), like
+vantage.TargetModel. If it also has expected(mean, dt_s), it may be nonlinear; transition(dt_s, mean=mean)
+is then the Jacobian at `mean`. n is that of the scenario's model, with the position first.
 
     trial = vantage.Trial(scenario,
                           filters={r: own.Filter(scenario, r, model=Mine()) for r in scenario.robots},
                           planners={r: own.Search(scenario, r, model=Mine(), cost=mine)
                                     for r in scenario.robots})
 
-A search of 12 steps over 5 controls and 5 targets takes half a tenth of a second and more, where the stack's own
-generates ten thousand nodes in a hundredth.
+A search of 12 steps with 5 controls and 5 targets takes at least 0.05 s. The stack's own search generates
+ten thousand nodes in 0.01 s.
 """
 import numpy
 
@@ -20,12 +20,12 @@ __all__ = ["Filter", "Search", "uncertainty"]
 
 
 def uncertainty(pose, beliefs, step):
-    """The stack's own stage cost: the sum of log det Σ over the targets, nats."""
+    """Returns the stack's stage cost: the sum of log det Σ over the targets, nats."""
     return sum(numpy.linalg.slogdet(covariance)[1] for _, covariance in beliefs.values())
 
 
 def _predict(model, mean, covariance, dt_s):
-    """(mean, covariance) after dt_s, by a target model of the stack's or of one's own."""
+    """Returns (mean, covariance) after dt_s, for a model of the stack or one written in Python."""
     if isinstance(model, _vantage.TargetModel):
         return _vantage.predict(mean, covariance, model, dt_s)
     if hasattr(model, "expected"):
@@ -38,10 +38,10 @@ def _predict(model, mean, covariance, dt_s):
 
 
 class Filter:
-    """What a robot believes of the targets, by a target model of one's own: for Trial(filters=…).
+    """Filter of one robot's target beliefs with a custom target model: for Trial(filters=…).
 
-    A Kalman filter of the looks that the robot hears; a target is known from the first on. prior_velocity_sigma_mps
-    is that of a target's first look.
+    A Kalman filter of the scans that the robot receives. A target is known from its first detection on, with a
+    velocity deviation of prior_velocity_sigma_mps.
     """
 
     def __init__(self, scenario, robot, model=None, prior_velocity_sigma_mps=0.5):
@@ -54,7 +54,7 @@ class Filter:
         self.time_s = None
 
     def __call__(self, looks, time_s):
-        """{id: (mean, covariance)} at time_s, after looks [(viewpoint, [(id, z, V), …]), …]."""
+        """Returns {id: (mean, covariance)} at time_s, after the scans [(viewpoint, [(id, z, V), …]), …]."""
         dt_s = 0.0 if self.time_s is None else time_s - self.time_s
         self.time_s = time_s
         if dt_s > 0.0:
@@ -68,7 +68,7 @@ class Filter:
         return self.beliefs
 
     def _first(self, viewpoint, z):
-        """What is believed of a target before its first look; None where z alone does not say."""
+        """Returns the prior of a target at its first detection; None if z alone does not determine a position."""
         dim = 3 if self.dim == 3 else 2
         position = self.sensor.position_from(viewpoint, z, dim)
         if position is None:
@@ -79,16 +79,16 @@ class Filter:
 
 
 class Search:
-    """A beam search with a target model and a stage cost of one's own: for Trial(planners=…).
+    """A beam search with a custom target model and stage cost: for Trial(planners=…).
 
-    cost(pose (3,), beliefs {id: (mean, covariance)}, step 1…T) is summed over the steps, and least is
-    best. Each step keeps the `width` best ways; motions keep clear of walls by the scenario's margin,
-    and `separation_m` of where teammates will be. Whatever it gives is checked again on board.
+    cost(pose (3,), beliefs {id: (mean, covariance)}, step 1…T) is summed over the steps and minimised. Each step
+    keeps the `width` best paths. Motions keep the scenario's margin to walls and `separation_m` to the predicted
+    positions of teammates. The robot checks every result again.
 
-    A planner of one's own is any function of a question like its: a dict with robot, round, time_s
-    (when the plan starts, since the Unix epoch), pose (3,) and speed_mps then, height_m,
-    horizon_steps, step_s, controls (U, 2), beliefs {id: (mean, covariance)} then by the scenario's
-    model, and team {robot: poses (T + 1, 3)}.
+    A custom planner is any function of the same question: a dict with robot, round, time_s (start of the plan,
+    since the Unix epoch), pose (3,) and speed_mps at that time, height_m, horizon_steps, step_s, controls (U, 2),
+    beliefs {id: (mean, covariance)} predicted to that time by the scenario's model, and team
+    {robot: poses (T + 1, 3)}.
     """
 
     def __init__(self, scenario, robot, model=None, cost=uncertainty, width=4, separation_m=1.2):
@@ -99,7 +99,7 @@ class Search:
         self.cost, self.width, self.separation_m = cost, width, separation_m
 
     def __call__(self, question):
-        """Rows (T, 3) of speed, yaw rate and duration; None when no way is clear."""
+        """Returns rows (T, 3) of speed, yaw rate and duration; None if no path is clear."""
         step_s = question["step_s"]
         height_m = question["height_m"]
         ways = [(0.0, question["pose"], question["beliefs"], [])]
@@ -119,7 +119,7 @@ class Search:
         return numpy.array(path) if path else None
 
     def _drive(self, pose, control, step, question):
-        """The pose after one step; None where that, the way there or the stop after it is not clear."""
+        """Returns the pose after one step; None if the pose, the path to it or the stop after it is not clear."""
         half_s = question["step_s"] / 2
         stop_m = control[0]**2 / 4  # at 2 m/s²
         along = [_vantage.step_unicycle(pose, control, half_s)]
@@ -134,7 +134,7 @@ class Search:
         return along[1]
 
     def _look(self, pose, height_m, mean, covariance):
-        """A belief after what the sensor is expected to tell of it from there."""
+        """Returns a belief after the expected observation of the sensor from `pose`."""
         viewpoint = numpy.array([pose[0], pose[1], height_m, pose[2]])
         n = 3 if len(mean) == 3 else 2
         position = mean[:n]

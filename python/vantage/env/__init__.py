@@ -1,20 +1,21 @@
-"""Environments for learning, on the stack's own models and filters.
+"""Environments for reinforcement learning, based on the stack's own models and filters.
 
-    make(name, **options)         gymnasium.Env: one agent moves all robots
-    make_team(name, **options)    pettingzoo.ParallelEnv: one agent a robot
-    make_vector(name, num_envs)   gymnasium.vector.VectorEnv: many at once, on several threads
+    make(name, **options)         gymnasium.Env: one agent controls all robots
+    make_team(name, **options)    pettingzoo.ParallelEnv: one agent per robot
+    make_vector(name, num_envs)   gymnasium.vector.VectorEnv: many tasks on several threads
 
-Neither package has to be installed. Where Gymnasium is, gymnasium.make("vantage/TargetTracking-v0")
-works too, after import vantage.env. `tasks` names the tasks and their options.
+Neither package needs to be installed. If Gymnasium is installed,
+gymnasium.make("vantage/TargetTracking-v0") also works after import vantage.env. `tasks` contains the
+tasks and their options.
 
 Tracking: targets are double integrators in a square field; the team shares one extended Kalman filter
-for each. Reward: the negative mean entropy of the targets, nats. Options: robots, targets, side_m,
+per target. Reward: negative mean entropy of the targets, nats. Options: robots, targets, side_m,
 start_side_m, q_m2ps3, step_s, prior_position_sigma_m, prior_velocity_sigma_mps, detection_probability,
 range_max_m, range_sigma_m, fov_deg, bearing_sigma_deg.
-Mapping: robots with range finders explore a world of which they know nothing. Reward: by how much the
-map's entropy fell, nats. Options: robots, world (pillars or corridors), side_m, patch_cells.
-Both: episode_steps; attacks (so many robots see nothing at a time), attack_period_steps (then others are
-chosen), attacker (greedy: those that saw most; random).
+Mapping: robots with range finders explore an unknown world. Reward: decrease of the map's entropy, nats.
+Options: robots, world (pillars or corridors), side_m, patch_cells.
+Both: episode_steps; attacks (number of robots whose sensors are jammed at a time), attack_period_steps
+(steps until other robots are chosen), attacker (greedy: the robots that saw most; random).
 """
 from . import baselines
 from .single import TaskEnv
@@ -40,17 +41,17 @@ def _task(name, options):
 
 
 def make(name, **options):
-    """The task as a TaskEnv; options change its own."""
+    """Returns the task as a TaskEnv; `options` override the task's options."""
     return TaskEnv(**_task(name, options))
 
 
 def make_team(name, **options):
-    """The task as a TeamEnv; options change its own."""
+    """Returns the task as a TeamEnv; `options` override the task's options."""
     return TeamEnv(**_task(name, options))
 
 
 def make_vector(name, num_envs, threads=None, **options):
-    """`num_envs` of the task as a TaskVectorEnv; options change its own."""
+    """Returns `num_envs` copies of the task as a TaskVectorEnv; `options` override the task's options."""
     return TaskVectorEnv(num_envs=num_envs, threads=threads, **_task(name, options))
 
 

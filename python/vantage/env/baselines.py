@@ -1,4 +1,4 @@
-"""Policies that learnt nothing: what a learned one has to beat.
+"""Policies without learning, as a baseline for learned ones.
 
     env = vantage.env.make("TargetTracking")
     policy = vantage.env.baselines.Planner(env, "beam")
@@ -12,34 +12,34 @@ __all__ = ["Planner", "Random", "evaluate"]
 
 
 def _answer(env, actions):
-    """`actions`, one a robot, as step() of the environment wants them."""
+    """Returns `actions`, one per robot, in the format of the environment's step()."""
     if hasattr(env, "possible_agents"):
         return dict(zip(env.possible_agents, (int(action) for action in actions)))
     return int(actions[0]) if env.robots == 1 else numpy.asarray(actions)
 
 
 class Random:
-    """Any control, each as likely."""
+    """Policy that chooses all controls with equal probability."""
 
     def __init__(self, env, seed=0):
         self._env = env.unwrapped
         self._random = numpy.random.default_rng(seed)
 
     def reset(self):
-        """Before an episode."""
+        """Must be called before each episode."""
 
     def act(self, observation=None):
         return _answer(self._env, self._random.integers(self._env._tasks.actions, size=self._env.robots))
 
 
 class Planner:
-    """The stack's own planners, a robot after the other, each against the plans of those before it.
+    """The stack's planners as a policy: the robots plan in order, each given the plans of those before it.
 
-    algorithm: of tracking any of vantage.algorithms() ("beam", "arvi", "greedy", …) with `nodes` of work a
-    robot and plan; of mapping "forward", exhaustive over its horizon, or "greedy", the best next step.
-    None: beam, or forward.
-    A plan is followed for replan_steps before the next. It looks at what the team believes
-    (snapshot()), never at the truth, and not at observations, which say less.
+    algorithm: in tracking a name of vantage.algorithms() ("beam", "arvi", "greedy", …) with a budget of
+    `nodes` per robot and plan; in mapping "forward", exhaustive over its horizon, or "greedy", the best next
+    step. None: beam or forward.
+    A plan is followed for replan_steps. The planner uses the team's beliefs (snapshot()) instead of the
+    observations, which contain less, and never the truth.
     """
 
     def __init__(self, env, algorithm=None, *, horizon_steps=None, nodes=20_000, replan_steps=None):
@@ -61,7 +61,7 @@ class Planner:
         self.reset()
 
     def reset(self):
-        """Before an episode."""
+        """Must be called before each episode."""
         self._plans = None
         self._step = 0
 
@@ -69,14 +69,14 @@ class Planner:
         if self._plans is None or self._step == self._replan_steps:
             self._plans = self._planner.plan(0)
             self._step = 0
-        # A robot that has no way on stands or turns by its first control.
+        # A robot whose plan has no further control uses its first control, a turn or a stop.
         actions = [plan[self._step] if self._step < len(plan) else 0 for plan in self._plans]
         self._step += 1
         return _answer(self._env, actions)
 
 
 def evaluate(env, policy, episodes=1, seed=0):
-    """Mean reward a step of each episode, (episodes,); episode i begins with seed + i."""
+    """Returns the mean reward per step of each episode, (episodes,). Episode i has the seed seed + i."""
     means = []
     for episode in range(episodes):
         observation, _ = env.reset(seed=seed + episode)

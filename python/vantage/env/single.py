@@ -1,4 +1,4 @@
-"""One agent that moves all robots: Gymnasium's interface."""
+"""Environment with one agent for all robots: Gymnasium's interface."""
 import numpy
 
 from .. import _vantage
@@ -8,7 +8,7 @@ try:
     from gymnasium import Env as _Env
 except ImportError:
     class _Env:
-        """What gymnasium.Env has, for where that is not installed."""
+        """Replacement of gymnasium.Env if Gymnasium is not installed."""
         metadata = {"render_modes": []}
         render_mode = None
         spec = None
@@ -39,14 +39,14 @@ except ImportError:
 
 
 def require_seed(seed):
-    """`seed` as a number of the library's. Raises ValueError unless it is whole and fits."""
+    """Returns `seed` as an int. Raises ValueError unless it is a whole number ≥ 0 and < 2**64."""
     if isinstance(seed, bool) or not isinstance(seed, (int, numpy.integer)) or not 0 <= seed < 2**64:
         raise ValueError(f"seed: must be a whole number ≥ 0 and < 2**64, got {seed!r}")
     return int(seed)
 
 
 def whole_numbers(actions):
-    """`actions` as an array of whole numbers. Raises ValueError for others, such as 3.7."""
+    """Returns `actions` as an array of whole numbers. Raises ValueError for other values, such as 3.7."""
     given = numpy.asarray(actions)
     if given.dtype.kind in "iu":
         return given
@@ -56,7 +56,7 @@ def whole_numbers(actions):
 
 
 class Parts:
-    """Where in an observation what stands: for everyone who would rather have names than indices."""
+    """Access to the parts of an observation by name."""
 
     def _set_tasks(self, kind, count, threads, options):
         self._tasks = _vantage._Tasks(kind, count, threads, options)
@@ -73,24 +73,24 @@ class Parts:
             begin += size
 
     def parts(self, observation):
-        """One robot's observation as {name: array}: views, nothing is copied."""
+        """Returns one robot's observation as {name: array}. The arrays are views without a copy."""
         return {name: observation[where].reshape(shape)
                 for name, (where, shape) in self.observation_parts.items()}
 
     def snapshot(self, index=0):
-        """What is known in task `index` now: poses (N, 3), jammed (N,), entropy_nats, steps; of tracking
-        means (M, 4), covariances (M, 4, 4), seen (M,) and errors_m (M,) against the truth; of mapping
-        map (rows, columns), P(occupied), and map_resolution_m."""
+        """Returns the present state of knowledge in task `index`: poses (N, 3), jammed (N,), entropy_nats, steps.
+        Tracking adds means (M, 4), covariances (M, 4, 4), seen (M,) and errors_m (M,) against the truth.
+        Mapping adds map (rows, columns), the occupancy probabilities, and map_resolution_m.
+        """
         return self._tasks.state(index)
 
 
 class TaskEnv(Parts, _Env):
     """A task as gymnasium.Env: one agent chooses a control for every robot.
 
-    Observation: float32 in [−1, 1], (D,) for one robot, (N, D) for a team; observation_parts says what
-    is where. Action: Discrete for one robot, MultiDiscrete for a team. It is truncated after
-    episode_steps and never terminates. reset(seed=s) begins the same episode for the same s, to the
-    byte.
+    Observation: float32 in [−1, 1], (D,) for one robot, (N, D) for a team; observation_parts describes the
+    entries. Action: Discrete for one robot, MultiDiscrete for a team. Episodes are truncated after
+    episode_steps and never terminate. reset(seed=s) starts the same episode for the same s, byte for byte.
     """
     metadata = {"render_modes": [], "render_fps": 2}
 
@@ -100,7 +100,7 @@ class TaskEnv(Parts, _Env):
         self._set_tasks(kind, 1, 1, options)
         self.render_mode = None
         self._is_over = True
-        self._first = (0, 0) if self.robots == 1 else 0  # of observations (1, N, D)
+        self._first = (0, 0) if self.robots == 1 else 0  # index into observations (1, N, D)
         size = self._tasks.observation_size
         shape = (size,) if self.robots == 1 else (self.robots, size)
         self.observation_space = spaces.Box(-1.0, 1.0, shape, numpy.float32)

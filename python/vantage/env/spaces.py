@@ -1,11 +1,11 @@
-"""Gymnasium's spaces where it is installed, else as much of them as the environments need."""
+"""Gymnasium's spaces if it is installed, else the subset that the environments need."""
 import numpy
 
 try:
     from gymnasium.spaces import Box, Discrete, MultiDiscrete
 except ImportError:
     class _Space:
-        """What a value may be: shape, dtype, sample(), contains()."""
+        """Base of a set of values: shape, dtype, sample(), contains()."""
 
         def __init__(self, shape, dtype, seed=None):
             self.shape = shape
@@ -24,7 +24,7 @@ except ImportError:
             return self.contains(value)
 
     class Box(_Space):
-        """Arrays of one shape with every entry in [low, high]."""
+        """Arrays of one shape with entries in [low, high]."""
 
         def __init__(self, low, high, shape, dtype=numpy.float32, seed=None):
             super().__init__(tuple(shape), dtype, seed)
@@ -69,7 +69,7 @@ except ImportError:
             return f"Discrete({self.n})"
 
     class MultiDiscrete(_Space):
-        """Arrays of whole numbers, entry i in 0 … nvec[i] − 1."""
+        """Arrays of whole numbers; entry i is in 0 … nvec[i] − 1."""
 
         def __init__(self, nvec, seed=None):
             self.nvec = numpy.asarray(nvec, numpy.int64)

@@ -1,4 +1,4 @@
-"""One agent a robot: PettingZoo's parallel interface."""
+"""Environment with one agent per robot: PettingZoo's parallel interface."""
 import numpy
 
 from . import spaces
@@ -8,7 +8,7 @@ try:
     from pettingzoo import ParallelEnv as _ParallelEnv
 except ImportError:
     class _ParallelEnv:
-        """What pettingzoo.ParallelEnv has, for where that is not installed."""
+        """Replacement of pettingzoo.ParallelEnv if PettingZoo is not installed."""
         metadata = {"render_modes": []}
 
         @property
@@ -28,11 +28,11 @@ except ImportError:
 
 
 class TeamEnv(Parts, _ParallelEnv):
-    """A task as pettingzoo.ParallelEnv: agents robot_0, robot_1, …, all rewarded alike.
+    """A task as pettingzoo.ParallelEnv: agents robot_0, robot_1, … with a common reward.
 
-    Each observes float32 (D,) in [−1, 1] (observation_parts says what is where) and acts by a
-    Discrete. All are truncated together after episode_steps. reset(seed=s) begins the same episode for
-    the same s, to the byte.
+    Each agent observes float32 (D,) in [−1, 1] (observation_parts describes the entries); its action space is
+    Discrete. All agents are truncated together after episode_steps. reset(seed=s) starts the same episode for
+    the same s, byte for byte.
     """
     metadata = {"render_modes": [], "name": "vantage_v0", "is_parallelizable": True}
 
@@ -43,7 +43,7 @@ class TeamEnv(Parts, _ParallelEnv):
         self.render_mode = None
         self.possible_agents = [f"robot_{i}" for i in range(self.robots)]
         self.agents = []
-        # The same object at every asking, as the interface demands: its seed is part of it.
+        # The interface requires the same object at each call, because a space contains its seed.
         self.observation_spaces = {
             agent: spaces.Box(-1.0, 1.0, (self._tasks.observation_size,), numpy.float32)
             for agent in self.possible_agents}
@@ -68,7 +68,7 @@ class TeamEnv(Parts, _ParallelEnv):
         return self._by_agent(self._observations), {agent: {} for agent in self.agents}
 
     def step(self, actions):
-        """Actions of all agents by name; those of others are ignored, as PettingZoo's own tests demand."""
+        """Takes {agent: action} of all agents. Other keys are ignored, as PettingZoo's tests require."""
         if not self.agents:
             raise RuntimeError("reset() must come before the first step() and after an episode's last")
         try:
@@ -87,7 +87,7 @@ class TeamEnv(Parts, _ParallelEnv):
         return answer
 
     def state(self):
-        """All that the robots observe, (N · D,): of a critic that sees everything."""
+        """Returns the observations of all robots, (N · D,), for a centralised critic."""
         return self._observations.reshape(-1).copy()
 
     def render(self):

@@ -1,4 +1,4 @@
-"""Many tasks at once on several threads: Gymnasium's vector interface."""
+"""Many tasks on several threads: Gymnasium's vector interface."""
 import os
 
 import numpy
@@ -10,7 +10,7 @@ try:
     from gymnasium.vector import VectorEnv as _VectorEnv
 except ImportError:
     class _VectorEnv:
-        """What gymnasium.vector.VectorEnv has, for where that is not installed."""
+        """Replacement of gymnasium.vector.VectorEnv if Gymnasium is not installed."""
         metadata = {}
         spec = None
         render_mode = None
@@ -38,13 +38,13 @@ except ImportError:
 
 
 class TaskVectorEnv(Parts, _VectorEnv):
-    """`num_envs` tasks stepped together, Python's lock released, on `threads` threads (None: one a core).
+    """`num_envs` tasks, stepped together without the interpreter's lock, on `threads` threads (None: one per core).
 
     Observations (num_envs, D) for one robot, (num_envs, N, D) for a team; actions (num_envs,) or
-    (num_envs, N). After an episode's last step the next step() begins a new one there, whatever the
-    action, with reward 0 (Gymnasium's AutoresetMode.NEXT_STEP). reset(seed=s) gives task i the seed
-    s + i, or takes a list; seeds of later episodes follow from them. The bytes do not depend on the
-    number of threads.
+    (num_envs, N). After an episode's last step the next step() starts a new episode of that task, ignores the
+    action and gives reward 0 (Gymnasium's AutoresetMode.NEXT_STEP). reset(seed=s) gives task i the seed s + i,
+    or takes a list; seeds of later episodes follow from them. The results do not depend on the number of
+    threads.
     """
 
     def __init__(self, kind="tracking", num_envs=1, threads=None, render_mode=None, **options):
