@@ -19,7 +19,7 @@ struct LogColumn {
                               std::vector<std::uint8_t>, std::vector<std::string>>;
   std::string name;       ///< "cost", "segments.duration_s"
   bool is_truth = false;  ///< true for booleans
-  /// shape of an array of constant size; empty: one value per row
+  /// Shape of an array of constant size; empty: one value per row.
   std::vector<std::size_t> item_shape;
   int list = -1;  ///< list whose elements are the rows; −1: the messages
   Values values;

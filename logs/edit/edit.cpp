@@ -9,8 +9,8 @@
 namespace vantage::logs {
 namespace {
 
-/// Range in which the newest SCENARIO before a part is searched (it is published every 5 s): this
-/// time before the part, otherwise this number of events from the beginning.
+/// Search range for the newest SCENARIO before a part (it is published every 5 s): this time before
+/// the part; if there is none, this number of events from the beginning.
 constexpr Duration kScenarioAge{15'000'000};
 constexpr int kScenarioWithin = 1000;
 

@@ -20,7 +20,7 @@ struct EditRules {
   ChannelFilter channels;
   ChannelRenames names;
   bool drops_doubtful = false;
-  /// called for each event; true stops the edit
+  /// Called for each event; true stops the edit.
   std::function<bool()> stop = [] { return false; };
 
   [[nodiscard]] bool is_before_end(Time time) const { return time < to || to == Time::max(); }
@@ -28,7 +28,7 @@ struct EditRules {
 
 struct EditCounts {
   std::int64_t written = 0;
-  /// events between the first and the last written one that were left out
+  /// Events between the first and the last written one that were left out.
   std::int64_t left_out = 0;
   std::int64_t name_too_long = 0;  ///< events left out because of the length of their name
   std::int64_t failed = 0;  ///< events that could not be written; the first one ends the edit

@@ -31,8 +31,8 @@ std::size_t event_bytes_at(std::span<const std::uint8_t> events, std::size_t off
   return kEventHeaderBytes + read_big_endian(header + 20, 4) + read_big_endian(header + 24, 4);
 }
 
-// LCM accepts any bytes as a name. Overwritten names are rarely UTF-8 and rarely free of control
-// characters, so damage is detected.
+// LCM accepts any bytes as a name. Damaged names are rarely UTF-8 and rarely free of control
+// characters, so this test detects most of them.
 bool is_event_channel(std::string_view channel) {
   constexpr unsigned char kFirstPrintable = 0x20;
   constexpr unsigned char kDelete = 0x7F;

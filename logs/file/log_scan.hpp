@@ -18,7 +18,7 @@ inline constexpr std::int64_t kEventsPerReport = 1000;
 enum class Testimony {
   kNone,   ///< of an unknown type
   kWhole,  ///< exactly one complete message of a known type
-  /// begins with the fingerprint of a known type, but the lengths inside are inconsistent
+  /// Begins with the fingerprint of a known type, but the lengths inside are inconsistent.
   kDamaged,
 };
 /// Function that checks the data of an event. If it is empty, no data are checked.
@@ -53,18 +53,18 @@ struct ScanCounts {
 /// The event is refused, and the search continues after its sync word, if
 ///  - the witness reports damaged data; or, unless the witness reports whole data,
 ///  - a header inside its data has a number near the event's own number, or near the numbers that
-///   are usual in this part of the log while the event's own number is not; or
+///    are usual in this part of the log while the event's own number is not; or
 ///  - no header follows the event, and a header inside its data that is followed by its successor
-///   reaches beyond the event's end. If the event's number is usual, the successors must also
-///   continue to the end of the file.
+///    reaches beyond the event's end. If the event's number is usual, the successors must also
+///    continue to the end of the file.
 /// Therefore sync words, headers and complete logs inside data do not split an event, and a wrong
 /// length does not hide other events. An event is intact if all of its bytes are present. All
 /// intact events are returned, with two exceptions where the bytes are ambiguous:
 ///  - The data contain a log with numbers near the event's own, the event's own number does not
-///   continue both neighbours' numbers (one is damaged, or the logger does not count by one), and
-///   the witness does not know the type.
+///    continue both neighbours' numbers (one is damaged, or the logger does not count by one), and
+///    the witness does not know the type.
 ///  - The event begins inside the wrong length of another event that both neighbours' numbers
-///   confirm, so that nothing looks damaged there.
+///    confirm, so that nothing looks damaged there.
 class LogScan {
  public:
   explicit LogScan(std::span<const std::uint8_t> log, Witness witness = {}, std::size_t offset = 0);

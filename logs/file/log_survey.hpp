@@ -23,7 +23,7 @@ struct ChannelSurvey {
   std::uint64_t data_bytes = 0;
   Time first{};  ///< time of the first event, clamped to the log's begin and end
   Time last{};   ///< time of the last event, clamped likewise
-  /// longest time between two consecutive events, gaps of a day or more left out
+  /// Longest time between two consecutive events, gaps of a day or more left out.
   Duration gap_max{};
   Time gap_at{};                   ///< start of that gap
   std::int64_t messages_lost = 0;  ///< missing sequence numbers of vantage messages
@@ -51,9 +51,9 @@ struct LogSurvey {
   Time begin{};                           ///< least event time that is not outlying (UsualTimes)
   Time end{};                             ///< greatest of these
   std::int64_t times_outlying = 0;        ///< events before begin or after end
-  /// numbers skipped by the logger's count (after filtering or loss)
+  /// Numbers skipped by the logger's count (after filtering or loss).
   std::int64_t numbers_missing = 0;
-  /// number of times that the count goes back (concatenated logs)
+  /// Number of times that the count goes back (concatenated logs).
   std::int64_t number_restarts = 0;
   std::int64_t times_backward = 0;  ///< events earlier than the preceding one
   Duration backward_max{};
@@ -99,7 +99,7 @@ class SurveyPass {
   std::size_t size_bytes_;
   LogScan scan_;
   LogSurvey survey_;
-  /// monitors of the channels with vantage messages; they count lost messages
+  /// Monitors of the channels with vantage messages; they count lost messages.
   std::unique_ptr<Streams> streams_;
   UsualTimes times_;
   std::int64_t events_ = 0;

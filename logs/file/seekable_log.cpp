@@ -10,13 +10,13 @@ namespace vantage::logs {
 namespace {
 
 constexpr std::size_t kHeadBytes = std::size_t{8} << 20U;
-/// size of the first attempt to find an event at the end
+/// Size of the first attempt to find an event at the end.
 constexpr std::size_t kTailBytes = std::size_t{64} << 10U;
-/// largest size of these attempts, to skip foreign bytes
+/// Largest size of these attempts, to skip foreign bytes.
 constexpr std::size_t kTailBytesMax = std::size_t{16} << 20U;
 constexpr std::size_t kProbeBytes = std::size_t{64} << 10U;  ///< smallest range of the bisection
 constexpr std::size_t kForeignBytesMax = std::size_t{8} << 20U;
-/// searched before an instant for the newest event of each channel
+/// Searched before an instant for the newest event of each channel.
 constexpr std::size_t kLookBackBytes = std::size_t{1} << 20U;
 constexpr std::size_t kBlocksRead = 32;
 constexpr Duration kTick{1};

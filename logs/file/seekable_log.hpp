@@ -94,7 +94,7 @@ class SeekableLog {
   Time last_{};
   std::size_t pass_bytes_ = 0;           ///< read by the first pass
   mutable std::size_t asked_bytes_ = 0;  ///< read by queries
-  /// cached blocks, most recently used first
+  /// Cached blocks, most recently used first.
   mutable std::list<std::pair<std::size_t, Events>> read_;
 };
 

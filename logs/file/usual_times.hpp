@@ -40,9 +40,9 @@ class UsualTimes {
   };
   void add_to_others(Time time);
 
-  /// separate groups; the first one contains the most recently added time
+  /// Separate groups; the first one contains the most recently added time.
   std::vector<Group> groups_;
-  /// events of the smallest groups, which are dropped when there are too many groups
+  /// Events of the smallest groups, which are dropped when there are too many groups.
   std::int64_t forgotten_ = 0;
 };
 

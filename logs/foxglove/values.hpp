@@ -36,7 +36,7 @@ Json occupancy_grid(const models::RobotMap& map, const models::MappingSpec& spec
 Json scenario_json(const models::ScenarioNotice& notice, const scenario::Scenario& scenario);
 /// vantage.Plan: margin_s = deadline − finish, gap_nat = cost − lower bound.
 Json plan_json(const models::RobotPlan& plan);
-/// vantage.Vehicle. `capture_to_setpoint`: time from the capture of the newest measurement that the
+/// Vantage.Vehicle. `capture_to_setpoint`: time from the capture of the newest measurement that the
 /// followed plan is based on until the vehicle followed the plan; nullopt if unknown.
 Json vehicle_json(const models::VehicleStatus& status,
                   std::optional<Duration> capture_to_setpoint = std::nullopt);
@@ -45,7 +45,7 @@ Json health_json(const models::ProcessHealth& health);
 /// vantage.Attack.
 Json attack_json(const models::AttackNotice& attack);
 
-/// vantage.Team: the quality of the team's estimates at the newest evaluated step. The RMSE is over
+/// Vantage.Team: the quality of the team's estimates at the newest evaluated step. The RMSE is over
 /// the known targets with truth; it is absent if there are none. robot_… are means over the robots,
 /// each evaluated by its own belief alone. nees_by_age is the NEES by the time since a target was
 /// last seen; its expected mean is nees_expected if the estimators are consistent.
@@ -87,7 +87,7 @@ class HealthStory {
 
  private:
   std::optional<models::ProcessHealth> last_;
-  /// of an open degraded period: its start, and the newest degraded report
+  /// Of an open degraded period: its start, and the newest degraded report.
   std::optional<std::pair<Time, Time>> degraded_;
 };
 

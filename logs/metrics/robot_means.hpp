@@ -20,14 +20,14 @@ class TruthHistory;
 /// 3.3 and 4.3 of the dissertation plot these values. (The rest of a TrialSummary evaluates the
 /// team: the best informed robot at each step.)
 struct RobotMeans {
-  /// mean over time of the position RMSE of the robot's known targets
+  /// Mean over time of the position RMSE of the robot's known targets.
   std::optional<double> rmse_m;
-  /// mean over time and targets; unknown targets count with their prior
+  /// Mean over time and targets; unknown targets count with their prior.
   double entropy_nats = 0.0;
   double discovered = 0.0;  ///< targets that a robot has ever known
   /// Mean time until a robot knows a target; the trial's duration if it never does.
   double discovery_time_s = 0.0;
-  /// mean over time of the share of targets that a robot does not know
+  /// Mean over time of the share of targets that a robot does not know.
   double undiscovered_share = 0.0;
   /// Pooled over all robots' position estimates of their known targets.
   Consistency consistency;

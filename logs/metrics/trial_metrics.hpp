@@ -21,9 +21,9 @@ namespace vantage::logs {
 struct TargetStatus {
   std::string name;
   std::optional<double> discovered_s;  ///< s since the start of the trial
-  /// the team's estimate; nullopt while no robot knows it
+  /// The team's estimate; nullopt while no robot knows it.
   std::optional<PositionEstimate> estimate;
-  /// error of the estimate against the truth at the estimate's time
+  /// Error of the estimate against the truth at the estimate's time.
   std::optional<double> error_m;
   double entropy_nats = 0.0;  ///< entropy of the scenario's prior while no robot knows it
 };

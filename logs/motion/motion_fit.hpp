@@ -76,7 +76,7 @@ struct Displacement {
 /// position part of N(c + A (y − c), W).
 struct MotionScore {
   double nats = 0.0;  ///< mean log likelihood of a position over the horizons; higher is better
-  /// mean NEES of the position; 2 for a consistent model
+  /// Mean NEES of the position; 2 for a consistent model.
   std::array<double, kHorizons_s.size()> nees{};
   std::array<std::array<Displacement, kHorizons_s.size()>, 2> displacements{};  ///< by coordinate
 };

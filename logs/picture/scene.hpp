@@ -62,7 +62,7 @@ class SceneRecorder {
  private:
   Scene scene_;
   std::map<std::string, double> thinning_s_;  ///< current thinning interval of each body's track
-  /// true if beliefs cover parts of the world's grid only (neighbourhoods)
+  /// True if beliefs cover parts of the world's grid only (neighbourhoods).
   bool are_grids_parts_ = false;
 };
 

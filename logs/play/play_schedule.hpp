@@ -25,7 +25,7 @@ class PlaySchedule {
   [[nodiscard]] double speed() const { return speed_; }
   /// Returns the position in the log.
   [[nodiscard]] Time position(std::int64_t now_ns) const;
-  /// Returns the due time of `time`. Precondition: not paused.
+  /// Returns the clock time, ns, at which `time` is due. Precondition: not paused.
   [[nodiscard]] std::int64_t due_ns(Time time) const;
 
  private:

@@ -22,7 +22,7 @@ struct SpoolOptions {
   std::string path;
   Existing existing = Existing::kRefuse;  ///< kAppend continues the last file of `path`
   std::uint64_t rotate_bytes = 0;         ///< maximum size of a file; 0: one file only
-  /// maximum size of all files together, existing ones included; 0: none
+  /// Maximum size of all files together, existing ones included; 0: none.
   std::uint64_t limit_bytes = 0;
   std::size_t queue_bytes_max = std::size_t{64} << 20U;
   std::chrono::milliseconds write_period{10};  ///< time between two writes
@@ -36,7 +36,7 @@ struct SpoolReport {
   int files = 1;
   std::int64_t events = 0;  ///< events in files
   std::uint64_t bytes = 0;
-  /// events lost because the queue was full, the limit reached or the disk refused them
+  /// Events lost because the queue was full, the limit reached or the disk refused them.
   std::int64_t events_lost = 0;
   std::int64_t write_errors = 0;
   std::int64_t sync_errors = 0;

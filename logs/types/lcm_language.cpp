@@ -232,7 +232,7 @@ class Parser {
   std::size_t token_line_ = 1;  ///< line of token_
   std::size_t line_ = 1;        ///< line of the token that was taken last
   std::string package_;
-  /// type and value by name, of this struct
+  /// Type and value by name, of this struct.
   std::map<std::string, std::pair<std::string, std::string>> constants_;
   std::vector<LcmStruct> structs_;
 };

@@ -14,7 +14,7 @@ namespace vantage::logs {
 
 /// One dimension of an array: its size is constant or the value of an earlier member.
 struct LcmDimension {
-  /// text of the size in the source; a named constant is replaced by the text of its value
+  /// Text of the size in the source; a named constant is replaced by the text of its value.
   std::string size;
   std::int32_t constant = 0;
   std::int32_t member = -1;  ///< index of the member that contains the size; −1: constant

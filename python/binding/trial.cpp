@@ -144,7 +144,7 @@ class Trial {
     ~AtWork() { flag = false; }
   };
   std::shared_ptr<Scenario> scenario_;
-  /// recursive: a Python sensor may query the trial that it is part of
+  /// Recursive: a Python sensor may query the trial that it is part of.
   mutable std::recursive_mutex mutex_;
   std::atomic<bool> is_at_work_ = false;
   std::unique_ptr<trial::Trial> trial_;

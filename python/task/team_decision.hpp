@@ -19,7 +19,7 @@ namespace vantage::python {
 struct TeamAlgorithm {
   std::string_view name;
   std::string_view what;  ///< description in one line
-  /// fields of TeamRequest that the algorithm uses in addition
+  /// Fields of TeamRequest that the algorithm uses in addition.
   std::vector<std::string_view> options;
 };
 const std::vector<TeamAlgorithm>& team_algorithms();
@@ -78,7 +78,7 @@ class Decision {
   std::vector<int> bait_;
   planner::TeamDecision decided_;
   planner::TeamProblem team_;
-  /// without their worlds, which may no longer exist
+  /// Without their worlds, which may no longer exist.
   std::vector<planner::SearchProblem> problems_;
   std::unique_ptr<planner::TeamOracle> oracle_;
   double value_ = 0.0;

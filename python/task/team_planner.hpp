@@ -22,7 +22,7 @@ class TeamPlanner {
 };
 
 struct TeamPlannerSpec {
-  /// tracking: a name of planner::all_algorithms(); mapping: "forward"
+  /// Tracking: a name of planner::all_algorithms(); mapping: "forward".
   std::string algorithm = "arvi";
   int horizon_steps = 12;
   std::int64_t nodes = 2'000;  ///< budget of work nodes for each robot's search (tracking)

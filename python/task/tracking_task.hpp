@@ -25,7 +25,7 @@ struct TrackingSpec {
   double step_s = 0.5;
   double prior_position_sigma_m = 1.0;
   double prior_velocity_sigma_mps = 0.02;
-  /// see experiments::TargetSetting; 0: missed detections are not used
+  /// See experiments::TargetSetting; 0: missed detections are not used.
   double detection_probability = 0.0;
   models::SensorModel sensor;
   std::vector<models::UnicycleControl> controls = models::standard_primitives();
