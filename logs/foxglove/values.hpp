@@ -36,8 +36,9 @@ Json occupancy_grid(const models::RobotMap& map, const models::MappingSpec& spec
 Json scenario_json(const models::ScenarioNotice& notice, const scenario::Scenario& scenario);
 /// vantage.Plan: margin_s = deadline − finish, gap_nat = cost − lower bound.
 Json plan_json(const models::RobotPlan& plan);
-/// Vantage.Vehicle. `capture_to_setpoint`: time from the capture of the newest measurement that the
-/// followed plan is based on until the vehicle followed the plan; nullopt if unknown.
+/// Returns a vantage.Vehicle. `capture_to_setpoint`: time from the capture of the newest
+/// measurement that the followed plan is based on until the vehicle followed the plan; nullopt if
+/// unknown.
 Json vehicle_json(const models::VehicleStatus& status,
                   std::optional<Duration> capture_to_setpoint = std::nullopt);
 /// vantage.Health: messages_lost sums the counters that end in ".lost".
@@ -45,10 +46,11 @@ Json health_json(const models::ProcessHealth& health);
 /// vantage.Attack.
 Json attack_json(const models::AttackNotice& attack);
 
-/// Vantage.Team: the quality of the team's estimates at the newest evaluated step. The RMSE is over
-/// the known targets with truth; it is absent if there are none. robot_… are means over the robots,
-/// each evaluated by its own belief alone. nees_by_age is the NEES by the time since a target was
-/// last seen; its expected mean is nees_expected if the estimators are consistent.
+/// Returns a vantage.Team: the quality of the team's estimates at the newest evaluated step. The
+/// RMSE is over the known targets with truth; it is absent if there are none. robot_… are means
+/// over the robots, each evaluated by its own belief alone. nees_by_age is the NEES by the time
+/// since a target was last seen; its expected mean is nees_expected if the estimators are
+/// consistent.
 Json team_json(const TrialMetrics& metrics, Time time);
 
 /// Severity of a foxglove.Log.

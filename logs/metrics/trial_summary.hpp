@@ -17,12 +17,12 @@ struct TrialSummary {
   double duration_s = 0.0;
   std::int64_t collisions = 0;
   std::int64_t separation_violations = 0;  ///< near misses reported by the simulator
-  /// M; between the centres of two robots; nullopt with one robot.
+  /// Minimum distance between the centres of two robots, m; nullopt with one robot.
   std::optional<double> min_separation_m;
   int discovered = 0;  ///< number of targets that any robot has discovered
   int targets = 0;
   std::vector<std::optional<double>> discovery_time_s;  ///< s, by target id; nullopt: never
-  std::optional<double> rmse_m;  ///< m; mean over time of the position RMSE of the known targets
+  std::optional<double> rmse_m;  ///< m; mean over time of the known targets' position RMSE
   /// Mean over time and targets; unknown targets count with their prior.
   double entropy_nats = 0.0;
   std::int64_t rounds = 0;       ///< planning rounds in which some robot published a plan
@@ -37,7 +37,7 @@ struct TrialSummary {
   /// Priced energy of all robots' planned motion until the next plan each (models/scenario).
   double energy_nats = 0.0;
   double undiscovered_share = 0.0;  ///< mean over time of the share of targets that no robot knows
-  /// M; over the time in which the target was known.
+  /// RMSE over the time in which the target was known, m.
   std::vector<std::optional<double>> rmse_per_target_m;
   std::vector<double> entropy_per_target_nats;
   /// Mean NEES eᵀ Σ⁻¹ e of the position estimates that the RMSE uses: the number of coordinates if

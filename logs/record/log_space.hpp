@@ -31,7 +31,7 @@ LogRoom room_for_log(const scenario::Scenario& scenario, const std::string& path
 /// no side effects.
 class LogWatch {
  public:
-  /// S without growth; messages are published every second.
+  /// Time without growth, s, that counts as a failure: messages are published every second.
   static constexpr double kUnwrittenS = 3.0;
   static constexpr double kNearlyFullS = 60.0;  ///< s of flight for which space is left
 
