@@ -32,12 +32,13 @@ Json visibility_grid(const models::GridGeometry& grid,
 /// settled cells.
 Json occupancy_grid(const models::RobotMap& map, const models::MappingSpec& spec);
 
-/// vantage.Scenario.
+/// Returns a vantage.Scenario.
 Json scenario_json(const models::ScenarioNotice& notice, const scenario::Scenario& scenario);
-/// vantage.Plan: margin_s = deadline − finish, gap_nat = cost − lower bound.
+/// Returns a vantage.Plan: margin_s = deadline − finish, gap_nat = cost − lower bound.
 Json plan_json(const models::RobotPlan& plan);
 /// Returns a vantage.Vehicle. `capture_to_setpoint`: time from the capture of the newest
 /// measurement that the followed plan is based on until the vehicle followed the plan; nullopt if
+/// unknown.
 /// unknown.
 Json vehicle_json(const models::VehicleStatus& status,
                   std::optional<Duration> capture_to_setpoint = std::nullopt);

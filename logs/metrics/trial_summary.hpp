@@ -34,7 +34,8 @@ struct TrialSummary {
   std::string algorithm;
   std::int64_t plans = 0;
   std::int64_t plans_missing = 0;  ///< rounds · robots − plans
-  /// Priced energy of all robots' planned motion until the next plan each (models/scenario).
+  /// Priced energy of the planned motion of all robots; each plan counts until the next
+  /// (models/scenario).
   double energy_nats = 0.0;
   double undiscovered_share = 0.0;  ///< mean over time of the share of targets that no robot knows
   /// RMSE over the time in which the target was known, m.
