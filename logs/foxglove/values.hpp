@@ -39,12 +39,11 @@ Json plan_json(const models::RobotPlan& plan);
 /// Returns a vantage.Vehicle. `capture_to_setpoint`: time from the capture of the newest
 /// measurement that the followed plan is based on until the vehicle followed the plan; nullopt if
 /// unknown.
-/// unknown.
 Json vehicle_json(const models::VehicleStatus& status,
                   std::optional<Duration> capture_to_setpoint = std::nullopt);
-/// vantage.Health: messages_lost sums the counters that end in ".lost".
+/// Returns a vantage.Health: messages_lost sums the counters that end in ".lost".
 Json health_json(const models::ProcessHealth& health);
-/// vantage.Attack.
+/// Returns a vantage.Attack.
 Json attack_json(const models::AttackNotice& attack);
 
 /// Returns a vantage.Team: the quality of the team's estimates at the newest evaluated step. The
