@@ -39,7 +39,7 @@ struct LogEvent {
 std::optional<LogEvent> event_at(std::span<const std::uint8_t> log, std::size_t offset);
 
 /// True if `channel` is a plausible name: 1 to 63 bytes that are UTF-8 or contain no control
-/// character. A reader takes events with other names for damage.
+/// character. A reader treats events with other names as damage.
 bool is_event_channel(std::string_view channel);
 
 /// Returns the offset of the first sync word at or after `offset`; log.size() if there is none.

@@ -15,7 +15,7 @@ namespace vantage::logs {
 std::string draw_picture(const scenario::Scenario& scenario, const Scene& scene,
                          const logs::TrialSummary& summary);
 
-/// Renders an SVG file as PNG with rsvg-convert. An Error names the missing program.
+/// Renders an SVG file as PNG with rsvg-convert. Returns an Error if that program is not installed.
 /// @throws std::runtime_error with file and reason if rendering or writing failed; `png_path` is
 /// then unchanged.
 Result<std::string> render_png(const std::string& svg_path, const std::string& png_path);

@@ -33,7 +33,7 @@ struct TeamRequest {
   int attacks_max = 0;
   std::vector<int> order;  ///< order in coordinate descent; empty: 0, 1, 2, …
   int rounds_max = 1;
-  double alpha = 1.0;                        ///< minimum gain of local searches, over N⁴
+  double alpha = 1.0;  ///< local search: minimum gain factor 1 + α/N⁴, N candidates
   std::vector<planner::EnergyModel> energy;  ///< empty: motion costs nothing; else one per robot
   /// Search of one robot's plan, for algorithms that search; empty: the default search with
   /// `nodes`.

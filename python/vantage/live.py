@@ -1,7 +1,7 @@
 """Access to the running system's channels: any LCM type, on the stack's own transport.
 
     from vantage import live
-    from vantage_lcm import measurement_t
+    from vantage_lcm import measurement_t, vicon_frame_t
 
     node = live.Node("DETECTOR", scenario="lab")
     node.subscribe("VICON", vicon_frame_t, lambda channel, frame: ...)
