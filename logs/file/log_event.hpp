@@ -9,9 +9,9 @@
 
 #include "core/time.hpp"
 
-// The bytes of an LCM event log: events one after the other, each a header of 28 bytes
+// Format of an LCM event log: a sequence of events. Each event has a header of 28 bytes
 // (big-endian: u32 sync word, i64 event number, i64 time in µs, u32 length of the channel, u32
-// length of the data), the channel without a NUL, the data. No index, no checksum, no end mark.
+// length of the data), the channel without a NUL, and the data. There is no index or checksum.
 // Source: LCM, eventlog.c.
 
 namespace vantage::logs {

@@ -113,7 +113,7 @@ class Stream {
   std::map<std::string, models::HostReport> hosts_;
   std::map<std::string, Track> tracks_;
   std::optional<Time> next_tracks_;
-  OriginTimes captures_;             ///< of measurements
+  OriginTimes captures_;             ///< capture times of measurements
   OriginTimes captures_of_beliefs_;  ///< of the newest measurement in each belief
   std::map<std::string, std::map<std::int64_t, Time>> captures_of_plans_;  ///< by robot and round
   std::map<std::string, Duration> capture_to_setpoint_;  ///< of the plan that the robot follows

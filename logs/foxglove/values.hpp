@@ -89,7 +89,7 @@ class HealthStory {
 
  private:
   std::optional<models::ProcessHealth> last_;
-  /// Of an open degraded period: its start, and the newest degraded report.
+  /// Start and newest degraded report of an open degraded period.
   std::optional<std::pair<Time, Time>> degraded_;
 };
 

@@ -44,7 +44,7 @@ class TargetCourse {
 /// y(t) and ẏ(t). They are sufficient to fit a linear model.
 struct MotionMoments {
   std::int64_t samples = 0;
-  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();  ///< of (y(t+h), y(t), ẏ(t)) times its transpose
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();  ///< sum of v vᵀ, v = (y(t+h), y(t), ẏ(t))
 
   /// Returns the mean of (wᵀ (y(t+h), y(t), ẏ(t)))²; 0 without samples.
   [[nodiscard]] double mean_square(const Eigen::Vector3d& weights) const;

@@ -16,8 +16,8 @@ namespace vantage::logs {
 struct PlayCommand {
   enum class Kind { kPause, kResume, kToggle, kSeek, kStep, kSpeed, kFaster, kSlower, kQuit };
   Kind kind = Kind::kToggle;
-  double value =
-      0.0;  ///< kSeek: [s] since the log's begin (LogSurvey); kStep: [s] on or back; kSpeed
+  /// kSeek: s since the log's begin (LogSurvey); kStep: s forward (> 0) or back; kSpeed: factor.
+  double value = 0.0;
 };
 
 /// Parses a line: "pause", "resume", "seek 12.5", "step -5", "speed 2", "quit"; or a key: space, q,

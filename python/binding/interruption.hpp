@@ -6,8 +6,8 @@ namespace vantage::python {
 
 /// Checks for Ctrl-C and other Python signals during work without the interpreter's lock. Create it
 /// under that lock in the working thread; it must live as long as the work. Python handles signals
-/// only in its main thread. There came() acquires the lock every 50 ms and runs the handlers; other
-/// threads never stop.
+/// only in its main thread: there came() acquires the lock every 50 ms and runs the handlers. In
+/// other threads it stays false.
 class Interruption {
  public:
   Interruption();

@@ -321,7 +321,7 @@ World(bounds, obstacles=()): bounds (4,) and obstacles (n, 4): xmin, ymin, xmax,
           py::arg("a"), py::arg("b"), "Whether no obstacle stands between.");
 }
 
-// long: a list of what Python sees, one entry a name.
+// long: a list of the Python names, one entry each.
 void bind_belief(py::module_& module) {
   module.def(
       "predict",

@@ -90,7 +90,7 @@ std::unique_ptr<Decision> decided(std::vector<planner::SearchProblem> problems, 
   return decision;
 }
 
-// Returns a list of of(chosen candidate) per robot; for a robot without a choice, of an empty one.
+// Applies `of` to the chosen candidate of each robot, or to an empty one if it has no choice.
 template <class Of>
 py::list per_robot(const Decision& decision, const Of& of) {
   static const planner::Candidate kNothing;
