@@ -26,7 +26,7 @@ struct Spread {
   double worst_s = 0.0;  ///< maximum
   double least_s = 0.0;
 };
-/// Returns all zeros if there are no values.
+/// Returns zeros if `values_s` is empty.
 Spread spread_of(std::vector<double> values_s);
 
 /// Timing of one robot's planner relative to its deadlines.

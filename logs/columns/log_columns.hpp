@@ -21,14 +21,14 @@ struct LogColumn {
   bool is_truth = false;  ///< true for booleans
   /// Shape of an array of constant size; empty: one value per row.
   std::vector<std::size_t> item_shape;
-  int list = -1;  ///< list whose elements are the rows; −1: the messages
+  int list = -1;  ///< list that contains the rows as elements; −1: the messages
   Values values;
 };
 
 /// List of variable length within messages.
 struct LogList {
   std::string name;  ///< "segments", or the name of its only column
-  int parent = -1;   ///< list whose elements each contain such a list; −1: the messages
+  int parent = -1;   ///< list with elements that each contain such a list; −1: the messages
   /// Row i of the parent has the elements [offsets[i], offsets[i + 1]).
   std::vector<std::int64_t> offsets{0};
 };

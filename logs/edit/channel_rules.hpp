@@ -10,7 +10,7 @@
 namespace vantage::logs {
 
 /// Selection of channels of a log. Each rule is a regular expression that must match the whole
-/// name, as everywhere in LCM ("VICON" is one channel, ".*VICON.*" all whose names contain it).
+/// name, as everywhere in LCM ("VICON" is one channel, ".*VICON.*" all names that contain it).
 class ChannelFilter {
  public:
   /// Selects a channel if it matches one of `include` (or if `include` is empty) and none of

@@ -11,7 +11,7 @@
 
 // Format of an LCM event log: a sequence of events. Each event has a header of 28 bytes
 // (big-endian: u32 sync word, i64 event number, i64 time in µs, u32 length of the channel, u32
-// length of the data), the channel without a NUL, and the data. There is no index or checksum.
+// length of the data), the channel without a NUL, and the data. It has neither index nor checksum.
 // Source: LCM, eventlog.c.
 
 namespace vantage::logs {
@@ -33,7 +33,7 @@ struct LogEvent {
   }
 };
 
-/// Returns the event whose header begins at `offset`, or nullopt if no valid event is there. Valid:
+/// Returns the event with its header at `offset`, or nullopt if no valid event is there. Valid:
 /// sync word, number and time ≥ 0, is_event_channel(), and all bytes inside `log`. The bytes that
 /// follow the event are not checked.
 std::optional<LogEvent> event_at(std::span<const std::uint8_t> log, std::size_t offset);

@@ -101,7 +101,7 @@ class LogScan {
   std::size_t end_of_last_ = 0;   ///< end of the last accepted event, or start of the scan
   std::int64_t last_number_ = 0;  ///< number of the last accepted event
   std::vector<std::int64_t> usual_numbers_;  ///< recent event numbers that are near each other
-  int strangers_ = 0;  ///< consecutive accepted events whose numbers are not near them
+  int strangers_ = 0;                        ///< consecutive accepted events with other numbers
   ScanCounts counts_;
   std::vector<DamagedStretch> stretches_;
 };

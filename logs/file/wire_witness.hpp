@@ -5,7 +5,7 @@
 
 namespace vantage::logs {
 
-/// Returns the vantage message type whose fingerprint is at the start of `data`; nullptr for
+/// Returns the vantage message type with the fingerprint at the start of `data`; nullptr for
 /// others.
 const bus::WireSchema* type_of(std::span<const std::uint8_t> data);
 

@@ -27,8 +27,8 @@ std::optional<nlohmann::ordered_json> message_json(std::span<const std::uint8_t>
 std::string dumped(const nlohmann::ordered_json& json);
 
 /// Returns the JSON schema (draft 2020-12) of message_json()'s results for messages of type
-/// `schema`. Matrices are omitted: Foxglove viewers refuse channels whose schema has nested lists,
-/// but display members that the schema does not mention.
+/// `schema`. Matrices are omitted: Foxglove viewers refuse schemas with nested lists, but display
+/// members that the schema does not mention.
 nlohmann::ordered_json json_schema(const bus::WireSchema& schema);
 
 }  // namespace vantage::logs

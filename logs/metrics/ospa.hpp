@@ -21,17 +21,17 @@ struct Labelled {
 struct SetError {
   double ospa_m = 0.0;
   /// Root mean square distance of the pairs in the assignment of least squared distance, without a
-  /// cutoff; 0 if there are no pairs.
+  /// cutoff; 0 without pairs.
   double matched_rmse_m = 0.0;
   int pairs = 0;  ///< pairs of that assignment: the size of the smaller set
 };
 
-/// Error measures for estimates of several targets whose labels carry no identity, at one instant
-/// after another.
+/// Error measures for estimates of several targets with labels that carry no identity, at one
+/// instant after another.
 ///
 /// OSPA of order 2 with cutoff c between sets of m ≤ n points: √((Σ min(c, d)² + c² (n − m)) / n),
 /// where d are the distances of the best assignment; 0 for two empty sets. A swap: that assignment
-/// gives a target to a track nearer than c whose label differs from that of the target's last
+/// gives a target to a track nearer than c, and its label differs from that of the target's last
 /// track. Allocates only if a set is larger than all sets before.
 /// Source: Schuhmacher, Vo, Vo, A consistent metric for performance evaluation of multi-object
 /// filters (2008); swaps: Bernardin, Stiefelhagen, Evaluating multiple object tracking performance:

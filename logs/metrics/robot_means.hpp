@@ -42,7 +42,7 @@ class RobotStep {
     double sum = 0.0;
   };
 
-  /// Adds one robot. `rmse_m` is over the targets whose truth is known; nullopt without any.
+  /// Adds one robot. `rmse_m` is over the targets with known truth; nullopt without any.
   void add(double entropy_nats, std::optional<double> rmse_m);
   void add_nees(std::size_t age_class, double nees);
 

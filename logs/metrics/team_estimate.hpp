@@ -37,7 +37,7 @@ std::optional<PositionEstimate> position_estimate(const models::TargetBelief& be
 double isotropic_entropy_nats(double sigma_m, int position_dim);
 
 /// The team's estimate of each target: the one with the least position entropy among the robots
-/// that know it. Ties: the more recent sighting, then the robot whose name comes first.
+/// that know it. Ties: the more recent sighting, then the first robot in alphabetical order.
 class TeamEstimate {
  public:
   void offer(int target_id, const PositionEstimate& candidate);

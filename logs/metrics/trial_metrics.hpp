@@ -49,7 +49,7 @@ class TrialMetrics {
   void on_plan(const models::RobotPlan& plan);
   void on_contact(const models::ContactReport& contact);
   void on_vehicle(const models::VehicleStatus& status);
-  /// Counts the messages that a process reports as lost: its newest counters whose name ends in
+  /// Counts the messages that a process reports as lost: its newest counters with names that end in
   /// ".lost". They are summed over the runs of a process, because a restarted process counts from
   /// 0.
   void on_health(const models::ProcessHealth& health);

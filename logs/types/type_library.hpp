@@ -26,7 +26,7 @@ class TypeLibrary {
   /// types have one name.
   explicit TypeLibrary(const std::vector<std::string>& paths);
 
-  /// Returns the type whose fingerprint is at the start of `message`; nullptr if there is none. If
+  /// Returns the type with the fingerprint at the start of `message`; nullptr if there is none. If
   /// several types have the same layout, vantage's own type wins, then the first name in
   /// alphabetical order.
   [[nodiscard]] const bus::WireSchema* find(std::span<const std::uint8_t> message) const;

@@ -21,7 +21,7 @@ namespace vantage::python {
 using KeptFunction = std::shared_ptr<py::function>;
 KeptFunction kept(const py::function& function);
 
-/// Sensor whose detections come from a Python function.
+/// Sensor that takes its detections from a Python function.
 class PythonSensor {
  public:
   PythonSensor(const scenario::Scenario& scenario, const std::string& robot, KeptFunction look);
@@ -35,7 +35,7 @@ class PythonSensor {
   std::map<std::string, int> ids_;
 };
 
-/// Filter whose beliefs, after the scans of a step, come from a Python function.
+/// Filter that takes its beliefs after each step from a Python function.
 class PythonFilter {
  public:
   PythonFilter(const scenario::Scenario& scenario, KeptFunction filter);

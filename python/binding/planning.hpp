@@ -15,7 +15,7 @@
 namespace vantage::python {
 
 /// Mutex that throws instead of deadlocking if its own thread locks it again. This happens when a
-/// signal handler uses the object whose work it interrupted.
+/// signal handler uses the object that it interrupted.
 class WorkMutex {
  public:
   /// @throws UsageError in the thread that already holds it

@@ -58,7 +58,7 @@ planner::InformationMeasure measure_of(const std::string& word) {
   return kind_of(word, kMeasures, "measure");
 }
 
-// Returns the problems. `kept` keeps the objects alive whose worlds the problems refer to.
+// Returns the problems. `kept` owns the objects with the worlds that the problems refer to.
 std::vector<planner::SearchProblem> problems_of(const py::sequence& sources, py::list& kept) {
   std::vector<planner::SearchProblem> problems;
   for (const py::handle each : sources) {

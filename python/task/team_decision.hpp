@@ -44,7 +44,7 @@ struct TeamRequest {
 /// A team's decision and the candidates it was chosen from.
 class Decision {
  public:
-  /// Decides for the robots in the order of `problems`, whose fixed information is ignored.
+  /// Decides for the robots in the order of `problems`. Their fixed information is ignored.
   /// @throws UsageError that names the argument that breaks a rule
   Decision(std::vector<planner::SearchProblem> problems, const TeamRequest& request);
   ~Decision() = default;

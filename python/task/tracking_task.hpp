@@ -37,7 +37,7 @@ struct TrackingSpec {
 };
 
 /// Tracking task. Reward: negative mean over the targets of the entropy of position and velocity,
-/// nats. The cost of planner::SearchProblem is an affine function of its sum. A robot whose control
+/// nats. The cost of planner::SearchProblem is an affine function of its sum. A robot that
 /// would touch a wall keeps its position and only turns. Robots do not occlude or collide with each
 /// other.
 class TrackingTask final : public TeamTask {

@@ -21,7 +21,7 @@ class VectorTask {
 
   /// Starts new episodes of all tasks, each with its own seed.
   void reset(std::span<const std::uint64_t> seeds);
-  /// Steps all tasks. A task whose episode was over starts the next one instead: its actions are
+  /// Steps all tasks. If an episode was over, its task starts the next one instead: its actions are
   /// ignored and its reward is 0. The next seed follows from the previous one.
   /// @param actions  [task][robot]; all are checked before any task moves
   /// @param rewards, is_over  one per task

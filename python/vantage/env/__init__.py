@@ -14,7 +14,7 @@ start_side_m, q_m2ps3, step_s, prior_position_sigma_m, prior_velocity_sigma_mps,
 range_max_m, range_sigma_m, fov_deg, bearing_sigma_deg.
 Mapping: robots with range finders explore an unknown world. Reward: decrease of the map's entropy, nats.
 Options: robots, world (pillars or corridors), side_m, patch_cells.
-Both: episode_steps; attacks (number of robots whose sensors are jammed at a time), attack_period_steps
+Both: episode_steps; attacks (number of robots with jammed sensors at a time), attack_period_steps
 (steps until other robots are chosen), attacker (greedy: the robots that saw most; random).
 """
 from . import baselines
