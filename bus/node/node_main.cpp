@@ -56,7 +56,7 @@ class StopRequests {
 
 }  // namespace
 
-// Long function: the whole life of a process in order.
+// long: the whole life of a process, in order.
 int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode& make_node) {
   return run_process(program.name, [&]() -> int {
     LifeSign life;

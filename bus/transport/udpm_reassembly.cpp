@@ -18,7 +18,7 @@ constexpr std::size_t kSparedShare = 8;
 
 Reassembler::Reassembler(const ReassemblyLimits& limits) : limits_(limits) {}
 
-// Long function: one fragment passes every limit in order; each check may end it.
+// long: one fragment passes every limit in order; each check may end it.
 std::optional<AssembledMessage> Reassembler::add(std::uint64_t source, const Packet& packet,
                                                  std::int64_t now_ns) {
   if (packet.message_bytes > limits_.message_bytes_max) {
