@@ -18,7 +18,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kClosing = 20ms;  // of a slot of 100 ms and more
+constexpr Duration kClosing = 20ms;  // time reserved at the end of a slot of 100 ms or more
 
 using Answer = std::function<std::vector<models::RobotPlan>(const models::RobotPlan& question)>;
 
@@ -34,7 +34,7 @@ models::RobotPlan drive(const models::RobotPlan& question, double speed_mps, dou
   return answer;
 }
 
-// The world's end of the bus answers as it is told to.
+// The external planner at the other end of the bus, which replies with a given answer.
 class ExternalTest : public test::PlannerNodeTest {
  protected:
   void start_with(const Answer& answer) {
@@ -89,7 +89,7 @@ TEST_F(ExternalTest, FallsBackInTimeWhenNobodyAnswers) {
   EXPECT_FALSE(plans_[0].late);
 }
 
-// Whoever begins its slot when answers are due already asks nobody, and has a plan all the same.
+// A planner that is woken after the deadline for answers sends no question and uses its own plan.
 TEST_F(ExternalTest, AsksNobodyWhenItIsTooLateForAnAnswer) {
   start(external_scenario());
   world_.subscribe<models::RobotPlan>(
@@ -152,8 +152,8 @@ TEST_F(ExternalTest, GoesOnWithoutAnAnswerInARoundAfterOneThatHadOne) {
   EXPECT_EQ(count("external_late"), 1) << "of a round that is long over";
 }
 
-// Woken only after the slot, it has been asking all the while: that is no slot that it slept
-// through.
+// The planner is woken only after the slot, but it sent its question in time. The slot does not
+// count as skipped.
 TEST_F(ExternalTest, PlansAfterItsSlotWhenItHasAsked) {
   start(external_scenario());
   world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
@@ -217,8 +217,8 @@ TEST_F(ExternalTest, IsReplayedFromItsInputs) {
   EXPECT_TRUE(is_same_decision(*again, plans_[0]));
 }
 
-// Straight at a box, 1.2 m away: a plan is taken that stops up to 2 cm nearer than a search would
-// come, for rounding, and none that comes nearer.
+// The plan drives straight at a box, 1.2 m away. The planner accepts a plan that stops up to 2 cm
+// (rounding) inside the margin of a search. It refuses a plan that stops closer.
 TEST(RobotPlanner, TakesNoPlanThatComesNearerThanItsMarginAndTwoCentimetres) {
   scenario::Scenario scenario = external_scenario();
   scenario.robots.resize(1);
@@ -239,7 +239,7 @@ TEST(RobotPlanner, TakesNoPlanThatComesNearerThanItsMarginAndTwoCentimetres) {
   }
 }
 
-// Every way in which an answer can be no plan of its slot.
+// Changes each field of a valid answer so that the vehicle cannot fly it.
 TEST(MotionOfAnswer, IsNoneOfWhatTheVehicleCannotFly) {
   const scenario::Scenario scenario = external_scenario();
   const models::VehicleLimits& limits = scenario.robots[0].limits;
@@ -273,7 +273,7 @@ TEST(MotionOfAnswer, IsNoneOfWhatTheVehicleCannotFly) {
       [](auto& t) { t.segments[0].duration_s = 6.001; },
       [&](auto& t) { t.segments.assign(49, t.segments[0]); },
       [&](auto& t) { t.segments[0].brake_mps2 = 1.001 * limits.brake_mps2; },
-      [](auto& t) { t.segments[0].brake_mps2 = 0.6; },  // it would end backwards
+      [](auto& t) { t.segments[0].brake_mps2 = 0.6; },  // speed would become negative
       [](auto& t) {
         t.segments[0] = {{0.5, 0.1}, 0.2, 0.5};
       },

@@ -14,7 +14,7 @@
 
 namespace vantage::planner::test {
 
-/// A planner of Q1 on a bus in one process, and the world at the other end of it.
+/// A planner node of Q1 on an in-process bus, and a second bus end for the messages of the world.
 class PlannerNodeTest : public ::testing::Test {
  protected:
   void deliver() {
@@ -26,7 +26,7 @@ class PlannerNodeTest : public ::testing::Test {
 
   void start(const scenario::Scenario& scenario) { start(scenario, clock_); }
 
-  /// By another clock than that of round().
+  /// Starts the node with a clock other than the one that round() sets.
   void start(const scenario::Scenario& scenario, const bus::Clock& clock) {
     scenario_ = scenario;
     inputs_ = first_inputs(scenario, 0, 5);
@@ -38,7 +38,7 @@ class PlannerNodeTest : public ::testing::Test {
     inputs_.belief->robot = "Q1";
   }
 
-  // Lets the node do what it wants to within the round.
+  // Runs all ticks of the node that are due within the round.
   void round() {
     deliver();
     while (node_->next_tick() < inputs_.slot.activation) {

@@ -9,8 +9,8 @@
 #include "planner/app/replay_node.hpp"
 #include "test/planner/app/node_fixture.hpp"
 
-// A planner that is told that its clock is the machine's: how long it listens and searches, and
-// what it does when it is late.
+// Planner nodes with a real-time clock: how long they listen and search, and what they do when they
+// are late.
 
 namespace vantage::planner {
 namespace {
@@ -18,7 +18,7 @@ namespace {
 using namespace std::chrono_literals;
 using test::PlannerNodeTest;
 
-/// Follows the machine's clock, says the node, and stands still until it is moved.
+/// A clock that reports real time to the node but only moves when the test sets it.
 class RealClock : public bus::Clock {
  public:
   [[nodiscard]] Time now() const override { return now_; }
@@ -29,8 +29,8 @@ class RealClock : public bus::Clock {
   Time now_{};
 };
 
-// A planner that was started anew listens for a round and 350 ms, so that it hears what its vehicle
-// does and what its teammates are about to do.
+// A restarted planner listens for one round and 350 ms. In that time it receives the status of its
+// vehicle and the plans of its teammates.
 TEST_F(PlannerNodeTest, ListensFirstInRealTimeAlone) {
   const scenario::Scenario scenario = test::lab_scenario();
   const RoundSchedule::Slot slot = test::first_inputs(scenario, 0).slot;
@@ -49,8 +49,8 @@ TEST_F(PlannerNodeTest, ListensFirstInRealTimeAlone) {
   EXPECT_EQ(first_tick(clock_), slot.begin + 1s);
 }
 
-// Whenever in a round it was started, everybody else has had a slot to say a plan in before its own
-// first, for a teammate that was not heard is taken for one that hovers.
+// Whenever a planner is started, each teammate has a slot to publish a plan before its first own
+// slot. A teammate without a plan would be assumed to hover.
 TEST_F(PlannerNodeTest, HearsAPlanOfEveryTeammateBeforeItsFirstSlot) {
   for (const int attacks : {0, 1}) {
     scenario::Scenario scenario = test::lab_scenario();
@@ -79,7 +79,7 @@ TEST_F(PlannerNodeTest, HearsAPlanOfEveryTeammateBeforeItsFirstSlot) {
   }
 }
 
-// When the search has ended after the slot, nothing new may be said any more.
+// A search that ends after the slot leads to no new plan and no new proposal.
 TEST_F(PlannerNodeTest, SaysNothingNewAfterItsSlot) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.attacks_max = 1;
@@ -119,13 +119,13 @@ TEST_F(PlannerNodeTest, SaysNothingNewAfterItsSlot) {
   EXPECT_EQ(count("slots_skipped"), 0);
 }
 
-/// With a driver, and without.
+/// The parameter is true for a vehicle with a driver.
 class PlannerOfABusyHost : public PlannerNodeTest, public ::testing::WithParamInterface<bool> {};
 
 INSTANTIATE_TEST_SUITE_P(WithADriver, PlannerOfABusyHost, ::testing::Bool());
 
-// A planner of a vehicle with a driver brakes when it waited for a processor for too long within
-// the last second. It searches again as soon as the machine is free.
+// The planner of a vehicle with a driver brakes if it waited too long for a processor within the
+// last second. It searches again as soon as the machine is free.
 TEST_P(PlannerOfABusyHost, StopsAVehicleWithADriverWhileItWaitsForAProcessor) {
   struct Row {
     double wait_s;
@@ -156,7 +156,7 @@ TEST_P(PlannerOfABusyHost, StopsAVehicleWithADriverWhileItWaitsForAProcessor) {
   }
 }
 
-// A budget of nodes is one in real time, too, however little of the slot is left.
+// A node budget is used in full in real time as well, even if the slot is nearly over.
 TEST_F(PlannerNodeTest, PlansWithItsBudgetOfNodesInRealTimeToo) {
   scenario::Scenario scenario = test::lab_scenario();
   RealClock clock;
@@ -174,7 +174,8 @@ TEST_F(PlannerNodeTest, PlansWithItsBudgetOfNodesInRealTimeToo) {
   EXPECT_EQ(plans_[0].nodes, expected->nodes);
 }
 
-// With the last of its slot to go it still says a plan in time, which is not searched for long.
+// A planner that is woken near the end of its slot still publishes a plan in time, after a short
+// search.
 TEST_F(PlannerNodeTest, SearchesNoLongerThanItsSlotLets) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.node_budget = 0;

@@ -11,7 +11,7 @@
 #include "scenario/node_budget.hpp"
 #include "test/planner/app/node_fixture.hpp"
 
-// When a planner works, what it says that it worked from, and what it counts.
+// When a planner node works, which inputs its plans name, and what it counts.
 
 namespace vantage::planner {
 namespace {
@@ -83,7 +83,7 @@ TEST(NamesOf, AreOfEachInputOfItsRoundInAFixedOrder) {
   }
 }
 
-/// A team that expects an attack, whose budget a slot is a sixth of.
+/// A team that expects an attack. One slot is a sixth of its budget.
 class PlannerNodeClosing : public PlannerNodeTest, public testing::WithParamInterface<double> {};
 
 INSTANTIATE_TEST_SUITE_P(Budgets, PlannerNodeClosing, testing::Values(0.06, 0.48, 0.9));
@@ -133,7 +133,8 @@ TEST_F(PlannerNodeTest, NamesWhatItSaidItselfAsTheBusDid) {
   EXPECT_EQ(node_->deadlines_missed(), 0);
 }
 
-// Until the very end of its slot it plans, and from then on it waits for the next one.
+// The planner plans until the last microsecond of its slot. From the end on it waits for the next
+// slot.
 TEST_F(PlannerNodeTest, SkipsASlotThatItSleptThroughAndNoOther) {
   start(test::lab_scenario());
   world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
@@ -215,7 +216,8 @@ TEST_F(PlannerNodeTest, PlansWithTheDefaultBudgetInVirtualTime) {
   EXPECT_EQ(plans_[0].nodes, expected->nodes);
 }
 
-// Whoever goes away is forgotten, with what it said; whoever comes is heard.
+// The messages of a robot that leaves the neighbourhood are dropped; those of a robot that enters
+// it are used.
 TEST_F(PlannerNodeTest, ListensToItsNeighboursAlone) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.network.neighbourhood_m = 3.5;
@@ -223,7 +225,8 @@ TEST_F(PlannerNodeTest, ListensToItsNeighboursAlone) {
   world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
   for (const bool is_near : {true, false, true, false}) {
     inputs_.mocap->stamp.time += 1s;
-    inputs_.mocap->bodies[1].world_from_body.translation_m.x() = is_near ? 0.0 : 1.0;  // of −3 m
+    inputs_.mocap->bodies[1].world_from_body.translation_m.x() =
+        is_near ? 0.0 : 1.0;  // Q1 is at −3 m
     world_.publish(bus::kVicon, *inputs_.mocap);
     deliver();
     for (const char* const robot : {"Q2", "Q3"}) {
@@ -244,7 +247,7 @@ TEST_F(PlannerNodeTest, ListensToItsNeighboursAlone) {
   }
 }
 
-// What a team does not use is not listened to: proposals, maps, answers of other processes.
+// A planner ignores messages that its team does not use: proposals, maps, external answers.
 TEST_F(PlannerNodeTest, HearsOnlyWhatItsTeamUses) {
   start(test::lab_scenario());
   world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
@@ -292,10 +295,11 @@ TEST_F(PlannerNodeTest, CountsByThePublishedNames) {
   EXPECT_EQ(counted, names);
 }
 
-// Of two that share a slot the lower has it: the other yields, and then takes a slot of its own.
+// Of two robots in one slot, the one with the lower index keeps it. The other yields, and then
+// moves to a slot of its own.
 TEST_F(PlannerNodeTest, MovesToAnotherSlotWhereALowerOneHasIts) {
   scenario::Scenario scenario = test::lab_scenario();
-  std::swap(scenario.robots[0].name, scenario.robots[2].name);  // Q1 is the third
+  std::swap(scenario.robots[0].name, scenario.robots[2].name);  // Q1 becomes the third robot
   scenario.planner.slots = 2;
   start(scenario);
   const RoundSchedule schedule(scenario.planner, 2, 3);
@@ -317,10 +321,10 @@ TEST_F(PlannerNodeTest, MovesToAnotherSlotWhereALowerOneHasIts) {
   EXPECT_EQ(count("yielded_rounds"), 2) << "in the other's slot, and in the first of its own";
 }
 
-// ---- A team that agrees ----
+// ---- A team that solves its problem jointly ----
 
-// All of the first half of the budget, 250 ms, but for the 20 ms in which the last proposals
-// arrive.
+// Ticks fill the first half of the budget, 250 ms, except for the last 20 ms, in which the last
+// proposals arrive.
 TEST_F(PlannerNodeTest, LooksEveryFiveMillisecondsForBetterProposals) {
   start(team_that_agrees());
   world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
@@ -339,7 +343,7 @@ TEST_F(PlannerNodeTest, LooksEveryFiveMillisecondsForBetterProposals) {
     for (Duration at = 0ms; at <= 230ms; at += 5ms) {
       expected.push_back(at);
     }
-    expected.push_back(250ms);  // its plan
+    expected.push_back(250ms);  // the tick of its plan
     EXPECT_EQ(ticks, expected);
   }
 }

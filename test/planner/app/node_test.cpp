@@ -42,11 +42,11 @@ TEST_F(PlannerNodeTest, PlansOnNoMessageOfAnotherRobotThanItsChannels) {
   EXPECT_EQ(count("misaddressed"), 5);
 }
 
-// Who says it says it again each second: a teammate was taken for jammed for the rest of the
-// flight.
+// Attack notices are repeated each second, so an old one must expire. Without that, a teammate
+// counted as jammed for the rest of the flight.
 TEST_F(PlannerNodeTest, PlansByNoAttackThatWasNotHeardAgainForThreeSeconds) {
   scenario::Scenario scenario = test::lab_scenario();
-  scenario.planner.execute_steps = 2;  // a round of a second
+  scenario.planner.execute_steps = 2;  // one round lasts 1 s
   start(scenario);
   world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
   deliver();
@@ -168,7 +168,8 @@ TEST_F(PlannerNodeTest, GoesOnWithoutABeliefThatCannotBe) {
   EXPECT_EQ(plan_on(belief), 1);
 }
 
-/// How many mixtures the plan names of a belief of step 3, after a mixture of that step.
+/// Returns how many mixtures the plan names as inputs for a belief of step 3 when the mixture is of
+/// `step_of_mixture`.
 class PlannerNodeByMixtures : public PlannerNodeTest {
  protected:
   std::int64_t mixtures_named(std::int64_t step_of_mixture) {

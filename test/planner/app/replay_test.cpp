@@ -15,7 +15,7 @@
 namespace vantage::planner {
 namespace {
 
-/// A replay of Q1 that hears what a planner of Q1, and the world around it, say.
+/// A replay of Q1 that receives all messages of a planner of Q1 and of the world around it.
 class ReplayTest : public test::PlannerNodeTest {
  protected:
   void start_replay() {
@@ -30,11 +30,11 @@ class ReplayTest : public test::PlannerNodeTest {
 
   void start_both(const scenario::Scenario& scenario) {
     scenario_ = scenario;
-    start_replay();  // which has to hear all from the beginning
+    start_replay();  // it must receive all messages from the beginning
     start(scenario);
   }
 
-  /// Of no planner: what is logged, the test says itself.
+  /// Starts the replay without a planner: the test publishes the logged messages.
   void start_alone(const scenario::Scenario& scenario) {
     scenario_ = scenario;
     inputs_ = test::first_inputs(scenario, 0, 5);
@@ -59,21 +59,21 @@ class ReplayTest : public test::PlannerNodeTest {
     return -1;
   }
 
-  // Same, different, without their inputs.
+  // Expects the number of decisions that are the same, differ, or have missing inputs.
   void expect_counts(std::int64_t same, std::int64_t different, std::int64_t missing) const {
     EXPECT_EQ(replayed("replayed_same"), same);
     EXPECT_EQ(replayed("replayed_different"), different);
     EXPECT_EQ(replayed("replay_inputs_missing"), missing);
   }
 
-  /// Logs a plan of Q1 that says that it was made from `inputs`.
+  /// Logs a plan of Q1 that names `inputs` as its inputs.
   void log_plan(std::vector<models::InputRef> inputs) {
     models::RobotPlan plan = plan_of("Q1");
     plan.inputs = std::move(inputs);
     world_.publish(bus::plan_channel("Q1"), plan);
   }
 
-  /// Rounds of the planner; before each it is told what `tell` says.
+  /// Runs `count` rounds of the planner and calls `tell` before each.
   void rounds(int count, const std::function<void()>& tell) {
     for (int k = 0; k < count; ++k) {
       tell();
@@ -124,7 +124,8 @@ TEST_F(ReplayTest, PlansAgainFromBeliefsMotionsStatesAndAttacks) {
   expect_all_again(3, {"BELIEF_Q1", "PLAN_Q1", "PLAN_Q2", "VEHICLE_Q2", "VICON", "ATTACK"});
 }
 
-// A person walks at flight height: the plan names both frames by which it knows the velocity.
+// A person walks at flight height. The plan names both frames from which it computes the person's
+// velocity.
 TEST_F(ReplayTest, PlansAgainBesideAPersonFromTwoFrames) {
   start_both(test::lab_scenario());
   rounds(3, [&] {
@@ -220,7 +221,8 @@ TEST_F(ReplayTest, PlansAgainWhatAnotherProcessAnswered) {
   expect_all_again(2, {"EXTERNAL_PLAN_Q1"});
 }
 
-// Its own proposals, the first of which improves on a teammate's, and the plan that came of them.
+// The replay repeats the robot's own proposals, the first of which improves on a teammate's, and
+// the resulting plan.
 TEST_F(ReplayTest, ProposesAgainWhatItProposedToItsTeam) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.team_algorithm = scenario::TeamAlgorithm::kLocalSearch;
@@ -249,8 +251,8 @@ TEST_F(ReplayTest, ProposesAgainWhatItProposedToItsTeam) {
     EXPECT_EQ(said_again_[i].nodes, said_[i].nodes);
     EXPECT_EQ(said_again_[i].inputs, said_[i].inputs);
   }
-  // Different: a proposal of another value, one on a base that nothing improves on, one on a base
-  // of another round, one that was made from nothing.
+  // These differ: a proposal of another value, one on a base that cannot be improved, one on a base
+  // of another round, and one without inputs.
   models::TeamProposal other = said_.back();
   other.value_nats += 1.0;
   robot_bus_.publish(bus::team_proposal_channel("Q1"), other);
@@ -284,16 +286,16 @@ TEST_F(ReplayTest, SaysWhichPlansAreDifferent) {
   robot_bus_.publish(bus::plan_channel("Q1"), of_nothing);
   deliver();
   tick();
-  expect_counts(1, 2, 0);  // without a pose nothing is planned
+  expect_counts(1, 2, 0);  // no plan is made without a pose
   models::RobotPlan of_another = plans_.at(0);
   of_another.robot = "Q2";
   robot_bus_.publish(bus::plan_channel("Q1"), of_another);
   deliver();
   tick();
-  expect_counts(1, 2, 0);  // that is not its to say
+  expect_counts(1, 2, 0);  // a different robot's proposal
 }
 
-// After a search that came too late the robot went on with what it had.
+// After a search that ended too late, the robot continued its committed motion.
 TEST_F(ReplayTest, GoesOnWithItsMotionWhereTheSearchCameTooLate) {
   start_alone(test::lab_scenario());
   const auto belief = world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
@@ -317,7 +319,7 @@ TEST_F(ReplayTest, GoesOnWithItsMotionWhereTheSearchCameTooLate) {
   EXPECT_NE(again_[1].source, models::PlanSource::kShifted);
 }
 
-// Of shared slots each plan says in which one it was made.
+// With shared slots, each plan states the slot in which it was made.
 TEST_F(ReplayTest, PlansInTheSlotThatThePlanWasMadeIn) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.slots = 2;
@@ -340,8 +342,8 @@ TEST_F(ReplayTest, PlansInTheSlotThatThePlanWasMadeIn) {
   EXPECT_EQ(again_[1].slot_start, begins[1]);
 }
 
-// Inputs may come after what was made from them: two seconds are waited for them, and then what
-// comes next has its turn.
+// Inputs may be logged after the message that they led to. The replay waits two seconds for them
+// and then continues with the next message.
 TEST_F(ReplayTest, WaitsForInputsThatAreStillToCome) {
   start_alone(test::lab_scenario());
   EXPECT_EQ(replay_->next_tick(), clock_.now());
@@ -358,7 +360,7 @@ TEST_F(ReplayTest, WaitsForInputsThatAreStillToCome) {
   world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
   deliver();
   tick_later();
-  expect_counts(0, 1, 0);  // found: without a pose it has no plan
+  expect_counts(0, 1, 0);  // inputs are found, but without a pose there is no plan
   for (int k = 0; k < 30; ++k) {
     tick_later();
   }
@@ -369,7 +371,7 @@ TEST_F(ReplayTest, WaitsForInputsThatAreStillToCome) {
   expect_counts(0, 2, 1);
 }
 
-// Bursts of 30 may wait behind one that misses something.
+// Up to 30 messages may wait behind one whose inputs are missing.
 TEST_F(ReplayTest, GivesUpWhatHasThirtyOneBehindIt) {
   start_alone(test::lab_scenario());
   log_plan({{"BELIEF_Q1", 100, 0}});
@@ -385,7 +387,7 @@ TEST_F(ReplayTest, GivesUpWhatHasThirtyOneBehindIt) {
   expect_counts(0, 31, 1);
 }
 
-// The oldest of as many as it keeps of a channel is found, and one older is not.
+// The replay finds the oldest message that it keeps per channel, but not the one before it.
 TEST_F(ReplayTest, RemembersSoManyMessagesOfEachKind) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.objective = scenario::PlanObjective::kMapping;
@@ -439,7 +441,7 @@ TEST_F(ReplayTest, RemembersSoManyMessagesOfEachKind) {
   said.history = {1};
   expect_kept("TEAM_PROPOSAL_Q2", 500,
               [&] { world_.publish(bus::team_proposal_channel("Q2"), said); });
-  // Whatever plans are logged: they are of another channel.
+  // Plans that are logged do not count: they are on another channel.
   expect_kept("PLAN_Q2", 64, [&] { world_.publish(bus::plan_channel("Q2"), plan_of("Q2")); });
 }
 

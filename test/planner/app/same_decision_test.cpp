@@ -7,8 +7,8 @@
 
 #include "planner/app/replay_node.hpp"
 
-// What a replay compares: a decision is the same when every number of the motion and of its
-// certificate has the same bits. Each of them is changed once, alone, and the last of several.
+// Two decisions are the same when every number of the motion and of its certificate has the same
+// bits. Each number is changed alone, in lists the last one.
 
 namespace vantage::planner {
 namespace {
@@ -97,7 +97,7 @@ TEST(IsSameDecision, OfAPlanLeavesOutHowLongItTookAndFromWhatItWasMade) {
   EXPECT_TRUE(is_same_decision(plan(), other));
 }
 
-// A plan without a search has no cost: that is no difference. Zeros of two signs are.
+// A plan without a search has cost NaN, which counts as equal. Zeros of different sign differ.
 TEST(IsSameDecision, GoesByTheBits) {
   models::RobotPlan none = plan();
   none.cost = kNan;

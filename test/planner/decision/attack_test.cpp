@@ -12,7 +12,7 @@
 #include "planner/decision/team_set.hpp"
 #include "test/planner/decision/team_instance.hpp"
 
-// Attacks held against every set of robots that there is, with what they took to find.
+// Attacks compared with every set of robots, and the number of oracle calls of each attack.
 
 namespace vantage::planner {
 namespace {
@@ -40,7 +40,8 @@ double left_by(const TeamOracle& oracle, Choice choice, const std::vector<int>& 
   return team.value();
 }
 
-/// Every set of at most `most` of `robots`, the smallest first, those of one size in order.
+/// Returns all sets of at most `most` of `robots`, by ascending size and then in lexicographic
+/// order.
 std::vector<std::vector<int>> sets_of(const std::vector<int>& robots, int most) {
   std::vector<std::vector<int>> sets;
   for (std::uint32_t bits = 0; bits < 1U << robots.size(); ++bits) {
@@ -57,7 +58,8 @@ std::vector<std::vector<int>> sets_of(const std::vector<int>& robots, int most) 
   return sets;
 }
 
-/// As drawn, and the same without what only the targets' kinds make different: equals abound.
+/// Calls look() for each drawn team, once as drawn and once with equal candidates, so that ties are
+/// frequent.
 template <class Look>
 void for_each_team(const Look& look) {
   for (const InformationMeasure measure :
@@ -155,8 +157,8 @@ TEST(AttackOnBestAlone, TakesTheLowerOfEqualsAndNobodyForLessThanOne) {
   });
 }
 
-// The first of each turn is taken even if it is worth nothing; each turn asks for all that are
-// left.
+// Each round takes the first of the best robots, even if it adds nothing. It evaluates all robots
+// that are left.
 TEST(AttackOnBestTogether, TakesTheLowerOfEqualsAndCountsWhatItAsks) {
   for_each_team([](const TeamOracle& oracle, const Choice& choice) {
     const std::vector<int> robots = robots_of(choice);
@@ -211,7 +213,7 @@ TEST(RandomAttack, OfNobodyIsNobodyAndDrawsNothing) {
   EXPECT_EQ(rng(), untouched());
 }
 
-// ---- The optima that the searches are held against, against all choices ----
+// ---- The exhaustive optima to which the searches are compared ----
 
 TEST(ExhaustiveOptimum, IsTheFirstOfTheBestChoicesOfItsRobotsAlone) {
   for (std::uint64_t seed = 0; seed < kInstances; ++seed) {

@@ -22,7 +22,7 @@ namespace {
 
 SearchProblem open_problem(std::uint64_t seed) {
   SearchProblem problem = test::random_problem(seed).problem;
-  problem.world = nullptr;  // it goes away with its owner
+  problem.world = nullptr;  // its owner is destroyed
   problem.field = nullptr;
   problem.fixed_information.clear();
   problem.cost = CostKind::kLogDet;
@@ -38,7 +38,7 @@ TeamProblem team_of(const SearchProblem& problem, InformationMeasure measure) {
   return team;
 }
 
-// ½ (J without looks − J of the search) is the log-det information of its best plan.
+// ½ (J without measurements − J of the search) is the log-det information of its best plan.
 TEST(CandidateTrajectories, HoldTheBestPlanOfTheSearchAtItsValue) {
   ReducedValueIteration search({20'000, 400'000, 16, 16, 4});
   int planned = 0;
@@ -90,7 +90,8 @@ TEST(CandidateTrajectories, AreWhatTheirControlsMake) {
   }
 }
 
-// What the search brings along is what the oracle would say, to the bit, and saves all its calls.
+// The stand-alone gains that the search supplies equal those of the oracle bit for bit, and save
+// all its calls.
 TEST(CandidateTrajectories, BringWhatTheyGainAlone) {
   ReducedValueIteration search({20'000, 400'000, 16, 16, 4});
   const EnergyModel energy{0.3, 0.0, 1.0, 2.0, {}};
@@ -112,13 +113,14 @@ TEST(CandidateTrajectories, BringWhatTheyGainAlone) {
     for (CandidateId id = 0; id < asked.candidate_count(); ++id) {
       EXPECT_EQ(brought.alone(id), asked.alone(id)) << "seed " << seed;
     }
-    team.measure = InformationMeasure::kLogDet;  // that is not what they bring
+    team.measure = InformationMeasure::kLogDet;  // the supplied gains are of the other measure
     EXPECT_EQ(TeamOracle(team).calls(), asked.candidate_count());
   }
   EXPECT_GT(gaining, 100);
 }
 
-// A teammate's fixed looks take from what a trajectory gains here, not from what it gains alone.
+// With fixed measurements of teammates, the gain of a trajectory in the search is not its
+// stand-alone gain.
 TEST(CandidateTrajectories, BringNothingWhereTeammatesAreFixed) {
   ReducedValueIteration search({20'000, 400'000, 16, 16, 4});
   int made = 0;
@@ -137,7 +139,7 @@ TEST(CandidateTrajectories, BringNothingWhereTeammatesAreFixed) {
       EXPECT_EQ(of.mutual_nats.has_value(), !is_fixed);
       made += is_fixed ? 1 : 0;
     }
-    // Teammates who see nothing fix nothing, whatever room there is for it.
+    // Teammates that see nothing fix nothing, even if the table of fixed information is allocated.
     for (auto& of_target : problem.fixed_information) {
       for (models::PositionMatrix& M : of_target) {
         M.setZero();
@@ -152,7 +154,7 @@ TEST(CandidateTrajectories, BringNothingWhereTeammatesAreFixed) {
   EXPECT_GT(zeroed, 10);
 }
 
-// Mud from x = 3 m on; the six steps begin at 0, 2, 4, 6, 8 and 8 m.
+// The region "mud" begins at x = 3 m; the six steps begin at x = 0, 2, 4, 6, 8 and 8 m.
 TEST(EnergyUsed, PaysForControlsAndForTheRegionsThatConcernTheRobot) {
   models::World world;
   world.bounds = {{-1.0, -5.0}, {20.0, 5.0}};
@@ -212,8 +214,8 @@ void expect_same_looks(const Candidate& a, const Candidate& b) {
   }
 }
 
-// All that the sensors tell together of each target where it is expected at each step, in the order
-// of targets and steps, and nothing of what they do not see.
+// The measurements are the sums over all sensors, per target and step, at the expected target
+// positions. They are ordered by target and step and contain only what is visible.
 TEST(MakeCandidate, SeesWhatItsSensorsSeeOfEveryTargetAtEveryStep) {
   int seen = 0;
   int hidden = 0;
@@ -255,7 +257,8 @@ TEST(MakeCandidate, SeesWhatItsSensorsSeeOfEveryTargetAtEveryStep) {
   EXPECT_GT(hidden, 300);
 }
 
-// Whoever tells of a motion: its controls, the search that found it, the teammate who flies it.
+// A candidate is the same if it is made from controls, from a search result or from a teammate's
+// trajectory.
 TEST(MakeCandidate, IsTheSameOfASearchsPlanAndOfATeammatesMotion) {
   ReducedValueIteration search({20'000, 400'000, 16, 16, 4});
   const EnergyModel energy{0.3, 0.0, 1.0, 2.0, {}};
@@ -276,7 +279,7 @@ TEST(MakeCandidate, IsTheSameOfASearchsPlanAndOfATeammatesMotion) {
     expect_same_looks(found, made);
     looks += static_cast<int>(made.looks.size());
 
-    // Its own sensor counts and its own height, not those of whoever looks at it.
+    // The sensor and height of the moving robot count, not those of the robot that evaluates it.
     const models::SensorModel sensor = problem.sensors.back();
     const models::Trajectory motion = to_trajectory(problem, result.controls);
     SearchProblem own = problem;
@@ -303,14 +306,14 @@ TEST(MakeCandidate, IsTheSameOfASearchsPlanAndOfATeammatesMotion) {
   EXPECT_GT(looks, 100);
 }
 
-// ---- Which leaves are kept ----
+// ---- Selection of leaves ----
 
 struct PlainLeaf {
   NodeId id = kNoNode;
   double order = 0.0;
   std::vector<int> controls;
   std::vector<Pose2> poses;
-  std::vector<Eigen::MatrixXd> last;  // of each target: what is believed at the end
+  std::vector<Eigen::MatrixXd> last;  // covariance of each target at the last step
 };
 
 std::vector<PlainLeaf> leaves_of(const SearchProblem& problem, const EnergyModel& energy,
@@ -355,7 +358,8 @@ std::vector<PlainLeaf> leaves_of(const SearchProblem& problem, const EnergyModel
   return leaves;
 }
 
-// How much a covariance of `leaf` is below one of `kept` at worst: > −ε for redundant ones.
+// Returns the smallest eigenvalue, over targets, of `leaf`'s covariance minus `kept`'s. `leaf` is
+// redundant if it is above −ε.
 double least_lead(const PlainLeaf& leaf, const PlainLeaf& kept) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t m = 0; m < leaf.last.size(); ++m) {
@@ -365,8 +369,9 @@ double least_lead(const PlainLeaf& leaf, const PlainLeaf& kept) {
   return least;
 }
 
-// By ascending order each leaf against all that are kept: one within δ of a kept one, of which it
-// believes no less by more than ε, is left out. Held against the tree that the search has left.
+// Leaves are compared with all kept ones in ascending order. A leaf is dropped if it is within δ of
+// a kept leaf and its covariance is not smaller by more than ε. Compared with the tree that the
+// search leaves behind.
 TEST(CandidateTrajectories, AreTheLeavesThatNoCheaperOneMakesRedundant) {
   ReducedValueIteration search({20'000, 400'000, 16, 16, 4});
   const EnergyModel energy{0.3, 0.1, 1.0, 2.0, {}};
@@ -393,7 +398,7 @@ TEST(CandidateTrajectories, AreTheLeavesThatNoCheaperOneMakesRedundant) {
       std::vector<PlainLeaf> leaves = leaves_of(problem, energy, search.tree(), of.is_anytime);
       leaves.resize(std::min(leaves.size(), of.leaves_max));
       std::vector<const PlainLeaf*> kept;
-      bool is_on_an_edge = false;  // of what rounding decides
+      bool is_on_an_edge = false;  // rounding decides
       for (std::size_t i = 0; i < leaves.size() && kept.size() < of.candidates_max; ++i) {
         const PlainLeaf& leaf = leaves[i];
         is_on_an_edge |=
@@ -432,7 +437,7 @@ TEST(CandidateTrajectories, AreTheLeavesThatNoCheaperOneMakesRedundant) {
   EXPECT_GT(near_alone, 50) << "near, but better known";
 }
 
-// A search of a robot that must be able to stop leaves some that cannot.
+// If a robot must be able to stop, leaves from which it cannot stop are dropped.
 TEST(CandidateTrajectories, CanStopWhereAStopIsDemanded) {
   ReducedValueIteration search({20'000, 400'000, 16, 16, 4});
   int left_out = 0;

@@ -23,7 +23,8 @@ constexpr Time kActivation{Duration{1'000'000}};
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
-// A candidate of a drawn team has no motion: its number stands in one.
+// Returns the choice of candidate `id`. Candidates of a drawn team have no motion, so start.x_m
+// holds the number.
 models::TeamChoice choice_of(const TeamOracle& oracle, CandidateId id,
                              const std::vector<std::string>& robots) {
   models::TeamChoice choice;
@@ -33,10 +34,10 @@ models::TeamChoice choice_of(const TeamOracle& oracle, CandidateId id,
   return choice;
 }
 
-// A whole team whose robots believe the same, or each by its own instance.
+// A whole team of sessions. All robots have the same problem, or each has its own.
 class Team {
  public:
-  // `problems`: one for each robot, with the same numbers of candidates; or one for all.
+  // `problems`: one per robot, with the same numbers of candidates, or one for all.
   explicit Team(std::vector<TeamProblem> problems) : problems_(std::move(problems)) {
     for (const TeamProblem& problem : problems_) {
       oracles_.emplace_back(problem);
@@ -90,7 +91,7 @@ class Team {
 
  private:
   std::vector<TeamProblem> problems_;
-  std::deque<TeamOracle> oracles_;  // of these
+  std::deque<TeamOracle> oracles_;  // one per problem
   std::vector<std::string> names_;
   std::vector<std::unique_ptr<LocalSearchSession>> sessions_;
 };
@@ -101,7 +102,7 @@ double value_of(const TeamOracle& oracle, const Choice& choice) {
   return fresh.value();
 }
 
-// The greatest rise that a deletion, an addition or a swap makes.
+// Returns the greatest rise of a deletion, an addition or a swap.
 double best_rise(const TeamOracle& oracle, const Choice& choice) {
   const double here = value_of(oracle, choice);
   double best = 0.0;
@@ -122,8 +123,8 @@ double best_rise(const TeamOracle& oracle, const Choice& choice) {
   return best;
 }
 
-// What a network does to messages, drawn by a seed: each is lost for a listener, or heard once or
-// twice after other things have happened.
+// Random faults of a network. For each receiver a message is lost, or delivered once or twice with
+// a delay.
 struct Network {
   double lost = 0.0;
   double doubled = 0.0;
@@ -136,8 +137,8 @@ struct Outcome {
   std::vector<models::TeamProposal> said;
 };
 
-// Runs the sessions in a random order, `calls` oracle calls a step, until nobody searches and
-// nothing is on its way, or for `steps_max` steps.
+// Runs the sessions in random order, `calls` oracle calls per step. It ends when no session
+// searches and no message is under way, or after `steps_max` steps.
 Outcome run(Team& team, const Network& network, std::uint64_t seed, std::int64_t calls,
             int steps_max) {
   std::mt19937_64 rng(seed);
@@ -215,7 +216,8 @@ TEST(LocalSearchSession, EndsAndNeverFallsWhateverTheNetworkDoes) {
     const Outcome outcome = run(team, {0.4, 0.4, 30}, seed, 3, 1'000'000);
     ASSERT_TRUE(outcome.is_finished) << "seed " << seed;
     for (int robot = 0; robot < team.size(); ++robot) {
-      // What it holds is a choice of the team and worth what is said, though others may hold more.
+      // Each session holds a choice of its team with the stated value; other sessions may hold
+      // better ones.
       const Choice choice = team.choice_held_by(robot);
       const double value = value_of(team.oracle_of(robot), choice);
       EXPECT_NEAR(team[robot].held() ? team[robot].held()->value_nats : 0.0, value, 1e-8);
@@ -229,7 +231,7 @@ TEST(LocalSearchSession, EndsAndNeverFallsWhateverTheNetworkDoes) {
   }
 }
 
-// Each robot believes something else, so that what raises one's J may lower another's.
+// Robots have different beliefs, so a change that raises J of one robot may lower J of another.
 TEST(LocalSearchSession, GoesNotInCirclesWhereBeliefsDiffer) {
   int disputed = 0;
   for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
@@ -278,7 +280,7 @@ TEST(LocalSearchSession, ProposesTheSameHoweverItIsInterrupted) {
   }
 }
 
-// A session that knows nothing but the newest message goes on from it as the one that said it.
+// A session that received only the newest message continues from it as its sender does.
 TEST(LocalSearchSession, UnderstandsAMessageWithoutThoseBeforeIt) {
   int heard = 0;
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
@@ -298,7 +300,7 @@ TEST(LocalSearchSession, UnderstandsAMessageWithoutThoseBeforeIt) {
   EXPECT_GE(heard, 200);
 }
 
-// Coordinate descent: what the others do stands, and the robot adds what is best beside it.
+// Coordinate descent: the choices of the others are fixed, and the robot adds its best candidate.
 TEST(LocalSearchSession, AddsTheBestBesideWhatIsCommitted) {
   int added = 0;
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
@@ -365,7 +367,7 @@ TEST(LocalSearchSession, RefusesWhatIsNotOfThisRoundTeamOrRobot) {
   EXPECT_TRUE(is_refused(1, [](auto& p) { p.history.clear(); }));
   EXPECT_TRUE(is_refused(1, [](auto& p) { p.choices[0].trajectory.start.x_m += 1e-9; }));
   EXPECT_TRUE(is_refused(1, [](auto& p) { p.value_nats = -p.value_nats; }));
-  // Its own robot, which has started again and has other motions now.
+  // A choice of its own robot with a motion that it does not have, as after a restart.
   EXPECT_TRUE(is_refused(0, [&](auto& p) {
     p.choices[0].trajectory.start.x_m += 100.0;
     p.history.back() = fingerprint(team.names(), p.choices);
@@ -377,7 +379,7 @@ TEST(LocalSearchSession, ProposesNothingThatComesTooNear) {
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     const TeamProblem problem = drawn(seed);
     const TeamOracle oracle(problem);
-    // Candidates of odd and even numbers may not go together.
+    // Candidates may go together only if their numbers differ by an even number.
     const auto apart = [](const models::TeamChoice& a, const models::TeamChoice& b) {
       return static_cast<int>(a.trajectory.start.x_m - b.trajectory.start.x_m) % 2 == 0;
     };
@@ -436,7 +438,8 @@ TEST(LocalSearchSession, CountsWhatOnlyTheOwnerKnowsOf) {
   }
 }
 
-// What its own robot says of a motion may change: it has started again and believes otherwise.
+// The stated effect of its own robot's motion may change, for example after a restart with another
+// belief.
 TEST(LocalSearchSession, CountsWhatTheSolutionThatItHoldsSaysOfAMotion) {
   const auto session = [] {
     SessionSetup setup;

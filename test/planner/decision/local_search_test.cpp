@@ -29,8 +29,8 @@ std::vector<DistributedOptions> all_variants(double alpha) {
   return {{alpha, false, false}, {alpha, true, false}, {alpha, false, true}, {alpha, true, true}};
 }
 
-// Whether no deletion, addition or swap with what is not excluded improves on `choice`, by values
-// that owe nothing to increments.
+// True if no deletion, addition or swap with the candidates that are not excluded improves on
+// `choice`. Values are computed without increments.
 bool is_local_optimum(const TeamOracle& oracle, const Choice& choice,
                       const std::vector<char>& excluded, const ImprovementRule& rule) {
   const auto value_of = [&](const Choice& of) {
@@ -210,8 +210,8 @@ TEST(LocalSearch, EndsWhereNoDeletionAdditionOrSwapImproves) {
   }
 }
 
-// 10 robots of 1250 candidates, nearly all of them equal in value: α/N⁴ is lost in 1 + α/N⁴, and
-// whoever adopts equals goes on for ever.
+// 10 robots of 1250 candidates, nearly all equal in value. α/N⁴ vanishes in 1 + α/N⁴, so a search
+// that adopts equal values would not end.
 TEST(LocalSearch, DoesNotGoInCirclesWhereAlphaOverNToTheFourthVanishes) {
   TeamProblem problem = test::random_instance(3, {1, 1, 0.0}, {});
   problem.horizon_steps = 3;

@@ -24,13 +24,14 @@ namespace {
 using test::pick;
 using test::uniform;
 
-/// As many as VANTAGE_BOUND_PROBLEMS says.
+/// Returns the number of teams, from the environment variable VANTAGE_BOUND_PROBLEMS; default 200.
 std::uint64_t team_count() {
   const char* const asked = std::getenv("VANTAGE_BOUND_PROBLEMS");
   return asked != nullptr ? std::stoull(asked) : 200;
 }
 
-/// Two or three robots, each with its own sensors and controls, about the same targets.
+/// Returns problems of two or three robots with the same targets, each with its own sensors and
+/// controls.
 std::vector<SearchProblem> drawn_team(std::uint64_t seed) {
   std::mt19937_64 rng(0x9E3779B97F4A7C15U * (seed + 7));
   const int robots = pick(rng, 2, 3);
@@ -47,7 +48,7 @@ std::vector<SearchProblem> drawn_team(std::uint64_t seed) {
   return team;
 }
 
-/// Every sequence of each robot's controls.
+/// Returns the team problem whose candidates are all control sequences of each robot.
 TeamProblem every_path(const std::vector<SearchProblem>& team, InformationMeasure measure) {
   const SearchProblem& first = team.front();
   TeamProblem out{first.targets, first.horizon_steps, first.step_s, measure, {}};
@@ -66,7 +67,7 @@ TeamProblem every_path(const std::vector<SearchProblem>& team, InformationMeasur
   return out;
 }
 
-// The recursion from a millimetre takes eight digits away.
+// The recursion starts from a covariance so small that eight digits are lost.
 double slack(double value) { return 1e-5 * std::max(1.0, value); }
 
 constexpr InformationMeasure kMeasures[] = {InformationMeasure::kMutual,
@@ -90,7 +91,7 @@ TEST(PathsBound, IsAboveEveryChoiceOfPaths) {
       for (const std::int64_t nodes : {kNodes / 4, kNodes}) {
         const auto answer = bound.of(team, robots, measure, Deadline::nodes(nodes));
         ASSERT_GE(answer.information_nats, best - slack(best));
-        ASSERT_LE(answer.information_nats, before);  // more work, no worse
+        ASSERT_LE(answer.information_nats, before);  // more work, no looser bound
         before = answer.information_nats;
       }
       if (before < kInfinity) {
@@ -100,7 +101,7 @@ TEST(PathsBound, IsAboveEveryChoiceOfPaths) {
     }
   }
   EXPECT_GT(told, static_cast<int>(team_count()));
-  EXPECT_LT(least, 0.05);  // somewhere it is as good as tight
+  EXPECT_LT(least, 0.05);  // the bound is nearly tight somewhere
 }
 
 TEST(PathsBound, OfSomeRobotsLeavesTheOthersOut) {
@@ -139,7 +140,7 @@ TEST(PathsBound, UnderAttackIsAboveTheBestThatTheWorstAttackLeaves) {
   }
 }
 
-// A horizon that no lattice holds, and a deadline that never comes.
+// The lattice cannot hold the horizon, and there is no deadline.
 TEST(PathsBound, EndsWhereNoLatticeFits) {
   constexpr int kSteps = 44;
   PathsBound bound(4, kSteps);
@@ -162,9 +163,10 @@ TEST(PathsBound, SaysNothingWhereItsRulesDoNotHold) {
       kInfinity);
 }
 
-// ---- Where every path sees the same, so that the bound is known ----
+// ---- All paths see the same, so that the bound is known ----
 
-/// A robot that drives straight on at `x_m`, whose look tells 1 / σ² of all that is within 20 m.
+/// A robot that drives straight on from `x_m`. Each step it measures all targets within 20 m with
+/// information 1 / σ².
 SearchProblem seer(double x_m, double sigma_m) {
   SearchProblem problem;
   problem.start = {x_m, 0.0, 0.0};
@@ -186,14 +188,15 @@ SearchProblem seer(double x_m, double sigma_m) {
   return problem;
 }
 
-/// About a target of variance 1 m² that is told `told` more at each of three steps.
+/// Returns the information, nats, about a target of variance 1 m² that gains `told` per step for
+/// three steps.
 double known_nats(double told, InformationMeasure measure) {
   return measure == InformationMeasure::kMutual
              ? std::log(1.0 + 3.0 * told)
              : std::log(1.0 + told) + std::log(1.0 + 2.0 * told) + std::log(1.0 + 3.0 * told);
 }
 
-// The first and the third see one target, the second the other.
+// The first and the third robot see one target, the second the other.
 std::vector<SearchProblem> seers() { return {seer(0.0, 0.5), seer(100.0, 1.0), seer(1.0, 2.0)}; }
 
 void expect_known(double is, double known) {
@@ -219,7 +222,7 @@ TEST(PathsBound, IsWhatIsSeenWhereEveryPathSeesTheSame) {
     const PathsBound::Answer turned = of({2, 1, 0});
     EXPECT_NEAR(turned.information_nats, all.information_nats, 1e-3);
     EXPECT_NEAR(turned.parts[0], all.parts[2], 1e-3 * all.parts[0]);
-    // What teammates are sure to see is not theirs.
+    // Fixed information of teammates does not count for the robots.
     for (std::size_t robot = 0; robot < team.size(); ++robot) {
       team[robot].fixed_information.assign(
           2, std::vector<models::PositionMatrix>(3, models::PositionMatrix::Identity(2, 2)));
@@ -241,7 +244,7 @@ TEST(PathsBound, UnderAttackIsWhatTheOthersSeeWithoutTheBest) {
                    known_nats(4.25, measure) + known_nats(1.0, measure));
     }
     EXPECT_EQ(left(0).parts.size(), 3U);
-    // Whoever's part is the greatest is attacked; what it saw alone is lost.
+    // The robot with the greatest part is attacked. The information that it alone sees is lost.
     const std::vector<double> parts =
         bound.of(team, std::vector<int>{0, 1, 2}, measure, Deadline::nodes(kNodes)).parts;
     const bool is_first = parts[0] > parts[1];
@@ -254,7 +257,7 @@ TEST(PathsBound, UnderAttackIsWhatTheOthersSeeWithoutTheBest) {
     EXPECT_EQ(left(3).information_nats, 0.0);
     EXPECT_EQ(left(9).information_nats, 0.0);
     EXPECT_TRUE(left(3).parts.empty());
-    // Half of the work is for finding them, half for the others.
+    // Half of the work finds the attacked robots, half bounds the others.
     EXPECT_GE(left(1).work_nodes, 2 * kNodes);
     EXPECT_LE(left(1).work_nodes, 3 * kNodes);
     EXPECT_GE(left(3).work_nodes, kNodes);

@@ -13,8 +13,8 @@
 #include "planner/decision/local_search_session.hpp"
 #include "test/planner/decision/team_instance.hpp"
 
-// Proposals that robots send one another: what they say of a motion, what stands for it, which of
-// two is held, and when a robot has said enough.
+// Proposals between robots: the stated motions, their fingerprints, which of two proposals is held,
+// and when a session stops.
 
 namespace vantage::planner {
 namespace {
@@ -23,7 +23,7 @@ constexpr std::int64_t kRound = 7;
 constexpr Time kActivation{Duration{1'000'000}};
 const std::vector<std::string> kTeam = {"Q1", "Q2", "Q3"};
 
-// FNV-1a of 64 bits as published, of bytes.
+// Returns the 64-bit FNV-1a hash of `bytes`, as published.
 std::int64_t fnv1a(const std::vector<unsigned char>& bytes) {
   std::uint64_t hash = 14'695'981'039'346'656'037U;
   for (const unsigned char byte : bytes) {
@@ -34,7 +34,7 @@ std::int64_t fnv1a(const std::vector<unsigned char>& bytes) {
 
 void add_word(std::vector<unsigned char>& bytes, std::uint64_t word) {
   for (int i = 0; i < 8; ++i) {
-    bytes.push_back(static_cast<unsigned char>(word >> (8 * i)));  // the lowest first
+    bytes.push_back(static_cast<unsigned char>(word >> (8 * i)));  // least significant byte first
   }
 }
 
@@ -48,8 +48,8 @@ models::TeamChoice choice() {
   return choice;
 }
 
-// Each character and each number is a word of eight bytes, the lowest first, in the order of the
-// motion: where it starts, its height, and of each segment speed, turn, duration and braking.
+// Each character and each number is one word of eight bytes, least significant first. Words follow
+// the motion: start, height, and per segment speed, yaw rate, duration and braking.
 TEST(Fingerprint, IsThePublishedHashOfTheMotionOnEveryMachine) {
   std::vector<unsigned char> bytes;
   add_word(bytes, 'Q');
@@ -102,7 +102,7 @@ TEST(Fingerprint, ChangesWithEveryNumberOfTheMotionAndNotWithWhatItIsWorth) {
 
 // ---- Sessions ----
 
-/// Of Q2, whose candidates look at one still target and bring log(1 + m) of information m each.
+/// A candidate of Q2 that measures one static target: information m brings log(1 + m) nats.
 struct Own {
   double m = 0.0;
   double cost = 0.0;
@@ -142,7 +142,8 @@ SessionSetup setup_of(const std::vector<Own>& own) {
   return setup;
 }
 
-/// Of a teammate that does something worth `value_nats` in itself, `y_m` aside.
+/// Returns a proposal of a teammate whose own motion has value `value_nats` and is displaced by
+/// `y_m`.
 models::TeamProposal said_by(const std::string& robot, double value_nats, double y_m = 0.0) {
   models::TeamProposal proposal;
   proposal.stamp.time = kActivation;
@@ -174,7 +175,7 @@ TEST(LocalSearchSession, SaysOfItsMotionWhatItGainsAloneAndWhatItCosts) {
   EXPECT_NEAR(proposal->choices[0].information_nats, std::log(4.0) + 0.25, 1e-12);
   EXPECT_EQ(proposal->choices[0].energy_nats, 0.5);
   EXPECT_EQ(proposal->history, (std::vector<std::int64_t>{fingerprint(kTeam, proposal->choices)}));
-  // One after the other: its deletion, and the swap with the other.
+  // It evaluates its deletion and then the swap with the other candidate.
   EXPECT_TRUE(session.is_searching());
   EXPECT_FALSE(session.improve(Deadline::never()));
   EXPECT_FALSE(session.is_searching());
@@ -188,7 +189,7 @@ TEST(LocalSearchSession, RestsWhereNothingIsWorthItsCost) {
   EXPECT_FALSE(session.held());
 }
 
-// The least rise counts and nothing below it.
+// A rise of kLeastRise_nats is proposed; a smaller one is not.
 TEST(LocalSearchSession, ProposesRisesOfAMillionthOfANat) {
   EXPECT_EQ(LocalSearchSession::kLeastRise_nats, 1e-6);
   LocalSearchSession below(setup_of({{std::expm1(0.9e-6), 0.0, 0.0}}));
@@ -211,8 +212,8 @@ TEST(LocalSearchSession, RefusesATeamThatItIsNotOfAndMotionsWithoutCandidates) {
   EXPECT_THROW(LocalSearchSession{std::move(fewer)}, UsageError);
 }
 
-// The greater value, then the earlier of the team, then the lower fingerprint: whoever has heard
-// the same holds the same, in whatever order it came.
+// The greater value is held, then the sender that is first in the team, then the lower fingerprint.
+// Sessions that received the same proposals in any order hold the same one.
 TEST(LocalSearchSession, HoldsTheSameOfTwoInWhateverOrderTheyCome) {
   models::TeamProposal low = said_by("Q3", 1.0, 1.0);
   models::TeamProposal high = said_by("Q3", 1.0, 2.0);
@@ -272,7 +273,7 @@ TEST(LocalSearchSession, SaysWhatIsOfItsRoundAndWhatCanBe) {
   EXPECT_EQ(with("Q9", 5.0), Verdict(true, false));
 }
 
-// A chain of proposals ends somewhere: at 256 a robot proposes no more.
+// Chains of proposals are bounded: a robot stops proposing at 256.
 TEST(LocalSearchSession, ImprovesOnNothingThatTwoHundredAndFiftySixLedTo) {
   for (const std::size_t before : {std::size_t{254}, std::size_t{255}}) {
     LocalSearchSession session(setup_of({{3.0, 0.0, 0.0}}));
@@ -286,7 +287,7 @@ TEST(LocalSearchSession, ImprovesOnNothingThatTwoHundredAndFiftySixLedTo) {
   }
 }
 
-// No proposal leads back to a solution that led to it.
+// A proposal never returns to a solution of its own history.
 TEST(LocalSearchSession, ProposesNoSolutionOfItsOwnHistory) {
   for (const bool was_there : {false, true}) {
     LocalSearchSession session(setup_of({{3.0, 0.0, 0.0}}));
@@ -309,7 +310,7 @@ TEST(LocalSearchSession, ProposesNoSolutionOfItsOwnHistory) {
   }
 }
 
-// What is committed is worth nothing in itself: values count what is added to it.
+// Committed choices have value 0; values count what is added to them.
 TEST(LocalSearchSession, BeginsBesideWhatIsCommitted) {
   SessionSetup setup = setup_of({{3.0, 0.0, 0.0}});
   setup.committed = said_by("Q3", 5.0).choices;
@@ -326,8 +327,9 @@ TEST(LocalSearchSession, BeginsBesideWhatIsCommitted) {
   EXPECT_EQ(proposal->history.size(), 2U);
 }
 
-// What is best alone is the best addition to nothing; then its deletion is asked for, and that the
-// other cannot be better takes no call. Each thing that a session does counts as one call at least.
+// The best stand-alone candidate is the best addition to an empty choice. Then its deletion is
+// evaluated; the other candidate is excluded by its bound without an oracle call. Each action of a
+// session counts as at least one call.
 TEST(LocalSearchSession, CountsItsCallsAndIsStoppedBetweenThem) {
   LocalSearchSession session(setup_of({{1.0, 0.0, 0.0}, {3.0, 0.0, 0.0}}));
   EXPECT_FALSE(session.improve(Deadline::nodes(0)));

@@ -25,7 +25,8 @@ double value_of(const TeamOracle& oracle, const Choice& choice) {
   return team.value();
 }
 
-// κ of J restricted to the trajectories of `choice`, at most that of the whole ground set.
+// Returns κ of J restricted to the trajectories of `choice`, which is at most that of the ground
+// set.
 double curvature(const TeamOracle& oracle, const Choice& choice) {
   TeamSet team(oracle);
   team.become(choice);
@@ -39,7 +40,8 @@ double curvature(const TeamOracle& oracle, const Choice& choice) {
   return 1.0 - least;
 }
 
-// Total curvature c over the whole ground set, candidates of one robot together included.
+// Returns the total curvature c over the ground set. Sets with several candidates of one robot
+// count.
 double total_curvature(const TeamProblem& problem, const TeamOracle& oracle) {
   const auto n = static_cast<unsigned>(oracle.candidate_count());
   std::vector<double> values(std::size_t{1} << n);
@@ -149,7 +151,7 @@ TEST(AttackOnBestAlone, TakesThoseOfWhomEachAloneIsWorthMost) {
   }
 }
 
-// The bait keep the best that they can do alone, and nobody else can do better.
+// Bait robots keep their best stand-alone candidates, and the attack on the best alone takes these.
 TEST(AttackOnBestAlone, TakesTheBait) {
   for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
     const TeamProblem problem = test::random_instance(seed, {4, 4, 0.0}, {});
@@ -196,7 +198,8 @@ TEST(AttackOnBestTogether, OfOneIsTheRobotWhosePlanIsWorthMostOfAll) {
   }
 }
 
-// One attack more adds the robot with which J of the taken, by the plain recursion, is largest.
+// One more attack adds the robot with which J of the attacked robots, by the plain recursion, is
+// largest.
 TEST(AttackOnBestTogether, AddsTheRobotWithWhichThoseTakenAreWorthMost) {
   int unlike_alone = 0;
   for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
@@ -310,7 +313,7 @@ TEST(BaitRobots, AreTheOnesWorthMostAndTheLowerOfEquals) {
   EXPECT_EQ(bait_robots(values, 9), (std::vector<int>{0, 1, 2, 3, 4}));
 }
 
-// What the experiments call worst case, held against all attacks there are.
+// The attack that the experiments call worst case, compared with all attacks.
 TEST(Attack, OfTheGreedyKindIsNeverWorseThanTheWorstAndNearlyAlwaysIsIt) {
   int all_apart = 0;
   for (const InformationMeasure measure :

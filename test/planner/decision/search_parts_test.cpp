@@ -12,7 +12,7 @@
 #include "test/planner/decision/team_instance.hpp"
 #include "test/planner/problem/random_problem.hpp"
 
-// What team searches are made of, held against the order that their pages state.
+// The parts of team searches, compared with their documented order.
 
 namespace vantage::planner {
 namespace {
@@ -34,9 +34,10 @@ std::vector<char> drawn_exclusion(const TeamOracle& oracle, std::uint64_t seed) 
   return excluded;
 }
 
-// ---- The rule and the ties ----
+// ---- The improvement rule and ties ----
 
-// g' ≥ (1 + α/N⁴) g of g = J + O, O what the dearest trajectories cost; and J rises.
+// A change improves if g' ≥ (1 + α/N⁴) g, with g = J + O and O the sum of the highest costs per
+// robot, and if J rises.
 TEST(ImprovementRule, AsksForAShareOfValueAndCosts) {
   const TeamProblem one = made_team(1, {{{0, 1.0, 3.0}}});
   const TeamOracle of_one(one);
@@ -56,7 +57,7 @@ TEST(ImprovementRule, AsksForAShareOfValueAndCosts) {
   EXPECT_FALSE(with_rise.improves(4.0, 4.499));
   EXPECT_TRUE(with_rise.improves(4.0, 4.5));
   EXPECT_DOUBLE_EQ(with_rise.least(4.0), 4.5);
-  // Nobody has anything: N is 0, and still no rise is none.
+  // No robot has candidates: N is 0, and a value without a rise is still no improvement.
   const TeamProblem none = made_team(1, std::vector<std::vector<test::Made>>(1));
   const TeamOracle of_none(none);
   EXPECT_FALSE(ImprovementRule(of_none, 1.0).improves(0.0, 0.0));
@@ -99,8 +100,8 @@ TEST(TieRule, PrefersValueThenTheLowestNumberAndLastAMereDeletionOfTheLowestRobo
 
 // ---- Additions ----
 
-// The best that a robot may add, of equals the lowest number, though it adds nothing; as a solution
-// grows the same with and without bounds, and with them for fewer calls.
+// Returns the best addition of a robot, even if it adds nothing; of equal ones the lowest number.
+// With bounds the results are the same for fewer calls.
 TEST(BestAddition, IsTheFirstOfTheBestWhileASolutionGrows) {
   std::int64_t calls = 0;
   std::int64_t lazy_calls = 0;
@@ -152,7 +153,8 @@ struct Asked {
   std::int64_t calls = 0;
 };
 
-// Additions first, then the robot's own trajectory and each teammate's: its deletion, then swaps.
+// Evaluates additions first, then for the robot's own trajectory and each teammate's the deletion
+// and the swaps.
 Asked first_by_the_order(const TeamOracle& oracle, const ImprovementRule& rule, int robot,
                          const Choice& choice, const std::vector<char>& excluded,
                          const std::vector<CandidateId>& candidates) {
@@ -222,7 +224,7 @@ TEST(ProposalSearch, ProposesTheFirstThatImprovesInItsOrderAndAsksForNoneBehindI
           const Choice choice = test::random_choice(oracle, 10 * seed + again);
           const std::vector<char> excluded = drawn_exclusion(oracle, seed + again);
           const Asked first = first_by_the_order(oracle, rule, robot, choice, excluded, numbers);
-          // Left in the middle of something else, as when a teammate proposes.
+          // The search is abandoned in the middle of another choice, as when a teammate proposes.
           const std::vector<char> no_exclusion(excluded.size(), 0);
           const Choice other = test::random_choice(oracle, 10 * seed + again + 5);
           search.begin(other, value_of(oracle, other), no_exclusion);
@@ -250,7 +252,8 @@ TEST(ProposalSearch, ProposesTheFirstThatImprovesInItsOrderAndAsksForNoneBehindI
   EXPECT_GT(nothing, 100);
 }
 
-// From the best alone on it gives up where none can gain what is needed, and so misses none.
+// The search goes through the candidates from the best stand-alone value down. It stops where none
+// can gain enough, and so misses no improvement.
 TEST(ProposalSearch, GivesUpOnlyWhereNothingImprovesAndAsksLess) {
   std::int64_t calls = 0;
   std::int64_t all_calls = 0;

@@ -13,14 +13,14 @@ inline constexpr planner::InformationMeasure kMeasures[] = {planner::Information
 
 inline std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
-/// J of `choice`, by a set of its own.
+/// Returns J of `choice`, computed with a new set.
 inline double value_of(const planner::TeamOracle& oracle, const planner::Choice& choice) {
   planner::TeamSet team(oracle);
   team.become(choice);
   return team.value();
 }
 
-/// `choice` with candidate `id`, without what robot `dropped` has.
+/// Returns `choice` with candidate `id` and without the candidate of robot `dropped`.
 inline planner::Choice changed(const planner::TeamOracle& oracle, planner::Choice choice,
                                int dropped, planner::CandidateId id) {
   if (dropped >= 0) {
@@ -32,8 +32,8 @@ inline planner::Choice changed(const planner::TeamOracle& oracle, planner::Choic
   return choice;
 }
 
-/// Candidates that look at one still target of their own each, and bring so many nats; several of
-/// one target bring less than their sum.
+/// A candidate that measures one static target with information `nats`. Candidates of one target
+/// bring less than their sum.
 struct Made {
   int target = 0;
   double nats = 0.0;
@@ -50,7 +50,7 @@ inline planner::TeamProblem made_team(int targets, const std::vector<std::vector
   for (const std::vector<Made>& of_robot : robots) {
     problem.candidates.emplace_back();
     for (const Made& made : of_robot) {
-      // ½ log det (I + M) = log(1 + m) of M = m I.
+      // ½ log det (I + M) = log(1 + m) for M = m I.
       const double m = std::expm1(made.nats);
       planner::Candidate candidate;
       candidate.energy_cost = made.cost;

@@ -13,8 +13,8 @@
 #include "test/planner/decision/small_team.hpp"
 #include "test/planner/decision/team_instance.hpp"
 
-// Teams so small that their searches can be followed by hand, how many calls, messages and changes
-// each takes, and drawn ones whose choices are held against plain ones.
+// Team searches on problems small enough to follow by hand: calls, messages and changes of each.
+// Drawn problems are compared with plain implementations.
 
 namespace vantage::planner {
 namespace {
@@ -29,9 +29,10 @@ constexpr std::uint64_t kInstances = 200;
 
 // ---- Searches that can be followed by hand ----
 
-// One robot of two trajectories, a better and a worse one. Centrally: its deletion and both swaps
-// are asked for, then about the worse one its deletion and itself. By messages: how many it has and
-// its best, then that it proposes nothing; deletion and swap, then the deletion alone.
+// One robot with a better and a worse trajectory. Central search: it evaluates the deletion and
+// both swaps, then for the worse one its deletion and itself. Distributed search: it sends its
+// candidate count and best value, then that it proposes nothing. It evaluates deletion and swap,
+// then the deletion alone.
 TEST(LocalSearch, OfOneRobotTakesACallForEachThingThatItMayDo) {
   const TeamProblem problem = made_team(1, {{{0, 1.0}, {0, 2.0}}});
   const TeamOracle oracle(problem);
@@ -53,9 +54,9 @@ TEST(LocalSearch, OfOneRobotTakesACallForEachThingThatItMayDo) {
   }
 }
 
-// Two robots that take nothing from each other, each with one trajectory. The better one is there
-// from the beginning; the other is added (one call; it says so), and then both ask for both
-// deletions and say that there is nothing. In the second round nothing is left.
+// Two robots with one trajectory each and separate targets. The better trajectory is the initial
+// choice. The other is added (one call, one message). Then both robots evaluate both deletions and
+// report that they propose nothing. The second round has no candidates left.
 TEST(LocalSearch, OfTwoRobotsAddsTheOtherOnceAndSaysSo) {
   const TeamProblem problem = made_team(2, {{{0, 1.0}}, {{1, 2.0}}});
   const TeamOracle oracle(problem);
@@ -69,7 +70,7 @@ TEST(LocalSearch, OfTwoRobotsAddsTheOtherOnceAndSaysSo) {
     EXPECT_EQ(warm.messages, (2 + 1 + 2) + (2 + 2));
     EXPECT_EQ(warm.adopted, 1);
     EXPECT_NEAR(warm.value, 3.0, 1e-12);
-    // Cold, the other asks for its deletion meanwhile.
+    // Without the warm start, the other robot evaluates its deletion meanwhile.
     const TeamDecision cold =
         distributed_local_search(oracle, {1.0, lazy, false}, Deadline::never());
     EXPECT_EQ(cold.optima, warm.optima);
@@ -77,7 +78,8 @@ TEST(LocalSearch, OfTwoRobotsAddsTheOtherOnceAndSaysSo) {
     EXPECT_EQ(cold.messages, (2 + 1 + 2) + (2 + 2));
     EXPECT_EQ(cold.adopted, 1);
   }
-  // Centrally one deletion and the addition; then two deletions and of each its swap with itself.
+  // Central search: one deletion and the addition, then two deletions and the swap of each with
+  // itself.
   const TeamDecision central = centralised_local_search(oracle, 1.0, Deadline::never());
   EXPECT_EQ(central.optima, (std::vector<Choice>{both, nobody}));
   EXPECT_EQ(central.oracle_calls, (1 + 1) + (2 + 2));
@@ -94,7 +96,7 @@ TEST(LocalSearch, BeginsWithTheBestSingleThatIsLeftAndOfEqualsTheFirst) {
   EXPECT_EQ(cut.choice, cut.optima[0]);
   EXPECT_NEAR(cut.value, 2.0, 1e-12);
   EXPECT_EQ(cut.oracle_calls, 0);
-  // Just enough for the first round: of the second only its beginning is seen.
+  // The budget ends just after the first round, so only the beginning of the second is searched.
   std::int64_t budget = 0;
   TeamDecision second = cut;
   while (second.optima.size() == 1) {
@@ -131,10 +133,9 @@ TEST(LocalSearch, IsOverWithOneCallMoreThanItTakes) {
   }
 }
 
-// ---- One after another ----
+// ---- Coordinate descent ----
 
-// Every turn asks for all of a robot's own; a turn of everybody in which nothing changes is the
-// last.
+// Each turn evaluates all candidates of one robot. The search ends after a round without a change.
 TEST(CoordinateDescent, EndsAfterATurnThatChangesNothingAndCountsEveryTurn) {
   for (const InformationMeasure measure : kMeasures) {
     for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
@@ -175,7 +176,7 @@ TEST(CoordinateDescent, TakesTheFirstOfEqualsAndNothingOfOthersThanItIsToldOf) {
   EXPECT_TRUE(DescentOptions{}.order.empty());
 }
 
-// In a second turn a robot takes another only if that is better, else keeps what it had.
+// In a second turn a robot changes its candidate only if the new one is better.
 TEST(CoordinateDescent, LeavesNobodyWithABetterOneThatItCouldTakeAlone) {
   int kept = 0;
   for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
@@ -196,7 +197,7 @@ TEST(CoordinateDescent, LeavesNobodyWithABetterOneThatItCouldTakeAlone) {
   EXPECT_GT(kept, 500);
 }
 
-// The team's greedy choice: each time the addition of anybody that adds most, of equals the first.
+// Each step adds the candidate, of any robot without one, that adds most; of equal ones the first.
 TEST(Greedy, AddsTheBestOfAllWhoHaveNoneWhileItAdds) {
   for (const InformationMeasure measure : kMeasures) {
     std::int64_t calls = 0;
@@ -242,9 +243,9 @@ TEST(Greedy, AddsTheBestOfAllWhoHaveNoneWhileItAdds) {
 
 // ---- Against attacks ----
 
-// The bait do what is best for each alone, the others what is best of them together.
+// Bait robots take their best stand-alone candidates; the others plan together.
 TEST(PlanResiliently, GivesTheBaitTheirBestAndTellsEverybodyTwice) {
-  // Robots 1 and 2 see the same, and so do 0 and 3 from elsewhere.
+  // Robots 1 and 2 see one target, robots 0 and 3 another.
   const TeamProblem problem = made_team(
       3, {{{0, 1.0}, {1, 0.9}}, {{0, 0.5}, {0, 3.0}}, {{1, 2.0}, {1, 1.0}}, {{0, 1.0}, {2, 0.95}}});
   const TeamOracle oracle(problem);
@@ -269,10 +270,10 @@ TEST(PlanResiliently, GivesTheBaitTheirBestAndTellsEverybodyTwice) {
   }
 }
 
-// ---- How good a choice can be ----
+// ---- Bounds on the value ----
 
-// Robots that take nothing from each other, costs and what only the owner knows of included: the
-// bound is the optimum, from whatever choice. Of two that see the same it is less than their sum.
+// Robots with separate targets, with costs and unshared information: the bound is the optimum for
+// any choice. For two robots that see the same target it is less than their sum.
 TEST(ValueBound, IsTheOptimumWhereNobodyTakesFromAnother) {
   TeamProblem problem =
       made_team(3, {{{0, 1.0, 0.25}, {0, 2.0, 1.5}}, {{1, 1.0, 3.0}}, {{2, 0.5}}});
@@ -280,7 +281,7 @@ TEST(ValueBound, IsTheOptimumWhereNobodyTakesFromAnother) {
   const TeamOracle oracle(problem);
   for (const Choice& choice : {Choice{kNoCandidate, kNoCandidate, kNoCandidate}, Choice{1, 2, 3},
                                Choice{0, kNoCandidate, 3}}) {
-    // Of robot 0 the first, which adds 0.75; beside the second that counts I less.
+    // Robot 0: the first candidate adds 0.75; the second has less value.
     EXPECT_NEAR(value_bound(oracle, choice), 0.75 + 0.5 + 0.5, 1e-12);
   }
   const TeamProblem same = made_team(1, {{{0, 2.0}}, {{0, 2.0}}});
@@ -288,7 +289,7 @@ TEST(ValueBound, IsTheOptimumWhereNobodyTakesFromAnother) {
   const double both = std::log(1.0 + 2.0 * std::expm1(2.0));
   const double all_three = std::log(1.0 + 3.0 * std::expm1(2.0));
   EXPECT_NEAR(value_bound(of_same, {kNoCandidate, kNoCandidate}), 2.0 + 2.0, 1e-12);
-  // I(S), and what each of the two would add to it, also to its own.
+  // I(S) plus the gain of each of the two candidates, also that of the chosen robot.
   EXPECT_NEAR(value_bound(of_same, {0, kNoCandidate}), 2.0 + 2.0 * (both - 2.0), 1e-12);
   EXPECT_NEAR(value_bound(of_same, {0, 1}), both + 2.0 * (all_three - both), 1e-12);
 }

@@ -16,7 +16,7 @@ namespace {
 
 using test::plain_value;
 
-/// The same of both measures.
+/// Calls look() for the instances of both measures.
 template <class Look>
 void for_each_instance(std::uint64_t count, const test::InstanceLimits& limits, const Look& look) {
   for (const InformationMeasure measure :
@@ -97,7 +97,7 @@ TEST(TeamSet, CountsOneCallForEachValueThatIsAskedFor) {
   EXPECT_EQ(team.calls(), oracle.candidate_count() + 1);
 }
 
-// I(S ∪ {a}) − I(S) never grows with S, which lazy searches and all guarantees rest on.
+// I(S ∪ {a}) − I(S) never grows with S. Lazy searches and all guarantees need this.
 TEST(MutualInformation, NeverGainsMoreFromALargerSet) {
   for (std::uint64_t seed = 0; seed < 500; ++seed) {
     const TeamProblem problem = test::random_instance(seed, {5, 3, 0.0}, {});
@@ -124,8 +124,8 @@ TEST(MutualInformation, NeverGainsMoreFromALargerSet) {
   }
 }
 
-// Two looks at a still target of variance s² by sensors of variance v²: ½ log(1 + s²(1/v² + 1/v²))
-// in each of both coordinates.
+// Two measurements of variance v² of a static target of variance s²: ½ log(1 + s²(1/v² + 1/v²)) in
+// each of both coordinates.
 TEST(MutualInformation, OfAStillTargetIsTheClosedForm) {
   TeamProblem problem;
   problem.horizon_steps = 3;
@@ -190,7 +190,7 @@ TEST(TeamOracle, TakesCostsAndGainsThatAreFiniteAndNoLessThanNone) {
     EXPECT_EQ(takes([&](Candidate& c) { c.energy_cost = value; }), is_taken) << nats;
     EXPECT_EQ(takes([&](Candidate& c) { c.unshared_nats = value; }), is_taken) << nats;
   }
-  // A gain that was brought along may be below zero by rounding.
+  // A supplied gain may be slightly below zero through rounding.
   for (const auto& [nats, is_taken] :
        {std::pair(0.0, true), std::pair(-0.9e-9, true), std::pair(-1.1e-9, false),
         std::pair(kInf, false), std::pair(kNan, false)}) {
@@ -199,8 +199,8 @@ TEST(TeamOracle, TakesCostsAndGainsThatAreFiniteAndNoLessThanNone) {
   }
 }
 
-// Candidates by number, robot after robot; each worth its information, and what only its robot
-// knows of, less its cost; ranked by that, equals by number.
+// Candidates are numbered robot by robot. The value of each is its information plus its unshared
+// information minus its cost. The ranking is by value, then by number.
 TEST(TeamOracle, RanksEachRobotsCandidatesByWhatEachIsWorthAlone) {
   const auto check = [](std::uint64_t seed, TeamProblem problem) {
     SCOPED_TRACE(seed);
@@ -212,7 +212,7 @@ TEST(TeamOracle, RanksEachRobotsCandidatesByWhatEachIsWorthAlone) {
       for (Candidate& candidate : of_robot) {
         candidate.unshared_nats = test::pick(rng, 0, 1) * test::uniform(rng, 0.0, 2.0);
         if (test::pick(rng, 0, 2) == 0) {
-          candidate.mutual_nats = test::uniform(rng, 0.0, 5.0);  // which is believed
+          candidate.mutual_nats = test::uniform(rng, 0.0, 5.0);  // which is trusted
         }
         const bool is_known =
             candidate.mutual_nats && problem.measure == InformationMeasure::kMutual;

@@ -19,7 +19,7 @@ using models::OccupancyBelief;
 
 const GridGeometry kGrid{{-2.0, 1.0}, 0.25, 30, 24};
 
-// Distance from a point to the nearest occupied cell's square or to the grid's edge.
+// Returns the distance from a point to the nearest occupied cell's square or the grid's edge, m.
 double clearance_m(const OccupancyBelief& belief, const Eigen::Vector2d& p_m) {
   const Eigen::Vector2d low_m = p_m - kGrid.origin_m;
   double least_m = std::min({low_m.x(), low_m.y(), 30 * 0.25 - low_m.x(), 24 * 0.25 - low_m.y()});
@@ -54,7 +54,7 @@ TEST(DriveMap, NeverLetsADiscTouchWhatIsOccupied) {
   EXPECT_GT(driven, 50);
 }
 
-// Backwards leads where forwards would, had it turned round before.
+// Driving backwards covers the same path as driving forwards with the opposite heading.
 TEST(DriveMap, DrivesBackwardsAsItDrivesForwardsTurnedRound) {
   test::Random random(4602);
   int free = 0;
@@ -85,7 +85,7 @@ TEST(DriveMap, LetsARobotThatStandsTooNearLeaveButNotComeNear) {
   EXPECT_TRUE(map.is_free(beside, {1.0, 0.0}, 1.0));
   EXPECT_FALSE(map.is_free({beside.x_m, beside.y_m, kPi}, {1.0, 0.0}, 1.0));
   EXPECT_FALSE(map.is_free({post_m.x() + 1.0, post_m.y(), kPi}, {1.0, 0.0}, 1.0));
-  // Where the post should be it may only leave its cell at once, not drive on over it.
+  // Inside the cell of the post the robot may only leave at once, not drive on over it.
   EXPECT_TRUE(map.is_free({post_m.x() - 0.1, post_m.y(), kPi}, {1.0, 0.0}, 1.0));
   EXPECT_FALSE(map.is_free({post_m.x() + 0.1, post_m.y(), kPi}, {1.0, 0.0}, 1.0));
   EXPECT_TRUE(map.is_free(beside, {0.0, 2.0}, 1.0)) << "it may turn on the spot";
@@ -104,7 +104,7 @@ TEST(DriveMap, MeasuresTheWayToTheUnknown) {
   EXPECT_TRUE(std::isinf(map.to_frontier_m({-9.0, 0.0})));
 }
 
-// Left for right, and up for down.
+// Mirrored left to right and top to bottom.
 TEST(DriveMap, MeasuresTheSameWayInAMirror) {
   test::Random random(4603);
   const int columns = kGrid.columns;
@@ -157,7 +157,7 @@ TEST(DriveMap, GoesAroundWallsToTheUnknownAndKnowsWhenThereIsNoWay) {
   EXPECT_TRUE(std::isinf(DriveMap(belief, {}).to_frontier_m(kGrid.centre_m(3 * 30 + 10))));
 }
 
-// Between the squares of two cells; of another that is beyond the grid, between a cell and its
+// Returns the gap between the squares of two cells, m. A cell beyond the grid stands for the grid's
 // edge.
 double gap_m(int a, int b_column, int b_row) {
   const int columns = std::abs(a % kGrid.columns - b_column);
@@ -165,8 +165,8 @@ double gap_m(int a, int b_column, int b_row) {
   return 0.25 * std::hypot(std::max(0, columns - 1), std::max(0, rows - 1));
 }
 
-// From somewhere in a cell the disc, larger by a quarter of a cell, would touch something: these
-// and no others are kept out of.
+// A cell is blocked if and only if the disc, enlarged by a quarter of a cell, would touch something
+// from a point in the cell.
 TEST(DriveMap, IsFreeExactlyWhereNothingIsNear) {
   test::Random random(4604);
   int free = 0;
@@ -202,7 +202,7 @@ TEST(DriveMap, IsFreeExactlyWhereNothingIsNear) {
   }
 }
 
-// Against every way there is, made shorter until none is.
+// Compared with relaxation of all paths until none becomes shorter.
 TEST(DriveMap, MeasuresTheShortestWayToTheNearestFrontier) {
   test::Random random(4605);
   constexpr double kNoWay_m = std::numeric_limits<double>::infinity();
@@ -261,8 +261,8 @@ TEST(DriveMap, MeasuresTheShortestWayToTheNearestFrontier) {
   EXPECT_GT(on_the_way, 60);
 }
 
-// Between two walls that leave no room a robot is too near all along, and clear from half a metre
-// behind their end. It may drive out if it gets there within its radius and two cells, 0.7 m.
+// Between two walls a robot is too near throughout, and clear from half a metre beyond their end.
+// It may drive out if it becomes clear within its radius plus two cells, 0.7 m.
 TEST(DriveMap, LetsWhoStandsTooNearGoAsFarAsItsRadiusAndTwoCells) {
   for (const bool is_upright : {false, true}) {
     OccupancyBelief belief(kGrid, 3.0);
@@ -288,15 +288,15 @@ TEST(DriveMap, LetsWhoStandsTooNearGoAsFarAsItsRadiusAndTwoCells) {
         EXPECT_TRUE(may_drive(before_m, before_m + 0.9)) << before_m << ' ' << side << is_upright;
         EXPECT_FALSE(may_drive(before_m, before_m - 0.02)) << "it is not out at the end";
       }
-      for (const double before_m : {0.84, 1.0, 1.2}) {  // it looks each half of a cell
+      for (const double before_m : {0.84, 1.0, 1.2}) {  // it samples every half cell
         EXPECT_FALSE(may_drive(before_m, before_m + 0.9)) << before_m << ' ' << side << is_upright;
       }
     }
   }
 }
 
-// Past the outer corner of what is near a post: it looks each half of a cell, so that 18 cm of the
-// way within are not missed, wherever they begin; and what goes by is none of its business.
+// The path cuts the outer corner of the blocked area around a post. It is sampled every half cell,
+// so that 18 cm inside the area are found for any start. A path outside is accepted.
 TEST(DriveMap, LooksEachHalfOfACell) {
   OccupancyBelief belief(kGrid, 3.0);
   belief.add_log_odds(12 * 30 + 10, 9.0);

@@ -32,7 +32,7 @@ scenario::Scenario mapping_scenario() {
   return scenario;
 }
 
-// Some cells known, most not.
+// Returns a map in which 40 % of the cells are known.
 models::RobotMap map_in_patches(const scenario::Scenario& scenario, Random& random) {
   models::RobotMap map;
   map.grid = models::map_geometry(scenario.world, scenario.mapping);
@@ -44,7 +44,7 @@ models::RobotMap map_in_patches(const scenario::Scenario& scenario, Random& rand
   return map;
 }
 
-// Robot 0 of the lab somewhere, moving, with two teammates that go on.
+// Robot 0 of the lab at a random position, moving, with two teammates that continue their motion.
 struct Bench {
   Bench(const scenario::Scenario& lab, Random& random)
       : scenario(lab), field(scenario.world, 0.05), map(map_in_patches(scenario, random)) {
@@ -81,7 +81,7 @@ struct Bench {
   std::vector<FixedTeammate> teammates;
 };
 
-// Where scans are taken anyway: at the own start, and by the teammate that is not jammed.
+// Returns the routes of fixed scans: the own start, and the teammate that is not jammed.
 std::vector<MapRoute> fixed_routes(const Bench& bench) {
   std::vector<MapRoute> routes(2);
   routes[0].poses = {bench.problem.start};
@@ -162,7 +162,7 @@ TEST(MapPlanner, FindsTheBestOfAllSafeRoutesOnWhatTheMapSays) {
   EXPECT_GE(compared, 15);
 }
 
-// It plans with the beams that it is told to plan with, however many its scanner has.
+// The plan uses planned_beams beams, for any number of beams of the scanner.
 TEST(MapPlanner, PlansWithItsPlannedBeams) {
   Random random(5404);
   scenario::Scenario few = mapping_scenario();
@@ -225,8 +225,8 @@ TEST(MapPlanner, HasAPlanAtEveryBudgetABetterOneWithMoreAndTheSameAgain) {
   EXPECT_GE(improved, 5);
 }
 
-// Optimal when it came to its end with all steps, of no bound otherwise; what it says of itself is
-// what it looked at.
+// The result is optimal if the search finished with all steps; otherwise it has no bound. The
+// reported counts are those of the work done.
 TEST(MapPlanner, SaysWhatItHasProven) {
   Random random(5405);
   const scenario::Scenario scenario = mapping_scenario();
@@ -256,7 +256,8 @@ TEST(MapPlanner, SaysWhatItHasProven) {
   EXPECT_GT(proven, 2);
 }
 
-// At 1 m/s it takes 25 cm to stop: 40 cm before the wall that is no plan, and at rest it is one.
+// At 1 m/s the robot stops within 25 cm: 40 cm before the wall there is no plan; at rest there is
+// one.
 TEST(MapPlanner, FindsNothingWhereItCannotEvenStop) {
   Random random(5406);
   const scenario::Scenario scenario = mapping_scenario();
@@ -274,7 +275,7 @@ TEST(MapPlanner, FindsNothingWhereItCannotEvenStop) {
   }
 }
 
-// Nothing heard is nothing looked at; looks of another ground are none of this one's.
+// An empty list means that no cell was observed. A list of another size is refused.
 TEST(MapPlanner, TakesLooksOfEachCellOrNone) {
   Random random(5407);
   const scenario::Scenario scenario = mapping_scenario();
@@ -314,7 +315,7 @@ TEST(RobotPlanner, MapsWithTheSameLadder) {
       }
       EXPECT_LE(plan->nodes, 2'001);
       plans[scenario.robots[index].name] = *plan;
-      // Whoever was too late goes on as committed.
+      // After a late search, the planner continues the committed motion.
       const auto instead = planner.plan_without_search(inputs);
       ASSERT_TRUE(instead);
       EXPECT_NE(instead->source, models::PlanSource::kSearched);
@@ -326,7 +327,7 @@ TEST(RobotPlanner, CountsOnTheScansOfTeammatesThatSeeAndNotOnTheBait) {
   scenario::Scenario scenario = mapping_scenario();
   scenario.planner.attacks_max = 1;
   const Deadline deadline = Deadline::nodes(20'000);
-  // Q2 will go where Q1 would like to go: it stays apart by height alone.
+  // Q2 plans the same route as Q1; only the heights keep them apart.
   scenario.robots[1].start = scenario.robots[0].start;
   scenario.robots[1].height_m = 2.5;
   PlanInputs inputs = test::first_inputs(scenario, 0);

@@ -22,7 +22,7 @@ using models::OccupancyBelief;
 
 const GridGeometry kGrid{{0.0, 0.0}, 0.25, 32, 32};
 
-// A random map, what is needed to plan on it and a team that stands close together.
+// A random map, all that a search needs on it, and a team whose robots are close together.
 struct Bench {
   Bench(test::Random& random, int horizon_steps, double frontier_nats_per_m,
         BeamDependence dependence = BeamDependence::kBestOfCell)
@@ -50,7 +50,7 @@ struct Bench {
   std::vector<Pose2> starts;
 };
 
-// All routes that may be driven, in the order of the controls.
+// Returns all feasible routes in the order of the controls.
 std::vector<MapRoute> all_routes(const Bench& bench, const Pose2& start) {
   std::vector<MapRoute> routes{{start, {}, {}, 0.0, 0}};
   for (int t = 0; t < bench.options.horizon_steps; ++t) {
@@ -104,7 +104,7 @@ TEST(MappingSearch, FindsTheBestOfAllRoutes) {
   }
 }
 
-// With a budget for no more than the greedy route it is that: step by step what is worth most.
+// With a budget for the greedy route only, the result is that route: the best next step each time.
 TEST(MappingSearch, IsTheGreedyRouteWhenItIsCutOffBehindIt) {
   test::Random random(4711);
   int greedy_routes = 0;
@@ -136,7 +136,7 @@ TEST(MappingSearch, IsTheGreedyRouteWhenItIsCutOffBehindIt) {
       greedy = *best;
     }
     if (greedy.controls.size() < 3) {
-      continue;  // step by step it gets stuck
+      continue;  // the greedy route gets stuck
     }
     ++greedy_routes;
     const auto controls = static_cast<std::int64_t>(bench.options.controls.size());
@@ -161,7 +161,7 @@ TEST(MappingSearch, PlansTheSameAgain) {
   EXPECT_EQ(first.gain_nats, again.gain_nats);
 }
 
-/// A bench whose four robots have planned one after another.
+/// A bench whose four robots have planned by coordinate descent.
 struct Descended {
   explicit Descended(unsigned seed) : random(seed) {}
   test::Random random;
@@ -207,7 +207,7 @@ TEST(MappingSearch, KeepsApartFromTheTeammatesItPlansAgainst) {
     const std::vector<MapRoute> routes =
         search.coordinate_descent(std::span(bench.starts).first(2), std::vector<int>{0, 1});
     if (routes[1].controls.empty()) {
-      continue;  // hemmed in: it stands still and says so
+      continue;  // the robot is enclosed and stays
     }
     for (std::size_t t = 0; t < 3; ++t) {
       ASSERT_GE((routes[0].poses[t].position_m() - routes[1].poses[t].position_m()).norm(), 0.5);
@@ -215,8 +215,8 @@ TEST(MappingSearch, KeepsApartFromTheTeammatesItPlansAgainst) {
   }
 }
 
-// Both drive each step straight and evenly: sampled there, and whoever has no route, or whose route
-// is over, is in nobody's way.
+// Both robots drive each step straight and uniformly; the distance is sampled there. A robot
+// without a route, or whose route has ended, does not block the others.
 TEST(MappingSearch, FindsTheBestOfTheRoutesThatKeepApart) {
   test::Random random(4712);
   int refused = 0;
@@ -253,7 +253,7 @@ TEST(MappingSearch, FindsTheBestOfTheRoutesThatKeepApart) {
     bool is_close = false;
     for (const MapRoute& route : all_routes(bench, bench.starts[1])) {
       const double apart_m = least_m(route);
-      is_close = is_close || std::abs(apart_m - 0.5) < 1e-4;  // as far as samples can tell
+      is_close = is_close || std::abs(apart_m - 0.5) < 1e-4;  // within the sampling error
       refused += apart_m < 0.5 ? 1 : 0;
       best_nats = apart_m < 0.5 ? best_nats : std::max(best_nats, worth_nats(route));
     }
@@ -272,8 +272,9 @@ TEST(MappingSearch, FindsTheBestOfTheRoutesThatKeepApart) {
   EXPECT_GT(refused, 50);
 }
 
-// Where not every route may end: the best of all steps that may; else the longest that may, of
-// these the best, and it stands still behind it; else it stays.
+// If only some routes may end, the search returns the best full-length route that may. Otherwise it
+// returns the best of the longest that may, after which the robot stands still. Otherwise the robot
+// stays.
 TEST(MappingSearch, EndsWhereItMay) {
   test::Random random(4713);
   std::vector<int> ended(4, 0);
@@ -318,7 +319,7 @@ TEST(MappingSearch, EndsWhereItMay) {
       EXPECT_NEAR(worth_nats(plan), best_nats, 1e-9) << i;
     }
     EXPECT_FALSE(plan.is_cut);
-    // Cut off behind the greedy route, that ends where it may, too.
+    // A search that is cut off after the greedy route also ends where it may.
     const MapRoute cut = search.plan(bench.starts[0], {}, Deadline::nodes(12));
     if (cut.controls.size() == 3) {
       EXPECT_TRUE(may_end(cut.poses.back(), cut.controls.back(), 3)) << i;
@@ -329,7 +330,8 @@ TEST(MappingSearch, EndsWhereItMay) {
   }
 }
 
-// Each against those before it in the order that is given; who is not in it has no route.
+// Each robot plans against those before it in the given order. A robot that is not listed has no
+// route.
 TEST(MappingSearch, PlansARobotAfterAnotherInTheOrderGiven) {
   test::Random random(4714);
   Bench bench(random, 2, 0.5);

@@ -1,4 +1,4 @@
-// What a search of the map counts, and what it is without being told.
+// The step counts and the defaults of a mapping search.
 
 #include <algorithm>
 
@@ -13,9 +13,9 @@ namespace {
 using models::GridGeometry;
 using models::OccupancyBelief;
 
-// Three controls, three steps, all allowed: the greedy route looks at three times three, the tree
-// at 3 + 9 + 27. Where all is known nothing is gained, no frontier is anywhere, which counts as a
-// way as long as both sides of the ground, and of the leaves only the first is any better.
+// Three controls, three steps, all allowed: the greedy route evaluates 3 · 3 steps, the tree 3 + 9
+// + 27. All cells are known, so nothing is gained and there is no frontier. The frontier distance
+// is then the sum of both sides of the ground. Of the leaves only the first improves the result.
 TEST(MappingSearch, CountsTheStepsItLooksAt) {
   const GridGeometry ground{{0.0, 0.0}, 0.25, 40, 20};
   OccupancyBelief belief(ground, 3.0);

@@ -5,7 +5,8 @@
 
 namespace vantage::test {
 
-/// A belief with free, occupied, doubtful and unknown cells in patches. Its clamp is at 3.
+/// Returns a belief with patches of free, occupied, doubtful and unknown cells. Log odds are
+/// clamped at 3.
 inline models::OccupancyBelief random_map(Random& random, const models::GridGeometry& geometry,
                                           double occupied_share) {
   models::OccupancyBelief belief(geometry, 3.0);

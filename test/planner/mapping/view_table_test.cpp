@@ -115,7 +115,7 @@ TEST(ViewTable, LooksOnlyWhereTheFieldOfViewIs) {
   EXPECT_EQ(table.view({3.5, 4.0, kPi}).nats, 0.0);
 }
 
-/// Calls look(random, table) of a random map, once for each way to count beams that depend.
+/// Calls look(random, table) for a random map, once per rule for dependent beams.
 template <class Look>
 void for_each_dependence(unsigned seed, const Look& look) {
   test::Random random(seed);
@@ -156,14 +156,14 @@ TEST(MapCoverage, GainsBetweenNothingAndTheWholeView) {
   });
 }
 
-/// One beam as the documentation parts it: its information over its cells, by P(it comes there)
-/// · o (1 − o).
+/// One beam as documented: its information is distributed over its cells in proportion to P(the
+/// beam reaches the cell) · o (1 − o).
 struct Traced {
   double nats = 0.0;
   std::map<int, double> nats_of;  ///< by cell
 };
 
-/// The beams of a scan from the middle of a cell that tell anything.
+/// Returns the beams of a scan from the centre of a cell that bring information.
 std::vector<Traced> traced(const OccupancyBelief& belief, const BeamSensor& sensor,
                            const Eigen::Vector2d& from_m, double yaw_rad, BeamMeasure measure) {
   std::vector<Traced> beams;
@@ -192,7 +192,7 @@ std::vector<Traced> traced(const OccupancyBelief& belief, const BeamSensor& sens
   return beams;
 }
 
-/// What is told of each cell, and by how much a beam more adds to it.
+/// The information per cell so far, and the amount that another beam adds to it.
 class Told {
  public:
   Told(BeamDependence dependence, double dependent_share)
@@ -223,8 +223,8 @@ class Told {
   std::map<int, double> nats_of_;
 };
 
-// A scan, and scans one after another, by the two rules as they are stated; turned too, where it
-// does not see all around.
+// A scan, and successive scans, follow the two documented rules; with a limited field of view also
+// at several headings.
 TEST(ViewTable, CountsBeamsByItsTwoRules) {
   test::Random random(4507);
   for (int i = 0; i < 36; ++i) {
@@ -254,7 +254,7 @@ TEST(ViewTable, CountsBeamsByItsTwoRules) {
         const double rise_nats = alone.add(beam);
         nats += rise_nats;
         if (options.dependence == BeamDependence::kBestOfCell || rise_nats > 0.0) {
-          gain_nats += team.add(beam);  // who was dropped within its scan is not there for others
+          gain_nats += team.add(beam);  // beams dropped in their scan are not counted
         }
       }
       const BeamView& view = table.view({at_m.x(), at_m.y(), sector * (2.0 * kPi / 28.0)});
@@ -273,7 +273,7 @@ TEST(ViewTable, CountsBeamsByItsTwoRules) {
   }
 }
 
-// Five beams: headings are rounded to twentieths of a turn, the last of which is the first again.
+// Five beams: headings are rounded to twentieths of a turn, and the last is the first again.
 TEST(ViewTable, TellsHeadingsApartByTheSpacingOfItsBeams) {
   const OccupancyBelief belief(kGrid, 3.0);
   const Eigen::Vector2d at_m = kGrid.centre_m(820);

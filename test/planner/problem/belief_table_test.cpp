@@ -22,8 +22,8 @@ using test::is_near;
 using test::pick;
 using test::uniform;
 
-// One table for all problems, one after another: what the models say of each target at each depth,
-// and nothing of the problem before.
+// One table is reused for all problems. It holds the model's prediction for each target and depth,
+// and nothing of the previous problem.
 TEST(BeliefTable, TellsWhatTheModelsTellOfEachTargetAtEachDepth) {
   BeliefTable table(6, 5);
   int fixed = 0;
@@ -33,7 +33,7 @@ TEST(BeliefTable, TellsWhatTheModelsTellOfEachTargetAtEachDepth) {
     SearchProblem& problem = owned.problem;
     if (seed % 7 == 0) {
       for (auto& steps : problem.fixed_information) {
-        steps.emplace_back(Eigen::Matrix2d::Identity());  // of a step beyond the horizon
+        steps.emplace_back(Eigen::Matrix2d::Identity());  // a step beyond the horizon
       }
     }
     table.reset(problem);
@@ -111,8 +111,8 @@ models::SensorModel sensor_of(models::SensorKind kind, double range_max_m) {
   return sensor;
 }
 
-// Sensors add up, those that do not see it give nothing, and an obstacle hides from all of them:
-// of a wall from y = −1 to 1 at x = 2.
+// Information adds up over the sensors that see the target. An obstacle blocks all sensors: here a
+// wall from y = −1 to 1 at x = 2.
 TEST(Look, AddsUpWhatSeesAndNothingThroughAWall) {
   models::World world;
   world.bounds = {{-50.0, -50.0}, {50.0, 50.0}};
@@ -141,8 +141,8 @@ TEST(Look, AddsUpWhatSeesAndNothingThroughAWall) {
   }
 }
 
-// The sum over teammates that see, of what each sees from where it is at each step's end, of each
-// target where it is expected then; however far away they all are.
+// The sum over sensing teammates of the information from each teammate's position at the end of
+// each step, at the expected target position. Distance does not matter.
 TEST(FixedInformation, IsTheSumOfWhatEachTeammateSeesAtEachStep) {
   std::mt19937_64 rng(54);
   int seen = 0;
@@ -189,8 +189,8 @@ TEST(FixedInformation, IsTheSumOfWhatEachTeammateSeesAtEachStep) {
   EXPECT_GT(unseen, 100);
 }
 
-// Three metres away on any side a teammate comes to within its range at the very end; or the target
-// comes to within that of one that waits. Another target, that nobody sees, changes nothing.
+// A teammate comes into range only at the end of the last step, from any side, or the target comes
+// into the range of a hovering teammate. A second target that is not seen changes nothing.
 TEST(FixedInformation, SeesWhatComesJustIntoRangeFromAnySide) {
   for (int side = 0; side < 4; ++side) {
     const double to_rad = 0.5 * kPi * side;
@@ -228,7 +228,7 @@ TEST(FixedInformation, SeesWhatComesJustIntoRangeFromAnySide) {
   }
 }
 
-// As a sum of logarithms, where the product itself has long left what a double can be.
+// Equals the sum of logarithms where the product itself exceeds the range of a double.
 TEST(LogProduct, IsTheSumOfItsLogarithms) {
   std::mt19937_64 rng(53);
   for (int i = 0; i < 100; ++i) {

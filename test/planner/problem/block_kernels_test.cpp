@@ -29,7 +29,7 @@ BlockLayout position_layout(BlockLayout layout) {
   return layout == BlockLayout::kSpatial ? BlockLayout::kSpatial : BlockLayout::kPlanar;
 }
 
-// Information of rank 0 to full, each rank of 10^-2 to 10^most.
+// Returns information of rank 0 to p; each rank has 10^-2 to 10^most.
 models::PositionMatrix random_information(std::mt19937_64& rng, int p, double most = 2.0) {
   models::PositionMatrix M = models::PositionMatrix::Zero(p, p);
   const int rank = pick(rng, 0, p);
@@ -103,7 +103,7 @@ TEST(BlockKernels, PredictLikeTheModels) {
   });
 }
 
-// Blocks of many targets stand one after another.
+// Blocks of many targets are stored one after another, so a kernel must not write beyond its own.
 TEST(BlockKernels, WriteTheirOwnNumbersAlone) {
   for_random_blocks([](const Case& c, std::mt19937_64&) {
     constexpr double kUntouched = -12345.0;
@@ -149,7 +149,7 @@ TEST(BlockKernels, MeasureLikeTheModels) {
   });
 }
 
-// The identities that let a child be costed without its covariance.
+// These identities give the cost of a child without its covariance.
 TEST(BlockKernels, CostALookWithoutMakingTheUpdate) {
   for_random_blocks([](const Case& c, std::mt19937_64&) {
     const models::StateMatrix after = models::update_covariance(c.covariance, c.information);
@@ -161,7 +161,8 @@ TEST(BlockKernels, CostALookWithoutMakingTheUpdate) {
   });
 }
 
-// Far sharper than the prior, as a near camera is: against (Σ⁻¹ + M)⁻¹ in long double.
+// Information far sharper than the prior, as from a near camera, compared with (Σ⁻¹ + M)⁻¹ in long
+// double.
 TEST(BlockKernels, StayExactUnderTheSharpestLooks) {
   using Long = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
   std::mt19937_64 rng(24);
@@ -206,7 +207,7 @@ TEST(Dominates, IsNeverTrueOfAnIndefiniteDifference) {
     const int n = state_dim(layout);
     for (int i = 0; i < 4000; ++i) {
       const models::StateMatrix b = random_spd(rng, n, 1.0, 1.0);
-      // Differences on either side of singular, by as little as rounding.
+      // Differences that are singular within rounding, on either side.
       const Eigen::MatrixXd Q = random_spd(rng, n, 1.0, 0.5);
       const double size = std::pow(10.0, uniform(rng, -15.0, 0.0));
       const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> frame(Q);
@@ -245,7 +246,7 @@ TEST(Dominates, HoldsBothWaysBetweenEqualBlocks) {
 }
 
 TEST(Dominates, IsNotFooledByADominatingDiagonal) {
-  // [2 1.9; 1.9 2] has the larger diagonal than I, and does not dominate it.
+  // [2 1.9; 1.9 2] has a larger diagonal than I but does not dominate it.
   const double a[] = {2.0, 1.9, 2.0};
   const double b[] = {1.0, 0.0, 1.0};
   EXPECT_FALSE(dominates(BlockLayout::kPlanar, a, 0.0, b));

@@ -9,7 +9,7 @@
 namespace vantage::planner {
 namespace {
 
-// Two robots between two targets: planning after each other, they do not both go to the same one.
+// Two robots between two targets plan one after the other, so they go to different targets.
 TEST(FixedInformation, SendsTheSecondRobotToTheOtherTarget) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.world.obstacles.clear();
@@ -25,7 +25,7 @@ TEST(FixedInformation, SendsTheSecondRobotToTheOtherTarget) {
   problem.controls = scenario.robots[1].primitives;
   problem.horizon_steps = 6;
   problem.sensors = {scenario.robots[1].sensor};
-  for (const double x_m : {-2.0, 1.8}) {  // the right one is nearer to both
+  for (const double x_m : {-2.0, 1.8}) {  // the right target is nearer to both
     problem.targets.push_back({scenario.estimator.target_model,
                                {Eigen::Vector2d(x_m, 0.0), Eigen::Matrix2d::Identity()}});
   }
@@ -47,7 +47,7 @@ TEST(FixedInformation, SendsTheSecondRobotToTheOtherTarget) {
   EXPECT_TRUE(fixed_information(problem, {teammate})[1][5].isZero(0.0));
 }
 
-// A teammate drives past a target and sees it at the end of its third step alone.
+// A teammate drives past a target and sees it only at the end of its third step.
 TEST(FixedInformation, IsOfWhereATeammateIsAtTheEndOfEachStep) {
   const scenario::Scenario scenario = test::lab_scenario();
   SearchProblem problem;

@@ -6,11 +6,11 @@
 
 namespace vantage::test {
 
-/// The problem whose optimum is known: 19.3554, by a search of another kind.
+/// Returns a problem whose optimum is known from another search: 19.3554.
 planner::OwnedProblem known_mapping_problem();
 inline constexpr double kKnownMappingOptimum = 19.3554;
 
-/// Active mapping with `landmarks` drawn anywhere free, as is the start.
+/// Returns an active mapping problem with `landmarks` and the start at random free positions.
 planner::OwnedProblem random_landmark_problem(std::uint64_t seed, int landmarks);
 
 }  // namespace vantage::test

@@ -1,4 +1,4 @@
-// A motion table by what must not matter to it, and by the edges that have a closed form.
+// Invariances of a motion table, and limits that have a closed form.
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +24,7 @@ using test::uniform;
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
-// Far from its teammates at its start, so that it keeps from them what is asked.
+// Returns a problem whose start is so far from the teammates that the full separation is required.
 SearchProblem crowded_problem(std::mt19937_64& rng) {
   SearchProblem problem;
   problem.start_time = kStart;
@@ -57,7 +57,7 @@ Answers ask(const MotionTable& motion, const Pose2& from, int depth) {
   return answers;
 }
 
-// Calls look(problem, from, depth, answers) of many.
+// Calls look(problem, from, depth, answers) for many problems.
 template <class Look>
 void for_crowded_problems(const Look& look) {
   std::mt19937_64 rng(61);
@@ -86,7 +86,7 @@ void for_crowded_problems(const Look& look) {
   EXPECT_GT(moves_on, 50);
 }
 
-// What is free of all of them is free of each, whoever else there is and in which order.
+// A motion is free of all teammates if and only if it is free of each, in any order.
 TEST(MotionTable, KeepsFromAllWhatItKeepsFromEach) {
   for_crowded_problems(
       [](const SearchProblem& problem, const Pose2& from, int depth, const Answers& answers) {
@@ -108,7 +108,7 @@ TEST(MotionTable, KeepsFromAllWhatItKeepsFromEach) {
       });
 }
 
-// A step later is the first step of a plan that starts a step later.
+// A later step has the same answers as the first step of a plan that starts later.
 TEST(MotionTable, TellsOfALaterStepWhatALaterStartWouldTell) {
   for_crowded_problems(
       [](const SearchProblem& problem, const Pose2& from, int depth, const Answers& answers) {
@@ -122,7 +122,7 @@ TEST(MotionTable, TellsOfALaterStepWhatALaterStartWouldTell) {
       });
 }
 
-// Left for right. (Distances differ by rounding; none of these is that near.)
+// Mirrored left to right. (Distances differ by rounding; no case is that close.)
 TEST(MotionTable, TellsTheSameInAMirror) {
   for_crowded_problems(
       [](const SearchProblem& problem, const Pose2& from, int depth, const Answers& answers) {
@@ -144,8 +144,9 @@ TEST(MotionTable, TellsTheSameInAMirror) {
       });
 }
 
-// Sampled, whoever stops is apart from who moves on meanwhile and afterwards; and it is not shy by
-// more than what the pieces' chords leave open.
+// Compared with sampling: a robot that may stop keeps the separation from teammates that move
+// during and after the stop. A refused stop exceeds the limit by no more than the error of the
+// chords.
 TEST(CanStop, KeepsApartFromWhoMovesMeanwhile) {
   for_crowded_problems([](const SearchProblem& problem, const Pose2& from, int depth,
                           const Answers& answers) {
@@ -163,9 +164,8 @@ TEST(CanStop, KeepsApartFromWhoMovesMeanwhile) {
             std::min(least_m, std::hypot(offset_m.norm(), teammate.height_m - problem.height_m));
       }
     }
-    // What a piece hides, twice (allowed for, and there on the other side): arcs of 3 m/s and 3
-    // rad/s 11 mm, a jump by 3 m/s 75 mm, the brake 5 mm; and 6 m/s for half of 10 ms between
-    // samples.
+    // The allowance covers what a chord hides, twice: arcs of 3 m/s and 3 rad/s 11 mm, a jump by 3
+    // m/s 75 mm, the brake 5 mm. In addition 6 m/s for half of 10 ms between samples.
     if (answers.may_stop) {
       EXPECT_GE(least_m, problem.separation_m);
     } else {
@@ -191,7 +191,7 @@ TEST(CanStop, FromTheStartIsFromItsSpeedThere) {
     motion.reset(problem);
     EXPECT_EQ(motion.can_stop_from_start(), motion.can_stop(problem.start, 1, 0)) << i;
     stops += motion.can_stop_from_start() ? 1 : 0;
-    problem.brake_mps2 = 0.0;  // none is asked for
+    problem.brake_mps2 = 0.0;  // no stop is required
     motion.reset(problem);
     EXPECT_TRUE(motion.can_stop_from_start());
     EXPECT_TRUE(motion.can_stop({9.8, 0.0, 0.0}, 1, 0));
@@ -200,7 +200,7 @@ TEST(CanStop, FromTheStartIsFromItsSpeedThere) {
   EXPECT_LT(stops, 60);
 }
 
-// A stop of v²/2a ends with its disc just clear of the wall ahead.
+// A stop of length v²/2a ends with the disc just clear of the wall ahead.
 TEST(CanStop, NeedsTheWholeWayOfItsStop) {
   models::World world;
   world.bounds = {{-10.0, -10.0}, {10.0, 10.0}};
@@ -221,8 +221,8 @@ TEST(CanStop, NeedsTheWholeWayOfItsStop) {
   }
 }
 
-// Who comes along the x axis, step by step of 0.5 s in five pieces, towards one that waits ahead of
-// it for the step that begins `depth_s` later: how near it may be let.
+// Returns the greatest separation that is accepted for a robot hovering ahead, in the step that
+// begins `depth` steps later. The teammate comes along the x axis; a step is 0.5 s in five pieces.
 double nearest_let_m(const std::vector<models::PlanSegment>& segments, int depth,
                      double started_s = 0.0, double x_m = 20.0, double y_m = 0.0) {
   SearchProblem problem;
@@ -242,9 +242,9 @@ double nearest_let_m(const std::vector<models::PlanSegment>& segments, int depth
   });
 }
 
-// A piece is taken as straight and uniform. Where that is exact nothing is added to it but a
-// clock's rounding; where it is not, a Δ²/8 of an acceleration and J s (1 − s) Δ of a jump, and no
-// more: too much of it leaves a team no room.
+// Each piece is treated as straight and uniform. Where that is exact, only the clock's rounding is
+// added. Otherwise Δ²/8 of an acceleration and J s (1 − s) Δ of a jump are added, and no more: a
+// larger allowance would leave a team no room.
 TEST(IsFree, AllowsForWhatATeammatesPieceHidesAndNoMore) {
   constexpr double kPiece_s = 0.1;
   constexpr double kClock_m = 1e-5;
@@ -262,7 +262,7 @@ TEST(IsFree, AllowsForWhatATeammatesPieceHidesAndNoMore) {
     double x_m = 20.0;
     double expected_m = 0.0;
   };
-  // The way of 1 m/s that brakes at 2 m/s² for as long as it is told.
+  // Distance driven at 1 m/s while braking at 2 m/s².
   const auto slowed_m = [](double s) { return s - s * s; };
   const std::vector<Case> cases = {
       {"at rest", {}, 0.0, 1, 20.0, 20.0},
@@ -344,7 +344,7 @@ TEST(IsFree, AllowsForWhatATeammatesPieceHidesAndNoMore) {
        20.0 - 0.25 - bulge_m(2.0)},
   };
   for (const Case& each : cases) {
-    for (const double side : {1.0, -1.0}) {  // and the same driven backwards, or forwards
+    for (const double side : {1.0, -1.0}) {  // and the same driven in reverse
       std::vector<models::PlanSegment> segments = each.segments;
       for (models::PlanSegment& segment : segments) {
         segment.control.speed_mps *= side;
@@ -354,8 +354,9 @@ TEST(IsFree, AllowsForWhatATeammatesPieceHidesAndNoMore) {
           << each.what << ' ' << side;
     }
   }
-  // Around a circle of 1 m about (0, ±1) at 2 rad/s: 0.2 rad a piece, the second from 0.2 rad to
-  // 0.4 rad past its nearest to the x axis. Seen from far outside the middle of that piece's chord.
+  // Driven around a circle of 1 m about (0, ±1) at 2 rad/s, 0.2 rad per piece. The second piece is
+  // 0.2 to 0.4 rad past the nearest point to the x axis. The hover is far outside, opposite the
+  // middle of that piece's chord.
   for (const double side : {1.0, -1.0}) {
     const double chord_m = std::cos(0.1);  // from the centre
     const Eigen::Vector2d out(std::sin(0.3), -std::cos(0.3));
@@ -366,8 +367,9 @@ TEST(IsFree, AllowsForWhatATeammatesPieceHidesAndNoMore) {
   }
 }
 
-// Two that drive towards each other are let to within what is asked at the step's very end, and so
-// is who follows one that comes back: nobody is left out for being too far away to matter.
+// Two robots that drive towards each other may come as near as the separation at the end of the
+// step. The same holds for one that follows a returning teammate. No teammate is skipped as too far
+// away.
 TEST(IsFree, LetsTwoMeetAtTheEndOfAStep) {
   for (const double side : {1.0, -1.0}) {
     for (const int depth : {0, 1, 3}) {
@@ -394,7 +396,7 @@ TEST(IsFree, LetsTwoMeetAtTheEndOfAStep) {
   }
 }
 
-// Its own arc: the chord's sagitta ν ω Δ²/8 is allowed for, either way, and no more.
+// For the robot's own arc the chord's sagitta ν ω Δ²/8 is allowed in both directions, and no more.
 TEST(IsFree, AllowsForItsOwnArcAndNoMore) {
   for (const double side : {1.0, -1.0}) {
     SearchProblem problem;
@@ -404,7 +406,7 @@ TEST(IsFree, AllowsForItsOwnArcAndNoMore) {
     problem.controls = {{2.0, side * 2.0}};
     models::Trajectory hover;
     hover.start_time = kStart;
-    // As the circling teammate above: beside the middle of the second piece's chord.
+    // As for the circling teammate above: opposite the middle of the second piece's chord.
     hover.start = {20.0 * std::sin(0.3), side * (1.0 - 20.0 * std::cos(0.3)), 0.0};
     problem.teammates = {hover};
     MotionTable motion(64, 16, 4);
@@ -417,7 +419,7 @@ TEST(IsFree, AllowsForItsOwnArcAndNoMore) {
   }
 }
 
-// Headings stay within (−π, π], to the bit as wrap_to_pi() has them.
+// Headings stay within (−π, π], bit for bit as from wrap_to_pi().
 TEST(MotionTable, WrapsHeadingsAsTheUnicycleDoes) {
   std::mt19937_64 rng(63);
   SearchProblem problem;
@@ -443,7 +445,7 @@ TEST(MotionTable, WrapsHeadingsAsTheUnicycleDoes) {
   }
 }
 
-// The longest way of any control; of this problem, not of the one before.
+// The reach is the longest step of any control of the current problem.
 TEST(MotionTable, ReachesAsFarAsItsFastestControl) {
   models::World world;
   world.bounds = {{-10.0, -10.0}, {10.0, 10.0}};
@@ -469,13 +471,13 @@ TEST(MotionTable, ReachesAsFarAsItsFastestControl) {
     const double last_m = last_accepted(0.0, 9.9, 1e-6, [&](double x_m) {
       return motion.is_open_space({x_m, 0.05});
     });
-    // The field is a lower bound, by a cell's diagonal at most.
+    // The field is a lower bound, at most a cell diagonal too low.
     EXPECT_LE(last_m, 10.0 - 0.5 - 0.4 * speed_mps);
     EXPECT_GE(last_m, 10.0 - 0.5 - 0.4 * speed_mps - 0.15);
   }
 }
 
-// For plans of teammates that go on for as long as three of its horizons.
+// Plans of teammates may continue for three horizons.
 TEST(MotionTable, AllocatesNothingForAsMuchAsItWasMadeFor) {
   if (!test::AllocationCounter::is_active()) {
     GTEST_SKIP() << "the allocation counter is inert under sanitizers";

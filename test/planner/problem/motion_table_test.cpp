@@ -23,7 +23,7 @@ models::World random_world(std::mt19937_64& rng) {
   world.bounds = {{-6.0, -6.0}, {6.0, 6.0}};
   for (int i = pick(rng, 1, 6); i > 0; --i) {
     const Eigen::Vector2d corner(uniform(rng, -6.0, 5.0), uniform(rng, -6.0, 5.0));
-    // Walls as thin as a centimetre are what sampling along a path would tunnel through.
+    // Sampling along a path would miss walls as thin as a centimetre.
     const Eigen::Vector2d size(uniform(rng, 0.01, 2.0), uniform(rng, 0.01, 2.0));
     world.obstacles.push_back({{corner, corner + size}, 10.0});
   }
@@ -65,7 +65,7 @@ TEST(MotionTable, ArrivesWhereTheUnicycleDoes) {
   }
 }
 
-// Sixty-four controls are what a problem may have.
+// A problem may have at most 64 controls.
 TEST(MotionTable, HasRoomForEveryControlThatAProblemMayHave) {
   std::mt19937_64 rng(37);
   SearchProblem problem;
@@ -102,7 +102,7 @@ TEST(IsFree, IsTrueExactlyOfWhatStaysClear) {
     problem.clearance_m = pick(rng, 0, 1) == 0 ? 0.0 : uniform(rng, 0.0, 0.5);
     MotionTable exact(64, 16, 4);
     exact.reset(problem);
-    SearchProblem by_field = problem;  // each table asks its own
+    SearchProblem by_field = problem;  // each table uses its own field
     by_field.field = &field;
     MotionTable fast(64, 16, 4);
     fast.reset(by_field);
@@ -119,7 +119,7 @@ TEST(IsFree, IsTrueExactlyOfWhatStaysClear) {
           ++freed;
           EXPECT_GT(sampled_m, problem.clearance_m);
         } else {
-          ++refused;  // between two samples clearance may drop by half of the way between them
+          ++refused;  // between samples, clearance may drop by half their distance
           EXPECT_LE(sampled_m, problem.clearance_m + 1.5 / 500.0 + 1e-5);
         }
       }
@@ -129,8 +129,8 @@ TEST(IsFree, IsTrueExactlyOfWhatStaysClear) {
   EXPECT_GT(refused, 1000);
 }
 
-// Where the field decides and where the exact distances do lies within a cell of touching: started
-// there, the answer may be no other than arc_is_clear()'s, and never the bolder one.
+// Starts where the choice between the field and exact distances lies within a cell of contact. The
+// answer must be that of arc_is_clear(), and never less strict.
 TEST(IsFree, NeverAcceptsByTheFieldWhatExactDistancesRefuse) {
   std::mt19937_64 rng(33);
   int grazing = 0;
@@ -212,7 +212,7 @@ TEST(CanStop, IsTrueExactlyOfAStopThatStaysClear) {
   EXPECT_GT(refused, 500);
 }
 
-// Least distance in space, at 1 ms, until everybody has long come to rest.
+// Returns the least distance in space, m, sampled at 1 ms until both motions have ended.
 double sampled_separation_m(const models::Trajectory& a, const models::Trajectory& b, Time from) {
   const Time last = std::max(models::end_time(a), models::end_time(b)) + from_seconds(0.1);
   double least_m = std::numeric_limits<double>::infinity();
@@ -230,8 +230,8 @@ struct TeamProblem {
   SearchProblem problem;
 };
 
-// Teammates in a small arena, launched at other times and in other steps than ours, some still on
-// their way long after our horizon, so that their pieces straddle what ours do not.
+// Teammates in a small arena that start at other times and with other steps than the robot. Some
+// continue long after its horizon, so that their pieces do not align with its own.
 std::unique_ptr<TeamProblem> team_problem(std::uint64_t seed) {
   std::mt19937_64 rng(seed);
   auto team = std::make_unique<TeamProblem>();
@@ -262,7 +262,7 @@ std::unique_ptr<TeamProblem> team_problem(std::uint64_t seed) {
         test::random_teammate(rng, problem.start_time, pick(rng, 0, 12), step_s);
     if (pick(rng, 0, 3) == 0) {
       for (models::PlanSegment& segment : teammate.segments) {
-        segment.control.speed_mps *= -1.0;  // teammates may be driven backwards
+        segment.control.speed_mps *= -1.0;  // teammates may drive in reverse
       }
     }
     problem.teammates.push_back(teammate);
@@ -345,7 +345,7 @@ TEST(Plans, LeaveATeammateThatIsTooNearAndComeNoNearer) {
     problem.teammates = {hover};
     const double now_m = std::hypot(0.6, 0.5);
     EXPECT_NEAR(kept_separation_m(problem, 0), now_m - 0.01, 1e-12);
-    models::Trajectory own;  // any two motions keep what a plan keeps from a teammate
+    models::Trajectory own;  // two motions keep what a plan keeps from a teammate
     own.start = problem.start;
     own.height_m = problem.height_m;
     EXPECT_EQ(kept_separation_m(problem, own, hover), kept_separation_m(problem, 0));
@@ -358,11 +358,11 @@ TEST(Plans, LeaveATeammateThatIsTooNearAndComeNoNearer) {
     hover.start.x_m *= 2.0;
     hover.start.y_m *= 2.0;
     problem.teammates = {hover};
-    EXPECT_EQ(kept_separation_m(problem, 0), problem.separation_m);  // as asked, from afar
+    EXPECT_EQ(kept_separation_m(problem, 0), problem.separation_m);  // as required, from afar
   }
 }
 
-// Whoever drives an arc back from its end, backwards, sweeps the same ground.
+// Driving an arc back in reverse sweeps the same area.
 TEST(ArcIsClear, IsTheSameThereAndBack) {
   std::mt19937_64 rng(36);
   int clear = 0;

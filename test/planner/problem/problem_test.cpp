@@ -115,7 +115,7 @@ std::vector<Fault> faults() {
   };
 }
 
-// What is wrong of a sensor's number or an oscillator's, whichever of several has it.
+// Returns faults of single numbers of a sensor or an oscillator, in any of several.
 std::vector<Fault> faults_of_one_number() {
   std::vector<Fault> faults;
   for (const double wrong : {0.0, -1.0, kInfinity, kNan}) {
@@ -181,7 +181,7 @@ TEST(RequireValid, RefusesEachNumberThatCannotBe) {
   }
 }
 
-// The last that is allowed, on every side that has one.
+// The extreme allowed values, on every side that has a limit.
 TEST(RequireValid, AcceptsWhatIsJustAllowed) {
   static const models::World world;
   static const models::DistanceField field;
@@ -245,7 +245,7 @@ TEST(RequireValid, AcceptsWhatIsJustAllowed) {
   }
 }
 
-// A ten-millionth of a percent of the greatest variance is rounding, whichever of both is greater.
+// An asymmetry of 1e-9 of the greatest variance counts as rounding, whichever entry is greater.
 TEST(RequireValid, AllowsForRoundingInWhatIsSymmetric) {
   for (const double side : {1.0, -1.0}) {
     for (const double share : {0.99, 1.01}) {
@@ -295,7 +295,6 @@ TEST(SearchProblem, IsOtherwiseAsStated) {
   EXPECT_EQ(kept_height_m(walled, teammate), 2.0);
 }
 
-// Whatever it said before, it says nothing afterwards.
 TEST(SearchResult, ForgetsAllWhenItIsReset) {
   SearchResult result;
   result.found = true;
@@ -379,7 +378,7 @@ TEST(ToTrajectory, EndsInTheStopThatTheSearchChecked) {
   ASSERT_EQ(trajectory.segments.size(), 3u);
   EXPECT_EQ(trajectory.height_m, 1.5);
   EXPECT_EQ(models::end_time(trajectory), problem.start_time + from_seconds(1.5));
-  // Moving no more, it brakes from the speed it has.
+  // A plan without steps brakes from the current speed.
   result.controls.clear();
   problem.start_speed_mps = 1.0;
   EXPECT_EQ(to_trajectory(problem, result).segments.size(), 1u);
@@ -387,8 +386,8 @@ TEST(ToTrajectory, EndsInTheStopThatTheSearchChecked) {
   EXPECT_TRUE(to_trajectory(problem, result).segments.empty());
 }
 
-// From the problem's start, a step of each control in its order, then the brake from the last
-// one's speed: where the unicycle gets to.
+// The trajectory starts at the problem's start, with one step per control in order, then brakes
+// from the speed of the last control. Compared with the unicycle model.
 TEST(ToTrajectory, GoesWhereItsControlsLead) {
   std::mt19937_64 rng(51);
   for (int i = 0; i < 50; ++i) {
@@ -432,8 +431,8 @@ TEST(ToTrajectory, GoesWhereItsControlsLead) {
   }
 }
 
-// Of the distance when the plan starts, wherever both have come from by then, a centimetre less;
-// never more than asked for, never below nothing; of each teammate by itself.
+// The kept separation is the distance at the plan's start less a centimetre, for each teammate. It
+// is at most the required separation and at least 0.
 TEST(KeptSeparation, IsWhatThereIsWhenThePlanStarts) {
   std::mt19937_64 rng(52);
   int nearer = 0;
@@ -472,7 +471,7 @@ TEST(KeptSeparation, IsWhatThereIsWhenThePlanStarts) {
   }
   EXPECT_GT(nearer, 50);
   EXPECT_GT(farther, 50);
-  SearchProblem one;  // two in one place keep nothing
+  SearchProblem one;  // two at one position keep no separation
   one.separation_m = 1.0;
   one.teammates.resize(1);
   EXPECT_EQ(kept_separation_m(one, 0), 0.0);

@@ -54,7 +54,7 @@ planner::SearchTarget random_target(std::mt19937_64& rng) {
 }
 
 std::vector<models::UnicycleControl> random_controls(std::mt19937_64& rng, int count) {
-  // Standing and turning on the spot are what makes paths meet again exactly.
+  // With hovering and turns on the spot, paths meet again exactly.
   std::vector<models::UnicycleControl> pool = models::standard_primitives();
   for (const double yaw_rate_radps : {0.0, 1.0, -1.0}) {
     pool.push_back({0.0, yaw_rate_radps});
@@ -140,7 +140,7 @@ models::Surroundings random_surroundings(std::mt19937_64& rng) {
   around.damping_per_s.setConstant(uniform(rng, 0.1, 1.5));
   for (Eigen::Index i = 0; i < 2; ++i) {
     around.center_m(i) = uniform(rng, -1.0, 1.0);
-    // Powers of two leave σ_v/σ_p, and with it A, exactly the same.
+    // With powers of two, σ_v/σ_p and so A stay exactly the same.
     around.position_sigma_m(i) =
         is_alike ? std::pow(2.0, pick(rng, -1, 2)) : uniform(rng, 0.5, 4.0);
     around.velocity_sigma_mps(i) = omega * around.position_sigma_m(i);
@@ -188,7 +188,7 @@ OwnedProblem random_problem(std::uint64_t seed) {
   if (pick(rng, 0, 2) == 0) {
     add_fixed_information(rng, problem);
   }
-  if (seed % 2 == 0) {  // last: nothing else is drawn otherwise
+  if (seed % 2 == 0) {  // last, so that other draws stay the same
     let_oscillate(rng, problem);
   }
   return owned;

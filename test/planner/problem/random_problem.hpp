@@ -9,32 +9,34 @@ namespace vantage::test {
 
 using planner::OwnedProblem;
 
-/// A small problem drawn by `seed`: any of the five sensors or two of them, every target model in
-/// every dimension, 1–6 targets, 1–5 steps, both costs; with and without a world, its distance
-/// field, a demanded stop, and teammates' information. |U|^T ≤ 700: exhaustion is cheap.
+/// Returns a small problem drawn by `seed`: one or two of the five sensors, every target model in
+/// every dimension, 1–6 targets, 1–5 steps, both costs. World, distance field, required stop and
+/// teammates' information are optional. |U|^T ≤ 700, so that exhaustive search is cheap.
 OwnedProblem random_problem(std::uint64_t seed);
 
-/// A problem whose information is Lipschitz in the pose: range or range-bearing without limits of
-/// range or view, no world, every target out of reach by more than a metre.
+/// Returns a problem whose information is Lipschitz in the pose: range or range-bearing sensors
+/// without limits of range or view, no world, and all targets out of reach by more than a metre.
 OwnedProblem smooth_problem(std::uint64_t seed);
 
-/// `steps` random primitives in the plane around the origin, then a stop at 2 m/s².
+/// Returns a motion of `steps` random primitives in the plane around the origin, followed by a stop
+/// at 2 m/s².
 models::Trajectory random_teammate(std::mt19937_64& rng, Time around, int steps, double step_s);
 
 double uniform(std::mt19937_64& rng, double low, double high);
 int pick(std::mt19937_64& rng, int low, int high);  ///< both ends included
-/// A damped oscillator's, of the size of a random problem; one in two with the same A on both axes.
+/// Returns the surroundings of a damped oscillator. Every second one has the same A on both axes.
 models::Surroundings random_surroundings(std::mt19937_64& rng);
-/// Makes damped oscillators of the double integrators in `problem`.
+/// Turns the double integrators of `problem` into damped oscillators.
 void let_oscillate(std::mt19937_64& rng, planner::SearchProblem& problem);
-/// The same where `seed` is a multiple of three.
+/// Calls let_oscillate() if `seed` is a multiple of three.
 inline void let_one_in_three_oscillate(std::uint64_t seed, std::mt19937_64& rng,
                                        planner::SearchProblem& problem) {
   if (seed % 3 == 0) {
     let_oscillate(rng, problem);
   }
 }
-/// Symmetric positive definite n × n with eigenvalues between 10^-decades and 1, times `scale`.
+/// Returns a symmetric positive definite n × n matrix with eigenvalues between 10^-decades and 1,
+/// times `scale`.
 Eigen::MatrixXd random_spd(std::mt19937_64& rng, int n, double scale, double decades);
 
 }  // namespace vantage::test

@@ -117,7 +117,7 @@ TEST(SightTable, SeesByTheFieldWhatItSeesWithout) {
     }
     sight.reset(owned.problem);
     ASSERT_TRUE(sight.has_obstacles());
-    for (int i = 0; i < 200; ++i) {  // some of them outside the walls, where the field ends
+    for (int i = 0; i < 200; ++i) {  // some are outside the walls, where the field ends
       const Eigen::Vector2d a_m(uniform(rng, -7.0, 7.0), uniform(rng, -7.0, 7.0));
       const Eigen::Vector2d b_m(uniform(rng, -7.0, 7.0), uniform(rng, -7.0, 7.0));
       const bool expected = models::line_of_sight(*owned.world, a_m, b_m);
@@ -129,7 +129,7 @@ TEST(SightTable, SeesByTheFieldWhatItSeesWithout) {
   EXPECT_GT(hidden, 1'000);
 }
 
-// The answer in a lane may not depend on which lane, or on who else looks.
+// The result in a lane must not depend on the lane or on the other lanes.
 TEST(SightTable, GivesEveryLaneTheSameBits) {
   std::mt19937_64 rng(43);
   SightTable sight;

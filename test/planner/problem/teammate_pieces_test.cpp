@@ -1,4 +1,4 @@
-// A motion table against the committed motion of teammates, piece by piece.
+// A motion table compared with the committed motion of teammates, piece by piece.
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,7 @@ namespace {
 using test::pick;
 using test::uniform;
 
-// A teammate comes along the x axis at 1 m/s and passes who hovers at the origin at 3 s.
+// A teammate drives along the x axis at 1 m/s and passes a robot that hovers at the origin at 3 s.
 TEST(IsFree, IsOfWhereATeammateIsInThatStep) {
   SearchProblem problem;
   problem.start_time = from_utime(1'700'000'000'000'000);
@@ -39,8 +39,8 @@ TEST(IsFree, IsOfWhereATeammateIsInThatStep) {
   }
 }
 
-// A teammate that turns a full circle within one step ends where it began: its chord is no
-// measure of how far it goes.
+// A teammate that turns a full circle within one step ends where it began, so its chord does not
+// bound its distance.
 TEST(IsFree, SeesATeammateThatCirclesWithinOneStep) {
   SearchProblem problem;
   problem.horizon_steps = 2;
@@ -57,7 +57,7 @@ TEST(IsFree, SeesATeammateThatCirclesWithinOneStep) {
   EXPECT_FALSE(motion.is_free({}, 1.0, 0.0, 0, 0));
 }
 
-// Turning one way and then the other within one straight piece leaves no net turn, yet bulges.
+// Opposite turns within one piece cancel, but the path still bulges beyond its chord.
 TEST(IsFree, AllowsForTurnsWithinATeammatesPiece) {
   std::mt19937_64 rng(33);
   for (int i = 0; i < 400; ++i) {
@@ -65,12 +65,12 @@ TEST(IsFree, AllowsForTurnsWithinATeammatesPiece) {
     problem.start_time = from_utime(1'700'000'000'000'000);
     problem.horizon_steps = 2;
     problem.controls = {{0.0, 0.0}, {1.0, 0.0}};
-    problem.start.x_m = 100.0;  // not nearer than asked from the start
+    problem.start.x_m = 100.0;  // far enough at the start
     models::Trajectory teammate;
     teammate.start_time = problem.start_time;
     teammate.start = {-1.5, 0.0, 0.0};
     for (int k = 0; k < 12; ++k) {
-      // Two out of three turn one way only, to the left or to the right.
+      // Two of three turn in one direction only, left or right.
       const double sign = i % 3 == 1 ? 1.0 : i % 3 == 2 || k % 2 == 1 ? -1.0 : 1.0;
       teammate.segments.push_back(
           {{uniform(rng, 0.0, 6.0), sign * 10.0}, uniform(rng, 0.02, 0.1), 0.0});
@@ -89,12 +89,12 @@ TEST(IsFree, AllowsForTurnsWithinATeammatesPiece) {
                                      models::at(teammate, t).world_from_body.position_m())
                                         .norm());
       }
-      // Asked for a hair more than what there is, it has to refuse.
+      // With a required separation slightly above the actual one, it must refuse.
       problem.separation_m = least_m + 1e-4;
       MotionTable motion(64, 16, 4);
       motion.reset(problem);
       EXPECT_FALSE(motion.is_free(from, std::cos(from.yaw_rad), std::sin(from.yaw_rad), c, 0));
-      if (least_m > 0.6) {  // and it is not shy without end
+      if (least_m > 0.6) {  // the allowance is bounded
         problem.separation_m = least_m - 0.6;
         motion.reset(problem);
         EXPECT_TRUE(motion.is_free(from, std::cos(from.yaw_rad), std::sin(from.yaw_rad), c, 0));
@@ -103,8 +103,8 @@ TEST(IsFree, AllowsForTurnsWithinATeammatesPiece) {
   }
 }
 
-// A stop that lasts longer than anything a teammate still does, beside one that hovers: for every
-// instant of it, however late.
+// A stop that lasts longer than any teammate's motion, next to a hovering teammate. Every instant
+// of the stop counts.
 TEST(CanStop, SeesWhoHoversBesideTheEndOfALongStop) {
   std::mt19937_64 rng(34);
   int stops = 0;
@@ -114,15 +114,15 @@ TEST(CanStop, SeesWhoHoversBesideTheEndOfALongStop) {
     problem.start_time = from_utime(1'700'000'000'000'000);
     problem.horizon_steps = pick(rng, 1, 4);
     problem.controls = {{1.0, 0.0}, {0.5, 0.0}};
-    problem.brake_mps2 = uniform(rng, 0.1, 1.0);  // up to ten seconds
-    problem.start.x_m = 100.0;                    // not nearer than asked from the start
+    problem.brake_mps2 = uniform(rng, 0.1, 1.0);  // the stop takes up to ten seconds
+    problem.start.x_m = 100.0;                    // far enough at the start
     models::Trajectory hover;
     hover.start_time = problem.start_time;
     problem.teammates = {hover};
     for (const int c : {0, 1}) {
       const double speed_mps = problem.controls[static_cast<std::size_t>(c)].speed_mps;
       const double way_m = 0.5 * speed_mps * speed_mps / problem.brake_mps2;
-      // The hover lies beside a place on the last third of the way.
+      // The hover lies next to a point on the last third of the stopping distance.
       const double ahead_m = uniform(rng, 0.66, 1.2) * way_m;
       const double beside_m = uniform(rng, -0.5, 0.5);
       const double yaw_rad = uniform(rng, -kPi, kPi);
@@ -144,8 +144,8 @@ TEST(CanStop, SeesWhoHoversBesideTheEndOfALongStop) {
   EXPECT_GT(refused, 300);
 }
 
-// In its pieces a stop is taken as uniform motion, and allowed a Δ²/8 for that: v²/2a before one
-// that hovers ahead, and no more than that nearer.
+// The pieces of a stop are treated as uniform motion with an allowance of a Δ²/8. The robot may
+// stop v²/2a before a hovering teammate, less that allowance only.
 TEST(CanStop, AllowsForItsBrakeAndNoMore) {
   for (const double brake_mps2 : {0.5, 2.0, 4.0}) {
     SearchProblem problem;
@@ -170,8 +170,8 @@ TEST(CanStop, AllowsForItsBrakeAndNoMore) {
   }
 }
 
-// An arc bulges beyond its chords, to the left and to the right: asked for a hair more than what
-// there is between it and a teammate, it has to be refused.
+// An arc bulges beyond its chords, left or right. With a required separation slightly above the
+// actual one, it must be refused.
 TEST(IsFree, AllowsForTheBulgeOfItsOwnArc) {
   std::mt19937_64 rng(35);
   int accepted = 0;
@@ -182,7 +182,7 @@ TEST(IsFree, AllowsForTheBulgeOfItsOwnArc) {
     const double side = i % 2 == 0 ? 1.0 : -1.0;
     problem.controls = {{uniform(rng, 0.5, 2.0), side * uniform(rng, 0.5, 4.0)}};
     problem.start.x_m = 100.0;
-    // A hover on the outer side of the arc's middle part, so that the bulge is what is nearest.
+    // The hover is on the outer side of the middle of the arc, so that the bulge is nearest.
     const Pose2 from{uniform(rng, -1.0, 1.0), uniform(rng, -1.0, 1.0), uniform(rng, -kPi, kPi)};
     const Pose2 middle =
         models::step_unicycle(from, problem.controls[0], uniform(rng, 0.1, 0.9) * problem.step_s);
@@ -203,7 +203,7 @@ TEST(IsFree, AllowsForTheBulgeOfItsOwnArc) {
     problem.separation_m = least_m + 1e-4;
     motion.reset(problem);
     EXPECT_FALSE(motion.is_free(from, std::cos(from.yaw_rad), std::sin(from.yaw_rad), 0, 0)) << i;
-    problem.separation_m = least_m - 0.05;  // and it is not shy without end
+    problem.separation_m = least_m - 0.05;  // the allowance is bounded
     motion.reset(problem);
     accepted += motion.is_free(from, std::cos(from.yaw_rad), std::sin(from.yaw_rad), 0, 0) ? 1 : 0;
   }

@@ -16,17 +16,18 @@ namespace {
 
 using models::FlightState;
 
-/// Q1 at (−3, 0), 1.0 m high; Q2 at (0, 0), 1.5 m; Q3 at (3, 0), 2.0 m.
+/// Q1 at (−3, 0), height 1.0 m; Q2 at (0, 0), 1.5 m; Q3 at (3, 0), 2.0 m.
 class KeptFrom : public ::testing::Test {
  protected:
   KeptFrom() { show_before(0.1); }
 
-  /// The frame of `before_s` ago, as the newest one is now.
+  /// Makes the previous frame a copy of the newest one, `before_s` older.
   void show_before(double before_s) {
     inputs.mocap_before = inputs.mocap;
     inputs.mocap_before->stamp.time -= from_seconds(before_s);
   }
-  /// Seen at `p_m` and 0.1 s earlier where its velocity had it.
+  /// Adds a body that is at `p_m` in the newest frame and moves at `velocity_mps` between the two
+  /// frames.
   void add(const std::string& name, const Eigen::Vector3d& p_m,
            const Eigen::Vector3d& velocity_mps = Eigen::Vector3d::Zero()) {
     for (auto* frame : {&*inputs.mocap, &*inputs.mocap_before}) {
@@ -36,7 +37,7 @@ class KeptFrom : public ::testing::Test {
       body.world_from_body.translation_m = p_m - since_s * velocity_mps;
     }
   }
-  /// Beyond the motions of the two teammates.
+  /// Returns the obstacles that the problem has in addition to the motions of the two teammates.
   std::vector<models::Trajectory> others() {
     Workspace workspace(scenario);
     models::Trajectory committed;
@@ -49,7 +50,8 @@ class KeptFrom : public ::testing::Test {
     return {round.search.teammates.begin() + 2, round.search.teammates.end()};
   }
   bool is_in_the_way() { return shows_bodies_in_the_way(Workspace(scenario), 0, *inputs.mocap); }
-  /// Q2 follows this plan, as its driver reported `ago_s` before the slot.
+  /// Sets the plan of Q2, a hover at `plan_at`, and its flight state, which its driver reported
+  /// `ago_s` before the slot.
   void follows(FlightState state, double ago_s, const Pose2& plan_at) {
     models::VehicleStatus status;
     status.stamp.time = inputs.slot.begin - from_seconds(ago_s);
@@ -114,8 +116,8 @@ TEST_F(KeptFrom, ABodyThatMovesWhereItWillBe) {
   }
 }
 
-// The velocity is unknown of two bodies that carried each other's name in the earlier frame, and of
-// a body that was not seen then.
+// The velocity is unknown for a body whose name was on another body in the earlier frame, and for a
+// body that was occluded in it.
 TEST_F(KeptFrom, ABodyWhoseVelocityIsUnknownWhereItIs) {
   add("SWAPPED", {-1.0, 1.0, 1.0}, {9.0, 0.0, 0.0});
   add("NEW", {1.0, 1.0, 1.0}, {1.0, 0.0, 0.0});
@@ -136,7 +138,7 @@ TEST_F(KeptFrom, TheNearestBodiesAndTheOthersAreCounted) {
   for (const models::Trajectory& other : others) {
     EXPECT_LT(other.start.x_m, 3.0 - 0.25 * 2.5);
   }
-  // A search has room for all of them.
+  // The workspace has memory for all of them.
   Workspace workspace(scenario);
   models::Trajectory committed;
   committed.start_time = inputs.slot.activation;
@@ -172,7 +174,8 @@ TEST_F(KeptFrom, ATeammateThatIsSilentOrOffItsPlanWhereItIsSeen) {
       EXPECT_NEAR(others[0].height_m, 1.0, 1e-12) << "it may come down through our height";
     }
   }
-  // One that has its plan's start still to come may be as far from it as it can fly until then.
+  // Until its plan starts, a teammate may be as far from the plan as it can fly in the time that is
+  // left.
   inputs = test::first_inputs(scenario, 0);
   follows(FlightState::kFollow, 0.1, {0.0, 1.2, 0.0});
   inputs.team_plans["Q2"].trajectory.start_time = inputs.mocap->stamp.time + from_seconds(0.5);

@@ -14,8 +14,9 @@
 namespace vantage::planner {
 namespace {
 
-// Stopped by its driver it stands where that stopped it, turned otherwise than its plan, and will
-// not come back: flown, 49 plans in a row began at the plan's heading and were refused.
+// A vehicle that its driver stopped holds its set-point, here turned away from its plan, and does
+// not return to the plan. In a flight, 49 plans in a row began at the plan's heading and were
+// refused.
 TEST(RobotPlanner, BeginsWhereItsVehicleHolds) {
   const scenario::Scenario scenario = test::lab_scenario();
   PlanInputs inputs = test::first_inputs(scenario, 0);
@@ -37,13 +38,13 @@ TEST(RobotPlanner, BeginsWhereItsVehicleHolds) {
     const Pose2 held = start(models::FlightState::kHold, off);
     EXPECT_LT((held.position_m() - status.setpoint.position_m()).norm(), 1e-9);
     EXPECT_NEAR(wrap_to_pi(held.yaw_rad - status.setpoint.yaw_rad), 0.0, 1e-9);
-    EXPECT_EQ(start(models::FlightState::kFollow, off), planned);  // its feedback brings it back
+    EXPECT_EQ(start(models::FlightState::kFollow, off), planned);  // its controller returns it
   }
-  EXPECT_EQ(start(models::FlightState::kHold, {0.1, 0.1, 0.3}), planned);  // near enough
+  EXPECT_EQ(start(models::FlightState::kHold, {0.1, 0.1, 0.3}), planned);  // within the tolerance
 }
 
-// A vehicle that is a little off its hover is brought back by its own feedback: from the tolerance
-// on, or turned by more than 0.4 rad, to any side.
+// A vehicle that hovers slightly off its plan is returned to it by its tracking controller. Beyond
+// the tolerance, or turned by more than 0.4 rad to any side, its plan begins at its set-point.
 TEST(RobotPlanner, BeginsOnItsPlanWhereItsVehicleHoldsWithinTheTolerance) {
   const scenario::Scenario scenario = test::lab_scenario();
   RobotPlanner planner(scenario, "Q1");
@@ -73,14 +74,14 @@ TEST(RobotPlanner, BeginsOnItsPlanWhereItsVehicleHoldsWithinTheTolerance) {
   for (const double side : {1.0, -1.0}) {
     EXPECT_NEAR(last({0.0, 0.0, side}), 0.4, 1e-3);
   }
-  // Only who holds stays where it is.
+  // This applies only to the hold state.
   for (const auto state : {models::FlightState::kFollow, models::FlightState::kLand}) {
     status.state = state;
     EXPECT_TRUE(begins_on_plan({0.3, 0.0, 1.2})) << name_of(state);
   }
 }
 
-// Round after round: held and turned, it begins there; flies on; held and turned once more.
+// In successive rounds the vehicle is held and turned, flies on, and is held and turned again.
 TEST(RobotPlanner, BeginsWhereItsVehicleHoldsEachTime) {
   const scenario::Scenario scenario = test::lab_scenario();
   const RoundSchedule schedule(scenario.planner, 0, 3);
@@ -115,7 +116,7 @@ TEST(RobotPlanner, BeginsWhereItsVehicleHoldsEachTime) {
   }
 }
 
-/// Q2 drives on its last plan, 1 m/s along the x axis since two seconds before the slot's begin.
+/// Q2 drives along its last plan: 1 m/s along the x axis, since two seconds before the slot begins.
 class CommitmentOfADriver : public ::testing::Test {
  protected:
   CommitmentOfADriver() : inputs_(test::first_inputs(scenario_, 1)) {
@@ -125,7 +126,7 @@ class CommitmentOfADriver : public ::testing::Test {
     see({0.0, 0.0, 0.0});
   }
 
-  /// Seen so far off where its plan has it at that time.
+  /// Reports Q2 at offset `off` from its plan, in a frame that is `ago_s` older than the slot.
   void see(const Pose2& off, double ago_s = 0.5) {
     inputs_.mocap->stamp.time = inputs_.slot.begin - from_seconds(ago_s);
     const Pose2 planned =
@@ -143,8 +144,8 @@ class CommitmentOfADriver : public ::testing::Test {
   Pose2 seen_;
 };
 
-// Within the tolerance nothing is said of it; beyond it, it is off, and goes on with its plan all
-// the same; beyond three it has not followed, and begins anew from where it is. To every side.
+// Within the tolerance the vehicle counts as on its plan. Beyond it, the vehicle is off its plan
+// but continues it. Beyond three tolerances it begins anew where it is. Holds in every direction.
 TEST_F(CommitmentOfADriver, GoesOnUntilItIsThreeTolerancesOff) {
   const double tolerance_m = scenario_.planner.tracking_tolerance_m;
   for (int bearing = 0; bearing < 8; ++bearing) {
@@ -165,8 +166,7 @@ TEST_F(CommitmentOfADriver, GoesOnUntilItIsThreeTolerancesOff) {
   }
 }
 
-// A frame that is older than its plan says nothing of how it follows that, nor does one in which it
-// is not seen.
+// A frame does not count if it is older than the start of the plan or does not show the vehicle.
 TEST_F(CommitmentOfADriver, IsComparedOnlyWhereItWasSeenOnItsPlan) {
   const auto is_on_plan = [&] {
     const Commitment commitment = this->commitment();
@@ -188,7 +188,7 @@ TEST_F(CommitmentOfADriver, IsComparedOnlyWhereItWasSeenOnItsPlan) {
   EXPECT_TRUE(is_on_plan());
 }
 
-// Without a plan it hovers where it is seen, and where it is not nobody knows.
+// Without a plan it hovers where it is seen; if it is not seen either, its motion is unknown.
 TEST_F(CommitmentOfADriver, HoversWhereItIsSeenWithoutAPlan) {
   see({0.3, -0.4, 1.0});
   inputs_.own_plan.reset();
@@ -206,8 +206,8 @@ TEST_F(CommitmentOfADriver, HoversWhereItIsSeenWithoutAPlan) {
   EXPECT_EQ(this->commitment().known, Commitment::Known::kNoPose);
 }
 
-// Who holds is compared with where its plan had it when it said so; a plan that had not begun by
-// then has it at its start.
+// A holding vehicle is compared with the point of its plan at the time of its status. Before the
+// plan begins, that is the start of the plan.
 TEST_F(CommitmentOfADriver, HoldsWhereItsPlanHadItThen) {
   models::VehicleStatus& status = inputs_.team_statuses["Q2"];
   status.state = models::FlightState::kHold;
@@ -226,12 +226,13 @@ TEST_F(CommitmentOfADriver, HoldsWhereItsPlanHadItThen) {
   }
 }
 
-// Flown: a vehicle at 1 m passed over one that climbed to 2 m, which was kept clear of at 2 m only.
+// In a flight, a vehicle at 1 m passed over one that was climbing to 2 m. Only the final height of
+// the climb was kept clear.
 TEST(RobotPlanner, KeepsClearOfWhatAClimbOrALandingPasses) {
   const scenario::Scenario scenario = test::lab_scenario();
   const auto kept_at_m = [&](const std::string& own, models::FlightState state, double here_m) {
     PlanInputs inputs = test::first_inputs(scenario, own == "Q1" ? 0 : 2);
-    inputs.team_statuses["Q2"].state = state;  // flies at 1.5 m, Q1 at 1 m, Q3 at 2 m
+    inputs.team_statuses["Q2"].state = state;  // Q1 flies at 1 m, Q2 at 1.5 m, Q3 at 2 m
     inputs.team_statuses["Q2"].stamp.time = inputs.slot.begin;
     for (models::MocapBody& body : inputs.mocap->bodies) {
       body.world_from_body.translation_m.z() =
@@ -242,20 +243,20 @@ TEST(RobotPlanner, KeepsClearOfWhatAClimbOrALandingPasses) {
     return planner.problem().teammates.back().height_m;
   };
   using models::FlightState;
-  // Lifting at 0.2 m, it will pass 1 m; it does not get to 2 m.
+  // Climbing from 0.2 m to 1.5 m, it passes 1 m but does not reach 2 m.
   EXPECT_DOUBLE_EQ(kept_at_m("Q1", FlightState::kHold, 0.2), 1.0);
   EXPECT_DOUBLE_EQ(kept_at_m("Q3", FlightState::kHold, 0.2), 1.5);
   EXPECT_DOUBLE_EQ(kept_at_m("Q1", FlightState::kHold, 1.2), 1.2);
   EXPECT_DOUBLE_EQ(kept_at_m("Q1", FlightState::kHold, 1.5), 1.5);
-  // Landing from 1.4 m it passes 1 m, and not from 0.6 m.
+  // Landing from 1.4 m it passes 1 m; from 0.6 m it does not.
   EXPECT_DOUBLE_EQ(kept_at_m("Q1", FlightState::kLand, 1.4), 1.0);
   EXPECT_DOUBLE_EQ(kept_at_m("Q1", FlightState::kLand, 0.6), 0.6);
   EXPECT_DOUBLE_EQ(kept_at_m("Q3", FlightState::kLand, 1.4), 1.4);
   EXPECT_DOUBLE_EQ(kept_at_m("Q1", FlightState::kIdle, 0.0), 1.5);
 }
 
-// Driven: a rover planned through the place of a quadrotor that had not taken off yet, which was
-// kept clear of at 1 m only; its driver refused that for 18 s.
+// A rover planned a path through a quadrotor that had not taken off yet, because only the flight
+// height of the quadrotor was kept clear. The driver refused the path for 18 s.
 TEST(RobotPlanner, KeepsClearOfWhoStandsOnTheGroundThereAndWhereItWillFly) {
   const scenario::Scenario scenario = test::lab_scenario();
   const auto kept_at_m = [&](models::FlightState state, double here_m) {
@@ -280,13 +281,13 @@ TEST(RobotPlanner, KeepsClearOfWhoStandsOnTheGroundThereAndWhereItWillFly) {
   for (const auto state : {models::FlightState::kIdle, models::FlightState::kKilled}) {
     EXPECT_EQ(kept_at_m(state, 0.0), (Heights{0.0, 1.5}));
     EXPECT_EQ(kept_at_m(state, 0.74), (Heights{0.74, 1.5}));
-    EXPECT_EQ(kept_at_m(state, 0.75), Heights{1.5});  // as a vehicle without take-off is
+    EXPECT_EQ(kept_at_m(state, 0.75), Heights{1.5});  // as for a vehicle without take-off
     EXPECT_EQ(kept_at_m(state, 1.5), Heights{1.5});
   }
   EXPECT_EQ(kept_at_m(models::FlightState::kFollow, 0.0), Heights{});
 }
 
-// Nor has anybody heard a driver that is not running: its vehicle stands there all the same.
+// A vehicle whose driver does not run sends no status, but its position is still kept clear.
 TEST(RobotPlanner, KeepsClearOfWhoStandsOnTheGroundAndWasNeverHeard) {
   const scenario::Scenario scenario = test::lab_scenario();
   PlanInputs inputs = test::first_inputs(scenario, 0);
@@ -294,14 +295,14 @@ TEST(RobotPlanner, KeepsClearOfWhoStandsOnTheGroundAndWasNeverHeard) {
   RobotPlanner planner(scenario, "Q1");
   ASSERT_TRUE(planner.plan(inputs, Deadline::nodes(500)));
   const auto& teammates = planner.problem().teammates;
-  ASSERT_EQ(teammates.size(), 3U);  // both where they will fly, and Q2 where it stands
+  ASSERT_EQ(teammates.size(), 3U);  // both at their flight heights, and Q2 where it stands
   EXPECT_DOUBLE_EQ(teammates[0].height_m, 1.5);
   EXPECT_DOUBLE_EQ(teammates[1].height_m, 2.0);
   EXPECT_DOUBLE_EQ(teammates[2].height_m, 0.1);
 }
 
-// Before take-off and after landing all of them stand on the ground, and count three times: their
-// plans, where they stand, and where they will fly.
+// Before take-off and after landing each teammate on the ground counts three times: its plan, its
+// position on the ground, and its flight position.
 TEST(RobotPlanner, PlansWhereATeamOfAnySizeStandsOnTheGround) {
   for (std::size_t team = 1; team <= 9; ++team) {
     scenario::Scenario scenario = test::lab_scenario();
@@ -329,17 +330,18 @@ TEST(RobotPlanner, PlansWhereATeamOfAnySizeStandsOnTheGround) {
   }
 }
 
-// Flown: stopped by its operator half a metre from a wall, facing it, one vehicle hovered there for
-// seven minutes, for no primitive turns on the spot.
+// In a flight, the operator stopped a vehicle half a metre from a wall, facing it. It hovered there
+// for seven minutes, because no primitive turns on the spot.
 TEST(RobotPlanner, TurnsWhereAWallIsTooNearToBeginAnyMotion) {
   scenario::Scenario scenario = test::lab_scenario();
   const double nearest_m = scenario.robots[0].limits.radius_m + scenario.planner.obstacle_margin_m;
-  const Pose2 inward{0.0, 0.0, 0.3};  // off the wall's normal
+  const Pose2 inward{0.0, 0.0, 0.3};  // rad; angle to the wall's normal
   for (const Pose2& start : {Pose2{0.0, 2.0 - nearest_m - 0.06, kPi / 2},
                              Pose2{0.0, -2.0 + nearest_m + 0.06, -kPi / 2 + inward.yaw_rad},
                              Pose2{4.0 - nearest_m - 0.06, 2.0 - nearest_m - 0.06, kPi / 4},
                              Pose2{-4.0 + nearest_m + 0.06, 0.0, kPi},
-                             // Flown: as near as may be, less than the rounding of other checks.
+                             // Seen in flight: at the smallest allowed distance, where other checks
+                             // already round.
                              Pose2{4.0 - nearest_m - 0.011, -2.0 + nearest_m + 0.012, 0.0},
                              Pose2{0.0, 2.0 - nearest_m - 0.003, kPi / 2}}) {
     PlanInputs inputs = test::first_inputs(scenario, 0, 7);

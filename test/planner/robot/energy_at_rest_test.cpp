@@ -1,4 +1,5 @@
-// Robots that weigh what they may learn against its energy, at rest: when they turn, and when not.
+// When hovering robots that weigh information gain against energy turn towards free space, and when
+// they do not.
 
 #include <algorithm>
 #include <utility>
@@ -15,8 +16,8 @@ namespace {
 using test::energy_scenario;
 using test::first_inputs;
 
-/// The first robot of an energy scenario, round after round, seen exactly on its plans; its
-/// teammates are where `first_inputs` has them and say nothing.
+/// The first robot of an energy scenario over several rounds. It is seen exactly on its plans. Its
+/// teammates stay where `first_inputs` has them and send nothing.
 class AloneAtRest {
  public:
   AloneAtRest(const scenario::Scenario& scenario, const Pose2& start)
@@ -25,7 +26,7 @@ class AloneAtRest {
         at_(start),
         planner_(scenario, "Q1") {}
 
-  /// What it plans in the round to come, after its exchange if its team has one.
+  /// Returns its plan of the next round, after the exchange if its team algorithm has one.
   models::RobotPlan plan() {
     const Deadline deadline = Deadline::nodes(20'000);
     inputs_.mocap->stamp.time = inputs_.belief->stamp.time = inputs_.slot.begin;
@@ -57,7 +58,7 @@ class AloneAtRest {
   RobotPlanner planner_;
 };
 
-/// By its team's algorithm.
+/// Parameterised by the team algorithm.
 class EnergyAtRest : public ::testing::TestWithParam<scenario::TeamAlgorithm> {
  protected:
   EnergyAtRest() { scenario_.planner.team_algorithm = GetParam(); }
@@ -72,8 +73,8 @@ INSTANTIATE_TEST_SUITE_P(Teams, EnergyAtRest,
                          testing::Values(scenario::TeamAlgorithm::kLocalSearch,
                                          scenario::TeamAlgorithm::kCoordinateDescent));
 
-// A robot that pays for its energy may rest, and so it did for ever where the wall ahead was nearer
-// than its tightest arc: nothing that it could choose moved it.
+// A robot that pays for energy may hover. Without turning, it would hover permanently if the wall
+// ahead is nearer than its tightest arc, because no primitive is feasible.
 TEST_P(EnergyAtRest, TurnsWhereAWallIsTooNearToBeginAnyMotion) {
   set_price_nats(1e-6);
   for (const Pose2& start :
@@ -92,7 +93,7 @@ TEST_P(EnergyAtRest, TurnsWhereAWallIsTooNearToBeginAnyMotion) {
   }
 }
 
-// Then it faces a way out, and rests there as anywhere when no motion is worth its energy.
+// Once it faces free space, it hovers for as long as no motion is worth its energy.
 TEST_P(EnergyAtRest, TurnsNoFurtherThanToAWayOut) {
   set_price_nats(1e6);
   AloneAtRest robot(scenario_, {-4.0 + nearest_m_ + 0.06, 0.0, kPi});
@@ -105,7 +106,7 @@ TEST_P(EnergyAtRest, TurnsNoFurtherThanToAWayOut) {
   EXPECT_TRUE(robot.plan().trajectory.segments.empty());
 }
 
-// Nor does it turn on and on beside a teammate that is nearer than asked for, once it could leave.
+// A robot that is too near to a teammate stops turning once it faces free space.
 TEST_P(EnergyAtRest, RestsBesideATeammateThatItCouldLeave) {
   set_price_nats(1e6);
   const Eigen::Vector2d teammate_m = scenario_.robots[1].start.position_m();

@@ -19,7 +19,7 @@ namespace {
 using test::energy_scenario;
 using test::first_inputs;
 
-// One round of all robots of a scenario, whose messages are lost with a probability.
+// One round of all robots of a scenario in which messages are lost with a given probability.
 class Round {
  public:
   Round(const scenario::Scenario& scenario, unsigned seed) : scenario_(scenario), seed_(seed) {
@@ -68,7 +68,7 @@ class Round {
     }
   }
 
-  // Plans in their slots, each checked against the newest of the others.
+  // Plans for all robots in slot order, each with the newest plans of the others.
   void plan() {
     for (std::size_t robot = 0; robot < planners_.size(); ++robot) {
       const auto plan = planners_[robot]->plan(inputs_of(robot), Deadline::never());
@@ -83,7 +83,7 @@ class Round {
   std::vector<std::unique_ptr<RobotPlanner>> planners_;
   std::vector<std::unique_ptr<TeamExchange>> exchanges_;
   std::vector<std::optional<models::TeamProposal>> solutions_;
-  std::vector<std::optional<models::TeamProposal>> bases_;  ///< of each of said_
+  std::vector<std::optional<models::TeamProposal>> bases_;  ///< the base of each of said_
   std::vector<models::TeamProposal> said_;
   std::map<std::string, models::RobotPlan> plans_;
 };
@@ -163,7 +163,7 @@ TEST(RobotPlanner, StaysSafeWhenProposalsAreLost) {
       round.exchange(lost);
       round.plan();
       expect_safe(round, "seed " + std::to_string(seed));
-      // Who has neither heard nor said anything has no solution.
+      // A robot that neither received nor sent a proposal has no solution.
       const auto is_as_the_first = [&](const std::optional<models::TeamProposal>& solution) {
         const auto& first = round.solutions_[0];
         return solution.has_value() == first.has_value() &&
@@ -177,7 +177,8 @@ TEST(RobotPlanner, StaysSafeWhenProposalsAreLost) {
   EXPECT_GE(disagreed, 15);
 }
 
-// What a log keeps of a proposal makes it again: inputs, nodes, the solution improved on.
+// A logged proposal can be repeated from its inputs, its node count and the solution that it
+// improved on.
 TEST(RobotPlanner, ProposesTheSameOfTheSameInputs) {
   const scenario::Scenario scenario = energy_scenario();
   int again = 0;
@@ -231,7 +232,7 @@ TEST(RobotPlanner, HearsNoMotionThatIsNoPlan) {
   EXPECT_EQ(exchange->hear(late), Heard::kOtherRound);
 }
 
-// Each way of planning has its own talk, and none of another's.
+// Each team algorithm uses its own kind of message only.
 TEST(RobotPlanner, SaysNothingThatItsTeamDoesNotAskFor) {
   scenario::Scenario scenario = energy_scenario();
   const PlanInputs inputs = first_inputs(scenario, 0, 3);
@@ -250,7 +251,7 @@ TEST(RobotPlanner, SaysNothingThatItsTeamDoesNotAskFor) {
   EXPECT_FALSE(RobotPlanner(scenario, "Q1").propose(inputs, deadline));
 }
 
-// A round that cannot begin is none: nothing is heard or said in it.
+// Without a pose the round cannot begin, so no proposal is sent or used.
 TEST(RobotPlanner, BeginsNoExchangeWithoutAPose) {
   const scenario::Scenario scenario = energy_scenario();
   PlanInputs inputs = first_inputs(scenario, 0, 3);
@@ -302,8 +303,9 @@ TEST(RobotPlanner, WeighsItsEnergyInCoordinateDescentToo) {
   EXPECT_GE(moving, 4);
 }
 
-// The search asks how late it is, what follows it does not, and all of it has to be over in time. A
-// busy machine may keep it from asking for a while; without the rule it always asks to the end.
+// Only the search checks the deadline; the work after it does not and must also end in time. A busy
+// machine may delay the checks, hence the repetitions. Without the rule the search would check
+// until the deadline.
 TEST(RobotPlanner, SearchesForAThirdOfItsTimeWhereItWeighsCandidates) {
   static std::int64_t asked_ns = 0;
   constexpr std::int64_t kTime_ns = 200'000'000;
@@ -353,7 +355,7 @@ TEST(RobotPlanner, RestsWithoutASolutionOfThisRoundOrAPlaceInIt) {
       RobotPlanner planner(scenario, "Q1");
       const auto plan = planner.plan(inputs, Deadline::never());
       ASSERT_TRUE(plan);
-      // One of them stands before a box, too near to begin any motion.
+      // One robot hovers in front of a box, too near to begin any motion.
       EXPECT_EQ(planner.counts().rests + planner.counts().turns_away, 1);
       const double way_m = (models::at(plan->trajectory, Time::max()).world_from_body.position_m() -
                             plan->trajectory.start.position_m())
@@ -365,8 +367,8 @@ TEST(RobotPlanner, RestsWithoutASolutionOfThisRoundOrAPlaceInIt) {
   EXPECT_GE(moving, 1);
 }
 
-// What the team agreed on begins where this robot was thought to be. It flies it only from there:
-// to within the tracking tolerance, in every direction.
+// A solution begins where the team assumed this robot to be. The robot flies it only if it is
+// within the tracking tolerance of that position, in every direction.
 TEST(RobotPlanner, FliesNoSolutionThatStartsElsewhere) {
   const scenario::Scenario scenario = energy_scenario();
   const double tolerance_m = scenario.planner.tracking_tolerance_m;

@@ -12,9 +12,9 @@
 namespace vantage::planner {
 namespace {
 
-constexpr double kHair = 1e-6;  // relative; a billionth is forgiven
+constexpr double kHair = 1e-6;  // relative; 1e-9 is tolerated
 
-/// What an answer is held to: plans of 4 steps of 0.5 s, by a vehicle of limits that differ.
+/// Answers are checked against plans of 4 steps of 0.5 s, by a vehicle whose limits all differ.
 class MotionOfAnswer : public ::testing::Test {
  protected:
   MotionOfAnswer() {
@@ -42,7 +42,8 @@ class MotionOfAnswer : public ::testing::Test {
   models::Trajectory committed_;
 };
 
-// To a millimetre and a milliradian, to any side, and then it begins where it is committed to be.
+// The start may differ by 1 mm and 1 mrad in any direction. The motion then begins exactly at the
+// committed start.
 TEST_F(MotionOfAnswer, BeginsWhereItIsCommittedTo) {
   using Change = std::function<void(models::Trajectory&, double)>;
   const std::vector<std::pair<std::string, Change>> changes = {
@@ -77,7 +78,7 @@ TEST_F(MotionOfAnswer, BeginsWhereItIsCommittedTo) {
   }
 }
 
-// Each limit is reached and not passed, in the last segment as in the first.
+// Each limit may be reached but not exceeded, in the first segment and in the last.
 TEST_F(MotionOfAnswer, IsFlownUpToTheLimitsOfItsVehicle) {
   struct Edge {
     std::string what;
@@ -107,7 +108,7 @@ TEST_F(MotionOfAnswer, IsFlownUpToTheLimitsOfItsVehicle) {
   }
 }
 
-// Another program's rounding is forgiven: a billionth of each limit, and no more.
+// Rounding of up to 1e-9 of each limit is tolerated, but no more.
 TEST_F(MotionOfAnswer, IsForgivenABillionth) {
   for (const double over : {0.5e-9, 2e-9}) {
     const double more = 1.0 + over;
@@ -117,7 +118,7 @@ TEST_F(MotionOfAnswer, IsForgivenABillionth) {
         {{1.0, 0.0}, 0.9, 1.0 * more},
         {{1.0, 0.0}, 2.0 * more, 0.0},
         {{2.0, 0.0}, 2.0 * more, 0.1},
-        {{0.5, 0.0}, 1.0, 0.5 + over * 2.0},  // it ends backwards by so much of the greatest speed
+        {{0.5, 0.0}, 1.0, 0.5 + over * 2.0},  // final speed below 0 by that share of the maximum
     };
     for (const models::PlanSegment& segment : segments) {
       const auto motion = this->motion(driven({segment}));
@@ -126,7 +127,8 @@ TEST_F(MotionOfAnswer, IsForgivenABillionth) {
   }
 }
 
-// As long as the horizon, in however many pieces; and as long again for what brakes.
+// The driven segments may last as long as the horizon, in any number of pieces. The braking
+// segments may last as long again.
 TEST_F(MotionOfAnswer, LastsForItsHorizonAndAStop) {
   const auto drive = [](double s) { return models::PlanSegment{{1.0, 0.0}, s, 0.0}; };
   const auto stop = [](double s) { return models::PlanSegment{{2.0, 0.0}, s, 0.1}; };
@@ -140,13 +142,14 @@ TEST_F(MotionOfAnswer, LastsForItsHorizonAndAStop) {
   EXPECT_FALSE(motion(driven({stop(1.5), stop(0.5 + 1e-6)})));
   EXPECT_TRUE(motion(driven(std::vector<models::PlanSegment>(16, drive(0.1)))));
   EXPECT_FALSE(motion(driven(std::vector<models::PlanSegment>(17, drive(0.1)))));
-  // A vehicle flies 64, and one is the stop.
+  // A vehicle accepts 64 segments, and one of them is the stop.
   planner_.horizon_steps = 40;
   EXPECT_TRUE(motion(driven(std::vector<models::PlanSegment>(63, drive(0.1)))));
   EXPECT_FALSE(motion(driven(std::vector<models::PlanSegment>(64, drive(0.1)))));
 }
 
-// Whatever speed it is left with is braked away by the vehicle's own brake; what stands stays so.
+// A remaining speed is reduced to 0 with the vehicle's own brake. A motion that already ends at
+// speed 0 gets no stop.
 TEST_F(MotionOfAnswer, EndsInAStop) {
   const auto stop_of = [&](const std::vector<models::PlanSegment>& segments) {
     const auto motion = this->motion(driven(segments));
@@ -175,8 +178,8 @@ TEST_F(MotionOfAnswer, EndsInAStop) {
   }
 }
 
-// An answer of this round counts; what is none of it is refused and counted, of another round it is
-// not even looked at.
+// An answer of this round is used, or refused and counted if it is invalid. An answer of another
+// round is ignored.
 TEST(ExternalPlanner, CountsAnswersThatAreNoPlanOfTheirSlot) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.algorithm = "external";

@@ -13,7 +13,7 @@ namespace {
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
-/// A robot of 0.3 m around it that drives at 1 m/s towards a wall, and may brake at 2 m/s².
+/// A robot of radius 0.3 m that drives at 1 m/s towards a wall and may brake at 2 m/s².
 class Ladder : public ::testing::Test {
  protected:
   Ladder() {
@@ -32,11 +32,11 @@ class Ladder : public ::testing::Test {
     blank_.lower_bound = 66.0;
   }
 
-  // `ahead_m` before the wall that it drives towards.
+  // Starts the fallbacks for a robot that is `ahead_m` before the wall.
   PlanLadder begin(double ahead_m) {
     problem_.start = {10.0 - ahead_m, 0.0, 0.0};
     committed_ = hover_at(problem_.start, problem_.height_m, kStart);
-    committed_.segments = {{{1.0, 0.0}, 1.0, 0.0}, {{1.0, 0.0}, 0.5, 2.0}};  // 1.25 m
+    committed_.segments = {{{1.0, 0.0}, 1.0, 0.0}, {{1.0, 0.0}, 0.5, 2.0}};  // 1.25 m long
     counts_ = {};
     return {problem_, committed_, blank_, counts_};
   }
@@ -84,7 +84,7 @@ TEST(BlankPlan, SaysNothingYet) {
   EXPECT_TRUE(plan.trajectory.segments.empty());
 }
 
-// With what the search says of it; and not where it is too near a wall.
+// The plan carries the certificate of the search. It is refused if it comes too near to a wall.
 TEST_F(Ladder, FliesWhatASearchFound) {
   SearchResult result;
   result.controls = {0, 1};
@@ -125,7 +125,7 @@ TEST_F(Ladder, FliesWhatASearchFound) {
   expect_counts(2, 0, 0, 0, 0);
 }
 
-// Only what was searched, and is still safe; of what it was proposed with.
+// A proposal is used only if it was searched and is still safe. The plan keeps its certificate.
 TEST_F(Ladder, DoesAsItProposed) {
   models::RobotPlan proposal;
   proposal.source = models::PlanSource::kSearched;
@@ -160,8 +160,8 @@ TEST_F(Ladder, DoesAsItProposed) {
   expect_counts(0, 0, 0, 0, 0);
 }
 
-// It stops within v² / 2a = 0.25 m; where there is no room for that, the last rung bears all the
-// same.
+// It stops within v² / 2a = 0.25 m. Where there is no room for that, the last fallback still gives
+// a plan.
 TEST_F(Ladder, RestsOrFallsBack) {
   {
     PlanLadder ladder = begin(5.0);
@@ -194,8 +194,8 @@ TEST_F(Ladder, RestsOrFallsBack) {
   expect_counts(0, 1, 0, 0, 1);
 }
 
-// A planner without a processor brakes where that is safe, and does what the last plan says where
-// braking is not: a teammate passes the place of the hover.
+// A planner without a processor brakes where that is safe. Where it is not, because a teammate
+// passes the stop position, it continues the last plan.
 TEST_F(Ladder, StopsAtOnceWhereThatIsSafe) {
   {
     PlanLadder ladder = begin(5.0);
@@ -215,7 +215,8 @@ TEST_F(Ladder, StopsAtOnceWhereThatIsSafe) {
   expect_counts(0, 0, 0, 1, 0);
 }
 
-// Of several the nearest, wherever in the team; none where all are as far as asked.
+// Returns the nearest teammate that is closer than the required separation, at any index; none if
+// all keep it.
 TEST(TooNear, IsTheNearestOfThoseThatAre) {
   SearchProblem problem;
   problem.start_time = kStart;
@@ -239,7 +240,8 @@ TEST(TooNear, IsTheNearestOfThoseThatAre) {
   EXPECT_EQ(too_near(problem), 0U);
 }
 
-// To within the rounding that is given, from each of them; seen from above whatever the heights.
+// Each teammate must be as far away as required, less the given rounding. With separation from
+// above, heights do not count.
 TEST(KeepsApart, AsksWhatTheProblemAsksOfEach) {
   SearchProblem problem;
   problem.start_time = kStart;
@@ -263,7 +265,7 @@ TEST(KeepsApart, AsksWhatTheProblemAsksOfEach) {
   }
 }
 
-// A wall is kept from to within two centimetres, and so is a teammate.
+// The clearance to walls and the separation may be violated by up to two centimetres.
 TEST(IsSafe, ForgivesTwoCentimetres) {
   models::World world;
   world.bounds = {{-10.0, -10.0}, {10.0, 10.0}};
@@ -278,7 +280,7 @@ TEST(IsSafe, ForgivesTwoCentimetres) {
     EXPECT_EQ(is_safe(problem, hover_at({0.0, -x_m, 0.0}, 0.0, kStart)), nearer_m < 0.0);
     SearchProblem beside = problem;
     beside.teammates = {hover_at({0.98 - nearer_m, 0.0, 0.0}, 0.0, kStart)};
-    beside.start.x_m = -5.0;  // it begins far from there
+    beside.start.x_m = -5.0;  // it begins far from the wall
     EXPECT_EQ(is_safe(beside, hover_at({0.0, 0.0, 0.0}, 0.0, kStart)), nearer_m < 0.0);
   }
 }

@@ -37,7 +37,7 @@ TEST(RoundSchedule, HearsAllProposalsBeforeTheFirstPlan) {
   }
 }
 
-// The information that `trajectory`'s looks give of the problem's targets, summed: 0 when none.
+// Returns the sum of the information matrix traces of all targets; 0 when there is none.
 double told(const std::vector<std::vector<models::PositionMatrix>>& information) {
   double sum = 0.0;
   for (const auto& of_target : information) {
@@ -82,11 +82,11 @@ TEST(RobotPlanner, LetsTheBaitDoAsItProposedAndCountsOnTheOthersAlone) {
       if (name == best) {
         ++baits;
         EXPECT_EQ(planners[i].counts().baits, 1);
-        if (i == 0 || plan->nodes == 0) {  // nobody has planned since
+        if (i == 0 || plan->nodes == 0) {  // no other robot has planned since
           EXPECT_EQ(plan->cost, proposals[name].plan.cost);
           EXPECT_EQ(plan->nodes, 0);
           ++taken;
-        } else {  // somebody is in its way now
+        } else {  // another robot's plan is in its way now
           EXPECT_EQ(told(planners[i].problem().fixed_information), 0.0) << "searches alone again";
         }
       } else {
@@ -121,7 +121,7 @@ TEST(RobotPlanner, TakesNoNoticeOfProposalsWhereNoAttackIsExpectedOrOfAnotherRou
     const auto plain = planner.plan(first_inputs(scenario, 0, 4), deadline);
     auto proposal = planner.propose(first_inputs(scenario, 0, 4), deadline);
     ASSERT_TRUE(plain && proposal);
-    proposal->plan.round -= attacks_max;  // of the last round
+    proposal->plan.round -= attacks_max;  // of the previous round
     PlanInputs inputs = first_inputs(scenario, 0, 4);
     inputs.proposals["Q1"] = *proposal;
     const auto plan = planner.plan(inputs, deadline);

@@ -12,8 +12,8 @@
 namespace vantage::planner {
 namespace {
 
-// Its noise grows with the steps that a target has not been seen: until the plan begins, not only
-// until the belief was made.
+// The noise of a target grows with the number of steps for which it is unseen. It is counted until
+// the plan begins, not only until the time of the belief.
 TEST(ProblemOfRound, PlansWithTheNoiseOfTargetsAsLongUnseenAsTheyAreThen) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.estimator.target_model = {models::TargetKind::kGrowingUncertainty, 2, 0.1};
@@ -36,7 +36,7 @@ TEST(ProblemOfRound, PlansWithTheNoiseOfTargetsAsLongUnseenAsTheyAreThen) {
   }
 }
 
-/// A field in which unseen targets are told by several Gaussians.
+/// A scenario in which the beliefs of unseen targets are mixtures of several Gaussians.
 class PlansByMixtures : public ::testing::Test {
  protected:
   PlansByMixtures() {
@@ -65,7 +65,7 @@ class PlansByMixtures : public ::testing::Test {
     }
     inputs_.mixture->targets.push_back(target);
   }
-  /// Where the problem has targets, by ascending y in each column.
+  /// Returns the mean positions of the problem's targets, m, in ascending y per column.
   [[nodiscard]] std::vector<Eigen::Vector2d> places_m() const {
     Workspace workspace(scenario_);
     models::Trajectory committed;
@@ -79,7 +79,7 @@ class PlansByMixtures : public ::testing::Test {
     }
     return places_m;
   }
-  [[nodiscard]] double ahead_m() const {  // at 0.1 m/s until the plan begins
+  [[nodiscard]] double ahead_m() const {  // m; distance at 0.1 m/s until the plan begins
     return 0.1 * to_seconds(inputs_.slot.activation - inputs_.belief->stamp.time);
   }
 
@@ -87,7 +87,7 @@ class PlansByMixtures : public ::testing::Test {
   PlanInputs inputs_;
 };
 
-// The lab of the tests has targets at rest and nothing that was looked at.
+// The test scenario has static targets. The robot has observed one cell of the grid.
 TEST(ProblemOfRound, ExploresUntilAllAreFoundWhereItIsTold) {
   scenario::Scenario scenario = test::lab_scenario();
   PlanInputs inputs = test::first_inputs(scenario, 0, 1);
@@ -116,7 +116,7 @@ TEST(ProblemOfRound, ExploresUntilAllAreFoundWhereItIsTold) {
   EXPECT_EQ(landmarks(), all);
 }
 
-// All numbers differ; of the robot that is asked for, from where it is committed to be.
+// All numbers differ. The problem is that of the requested robot, from its committed motion.
 TEST(ProblemOfRound, IsWhatItsScenarioSays) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.horizon_steps = 7;
@@ -157,7 +157,7 @@ TEST(ProblemOfRound, IsWhatItsScenarioSays) {
   EXPECT_TRUE(problem_of_round(from_above, 1, inputs, committed, {}).search.separation_from_above);
 }
 
-// Every robot, round and scenario draws on its own, and the same again.
+// The seed differs for each robot, round and scenario, and is reproducible.
 TEST(ProblemOfRound, DrawsItsOwnRandomNumbers) {
   scenario::Scenario scenario = test::lab_scenario();
   std::set<std::uint64_t> seeds;
@@ -181,8 +181,9 @@ TEST(ProblemOfRound, DrawsItsOwnRandomNumbers) {
   EXPECT_EQ(seeds.size(), 27U);
 }
 
-// By its plan where that was heard, however far that is; else hovering where it is seen or, unseen,
-// where it starts: then only within the neighbourhood, on whose edge it still counts.
+// A teammate moves along its plan if one was received, at any distance. Otherwise it hovers where
+// it is seen or, if unseen, at its start. Hovering teammates count only within the neighbourhood,
+// its edge included.
 TEST(ProblemOfRound, HasTheTeammatesThatMayMatter) {
   scenario::Scenario scenario = test::lab_scenario();
   for (const double neighbourhood_m : {0.0, 2.0}) {
@@ -232,8 +233,8 @@ TEST(ProblemOfRound, HasTheTeammatesThatMayMatter) {
   }
 }
 
-// Beliefs that cannot be worked on, and those that are more than there are targets, are left out
-// and counted; to the edge of what can be.
+// Unusable beliefs, and beliefs beyond the number of targets, are left out and counted. Beliefs
+// just within the limits are used.
 TEST(ProblemOfRound, CountsBeliefsThatItCannotUse) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.estimator.target_model = {models::TargetKind::kStatic, 2, 0.0};
@@ -242,7 +243,7 @@ TEST(ProblemOfRound, CountsBeliefsThatItCannotUse) {
   inputs.belief->grid =
       models::GridGeometry::covering(scenario.world.bounds, scenario.estimator.grid_resolution_m);
   inputs.belief->last_seen_utime.assign(static_cast<std::size_t>(inputs.belief->grid.size()),
-                                        to_utime(inputs.slot.begin));  // all of it: no landmarks
+                                        to_utime(inputs.slot.begin));  // all seen: no landmarks
   const auto unusable = [&] {
     models::Trajectory committed;
     committed.start_time = inputs.slot.activation;
@@ -276,7 +277,8 @@ TEST(ProblemOfRound, CountsBeliefsThatItCannotUse) {
   EXPECT_EQ(unusable(), 5) << "of a time that is still to come";
 }
 
-// Its own grid, or where robots have neighbourhoods a part of it, and a stamp for each cell.
+// A grid is used if it is the scenario's or, where robots have neighbourhoods, a part of it, with
+// one stamp per cell.
 TEST(ProblemOfRound, ExploresByTheGridOfItsScenario) {
   scenario::Scenario scenario = test::lab_scenario();
   const auto whole =
@@ -341,7 +343,7 @@ TEST(ProblemOfRound, MapsByTheGridOfItsScenario) {
 
 TEST_F(PlansByMixtures, WhereverATargetMayBeThereIsOne) {
   add(1, {0.5, 0.3, 0.2});
-  add(4, {0.97, 0.03});  // of less than 1/32 nothing is planned, and one place is the belief's
+  add(4, {0.97, 0.03});  // below 1/32 a component is dropped; one position comes from the belief
   const std::vector<Eigen::Vector2d> places_m = this->places_m();
   const double a = ahead_m();
   const std::vector<Eigen::Vector2d> right_m = {{0 + a, 0}, {1 + a, 1}, {1 + a, 2}, {1 + a, 3},

@@ -68,8 +68,9 @@ TEST(RoundSchedule, RefusesARobotThatIsNoneOfItsTeam) {
   EXPECT_THROW(RoundSchedule(still, 0, 1), UsageError);
 }
 
-// Round 9 of 1.5 s: it begins at 13.5 s and is over at 15; the budget of 0.6 s ends 0.1 s before
-// that. In thirds, or the second half of it in thirds and the first in thirds for proposals.
+// Round 9 of 1.5 s begins at 13.5 s and ends at 15 s. The budget of 0.6 s ends 0.1 s before that.
+// It is cut into three slots, or its first half into three proposal slots and its second half into
+// three slots.
 TEST(RoundSchedule, CutsTheBudgetAtTheEndOfTheRound) {
   scenario::PlannerSpec spec;
   spec.step_s = 0.5;
@@ -112,7 +113,7 @@ TEST(RoundSchedule, CutsTheBudgetAtTheEndOfTheRound) {
   }
 }
 
-// The first of all slots and proposals that are ahead, counted out.
+// Compares with a search over all slots and proposal slots around the time.
 TEST(RoundSchedule, FindsTheNextOfBothKinds) {
   std::mt19937_64 rng(4);
   for (const int attacks_max : {0, 1}) {
@@ -155,8 +156,8 @@ TEST(RoundSchedule, FindsTheNextOfBothKinds) {
   }
 }
 
-// Slots begin at whole microseconds, wherever the budget is cut: each is found again by where it
-// begins, and by nothing else.
+// Slots begin at whole microseconds for any budget. Each slot is identified by its exact begin
+// only.
 TEST(RoundSchedule, KnowsWhichSlotAPlanWasMadeIn) {
   scenario::PlannerSpec spec;
   spec.execute_steps = 2;

@@ -12,20 +12,21 @@
 namespace vantage::planner {
 namespace {
 
-/// Q1, Q2 and Q3 have two slots.
+/// The three robots Q1, Q2 and Q3 share two slots.
 class SharedSlotsTest : public ::testing::Test {
  protected:
   SharedSlotsTest() : scenario_(test::lab_scenario()) { scenario_.planner.slots = 2; }
 
   [[nodiscard]] RoundSchedule schedule(int robot) const { return {scenario_.planner, robot, 3}; }
-  // A plan of the round before, as it was made in that slot.
+  // Returns a plan of the previous round that was made in slot `place`.
   [[nodiscard]] models::RobotPlan plan_of(std::int64_t round, int place) const {
     models::RobotPlan plan;
     plan.round = round - 1;
     plan.slot_start = schedule(0).slot(round - 1, place).begin;
     return plan;
   }
-  /// What `robot` hears in slot `place` when plans were made in the slots that are given; −1: none.
+  /// Returns the inputs of `robot` in slot `place` if the last plans were made in slots `places`;
+  /// −1: no plan.
   [[nodiscard]] PlanInputs inputs_of(int robot, int place, const std::vector<int>& places) const {
     PlanInputs inputs = test::first_inputs(scenario_, static_cast<std::size_t>(robot));
     inputs.slot = schedule(robot).slot(inputs.slot.round, place);
@@ -57,13 +58,13 @@ TEST_F(SharedSlotsTest, AreOfTheLowestWhoIsHeardInThem) {
       {0, 0, {-1, -1, -1}, false, 0},  // not claimed yet
       {1, 1, {-1, -1, -1}, false, 1}, {2, 0, {-1, -1, -1}, false, 0},
       {0, 0, {0, -1, -1}, true, 0},   {1, 1, {-1, 1, -1}, true, 1},
-      {2, 0, {-1, -1, 0}, true, 0},   {0, 0, {0, 1, 0}, true, 0},  // Q3 has to go
-      {2, 0, {0, 1, 0}, false, 0},                                 // … and there is none left
-      {2, 0, {0, -1, 0}, false, 1},                                // … or there is
+      {2, 0, {-1, -1, 0}, true, 0},   {0, 0, {0, 1, 0}, true, 0},  // Q3 must move
+      {2, 0, {0, 1, 0}, false, 0},                                 // … and no slot is free
+      {2, 0, {0, -1, 0}, false, 1},                                // … or one is free
       {2, 0, {0, -1, -1}, false, 1},  {2, 1, {0, -1, 1}, true, 1},
       {2, 1, {0, 1, 1}, false, 1},    {2, 1, {1, -1, 1}, false, 0},
       {0, 0, {0, 0, 0}, true, 0},     {1, 0, {0, 0, 0}, false, 1},
-      {0, 0, {1, -1, -1}, false, 1},  // its last plan was made in another one
+      {0, 0, {1, -1, -1}, false, 1},  // its last plan was made in another slot
       {0, 1, {0, -1, -1}, false, 0},
   };
   for (const Case& each : cases) {
@@ -77,7 +78,7 @@ TEST_F(SharedSlotsTest, AreOfTheLowestWhoIsHeardInThem) {
   }
 }
 
-// Plans of no slot of theirs, or of nobody that the scenario knows, hold nothing.
+// A plan outside the slots, or of a robot that the scenario lacks, occupies no slot.
 TEST_F(SharedSlotsTest, AreNotHeldByWhatIsNoPlanOfTheirs) {
   const Workspace workspace(scenario_);
   const SharedSlots slots(workspace, 2);
@@ -94,7 +95,7 @@ TEST_F(SharedSlotsTest, AreNotHeldByWhatIsNoPlanOfTheirs) {
   EXPECT_FALSE(slots.has_slot(inputs));
 }
 
-// Who has no slot goes on as it is committed to, and that is counted.
+// A robot without a slot continues its committed motion, and the yield is counted.
 TEST_F(SharedSlotsTest, AreYieldedByWhoHasNone) {
   RobotPlanner planner(scenario_, "Q3");
   EXPECT_EQ(planner.robot_index(), 2);
@@ -115,7 +116,7 @@ TEST_F(SharedSlotsTest, AreYieldedByWhoHasNone) {
   ASSERT_TRUE(plan);
   EXPECT_EQ(plan->source, models::PlanSource::kSearched);
   EXPECT_EQ(planner.counts().yields, 2);
-  scenario_.planner.slots = 3;  // one for each
+  scenario_.planner.slots = 3;  // one per robot
   EXPECT_EQ(RobotPlanner(scenario_, "Q3").next_place(inputs), std::nullopt);
 }
 
@@ -125,12 +126,13 @@ TEST(MaySearch, IsOfTheLowestInASlot) {
     for (int slot = 0; slot < 4; ++slot) {
       const bool is_lowest = slot == 3 || robot <= (slot == 0 ? 3 : slot == 1 ? 5 : 9);
       EXPECT_EQ(may_search({robot, slot}, holders), is_lowest) << robot << ' ' << slot;
-      // Of six slots 3, 4 and 5 are free: a different one for each that looks.
+      // Of six slots 3, 4 and 5 are free. Robots that look for one in the same slot choose
+      // different ones.
       EXPECT_EQ(next_slot({robot, slot}, holders, 6), is_lowest ? slot : 3 + robot % 3);
       EXPECT_EQ(next_slot({robot, slot}, holders, 3), slot) << "none is free";
     }
   }
-  // What is no slot of these holds none.
+  // Holders of slots outside the range occupy none.
   EXPECT_EQ(next_slot({7, 0}, std::vector<SlotHolder>{{1, 0}, {2, -1}, {3, 2}}, 2), 1);
 }
 

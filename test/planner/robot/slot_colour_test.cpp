@@ -12,7 +12,7 @@
 namespace vantage::planner {
 namespace {
 
-/// Robots in a square, joined when they are near; each knows its neighbours' last slots.
+/// Random robots in a square, neighbours when they are near. Each knows its neighbours' last slots.
 class Team {
  public:
   Team(int robots, double side_m, double near_m, int slots, unsigned seed)
@@ -43,7 +43,8 @@ class Team {
     return most;
   }
 
-  /// One round: who searches. All of a slot decide on what they knew when it began.
+  /// Runs one round and returns which robots search. All robots of a slot decide on what was known
+  /// when it began.
   std::vector<bool> round() {
     std::vector<bool> searches(slot_.size(), false);
     const std::vector<int> before = slot_;
@@ -95,8 +96,8 @@ class Team {
   std::uniform_real_distribution<double> place_;
   std::vector<double> x_m_;
   std::vector<double> y_m_;
-  std::vector<int> slot_;     // of the newest plan
-  std::vector<int> planned_;  // of this round
+  std::vector<int> slot_;     // slot of the newest plan
+  std::vector<int> planned_;  // slot of this round
   std::vector<int> next_;
   std::vector<bool> claimed_;
 };
@@ -138,7 +139,7 @@ TEST(SlotColour, LetsMostSearchWhileTheyMove) {
   for (int round = 0; round < 60; ++round) {
     const std::vector<bool> searches = team.round();
     searched += round < 8 ? 0 : std::count(searches.begin(), searches.end(), true);
-    team.stir(3.0);  // as far as a round of a second at 3 m/s
+    team.stir(3.0);  // m; the distance of a round of 1 s at 3 m/s
   }
   EXPECT_GE(static_cast<double>(searched), 0.95 * 300 * 52);
 }

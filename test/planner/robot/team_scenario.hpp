@@ -8,8 +8,8 @@
 
 namespace vantage::planner::test {
 
-/// The 4 × 8 m lab with two boxes and three quadrotors, planned by nodes so that nothing depends
-/// on the machine.
+/// Returns the 4 × 8 m lab with two boxes and three quadrotors. Planning is limited by nodes, so
+/// that results do not depend on the machine.
 inline scenario::Scenario lab_scenario() {
   scenario::Scenario scenario;
   scenario.name = "lab";
@@ -37,7 +37,8 @@ inline scenario::Scenario lab_scenario() {
   return scenario;
 }
 
-/// The same with wind in the middle, for a team that pays for its energy and plans by local search.
+/// Returns the lab scenario with wind in the middle, for a team that pays for its energy and plans
+/// by local search.
 inline scenario::Scenario energy_scenario() {
   scenario::Scenario scenario = lab_scenario();
   scenario.world.regions = {{"wind", {{-0.8, -2.0}, {0.8, 2.0}}, 2.0}};
@@ -50,7 +51,7 @@ inline scenario::Scenario energy_scenario() {
   return scenario;
 }
 
-/// What robot `index` hears in its first round: everybody at their starts.
+/// Returns the inputs of robot `index` in its first round: all robots are at their starts.
 inline PlanInputs first_inputs(const scenario::Scenario& scenario, std::size_t index) {
   PlanInputs inputs;
   constexpr std::int64_t kFirstRound = 1'700'000'000;  // rounds of 1 s since the epoch
@@ -66,7 +67,7 @@ inline PlanInputs first_inputs(const scenario::Scenario& scenario, std::size_t i
   return inputs;
 }
 
-/// The same, and five targets as `seed` says.
+/// Returns the same inputs with a belief of five targets drawn from `seed`.
 inline PlanInputs first_inputs(const scenario::Scenario& scenario, std::size_t index,
                                unsigned seed) {
   PlanInputs inputs = first_inputs(scenario, index);

@@ -17,8 +17,8 @@ namespace {
 
 constexpr std::int64_t kFirstRound = 1'700'000'000;  // rounds of 1 s since the epoch
 
-// A team that plans round after round against each other, on beliefs that a seed makes up. Mocap
-// sees every robot exactly on its plan.
+// A team that plans in successive rounds on beliefs drawn from a seed. Mocap sees every robot
+// exactly on its plan.
 class Team {
  public:
   explicit Team(scenario::Scenario scenario, unsigned seed)
@@ -58,7 +58,7 @@ class Team {
     }
   }
 
-  /// Drives everybody along from `from` to `to` and notes what was nearest.
+  /// Moves all robots along their plans from `from` to `to` and records the smallest distances.
   void fly(Time from, Time to) {
     for (Time now = from; now < to; now += Duration{10'000}) {
       for (std::size_t i = 0; i < scenario_.robots.size(); ++i) {
@@ -86,10 +86,10 @@ class Team {
     ++planned_;
     searched_ += plan.source == models::PlanSource::kSearched ? 1 : 0;
     EXPECT_EQ(plan.trajectory.start_time, plan.stamp.time);
-    // Ends in a hover …
+    // The plan ends in a hover …
     const Time end = models::end_time(plan.trajectory);
     EXPECT_EQ(models::at(plan.trajectory, end + from_seconds(1.0)).control.speed_mps, 0.0);
-    // … and begins where the last plan has the vehicle then.
+    // … and begins at the point of the last plan at that time.
     const auto last = plans_.find(plan.robot);
     if (last != plans_.end()) {
       const Pose2 expected =
@@ -99,7 +99,7 @@ class Team {
   }
 
   Eigen::Vector3d position_m(const scenario::RobotSpec& robot, Time now) const {
-    // The plan in force: the newest that has begun.
+    // The plan in force is the newest one that has begun.
     Pose2 pose = robot.start;
     const auto in_force = in_force_.find(robot.name);
     const auto newest = plans_.find(robot.name);
@@ -163,7 +163,7 @@ TEST_P(TeamSafety, KeepsSeparationAndClearanceWhoeverIsSilentOrLate) {
       ASSERT_NO_FATAL_FAILURE(team.run_round(round, seed == 1 ? 0.0 : 0.2));
       team.fly(Time{std::chrono::seconds(round + 1)}, Time{std::chrono::seconds(round + 2)});
     }
-    // The stated separation plus what the tolerance of both vehicles may take away.
+    // The required separation plus the tracking tolerance of both vehicles.
     EXPECT_GE(team.least_separation_m(),
               scenario.planner.separation_m + 2.0 * scenario.planner.tracking_tolerance_m - 0.02);
     EXPECT_GE(team.least_clearance_m(), radius_m + scenario.planner.obstacle_margin_m - 0.02);
@@ -171,8 +171,8 @@ TEST_P(TeamSafety, KeepsSeparationAndClearanceWhoeverIsSilentOrLate) {
   }
 }
 
-// Flown: a vehicle whose link was cut was landed by its autopilot, straight down, and came down on
-// a teammate that flew a metre below.
+// In a flight, the autopilot landed a vehicle straight down after its link was cut. The vehicle
+// came down on a teammate that flew a metre below.
 TEST(TeamSafetyFromAbove, NobodyFliesOverAnother) {
   for (const bool is_from_above : {false, true}) {
     scenario::Scenario scenario = test::lab_scenario();
@@ -202,7 +202,7 @@ TEST(RobotPlanner, GoesOnWithItsPlanWhenTheSearchCameTooLate) {
   Team team(test::lab_scenario(), 5);
   ASSERT_NO_FATAL_FAILURE(team.run_round(kFirstRound, 0.0));
   const auto before = team.plans();
-  ASSERT_NO_FATAL_FAILURE(team.run_round(kFirstRound + 1, 1.1));  // everybody silent
+  ASSERT_NO_FATAL_FAILURE(team.run_round(kFirstRound + 1, 1.1));  // all robots without messages
   for (const auto& [name, plan] : team.plans()) {
     EXPECT_EQ(plan.round, before.at(name).round);
   }
@@ -221,7 +221,7 @@ TEST(RobotPlanner, DecidesTheSameFromTheSameInputs) {
   }
 }
 
-// Planners that take turns in one workspace leave nothing behind in it.
+// Planners that share a workspace in turn do not affect each other's results.
 TEST(Workspace, ChangesNothingForThoseWhoShareIt) {
   for (const char* algorithm : {"arvi", "rvi", "beam", "astar", "aegis", "random_walk"}) {
     scenario::Scenario scenario = test::lab_scenario();
@@ -247,7 +247,7 @@ TEST(Workspace, ChangesNothingForThoseWhoShareIt) {
   }
 }
 
-// A teammate on the ground plans flights and does not fly them yet.
+// A teammate on the ground publishes plans but does not fly them yet.
 TEST(RobotPlanner, KeepsThePlaceOfATeammateThatDoesNotFollowFree) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.world.obstacles.clear();
@@ -261,7 +261,7 @@ TEST(RobotPlanner, KeepsThePlaceOfATeammateThatDoesNotFollowFree) {
   for (const scenario::RobotSpec& robot : scenario.robots) {
     inputs.mocap->bodies.push_back({robot.name, lift(robot.start, 0.0), false});
   }
-  // What is to be seen is beyond the teammate, which says that it will be far away.
+  // The target is beyond the teammate, whose plan is far away.
   inputs.belief.emplace().stamp.time = inputs.slot.begin;
   const models::Gaussian guess{Eigen::Vector2d(1.2, 0.0), 0.3 * Eigen::Matrix2d::Identity()};
   inputs.belief->targets.push_back({0, *models::to_information(guess), inputs.slot.begin});
@@ -292,11 +292,11 @@ TEST(RobotPlanner, KeepsThePlaceOfATeammateThatDoesNotFollowFree) {
           (Eigen::Vector3d(at_m.x(), at_m.y(), scenario.robots[0].height_m) - place_m).norm());
     }
   }
-  EXPECT_LT(nearest_m[models::FlightState::kFollow], asked_m - 0.1);  // through where it stands
+  EXPECT_LT(nearest_m[models::FlightState::kFollow], asked_m - 0.1);  // through the teammate
   EXPECT_GE(nearest_m[models::FlightState::kIdle], asked_m - 0.02);
 }
 
-// Started anew, a planner does not know the plan that its robot flies and its teammates plan
+// A restarted planner does not know the plan that its robot flies and that its teammates plan
 // around.
 TEST(RobotPlanner, WaitsForTheEndOfAPlanItDoesNotKnow) {
   const scenario::Scenario scenario = test::lab_scenario();  // plans of 6 rounds
@@ -312,7 +312,7 @@ TEST(RobotPlanner, WaitsForTheEndOfAPlanItDoesNotKnow) {
     PlanInputs before = inputs;
     before.slot.is_proposal = true;
     EXPECT_EQ(planner.propose(before, Deadline::nodes(500)).has_value(), is_planned);
-    EXPECT_EQ(planner.counts().unknown_plan, is_planned ? 0 : 2);  // of plans, not of proposals
+    EXPECT_EQ(planner.counts().unknown_plan, is_planned ? 0 : 2);  // counts plans, not proposals
     EXPECT_EQ(planner.counts().no_pose, 0);
     return is_planned;
   };
@@ -320,22 +320,23 @@ TEST(RobotPlanner, WaitsForTheEndOfAPlanItDoesNotKnow) {
     EXPECT_FALSE(plans_in(rounds)) << rounds;
   }
   EXPECT_TRUE(plans_in(8));
-  // It brakes for half a second after the steps of 6 s, and is seen when the slot begins.
+  // The plan brakes for half a second after its 6 s of steps. The vehicle is seen when the slot
+  // begins.
   inputs.slot.begin = inputs.slot.activation - from_seconds(0.49);
   EXPECT_TRUE(plans_in(7));
   inputs.slot.begin = inputs.slot.activation - from_seconds(0.51);
   EXPECT_FALSE(plans_in(7));
   inputs.slot.begin = inputs.slot.activation;
-  EXPECT_TRUE(plans_in(-1));  // a plan of a round to come cannot be: of another schedule
+  EXPECT_TRUE(plans_in(-1));  // a plan of a future round must be of another schedule
 
-  status.state = models::FlightState::kHold;  // it does not fly its plan
+  status.state = models::FlightState::kHold;  // the vehicle does not follow its plan
   EXPECT_TRUE(plans_in(1));
   status.state = models::FlightState::kFollow;
-  status.plan_round = -1;  // it has none yet
+  status.plan_round = -1;  // no plan yet
   EXPECT_TRUE(RobotPlanner(scenario, "Q1").plan(inputs, Deadline::nodes(500)).has_value());
 
   inputs.own_plan = RobotPlanner(scenario, "Q1").plan(inputs, Deadline::nodes(500));
-  EXPECT_TRUE(plans_in(1));  // known
+  EXPECT_TRUE(plans_in(1));  // its own plan is known
 }
 
 }  // namespace

@@ -48,8 +48,8 @@ TEST(RestOf, IsTheSameMotionFromThereOn) {
   }
 }
 
-// Cut between two segments, only the second is left, whole; while it brakes, what is left of the
-// brake from the speed that is left.
+// A cut at a segment boundary keeps the following segments whole. A cut while braking keeps the
+// rest of the brake, from the current speed.
 TEST(RestOf, KeepsWhatIsNotOver) {
   models::Trajectory whole;
   whole.start_time = from_utime(1'700'000'000'000'000);
@@ -67,7 +67,8 @@ TEST(RestOf, KeepsWhatIsNotOver) {
   EXPECT_TRUE(rest_of(whole, whole.start_time + from_seconds(1.5)).segments.empty());
 }
 
-// From where and as fast as it is then, straight ahead; what stands stays where it is.
+// The stop begins at the current pose and speed and leads straight ahead. A hovering vehicle gets
+// no segment.
 TEST(StopFrom, BrakesFromTheSpeedThatItHasThen) {
   std::mt19937_64 rng(12);
   for (int i = 0; i < 50; ++i) {
@@ -90,7 +91,7 @@ TEST(StopFrom, BrakesFromTheSpeedThatItHasThen) {
   EXPECT_TRUE(stop_from(whole, models::end_time(whole), 1.6).segments.empty());
 }
 
-// Four horizons, and the stop of whoever needs longest for it, wherever in the team that is.
+// A motion may last four horizons plus the longest stop of any robot of the team.
 TEST(IsOfPlanLength, AllowsTheLongestStopOfTheTeam) {
   scenario::PlannerSpec planner;
   planner.horizon_steps = 3;

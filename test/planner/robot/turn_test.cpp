@@ -1,4 +1,4 @@
-// Which way a robot turns that can go nowhere from where it stands, as a function of its problem.
+// The direction in which a robot turns if no motion is feasible where it hovers.
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
-/// A robot of 0.35 m around it in a square of 20 m.
+/// A robot of radius 0.35 m in a square of 20 m.
 class TurnToAWayOut : public ::testing::Test {
  protected:
   TurnToAWayOut() {
@@ -29,7 +29,7 @@ class TurnToAWayOut : public ::testing::Test {
     problem_.brake_mps2 = 2.0;
   }
 
-  /// To the left (1), to the right (−1) or not at all (0).
+  /// Returns the direction of the turn: left (1), right (−1) or none (0).
   int side_of(const Pose2& start, bool is_boxed_in = false, double yaw_rate_max_radps = 3.0) {
     problem_.start = start;
     const auto turning = turn_to_a_way_out(problem_, is_boxed_in, yaw_rate_max_radps);
@@ -53,22 +53,22 @@ class TurnToAWayOut : public ::testing::Test {
   SearchProblem problem_;
 };
 
-// From the nearest of them, where it is when the plan begins: to the right if that is more than an
-// eighth of a turn to the right, else to the left.
+// The robot turns away from the nearest teammate, at its position when the plan begins. It turns
+// right if free space is more than π/4 to the right, else left.
 TEST_F(TurnToAWayOut, TurnsAwayFromWhoIsTooNear) {
   std::mt19937_64 rng(71);
   std::uniform_real_distribution<double> any(-kPi, kPi);
   std::uniform_real_distribution<double> place(-5.0, 5.0);
   for (int i = 0; i < 200; ++i) {
     const Pose2 start{place(rng), place(rng), any(rng)};
-    const double off_rad = any(rng);  // from ahead to the way straight away from it
+    const double off_rad = any(rng);  // rad; from ahead to the direction away from it
     const auto at = [&](double bearing_rad, double distance_m) {
       return Eigen::Vector2d(start.x_m + distance_m * std::cos(bearing_rad),
                              start.y_m + distance_m * std::sin(bearing_rad));
     };
     const Eigen::Vector2d near_m = at(start.yaw_rad + off_rad + kPi, 0.5);
     const Eigen::Vector2d less_near_m = at(any(rng), 0.8);
-    // It has come at 1 m/s, for two seconds.
+    // The teammate has approached at 1 m/s for two seconds.
     const double came_rad = any(rng);
     const Eigen::Vector2d from_m =
         near_m - 2.0 * Eigen::Vector2d(std::cos(came_rad), std::sin(came_rad));
@@ -86,7 +86,7 @@ TEST_F(TurnToAWayOut, TurnsAwayFromWhoIsTooNear) {
   EXPECT_EQ(side_of({0.0, 0.0, 0.0}, false, 0.5), 1) << "as fast as it can turn";
 }
 
-// It may stay where that is best; a search that finds nothing sends it on, to the left.
+// The robot may stay if that is best. If the search found nothing, it turns left.
 TEST_F(TurnToAWayOut, StaysInTheOpen) {
   for (int i = 0; i < 8; ++i) {
     const Pose2 start{0.0, 0.0, wrap_to_pi(0.25 * kPi * i)};
@@ -95,7 +95,7 @@ TEST_F(TurnToAWayOut, StaysInTheOpen) {
   }
 }
 
-// In a corner, five centimetres from where it may not be, only west and south lead anywhere.
+// In a corner, five centimetres from the clearance limit, only west and south are feasible.
 TEST_F(TurnToAWayOut, TurnsToTheNearestHeadingThatLeadsOut) {
   const auto in_the_corner = [&](double heading_deg) {
     return side_of({9.6, 9.6, radians(heading_deg)});
@@ -108,12 +108,12 @@ TEST_F(TurnToAWayOut, TurnsToTheNearestHeadingThatLeadsOut) {
   EXPECT_EQ(in_the_corner(90.0), 1);
   EXPECT_EQ(in_the_corner(0.0), -1);
   EXPECT_EQ(in_the_corner(45.0), 1) << "as far either way";
-  // The corner across leads out to the other sides.
+  // In the opposite corner, east and north are feasible.
   EXPECT_EQ(side_of({-9.6, -9.6, radians(180.0)}), -1);
   EXPECT_EQ(side_of({-9.6, -9.6, radians(-90.0)}), 1);
 }
 
-// At the closed end of a lane only the way back leads out; between four walls none does.
+// At the closed end of a lane only the way back is feasible; between four walls no heading is.
 TEST_F(TurnToAWayOut, TurnsRoundWhereOnlyTheWayBackIsFree) {
   world_.obstacles = {{{{0.0, 0.4}, {3.0, 1.0}}, 2.0},
                       {{{0.0, -1.0}, {3.0, -0.4}}, 2.0},
@@ -128,7 +128,8 @@ TEST_F(TurnToAWayOut, TurnsRoundWhereOnlyTheWayBackIsFree) {
   }
 }
 
-// Who hovers two centimetres farther away than asked for is in the way as a wall is.
+// A teammate that hovers two centimetres beyond the required separation blocks a heading like a
+// wall.
 TEST_F(TurnToAWayOut, TakesTeammatesForWalls) {
   const models::Trajectory ahead = hover_at({1.02, 0.0, 0.0}, 1.5, kStart);
   const models::Trajectory left = hover_at({0.0, 1.02, 0.0}, 1.5, kStart);
@@ -144,7 +145,7 @@ TEST_F(TurnToAWayOut, TakesTeammatesForWalls) {
   EXPECT_EQ(side_of({0.0, 0.0, 0.0}), 0) << "beside it";
 }
 
-// Controls that only turn begin no motion.
+// Controls that turn on the spot do not count as motions.
 TEST_F(TurnToAWayOut, NeedsAControlThatDrives) {
   problem_.controls = {{0.0, 1.0}, {0.0, 0.0}};
   EXPECT_EQ(side_of({0.0, 0.0, 0.0}), 0) << "no heading has a way out";

@@ -19,8 +19,8 @@ struct Place {
   double height_m = 1.0;
 };
 
-// The first of two robots plans round after round and is seen exactly on its plan; the other hovers
-// where it is.
+// Two robots over several rounds. The first plans and is seen exactly on its plan; the other hovers
+// in place.
 class BesideAnother {
  public:
   BesideAnother(const Place& own, const Place& other, const Eigen::Vector2d& target_m)
@@ -34,7 +34,7 @@ class BesideAnother {
         at_(own.pose),
         planner_(scenario_, scenario_.robots[0].name) {}
 
-  /// What it plans in the round to come. @pre the last one gave a plan
+  /// Returns its plan of the next round. @pre the last call returned a plan
   std::optional<models::RobotPlan> plan() {
     inputs_.slot = RoundSchedule(scenario_.planner, 0, 2).slot(round_++);
     if (inputs_.own_plan && inputs_.own_plan->trajectory.start_time <= inputs_.slot.begin) {
@@ -52,7 +52,7 @@ class BesideAnother {
     return inputs_.own_plan;
   }
 
-  /// How far it has been from where it began.
+  /// Returns its greatest distance from where it began, m.
   [[nodiscard]] double gone_m() const { return gone_m_; }
   [[nodiscard]] std::int64_t turns_away() const { return planner_.counts().turns_away; }
 
@@ -84,7 +84,7 @@ double asked_m() {
   return spec.separation_m + 2.0 * spec.tracking_tolerance_m;
 }
 
-// However it faces a teammate that has come too near and stays, it turns and leaves.
+// From every heading, the robot turns and leaves a teammate that came too near and stays.
 TEST(RobotPlanner, LeavesATeammateThatIsTooNear) {
   for (int i = 0; i < 8; ++i) {
     BesideAnother robot({{0.75 * asked_m(), 0.0, wrap_to_pi(i * kPi / 4.0)}}, {}, {3.0, 1.0});
@@ -105,7 +105,8 @@ TEST(RobotPlanner, LeavesATeammateThatIsTooNear) {
   }
 }
 
-// Flown: two that hovered as near to each other as they may, one facing the other, stayed there.
+// In a flight, two robots that hovered at the smallest allowed distance, one facing the other,
+// stayed there.
 TEST(RobotPlanner, LeavesATeammateThatIsAsNearAsItMayBe) {
   for (int i = 0; i < 8; ++i) {
     BesideAnother robot({{asked_m() + 0.004, 0.0, wrap_to_pi(i * kPi / 4.0)}}, {}, {3.0, 1.5});
@@ -117,8 +118,8 @@ TEST(RobotPlanner, LeavesATeammateThatIsAsNearAsItMayBe) {
   }
 }
 
-// As they were flown: 1.024 m apart in space where 1.0 m was asked, at two heights, each nearly
-// facing the other.
+// Poses from a flight: 1.024 m apart in three dimensions where 1.0 m was required, at two heights,
+// each nearly facing the other.
 TEST(RobotPlanner, LeavesATeammateAtAnotherHeightThatIsAsNearAsItMayBe) {
   const Place q2{{0.894, 0.802, -1.745}, 1.5};
   const Place q3{{0.292, 0.142, 0.942}, 2.0};

@@ -20,7 +20,7 @@ TEST(Workspace, KnowsRobotsByTheirNames) {
   EXPECT_EQ(workspace.index_of("Q4"), std::nullopt);
 }
 
-// Cells of 5 cm, and 500 of them at most along the longer side, whichever that is.
+// Cells measure 5 cm, or more if the longer side would have more than 500 of them.
 TEST(Workspace, HasAFieldAsFineAsItMayBe) {
   const auto resolution_m = [](double width_m, double depth_m) {
     scenario::Scenario scenario = test::lab_scenario();
@@ -34,8 +34,8 @@ TEST(Workspace, HasAFieldAsFineAsItMayBe) {
   EXPECT_NEAR(resolution_m(10.0, 100.0), 0.2, 1e-12);
 }
 
-// A search has room for each target, the places where they may be, the landmarks, and of each robot
-// a plan, where it stands and where it will fly; and for no more.
+// A search has memory for each target, its mixture components and the landmarks. For each robot it
+// has memory for a plan, its ground position and its flight position. More than that is refused.
 TEST(Workspace, HasRoomForAllThatARoundMayHave) {
   scenario::Scenario scenario = test::lab_scenario();
   for (const auto& [landmarks_max, has_parts] :
@@ -89,10 +89,10 @@ TEST(PartsMax, IsSevenMoreOfEachTargetAndNoMoreThanFitIn) {
   }
 }
 
-// One search for all, made once; others are others'.
+// The workspace makes its own search once; make_search() returns a separate one.
 TEST(Workspace, SharesItsSearches) {
   Workspace workspace(test::lab_scenario());
-  workspace.prefault();  // nothing is there yet
+  workspace.prefault();  // no search exists yet
   Search& search = workspace.search();
   EXPECT_EQ(&workspace.search(), &search);
   EXPECT_NE(workspace.make_search(0).get(), &search);
@@ -101,7 +101,7 @@ TEST(Workspace, SharesItsSearches) {
   workspace.prefault();
 }
 
-// The first pass that has an end begins with what the scenario says.
+// The first completed pass uses the epsilon and delta of the scenario.
 TEST(Workspace, SearchesAsItsScenarioSays) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.epsilon_initial = 0.8;
@@ -126,7 +126,8 @@ TEST(Workspace, SearchesAsItsScenarioSays) {
   EXPECT_EQ(finite.front().delta_m, 0.6);
 }
 
-// As it was last seen, whichever part and whatever it was before; forgotten after the memory.
+// The grid shows the last observation, for any part and any earlier content. Observations expire
+// after the memory time.
 TEST(Workspace, ShowsThatPartOfTheGroundAsItWasLastSeen) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.estimator.grid_memory_s = 10.0;
