@@ -25,7 +25,8 @@ ReducedOptions options(ReducedSearch search, double epsilon = 1.0, double delta_
   return options;
 }
 
-// Calls check(seed, problem, oracle's answer) for every problem that exhaustion can decide.
+// Calls check(seed, problem, exhaustive answer) for every problem that exhaustive search can
+// decide.
 template <class Check>
 void for_oracle_problems(const Check& check) {
   int solvable = 0;
@@ -42,7 +43,7 @@ void for_oracle_problems(const Check& check) {
 void expect_optimal(std::uint64_t seed, const SearchProblem& problem,
                     const test::OracleAnswer& best, const SearchResult& result) {
   EXPECT_EQ(result.stop_reason == StopReason::kMemory, false);
-  if (!best.found) {  // the robot can only stop somewhere on the way
+  if (!best.found) {  // the robot can only stop on the way
     EXPECT_LT(result.moving_steps, problem.horizon_steps) << "seed " << seed;
     return;
   }
@@ -58,8 +59,8 @@ TEST(Exhaustive, IsWhatTheOracleFinds) {
         const SearchResult& result =
             search.plan(problem, options(ReducedSearch::kExhaustive), Deadline::never());
         EXPECT_EQ(result.stop_reason, StopReason::kFinished);
-        // Work is counted before every asking of the deadline, also where nothing is generated:
-        // one a node generated, one an expansion. Where nothing is pruned nothing is considered.
+        // Work is counted before each check of the deadline: one per generated node and one per
+        // expansion. Where nothing is pruned, no candidate nodes are considered.
         EXPECT_EQ(result.work_nodes - result.nodes_generated, result.nodes_expanded);
         EXPECT_GE(result.peak_bytes, static_cast<std::size_t>(result.nodes_generated) * 48);
         expect_optimal(seed, problem, best, result);
@@ -164,7 +165,7 @@ TEST(LowerBound, IsNeverAboveTheOptimum) {
   EXPECT_GE(finite, 150);
 }
 
-// With everything δ-crossing, ε alone has to decide: it may not be forgotten.
+// With δ = ∞ all nodes are δ-crossing, so only ε decides about pruning.
 TEST(Reduced, TestsRedundancyAlsoWhenEverythingCrosses) {
   ReducedValueIteration search(small_capacity());
   int opened = 0;
@@ -216,8 +217,8 @@ TEST(Reduced, AllocatesNothingEvenOnAProblemNeverSeenBefore) {
   }
 }
 
-// What is reserved for the worst case costs nothing where little is used; who flies takes it all at
-// the start. (A few pages of code or stack may be met for the first time.)
+// Memory that is reserved for the worst case is only used when needed. A planner in flight touches
+// all of it at the start. (A few pages of code or stack may be touched for the first time.)
 TEST(Reduced, TakesMemoryAsItIsUsedUnlessAllOfItIsTakenBefore) {
   if (!test::AllocationCounter::is_active()) {
     GTEST_SKIP() << "the sanitizer has its own memory";
@@ -233,7 +234,7 @@ TEST(Reduced, TakesMemoryAsItIsUsedUnlessAllOfItIsTakenBefore) {
   ReducedValueIteration lean{SearchCapacity{}};
   EXPECT_LT(faults.count(), 1'000);  // 4 MB; 113 MB are reserved
   EXPECT_GT(faults_of(lean), kFew);
-  EXPECT_LE(faults_of(lean), kFew);  // what it has, it keeps
+  EXPECT_LE(faults_of(lean), kFew);  // it keeps its memory
   ReducedValueIteration ready{SearchCapacity{}};
   ready.prefault();
   EXPECT_LE(faults_of(ready), kFew);

@@ -33,7 +33,7 @@ BestFirstOptions options(BestFirst search, double weight = 1.0, double epsilon =
 
 const std::vector<test::SolvedProblem>& solved() { return test::solved_problems(1000, 400); }
 
-// Σ_k L_k: what weights multiply is above it.
+// Returns Σ_k L_k, the floor that weights leave unchanged.
 double floor_of(const SearchProblem& problem) {
   BeliefTable beliefs(8, 8);
   beliefs.reset(problem);
@@ -80,7 +80,7 @@ TEST(Aegis, IsAStarAtEpsilonAndDeltaZero) {
     const SearchResult& b = search.plan(problem, options(BestFirst::kAegis), Deadline::never());
     ASSERT_EQ(a.found, b.found);
     if (!each.best.found) {
-      continue;  // hovering is no path of the tree: its bound is the root's alone
+      continue;  // hovering is not a path of the tree
     }
     EXPECT_NEAR(a.cost, b.cost, slack(a.cost));
     EXPECT_EQ(a.lower_bound, a.cost);
@@ -114,7 +114,7 @@ TEST(WeightedAStar, KeepsItsBoundOnceCostsAreShiftedAboveZero) {
   EXPECT_GT(above, 0) << "no weight mattered";
 }
 
-// With ε and δ > 0, at every budget, the bound is one.
+// With ε and δ > 0, the lower bound holds at every budget.
 TEST(Aegis, NeverLiesInItsCertificate) {
   BestFirstSearch search(small_capacity());
   int worse = 0;
@@ -218,8 +218,8 @@ TEST(BestFirst, AllocatesNothingEvenOnAProblemNeverSeenBefore) {
   }
 }
 
-// Once it has a plan, apart from the way to that: below whose bound nothing is cheaper is left
-// alone.
+// Once the search has a plan, it expands only nodes whose bound is below the cost of that plan.
+// Dives are switched off.
 TEST(WeightedAStar, ExpandsOnlyNodesThatMightLeadToSomethingBetter) {
   BestFirstSearch search(small_capacity());
   InformationHeuristic heuristic(8, 8);
@@ -309,7 +309,8 @@ TEST(BestFirst, SaysWhenItsArenaIsFullAndStillHasAPlanAndABound) {
   EXPECT_LE(result.lower_bound, optimum);
 }
 
-// Thm 6 as it stands in the text: M̄ = λ_max I for every target, over everything in reach.
+// Returns the bound of Theorem 6 as in the text: M̄ = λ_max I for every target, over everything in
+// reach.
 double isotropic_bound(const SearchProblem& problem) {
   double bound = 0.0;
   double step_m = 0.0;
@@ -344,7 +345,8 @@ double isotropic_bound(const SearchProblem& problem) {
   return bound;
 }
 
-// Never above what can be had, hovering included, and better than the text's.
+// The bound is not above the cost of any plan, hovering included, and mostly tighter than the
+// isotropic bound.
 TEST(RootBound, IsBelowEveryPlanAndMostlyTighterThanTheIsotropicOne) {
   RootBound root(8, 8);
   BeliefTable beliefs(8, 8);
@@ -362,7 +364,7 @@ TEST(RootBound, IsBelowEveryPlanAndMostlyTighterThanTheIsotropicOne) {
     if (each.best.found) {
       EXPECT_LE(moving_plan, each.best.cost + slack(each.best.cost));
     }
-    // Stopping and hovering at once is a plan, too.
+    // Stopping and hovering at once is also a plan.
     const SearchResult& plan = greedy.plan(problem, how, Deadline::nodes(0));
     if (plan.found) {
       EXPECT_LE(any_plan, plan.cost + slack(plan.cost));

@@ -21,7 +21,7 @@ using test::pick;
 using test::random_spd;
 using test::uniform;
 
-// The symmetries of a square: what is the same under them is the same in every direction.
+// Returns the symmetries of a square. A quantity that is invariant under them is isotropic.
 std::vector<Eigen::Matrix2d> symmetries() {
   std::vector<Eigen::Matrix2d> all;
   for (int turn = 0; turn < 4; ++turn) {
@@ -35,8 +35,8 @@ std::vector<Eigen::Matrix2d> symmetries() {
   return all;
 }
 
-// A covariance whose inverse is the mean of the inverses of all that `covariance` looks like from
-// elsewhere.
+// Returns the covariance whose inverse is the mean of the inverses of all turned and mirrored
+// versions of `covariance`.
 models::StateMatrix averaged_by_hand(const models::StateMatrix& covariance) {
   const Eigen::Index n = covariance.rows();
   const Eigen::MatrixXd Omega = Eigen::MatrixXd(covariance).inverse();
@@ -58,7 +58,7 @@ models::TargetModel random_model(std::mt19937_64& rng, bool moves) {
   if (moves && pick(rng, 0, 1) == 0) {
     model.kind = models::TargetKind::kDampedOscillator;
     model.surroundings = test::random_surroundings(rng);
-    // The same on both axes, but for how far it spreads: A is alike, W differs by a factor.
+    // Both axes have the same A, but W differs by a factor.
     model.surroundings.damping_per_s.setConstant(model.surroundings.damping_per_s(0));
     model.surroundings.position_sigma_m(1) =
         (pick(rng, 0, 1) == 0 ? 2.0 : 0.5) * model.surroundings.position_sigma_m(0);
@@ -78,7 +78,8 @@ void expect_like(const AveragedBlock& block, const models::StateMatrix& covarian
   EXPECT_NEAR(std::log(block.determinant()), models::log_det(covariance), 1e-8) << what;
 }
 
-// The mean of what is known over all turns and mirror images of the plane, whatever happens to it.
+// The block stays the mean information over all turns and mirror images of the plane, through all
+// updates.
 TEST(AveragedBlock, IsTheMeanOverAllSymmetriesOfThePlane) {
   std::mt19937_64 rng(41);
   for (int i = 0; i < 300; ++i) {
@@ -88,7 +89,7 @@ TEST(AveragedBlock, IsTheMeanOverAllSymmetriesOfThePlane) {
     const double step_s = uniform(rng, 0.1, 1.5);
     const StepMotion motion = step_motion(model, step_s);
     ASSERT_TRUE(motion.is_alike());
-    // Of the two axes the one that spreads less.
+    // The axis with the smaller noise counts.
     models::TargetModel least = model;
     const Eigen::Index calm =
         model.surroundings.position_sigma_m(0) <= model.surroundings.position_sigma_m(1) ? 0 : 1;
@@ -114,7 +115,7 @@ TEST(AveragedBlock, IsTheMeanOverAllSymmetriesOfThePlane) {
   }
 }
 
-// And never above the truth: what looks in any directions make of the block itself costs more.
+// The averaged block never costs more than the block itself, for measurements in any directions.
 TEST(AveragedBlock, CostsNoMoreThanTheBlockItselfWhereverLooksPoint) {
   std::mt19937_64 rng(42);
   for (int i = 0; i < 300; ++i) {
@@ -145,7 +146,7 @@ Eigen::Matrix2d along(double angle_rad, double strength) {
   return strength * u * u.transpose();
 }
 
-// The best of many directions of one or two looks, found by trying.
+// Compared with the best of many directions of one or two measurements.
 TEST(PointedInformation, IsWhatTheBestDirectionsMakeOfTheLooks) {
   std::mt19937_64 rng(43);
   int stretched = 0;
@@ -162,7 +163,7 @@ TEST(PointedInformation, IsWhatTheBestDirectionsMakeOfTheLooks) {
     once.add({all_round, strength, 1});
     PointedInformation twice = once;
     twice.add({all_round, strength, 1});
-    PointedInformation at_once(packed);  // two sensors that look at the same time
+    PointedInformation at_once(packed);  // two sensors that measure at the same time
     at_once.add({2.0 * all_round, 2.0 * strength, 2});
 
     const Eigen::Matrix2d before = prior.inverse() + all_round * Eigen::Matrix2d::Identity();
@@ -182,7 +183,7 @@ TEST(PointedInformation, IsWhatTheBestDirectionsMakeOfTheLooks) {
         least_trace_twice = std::min(least_trace_twice, both.inverse().trace());
       }
     }
-    // Above all of them, and by no more than the angles tried are apart.
+    // Above all tried directions, and by no more than the spacing of the tried angles explains.
     EXPECT_GE(once.determinant(), most_once * (1.0 - 1e-9));
     EXPECT_LE(once.determinant(), most_once * 1.01);
     EXPECT_LE(once.covariance_trace(), least_trace_once * (1.0 + 1e-9));

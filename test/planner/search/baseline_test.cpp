@@ -36,7 +36,7 @@ TEST(LawnMower, CoversTheWholeFloor) {
   }
 }
 
-// Rows are apart by the range of the first sensor, whatever else it carries.
+// The row spacing is the range of the first sensor, whatever the other sensors are.
 TEST(LawnMower, SpacesItsRowsByTheFirstSensor) {
   models::World world;
   world.bounds = {{-6.0, -4.0}, {6.0, 4.0}};
@@ -72,15 +72,15 @@ TEST(LawnMower, SpacesItsRowsByTheFirstSensor) {
   EXPECT_NE(way_with({4.0}), way_with({1.0}));
 }
 
-// The longer side is cut into strips; each is swept row by row from its lower edge, a margin from
-// the walls and the neighbours, there and back.
+// The longer side of the area is cut into strips. Each strip is swept row by row and back from its
+// lower edge, with a margin to walls and neighbouring strips.
 TEST(LawnMower, SweepsItsStripThereAndBack) {
   for (const bool is_wide : {false, true}) {
     const auto at = [&](double across, double along) {
       return is_wide ? Eigen::Vector2d(along, across) : Eigen::Vector2d(across, along);
     };
     const models::Rectangle bounds{at(-2.0, 1.0), at(4.0, 13.0)};
-    const auto way = lawn_mower_waypoints(bounds, 1, 3, 1.5, 0.5);  // of the strip from 5 to 9
+    const auto way = lawn_mower_waypoints(bounds, 1, 3, 1.5, 0.5);  // the strip from 5 to 9
     std::vector<Eigen::Vector2d> expected{at(-1.5, 5.5), at(3.5, 5.5),  at(3.5, 7.0),
                                           at(-1.5, 7.0), at(-1.5, 8.5), at(3.5, 8.5)};
     expected.insert(expected.end(), expected.rbegin(), expected.rend());
@@ -88,7 +88,7 @@ TEST(LawnMower, SweepsItsStripThereAndBack) {
     for (std::size_t i = 0; i < way.size(); ++i) {
       EXPECT_LT((way[i] - expected[i]).norm(), 1e-12) << i;
     }
-    // Rows are no farther apart than asked for, and one suffices for a strip without a width.
+    // Rows are at most the given distance apart. One row is enough for a strip without a width.
     EXPECT_EQ(lawn_mower_waypoints(bounds, 1, 3, 1.5 - 1e-9, 0.5).size(), 2U * 2U * 4U);
     EXPECT_EQ(lawn_mower_waypoints(bounds, 0, 3, 9.0, 0.5).size(), 2U * 2U * 2U);
     const auto one = lawn_mower_waypoints(bounds, 0, 3, 1.0, 2.5);
@@ -115,7 +115,8 @@ SearchProblem sweeping(const models::World& world) {
   return problem;
 }
 
-// Making a step of each plan it comes to every way point, one after another, and begins again.
+// When one step of each plan is executed, the robot reaches every waypoint in order and starts
+// again.
 TEST(LawnMower, ComesToItsWayPointsOneAfterAnother) {
   models::World world;
   world.bounds = {{-3.0, -2.0}, {3.0, 2.0}};
@@ -139,7 +140,7 @@ TEST(LawnMower, ComesToItsWayPointsOneAfterAnother) {
   EXPECT_GT(reached, way.size() + 2) << "it did not get round";
 }
 
-// What it cannot get to it does not insist on: a robot that is shut in goes on to the next.
+// A robot that is enclosed skips a waypoint that it cannot reach.
 TEST(LawnMower, GoesOnFromAWayPointThatItCannotGetTo) {
   models::World world;
   world.bounds = {{-3.0, -2.0}, {3.0, 2.0}};
@@ -159,7 +160,7 @@ TEST(LawnMower, GoesOnFromAWayPointThatItCannotGetTo) {
     EXPECT_TRUE(result.controls.empty());
     EXPECT_NEAR(result.cost, score(problem, result.poses), 1e-12);
   }
-  // From beside the fourth way point it heads for the fifth at once.
+  // At the fourth waypoint it turns to the fifth at once.
   problem = free;
   problem.start = {way[3].x(), way[3].y(), 0.0};
   const SearchResult& result = search.plan(problem, {}, Deadline::never());
@@ -176,7 +177,7 @@ TEST(LawnMower, GoesOnFromAWayPointThatItCannotGetTo) {
       UsageError);
 }
 
-// Each control is as likely as any other at each step, and the plan is what it says it is.
+// All controls are equally likely at each step, and the plan has the stated cost.
 TEST(RandomWalk, TakesEachControlAsOftenAsAnyOther) {
   SearchProblem problem;
   problem.horizon_steps = 5;

@@ -7,13 +7,12 @@
 #include "test/planner/search/exhaustive_oracle.hpp"
 #include "test/planner/search/solved_problems.hpp"
 
-// Ways that are walked without a search, held against every way that there is.
+// Paths of the baselines that do not search, compared with all paths that exist.
 
 namespace vantage::planner {
 namespace {
 
-// Between walls as in the open, in whatever direction: a way that touches nothing, step by step by
-// its controls, as long as there is one.
+// With and without walls, the walk is a collision-free path along its controls whenever one exists.
 TEST(RandomWalk, FindsAWayWhereThereIsOneAndTouchesNothing) {
   RandomWalk walk(test::small_capacity());
   int walked = 0;

@@ -15,7 +15,7 @@ namespace {
 using test::slack;
 using test::small_capacity;
 
-// Narrow from the start, so that many passes leave something out.
+// Returns options with a small first width, so that many passes drop nodes.
 BeamOptions narrow() {
   BeamOptions options;
   options.first_width = 2;
@@ -46,8 +46,8 @@ TEST(RefiningBeam, EndsAtTheOptimumAndSaysSo) {
   EXPECT_GE(solvable, 300);
 }
 
-// Whatever the budget: a plan as soon as one pass is through, no costlier than with less, and a
-// bound that no plan is below.
+// At every budget there is a plan once a pass is complete, its cost never rises with the budget,
+// and the lower bound is below every plan.
 TEST(RefiningBeam, NeverLiesInItsBoundAndNeverGetsWorse) {
   RefiningBeam search(small_capacity());
   int worse = 0;
@@ -83,7 +83,7 @@ TEST(RefiningBeam, IsBitIdenticalOverAThousandRepetitions) {
   const Deadline budget = Deadline::nodes(1'000);
   const SearchResult first = search.plan(owned.problem, narrow(), budget);
   for (std::uint64_t i = 0; i < 1'000; ++i) {
-    if (i % 10 == 0) {  // what was planned before must leave no trace
+    if (i % 10 == 0) {  // earlier plans must leave no trace
       used.plan(test::random_problem(i).problem, narrow(), Deadline::nodes(100));
     }
     test::expect_same(first, used.plan(owned.problem, narrow(), budget));
@@ -124,7 +124,7 @@ TEST(RefiningBeam, FaultsNoPageInOnceAllMemoryIsTaken) {
   if (!test::AllocationCounter::is_active()) {
     GTEST_SKIP() << "the sanitizer has its own memory";
   }
-  constexpr long kFew = 16;  // of code or stack
+  constexpr long kFew = 16;  // code or stack pages
   const OwnedProblem owned = test::random_problem(1);
   RefiningBeam(small_capacity()).plan(owned.problem, narrow(), Deadline::nodes(20'000));
   RefiningBeam search{SearchCapacity{}};

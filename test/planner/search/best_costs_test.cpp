@@ -12,7 +12,7 @@
 namespace vantage::bench {
 namespace {
 
-// Each test has a file of its own, gone at the end.
+// A list of best costs in a file per test, which is removed at the end.
 class BestCostsFile : public ::testing::Test {
  protected:
   BestCostsFile()
@@ -29,7 +29,7 @@ TEST_F(BestCostsFile, OnlyEverFalls) {
   EXPECT_TRUE(first.offer("a", {-10.0, "beam", {1, 2}}));
   EXPECT_FALSE(first.offer("a", {-9.0, "arvi", {3, 4}}));
   first.save();
-  // A second run that never saw the first one's file may not raise what is in it.
+  // A second run that has not read the file of the first must not raise a cost in it.
   BestCosts second(path_);
   BestCosts third(path_);
   EXPECT_TRUE(second.offer("a", {-12.0, "rvi", {5, 6}}));
@@ -57,13 +57,13 @@ TEST_F(BestCostsFile, RefusesWhatItCannotReadAndLeavesItAsItIs) {
   EXPECT_EQ(line, "a,low,beam,1");
 }
 
-// The list in the repository: every cost is what its controls score.
+// The list in the repository: each cost equals the score of its controls.
 TEST(BestCostsList, IsWhatItsControlsScore) {
   const BestCosts best(VANTAGE_SOURCE_DIR "/test/bench/best_costs.csv");
   for (const tools::PlanningProblem& drawn : hundred_problems()) {
     const BestCosts::Entry* entry = best.find(drawn.name);
     ASSERT_NE(entry, nullptr) << drawn.name;
-    // The plain recursion loses digits where a look comes from 2 mm away.
+    // The plain recursion loses digits at a distance of 2 mm.
     EXPECT_NEAR(score_of(drawn.problem, entry->controls), entry->cost, 1e-4) << drawn.name;
   }
 }

@@ -12,8 +12,8 @@
 #include "test/planner/problem/random_problem.hpp"
 #include "test/planner/search/lattice_problem.hpp"
 
-// What bounds must not depend on: what was bounded before, the frame, and at which step of a longer
-// plan a robot is that has come nowhere yet.
+// Bounds must not depend on earlier problems, on the frame, or on the step of a longer plan at
+// which a robot that has not moved yet is.
 
 namespace vantage::planner {
 namespace {
@@ -67,7 +67,7 @@ TEST(RootBound, IsTheSameWhateverWasBoundedBefore) {
   EXPECT_GT(raised, 1);
 }
 
-/// Mirrored in the x axis, if so, then turned, then shifted.
+/// Returns the problem mirrored in the x axis if `is_mirrored`, then turned, then shifted.
 SearchProblem seen(const SearchProblem& problem, bool is_mirrored, double turn_rad,
                    const Eigen::Vector2d& shift_m) {
   const double side = is_mirrored ? -1.0 : 1.0;
@@ -104,7 +104,8 @@ SearchProblem seen(const SearchProblem& problem, bool is_mirrored, double turn_r
   return out;
 }
 
-/// A robot among several that move, stay or spread, so near that all that bounds do takes part.
+/// A robot among several targets that move, stay or spread, so near that all parts of the bounds
+/// contribute.
 SearchProblem crowded(std::mt19937_64& rng) {
   SearchProblem problem;
   problem.start = {uniform(rng, -1.0, 1.0), uniform(rng, -1.0, 1.0), uniform(rng, -kPi, kPi)};
@@ -184,8 +185,8 @@ TEST(RootBound, KnowsNoFrameAndNoOrderOfTargets) {
   EXPECT_GT(above, 30);
 }
 
-// The rest of a plan is a plan: what is left of it at a depth, nobody having looked, is what it is
-// of the problem that begins there.
+// The rest of a plan is a plan: what is left at a depth, without own measurements, equals the
+// problem that begins there.
 SearchProblem rest_of(const SearchProblem& problem, int depth) {
   SearchProblem out = problem;
   out.horizon_steps -= depth;
@@ -219,7 +220,7 @@ TEST(InformationHeuristic, OfTheRestIsThatOfAPlanThatBeginsThere) {
     for (std::size_t m = 0; m < problem.fixed_information.size(); ++m) {
       const int p = problem.targets[m].model.position_dim;
       for (models::PositionMatrix& M : problem.fixed_information[m]) {
-        M = random_spd(rng, p, 5.0, 1.0);  // at each step, so that there is some of the rest
+        M = random_spd(rng, p, 5.0, 1.0);  // at each step, so that some is left
       }
     }
     if (problem.horizon_steps == 1) {
@@ -256,7 +257,7 @@ std::vector<double> lattice_bounds(LatticeBound& lattice, const SearchProblem& p
   return out;
 }
 
-/// Targets of a lattice's problem that all move alike, so that who is near whom is always the same.
+/// Lattice problem whose targets all move alike, so that their relative positions never change.
 SearchProblem moving_alike(std::uint64_t seed, std::mt19937_64& rng) {
   SearchProblem problem = lattice_problem(seed).problem;
   problem.horizon_steps = 5;
@@ -294,7 +295,7 @@ TEST(LatticeBound, OfTheRestIsThatOfAPlanThatBeginsThere) {
 
     const SearchProblem rest = rest_of(problem, depth);
     std::vector<float> reference_of_rest;
-    const std::size_t floats = 3 * index(problem.horizon_steps);  // of a target
+    const std::size_t floats = 3 * index(problem.horizon_steps);  // per target
     for (std::size_t m = 0; m < problem.targets.size(); ++m) {
       const auto begin = reference.begin() + static_cast<std::ptrdiff_t>(m * floats);
       reference_of_rest.insert(reference_of_rest.end(), begin + 3 * depth,
@@ -310,8 +311,8 @@ TEST(LatticeBound, OfTheRestIsThatOfAPlanThatBeginsThere) {
   }
 }
 
-// In the frame of its pose a lattice knows no other: turned and shifted with all there is, its
-// bound is the same, at first and when its reference has been bettered by what its best path sees.
+// A lattice works in the frame of its start pose. Its bound is the same after all positions are
+// turned and shifted, both at first and after its reference is improved by what its best path sees.
 TEST(LatticeBound, IsTheSameInAnyFrame) {
   LatticeBound lattice(8, 8, kStates);
   BeliefTable beliefs(8, 8);
@@ -320,7 +321,7 @@ TEST(LatticeBound, IsTheSameInAnyFrame) {
   double risen = 0.0;
   for (std::uint64_t seed = 1; seed < 60; ++seed) {
     if (seed % 3 == 0) {
-      continue;  // oscillators know north from east
+      continue;  // oscillators depend on the direction
     }
     SCOPED_TRACE(seed);
     const OwnedProblem owned = lattice_problem(seed);
@@ -341,8 +342,8 @@ TEST(LatticeBound, IsTheSameInAnyFrame) {
     }
     risen += *std::max_element(plain.begin(), plain.end()) - plain[0];
   }
-  EXPECT_GT(alike, 0.95 * compared);  // of two ways that gather as much rounding takes one
-  EXPECT_GT(risen, 20.0);             // half a nat of each
+  EXPECT_GT(alike, 0.95 * compared);  // rounding decides between equally good paths
+  EXPECT_GT(risen, 20.0);             // half a nat each
 }
 
 }  // namespace

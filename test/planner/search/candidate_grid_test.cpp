@@ -30,7 +30,8 @@ SearchProblem scattered(std::mt19937_64& rng, int targets, double half_m, int ho
   return problem;
 }
 
-// Asks all over the reachable disc: nobody who may be seen is missing; returns the mean length.
+// Queries all over the reachable disc: each target that may be seen is listed. Returns the mean
+// length of the lists.
 double expect_complete(const SearchProblem& problem, double reach_m, double range_m,
                        CandidateGrid& grid, std::mt19937_64& rng) {
   BeliefTable beliefs(static_cast<int>(problem.targets.size()), problem.horizon_steps);
@@ -72,12 +73,12 @@ TEST(CandidateGrid, MissesNobodyInSight) {
 
 TEST(CandidateGrid, MissesNobodyWhereItsPoolIsFull) {
   std::mt19937_64 rng(32);
-  CandidateGrid grid(3'000, 12);  // all see all: 3000 a cell
+  CandidateGrid grid(3'000, 12);  // all see all: 3000 per cell
   const SearchProblem scene = scattered(rng, 3'000, 10.0, 6);
   expect_complete(scene, 1.5, 40.0, grid, rng);
 }
 
-// What it is for: at equal density a list is as long however many targets there are.
+// At equal density the length of a list does not depend on the number of targets.
 TEST(CandidateGrid, IsAsShortWithAThousandTargetsAsWithAHundred) {
   std::mt19937_64 rng(33);
   CandidateGrid grid(1'000, 6);
@@ -88,8 +89,8 @@ TEST(CandidateGrid, IsAsShortWithAThousandTargetsAsWithAHundred) {
   EXPECT_LT(many, 12.0);
 }
 
-// Up to four that matter at a depth are given as they are, wherever it is asked; of five those that
-// may be seen from there.
+// Up to four relevant targets at a depth are returned at every position. Of five, only those that
+// may be visible from the position are returned.
 TEST(CandidateGrid, GivesFourAsTheyAreAndSortsOutFive) {
   for (const int count : {1, 4, 5}) {
     SearchProblem problem;
@@ -103,7 +104,7 @@ TEST(CandidateGrid, GivesFourAsTheyAreAndSortsOutFive) {
     BeliefTable beliefs(8, 2);
     beliefs.reset(problem);
     CandidateGrid grid(8, 2);
-    grid.reset(beliefs, {0.0, 0.0}, 2, 2.0, 1.0);  // 3 m from where it is, 2 m a step
+    grid.reset(beliefs, {0.0, 0.0}, 2, 2.0, 1.0);  // 3 m from its position, 2 m per step
     for (const double side : {1.0, -1.0}) {
       const std::span<const std::uint16_t> near = grid.near({1.9 * side, 0.0}, 1);
       std::vector<std::uint16_t> expected;

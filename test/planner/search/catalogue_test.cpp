@@ -44,8 +44,8 @@ TEST(Catalogue, RefusesOthersWithTheList) {
   }
 }
 
-// What each says of its plan is true: the poses are those of its controls, the cost is that of the
-// poses, and no bound is above it.
+// The reported poses are those of the controls, the cost is that of the poses, and no lower bound
+// is above it.
 TEST(Catalogue, EachSaysTheTruthOfItsPlan) {
   for (const Algorithm& algorithm : all_algorithms()) {
     int found = 0;
@@ -77,8 +77,8 @@ TEST(Catalogue, EachSaysTheTruthOfItsPlan) {
   }
 }
 
-// However many targets: a path from the root to the end can keep the covariances of all of them at
-// each depth.
+// For any number of targets, a path from the root to the horizon can store the covariances of all
+// targets at each depth.
 TEST(CapacityFor, HasRoomForAWholePathOfAnyProblem) {
   for (const std::size_t targets : {1U, 100U, 5'000U, 50'000U}) {
     for (const int horizon : {1, 2, 30}) {
@@ -109,7 +109,7 @@ TEST(Catalogue, DrawsByTheProblemsSeed) {
   EXPECT_GT(ways.size(), 2U);
 }
 
-// What each is told reaches it: ε and δ where it prunes, the weight where it weighs.
+// Options reach each search: ε and δ where it prunes, the weight where it is weighted.
 TEST(Catalogue, TellsEachSearchWhatItIsTold) {
   AlgorithmOptions options;
   options.epsilon = 0.6;
@@ -159,8 +159,8 @@ TEST(Catalogue, TellsEachSearchWhatItIsTold) {
   EXPECT_GT(differ, 5) << "the weight of a turn hardly mattered";
 }
 
-/// A robot that can only turn, with targets ahead of it, to its left and behind it, and a sensor
-/// that sees a quarter turn: its poses differ by their heading alone.
+/// A robot that can only turn, with targets ahead, to its left and behind, and a sensor with a
+/// field of view of 90°. Its poses differ only in heading.
 SearchProblem turning_problem() {
   SearchProblem problem;
   problem.horizon_steps = 3;
@@ -186,7 +186,7 @@ TEST(Catalogue, ProvesNoFalseOptimumWhateverTheYawWeightIs) {
                                      const std::string& label) {
     for (const Algorithm& algorithm : all_algorithms()) {
       if (algorithm.name == "lawn_mower" && problem.world == nullptr) {
-        continue;  // it refuses a problem without a world to sweep
+        continue;  // it refuses problems without a world
       }
       for (const double weight_m_per_rad : {0.0, 1e-200, 0.3}) {
         AlgorithmOptions options;
@@ -237,7 +237,7 @@ TEST(Catalogue, SaysWhatEachIsLike) {
   EXPECT_EQ(silent.sweep.count, 1);
 }
 
-// Ranges alone of what stands still are mapping; anything else that is seen or moves is not.
+// Range measurements of static targets are mapping; any other sensor or a moving target is not.
 TEST(DefaultAlgorithm, IsAStarForRangesOfWhatStandsStill) {
   SearchProblem problem;
   models::SensorModel range;
@@ -264,8 +264,8 @@ TEST(DefaultAlgorithm, IsAStarForRangesOfWhatStandsStill) {
   }
 }
 
-// As many nodes as are kept of those generated, no fewer than twenty thousand, and no more than
-// there is memory for: 260 bytes a node and twelve numbers of nine bytes.
+// The nodes are those that are kept of the generated ones: at least 20,000, and at most what fits
+// into the memory at 260 bytes per node plus twelve numbers of nine bytes.
 TEST(CapacityFor, IsWhatIsKeptWithinTheMemory) {
   SearchProblem problem;
   problem.targets.resize(3);

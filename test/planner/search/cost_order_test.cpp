@@ -16,7 +16,7 @@ struct Costed {
   NodeId id = 0;
 };
 
-// Costs of all magnitudes and both signs, with many that are equal.
+// Returns costs of all magnitudes and both signs; many are equal.
 std::vector<Costed> random_costs(std::mt19937_64& rng, int count) {
   std::vector<Costed> costs;
   const int kinds = test::pick(rng, 1, 4);

@@ -49,8 +49,8 @@ std::vector<NodeId> near(const CrossingIndex& index, const Pose2& pose) {
   return out;
 }
 
-// Whoever is within δ is visited, once; who is three of them away is not. On all sides of the
-// origin, again after a reset, with other widths.
+// Poses within δ are visited once; poses beyond 3 δ are not. Tested on all sides of the origin,
+// after a reset and with other widths.
 TEST(CrossingIndex, VisitsAllThatAreNearAndNoneThatAreFar) {
   std::mt19937_64 rng(71);
   CrossingIndex index(600);
@@ -96,7 +96,7 @@ TEST(CrossingIndex, StopsWhenToldAndSaysWhenItIsFull) {
   EXPECT_EQ(visited, 2);
   index.reset(0.0);
   EXPECT_TRUE(near(index, {1.0, -2.0, 0.0}).empty());
-  EXPECT_TRUE(index.insert({1e300, -1e300, 0.0}, 1));  // as far as numbers go
+  EXPECT_TRUE(index.insert({1e300, -1e300, 0.0}, 1));  // extreme numbers
   EXPECT_EQ(near(index, {1e300, -1e300, 0.0}), (std::vector<NodeId>{1}));
   EXPECT_TRUE(near(index, {-1e300, -1e300, 0.0}).empty());
 }

@@ -17,8 +17,8 @@
 #include "tools/plan/plan_report.hpp"
 #include "tools/plan/solver.hpp"
 
-// No lower bound is above the best cost that anything found, on problems of both families drawn by
-// seed: VANTAGE_BOUND_PROBLEMS of them, 300 when not given.
+// No lower bound is above the best cost found by any search, on random problems of both families.
+// VANTAGE_BOUND_PROBLEMS sets their number; default 300.
 
 namespace vantage::planner {
 namespace {
@@ -35,7 +35,7 @@ tools::Solver solver_by(const char* algorithm) {
   return tools::Solver(request);
 }
 
-/// The bounds that `vantage plan` prints, and those at the root that they are made of.
+/// The bounds that `vantage plan` prints, and the root bounds from which they are made.
 class Bounds {
  public:
   [[nodiscard]] int plans() const { return plans_; }
@@ -58,7 +58,7 @@ class Bounds {
     std::int64_t work_nodes = 0;
     bounds_[kMovingPlan] = root_.of_moving_plan(Deadline::never(), work_nodes).cost;
     expander_.reset(problem);
-    constexpr std::int64_t kRaiseNodes = 600'000;  // some 0.04 s
+    constexpr std::int64_t kRaiseNodes = 600'000;  // about 0.04 s
     const std::int64_t until_nodes = work_nodes + kRaiseNodes;
     bounds_[kRaised] = root_.raise(expander_, until_nodes, Deadline::never(), work_nodes).cost;
     if (cost == kInfinity) {
@@ -88,8 +88,8 @@ class Bounds {
   double begin_s_ = thread_cpu_s();
 };
 
-/// Half of the problems asked for, each made by draw(rng, seed) with seeds on which no setting was
-/// chosen. @return the share that has a plan
+/// Tests half of the requested problems, each made by draw(rng, seed) with seeds that were not used
+/// to choose settings. @return the share that has a plan
 template <class Draw>
 double expect_below_every_plan(const Draw& draw) {
   Bounds bounds;
@@ -106,7 +106,7 @@ double expect_below_every_plan(const Draw& draw) {
 TEST(DrawnBounds, OfTrackingAreBelowEveryPlan) {
   const double share = expect_below_every_plan([](std::mt19937_64& rng, std::uint64_t seed) {
     const int targets = test::pick(rng, 1, 25);
-    // The family's own field of view, and every other time any.
+    // Every second problem has the field of view of its family, the others a random one.
     const double fov_deg = seed % 2 == 0 ? 94.0 : test::uniform(rng, 40.0, 360.0);
     return bench::tracking_problem(targets, seed, fov_deg);
   });
@@ -117,7 +117,7 @@ TEST(DrawnBounds, OfMappingAreBelowEveryPlan) {
   const double share = expect_below_every_plan([](std::mt19937_64& rng, std::uint64_t seed) {
     return test::random_landmark_problem(seed, test::pick(rng, 1, 12));
   });
-  EXPECT_GT(share, 0.5);  // from some starts none leads past the walls
+  EXPECT_GT(share, 0.5);  // from some starts no path leads past the walls
 }
 
 }  // namespace

@@ -10,9 +10,9 @@
 #include "test/planner/problem/random_problem.hpp"
 #include "test/planner/search/solved_problems.hpp"
 
-// In free space no search knows left from right, north from east, or one target from another by its
-// place in the list: the same problem seen in a mirror, turned or with targets renamed has a plan
-// of the same cost and the same bound. (But for the lawn mower, whose rows are the world's.)
+// In free space, search results do not depend on left or right, on north or east, or on the order
+// of targets. A problem that is mirrored, turned or with targets renamed has a plan of the same
+// cost and the same bound. (Except for the lawn mower, whose rows are those of the world.)
 
 namespace vantage::planner {
 namespace {
@@ -20,8 +20,8 @@ namespace {
 using test::pick;
 using test::uniform;
 
-// What no search decides by the last bit: no prior is the same in all directions, so that no two
-// looks are worth the same; and small enough that each comes to its end.
+// No prior is isotropic, so that no two measurements have the same gain and no search decides by
+// the last bit. The problem is small enough for each search to finish.
 SearchProblem problem_in_free_space(std::uint64_t seed) {
   std::mt19937_64 rng(0xA24BAED4963EE407U * (seed + 1));
   SearchProblem problem;
@@ -59,8 +59,7 @@ SearchProblem problem_in_free_space(std::uint64_t seed) {
   return problem;
 }
 
-/// The problem as it is seen when the plane is first mirrored in the x axis, if so, and then
-/// turned.
+/// Returns the problem mirrored in the x axis if `is_mirrored`, and then turned.
 SearchProblem seen(const SearchProblem& problem, bool is_mirrored, double turn_rad) {
   const double side = is_mirrored ? -1.0 : 1.0;
   const Eigen::Matrix2d Q =
@@ -86,13 +85,13 @@ SearchProblem seen(const SearchProblem& problem, bool is_mirrored, double turn_r
 
 class Equivariance : public ::testing::TestWithParam<std::string> {
  protected:
-  // Of `other_of`, problem by problem.
+  // Compares each problem with `other_of` that problem.
   template <class Other>
   static void expect_alike(const Other& other_of) {
     const Algorithm& algorithm = algorithm_called(GetParam());
     AlgorithmOptions options;
     options.epsilon = 0.37;
-    options.delta_m = 0.83;  // no two primitives end so far from each other
+    options.delta_m = 0.83;  // no two primitives end so far apart
     constexpr std::size_t kNodesMax = 20'000;
     SearchProblem largest = problem_in_free_space(0);
     largest.targets.resize(4);
@@ -119,7 +118,7 @@ TEST_P(Equivariance, OfLeftAndRight) {
       [](const SearchProblem& problem, std::uint64_t) { return seen(problem, true, 0.0); });
 }
 
-/// What turns or renames changes sums by their last bits.
+/// Turning or renaming changes sums in their last bits.
 class EquivarianceButForBits : public Equivariance {};
 
 TEST_P(EquivarianceButForBits, OfTheFrame) {
@@ -147,8 +146,8 @@ std::vector<std::string> all_but(const std::vector<std::string>& left_out) {
 
 INSTANTIATE_TEST_SUITE_P(Planner, Equivariance, ::testing::ValuesIn(all_but({"lawn_mower"})),
                          [](const auto& each) { return each.param; });
-// Ways on which nothing is seen cost the same but for the last bit, and of those AEGIS keeps the
-// one that it comes upon first, within (ε, δ).
+// Paths on which nothing is seen have equal costs up to the last bit. AEGIS keeps the first of them
+// that it finds, within (ε, δ), so it is excluded.
 INSTANTIATE_TEST_SUITE_P(Planner, EquivarianceButForBits,
                          ::testing::ValuesIn(all_but({"lawn_mower", "aegis"})),
                          [](const auto& each) { return each.param; });

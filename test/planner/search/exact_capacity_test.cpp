@@ -11,8 +11,8 @@
 #include "test/planner/search/same_result.hpp"
 #include "test/support/allocation_counter.hpp"
 
-// What is made for as many targets, steps and teammates as a problem has, each another number, does
-// what one does that is made for more of each, without asking for memory meanwhile.
+// A search whose capacity is exactly the number of targets, steps and teammates of the problem
+// behaves like one with more capacity. It allocates no memory while planning.
 
 namespace vantage::planner {
 namespace {
@@ -38,7 +38,7 @@ void for_problems_without_a_square(const Check& check) {
   EXPECT_GT(long_ones, 5);
 }
 
-/// Expects `plan(search, deadline)` to do the same by both.
+/// Expects `plan(search, deadline)` to have the same result with both capacities.
 template <class Search, class Plan>
 void expect_alike(int targets, int steps, const Plan& plan) {
   Search exact({5'000, 200'000, targets, steps, 0});
@@ -93,7 +93,7 @@ TEST(RootBound, OfAsMuchAsAProblemHasIsEnough) {
   });
 }
 
-// Of those that may stop where they are the cheapest, of equals the first, whatever the order in
+// The cheapest of the nodes that may stop is chosen; of equal ones the first, whatever the order in
 // which they are offered.
 TEST(HoverChoice, IsTheCheapestOfThoseThatMayStop) {
   int chosen = 0;
@@ -102,7 +102,7 @@ TEST(HoverChoice, IsTheCheapestOfThoseThatMayStop) {
     SCOPED_TRACE(seed);
     OwnedProblem owned = test::random_problem(seed);
     if (seed % 3 == 0) {
-      owned.problem.brake_mps2 = 0.02;  // so that many may not
+      owned.problem.brake_mps2 = 0.02;  // so that many may not stop
     }
     test::FullTree full(owned.problem);
     ASSERT_TRUE(full.complete);

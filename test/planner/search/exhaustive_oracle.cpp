@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kUndecided_m = 1e-6;
 
-// nullopt: undecided.
+// True if the robot can stop from `at`; nullopt if rounding decides.
 std::optional<bool> can_stop(const planner::SearchProblem& problem, const Pose2& at,
                              double speed_mps) {
   if (problem.brake_mps2 <= 0.0 || problem.world == nullptr) {

@@ -7,13 +7,13 @@
 #include "models/belief/gaussian.hpp"
 #include "planner/problem/problem.hpp"
 
-// What a search has to agree with, written without anything of the search: every control sequence,
-// depth first, with the beliefs, sensors and worlds of models/ alone. Teammates' motion is left
-// out (their separation is a conservative test, see motion_table_test).
+// Reference for all searches that shares no code with them: every control sequence, depth first,
+// using only the beliefs, sensors and worlds of models/. The motion of teammates is left out (their
+// separation is a conservative test, see motion_table_test).
 
 namespace vantage::test {
 
-/// Where a plan may be continued from.
+/// A state from which a plan can be continued.
 struct OracleState {
   Pose2 world_from_body;
   int depth = 0;
@@ -23,28 +23,29 @@ struct OracleState {
 struct OracleAnswer {
   bool found = false;         ///< some sequence is feasible and can stop at its end
   double cost = 0.0;          ///< least cost of the steps after `depth`
-  std::vector<int> controls;  ///< that cost it
+  std::vector<int> controls;  ///< with the least cost
   /// Some motion came so near to an obstacle that its clearance could not be decided.
   bool undecided = false;
 };
 
-/// The state at the start of `problem`.
+/// Returns the state at the start of `problem`.
 OracleState start_of(const planner::SearchProblem& problem);
 
-/// The cheapest completion from `state` to the horizon. O(|U|^T · M).
+/// Returns the cheapest completion from `state` to the horizon. O(|U|^T · M).
 OracleAnswer best_completion(const planner::SearchProblem& problem, const OracleState& state);
 
-/// The beliefs after one step: predicted, then updated by the teammates' and the own information.
+/// Returns the beliefs after one step: predicted, then updated with the teammates' and the own
+/// information.
 std::vector<models::Gaussian> look_from(const planner::SearchProblem& problem,
                                         const std::vector<models::Gaussian>& beliefs,
                                         const Pose2& pose, int depth);
 
-/// Σ_m log det or tr.
+/// Returns Σ_m log det or Σ_m tr of the covariances.
 double stage_cost(const planner::SearchProblem& problem,
                   const std::vector<models::Gaussian>& beliefs);
 
-/// Whether a disc carried along `control` stays clear: by chords cut until the sagitta decides;
-/// nullopt when it is within a micrometre of touching.
+/// True if a disc carried along `control` stays clear. Chords are cut until the sagitta decides;
+/// nullopt within a micrometre of contact.
 std::optional<bool> arc_clear(const planner::SearchProblem& problem, const Pose2& from,
                               const models::UnicycleControl& control, double duration_s);
 

@@ -56,7 +56,7 @@ TEST(Expander, KeepsTheCovariancesOfTheModels) {
   }
 }
 
-// Products of determinants must not run out of the range of a double.
+// Products of determinants must not leave the range of a double.
 TEST(Expander, CostsManySharpLooksAtVagueTargets) {
   for (const models::TargetKind kind :
        {models::TargetKind::kRandomWalk, models::TargetKind::kDoubleIntegrator}) {
@@ -126,7 +126,7 @@ TEST(Expander, CostsAHoverAsTheScorerDoes) {
   }
 }
 
-// Two nodes of one depth, drawn at random.
+// Calls check(a, b) for random pairs of nodes of equal depth.
 template <class Check>
 void for_random_pairs(FullTree& full, int pairs, std::mt19937_64& rng, const Check& check) {
   for (int i = 0; i < pairs; ++i) {
@@ -167,7 +167,7 @@ TEST(IsRedundant, ImpliesThatTheJointCovarianceDominates) {
   EXPECT_GT(tested - redundant, 300);
 }
 
-// Why pruning is allowed: knowing less is never better, whatever is done afterwards.
+// The reason why pruning is allowed: with less information no completion is cheaper.
 TEST(IsRedundant, ImpliesThatNoCompletionIsBetter) {
   std::mt19937_64 rng(23);
   int compared = 0;
@@ -182,7 +182,7 @@ TEST(IsRedundant, ImpliesThatNoCompletionIsBetter) {
           !full.expander.is_redundant(full.tree, a, 0.0, b)) {
         return;
       }
-      // Both beliefs, continued from one and the same pose.
+      // Both beliefs, continued from the same pose.
       test::OracleState from_a = test::start_of(owned.problem);
       test::OracleState from_b = from_a;
       for (const Pose2& pose : full.path(a)) {

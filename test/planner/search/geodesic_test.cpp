@@ -12,8 +12,8 @@ namespace {
 
 using test::uniform;
 
-// Ways on a fine lattice whose edges go to every cell within three: longer than the shortest way,
-// by 1.3 % at most where nothing is in the way.
+// Distances on a fine lattice whose edges lead to all cells within three. They exceed the shortest
+// distance, by at most 1.3 % in free space.
 constexpr double kCell_m = 0.05;
 constexpr int kSide = 121;
 
@@ -121,13 +121,13 @@ TEST(GeodesicTable, IsAMetricEvenWhereBoxesTouchWallsAndOverlap) {
       }
     }
   }
-  // Round the top of the wall: there is no way below it.
+  // The path leads around the top of the wall: there is none below it.
   table.reset(&world, {{0.5, 0.5}, {2.0, 1.0}});
   const double around_m = std::hypot(0.5, 2.5) + 2.0 + 1.0 + std::hypot(1.0, 1.0);
   EXPECT_NEAR(table.between_m(0, 1), around_m, 1e-6);
 }
 
-// As the world looks when it is turned by quarters, after it is mirrored if so.
+// Returns the position after the world is mirrored if `is_mirrored` and then turned by quarters.
 Eigen::Vector2d seen(const Eigen::Vector2d& p_m, bool is_mirrored, int quarters) {
   Eigen::Vector2d out = is_mirrored ? Eigen::Vector2d(-p_m.x(), p_m.y()) : p_m;
   for (int i = 0; i < quarters; ++i) {
@@ -142,8 +142,8 @@ models::Rectangle seen(const models::Rectangle& box, bool is_mirrored, int quart
   return {a.cwiseMin(b), a.cwiseMax(b)};
 }
 
-// Between a box and the wall that it touches there is no way, whichever wall that is: the way leads
-// around the other end, past two corners. Where somebody is outside of the walls there is one.
+// No path leads between a box and the wall that it touches, for any wall. The path leads around the
+// other end, past two corners. For a point outside the walls there is one.
 TEST(GeodesicTable, HasNoWayBetweenABoxAndAnyWallThatItTouches) {
   for (int which = 0; which < 8; ++which) {
     SCOPED_TRACE(which);
@@ -162,7 +162,7 @@ TEST(GeodesicTable, HasNoWayBetweenABoxAndAnyWallThatItTouches) {
     EXPECT_NEAR(table.between_m(2, 3), std::hypot(2.5, 0.5), 1e-9);
     EXPECT_NEAR(table.between_m(0, 2), 4.5, 1e-9);
     EXPECT_NEAR(table.between_m(2, 1), std::hypot(1.0, 2.0) + std::hypot(0.5, 2.0), 1e-6);
-    // From anywhere, points or not.
+    // From any position, not only from the points.
     GeodesicTable::Outlook outlook;
     table.look_around(turned(Eigen::Vector2d(0.9, 0.1)), outlook);
     EXPECT_NEAR(table.way_m(outlook, 1), std::hypot(0.1, 2.9) + 0.5 + std::hypot(0.5, 2.0), 1e-6);
@@ -173,7 +173,7 @@ TEST(GeodesicTable, HasNoWayBetweenABoxAndAnyWallThatItTouches) {
     const double below_m = std::hypot(0.5, 0.5) + 0.5 + std::hypot(0.5, 1.0);
     EXPECT_NEAR(table.between_m(0, 1), below_m, 1e-6);
     EXPECT_NEAR(table.between_m(0, 4), std::hypot(0.5, 0.5) + std::hypot(1.0, 0.5), 1e-6);
-    // And once more as at first, then without a world.
+    // Again as at first, then without a world.
     table.reset(&world, points);
     EXPECT_EQ(table.point_count(), 4);
     EXPECT_NEAR(table.between_m(0, 1), around_m, 1e-6);
@@ -210,8 +210,8 @@ TEST(GeodesicTable, SaysWhereNoRobotCanBe) {
   expect_edges(world.obstacles[1].footprint, true);
 }
 
-// Of more boxes than it keeps the largest are kept, in whatever order they come; a wall without a
-// width is none.
+// If there are too many boxes, the largest are kept, in any order. A wall without a width is
+// ignored.
 TEST(GeodesicTable, KeepsTheLargestBoxes) {
   for (const int first : {0, 3, 8}) {
     models::World world;

@@ -11,8 +11,8 @@
 #include "planner/search/heuristic.hpp"
 #include "test/planner/problem/random_problem.hpp"
 
-// Where the bound of Theorem 6 is known in closed form: looks that tell as much in all directions,
-// and how many of them there can be. A bound that is below it is weak, one above it false.
+// Cases in which the bound of Theorem 6 has a closed form: measurements that are isotropic, with a
+// known number of them. A bound below it is weak, one above it is false.
 
 namespace vantage::planner {
 namespace {
@@ -22,9 +22,10 @@ using test::pick;
 using test::random_spd;
 using test::uniform;
 
-constexpr double kStep_m = 0.5;  // of a metre a second, half a second long
+constexpr double kStep_m = 0.5;  // 1 m/s for half a second
 
-/// Targets of every kind around a robot whose sensors tell their place in all coordinates alike.
+/// Targets of every kind around a robot whose sensors measure position equally well in all
+/// coordinates.
 SearchProblem all_round_problem(std::mt19937_64& rng) {
   SearchProblem problem;
   problem.start = {uniform(rng, -3.0, 3.0), uniform(rng, -3.0, 3.0), uniform(rng, -kPi, kPi)};
@@ -55,14 +56,14 @@ SearchProblem all_round_problem(std::mt19937_64& rng) {
     }
     const int n = model.dim();
     SearchTarget target{model, {models::StateVector::Zero(n), random_spd(rng, n, 2.0, 1.0)}};
-    // In the middle between two steps, so that nothing hangs on a rounding.
+    // In the middle between two steps, so that rounding does not decide.
     const double away_m = (pick(rng, 0, 12) + 0.6) * kStep_m;
     const double bearing_rad = uniform(rng, -kPi, kPi);
     target.prior.mean.head<2>() =
         problem.start.position_m() +
         away_m * Eigen::Vector2d(std::cos(bearing_rad), std::sin(bearing_rad));
     if (n == 3) {
-      target.prior.mean(2) = problem.height_m;  // ways are what they are in the plane
+      target.prior.mean(2) = problem.height_m;  // distances are those in the plane
     } else if (n == 4) {
       target.prior.mean.tail<2>() = Eigen::Vector2d(uniform(rng, -1, 1), uniform(rng, -1, 1));
     }
@@ -70,7 +71,7 @@ SearchProblem all_round_problem(std::mt19937_64& rng) {
     if (has_fixed) {
       problem.fixed_information.emplace_back(index(problem.horizon_steps));
       const int p = model.position_dim;
-      // In one step alone, the last of all for one of them.
+      // Information in one step only; for one target in the last step.
       const int k = problem.targets.size() == 1 ? problem.horizon_steps - 1 : pick(rng, 0, 5);
       problem.fixed_information.back()[index(k)] = random_spd(rng, p, 5.0, 1.0);
     }
@@ -78,8 +79,8 @@ SearchProblem all_round_problem(std::mt19937_64& rng) {
   return problem;
 }
 
-/// Cost of each step after `depth` of target m, believed `belief` then, when every sensor that can
-/// have come near enough from `at` sees it; the first at [depth + 1].
+/// Returns the cost of each step after `depth` for target m with belief `belief`, if every sensor
+/// that can be in range from `at` sees it. The first is at [depth + 1].
 std::vector<double> stages(const SearchProblem& problem, int m, const Pose2& at, int depth,
                            models::Gaussian belief, bool nobody_looks = false) {
   const models::TargetModel& model = problem.targets[index(m)].model;
@@ -114,7 +115,7 @@ double sum(const std::vector<double>& all) {
   return total;
 }
 
-/// As a target is believed at `depth` when nobody looks.
+/// Returns the belief about a target at `depth` without own measurements.
 models::Gaussian open_loop(const SearchProblem& problem, int m, int depth) {
   models::Gaussian belief = problem.targets[index(m)].prior;
   for (int k = 1; k <= depth; ++k) {
@@ -128,10 +129,10 @@ models::Gaussian open_loop(const SearchProblem& problem, int m, int depth) {
   return belief;
 }
 
-/// Whether somebody's way at some step is so near to an edge that a rounding decides.
+/// True if a distance at some step is so near to a limit that rounding decides.
 bool is_close(const SearchProblem& problem, const Pose2& at, int depth) {
   for (int m = 0; m < static_cast<int>(problem.targets.size()); ++m) {
-    const bool rounds = problem.targets[index(m)].model.dim() < 4;  // to quarters of a step
+    const bool rounds = problem.targets[index(m)].model.dim() < 4;  // rounded to quarters of a step
     for (int k = depth + 1; k <= problem.horizon_steps; ++k) {
       const double way_m =
           (open_loop(problem, m, k).mean.head<2>() - at.position_m()).norm() / kStep_m;
@@ -154,8 +155,8 @@ class ClosedForm : public ::testing::Test {
   }
 };
 
-// Of targets near and far, untouched and looked at before, from every depth on; and what it says of
-// some of them is theirs.
+// Near and far targets, with and without earlier measurements, from every depth. The parts of
+// single targets add up.
 TEST_F(ClosedForm, OfLooksThatTellAsMuchInAllDirections) {
   std::mt19937_64 rng(51);
   int compared = 0;
@@ -204,15 +205,15 @@ TEST_F(ClosedForm, OfLooksThatTellAsMuchInAllDirections) {
     const auto parts = heuristic_.cost_to_go(at, depth, blocks, apart.data());
     EXPECT_NEAR(parts.all, all, play);
     EXPECT_NEAR(parts.apart, some, play);
-    // And once more, now that what is tabled is there.
+    // Again, now that the tables are filled.
     EXPECT_EQ(heuristic_.cost_to_go(at, depth, blocks, apart.data()).all, parts.all);
     EXPECT_EQ(heuristic_.cost_to_go(at, problem.horizon_steps, blocks), 0.0);
   }
   EXPECT_GT(compared, 50);
 }
 
-// Its floors are the stages of a robot that is near everything in reach, step by step; and what is
-// left when nobody looks is the sum of what is to come.
+// The floors are the stage costs of a robot that is near all reachable targets, step by step. The
+// cost without measurements is the sum of the remaining stages.
 TEST_F(ClosedForm, OfFloorsAndOfWhatIsLeftWhenNobodyLooks) {
   std::mt19937_64 rng(52);
   int compared = 0;
@@ -250,8 +251,8 @@ TEST_F(ClosedForm, OfFloorsAndOfWhatIsLeftWhenNobodyLooks) {
   EXPECT_GT(compared, 20);
 }
 
-// A moving target from just within and just beyond reach of the k-th look, in the plane and, at
-// other heights, in space.
+// A moving target starts just within and just beyond reach of the k-th measurement, in the plane
+// and, at other heights, in space.
 TEST_F(ClosedForm, OfTheFirstStepThatComesNearEnough) {
   for (const double drop_m : {0.0, 1.2, -1.2}) {
     SearchProblem problem;
@@ -266,7 +267,7 @@ TEST_F(ClosedForm, OfTheFirstStepThatComesNearEnough) {
     sensor.position_sigma_m = 0.5;
     problem.sensors = {sensor};
     const bool in_space = drop_m != 0.0;
-    const double sight_m = in_space ? 1.6 : 2.0;  // 1.2, 1.6, 2: at right angles
+    const double sight_m = in_space ? 1.6 : 2.0;  // 1.2, 1.6, 2 is a right triangle
     const models::TargetModel model =
         in_space ? models::TargetModel{TargetKind::kRandomWalk, 3, 0.01}
                  : models::TargetModel{TargetKind::kDoubleIntegrator, 2, 0.01};
@@ -295,7 +296,8 @@ TEST_F(ClosedForm, OfTheFirstStepThatComesNearEnough) {
           }
           expected += models::log_det(belief.covariance);
         }
-        // What is in a table by distance is touched here, so that its way is exact.
+        // A target with own information is not read from a table by distance, so its distance is
+        // exact.
         double packed[kMaxPacked];
         pack(beliefs_.layout(0), target.prior.covariance, packed);
         const std::uint16_t touched[] = {0};
@@ -328,8 +330,8 @@ SearchProblem round_about(const models::TargetModel& model, models::SensorModel 
   return problem;
 }
 
-// A range tells of one direction. Of what stays all looks add up, in the best of directions; of
-// what moves each counts for half of itself in both.
+// A range measures one direction. For a static target all measurements add up in the best
+// directions. For a moving one each counts half in both directions.
 TEST_F(ClosedForm, OfRangesWhichTellOfOneDirectionAtATime) {
   constexpr double kStrength = 16.0;
   models::SensorModel range;
@@ -365,7 +367,7 @@ TEST_F(ClosedForm, OfRangesWhichTellOfOneDirectionAtATime) {
       EXPECT_NEAR(heuristic_.cost_to_go(moving.start, 0, {}), half, 1e-9 * std::abs(half));
     }
 
-    // Of what spreads slowly either may be the larger, at each step.
+    // For a target that spreads slowly, either form may be larger at each step.
     const SearchProblem spreads = round_about({TargetKind::kRandomWalk, 2, 0.1}, range, cost);
     reset(spreads);
     models::Gaussian belief = spreads.targets[0].prior;
@@ -384,7 +386,8 @@ TEST_F(ClosedForm, OfRangesWhichTellOfOneDirectionAtATime) {
   }
 }
 
-// What a look tells at most from between two distances and some steps nearer, sensor by sensor.
+// The greatest information of one measurement from between two distances and some steps nearer, per
+// sensor.
 TEST_F(ClosedForm, OfOneLook) {
   constexpr double kPlay = 1e-6;
   models::SensorModel sensor;
@@ -428,17 +431,18 @@ TEST_F(ClosedForm, OfOneLook) {
   expect(look({Kind::kBearing}, 0, 2.0, 2.5, 0), 0.0, bearing(2.0), 1);
   expect(look({Kind::kBearing}, 0, 2.0, 2.5, 2), 0.0, bearing(1.0), 1);
   expect(look({Kind::kBearing}, 0, 2.0, 2.5, 9), 0.0, bearing(0.2), 1);  // its least range
-  // Far away the range tells more, nearby the bearing: the weaker of both in all directions.
+  // Far away the range has more information, nearby the bearing. The weaker of the two counts in
+  // all directions.
   expect(look({Kind::kRangeBearing}, 0, 2.0, 2.5, 0), bearing(2.0), range - bearing(2.0), 1);
   expect(look({Kind::kRangeBearing}, 0, 1.0, 2.5, 0), range, bearing(1.0) - range, 1);
-  // Several add up; in space everything counts in all directions.
+  // Several sensors add up; in space all information counts in all directions.
   expect(look({Kind::kRange, Kind::kPosition, Kind::kBearing}, 0, 2.0, 2.5, 0), position,
          range + bearing(2.0), 2);
   expect(look({Kind::kRange, Kind::kBearing}, 1, 2.0, 2.5, 0), range + bearing(2.0), 0.0, 0);
-  // Out of sight by a little, and just in it.
+  // Just out of sight, and just in sight.
   expect(look({Kind::kRange}, 0, 4.0 + 1e-6, 4.5, 2), 0.0, 0.0, 0);
   expect(look({Kind::kRange}, 0, 4.0 - 1e-6, 4.5, 2), 0.0, range, 1);
-  // Nowhere between is it as far as the least range.
+  // All distances in the interval are below the least range.
   expect(look({Kind::kRange}, 0, 0.0, 0.1, 0), 0.0, 0.0, 0);
   expect(look({Kind::kRange}, 0, 0.0, 0.3, 0), 0.0, range, 1);
 }
@@ -452,7 +456,7 @@ TEST_F(ClosedForm, OfWhoStaysAndWhoIsLookedAtByOthers) {
     seen_fixed = seen_fixed || has_fixed;
     if (has_fixed) {
       problem.fixed_information[2].assign(index(problem.horizon_steps),
-                                          models::PositionMatrix::Zero(2, 2));  // tells nothing
+                                          models::PositionMatrix::Zero(2, 2));  // no information
     }
     reset(problem);
     for (int m = 0; m < 8; ++m) {
@@ -471,7 +475,8 @@ TEST_F(ClosedForm, OfWhoStaysAndWhoIsLookedAtByOthers) {
   EXPECT_TRUE(seen_fixed);
 }
 
-// A bearing from anywhere tells without end: nothing is bounded, neither a node nor a stage.
+// A bearing without a least range has unlimited information, so neither a node nor a stage has a
+// bound.
 TEST_F(ClosedForm, OfWhatNothingBounds) {
   models::SensorModel sensor;
   sensor.kind = models::SensorKind::kBearing;
@@ -485,7 +490,7 @@ TEST_F(ClosedForm, OfWhatNothingBounds) {
   for (int k = 1; k <= problem.horizon_steps; ++k) {
     EXPECT_EQ(heuristic_.stage_floor(k), -infinity) << k;
   }
-  problem.targets[0].prior.mean(0) = 9.0;  // is not
+  problem.targets[0].prior.mean(0) = 9.0;  // is not reached
   reset(problem);
   EXPECT_TRUE(std::isfinite(heuristic_.cost_to_go(problem.start, 0, {})));
   EXPECT_TRUE(std::isfinite(heuristic_.stage_floor(1)));

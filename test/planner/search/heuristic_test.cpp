@@ -15,14 +15,14 @@ namespace {
 
 using test::FullTree;
 
-constexpr std::int64_t kNodes = 100'000;  // of each sensor
+constexpr std::int64_t kNodes = 100'000;  // per sensor
 
 OwnedProblem problem_with(models::SensorKind kind, std::uint64_t seed) {
   OwnedProblem owned = test::random_problem(seed);
   owned.problem.sensors.resize(1);
   models::SensorModel& sensor = owned.problem.sensors[0];
   sensor.kind = kind;
-  // Where nearness has no limit, what a look tells has none.
+  // Without a least distance the information would be unlimited.
   if (kind.law().measures_bearing || kind == test::signal_strength()) {
     sensor.range_min_m = std::max(sensor.range_min_m, 0.3);
   }
@@ -31,7 +31,7 @@ OwnedProblem problem_with(models::SensorKind kind, std::uint64_t seed) {
 
 using test::slack;
 
-// What a node costs at least, from the root to the end.
+// Returns the least cost of a path through each node, from the root to the horizon.
 std::vector<double> bounds_of(const OwnedProblem& owned, const FullTree& full,
                               InformationHeuristic& heuristic) {
   heuristic.reset(owned.problem, full.expander.beliefs());
@@ -75,11 +75,11 @@ TEST_P(Heuristic, IsAdmissibleConsistentAndNotBelowItsStageFloors) {
       ++nodes;
     }
   }
-  EXPECT_GT(informed, nodes / 6);  // three in four are leaves, where nothing is ahead
+  EXPECT_GT(informed, nodes / 6);  // three in four are leaves
 }
 
-// A slow robot nearer to its target than it sees, which gets just far enough in the last steps: no
-// bound may take that for nothing.
+// A slow robot is nearer to its target than the least range and gets just far enough in the last
+// steps. The bound must count these measurements.
 TEST(StepsAhead, CountOnLooksFromJustBeyondTheLeastRange) {
   InformationHeuristic heuristic(8, 8);
   for (const models::SensorKind kind : {models::SensorKind::kPosition, models::SensorKind::kRange,
@@ -90,7 +90,7 @@ TEST(StepsAhead, CountOnLooksFromJustBeyondTheLeastRange) {
       SearchProblem& problem = owned.problem;
       problem.horizon_steps = 3;
       problem.start = {away_m, 0.0, 0.0};
-      problem.controls = {{0.2, 0.0}, {0.2, 1.0}, {0.2, -1.0}};  // a tenth of a metre in a step
+      problem.controls = {{0.2, 0.0}, {0.2, 1.0}, {0.2, -1.0}};  // a tenth of a metre per step
       models::SensorModel sensor;
       sensor.kind = kind;
       sensor.range_min_m = 0.5;
@@ -110,8 +110,8 @@ TEST(StepsAhead, CountOnLooksFromJustBeyondTheLeastRange) {
   }
 }
 
-// From above as from below: a target in space is seen from as far as the slope leaves of the range,
-// and from nowhere once it is that far up or down.
+// A target above or below is visible within the horizontal distance that the slant range leaves. It
+// is never visible if the height difference exceeds the range.
 TEST(InformationHeuristic, SeesTargetsAboveAsItSeesThoseBelow) {
   constexpr double kRange_m = 3.0;
   InformationHeuristic heuristic(4, 8);
@@ -154,8 +154,8 @@ TEST(InformationHeuristic, SeesTargetsAboveAsItSeesThoseBelow) {
   }
 }
 
-// What teammates tell of a target at any one step, the first or the last, counts; what they tell of
-// another does not.
+// Information of teammates about a target counts at any step, also the first and the last.
+// Information about another target does not.
 TEST(InformationHeuristic, KnowsOfWhomTeammatesTellAtWhateverStep) {
   constexpr int kSteps = 3;
   InformationHeuristic heuristic(4, 8);

@@ -16,7 +16,7 @@ using test::uniform;
 
 SearchCapacity small_capacity() { return {60'000, 3'000'000, 16, 16, 4}; }
 
-// A tracking problem like those of the field: more than any budget here can finish.
+// Returns a tracking problem like those in the field, too large for any budget here.
 SearchProblem tracking_problem(std::uint64_t seed) {
   std::mt19937_64 rng(seed);
   SearchProblem problem;
@@ -48,7 +48,7 @@ TEST(Interruption, HasAPlanAtEveryBudgetAndABetterOneWithMore) {
       const SearchResult& result = search.plan(problem, anytime(), Deadline::nodes(budget_nodes));
       ASSERT_TRUE(result.found) << budget_nodes;
       EXPECT_EQ(result.stop_reason, StopReason::kDeadline);
-      // One expansion may be under way when the budget ends: its asking and its children.
+      // One expansion may be in progress when the budget ends: its check and its children.
       EXPECT_LE(result.work_nodes,
                 budget_nodes + 1 + static_cast<std::int64_t>(problem.controls.size()));
       if (result.moving_steps == problem.horizon_steps) {
@@ -100,7 +100,7 @@ TEST(Interruption, IsBitIdenticalOverAThousandRepetitions) {
   const SearchProblem other = tracking_problem(9);
   const SearchResult first = search.plan(problem, anytime(), Deadline::nodes(1'000));
   for (int i = 0; i < 1'000; ++i) {
-    if (i % 10 == 0) {  // what was planned before must leave no trace
+    if (i % 10 == 0) {  // earlier plans must leave no trace
       used.plan(other, anytime(), Deadline::nodes(100 + i));
     }
     test::expect_same(first, used.plan(problem, anytime(), Deadline::nodes(1'000)));
@@ -108,8 +108,8 @@ TEST(Interruption, IsBitIdenticalOverAThousandRepetitions) {
   }
 }
 
-// Stopped at any ask while a level is put in order and thinned out, it asks no more: the same
-// budget as it says it took stops it there again.
+// A search that is stopped at any check while it sorts and prunes a level makes no further check.
+// With the reported work as budget it stops at the same check again.
 TEST(Interruption, IsReplayedFromAnyAskOfALevelsOrder) {
   SearchProblem problem = tracking_problem(1);
   problem.horizon_steps = 4;
@@ -117,7 +117,7 @@ TEST(Interruption, IsReplayedFromAnyAskOfALevelsOrder) {
   ReducedOptions options;
   options.search = ReducedSearch::kSinglePass;
   options.epsilon = 0.0;
-  options.delta_m = 0.0;  // so that hardly anything is left out
+  options.delta_m = 0.0;  // so that hardly any node is pruned
   ReducedValueIteration search(small_capacity());
   constexpr std::int64_t kSortedAtOnce = 160;
   std::int64_t generated =

@@ -27,13 +27,14 @@ using test::OwnedProblem;
 
 constexpr std::size_t kStates = 400'000;
 
-/// As many as VANTAGE_BOUND_PROBLEMS says.
+/// Returns the number of problems, from the environment variable VANTAGE_BOUND_PROBLEMS; default
+/// 250.
 std::uint64_t problem_count() {
   const char* const asked = std::getenv("VANTAGE_BOUND_PROBLEMS");
   return asked != nullptr ? std::stoull(asked) : 250;
 }
 
-// The search's recursion from a millimetre takes eight digits away.
+// Returns the tolerance: at a millimetre's distance the search's recursion loses eight digits.
 double play(double cost) { return 1e-5 * std::max(1.0, std::abs(cost)); }
 
 TEST(LatticeBound, IsBelowEveryCompletionOfEveryNode) {
@@ -86,8 +87,8 @@ TEST(LatticeBound, IsBelowEveryCompletionOfEveryNode) {
   EXPECT_GT(bounded, 4 * problem_count());
 }
 
-/// A robot that drives a metre a step along x, or as it is told, and the highest bound found for
-/// it, which lies below the best plan of all.
+/// Expects the highest bound to lie below the best plan of all, for a robot that drives 1 m per
+/// step along x or uses `controls`.
 void expect_bound_below_best(const std::vector<SearchTarget>& targets,
                              const std::vector<models::UnicycleControl>& controls = {
                                  {2.0, 0.0}, {2.0, 1.0}, {2.0, -1.0}}) {
@@ -121,7 +122,8 @@ void expect_bound_below_best(const std::vector<SearchTarget>& targets,
   EXPECT_GT(highest, best - 10.0) << "it is too low to say anything";
 }
 
-/// 2 cm beside the robot's way, `ahead_m` from its start, going along it.
+/// Returns a target 2 cm next to the robot's path, `ahead_m` from its start, that moves along the
+/// path.
 SearchTarget beside_the_way(double ahead_m, double speed_mps) {
   SearchTarget target{{models::TargetKind::kDoubleIntegrator, 2, 1e-4}, {}};
   target.prior.mean = Eigen::Vector4d(40.0 + ahead_m, 30.021, speed_mps, 0.0);
@@ -129,9 +131,9 @@ SearchTarget beside_the_way(double ahead_m, double speed_mps) {
   return target;
 }
 
-// Two targets drive one behind the other at half the robot's speed, met at 1 m and at 2 m: from
-// beside the one behind a step leads to beside the one before it, and none leads back. A third is
-// never met. In whatever order they come.
+// Two targets drive one behind the other at half the robot's speed and are met at 1 m and 2 m. A
+// step leads from next to the rear target to next to the front one; no step leads back. A third
+// target is never met. Tested in every order of the targets.
 TEST(LatticeBound, LetsAStepLeadFromBesideOneTargetToBesideAnother) {
   const std::vector<SearchTarget> targets = {beside_the_way(0.5, 1.0), beside_the_way(1.0, 1.0),
                                              beside_the_way(30.0, 1.0)};
@@ -142,9 +144,8 @@ TEST(LatticeBound, LetsAStepLeadFromBesideOneTargetToBesideAnother) {
   } while (std::next_permutation(order.begin(), order.end()));
 }
 
-// Of controls that go a metre or half of that, in whatever order they come, one leads from beside
-// the one target to beside the other, whether the shortest or the longest of them does, in one step
-// or in two.
+// Of controls that go one metre or half of that, in any order, one leads from next to one target to
+// next to the other. It may be the shortest or the longest control, and it takes one step or two.
 TEST(LatticeBound, LetsTheShortestAndTheLongestStepLeadWhereverItIsInTheList) {
   std::vector<models::UnicycleControl> controls = {{2.0, 0.0}, {1.5, 0.8}, {1.0, 0.0}};
   for (int turn = 0; turn < 3; ++turn) {
@@ -157,13 +158,13 @@ TEST(LatticeBound, LetsTheShortestAndTheLongestStepLeadWhereverItIsInTheList) {
   }
 }
 
-// Two targets overtake the robot side by side, where it is after one step.
+// Two targets overtake the robot side by side, at its position after one step.
 TEST(LatticeBound, LetsWhoIsBesideTwoTargetsBeBesideBoth) {
   expect_bound_below_best({beside_the_way(-1.0, 4.0), beside_the_way(-1.0, 4.0)});
 }
 
-// A tenth of what a look from half the range tells, in the mean of all directions, of what comes
-// into range by then; nothing of the rest.
+// The first reference is a tenth of the isotropic mean information from half the range, for each
+// target that can be in range at the step. It is 0 for the rest.
 TEST(LatticeBound, BeginsFromAWeakLookAtAllThatIsInReach) {
   for (const models::SensorKind kind :
        {models::SensorKind::kRangeBearing, models::SensorKind::kBearing, models::SensorKind::kRange,
@@ -204,7 +205,7 @@ TEST(LatticeBound, BeginsFromAWeakLookAtAllThatIsInReach) {
   }
 }
 
-// Left for right: places, turns and what is known.
+// Returns the problem mirrored left to right: positions, turns and beliefs.
 SearchProblem mirrored(SearchProblem problem) {
   problem.start = {problem.start.x_m, -problem.start.y_m, -problem.start.yaw_rad};
   for (models::UnicycleControl& control : problem.controls) {
@@ -248,9 +249,9 @@ TEST(LatticeBound, IsTheSameInAMirror) {
     const bool stands = std::any_of(controls.begin(), controls.end(),
                                     [](const auto& control) { return control.speed_mps == 0.0; });
     if (stands || seed % 3 == 0) {
-      continue;  // what stands touches cells on one side; oscillators have sides of their own
+      continue;  // static targets touch cells on one side; oscillators have own sides
     }
-    controls[0].yaw_rate_radps = controls[2].yaw_rate_radps;  // and so does what goes straight
+    controls[0].yaw_rate_radps = controls[2].yaw_rate_radps;  // and so does straight driving
     const auto [cost, work_nodes] = bound_of(owned.problem);
     const auto [turned, turned_nodes] = bound_of(mirrored(owned.problem));
     ++compared;
@@ -259,7 +260,7 @@ TEST(LatticeBound, IsTheSameInAMirror) {
     EXPECT_NEAR(turned_nodes, work_nodes, 0.02 * work_nodes) << seed;
   }
   EXPECT_GT(compared, 30);
-  EXPECT_GT(same, 0.9 * compared);  // a chord along the cells' edges touches one side, too
+  EXPECT_GT(same, 0.9 * compared);  // a chord along cell edges touches one side, too
 }
 
 TEST(PrefixBound, RisesToTheOptimumAndNeverBeyondIt) {
@@ -300,7 +301,7 @@ TEST(PrefixBound, StopsAtTheDeadlineAndSaysWhatIsProven) {
   }
 }
 
-// Of a hundred and fifty targets in sight a node's blocks take fifteen hundred numbers.
+// With 150 targets in sight, the blocks of a node take 1500 numbers.
 TEST(PrefixBound, GoesOnAsLongAsItIsToldToHoweverManyTargetsThereAre) {
   std::mt19937_64 rng(5);
   OwnedProblem owned;

@@ -11,8 +11,8 @@
 #include "test/planner/problem/random_problem.hpp"
 #include "test/planner/search/lattice_problem.hpp"
 
-// The lattice's best path and its bound, held against what they must be: in the limit, where
-// nothing is seen, and where there is only one way.
+// The best path of the lattice and its bound in limit cases: where nothing is seen, and where there
+// is only one path.
 
 namespace vantage::planner {
 namespace {
@@ -25,7 +25,7 @@ const models::SensorKind kKinds[] = {models::SensorKind::kRangeBearing,
                                      models::SensorKind::kBearing, models::SensorKind::kRange,
                                      models::SensorKind::kPosition};
 
-/// What is known of a target that drives, with the same variances along both axes.
+/// Returns a moving target whose belief has the same variances along both axes.
 SearchTarget drifting(const Eigen::Vector2d& at_m, const Eigen::Vector2d& velocity_mps) {
   SearchTarget target{{models::TargetKind::kDoubleIntegrator, 2, 0.01}, {}};
   target.prior.mean = models::StateVector::Zero(4);
@@ -34,7 +34,7 @@ SearchTarget drifting(const Eigen::Vector2d& at_m, const Eigen::Vector2d& veloci
   return target;
 }
 
-/// A robot that drives all ways among targets of which it is known as much in every direction.
+/// Returns a robot with all kinds of controls among targets with isotropic beliefs.
 SearchProblem all_alike(std::mt19937_64& rng) {
   SearchProblem problem;
   problem.start = {uniform(rng, -2.0, 2.0), uniform(rng, -2.0, 2.0), uniform(rng, -kPi, kPi)};
@@ -46,7 +46,7 @@ SearchProblem all_alike(std::mt19937_64& rng) {
     models::SensorModel sensor;
     sensor.kind = kKinds[pick(rng, 0, 3)];
     sensor.range_max_m = uniform(rng, 2.0, 6.0);
-    sensor.range_min_m = 0.3;  // nothing is right beside it
+    sensor.range_min_m = 0.3;  // no target is right next to it
     sensor.variance_grows_with_range = pick(rng, 0, 1) == 0;
     sensor.fov_rad = pick(rng, 0, 2) == 0 ? 2.0 * kPi : radians(uniform(rng, 30.0, 330.0));
     problem.sensors.push_back(sensor);
@@ -58,9 +58,9 @@ SearchProblem all_alike(std::mt19937_64& rng) {
   return problem;
 }
 
-// About a reference that tells far more than any look, every look counts in full; and where all
-// directions are worth the same, what the best path sees is worth exactly what it gathers, however
-// wide the cells are. A path that is not the best gathers less; what it does not see adds nothing.
+// Around a reference with far more information than any measurement, every measurement counts in
+// full. With isotropic beliefs the best path gains exactly what it gathers, for any cell width.
+// Other paths gather less, and what they do not see adds nothing.
 TEST(LatticeBound, SeesOnItsBestPathWhatThatGathers) {
   LatticeBound lattice(8, 8, kStates);
   BeliefTable beliefs(8, 8);
@@ -84,7 +84,7 @@ TEST(LatticeBound, SeesOnItsBestPathWhatThatGathers) {
     for (int m = 0; m < beliefs.target_count(); ++m) {
       cost.linearise(m, depth, beliefs.open_loop(m, depth), reference.data());
     }
-    constexpr float kBefore = 3.0F;  // what the path sees is added to what is there
+    constexpr float kBefore = 3.0F;  // the path's information is added to what is there
     std::vector<float> looked(reference.size(), kBefore);
     std::int64_t work_nodes = 0;
     const std::size_t states = pick(rng, 0, 1) == 0 ? kStates : 20'000;
@@ -107,7 +107,7 @@ TEST(LatticeBound, SeesOnItsBestPathWhatThatGathers) {
     }
     EXPECT_NEAR(seen - before, path.gained, 1e-4 * path.gained + 1e-5 * before);
     gathered += path.gained > 100.0 * before * 1e-5 ? 1 : 0;
-    // Who does not ask what it sees hears the same of what it gathers.
+    // Without the output of what it sees, the gathered gain is the same.
     const auto again = lattice.best_path(problem.start, depth, cost, nullptr, states,
                                          Deadline::never(), work_nodes);
     EXPECT_EQ(again.gained, path.gained);
@@ -123,7 +123,8 @@ double open_loop_cost(const BeliefTable& beliefs, int horizon_steps) {
   return cost;
 }
 
-/// The bound at its best, when its reference has been moved to what its best path sees.
+/// The highest bound after several rounds, in each of which the reference moves towards what the
+/// best path sees.
 class BestBound {
  public:
   double of(const SearchProblem& problem, int rounds) {
@@ -149,8 +150,9 @@ class BestBound {
   LatticeBound lattice_{8, 8, kStates};
 };
 
-// Where no step can see anything, the bound is what nobody's looks cost: too near, too far in any
-// direction that it can drive to, or beside the field of view. By a little more it would be seen.
+// If no step can see anything, the bound is the cost without measurements. The target is too near,
+// too far in every reachable direction, or outside the field of view. With slightly larger limits
+// it would be seen.
 TEST(LatticeBound, IsWhatIsKnownAnywayWhereNothingIsSeen) {
   BestBound bound;
   for (const models::SensorKind kind : kKinds) {
@@ -159,7 +161,7 @@ TEST(LatticeBound, IsWhatIsKnownAnywayWhereNothingIsSeen) {
       SearchProblem problem;
       problem.start = {5.0, -3.0, yaw_rad};
       problem.horizon_steps = 3;
-      problem.controls = {{1.0, 0.0}};  // half a metre a step
+      problem.controls = {{1.0, 0.0}};  // half a metre per step
       models::SensorModel sensor;
       sensor.kind = kind;
       const auto sees = [&](double ahead_m, double left_m, double range_min_m, double range_max_m,
@@ -179,15 +181,15 @@ TEST(LatticeBound, IsWhatIsKnownAnywayWhereNothingIsSeen) {
       };
       const double all_round_rad = 2.0 * kPi;
       for (const double side : {1.0, -1.0}) {
-        // At 0.5, 1 and 1.5 m along its way, with cells of a 24th of a step.
-        const double nearest_m = 2.0;  // beside where it is after its second step
+        // Positions at 0.5, 1 and 1.5 m along its path, with cells of 1/24 of a step.
+        const double nearest_m = 2.0;  // opposite its position after the second step
         EXPECT_TRUE(sees(1.0, side * nearest_m, 0.3, nearest_m + 0.1, all_round_rad));
         EXPECT_FALSE(sees(1.0, side * nearest_m, 0.3, nearest_m - 0.1, all_round_rad));
-        const double farthest_m = std::hypot(0.5, nearest_m);  // after its first and third
+        const double farthest_m = std::hypot(0.5, nearest_m);  // after its first and third step
         EXPECT_TRUE(sees(1.0, side * nearest_m, farthest_m - 0.1, 9.0, all_round_rad));
         EXPECT_FALSE(sees(1.0, side * nearest_m, farthest_m + 0.1, 9.0, all_round_rad));
-        // From where it is then it is seen to the side, and 45° before and behind that.
-        const double first_rad = 0.25 * kPi;  // after its first step, of two metres ahead
+        // From there the target is seen to the side, and 45° ahead of and behind that.
+        const double first_rad = 0.25 * kPi;  // after its first step, 2 m ahead
         EXPECT_TRUE(sees(2.5, side * 2.0, 0.3, 2.9, 2.0 * first_rad + 0.2));
         EXPECT_FALSE(sees(2.5, side * 2.0, 0.3, 2.9, 2.0 * std::atan2(2.0, 2.0) - 0.2));
         // Behind it from its first step on.
@@ -202,8 +204,8 @@ TEST(LatticeBound, IsWhatIsKnownAnywayWhereNothingIsSeen) {
   }
 }
 
-// Of a robot on rails there is one plan; its cost is nearly the bound, which lies below it by what
-// a cell's width blurs and no more.
+// A robot on rails has only one plan. The bound lies just below its cost, by no more than the blur
+// of a cell's width.
 TEST(LatticeBound, IsNearlyWhatTheOnlyWayCosts) {
   BestBound bound;
   std::mt19937_64 rng(92);
@@ -230,7 +232,7 @@ TEST(LatticeBound, IsNearlyWhatTheOnlyWayCosts) {
           test::random_spd(rng, 4, uniform(rng, 0.1, 2.0), 1.0);
     }
     std::vector<Pose2> way;
-    bool is_plain = true;  // no edge of range or view is near, nor is a target
+    bool is_plain = true;  // no range or view limit and no target is near
     for (int k = 1; k <= problem.horizon_steps; ++k) {
       way.push_back(models::step_unicycle(way.empty() ? problem.start : way.back(),
                                           problem.controls[0], problem.step_s));
@@ -257,8 +259,8 @@ TEST(LatticeBound, IsNearlyWhatTheOnlyWayCosts) {
   EXPECT_EQ(compared, 60);
 }
 
-// The bound is that of its reference less what the best path gathers, and less what sums of so many
-// floats may be wrong by.
+// The bound is the reference's cost minus what the best path gathers, minus the rounding error of
+// that number of float sums.
 TEST(LatticeBound, LeavesRoomForTheRoundingOfItsFloats) {
   LatticeBound lattice(8, 8, kStates);
   BeliefTable beliefs(8, 8);
@@ -290,8 +292,8 @@ TEST(LatticeBound, LeavesRoomForTheRoundingOfItsFloats) {
   }
 }
 
-// From wherever in its cell a robot ends, a look at a target that is hardly a cell away, in
-// whatever direction, may tell what the bound lets the best place of that cell tell, and no more.
+// For any position within its cell, a measurement of a target hardly a cell away has at most the
+// information that the bound takes from the best position of that cell.
 TEST(LatticeBound, IsBelowALookFromAnywhereInACell) {
   LatticeBound lattice(2, 2, kStates);
   BeliefTable beliefs(2, 2);
@@ -308,7 +310,7 @@ TEST(LatticeBound, IsBelowALookFromAnywhereInACell) {
     models::SensorModel sensor;
     sensor.kind = kKinds[pick(rng, 0, 2)];
     sensor.range_min_m = 0.02;
-    sensor.range_max_m = 0.3;  // nothing is seen from the end of the long way
+    sensor.range_max_m = 0.3;  // nothing is seen from the end of the long path
     sensor.range_sigma_m = uniform(rng, 0.01, 0.3);
     problem.sensors = {sensor};
     std::vector<Pose2> ends;
@@ -337,13 +339,13 @@ TEST(LatticeBound, IsBelowALookFromAnywhereInACell) {
   }
 }
 
-// Made for as many steps and targets as it is asked for, it has the finest lattice there is, and
-// says the same as one that is made for more.
+// A lattice with exact capacity for steps and targets has the finest cells there are. Its results
+// equal those of one with more capacity.
 TEST(LatticeBound, HasRoomForItsFinestLattice) {
   for (const int steps : {1, 2, 3}) {
     SearchProblem problem;
     problem.horizon_steps = steps;
-    // Ahead, or to face any side: it gets nearly as far in all directions.
+    // With these turns and one drive it gets nearly as far in all directions.
     problem.controls = {{3.0, 0.0}, {0.0, kPi}, {0.0, -kPi}, {0.0, 2.0 * kPi}, {0.0, 0.0}};
     models::SensorModel sensor;
     sensor.range_max_m = 9.0;
@@ -376,8 +378,8 @@ TEST(LatticeBound, HasRoomForItsFinestLattice) {
   }
 }
 
-// Cut off before its last work is done it says so, whether or not it is to follow its path; and
-// with one node more it is not cut off.
+// A search that is cut off before its last work reports it, whether or not it follows its path.
+// With one more node it is not cut off.
 TEST(LatticeBound, SaysThatItIsCutOffWhetherOrNotItFollowsItsPath) {
   LatticeBound lattice(8, 8, 20'000);
   BeliefTable beliefs(8, 8);
@@ -399,7 +401,7 @@ TEST(LatticeBound, SaysThatItIsCutOffWhetherOrNotItFollowsItsPath) {
         std::int64_t work_nodes = 0;
         const auto cut = ask(Deadline::nodes((all_nodes - 1) * part / 12), work_nodes);
         EXPECT_TRUE(cut.expired) << seed << ' ' << share << ' ' << part;
-        // Before it has gathered all there is it knows nothing.
+        // Before all gains are gathered there is no bound.
         EXPECT_TRUE(cut.cost == -kInfinity || cut.cost == cost) << seed << ' ' << part;
       }
       std::int64_t work_nodes = 0;

@@ -6,8 +6,8 @@
 
 namespace vantage::test {
 
-/// A robot among planar targets, of every kind that a lattice bounds, drawn by `seed`; some are
-/// right on the way of some control, so that looks from a millimetre occur.
+/// Returns a robot among planar targets of every kind that a lattice bounds, drawn by `seed`. Some
+/// targets are on the path of a control, so that measurements from a millimetre occur.
 OwnedProblem lattice_problem(std::uint64_t seed);
 
 }  // namespace vantage::test

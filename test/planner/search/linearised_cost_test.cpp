@@ -19,7 +19,7 @@ using test::pick;
 using test::random_spd;
 using test::uniform;
 
-/// Looks at every target at every depth, [m][k − 1], such as floats can say exactly.
+/// Information about every target at every depth, [m][k − 1], exactly representable as float.
 using Looks = std::vector<std::vector<Eigen::Matrix2d>>;
 
 Eigen::Matrix2d as_floats(const Eigen::Matrix2d& M) { return M.cast<float>().cast<double>(); }
@@ -38,7 +38,8 @@ Looks random_looks(std::mt19937_64& rng, const SearchProblem& problem) {
   return looks;
 }
 
-/// J_T, or −2 I, of target m over the depths after `depth`, by the recursion of models/belief.
+/// Returns J_T, or −2 I, of target m over the depths after `depth`, by the recursion of
+/// models/belief.
 double cost_of(const SearchProblem& problem, int m, int depth, models::Gaussian belief,
                const Looks& looks, InformationMeasure measure) {
   double cost = 0.0;
@@ -59,7 +60,7 @@ double cost_of(const SearchProblem& problem, int m, int depth, models::Gaussian 
   return cost;
 }
 
-/// What a robot is told of a problem: a table of it around a reference.
+/// The linearised cost of a problem around a reference.
 struct Tabled {
   Tabled(const SearchProblem& problem, InformationMeasure measure)
       : problem_(problem), beliefs_(8, 8), cost(8, 8) {
@@ -68,7 +69,7 @@ struct Tabled {
     cost.clear_reached();
   }
   void reach(int m, int k) { cost.set_reached(m, k); }
-  /// J(R) + Σ ⟨G, R⟩ of target m, known by `covariance` after `depth`.
+  /// Returns J(R) + Σ ⟨G, R⟩ of target m with `covariance` after `depth`.
   double around(int m, int depth, const models::StateMatrix& covariance, const Looks& looks) {
     std::vector<float> reference(cost.reference_size());
     for (int i = 0; i < static_cast<int>(problem_.targets.size()); ++i) {
@@ -84,7 +85,7 @@ struct Tabled {
     pack(beliefs_.layout(m), covariance, packed);
     return cost.linearise(m, depth, packed, reference.data());
   }
-  /// Σ ⟨G, M⟩.
+  /// Returns Σ ⟨G, M⟩.
   [[nodiscard]] double taken_off(int m, int depth, const Looks& looks) const {
     double sum = 0.0;
     for (int k = depth + 1; k <= problem_.horizon_steps; ++k) {
@@ -103,7 +104,8 @@ struct Tabled {
   LinearisedCost cost;
 };
 
-/// Mutual information is of a team's own looks: nobody else's are among them.
+/// Returns the measures that apply. Mutual information counts the team's own measurements only, so
+/// it needs a problem without fixed information.
 std::vector<InformationMeasure> measures_of(const SearchProblem& problem) {
   std::vector<InformationMeasure> measures{InformationMeasure::kLogDet};
   if (problem.fixed_information.empty()) {
@@ -114,8 +116,8 @@ std::vector<InformationMeasure> measures_of(const SearchProblem& problem) {
 
 double slack(double cost) { return 1e-6 * std::max(1.0, std::abs(cost)); }
 
-// A plane that touches the cost at the reference and lies below it everywhere else, of what was
-// known then: from every depth on, with and without teammates, noise and swings.
+// The linear form is tangent to the cost at the reference and lies below it elsewhere. Tested from
+// every depth, with and without teammates, noise and oscillators.
 TEST(LinearisedCost, TouchesTheCostAtTheReferenceAndLiesBelowItElsewhere) {
   int far = 0;
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
@@ -153,7 +155,7 @@ TEST(LinearisedCost, TouchesTheCostAtTheReferenceAndLiesBelowItElsewhere) {
   EXPECT_GT(far, 500);
 }
 
-// G = −∂J/∂M: each entry at each depth against a small change of that look alone.
+// G = −∂J/∂M: each entry at each depth compared with a small change of that measurement.
 TEST(LinearisedCost, HasTheGradientOfTheCost) {
   constexpr double kSmall = 1e-4;
   Eigen::Matrix2d directions[3];
@@ -193,8 +195,8 @@ TEST(LinearisedCost, HasTheGradientOfTheCost) {
   }
 }
 
-// Of a target that nobody comes near at a depth the reference counts for nothing there, and of one
-// that nobody comes near at all the cost is what it is.
+// At a depth at which no robot can come near a target, the reference has no effect. If none ever
+// comes near, the cost is that without measurements.
 TEST(LinearisedCost, CountsAReferenceOnlyWhereSomebodyComesNear) {
   const OwnedProblem owned = test::lattice_problem(1);
   const SearchProblem& problem = owned.problem;
@@ -226,8 +228,8 @@ TEST(LinearisedCost, CountsAReferenceOnlyWhereSomebodyComesNear) {
   }
 }
 
-// What is known without any look is the least that is known of a direction; and one look that
-// raises that by a factor f lowers the cost by no more than weight · ln f.
+// The information without measurements is the least of any direction. A measurement that raises it
+// by a factor f lowers the cost by at most weight · ln f.
 TEST(LinearisedCost, SaysWhatALookIsWorthAtMost) {
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     SCOPED_TRACE(seed);

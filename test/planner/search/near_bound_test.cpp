@@ -19,7 +19,8 @@ using test::OwnedProblem;
 using test::pick;
 using test::uniform;
 
-// Targets that the robot is among from the start: bearings from right beside them are what counts.
+// Returns a problem with targets around the start, in which bearings from right next to a target
+// dominate.
 OwnedProblem crowded_problem(std::uint64_t seed) {
   std::mt19937_64 rng(0xBF58476D1CE4E5B9U * (seed + 1));
   OwnedProblem owned;
@@ -54,7 +55,7 @@ OwnedProblem crowded_problem(std::uint64_t seed) {
     for (int i = 0; i < n; ++i) {
       target.prior.mean(i) = i < 2 ? uniform(rng, -1.5, 1.5) : uniform(rng, -0.4, 0.4);
     }
-    // One in two is right on the way of some control.
+    // Every second target is on the path of some control.
     if (pick(rng, 0, 1) == 0) {
       const auto& control = problem.controls[rng() % problem.controls.size()];
       const int t = pick(rng, 1, problem.horizon_steps);
@@ -72,7 +73,7 @@ OwnedProblem crowded_problem(std::uint64_t seed) {
   return owned;
 }
 
-// The bounds of a problem beside what exhaustion finds.
+// The bounds of a problem and the optimum by exhaustive search.
 class Bounds {
  public:
   void expect_below_every_plan(const SearchProblem& problem, double relative_slack) {
@@ -101,11 +102,11 @@ class Bounds {
 TEST(NearBound, IsBelowEveryMovingPlanAndOftenTighter) {
   Bounds bounds;
   int tighter = 0;
-  double gained = 0.0;  // nats and m² alike
+  double gained = 0.0;  // sum of nats and m²
   for (std::uint64_t seed = 0; seed < 600; ++seed) {
     SCOPED_TRACE(seed);
     const OwnedProblem owned = crowded_problem(seed);
-    // The oracle's recursion loses digits right beside a target.
+    // The reference recursion loses digits right next to a target.
     ASSERT_NO_FATAL_FAILURE(bounds.expect_below_every_plan(owned.problem, 1e-4));
     tighter += bounds.is_tighter() ? 1 : 0;
     gained += bounds.moving_plan - bounds.any_plan;
@@ -117,12 +118,12 @@ TEST(NearBound, IsBelowEveryMovingPlanAndOftenTighter) {
     }
   }
   EXPECT_GT(tighter, 150);
-  // Measured when this was written: 15 178, and 13 884 with discs of half the largest radius.
+  // Measured: 15 178, and 13 884 with discs of half the largest radius.
   EXPECT_GT(gained, 15'000.0);
 }
 
-// Beside a target a robot that goes a metre a step is once, one that can stay longer: the bound
-// knows them apart at the end of the horizon as at its beginning.
+// A robot that moves a metre per step is next to a target once; one that can hover stays longer.
+// The bound distinguishes both at every step of the horizon.
 TEST(NearBound, LetsNobodyBeBesideATargetTwiceWhoHasToMoveOn) {
   RootBound root(8, 8);
   BeliefTable beliefs(8, 8);
@@ -151,9 +152,8 @@ TEST(NearBound, LetsNobodyBeBesideATargetTwiceWhoHasToMoveOn) {
   }
 }
 
-// Several targets half a metre to a metre apart, and a robot among them that cannot get away or
-// right beside one: near all of them at every step, where discs that overlapped would let it be
-// near one at a time.
+// Several targets half a metre to a metre apart, and a slow robot among them that stays near all of
+// them at every step. With overlapping discs the bound would let it be near one target at a time.
 OwnedProblem slow_among_targets(std::uint64_t seed) {
   std::mt19937_64 rng(0x94D049BB133111EBU * (seed + 1));
   OwnedProblem owned;
@@ -162,8 +162,7 @@ OwnedProblem slow_among_targets(std::uint64_t seed) {
   const double speed_mps = uniform(rng, 0.02, 0.2);
   problem.controls = {{speed_mps, 0.0}, {speed_mps, 2.0}, {speed_mps, -2.0}};
   problem.cost = pick(rng, 0, 2) == 0 ? CostKind::kTrace : CostKind::kLogDet;
-  // As much in every direction: then the bound, which knows no directions, is nearly what such a
-  // plan costs.
+  // Isotropic information: the bound ignores directions, so it is nearly the cost of such a plan.
   models::SensorModel sensor;
   sensor.kind = models::SensorKind::kPosition;
   sensor.position_sigma_m = uniform(rng, 0.05, 0.5);
@@ -196,7 +195,7 @@ OwnedProblem slow_among_targets(std::uint64_t seed) {
 
 TEST(NearBound, IsBelowEveryPlanThatIsNearSeveralTargetsAtOnce) {
   Bounds bounds;
-  int tight = 0;  // tighter than what holds for every plan
+  int tight = 0;  // tighter than the bound of all plans
   for (std::uint64_t seed = 0; seed < 400; ++seed) {
     SCOPED_TRACE(seed);
     const OwnedProblem owned = slow_among_targets(seed);
@@ -206,9 +205,9 @@ TEST(NearBound, IsBelowEveryPlanThatIsNearSeveralTargetsAtOnce) {
   EXPECT_GT(tight, 20);
 }
 
-// A robot that circles close around one target, whichever that is of several, is near it at every
-// step: from just beyond its least range, where its range and its bearing tell as much, so that its
-// plan costs all that the bound lets it save.
+// A robot circles close around one of several targets, any of them, and is near it at every step.
+// It stays just beyond its least range, where range and bearing have equal information, so its plan
+// saves all that the bound allows.
 TEST(NearBound, LetsWhoStaysBesideATargetBeBesideItAtEveryStep) {
   Bounds bounds;
   std::mt19937_64 rng(71);
@@ -241,7 +240,8 @@ TEST(NearBound, LetsWhoStaysBesideATargetBeBesideItAtEveryStep) {
   }
 }
 
-/// What a target costs that is looked at so strongly, in every direction, at the end of each step.
+/// Returns the cost of a target that is measured isotropically with `strengths` at the end of each
+/// step.
 double cost_of(const SearchProblem& problem, const SearchTarget& target,
                const std::vector<double>& strengths) {
   models::Gaussian belief = target.prior;
@@ -256,10 +256,9 @@ double cost_of(const SearchProblem& problem, const SearchTarget& target,
   return cost;
 }
 
-// A robot on rails, 1.1 m a step, among targets that are far from each other: it can be near one
-// of them at one step at most. All other looks are from no nearer than it can have come by then,
-// nor than the edge of the disc; of three sizes of discs the best counts. As each target is known
-// as well in every direction, that is all there is to the bound.
+// A robot on rails, 1.1 m per step, among targets far apart can be near one of them at one step at
+// most. All other measurements come from the nearest position reachable by then, or the edge of the
+// disc. The best of three disc sizes counts. Beliefs are isotropic, so this is the whole bound.
 TEST(NearBound, IsWhatOneLookFromBesideATargetAndAllOthersFromAfarCost) {
   std::mt19937_64 rng(72);
   BeliefTable beliefs(8, 8);
@@ -276,7 +275,7 @@ TEST(NearBound, IsWhatOneLookFromBesideATargetAndAllOthersFromAfarCost) {
     problem.horizon_steps = pick(rng, 1, 4);
     problem.step_s = 0.5;
     problem.cost = trial % 2 == 0 ? CostKind::kLogDet : CostKind::kTrace;
-    constexpr double kStep_m = 1.1;  // farther than any disc is wide
+    constexpr double kStep_m = 1.1;  // longer than any disc is wide
     problem.controls = {{kStep_m / problem.step_s, 0.0}};
     problem.start = {uniform(rng, -9.0, 9.0), uniform(rng, -9.0, 9.0), uniform(rng, -kPi, kPi)};
     models::SensorModel sensor;
@@ -288,7 +287,7 @@ TEST(NearBound, IsWhatOneLookFromBesideATargetAndAllOthersFromAfarCost) {
     problem.sensors = {sensor};
     const int count = pick(rng, 1, 3);
     for (int m = 0; m < count; ++m) {
-      // In a ring around the start, and no two of them nearer than it is wide.
+      // In a ring around the start; no two targets are nearer than the ring is wide.
       const double away_m = uniform(rng, 0.5, 8.0) + (m == 0 ? 0.0 : 12.0);
       const double bearing_rad = problem.start.yaw_rad + 2.5 * m + uniform(rng, -0.3, 0.3);
       SearchTarget target{{models::TargetKind::kDoubleIntegrator, 2, 0.02}, {}};
@@ -312,7 +311,7 @@ TEST(NearBound, IsWhatOneLookFromBesideATargetAndAllOthersFromAfarCost) {
       for (const SearchTarget& target : problem.targets) {
         const double away_m = (target.prior.mean.head<2>() - problem.start.position_m()).norm();
         const auto strength_from = [&](double r_m) {
-          // Nearer than the least range nothing is seen, but from there on all is.
+          // Below the least range the target is not visible; from there on it is.
           const double from_m = std::max(r_m, sensor.range_min_m);
           const models::PositionVector origin = Eigen::Vector2d::Zero();
           return 0.5 * models::information(sensor, {{-from_m, 0.0, 0.0}, problem.height_m}, origin)
@@ -350,8 +349,7 @@ TEST(NearBound, IsWhatOneLookFromBesideATargetAndAllOthersFromAfarCost) {
   EXPECT_GT(never, 15);
 }
 
-/// A target that a robot passes right over in its first step, and the bound of what its controls
-/// let it do after that.
+/// A target that a robot passes over in its first step, and the bound for its controls after that.
 class PassedOver : public ::testing::Test {
  protected:
   PassedOver() {
@@ -385,26 +383,27 @@ class PassedOver : public ::testing::Test {
   NearBound near_{8, 32};
 };
 
-// Who has been beside a target is there again one, two or three steps later only if some controls
-// lead back in so many: over a metre's way there and back, around a triangle, or never.
+// A robot that has been next to a target returns after one, two or three steps only if controls
+// lead back in that number: a metre there and back, around a triangle, or never.
 TEST_F(PassedOver, IsBesideItAgainAfterAsManyStepsAsControlsLeadBackIn) {
   const double never = bound_with({{1.0, 0.0}});
   const double after_two = bound_with({{1.0, 0.0}, {1.0, kPi}});
   const double third_rad = 2.0 * kPi / 3.0;
-  // Chords of a metre along a circle that closes after three of them.
+  // Chords of a metre along a circle that closes after three.
   const double chord = 0.5 * third_rad / std::sin(0.5 * third_rad);
   problem_.targets = {spread(0.5, std::sqrt(0.75))};
   const double after_three = bound_with({{chord, third_rad}});
   problem_.targets = {spread(1.0, 0.0)};
   const double always = bound_with({{1.0, 0.0}, {0.0, 0.0}});
-  constexpr double kOneLook = 3.0;  // from right beside it tells so many nats more at least
+  constexpr double kOneLook = 3.0;  // least gain of one measurement from next to it, nats
   EXPECT_GT(never, after_three + kOneLook);
   EXPECT_GT(after_three, always + kOneLook);
   EXPECT_GT(never, after_two + kOneLook);
   EXPECT_GT(after_two, always + kOneLook);
 }
 
-// Of more than a dozen controls it is not worked out where three lead: anywhere then.
+// With more than a dozen controls, three-step returns are not computed: the robot may then be
+// anywhere.
 TEST_F(PassedOver, MayBeAnywhereInThreeStepsOfManyControls) {
   std::vector<models::UnicycleControl> controls(12, {1.0, 0.0});
   const double few = bound_with(controls);
@@ -413,7 +412,7 @@ TEST_F(PassedOver, MayBeAnywhereInThreeStepsOfManyControls) {
   EXPECT_LT(bound_with(controls), few - 3.0);
 }
 
-// Planar targets that move or spread, over thirty steps at most.
+// Only planar targets that move or spread, over at most thirty steps.
 TEST_F(PassedOver, IsOfThoseThatMoveOrSpread) {
   problem_.targets = {spread(1.0, 0.0), spread(2.0, 0.0), spread(3.0, 0.0), spread(4.0, 0.0)};
   problem_.targets[0].model.kind = models::TargetKind::kStatic;
@@ -438,8 +437,8 @@ TEST_F(PassedOver, IsOfThoseThatMoveOrSpread) {
   EXPECT_TRUE(near_.is_empty()) << "teammates look at all of them";
 }
 
-// Two targets that a step leads from one to the other of, and two that none does: beside both, or
-// beside one of them.
+// If a step leads from one target to the other, the robot may be next to both; otherwise only to
+// one of them.
 TEST_F(PassedOver, IsBesideAnotherOnlyWhereAStepLeads) {
   const auto bound_of = [&](double apart_m) {
     problem_.targets = {spread(1.0, 0.0), spread(1.0 + apart_m, 0.0)};

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kDirections = 16;
 
-/// The support of some places in one of the directions that the lattice looks at them from.
+/// Returns the support of some positions in one of the directions of the lattice, m.
 double support_m(const std::vector<Eigen::Vector2d>& places_m, int direction) {
   const double angle_rad = 2.0 * kPi * direction / kDirections;
   double most_m = -std::numeric_limits<double>::infinity();
@@ -27,7 +27,7 @@ double support_m(const std::vector<Eigen::Vector2d>& places_m, int direction) {
   return most_m;
 }
 
-/// All places after so many steps, by how far it has turned, and whatever that is (under kAny).
+/// Returns all positions after a number of steps, by heading, and all of them under kAny.
 constexpr int kAny = 1'000;
 std::map<int, std::vector<Eigen::Vector2d>> places_after(const ReachLattice& lattice, int steps) {
   std::vector<std::pair<Pose2, int>> nodes{{Pose2{}, 0}};
@@ -48,7 +48,8 @@ std::map<int, std::vector<Eigen::Vector2d>> places_after(const ReachLattice& lat
   return out;
 }
 
-/// Its rows have the cells of all these places, and none that lies beyond them in a direction.
+/// Expects the rows to contain the cells of all these positions, and none beyond them in a
+/// direction.
 void expect_cells_of(const std::vector<Eigen::Vector2d>& places_m, double cell_m,
                      const ReachLattice::Plane& plane) {
   for (const Eigen::Vector2d& place_m : places_m) {
@@ -111,8 +112,8 @@ SearchProblem with_turns(const std::vector<double>& turns_rad, int horizon_steps
   return problem;
 }
 
-// The unit is the largest angle that all turns are whole multiples of, of those that the least of
-// them is one to four of; both ways round.
+// The unit is the largest angle of which all turns are whole multiples, such that the least turn is
+// one to four units, in both directions.
 TEST(ReachLattice, FindsTheUnitOfItsTurns) {
   ReachLattice lattice(8);
   const auto expect = [&](const std::vector<double>& turns_rad, double unit_rad,
@@ -130,7 +131,7 @@ TEST(ReachLattice, FindsTheUnitOfItsTurns) {
   expect({0.0, 0.3, -0.45}, 0.15, {0, 2, -3});
   expect({0.0, -0.3, 0.4}, 0.1, {0, -3, 4});
   expect({0.0, 0.4, 0.5}, 0.1, {0, 4, 5});
-  for (const double side : {1.0, -1.0}) {  // to one side alone, and where that is the least
+  for (const double side : {1.0, -1.0}) {  // to one side only, and where that is the least
     expect({0.0, side * 0.3}, 0.3, {0, static_cast<int>(side)});
     expect({0.0, side * 0.4, side * 0.6}, 0.2,
            {0, static_cast<int>(2 * side), static_cast<int>(3 * side)});
@@ -143,8 +144,8 @@ TEST(ReachLattice, FindsTheUnitOfItsTurns) {
   EXPECT_FALSE(lattice.reset(with_turns({0.0, 0.3, -0.3 * std::sqrt(2.0)}, 2)));
   EXPECT_FALSE(lattice.reset(with_turns({0.0, 0.3, -0.3 * std::sqrt(2.0)}, 2))) << "asked again";
   expect({0.0, 0.3, -0.3}, 0.3, {0, 1, -1});
-  // Of headings there may be a thousand, and of planes two.
-  SearchProblem many = with_turns({0.0, 0.01, 0.2}, 8);  // twenty units a step at most
+  // There may be about a thousand headings and two thousand planes.
+  SearchProblem many = with_turns({0.0, 0.01, 0.2}, 8);  // at most twenty units per step
   EXPECT_TRUE(lattice.reset(many));
   many.horizon_steps = 9;
   EXPECT_TRUE(lattice.reset(many)) << "1810 planes";
@@ -154,7 +155,7 @@ TEST(ReachLattice, FindsTheUnitOfItsTurns) {
   EXPECT_FALSE(lattice.reset(with_turns({0.0, 1e-3, 0.512}, 1))) << "1025 headings";
 }
 
-// What is tabled is of the controls, the length of a step and the horizon that it is asked for.
+// The tables depend on the controls, the step length and the horizon.
 TEST(ReachLattice, TablesAnewWhateverOfTheThreeChanges) {
   const SearchProblem first = with_turns({0.0, 0.4, -0.4}, 3);
   ReachLattice lattice(8);
@@ -186,7 +187,7 @@ TEST(ReachLattice, TablesAnewWhateverOfTheThreeChanges) {
   expect_as_new(first);
 }
 
-// The finest that is not too large, neither in all nor at any depth.
+// The lattice is the finest that fits, in total and at each depth.
 TEST(ReachLattice, IsAsFineAsThereIsRoomFor) {
   const SearchProblem problem = with_turns({0.0, 0.4, -0.4}, 4);
   ReachLattice lattice(8);
@@ -226,8 +227,8 @@ TEST(ReachLattice, IsAsFineAsThereIsRoomFor) {
   }
 }
 
-// From wherever in a cell a control starts, it ends in one of the four cells that it leads to, and
-// those are on the plane of the next depth.
+// From any position in a cell, a control ends in one of the four cells to which it leads. These are
+// on the plane of the next depth.
 TEST(ReachLattice, LeadsFromACellToTheFourThatTheMovedOneTouches) {
   const SearchProblem problem = with_turns({0.0, 0.7, -1.4}, 4);
   ReachLattice lattice(8);

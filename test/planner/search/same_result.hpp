@@ -6,7 +6,8 @@
 
 namespace vantage::test {
 
-/// Expects two searches to have ended alike, to the bit; peak_bytes apart, which is not promised.
+/// Expects two search results to be equal bit for bit, except for peak_bytes, which is not
+/// guaranteed.
 inline void expect_same(const planner::SearchResult& a, const planner::SearchResult& b) {
   EXPECT_EQ(a.found, b.found);
   EXPECT_EQ(a.controls, b.controls);

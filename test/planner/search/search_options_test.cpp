@@ -15,7 +15,7 @@
 #include "test/planner/search/full_tree.hpp"
 #include "test/planner/search/solved_problems.hpp"
 
-// What searches are told and what they tell of themselves.
+// The options of searches and the counts that they report.
 
 namespace vantage::planner {
 namespace {
@@ -26,7 +26,7 @@ using test::small_capacity;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// A search that is told each of these numbers in turn: those within its limits it takes.
+/// A search that receives each number in turn: values within the limits are accepted.
 template <class Search, class Options>
 class Told {
  public:
@@ -82,7 +82,7 @@ TEST(RefiningBeam, TakesOptionsWithinTheirLimits) {
   told.expect(&BeamOptions::shrink, {kLittle, 1.0}, {0.0, 1.0 + kLittle, kNaN});
 }
 
-// As large as was said, and no larger.
+// The exact capacity is enough, and one less is refused.
 TEST(SearchCapacity, IsTakenToTheFullAndNoFurther) {
   SearchProblem problem;
   problem.horizon_steps = 3;
@@ -123,7 +123,7 @@ TEST(SearchCapacity, IsTakenToTheFullAndNoFurther) {
   EXPECT_THROW(plan_by_all(just), UsageError) << "whatever else it is";
 }
 
-// One pass, at what it was told; nothing else counts as one.
+// One pass with the given options is reported; a pass that is cut off does not count.
 TEST(BestFirst, SaysWithWhatItSearched) {
   BestFirstSearch search(small_capacity());
   int converged = 0;
@@ -139,7 +139,7 @@ TEST(BestFirst, SaysWithWhatItSearched) {
       how.weight = kind == BestFirst::kWeightedAStar ? 2.0 : 1.0;
       const SearchResult& result = search.plan(each.owned.problem, how, Deadline::never());
       if (result.moving_steps < each.owned.problem.horizon_steps) {
-        continue;  // all that leads on was left out
+        continue;  // all continuations were pruned
       }
       const bool prunes = kind == BestFirst::kAegis;
       EXPECT_EQ(result.epsilon, prunes ? 0.7 : 0.0);
@@ -163,7 +163,7 @@ TEST(BestFirst, SaysWithWhatItSearched) {
   EXPECT_GT(converged, 20);
 }
 
-// What it has touched: the tree, of one depth all that were generated, of one all that were opened.
+// Peak bytes count the tree, and the widest depth of generated and of expanded nodes.
 TEST(Reduced, SaysWhatItHasTouched) {
   ReducedValueIteration search(small_capacity());
   int pruned = 0;
@@ -210,7 +210,8 @@ TEST(Reduced, SaysWhatItHasTouched) {
   EXPECT_GT(pruned, 20);
 }
 
-// Where no complete way can stop safely: as late as one can, and of those that can the cheapest.
+// If no complete path can stop safely, the plan hovers as late as possible, at the cheapest of the
+// nodes that can.
 TEST(Hovering, BeginsAsLateAsIsSafeAtTheCheapestPlace) {
   ReducedValueIteration reduced(small_capacity());
   BestFirstSearch best_first(small_capacity());
@@ -227,7 +228,7 @@ TEST(Hovering, BeginsAsLateAsIsSafeAtTheCheapestPlace) {
       ASSERT_TRUE(full.complete);
       int latest = -1;
       double cheapest = kInfinity;
-      int count = 0;  // of that depth
+      int count = 0;  // nodes of that depth
       for (NodeId id = 0; id < full.tree.node_count(); ++id) {
         const Node& node = full.tree[id];
         const MotionTable& motion = full.expander.motion();
@@ -264,7 +265,7 @@ TEST(Hovering, BeginsAsLateAsIsSafeAtTheCheapestPlace) {
         EXPECT_EQ(result.controls.size(), index(latest));
         EXPECT_EQ(result.poses.size(), index(problem.horizon_steps));
         EXPECT_GE(result.cost, cheapest - slack(cheapest)) << each.seed;
-        if (count <= 16) {  // of more some are tried alone
+        if (count <= 16) {  // larger sets are only sampled
           EXPECT_NEAR(result.cost, cheapest, slack(cheapest)) << each.seed;
         }
         EXPECT_LE(result.lower_bound, result.cost);
@@ -275,7 +276,7 @@ TEST(Hovering, BeginsAsLateAsIsSafeAtTheCheapestPlace) {
   EXPECT_GT(later, 1);
 }
 
-/// A tracking problem that no budget here finishes.
+/// Returns a tracking problem that no budget here finishes.
 SearchProblem tracking_problem(std::uint64_t seed) {
   std::mt19937_64 rng(seed);
   SearchProblem problem;
@@ -297,7 +298,7 @@ SearchProblem tracking_problem(std::uint64_t seed) {
   return problem;
 }
 
-/// How far the passes of a search had come when each ended.
+/// Returns the index of the first pass, from `from` on, that ended at `work_nodes` or later.
 std::size_t first_pass_at(const SearchResult& result, std::int64_t work_nodes, std::size_t from) {
   std::size_t pass = from;
   while (pass < result.history.size() && result.history[pass].work_nodes < work_nodes) {
@@ -306,9 +307,9 @@ std::size_t first_pass_at(const SearchResult& result, std::int64_t work_nodes, s
   return pass;
 }
 
-// A search that has no certificate of its own says at first what holds of any plan, from 50 000
-// nodes on what holds of plans that move, and a beam from 300 000 on what half a million nodes and
-// a quarter of its own raise that to.
+// A search without its own certificate first reports the bound of any plan and from 50,000 nodes on
+// that of moving plans. A beam from 300,000 nodes on reports that bound as raised with half a
+// million nodes and a quarter of its own.
 TEST(Certificate, IsRaisedWhenASearchHasDoneSoMuchWork) {
   const SearchProblem problem = tracking_problem(3);
   const SearchCapacity capacity{100'000, 3'000'000, 8, 8, 1};

@@ -11,9 +11,8 @@
 #include "planner/search/sequencing_bound.hpp"
 #include "test/planner/problem/random_problem.hpp"
 
-// The sequencing bound against the relaxed problem that it is said to solve, written out and solved
-// by trying everything: who is seen at which step, when ways between discs of sight take their
-// time.
+// The sequencing bound compared with the relaxed problem that it solves, here by exhaustive search:
+// which target is seen at which step if the distances between discs of sight take time.
 
 namespace vantage::planner {
 namespace {
@@ -26,8 +25,8 @@ using test::uniform;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSight_m = 1.0;
 
-/// A sensor that tells a place in all directions alike, so that all looks are as good as any, and
-/// targets that stay, some of them with noise or teammates that look.
+/// Returns a problem with an isotropic position sensor, so that all measurements are equally good,
+/// and static targets, some with noise or with information of teammates.
 SearchProblem all_round_problem(std::mt19937_64& rng) {
   SearchProblem problem;
   problem.start = {uniform(rng, -2.0, 2.0), uniform(rng, -2.0, 2.0), uniform(rng, -kPi, kPi)};
@@ -60,7 +59,7 @@ SearchProblem all_round_problem(std::mt19937_64& rng) {
   return problem;
 }
 
-/// The relaxed problem after `depth` from `at`, of those who take part.
+/// The relaxed problem after `depth` from `at`, with the targets that take part.
 class Relaxed {
  public:
   Relaxed(const SearchProblem& problem, const std::vector<std::uint8_t>& takes_part,
@@ -78,7 +77,7 @@ class Relaxed {
     }
   }
 
-  /// Least cost when `control` is the next.
+  /// Returns the least cost if `control` is the next.
   [[nodiscard]] double best_after(const models::UnicycleControl& control) const {
     const Eigen::Vector2d end_m = models::step_unicycle(at_, control, problem_.step_s).position_m();
     std::vector<int> next;
@@ -213,7 +212,8 @@ TEST(SequencingBound, IsTheOptimumOfTheRelaxedProblem) {
       EXPECT_GE(sequencing.cost_after(static_cast<int>(c)), whole.cost);
       EXPECT_LE(sequencing.cost_after(static_cast<int>(c)), after[c] + slack(after[c]));
     }
-    // Told that more need not be known, it says no more than that; told of more, the same.
+    // With a higher required value the bound stays the same; with a lower one it stops at that
+    // value.
     const auto above = bound(best + 1.0);
     EXPECT_NEAR(above.cost, best, slack(best));
     const auto below = bound(best - 0.3);
@@ -225,8 +225,8 @@ TEST(SequencingBound, IsTheOptimumOfTheRelaxedProblem) {
   EXPECT_GT(late, 30);
 }
 
-// Of many the sixteen nearest, in whatever order they come; none that is out of reach by however
-// little, moves, or has a height.
+// Of many targets the sixteen nearest take part, in any order. A target that is just out of reach,
+// moves or has a height does not.
 TEST(SequencingBound, IsOfTheNearestThatStayAndCanBeReached) {
   constexpr int kTargets = 24;
   InformationHeuristic heuristic(kTargets, 8);
@@ -249,7 +249,7 @@ TEST(SequencingBound, IsOfTheNearestThatStayAndCanBeReached) {
     return target;
   };
   const models::TargetModel still{TargetKind::kStatic, 2, 0.0};
-  // Sight and four steps: three metres.
+  // Range plus four steps: three metres.
   problem.targets = {at(3.0 + 1e-5, still), at(1.0, {TargetKind::kDoubleIntegrator, 2, 0.0}),
                      at(1.0, {TargetKind::kStatic, 3, 0.0}), at(3.0 - 1e-5, still)};
   beliefs.reset(problem);
@@ -274,8 +274,8 @@ TEST(SequencingBound, IsOfTheNearestThatStayAndCanBeReached) {
   EXPECT_TRUE(sequencing.is_empty());
 }
 
-// A control that ends in a box or behind a wall leads nowhere, whatever is seen from there: the
-// bound is that of the others alone.
+// A control that ends in a box or behind a wall is infeasible, so the bound is that of the other
+// controls.
 TEST(SequencingBound, LetsNoStepEndInABoxOrBehindAWall) {
   InformationHeuristic heuristic(4, 8);
   SequencingBound sequencing(4, 8, 2'000);
@@ -296,7 +296,7 @@ TEST(SequencingBound, LetsNoStepEndInABoxOrBehindAWall) {
     sensor.kind = models::SensorKind::kPosition;
     sensor.range_max_m = kSight_m;
     problem.sensors = {sensor};
-    // Just ahead of where it may not go.
+    // Just ahead of a position that it may not enter.
     const Pose2 there = start * Pose2{1.1, 0.9, 0.0};
     problem.targets = {
         {{TargetKind::kStatic, 2, 0.0}, {there.position_m(), Eigen::Matrix2d::Identity()}}};

@@ -22,8 +22,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using test::slack;
 
-// A short-sighted robot among boxes and targets that stay, more than it can get to: every planar
-// sensor, both costs, with and without noise and teammates' looks.
+// Returns a robot with a short range among boxes and more static targets than it can reach: every
+// planar sensor, both costs, with and without noise and teammates' information.
 OwnedProblem short_sighted_problem(std::uint64_t seed) {
   std::mt19937_64 rng(0xA0761D6478BD642FU * (seed + 1));
   OwnedProblem owned;
@@ -84,8 +84,8 @@ struct Bounds {
   double reached = 0.0;
 };
 
-// At least 10⁵ nodes: no bound, of a node or of what follows its controls, is above what the best
-// path through it costs; the more so when it is cut short after a few states.
+// Tests at least 10⁵ nodes. No bound of a node or of a control is above the cost of the best path
+// through it, also when the bound is cut off after a few states.
 void expect_admissible(int states_max, std::int64_t nodes_min, double& gained) {
   InformationHeuristic heuristic(16, 8);
   SequencingBound sequencing(16, 8, states_max);
@@ -170,8 +170,8 @@ TEST(SequencingBound, LeavesTheOptimumWhatItIs) {
   EXPECT_LT(10 * expanded_by_sequence, 9 * expanded_by_reach);
 }
 
-// Four targets around a robot that can look at one at a time: already with memory for no sequence
-// they cost more together than each by itself.
+// Four targets around a robot that can observe one at a time. Even without memory for sequences,
+// together they cost more than separately.
 TEST(SequencingBound, LooksAtOnePlaceAtATimeHoweverSoonItIsCutOff) {
   InformationHeuristic heuristic(8, 8);
   SequencingBound sequencing(8, 8, 1);
@@ -180,7 +180,7 @@ TEST(SequencingBound, LooksAtOnePlaceAtATimeHoweverSoonItIsCutOff) {
     SearchProblem problem;
     problem.horizon_steps = 8;
     problem.step_s = 1.0;
-    for (int c = 0; c < 40; ++c) {  // what follows each takes all the memory there is
+    for (int c = 0; c < 40; ++c) {  // the bounds of these controls use all the memory
       problem.controls.push_back({0.6, kPi * (c - 20) / 40.0});
     }
     models::SensorModel sensor;
@@ -207,8 +207,8 @@ TEST(SequencingBound, LooksAtOnePlaceAtATimeHoweverSoonItIsCutOff) {
   EXPECT_GT(bound_of(ring_m), each + 40.0);
 }
 
-// Two heaps of targets, merged into places, each in reach late in a long horizon: whoever has been
-// to one has no time for the other.
+// Two clusters of targets, each merged into one place and reachable only late in a long horizon.
+// After the first there is no time for the second.
 TEST(SequencingBound, LetsNobodyBeAtTwoFarPlacesOfALongHorizon) {
   constexpr int kSteps = 200;
   InformationHeuristic heuristic(16, kSteps);
@@ -241,7 +241,7 @@ TEST(SequencingBound, LetsNobodyBeAtTwoFarPlacesOfALongHorizon) {
   EXPECT_GT(bound_of({-0.25, 0.25}), 0.75 * each);
 }
 
-// Many overlapping discs and many targets: merged places, and no growth without end.
+// Many targets with overlapping discs are merged into places, so that the work stays bounded.
 TEST(SequencingBound, BoundsHowEverManyTargetsThereAre) {
   InformationHeuristic heuristic(64, 12);
   SequencingBound sequencing(64, 12, 1'000);
@@ -261,7 +261,8 @@ TEST(SequencingBound, BoundsHowEverManyTargetsThereAre) {
   }
 }
 
-// J_T with the range in the denominator of H a millimetre longer, as the known value was scored.
+// Returns J_T with 1 mm added to the range in the denominator of H, as the known value was
+// computed.
 double regularised_score(const SearchProblem& problem, const std::vector<Pose2>& poses) {
   double cost = 0.0;
   for (const SearchTarget& target : problem.targets) {

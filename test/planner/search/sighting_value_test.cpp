@@ -10,7 +10,8 @@
 namespace vantage::planner {
 namespace {
 
-// Drives 1 m/s, turns 2 rad/s, sees 3 m far in a quarter of the circle; one target at the origin.
+// A robot that drives 1 m/s, turns at 2 rad/s and sees 3 m far in a quarter circle; one target at
+// the origin.
 class Sighting : public ::testing::Test {
  protected:
   Sighting() {
@@ -29,7 +30,8 @@ class Sighting : public ::testing::Test {
     expander_.reset(problem_);
     value_.reset(problem_, expander_);
   }
-  /// From `away_m` to the east of it, with the target `aside_rad` to the left of straight ahead.
+  /// Returns the value from `away_m` east of the target, with the target `aside_rad` left of
+  /// straight ahead.
   [[nodiscard]] double at(double away_m, double aside_rad, int t) const {
     return value_.value({away_m, 0.0, wrap_to_pi(kPi - aside_rad)}, t);
   }
@@ -40,7 +42,8 @@ class Sighting : public ::testing::Test {
   SightingValue value_{8};
 };
 
-// ln det(I + M P) of a look from half the range, with P as it is half way: a static target's own.
+// The value per step is ln det(I + M P) for a measurement from half the range, with P halfway
+// there: for a static target its prior.
 TEST_F(Sighting, IsWorthALookFromHalfTheRangeAtEachStepThatIsLeft) {
   const models::PositionVector target_m = Eigen::Vector2d::Zero();
   const Eigen::Matrix2d M = models::information(sensor_, {{-1.5, 0.0, 0.0}, 0.0}, target_m);
@@ -55,8 +58,8 @@ TEST_F(Sighting, IsWorthALookFromHalfTheRangeAtEachStepThatIsLeft) {
   EXPECT_NEAR(at(1.0, 0.0, 0), less_m2 * problem_.horizon_steps, 1e-9);
 }
 
-// Each step on the way, driven and turned at full speed, is one look less, at the next step at the
-// earliest; to the left as to the right.
+// Each step of driving and turning at full speed costs one measurement. The first is at the next
+// step at the earliest. Left and right are equal.
 TEST_F(Sighting, ComesAsManyStepsLaterAsTheWayAndTheTurnTake) {
   const double look = at(1.0, 0.0, 0) / problem_.horizon_steps;
   int late = 0;
@@ -77,7 +80,8 @@ TEST_F(Sighting, ComesAsManyStepsLaterAsTheWayAndTheTurnTake) {
   EXPECT_GT(late, 50);
 }
 
-// Of several the best; what several sensors tell adds up, the farthest and the widest say when.
+// The best target counts. Information adds up over the sensors; the longest range and the widest
+// view decide when it is seen.
 TEST_F(Sighting, IsOfTheBestOfAllTargetsBySensorsTogether) {
   const double near = at(4.0, 1.0, 2);
   ASSERT_GT(near, 0.0);
@@ -115,14 +119,15 @@ TEST_F(Sighting, IsOfTheBestOfAllTargetsBySensorsTogether) {
     }
     const double look = std::log((Eigen::Matrix2d::Identity() + M).determinant());
     EXPECT_NEAR(at(1.0, 0.0, 0), look * 12.0, 1e-9);
-    // A metre and a half beyond five metres, half a radian beyond a quarter turn.
+    // 1.5 m beyond a range of 5 m and 0.5 rad beyond a quarter turn.
     const double steps = (1.5 + 0.5 / 2.0) / problem_.step_s;
     EXPECT_NEAR(at(6.5, 0.5 * kPi + 0.5, 0), look * (13.0 - steps), 1e-9);
     EXPECT_NEAR(at(6.5, -0.5 * kPi - 0.5, 0), look * (13.0 - steps), 1e-9);
   }
 }
 
-// A target in space is looked at from where the robot flies; and who cannot move waits for nobody.
+// A spatial target is measured from the robot's height. A robot that cannot drive gains only what
+// it already sees.
 TEST_F(Sighting, IsFromTheHeightOfTheRobotAndForWhoGetsThere) {
   problem_.height_m = 1.2;
   Eigen::Vector3d place_m(0.0, 0.0, 0.5);
@@ -142,8 +147,7 @@ TEST_F(Sighting, IsFromTheHeightOfTheRobotAndForWhoGetsThere) {
   EXPECT_NEAR(at(2.9, 2.0, 0), look * 12.0, 1e-9) << "that it cannot turn is not held against it";
 }
 
-// Wherever the ground has its origin: seen from a robot that is shifted with all targets it is
-// worth the same.
+// The value does not change if the robot and all targets are shifted.
 TEST_F(Sighting, KnowsNoOrigin) {
   problem_.height_m = 0.8;
   problem_.targets = {{{models::TargetKind::kStatic, 2, 0.0},

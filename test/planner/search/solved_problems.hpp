@@ -11,15 +11,14 @@
 #include "test/planner/problem/random_problem.hpp"
 #include "test/planner/search/exhaustive_oracle.hpp"
 
-// What the tests of every search hold it against: small random problems with the answer of
-// exhaustion.
+// Small random problems with the answers of exhaustive search, the reference of all search tests.
 
 namespace vantage::test {
 
-/// Enough for any random problem.
+/// Returns a capacity that is enough for any random problem.
 inline planner::SearchCapacity small_capacity() { return {20'000, 800'000, 8, 8, 4}; }
 
-/// Of two costs that were summed up in different orders.
+/// Returns the tolerance between costs that were summed in different orders.
 inline double slack(double cost) { return 1e-9 * std::max(1.0, std::abs(cost)); }
 
 struct SolvedProblem {
@@ -28,8 +27,8 @@ struct SolvedProblem {
   OracleAnswer best;
 };
 
-/// Of the `count` random problems from `first_seed` on those that exhaustion can decide; worked out
-/// once for each `first_seed`.
+/// Returns those of the `count` random problems from `first_seed` on that exhaustive search can
+/// decide. They are computed once per `first_seed`.
 inline const std::vector<SolvedProblem>& solved_problems(std::uint64_t first_seed,
                                                          std::uint64_t count) {
   static std::map<std::uint64_t, std::vector<SolvedProblem>> known;

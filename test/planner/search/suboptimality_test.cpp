@@ -44,7 +44,7 @@ struct Pass {
   double delta_m;
 };
 
-// Σ_t max(0, L_t(ε, δ)) of form A.
+// Returns Σ_t max(0, L_t(ε, δ)) of form A.
 double substitution_bound(const FullTree& full, const std::vector<double>& best_through,
                           int horizon_steps, const Pass& pass) {
   const PoseMetric metric{kYawWeight_m_per_rad};
@@ -58,7 +58,7 @@ double substitution_bound(const FullTree& full, const std::vector<double>& best_
           !std::isfinite(best_through[left])) {
         continue;
       }
-      // Cost of the best completions, from this depth on.
+      // Costs of the best completions from this depth on.
       const double lost = (best_through[kept] - a.cost) - (best_through[left] - b.cost);
       if (lost <= loss[b.depth] ||
           metric.squared(a.world_from_body, b.world_from_body) > delta2_m2) {
@@ -89,7 +89,7 @@ double substitution_bound(const FullTree& full, const std::vector<double>& best_
   return bound;
 }
 
-/// Passes from ε = δ = `first` on, halved so often.
+/// Returns options for passes from ε = δ = `first` on, halved `halvings` times.
 ReducedOptions anytime(double first, int halvings) {
   ReducedOptions options;
   options.search = ReducedSearch::kAnytime;
@@ -133,7 +133,7 @@ TEST(FinishedPass, StaysWithinTheSubstitutionBound) {
   }
   EXPECT_GE(passes, 6 * 200);
   EXPECT_GE(finite, passes * 8 / 10);
-  EXPECT_GE(lossy, 100);  // the passes really do lose something that the bound has to cover
+  EXPECT_GE(lossy, 100);  // the bound has losses to cover
 }
 
 double eigenvalue(const models::StateMatrix& X, bool largest) {
@@ -142,7 +142,7 @@ double eigenvalue(const models::StateMatrix& X, bool largest) {
   return largest ? values(values.size() - 1) : values(0);
 }
 
-// The bound of form B; +∞ where some η λ̄ ≥ 1.
+// Returns the bound of form B; +∞ if some η λ̄ ≥ 1.
 double lipschitz_bound(const SearchProblem& problem, const Pass& pass) {
   const models::SensorModel& sensor = problem.sensors.front();
   const int T = problem.horizon_steps;
@@ -163,7 +163,7 @@ double lipschitz_bound(const SearchProblem& problem, const Pass& pass) {
     const models::StateMatrix A = target.model.transition(problem.step_s);
     const models::StateMatrix W = target.model.process_noise(problem.step_s);
     const Eigen::Index n = target.model.dim();
-    // Least distance of the target to anything between two compared poses.
+    // Least distance of the target to any point between two compared poses.
     double nearest_m = kInfinity;
     models::Gaussian moving = target.prior;
     for (int t = 0; t <= T; ++t) {
@@ -179,7 +179,7 @@ double lipschitz_bound(const SearchProblem& problem, const Pass& pass) {
     const double L_m = k_range / between_m + 3.0 * k_bearing / std::pow(between_m, 3);
     const double information_max = std::max(k_range, k_bearing / (nearest_m * nearest_m));
 
-    // Least eigenvalue that any covariance, and largest that any prediction can have, by depth.
+    // Least eigenvalue of any covariance and largest of any prediction, by depth.
     std::vector<double> least{eigenvalue(target.prior.covariance, false)};
     std::vector<double> largest{0.0};
     std::vector<double> open_trace{target.prior.covariance.trace()};
@@ -231,7 +231,7 @@ TEST(FinishedPass, StaysWithinTheClosedFormBound) {
       ++passes;
       finite += std::isfinite(bound) ? 1 : 0;
     }
-    EXPECT_NEAR(last_bound, 0.0, 1e-12);  // at ε = δ = 0 nothing may be lost
+    EXPECT_NEAR(last_bound, 0.0, 1e-12);  // no loss at ε = δ = 0
   }
   EXPECT_GE(finite, passes / 2);
 }

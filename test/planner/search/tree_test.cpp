@@ -34,13 +34,13 @@ TEST(Tree, HasRoomForSoManyNodesAndNoMore) {
   }
 }
 
-// Blocks of many nodes one after another, each its own; to the last number that there is room for.
+// Blocks of successive nodes do not overlap, and the last number of the memory is usable.
 TEST(Tree, KeepsTheBlocksOfEachNode) {
   constexpr std::size_t kDoubles = 30;
   Tree tree(4, kDoubles);
   for (int round = 0; round < 2; ++round) {
     const std::vector<std::vector<std::uint16_t>> targets{{2, 5}, {}, {1}, {0, 3, 4}};
-    const std::vector<std::size_t> doubles{6, 0, 10, 14};  // 30 in all
+    const std::vector<std::size_t> doubles{6, 0, 10, 14};  // 30 in total
     double next = 1.0;
     std::vector<std::vector<double>> packed;
     for (std::size_t i = 0; i < 4; ++i) {
@@ -48,7 +48,7 @@ TEST(Tree, KeepsTheBlocksOfEachNode) {
       EXPECT_FALSE(tree.has_posterior(id));
       packed.emplace_back(doubles[i]);
       std::generate(packed[i].begin(), packed[i].end(), [&] { return next++; });
-      if (i == 3) {  // there is room for all but one more
+      if (i == 3) {  // room for all but one more
         EXPECT_EQ(tree.room_for_posterior(3, doubles[i] + 1).targets, nullptr);
         EXPECT_NE(tree.room_for_posterior(3, doubles[i]).targets, nullptr);
       }
@@ -61,10 +61,10 @@ TEST(Tree, KeepsTheBlocksOfEachNode) {
                              targets[id].end()));
       EXPECT_TRUE(std::equal(packed[id].begin(), packed[id].end(), blocks.packed));
     }
-    // Nodes with their poses and costs, a record of three numbers each, targets and doubles.
+    // Nodes with their poses and costs, one record of three numbers per node, targets and doubles.
     EXPECT_EQ(tree.bytes_used(), 4 * sizeof(Node) + 5 * 12 + 6 * 2 + kDoubles * 8);
     const double one[] = {0.0};
-    EXPECT_FALSE(tree.keep_posterior(0, {}, {}));  // a record for each node, and all are taken
+    EXPECT_FALSE(tree.keep_posterior(0, {}, {}));  // one record per node, and all are used
     EXPECT_FALSE(tree.keep_posterior(0, {}, one));
     tree.clear();
     EXPECT_EQ(tree.bytes_used(), std::size_t{12});
@@ -103,7 +103,8 @@ TEST(NodeList, IsAQueue) {
   EXPECT_EQ(other.pop(tree), 1U);
 }
 
-// The way from the root, step by step, then a hover until the horizon; over what was there before.
+// The path from the root, step by step, then a hover until the horizon; it overwrites an earlier
+// result.
 TEST(WritePath, IsTheWayFromTheRootAndThenAHover) {
   Tree tree(8, 3);
   tree.add(node(kNoNode, -1, 0, 0.0));
