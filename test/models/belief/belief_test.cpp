@@ -24,7 +24,7 @@ Gaussian random_belief(test::Random& random, int n) {
   return belief;
 }
 
-// Information about the position of every rank from 0 to full.
+// Returns information about a position of the given rank.
 Eigen::MatrixXd random_information(test::Random& random, int p, int rank) {
   const Eigen::MatrixXd B = Eigen::MatrixXd::NullaryExpr(p, rank, [&] { return random.normal(); });
   return B * B.transpose() * std::pow(10.0, random.uniform(-3.0, 3.0));
@@ -83,7 +83,7 @@ TEST(UpdateCovariance, IsSymmetricToTheLastBitAndNeverGrows) {
   }
 }
 
-// Joseph form with measurement noise against ω + Hᵀ V⁻¹ z̃, Ω + Hᵀ V⁻¹ H.
+// Joseph form with measurement noise compared with ω + Hᵀ V⁻¹ z̃, Ω + Hᵀ V⁻¹ H.
 TEST(Update, EqualsTheUpdateInInformationForm) {
   test::Random random(24);
   for (const int n : {2, 3, 4}) {
@@ -243,7 +243,7 @@ TEST(Belief, NeverReachesForTheHeap) {
   }
 }
 
-// By a target's own A and W; an oscillator is expected about its centre.
+// The prediction uses the target's A and W; for an oscillator, relative to its centre.
 TEST(Predict, GoesByTheTargetsOwnMotion) {
   TargetModel swings{TargetKind::kDampedOscillator, 2};
   swings.surroundings.center_m = {3.0, -2.0};
@@ -258,14 +258,15 @@ TEST(Predict, GoesByTheTargetsOwnMotion) {
     const Gaussian expected = predict(belief, model.transition(0.7), model.process_noise(0.7));
     EXPECT_EQ(predicted.covariance, expected.covariance);
     EXPECT_TRUE(test::is_near(predicted.mean, model.expected(belief.mean, 0.7), 1e-12));
-    // How long it went unseen matters to none of them.
+    // The time without observation has no effect on these models.
     const Gaussian unseen = predict_unseen(belief, model, 0.7, 5.0, 0.5);
     EXPECT_EQ(unseen.covariance, predicted.covariance);
     EXPECT_EQ(unseen.mean, predicted.mean);
   }
 }
 
-// It grows from what it had grown to: in two parts as in one, by q Σ j over the steps unseen.
+// The noise continues from the current step count: it is q Σ j over the unseen steps, and two parts
+// give the same as one.
 TEST(PredictUnseen, GrowsFromWhenTheTargetWasLastSeen) {
   const TargetModel model{TargetKind::kGrowingUncertainty, 2, 0.3};
   test::Random random(32);

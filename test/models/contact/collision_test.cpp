@@ -63,7 +63,7 @@ TEST(CollisionMonitor, FclAndClosedFormAgreeOnRandomPoses) {
   std::uniform_real_distribution<double> z(-0.2, 3.3);
   const World world = lab();
   std::int64_t hits = 0;
-  // A monitor of its own for each draw: no motion, no hysteresis, so a report is the truth.
+  // A new monitor for each draw: no motion and no hysteresis, so a report equals the geometry.
   for (int trial = 0; trial < 3000; ++trial) {
     CollisionMonitor monitor(world, {{"A", 0.25, false}, {"B", 0.4, false}}, 0.6);
     const Eigen::Vector3d a(x(rng), y(rng), z(rng));
@@ -123,7 +123,8 @@ TEST(CollisionMonitor, ReportsAContactOnceUntilItHasEnded) {
   EXPECT_EQ(beside(-0.01), 1u);
 }
 
-// However long they stay so near that it does not count as parted, it is one contact; each time.
+// While bodies stay closer than the distance that ends a contact, it is one contact; tested three
+// times.
 TEST(CollisionMonitor, KeepsAContactAsLongAsItHasNotEnded) {
   CollisionMonitor monitor(lab(), two_robots(), 0.6);
   const Eigen::Vector3d still(1.0, 4.0, 1.0);
@@ -185,7 +186,8 @@ TEST(CollisionMonitor, ReportsWallsAndCeilingButNotTheFloor) {
   }
 }
 
-/// Every body against every other, box and wall at every step, by the closed forms alone.
+/// Compares every body with every other, every box and every wall at every step, by closed forms
+/// only.
 class NaiveMonitor {
  public:
   NaiveMonitor(World world, double separation_m)
@@ -268,8 +270,8 @@ std::vector<std::string> words_of(const std::vector<ContactReport>& reports) {
   return words;
 }
 
-// Robots and rovers of all sizes that wander, flee, jump, come later and are lost for a while: what
-// is reported is what a look at all pairs at each step finds.
+// Robots and rovers of all sizes that wander, flee, jump, appear late and are lost for a while. The
+// reports equal those of a check of all pairs at each step.
 TEST(CollisionMonitor, FindsWhatALookAtAllPairsFinds) {
   std::mt19937_64 rng(17);
   std::uniform_real_distribution<double> u(0.0, 1.0);

@@ -21,7 +21,7 @@ void expect_names(const std::vector<Kind>& kinds, const std::vector<std::string>
   EXPECT_EQ(std::set<std::string>(names.begin(), names.end()).size(), names.size());
 }
 
-// Logs, pages and people read them.
+// Logs, viewer pages and people read these names.
 TEST(Names, AreAsStated) {
   expect_names<PlanSource>({PlanSource::kSearched, PlanSource::kShifted, PlanSource::kBraking},
                            {"searched", "shifted", "braking"});
@@ -39,7 +39,7 @@ TEST(Names, AreAsStated) {
 MocapBody body(const std::string& name, double x_m, double y_m, bool occluded = false) {
   MocapBody out;
   out.name = name;
-  out.world_from_body.translation_m = {x_m, y_m, 5.0 * x_m};  // heights are of no account
+  out.world_from_body.translation_m = {x_m, y_m, 5.0 * x_m};  // heights do not count
   out.occluded = occluded;
   return out;
 }
@@ -65,7 +65,7 @@ TEST(Neighbours, AreThoseWithinADistanceOnTheGround) {
   const std::vector<std::string> robots{"q1", "q2", "q3", "q4", "q5"};
   std::vector<std::uint8_t> is_near{0, 7, 7, 7, 7};
   find_neighbours(frame, robots, 0, 5.0, is_near);
-  // Five metres is within five metres; who is not seen stays what he was.
+  // A distance of exactly five metres counts as near; robots that are not seen keep their flag.
   EXPECT_EQ(is_near, (std::vector<std::uint8_t>{0, 1, 0, 7, 7}));
   find_neighbours(frame, robots, 0, 5.0 - 1e-9, is_near);
   EXPECT_EQ(is_near, (std::vector<std::uint8_t>{0, 0, 0, 7, 7}));
@@ -89,7 +89,7 @@ TEST(BeliefMixture, IsOfTheBeliefOfTheSameRobotStepAndInstant) {
   mixture.robot = belief.robot;
   mixture.step = belief.step;
   mixture.stamp = belief.stamp;
-  mixture.stamp.sequence = 99;  // it travels by itself
+  mixture.stamp.sequence = 99;  // sent separately from the belief
   EXPECT_TRUE(is_of_belief(mixture, belief));
   BeliefMixture other = mixture;
   other.robot = "q2";

@@ -37,7 +37,7 @@ TEST(RayDistance, EndsWhereSightEnds) {
     const Eigen::Vector2d beyond_m = from_m + (distance_m + 1e-4) * along;
     ASSERT_TRUE(models::line_of_sight(kWorld, from_m, short_m));
     ASSERT_NEAR(models::clearance_m(kWorld, short_m), 0.0, 1e-6);
-    // Beyond is not free, unless the ray only clips a corner.
+    // The point beyond is not free, unless the ray only clips a corner.
     if (models::clearance_m(kWorld, beyond_m) > 0.0) {
       ASSERT_FALSE(models::line_of_sight(kWorld, from_m, beyond_m));
     }
@@ -62,7 +62,7 @@ TEST(BeamScan, ReadsDistancesWithinTheSensorsRangeAndItsEndsOtherwise) {
   EXPECT_NEAR(squares / 7'200, 1.0, 0.07);  // 4 σ of χ²
 }
 
-// Along the axes exactly, both ways: past a box beside the way, along its edge, up to it.
+// Exact along the axes in both directions: past a box, along its edge, and up to it.
 TEST(RayDistance, IsWhatARulerSaysAlongTheAxes) {
   const double up = kPi / 2.0;
   EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {2.5, 1.0}, up), 1.0);

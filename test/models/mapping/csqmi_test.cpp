@@ -20,7 +20,8 @@ BeamProfile beam_of(const std::vector<double>& occupancies, double width_m) {
   return beam;
 }
 
-// The definition, map by map: −log of the squared Cauchy–Schwarz ratio of p(m, z) and p(m) p(z).
+// The definition by enumeration of maps: −log of the squared Cauchy–Schwarz ratio of p(m, z) and
+// p(m) p(z).
 double csqmi_by_enumeration(const EnumeratedBeam& beam) {
   double joint = 0.0;
   double apart = 0.0;
@@ -35,7 +36,7 @@ double csqmi_by_enumeration(const EnumeratedBeam& beam) {
   return std::log(joint) + std::log(apart) - 2.0 * std::log(cross);
 }
 
-// The closed form as it is printed, with w_l and the product over all cells.
+// The closed form as published, with w_l and the product over all cells.
 double csqmi_as_printed(const BeamProfile& beam, const BeamSensor& sensor) {
   const std::size_t cells = beam.occupancy.size();
   const auto square = [](double o) { return o * o + (1.0 - o) * (1.0 - o); };

@@ -8,8 +8,8 @@
 
 namespace vantage::test {
 
-/// Every map of a beam's cells, one by one, with the densities of a reading: the oracle of beam
-/// information. Nothing here knows of first hits.
+/// All maps of a beam's cells with the densities of a reading: the reference for beam information.
+/// It does not use first-hit events.
 class EnumeratedBeam {
  public:
   EnumeratedBeam(const models::BeamProfile& beam, const models::BeamSensor& sensor);
@@ -20,20 +20,21 @@ class EnumeratedBeam {
     std::vector<bool> occupied;
   };
   [[nodiscard]] const std::vector<Map>& maps() const { return maps_; }
-  /// N(z; mean of `map`, σ²).
+  /// Returns N(z; mean of `map`, σ²).
   [[nodiscard]] double density(const Map& map, double z_m) const;
-  /// Σ_m p(m) density.
+  /// Returns Σ_m p(m) density.
   [[nodiscard]] double density(double z_m) const;
-  /// ∫ f(z) dz over everything that any map's reading can be. `f` must vanish 10 σ away from them.
+  /// Returns ∫ f(z) dz over the readings of all maps. `f` must vanish 10 σ away from them.
   [[nodiscard]] double integral(const std::function<double(double)>& f) const;
 
  private:
   std::vector<Map> maps_;
   double sigma_m_ = 0.0;
-  std::vector<double> means_m_;  // ascending, each once
+  std::vector<double> means_m_;  // ascending, without duplicates
 };
 
-/// A beam of 1 … `cells_max` cells of random widths and occupancies, some of them certain.
+/// Returns a beam of 1 … `cells_max` cells with random widths and occupancies, some of them
+/// certain.
 models::BeamProfile random_beam(Random& random, int cells_max, double width_min_m,
                                 double width_max_m);
 

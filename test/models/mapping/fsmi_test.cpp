@@ -16,7 +16,8 @@ double divergence_nats(double posterior, double prior) {
   return part(posterior, prior) + part(1.0 - posterior, 1.0 - prior);
 }
 
-// What a reading of z would change, cell by cell, by the words of the docstring.
+// Returns the information change of a reading z, summed over the cells, as the docstring defines
+// it.
 double told_by(const BeamProfile& beam, const BeamSensor& sensor, const InverseBeamModel& inverse,
                double z_m) {
   double sum_nats = 0.0;
@@ -38,7 +39,7 @@ double told_by(const BeamProfile& beam, const BeamSensor& sensor, const InverseB
   return sum_nats;
 }
 
-// ∫ p(z) told(z) dz with all maps enumerated; the integrand is cut at the cells' edges.
+// Returns ∫ p(z) told(z) dz with all maps enumerated; the integral is cut at the cell edges.
 double fsmi_by_enumeration(const BeamProfile& beam, const BeamSensor& sensor,
                            const InverseBeamModel& inverse) {
   const EnumeratedBeam oracle(beam, sensor);
@@ -50,7 +51,7 @@ double fsmi_by_enumeration(const BeamProfile& beam, const BeamSensor& sensor,
   std::sort(edges_m.begin(), edges_m.end());
   double sum_nats = 0.0;
   for (std::size_t k = 0; k + 1 < edges_m.size(); ++k) {
-    double inside = 0.0;  // P(z in this span)
+    double inside = 0.0;  // P(z in this interval)
     for (const EnumeratedBeam::Map& map : oracle.maps()) {
       const auto cdf = [&](double z_m) {
         return 0.5 * std::erfc((map.mean_range_m - z_m) / sensor.sigma_m / std::sqrt(2.0));

@@ -60,8 +60,8 @@ TEST(OccupancyBelief, SettlesAtTheClampAndCanBeUnsettled) {
 }
 
 TEST(OccupancyBelief, EntropyFallsInExpectation) {
-  // A look is right with probability 1/(1 + e^−l): the expected entropy after it is that before
-  // less the mutual information of a binary channel.
+  // An observation is right with probability 1/(1 + e^−l). The expected entropy falls by the mutual
+  // information of a binary channel.
   test::Random random(4402);
   for (int i = 0; i < 1'000; ++i) {
     const double l = random.uniform(0.05, 4.0);
@@ -116,7 +116,7 @@ TEST(BeamSensor, RefusesNumbersThatMakeNoSense) {
   EXPECT_THROW(require_valid(BeamSensor{1, 1.0, 0.0, 1.0, 0.0}), UsageError);
 }
 
-// Each rule at its edge, on both sides.
+// Each rule at its limit, on both sides.
 TEST(BeamSensor, TakesNumbersUpToTheirLimits) {
   const auto is_valid = [](const BeamSensor& sensor) {
     try {
@@ -140,8 +140,8 @@ TEST(BeamSensor, TakesNumbersUpToTheirLimits) {
   EXPECT_FALSE(is_valid({1, 1.0, 0.0, 1.0, -0.01}));
 }
 
-// A full circle is shared out evenly, a fan from end to end, the one beam straight ahead; what is
-// too near or too far reads as the ends of the range.
+// The beams of a full circle are spread evenly, those of a fan from end to end, and a single one is
+// straight ahead. Distances outside the range read as its ends.
 TEST(BeamSensor, IsAsStated) {
   for (const int beams : {1, 2, 5, 8}) {
     const BeamSensor circle{beams, 2.0 * kPi, 0.0, 1.0, 0.01};
@@ -160,7 +160,7 @@ TEST(BeamSensor, IsAsStated) {
   EXPECT_EQ(sensor.mean_range_m(9.0), 2.0);
   EXPECT_EQ(sensor.mean_range_m(1.3), 1.3);
   EXPECT_NEAR(sensor.no_hit_range_m(), 1.7, 1e-12);
-  // And what a scenario that says nothing has.
+  // The defaults of a scenario.
   EXPECT_EQ(BeamSensor{}.beams, 48);
   EXPECT_EQ(BeamSensor{}.field_of_view_rad, 2.0 * kPi);
   EXPECT_EQ(BeamSensor{}.range_min_m, 0.0);
@@ -168,7 +168,8 @@ TEST(BeamSensor, IsAsStated) {
   EXPECT_EQ(BeamSensor{}.sigma_m, 0.01);
 }
 
-// From outside of the grid a beam meets nothing, whatever it met before; from its last cell none.
+// From outside the grid the profile is empty, whatever it held before; from the last cell outwards,
+// too.
 TEST(TraceBeam, IsEmptyWhereTheRayIs) {
   const OccupancyBelief belief(kGrid, 2.0);
   const BeamSensor sensor{1, 1.0, 0.0, 10.0, 0.01};

@@ -29,7 +29,7 @@ TEST(RayWalk, TilesTheRayWithTheCellsThatHoldIt) {
   test::Random random(4101);
   for (int i = 0; i < 20'000; ++i) {
     const Eigen::Vector2d from_m(random.uniform(-1.0, 7.0), random.uniform(2.0, 6.5));
-    // Every fourth along an axis or a diagonal.
+    // Every fourth ray is along an axis or a diagonal.
     const double bearing_rad =
         i % 4 == 0 ? random.integer(-4, 4) * kPi / 4.0 : random.uniform(-kPi, kPi);
     const double range_m = random.uniform(0.0, 6.0);

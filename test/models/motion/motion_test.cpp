@@ -12,7 +12,7 @@ namespace {
 
 Eigen::Vector3d as_vector(const Pose2& pose) { return {pose.x_m, pose.y_m, pose.yaw_rad}; }
 
-// Fourth-order Runge–Kutta of ẋ = ν cos θ, ẏ = ν sin θ, θ̇ = ω, in many steps.
+// Integrates ẋ = ν cos θ, ẏ = ν sin θ, θ̇ = ω with fourth-order Runge–Kutta in many steps.
 Eigen::Vector3d integrated(Eigen::Vector3d x, const UnicycleControl& u, double duration_s) {
   constexpr int kSteps = 200;
   const double h = duration_s / kSteps;
@@ -81,7 +81,7 @@ TEST(UnicycleJacobian, AgreesWithFiniteDifferences) {
   test::Random random(14);
   for (int i = 0; i < 2000; ++i) {
     Pose2 pose = random.pose2(10.0);
-    pose.yaw_rad *= 0.1;  // away from the cut, where differences of wrapped angles jump
+    pose.yaw_rad *= 0.1;  // away from ±π, where wrapped angles jump
     const double yaw_rate = i % 4 == 0 ? random.uniform(-1e-3, 1e-3) : random.uniform(-3.0, 3.0);
     const UnicycleControl control{random.uniform(-3.0, 3.0), yaw_rate};
     const auto f = [&](const Eigen::Vector3d& x) -> Eigen::Vector3d {

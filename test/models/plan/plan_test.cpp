@@ -14,7 +14,7 @@ namespace {
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 constexpr double kBrake_mps2 = 2.0;
 
-// A few primitives and, half of the time, the stop at the end.
+// Returns a few primitives and, half of the time, a stop at the end.
 Trajectory random_trajectory(test::Random& random, double half_side_m) {
   Trajectory trajectory;
   trajectory.start_time = kStart + from_seconds(random.uniform(-2.0, 2.0));
@@ -115,7 +115,7 @@ TEST(Brake, StopsBackwardsToo) {
   EXPECT_NEAR(at(stop, kStart + from_seconds(0.75)).control.speed_mps, -1.5, 1e-12);
 }
 
-// Of the speeds as they are without braking, whichever way it drives.
+// The bound uses the speeds without braking, forwards and in reverse.
 TEST(LengthAtMost, IsNoLessThanTheWayForwardsAndBackwards) {
   test::Random random(84);
   for (int i = 0; i < 300; ++i) {
@@ -159,7 +159,8 @@ TEST(KeepsSeparation, AgreesWithDenseSampling) {
     if (least_m < kSeparation_m) {
       ASSERT_FALSE(keeps) << "sampled " << least_m;
     }
-    // Samples miss at most 6 m/s · 2.5 ms; the check itself gives away less than a millimetre.
+    // Samples miss at most 6 m/s · 2.5 ms; the check itself is conservative by less than a
+    // millimetre.
     if (least_m > kSeparation_m + 0.018) {
       ASSERT_TRUE(keeps) << "sampled " << least_m;
       ++decided;
@@ -216,7 +217,7 @@ TEST(KeepsSeparation, WatchesTheHoverBeforeALateStartAndTheOneForEver) {
   const Trajectory waits{
       kStart + from_seconds(3600.0), {0.0, 0.1, 0.0}, 1.0, {{{3.0, 0.0}, 2.0, 0.0}}};
   EXPECT_FALSE(keeps_separation(passes, waits, kStart, 0.5));
-  // Once it is past, only what comes later counts: the other one flies over its hover.
+  // After it has passed, only later motion counts: the other one flies over its hover position.
   Trajectory joins = waits;
   joins.start.y_m = 0.6;
   EXPECT_TRUE(keeps_separation(passes, joins, kStart, 0.5));

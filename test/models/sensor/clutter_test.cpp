@@ -92,8 +92,8 @@ TEST(SampleClutter, IsNoneWhereThereIsNone) {
   EXPECT_TRUE(sample_clutter(sensor_of(SensorKind::kBearing), {}, 0.0, rng).empty());
 }
 
-// As many to the left as to the right, near as far, in the least range's ring and the whole field
-// of view; also of a sensor that sees all round.
+// Clutter is as frequent left as right and near as far, from the least range on and over the whole
+// field of view. This also holds for a sensor with a full circle.
 TEST(SampleClutter, IsOnBothSidesOfStraightAhead) {
   SensorModel sensor = sensor_of(SensorKind::kPosition);
   sensor.position_sigma_m = 1e-9;
@@ -102,7 +102,7 @@ TEST(SampleClutter, IsOnBothSidesOfStraightAhead) {
     const Viewpoint from{{1.0, 2.0, 2.9}, 0.0};
     std::mt19937_64 rng(3);
     double count = 0.0;
-    double sides[4] = {};  // by quarters of the field of view
+    double sides[4] = {};  // quarters of the field of view
     for (int i = 0; i < 3'000; ++i) {
       for (const Measurement& z : sample_clutter(sensor, from, 2.0, rng)) {
         const double bearing_rad = std::atan2(z.z(1), z.z(0));
@@ -116,18 +116,19 @@ TEST(SampleClutter, IsOnBothSidesOfStraightAhead) {
   }
 }
 
-// Between two ranges and within a field of view of whatever width, seen by a camera or not.
+// The area of a ring between two ranges within a field of view of any width, with and without a
+// camera.
 TEST(ViewArea, IsOfTheRingWithinTheFieldOfView) {
   SensorModel sensor = sensor_of(SensorKind::kRange);
   sensor.fov_rad = 2.0 * kPi;
   EXPECT_NEAR(view_area_m2(sensor, {}), kPi * (9.0 - 0.25), 1e-12);
-  sensor.fov_rad = 7.0;  // more than a turn is one
+  sensor.fov_rad = 7.0;  // more than a turn counts as one
   EXPECT_NEAR(view_area_m2(sensor, {}), kPi * (9.0 - 0.25), 1e-12);
   sensor.kind = SensorKind::kCamera;
   sensor.camera_tilt_rad = kPi / 2.0;
   sensor.fov_rad = 1.5;
   EXPECT_NEAR(view_area_m2(sensor, {{}, 1.0}), 0.75 * (9.0 - 0.25), 1e-9);
-  sensor.camera_tilt_rad = 0.0;  // sees what is a metre ahead or more: not all of its sector
+  sensor.camera_tilt_rad = 0.0;  // it sees only what is at least a metre ahead
   sensor.depth_min_m = 1.0;
   sensor.fov_rad = 2.0 * kPi;
   const double cap_m2 = 9.0 * std::acos(1.0 / 3.0) - std::sqrt(8.0);

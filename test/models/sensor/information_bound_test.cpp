@@ -46,8 +46,8 @@ Question random_question(test::Random& random) {
   return {{random.pose2(3.0), random.uniform(0.0, 3.0)}, random.uniform(0.0, 3.0), target};
 }
 
-// A viewpoint of the disc; every other one on its rim or as near to the target as it gets, where
-// information is largest.
+// Returns a viewpoint in the disc. Every other one is on the rim or as near to the target as
+// possible, where information is largest.
 Viewpoint reached(test::Random& random, const Question& question) {
   const Pose2& from = question.from.world_from_body;
   const Eigen::Vector2d to_target = question.target.head<2>() - from.position_m();
@@ -93,7 +93,7 @@ TEST(InformationBound, IsNeverExceededFromAnyReachableViewpoint) {
   }
 }
 
-// Needed for a consistent heuristic: what is reachable after a step was reachable before it.
+// A consistent heuristic needs this: what is reachable after a step was reachable before it.
 TEST(InformationBound, NeverFallsWhenTheReachGrows) {
   test::Random random(72);
   for (const SensorKind kind : kKinds) {
@@ -124,7 +124,7 @@ TEST(InformationBound, IsZeroForATargetThatNoReachableViewpointCanSee) {
   }
 }
 
-// What lies far below, but not so far to the side that it has a bearing.
+// A target far below has no bearing until the reach leads far enough to the side.
 TEST(InformationBound, IsZeroWhereNothingReachedIsBesideTheTarget) {
   for (const SensorKind kind : {SensorKind::kRangeBearing, SensorKind::kBearing}) {
     SensorModel sensor;
@@ -162,7 +162,7 @@ TEST(InformationBound, OfABearingStopsAtTheLeastRange) {
   EXPECT_EQ(information_bound(sensor, {}, 5.0, Eigen::Vector2d(1.0, 1.0)), INFINITY);
 }
 
-// What lies beyond its range no viewpoint sees: a reach that goes far beyond it adds nothing.
+// Beyond the range no viewpoint sees the target, so a larger reach adds nothing.
 TEST(InformationBound, StaysWhereTheReachGoesBeyondTheRange) {
   for (const SensorKind kind : kKinds) {
     for (const double tilt_rad : {0.3, 1.0, kPi / 2}) {
@@ -186,8 +186,8 @@ TEST(InformationBound, StaysWhereTheReachGoesBeyondTheRange) {
   }
 }
 
-// On its optical axis, standing still, a camera learns (f / (σ d))² at the depth d, which is all
-// that the bound allows: however it is tilted, and on the ground as in space.
+// On its optical axis a stationary camera has the information (f / (σ d))² at depth d, which equals
+// the bound. This holds at any tilt, for targets on the ground and above it.
 TEST(InformationBound, OfACameraIsReachedOnItsAxis) {
   SensorModel sensor;
   sensor.kind = SensorKind::kCamera;
@@ -201,7 +201,7 @@ TEST(InformationBound, OfACameraIsReachedOnItsAxis) {
       const double depth_m = height_m / std::sin(tilt_rad);
       const double ahead_m = height_m / std::tan(tilt_rad);
       const double expected = std::pow(400.0 / (2.0 * depth_m), 2.0);
-      for (const double above_m : {0.0, 1.5}) {  // the ground
+      for (const double above_m : {0.0, 1.5}) {  // height of the target
         const Viewpoint from{{0.5, -1.0, 1.2}, height_m + above_m};
         const Eigen::Vector2d there_m(0.5 + ahead_m * std::cos(1.2),
                                       -1.0 + ahead_m * std::sin(1.2));

@@ -18,8 +18,8 @@ using test::kKinds;
 using test::of_kind;
 using test::random_target;
 
-// What planners ask of a law alone is what information() says of each look: along the line of
-// sight, across it, and in all directions.
+// The planar law for planners equals information() for each observation: along the line of sight,
+// across it, and in all directions.
 TEST(SensorLaw, OfAPlanarTargetIsItsInformation) {
   test::Random random(68);
   for (const SensorKind kind : kKinds) {
@@ -56,7 +56,8 @@ TEST(SensorLaw, OfAPlanarTargetIsItsInformation) {
   }
 }
 
-// A metre along a line of sight has so much of a camera's depth, left and right, up and down.
+// The depth per metre along a line of sight gives the depth at which in_view() cuts off, in all
+// directions.
 TEST(SensorLaw, OfACameraSaysHowMuchDepthAWayHas) {
   test::Random random(69);
   for (const SensorKind kind : kKinds) {
@@ -118,7 +119,7 @@ TEST(Viewpoints, AreApartInSpace) {
   EXPECT_EQ(distance_m(a, a), 0.0);
 }
 
-// Of each sigma the noise of its own, and none of it depends on what else is set.
+// Each noise variance is the square of its own sigma and depends on nothing else.
 TEST(NoiseCovariance, IsTheSquareOfItsSigmas) {
   SensorModel sensor;
   sensor.range_sigma_m = 2.0;

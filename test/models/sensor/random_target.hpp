@@ -3,7 +3,7 @@
 #include "models/sensor/sensor.hpp"
 #include "test/support/random.hpp"
 
-// Sensors of each kind, and targets about them.
+// Sensors of each kind, and random targets around them.
 
 namespace vantage::test {
 

@@ -18,7 +18,7 @@ using test::kKinds;
 using test::of_kind;
 using test::random_target;
 
-// ∂h/∂y by central differences of innovation(), which takes care of the cut of a bearing.
+// Returns ∂h/∂y by central differences of innovation(), which handles the wrap of a bearing.
 template <int Dim>
 Eigen::MatrixXd numerical(const SensorModel& sensor, const Viewpoint& from,
                           const PositionVector& target, double h) {
@@ -65,7 +65,7 @@ TEST(ObservationJacobian, AgreesWithFiniteDifferences) {
   }
 }
 
-// Nearly on top of the target, nearly at the least depth, astride the cut of the bearing.
+// Nearly above the target, nearly at the least depth, and across the wrap of the bearing.
 TEST(ObservationJacobian, AgreesWithFiniteDifferencesNearItsSingularPoints) {
   test::Random random(62);
   for (const SensorKind kind : kKinds) {
@@ -127,7 +127,7 @@ TEST(Observe, PutsImageXToTheRightAndImageYDown) {
   camera.focal_length_pixels = 100.0;
   const Viewpoint from{{0.0, 0.0, 0.0}, 2.0};
   const Eigen::Vector2d ahead_and_left(0.5, 1.0);
-  // Straight down: what is ahead is up in the image, what is to the left is left; depth 2.
+  // Straight down: ahead is up in the image and left is left; depth 2.
   EXPECT_TRUE(
       test::is_near(observe(camera, from, ahead_and_left), Eigen::Vector2d(-50.0, -25.0), 1e-12));
   camera.camera_tilt_rad = 0.0;  // along body x: the ground is below the horizon; depth 4
@@ -196,7 +196,7 @@ TEST(InView, IsNeverTrueWhereTheJacobianDoesNotExist) {
     EXPECT_FALSE(in_view(sensor, {}, Eigen::Vector2d(0.0, 0.0)));
     EXPECT_TRUE(information(sensor, {}, Eigen::Vector2d(0.0, 0.0)).isZero(0.0));
   }
-  // Right above a target in space a range is fine, a bearing is not.
+  // Directly above a spatial target there is a range but no bearing.
   const Viewpoint above{{}, 2.0};
   const Eigen::Vector3d ground(0.0, 0.0, 0.0);
   EXPECT_TRUE(in_view(of_kind(SensorKind::kRange), above, ground));
@@ -251,7 +251,7 @@ TEST(Innovation, IsShortAcrossTheCutOfTheBearing) {
   const Eigen::Matrix<double, 1, 1> beyond_pi(-kPi + 0.2);
   EXPECT_NEAR(innovation(bearing, almost_pi, beyond_pi)(0), -0.3, 1e-12);
   EXPECT_NEAR(innovation(bearing, beyond_pi, almost_pi)(0), 0.3, 1e-12);
-  const SensorModel range = of_kind(SensorKind::kRange);  // a range of 7 m is no angle
+  const SensorModel range = of_kind(SensorKind::kRange);  // a range of 7 m is not an angle
   EXPECT_EQ(
       innovation(range, Eigen::Matrix<double, 1, 1>(7.0), Eigen::Matrix<double, 1, 1>(0.5))(0),
       6.5);
@@ -260,7 +260,7 @@ TEST(Innovation, IsShortAcrossTheCutOfTheBearing) {
                             Eigen::Vector2d(8.0, 6.0 - 2.0 * kPi), 1e-12));
 }
 
-// n samples: the mean is within 5 σ/√n; a variance within 5 √(2/n) of its own size.
+// n samples: the mean is within 5 σ/√n; a variance within 5 √(2/n) of its value.
 TEST(Sample, HasTheMeanAndVarianceThatTheModelStates) {
   constexpr int kSamples = 20'000;
   test::Random random(65);
@@ -268,7 +268,7 @@ TEST(Sample, HasTheMeanAndVarianceThatTheModelStates) {
     SensorModel sensor = of_kind(kind);
     sensor.variance_grows_with_range = true;
     const Viewpoint from{{0.0, 0.0, 0.3}, 2.0};
-    const Eigen::Vector3d target(-3.0 * std::cos(0.3), -3.0 * std::sin(0.3), 0.0);  // at the cut
+    const Eigen::Vector3d target(-3.0 * std::cos(0.3), -3.0 * std::sin(0.3), 0.0);  // wraps
     const MeasurementVector expected = observe(sensor, from, target);
     const MeasurementMatrix V = noise_covariance(sensor, from, target);
     const Eigen::Index rows = expected.rows();
@@ -308,7 +308,7 @@ TEST(PositionFrom, UndoesObserveForSensorsThatCanTell) {
         const Viewpoint from{random.pose2(4.0), random.uniform(0.5, 3.0)};
         PositionVector target = random_target(random, dim, 4.0);
         if (dim == 3 && kind != SensorKind::kPosition) {
-          target(2) = 0.0;  // their third coordinate is that of the ground
+          target(2) = 0.0;  // the third coordinate is that of the ground
         }
         if (!in_view(sensor, from, target)) {
           continue;
@@ -329,12 +329,12 @@ TEST(PositionFrom, AdmitsWhatASensorCannotTell) {
   EXPECT_FALSE(position_from(of_kind(SensorKind::kBearing), from, one, 2));
   const SensorModel both = of_kind(SensorKind::kRangeBearing);
   EXPECT_FALSE(position_from(both, from, Eigen::Vector2d(-0.1, 0.0), 2));
-  EXPECT_FALSE(position_from(both, from, Eigen::Vector2d(1.9, 0.0), 3));  // never gets down
+  EXPECT_FALSE(position_from(both, from, Eigen::Vector2d(1.9, 0.0), 3));  // range < height
   EXPECT_FALSE(position_from(both, from, Eigen::Vector2d(std::nan(""), 0.0), 2));
   SensorModel camera = of_kind(SensorKind::kCamera);
   camera.camera_tilt_rad = 0.0;
   EXPECT_FALSE(position_from(camera, from, Eigen::Vector2d(0.0, -10.0), 2));  // above the horizon
-  EXPECT_FALSE(position_from(camera, from, Eigen::Vector2d(0.0, 0.0), 2));    // on it
+  EXPECT_FALSE(position_from(camera, from, Eigen::Vector2d(0.0, 0.0), 2));    // on the horizon
 }
 
 TEST(Sensor, NeverReachesForTheHeap) {

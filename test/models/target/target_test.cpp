@@ -9,7 +9,7 @@
 namespace vantage::models {
 namespace {
 
-// γ² below, at and above 4 σ_v²/σ_p²: it swings on one axis and creeps on the other.
+// γ² below, at and above 4 σ_v²/σ_p²: underdamped on one axis, overdamped on the other.
 const Surroundings kSwings{{1.0, -2.0}, {1.8, 0.8}, {0.4, 0.25}, {0.3, 0.9}};
 const Surroundings kOnTheEdge{{0.0, 0.0}, {2.0, 1.0}, {0.5, 0.25}, {0.5, 0.5 + 1e-6}};
 
@@ -24,7 +24,7 @@ const TargetModel kModels[] = {
     {TargetKind::kDampedOscillator, 2, 0.0, kOnTheEdge},
 };
 
-// Where an oscillator comes to rest: N(c, σ_p²), N(0, σ_v²).
+// Returns the stationary covariance of an oscillator: N(c, σ_p²), N(0, σ_v²).
 StateMatrix stationary(const Surroundings& around) {
   Eigen::Vector4d variances;
   variances << around.position_sigma_m.cwiseAbs2(), around.velocity_sigma_mps.cwiseAbs2();
@@ -40,7 +40,7 @@ TEST(TargetModel, HasAsManyRowsAsItsState) {
   }
 }
 
-// A(s + t) = A(t) A(s) and W(s + t) = A(t) W(s) A(t)ᵀ + W(t): two short steps are one long one.
+// A(s + t) = A(t) A(s) and W(s + t) = A(t) W(s) A(t)ᵀ + W(t): two short steps equal one long one.
 TEST(TargetModel, ForgetsHowTimeWasCutIntoSteps) {
   for (const TargetModel& model : kModels) {
     if (model.kind == TargetKind::kGrowingUncertainty) {
@@ -117,7 +117,7 @@ TEST(DampedOscillator, SolvesItsEquation) {
   }
 }
 
-// Wide surroundings and slow damping at the same q = 2 γ σ_v².
+// A wide and slowly damped oscillator with the same q = 2 γ σ_v².
 TEST(DampedOscillator, IsADoubleIntegratorWhereItsRatesVanish) {
   constexpr double kDamping_per_s = 1e-5;
   const double sigma_mps = std::sqrt(0.3 / (2.0 * kDamping_per_s));
@@ -179,8 +179,8 @@ TEST(GrowingUncertainty, GrowsWithTheStepsUnseenAndNotWithTime) {
   EXPECT_EQ(model.process_noise(0.1, 4), model.process_noise(9.0, 4));
 }
 
-// Where h = γ/2 and ω are nearly the same a series stands for the root of their difference: on both
-// sides of where it begins it is e^{−ht} (cosh x + …), to the last digits.
+// If h = γ/2 and ω are nearly equal, a series replaces the root of their difference. On both sides
+// of the switch the result is e^{−ht} (cosh x + …), to the last digits.
 TEST(DampedOscillator, IsAsExactWhereItNearlySwingsAsElsewhere) {
   for (const double x : {-9.9e-4, -1.01e-3, -3e-4, 3e-4, 9.9e-4, 1.01e-3}) {
     constexpr long double kT = 0.5L;

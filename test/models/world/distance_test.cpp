@@ -21,7 +21,8 @@ World random_world(test::Random& random, int obstacles) {
   return world;
 }
 
-// Least distance from `p_m` to points laid every `step_m` along the border of `box`.
+// Returns the least distance from `p_m` to points at a spacing of `step_m` on the border of `box`,
+// m.
 double border_distance_m(const Rectangle& box, const Eigen::Vector2d& p_m, double step_m) {
   double least_m = INFINITY;
   const Eigen::Vector2d size_m = box.max_m - box.min_m;
@@ -108,7 +109,7 @@ TEST(LineOfSight, AgreesWithPointsSampledAlongIt) {
     const World world = random_world(random, 2);
     const Eigen::Vector2d a_m = random.vector<2>(0.0, 10.0);
     const Eigen::Vector2d b_m = random.vector<2>(0.0, 10.0);
-    double deepest_m = -INFINITY;  // > 0: some sample lies inside an obstacle
+    double deepest_m = -INFINITY;  // m; > 0: a sample is inside an obstacle
     for (int k = 0; k <= 2000; ++k) {
       const Eigen::Vector2d p_m = a_m + (k / 2000.0) * (b_m - a_m);
       for (const Obstacle& obstacle : world.obstacles) {
@@ -158,7 +159,7 @@ TEST(SweptClearance, IsTheLeastClearanceOnTheWay) {
     const double swept_m = swept_clearance_m(world, a_m, b_m);
     if (least_m > 0.0 && swept_m > 0.0) {
       ASSERT_LE(swept_m, least_m + 1e-12);
-      ASSERT_GE(swept_m, least_m - 0.0015);  // half the samples' spacing
+      ASSERT_GE(swept_m, least_m - 0.0015);  // half the spacing of the samples
     } else {
       ASSERT_LE(swept_m, 0.0);
       ASSERT_LE(least_m, 0.0015);
@@ -198,7 +199,7 @@ TEST(ClosestApproach, SeesTwoVehiclesSwapPlaces) {
   EXPECT_EQ(closest_approach_m(left, right, left, right), 0.0);
 }
 
-// Beside each of its four sides, and on each of them.
+// Next to each of the four sides, and on each of them.
 TEST(Rectangle, ContainsItsEdgesAndNothingBeyondAnyOfThem) {
   const Rectangle box{{-1.0, 2.0}, {3.0, 4.5}};
   for (const double x_m : {-1.1, -1.0, 0.5, 3.0, 3.1}) {
@@ -221,7 +222,7 @@ TEST(RegionCost, SumsOverlappingRegionsWithTheirEdges) {
   EXPECT_EQ(region_cost(world, {5.0, 5.0}), 0.0);
 }
 
-// As many as there is room for are all of them; one more, and none may be left out.
+// If exactly kMax obstacles are near, the list is complete; with one more it is not.
 TEST(NearbyObstacles, SayWhenThereAreMoreThanTheyHold) {
   World world{{{-50, -50}, {50, 50}}, 3.0, {}, {}};
   for (std::size_t i = 0; i < NearbyObstacles::kMax; ++i) {
@@ -240,7 +241,7 @@ TEST(NearbyObstacles, SayWhenThereAreMoreThanTheyHold) {
   nearby = nearby_obstacles(world, {0.0, 0.0}, 5.0);
   EXPECT_FALSE(nearby.is_complete);
   EXPECT_NEAR(clearance_m(world, nearby, {0.0, 0.0}), std::sqrt(2.0), 1e-12) << "of all of them";
-  // On each side, from just within and just beyond reach.
+  // On each side, just within and just beyond reach.
   const World one{{{-50, -50}, {50, 50}}, 3.0, {{{{-1, -2}, {1, 2}}, 1.0}}, {}};
   for (const double side : {-1.0, 1.0}) {
     for (const double beyond_m : {-1e-9, 1e-9}) {
@@ -251,8 +252,7 @@ TEST(NearbyObstacles, SayWhenThereAreMoreThanTheyHold) {
   }
 }
 
-// What is outside of the bounds on one side and beside them on the other; and of ways along an
-// axis.
+// Paths along an axis and past each corner, and paths that leave the bounds.
 TEST(SweptClearance, KnowsTheClosedFormsAroundOneBox) {
   const World world{{{-10, -8}, {10, 8}}, 3.0, {{{{-1, -2}, {1, 2}}, 1.0}}, {}};
   EXPECT_DOUBLE_EQ(swept_clearance_m(world, {3, -5}, {3, 5}), 2.0);
@@ -262,7 +262,7 @@ TEST(SweptClearance, KnowsTheClosedFormsAroundOneBox) {
   EXPECT_DOUBLE_EQ(swept_clearance_m(world, {3, 0}, {9.5, 0}), 0.5) << "the wall is nearer";
   EXPECT_DOUBLE_EQ(swept_clearance_m(world, {9.5, 1}, {3, 1}), 0.5);
   EXPECT_DOUBLE_EQ(swept_clearance_m(world, {4, -6}, {4, -6}), 2.0);
-  // Past each corner on a slant: the corner's distance from the line.
+  // Past each corner on a slanted line: the corner's distance from the line.
   for (const double sx : {-1.0, 1.0}) {
     for (const double sy : {-1.0, 1.0}) {
       EXPECT_NEAR(swept_clearance_m(world, {sx * 4.0, sy * 1.0}, {sx * 0.0, sy * 5.0}),

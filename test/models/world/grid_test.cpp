@@ -106,7 +106,7 @@ TEST(DistanceField, NeverPromisesMoreThanTheClearance) {
       const double exact_m = clearance_m(world, p_m);
       const double bound_m = field.lower_bound_m(p_m);
       ASSERT_LE(bound_m, exact_m);
-      ASSERT_GE(bound_m, exact_m - resolution_m * std::sqrt(2.0) - 1e-5);  // and is not idle
+      ASSERT_GE(bound_m, exact_m - resolution_m * std::sqrt(2.0) - 1e-5);  // and it is tight
     }
   }
 }

@@ -129,7 +129,8 @@ TEST(Frontiers, AreTheUnexploredFreeNeighboursOfExploredCells) {
   EXPECT_EQ(grid.frontiers(kNow, 0.0), expected);
 }
 
-// Greedy in index order: every kept one is far from all kept before it, every dropped one is not.
+// Frontiers are kept greedily in index order: each kept one is far from all earlier kept ones, each
+// dropped one is not.
 TEST(Frontiers, AreThinnedGreedilyInIndexOrder) {
   const World world = lab();
   for (const double spacing_m : {0.1, 0.25, 0.6, 1.0, 3.0, 100.0}) {
@@ -172,15 +173,15 @@ TEST(Frontiers, VanishOnceEverythingIsExplored) {
 }
 
 TEST(Frontiers, LieOutsideTheFieldOfViewButNotBehindTheBounds) {
-  const World world{{{0, 0}, {8.1, 4.1}}, 3.0, {}, {}};  // the last cells reach over the bounds
+  const World world{{{0, 0}, {8.1, 4.1}}, 3.0, {}, {}};  // the last cells extend beyond the bounds
   const VisibilityGrid grid(world, 0.25, 0.0);
   for (const Eigen::Vector2d& p_m : grid.frontiers(kNow, 0.0)) {
     ASSERT_TRUE(world.bounds.contains(p_m));
   }
 }
 
-// Also where what was seen reaches the edges of the grid: beyond the end of a row nothing is beside
-// the beginning of the next.
+// Also where the seen area reaches the grid's edges: the end of a row is not adjacent to the start
+// of the next.
 TEST(Frontiers, EndAtTheEdgesOfTheGrid) {
   const World world{{{0, 0}, {2.0, 1.5}}, 3.0, {}, {}};
   test::Random random(52);

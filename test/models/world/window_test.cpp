@@ -7,7 +7,7 @@
 #include "models/world/grid.hpp"
 #include "test/support/random.hpp"
 
-// Grids that are a part of the world's.
+// Grids that are a part of the world's grid.
 
 namespace vantage::models {
 namespace {
@@ -56,8 +56,8 @@ TEST(GridWindow, KnowsWhoseCellsAreOthers) {
   EXPECT_FALSE(whole.place_of(other));
 }
 
-// So many cells away along each axis, to either side; what is farther than can be counted is
-// nowhere.
+// The offset in cells along each axis, in both directions. An offset that is too large to count has
+// no value.
 TEST(GridWindow, KnowsHowManyCellsItIsFromTheWhole) {
   const GridGeometry whole = GridGeometry::covering(field().bounds, 0.5);
   for (const int columns : {-7, 0, 3}) {
@@ -126,7 +126,7 @@ TEST(GridWindow, TakesNoStampsThatAreNotOfItsCells) {
       << "none is later than the limit";
 }
 
-// And none that does not, but for the nearest where the square is beyond the grid.
+// All cells reach into the square, except for the nearest cell if the square is outside the grid.
 TEST(GridWindow, HasNoCellThatDoesNotReachIntoTheSquare) {
   const GridGeometry whole = GridGeometry::covering(field().bounds, 0.7);
   test::Random random(9);
@@ -152,8 +152,8 @@ TEST(GridWindow, HasNoCellThatDoesNotReachIntoTheSquare) {
   }
 }
 
-// Only where both have cells, whichever way one reaches beyond the other; and nothing at all where
-// either has another number of stamps than of cells.
+// Only common cells are merged, for any overlap. Nothing is merged if the number of stamps differs
+// from the number of cells.
 TEST(MergeStamps, TakesTheNewerWhereBothHaveCells) {
   const GridGeometry own{{0.0, 0.0}, 0.5, 3, 2};
   const GridGeometry theirs{{0.5, -0.5}, 0.5, 3, 2};  // two columns and one row in common
