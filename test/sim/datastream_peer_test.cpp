@@ -13,10 +13,10 @@ namespace {
 
 namespace wire = vantage::wire::vicon;
 
-/// Types of the blocks that a frame brings to who has asked for these.
+/// Returns the types of the blocks in a frame for a client that has requested `asked`.
 std::set<std::uint32_t> heard_of(const std::vector<std::uint32_t>& asked) {
   DataStreamPeer peer{ServerSettings{}};
-  peer.outgoing.clear();  // what it offers
+  peer.outgoing.clear();  // the server's greeting
   std::vector<std::uint8_t> bytes;
   wire::PacketWriter packet(bytes);
   append(packet, wire::ObjectEnums{asked});
@@ -40,7 +40,7 @@ std::set<std::uint32_t> heard_of(const std::vector<std::uint32_t>& asked) {
   return out;
 }
 
-// And the number of the frame, without which it is none.
+// The frame number is always included, because a packet without it is not a frame.
 TEST(DataStreamPeer, SendsWhatItIsAskedForAndNothingElse) {
   using Types = std::set<std::uint32_t>;
   const std::uint32_t number = wire::kFrameInfo;

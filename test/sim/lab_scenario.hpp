@@ -8,8 +8,8 @@
 
 namespace vantage::test {
 
-/// The hardware experiment: 4 × 8 m with two boxes, three quadrotors at 1.0, 1.5 and 2.0 m, five
-/// rovers of radius 0.2 m whose starts are drawn.
+/// Returns the hardware experiment: 4 × 8 m with two boxes, three quadrotors at 1.0, 1.5 and 2.0 m,
+/// and five rovers of radius 0.2 m with random starts.
 inline scenario::Scenario lab_scenario() {
   scenario::Scenario scenario;
   scenario.name = "lab";

@@ -1,4 +1,4 @@
-// vantage-sim on the bus: what it says when, and which devices it is.
+// vantage-sim on the bus: when it publishes, and which devices it simulates.
 
 #include <algorithm>
 #include <string>
@@ -72,7 +72,8 @@ struct Lab {
   std::vector<std::pair<Duration, std::vector<std::string>>> attacks;
 };
 
-// Begun between them: each at the whole multiples of its own period, and out when it is due.
+// Started at any time, the node publishes each message at whole multiples of its period, when it is
+// due.
 TEST(SimNode, SpeaksAtWholeMultiplesOfEachPeriodWhereverItBegins) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.mocap.rate_hz = 40.0;
@@ -91,7 +92,7 @@ TEST(SimNode, SpeaksAtWholeMultiplesOfEachPeriodWhereverItBegins) {
   for (std::size_t k = 0; k < lab.frames.size(); ++k) {
     EXPECT_EQ(lab.delivered[k], lab.frames[k] + Duration{12'000});
   }
-  // Each robot at the first instant, which is news of each, and then at 10 Hz.
+  // Each robot at the first instant, because its state is new, and then at 10 Hz.
   std::vector<std::pair<std::string, Time>> said;
   for (const models::VehicleStatus& status : lab.statuses) {
     said.emplace_back(status.robot, status.stamp.time);
@@ -134,7 +135,8 @@ TEST(SimNode, SaysItsTruthAsOftenAsARealMocapWhoseDriverAddsItsBodies) {
   EXPECT_EQ(lab.truths.back(), kStart + Duration{100'000});
 }
 
-// By the scenario, from its beginning on: on each change, and each second beside it.
+// Attacks follow the scenario from its start. They are published on each change and once per
+// second.
 TEST(SimNode, TellsWhoIsJammedOnEachChangeAndOnceASecond) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.attacks = {{0.5, 2.0, {"Q3", "Q1"}}, {1.5, 2.6, {"Q1", "Q2"}}};
@@ -155,7 +157,7 @@ TEST(SimNode, TellsWhoIsJammedOnEachChangeAndOnceASecond) {
   EXPECT_TRUE(quiet.attacks.empty());
 }
 
-// A period and the latency behind is still in time; a microsecond more is not.
+// A tick late by a period and the latency is in time; a microsecond more is not.
 TEST(SimNode, CountsTicksThatComeMoreThanAPeriodLateAndCatchesUpByTwentyInstants) {
   Lab lab(test::lab_scenario());
   lab.run_until(kStart + Duration{1'000'000});
@@ -169,7 +171,7 @@ TEST(SimNode, CountsTicksThatComeMoreThanAPeriodLateAndCatchesUpByTwentyInstants
   EXPECT_EQ(lab.node.deadlines_missed(), 1);
   EXPECT_EQ(lab.count("sim.late_ticks"), 1);
   EXPECT_EQ(lab.count("sim.catch_up_chunks"), 0);
-  // In a second there are 50 frames, 10 truths and 10 statuses of their own instants.
+  // One second has 50 frames, 10 truths and 10 statuses, each at its own instant.
   lab.clock.set(lab.clock.now() + Duration{1'000'000});
   lab.frames.clear();
   lab.truths.clear();
@@ -210,7 +212,7 @@ TEST(SimNode, CountsEachPlanThatItDoesNotFlyUnderItsReason) {
   for (int k = 0; k < 3; ++k) {
     lab.net.other.publish(bus::plan_channel("Q1"), plan_of(0, begin - Duration{1}));
   }
-  lab.net.other.publish(bus::plan_channel("Q3"), plan_of(2, begin));  // somebody else's to fly
+  lab.net.other.publish(bus::plan_channel("Q3"), plan_of(2, begin));  // not a robot of the node
   for (int k = 0; k < 2; ++k) {
     models::RobotPlan far = plan_of(1, begin);
     far.trajectory.start.x_m += 3.0;
@@ -247,7 +249,7 @@ TEST(SimNode, SaysWhichDeviceNeedsRealTime) {
   EXPECT_EQ(why(scenario), "mocap " + cure);
 }
 
-/// Somebody who hears what is sent to a port of his own.
+/// A socket that receives datagrams at its own port.
 class Ear {
  public:
   Ear() : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
@@ -274,7 +276,7 @@ class Ear {
   int fd_;
 };
 
-/// A clock that calls itself real and stands where the test puts it.
+/// A clock that reports real time but only moves when the test sets it.
 class StandingClock : public bus::Clock {
  public:
   [[nodiscard]] Time now() const override { return time; }
@@ -317,7 +319,7 @@ TEST(SimNode, IsTheMocapServerOfAScenarioThatHasOneOnTheWire) {
   }
 }
 
-// With vehicles on the wire the world keeps up with the clock, and frames wait for their latency.
+// With vehicles on the wire the world follows the clock, and frames are sent after their latency.
 TEST(SimNode, KeepsUpWithTheClockWhereAVehicleIsOnTheWire) {
   Ear ear;
   scenario::Scenario scenario = test::lab_scenario();
@@ -339,7 +341,7 @@ TEST(SimNode, KeepsUpWithTheClockWhereAVehicleIsOnTheWire) {
     ticks.push_back(clock.time);
     node.tick(clock.time);
     net.other.handle(std::chrono::microseconds(0));
-    if (k > 0) {  // the first is a pause after its beginning
+    if (k > 0) {  // the first follows a pause after the start
       EXPECT_EQ(node.world().time(), clock.time);
     }
   }

@@ -19,7 +19,7 @@ namespace {
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
-/// The node, a clock, and a listener who keeps everything.
+/// The node, a clock, and a subscriber that keeps all messages.
 struct Lab {
   bus::VirtualClock clock{kStart};
   test::BusPair net{11, 22};
@@ -106,7 +106,7 @@ TEST(SimNode, FliesAPlanFromItsStartAndBrakesAtItsEnd) {
   const auto& q2 = lab.node.world().quadrotors()[1];
   EXPECT_NEAR(q2.position_world_m().y(), 1.5, 0.1);
   lab.run_until(begin + std::chrono::seconds(4));
-  // 1 s at 1 m/s, then ½ · 1² / 2 m of stop.
+  // 1 s at 1 m/s, then a stop of ½ · 1² / 2 m.
   EXPECT_NEAR(q2.position_world_m().y(), 2.25, 0.08);
   EXPECT_NEAR(q2.position_world_m().x(), 2.0, 0.08);
   const bool said = std::any_of(lab.statuses.begin(), lab.statuses.end(), [](const auto& status) {
@@ -207,7 +207,7 @@ TEST(SimNode, LeavesViconToARealMocap) {
   EXPECT_FALSE(lab.truths.empty());
 }
 
-// All bytes of a run, in order of arrival.
+// Returns all bytes of a run, in order of arrival.
 std::vector<std::uint8_t> bytes_of_run(std::uint64_t seed, Duration tick_every) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.seed = seed;

@@ -1,4 +1,4 @@
-// What vantage-sim puts on wires: whose numbers, at which rate, how late.
+// The wires of vantage-sim: system numbers, rates and latencies.
 
 #include <algorithm>
 #include <array>
@@ -31,10 +31,10 @@ namespace {
 
 using test::port_of_this_test;
 
-// Seven tenths of a second after a whole one.
+// 0.7 s after a whole second.
 constexpr Time kStart = from_utime(1'700'000'123'700'000);
 
-/// A clock that calls itself real and stands where the test puts it.
+/// A clock that reports real time but only moves when the test sets it.
 class StandingClock : public bus::Clock {
  public:
   [[nodiscard]] Time now() const override { return time; }
@@ -66,8 +66,8 @@ struct Lab {
   SimNode node;
 };
 
-// An autopilot without a number of its own is the system of its place among all robots, wires or
-// not; a rover's start is named by the second in which it was.
+// An autopilot without an explicit number has the index of its robot among all robots as system id.
+// The boot number of a rover is the second of its start.
 TEST(SimNode, NumbersWhatIsOnTheWireByItsPlaceAndTheSecondOfItsStart) {
   scenario::Scenario scenario = test::lab_scenario();
   for (const std::size_t i : {1U, 2U}) {
@@ -99,7 +99,7 @@ TEST(SimNode, NumbersWhatIsOnTheWireByItsPlaceAndTheSecondOfItsStart) {
   });
   ASSERT_FALSE(systems.empty());
   EXPECT_EQ(systems.front(), 3);
-  // What either of them counts is counted by the node.
+  // The node adds up the counters of both.
   EXPECT_TRUE(lab.counts().empty());
   rovers_driver.write(std::vector<std::uint8_t>{1, 2});
   autopilots_driver.write(std::vector<std::uint8_t>{1, 2, 3});
@@ -108,7 +108,7 @@ TEST(SimNode, NumbersWhatIsOnTheWireByItsPlaceAndTheSecondOfItsStart) {
                                                                {"wire.Q3.bytes_skipped", 3}}));
 }
 
-// Between the steps of the world or at one of them: each frame is out when its latency has passed.
+// Each frame is sent when its latency has passed, between the steps of the world or at one of them.
 TEST(SimNode, SaysAFrameWhenItsLatencyHasPassedWhereverTheWorldsStepsAre) {
   for (const int latency_ms : {2, 5, 7, 12, 26}) {
     scenario::Scenario scenario = test::lab_scenario();
@@ -174,7 +174,7 @@ scenario::Scenario lab_of(scenario::MocapProtocol protocol, const std::string& p
   return out;
 }
 
-/// Up to the tick that sends the next frame; when that was captured.
+/// Runs up to the tick that sends the next frame; returns its capture time.
 Time run_up_to_a_frame(Lab& lab) {
   while (to_utime(lab.node.next_tick()) % 12'500 != 4'000) {
     lab.run(1);
@@ -182,7 +182,7 @@ Time run_up_to_a_frame(Lab& lab) {
   return lab.node.next_tick() - Duration{4'000};
 }
 
-// 3 ms later than it could be, and says so.
+// A frame that is sent 3 ms late reports its real latency.
 TEST(SimNode, SaysOfItsStreamHowOftenAndHowLateItReallyIs) {
   namespace vicon = wire::vicon;
   const std::string port = port_of_this_test(3);
@@ -198,7 +198,7 @@ TEST(SimNode, SaysOfItsStreamHowOftenAndHowLateItReallyIs) {
   packet.finish();
   client.say(asked);
   lab.run(1);
-  client.hear();  // what it offers
+  client.hear();  // the server's greeting
   const Time capture = run_up_to_a_frame(lab);
   lab.tick_at(capture + Duration{7'000});
   const std::vector<std::uint8_t> heard = client.hear();

@@ -51,8 +51,8 @@ struct Errors {
   }
 };
 
-// Rounds of six 0.5 s primitives drawn at random, each plan starting exactly where the last one
-// leads at the round's end and published 50 ms ahead; the error is to the plan, all the time.
+// Flies rounds of six random 0.5 s primitives. Each plan starts where the last one leads at the end
+// of the round and is published 50 ms ahead. The error is measured against the plan at all times.
 Errors fly_random_rounds(const std::vector<models::UnicycleControl>& primitives,
                          double speed_max_mps, std::uint64_t seed, int rounds) {
   Quadrotor vehicle(robot_spec(speed_max_mps), 0.2, seed, kStart);
@@ -118,8 +118,8 @@ TEST(Quadrotor, HoversAtItsStartWithoutAPlan) {
       << "there should be wind";
 }
 
-// Hovering it is x″ + c x′ + ω² x = w with c = 1/T, ω² = k/T, and w forgets at a rate β: of white
-// noise a filter of third order, whose variance has a closed form (James, Nichols, Phillips 1947).
+// In hover x″ + c x′ + ω² x = w with c = 1/T, ω² = k/T, and w has decay rate β. White noise passes
+// a third-order filter, whose variance has a closed form (James, Nichols, Phillips 1947).
 TEST(Quadrotor, IsBlownAboutAsFarAsTheWindAndItsMemorySay) {
   const QuadrotorParameters p;
   const double c = 1.0 / p.velocity_lag_s;
@@ -158,8 +158,8 @@ TEST(Quadrotor, TracksTheFieldPlansWithinHalfAMetre) {
             << errors.quantile(errors.yaw_rad, 0.99) << " rad\n";
 }
 
-// A plan that looks a little to either side of where the vehicle does is met by turning there, also
-// across ±π, and never the long way round.
+// A plan with a heading slightly left or right of the vehicle's is reached by the short turn, also
+// across ±π.
 TEST(Quadrotor, TurnsToAPlansYawTheShortWayAlsoThroughTheBack) {
   for (const double side : {1.0, -1.0}) {
     for (const double start_rad : {kPi - 0.1, 0.4}) {
@@ -245,7 +245,7 @@ TEST(Quadrotor, SwitchesAtTheStartOfANewPlan) {
   ASSERT_EQ(vehicle.offer(plan_from(plan, 7), kStart), PlanVerdict::kAccepted);
   EXPECT_EQ(vehicle.status(begin - Duration{1}).plan_round, -1);
   EXPECT_EQ(vehicle.status(begin).plan_round, 7);
-  // A later plan must fit where the pending one leads, not where the vehicle is.
+  // A later plan must start where the pending one leads, not at the vehicle's position.
   models::Trajectory next{begin + Duration{1'000'000}, {1.0, 2.0, 0.5}, 1.5, {}};
   EXPECT_EQ(vehicle.offer(plan_from(next, 8), kStart), PlanVerdict::kDiscontinuous);
   next.start = models::at(plan, next.start_time).world_from_body;
@@ -260,7 +260,7 @@ TEST(Quadrotor, TakesALatePlanOnlyWhereItShouldBeByNow) {
   for (int i = 0; i < 400; ++i, now += kStep) {
     vehicle.step(now, kDtS);
   }
-  // It started 1 s ago: by now the plan is 1 m ahead.
+  // It started 1 s ago, so the plan is now 1 m ahead.
   models::Trajectory plan{
       now - Duration{1'000'000}, {1.0, 2.0, 0.5}, 1.5, {{{1.0, 0.0}, 2.0, 0.0}}};
   EXPECT_EQ(vehicle.offer(plan_from(plan, 0), now), PlanVerdict::kDiscontinuous);

@@ -28,7 +28,7 @@ TEST(StepRover, RampsToItsSpeedAndNoFurther) {
     EXPECT_LE(state.speed_mps, 1.4);
     travelled_m = state.world_from_body.x_m;
   }
-  // 1.4 s of ramp at 1 m/s², then 0.6 s at 1.4 m/s.
+  // 1.4 s of acceleration at 1 m/s², then 0.6 s at 1.4 m/s.
   EXPECT_NEAR(travelled_m, 0.5 * 1.4 * 1.4 + 0.6 * 1.4, 1e-9);
 }
 
@@ -55,7 +55,7 @@ TEST(StoppingPath, DistanceIsThatOfTheWaysDriven) {
     const RoverState b{{u(rng), u(rng), 3.0 * u(rng)}, 0.7 + 0.7 * u(rng), u(rng)};
     const StoppingPath path_a(a, {a.speed_mps, 0.0}, parameters, 0.05);
     const StoppingPath path_b(b, {b.speed_mps, 0.0}, parameters, 0.05);
-    // The oracle: both ways on straight pieces, exactly, piece against piece by dense sampling.
+    // The reference: both paths as straight pieces, compared by dense sampling.
     double exact_m = 1e9;
     const auto pa = path_a.points_m();
     const auto pb = path_b.points_m();
@@ -136,8 +136,8 @@ TEST(TargetStarts, RefusesAFullLab) {
   EXPECT_THROW(target_starts(scenario, 1), UsageError);
 }
 
-// Twenty seeds of five minutes: five rovers among two boxes never touch anything, never exceed the
-// limits, and do get about.
+// Twenty seeds of five minutes: five rovers among two boxes never touch anything, keep their
+// limits, and cover ground.
 class RoversFor300S : public ::testing::TestWithParam<int> {};
 
 TEST_P(RoversFor300S, NeverTouchAndReachWayPoints) {
@@ -198,8 +198,7 @@ TEST(RoverFleet, RefusesASpeedThatRoversCannotDrive) {
   EXPECT_THROW(RoverFleet(scenario.world, truth, {}, 1), UsageError);
 }
 
-// Off a wall one component is turned, whichever wall it is; only in a corner both are.
-// However slowly it came: what it would do about a way on which it makes no headway is past.
+// Also after a slow arrival: the reaction to a path without progress does not apply any more.
 TEST(RoverFleet, StandsStillWhereItHasArrived) {
   models::World world;
   world.bounds = {{-1.0, -1.0}, {1.0, 1.0}};
@@ -220,6 +219,7 @@ TEST(RoverFleet, StandsStillWhereItHasArrived) {
   EXPECT_EQ(fleet.way_points_abandoned(), 0);
 }
 
+// A bounce off a wall reverses one velocity component; only in a corner both are reversed.
 TEST(Drifters, KeepTheirWayAlongAWallTheyBounceOff) {
   models::World world;
   world.bounds = {{-5.0, -5.0}, {5.0, 5.0}};

@@ -19,7 +19,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// A datagram socket of this host that has a port of its own.
+/// A datagram socket of this host with its own port.
 class Port {
  public:
   Port() : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
@@ -39,7 +39,7 @@ class Port {
     EXPECT_EQ(sendto(fd_, bytes.data(), bytes.size(), 0, as_sockaddr(to), sizeof to),
               static_cast<ssize_t>(bytes.size()));
   }
-  /// What has come; empty when nothing has.
+  /// Returns the datagram received; empty if there is none.
   [[nodiscard]] Bytes hear() {
     Bytes out(4096);
     socklen_t size = sizeof from;
@@ -49,7 +49,7 @@ class Port {
     return out;
   }
   int number = 0;
-  sockaddr_in from{};  ///< of the newest
+  sockaddr_in from{};  ///< sender of the newest
 
  private:
   int fd_;
@@ -65,7 +65,7 @@ TEST(VehicleSocket, WaitsWhereADriverSpeaksFirstAndAnswersWhoSpokeLast) {
   for (const char* host : {"127.0.0.1", "0.0.0.0"}) {
     const int port = test::free_port();
     VehicleSocket vehicle("udpout://" + std::string(host) + ":" + std::to_string(port));
-    vehicle.write(Bytes{1});  // to nobody
+    vehicle.write(Bytes{1});  // without a receiver
     EXPECT_EQ(vehicle.send_errors(), 0);
     Port first;
     Port second;
@@ -111,7 +111,7 @@ TEST(VehicleSocket, LeavesOutEmptyDatagramsAndTakesAFloodInPieces) {
   EXPECT_EQ(heard.front(), Bytes{64});
 }
 
-// The kernel's stamp lies between what the clock says before the sending and after the reading.
+// The kernel's time stamp lies between the clock before sending and after reading.
 TEST(VehicleSocket, TellsWhenADatagramArrived) {
   const auto clock_us = [] {
     timespec now{};
@@ -135,7 +135,7 @@ TEST(VehicleSocket, TellsWhenADatagramArrived) {
 TEST(VehicleSocket, CountsWhatCannotBeSentAndNotADriverThatDoesNotListen) {
   VehicleSocket vehicle("udp://127.0.0.1:" + std::to_string(test::free_port()));
   for (int k = 0; k < 3; ++k) {
-    vehicle.write(Bytes{1});  // is refused, and the next one is told
+    vehicle.write(Bytes{1});  // is refused, and the next one reports it
   }
   EXPECT_TRUE(read_all(vehicle).empty());
   EXPECT_EQ(vehicle.send_errors(), 0);

@@ -8,7 +8,7 @@
 namespace vantage::sim::vicon {
 namespace {
 
-/// With a recording that is not there: whoever gets as far says so.
+/// Runs the program with a missing recording, which it reports only if the options are accepted.
 int run_at(std::string port) {
   std::string words[] = {"vantage-vicon-emulator", "--flight", "/nowhere/flight.csv", "--port",
                          std::move(port)};

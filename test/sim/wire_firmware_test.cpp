@@ -1,4 +1,4 @@
-// A vehicle that real firmware flies, in its own time: where the world sees it.
+// A vehicle flown by real firmware in its own time: its position as seen by the world.
 
 #include "sim/app/wire_firmware.hpp"
 
@@ -25,7 +25,7 @@ namespace {
 constexpr Time kStart = from_utime(1'700'000'000'003'000);
 constexpr Duration kMs{1'000};
 
-/// A vehicle in a wind, and firmware that asks all of its motors for the same.
+/// A vehicle in a wind, and a firmware with the same command on all motors.
 struct Lab {
   Lab() {
     scenario::RobotSpec robot = test::lab_scenario().robots[1];
@@ -47,8 +47,8 @@ struct Lab {
   Lab(Lab&&) = delete;
   Lab& operator=(Lab&&) = delete;
 
-  /// Asks, and waits for the sensors that answer. What follows the last of them does not happen
-  /// before it asks again, or a quarter of a second has passed.
+  /// Sends motor commands and waits for the sensors that answer. The last step ends with the next
+  /// command or after a quarter of a second.
   void fly(int steps, std::uint16_t pulse_us) const {
     const sockaddr_in to = address_of(INADDR_LOOPBACK, port);
     wire::sitl::ServoOutputs outputs;
@@ -72,8 +72,8 @@ struct Lab {
   std::unique_ptr<WireFirmware> vehicle;
 };
 
-// On the clock that it was told last: a tenth of a second of its way is remembered, and it is
-// carried on for 20 ms. As long as nobody has told it a clock, it is where it is now.
+// Positions are on the clock that was set last. A tenth of a second is stored, and up to 20 ms are
+// extrapolated. Without a clock, the current position is returned.
 TEST(WireFirmware, IsWhereItWasAtTheInstantThatItIsAskedFor) {
   for (int attempt = 0; attempt < 30; ++attempt) {
     Lab lab;
@@ -95,14 +95,14 @@ TEST(WireFirmware, IsWhereItWasAtTheInstantThatItIsAskedFor) {
     const Eigen::Vector3d told_anew_m = lab.place_at(kStart + 67 * kMs);
     if (monotonic_ns() - begin_ns > 2'000'000 ||
         (far_m - now_m).norm() < 0.012 * velocity_mps.norm()) {
-      continue;  // the machine had other work meanwhile, or just before
+      continue;  // the machine was busy
     }
     ASSERT_GT(velocity_mps.z(), 0.3);
-    // What is carried on from the newest sample is no more than the time that has passed since.
+    // The extrapolation from the newest sample covers no more than the elapsed time.
     EXPECT_LT((now_m - untold_m).norm(), 0.003 * velocity_mps.norm());
     EXPECT_LT((far_m - now_m).norm(), 0.0201 * velocity_mps.norm());
     EXPECT_LT((told_anew_m - back_m[0]).norm(), 0.003 * velocity_mps.norm());
-    // Each ten milliseconds earlier it was as far back as it flies meanwhile.
+    // Ten milliseconds earlier, the position is back by the distance flown in that time.
     EXPECT_EQ(by_step_m, back_m[0]);
     for (std::size_t k = 0; k < 3; ++k) {
       const Eigen::Vector3d mean_mps = 0.5 * (back_mps[k] + back_mps[k + 1]);
@@ -114,7 +114,7 @@ TEST(WireFirmware, IsWhereItWasAtTheInstantThatItIsAskedFor) {
   FAIL() << "the machine was away each time";
 }
 
-// Along a wind without gusts it is blown in just that direction, as far as its drag takes it.
+// In a wind without gusts it drifts in that direction, as far as drag takes it.
 TEST(WireFirmware, IsBlownByTheScenariosWind) {
   Lab lab;
   lab.fly(150, 1'800);

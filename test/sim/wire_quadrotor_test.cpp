@@ -19,7 +19,7 @@ namespace {
 
 constexpr Time kStart = from_utime(1'700'000'000'003'000);
 
-/// A driver's UDP port on the loopback that nobody else has.
+/// A driver's UDP port on the loopback that is free.
 class DriverPort {
  public:
   DriverPort() : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
@@ -39,7 +39,7 @@ class DriverPort {
 
   [[nodiscard]] std::string url() const { return "udp://127.0.0.1:" + std::to_string(number_); }
 
-  /// The frames that have been sent here; what was sent before on the loopback has arrived.
+  /// Returns the frames received so far; all that was sent before on the loopback has arrived.
   std::vector<wire::mavlink::Frame> frames() {
     std::vector<wire::mavlink::Frame> out;
     std::array<std::uint8_t, 2048> buffer{};
@@ -150,8 +150,8 @@ TEST(WireQuadrotor, DriftsWithTheScenariosWind) {
     body.step(true, upward, 0.0, 0.005);
   }
   ASSERT_FALSE(body.is_on_ground());
-  // After 3 s, some of which it stands: at most 1 − e^(−0.25 · 3) of the wind; the local y is ours
-  // turned.
+  // After 3 s, partly on the ground: at most 1 − e^(−0.25 · 3) of the wind. The local y axis is the
+  // negative of the world's.
   EXPECT_GT(body.velocity_mps().x(), 0.5);
   EXPECT_LT(body.velocity_mps().x(), 0.53 * 2.0);
   EXPECT_NEAR(body.velocity_mps().y(), -0.5 * body.velocity_mps().x(), 1e-6);

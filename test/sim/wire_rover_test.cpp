@@ -29,7 +29,7 @@ scenario::RobotSpec robot_at(const std::string& url) {
   return robot;
 }
 
-// A step of the world, and what is heard and said at its end.
+// Performs a step of the world and the exchange of messages at its end.
 Time step(WireRover& rover, Time now) {
   rover.step(now, 0.005);
   rover.exchange(now + Duration{5'000});
@@ -51,7 +51,7 @@ TEST(WireRover, StandsAtItsStartAtTheHeightOfItsMarkers) {
 
 TEST(WireRover, IsWhereItsWheelsHaveTakenIt) {
   const std::string port = port_of_this_test(1);
-  // Both ends of the wire have the same socket: a driver that waits is a rover that speaks first.
+  // Both ends of the wire use the same socket class: if the driver waits, the rover sends first.
   WireRover rover(robot_at("udpout://127.0.0.1:" + port), 1, kStart);
   VehicleSocket driver("udp://127.0.0.1:" + port);
   wire::rover::Command command;
@@ -68,7 +68,7 @@ TEST(WireRover, IsWhereItsWheelsHaveTakenIt) {
     const Pose3 before = rover.world_from_body();
     now = step(rover, now);
     const Eigen::Vector3d moved_m = rover.world_from_body().translation_m - before.translation_m;
-    // Tyres slip a little, so truth is slower than the wheels.
+    // Tyres slip a little, so the true speed is below that of the wheels.
     EXPECT_LE((moved_m - 0.005 * rover.velocity_world_mps()).norm(), 0.005 * 0.05);
   }
   EXPECT_NEAR(rover.velocity_world_mps().norm(), 0.5, 1e-6);

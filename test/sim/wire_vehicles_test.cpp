@@ -1,4 +1,4 @@
-// Robots at the ends of wires: which they are, what they can, and what they count.
+// Robots at the ends of wires: their kinds, their limits and their counters.
 
 #include <algorithm>
 #include <cmath>
@@ -41,7 +41,7 @@ scenario::RobotSpec flier_at(const std::string& port) {
   return robot;
 }
 
-/// A driver that speaks MAVLink first.
+/// A driver that sends MAVLink first.
 struct Driver {
   explicit Driver(const std::string& port) : socket("udp://127.0.0.1:" + port) {}
   template <class Message>
@@ -84,8 +84,8 @@ TEST(WireQuadrotor, IsTheSystemThatTheScenarioNamesOrTheOneOfItsPlace) {
   }
 }
 
-// A pose states when it was captured; a set-point comes after it. Without a pose nothing is
-// measured.
+// A set-point latency is measured from the capture time of the newest pose. Without a pose nothing
+// is measured.
 TEST(WireQuadrotor, MeasuresPosesAndSetPointsFromTheNewestCapture) {
   const std::string port = port_of_this_test(1);
   WireQuadrotor vehicle(flier_at(port), {}, 1, 1, kStart);
@@ -94,7 +94,7 @@ TEST(WireQuadrotor, MeasuresPosesAndSetPointsFromTheNewestCapture) {
   vehicle.exchange(kStart);
   EXPECT_EQ(counts_of(vehicle).count("wire.Q2.setpoint_max_us"), 0u);
   EXPECT_EQ(counts_of(vehicle).count("wire.Q2.pose_max_us"), 0u);
-  // An hour and a day before a time that is past.
+  // The pose is 24 h and the odometry 1 h older than the start time, which is in the past.
   constexpr std::int64_t kHourUs = 3'600'000'000;
   wire::mavlink::VisionPositionEstimate vision;
   vision.usec = static_cast<std::uint64_t>(to_utime(kStart) - 24 * kHourUs);
@@ -170,7 +170,7 @@ TEST(AirframeIn, TurnsTheWindsAxesAndHasLightGustsWithoutOne) {
   EXPECT_EQ(airframe_in(std::nullopt).wind_sigma_mps, AirframeParameters{}.wind_sigma_mps);
 }
 
-// It can a tenth more than the scenario asks, or what any rover can.
+// Its limits are a tenth above those of the scenario, or those of any rover if these are higher.
 TEST(WireRover, CanALittleMoreThanItIsAskedFor) {
   struct Row {
     double speed_mps, brake_mps2, yaw_rate_radps;
@@ -237,7 +237,7 @@ TEST(WireRover, SaysWhatItNeeds) {
   }
 }
 
-// Which port is taken says which firmware is waited for.
+// The port that is in use shows which firmware is expected.
 TEST(WireFirmware, WaitsForTheFirmwareOfItsDialectAndStandsAtItsStart) {
   scenario::RobotSpec robot = test::lab_scenario().robots[1];
   robot.autopilot.emplace();

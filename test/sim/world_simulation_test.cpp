@@ -23,8 +23,7 @@ models::RobotPlan circle_from(const scenario::RobotSpec& robot, Time start) {
   return plan;
 }
 
-// Five minutes with the quadrotors circling above: FCL and closed form both see no
-// contact at all, and they agree.
+// Five minutes with the quadrotors circling above: FCL and the closed form both find no contact.
 class LabFor300S : public ::testing::TestWithParam<int> {};
 
 TEST_P(LabFor300S, NothingTouches) {
@@ -54,7 +53,7 @@ TEST(WorldSimulation, BlowsOnWhatFliesByItself) {
   for (const Quadrotor& quadrotor : world.quadrotors()) {
     const scenario::RobotSpec& robot = *scenario.find_robot(quadrotor.name());
     const Eigen::Vector2d off_m = quadrotor.position_world_m().head<2>() - robot.start.position_m();
-    // It gives way to a steady wind by drag · wind · (lag + half a step) / gain.
+    // A steady wind displaces it by drag · wind · (lag + half a step) / gain.
     const double per_mps_s = 0.25 * (0.15 + 0.0025) / 2.0;
     EXPECT_NEAR(off_m.x(), per_mps_s * 4.0, 1e-4);
     EXPECT_NEAR(off_m.y(), per_mps_s * -2.0, 1e-4);
@@ -137,7 +136,7 @@ TEST(WorldSimulation, ReportsAVehicleThatFallsOnARoverBelow) {
   EXPECT_TRUE(world.take_contacts().empty());
 }
 
-/// A vehicle of the caller's, that moves as it is told.
+/// An external vehicle that the test moves.
 class Puppet : public Vehicle {
  public:
   explicit Puppet(std::string name, const Eigen::Vector3d& start_m)
@@ -184,7 +183,7 @@ TEST(WorldSimulation, TakesTheCallersVehiclesForItsOwnBodies) {
 TEST(WorldSimulation, KeepsTheGroundFreeUnderALowVehicleAndOnlyThen) {
   const scenario::Scenario scenario = test::lab_scenario();
   Puppet puppet("Q2", {2.0, 4.0, 0.0});
-  // The starts are drawn clear of the robots' own.
+  // The starts are drawn clear of the robots' starts.
   scenario::Scenario moved = scenario;
   moved.robots[1].start = {2.0, 4.0, 0.0};
   WorldSimulation world(moved, 3, kStart, {&puppet});
@@ -199,7 +198,7 @@ TEST(WorldSimulation, KeepsTheGroundFreeUnderALowVehicleAndOnlyThen) {
     }
     return least_m;
   };
-  EXPECT_GE(nearest_m(120), WorldSimulation::kKeepOutM - 0.03);  // what a prediction may be off
+  EXPECT_GE(nearest_m(120), WorldSimulation::kKeepOutM - 0.03);  // m; tolerance of a prediction
   const std::int64_t reached = world.ground().rovers()->way_points_reached();
   EXPECT_GT(reached, 20) << "the rovers stand still";
   puppet.centre_m.z() = WorldSimulation::kLowM + 0.1;

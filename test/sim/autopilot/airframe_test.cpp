@@ -1,4 +1,4 @@
-// The body of an emulated vehicle and what its autopilot believes of it, in closed form.
+// The body of an emulated vehicle and the autopilot's estimate of it, compared with closed forms.
 
 #include "sim/autopilot/airframe.hpp"
 
@@ -30,7 +30,7 @@ AirframeParameters still_air() {
 
 const Eigen::Vector3d kPlace(1.0, 2.0, -0.1);
 
-/// Some metres above where it stood, at hover.
+/// Returns a body that hovers some metres above its start.
 Airframe in_the_air(const AirframeParameters& p, double yaw_rad = 0.0) {
   Airframe body(p, 1, kPlace, yaw_rad);
   for (int n = 0; n < 400; ++n) {
@@ -47,7 +47,8 @@ void run(Airframe& body, double seconds, const Eigen::Vector3d& wish_mps2,
   }
 }
 
-// Whichever way: what it is asked for it does, when tilt and thrust have followed, less drag.
+// In every direction the body reaches the commanded acceleration, less drag, once tilt and thrust
+// have settled.
 TEST(Airframe, AcceleratesAsItIsAskedAnyWay) {
   const AirframeParameters p = still_air();
   for (const Eigen::Vector3d& wish :
@@ -60,7 +61,7 @@ TEST(Airframe, AcceleratesAsItIsAskedAnyWay) {
     const Eigen::Vector3d expected = wish - p.drag_per_s * before_mps;
     EXPECT_LT(((body.velocity_mps() - before_mps) / kDtS - expected).norm(), 1e-3)
         << wish.transpose();
-    // Its z axis points against the force that it makes: tilted, as told, by that much.
+    // The body's z axis points against its thrust: tilted as commanded, by the same angle.
     const Eigen::Vector3d force = wish - Eigen::Vector3d(0.0, 0.0, kGravityMps2);
     const Eigen::Vector3d down = body.local_from_body() * Eigen::Vector3d::UnitZ();
     EXPECT_LT((down + force.normalized()).norm(), 1e-3);
@@ -78,7 +79,7 @@ TEST(Airframe, TiltsPushesAndSinksNoMoreThanItCan) {
   Airframe pushed = in_the_air(p);
   run(pushed, 0.5, {0.0, 0.0, -50.0});
   EXPECT_NEAR(pushed.thrust_share(), 1.0, 1e-3);
-  // However fast it is to sink, a fifth of its weight stays on its propellers.
+  // At any commanded sink rate, a fifth of the weight stays on the propellers.
   Airframe sinking = in_the_air(p);
   run(sinking, 0.5, {0.0, 0.0, 40.0});
   EXPECT_NEAR(sinking.thrust_share(), 0.2 * kGravityMps2 / 20.0, 1e-3);
@@ -108,13 +109,13 @@ TEST(Airframe, TurnsAndPushesWithItsLags) {
       EXPECT_NEAR(body.thrust_share(), before + gap * (1.0 - std::exp(-n * kDtS / p.thrust_lag_s)),
                   1e-9);
     }
-    // Level, its nose is where its yaw says.
+    // When level, its nose points along its yaw.
     const Eigen::Vector3d nose = body.local_from_body() * Eigen::Vector3d::UnitX();
     EXPECT_LT(
         (nose - Eigen::Vector3d(std::cos(body.yaw_rad()), std::sin(body.yaw_rad()), 0.0)).norm(),
         1e-9);
   }
-  // Tilted about its own axes, its nose keeps that side.
+  // When tilted, its nose keeps its side.
   Airframe body = in_the_air(p, kPi / 2);
   run(body, 1.0, {0.0, 5.0, 0.0});
   const Eigen::Vector3d nose = body.local_from_body() * Eigen::Vector3d::UnitX();
@@ -148,7 +149,7 @@ TEST(Airframe, StandsUntilItLiftsAndLiesWhereItFalls) {
   EXPECT_LT(falls.position_m().y(), kPlace.y() - 1.0);
 }
 
-// Of v̇ = d (w − v) with a wind that forgets at a rate β the speed's variance is w² d/(d + β).
+// For v̇ = d (w − v) and a wind with decay rate β, the variance of the speed is w² d/(d + β).
 TEST(Airframe, IsBlownByGustsAsStrongAsStated) {
   AirframeParameters p;
   p.wind_sigma_mps = 0.5;
@@ -191,13 +192,13 @@ TEST(Airframe, EmptiesItsBatteryByItsThrust) {
   EXPECT_EQ(body.velocity_mps(), before_mps + Eigen::Vector3d(0.1, -0.2, 0.3));
 }
 
-// --- what it believes
+// --- the estimate
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 constexpr Duration kMs{1'000};
 const Eigen::Vector3d kHere(3.0, -2.0, -1.0);
 
-/// An estimator of a vehicle that stands at kHere; poses as the test says.
+/// An estimator of a vehicle that stands at kHere. The test supplies the poses.
 struct Belief {
   explicit Belief(const PoseEstimatorTraits& traits, double loss_s = 1.0) : estimator(traits) {
     estimator.set_loss(loss_s);
@@ -212,7 +213,7 @@ struct Belief {
   void see(const Eigen::Vector3d& off_m = Eigen::Vector3d::Zero(), std::uint8_t resets = 0) {
     estimator.fuse(now, now, kHere + off_m, resets);
   }
-  /// Poses every 10 ms.
+  /// Sends a pose every 10 ms.
   void watch(int ms, const Eigen::Vector3d& off_m = Eigen::Vector3d::Zero(),
              std::uint8_t resets = 0) {
     for (int k = 0; k < ms; k += 10) {
@@ -241,7 +242,7 @@ TEST(PoseEstimator, IsReadyAfterPosesWithoutABreakAndLostWithoutThem) {
   EXPECT_FALSE(belief.estimator.is_lost(belief.now));
   belief.watch(400);
   EXPECT_FALSE(belief.estimator.is_ready(belief.now));
-  belief.wait(201);  // a break begins anew
+  belief.wait(201);  // a gap restarts the timer
   belief.watch(500);
   EXPECT_FALSE(belief.estimator.is_ready(belief.now));
   belief.watch(10);
@@ -271,7 +272,7 @@ TEST(PoseEstimator, ABreakOfLessThanAFifthOfASecondIsNone) {
   EXPECT_TRUE(belief.estimator.is_ready(belief.now));
 }
 
-// Unseen for t it drifts along x at wander · t²: by wander t³/3 in all.
+// After a time t without poses the estimate drifts along x at wander · t², in total by wander t³/3.
 TEST(PoseEstimator, WandersWithTheSquareOfTheTimeWithoutPoses) {
   Belief belief(traits_of(0.0));
   belief.see();
@@ -284,8 +285,8 @@ TEST(PoseEstimator, WandersWithTheSquareOfTheTimeWithoutPoses) {
   EXPECT_NEAR(off_m.tail<2>().norm(), 0.0, 1e-12);
 }
 
-// Each pose takes three tenths of what is left; the first, one after a break and one that says that
-// it begins anew take all.
+// Each pose corrects three tenths of the error. The first pose, one after a gap and one with a new
+// reset counter correct all of it.
 TEST(PoseEstimator, TakesThreeTenthsOfEachPoseAndAllOfOneThatBeginsAnew) {
   PoseEstimatorTraits traits = traits_of(0.0);
   traits.wander_mps3 = 0.0;
@@ -307,7 +308,7 @@ TEST(PoseEstimator, TakesThreeTenthsOfEachPoseAndAllOfOneThatBeginsAnew) {
   belief.wait(201);
   belief.see(jump_m, 1);
   EXPECT_LT((belief.estimator.position_m() - kHere - jump_m).norm(), 1e-12) << "after a break";
-  // One that says that it begins anew is taken however far it is.
+  // A pose with a new reset counter is accepted at any distance.
   belief.wait(10);
   belief.see({5.0, 0.0, 0.0}, 2);
   EXPECT_NEAR(belief.off_m(), 5.0, 1e-12);
@@ -331,7 +332,7 @@ TEST(PoseEstimator, RefusesWhatIsFarUntilItHasDoneSoForLong) {
   belief.watch(10, far_m);
   EXPECT_NEAR(belief.off_m(), 0.81, 1e-9) << "0.3 s after the first";
   EXPECT_TRUE(belief.estimator.is_ready(belief.now));
-  // One good one between, and the time begins anew.
+  // One good pose in between restarts the timer.
   belief.watch(250, Eigen::Vector3d::Zero());
   belief.watch(10, far_m);
   belief.watch(250, Eigen::Vector3d::Zero());
@@ -345,7 +346,7 @@ TEST(PoseEstimator, KnowsNothingOfAVehicleThatHasNotMovedYet) {
   EXPECT_FALSE(estimator.is_fed(kStart, 1.0));
 }
 
-// Of more than a second ago it only knows the oldest place that it remembers.
+// For poses older than a second, the oldest stored position is used.
 TEST(PoseEstimator, RemembersASecondOfItsWay) {
   PoseEstimatorTraits traits = traits_of(0.0);
   traits.wander_mps3 = 0.0;
@@ -362,7 +363,7 @@ TEST(PoseEstimator, RemembersASecondOfItsWay) {
   }
 }
 
-// --- what its owner has set
+// --- parameters
 
 AutopilotSettings settings_with(AutopilotDialect dialect,
                                 const std::map<std::string, double>& values) {
@@ -372,7 +373,7 @@ AutopilotSettings settings_with(AutopilotDialect dialect,
   });
 }
 
-// The firmwares' own values, as their documentation of parameters states them.
+// Defaults of the firmwares, as in their parameter documentation.
 TEST(AutopilotSettings, AreTheFirmwaresOwnWhereNothingIsSet) {
   const AutopilotSettings px4 = settings_with(AutopilotDialect::kPx4, {});
   EXPECT_EQ(px4.setpoint_loss_s, 1.0);
@@ -451,7 +452,7 @@ TEST(AutopilotSettings, AreWhatTheParametersSayInTheirUnits) {
   EXPECT_NEAR(ardupilot("LAND_SPEED", 30.0).land_speed_mps, 0.3, 1e-12);
 }
 
-// As their MAVLink documentation numbers them: autopilots, modes, and bits of their estimators.
+// Autopilots, modes and estimator flags are numbered as in the MAVLink documentation.
 TEST(AutopilotProfile, NumbersItselfAndItsModesAsMavlinkDoes) {
   const AutopilotProfile& px4 = profile_of(AutopilotDialect::kPx4);
   EXPECT_EQ(px4.autopilot_id, 12);
@@ -465,7 +466,7 @@ TEST(AutopilotProfile, NumbersItselfAndItsModesAsMavlinkDoes) {
   EXPECT_EQ(ardupilot.land_mode, 9U);
   EXPECT_EQ(ardupilot.start_mode, 0U);  // stabilize
   EXPECT_EQ(ardupilot.refusal, 4);
-  // Lost they know attitude and vertical velocity, and say that there is no position.
+  // Without poses, attitude and vertical velocity are valid, but no position is.
   constexpr std::uint16_t kPositions = 0x8 | 0x10 | 0x100 | 0x200;
   for (const AutopilotProfile* profile : {&px4, &ardupilot}) {
     EXPECT_EQ(profile->flags_lost & kPositions, 0);

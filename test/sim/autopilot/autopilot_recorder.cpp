@@ -1,8 +1,9 @@
 // Records what real firmware does in a drill:
 //   autopilot_recorder DRILL BINARY FOLDER > DRILL.csv
-// BINARY as docs/guide/firmware.md has it; it is started as `vantage up` would, and works in
-// FOLDER. Its ports are those of instance 0. Without arguments: says which drills there are. With
-// DRILL alone the emulated autopilot plays it. Not part of ctest; recordings_test.cpp compares.
+// BINARY is built as in docs/guide/firmware.md. It is started as by `vantage up` and works in
+// FOLDER, with the ports of instance 0. Without arguments, the program lists the drills. With DRILL
+// alone, the emulated autopilot plays it. Not part of ctest; recordings_test.cpp compares the
+// recordings.
 
 #include <iostream>
 #include <memory>

@@ -28,7 +28,7 @@ inline sim::AutopilotEmulatorSpec spec_of(models::AutopilotDialect dialect) {
   return spec;
 }
 
-/// An emulator of system 9, and what it has said.
+/// An emulator of system 9 and the frames that it has sent.
 struct Desk {
   explicit Desk(models::AutopilotDialect dialect) : Desk(spec_of(dialect)) {}
   explicit Desk(const sim::AutopilotEmulatorSpec& spec) : emulator(spec, kDeskBoot) {}
@@ -76,7 +76,7 @@ struct Desk {
     }
     return out;
   }
-  /// The newest of its kind in the next tenth of a second, asked for.
+  /// Requests a message and returns the newest of the next tenth of a second.
   template <class Message>
   Message ask() {
     EXPECT_EQ(command(mavlink::command::kSetMessageInterval, float(Message::kMessage.id), 5000.0F),
@@ -101,7 +101,7 @@ struct Desk {
   [[nodiscard]] Eigen::Vector3d place_m() const {
     return turn_axes(emulator.world_from_body().translation_m);
   }
-  /// Poses at 50 Hz, and targets beside them where there is one.
+  /// Sends poses at 50 Hz, together with `target` if there is one.
   void watch(double seconds, const mavlink::SetPositionTargetLocalNed* target = nullptr) {
     for (double t = 0.0; t < seconds - 1e-9; t += 0.02) {
       send(pose(place_m()));
@@ -135,7 +135,7 @@ inline mavlink::SetPositionTargetLocalNed target_of(std::uint16_t mask) {
   return out;
 }
 
-/// PX4 in the air at 1.5 m, on a place.
+/// Returns a PX4 that hovers at a position in the air, at 1.5 m.
 inline Desk flying() {
   Desk desk(models::AutopilotDialect::kPx4);
   desk.watch(3.0);

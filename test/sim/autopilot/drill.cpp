@@ -17,27 +17,27 @@ using wire::mavlink::f32;
 constexpr float kHeightM = 1.2F;
 constexpr double kSpeedMps = 1.0;
 constexpr double kBrakeMps2 = 2.0;
-constexpr double kMoveS = 2.25;                                      // with the acceleration
-constexpr double kRampS = kSpeedMps / kBrakeMps2;                    // of a start or a stop
-constexpr double kStopM = 0.5 * kSpeedMps * kSpeedMps / kBrakeMps2;  // to stand
-constexpr double kMovedM = kStopM + kSpeedMps * (kMoveS - kRampS);   // in kMoveS
-constexpr double kBrakedS = 0.4;  // of a stop that another kind of target interrupts
+constexpr double kMoveS = 2.25;                                      // s, acceleration included
+constexpr double kRampS = kSpeedMps / kBrakeMps2;                    // s; of a start or a stop
+constexpr double kStopM = 0.5 * kSpeedMps * kSpeedMps / kBrakeMps2;  // m; stopping distance
+constexpr double kMovedM = kStopM + kSpeedMps * (kMoveS - kRampS);   // m; driven in kMoveS
+constexpr double kBrakedS = 0.4;  // s; a stop that another kind of target interrupts
 constexpr double kPathPeriodS = 0.1;
 
-/// A reference along x.
+/// A point of a reference along x.
 struct Line {
   double x_m = 0.0;
   double v_mps = 0.0;
   double a_mps2 = 0.0;
 };
-/// From rest, `t_s` after the beginning.
+/// Returns the reference `t_s` after a start from rest.
 Line moving(double t_s) {
   if (t_s < kRampS) {
     return {0.5 * kBrakeMps2 * t_s * t_s, kBrakeMps2 * t_s, kBrakeMps2};
   }
   return {kStopM + kSpeedMps * (t_s - kRampS), kSpeedMps, 0.0};
 }
-/// From kSpeedMps.
+/// Returns the reference `t_s` after braking starts at kSpeedMps.
 Line braking(double t_s) {
   if (t_s < kRampS) {
     return {kSpeedMps * t_s - 0.5 * kBrakeMps2 * t_s * t_s, kSpeedMps - kBrakeMps2 * t_s,
@@ -108,7 +108,7 @@ class Player {
     run(1.0);
   }
 
-  /// All that a target can say, as the driver does.
+  /// Sends a complete target (all fields), as the driver does.
   void tell(const Line& line) {
     wire::mavlink::SetPositionTargetLocalNed out =
         Hand::position(f32(base_m_ + line.x_m), 0.0F, height_m_, yaw_rad_);
@@ -155,10 +155,10 @@ class Player {
     hand_.sends_poses = true;
   }
   void stand_still() {
-    height_m_ = drill_.drill == Drill::kArming ? 0.5F : 0.1F;  // below the ground, so that it stays
+    height_m_ = drill_.drill == Drill::kArming ? 0.5F : 0.1F;  // below the ground
     tell({});
   }
-  /// Once a second, until it arms.
+  /// Requests arming once a second, until it arms. @return true if it armed
   bool arm(double seconds) {
     const double end_s = hand_.time_s() + seconds;
     while (hand_.time_s() < end_s && !hand_.says_armed()) {
@@ -203,7 +203,7 @@ class Player {
       mark("idle");
       wait_for_disarming(30.0);
     }
-    // Last, for while nobody tells PX4 anything in Offboard it does not wait for its simulator.
+    // This comes last: in Offboard without set-points, PX4 does not wait for its simulator.
     if (is_px4) {
       hand_.target.reset();
       run(2.0);
@@ -284,7 +284,8 @@ class Player {
     go_there_and_back("place after velocity",
                       hand_.body().world_from_body.translation_m.x() + kStopM);
 
-    // While it brakes: what it does then for its speed is no wind.
+    // The kind of target changes while it brakes, when its tilt comes from braking and not from
+    // wind.
     mark("move once more");
     follow(moving, kMoveS);
     base_m_ += kMovedM;

@@ -1,4 +1,4 @@
-// What an emulated autopilot says and to what it listens, message by message.
+// The messages that an emulated autopilot sends and accepts, one by one.
 
 #include <cmath>
 #include <limits>
@@ -43,7 +43,7 @@ TEST(EmulatorTalk, SaysAHeartbeatEachSecondOfItsKind) {
     AutopilotDialect dialect;
     int id;
     std::uint32_t mode;
-    int timesyncs;  ///< in ten seconds and a step
+    int timesyncs;  ///< in ten seconds and one step
   };
   for (const Row& row : {Row{AutopilotDialect::kPx4, 12, 0x03040000U, 101},
                          Row{AutopilotDialect::kArdupilot, 3, 0U, 2}}) {
@@ -155,7 +155,7 @@ TEST(EmulatorTalk, SaysWhereItIsAndHowItLiesInTheAutopilotsAxes) {
   EXPECT_EQ(heartbeat.system_status, 4) << "active";
 }
 
-// Without a place PX4 takes itself to stand where it was switched on; ArduPilot says nothing.
+// Without poses PX4 reports its power-up position as the origin; ArduPilot sends no position.
 TEST(EmulatorTalk, WithoutPosesIsAtZeroOrSilent) {
   Desk desk(AutopilotDialect::kPx4);
   const auto motion = desk.ask<mavlink::LocalPositionNed>();
@@ -193,7 +193,7 @@ TEST(EmulatorTalk, SaysOfItsBatteryAsMuchAsItsKindKnows) {
     }
   }
   Desk desk = flying();
-  // Hovering takes g of the 20 m/s² that there are, of 25 A.
+  // Hovering uses g of the 20 m/s² available, and that share of 25 A.
   EXPECT_NEAR(desk.ask<mavlink::BatteryStatus>().current_battery, 2500.0 * 9.81 / 20.0, 60.0);
 }
 
@@ -231,7 +231,7 @@ TEST(EmulatorTalk, ReadsWritesAndForgetsParameters) {
   EXPECT_EQ(desk.emulator.parameter("COM_OF_LOSS_T"), 0.75);
   EXPECT_TRUE(set("NO_SUCH_NAME", 0.5F).empty());
   EXPECT_EQ(desk.emulator.parameter("NO_SUCH_NAME"), std::nullopt);
-  // A new one that is whole is an integer, and any other is not.
+  // A new parameter with a whole value is an integer, any other is a float.
   desk.emulator.set_parameter("WHOLE", 7.0);
   desk.emulator.set_parameter("PART", 7.5);
   ASSERT_EQ(ask("WHOLE").size(), 1u);
@@ -245,14 +245,14 @@ TEST(EmulatorTalk, ReadsWritesAndForgetsParameters) {
   EXPECT_TRUE(ask("PART").empty());
 }
 
-// In PX4 a pose may be in any of the frames that it knows; what it does not know is counted.
+// PX4 accepts poses in each frame that it knows and counts the others as refused.
 TEST(EmulatorTalk, Px4TurnsPosesOfOtherFramesIntoItsOwn) {
   struct Row {
     std::uint8_t frame;
     Eigen::Vector3d said_m;
     bool is_taken;
   };
-  const Eigen::Vector3d ned(1.0, -2.0, -0.25);  // of the place where it stands
+  const Eigen::Vector3d ned(1.0, -2.0, -0.25);  // relative to its start
   for (const Row& row :
        {Row{mavlink::frame::kLocalNed, ned, true}, Row{mavlink::frame::kLocalFrd, ned, true},
         Row{4, {-2.0, 1.0, 0.25}, true},  // east, north, up
@@ -325,7 +325,7 @@ TEST(EmulatorTalk, TakesVisionPositionEstimatesThatAreNumbers) {
   desk.send(vision);
   EXPECT_EQ(desk.poses(), 1);
   EXPECT_EQ(desk.emulator.controller().estimator().position_m(), Eigen::Vector3d(1.0, -2.5, -0.5));
-  // A reset is taken whole, as of odometry.
+  // A reset is accepted in full, as for odometry.
   vision.x = 9.0F;
   vision.reset_counter = 1;
   desk.send(vision);

@@ -1,4 +1,4 @@
-// What an emulated autopilot makes of targets, clocks and origins, and how it says long things.
+// How an emulated autopilot treats targets, clocks and origins, and how it sends long texts.
 
 #include <algorithm>
 #include <cmath>
@@ -30,15 +30,15 @@ mavlink::SetPositionTargetLocalNed velocity_of(double vx, double vy, double vz) 
   return out;
 }
 
-/// Where it is after it has been told so for a second and a half, and which way it looks.
+/// Returns the position and yaw after 1.5 s with that target.
 Eigen::Vector4d place_after(Desk desk, const mavlink::SetPositionTargetLocalNed& target) {
   desk.watch(1.5, &target);
   const Eigen::Vector3d place_m = desk.place_m();
   return {place_m.x(), place_m.y(), place_m.z(), desk.emulator.controller().airframe().yaw_rad()};
 }
 
-// In its own axes, which are turned by its yaw: forwards and to the right of where it looks, down
-// as ever. A place in its own axes is none.
+// Targets in body axes are turned by the yaw: forward, right, down. A position in body axes is
+// refused.
 TEST(EmulatorTargets, InItsOwnAxesAreTurnedByItsYaw) {
   const Desk begin = flying();
   const double yaw_rad = begin.emulator.controller().airframe().yaw_rad();
@@ -92,7 +92,7 @@ TEST(EmulatorTargets, InAxesThatItDoesNotKnowOrOfAForceAreIgnoredAndCounted) {
   EXPECT_LT(desk.emulator.velocity_world_mps().norm(), 0.02);
 }
 
-// Each of the five is obeyed where it is not masked out, and only there.
+// Each of the five parts is obeyed if and only if it is not masked out.
 TEST(EmulatorTargets, ObeyEachPartThatIsNotMaskedOut) {
   using Target = mavlink::SetPositionTargetLocalNed;
   struct Part {
@@ -133,7 +133,7 @@ TEST(EmulatorTargets, ObeyEachPartThatIsNotMaskedOut) {
   }
 }
 
-// --- whose clock it is
+// --- clocks
 
 TEST(EmulatorTalk, AnswersWhoAsksForItsTimeAndAsksItself) {
   Desk desk(AutopilotDialect::kPx4);
@@ -152,8 +152,8 @@ TEST(EmulatorTalk, AnswersWhoAsksForItsTimeAndAsksItself) {
   EXPECT_TRUE(desk.all<mavlink::Timesync>().empty()) << "is not answered in turn";
 }
 
-// Its host's clock is five hours off. Half a round trip after it asked, the host's was as answered:
-// then a pose of a tenth of a second ago is compared with where it was a tenth of a second ago.
+// The host's clock is five hours off. The answer gives the host's time half a round trip after the
+// request. A pose of 0.1 s ago is then compared with the position of 0.1 s ago.
 TEST(EmulatorTalk, KnowsWhenAPoseWasTakenByTheClockOfItsHost) {
   constexpr Duration kOff = std::chrono::hours(5);
   for (const bool is_answered : {false, true}) {
@@ -166,7 +166,7 @@ TEST(EmulatorTalk, KnowsWhenAPoseWasTakenByTheClockOfItsHost) {
       answer.tc1 = to_utime(desk.now + kOff + Duration{20'000}) * 1'000;
       desk.run(0.04);
       desk.send(answer);
-      answer.ts1 += 1'000'000'000;  // an answer to what it has not asked yet
+      answer.ts1 += 1'000'000'000;  // answers a request that was not sent
       answer.tc1 += 9'000'000'000;
       desk.send(answer);
     }
@@ -208,9 +208,9 @@ TEST(EmulatorTalk, ConfirmsTheOriginThatItWasGiven) {
   }
 }
 
-// --- how it says what it has to say
+// --- long texts
 
-// 50 letters at a time: the pieces of one have a number in common, and are counted.
+// 50 letters per message. The pieces of one text share an id and are numbered.
 TEST(EmulatorTalk, SaysLongTextsInPieces) {
   Desk desk(AutopilotDialect::kPx4);
   mavlink::Heartbeat station;
@@ -244,7 +244,7 @@ TEST(EmulatorTalk, SaysLongTextsInPieces) {
   }
 }
 
-// PX4 says nothing to who is no station, nor when it has not heard one for two and a half seconds.
+// PX4 sends texts only to a ground station whose last heartbeat is at most 2.5 s old.
 TEST(EmulatorTalk, SpeaksToAStationForTwoAndAHalfSecondsAfterItsHeartbeat) {
   const auto texts_after = [](AutopilotDialect dialect, double silence_s) {
     Desk desk(dialect);
@@ -261,7 +261,7 @@ TEST(EmulatorTalk, SpeaksToAStationForTwoAndAHalfSecondsAfterItsHeartbeat) {
   EXPECT_GT(texts_after(AutopilotDialect::kArdupilot, 2.505), 0u) << "to everybody";
 }
 
-// Nobody fetches what it says: of a thousand and 24 the older half goes.
+// If nothing is fetched, the older half of 1024 messages is dropped.
 TEST(EmulatorTalk, ForgetsTheOlderHalfOfWhatNobodyFetches) {
   AutopilotEmulator emulator(spec_of(AutopilotDialect::kPx4), kBoot);
   std::uint8_t sequence = 0;

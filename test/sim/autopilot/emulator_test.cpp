@@ -1,4 +1,4 @@
-// The emulated autopilots against what the real ones were measured to do.
+// The emulated autopilots compared with measurements of the real ones.
 
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ Hand flying_px4() {
   return hand;
 }
 
-// Sees poses and has its origin, on the ground.
+// Returns an ArduPilot on the ground that receives poses and has its origin.
 Hand placed_ardupilot() {
   Hand hand(AutopilotDialect::kArdupilot);
   listen(hand);
@@ -56,7 +56,7 @@ Hand flying_ardupilot() {
   return hand;
 }
 
-// A pose that arrives late is compared with where the vehicle was when it was taken.
+// A late pose is compared with the vehicle's position at its capture time.
 TEST(PoseEstimator, OfAMovingVehicleIsRightWithLatePoses) {
   PoseEstimatorTraits traits;
   traits.converge_s = 0.1;
@@ -77,7 +77,7 @@ TEST(PoseEstimator, OfAMovingVehicleIsRightWithLatePoses) {
   }
 }
 
-// ArduPilot asks three times a second whether its station is still there.
+// ArduPilot checks for its station three times per second.
 TEST(AutopilotProfile, AsksAsOftenAsTheRealOneWhetherItsStationIsThere) {
   EXPECT_DOUBLE_EQ(3.0 * profile_of(AutopilotDialect::kArdupilot).station_check_s, 1.0);
 }
@@ -94,7 +94,7 @@ TEST(EmulatedPx4, IsReadySoonAfterTheFirstPose) {
   EXPECT_EQ(hand.command(400, 1), 0);
 }
 
-// PX4 1.18: STATUSTEXT goes out only where a heartbeat of type GCS is heard.
+// PX4 1.18 sends STATUSTEXT only where it receives a heartbeat of type GCS.
 TEST(EmulatedPx4, SaysWhyItRefusesToGroundStationsAlone) {
   Hand hand(AutopilotDialect::kPx4);
   listen(hand);
@@ -133,7 +133,7 @@ TEST(EmulatedPx4, TakesOffboardAtOnceButArmsInItOnlyAfterASecondOfSetPoints) {
   EXPECT_EQ(hand.command(400, 1), 0);
 }
 
-// COM_OF_LOSS_T, as it is loaded and as somebody sets it.
+// COM_OF_LOSS_T, with the default and set values.
 TEST(EmulatedPx4, LandsWhenSetPointsStopForAsLongAsItsParameterSays) {
   for (const double timeout_s : {0.3, 1.0, 2.0}) {
     Hand hand = flying_px4();
@@ -211,7 +211,7 @@ TEST(EmulatedArdupilot, TakesNoOriginBeforeItsEstimatorRuns) {
   EXPECT_EQ(hand.origins, 0);
   hand.run(1.0);
   hand.send(wire::mavlink::SetGpsGlobalOrigin{});
-  EXPECT_EQ(hand.origins, 1);  // it says so, and takes no other
+  EXPECT_EQ(hand.origins, 1);  // it reports its origin once and accepts no other
   hand.send(wire::mavlink::SetGpsGlobalOrigin{});
   EXPECT_EQ(hand.origins, 1);
 }
@@ -239,7 +239,7 @@ TEST(EmulatedArdupilot, IgnoresPosesInAnyFrameButTheOne) {
   EXPECT_GT(hand.emulator.controller().estimator().poses(), 0);
 }
 
-// GUID_TIMEOUT, as it is loaded and as somebody sets it.
+// GUID_TIMEOUT, with the default and set values.
 TEST(EmulatedArdupilot, KeepsItsLastVelocityForAsLongAsItsParameterSaysAndStops) {
   for (const double timeout_s : {0.3, 3.0}) {
     Hand hand = flying_ardupilot();
@@ -256,7 +256,7 @@ TEST(EmulatedArdupilot, KeepsItsLastVelocityForAsLongAsItsParameterSaysAndStops)
   }
 }
 
-// FS_GCS_ENABLE, FS_GCS_TIMEOUT, SYSID_MYGCS. What was never heard is not missed.
+// FS_GCS_ENABLE, FS_GCS_TIMEOUT, SYSID_MYGCS. A station that never sent anything cannot be lost.
 TEST(EmulatedArdupilot, LandsWhenItsStationFallsSilentIfItsParametersSaySo) {
   const auto mode_after = [](double silence_s, const std::string& name, double value) {
     Hand hand = flying_ardupilot();
@@ -285,7 +285,7 @@ TEST(EmulatedArdupilot, TurnsWithTheYawRateItIsGiven) {
   const double before_rad = flatten(hand.emulator.world_from_body()).yaw_rad;
   hand.run(2.0);
   const double after_rad = flatten(hand.emulator.world_from_body()).yaw_rad;
-  // Clockwise for an autopilot is against our sense.
+  // Clockwise for an autopilot is negative here.
   EXPECT_NEAR(wrap_to_pi(after_rad - before_rad) / 2.0, -0.5, 0.01);
 }
 

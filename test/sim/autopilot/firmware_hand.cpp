@@ -90,7 +90,7 @@ FirmwareHand::FirmwareHand(models::AutopilotDialect spoken, const std::string& b
     throw StartupError(child.error().message);
   }
   child_.emplace(std::move(child).value());
-  // Its first words, and then its clock is ours.
+  // The drill's clock starts with the first message of the firmware.
   while (!has_answered_) {
     if (monotonic_ns() - begun_ns_ > kStartMax.count() * 1'000) {
       throw StartupError("the firmware says nothing");
@@ -107,7 +107,7 @@ Hand::Body FirmwareHand::body() const {
 }
 
 void FirmwareHand::step() {
-  // PX4 leaves sensors unanswered while it starts, and in Offboard while nobody tells it anything.
+  // PX4 leaves sensors unanswered while it starts, and in Offboard without set-points.
   const bool is_expected = has_answered_ && unanswered_ == 0;
   const std::optional<sim::MotorCommand> command =
       link_->receive(is_expected ? kPatience : kGlance);
@@ -127,7 +127,7 @@ void FirmwareHand::step() {
 void FirmwareHand::transmit(std::span<const std::uint8_t> bytes) { port_->write(bytes, now); }
 
 void FirmwareHand::pass() {
-  // Hand has moved `now` on; the body follows, and the cameras see it one step before the tick.
+  // `now` has advanced; the body follows. The cameras see it one step before the tick.
   const Duration until = elapsed_at_start_ + (now - kBoot);
   while (elapsed_ < until) {
     step();

@@ -14,19 +14,19 @@
 
 namespace vantage::test {
 
-/// A hand at real firmware that flies a simulated body, in lockstep and in the body's own time: it
-/// does not matter how long the machine takes, as long as the firmware does not run after it.
+/// A hand for real firmware that flies a simulated body in lockstep, in the body's own time. The
+/// speed of the machine does not matter, as long as the firmware does not fall behind.
 class FirmwareHand : public Hand {
  public:
-  /// Starts the firmware as `vantage up` would, in `folder`. Instance 0 of its ports.
-  /// @throws StartupError when it cannot be.
+  /// Starts the firmware as `vantage up` would, in `folder`, with the ports of instance 0.
+  /// @throws StartupError if it cannot be started.
   FirmwareHand(models::AutopilotDialect spoken, const std::string& binary,
                const std::string& folder, std::uint64_t seed);
 
   [[nodiscard]] Body body() const override;
-  /// As cameras of some milliseconds' latency do.
+  /// Returns the body as cameras with a latency of some milliseconds see it.
   [[nodiscard]] Body seen() const override { return seen_; }
-  /// As it was started.
+  /// Returns the command line of the firmware.
   [[nodiscard]] const std::string& command_line() const { return command_line_; }
 
  protected:
@@ -41,10 +41,10 @@ class FirmwareHand : public Hand {
   sim::Multirotor body_;
   sim::SensorBoard board_;
   sim::Throttles throttles_{};
-  Duration elapsed_{0};  ///< of the body's time
+  Duration elapsed_{0};  ///< body time
   Duration elapsed_at_start_{0};
   bool has_answered_ = false;
-  int unanswered_ = 0;  ///< one after the other
+  int unanswered_ = 0;  ///< consecutive samples without an answer
   Body seen_;
   std::int64_t begun_ns_;
   std::string command_line_;

@@ -1,5 +1,5 @@
-// The inside of the emulated autopilots: who may arm, what is flown, when it is given up. With
-// poses that are the truth, in still air.
+// The emulated flight controllers: arming, flown targets and failsafes. Poses are exact, in still
+// air.
 
 #include "sim/autopilot/flight_controller.hpp"
 
@@ -26,7 +26,7 @@ constexpr Time kBoot = test::kPilotBoot;
 
 constexpr AutopilotDialect kBoth[] = {AutopilotDialect::kPx4, AutopilotDialect::kArdupilot};
 
-// Wherever north is, and with left and right exchanged: the same flight.
+// The flight is the same after turning north and mirroring left and right.
 TEST(FlightController, FliesTheSameTurnedAndMirrored) {
   for (const AutopilotDialect dialect : kBoth) {
     const auto fly = [&](double turn_rad, double side) {
@@ -63,7 +63,7 @@ TEST(FlightController, FliesTheSameTurnedAndMirrored) {
   }
 }
 
-// After a while each kind of target is met, and no limit is passed on the way.
+// Each kind of target is reached, and limits are kept on the way.
 TEST(FlightController, ComesToItsTargetWithinItsLimits) {
   for (const AutopilotDialect dialect : kBoth) {
     Pilot pilot(dialect);
@@ -83,7 +83,7 @@ TEST(FlightController, ComesToItsTargetWithinItsLimits) {
     EXPECT_NEAR(most_mps.x(), 1.5, 0.12) << "as fast as it may";
     EXPECT_NEAR(most_mps.y(), 0.7, 0.1);
     EXPECT_NEAR(turn_radps, 1.0, 0.02);
-    // Down again as fast as up, and a turn the other way through the back.
+    // Then down again, no faster than allowed, and a turn back across ±π.
     pilot.target->position_m->z() = -1.5;
     pilot.target->yaw_rad = -3.0;
     double sink_mps = 0.0;
@@ -109,7 +109,7 @@ TEST(FlightController, ComesToItsTargetWithinItsLimits) {
   }
 }
 
-// A place that moves at a stated velocity is followed without lagging behind.
+// A position target with a feed-forward velocity is followed without lag.
 TEST(FlightController, FollowsAPlaceThatMovesAtTheStatedVelocity) {
   for (const AutopilotDialect dialect : kBoth) {
     Pilot pilot(dialect);
@@ -147,7 +147,7 @@ TEST(FlightController, LandsAtItsSpeedAndStopsItsMotorsWhenItHasNoticed) {
     EXPECT_NEAR(to_seconds(pilot.now - down), pilot.profile.landed_delay_s + 0.5, 0.011);
     EXPECT_EQ(pilot.said.back(), pilot.profile.words_of_landed);
     EXPECT_EQ(pilot.controller.landed_state(), 1);
-    // And once more, from there.
+    // It can take off again from there.
     pilot.target.reset();
     pilot.run(1.0);
     pilot.take_off(1.0);
@@ -175,7 +175,7 @@ TEST(FlightController, NeverStopsItsMotorsByItselfWhereItsOwnerHasSetNoTime) {
   EXPECT_EQ(idle.said.back(), idle.profile.words_of_idle);
 }
 
-// 10 % to arm, 3 % to fly on.
+// It needs 10 % to arm and 3 % to continue flying.
 TEST(FlightController, NeitherArmsNorFliesOnWithAnEmptyBattery) {
   for (const AutopilotDialect dialect : kBoth) {
     Pilot pilot(dialect);
@@ -217,7 +217,7 @@ TEST(FlightController, ArmsWithoutAFaultOfItsOwnAlone) {
   EXPECT_EQ(pilot.said.back(), pilot.profile.words_of_arming);
 }
 
-// Every reason, in its order; which ones there are changes with its time since power-up.
+// All reasons in order; the set of reasons depends on the time since power-up.
 TEST(FlightController, ArdupilotSaysAllThatKeepsItFromArming) {
   const std::string none = "Arm: Need Alt Estimate", attitude = "Arm: EKF attitude is bad",
                     odometry = "Arm: VisOdom: not healthy", accels = "Arm: Accels inconsistent",
@@ -247,7 +247,7 @@ TEST(FlightController, ArdupilotSaysAllThatKeepsItFromArming) {
   EXPECT_EQ(pilot.controller.arm(pilot.now), 0);
 }
 
-// A stream of targets for more than a second, without a gap of more than half of one.
+// It needs a stream of targets for more than a second, without a gap of more than half a second.
 TEST(FlightController, Px4WantsAProofOfLifeBeforeItArmsInItsModeOrEntersItArmed) {
   const auto is_let_in = [](int targets, int gap_ms) {
     Pilot pilot(AutopilotDialect::kPx4);
@@ -288,7 +288,7 @@ TEST(FlightController, TakesOffByCommandAloneAndOnlyFromTheGroundInItsMode) {
   EXPECT_EQ(pilot.controller.take_off(-1.0), 4);
   EXPECT_EQ(pilot.controller.landed_state(), 1);
   EXPECT_EQ(pilot.controller.take_off(1.2), 0);
-  // It spools up for a second, and climbs at 0.7 m/s at the most.
+  // It spools up for a second and climbs at 0.7 m/s at most.
   const Time begin = pilot.now;
   pilot.run_while([&] { return pilot.controller.airframe().is_on_ground(); });
   EXPECT_GT(to_seconds(pilot.now - begin), 0.99);
@@ -307,8 +307,8 @@ TEST(FlightController, TakesOffByCommandAloneAndOnlyFromTheGroundInItsMode) {
   EXPECT_FALSE(pilot.controller.is_armed());
 }
 
-// In the air without poses for more than 0.6 s it says so; lost, it says that; on the ground its
-// own.
+// The flags differ on the ground, in the air, after more than 0.6 s without poses, and after the
+// loss of position.
 TEST(FlightController, SaysHowItsEstimatorIs) {
   AutopilotSettings set = settings();
   set.lands_on_pose_loss = false;
@@ -331,7 +331,8 @@ TEST(FlightController, SaysHowItsEstimatorIs) {
   EXPECT_TRUE(pilot.said.empty() || pilot.said.back() == pilot.profile.words_of_arming);
 }
 
-// A station that falls silent on the ground stops the motors; heard again, it may be missed again.
+// A station that is lost on the ground stops the motors. Once it is received again, it can be lost
+// again.
 TEST(FlightController, MissesItsOwnStationAlone) {
   AutopilotSettings set = settings();
   set.heartbeat_loss_s = 1.0;

@@ -19,7 +19,7 @@ constexpr std::int64_t kHeartbeatTicks = 10;
 constexpr int kPatienceTicks = 50;
 constexpr float kNotGiven = std::numeric_limits<float>::quiet_NaN();
 
-/// Of a 6×6 matrix's upper triangle, row-major, the diagonal.
+/// Returns the upper triangle, row-major, of a 6×6 matrix with `variance` on its diagonal.
 std::array<float, 21> covariance(double variance) {
   std::array<float, 21> out{};
   for (const std::size_t i : {0U, 6U, 11U, 15U, 18U, 20U}) {

@@ -17,8 +17,8 @@
 
 namespace vantage::test {
 
-/// A hand that speaks MAVLink to an autopilot, message by message, in virtual time: it does nothing
-/// that it is not told. Whose autopilot it is, its descendants know.
+/// A MAVLink partner of an autopilot that sends single messages in virtual time, and only those
+/// that are requested. Derived classes connect it to an emulated or a real autopilot.
 class Hand {
  public:
   static constexpr Time kBoot = from_utime(1'700'000'000'000'000);
@@ -27,7 +27,8 @@ class Hand {
   explicit Hand(models::AutopilotDialect spoken) : dialect(spoken) {}
   virtual ~Hand() = default;
 
-  /// 50 Hz: poses, set-points and heartbeats (5 Hz) as they are switched on.
+  /// Advances one tick (50 Hz). Sends poses, set-points and heartbeats (5 Hz) if they are switched
+  /// on.
   void tick();
   void run(double seconds);
 
@@ -38,7 +39,7 @@ class Hand {
     transmit(bytes);
   }
 
-  /// Result of the acknowledgement, which is waited for for a second; −1 without one.
+  /// Returns the result of the acknowledgement; −1 if none arrives within a second.
   int command(std::uint16_t number, float p1, float p2 = 0.0F, float p3 = 0.0F, float p7 = 0.0F);
   void set_parameter(const std::string& name, double value);
 
@@ -46,7 +47,7 @@ class Hand {
                                                            float yaw_rate);
   static wire::mavlink::SetPositionTargetLocalNed position(float x, float y, float z, float yaw);
 
-  /// The body's truth, and where it was at the instant that the cameras see.
+  /// The true state of the body; seen() gives the state at the capture time of the cameras.
   struct Body {
     Time time{};
     Pose3 world_from_body;
@@ -59,14 +60,14 @@ class Hand {
   models::AutopilotDialect dialect;
   Time now = kBoot;
   bool sends_poses = false;
-  Eigen::Vector3d pose_offset_m = Eigen::Vector3d::Zero();  ///< of the poses sent; z down
+  Eigen::Vector3d pose_offset_m = Eigen::Vector3d::Zero();  ///< m, z down; added to the poses sent
   bool sends_heartbeats = false;
   std::uint8_t frame = wire::mavlink::frame::kLocalFrd;
   std::uint8_t estimator_type = wire::mavlink::kEstimatorVision;
   std::optional<wire::mavlink::SetPositionTargetLocalNed> target;
-  Recording* recording = nullptr;  ///< gets what is heard
+  Recording* recording = nullptr;  ///< receives all incoming messages
 
-  // What was heard last.
+  // The last messages received.
   std::optional<wire::mavlink::CommandAck> last_ack;
   std::optional<wire::mavlink::Heartbeat> last_heartbeat;
   std::optional<wire::mavlink::ParamValue> last_parameter;
@@ -82,7 +83,7 @@ class Hand {
 
  protected:
   virtual void transmit(std::span<const std::uint8_t> bytes) = 0;
-  /// Lets a tick pass at the other end, which stands at `now` afterwards.
+  /// Advances the other end by one tick, to `now`.
   virtual void pass() = 0;
   void hear(std::span<const std::uint8_t> bytes);
 
@@ -92,7 +93,7 @@ class Hand {
   void note(const std::string& kind, const std::string& what);
 
   wire::mavlink::Parser parser_;
-  std::optional<wire::mavlink::Timesync> owed_;  ///< an answer
+  std::optional<wire::mavlink::Timesync> owed_;  ///< pending answer
   std::uint8_t sequence_ = 0;
   std::int64_t ticks_ = 0;
 };

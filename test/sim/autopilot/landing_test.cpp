@@ -1,4 +1,4 @@
-// Where an emulated autopilot lands.
+// The position at which an emulated autopilot lands.
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,7 @@ using test::settings;
 
 constexpr AutopilotDialect kBoth[] = {AutopilotDialect::kPx4, AutopilotDialect::kArdupilot};
 
-/// Three metres up, and then on at this velocity.
+/// Takes off to 3 m and then flies at `velocity_mps`.
 void fly_on(Pilot& pilot, const Eigen::Vector3d& velocity_mps) {
   pilot.take_off(3.0);
   pilot.target = FlightTarget{};
@@ -27,7 +27,7 @@ void fly_on(Pilot& pilot, const Eigen::Vector3d& velocity_mps) {
   EXPECT_LT((pilot.controller.airframe().velocity_mps() - velocity_mps).norm(), 0.09);
 }
 
-// Where its velocity would have brought it in the time that its profile states, whichever way.
+// It lands where its velocity would bring it in the time of its profile, in both directions.
 TEST(FlightController, LandsWhereItsVelocityBringsItInTheStatedTime) {
   for (const AutopilotDialect dialect : kBoth) {
     for (const double side : {1.0, -1.0}) {
@@ -44,7 +44,7 @@ TEST(FlightController, LandsWhereItsVelocityBringsItInTheStatedTime) {
   }
 }
 
-// Without a place it only stops: it goes back to nowhere, and comes down all the same.
+// Without a position it only stops. It does not fly back, and it still descends.
 TEST(FlightController, LandsBlindWhereItHasStopped) {
   AutopilotSettings set = settings();
   set.lands_on_pose_loss = false;

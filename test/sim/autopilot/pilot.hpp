@@ -33,7 +33,7 @@ inline sim::AutopilotSettings settings() {
   return out;
 }
 
-/// One who gives it poses and targets at 50 Hz.
+/// A flight controller with a source of poses and targets at 50 Hz.
 struct Pilot {
   explicit Pilot(models::AutopilotDialect dialect, const sim::AutopilotSettings& set = settings(),
                  const Eigen::Vector3d& place_m = {0.0, 0.0, 0.0}, double yaw_rad = 0.0)
@@ -59,7 +59,7 @@ struct Pilot {
       step();
     }
   }
-  /// As long as it is so, a minute at most.
+  /// Steps while the condition holds, at most a minute.
   template <class Condition>
   void run_while(const Condition& is_so) {
     const Time begin = now;
@@ -69,7 +69,7 @@ struct Pilot {
     }
   }
   [[nodiscard]] Eigen::Vector3d place_m() const { return controller.airframe().position_m(); }
-  /// From the ground to `up_m` above it.
+  /// Takes off to `up_m` above the ground.
   void take_off(double up_m) {
     run(1.0);
     target = sim::FlightTarget{};

@@ -10,8 +10,9 @@
 
 namespace vantage::test {
 
-/// What an autopilot did while a fixed sequence was played to it: what it was told, what it said,
-/// and where its body truly was. Seconds since power-up; local frame of the autopilot, z down.
+/// The behaviour of an autopilot in a fixed sequence: the commands, its messages and the true
+/// position of its body. Times are seconds since power-up; positions are in the autopilot's local
+/// frame, z down.
 struct Recording {
   struct Event {
     double time_s = 0.0;
@@ -31,24 +32,24 @@ struct Recording {
 
   void note(double time_s, const std::string& kind, const std::string& what);
 
-  // What tests ask of it. `after_s` 0: from the beginning.
-  /// When it was told so.
+  // Queries for tests. `after_s` 0: from the beginning.
+  // Returns the time of the mark `what`.
   [[nodiscard]] double mark(std::string_view what) const;
-  /// The first event of its kind that begins with `what`, not before `after_s`.
+  /// Returns the first event of its kind that begins with `what`, not before `after_s`.
   [[nodiscard]] std::optional<Event> first(std::string_view kind, std::string_view what,
                                            double after_s = 0.0) const;
-  /// Of a kind, in order, without repetitions one after the other, of [after_s, before_s).
+  /// Returns the events of a kind in [after_s, before_s), in order, without consecutive duplicates.
   [[nodiscard]] std::vector<std::string> order(std::string_view kind, double after_s = 0.0,
                                                double before_s = 1e9) const;
-  /// The moments of [after_s, before_s).
+  /// Returns the moments in [after_s, before_s).
   [[nodiscard]] std::vector<Moment> between(double after_s, double before_s) const;
-  /// Between two samples, or the nearest one.
+  /// Returns the moment at `time_s`, interpolated between two samples, or the nearest one.
   [[nodiscard]] Moment at(double time_s) const;
 };
 
-/// Lines of commas, those of provenance first and behind a #.
+/// Writes comma-separated lines. Lines of provenance come first and begin with #.
 std::ostream& operator<<(std::ostream& out, const Recording& recording);
-/// @throws std::runtime_error for what is no recording.
+/// Reads a recording. @throws std::runtime_error if the text is not a recording.
 Recording read_recording(std::istream& in);
 
 }  // namespace vantage::test

@@ -1,6 +1,6 @@
-// The emulated autopilots against recordings of the real ones (test/data/autopilot): the same
-// sequence is played to the emulator, and what matters to a driver must come out the same within
-// the tolerances that stand here. The recordings were made by autopilot_recorder.
+// The emulated autopilots compared with recordings of the real ones (test/data/autopilot). The same
+// sequence is played to the emulator. What matters to a driver must agree within the tolerances
+// given here. autopilot_recorder made the recordings.
 
 #include <algorithm>
 #include <fstream>
@@ -27,7 +27,7 @@ struct Pair {
   Recording emulated;
 };
 
-/// Each drill is played once.
+/// Returns the recordings of a drill; each drill is played once.
 const Pair& drill(const std::string& name) {
   static std::map<std::string, Pair> pairs;
   const auto [found, is_new] = pairs.try_emplace(name);
@@ -44,7 +44,7 @@ const Pair& drill(const std::string& name) {
   return found->second;
 }
 
-/// Seconds from the mark to the event; −1 when it never came.
+/// Returns the seconds from the mark to the event; −1 if it never came.
 double delay(const Recording& recording, const std::string& mark, const std::string& kind,
              const std::string& what) {
   const double told_s = recording.mark(mark);
@@ -52,7 +52,7 @@ double delay(const Recording& recording, const std::string& mark, const std::str
   return event ? event->time_s - told_s : -1.0;
 }
 
-/// The same delay in both, and it came.
+/// Expects the event in both recordings, with the same delay.
 void expect_delay(const Pair& pair, const std::string& mark, const std::string& kind,
                   const std::string& what, double tolerance_s) {
   const double real_s = delay(pair.real, mark, kind, what);
@@ -60,7 +60,7 @@ void expect_delay(const Pair& pair, const std::string& mark, const std::string& 
   EXPECT_NEAR(delay(pair.emulated, mark, kind, what), real_s, tolerance_s) << mark << ": " << what;
 }
 
-/// The moments from a mark to the next.
+/// Returns the moments from a mark to the next.
 std::vector<Recording::Moment> after(const Recording& recording, const std::string& mark) {
   const double begin_s = recording.mark(mark);
   double end_s = 1e9;
@@ -72,12 +72,12 @@ std::vector<Recording::Moment> after(const Recording& recording, const std::stri
   return recording.between(begin_s - 0.05, end_s);
 }
 
-/// What a vehicle did between two marks, along x.
+/// The motion of a vehicle along x between two marks.
 struct Way {
   double begin_m = 0.0;
   double end_m = 0.0;
   double farthest_m = 0.0;
-  double back_m = 0.0;  ///< from the farthest on, at most
+  double back_m = 0.0;  ///< greatest return from the farthest point
   double fastest_mps = 0.0;
   double fastest_back_mps = 0.0;
 };
@@ -108,7 +108,7 @@ void expect_way(const Pair& pair, const std::string& mark, double place_m, doubl
   EXPECT_NEAR(emulated.fastest_back_mps, real.fastest_back_mps, speed_mps);
 }
 
-/// How far it was from where it was told, horizontally, at most.
+/// Returns the greatest horizontal distance from the target position.
 double drift_m(const Recording& recording, const std::string& mark) {
   double out = 0.0;
   for (const Recording::Moment& moment : after(recording, mark)) {
@@ -128,7 +128,7 @@ std::set<std::string> words(const Recording& recording, double after_s, double b
   return out;
 }
 
-/// Commands and the results that they had.
+/// Returns the commands with their results.
 std::set<std::string> answers(const Recording& recording) {
   const std::vector<std::string> all = recording.order("ack");
   return {all.begin(), all.end()};
@@ -165,7 +165,7 @@ TEST(RecordedArdupilot, KnowsItsPlaceBeforeItHasAnOrigin) {
     EXPECT_LT(recording->first("flags", "0x033F")->time_s, recording->mark("origin"));
   }
   expect_delay(pair, "origin", "origin", "confirmed", 0.2);
-  expect_delay(pair, "poses", "flags", "0x033F", 1.5);  // aligns its tilt first, since power-up
+  expect_delay(pair, "poses", "flags", "0x033F", 1.5);  // since power-up; it aligns its tilt first
 }
 
 TEST(RecordedPx4, RefusesToArmForTheSameReasons) {
@@ -178,7 +178,7 @@ TEST(RecordedPx4, RefusesToArmForTheSameReasons) {
   for (const Recording* recording : {&real, &emulated}) {
     EXPECT_FALSE(words(*recording, recording->mark("no set-points"), 1e9, "Arming denied").empty());
   }
-  // It takes Offboard each time, and arms only with poses and set-points.
+  // It accepts Offboard each time, and arms only with poses and set-points.
   EXPECT_EQ(answers(emulated), answers(real));
   expect_delay(drill("px4_arming"), "arm", "ack", "400 0", 0.2);
 }
@@ -203,7 +203,7 @@ TEST_P(RecordedMotion, FollowsAndStopsAlike) {
   expect_way(pair, "place after velocity", 0.10, 0.10);
 }
 
-// Another kind of target while it brakes: ArduCopter takes its braking for the wind's.
+// Another kind of target while it brakes: ArduCopter attributes the braking to wind.
 TEST_P(RecordedMotion, ThrowsAsFarWhenTheKindOfTargetChanges) {
   const Pair& pair = drill(GetParam());
   expect_way(pair, "place while braking", 0.08, 0.12);
@@ -223,7 +223,7 @@ TEST_P(RecordedMotion, TurnsAlike) {
     real_most_rad = std::max(real_most_rad, real_rad);
     emulated_most_rad = std::max(emulated_most_rad, emulated_rad);
   }
-  EXPECT_NEAR(emulated_most_rad, real_most_rad, 0.1);  // ArduCopter goes a third too far
+  EXPECT_NEAR(emulated_most_rad, real_most_rad, 0.1);  // ArduCopter overshoots by a third
 }
 
 TEST_P(RecordedMotion, LandsAndStopsItsMotorsAsLate) {
@@ -241,7 +241,7 @@ TEST(RecordedArdupilot, IsThrownBackByHalfAMetre) {
   EXPECT_GT(way(emulated, "place while braking").back_m, 0.5);
 }
 
-// --- who stops speaking
+// --- loss of messages
 
 class RecordedSilence : public testing::TestWithParam<const char*> {};
 
@@ -265,7 +265,7 @@ TEST_P(RecordedSilence, OfSetPointsLandsPx4) {
 
 TEST_P(RecordedSilence, OfHeartbeatsLandsArdupilotAfterAPause) {
   const Pair& pair = drill(std::string("ardupilot_heartbeats_stop") + GetParam());
-  // It looks three times a second, and hears five times a second.
+  // It checks three times per second; heartbeats come five times per second.
   expect_delay(pair, "heartbeats stop", "text", "GCS Failsafe", 0.5);
   for (const Recording* recording : {&pair.real, &pair.emulated}) {
     const double land_s = recording->first("mode", kArdupilotLand)->time_s;
@@ -276,7 +276,7 @@ TEST_P(RecordedSilence, OfHeartbeatsLandsArdupilotAfterAPause) {
     const double down_s = recording->first("landed", kOnGround, land_s)->time_s;
     EXPECT_NEAR(down_s - land_s, 7.45, 0.3);
     EXPECT_NEAR(recording->first("text", "Disarming motors", land_s)->time_s - down_s, 0.45, 0.15);
-    // How far it goes on from where it was then.
+    // The distance that it continues from its position at that time.
     EXPECT_NEAR(recording->path.back().position_m.x() - recording->at(land_s).position_m.x(),
                 std::string(GetParam()).empty() ? 0.5 : 0.0, 0.2);
   }
@@ -335,8 +335,8 @@ TEST(RecordedPx4, LosesItsPlaceAndLands) {
   EXPECT_NEAR(drift_m(pair.emulated, "poses stop"), drift_m(pair.real, "poses stop"), 0.1);
 }
 
-// ArduCopter refuses 0.3 m for as long as it lasts; PX4 takes that, refuses 1.5 m for a second, and
-// then takes it and flies there.
+// ArduCopter refuses a jump of 0.3 m as long as it lasts. PX4 accepts that; it refuses 1.5 m for a
+// second and then accepts it and flies there.
 class RecordedJump : public testing::TestWithParam<const char*> {};
 
 TEST_P(RecordedJump, OfItsPosesMovesItAlike) {

@@ -11,14 +11,14 @@
 namespace vantage::sim {
 namespace {
 
-/// Firmware that answers at once with fixed throttles, until it is told to fall silent.
+/// A firmware that answers at once with fixed throttles, until it is told to stop answering.
 class Obedient : public FirmwareLink {
  public:
   struct Shared {
     std::atomic<bool> is_silent{false};
     std::atomic<double> throttle{0.0};
     std::atomic<std::int64_t> told{0};
-    std::atomic<std::int64_t> disorders{0};  ///< sensors before the last were answered
+    std::atomic<std::int64_t> disorders{0};  ///< samples sent before the last was answered
   };
   explicit Obedient(std::shared_ptr<Shared> shared) : shared_(std::move(shared)) {}
   [[nodiscard]] Duration period() const override { return Duration{2'500}; }
@@ -45,7 +45,7 @@ class Obedient : public FirmwareLink {
   Duration last_{-1};
 };
 
-/// The same, but it takes a moment to answer: whoever does not wait hears nothing.
+/// The same with a delay: a receive() that does not wait gets nothing.
 class Thoughtful : public Obedient {
  public:
   using Obedient::Obedient;

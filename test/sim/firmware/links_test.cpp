@@ -1,5 +1,5 @@
-// What passes between the simulator and firmware: all of it, in order, by the newest of several,
-// and what of a flight lies between two samples.
+// Links between the simulator and firmware: completeness, order, the newest of several partners,
+// and positions between two samples of a flight.
 
 #include <algorithm>
 #include <array>
@@ -34,7 +34,7 @@ namespace {
 
 constexpr Duration kLong = std::chrono::seconds(5);
 
-/// Firmware that speaks ArduPilot's JSON to a link at a port that nobody else has.
+/// A firmware that sends ArduPilot's JSON to a link at a free port.
 struct Ardupilot {
   Ardupilot() {
     for (instance = 1200 + getpid() % 1000; !link; ++instance) {
@@ -102,7 +102,7 @@ TEST(ArdupilotLink, GivesEachMotorItsOwnAndTheNewestOfSeveral) {
   EXPECT_FALSE(firmware.link->receive(Duration{1'500}));
   firmware.ask({1'900, 1'900, 1'900, 1'900});
   firmware.ask({1'100, 1'200, 1'300, 1'400});
-  firmware.say(std::vector<std::uint8_t>{1, 2, 3});  // nobody's words
+  firmware.say(std::vector<std::uint8_t>{1, 2, 3});  // not a packet
   const auto motors = firmware.link->receive(kLong);
   ASSERT_TRUE(motors);
   for (std::size_t i = 0; i < kMotors; ++i) {
@@ -127,7 +127,7 @@ TEST(ArdupilotLink, SaysWhichPortCannotBeHad) {
   }
 }
 
-/// PX4 at the other end of a link at a port that nobody else has.
+/// PX4 at the other end of a link at a free port.
 struct Px4 {
   Px4() {
     for (int instance = 1200 + getpid() % 1000; !link; ++instance) {
@@ -168,7 +168,7 @@ struct Px4 {
     wire::mavlink::append_bytes(wire::mavlink::pack(message, {1, 1, 0}), bytes);
     ASSERT_EQ(write(fd, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
   }
-  /// What has come.
+  /// Returns the frames received since the last call.
   std::vector<wire::mavlink::Frame> hear() {
     std::vector<wire::mavlink::Frame> out;
     std::array<std::uint8_t, 4096> bytes{};
@@ -190,8 +190,8 @@ struct Px4 {
   wire::mavlink::Parser parser;
 };
 
-// A heartbeat before the first and each 250th sample, as system 200, numbered without a gap;
-// compass and barometer in turns.
+// A heartbeat precedes the first and each 250th sample. Frames come from system 200 and are
+// numbered without a gap. Compass and barometer alternate.
 TEST(Px4Link, SaysAHeartbeatEachSecondAndNumbersItsFrames) {
   Px4 firmware;
   std::vector<wire::mavlink::Frame> frames;
@@ -240,7 +240,7 @@ TEST(Px4Link, GivesEachMotorItsOwnAndWhatAnswersTheLastSensors) {
   EXPECT_EQ(firmware.link->counts().stale, 1);
 }
 
-// Of a frame that was cut in two by a firmware that went, the next one knows nothing.
+// A frame that the previous firmware did not complete does not affect the next firmware.
 TEST(Px4Link, BeginsAnewWithANewFirmware) {
   Px4 firmware;
   ASSERT_TRUE(firmware.link->send(Px4::at(4'000)));
@@ -274,8 +274,8 @@ TEST(Px4Link, SaysWhichBaudRateIsNone) {
   EXPECT_EQ(why("/dev/x"), "");
 }
 
-/// Firmware that turns a body round and up, and can be made to think for as long as the test likes:
-/// meanwhile its flight stands.
+/// A firmware that turns a body and makes it climb. The test can make it pause for any time; its
+/// flight pauses meanwhile.
 class Thinker : public FirmwareLink {
  public:
   struct Shared {
@@ -324,7 +324,7 @@ TEST(FirmwareFlight, IsBetweenItsSamplesAndALittleBeyondTheNewest) {
     const FirmwareFlight::Sample far_back = flight.at(newest_ns - 62 * kPeriodNs - kPeriodNs / 2);
     shared->thinks = false;
     if (was_away) {
-      continue;  // the machine had other work: its samples are not one period apart
+      continue;  // the machine was busy: the sample spacing is not one period
     }
     const auto place = [](const FirmwareFlight::Sample& sample) {
       return sample.world_from_body.translation_m;
@@ -346,7 +346,7 @@ TEST(FirmwareFlight, IsBetweenItsSamplesAndALittleBeyondTheNewest) {
     };
     EXPECT_GT(turned_rad(before, newest), 1e-5);
     EXPECT_NEAR(turned_rad(before, between) / turned_rad(before, newest), 0.75, 0.01);
-    // 64 samples are kept; before them the oldest counts.
+    // 64 samples are kept; before them the oldest is used.
     EXPECT_EQ(oldest.monotonic_ns, newest_ns - 63 * kPeriodNs);
     EXPECT_GT(place(far_back).z(), place(oldest).z());
     EXPECT_LT(place(far_back).z(), place(newest).z());

@@ -1,4 +1,4 @@
-// The forces on a simulated quadrotor and what comes of them, in closed form.
+// The forces on a simulated quadrotor and its motion, compared with closed forms.
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +24,7 @@ double thrust_n(const MultirotorParameters& p, double u) {
 
 Throttles all(double u) { return {u, u, u, u}; }
 
-/// Throttle at which four motors carry the weight.
+/// Returns the throttle at which four motors carry the weight.
 double hover(const MultirotorParameters& p) {
   double low = 0.0;
   double high = 1.0;
@@ -35,7 +35,7 @@ double hover(const MultirotorParameters& p) {
   return low;
 }
 
-/// High above the ground, level, rising or falling; its motors at hover for long enough.
+/// Returns a body high above the ground, level, with its motors at hover for long enough.
 Multirotor in_the_air(const MultirotorParameters& p) {
   Multirotor body(p, 1, {});
   body.step(all(1.0), 2.0);
@@ -44,7 +44,7 @@ Multirotor in_the_air(const MultirotorParameters& p) {
   return body;
 }
 
-// Throttle to thrust, each motor's the same, and none beyond both ends.
+// All motors have the same thrust curve; throttles outside [0, 1] are clamped.
 TEST(MultirotorForces, ThrustIsOfTheThrottleAndFeltByTheAccelerometer) {
   MultirotorParameters p = still_air();
   p.mass_kg = 1.3;
@@ -61,7 +61,7 @@ TEST(MultirotorForces, ThrustIsOfTheThrottleAndFeltByTheAccelerometer) {
     Throttles one{};
     one[i] = 0.3;
     Multirotor body(p, 1, {});
-    body.step(one, 1.0);  // it stands, and the battery tells
+    body.step(one, 1.0);  // it stands; the battery shows it
     const double load = thrust_n(p, 0.3) / (p.mass_kg * kGravityMps2);
     EXPECT_NEAR(body.battery_a(), 0.3 + 12.0 * std::pow(load, 1.5), 1e-6) << i;
   }
@@ -82,7 +82,8 @@ TEST(MultirotorForces, MotorsFollowWithTheirLag) {
   }
 }
 
-// More on two motors: of J ω̇ = τ (1 − e^(−t/T)) − c ω the rate has a closed form, about one axis.
+// With more thrust on two motors, J ω̇ = τ (1 − e^(−t/T)) − c ω has a closed form for the rate
+// about one axis.
 TEST(MultirotorForces, TurnsAboutOneAxisAsFastAsArmsAndInertiaSay) {
   MultirotorParameters p = still_air();
   p.arm_x_m = 0.10;
@@ -92,7 +93,7 @@ TEST(MultirotorForces, TurnsAboutOneAxisAsFastAsArmsAndInertiaSay) {
   struct Case {
     int first, second;
     int axis;
-    double arm_m;  ///< of both together
+    double arm_m;  ///< m; lever arm of both motors together
   };
   const double u = hover(p);
   const double d = 0.03;
@@ -131,7 +132,7 @@ TEST(MultirotorForces, LosesItsTurningToTheAir) {
               1e-3 * before_radps);
 }
 
-// A body that tumbles without torque keeps its angular momentum and its energy, seen from outside.
+// A body that tumbles without torque keeps its angular momentum and energy in the world frame.
 TEST(MultirotorForces, TumblesWithAConstantAngularMomentum) {
   MultirotorParameters p = still_air();
   p.inertia_kgm2 = {0.004, 0.007, 0.010};
@@ -158,7 +159,8 @@ TEST(MultirotorForces, TumblesWithAConstantAngularMomentum) {
   EXPECT_NEAR(energy(), energy_before, 0.01 * energy_before);
 }
 
-// On its feet it sinks in by less when thrust carries a part of it, and leans on springs.
+// On its feet the body sinks less when thrust carries a part of the weight, and tilts on its
+// springs.
 TEST(MultirotorForces, StandsOnItsFeetAsOnSprings) {
   MultirotorParameters p = still_air();
   p.foot_m = 0.10;
@@ -196,7 +198,7 @@ TEST(MultirotorForces, StandsOnItsFeetAsOnSprings) {
   }
 }
 
-// Turned by more than its feet can hold it slides round, against what friction takes.
+// With a torque above what its feet can hold, it slides round against friction.
 TEST(MultirotorForces, SlidesOnItsFeetAgainstFriction) {
   MultirotorParameters p = still_air();
   p.torque_per_thrust_m = 0.6;
@@ -225,7 +227,7 @@ TEST(MultirotorForces, SlidesOnItsFeetAgainstFriction) {
   }
 }
 
-// Level at hover the accelerometer feels the air alone, so that gusts can be seen.
+// Level at hover, the accelerometer measures only the air, so gusts are visible.
 TEST(MultirotorForces, GustsAreAsStrongAndForgetAsFastAsStatedAThirdUpwards) {
   MultirotorParameters p;
   p.gust_sigma_mps = 0.6;
@@ -314,7 +316,7 @@ TEST(SensorBoard, SaysWhereItIsAndHowItMovesInTheAutopilotsAxes) {
   const Eigen::Vector3d ahead_world = body.world_from_body().rotation * Eigen::Vector3d::UnitX();
   const Eigen::Vector3d ahead_local = sensed.local_from_body * Eigen::Vector3d::UnitX();
   EXPECT_LT((ahead_local - turn_axes(ahead_world)).norm(), 1e-12);
-  // The field of the place, whichever way the body lies.
+  // The magnetic field is that of the site for any attitude.
   EXPECT_LT((sensed.local_from_body * sensed.magnetic_field_body_gauss -
              Eigen::Vector3d(0.205, -0.042, 0.470))
                 .norm(),
@@ -322,7 +324,7 @@ TEST(SensorBoard, SaysWhereItIsAndHowItMovesInTheAutopilotsAxes) {
   const double height_m = body.world_from_body().translation_m.z();
   EXPECT_GT(height_m, 0.2);
   EXPECT_NEAR(sensed.pressure_altitude_m, 10.0 + height_m, 1e-9);
-  // Barometric formula of the standard atmosphere: near the sea 12.01 Pa less each metre.
+  // Standard atmosphere: near sea level 12.01 Pa less per metre.
   EXPECT_NEAR(1013.25 - sensed.pressure_hpa, 0.1201 * (10.0 + height_m), 2e-3);
   EXPECT_EQ(sensed.battery_v, body.battery_v());
   EXPECT_EQ(sensed.battery_a, body.battery_a());
@@ -330,7 +332,7 @@ TEST(SensorBoard, SaysWhereItIsAndHowItMovesInTheAutopilotsAxes) {
   EXPECT_EQ(sensed.temperature_c, 20.0);
 }
 
-// White noise of each sensor by itself: as strong as stated on each axis, and of nobody else's.
+// White noise, independent for each sensor and axis, with the stated strength.
 TEST(SensorBoard, EachSensorHasItsOwnNoiseOnEachAxis) {
   const Multirotor body(still_air(), 1, {});
   SensorBoard silent(SensorNoise{0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, 1);

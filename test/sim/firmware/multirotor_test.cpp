@@ -14,7 +14,7 @@ namespace {
 using test::kGravityMps2;
 using test::still_air;
 
-/// Throttle at which four motors carry the weight: e u² + (1 − e) u = m g / (4 T_max).
+/// Returns the throttle at which four motors carry the weight: e u² + (1 − e) u = m g / (4 T_max).
 double hover_throttle(const MultirotorParameters& p) {
   const double share = p.mass_kg * kGravityMps2 / (4.0 * p.motor_thrust_max_n);
   const double b = 1.0 - p.thrust_expo;
@@ -23,7 +23,7 @@ double hover_throttle(const MultirotorParameters& p) {
 
 Throttles all(double u) { return {u, u, u, u}; }
 
-/// In the air at 10 m, motors at hover.
+/// Returns a body in the air at 10 m with its motors at hover.
 Multirotor hovering(const MultirotorParameters& p) {
   Multirotor body(p, 1, {});
   const double u = hover_throttle(p);
@@ -53,7 +53,7 @@ TEST(Multirotor, KeepsItsHeightRateAtHoverThrottle) {
   Multirotor body = hovering(still_air());
   const double before_mps = body.velocity_world_mps().z();
   body.step(all(hover_throttle(still_air())), 1.0);
-  // Drag alone changes it: v e^(−d t).
+  // Only drag changes the speed: v e^(−d t).
   EXPECT_NEAR(body.velocity_world_mps().z(), before_mps * std::exp(-0.25), 2e-3);
   EXPECT_FALSE(body.is_on_ground());
 }
@@ -68,7 +68,7 @@ TEST(Multirotor, FallsFreelyAndFeelsNothingButDrag) {
   EXPECT_LT(body.velocity_world_mps().z(), -1.0);
 }
 
-// Left is right: what one side does, the other does mirrored.
+// Left and right behave alike, mirrored.
 TEST(Multirotor, TurnsAsItsMotorsSay) {
   const MultirotorParameters p = still_air();
   const double u = hover_throttle(p);
@@ -82,7 +82,7 @@ TEST(Multirotor, TurnsAsItsMotorsSay) {
       {{d, 0.0, 0.0, d}, {-1.0, 0.0, 0.0}},  // right side up
       {{0.0, d, 0.0, d}, {0.0, 1.0, 0.0}},   // rear up: nose down, + about y
       {{d, 0.0, d, 0.0}, {0.0, -1.0, 0.0}},  // front up
-      {{d, d, 0.0, 0.0}, {0.0, 0.0, -1.0}},  // propellers that turn left: the body turns right
+      {{d, d, 0.0, 0.0}, {0.0, 0.0, -1.0}},  // propellers that turn left: body turns right
       {{0.0, 0.0, d, d}, {0.0, 0.0, 1.0}}};
   for (const Case& c : cases) {
     Multirotor body = hovering(p);
@@ -150,7 +150,7 @@ TEST(Multirotor, EmptiesItsBatteryInItsEnduranceOfHovering) {
 }
 
 TEST(SensorBoard, FeelsGravityUpwardsInBodyFrdAndKnowsNorth) {
-  const Multirotor body(still_air(), 1, {0.0, 0.0, kPi / 2});  // looks along y: west in NED
+  const Multirotor body(still_air(), 1, {0.0, 0.0, kPi / 2});  // faces y: west in NED
   SensorBoard board(SensorNoise{0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, 1);
   const FirmwareSensors sensed = board.sample(body, Duration{0});
   EXPECT_LT((sensed.specific_force_body_mps2 - Eigen::Vector3d(0.0, 0.0, -kGravityMps2)).norm(),
@@ -161,7 +161,7 @@ TEST(SensorBoard, FeelsGravityUpwardsInBodyFrdAndKnowsNorth) {
   EXPECT_NEAR(sensed.pressure_hpa, 1012.05, 0.05);
 }
 
-// Of 300 boards: as far off on average as is said, each for good.
+// Over 300 boards the biases have the stated standard deviation; each stays constant.
 TEST(SensorBoard, IsOffByABiasOfItsOwnThatStays) {
   const Multirotor body(still_air(), 1, {0.0, 0.0, 0.0});
   double turns2_radps2 = 0.0;

@@ -29,7 +29,7 @@ namespace {
 
 constexpr Duration kLong = std::chrono::seconds(5);
 
-/// The firmware's end of the line.
+/// The firmware's end of the connection.
 class FakeFirmware {
  public:
   explicit FakeFirmware(int fd) : fd_(fd) {}
@@ -39,7 +39,7 @@ class FakeFirmware {
   FakeFirmware(FakeFirmware&&) = delete;
   FakeFirmware& operator=(FakeFirmware&&) = delete;
 
-  /// As PX4 does: the client of the simulator's port.
+  /// Connects to the simulator's port, as PX4 does.
   static int connected_to(int port) {
     const sockaddr_in address = address_of(INADDR_LOOPBACK, port);
     const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
@@ -59,7 +59,7 @@ class FakeFirmware {
     wire::mavlink::append_bytes(wire::mavlink::pack(controls, {1, 1, 0}), bytes);
     ASSERT_EQ(write(fd_, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
   }
-  /// The next sensors that the simulator sends.
+  /// Returns the next sensors that the simulator sends.
   wire::mavlink::HilSensor hear() {
     while (heard_.empty()) {
       pollfd polled{fd_, POLLIN, 0};
@@ -84,7 +84,7 @@ class FakeFirmware {
     heard_.erase(heard_.begin());
     return out;
   }
-  /// Whether the simulator has let go of the line.
+  /// True if the simulator has closed the connection.
   bool is_let_go() {
     pollfd polled{fd_, POLLIN, 0};
     std::array<std::uint8_t, 1024> bytes{};
@@ -113,7 +113,7 @@ struct Listening {
   int port = 0;
 };
 
-/// A link at a port that nobody else on this machine has.
+/// Returns a link at a free port of this machine.
 Listening listen_somewhere() {
   for (int instance = 100 + getpid() % 1000;; ++instance) {
     try {
@@ -137,7 +137,7 @@ FirmwareSensors sensors_at(Duration since_start) {
 
 TEST(Px4Link, SaysWhatTheSensorsFeelInTheFirmwaresUnits) {
   const auto [link, port] = listen_somewhere();
-  EXPECT_FALSE(link->send(sensors_at(Duration{4'000})));  // nobody is there
+  EXPECT_FALSE(link->send(sensors_at(Duration{4'000})));  // no firmware is connected
   FakeFirmware firmware(FakeFirmware::connected_to(port));
   ASSERT_TRUE(link->send(sensors_at(Duration{8'000})));
   const wire::mavlink::HilSensor heard = firmware.hear();
@@ -157,8 +157,8 @@ TEST(Px4Link, SaysWhatTheSensorsFeelInTheFirmwaresUnits) {
   EXPECT_EQ(heard.id, 0);
 }
 
-// PX4 takes a sensor only when its bits are set, and refuses a compass that says the same twice at
-// a rate that no compass has.
+// PX4 uses a sensor only if its bits are set, and refuses a compass that repeats a value at too
+// high a rate.
 TEST(Px4Link, SaysInEverySampleThatTheInertialUnitIsFreshAndTheOthersAtFiftyHertz) {
   const auto [link, port] = listen_somewhere();
   FakeFirmware firmware(FakeFirmware::connected_to(port));
@@ -218,7 +218,7 @@ TEST(Px4Link, ListensToAFirmwareThatWasStartedAnew) {
   const auto [link, port] = listen_somewhere();
   FakeFirmware old(FakeFirmware::connected_to(port));
   ASSERT_TRUE(link->send(sensors_at(Duration{4'000})));
-  FakeFirmware fresh(FakeFirmware::connected_to(port));  // the old one hangs and still holds on
+  FakeFirmware fresh(FakeFirmware::connected_to(port));  // the old one is stuck but still connected
   ASSERT_TRUE(link->send(sensors_at(Duration{8'000})));
   EXPECT_EQ(fresh.hear().time_usec, 8'000U);
   EXPECT_TRUE(old.is_let_go());
@@ -233,7 +233,7 @@ TEST(Px4Link, ListensToAFirmwareThatWasStartedAnew) {
   EXPECT_EQ(third.hear().time_usec, 16'000U);
 }
 
-// Of several that have come since it last looked the newest counts; and it leaves nothing behind.
+// Of several connections since the last check, the newest is used. No port stays open afterwards.
 TEST(Px4Link, TakesTheNewestOfSeveralAndGivesItsPortBack) {
   auto [link, port] = listen_somewhere();
   FakeFirmware first(FakeFirmware::connected_to(port));
@@ -252,7 +252,7 @@ TEST(Px4Link, NeverWaitsForAFirmwareThatDoesNotRead) {
   const auto [link, port] = listen_somewhere();
   FakeFirmware firmware(FakeFirmware::connected_to(port));
   std::vector<std::uint64_t> told_usec;
-  constexpr int kSamples = 100'000;  // more than the kernel keeps
+  constexpr int kSamples = 100'000;  // more than the kernel buffers
   for (int i = 1; i <= kSamples; ++i) {
     const FirmwareSensors sensors = sensors_at(i * link->period());
     if (link->send(sensors)) {
@@ -262,7 +262,7 @@ TEST(Px4Link, NeverWaitsForAFirmwareThatDoesNotRead) {
   const auto told = static_cast<int>(told_usec.size());
   EXPECT_LT(told, kSamples);
   EXPECT_GE(link->counts().unsent, kSamples - told);
-  // What it reads in the end is whole frames in their order; the last one may wait to be ended.
+  // The firmware reads whole frames in order; the last one may be incomplete.
   std::uint64_t last_usec = 0;
   std::vector<std::uint64_t> heard_usec;
   for (int i = 0; i < told - 1; ++i) {
@@ -293,7 +293,7 @@ TEST(Px4Link, SaysWhichPortCannotBeHad) {
   }
 }
 
-/// The board's end of a serial line: a pseudo terminal.
+/// The board's end of a serial line, a pseudo terminal.
 struct Board {
   Board() : fd(posix_openpt(O_RDWR | O_NOCTTY)) {
     EXPECT_EQ(grantpt(fd), 0);
@@ -318,7 +318,7 @@ TEST(Px4Link, SpeaksWithABoardThatHasAClockOfItsOwn) {
   EXPECT_DOUBLE_EQ(command->throttles[0], 0.5);
 }
 
-// Its speed is what stands behind the last colon, or PX4's own.
+// The baud rate follows the last colon; the default is PX4's.
 TEST(Px4Link, SpeaksWithABoardAtTheSpeedThatIsStated) {
   struct Row {
     std::string behind;
@@ -337,7 +337,8 @@ TEST(Px4Link, SpeaksWithABoardAtTheSpeedThatIsStated) {
   }
 }
 
-// Twice a second, however often it is asked to speak: here to a file, which is no line.
+// Opening is tried twice per second, however often send() is called: here a file, which is not a
+// serial line.
 TEST(Px4Link, TriesToOpenALineThatIsNotThereTwiceASecond) {
   const test::TemporaryFolder folder;
   write_file(folder.file("no_line"), "");

@@ -18,7 +18,7 @@ constexpr Time kStart = from_utime(1'700'000'000'000'000);
 constexpr Duration kSecond{1'000'000};
 constexpr Duration kInstant{1};
 
-/// Straight along `yaw_rad` at 1 m/s for 10 s, from (`x_m`, 0), as high as its number.
+/// Returns a trajectory at 1 m/s for 10 s along `yaw_rad` from (`x_m`, 0) at `height_m`.
 models::Trajectory straight(Time start, double x_m, double yaw_rad, double height_m) {
   return {start, {x_m, 0.0, yaw_rad}, height_m, {{{1.0, 0.25}, 10.0, 0.0}}};
 }
@@ -43,7 +43,7 @@ TEST(Course, IsTheHoverUntilAPlanStartsAndThenTheOneThatStartedLast) {
   EXPECT_EQ(course.at(kStart).world_from_body, (Pose2{1.0, 2.0, 0.5}));
   EXPECT_EQ(course.at(kStart).velocity_world_mps, Eigen::Vector2d::Zero());
   EXPECT_EQ(course.newest_start(), kStart + 3 * kSecond);
-  // Of a plan that looks along y the velocity is along y.
+  // For a plan that faces y, the velocity is along y.
   const CoursePoint point = course.at(kStart + 3 * kSecond);
   EXPECT_EQ(point.world_from_body, (Pose2{5.0, 0.0, kPi / 2}));
   EXPECT_LT((point.velocity_world_mps - Eigen::Vector2d(0.0, 1.0)).norm(), 1e-12);
@@ -60,13 +60,13 @@ TEST(Course, DropsWhatWasToStartLaterOrAtTheSameTime) {
   EXPECT_EQ(course.round(kStart + kSecond), 1);
   EXPECT_EQ(course.round(kStart + 2 * kSecond), 4);
   EXPECT_EQ(course.round(kStart + 9 * kSecond), 4);
-  // Not even the hover is older than this one; it stays all the same.
+  // This plan is older than all others, even the hover, but it is kept.
   course.follow(straight(kStart - kSecond, 9.0, 0.0, 6.0), 5);
   EXPECT_EQ(course.round(kStart - 2 * kSecond), -1);
   EXPECT_EQ(course.round(kStart), 5);
 }
 
-// Whichever way it moves and looks: v²/2b along its velocity, its nose where it was.
+// In any direction of motion and heading: v²/2b along the velocity, with the heading unchanged.
 TEST(Course, StopsStraightAlongItsVelocityAndKeepsItsHeading) {
   for (const double direction_rad : {0.0, 0.7, 2.5, -2.5, -0.7}) {
     Course course(kStart, {}, 1.0);
@@ -98,7 +98,8 @@ TEST(Course, OfWhoStandsStillAStopIsAHover) {
   }
 }
 
-// The controller looks back by less than a second: what counted then is kept, and no more.
+// The controller looks back less than a second. What was in force then is kept, the rest is
+// removed.
 TEST(Course, ForgetsWhatNobodyLooksBackToAndNothingElse) {
   Course course(kStart, {}, 1.0);
   for (int k = 1; k <= 4; ++k) {
@@ -115,7 +116,8 @@ TEST(Course, ForgetsWhatNobodyLooksBackToAndNothingElse) {
   EXPECT_EQ(course.newest_start(), kStart + 4 * kSecond);
 }
 
-// Every state under every command, on the ground and above it; what is not told stays as it is.
+// Every state with every command, on the ground and above it. States that are not listed stay
+// unchanged.
 TEST(AfterCommand, IsThisTable) {
   const FlightState states[] = {FlightState::kIdle, FlightState::kFollow, FlightState::kHold,
                                 FlightState::kLand, FlightState::kKilled};
@@ -155,7 +157,7 @@ TEST(AfterCommand, IsThisTable) {
   }
 }
 
-// Its words: the seed's lower half, its upper half, and the letters of the purpose.
+// The seed words are the seed's lower half, its upper half and the letters of the purpose.
 TEST(RandomStream, IsAnotherForEachSeedAndPurposeAndTheSameForEver) {
   const std::uint64_t seed = 0x0123456789ABCDEFULL;
   std::seed_seq words{0x89ABCDEFU, 0x01234567U, std::uint32_t{'a'}, 0xFFU};

@@ -1,5 +1,5 @@
-// How a simulated quadrotor answers, in closed form, without wind: what it does wrong by a factor
-// or to one side alone shows here, and not behind the tolerances of a whole flight.
+// The response of a simulated quadrotor without wind, compared with closed forms. A wrong factor or
+// a one-sided error shows here, where tolerances of a whole flight would hide it.
 
 #include <algorithm>
 #include <cmath>
@@ -72,8 +72,8 @@ struct Flight {
 
 Complex at_angle(double angle_rad) { return std::polar(1.0, angle_rad); }
 
-// On a circle everything turns at ω, so the step of the vehicle, v ← v + α (v_cmd − v) and
-// p ← p + dt (v + v′)/2, is an equation between complex numbers.
+// On a circle everything turns at ω. The vehicle step v ← v + α (v_cmd − v), p ← p + dt (v + v′)/2
+// then becomes an equation of complex numbers.
 TEST(QuadrotorMotion, FollowsACircleAsItsEquationsSay) {
   const QuadrotorParameters p = still_air();
   for (const double omega : {1.5, -1.5}) {
@@ -87,7 +87,7 @@ TEST(QuadrotorMotion, FollowsACircleAsItsEquationsSay) {
     const double alpha = 1.0 - std::exp(-kDtS / p.velocity_lag_s);
     const double k = p.position_gain_per_s;
     const double w = p.corner_window_s;
-    // What is asked for, of a reference r e^(iωt): its mean velocity and acceleration over ± w.
+    // The command for a reference r e^(iωt): its mean velocity and acceleration over ± w.
     const Complex mean = (at_angle(omega * w) - at_angle(-omega * w)) / (2.0 * w);
     const Complex wish = mean + p.velocity_lag_s * i * omega * mean + k;
     const Complex half = 0.5 * kDtS * (turn + 1.0);
@@ -104,7 +104,7 @@ TEST(QuadrotorMotion, FollowsACircleAsItsEquationsSay) {
   }
 }
 
-// Wherever the world's axes are and whichever side is left: the same flight, turned and mirrored.
+// The same flight after the world is turned and mirrored.
 TEST(QuadrotorMotion, IsTheSameTurnedAndMirrored) {
   const auto fly = [](double turn_rad, double side) {
     const auto see = [&](const Pose2& pose) {
@@ -134,10 +134,9 @@ TEST(QuadrotorMotion, IsTheSameTurnedAndMirrored) {
   }
 }
 
-// A reference that jumps by δ: its averaged velocity carries the vehicle all of the way, and what
-// is wrong before is made good afterwards. Of ẍ T = v_s + k e − ẋ the first two moments of the
-// error follow: ∫ e = 0 and ∫ t e = −T δ/k, whatever the window. (A step of the controller is half
-// a step late.)
+// For a jump δ of the reference, the averaged velocity carries the vehicle the whole distance, and
+// earlier errors are corrected afterwards. From ẍ T = v_s + k e − ẋ follow the first two moments of
+// the error: ∫ e = 0 and ∫ t e = −T δ/k, for any window. (A controller step is half a step late.)
 TEST(QuadrotorMotion, MakesGoodAJumpOfItsPlanAsItsGainsAndLagsSay) {
   const QuadrotorParameters p = still_air();
   for (const double side : {1.0, -1.0}) {
@@ -171,8 +170,8 @@ TEST(QuadrotorMotion, MakesGoodAJumpOfItsPlanAsItsGainsAndLagsSay) {
   }
 }
 
-// Without feedback: a jump of speed and of yaw rate becomes a ramp from w before it to w after it,
-// and the lag is seen beforehand, but for half a step.
+// Without feedback, a jump of speed and yaw rate becomes a ramp from w before it to w after it. The
+// lag is compensated, except for half a step.
 TEST(QuadrotorMotion, RoundsACornerWithARampThatIsBegunBeforeIt) {
   QuadrotorParameters p = still_air();
   p.position_gain_per_s = 0.0;
@@ -206,7 +205,7 @@ TEST(QuadrotorMotion, ClimbsAndSinksAsFastAsItMayAndNoFaster) {
       error_ms += (1.5 + side * 0.2 - near.vehicle.position_world_m().z()) * kDtS;
       near.step();
     }
-    // Of z̈ T = k e − ż, when nothing is cut: k ∫ e = δ.
+    // From z̈ T = k e − ż without saturation: k ∫ e = δ.
     EXPECT_NEAR(error_ms, side * 0.2 / p.height_gain_per_s, 0.001);
     EXPECT_NEAR(near.vehicle.position_world_m().z(), 1.5 + side * 0.2, 1e-9);
     Flight far({0.0, 0.0, 0.0}, p, 1.0);
@@ -220,7 +219,7 @@ TEST(QuadrotorMotion, ClimbsAndSinksAsFastAsItMayAndNoFaster) {
   }
 }
 
-// Asked for far more: to its reserve above its limits, and as fast as it may.
+// Commanded far more, it accelerates up to its reserve above its limits, and as fast as allowed.
 TEST(QuadrotorMotion, GivesAllItMayWhenAskedForMore) {
   QuadrotorParameters p = still_air();
   p.acceleration_max_mps2 = 4.0;
@@ -253,7 +252,7 @@ TEST(QuadrotorMotion, GivesAllItMayWhenAskedForMore) {
   }
 }
 
-// A vehicle that answers to nothing but the wind: each step of its velocity is the wind's.
+// A vehicle that responds only to wind: each step of its velocity is the wind's.
 TEST(QuadrotorMotion, IsBlownByAWindThatForgetsAndIsCutAtThreeSigma) {
   QuadrotorParameters p;
   p.velocity_lag_s = 1e12;
@@ -279,7 +278,7 @@ TEST(QuadrotorMotion, IsBlownByAWindThatForgetsAndIsCutAtThreeSigma) {
     across += wind.x() * wind.y() / kSteps;
     last = wind;
   }
-  // Correlated over three steps: some 15 000 samples, a variance within 1.2 %, 1σ.
+  // Correlated over three steps: about 15,000 samples, 1σ of a variance is 1.2 %.
   for (int axis = 0; axis < 2; ++axis) {
     EXPECT_NEAR(squares(axis), 1.0, 0.06);
     EXPECT_NEAR(products(axis), std::exp(-0.5), 0.06);
@@ -306,7 +305,7 @@ TEST(QuadrotorMotion, FallsAsItFliesAndLiesWhereItFell) {
   EXPECT_EQ(flight.vehicle.yaw_rate_radps(), 0.0);
   const Eigen::Vector3d lies_m = flight.vehicle.position_world_m();
   EXPECT_EQ(lies_m.z(), 0.0);
-  // Armed anew it stands, and takes off to its height from where it lies.
+  // Armed again it stands, and takes off to its height from its position on the ground.
   flight.vehicle.command(OperatorAction::kArm, flight.now);
   EXPECT_EQ(flight.vehicle.state(), FlightState::kIdle);
   flight.run(0.5);
@@ -340,7 +339,7 @@ TEST(QuadrotorMotion, LandsWhereItStoppedAndStandsStill) {
   EXPECT_EQ(flight.vehicle.yaw_rate_radps(), 0.0);
 }
 
-// Told to hold while it holds, it goes on as if it had been told once.
+// A second hold command changes nothing.
 TEST(QuadrotorMotion, ObeysACommandItHasAlreadyObeyedByDoingNothingNew) {
   const auto rests_at = [](bool is_told_twice) {
     Flight flight({0.0, 0.0, 0.0});
@@ -385,7 +384,7 @@ TEST(Quadrotor, TakesPlansToTheEdgesOfWhatCanBeAndNoFurther) {
     EXPECT_EQ(verdict_on(good, true, side * 0.41), PlanVerdict::kDiscontinuous);
   }
   Flight flight({0.0, 0.0, 0.0});
-  // In space: each of the three would do by itself.
+  // The distance is three-dimensional: each component alone would be accepted.
   EXPECT_EQ(flight.vehicle.offer(plan_of({kStart, {0.25, 0.25, 0.0}, 1.75, {}}), kStart),
             PlanVerdict::kDiscontinuous);
   EXPECT_EQ(flight.vehicle.offer(plan_of({kStart, {0.2, 0.2, 0.0}, 1.7, {}}), kStart),
@@ -452,7 +451,7 @@ TEST(Quadrotor, SaysItsStateItsSetPointAndItsBattery) {
   EXPECT_TRUE(vehicle.status(flight.now).reasons.empty());
 }
 
-// Its drag turns wind into acceleration: a quarter of it each second.
+// Drag turns wind into acceleration: a quarter of it per second.
 TEST(Quadrotor, HasTheScenariosWindOrItsOwnLightGusts) {
   const QuadrotorParameters windy = parameters_in(scenario::WindSpec{4.0, -2.0, 0.8});
   EXPECT_EQ(windy.wind_mean_mps2, Eigen::Vector2d(1.0, -0.5));

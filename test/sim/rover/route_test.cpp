@@ -23,8 +23,8 @@ models::World room() {
   return world;
 }
 
-/// The cheapest way between cells that are open, by relaxing each pair of neighbours until nothing
-/// changes; infinite where there is none.
+/// Returns the length of the cheapest path between open cells, by relaxing all pairs of neighbours
+/// until nothing changes; infinite if there is none.
 double cheapest_m(const models::World& world, const Eigen::Vector2d& from_m,
                   const Eigen::Vector2d& to_m, const std::vector<Disc>& blocked) {
   const auto geometry = models::GridGeometry::covering(world.bounds, 0.1);
@@ -110,7 +110,7 @@ TEST(RouteMap, FindsTheCheapestWayOrNone) {
   EXPECT_GT(found, 15);
 }
 
-// In one cell there is nothing between.
+// Within one cell there is nothing in between.
 TEST(RouteMap, IsTheGoalItselfWhereThatIsNear) {
   const RouteMap map(room());
   const auto path = map.route({1.51, 1.51}, {1.57, 1.58}, kRadiusM, {});
@@ -145,8 +145,8 @@ TEST(RouteMap, HasCellsOfTenCentimetresOrAHundredAndTwentyEightOnTheLongestSide)
   }
 }
 
-// Out of a passage that is narrower than a route's: one and a half cells from where it stands,
-// which is one cell and not two.
+// A rover in a passage narrower than routes allow may leave it: here it stands one and a half cells
+// inside, which counts as one large cell.
 TEST(RouteMap, LetsWhoStandsInANarrowPlaceGetOutByOneLargeCell) {
   models::World world;
   world.bounds = {{0.0, 0.0}, {51.2, 12.8}};
@@ -156,7 +156,7 @@ TEST(RouteMap, LetsWhoStandsInANarrowPlaceGetOutByOneLargeCell) {
   EXPECT_TRUE(map.route({1.4, 6.6}, {6.2, 6.6}, 0.5, {}).empty());
 }
 
-// Who stands nearer to a wall than a route leads gets away from there, but not along it.
+// A rover that is nearer to a wall than routes allow may leave the wall, but not drive along it.
 TEST(RouteMap, LetsWhoStandsAtAWallGetAway) {
   const RouteMap map(room());
   const Eigen::Vector2d at_wall_m(-0.79, 1.25);

@@ -1,4 +1,4 @@
-// A rover at the end of a wire: what it does late, what it does not measure, and what it tells.
+// A rover at the end of a wire: its delays, its unmeasured motion and its telemetry.
 
 #include "sim/rover/rover_emulator.hpp"
 
@@ -21,7 +21,7 @@ namespace wire = vantage::wire::rover;
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
-/// Rover 7 and a driver of session 11, heard every 20 ms.
+/// Rover 7 and a driver of session 11 that sends every 20 ms.
 struct Bench {
   explicit Bench(const RoverEmulatorSpec& spec = exact()) : rover(spec, kStart) {}
   static RoverEmulatorSpec exact() {
@@ -79,7 +79,7 @@ TEST(RoverEmulator, ObeysWhatItHearsAfterItsDelayAndNotBefore) {
   EXPECT_NEAR(bench.rover.state().yaw_rate_radps, 5 * 0.005 * 8.0, 1e-9) << "the second, in turn";
 }
 
-// Asked for now and then or all the time: what took effect meanwhile took it at its instant.
+// Stepped seldom or often, each command takes effect at its own instant.
 TEST(RoverEmulator, DoesNotDependOnHowItIsStepped) {
   RoverEmulatorSpec spec = Bench::exact();
   spec.delay_s = 0.03;
@@ -105,7 +105,7 @@ TEST(RoverEmulator, DoesNotDependOnHowItIsStepped) {
   EXPECT_GT(a.world_from_body.position_m().norm(), 0.3);
 }
 
-// Slip and drift act on the truth alone, along any heading, and drift only while it moves.
+// Slip and drift change only the true motion, at any heading, and drift acts only during motion.
 TEST(RoverEmulator, SlipsAndTurnsInAWayThatItsWheelsDoNotMeasure) {
   for (const double yaw_rad : {0.3, 2.0, -2.5}) {
     RoverEmulatorSpec spec = Bench::exact();
@@ -159,7 +159,7 @@ TEST(RoverEmulator, TellsEveryFiftyMillisecondsHowItIs) {
   EXPECT_FLOAT_EQ(told.speed_mps, 0.5F);
   EXPECT_FLOAT_EQ(told.yaw_rate_radps, -1.0F);
   EXPECT_EQ(told.flags, wire::kDriving);
-  // 1.1 s of the two hours that a battery lasts.
+  // 1.1 s of the battery's life of two hours.
   EXPECT_NEAR(told.battery_share, 0.9 - 1.1 / 7200.0, 1e-6);
   bench.rover.advance_to(bench.now + Duration{49'999});
   EXPECT_FALSE(bench.rover.take_output());
@@ -188,7 +188,7 @@ TEST(RoverEmulator, SaysWhyItDoesNotDrive) {
   EXPECT_EQ(bench.hear().flags, wire::kDriving | wire::kMotorFailed);
 }
 
-// A command that asks for the stop and for driving, or for the stop and its end, is a stop.
+// A command that requests the stop and also driving or the end of the stop is a stop.
 TEST(RoverEmulator, StopsWhateverElseIsAskedInTheSameBreath) {
   for (const std::uint32_t flags :
        {wire::kEmergencyStop | wire::kDrive, wire::kEmergencyStop | wire::kReleaseStop,
@@ -206,7 +206,7 @@ TEST(RoverEmulator, StopsWhateverElseIsAskedInTheSameBreath) {
   }
 }
 
-// What was on its way to the wheels when it stopped is not obeyed when the stop ends.
+// Commands that are delayed when the stop begins are dropped: they are not executed after it ends.
 TEST(RoverEmulator, ForgetsWhatWasOnItsWayWhenItStops) {
   RoverEmulatorSpec spec = Bench::exact();
   spec.delay_s = 0.3;
@@ -226,7 +226,8 @@ TEST(RoverEmulator, ForgetsWhatWasOnItsWayWhenItStops) {
   EXPECT_EQ(bench.rover.state().speed_mps, 0.0);
 }
 
-// 0.2 s without a command, to the microsecond; a new driver may then speak, with any number.
+// The watchdog expires 0.2 s after the last command, to the microsecond. A new driver may then
+// send, with any number.
 TEST(RoverEmulator, IsFreeForAnotherDriverWhenItsWatchdogIsOut) {
   Bench bench;
   wire::Command other{7, 12, 1, 0, 0.1F, 0.0F, wire::kDrive};
@@ -262,7 +263,7 @@ TEST(RoverEmulator, HasItsStatedSelfWhereNothingElseIsSaid) {
   EXPECT_EQ(bench.rover.state().world_from_body, (Pose2{4.0, 5.0, -1.0}));
 }
 
-// Both ends of a wire have the same socket: the one listens, the other speaks first.
+// Both ends of a wire use the same socket class: one listens, the other sends first.
 TEST(RoverEndpoint, TakesWhatHasComeAndSendsWhatIsDue) {
   const std::string port = test::port_of_this_test(2);
   RoverEndpoint endpoint(Bench::exact(), "udpout://127.0.0.1:" + port, kStart);

@@ -1,4 +1,4 @@
-// How rovers move and where they stop, in closed form.
+// How rovers move and where they stop, compared with closed forms.
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +22,8 @@ RoverState drive(RoverState state, const RoverCommand& command, double seconds,
   return state;
 }
 
-// Up at 1 m/s², down at 2 m/s²; yaw at 8 rad/s² either way; from and to any value on the way.
+// Speed rises at 1 m/s² and falls at 2 m/s²; yaw rate changes at 8 rad/s². Valid from and to any
+// value in between.
 TEST(RoverModel, RampsUpAndDownAsFastAsStatedAndNoFarther) {
   struct Row {
     double from, wish, after_s, expected;
@@ -46,7 +47,7 @@ TEST(RoverModel, RampsUpAndDownAsFastAsStatedAndNoFarther) {
   }
 }
 
-// In one step: half of both speeds, along the heading half way.
+// One step uses the means of both speeds along the heading halfway.
 TEST(RoverModel, GoesAlongTheChordOfItsArc) {
   const RoverState from{{1.0, -2.0, 3.0}, 0.8, 1.5};
   for (const double side : {1.0, -1.0}) {
@@ -65,7 +66,7 @@ TEST(RoverModel, GoesAlongTheChordOfItsArc) {
   }
 }
 
-// A rover that is asked on for its period goes on for it; then v²/2b, the turn ending meanwhile.
+// A commanded rover drives on for the period and then stops within v²/2b. Its turn ends meanwhile.
 TEST(StoppingPath, IsThePeriodAndThenTheBraking) {
   for (const double period_s : {0.05, 0.12, 0.15}) {
     const StoppingPath path({{}, 1.0, 0.0}, {1.0, 0.0}, {}, period_s);
@@ -76,7 +77,7 @@ TEST(StoppingPath, IsThePeriodAndThenTheBraking) {
     for (std::size_t k = 1; k < path.points_m().size(); ++k) {
       EXPECT_LE((path.points_m()[k] - path.points_m()[k - 1]).norm(), 0.05 + 1e-9);
     }
-    // A rounding may leave a last one.
+    // Rounding may add a last piece.
     const std::size_t expected = 1 + (period_s > 0.06 ? 3 : 1) + 10;
     EXPECT_GE(path.points_m().size(), expected);
     EXPECT_LE(path.points_m().size(), expected + 1);
@@ -88,7 +89,7 @@ TEST(StoppingPath, IsThePeriodAndThenTheBraking) {
 }
 
 TEST(StoppingPath, ReachesAsFarAsItsFarthestPointAndEndsInAnyCase) {
-  // Round and round: it comes back to where it began.
+  // It circles and returns to its start.
   RoverParameters slippery;
   slippery.brake_mps2 = 0.3;
   slippery.yaw_acceleration_radps2 = 0.5;
@@ -104,7 +105,7 @@ TEST(StoppingPath, ReachesAsFarAsItsFarthestPointAndEndsInAnyCase) {
   EXPECT_EQ(StoppingPath({{}, 1.0, 0.0}, {}, slippery, 0.05).points_m().size(), 48u);
 }
 
-/// From (x, y) along the heading at 1 m/s: 0.05 m and then 0.25 m.
+/// Returns the stopping path from (x, y) along the heading at 1 m/s: 0.05 m and then 0.25 m.
 StoppingPath stop_from(double x_m, double y_m, double yaw_rad) {
   return {{{x_m, y_m, yaw_rad}, 1.0, 0.0}, {1.0, 0.0}, {}, 0.05};
 }
@@ -131,7 +132,7 @@ TEST(StoppingPathDistance, IsExactInKnownPlacesWhicheverIsAskedFirst) {
 
 TEST(StoppingPathDistance, FarAwayIsNoMoreThanItIs) {
   const StoppingPath along = stop_from(0.0, 0.0, 0.0);
-  // They look at each other: what is left when each has come as far as it does.
+  // Face to face: the distance minus both stopping distances.
   const double found_m = distance_m(along, stop_from(3.0, 0.0, kPi));
   EXPECT_NEAR(found_m, 3.0 - 0.3 - 0.3, 1e-9);
   EXPECT_NEAR(distance_m(along, stop_from(0.0, 2.7, 0.0)), 2.1, 1e-9) << "a bound beyond 2 m";

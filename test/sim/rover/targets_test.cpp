@@ -1,4 +1,4 @@
-// Where targets begin, and those that drift or drive.
+// Start positions of targets, and targets that drift or drive.
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,8 @@ namespace {
 
 constexpr double kDtS = 0.005;
 
-/// An empty room of the stated size, without robots, and targets of these radii.
+/// Returns a scenario with an empty room of the given size, without robots, and targets of these
+/// radii.
 scenario::Scenario room_of(double side_m, const std::vector<double>& radii_m) {
   scenario::Scenario out;
   out.world.bounds = {{-1.0, 3.0}, {-1.0 + side_m, 3.0 + side_m}};
@@ -44,8 +45,8 @@ double least_gap_m(const scenario::Scenario& scenario, const std::vector<Pose2>&
   return gap_m;
 }
 
-// 30 cm from each other and 10 cm from walls, 1 m from robots, whatever their sizes, where there is
-// room; and everywhere there: each quarter of the room, each quarter of the compass.
+// Where there is room, targets of any size start 30 cm from each other, 10 cm from walls and 1 m
+// from robots. Starts cover each quarter of the room and of the compass.
 TEST(TargetStarts, KeepTheirDistancesAndAreEverywhere) {
   scenario::Scenario scenario = room_of(6.0, {0.1, 0.5, 0.3});
   scenario.robots = {test::lab_scenario().robots[0], test::lab_scenario().robots[1]};
@@ -94,8 +95,8 @@ TEST(TargetStarts, AreThoseOfTheScenarioAndKeepAwayFromThoseThatAreDrawnLater) {
   }
 }
 
-// One in a corner, at `from_m` of both walls, and another in the opposite one: 10 cm from the
-// walls, 0.3 m between them are not left; halved once or twice, there is room.
+// One target is fixed in a corner, `from_m` from both walls; the other must go to the opposite
+// corner. 10 cm to walls and 0.3 m between them do not fit, but half or a quarter of that does.
 TEST(TargetStarts, AreNearerWhereThereIsNoRoomAndRefusedWhereThereIsNone) {
   struct Row {
     double from_m, least_m, most_m;
@@ -135,7 +136,8 @@ TEST(Drifters, RefuseWhatIsNoMotion) {
   EXPECT_THROW(Drifters(world, {}, 0.1, -1.0, 1), UsageError);
 }
 
-// Without noise nothing moves; with it each by itself, as far as its own size lets it.
+// Without noise nothing moves. With noise each target moves independently, as far as its own radius
+// allows.
 TEST(Drifters, OfDifferentSizesStopShortOfEachOtherAndOfWallsByAMillimetre) {
   models::World world;
   world.bounds = {{0.0, 0.0}, {1.2, 1.2}};
@@ -156,7 +158,7 @@ TEST(Drifters, OfDifferentSizesStopShortOfEachOtherAndOfWallsByAMillimetre) {
       fastest_mps = std::max(fastest_mps, drifters.velocity_mps(i).norm());
     }
   }
-  // A step is 1.5 mm at the most.
+  // A step is at most 1.5 mm.
   EXPECT_GE(pair_m, 0.351);
   EXPECT_LT(pair_m, 0.3517);
   EXPECT_GE(wall_m[0], 0.101);
@@ -192,7 +194,7 @@ TEST(RoverFleet, TakesSpeedsThatRoversCanDriveAndNoOthers) {
   EXPECT_FALSE(is_taken(0.1, 1.41));
 }
 
-/// One rover in an empty room, looked at every 50 ms for `seconds`.
+/// Calls look() every 50 ms for `seconds` with one rover in an empty room.
 template <class Look>
 void watch(RoverFleet& fleet, double seconds, const Look& look) {
   for (int k = 0; k < std::lround(seconds / RoverFleet::kDecisionPeriodS); ++k) {
@@ -204,7 +206,7 @@ void watch(RoverFleet& fleet, double seconds, const Look& look) {
   }
 }
 
-// Legs of speeds between the least and the greatest, pauses no longer than stated between them.
+// Legs have speeds between the limits, and pauses between them last at most the limit.
 TEST(RoverFleet, DrivesItsLegsAsFastAndPausesAsLongAsIsStated) {
   const models::World world = room_of(12.0, {}).world;
   RoverFleet fleet(world, truth_of(0.4, 0.8), {{{5.0, 9.0, 0.0}, 0.2}}, 3);
@@ -233,12 +235,13 @@ TEST(RoverFleet, DrivesItsLegsAsFastAndPausesAsLongAsIsStated) {
   EXPECT_LE(fastest_leg_mps, 0.8);
   EXPECT_GT(fastest_leg_mps, 0.76);
   EXPECT_LT(slowest_leg_mps, 0.45);
-  EXPECT_GT(slowest_leg_mps, 0.25);  // a short leg may end before it is fast
+  EXPECT_GT(slowest_leg_mps, 0.25);  // a short leg may end before full speed
   EXPECT_LE(longest_s, 1.0 + 0.11);
-  EXPECT_GT(longest_s, 0.6);  // it has to come to rest first
+  EXPECT_GT(longest_s, 0.6);  // it must stop first
 }
 
-// Rovers of different sizes in a small room: nobody touches a wall or another, by his own size.
+// Rovers of different sizes in a small room never touch a wall or each other, each by its own
+// radius.
 TEST(RoverFleet, OfDifferentSizesTouchNothing) {
   const models::World world = room_of(3.0, {}).world;
   const std::vector<RoverFleet::Start> starts{
@@ -266,8 +269,8 @@ TEST(RoverFleet, OfDifferentSizesTouchNothing) {
   EXPECT_GT(fleet.way_points_reached(), 10);
 }
 
-// Places that are kept free: nobody comes nearer; who is nearer already comes no nearer still; and
-// when they are given back, they are used.
+// No rover enters the kept-out circles. A rover inside comes no nearer to the centre. Once
+// released, the areas are used.
 TEST(RoverFleet, KeepsOutOfPlacesAsLongAsTheyAreKeptFree) {
   const models::World world = room_of(4.0, {}).world;
   const Eigen::Vector2d first_m(0.0, 4.0);
@@ -294,8 +297,8 @@ TEST(RoverFleet, KeepsOutOfPlacesAsLongAsTheyAreKeptFree) {
   EXPECT_LT(std::min(nearest_m[0][1], nearest_m[1][1]), 0.5);
 }
 
-// At full speed a piece of its way is seven centimetres long, and a place that is kept free may lie
-// beside the middle of one.
+// At full speed a piece of the path is seven centimetres long. A kept-out area may lie next to the
+// middle of a piece.
 TEST(RoverFleet, KeepsOutOfSmallPlacesBetweenTheEndsOfItsPieces) {
   const models::World world = room_of(3.0, {}).world;
   constexpr double kNearM = 0.045;

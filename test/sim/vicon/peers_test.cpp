@@ -1,5 +1,5 @@
-// What the emulated Vicon servers put on the wire, read back by the same bytes' decoders: whose
-// pose it is, in which units and axes, when, and what of those that are not seen.
+// The bytes of the emulated Vicon servers, decoded again: bodies, units, axes, times, and bodies
+// that are not seen.
 
 #include <algorithm>
 #include <map>
@@ -20,7 +20,7 @@ namespace {
 namespace wire = vantage::wire::vicon;
 using Bytes = std::vector<std::uint8_t>;
 
-/// Bodies that differ in everything; the second is not seen.
+/// Returns bodies that differ in all values; the second is occluded.
 EmulatedFrame frame_of(std::uint32_t number) {
   EmulatedFrame frame;
   frame.number = number;
@@ -96,7 +96,7 @@ const std::vector<std::uint32_t> kAll{
     wire::kApplicationInfo, wire::kFrameRateInfo, wire::kObjectQuality, wire::kLightweightSegments,
     wire::kContents};
 
-/// A client that wants each of these, pushed.
+/// Makes `peer` a client that requests these types, streamed.
 DataStreamPeer& asking(DataStreamPeer& peer, const std::vector<std::uint32_t>& types,
                        bool is_streaming = true) {
   peer.outgoing.clear();
@@ -179,11 +179,11 @@ TEST(DataStreamPeer, SaysOfEachBodyWhatItIsWhereItIsAndHowLate) {
   }
 }
 
-// Each type that it has, asked for alone.
+// Each available type, requested alone.
 TEST(DataStreamPeer, CountsInItsContentsWhatItSends) {
   DataStreamPeer peer{ServerSettings{}};
   std::vector<std::uint32_t> wanted = kAll;
-  wanted.push_back(wire::kTimecode);  // which it has not
+  wanted.push_back(wire::kTimecode);  // which is not available
   asking(peer, wanted);
   for (int time = 0; time < 3; ++time) {
     peer.on_frame(frame_of(1));
@@ -238,7 +238,7 @@ TEST(DataStreamPeer, SaysWhatIsStaticOnceAndAgainWhenItChanges) {
   EXPECT_EQ(names_after(frame), Names{});
 }
 
-// Nothing without being asked; one by one as often as asked, a thousand at the most; or all.
+// No frame without a request; one per request, with at most 1000 pending; or a stream.
 TEST(DataStreamPeer, SendsAsManyFramesAsItIsAskedFor) {
   const auto sent_after = [](const std::vector<Bytes>& requests) {
     DataStreamPeer peer{ServerSettings{}};
@@ -313,7 +313,7 @@ TEST(DataStreamPeer, HangsUpOnWhatIsNoPacketAndPutsTogetherWhatComesInPieces) {
   Bytes torn = asked;
   torn[12] = 0xFF;  // a block that is longer than its packet
   EXPECT_FALSE(broken.receive(torn));
-  // A packet that says that it is longer than a client's may be, without an end.
+  // An unfinished packet whose stated length exceeds the limit for clients.
   DataStreamPeer endless{ServerSettings{}};
   Bytes long_packet = asked;
   long_packet[6] = 0x02;
@@ -358,7 +358,7 @@ TEST(ObjectStreamServer, SendsBodiesInOrderInAsManyDatagramsAsTheyNeed) {
   }
 }
 
-/// The objects of a frame, by name.
+/// Returns the objects of a frame by name.
 std::map<std::string, wire::TrackerObject> objects_of(ObjectStreamServer& server,
                                                       const EmulatedFrame& frame) {
   std::map<std::string, wire::TrackerObject> out;

@@ -1,5 +1,5 @@
-// What clients hear of the emulated server and of the program around it, on real sockets. What
-// depends on time is bounded on the side on which a busy machine cannot be.
+// What clients receive from the emulated server and its program over real sockets. Times are
+// bounded only on the side that a busy machine cannot affect.
 
 #include <algorithm>
 #include <array>
@@ -48,7 +48,7 @@ class Socket {
     ASSERT_EQ(send(fd, bytes.data(), bytes.size(), MSG_NOSIGNAL),
               static_cast<ssize_t>(bytes.size()));
   }
-  /// What has come, with MSG_DONTWAIT; otherwise all until the other end hangs up.
+  /// Appends what has arrived; without MSG_DONTWAIT, all data until the other end closes.
   void hear(Bytes& out, int flags) const {
     std::array<std::uint8_t, 65'536> bytes{};
     ssize_t got = 0;
@@ -59,8 +59,8 @@ class Socket {
   const int fd;
 };
 
-// Each frame is heard by each client, or counted as skipped for it: however often that is looked
-// at.
+// Each frame is received by each client or counted as skipped for it, however often the counters
+// are read.
 TEST(SocketServer, CountsEachFrameThatAClientDidNotHear) {
   ServerSettings settings;
   settings.backlog_bytes_max = 200'000;
@@ -76,8 +76,8 @@ TEST(SocketServer, CountsEachFrameThatAClientDidNotHear) {
     ASSERT_TRUE(client->connect_to(server.port()));
     client->say(asked);
   }
-  server.wait(std::chrono::nanoseconds(0));  // they are there
-  server.wait(std::chrono::nanoseconds(0));  // they are heard
+  server.wait(std::chrono::nanoseconds(0));  // the clients are connected
+  server.wait(std::chrono::nanoseconds(0));  // their requests are received
   ASSERT_EQ(server.clients(), 2u);
   EmulatedFrame frame;
   for (int i = 0; i < 200; ++i) {
@@ -93,7 +93,7 @@ TEST(SocketServer, CountsEachFrameThatAClientDidNotHear) {
   }
   EXPECT_GE(server.frames_skipped(), 20);
   const auto frames_in = [](const Bytes& bytes) {
-    std::int64_t frames = -1;  // the first packet says what there is
+    std::int64_t frames = -1;  // the first packet is the greeting
     for (wire::Bytes left(bytes); !left.empty(); ++frames) {
       const wire::Framed framed = wire::next_packet(left);
       if (framed.state != wire::Framing::kWhole) {
@@ -125,7 +125,7 @@ int run(std::vector<std::string> words) {
   return run_emulator(static_cast<int>(argv.size()), argv.data());
 }
 
-/// Headers of the poses in what a VRPN server has said.
+/// Returns the headers of the poses in the bytes of a VRPN server.
 std::vector<wire::VrpnHeader> poses_in(const Bytes& heard) {
   std::vector<wire::VrpnHeader> out;
   if (heard.size() < wire::kVrpnCookieBytes) {
@@ -146,8 +146,8 @@ std::vector<wire::VrpnHeader> poses_in(const Bytes& heard) {
   return out;
 }
 
-// With a latency of a second: what it sends was captured no less than a second ago. And it takes
-// the time that it is told to take.
+// With a latency of a second, each frame was captured at least a second before. The program runs
+// for the given duration.
 TEST(RunEmulator, SaysThatItsFramesWereCapturedALatencyAgo) {
   const std::string port = test::port_of_this_test(0);
   const bus::SystemClock clock;
@@ -193,7 +193,7 @@ TEST(RunEmulator, SaysThatItsFramesWereCapturedALatencyAgo) {
   EXPECT_LE(last_us, to_utime(end) - 1'000'000);
 }
 
-// The world with the axis up that it is told, in datagrams as long as it is told.
+// The program uses the given up axis and datagram size.
 TEST(RunEmulator, SendsTheAxisAndTheBytesThatItIsTold) {
   for (const std::string& up : {std::string("z"), std::string("y")}) {
     for (const std::size_t bytes : {256U, 1'024U}) {

@@ -1,4 +1,4 @@
-// What the emulated cameras look at, and the program around them.
+// The bodies that the emulated cameras see, and the program.
 
 #include "sim/vicon/app/source.hpp"
 
@@ -26,8 +26,7 @@
 namespace vantage::sim::vicon {
 namespace {
 
-// Half a metre round centres 2 m apart, ten in a row, at a radian each second, nose ahead of the
-// radius by nothing; about a metre high.
+// Circles of radius 0.5 m around centres 2 m apart, ten per row, at 1 rad/s; about a metre high.
 TEST(CirclingBodies, GoRoundPlacesOfTheirOwn) {
   CirclingBodies source(23);
   EmulatedFrame frame;
@@ -56,7 +55,7 @@ TEST(CirclingBodies, GoRoundPlacesOfTheirOwn) {
       least_m = least_m.cwiseMin(arm_m);
       most_m = most_m.cwiseMax(arm_m);
     }
-    frame.bodies[3].is_occluded = true;  // is seen again in the next
+    frame.bodies[3].is_occluded = true;  // is visible again in the next frame
   }
   EXPECT_NEAR(lowest_m, 0.9, 1e-3);
   EXPECT_NEAR(highest_m, 1.1, 1e-3);
@@ -64,7 +63,7 @@ TEST(CirclingBodies, GoRoundPlacesOfTheirOwn) {
   EXPECT_GT(most_m.minCoeff(), 0.49);
 }
 
-/// A file of `rows` poses, one each `period_s`, that go along x.
+/// Writes a file of `rows` poses along x, one per `period_s`.
 std::string flight_in(const vantage::test::TemporaryFolder& folder, const std::string& name,
                       int rows, double period_s) {
   std::string text = "t,x,y,z,qw,qx,qy,qz\n";
@@ -114,10 +113,10 @@ TEST(ReadFlight, ReadsNamesPeriodsPlacesAndAttitudes) {
             ":4: times must be evenly spaced");
 }
 
-// Each shows the newest of its rows; the shortest ends them all, or all begin anew.
+// Each flight shows its newest row. All end with the shortest, or start again.
 TEST(Flights, ShowTheNewestRowUntilTheShortestEnds) {
   const vantage::test::TemporaryFolder folder;
-  // 1 s of 50 ms, 1.2 s of 100 ms, and 1.05 s of 150 ms.
+  // 1 s at 50 ms, 1.2 s at 100 ms, and 1.05 s at 150 ms.
   const std::vector<std::string> paths{flight_in(folder, "B.csv", 12, 0.1),
                                        flight_in(folder, "A.csv", 20, 0.05),
                                        flight_in(folder, "C.csv", 7, 0.15)};
@@ -173,8 +172,7 @@ int run(std::vector<std::string> words) {
   return run_emulator(static_cast<int>(argv.size()), argv.data());
 }
 
-/// Whether these words are understood: with a recording that is not there, whoever gets as far says
-/// so.
+/// True if these options are accepted: only then the program reports that the recording is missing.
 bool is_understood(std::vector<std::string> words) {
   words.insert(words.end(), {"--flight", "/nowhere/flight.csv"});
   try {
@@ -211,7 +209,7 @@ TEST(RunEmulator, TakesItsOptionsToTheirEndsAndNoFurther) {
   EXPECT_THROW(run({"--scenario", "/nowhere/lab.yaml"}), StartupError);
 }
 
-/// What the program sends as an object stream, a frame's bodies by its number.
+/// Returns the bodies of each frame that the program sends as an object stream.
 std::vector<std::vector<std::string>> frames_of(const std::vector<std::string>& words) {
   const int ear = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   sockaddr_in address = address_of(INADDR_LOOPBACK, 0);
@@ -247,7 +245,7 @@ TEST(RunEmulator, SendsItsBodiesAtItsRateForAsLongAsItIsTold) {
   EXPECT_EQ(frames_of({"--rate", "500", "--duration-s", "0.004"}).at(0).size(), 3u);
 }
 
-// At its end it says how many frames it has sent, however it came to that.
+// At its end the program reports the number of frames sent, whatever ended it.
 TEST(RunEmulator, SaysHowManyFramesItHasSent) {
   const vantage::test::TemporaryFolder folder;
   const std::string path = flight_in(folder, "LARK.csv", 4, 0.01);
@@ -271,7 +269,8 @@ TEST(RunEmulator, EndsWithItsRecording) {
       10u);
 }
 
-// Hidden for so long of each 10 s, in turns: of two for 5 s, at each instant one; of one, at first.
+// Bodies are occluded in turns, for the given part of each 10 s. Of two bodies for 5 s each, one is
+// always hidden; a single body is hidden first.
 TEST(RunEmulator, HidesItsBodiesInTurns) {
   using Names = std::vector<std::string>;
   const auto expect = [](const std::string& bodies, const std::string& hidden_s, const Names& seen,

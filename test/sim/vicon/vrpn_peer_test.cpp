@@ -19,7 +19,7 @@ struct Message {
   Bytes body;
 };
 
-/// What the peer has said since the last call, its cookie left out.
+/// Returns the messages that the peer has sent since the last call, without its cookie.
 std::vector<Message> take_messages(VrpnPeer& peer, bool has_cookie = false) {
   std::vector<Message> out;
   wire::Bytes left(peer.outgoing);
@@ -50,7 +50,7 @@ EmulatedFrame frame_of(double x_m) {
   return frame;
 }
 
-/// A client that has been greeted, and what the peer calls its senders and types.
+/// A client after the handshake, with the peer's ids of senders and types.
 struct Talk {
   explicit Talk(OcclusionStyle style, bool is_y_up = false, std::size_t backlog = 1U << 20U)
       : peer(settings_of(style, is_y_up, backlog)) {
@@ -64,7 +64,7 @@ struct Talk {
     out.backlog_bytes_max = backlog;
     return out;
   }
-  /// Learns names; the other messages by the names of sender and type.
+  /// Learns names; returns the other messages by the names of sender and type.
   std::map<std::string, wire::VrpnPose> hear(bool has_cookie = false) {
     std::map<std::string, wire::VrpnPose> poses;
     for (const Message& message : take_messages(peer, has_cookie)) {
@@ -189,7 +189,7 @@ TEST(VrpnPeer, ShowsThoseThatAreHiddenInItsStyle) {
   }
 }
 
-// Whoever asks a body by name is answered by it; numbers are the client's own.
+// A ping to a body by name is answered by that body; ids are the client's own.
 TEST(VrpnPeer, AnswersPingsOfBodiesThatItHas) {
   Talk talk(OcclusionStyle::kAbsent);
   talk.show(frame_of(1.0));
@@ -202,7 +202,7 @@ TEST(VrpnPeer, AnswersPingsOfBodiesThatItHas) {
   EXPECT_EQ(talk.pongs, std::vector<std::string>{"Q2"});
   talk.say(6, 8);
   EXPECT_EQ(talk.pongs, (std::vector<std::string>{"Q2", "Q1"}));
-  talk.say(7, 8);  // a body that it has not
+  talk.say(7, 8);  // an unknown body
   talk.say(5, 9);  // no ping
   talk.say(5, 4);  // a type without a name
   talk.say(4, 8);  // a sender without a name

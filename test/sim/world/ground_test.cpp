@@ -1,4 +1,4 @@
-// Targets on the ground, the cameras above it, and when the world steps.
+// Targets on the ground, the cameras above it, and the steps of the world.
 
 #include "sim/world/ground.hpp"
 
@@ -25,7 +25,7 @@ scenario::Scenario lab_with(scenario::TargetMotion motion) {
   return out;
 }
 
-// What it says of a target's velocity is how its place changes, whatever moves it.
+// The reported velocity of a target is the rate of its position, for any motion.
 TEST(Ground, MovesAsFastAsItSays) {
   for (const auto motion :
        {scenario::TargetMotion::kRandomWaypoint, scenario::TargetMotion::kDoubleIntegrator}) {
@@ -88,7 +88,7 @@ TEST(Ground, StaysWhereItIsTold) {
   EXPECT_EQ(ground.rovers(), nullptr);
 }
 
-// --- targets of a model alone
+// --- targets of a linear model
 
 TEST(LinearTargets, ComeBackFromEachWallAsFromAMirror) {
   const models::TargetModel model{models::TargetKind::kDoubleIntegrator, 2, 0.0};
@@ -117,7 +117,7 @@ TEST(LinearTargets, StartWithAPositionAndAVelocityEach) {
   EXPECT_THROW(LinearTargets(model, 0.5, bounds, {four, two}, std::mt19937_64(1)), UsageError);
 }
 
-// Correlated, of unequal sizes and singular: each draw lies where the covariance lets it.
+// Correlated, unequal and singular: each draw lies in the range of the covariance.
 TEST(DrawGaussian, HasTheCovarianceThatItIsGivenAlsoASingularOne) {
   Eigen::Matrix3d root;
   root << 0.1, 0.0, 0.0, 0.5, 2.0, 0.0, -1.0, 1.0, 0.0;  // of rank two
@@ -174,7 +174,7 @@ TEST(MocapCamera, CapturesAtTheFirstWholePeriodThatIsNotPast) {
   EXPECT_EQ(camera.capture_at_or_after(kStart + Duration{10'001}), kStart + Duration{20'000});
 }
 
-// Without noise it sees what is; its noise in yaw turns a body about the vertical, however it lies.
+// Without noise a camera sees the truth. Yaw noise turns a body about the vertical at any attitude.
 TEST(MocapCamera, SeesBodiesInTheirOrderAndTurnsThemAboutTheVerticalAlone) {
   models::TruthFrame truth;
   truth.stamp.time = kStart;
@@ -206,7 +206,7 @@ TEST(MocapCamera, SeesBodiesInTheirOrderAndTurnsThemAboutTheVerticalAlone) {
 
 // --- the world
 
-/// A vehicle of the caller's that counts its steps.
+/// An external vehicle that counts its steps.
 class Counted : public Vehicle {
  public:
   Counted(std::string name, double height_m) : name_(std::move(name)), height_m_(height_m) {}
@@ -224,7 +224,7 @@ class Counted : public Vehicle {
   double height_m_;
 };
 
-// Begun and ended beside the multiples of its step: the first and the last step are shorter.
+// If the start and end are not multiples of the step, the first and last steps are shorter.
 TEST(WorldSimulation, StepsToEachWholeMultipleAndToTheTimeItIsTold) {
   Counted vehicle("Q2", 2.5);
   const Time start = kStart + Duration{1'200};
@@ -274,7 +274,7 @@ TEST(WorldSimulation, TellsOneRobotOrAllAndSaysTheTimeOfItsTruth) {
   EXPECT_EQ(world.capture().stamp.time, truth.stamp.time);
 }
 
-// Of two vehicles of the caller's only the low one has the ground kept free.
+// Of two external vehicles, only the low one has the ground below it kept free.
 TEST(WorldSimulation, KeepsTheGroundFreeUnderThoseThatAreLow) {
   for (const bool is_low : {true, false}) {
     scenario::Scenario scenario = test::lab_scenario();

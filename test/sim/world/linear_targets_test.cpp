@@ -38,7 +38,7 @@ TEST(LinearTargets, SpreadAsTheirModelSays) {
   for (const models::StateVector& state : targets.states()) {
     sample += (state - start) * (state - start).transpose() / kTargets;
   }
-  // Of so many draws a variance is known within 2.2 %, 1σ.
+  // With this number of draws, 1σ of a variance is 2.2 %.
   const models::StateMatrix expected = model.process_noise(kSteps * kStep_s);
   for (int i = 0; i < 4; ++i) {
     EXPECT_NEAR(sample(i, i) / expected(i, i), 1.0, 0.1);
