@@ -212,8 +212,7 @@ TEST(SequencingBound, IsTheOptimumOfTheRelaxedProblem) {
       EXPECT_GE(sequencing.cost_after(static_cast<int>(c)), whole.cost);
       EXPECT_LE(sequencing.cost_after(static_cast<int>(c)), after[c] + slack(after[c]));
     }
-    // With a higher required value the bound stays the same; with a lower one it stops at that
-    // value.
+    // With a higher cutoff the bound stays the same; with a lower one it ends at the cutoff.
     const auto above = bound(best + 1.0);
     EXPECT_NEAR(above.cost, best, slack(best));
     const auto below = bound(best - 0.3);
