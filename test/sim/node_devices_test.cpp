@@ -212,7 +212,7 @@ TEST(SimNode, CountsEachPlanThatItDoesNotFlyUnderItsReason) {
   for (int k = 0; k < 3; ++k) {
     lab.net.other.publish(bus::plan_channel("Q1"), plan_of(0, begin - Duration{1}));
   }
-  lab.net.other.publish(bus::plan_channel("Q3"), plan_of(2, begin));  // not a robot of the node
+  lab.net.other.publish(bus::plan_channel("Q3"), plan_of(2, begin));  // Q3 is a real robot
   for (int k = 0; k < 2; ++k) {
     models::RobotPlan far = plan_of(1, begin);
     far.trajectory.start.x_m += 3.0;

@@ -295,7 +295,7 @@ TEST_F(PlannerNodeTest, CountsByThePublishedNames) {
   EXPECT_EQ(counted, names);
 }
 
-// Of two robots in one slot, the one with the lower index keeps it. The other yields, and then
+// If two robots share a slot, the one with the lower index keeps it. The other yields, and then
 // moves to a slot of its own.
 TEST_F(PlannerNodeTest, MovesToAnotherSlotWhereALowerOneHasIts) {
   scenario::Scenario scenario = test::lab_scenario();

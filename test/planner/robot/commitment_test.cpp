@@ -340,8 +340,8 @@ TEST(RobotPlanner, TurnsWhereAWallIsTooNearToBeginAnyMotion) {
                              Pose2{0.0, -2.0 + nearest_m + 0.06, -kPi / 2 + inward.yaw_rad},
                              Pose2{4.0 - nearest_m - 0.06, 2.0 - nearest_m - 0.06, kPi / 4},
                              Pose2{-4.0 + nearest_m + 0.06, 0.0, kPi},
-                             // Seen in flight: at the smallest allowed distance, where other checks
-                             // already round.
+                             // From a flight: at the smallest allowed distance, within the rounding
+                             // of other checks.
                              Pose2{4.0 - nearest_m - 0.011, -2.0 + nearest_m + 0.012, 0.0},
                              Pose2{0.0, 2.0 - nearest_m - 0.003, kPi / 2}}) {
     PlanInputs inputs = test::first_inputs(scenario, 0, 7);

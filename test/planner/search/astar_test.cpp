@@ -80,7 +80,7 @@ TEST(Aegis, IsAStarAtEpsilonAndDeltaZero) {
     const SearchResult& b = search.plan(problem, options(BestFirst::kAegis), Deadline::never());
     ASSERT_EQ(a.found, b.found);
     if (!each.best.found) {
-      continue;  // hovering is not a path of the tree
+      continue;  // hovering is not in the tree: only the root's bound applies
     }
     EXPECT_NEAR(a.cost, b.cost, slack(a.cost));
     EXPECT_EQ(a.lower_bound, a.cost);

@@ -155,8 +155,8 @@ class ClosedForm : public ::testing::Test {
   }
 };
 
-// Near and far targets, with and without earlier measurements, from every depth. The parts of
-// single targets add up.
+// Near and far targets, with and without earlier measurements, from every depth. `apart` is the
+// part of the selected targets.
 TEST_F(ClosedForm, OfLooksThatTellAsMuchInAllDirections) {
   std::mt19937_64 rng(51);
   int compared = 0;

@@ -307,9 +307,9 @@ std::size_t first_pass_at(const SearchResult& result, std::int64_t work_nodes, s
   return pass;
 }
 
-// A search without its own certificate first reports the bound of any plan and from 50,000 nodes on
-// that of moving plans. A beam from 300,000 nodes on reports that bound as raised with half a
-// million nodes and a quarter of its own.
+// A search without its own certificate first reports the bound of any plan. From 50,000 nodes on it
+// reports the bound of moving plans. From 300,000 nodes on a beam raises that bound, with half a
+// million nodes and a quarter of the work done so far.
 TEST(Certificate, IsRaisedWhenASearchHasDoneSoMuchWork) {
   const SearchProblem problem = tracking_problem(3);
   const SearchCapacity capacity{100'000, 3'000'000, 8, 8, 1};

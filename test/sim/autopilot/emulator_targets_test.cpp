@@ -1,4 +1,4 @@
-// How an emulated autopilot treats targets, clocks and origins, and how it sends long texts.
+// Targets, clocks, origins and long texts of an emulated autopilot.
 
 #include <algorithm>
 #include <cmath>

@@ -233,7 +233,7 @@ TEST(Px4Link, ListensToAFirmwareThatWasStartedAnew) {
   EXPECT_EQ(third.hear().time_usec, 16'000U);
 }
 
-// Of several connections since the last check, the newest is used. No port stays open afterwards.
+// The newest of several connections since the last check is used. The port is released afterwards.
 TEST(Px4Link, TakesTheNewestOfSeveralAndGivesItsPortBack) {
   auto [link, port] = listen_somewhere();
   FakeFirmware first(FakeFirmware::connected_to(port));

@@ -145,8 +145,8 @@ TEST(RouteMap, HasCellsOfTenCentimetresOrAHundredAndTwentyEightOnTheLongestSide)
   }
 }
 
-// A rover in a passage narrower than routes allow may leave it: here it stands one and a half cells
-// inside, which counts as one large cell.
+// The passage is narrower than routes allow. Such cells are open only within one and a half cells
+// of the start: one large cell, but not two.
 TEST(RouteMap, LetsWhoStandsInANarrowPlaceGetOutByOneLargeCell) {
   models::World world;
   world.bounds = {{0.0, 0.0}, {51.2, 12.8}};

@@ -1,4 +1,4 @@
-// How rovers move and where they stop, compared with closed forms.
+// The motion and stopping of rovers, compared with closed forms.
 
 #include <algorithm>
 #include <cmath>
@@ -120,7 +120,7 @@ TEST(StoppingPathDistance, IsExactInKnownPlacesWhicheverIsAskedFirst) {
   for (const Row& row :
        {Row{standing, 0.4}, Row{stop_from(0.0, 0.5, 0.0), 0.5}, Row{stop_from(0.0, -0.5, kPi), 0.5},
         Row{stop_from(-0.4, 0.0, kPi), 0.4},       // behind it, away
-        Row{stop_from(0.7, 0.3, kPi / 2), 0.5},    // beside its end: 3, 4, 5
+        Row{stop_from(0.7, 0.3, kPi / 2), 0.5},    // next to its end: 3, 4, 5
         Row{stop_from(0.15, 0.6, -kPi / 2), 0.3},  // towards its middle
         Row{stop_from(1.0, 0.0, kPi), 0.4}}) {     // against it
     EXPECT_NEAR(distance_m(along, row.other), row.distance_m, 1e-9);

@@ -1,4 +1,4 @@
-// What clients receive from the emulated server and its program over real sockets. Times are
+// The data that clients receive from the emulated server and its program over sockets. Times are
 // bounded only on the side that a busy machine cannot affect.
 
 #include <algorithm>

@@ -274,7 +274,7 @@ TEST(WorldSimulation, TellsOneRobotOrAllAndSaysTheTimeOfItsTruth) {
   EXPECT_EQ(world.capture().stamp.time, truth.stamp.time);
 }
 
-// Of two external vehicles, only the low one has the ground below it kept free.
+// The ground is kept free only below the low one of two external vehicles.
 TEST(WorldSimulation, KeepsTheGroundFreeUnderThoseThatAreLow) {
   for (const bool is_low : {true, false}) {
     scenario::Scenario scenario = test::lab_scenario();
