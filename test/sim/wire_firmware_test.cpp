@@ -47,8 +47,8 @@ struct Lab {
   Lab(Lab&&) = delete;
   Lab& operator=(Lab&&) = delete;
 
-  /// Sends motor commands, each after the sensors that answer the last one. After the last answer,
-  /// the body waits for the next command or a quarter of a second.
+  /// Sends `steps` motor commands and waits for the sensors that answer each. After the last
+  /// answer, the body waits for the next command or a quarter of a second.
   void fly(int steps, std::uint16_t pulse_us) const {
     const sockaddr_in to = address_of(INADDR_LOOPBACK, port);
     wire::sitl::ServoOutputs outputs;

@@ -54,7 +54,7 @@ class TurnToAWayOut : public ::testing::Test {
 };
 
 // The robot turns away from the nearest teammate, at its position when the plan begins. It turns
-// right if free space is more than π/4 to the right, else left.
+// right if the opposite direction is more than π/4 to the right, else left.
 TEST_F(TurnToAWayOut, TurnsAwayFromWhoIsTooNear) {
   std::mt19937_64 rng(71);
   std::uniform_real_distribution<double> any(-kPi, kPi);

@@ -24,7 +24,7 @@ struct OracleAnswer {
   bool found = false;         ///< some sequence is feasible and can stop at its end
   double cost = 0.0;          ///< least cost of the steps after `depth`
   std::vector<int> controls;  ///< with the least cost
-  /// Some motion came so near to an obstacle that its clearance could not be decided.
+  /// True if a motion came so near to an obstacle that rounding decides about its clearance.
   bool undecided = false;
 };
 

@@ -120,8 +120,7 @@ TEST(Interruption, IsReplayedFromAnyAskOfALevelsOrder) {
   options.delta_m = 0.0;  // so that hardly any node is pruned
   ReducedValueIteration search(small_capacity());
   constexpr std::int64_t kSortedAtOnce = 160;
-  std::int64_t generated =
-      0;  // up to the third level: each node is one of work, and each expansion
+  std::int64_t generated = 0;  // work up to the third level: one per node and one per expansion
   for (std::int64_t budget_nodes = 250; budget_nodes < 420; ++budget_nodes) {
     const SearchResult first = search.plan(problem, options, Deadline::nodes(budget_nodes));
     ASSERT_EQ(first.stop_reason, StopReason::kDeadline);

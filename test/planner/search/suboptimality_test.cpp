@@ -12,12 +12,12 @@
 // the constants of (6.1) exist only where the information is Lipschitz in the pose.
 //
 // A. Substitution bound, any problem. Let V(n) be the cost of the best completion of node n. When
-//    a pass leaves out n, it has opened some n' at the same depth t with J' ≤ J, d(n, n') ≤ δ and
-//    Σ + εI ⪰ Σ'. Follow the optimal path; wherever its node n is left out go on from n' instead:
-//    that loses at most L_t(ε, δ) = max {V(n') − V(n)} over all such pairs, once a depth. So
+//    a pass prunes n, it has expanded some n' at the same depth t with J' ≤ J, d(n, n') ≤ δ and
+//    Σ + εI ⪰ Σ'. Follow the optimal path; if its node n is pruned, continue from n' instead:
+//    that loses at most L_t(ε, δ) = max {V(n') − V(n)} over all such pairs, once per depth. So
 //      J^{ε,δ} − J* ≤ Σ_{t=1}^{T−1} max(0, L_t(ε, δ)).
-//    Proven; L_t is measured, as the true maximum over all nodes of the exhaustive tree (a vacuous
-//    +∞ where n' has no completion and n has one, which is why the share of finite ones is tested).
+//    The bound is proven. L_t is measured as the maximum over all nodes of the exhaustive tree. It
+//    is +∞ if n' has no completion and n has one, hence the test of the share of finite values.
 //
 // B. Closed form of (6.1), problems with Lipschitz information (‖M(x) − M(x')‖ ≤ L_m ‖p − p'‖).
 //    With the legend λ_t ≤ every eigenvalue of Σ at depth t, λ̄ ≥ those of every prediction into
@@ -29,7 +29,7 @@
 //      P'⁻¹ + M' ⪰ P'⁻¹ − η_s I + M ⪰ (1 − η_s λ̄) P'⁻¹ + M ⪰ (1 − η_s λ̄)/C · (P⁻¹ + M).
 //    So Σ'_s ⪯ C_s Σ_s, C_s = (1 + ε/λ_t) Π_{k≤s} 1/(1 − η_k λ̄): the ζ_T of the thesis, and
 //      V(n') − V(n) ≤ Σ_s dim · log C_s   (log det),   Σ_s (C_s − 1) tr Σ_s   (trace).
-//    Proven, nothing measured; tr Σ_s is bounded by the open loop. Summed over t as in A.
+//    Proven without measurements; tr Σ_s is bounded by the open loop. Summed over t as in A.
 
 namespace vantage::planner {
 namespace {

@@ -60,7 +60,7 @@ TEST(Course, DropsWhatWasToStartLaterOrAtTheSameTime) {
   EXPECT_EQ(course.round(kStart + kSecond), 1);
   EXPECT_EQ(course.round(kStart + 2 * kSecond), 4);
   EXPECT_EQ(course.round(kStart + 9 * kSecond), 4);
-  // This plan is older than all others, even the hover, but it is kept.
+  // This plan is older than the initial hover, which stays in force before it.
   course.follow(straight(kStart - kSecond, 9.0, 0.0, 6.0), 5);
   EXPECT_EQ(course.round(kStart - 2 * kSecond), -1);
   EXPECT_EQ(course.round(kStart), 5);
