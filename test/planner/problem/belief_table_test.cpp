@@ -189,7 +189,7 @@ TEST(FixedInformation, IsTheSumOfWhatEachTeammateSeesAtEachStep) {
   EXPECT_GT(unseen, 100);
 }
 
-// A teammate comes into range only at the end of the last step, from any side, or the target comes
+// A teammate comes into range only at the end of the last step, from any side. Or the target comes
 // into the range of a hovering teammate. A second target that is not seen changes nothing.
 TEST(FixedInformation, SeesWhatComesJustIntoRangeFromAnySide) {
   for (int side = 0; side < 4; ++side) {

@@ -18,7 +18,7 @@ models::SensorModel random_sensor(std::mt19937_64& rng) {
   sensor.range_sigma_m = uniform(rng, 0.05, 0.4);
   sensor.bearing_sigma_rad = radians(uniform(rng, 2.0, 10.0));
   sensor.position_sigma_m = uniform(rng, 0.05, 0.5);
-  sensor.pixel_sigma = uniform(rng, 30.0, 100.0);  // milder: models/ subtracts
+  sensor.pixel_sigma = uniform(rng, 30.0, 100.0);  // large: the update subtracts and loses digits
   sensor.depth_min_m = 1.0;
   sensor.camera_tilt_rad = radians(uniform(rng, 20.0, 90.0));
   sensor.variance_grows_with_range = pick(rng, 0, 1) == 1;

@@ -46,7 +46,7 @@ TEST(RefiningBeam, EndsAtTheOptimumAndSaysSo) {
   EXPECT_GE(solvable, 300);
 }
 
-// At every budget there is a plan once a pass is complete, its cost never rises with the budget,
+// At every budget there is a plan once a pass is complete. Its cost never rises with the budget,
 // and the lower bound is below every plan.
 TEST(RefiningBeam, NeverLiesInItsBoundAndNeverGetsWorse) {
   RefiningBeam search(small_capacity());

@@ -12,8 +12,8 @@
 #include "test/planner/problem/random_problem.hpp"
 #include "test/planner/search/lattice_problem.hpp"
 
-// Bounds must not depend on earlier problems, on the frame, or on the step of a longer plan at
-// which a robot that has not moved yet is.
+// Bounds must not depend on earlier problems or on the frame. For a robot that has not moved yet,
+// they must not depend on its step in a longer plan.
 
 namespace vantage::planner {
 namespace {

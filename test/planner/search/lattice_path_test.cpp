@@ -292,8 +292,8 @@ TEST(LatticeBound, LeavesRoomForTheRoundingOfItsFloats) {
   }
 }
 
-// For any position within its cell, a measurement of a target hardly a cell away has at most the
-// information that the bound takes from the best position of that cell.
+// The bound uses the best position of a cell. A measurement from any position of the cell, of a
+// target hardly a cell away, must not have more information.
 TEST(LatticeBound, IsBelowALookFromAnywhereInACell) {
   LatticeBound lattice(2, 2, kStates);
   BeliefTable beliefs(2, 2);
