@@ -1,9 +1,9 @@
 #!/bin/bash
-# attack.sh BIN_DIR SCENARIO SECONDS PROPOSALS: flies SCENARIO, whose robots propose on the channels
-# PROPOSALS_R before they plan, with one robot jammed from 4 s on and another's planner killed
-# (signal 9). It must be started again, all robots must go on proposing and planning, nothing may
-# come too near, and the log must give every plan and every proposal again. To be run in a network
-# of its own: in_network.sh attack.sh …
+# attack.sh BIN_DIR SCENARIO SECONDS PROPOSALS: flies SCENARIO, whose robots publish proposals on the
+# channels PROPOSALS_R before they plan. One robot is jammed from 4 s on, and the planner of another is
+# killed (signal 9). It must be restarted, all robots must go on proposing and planning, nothing may come
+# too near, and a replay of the log must reproduce every plan and every proposal. To be run in its own
+# network: in_network.sh attack.sh …
 . "$(dirname "$0")/up_support.sh"
 seconds=$3 proposals=$4
 sed 's/from_s: [0-9]*/from_s: 4/' "$scenario" > "$dir/scenario.yaml"
@@ -39,6 +39,6 @@ for robot in ("Q1", "Q2", "Q3"):
 assert events["ATTACK"] >= 1
 print({name: count for name, count in events.items() if "PLAN" in name or "PROPOSAL" in name})
 PYTHON
-# Exact, or not at all: what names a message that nobody recorded cannot be made again.
+# The replay must be exact. Output that depends on a message that was not recorded cannot be reproduced.
 "$bin/vantage" log replay "$dir/flight.lcmlog" --node planner:Q1 --node planner:Q2 \
   --node planner:Q3 || fail "plans or proposals differ"

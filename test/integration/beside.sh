@@ -1,6 +1,6 @@
 #!/bin/bash
-# beside.sh BIN_DIR SCENARIO: a trial is up; a second one of the same scenario and a log are refused on
-# its network, and the trial does not notice. To be run in a network of its own.
+# beside.sh BIN_DIR SCENARIO: while a trial runs, a second trial of the same scenario and the replay of a
+# log are refused on its network, and the first trial is not affected. To be run in its own network.
 . "$(dirname "$0")/up_support.sh"
 url='udpm://239.255.76.67:7667?ttl=0'
 start_witness

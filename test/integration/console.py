@@ -2,13 +2,12 @@
 """console.py BIN_DIR TYPES SCENARIO: what an operator types into `vantage console`, and which commands
 vehicles then receive.
 
-At a terminal: arrows, Home, End, F2 and Delete are no orders, though each ends in the letter of one;
-SPACE stops all vehicles whatever is selected; a robot is selected by its name. A terminal that is
-stopped by Ctrl-S, or that nothing reads, ends neither the heartbeat nor the emergency stop, nor the
-heartbeat of `vantage up SCENARIO --fly`; Ctrl-Z and Ctrl-\\ do nothing. From a pipe: orders of a robot
-that was not received yet are sent to that robot, in their order; a line that is no order, or of an
-unknown robot, gives exit code 1. TYPES is the folder of the .lcm files. To be run in a network of its
-own.
+At a terminal: arrows, Home, End, F2 and Delete are no orders, although each sequence ends in the letter
+of one; SPACE stops all vehicles whatever is selected; a robot is selected by its name. A terminal that
+is stopped by Ctrl-S, or that nothing reads, ends neither the heartbeat nor the emergency stop, nor the
+heartbeat of `vantage up SCENARIO --fly`; Ctrl-Z and Ctrl-\\ do nothing. From a pipe: orders for a robot
+that was not received yet are sent to that robot, in their order; a line that is no order, or that names
+an unknown robot, gives exit code 1. TYPES is the folder of the .lcm files. To be run in its own network.
 """
 
 import os
@@ -38,7 +37,7 @@ is_over = False
 
 
 def speak():
-    """What Q1 and Q2 say of themselves."""
+    """Publishes the status of Q1 and Q2 until the test is over."""
     number = 0
     while not is_over:
         for robot in ("Q1", "Q2"):
@@ -51,7 +50,7 @@ def speak():
 
 
 def heard(until):
-    """The orders heard until `until()`, and what has come by then; repetitions left out."""
+    """Returns the different orders received until `until(orders)` is true, and those already queued then."""
     out, is_last = [], False
     receiver.settimeout(0.05)
     while True:
@@ -71,7 +70,7 @@ def heard(until):
 
 
 def forget():
-    """Nothing of what has been said so far is heard any more."""
+    """Discards all datagrams received so far."""
     receiver.settimeout(0.0)
     try:
         while True:
@@ -81,7 +80,7 @@ def forget():
 
 
 def typed(keys):
-    """What is received while the `keys` are pressed one after the other at a terminal."""
+    """Returns the orders received while the `keys` are pressed one after the other at a terminal."""
     forget()
     give_up = time.monotonic() + PATIENCE_S
     pid, terminal = pty.fork()
@@ -109,7 +108,7 @@ def typed(keys):
 
 
 class Foreground:
-    """A program at a terminal of its own that nothing reads."""
+    """A program at its own terminal, whose output is not read."""
 
     def __init__(self, *words, is_full=False):
         self.pid, self.terminal = pty.fork()
@@ -138,7 +137,7 @@ class Foreground:
 
 
 def beats_within(count, seconds):
-    """Whether that many heartbeats come in that time."""
+    """True if that many heartbeats arrive within that time."""
     give_up, beats = time.monotonic() + seconds, 0
     receiver.settimeout(0.05)
     while beats < count and time.monotonic() < give_up:
@@ -151,14 +150,14 @@ def beats_within(count, seconds):
 
 
 def check_terminal(keys, is_full, words, stops):
-    """The program beats on after `keys`, and SPACE still stops (if it `stops`)."""
+    """Checks that heartbeats go on after `keys`, and that SPACE still stops (if `stops`)."""
     forget()
     program = Foreground(*words, is_full=is_full)
     try:
         assert beats_within(1, PATIENCE_S), f"{words[1]}: no heartbeat at the start"
         for key in keys:
             program.press(key)
-        beats_within(1000, SETTLE_S)  # a screen is drawn each quarter of a second
+        beats_within(1000, SETTLE_S)  # the screen is drawn every quarter of a second
         assert beats_within(10, PATIENCE_S), f"{words[1]}: no heartbeat after {keys}, {is_full}"
         if stops:
             program.press(b" ")
@@ -170,7 +169,7 @@ def check_terminal(keys, is_full, words, stops):
 
 
 def piped(text):
-    """What is heard of the console that is given `text`, and its exit code."""
+    """Returns the orders that the console sends for the input `text`, and its exit code."""
     forget()
     console = subprocess.Popen([binary, "console", "--url", URL], stdin=subprocess.PIPE,
                                stdout=subprocess.DEVNULL, text=True)

@@ -10,7 +10,7 @@
 #include "test/integration/network_support.hpp"
 #include "test/sim/lab_scenario.hpp"
 
-// What cameras see of real vehicles is judged, and heard by whoever listens on the network.
+// Collisions of real vehicles that the cameras see are judged and published on the network.
 
 namespace vantage {
 namespace {
@@ -39,7 +39,7 @@ TEST(ContactsLink, ACollisionOfRealVehiclesIsHeardOnTheNetwork) {
   status.state = models::FlightState::kFollow;
   lab_bus.publish(bus::vehicle_channel("Q1"), status);
   judge_bus.handle(test::kPatience);
-  // Q2 stands, Q1 comes along at 1 m/s and meets it after 0.5 m.
+  // Q2 is stationary. Q1 approaches at 1 m/s and touches it after 0.5 m.
   constexpr int kFrames = 60;
   for (int k = 0; k < kFrames; ++k) {
     models::MocapFrame frame;

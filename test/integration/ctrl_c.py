@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""ctrl_c.py BIN_DIR SCENARIO: `vantage up` in a terminal of its own, ended by the Ctrl-C key.
+"""ctrl_c.py BIN_DIR SCENARIO: `vantage up` in its own terminal, ended by the Ctrl-C key.
 
-Once: all processes end by themselves, the exit code is 0. Again while they end, one of them being
-held: that one is killed at once and named, the exit code is 1. Either way the summary begins a line,
-no process is left, and the log is whole and has its end. A logger that takes a second to end, as one
-does on a slow disk, is waited for. When the logger itself is held the log has no end, which is said,
-but is whole. To be run in a network of its own: in_network.sh ctrl_c.py ...
+Pressed once: all processes end by themselves, and the exit code is 0. Pressed again while a stopped
+process keeps the end waiting: that process is killed at once and named, and the exit code is 1. Either
+way the summary starts on a new line, no process is left, and the log is whole and has its end. A logger
+that takes a second to end, as on a slow disk, is waited for. When the logger itself is stopped, the log
+is whole but lacks its end, and this is reported. To be run in its own network: in_network.sh ctrl_c.py ...
 """
 import json
 import os
@@ -28,7 +28,7 @@ LOGGER = "vantage log record "
 
 
 class Terminal:
-    """A program in the foreground of a terminal, and all that the terminal was sent."""
+    """A program in the foreground of a terminal, and all of its output."""
 
     def __init__(self, *words):
         self.pid, self.fd = pty.fork()
@@ -37,7 +37,7 @@ class Terminal:
         self.said = ""
 
     def hear(self, timeout_s):
-        """False once the program has closed the terminal."""
+        """Reads output; returns False once the program has closed the terminal."""
         if select.select([self.fd], [], [], timeout_s)[0]:
             try:
                 self.said += os.read(self.fd, 65536).decode(errors="replace")
@@ -54,7 +54,7 @@ class Terminal:
         os.write(self.fd, key)
 
     def end(self, key=None, holds=lambda: False):
-        """Its exit code; presses the key again and again while `holds`."""
+        """Returns the exit code; presses the key again and again while `holds`."""
         next_key = time.monotonic() + KEY_PERIOD_S
         while self.hear(0.02):
             if holds() and time.monotonic() >= next_key:
@@ -63,7 +63,7 @@ class Terminal:
         return os.waitstatus_to_exitcode(os.waitpid(self.pid, 0)[1])
 
     def lines(self):
-        """What one would read on it: each line as it was left, from the last table on."""
+        """Returns the lines that are readable on the screen, from the last table on."""
         last = self.said.rsplit("\x1b[J", 1)[-1]
         shown = [re.split(r"\r\x1b\[K|\x1b\[K", line)[-1] for line in last.split("\n")]
         return [line.strip("\r") for line in shown]
@@ -82,9 +82,10 @@ def command_of(pid):
 
 
 def trial(binaries, scenario, folder, extra, hold=None, is_slow_disk=False):
-    """The lines of a trial in which the process `hold` (words of its command) hears no signal. The
-    key is pressed until that one is gone, unless it is the logger: that one is never hurried. With
-    `is_slow_disk` the logger goes on a while after all others have ended."""
+    """Runs a trial in which the process `hold` (words of its command) is stopped; returns its lines.
+
+    The key is pressed until that process is gone, unless it is the logger, which is never hurried.
+    With `is_slow_disk` the logger continues a while after all others have ended."""
     log = folder / "flight.lcmlog"
     up = Terminal(str(binaries / "vantage"), "up", scenario, "--duration-s", "300",
                   "--url", "udpm://239.255.76.67:7667?ttl=0", "--log", str(log), *extra)
@@ -106,7 +107,7 @@ def trial(binaries, scenario, folder, extra, hold=None, is_slow_disk=False):
     code = up.end(CTRL_C, lambda: hold == PLANNER and command_of(held))
     assert "^C" in up.said, "the terminal does not echo"
     assert not [child for child in started if command_of(child)], "processes are left"
-    # On a machine that is too busy a process may not end within its 1.2 s; that is said, too.
+    # On a busy machine a process may not end within its 1.2 s; that is reported, too.
     is_slow = "did not end by itself" in up.said
     assert code == (1 if (hold and not is_slow_disk) or is_slow else 0), f"exit code {code}:\n{up.said}"
     check = subprocess.run([binaries / "vantage", "log", "check", log], capture_output=True,
@@ -128,7 +129,7 @@ def main():
     for hold in (None, PLANNER):
         lines = fly(hold=hold)
         first = next(i for i, line in enumerate(lines) if line.startswith("lab with "))
-        # What was echoed of a key after the first stands beside nothing.
+        # The terminal's echo of the later keys is not on a line of its output.
         unclean = [line for line in lines[first if hold else 0:] if "^C" in line]
         assert not unclean, unclean
         assert (at_once in lines) == bool(hold) and no_end not in lines
@@ -136,7 +137,7 @@ def main():
         lines = fly("--json", hold=hold)
         report = json.loads(next(line for line in lines if line.startswith("{")))
         assert report["log"]["is_to_the_end"]
-        # Others that have not ended by then are killed as well.
+        # Other processes that have not ended by then are killed as well.
         assert "planner Q2" in report["cut_short"] if hold else report["cut_short"] == []
 
     lines = fly(hold=LOGGER, is_slow_disk=True)

@@ -12,9 +12,9 @@
 
 namespace vantage::test {
 
-/// Which vehicle something happens to next, and what, when each vehicle of a flight has its own
-/// mishaps, one after the other, and nobody waits for the others. Only to a vehicle that follows a
-/// plan, has done so for 1.5 to 4 s, and is asked to move faster than kMovingMps.
+/// Chooses the next event and its vehicle when each vehicle of a flight has its own sequence of
+/// events, independent of the others. Only a vehicle that has followed a plan for 1.5 to 4 s and is
+/// commanded to move faster than kMovingMps gets an event.
 class DrillLanes {
  public:
   static constexpr double kMovingMps = 0.3;
@@ -24,14 +24,15 @@ class DrillLanes {
     std::string robot;
   };
 
-  /// Each of `kinds` is to happen `times` times.
+  /// Each of `kinds` is to happen `times` times in all.
   DrillLanes(const std::vector<std::string>& kinds, int times, std::uint64_t seed);
 
   void on_status(const models::VehicleStatus& status);
-  /// What happens now; it is for the caller to say with happened() that it did.
+  /// Returns the event that is due, if any. The caller confirms it with happened() once it was
+  /// done.
   std::optional<Event> due(Time now);
   void happened(const Event& event);
-  /// Until then nothing more happens to this robot.
+  /// Suppresses events of `robot` until the given time.
   void rest(const std::string& robot, Time until) { lanes_[robot].ready = until; }
   [[nodiscard]] int left() const;
 
@@ -39,10 +40,10 @@ class DrillLanes {
   struct Lane {
     std::optional<models::VehicleStatus> status;
     double asked_mps = 0.0;
-    std::optional<Time> ready;  ///< while it follows
+    std::optional<Time> ready;  ///< earliest time of the next event
   };
 
-  std::map<std::string, int> left_;  ///< by kind
+  std::map<std::string, int> left_;  ///< number of events left, by kind
   std::mt19937_64 rng_;
   std::map<std::string, Lane> lanes_;
 };

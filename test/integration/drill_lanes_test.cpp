@@ -19,7 +19,7 @@ models::VehicleStatus asked(const std::string& robot, Time now, double speed_mps
   return out;
 }
 
-/// What happens within `seconds` to Q1 and Q2, who are asked to move so fast.
+/// Returns the events within `seconds` for Q1 and Q2, which are commanded at the given speeds.
 std::vector<DrillLanes::Event> flown(DrillLanes& lanes, double seconds, double q1_mps,
                                      double q2_mps, models::FlightState q2_state) {
   std::vector<DrillLanes::Event> out;

@@ -1,16 +1,16 @@
 #!/bin/bash
-# exhausted.sh BIN_DIR SCENARIO: each process with too few descriptors, too little memory or no thread
-# to be had says what it lacks and ends, or serves until it is asked to end; none crashes or hangs.
-# To be run in a network of its own.
+# exhausted.sh BIN_DIR SCENARIO: each process is started with too few descriptors, too little memory or no
+# thread available. It must report what it lacks and end, or serve until it is asked to end, without a
+# crash or a hang. To be run in its own network.
 . "$(dirname "$0")/up_support.sh"
 processes=("vantage-sim" "vantage-contacts" "vantage-sensor --robot Q1" "vantage-estimator --robot Q1"
   "vantage-planner --robot Q1")
 
-# run_within LIMIT VALUE PROGRAM…: its exit code is 0 when it served for a second and ended as asked.
+# run_within LIMIT VALUE PROGRAM…: its exit code is 0 if it served for a second and ended on request.
 run_within() {
   local status=0
   (
-    for open in /proc/self/fd/*; do  # those of whoever started the test
+    for open in /proc/self/fd/*; do  # descriptors inherited from the parent of the test
       ((${open##*/} <= 2)) || eval "exec ${open##*/}>&-"
     done
     ulimit "$1" "$2"
@@ -28,7 +28,7 @@ run_within() {
 }
 
 for process in "${processes[@]}"; do
-  # Two sockets and one to look for the route, beside standard input, output and error.
+  # Two sockets and one to query the route, in addition to standard input, output and error.
   for descriptors in 4 5 6; do
     # shellcheck disable=SC2086
     run_within -n "$descriptors" $process

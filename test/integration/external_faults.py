@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""external_faults.py SCENARIO: answers Q2 a round too late, and Q3 with what no vehicle can fly."""
+"""external_faults.py SCENARIO: answers Q2 one round too late, and Q3 with plans that no vehicle can fly."""
 import sys
 
 from vantage import live

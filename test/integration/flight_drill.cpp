@@ -1,28 +1,28 @@
 // flight_drill SCENARIO WHAT TIMES SEED EVENTS
 //
-// The operator of a flight that `vantage up` runs: arms everybody, has them follow, and then, TIMES
-// times in all and at seeded moments while all follow, does WHAT to one vehicle:
+// The operator of a flight that `vantage up` runs. Arms all vehicles and has them follow. Then does
+// WHAT to one vehicle, TIMES times in all, at seeded moments while all vehicles follow:
 //
-//   hold            says `hold`, and `follow` again after 2.5 s; one time in four to all
-//   plan-loss       SIGSTOP of its planner, and of those that are started again, for 8 s
-//   cut             cuts its MAVLink link both ways, until it is down
-//   blip            the same for 1.2 s
-//   outage:SECONDS  SIGSTOP of the mocap's driver, and of those that are started again: everybody's
-//   stall:SECONDS   the same of its own driver, which then goes on with what has queued
+//   hold            sends `hold`, and `follow` after 2.5 s; one time in four to all vehicles
+//   plan-loss       SIGSTOP to its planner and to restarted ones, for 8 s
+//   cut             cuts its MAVLink link in both directions until it has landed
+//   blip            cuts the link for 1.2 s
+//   outage:SECONDS  SIGSTOP to the mocap driver and to restarted ones; affects all vehicles
+//   stall:SECONDS   the same for its own driver, which then handles the queued messages
 //   pilot           another station takes the autopilot out of the driver's mode for 2.5 s
 //   battery         its battery runs empty
-//   motor           one of its motors stops for good
-//   kill:PROGRAM    kill -9, stop:PROGRAM SIGSTOP, of a process of `up`: planner, estimator,
-//   sensor,
-//                   quadrotor (each of that vehicle), vicon (everybody's)
+//   motor           one of its motors stops permanently
+//   kill:PROGRAM    SIGKILL, or with stop:PROGRAM SIGSTOP, to a process of `up`: planner,
+//                   estimator, sensor, quadrotor (of that vehicle), vicon (affects all)
 //
-// Several of them, parted by commas, of those that ground nobody: each TIMES times, to every
-// vehicle on its own, so that much happens in a short flight. Parted by +: one kind after the
-// other.
+// WHAT may be a list of events that ground no vehicle, separated by commas: each happens TIMES
+// times in all, and each vehicle has its own sequence, so that a short flight has many events.
+// Kinds
+// separated by + happen one kind after the other.
 //
-// Vehicles that came down are flown again. EVENTS gets a line "µs WHAT ROBOT…" each time; what
-// became of it is in the log (hil_check --events EVENTS LOG). Exit code 0 when all was done and all
-// came down.
+// Vehicles that have landed are flown again. Each event appends a line "µs WHAT ROBOT…" to EVENTS;
+// its outcome is in the log (hil_check --events EVENTS LOG). Exit code 0 when all was done and all
+// vehicles have landed.
 
 #include <algorithm>
 #include <chrono>
@@ -60,7 +60,7 @@ using models::OperatorAction;
 
 constexpr double kRestS = 2.5;
 constexpr double kSilenceS = 8.0;
-constexpr double kCutS = 16.0;  // by then an autopilot has landed by itself
+constexpr double kCutS = 16.0;  // s; an autopilot lands by itself within this time
 constexpr double kBlipS = 1.2;
 constexpr double kGiveUpS = 150.0;
 
@@ -73,19 +73,19 @@ std::vector<std::string> words_of(const std::string& text, char mark) {
   return out;
 }
 
-/// Seconds of "outage:SECONDS" and "stall:SECONDS".
+/// Returns the seconds of "outage:SECONDS" or "stall:SECONDS".
 double silence_s(const std::string& what) { return std::stod(what.substr(what.find(':') + 1)); }
 
 bool is_outage(const std::string& what) { return what.starts_with("outage:"); }
 bool is_stall(const std::string& what) { return what.starts_with("stall:"); }
 
-/// Whoever it happens to lands for it. Poses are lost after 0.5 s.
+/// True if the affected vehicle lands because of the event. A pose counts as lost after 0.5 s.
 bool grounds(const std::string& what) {
   return what == "cut" || what == "battery" || what == "motor" || what.ends_with("quadrotor") ||
          what.ends_with("vicon") || ((is_outage(what) || is_stall(what)) && silence_s(what) > 0.4);
 }
 
-/// It happens to everybody at once.
+/// True if the event affects all vehicles at once.
 bool is_shared(const std::string& what) { return what.ends_with("vicon") || is_outage(what); }
 
 class Drill {
@@ -153,7 +153,7 @@ class Drill {
       step_lanes(now);
       return;
     }
-    if (is_anybody_down()) {  // for another reason; nothing more happens until all fly again
+    if (is_anybody_down()) {  // landed for another reason; no further event until all fly again
       has_grounded_ = true;
       round_.clear();
       next_.reset();
@@ -183,7 +183,7 @@ class Drill {
     }
   }
 
-  /// Somebody has come down though there is more to do.
+  /// True if a vehicle has landed although events are left.
   [[nodiscard]] bool is_anybody_down() const {
     return left_ > 0 && std::any_of(states_.begin(), states_.end(), [this](const auto& each) {
              const bool is_down = each.second == FlightState::kLand ||
@@ -193,7 +193,7 @@ class Drill {
            });
   }
 
-  /// Each vehicle on its own; one that came down for it is flown again with the others.
+  /// Runs the independent sequences; a vehicle that has landed is flown again with the others.
   void step_lanes(Time now) {
     has_grounded_ = is_anybody_down();
     if (has_grounded_) {
@@ -214,7 +214,7 @@ class Drill {
     }
   }
 
-  /// False when it could not be done now.
+  /// Returns false if the event cannot be done now.
   bool do_to(Time now, const std::string& what, const std::string& robot) {
     last_act_ = now;
     if (what == "hold") {
@@ -229,8 +229,8 @@ class Drill {
     return true;
   }
 
-  /// What makes them land: each has its event while the others fly; then all come down, to begin
-  /// anew.
+  /// Runs events that ground vehicles: each vehicle gets its event while the others fly; then all
+  /// land, and the next round begins.
   void go_round(Time now) {
     const double since_s = to_seconds(now - last_act_);
     program_since_ = since_s < 90.0 ? now : program_since_;
@@ -271,7 +271,8 @@ class Drill {
     }
   }
 
-  /// Whose motors were stopped stays down until it is told to arm. False: there is none.
+  /// Arms vehicles in the state `killed`, since they stay down until then. Returns false if there
+  /// is none.
   bool unlatch_killed(Time now) {
     bool is_there = false;
     for (const auto& [robot, state] : states_) {
@@ -344,14 +345,14 @@ class Drill {
     return round_ == "motor" ? station_of(robot).stop_motor() : signal(round_, robot);
   }
 
-  /// Of that robot; "": whoever's they are.
+  /// Returns the processes of that robot; of every robot if `robot` is empty.
   static std::vector<pid_t> processes(const std::string& program, const std::string& robot) {
     return test::find_processes(
         "vantage-" + program,
         robot.empty() ? std::vector<std::string>{} : std::vector<std::string>{"--robot", robot});
   }
 
-  /// kill:PROGRAM or stop:PROGRAM; false when there is not one such process.
+  /// Does kill:PROGRAM or stop:PROGRAM. Returns false unless exactly one such process exists.
   static bool signal(const std::string& what, const std::string& robot) {
     const std::string program = what.substr(5);
     const auto found = processes(program, program == "vicon" ? "" : robot);
@@ -381,8 +382,8 @@ class Drill {
     return is_done;
   }
 
-  /// Who is stopped stays so, and who is started in its place is stopped, too; who was stopped for
-  /// a moment, and not yet ended for it, goes on.
+  /// Keeps the processes of each silence stopped, restarted ones too. Continues them when the
+  /// silence is over.
   void keep_silent(Time now) {
     const bool is_over = std::any_of(silences_.begin(), silences_.end(),
                                      [now](const Silence& each) { return now > each.until; });
@@ -405,7 +406,8 @@ class Drill {
     });
   }
 
-  /// The other station leaves the autopilots that it took, and the operator has them follow.
+  /// The other station returns the autopilots that it took, and the operator has the vehicles
+  /// follow.
   void give_back(Time now) {
     for (const auto& [robot, until] : taken_until_) {
       if (now <= until) {
@@ -430,7 +432,7 @@ class Drill {
         .first->second;
   }
 
-  /// What happens next; the last kind when all has happened.
+  /// Returns the next kind of event; the last kind when all have happened.
   [[nodiscard]] const std::string& what() const {
     const auto kinds = static_cast<int>(sequence_.size());
     return sequence_[static_cast<std::size_t>(
@@ -448,7 +450,7 @@ class Drill {
   }
 
   const scenario::Scenario& scenario_;
-  std::vector<std::string> sequence_;  ///< kinds, one after the other
+  std::vector<std::string> sequence_;  ///< kinds, in the order in which they happen
   int times_;
   int left_;
   std::mt19937_64 rng_;
@@ -465,11 +467,11 @@ class Drill {
   std::optional<Time> follow_at_;
   std::string held_;
   std::set<std::string> victims_;
-  std::string round_;  ///< what happened last
+  std::string round_;  ///< the last event
   std::map<std::string, Time> cut_until_;
   Time next_keep_{};
-  std::map<std::string, Time> taken_until_;  ///< whose autopilots the other station has
-  std::set<std::string> emptied_;            ///< whose batteries
+  std::map<std::string, Time> taken_until_;  ///< robots whose autopilot the other station controls
+  std::set<std::string> emptied_;            ///< robots whose battery was emptied
   std::map<std::string, test::SecondStation> stations_;
   struct Silence {
     std::string program;

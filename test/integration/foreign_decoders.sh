@@ -1,7 +1,7 @@
 #!/bin/bash
-# foreign_decoders.sh BIN_DIR LCMTYPES: what lcm-gen writes for C, C++, Python and Java decodes signed
-# messages of every type as it does plain ones, and encodes them again to the same bytes. A language
-# whose compiler is not here is left out, and said.
+# foreign_decoders.sh BIN_DIR LCMTYPES: the code that lcm-gen generates for C, C++, Python and Java decodes
+# signed messages of every type like plain ones, and encodes them again to the same bytes. A language
+# without a compiler on this machine is skipped and reported.
 set -euo pipefail
 bin=$1 types=$2
 dir=$(mktemp -d)
@@ -96,7 +96,7 @@ c++ -std=c++11 -o "$dir/cpp/check" -I"$dir/cpp" "$dir/cpp/main.cpp" $(pkg-config
 
 if command -v javac > /dev/null && command -v java > /dev/null; then
   lcm-gen --java --jpath "$dir/java" "$types"/*.lcm
-  # What the generated code needs of liblcm-java, which is not asked for here.
+  # The part of liblcm-java that the generated code needs; the library itself is not required.
   mkdir -p "$dir/java/lcm/lcm"
   cat > "$dir/java/lcm/lcm/LCMEncodable.java" <<'JAVA'
 package lcm.lcm;

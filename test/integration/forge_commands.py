@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""forge_commands.py SECONDS: what somebody without a key can do to a flight's COMMAND channel.
+"""forge_commands.py SECONDS: attacks a flight's COMMAND channel without a key.
 
-Hears the operator's own datagrams and sends them again: with a sequence number that nothing exceeds,
+Receives the operator's own datagrams and sends them again: with a sequence number that nothing exceeds,
 with a stamp of yesterday or of tomorrow, as an order to land or stop, under the operator's run id and
-another one. Orders that are stamped now are left out: they cannot be told from the operator's without
-authentication. To be run in a network of its own.
+another one. Orders with a current stamp are left out: without authentication they cannot be
+distinguished from the operator's. To be run in its own network.
 """
 
 import struct

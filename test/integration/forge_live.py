@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""forge_live.py TYPES SPAN: what somebody on the network without a key can say in a live flight's name.
+"""forge_live.py TYPES SPAN: forges messages of a live flight without a key.
 
-Waits until every vehicle that speaks on VEHICLE_* follows plans. Then, for 8 s, forges what it hears
-with the live streams' own run ids, next sequence numbers and stamps of now: poses that drift away,
-plans that stand still, orders to land, to disarm and to arm; each unsigned, with the trailer of the
-true message behind it, and the true message again. Ends with 3 when not all follow. TYPES is a folder of lcm-gen --python; SPAN a file
-that is given the first and the last instant of it, µs since the Unix epoch. To be run in a network of
-its own.
+Waits until every vehicle that publishes on VEHICLE_* follows plans; ends with 3 when not all follow.
+Then, for 8 s, forges the received messages with the live streams' own run ids, next sequence numbers and
+current stamps: poses that drift away, plans that hover, orders to land, to disarm and to arm. Each is
+sent unsigned and with the trailer of the true message appended; the true message is sent again, too.
+TYPES is a folder of lcm-gen --python; SPAN is a file that receives the first and the last instant of the
+forgery, µs since the Unix epoch. To be run in its own network.
 """
 
 import sys
@@ -29,7 +29,7 @@ receiver.settimeout(1.0)
 
 
 def heard():
-    """(channel, bytes) of each whole short message of others; at least one each second: (None, b"")."""
+    """Yields (channel, bytes) of each whole short message of others; (None, b"") at least once per second."""
     while True:
         try:
             packet, source = receiver.recvfrom(65536)
@@ -51,7 +51,7 @@ def send(channel, payload):
 
 
 def forge(channel, message, true):
-    """`message` as it is, and in the trailer of `true`; and `true` itself."""
+    """Sends `message` unsigned and with the trailer of `true`; then sends `true` again."""
     plain = message.encode()
     send(channel, plain)
     trailer = true[len(kinds(channel).decode(true).encode()):]
@@ -77,7 +77,7 @@ for channel, payload in heard():
         said[status.robot] = words
         lifted.update([status.robot] if status.state != IDLE else [])
         if status.state == IDLE and status.robot in lifted:
-            give_up = 0.0  # one that has landed stays down
+            give_up = 0.0  # a vehicle that has landed stays down
     if len(said) > 1 and all(state == FOLLOW for state, *_ in said.values()):
         break
     if time.monotonic() > give_up:

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""forged_check.py TYPES LOG SPAN [--signed] [--held-up]: did what forge_live.py said change a flight?
+"""forged_check.py TYPES LOG SPAN [--signed] [--held-up]: checks whether forge_live.py changed a flight.
 
 Reads the log of the flight: what the vehicles did in the span (none may land, be killed or hold for
-more than a second), and what their drivers refused. Prints it; exit code 0: nothing changed. What touched is
-for hil_check.
+more than a second), and what their drivers refused. Prints it; exit code 0: nothing changed. hil_check
+checks for collisions.
 --signed: each kind of forgery must have been refused. --held-up: the machine kept processes waiting, so
-that holding and late plans say nothing, nor a landing for somebody's silence (SILENCES), and its end.
+these are not judged: holding, late plans, a landing because a stream was silent (SILENCES), and its end.
 """
 
 import collections
@@ -16,7 +16,7 @@ sys.path.insert(0, sys.argv[1])
 from vantage_lcm.health_t import health_t  # noqa: E402
 from vantage_lcm.quadrotor_t import quadrotor_t  # noqa: E402
 
-# For these a driver lands that no longer hears: an order has no reason, and a false pose another one.
+# Reasons for which a driver lands when a stream is silent. A forged order has no reason, a false pose another.
 SILENCES = {"pose lost", "operator lost", "autopilot lost"}
 NAMES = {0: "idle", 1: "follow", 2: "hold", 3: "land", 4: "killed"}
 
@@ -36,7 +36,7 @@ begin, end = map(int, open(sys.argv[3]).read().split())
 seen = collections.defaultdict(collections.Counter)
 rounds = collections.defaultdict(set)
 refused = collections.defaultdict(dict)
-landed_for = {}  # what each said when it began to
+landed_for = {}  # reasons of each vehicle when it began to land
 for utime, channel, data in events(sys.argv[2]):
     if channel.startswith("VEHICLE_") and begin <= utime <= end:
         status = quadrotor_t.decode(data)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """forged_health.py BIN_DIR SCENARIO TYPES: SCENARIO without `security`, while a stranger publishes HEALTH in
-the name of every process: with another run id, stamped 1.9 s ahead, and with states and counts that cannot
-be. No process is killed or started again, and the trial ends well. To be run in a network of its own.
+the name of every process: with another run id, stamped 1.9 s ahead, and with impossible states and
+counts. No process is killed or restarted, and the trial ends well. To be run in its own network.
 """
 
 import json
@@ -26,12 +26,12 @@ RUN_ID = 7
 receiver, sender = receiver_and_sender()
 receiver.settimeout(0.05)
 receiver.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
-sent = {}  # messages by process
+sent = {}  # number of messages by process
 is_over = False
 
 
 def claim(process, number):
-    """HEALTH of `process` as a stranger forges it: plausible, or with a state that cannot be."""
+    """Returns a forged HEALTH of `process`: plausible, or with an impossible state."""
     message = health_t()
     message.process, message.run_id, message.sequence = process, RUN_ID, number
     message.utime = int((time.time() + AHEAD_S) * 1e6)
@@ -42,7 +42,7 @@ def claim(process, number):
 
 
 def forge():
-    """Learns the names of the processes from what they publish, and claims to be each of them."""
+    """Learns the names of the processes from their messages, and publishes in the name of each."""
     while not is_over:
         try:
             channel, content = sent_by(receiver.recv(65536))

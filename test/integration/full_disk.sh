@@ -1,7 +1,7 @@
 #!/bin/bash
-# full_disk.sh BIN_DIR SCENARIO: a disk without room for the log is refused before anything flies; one
-# that fills up in flight, or loses the log, is told at once, and the flight goes on. To be run in a
-# network of its own, as its root: the disk is a small one in memory.
+# full_disk.sh BIN_DIR SCENARIO: a disk without room for the log is refused before take-off. When it fills
+# up in flight, or the log is removed, this is reported at once, and the flight goes on. To be run in its
+# own network, as root there: the disk is a small one in memory.
 if [[ $1 != --mounted ]]; then
   unshare -m true 2> /dev/null || { echo "skipped: no mount namespace"; exit 77; }
   exec unshare -m "$0" --mounted "$@"
@@ -30,8 +30,8 @@ plans=$(plans_in "$dir/witness.lcmlog")
 until_true 20 plans_go_on "$dir/witness.lcmlog" "$plans" Q1 Q2 Q3 || fail "the flight does not go on"
 rm "$disk/else"
 until_true 30 grep -q 'log: written, with' "$dir/up.err" || fail "it is not written again"
-# Somebody clears up: the log is gone, then the recorder dies, and a folder stands in its place. The
-# vehicles' processes are the same.
+# Someone deletes the log, then the recorder dies, and a folder has the log's name. The vehicles' processes
+# stay the same.
 pids=$(pgrep -P "$up" | sort)
 recorder=$(child_of "$up" 'log record')
 mv "$disk/flight.lcmlog" "$disk/elsewhere.lcmlog"

@@ -3,18 +3,22 @@
 // hil_check --collisions LOG
 // hil_check --flown ROUNDS LOG
 //
-// Reads the log of a trial with devices on the wire: did every vehicle take off, follow plans of
-// the team and land; did anything touch; is VICON without a gap once somebody follows a plan. The
-// robots named need not leave their heights (ground robots, `direct` ones): they must follow plans
-// and get about. Of a ground robot no share of its time is asked (it is held while a target stands
-// in its way, of which its planner does not know). Prints what it saw, and how late poses and
-// set-points came to the autopilots. Exit code 0 when all is well; with --strict only when no
-// invariant of a flight was broken (BROKEN), too, of which --speed-share is a bound. What the
-// machine held up (HELD UP) is not judged in time: test/support/flight_invariants. FILE is what
-// flight_drill wrote: a line is then printed of what became of each vehicle each time, and a table.
-// --held-up, --collisions, --flown: no more than whether the machine held the flight up, whether
-// nothing collided but what is not judged then, or whether every robot of the scenario has followed
-// plans of so many rounds (the log may be one that is being written); exit code 0 if so.
+// Reads the log of a trial with devices on the wire. Checks that every vehicle took off, followed
+// plans of the team and landed, that nothing collided, and that VICON has no gap after the first
+// plan is followed. The named robots (ground robots, `direct` ones) may stay at their heights, but
+// must follow plans and move. A ground robot has no minimum share of time in FOLLOW: it is held
+// while a target that its planner does not know stands in its path. Prints its observations, and
+// the
+// latency of poses and set-points at the autopilots. Exit code 0 when all is well; with --strict
+// only if no flight invariant was broken (BROKEN) either; --speed-share is the bound of one of
+// them.
+// Timing is not judged where the machine held the flight up (HELD UP):
+// test/support/flight_invariants. FILE is the output of flight_drill: one line per event and
+// vehicle
+// and a table are then printed.
+// --held-up, --collisions, --flown check one thing only: whether the machine held the flight up;
+// whether no collision was judged; whether every robot of the scenario has followed plans of ROUNDS
+// rounds (the log may still be being written). Exit code 0 if so.
 
 #include <algorithm>
 #include <cstdio>
@@ -42,13 +46,13 @@ using models::FlightState;
 using test::decode;
 
 struct Flight {
-  std::set<std::int64_t> rounds;  // followed
+  std::set<std::int64_t> rounds;  // rounds whose plan was followed
   double highest_m = 0.0;
   double last_m = 0.0;
   std::optional<Eigen::Vector2d> first_m;
-  double farthest_m = 0.0;  // from there
+  double farthest_m = 0.0;  // m, from the first position
   FlightState state = FlightState::kIdle;
-  std::set<std::string> ended_for;  // what it said while it was stopped, or kept on the ground
+  std::set<std::string> ended_for;  // reasons reported while killed, or before it followed a plan
 };
 
 struct Seen {
@@ -57,7 +61,7 @@ struct Seen {
   std::int64_t frame_gaps = 0;
   std::int64_t frames_lost_on_lcm = 0;
   std::optional<models::MocapFrame> last_frame;
-  std::map<std::string, std::int64_t> counters;  // newest of each process
+  std::map<std::string, std::int64_t> counters;  // newest value of each process
 };
 
 void on_frame(const models::MocapFrame& frame, Seen& seen) {
@@ -211,10 +215,10 @@ bool judge_course(const test::FlightRecord& record, const test::FlightBounds& bo
 
 struct Worst {
   int times = 0;
-  int moving = 0;  // of them, from motion
+  int moving = 0;  // number of these that began in motion
   double speed_mps = 0.0;
   double distance_m = 0.0;
-  double beyond_m = -1e9;  // of the distance, beyond the budget
+  double beyond_m = -1e9;  // m, greatest distance beyond the budget
   double outside_m = 0.0;
   double separation_m = 1e9;
   double off_course_m = 0.0;
@@ -224,8 +228,9 @@ struct Worst {
 
 constexpr double kMovingMps = 0.1;
 
-// How far it may go on: hung up, killed or cut off, what its autopilot's time-out allows; told to
-// stop, its reaction and its brake; without an operator, also its plan until it misses him.
+// Returns the distance that a vehicle may travel after the event. A vehicle that is hung up, killed
+// or cut off has its autopilot's time-out; one that is told to stop has its reaction and its brake.
+// Without an operator it also follows its plan until the absence is detected.
 double budget_m(const std::string& what, const drivers::SafetyLimits& limits, double speed_mps) {
   if (what == "hold") {
     return drivers::stopping_way_m(limits, speed_mps);
@@ -298,10 +303,11 @@ struct Options {
   std::vector<std::string> words;
 };
 
-/// nullopt: not as the usage says.
+/// Returns nullopt if the arguments do not match the usage.
 std::optional<Options> options_of(const std::vector<std::string>& arguments) {
   Options out;
-  out.bounds.is_slowed = VANTAGE_IS_SANITIZED != 0;  // and what it judges as well
+  out.bounds.is_slowed =
+      VANTAGE_IS_SANITIZED != 0;  // the sanitizer slows the judged processes, too
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const bool has_value = i + 1 < arguments.size();
     if (arguments[i] == "--strict") {

@@ -1,7 +1,7 @@
 #!/bin/bash
-# hosts.sh BIN_DIR SCENARIO: flies SCENARIO as two hosts with a cable between them. One is ended and
-# started anew, then killed and started anew, then the cable is drawn and put back; the other must
-# say so, restart nothing, and all must go on planning. To be run in a network of its own:
+# hosts.sh BIN_DIR SCENARIO: flies SCENARIO on two hosts with a cable between them. One is ended and
+# restarted, then killed and restarted, then the cable is removed and put back. The other host must report
+# this and restart nothing, and all robots must go on planning. To be run in its own network:
 # in_network.sh hosts.sh …
 . "$(dirname "$0")/up_support.sh"
 url='udpm://239.255.76.67:7667?ttl=1'  # over the cable
@@ -11,7 +11,7 @@ hosts:
   - {name: AIR, runs: [Q2, Q3]}
 YAML
 
-# AIR is a network of its own; this one is LAB's.
+# AIR has a separate network; this script runs in that of LAB.
 unshare -n sleep 600 &
 air_network=$!
 in_air=(nsenter --target "$air_network" --net)
@@ -42,7 +42,7 @@ fi
 grep -q 'has the hosts LAB, AIR' "$dir/none.err" || fail "what is missing is not said"
 
 start_witness
-start AIR air1; air=$!  # nobody to hear yet: the order is free
+start AIR air1; air=$!  # no other host is up yet, so the order of starting is free
 start LAB lab --log "$dir/flight.lcmlog"; lab=$!
 until_true 30 plans_go_on "$dir/witness.lcmlog" "" Q1 Q2 Q3 || fail "not all plan"
 until_true 20 said lab 'host AIR is up' || fail "LAB does not know AIR"
@@ -55,7 +55,7 @@ plans=$(plans_in "$dir/witness.lcmlog")
 until_true 20 said lab 'host AIR was started again' || fail "LAB does not see AIR again"
 until_true 20 plans_go_on "$dir/witness.lcmlog" "$plans" Q1 Q2 Q3 || fail "not all plan again"
 
-# A supervisor that is killed takes its processes with it: nothing is left that nobody supervises.
+# A supervisor that is killed takes its processes with it: no process is left without a supervisor.
 planner=$(child_of "$air" 'vantage-planner .*--robot Q2')
 kill -9 "$air"
 wait "$air" || true
@@ -65,7 +65,7 @@ start AIR air3; air=$!
 plans=$(plans_in "$dir/witness.lcmlog")
 until_true 20 plans_go_on "$dir/witness.lcmlog" "$plans" Q1 Q2 Q3 || fail "not all plan once more"
 
-# Without the cable each goes on alone; with it they find each other again.
+# Without the cable each host goes on alone; with it they find each other again.
 "${in_air[@]}" ip link set air down
 until_true 20 said air3 'host LAB is silent' || fail "AIR does not miss LAB"
 "${in_air[@]}" sh -e -c 'ip link set air up; ip route add 224.0.0.0/4 dev air'

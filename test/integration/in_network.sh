@@ -1,7 +1,7 @@
 #!/bin/sh
-# in_network.sh [--no-route] [--first] BINARY [ARGS…]: runs BINARY in a network of its own, where lo is
-# up and carries multicast (unless --no-route). --first: before other work, where one may ask for that
-# (nice), as one would fly. Nothing reaches or survives outside. Exit code 77: cannot.
+# in_network.sh [--no-route] [--first] BINARY [ARGS…]: runs BINARY in its own network namespace, where lo is
+# up and carries multicast (unless --no-route). --first: at a higher priority (nice) where this is
+# permitted, as in a flight. Nothing reaches or survives outside. Exit code 77: not possible here.
 route='ip route add 224.0.0.0/4 dev lo' first=
 while :; do
   case $1 in

@@ -1,8 +1,8 @@
 #!/bin/bash
-# kill9.sh BIN_DIR SCENARIO: flies SCENARIO and kills (signal 9) one process of each kind in turn,
-# the logger too, and stops (SIGSTOP) another. Each must be started again, all robots must go on
-# planning, the log must be whole and hold what was published last, and what was lost must be said.
-# To be run in a network of its own: in_network.sh kill9.sh …
+# kill9.sh BIN_DIR SCENARIO: flies SCENARIO and kills (signal 9) one process of each kind in turn, including
+# the logger, and stops (SIGSTOP) another. Each must be restarted, all robots must go on planning, the log
+# must be whole and contain the last messages, and losses must be reported. To be run in its own network:
+# in_network.sh kill9.sh …
 . "$(dirname "$0")/up_support.sh"
 
 start_witness
@@ -26,7 +26,7 @@ kill_and_see 'vantage-sensor .*--robot Q1'
 kill_and_see 'vantage-estimator .*--robot Q2'
 kill_and_see 'vantage-planner .*--robot Q3'
 kill_and_see 'vantage log record '
-# Stopped, not killed: it holds its place and does nothing.
+# Stopped, not killed: the process exists but does nothing.
 kill_and_see 'vantage-planner .*--robot Q1' STOP
 grep -q 'planner Q1 gives no sign of life' "$dir/up.err" || fail "nobody noticed the stopped planner"
 
@@ -34,7 +34,7 @@ status=0
 kill -INT "$up"
 wait "$up" || status=$?
 cat "$dir/up.err" "$dir/up.json"
-# The world began anew, so the trial as such is not good; nothing worse may have happened.
+# The simulation was restarted, so the trial as such is not good; nothing worse may have happened.
 [[ $status == 1 ]] || fail "vantage up ended with $status, not 1"
 "$bin/vantage" log check "$dir/flight.lcmlog" || fail "the log is damaged"
 python3 - "$dir/up.json" <<'PYTHON' || fail "the report is wrong"
@@ -54,7 +54,7 @@ assert report["log"]["unrecorded_s"] > 0
 print("stopped in", report["stop_s"], "s; not recorded for", report["log"]["unrecorded_s"], "s;",
       report["plans_missing"], "plans missing of", report["rounds"], "rounds of 3")
 PYTHON
-# What the witness has and the log has not was sent while there was no logger.
+# Messages that only the witness has were sent while there was no logger.
 "$bin/vantage" log export "$dir/flight.lcmlog" --to csv --out "$dir/csv" --channels 'HEALTH_.*'
 for counter in process.cpu_us process.memory_bytes process.memory_most_bytes; do
   grep -q "$counter" "$dir"/csv/HEALTH_PLANNER_Q1.csv || fail "HEALTH has no $counter"

@@ -10,14 +10,14 @@ and follow, and stays alive. When all are in the air the EVENT happens:
   twice         SIGTERM, and once more after 1 s: the autopilots land alone
   mocap         SIGKILL to the mocap driver until it is given up
   driver        SIGKILL to a driver, seven times
-  stop          SIGSTOP to the mocap driver: it is found within a second
+  stop          SIGSTOP to the mocap driver: it is detected within a second
   cut=S         no multicast route for S seconds; then the vehicles take off again, and SIGTERM. (Below
                 `safe_height_m` a lost pose stops the motors, so some end in the state `killed`.)
 
 At the end every vehicle must be on the ground and disarmed, by the simulator's own TRUTH and by the
 status of its driver (or, where its autopilot lands alone, be named), no process may be left, and exit
 code and report must agree with that. During a cut no process may be ended. TYPES is the folder of the
-.lcm files. To be run in a network of its own: in_network.sh landings.py ...
+.lcm files. To be run in its own network: in_network.sh landings.py ...
 """
 
 import argparse
@@ -43,7 +43,7 @@ IDLE, KILLED = 0, 4
 
 
 class Witness:
-    """The newest TRUTH and VEHICLE_* of the network."""
+    """Keeps the newest TRUTH and VEHICLE_* messages of the network."""
 
     def __init__(self, truth_t, quadrotor_t):
         self.types = {"TRUTH": truth_t, "VEHICLE": quadrotor_t}
@@ -89,7 +89,7 @@ def command_of(pid):
 
 
 def processes():
-    """All of the trial, by id; those that have ended and are not reaped have no command."""
+    """Returns all processes of the trial, by id; those that have ended but are not reaped have no command."""
     found = {}
     for path in pathlib.Path("/proc").glob("[0-9]*"):
         words = command_of(path.name)
@@ -143,10 +143,10 @@ class Trial:
         return len(now) == count and all(state in states for state, _ in now.values())
 
     def fly(self):
-        """Until all are in the air, and one of them follows its plan."""
+        """Returns when all are in the air and one of them follows its plan."""
         self.until(lambda: "TRUTH" in self.witness.newest and self.all_in({IDLE, KILLED}), "vehicles")
-        # Motors that idle for long stop: `hold`, which is repeated for 0.75 s, begins anew. The first `arm`
-        # after motors that were stopped only ends that state.
+        # Motors that idle for long stop: `hold`, which is repeated for 0.75 s, starts again. If the motors
+        # were stopped, the first `arm` only ends that state.
         steps = [(0.0, {IDLE: ("hold",), KILLED: ("arm",)}), (1.5, {IDLE: ("arm", "take-off")})]
         begin, done = time.monotonic(), 0
 

@@ -1,4 +1,4 @@
-"""A socket on LCM's group, for those who speak LCM without LCM: loopback alone."""
+"""A socket on LCM's group for programs without the LCM library; loopback only."""
 
 import socket
 import struct
@@ -26,7 +26,7 @@ def say(sender, channel, payload, number=0):
 
 
 def sent_by(packet):
-    """Channel and bytes of a short message; (None, b"") of anything else."""
+    """Returns channel and bytes of a short message; (None, b"") for anything else."""
     if len(packet) < 9 or struct.unpack(">I", packet[:4])[0] != MAGIC_SHORT:
         return None, b""
     name, _, payload = packet[8:].partition(b"\0")

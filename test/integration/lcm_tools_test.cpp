@@ -20,7 +20,7 @@
 #include "test/bus/auth/auth_support.hpp"
 #include "test/integration/network_support.hpp"
 
-// Users record and replay with LCM's own tools.
+// LCM's own logger and player record and replay our messages.
 
 namespace vantage {
 namespace {
@@ -28,7 +28,7 @@ namespace {
 using test::Bytes;
 using Heard = std::vector<std::pair<std::string, Bytes>>;
 
-/// A running program; interrupted and waited for at the end.
+/// A running program that is interrupted and waited for in the destructor.
 class Program {
  public:
   explicit Program(std::vector<std::string> words) : pid_(fork()) {
@@ -69,7 +69,7 @@ class LcmTools : public ::testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
   [[nodiscard]] std::string log() const { return (folder_ / "flight.lcmlog").string(); }
-  /// What stands in the log by now on `channel`, which somebody may still be writing.
+  /// Returns the messages on `channel` in the log, which may still be being written.
   [[nodiscard]] std::vector<Bytes> recorded(const std::string& channel) const {
     std::vector<Bytes> out;
     const std::unique_ptr<lcm_eventlog_t, decltype(&lcm_eventlog_destroy)> reader(
@@ -93,13 +93,15 @@ class LcmTools : public ::testing::Test {
 
 TEST_F(LcmTools, LcmLoggerRecordsWhatWePublish) {
   constexpr unsigned kMessages = 100;
-  constexpr unsigned kAtOnce = 20;  // its queue holds 31, however long it gets no processor
+  constexpr unsigned kAtOnce = 20;  // fewer than the 31 that the logger's queue holds, so none is
+                                    // lost while it gets no processor
   const auto ours = bus::open_transport(test::kUrl);
   {
     Program logger({"lcm-logger", "-q", "-f", "--lcm-url=" + test::kUrl, log()});
     const std::int64_t give_up_ns =
         monotonic_ns() + std::chrono::nanoseconds(test::kPatience).count();
-    // It hears nothing until it has started, and writes late: knock until it does.
+    // The logger misses messages until it has started, and writes late: send until they are in the
+    // log.
     const auto knock_until = [&](const std::function<bool()>& holds) {
       while (!holds() && monotonic_ns() < give_up_ns) {
         ours->publish("KNOCK", Bytes{1});
@@ -141,11 +143,10 @@ TEST_F(LcmTools, WeHearWhatLcmLogplayerReplays) {
   }
 }
 
-// Signed messages through LCM's logger and player: not a byte differs, and what comes out of a log
-// is refused by who requires signatures, whether it heard the flight or not.
+// LCM's logger and player do not change a byte of signed messages. A receiver that requires
+// signatures refuses the replayed messages, whether it received the flight or not.
 TEST_F(LcmTools, CarrySignedMessagesUnchangedAndTheyAreOld) {
-  constexpr unsigned kMessages =
-      25;  // a receiver keeps 30; those of a burst beyond push out the oldest
+  constexpr unsigned kMessages = 25;  // a receiver queues 30 and drops the oldest of a larger burst
   const auto keys = test::keys_of_a_trial();
   bus::VirtualClock clock(from_utime(1'700'000'000'000'000));
   const auto ours = bus::open_transport(test::kUrl);
@@ -158,7 +159,7 @@ TEST_F(LcmTools, CarrySignedMessagesUnchangedAndTheyAreOld) {
     Program logger({"lcm-logger", "-q", "-f", "--lcm-url=" + test::kUrl, log()});
     const std::int64_t give_up_ns =
         monotonic_ns() + std::chrono::nanoseconds(test::kPatience).count();
-    // What is in the file is there in the order in which it was sent.
+    // The log keeps the order of sending: when `name` is in it, all earlier messages are.
     const auto knock_until_log_has = [&](const std::string& name) {
       const auto has = [&] {
         std::ifstream in(log(), std::ios::binary);
@@ -186,14 +187,14 @@ TEST_F(LcmTools, CarrySignedMessagesUnchangedAndTheyAreOld) {
     knock_until_log_has("LAST");
   }
   const auto witness_link = bus::open_transport(test::kUrl);
-  bus::Bus witness(*witness_link, 2);  // of the next minute, with the same keys
+  bus::Bus witness(*witness_link, 2);  // has the same keys and a clock one minute later
   bus::VirtualClock later(clock.now() + std::chrono::minutes(1));
   witness.secure(test::authenticator(keys), later);
   witness.keep_time(later);
   int believed = 0;
   witness.subscribe<models::MocapFrame>(bus::kVicon, [&](const auto&) { ++believed; });
   const auto reader_link = bus::open_transport(test::kUrl);
-  bus::Bus reader(*reader_link, 3);  // knows of no key
+  bus::Bus reader(*reader_link, 3);  // has no key
   int read = 0;
   reader.subscribe<models::MocapFrame>(bus::kVicon, [&](const auto&) { ++read; });
   Heard played;

@@ -1,8 +1,8 @@
 #!/bin/bash
-# mapping.sh BIN_DIR SCENARIO SECONDS: a team maps with one process each while the scenario jams a
-# robot; one planner is killed (signal 9) on the way. All must go on planning, the map must become
-# surer, and every plan, belief and map of the log must come out again to the bit. To be run in a
-# network of its own: in_network.sh mapping.sh …
+# mapping.sh BIN_DIR SCENARIO SECONDS: a team maps with one process each while the scenario jams a robot;
+# one planner is killed (signal 9) in flight. All must go on planning, the uncertainty of the map must fall,
+# and a replay must reproduce every plan, belief and map of the log bit for bit. To be run in its own
+# network: in_network.sh mapping.sh …
 . "$(dirname "$0")/up_support.sh"
 seconds=$3
 
@@ -32,7 +32,7 @@ report = json.loads(open(sys.argv[1] + "/up.json").readlines()[-1])
 assert report["collisions"] == 0 and report["separation_violations"] == 0, report
 assert {p["name"] for p in report["processes"]} == {"planner Q2"}, report["processes"]
 for robot in ("Q1", "Q2", "Q3"):
-    rows = csv.DictReader(open(f"{sys.argv[1]}/csv/MAP_{robot}.csv"))  # one line an input
+    rows = csv.DictReader(open(f"{sys.argv[1]}/csv/MAP_{robot}.csv"))  # one line per input
     nats = list({row["sequence"]: float(row["entropy_nat"]) for row in rows}.values())
     print(robot, "map entropy", nats[0], "to", nats[-1], "nat in", len(nats), "steps")
     assert nats[-1] < 0.8 * nats[0], robot

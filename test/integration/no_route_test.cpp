@@ -9,7 +9,7 @@
 #include "core/check.hpp"
 #include "test/integration/network_support.hpp"
 
-// Run in a network without a multicast route. Should opening wait, the test's time limit ends it.
+// Runs in a network without a multicast route. If opening waits, the test's time limit ends it.
 
 namespace vantage {
 namespace {
@@ -33,7 +33,7 @@ struct Waiting {
   Waiting() {
     transport->subscribe("A", [this](std::string_view, const bus::Payload&) { ++heard; });
   }
-  /// Whether a message of its own comes back within a few tries.
+  /// True if a message of its own comes back within a few tries.
   bool hears_itself() {
     const int before = heard;
     for (int i = 0; i < 100 && heard == before; ++i) {
@@ -42,7 +42,7 @@ struct Waiting {
     }
     return heard > before;
   }
-  /// Whether the last report becomes `words` within a few tries.
+  /// True if the last report contains `words` within a few tries.
   bool reports_at_last(const std::string& words) {
     for (int i = 0; i < 100 && reports.back().find(words) == std::string::npos; ++i) {
       transport->handle(std::chrono::milliseconds(20));
@@ -68,7 +68,8 @@ TEST(WithoutARoute, AWaitingTransportJoinsOnceThereIsOneAndAgainAfterEachLoss) {
     EXPECT_TRUE(waiting.reports_at_last("nothing can be sent")) << waiting.reports.back();
     EXPECT_EQ(waiting.transport->stats().network_losses, loss + 1);
   }
-  // A card that is taken out and another one with its name, which has no part in the membership.
+  // A network card is removed and replaced by one with the same name, which has no multicast
+  // membership.
   ip("link add card type veth peer name other_end");
   for (int card = 0; card < 2; ++card) {
     ip("addr add 10.9.9.9/24 dev card");

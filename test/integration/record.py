@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""record.py BIN_DIR: `vantage log record` against all that ends or harms loggers: signals, kill -9, a full disk,
-a read-only one, a limit on files, names that are taken, datagrams that end lcm-logger; and beside lcm-logger,
-whose log must say the same. To be run in a network of its own, as its root: in_network.sh record.py ...
+"""record.py BIN_DIR: `vantage log record` against everything that ends or harms loggers: signals, kill -9, a
+full disk, a read-only disk, a limit on files, names that exist, datagrams that end lcm-logger. It is also
+compared with lcm-logger, whose log must have the same content. To be run in its own network, as root
+there: in_network.sh record.py ...
 """
 import os
 import pathlib
@@ -29,7 +30,7 @@ def url(port=PORT):
 
 
 def events(log):
-    """(number, time, channel, data) of each; fails where the log is not whole."""
+    """Returns (number, time, channel, data) of each event; fails if the log is not whole."""
     data, at = pathlib.Path(log).read_bytes(), 0
     while at < len(data):
         assert at + HEADER.size <= len(data), f"{log} is torn"
@@ -42,7 +43,7 @@ def events(log):
 
 
 def whole_part(log):
-    """Cuts a torn end off, as `vantage up` does before it goes on with a log."""
+    """Cuts off an incomplete end, as `vantage up` does before it continues a log."""
     subprocess.run([VANTAGE, "log", "repair", log, f"{log}.whole", "--force"], check=True,
                    stdout=subprocess.DEVNULL)
     return f"{log}.whole"
@@ -57,7 +58,7 @@ def until(holds, what):
 
 
 class Sender:
-    """Speaks LCM from a port of its own."""
+    """Sends LCM datagrams from its own port."""
 
     def __init__(self, port=PORT):
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -92,7 +93,7 @@ class Recorder:
         self.sender = Sender(port)
 
     def start(self):
-        """Returns once it hears."""
+        """Returns once the recorder receives messages."""
         def heard():
             assert self.process.poll() is None, self.said()
             self.sender.publish("KNOCK", b"")
@@ -101,7 +102,7 @@ class Recorder:
         return self
 
     def is_waiting(self):
-        """None of its threads runs, or is ready to and has no processor: it has done all it had to so far."""
+        """True if none of its threads is running or ready to run: it has done all its work so far."""
         stats = pathlib.Path(f"/proc/{self.process.pid}/task").glob("*/stat")
         return all(stat.read_text().rpartition(")")[2].split()[0] == "S" for stat in stats)
 
@@ -143,12 +144,12 @@ def test_kill_9_loses_100_ms_at_most():
 
         speaker = threading.Thread(target=speak)
         speaker.start()
-        # So much stands in the log before what may be lost.
+        # Size of the log before the part that may be lost.
         kept_bytes = os.path.getsize(recorder.log) + 240 * rng.randrange(100, 300)
         until(lambda: os.path.getsize(recorder.log) > kept_bytes, "traffic")
         enough = len(sent) + rng.randrange(200)
         until(lambda: len(sent) > enough, "traffic")
-        until(recorder.is_waiting, "rest of the recorder")  # the machine kept it from nothing
+        until(recorder.is_waiting, "rest of the recorder")  # the machine did not keep it waiting
         last = sent[-1]
         recorder.end(signal.SIGKILL)
         stop.set()
@@ -168,7 +169,7 @@ def small_disk(name, options):
 
 
 def hears_refusal(port=PORT):
-    """A function that tells whether HEALTH_RECORDER has said that the log is not written."""
+    """Returns a function that is true once HEALTH_RECORDER has reported that the log is not written."""
     ear = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     ear.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     ear.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
@@ -251,19 +252,19 @@ def test_what_cannot_be_written_is_refused_at_the_start():
 
 
 def hostile(rng):
-    """A datagram that no honest LCM program sends. Those of the first three kinds end lcm-logger."""
+    """Returns a datagram that no correct LCM program sends. Those of the first three kinds end lcm-logger."""
     number, name = rng.getrandbits(32), b"A" * rng.randrange(1, 70)
     junk = rng.randbytes(rng.randrange(1500))
     return rng.choice([
-        lambda: fragment(number, 0x180, 0xFFFFFF00, 0, 2, b"A\0" + bytes(0x180)),  # end wraps to 128
-        lambda: fragment(number, 400, 100, 0, 1, name),  # a name without its end in a first fragment
+        lambda: fragment(number, 0x180, 0xFFFFFF00, 0, 2, b"A\0" + bytes(0x180)),  # the end wraps to 128
+        lambda: fragment(number, 400, 100, 0, 1, name),  # a first fragment whose name has no terminator
         lambda: fragment(number, 400, 200, 0, 1, b"A" * 5),
         lambda: fragment(number, 0x180, 0xFFFFFF00, 1, 2, bytes(0x180)),
         lambda: junk,
         lambda: b"LC02" + junk,
         lambda: b"LC03" + junk,
         lambda: b"LC02" + struct.pack(">I", number) + name,
-        lambda: b"LC02" + struct.pack(">I", number) + b"\1\n\x7f\0" + junk,  # no name for a log
+        lambda: b"LC02" + struct.pack(">I", number) + b"\1\n\x7f\0" + junk,  # an invalid channel name for a log
         lambda: fragment(number, 0xFFFFFFFF, 0, 0, 65535, b"A\0" + bytes(10)),
         lambda: fragment(number, rng.getrandbits(18), rng.getrandbits(18), rng.getrandbits(2),
                          rng.getrandbits(2), b"A\0" + junk),
@@ -281,13 +282,13 @@ def test_datagrams_that_end_lcm_logger_do_not_end_it():
             recorder.sender.publish("GOOD", good[-1])
         if i % 100 == 0:
             attacker = Sender()
-            # Its own pace: what is asked here is not how much fits into a socket's buffer.
+            # Sends at the recorder's own pace: this test is not about the capacity of a socket's buffer.
             until(lambda: os.path.getsize(recorder.log) >= sum(map(len, good)),
                   "good messages in the log")
     assert recorder.end() == 1, "forged first fragments are messages that never become whole"
     assert "parts of them never arrived" in recorder.said(), recorder.said()
     assert [data for _, data in of(recorder.log, "GOOD")] == good
-    # The claim itself: one such datagram, and lcm-logger is gone.
+    # The claim itself: one such datagram ends lcm-logger.
     stock = Recorder(FOLDER / "stock.lcmlog",
                      command=["lcm-logger", "-q", f"--lcm-url={url()}", FOLDER / "stock.lcmlog"]).start()
     attacker.raw(fragment(1, 400, 200, 0, 1, b"A" * 5))
@@ -306,7 +307,7 @@ def test_its_log_is_lcm_loggers():
         ours.sender.publish(channel, data)
         time.sleep(0.002)  # lcm-logger's queue holds 31
     while os.path.getsize(stock_log) < sum(len(data) for _, data in sent):
-        ours.sender.publish("KNOCK", b"")  # it writes when it hears more
+        ours.sender.publish("KNOCK", b"")  # it writes when it receives more
         time.sleep(0.01)
     assert ours.end() == 0
     stock.end()
@@ -317,7 +318,7 @@ def test_its_log_is_lcm_loggers():
         *([event for event in events(log) if event[2] in channels] for log in (ours.log, stock_log)))]
     print(f"  times beside lcm-logger's: {sorted(apart_us)[len(apart_us) // 2]} µs apart in the middle, "
           f"{max(apart_us)} at most")
-    # LCM's player plays it, on another port.
+    # LCM's player replays it on another port.
     again = Recorder(FOLDER / "played.lcmlog", port=PORT + 1).start()
     subprocess.run(["lcm-logplayer", "-l", url(PORT + 1), ours.log], check=True, stdout=subprocess.DEVNULL,
                    timeout=PATIENCE_S)
@@ -326,7 +327,7 @@ def test_its_log_is_lcm_loggers():
 
 
 def paced(sender, channel, data):
-    """Publishes in fragments, at a pace that a socket's buffer follows."""
+    """Publishes in fragments, at a pace that the socket's buffer can follow."""
     raw, sent = sender.raw, []
 
     def send(datagram):
@@ -362,7 +363,7 @@ def test_large_messages_are_recorded_or_named():
 def test_a_message_that_lacks_a_part_is_reported():
     recorder = Recorder(FOLDER / "lacks.lcmlog").start()
     recorder.sender.raw(fragment(900, 100_000, 0, 0, 2, b"CAMERA\0" + bytes(60_000)))
-    # Given up a second after its newest fragment.
+    # Abandoned one second after its newest fragment.
     lacks = b"transport.incomplete_messages\0"
     until(lambda: any(lacks in data for _, data in of(recorder.log, "HEALTH_RECORDER")), "count of it")
     assert recorder.end() == 1, recorder.said()
@@ -390,7 +391,7 @@ def test_files_follow_one_another():
 
 def main():
     global FOLDER
-    if len(sys.argv) < 3:  # disks of its own
+    if len(sys.argv) < 3:  # separate disks
         os.execvp("unshare", ["unshare", "-m", sys.executable, __file__, sys.argv[1], "--mounted"])
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name:
         FOLDER = pathlib.Path(name)

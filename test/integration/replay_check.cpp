@@ -1,8 +1,8 @@
 // replay_check ORIGINAL.lcmlog REPLAYED.lcmlog ROBOT MIN_COUNT
 //
-// Compares what one robot's estimator and planner said in a trial with what fresh processes said of
-// the same inputs (published under REPLAY_): beliefs by step, plans by round, bit for bit.
-// Exit code 0 when at least MIN_COUNT of each were compared and none differs.
+// Compares the output of one robot's estimator and planner in a trial with the output of fresh
+// processes for the same inputs (published under REPLAY_): beliefs by step, plans by round, bit for
+// bit. Exit code 0 when at least MIN_COUNT of each were compared and none differs.
 
 #include <cstdio>
 #include <cstdlib>

@@ -18,14 +18,14 @@ namespace {
 namespace mavlink = wire::mavlink;
 
 constexpr std::uint8_t kOwnSystem = 252;
-constexpr std::uint8_t kOwnComponent = 190;        // MAV_COMP_ID_MISSIONPLANNER
-constexpr float kCustomMode = 1.0F;                // MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
-constexpr float kArdupilotBrake = 17.0F;           // ArduCopter's mode BRAKE
-constexpr float kPx4Position = 3.0F;               // PX4's main mode POSCTL
-constexpr double kPx4Joystick = 1.0;               // COM_RC_IN_MODE: sticks of a station …
-constexpr double kPx4NoSticks = 4.0;               // … or nobody's
-constexpr std::int16_t kMiddle = 500;              // MANUAL_CONTROL's throttle, of 1000
-constexpr double kArdupilotCapacity_mAh = 5600.0;  // as `vantage up` sets both
+constexpr std::uint8_t kOwnComponent = 190;  // MAV_COMP_ID_MISSIONPLANNER
+constexpr float kCustomMode = 1.0F;          // MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
+constexpr float kArdupilotBrake = 17.0F;     // ArduCopter's mode BRAKE
+constexpr float kPx4Position = 3.0F;         // PX4's main mode POSCTL
+constexpr double kPx4Joystick = 1.0;         // COM_RC_IN_MODE: joystick input from a station …
+constexpr double kPx4NoSticks = 4.0;         // … or none
+constexpr std::int16_t kMiddle = 500;        // neutral throttle of MANUAL_CONTROL, range 0 to 1000
+constexpr double kArdupilotCapacity_mAh = 5600.0;  // the value that `vantage up` sets
 constexpr double kPx4Drain_s = 900.0;
 
 bool is_px4(models::AutopilotDialect dialect) { return dialect == models::AutopilotDialect::kPx4; }
@@ -57,7 +57,7 @@ template <class Message>
 bool SecondStation::send(const Message& message) {
   std::vector<std::uint8_t> bytes;
   mavlink::append_bytes(mavlink::pack(message, {kOwnSystem, kOwnComponent, sequence_++}), bytes);
-  std::vector<std::uint8_t> unread(65'536);  // what it says to a station: its buffer must not fill
+  std::vector<std::uint8_t> unread(65'536);  // discarded: the receive buffer must not fill
   while (::recv(socket_, unread.data(), unread.size(), MSG_DONTWAIT) > 0) {
   }
   return ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL) ==

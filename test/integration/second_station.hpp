@@ -6,9 +6,9 @@
 
 namespace vantage::test {
 
-/// Somebody else who speaks to the autopilot of a firmware that `vantage up` started on this host:
-/// by its second link (ArduPilot: TCP 5762 + 10 instance, PX4: UDP 18570 + instance), past its
-/// driver.
+/// A second ground station for the autopilot of a firmware that `vantage up` started on this host.
+/// It uses the autopilot's second link (ArduPilot: TCP 5762 + 10 instance, PX4: UDP 18570 +
+/// instance) and so bypasses the driver.
 class SecondStation {
  public:
   SecondStation(models::AutopilotDialect dialect, int instance, int system_id);
@@ -16,17 +16,17 @@ class SecondStation {
   SecondStation(const SecondStation&) = delete;
   SecondStation& operator=(const SecondStation&) = delete;
 
-  // Each: false when it could not be sent.
-  /// Out of the mode in which it takes set-points, into one in which it stands still: ArduPilot's
-  /// Brake; PX4, which has no Hold where there is no global position, by sticks in their middle.
+  // Each function returns false if its message could not be sent.
+  /// Takes the autopilot out of the mode that accepts set-points into one in which it hovers.
+  /// ArduPilot: Brake. PX4, whose Hold needs a global position: Position mode with centred sticks.
   bool take_over();
-  /// To be called 10 times a second or more until it is given back.
+  /// Must be called at least 10 times per second until give_back().
   bool keep();
   bool give_back();
-  /// Its simulated battery: at once (ArduPilot), within half a minute (PX4).
+  /// Empties the simulated battery: at once (ArduPilot), within half a minute (PX4).
   bool empty_battery();
   bool fill_battery();
-  /// The first one, for good; ArduPilot's alone.
+  /// Stops the first motor permanently; ArduPilot only.
   bool stop_motor();
 
  private:

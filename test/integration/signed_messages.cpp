@@ -1,5 +1,5 @@
-// signed_messages FOLDER: one random message of each type, as it is published with and without
-// keys: FOLDER/TYPE.signed and FOLDER/TYPE.plain.
+// signed_messages FOLDER: writes one random message of each type as it is published with and
+// without keys: FOLDER/TYPE.signed and FOLDER/TYPE.plain.
 
 #include <cstdint>
 #include <fstream>
@@ -11,7 +11,7 @@
 #include "test/bus/auth/auth_support.hpp"
 #include "test/bus/convert/sample_messages.hpp"
 
-// Its test types need the names above.
+// The test types of this header need the names above.
 #include "bus/convert/convert.hpp"
 
 namespace {

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """stranger.py BIN_DIR SCENARIO TYPES: SCENARIO with `security: require`, while a stranger without keys
-claims to be another supervisor and another vehicle, reports collisions, and sends names that hold
-escape sequences. The trial starts and ends well, counts no forged collision and says how many there
-were; its terminal receives no escape sequence of the stranger, and `vantage up` keeps its memory. To be
-run in a network of its own.
+publishes in the name of another supervisor and another vehicle, reports collisions, and sends names that
+contain escape sequences. The trial starts and ends well, does not count forged collisions, and reports
+their number; its terminal receives none of the stranger's escape sequences, and the memory of
+`vantage up` does not grow. To be run in its own network.
 """
 
 import json
@@ -37,7 +37,7 @@ def stamped(message, number):
 
 
 def forge():
-    """What a stranger sends until it is over."""
+    """Sends the stranger's messages until the test is over."""
     number = 0
     while not is_over:
         host = stamped(host_t(), number)

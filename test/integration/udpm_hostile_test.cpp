@@ -10,7 +10,7 @@
 #include "test/integration/network_support.hpp"
 #include "test/support/resident_memory.hpp"
 
-// Datagrams that crash, confuse or fill other receivers, between good ones.
+// Datagrams that crash, confuse or fill other receivers, sent between good ones.
 
 namespace vantage {
 namespace {
@@ -18,7 +18,7 @@ namespace {
 using test::Bytes;
 using test::resident_kib;
 
-/// Sends raw datagrams to the group from a port of its own.
+/// Sends raw datagrams to the group from its own port.
 class Attacker {
  public:
   Attacker() : fd_(socket(AF_INET, SOCK_DGRAM, 0)) {
@@ -73,21 +73,22 @@ Bytes hostile_datagram(std::mt19937& rng) {
       bytes.resize(20);
       return bytes;
     }
-    case 5:  // announces 4 MiB and never goes on
+    case 5:  // announces 4 MiB and sends no more
       return fragment(static_cast<std::uint32_t>(rng()), 4U << 20U, 0, 0, 65, 10);
     case 6:  // announces 4 GiB
       return fragment(static_cast<std::uint32_t>(rng()), 0xFFFFFFFF, 0, 0, 65'535, 10);
-    case 7:  // most of a datagram, never the other half
+    case 7:  // most of a datagram, without its second half
       return fragment(static_cast<std::uint32_t>(rng()), 100'000, 0, 0, 2, 50'000);
-    default:  // a good header, with one bit flipped
+    default:  // a valid header with one bit flipped
       Bytes bytes = fragment(static_cast<std::uint32_t>(rng() % 8), 200, 0, 0, 2, 100);
       bytes[rng() % 20] ^= static_cast<std::uint8_t>(1U << (rng() % 8));
       return bytes;
   }
 }
 
-// 20 hostile datagrams after each good one, 500 rounds; every 10th good message is of 200 kB, and
-// its sender is a stranger to the attackers. Attackers change their port as they go.
+// Sends 20 hostile datagrams after each good one, for 500 rounds. Every 10th good message has 200
+// kB, and its sender is unknown to the attackers. The attackers change their port from time to
+// time.
 TEST(UdpmUnderAttack, LosesNoGoodMessageAndKeepsItsMemory) {
   if (!test::has_large_buffers()) {
     GTEST_SKIP() << test::kNeedsLargeBuffers;
@@ -129,8 +130,8 @@ TEST(UdpmUnderAttack, LosesNoGoodMessageAndKeepsItsMemory) {
   }
 }
 
-// An attacker's fragments lie between those of a good message, in its numbering but from another
-// port; they must not find their way into it.
+// An attacker's fragments arrive between those of a good message, with the same sequence number but
+// from another port. They must not be assembled into the message.
 TEST(UdpmUnderAttack, MixesNoStrangersFragmentIntoAMessage) {
   if (!test::has_large_buffers()) {
     GTEST_SKIP() << test::kNeedsLargeBuffers;
@@ -151,8 +152,8 @@ TEST(UdpmUnderAttack, MixesNoStrangersFragmentIntoAMessage) {
   }
 }
 
-// What a transport keeps of one sender and of all grows with the largest message that it is told to
-// take: one of that size always comes together, however much that is.
+// The reassembly limits per sender and in total grow with the configured largest message: one
+// message of that size is always assembled.
 TEST(UdpmReassembly, HasRoomForAMessageOfTheLargestSizeThatItIsToldToTake) {
   constexpr std::uint32_t kPieceBytes = 60'000;
   constexpr std::uint16_t kPieces = 600;

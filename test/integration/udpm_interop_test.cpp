@@ -4,7 +4,7 @@
 #include "core/deadline.hpp"
 #include "test/integration/network_support.hpp"
 
-// Our udpm transport against liblcm, both ways, on a real network.
+// Our udpm transport against liblcm, in both directions, on a real network.
 
 namespace vantage {
 namespace {
@@ -12,7 +12,7 @@ namespace {
 using test::Bytes;
 using Heard = std::vector<std::pair<std::string, Bytes>>;
 
-/// Around both limits of a datagram (channel "SIZE_X" takes 7 bytes), and the sizes of lab
+/// Sizes around both limits of a datagram (channel "SIZE_X" takes 7 bytes), and sizes of lab
 /// messages.
 const std::vector<std::size_t> kSizes{0,      1,      200,     60'000,  65'480,  65'492,
                                       65'493, 65'499, 130'967, 130'968, 300'000, 2'000'000};
@@ -71,7 +71,7 @@ TEST(UdpmInterop, LetsTwoOfOursAndOneOfTheirsShareThePort) {
   EXPECT_EQ(theirs.heard().size(), 1U);
 }
 
-// 1000 × 200 B back to back before anybody handles anything.
+// 1000 messages of 200 B, sent back to back before any is handled.
 TEST(UdpmInterop, LosesNothingOfABurstToUs) {
   if (!test::has_large_buffers()) {
     GTEST_SKIP() << test::kNeedsLargeBuffers;
@@ -165,14 +165,15 @@ TEST(UdpmTransport, HearsNoMoreWhatItUnsubscribed) {
   EXPECT_EQ(say("X"), "abdc");
   ours->unsubscribe("X");
   EXPECT_EQ(say("X"), "bc");
-  ours->subscribe("X", note('e'));  // in the place of the first
+  ours->subscribe("X", note('e'));  // takes the position of the removed handler
   EXPECT_EQ(say("X"), "ebc");
   ours->unsubscribe("X*");
   EXPECT_EQ(say("X"), "ec");
   EXPECT_EQ(say("XY"), "c");
 }
 
-// By address and port: of one host, of one socket, whatever the message's size.
+// The source identifies address and port: equal for one socket at any message size, and the same
+// host for two sockets.
 TEST(UdpmTransport, SaysWhoSentIt) {
   const auto first = bus::open_transport(test::kUrl);
   const auto second = bus::open_transport(test::kUrl);

@@ -7,7 +7,7 @@
 #include "core/deadline.hpp"
 #include "test/integration/network_support.hpp"
 
-// What the kernel refuses, drops and takes away is seen and counted.
+// Errors and drops of the kernel, and lost interfaces, are noticed and counted.
 
 namespace vantage {
 namespace {
@@ -22,7 +22,7 @@ TEST(UdpmLink, CountsEveryDatagramTheSocketHadNoRoomFor) {
       "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=65536&max_message_size=65536");
   Heard heard;
   test::collect(*receiver, "X", heard);
-  // The kernel tells of all drops since the beginning, with the next datagram that it lets in.
+  // The kernel reports all drops since the start with the next datagram that it accepts.
   std::int64_t dropped = 0;
   for (int burst = 1; burst <= 3; ++burst) {
     for (int i = 0; i < kSent; ++i) {
@@ -38,8 +38,8 @@ TEST(UdpmLink, CountsEveryDatagramTheSocketHadNoRoomFor) {
   }
 }
 
-// A flood on a channel that is heard leaves the caller its own work: a handler that takes a
-// millisecond is not called as often as there are messages.
+// During a flood on a subscribed channel the caller still gets control back: handle() does not call
+// a handler that takes 1 ms once for every waiting message.
 TEST(UdpmLink, GivesControlBackWhileAFloodGoesOn) {
   constexpr int kSent = 200;
   const auto sender = bus::open_transport(test::kUrl);
@@ -62,9 +62,8 @@ TEST(UdpmLink, GivesControlBackWhileAFloodGoesOn) {
   EXPECT_EQ(heard + receiver->stats().kernel_drops, kSent) << "the rest waits, nothing is lost";
 }
 
-// While each handler makes ten new messages come, nine more wait each time than are heard: what
-// gives way is the oldest of those that wait, and the newest is heard. (Red before: the kernel's
-// buffer, which was the only queue, let in no new ones.)
+// Each handler call causes ten new messages, so nine more wait than are handled. The oldest waiting
+// ones are dropped, and the newest is received.
 TEST(UdpmLink, GivesUpTheOldestWhenItsReaderIsSlow) {
   constexpr std::uint32_t kSent = 5'000;
   constexpr std::size_t kBytes = 500;
@@ -109,7 +108,7 @@ TEST(UdpmLink, SaysHowMuchOfTheReceiveBufferWasNotGranted) {
   EXPECT_EQ(modest->stats().receive_buffer_short_bytes, 0);
 }
 
-/// Two cables between cards of this host: va0 to va1, vb0 to vb1.
+/// Two cables between network cards of this host: va0 to va1, vb0 to vb1.
 class UdpmCards : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -128,7 +127,7 @@ class UdpmCards : public ::testing::Test {
         : transport(bus::open_transport("udpm://239.255.76.67:7667?" + options)) {
       test::collect(*transport, "*", heard);
     }
-    /// Everything it has heard once it hears itself.
+    /// Publishes END; returns the channels that were received until END comes back.
     std::string hear_all() {
       transport->publish("END", Bytes{1});
       test::handle_until(*transport, [&] { return !heard.empty() && heard.back().first == "END"; });
@@ -144,7 +143,6 @@ class UdpmCards : public ::testing::Test {
   };
 };
 
-// Red before: there was no such option, and all spoke on the card that the route named.
 TEST_F(UdpmCards, StayApart) {
   Listener lo("ttl=0");
   Listener a("ttl=0&interface=va0");
@@ -161,7 +159,7 @@ TEST_F(UdpmCards, StayApart) {
 }
 
 TEST_F(UdpmCards, CarryWhatIsSentOverTheirCable) {
-  // What comes from outside in this host's own name is refused otherwise.
+  // Otherwise the kernel refuses packets from outside that carry this host's own address.
   if (std::system("for key in accept_local=1 rp_filter=0; do for card in all va1 vb1; do"
                   " sysctl -qw net.ipv4.conf.$card.$key || exit 1; done; done") != 0) {
     GTEST_SKIP() << "these settings are not ours to make";
@@ -175,9 +173,9 @@ TEST_F(UdpmCards, CarryWhatIsSentOverTheirCable) {
   test::handle_until(*far_a.transport, [&] { return !far_a.heard.empty(); });
   ASSERT_EQ(far_a.heard.size(), 1U);
   EXPECT_TRUE(far_a.heard[0].second == test::random_bytes(150'000, 3));
-  // Where both ends of a cable are one host's, its kernel (early demultiplexing of multicast, with
-  // accept_local) sometimes hands a datagram to the socket of the other end's card too: END comes
-  // twice. HERE, which never was on the cable, does not.
+  // Both ends of the cable belong to one host. Its kernel (early demultiplexing of multicast, with
+  // accept_local) sometimes also delivers a datagram to the socket of the other end: END comes
+  // twice. HERE was never on the cable, so it does not arrive.
   EXPECT_EQ(far_b.hear_all().find("HERE"), std::string::npos)
       << "a time to live of 0 does not leave the host";
 }

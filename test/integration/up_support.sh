@@ -1,6 +1,6 @@
-# Sourced first by tests of `vantage up`, whose arguments are BIN_DIR SCENARIO …: sets $bin, $scenario,
-# $url of a bus that stays on this machine, and $dir, a folder that is gone at the end with all that
-# was started.
+# Sourced first by tests of `vantage up`, whose arguments are BIN_DIR SCENARIO …: sets $bin, $scenario, $url
+# of a bus that stays on this machine, and $dir, a folder. At the end the folder is removed and all started
+# processes are ended.
 set -euo pipefail
 bin=$1 scenario=$2
 url='udpm://239.255.76.67:7667?ttl=0'
@@ -23,10 +23,10 @@ until_true() {
   done
 }
 
-# The child of process $1 whose command line matches $2; nothing while there is none.
+# Prints the child of process $1 whose command line matches $2; nothing if there is none.
 child_of() { pgrep -P "$1" -f "$2" || true; }
 
-# How many events each PLAN_ channel has in the log $1: "Q1 12 Q2 12 Q3 11".
+# Prints the number of events of each PLAN_ channel in log $1: "Q1 12 Q2 12 Q3 11".
 plans_in() {
   "$bin/vantage" log info "$1" --json | python3 -c '
 import json, sys
@@ -35,7 +35,7 @@ counts = {name: c["events"] for name, c in channels.items() if name.startswith("
 print(" ".join(f"{name[5:]} {count}" for name, count in sorted(counts.items())))'
 }
 
-# Whether each of the robots $3… has at least two plans more in log $1 than in the words $2.
+# True if each of the robots $3… has at least two plans more in log $1 than in the counts $2.
 plans_go_on() {
   local log=$1 before=" $2 " now robot was is
   now=" $(plans_in "$log") "
@@ -48,8 +48,8 @@ plans_go_on() {
   done
 }
 
-# Whether `vantage up`, of which $dir/$1.json, .err and .lcmlog are, has nothing to say against the flight but
-# what a machine did that was not there: a log that was late and is whole, or collisions that are not judged then.
+# True if the only remarks of `vantage up` (files $dir/$1.json, .err and .lcmlog) are effects of an overloaded
+# machine: a log that was late but is whole, or collisions that are then not judged.
 is_the_machines() {
   local remarks
   remarks=$(grep '^vantage: ' "$dir/$1.err" || true)
@@ -61,7 +61,7 @@ is_the_machines() {
   "$bin/hil_check" --held-up "$dir/$1.lcmlog" && "$bin/hil_check" --collisions "$dir/$1.lcmlog"
 }
 
-# A witness of its own: what a logger that nobody kills hears of the plans.
+# Starts a separate witness: a logger of the plans that is never killed.
 start_witness() {
   lcm-logger --quiet --force --channel='PLAN_.*' --lcm-url="$url" "$dir/witness.lcmlog" &
   witness=$!

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Between a mocap and its driver: a lab that was set up wrongly.
+"""A proxy between a mocap and its driver that emulates a lab with a wrong set-up.
 
   wrong_mocap.py FROM_PORT TO_PORT mirrored|turned-world|turned-bodies|swapped-names
 
 Takes Vicon's UDP object stream from one port of this host to another and changes every object:
-the world's y points the other way; the world is turned by 90 degrees; every body's x axis points to
+the world's y axis is inverted; the world is turned by 90 degrees; every body's x axis points to
 its left; Q1 and Q2 have each other's names.
 """
 
@@ -13,7 +13,7 @@ import socket
 import struct
 import sys
 
-ITEM = struct.Struct("<BH24s6d")  # id, bytes that follow, name, millimetres, radians
+ITEM = struct.Struct("<BH24s6d")  # id, number of bytes that follow, name, mm, rad
 
 
 def product(a, b):
@@ -35,7 +35,7 @@ def world_from_body(angles_rad):
 
 
 def angles_of(m):
-    """R = Rx(a) Ry(b) Rz(c), backwards."""
+    """Returns the angles (a, b, c) of R = Rx(a) Ry(b) Rz(c)."""
     return math.atan2(-m[1][2], m[2][2]), math.asin(max(-1.0, min(1.0, m[0][2]))), math.atan2(
         -m[0][1], m[0][0])
 
