@@ -56,7 +56,7 @@ TEST(TrialMode, IsThatOfTheDeviceWhichIsMostReal) {
         scenario.mocap.device = mocap;
         scenario.robots[0].device = first;
         scenario.robots[1].device = second;
-        // In their order each is more real than the one before.
+        // Each source in this order is closer to the real device than the one before.
         const TrialMode expected[] = {TrialMode::kSimulation, TrialMode::kWire, TrialMode::kLive};
         const auto most = static_cast<std::size_t>(std::max({mocap, first, second}));
         EXPECT_EQ(trial_mode(scenario), expected[most]);

@@ -11,7 +11,7 @@
 namespace vantage::scenario {
 namespace {
 
-/// Two robots of which each has more of one thing; every number another.
+/// Returns two robots, each with one limit larger than the other's; all numbers differ.
 Scenario team() {
   Scenario scenario;
   scenario.planner.horizon_steps = 10;
@@ -29,12 +29,13 @@ Scenario team() {
   return scenario;
 }
 
-// A plan of 2.5 s and two rounds of 0.75 s are 4 s: of the first robot 8 m and 8 m of braking, of
-// the second 16 m and 1 m, which is farther. Twice that, and what is kept between them.
+// A plan of 2.5 s and two rounds of 0.75 s last 4 s. The first robot travels 8 m and brakes within
+// 8 m; the second travels 16 m and brakes within 1 m, which is farther. The result is twice that,
+// plus the required clearance between them.
 TEST(LeastNeighbourhood, IsTwiceTheFarthestThatPlansReachAndWhatIsKeptBetween) {
   Scenario scenario = team();
   EXPECT_DOUBLE_EQ(least_neighbourhood_m(scenario), 2.0 * 17.0 + 0.75 + 2.0 * 0.125);
-  scenario.robots[0].limits.brake_mps2 = 0.125;  // 8 m and 16 m
+  scenario.robots[0].limits.brake_mps2 = 0.125;  // 8 m travelled, 16 m of braking
   EXPECT_DOUBLE_EQ(least_neighbourhood_m(scenario), 2.0 * 24.0 + 0.75 + 2.0 * 0.125);
   std::swap(scenario.robots[0], scenario.robots[1]);
   EXPECT_DOUBLE_EQ(least_neighbourhood_m(scenario), 2.0 * 24.0 + 0.75 + 2.0 * 0.125);
@@ -45,7 +46,7 @@ TEST(LeastNeighbourhood, IsNoLessThanWhatIsHeardOrSeen) {
   scenario.network.communication_range_m = 40.0;
   EXPECT_EQ(least_neighbourhood_m(scenario), 40.0);
   scenario.network.communication_range_m = 3.0;
-  // The first goes 2 m/s for a plan and a round, 3.25 s, the second 4 m/s.
+  // In 3.25 s (a plan and a round) the first moves at 2 m/s, the second at 4 m/s.
   scenario.robots[0].sensor.range_max_m = 100.0;
   scenario.robots[1].sensor.range_max_m = 90.0;
   EXPECT_DOUBLE_EQ(least_neighbourhood_m(scenario), 2.0 * 3.25 + 100.0);
@@ -77,7 +78,7 @@ TEST(StepCost, IsOfTheControlAndOfEachRegionThatIsPaidFor) {
   }
 }
 
-// What a scenario that says nothing of it has: robots in the air and targets on the ground.
+// The defaults of a scenario without these keys: robots in the air and targets on the ground.
 TEST(ScenarioDefaults, OfRobotsAndTargetsAreAsStated) {
   const RobotSpec robot;
   EXPECT_EQ(robot.height_m, 1.0);

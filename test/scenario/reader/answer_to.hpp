@@ -5,7 +5,7 @@
 #include "core/check.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
 
-// What is said of a scenario that is taken or refused: "taken", or the whole sentence.
+// Returns "taken" if the scenario is accepted, otherwise the whole error message.
 
 namespace vantage::test {
 
@@ -22,12 +22,12 @@ inline std::string answer_to(const std::string& text) {
   return "taken";
 }
 
-/// Of a team whose robots, from line 6 on, are `robots`.
+/// Returns the answer to a team whose robots, from line 6 on, are `robots`.
 inline std::string answer_to_team(const std::string& robots, const std::string& more = "") {
   return answer_to(kWorld + kTargets + kDefaults + "robots:\n" + robots + more);
 }
 
-/// Of one robot with `keys`, on line 6, and `more` from line 7 on.
+/// Returns the answer to one robot with `keys` on line 6, and `more` from line 7 on.
 inline std::string answer_to_robot(const std::string& keys, const std::string& more = "") {
   return answer_to_team("  - {name: A, start: {x_m: 2, y_m: 2}" + keys + "}\n", more);
 }

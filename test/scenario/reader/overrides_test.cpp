@@ -38,7 +38,7 @@ TEST(Overrides, AreWhatTheTextThenSays) {
   }
 }
 
-// Any one alone is enough, and changes nothing but what it says.
+// Each override alone makes the set non-empty and changes only its own key.
 TEST(Overrides, ChangeOneThingEach) {
   const Scenario lab = load_scenario(kLab);
   EXPECT_TRUE(Overrides{}.is_empty());
@@ -95,7 +95,7 @@ TEST(Overrides, AreNamedWhereTheyAreRefused) {
   }
 }
 
-// A sweep's robots and noise: keys that no option of a command names.
+// The robots and the noise of a sweep: keys without a command-line option.
 TEST(Overrides, WriteAnyKeyByItsPath) {
   Overrides overrides;
   overrides.keys["robot_defaults.sensor.range_sigma_m"] = "0.75";

@@ -18,7 +18,7 @@ std::vector<std::string> lab_lines() {
   std::ifstream file(VANTAGE_SOURCE_DIR "/config/lab.yaml");
   std::vector<std::string> lines;
   for (std::string line; std::getline(file, line);) {
-    // Comments out: an edit inside one would test nothing.
+    // Removes comments, since an edit inside one would test nothing.
     line.resize(std::min(line.size(), line.find(" #")));
     if (!line.empty() && line.front() != '#') {
       lines.push_back(line + "\n");
@@ -27,7 +27,7 @@ std::vector<std::string> lab_lines() {
   return lines;
 }
 
-/// What people, editors and cosmic rays put into files.
+/// Tokens that people, editors and bit errors put into files.
 const std::vector<std::string> kTokens = {"-1",
                                           "0",
                                           "1e308",

@@ -8,7 +8,7 @@
 #include "scenario/reader/overrides.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
 
-// Every number that a scenario may say, at both ends of what is allowed.
+// Every number of a scenario, at both ends of its allowed range.
 
 namespace vantage::scenario {
 namespace {
@@ -23,16 +23,16 @@ targets: {count: 1}
 
 using Keys = std::map<std::string, std::string>;
 
-/// What a key takes at the ends and what it refuses beyond them; "": nothing to try there.
+/// The values that a key accepts at the ends of its range and refuses beyond them; "": not tested.
 struct Limit {
   std::string key;
   const char* below;
   const char* least;
   const char* most;
   const char* above;
-  Keys with = {};             ///< what else the scenario has to say
-  std::string written = "@";  ///< what stands under the key, with the value for '@'
-  std::string said_as = key;  ///< what the refusal calls it
+  Keys with = {};             ///< other keys that the scenario needs
+  std::string written = "@";  ///< text of the key's value, with the number for '@'
+  std::string said_as = key;  ///< name of the key in the error
 };
 
 std::string answer_to(const Limit& limit, const std::string& value) {
@@ -240,7 +240,8 @@ TEST(ScenarioLimits, OfPlansAreTakenAndNothingBeyond) {
   });
 }
 
-// 40 m by 40 m in 0.1794 m are 223 by 223 cells, 49 729, and in 0.1788 m 224 by 224, 50 176.
+// A map of 40 m by 40 m has 223 by 223 = 49 729 cells of 0.1794 m, and 224 by 224 = 50 176 cells of
+// 0.1788 m.
 TEST(ScenarioLimits, OfMapsAreTakenAndNothingBeyond) {
   expect_limits({
       {"mapping.scanner.beams", "0", "1", "10000", "10001"},
@@ -257,7 +258,7 @@ TEST(ScenarioLimits, OfMapsAreTakenAndNothingBeyond) {
   for (const char* key : {"mapping.resolution_m", "estimator.grid_resolution_m"}) {
     const bool is_map = std::string(key) == "mapping.resolution_m";
     const Limit cells{key, "", "", "", ""};
-    // In estimators' grids 707 by 707 cells are less than the half million that a belief tells of.
+    // In estimators' grids 707 by 707 cells are less than the half million that fit into a belief.
     EXPECT_EQ(answer_to(cells, is_map ? "0.1794" : "0.0566"), "taken");
     EXPECT_NE(answer_to(cells, is_map ? "0.1788" : "0.0565").find("must cut world.bounds"),
               std::string::npos)

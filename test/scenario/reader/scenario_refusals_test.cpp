@@ -15,8 +15,8 @@
 namespace vantage::scenario {
 namespace {
 
-/// One change of config/lab.yaml that must be refused. The '@' in `becomes` stands on the line
-/// that the message must name; it is taken out before reading.
+/// One change of config/lab.yaml that must be refused. The '@' in `becomes` marks the line that the
+/// message must name; it is removed before reading.
 struct BadEdit {
   const char* name;
   const char* was;
@@ -177,7 +177,7 @@ INSTANTIATE_TEST_SUITE_P(Values, BadScenario, testing::ValuesIn(kValues), name_o
 INSTANTIATE_TEST_SUITE_P(Ranges, BadScenario, testing::ValuesIn(kRanges), name_of);
 INSTANTIATE_TEST_SUITE_P(Teams, BadScenario, testing::ValuesIn(kTeams), name_of);
 
-/// Whole files, and the whole sentence that each is refused with.
+/// Whole files, each with the whole error message.
 struct BadFile {
   const char* text;
   const char* refusal;
@@ -233,7 +233,7 @@ TEST(ParseScenario, RefusesInOneShortLineWhateverTheFileHas) {
             0U);
   EXPECT_EQ(refusal_of("name: \"a\\eb\"\n" + kWorld + kRobot + kTargets),
             "lab.yaml:1: name: must be of letters, digits, - and _ only, is 'a\\x1Bb'");
-  // Forty bytes end within a character of two.
+  // The cut after forty bytes falls inside a two-byte character.
   std::string umlauts = "x";
   for (int i = 0; i < 50'000; ++i) {
     umlauts += "ä";
@@ -246,7 +246,8 @@ TEST(ParseScenario, RefusesInOneShortLineWhateverTheFileHas) {
   EXPECT_LT(refusal_of(umlauts + ": 1\n" + kWorld).size(), 400U);
 }
 
-// An alias is what its anchor is on, with the lines of its own keys, and never a copy.
+// An alias stands for the node of its anchor, with the line of its own key; the node is never
+// copied.
 TEST(ParseScenario, ReadsWhatAnAliasNames) {
   const std::string text =
       "name: x\nworld:\n  bounds: {min_m: &zero [0, 0], max_m: [9, 9]}\n  obstacles:\n"
@@ -258,7 +259,8 @@ TEST(ParseScenario, ReadsWhatAnAliasNames) {
             "in y; is [1, 1]");
   EXPECT_EQ(refusal_of("name: x\nworld: &a {bounds: *a}\n" + kRobot + kTargets),
             "lab.yaml:2: world.bounds.bounds: unknown key; known here are min_m, max_m");
-  // Each tenfold what is before: ten thousand million of them, were they copied.
+  // Each line multiplies by ten the size of the one before: copies would make ten thousand million
+  // nodes.
   std::string laughs = "name: x\nseed: &a0 [0]\n";
   for (char i = '1'; i <= '9'; ++i) {
     const std::string before = std::string("*a") + static_cast<char>(i - 1);

@@ -6,7 +6,7 @@
 
 #include "test/scenario/reader/answer_to.hpp"
 
-// What keys together must be, to the whole sentence: its numbers, its names and its line.
+// Rules between keys, tested by the whole error message: its numbers, names and line.
 
 namespace vantage::scenario {
 namespace {
@@ -121,7 +121,7 @@ TEST(ScenarioRules, RobotsStandClearOfWallsObstaclesAndEachOther) {
   const auto at = [](const std::string& x, const std::string& y) {
     return answer_to_team("  - {name: A, start: {x_m: " + x + ", y_m: " + y + "}}\n");
   };
-  // 0.25 m of radius and 0.1 m beyond it, in the plane: at each of the four walls.
+  // The horizontal limit is 0.25 m of radius plus 0.1 m, at each of the four walls.
   for (const auto& [x, y] : Pairs{{"8.6", "0"}, {"-8.6", "0"}, {"0", "4.6"}, {"0", "-4.6"}}) {
     EXPECT_EQ(at(x, y), "taken");
   }
@@ -135,7 +135,7 @@ TEST(ScenarioRules, RobotsStandClearOfWallsObstaclesAndEachOther) {
   const auto b = [](const std::string& x, const std::string& y, const std::string& z) {
     return ", start: {x_m: " + x + ", y_m: " + y + "}, height_m: " + z;
   };
-  // In space: 0.6 m in any one direction, either way, is enough, and 0.36 m with 0.48 m are.
+  // In space: 0.6 m along any one axis, in either direction, is enough; so are 0.36 m with 0.48 m.
   for (const auto& [x, y, z] : Triples{{"1.625", "1", "3"},
                                        {"0.375", "1", "3"},
                                        {"1", "1.625", "3"},
@@ -151,7 +151,7 @@ TEST(ScenarioRules, RobotsStandClearOfWallsObstaclesAndEachOther) {
               "f:7: robots[1].start: must be at least planner.separation_m, 0.6 m, from the start "
               "of A; is 0.5");
   }
-  // Of three the first that is too near is named, by the radii of the two.
+  // Of three robots, the first one that is too near is named, with the radii of that pair.
   EXPECT_EQ(answer_to_two(", start: {x_m: 1, y_m: 1}, limits: {radius_m: 0.125}",
                           ", start: {x_m: 4, y_m: 1}, limits: {radius_m: 0.375}",
                           "planner: {separation_m: 0.375}\n"),
@@ -321,7 +321,7 @@ TEST(ScenarioRules, TargetsHaveIdsPlacesAndSpeedsThatCanBe) {
             "f:6: targets[0].start: (9.5, 1) m is outside world.bounds");
   EXPECT_EQ(answer_to(base + "  - {}\ntarget_truth: {speed_min_mps: 1.5, speed_max_mps: 1}\n"),
             "f:7: target_truth.speed_min_mps: must be at most speed_max_mps, 1, is 1.5");
-  // Of a list that is not too long the first that is wrong is named instead.
+  // If the list is short enough, its first wrong entry is named instead.
   const auto many = [&](int count) {
     std::string list = "  - {id: -1}\n";
     for (int i = 1; i < count; ++i) {

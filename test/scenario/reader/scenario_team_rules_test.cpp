@@ -4,7 +4,7 @@
 
 #include "test/scenario/reader/answer_to.hpp"
 
-// What keys together must be, to the whole sentence: its numbers, its names and its line.
+// Rules between keys, tested by the whole error message: its numbers, names and line.
 
 namespace vantage::scenario {
 namespace {
@@ -15,7 +15,7 @@ using test::answer_to_two;
 using test::kDefaults;
 using test::kTargets;
 
-// In a world that is not about its origin, so that what is added and what is taken off differ.
+// The world is not centred at the origin, so that adding and subtracting an offset differ.
 TEST(ScenarioRules, GridsAndDrawsAreOfTheWorldWhereverItLies) {
   const auto world = [](double x_m, double y_m, const std::string& more) {
     const auto text = [](double a, double b) {
@@ -90,8 +90,8 @@ TEST(ScenarioRules, TeamsAgreeInOneWayAtATime) {
             "f:8: planner: attacks_max must be below the number of robots, 2, is 5");
 }
 
-// What was seen when is told with each belief, beside the targets: of the world, or of what is
-// near.
+// A belief contains, in addition to the targets, the time of the last observation of each cell: of
+// the whole world or of the neighbourhood.
 TEST(ScenarioRules, GridsFitIntoAMessage) {
   const auto with = [](const std::string& side_m, const std::string& resolution_m,
                        const std::string& neighbourhood_m, const std::string& targets = "1") {
@@ -145,7 +145,7 @@ TEST(ScenarioRules, DriversAreGivenPlansThatTheyFly) {
             "60 s where a robot's device is wire or real");
 }
 
-// Of one robot as it is by default: 2 (3 (6 + 2 · 3) + 9/4) + 0.6 + 2 · 0.2 m.
+// The limit for one robot with the defaults: 2 (3 (6 + 2 · 3) + 9/4) + 0.6 + 2 · 0.2 m.
 TEST(ScenarioRules, NeighbourhoodsAreOfTeamsThatTrackInARow) {
   const auto with = [](const std::string& neighbourhood_m, const std::string& planner) {
     return answer_to_robot("", "network: {neighbourhood_m: " + neighbourhood_m +

@@ -204,7 +204,7 @@ targets: {count: 1}
   EXPECT_EQ(a.device, DeviceSource::kWire);
   EXPECT_EQ(a.limits.radius_m, 0.3);
   EXPECT_EQ(a.limits.brake_mps2, 3.0);
-  EXPECT_EQ(a.sensor.fov_rad, 1.0);  // its own, though in another unit than the default
+  EXPECT_EQ(a.sensor.fov_rad, 1.0);  // its own value, although in another unit than the default
   EXPECT_EQ(a.sensor.range_max_m, 4.0);
   EXPECT_EQ(a.sensor.range_sigma_m, 0.7);
   EXPECT_EQ(a.sensor.calibration.range_scale, 1.02);
@@ -315,11 +315,12 @@ attacks:
     changed.replace(changed.find(what), what.size(), by);
     EXPECT_THROW(parse_scenario(changed, "jammed"), StartupError) << by;
   };
-  refused("attacks_max: 1", "attacks_max: 2");                       // nobody is left
-  refused("attacks_max: 1", "attacks_max: 1, algorithm: external");  // nobody proposes
-  refused("to_s: 20.5", "to_s: 10");                                 // no span
-  refused("robots: [B]", "robots: [C]");                             // no such robot
-  refused("to_s: 5, robots", "robots");                              // no end
+  refused("attacks_max: 1", "attacks_max: 2");  // no robot would be left
+  refused("attacks_max: 1",
+          "attacks_max: 1, algorithm: external");  // external planners publish no proposals
+  refused("to_s: 20.5", "to_s: 10");               // empty time span
+  refused("robots: [B]", "robots: [C]");           // unknown robot
+  refused("to_s: 5, robots", "robots");            // end missing
 }
 
 TEST(ParseScenario, KnowsAStatedWindFromNone) {

@@ -195,7 +195,7 @@ TEST(DiffersInUnit, IsOfTheLastPartOfTheName) {
   EXPECT_FALSE(differs_in_unit("m_range", "mm_range"));
 }
 
-/// By definition: what is left of both, with the first character of either taken off, or of both.
+/// Returns the edit distance by its recursive definition.
 std::size_t edits(std::string_view a, std::string_view b) {
   if (a.empty() || b.empty()) {
     return a.size() + b.size();
@@ -204,7 +204,7 @@ std::size_t edits(std::string_view a, std::string_view b) {
   return a[0] == b[0] ? both : 1 + std::min({both, edits(a.substr(1), b), edits(a, b.substr(1))});
 }
 
-// Against the recursive definition, of words so alike that all distances occur.
+// Compares with the recursive definition, on words so similar that all distances occur.
 TEST(NearestWord, IsTheFirstOfThoseWithTheFewestEditsIfTheyAreFew) {
   std::mt19937 random(7);
   const auto any_word = [&](std::size_t least, std::size_t most) {
@@ -245,7 +245,7 @@ TEST(NearestWord, ForgivesTwoEditsOfAShortWordAndAThirdOfALongOne) {
   EXPECT_EQ(nearest_word("abcdefghxyz", {"abcdefghi"}), "abcdefghi") << "two more, one other";
 }
 
-// "the same name with another unit, else the nearest": however long the unit is.
+// The rule "the same name with another unit, else the nearest" holds for units of any length.
 TEST(NearestWord, IsTheSameNameWithAnotherUnitBeforeAnyOther) {
   EXPECT_EQ(nearest_word("range_km", {"range_k", "range_m"}), "range_m");
   EXPECT_EQ(nearest_word("range_km", {"range_m", "range_k"}), "range_m");

@@ -13,7 +13,7 @@ namespace {
 
 scenario::Scenario lab() { return scenario::load_scenario(VANTAGE_SOURCE_DIR "/config/lab.yaml"); }
 
-// The one fault of a scenario; fails the test when there is none or another.
+// Returns the only fault of a scenario; fails the test unless there is exactly one.
 std::string only_fault(const scenario::Scenario& scenario) {
   const Preflight preflight = check_preflight(scenario);
   EXPECT_EQ(preflight.faults.size(), 1U);
@@ -42,7 +42,8 @@ TEST(CheckPreflight, SaysWhetherDetectionsNameTheirTargets) {
 
 TEST(CheckPreflight, RefusesAStartInsideItsMarginOfAWall) {
   scenario::Scenario scenario = lab();
-  scenario.robots[0].start.x_m = scenario.world.bounds.min_m.x() + 0.3;  // 0.25 + 0.1 is needed
+  scenario.robots[0].start.x_m =
+      scenario.world.bounds.min_m.x() + 0.3;  // less than the 0.25 m + 0.1 m required
   EXPECT_NE(only_fault(scenario).find("robot Q1"), std::string::npos);
   scenario.robots[0].start.x_m = scenario.world.bounds.min_m.x() + 0.36;
   EXPECT_TRUE(check_preflight(scenario).is_ready());
@@ -51,7 +52,7 @@ TEST(CheckPreflight, RefusesAStartInsideItsMarginOfAWall) {
 TEST(CheckPreflight, MeasuresTheSeparationOfStartsInSpace) {
   scenario::Scenario scenario = lab();
   scenario.robots[1].start = scenario.robots[0].start;
-  scenario.robots[1].height_m = scenario.robots[0].height_m + 0.5;  // 0.6 m is asked
+  scenario.robots[1].height_m = scenario.robots[0].height_m + 0.5;  // less than the 0.6 m required
   EXPECT_NE(only_fault(scenario).find("Q1 and Q2"), std::string::npos);
   scenario.robots[1].height_m = scenario.robots[0].height_m + 0.7;
   EXPECT_TRUE(check_preflight(scenario).is_ready());
@@ -173,7 +174,7 @@ TEST(CheckPreflight, NotesPlansThatComeAfterTheTurnTheyBeginWith) {
   scenario.planner.separation_m = 0.9;
   scenario.planner.separation_from_above = true;
   scenario.planner.obstacle_margin_m = 0.4;
-  scenario.planner.publish_margin_s = 0.35;  // 0.1 s of lead, and 1 m/s at 2 m/s2 both ways
+  scenario.planner.publish_margin_s = 0.35;  // 0.1 s for publication, and 1 m/s at 2 m/s² both ways
   EXPECT_TRUE(check_preflight(scenario).notes.empty());
   scenario.planner.publish_margin_s = 0.34;
   EXPECT_NE(all_of(check_preflight(scenario).notes).find("planner.publish_margin_s 0.35"),
@@ -202,7 +203,7 @@ TEST(CheckPreflight, SaysThatThereIsNoRobot) {
 TEST(CheckPreflight, NotesTargetsThatMoveAndAreBelievedToStand) {
   scenario::Scenario scenario = lab();
   models::TargetModel& believed = scenario.estimator.target_model;
-  believed.q = 0.0;  // no matter to an oscillator
+  believed.q = 0.0;  // the oscillator model ignores q
   EXPECT_TRUE(check_preflight(scenario).notes.empty());
   believed.kind = models::TargetKind::kRandomWalk;
   EXPECT_NE(all_of(check_preflight(scenario).notes).find("target_model: q 0"), std::string::npos);

@@ -1,4 +1,4 @@
-// The parameters of a vehicle looked at from the ground, against both emulated autopilots.
+// Checks a vehicle's parameters from the ground, against both emulated autopilots.
 
 #include "tools/check/vehicle_check.hpp"
 
@@ -30,7 +30,7 @@ struct Bench {
         scenario::AutopilotSpec{dialect, "udp://:1", 1, "", scenario::ParameterPolicy::kIgnore};
     return out;
   }
-  /// Until it is done, at most `seconds`.
+  /// Runs until the check is done, at most `seconds`.
   bool run(double seconds) {
     const Time end = now + from_seconds(seconds);
     for (; now < end && !check.is_done(now); now += Duration{5'000}) {
@@ -113,14 +113,14 @@ TEST_P(CheckVehicles, WritesNothingToAnArmedOne) {
   ASSERT_EQ(bench.check.differences().size(), 1U);
   bench.vehicle.controller().set_origin();
   const Time end = bench.now + from_seconds(40.0);
-  // Its own poses, so that it arms.
+  // Sends the vehicle its own poses, so that it arms.
   for (; bench.now < end && !bench.vehicle.controller().is_armed(); bench.now += Duration{5'000}) {
     bench.vehicle.controller().take_pose(bench.now, bench.now, {0.0, 0.0, 0.0}, 0);
     static_cast<void>(bench.vehicle.controller().arm(bench.now));
     bench.step();
   }
   ASSERT_TRUE(bench.vehicle.controller().is_armed());
-  const Time soon = bench.now + from_seconds(1.5);  // its heartbeat says so
+  const Time soon = bench.now + from_seconds(1.5);  // its heartbeat reports it as armed
   for (; bench.now < soon; bench.now += Duration{5'000}) {
     bench.step();
   }

@@ -80,7 +80,7 @@ TEST(OperatorDesk, RefusesTheSecondStationEverythingButTheEmergencyStop) {
   EXPECT_EQ(count(11, OperatorAction::kEmergencyStop), 1);
 }
 
-// A console with a wrong clock is heard: what it says is stamped by the vehicles' clock.
+// The orders of a console with a wrong clock are accepted, since they carry the vehicles' time.
 TEST(OperatorDesk, SpeaksInTheVehiclesTime) {
   for (const Duration off : {Duration(-std::chrono::hours(24)), Duration(std::chrono::hours(1)),
                              Duration(std::chrono::milliseconds(300))}) {
@@ -131,8 +131,8 @@ TEST(OperatorDesk, ShowsThatTheLogIsNotWritten) {
   EXPECT_FALSE(tell(kStart + std::chrono::seconds(8), 2000));
 }
 
-// Of a partition in one direction each end knows by itself: vehicles by the heartbeat that fails to
-// come (fault 17), the operator by the vehicles' silence.
+// In a one-way partition each end detects the fault by itself: vehicles by the missing heartbeat
+// (fault 17), the operator by the vehicles' silence.
 TEST(OperatorDesk, ShowsAVehicleThatHearsItAndIsNotHeard) {
   test::BusPair net(11, 13);
   bus::Bus& desk_bus = net.own;
@@ -150,7 +150,7 @@ TEST(OperatorDesk, ShowsAVehicleThatHearsItAndIsNotHeard) {
   EXPECT_FALSE(mentions(later, "follow"));
 }
 
-/// A station in charge whose datagrams are lost while `is_lossy` says so.
+/// A station in charge whose datagrams are lost while `is_lossy` is true.
 struct LossyDesk {
   test::BusPair net{11, 13};
   bus::Bus& vehicle = net.other;
@@ -243,7 +243,7 @@ TEST(OperatorDesk, DoesNotSayAgainWhatALaterOrderHasUndone) {
   EXPECT_EQ(lab.count(OperatorAction::kEmergencyStop), 1);
 }
 
-/// Who watches the lab's processes, and a bus for one of these.
+/// A monitor of the lab's processes, and a bus of one of them.
 struct WatchedLab {
   test::BusPair net{1, 2};
   scenario::Scenario scenario = lab();
@@ -332,7 +332,7 @@ TEST(OperatorDesk, SaysThatItIsNotHeardWhereMessagesAreSigned) {
   EXPECT_TRUE(mentions(desk.vehicle_table(kStart, ""), "--scenario"));
 }
 
-/// A console of a trial that requires signatures, and what the network carries.
+/// A console of a trial that requires signatures, and the network.
 struct SecuredConsole {
   explicit SecuredConsole(Time now) : clock(now) {
     auto authenticator = test::authenticator(test::keys_of_a_trial());
@@ -340,7 +340,7 @@ struct SecuredConsole {
     bus.secure(std::move(authenticator), clock);
     desk.emplace(bus, rules, now);
   }
-  /// Goes on for `time` in steps; `each` is called in each.
+  /// Advances the clock by `time` in steps and calls `each` in every step.
   void pass(Duration time, const std::function<void()>& each) {
     for (const Time end = clock.now() + time; clock.now() < end;) {
       clock.set(clock.now() + std::chrono::milliseconds(100));
@@ -360,7 +360,7 @@ struct SecuredConsole {
   std::optional<OperatorDesk> desk;
 };
 
-// A signed trial was recorded, ended, and is played ten seconds later.
+// A signed trial was recorded and has ended; its log is replayed ten seconds later.
 TEST(OperatorDesk, DoesNotReceiveRobotsOfALogThatIsPlayed) {
   SecuredConsole console(kStart + std::chrono::seconds(10));
   bus::VirtualClock then(kStart);
@@ -394,7 +394,8 @@ TEST(OperatorDesk, DoesNotReceiveRobotsOfALogThatIsPlayed) {
   EXPECT_TRUE(orders.was_refused());
 }
 
-// A station whose clock is wrong does not believe the vehicles, but still makes them safer.
+// A station whose clock is wrong refuses the vehicles' messages, but can still make the vehicles
+// safer.
 TEST(OperatorDesk, StampsAStopByTheClockOfVehiclesThatItRefuses) {
   const Duration off = std::chrono::hours(1);
   SecuredConsole console(kStart + off);
@@ -448,7 +449,7 @@ TEST(OperatorDesk, KeepsNoMoreVehiclesThanItHasPlacesFor) {
 
 TEST(CheckPreflight, RefusesWhatFlightSafetyWouldRefuseInFlight) {
   scenario::Scenario scenario = lab();
-  scenario.planner.separation_m = 0.5;  // two radii
+  scenario.planner.separation_m = 0.5;  // m; the sum of two radii
   EXPECT_TRUE(mentions(check_preflight(scenario).faults, "touch at that distance"));
   scenario = lab();
   scenario.robots[1].primitives.push_back({1.0, 20.0});

@@ -15,8 +15,8 @@ using models::OperatorAction;
 using Words = std::vector<std::string>;
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
-/// A console and vehicles that hear it. What they heard but heartbeats, repetitions left out:
-/// "hold Q1".
+/// A console and the vehicles that receive its orders. `heard` has their orders such as "hold Q1",
+/// without heartbeats and repetitions.
 class Asked : public ::testing::Test {
  protected:
   Asked() {
@@ -43,7 +43,7 @@ class Asked : public ::testing::Test {
     status.stamp.time = stamp;
     vehicles_.publish(bus::vehicle_channel(robot), status);
   }
-  /// `seconds` pass, in which `robots` speak.
+  /// Lets `seconds` pass, in which `robots` publish their status.
   void pass(double seconds, const Words& robots = {"Q1", "Q2"}) {
     const Time end = now + from_seconds(seconds);
     while (now < end) {
@@ -79,7 +79,7 @@ class Asked : public ::testing::Test {
 
   Time now = kStart;
   Duration ahead{};
-  bool hears_station = false;  ///< another one, in charge
+  bool hears_station = false;  ///< another station is in charge
   Words heard;
   std::vector<Time> stamps;
   Words said;
@@ -108,7 +108,7 @@ TEST_F(Asked, SafeOrdersAreSaidAtOnceAndOthersOnceItIsInCharge) {
   EXPECT_EQ(heard.back(), "arm");
 }
 
-// Two seconds after `hold` nobody begins to follow since he had asked for that before.
+// After `hold` no vehicle begins to follow because of an order from before.
 TEST_F(Asked, ASaferOrderEndsWhatStillWaitsForItsVehicles) {
   for (const OperatorAction safer :
        {OperatorAction::kHold, OperatorAction::kLand, OperatorAction::kEmergencyStop}) {
@@ -136,8 +136,8 @@ TEST_F(Asked, ASaferOrderOfOneIsNotUndoneByWhatWaitsForAll) {
   EXPECT_EQ(heard, (Words{"land Q1", "follow Q2"})) << "said last of all to Q1";
 }
 
-// A vehicle takes up one order in a turn, the most urgent: `arm` and `take-off` in one are the
-// latter.
+// A vehicle takes only the most urgent order of a turn: of `arm` and `take-off` it would take
+// `take-off`.
 TEST_F(Asked, OneEachTenthOfASecond) {
   pass(1.0);
   for (int round = 0; round < 2; ++round) {
@@ -167,7 +167,7 @@ TEST_F(Asked, OfARobotThatHasNotSpokenYetIsOfThatRobot) {
   EXPECT_FALSE(orders.was_refused());
 }
 
-// Typing errors: an emergency stop must not fail on one.
+// Orders with typing errors: an emergency stop must still work.
 TEST_F(Asked, OfARobotThatThereIsNotIsAnErrorAndAnEmergencyStopOfAll) {
   ask(OperatorAction::kEmergencyStop, "Q9");
   ask(OperatorAction::kHold, "Q8");
@@ -209,7 +209,7 @@ TEST_F(Asked, BesideAStationInChargeIsNotSaidAndSaysSo) {
   EXPECT_EQ(heard, Words{"estop"});
 }
 
-// Vehicles obey what is of now by their own clock, which was not known yet.
+// Vehicles accept only orders that are current by their clock, which the console does not know yet.
 TEST_F(Asked, BeforeAnyVehicleWasHeardIsRepeatedByTheirClock) {
   ahead = std::chrono::hours(2);
   ask(OperatorAction::kLand);

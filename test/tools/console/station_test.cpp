@@ -18,7 +18,7 @@ models::OperatorCommand beat(std::int64_t run_id, Time stamp) {
   return out;
 }
 
-/// Lets time pass in steps of 0.1 s while `other` beats (0: nobody).
+/// Lets time pass in steps of 0.1 s while the station `other` sends heartbeats (0: none).
 void pass(Station& station, double from_s, double to_s, std::int64_t other) {
   for (double t_s = from_s; t_s < to_s; t_s += 0.1) {
     if (other != 0) {
@@ -30,7 +30,7 @@ void pass(Station& station, double from_s, double to_s, std::int64_t other) {
 
 TEST(Station, TakesChargeWhenNobodyElseBeats) {
   Station station(5, false, kStart);
-  station.on_command(beat(5, kStart), kStart);  // its own
+  station.on_command(beat(5, kStart), kStart);  // its own heartbeat
   pass(station, 0.0, 0.6, 0);
   EXPECT_EQ(station.role(), Role::kListening);
   EXPECT_FALSE(station.beats());
@@ -52,7 +52,7 @@ TEST(Station, IsRefusedBesideAnotherForGood) {
   }
 }
 
-// A log that is played, or one packet of yesterday, refuses nobody.
+// A replayed log, or one old packet, does not make the station give up its role.
 TEST(Station, HeedsNoHeartbeatThatIsNotOfNow) {
   Station station(5, false, kStart);
   for (double t_s = 0.0; t_s < 3.0; t_s += 0.1) {

@@ -28,7 +28,8 @@ TEST(TrialDisplay, SaysALineAndItsWordsEveryFiveSeconds) {
   EXPECT_TRUE(display.is_due(from_utime(6'000'000)));
 }
 
-// What it throws ends `vantage up`, and with it every driver in flight: its terminal may be gone.
+// An exception here would end `vantage up` and with it every driver in flight; the terminal may be
+// gone.
 TEST(TrialDisplay, GoesOnWhereNobodyReadsWhatItSays) {
   const int kept = dup(STDERR_FILENO);
   const int full = open("/dev/full", O_WRONLY);

@@ -17,7 +17,7 @@ namespace {
 
 using Rows = std::vector<TableRow>;
 
-/// The robot at x = t for ten seconds, poses each second but between 4 and 7.
+/// Returns the poses of a robot at x = t for ten seconds, one per second except between 4 and 7.
 Rows way() {
   Rows out;
   for (const double t : {0.0, 1.0, 2.0, 3.0, 4.0, 7.0, 8.0, 9.0, 10.0}) {
@@ -36,17 +36,17 @@ Rows ranges_of(const std::string& beacon, int count) {
 
 TEST(PlaceRanges, PutsRangesBetweenPosesAndCountsTheOthers) {
   Rows rows = ranges_of("A", 12);
-  rows.push_back({"A", {-0.5, 5.0}});  // before
-  rows.push_back({"A", {10.5, 5.0}});  // after
+  rows.push_back({"A", {-0.5, 5.0}});  // before the first pose
+  rows.push_back({"A", {10.5, 5.0}});  // after the last pose
   rows.push_back({"A", {5.0, 5.0}});   // in the gap
-  rows.push_back({"A", {7.0, 5.0}});   // at a pose beside it
-  rows.push_back({"A", {0.25, 5.0}});  // twice
-  rows.push_back({"A", {0.25, 5.5}});  // the same instant, another range
+  rows.push_back({"A", {7.0, 5.0}});   // at the pose next to the gap
+  rows.push_back({"A", {0.25, 5.0}});  // a duplicate
+  rows.push_back({"A", {0.25, 5.5}});  // at the same time, with another range
   rows.push_back({"A", {0.0, 5.0}});   // at the first pose
-  rows.push_back({"A", {10.0, 5.0}});  // at the last
+  rows.push_back({"A", {10.0, 5.0}});  // at the last pose
   Table table{rows, 2, true};
   Table poses{way(), 1, false};
-  poses.rows.push_back({"", {3.0, 99.0, 99.0}});  // of the instant of one before it
+  poses.rows.push_back({"", {3.0, 99.0, 99.0}});  // same time as the pose before it
   const RangeRecording recording = place_ranges(table, poses, 1.0);
   EXPECT_EQ(recording.ranges.size(), 16u);
   EXPECT_EQ(recording.not_finite, 3);
@@ -148,7 +148,8 @@ TEST(FitRangesOfPlaza, FindsScaleAndBeacons) {
     EXPECT_LT(report.surveys[b]->error_m, 0.15);
     EXPECT_GT(report.fit.beacons[b].probability, 0.99);
   }
-  // Four beacons of two coordinates: χ² of eight; below 0.21 once in a thousand.
+  // χ² of four beacons with two coordinates: eight degrees of freedom, below 0.21 with probability
+  // 0.001.
   EXPECT_LT(mean_nees(report).value(), 3.0);
   EXPECT_GT(mean_nees(report).value(), 0.2);
   ASSERT_TRUE(report.held_back.has_value());

@@ -14,7 +14,8 @@
 namespace vantage::tools {
 namespace {
 
-/// A drawn recording, its first beacon surveyed, and one that nobody heard.
+/// Returns the report of a simulated recording whose first beacon is surveyed, plus a beacon
+/// without ranges.
 RangeReport drawn_report() {
   const auto scene = estimator::test::draw_range_scene(21, {});
   RangeRecording recording;

@@ -24,7 +24,7 @@ using scenario::any_number;
 using scenario::Node;
 using scenario::Value;
 
-/// What the parser says of `text`; "" when it has nothing against it.
+/// Returns the parser's error for `text`; "" if it is accepted.
 std::string refusal_of(const std::string& text) {
   try {
     static_cast<void>(parse_json(text, "p.json"));
@@ -38,7 +38,7 @@ std::vector<Value> items_of(const std::string& text) { return parse_json(text, "
 
 std::uint64_t bits(double value) { return std::bit_cast<std::uint64_t>(value); }
 
-/// Expects that the reader finds in `value` what nlohmann's own tree has, numbers to the bit.
+/// Expects the same content in `value` as in nlohmann's own tree; numbers are equal to the bit.
 void expect_same(const Value& value, const json& oracle) {
   if (oracle.is_object()) {
     ASSERT_EQ(value.node->kind, Node::Kind::kMapping);
@@ -101,7 +101,7 @@ TEST(ParseJson, ReadsTextsWithAllTheirEscapes) {
 }
 
 TEST(ParseJson, KnowsTheLineOfEveryValue) {
-  // Whatever stands between, in texts and at the ends of lines.
+  // White space and special characters between values, in strings and at the ends of lines.
   const std::string text =
       "\xEF\xBB\xBF\n[1,\r\n\t\"a\\\"]\\\\\" , \"\\u000a,\",\n {\"k:{\" :\n\n -1.5e3}\n, [\n], "
       "true\n,"
@@ -157,7 +157,7 @@ TEST(ParseJson, TakesNoTextForANumberAndNoNumberForAText) {
 TEST(ParseJson, RefusesWhatIsNoJsonWithLineAndColumn) {
   struct Refused {
     std::string text;
-    std::string refusal;  ///< how it begins
+    std::string refusal;  ///< beginning of the error
   };
   const Refused cases[] = {
       {"{\n  \"T\": 1,\n  \"q\" 2\n}", "p.json:3:7: not JSON: syntax error"},
@@ -186,7 +186,7 @@ TEST(ParseJson, RefusesWhatIsNoJsonWithLineAndColumn) {
   }
 }
 
-// What YAML would take.
+// Text that YAML would accept.
 TEST(ParseJson, RefusesWhatIsYamlAlone) {
   for (const char* text : {"[1,,2]", "[1,]", "{\"a\": 1,}", "{a: 1}", "{\"a\": .5}", "[01]", "[+1]",
                            "['a']", "[a]", "[1] # one", "a: 1", "- 1", "[0x1F]", "[.inf]", "[~]"}) {

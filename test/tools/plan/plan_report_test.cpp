@@ -29,8 +29,8 @@ PlanOutcome solve(const PlanningProblem& planning, std::string_view algorithm,
   return outcome;
 }
 
-// The cost of the printed controls by nothing but the printed problem: dense matrices, explicit
-// inverses, unicycle motion in closed form; H at the true distance.
+// Computes the cost of the printed controls from the printed problem alone: dense matrices,
+// explicit inverses, unicycle motion in closed form, H at the true distance.
 double rescore(const PlanningProblem& planning, const json& printed) {
   const planner::SearchProblem& problem = planning.problem;
   const models::SensorModel& sensor = problem.sensors[0];
@@ -90,7 +90,7 @@ double rescore(const PlanningProblem& planning, const json& printed) {
   return cost;
 }
 
-// Every millimetre of the way, by the closed form of the arc.
+// Checks every millimetre of the path by the closed form of the arc.
 void expect_clear_way(const PlanningProblem& planning, const json& printed) {
   Pose2 from = planning.problem.start;
   for (const json& control : printed["controls"]) {
@@ -170,7 +170,7 @@ TEST(PlanReport, DrawsThePlan) {
   EXPECT_EQ(count("class=\"view\""), planning.problem.horizon_steps);
 }
 
-// The public problems lie beside the data, if at all.
+// The public problems are in the folder next to the data, if they exist.
 TEST(PlanReport, ScoresThePublicProblems) {
   const std::filesystem::path folder =
       std::filesystem::path(VANTAGE_DATA_DIR).parent_path() / "problems";

@@ -24,7 +24,7 @@ json file(const std::string& name) { return json::parse(text_of(name)); }
 
 PlanningProblem parse(const json& document) { return parse_problem(document.dump(), "p.json"); }
 
-/// What the reader says of `text`; "" when it has nothing against it.
+/// Returns the reader's error for `text`; "" if it is accepted.
 std::string refusal_of(const std::string& text) {
   try {
     static_cast<void>(parse_problem(text, "p.json"));
@@ -82,7 +82,7 @@ TEST(ParseProblem, TakesTheFieldOfViewAsTheFullAngle) {
   EXPECT_FALSE(models::in_view(sensor, at, towards(-47.1)));
 }
 
-// A problem whose one target lies 70° off the heading: out of sight of 94°, in sight of 188°.
+// The only target lies 70° off the heading: outside a field of view of 94°, inside one of 188°.
 TEST(ParseProblem, CostsWhatTheFullAngleSees) {
   json document = file("tracking.json");
   document["map"].erase("obstacles");
@@ -141,12 +141,12 @@ TEST(ParseProblem, LetsAMovingTargetHaveNoNoise) {
   EXPECT_DOUBLE_EQ(parse(document).problem.targets[0].model.q, 0.0);
 }
 
-/// One change of tracking.json that must be refused. The '@' in `becomes` stands on the line that
-/// the message must name; it is taken out before reading.
+/// One change of tracking.json that must be refused. The '@' in `becomes` marks the line that the
+/// message must name; it is removed before reading.
 struct BadEdit {
   const char* was;
   const char* becomes;
-  const char* words;  ///< after "p.json:line: ", from its beginning
+  const char* words;  ///< beginning of the error after "p.json:line: "
 };
 
 // clang-format off

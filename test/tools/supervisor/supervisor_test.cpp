@@ -23,14 +23,14 @@ namespace {
 
 using std::chrono::milliseconds;
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
-const milliseconds kLong(30'000);  // never reached: every wait below is for something certain
+const milliseconds kLong(30'000);  // never reached: each wait below ends for certain
 
 TEST(Child, TellsHowItEnded) {
   Result<Child> good = Child::start({"true"});
   ASSERT_TRUE(good.ok());
   Child child = std::move(good).value();
   EXPECT_TRUE(child.wait(kLong)->is_success());
-  EXPECT_TRUE(child.wait(kLong)->is_success());  // and goes on telling
+  EXPECT_TRUE(child.wait(kLong)->is_success());  // the result stays available
 
   Child bad = std::move(Child::start({"sh", "-c", "exit 3"})).value();
   EXPECT_EQ(bad.wait(kLong)->describe(), "exit 3");
@@ -59,7 +59,7 @@ TEST(Child, IsGoneWithItsOwner) {
     pid = child.pid();
     EXPECT_EQ(::kill(pid, 0), 0);
   }
-  EXPECT_EQ(::kill(pid, 0), -1);  // reaped, not merely a zombie
+  EXPECT_EQ(::kill(pid, 0), -1);  // reaped, not just a zombie
 }
 
 TEST(Child, IsGoneWithWhatItHasStarted) {
@@ -74,7 +74,7 @@ TEST(Child, IsGoneWithWhatItHasStarted) {
     ::close(pipe_fds[1]);
     ASSERT_EQ(::read(pipe_fds[0], text.data(), text.size()), 6);
   }
-  pollfd ended{pipe_fds[0], POLLIN, 0};  // once nobody is left who could write
+  pollfd ended{pipe_fds[0], POLLIN, 0};  // signalled when no process holds the write end
   ASSERT_EQ(::poll(&ended, 1, static_cast<int>(kLong.count())), 1) << "it lives on";
   EXPECT_EQ(::read(pipe_fds[0], text.data(), text.size()), 0);
   ::close(pipe_fds[0]);
@@ -133,7 +133,7 @@ TEST(Supervisor, StartsADeadProcessAgainAfterItsBackOffAndNotBefore) {
   EXPECT_GT(status.pid, 0);
 }
 
-// Seen with PX4: "exit 255", again and again; why stood in a file that nobody was told of.
+// PX4, for instance, repeats "exit 255" and gives the reason only in its output file.
 TEST(Supervisor, TellsWhatAProcessSaidLastThatWritesIntoAFileOfItsOwn) {
   const test::TemporaryFolder folder;
   Supervisor supervisor;
@@ -191,9 +191,9 @@ TEST(Supervisor, StartsNothingAgainOnceAllWereToEnd) {
   EXPECT_EQ(supervisor.status(0)[0].phase, SupervisedPhase::kEnded);
 }
 
-/// Starts one that does not end by SIGTERM.
+/// Starts a process that ignores SIGTERM.
 void start_stubborn(Supervisor& supervisor) {
-  // It says so once it ignores the signal: only then may we send it.
+  // It creates the file once it ignores the signal; a signal before that would end it.
   const std::string ready = ::testing::TempDir() + "vantage_stubborn_" + std::to_string(::getpid());
   ::remove(ready.c_str());
   supervisor.start(
@@ -208,7 +208,7 @@ TEST(Supervisor, KillsThoseThatWillNotEndOnceItIsInAHurry) {
   supervisor.start({"polite", {"sleep", "1000"}}, 0);
   start_stubborn(supervisor);
   const pid_t stubborn = supervisor.find("stubborn")->pid();
-  // Not before the polite one has ended, and long before patience is.
+  // True once the polite one has ended, long before the patience of an hour is over.
   const auto hurry = [&] { return supervisor.find("polite")->wait(milliseconds(0)).has_value(); };
   EXPECT_EQ(supervisor.stop_all(std::chrono::hours(1), hurry),
             std::vector<std::string>{"stubborn"});
@@ -228,8 +228,8 @@ TEST(Supervisor, EndsEveryoneAndKillsThoseThatWillNot) {
   EXPECT_EQ(::kill(stubborn, 0), -1);
 }
 
-/// A program that is started as ours are: it gives signs of life, lets stop signals in, and does
-/// what `script` (Python) does. sign(b) writes the byte b, which describes its vehicle.
+/// Returns a program that behaves like one of ours: it reports on its life line, unblocks stop
+/// signals and runs `script` (Python). sign(b) writes the byte b, which describes its vehicle.
 ProcessSpec ours(const std::string& name, const std::string& script) {
   ProcessSpec spec{name,
                    {"python3", "-c",
@@ -245,7 +245,7 @@ ProcessSpec ours(const std::string& name, const std::string& script) {
   return spec;
 }
 
-/// Polls until `holds`, the time going on by 50 ms each 5 ms; events are kept.
+/// Polls until `holds`, advancing the time by 50 ms every 5 ms; keeps the events.
 struct Watched {
   explicit Watched(RestartPolicy policy = {}) : supervisor(policy) {}
 
@@ -278,7 +278,7 @@ ProcessSpec driver(const std::string& script) {
   return spec;
 }
 
-// Whatever comes or does not come over the network.
+// The pipe alone decides, whatever is received over the network.
 TEST(Supervisor, KillsAProcessWhosePipeGivesNoMoreSigns) {
   Watched watched;
   watched.supervisor.start(ours("planner Q1", "sign(b'?')\ntime.sleep(1000)"), watched.now_ns);
@@ -336,7 +336,7 @@ TEST(Supervisor, WaitsForADriverThatLandsAndDoesNotStartItAgain) {
   EXPECT_EQ(watched.count(Kind::kStarted), 0);
 }
 
-// Its successor, which has nothing but the pipe of its own, is asked at once, however early.
+// The restarted driver, which reports on its own pipe, is asked to end at once, however early.
 TEST(Supervisor, StartsADriverAgainThatFailsInTheAirWhileItIsToEnd) {
   const test::TemporaryFolder folder;
   const std::string mark = folder.path() + "/failed";

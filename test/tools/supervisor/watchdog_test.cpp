@@ -10,7 +10,7 @@ namespace {
 constexpr Time at(double s) { return from_utime(static_cast<std::int64_t>(s * 1e6)); }
 using Names = std::vector<std::string>;
 
-/// What is overdue until `end_s`, as one that looks each 0.1 s from `begin_s` on finds it.
+/// Returns the processes found overdue by checks every 0.1 s from `begin_s` to `end_s`.
 Names looked_at(Watchdog& dog, double begin_s, double end_s) {
   Names out;
   for (double now_s = begin_s; now_s < end_s + 0.05; now_s += 0.1) {
@@ -37,15 +37,15 @@ TEST(Watchdog, WaitsForTheVeryFirstSignHoweverLong) {
   Watchdog dog;
   dog.watch("a", 1.0);
   EXPECT_EQ(looked_at(dog, 0.0, 100.0), Names{});
-  dog.on_start("a", at(100.0));  // it may be one that never says anything
+  dog.on_start("a", at(100.0));  // it may be a process that never reports
   EXPECT_EQ(looked_at(dog, 100.0, 200.0), Names{});
 }
 
-// Flown: a planner that was hung up again before it had said a word was left so for good.
+// A planner that hangs again before its first sign must be found, too.
 TEST(Watchdog, OneThatIsStartedAgainHasAWhileForItsFirstSign) {
   Watchdog dog;
   dog.watch("a", 1.0);
-  for (const double begin_s : {100.0, 200.0}) {  // and once more
+  for (const double begin_s : {100.0, 200.0}) {  // the second round must give the same result
     dog.on_sign("a", at(begin_s));
     EXPECT_EQ(looked_at(dog, begin_s, begin_s + 1.5), Names{"a"});
     dog.on_end("a");
@@ -81,21 +81,22 @@ TEST(Watchdog, SignsOfStrangersAreNobodys) {
   EXPECT_EQ(looked_at(dog, 0.0, 10.0), Names{});
 }
 
-// Ctrl-Z, a machine that is put to sleep, a host that gives no processor: who does not look hears
-// nothing, and that is not the others' silence.
+// While the supervisor itself does not run (Ctrl-Z, suspend, no processor) it receives nothing.
+// This time does not count as silence of the others.
 TEST(Watchdog, TimeInWhichNobodyLookedIsNobodysSilence) {
   Watchdog dog;
   dog.watch("a", 1.0);
   dog.watch("b", 1.0);
   double now_s = 0.0;
-  for (const double away_s : {0.9, 5.0, 3600.0}) {  // and once more
+  for (const double away_s : {0.9, 5.0, 3600.0}) {  // with growing pauses
     dog.on_sign("a", at(now_s));
     dog.on_start("b", at(now_s));
     dog.on_sign("b", at(now_s));
     EXPECT_EQ(looked_at(dog, now_s, now_s + 0.5), Names{});
     now_s += 0.5 + away_s;
     EXPECT_EQ(dog.overdue(at(now_s)), Names{}) << "after " << away_s << " s";
-    // What had come in meanwhile is handled after it; `b` has been silent before and after it.
+    // Signs that arrived during the pause are handled after it; `b` is silent before and after the
+    // pause.
     dog.on_sign("a", at(now_s));
     const double left_s = 1.0 - 0.5 - Watchdog::kLookS;
     EXPECT_EQ(looked_at(dog, now_s, now_s + left_s - 0.01), Names{});
@@ -105,7 +106,7 @@ TEST(Watchdog, TimeInWhichNobodyLookedIsNobodysSilence) {
   }
 }
 
-// A sign that is handled at the end of the pause, before the look that notices it.
+// The sign is handled at the end of the pause, before the check that notices the pause.
 TEST(Watchdog, ASignIsNeverLaterThanNow) {
   Watchdog dog;
   dog.watch("a", 1.0);

@@ -15,7 +15,7 @@ using models::OperatorAction;
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
-/// A vehicle as flight safety has it: armed on request, in the air once its motors run.
+/// A vehicle as flight safety operates it: arms on request, in the air once its motors run.
 struct Vehicle {
   std::string name = "Q1";
   FlightState state = FlightState::kIdle;
@@ -93,7 +93,7 @@ struct Trial {
 
 TEST(FlightProgram, TakesEveryVehicleUpAndDown) {
   Trial trial({"Q1", "Q2"});
-  trial.vehicles[1].arming = std::chrono::seconds(25);  // as ArduPilot does
+  trial.vehicles[1].arming = std::chrono::seconds(25);  // as long as ArduPilot needs
   trial.run(20.0);
   EXPECT_EQ(trial.vehicles[0].state, FlightState::kFollow);
   EXPECT_EQ(trial.vehicles[1].state, FlightState::kIdle);
@@ -127,10 +127,10 @@ TEST(FlightProgram, LeavesAVehicleToAnotherStationButLandsItAtTheEnd) {
   models::OperatorCommand hold;
   hold.stamp.time = trial.now - std::chrono::hours(24);
   hold.action = OperatorAction::kHold;
-  trial.program.on_other_station(hold, trial.now);  // a log that is played
+  trial.program.on_other_station(hold, trial.now);  // from a replayed log
   hold.stamp.time = trial.now;
   hold.action = OperatorAction::kHeartbeat;
-  trial.program.on_other_station(hold, trial.now);  // that it is there changes nothing
+  trial.program.on_other_station(hold, trial.now);  // a heartbeat alone changes nothing
   hold.action = OperatorAction::kHold;
   hold.robot = "Q2";
   trial.program.on_other_station(hold, trial.now);

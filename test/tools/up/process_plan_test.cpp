@@ -27,7 +27,7 @@ TEST(ProcessPlan, HasOneSimulatorAndThreeProcessesARobot) {
                                       "udpm://x", "--robot", "Q2"}));
 }
 
-// Drivers and the mocap driver alone: what computes for long would take the machine from them.
+// Only drivers and the mocap driver: long computations at this priority would block them.
 TEST(ProcessPlan, GivesDriversThePriorityThatIsGranted) {
   scenario::Scenario scenario = two_robots();
   scenario.mocap.device = scenario::DeviceSource::kWire;
@@ -92,7 +92,7 @@ scenario::Scenario on_the_wire() {
   return scenario;
 }
 
-// Poses are needed within half a second, and a simulator that is started again is a new world.
+// Poses are needed within half a second, and a restarted simulator begins a new world.
 TEST(ProcessPlan, WatchesDriversAndMocapFourTimesAsCloselyAsTheOthersAndNoFirmware) {
   for (const ProcessSpec& process : process_plan(on_the_wire(), {".", "s.yaml", "", ""})) {
     const bool is_driver = process.name.starts_with("quadrotor ");
@@ -133,7 +133,7 @@ TEST(ProcessPlan, StartsPx4InItsFolderWithOurParametersInItsEnvironment) {
     return std::find(words.begin(), words.end(), word) != words.end();
   };
   EXPECT_EQ(words.front(), "/usr/bin/env");
-  EXPECT_TRUE(has("PX4_PARAM_EKF2_EV_CTRL=15"));  // of config/autopilot/px4.params
+  EXPECT_TRUE(has("PX4_PARAM_EKF2_EV_CTRL=15"));  // from config/autopilot/px4.params
   EXPECT_TRUE(has("PX4_PARAM_MAV_SYS_ID=7"));
   EXPECT_EQ(std::vector<std::string>(words.end() - 7, words.end()),
             (std::vector<std::string>{"/bin/sh", "-d", "-i", "0", "-w", "/var/flights/firmware/Q1",
