@@ -1,5 +1,5 @@
-# Sourced by a script that is run as SCRIPT VANTAGE …: $vantage, a folder $work that is gone at the
-# end, and `fail WORDS`, which shows $work/out where there is one.
+# Sourced by scripts that are run as SCRIPT VANTAGE …: sets $vantage and $work, a folder that is removed at
+# the end, and defines `fail WORDS`, which shows $work/out if it exists.
 set -euo pipefail
 vantage=$1
 work=$(mktemp -d)

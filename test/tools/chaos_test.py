@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""chaos_test.py SOURCE_DIR: tools/dev/chaos finds what is wrong with a flight, and tools/dev/soak what grows."""
+"""chaos_test.py SOURCE_DIR: tools/dev/chaos finds the faults of a flight, and tools/dev/soak finds quantities that
+grow."""
 import copy
 import importlib.machinery
 import importlib.util
@@ -50,7 +51,7 @@ def test_arrivals_are_told_apart():
 def test_reactions_are_those_to_gaps_while_following():
     fresh = [0.0, 0.02, 1.02, 1.04, 2.04]
     statuses = [(0.0, "follow"), (0.13, "hold"), (1.03, "hold"), (1.5, "follow")]
-    # The second gap finds it in HOLD already.
+    # The vehicle is already in HOLD during the second gap.
     assert [round(each, 2) for each in CHAOS.reactions(fresh, statuses)] == [0.11]
     assert CHAOS.reactions(fresh, [(0.0, "follow")]) == [None, None]
 
@@ -88,7 +89,7 @@ def test_what_grows_is_a_fault():
 
 
 def test_memory_that_grows_for_hours_is_a_fault():
-    kib_per_s = 1024 / 86_400  # a MiB a day
+    kib_per_s = 1024 / 86_400  # 1 MiB per day
 
     def rises(mib_per_day, period_s=300.0):
         return soaked(lambda i: 9, lambda i: 1000 + mib_per_day * kib_per_s * period_s * i, period_s)[1]

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# completion.sh COMPLETION VANTAGE: what bash offers after some words.
+# completion.sh COMPLETION VANTAGE: the words that bash completion offers.
 set -euo pipefail
 source "$1"
-offered() {  # offered WORD…: the last is being typed
+offered() {  # offered WORD…: the last word is incomplete
   COMP_WORDS=("$@")
   COMP_CWORD=$(($# - 1))
   COMPREPLY=()
@@ -21,7 +21,7 @@ expect "$(offered "$2" experiment dls-savings --smo)" --smoke
 expect "$(offered "$2" trial config/lab.yaml --duration)" --duration-s
 expect "$(offered "$2" trial fli)" ""
 
-# Whatever --help lists is offered, and nothing else, on every level.
+# Exactly the words that --help lists are offered, on every level.
 listed() { "$@" --help | awk '/^$/ {on = 0} on {print $1} /^Subcommands:/ {on = 1}' | sort -u | xargs; }
 every_level() {  # every_level VANTAGE WORD…
   local name names

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""coverage_test.py SOURCE_DIR: what tools/dev/coverage adds up, by folder, of what gcovr says of files."""
+"""coverage_test.py SOURCE_DIR: tools/dev/coverage adds up gcovr's numbers for files by folder."""
 
 import importlib.machinery
 import importlib.util

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# experiments.sh VANTAGE: every experiment runs, whole and in shards, and goes on after kill -9.
+# experiments.sh VANTAGE: every experiment runs, as a whole and in shards, and continues after kill -9.
 source "$(dirname "$0")/begin.sh"
 
-# All that must not depend on how it was run.
+# Compares all files that must not depend on how the experiment was run.
 same() {
   diff -r -x rows -x manifest.json -x 'times.*' "$1" "$2" || fail "$1 and $2 differ"
 }
@@ -18,7 +18,7 @@ for name in "${names[@]}"; do
   for file in report.md manifest.json times.csv; do
     [[ -s "$work/$name/$file" ]] || fail "$name: no $file"
   done
-  # Each picture that the report shows is there, where gnuplot is.
+  # Each picture of the report exists if gnuplot is installed.
   if command -v gnuplot > /dev/null; then
     for png in $(sed -n 's/^!\[.*\](\(.*\))$/\1/p' "$work/$name/report.md"); do
       [[ -s "$work/$name/$png" && -s "$work/$name/${png%.png}.svg" ]] || fail "$name: no $png"
@@ -27,7 +27,7 @@ for name in "${names[@]}"; do
   fi
 done
 
-# Shards, on one machine or many: the same bytes, and nothing is run in collecting.
+# Shards, on one machine or many, give the same bytes, and collecting them runs nothing.
 for i in 1 2 3; do
   "$vantage" experiment dls-objective --smoke --shard "$i/3" --out "$work/shards" > "$work/out"
   grep -q "^shard $i/3: 2 units done" "$work/out" || fail "shard $i: $(cat "$work/out")"
@@ -36,7 +36,7 @@ done
 [[ $(find "$work/shards/rows" -type f | wc -l) == 3 ]] || fail "collecting ran something"
 same "$work/dls-objective" "$work/shards"
 
-# Killed as soon as a row is there: the same command goes on, to the same bytes.
+# Killed as soon as one row exists: the same command continues, to the same bytes.
 "$vantage" experiment dls-objective --smoke --out "$work/killed" > "$work/out" &
 pid=$!
 until [[ $(cat "$work"/killed/rows/*.jsonl 2> /dev/null | wc -l) -ge 2 ]]; do
@@ -52,7 +52,7 @@ again=$(cat "$(ls -t "$work"/killed/rows/*.jsonl | head -1)" | wc -l)
 ((lines == 7 || lines - 1 + again - 1 == 6)) || fail "$lines lines before and $again after"
 same "$work/dls-objective" "$work/killed"
 
-# Ctrl-C ends it with rows kept and says how to go on.
+# Ctrl-C ends it, keeps the rows and prints how to continue.
 "$vantage" experiment dls-objective --seed 9 --out "$work/stopped" > "$work/out" 2> "$work/err" &
 pid=$!
 until [[ -n "$(ls "$work"/stopped/rows 2> /dev/null)" ]]; do
@@ -65,13 +65,13 @@ wait "$pid" || code=$?
 grep -q 'rows are kept. To go on: vantage experiment dls-objective --seed 9 --trials 50 --out' \
   "$work/err" || fail "Ctrl-C said: $(cat "$work/err")"
 
-# Another run's directory is refused, by the rule's name.
+# A directory of another run is refused, and the message names the rule.
 code=0
 "$vantage" experiment dls-objective --smoke --seed 2 --out "$work/shards" 2> "$work/err" || code=$?
 [[ $code == 2 ]] || fail "another seed's directory gave exit code $code"
 grep -q 'another seed' "$work/err" || fail "it said: $(cat "$work/err")"
 
-# A share that is none.
+# Invalid shards.
 for shard in 0/3 4/3 3 1/0 1/3x; do
   code=0
   "$vantage" experiment dls-objective --smoke --shard "$shard" --out "$work/none" 2> "$work/err" || code=$?
@@ -79,7 +79,7 @@ for shard in 0/3 4/3 3 1/0 1/3x; do
 done
 [[ ! -e "$work/none" ]] || fail "a refused command made its directory"
 
-# Slurm is asked for where there is none: in words, and nothing is run.
+# Slurm is requested where it does not exist: an error message, and nothing is run.
 code=0
 PATH=/nonexistent "$vantage" experiment dls-objective --smoke --slurm --out "$work/slurm" \
   2> "$work/err" || code=$?

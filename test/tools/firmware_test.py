@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""firmware_test.py SOURCE_DIR: tools/dev/firmware finds what goes against a limit in what the judge of a log says."""
+"""firmware_test.py SOURCE_DIR: tools/dev/firmware finds violated limits in the output of hil_check."""
 import importlib.machinery
 import importlib.util
 import pathlib
@@ -12,7 +12,7 @@ _loader.exec_module(FIRMWARE)
 
 
 def said(what, further_m=0.30, outside_m=-0.20, down_s=-1.0, states=""):
-    """Two lines of hil_check --events; 0.50 m are budgeted."""
+    """Returns two lines of hil_check --events with a budget of 0.50 m."""
     return (f"{what} Q1: 0.98 m/s, {further_m:.2f} m further (0.50 budgeted), {outside_m:.2f} m outside, inf m from "
             f"others, 0.10 m off course, down after {down_s:.1f} s\nSAID {what} Q1{states}\n")
 
@@ -28,8 +28,8 @@ def test_what_keeps_its_limits_is_not_told():
 
 def test_who_goes_farther_than_budgeted_is():
     assert len(FIRMWARE.broken(said("hold", further_m=0.53))) == 1
-    assert FIRMWARE.broken(said("hold", further_m=0.52)) == []  # between two frames of the truth
-    assert FIRMWARE.broken(said("cut", further_m=0.90, down_s=5.0)) == []  # the bounds are asked for
+    assert FIRMWARE.broken(said("hold", further_m=0.52)) == []  # within the motion between two TRUTH frames
+    assert FIRMWARE.broken(said("cut", further_m=0.90, down_s=5.0)) == []  # only the bounds are judged
 
 
 def test_who_leaves_the_bounds_by_more_is():
@@ -45,7 +45,7 @@ def test_who_stays_up_is():
     assert len(FIRMWARE.broken(said("kill:quadrotor", down_s=10.1, states="; land 1.9"))) == 1
     assert FIRMWARE.broken(said("stop:up", down_s=10.9, states="; hold 1.0; land 3.0")) == []
     assert len(FIRMWARE.broken(said("stop:up", down_s=11.1, states="; hold 1.0; land 3.0"))) == 1
-    # Held long after is not held in time.
+    # A hold long after the event is not in time.
     assert len(FIRMWARE.broken(said("kill:quadrotor", down_s=20.0, states="; hold 8.5"))) == 1
 
 

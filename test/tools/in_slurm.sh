@@ -1,25 +1,24 @@
 #!/usr/bin/env bash
-# in_slurm.sh [--nodes N] COMMAND [ARGS…]: runs COMMAND on the head of a Slurm cluster of its own: N
-# nodes (1 when not given) of two cores, node1, node2, …, each with hostname, network card, processes
-# and spool folder of its own, and the file system in common. Nothing reaches or survives outside.
-# Exit code 77: cannot.
-#   kill -9 "$(cat "$IN_SLURM/node2.pid")"   a node loses its power: all that runs there is gone
-#   ip link set node2 down                   its cable is drawn: what runs there goes on
+# in_slurm.sh [--nodes N] COMMAND [ARGS…]: runs COMMAND on the head of its own Slurm cluster: N nodes
+# (default 1) of two cores, node1, node2, …, each with its own hostname, network card, processes and spool
+# folder, and a common file system. Nothing reaches or survives outside. Exit code 77: not possible here.
+#   kill -9 "$(cat "$IN_SLURM/node2.pid")"   power failure of a node: all its processes are gone
+#   ip link set node2 down                   its cable is unplugged: its processes go on
 set -euo pipefail
 
-# A node or the head: what each of them has alone is in $own.
+# For a node or the head; $own is its private folder.
 start_munge() {
   own=$IN_SLURM/own
   mount -t tmpfs none "$own"
   chmod 755 "$own"
   mkdir "$own/spool"
   cp -p "$IN_SLURM/munge.key" "$own"
-  # No shared one: it would refuse what is sent to several nodes at once as a replay.
+  # Each has its own munged. A shared one would refuse a message to several nodes as a replay.
   munged --force --socket="$own/munge.socket" --key-file="$own/munge.key" \
     --pid-file="$own/munge.pid" --log-file="$own/munge.log" --seed-file="$own/munge.seed"
 }
 
-# be_node K: within the namespaces of node K, until it is killed.
+# be_node K: runs within the namespaces of node K until it is killed.
 be_node() {
   hostname "node$1"
   until ip link show eth0 > /dev/null 2>&1; do sleep 0.05; done
@@ -30,7 +29,7 @@ be_node() {
   exec slurmd -D
 }
 
-# has_entered PID: whether it is in a network of its own by now.
+# has_entered PID: true if the process is in a separate network by now.
 has_entered() {
   [[ "$(readlink "/proc/$1/ns/net")" != "$(readlink /proc/self/ns/net)" ]]
 }
@@ -66,9 +65,9 @@ if [[ "$1" == --nodes ]]; then
 fi
 IN_SLURM=$(mktemp -d)
 export IN_SLURM SLURM_CONF=$IN_SLURM/slurm.conf
-# Nodes first: they write there.
+# Nodes first, since they write into the folder.
 leave() {
-  exec 2> /dev/null  # the shell's words on each that is killed
+  exec 2> /dev/null  # the shell's message for each killed process
   jobs -p | xargs -r kill -9 || true
   wait
   umount --lazy "$IN_SLURM/own" || true
@@ -80,8 +79,8 @@ mkdir "$IN_SLURM/own" "$IN_SLURM/state"
 dd if=/dev/urandom of="$IN_SLURM/munge.key" bs=1024 count=1 status=none
 chmod 400 "$IN_SLURM/munge.key"
 
-# A node that is not heard for SlurmdTimeout is down. cred_expire: a job that is put back into the
-# queue begins no sooner. JobRequeue=0: who wants to be put back says so.
+# A node is down after SlurmdTimeout without contact. cred_expire: a requeued job cannot start earlier.
+# JobRequeue=0: only jobs that ask for it are requeued.
 {
   cat << END
 ClusterName=alone

@@ -1,6 +1,6 @@
 #!/bin/bash
-# log_commands.sh VANTAGE SAMPLE.xz SCENARIO: every command of `vantage log` as docs/guide/logs.md shows
-# them, on the sample log and on one of a short trial of SCENARIO, and what they answer.
+# log_commands.sh VANTAGE SAMPLE.xz SCENARIO: every command of `vantage log` as shown in docs/guide/logs.md,
+# on the sample log and on the log of a short trial of SCENARIO, with the expected output.
 set -euo pipefail
 vantage=$1 sample=$2 scenario=$3
 dir=$(mktemp -d)
@@ -18,7 +18,7 @@ exits_with() { local want=$1; shift; set +e; "$@" > out.txt 2> err.txt; local go
 all=$(events flight.lcmlog)
 exits_with 0 "$vantage" log check flight.lcmlog
 
-# A torn, overwritten copy is found out, mended, and whole again.
+# A truncated and overwritten copy is detected, repaired, and then whole.
 size=$(stat -c %s flight.lcmlog)
 head -c $((size - 100)) flight.lcmlog > torn.lcmlog
 dd if=/dev/urandom of=torn.lcmlog bs=1 seek=$((size / 2)) count=300 conv=notrunc status=none
@@ -69,7 +69,7 @@ END
 json 'abs(d["range_scale"] - 1.07) < 4 * d["range_scale_sigma"] < 0.05' < fit.json | grep -q True || fail "fit-ranges: scale"
 json 'max(b["error_m"] for b in d["beacons"]) < 0.5' < fit.json | grep -q True || fail "fit-ranges: beacons"
 json '(d["ranges"]["not_finite"], d["ranges"]["used"])' < fit.json | grep -q "(1, 1000)" || fail "fit-ranges: counts"
-# Of a log: the robots' sensors measure 10 % long and targets stand still.
+# For this log the robots' sensors measure 10 % too long and targets are stationary.
 sed -e 's/range_scale: 1 *$/range_scale: 1.1/' -e 's/motion: random_waypoint/motion: still/' "$scenario" > long.yaml
 "$vantage" trial long.yaml --duration-s 240 --nodes 200 --log still.lcmlog > still.txt
 "$vantage" log fit-ranges still.lcmlog --json > still.json

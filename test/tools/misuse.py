@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""misuse.py VANTAGE SAMPLE.xz CONFIG_DIR PROBLEM: what a person does by mistake, as a table.
+"""misuse.py VANTAGE SAMPLE.xz CONFIG_DIR PROBLEM: mistakes of users, as a table.
 
-Every command that reads a file gets one that is missing, a folder, empty, torn, of another kind and
-huge; every command that writes gets a place that is not there, that is a file's, that cannot be
-written and a disk that is full; what is printed goes into a closed pipe; options and commands are
-mistyped. Always: an exit code that the table says, no crash, and with 2 one line that names the file
-(or the word) and the rule; what was there before is there afterwards.
+Every command that reads a file gets one that is missing, a folder, empty, incomplete, of another kind and
+huge. Every command that writes gets an output path in a missing folder, below a file, without write
+permission and on a full disk. Output goes into a closed pipe; options and commands are mistyped. Always:
+the exit code of the table, no crash, and with code 2 one line that names the file (or the word) and the
+rule. Files that existed before exist afterwards.
 """
 import math
 import os
@@ -15,9 +15,9 @@ import subprocess
 import sys
 import tempfile
 
-TIMEOUT_S = 240  # under a sanitizer, beside others, a huge file takes longer than 60
-HUGE_BYTES = 3 << 30  # sparse: nothing is stored
-FULL_DISK_BYTES = 20_000  # a limit on the size of files stands for it
+TIMEOUT_S = 240  # under a sanitizer, next to other tests, a huge file takes longer than 60
+HUGE_BYTES = 3 << 30  # sparse: takes no disk space
+FULL_DISK_BYTES = 20_000  # a limit on the size of files emulates the full disk
 
 SCENARIO = [
     "check {}", "trial {} --duration-s 1 --nodes 20", "up {} --no-log --duration-s 1",
@@ -26,7 +26,7 @@ PROBLEM = ["plan {} --nodes 100"]
 TABLE = [
     "log fit-ranges {} --poses way.csv", "log fit-ranges ranges.csv --poses {}",
     "log fit-ranges ranges.csv --poses way.csv --beacons {}"]
-# Of a log; what it answers to one that is empty, torn, of another kind (a picture; foreign channels).
+# Commands that read a log: exit codes for an empty, a truncated and a foreign file (a picture; other channels).
 LOG = {
     "log info {}": (0, 0, 0, 0),
     "log check {}": (0, 1, 1, 0),
@@ -38,14 +38,14 @@ LOG = {
     "log merge {} {} --out new.lcmlog": (0, 0, 0, 0),
     "log metrics {}": (2, 0, 2, 2),
     "log plot {} --out new.png": (2, 0, 2, 2),
-    "log fit-ranges {}": (2, 2, 2, 2),  # the torn one has too few ranges
+    "log fit-ranges {}": (2, 2, 2, 2),  # the truncated one has too few ranges
     "log replay {} --node planner:Q1": (2, 0, 2, 2),
     "log export {} --to csv --out new-csv": (0, 0, 0, 1),
     "log export {} --to mcap --out new.mcap": (0, 0, 0, 1),
     "log play {} --url memq:// --speed 64 --to-s 1": (0, 0, 0, 0),
-    "view {} --port 0": (2, None, 2, 2),  # a torn log is shown, until Ctrl-C
+    "view {} --port 0": (2, None, 2, 2),  # a truncated log is shown until Ctrl-C
 }
-# What each writes, and whether it needs a good input first: {i} log, {s} scenario, {p} problem.
+# The output of each command, and its valid input if it needs one: {i} log, {s} scenario, {p} problem.
 WRITERS = {
     "log repair {i} {o}": "x.lcmlog", "log slice {i} {o} --to-s 20": "x.lcmlog",
     "log filter {i} {o} --channels TRUTH": "x.lcmlog", "log rename {i} {o} --rule A=B": "x.lcmlog",
@@ -57,7 +57,7 @@ WRITERS = {
     "trial {s} --duration-s 2 --nodes 20 --svg {o}": "x.svg",
     "demo --scenario {s} --duration-s 1 --out {o}": "demo",
     "experiment dls-savings --smoke --out {o}": "results"}
-WORDS = {  # mistyped: what the line must name
+WORDS = {  # mistyped word: what the error line must name
     "trail x": "did you mean 'trial'", "log inof x": "did you mean 'info'", "nonsense": "known here",
     "trial x --sead 3": "did you mean '--seed'", "trial x --seed -1": "whole number from 0",
     "trial x --seed 18446744073709551616": "whole number from 0", "trial x --seed 1.5": "whole number",
@@ -116,7 +116,7 @@ class Place:
 
 
 def foreign_log():
-    """An LCM log of 50 events of somebody else's type."""
+    """Returns an LCM log of 50 events of an unknown type."""
     out = b""
     for number in range(50):
         channel, data = b"POSE_BODY", bytes(range(40))
@@ -128,7 +128,7 @@ def foreign_log():
 
 def fill(folder, sample, problem):
     flight = subprocess.run(["xz", "-dkc", sample], capture_output=True, check=True).stdout
-    (folder / "flight.lcmlog").write_bytes(flight[:len(flight) // 6])  # torn, and quick to read
+    (folder / "flight.lcmlog").write_bytes(flight[:len(flight) // 6])  # truncated, and quick to read
     (folder / "foreign.lcmlog").write_bytes(foreign_log())
     (folder / "picture.png").write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 20)
     (folder / "empty").touch()
@@ -181,10 +181,10 @@ def try_outputs(place):
         if not makes_folders:
             place.expect(line.format(o=f"not/there/{name}", **inputs), {1, 2}, f"not/there/{name}")
         place.expect(line.format(o=f"empty/{name}", **inputs), {1, 2}, f"empty/{name}")
-        stem = name.split(".")[0]  # a plot's script, beside it, may be what is refused
+        stem = name.split(".")[0]  # the script next to a plot may be the file that is refused
         place.expect(line.format(o=f"/proc/{name}", **inputs), {1, 2}, f"/proc/{stem}")
         if "--svg" in line or "config" in line:
-            continue  # small
+            continue  # too small to fill the disk
         place.expect(line.format(o=f"full-{name}", **inputs), {1, 2}, f"full-{stem}",
                      200 if name == "results" else FULL_DISK_BYTES)
         full = place.folder / f"full-{name}"
@@ -195,7 +195,7 @@ def try_outputs(place):
         if list(place.folder.rglob("*.part")):
             failures.append(f"'{line}' leaves half a file")
         subprocess.run(["rm", "-rf", full], check=True)
-    # Nothing that was there is lost.
+    # No existing file is lost.
     precious = place.folder / "precious"
     for line in ("log repair flight.lcmlog {}", "log export flight.lcmlog --to mcap --out {}",
                  "config copy lab {}"):

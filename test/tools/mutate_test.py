@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""mutate_test.py SOURCE_DIR: tools/dev/mutate finds each kind of bug, draws the same again, tells what a
-test notices from what it does not, goes on where it was stopped, and leaves a checkout as it was.
+"""mutate_test.py SOURCE_DIR: tools/dev/mutate finds each kind of bug, draws the same sample again, distinguishes
+mutations that a test detects from others, continues where it was stopped, and restores the checkout.
 
-On a project of its own: a library of one function, and a test of it that looks at too little.
-Exit code 77 where there is no libclang for Python."""
+It runs on a small project: a library of one function, and a test of it that checks too little.
+Exit code 77 if libclang for Python is missing."""
 
 import json
 import pathlib
@@ -23,7 +23,7 @@ ARGUMENTS = ["-std=c++20"]
 
 
 def changes(text):
-    """(operator, before, after) of each site of a source text."""
+    """Returns (operator, before, after) of each site of a source text."""
     with tempfile.NamedTemporaryFile("w", suffix=".cpp") as file:
         file.write(text)
         file.flush()
@@ -202,7 +202,7 @@ class Commands(unittest.TestCase):
 
     def test_end_that_wait_and_not_those_that_only_need_longer_than_the_clock_allows(self):
         busy = "import time\nwhile time.process_time() < 1.0: pass\nprint('done')"
-        # As its child: what runs a test is not always the test.
+        # Run as a child process, since the command of a test may start the real test.
         words = ["sh", "-c", f'{sys.executable} -c "$0"; exit $?', busy]
         self.assertEqual(0, self.code_of(words, limit_s=0.2))
         self.assertIsNone(self.code_of(["sleep", "600"], limit_s=1.0))
@@ -216,7 +216,7 @@ class Ledgers(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             book = ledger.Ledger(pathlib.Path(folder) / "ledger.jsonl")
             book.add([site(n, "abs") for n in range(4)], "core", 1)
-            self.assertEqual(0, book.add([site(2, "abs")], "core", 2))  # once only
+            self.assertEqual(0, book.add([site(2, "abs")], "core", 2))  # added only once
             for row, outcome in zip(book.rows, (ledger.KILLED, ledger.SURVIVED, ledger.SURVIVED, ledger.NOT_BUILT)):
                 book.settle(row, outcome, "abc")
             book.settle(book.rows[1], ledger.KILLED, "def", by="core.Suite.Case")
@@ -241,7 +241,7 @@ class Sweeping(unittest.TestCase):
         self.text, self.owners = sweep.text_of(self.SOURCE, self.bodies, list(enumerate(self.found)))
 
     def result(self, chosen):
-        """What the program ends with: f of 5, then g of it and 10 more."""
+        """Returns the program's exit codes: f of 5, then g of the result, plus 10."""
         with tempfile.TemporaryDirectory() as folder:
             source = pathlib.Path(folder) / "a.cpp"
             source.write_bytes(self.text + b"int main() { int n = 5; f(n); return g(n) + 10; }\n" +
@@ -330,7 +330,7 @@ int tripled(int value) { return value + 2 * value; }
 """,
     "test/vantage.cpp": "#include \"far/far.hpp\"\nint main() { return doubled(2); }\n",
     "test/guard.sh": "$1/vantage\n[ $? = 4 ]\n",
-    # Says something only where it is started as ctest does it, and takes longer than anybody knows.
+    # Detects the mutation only when started as ctest does it, and takes longer than known beforehand.
     "test/far_test.cpp": """#include <cstdlib>
 #include <ctime>
 
@@ -341,7 +341,7 @@ int main() {
   return std::getenv("ELSEWHERE") != nullptr && halved(8) == 4 ? 0 : 1;
 }
 """,
-    # Looks at what is clipped and never at what is not; the edge cannot be noticed by anybody.
+    # Checks only a clipped value, never an unclipped one; a mutation at the edge cannot be detected.
     "test/toy_test.cpp": """#include "toy/toy.hpp"
 int main() { return clipped(5, 3) == 3 && ends(4) ? 0 : 1; }
 """,
@@ -351,7 +351,7 @@ int main() { return clipped(5, 3) == 3 && ends(4) ? 0 : 1; }
 
 
 class Project(unittest.TestCase):
-    """Whole runs, on a small project. One build for all: it is what takes the time."""
+    """Whole runs on a small project. All share one build, which takes most of the time."""
 
     @classmethod
     def setUpClass(cls):
@@ -423,7 +423,7 @@ class Project(unittest.TestCase):
         endless = self.id_of("reset", "")
         said = self.mutate("--run", noticed, unnoticed, endless)
         self.assertEqual(("killed", "toy.runs"), self.outcome(noticed))
-        # Only a test with the label `long` would look there; and the other program links none of it.
+        # Only a test with the label `long` would check that; and the other program links none of it.
         self.assertIn(self.outcome(unnoticed), [("survived", "toy_test"), ("same code", "")], said)
         self.assertRegex(" ".join(self.outcome(endless)), r"killed toy.runs \(.+\)", "out of CPU time")
         self.assertNotIn("other", said)
@@ -460,7 +460,7 @@ class Project(unittest.TestCase):
         self.mutate("--sweep", "toy", "--jobs", "2")
         together = {r["id"]: r["outcome"]
                     for r in map(json.loads, (self.root / "build/mutate/sweep.jsonl").read_text().splitlines())}
-        # What compiles to the same bytes is known of those alone that are compiled alone.
+        # Identical object code is detected only for mutations that are compiled alone.
         self.assertEqual({i: "survived" if o == "same code" else o for i, o in alone.items()}, together)
         self.assert_untouched()
 
@@ -503,10 +503,10 @@ class Project(unittest.TestCase):
             self.commit()
 
     def stopped_by(self, number):
-        """A run of what never ends, stopped by a signal while the mutation is there."""
+        """Runs a mutation that never ends, and stops the run by a signal while the mutation is in place."""
         endless = self.id_of("reset", "")
         program = self.root / "build/mutate/work" / endless / "toy_test"
-        # Whoever started us in the background has us ignore Ctrl-C.
+        # A parent that started this test in the background lets it ignore Ctrl-C, so restore the default.
         run = subprocess.Popen([sys.executable, str(MUTATE), "--run", endless], cwd=self.root,
                                stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))

@@ -1,14 +1,14 @@
 #!/bin/bash
-# one_libm.sh PROGRAM…: none of them asks the C library for sin, exp, log, …, whose last bits depend on
-# the library's version and the processor; they have core/libm instead (docs/decisions/0014).
-# A function that is refused here and wanted: from double arguments, or into core/libm.
+# one_libm.sh PROGRAM…: no program calls sin, exp, log, … of the C library, whose last bits depend on the
+# library's version and the processor; core/libm replaces them (docs/decisions/0014). If a refused function
+# is needed: call it with double arguments, or add it to core/libm.
 set -euo pipefail
 one='sin|cos|tan|sincos|asin|acos|atan|atan2|sinh|cosh|tanh|asinh|acosh|atanh|exp|exp2|exp10|expm1'
 one+='|log|log2|log10|log1p|pow|cbrt|hypot|erf|erfc|tgamma|lgamma|lgamma_r|j0|j1|jn|y0|y1|yn'
 status=0
 for program in "$@"; do
-  # Of double and of float. Of long double only logl is asked for, by libstdc++'s
-  # generate_canonical: how many bits a generator has, the same whatever the last digit.
+  # For double and float. Of the long double functions only logl is called, by libstdc++'s
+  # generate_canonical, to get the number of bits of a generator; the last digit does not matter there.
   if nm --dynamic --undefined-only "$program" | grep --extended-regexp " ($one)f?(@|\$)"; then
     echo "$program asks the C library for these" >&2
     status=1

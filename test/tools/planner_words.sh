@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# planner_words.sh VANTAGE SCENARIO: --planner takes the words of planner.algorithm, no fewer, and a
-# trial is flown by each search.
+# planner_words.sh VANTAGE SCENARIO: --planner accepts all words of planner.algorithm, and a trial is flown
+# with each search.
 source "$(dirname "$0")/begin.sh"
 scenario=$2
 
@@ -10,7 +10,7 @@ words=$(sed -n 's/.*algorithm: must be one of \(.*\); is .*/\1/p' "$work/refused
 [[ "$words" == *" astar"* ]] || fail "the reader's words are '$words'"
 for word in ${words//,/}; do
   if [[ $word == external ]]; then
-    # Taken for a word; whom to ask there is in real time alone.
+    # The word is accepted, but an external planner exists only in real time.
     said=$("$vantage" trial "$scenario" --planner external --duration-s 1 2>&1) && fail "external"
     [[ "$said" == *"asks a process on the bus"* ]] || fail "external: $said"
   else

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""sbom_test.py SOURCE_DIR PROGRAM: tools/dev/sbom names what a program is made of, as the package manager has it, in the same bytes
-each time.
+"""sbom_test.py SOURCE_DIR PROGRAM: tools/dev/sbom lists the components of a program as the package manager
+knows them, with the same bytes each time.
 """
 import json
 import os
@@ -36,7 +36,7 @@ assert parts["three"]["purl"].startswith("pkg:npm/three@")
 references = [part["bom-ref"] for part in bill["components"]]
 assert len(set(references)) == len(references) and bill["dependencies"][0]["dependsOn"] == references
 assert str(source) not in text, "a path of this machine"
-# Where nobody says the time there is none.
+# Without SOURCE_DATE_EPOCH there is no time stamp.
 without = {key: value for key, value in os.environ.items() if key != "SOURCE_DATE_EPOCH"}
 os.environ.clear()
 os.environ.update(without)

@@ -1,7 +1,7 @@
 #!/bin/bash
-# setup_once.sh SOURCE_DIR: `tools/setup --once` asks npm for what it could not fetch only once for
-# the same package files, and says what goes without; tools/setup asks again. On a copy, with stand-ins
-# for npm, which never fetches, and for Debian's programs, which have everything.
+# setup_once.sh SOURCE_DIR: `tools/setup --once` asks npm only once for the same package files if npm could
+# not fetch them, and reports what is missing; tools/setup asks again. Runs on a copy, with stand-ins for npm,
+# which never fetches, and for Debian's programs, which have everything.
 set -euo pipefail
 source=$1
 dir=$(mktemp -d)
@@ -19,7 +19,7 @@ printf '#!/bin/sh\nexit 1\n' > "$dir/bin/apt-get"
 printf '#!/bin/sh\necho "$*" >> "%s"\nexit 1\n' "$dir/asked" > "$dir/bin/npm"
 chmod +x "$dir"/bin/*
 
-# asks COUNT ARGUMENT…: setup with these arguments asks npm so often, and says so of what is missing.
+# asks COUNT ARGUMENT…: setup with these arguments asks npm COUNT times, and reports what is missing.
 asks() {
   local count=$1 said
   shift
@@ -34,10 +34,10 @@ asks 4 --once
 asks 0 --once
 asks 4
 asks 0 --once
-touch -d '1 minute' "$dir/test/view/peer/package-lock.json" # changed since
+touch -d '1 minute' "$dir/test/view/peer/package-lock.json" # changed since then
 asks 1 --once
 touch -d '-1 minute' "$dir/test/view/peer/package-lock.json"
-for folder in "${folders[@]}"; do # npm has fetched all
+for folder in "${folders[@]}"; do # npm has fetched everything
   touch "$dir/$folder/node_modules/.package-lock.json"
 done
 [[ -z $(PATH="$dir/bin:$PATH" "$dir/tools/setup" --once) ]]

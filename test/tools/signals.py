@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""signals.py VANTAGE SAMPLE.xz SCENARIO PROBLEM: SIGINT, SIGTERM and SIGHUP while commands are at work.
+"""signals.py VANTAGE SAMPLE.xz SCENARIO PROBLEM: SIGINT, SIGTERM and SIGHUP while commands are working.
 
-Each ends soon with what it has, and says so; nothing is torn. Soon is half a second on an idle
-machine; here it is judged by CPU time, and by far less than the work would take.
+Each command soon ends with its results so far and reports this; no output is incomplete. Soon is half a
+second on an idle machine; here it is judged by CPU time, with a limit far below that of the whole work.
 """
 import json
 import math
@@ -17,7 +17,7 @@ import tempfile
 import time
 
 PATIENCE_S = 60
-CPU_S = 1.5  # from the signal on; two threads may run
+CPU_S = 1.5  # s after the signal; two threads may run
 
 
 def cpu_s(pid):
@@ -26,20 +26,20 @@ def cpu_s(pid):
 
 
 def interrupted(words, folder, is_at_work, which):
-    """(exit code, stdout, stderr) of a command that is told to end while at work."""
+    """Returns (exit code, stdout, stderr) of a command that receives the signal while it works."""
     with subprocess.Popen(words, cwd=folder, text=True, stdin=subprocess.DEVNULL,
                           stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         try:
             after_s = end(process, is_at_work, which)
         finally:
-            process.kill()  # of one that does not end
+            process.kill()  # only if the process does not end
         said, warned = process.communicate()
     assert after_s < CPU_S, f"{words}: {after_s} s of CPU after the signal"
     return process.returncode, said, warned
 
 
 def end(process, is_at_work, which):
-    """CPU seconds that a process takes to end once it is told to while at work."""
+    """Returns the CPU seconds that a process takes to end after a signal that arrives while it works."""
     give_up = time.monotonic() + PATIENCE_S
     while not is_at_work(process):
         assert process.poll() is None, f"{process.args} has ended: {process.communicate()}"
@@ -72,13 +72,13 @@ def check_log(vantage, path):
 
 
 def descendants(pid):
-    """Ids of its children, of theirs, and so on."""
+    """Returns the ids of its children, of their children, and so on."""
     children = {}
     for path in pathlib.Path("/proc").glob("[0-9]*/stat"):
         try:
             parent = int(path.read_text().rsplit(")", 1)[1].split()[1])
         except (OSError, IndexError):
-            continue  # gone meanwhile
+            continue  # it has ended meanwhile
         children.setdefault(parent, []).append(int(path.parent.name))
     found = []
     waiting = [pid]
@@ -107,7 +107,7 @@ else:
 
 
 def check_folder_of_record(vantage, folder):
-    """A browser's children write, and make their folder anew, until they are ended as it is: none of it stays."""
+    """A browser's children write and recreate their folder until they are ended with it: no file remains."""
     kept = folder / "kept_by_children"
     kept.mkdir()
     browser = folder / "browser"
@@ -121,7 +121,7 @@ def check_folder_of_record(vantage, folder):
 
 
 def check_record(vantage, folder):
-    """A video that is not whole is none, and neither its browser nor what that wrote stays."""
+    """An incomplete video is removed, and neither its browser nor the browser's files remain."""
     if not shutil.which(os.environ.get("CHROMIUM", "chromium")):
         print("signals: no chromium, so no video is interrupted")
         return
@@ -147,7 +147,7 @@ def check_record(vantage, folder):
                 if b"--type=renderer" in pathlib.Path(f"/proc/{pid}/cmdline").read_bytes():
                     used_s += cpu_s(pid)
             except (OSError, IndexError):
-                pass  # gone meanwhile
+                pass  # it has ended meanwhile
         return used_s > 1.0
 
     for which in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
@@ -179,7 +179,7 @@ def main():
             assert code == 1 and plan["stop_reason"] == "interrupted", (code, said)
             assert plan["found"] and plan["controls"], said
 
-        # So does a trial whose terminal is closed; its log is whole.
+        # A trial whose terminal is closed ends in the same way; its log is whole.
         log = folder / "trial.lcmlog"
         for which in (signal.SIGHUP, signal.SIGTERM):
             code, said, warned = interrupted(
@@ -197,7 +197,7 @@ def main():
         assert code == 0 and json.loads(said)["duration_s"] > 0, (code, said)
         check_log(vantage, demo)
 
-        # An export is whole as far as it has come.
+        # An interrupted export is whole up to that point.
         part = folder / "flight.mcap.part"
         many = folder / "many.lcmlog"
         subprocess.run([vantage, "log", "merge", *[folder / "flight.lcmlog"] * 12, "--out", many],
@@ -216,7 +216,7 @@ def main():
 
         check_record(vantage, folder)
 
-        # What leaves nothing behind ends where it stands.
+        # A command without output so far ends at once.
         way = [(0.01 * k, 20 * math.cos(1e-3 * k), 15 * math.sin(1e-3 * k)) for k in range(400_000)]
         (folder / "way.csv").write_text(
             "time_s,x_m,y_m\n" + "".join("%f,%f,%f\n" % row for row in way))
@@ -228,7 +228,7 @@ def main():
                 has_worked(0.3), which)
             assert code == -which and not said, (code, said)
 
-        # The doctor tells what it has heard; somebody accepts and says nothing.
+        # The doctor reports what it received; a server accepts the connection and sends nothing.
         with socket.create_server(("127.0.0.1", 0)) as silent:
             code, said, warned = interrupted(
                 [vantage, "doctor", "vicon", "127.0.0.1", "--port", str(silent.getsockname()[1]),
@@ -236,7 +236,7 @@ def main():
                 lambda process: silent.accept() is not None, signal.SIGINT)
         assert code == 1 and "127.0.0.1" in said and "interrupted" in warned, (said, warned)
 
-        # An experiment keeps the units that are done and says how to go on; the same command does.
+        # An experiment keeps the finished units and prints how to continue; the same command continues.
         results = folder / "my results"
         rows = results / "rows"
         words = [vantage, "experiment", "tracking-noise", "--trials", "50", "--out", results]

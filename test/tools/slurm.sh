@@ -1,30 +1,30 @@
 #!/usr/bin/env bash
-# slurm.sh VANTAGE, within in_slurm.sh: a sweep as an array of jobs, whole, left alone, cancelled,
-# gone on with and refused.
+# slurm.sh VANTAGE, within in_slurm.sh: a sweep as an array of jobs: complete, detached, cancelled, continued
+# and refused.
 source "$(dirname "$0")/slurm_support.sh"
 extent=(--smoke)
 
 run 0 whole
 
-# Waited for: each shard once, and the same bytes.
+# Waited for: each shard runs once, and the bytes are the same.
 run 0 waited --slurm --shards 3
 says "^submitted: job [0-9]* of shards 1-3 of 3, "
 [[ $(row_files waited) == 3 ]] || fail "$(row_files waited) processes wrote rows"
 same waited
 
-# All is done: again it submits nothing.
+# All is done: a repetition submits nothing.
 run 0 waited --slurm --shards 3
 [[ -z "$(array)" && -z "$(squeue --noheader)" ]] || fail "it submitted what was done"
 same waited
 
-# Left alone: collected by the cluster.
+# Detached: the cluster collects the results.
 run 0 alone --slurm --shards 2 --no-wait
 says "left to run; results will be in "
 until_queue_is_empty
 [[ $(row_files alone) == 2 ]] || fail "$(row_files alone) processes wrote rows"
 same alone
 
-# In the queue: not submitted a second time; Ctrl-C ends the waiting alone and names the jobs.
+# In the queue: not submitted a second time; Ctrl-C ends only the waiting and names the jobs.
 run 0 held --slurm --shards 3 --no-wait --sbatch=--hold
 array=$(array) collector=$(collector)
 run 0 held --slurm --no-wait
@@ -49,7 +49,7 @@ says "^submitted: job [0-9]* of shards 2 of 3, "
 [[ $(row_files held) == 3 ]] || fail "$(row_files held) processes wrote rows"
 same held
 
-# A shard that fails is told with its last words: it finds a directory of another run.
+# A shard that fails is reported with its last output: it finds a directory of another run.
 run 0 broken --slurm --shards 2 --no-wait --sbatch=--hold
 array=$(array) collector=$(collector)
 cp "$work/broken/manifest.json" "$work/kept"
@@ -63,17 +63,17 @@ mv "$work/kept" "$work/broken/manifest.json"
 run 0 broken --slurm --shards 2
 same broken
 
-# What Slurm does not take is refused in its own words; nothing is left in the queue.
+# A request that Slurm refuses is reported with Slurm's own message; nothing is left in the queue.
 run 2 refused --slurm --shards 2 --sbatch=--partition=none
 says "Slurm did not take the job: .*invalid partition specified: none"
 run 2 refused --slurm --shards 6  # in_slurm.sh allows numbers up to 4
 says "Slurm did not take the job: .*[Ii]nvalid job array"
 [[ -z "$(squeue --noheader)" ]] || fail "something was submitted"
 
-# Nor when it takes the array alone; nor is anything submitted while the queue cannot be asked.
+# The same if Slurm accepts only the array. Nothing is submitted while the queue cannot be queried.
 mkdir "$work/bin"
 PATH="$work/bin:$PATH"
-# in_the_way PROGRAM CASE WORDS: with CASE among its arguments it fails.
+# in_the_way PROGRAM CASE WORDS: makes PROGRAM fail if CASE is among its arguments.
 in_the_way() {
   printf '#!/bin/sh\ncase "$*" in *%s*) echo "%s" >&2; exit 1;; esac\nexec %s "$@"\n' \
     "$2" "$3" "$(command -v "$1")" > "$work/bin/$1.new"

@@ -1,43 +1,43 @@
 #!/usr/bin/env bash
-# slurm_nodes.sh VANTAGE, within in_slurm.sh --nodes 3: a sweep whose shards run on three nodes, while
-# a node is cut off, the controller is killed, a node dies.
+# slurm_nodes.sh VANTAGE, within in_slurm.sh --nodes 3: a sweep whose shards run on three nodes, while a node
+# is cut off, the controller is killed, or a node dies.
 source "$(dirname "$0")/slurm_support.sh"
-extent=(--trials 20 --jobs 2)  # of two cores each: a shard fills a node
+extent=(--trials 20 --jobs 2)  # two cores each: a shard fills a node
 
-# unit_files DIRECTORY [PREFIX]: what nodes wrote there; by name SHARD_OF-NODE-….
+# unit_files DIRECTORY [PREFIX]: the files that nodes wrote there; their names are SHARD_OF-NODE-….
 unit_files() { find "$work/$1/rows" -name "${2:-}*.jsonl" 2> /dev/null; }
-# units DIRECTORY [PREFIX]: a line for each unit that was run, sorted.
+# units DIRECTORY [PREFIX]: prints a sorted line for each unit that was run.
 units() { unit_files "$@" | xargs -r sed -n 's/^\({"setting":.*\),"rows":.*/\1/p' | sort; }
-have_begun() {  # have_begun DIRECTORY NODE…: each has some units
+have_begun() {  # have_begun DIRECTORY NODE…: true if each node has some units
   local node
   for node in "${@:2}"; do
     (($(units "$1" "*-$node-" | wc -l) > 1)) || return 1
   done
 }
-# The shard that NODE runs, "2_3".
+# Prints the shard that NODE runs, such as "2_3".
 shard_on() { basename "$(unit_files "$1" "*-$2-")" | sed 's/-.*//'; }
-# is_gone_on_with DIRECTORY SHARD: another process is at it.
+# is_gone_on_with DIRECTORY SHARD: true if another process continues the shard.
 is_gone_on_with() { (($(unit_files "$1" "$2-" | wc -l) == 2)); }
-# Each of the two has run some of it.
+# True if each of the two has run some of the shard.
 shared() {
   local file
   for file in $(unit_files "$1" "$2-"); do
     grep -q '^{"setting":.*}$' "$file" || fail "$1: $file has no unit: not in the middle"
   done
 }
-# All are there, none was run a second time, and none by the job that collects.
+# All units exist, none was run twice, and none by the job that collects.
 each_once() {
   [[ "$(units "$1")" == "$(units whole)" ]] || fail "$1: not every unit once and only once"
   [[ -z "$(unit_files "$1" 1_1-)" ]] || fail "$1: who collects has run units"
 }
-on_node() {  # on_node NODE SIGNAL: to the program that runs there
+on_node() {  # on_node NODE SIGNAL: sends SIGNAL to the program that runs there
   local process network
   network=$(readlink "/proc/$(cat "$IN_SLURM/$1.pid")/ns/net")
   for process in $(pgrep -f -- "experiment heterogeneous .* --shard"); do
     [[ "$(readlink "/proc/$process/ns/net")" != "$network" ]] || kill "-$2" "$process"
   done
 }
-# dies DIRECTORY NODE: its power goes, in the middle of a line; $shard is what it ran.
+# dies DIRECTORY NODE: the node loses power in the middle of a line; $shard is the shard that it ran.
 dies() {
   kill -9 "$(cat "$IN_SLURM/$2.pid")"
   shard=$(shard_on "$1" "$2")
@@ -47,7 +47,7 @@ all_idle() { (($(sinfo --noheader --Node --format=%T | grep -c '^idle$') == $1))
 
 run 0 whole
 
-# A node is cut off: its shard is given to another, and both are at it at once. Counted once.
+# A node is cut off: another gets its shard, and both run it at the same time. It is counted once.
 begin cut --slurm --shards 3
 until_true 60 have_begun cut node1 node2 node3
 on_node node2 STOP
@@ -66,12 +66,12 @@ run 0 cut --slurm --shards 3
 same cut
 echo "cut off: good"
 
-# The controller is killed and started anew; the cluster collects.
+# The controller is killed and restarted; the cluster collects.
 run 0 controller --slurm --shards 3 --no-wait
 until_true 60 have_begun controller node1 node2 node3
 for node in node1 node2 node3; do on_node $node STOP; done
 touch "$work/before"
-scontrol update job="$(array)" comment=changed  # what has changed it keeps, some seconds later
+scontrol update job="$(array)" comment=changed  # the controller saves its changes some seconds later
 is_kept() { [[ "$IN_SLURM/state/job_state" -nt "$work/before" ]]; }
 until_true 60 is_kept
 kill -9 "$(cat "$IN_SLURM/own/slurmctld.pid")"
@@ -84,7 +84,7 @@ each_once controller
 same controller
 echo "controller killed: good"
 
-# A node dies: its shard is gone on with on another, and collected once it has ended.
+# A node dies: another node continues its shard, and it is collected at the end.
 run 0 dies --slurm --shards 3 --no-wait
 until_true 60 have_begun dies node1 node2 node3
 dies dies node2
@@ -95,7 +95,7 @@ shared dies "$shard"
 same dies
 echo "node dies: good"
 
-# Not put back into the queue when the user will not have it: told, and only what lacks is run.
+# The user forbids requeueing: the loss is reported, and only the missing part is run.
 run 0 lost --slurm --shards 2 --no-wait --sbatch=--no-requeue
 until_true 60 have_begun lost node1 node3
 dies lost node3

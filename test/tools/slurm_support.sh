@@ -1,22 +1,22 @@
-# Sourced, in the place of begin.sh, by what is run within in_slurm.sh. $extent: how much of the
-# experiment is run.
+# Sourced instead of begin.sh by scripts that run within in_slurm.sh. $extent: how much of the experiment is
+# run.
 source "$(dirname "$0")/begin.sh"
 
-# run CODE DIRECTORY OPTION…: what it says is in $work/out.
+# run CODE DIRECTORY OPTION…: expects exit code CODE; the output is in $work/out.
 run() {
   local expected=$1 directory=$2
   shift 2
   begin "$directory" "$@"
   ended "$expected"
 }
-# begin DIRECTORY OPTION…: the same, not waited for; its process is $pid.
+# begin DIRECTORY OPTION…: the same in the background; its process is $pid.
 begin() {
   what="$*"
-  : > "$work/out"  # the run before it may have said the same
+  : > "$work/out"  # the previous run may have printed the same
   "$vantage" experiment heterogeneous "${extent[@]}" --out "$work/$1" "${@:2}" > "$work/out" 2>&1 &
   pid=$!
 }
-# ended CODE: waits for what was begun last.
+# ended CODE: waits for the run that was begun last.
 ended() {
   local code=0
   wait "$pid" || code=$?
@@ -24,10 +24,10 @@ ended() {
 }
 
 says() { grep -q -- "$1" "$work/out" || fail "it does not say '$1'"; }
-# Numbers of the jobs that were submitted.
+# The numbers of the submitted jobs.
 array() { sed -n 's/^submitted: job \([0-9]*\) .*/\1/p' "$work/out"; }
 collector() { sed -n 's/^submitted: .* job \([0-9]*\) that collects.*/\1/p' "$work/out"; }
-# until_true SECONDS COMMAND…: fails when the command has not come true by then.
+# until_true SECONDS COMMAND…: fails if the command does not succeed within SECONDS.
 until_true() {
   local tenths
   for ((tenths = 0; tenths < 10 * $1; ++tenths)); do

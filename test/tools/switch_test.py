@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""switch_test.py SOURCE_DIR [--network]: tools/dev/switch does what it is told to, to the numbers. Without a
-network each rule is held to its statistics in virtual time; with --network, in a network namespace, what comes out of the
-cables is held to what the switch says that it did.
+"""switch_test.py SOURCE_DIR [--network]: tools/dev/switch follows its options exactly. Without a network the
+statistics of each rule are checked in virtual time. With --network, in a network namespace, the frames that leave
+the cables are compared with the counts that the switch reports.
 """
 import importlib.machinery
 import importlib.util
@@ -29,7 +29,7 @@ SWITCH = load(SWITCH_PATH)
 
 
 def pass_through(*words, frames=FRAMES, frame_bytes=100, direction=(1, 2)):
-    """(link, [(sent at, came out at, number, frame)]) of frames that are a period apart."""
+    """Returns (link, [(time sent, time received, number, frame)]) of frames that are sent one period apart."""
     options = SWITCH.options_parser().parse_args(list(words))
     link = SWITCH.links_between(options, [1, 2])[direction]
     out = []
@@ -41,7 +41,7 @@ def pass_through(*words, frames=FRAMES, frame_bytes=100, direction=(1, 2)):
 
 
 def close(count, share, of=FRAMES):
-    """Within four standard deviations of a binomial count."""
+    """True within four standard deviations of a binomial count."""
     return abs(count - share * of) <= 4 * math.sqrt(of * share * (1 - share)) + 1e-9
 
 
@@ -63,7 +63,7 @@ def test_loss():
     for share in 0.01, 0.1, 0.3:
         link, out = pass_through("--loss", str(share))
         assert close(link.counts["lost"], share) and len(out) == FRAMES - link.counts["lost"]
-        # Independent of the one before.
+        # Losses are independent of each other.
         lost = [True] * FRAMES
         for _, _, number, _ in out:
             lost[number] = False
@@ -104,14 +104,14 @@ def test_bursts():
     holes = [b - a - 1 for a, b in zip(passed, passed[1:]) if b - a > 1]
     assert all(499 <= hole <= 501 or hole > 990 for hole in holes), holes
     assert sum(holes) + FRAMES - 1 - passed[-1] + passed[0] == link.counts["burst"]
-    # The times between are exponential: over 40 s about 10 of them.
+    # The intervals are exponential: about 10 of them in 40 s.
     assert 3 <= len(holes) <= 20
     long_link, _ = pass_through("--burst", "4:0.5", frames=20 * FRAMES)
     assert abs(long_link.counts["burst"] / (20 * FRAMES) - 0.125) < 0.03
 
 
 def test_rate():
-    link, out = pass_through("--rate", "400000", frame_bytes=100)  # half of what is sent
+    link, out = pass_through("--rate", "400000", frame_bytes=100)  # half of the frames sent
     span_s = out[-1][1] - out[0][1]
     assert abs(8 * 100 * (len(out) - 1) / span_s - 400_000) < 4_000
     assert abs(link.counts["over_rate"] - FRAMES / 2) < 300
@@ -133,7 +133,7 @@ def test_harm_keeps_to_its_span_and_cuts_do_not():
     link, out = pass_through(*words)
     calm = [(came - sent, number) for sent, came, number, _ in out if not 10 <= sent < 20]
     assert len(calm) == 30_000 - 1_000 and link.counts["cut"] == 1_000
-    # Frames that wait at the rate when the span ends are of the span.
+    # Frames that wait because of the rate when the span ends are part of the span.
     assert all(delay == 0 for delay, _ in calm)
     assert link.counts["lost"] and link.counts["flipped"] and link.counts["doubled"] and link.counts["burst"]
 

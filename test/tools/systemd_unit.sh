@@ -1,6 +1,5 @@
 #!/bin/bash
-# systemd_unit.sh UNIT VANTAGE: the unit example is one that systemd accepts. Exit code 77: no
-# systemd-analyze here.
+# systemd_unit.sh UNIT VANTAGE: systemd accepts the example unit. Exit code 77: systemd-analyze is missing.
 set -euo pipefail
 command -v systemd-analyze > /dev/null || { echo "skipped: no systemd-analyze"; exit 77; }
 dir=$(mktemp -d)
@@ -11,7 +10,7 @@ words=$(systemd-analyze verify --recursive-errors=no "$dir/vantage.service" 2>&1
   echo "$words"
   exit 1
 }
-# What it does not understand it only warns of.
+# systemd-analyze only warns of keys that it does not know.
 if grep -F vantage.service <<< "$words"; then
   exit 1
 fi

@@ -1,6 +1,6 @@
 #!/bin/bash
-# unfused.sh PROGRAM…: none of them computes a product and a sum with one rounding (docs/decisions/0014);
-# compilers do so where they are not kept from it, at one level of optimisation and not at another.
+# unfused.sh PROGRAM…: no program computes a product and a sum with one rounding (docs/decisions/0014).
+# Compilers do so unless they are prevented, at some levels of optimisation and not at others.
 set -euo pipefail
 status=0
 for program in "$@"; do
