@@ -4,7 +4,7 @@
 
 namespace vantage::test {
 
-/// Heap allocations made by this thread since construction (malloc, calloc, realloc, new).
+/// Counts the heap allocations of this thread since construction (malloc, calloc, realloc, new).
 ///
 ///   AllocationCounter allocations;
 ///   filter.predict(now, twist);

@@ -6,8 +6,8 @@
 
 namespace vantage::test {
 
-/// Where `accepts` changes its answer between `accepted` and `refused` (in either order), to within
-/// `step`: the last value found that is still accepted. Both ends are tried first.
+/// Returns the last accepted value found by bisection between `accepted` and `refused` (in either
+/// order), to within `step`. Both ends are checked first.
 template <class Accepts>
 double last_accepted(double accepted, double refused, double step, Accepts&& accepts) {
   EXPECT_TRUE(accepts(accepted)) << "at " << accepted;

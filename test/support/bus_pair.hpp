@@ -8,7 +8,7 @@
 
 namespace vantage::test {
 
-/// Two ends of one network with a bus each, as two processes have them.
+/// Two buses on one network, as in two processes.
 struct BusPair {
   BusPair(std::int64_t own_run, std::int64_t other_run)
       : own(*own_link, own_run), other(*other_link, other_run) {}

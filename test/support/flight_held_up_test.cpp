@@ -1,4 +1,4 @@
-// What the machine did to a flight, and what is judged whatever it did.
+// Detection of flights that the machine held up, and the rules that still apply to them.
 
 #include <cmath>
 #include <cstdint>
@@ -16,8 +16,8 @@ namespace {
 using models::FlightState;
 using Names = std::vector<std::string>;
 
-/// Each second `process` says how long it has waited, of which `waits_us` in the second before
-/// `t_s`.
+/// Publishes each second the CPU and waiting time of `process`, which waited `waits_us` in the
+/// second before `t_s`.
 struct Waits {
   std::int64_t run_id = 5;
   std::int64_t sum_us = 7'000'000;
@@ -35,7 +35,7 @@ struct Waits {
   }
 };
 
-/// Q1 holds for 2 s on the way, in which a process waits as long as said.
+/// Returns a flight in which Q1 holds for 2 s while a process waits `waits_us`.
 MadeUpFlight flight_held_up_us(std::int64_t waits_us) {
   MadeUpFlight flight;
   flight.says = [](double t_s, models::VehicleStatus& status) {
@@ -72,8 +72,8 @@ TEST(FlightHeldUp, WhatTakesTimeIsJudgedWhereTheMachineWasThere) {
   EXPECT_EQ(broken(there, slowed), Names{});
 }
 
-/// Q1 lands for `reason` from 10 s on, its autopilot by itself from 11 s on, and touches `other` at
-/// `touches_s`.
+/// Returns a flight in which Q1 lands for `reason` from 10 s on, its autopilot lands alone from 11
+/// s on, and Q1 touches `other` at `touches_s`.
 MadeUpFlight flight_that_touches(const std::string& other, double touches_s, std::int64_t waits_us,
                                  const std::string& reason = "pose lost") {
   MadeUpFlight flight = flight_held_up_us(waits_us);
@@ -109,8 +109,8 @@ TEST(FlightHeldUp, ACollisionIsTheMachinesWhereAnAutopilotLandsWithoutAPose) {
   EXPECT_EQ(blind.collisions()[0].text,
             "Q1 with R2; Q1 was at 1.00 m, land: pose lost, waiting for touch-down");
   EXPECT_EQ(collisions(blind), Names{});
-  // Where the machine was there, while the driver steers, with another robot, or where it lands
-  // with a pose, it is judged.
+  // It is judged if the machine held nothing up, while the driver steers, with another robot, or in
+  // a landing with a pose.
   for (const auto& [other, touches_s, waits_us] :
        {std::tuple{"R2", 12.0, std::int64_t{100'000}},
         std::tuple{"R2", 10.5, std::int64_t{100'001}}, std::tuple{"R2", 9.0, std::int64_t{100'001}},
@@ -176,8 +176,8 @@ TEST(FlightHeldUp, SafetyIsJudgedWhateverTheMachineDoes) {
   EXPECT_EQ(broken(idle.record()), Names{"Q1 following"});
 }
 
-// Of whichever process and second it was the longest; not while all start, nor by what a process of
-// another run had waited.
+// Reports the longest wait of any process and second. Waits during the start, or of another run of
+// the process, do not count.
 TEST(FlightHeldUp, TheLongestWaitSinceSomebodyFollowsIsOfOneRun) {
   MadeUpFlight flight;
   flight.besides = [planner = Waits(), sim = Waits()](double t_s, FlightRecord& record) mutable {
@@ -214,7 +214,8 @@ TEST(FlightHeldUp, TheLongestWaitSinceSomebodyFollowsIsOfOneRun) {
   EXPECT_NEAR(processors_used(of_older, MadeUpFlight::at(5.0), MadeUpFlight::at(9.0)), 0.5, 1e-6);
 }
 
-// Of two that say it at other instants of the second, the share of each that is of the span.
+// Two processes report at different instants of the second; each counts with the part inside the
+// span.
 TEST(FlightHeldUp, ProcessorsAreOfTheSpanThatIsAskedFor) {
   MadeUpFlight flight;
   flight.besides = [planner = Waits(), sim = Waits()](double t_s, FlightRecord& record) mutable {
@@ -237,20 +238,20 @@ TEST(FlightHeldUp, ProcessorsAreOfTheSpanThatIsAskedFor) {
   EXPECT_EQ(used(9.0, 9.0), 0.0);
 }
 
-// Whose own processes take the machine has no excuse for what comes of it; what was kept waiting by
-// others than those at another time still is one.
+// Waits caused by the flight's own processes are no excuse. A wait caused by other programs at
+// another time still is.
 TEST(FlightHeldUp, ProcessesThatTakeTheMachineThemselvesAreNotExcused) {
   const auto record = [](std::int64_t sim_runs_us, std::int64_t waits_later_us) {
     MadeUpFlight flight = flight_held_up_us(300'000);
     flight.besides = [=, of_planner = flight.besides, later = Waits(), sim = Waits()](
                          double t_s, FlightRecord& out) mutable {
-      of_planner(t_s, out);  // which uses 0.1
+      of_planner(t_s, out);  // it uses 0.1 s
       const double second = std::round(t_s);
       if (std::abs(t_s - second) > 0.001) {
         return;
       }
       sim.say(out, t_s, 0, "SIM", second == 8.0 ? sim_runs_us : 200'000);
-      later.say(out, t_s, second == 12.0 ? waits_later_us : 0, "SENSOR_Q1");  // uses 0.1
+      later.say(out, t_s, second == 12.0 ? waits_later_us : 0, "SENSOR_Q1");  // uses 0.1 s
     };
     return flight.record();
   };
@@ -262,7 +263,7 @@ TEST(FlightHeldUp, ProcessesThatTakeTheMachineThemselvesAreNotExcused) {
       held_up(record(1'900'000, 150'000)).value_or("").starts_with("SENSOR_Q1 waited 0.15"));
 }
 
-// Since somebody follows; of the second in which a process was started again nothing is known.
+// Counts from the first followed plan; the second in which a process was restarted is unknown.
 TEST(FlightHeldUp, AProcessThatSpinsIsNamedWhateverTheMachineDoes) {
   for (const std::int64_t sim_runs_us : {600'000, 601'000}) {
     MadeUpFlight flight;

@@ -7,7 +7,7 @@
 namespace vantage::test {
 namespace {
 
-/// Collects what one vehicle broke.
+/// Collects the violations of one vehicle.
 class Judge {
  public:
   Judge(const std::string& robot, std::vector<std::string>& out) : robot_(robot), out_(out) {}
@@ -31,7 +31,7 @@ class Judge {
   std::vector<std::string>& out_;
 };
 
-/// Centre to centre, when it touches the largest of the others.
+/// Returns the distance of centres at which the robot touches the largest of the others.
 double contact_m(const scenario::Scenario& scenario, const scenario::RobotSpec& robot) {
   double radius_m = 0.0;
   for (const scenario::RobotSpec& other : scenario.robots) {
@@ -42,7 +42,7 @@ double contact_m(const scenario::Scenario& scenario, const scenario::RobotSpec& 
   return robot.limits.radius_m + radius_m;
 }
 
-// What holds whatever the machine does.
+// Judges the invariants that hold whatever the machine does.
 void judge_safety(const CourseKept& kept, double contact_m, const FlightBounds& bounds,
                   Judge& judge) {
   judge.at_least("separation", kept.separation_least_m, contact_m, "m from another");
@@ -59,7 +59,7 @@ void judge_safety(const CourseKept& kept, double contact_m, const FlightBounds& 
   }
 }
 
-// What holds where every process ran when it had to.
+// Judges the invariants that hold only if every process ran in time.
 void judge_course(const CourseKept& kept, bool may_hold, const FlightBounds& bounds, Judge& judge) {
   if (!may_hold) {
     judge.at_least("following", kept.follow_share, bounds.follow_share_min, "of its time");

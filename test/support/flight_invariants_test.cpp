@@ -1,4 +1,4 @@
-// A made-up flight that keeps every invariant, and each of them broken once.
+// A made-up flight that keeps every invariant, and flights that break one each.
 
 #include "test/support/flight_invariants.hpp"
 
@@ -49,7 +49,7 @@ TEST(FlightInvariants, WhoMayHoldIsNotAskedToFollow) {
   EXPECT_EQ(broken(flight.record(), bounds), Names{"Q2 following"});
 }
 
-// Each of them at a moment of the flight, for Q1 alone.
+// Breaks each invariant at one moment of the flight, for Q1 alone.
 TEST(FlightInvariants, EachIsBrokenByWhatItIsFor) {
   struct Case {
     std::function<bool(double, models::VehicleStatus&)> says;
@@ -143,7 +143,7 @@ TEST(FlightInvariants, OutsideIsBeyondTheBoundsOrInAnObstacle) {
   }
 }
 
-// A ground robot is at the height at which others are no more judged.
+// A ground robot is judged at a height at which flying vehicles are not.
 TEST(FlightInvariants, AGroundRobotIsJudgedOnTheGround) {
   const std::string flying = "height_m: 1.0\n";
   const std::string ground =
@@ -188,8 +188,8 @@ TEST(FlightInvariants, AGroundRobotIsJudgedOnTheGround) {
   EXPECT_EQ(of_q1(false, turned), Names{});
 }
 
-// Another run in its name is not believed while its own is alive; after a silence it is, and says
-// that its driver was another.
+// Messages of another run are refused while the vehicle's own run is alive. After a silence they
+// are accepted, and the flight is reported to have had another driver.
 TEST(FlightInvariants, SayWhoElseSpokeAndHowOftenADriverBeganAnew) {
   MadeUpFlight beside;
   beside.besides = [](double t_s, FlightRecord& record) {

@@ -17,15 +17,15 @@ namespace {
 
 using models::FlightState;
 
-/// An old log that was played into the flight is none of it.
+/// False for messages of an old log that was replayed during the flight.
 bool is_of_now(const models::Stamp& stamp, const lcm::LogEvent& event) {
   return std::abs(to_utime(stamp.time) - event.timestamp) < 2'000'000;
 }
 
-constexpr double kLowM = 0.5;       // a flying vehicle below it lands or takes off
-constexpr double kReactionS = 0.2;  // one that sets off is still becoming faster
+constexpr double kLowM = 0.5;       // m; a flying vehicle below it lands or takes off
+constexpr double kReactionS = 0.2;  // s; a vehicle that starts to move still accelerates
 
-/// "pose lost" of "pose lost; pose_age_s > pose_age_land_s".
+/// Returns "pose lost" of "pose lost; pose_age_s > pose_age_land_s".
 std::string name_of_reason(const std::string& reason) { return reason.substr(0, reason.find(';')); }
 
 void add_new(const std::vector<std::string>& words, std::vector<std::string>& known) {
@@ -117,7 +117,7 @@ std::string FlightRecord::state_of(const std::string& body) const {
                      fmt::join(reasons, ", "));
 }
 
-// Who waits for touch-down has left the landing to the autopilot.
+// The reason "waiting for touch-down" means that the driver has left the landing to the autopilot.
 bool FlightRecord::is_landed_blind(const std::string& body) const {
   const auto robot = robots_.find(body);
   if (robot == robots_.end() || robot->second.said.empty()) {
@@ -130,9 +130,9 @@ bool FlightRecord::is_landed_blind(const std::string& body) const {
   return gives("pose lost") && gives("waiting for touch-down");
 }
 
-// Nor is a second trial beside it. A process that was started again has another run.
+// Refuses messages of a second trial on the same network. A restarted process has a new run.
 bool FlightRecord::is_of_flight(const models::Stamp& stamp, const std::string& robot) {
-  constexpr double kSilentS = 0.5;  // a driver says its state ten times a second
+  constexpr double kSilentS = 0.5;  // s; a driver publishes its state ten times per second
   const auto [newest, is_first] = newest_.try_emplace(robot, stamp);
   const bool is_silent = to_seconds(stamp.time - newest->second.time) > kSilentS;
   const bool is_other = stamp.run_id != newest->second.run_id;
@@ -169,7 +169,7 @@ CourseKept FlightRecord::summary(const std::string& name, const Robot& robot) co
     return said.state == FlightState::kFollow;
   };
   const auto first = std::find_if(robot.said.begin(), robot.said.end(), follows);
-  // The end: the last time it was told to land, when nothing followed after that.
+  // The end is the last status in FOLLOW or HOLD: the final landing begins after it.
   const auto last_in_air =
       std::find_if(robot.said.rbegin(), robot.said.rend(), [](const models::VehicleStatus& said) {
         return said.state == FlightState::kFollow || said.state == FlightState::kHold;
@@ -241,7 +241,7 @@ void FlightRecord::judge_words(const Robot& robot, Time begin, Time end, double 
       const double gap_s = to_seconds(said.stamp.time - last->stamp.time);
       out.said_gap_max_s = std::max(out.said_gap_max_s, gap_s);
       const double moved_m = (said.setpoint.position_m() - last->setpoint.position_m()).norm();
-      // To brake it is asked to begin where it is, whatever it was asked before.
+      // Braking starts at the vehicle's position, whatever the set-point before.
       if (last->state == FlightState::kFollow && said.state == FlightState::kFollow) {
         out.setpoint_jump_max_m =
             std::max(out.setpoint_jump_max_m, moved_m - speed_max_mps * gap_s);
@@ -254,7 +254,7 @@ void FlightRecord::judge_words(const Robot& robot, Time begin, Time end, double 
 void FlightRecord::judge_turns(const Robot& robot, Time begin, Time end,
                                const scenario::RobotSpec& spec, CourseKept& out) {
   constexpr double kWindowS = 0.1;
-  std::size_t first = 0;  // of the window that ends at each moment
+  std::size_t first = 0;  // first sample of the window that ends at each moment
   for (std::size_t i = 1; i < robot.truth.size(); ++i) {
     const At& at = robot.truth[i];
     if (at.time < begin || at.time > end) {

@@ -15,68 +15,69 @@
 
 namespace vantage::test {
 
-/// How one vehicle kept to what it was asked, from its first plan until it was told to land for
-/// good or the log ends. Judged on the truth.
+/// How one vehicle followed its commands, from its first plan to its final landing or the end of
+/// the log. Judged on the truth.
 struct CourseKept {
   double airborne_s = 0.0;
-  double follow_share = 0.0;          ///< of that time, in FOLLOW
-  double setpoint_error_rms_m = 0.0;  ///< in space, while following
+  double follow_share = 0.0;          ///< share of that time in FOLLOW
+  double setpoint_error_rms_m = 0.0;  ///< m, in space, while following
   double setpoint_error_max_m = 0.0;
-  double hold_error_max_m = 0.0;  ///< while holding
-  double speed_max_share = 0.0;   ///< of the limit, horizontally
-  double outside_max_m = 0.0;     ///< of the centre beyond the bounds or in an obstacle
+  double hold_error_max_m = 0.0;  ///< m, while holding
+  double speed_max_share = 0.0;   ///< share of the limit, horizontal speed
+  double outside_max_m = 0.0;     ///< m; centre beyond the bounds or inside an obstacle
   double separation_least_m = 0.0;
-  double turn_max_share = 0.0;  ///< of the limit, over a tenth of a second
-  /// While following: of where it is asked to be, from one word of its driver to the next, beyond
-  /// the way at its greatest speed.
+  double turn_max_share = 0.0;  ///< share of the limit, over a tenth of a second
+  /// m; jump of the set-point between two status messages while following, beyond the distance at
+  /// the greatest speed.
   double setpoint_jump_max_m = 0.0;
-  double said_gap_max_s = 0.0;   ///< between two words of its driver
-  double truth_gap_max_s = 0.0;  ///< between two sights of its body
-  int runs = 0;                  ///< of its driver that were believed, one after the other
-  std::int64_t strangers = 0;    ///< words in its name of another run, while its own was alive
-  std::map<std::string, double> reasons;  ///< seconds for which each was given, in the air
+  double said_gap_max_s = 0.0;   ///< s, between two status messages
+  double truth_gap_max_s = 0.0;  ///< s, between two observations of its body
+  int runs = 0;                  ///< accepted runs of its driver
+  std::int64_t strangers = 0;    ///< status messages of another run while its own was alive
+  std::map<std::string, double> reasons;  ///< s in the air, by reason
 };
 
-/// What became of one order or need to stop while it followed a plan.
+/// The response to one order or need to stop while the vehicle followed a plan.
 struct Stop {
   Time begin{};
-  double speed_mps = 0.0;      ///< horizontally, the greatest within 0.2 s from then
-  double distance_m = 0.0;     ///< the farthest that it got from there within 2.5 s, horizontally
-  double still_after_s = 0.0;  ///< until it was slower than 0.1 m/s for good
+  double speed_mps = 0.0;      ///< greatest horizontal speed within 0.2 s
+  double distance_m = 0.0;     ///< m; greatest horizontal distance from the start within 2.5 s
+  double still_after_s = 0.0;  ///< s, until permanently slower than 0.1 m/s
   std::string reason;
 };
 
-/// A state that a vehicle's driver said it had come to, and why.
+/// A state that a vehicle's driver reported after the event, with its reasons.
 struct Reaction {
   models::FlightState state = models::FlightState::kIdle;
   double after_s = 0.0;
-  std::vector<std::string> reasons;  ///< told within a second, each once
+  std::vector<std::string> reasons;  ///< reported within a second, without repetitions
 };
 
-/// What became of a vehicle to which something happened.
+/// The response of a vehicle to an event.
 struct Aftermath {
-  double speed_mps = 0.0;        ///< horizontally, the greatest within 0.2 s from then
-  double distance_m = 0.0;       ///< the farthest that it got from there within 3 s, horizontally
-  double outside_m = 0.0;        ///< of its centre beyond the bounds or in an obstacle, within 12 s
-  double separation_m = 0.0;     ///< the least from another vehicle within 12 s, both in the air
-  double off_course_m = 0.0;     ///< the farthest from where it was asked to be, within 8 s
-  std::optional<double> down_s;  ///< until it was below 0.15 m, if within 30 s
+  double speed_mps = 0.0;        ///< greatest horizontal speed within 0.2 s
+  double distance_m = 0.0;       ///< m; greatest horizontal distance from the start within 3 s
+  double outside_m = 0.0;        ///< m; centre beyond the bounds or in an obstacle, within 12 s
+  double separation_m = 0.0;     ///< m; least distance from another vehicle in the air, within 12 s
+  double off_course_m = 0.0;     ///< m; greatest distance from the set-point within 8 s
+  std::optional<double> down_s;  ///< s, until below 0.15 m; nullopt if not within 30 s
   std::vector<Reaction> said;    ///< each change of state within 45 s
 };
 
-/// What a process had of the machine between two words of its health, which are a second apart.
+/// Processor use of a process between two of its health messages, which are one second apart.
 struct MachineShare {
   std::string process;
   Time since{};
   Time until{};
-  double used_s = 0.0;             ///< of processors, all its threads together
-  std::optional<double> waited_s;  ///< ready to run and without one; not where it does not say so
+  double used_s = 0.0;             ///< s of processor time of all its threads
+  std::optional<double> waited_s;  ///< s ready to run without a processor; nullopt if not reported
 };
 
-/// Two bodies, or a body and an obstacle or a wall, that began to touch.
+/// The start of a contact between two bodies, or a body and an obstacle or a wall.
 struct Collision {
-  std::string text;  ///< for people: "Q2 with R2; Q2 was at 0.44 m, land: pose lost"
-  /// A robot without a pose, which its autopilot was landing straight down, with what is no robot.
+  std::string text;  ///< e.g. "Q2 with R2; Q2 was at 0.44 m, land: pose lost"
+  /// True if an autopilot was landing the robot straight down without a pose, and the other body is
+  /// no robot.
   bool is_of_blind_landing = false;
 };
 
@@ -85,15 +86,15 @@ class FlightRecord {
  public:
   void take(const lcm::LogEvent& event);
   [[nodiscard]] std::map<std::string, CourseKept> summaries() const;
-  /// Nothing for a robot that TRUTH does not show then.
+  /// Returns nullopt for a robot that TRUTH does not show at that time.
   [[nodiscard]] std::optional<Aftermath> after(const std::string& robot, Time event) const;
   [[nodiscard]] const std::optional<scenario::Scenario>& scenario() const { return scenario_; }
-  /// Frames of another simulation's truth, while this one's came.
+  /// Number of TRUTH frames of another simulation while this one's were received.
   [[nodiscard]] std::int64_t truth_strangers() const { return truth_strangers_; }
   [[nodiscard]] const std::vector<Collision>& collisions() const { return collisions_; }
-  /// Of every process, since anybody followed a plan; nothing where nobody says it.
+  /// Shares of every process since the first followed plan; empty if the log lacks them.
   [[nodiscard]] const std::vector<MachineShare>& machine_shares() const { return machine_shares_; }
-  /// Each time that a vehicle left FOLLOW for HOLD and stayed there for a second.
+  /// Returns each time that a vehicle left FOLLOW for HOLD and stayed there for a second.
   [[nodiscard]] std::map<std::string, std::vector<Stop>> stops() const;
 
  private:
@@ -112,15 +113,15 @@ class FlightRecord {
   bool is_of_flight(const models::Stamp& stamp, const std::string& robot);
   void take_health(const models::ProcessHealth& health);
   void take_contact(const models::ContactReport& contact);
-  /// Where it was and what its driver said last, if it is a robot.
+  /// Returns the position and the last reported state of `body` if it is a robot.
   [[nodiscard]] std::string state_of(const std::string& body) const;
   [[nodiscard]] bool is_landed_blind(const std::string& body) const;
   [[nodiscard]] static std::optional<Stop> stop_at(const Robot& robot, std::size_t said);
-  /// A flying vehicle that lands or takes off.
+  /// True for a flying vehicle that lands or takes off.
   [[nodiscard]] static bool is_low(const At& at, const scenario::RobotSpec& spec);
   [[nodiscard]] std::optional<Eigen::Vector3d> place(const Robot& robot, Time time) const;
   [[nodiscard]] CourseKept summary(const std::string& name, const Robot& robot) const;
-  /// What its driver said from `begin` to `end`, and how its body turned.
+  /// Judges the status messages from `begin` to `end`.
   static void judge_words(const Robot& robot, Time begin, Time end, double speed_max_mps,
                           CourseKept& out);
   static void judge_turns(const Robot& robot, Time begin, Time end, const scenario::RobotSpec& spec,
@@ -130,18 +131,18 @@ class FlightRecord {
   std::map<std::string, Robot> robots_;
   std::int64_t truth_strangers_ = 0;
   std::vector<Collision> collisions_;
-  std::map<std::string, models::Stamp> newest_;  ///< of each robot's states; "": of the truth
+  std::map<std::string, models::Stamp> newest_;  ///< newest stamp by robot; "" for TRUTH
   bool has_anybody_followed_ = false;
   struct Usage {
     models::Stamp said;
     std::int64_t cpu_us = 0;
     std::int64_t waited_us = 0;
   };
-  std::map<std::string, Usage> usage_;  ///< of each process, since anybody followed
+  std::map<std::string, Usage> usage_;  ///< by process, since the first followed plan
   std::vector<MachineShare> machine_shares_;
 };
 
-/// One line for people.
+/// Returns one line for people.
 std::string to_text(const std::string& robot, const CourseKept& kept);
 
 }  // namespace vantage::test

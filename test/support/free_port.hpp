@@ -20,9 +20,9 @@ inline bool is_port_free(int kind, int port) {
   return is_bound;
 }
 
-/// A port of the loopback where nobody listens, by TCP or UDP, and none that the kernel gives to
-/// whoever asks for any (32768 and more), so that it stays free; other processes begin elsewhere,
-/// and each call goes on behind the last.
+/// Returns a port of the loopback that is unused for TCP and UDP and outside the kernel's ephemeral
+/// range (32768 and more), so that it stays free. Other processes start elsewhere, and each call
+/// continues after the last port.
 inline int free_port() {
   static int next = 12'000 + getpid() % 20'000;
   while (!is_port_free(SOCK_STREAM, next) || !is_port_free(SOCK_DGRAM, next)) {

@@ -10,8 +10,8 @@
 
 namespace vantage::test {
 
-/// The message in `event`, signed or not, of LCM's own reader; nullopt when it is not a Wire or
-/// cannot be true.
+/// Decodes the message of `event`, signed or not, as read by LCM's own reader. Returns nullopt if
+/// it is not a Wire or its content is invalid.
 template <class Message, class Wire>
 std::optional<Message> decode(const lcm::LogEvent& event) {
   Wire wire;

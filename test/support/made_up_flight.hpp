@@ -18,17 +18,18 @@ inline constexpr Time kStart = from_utime(1'700'000'000'000'000);
 inline constexpr double kFollowS = 2.0;
 inline constexpr double kLandS = 18.0;
 
-/// Q1 and Q2 of the lab sway about their starts, Q3 stays on the ground out of sight.
+/// A made-up flight: Q1 and Q2 of the lab oscillate about their starts, Q3 stays on the ground and
+/// is not visible.
 class MadeUpFlight {
  public:
-  /// Change what is told at `t_s`; false: it is not told.
+  /// Change the message at `t_s`; return false to omit it.
   std::function<bool(double t_s, models::VehicleStatus&)> says =
       [](double, models::VehicleStatus&) { return true; };
   std::function<bool(double t_s, models::TruthBody&)> is = [](double, models::TruthBody&) {
     return true;
   };
   std::function<void(double t_s, FlightRecord&)> besides = [](double, FlightRecord&) {};
-  /// What SCENARIO says.
+  /// Content of the SCENARIO message.
   std::string yaml = scenario::load_scenario(VANTAGE_SOURCE_DIR "/config/lab.yaml").source_text;
 
   [[nodiscard]] FlightRecord record() const {
@@ -49,7 +50,7 @@ class MadeUpFlight {
     return out;
   }
 
-  /// As LCM's log has it.
+  /// Gives the record a message as LCM's log contains it.
   template <class Message>
   static void give(FlightRecord& record, const std::string& channel, Time now,
                    const Message& message) {
@@ -105,7 +106,7 @@ class MadeUpFlight {
   }
 };
 
-/// The robots and invariants that are broken: "Q1 speed".
+/// Returns the violated invariants with their robots, e.g. "Q1 speed".
 inline std::vector<std::string> broken(const FlightRecord& record,
                                        const FlightBounds& bounds = {}) {
   std::vector<std::string> out;
@@ -115,7 +116,7 @@ inline std::vector<std::string> broken(const FlightRecord& record,
   return out;
 }
 
-/// For a moment in which no driver says where its vehicle is to be.
+/// True at a moment without a status message.
 inline bool is_between_words(double t_s) { return std::abs(t_s - 9.05) < 0.025; }
 
 }  // namespace vantage::test

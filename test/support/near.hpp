@@ -5,7 +5,8 @@
 
 namespace vantage::test {
 
-/// EXPECT_TRUE(is_near(actual, expected, tol)): max |difference| ≤ tol, both printed if not.
+/// EXPECT_TRUE(is_near(actual, expected, tol)): true if max |difference| ≤ tol; prints both
+/// otherwise.
 template <class A, class B>
 ::testing::AssertionResult is_near(const Eigen::MatrixBase<A>& actual,
                                    const Eigen::MatrixBase<B>& expected, double tolerance) {
@@ -15,7 +16,7 @@ template <class A, class B>
            << "x" << expected.cols();
   }
   const double worst = (actual - expected).cwiseAbs().maxCoeff();
-  // maxCoeff may pass over a NaN; and two equal infinities are as suspicious.
+  // allFinite() is required since maxCoeff may ignore a NaN; infinities must not pass either.
   if ((actual - expected).allFinite() && worst <= tolerance) {
     return ::testing::AssertionSuccess();
   }

@@ -4,8 +4,8 @@
 
 namespace vantage::test {
 
-/// Central differences: column j is (f(x + h·e_j) − f(x − h·e_j)) / 2h. Error O(h²).
-/// Every analytic Jacobian in models/ is checked against this.
+/// Returns the Jacobian by central differences: column j is (f(x + h·e_j) − f(x − h·e_j)) / 2h.
+/// Error O(h²). Every analytic Jacobian in models/ is checked against it.
 template <int M, int N, class F>
 Eigen::Matrix<double, M, N> numerical_jacobian(const F& f, const Eigen::Matrix<double, N, 1>& x,
                                                double h = 1e-6) {

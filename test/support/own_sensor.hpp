@@ -4,8 +4,8 @@
 
 #include "models/sensor/law.hpp"
 
-// A kind of sensor that the tree has not, as somebody else would write it: the strength of a radio
-// beacon, which falls with the square of its distance.
+// A sensor kind that is not in the library, as a user would write it: the signal strength of a
+// radio beacon, which falls with the square of its distance.
 
 namespace vantage::test {
 
@@ -43,7 +43,7 @@ inline const models::SensorLaw& signal_strength_law() {
   return kLaw;
 }
 
-/// Its handle.
+/// Returns the handle of the sensor kind.
 inline models::SensorKind signal_strength() { return models::SensorKind(signal_strength_law()); }
 
 }  // namespace vantage::test

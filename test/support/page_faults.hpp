@@ -4,7 +4,7 @@
 
 namespace vantage::test {
 
-/// Pages that the system had to give this thread since construction.
+/// Counts the pages that the system gave this thread since construction.
 class PageFaultCounter {
  public:
   PageFaultCounter() : start_(so_far()) {}

@@ -28,7 +28,7 @@ class Random {
     return {uniform(-half_side_m, half_side_m), uniform(-half_side_m, half_side_m),
             uniform(-kPi, kPi)};
   }
-  /// A A^T + floor I with entries of A in [-1, 1]: symmetric, positive definite.
+  /// Returns A Aᵀ + floor I with entries of A in [-1, 1]: symmetric, positive definite.
   Eigen::MatrixXd spd(int n, double floor) {
     const Eigen::MatrixXd A = Eigen::MatrixXd::NullaryExpr(n, n, [&] { return uniform(-1, 1); });
     return A * A.transpose() + floor * Eigen::MatrixXd::Identity(n, n);

@@ -8,7 +8,7 @@
 
 namespace vantage::test {
 
-/// Memory of this process that is in RAM, in KiB (VmRSS); 0 where /proc does not tell.
+/// Returns the resident memory of this process in KiB (VmRSS); 0 if /proc does not state it.
 inline std::int64_t resident_kib() {
   std::ifstream status("/proc/self/status");
   for (std::string word; status >> word;) {
@@ -21,7 +21,7 @@ inline std::int64_t resident_kib() {
   return 0;
 }
 
-/// Whether a sanitizer keeps memory that was given back, so that what is resident says nothing.
+/// True if a sanitizer keeps freed memory, so that resident memory is no measure.
 inline constexpr bool kKeepsFreedMemory = VANTAGE_IS_SANITIZED != 0;
 
 }  // namespace vantage::test

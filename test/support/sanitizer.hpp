@@ -1,8 +1,7 @@
 #pragma once
 
-/// VANTAGE_IS_SANITIZED: 1 where the address or the thread sanitizer is built in, which replaces
-/// the allocator, keeps memory that was given back and slows all down; else 0. GCC and Clang say it
-/// differently.
+/// VANTAGE_IS_SANITIZED: 1 with the address or the thread sanitizer, which replaces the allocator,
+/// keeps freed memory and slows everything down; else 0. GCC and Clang use different macros.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define VANTAGE_IS_SANITIZED 1
 #elif defined(__has_feature)

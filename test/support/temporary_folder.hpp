@@ -8,8 +8,8 @@
 
 namespace vantage::test {
 
-/// A folder of this test's own, gone with it. Tests run at the same time: a name of one's own
-/// choice is somebody else's, too.
+/// A separate folder for a test, removed with the object. Tests run at the same time, so a fixed
+/// name could collide with that of another test.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
