@@ -1,4 +1,4 @@
-// What signing and judging cost. Build in release: auth_bench [--benchmark_filter=…]
+// Cost of signing and verifying messages. Build in release: auth_bench [--benchmark_filter=…]
 
 #include <chrono>
 #include <cstdint>
@@ -47,7 +47,7 @@ void Verify(benchmark::State& state, Role role) {
   const bus::auth::Budget any(1e9, 1e9);
   bus::auth::SignatureBudgets budgets({any, any}, {any, any}, {any, any});
   for (auto _ : state) {
-    bus::auth::ReplayGuard replays;  // or all but the first were replayed
+    bus::auth::ReplayGuard replays;  // otherwise all but the first would be refused as replayed
     const auto verdict =
         bus::auth::verify(keyring, channel_of(role), message,
                           {scenario::TrialMode::kLive, kStart, true, false}, replays, budgets);
@@ -74,9 +74,9 @@ void RefuseForged(benchmark::State& state) {
   }
 }
 
-/// All that one vehicle's driver hears and says in a second of a lab with three vehicles and five
-/// targets: 100 frames of eight bodies, 5 heartbeats, 30 statuses, one plan; its own 10 statuses
-/// among them. range(0): whether it is signed and judged.
+/// All that one vehicle's driver receives and sends in one second of a lab with three vehicles and
+/// five targets: 100 frames of eight bodies, 5 heartbeats, 30 statuses (10 of them its own), one
+/// plan. range(0): whether messages are signed and verified.
 void SecondOfADriver(benchmark::State& state) {
   bus::InProcessHub hub;
   bus::VirtualClock clock(kStart);
@@ -108,7 +108,7 @@ void SecondOfADriver(benchmark::State& state) {
   status.reasons = {"waiting for take-off height"};
   models::OperatorCommand beat;
   beat.action = models::OperatorAction::kHeartbeat;
-  // Only the driver's own time counts: what it judges and hears, and what it says.
+  // Only the driver's own time counts: verifying, receiving and sending.
   for (auto _ : state) {
     std::int64_t driver_ns = 0;
     const auto timed = [&](auto&& what) {

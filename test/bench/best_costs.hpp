@@ -8,8 +8,8 @@
 
 namespace vantage::bench {
 
-/// The least cost that any method has reached on each problem, with the controls that reach it, so
-/// that everybody can score them again. Costs in the file only ever fall.
+/// The least known cost of each problem, with the controls that reach it, so that everyone can
+/// verify it. The costs in the file only decrease.
 class BestCosts {
  public:
   struct Entry {
@@ -19,19 +19,20 @@ class BestCosts {
   };
 
   BestCosts() = default;
-  /// Lines "problem,cost,method,controls", the controls as indices with blanks between, below a
-  /// line of these words. No such file: empty. @throws StartupError "path:line: what is wrong".
+  /// Reads lines "problem,cost,method,controls" below a header line of these words; the controls
+  /// are indices separated by blanks. A missing file gives an empty list. @throws StartupError
+  /// "path:line: what is wrong".
   explicit BestCosts(std::string path);
 
-  /// Null when the problem is not listed.
+  /// Returns null if the problem is not listed.
   [[nodiscard]] const Entry* find(const std::string& problem) const;
   [[nodiscard]] const std::map<std::string, Entry>& entries() const { return entries_; }
 
-  /// Takes `entry` if it costs less than what is listed; true when it did.
+  /// Replaces the listed entry if `entry` costs less; returns true if it did.
   bool offer(const std::string& problem, const Entry& entry);
 
-  /// Writes the lesser of every cost here and in the file: another run may have been there.
-  /// @throws StartupError when the file has become unreadable; it is then left as it is.
+  /// Writes the lesser of each cost here and in the file, which another run may have changed.
+  /// @throws StartupError if the file has become unreadable; it is then not changed.
   void save();
 
  private:
@@ -39,7 +40,7 @@ class BestCosts {
   std::map<std::string, Entry> entries_;
 };
 
-/// J_T of `controls` by the plain recursion of the models; NaN when they are not T of them.
+/// Returns J_T of `controls` by the plain recursion of the models; NaN unless there are T of them.
 double score_of(const planner::SearchProblem& problem, const std::vector<int>& controls);
 
 }  // namespace vantage::bench

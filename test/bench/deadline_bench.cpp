@@ -19,12 +19,12 @@
 #include "test/bench/field_problem.hpp"
 #include "test/bench/tracking_family.hpp"
 
-// Is a plan always there on time? Many plans at each budget, against the clock: how long the search
-// goes on working after its deadline, and how late it returns by the wall. A plan through which the
-// thread had its core (wall time and CPU time agree) worked as long as it was late; of one that was
-// preempted that cannot be told, and it is counted apart. With --timer the thread's CPU clock is
-// read at the deadline by a signal, which tells of every plan, but costs and hides some 50 µs
-// itself. In the end the same with a thread that only watches the clock: the machine's own part.
+// Measures whether a plan is always ready in time: how long the search continues after its
+// deadline, and how late it returns by wall time, for many plans at each budget. If the thread kept
+// its core during a plan (wall time and CPU time agree), its lateness is its work after the
+// deadline. Preempted plans are counted separately, since this is unknown for them. With --timer a
+// signal reads the thread's CPU clock at the deadline. This covers every plan, but costs and hides
+// about 50 µs. At the end, a thread that only reads the clock shows the machine's own part.
 
 namespace vantage::bench {
 namespace {
@@ -32,14 +32,14 @@ namespace {
 struct Arguments {
   std::vector<double> budgets_ms = {1.0, 5.0, 20.0, 100.0, 500.0};
   std::string algorithm = "beam";
-  std::size_t short_runs = 10'000;  // up to 20 ms
+  std::size_t short_runs = 10'000;  // budgets up to 20 ms
   std::size_t long_runs = 1'000;
   std::size_t memory_mb = 600;
   bool uses_timer = false;
   RealTime real_time;
 };
 
-constexpr std::int64_t kPreempted_ns = 5'000;  // of a plan's time the thread had no core
+constexpr std::int64_t kPreempted_ns = 5'000;  // without a core during a plan
 
 std::atomic<std::int64_t> cpu_at_deadline_ns{0};
 
@@ -85,7 +85,7 @@ struct Spread {
   }
 };
 
-// Tracking problems of every size, and some among boxes.
+// Returns tracking problems of every size, and some with boxes.
 std::vector<planner::SearchProblem> problems_of(
     const std::vector<tools::PlanningProblem>& tracking,
     const std::vector<planner::OwnedProblem>& obstructed) {
@@ -108,13 +108,13 @@ struct Lateness {
   std::size_t missing = 0;
   std::size_t early = 0;
   std::size_t preempted = 0;
-  Spread cpu;  ///< of those of which it can be told
+  Spread cpu;  ///< of the plans that were not preempted
   Spread wall;
 };
 
-/// `work(i, end_ns)` once for each of `runs`, to end at the deadline that it is given. Rests a
-/// tenth of the budget before each, as a planner does between its rounds: a FIFO thread that never
-/// sleeps is stopped by the kernel for 50 ms of every second (sched_rt_runtime_us).
+/// Runs `work(i, end_ns)` once per run; it must end at that deadline. Sleeps a tenth of the budget
+/// before each run, as a planner does between rounds: the kernel stops a FIFO thread that never
+/// sleeps for 50 ms of every second (sched_rt_runtime_us).
 template <class Work>
 Lateness lateness_of(std::size_t runs, double budget_ms, DeadlineTimer* timer, const Work& work) {
   Lateness out;
@@ -139,7 +139,7 @@ Lateness lateness_of(std::size_t runs, double budget_ms, DeadlineTimer* timer, c
     out.preempted += was_preempted ? 1 : 0;
     if (timer != nullptr) {
       timer->stop();
-      // A signal that came after the return: the work was over before its deadline was noticed.
+      // If the signal came after the return, the work ended before the deadline was noticed.
       const std::int64_t then_ns = cpu_at_deadline_ns.load(std::memory_order_relaxed);
       const bool came_late = then_ns == 0 || then_ns > cpu_ns;
       out.cpu.us.push_back(came_late ? 0.0 : 1e-3 * static_cast<double>(cpu_ns - then_ns));
@@ -164,8 +164,9 @@ void print(double budget_ms, const std::string& what, const Lateness& late) {
   std::fflush(stdout);
 }
 
-// What the machine alone does: asks the clock until the deadline, and nothing else. Its lateness is
-// the timer's signal, interrupts charged to the thread, and time stolen by a hypervisor.
+// The effect of the machine alone: reads the clock until the deadline and does nothing else. Its
+// lateness is the timer's signal, interrupts charged to the thread, and time stolen by a
+// hypervisor.
 Outcome idle_until(std::int64_t end_ns) {
   while (monotonic_ns() < end_ns) {
   }

@@ -1,5 +1,6 @@
-// How near the team's decisions come to the exhaustive optimum on small random teams, for both
-// measures of information: one line a decision as CSV, one line a method on the terminal.
+// Compares the team's decisions with the exhaustive optimum on small random teams, for both
+// measures of information. Prints one CSV line per decision, and one line per method on the
+// terminal.
 #include <algorithm>
 #include <cstdint>
 #include <fstream>
@@ -39,7 +40,7 @@ class RatioTable {
 
   void add(InformationMeasure measure, const std::string& method, std::uint64_t seed, double value,
            double best) {
-    constexpr double kNothing_nats = 1e-9;  // a team that can gain nothing tells nothing
+    constexpr double kNothing_nats = 1e-9;  // nats; a team that can gain nothing gives no ratio
     if (best < kNothing_nats) {
       return;
     }
@@ -94,7 +95,7 @@ void compare_resilience(const planner::TeamOracle& oracle, InformationMeasure me
   using planner::SubSolver;
   for (const int attacks : {1, 2}) {
     if (attacks >= oracle.robot_count()) {
-      continue;  // nothing would be left of anybody's plan
+      continue;  // all plans would be lost
     }
     const double best = planner::exhaustive_max_min(oracle, attacks).value;
     const auto note = [&](const std::string& method, int planned_for) {

@@ -23,7 +23,7 @@ struct Joint {
   Eigen::MatrixXd W;
   Eigen::MatrixXd covariance;
   Eigen::VectorXd mean;
-  std::vector<Eigen::Index> begin;  ///< of each target's state
+  std::vector<Eigen::Index> begin;  ///< first row of each target's state
 };
 
 Joint joint_of(const planner::SearchProblem& problem) {
@@ -47,7 +47,7 @@ Joint joint_of(const planner::SearchProblem& problem) {
   return joint;
 }
 
-// Updates `covariance` by all that is seen from `at` of targets at `mean`.
+// Updates `covariance` with the measurements from `at` of targets at `mean`.
 void look(const planner::SearchProblem& problem, const Joint& joint, const Eigen::VectorXd& mean,
           const Pose2& at, Eigen::MatrixXd& covariance) {
   const models::Viewpoint from{at, problem.height_m};

@@ -17,7 +17,7 @@ struct Row {
   int targets;
   int steps;
   int obstacles;
-  int dense_steps;  ///< 0: beyond the dense reference
+  int dense_steps;  ///< 0: too large for the dense reference
 };
 
 constexpr Row kRows[] = {

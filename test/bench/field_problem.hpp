@@ -6,14 +6,15 @@
 
 namespace vantage::bench {
 
-/// One problem of the field family: 64 × 64 m without obstacles (more than 25 targets: a map as
-/// much larger, so that the density stays), the robot at the origin, the ten standard primitives,
+/// Returns one problem of the field family: 64 × 64 m without obstacles (with more than 25 targets
+/// a larger map of the same density), the robot at the origin, the ten standard primitives,
 /// `targets` double integrators (q 0.001, prior 1, 1, 0.1, 0.1) anywhere in the map at about 0.5
 /// m/s, range and bearing to 10 m within 94°, σ 0.15 m and 5°.
 planner::SearchProblem field_problem(int targets, int horizon_steps, std::uint64_t seed);
 
-/// The same with `obstacles` boxes of 0.5–3 m a side within 20 m of the start, none within 1 m of
-/// it, a robot of radius 0.2 m, and a distance field of 0.1 m cells. Without boxes: no world.
+/// Returns the same with `obstacles` boxes with sides of 0.5–3 m within 20 m of the start and at
+/// least 1 m from it, a robot of radius 0.2 m, and a distance field of 0.1 m cells. Without boxes:
+/// no world.
 planner::OwnedProblem obstructed_problem(int targets, int horizon_steps, int obstacles,
                                          std::uint64_t seed);
 

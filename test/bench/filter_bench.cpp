@@ -1,7 +1,7 @@
-// filter_bench: how long a step of a robot's filter takes, processor time of its thread, with five
-// targets in the lab's room and a hundred in the field's, three robots that all hear each other;
-// believed to walk at random, to be damped oscillators, and these by samples while unseen; and how
-// long it takes to tell what it believes in parts.
+// filter_bench: CPU time of one step of a robot's filter, with five targets in the lab's room and a
+// hundred in the field's, and three robots that all receive each other. Target models: random walk,
+// damped oscillator, and the latter with samples while unseen. Also measures sending a belief in
+// parts.
 
 #include <algorithm>
 #include <cstdio>

@@ -1,4 +1,4 @@
-// Cells a second of one core: information of a beam by CSQMI, by FSMI, and of traced views.
+// Cells per second of one core: information of a beam by CSQMI and by FSMI, and of traced views.
 #include <cstdint>
 #include <vector>
 
@@ -13,7 +13,7 @@ namespace {
 
 const models::BeamSensor kSensor{48, 2.0 * kPi, 0.0, 1e3, 0.01};
 
-// Beams of `cells` cells of 0.1 m, every one in doubt.
+// Returns beams of `cells` uncertain cells of 0.1 m.
 std::vector<models::BeamProfile> doubtful_beams(int cells) {
   test::Random random(1);
   std::vector<models::BeamProfile> beams(64);

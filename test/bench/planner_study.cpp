@@ -10,9 +10,9 @@
 #include "test/bench/study_table.hpp"
 #include "test/bench/tracking_family.hpp"
 
-// Which planner is best at which budget: a hundred problems of the tracking family (and any problem
-// files given), each method at each budget of CPU time, against the best cost that anything has
-// ever reached. The list of those is kept in the repository and only ever falls.
+// Compares planners at each budget of CPU time on a hundred problems of the tracking family (and
+// any problem files given) with the best known cost. The list of best costs is kept in the
+// repository, and its costs only decrease.
 
 namespace vantage::bench {
 namespace {
@@ -35,8 +35,8 @@ struct Arguments {
   bool each = false;
 };
 
-// A list that was tampered with, or made for another family, is of no use. The plain recursion is
-// good to some 1e-5 where a look from 2 mm away takes eight digits; the search's own is exact.
+// Throws if the list was edited or made for another family. The plain recursion is accurate to
+// about 1e-5 where a measurement from 2 mm loses eight digits; the search's own is exact.
 void require_true(const BestCosts& best, const std::vector<PlanningProblem>& problems) {
   for (const PlanningProblem& drawn : problems) {
     const BestCosts::Entry* entry = best.find(drawn.name);
@@ -63,7 +63,7 @@ void study(const Arguments& arguments) {
   require_true(best, problems);
   std::vector<StudyRun> runs;
   for (const std::string& name : arguments.methods) {
-    // One object for all problems: 25 targets are the most.
+    // One object for all problems: at most 25 targets.
     planner::SearchCapacity capacity =
         planner::capacity_for(planner::algorithm_called(name), hundred_problems().back().problem,
                               arguments.memory_mb << 20, planner::nodes_within(5.0));

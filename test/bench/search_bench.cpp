@@ -6,10 +6,11 @@
 #include "test/bench/dense_table.hpp"
 #include "test/bench/field_problem.hpp"
 
-// ns and bytes a node of the searches on the field family; CPU time of one core. Each iteration is
-// another of eight problems, so that no branch is learnt by heart; counters are means over the
-// eight. Then the engine beside a dense reference. On a busy machine take the least of
-// --benchmark_repetitions=9; --benchmark_filter=NONE prints the table alone.
+// Time (ns) and memory (bytes) per node of the searches on the field family; CPU time of one core.
+// Each iteration uses another of eight problems, so that the branch predictor cannot learn one;
+// counters are means over the eight. Then compares the engine with a dense reference. On a busy
+// machine use the least of --benchmark_repetitions=9; --benchmark_filter=NONE prints the table
+// alone.
 
 namespace vantage::bench {
 namespace {
@@ -61,7 +62,7 @@ void reduced_value_iteration(benchmark::State& state) {
   options.search = planner::ReducedSearch::kSinglePass;
   options.epsilon = std::numeric_limits<double>::infinity();
   options.delta_m = 0.663;
-  options.yaw_weight_m_per_rad = 0.0;  // position alone, as the peer's metric
+  options.yaw_weight_m_per_rad = 0.0;  // position alone, as in the reference's metric
   run(state, options, 12, Deadline::never());
 }
 

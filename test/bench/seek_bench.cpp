@@ -1,8 +1,8 @@
-// How long `vantage log play` takes to go to an instant of a log of many gigabytes.
+// Time of `log play` seeks to an instant of a log of many gigabytes:
 //   seek_bench LOG GIB SEEKS     e.g. seek_bench /tmp/big.lcmlog 10 200
-// Makes LOG when it is not there (random bytes under unknown and known types); takes the first pass
-// when there is no index beside it; then opens it anew and seeks, once with the pages around in
-// memory or not as they happen to be, once after the kernel was told to forget them all. Prints ms.
+// Creates LOG if it does not exist (random bytes of unknown and known types), and makes the first
+// pass if it has no index. Then opens it again and seeks, once with the page cache as it is and
+// once after the kernel was told to drop it. Prints ms.
 
 #include <algorithm>
 #include <chrono>
@@ -30,7 +30,8 @@ double ms_since(std::int64_t begin_ns) {
   return 1e-6 * static_cast<double>(monotonic_ns() - begin_ns);
 }
 
-/// 1000 events a second: VICON frames of `bodies` and every tenth event an unknown type of 20 kB.
+/// Writes 1000 events per second: VICON frames of `bodies`; every tenth event is an unknown type of
+/// 20 kB.
 void make_log(const std::string& path, double gib) {
   constexpr std::int64_t kStart_us = 1'700'000'000'000'000;
   constexpr std::size_t kOtherBytes = 20'000;

@@ -13,16 +13,16 @@
 #include "test/bench/field_problem.hpp"
 #include "test/bench/tracking_family.hpp"
 
-// How long does a search work without looking at the clock? That is by how much it can be late when
-// it has its core. Under a budget of nodes a search does the same work every time, so each stretch
-// between two looks is timed in several runs and its shortest time counts: what a preempted or
-// stolen core adds falls out, which it does not where lateness itself is measured (deadline_bench).
+// Measures the time between two clock checks of a search: its largest possible lateness while it
+// has its core. With a budget of nodes a search does the same work every time, so each stretch
+// between two checks is timed in several runs and its shortest time counts. Time lost by preemption
+// or a hypervisor is thereby excluded, unlike in deadline_bench, which measures lateness itself.
 
 namespace vantage {
 namespace bench {
 namespace {
 
-/// The looks of the run that is being timed.
+/// The clock checks of the timed run.
 class Looks {
  public:
   void begin() {
@@ -59,8 +59,8 @@ struct Arguments {
   double list_us = 1e9;
 };
 
-/// Each stretch of a search of `problem`, the last up to its return: the shortest of `runs`, ns.
-/// Empty when two runs did not look equally often.
+/// Returns each stretch of a search of `problem`, the last one up to its return: the shortest of
+/// `runs`, ns. Empty if the number of checks differs between runs.
 std::vector<std::int64_t> stretches_of(planner::Search& search,
                                        const planner::SearchProblem& problem,
                                        const Arguments& arguments) {
@@ -85,9 +85,9 @@ std::vector<std::int64_t> stretches_of(planner::Search& search,
 }
 
 struct Stretches {
-  std::vector<std::int64_t> set_up_ns;   ///< until the first look
-  std::vector<std::int64_t> between_ns;  ///< from look to look
-  std::vector<std::int64_t> closing_ns;  ///< from the last look to the return
+  std::vector<std::int64_t> set_up_ns;   ///< until the first check
+  std::vector<std::int64_t> between_ns;  ///< between two checks
+  std::vector<std::int64_t> closing_ns;  ///< from the last check to the return
 };
 
 double us_at(std::vector<std::int64_t>& ns, double share) {
@@ -157,7 +157,7 @@ void run(const Arguments& arguments) {
 }  // namespace
 }  // namespace bench
 
-// In place of core/deadline.cpp's, which is left out of this program: the clock that searches ask.
+// Replaces core/deadline.cpp's function, which is not linked here: the clock that searches check.
 std::int64_t monotonic_ns() { return bench::looks().look(); }
 
 }  // namespace vantage

@@ -12,18 +12,19 @@
 
 namespace vantage::bench {
 
-/// One search that the study compares, its arena prepared for all problems.
+/// One search of the study, with its arena prepared for all problems.
 struct StudyMethod {
   std::string name;
   std::function<const planner::SearchResult&(const planner::SearchProblem&, const Deadline&)> plan;
 };
 
-/// `name` is of planner::all_algorithms(); "beam" takes its options from `beam`. RVI is one pass at
-/// δ = 0.663 m on position alone and ε = ∞, what the peer's δ = 1.2 means in its metric.
+/// Returns the method `name` of planner::all_algorithms(); "beam" takes its options from `beam`.
+/// RVI is one pass at δ = 0.663 m on position alone and ε = ∞: the equivalent of the reference's δ
+/// = 1.2 in its metric.
 StudyMethod make_method(const std::string& name, const planner::BeamOptions& beam,
                         const planner::SearchCapacity& capacity);
 
-/// What a method reached on one problem within one budget.
+/// The result of a method on one problem within one budget.
 struct StudyRun {
   std::string problem;
   int targets = 0;
@@ -35,9 +36,10 @@ struct StudyRun {
   std::vector<int> controls;
 };
 
-/// The best within `budget_s` of the thread's CPU time. The machine may be busy, so budgets are of
-/// nodes: the longest of a few runs that fits, `nodes_per_s` being where to begin and what was
-/// found. Budgets of a second and more: one run, the rate as it comes.
+/// Returns the best result within `budget_s` of the thread's CPU time. The machine may be busy, so
+/// budgets are converted to nodes, and the longest of a few runs that fits is used. `nodes_per_s`
+/// is the initial rate and receives the measured one. Budgets of a second and more: at most two
+/// runs.
 StudyRun run_within(const tools::PlanningProblem& drawn, const StudyMethod& method, double budget_s,
                     double& nodes_per_s);
 

@@ -16,20 +16,20 @@ struct StudyRow {
   std::size_t problems = 0;
   std::size_t without_plan = 0;
   std::size_t within_a_hundredth = 0;  ///< excess ≤ 0.01
-  double mean_excess = 0.0;            ///< cost less the best known, over those with a plan
+  double mean_excess = 0.0;            ///< cost minus the best known, mean over runs with a plan
   double p90_excess = 0.0;
   double max_excess = 0.0;
   double mean_cost = 0.0;
-  double mean_gap = 0.0;    ///< cost less lower bound
-  double median_gap = 0.0;  ///< the same, as a share of the cost
+  double mean_gap = 0.0;    ///< cost minus lower bound
+  double median_gap = 0.0;  ///< the same as a share of the cost
   double mean_cpu_s = 0.0;
 };
 
-/// One row for every number of targets, and one for all of them, per method and budget.
+/// Returns one row per method, budget and number of targets, and one for all targets.
 std::vector<StudyRow> summarise(const std::vector<StudyRun>& runs, const BestCosts& best);
 
 std::string to_text(const std::vector<StudyRow>& rows);
-/// The same as CSV, for the plots.
+/// Writes the rows as CSV, for the plots.
 void write_csv(const std::string& path, const std::vector<StudyRow>& rows);
 
 }  // namespace vantage::bench

@@ -13,8 +13,8 @@
 #include "planner/decision/resilient.hpp"
 #include "planner/decision/team_bound.hpp"
 
-// How the team's algorithms grow with the team: n robots and n targets, all decided by one thread.
-// CPU time, and J beside a bound on what any choice is worth.
+// Scaling of the team's algorithms with the team: n robots and n targets, decided by one thread.
+// CPU time, and J compared with an upper bound of the value of any choice.
 
 namespace vantage::bench {
 namespace {
@@ -25,7 +25,7 @@ struct Arguments {
   double budget_s = 0.5;
 };
 
-// The text's prices are 1 … n: of a hundred robots most would stand still. Here all are 1.
+// Sets all prices to 1. The reference uses 1 … n, at which most of a hundred robots would not move.
 void make_prices_equal(planner::TeamProblem& team) {
   double price = 1.0;
   for (std::vector<planner::Candidate>& of_robot : team.candidates) {

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""team_bound.py P_M9_s0.json … [--teams 10] [--nodes 100000] [--work 4e6]: how far what a team of searches decides (`rain`, without
-and with attacks) is from what no paths of the team can be worth, median over teams that start at places drawn by seed."""
+"""team_bound.py P_M9_s0.json … [--teams 10] [--nodes 100000] [--work 4e6]: compares the decision of a team of
+searches (`rain`, with and without attacks) with an upper bound for any paths of the team; median over teams
+whose starts are drawn by seed."""
 import argparse
 import json
 import math
@@ -13,7 +14,7 @@ import vantage
 
 
 def team_of(spec, robots, seed):
-    """Robots within 15 m of the given start, headings any."""
+    """Draws robots within 15 m of the given start, with any heading."""
     draw = random.Random(seed)
     about = spec["robot"]
     return [{**spec, "robot": {"x": about["x"] + draw.uniform(-15, 15), "y": about["y"] + draw.uniform(-15, 15),

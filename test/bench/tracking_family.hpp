@@ -8,14 +8,14 @@
 
 namespace vantage::bench {
 
-/// One problem of the tracking family of the public planning problems: a 64 × 64 m map without
-/// obstacles, the robot at its middle, T = 12, the ten standard primitives, `targets` double
-/// integrators (q 0.001, prior 1, 1, 0.1, 0.1) with means within ±20 m and ±0.5 m/s, range and
-/// bearing to 10 m within a field of view of `fov_deg`, σ 0.15 m and 5°.
+/// Returns one problem of the tracking family of the public planning problems: a 64 × 64 m map
+/// without obstacles, the robot at its centre, T = 12, the ten standard primitives, `targets`
+/// double integrators (q 0.001, prior 1, 1, 0.1, 0.1) with means within ±20 m and ±0.5 m/s, range
+/// and bearing to 10 m within a field of view of `fov_deg`, σ 0.15 m and 5°.
 tools::PlanningProblem tracking_problem(int targets, std::uint64_t seed, double fov_deg = 94.0);
 
-/// A hundred: M in {1, 3, 9, 16, 25}, twenty seeds of each from `first_seed` on. The planner study
-/// reports those from 1; settings are chosen on others.
+/// Returns a hundred problems: M in {1, 3, 9, 16, 25}, twenty seeds each from `first_seed` on. The
+/// planner study reports those from 1; settings are chosen on others.
 std::vector<tools::PlanningProblem> hundred_problems(double fov_deg = 94.0,
                                                      std::uint64_t first_seed = 1);
 

@@ -14,10 +14,10 @@
 #include "trial/recipe.hpp"
 #include "trial/trial.hpp"
 
-// What a trial in virtual time costs: one line a scenario, wall and CPU time, memory, and what
-// comes of it for one robot in one planning round. --csv prints it as a line of a table (its head
-// with --csv-head). --log FILE keeps a log, a new file, and says what each robot said in a second.
-// --json prints the trial's summary instead, for comparing two builds to the bit.
+// Cost of a trial in virtual time: one line per scenario with wall and CPU time, memory, and the
+// CPU time per robot and planning round. --csv prints a line of a table (header: --csv-head). --log
+// FILE writes a new log and prints the bytes that each robot published per second. --json prints
+// the trial's summary instead, to compare two builds bit for bit.
 
 namespace {
 
@@ -73,7 +73,7 @@ void print(const vantage::scenario::Scenario& scenario, const Cost& cost,
       peak_mb(), round_ms, summary.plans, summary.collisions);
 }
 
-/// Bytes of each kind of channel that a robot said in a second of the trial.
+/// Prints the bytes of each kind of channel that a robot published per second of the trial.
 void print_traffic(const vantage::scenario::Scenario& scenario, const std::string& log_path) {
   const vantage::logs::IndexedLog log(log_path);
   std::map<std::string, double> bytes;

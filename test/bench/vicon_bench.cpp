@@ -1,6 +1,6 @@
-// How many frames a driver loses, and how late they are, behind real sockets of this host:
+// Measures how many frames a driver loses, and their latency, with real sockets of this host:
 //   vicon_bench PROTOCOL RATE_HZ BODIES SECONDS
-// The emulated server runs in a thread of its own. Not part of ctest: numbers, not truths.
+// The emulated server runs in a separate thread. Not part of ctest: it measures and does not test.
 
 #include <algorithm>
 #include <atomic>
@@ -34,7 +34,7 @@ struct Load {
   std::size_t frames = 0;
 };
 
-/// Sends `load.frames` frames on time; when each was sent, in `sent_ns`.
+/// Sends `load.frames` frames on time and stores their send times in `sent_ns`.
 void serve(const Load& load, sim::vicon::SocketServer& server, std::vector<std::int64_t>& sent_ns) {
   sim::vicon::CirclingBodies source(load.bodies);
   sim::vicon::EmulatedFrame frame;
@@ -113,7 +113,7 @@ int main(int argc, char** argv) {
   drivers::vicon::SocketLink link(driver, [&clock] {
     return drivers::vicon::Moment{clock.now(), Duration{monotonic_ns() / 1'000}};
   });
-  // The link stands before the first frame is sent.
+  // Waits until the connection is open before the first frame is sent.
   while (!driver.is_open() ||
          (server.clients() == 0 && spec.protocol != scenario::MocapProtocol::kObjectStream)) {
     link.step();
