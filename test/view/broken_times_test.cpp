@@ -13,7 +13,7 @@
 namespace vantage::tools {
 namespace {
 
-// One broken stamp among good ones: what is shown is as without it.
+// One invalid stamp among valid ones does not change what is shown.
 TEST(LogHistory, EndsAndIsAsWithoutItWhateverOneStampIs) {
   const logs::test::TemporaryFolder folder;
   constexpr std::int64_t kNow = 1'795'000'000'000'000;

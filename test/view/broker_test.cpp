@@ -139,7 +139,7 @@ TEST(Broker, HoldsBackTheWayToAnInstantAndSendsWhereItLed) {
   put(broker, "/flow", 3, false);
   broker.release();
   EXPECT_EQ(client->wait_pop()->head, message_head(1, from_utime(3)));
-  // Nor does who subscribes meanwhile hear of an instant on the way.
+  // A viewer that subscribes meanwhile does not receive the skipped instants either.
   broker.hold();
   put(broker, "/flow", 4, false);
   const auto newcomer = broker.connect(true);
@@ -200,7 +200,7 @@ TEST(Broker, CountsRecordsOfATopicThatNobodyHears) {
                             "jumps": 0, "time_s": null})"));
 }
 
-// Of one instant with the counts, so that no two of different legs make a rate.
+// Time and jumps belong to the counts of the same text, so that no rate is computed across a jump.
 TEST(Broker, SaysWhenInTheLogItCountedAndAfterHowManyJumps) {
   Broker broker({"test", "s", std::pair(from_utime(0), from_utime(9'000'000))});
   const auto counted = [&broker] {

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""close_frame.py VANTAGE SAMPLE.xz: a viewer that says goodbye gets an answer (RFC 6455, 5.5.1): a
-Close frame with the code that it sent, nothing after it, and the end of the connection."""
+"""close_frame.py VANTAGE SAMPLE.xz: a viewer's Close frame is answered (RFC 6455, 5.5.1) by a Close frame with
+the same code; nothing follows, and the connection ends."""
 import sys
 
 from plain_viewer import Viewer, serving

@@ -41,7 +41,8 @@ TEST(ConnectionTable, EndsTheOldestOfAnAddressThatHasTooMany) {
   EXPECT_TRUE(table.update(open, kStart + milliseconds(50)).empty()) << "a viewer does not count";
 }
 
-// Three addresses with 30 or 20 each are below the limit of one address, and at that of all.
+// Three addresses with 30 or 20 connections each are below the limit per address, but reach the
+// total limit.
 TEST(ConnectionTable, EndsTheOldestOfTheAddressThatHasTheMostWhereAllAreTooMany) {
   ConnectionTable table;
   std::set<Peer> open;

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""foreign_log.py FOLDER: FOLDER/foreign.lcmlog, half a minute of an arm that is none of vantage's, and
-FOLDER/types, the .lcm files of its messages. What lcm-gen made for Python encodes them; the log is
-written by LCM's specification. Beside it a channel of a type that no file has."""
+"""foreign_log.py FOLDER: writes FOLDER/foreign.lcmlog, half a minute of an arm that is not part of vantage, and
+FOLDER/types, the .lcm files of its messages. The Python code of lcm-gen encodes them; the log follows LCM's
+specification. One more channel has a type that no file describes."""
 import importlib
 import math
 import pathlib

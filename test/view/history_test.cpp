@@ -14,7 +14,7 @@ namespace {
 using logs::foxglove::Schema;
 using nlohmann::json;
 
-/// Wants everything, and counts it.
+/// A sink that requests every topic and counts the records.
 class Counter : public logs::foxglove::Sink {
  public:
   bool wants(const std::string& topic, Schema /*schema*/, bool /*is_state*/) override {

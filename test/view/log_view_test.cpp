@@ -35,7 +35,7 @@ using test::subscribe;
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
-/// The newest record of each topic that somebody who comes now is told.
+/// Returns the newest record of each topic that a new viewer receives.
 std::map<std::string, std::string> told_to_newcomer(Broker& broker) {
   const auto newcomer = broker.connect(true);
   pop_text(*newcomer);
@@ -53,7 +53,7 @@ std::map<std::string, std::string> told_to_newcomer(Broker& broker) {
     if (frame->is_text && frame->head == "{}") {
       break;
     }
-    if (!frame->is_text && frame->head[0] == 1) {  // else a status, time or playback
+    if (!frame->is_text && frame->head[0] == 1) {  // otherwise a status, time or playback frame
       content[topics.at(static_cast<unsigned char>(frame->head[1]))] = *frame->body;
     }
   }
@@ -90,7 +90,7 @@ TEST(PlaybackClock, SeeksWithinTheLogAndAnswersTheRequest) {
   EXPECT_TRUE(again.did_seek);
 }
 
-// The log of the sample flight; tests are skipped where it cannot be unpacked.
+// The log of the sample flight; its tests are skipped if it cannot be unpacked.
 class SampleLog : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -129,7 +129,7 @@ TEST_F(SampleLog, ShowsTheSameInstantHoweverItCameThere) {
     }
     ask(instant);
     broker.disconnect(client);
-    // What a newcomer is told of the scene is what the log says of that instant.
+    // A new viewer receives the scene of that instant of the log.
     return told_to_newcomer(broker);
   };
   const auto straight = newest(false);
@@ -144,7 +144,7 @@ TEST_F(SampleLog, ShowsTheSameInstantHoweverItCameThere) {
 TEST_F(SampleLog, ShowsOfAnInstantWhatMakingEveryRecordBeforeItWouldHaveLeft) {
   const logs::SeekableLog& log = log_of_sample();
   const logs::TypeLibrary types;
-  for (const int at_s : {3, 15, 45}) {  // the last needs only what is 20 s old
+  for (const int at_s : {3, 15, 45}) {  // for the last one the preceding 20 s are enough
     const Time instant = log.range().first + std::chrono::seconds(at_s);
     Broker broker({"test", "s", log.range()});
     const LogView view(log, types, broker, instant);
@@ -175,7 +175,7 @@ TEST_F(SampleLog, ShowsOfAnInstantWhatMakingEveryRecordBeforeItWouldHaveLeft) {
   }
 }
 
-/// As a viewer asks that plays.
+/// Seeks as a playing viewer requests it.
 void go_to(Time to, Broker& broker, Client& client, LogView& view) {
   broker.on_request(
       client, parse_binary(playback_request(1, 1.0F, true,
@@ -192,7 +192,7 @@ TEST_F(SampleLog, StepsOnWithoutBeginningAnewAndRepeatsAnInstantThatIsAskedForAg
   const auto client = broker.connect(true);
   pop_text(*client);
   subscribe(broker, *client, pop_text(*client), "/transforms");
-  // {poses that came, whether viewers were told of a jump}
+  // {number of poses received, true if a jump was reported}
   const auto ask = [&](Time to) {
     go_to(to, broker, *client, view);
     client->push(control("{}"));
@@ -213,7 +213,7 @@ TEST_F(SampleLog, StepsOnWithoutBeginningAnewAndRepeatsAnInstantThatIsAskedForAg
   broker.disconnect(client);
 }
 
-// Poses are told twenty times a second, wherever in the log and whatever was read to get there.
+// Poses are sent twenty times per second anywhere in the log, whatever was read for the seek.
 TEST_F(SampleLog, ARateIsOfTheCountsAndTheTimeThatAreToldTogether) {
   const logs::SeekableLog& log = log_of_sample();
   const logs::TypeLibrary types;
@@ -261,8 +261,8 @@ TEST_F(SampleLog, HoldsTheNumbersOfTheWholeLogInOrder) {
     EXPECT_GE(record[1].get<std::int64_t>(), last);
     last = record[1];
   }
-  EXPECT_NEAR(records["/team"], 120, 3);           // two steps a second
-  EXPECT_NEAR(records["/plan/Q1/status"], 60, 3);  // a round a second
+  EXPECT_NEAR(records["/team"], 120, 3);           // two steps per second
+  EXPECT_NEAR(records["/plan/Q1/status"], 60, 3);  // one round per second
   EXPECT_NEAR(records["/vehicle/Q3"], 60, 3);
 }
 
@@ -271,7 +271,7 @@ TEST_F(SampleLog, GivesOneNumberOfATopicOverItsWholeLength) {
   const json battery = json::parse(log_series(log, {}, "/vehicle/Q1", "/battery_share"));
   EXPECT_GT(battery.size(), 100U);
   EXPECT_GT(battery.front()[1].get<double>(), battery.back()[1].get<double>());
-  // The same plans as they are on the bus and as viewers are told them.
+  // The same plans on the bus and as sent to viewers.
   const json raw = json::parse(log_series(log, {}, "/lcm/PLAN_Q1", "/nodes"));
   const json told = json::parse(log_series(log, {}, "/plan/Q1/status", "/nodes"));
   EXPECT_NEAR(static_cast<double>(raw.size()), 60.0, 3.0);
@@ -347,7 +347,7 @@ TEST(LeadUp, CountsARecordAndMakesTheLastOfEachTopicAlone) {
 }
 
 /// A log of 60 s and 24 MB, of which 8 MiB are read at once. Q1 is jammed from the start to 25 s,
-/// Q2 from then on; each is said once.
+/// Q2 from then on; each is reported once.
 class UnreadLog : public ::testing::Test {
  protected:
   static constexpr std::int64_t kStart_us = 1'000'000'000;
@@ -407,7 +407,7 @@ TEST_F(UnreadLog, IsShownAgainFromAllThatIsKnownOnceItsFirstPassIsOver) {
   while (!client->wait_pop()->is_text) {
   }
 
-  // Meanwhile viewers are told how far it is, and at last that there is nothing to tell.
+  // Viewers receive the progress of the pass, and at its end the status is withdrawn.
   read_first_pass(log, broker, [] { return false; });
   ASSERT_TRUE(log.is_surveyed());
   client->push(control("{}"));
@@ -432,7 +432,7 @@ TEST_F(UnreadLog, IsShownAgainFromAllThatIsKnownOnceItsFirstPassIsOver) {
   EXPECT_LT(percents.front(), 50);
   EXPECT_GT(percents.back(), 90);
 
-  // The instant anew, as if somebody had gone there; it plays on as it did.
+  // The instant is sent again, as after a seek; playing continues.
   view.tick(3 * kSecond_ns);
   EXPECT_EQ(jammed(broker), R"(["Q2"])");
   client->push(control("{}"));
@@ -450,7 +450,7 @@ TEST_F(UnreadLog, IsShownAgainFromAllThatIsKnownOnceItsFirstPassIsOver) {
   }
   EXPECT_EQ(states, 1) << "viewers begin anew there";
   EXPECT_EQ(json::parse(last_attack)["jammed"].dump(), R"(["Q2"])");
-  // Once.
+  // This happens only once.
   view.tick(3 * kSecond_ns);
   client->push(control("{}"));
   for (auto frame = client->wait_pop(); !frame->is_text; frame = client->wait_pop()) {
@@ -487,7 +487,7 @@ TEST_F(UnreadLog, BeginsANewSessionWhenItTurnsOutLonger) {
   EXPECT_NE(infos[0]["sessionId"], before["sessionId"]);
   EXPECT_EQ(infos[0]["dataStartTime"]["sec"], (kStart_us - 5'000'000) / 1'000'000);
   broker.disconnect(client);
-  // Where it begins now one may go to.
+  // A seek to the new beginning of the log is accepted.
   const auto asker = broker.connect(true);
   broker.on_request(*asker, parse_binary(playback_request(1, 1.0F, true, 0, "x")));
   view.tick(0);

@@ -1,4 +1,4 @@
-"""A viewer of tests that is no browser: frames of RFC 6455 as they come; and a server for it."""
+"""A minimal viewer for tests, with the frames of RFC 6455, and a server for it."""
 import base64
 import contextlib
 import os
@@ -42,7 +42,7 @@ class Viewer:
         return taken
 
     def frame(self):
-        """(opcode, content), or None at the end of the connection."""
+        """Returns (opcode, content), or None at the end of the connection."""
         head = self.take(2)
         if head is None:
             return None
@@ -59,7 +59,7 @@ class Viewer:
 
 @contextlib.contextmanager
 def serving(vantage, sample, *options):
-    """`vantage view` of the log that is packed in `sample`; its port."""
+    """Runs `vantage view` on the log that is packed in `sample`; yields its port."""
     with tempfile.TemporaryDirectory() as folder:
         log = pathlib.Path(folder) / "lab.lcmlog"
         log.write_bytes(subprocess.run(["xz", "-dkc", sample], capture_output=True,

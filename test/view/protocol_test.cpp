@@ -29,7 +29,7 @@ TEST(ServerInfoText, OffersPlaybackOfALogAlone) {
   EXPECT_EQ(log["dataStartTime"], json({{"sec", 1}, {"nsec", 500'000'000}}));
 }
 
-// LCM takes any bytes but NUL for a name, from whoever is on the network.
+// A channel name of LCM, from any sender on the network, may contain any bytes except NUL.
 TEST(AdvertiseText, IsUtf8WhateverTheChannelIsCalled) {
   const std::vector<ChannelInfo> channels = {{3, "/K\xd6RPER", {}}};
   std::string said;

@@ -8,7 +8,7 @@ import sys
 from plain_viewer import Viewer, serving
 
 SLOW = 150  # more than the server has threads
-PATIENCE_S = 15  # half of what the server waits for a write
+PATIENCE_S = 15  # half of the server's time limit for a write
 
 
 def slow(port):
@@ -33,7 +33,7 @@ def main():
         asked.request("GET", "/api/topics")
         assert asked.getresponse().status == 200
         for one in many:
-            while receive(one):  # some error page, or nothing
+            while receive(one):  # an error page, or nothing
                 pass
     print("slow_connections: all good")
 

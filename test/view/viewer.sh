@@ -1,7 +1,9 @@
 #!/bin/sh
-# viewer.sh channels|page log|live|late|access|proposals|foreign|record VANTAGE SOURCE_DIR: `vantage view` on the sample log,
-# `vantage demo --view`, or `vantage view` on a log of a team that plans by local search or of somebody else's robot, read by
-# Foxglove's own client or driven in headless Chromium. Screenshots go to $VANTAGE_SHOTS when it is set. Exit code 77: what it needs is not there.
+# viewer.sh channels|page log|live|late|access|proposals|foreign|record VANTAGE SOURCE_DIR: tests `vantage view` on
+# the sample
+# log, on a log of a team that plans by local search or of another robot, and `vantage demo --view`. Foxglove's own
+# client reads
+# it, or headless Chromium is driven. Screenshots go to $VANTAGE_SHOTS if set. Exit code 77: a requirement is missing.
 what=$1
 kind=$2
 vantage=$3
