@@ -25,7 +25,7 @@ TEST(FindHost, KnowsThisMachine) {
             address_of(INADDR_LOOPBACK, 0).sin_addr.s_addr);
 }
 
-// No name has a blank, so nobody is asked.
+// A host name contains no blank, so no DNS query is sent.
 TEST(FindHost, SaysWhichHostThereIsNot) {
   const Result<sockaddr_in> found = find_host("no such", 80);
   ASSERT_FALSE(found.ok());

@@ -8,7 +8,7 @@ namespace {
 constexpr std::int64_t kLongAgo_ns = 1;
 constexpr std::int64_t kInAThousandYears_ns = 30'000'000'000'000'000;
 
-// Runs a loop that does `stride` nodes of work between two askings; where it stopped.
+// Runs a loop with `stride` nodes of work between two checks; returns the node at which it stopped.
 std::int64_t nodes_until_expiry(const Deadline& deadline, std::int64_t stride) {
   std::int64_t nodes = 0;
   while (!deadline.expired(nodes)) {

@@ -69,7 +69,7 @@ struct Se3 {
   static Point point(test::Random& random) { return random.vector<3>(-5.0, 5.0); }
 };
 
-// The series of the matrix exponential, with halving and squaring.
+// Computes the matrix exponential by its series, with scaling and squaring.
 Eigen::MatrixXd matrix_exponential(const Eigen::MatrixXd& X) {
   constexpr int kSquarings = 6;
   const Eigen::MatrixXd scaled = X / 64.0;

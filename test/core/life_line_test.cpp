@@ -17,7 +17,7 @@ struct Pipe {
   LifeLine line;
   LifeSign sign{child_end_of(line)};
 
-  /// The only descriptor of that end.
+  /// Returns the only descriptor of the child's end.
   static int child_end_of(LifeLine& line) {
     EXPECT_TRUE(line.open());
     const int descriptor = ::dup(line.child_end());
@@ -55,7 +55,7 @@ TEST(LifeLine, KeepsTheNewestKnownStateOfTheVehicle) {
   EXPECT_EQ(signs.in_flight, InFlight::kYes);
 }
 
-// A supervisor that hangs must not make a driver wait.
+// A supervisor that hangs must not block a driver.
 TEST(LifeSign, NeverWaitsForASupervisorThatDoesNotRead) {
   Pipe pipe;
   for (int i = 0; i < 200'000; ++i) {  // more than a pipe holds

@@ -40,7 +40,7 @@ TEST(Pose3, StaysAUnitRotationOverManyProducts) {
   EXPECT_NEAR(pose.rotation.norm(), 1.0, 1e-14);
 }
 
-// Against the same series in long double, which needs no care at these angles.
+// Compares with the same series in long double, which needs no special treatment of these angles.
 TEST(ExpSe2, KeepsAllDigitsAtSmallAngles) {
   for (double angle_rad = 1e-9; angle_rad < 1.0; angle_rad *= 1.7) {
     const long double w = angle_rad;

@@ -108,7 +108,7 @@ TEST(RunProcess, CountsTheRequests) {
             2);
 }
 
-// A terminal that closes: its shell and the kernel both say so. (Red before: it ended the process.)
+// When a terminal closes, both its shell and the kernel send SIGHUP.
 TEST(RunProcess, TakesHangingUpForOneRequestThoughItIsSaidTwice) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT(std::exit(run_process("vantage-test",

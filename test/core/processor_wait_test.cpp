@@ -13,7 +13,7 @@ Time at(double t_s) { return from_utime(1'700'000'000'000'000) + from_seconds(t_
 
 struct Row {
   const char* what;
-  std::vector<std::pair<double, std::int64_t>> readings;  ///< s, µs
+  std::vector<std::pair<double, std::int64_t>> readings;  ///< s; µs
   double recent_s;
 };
 
@@ -45,8 +45,8 @@ TEST(ProcessorWait, IsTheSumOfTheLastSecond) {
   }
 }
 
-// Whatever the times of reading are: at least the waits of the last second are in it, and none from
-// before the reading that was at least a second old.
+// At any rate of reading the result contains the waits of the last second and none from before the
+// newest reading that is at least one second old.
 TEST(ProcessorWait, CoversTheWindowAtAnyRateOfReading) {
   std::mt19937_64 rng(7);
   std::uniform_int_distribution<int> step_ms(31, 900);
@@ -68,7 +68,7 @@ TEST(ProcessorWait, CoversTheWindowAtAnyRateOfReading) {
   }
 }
 
-// Read more often than there is room for, it covers less than a second and stays bounded.
+// With more readings than capacity it covers less than a second and stays bounded.
 TEST(ProcessorWait, KeepsTheNewestReadingsWhenThereAreTooMany) {
   ProcessorWait wait;
   for (int i = 0; i < 1'000; ++i) {

@@ -52,7 +52,7 @@ TEST(TakeRealTime, AsksForNothingByItself) {
   apply(real_time);
 }
 
-// Asking changes nothing for the thread that asks; the answer is that of apply().
+// The query does not change the calling thread; its answer is that of apply().
 TEST(GrantsFifo, AnswersAsApplyDoes) {
   const int policy_before = sched_getscheduler(0);
   const bool is_granted = grants_fifo(50);
@@ -82,7 +82,7 @@ TEST(TakeRealTime, RefusesValuesThatCannotBe) {
 
 TEST(ApplyRealTime, SaysWhatWasRefusedAndWhatWouldAllowIt) {
   RealTime real_time;
-  real_time.cpu = 1023;  // of the machines that exist, none has it
+  real_time.cpu = 1023;  // no existing machine has this CPU
   try {
     apply(real_time);
     FAIL() << "a CPU that is not there was granted";

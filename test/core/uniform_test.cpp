@@ -7,7 +7,7 @@
 namespace vantage {
 namespace {
 
-// The C++ standard gives the engine's 10 000th number, for every library.
+// The C++ standard defines the engine's 10 000th number for every library.
 TEST(Uniform, IsTheUpperBitsOfOneDraw) {
   std::mt19937_64 random;
   random.discard(9'999);

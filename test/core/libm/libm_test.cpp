@@ -8,12 +8,12 @@
 
 #include "core/uniform.hpp"
 
-// The bits of sin, exp, log, … are those that are written here: from every compiler, with every set
-// of flags, on every processor and C library (docs/decisions/0014).
+// The bits of sin, exp, log, … are those below with every compiler, set of flags, processor and C
+// library (docs/decisions/0014).
 
 namespace {
 
-/// FNV-1a over the bits of doubles.
+/// FNV-1a hash of the bits of doubles.
 class Digest {
  public:
   void add(double value) {
@@ -31,10 +31,10 @@ class Digest {
 struct Function {
   std::string name;
   double (*of)(double);
-  long double (*exactly)(long double);  ///< the C library's, of 64 bits
+  long double (*exactly)(long double);  ///< long double function of the C library
   double min;
   double max;
-  double ulp;  ///< greatest error, as measured here and rounded up
+  double ulp;  ///< largest error, measured here and rounded up
   std::uint64_t digest;
 };
 
@@ -138,7 +138,7 @@ TEST(Libm, IsWithinItsShareOfTheLastDigit) {
   }
 }
 
-// As C says of the C library's.
+// The results at the edges are those that the C standard demands of the C library.
 TEST(Libm, KnowsTheEdges) {
   const double infinity = HUGE_VAL;
   EXPECT_TRUE(std::isnan(std::sin(infinity)));
@@ -158,7 +158,7 @@ TEST(Libm, KnowsTheEdges) {
             std::numeric_limits<double>::denorm_min());
 }
 
-// A compiler that works out constants beforehand rounds correctly; a library need not.
+// Constant folding by the compiler would round correctly, which a library need not do.
 TEST(Libm, IsAskedForConstantsToo) {
   Digest folded;
   Digest asked;
@@ -181,7 +181,7 @@ TEST(Libm, IsAskedForConstantsToo) {
   EXPECT_EQ(folded.value(), asked.value());
 }
 
-// Templates of libraries call the same functions, and no product is rounded together with a sum.
+// Library templates call the same functions, and there is no fused multiply-add.
 TEST(Libm, IsInsideTemplatesToo) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
