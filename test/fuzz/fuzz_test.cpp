@@ -1,5 +1,5 @@
-// Every harness on what it starts from, on what once broke it (test/fuzz/corpus), and on a number
-// of changes to both: VANTAGE_FUZZ_RUNS of them, 300 when not given, drawn by VANTAGE_FUZZ_SEED.
+// Runs every harness on its initial inputs, on inputs that once broke it (test/fuzz/corpus), and on
+// mutations of both: VANTAGE_FUZZ_RUNS of them (default 300), drawn with VANTAGE_FUZZ_SEED.
 
 #include <algorithm>
 #include <array>
@@ -37,7 +37,7 @@ struct Harness {
   const char* name = "";
   std::function<void(std::span<const std::uint8_t>)> run;
   std::function<std::vector<Bytes>()> samples;
-  std::function<std::int64_t(std::span<const std::uint8_t>)> datagrams = nullptr;  ///< of an input
+  std::function<std::int64_t(std::span<const std::uint8_t>)> datagrams = nullptr;  ///< per input
 };
 
 std::int64_t datagrams_of(std::span<const std::uint8_t> input) {
@@ -87,7 +87,8 @@ std::vector<Harness> harnesses() {
       {"problem", fuzz_problem, [=] { return files_of(source / "test/tools/problems", ".json"); }}};
 }
 
-/// A few bits, bytes, pieces changed, left out, doubled or taken from `other`.
+/// Returns `bytes` with a few bits, bytes or pieces changed, removed, duplicated or taken from
+/// `other`.
 Bytes changed(Bytes bytes, const Bytes& other, std::mt19937_64& rng) {
   for (auto times = 1 + rng() % 4; times > 0; --times) {
     const std::size_t size = bytes.size();
@@ -124,13 +125,13 @@ Bytes changed(Bytes bytes, const Bytes& other, std::mt19937_64& rng) {
   return bytes;
 }
 
-/// A number that was asked for in the environment.
+/// Returns the number in the environment variable, or `usual` if it is not set.
 long long number_or(const char* variable, long long usual) {
   const char* const asked = std::getenv(variable);
   return asked == nullptr ? usual : std::atoll(asked);
 }
 
-/// What has been run; told each tenth of the way when somebody asked for many.
+/// The progress of the runs; with many runs it is printed every tenth.
 class Progress {
  public:
   Progress(const Harness& harness, long long runs) : harness_(harness), runs_(runs) {}
@@ -146,7 +147,7 @@ class Progress {
     }
   }
 
-  /// Memory that has come since a tenth of the way, KiB.
+  /// Returns the growth of memory since the first tenth of the runs, KiB.
   [[nodiscard]] std::int64_t growth_kib() const { return resident_kib() - settled_kib_; }
 
  private:
@@ -174,7 +175,7 @@ class Progress {
 class Fuzz : public ::testing::TestWithParam<Harness> {};
 
 TEST_P(Fuzz, KeepsItsPromises) {
-  constexpr long long kManyRuns = 100'000;  // behind a tenth of these nothing is new to the heap
+  constexpr long long kManyRuns = 100'000;  // after a tenth of these the heap no longer grows
   constexpr std::int64_t kGrowthMaxKib = 1'024;
   const long long runs = number_or("VANTAGE_FUZZ_RUNS", 300);
   std::vector<Bytes> inputs = GetParam().samples();

@@ -11,12 +11,12 @@ namespace vantage::test {
 
 /// One datagram of a fuzzed input.
 struct FuzzedDatagram {
-  std::uint8_t control = 0;         ///< who sends it, and how much time has passed
-  std::vector<std::uint8_t> bytes;  ///< of their own size: a byte read beyond them is found
+  std::uint8_t control = 0;         ///< sender and elapsed time
+  std::vector<std::uint8_t> bytes;  ///< exactly sized, so that a read beyond the end is detected
 };
 
-/// Takes the first datagram off `input`: its control byte, its length (big-endian, 2 bytes), its
-/// bytes, which may be cut short; nullopt when nothing is left.
+/// Removes the first datagram from `input`: its control byte, its length (big-endian, 2 bytes) and
+/// its bytes, which may be cut short. Returns nullopt when nothing is left.
 inline std::optional<FuzzedDatagram> take_datagram(std::span<const std::uint8_t>& input) {
   constexpr std::size_t kHead = 3;
   if (input.size() <= kHead) {

@@ -1,4 +1,4 @@
-// libFuzzer's entry.
+// Entry point of libFuzzer.
 
 #include "test/fuzz/bus/packet_path.hpp"
 

@@ -42,8 +42,8 @@ void promise(bool is_kept, const char* what) {
   }
 }
 
-/// What decodes takes as many bytes again. (Not the same ones: lcm-gen's encoder ends a string at
-/// the first NUL inside it.)
+/// Checks that a decoded message is encoded to the same number of bytes. (The bytes may differ:
+/// lcm-gen's encoder ends a string at the first NUL inside it.)
 template <class Wire>
 void decode_as(std::span<const std::uint8_t> bytes) {
   const auto wire = bus::decode_wire<Wire>(bytes);
@@ -92,7 +92,7 @@ void put_number(std::size_t value, std::size_t width, Bytes& out) {
   }
 }
 
-/// One datagram of an input.
+/// Appends one datagram of an input.
 void put_datagram(std::uint8_t who, const bus::udpm::PacketHead& head,
                   std::span<const std::uint8_t> payload, Bytes& input) {
   input.push_back(who);

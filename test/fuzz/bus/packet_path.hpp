@@ -6,13 +6,14 @@
 
 namespace vantage::test {
 
-/// Takes `input` as datagrams of up to 16 senders, one after the other, through all that stands
-/// between a socket and those who hear: packet, reassembly, decoding of every wire type, the log.
-/// Ends the program by abort() when a promise is broken. Each datagram: a byte (who; how much time
-/// has passed), its length (big-endian, 2 bytes), its bytes; the last may be cut short.
+/// Passes `input`, a sequence of datagrams of up to 16 senders, through the whole path from socket
+/// to subscriber: packet, reassembly, decoding of every wire type, the log. Calls abort() when a
+/// promise is broken. Each datagram has a control byte (sender and elapsed time), its length
+/// (big-endian, 2 bytes) and its bytes; the last one may be cut short.
 void fuzz_packet_path(std::span<const std::uint8_t> input);
 
-/// Inputs to start from: each wire type in one datagram, in fragments in and out of order, doubled.
+/// Returns the initial inputs: each wire type in one datagram, in fragments in and out of order,
+/// and duplicated.
 std::vector<std::vector<std::uint8_t>> packet_path_samples();
 
 }  // namespace vantage::test

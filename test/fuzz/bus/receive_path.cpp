@@ -35,7 +35,7 @@ void promise(bool is_kept, const char* what) {
   }
 }
 
-/// Hands on what the harness gives it.
+/// A transport that delivers the datagrams of the harness.
 class FedTransport : public bus::Transport {
  public:
   void subscribe(const std::string& channel, Handler handler) override {
@@ -75,7 +75,7 @@ scenario::Scenario lab() {
   return out;
 }
 
-/// A vehicle as its driver's process has it, less the autopilot.
+/// A vehicle as in its driver's process, without the autopilot.
 struct Vehicle {
   Vehicle() : bus(transport, 1), guard(scenario, "Q1", drivers::limits_for(scenario, "Q1")) {
     bus.secure(authenticator(keys), clock);
@@ -124,7 +124,7 @@ struct Vehicle {
   bus::Bus bus;
   scenario::Scenario scenario = lab();
   drivers::FlightGuard guard;
-  bus::auth::Authenticator trial{keys, {}};  ///< of the processes that the harness speaks for
+  bus::auth::Authenticator trial{keys, {}};  ///< signs as the processes that the harness emulates
   bus::udpm::Reassembler reassembler{{.message_bytes_max = 4'096,
                                       .source_bytes_max = 16'384,
                                       .total_bytes_max = 65'536,
@@ -133,7 +133,8 @@ struct Vehicle {
   int inputs = 0;
 };
 
-/// Making one costs more than using it; it is made anew now and then.
+/// Returns the vehicle; it is reused, since making one costs more than using it, and replaced from
+/// time to time.
 Vehicle& vehicle() {
   static std::unique_ptr<Vehicle> one;
   if (!one || ++one->inputs > 1'000) {

@@ -1,4 +1,4 @@
-// Writes where a fuzzer starts from, one file each, into the folder named by the argument.
+// Writes a fuzzer's initial inputs, one file each, into the folder named by the argument.
 
 #include <fstream>
 #include <string>

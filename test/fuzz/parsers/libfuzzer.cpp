@@ -1,4 +1,4 @@
-// libFuzzer's entry; VANTAGE_FUZZ_TARGET is one of the calls of stream_parsers.hpp.
+// Entry point of libFuzzer; VANTAGE_FUZZ_TARGET is one of the functions of stream_parsers.hpp.
 
 #include "test/fuzz/parsers/stream_parsers.hpp"
 

@@ -4,21 +4,22 @@
 #include <span>
 #include <vector>
 
-// Harnesses of what reads other people's bytes. Each ends the program by abort() when a promise is
-// broken; what each starts from is at its side.
+// Harnesses of parsers of untrusted bytes. Each calls abort() when a promise is broken; the
+// function below it returns its initial inputs.
 
 namespace vantage::test {
 
-/// MAVLink: a stream in pieces as its first byte says, every message unpacked, signatures judged.
+/// MAVLink: a stream, cut into pieces according to its first byte; every message is unpacked and
+/// its signature verified.
 void fuzz_mavlink(std::span<const std::uint8_t> input);
 std::vector<std::vector<std::uint8_t>> mavlink_samples();
 
-/// An LCM log with anything wrong in it.
+/// An LCM log with arbitrary errors.
 void fuzz_log(std::span<const std::uint8_t> input);
 std::vector<std::vector<std::uint8_t>> log_samples();
 
-/// What a browser says to the viewer: Host, Origin, subprotocols, texts and binary frames. (HTTP
-/// and WebSocket framing is civetweb's.)
+/// Requests of a browser to the viewer: Host, Origin, subprotocols, texts and binary frames.
+/// (civetweb handles HTTP and WebSocket framing.)
 void fuzz_viewer(std::span<const std::uint8_t> input);
 std::vector<std::vector<std::uint8_t>> viewer_samples();
 

@@ -44,8 +44,8 @@ scenario::MocapSpec plain_spec(MocapProtocol protocol) {
   return spec;
 }
 
-/// One driver for each protocol, connected anew for each input: making one costs more than using
-/// it. Bodies that it remembers are forgotten with it now and then.
+/// One driver per protocol, reconnected for each input, since making one costs more than using it.
+/// It is replaced from time to time, with the bodies that it remembers.
 struct Client {
   explicit Client(MocapProtocol protocol) : driver(plain_spec(protocol), check) {}
   drivers::vicon::ViconDriver driver;
@@ -67,7 +67,7 @@ Client& client_of(MocapProtocol protocol) {
   return *client;
 }
 
-/// Pieces of 1 … 64 bytes, or all at once.
+/// Returns the size of the pieces: 1 … 64 bytes, or everything at once.
 std::size_t chunk_of(std::uint8_t first, std::size_t size) {
   return first < 128 ? std::max<std::size_t>(size, 1) : std::size_t{first} % 64 + 1;
 }

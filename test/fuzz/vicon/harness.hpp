@@ -8,18 +8,19 @@
 
 namespace vantage::test {
 
-/// Lets a driver hear `input` as what a server sends, cut into pieces as its first byte says, and
-/// ends the program by abort() when a promise is broken: something not finite or not named is
+/// Gives a driver `input` as the bytes of a server, cut into pieces according to its first byte.
+/// Calls abort() when a promise is broken: a value that is not finite or a body without a name is
 /// published, or memory grows.
 void fuzz_client(scenario::MocapProtocol protocol, wire::vicon::Bytes input);
 
-/// Lets the emulated server hear `input` as what a client sends. Not for object streams, which have
+/// Gives the emulated server `input` as the bytes of a client. Not for object streams, which have
 /// no clients.
 void fuzz_server(scenario::MocapProtocol protocol, wire::vicon::Bytes input);
 
-/// What a good server sends over a few frames, first byte included: something to start from.
+/// Returns the initial inputs: the bytes of a correct server over a few frames, including the first
+/// byte.
 std::vector<std::vector<std::uint8_t>> server_samples(scenario::MocapProtocol protocol);
-/// What a good client sends.
+/// Returns the bytes of a correct client.
 std::vector<std::vector<std::uint8_t>> client_samples(scenario::MocapProtocol protocol);
 
 }  // namespace vantage::test

@@ -1,4 +1,4 @@
-// libFuzzer's entry; VANTAGE_FUZZ_TARGET is one of the calls below. See build.sh.
+// Entry point of libFuzzer; VANTAGE_FUZZ_TARGET is one of the calls below. See build.sh.
 
 #include "test/fuzz/vicon/harness.hpp"
 

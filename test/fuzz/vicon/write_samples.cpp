@@ -1,5 +1,5 @@
-// Writes what good servers and clients send, one file each, into the folder named by the argument:
-// where a fuzzer starts from.
+// Writes a fuzzer's initial inputs, the bytes of correct servers and clients, one file each, into
+// the folder named by the argument.
 
 #include <fstream>
 #include <string>
