@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """links.py FOLDER | links.py --install CMAKE BUILD_DIR: every relative link of the pages (*.md) below
-FOLDER leads to a file or folder in it, and to a heading where it names one; --install does the same
-with what is installed as documentation.
+FOLDER leads to a file or folder in it, and to a heading if it names one; --install checks the installed
+documentation in the same way.
 """
 import pathlib
 import re
@@ -15,7 +15,7 @@ ELSEWHERE = re.compile(r"[a-z]+:")
 
 
 def headings(text):
-    """Their names in links: small letters, a dash for a space, no punctuation."""
+    """Returns the anchors of the headings: lower case, a dash for a space, no punctuation."""
     names = re.findall(r"^#+ (.*)$", BLOCK.sub("", text), re.M)
     return {re.sub(r"[^\w -]", "", name.lower()).strip().replace(" ", "-") for name in names}
 

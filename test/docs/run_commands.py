@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""run_commands.py PROGRAMS SOURCE_DIR: what README.md and docs/*.md tell people to type, as it is
-after tools/demo: PROGRAMS lists the files that the target which that script builds leaves, one a line,
-and nothing else is found.
+"""run_commands.py PROGRAMS SOURCE_DIR: the commands that README.md and docs/*.md show work after
+tools/demo. PROGRAMS lists the files that the target built by that script leaves, one per line; no other
+programs are available.
 
 Every line of a fenced block that begins with `vantage` must name a program and a command that exist,
-with flags that its --help knows. Every block below the line `<!-- run -->` is run as it stands, by
-`sh -e`; of one below `<!-- run 4 s -->` each line is run by itself in a network of its own, and after
-so long, if it has not ended, told to by Ctrl-C's signal: it must end in either case, and well.
-They run in a folder that has config/ and logs/ in it, flight.lcmlog (the sample log, also as
+with flags that its --help lists. Every block below the line `<!-- run -->` is run as it is by `sh -e`.
+Each line of a block below `<!-- run 4 s -->` is run separately in its own network; after that time, if it
+has not ended, it receives Ctrl-C's signal. In either case it must end, and successfully.
+
+They run in a folder that contains config/ and logs/, flight.lcmlog (the sample log, also as
 demo-out/lab.lcmlog) and torn.lcmlog (a part of it that ends within an event), with the programs'
 folder in PATH.
 """
@@ -29,7 +30,7 @@ LINE = re.compile(r"^(?:\w+\$ )?(?:build/release/bin/)?(?P<command>vantage[-\w]*
 
 
 def words_of(line):
-    """The command in a line, without its comment and what follows a pipe or an operator."""
+    """Returns the command in a line, without its comment and the part after a pipe or an operator."""
     lexer = shlex.shlex(line, posix=True, punctuation_chars="|;&><()")
     lexer.whitespace_split = True
     words = []
@@ -46,7 +47,7 @@ class Commands:
         self.helps = {}
 
     def help_of(self, path):
-        """What `PATH --help` prints; None when there is no such program or command."""
+        """Returns the output of `PATH --help`; None if there is no such program or command."""
         if path not in self.helps:
             program = self.binaries / path[0]
             self.helps[path] = None
@@ -70,7 +71,7 @@ class Commands:
 
 
 def fill(folder, source):
-    """Puts there what a run finds in its folder."""
+    """Fills the folder of a run."""
     for name in ("config", "logs"):
         os.symlink(source / name, folder / name)
     unpacked = subprocess.run(["xz", "-dkc", source / "logs/sample/lab_60s.lcmlog.xz"],
@@ -89,7 +90,7 @@ def run_block(text, folder, environment):
 
 
 def run_for(line, span_s, folder, environment, source):
-    """Complaints of a command that runs until it is told to end."""
+    """Runs a command until it is told to end; returns the complaints."""
     network = source / "test/integration/in_network.sh"
     with subprocess.Popen([network, "sh", "-c", "exec " + line], cwd=folder, env=environment,
                           text=True, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
@@ -122,7 +123,7 @@ def run(block, binaries, source):
 
 
 def lay_out(programs, folder):
-    """A folder with these programs alone. Links, but hard ones: they look for each other by place."""
+    """Makes a folder with only these programs, as hard links, since they find each other by their folder."""
     for line in pathlib.Path(programs).read_text().split():
         try:
             os.link(line, folder / pathlib.Path(line).name)

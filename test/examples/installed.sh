@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# installed.sh CMAKE BUILD SOURCE: what BUILD installs serves projects of others.
-#  - with Eigen and a compiler alone: the examples of planner and estimator build and run, nothing
-#    else is looked for, included or linked;
-#  - whatever flags they are built with, they print the same to the last digit, and every type of the
-#    public headers has the same layout;
-#  - examples of bus and logs build with what these components need; a component that is not there
-#    is named.
+# installed.sh CMAKE BUILD SOURCE: the files that BUILD installs can be used by other projects.
+#  - with only Eigen and a compiler: the examples of planner and estimator build and run, and no other
+#    package is searched for, included or linked;
+#  - with any compiler flags they print the same to the last digit, and every type of the public headers
+#    has the same layout;
+#  - examples of bus and logs build with the packages that these components need; a missing component is
+#    named.
 set -euo pipefail
 cmake=$1 build=$2 source=$3
 here=$(cd "$(dirname "$0")" && pwd)
@@ -21,7 +21,7 @@ for example in "$work"/examples/*.cpp; do
   (($(wc -l < "$example") <= 40)) || fail "$(basename "$example") has more than 40 lines"
 done
 
-# configure NAME FLAGS [ARGUMENTS…]: the examples, and layout.cpp with every header.
+# configure NAME FLAGS [ARGUMENTS…]: configures the examples, and layout.cpp with every header.
 configure() {
   local name=$1 flags=$2
   shift 2
@@ -34,7 +34,7 @@ make() {
     { tail -50 "$work/$1.make"; fail "build $1"; }
 }
 
-# Eigen and a compiler: everything else is hidden from CMake.
+# With Eigen and a compiler: all other packages are hidden from CMake.
 alone=()
 for package in PkgConfig Threads fmt yaml-cpp nlohmann_json fcl spdlog CLI11 Python3; do
   alone+=("-DCMAKE_DISABLE_FIND_PACKAGE_$package=ON")
@@ -66,7 +66,7 @@ if ldd "$work/plain/plan_a_path" | grep -vE 'linux-vdso|ld-linux|libstdc|libm\.|
   fail "a planner needs other libraries than the compiler's"
 fi
 
-# All that is asked for, with what it needs; and what is not there.
+# All components with the packages that they need; and components that are missing.
 if pkg-config --exists lcm; then
   configure everything "-O2" -DWITH_BUS=ON
   make everything

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# subproject.sh CMAKE BUILD SOURCE: the tree as a part of another project, with Eigen and a compiler
-# alone: a program on component models, with several sets of flags, and the first example on planner.
+# subproject.sh CMAKE BUILD SOURCE: the tree as a part of another project, with only Eigen and a compiler: a
+# program on component models, with several sets of flags, and the first example on planner.
 set -euo pipefail
 cmake=$1 source=$3
 work=$(mktemp -d)
@@ -69,7 +69,7 @@ done
 "$cmake" --build "$work/build" --parallel 2 --target plan_a_path > "$work/make" 2>&1 ||
   { tail -50 "$work/make"; fail "build plan_a_path"; }
 "$work/build/plan_a_path" || fail "plan_a_path"
-# -O3 and the sealing are the library's own business.
+# -O3 and sealing apply only to the library itself.
 if nm "$work/build/vantage/models/libvantage_models.a" | grep -E ' [VWu] ' | grep -v ' _ZT[VTIS]N7vantage'
 then
   fail "not sealed"

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""What must not change unnoticed: plans and trials, as one commit gave them.
+"""Compares plans and trials with the recorded results of one commit, so that they do not change unnoticed.
 
-  guard.py --bin BUILD/bin                 compares with table.json; says each difference, exit code 1
-  guard.py --bin BUILD/bin --record        writes table.json anew: after a decision in docs/decisions
+  guard.py --bin BUILD/bin                 compares with table.json; prints each difference, exit code 1
+  guard.py --bin BUILD/bin --record        writes table.json again: after a decision in docs/decisions
 
 Plans: forty problems of both families (drawn here, by seed) by every algorithm within a budget of
 nodes: cost, bound, nodes and controls. Trials: scenarios of config and of test/guard/scenarios (in which
-no two robots are alike), two seeds each, and the lab by every algorithm: the summary, and of every
-message and the picture a digest. The sample log as the log tools see it. Experiments, shortened: a digest
-of each table. The sample log's exact replay and the fault table have tests of their own.
+no two robots are alike), two seeds each, and the lab by every algorithm: the summary, and a digest of
+all messages and of the picture. The sample log as the log tools show it. Experiments, shortened: a digest
+of each table. The sample log's exact replay and the fault table have separate tests.
 """
 
 import argparse
@@ -37,7 +37,7 @@ LOOKS = {"info": (), "check": (), "metrics": (), "metrics, as JSON": ("--json",)
 
 
 def tracking(seed):
-    """64 m without obstacles, double integrators, the robot in the middle."""
+    """Returns a 64 m world without obstacles, with double integrators and the robot at its centre."""
     draw = random.Random(f"tracking {seed}")
     targets = [[draw.uniform(-20, 20), draw.uniform(-20, 20), draw.uniform(-0.5, 0.5), draw.uniform(-0.5, 0.5)]
                for _ in range([1, 3, 9, 16][seed % 4])]
@@ -51,7 +51,7 @@ def tracking(seed):
 
 
 def landmarks(seed):
-    """10 m with boxes, landmarks that stand, ranges all round or a field of view."""
+    """Returns a 10 m world with boxes and stationary landmarks, with ranges all round or a field of view."""
     draw = random.Random(f"landmarks {seed}")
     boxes = [[x, y, x + 1.5, y + 1.5] for x, y in ((2.0, 2.0), (2.0, 6.0), (6.5, 2.5), (6.0, 6.5)) if draw.random() < 0.8]
     targets = [[draw.uniform(0.3, 9.7), draw.uniform(0.3, 1.7)] for _ in range(3 + seed % 5)]
@@ -66,7 +66,7 @@ def landmarks(seed):
 
 def run(arguments, **more):
     done = subprocess.run([str(a) for a in arguments], capture_output=True, text=True, **more)
-    if done.returncode not in (0, 1):  # 1: no complete plan, which is an answer
+    if done.returncode not in (0, 1):  # 1: no complete plan, which is a valid result
         sys.exit(f"guard: {' '.join(map(str, arguments))}: {done.stderr.strip()}")
     return done.stdout
 
@@ -95,7 +95,8 @@ def digest(*parts):
 
 
 def messages(vantage, log, folder):
-    """A digest of all that was said, by kind of channel; but for the scenario, which says who flew it."""
+    """Returns a digest of all messages by kind of channel, except SCENARIO, which contains the version of the
+    build."""
     run([vantage, "log", "export", log, "--to", "csv", "--out", folder])
     kinds = {}
     for path in sorted(folder.iterdir()):
@@ -133,7 +134,7 @@ def trials(vantage, folder):
 
 
 def sample(vantage, folder):
-    """What the log tools say of the sample log."""
+    """Returns the results of the log tools for the sample log."""
     (folder / "sample.lcmlog").write_bytes(lzma.decompress((ROOT / "logs/sample/lab_60s.lcmlog.xz").read_bytes()))
     said = {}
     for title, options in LOOKS.items():

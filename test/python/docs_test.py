@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The code in docs/guide/python.md runs as it stands, from top to bottom."""
+"""The code in docs/guide/python.md runs unchanged, from top to bottom."""
 import contextlib
 import io
 import lzma
@@ -27,7 +27,7 @@ class Page(unittest.TestCase):
             os.chdir(folder)
             try:
                 for block in blocks:
-                    # Lines are counted as in the page, so that a traceback points into it.
+                    # Keeps the line numbers of the page, so that a traceback refers to it.
                     code = "\n" * text[:block.start(1)].count("\n") + block[1]
                     with contextlib.redirect_stdout(io.StringIO()) as said:
                         exec(compile(code, PAGE, "exec"), names)

@@ -1,4 +1,4 @@
-"""What Gymnasium's and PettingZoo's interfaces demand, as a test of every call.
+"""Checks every call against the rules of Gymnasium's and PettingZoo's interfaces.
 
 The rules are those of their published checkers (gymnasium.utils.env_checker, passive_env_checker,
 pettingzoo.test.parallel_api_test), written down here so that neither has to be installed.
@@ -10,7 +10,7 @@ def check_observation(test, space, observation):
     test.assertIs(type(observation), numpy.ndarray)
     test.assertEqual(observation.dtype, space.dtype)
     test.assertEqual(observation.shape, space.shape)
-    test.assertTrue(observation in space)  # finite, too: NaN is in no Box
+    test.assertTrue(observation in space)  # also finite: a Box contains no NaN
 
 
 def check_number(test, reward):
@@ -19,7 +19,7 @@ def check_number(test, reward):
 
 
 class CheckedEnv:
-    """A gymnasium.Env every call of which is checked."""
+    """A gymnasium.Env that checks every call."""
 
     def __init__(self, test, env):
         self.test, self.env = test, env
@@ -57,7 +57,7 @@ class CheckedEnv:
 
 
 class CheckedTeam:
-    """A pettingzoo.ParallelEnv every call of which is checked."""
+    """A pettingzoo.ParallelEnv that checks every call."""
 
     def __init__(self, test, env):
         self.test, self.env = test, env
@@ -91,7 +91,7 @@ class CheckedTeam:
             self.test.assertIs(type(terminated[agent]), bool)
             self.test.assertIs(type(truncated[agent]), bool)
             self.test.assertIs(type(infos[agent]), dict)
-        # Who is over is no agent any more; nobody comes back before reset().
+        # An agent that has ended is removed; none returns before reset().
         left = [agent for agent in alive if not (terminated[agent] or truncated[agent])]
         self.test.assertEqual(self.env.agents, left)
         self.test.assertEqual(self.env.num_agents, len(left))

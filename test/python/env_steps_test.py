@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Random steps of each environment without a violation of its interface's rules: VANTAGE_ENV_STEPS of them."""
+"""VANTAGE_ENV_STEPS random steps of each environment obey the rules of its interface."""
 import os
 import unittest
 
@@ -46,7 +46,7 @@ class RandomSteps(unittest.TestCase):
                     observations, rewards, terminated, truncated, infos = env.step(env.action_space.sample())
                     check_observation(self, env.observation_space, observations)
                     self.assertTrue(numpy.isfinite(rewards).all() and rewards.shape == (count,))
-                    self.assertTrue((rewards[was_over] == 0.0).all())  # what begins anew earns nothing
+                    self.assertTrue((rewards[was_over] == 0.0).all())  # a restart has reward 0
                     self.assertFalse((truncated & was_over).any())
                     self.assertFalse(terminated.any())
                     self.assertEqual(infos, {})

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The environments: the rules of their interfaces, seeds, threads, baselines, and a second opinion."""
+"""The environments: the rules of their interfaces, seeds, threads, baselines, and an independent implementation."""
 import sys
 import unittest
 
@@ -70,7 +70,7 @@ class Seeds(unittest.TestCase):
                 env = vantage.env.make_vector(name, 7, threads, episode_steps=20)
                 random = numpy.random.default_rng(2)
                 said = [env.reset(seed=4)[0].tobytes()]
-                for _ in range(50):  # over the ends of two episodes
+                for _ in range(50):  # more than two episodes
                     observations, rewards, _, truncated, _ = env.step(
                         random.integers(env._tasks.actions, size=env.action_space.shape))
                     said += [observations.tobytes(), rewards.tobytes(), truncated.tobytes()]
@@ -250,7 +250,7 @@ class Task(unittest.TestCase):
             side_m = 40 if name == "TargetTracking" else 16
             env.reset(seed=1)
             for _ in range(100):
-                env.step(5 if name == "TargetTracking" else 10)  # as fast as it can, straight on
+                env.step(5 if name == "TargetTracking" else 10)  # straight on at full speed
                 x, y, _ = env.snapshot()["poses"][0]
                 self.assertTrue(0.19 <= x <= side_m - 0.19 and 0.19 <= y <= side_m - 0.19)
 
@@ -283,7 +283,7 @@ class Baselines(unittest.TestCase):
 
 
 class SecondOpinion(unittest.TestCase):
-    """The tasks in plain numpy, written apart from these, come to the same rewards by chance alone."""
+    """Independent versions of the tasks in plain numpy give the same rewards up to chance."""
 
     def compare(self, env, task, episodes, steps):
         means = []

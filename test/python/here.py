@@ -1,4 +1,4 @@
-"""What the tests share: where things are, and the command."""
+"""Paths and the command that the tests share."""
 import json
 import os
 import pathlib
@@ -10,7 +10,7 @@ PROBLEMS = SOURCE / "test/tools/problems"
 
 
 def command(*arguments, code=0):
-    """What `vantage ARGUMENTS` prints: standard output, standard error."""
+    """Returns the standard output and standard error of `vantage ARGUMENTS`."""
     done = subprocess.run([BINARY, *map(str, arguments)], capture_output=True, text=True, check=False)
     assert done.returncode == code, f"exit code {done.returncode}: {done.stderr}"
     return done.stdout, done.stderr

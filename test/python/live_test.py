@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Channels of the running system, from Python: what C++ says is heard, what Python says is heard by C++ and
-by whoever speaks LCM; signed too. To be run in a network of its own (in_network.sh)."""
+"""Channels of the running system in Python: messages between Python, C++ and other LCM programs, in both
+directions and also signed. To be run in its own network (in_network.sh)."""
 import os
 import pathlib
 import signal
@@ -23,7 +23,7 @@ import vantage_lcm  # noqa: E402: it has just been made
 
 
 def until(bus, condition, timeout_s=20.0):
-    """Handles messages until condition() or the timeout; whether it was the former."""
+    """Handles messages until condition() or the timeout; returns True if the condition was met."""
     end = bus.utime + 1e6 * timeout_s
     while not condition() and bus.utime < end:
         bus.handle(0.05)
@@ -41,7 +41,7 @@ def measurement(robot="Q1"):
 
 
 class Started:
-    """A process that is asked to end, and waited for."""
+    """A process that is asked to end and waited for."""
 
     def __init__(self, *command, **how):
         self.process = subprocess.Popen(list(map(str, command)), **how)
@@ -112,10 +112,10 @@ class Live(unittest.TestCase):
 
 
 class Stack(unittest.TestCase):
-    """With the stack's own processes."""
+    """Tests with the stack's own processes."""
 
     def follow(self, scenario_text):
-        """What the estimator of Q1 believes of examples/detector_node.py, which is in the place of Q1's sensor."""
+        """Returns the beliefs of Q1's estimator when examples/detector_node.py replaces Q1's sensor."""
         path = pathlib.Path(FOLDER.name, "lab.yaml")
         path.write_text(scenario_text)
         node = live.Node("WITNESS", scenario=path)

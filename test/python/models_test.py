@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Motion, sensors and beliefs from Python: what the stack's own rooms compute."""
+"""Motion, sensors and beliefs in Python give the results of the C++ models."""
 import math
 import unittest
 

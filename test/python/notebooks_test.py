@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The notebooks of examples/notebooks run from top to bottom; where Jupyter is installed, in its kernel too."""
+"""The notebooks of examples/notebooks run from top to bottom, also in Jupyter's kernel if it is installed."""
 import contextlib
 import io
 import json

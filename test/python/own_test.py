@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Planners, costs, filters and target models that somebody writes in Python fly in a trial."""
+"""Planners, costs, filters and target models that a user writes in Python fly in a trial."""
 import os
 import pathlib
 import tempfile
@@ -20,7 +20,7 @@ def lab(**changes):
 
 
 class Frozen:
-    """A target model that is none of the stack's: what moves comes to rest with a time constant of 1 s."""
+    """A target model that is not in the library: speed decays with a time constant of 1 s."""
 
     def __init__(self):
         self.used = 0
@@ -38,7 +38,7 @@ class Frozen:
 
 
 class Turning(Frozen):
-    """A nonlinear one: it says what it expects and its Jacobian."""
+    """A nonlinear target model, defined by its prediction and its Jacobian."""
 
     def transition(self, dt_s, mean):
         return Frozen.transition(self, dt_s)
@@ -68,7 +68,7 @@ class Planners(unittest.TestCase):
         self.assertEqual(set(last["team"]), set(ROBOTS) - {last["robot"]})
         for mean, covariance in last["beliefs"].values():
             self.assertEqual((len(mean),), covariance.shape[:1])
-        self.assertLessEqual({(robot, "searched") for robot in ROBOTS}, sources)  # later a wall is ahead
+        self.assertLessEqual({(robot, "searched") for robot in ROBOTS}, sources)  # a wall may add others later
         self.assertEqual(trial.metrics["collisions"], 0)
 
     def test_that_say_nothing_or_nonsense_are_not_flown(self):

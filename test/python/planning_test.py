@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Plans from Python are those of `vantage plan`, to the bit, and refused with the same words."""
+"""Plans in Python equal those of `vantage plan` bit for bit, and errors have the same words."""
 import json
 import os
 import signal
@@ -118,7 +118,7 @@ class Plan(unittest.TestCase):
         self.assertEqual(plan.history.shape[1], 4)
 
 
-# Its line comes from a thread that gets the interpreter's lock when the plan gives it up, not before.
+# The line "plans" is printed by a thread that gets the interpreter's lock only when the plan releases it.
 PLANS_FOR_AN_HOUR = """
 import signal, sys, threading
 import vantage
@@ -138,7 +138,7 @@ except KeyboardInterrupt:
     print("interrupted")
 """
 
-# A handler that asks for what it has interrupted is refused, and not waited for.
+# A handler that uses the planner that it interrupted gets an error and is not blocked.
 ASKS_IN_A_HANDLER = PLANS_FOR_AN_HOUR.replace("signal.default_int_handler", "lambda *_: planner.prepare(problem)") \
     .replace("except KeyboardInterrupt", "except vantage.UsageError")
 

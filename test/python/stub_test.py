@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The type stub names what the compiled part has, no less and no more; and each has a docstring."""
+"""The type stub has exactly the names of the compiled part, and each has a docstring."""
 import ast
 import inspect
 import pathlib
@@ -31,7 +31,8 @@ def is_property(function):
 
 
 def said_arguments(function):
-    """Those of pybind11's signature, a docstring's first line: positional, by keyword only, whether any more are."""
+    """Parses pybind11's signature in the docstring: positional names, keyword-only names, whether any more are
+    allowed."""
     said = inspect.getdoc(function).splitlines()[0]
     inside = said[said.index("("):said.rindex(") ->")]
     positional, _, keyword = inside.partition(", *, ")
@@ -60,7 +61,7 @@ class Stub(unittest.TestCase):
                 positional, keyword, takes_any = said_arguments(getattr(owner, each.name))
                 stub_positional = [arg.arg for arg in each.args.args if arg.arg != "self"]
                 stub_keyword = [arg.arg for arg in each.args.kwonlyargs]
-                if takes_any:  # then the stub says which these are, or takes any, too
+                if takes_any:  # then the stub names the keywords, or takes any as well
                     self.assertTrue(stub_keyword or each.args.kwarg, name)
                     keyword = stub_keyword
                 self.assertEqual((stub_positional, stub_keyword), (positional, keyword), name)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A sweep's columns are what its trials say, whatever the number of threads, and survive what ends it early."""
+"""A sweep's columns equal the results of its trials for any number of threads, and survive an early end."""
 import signal
 import unittest
 
@@ -34,7 +34,7 @@ class Sweep(unittest.TestCase):
                 self.assertEqual(self.columns[name][i], trial.metrics[name])
             self.assertEqual(self.columns["per_robot.entropy"][i], trial.metrics["per_robot"]["entropy"])
         self.assertGreater(len(set(self.columns["entropy"])), 2)
-        self.assertTrue(numpy.isnan(self.columns["map_entropy"]).all())  # nobody maps
+        self.assertTrue(numpy.isnan(self.columns["map_entropy"]).all())  # no robot maps
         self.assertNotIn("discovery_time_s", self.columns)  # a list
 
     def test_is_the_same_whatever_the_number_of_threads(self):

@@ -1,4 +1,4 @@
-// Size and alignment of what crosses the border between the library and a program.
+// Prints size and alignment of the types that are passed between the library and a program.
 #include <cstdio>
 
 #include "every_header.hpp"
