@@ -2,7 +2,7 @@
 //   seek_bench LOG GIB SEEKS     e.g. seek_bench /tmp/big.lcmlog 10 200
 // Creates LOG if it does not exist (random bytes of unknown and known types), and makes the first
 // pass if it has no index. Then opens it again and seeks, once with the page cache as it is and
-// once after the kernel was told to drop it. Prints ms.
+// once after the kernel has dropped it. Prints ms.
 
 #include <algorithm>
 #include <chrono>

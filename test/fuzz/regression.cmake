@@ -1,4 +1,4 @@
-# What the harnesses start from and what once broke them, in every build: no libFuzzer.
+# Runs the harnesses on their initial inputs and on inputs that once broke them, in every build, without libFuzzer.
 vantage_test(fuzz
   SOURCES
     ${CMAKE_CURRENT_LIST_DIR}/fuzz_test.cpp ${CMAKE_CURRENT_LIST_DIR}/bus/packet_path.cpp

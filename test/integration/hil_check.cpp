@@ -229,7 +229,7 @@ struct Worst {
 constexpr double kMovingMps = 0.1;
 
 // Returns the distance that a vehicle may travel after the event. A vehicle that is hung up, killed
-// or cut off has its autopilot's time-out; one that is told to stop has its reaction and its brake.
+// or cut off has its autopilot's time-out; one that must stop has its reaction and its brake.
 // Without an operator it also follows its plan until the absence is detected.
 double budget_m(const std::string& what, const drivers::SafetyLimits& limits, double speed_mps) {
   if (what == "hold") {

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What a team decides, held against the plain recursion in numpy and against every choice there is."""
+"""Compares a team's decision with the plain recursion in numpy and with every possible choice."""
 import itertools
 import json
 import unittest
@@ -10,7 +10,7 @@ from here import PROBLEMS
 
 STARTS = ((0.0, -0.5, 0.4), (1.0, -2.0, 0.6), (-4.0, 4.0, 1.6))
 STEPS = 4
-FEW = {"candidates_max": 6, "nodes": 5000, "epsilon": 0.0, "delta_m": 0.0}  # the six best of all that there are
+FEW = {"candidates_max": 6, "nodes": 5000, "epsilon": 0.0, "delta_m": 0.0}  # the six best candidates
 CHOOSING = ("coordinate_descent", "greedy", "local_search", "distributed_local_search", "exhaustive")
 
 
@@ -26,7 +26,7 @@ def team():
 
 
 class Reference:
-    """J of a choice among a decision's candidates: nothing of the planner's but what a sensor tells."""
+    """Computes J of a choice among a decision's candidates, using only the library's sensor model."""
 
     def __init__(self, decision, measure="mutual"):
         given = spec(STARTS[0])
@@ -48,7 +48,7 @@ class Reference:
         self.known = {}
 
     def _looks(self, start, row):
-        """(T, M, 2, 2): what a candidate's looks tell of each target after each step."""
+        """Returns (T, M, 2, 2): the information of a candidate's measurements of each target after each step."""
         pose, out = numpy.array(start), []
         for step, control in enumerate(self.controls[row], 1):
             pose = vantage.step_unicycle(pose, control, self.tau)
@@ -58,7 +58,7 @@ class Reference:
         return numpy.array(out)
 
     def value(self, choice):
-        """½ Σ (log det predicted − log det updated), or the same against what nobody's looks would leave."""
+        """Returns ½ Σ (log det predicted − log det updated), or with the prediction without any measurement."""
         if choice not in self.known:
             looks = sum((self.looks[robot][row] for robot, row in enumerate(choice) if row is not None),
                         numpy.zeros((self.T, len(self.means[0]), 2, 2)))
@@ -75,18 +75,18 @@ class Reference:
         return self.known[choice]
 
     def choices(self, may_rest=True, robots=range(len(STARTS))):
-        """Every choice of `robots`; the others do nothing."""
+        """Returns every choice of `robots`; the others do nothing."""
         return itertools.product(*([*range(count)] + [None] * may_rest if robot in robots else [None]
                                    for robot, count in enumerate(self.counts)))
 
     def left(self, choice, attacks):
-        """The least that attacks on so many robots leave."""
+        """Returns the least value after an attack on up to that number of robots."""
         return min(self.value(tuple(None if robot in attacked else row for robot, row in enumerate(choice)))
                    for count in range(attacks + 1)
                    for attacked in itertools.combinations(range(len(choice)), count))
 
     def gains(self, choice, robot):
-        """The value of `choice` with each of the robot's candidates instead of what it has."""
+        """Returns the value of `choice` with each of the robot's candidates in place of its own."""
         return [self.value(choice[:robot] + (row,) + choice[robot + 1:]) for row in range(self.counts[robot])]
 
 
@@ -99,7 +99,7 @@ class Case(unittest.TestCase):
         return decision, reference, choice
 
     def descends(self, reference, choice, order):
-        """That the robots of `order` chose one after another, each the best beside those before it."""
+        """Checks that each robot of `order` in turn chose its best candidate, given the choices before it."""
         before = (None,) * len(choice)
         for robot in order:
             gains = reference.gains(before, robot)
@@ -132,7 +132,7 @@ class Decided(Case):
 
     def test_by_local_searches_only_so_much_is_an_improvement(self):
         for algorithm in ("local_search", "distributed_local_search"):
-            decision, reference, _ = self.decide(algorithm, alpha=1e9)  # then nothing is beside the best single plan
+            decision, reference, _ = self.decide(algorithm, alpha=1e9)  # then no change is large enough
             self.assertEqual(decision.choice.count(None), 2)
             alone = max(max(reference.gains((None,) * 3, robot)) for robot in range(3))
             self.assertAlmostEqual(decision.value, alone, delta=1e-6)
@@ -191,7 +191,7 @@ class Decided(Case):
 
 class WithCosts(unittest.TestCase):
     def test_the_value_is_less_by_what_motion_costs(self):
-        costs = {"price_nats": 0.05, "move_cost": 1.0}  # no control of these problems stands
+        costs = {"price_nats": 0.05, "move_cost": 1.0}  # every control of these problems moves
         for algorithm in CHOOSING:
             decision = vantage.decide(team(), algorithm, energy=costs, **FEW)
             moving = sum(row is not None for row in decision.choice)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A trial that is stepped from Python is `vantage trial`'s, to the byte, and shows what happens in it."""
+"""A trial stepped from Python equals `vantage trial` byte for byte, and its state can be read."""
 import os
 import pathlib
 import tempfile
@@ -70,7 +70,7 @@ class Trial(unittest.TestCase):
             steps = vantage.Trial(scenario, log=logs["steps"])
             while not steps.is_over:
                 steps.step()
-                steps.metrics, steps.beliefs  # looking changes nothing
+                steps.metrics, steps.beliefs  # reading changes nothing
             pieces = vantage.Trial(scenario, log=logs["pieces"])
             for piece_s in [0.001, 0.3333, 0.0, 1.7, 2.2, 0.6, 60.0]:
                 pieces.advance(piece_s)

@@ -15,8 +15,8 @@
 
 namespace vantage::test {
 
-/// How one vehicle followed its commands, from its first plan to its final landing or the end of
-/// the log. Judged on the truth.
+/// Course of one vehicle compared with its commands, from its first plan to its final landing or
+/// the end of the log. Judged on the truth.
 struct CourseKept {
   double airborne_s = 0.0;
   double follow_share = 0.0;          ///< share of that time in FOLLOW

@@ -21,7 +21,7 @@ inline std::int64_t resident_kib() {
   return 0;
 }
 
-/// True if a sanitizer keeps freed memory, so that resident memory is no measure.
+/// True if a sanitizer keeps freed memory, which makes resident memory useless as a measure.
 inline constexpr bool kKeepsFreedMemory = VANTAGE_IS_SANITIZED != 0;
 
 }  // namespace vantage::test

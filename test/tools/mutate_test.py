@@ -423,7 +423,7 @@ class Project(unittest.TestCase):
         endless = self.id_of("reset", "")
         said = self.mutate("--run", noticed, unnoticed, endless)
         self.assertEqual(("killed", "toy.runs"), self.outcome(noticed))
-        # Only a test with the label `long` would check that; and the other program links none of it.
+        # Only a test labelled `long` would check that, and the other program does not link it.
         self.assertIn(self.outcome(unnoticed), [("survived", "toy_test"), ("same code", "")], said)
         self.assertRegex(" ".join(self.outcome(endless)), r"killed toy.runs \(.+\)", "out of CPU time")
         self.assertNotIn("other", said)
