@@ -1,5 +1,5 @@
 # gnuplot -e "in='build/decision'; out='docs/images'" test/bench/decision_plots.gp
-# wants <in>/decision_ratios.csv of decision_study
+# needs <in>/decision_ratios.csv of decision_study
 set terminal pngcairo size 1300,900 font "Sans,12"
 set output out."/decision_ratios.png"
 set grid lc rgb "#dddddd"

@@ -306,8 +306,8 @@ struct Options {
 /// Returns nullopt if the arguments do not match the usage.
 std::optional<Options> options_of(const std::vector<std::string>& arguments) {
   Options out;
-  out.bounds.is_slowed =
-      VANTAGE_IS_SANITIZED != 0;  // the sanitizer slows the judged processes, too
+  // If this program is sanitized, so are the judged processes, which makes them slower.
+  out.bounds.is_slowed = VANTAGE_IS_SANITIZED != 0;
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const bool has_value = i + 1 < arguments.size();
     if (arguments[i] == "--strict") {

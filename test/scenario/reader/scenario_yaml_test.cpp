@@ -315,12 +315,11 @@ attacks:
     changed.replace(changed.find(what), what.size(), by);
     EXPECT_THROW(parse_scenario(changed, "jammed"), StartupError) << by;
   };
-  refused("attacks_max: 1", "attacks_max: 2");  // no robot would be left
-  refused("attacks_max: 1",
-          "attacks_max: 1, algorithm: external");  // external planners publish no proposals
-  refused("to_s: 20.5", "to_s: 10");               // empty time span
-  refused("robots: [B]", "robots: [C]");           // unknown robot
-  refused("to_s: 5, robots", "robots");            // end missing
+  refused("attacks_max: 1", "attacks_max: 2");                       // no robot would be left
+  refused("attacks_max: 1", "attacks_max: 1, algorithm: external");  // no proposals
+  refused("to_s: 20.5", "to_s: 10");                                 // empty time span
+  refused("robots: [B]", "robots: [C]");                             // unknown robot
+  refused("to_s: 5, robots", "robots");                              // end missing
 }
 
 TEST(ParseScenario, KnowsAStatedWindFromNone) {

@@ -42,8 +42,7 @@ TEST(CheckPreflight, SaysWhetherDetectionsNameTheirTargets) {
 
 TEST(CheckPreflight, RefusesAStartInsideItsMarginOfAWall) {
   scenario::Scenario scenario = lab();
-  scenario.robots[0].start.x_m =
-      scenario.world.bounds.min_m.x() + 0.3;  // less than the 0.25 m + 0.1 m required
+  scenario.robots[0].start.x_m = scenario.world.bounds.min_m.x() + 0.3;  // m, < 0.25 + 0.1
   EXPECT_NE(only_fault(scenario).find("robot Q1"), std::string::npos);
   scenario.robots[0].start.x_m = scenario.world.bounds.min_m.x() + 0.36;
   EXPECT_TRUE(check_preflight(scenario).is_ready());
