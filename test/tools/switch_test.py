@@ -111,7 +111,7 @@ def test_bursts():
 
 
 def test_rate():
-    link, out = pass_through("--rate", "400000", frame_bytes=100)  # half of the frames sent
+    link, out = pass_through("--rate", "400000", frame_bytes=100)  # bit/s, half of the offered rate
     span_s = out[-1][1] - out[0][1]
     assert abs(8 * 100 * (len(out) - 1) / span_s - 400_000) < 4_000
     assert abs(link.counts["over_rate"] - FRAMES / 2) < 300
