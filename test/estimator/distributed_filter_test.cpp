@@ -11,7 +11,7 @@
 #include "test/support/allocation_counter.hpp"
 #include "test/support/near.hpp"
 
-// One robot: the filter against the textbook, and what it does with what comes late or is wrong.
+// One robot: the filter against a textbook filter, and its handling of late or invalid input.
 
 namespace vantage::estimator {
 namespace {
@@ -25,8 +25,8 @@ models::Viewpoint wander(int step) {
   return at(3.0 * std::cos(0.05 * step), 3.0 * std::sin(0.07 * step), wrap_to_pi(0.1 * step));
 }
 
-/// The filter as it stands in the textbooks: one dense joint state, covariance form, all
-/// measurements of a look in one stacked update. Shares no code with the filter but h and ∂h.
+/// Textbook filter: one dense joint state in covariance form, with one stacked update per scan. It
+/// shares no code with the filter under test except h and ∂h.
 struct JointKalmanFilter {
   Eigen::VectorXd mean;
   Eigen::MatrixXd P;
@@ -66,7 +66,8 @@ struct JointKalmanFilter {
 };
 
 void expect_textbook(SensorKind kind) {
-  // Slow, well known targets: where h bends over a belief, the filter is no extended Kalman filter.
+  // Slow, accurately known targets: if h were nonlinear over a belief, the filter would differ from
+  // an extended Kalman filter.
   const models::TargetModel model{TargetKind::kDoubleIntegrator, 2, 1e-5};
   const models::SensorModel sensor = test::far_sighted(kind);
   std::mt19937_64 rng(11);
@@ -111,7 +112,7 @@ TEST(DistributedFilter, OfOneRobotIsTheJointExtendedKalmanFilterForRangeAndBeari
 }
 
 TEST(DistributedFilter, OfOneRobotIsConsistentOnItsOwnModel) {
-  // Linear-Gaussian truth, from discovery on: the summed squared error is χ² distributed exactly.
+  // Linear-Gaussian truth from discovery on: the summed squared error is exactly χ² distributed.
   const models::TargetModel model{TargetKind::kRandomWalk, 2, 0.02};
   const models::SensorModel sensor = test::far_sighted(SensorKind::kPosition);
   double nees = 0.0;
@@ -126,7 +127,7 @@ TEST(DistributedFilter, OfOneRobotIsConsistentOnItsOwnModel) {
       for (Eigen::Vector2d& y_m : truth) {
         y_m += std::sqrt(0.02 * 0.5) * test::normal_vector(2, rng);
       }
-      // Every third instant without a look, so that prediction is tested as well.
+      // Every third instant has no scan, so that prediction is tested as well.
       std::vector<models::DetectionSet> looks;
       if (k % 3 != 0) {
         looks.push_back(look_at(sensor, instant(k), wander(k), truth, rng));
@@ -165,7 +166,8 @@ TEST(DistributedFilter, UsesALookBetweenTwoStepsAtItsOwnTime) {
   EXPECT_TRUE(is_near(known(filter, 0).covariance, expected.covariance, 1e-12));
 }
 
-/// Two filters over the same world; one hears the looks of `late_steps` only `delay` steps later.
+/// Two filters over the same world; one of them receives the observations of `late_steps` `delay`
+/// steps later.
 class LateLooks : public ::testing::Test {
  protected:
   void run(int delay, int history_steps) {
@@ -185,7 +187,7 @@ class LateLooks : public ::testing::Test {
     for (int k = 1; k <= 30; ++k) {
       models::DetectionSet look = look_at(sensor, instant(k), wander(k), truth, rng);
       std::erase_if(look.detections, [&](const models::Detection& d) {
-        return k % 4 == 1 ||  // the detector is blind now and then
+        return k % 4 == 1 ||  // the detector fails now and then
                !models::in_view(sensor, wander(k), truth[static_cast<std::size_t>(d.target_id)]);
       });
       models::RobotBelief teammate =
@@ -225,7 +227,7 @@ TEST_F(LateLooks, GiveTheBeliefOfTimelyOnes) {
   ASSERT_EQ(a_.targets.size(), b_.targets.size());
   ASSERT_FALSE(a_.targets.empty());
   for (std::size_t m = 0; m < a_.targets.size(); ++m) {
-    // Not to the bit: Eigen's AVX kernels round by the address of what they work on, mod 32.
+    // Not bit-identical: rounding of Eigen's AVX kernels depends on the address mod 32.
     const models::Information& a = a_.targets[m].information;
     const models::Information& b = b_.targets[m].information;
     const double size = a.matrix.cwiseAbs().maxCoeff();
@@ -255,7 +257,7 @@ TEST(DistributedFilter, DiscoversWithTheNoiseOfTheFirstLook) {
   const auto& z = look.detections[0].measurement;
   const double range_m = z.z(0);
   const double bearing_rad = 0.4 + z.z(1);
-  // The measured place but for the bend of its arc, 2 cm.
+  // The measured position, except for the curvature of its arc, 2 cm.
   EXPECT_NEAR(g.mean(0), 1.0 + range_m * std::cos(bearing_rad), 0.03);
   EXPECT_NEAR(g.mean(1), 2.0 + range_m * std::sin(bearing_rad), 0.03);
   // Across the line of sight the spread is r σ_b, along it σ_r.
@@ -313,7 +315,8 @@ TEST(DistributedFilter, CountsEverythingItDoesNotUse) {
   EXPECT_TRUE(is_near(known(filter, 0).mean, before.mean, 1e-12));
 }
 
-// A filter that begins hears a teammate's look and the belief that it is in: it counts once.
+// A starting filter receives a teammate's observation and a belief that already contains it: it
+// counts once.
 TEST(DistributedFilter, CountsALookOfItsBeginningOnce) {
   const models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
   std::mt19937_64 rng(14);
@@ -393,7 +396,7 @@ TEST(FilterSpec, RefusesARobotThatIsNotInTheScenario) {
   EXPECT_THROW(filter_spec({}, "Q1"), UsageError);
 }
 
-// What was before a rebase is over: a look of that time is too late, once and again.
+// An observation from before a rebase is always too late.
 TEST(DistributedFilter, GoesBackNoFartherThanItsLastRebase) {
   const models::TargetModel walk{models::TargetKind::kRandomWalk, 2, 0.1};
   models::SensorModel position;
@@ -414,7 +417,7 @@ TEST(DistributedFilter, GoesBackNoFartherThanItsLastRebase) {
     }
     EXPECT_EQ(filter.counters().late_measurements, rebase - 1);
     filter.rebase(test::prior(instant(first + 3), {told}));
-    // Of two steps ago, and of before the rebase within the step that it ended.
+    // Two steps old, and from before the rebase but within the step that the rebase ended.
     for (const double ago_s : {1.1, 0.2}) {
       const Time seen = instant(first + 3) - from_seconds(ago_s);
       DistributedFilter other = filter;
@@ -424,7 +427,7 @@ TEST(DistributedFilter, GoesBackNoFartherThanItsLastRebase) {
       EXPECT_EQ(other.counters().late_measurements, rebase - 1) << ago_s;
       EXPECT_TRUE(is_near(test::known(other, 0).mean, told.mean, 1e-9)) << ago_s;
     }
-    // Since the rebase there is a step to go back into.
+    // After the first step since the rebase, a late observation can be applied.
     test::take_step(filter, instant(first + 4), test::at(0, 0), {});
     DistributedFilter other = filter;
     const Time late = instant(first + 3) + from_seconds(0.3);

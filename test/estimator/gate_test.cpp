@@ -8,7 +8,7 @@
 #include "test/estimator/filter_support.hpp"
 #include "test/support/near.hpp"
 
-// What becomes of detections that are not where their target may be.
+// Handling of detections outside the gate of their target.
 
 namespace vantage::estimator {
 namespace {
@@ -16,7 +16,7 @@ namespace {
 using namespace test::words;  // NOLINT(google-build-using-namespace): made for this
 using vantage::test::is_near;
 
-// Two targets that stand, their ids swapped in one look of ten.
+// Two stationary targets whose ids are swapped in every tenth scan.
 TEST(DistributedFilter, WithAGateDoesNotMindSwappedIds) {
   const models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
   const std::vector<Eigen::Vector2d> truth = {{4.0, 0.0}, {0.0, 4.0}};
@@ -41,8 +41,8 @@ TEST(DistributedFilter, WithAGateDoesNotMindSwappedIds) {
   }
 }
 
-// A false alarm under an id that nobody has seen yet founds a track. The first look of the true
-// target is doubted, the second has it back.
+// A false alarm with an unused id starts a track. The first detection of the true target is gated,
+// the second one replaces the track.
 TEST(DistributedFilter, WithAGateLetsGoOfWhatAFalseIdFounded) {
   const models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
   std::mt19937_64 rng(6);
@@ -58,8 +58,8 @@ TEST(DistributedFilter, WithAGateLetsGoOfWhatAFalseIdFounded) {
   EXPECT_EQ(filter.counters().gated, 1);
 }
 
-// Beyond the gate a detection is another's, or its target did what nobody foresaw: until the next
-// one both are believed, and either is where the belief says that it may be.
+// A detection outside the gate has a wrong id, or its target moved unexpectedly. Until the next
+// detection the covariance covers both hypotheses; the next one decides.
 TEST(DistributedFilter, WithAGateBelievesInBothUntilTheNextLook) {
   const models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
   const models::TargetModel model{TargetKind::kDoubleIntegrator, 2, 0.001};
@@ -96,7 +96,7 @@ TEST(DistributedFilter, WithAGateBelievesInBothUntilTheNextLook) {
   }
 }
 
-// A teammate who has not seen what made one doubt is as sure as before.
+// The belief of a teammate without the gated detection does not cancel the doubt.
 TEST(DistributedFilter, DoubtsUntilItsOwnNextLookWhateverTeammatesBelieve) {
   const models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
   std::mt19937_64 rng(13);
@@ -116,7 +116,7 @@ TEST(DistributedFilter, DoubtsUntilItsOwnNextLookWhateverTeammatesBelieve) {
   }
   EXPECT_EQ(filter.counters().gated, 1);
   EXPECT_LT((known(filter, 0).mean - there_m).norm(), 1.2);
-  // From then on who knows more is believed again.
+  // Afterwards a more certain teammate is accepted again.
   models::RobotBelief surer =
       test::prior(instant(2), {{there_m, 0.001 * Eigen::Matrix2d::Identity()}});
   surer.robot = "Q2";
@@ -125,8 +125,8 @@ TEST(DistributedFilter, DoubtsUntilItsOwnNextLookWhateverTeammatesBelieve) {
   EXPECT_NEAR(known(filter, 0).covariance(0, 0), 0.001, 1e-6);
 }
 
-// Nobody could say where a target is instead: what is beyond the gate is used, or the belief would
-// stay where it is for ever.
+// A range alone does not locate a target. Detections outside the gate are therefore used, or the
+// belief would never move.
 TEST(DistributedFilter, DoesNotGateWhatCannotBeDiscovered) {
   const models::SensorModel sensor = test::far_sighted(SensorKind::kRange);
   std::mt19937_64 rng(12);

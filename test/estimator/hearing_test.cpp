@@ -15,8 +15,8 @@
 #include "test/support/near.hpp"
 #include "test/support/random.hpp"
 
-// Which of its teammates' beliefs a filter takes up, how much of them, and how it goes on from what
-// it has told itself.
+// Fusion of teammates' beliefs into a filter, and restarting a filter from its own published
+// belief.
 
 namespace vantage::estimator {
 namespace {
@@ -67,7 +67,7 @@ TEST(Hearing, IsOfBeliefsThatAreAsOldAsStatedAndNotOfTheFuture) {
   EXPECT_EQ(future.counters().stale_beliefs, 0);
 }
 
-// Of beliefs and of looks, in space.
+// The range limit holds for beliefs and for observations, and is a distance in space.
 TEST(Hearing, ReachesExactlyAsFarAsTheRadio) {
   for (const double aside : {-1.0, 1.0}) {
     for (const auto& [height_m, is_near] : {std::pair(0.0, true), std::pair(0.01, false)}) {
@@ -103,7 +103,8 @@ TEST(Hearing, CountsWhoIsInRangeAtEachStepAnew) {
   EXPECT_EQ(filter.counters().out_of_range_beliefs, 1);
 }
 
-// Weighed by √det Ω, whoever is heard first; and seen when any of them has seen it last.
+// Weights are proportional to √det Ω, in any order of arrival. The last observation is the latest
+// of any robot.
 TEST(Hearing, IsTheWeightedMeanOfAllWhoKnowATarget) {
   const std::vector<Gaussian> of_one = {
       around(1.0, 0.0, Eigen::Vector2d(0.25, 1.0).asDiagonal()),               // Ω of 4 and 1
@@ -134,7 +135,7 @@ TEST(Hearing, IsTheWeightedMeanOfAllWhoKnowATarget) {
   } while (std::next_permutation(order.begin(), order.end()));
 }
 
-// Against a search over all κ.
+// Compared with a search over all κ.
 TEST(Hearing, TakesAsMuchOfATeammateAsMakesTheDeterminantLargest) {
   vantage::test::Random random(6);
   int between = 0;
@@ -197,12 +198,12 @@ TEST(Hearing, CountsWhatIsNoBeliefAboutATargetThatThereIs) {
       {of(v, M.leftCols(3)), &FilterCounters::malformed_beliefs},
       {of(v, models::StateMatrix::Zero(4, 4)), &FilterCounters::singular},
       {of(v, -M), &FilterCounters::singular},
-      {of(v, 1e200 * M), &FilterCounters::singular},  // its determinant is no number
+      {of(v, 1e200 * M), &FilterCounters::singular},  // its determinant is not finite
   };
   for (const Wrong& wrong : all) {
     for (const Time told_at : {instant(1), instant(2)}) {
       if (&wrong == &all.back() && told_at < instant(2)) {
-        continue;  // by then it has grown
+        continue;  // prediction changes it
       }
       DistributedFilter filter(spec);
       models::RobotBelief told = told_by("Q2", told_at, {});
@@ -233,8 +234,8 @@ TEST(Hearing, MindsNoBeliefWithoutAGridAndCountsOneOfAnother) {
   EXPECT_EQ(filter.counters().grid_mismatches, 1);
 }
 
-// What is told of two steps ago has met the same walls as what was known then: who hears what he
-// knew himself is no surer for it, and no other.
+// A belief that is two steps old is predicted with the walls of both steps. Receiving the filter's
+// own old belief therefore changes neither mean nor covariance.
 TEST(Hearing, TakesWhatIsOldToTheWallsThatItHasMetSince) {
   for (const bool stay_inside : {false, true}) {
     for (const double x_m : {0.0, 19.7}) {
@@ -260,7 +261,7 @@ TEST(Hearing, TakesWhatIsOldToTheWallsThatItHasMetSince) {
   }
 }
 
-// A filter that goes on from a belief says the same of itself, and of its targets.
+// A filter restarted from a belief publishes the same belief.
 TEST(Rebase, GoesOnFromAllThatABeliefSays) {
   DistributedFilter filter(still_spec(5));
   models::RobotBelief before = told_by("Q1", instant(3),
@@ -274,7 +275,7 @@ TEST(Rebase, GoesOnFromAllThatABeliefSays) {
   before.grid = filter.grid().geometry();
   before.last_seen_utime.assign(filter.grid().last_seen_utime().size(), 0);
   before.last_seen_utime[5] = to_utime(instant(2));
-  filter.rebase(told_by("Q1", instant(2), {kOne[0], kOne[0], kOne[0]}));  // and once more
+  filter.rebase(told_by("Q1", instant(2), {kOne[0], kOne[0], kOne[0]}));  // is replaced
   filter.rebase(before);
   const models::RobotBelief after = filter.belief();
   EXPECT_EQ(after.stamp.time, instant(3));
@@ -292,7 +293,7 @@ TEST(Rebase, GoesOnFromAllThatABeliefSays) {
     EXPECT_EQ(after.targets[i].information.vector, before.targets[i].information.vector);
   }
   EXPECT_TRUE(filter.counters().named().empty());
-  // A step of that instant or before is none any more.
+  // A step at that instant or earlier is rejected.
   EXPECT_EQ(take_step(filter, instant(3), at(0, 0), {}).viewpoint.height_m, 1.2);
   EXPECT_EQ(filter.counters().steps_out_of_order, 1);
 }
@@ -368,7 +369,7 @@ TEST(FilterSpec, IsWhatTheScenarioSaysOfARobotAndItsTeam) {
   EXPECT_EQ(spec.communication_range_m, 7.0);
   EXPECT_EQ(spec.neighbourhood_m, 9.0);
   EXPECT_EQ(spec.belief_age_max_s, 0.75);
-  // Before its first step a filter takes its start for its place.
+  // Before its first step a filter reports its start as its viewpoint.
   EXPECT_EQ(DistributedFilter(spec).belief().viewpoint.height_m, 1.5);
 }
 
@@ -393,8 +394,8 @@ TEST(DistributedFilter, RefusesSpecsThatMakeNoSense) {
   EXPECT_TRUE(is_refused([](FilterSpec& spec) { spec.estimator.prior_velocity_sigma_mps = 0.0; }));
 }
 
-// Each of them by itself: a target nobody announced, the second of one target, a covariance that
-// is none of this sensor's.
+// Each case alone: an unknown target id, a second detection of one target, a covariance of the
+// wrong size.
 TEST(DistributedFilter, CountsEachDetectionThatItCannotUse) {
   const FilterSpec spec = still_spec(3);
   std::mt19937_64 rng(2);

@@ -17,14 +17,14 @@
 #include "models/sensor/sensor.hpp"
 #include "models/target/target_model.hpp"
 
-// What it costs at least not to know which detection is whose, whatever the filter. Nothing of the
-// estimator is used: targets move as the lab's filter believes, so that the posterior of one target
-// is known exactly, as particles.
+// Lower bound on the cost of unknown detection ids, for any filter. The test uses no code of the
+// estimator. Targets move by the model of the lab's filter, so the posterior of one target is known
+// exactly, as particles.
 //
-// Each target is followed twice on the same looks. *Known ids*: told which detection is its own.
-// *Oracle*: told which detections are the other targets'; it has to guess no more than which of
-// the rest is its own and which are false alarms. Whoever has no ids knows less than the oracle,
-// and the mean square error of the posterior's mean is the least there is for what is known.
+// Each target is tracked twice on the same observations. *Known ids*: the filter knows which
+// detection is the target's. *Oracle*: the filter knows which detections belong to other targets,
+// and only has to separate its own from false alarms. A filter without ids has less information
+// than the oracle. The posterior mean has the minimum mean square error for its information.
 
 namespace vantage {
 namespace {
@@ -72,8 +72,8 @@ State stationary(std::mt19937_64& rng) {
                                               s.velocity_sigma_mps.x(), s.velocity_sigma_mps.y()));
 }
 
-/// Density of what is reported falsely in (range, bearing): a place uniform over the ring in view,
-/// measured with the sensor's noise.
+/// Returns the density of a false alarm in (range, bearing): a position uniform over the visible
+/// ring, measured with the sensor's noise.
 double false_density(const models::SensorModel& sensor, double z_m) {
   constexpr int kRings = 200;
   double sum = 0.0;
@@ -105,14 +105,15 @@ class Posterior {
     }
   }
 
-  /// One of `candidates` is this target's own, or none; `is_told`: there is no other in them.
+  /// Updates by `candidates`, of which at most one is this target's; `is_told`: there are no
+  /// others.
   // long: one likelihood, and the particles drawn by it.
   void look(const models::SensorModel& sensor, const Eigen::Vector2d& eye_m,
             const std::vector<models::Measurement>& candidates, bool is_told,
             const models::DetectionModel& detection) {
     const double p_D = detection.detection_probability;
     const double scale = 2.0 * kPi * sensor.range_sigma_m * sensor.bearing_sigma_rad;
-    std::array<double, 32> others{};  // intensity of false alarms there
+    std::array<double, 32> others{};  // intensity of false alarms at each candidate
     for (std::size_t j = 0; j < candidates.size(); ++j) {
       others[j] = detection.clutter_per_look * false_density(sensor, candidates[j].z(0));
     }
@@ -171,7 +172,7 @@ class Posterior {
   }
 
  private:
-  /// No particle was where it is said to be: about there, by what the measurement says.
+  /// Re-initialises the particles around the measurement when no particle explains it.
   void start_anew(const Eigen::Vector2d& eye_m, const models::Measurement& z) {
     std::normal_distribution<double> normal;
     for (State& state : states_) {
@@ -188,7 +189,7 @@ class Posterior {
   std::vector<double> likelihoods_;  ///< summed up
 };
 
-/// Over targets and time.
+/// Errors summed over targets and time.
 struct Errors {
   double squared_m2 = 0.0;
   double believed_m2 = 0.0;
@@ -205,7 +206,7 @@ struct Both {
   Errors oracle;
 };
 
-// Each to the target that is known least for its distance and that nobody before it took.
+// Moves each robot to the unassigned target with the largest variance relative to its distance.
 void chase(std::vector<Eigen::Vector2d>& eyes_m, const std::vector<Posterior>& beliefs) {
   std::vector<char> is_taken(beliefs.size(), 0);
   for (Eigen::Vector2d& eye_m : eyes_m) {
@@ -292,8 +293,8 @@ struct Ratio {
   }
 };
 
-// VANTAGE_BOUND_SEEDS trials from seed VANTAGE_BOUND_FIRST on, of VANTAGE_BOUND_STEPS half seconds,
-// with so many VANTAGE_BOUND_PARTICLES.
+// Runs VANTAGE_BOUND_SEEDS trials from seed VANTAGE_BOUND_FIRST on. Each has VANTAGE_BOUND_STEPS
+// steps of half a second and VANTAGE_BOUND_PARTICLES particles.
 TEST(KnownIds, AreWorthMoreThanAnyFilterWithoutThemMakesGoodAtOneFalseAlarmALook) {
   const unsigned first = from_environment("VANTAGE_BOUND_FIRST", 101);
   const unsigned seeds = from_environment("VANTAGE_BOUND_SEEDS", 2);

@@ -33,7 +33,7 @@ Gaussian around(const State& mean, double position_sigma_m, double velocity_sigm
   return belief;
 }
 
-/// As good as a point.
+/// Returns a belief whose standard deviations are negligible.
 Gaussian exactly(const State& state) { return around(state, 1e-4, 1e-4); }
 
 struct Pair {
@@ -41,7 +41,7 @@ struct Pair {
   State other = State::Zero();
 };
 
-/// Where the two are after dt_s, of which nothing is known but that they may meet.
+/// Beliefs of two targets after dt_s without measurements, and whether each of them had a meeting.
 struct Met {
   bool one_has = false;
   bool other_has = false;
@@ -75,7 +75,7 @@ State turned(const State& x, double by_rad, bool mirrored) {
 }
 
 TEST(Meet, WhoWalkIntoEachOtherTurnBackThere) {
-  // 2 m apart, 2 m/s together: 0.8 s from now. In each direction, seen from either side.
+  // 2 m apart, closing at 2 m/s: they meet after 0.8 s. In every direction, and mirrored.
   for (int quarter = 0; quarter < 4; ++quarter) {
     for (const bool mirrored : {false, true}) {
       const auto t = [&](const State& x) { return turned(x, quarter * 0.5 * kPi, mirrored); };
@@ -90,7 +90,7 @@ TEST(Meet, WhoWalkIntoEachOtherTurnBackThere) {
 }
 
 TEST(Meet, WhoIsOvertakenGoesOn) {
-  // 1 m behind and 0.8 m/s faster: in 0.75 s.
+  // 1 m behind and 0.8 m/s faster: they meet after 0.75 s.
   const Met met = after(exactly({0.0, 0.0, 0.2, 0.0}), exactly({-1.0, 0.0, 1.0, 0.0}), 1.0);
   EXPECT_FALSE(met.one_has);
   EXPECT_TRUE(is_near(met.one.mean, State(0.2, 0.0, 0.2, 0.0), 1e-3));
@@ -104,7 +104,7 @@ TEST(Meet, WhoStandsIsWalkedIntoAndStays) {
 }
 
 TEST(Meet, ByTheComponentThatTakesItAway) {
-  // From below and nearly along y; from the left and nearly along x.
+  // From below, nearly along y; then from the left, nearly along x.
   const Met y = after(exactly({0.05, -1.0, 0.3, 1.0}), exactly({0.2, 0.0, 0.0, 0.0}), 1.0);
   EXPECT_TRUE(is_near(y.one.mean.tail<2>(), Eigen::Vector2d(0.3, -1.0), 1e-3));
   const Met x = after(exactly({-1.0, 0.05, 1.0, 0.3}), exactly({0.0, 0.2, 0.0, 0.0}), 1.0);
@@ -134,8 +134,8 @@ TEST(Meet, NothingChangesWhereNobodyMeets) {
 }
 
 TEST(Meet, AsOftenInPartsAsAtOnce) {
-  // One walks where another stands, of both of which little is known: they may as well be in one
-  // place. Which cannot be, and is no meeting.
+  // One target moves and one is stationary. Their uncertain positions overlap; samples that start
+  // within the minimum distance do not count as a meeting.
   const Gaussian walks = around({0.0, 0.0, 0.5, 0.0}, 1.0, 0.02);
   const Gaussian stands = around({0.0, 0.0, 0.0, 0.0}, 1.0, 0.02);
   const auto slower_mps = [&](int parts) {
@@ -152,17 +152,17 @@ TEST(Meet, AsOftenInPartsAsAtOnce) {
     }
     return sum / kKeys;
   };
-  // By the area that a disc sweeps past points, of the density of their difference: σ² = 2 m².
+  // Area that a disc sweeps, times the density of the position difference: σ² = 2 m².
   const double swept_m2 = 2.0 * kDistance_m * 0.5 * 0.5;
   const double share = swept_m2 / (2.0 * kPi * 2.0);
   EXPECT_LT(slower_mps(1), 1.15 * share * 2.0 * 0.5);
-  EXPECT_GT(slower_mps(1), 0.5 * share * 2.0 * 0.5);  // from the sides it is not x that turns
+  EXPECT_GT(slower_mps(1), 0.5 * share * 2.0 * 0.5);  // lateral contacts reverse vy instead of vx
   EXPECT_NEAR(slower_mps(5) / slower_mps(1), 1.0, 0.15);
 }
 
 TEST(Meet, MoreOftenWithWhatWeighsMore) {
-  // The other is on the left or on the right, as likely; then a look sees that it is not on the
-  // left, all but surely, and who walks there meets it no more.
+  // The other target is equally likely to be on the left or on the right. An empty scan of the left
+  // almost excludes it there, so a target that moves on the left rarely meets it.
   const models::SensorModel sensor = [] {
     models::SensorModel near;
     near.range_max_m = 1.5;
@@ -180,7 +180,8 @@ TEST(Meet, MoreOftenWithWhatWeighsMore) {
   EXPECT_NEAR(1.0 - since, 0.1 * (1.0 - before), 0.1 * (1.0 - before));
 }
 
-/// The same by brute force: small steps, in which who would come too near turns back.
+/// Moves the pair in 500 small steps by brute force. A target whose step would bring it closer than
+/// kDistance_m to the other is reflected.
 Pair stepped(Pair pair, double dt_s, std::mt19937_64& rng) {
   constexpr int kSteps = 500;
   for (int i = 0; i < kSteps; ++i) {
@@ -215,7 +216,7 @@ State drawn(const Gaussian& belief, std::mt19937_64& rng) {
 }
 
 TEST(Meet, IsOfBeliefsWhatBruteForceMakesOfThem) {
-  // Two that are likely to meet within 2 s, and may as well miss each other.
+  // They probably meet within 2 s, but may miss each other.
   const Gaussian one = around({0.0, 0.0, 0.8, 0.1}, 0.25, 0.15);
   const Gaussian other = around({1.6, 0.3, -0.5, 0.0}, 0.25, 0.15);
   std::mt19937_64 rng(3);
@@ -242,7 +243,7 @@ TEST(Meet, IsOfBeliefsWhatBruteForceMakesOfThem) {
     EXPECT_NEAR(mean(i), right(i), 0.1 * sigma(i)) << i;
     EXPECT_NEAR(std::sqrt(spread(i)), sigma(i), 0.1 * sigma(i)) << i;
   }
-  EXPECT_LT(right(2), 0.2);  // it does matter: 0.8 without
+  EXPECT_LT(right(2), 0.2);  // 0.8 without meetings
 }
 
 FilterSpec spec_of_two(double radius_m) {
@@ -278,7 +279,8 @@ TEST(MeetingsOfAFilter, KnowHowWrongTheyAreOfWhoMetUnseen) {
     return Gaussian{belief.mean.head<2>(), belief.covariance.topLeftCorner<2, 2>()};
   };
   for (int i = 0; i < 3000; ++i) {
-    // The noise of 4 s beside a σ of 0.05 m/s is of velocities 0.06 m/s: drawn at the beginning.
+    // The velocity noise over 4 s is 0.06 m/s, compared with a σ of 0.05 m/s. It is drawn once, at
+    // the start.
     Pair pair{drawn(kTowardsEachOther[0], rng), drawn(kTowardsEachOther[1], rng)};
     std::normal_distribution<double> noise(0.0, std::sqrt(kModel.q * 4.0 / 3.0));
     for (State* x : {&pair.one, &pair.other}) {
@@ -294,7 +296,8 @@ TEST(MeetingsOfAFilter, KnowHowWrongTheyAreOfWhoMetUnseen) {
 }
 
 TEST(MeetingsOfAFilter, HappenToWhatATeammateToldOfTheStepBeforeAsWell) {
-  // What was told before they met, brought to now without it, would be surer, and win.
+  // A belief sent before the meeting and predicted without the meeting would be too certain, and
+  // would win the fusion.
   DistributedFilter alone = knows_two(0.2);
   DistributedFilter told = knows_two(0.2);
   for (int step = 1; step <= 4; ++step) {
@@ -377,8 +380,8 @@ TEST(MeetingsOfAFilter, AllocateNothing) {
   }
 }
 
-// Whichever of two has the lower number, and wherever in the table they stand: both turn back, and
-// who is far from both is no sample.
+// Both targets turn back, whatever their ids and table positions. A target far from both gets no
+// samples.
 TEST(Meetings, TurnBothBackWhateverTheirNumbers) {
   const State from_left(0.0, 0.0, 1.0, 0.0);
   const State from_right(2.0, 0.0, -1.0, 0.0);
@@ -406,11 +409,12 @@ TEST(Meetings, TurnBothBackWhateverTheirNumbers) {
   }
 }
 
-// As far as they walk in that time, and no nearer than they may come: then they are looked for.
+// Meetings are checked from exactly the distance on at which the two can meet within the time.
 TEST(Meetings, LookForWhoCanJustComeThere) {
   constexpr double kTime_s = 1.5;
   for (int quarter = 0; quarter < 4; ++quarter) {
-    for (const double share : {0.0, 0.3, 1.0}) {  // of 6 m/s together, of the first
+    for (const double share :
+         {0.0, 0.3, 1.0}) {  // share of the first target in the closing speed of 6 m/s
       for (const bool is_first : {true, false}) {
         const auto meet = [&](double apart_m) {
           const auto t = [&](const State& x) { return turned(x, quarter * 0.5 * kPi, false); };

@@ -15,7 +15,8 @@
 #include "test/estimator/lab_tracks.hpp"
 #include "test/support/near.hpp"
 
-// What one look makes of tracks without ids, by hand; and tracks that live by counts.
+// Updates of tracks without ids by one scan, computed by hand, and tracks that are confirmed and
+// deleted by counts.
 
 namespace vantage::estimator {
 namespace {
@@ -46,7 +47,7 @@ LabelledTrack track_of(double existence, Mixture mixture) {
   return track;
 }
 
-/// What the sensor says, without noise, of what is there.
+/// Returns the noise-free detection of a target at (x_m, y_m).
 models::Detection seen(const models::Viewpoint& from, double x_m, double y_m) {
   const models::PositionVector there_m = Eigen::Vector2d(x_m, y_m);
   return {models::kNoTargetId,
@@ -59,8 +60,8 @@ double density(const Eigen::Vector2d& off_m, const Eigen::Matrix2d& S_m2) {
          (2.0 * kPi * std::sqrt(S_m2.determinant()));
 }
 
-// A track of two parts, at the edge of view, and one detection between them: by Bayes, of all that
-// may have happened.
+// One track of two components at the edge of view and one detection between them. The expected
+// values are Bayes' rule over all hypotheses.
 TEST(MultiTargetLook, AtOneTrackAndOneDetectionIsByHand) {
   const models::SensorModel sensor = lab_sensor();
   const models::DetectionModel detection{0.8, 0.7};
@@ -76,7 +77,7 @@ TEST(MultiTargetLook, AtOneTrackAndOneDetectionIsByHand) {
   tracks[1].label = 77;
   filter.look(tracks, {sensor, detection, from, instant(4), 500}, {&z, 1});
 
-  // Where the detection is, with nothing known before.
+  // The target's position by the detection alone.
   scenario::EstimatorSpec vague = spec.estimator;
   const models::Gaussian found =
       models::to_gaussian(*discover(vague, sensor, from, z.measurement)).value();
@@ -84,7 +85,8 @@ TEST(MultiTargetLook, AtOneTrackAndOneDetectionIsByHand) {
   const double clutter_per_m2 = 0.7 / models::view_area_m2(sensor, from);
   double missed = 0.0;
   double fit = 0.0;
-  std::vector<std::pair<double, models::Gaussian>> all;  // that may be, each with its weight
+  std::vector<std::pair<double, models::Gaussian>>
+      all;  // every posterior component with its weight
   std::vector<double> fits;
   for (const Component& one : parts) {
     double probability = 0.0;
@@ -120,7 +122,7 @@ TEST(MultiTargetLook, AtOneTrackAndOneDetectionIsByHand) {
     weights += component.weight;
   }
   EXPECT_NEAR(weights, 1.0, 1e-12);
-  // Or nobody's: a target not tracked yet, or a false alarm.
+  // Otherwise the detection belongs to no track: an untracked target or a false alarm.
   const double nobodys = 1.0 - reported / total;
   const double birth = nobodys * untracked_per_m2 / (untracked_per_m2 + clutter_per_m2);
   ASSERT_GT(birth, 0.01);
@@ -132,7 +134,7 @@ TEST(MultiTargetLook, AtOneTrackAndOneDetectionIsByHand) {
   EXPECT_EQ(filter.counters().deaths, 0);
 }
 
-// Farther than four σ from all of a track a detection is another's.
+// A detection more than 4σ from every component of a track is not assigned to it.
 TEST(MultiTargetLook, GatesWhatIsFartherThanFourSigma) {
   const models::Viewpoint from = at(0.0, 0.0);
   const models::Detection z = seen(from, 2.0, 0.0);
@@ -153,8 +155,8 @@ TEST(MultiTargetLook, GatesWhatIsFartherThanFourSigma) {
   }
 }
 
-// r ← r (1 − p) / (1 − r p): p is the less of what is believed and what is said of the sensor, and
-// never quite one; without belief in misses the place stays where it was.
+// r ← r (1 − p) / (1 − r p), where p is the smaller of the assumed and the true detection
+// probability, at most 0.99. With an assumed probability of zero the position does not change.
 TEST(MultiTargetLook, ThatIsEmptyTellsAsMuchAsTheSensorIsBelieved) {
   const auto after = [](double believed, double true_probability) {
     MultiTargetSpec spec = spec_of(2, {true_probability, 0.5});
@@ -175,7 +177,7 @@ TEST(MultiTargetLook, ThatIsEmptyTellsAsMuchAsTheSensorIsBelieved) {
   EXPECT_NEAR(after(1.0, 1.0), right(0.99), 0.004);
 }
 
-// Of n of the same existence no more than N: by the binomial distribution.
+// n tracks of equal existence probability, of which at most N exist: binomial distribution.
 TEST(MultiTargetLook, KnowsThatThereAreNoMoreTargetsThanThereAre) {
   constexpr double r = 0.4;
   for (const int targets : {1, 2, 3, 4}) {
@@ -203,8 +205,8 @@ TEST(MultiTargetLook, KnowsThatThereAreNoMoreTargetsThanThereAre) {
   }
 }
 
-// All are tracked, or so it seems: one in twenty may be elsewhere. And without false alarms one
-// look in a thousand has one all the same.
+// At least 0.05 targets are assumed to be untracked, and at least 0.001 false alarms per scan are
+// assumed.
 TEST(MultiTargetLook, NeverRulesOutABirthNorAFalseAlarm) {
   const models::Viewpoint from = at(0, 0);
   const models::Detection z = seen(from, 1.0, 1.0);
@@ -219,7 +221,7 @@ TEST(MultiTargetLook, NeverRulesOutABirthNorAFalseAlarm) {
   }
 }
 
-// Where there is room for no other, the least likely gives way to what is likelier than it.
+// When the table is full, a birth replaces the least likely track if the birth is likelier.
 TEST(MultiTargetLook, PutsABirthInThePlaceOfTheLeastLikely) {
   const models::Viewpoint from = at(0, 0);
   const models::Detection z = seen(from, 1.0, 1.0);
@@ -258,8 +260,8 @@ TEST(MultiTargetLook, ForgetsWhoIsHardlyThere) {
   }
 }
 
-// Told from the third hit on; gone after two looks in a row that should have seen it, or after five
-// once it is told. Who is out of view is not missed.
+// A track is confirmed at its third hit. It is deleted after two consecutive misses, or after five
+// once it is confirmed. A scan that does not cover the track is not a miss.
 TEST(TracksByCounts, LiveByHitsAndMisses) {
   const models::Viewpoint from = at(0, 0);
   const models::Detection z = seen(from, 1.0, 1.0);
@@ -296,8 +298,8 @@ TEST(TracksByCounts, LiveByHitsAndMisses) {
   }
 }
 
-// Of two tracks that may both be it the likelier has it: the other was not seen. Joint association
-// gives it to both, by halves.
+// The likelier of two possible tracks gets the detection and the other counts as missed. Joint
+// association (JPDA) shares it between both.
 TEST(MultiTargetLook, GivesADetectionToOneTrackUnlessToldToShare) {
   const models::Viewpoint from = at(0, 0);
   const models::Detection z = seen(from, 1.5, 0.0);
@@ -316,10 +318,11 @@ TEST(MultiTargetLook, GivesADetectionToOneTrackUnlessToldToShare) {
       EXPECT_EQ(tracks[nearer].last_seen, instant(1));
       EXPECT_EQ(tracks[other].last_seen, instant(0));
       if (tracker == Tracker::kLabelled) {
-        // Surely in view: r (1 - p) / (1 - r p).
+        // Certainly in view: r (1 - p) / (1 - r p).
         EXPECT_NEAR(tracks[other].existence, 0.9 * 0.2 / (1.0 - 0.9 * 0.8), 1e-6);
       }
-      if (tracker == Tracker::kNearest) {  // as if its id were known, however unlikely it exists
+      if (tracker ==
+          Tracker::kNearest) {  // same as with a known id, regardless of its existence probability
         auto known = models::to_information(part(1.0, 1.5, 0.1, 0.2).belief).value();
         ASSERT_EQ(measure(known, lab_sensor(), from, z.measurement, 0.0), Use::kUsed);
         EXPECT_TRUE(
@@ -329,7 +332,8 @@ TEST(MultiTargetLook, GivesADetectionToOneTrackUnlessToldToShare) {
   }
 }
 
-// What nobody has taken founds tracks, whose labels follow the detections' own order.
+// Unassigned detections start tracks. Their labels are numbered by distance, not by the order of
+// the detections.
 TEST(MultiTargetLook, CallsBirthsByTheOrderOfTheirDetections) {
   const models::Viewpoint from = at(0, 0);
   std::vector<models::Detection> look = {seen(from, 2.0, 0.0), seen(from, 0.0, 1.0),
@@ -372,7 +376,7 @@ TEST(MultiTargetLook, CountsEachDetectionThatIsNotOfThisSensor) {
   EXPECT_EQ(malformed([](models::Measurement& z) { z.V.setZero(); }), 1) << "explained by nothing";
 }
 
-// Parts within a σ of the heavier become one; those of less than a thousandth are let go.
+// Components within 1σ of a heavier one are merged; those with a weight below 0.001 are removed.
 TEST(MultiTargetLook, KeepsPartsThatAreApartAndWeighSomething) {
   const auto parts_after = [](Mixture parts, Tracker tracker) {
     MultiTargetFilter filter(spec_of(1, {0.9, 0.1}, tracker));
@@ -396,7 +400,7 @@ TEST(MultiTargetLook, KeepsPartsThatAreApartAndWeighSomething) {
   EXPECT_EQ(MultiTargetFilter(spec_of(1, {})).spec().components_max, 6);
 }
 
-// Who is half in view by what is believed was to be seen; less, and nobody minds.
+// A track counts as missed only if more than half of its probability mass is in view.
 TEST(TracksByCounts, AreMissedWhereMoreThanHalfOfThemIsInView) {
   for (const auto& [x_m, is_missed] : {std::pair(2.9, true), std::pair(3.1, false)}) {
     MultiTargetFilter filter(spec_of(1, {0.9, 0.1}, Tracker::kNearest));
@@ -408,7 +412,7 @@ TEST(TracksByCounts, AreMissedWhereMoreThanHalfOfThemIsInView) {
   }
 }
 
-// Of uncertainty that grows from the last look on, and of as many steps as have passed.
+// The uncertainty grows from the last observation on, once per step that has passed.
 TEST(MultiTargetFilter, PropagatesByTheTimeSinceATargetWasSeen) {
   MultiTargetSpec spec = spec_of(1, {});
   spec.estimator.target_model = {models::TargetKind::kGrowingUncertainty, 2, 0.01};
@@ -416,7 +420,7 @@ TEST(MultiTargetFilter, PropagatesByTheTimeSinceATargetWasSeen) {
   auto tracks = filter.no_tracks();
   tracks[0] = track_of(1.0, {part(0.6, 1.0, 2.0, 0.1), part(0.4, -1.0, 2.0, 0.2)});
   filter.propagate(tracks, instant(2),
-                   instant(5));  // unseen for k = 2, 3 and 4 steps as each begins
+                   instant(5));  // 2, 3 and 4 steps since the last observation
   EXPECT_NEAR(tracks[0].mixture[0].belief.covariance(0, 0), 0.01 + 0.01 * (2 + 3 + 4), 1e-12);
   EXPECT_NEAR(tracks[0].mixture[1].belief.covariance(1, 1), 0.04 + 0.01 * (2 + 3 + 4), 1e-12);
   EXPECT_EQ(tracks[0].mixture[1].belief.mean, part(1.0, -1.0, 2.0, 1.0).belief.mean);
@@ -443,8 +447,8 @@ TEST(MultiTargetFilter, RefusesEachSpecThatMakesNoSense) {
   EXPECT_TRUE(is_refused([](MultiTargetSpec& spec) { spec.components_max = 0; }));
 }
 
-// A fiftieth of a track and more is worth its quadrature; of what is less a detection is a place
-// and its covariance.
+// Components with a posterior weight of at least 0.02 are updated by quadrature. Lighter ones get a
+// linear update by position and covariance.
 TEST(MultiTargetLook, IsExactOfPartsFromAFiftiethOn) {
   const models::Viewpoint from = at(0, 0);
   const models::Gaussian before = part(1.0, 2.0, 0.0, 0.3).belief;

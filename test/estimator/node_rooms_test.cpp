@@ -15,7 +15,7 @@
 #include "test/estimator/filter_support.hpp"
 #include "test/estimator/mapping_scenario.hpp"
 
-// How much of what they have heard the nodes keep.
+// Capacities of the message buffers of the estimator nodes.
 
 namespace vantage::estimator {
 namespace {
@@ -62,7 +62,7 @@ models::RobotBelief belief_of(const std::string& robot, Time time) {
   return belief;
 }
 
-/// A node's end of a bus, and a world that says what is to be heard.
+/// Bus of the node under test, and a second bus that publishes its inputs.
 struct Ears {
   template <class Message>
   InputRef say(const bus::Channel<Message>& channel, const Message& message) {
@@ -79,7 +79,7 @@ struct Ears {
   bus::Bus bus{*end, 1, "REPLAY_"};
 };
 
-// A frame that does not show the robot takes no pose's place, however many there are.
+// Frames that do not show the robot do not displace its poses from the buffer, however many arrive.
 TEST(NodeRooms, OfPosesAreForFramesThatShowTheRobotAlone) {
   Ears ears;
   const scenario::Scenario scenario = team_of(2);
@@ -98,14 +98,14 @@ TEST(NodeRooms, OfPosesAreForFramesThatShowTheRobotAlone) {
   EXPECT_TRUE(node.counters().empty()) << "it knows where it is";
 }
 
-// What a step was made from is there if not too much has come since: 1024 looks and 64 beliefs of
-// each robot of the team, 2048 frames.
+// Inputs of a logged step are found if at most 1024 observations or 64 beliefs of each robot, or
+// 2048 frames, have arrived.
 TEST(NodeRooms, OfAReplayAreForSoManyMessagesOfEachRobot) {
   for (const int robots : {1, 2, 3}) {
     const scenario::Scenario scenario = team_of(robots);
     for (const std::string kind : {"look", "belief", "frame"}) {
       if (kind == "belief" && robots == 1) {
-        continue;  // of whom?
+        continue;  // there is no teammate
       }
       const int room = kind == "look" ? 1024 : kind == "belief" ? 64 : 2048;
       for (const bool is_there : {true, false}) {
@@ -136,7 +136,7 @@ TEST(NodeRooms, OfAReplayAreForSoManyMessagesOfEachRobot) {
   }
 }
 
-// 64 beliefs, 256 scans, and 16 maps of each robot.
+// The replay buffers hold 64 beliefs, 256 scans, and 16 maps of each robot.
 TEST(NodeRooms, OfAMapsReplayAreForSoManyMessages) {
   for (const int robots : {1, 2, 3}) {
     std::vector<std::string> names;
@@ -157,7 +157,7 @@ TEST(NodeRooms, OfAMapsReplayAreForSoManyMessages) {
     scan.ranges_m.assign(static_cast<std::size_t>(scenario.mapping.scanner.beams), 1.5);
     for (const std::string kind : {"belief", "scan", "map"}) {
       if (kind == "map" && robots == 1) {
-        continue;  // of whom?
+        continue;  // there is no teammate
       }
       for (const bool is_there : {true, false}) {
         Ears ears;
@@ -187,7 +187,8 @@ TEST(NodeRooms, OfAMapsReplayAreForSoManyMessages) {
   }
 }
 
-// What a silent teammate said last is used as long as it is fresh, is stale once, and then let go.
+// The last belief of a silent teammate is used while it is fresh, counted as stale once, and then
+// dropped.
 TEST(NodeRooms, HoldATeammatesBeliefForAsLongAsItIsFresh) {
   const scenario::Scenario scenario = team_of(2);
   for (const auto& [late, uses] : {std::pair(0us, 3), std::pair(1us, 3), std::pair(-1us, 2)}) {

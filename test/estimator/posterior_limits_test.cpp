@@ -14,7 +14,7 @@
 #include "test/estimator/dense_posterior.hpp"
 #include "test/estimator/filter_support.hpp"
 
-// What the limits of a sensor make of a measurement: each of them, one at a time.
+// Effect of each sensor limit on the posterior moments, one limit at a time.
 
 namespace vantage::estimator {
 namespace {
@@ -37,7 +37,8 @@ SensorModel open_sensor(SensorKind kind) {
   return sensor;
 }
 
-/// So far from the sensor on the ground, and so high above it where there is a height.
+/// Returns a position at horizontal distance away_m from the sensor; height_m applies when dim is
+/// 3.
 Eigen::VectorXd place_m(double away_m, double bearing_rad, int dim, double height_m = 0.5) {
   const double angle_rad = eye().world_from_body.yaw_rad + bearing_rad;
   Eigen::VectorXd out = Eigen::VectorXd::Constant(dim, height_m);
@@ -46,7 +47,7 @@ Eigen::VectorXd place_m(double away_m, double bearing_rad, int dim, double heigh
   return out;
 }
 
-/// Without noise, which is said to be so many times what it is.
+/// Returns a noise-free measurement whose stated standard deviation is noise_times the true one.
 models::Measurement seen(const SensorModel& sensor, const Eigen::VectorXd& there_m,
                          double noise_times) {
   const models::PositionVector y_m = there_m;
@@ -68,8 +69,8 @@ struct Case {
 
 class AtLimits : public ::testing::TestWithParam<SensorKind> {};
 
-// Known to be there, and seen there, far beyond what is said of the sensor: then that is wrong, and
-// as good as not said.
+// If prior and measurement agree on a position far outside a stated limit, the limit is wrong and
+// is ignored.
 TEST_P(AtLimits, WhatTheSensorDoesNotKeepToIsNotUsed) {
   for (const int dim : {2, 3}) {
     const SensorModel open = open_sensor(GetParam());
@@ -97,7 +98,7 @@ TEST_P(AtLimits, WhatTheSensorDoesNotKeepToIsNotUsed) {
   }
 }
 
-/// What a limit that lies 0.1 m before the believed mean leaves, against brute force.
+/// Compares the moments with a limit about 0.1 m before the prior mean with brute force.
 void expect_as_by_brute_force(SensorKind kind, const Case& each, int dim, double noise_times,
                               int points, double tolerance) {
   const SensorModel open = open_sensor(kind);
@@ -122,21 +123,21 @@ void expect_as_by_brute_force(SensorKind kind, const Case& each, int dim, double
   EXPECT_EQ(found->mahalanobis2, without->mahalanobis2) << what;
 }
 
-// With limits of which little is known, and with such of which less is. A camera's are integrated
-// on the few points of a grid.
+// With two noise levels. The camera's posterior is integrated on a coarse grid, so its tolerance is
+// larger.
 TEST_P(AtLimits, InThePlaneAreThoseOfBruteForce) {
   std::vector<Case> cases = {{"far", 0.3, [](SensorModel& sensor) { sensor.range_max_m = 2.9; }},
                              {"near", -0.3, [](SensorModel& sensor) { sensor.range_min_m = 3.1; }},
                              {"left", 0.5, [](SensorModel& sensor) { sensor.fov_rad = 0.94; }},
                              {"right", -0.5, [](SensorModel& sensor) { sensor.fov_rad = 0.94; }}};
   if (GetParam() == SensorKind::kCamera) {
-    // Along a ray that is tilted by 60° below body x.
+    // Depth along the optical axis, which is tilted by 60° below body x.
     const double depth_m = 3.0 * std::cos(0.3) * 0.5 + 3.0 * std::sqrt(0.75);
     cases.push_back(
         {"depth", 0.3, [=](SensorModel& sensor) { sensor.depth_min_m = depth_m + 0.03; }});
   }
   for (const Case& each : cases) {
-    const double more = GetParam() == SensorKind::kCamera ? 12.0 : 1.0;  // pixels are small
+    const double more = GetParam() == SensorKind::kCamera ? 12.0 : 1.0;  // pixel noise is small
     for (const double noise_times : {4.0, 8.0}) {
       expect_as_by_brute_force(GetParam(), each, 2, more * noise_times, 120,
                                GetParam() == SensorKind::kCamera ? 0.12 : 0.03);
@@ -146,8 +147,8 @@ TEST_P(AtLimits, InThePlaneAreThoseOfBruteForce) {
 
 INSTANTIATE_TEST_SUITE_P(EverySensor, AtLimits, ::testing::ValuesIn(models::all_sensor_kinds()));
 
-// A bearing's least distance is horizontal, whatever is above it; a range's is in space; a camera's
-// depth is along where it looks.
+// The minimum distance of a bearing sensor is horizontal and that of a range sensor is in space. A
+// camera's depth is along its optical axis.
 TEST(PosteriorMoments, AtLimitsInSpaceAreThoseOfBruteForce) {
   const auto near = [](double least_m) {
     return Case{"near", 0.3, [=](SensorModel& sensor) { sensor.range_min_m = least_m; }};
@@ -162,7 +163,7 @@ TEST(PosteriorMoments, AtLimitsInSpaceAreThoseOfBruteForce) {
       0.05);
 }
 
-// A kind whose limits are exact: seen from the other side it is the mirror image.
+// A sensor kind with exact limits: a mirrored scene gives mirrored moments.
 TEST(PosteriorMoments, OfExactLimitsAreTheSameLeftAndRight) {
   models::SensorLaw law = SensorKind(SensorKind::kRange).law();
   law.sees = [](const SensorModel&, const models::Viewpoint&, const models::SightLine&) {
@@ -191,9 +192,9 @@ TEST(PosteriorMoments, OfExactLimitsAreTheSameLeftAndRight) {
   }
 }
 
-// Where the target is, across the line of sight, and where view ends are two normal distributions:
-// k σ of their difference inside, it is in view with probability Φ(k). Φ(−3.09) is a thousandth,
-// Φ(4.753) all but a millionth.
+// The target's bearing and the edge of view are both normally distributed. At k σ of their
+// difference inside the edge, the target is in view with probability Φ(k). Φ(−3.09) = 10⁻³,
+// Φ(4.753) = 1 − 10⁻⁶.
 TEST(PosteriorMoments, MindLimitsFromAThousandthInViewToAllButAMillionth) {
   constexpr double kNoise_rad = 1.0;
   const double sigma_rad = std::hypot(0.1 / 5.0, kSoftShare * kNoise_rad);
@@ -216,7 +217,7 @@ TEST(PosteriorMoments, MindLimitsFromAThousandthInViewToAllButAMillionth) {
   }
 }
 
-// A kind that measures ranges, and sees to its left alone: who was seen is there.
+// A range sensor that sees only its left half-plane: the moments of a detected target lie there.
 TEST(PosteriorMoments, OfAKindWithLimitsOfItsOwnAreWithinThem) {
   models::SensorLaw law = SensorKind(SensorKind::kRange).law();
   law.sees = [](const SensorModel&, const models::Viewpoint&, const models::SightLine& to) {

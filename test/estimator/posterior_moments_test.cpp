@@ -11,7 +11,7 @@
 #include "test/support/own_sensor.hpp"
 #include "test/support/random.hpp"
 
-// At the edges; track_test holds it against brute force between them.
+// Edge cases of the posterior moments; track_test compares ordinary cases with brute force.
 
 namespace vantage::estimator {
 namespace {
@@ -23,7 +23,8 @@ models::Measurement one(double z, double sigma) {
   return {Eigen::Matrix<double, 1, 1>(z), Eigen::Matrix<double, 1, 1>(sigma * sigma)};
 }
 
-// Then p falls from the robot on, in all directions: what counts is near, though p is wide.
+// The posterior density falls with the distance from the robot in every direction, so only the
+// region near the robot counts although p is wide.
 TEST(PosteriorMoments, OfARangeBelowZeroAreAroundTheRobot) {
   const double prior_sigma_m = 0.5;
   const double sigma_m = 0.1;
@@ -45,7 +46,7 @@ TEST(PosteriorMoments, OfARangeBelowZeroAreAroundTheRobot) {
   EXPECT_NEAR(found->covariance_m2.trace(), squares / mass, 0.003 * squares / mass);
 }
 
-// Less than a whole turn: each direction counts once.
+// The noise exceeds a full turn, but each direction counts once.
 TEST(PosteriorMoments, OfABearingThatSaysNothingAreThoseOfThePrior) {
   const Eigen::Vector2d mean_m(2.0, 0.5);
   const Eigen::Matrix2d P = Eigen::Vector2d(0.16, 0.04).asDiagonal();
@@ -59,7 +60,7 @@ TEST(PosteriorMoments, OfABearingThatSaysNothingAreThoseOfThePrior) {
   }
 }
 
-// Of a prior of 10⁸⁰ m the mean is a number, its square none.
+// With a prior σ of 10⁸⁰ m the mean is finite but its square overflows.
 TEST(PosteriorMoments, AreNoneWhereTheyAreBeyondNumbers) {
   const auto moments = [](double information) {
     return posterior_moments({Eigen::Vector2d(2.0, 0.5), information * Eigen::Matrix2d::Identity()},
@@ -76,8 +77,8 @@ struct Prior {
   [[nodiscard]] PositionPrior as_prior() const { return {mean_m, P_m2.inverse()}; }
 };
 
-// What sees positions is a Kalman filter's update, turned by where it looks, of the plane and of
-// space, and whatever the noise of one coordinate has to do with another's.
+// A position sensor gives the Kalman update, rotated by its heading, in the plane and in space, and
+// with correlated noise.
 TEST(PosteriorMoments, OfPositionsAreAKalmanUpdate) {
   vantage::test::Random random(21);
   const models::SensorModel sensor = far_sighted(models::SensorKind::kPosition);
@@ -105,8 +106,8 @@ TEST(PosteriorMoments, OfPositionsAreAKalmanUpdate) {
   }
 }
 
-// A sensor that says so much too much, and knows it, tells the same as one that does not; also
-// where the noise of its range and of its bearing go together.
+// A sensor with a known scale and offset error gives the same moments as an ideal sensor, also when
+// range and bearing noise are correlated.
 TEST(PosteriorMoments, OfACalibratedSensorAreThoseOfTheTrueRange) {
   vantage::test::Random random(22);
   for (const auto kind : {models::SensorKind::kRange, models::SensorKind::kRangeBearing}) {
@@ -133,7 +134,7 @@ TEST(PosteriorMoments, OfACalibratedSensorAreThoseOfTheTrueRange) {
       EXPECT_LT((found->mean_m - right->mean_m).norm(), 1e-9);
       EXPECT_LT((found->covariance_m2 - right->covariance_m2).norm(), 1e-9);
       EXPECT_NEAR(found->mahalanobis2, right->mahalanobis2, 1e-9);
-      // And these are those of brute force.
+      // The same moments by brute force.
       const auto oracle = test::dense_posterior(prior.mean_m, prior.P_m2.inverse(), calibrated,
                                                 from, said, false, 160);
       ASSERT_TRUE(oracle);
@@ -144,7 +145,7 @@ TEST(PosteriorMoments, OfACalibratedSensorAreThoseOfTheTrueRange) {
   }
 }
 
-// Least over all places, by a search of them.
+// Compared with the minimum over a grid of positions.
 TEST(PosteriorMoments, KnowHowFarApartMeasurementAndPriorAre) {
   vantage::test::Random random(23);
   for (const auto kind : {models::SensorKind::kRange, models::SensorKind::kBearing,

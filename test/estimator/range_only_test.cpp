@@ -90,7 +90,7 @@ TEST(RangeOnlyFilter, FindsABeaconAmongOutliersFromEverySide) {
   }
 }
 
-// A sensor that says so much too much, and knows it, is no other sensor.
+// A known bias has no effect on the result.
 TEST(RangeOnlyFilter, FindsWithABiasWhatItFindsWithout) {
   const Eigen::Vector2d beacon_m(9.0, -4.0);
   std::mt19937_64 rng(7);
@@ -134,7 +134,7 @@ TEST(RangeOnlyFilter, RefusesWhatIsNoRange) {
   EXPECT_THROW(RangeOnlyFilter{spec}, UsageError);
 }
 
-/// Of a filter that neither drops nor merges.
+/// Returns the spec of a filter that neither drops nor merges hypotheses.
 RangeOnlySpec keeping_all(int hypotheses) {
   RangeOnlySpec spec;
   spec.hypotheses = hypotheses;
@@ -143,8 +143,8 @@ RangeOnlySpec keeping_all(int hypotheses) {
   return spec;
 }
 
-/// What a range makes of a hypothesis, by the second-order Kalman filter of the textbooks and the
-/// moments of the two that it may be: honest or not.
+/// Returns the posterior of a hypothesis by the textbook second-order Kalman filter, as the moments
+/// of the two cases inlier and outlier.
 BeaconHypothesis posterior_of(const BeaconHypothesis& prior, const RangeOnlySpec& spec,
                               const Eigen::Vector2d& robot_m, double range_m) {
   const double s = spec.calibration.range_scale;
@@ -209,7 +209,7 @@ double density_at(const std::vector<BeaconHypothesis>& all, const Eigen::Vector2
   return sum;
 }
 
-// Everywhere as dense, and as far from the robot as the range says, to its σ; whatever the scale.
+// The ring is uniform, at the measured distance and with its σ, for any scale.
 TEST(RangeOnlyFilter, BeginsWithARingThatIsEvenAndAsWideAsTheNoise) {
   RangeOnlySpec spec;
   spec.calibration.range_scale = 2.0;
@@ -247,7 +247,7 @@ TEST(RangeOnlyFilter, BeginsWithARingThatIsEvenAndAsWideAsTheNoise) {
       const Eigen::Vector2d out = (h.mean_m - robot_m).normalized();
       const Eigen::Vector2d along(-out.y(), out.x());
       EXPECT_NEAR(out.dot(h.covariance_m2 * along), 0.0, 1e-12) << "along the ring or across it";
-      // Besides the noise, as deep as its arc is over one σ along it.
+      // In addition to the noise, the radial spread is the depth of the arc over 1σ along it.
       const double along_m2 = along.dot(h.covariance_m2 * along);
       const double depth_m = distance_m * (1.0 - std::cos(std::sqrt(along_m2) / distance_m));
       EXPECT_NEAR(out.dot(h.covariance_m2 * out) - kSigma_m * kSigma_m, depth_m * depth_m,
@@ -255,7 +255,7 @@ TEST(RangeOnlyFilter, BeginsWithARingThatIsEvenAndAsWideAsTheNoise) {
       EXPECT_GE(along.dot(h.covariance_m2 * along), kSigma_m * kSigma_m - 1e-12);
     }
   }
-  // Nearer than its own noise a beacon may be anywhere around: no hypothesis is a line.
+  // At a distance below the noise the beacon may be in any direction: no hypothesis is degenerate.
   RangeOnlyFilter near(spec);
   near.update(robot_m, 0.1);
   for (const BeaconHypothesis& h : near.hypotheses()) {
@@ -293,7 +293,7 @@ TEST(RangeOnlyFilter, MergesWithoutLosingAnything) {
   EXPECT_LT((after.covariance_m2 - before.covariance_m2).norm(), 1e-9);
 }
 
-// A range that nobody believes leaves eight hypotheses where the first has put them.
+// An outlier leaves the eight hypotheses where the first range has put them.
 TEST(RangeOnlyFilter, MergesWhatIsNearerThanStatedOfItsOwnSigmaOrOfARanges) {
   const auto left = [](double scale, double distance_m, double merge_sigma) {
     RangeOnlySpec spec = keeping_all(8);
@@ -311,7 +311,7 @@ TEST(RangeOnlyFilter, MergesWhatIsNearerThanStatedOfItsOwnSigmaOrOfARanges) {
   const double apart_sigma = std::sqrt(apart_m.dot(ring[0].covariance_m2.inverse() * apart_m));
   EXPECT_EQ(left(1.0, 10.0, 0.999 * apart_sigma).second, 8u);
   EXPECT_LT(left(1.0, 10.0, 1.001 * apart_sigma).second, 8u);
-  // A long scale makes hypotheses narrow: then what no range tells apart is one.
+  // A large scale makes hypotheses narrow; hypotheses that no range can tell apart are merged.
   const double chord = 2.0 * std::sin(kPi / 8.0);
   EXPECT_EQ(left(100.0, 0.251 / chord, 0.5).second, 8u);
   EXPECT_LT(left(100.0, 0.249 / chord, 0.5).second, 8u);
@@ -339,7 +339,8 @@ TEST(RangeOnlyFilter, DropsWhatIsLighterThanStated) {
   }
 }
 
-// Of so many ranges in a row less than half: then, and not before; and counted anew after.
+// The filter restarts when less than half of the ranges in the window are explained, and then
+// counts anew.
 TEST(RangeOnlyFilter, StartsOverAfterAWindowMostlyUnlikeAnyHypothesis) {
   RangeOnlySpec spec;
   spec.restart_window = 4;
@@ -356,7 +357,7 @@ TEST(RangeOnlyFilter, StartsOverAfterAWindowMostlyUnlikeAnyHypothesis) {
   filter.update(robot_m, 10.0);
   hear({10.0, 1e4, 10.0, 10.0}, 0);
   hear({1e4, 10.0, 10.0, 10.0}, 0);
-  hear({1e4, 10.0, 1e4, 10.0}, 1);  // a little less than half: nothing is quite certain
+  hear({1e4, 10.0, 1e4, 10.0}, 1);  // slightly less than half: no range is explained with certainty
   EXPECT_TRUE(filter.hypotheses().empty());
   EXPECT_EQ(filter.best().weight, 0.0);
   EXPECT_EQ(filter.best().mean_m, Eigen::Vector2d::Zero());
@@ -379,7 +380,7 @@ TEST(RangeOnlyFilter, StartsOverWhenNothingExplainsARangeAndThereAreNoOutliers) 
   filter.update({0.0, 0.0}, 1e4);
   EXPECT_EQ(filter.restarts(), 1);
   EXPECT_TRUE(filter.hypotheses().empty());
-  // Of a few only that explain it nothing: those alone are gone.
+  // Only the hypotheses that explain nothing are dropped.
   RangeOnlyFilter some(spec);
   some.update({0.0, 0.0}, 1e3);
   some.update({1e3, 0.0}, 1e3);

@@ -21,8 +21,7 @@ Eigen::Vector2d on_circle_m(int k) {
   return 15.0 * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad));
 }
 
-// Three beacons whose ranges are as noisy as it is said of each, and the same counted from the
-// last.
+// Three beacons with ranges of the stated noise; the result does not depend on their order.
 TEST(FitAt, SaysOfEachBeaconTheSameWhateverItsNumber) {
   constexpr int kBeacons = 3;
   const RangeState state{{1.0, 0.0},
@@ -53,8 +52,8 @@ TEST(FitAt, SaysOfEachBeaconTheSameWhateverItsNumber) {
   }
 }
 
-// Ten times round, and at each place the error is the same as before: of ten ranges one counts,
-// however wide the noise is said to be.
+// Ten laps with the same error at the same position in each lap: ten ranges count as one, whatever
+// the stated noise.
 TEST(FitAt, CountsErrorsThatAPlaceRepeatsOnceWhateverTheirUnit) {
   std::mt19937_64 rng(4);
   std::normal_distribution<double> noise(0.0, 0.3);
@@ -76,7 +75,7 @@ TEST(FitAt, CountsErrorsThatAPlaceRepeatsOnceWhateverTheirUnit) {
   EXPECT_NEAR(correlation(6.0), correlation(3.0), 0.1);
 }
 
-/// Two beacons of unlike noise about a robot that goes round, and what is thought of them at first.
+/// Two beacons of different noise around a moving robot, and the prior of the fit.
 struct Drawn {
   std::vector<TakenRange> ranges;
   RangeState truth{{1.1, -0.4}, {{9.0, 4.0}, {-6.0, 7.0}}, {{0.2, 0.05}, {0.5, 0.1}}};
@@ -85,7 +84,8 @@ struct Drawn {
   [[nodiscard]] RangeProblem problem() const { return {ranges, 30.0, prior, spec}; }
 };
 
-/// Errors as they are said to be: Student's t of 5 degrees of freedom, some anywhere.
+/// Draws ranges of the stated noise: Student's t with 5 degrees of freedom, and some uniform
+/// outliers.
 Drawn draw(unsigned seed, int count) {
   std::mt19937_64 rng(seed);
   std::student_t_distribution<double> t(5.0);
@@ -112,7 +112,7 @@ TEST(ResidualOf, IsWhatARangeSaysMoreThanIsExpected) {
   EXPECT_NEAR(residual_m(state, {{3.0, 4.0}, 1.0, 0}), 1.0 - 1.5 * 5.0 - 0.25, 1e-12);
 }
 
-// The median of what is off, either way, times what makes it a normal distribution's σ.
+// Median of the absolute residuals, times 1.4826 (σ of a normal distribution).
 TEST(GuessNoise, IsOfEachBeaconByTheMiddleOfItsResiduals) {
   RangeState state{{1.0, 0.5}, {{0.0, 0.0}, {10.0, 0.0}, {0.0, 9.0}, {5.0, 5.0}}, {}};
   std::vector<TakenRange> ranges;
@@ -141,7 +141,7 @@ TEST(LogPosterior, IsTheSumOfWhatEachRangeAndThePriorSay) {
   EXPECT_NEAR(log_posterior(drawn.problem(), drawn.truth), expected, 1e-9);
 }
 
-// Whichever way one goes from there, and with a prior that matters: of scale and bias, too.
+// A step in any direction lowers the posterior, with an informative prior of scale and bias.
 TEST(Refine, EndsWhereNothingNearIsLikelier) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     Drawn drawn = draw(seed, 60);
@@ -173,7 +173,7 @@ TEST(Refine, EndsWhereNothingNearIsLikelier) {
   }
 }
 
-// Each is as wide, and as often wrong, as it was made; of few ranges more like the other.
+// Width and outlier share of each beacon are those of the simulation.
 TEST(Refine, KnowsTheNoiseOfEachBeacon) {
   Drawn drawn = draw(3, 4000);
   RangeState state = drawn.truth;
@@ -184,7 +184,7 @@ TEST(Refine, KnowsTheNoiseOfEachBeacon) {
     EXPECT_NEAR(state.noise[b].width_m, right.width_m, 0.06 * right.width_m);
     EXPECT_NEAR(state.noise[b].outlier_share, right.outlier_share, 0.02);
   }
-  // A beacon without an outlier, or with hardly anything else.
+  // One beacon without outliers, and one with almost only outliers.
   for (TakenRange& range : drawn.ranges) {
     const double honest_m = residual_m(drawn.truth, range);
     if (range.beacon == 0 && std::abs(honest_m) > 0.5) {
@@ -200,8 +200,8 @@ TEST(Refine, KnowsTheNoiseOfEachBeacon) {
   EXPECT_LE(state.noise[1].outlier_share, 0.7);
 }
 
-// Truths and ranges drawn from what is thought of them: errors are as large as is said, of
-// calibration and places together.
+// Truths are drawn from the prior and ranges from the noise model. The errors of positions and
+// calibration agree with the reported covariance.
 TEST(FitAt, KnowsHowWrongItIs) {
   constexpr int kFits = 250;
   double nees[2] = {0.0, 0.0};
@@ -228,7 +228,8 @@ TEST(FitAt, KnowsHowWrongItIs) {
     of_calibration +=
         std::pow((fit.calibration.range_scale - 1.1) / fit.range_scale_sigma, 2) / kFits;
   }
-  // χ² of 4 and of 1: the mean of 250 is known to 0.18 and 0.09; the prior is a little off.
+  // χ² with 4 and 1 degrees of freedom: the mean of 250 has σ 0.18 and 0.09, and the prior adds a
+  // small bias.
   for (std::size_t b = 0; b < 2; ++b) {
     EXPECT_NEAR(nees[b], 4.0, 0.7) << b;
   }
@@ -237,7 +238,7 @@ TEST(FitAt, KnowsHowWrongItIs) {
   EXPECT_NEAR(outliers[1], 0.1, 0.03);
 }
 
-// A millimetre is no other length: what is said of ranges in it is the same.
+// The fit is the same in millimetres.
 TEST(FitAt, IsTheSameInAnotherUnit) {
   constexpr double kUnits = 1000.0;
   Drawn drawn = draw(7, 200);
@@ -271,7 +272,8 @@ TEST(FitAt, IsTheSameInAnotherUnit) {
   }
 }
 
-/// Errors of one beacon's ranges as they come, each where its range was taken.
+/// Returns the correlation that a fit finds for the errors of one beacon, each at its robot
+/// position.
 double correlation_of(const std::vector<Eigen::Vector2d>& robots_m,
                       const std::vector<double>& errors_m) {
   const Eigen::Vector2d beacon_m(250.0, 500.0);
@@ -282,8 +284,9 @@ double correlation_of(const std::vector<Eigen::Vector2d>& robots_m,
   return fit_at({ranges, 30.0, {}, {}}, {{1.0, 0.0}, {beacon_m}, {{5.0, 0.0}}}).correlation;
 }
 
-// Of a robot that is now here and now there: what lasts is in time and at no place. Errors of
-// correlation ρ from one to the next: (1 + ρ)/(1 − ρ) say as much as one, and none more than one.
+// The robot jumps between random positions, so errors are correlated in time only. At a correlation
+// ρ of successive errors, (1 + ρ)/(1 − ρ) ranges count as one; an error never counts more than
+// once.
 TEST(FitAt, CountsErrorsThatLastOnceWhereverTheyWereMade) {
   for (const double of_successive : {-0.5, 0.0, 0.5, 0.7}) {
     std::mt19937_64 rng(5);
@@ -302,8 +305,8 @@ TEST(FitAt, CountsErrorsThatLastOnceWhereverTheyWereMade) {
   }
 }
 
-/// One error of ±0.3 m a place, 64 in a row, of which so many more neighbours are alike than are
-/// not; others have nothing in common.
+/// One error of ±0.3 m per position, 64 in a row. The number of equal neighbours exceeds that of
+/// unequal ones by more_alike; errors farther apart are uncorrelated.
 std::vector<double> errors_of_places(int more_alike, std::mt19937_64& rng) {
   constexpr int kRow = 64;
   const int changes = (kRow - 1 - more_alike) / 2;
@@ -329,9 +332,9 @@ std::vector<double> errors_of_places(int more_alike, std::mt19937_64& rng) {
   }
 }
 
-// Along the row and again, n times: each error counts once. Of 64 errors that have nothing to do
-// with each other the correlation of neighbours is known to 1/8, however often they are heard; what
-// is less than twice that is chance, and what is more is not.
+// The row is repeated n times and each error counts once. The neighbour correlation of 64
+// independent errors is known to 1/8, however often they are repeated. A correlation below twice
+// that is treated as chance.
 TEST(FitAt, TakesForChanceWhatSoManyErrorsLeaveOpenHoweverOftenTheyAreRepeated) {
   std::mt19937_64 rng(6);
   for (const int times : {2, 6, 12}) {
@@ -352,9 +355,9 @@ TEST(FitAt, TakesForChanceWhatSoManyErrorsLeaveOpenHoweverOftenTheyAreRepeated) 
   }
 }
 
-// Errors of one size, by turns too much and too little: then C = s (ψ/ψ′)² (Σ J Jᵀ)⁻¹, where of N
-// ranges a beacon by which 2 and its share of the calibration were fitted s = N/(N − 2 −
-// 2/beacons), and N where one or none is left.
+// Errors of one size and alternating sign: C = s (ψ/ψ′)² (Σ J Jᵀ)⁻¹. With N ranges per beacon, s =
+// N/(N − 2 − 2/beacons) corrects for the fitted parameters; s = N where one degree of freedom or
+// none is left.
 TEST(FitAt, KnowsThatWhatWasFittedHasMadeErrorsSmall) {
   constexpr double kWidth_m = 0.4;
   constexpr double kError_m = 0.25;
@@ -397,7 +400,7 @@ TEST(FitAt, KnowsThatWhatWasFittedHasMadeErrorsSmall) {
   }
 }
 
-// As if twenty ranges of all beacons' were its own.
+// Each beacon gets the noise of all beacons with the weight of twenty ranges.
 TEST(FitAt, LendsABeaconOfFewRangesTheNoiseOfAll) {
   const RangeState state{{1.0, 0.0}, {{9.0, 4.0}, {-6.0, 7.0}}, {{0.5, 0.0}, {0.5, 0.0}}};
   std::vector<TakenRange> ranges;
@@ -415,7 +418,7 @@ TEST(FitAt, LendsABeaconOfFewRangesTheNoiseOfAll) {
   const RangeFit fit = fit_at(problem, state);
   EXPECT_NEAR(fit.beacons[0].range_sigma_m, std::sqrt((5 * 0.09 + 20 * of_all_m2) / 25.0), 1e-9);
   EXPECT_NEAR(fit.beacons[1].range_sigma_m, std::sqrt((45 * 0.01 + 20 * of_all_m2) / 65.0), 1e-9);
-  // The width that is likeliest once each error counts by how surely it is of that width.
+  // The most likely width when each error is weighted by (ν + 1)/(ν + x²).
   double squares_m2[2];
   for (int b = 0; b < 2; ++b) {
     const double e2 = errors_m[b] * errors_m[b];

@@ -37,7 +37,7 @@ Samples samples_of(const Gaussian& belief) {
   return samples;
 }
 
-/// As each target does at the walls of kField.
+/// Reflects a state at the walls of kField, as targets do.
 void turn_back(Eigen::Vector4d& x) {
   for (const Eigen::Index axis : {0, 1}) {
     if (std::abs(x(axis)) > 32.0) {
@@ -47,8 +47,8 @@ void turn_back(Eigen::Vector4d& x) {
   }
 }
 
-/// Mean and covariance of `draws` states of `belief` after `happens` to each; it says what the draw
-/// weighs.
+/// Returns mean and covariance of `draws` states of `belief` after `happens` to each. `happens`
+/// returns the weight of a draw.
 template <class Happens>
 Gaussian drawn(const Gaussian& belief, int draws, const Happens& happens) {
   std::mt19937_64 rng(7);
@@ -67,7 +67,7 @@ Gaussian drawn(const Gaussian& belief, int draws, const Happens& happens) {
   return {mean, squares / weight - mean * mean.transpose()};
 }
 
-/// Means by σ of `right`, covariances as shares of its own.
+/// Mean error in σ of `right`; covariance error relative to that of `right`.
 void expect_near(const Gaussian& made, const Gaussian& right, double mean_sigma, double share) {
   const Eigen::LLT<Eigen::Matrix4d> root(right.covariance);
   EXPECT_LT(root.matrixL().solve(made.mean - right.mean).norm(), mean_sigma);
@@ -106,7 +106,7 @@ TEST(Samples, ArePredictedAsAGaussianIsWithWhateverNoiseTheyMeet) {
       mean.mean += made.mean / kKeys;
       mean.covariance += made.covariance / kKeys;
     }
-    // Noise and state are uncorrelated in the mean over keys: 1/√(256 · 100) each.
+    // Averaged over keys, noise and state are uncorrelated: error 1/√(256 · 100) each.
     expect_near(mean, right, 1e-9, 0.025);
   }
 }
@@ -133,7 +133,7 @@ TEST(Samples, TurnBackAtWallsAsEachTargetDoes) {
     samples.turn_back(kField.bounds);
     expect_near(samples.moments(), right, 0.1, 0.15);
     const Gaussian once = samples.moments();
-    samples.turn_back(kField.bounds);  // who is inside stays
+    samples.turn_back(kField.bounds);  // samples inside do not move
     EXPECT_EQ(samples.moments().covariance, once.covariance);
   }
 }
@@ -195,12 +195,13 @@ TEST(Samples, AreMeasuredWhereEnoughOfThemExplainIt) {
   expect_near(samples.moments(), right, 0.25, 0.5);
   Samples wide = samples_of(moving({4.0, 1.0}, {0.2, -0.1}, 8.0, 0.4));
   const Gaussian before = wide.moments();
-  EXPECT_FALSE(wide.measure(sensor, from, z, 0.0));  // hardly one of them is there
+  EXPECT_FALSE(wide.measure(sensor, from, z, 0.0));  // almost no sample explains it
   EXPECT_EQ(wide.moments().covariance, before.covariance);
 }
 
 TEST(Samples, AreNotMeasuredByWhatIsFarFromAllOfThem) {
-  // 2 m off, of 0.15 m: all explain it as badly, and as many as one likes.
+  // 2 m off at σ = 0.15 m: all samples explain it equally badly, so the effective sample count
+  // alone would not detect it.
   const models::SensorModel sensor = field_sensor();
   const models::Viewpoint from = at(0.0, 0.0, 0.0);
   const models::Measurement z{models::observe(sensor, from, Eigen::Vector2d(6.0, 0.0)),
@@ -226,7 +227,7 @@ TEST(Samples, CopiesAreApart) {
   EXPECT_EQ(one.moments().mean, before.mean);
 }
 
-/// What is believed after `steps` of looking for one that was never in view, and where it was.
+/// Belief after `steps` of searching for a target that was never in view, and its true position.
 struct Ending {
   Gaussian belief;
   Eigen::Vector2d truth_m;
@@ -254,7 +255,7 @@ Ending never_seen(int steps, bool samples, std::uint64_t seed) {
 }
 
 TEST(SamplesOfAFilter, KnowHowWrongTheyAreOfWhatTurnsBackAtWallsAndWasLookedFor) {
-  // 40 s, from near a corner. A Gaussian that is folded at each step stays at the walls.
+  // 40 s, starting near a corner. A Gaussian that is folded at the walls in each step stays there.
   test::MeanNees by_samples;
   test::MeanNees by_a_gaussian;
   for (std::uint64_t seed = 0; seed < 400; ++seed) {
@@ -265,14 +266,15 @@ TEST(SamplesOfAFilter, KnowHowWrongTheyAreOfWhatTurnsBackAtWallsAndWasLookedFor)
       by_a_gaussian.add(without.belief, without.truth_m);
     }
   }
-  // Moving doubles apart makes them a little too modest.
+  // Moving duplicated samples apart makes the covariance slightly too large.
   EXPECT_LT(by_samples.mean(), 2.0 + 4.0 * by_samples.sigma());
   EXPECT_GT(by_samples.mean(), 1.6 - 4.0 * by_samples.sigma());
   EXPECT_GT(by_a_gaussian.mean(), 20.0);
 }
 
 TEST(SamplesOfAFilter, AreOneGaussianAgainWhenTheTargetIsSeen) {
-  // Near it and far from it: by samples that explain it, and by their moments where too few do.
+  // Near the mean and far from it: updated by samples that explain the measurement, or by their
+  // moments if too few do.
   for (const Eigen::Vector2d& truth_m :
        {Eigen::Vector2d(26.0, 28.0), Eigen::Vector2d(14.0, 26.0)}) {
     DistributedFilter filter = knows(kNearACorner);
@@ -286,11 +288,11 @@ TEST(SamplesOfAFilter, AreOneGaussianAgainWhenTheTargetIsSeen) {
     look.detections.push_back({0, test::seen(from, truth_m)});
     take_step(filter, instant(13), from, {look});
     const Gaussian seen = known(filter, 0);
-    // Within 3σ of what is measured at 5 m: 0.15 m and 5°.
+    // Within 3σ of a measurement at 5 m: 0.15 m and 5°.
     EXPECT_LT((seen.mean.head<2>() - truth_m).norm(), 3.0 * std::hypot(0.15, 0.44));
     EXPECT_LT(seen.covariance(0, 0), 0.3 * 0.3);
     EXPECT_EQ(filter.track(0).last_seen, instant(13));
-    // What follows is a Gaussian's prediction to the last bit.
+    // Afterwards the prediction is that of a Gaussian.
     take_step(filter, instant(14), at(-20.0, -20.0), {});
     const Gaussian later = known(filter, 0);
     EXPECT_TRUE(is_near(later.covariance, models::predict(seen, kModel, 0.5).covariance, 1e-9));
@@ -340,10 +342,10 @@ TEST(SamplesOfAFilter, GiveWayToATeammateWhoHasSeenTheTargetSinceAndToNoOther) {
   const Gaussian alone = after_hearing({}, {});
   Gaussian surer = alone;
   surer.covariance *= 0.25;
-  // The own belief is of instant(0), as it was told.
+  // The filter's own belief was last observed at instant(0).
   EXPECT_EQ(after_hearing(surer, instant(0)).covariance, alone.covariance);
   EXPECT_TRUE(is_near(after_hearing(surer, instant(1)).covariance, surer.covariance, 1e-9));
-  Gaussian modest = alone;  // by whoever has seen it, but knows less: no help
+  Gaussian modest = alone;  // observed later but less certain: not used
   modest.covariance *= 4.0;
   EXPECT_TRUE(is_near(after_hearing(modest, instant(1)).covariance, alone.covariance, 1e-9));
 }
@@ -367,8 +369,8 @@ TEST(SamplesOfAFilter, AllocateNothing) {
   EXPECT_GT(filter.counters().missed_detections, 0);
 }
 
-// What an empty look leaves of the samples is told at once, and counted once; of a look elsewhere
-// there is nothing to tell.
+// An empty scan changes the published moments at once and is counted once. A scan elsewhere is not
+// counted.
 TEST(SamplesOfAFilter, TellWhatALookHasLeftOfThemAtOnce) {
   DistributedFilter filter = knows(kNearACorner);
   const models::Viewpoint from = at(20.0, 24.0, 0.3);
@@ -385,9 +387,9 @@ TEST(SamplesOfAFilter, TellWhatALookHasLeftOfThemAtOnce) {
   EXPECT_EQ(filter.counters().missed_detections, 2);
 }
 
-// Each sample has its opposite, so that of half of them, on one side of an edge through the middle,
-// all that is not across the edge is as wide as before. Where fewer than half are left they are
-// doubled, and moved apart by 0.3 σ of what they are: 1.09 of the variance.
+// Samples come in opposite pairs. A cut through the middle therefore keeps the variance of all
+// coordinates along the cut. When fewer than half are left, they are duplicated and moved apart by
+// 0.3σ: the variance grows by 1.09.
 TEST(Samples, AreDoubledWhereFewerThanHalfSpeak) {
   Gaussian belief{Eigen::Vector4d(1.0, -2.0, 0.3, 0.1), Eigen::Matrix4d::Zero()};
   belief.covariance.diagonal() << 1.0, 4.0, 0.25, 0.09;
@@ -413,13 +415,13 @@ TEST(Samples, AreDoubledWhereFewerThanHalfSpeak) {
         }
       }
     }
-    // But for what moves have to do with places by chance.
+    // The tolerance covers chance correlation between displacements and positions.
     EXPECT_NEAR(sum / cases, is_half_left ? 1.0 : 1.09, is_half_left ? 0.02 : 0.06);
   }
 }
 
-// Of N(0, 1) in the plane a likelihood of variance x lets n (1 − 1/(x + 1)²) of n samples speak:
-// half again as many as are needed, or as many less.
+// For N(0, 1) in the plane, a likelihood of variance x leaves n (1 − 1/(x + 1)²) of n samples
+// effective. The cases have 1.4 times the required number, and the required number divided by 1.4.
 TEST(Samples, AreMeasuredWhereThirtyTwoSpeak) {
   const models::SensorModel sensor = test::far_sighted(models::SensorKind::kPosition);
   Gaussian belief{Eigen::Vector4d(3.0, -4.0, 0.2, -0.1), Eigen::Matrix4d::Identity()};

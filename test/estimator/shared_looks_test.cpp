@@ -12,15 +12,15 @@
 #include "test/estimator/filter_support.hpp"
 #include "test/support/near.hpp"
 
-// Robots that share their looks: as good as one filter that has all of them.
+// Robots that share their observations are as accurate as one filter that receives all of them.
 
 namespace vantage::estimator {
 namespace {
 
 using namespace test::words;  // NOLINT(google-build-using-namespace): made for this
 
-/// Four robots whose looks are shared, beside one filter that has all of them. `hears(k, i, j)`:
-/// robot i has at step k what j sent.
+/// Four robots that share observations, and one filter that receives all of them. `hears(k, i, j)`:
+/// robot i receives at step k what robot j sent.
 struct SharedLooks {
   static constexpr std::size_t kRobots = 4;
   static constexpr int kTargets = 3;
@@ -36,8 +36,7 @@ struct SharedLooks {
   SharedLooks(SensorKind kind, double range_max_m, unsigned seed)
       : beliefs(kRobots), waiting(kRobots), rng(seed) {
     sensor.kind = kind;
-    // Positions are linear everywhere, so that beliefs can be ordered; with a bearing there is a
-    // least range.
+    // Position measurements are linear, so beliefs can be ordered; a bearing needs a minimum range.
     sensor.range_min_m = kind == SensorKind::kPosition ? 0.0 : 0.1;
     FilterSpec spec = open_spec({TargetKind::kRandomWalk, 2, 0.1}, sensor, kTargets);
     sensor.range_max_m = range_max_m;
@@ -86,7 +85,7 @@ struct SharedLooks {
       std::shuffle(used.begin(), used.end(), rng);
       for (const models::DetectionSet& look : std::vector(used)) {
         if (k % 5 == 0 && look.robot != name(i)) {
-          used.push_back(look);  // from another run of its sensor, which the bus takes for new
+          used.push_back(look);  // from another run of its sensor, which the bus accepts as new
         }
       }
       next.push_back(take_step(robots[i], instant(k), from[i], used, heard));
@@ -95,7 +94,7 @@ struct SharedLooks {
     take_step(*central, instant(k), from[0], looks);
   }
 
-  /// Of robot i's belief about target m over the central one's.
+  /// Returns the entropy of robot i's belief about target m minus that of the central filter.
   [[nodiscard]] double entropy_gap_nats(std::size_t i, int m) const {
     return models::entropy_nats(known(robots[i], m)) - models::entropy_nats(known(*central, m));
   }
@@ -119,7 +118,7 @@ TEST(SharedLooks, MakeEveryRobotTheCentralFilterWhereAllHearAll) {
 }
 
 TEST(SharedLooks, NeverMakeARobotSurerThanTheCentralFilterAndRecoverWhenAPartitionHeals) {
-  // 30 % of everything is lost; from step 30 to 60 two and two do not hear each other.
+  // 30 % of all messages are lost. From step 30 to 60 the team is split into two pairs.
   double least = 1.0;
   double before_nats = 0.0;
   double apart_nats = 0.0;
@@ -138,7 +137,7 @@ TEST(SharedLooks, NeverMakeARobotSurerThanTheCentralFilterAndRecoverWhenAPartiti
           const Eigen::Matrix2d gap = Eigen::Matrix2d(team.central->track(m).information.matrix) -
                                       Eigen::Matrix2d(team.robots[i].track(m).information.matrix);
           least = std::min(least, gap.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff());
-          // 17 steps each: before, the end of the partition, and from 2 s after it on.
+          // 17 steps each: before the partition, at its end, and from 2 s after it on.
           const double gap_nats = team.entropy_gap_nats(i, m);
           before_nats += k >= 13 && k < 30 ? gap_nats : 0.0;
           apart_nats += k >= 43 && k < 60 ? gap_nats : 0.0;
@@ -155,13 +154,14 @@ TEST(SharedLooks, NeverMakeARobotSurerThanTheCentralFilterAndRecoverWhenAPartiti
   RecordProperty("gap_apart_nats", std::to_string(apart_nats));
   RecordProperty("gap_healed_nats", std::to_string(healed_nats));
   EXPECT_GE(least, -1e-9);
-  // Lost looks cost what they cost, and the partition nothing more once it is over.
+  // Lost observations increase the entropy; the partition adds nothing once it has ended.
   EXPECT_LT(healed_nats, before_nats + 0.06);
   EXPECT_GT(apart_nats, before_nats + 0.1);
 }
 
 TEST(SharedLooks, ThatComeLateGiveTheBeliefOfTimelyOnesThoughTheirMakersBeliefCameFirst) {
-  // The belief of step k holds the look of step k; the look itself arrives two steps later.
+  // The belief of step k contains the observation of step k; the observation itself arrives two
+  // steps later.
   models::SensorModel sensor = test::far_sighted(SensorKind::kPosition);
   FilterSpec spec = open_spec({TargetKind::kRandomWalk, 2, 0.1}, sensor, 1);
   spec.communication_range_m = 1e3;
@@ -191,7 +191,7 @@ TEST(SharedLooks, ThatComeLateGiveTheBeliefOfTimelyOnesThoughTheirMakersBeliefCa
               is_due ? std::vector{held[static_cast<std::size_t>(k - 3)]}
                      : std::vector<models::DetectionSet>{},
               {made});
-    // Neither is surer than who was told of each look once.
+    // Neither is more certain than a filter that received each observation once.
     for (const DistributedFilter* filter : {&timely, &late}) {
       EXPECT_LE(filter->track(0).information.matrix(0, 0),
                 central.track(0).information.matrix(0, 0) * (1.0 + 1e-9));

@@ -14,7 +14,7 @@
 #include "test/estimator/filter_support.hpp"
 #include "test/estimator/mapping_scenario.hpp"
 
-// What a step is made from, live and replayed, and whether two beliefs say the same.
+// Inputs of a step, live and replayed, and the comparison of two beliefs.
 
 namespace vantage::estimator {
 namespace {
@@ -31,7 +31,7 @@ models::RobotBelief some_belief() {
   return belief;
 }
 
-// And whatever else is said of how it came about.
+// Stamp, step number and inputs are not compared.
 TEST(SameContent, IsTheSameOfTheSameTargetsAndCells) {
   const models::RobotBelief one = some_belief();
   models::RobotBelief other = one;
@@ -66,7 +66,7 @@ TEST(SameContent, IsAnotherWhereAnythingOfItIs) {
   }
 }
 
-// Each number within the tolerance, of one more than itself, either way.
+// Each number may differ by tolerance × (1 + its magnitude), in either direction.
 TEST(SameContent, ForgivesAShareOfEachNumber) {
   constexpr double kTolerance = 1e-3;
   const models::RobotBelief one = some_belief();
@@ -121,7 +121,7 @@ TEST(HasViewpoint, OfALookOfTheRobotWithinTheStep) {
   EXPECT_FALSE(has("Q2", instant(3)));
 }
 
-// A step takes its place from the newest own look of it, whoever else has looked since.
+// The viewpoint of a step is that of the newest own observation, whatever teammates observed later.
 TEST(MakeStep, IsFromWhereTheRobotLookedLast) {
   FilterSpec spec = test::open_spec({models::TargetKind::kStatic, 2, 0.0},
                                     test::far_sighted(models::SensorKind::kPosition), 1);
@@ -137,11 +137,11 @@ TEST(MakeStep, IsFromWhereTheRobotLookedLast) {
     material.looks.push_back(
         {{"MEASUREMENT_Q1", 3, number}, std::make_shared<const models::DetectionSet>(look)});
   };
-  add("Q1", instant(2), 1.0);  // of the step before
+  add("Q1", instant(2), 1.0);  // belongs to the previous step
   add("Q1", instant(3) - Duration{9}, 2.0);
   add("Q1", instant(3) - Duration{20}, 3.0);
   add("Q2", instant(3), 4.0);
-  add("Q1", instant(3) + Duration{1}, 5.0);  // of the step to come
+  add("Q1", instant(3) + Duration{1}, 5.0);  // belongs to the next step
   const models::RobotBelief made = make_step(filter, instant(3), 7, material);
   EXPECT_EQ(made.viewpoint.world_from_body.x_m, 2.0);
   EXPECT_EQ(made.step, 7);
@@ -178,7 +178,7 @@ TEST(EstimatorNode, BeginsWithTheFirstInstantThatIsStillToBeTold) {
   }
 }
 
-// Of a scenario that maps, and of no other, a map follows each belief; and both are replayed.
+// A map follows each belief only if the scenario has the mapping objective. Both are replayed.
 TEST(EstimatorNode, MapsWhereTheScenarioDoes) {
   for (const bool maps : {false, true}) {
     scenario::Scenario scenario = lone_robot();

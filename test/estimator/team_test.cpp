@@ -12,14 +12,14 @@
 #include "test/estimator/filter_support.hpp"
 #include "test/support/near.hpp"
 
-// Several robots: what is exchanged is fused without ever being counted twice, and converges.
+// Several robots: fusion converges and never counts information twice.
 
 namespace vantage::estimator {
 namespace {
 
 using namespace test::words;  // NOLINT(google-build-using-namespace): made for this
 
-/// Filters that hear each other's beliefs of the step before, the way they travel on the bus.
+/// Filters that receive each other's beliefs of the previous step, as on the bus.
 class Team {
  public:
   Team(const models::TargetModel& model, const std::vector<models::SensorModel>& sensors,
@@ -39,7 +39,7 @@ class Team {
     }
   }
 
-  /// One step of everyone; `looks[i]` is what robot i saw from `from[i]`.
+  /// Makes one step of all robots; `looks[i]` is what robot i observed from `from[i]`.
   void step(int k, const std::vector<models::Viewpoint>& from,
             const std::vector<models::DetectionSet>& looks) {
     std::vector<models::RobotBelief> next;
@@ -67,8 +67,9 @@ class Team {
 };
 
 TEST(Team, OnAConnectedGraphConvergesToStaticTargetsThatNobodyCouldFindAlone) {
-  // Theorem 9. A pentagon whose sides, not its diagonals, are within radio range. Robots 0 and 2
-  // measure ranges of all, 1 bearings of all, 3 the position of target 0 only, 4 sees nothing.
+  // Theorem 9. A pentagon whose sides, but not diagonals, are within radio range. Robots 0 and 2
+  // measure ranges to all targets, 1 bearings to all, 3 the position of target 0 only, and 4
+  // nothing.
   constexpr int kTargets = 3;
   const std::vector<models::SensorModel> sensors = {
       test::far_sighted(SensorKind::kRange), test::far_sighted(SensorKind::kBearing),
@@ -118,7 +119,8 @@ TEST(Team, OnAConnectedGraphConvergesToStaticTargetsThatNobodyCouldFindAlone) {
       worst_mse_m2[c] = std::max(worst_mse_m2[c], sum[i][c]);
     }
   }
-  // The mean square falls like 1/k: tenfold the looks, about a tenth of it, for every robot.
+  // The mean square error falls as 1/k: ten times the observations give about a tenth of it for
+  // every robot.
   EXPECT_LT(worst_mse_m2[1], worst_mse_m2[0] / 3.0);
   EXPECT_LT(worst_mse_m2[2], worst_mse_m2[1] / 5.0);
   EXPECT_LT(worst_mse_m2[2], 0.02 * 0.02);
@@ -150,7 +152,7 @@ TEST(Team, IsNeverMoreCertainThanTheCentralFilter) {
         from.push_back(at(place(rng), place(rng), 0.1 * k));
         looks.push_back(look_at(sensors[i], instant(k), from[i], truth, rng));
         std::erase_if(looks[i].detections, [&](const auto&) { return !sees(rng); });
-        // What the look adds: to robot i's own step without it.
+        // Information that the observation adds to robot i's own step without it.
         DistributedFilter blind = team.filter(i);
         take_step(blind, instant(k), from[i], {}, team.heard_by(i));
         for (const models::Detection& d : looks[i].detections) {
@@ -215,7 +217,7 @@ TEST(Team, IsNotOverconfident) {
   }
 }
 
-/// A robot that knows nothing, and a teammate who knows target 0.
+/// A robot without any track, and a teammate with a track of target 0.
 class Newcomer : public ::testing::Test {
  protected:
   Newcomer() {
@@ -261,7 +263,7 @@ TEST_F(Newcomer, TakesTheSurerBeliefWhereOneHoldsMoreInEveryDirection) {
   EXPECT_NEAR(expert.track(0).information.matrix(0, 0), 1.0 / 0.2, 1e-9);
 }
 
-// Whoever of the two has seen it later.
+// The later of both observation times.
 TEST_F(Newcomer, KnowsWhenATargetWasSeenLast) {
   for (const int own : {5, 10}) {
     DistributedFilter newcomer = filter(6.5);
@@ -282,7 +284,7 @@ TEST_F(Newcomer, IntersectsBeliefsThatEachHoldSomethingTheOtherDoesNot) {
   other.robot = "Q2";
   other.stamp.time = instant(10);
   take_step(newcomer, instant(10) + Duration{1}, at(0, 0), {}, {other});
-  // Mirror images: κ = ½, so Ω = ½ (½ + 2) I; each coordinate is nearer to who knows it.
+  // Mirror images: κ = ½, so Ω = ½ (½ + 2) I; each coordinate is closer to the more certain belief.
   const Gaussian g = known(newcomer, 0);
   EXPECT_TRUE(vantage::test::is_near(g.covariance, 0.8 * Eigen::Matrix2d::Identity(), 1e-3));
   EXPECT_TRUE(vantage::test::is_near(g.mean, Eigen::Vector2d(2.6, 0.8), 1e-2));
@@ -324,7 +326,7 @@ TEST_F(Newcomer, TakesOverWhatTheTeammateHasSeenOfTheGround) {
   teammate_.grid = newcomer.grid().geometry();
   teammate_.last_seen_utime.assign(static_cast<std::size_t>(teammate_.grid.size()), 0);
   teammate_.last_seen_utime[3] = to_utime(instant(7));
-  teammate_.last_seen_utime[4] = to_utime(instant(99));  // nobody has seen the future
+  teammate_.last_seen_utime[4] = to_utime(instant(99));  // a time in the future is ignored
   const auto belief = take_step(newcomer, instant(10), at(0, 0), {}, {teammate_});
   EXPECT_EQ(belief.last_seen_utime[3], to_utime(instant(7)));
   EXPECT_EQ(belief.last_seen_utime[4], to_utime(instant(9)));

@@ -15,8 +15,8 @@
 #include "test/support/allocation_counter.hpp"
 #include "test/support/near.hpp"
 
-// Teams whose sensors tell no ids: what their robots call their tracks, and what they make of looks
-// that are lost, late or heard twice.
+// Teams whose sensors report no ids: labels of their tracks, and handling of observations that are
+// lost, late or received twice.
 
 namespace vantage::estimator {
 namespace {
@@ -52,7 +52,7 @@ FilterSpec spec_of(std::size_t robot) {
   return spec;
 }
 
-/// What all robots see, step by step.
+/// Detections of all robots, step by step.
 class Scene {
  public:
   explicit Scene(unsigned seed) : rng_(seed) {}
@@ -119,7 +119,7 @@ void expect_same(const models::RobotBelief& a, const models::RobotBelief& b) {
   }
 }
 
-/// Three robots; `hears(k, i, j)`: robot i has at step k what j has sent.
+/// Three robots; `hears(k, i, j)` is true if robot i receives at step k what robot j sent.
 struct Team {
   std::vector<DistributedFilter> robots;
   std::vector<models::RobotBelief> beliefs = std::vector<models::RobotBelief>(kRobots);
@@ -196,7 +196,7 @@ TEST(UnnamedTeam, PutsALateLookInItsPlace) {
     std::vector<models::DetectionSet> arrived = held;
     arrived.push_back(looks[0]);
     held = {looks[1], looks[2]};
-    if (k == 1 || k == 40) {  // nothing is known of the instants before a filter's first step
+    if (k == 1 || k == 40) {  // a filter has no history before its first step
       arrived.insert(arrived.end(), held.begin(), held.end());
       held.clear();
     }
@@ -232,7 +232,7 @@ TEST(UnnamedTeam, AgreesOnLabelsThoughLooksAreLost) {
   EXPECT_EQ(healed, kSeeds);
 }
 
-// Who comes later knows from the first beliefs that it hears on what the others call their targets.
+// A robot that joins later takes over the track labels of the others from their first beliefs.
 TEST(UnnamedTeam, TellsItsLabelsToWhoComesLater) {
   Team team(5);
   const auto all = [](int, std::size_t, std::size_t) { return true; };
@@ -312,8 +312,8 @@ TEST(UnnamedTeam, DropsWhatIsNoTrackOrTooMuch) {
   EXPECT_EQ(filter.counters().unknown_ids, 1);
 }
 
-// A belief may tell of as many tracks as a robot keeps; who tells of a hundred thousand costs
-// nobody memory.
+// A belief may contain the number of tracks that the team can hold. A belief with a hundred
+// thousand tracks does not use memory.
 TEST(UnnamedTeam, HearsOfNoMoreTracksThanItsTeamCanHave) {
   DistributedFilter filter(spec_of(0));
   models::RobotBelief stranger;
@@ -357,8 +357,8 @@ TEST(UnnamedTeam, AllocatesNothing) {
   EXPECT_EQ(allocations, 0U);
 }
 
-// Told in the middle of a step, a track is brought to its end: by the time that has passed, and by
-// how long its target had not been seen when it was told.
+// A track received in the middle of a step is predicted to its end. The prediction uses the elapsed
+// time, and the time since the target was last observed at the time of sending.
 TEST(UnnamedTeam, BringsWhatItIsToldToItsOwnTime) {
   const auto variance_m2 = [](const models::TargetModel& model, Time told_at, Time last_seen) {
     FilterSpec spec = spec_of(0);
@@ -384,7 +384,7 @@ TEST(UnnamedTeam, BringsWhatItIsToldToItsOwnTime) {
               1e-9);
   EXPECT_NEAR(variance_m2(walk, instant(2), instant(-4)), 0.04, 1e-9);
   const models::TargetModel growing{models::TargetKind::kGrowingUncertainty, 2, 0.01};
-  // One step, as which the one after so many unseen ones begins.
+  // One step, with the noise of the third step since the last observation.
   EXPECT_NEAR(variance_m2(growing, instant(1), instant(-2)), 0.04 + 0.01 * 3, 1e-9);
   EXPECT_NEAR(variance_m2(growing, instant(1), instant(1)), 0.04, 1e-9);
 }
