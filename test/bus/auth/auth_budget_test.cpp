@@ -8,7 +8,7 @@
 #include "bus/auth/envelope.hpp"
 #include "test/bus/auth/auth_support.hpp"
 
-// What is remembered and what may be spent, to its edges.
+// Limits of the replay memory and of the signature-check budgets.
 
 namespace vantage::bus::auth {
 namespace {
@@ -55,7 +55,7 @@ TEST(SignatureBudgets, OfAHostAreOfAllItsPortsTogether) {
   EXPECT_TRUE(budgets.take({host(2, 1), 1}, false, kNow)) << "another host's";
 }
 
-// As one who was right is known by its address and session, both.
+// A sender with a valid signature is identified by address and session together.
 TEST(SignatureBudgets, OfWhoWasRightAreItsOwn) {
   SignatureBudgets budgets({Budget(0.0, 2.0), Budget(0.0, 2.0)}, {kNone, kNone}, {kAny, kAny});
   const Sender known{host(1, 5), 7};
@@ -118,7 +118,8 @@ TEST(SignatureBudgets, OfStrangersAreOneForAllHosts) {
   EXPECT_EQ(stops, 5);
 }
 
-// Sets of what was heard are the oracle: the newest 64, and nothing below the newest forgotten.
+// Compared with a complete set of received counters: the guard keeps the newest 64 and refuses
+// everything up to the newest counter that it dropped.
 TEST(ReplayGuard, AgreesWithFullBookkeeping) {
   std::mt19937_64 rng(9);
   for (int trial = 0; trial < 30; ++trial) {

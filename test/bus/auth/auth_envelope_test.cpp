@@ -9,7 +9,7 @@
 #include "bus/auth/envelope.hpp"
 #include "test/bus/auth/auth_support.hpp"
 
-// Signing and judging as functions of values.
+// Signing and verification as pure functions.
 
 namespace vantage::bus::auth {
 namespace {
@@ -31,7 +31,7 @@ Message from_hex(const std::string& hex) {
   return out;
 }
 
-/// One receiver that knows a trial's keys, and what others say to it.
+/// A receiver with the keys of a trial.
 struct Receiver {
   Keyring keyring;
   ReplayGuard replays;
@@ -59,8 +59,8 @@ Message signed_by(const Key& key, const std::string& channel, const Message& pay
   return message;
 }
 
-// Made by Python's hashlib.blake2b, as docs/guide/security.md shows: what other programs have to
-// make.
+// The expected bytes were made by Python's hashlib.blake2b, as docs/guide/security.md shows for
+// other programs.
 TEST(Sign, MakesTheBytesThatAnIndependentProgramMakes) {
   const Key key = test::key_of(Role::kMocap, 0);
   EXPECT_EQ(key.id, 0x5b595a32U);
@@ -134,7 +134,8 @@ TEST(Verify, RefusesEachBitThatWasFlipped) {
   }
 }
 
-// An attacker who has the MAC key, a captured vehicle say, changes what the signature covers.
+// An attacker with the MAC key, for example from a captured vehicle, changes what the signature
+// covers.
 TEST(Verify, RefusesACommandWhoseMacIsRightAndWhoseSignatureIsNot) {
   const Key station = test::key_of(Role::kOperator, 4);
   Key captured = test::key_of(Role::kOperator, 4);
@@ -201,8 +202,8 @@ TEST(Verify, AcceptsBothKeysOfARotation) {
   }
 }
 
-// Streams of several sessions, shuffled within less than the window and repeated at random: each
-// message is taken once, however late it comes, and what came long before the newest never.
+// Counters are shuffled within less than the window and repeated at random. Each message is
+// accepted once in any order; messages far older than the newest are refused.
 TEST(ReplayGuard, TakesEachMessageOnceInAnyOrderWithinTheWindow) {
   std::mt19937_64 rng(7);
   for (int trial = 0; trial < 50; ++trial) {
@@ -263,7 +264,7 @@ TEST(Echoes, SayToWhomACommandIsAndInWhichSession) {
   EXPECT_EQ(judge_echo(parts, destination_of("Q3"), of_q1), Refusal::kWrongDestination);
 }
 
-// Somebody with the operator's MAC key sends commands without end.
+// An attacker with the operator's MAC key floods the receiver with commands.
 TEST(SignatureBudgets, BoundWhatAFloodOfForgedCommandsCostsAndLeaveRoomForStops) {
   const Key station = test::key_of(Role::kOperator, 4);
   Key captured = test::key_of(Role::kOperator, 4);
@@ -289,7 +290,7 @@ TEST(SignatureBudgets, BoundWhatAFloodOfForgedCommandsCostsAndLeaveRoomForStops)
             Refusal::kNone);
 }
 
-// So many at once and so many more in a tenth of a second, by who asks and for what.
+// Burst and refill per 0.1 s, by kind of sender and of command.
 TEST(SignatureBudgets, AreOfSoManyAtOnceAndSoManyASecond) {
   enum class Asker { kProven, kOneHost, kManyHosts };
   struct Row {
@@ -299,7 +300,7 @@ TEST(SignatureBudgets, AreOfSoManyAtOnceAndSoManyASecond) {
     int in_a_tenth;
   };
   for (const Row& row :
-       {Row{Asker::kProven, false, 50 + 10, 10 + 1},  // its own and its host's
+       {Row{Asker::kProven, false, 50 + 10, 10 + 1},  // own budget plus that of its host
         Row{Asker::kProven, true, 50 + 20, 10 + 2}, Row{Asker::kOneHost, false, 10, 1},
         Row{Asker::kOneHost, true, 20, 2}, Row{Asker::kManyHosts, false, 40, 4},
         Row{Asker::kManyHosts, true, 50, 10}}) {
@@ -323,13 +324,14 @@ TEST(SignatureBudgets, AreOfSoManyAtOnceAndSoManyASecond) {
   }
 }
 
-/// Somebody who holds the operator's MAC key and not its seed: any vehicle that was taken.
+/// An attacker that has the operator's MAC key but not its signing seed, as from any captured
+/// vehicle.
 struct Attack {
   explicit Attack(const Key& station) : captured(test::key_of(Role::kOperator, 4)) {
     set_seed(captured, std::vector<std::uint8_t>(kSeedBytes, 9));
     captured.id = station.id;
   }
-  /// Judged by `receiver` as from `source`, as a stop or an order; whether it was verified.
+  /// Sends one forged stop or order from `source`; returns whether its signature was checked.
   bool strike(Receiver& receiver, bool is_stop, std::uint64_t source, std::uint64_t session) {
     receiver.expectation.is_emergency_stop = is_stop;
     receiver.expectation.source = source;
@@ -343,7 +345,8 @@ struct Attack {
   std::uint64_t counter = kNowCounter;
 };
 
-/// The operator says something each 0.1 s of a second, as from `source`; how often it is heard.
+/// Sends one operator command per 0.1 s for 1 s from `source` during a flood; returns how many are
+/// accepted.
 int heard_in_a_flood(Receiver& receiver, const Key& station, bool is_stop, std::uint64_t source,
                      const std::function<void()>& flood) {
   int heard = 0;
@@ -364,8 +367,8 @@ int heard_in_a_flood(Receiver& receiver, const Key& station, bool is_stop, std::
 constexpr std::uint64_t kStation = (std::uint64_t{0x0a000001} << 16U) | 40'000U;  // 10.0.0.1:40000
 constexpr std::uint64_t kAttacker = (std::uint64_t{0x0a000002} << 16U) | 40'000U;
 
-/// What came of a second of strikes at a receiver that waits for the operator, whom it has heard
-/// before or not: how often the operator is heard, and how many strikes cost a verification.
+/// Result of one second of forged commands at a receiver that has, or has not, received the
+/// operator before: accepted operator commands and signature checks of forged ones.
 struct Flooded {
   int heard = 0;
   int verified = 0;
@@ -398,7 +401,7 @@ TEST(SignatureBudgets, AnotherHostsFloodOfStopsAndOrdersDelaysNoWordOfAStation) 
   }
 }
 
-// Addresses are forged as easily as all else.
+// The attacker also forges its addresses.
 TEST(SignatureBudgets, AFloodUnderAnyAddressDelaysNoWordOfAStationThatWasHeard) {
   for (const bool is_stop : {false, true}) {
     std::mt19937_64 rng(7);
@@ -423,7 +426,7 @@ TEST(SignatureBudgets, AStationThatWasNeverHeardIsHeardThroughAnotherHostsFlood)
   }
 }
 
-// Somebody without any key sends what the operator said again and again.
+// An attacker without a key replays the operator's messages.
 TEST(SignatureBudgets, AreNotUsedUpByWhatIsSentAgain) {
   const Key station = test::key_of(Role::kOperator, 4);
   Receiver receiver = receiver_of({Role::kOperator});

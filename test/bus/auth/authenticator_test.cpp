@@ -8,7 +8,8 @@
 
 #include "test/bus/auth/auth_support.hpp"
 
-// One process's part, without a bus: whom it echoes, and for how long it takes what.
+// Authentication in one process, without a bus: which sessions it echoes, and how long it accepts
+// nonces.
 
 namespace vantage::bus::auth {
 namespace {
@@ -28,7 +29,7 @@ Message said(Authenticator& process, const std::string& channel, Time now,
   return message;
 }
 
-/// What a station that heard `statuses` says to `robot`.
+/// Splits a signed message into its parts.
 SignedParts parts_of(const Message& message) { return split(message).value(); }
 
 void hear(Authenticator& station, const std::string& robot, const Message& status, Time now) {
@@ -66,7 +67,7 @@ TEST(Authenticator, EchoesSixtyFourVehiclesAtMost) {
   }
 }
 
-// Of an earlier trial's vehicles, say, whose keys are the same.
+// For example vehicles of an earlier trial with the same keys.
 TEST(Authenticator, EchoesNewVehiclesInThePlaceOfThoseThatAreHeardNoMore) {
   const auto station = process();
   const auto hear_at = [&](int i, Time now) {
@@ -107,7 +108,7 @@ TEST(Authenticator, CountsOnByItsClockAndNeverBack) {
   EXPECT_EQ(parts_of(said(*process(), "MAP_Q1", from_utime(-5))).foot.counter, 1U);
 }
 
-/// A vehicle Q1 that asks for a nonce, and a station that has heard it.
+/// A vehicle Q1 that requires a nonce, and a station.
 class Nonces : public ::testing::Test {
  protected:
   Nonces() { vehicle_->answer_to("Q1"); }
@@ -147,7 +148,7 @@ TEST_F(Nonces, AreThoseOfTheNewestStatusOrOfOneThatAloneIsHeard) {
   }
   hear(*station_, "Q1", old, kNow + seconds(2));
   EXPECT_EQ(echoed_by(*station_, kNow), session) << "older than what was heard";
-  // Received last at 1 s, by a clock that is 1 s ahead: for two seconds its nonce is kept.
+  // Last received at 1 s, with a clock that is 1 s ahead: its nonce is kept for two seconds.
   for (const bool is_over : {false, true}) {
     const auto station = test::authenticator(test::keys_of_a_trial());
     const auto other = process();

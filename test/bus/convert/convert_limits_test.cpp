@@ -12,8 +12,8 @@
 #include "test/bus/convert/message_types.hpp"
 #include "test/bus/convert/sample_messages.hpp"
 
-// Each limit of what is seen and believed on both of its sides: what is just possible is taken,
-// what is just impossible is not.
+// Limits of the fields of sensing and estimation messages: the last valid value is accepted and the
+// first invalid one is rejected.
 
 namespace vantage::bus {
 namespace {
@@ -57,7 +57,7 @@ TEST(Limits, OfAMocapFrame) {
   });
 }
 
-// Up to rounding of 10⁻¹² a quaternion keeps its bits; beyond that it is made unit.
+// A quaternion within 10⁻¹² of unit norm keeps its bits; otherwise it is normalised.
 TEST(Limits, OfWhatIsUnitUpToRounding) {
   const double position_m[3] = {1.0, 2.0, 3.0};
   for (const double off : {-1.4e-12, -0.7e-12, 0.7e-12, 1.4e-12}) {
@@ -128,7 +128,7 @@ TEST(Limits, OfMatrices) {
       EXPECT_FALSE(parts::definite_from(rows, dim + 1).has_value());
     }
   }
-  // What a matrix lacks becomes no number, what it has too much is left out.
+  // Missing entries of a matrix become NaN; surplus entries are dropped.
   const parts::SmallMatrix M = Eigen::Matrix2d(Eigen::Vector2d(1.0, 2.0).asDiagonal());
   const parts::Rows more = parts::rows_to(M, 3);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -272,13 +272,13 @@ TEST(Limits, OfAMap) {
   message.count("cells", VANTAGE_FIELD(num_cells));
   message.amount("entropy", VANTAGE_FIELD(entropy_nat));
   message.refused("a team's cell more", [](auto& w) { w.team_looks.push_back(0); });
-  // What is said of the team is of as many cells as there are.
+  // The team's counts are padded with zeros to the number of cells.
   const auto back = from_wire(to_wire(map));
   ASSERT_TRUE(back);
   EXPECT_EQ(back->team_looks, (std::vector<std::int16_t>{7, 8, 9, 0, 0, 0}));
 }
 
-// An autopilot's words are as long as it likes, and what stands beside them is not lost for that.
+// Autopilot texts have any length. A text that is too long does not invalidate the other fields.
 TEST(Limits, ReasonsThatAreTooLongAreCutAndNotRefused) {
   const auto told = [](const std::string& reason) {
     models::VehicleStatus status;
@@ -295,7 +295,7 @@ TEST(Limits, ReasonsThatAreTooLongAreCutAndNotRefused) {
               (std::vector<std::string>{std::string(253, 'r') + "…", "and this"}))
         << bytes;
   }
-  // No character is cut in two: 253 bytes would end within one of two bytes, of three, of four.
+  // No character is split: 253 bytes would end within a character of two, three or four bytes.
   for (const std::string& character : {std::string("ü"), std::string("→"), std::string("😀")}) {
     for (std::size_t before = 0; before < 4; ++before) {
       std::string text(before, 'r');
@@ -311,7 +311,7 @@ TEST(Limits, ReasonsThatAreTooLongAreCutAndNotRefused) {
       EXPECT_EQ((kept.size() - before) % character.size(), 0U);
     }
   }
-  // Counters are named after channels, and anybody may say anything on any.
+  // Counter names contain channel names, which may contain arbitrary bytes.
   models::ProcessHealth health;
   health.counters = {{"VEHICLE_\xff.unsigned", 3}, {std::string(300, 'c'), 4}};
   const auto counted = from_wire(to_wire(health));

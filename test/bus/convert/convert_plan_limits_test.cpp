@@ -8,7 +8,8 @@
 #include "bus/convert/convert.hpp"
 #include "test/bus/convert/changed_message.hpp"
 
-// Each limit of what is planned, asked and told on both of its sides.
+// Limits of the fields of plan, command, status and report messages: the last valid value is
+// accepted and the first invalid one is rejected.
 
 namespace vantage::bus {
 namespace {
@@ -24,7 +25,7 @@ models::Trajectory drive() {
   return trajectory;
 }
 
-/// What a trajectory may be, in whatever message it is; `of`: the part of the message that has it.
+/// Checks the limits of a trajectory within any message; `of` returns the part that contains it.
 template <class Message, class Of>
 void expect_limits_of_a_trajectory(const Changed<Message>& message, const Of& of) {
   const auto at = [&of](const auto& field) {
@@ -51,7 +52,7 @@ models::RobotPlan plan() {
   return out;
 }
 
-/// What a plan may be, by itself and in a proposal.
+/// Checks the limits of a plan, alone or within a proposal.
 template <class Message, class Of>
 void expect_limits_of_a_plan(const Changed<Message>& message, const Of& of) {
   const auto at = [&of](const auto& field) {

@@ -11,7 +11,7 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 constexpr std::int64_t kSecondNs = 1'000'000'000;
 
-/// A message cut into pieces of any size, as the parser would hand them over.
+/// A message cut into fragments of any size, as the parser returns them.
 class Message {
  public:
   Message(std::uint32_t sequence, std::size_t bytes, std::size_t piece_bytes, unsigned seed = 1)
@@ -133,7 +133,8 @@ TEST(Reassembler, GivesUpOfSeveralThoseThatAreTooOld) {
   EXPECT_TRUE(reassembler.add(1, last.piece(1), 2 * kSecondNs).has_value());
 }
 
-// What is whole is remembered for a second, and of 256 messages: the rest of it begins none.
+// The newest 256 completed messages are remembered for a second; further fragments of them do not
+// start a new message.
 TEST(Reassembler, KnowsALateDuplicateOfTheNewest256ForASecond) {
   for (const std::uint32_t messages : {1U, 256U, 257U, 600U}) {
     Reassembler reassembler;
@@ -271,8 +272,8 @@ TEST(Reassembler, HoldsOneSenderToItsShare) {
             100 - static_cast<std::int64_t>(reassembler.messages_kept()));
 }
 
-// Of 16 messages the two that were added to last are spared; of the others that of which least has
-// arrived gives way, the oldest of such. A list of what is there is the oracle.
+// Of 16 messages the two with the newest additions are kept. Of the others, the one with the fewest
+// bytes is dropped, the oldest of equal ones. Compared with a plain list.
 TEST(Reassembler, GivesUpThatOfWhichLeastHasArrivedButNoneOfTheNewestEighth) {
   struct Held {
     std::uint32_t sequence;
@@ -307,7 +308,7 @@ TEST(Reassembler, GivesUpThatOfWhichLeastHasArrivedButNoneOfTheNewestEighth) {
       ASSERT_EQ(reassembler.messages_kept(), held.size());
       ASSERT_EQ(reassembler.counts().incomplete, given_up);
     }
-    // Those that are there know their first piece.
+    // The kept messages recognise their first fragment as a duplicate.
     for (const Held& each : held) {
       const std::int64_t before =
           reassembler.counts().duplicates + reassembler.counts().conflicting;
@@ -319,7 +320,7 @@ TEST(Reassembler, GivesUpThatOfWhichLeastHasArrivedButNoneOfTheNewestEighth) {
   }
 }
 
-// A message that alone is more than its sender may keep makes way itself; others' are left alone.
+// A message that alone exceeds its sender's limit is dropped; messages of other senders are kept.
 TEST(Reassembler, GivesUpAMessageThatItsSenderHasNoRoomFor) {
   Reassembler reassembler({.source_bytes_max = 10'000});
   const Message others(1, 9'000, 4'500);
@@ -349,8 +350,8 @@ TEST(Reassembler, HoldsAllSendersToWhatTheyMayKeepTogether) {
   EXPECT_GE(reassembler.messages_kept(), 6U) << "of 4 kB each, and little more";
 }
 
-// What is kept is charged by what arrived: for each piece its bytes and as much again of
-// book-keeping as it takes, for each message that and one bit for each of its pieces.
+// Memory is charged by what arrived: per fragment its bytes and an allowance for book-keeping; per
+// message an allowance and one bit per fragment.
 TEST(Reassembler, ChargesEachPieceAlikeAndEachMessageForItsBits) {
   Reassembler reassembler;
   const Message message(1, 8'000, 10);
@@ -381,8 +382,8 @@ TEST(Reassembler, FinishesGoodMessagesThroughAFloodOfClaims) {
   EXPECT_EQ(reassembler.add(7, good.piece(1), 2)->payload, good.payload());
 }
 
-// Nearly whole messages come from ever new senders, some between any two fragments of a good one:
-// what least has arrived of is the good one. (Red before: it gave way.)
+// Nearly complete messages from ever new senders arrive between the fragments of a good one, which
+// therefore has the fewest bytes.
 TEST(Reassembler, FinishesGoodMessagesThroughAFloodOfNearlyWholeOnes) {
   Reassembler reassembler;
   std::uint64_t stranger = 1'000;
@@ -407,8 +408,8 @@ TEST(Reassembler, FinishesGoodMessagesThroughAFloodOfNearlyWholeOnes) {
   }
 }
 
-// One who speaks in the sender's own name and knows its next number spoils no message by another
-// size or count. (Red before: the first to speak had the number to himself.)
+// An attacker that uses the sender's address and next number does not destroy a message of another
+// size or count.
 TEST(Reassembler, KeepsAMessageApartFromOneForgedUnderItsNumber) {
   Reassembler reassembler;
   for (std::uint32_t i = 0; i < 20; ++i) {
@@ -426,7 +427,8 @@ TEST(Reassembler, KeepsAMessageApartFromOneForgedUnderItsNumber) {
   EXPECT_GT(reassembler.counts().conflicting, 0);
 }
 
-// With its size and count, too, he spoils that message and no other, and it is told.
+// With the same size and count, the attacker destroys that message only, and the conflict is
+// counted.
 TEST(Reassembler, LosesNoMoreThanTheMessageThatIsForgedToTheSize) {
   Reassembler reassembler;
   const Message forged(0, 300, 100, 99);
