@@ -159,7 +159,7 @@ TEST(Stream, ShowsProposalsThatComeBeforeTheEndOfTheirRound) {
   Notebook notebook;
   Stream stream(notebook);
   const Time end = from_utime(2'000'000);
-  stream.on(proposal_of("Q1", end), from_utime(1'000'000));  // of a team that nobody knows yet
+  stream.on(proposal_of("Q1", end), from_utime(1'000'000));  // before the scenario notice
   stream.on(lab_notice(), from_utime(1'000'000));
   stream.on(proposal_of("stranger", end), from_utime(1'000'000));
   stream.on(proposal_of("Q1", end), end);
@@ -192,7 +192,8 @@ TEST(Stream, ShowsTheBestInformedRobotAndTakesAwayWhatIsForgotten) {
             (std::set<std::string>{"estimate/R2", "estimate/R3", "estimate/R4", "estimate/R5"}));
 }
 
-// Nobody can list the labels that are gone: what is not told again is gone after a step and a half.
+// Removed labels cannot be listed, so a track that is not published again expires after one and a
+// half steps.
 TEST(Stream, ShowsATrackOnlyAsLongAsItIsTold) {
   Notebook notebook;
   Stream stream(notebook);
@@ -223,8 +224,8 @@ TEST(Stream, MovesBodiesByTheTruthWhereNoMocapIsHeard) {
   EXPECT_EQ(notebook.of("/truth/transforms").size(), 2U);
 }
 
-// A measurement of 1.0 s goes into a belief, that into the plan of round 7, and at 2.5 s the
-// vehicle follows that.
+// A measurement at 1.0 s enters a belief, which enters the plan of round 7, which the vehicle
+// follows at 2.5 s.
 TEST(Stream, TellsHowOldTheMeasurementIsThatAVehicleActsOn) {
   Notebook notebook;
   Stream stream(notebook);
@@ -233,7 +234,7 @@ TEST(Stream, TellsHowOldTheMeasurementIsThatAVehicleActsOn) {
   look.robot = "Q1";
   look.stamp = {from_utime(1'000'000), 11, 3};
   stream.on(look, Time{});
-  models::RobotBelief belief = belief_of("Q2", 0, {});  // of a neighbour that heard it
+  models::RobotBelief belief = belief_of("Q2", 0, {});  // of a neighbour that received it
   belief.stamp.run_id = 12;
   belief.stamp.sequence = 5;
   belief.inputs = {{"MEASUREMENT_Q1", 11, 2}, {"MEASUREMENT_Q1", 11, 3}};
@@ -288,7 +289,7 @@ TEST(Stream, TellsOfAScenarioOnceAndBeginsAnewWithAnother) {
   EXPECT_EQ(notebook.of("/world").at(0).at("entities")[0].at("timestamp"),
             to_json(lab_notice().stamp.time));
   EXPECT_EQ(notebook.records.front().time, from_utime(7)) << "when it was heard";
-  // Steps are counted anew, and nothing is known any more.
+  // The step count restarts and the metrics are reset.
   const std::size_t told = notebook.of("/team").size();
   stream.on(belief_of("Q1", 95, {}), from_utime(11));
   ASSERT_EQ(notebook.of("/team").size(), told + 1);
@@ -318,7 +319,7 @@ TEST(Stream, TellsOfTheTeamAtEachStepAndWhenStepsBeginAnew) {
   EXPECT_EQ(notebook.of("/team").back().at("timestamp"), to_json(from_utime(6'500'000)));
 }
 
-// The error is that of the newest step that has been judged, which is two before the newest.
+// The error shown is that of the newest evaluated step, which is two before the current one.
 TEST(Stream, TellsHowWrongAnEstimateIs) {
   Notebook notebook;
   Stream stream(notebook);
@@ -381,7 +382,7 @@ TEST(Stream, TellsNoAgeOfWhatNobodyKnows) {
   models::RobotPlan plan;
   plan.robot = "Q1";
   for (plan.round = 7; plan.round <= 8; ++plan.round) {
-    plan.inputs = {{"BELIEF_Q1", 2, plan.round == 7 ? 5 : 6}};  // 6 was not heard
+    plan.inputs = {{"BELIEF_Q1", 2, plan.round == 7 ? 5 : 6}};  // message 6 was not received
     stream.on(plan, Time{});
   }
   const auto is_told = [&](const std::string& robot, std::int64_t round) {
@@ -432,7 +433,7 @@ TEST(Stream, RemembersWhatTheSixteenNewestPlansWereMadeFrom) {
   EXPECT_EQ(latency_s(0), -1.0) << "the seventeenth";
 }
 
-// What is on /team is of all that was heard since the scenario.
+// The /team metrics cover all messages since the scenario notice.
 TEST(Stream, HandsEveryKindOfMessageToWhoJudgesTheTrial) {
   Notebook notebook;
   Stream stream(notebook);

@@ -12,7 +12,7 @@
 #include "test/logs/foxglove_json.hpp"
 #include "test/logs/foxglove_notebook.hpp"
 
-// What a stream keeps of the past: ways that were gone, ground that was seen.
+// Past data in a stream: tracks of bodies and observed ground cells.
 
 namespace vantage::logs::foxglove {
 namespace {
@@ -44,7 +44,7 @@ class Tracks : public ::testing::Test {
   Stream stream_{notebook_};
 };
 
-/// How far `point` lies from the nearest of the way's pieces.
+/// Returns the distance of `point` from the nearest segment of the path.
 double distance_m(const Eigen::Vector3d& point, const std::vector<Eigen::Vector3d>& way) {
   double least_m = (point - way.front()).norm();
   for (std::size_t i = 1; i < way.size(); ++i) {
@@ -60,7 +60,7 @@ TEST_F(Tracks, OfAStraightWayHaveAPointEachTwoSeconds) {
   const Way straight = [](double at_s) { return Eigen::Vector3d(at_s, -0.5 * at_s, 1.5); };
   fly(straight, 0.0, 30.0);
   const auto track = newest();
-  // 20 s of it, in pieces of 2 s and at most two shorter ones at its end.
+  // The last 20 s, in segments of 2 s and at most two shorter ones at the end.
   EXPECT_GE(track.size(), 11U);
   EXPECT_LE(track.size(), 13U);
   const double oldest_s = 30.0 - track.front().x();
@@ -74,7 +74,7 @@ TEST_F(Tracks, OfAStraightWayHaveAPointEachTwoSeconds) {
   }
 }
 
-// Half a turn a second about a circle of 1 m, the other way about, and a corner.
+// Circles of 1 m radius in either direction, and a slow arc.
 TEST_F(Tracks, LieWithinTwoCentimetresOfTheWayThatWasGone) {
   for (const double turn_radps : {0.8, -0.8, 0.05}) {
     Notebook notebook;
@@ -98,7 +98,7 @@ TEST_F(Tracks, LieWithinTwoCentimetresOfTheWayThatWasGone) {
 }
 
 TEST_F(Tracks, KeepACornerAndAWayBack) {
-  // 2 m along x in 2 s and back to 1 m, then to the left.
+  // 2 m along x in 2 s and back to x = 1 m, then to the left.
   const Way there_and_back = [](double at_s) {
     return Eigen::Vector3d(at_s <= 2.0 ? at_s : std::max(1.0, 4.0 - at_s),
                            std::max(0.0, at_s - 3.0), 0.0);
@@ -111,14 +111,15 @@ TEST_F(Tracks, KeepACornerAndAWayBack) {
   }
 }
 
-// From one instant to the next of a body that stands, and of one that hardly moves.
+// Time steps around 0.2 s and displacements around 2 cm.
 TEST_F(Tracks, HaveAPointWhereABodyHasMovedTwoCentimetresInAFifthOfASecond) {
   const auto points = [&](double step_s, double step_m) {
     Notebook notebook;
     Stream stream(notebook);
     stream.on(frame_of(kStart, "Q1", {0.0, 0.0, 0.0}), kStart);
     stream.on(frame_of(kStart + from_seconds(step_s), "Q1", {0.0, step_m, 0.0}), kStart);
-    stream.on(frame_of(kStart + from_seconds(0.6), "R1", {5.0, 0.0, 0.0}), kStart);  // it is told
+    stream.on(frame_of(kStart + from_seconds(0.6), "R1", {5.0, 0.0, 0.0}),
+              kStart);  // triggers publication
     return points_of(notebook.of("/tracks").back().at("entities").at(0).at("lines").at(0)).size();
   };
   EXPECT_EQ(points(0.2, 0.021), 2U);
@@ -212,7 +213,7 @@ TEST_F(Tracks, GoByTheTruthASecondAfterTheLastMocap) {
   EXPECT_FALSE(moves(5.5));
 }
 
-/// The cells' ages or occupancies.
+/// Decodes the ages or occupancies of the cells.
 std::vector<float> values_of(const Json& grid) {
   constexpr std::string_view kDigits =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -268,7 +269,7 @@ TEST(Grids, AreOfEachRobotAndOfAllTogether) {
   stream.on(seen_by("Q1", 6, grid, {1.0, 2.0, 3.0, -1.0}), kStart);
   ASSERT_EQ(notebook.of("/grid").size(), 2U);
   EXPECT_EQ(values_of(notebook.of("/grid").back()), (std::vector<float>{2.0F, 8.0F, 7.0F, 6.0F}));
-  // Of another world nothing is left of the first; what does not fit its grid is not shown.
+  // A new grid geometry discards the old cells; data that does not fit the grid is not shown.
   const models::GridGeometry other{{0.0, 0.0}, 1.0, 2, 1};
   stream.on(seen_by("Q1", 7, other, {3.0, -1.0}), kStart);
   EXPECT_EQ(values_of(notebook.of("/grid").back()), (std::vector<float>{7.0F, -1.0F}));

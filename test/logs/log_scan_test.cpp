@@ -66,7 +66,7 @@ TEST(EventAt, RefusesWhatCannotBeTrue) {
   EXPECT_FALSE(event_at(good, ~std::size_t{0}).has_value());
 }
 
-// LCM carries any bytes as a name; of what was overwritten seldom any is text.
+// LCM allows any bytes in a channel name; overwritten bytes are rarely text.
 TEST(EventAt, TakesAnyNameThatIsTextOrHasNoControlCharacters) {
   for (const char* name : {"A\tB", "A\nB", "\x1B[31mRED", "PLAN_\xFC", "PLAN_ü", "../../evil"}) {
     Bytes bytes;
@@ -95,9 +95,8 @@ TEST(LogScan, ReadsAWholeLogWithTrapsInItsData) {
   }
 }
 
-/// Scans a log after accidents: every intact event comes out whole, everything that comes out
-/// begins where a header was, nothing overlaps and every byte is accounted for. Returns how many
-/// were intact.
+/// Checks the scan of a damaged log: every intact event is found whole, each event starts at a real
+/// header, events do not overlap, and every byte is counted. Returns the number of intact events.
 std::int64_t expect_recovery(const test::DamagedLog& damaged, std::uint64_t seed) {
   LogScan scan(damaged.bytes);
   std::map<std::size_t, std::size_t> found;
@@ -138,10 +137,9 @@ TEST(LogScan, RecoversEveryIntactEventOfLongLogsWithPagesOfZeros) {
   }
 }
 
-// Found among 17 000 damaged logs: intact events whose data hold pieces of logs, beside damage.
-// Those pieces outnumbered the log's own events near its ends, or were all that was found behind a
-// damaged stretch, and were taken for the log's own; or a length in one ended by chance at a header
-// in another.
+// Seeds that failed among 17 000 damaged logs. Intact events next to damage contain pieces of logs.
+// These pieces outnumbered the log's own events near its ends, or were all that was found after
+// damage. In other cases a length in one piece ended by chance at a header in another.
 TEST(LogScan, IsNotMisledByLogsInsideDataBesideDamage) {
   for (const unsigned seed :
        {4316U, 5998U, 6592U, 10045U, 11019U, 13965U, 14089U, 15142U, 15699U, 16847U}) {
@@ -152,8 +150,8 @@ TEST(LogScan, IsNotMisledByLogsInsideDataBesideDamage) {
   }
 }
 
-// Each header promises all that follows, with a number far from every other: looking inside each
-// for what it swallows must not take quadratic time (the test's time limit is the bound).
+// Each header claims all following bytes and has an unrelated number. The check of what each header
+// encloses must not take quadratic time (the test's time limit is the bound).
 TEST(LogScan, EndsOnAFileOfNothingButHeaders) {
   std::mt19937_64 rng(5);
   constexpr std::size_t kEvents = 100'000;
@@ -208,7 +206,7 @@ TEST(LogScan, NamesTheStretchesThatAreNoEvents) {
 TEST(LogScan, BelievesAWitnessAboutALength) {
   const Bytes data(50, 7);
   Bytes bytes = log_of({{0, data}, {1, data}, {2, data}});
-  bytes[27] = 30;  // of the first one, shorter than it was
+  bytes[27] = 30;  // the first event's length, shorter than it was
   LogScan plain(bytes);
   const auto without = all_events(plain);
   ASSERT_EQ(without.size(), 3U);
@@ -230,8 +228,9 @@ TEST(LogScan, KeepsLogsThatWerePutTogether) {
   EXPECT_EQ(scan.counts().bytes_damaged, 0U);
 }
 
-// Strangers here and there, however many, do not make their numbers the log's own: a log inside the
-// data of one of them comes to light by the log's usual numbers, at the end of the file, too.
+// Isolated events with foreign numbers do not change the number range of the log, however many
+// there are. A log inside the data of one of them is found by the usual numbers, even at the end of
+// the file.
 TEST(LogScan, KeepsItsUsualNumbersHoweverManyStrangersThereAreApart) {
   const Bytes data(10, 7);
   for (const int strangers : {1, 63, 64, 65, 128, 200}) {
@@ -245,7 +244,7 @@ TEST(LogScan, KeepsItsUsualNumbersHoweverManyStrangersThereAreApart) {
       events.emplace_back(number++, data);
       events.emplace_back(strange = 1'000'000'000 + 1'000'000 * i, data);
     }
-    // A wrong length, of a strange number, over two events of the log's own.
+    // A wrong length in an event with a foreign number, spanning two of the log's own events.
     Bytes bytes = log_of(events);
     append_event({strange + 1, from_utime(1), "A", log_of({{number, data}, {number + 1, data}})},
                  bytes);
@@ -257,7 +256,8 @@ TEST(LogScan, KeepsItsUsualNumbersHoweverManyStrangersThereAreApart) {
   }
 }
 
-// So many in a row are the log's own: it was put together of several. And once more.
+// 64 foreign numbers in a row belong to the log, which was merged from several logs. This holds
+// repeatedly.
 TEST(LogScan, TakesSixtyFourStrangersInARowForTheLogsOwnEachTime) {
   const Bytes data(10, 7);
   std::vector<std::pair<std::int64_t, Bytes>> events;
@@ -276,13 +276,13 @@ TEST(LogScan, TakesSixtyFourStrangersInARowForTheLogsOwnEachTime) {
   }
 }
 
-// Every stretch is counted, and the first thousand are told.
+// Every damaged stretch is counted; the first thousand are listed.
 TEST(LogScan, CountsEveryStretchAndEveryDoubt) {
   Bytes bytes;
   std::size_t damaged = 0;
   for (std::int64_t i = 0; i < 1'203; ++i) {
     append_event({i, from_utime(i), "A", Bytes(3, 7)}, bytes);
-    if (i <= 1'200) {  // bytes of nobody's
+    if (i <= 1'200) {  // bytes that belong to no event
       bytes.insert(bytes.end(), static_cast<std::size_t>(1 + i % 3), std::uint8_t{0});
       damaged += static_cast<std::size_t>(1 + i % 3);
     }
@@ -305,7 +305,7 @@ TEST(LogScan, CountsEveryStretchAndEveryDoubt) {
   EXPECT_EQ(scan.counts().stretches, 1'201);
 }
 
-// Of one log are numbers that lie ten thousand apart, above or below; no more than that.
+// Event numbers at most ten thousand apart, in either direction, belong to the same log.
 TEST(LogScan, TakesAHeaderInsideForTheLogsOwnByItsNumber) {
   constexpr std::int64_t kNumber = 50'000;
   for (const std::int64_t apart : {-10'001, -10'000, -1, 1, 10'000, 10'001}) {
@@ -322,8 +322,8 @@ TEST(LogScan, TakesAHeaderInsideForTheLogsOwnByItsNumber) {
   }
 }
 
-// Who stands between the one before it and the one behind it is whole, whatever is inside: a piece
-// of this very log, too. Out of order it would be taken for damage.
+// An event whose number lies between its neighbours' is whole, even if it contains a piece of this
+// log. Otherwise it would be treated as damage.
 TEST(LogScan, LeavesWholeWhatIsInOrderWhateverIsInside) {
   const Bytes data(3, 7);
   for (const std::int64_t inside : {1, 6, 7, 100}) {
@@ -351,7 +351,7 @@ TEST(LogScan, LeavesWholeWhatIsInOrderWhateverIsInside) {
   }
 }
 
-// A scan that begins in the midst counts what it passes from there.
+// A scan that starts in the middle counts skipped bytes from there.
 TEST(LogScan, CountsFromWhereItBegins) {
   const Bytes bytes = log_of({{0, Bytes(5, 7)}, {1, Bytes(5, 7)}, {2, Bytes(5, 7)}});
   const std::size_t size = bytes.size() / 3;

@@ -1,4 +1,4 @@
-// What a fit of motion is made of, in closed form.
+// Moments and likelihoods of a motion fit, in closed form.
 
 #include <cmath>
 #include <string>
@@ -18,7 +18,7 @@ constexpr std::int64_t kStart = 17'000'000'000;  // steps
 
 Time instant(std::int64_t step) { return from_utime(100'000 * step); }
 
-/// A course that is at place(k) at step kStart + k, for k from `first` to `last`.
+/// Returns a course that is at place(k) at step kStart + k, for k from `first` to `last`.
 template <class Place>
 TargetCourse course_of(int first, int last, const Place& place) {
   TargetCourse course;
@@ -43,13 +43,14 @@ TEST(TargetCourse, BridgesAQuarterOfASecondAndNoMore) {
       EXPECT_NEAR(course.places_m().at(12).y(), 1.0 + 2.0 * 0.8, 1e-12);
     }
   }
-  TargetCourse whole;  // at whole steps the very places
+  TargetCourse whole;  // samples at whole steps are kept exactly
   whole.add(from_utime(1'000'000), {5.0, 5.0});
   whole.add(from_utime(1'100'000), {6.0, 7.0});
   EXPECT_EQ(whole.places_m(), (std::map<std::int64_t, Eigen::Vector2d>{{11, {6.0, 7.0}}}));
 }
 
-// By the definition: of each instant in the part, with the step before it and what comes h later.
+// By the definition: each instant of the selected part, with the previous step and the position h
+// later.
 TEST(MotionSample, HasTheMomentsOfThePartThatIsAskedFor) {
   const TargetCourse course = course_of(0, 400, wobble);
   for (const auto& [from, to] : {std::pair{0.0, 1.0}, {0.0, 0.3}, {0.25, 0.75}, {0.7, 1.0}}) {
@@ -85,7 +86,7 @@ TEST(MotionSample, GuessesNothingAcrossAGap) {
       course.add(instant(kStart + k), wobble(k));
     }
   }
-  // Known are 1 to 39 and 44 to 100; a velocity needs the step before.
+  // Steps 1 to 39 and 44 to 100 are known; a velocity needs the previous step.
   MotionSample sample;
   sample.add(course, kStart, kStart + 100, 0.0, 1.0);
   const auto expected = [](int ahead) {
@@ -102,7 +103,8 @@ TEST(MotionSample, GuessesNothingAcrossAGap) {
   }
 }
 
-/// Of one place, y, and one velocity, v, and of what came of them, the same at every horizon.
+/// Returns a sample of one position, one velocity and one later position, the same at every
+/// horizon.
 MotionSample one_of_each(const Eigen::Vector2d& later, const Eigen::Vector2d& now,
                          const Eigen::Vector2d& velocity) {
   MotionSample out;
@@ -144,7 +146,7 @@ TEST(Judge, IsTheLikelihoodOfWhatCame) {
       EXPECT_NEAR(score.nees[h], nees, 1e-9);
     }
     EXPECT_NEAR(score.nats, nats, 1e-9);
-    // The most likely q is that of a mean NEES of two.
+    // The most likely q gives a mean NEES of two.
     double mean_nees = 0.0;
     for (const double each : score.nees) {
       mean_nees += each / 5.0;
@@ -156,7 +158,7 @@ TEST(Judge, IsTheLikelihoodOfWhatCame) {
   EXPECT_EQ(MotionMoments{}.mean_square({1.0, 1.0, 1.0}), 0.0) << "without samples";
 }
 
-/// The moments that targets have in the long run which move as `model` says.
+/// Returns the stationary moments of targets that move by `model`.
 MotionSample in_the_long_run(const models::TargetModel& model) {
   MotionSample out;
   out.center_m = model.surroundings.center_m;
@@ -178,7 +180,7 @@ MotionSample in_the_long_run(const models::TargetModel& model) {
   return out;
 }
 
-// Of an infinite sample the most likely oscillator is the true one, each coordinate's own.
+// With an infinite sample the most likely oscillator is the true one, in each coordinate.
 TEST(FitOscillator, FindsTheTrueOneOfAnInfiniteSample) {
   test::Random random(2);
   for (int trial = 0; trial < 10; ++trial) {
@@ -209,7 +211,7 @@ std::string why_not(const std::vector<std::vector<TargetCourse>>& logs, double f
   return "";
 }
 
-// 80 steps are foretold, so 81 are needed behind the first: of each part.
+// 80 steps are predicted, so each part needs 81 steps after its first one.
 TEST(FitMotion, NeedsMoreThanEightSecondsOfEitherPart) {
   const auto logs = [](int steps) {
     return std::vector<std::vector<TargetCourse>>{{course_of(0, steps, wobble)}};
@@ -224,7 +226,8 @@ TEST(FitMotion, NeedsMoreThanEightSecondsOfEitherPart) {
   EXPECT_NE(why_not({{TargetCourse()}}, 0.7), "");
 }
 
-// A log's time goes from the first place of any target to the last of any; each log has its own.
+// The time of a log runs from the first position of any target to the last of any; it is separate
+// for each log.
 TEST(FitMotion, CutsTheTimeOfAWholeLogAndNotOfEachTarget) {
   const auto slow = [](int k) { return Eigen::Vector2d(0.1 * wobble(k)); };
   const TargetCourse early = course_of(1, 150, slow);
