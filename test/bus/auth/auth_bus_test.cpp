@@ -234,7 +234,7 @@ TEST_F(SecuredBus, RefusesAndCountsUnsignedMessagesThatDecideSomething) {
   check(kCollision, contact, vehicle_.contacts);
 }
 
-// What a console or `vantage check --live` would take for a vehicle that is alive.
+// A console or `vantage check --live` must not accept a replayed status as that of a live vehicle.
 TEST_F(SecuredBus, JudgesTheTimeOfStatusesWithoutBeingToldTo) {
   tell_status(vehicle_.bus);
   ASSERT_EQ(station_.statuses.size(), 1U);
@@ -318,7 +318,7 @@ TEST_F(SecuredBus, ACommandToAnotherVehicleIsNeitherTakenNorCounted) {
   EXPECT_EQ(vehicle_.count("COMMAND.lost"), 0);
 }
 
-// A second vehicle's process is started anew, or armed: what was recorded before says nothing.
+// After a restart of the vehicle process, or after arming, commands recorded earlier are refused.
 TEST_F(SecuredBus, CommandsOfAnEarlierSessionAreRefused) {
   tell_status(vehicle_.bus);
   Process again(hub_, clock_, 7, test::authenticator(keys_));
@@ -346,7 +346,7 @@ TEST_F(SecuredBus, OldStatusesThatAreSentAgainDisplaceNoLiveVehiclesNonce) {
   pass(std::chrono::seconds(1));
   vehicle_.bus.renew_session();
   tell_status(vehicle_.bus);
-  Process second(hub_, clock_, 8, test::authenticator(keys_));  // has heard neither
+  Process second(hub_, clock_, 8, test::authenticator(keys_));  // has received neither status
   tell_status(vehicle_.bus);
   second.hear();
   send_again(old);
@@ -360,7 +360,8 @@ TEST_F(SecuredBus, OldStatusesThatAreSentAgainDisplaceNoLiveVehiclesNonce) {
   EXPECT_EQ(vehicle_.commands.size(), 1U);
 }
 
-// Nobody who verifies commands can say any: a captured vehicle has all but the seed.
+// A process that can verify commands cannot sign them: a captured vehicle has every key except the
+// seed.
 TEST_F(SecuredBus, AProcessWithoutTheSeedSaysNoCommand) {
   auto keys = std::make_shared<auth::Keyring>();
   auth::Key key = test::key_of(auth::Role::kOperator, 160);

@@ -116,7 +116,7 @@ TEST_F(KeyFolder, IsRefusedWhenARoleWouldSignWithTwoKeys) {
   EXPECT_NE(refusal_of(folder()).find("signs with"), std::string::npos);
 }
 
-// What a vehicle's host is given: everything but what says commands.
+// The keys of a vehicle's host: all except the seed that signs commands.
 TEST_F(KeyFolder, WithoutTheSeedVerifiesCommandsAndSaysNone) {
   fs::remove(file_of(Role::kOperator, "sign"));
   const Keyring keyring = load_keyring(folder());
@@ -325,8 +325,9 @@ TEST_F(KeyFolder, IsForcedWhereADeviceIsReal) {
   EXPECT_EQ(authenticator_for(scenario_of(SecurityMode::kOff, "", DeviceSource::kWire)), nullptr);
 }
 
-// A command echoes at most 64 vehicles' nonces: the others could not be armed, and heard no
-// heartbeat. Every robot's status asks for one; where none has a driver nobody judges them.
+// A command echoes the nonces of at most 64 vehicles. Further vehicles could not be armed and would
+// receive no heartbeat. The status of every robot requests a nonce; without a driver, nothing
+// verifies it.
 TEST_F(KeyFolder, IsForNoMoreVehiclesThanACommandCanBeSaidTo) {
   using scenario::DeviceSource;
   using scenario::SecurityMode;

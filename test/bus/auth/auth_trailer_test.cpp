@@ -9,7 +9,7 @@
 #include "bus/auth/envelope.hpp"
 #include "bus/auth/trailer.hpp"
 
-// What stands behind a payload, which role says what, and how refusals are called.
+// Trailer after a payload, the role that signs each channel, and the names of refusals.
 
 namespace vantage::bus::auth {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 using Message = std::vector<std::uint8_t>;
 using scenario::TrialMode;
 
-/// A message of these parts, its MAC and signature of a byte each that tells them apart.
+/// Returns a message of these parts. Its MAC and signature are filled with one distinct byte each.
 Message message_of(const Message& payload, const Foot& foot, const std::vector<Echo>& echoes,
                    std::size_t signatures) {
   Message out = payload;
@@ -54,7 +54,7 @@ TEST(Trailer, ComesApartAsItWasPutTogether) {
       EXPECT_EQ(parts->echo_for(echo.destination), echo.nonce);
     }
     EXPECT_EQ(parts->echo_for(static_cast<std::uint32_t>(rng())), std::nullopt);
-    // Of no payload at all it still is one; of a byte less it is none.
+    // An empty payload is valid; a trailer that is one byte shorter is not.
     const Bytes trailer = Bytes(message).subspan(payload.size());
     ASSERT_TRUE(split(trailer).has_value());
     EXPECT_TRUE(split(trailer)->payload.empty());

@@ -18,7 +18,7 @@
 
 namespace vantage::test {
 
-/// A message that could be true, changed, and what a receiver says to it.
+/// A valid message, and checks of the decoder with single fields of it changed.
 template <class Message>
 class Changed {
  public:
@@ -31,7 +31,7 @@ class Changed {
   void refused(const char* what, const std::function<void(bus::WireOf<Message>&)>& change) const {
     EXPECT_FALSE(is_taken(change)) << what;
   }
-  /// The number that `member` gives is taken from `min` to `max` and beside them is not.
+  /// Checks that the number given by `member` is accepted from `min` to `max` and rejected outside.
   template <class Member>
   void between(const char* what, double min, double max, const Member& member) const {
     for (const double good : {min, 0.5 * (min + max), max}) {

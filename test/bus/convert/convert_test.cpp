@@ -12,7 +12,7 @@ namespace {
 
 namespace wire = vantage_lcm;
 
-// Of what rounding left of a unit quaternion on either side; what is unit keeps its bits.
+// Small norm errors in either direction are normalised; a unit quaternion keeps its bits.
 TEST(Pose3From, MakesUnitWhatIsNearlyUnit) {
   const double position_m[3] = {1.0, -2.0, 3.0};
   for (const double norm : {1.0 - 5e-4, 1.0 - 1e-6, 1.0, 1.0 + 1e-6, 1.0 + 5e-4}) {

@@ -59,7 +59,7 @@ class Sampler {
     }
     return refs;
   }
-  /// What a robot says, and nothing of it yet.
+  /// Returns a message with only the robot's name set.
   template <class Content>
   Content of_robot() {
     Content content;

@@ -73,7 +73,7 @@ TYPED_TEST(Decoding, SurvivesMutationsAndWalksExactlyAsTheGeneratedDecoder) {
       ASSERT_EQ(static_cast<std::size_t>(wire->getEncodedSize()), bytes.size());
       const auto message = from_wire(*wire);
       if (message) {
-        // What was accepted once is accepted again, unchanged.
+        // An accepted message is accepted again and does not change.
         const auto again = from_wire(to_wire(*message));
         ASSERT_TRUE(again.has_value());
         ASSERT_EQ(test::Flat::of(*again), test::Flat::of(*message));
@@ -175,7 +175,7 @@ TEST(IsWellFormed, TakesDimensionsTimesOneAnother) {
       for (std::size_t bytes = 0; bytes < 40; ++bytes) {
         Bytes body{rows, columns};
         body.resize(2 + bytes, 0);
-        // Of a matrix without rows or without columns there is neither.
+        // A matrix with zero rows or zero columns must have zero of both.
         const bool is_whole = rows * columns > 0 || rows + columns == 0;
         EXPECT_EQ(fits(fields, body), is_whole && bytes == 2U * rows * columns);
       }

@@ -10,7 +10,7 @@
 #include "test/bus/convert/message_types.hpp"
 #include "test/support/bus_pair.hpp"
 
-// What a process says of what it heard and missed.
+// Counters of received and missed messages of a process.
 
 namespace vantage::bus {
 namespace {
@@ -26,7 +26,7 @@ std::map<std::string, std::int64_t> counters_of(const Bus& bus) {
   return out;
 }
 
-/// Hears nothing; says of itself what it is told to.
+/// A transport that receives nothing and reports the given statistics.
 struct StatedTransport : Transport {
   void subscribe(const std::string& /*channel*/, Handler /*handler*/) override {}
   void unsubscribe(const std::string& /*channel*/) override {}
@@ -135,7 +135,8 @@ TEST_F(Counted, TellOf256StreamsOneByOneAndOfMoreByTheirKind) {
   EXPECT_EQ(bus_.messages_lost(), 9);
 }
 
-// What was lost while it was listened to stays told, whatever kind of channel it was.
+// Losses counted while subscribed stay in the counters after unsubscribing, for every kind of
+// channel.
 TEST_F(Counted, KeepWhatTheyCameToOfAStreamThatIsLeft) {
   const Channel<models::RobotPlan> shared{"SHARED", true};
   for (int time = 0; time < 2; ++time) {

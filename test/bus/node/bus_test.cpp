@@ -207,7 +207,7 @@ TEST_F(BusAgainstRawBytes, HearsEveryConsoleHoweverManyThereAre) {
   EXPECT_EQ(bus_.messages_lost(), 1);
 }
 
-// Forged numbers silence no stop; who hears it judges it.
+// A forged sequence number does not suppress a stop; the receiver decides.
 TEST_F(BusAgainstRawBytes, HandsOnWhatMakesAVehicleSaferWhateverItsNumber) {
   using models::OperatorAction;
   send(stamped(1, std::int64_t{1} << 40, 10));
@@ -227,8 +227,8 @@ TEST_F(BusAgainstRawBytes, HandsOnWhatMakesAVehicleSaferWhateverItsNumber) {
   EXPECT_EQ(heard_.size(), 13U) << "and nothing else";
 }
 
-/// Whose messages on a channel of one publisher are heard: of run 2 while it speaks, of run 3
-/// after.
+/// Checks a channel with a single publisher: messages of run 2 are delivered while it publishes,
+/// and those of run 3 afterwards.
 template <class Message>
 void expect_first_is_kept(const Channel<Message>& channel, Message message) {
   InProcessHub hub;
@@ -262,7 +262,7 @@ void expect_first_is_kept(const Channel<Message>& channel, Message message) {
 
 TEST(Bus, KeepsTheFirstMocapWhileItIsHeard) { expect_first_is_kept(kVicon, models::MocapFrame{}); }
 
-// A second simulation beside a flight says of the same robots that they stand on the ground.
+// A second simulation on the network of a flight reports the same robots as standing on the ground.
 TEST(Bus, KeepsTheFirstWordOfAVehicleWhileItIsHeard) {
   models::VehicleStatus status;
   status.robot = "Q1";

@@ -69,7 +69,8 @@ TEST(SteadyClock, IsDrawnToAWallClockThatIsNearAndNeverGoesBack) {
   }
 }
 
-// By 5 ms a second; half a second apart is followed, more is not; looked at every 20 ms.
+// The clock is slewed by 5 ms per second and checked every 20 ms. Offsets up to half a second are
+// followed, larger ones are not.
 TEST(SteadyClock, IsDrawnSoFastAndFromSoFar) {
   for (const int sign : {-1, 1}) {
     for (const int apart_ms : {10, 100, 500}) {
@@ -102,7 +103,7 @@ TEST(SteadyClock, LooksAtTheWallClockEveryTwentyMilliseconds) {
   }
 }
 
-// What it hands on is where it has been drawn to.
+// The handed-on offset includes the slewing so far.
 TEST(SteadyClock, HandsOnWhatLiesBetweenItAndTheMonotonicClock) {
   Machine machine;
   machine.set = milliseconds(100);

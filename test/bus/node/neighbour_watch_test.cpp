@@ -119,7 +119,7 @@ TEST_F(Listened, StillToThoseWhoAreNotSeen) {
   NeighbourWatch near = watch(scenario);
   near.on_frame(frame_of(scenario, kStart, 0.0));
   models::MocapFrame dark = frame_of(scenario, kStart + kStep, 25.0);
-  dark.bodies[1].occluded = true;  // who would have gone no farther, and who would have come
+  dark.bodies[1].occluded = true;  // its new position would have ended or started a subscription
   dark.bodies[3].occluded = true;
   near.on_frame(dark);
   EXPECT_EQ(to, (Names{"Q2", "Q3"}));

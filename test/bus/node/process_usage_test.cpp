@@ -84,7 +84,7 @@ void stay_on_one_processor() {
   ASSERT_EQ(sched_setaffinity(0, sizeof(one), &one), 0);
 }
 
-/// The sum of what the kernel says of each thread of this process.
+/// Returns the waiting time of all threads of this process by the kernel's statistics.
 std::int64_t waited_us_by_thread() {
   std::int64_t sum_us = 0;
   for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
@@ -144,7 +144,7 @@ TEST(ThreadWait, ReadsTheCounterOfTheThreadThatOpenedIt) {
   EXPECT_GE(wait.waited_us().value_or(-1), *read_us) << "read again from the beginning";
 }
 
-// What the kernel says before and after holds what is said in between.
+// The kernel's values before and after bound the reported ones.
 TEST(UsageCounters, AreWhatTheKernelSaysOfThisProcess) {
   const auto asked = [] {
     rusage own{};

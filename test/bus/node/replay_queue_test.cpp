@@ -136,7 +136,7 @@ TEST(InputStore, ForgetsTheOldestBeyondItsCapacity) {
   }
 }
 
-// A teammate whose planner died is planned around by its last plan, which each plan names.
+// If a teammate's planner has ended, its last plan remains an input of every plan.
 TEST(InputStore, KeepsTheLastOfWhoIsSilentHoweverMuchOthersSay) {
   InputStore<models::OperatorCommand> store(3);
   store.add("A", numbered(1, 7, "the last"));

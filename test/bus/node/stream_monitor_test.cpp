@@ -130,7 +130,7 @@ TEST(StreamMonitor, BelievesAFarStepThatGoesOnOnceTheRunIsSilent) {
     return monitor.judge({now, 1, sequence}, {now, {}});
   };
   EXPECT_EQ(judge(0, 0.0), Arrival::kFresh);
-  for (int i = 0; i < 100; ++i) {  // forged beside the true ones
+  for (int i = 0; i < 100; ++i) {  // forged, between the true ones
     EXPECT_EQ(judge(50'000 + i, 0.01 * i), Arrival::kTooFarAhead);
     EXPECT_EQ(judge(1 + i, 0.01 * i), Arrival::kFresh);
   }
@@ -243,9 +243,9 @@ TEST(StreamMonitor, BelievesAFarStepOfTenInARowAlone) {
   };
   refuse(50'000, 9);
   EXPECT_EQ(monitor.judge(stamp(1)), Arrival::kFresh);
-  refuse(50'009, 9);  // what was heard in between begins the count anew
-  refuse(50'017, 9);  // so does the same once more
-  refuse(60'026, 9);  // and a step that is too far again, by one
+  refuse(50'009, 9);  // an accepted message in between restarts the count
+  refuse(50'017, 9);  // a repeated number restarts it too
+  refuse(60'026, 9);  // and so does a step that is one too long
   refuse(40'000, 9);
   EXPECT_EQ(monitor.judge(stamp(40'008 + StreamMonitor::kStepMax)), Arrival::kFresh)
       << "the tenth, just near enough";
@@ -310,7 +310,8 @@ TEST(StreamMonitor, ExpectsALaterRunFromZeroUnlessThatCannotBe) {
   }
 }
 
-// Nothing of the run before is held against the next: no gap, no number that was missing, no time.
+// A new run starts with empty books: gaps, missing numbers and times of the previous run are
+// dropped.
 TEST(StreamMonitor, BeginsItsBooksAnewWithEachRun) {
   StreamMonitor missing;
   EXPECT_EQ(missing.judge(stamp(0, 1)), Arrival::kFresh);
@@ -351,7 +352,7 @@ TEST(StreamCounts, AddUpAndNeverBeyondWhatFits) {
   EXPECT_EQ(full.duplicates, kMax);
 }
 
-// One that was forgotten is heard as if for the first time; what it came to is not forgotten.
+// A forgotten run is accepted as if it were new; its counts are kept.
 TEST(SharedStreamMonitor, ForgetsOfThirtyThreeRunsTheOneSilentLongest) {
   SharedStreamMonitor monitor;
   EXPECT_EQ(monitor.judge(stamp(0, 1)), Arrival::kFresh);

@@ -37,13 +37,13 @@ TEST(ChannelIndex, FindsWhatGoingThroughAllWouldFind) {
   }
 }
 
-// Who listens to what, kept in a list: names and patterns come and go, and come again.
+// Compared with a plain list of subscriptions while names and patterns are added and removed.
 TEST(ChannelIndex, FindsWhatGoingThroughAllWouldFindAsTheyComeAndGo) {
   std::mt19937_64 rng(6);
   const std::vector<std::string> patterns = {"A", "AB", "A*", "*", "PLAN_Q1", "PLAN_*"};
   const std::vector<std::string> channels = {"A", "AB", "PLAN_Q1", "PLAN_", "B"};
   ChannelIndex index;
-  std::vector<std::string> held;  // by number; empty: given back
+  std::vector<std::string> held;  // by number; empty: free
   for (int i = 0; i < 3'000; ++i) {
     const std::string& pattern = patterns[rng() % patterns.size()];
     if (rng() % 4 != 0) {

@@ -194,7 +194,7 @@ TEST(Decoded, IsOfOneTypeAndTheLastThatWasKept) {
   EXPECT_EQ(*decoded.get<unsigned>(), 6U);
 }
 
-// What one message's bytes came to is for all who get the same bytes, and for no other message.
+// The decoded form of a message is shared by all its receivers, and by no other message.
 TEST(InProcessHub, SharesWhatWasDecodedOfOneMessage) {
   InProcessHub hub;
   const auto a = hub.connect();
