@@ -53,7 +53,7 @@ TEST(ParameterRules, AcceptWhatTheySay) {
   EXPECT_FALSE(rule("A 0 # one of 0 3: b").accepts(1.0));
 }
 
-// By a millionth of whichever of the two is further from zero.
+// The tolerance is a millionth of the larger magnitude, for either sign.
 TEST(ParameterRules, AcceptANumberAsTheyAcceptItsNegative) {
   for (const char* const sign : {"", "-"}) {
     const std::string about = std::string("A ") + sign + "8.000008000004 # exactly: b";
@@ -62,7 +62,8 @@ TEST(ParameterRules, AcceptANumberAsTheyAcceptItsNegative) {
   }
 }
 
-// A millionth of 1, or of what is larger: on each side of each bound of each kind of rule.
+// The tolerance is a millionth of max(1, magnitude), on each side of each bound of each kind of
+// rule.
 TEST(ParameterRules, ForgiveAMillionthAndNoMoreOnEitherSide) {
   for (const double at : {-3000.0, -0.25, 0.0, 0.25, 3000.0}) {
     const double little = 0.9e-6 * std::max(1.0, std::abs(at));

@@ -182,7 +182,8 @@ TEST(Pack, KeepsOneByteOfAMessageOfZeros) {
   EXPECT_EQ(pack(MessageInterval{}, {1, 1, 0}).payload_size, 1);
 }
 
-// By common.xml and minimal.xml; both ends of a link of ours would agree on any other number.
+// The numbers of common.xml and minimal.xml. A round trip between our own ends would not detect a
+// wrong number.
 TEST(Vocabulary, HasTheNumbersOfTheDefinitions) {
   EXPECT_EQ(command::kLand, 21);
   EXPECT_EQ(command::kTakeOff, 22);
@@ -271,7 +272,7 @@ TEST(Unpack, IgnoresWhatGoesBeyondTheFieldsItKnows) {
   EXPECT_EQ(state->landed_state, 2);
 }
 
-// Whatever an old sender puts behind what version 1 knows is none of the extensions.
+// Bytes after the version 1 fields are not read as extensions.
 TEST(Unpack, KnowsNoExtensionsInVersionOne) {
   CommandAck ack;
   ack.command = 400;

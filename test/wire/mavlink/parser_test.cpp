@@ -34,7 +34,7 @@ Frame attitude_frame(std::uint8_t sequence) {
   return pack(attitude, {1, 1, sequence});
 }
 
-/// A frame of a message that nobody here knows, with a payload of `fill`.
+/// Returns a frame of an unknown message with a payload of `fill`.
 Bytes unknown_frame(std::uint8_t fill) {
   constexpr std::array<std::uint8_t, 10> kHeader{kMarkerV2, 20, 0, 0, 9, 1, 1, 0x50, 0xC3, 0};
   Bytes bytes(kHeader.size() + 22, fill);
@@ -137,7 +137,7 @@ TEST(Parser, RecognisesVersionOne) {
   frame.payload_size = 9;
   frame.crc = crc_of(frame);
   const Bytes bytes = bytes_of(frame);
-  // By hand: marker, length, sequence, system, component, id, payload.
+  // Computed by hand: marker, length, sequence, system, component, id, payload.
   EXPECT_EQ(test::hex_of_bytes(bytes).substr(0, 30), "fe09c8010100040000000203800403");
   EXPECT_EQ(bytes.size(), 17U);
   Parser parser;
@@ -190,7 +190,7 @@ TEST(Parser, ReadsWhatWasSignedWithItsSignature) {
   EXPECT_EQ(parser.counts().bytes_skipped, 0);
 }
 
-// What cannot be checked is believed to be a frame by what follows it.
+// A frame with an unknown checksum seed is accepted only if another frame follows it.
 TEST(Parser, TakesAnUnknownMessageForNoiseWhenNoFrameFollows) {
   Parser parser;
   Bytes stream = unknown_frame(0);

@@ -98,7 +98,7 @@ TEST(Signer, RefusesWhatIsOlderThanTheNewestOfItsStreamHoweverLongThatIs) {
   }
 }
 
-// Who speaks is a system, a component and a link; the clock of one says nothing of another's.
+// A stream is identified by system, component and link; time stamps of streams are independent.
 TEST(Signer, HoldsEachStreamAgainstItsOwnNewestAlone) {
   Signer receiver(kKey, 0);
   const auto check = [&](std::uint8_t system, std::uint8_t component, std::uint8_t link,
@@ -127,8 +127,8 @@ TEST(Signer, RefusesANewStreamThatIsMoreThanAMinuteBehind) {
             SignatureVerdict::kReplayed);
 }
 
-// Its clock is never behind its peer's: what it signs next is news to whoever has heard the peer,
-// and a stream that is a minute behind the peer is old, whatever our own clock says.
+// The signing time is always later than that of the peer, so the peer's receivers accept it. A
+// stream one minute behind the peer is refused, whatever the own clock shows.
 TEST(Signer, SignsLaterThanWhatItsPeerHasSigned) {
   Signer peer(kKey, 3);
   Signer ours(kKey, 3);  // on the same link, with a clock an hour behind

@@ -131,7 +131,7 @@ TEST(RoverWire, RefusesEachNumberThatCannotBeTrue) {
   for (const float share : {-0.001F, 0.0F, 0.5F, 1.0F, 1.001F}) {
     Telemetry telemetry = worked_telemetry();
     telemetry.battery_share = share;
-    telemetry.session = 0;  // it obeys nobody yet
+    telemetry.session = 0;  // not yet under the control of a driver
     EXPECT_EQ(decode(encode(telemetry), told),
               share < 0.0F || share > 1.0F ? Verdict::kValue : Verdict::kAccepted)
         << share;
@@ -274,7 +274,7 @@ TEST(RoverLink, DoesNotTakeAnotherDriversCommandsForItsOwn) {
   EXPECT_EQ(link.obeyed_age_s(kNow), std::numeric_limits<double>::infinity());
 }
 
-/// A rover that has heard one driver.
+/// A rover that receives commands of one driver.
 class RoverRules : public ::testing::Test {
  protected:
   void say(Command command) {

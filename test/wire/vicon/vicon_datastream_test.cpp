@@ -33,7 +33,7 @@ Block only_block(const std::vector<std::uint8_t>& packet) {
   return block.value_or(Block{});
 }
 
-/// What comes back from encoding `value`; every shorter body must be refused.
+/// Encodes and decodes `value`; checks that every shorter body is refused.
 template <class Value>
 Value there_and_back(const Value& value, std::uint32_t type) {
   const std::vector<std::uint8_t> packet = packet_of(value);
@@ -189,7 +189,7 @@ TEST(IsStatic, PartsTypesAsTheSdkDoes) {
   }
 }
 
-// The SDK's own split: what describes the scene, what belongs to a frame, what is said beside.
+// The SDK's classification: types that describe the scene, types of a frame, and others.
 TEST(IsStatic, PartsEveryTypeAsTheSdkDoes) {
   const std::set<std::uint32_t> scene{1,  2,  3,  4,  14, 19, 20,   27,   28,
                                       29, 33, 34, 37, 38, 40, 1401, 28001};
@@ -201,7 +201,7 @@ TEST(IsStatic, PartsEveryTypeAsTheSdkDoes) {
 }
 
 TEST(PacketWriter, PutsSeveralBlocksIntoSeveralPackets) {
-  std::vector<std::uint8_t> bytes{9, 9, 9};  // what was written before stays
+  std::vector<std::uint8_t> bytes{9, 9, 9};  // earlier content is kept
   std::vector<std::size_t> ends;
   for (const std::uint32_t first : {1u, 4u}) {
     PacketWriter packet(bytes);

@@ -68,7 +68,7 @@ TEST(RotationFromXyzw, RefusesWhatIsNotUnit) {
   EXPECT_FALSE(rotation_from_xyzw(std::nan(""), 0.0, 0.6, 0.8));
 }
 
-// By up to a thousandth, on either side; what is taken is made unit, in its own order.
+// Quaternions within 10⁻³ of unit norm are accepted and normalised, with the element order kept.
 TEST(RotationFromXyzw, MakesUnitWhatIsNearlyUnit) {
   const Eigen::Vector4d xyzw = Eigen::Vector4d(0.1, -0.3, 0.5, 0.7).normalized();
   for (const double off : {-0.95e-3, -1e-9, 0.0, 1e-9, 0.95e-3}) {
@@ -83,7 +83,7 @@ TEST(RotationFromXyzw, MakesUnitWhatIsNearlyUnit) {
   }
 }
 
-// RᵀR of a scaled rotation is (1 + off)·I, of a sheared one has `off` beside its diagonal.
+// RᵀR of a scaled rotation is (1 + off)·I; that of a sheared one has `off` next to its diagonal.
 TEST(RotationFromMatrix, TakesWhatIsNearlyOneAndMakesItOne) {
   const Eigen::Matrix3d R = product_of_turns({0.3, -1.2, 2.0});
   for (const double off : {-1.05e-3, -0.95e-3, 0.95e-3, 1.05e-3}) {

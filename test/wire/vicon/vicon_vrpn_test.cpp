@@ -51,7 +51,7 @@ TEST(VrpnCookie, NamesItsVersionByTwoDigitsEach) {
   EXPECT_EQ(other->major, 12);
   EXPECT_EQ(other->minor, 34);
   for (std::size_t at = 0; at < 16; ++at) {
-    for (const char c : {'/', ':', 'v'}) {  // beside the digits; and one more
+    for (const char c : {'/', ':', 'v'}) {  // characters next to the digits, and another one
       std::string text = "vrpn: ver. 12.34  0     ";
       const bool is_same = text[at] == c;
       text[at] = c;
