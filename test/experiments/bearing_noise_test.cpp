@@ -84,14 +84,15 @@ TEST(BearingNoise, LeavesTheJacobianAsItIs) {
   }
 }
 
-// What a plan counts on, alone or for a teammate, is what the filter then gains by such a look.
+// The information gain predicted by a plan, for itself or for a teammate, equals the filter's gain
+// from such a measurement.
 TEST(BearingNoise, IsTheSameToPlannerAndFilter) {
   planner::SearchProblem problem;
   problem.sensors = {sensor_of()};
   problem.controls = models::standard_primitives();
   problem.horizon_steps = 1;
   models::StateMatrix prior = models::StateMatrix::Zero(4, 4);
-  prior.diagonal() << 1e-4, 2e-4, 1e-4, 1e-4;  // so near its mean that the look is linear
+  prior.diagonal() << 1e-4, 2e-4, 1e-4, 1e-4;  // so certain that the measurement is linear
   planner::SightTable sight;
   test::Random random(6);
   for (int i = 0; i < 1'000; ++i) {

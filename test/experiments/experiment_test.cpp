@@ -182,7 +182,7 @@ TEST(TrackUnderAttack, IsTheSameForBothWhereNobodyIsAttacked) {
   ASSERT_EQ(cd.rmse_m.size(), 30U);
 }
 
-// Errors of each target over time, and how well they are foreseen, where nobody is attacked.
+// Errors of each target over time and their consistency with the covariance, without attacks.
 TEST(TrackUnderAttack, KeepsEveryTargetWhereNobodyIsAttacked) {
   const TrackingSetting setting{.robots = 8, .targets = 4, .attacks = 0, .task_steps = 250};
   double nees = 0.0;

@@ -138,7 +138,7 @@ TEST(Watch, RefusesAStartInABuilding) {
   EXPECT_THROW(watch(setting, {&in_a_tower, 1}, false), UsageError);
 }
 
-// What the hardware showed, where the robot that plans first is jammed.
+// The result of the hardware experiment, in which the robot that plans first is jammed.
 TEST(TwoTargets, AreSharedWithoutResilienceAndBothVisitedWithIt) {
   WatchSetting setting = two_targets_setting(0);
   setting.task_steps = 120;

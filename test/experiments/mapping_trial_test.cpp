@@ -108,7 +108,7 @@ TEST(AttackedRobots, AreChosenAsTheKindOfAttackSays) {
   }
 }
 
-// Who is attacked is who the worst case of the plans before would have taken; at first nobody.
+// The attacked robots are the worst case of the previous plans; at first no robot is attacked.
 TEST(MappingTrial, IsAttackedByThePlansBefore) {
   MappingSetup setup = small_setup();
   setup.attack = AttackKind::kPreviousPlans;

@@ -23,17 +23,18 @@ TEST(RestrictedMean, OfWaitsThatAllWereCutOffIsItsLimit) {
   EXPECT_DOUBLE_EQ(restricted_mean({}, 20), 20.0);
 }
 
-// By hand: S = 1, 3/4 from 1 on, 1/2 from 2 on; the one cut off at 3 leaves one, which ends at 4.
+// Computed by hand: S = 1, 3/4 from 1 on, 1/2 from 2 on. The wait censored at 3 leaves one, which
+// ends at 4.
 TEST(RestrictedMean, CountsWhoWasCutOffUntilThen) {
   const std::vector<Wait> waits = {{2}, {1}, {4}, {3, false}};
   EXPECT_DOUBLE_EQ(restricted_mean(waits, 10), 1.0 + 0.75 + 2 * 0.5);
   EXPECT_DOUBLE_EQ(restricted_mean(waits, 3), 1.0 + 0.75 + 0.5);
-  // Who is cut off as another ends still counts as one of those that lasted so long.
+  // A wait censored at the time when another ends still counts as at risk at that time.
   EXPECT_DOUBLE_EQ(restricted_mean({{2}, {2, false}}, 10), 2.0 + 8 * 0.5);
 }
 
-// Waits by a constant chance p a step, cut off by another of chance c that has nothing to do with
-// it: Σ_{t < τ} (1 − p)^t = (1 − (1 − p)^τ) / p, the exponential distribution in steps.
+// Waits end with probability p per step and are censored independently with probability c: Σ_{t <
+// τ} (1 − p)^t = (1 − (1 − p)^τ) / p, the exponential distribution in steps.
 TEST(RestrictedMean, IsThatOfTheExponentialDistributionWhateverIsCutOff) {
   constexpr int kWaits = 200'000;
   std::mt19937_64 rng(3);

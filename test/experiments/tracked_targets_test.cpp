@@ -102,7 +102,8 @@ TEST(TrackedTargets, AreWithinDecimetresWhereNothingLimitsTheSight) {
   }
 }
 
-// Nobody looks: a belief that may leave the world is its prior carried on, and it does leave.
+// Without measurements, a belief that may leave the world is the predicted prior, and it does
+// leave.
 TEST(TrackedTargets, AreBelievedBeyondTheWallsWhereThatIsAllowed) {
   const models::World world = square_world();
   TargetSetting setting;

@@ -18,7 +18,7 @@
 namespace vantage::experiments {
 namespace {
 
-// What a shell makes of `script` in the task of that number.
+// Returns the output of `script` in a shell, as the task of that number.
 std::string said_by(const std::string& script, const std::string& task) {
   const Result<ChildAnswer> answer =
       ask({"env", "SLURM_ARRAY_TASK_ID=" + task, "sh", "-c", script.substr(script.find('\n'))});
@@ -35,7 +35,7 @@ TEST(SlurmScripts, HandEachWordOnUnchangedAndTheShardOfTheTask) {
   EXPECT_EQ(scripts.shards.substr(0, 10), "#!/bin/sh\n");
 }
 
-// Together they have all that is not done, and none of them could be left out.
+// Together the listed shards contain all open units, and each of them is needed.
 TEST(ShardsLacking, HaveAllUnitsThatAreNotDone) {
   std::mt19937 rng(7);
   for (int round = 0; round < 200; ++round) {

@@ -92,7 +92,7 @@ std::string text_of(const fs::path& path) {
   return std::move(text).str();
 }
 
-// What must not depend on how a sweep was run, by file name.
+// Returns the files, by name, that must not depend on how a sweep was run.
 std::map<std::string, std::string> results_in(const fs::path& directory) {
   std::map<std::string, std::string> results;
   for (const auto& entry : fs::directory_iterator(directory)) {
@@ -307,7 +307,7 @@ TEST_F(Sweeps, RefuseRowsThatCannotBe) {
   EXPECT_NE(refusal_of([&] { run("a"); }).find("twice with different rows"), std::string::npos);
 }
 
-// Shards on machines of their own leave directories whose rows are copied together.
+// Shards on separate machines write separate directories, whose rows are then copied together.
 TEST_F(Sweeps, RefuseRowsOfAnotherRunThatWereCopiedIn) {
   const auto share = [&](const std::string& name, int number, const SweepIdentity& identity) {
     SweepOptions options;
