@@ -14,14 +14,14 @@
 #include "trial/replay/log_replay.hpp"
 #include "trial/trial.hpp"
 
-// Teams in which nobody listens to everybody.
+// Teams in which no robot subscribes to all others.
 
 namespace vantage::trial {
 namespace {
 
 constexpr double kNeighbourhood_m = 36.0;
 
-/// Robots 16 m apart in rows of 13, as many targets, 4 s.
+/// Robots 16 m apart in rows of 13, the same number of targets, 4 s.
 scenario::Scenario crowd(int robots, const std::string& of_planner) {
   const int rows = (robots + 12) / 13;
   std::string text = fmt::format(
@@ -42,7 +42,7 @@ scenario::Scenario crowd(int robots, const std::string& of_planner) {
   return scenario::parse_scenario(text, "crowd.yaml");
 }
 
-/// What was said in a trial, and what of it was too much.
+/// Statistics of the messages published in a trial.
 struct Said {
   std::size_t most_inputs = 0;
   double farthest_target_m = 0.0;

@@ -266,8 +266,8 @@ class Talker : public bus::Node {
   Time next_{};
 };
 
-// Of 10 050 messages a queue holds the last ten thousand: its own has no room for 50 of them, the
-// recorder's, which hears of the talker's health as well, for 51.
+// A queue holds the last ten thousand of 10 050 messages. The trial's queue loses 50; the
+// recorder's, which also receives the talker's health, loses 51.
 TEST(RunTrial, CountsWhatItsRecorderHadNoRoomFor) {
   scenario::Scenario scenario = short_lab(5);
   scenario.duration_s = 1.0;

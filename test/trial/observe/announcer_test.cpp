@@ -23,7 +23,7 @@ class AnnouncerTest : public ::testing::Test {
     listens_.subscribe<models::ScenarioNotice>(
         bus::kScenario, [this](const models::ScenarioNotice& notice) { heard_.push_back(notice); });
   }
-  /// What was said since the last time.
+  /// Returns the notices published since the last call.
   std::vector<models::ScenarioNotice> heard() {
     while (listens_.handle(microseconds(0)) > 0) {
     }

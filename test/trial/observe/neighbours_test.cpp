@@ -70,7 +70,8 @@ TEST(RivalsOfUp, AreNamedInASentenceEach) {
   EXPECT_TRUE(rivals_of_up(scenario, "LAB", Channels{"HOST_", "VEHICLE_", "TRUTHS"}).empty());
 }
 
-// A direct vehicle is the simulator's, whoever runs its robot; one with a driver is its host's.
+// A direct vehicle belongs to the simulator, whichever host runs its robot. A vehicle with a driver
+// belongs to its host.
 TEST(RivalsOfUp, AreVehiclesByWhoSpeaksForThem) {
   scenario::Scenario scenario = lab_of_two_hosts();
   scenario.robots[1].device = scenario::DeviceSource::kWire;

@@ -120,7 +120,7 @@ TEST_F(Observer, KeepsNothingOfRobotsThatAreNotTheScenarios) {
   EXPECT_EQ(observer_.metrics().rounds(), 0);
 }
 
-// A body whose number is no target of the scenario's is drawn, and nobody has an estimate of it.
+// A body whose number is not a target of the scenario is drawn, but has no estimate.
 TEST_F(Observer, HasNoEstimateOfWhatIsNoTarget) {
   const int targets = static_cast<int>(scenario_.targets.size());
   for (const int id : {0, targets - 1, targets, targets + 100}) {
@@ -132,7 +132,7 @@ TEST_F(Observer, HasNoEstimateOfWhatIsNoTarget) {
   }
 }
 
-// Whatever number a target has: the first, which is 0, as well as the last.
+// For any target number: the first, which is 0, and the last.
 TEST_F(Observer, HasTheTeamsEstimateOfEveryTarget) {
   const auto mean_of = [](int id) { return Eigen::Vector2d(0.5 * id - 1.0, 0.25 * id); };
   models::RobotBelief belief;

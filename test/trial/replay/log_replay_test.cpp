@@ -158,8 +158,8 @@ TEST_F(ReplayLog, MakesTheTracksOfATeamWithoutIdsAgainAndThePlansByThem) {
   }
 }
 
-// Of before there were mixtures a log has none: that is no difference. A plan that names one is
-// made again with it alone.
+// A log without mixtures is valid and counts as no difference. A plan that names a mixture can only
+// be repeated with it.
 TEST_F(ReplayLog, MakesTheMixturesOfTheFieldAgainAndThePlansByThem) {
   const auto [scenario, path, summary] = fly("field", 180.0, 300);
   EXPECT_EQ(summary.plans_missing, 0);
@@ -168,7 +168,7 @@ TEST_F(ReplayLog, MakesTheMixturesOfTheFieldAgainAndThePlansByThem) {
   std::string without = folder_->file("without.lcmlog");
   {
     logs::LogWriter writer(without, logs::Existing::kReplace);
-    std::optional<vantage_lcm::mixture_t> open;  // its belief comes next
+    std::optional<vantage_lcm::mixture_t> open;  // its belief is the next event
     const logs::IndexedLog log(path);
     logs::LogScan scan = log.scan();
     while (const auto event = scan.next()) {
@@ -318,8 +318,8 @@ TEST_F(ReplayLog, SaysWhatCouldNotBeMadeAgain) {
   EXPECT_EQ(beliefs.not_replayed(), 1) << "the step after the lost one goes on from the log";
 }
 
-// The plans behind one whose input is lost wait for it no longer than two seconds: three times, and
-// where the log ends before these are over.
+// Plans after one with a lost input wait for it at most two seconds: tested three times, and with
+// the log ending earlier.
 TEST_F(ReplayLog, MakesThePlansAgainThatFollowOneWhoseInputIsLost) {
   int plans = 0;
   edited([&](std::string_view channel, Bytes&) {

@@ -34,14 +34,15 @@ vantage_lcm::plan_t plan_of(std::int64_t round) {
   return plan;
 }
 
-// Byte by byte: the fingerprint, when it is for, who said it (16 bytes), and the rest.
+// Changes each byte: fingerprint, time stamp, identity of the sender (16 bytes, skipped), and the
+// rest.
 TEST(OutputComparison, HoldsEveryByteButThoseOfWhoSaidIt) {
   vantage_lcm::mixture_t mixture{};
   mixture.utime = 7;
   mixture.robot = "Q1";
   mixture.step = 3;
   const Bytes logged = encoded(mixture);
-  // Behind the length of the name, its two letters: 36 and 37.
+  // After the length of the name, its two letters at 36 and 37.
   for (std::size_t at = 8; at < 38; at += at == 31 ? 5 : 1) {
     Bytes replayed = logged;
     replayed[at] ^= 1U;

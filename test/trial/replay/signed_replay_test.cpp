@@ -16,7 +16,7 @@
 #include "trial/replay/log_replay.hpp"
 #include "trial/trial.hpp"
 
-// A short trial's log as it is, and as one whose processes had signed what they said.
+// Replay of a short trial's log, plain and with signed messages.
 
 namespace vantage::trial {
 namespace {
@@ -49,8 +49,8 @@ class SignedReplay : public ::testing::Test {
   static std::string plain() { return folder_->file("plain.lcmlog"); }
   static std::string with_signatures() { return folder_->file("signed.lcmlog"); }
 
-  /// Each event signed; beside each plan of Q1 another that nobody has signed, and before each
-  /// second belief of its own one of Q2's that is signed as of a flight.
+  /// Signs each event. Before each plan of Q1 writes a forged plan without a signature. Before each
+  /// belief of Q2 writes a forged one that is signed for a live trial.
   static void sign() {
     const logs::IndexedLog log(plain());
     logs::LogWriter writer(with_signatures());
