@@ -7,7 +7,8 @@
 
 namespace vantage::estimator::test {
 
-/// The rows of a CSV file of numbers under one header line; empty when there is no such file.
+/// Returns the rows of a CSV file of numbers with one header line; empty if the file does not
+/// exist.
 inline std::vector<std::vector<double>> read_csv(const std::string& path) {
   std::vector<std::vector<double>> rows;
   std::ifstream file(path);

@@ -140,7 +140,7 @@ inline std::optional<DenseMoments> dense_posterior(const Eigen::VectorXd& prior_
   return out;
 }
 
-/// How far `mean` is off in σ of the oracle, and its covariance in shares of the oracle's.
+/// Error of a mean in σ of the oracle, and of a covariance relative to the oracle's.
 struct Difference {
   double mean_sigma = 0.0;
   double covariance_share = 0.0;

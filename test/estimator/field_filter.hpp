@@ -51,7 +51,7 @@ inline FilterSpec field_spec(bool samples) {
   return spec;
 }
 
-/// Of `robot`, from there; it reports nothing but what is put in.
+/// Returns an empty scan of `robot` from that viewpoint.
 inline models::DetectionSet look_of(const std::string& robot, int step,
                                     const models::Viewpoint& from) {
   models::DetectionSet look;
@@ -61,7 +61,7 @@ inline models::DetectionSet look_of(const std::string& robot, int step,
   return look;
 }
 
-/// What the sensor says, without noise, of a target that is there.
+/// Returns the noise-free measurement of a target at truth_m.
 inline models::Measurement seen(const models::Viewpoint& from, const Eigen::Vector2d& truth_m) {
   const models::PositionVector y_m = truth_m;
   return {models::observe(field_sensor(), from, y_m),
@@ -74,7 +74,7 @@ inline DistributedFilter knows(const models::Gaussian& start, bool samples = tru
   return filter;
 }
 
-/// Where a robot is that looks around beside where the target was.
+/// Returns the viewpoint of a robot that scans next to the target's initial position.
 inline models::Viewpoint beside(const models::Gaussian& start, int step) {
   return at(start.mean(0) - 6.0 + 0.1 * step, start.mean(1) - 8.0,
             0.5 * kPi + 0.3 * std::sin(0.2 * step));

@@ -105,13 +105,13 @@ inline models::RobotBelief prior(Time time, const std::vector<models::Gaussian>&
   return belief;
 }
 
-/// What one robot of a team has at a step.
+/// Messages that one robot of a team has received at a step.
 struct Heard {
   std::vector<models::DetectionSet> looks;
   std::vector<models::RobotBelief> beliefs;
 };
-/// Robot `self`'s own look and, of each other that `hears(other)`, the look and the belief, if it
-/// has sent one.
+/// Returns robot `self`'s own observation and, for each other robot with `hears(other)`, its
+/// observation and its belief if it has sent one.
 template <class Hears>
 Heard heard_by(std::size_t self, const std::vector<models::DetectionSet>& looks,
                const std::vector<models::RobotBelief>& beliefs, const Hears& hears) {

@@ -7,7 +7,8 @@
 namespace vantage::estimator {
 namespace {
 
-// Of 12 points: exact of every polynomial up to the 23rd degree, and of no other rule is that true.
+// The rule has 12 points. It is exact for every polynomial up to degree 23, and is the only such
+// rule.
 TEST(GaussLegendre, IsExactOfPolynomialsOfUpToTheTwentyThirdDegree) {
   for (int degree = 0; degree <= 23; ++degree) {
     double sum = 0.0;

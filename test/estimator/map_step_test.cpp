@@ -27,7 +27,7 @@ class MapPublisherTest : public ::testing::Test {
     }
   }
 
-  // MAP_Q2 of `seen` looks at cell 0, from an estimator whose run is `run_id`.
+  // Publishes MAP_Q2 with `seen` observations of cell 0, from an estimator whose run is `run_id`.
   models::InputRef say(std::int64_t run_id, int step, std::int16_t seen) {
     models::RobotMap map;
     map.stamp.time = time_of(step);
@@ -216,7 +216,7 @@ TEST_F(MapPublisherTest, TakesUpWhatComesFromWithinTheRadiosRange) {
   EXPECT_EQ(made[1].team_looks[0], -3);
 }
 
-// What was flown, made again: under another prefix, and from what each map names alone.
+// Repeats the maps of a flight under another prefix, using only the inputs that each map names.
 TEST_F(MapPublisherTest, IsReplayedFromWhatItsMapsName) {
   MapReplayer replayer(replay_bus_, scenario_, "Q1");
   std::vector<models::RobotMap> again;
@@ -228,7 +228,7 @@ TEST_F(MapPublisherTest, IsReplayedFromWhatItsMapsName) {
       say(10, k, static_cast<std::int16_t>(-1 - k));
     }
     if (k == 2) {
-      scan(k);  // two of one step
+      scan(k);  // two scans in one step
     }
     step(k);
   }
@@ -242,8 +242,8 @@ TEST_F(MapPublisherTest, IsReplayedFromWhatItsMapsName) {
     EXPECT_EQ(again[k].step, heard_[k].step);
   }
   EXPECT_TRUE(replayer.counters().empty());
-  // Of what names something that nobody has heard, or no belief, nothing is made; it waits for two
-  // seconds, and what comes behind it does not wait for longer.
+  // A map that names an unknown input, or no belief, is not made. It waits for two seconds; the
+  // maps after it do not wait longer.
   models::RobotMap strange = heard_.back();
   strange.inputs.push_back({"SCAN_Q1", 77, 0});
   bus_.publish(bus::map_channel("Q1"), strange);

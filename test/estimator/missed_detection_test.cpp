@@ -176,7 +176,7 @@ TEST(MissedDetection, StaysSymmetricAndPositiveDefinite) {
   }
 }
 
-// Of teammates whose sensors reach, and report, unlike far and unlike often; among them itself.
+// Teammates, including the robot itself, with different ranges and detection probabilities.
 TEST(DistributedFilter, TakesATeammatesMissForWhatThatOnesSensorMisses) {
   const Gaussian before = standard();
   FilterSpec spec = test::open_spec({models::TargetKind::kStatic, 2, 0.0},
@@ -206,7 +206,7 @@ TEST(DistributedFilter, TakesATeammatesMissForWhatThatOnesSensorMisses) {
   expect("Q1", 1.1, 0.5);  // of itself it knows best
   expect("Q2", 1.5, 0.6);
   expect("Q3", 2.0, 0.8);
-  expect("Q9", 1.1, 0.5);  // who is not of the team has looked for it
+  expect("Q9", 1.1, 0.5);  // the scan is from outside the team
 }
 
 }  // namespace

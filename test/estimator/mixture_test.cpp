@@ -84,7 +84,7 @@ TEST(Moments, AreNotOfWhatWeighsNothing) {
   EXPECT_TRUE(is_near(moments(mixture).covariance, one.belief.covariance, 1e-12));
 }
 
-// By its own covariance, whatever the other's, and whichever was named first.
+// Distances are measured by the heavier component's covariance, in either order.
 TEST(Reduce, MergesWhatIsWithinSoManySigmaOfTheHeavier) {
   for (const double other_sigma_m : {0.05, 5.0}) {
     for (const double side : {-1.0, 1.0}) {
@@ -104,7 +104,7 @@ TEST(Reduce, MergesWhatIsWithinSoManySigmaOfTheHeavier) {
   }
 }
 
-// What it has taken up makes it wide, and takes up no more for that.
+// Merging widens a component but does not extend its merge distance.
 TEST(Reduce, JudgesByWhatTheHeavierWasAtFirst) {
   Mixture mixture = {at_x(0.5, 0.0, 0.5), at_x(0.3, 0.9, 0.5), at_x(0.2, 1.1, 0.5)};
   reduce(mixture, 8, 2.0, 0.0);
@@ -114,14 +114,15 @@ TEST(Reduce, JudgesByWhatTheHeavierWasAtFirst) {
   EXPECT_EQ(mixture[1].belief.mean(0), 1.1);
 }
 
-// Nearest by the covariance of who takes it up: a wide one is near from farther away.
+// The nearest component is found by the covariance of the one that absorbs it: a wide one is near
+// from farther away.
 TEST(Reduce, GivesWhatIsTooManyToItsNearest) {
   for (const auto& [wide_m, is_to_wide] : {std::pair(1.0, false), std::pair(4.0, true)}) {
     Mixture mixture = {at_x(1.5, 0.0, wide_m), at_x(0.9, 10.0, 1.0), at_x(0.75, 6.0, 1.0),
                        at_x(0.03, -90.0, 1.0)};
     reduce(mixture, 2, 0.1, 0.02);
     ASSERT_EQ(mixture.size(), 2U);
-    const double total = 1.5 + 0.9 + 0.75 + 0.03;  // what is dropped is shared out
+    const double total = 1.5 + 0.9 + 0.75 + 0.03;  // the dropped weight is redistributed
     EXPECT_NEAR(mixture[0].weight + mixture[1].weight, total, 1e-12);
     const double heavier = is_to_wide ? 1.5 + 0.75 : 0.9 + 0.75;
     EXPECT_NEAR(mixture[0].weight, total * heavier / 3.15, 1e-12);

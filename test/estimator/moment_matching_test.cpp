@@ -81,7 +81,7 @@ TEST(Reweighted, ByAGaussianIsAKalmanUpdate) {
   }
 }
 
-// What is possible at one point of the rule alone is there, and as wide as one of its cells.
+// If only one point of the rule is possible, the result is there and as wide as one of its cells.
 TEST(Reweighted, IsNeverNarrowerThanACell) {
   Eigen::Matrix4d root = Eigen::Matrix4d::Zero();
   root << 2.0, 0.0, 0.0, 0.0, 0.5, 1.5, 0.0, 0.0, 0.3, -0.2, 1.0, 0.0, 0.1, 0.4, 0.2, 0.7;
@@ -125,7 +125,7 @@ TEST(Reweighted, LeavesAloneWhatItCannotChange) {
   EXPECT_EQ(same.mean, belief.mean);
   EXPECT_EQ(same.covariance, belief.covariance);
   EXPECT_EQ(share, 1.0);
-  // Which contradicts it: a little less than a millionth is left, or a little more.
+  // A contradicting likelihood: the remaining share is slightly below or above a millionth.
   for (const double left : {0.99e-6, 1.01e-6}) {
     const auto likelihood = [&](const models::PositionVector& y_m) {
       return y_m(0) > 1.0 ? 2.0 * left : 1e-9;  // the rule's middle column is on the other side

@@ -82,7 +82,7 @@ TEST(MultiTargetFilter, OfAnEmptyLookDoubtsWhoShouldHaveBeenSeen) {
   EXPECT_NEAR(tracks[1].existence, 0.6, 1e-9);
 }
 
-// Of two, r each, where there is one at most: r (1 − r) / (1 − r²).
+// Two tracks of existence r and at most one target: r (1 − r) / (1 − r²).
 TEST(MultiTargetFilter, KnowsHowManyThereAre) {
   MultiTargetFilter filter(spec_of(1, {0.8, 0.5}));
   auto tracks = filter.no_tracks();
@@ -93,8 +93,8 @@ TEST(MultiTargetFilter, KnowsHowManyThereAre) {
   EXPECT_NEAR(tracks[1].existence, tracks[0].existence, 1e-12);
 }
 
-// What an unexplained detection founds exists by the ratio of targets not tracked to all that is
-// not a track's.
+// The existence of a new track is the intensity of untracked targets divided by that of all
+// detections without a track.
 TEST(MultiTargetFilter, BelievesABirthAsMuchAsFalseAlarmsAllow) {
   const models::SensorModel sensor = lab_sensor();
   MultiTargetFilter filter(spec_of(3, {0.9, 2.0}));

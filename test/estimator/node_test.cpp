@@ -148,7 +148,7 @@ TEST_F(NodeTest, WaitsForItsOwnLookWhereMocapIsOldAndNoLongerThanForOneThatStays
     world_.publish(bus::measurement_channel("Q1"), look("Q1", instant, {0.0, -1.0, 0.3}));
     deliver();
   };
-  look_comes(t1, 72ms);  // nobody knew yet that looks come at all
+  look_comes(t1, 72ms);  // the node does not expect observations yet
   look_comes(t1 + 500ms, 72ms);
   look_comes(t1 + 1000ms, 20ms);
   look_comes(t1 + 1500ms, 47ms);
@@ -226,7 +226,7 @@ TEST_F(NodeTest, RefusesARobotThatIsNotInTheScenario) {
   EXPECT_THROW(EstimatorNode(robot_bus_, clock_, scenario_, "Q9"), UsageError);
 }
 
-// Of each robot of the team 64 looks may wait; of poses the newest 256 are there.
+// 64 observations of each robot and the newest 256 poses are kept.
 TEST_F(NodeTest, KeepsTheNewestOfMoreThanItHasRoomFor) {
   EstimatorNode node(robot_bus_, clock_, scenario_, "Q1");
   std::vector<models::RobotBelief> heard;
@@ -329,10 +329,11 @@ TEST_F(NodeTest, SaysOfTheTargetsWhatItIsToldToBelieve) {
   EXPECT_EQ(heard[0].inputs.size(), 1U);
 }
 
-/// What a logger heard: everything that went over the bus, in order.
+/// A log of all messages on the bus, in order, and its replay.
 class Replay : public NodeTest {
  protected:
-  /// Flies two robots for `steps` steps with jitter: looks come late or with the mocap only.
+  /// Flies two robots for `steps` steps with jitter: some observations are late or arrive with the
+  /// mocap frame.
   void fly(int steps) {
     EstimatorNode robot(robot_bus_, clock_, scenario_, "Q1");
     EstimatorNode mate(mate_bus_, clock_, scenario_, "Q2");

@@ -47,7 +47,7 @@ TEST(OccupancyFusion, PutsASurfaceAtACellsNearSideIntoThatCellWhateverTheNoise) 
   }
 }
 
-// Something within the vehicle's own cell says nothing of that cell, nor of any other.
+// A hit within the vehicle's own cell changes no cell.
 TEST(OccupancyFusion, LeavesItsOwnCellAloneWhenTheBeamEndsInIt) {
   for (const double range_m : {0.0, 0.02, 0.05, 0.079}) {
     EXPECT_EQ(log_odds_after(range_m), std::vector<double>(12, 0.0)) << range_m;
@@ -177,7 +177,7 @@ TEST(OccupancyFusion, RefusesAModelThatLearnsBackwards) {
   EXPECT_THROW(OccupancyFusion({0, 1.0, 0.0, 1.0, 0.1}, {}), UsageError);
 }
 
-// What is too near by more than its noise was no echo.
+// A reading that is below the minimum range by more than the noise is ignored.
 TEST(OccupancyFusion, IgnoresReadingsThreeSigmaBelowTheLeast) {
   for (const double least_m : {0.0, 0.5}) {
     const BeamSensor sensor{1, 1.0, least_m, 1.5, 0.02};

@@ -14,7 +14,7 @@
 #include "test/estimator/filter_support.hpp"
 #include "test/support/near.hpp"
 
-// What is believed of an unseen target, in several Gaussians.
+// The belief about an unseen target as several Gaussians.
 
 namespace vantage::estimator {
 namespace {
@@ -24,7 +24,8 @@ using vantage::test::is_near;
 
 constexpr double kSigma_m = 2.0;
 
-/// Spread by `sigma_m`, at rest about the middle of the field, and not seen by a look at it.
+/// Returns samples with spread `sigma_m` and zero mean velocity around the centre of the field,
+/// after an empty scan of it.
 Samples looked_for(double sigma_m, double yaw_rad) {
   Gaussian belief{Eigen::Vector4d::Zero(), Eigen::Matrix4d::Zero()};
   belief.covariance.diagonal() << sigma_m * sigma_m, sigma_m * sigma_m, 0.01, 0.01;
