@@ -15,7 +15,7 @@
 namespace vantage::logs {
 namespace {
 
-// Spread evenly over a range of logarithms, whose middle lies somewhere in a bin.
+// Log-uniform samples whose median is at different positions within a histogram bin.
 TEST(NeesSums, HasTheMedianWhereHalfOfAllLieBelow) {
   for (const double from : {-3.9, -0.5, 0.0, 2.123}) {
     for (const double length : {0.343, 0.6868, 1.7772}) {
@@ -80,7 +80,7 @@ models::TargetBelief known(int id, double x_m, double sigma_m) {
   return out;
 }
 
-// Of targets that are none of the trial's, or of which nothing is known, there is nothing to judge.
+// Ids that are not targets of the trial and targets without information are skipped.
 TEST(RobotSums, PassOverWhatIsNoTarget) {
   models::TruthFrame frame;
   frame.stamp.time = from_utime(5);

@@ -20,9 +20,9 @@ MadeLog random_log(std::mt19937_64& rng, int events);
 /// A log after accidents, and where its untouched events are now.
 struct DamagedLog {
   std::vector<std::uint8_t> bytes;
-  /// Offsets and sizes of events all of whose bytes are there, in order.
+  /// Offsets and sizes of undamaged events, in order.
   std::map<std::size_t, std::size_t> intact;
-  /// Offsets of sync words that were there before: of events, and of the traps in their data.
+  /// Offsets of the sync words before the damage: of events, and of the traps in their data.
   std::set<std::size_t> headers;
 };
 

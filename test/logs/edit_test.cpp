@@ -145,10 +145,10 @@ TEST_F(Edit, MendsATornLogIntoOneThatLcmReads) {
   EXPECT_TRUE(survey_log(test::read_file(folder_.file("mended"))).is_whole());
 }
 
-// What `vantage log check` and `repair` do, over files.
+// The functions behind `vantage log check` and `repair`, on files.
 TEST_F(Edit, MendsAThousandDamagedLogs) {
   for (std::uint64_t seed = 0; seed < 1000; ++seed) {
-    // Not over one another: file systems are slow to empty a file that has just been written.
+    // Separate files: truncating a file that was just written is slow.
     const std::string torn = folder_.file("torn" + std::to_string(seed));
     const std::string mended = folder_.file("mended" + std::to_string(seed));
     std::mt19937_64 rng(seed + 1'000'000);
@@ -291,7 +291,7 @@ TEST_F(Edit, LeavesOutWhatIsDoubtfulOnlyWhenToldTo) {
   }
 }
 
-// Of a sorted log nothing is read behind the part; of one that is not, all of it.
+// A sorted log is read only up to the end of the part; an unsorted one is read completely.
 TEST_F(Edit, CountsWhatItLeavesOutAsFarAsItReads) {
   EditRules rules;
   rules.from = from_utime(20);

@@ -17,7 +17,7 @@
 #include "test/bus/convert/sample_messages.hpp"
 #include "test/logs/file_support.hpp"
 
-// What the exports of logs have in common.
+// Properties that all log exports share.
 
 namespace vantage::logs {
 namespace {
@@ -111,7 +111,7 @@ TEST_F(ExportTest, EndsWhereItIsToldTo) {
   }
 }
 
-// Channels that were not asked for are neither written nor missed.
+// Channels that were not selected are neither written nor counted as missing.
 TEST_F(ExportTest, WritesAndCountsTheChannelsThatAreMeant) {
   add<models::VehicleStatus>("VEHICLE_Q1");
   add<models::VehicleStatus>("VEHICLE_Q2");
@@ -215,7 +215,8 @@ TEST(CsvTable, HasItsColumnsInTheOrderOfTheType) {
             "9,1,2,3,4,5,2,Q2,10.5,11.5,12.5,10.25,11.25,12.25,13.25,false\r\n");
 }
 
-// Only the first list of structs is laid out; what was read for a message is no list of rows.
+// Only the first list of structs becomes rows. `inputs`, the list of messages that this one was
+// made from, does not.
 TEST(CsvTable, PutsOtherListsIntoOneCell) {
   vantage_lcm::scan_t scan{};
   scan.robot = "line\none";

@@ -17,7 +17,7 @@
 
 namespace vantage::logs::test {
 
-/// A disk that fills up, hangs and fails when it is told to. Thread-safe.
+/// A disk that fills up, hangs and fails on command. Thread-safe.
 class FakeDisk {
  public:
   using Bytes = std::vector<std::uint8_t>;
@@ -82,7 +82,7 @@ class FakeDisk {
       return std::nullopt;
     }
     [[nodiscard]] std::uint64_t size_bytes() const override { return disk_.bytes(path_).size(); }
-    /// What room it was told to have; none is known before.
+    /// Returns the space set by the test; nullopt before.
     [[nodiscard]] std::optional<std::uint64_t> free_bytes() const override {
       return disk_.free_bytes();
     }

@@ -10,7 +10,7 @@
 #include "logs/foxglove/parts.hpp"
 #include "logs/look/look.hpp"
 
-// What tests of pictures read of the JSON that viewers are sent.
+// Helpers that read the JSON sent to viewers.
 
 namespace vantage::logs::foxglove {
 

@@ -110,7 +110,8 @@ TEST(RobotsScene, DrawsEachAsADiscOfItsRadiusWithItsNoseAhead) {
     EXPECT_EQ(body.at("top_scale"), 1.0);
     expect_near(xyz(body.at("pose").at("position")), {0.0, 0.0, 0.0});
     EXPECT_EQ(rgb(body.at("color")), is_jammed ? role("jammed") : looks.body_paint().middle());
-    // A core where it is jammed, whose it is; and of those who share a body's colour.
+    // A jammed robot's body has the jammed colour and its core the robot's own. Other robots that
+    // share a body colour have a core, too.
     ASSERT_EQ(robot.at("cylinders").size(), is_jammed || i >= 8 ? 2U : 1U);
     if (is_jammed || i >= 8) {
       const Json& core = robot.at("cylinders").at(1);
@@ -207,7 +208,7 @@ TEST(ViewsScene, IsTheSectorThatTheSensorSeesOfTheGround) {
                   foot + range_m * Eigen::Vector3d(std::cos(angle_rad), std::sin(angle_rad), 0.0));
     }
   }
-  // Who is jammed is red, and more so.
+  // A jammed robot's view is red, with a thicker line and a more opaque fill.
   const auto line_of = [&](std::size_t i) { return entities[i].at("lines").at(0); };
   const auto fill_of = [&](std::size_t i) { return entities[i].at("triangles").at(0).at("color"); };
   EXPECT_EQ(rgb(line_of(1).at("color")), role("jammed"));
@@ -220,7 +221,8 @@ TEST(ViewsScene, IsTheSectorThatTheSensorSeesOfTheGround) {
   EXPECT_LE(line_of(1).at("color").at("a"), 1.0);
 }
 
-// Who sees more than half of what is around it, but not all, has an edge from and to its foot.
+// A field of view of more than half a turn, but less than a full one, has edges from and to its
+// origin.
 TEST(ViewsScene, IsASectorUntilItIsAWholeTurn) {
   scenario::Scenario scenario = lab();
   scenario.robots.resize(1);

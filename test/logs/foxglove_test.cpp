@@ -17,7 +17,7 @@
 namespace vantage::logs::foxglove {
 namespace {
 
-/// What is wrong with `value` as an instance of `schema`; empty when nothing is.
+/// Returns how `value` violates `schema`; empty if it conforms.
 std::string nonconformity(const Json& schema, const Json& value, const std::string& at) {
   const std::string type = schema.at("type");
   if (type == "object") {

@@ -6,7 +6,7 @@
 #include "logs/foxglove/stream.hpp"
 #include "test/logs/foxglove_notebook.hpp"
 
-// What a stream tells when something changes.
+// Messages that a stream publishes when something changes.
 
 namespace vantage::logs::foxglove {
 namespace {

@@ -190,7 +190,7 @@ models::RobotBelief belief(const std::string& robot, Time time,
   return out;
 }
 
-// Three of five targets are known; of two of them the truth is heard, too.
+// Three of five targets are tracked; the truth of two of them is received, too.
 TEST(TeamJson, TellsOfTheNewestJudgedStep) {
   const scenario::Scenario scenario = lab();
   ASSERT_EQ(scenario.targets.size(), 5U);
@@ -313,7 +313,7 @@ TEST(EventOf, TellsWhatAVehicleDoesAndWhy) {
   models::VehicleStatus status;
   status.robot = "Q1";
   status.stamp.time = kTime;
-  // What is heard first is told unless it is calm.
+  // The first status is an event unless its state is calm.
   for (const FlightState calm : {FlightState::kIdle, FlightState::kFollow}) {
     status.state = calm;
     EXPECT_FALSE(event_of(nullptr, status));

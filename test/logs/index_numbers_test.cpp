@@ -17,7 +17,7 @@ namespace {
 using test::Bytes;
 using test::TemporaryFolder;
 
-// Numbers begin with 0; who has none, as of before there were any, has lost nothing.
+// Sequence numbers start at 0. Messages without a number (-1, older logs) count no loss.
 TEST(SurveyLog, CountsFromTheFirstNumberThatThereIs) {
   const auto lost = [](const std::vector<std::int64_t>& sequences) {
     Bytes log;

@@ -217,7 +217,7 @@ Bytes eventful_log() {
   return out;
 }
 
-/// By the definitions, one event after another.
+/// Computes a survey event by event from the definitions.
 LogSurvey survey_by_hand(const Bytes& log) {
   LogSurvey out;
   out.size_bytes = log.size();
@@ -351,7 +351,7 @@ TEST(SurveyLog, TellsHowFarItIsAboutAHundredTimes) {
   EXPECT_EQ(shares.back(), 1.0);
 }
 
-// What the index has is all that was surveyed, each under its own name.
+// The index contains the complete survey, each value under its own name.
 TEST(IndexedLog, ReadsItsWholeSurveyBack) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");

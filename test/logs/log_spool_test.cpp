@@ -139,7 +139,7 @@ TEST(LogSpool, MakesNobodyWaitForADiskThatHangs) {
   EXPECT_FALSE(spool.report().is_good());
 }
 
-// What is written outlives a kill -9, however long the disk takes to make it safe.
+// Written data survives a kill -9, however long the sync takes.
 TEST(LogSpool, WritesOnWhileASyncHangs) {
   FakeDisk disk;
   disk.hang_sync(true);
@@ -342,7 +342,7 @@ TEST(LogSpool, IsOtherwiseAsStated) {
   EXPECT_EQ(options.write_period, std::chrono::milliseconds(10));
   EXPECT_EQ(options.sync_period, std::chrono::milliseconds(40));
   EXPECT_EQ(options.retry_period, std::chrono::milliseconds(200));
-  // What comes is safe within its time: written, then synced after the sync that was under way.
+  // New data is safe within the limit: written, then synced after the sync in progress.
   EXPECT_LE(options.write_period + 2 * options.sync_period, LogSpool::kAtRiskMax);
   EXPECT_EQ(LogSpool::kAtRiskMax, std::chrono::milliseconds(100));
   FakeDisk disk;

@@ -56,7 +56,7 @@ TEST(LogWriter, WritesOverALogOnlyWhenToldTo) {
   EXPECT_EQ(test::read_file(path).size(), 29U);
 }
 
-// Red before: what the disk had refused was found missing by nobody.
+// A failed write must be reported.
 TEST(LogWriter, SaysWhyALogLacksSomethingAndEndsItWhole) {
   test::FakeDisk disk;
   const std::vector<std::uint8_t> data(1000);

@@ -32,7 +32,7 @@ Colour times(const std::array<Colour, 3>& m, const Colour& v) {
   return out;
 }
 
-// How eyes see: of most people, without red cones, without green ones.
+// Colour vision: normal, without red cones, without green cones.
 // Source: Machado, Oliveira, Fernandes 2009, severity 1.
 constexpr std::array<std::array<Colour, 3>, 3> kEyes = {{
     {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}},

@@ -39,7 +39,7 @@ class McapPeer : public ::testing::Test {
       GTEST_SKIP() << "@mcap/core is not installed: tools/setup";
     }
   }
-  /// What the peer prints of `path`; "" when it refuses it.
+  /// Returns what the peer prints for `path`; "" if it refuses the file.
   std::string read(const std::string& path) const {
     const std::string out = folder_.file("out");
     const std::string command = "node " + kPeer + "/peer.mjs " + path + " > " + out;
@@ -207,8 +207,8 @@ std::uint64_t number_at(const test::Bytes& bytes, std::size_t at) {
   return out;
 }
 
-// By the specification alone: opcode, length, content; a chunk and its index begin with the times
-// of its first and last message.
+// By the specification only: opcode, length, content. A chunk and its index begin with the times of
+// the first and last message.
 TEST(McapWriter, SaysOfEachChunkFromWhenToWhenItIs) {
   constexpr std::uint8_t kChunk = 0x06;
   constexpr std::uint8_t kChunkIndex = 0x08;

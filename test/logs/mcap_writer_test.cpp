@@ -1,5 +1,5 @@
-// What an MCAP file of ours says, by the specification alone (mcap.dev/spec): every number of every
-// record, also those that readers do not look at as long as all is well.
+// Checks every number of every record of a written MCAP file by the specification alone
+// (mcap.dev/spec), including those that readers normally ignore.
 
 #include "logs/export/mcap_writer.hpp"
 

@@ -84,7 +84,7 @@ TEST(OspaJudge, CountsATargetWhoseTrackIsAnotherThanBefore) {
   EXPECT_EQ(judge.swaps(), 0);
   judge.judge(truth, std::vector<Labelled>{{11, {0.1, 0.0}}, {10, {5.1, 0.0}}});
   EXPECT_EQ(judge.swaps(), 2);
-  judge.judge(truth, {});  // lost, which is no swap
+  judge.judge(truth, {});  // losing a track is not a swap
   judge.judge(truth, std::vector<Labelled>{{11, {0.1, 0.0}}});
   EXPECT_EQ(judge.swaps(), 2);
   judge.judge(truth, std::vector<Labelled>{{12, {0.1, 0.0}}});
@@ -101,7 +101,7 @@ TEST(OspaJudge, MatchesEachOfTheSmallerSetAtTheLeastDistance) {
     const SetError error = judge.judge(truth, estimates);
     const auto pairs = std::min(truth.size(), estimates.size());
     EXPECT_EQ(error.pairs, static_cast<int>(pairs));
-    // Of so great a cutoff that it never cuts, and of no more points than are paired.
+    // With a cutoff that never applies and only the paired points.
     const double cutoff_m = 1e3;
     const double most = static_cast<double>(std::max(truth.size(), estimates.size()));
     const double all_m2 = std::pow(by_definition(truth, estimates, cutoff_m), 2) * most;

@@ -29,7 +29,7 @@ TEST(PlaySchedule, StandsUntilItIsResumedAndThenGoesAtItsSpeed) {
   }
 }
 
-// What is due when is where it is then: the two are each other's inverse, whatever was done to it.
+// position() and due_ns() are inverse to each other after any sequence of operations.
 TEST(PlaySchedule, IsWhereItIsDue) {
   PlaySchedule schedule(kBegin, 2.0);
   std::int64_t now_ns = 5'000 * kMs;

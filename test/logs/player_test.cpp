@@ -18,7 +18,7 @@ using test::Bytes;
 constexpr std::int64_t kMs = 1'000'000;         // ns
 constexpr std::int64_t kBegin = 5'000'000'000;  // ns
 
-/// A machine whose time passes only in sleep, and a log of one event each 100 ms.
+/// A clock that advances only in sleep, and a log with one event per 100 ms.
 class PlayerTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -297,7 +297,7 @@ TEST_F(PlayerTest, PlaysTheWholeLogUnlessToldWhichPart) {
   EXPECT_EQ(usual.gap_max, std::chrono::seconds(60));
 }
 
-// What the sink takes counts: 3 ms for every other event, and 250 ms once.
+// The time of the sink counts: 3 ms for every other event, and 250 ms once.
 TEST_F(PlayerTest, TellsHowLateItWas) {
   Player player(*log_, {}, timer(), [&](const LogEvent& event) {
     now_ns_ += (event.data[0] == 5 ? 250 : event.data[0] % 2 == 0 ? 3 : 0) * kMs;
@@ -307,7 +307,7 @@ TEST_F(PlayerTest, TellsHowLateItWas) {
   EXPECT_EQ(report.published, 19);
   EXPECT_EQ(report.failed, 1);
   EXPECT_NEAR(report.late_worst_us, 250e3, 1e-6);
-  // After the one that took long, those of 100 ms and 200 ms later were late as well.
+  // The events 100 ms and 200 ms after the slow one were late as well.
   EXPECT_NEAR(report.late_mean_us, (9 * 3e3 + 250e3 + 153e3 + 53e3) / 19.0, 1e-6);
   EXPECT_EQ(report.late_over_1_ms, 9 + 3);
 }

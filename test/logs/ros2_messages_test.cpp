@@ -252,8 +252,8 @@ TEST(ToRos2, SaysMapsByWhatMoreScansMet) {
   EXPECT_EQ(in.numbers<std::int8_t>(6), (std::vector<std::int8_t>{-1, 100, 0, 100, 0, -1}));
 }
 
-// A pose each step from the start to the end, which is no step on where it is none; and a bound on
-// what a stranger would have one write.
+// One pose per step from start to end, and only one for zero duration. The number of poses is
+// limited, whatever a foreign plan requests.
 TEST(ToRos2, SaysAPlanAsPosesAStepApart) {
   for (const double duration_s : {1.2, 1.0, 0.0, 1e5}) {
     models::RobotPlan plan;

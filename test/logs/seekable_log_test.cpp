@@ -229,10 +229,10 @@ TEST_F(LongLog, IsUsedBeforeItIsRead) {
     const auto next = between(sorted, from, sorted.back().time + Duration{1});
     EXPECT_EQ(log.next_time(from), next.empty() ? std::nullopt : std::optional(next.front().time));
   }
-  // Of each channel the newest; ONCE from the start, though it is far.
+  // The newest message of each channel; ONCE is found although it is at the start.
   const Time late = from_utime(kStart_us + 20'500'000);
   EXPECT_EQ(offsets_of(log.newest_before(late)), newest(sorted, late));
-  // In the end all of it is known, and the next opening knows it at once.
+  // Finally the whole index is known, and the next opening has it at once.
   double share = log.surveyed_share();
   while (log.go_on(kMib)) {
     EXPECT_GT(log.surveyed_share(), share);

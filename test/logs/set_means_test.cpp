@@ -60,7 +60,7 @@ TEST(SetSums, AreNoneWithoutTruth) {
   EXPECT_FALSE(sums.means());
 }
 
-// Robots that are heard more often count no more; nor do those that know more.
+// Each robot has the same weight, however many beliefs it sends and however many targets it tracks.
 TEST(SetSums, WeighEachRobotAlike) {
   SetSums sums(2);
   sums.on_truth(truth(0.0));
@@ -68,7 +68,7 @@ TEST(SetSums, WeighEachRobotAlike) {
   for (int k = 0; k < 3; ++k) {
     sums.on_belief(belief("Q1", 10.0 * k, {{0, 0.0}, {1, 5.0}}));  // knows all
   }
-  sums.on_belief(belief("Q2", 30.0, {{1, 0.6}}));  // of another name: a swap in 30 s
+  sums.on_belief(belief("Q2", 30.0, {{1, 0.6}}));  // with another label: one swap in 30 s
   for (int k = 1; k <= 30; ++k) {
     sums.on_truth(truth(k));
   }

@@ -72,8 +72,8 @@ TEST(TrialMetrics, MeasuresErrorAtTheBeliefsOwnTime) {
   EXPECT_FALSE(summary.rmse_per_target_m[1]);
 }
 
-// Labels are no ids: a track is judged as the target that the best assignment takes it for, and one
-// that is far from all has discovered none.
+// Labels are not ids: each track is evaluated against the target of the best assignment. A track
+// far from all targets counts as no discovery.
 TEST(TrialMetrics, JudgesTracksWithoutIdsByWhereTheyAre) {
   scenario::Scenario unnamed = scenario();
   for (scenario::RobotSpec& robot : unnamed.robots) {

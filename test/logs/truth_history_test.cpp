@@ -113,8 +113,8 @@ TEST(TruthHistory, FindsTheLeastSeparationOfManyWhoComeAndGo) {
   }
 }
 
-// Between two frames they meet; in the second they are farther apart than anybody may have been
-// looked for who did not move himself.
+// The two meet between frames. In the second frame they are farther apart than the search distance
+// of a stationary body.
 TEST(TruthHistory, SeesTwoPassEachOtherWhoAreFarApartAgain) {
   TruthHistory truth;
   truth.add(frame(0, {body("Q1", -1, -0.3, 0.0), body("Q2", -1, 0.3, 0.0)}));

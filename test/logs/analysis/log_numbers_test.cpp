@@ -186,12 +186,12 @@ TEST_F(LogNumbers, HasTheCourseOfWhatTheTeamKnows) {
     }
   }
   ASSERT_TRUE(analysis.sets);
-  // Of OSPA both targets are beyond its cutoff of a metre; of Q2 nothing is known.
+  // Both targets are beyond the OSPA cutoff of 1 m; there is no data of Q2.
   EXPECT_NEAR(analysis.sets->ospa_m, 1.0, 1e-9);
   EXPECT_NEAR(analysis.sets->matched_rmse_m, 0.5 * std::sqrt(25.0 / 2.0), 1e-9);
 }
 
-// What the processes lost on the way, or what is missing in the log: the greater.
+// The larger of the losses reported by the processes and the messages missing in the log.
 class LossNumbers : public LogNumbers, public ::testing::WithParamInterface<std::int64_t> {};
 
 TEST_P(LossNumbers, AreTheGreaterOfWhatWasToldAndWhatIsMissing) {
@@ -209,7 +209,7 @@ TEST_P(LossNumbers, AreTheGreaterOfWhatWasToldAndWhatIsMissing) {
                      {"latency.a_p99_us", 2},
                      {"latency.a_max_us", 3}};
   log(0.9, "HEALTH_SIM", health);
-  health.counters.resize(1);  // says nothing of the way any more
+  health.counters.resize(1);  // no longer reports losses in transit
   health.stamp.sequence = 2;
   log(1.0, "HEALTH_SIM", health);
   const LogAnalysis analysis = analyse();

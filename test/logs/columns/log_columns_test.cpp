@@ -88,7 +88,7 @@ TEST(LogColumns, TakeNothingOfWhatIsNotExactlyOneMessage) {
 
 using Json = nlohmann::ordered_json;
 
-/// What the columns must hold, by the JSON of the same messages.
+/// The expected columns, built from the JSON of the same messages.
 struct Oracle {
   std::map<std::string, std::vector<Json>> values;
   std::map<std::string, std::vector<std::int64_t>> counts;

@@ -42,7 +42,7 @@ struct Example {
   scenario::Scenario scenario;
   Scene scene;
   [[nodiscard]] Layout layout() const { return {scenario.world.bounds, 0.0}; }
-  /// What `draw` draws of it.
+  /// Returns the SVG that `draw` draws.
   template <class Draw>
   [[nodiscard]] std::string drawn(const Draw& draw) const {
     Svg svg(2000.0, 1000.0);
@@ -200,7 +200,7 @@ TEST(DrawViewsAndPlans, ShowsThePlanThatIsStillToBeFlown) {
   }
 }
 
-// The last 20 s strongly, what is older faintly; and there is no gap between the two.
+// The last 20 s are drawn strongly and older parts faintly, without a gap.
 TEST(DrawTracks, CutsEachWayWhereItBecomesOld) {
   Example it = three_robots();
   it.scenario.robots.resize(2);
@@ -259,7 +259,7 @@ TEST(DrawEstimates, TurnsTheEllipseAsTheTargetIsUncertain) {
     estimate.covariance_m2 = turn * Eigen::Vector2d(0.09, 0.01).asDiagonal() * turn.transpose();
     it.scene.targets[0].estimate = estimate;
     it.scene.targets[0].track = {{kNow, {-1.0, 0.0}}, {kNow, {0.5, 4.0}}};
-    it.scene.targets[1].track = {{kNow, {-1.0, 0.0}}};  // nobody knows it
+    it.scene.targets[1].track = {{kNow, {-1.0, 0.0}}};  // no robot tracks it
     const std::string svg =
         it.drawn([&](Svg& to, const Layout& on) { draw_estimates(to, on, it.scene); });
     const auto ellipses = elements(svg, "ellipse");
@@ -366,7 +366,7 @@ TEST(DrawBodies, PutsANameAsNearAsItsBodyLetsIt) {
   }
 }
 
-// Nothing but a target and the mean that it is believed to have: its name covers neither.
+// A target and its estimated mean only: the name covers neither.
 TEST(DrawBodies, PutsTheNameOfATargetBesideItAndItsEstimate) {
   Example it = three_robots();
   it.scenario.robots.clear();

@@ -55,8 +55,8 @@ std::string ground(const scenario::Scenario& scenario, const Scene& scene) {
   return svg.str();
 }
 
-// Every cell of a grid that is no square and does not begin at 0 has the colour of when it was
-// seen.
+// Every cell is coloured by when it was last seen, in a grid that is not square and has an offset
+// origin.
 TEST(DrawGround, PaintsEachCellByWhenItWasSeen) {
   scenario::Scenario scenario = a_scenario();
   const Layout layout(scenario.world.bounds, 0.0);

@@ -11,7 +11,8 @@
 namespace vantage::logs {
 namespace {
 
-// Beside its point, up and to the right, eight pixels off; and from there all around.
+// The label is placed 8 px from its point, up and to the right if possible, otherwise in another
+// direction.
 TEST(LabelPlacer, PutsALabelBesideItsPointAndAsNearAsNothingIsInTheWay) {
   const Eigen::AlignedBox2d page(Eigen::Vector2d(0, 0), Eigen::Vector2d(400, 400));
   const Eigen::Vector2d anchor_px(200, 200);
@@ -33,7 +34,7 @@ TEST(LabelPlacer, PutsALabelBesideItsPointAndAsNearAsNothingIsInTheWay) {
   LabelPlacer placer(page);
   EXPECT_LT((offset_px(placer.place(anchor_px, size_px)) - at(8.0, -kPi / 4)).norm(), 1e-9);
   EXPECT_TRUE(is_at(offset_px(placer.place(anchor_px, size_px)), 8.0)) << "on another side";
-  // What is nearer is all in the way: as much farther as there is room again.
+  // If everything near is blocked, the label moves out until there is room.
   for (const auto& [reach_px, gap_px] : {std::pair{10.0, 16.0}, {19.0, 26.0}, {32.0, 40.0}}) {
     LabelPlacer crowded(page);
     const Eigen::Vector2d reach = Eigen::Vector2d::Constant(reach_px);

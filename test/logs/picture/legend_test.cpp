@@ -94,7 +94,7 @@ class Legend : public ::testing::Test {
       }
     }
   }
-  /// The symbols beside the line that says `words`, in the order of their kinds.
+  /// Returns the symbols next to the line with the text `words`, in the order of their kinds.
   [[nodiscard]] std::vector<Symbol> beside(const std::string& words) const {
     std::vector<Symbol> out;
     for (const Attributes& text : texts_) {
@@ -213,7 +213,7 @@ TEST_F(Legend, ShowsTargetsAndEstimatesAsTheMapDoes) {
   draw(false);
   const auto truth = beside(look().glyphs.at("truth"));
   ASSERT_EQ(truth.size(), 1U);
-  // That of the map, moved.
+  // The symbol of the map, translated.
   Scene scene;
   scene.targets[0].track = {{Time{}, {1.0, 1.0}}};
   const Layout layout(scenario_.world.bounds, 0.0);

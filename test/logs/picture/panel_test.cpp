@@ -161,7 +161,7 @@ TEST(DrawPanel, ExplainsWhatThePictureHasAndNothingElse) {
                                 "mapped: free", "mapped: not settled", "obstacle"}));
 }
 
-// What panel_height_px() says is what is needed where everything is in the legend.
+// panel_height_px() is the height needed when the legend shows everything.
 TEST(DrawPanel, EndsWhereItSaysThatItWill) {
   for (const std::size_t robots : {1U, 4U, 5U, 12U, 30U}) {
     for (const std::size_t targets : {0U, 1U, 5U, 12U, 13U, 40U}) {
@@ -178,8 +178,7 @@ TEST(DrawPanel, EndsWhereItSaysThatItWill) {
         }
         const double room_px =
             it.layout().panel_corner_px.y() + panel_height_px(it.scenario) - last_px;
-        // Of its ten lines of 24 px a map has no use for two, and without targets there are two
-        // less.
+        // Two of the ten lines of 24 px are unused in a mapping trial, and two without targets.
         const int unused = maps || targets == 0 ? 2 : 0;
         EXPECT_NEAR(room_px, 24.0 * unused + 24.0 - 4.5, 2.0);
         EXPECT_LT(right_px, it.layout().page_size_px.x() - 20.0);

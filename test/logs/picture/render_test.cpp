@@ -23,7 +23,7 @@ class RenderPngBy : public ::testing::Test {
   RenderPngBy(const RenderPngBy&) = delete;
   RenderPngBy& operator=(const RenderPngBy&) = delete;
 
-  /// What draws from now on, by the lines of a shell.
+  /// Replaces rsvg-convert by a shell script with these lines.
   void draws_by(const std::string& lines) {
     const std::string path = folder_.file("rsvg-convert");
     write_file(path, "#!/bin/sh\n" + lines);

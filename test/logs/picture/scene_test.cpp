@@ -142,7 +142,7 @@ TEST(SceneRecorder, HasOfEachCellTheNewestLookOfAnyRobot) {
   EXPECT_EQ(recorder.scene().last_seen_utime, (std::vector<std::int64_t>{1, 2}));
 }
 
-// Neighbourhoods: each belief is of a part, and what is beyond stays as it was.
+// With neighbourhoods, each belief covers a part; cells outside it keep their values.
 TEST(SceneRecorder, LaysThePartsOfNeighbourhoodsIntoTheWhole) {
   scenario::Scenario scenario = a_scenario();
   scenario.network.neighbourhood_m = 2.0;

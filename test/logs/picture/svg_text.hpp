@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-// What tests of pictures read of an SVG.
+// Helpers that read SVG text.
 
 namespace vantage::test {
 

@@ -146,7 +146,7 @@ TEST(LogWatch, KnowsWhenLessThanAMinuteIsLeft) {
   EXPECT_EQ(watch.look({3, 1'000'000'000}, kStart), "log: written, with 1000.0 MB free");
 }
 
-// Where nobody can say what is free, that is no reason to worry.
+// Unknown free space gives no warning.
 TEST(LogWatch, DoesWithoutKnowingWhatIsFree) {
   LogWatch watch{300e3};
   EXPECT_FALSE(watch.look({1, std::nullopt}, kStart));

@@ -201,7 +201,8 @@ TEST(TypeLibrary, SaysWhatIsTooLargeToBeRead) {
   }
 }
 
-// Of two types that lie alike on the wire, the one first in the alphabet; in folders of folders.
+// Of two types with the same wire format the first in alphabetical order is used; folders are
+// searched recursively.
 TEST(TypeLibrary, FindsTypesInFoldersAndTheFirstOfTwoThatAreAlike) {
   const test::TemporaryFolder folder;
   std::filesystem::create_directories(folder.file("deep/deeper"));
