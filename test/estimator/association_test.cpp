@@ -14,7 +14,7 @@ namespace {
 
 using Odds = std::vector<std::vector<double>>;
 
-// The oracle: every association there is.
+// Reference: enumeration of all associations.
 struct Enumeration {
   explicit Enumeration(const Odds& of)
       : odds(of), chosen(of.size(), -1), marginal(of.size(), std::vector<double>(of[0].size())) {
@@ -123,8 +123,8 @@ TEST(Association, OfOneTrackAndOneDetectionIsByHand) {
   EXPECT_DOUBLE_EQ(association.miss_probability(0), 0.25);
 }
 
-// Each track may be two detections, each detection two tracks: no way around, so that messages are
-// exact there too.
+// A group without loops: each track may be one of two detections and each detection one of two
+// tracks. Messages are exact there.
 TEST(Association, OfALargeGroupWithoutLoopsIsExactByMessages) {
   constexpr std::size_t kCount = 12;
   static_assert(kCount > Association::kExactMax);
@@ -142,7 +142,7 @@ TEST(Association, OfALargeGroupWithoutLoopsIsExactByMessages) {
   expect_marginals(association, Enumeration(odds).marginal, 1e-6);
 }
 
-// However many compete, where one side is of ten at most: not by messages, which go round.
+// If one side has at most ten elements, the solution is exact and does not use message passing.
 TEST(Association, IsExactUpToTenOnEitherSide) {
   test::Random random(5);
   for (const auto& [tracks, detections] : {std::pair(3U, 12U), std::pair(12U, 3U)}) {
@@ -187,7 +187,7 @@ TEST(Association, OfALargeGroupIsExactByMessagesWhicheverSideIsLonger) {
   }
 }
 
-// Odds may change between two solutions: nothing of the first is left.
+// Odds may change between two solutions; the second must not depend on the first.
 TEST(Association, SolvesAnewWhatHasChanged) {
   Association association(2, 2);
   set_all(association, {{3.0, 1.0}, {0.0, 2.0}});

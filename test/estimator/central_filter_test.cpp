@@ -35,7 +35,7 @@ models::Gaussian prior_at(double x_m, double y_m) {
   return prior;
 }
 
-// Two robots' looks at targets that stand, of those in view.
+// Returns the observations of two robots of those stationary targets that are in view.
 std::vector<models::DetectionSet> looks_at(const std::vector<Eigen::Vector2d>& targets_m, Time now,
                                            std::mt19937_64& rng) {
   std::vector<models::DetectionSet> looks(2);

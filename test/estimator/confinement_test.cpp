@@ -117,7 +117,8 @@ TEST(Confinement, KeepsRandomBeliefsDefiniteAndTheirMeansInside) {
 }
 
 TEST(Confinement, HoldsWhatATeammateHasToldAStepAgo) {
-  // The target turns back meanwhile. A belief that had not would be surer of its velocity, and win.
+  // The target turns back in the meantime. A belief without this would be more certain of its
+  // velocity, and would win the fusion.
   for (const bool samples : {false, true}) {
     FilterSpec spec = test::open_spec({models::TargetKind::kDoubleIntegrator, 2, 0.001},
                                       test::far_sighted(models::SensorKind::kPosition), 1);
@@ -125,7 +126,7 @@ TEST(Confinement, HoldsWhatATeammateHasToldAStepAgo) {
     spec.estimator.samples = samples;
     spec.communication_range_m = 100.0;
     Gaussian leaving{Eigen::Vector4d(19.75, 0.0, 0.8, 0.0), Eigen::Matrix4d::Zero()};
-    leaving.covariance.diagonal() << 0.0025, 0.0025, 0.04, 0.04;  // one in twelve is not there yet
+    leaving.covariance.diagonal() << 0.0025, 0.0025, 0.04, 0.04;  // one in twelve is still inside
     DistributedFilter filter(spec);
     filter.rebase(test::prior(test::instant(0), {leaving}));
     models::RobotBelief of_before = test::prior(test::instant(0), {leaving});
@@ -214,8 +215,8 @@ TEST(Reflection, AtAWallHasTheMomentsOfTheFoldedNormal) {
   }
 }
 
-// All of a belief beyond one wall is its mirror image: what it knows of velocities is turned with
-// them, at each wall and in the corners, and so on from wall to wall.
+// A belief entirely beyond a wall is mirrored, including its velocity correlations. This holds at
+// each wall, in the corners, and over several reflections.
 TEST(Reflection, BeyondAWallIsTheMirrorImage) {
   std::mt19937_64 rng(17);
   for (int i = 0; i < 100; ++i) {
@@ -293,7 +294,7 @@ TEST(Inset, LeavesTheMiddleOfADiscWhatTheDiscTouchesNothingAt) {
   EXPECT_EQ(inset(world, 2.0).bounds.max_m, world.bounds.max_m);  // nothing would be left
 }
 
-// A target turns back where its side touches the wall, a radius before its middle would.
+// A target turns back when its side touches the wall, one radius before its centre would.
 TEST(Reflection, IsWhereATargetsSideMeetsTheWall) {
   FilterSpec spec = test::open_spec({models::TargetKind::kDoubleIntegrator, 2, 1e-6},
                                     test::far_sighted(models::SensorKind::kRangeBearing), 1);
@@ -310,7 +311,8 @@ TEST(Reflection, IsWhereATargetsSideMeetsTheWall) {
   EXPECT_NEAR(later.mean(2), -1.0, 0.02);
 }
 
-// Truth of its own: targets that turn back at the walls, in steps of 20 ms. Seen at the start only.
+// Simulated truth: targets that turn back at the walls, in steps of 20 ms, and are observed at the
+// start only.
 TEST(Reflection, KeepsTheFilterHonestAboutATargetLostAtTheWall) {
   const models::TargetModel drift{models::TargetKind::kDoubleIntegrator, 2, 0.001};
   std::mt19937_64 rng(21);

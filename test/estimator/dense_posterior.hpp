@@ -12,8 +12,8 @@
 #include "models/belief/gaussian.hpp"
 #include "models/sensor/sensor.hpp"
 
-// The oracle of measurement updates: brute force, and nothing of the estimator's but how soft
-// limits are, which has a test of its own.
+// Brute-force reference for measurement updates. It shares only the softness of limits with the
+// estimator, which has its own test.
 
 namespace vantage::estimator::test {
 

@@ -7,7 +7,7 @@
 #include "estimator/distributed_filter.hpp"
 #include "test/estimator/filter_support.hpp"
 
-// A filter by samples in the field, and one target that it knows of.
+// A sample-based filter in the field, with one target.
 
 namespace vantage::estimator::test {
 
@@ -24,7 +24,7 @@ inline models::SensorModel field_sensor() {
   return sensor;
 }
 
-/// Position and velocity that depend on each other.
+/// Returns a belief with correlated position and velocity.
 inline models::Gaussian moving(const Eigen::Vector2d& position_m,
                                const Eigen::Vector2d& velocity_mps, double position_sigma_m,
                                double velocity_sigma_mps) {

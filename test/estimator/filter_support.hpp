@@ -10,11 +10,11 @@
 #include "estimator/distributed_filter.hpp"
 #include "models/exchange/messages.hpp"
 
-// Small words for the filter's tests: specs, looks, priors, χ² limits.
+// Helpers for the filter's tests: specs, observations, priors, χ² limits.
 
 namespace vantage::estimator::test {
 
-/// Sees everything.
+/// Returns a sensor with a range of 10 km.
 inline models::SensorModel far_sighted(models::SensorKind kind) {
   models::SensorModel sensor;
   sensor.kind = kind;
@@ -22,8 +22,7 @@ inline models::SensorModel far_sighted(models::SensorKind kind) {
   return sensor;
 }
 
-/// Sees for ever in all directions, never takes a miss or a wall for news, doubts nothing, shares
-/// nothing.
+/// Returns a filter spec with a range of 10 km and without missed detections, walls, gate or team.
 inline FilterSpec open_spec(const models::TargetModel& model, const models::SensorModel& sensor,
                             int target_count) {
   FilterSpec spec;
@@ -41,7 +40,7 @@ inline FilterSpec open_spec(const models::TargetModel& model, const models::Sens
   return spec;
 }
 
-/// The same with a gate.
+/// Returns the open spec with a gate.
 inline FilterSpec gated_spec(const models::TargetModel& model, const models::SensorModel& sensor,
                              int targets, double gate_sigma) {
   FilterSpec spec = open_spec(model, sensor, targets);
@@ -55,7 +54,7 @@ inline models::Viewpoint at(double x_m, double y_m, double yaw_rad = 0.0) {
   return {{x_m, y_m, yaw_rad}, 0.0};
 }
 
-/// Mean over cases of ε' Σ⁻¹ ε of 2-D beliefs (their NEES), 2 where they are as wrong as they say.
+/// Mean of ε' Σ⁻¹ ε (NEES) of 2-D beliefs; 2 if their covariances are right.
 class MeanNees {
  public:
   void add(const models::Gaussian& belief, const Eigen::Vector2d& truth_m) {
@@ -67,7 +66,7 @@ class MeanNees {
   }
   [[nodiscard]] int cases() const { return cases_; }
   [[nodiscard]] double mean() const { return sum_ / cases_; }
-  /// 1σ of the mean, by sampling.
+  /// Returns the standard error of the mean.
   [[nodiscard]] double sigma() const {
     return std::sqrt((squares_ / cases_ - mean() * mean()) / cases_);
   }
@@ -78,7 +77,7 @@ class MeanNees {
   int cases_ = 0;
 };
 
-/// A look that reports every target of `positions_m` (by id) but those in `skip`.
+/// Returns a scan that reports every target of `positions_m` (by id) except those in `skip`.
 inline models::DetectionSet look_at(const models::SensorModel& sensor, Time time,
                                     const models::Viewpoint& from,
                                     const std::vector<Eigen::Vector2d>& positions_m,
@@ -94,7 +93,7 @@ inline models::DetectionSet look_at(const models::SensorModel& sensor, Time time
   return look;
 }
 
-/// A belief of `time` that knows every target with the given moments.
+/// Returns a belief at `time` with the given moments of every target.
 inline models::RobotBelief prior(Time time, const std::vector<models::Gaussian>& targets) {
   models::RobotBelief belief;
   belief.stamp.time = time;
@@ -158,7 +157,7 @@ inline double chi2_quantile(double dof, double z) {
   return dof * std::pow(1.0 - a + z * std::sqrt(a), 3);
 }
 
-/// In which the tests of filters are written.
+/// Names that the filter tests use without qualification.
 namespace words {
 using estimator::test::at;
 using estimator::test::gated_spec;

@@ -39,7 +39,7 @@ unsigned from_environment(const char* name, unsigned otherwise) {
   return said == nullptr ? otherwise : static_cast<unsigned>(std::stoul(said));
 }
 
-/// config/lab.yaml.
+/// The motion model of config/lab.yaml.
 const models::TargetModel kMotion{models::TargetKind::kDampedOscillator,
                                   2,
                                   0.0,

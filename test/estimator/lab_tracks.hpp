@@ -2,7 +2,7 @@
 
 #include "estimator/multi_target.hpp"
 
-// A sensor, and the filter of targets without ids, of a small lab.
+// Sensor and filter of targets without ids in a small lab.
 
 namespace vantage::estimator::test {
 

@@ -19,7 +19,7 @@ using namespace std::chrono_literals;
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
-// The map's part of the estimator of Q1, and Q2 at the other end of a bus in one process.
+// The map publisher of Q1, and Q2 at the other end of an in-process bus.
 class MapPublisherTest : public ::testing::Test {
  protected:
   void deliver() {
@@ -54,7 +54,7 @@ class MapPublisherTest : public ::testing::Test {
     return heard_.back();
   }
 
-  // SCAN_Q1 by `robot`, which met nothing.
+  // Publishes SCAN_Q1 by `robot` without any hit.
   models::InputRef scan(int step, const std::string& robot = "Q1") {
     models::RangeScan scan;
     scan.stamp.time = time_of(step);
@@ -190,7 +190,7 @@ TEST_F(MapPublisherTest, BelievesNobodyUnderAnothersName) {
   EXPECT_EQ(heard_.back().team_looks[0], 0);
 }
 
-// Out of range nothing is taken up, and what was taken up before stays.
+// Maps from outside radio range are ignored; maps received earlier are kept.
 TEST_F(MapPublisherTest, TakesUpWhatComesFromWithinTheRadiosRange) {
   scenario_.network.communication_range_m = 0.5;
   const auto far_end = hub_.connect();

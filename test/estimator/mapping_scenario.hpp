@@ -7,7 +7,7 @@
 
 namespace vantage::test {
 
-/// `robots` that map 8 × 6 m, hear each other within 3 m and look each 0.5 s.
+/// Returns a scenario in which `robots` map 8 × 6 m, communicate within 3 m and scan every 0.5 s.
 inline scenario::Scenario mapping_scenario(const std::vector<std::string>& robots) {
   scenario::Scenario scenario;
   scenario.world.bounds = {{0.0, 0.0}, {8.0, 6.0}};

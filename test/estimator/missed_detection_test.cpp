@@ -106,8 +106,8 @@ TEST(MissedDetection, MovesVelocityThroughItsCorrelation) {
 }
 
 TEST(MissedDetection, IsConsistentOverTruthsDrawnFromTheBelief) {
-  // Truths from the prior, looks with p_D = 0.9; of those that found nothing, the posterior's
-  // moments must be right: mean NEES = 2 within its sampling error.
+  // Truths are drawn from the prior and scans have p_D = 0.9. For scans without a detection the
+  // posterior's moments must be right: mean NEES = 2 within its sampling error.
   std::mt19937_64 rng(77);
   std::bernoulli_distribution detects(0.9);
   const models::SensorModel sensor = disc(1.5);
@@ -131,7 +131,7 @@ TEST(MissedDetection, IsConsistentOverTruthsDrawnFromTheBelief) {
   EXPECT_LT((mean_error / missed).norm(), 0.05);
 }
 
-// The filter is told twice how much is detected, of the scenario and of the sensor: the less holds.
+// The detection probability is given by the scenario and by the sensor: the smaller one is used.
 TEST(DistributedFilter, TakesAMissForNoMoreThanTheSensorAndTheScenarioSay) {
   const Gaussian before = standard();
   for (const auto& [of_scenario, of_sensor] : {std::pair(0.9, 0.6), std::pair(0.6, 0.9)}) {
@@ -167,7 +167,7 @@ TEST(MissedDetection, StaysSymmetricAndPositiveDefinite) {
     const auto from = at(place(rng), place(rng), place(rng));
     models::SensorModel sensor = disc(3.0);
     sensor.fov_rad = radians(94.0);
-    for (int look = 0; look < 10; ++look) {  // again and again the same look
+    for (int look = 0; look < 10; ++look) {  // the same scan repeatedly
       belief = missed_detection(belief, sensor, from, kOpen, 1.0);
       ASSERT_EQ(belief.covariance, belief.covariance.transpose());
       ASSERT_TRUE(models::to_information(belief));
@@ -203,7 +203,7 @@ TEST(DistributedFilter, TakesATeammatesMissForWhatThatOnesSensorMisses) {
     EXPECT_TRUE(is_near(after(robot).mean, right.mean, 1e-9)) << robot;
     EXPECT_TRUE(is_near(after(robot).covariance, right.covariance, 1e-9)) << robot;
   };
-  expect("Q1", 1.1, 0.5);  // of itself it knows best
+  expect("Q1", 1.1, 0.5);  // its own spec overrides its team entry
   expect("Q2", 1.5, 0.6);
   expect("Q3", 2.0, 0.8);
   expect("Q9", 1.1, 0.5);  // the scan is from outside the team

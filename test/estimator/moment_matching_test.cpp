@@ -50,7 +50,7 @@ TEST(Reweighted, ByAGaussianIsAKalmanUpdate) {
     const Eigen::VectorXd mean = random.vector<4>(-3.0, 3.0).head(dim);
     const Eigen::MatrixXd P = random.spd(dim, 0.3);
     const Eigen::MatrixXd P_pp = P.topLeftCorner(n, n);
-    // Says about half as much as is known, and that about one σ away.
+    // About half as informative as the prior, and about one σ away.
     const Eigen::MatrixXd W_inverse = 2.0 * P_pp + 0.3 * random.spd(n, 0.1);
     const Eigen::MatrixXd W = W_inverse.inverse();
     const Eigen::VectorXd off =
@@ -107,7 +107,7 @@ TEST(Reweighted, IsNeverNarrowerThanACell) {
     const double cell = rule.spacing * rule.spacing / 12.0;
     const Eigen::MatrixXd L_pp = L.topLeftCorner(n, n);
     EXPECT_TRUE(is_near(made.covariance.topLeftCorner(n, n), cell * L_pp * L_pp.transpose(), 1e-9));
-    if (dim == 4) {  // what the position does not tell of the velocity stays
+    if (dim == 4) {  // velocity uncertainty that the position does not explain remains
       const Eigen::MatrixXd L_vp = L.bottomLeftCorner(2, 2);
       const Eigen::MatrixXd L_vv = L.bottomRightCorner(2, 2);
       EXPECT_TRUE(is_near(made.covariance.bottomRightCorner(2, 2),

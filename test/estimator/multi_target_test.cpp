@@ -111,7 +111,7 @@ TEST(MultiTargetFilter, BelievesABirthAsMuchAsFalseAlarmsAllow) {
   EXPECT_FALSE(filter.is_confirmed(tracks[0]));
 }
 
-// A course of looks at targets that stand, from places on a circle.
+// Returns the tracks after scans of stationary targets from positions on a circle.
 std::vector<LabelledTrack> tracked(const MultiTargetSpec& spec, double turned_rad, bool is_reversed,
                                    int steps) {
   MultiTargetFilter filter(spec);
@@ -150,7 +150,7 @@ TEST(MultiTargetFilter, DoesNotMindTheOrderOfDetections) {
   }
 }
 
-// To what the quadrature of empty looks leaves: its points lie along the axes of the world.
+// Up to the error of the quadrature of empty scans: its points lie along the world's axes.
 TEST(MultiTargetFilter, TurnsWithTheWorld) {
   const double turn_rad = 0.5 * kPi;  // the world is a square: its walls are where they were
   const auto plain = tracked(spec_of(3, {0.9, 1.0}), 0.0, false, 12);
@@ -186,8 +186,8 @@ TEST(MultiTargetFilter, FindsAllTargetsAmongFalseAlarmsAndNothingElse) {
   EXPECT_EQ(confirmed, 3);
 }
 
-// Mean NEES of one target among false alarms: 2 where the filter knows how wrong it is. The spread
-// of the mean over 100 courses is below 0.2.
+// Mean NEES of one target among false alarms: 2 if the covariance is right. The spread of the mean
+// over 100 runs is below 0.2.
 TEST(MultiTargetFilter, KnowsHowWrongItIsAmongFalseAlarms) {
   const models::SensorModel sensor = lab_sensor();
   const MultiTargetSpec spec = spec_of(1, {0.89, 2.0});
@@ -253,7 +253,7 @@ TEST(MultiTargetFilter, CountsWhatItCannotUse) {
   EXPECT_EQ(filter.counters().beyond_capacity, 1);
 }
 
-// A distance alone does not say where to begin a track.
+// A range alone cannot start a track.
 TEST(MultiTargetFilter, CountsWhatIsNobodysAndSaysNotWhere) {
   MultiTargetFilter filter(spec_of(1, {0.9, 1.0}));
   auto tracks = filter.no_tracks();

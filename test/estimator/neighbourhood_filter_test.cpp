@@ -5,7 +5,7 @@
 #include "estimator/app/replay_node.hpp"
 #include "test/estimator/filter_support.hpp"
 
-// A robot that knows of its neighbourhood alone.
+// A filter that is limited to the neighbourhood of its robot.
 
 namespace vantage::estimator {
 namespace {
@@ -59,7 +59,7 @@ TEST(NeighbourhoodFilter, KnowsWhatAFilterOfEverythingKnowsThere) {
       const auto found =
           std::find_if(told.targets.begin(), told.targets.end(),
                        [&](const auto& each) { return each.target_id == target.target_id; });
-      if (std::abs(away_m - kNear_m) > 1.0) {  // where noise decides it may be either
+      if (std::abs(away_m - kNear_m) > 1.0) {  // near the limit, noise decides
         ASSERT_EQ(found != told.targets.end(), away_m < kNear_m) << step;
       }
       if (found != told.targets.end()) {
@@ -121,7 +121,8 @@ TEST(NeighbourhoodFilter, TakesWhatTeammatesTellWhereBothAre) {
   EXPECT_EQ(own.counters().grid_mismatches, 1);
 }
 
-// The same in a square of half the neighbourhood, and with all that is near wherever in it one is.
+// The same grid while the robot moves in a square of half the neighbourhood; it contains all that
+// is near from any position there.
 TEST(NeighbourhoodFilter, HasAGridOfWhatIsNearThatSeldomMoves) {
   const auto grid_at = [](double x_m, double y_m) {
     FilterSpec spec = near_spec(kNear_m);

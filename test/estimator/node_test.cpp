@@ -50,7 +50,7 @@ models::MocapFrame frame_at(Time time, const std::map<std::string, Pose2>& poses
   return frame;
 }
 
-/// A bus in one process with a world's end (sensors, mocap) and an ear on every belief.
+/// An in-process bus with a world's end (sensors, mocap) and a subscriber to all beliefs.
 class NodeTest : public ::testing::Test {
  protected:
   void deliver() {
@@ -60,7 +60,7 @@ class NodeTest : public ::testing::Test {
     }
   }
 
-  /// Moves the clock to `time`, ticking nodes at the times they ask for.
+  /// Moves the clock to `time` and ticks nodes at the times that they request.
   void run_until(Time time, const std::vector<bus::Node*>& nodes) {
     for (bus::Node* node : nodes) {
       while (node->next_tick() <= time) {
@@ -270,7 +270,8 @@ TEST_F(NodeTest, KeepsTheNewestOfMoreThanItHasRoomFor) {
   EXPECT_EQ(counters()["viewpoint_unknown"], 1) << "256 have come since";
 }
 
-// A look or a pose says where the robot is at t if it is of the step that ends there.
+// An observation or a pose gives the robot's position at t if it belongs to the step that ends at
+// t.
 TEST_F(NodeTest, TakesItsPlaceFromWhatIsOfThisStep) {
   EstimatorNode node(robot_bus_, clock_, scenario_, "Q1");
   std::vector<models::RobotBelief> heard;
@@ -376,7 +377,7 @@ class Replay : public NodeTest {
   std::vector<Logged> log_;
 };
 
-/// Plays a log into a fresh bus with a replay node, after `reorder` has had its way with it.
+/// Plays a log, after `reorder` has changed its order, into a new bus with a replay node.
 struct Player {
   explicit Player(const scenario::Scenario& scenario) : node{bus, clock, scenario, "Q1"} {
     ear->subscribe("REPLAY_BELIEF_Q1", [&](std::string_view, std::span<const std::uint8_t> bytes) {
@@ -439,7 +440,7 @@ TEST_F(Replay, MakesTheSameBeliefs) {
 
 TEST_F(Replay, DoesNotCareWhenThePlayerDeliversWhat) {
   fly(20);
-  // Own beliefs overtake the inputs that they were made from.
+  // The node's own beliefs arrive before the inputs that they were made from.
   std::vector<Logged> jittered = log_;
   for (std::size_t i = 1; i < jittered.size(); ++i) {
     for (std::size_t j = i; j > 0 && j + 3 > i && jittered[j].channel == "BELIEF_Q1" &&
@@ -486,7 +487,7 @@ TEST_F(Replay, MakesNoOtherBeliefsWhateverTheLogLost) {
 
 TEST_F(Replay, NoticesABeliefThatDoesNotFollowFromItsInputs) {
   fly(10);
-  scenario_.estimator.target_model.q *= 1.001;  // not the code that flew
+  scenario_.estimator.target_model.q *= 1.001;  // simulates another version of the estimator
   Player player(scenario_);
   player.play(log_);
   EXPECT_GT(player.node.differences(), 0);

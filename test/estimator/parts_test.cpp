@@ -89,7 +89,7 @@ TEST(Parts, AreTwoFromTheVeryWidthOn) {
   }
 }
 
-// The mean of what surrounds a place is in it. That is why plans are made by parts.
+// The mean of a ring lies inside it, in the area that was seen empty. Plans therefore use parts.
 TEST(Parts, AreNotWhereALookSawNothing) {
   const models::SensorModel sensor = test::field_sensor();
   for (const double yaw_rad : {0.0, 1.0, -2.5}) {
@@ -131,7 +131,8 @@ TEST(MixtureOfAFilter, IsOfWhoIsUnseenAndNowhereInParticular) {
   EXPECT_TRUE(filter.mixture().targets.empty()) << "it has been seen";
 }
 
-// From a fifth of the sensor's range on, 2 m: so narrow that one look tells whether it is there.
+// Beliefs wider than a fifth of the sensor's range, 2 m, are split: narrower ones are covered by
+// one scan.
 TEST(MixtureOfAFilter, IsOfWhoIsWiderThanAFifthOfTheRange) {
   for (const auto& [sigma_m, is_wide] : {std::pair(1.9, false), std::pair(2.1, true)}) {
     Gaussian belief{Eigen::Vector4d::Zero(), Eigen::Matrix4d::Zero()};

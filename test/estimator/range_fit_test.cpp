@@ -83,8 +83,8 @@ TEST(FitRanges, SaysThatAWayWithoutATurnLeavesTwoPlaces) {
   EXPECT_LT((*beacon.other - Eigen::Vector2d(12.0, -7.0 * side)).norm(), 0.5);
 }
 
-// From a straight way half of the ranges are to one place and half to another, each as likely as
-// its mirror image, which is likelier than either of the other pair.
+// From a straight path half of the ranges belong to one position and half to another. Each is as
+// likely as its mirror image, which is likelier than either of the other pair.
 TEST(FitRanges, NamesTheLikeliestOfSeveralOtherPlaces) {
   const Eigen::Vector2d places_m[] = {{12.0, 7.0}, {20.0, -4.0}};
   for (unsigned seed = 1; seed <= 8; ++seed) {
@@ -102,7 +102,7 @@ TEST(FitRanges, NamesTheLikeliestOfSeveralOtherPlaces) {
   }
 }
 
-// Successive errors of correlation ρ: (1 + ρ)/(1 − ρ) of them say as much as one.
+// At a correlation ρ of successive errors, (1 + ρ)/(1 − ρ) of them count as one.
 TEST(FitRanges, CountsErrorsThatLastOnce) {
   const auto correlation = [](double of_successive) {
     const test::RangeSceneSpec spec{
@@ -115,8 +115,8 @@ TEST(FitRanges, CountsErrorsThatLastOnce) {
   EXPECT_NEAR(correlation(0.8), 9.0, 2.5);
 }
 
-// The robot goes round ten times, and at each place the error is the same as before: errors that
-// last for a quarter of a metre only, and yet of ten rounds one counts.
+// Ten laps with the same error at the same position. Errors are correlated over a quarter of a
+// metre only, and yet ten laps count as one.
 TEST(FitRanges, CountsErrorsThatAPlaceRepeatsOnce) {
   std::mt19937_64 rng(2);
   std::normal_distribution<double> noise(0.0, 0.3);
@@ -160,7 +160,7 @@ TEST(FitRanges, RefusesWhatIsNoRecording) {
   EXPECT_THROW(fit_ranges(broken, beacons), UsageError);
 }
 
-/// Ranges to two beacons, all alike but for what a case says.
+/// Returns ranges to two beacons, equal except for what a case changes.
 std::vector<TakenRange> ranges_of(const std::function<TakenRange(int)>& range) {
   std::vector<TakenRange> out;
   for (int k = 0; k < 40; ++k) {
@@ -170,7 +170,7 @@ std::vector<TakenRange> ranges_of(const std::function<TakenRange(int)>& range) {
   return out;
 }
 
-// Numbers with squares that overflow, and places that make all beacons look alike.
+// Numbers whose squares overflow, and positions that make all beacons indistinguishable.
 TEST(FitRanges, EndsWithAFitOrARefusalWhateverTheRangesAre) {
   const auto at = [](double x_m, double range_m) {
     return TakenRange{Eigen::Vector2d(x_m, 0.5 * x_m), range_m, 0};
@@ -212,7 +212,7 @@ TEST(FitRanges, HoldsOutWhereEveryRangeIsAnOutlier) {
   EXPECT_TRUE(fit.beacons.back().joint.allFinite());
 }
 
-// By a fit whose every number is another: each range against what is expected of it.
+// All numbers of the fit differ: each range is compared with its prediction.
 TEST(Judge, ScoresWhatIsWithinFourSigmaOfWhatIsExpected) {
   RangeFit fit;
   fit.calibration = {1.1, 0.5};
@@ -248,7 +248,7 @@ TEST(Judge, ScoresWhatIsWithinFourSigmaOfWhatIsExpected) {
   EXPECT_EQ(several.outliers, 3);
   EXPECT_NEAR(several.nees, (4.0 + 1.0 + 0.25) / 3.0, 1e-9);
   EXPECT_EQ(score({}).nees, 0.0);
-  // At the beacon itself no direction counts, and what is expected is a number.
+  // At the beacon itself the direction is undefined, but the prediction is finite.
   const TakenRange there{beacon.position_m, 0.5, 1};
   EXPECT_EQ(judge(fit, {&there, 1}).honest, 1);
   EXPECT_LT(judge(fit, {&there, 1}).nees, 1e-6);
@@ -296,7 +296,7 @@ TEST(FitRanges, TakesAsFewRangesOfABeaconAsItSaysAndNoFewer) {
   EXPECT_THROW(fit_ranges(ranges, 1), UsageError);
 }
 
-// The sensor says 2 m too little of a beacon that is nearer than that: no range is above zero.
+// The sensor reads 2 m too short for a beacon nearer than that: no range is above zero.
 TEST(FitRanges, KnowsABeaconOfWhichNoRangeIsAboveZero) {
   std::mt19937_64 rng(8);
   std::normal_distribution<double> noise(0.0, 0.02);
@@ -318,8 +318,8 @@ TEST(FitRanges, KnowsABeaconOfWhichNoRangeIsAboveZero) {
   EXPECT_LT(fit.beacons[0].outlier_share, 0.05);
 }
 
-// Along a way that hardly bends, a place is likelier than its mirror image, and no more so when
-// each of its ranges is said twice: of 600 as many are looked at, and two say as much as one.
+// Along a nearly straight path a position is likelier than its mirror image. Repeating each range
+// does not change the probability: of 600 ranges the same number is used, and two count as one.
 TEST(FitRanges, IsAsSureOfAPlaceWhenItHearsEachRangeTwice) {
   int cases = 0;
   for (const double bend_m : {0.05, 0.1, 0.15}) {

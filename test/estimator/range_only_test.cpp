@@ -263,7 +263,7 @@ TEST(RangeOnlyFilter, BeginsWithARingThatIsEvenAndAsWideAsTheNoise) {
   }
 }
 
-/// Mean and covariance of all hypotheses together.
+/// Returns the mean and covariance of all hypotheses together.
 BeaconHypothesis whole(const std::vector<BeaconHypothesis>& all) {
   BeaconHypothesis sum{0.0, Eigen::Vector2d::Zero(), Eigen::Matrix2d::Zero()};
   for (const BeaconHypothesis& h : all) {

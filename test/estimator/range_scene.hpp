@@ -10,7 +10,7 @@
 
 namespace vantage::estimator::test {
 
-/// A drawn recording: what is true, and the ranges.
+/// A simulated recording: the truth and the ranges.
 struct RangeScene {
   models::RangeCalibration calibration;
   std::vector<Eigen::Vector2d> beacons_m;
@@ -25,7 +25,7 @@ struct RangeSceneSpec {
   double correlation = 0.0;  ///< of successive errors of one beacon
 };
 
-/// A robot that wanders among two to five beacons; scale of 0.8 to 1.25 and bias of −2 to 2 m.
+/// Simulates a robot that moves among two to five beacons; scale 0.8 to 1.25, bias −2 to 2 m.
 inline RangeScene draw_range_scene(unsigned seed, const RangeSceneSpec& spec) {
   std::mt19937_64 rng(seed);
   const auto uniform = [&](double from, double to) {

@@ -11,12 +11,12 @@
 #include "estimator/range_fit.hpp"
 #include "test/estimator/range_scene.hpp"
 
-// Drawn recordings: what fit_ranges() claims is what it does.
+// Simulated recordings: the errors of fit_ranges() agree with its covariances.
 
 namespace vantage::estimator {
 namespace {
 
-/// As many as VANTAGE_RANGE_SCENES says.
+/// Returns the number of scenes: VANTAGE_RANGE_SCENES, or 60 if it is not set.
 unsigned scenes() {
   const char* const said = std::getenv("VANTAGE_RANGE_SCENES");
   return said == nullptr ? 60U : static_cast<unsigned>(std::stoul(said));
@@ -83,7 +83,8 @@ TEST(DrawnRangeScenes, AreAsFarOffAsTheFitClaimsInARoom) {
   expect_claims_hold(claims_of({.half_side_m = 4.0, .range_sigma_m = 0.1}, 6001));
 }
 
-// An error lasts for ten ranges to a beacon: one who took each for new would claim a third of σ.
+// An error lasts for ten ranges of a beacon; treating each as independent would give a third of the
+// right σ.
 TEST(DrawnRangeScenes, AreAsFarOffAsTheFitClaimsWhereErrorsLast) {
   expect_claims_hold(claims_of({.ranges_of_beacon = 400, .correlation = 0.8}, 7001));
 }

@@ -29,7 +29,7 @@ struct SharedLooks {
   std::optional<DistributedFilter> central;
   std::vector<Eigen::Vector2d> truth;
   std::vector<models::RobotBelief> beliefs;
-  std::vector<std::vector<models::DetectionSet>> waiting;  ///< looks on their way to a robot
+  std::vector<std::vector<models::DetectionSet>> waiting;  ///< observations in transit to a robot
   std::mt19937_64 rng;
   models::SensorModel sensor;
 

@@ -9,7 +9,7 @@
 #include "test/estimator/filter_support.hpp"
 #include "test/support/allocation_counter.hpp"
 
-// What a step is made from, and the tracks by target.
+// Records of a step's inputs, and the table of tracks by target.
 
 namespace vantage::estimator {
 namespace {
@@ -49,7 +49,7 @@ TEST(TrackTable, HasEachTargetOnceInTheOrderOfTheirNumbers) {
     EXPECT_EQ(tracks.find(id), nullptr);
     EXPECT_EQ(same.find(id), nullptr);
   }
-  // Another of a target that is there takes its place.
+  // A new entry for a known target replaces the old one.
   for (const int id : {0, 3, 7}) {
     EXPECT_EQ(tracks.put(known_track(id, 10.0 + id)).track.information.vector(0), 10.0 + id);
   }
@@ -72,7 +72,7 @@ TEST(TrackTable, HasRoomForAsManyTargetsAsThereAreUpToSoMany) {
     few.put({id, {}, 1.0});
   }
   EXPECT_EQ(of_few.count(), 0U);
-  // Of more than anybody has memory for, as of fewer than none, the table is made all the same.
+  // A huge or a negative capacity still gives a table.
   TargetTable<HeardTrack> many(2'000'000'000);
   const vantage::test::AllocationCounter of_many;
   constexpr int kRoom = static_cast<int>(TargetTable<HeardTrack>::kReserved);
@@ -94,7 +94,7 @@ std::vector<std::pair<Time, int>> looks_of(const StepRecord& record) {
   return looks;
 }
 
-// In whatever order they come, and more than there was room for.
+// In any order of arrival, and beyond the capacity.
 TEST(StepRecord, KeepsLooksByInstantAndThenByWhoLooked) {
   std::vector<std::pair<Time, int>> sorted;
   for (int step = 0; step < 2; ++step) {

@@ -45,7 +45,7 @@ models::RobotBelief belief_at(int step, const Pose2& pose = {}) {
   return belief;
 }
 
-// One robot's map after steps that each count the scans of `parts` in turn.
+// Returns one robot's map after steps that each count the scans of `parts` in turn.
 models::RobotMap map_of(TeamMap& team_map, const std::vector<std::vector<models::RangeScan>>& parts,
                         const std::vector<const models::RobotMap*>& teammates = {}) {
   models::RobotMap map;
@@ -123,7 +123,7 @@ TEST(TeamMap, LearnsNothingOfJammedOrStrangeScans) {
   TeamMap team_map(scenario, "Q1");
   const models::RobotMap nothing = map_of(team_map, {{}});
   models::RangeScan jammed = scan_of(scenario, random);
-  jammed.jammed = true;  // its ranges are still there: nobody may believe them
+  jammed.jammed = true;  // its ranges are present but must be ignored
   models::RangeScan other = scan_of(scenario, random);
   other.ranges_m.pop_back();
   models::RangeScan outside = scan_of(scenario, random);
@@ -167,13 +167,14 @@ TEST(TeamMap, IsOfTheStepOfTheBeliefThatItStandsOn) {
   EXPECT_EQ(map.viewpoint.world_from_body, belief.viewpoint.world_from_body);
   EXPECT_EQ(map.grid, before.grid);
   EXPECT_EQ(map.own_looks, before.own_looks);
-  before.grid.resolution_m *= 2.0;  // of another ground: begun anew
+  before.grid.resolution_m *= 2.0;  // another geometry: the map starts anew
   EXPECT_EQ(team_map.step({&belief, &before, {}, {}}).own_looks,
             models::Looks(before.own_looks.size(), 0));
   EXPECT_THROW(team_map.step({nullptr, &before, {}, {}}), UsageError);
 }
 
-// As the scenario's scanner to a rounding of its field of view, which is told in another unit.
+// Scans must match the scenario's scanner up to rounding of the field of view, which is published
+// in another unit.
 TEST(TeamMap, CountsScansOfTheScenariosScannerAlone) {
   const scenario::Scenario scenario = mapping_scenario();
   test::Random random(5304);

@@ -12,7 +12,7 @@
 #include "test/estimator/filter_support.hpp"
 #include "test/support/near.hpp"
 
-// Where one way to use a look ends and the other begins, and what is believed of velocities.
+// Limits between the methods of a measurement update, and priors of velocities.
 
 namespace vantage::estimator {
 namespace {
@@ -28,7 +28,7 @@ Gaussian around(double x_m, double y_m, double sigma_m) {
   return {Eigen::Vector2d(x_m, y_m), sigma_m * sigma_m * Eigen::Matrix2d::Identity()};
 }
 
-/// Whether the look is used as an extended Kalman filter uses it, to the last digits.
+/// True if the update equals that of an extended Kalman filter up to rounding.
 bool is_linearised(const Gaussian& prior, const models::SensorModel& sensor,
                    const models::Viewpoint& from, const models::Measurement& z) {
   auto belief = models::to_information(prior).value();
@@ -63,11 +63,11 @@ TEST(Measure, LinearisesWhereARangeBendsByAFifthOfItsSigmaAtMost) {
   }
 }
 
-// Limits mean nothing to a posterior that is three σ inside, and three of their own besides.
+// Limits are ignored when the posterior is 3σ inside, plus 3σ of the limit itself.
 TEST(Measure, MindsNoLimitThatIsThreeSigmaAway) {
   constexpr double kAway_m = 5.0;
   constexpr double kNoise_m = 0.2;
-  const double sigma_m = 0.2 / std::sqrt(2.0);  // of two that know as much
+  const double sigma_m = 0.2 / std::sqrt(2.0);  // of two equally certain beliefs
   const double clear_m = 3.0 * sigma_m + 3.0 * 0.1 * kNoise_m;
   for (const auto& [slack_m, is_clear] : {std::pair(0.002, true), std::pair(-0.002, false)}) {
     for (const double yaw_rad : {0.0, 1.0, -2.0}) {
@@ -90,7 +90,7 @@ TEST(Measure, MindsNoLimitThatIsThreeSigmaAway) {
   }
 }
 
-// By σ of what was expected, of a linear look and of one that is integrated.
+// The gate is in σ of the predicted measurement, for linear and for integrated updates.
 TEST(Measure, GatesFromTheVeryDistanceOn) {
   const models::SensorModel sensor = far_sighted(models::SensorKind::kPosition);
   const double sigma_m = std::hypot(0.3, 0.4);
@@ -105,11 +105,11 @@ TEST(Measure, GatesFromTheVeryDistanceOn) {
       EXPECT_EQ(belief.matrix == before.matrix, !is_used);
     }
   }
-  // Right over the robot a range bends: what is least over all places counts.
+  // Directly above the robot a range is nonlinear: the minimum over all positions counts.
   const models::SensorModel ranger = far_sighted(models::SensorKind::kRange);
   const models::Measurement z{Eigen::Matrix<double, 1, 1>(5.0), Eigen::Matrix<double, 1, 1>(0.25)};
   for (const auto& [gate_sigma, is_used] : {std::pair(4.6, true), std::pair(4.3, false)}) {
-    // Along any direction 5 m of which 1 m and 0.5 m explain: 5/√1.25 = 4.47.
+    // A residual of 5 m in any direction, with σ of 1 m and 0.5 m: 5/√1.25 = 4.47.
     auto belief = models::to_information(around(0.0, 0.0, 1.0)).value();
     EXPECT_EQ(measure(belief, ranger, at(0, 0), z, gate_sigma), is_used ? Use::kUsed : Use::kGated);
   }
@@ -129,7 +129,7 @@ TEST(Propagate, ChangesNoBitWhereNothingHappens) {
   }
 }
 
-// Of an oscillator its surroundings say how fast it is; of others the stated prior.
+// An oscillator's velocity prior is that of its surroundings; other models use the stated prior.
 TEST(Discover, KnowsOfVelocitiesWhatIsStated) {
   scenario::EstimatorSpec spec;
   spec.prior_velocity_sigma_mps = 0.7;
@@ -178,7 +178,8 @@ TEST(Doubt, IsOnlyOfWhatSaysWhereTheTargetIsInstead) {
                      instant(2)));
 }
 
-// Of each target first the looks that do not report it, then those that do, whatever their order.
+// For each target, scans without a detection are applied before those with one, in any order of
+// arrival.
 TEST(CentralFilter, UsesEmptyLooksBeforeThoseThatSawTheTarget) {
   models::World world;
   world.bounds = {{-20.0, -20.0}, {20.0, 20.0}};

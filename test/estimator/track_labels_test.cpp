@@ -96,7 +96,7 @@ TEST(Reconcile, GivesBothTheOlderLabelWhoeverHears) {
   EXPECT_EQ(labels_of(other), std::vector{kOld});
 }
 
-// Of two that are both within 3 sigma the nearer pair first, by Mahalanobis distance.
+// If two pairs are within 3σ, the pair with the smaller Mahalanobis distance is joined first.
 TEST(Reconcile, JoinsTheNearestFirst) {
   std::vector<LabelledTrack> tracks = {own(kYoung, at_m(0, 0, 0.5)),
                                        own(kYoung + 1, at_m(1, 0, 0.5))};
@@ -113,14 +113,14 @@ TEST(Reconcile, TakesWhatIsFarFromAllForAnother) {
   EXPECT_EQ(done.adopted, 1);
   EXPECT_EQ(labels_of(tracks), (std::vector{kYoung, kOld}));
   EXPECT_EQ(tracks[1].last_seen, instant(1));
-  // Where all places are taken by likely ones there is no room.
+  // A table full of likely tracks accepts no other.
   std::vector<LabelledTrack> full = {own(kYoung, at_m(0, 0, 0.1))};
   heard = {theirs(kOld, at_m(2, 0, 0.1))};
   EXPECT_EQ(reconcile(full, heard).adopted, 0);
   EXPECT_EQ(labels_of(full), std::vector{kYoung});
 }
 
-// Never a product of both, which would count twice what they have in common.
+// The beliefs are never multiplied, which would count their common information twice.
 TEST(Reconcile, TakesTheBeliefThatTellsClearlyMoreAsItIs) {
   const models::Gaussian vague = at_m(1, 1, 1.0);
   const models::Gaussian sure = at_m(1.3, 1, 0.2);
@@ -160,7 +160,7 @@ TEST(TrackLabels, AreOlderForHalfOfTheirRound) {
   EXPECT_FALSE(is_older(after(kHalf), label));
 }
 
-// Of the sum of both covariances.
+// 3σ of the sum of both covariances.
 TEST(Reconcile, TakesForOneWhatIsWithinThreeSigma) {
   for (const bool is_along_x : {false, true}) {
     for (const auto& [away_m, is_one] : {std::pair(1.499, true), std::pair(1.501, false)}) {
@@ -194,7 +194,7 @@ TEST(Reconcile, MindsNoLabelOfATrackThatIsNoMore) {
   EXPECT_EQ(labels_of(tracks), std::vector{kOld});
 }
 
-// They are one from then on: what the teammate knows better is taken in the same breath.
+// The joined track takes over the teammate's more certain belief in the same step.
 TEST(Reconcile, TakesTheSurerBeliefOfWhatItHasJustJoined) {
   for (const bool is_own_older : {false, true}) {
     std::vector<LabelledTrack> tracks = {own(is_own_older ? kOld : kYoung, at_m(1, 1, 1.0))};
@@ -244,7 +244,7 @@ TEST(Reconcile, AdoptsInThePlaceOfTheUnlikeliestThatIsNotConfirmed) {
   }
 }
 
-// A track that both have is that one: it is not compared with another that only the teammate has.
+// A track with the same label in both is not compared with other tracks of the teammate.
 TEST(Reconcile, JoinsNothingWithATrackThatBothHave) {
   std::vector<LabelledTrack> tracks = {own(kOld, at_m(0, 0, 0.2)), LabelledTrack{}};
   std::vector<HeardLabel> heard = {theirs(kOld, at_m(0.2, 0, 0.2)),

@@ -87,8 +87,8 @@ TEST(Propagate, RefusesABeliefThatCannotBeInverted) {
                          instant(1)));
 }
 
-/// A look at a target that is in view, and what was believed of it: drawn so that near, far, under
-/// the robot and at the limits of range and view all come up.
+/// An observation of a target in view, and the prior. The cases include near and far targets,
+/// targets under the robot, and the limits of range and view.
 struct LookCase {
   models::SensorModel sensor;
   models::Viewpoint from;
@@ -157,7 +157,7 @@ TEST(Measure, AgreesWithTheCovarianceFormWhereTheSensorIsLinearEnough) {
   }
 }
 
-/// What is believed after the look, which must be used.
+/// Returns the posterior of the observation, which must be used.
 Gaussian after_its_look(const LookCase& c) {
   auto information = models::to_information(c.belief).value();
   EXPECT_EQ(measure(information, c.sensor, c.from, c.z, 0.0), Use::kUsed);
@@ -232,8 +232,8 @@ TEST_P(MeasureAgainstBruteForce, GivesTheMomentsOfThePosterior) {
 INSTANTIATE_TEST_SUITE_P(EverySensor, MeasureAgainstBruteForce, ::testing::ValuesIn(kEverySensor));
 
 TEST(Measure, IsRightAboutATargetUnderTheRobot) {
-  // The lab's sensor over a target that it has lost: z_r is all noise. Linearised, the posterior
-  // was 0.4 mm wide and 0.5 m off.
+  // The lab's sensor above a lost target: z_r is only noise. A linearised posterior would be 0.4 mm
+  // wide and 0.5 m off.
   models::SensorModel sensor;
   sensor.range_min_m = 0.1;
   sensor.range_max_m = 1.0;
@@ -256,8 +256,8 @@ TEST(Measure, IsRightAboutATargetUnderTheRobot) {
 }
 
 TEST(Measure, IsConsistentNearTheRobot) {
-  // Truth from the prior, a look if it is in view: where the moments are those of the posterior,
-  // the mean of e = ε' Σ⁻¹ ε over the cases is 2, whatever the posterior's shape.
+  // Truth is drawn from the prior and observed if it is in view. If the moments are those of the
+  // posterior, the mean of e = ε' Σ⁻¹ ε is 2, whatever the posterior's shape.
   models::SensorModel sensor;
   sensor.range_min_m = 0.1;
   sensor.range_max_m = 1.0;
@@ -300,7 +300,7 @@ TEST(Measure, TurnsAndMirrorsWithTheWorld) {
       const Gaussian of_turned =
           posterior(turned, {R * c.belief.mean, R * c.belief.covariance * R.transpose()}, c.z);
       EXPECT_LT((of_turned.mean - R * plain.mean).norm(), 1e-6 * sigma_m);
-      // Left for right.
+      // Mirrors left and right.
       const Eigen::Matrix2d F = Eigen::Vector2d(1.0, -1.0).asDiagonal();
       models::Viewpoint mirrored = c.from;
       mirrored.world_from_body = {c.from.world_from_body.x_m, -c.from.world_from_body.y_m,
@@ -319,7 +319,7 @@ TEST(Measure, TurnsAndMirrorsWithTheWorld) {
 }
 
 TEST(Measure, DoesNotBelieveInLimitsThatTheSensorDoesNotKeep) {
-  // Well known at 1.3 m, seen there by a sensor that is said to see 1 m.
+  // A precise prior at 1.3 m and a detection there by a sensor with a stated range of 1 m.
   models::SensorModel sensor;
   sensor.range_max_m = 1.0;
   sensor.range_sigma_m = 0.1;

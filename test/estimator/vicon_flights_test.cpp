@@ -168,8 +168,8 @@ TEST_P(ViconFlights, AreTrackedAsWellAsTheFilterSays) {
   const double rmse_m = std::sqrt(squared_m2 / samples);
   const double sigma_m = std::sqrt(variance_m2 / samples);
   const double raw_m = std::sqrt(raw_m2 / samples);
-  // The noise is drawn forty times, the flights were flown once: what chance leaves open of a mean
-  // NEES is told by how stretches of flight differ.
+  // The noise is drawn forty times but the flights were flown once. The uncertainty of the mean
+  // NEES is therefore estimated from the differences between stretches of flight.
   std::vector<double> over_seeds(stretches.front().size());
   std::vector<double> off;  // by seed, in standard errors
   for (const std::vector<double>& of : stretches) {
@@ -190,16 +190,16 @@ TEST_P(ViconFlights, AreTrackedAsWellAsTheFilterSays) {
             << *lowest << " to " << *highest << " standard errors off, " << in_band << " of "
             << kSeeds << " in their 95 % band; inside the 95 % ellipse " << inside / samples
             << "\n";
-  // All seeds together, and each by itself: 3.7 standard errors are missed once in a thousand, and
+  // All seeds together, and each alone: 3.7 standard errors are exceeded once in a thousand, and
   // six of forty are outside their bands once in seventy.
   EXPECT_NEAR(whole.mean, 2.0, 3.7 * whole.error);
-  EXPECT_LT(whole.error, 0.1);  // or the band says nothing
+  EXPECT_LT(whole.error, 0.1);  // otherwise the band is too wide to test anything
   EXPECT_GT(*lowest, -3.7);
   EXPECT_LT(*highest, 3.7);
   EXPECT_GE(in_band, 35);
   EXPECT_NEAR(inside / samples, 0.95, 0.015);
   EXPECT_NEAR(rmse_m, sigma_m, 0.05 * sigma_m);
-  EXPECT_LT(rmse_m, 0.9 * raw_m);  // it must be worth having
+  EXPECT_LT(rmse_m, 0.9 * raw_m);  // the filter must improve on raw measurements
 }
 
 INSTANTIATE_TEST_SUITE_P(Sensors, ViconFlights,

@@ -116,7 +116,8 @@ TEST(LimitSoftness, IsATenthOfEachSigmaOfWhatIsMeasured) {
   expect(limit_softness(camera, V), 0.0, 0.02 / 50.0);
 }
 
-// What has limits of its own keeps to them exactly, whatever it measures; a bearing's are ours.
+// Sensor kinds with their own limits have exact limits, except for the angle if the kind measures a
+// bearing.
 TEST(LimitSoftness, IsNoneOfAKindWithLimitsOfItsOwn) {
   const models::MeasurementMatrix V1 = 0.04 * Eigen::Matrix<double, 1, 1>::Identity();
   models::SensorLaw law = vantage::test::signal_strength_law();
@@ -159,7 +160,7 @@ TEST(ViewProbability, FallsOffAtEachLimitAsANormalDistribution) {
       is(sensor, 4.0, 4.0, side * (1.0 - side_rad * n - 2.0 * kPi), kNoDepth_m);
     }
   }
-  // All at once: how far from each, multiplied.
+  // All limits at once: the product of the single probabilities.
   const double side_there_rad = std::hypot(0.02, 0.1 / 2.05);
   EXPECT_NEAR(view_probability(sensor, soft, 9.95, 2.05, 1.0 + side_there_rad, 0.7),
               normal_below(0.5) * normal_below(0.5) * normal_below(-1.0) * normal_below(2.0),
@@ -221,7 +222,7 @@ TEST(ViewProbability, OfAPlaceIsThatOfItsRangeBearingAndDepth) {
                   1e-9);
     }
   }
-  // At the sensor itself a range has no direction; a position is one.
+  // At the sensor itself a range has no direction, but a position does.
   models::SensorModel sensor = wide_sensor(models::SensorKind::kRange);
   sensor.range_min_m = 0.0;
   sensor.fov_rad = 2.0 * kPi;
@@ -242,8 +243,8 @@ TEST(ViewProbability, OfLimitsThatAreExactIsWhetherItIsInView) {
   }
 }
 
-// Truth from the belief, and a look if the limits as they were let it through: where the moments
-// are those of what is possible the mean of ε' Σ⁻¹ ε is 2, whatever the posterior's shape.
+// Truth is drawn from the prior and observed if it is within the displaced limits. If the moments
+// are correct, the mean of ε' Σ⁻¹ ε is 2, whatever the posterior's shape.
 TEST(Measure, IsConsistentWhereTheLimitsAreALittleOff) {
   constexpr int kCases = 1500;
   constexpr double kSigma_m = 0.02;
