@@ -10,7 +10,7 @@
 #include "test/bus/auth/auth_support.hpp"
 #include "test/bus/convert/message_types.hpp"
 
-// A stranger without keys replays what it recorded, and must delay no order of the operator.
+// An attacker without keys replays recorded messages, and must not delay orders of the operator.
 
 namespace vantage::bus::auth {
 namespace {
@@ -107,9 +107,9 @@ std::vector<Forged> unsigned_names() {
   return out;
 }
 
-/// The longest time between two orders of the operator that the vehicle accepts while the stranger
-/// sends one message each kAttackPeriod; the operator sends one each 0.2 s. `repeats_now`: what the
-/// operator has just sent is sent again instead, under ever new addresses.
+/// Returns the longest time between two accepted operator orders while the attacker sends one
+/// message per kAttackPeriod. The operator sends one per 0.2 s. `repeats_now`: the attacker instead
+/// repeats the operator's latest message from ever new addresses.
 Duration longest_wait(const std::vector<Forged>& attack, bool repeats_now) {
   const auto vehicle = process();
   const auto station = process();

@@ -10,7 +10,7 @@
 #include "test/bus/auth/auth_support.hpp"
 #include "test/bus/convert/message_types.hpp"
 
-// Signing and judging where messages come and go: nodes know nothing of it.
+// Signing and verification within the bus, without involvement of the nodes.
 
 namespace vantage::bus {
 namespace {
@@ -136,7 +136,7 @@ TEST_F(SecuredBus, IsUnderstoodByWhoKnowsAKeyAndByWhoKnowsOfNone) {
   EXPECT_EQ(std::vector<std::uint8_t>(payload.begin(), payload.end()), test::encoded(sent));
 }
 
-// The run id, the next number and a stamp of now are on the network for all to read.
+// The run id, the next number and the current time are readable on the network.
 TEST_F(SecuredBus, RefusesAFrameWithTheRunAndTheNumberOfTheTrueOne) {
   lab_.bus.publish(kVicon, frame());
   hear();
@@ -145,7 +145,7 @@ TEST_F(SecuredBus, RefusesAFrameWithTheRunAndTheNumberOfTheTrueOne) {
   forge("VICON", test::encoded(forged));
   EXPECT_EQ(vehicle_.frames.size(), 1U);
   EXPECT_EQ(vehicle_.count("VICON.unsigned"), 1);
-  // With the trailer of the true one behind it.
+  // With the trailer of the genuine message appended.
   std::vector<std::uint8_t> dressed = test::encoded(forged);
   const auto& whole = heard_.at(0).second;
   dressed.insert(dressed.end(),
@@ -210,8 +210,8 @@ TEST_F(SecuredBus, AcceptsUnsignedMessagesOnChannelsThatDecideNothing) {
   EXPECT_EQ(vehicle_.count("CAMERA.unsigned"), 0);
 }
 
-// A forged HEALTH keeps the supervisor from ending a hung process, a forged HOST keeps a trial from
-// starting, a forged COLLISION decides its exit code.
+// A forged HEALTH would keep the supervisor from ending a hung process, a forged HOST a trial from
+// starting; a forged COLLISION would decide the exit code.
 TEST_F(SecuredBus, RefusesAndCountsUnsignedMessagesThatDecideSomething) {
   const auto check = [this](const auto& channel, auto message, const int& received) {
     message.stamp = {clock_.now(), 77, 0};

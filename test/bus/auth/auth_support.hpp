@@ -29,7 +29,7 @@ inline bus::auth::Key key_of(bus::auth::Role role, std::uint8_t first) {
   return key;
 }
 
-/// One key of each role, with all that signs. `shift` makes another trial's.
+/// Returns one key of each role, with the signing seeds. `shift` selects another trial's keys.
 inline std::shared_ptr<const bus::auth::Keyring> keys_of_a_trial(std::uint8_t shift = 0) {
   auto out = std::make_shared<bus::auth::Keyring>();
   for (const bus::auth::Role role : bus::auth::kRoles) {

@@ -12,7 +12,7 @@ namespace wire = vantage_lcm;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// One change that makes a message untrue, and why.
+/// One change that makes a message invalid, and the reason.
 template <class Wire>
 struct Spoil {
   const char* what;

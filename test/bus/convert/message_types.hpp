@@ -9,7 +9,7 @@
 
 namespace vantage::test {
 
-/// Everything that travels.
+/// All message types of the bus.
 using MessageTypes =
     ::testing::Types<models::MocapFrame, models::DetectionSet, models::RobotBelief,
                      models::BeliefMixture, models::RangeScan, models::RobotMap, models::RobotPlan,
@@ -18,7 +18,7 @@ using MessageTypes =
                      models::AttackNotice, models::ProcessHealth, models::HostReport,
                      models::ScenarioNotice>;
 
-/// The bytes that go out for `message`.
+/// Returns the bytes published for `message`.
 template <class Message>
 std::vector<std::uint8_t> encoded(const Message& message) {
   const auto wire = bus::to_wire(message);

@@ -9,9 +9,9 @@
 
 #include "models/exchange/messages.hpp"
 
-// Random messages that could be true, every field set, and their content as a flat list of bits,
-// so that two messages can be compared exactly (NaN included) and no field can be forgotten by
-// both directions of a conversion at once.
+// Random valid messages with every field set, and their content as a flat list of bits. Two
+// messages can be compared exactly (NaN included), and a field that both directions of a conversion
+// omit is detected.
 
 namespace vantage::test {
 

@@ -12,8 +12,8 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 constexpr std::size_t kFingerprintBytes = 8;
 
-/// Spoils `bytes` in one of the ways that networks, versions and attackers do. Never the
-/// fingerprint: that gate is tested by itself, and what lies behind it is the subject.
+/// Damages `bytes` as networks, other versions and attackers do. The fingerprint is never changed:
+/// its check is tested separately.
 void mutate(Bytes& bytes, std::mt19937_64& rng) {
   const auto pick = [&](std::size_t below) {
     return std::uniform_int_distribution<std::size_t>(0, below - 1)(rng);
@@ -49,8 +49,8 @@ template <class Message>
 class Decoding : public ::testing::Test {};
 TYPED_TEST_SUITE(Decoding, test::MessageTypes);
 
-// 3 000 mutations of each of 11 types. What the walk lets pass, lcm-gen's decoder must consume
-// exactly, and from_wire must judge; under the sanitizers this is where either would be caught.
+// 3 000 mutations of each of 11 types. lcm-gen's decoder must consume exactly what the walk
+// accepts, and from_wire must check it; the sanitizers detect errors of either.
 TYPED_TEST(Decoding, SurvivesMutationsAndWalksExactlyAsTheGeneratedDecoder) {
   using Wire = WireOf<TypeParam>;
   const WireSchema* schema = find_wire_schema(Wire::getTypeName());
@@ -195,7 +195,8 @@ TEST(IsWellFormed, LetsNoProductOverflow) {
   EXPECT_TRUE(fits({elements_of(1, {0, -1}, {1 << 30, -1})}, {}));
 }
 
-// As many rows of nothing would be made as the message has bytes, and no more.
+// Without the limit, a message could request any number of empty rows; the number of its bytes is
+// the maximum.
 TEST(IsWellFormed, BelievesNoMoreRowsOfNothingThanThereAreBytes) {
   const std::vector<WireField> fields{whole_number(2), whole_number(1),
                                       elements_of(8, {0, 0}, {0, 1}), elements_of(1, {5, -1})};

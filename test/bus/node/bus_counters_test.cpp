@@ -68,7 +68,7 @@ TEST(BusCounters, CallEachOfTheTransportsByItsName) {
   EXPECT_TRUE(bus.counters().empty()) << "zeros are not told";
 }
 
-/// A Bus that hears what `say` puts on the network.
+/// A bus that receives what `say` publishes.
 class Counted : public ::testing::Test {
  protected:
   void say(const std::string& channel, std::int64_t run, std::int64_t sequence, int utime) {
@@ -77,7 +77,7 @@ class Counted : public ::testing::Test {
     raw_->publish(channel, test::encoded(plan));
     bus_.handle(kNow);
   }
-  /// One of everything that can become of a message, and two that are fresh in the end.
+  /// Publishes one message of each outcome, and two that are fresh in the end.
   void say_all(const std::string& channel) {
     say(channel, 1, 0, 10);
     say(channel, 1, 5, 10);       // four are missing
@@ -169,7 +169,7 @@ TEST_F(Counted, GoOnWhereAPatternStillHearsWhatWasLeft) {
   EXPECT_EQ(of("left"), (Counts{0, 0, 0, 0, 0, 0, 0}));
 }
 
-// However many subscriptions it was for: a message is at fault once.
+// A malformed message counts once, however many subscriptions match.
 TEST_F(Counted, CountAMessageThatDoesNotDecodeOnce) {
   for (int i = 0; i < 3; ++i) {
     bus_.subscribe<models::RobotPlan>(plan_channel("A"), [](const auto&) {});
@@ -207,7 +207,7 @@ TEST(BusCounters, HaveRoomFor1024ChannelsThatDoNotDecode) {
   EXPECT_EQ(counters_of(bus)["C7.decode_errors"], 2) << "those that are known go on";
 }
 
-// More than the handlers say of themselves, less than it takes in all.
+// At least the time measured inside the handlers, and less than the total time.
 TEST(BusHandling, IsTheTimeInHandlers) {
   test::BusPair net(1, 2);
   std::int64_t inside_ns = 0;

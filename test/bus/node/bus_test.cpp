@@ -26,7 +26,7 @@ std::int64_t count_of(const Bus& bus, const std::string& name) {
   return 0;
 }
 
-/// Two endpoints on one hub: `raw_` says what it likes, `bus_` must cope.
+/// Two endpoints on one hub: `raw_` sends arbitrary bytes, `bus_` must handle them.
 class BusAgainstRawBytes : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -199,7 +199,7 @@ TEST_F(BusAgainstRawBytes, HearsEveryConsoleHoweverManyThereAre) {
   EXPECT_EQ(count_of(bus_, "COMMAND.duplicates"), 1);
   EXPECT_EQ(count_of(bus_, "COMMAND.old_runs"), 0);
   EXPECT_EQ(bus_.messages_lost(), 1);
-  // A flood of consoles pushes out those silent the longest, never the books' bounds.
+  // A flood of consoles displaces those silent the longest; the bookkeeping stays bounded.
   for (std::int64_t run = 100; run < 1'100; ++run) {
     send(stamped(run, 0, 40));
   }

@@ -61,7 +61,7 @@ TEST_F(Listened, ToThoseWhoAreNearAsTheyComeAndGo) {
   EXPECT_EQ(to, (Names{"Q62", "Q63", "Q64", "Q65"}));
 }
 
-// One frame of next year, or a clock that was ahead and is set back.
+// One frame from next year, or a clock that was ahead and is set back.
 TEST_F(Listened, GoesOnAfterAFrameOfTheFuture) {
   const scenario::Scenario scenario = in_a_row(9, 20.0);
   NeighbourWatch near = watch(scenario);

@@ -13,7 +13,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-/// An endpoint of a hub of its own.
+/// An endpoint with its own hub.
 class OwnHub : public Transport {
  public:
   void subscribe(const std::string& channel, Handler handler) override {
@@ -32,7 +32,7 @@ class OwnHub : public Transport {
   std::unique_ptr<Transport> own_ = hub_.connect();
 };
 
-/// Waiting on it moves the clock; what was published is kept.
+/// A transport whose waits advance the clock; it keeps what was published.
 class WaitMovesTheClock : public OwnHub {
  public:
   explicit WaitMovesTheClock(VirtualClock& clock) : clock_(clock) {}
@@ -144,7 +144,7 @@ TEST_F(RunNode, AsksWhetherToStopEvenWhenTheNodeSleepsLong) {
   EXPECT_EQ(transport_.longest_wait(), milliseconds(50));
 }
 
-/// Its device has nothing to say for twenty seconds.
+/// A ticker whose device is silent for twenty seconds.
 class TickerWithADevice : public Ticker {
  public:
   using Ticker::Ticker;
@@ -181,7 +181,7 @@ TEST_F(RunNode, WaitsNoLongerForADeviceThanUntilTheNodesTime) {
   EXPECT_FALSE(node.has_spoken());
 }
 
-// Nor less long: or it would ask again and again, thousands of times a second.
+// The wait must not be shorter either, or the node would poll thousands of times per second.
 TEST_F(RunNode, WaitsForADeviceThatIsSilentUntilTheNodesTime) {
   TickerWithADevice node(start_ + milliseconds(20), milliseconds(20));
   node.start();
@@ -202,7 +202,7 @@ TEST_F(RunNode, TicksAsSoonAsItsDeviceSpeaks) {
   EXPECT_EQ(node.ticks, (std::vector<Time>{start_, start_, start_})) << "long before its time";
 }
 
-/// Needs time to end, as the driver of a vehicle that has to land.
+/// A node that needs time to stop, as the driver of a vehicle that has to land.
 class Lander : public Ticker {
  public:
   using Ticker::Ticker;

@@ -168,7 +168,7 @@ TEST(StreamMonitor, KeepsARunWithinItsLeaseAndTakesTheNextOneAfterIt) {
   EXPECT_EQ(monitor.counts().lost, 9) << "of the run that began";
 }
 
-// A stamp of the far future keeps no later run out.
+// A stamp in the far future does not block later runs.
 TEST(StreamMonitor, ComparesRunsByNoTimeInTheFuture) {
   StreamMonitor monitor;
   const Time now = from_utime(0) + seconds(100);
@@ -216,7 +216,7 @@ TEST(StreamMonitor, RemembersTheNewest256NumbersOfManyGaps) {
   EXPECT_EQ(monitor.counts().lost, 300 - 256);
 }
 
-// Three were lost before the gap that was forged, and stay lost.
+// Three were lost before the forged gap, and stay counted as lost.
 TEST(StreamMonitor, GoesBackBeforeAForgedGapToWhatWasLostBefore) {
   StreamMonitor monitor;
   EXPECT_EQ(monitor.judge(stamp(0, 1, 1000)), Arrival::kFresh);
@@ -375,7 +375,7 @@ TEST(SharedStreamMonitor, ForgetsOfThirtyThreeRunsTheOneSilentLongest) {
   EXPECT_EQ(counts.runs, 35);
 }
 
-// A set of everything seen is the oracle; gaps stay below what the monitor remembers.
+// Compared with a set of all numbers; gaps stay below what the monitor remembers.
 TEST(StreamMonitor, AgreesWithFullBookkeepingOnShuffledStreams) {
   std::mt19937_64 rng(7);
   for (int trial = 0; trial < 50; ++trial) {

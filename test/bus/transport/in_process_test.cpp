@@ -21,7 +21,7 @@ Transport::Handler into(std::vector<Bytes>& list) {
   };
 }
 
-/// Two endpoints that keep what they hear: b of everything.
+/// Two endpoints that keep what they receive; b receives everything.
 struct TwoListeners {
   explicit TwoListeners(const char* of_a) {
     a->subscribe(of_a, into(at_a));
@@ -122,7 +122,7 @@ TEST(InProcessHub, ForgetsEndpointsThatAreGone) {
   EXPECT_TRUE(stays->publish("X", Bytes{1}));
 }
 
-// Others come to stand where it stood in memory: they hear what they asked for, once.
+// New endpoints reuse its memory: they receive what they subscribed to, once.
 TEST(InProcessHub, SaysNothingToEndpointsThatAreGone) {
   for (const char* const pattern : {"X", "X*"}) {
     InProcessHub hub;
@@ -217,7 +217,7 @@ TEST(InProcessHub, SharesWhatWasDecodedOfOneMessage) {
 
 TEST(InProcessHub, RefusesAQueueOfNothing) { EXPECT_THROW(InProcessHub(0), UsageError); }
 
-// Two senders in threads of their own; both receivers must hear all of it, in the same order.
+// Two senders in separate threads; both receivers must receive all messages in the same order.
 TEST(InProcessHub, ShowsConcurrentPublishersInOneOrderToAll) {
   constexpr int kEach = 2'000;
   TwoListeners two("*");

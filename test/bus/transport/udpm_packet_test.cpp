@@ -99,7 +99,7 @@ TEST(ParsePacket, RefusesImpossibleNumbering) {
       << "more fragments than bytes";
 }
 
-// Whatever a sender may say: each number in all of its bytes, each length of a name.
+// All values of all bytes of each number, and every length of a name.
 TEST(ParsePacket, ReadsBackEveryHeadThatIsPossible) {
   std::mt19937_64 rng(12);
   for (int i = 0; i < 5'000; ++i) {
