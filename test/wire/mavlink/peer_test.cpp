@@ -1,4 +1,4 @@
-// Our codec against node-mavlink, which has no code in common with it.
+// Our codec compared with node-mavlink, which shares no code with it.
 
 #include <cstdlib>
 #include <filesystem>

@@ -138,7 +138,7 @@ TEST(RoverWire, RefusesEachNumberThatCannotBeTrue) {
   }
 }
 
-// Both ends here are ours and would agree on anything else.
+// A round trip between our own ends would not detect wrong values.
 TEST(RoverWire, HasTheFlagsAndTimesOfItsPage) {
   EXPECT_EQ(kDrive, 1U);
   EXPECT_EQ(kEmergencyStop, 2U);

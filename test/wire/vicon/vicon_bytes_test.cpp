@@ -71,7 +71,7 @@ TEST(WriterAndReader, GiveBackWhatWasWritten) {
   expect_there_and_back<std::endian::big>();
 }
 
-// Though something is left: what comes behind what is missing means nothing.
+// After a failed read every further read gives zeros, even if bytes are left.
 TEST(Reader, GivesZerosForGoodOnceItWasAskedForTooMuch) {
   const auto bytes = from_hex("03000000 010203");
   Reader<std::endian::little> number(bytes);

@@ -77,7 +77,7 @@ TEST(EncodeObjectBlock, IsNoLongerThanItMustBe) {
   EXPECT_EQ(datagram.size(), kObjectHeaderBytes);
 }
 
-// The memory is used again; what was wrong with the datagram before is not.
+// The output memory is reused, without traces of the previous datagram.
 TEST(DecodeObjectBlock, SaysNothingOfTheDatagramBefore) {
   ObjectBlock block;
   std::vector<std::uint8_t> spoiled = kWorked;

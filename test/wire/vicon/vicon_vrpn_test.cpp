@@ -346,7 +346,7 @@ TEST(IdentifyDatagram, TellsTheStreamsApart) {
   EXPECT_EQ(identify_datagram(from_hex("00 01 02 03 04 05 06 07")), Speaker::kUnknown);
 }
 
-// Each by a word that no other has.
+// Each name contains a distinct word.
 TEST(Speakers, AreCalledByTheirOwnNames) {
   const std::vector<std::pair<Speaker, std::string>> words{
       {Speaker::kUnknown, "unknown"},
