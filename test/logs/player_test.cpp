@@ -60,7 +60,7 @@ class PlayerTest : public ::testing::Test {
         [] { return false; });
   }
 
-  /// (data, ms) of everything heard
+  /// Returns (data, ms) of all published events.
   std::vector<std::pair<int, std::int64_t>> heard() const {
     std::vector<std::pair<int, std::int64_t>> out;
     for (const auto& [at_ms, channel, value] : heard_) {

@@ -113,8 +113,8 @@ TEST(TruthHistory, FindsTheLeastSeparationOfManyWhoComeAndGo) {
   }
 }
 
-// The two meet between frames. In the second frame they are farther apart than the search distance
-// of a stationary body.
+// The two meet between frames. In the second frame they are far apart: only the distance that they
+// travelled makes the pair a candidate.
 TEST(TruthHistory, SeesTwoPassEachOtherWhoAreFarApartAgain) {
   TruthHistory truth;
   truth.add(frame(0, {body("Q1", -1, -0.3, 0.0), body("Q2", -1, 0.3, 0.0)}));
