@@ -205,7 +205,7 @@ TEST(TrackUnderAttack, KeepsEveryTargetWhereNobodyIsAttacked) {
   EXPECT_NEAR(nees / (4.0 * 250.0 * kSeeds), 4.0, 0.8);
 }
 
-// Each of the choices that the text leaves open changes what happens, if not with every seed.
+// Each choice that the paper leaves open changes the result, though not for every seed.
 TEST(TrackUnderAttack, IsRunAsItsChoicesSay) {
   const TrackingSetting published{
       .robots = 4, .targets = 4, .attacks = 2, .task_steps = 150, .nodes_per_plan = 2'000};

@@ -5,7 +5,7 @@
 namespace vantage::experiments {
 namespace {
 
-// Run in another order, in a thread that has run others before.
+// Units run in another order, in a thread that has run others before.
 TEST(Experiments, HaveUnitsThatAreFunctionsOfTheirSeed) {
   for (const Experiment& experiment : all_experiments()) {
     const Sweep sweep = experiment.make({0, true});

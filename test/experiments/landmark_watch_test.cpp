@@ -118,7 +118,7 @@ TEST(Watch, KeepsClearAndWithinItsControls) {
   }
 }
 
-// With every sensor taken Σ is (σ² + q n (n − 1)/2) I after n steps: k is 0 in the first.
+// With every sensor jammed, Σ is (σ² + q n (n − 1)/2) I after n steps: k is 0 in the first.
 TEST(Watch, KnowsLessAndLessWhereAllAreAttacked) {
   const WatchSetting setting = short_setting(2);
   const WatchRun run = watch(setting, surveillance_starts(setting, 2, 4), true);
@@ -151,7 +151,7 @@ TEST(TwoTargets, AreSharedWithoutResilienceAndBothVisitedWithIt) {
       EXPECT_EQ(visits(setting, descent, robot).switches, 0) << "seed " << seed;
       EXPECT_EQ(visits(setting, descent, robot).home_share, 1.0) << "seed " << seed;
     }
-    // The jammed one is free not to move: what it would see it never learns.
+    // The jammed robot gains nothing by moving, since its observations are lost.
     EXPECT_GT(visits(setting, rain, 1).switches, 0) << "seed " << seed;
     switches += visits(setting, rain, 0).switches;
   }

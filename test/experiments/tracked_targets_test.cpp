@@ -77,7 +77,7 @@ TEST(TrackedTargets, AreKnownAsWellAsTheFilterSays) {
   EXPECT_NEAR(mean.nees_unseen, 4.0, 0.5);
 }
 
-// Why the setting is not the sensor's own probability of detection.
+// Shows why the setting is not the sensor's detection probability.
 TEST(TrackedTargets, AreThoughtKnownWhereEachLookCountsAsIfItWereTheFirst) {
   TargetSetting setting;
   setting.detection_probability = 0.9;

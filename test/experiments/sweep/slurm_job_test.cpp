@@ -90,7 +90,7 @@ TEST(StatesOf, AreByJobAndSayWhatMayStillWrite) {
   EXPECT_FALSE(is_failure(""));
 }
 
-// Its node has not answered yet: the job may have ended, and may be about to run again.
+// A job in this state may have ended, or may be about to run again.
 TEST(StatesOf, OfAJobThatIsTakenDownSayNotThatItHasEnded) {
   EXPECT_TRUE(is_live("COMPLETING"));
   EXPECT_FALSE(is_at_work("COMPLETING"));
@@ -99,7 +99,7 @@ TEST(StatesOf, OfAJobThatIsTakenDownSayNotThatItHasEnded) {
   EXPECT_FALSE(is_at_work("COMPLETED"));
 }
 
-/// squeue and scancel that keep the words they are called with; first in PATH while it lives.
+/// Fake squeue and scancel that record their arguments; first in PATH during its lifetime.
 class FakeSlurm {
  public:
   FakeSlurm() {

@@ -59,7 +59,7 @@ Sweep counting_sweep(std::atomic<int>& runs) {
 }
 constexpr int kUnits = 9;
 
-// A directory of its own that goes with the test.
+// A temporary directory per test.
 class Sweeps : public ::testing::Test {
  protected:
   Sweeps() {
@@ -354,7 +354,7 @@ TEST_F(Sweeps, KeepLinesWholeWhenTheDiskTakesNoMore) {
   EXPECT_EQ(stored.torn, 0U);
 }
 
-// Processes that start together, some of which have begun their rows before others have looked.
+// Processes that start together; some create their rows before others have checked.
 TEST_F(Sweeps, LetManyShardsBeginTogether) {
   const SweepPlan plan = counting_sweep(runs_).plan;
   for (int turn = 0; turn < 100; ++turn) {
