@@ -86,7 +86,7 @@ TEST(Trial, IsTheSameInPiecesOfAnyLength) {
       while (trial.time() < trial.planned_end()) {
         trial.advance_to(trial.time() + Duration{piece_us});
         piece_us = 1 + piece_us * 7 / 3 % 1'000'003;
-        static_cast<void>(trial.result());  // asking changes nothing
+        static_cast<void>(trial.result());  // a query has no side effect
       }
       EXPECT_EQ(trial.time(), trial.planned_end());
       summaries[is_whole ? 0 : 1] = logs::to_json(trial.result().summary).dump();
@@ -208,7 +208,7 @@ TEST(RunTrial, RefusesWhatAsksAProcessThatIsNotThere) {
   EXPECT_THROW(run_trial(short_lab(5), {}, options), StartupError);
 }
 
-// A limit on the size of files stands for a disk that fills up.
+// A limit on the file size simulates a full disk.
 TEST(RunTrial, EndsWhenItsLogCannotBeWrittenAndCountsWhatIsNotInIt) {
   const scenario::Scenario scenario = short_lab(5);
   const test::TemporaryFolder folder;

@@ -14,7 +14,7 @@ namespace {
 constexpr Time kStart = from_utime(1'000'000);
 using Diary = std::vector<std::string>;
 
-/// Ticks at a fixed period, publishes on a channel of its own, writes down all that happens to it.
+/// A node that ticks at a fixed period, publishes on its own channel and records its events.
 class DiaryNode : public bus::Node {
  public:
   DiaryNode(std::string name, bus::Bus& bus, Diary& diary, Duration period)
@@ -169,8 +169,8 @@ vantage_lcm::attack_t attack_numbered(std::int64_t sequence) {
   return attack;
 }
 
-// One bus misses four numbers and three, another of them only the three; a queue of ten thousand
-// drops what is more.
+// One bus misses four numbers and then three, another only the three. A queue of ten thousand drops
+// the excess.
 TEST(VirtualTimeLoop, CountsWhatAnyBusMissesAndWhatAnyQueueDrops) {
   VirtualTimeLoop loop(kStart);
   const auto speaks = loop.connect();

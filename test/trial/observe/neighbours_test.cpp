@@ -133,7 +133,7 @@ TEST(HearChannels, TellsApartWhatIsSignedWhereThatIsRequired) {
   EXPECT_EQ(heard.unverified, (Channels{"HOST_X", "VEHICLE_Q9", "TRUTH"}));
 }
 
-/// Says `channels` one after another, each time that it is asked, then that nothing can come.
+/// A transport that delivers `channels` one by one per call, then reports its end.
 class Recording : public bus::Transport {
  public:
   explicit Recording(int channels) : left_(channels) {}

@@ -18,7 +18,7 @@ scenario::Scenario scenario_of(const std::string& name, double duration_s) {
   return scenario::load_scenario_with(VANTAGE_SOURCE_DIR "/config/" + name + ".yaml", overrides);
 }
 
-/// An observer and a bus on which the test speaks to it.
+/// An observer and a bus on which the test publishes.
 class Observer : public ::testing::Test {
  protected:
   template <class Message>
@@ -99,7 +99,7 @@ TEST_F(Observer, CountsContactsAndKnowsVehiclesLossesAndAttacks) {
   EXPECT_TRUE(observer_.scene().jammed.empty());
 }
 
-// Anybody may invent robots where messages are not signed.
+// Without signatures, messages of invented robots are possible.
 TEST_F(Observer, KeepsNothingOfRobotsThatAreNotTheScenarios) {
   const std::size_t robots = scenario_.robots.size();
   for (int i = 0; i < 50; ++i) {

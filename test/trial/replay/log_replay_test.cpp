@@ -24,7 +24,7 @@ namespace {
 using logs::test::Bytes;
 using logs::test::TemporaryFolder;
 
-/// A trial of 8 s and its log, flown once for all tests.
+/// A trial of 8 s and its log, run once for all tests.
 class ReplayLog : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -38,7 +38,7 @@ class ReplayLog : public ::testing::Test {
 
   static std::string trial() { return folder_->file("trial.lcmlog"); }
 
-  /// A trial of one of config's scenarios, 300 nodes a slot.
+  /// Runs a trial of one of config's scenarios with 300 nodes per slot.
   static logs::TrialSummary fly(const std::string& config, scenario::Overrides overrides,
                                 const std::string& log_path) {
     overrides.node_budget = 300;
@@ -49,7 +49,8 @@ class ReplayLog : public ::testing::Test {
     return run_trial(scenario, trial_recipes(scenario), options).summary;
   }
 
-  /// The trial's log with each event changed by `edit`, or left out where that says false.
+  /// Returns the path of the trial's log with each event changed by `edit`, or omitted if `edit`
+  /// returns false.
   static std::string edited(const std::function<bool(std::string_view, Bytes&)>& edit) {
     const logs::IndexedLog log(trial());
     std::string path = folder_->file("edited.lcmlog");

@@ -83,7 +83,8 @@ TEST(OutputComparison, TellsOutputsOfOneNumberApartByWhatTheyAre) {
   EXPECT_FALSE(comparison.has_logged(Bytes{1, 2, 3}));
 }
 
-// A local search makes several proposals in a round: each is of the solution that it comes to.
+// A local search makes several proposals per round; each is compared with that of the same
+// solution.
 TEST(OutputComparison, HoldsProposalsAgainstThatOfTheirSolution) {
   const auto proposal = [](std::int64_t before, std::int64_t last, double value_nat) {
     vantage_lcm::team_proposal_t out{};
@@ -172,7 +173,7 @@ TEST(OutputComparison, HoldsTheNewestOfANumberAndCountsEach) {
   OutputComparison comparison;
   vantage_lcm::plan_t plan = plan_of(1);
   comparison.add_logged(encoded(plan));
-  plan.height_m = 2.0;  // its node was started anew
+  plan.height_m = 2.0;  // its node was restarted
   comparison.add_logged(encoded(plan));
   comparison.add_replayed(encoded(plan));
   EXPECT_TRUE(comparison.is_exact());
