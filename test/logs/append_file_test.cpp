@@ -82,7 +82,7 @@ TEST(AppendFile, SaysWhatTheDiskRefuses) {
   EXPECT_EQ(uncut->message, "/dev/full: its unfinished end cannot be cut off: Invalid argument");
 }
 
-// A limit on the size of files stands for a disk that fills up in the midst of what is written.
+// A limit on the file size simulates a disk that fills up during a write.
 TEST(AppendFile, TakesAsMuchAsThereIsRoomFor) {
   const test::TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");

@@ -47,7 +47,7 @@ inline std::string told(const Json& entity, const std::string& key) {
   return "nothing of " + key;
 }
 
-/// The corners of a cube that stands upright.
+/// Returns the corners of an upright cube.
 inline Eigen::Vector3d low_corner(const Json& cube) {
   return xyz(cube.at("pose").at("position")) - 0.5 * xyz(cube.at("size"));
 }

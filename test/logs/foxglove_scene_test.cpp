@@ -237,7 +237,7 @@ TEST(ViewsScene, IsASectorUntilItIsAWholeTurn) {
   }
 }
 
-// Lines that one sees and that hide nothing; what stands on the ground more than what lies on it.
+// Lines are visible but hide nothing; vertical shapes are drawn stronger than flat ones.
 TEST(Scenes, AreDrawnSoThatOneSeesThem) {
   const models::World world = a_world();
   const Json of_world = world_scene(world, kTime).at("entities");

@@ -33,7 +33,7 @@ TEST(SurveyLog, CountsFromTheFirstNumberThatThereIs) {
   EXPECT_EQ(lost({-5, 1, 2}), 0);
 }
 
-// No two of its numbers are alike here: none stands for another.
+// All numbers differ, so a swapped field is detected.
 TEST(IndexedLog, ReadsEveryNumberBackUnderItsName) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");

@@ -73,7 +73,7 @@ TEST(LogWriter, SaysWhyALogLacksSomethingAndEndsItWhole) {
   EXPECT_EQ(writer.events_lost(), 5);
 }
 
-// A limit on the size of files stands for a disk that fills up within an event.
+// A limit on the file size simulates a disk that fills up within an event.
 TEST(LogWriter, EndsWithItsLastWholeEventWhenTheDiskIsFull) {
   const test::TemporaryFolder folder;
   const std::string path = folder.file("full.lcmlog");

@@ -183,7 +183,7 @@ TEST(ToRos2, SaysBeliefsInThePlaneAndInSpace) {
   }
 }
 
-// Beam by beam what the sensor says, whatever its field of view; angles count on beyond pi.
+// Each beam as measured, for any field of view; angles continue beyond π.
 TEST(ToRos2, SaysScansByTheBearingsOfTheirBeams) {
   for (const double fov_rad : {kPi, 0.5, 2.0 * kPi}) {
     for (const int beams : {1, 2, 3, 8}) {

@@ -19,7 +19,7 @@ using test::TemporaryFolder;
 
 constexpr std::size_t kMib = std::size_t{1} << 20U;
 
-/// Event i is of µs 1000 i, on channel RARE or OFTEN; `order` says how they lie in the file.
+/// Event i is at µs 1000 i, on channel RARE or OFTEN; `order` gives the order in the file.
 Bytes log_of(const std::vector<std::int64_t>& order) {
   Bytes out;
   for (const std::int64_t i : order) {
@@ -81,7 +81,7 @@ std::vector<std::size_t> newest(const std::vector<PlacedEvent>& sorted, Time tim
   return indices;
 }
 
-/// Everything that can be asked of a log says what a pass over all of it says, at `count` instants.
+/// Checks that every query of a log gives the result of a complete pass, at `count` instants.
 void expect_as_in_one_pass(const SeekableLog& log, int count) {
   const std::vector<PlacedEvent> sorted = sorted_events(log.bytes());
   std::mt19937_64 rng(11);
@@ -221,7 +221,7 @@ TEST_F(LongLog, IsUsedBeforeItIsRead) {
   EXPECT_LT(log.surveyed_share(), 0.5);
   const auto sorted = sorted_events(log.bytes());
   EXPECT_EQ(log.range(), std::pair(sorted.front().time, sorted.back().time));
-  // Where times ascend, halving finds the very events.
+  // With ascending times, bisection finds the exact events.
   for (const int at_ms : {0, 1, 999, 8000, 9500, 20'000, 29'990, 31'000}) {
     const Time from = from_utime(kStart_us + 1000 * at_ms + 500);
     const Time to = from + std::chrono::milliseconds(300);

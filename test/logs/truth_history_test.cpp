@@ -76,7 +76,7 @@ TEST(TruthHistory, ForgetsWhatIsOlderThanItsMemory) {
   EXPECT_FALSE(truth.target_position_m(0, from_utime(1'900'000)));
 }
 
-// As near as any two ever came, by all pairs of all frames.
+// The minimum separation, computed from all pairs of all frames.
 TEST(TruthHistory, FindsTheLeastSeparationOfManyWhoComeAndGo) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     test::Random random(seed);

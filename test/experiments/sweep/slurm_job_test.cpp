@@ -90,7 +90,8 @@ TEST(StatesOf, AreByJobAndSayWhatMayStillWrite) {
   EXPECT_FALSE(is_failure(""));
 }
 
-// A job in this state may have ended, or may be about to run again.
+// The node of a completing job has not answered yet: the job may have ended, or may be about to run
+// again.
 TEST(StatesOf, OfAJobThatIsTakenDownSayNotThatItHasEnded) {
   EXPECT_TRUE(is_live("COMPLETING"));
   EXPECT_FALSE(is_at_work("COMPLETING"));

@@ -334,7 +334,8 @@ TEST(DrawPicture, ShowsTheMapOfATeamThatMaps) {
   EXPECT_NE(svg.find(role_colour("occupied")), std::string::npos);
 }
 
-// Where robots tell of what is around them alone, the picture has the whole ground all the same.
+// With neighbourhoods, robots publish only their surroundings, but the picture shows the whole
+// ground.
 TEST(SceneRecorder, HasTheWholeGroundBeforeAnyPartOfItIsTold) {
   scenario::Scenario scenario = example().scenario;
   scenario.network.neighbourhood_m = 2.0;
