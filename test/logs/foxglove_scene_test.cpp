@@ -237,7 +237,7 @@ TEST(ViewsScene, IsASectorUntilItIsAWholeTurn) {
   }
 }
 
-// Lines are visible but hide nothing; vertical shapes are drawn stronger than flat ones.
+// Lines are visible, fills hide nothing, and obstacles are more opaque than regions.
 TEST(Scenes, AreDrawnSoThatOneSeesThem) {
   const models::World world = a_world();
   const Json of_world = world_scene(world, kTime).at("entities");
