@@ -232,7 +232,7 @@ TEST(Parts, SayWhatTheyAreGiven) {
   EXPECT_EQ(to_json(Duration{-2'000'000}), (Json{{"sec", -2}, {"nsec", 0}}));
 }
 
-// The topic names of docs/guide/viewer.md and of existing layouts.
+// The schema names of docs/guide/viewer.md, which existing layouts depend on.
 TEST(NameOf, IsTheNameOfEachSchema) {
   std::vector<std::string> names;
   for (const Schema each : kSchemas) {
