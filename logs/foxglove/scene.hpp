@@ -45,7 +45,7 @@ Json plan_scene(const models::RobotPlan& plan, const std::optional<Colour>& of_r
 /// Draws all trajectories of a team proposal as thin dashes in the proposer's colour, from its
 /// reception at `heard` until they would start at the end of the round. Robots that are adjacent in
 /// the scenario have complementary dashes, so that equal trajectories remain distinguishable.
-/// Preconditions: heard < proposal.stamp.time, the proposer is a robot of the scenario.
+/// Preconditions: `heard` < proposal.stamp.time, the proposer is a robot of the scenario.
 Json proposal_scene(const models::TeamProposal& proposal, const scenario::Scenario& scenario,
                     Time heard);
 

@@ -1,6 +1,6 @@
 #!/bin/bash
-# upgrade.sh VANTAGE RELEASES: the logs and scenario files of earlier versions in RELEASES are what
-# CHANGELOG.md says that they are to this one (RELEASES/README.md).
+# upgrade.sh VANTAGE RELEASES: this version reads the logs of earlier versions in RELEASES, and accepts or
+# refuses their scenario files as RELEASES/README.md describes.
 set -euo pipefail
 vantage=$1
 releases=$(cd "$2" && pwd)
@@ -35,7 +35,7 @@ assert all(rows >= info["channels"][name]["events"] for name, rows in tables.ite
 PY
 }
 
-judge_scenario() {  # judge_scenario FILE: accepted, or refused as it is written beside it
+judge_scenario() {  # judge_scenario FILE: accepted, or refused with the text of NAME.refused
   local status=0
   "$vantage" check "$1" > said 2>&1 || status=$?
   local refused=${1%.yaml}.refused

@@ -303,7 +303,7 @@ TEST(ComesDown, ByItsOwnDecisionOnly) {
   EXPECT_FALSE(one.out.is_sinking);
 }
 
-// A vehicle sinks 0.2 m beside its spot. A body below the vehicle, or only below the spot, stops
+// A vehicle sinks 0.2 m from its spot. A body below the vehicle, or only below the spot, stops
 // the descent. The vehicle then moves from its position to a free spot.
 TEST(ComesDown, AndWaitsForWhoComesBelowItOrBelowItsPlace) {
   for (const double at_m : {-0.55, 0.8}) {

@@ -45,7 +45,7 @@ void follow_straight(OneVehicle& one, double seconds) {
   ASSERT_EQ(one.state(), FlightState::kFollow);
 }
 
-// It stops within v²/2a on the circle; a straight stop would end 3 cm beside it. The predicted
+// It stops within v²/2a on the circle; a straight stop would end 3 cm from it. The predicted
 // braking path also follows the circle.
 TEST(Stops, AlongThePlanWhileItKeepsToIt) {
   for (const double unseen_s : {0.0, 0.04}) {

@@ -425,8 +425,8 @@ TEST(CheckWay, CountsTheWaysOfOthersFromNowOn) {
   }
 }
 
-// At any speed of the vehicle, a thin wall across the path is found, and one beside the path is not
-// a conflict.
+// At any speed of the vehicle, a thin wall across the path is found, and one next to the path is
+// not a conflict.
 TEST(CheckWay, FindsAThinWallAtAnySpeed) {
   for (const double speed_mps : {0.3, 1.0, 2.0, 3.0, 6.0}) {
     SafetyLimits lim = open_limits();

@@ -102,7 +102,7 @@ TEST_P(Hovering, IsNotWhereAGustWouldMakeItTouchSomething) {
 
 INSTANTIATE_TEST_SUITE_P(FlightGuard, Hovering, ::testing::Values(0, 8));
 
-// A pose jump within the gate must not be taken for a velocity of metres per second and start a
+// A pose jump within the gate must not count as a velocity of metres per second and start a
 // braking manoeuvre.
 TEST(FlightGuard, IsNotCarriedAwayByASmallJumpOfThePose) {
   test::FlightBench bench(1);

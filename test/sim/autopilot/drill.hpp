@@ -26,7 +26,7 @@ enum class Drill {
   kPosesJump,
 };
 
-/// A drill as it was recorded, with parameters in addition to those of config/autopilot.
+/// Recorded drill, with parameters in addition to those of config/autopilot.
 struct DrillCase {
   std::string name;  ///< name of its recording
   models::AutopilotDialect dialect = models::AutopilotDialect::kPx4;

@@ -1,5 +1,5 @@
-// What the tests of the page share: a headless Chromium, pages of it that tell of every error in their
-// console, and what is asked of them again and again. Arguments: http://HOST:PORT KIND [FOLDER].
+// Shared by the tests of the page: a headless Chromium whose pages report every error of their console, and
+// helpers for waiting and reading. Arguments: http://HOST:PORT KIND [FOLDER].
 
 import assert from "node:assert";
 import { chromium } from "playwright-core";
@@ -23,7 +23,7 @@ export async function open(width, height, scheme, draw, prepare, is_ready = show
   page.on("pageerror", (error) => complaints.push(String(error)));
   page.on("requestfailed", (request) => {
     const why = request.failure()?.errorText;
-    // Aborted is what was under way when the page was closed: nobody's failure.
+    // Requests under way when the page is closed are aborted; that is no failure.
     if (why !== "net::ERR_ABORTED") complaints.push(`${request.url()} failed: ${why}`);
   });
   page.on("request", (request) => /^(data|blob):/.test(request.url()) || request.url().startsWith(url) || complaints.push(`asks for ${request.url()}`));

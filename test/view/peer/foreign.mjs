@@ -34,7 +34,7 @@ await page.fill("#topics input", "power_t"); // by its type, too
 await page.locator(topic("ARM_STATE")).waitFor({ state: "hidden" });
 await page.fill("#topics input", "");
 
-// A list's element, a struct's member, one of two dimensions, a truth value: each number as it was written.
+// An element of a list, a member of a struct, an element of a matrix, a flag: each has the written value.
 await chart(page, "ARM_STATE", ["position_rad.1", "position_rad.3", "tip_m.z", "effort_nm.2.1", "is_enabled"]);
 const line = async (key, name) => {
   await until(page, ([key, name, count]) => vantage.series(key)[name]?.t.length === count, [key, name, kMessages]);
@@ -70,7 +70,7 @@ const marked = await page.evaluate(async () => {
 });
 assert(Math.abs(marked.share - marked.wanted) < 0.02, JSON.stringify(marked));
 
-// A rate is of the log's own time: neither jumps nor its speed are taken for messages.
+// A rate refers to the log's own time: jumps and the playback speed do not change it.
 await page.selectOption("#speed", "0.5");
 await page.click("#play");
 const rate = () => page.locator(`${topic("ARM_STATE")} > summary .quiet`).textContent();
@@ -110,7 +110,7 @@ await until(page, () => /0\.\d|1\.\d|2\.\d/.test(document.querySelector('[data-t
 const now = await page.evaluate(() => vantage.state.now);
 await until(page, (z) => Math.abs(parseFloat(document.querySelector('[data-field="tip_m.z"]').parentElement.querySelector(".value").textContent) - z) < 0.006, 1 + 0.1 * now);
 
-// Of a type that nobody told: how large, and its fingerprint.
+// A message of an unknown type is shown by its size and fingerprint.
 await page.click(`${topic("SECRET")} > summary`);
 await until(page, () => /0x0001020304050607/.test(document.querySelector('[data-topic="/lcm/SECRET"] .message').innerText));
 await shot(page, "1080p_light");

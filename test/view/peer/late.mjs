@@ -1,5 +1,5 @@
-// late.mjs http://HOST:PORT late [FOLDER]: who opens the page while a trial flies, or loses the server and finds
-// it again, sees what there was, and each record of it once.
+// late.mjs http://HOST:PORT late [FOLDER]: a page that is opened during a trial, or that loses the server and
+// connects again, shows the earlier records, each of them once.
 
 import assert from "node:assert";
 import { finish, open, until } from "./drive.mjs";
@@ -47,7 +47,7 @@ assert(told.times.length >= known.times.length);
 assert.deepEqual(twice(told), []);
 assert(told.trail > 5);
 
-// What the server keeps comes again: nothing is charted twice, nor is what there was forgotten.
+// The server sends its kept records again: the charts show each once and lose none.
 await late.evaluate(() => repeat());
 const again = await heard(late);
 assert(again.times.length >= told.times.length, `${again.times.length} of ${told.times.length} are left`);

@@ -56,7 +56,7 @@ async function check_log(page) {
   await until(page, (topics) => topics.every((topic) => vantage.stats().layers[topic] > 0),
     ["/robots", "/estimates", "/plan/Q1", "/plan/Q2", "/plan/Q3", "/trails"]);
 
-  // Plays, and pauses where it is told to.
+  // The log plays, and pauses on request.
   await page.click("#play");
   await until(page, () => window.vantage.state.now > 1 && window.vantage.state.is_playing);
   await page.keyboard.press("Space");
@@ -175,7 +175,7 @@ async function check_proposals(page) {
   await proposals_shown(page, 3);
   assert.equal((await page.evaluate(differs)).count, 0);
 
-  // Gone at the end of the round, though nothing says so; and where one goes to.
+  // Proposals disappear at the end of the round without a message, also after a seek.
   await seek(page, 4.9);
   await proposals_shown(page, 3);
   await page.selectOption("#speed", "0.1");
@@ -294,7 +294,7 @@ async function check_charts(page) {
   assert.match(await page.locator('[data-chart="battery"] .read').innerText(), /Q1 9\d.*%\nQ2 9\d.*%\nQ3 9\d/);
   await shot(page, "cursor");
 
-  // The wheel zooms all charts, and the time bar says to what; dragging goes along.
+  // The wheel zooms all charts, the time bar shows the window, and dragging moves it.
   const windows = () => page.evaluate(() => vantage.charts().map(({ window }) => window));
   await page.mouse.wheel(0, -600);
   await until(page, () => !document.getElementById("span").hidden);
@@ -573,7 +573,7 @@ async function check_inspection(page) {
     await page.mouse.click(spot[0], spot[1]);
     await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
   }
-  // A late plan has no bound, and of who has just been seen it is not known how fast it is.
+  // A late plan has no bound, and a body seen for the first time has no speed.
   const told = await until(page, () => {
     const text = document.getElementById("inspect").textContent;
     return /lower bound/.test(text) && /speed/.test(text) && text;

@@ -1,6 +1,6 @@
-// pictures.mjs SOURCE_DIR VANTAGE FOLDER [SCENE…]: the page as its users meet it, at 1920, 1366 and 768 pixels, light and
-// dark, for who judges what it looks like (docs/results/viewer.md). Into FOLDER go SCENE_WIDTH_SCHEME.png. Fails where a
-// page complains in its console or is wider than its window.
+// pictures.mjs SOURCE_DIR VANTAGE FOLDER [SCENE…]: writes pictures of the page at widths of 1920, 1366 and 768 pixels, light
+// and dark, to FOLDER/SCENE_WIDTH_SCHEME.png, for a person to judge (docs/results/viewer.md). Fails if a page reports an
+// error in its console or is wider than its window.
 
 import assert from "node:assert";
 import { execFileSync, spawn } from "node:child_process";
@@ -126,7 +126,7 @@ try {
         await page.goto(`${server.url}/${scene.link ? `#${scene.link}` : ""}`);
         await page.waitForFunction(scene.is_ready ?? (() => window.vantage?.stats().entities > 10));
         const at_s = Number(new URLSearchParams(scene.link).get("t"));
-        // What the last page was shown is told before what this one asks for.
+        // The server first sends the position of the previous page, then the requested one.
         if (at_s && !scene.is_ready) await page.waitForFunction((at_s) =>
           vantage.state.jumps > 0 && Math.abs(vantage.state.arrived - vantage.state.start - at_s) < 0.1 &&
           ["/robots", "/plan/Q1"].every((topic) => vantage.stats().layers[topic] > 0), at_s);
