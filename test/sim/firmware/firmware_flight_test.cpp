@@ -11,7 +11,7 @@
 namespace vantage::sim {
 namespace {
 
-/// A firmware that answers at once with fixed throttles, until it is told to stop answering.
+/// A firmware that answers at once with fixed throttles, until `is_silent` is set.
 class Obedient : public FirmwareLink {
  public:
   struct Shared {
