@@ -114,7 +114,9 @@ void Value::note(std::string values) const {
 }
 
 double Value::number(const Range& range) const {
-  note(range.words());
+  if (keys != nullptr) {
+    note(range.words());
+  }
   const std::string text = plain_number();
   double value = 0.0;
   const std::errc error = read_whole(text, value);
@@ -135,7 +137,9 @@ double Value::number(const Range& range) const {
 }
 
 std::int64_t Value::integer(std::int64_t min, std::int64_t max) const {
-  note(whole_words(min, max));
+  if (keys != nullptr) {
+    note(whole_words(min, max));
+  }
   std::int64_t value = 0;
   const std::errc error = read_whole(plain_number(), value);
   if (error == std::errc::invalid_argument) {

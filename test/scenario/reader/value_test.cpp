@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "core/check.hpp"
+#include "scenario/reader/mapping.hpp"
 #include "scenario/reader/yaml_document.hpp"
 
 namespace vantage::scenario {
@@ -252,6 +253,41 @@ TEST(NearestWord, IsTheSameNameWithAnotherUnitBeforeAnyOther) {
   EXPECT_EQ(nearest_word("turn_radps", {"turn_deg", "turn_radpz"}), "turn_deg");
   EXPECT_EQ(nearest_word("q_radps", {"q"}), "q");
   EXPECT_EQ(nearest_word("seed_min", {"name", "seed"}), "seed");
+}
+
+// Absent keys have their rule and default, present ones their line too; items of a list share a
+// row.
+TEST(KeyTable, ListsEachKeyThatTheReaderAsksFor) {
+  KeyTable table;
+  Value document = parse_yaml("speed_mps: 2\nrobots:\n  - {name: A}\n  - {name: B}\n", "");
+  document.keys = &table;
+  double speed_mps = 1.0;
+  int count = 3;
+  read_mapping({document}, [&](Mapping& top) {
+    top.number("speed_mps", speed_mps, above(0.0));
+    top.integer("count", count, 1, 9);
+    const std::optional<Value> robots = top.find_required("robots");
+    for (const Value& robot : robots->items()) {
+      read_mapping({robot}, [](Mapping& from) {
+        std::string name;
+        from.text("name", name);
+      });
+    }
+  });
+  const auto expect_rule = [&](std::size_t row, const KeyRule& rule) {
+    ASSERT_LT(row, table.rules().size());
+    const KeyRule& is = table.rules()[row];
+    EXPECT_EQ(is.path, rule.path);
+    EXPECT_EQ(is.values, rule.values);
+    EXPECT_EQ(is.initial, rule.initial);
+    EXPECT_EQ(is.is_required, rule.is_required);
+    EXPECT_EQ(is.line, rule.line);
+  };
+  EXPECT_EQ(table.rules().size(), 4U);
+  expect_rule(0, {"speed_mps", "above 0", "1", false, 1});
+  expect_rule(1, {"count", "a whole number, at least 1 and at most 9", "3", false, 0});
+  expect_rule(2, {"robots", "list", "", true, 2});
+  expect_rule(3, {"robots[].name", "text", "", false, 3});
 }
 
 }  // namespace
