@@ -163,7 +163,7 @@ void PlannerNode::use_frames() {
 void PlannerNode::take_plan(const models::RobotPlan& plan) {
   const double ahead_s = to_seconds(plan.trajectory.start_time - clock_.now());
   if (is_of_plan_length(plan.trajectory, spec_, robots_) &&
-      ahead_s <= 4.0 * spec_.horizon_steps * spec_.step_s) {
+      ahead_s <= kPlanHorizonsMax * spec_.horizon_steps * spec_.step_s) {
     inputs_.team_plans.insert_or_assign(plan.robot, plan);
   } else {
     ++unusable_plans_;

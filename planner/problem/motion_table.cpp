@@ -55,11 +55,13 @@ double piece_slack_m(const models::Trajectory& trajectory, double from_s, double
 
 }  // namespace
 
-MotionTable::MotionTable(int controls_max, int horizon_max, int teammates_max) {
+MotionTable::MotionTable(int controls_max, int steps_max, int teammates_max) {
+  const auto teammates = static_cast<std::size_t>(teammates_max);
+  const std::size_t steps = static_cast<std::size_t>(steps_max) * teammates;
   primitives_.reserve(static_cast<std::size_t>(controls_max));
-  teammate_pieces_.reserve(static_cast<std::size_t>(3 * horizon_max * teammates_max * kPieces));
-  step_ways_m_.reserve(static_cast<std::size_t>(3 * horizon_max * teammates_max));
-  kept_m_.reserve(static_cast<std::size_t>(teammates_max));
+  teammate_pieces_.reserve(steps * kPieces);
+  step_ways_m_.reserve(steps);
+  kept_m_.reserve(teammates);
 }
 
 // long: fills several tables in turn.

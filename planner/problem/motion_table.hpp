@@ -21,7 +21,8 @@ class MotionTable {
   static constexpr int kPieces = 5;  ///< straight pieces per arc, for separation
   static constexpr int kParts = 16;  ///< parts of an arc in distance field checks
 
-  MotionTable(int controls_max, int horizon_max, int teammates_max);
+  /// `steps_max`: steps from the start until every teammate hovers and the own last stop has ended.
+  MotionTable(int controls_max, int steps_max, int teammates_max);
 
   /// Tabulates `problem`, which must outlive the queries.
   void reset(const SearchProblem& problem);

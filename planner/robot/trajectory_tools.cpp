@@ -1,8 +1,20 @@
 #include "planner/robot/trajectory_tools.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace vantage::planner {
+namespace {
+
+double longest_stop_s(const std::vector<scenario::RobotSpec>& robots) {
+  double stop_s = 0.0;
+  for (const scenario::RobotSpec& robot : robots) {
+    stop_s = std::max(stop_s, robot.limits.speed_max_mps / robot.limits.brake_mps2);
+  }
+  return stop_s;
+}
+
+}  // namespace
 
 models::Trajectory rest_of(const models::Trajectory& trajectory, Time start) {
   models::Trajectory rest;
@@ -46,13 +58,17 @@ bool rests(const models::Trajectory& motion) {
                      [](const auto& each) { return each.control.speed_mps == 0.0; });
 }
 
+int motion_steps_max(const scenario::PlannerSpec& planner,
+                     const std::vector<scenario::RobotSpec>& robots) {
+  // MotionTable rounds the end of the motion and the own stop up to whole steps, and adds one.
+  const double stops = 2.0 * std::ceil(longest_stop_s(robots) / planner.step_s);
+  return 2 * kPlanHorizonsMax * planner.horizon_steps + static_cast<int>(stops) + 2;
+}
+
 bool is_of_plan_length(const models::Trajectory& motion, const scenario::PlannerSpec& planner,
                        const std::vector<scenario::RobotSpec>& robots) {
-  const int steps_max = 4 * planner.horizon_steps;
-  double stop_s = 0.0;
-  for (const scenario::RobotSpec& robot : robots) {
-    stop_s = std::max(stop_s, robot.limits.speed_max_mps / robot.limits.brake_mps2);
-  }
+  const int steps_max = kPlanHorizonsMax * planner.horizon_steps;
+  const double stop_s = longest_stop_s(robots);
   double motion_s = 0.0;
   for (const models::PlanSegment& segment : motion.segments) {
     motion_s += segment.duration_s;

@@ -20,9 +20,18 @@ models::Trajectory hover_at(const Pose2& pose, double height_m, Time start);
 /// True if `motion` stays where it starts: it hovers or turns on the spot.
 bool rests(const models::Trajectory& motion);
 
+/// A plan of a teammate starts and drives for at most this number of horizons; its stop comes on
+/// top. Longer motions would take unbounded time to process.
+inline constexpr int kPlanHorizonsMax = 4;
+
+/// Returns the number of steps from now until every acceptable plan of `robots` has ended and a
+/// robot that then brakes has stopped.
+int motion_steps_max(const scenario::PlannerSpec& planner,
+                     const std::vector<scenario::RobotSpec>& robots);
+
 /// True if `motion` can be a plan of one of `robots` (one horizon and a stop). It must end within
-/// four horizons and the longest stop, and have at most as many segments as four horizons have
-/// steps. Longer motions would take unbounded time to process.
+/// kPlanHorizonsMax and the longest stop, and have at most as many segments as these horizons have
+/// steps.
 bool is_of_plan_length(const models::Trajectory& motion, const scenario::PlannerSpec& planner,
                        const std::vector<scenario::RobotSpec>& robots);
 

@@ -16,6 +16,7 @@ SearchCapacity capacity_for(const scenario::Scenario& scenario) {
   // Three per robot: its plan, its position on the ground, its hover or future flight position. In
   // addition, the bodies.
   capacity.teammates_max = static_cast<int>(3 * scenario.robots.size() + kBodiesMax);
+  capacity.motion_steps_max = motion_steps_max(scenario.planner, scenario.robots);
   return capacity;
 }
 

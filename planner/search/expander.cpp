@@ -7,8 +7,9 @@
 #include "planner/problem/log_product.hpp"
 
 namespace vantage::planner {
-Expander::Expander(int targets_max, int horizon_max, int teammates_max)
-    : motion_(kMaxControls, horizon_max, teammates_max),
+Expander::Expander(int targets_max, int horizon_max, int teammates_max, int motion_steps_max)
+    : motion_(kMaxControls, motion_steps_max > 0 ? motion_steps_max : 3 * horizon_max,
+              teammates_max),
       beliefs_(targets_max, horizon_max),
       grid_(targets_max, horizon_max) {
   const std::size_t targets = index(targets_max);

@@ -39,7 +39,8 @@ struct Children {
 /// after construction.
 class Expander {
  public:
-  Expander(int targets_max, int horizon_max, int teammates_max);
+  /// `motion_steps_max`: see SearchCapacity.
+  Expander(int targets_max, int horizon_max, int teammates_max, int motion_steps_max = 0);
 
   /// Tabulates `problem`, which must outlive the queries. Precondition: require_valid(problem).
   void reset(const SearchProblem& problem);

@@ -19,7 +19,8 @@ class TreeSearch {
   TreeSearch(const SearchCapacity& capacity, std::size_t passes_max)
       : capacity_(capacity),
         tree_(capacity.nodes_max, capacity.block_doubles_max),
-        expander_(capacity.targets_max, capacity.horizon_max, capacity.teammates_max) {
+        expander_(capacity.targets_max, capacity.horizon_max, capacity.teammates_max,
+                  capacity.motion_steps_max) {
     result_.controls.reserve(index(capacity.horizon_max));
     result_.poses.reserve(index(capacity.horizon_max));
     result_.history.reserve(passes_max);

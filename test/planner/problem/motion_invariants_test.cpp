@@ -488,7 +488,7 @@ TEST(MotionTable, AllocatesNothingForAsMuchAsItWasMadeFor) {
   models::Trajectory teammate;
   teammate.segments = {{{1.0, 0.0}, 11 * problem.step_s, 0.0}};
   problem.teammates.assign(3, teammate);
-  MotionTable motion(static_cast<int>(problem.controls.size()), 4, 3);
+  MotionTable motion(static_cast<int>(problem.controls.size()), 12, 3);
   const test::AllocationCounter allocations;
   motion.reset(problem);
   EXPECT_EQ(allocations.count(), 0U);

@@ -8,7 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "core/check.hpp"
+#include "planner/robot/trajectory_tools.hpp"
 #include "test/planner/robot/team_scenario.hpp"
+#include "test/support/allocation_counter.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -70,6 +72,41 @@ TEST(Workspace, HasRoomForAllThatARoundMayHave) {
     ++problem.horizon_steps;
     EXPECT_THROW(workspace.search().plan(problem, deadline), UsageError) << "a step too many";
   }
+}
+
+// The longest plan that is accepted starts four horizons ahead, drives for four and then brakes.
+TEST(Workspace, AllocatesNothingForTheLongestPlansThatAreAccepted) {
+  if (!test::AllocationCounter::is_active()) {
+    GTEST_SKIP() << "the allocation counter is inert under sanitizers";
+  }
+  const scenario::Scenario scenario = test::lab_scenario();
+  const scenario::PlannerSpec& planner = scenario.planner;
+  const auto& limits = scenario.robots.front().limits;
+  const double horizons_s = kPlanHorizonsMax * planner.horizon_steps * planner.step_s;
+  Workspace workspace(scenario);
+  SearchProblem problem;
+  problem.horizon_steps = planner.horizon_steps;
+  problem.step_s = planner.step_s;
+  problem.brake_mps2 = limits.brake_mps2;
+  problem.start_speed_mps = limits.speed_max_mps;
+  problem.controls = models::lab_primitives();
+  problem.start.x_m = 100.0;
+  problem.sensors.emplace_back();
+  problem.targets.assign(1, {{models::TargetKind::kStatic, 2, 0.0},
+                             {Eigen::Vector2d::Zero(), Eigen::Matrix2d::Identity()}});
+  const auto search = workspace.make_search(0);
+  search->plan(problem, Deadline::nodes(50));
+
+  models::Trajectory longest;
+  longest.start_time = problem.start_time + from_seconds(horizons_s);
+  longest.segments = {
+      {{limits.speed_max_mps, 0.0}, horizons_s, 0.0},
+      {{limits.speed_max_mps, 0.0}, limits.speed_max_mps / limits.brake_mps2, limits.brake_mps2}};
+  ASSERT_TRUE(is_of_plan_length(longest, planner, scenario.robots));
+  problem.teammates.assign(9 + kBodiesMax, longest);
+  const test::AllocationCounter allocations;
+  search->plan(problem, Deadline::nodes(50));
+  EXPECT_EQ(allocations.count(), 0U);
 }
 
 TEST(PartsMax, IsSevenMoreOfEachTargetAndNoMoreThanFitIn) {
