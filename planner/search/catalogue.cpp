@@ -62,6 +62,7 @@ Algorithm best_first(std::string_view name, std::string_view what, BestFirst kin
   return told_bounds<BestFirstSearch, BestFirstOptions>(
       name, what, false, own, [](const AlgorithmOptions& asked, BestFirstOptions& options) {
         options.weight = asked.weight;
+        options.yaw_weight_m_per_rad = asked.yaw_weight_m_per_rad;
       });
 }
 
