@@ -216,7 +216,7 @@ TransportStats UdpmTransport::stats() const {
   const ReassemblyCounts& fragments = reassembler_.counts();
   stats.malformed_datagrams += fragments.conflicting;
   stats.incomplete_messages = fragments.incomplete;
-  stats.oversized_messages = fragments.oversized;
+  stats.oversized_messages = fragments.oversized_messages;
   stats.duplicate_fragments = fragments.duplicates;
   stats.kernel_drops = socket_.kernel_drops();
   stats.network_losses = socket_.network_losses();
