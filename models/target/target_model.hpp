@@ -31,6 +31,8 @@ struct Surroundings {
   Eigen::Vector2d position_sigma_m = Eigen::Vector2d::Ones();    ///< m; σ_p
   Eigen::Vector2d velocity_sigma_mps = Eigen::Vector2d::Ones();  ///< m/s; σ_v
   Eigen::Vector2d damping_per_s = Eigen::Vector2d::Ones();       ///< 1/s; γ
+
+  bool operator==(const Surroundings&) const = default;
 };
 
 /// Linear motion of one target, y' = c + A (y − c) + w, w ~ N(0, W); c = 0 except for a damped
@@ -42,6 +44,8 @@ struct TargetModel {
   int position_dim = 2;  ///< 2 or 3; models with a velocity are planar
   double q = 0.0;  ///< noise: m²/s for a random walk, m²/s³ for a double integrator, m² for growing
   Surroundings surroundings = {};  ///< damped oscillator only
+
+  bool operator==(const TargetModel&) const = default;
 
   /// True if the state has a velocity: double integrator and damped oscillator.
   [[nodiscard]] bool has_velocity() const {

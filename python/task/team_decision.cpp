@@ -107,8 +107,7 @@ void require_sense(const TeamRequest& request, int robots) {
 }
 
 bool is_same(const planner::SearchTarget& a, const planner::SearchTarget& b) {
-  return a.model.kind == b.model.kind && a.model.position_dim == b.model.position_dim &&
-         a.model.q == b.model.q && a.prior.mean.size() == b.prior.mean.size() &&
+  return a.model == b.model && a.prior.mean.size() == b.prior.mean.size() &&
          a.prior.mean == b.prior.mean && a.prior.covariance == b.prior.covariance;
 }
 
