@@ -388,12 +388,21 @@ struct WebServer::State {
   }
 };
 
+namespace {
+
+// Returns `host` as URLs and port lists write it: an IPv6 address is in brackets.
+std::string in_brackets(const std::string& host) {
+  return host.find(':') == std::string::npos ? host : "[" + host + "]";
+}
+
+}  // namespace
+
 WebServer::WebServer(Broker& broker, const WebOptions& options)
     : state_(std::make_unique<State>(broker, options)) {
   state_->has_page =
       !options.page_folder.empty() &&
       std::filesystem::exists(std::filesystem::path(options.page_folder) / "index.html");
-  const std::string address = fmt::format("{}:{}", options.bind, options.port);
+  const std::string address = fmt::format("{}:{}", in_brackets(options.bind), options.port);
   const std::string headers = "Content-Security-Policy: " + content_policy() + "\r\n";
   const char* settings[] = {"listening_ports",
                             address.c_str(),
@@ -452,8 +461,9 @@ WebServer::~WebServer() {
 int WebServer::port() const { return state_->port; }
 
 std::string WebServer::url() const {
-  const bool is_any = state_->options.bind == "0.0.0.0";
-  return fmt::format("http://{}:{}", is_any ? "127.0.0.1" : state_->options.bind, state_->port);
+  const std::string& bind = state_->options.bind;
+  const std::string host = bind == "0.0.0.0" ? "127.0.0.1" : bind == "::" ? "::1" : bind;
+  return fmt::format("http://{}:{}", in_brackets(host), state_->port);
 }
 
 std::int64_t WebServer::refused() const { return state_->refused; }
