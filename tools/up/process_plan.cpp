@@ -38,11 +38,13 @@ std::string find_program(const std::string& name) {
   } else {
     std::istringstream folders(std::getenv("PATH") != nullptr ? std::getenv("PATH") : "");
     for (std::string folder; std::getline(folders, folder, ':');) {
-      places.push_back(folder + "/" + name);
+      // A firmware is started in another working folder.
+      places.push_back(std::filesystem::absolute(folder + "/" + name).string());
     }
   }
   const auto found = std::find_if(places.begin(), places.end(), [](const std::string& place) {
-    return ::access(place.c_str(), X_OK) == 0;
+    std::error_code unreadable;
+    return ::access(place.c_str(), X_OK) == 0 && !std::filesystem::is_directory(place, unreadable);
   });
   return found == places.end() ? "" : *found;
 }
