@@ -5,6 +5,7 @@ Starts `vantage up` without --fly and an operator's console, which arms the vehi
 and follow, and stays alive. When all are in the air the EVENT happens:
 
   duration      --duration-s of `vantage up` is over
+  interrupt     SIGINT to `vantage up`, as by Ctrl-C
   term, hangup  SIGTERM, SIGHUP to `vantage up`
   kill9         SIGKILL to `vantage up`, so that its processes get SIGTERM from the kernel
   twice         SIGTERM, and once more after 1 s: the autopilots land alone
@@ -184,8 +185,9 @@ class Trial:
 
     def happen(self):
         kind, _, value = self.event.partition("=")
-        if kind in ("term", "hangup"):
-            self.up.send_signal(signal.SIGTERM if kind == "term" else signal.SIGHUP)
+        signals = {"interrupt": signal.SIGINT, "term": signal.SIGTERM, "hangup": signal.SIGHUP}
+        if kind in signals:
+            self.up.send_signal(signals[kind])
         elif kind == "twice":
             self.up.send_signal(signal.SIGTERM)
             time.sleep(1.0)
