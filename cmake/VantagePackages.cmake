@@ -50,7 +50,7 @@ endmacro()
 vantage_package(runtime NAME vantage SECTION science
   DEPENDS "adduser, liblcm-bin" RECOMMENDS "gnuplot-nox, xz-utils"
   SUMMARY "LCM lab stack for active information acquisition"
-  TEXT "Teams of robots that plan where to look: one planner and one estimator
+  TEXT "Teams of robots that gather information: one planner and one estimator
 per robot, drivers for motion capture and vehicles, a simulator, a
 viewer in the browser, and the commands that check, fly, record and
 judge trials.")

@@ -62,7 +62,7 @@ kill -INT "$pid"
 code=0
 wait "$pid" || code=$?
 [[ $code == 1 ]] || fail "Ctrl-C gave exit code $code"
-grep -q 'rows are kept. To go on: vantage experiment dls-objective --seed 9 --trials 50 --out' \
+grep -q 'rows are kept. To continue: vantage experiment dls-objective --seed 9 --trials 50 --out' \
   "$work/err" || fail "Ctrl-C said: $(cat "$work/err")"
 
 # A directory of another run is refused, and the message names the rule.

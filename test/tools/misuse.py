@@ -65,7 +65,7 @@ WORDS = {  # mistyped word: what the error line must name
     "trial x --duration-s -3": "above 0", "plan x --budget-s 1e9": "from 0 to 86400",
     "doctor viccon localhost": "viccon", "config copy labb": "did you mean 'lab'",
     "experiment nope": "nope", "experiment hardware --planning-share 0": "from 1e-06 to 1",
-    "experiment dls-savings --planning-share 0.2": "dls-savings gives no time for planning", "log export x --to docx --out y": "docx",
+    "experiment dls-savings --planning-share 0.2": "experiment dls-savings has no planning time to reduce", "log export x --to docx --out y": "docx",
     "log plot x --out y.docx": ".png, .svg or .pdf", "log fit-rang x": "did you mean 'fit-ranges'",
     "log fit-ranges ranges.csv": "expected --poses", "log fit-ranges x --gap-max-s 0": "above 0",
     "log fit-ranges ranges.csv --poses way.csv --robot Q1": "--robot is of a log",

@@ -116,7 +116,7 @@ def check_folder_of_record(vantage, folder):
     words = ["env", f"TMPDIR={kept}", f"CHROMIUM={browser}", vantage, "view", folder / "flight.lcmlog",
              "--record", folder / "flight.webm"]
     code, said, warned = interrupted(words, folder, lambda _: list(kept.glob("*/begun")), signal.SIGINT)
-    assert code == 1 and "ended before it was whole" in said, (code, said, warned)
+    assert code == 1 and "interrupted: the video is incomplete" in said, (code, said, warned)
     assert not list(kept.iterdir()), list(kept.iterdir())
 
 
@@ -153,7 +153,7 @@ def check_record(vantage, folder):
     for which in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         browser.clear()
         code, said, warned = interrupted(words, folder, is_drawing, which)
-        assert code == 1 and "ended before it was whole" in said, (code, said, warned)
+        assert code == 1 and "interrupted: the video is incomplete" in said, (code, said, warned)
         assert not video.exists()
         give_up = time.monotonic() + PATIENCE_S
         while any(pathlib.Path(f"/proc/{pid}").exists() for pid in browser):
@@ -243,7 +243,7 @@ def main():
         code, said, warned = interrupted(
             words, folder, lambda process: has_worked(3.0)(process) and rows.exists(),
             signal.SIGTERM)
-        assert code == 1 and "rows are kept. To go on: vantage experiment" in warned, warned
+        assert code == 1 and "rows are kept. To continue: vantage experiment" in warned, warned
         assert f"--out '{results}'" in warned, warned
         for path in rows.iterdir():
             text = path.read_text()

@@ -61,11 +61,12 @@ std::string security_words(const scenario::Scenario& scenario) {
   const std::string mode = name_of(scenario::trial_mode(scenario));
   switch (scenario.security.mode) {
     case scenario::SecurityMode::kOff:
-      return "messages are not signed: whoever is on the network is believed";
+      return "messages are not signed: every message on the network is accepted";
     case scenario::SecurityMode::kWarn:
-      return "messages are signed (" + mode + "); others are counted and believed";
+      return "messages are signed (" + mode +
+             "); messages without a valid signature are counted but accepted";
     case scenario::SecurityMode::kRequire:
-      return "messages are signed (" + mode + "), and others refused";
+      return "messages are signed (" + mode + "); messages without a valid signature are rejected";
   }
   return "";
 }
@@ -128,33 +129,36 @@ int run(const CheckArguments& arguments) {
 }  // namespace
 
 void add_check_command(CLI::App& root, Runner& chosen) {
-  CLI::App* command =
-      root.add_subcommand("check", "Read a scenario and say whether it can be flown.");
+  CLI::App* command = root.add_subcommand("check", "Check whether a scenario is ready to fly.");
   auto arguments = std::make_shared<CheckArguments>();
   add_scenario_option(*command, arguments->scenario);
   command->add_option("--log", arguments->log_path,
-                      "where `vantage up` is to write, whose disk must have room; NAME.lcmlog here "
-                      "when not given");
+                      "log file that `vantage up` will write; its disk must have enough free space "
+                      "(default: NAME.lcmlog in this folder)");
   command->add_flag("--json", arguments->as_json, "print one JSON object");
   command->add_flag("--live", arguments->is_live,
-                    "also listen to the running system and say what blocks arming; not where the "
-                    "keys that security needs are missing");
-  command->add_option("--listen", arguments->listen_s, "how long, in seconds")
+                    "also listen to the running system and list what prevents arming; skipped if "
+                    "required security keys are missing");
+  command->add_option("--listen", arguments->listen_s, "seconds to listen with --live (default: 2)")
       ->needs("--live")
       ->check(number_between(0.0, 3600.0));
-  CLI::Option* const vehicles =
-      command->add_flag("--vehicles", arguments->is_of_vehicles,
-                        "ask each robot's autopilot for its parameters and say what differs from "
-                        "config/autopilot; nothing is armed, no driver may be running");
+  CLI::Option* const vehicles = command->add_flag(
+      "--vehicles", arguments->is_of_vehicles,
+      "read each autopilot's parameters and list differences from config/autopilot; "
+      "arms nothing; stop all drivers first");
   vehicles->excludes("--live");
-  command->add_option("--robot", arguments->vehicles.robot, "this robot alone")->needs(vehicles);
-  CLI::Option* const load = command
-                                ->add_flag("--load", arguments->vehicles.is_load,
-                                           "write what differs, after a question, and read it back")
-                                ->needs(vehicles);
-  command->add_flag("--yes", arguments->vehicles.is_sure, "write without a question")->needs(load);
+  command
+      ->add_option("--robot", arguments->vehicles.robot, "with --vehicles: check only this robot")
+      ->needs(vehicles);
+  CLI::Option* const load =
+      command
+          ->add_flag("--load", arguments->vehicles.is_load,
+                     "write the required values after confirmation, and read them back")
+          ->needs(vehicles);
+  command->add_flag("--yes", arguments->vehicles.is_sure, "with --load: write without confirmation")
+      ->needs(load);
   command->footer(
-      "Exit code 0: ready; 1: it says what it says, but must not fly; 2: it cannot be read.\n"
+      "Exit code 0: ready; 1: not ready, with the reasons; 2: the scenario cannot be read.\n"
       "Example:\n"
       "  vantage check config/lab.yaml\n"
       "  vantage check config/lab.yaml --live\n"

@@ -58,8 +58,9 @@ std::vector<Vehicle> open(const scenario::Scenario& scenario, const std::string&
     out.push_back(std::move(vehicle));
   }
   if (out.empty()) {
-    throw StartupError(only.empty() ? "no robot of this scenario has an autopilot on a wire"
-                                    : "robot " + only + " has no autopilot on a wire here");
+    throw StartupError(only.empty()
+                           ? "no robot of this scenario has an autopilot with a url"
+                           : "robot " + only + " has no autopilot with a url in this scenario");
   }
   return out;
 }
@@ -87,9 +88,10 @@ void converse(std::vector<Vehicle>& vehicles, const bus::Clock& clock, bool show
 
 bool is_confirmed(std::size_t differences) {
   if (isatty(STDIN_FILENO) == 0) {
-    throw StartupError("--load needs somebody to confirm it, or --yes");
+    throw StartupError(
+        "--load cannot ask for confirmation: standard input is not a terminal; add --yes");
   }
-  fmt::print("write {} parameters? Propellers off. [y/N] ", differences);
+  fmt::print("write {} parameters? Remove the propellers first. [y/N] ", differences);
   std::cout.flush();
   std::string answer;
   std::getline(std::cin, answer);
@@ -152,7 +154,7 @@ VehicleReport check_vehicles(const scenario::Scenario& scenario,
       }
       converse(vehicles, clock, shows_progress);
       if (!options.is_quiet) {
-        print_line("written and read back; restart the autopilots, then check again:");
+        print_line("parameters written and read back; restart the autopilots, then check again:");
       }
     }
   }

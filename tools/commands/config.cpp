@@ -31,7 +31,7 @@ int copy(const CopyArguments& arguments) {
                                  : arguments.output;
   std::error_code error;
   if (!arguments.force && std::filesystem::exists(output, error)) {
-    throw StartupError(output + ": exists; --force writes over it");
+    throw StartupError(output + ": file exists; use --force to overwrite it");
   }
   require_writable(output);
   write_file(output, scenario::read_text_file(source));
@@ -102,17 +102,23 @@ int list_keys(const std::vector<std::string>& scenarios, bool as_json) {
 
 void add_config_command(CLI::App& root, Runner& chosen) {
   CLI::App* config =
-      root.add_subcommand("config", "The scenarios that come with vantage, to begin one's own.");
+      root.add_subcommand("config", "List or copy the scenarios that come with vantage.");
   config->require_subcommand(1);
-  CLI::App* list_command = config->add_subcommand("list", "Name them.");
+  CLI::App* list_command =
+      config->add_subcommand("list", "List the scenarios that come with vantage.");
   list_command->footer("Example:\n  vantage config list");
   list_command->callback([&chosen] { chosen = list; });
 
-  CLI::App* copy_command = config->add_subcommand("copy", "Write one of them to a file of yours.");
+  CLI::App* copy_command =
+      config->add_subcommand("copy", "Copy a scenario that comes with vantage, to edit it.");
   auto arguments = std::make_shared<CopyArguments>();
-  copy_command->add_option("name", arguments->name, "which: lab, field, …")->required();
-  copy_command->add_option("file", arguments->output, "where to; NAME.yaml here when not given");
-  copy_command->add_flag("--force", arguments->force, "write over what is there");
+  copy_command
+      ->add_option("name", arguments->name,
+                   "scenario to copy, see `vantage config list`: lab, field, …")
+      ->required();
+  copy_command->add_option("file", arguments->output,
+                           "output file (default: NAME.yaml in this folder)");
+  copy_command->add_flag("--force", arguments->force, "overwrite an existing file");
   copy_command->footer(
       "Examples:\n"
       "  vantage config copy lab\n"
@@ -124,9 +130,10 @@ void add_config_command(CLI::App& root, Runner& chosen) {
       "keys", "List all keys of scenario files: default and allowed values.");
   auto scenarios = std::make_shared<std::vector<std::string>>();
   auto as_json = std::make_shared<bool>(false);
-  keys_command->add_option("scenario", *scenarios,
-                           "scenario files; default: all that come with vantage. A list or section "
-                           "that none of them has is missing");
+  keys_command->add_option(
+      "scenario", *scenarios,
+      "scenario files (default: all that come with vantage); lists and sections "
+      "that no file contains are not shown");
   keys_command->add_flag("--json", *as_json, "print JSON, with the file and line of each key");
   keys_command->footer(
       "Examples:\n"

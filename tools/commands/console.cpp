@@ -44,21 +44,22 @@ void add_console_command(CLI::App& root, Runner& chosen) {
       "console", "Operator's console: heartbeat, arm, take off, follow, hold, land, e-stop.");
   auto arguments = std::make_shared<ConsoleArguments>();
   command->add_option("--url", arguments->url,
-                      "LCM URL; the scenario's, or $LCM_DEFAULT_URL, when not given");
+                      "LCM URL (default: the scenario's, without --scenario $LCM_DEFAULT_URL)");
   command->add_option("--scenario", arguments->scenario,
-                      "scenario file: whose keys sign what is said here (security)");
-  command->add_flag("--second", arguments->is_second,
-                    "stand by beside a station that is in charge: hold, land and e-stop at once, "
-                    "the rest when the other falls silent");
+                      "scenario file; its security keys sign the commands of this station");
+  command->add_flag(
+      "--second", arguments->is_second,
+      "run as standby next to a station that is in charge: can hold, land and e-stop, "
+      "and takes over when the other station stops sending");
   command->footer(
-      "Keys: SPACE emergency stop of all vehicles, whatever is selected.\n"
-      "      a arm, t take off, f follow, h hold, l land, e emergency stop: of the selected "
-      "robot.\n"
-      "      0 selects all, 1-9 one of the first nine, TAB the next, r NAME ENTER any robot.\n"
-      "      q quit (ends the heartbeat).\n"
-      "Without a terminal it reads lines. Where another station is in charge only the emergency\n"
-      "stop is sent. Exit code 1 when anything was refused, not understood, or for a robot not "
-      "heard.\n"
+      "Keys: SPACE emergency stop of all vehicles, also if one robot is selected.\n"
+      "      For the selected robots: a arm, t take off, f follow, h hold, l land,\n"
+      "      e emergency stop.\n"
+      "      Selection: 0 all, 1-9 one of the first nine robots, TAB the next, r NAME ENTER any.\n"
+      "      q quit (stops the heartbeat).\n"
+      "Without a terminal, commands are read as lines from standard input. If another station is\n"
+      "in charge, only the emergency stop is sent. Exit code 1 if a command was refused, was not\n"
+      "understood, or named a robot from which no message was received.\n"
       "Examples:\n"
       "  vantage console\n"
       "  vantage console --scenario config/lab-mixed.yaml\n"

@@ -38,7 +38,7 @@ int run(const DemoArguments& arguments) {
     options.attach = [&](bus::InProcessHub& hub) {
       auto view = std::make_shared<LiveView>(hub.connect(), arguments.web);
       if (!arguments.as_json) {
-        announce_view(view->server(), "while the demo lasts");
+        announce_view(view->server(), "until the demo ends");
       }
       return view;
     };
@@ -70,21 +70,23 @@ int run(const DemoArguments& arguments) {
 
 void add_demo_command(CLI::App& root, Runner& chosen) {
   CLI::App* command = root.add_subcommand(
-      "demo", "Fly a simulated trial in real time in this process; no network needed.");
+      "demo", "Run a simulated trial in real time in one process; needs no network.");
   auto arguments = std::make_shared<DemoArguments>();
-  command->add_option(
-      "--scenario", arguments->scenario,
-      "scenario file, or the name of one of `vantage config list`; the lab's when not given");
+  command->add_option("--scenario", arguments->scenario,
+                      "scenario file, or a name from `vantage config list` (default: lab)");
   command->add_option("--out", arguments->directory, "folder for the log and the pictures")
       ->capture_default_str();
   add_override_options(*command, arguments->overrides);
-  command->add_flag("--json", arguments->as_json, "print one JSON object at the end, no table");
-  command->add_flag("--view", arguments->is_shown, "show it in the browser meanwhile");
+  command->add_flag("--json", arguments->as_json,
+                    "print one JSON object at the end instead of tables");
+  command->add_flag("--view", arguments->is_shown,
+                    "serve a live view of the trial for the browser");
   add_web_options(*command, arguments->web);
   command->footer(
-      "Lasts 60 s unless told otherwise; Ctrl-C, SIGTERM or a terminal that is closed end it "
-      "early\n"
-      "with the same summary. Exit code 1 when anything collided, failed or could not be written.\n"
+      "Runs for 60 s unless --duration-s is given. Ctrl-C, SIGTERM or closing the terminal ends "
+      "it\n"
+      "early with the same summary. Exit code 1 after a collision, a failure or an output that\n"
+      "cannot be written.\n"
       "Examples:\n"
       "  vantage demo\n"
       "  vantage demo --view\n"

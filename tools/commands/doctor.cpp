@@ -50,7 +50,8 @@ nlohmann::ordered_json to_json(const std::vector<ViconPort>& ports) {
 
 int run(const DoctorArguments& arguments) {
   if (arguments.device != "vicon") {
-    throw StartupError("doctor: knows 'vicon', not '" + arguments.device + "'");
+    throw StartupError("doctor: unknown device '" + arguments.device +
+                       "'; the only device is 'vicon'");
   }
   const std::vector<int> usual{scenario::default_port(scenario::MocapProtocol::kDataStream),
                                scenario::default_port(scenario::MocapProtocol::kVrpn)};
@@ -66,7 +67,7 @@ int run(const DoctorArguments& arguments) {
     }
   }
   if (stop_requested()) {
-    fmt::print(stderr, "vantage: interrupted: not every port was listened to for {:g} s\n",
+    fmt::print(stderr, "vantage: interrupted: some ports were observed for less than {:g} s\n",
                arguments.listen_s);
     return 1;
   }
@@ -76,20 +77,24 @@ int run(const DoctorArguments& arguments) {
 }  // namespace
 
 void add_doctor_command(CLI::App& root, Runner& chosen) {
-  CLI::App* command = root.add_subcommand("doctor", "Say why there is no data from a device.");
+  CLI::App* command = root.add_subcommand("doctor", "Find out why no data arrives from a device.");
   auto arguments = std::make_shared<DoctorArguments>();
-  command->add_option("device", arguments->device, "what to examine: vicon")->required();
-  command->add_option("host", arguments->host, "where it is")->required();
-  command->add_option("--port", arguments->ports, "TCP ports to look at instead of 801 and 3883")
+  command->add_option("device", arguments->device, "device to examine: vicon")->required();
+  command->add_option("host", arguments->host, "host name or address of the device")->required();
+  command->add_option("--port", arguments->ports, "TCP ports to examine (default: 801 and 3883)")
       ->check(number_between(1, 65535));
-  command->add_option("--udp-port", arguments->udp_port, "of the object stream")
+  command
+      ->add_option("--udp-port", arguments->udp_port,
+                   "UDP port of the Vicon object stream (default: 51001)")
       ->check(number_between(1, 65535));
-  command->add_option("--listen-s", arguments->listen_s, "to each stream")
+  command
+      ->add_option("--listen-s", arguments->listen_s,
+                   "seconds to listen to each stream (default: 2)")
       ->check(number_between(0.1, 60.0));
   command->add_flag("--json", arguments->as_json, "print one JSON object");
   command->footer(
-      "Ctrl-C and SIGTERM end it at once; what it has heard by then is told.\n"
-      "Exit code 0: some stream has bodies that are seen; 1: none, or interrupted; 2: no such "
+      "Ctrl-C and SIGTERM end it at once; results up to then are printed.\n"
+      "Exit code 0: a stream contains visible bodies; 1: none does, or interrupted; 2: unknown "
       "host.\n"
       "Example:\n"
       "  vantage doctor vicon 192.168.1.10");

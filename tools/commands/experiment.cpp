@@ -64,7 +64,8 @@ std::string only_text(const ExperimentArguments& arguments) {
 void tell_stopped(const ExperimentArguments& arguments, const experiments::SweepIdentity& identity,
                   const experiments::SweepProgress& progress) {
   fmt::print(
-      stderr, "stopped with {} of {} units done; their rows are kept. To go on: {} --out {}{}{}\n",
+      stderr,
+      "stopped with {} of {} units done; their rows are kept. To continue: {} --out {}{}{}\n",
       progress.done, progress.units, experiments::command_of(identity, arguments.extent.trials),
       shell_quoted(arguments.options.directory),
       arguments.shard.empty() ? "" : " --shard " + arguments.shard, only_text(arguments));
@@ -83,11 +84,12 @@ int tell(const ExperimentArguments& arguments, const experiments::SweepIdentity&
     return 1;
   }
   if (!arguments.options.only.empty()) {
-    print_line(fmt::format("{} units done, their tables in {}. For all settings and a report: {}",
-                           outcome.progress.done, arguments.options.directory, command));
+    print_line(fmt::format(
+        "{} units done; their tables are in {}. To run all settings and write a report: {}",
+        outcome.progress.done, arguments.options.directory, command));
   } else if (arguments.options.shard) {
-    print_line(fmt::format("shard {}: {} units done. When all shards are: {}", arguments.shard,
-                           outcome.progress.done, command));
+    print_line(fmt::format("shard {}: {} units done. When all shards are done, run: {}",
+                           arguments.shard, outcome.progress.done, command));
   }
   return 0;
 }
@@ -142,8 +144,9 @@ int run(ExperimentArguments arguments) {
   const experiments::Sweep sweep = experiment->make(arguments.extent);
   arguments.extent.trials = sweep.plan.trials;
   if (arguments.extent.planning_share != 1.0 && !sweep.plan.parameters.contains("planning_share")) {
-    throw UsageError(
-        fmt::format("--planning-share: {} gives no time for planning", arguments.name));
+    throw UsageError(fmt::format(
+        "--planning-share: experiment {} has no planning time to reduce; omit the option",
+        arguments.name));
   }
   const experiments::SweepIdentity identity{arguments.name, trial::version(), arguments.seed,
                                             arguments.extent.is_smoke,
@@ -168,18 +171,22 @@ void add_slurm_options(CLI::App& command, ExperimentArguments& arguments,
                        std::initializer_list<CLI::Option*> others) {
   CLI::Option* slurm = command.add_flag(
       "--slurm", arguments.is_on_slurm,
-      "as an array of Slurm jobs, which share --out: submits them, waits, collects");
+      "run as an array of Slurm jobs that share the folder --out: submit, wait, collect");
   for (CLI::Option* other : others) {
     slurm->excludes(other);
   }
-  command.add_option("--shards", arguments.slurm.shards, "of --slurm: jobs in the array")
+  command
+      .add_option("--shards", arguments.slurm.shards, "with --slurm: number of jobs in the array")
       ->check(number_between(1, 100'000))
       ->capture_default_str()
       ->needs(slurm);
-  command.add_flag("--no-wait", arguments.is_left_alone, "of --slurm: only submit")->needs(slurm);
+  command
+      .add_flag("--no-wait", arguments.is_left_alone,
+                "with --slurm: submit the jobs without waiting for them")
+      ->needs(slurm);
   command
       .add_option("--sbatch", arguments.slurm.sbatch,
-                  "of --slurm: an option for sbatch, as --sbatch=--time=2:00:00; repeatable")
+                  "with --slurm: option for sbatch, such as --sbatch=--time=2:00:00; repeatable")
       ->needs(slurm);
 }
 
@@ -187,7 +194,8 @@ void add_slurm_options(CLI::App& command, ExperimentArguments& arguments,
 
 void add_experiment_command(CLI::App& root, Runner& chosen) {
   CLI::App* command = root.add_subcommand(
-      "experiment", "Repeat an experiment of the dissertation: CSV, figures and a report.");
+      "experiment",
+      "Repeat an experiment of the dissertation; writes CSV tables, figures and a report.");
   auto arguments = std::make_shared<ExperimentArguments>();
   std::vector<std::string> names;
   std::string footer = "Experiments:\n";
@@ -195,44 +203,51 @@ void add_experiment_command(CLI::App& root, Runner& chosen) {
     names.emplace_back(experiment.name);
     footer += fmt::format("  {:20} {}\n", experiment.name, experiment.what);
   }
-  command->add_option("name", arguments->name, "which")->required()->check(CLI::IsMember(names));
+  command->add_option("name", arguments->name, "experiment, see the list below")
+      ->required()
+      ->check(CLI::IsMember(names));
   command
       ->add_option("--trials", arguments->extent.trials,
-                   "of each setting; when not given, as many as the dissertation ran")
+                   "trials per setting (default: the number that the dissertation used)")
       ->check(number_between(1, 1'000'000));
-  command->add_option("--seed", arguments->seed, "of the first trial; the next one's is 1 more")
+  command
+      ->add_option("--seed", arguments->seed,
+                   "seed of the first trial; each further trial uses the next number")
       ->check(seed_number())
       ->capture_default_str();
-  command->add_option("--jobs", arguments->options.jobs, "threads; about 0.7 GB each")
+  command
+      ->add_option("--jobs", arguments->options.jobs,
+                   "number of threads; each needs about 0.7 GB of memory")
       ->check(number_between(1, 1024))
       ->capture_default_str();
   CLI::Option* shard =
       command->add_option("--shard", arguments->shard,
-                          "i/n: run the i-th of n shares only, and write its rows; i from 1");
+                          "i/n: run only the i-th of n parts (i from 1 to n) and write its rows");
   CLI::Option* only =
       command
-          ->add_option("--only", arguments->options.only,
-                       "cells that a setting begins with, as they stand in the tables: run such "
-                       "settings alone, and write tables but no report; repeatable")
+          ->add_option(
+              "--only", arguments->options.only,
+              "run only settings whose first table cells are these, for example greedy,1,2; "
+              "writes tables but no report; repeatable")
           ->allow_extra_args(false);
   add_slurm_options(*command, *arguments, {shard, only});
   command->add_option("--out", arguments->options.directory,
-                      "directory of the results; experiments/NAME when not given");
+                      "folder for the results (default: experiments/NAME)");
   command
-      ->add_option(
-          "--planning-share", arguments->extent.planning_share,
-          "of the time for planning, in (0, 1], of those that turn it into nodes (hardware and "
-          "tracking-communication, -time, -noise): 0.2 takes a fifth of the time and plans with a "
-          "fifth of the nodes")
+      ->add_option("--planning-share", arguments->extent.planning_share,
+                   "share of the planning time to use, in (0, 1]; 0.2: a fifth of the search nodes "
+                   "in a fifth "
+                   "of the time. Only for hardware, tracking-communication, tracking-time and "
+                   "tracking-noise")
       ->check(number_between(1e-6, 1.0))
       ->capture_default_str();
   command->add_flag("--smoke", arguments->extent.is_smoke,
-                    "two trials of shortened horizons: does it run at all");
+                    "quick test that the experiment runs: two trials with short horizons");
   command->footer(
       footer +
-      "The same seed gives the same files whatever the jobs, shards and interruptions,\n"
-      "but for the times. Ctrl-C, SIGTERM or a crash keeps the units that are done: the same "
-      "command\ngoes on. Exit code 1 then.\n"
+      "The same seed gives the same files, except for measured times; --jobs, --shard and\n"
+      "interruptions do not change them. Ctrl-C, SIGTERM or a crash keeps completed units; the\n"
+      "same command continues. Exit code 1 if interrupted.\n"
       "Examples:\n"
       "  vantage experiment dls-savings --jobs 2 --out results/dls-savings\n"
       "  vantage experiment dls-objective --trials 10 --seed 7\n"

@@ -35,10 +35,10 @@ std::optional<auth::Role> role_named(const std::string& name) {
 
 const char* use_of(const auth::Key& key) {
   if (key.use == auth::KeyUse::kSigns) {
-    return key.can_sign() ? "signs" : "is signed with elsewhere";
+    return key.can_sign() ? "signs" : "public half only; another host signs with it";
   }
   return key.use == auth::KeyUse::kNext ? "accepted; signs after rotate --sign"
-                                        : "accepted; signed before";
+                                        : "accepted; no longer signs";
 }
 
 int show(const KeysArguments& arguments) {
@@ -58,7 +58,7 @@ int show(const KeysArguments& arguments) {
     print_json(list);
   }
   if (keyring.keys().empty()) {
-    throw StartupError(arguments.folder + ": there are no keys; vantage keys new " +
+    throw StartupError(arguments.folder + ": contains no keys; create them: vantage keys new " +
                        arguments.folder);
   }
   return 0;
@@ -78,38 +78,41 @@ int rotate(const KeysArguments& arguments) {
 
 void add_keys_command(CLI::App& root, Runner& chosen) {
   CLI::App* command =
-      root.add_subcommand("keys", "The keys that sign messages: make, show, change, take away.");
+      root.add_subcommand("keys", "Create, show, rotate and revoke the keys that sign messages.");
   command->require_subcommand(1);
   auto arguments = std::make_shared<KeysArguments>();
   const auto add = [&](const char* name, const char* description, auto&& act) {
     CLI::App* one = command->add_subcommand(name, description);
-    one->add_option("folder", arguments->folder, "folder of keys")->required();
+    one->add_option("folder", arguments->folder, "folder that contains the keys")->required();
     one->add_flag("--json", arguments->as_json, "print one JSON array");
     one->callback(
         [&chosen, arguments, act] { chosen = [arguments, act] { return act(*arguments); }; });
     return one;
   };
-  add("new", "Make a folder with a key of each role.", [](const KeysArguments& given) {
+  add("new", "Create a folder with one key per role.", [](const KeysArguments& given) {
     auth::make_keys(given.folder);
     return show(given);
   });
-  add("show", "Say which keys are there. No secret is printed.",
+  add("show", "List the keys without their secrets.",
       [](const KeysArguments& given) { return show(given); });
-  CLI::App* turn = add("rotate", "Make the next keys; with --sign, sign with them from now on.",
+  CLI::App* turn = add("rotate", "Create the next keys; with --sign, switch to signing with them.",
                        [](const KeysArguments& given) { return rotate(given); });
-  turn->add_option("--role", arguments->role, "of this role alone")
+  turn->add_option("--role", arguments->role,
+                   "rotate only the key of this role (default: all roles)")
       ->check(CLI::IsMember({"mocap", "planner", "vehicle", "operator", "node"}));
-  turn->add_flag("--sign", arguments->is_signing,
-                 "sign with what a rotation before has made; the key until now is still accepted");
-  CLI::App* revoke =
-      add("revoke", "Remove a key: what it signed is refused.", [](const KeysArguments& given) {
-        auth::revoke_key(given.folder, given.key);
-        return show(given);
-      });
-  revoke->add_option("key", arguments->key, "ID or ROLE-ID, as `show` says")->required();
+  turn->add_flag(
+      "--sign", arguments->is_signing,
+      "sign with the keys that an earlier rotate created; the current keys stay accepted");
+  CLI::App* revoke = add("revoke", "Remove a key; messages signed with it are rejected.",
+                         [](const KeysArguments& given) {
+                           auth::revoke_key(given.folder, given.key);
+                           return show(given);
+                         });
+  revoke->add_option("key", arguments->key, "ID or ROLE-ID, as listed by `vantage keys show`")
+      ->required();
   command->footer(
-      "Processes read their keys when they start. docs/guide/security.md tells which files go "
-      "where.\n"
+      "Processes read keys only when they start. docs/guide/security.md explains which files "
+      "each host needs.\n"
       "Examples:\n"
       "  vantage keys new keys\n"
       "  vantage keys rotate keys --role operator");

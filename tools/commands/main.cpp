@@ -13,7 +13,8 @@
 
 int main(int argc, char** argv) {
   return vantage::run_process("vantage", [&]() -> int {
-    CLI::App app{"Teams of robots that plan where to look.", "vantage"};
+    CLI::App app{"Plan, fly and evaluate trials of robot teams that gather information.",
+                 "vantage"};
     app.require_subcommand(1);
     app.set_version_flag("--version", vantage::trial::version());
     vantage::tools::Runner run;
@@ -45,7 +46,7 @@ int main(int argc, char** argv) {
     const int code = run();
     // Output that could not be written (closed pipe, full disk) is a failure.
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-      std::fputs("vantage: standard output: cannot be written\n", stderr);
+      std::fputs("vantage: cannot write to standard output\n", stderr);
       return std::max(code, 1);
     }
     return code;

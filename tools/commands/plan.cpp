@@ -54,55 +54,61 @@ int run(const PlanArguments& arguments) {
 
 void add_plan_command(CLI::App& root, Runner& chosen) {
   CLI::App* command = root.add_subcommand(
-      "plan", "Solve one planning problem offline and say how far from optimal it can be.");
+      "plan", "Solve one planning problem offline and bound its distance from the optimum.");
   auto arguments = std::make_shared<PlanArguments>();
   command->add_option("problem", arguments->problem, "problem file (JSON)")->required();
   std::vector<std::string> names = {"default"};
   std::string footer =
-      "Algorithms:\n  default      what the planner study found best for its family\n";
+      "Algorithms:\n  default      the best one for this kind of problem in the planner study\n";
   for (const planner::Algorithm& algorithm : planner::all_algorithms()) {
     names.emplace_back(algorithm.name);
     footer += fmt::format("  {:11}  {}\n", algorithm.name, algorithm.what);
   }
-  command->add_option("--algorithm", arguments->request.algorithm, "which search")
+  command
+      ->add_option("--algorithm", arguments->request.algorithm,
+                   "search algorithm, see the list below")
       ->check(CLI::IsMember(names))
       ->capture_default_str();
-  auto* budget = command
-                     ->add_option("--budget-s", arguments->request.budget_s,
-                                  "time for the search, memory prepared before it begins; 1 when "
-                                  "neither this nor --nodes is given")
-                     ->check(number_between(0.0, kLongestBudget_s));
+  auto* budget =
+      command
+          ->add_option("--budget-s", arguments->request.budget_s,
+                       "search time in seconds, without the preparation of memory (default: "
+                       "1, unless --nodes is given)")
+          ->check(number_between(0.0, kLongestBudget_s));
   command
       ->add_option("--nodes", arguments->request.nodes,
-                   "nodes of work instead of time: the same answer to the bit, every time")
+                   "search nodes instead of a time limit; gives exactly the same result every time")
       ->check(number_between(1, 1e12))
       ->excludes(budget);
   command
-      ->add_option("--epsilon", arguments->request.options.epsilon, "redundancy of covariances, m²")
+      ->add_option("--epsilon", arguments->request.options.epsilon,
+                   "tolerance of covariances when nodes are pruned, m²")
       ->check(non_negative_number())
       ->capture_default_str();
-  command->add_option("--delta", arguments->request.options.delta_m, "crossing of poses, m")
+  command
+      ->add_option("--delta", arguments->request.options.delta_m,
+                   "distance within which poses count as crossing when nodes are pruned, m")
       ->check(non_negative_number())
       ->capture_default_str();
-  command->add_option("--weight", arguments->request.options.weight, "of the heuristic, ≥ 1")
+  command->add_option("--weight", arguments->request.options.weight, "weight of the heuristic, ≥ 1")
       ->check(number_between(1.0, 1e6))
       ->capture_default_str();
-  command->add_option("--seed", arguments->seed, "for searches that draw")
+  command->add_option("--seed", arguments->seed, "seed of random searches")
       ->check(seed_number())
       ->capture_default_str();
-  command->add_option("--memory-mb", arguments->request.memory_mb, "most memory of the search")
+  command->add_option("--memory-mb", arguments->request.memory_mb, "memory limit of the search, MB")
       ->check(number_between(16, 1 << 20))
       ->capture_default_str();
-  command->add_option("--svg", arguments->svg_path, "draw the plan");
+  command->add_option("--svg", arguments->svg_path, "file for a picture of the plan (SVG)");
   command->add_flag("--json", arguments->as_json, "print one JSON object");
   command->footer(
       footer +
-      "JSON: `states` are the T poses [x, y, yaw] after each step, the start not among them;\n"
-      "`cost` and `lower_bound` are the sums over t = 1 … T; what is infinite (epsilon and delta\n"
-      "before the first finite pass) or unknown is null. Schema: docs/guide/planning-problems.md.\n"
+      "JSON: `states` are the T poses [x, y, yaw] after each step, without the start. `cost` and\n"
+      "`lower_bound` are sums over t = 1 … T. Unknown and infinite values are null (epsilon and\n"
+      "delta are infinite before the first finite pass). Schema: docs/guide/planning-problems.md.\n"
       "Ctrl-C and SIGTERM end the search at once; the best plan so far is printed.\n"
-      "Exit code 0: a plan of T steps; 1: none was found, or the search was interrupted\n"
-      "(`stop_reason` says which); 2: the problem cannot be used.\n"
+      "Exit code 0: found a plan of T steps; 1: found none, or interrupted (see `stop_reason`);\n"
+      "2: the problem file is invalid.\n"
       "Examples:\n"
       "  vantage plan problem.json --budget-s 0.1 --json\n"
       "  vantage plan problem.json --algorithm rvi --epsilon 1 --delta 0.5 --svg plan.svg\n"

@@ -44,29 +44,29 @@ bool write_pictures(const std::string& svg_path, const scenario::Scenario& scena
 }
 
 void add_scenario_option(CLI::App& command, std::string& scenario) {
-  command
-      .add_option("scenario", scenario,
-                  "scenario file, or the name of one of `vantage config list`")
+  command.add_option("scenario", scenario, "scenario file, or a name from `vantage config list`")
       ->required();
 }
 
 void add_override_options(CLI::App& command, scenario::Overrides& overrides) {
   std::vector<std::string> words(scenario::kSearchWords.begin(), scenario::kSearchWords.end());
   words.emplace_back(scenario::kExternalSearch);
-  command.add_option("--seed", overrides.seed, "seed instead of the scenario's")
+  command.add_option("--seed", overrides.seed, "random seed (default: the scenario's)")
       ->check(seed_number());
-  command.add_option("--duration-s", overrides.duration_s, "length instead of the scenario's")
+  command
+      .add_option("--duration-s", overrides.duration_s,
+                  "duration in seconds (default: the scenario's)")
       ->check(positive_number());
   command
-      .add_option("--planner", overrides.planner, "planning algorithm instead of the scenario's")
+      .add_option("--planner", overrides.planner, "planning algorithm (default: the scenario's)")
       ->check(CLI::IsMember(words));
   command
       .add_option("--communication-range-m", overrides.communication_range_m,
-                  "communication range instead of the scenario's; 0: none is heard")
+                  "communication range in metres (default: the scenario's); 0: none")
       ->check(number_between(-1.0, 1e6));
   command
       .add_option("--nodes", overrides.node_budget,
-                  "search nodes a slot instead of the scenario's time budget")
+                  "search nodes per slot (default: the scenario's time or node budget)")
       ->check(positive_number());
 }
 

@@ -52,8 +52,8 @@ int run(const TrialArguments& arguments) {
       trial::run_trial(scenario, trial::trial_recipes(scenario), options);
   report_summary(scenario, result.summary, arguments.as_json);
   if (result.log_error) {
-    print_line(fmt::format("vantage: {}; the log lacks {} messages", result.log_error->message,
-                           result.summary.messages_lost),
+    print_line(fmt::format("vantage: {}; {} messages are missing in the log",
+                           result.log_error->message, result.summary.messages_lost),
                stderr);
   }
   if (result.was_stopped) {
@@ -72,18 +72,20 @@ int run(const TrialArguments& arguments) {
 
 void add_trial_command(CLI::App& root, Runner& chosen) {
   CLI::App* command = root.add_subcommand(
-      "trial", "Run one trial in virtual time, without a network: same seed, same bytes.");
+      "trial", "Run one trial in virtual time, without a network; reproducible by its seed.");
   auto arguments = std::make_shared<TrialArguments>();
   add_scenario_option(*command, arguments->scenario);
   add_override_options(*command, arguments->overrides);
   command->add_option("--log", arguments->log_path,
-                      "write an LCM event log of everything, to a new file");
-  command->add_option("--svg", arguments->svg_path, "draw the end of the trial, as SVG and PNG");
+                      "new file for an LCM event log of all messages");
+  command->add_option("--svg", arguments->svg_path,
+                      "file for a picture of the end of the trial (SVG; also PNG)");
   command->add_flag("--json", arguments->as_json, "print one JSON object");
   command->footer(
-      "Ctrl-C, SIGTERM, a terminal that is closed, or a log that cannot be written any more end\n"
-      "it early: log, summary and pictures of what was flown, exit code 1. So is that of a trial\n"
-      "in which anything collided. A log that is there already is not written over: exit code 2.\n"
+      "Ctrl-C, SIGTERM, closing the terminal or a failure to write the log ends the trial early.\n"
+      "Log, summary and pictures then cover the time until the end.\n"
+      "Exit code 1: ended early, or a collision; 2: could not start, for example because the log\n"
+      "file exists.\n"
       "Examples:\n"
       "  vantage trial config/lab.yaml --seed 3 --json\n"
       "  vantage trial config/lab.yaml --planner greedy --duration-s 60 --svg greedy.svg\n"

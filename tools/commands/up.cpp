@@ -48,8 +48,8 @@ void check_host(const scenario::Scenario& scenario, const UpArguments& arguments
   if (arguments.host.empty()) {
     if (!names.empty() && !arguments.all_hosts) {
       throw StartupError(fmt::format(
-          "{} has the hosts {}: say with --host which one this is, or --all-hosts to run "
-          "everything here",
+          "{} has the hosts {}: name this one with --host, or run all of them here with "
+          "--all-hosts",
           arguments.scenario, fmt::join(names, ", ")));
     }
     return;
@@ -57,7 +57,7 @@ void check_host(const scenario::Scenario& scenario, const UpArguments& arguments
   if (std::find(names.begin(), names.end(), arguments.host) == names.end()) {
     throw StartupError(fmt::format(
         "--host must be one of the hosts of {} ({}), is '{}'", arguments.scenario,
-        names.empty() ? "it has none" : fmt::format("{}", fmt::join(names, ", ")), arguments.host));
+        names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")), arguments.host));
   }
 }
 
@@ -66,8 +66,9 @@ std::string log_path(const scenario::Scenario& scenario, const UpArguments& argu
   const bool runs_logger =
       arguments.host.empty() || scenario.runs_on(arguments.host, scenario::kLoggerPart);
   if (is_named && !runs_logger) {
-    throw StartupError("host " + arguments.host +
-                       " does not run the logger; `hosts` says who does");
+    throw StartupError(
+        "host " + arguments.host +
+        " does not run the logger; give the log option on the host that `hosts` assigns it to");
   }
   if (arguments.no_log || !runs_logger) {
     return "";
@@ -125,18 +126,22 @@ int run(const UpArguments& arguments) {
 void add_restart_options(CLI::App& command, RestartPolicy& restarts) {
   command
       .add_option("--restarts-max", restarts.restarts_max,
-                  "restarts of one process within the window; one that dies more often is given up")
+                  "restarts of one process within --restart-window-s; a process that fails more "
+                  "often is not restarted again")
       ->check(non_negative_number())
       ->capture_default_str();
-  command.add_option("--restart-window-s", restarts.window_s, "the window")
+  command
+      .add_option("--restart-window-s", restarts.window_s,
+                  "period over which restarts are counted, s")
       ->check(positive_number())
       ->capture_default_str();
   command
-      .add_option("--backoff-first-s", restarts.backoff_first_s,
-                  "wait before the first restart; doubled with each death until it runs for 10 s")
+      .add_option(
+          "--backoff-first-s", restarts.backoff_first_s,
+          "wait before the first restart, s; doubled at each failure, reset after a run of 10 s")
       ->check(non_negative_number())
       ->capture_default_str();
-  command.add_option("--backoff-max-s", restarts.backoff_max_s, "the longest wait")
+  command.add_option("--backoff-max-s", restarts.backoff_max_s, "longest wait before a restart, s")
       ->check(non_negative_number())
       ->capture_default_str();
 }
@@ -145,55 +150,55 @@ void add_restart_options(CLI::App& command, RestartPolicy& restarts) {
 
 void add_up_command(CLI::App& root, Runner& chosen) {
   CLI::App* command = root.add_subcommand(
-      "up", "Run every process of a scenario on this host, supervised and recorded.");
+      "up", "Run all processes of a scenario on this host; restarts and records them.");
   auto arguments = std::make_shared<UpArguments>();
   add_scenario_option(*command, arguments->scenario);
   add_override_options(*command, arguments->overrides);
-  command->add_option("--url", arguments->overrides.url, "LCM URL instead of the scenario's");
-  auto* host = command->add_option("--host", arguments->host,
-                                   "run only what the scenario's `hosts` say of this one");
+  command->add_option("--url", arguments->overrides.url, "LCM URL (default: the scenario's)");
+  auto* host = command->add_option(
+      "--host", arguments->host,
+      "run only the processes that `hosts` in the scenario assigns to this host");
   command
       ->add_flag("--all-hosts", arguments->all_hosts,
-                 "run what all of the scenario's hosts do here")
+                 "run the processes of all hosts of the scenario here")
       ->excludes(host);
-  auto* log = command->add_option("--log", arguments->log_path,
-                                  "the log to write, a new file; when not given NAME.lcmlog, or "
-                                  "NAME-2.lcmlog where that is there, and so on");
+  auto* log =
+      command->add_option("--log", arguments->log_path,
+                          "new file for the log (default: NAME.lcmlog, or NAME-2.lcmlog and "
+                          "so on if that file exists)");
   auto* folder = command->add_option("--log-folder", arguments->log_folder,
-                                     "write FOLDER/NAME-TIME.lcmlog, a new one each time");
+                                     "folder for the log; its name is NAME-TIME.lcmlog");
   folder->excludes(log);
-  command->add_flag("--no-log", arguments->no_log, "do not record")
+  command->add_flag("--no-log", arguments->no_log, "do not write a log")
       ->excludes(log)
       ->excludes(folder);
   command->add_flag("--fly", arguments->fly,
-                    "be the operator: arm, take off, follow, and land at the end");
-  command->add_flag("--beside-others", arguments->beside_others,
-                    "start though another supervisor, a simulator or vehicles are alive");
+                    "act as the operator: arm, take off, follow, and land at the end");
+  command->add_flag(
+      "--beside-others", arguments->beside_others,
+      "start even if another supervisor, a simulator or vehicles are active on the network");
   command->add_flag("--beside-load", arguments->beside_load,
-                    "with --fly: fly though this host is busy and grants drivers no real-time "
-                    "priority");
+                    "with --fly: fly even if this host is busy and denies real-time priority to "
+                    "drivers");
   command->add_flag("--virtual-targets", arguments->has_virtual_targets,
-                    "simulate the targets though every device is real");
+                    "simulate the targets even if all devices are real");
   add_restart_options(*command, arguments->restarts);
   command->add_flag("--json", arguments->as_json,
-                    "print one JSON object at the end; what happens meanwhile goes to stderr");
+                    "print one JSON object at the end; events are printed to stderr");
   command->footer(
-      "Ends with Ctrl-C or SIGTERM, or after --duration-s; without vehicles that have drivers "
-      "also\n"
-      "after the scenario's duration. Vehicles in flight are landed first, within 60 s; a second\n"
-      "Ctrl-C leaves that to their autopilots. Then all processes are gone within 2 s; one more\n"
-      "Ctrl-C kills them at once; the log is whole all the same.\n"
-      "Without it robots on the wire and real ones wait for `vantage console`.\n"
-      "A process that dies is started again. The trial ends when the simulator or the mocap\n"
-      "driver is given up; without any other process it goes on. The driver of a vehicle in "
-      "flight\n"
-      "is never given up.\n"
-      "Exit code 1 when a process was given up or killed, the simulator was started again (the\n"
-      "world begins anew), the log lacks its end, another host flew another scenario, anything\n"
-      "collided, a vehicle was left in flight, a robot of --fly did not fly, or the program "
-      "itself\n"
-      "failed.\n"
-      "2 when it could not start.\n"
+      "Without --fly, real robots and robots simulated behind their protocol wait for `vantage\n"
+      "console`.\n"
+      "End: Ctrl-C, SIGTERM or --duration-s. The scenario's duration also ends the trial if no\n"
+      "vehicle has a driver. Vehicles in flight are landed first, within 60 s; a second Ctrl-C\n"
+      "leaves the landing to their autopilots. Then all processes end within 2 s; one more Ctrl-C\n"
+      "kills them at once and still completes the log.\n"
+      "Restarts: a process that fails is restarted. The trial ends if the simulator or the mocap\n"
+      "driver fails too often, and continues without any other process. The driver of a vehicle\n"
+      "in flight is restarted without limit.\n"
+      "Exit code 1: a collision; a process was killed or failed too often; the simulator was\n"
+      "restarted (robots and targets return to their starts); the end of the log is missing;\n"
+      "another host flew another scenario; a vehicle was still in flight at the end; a robot of\n"
+      "--fly did not fly; or an internal error. Exit code 2: could not start.\n"
       "Examples:\n"
       "  vantage up config/lab.yaml\n"
       "  vantage up config/lab.yaml --duration-s 60 --log flight.lcmlog\n"

@@ -81,9 +81,9 @@ void require_messages(logs::SeekableLog& log, const logs::TypeLibrary& types) {
   survey(log);
   if (!has_message(log)) {
     throw StartupError(fmt::format(
-        "{}: none of its {} events is a message of this version of vantage{}, so there is nothing "
-        "to show; its channels are {}; --types names the .lcm files of other messages, "
-        "`vantage log info` says more",
+        "{}: nothing to show: none of its {} events is a message of this version of vantage{}; its "
+        "channels are {}; name the .lcm files of other messages with --types; details: `vantage "
+        "log info`",
         log.path(), log.survey().scan.events,
         types.size() == 0 ? "" : fmt::format(" or of the {} types that were given", types.size()),
         channel_names(log.survey())));
@@ -101,7 +101,8 @@ int record(logs::SeekableLog& log, const logs::TypeLibrary& types, const ViewArg
   };
   const bool is_whole =
       record_log(log, types, arguments.web, arguments.record, tell, stop_requested);
-  print_line(is_whole ? "record   " + arguments.record.path : "record   ended before it was whole");
+  print_line(is_whole ? "record   " + arguments.record.path
+                      : "record   interrupted: the video is incomplete");
   return is_whole ? 0 : 1;
 }
 
@@ -147,75 +148,88 @@ std::string page_folder() {
 void announce_view(const WebServer& server, const std::string& what) {
   print_line("view     " + server.url() + "   (" + what + ")");
   if (!server.has_page()) {
-    print_line("         the page was not built (no npm); for Foxglove and Lichtblick:");
+    print_line("         the page was not built (npm is missing); use Foxglove or Lichtblick:");
   }
   print_line("         Foxglove, Lichtblick: ws" + server.url().substr(4));
 }
 
 void add_web_options(CLI::App& command, WebOptions& web) {
   web.page_folder = page_folder();
-  command.add_option("--port", web.port, "port to serve on; 0: any free one")
+  command.add_option("--port", web.port, "TCP port to serve on; 0: any free port")
       ->check(number_between(0, 65535))
       ->capture_default_str();
-  command.add_option("--bind", web.bind, "address to serve on; 0.0.0.0: every one of this host")
+  command
+      .add_option("--bind", web.bind, "address to serve on; 0.0.0.0: all addresses of this host")
       ->capture_default_str();
   command.add_option("--host", web.hosts,
-                     "name by which browsers may ask for this host, besides its own; repeatable");
+                     "further host name that browsers may use to reach this host; repeatable");
   command.add_option("--origin", web.origins,
-                     "page of another server that may connect (https://NAME); repeatable");
+                     "other server whose pages may connect (https://NAME); repeatable");
   command.add_option("--page", web.page_folder,
-                     "folder of the built page, instead of this build's");
+                     "folder of the built page (default: the page of this build)");
 }
 
 void add_record_options(CLI::App& command, CLI::Option* log, RecordOptions& record) {
   constexpr int kSideMax_px = 4096;
-  auto* path = command
-                   .add_option("--record", record.path,
-                               "make a video (WebM) of the log by a browser without a window")
-                   ->needs(log);
-  command.add_option("--from-s", record.from_s, "where the video begins, from the log's start")
+  auto* path =
+      command
+          .add_option("--record", record.path,
+                      "file for a video of the log (WebM), recorded by a browser without a window")
+          ->needs(log);
+  command
+      .add_option("--from-s", record.from_s,
+                  "begin of the video, s after the start of the log (default: 0)")
       ->check(non_negative_number())
       ->needs(path);
-  command.add_option("--to-s", record.to_s, "where it ends, instead of the log's end")
+  command
+      .add_option("--to-s", record.to_s,
+                  "end of the video, s after the start of the log (default: its end)")
       ->check(non_negative_number())
       ->needs(path);
-  command.add_option("--speed", record.speed, "seconds of the log in one of the video")
+  command.add_option("--speed", record.speed, "seconds of the log per second of the video")
       ->check(number_between(0.01, 1000))
       ->needs(path)
       ->capture_default_str();
-  command.add_option("--fps", record.fps, "pictures a second")
+  command.add_option("--fps", record.fps, "frames of the video per second")
       ->check(number_between(1, 60))
       ->needs(path)
       ->capture_default_str();
-  command.add_option("--width", record.width, "of the video, pixels")
+  command.add_option("--width", record.width, "width of the video, pixels")
       ->check(number_between(320, kSideMax_px))
       ->needs(path)
       ->capture_default_str();
-  command.add_option("--height", record.height, "of the video, pixels")
+  command.add_option("--height", record.height, "height of the video, pixels")
       ->check(number_between(240, kSideMax_px))
       ->needs(path)
       ->capture_default_str();
-  command.add_flag("--dark", record.is_dark, "on a dark ground")->needs(path);
+  command.add_flag("--dark", record.is_dark, "record the video with a dark background")
+      ->needs(path);
   command
-      .add_option("--link", record.link,
-                  "what a link of the page says behind its #: cameras, layers, what is followed")
+      .add_option(
+          "--link", record.link,
+          "settings for the video: the part of a page link after its # (camera, layers, followed "
+          "robot)")
       ->needs(path);
 }
 
 void add_view_command(CLI::App& root, Runner& chosen) {
-  CLI::App* command =
-      root.add_subcommand("view", "Show what is on the bus, or in a log, in the browser.");
+  CLI::App* command = root.add_subcommand("view", "Show live messages or a log in the browser.");
   auto arguments = std::make_shared<ViewArguments>();
-  auto* log = command->add_option("log", arguments->log, "LCM log to play; live without one");
+  auto* log =
+      command->add_option("log", arguments->log, "LCM log to play (default: live messages)");
   command->add_option("--types", arguments->types,
-                      ".lcm files, or folders of them, of messages that are not vantage's");
-  command->add_option("--url", arguments->url, "LCM URL to listen to")->excludes(log);
-  command->add_flag("--play", arguments->is_playing, "play the log at once")->needs(log);
+                      ".lcm files, or folders with them, that define messages of other programs");
+  command->add_option("--url", arguments->url, "LCM URL to listen to (default: $LCM_DEFAULT_URL)")
+      ->excludes(log);
+  command
+      ->add_flag("--play", arguments->is_playing,
+                 "start playing the log without waiting for a click")
+      ->needs(log);
   add_record_options(*command, log, arguments->record);
   add_web_options(*command, arguments->web);
   command->footer(
-      "Serves a page of its own and the Foxglove WebSocket protocol on one port; Foxglove and\n"
-      "Lichtblick connect to it as they are. Only shows: nothing reaches the bus from there.\n"
+      "Serves a web page and the Foxglove WebSocket protocol on one port; Foxglove and Lichtblick\n"
+      "can connect without an extension. The view is read-only: it publishes nothing on the bus.\n"
       "Ends with Ctrl-C.\n"
       "Examples:\n"
       "  vantage view\n"
