@@ -58,7 +58,7 @@ WRITERS = {
     "demo --scenario {s} --duration-s 1 --out {o}": "demo",
     "experiment dls-savings --smoke --out {o}": "results"}
 WORDS = {  # mistyped word: what the error line must name
-    "trail x": "did you mean 'trial'", "log inof x": "did you mean 'info'", "nonsense": "known here",
+    "trail x": "did you mean 'trial'", "log inof x": "did you mean 'info'", "nonsense": "available: ",
     "trial x --sead 3": "did you mean '--seed'", "trial x --seed -1": "whole number from 0",
     "trial x --seed 18446744073709551616": "whole number from 0", "trial x --seed 1.5": "whole number",
     "trial x --duration-s abc": "'abc' is not a number", "trial x --duration-s nan": "not a number",

@@ -16,18 +16,19 @@ namespace {
 /// Returns the explanation of a refusal reason of bus::auth for the user who must fix it.
 const char* explain(std::string_view reason) {
   constexpr std::array<std::pair<std::string_view, const char*>, 12> kWords{{
-      {"unsigned", "not signed: its sender runs without security, or is a stranger"},
-      {"unknown_key", "signed with a key that is not in the folder: other keys, or a revoked one"},
-      {"wrong_role", "signed with a key that is not for this channel"},
-      {"bad_mac", "not what was signed: forged"},
-      {"bad_signature", "not signed by an operator's station: forged"},
-      {"over_budget", "too many to verify: a flood of forged commands"},
-      {"wrong_mode", "of a simulation, a replay or another kind of trial"},
-      {"stale", "said at another time than now: an old log, or the hosts' clocks differ by 2 s"},
-      {"replayed", "heard before: somebody sends it again"},
-      {"wrong_session", "an order of an earlier session"},
-      {"wrong_destination", "an order of a station that does not hear this vehicle"},
-      {"no_key", "published unsigned: this host has no key for it"},
+      {"unsigned", "not signed: the sender runs without security, or does not belong to the trial"},
+      {"unknown_key", "signed with a key that is not in the key folder: another or a revoked key"},
+      {"wrong_role", "signed with a key of a role that may not publish on this channel"},
+      {"bad_mac", "content does not match its signature: forged"},
+      {"bad_signature", "not signed by an operator station: forged"},
+      {"over_budget", "too many to verify: probably a flood of forged commands"},
+      {"wrong_mode", "from a simulation, a replay or another kind of trial"},
+      {"stale",
+       "time stamp too old or too new: an old log is played, or the hosts' clocks differ by 2 s"},
+      {"replayed", "received before: an earlier message was sent again"},
+      {"wrong_session", "a command of an earlier session"},
+      {"wrong_destination", "a command of a station that receives no messages from this vehicle"},
+      {"no_key", "published unsigned: this host has no key for the channel"},
   }};
   const auto found = std::find_if(kWords.begin(), kWords.end(),
                                   [&](const auto& entry) { return entry.first == reason; });
@@ -92,8 +93,9 @@ void ArmingWatch::append_refusals(std::vector<std::string>& out) const {
     for (const auto& [name, growth] : counters) {
       const auto refusal = bus::auth::parse_refusal(name);
       if (refusal && growth.last > growth.first) {
-        out.push_back(fmt::format("{} of {}: {} messages now ({}): {}", readable(refusal->channel),
-                                  readable(process), growth.last - growth.first, refusal->reason,
+        out.push_back(fmt::format("{}: process {} refused {} messages during this check ({}): {}",
+                                  readable(refusal->channel), readable(process),
+                                  growth.last - growth.first, refusal->reason,
                                   explain(refusal->reason)));
       }
     }
@@ -103,16 +105,16 @@ void ArmingWatch::append_refusals(std::vector<std::string>& out) const {
 std::vector<std::string> ArmingWatch::blocks() const {
   std::vector<std::string> out;
   if (frames_ == 0) {
-    out.emplace_back("no mocap frame was heard on VICON: try vantage doctor");
+    out.emplace_back("no mocap frame received on VICON: try vantage doctor");
   }
   if (heartbeats_ == 0) {
-    out.emplace_back("no operator's heartbeat was heard on COMMAND: start vantage console");
+    out.emplace_back("no operator heartbeat received on COMMAND: start vantage console");
   }
   for (const models::NamedCount& counter : bus_.counters()) {
     constexpr std::string_view kUndecoded = ".decode_errors";
     if (counter.name.ends_with(kUndecoded)) {
       out.push_back(fmt::format(
-          "{} messages on {} are not of this version's types: somebody runs another version",
+          "{} messages on {} cannot be decoded: a process of another version of vantage is running",
           counter.count, counter.name.substr(0, counter.name.size() - kUndecoded.size())));
     }
   }
@@ -121,20 +123,22 @@ std::vector<std::string> ArmingWatch::blocks() const {
     const auto shown = frames_with_.find(robot.name);
     const int count = shown == frames_with_.end() ? 0 : shown->second;
     if (frames_ > 0 && count == 0) {
-      out.push_back(fmt::format("robot {}: mocap shows no body of that name", robot.name));
+      out.push_back(
+          fmt::format("robot {}: mocap frames contain no body with this name", robot.name));
     } else if (count < frames_ * 9 / 10) {
       out.push_back(fmt::format("robot {}: occluded in {} of {} frames", robot.name,
                                 frames_ - count, frames_));
     }
     const auto vehicle = vehicles_.find(robot.name);
     if (vehicle == vehicles_.end()) {
-      out.push_back(
-          fmt::format("robot {}: its driver says nothing on VEHICLE_{}", robot.name, robot.name));
+      out.push_back(fmt::format("robot {}: no status from its driver received on VEHICLE_{}",
+                                robot.name, robot.name));
       continue;
     }
     const models::VehicleStatus& status = vehicle->second;
     if (status.state == models::FlightState::kKilled) {
-      out.push_back(fmt::format("robot {}: killed; say arm on the ground to clear it", robot.name));
+      out.push_back(fmt::format(
+          "robot {}: killed; to clear this, send arm when it is on the ground", robot.name));
     }
     if (status.state == models::FlightState::kIdle ||
         status.state == models::FlightState::kKilled) {

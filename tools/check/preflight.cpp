@@ -43,25 +43,25 @@ void describe(const Scenario& scenario, std::vector<std::string>& out) {
                             scenario.world.regions.size(), scenario.duration_s, scenario.seed));
   for (const scenario::RobotSpec& robot : scenario.robots) {
     out.push_back(fmt::format(
-        "robot {}: {}, starts at ({:g}, {:g}) at {:g} m, {} primitives up to {:g} m/s, sees "
-        "{:g} m over {:.0f} deg ({})",
+        "robot {}: {}, starts at ({:g}, {:g}) at {:g} m, {} primitives up to {:g} m/s, sensor "
+        "range {:g} m over {:.0f} deg ({})",
         robot.name, name_of(robot.device), robot.start.x_m, robot.start.y_m, robot.height_m,
         robot.primitives.size(), robot.limits.speed_max_mps, robot.sensor.range_max_m,
         degrees(robot.sensor.fov_rad), robot.sensor.kind.name()));
   }
   const bool has_ids = scenario.robots.empty() || scenario.robots.front().detection.detects_ids;
-  out.push_back(
-      fmt::format("{} targets{}; communication {}", scenario.targets.size(),
-                  has_ids ? "" : ", which no detection names",
-                  scenario.network.communication_range_m > 0.0
-                      ? fmt::format("within {:g} m", scenario.network.communication_range_m)
-                      : std::string("without limit")));
+  out.push_back(fmt::format(
+      "{} targets{}; {}", scenario.targets.size(), has_ids ? "" : ", detected without ids",
+      scenario.network.communication_range_m > 0.0
+          ? fmt::format("communication within {:g} m", scenario.network.communication_range_m)
+          : std::string("no communication of beliefs")));
   const scenario::PlannerSpec& planner = scenario.planner;
   const double round_s = planner.execute_steps * planner.step_s;
-  const std::string budget = planner.node_budget > 0
-                                 ? fmt::format("{} nodes a slot", planner.node_budget)
-                                 : fmt::format("{:g} s for the team", planner.team_budget_s);
-  out.push_back(fmt::format("planner {}: horizon {} x {:g} s, a round each {:g} s, {}",
+  const std::string budget =
+      planner.node_budget > 0
+          ? fmt::format("{} nodes per slot", planner.node_budget)
+          : fmt::format("{:g} s planning time for the team", planner.team_budget_s);
+  out.push_back(fmt::format("planner {}: horizon {} x {:g} s, a round every {:g} s, {}",
                             scenario::search_name(planner), planner.horizon_steps, planner.step_s,
                             round_s, budget));
 }
@@ -101,7 +101,7 @@ void check_safety(const Scenario& scenario, std::vector<std::string>& faults) {
     if (scenario.planner.separation_m <= 2.0 * robot.limits.radius_m) {
       faults.push_back(
           fmt::format("robot {}: planner.separation_m is {:g}; vehicles of radius {:g} m touch at "
-                      "that distance",
+                      "that distance; increase it",
                       robot.name, scenario.planner.separation_m, robot.limits.radius_m));
     }
     drivers::SafetyLimits limits;
@@ -122,7 +122,7 @@ void check_safety(const Scenario& scenario, std::vector<std::string>& faults) {
       if (drivers::hold_plan(way, plan) &&
           drivers::check_shape(plan, limits) != drivers::PlanVerdict::kAccepted) {
         faults.push_back(
-            fmt::format("robot {}: flight safety refuses the primitive {:g} m/s, {:g} rad/s: {}",
+            fmt::format("robot {}: flight safety rejects the primitive {:g} m/s, {:g} rad/s: {}",
                         robot.name, control.speed_mps, control.yaw_rate_radps,
                         drivers::name_of(drivers::check_shape(plan, limits))));
       }
@@ -156,7 +156,7 @@ void check_free_ground(const Scenario& scenario, std::vector<std::string>& fault
   } catch (const UsageError& error) {
     faults.push_back(
         at_line(scenario, "targets",
-                std::string(error.what()) + "; fewer targets, or a larger world.bounds"));
+                std::string(error.what()) + "; use fewer targets or larger world.bounds"));
   }
 }
 
@@ -175,7 +175,7 @@ void check_round(const Scenario& scenario, std::vector<std::string>& faults) {
   const double round_s = planner.execute_steps * planner.step_s;
   if (planner.team_budget_s + planner.publish_margin_s > round_s) {
     faults.push_back(fmt::format(
-        "planner: team_budget_s + publish_margin_s = {:g} s do not fit into a round of {:g} s",
+        "planner: team_budget_s + publish_margin_s is {:g} s, must fit into the round of {:g} s",
         planner.team_budget_s + planner.publish_margin_s, round_s));
   }
   if (planner.execute_steps > planner.horizon_steps) {
@@ -243,8 +243,8 @@ void note_lost_way(const Scenario& scenario, std::vector<std::string>& notes) {
   }
   if (!changes.empty()) {
     notes.push_back(fmt::format(
-        "a driver that dies lets its vehicle fly on: robot {} at {:g} m/s stands after {:.2f} m, "
-        "{:.2f} m beyond the way that is checked. To touch nothing then it needs {}; or fly slower",
+        "if a driver fails, its vehicle flies on: robot {} at {:g} m/s stops after {:.2f} m, "
+        "{:.2f} m beyond the checked path. To avoid contact then, set {}, or fly slower",
         worst.robot->name, worst.speed_mps, worst.way_m, worst.beyond_m,
         fmt::join(changes, " and ")));
   }
@@ -262,8 +262,9 @@ void note_late_plans(const Scenario& scenario, std::vector<std::string>& notes) 
   }
   if (scenario.planner.publish_margin_s < early_s) {
     notes.push_back(fmt::format(
-        "plans come {:g} s before they begin, and vehicles begin to turn {:.2f} s before that: the "
-        "last robot of a round strays about twice as far; planner.publish_margin_s {:.2f} or more",
+        "the last robot of a round deviates from its plan about twice as far: plans are published "
+        "{:g} s before they begin, but vehicles start to change their motion {:.2f} s before; set "
+        "planner.publish_margin_s to {:.2f} or more",
         scenario.planner.publish_margin_s, early_s, early_s));
   }
 }
@@ -275,8 +276,8 @@ void note_wind(const Scenario& scenario, std::vector<std::string>& notes) {
       });
   if (scenario.wind && !is_felt) {
     notes.push_back(
-        fmt::format("wind: x_mps {:g}, y_mps {:g} blow on nothing: it moves simulated "
-                    "vehicles that fly, and there is none",
+        fmt::format("wind x_mps {:g}, y_mps {:g} has no effect: it only moves simulated flying "
+                    "vehicles, and this scenario has none",
                     scenario.wind->x_mps, scenario.wind->y_mps));
   }
 }
@@ -294,8 +295,8 @@ void note_targets_that_drive(const Scenario& scenario, std::vector<std::string>&
   }
   const std::string_view way = believed.kind == models::TargetKind::kStatic ? "kind static" : "q 0";
   notes.push_back(fmt::format(
-      "the targets move, and are believed to stand (estimator.target_model: {}): beliefs will be "
-      "far surer than they are right; give it what `vantage log fit-motion` finds in a log",
+      "beliefs will be far too certain: the targets move, but the estimator assumes that they are "
+      "stationary (estimator.target_model: {}); use the model that `vantage log fit-motion` finds",
       way));
 }
 
@@ -311,11 +312,11 @@ MemoryRoom room_for_planners(const Scenario& scenario, std::optional<std::uint64
   }
   const double needed = kPlannerBytes * static_cast<double>(robots);
   constexpr double kGiga = 1e9;
-  const std::string words = fmt::format(
-      "memory: {} planners on one host take {:.1f} GB at most{}", robots, needed / kGiga,
-      free_bytes
-          ? fmt::format("; {:.1f} GB are free here", static_cast<double>(*free_bytes) / kGiga)
-          : std::string());
+  const std::string words =
+      fmt::format("memory: {} planners on one host need up to {:.1f} GB{}", robots, needed / kGiga,
+                  free_bytes ? fmt::format("; {:.1f} GB are free on this host",
+                                           static_cast<double>(*free_bytes) / kGiga)
+                             : std::string());
   const bool is_enough = !free_bytes || static_cast<double>(*free_bytes) >= needed;
   return {is_enough, is_enough ? words : at_line(scenario, "robots", words)};
 }
@@ -336,7 +337,7 @@ Preflight check_preflight(const Scenario& scenario) {
   Preflight out;
   describe(scenario, out.understood);
   if (scenario.robots.empty()) {
-    out.faults.emplace_back("there is no robot");
+    out.faults.emplace_back("the scenario has no robot");
   }
   check_robots(scenario, out.faults);
   check_safety(scenario, out.faults);

@@ -40,13 +40,14 @@ std::optional<std::string> VehicleCheck::fault(Time now) const {
   const drivers::ParameterCheck& parameters = link_.parameters();
   if (!parameters.is_complete()) {
     return link_.telemetry().is_armed()
-               ? "its motors run: parameters are neither read nor written"
-               : fmt::format("{} of {} parameters are read", settled(), size());
+               ? "its motors are running: disarm it to read or write parameters"
+               : fmt::format("only {} of {} parameters were read", settled(), size());
   }
   const auto entries = parameters.entries();
   const bool is_mute = std::none_of(entries.begin(), entries.end(),
                                     [](const auto& entry) { return entry.actual.has_value(); });
-  return is_mute ? std::optional<std::string>("it answers to no parameter's name") : std::nullopt;
+  return is_mute ? std::optional<std::string>("it reported none of the requested parameters")
+                 : std::nullopt;
 }
 
 std::vector<drivers::ParameterCheck::Entry> VehicleCheck::differences() const {
@@ -73,15 +74,16 @@ std::vector<std::string> describe(const VehicleCheck& vehicle, Time now) {
   }
   const auto differences = vehicle.differences();
   if (differences.empty()) {
-    return {fmt::format("{}: all {} parameters are as they must be", who, vehicle.size())};
+    return {fmt::format("{}: all {} parameters have the required values", who, vehicle.size())};
   }
   std::vector<std::string> out{
       fmt::format("{}: {} of {} parameters differ", who, differences.size(), vehicle.size()),
-      fmt::format("  {:<16} {:>9}  {:<20}  {}", "parameter", "is", "wanted", "what it would do")};
+      fmt::format("  {:<16} {:>9}  {:<20}  {}", "parameter", "value", "required",
+                  "effect of a wrong value")};
   for (const auto& [rule, actual, is_settled] : differences) {
     out.push_back(fmt::format("  {:<16} {:>9}  {:<20}  {}{}", rule.name,
-                              actual ? wire::parameter_text(*actual) : "not there", rule.wanted(),
-                              rule.otherwise, rule.is_advised ? " (advised)" : ""));
+                              actual ? wire::parameter_text(*actual) : "missing", rule.wanted(),
+                              rule.otherwise, rule.is_advised ? " (recommended)" : ""));
   }
   return out;
 }

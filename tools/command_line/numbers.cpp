@@ -54,7 +54,7 @@ const CLI::App* chosen_command(const CLI::App& root, const std::vector<std::stri
 std::string meant(const std::string& word, const std::vector<std::string>& known) {
   const std::vector<std::string_view> views(known.begin(), known.end());
   const std::string nearest = scenario::nearest_word(word, views);
-  return nearest.empty() ? "known here are " + scenario::comma_separated(views)
+  return nearest.empty() ? "available: " + scenario::comma_separated(views)
                          : "did you mean '" + nearest + "'?";
 }
 
@@ -99,8 +99,7 @@ std::string unknown_command(const CLI::App& root, const std::vector<std::string>
     return "";
   }
   const std::string whole = app == &root ? "" : app->get_name() + " ";
-  return fmt::format("no command is called '{}{}'; {}", whole, words[used],
-                     meant(words[used], names));
+  return fmt::format("unknown command '{}{}'; {}", whole, words[used], meant(words[used], names));
 }
 
 std::string unknown_option(const CLI::App& root, const std::vector<std::string>& words) {

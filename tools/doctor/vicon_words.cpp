@@ -26,13 +26,13 @@ std::string first_line(const std::string& host, const ViconPort& port) {
     const std::string status = port.observed ? port.observed->status : std::string();
     return status.find(" is ") != std::string::npos || status.find("cannot") != std::string::npos
                ? status
-               : place + ": nothing arrives (the UDP object stream is off, or goes elsewhere)";
+               : place + ": no data (the UDP object stream is off or goes to another address)";
   }
   switch (port.answer) {
     case Answer::kNone:
       return place + ": no answer (wrong host, cable or firewall)";
     case Answer::kRefused:
-      return place + ": nobody listens";
+      return place + ": connection refused (no program listens on this port)";
     case Answer::kSpeech:
       break;
   }
@@ -63,14 +63,15 @@ void describe_stream(const ViconPort& port, std::vector<std::string>& out) {
   if (observed.frames == 0) {
     out.push_back("    no frames: " + observed.status);
   } else if (observed.bodies.empty()) {
-    out.emplace_back("    frames without bodies: tick the objects in Tracker");
+    out.emplace_back("    frames without bodies: enable the objects in Tracker");
   } else if (!has_seen_bodies(observed) && port.speaker == Speaker::kDataStream) {
     out.emplace_back(
-        "    subjects, but no poses: occluded, or in Nexus the Kinematic Fit pipeline is not "
+        "    subjects without poses: occluded, or the Kinematic Fit pipeline of Nexus is not "
         "running");
   }
   if (observed.troubles.count("poses_refused") > 0 && port.speaker == Speaker::kVrpn) {
-    out.emplace_back("    poses beyond any room: does this server send millimetres?");
+    out.emplace_back(
+        "    poses are too far away for any room: check whether the server sends millimetres");
   }
 }
 
@@ -90,8 +91,8 @@ std::vector<std::string> describe(const std::string& host, const std::vector<Vic
   }
   if (best == nullptr) {
     out.emplace_back(
-        "no motion capture found: is the server running, and is this its address? Other ports: "
-        "--port");
+        "no motion capture found: check that the server is running and that this is its address; "
+        "for other ports use --port");
     return out;
   }
   const MocapProtocol protocol = best->speaker == Speaker::kVrpn ? MocapProtocol::kVrpn

@@ -59,7 +59,7 @@ DemoResult run_demo(const scenario::Scenario& scenario,
   std::error_code error;
   std::filesystem::create_directories(options.directory, error);
   if (error) {
-    throw StartupError(options.directory + ": cannot be made: " + error.message());
+    throw StartupError(options.directory + ": cannot create this folder: " + error.message());
   }
   const std::string stem = (std::filesystem::path(options.directory) / scenario.name).string();
   DemoResult result;

@@ -58,7 +58,9 @@ NonBlockingOutput::~NonBlockingOutput() {
   close(out_);
   close(error_);
   if (const std::int64_t dropped = out_.queue.dropped() + error_.queue.dropped(); dropped > 0) {
-    fmt::print(stderr, "vantage: {} lines or screens were dropped: nothing read them\n", dropped);
+    fmt::print(stderr,
+               "vantage: {} lines or screens were not printed: the terminal or pipe was blocked\n",
+               dropped);
   }
 }
 

@@ -23,7 +23,7 @@ std::string word(const std::string& padded, std::optional<Ink> ink, bool in_colo
 // A target may have been discovered without an estimate now. The error is known only with a truth.
 std::string target_row(const logs::TargetStatus& target, bool in_colour) {
   std::optional<double> sigma_m;
-  std::string by = target.discovered_s ? "nobody now" : "not found yet";
+  std::string by = target.discovered_s ? "no robot now" : "not found yet";
   std::optional<Ink> ink = target.discovered_s ? Ink::kWarning : Ink::kQuiet;
   if (target.estimate) {
     sigma_m = target.estimate->sigma_m();
@@ -153,7 +153,7 @@ std::vector<std::string> summary_table(const scenario::Scenario& scenario,
   const logs::Consistency& all = summary.per_robot.consistency;
   if (all.samples > 0) {
     out.push_back(fmt::format(
-        "a robot: RMSE {}, entropy {:.2f} nat, NEES {:.2f} (median {:.2f}), {:.1f} % inside the "
+        "per robot: RMSE {}, entropy {:.2f} nat, NEES {:.2f} (median {:.2f}), {:.1f} % inside the "
         "95 % ellipse",
         cell(summary.per_robot.rmse_m, 2, "m"), summary.per_robot.entropy_nats, *all.mean_nees,
         *all.median_nees, 100.0 * *all.coverage_95));

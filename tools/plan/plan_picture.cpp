@@ -175,11 +175,11 @@ void draw_legend(logs::Svg& svg, const Eigen::Vector2d& corner_px, bool has_targ
   svg.ellipse(p_px, {14, 8}, 0.0,
               fmt::format(R"(fill="none" stroke="{}" stroke-width="1.2" stroke-dasharray="4 4")",
                           logs::role_colour("fallback")));
-  p_px = entry("target after it (posterior), " + words + " ellipse");
+  p_px = entry("target after the plan (posterior), " + words + " ellipse");
   svg.ellipse(p_px, {14, 8}, 0.0,
               fmt::format(R"(fill="{0}" fill-opacity="0.12" stroke="{0}" stroke-width="1.6")",
                           logs::role_colour("estimate")));
-  p_px = entry("way that its mean is predicted to go");
+  p_px = entry("predicted path of its mean");
   svg.line(p_px - dx, p_px + dx,
            fmt::format("stroke=\"{}\" stroke-width=\"1.4\"", logs::role_colour("estimate")));
 }

@@ -139,7 +139,7 @@ planner::SearchTarget read_target_model(Mapping& keys) {
   if (const std::optional<Value> prior = keys.find_required("prior_cov_diag")) {
     const std::vector<double> variances =
         prior->numbers(static_cast<std::size_t>(model.dim()),
-                       fmt::format("{} variances, one a state component", model.dim()),
+                       fmt::format("{} variances, one per state component", model.dim()),
                        scenario::from_to(kLeastSigma * kLeastSigma, kFar_m * kFar_m));
     target.prior.covariance.diagonal() =
         Eigen::Map<const Eigen::VectorXd>(variances.data(), model.dim());
@@ -167,8 +167,8 @@ std::vector<planner::SearchTarget> read_targets(Mapping& keys) {
   int count = static_cast<int>(targets.size());
   keys.integer("n_targets", count, 0, std::numeric_limits<int>::max());
   if (count != std::ssize(targets)) {
-    keys.refuse("n_targets", fmt::format("must be the number of targets, which is {}, is {}",
-                                         targets.size(), count));
+    keys.refuse("n_targets",
+                fmt::format("must be the number of targets, {}; is {}", targets.size(), count));
   }
   return targets;
 }

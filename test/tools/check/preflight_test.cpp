@@ -37,7 +37,7 @@ TEST(CheckPreflight, SaysWhetherDetectionsNameTheirTargets) {
   };
   EXPECT_TRUE(understands(lab(), "5 targets; communication"));
   EXPECT_TRUE(understands(scenario::load_scenario(VANTAGE_SOURCE_DIR "/config/lab-unlabelled.yaml"),
-                          "5 targets, which no detection names; communication"));
+                          "5 targets, detected without ids; communication"));
 }
 
 TEST(CheckPreflight, RefusesAStartInsideItsMarginOfAWall) {
@@ -109,7 +109,7 @@ TEST(RoomForPlanners, IsWhatTheHostWithMostOfThemNeeds) {
   EXPECT_FALSE(little.is_enough);
   EXPECT_EQ(little.words,
             "line " + std::to_string(scenario::line_of_key(scenario.source_text, "robots")) +
-                ": memory: 3 planners on one host take 0.4 GB at most; 0.3 GB are free here");
+                ": memory: 3 planners on one host need up to 0.4 GB; 0.3 GB are free on this host");
   scenario.hosts = {{"LAB", {"Q1"}}, {"AIR", {"Q2", "Q3"}}};
   EXPECT_TRUE(room_for_planners(scenario, 300'000'000).is_enough) << "two on one host";
   EXPECT_TRUE(room_for_planners(scenario, std::nullopt).is_enough) << "nobody can say";
@@ -176,7 +176,7 @@ TEST(CheckPreflight, NotesPlansThatComeAfterTheTurnTheyBeginWith) {
   scenario.planner.publish_margin_s = 0.35;  // 0.1 s for publication, and 1 m/s at 2 m/s² both ways
   EXPECT_TRUE(check_preflight(scenario).notes.empty());
   scenario.planner.publish_margin_s = 0.34;
-  EXPECT_NE(all_of(check_preflight(scenario).notes).find("planner.publish_margin_s 0.35"),
+  EXPECT_NE(all_of(check_preflight(scenario).notes).find("planner.publish_margin_s to 0.35"),
             std::string::npos);
   scenario = lab();
   scenario.planner.publish_margin_s = 0.0;
@@ -190,13 +190,14 @@ TEST(CheckPreflight, NotesAWindThatBlowsOnNothing) {
   for (scenario::RobotSpec& robot : scenario.robots) {
     robot.device = scenario::DeviceSource::kReal;
   }
-  EXPECT_NE(all_of(check_preflight(scenario).notes).find("wind: x_mps 1.5"), std::string::npos);
+  EXPECT_NE(all_of(check_preflight(scenario).notes).find("wind x_mps 1.5"), std::string::npos);
 }
 
 TEST(CheckPreflight, SaysThatThereIsNoRobot) {
   scenario::Scenario scenario = lab();
   scenario.robots.clear();
-  EXPECT_NE(all_of(check_preflight(scenario).faults).find("there is no robot"), std::string::npos);
+  EXPECT_NE(all_of(check_preflight(scenario).faults).find("the scenario has no robot"),
+            std::string::npos);
 }
 
 TEST(CheckPreflight, NotesTargetsThatMoveAndAreBelievedToStand) {

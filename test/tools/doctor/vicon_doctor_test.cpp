@@ -68,9 +68,9 @@ TEST(DescribeVicon, SaysWhyThereMayBeNoPoses) {
   EXPECT_TRUE(says(describe("h", ports), "Kinematic Fit"));
   EXPECT_FALSE(is_usable(ports));
   ports[0].observed->bodies.clear();
-  EXPECT_TRUE(says(describe("h", ports), "tick the objects"));
+  EXPECT_TRUE(says(describe("h", ports), "enable the objects"));
   ports[0].answer = Answer::kRefused;
-  EXPECT_TRUE(says(describe("h", ports), "nobody listens"));
+  EXPECT_TRUE(says(describe("h", ports), "no program listens"));
   EXPECT_TRUE(says(describe("h", ports), "no motion capture found"));
 }
 
