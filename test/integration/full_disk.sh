@@ -48,7 +48,7 @@ status=0
 wait "$up" || status=$?
 cat "$dir/up.err" "$dir/up.json"
 [[ $status == 1 ]] || fail "an unrecorded flight ends with $status, not 1"
-grep -q 'could not be written for a while' "$dir/up.err" || fail "the end does not tell"
+grep -q 'could not be written for some time' "$dir/up.err" || fail "the end does not tell"
 python3 - "$dir/up.json" << 'END' || fail "what it says of the log is not so"
 import json, sys
 log = json.load(open(sys.argv[1]))["log"]

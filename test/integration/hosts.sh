@@ -49,7 +49,7 @@ until_true 20 said lab 'host AIR is up' || fail "LAB does not know AIR"
 
 kill -TERM "$air"
 wait "$air" || fail "AIR ended with $?"
-until_true 20 said lab 'host AIR is silent' || fail "LAB does not miss AIR"
+until_true 20 said lab 'host AIR has been silent' || fail "LAB does not miss AIR"
 start AIR air2; air=$!
 plans=$(plans_in "$dir/witness.lcmlog")
 until_true 20 said lab 'host AIR was started again' || fail "LAB does not see AIR again"
@@ -67,9 +67,9 @@ until_true 20 plans_go_on "$dir/witness.lcmlog" "$plans" Q1 Q2 Q3 || fail "not a
 
 # Without the cable each host goes on alone; with it they find each other again.
 "${in_air[@]}" ip link set air down
-until_true 20 said air3 'host LAB is silent' || fail "AIR does not miss LAB"
+until_true 20 said air3 'host LAB has been silent' || fail "AIR does not miss LAB"
 "${in_air[@]}" sh -e -c 'ip link set air up; ip route add 224.0.0.0/4 dev air'
-until_true 20 said air3 'host LAB is heard again' || fail "AIR does not hear LAB again"
+until_true 20 said air3 'host LAB is received again' || fail "AIR does not hear LAB again"
 plans=$(plans_in "$dir/witness.lcmlog")
 until_true 20 plans_go_on "$dir/witness.lcmlog" "$plans" Q1 Q2 Q3 ||
   fail "not all plan after the cable"

@@ -28,7 +28,7 @@ kill_and_see 'vantage-planner .*--robot Q3'
 kill_and_see 'vantage log record '
 # Stopped, not killed: the process exists but does nothing.
 kill_and_see 'vantage-planner .*--robot Q1' STOP
-grep -q 'planner Q1 gives no sign of life' "$dir/up.err" || fail "nobody noticed the stopped planner"
+grep -q 'planner Q1 sent no sign of life' "$dir/up.err" || fail "nobody noticed the stopped planner"
 
 status=0
 kill -INT "$up"

@@ -54,7 +54,7 @@ is_the_machines() {
   local remarks
   remarks=$(grep '^vantage: ' "$dir/$1.err" || true)
   case $remarks in
-    'vantage: log: it could not be written for a while') ;;
+    'vantage: log: could not be written for some time') ;;
     '') grep -q '"collisions":[1-9]' "$dir/$1.json" || return 1 ;;
     *) return 1 ;;
   esac

@@ -21,15 +21,15 @@ namespace {
 
 constexpr double kHeardS = 1.0;
 constexpr const char* kKeys =
-    "keys: SPACE emergency stop of ALL  a arm  t take off  f follow  h hold  l land  e emergency "
-    "stop, of: 0 all  1-9 TAB one robot  r NAME ENTER any robot;  q quit";
+    "keys: SPACE emergency stop of ALL;  selected robots: a arm  t take off  f follow  h hold  "
+    "l land  e emergency stop;  select: 0 all  1-9 TAB one robot  r NAME ENTER any robot;  q quit";
 constexpr const char* kLines =
     "type: arm | take-off | follow | hold | land | estop [robot], help, quit";
 constexpr const char* kUnheard =
-    "messages here are signed, and this station signs none: vehicles that require it do not hear "
-    "it; start it with --scenario FILE";
+    "vehicles that require signed commands ignore this station: it does not sign; start it with "
+    "--scenario FILE";
 constexpr const char* kFarewell =
-    "quitting: the operator's heartbeat ends now, and vehicles that need it will land";
+    "quitting: the operator heartbeat stops now; vehicles that need it will land";
 
 /// One run of the console: reads input, sends orders and shows the vehicles.
 class ConsoleSession {
@@ -303,18 +303,18 @@ std::vector<std::string> OperatorDesk::vehicle_table(Time now, const std::string
   }
   if (authenticator_ != nullptr) {
     if (const auto stale = authenticator_->stale_ahead(now)) {
-      out.push_back(
-          fmt::format("! refused: statuses that are {:.1f} s ahead of this station's clock: a log "
-                      "is played, or "
-                      "the clocks differ (only hold, land and emergency stop reach such vehicles)",
-                      to_seconds(*stale)));
+      out.push_back(fmt::format(
+          "! vehicle statuses refused: {:.1f} s ahead of this station's clock; a log is "
+          "played, or the clocks differ (such vehicles obey only hold, land and "
+          "emergency stop)",
+          to_seconds(*stale)));
     }
   }
   if (is_unheard()) {
     out.push_back(std::string("! ") + kUnheard);
   }
   if (is_log_lost(now)) {
-    out.emplace_back("! the log is not written: what is flown now is not recorded");
+    out.emplace_back("! the log is not being written: this flight is not recorded");
   }
   return out;
 }

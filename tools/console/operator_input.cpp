@@ -133,7 +133,7 @@ std::optional<OperatorRequest> KeyInput::on_key(std::string_view key,
 }
 
 std::string KeyInput::prompt() const {
-  return name_ ? "robot: " + *name_ + "_  (ENTER selects, ESC abandons)" : "";
+  return name_ ? "robot: " + *name_ + "_  (ENTER selects, ESC cancels)" : "";
 }
 
 Result<OperatorRequest> request_from_line(const std::string& line) {
@@ -144,7 +144,7 @@ Result<OperatorRequest> request_from_line(const std::string& line) {
   words >> verb >> robot >> rest;
   verb = lower(verb);
   if (!rest.empty()) {
-    return Error{"one action and at most one robot a line, as in 'land Q1'"};
+    return Error{"too many words: one action and at most one robot per line, as in 'land Q1'"};
   }
   if (verb == "quit" || verb == "q") {
     return OperatorRequest{OperatorRequest::Kind::kQuit, OperatorAction::kHold, ""};
@@ -155,7 +155,8 @@ Result<OperatorRequest> request_from_line(const std::string& line) {
   const auto* word = std::find_if(kWords.begin(), kWords.end(),
                                   [&](const Word& each) { return each.text == verb; });
   if (word == kWords.end()) {
-    return Error{"'" + verb + "' is none of arm, take-off, follow, hold, land, estop, quit"};
+    return Error{"unknown command '" + verb +
+                 "': use arm, take-off, follow, hold, land, estop or quit"};
   }
   if (robot == "all") {
     robot.clear();

@@ -31,10 +31,10 @@ std::string OrderQueue::judge_unheard(const Order& order, Time now) {
     return {};
   }
   if (order.action == OperatorAction::kEmergencyStop) {
-    return say({order.action, ""}, now) + ": no robot '" + order.robot + "' is heard";
+    return say({order.action, ""}, now) + ": no message received from robot '" + order.robot + "'";
   }
-  return refuse("no robot '" + order.robot + "' is heard: it was told to " +
-                word_for(order.action) + " all the same");
+  return refuse("no message received from robot '" + order.robot + "': " + word_for(order.action) +
+                " was sent anyway");
 }
 
 std::string OrderQueue::ask_now(const Order& order, Time now) {
@@ -81,7 +81,8 @@ std::vector<std::string> OrderQueue::tick(Time now) {
     const Order order = waiting_.front();
     waiting_.erase(waiting_.begin());
     const bool is_known = is_heard(order.robot) || desk_.robots().empty();
-    out.push_back(is_known ? say(order, now) : refuse("there is no robot '" + order.robot + "'"));
+    out.push_back(is_known ? say(order, now)
+                           : refuse("unknown robot '" + order.robot + "': not sent"));
     next_ = now + kPace;
   }
   return out;

@@ -62,15 +62,15 @@ bool Station::may_say(OperatorAction action) const {
 const char* explain(Station::Role role) {
   switch (role) {
     case Station::Role::kListening:
-      return "listening for other stations; hold, land and emergency stop work";
+      return "listening for other stations; until then only hold, land and emergency stop are sent";
     case Station::Role::kInCharge:
       return "this station is in charge";
     case Station::Role::kSecond:
       return "another station is in charge; this one can hold, land and emergency stop, and takes "
-             "over when the other falls silent";
+             "over when the other stops sending";
     case Station::Role::kRefused:
       return "refused: another station is in charge. Only the emergency stop works here; start "
-             "with --second to stand by";
+             "with --second to run as standby";
   }
   return "";
 }

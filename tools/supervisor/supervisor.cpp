@@ -57,7 +57,7 @@ std::string last_words(const ProcessSpec& spec) {
     last = std::any_of(line.begin(), line.end(), is_word) ? line : last;
   }
   std::erase_if(last, [](char c) { return c < ' ' || c == 0x7F; });
-  return last.empty() ? "" : fmt::format("; it said '{}' ({})", last, output_of(spec));
+  return last.empty() ? "" : fmt::format("; last output: '{}' ({})", last, output_of(spec));
 }
 
 /// Starts the process of `spec` with a new pipe `line` for its signs of life.
@@ -66,7 +66,7 @@ Result<Child> start_child(const ProcessSpec& spec, LifeLine& line) {
   place.keep_open = spec.keep_open;
   if (spec.patience_s > 0.0) {
     if (!line.open()) {
-      return Error{std::string("pipe: ") + std::strerror(errno)};
+      return Error{std::string("cannot create a pipe: ") + std::strerror(errno)};
     }
     place.keep_open.push_back(line.child_end());
     place.environment.push_back(fmt::format("{}={}", LifeSign::kHandedOn, line.child_end()));
@@ -134,7 +134,7 @@ void Supervisor::kill_hung(Nanoseconds now_ns, std::vector<SupervisorEvent>& eve
   for (const std::string& name : watchdog_.overdue(time_of(now_ns))) {
     if (Child* const child = find(name)) {
       child->send(SIGKILL);
-      events.push_back({name, Kind::kHung, name + " gives no sign of life: ending it"});
+      events.push_back({name, Kind::kHung, name + " sent no sign of life: killing it"});
     }
   }
 }
@@ -168,7 +168,7 @@ SupervisorEvent Supervisor::start_again_later(Supervised& process, const std::st
     return {process.spec.name, Kind::kGivenUp,
             fmt::format("{} ended ({}) and is given up: {} restarts within {:g} s did not help{}{}",
                         process.spec.name, how, policy.restarts_max, policy.window_s,
-                        process.spec.is_essential ? "; nothing goes on without it" : "",
+                        process.spec.is_essential ? "; the trial cannot continue without it" : "",
                         last_words(process.spec))};
   }
   process.phase = SupervisedPhase::kWaiting;
@@ -195,7 +195,7 @@ SupervisorEvent Supervisor::restart(Supervised& process, Nanoseconds now_ns) {
     ask_driver(process);
   }
   return {process.spec.name, Kind::kStarted,
-          fmt::format("{} started again (restart {}, {:.1f} s down in all)", process.spec.name,
+          fmt::format("{} started again (restart {}, {:.1f} s down in total)", process.spec.name,
                       process.schedule.restarts(), process.schedule.down_s(now_ns))};
 }
 

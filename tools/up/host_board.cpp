@@ -60,8 +60,8 @@ std::optional<std::string> HostBoard::on_report(const models::HostReport& report
   if (report.host == own_ && report.stamp.run_id != own_run_id_) {
     return std::exchange(has_rival_, true)
                ? std::nullopt
-               : std::optional("another `vantage up` runs here or elsewhere as host " + own_ +
-                               ": everything is there twice; end one of them");
+               : std::optional("another `vantage up` is running as host " + own_ +
+                               ": all its processes run twice; end one of the two");
   }
   if (!hosts_.contains(report.host) && hosts_.size() >= hosts_max_) {
     ++ignored_;
@@ -80,7 +80,7 @@ std::optional<std::string> HostBoard::on_report(const models::HostReport& report
     return "host " + readable(report.host) + " was started again";
   }
   if (was_silent || is_new) {
-    return "host " + readable(report.host) + (is_new ? " is up" : " is heard again");
+    return "host " + readable(report.host) + (is_new ? " is up" : " is received again");
   }
   return std::nullopt;
 }
@@ -91,8 +91,8 @@ std::vector<std::string> HostBoard::fallen_silent(Time now) {
     const double age_s = to_seconds(now - heard.at);
     if (name != own_ && !heard.is_silent && age_s > kSilentAfter_s) {
       heard.is_silent = true;
-      out.push_back(fmt::format("host {} is {} for {:.0f} s", readable(name),
-                                heard.report ? "silent" : "not heard", age_s));
+      out.push_back(fmt::format("host {} {} for {:.0f} s", readable(name),
+                                heard.report ? "has been silent" : "has sent no report", age_s));
     }
   }
   return out;
@@ -105,7 +105,7 @@ std::vector<std::string> HostBoard::table(Time now) const {
   for (const auto& [name, heard] : hosts_) {
     if (!heard.report || heard.is_silent) {
       out.push_back(fmt::format("{:<8} {} for {:.0f} s", readable(name),
-                                heard.report ? "silent" : "not heard", to_seconds(now - heard.at)));
+                                heard.report ? "silent" : "no report", to_seconds(now - heard.at)));
       continue;
     }
     for (const models::SupervisedProcess& process : heard.report->processes) {

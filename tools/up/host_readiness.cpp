@@ -70,8 +70,8 @@ std::optional<std::string> host_fault(const HostReadiness& host) {
     return std::nullopt;
   }
   return fmt::format(
-      "drivers and motion capture would be late: this machine has {:.1f} processors free (at least "
-      "{:g} must be) and grants no real-time priority (SCHED_FIFO {}); end other programs, or "
+      "drivers and motion capture would be late: this machine has {:.1f} free processors (at least "
+      "{:g} are needed) and grants no real-time priority (SCHED_FIFO {}); end other programs, "
       "raise "
       "the rtprio limit (ulimit -r {}, LimitRTPRIO= of systemd) or grant CAP_SYS_NICE",
       *host.free_processors, kFreeProcessorsMin, kDriverPriority, kDriverPriority);
@@ -99,7 +99,7 @@ UpOptions with_priority(const scenario::Scenario& scenario, UpOptions options,
   }
   const auto fault = is_granted ? std::nullopt : host_fault({false, load.free_processors()});
   if (fault && options.fly && !options.beside_load) {
-    throw StartupError(*fault + ", or fly all the same with --beside-load");
+    throw StartupError(*fault + ", or fly anyway with --beside-load");
   }
   if (fault) {
     print_line("vantage: warning: " + *fault, stderr);

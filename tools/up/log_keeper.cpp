@@ -34,7 +34,7 @@ LogKeeper::LogKeeper(const ProcessSpec& recorder, const std::string& path,
   outcome_.path = path;
   std::error_code error;
   if (std::filesystem::exists(std::filesystem::symlink_status(path, error))) {
-    throw StartupError(path + ": is there already, and no log is written over: move it, or give " +
+    throw StartupError(path + ": file exists, and logs are never overwritten: move it or give " +
                        "another name");
   }
   ProcessSpec spec = recorder;
@@ -44,14 +44,15 @@ LogKeeper::LogKeeper(const ProcessSpec& recorder, const std::string& path,
   while (true) {
     announcer.publish(clock.now());
     if (const auto ended = supervisor_.find(kRecorderProcess)->wait(milliseconds(50))) {
-      throw StartupError("the recorder of " + path + " ended at once (" + ended->describe() + ")");
+      throw StartupError("the recorder of " + path + " ended immediately (" + ended->describe() +
+                         ")");
     }
     const auto size = std::filesystem::file_size(path, error);
     if (!error && size > 0) {
       return;
     }
     if (clock.now() > give_up) {
-      throw StartupError("the recorder of " + path + " hears nothing");
+      throw StartupError("the recorder of " + path + " receives no messages");
     }
   }
 }

@@ -9,8 +9,9 @@ Pilot::Pilot(bus::Bus& bus, const scenario::Scenario& scenario, Time start)
     : now_(start), desk_(bus, {true}, start), program_(robots_with_driver(scenario)) {
   for (const scenario::RobotSpec& robot : scenario.robots) {
     if (robot.device == scenario::DeviceSource::kReal) {
-      throw StartupError("robot " + robot.name +
-                         " is real: a person arms it, with `vantage console`, not --fly");
+      throw StartupError(
+          "robot " + robot.name +
+          " is real: --fly cannot arm it; a person must arm it with `vantage console`");
     }
   }
   bus.subscribe<models::VehicleStatus>(

@@ -57,8 +57,8 @@ std::string absolute(const std::string& path) {
 Result<int> driver_port(const scenario::RobotSpec& robot) {
   const std::string& url = robot.autopilot->url;
   const std::string refusal = "robot " + robot.name +
-                              " has `firmware`, which speaks to its driver: `url` must be "
-                              "udp://[HOST]:PORT, is '" +
+                              ": autopilot.url must be udp://[HOST]:PORT because the robot has "
+                              "`firmware`, is '" +
                               url + "'";
   if (!url.starts_with(kDriverWaits)) {
     return Error{refusal};
@@ -159,13 +159,13 @@ std::vector<std::string> device_faults(const scenario::Scenario& scenario) {
     const bool is_real = robot.device == DeviceSource::kReal;
     if (is_real && scenario.mocap.device != DeviceSource::kReal) {
       out.push_back("robot " + robot.name +
-                    " is real, and a simulated mocap system does not see it: "
-                    "mocap needs device 'real'");
+                    " is real, but mocap is simulated and cannot measure it: "
+                    "set mocap.device to 'real'");
     }
     const bool has_autopilot = robot.autopilot && !robot.autopilot->url.empty();
     if (has_driver(robot) && !has_autopilot && !robot.rover) {
       out.push_back("robot " + robot.name + " has device '" + (is_real ? "real" : "wire") +
-                    "' and no `autopilot: {url: …}` or `rover: {url: …}` to reach it by");
+                    "' but no address: add `autopilot: {url: …}` or `rover: {url: …}`");
     }
     if (robot.firmware && !robot.firmware->binary.empty()) {
       const auto port = driver_port(robot);
@@ -174,13 +174,14 @@ std::vector<std::string> device_faults(const scenario::Scenario& scenario) {
       } else if (const int theirs = kPx4Port + scenario.firmware_instance(robot);
                  robot.autopilot->dialect == models::AutopilotDialect::kPx4 &&
                  port.value() != theirs) {
-        out.push_back(fmt::format("robot {}: instance {} of PX4 speaks to port {}, `url` says {}",
-                                  robot.name, scenario.firmware_instance(robot), theirs,
-                                  port.value()));
+        out.push_back(
+            fmt::format("robot {}: instance {} of PX4 sends to port {}, but `url` has port {}",
+                        robot.name, scenario.firmware_instance(robot), theirs, port.value()));
       }
       if (find_program(robot.firmware->binary).empty()) {
-        out.push_back("robot " + robot.name + ": firmware.binary '" + robot.firmware->binary +
-                      "' is no program here; docs/guide/firmware.md says how to get one");
+        out.push_back(
+            "robot " + robot.name + ": firmware.binary '" + robot.firmware->binary +
+            "' is not a program on this host; docs/guide/firmware.md explains how to get one");
       }
     }
   }

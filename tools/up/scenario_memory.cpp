@@ -27,7 +27,7 @@ ScenarioMemory::ScenarioMemory(const std::string& yaml)
     if (descriptor_ >= 0) {
       ::close(descriptor_);
     }
-    throw StartupError("no memory for the scenario that the processes read: " + why);
+    throw StartupError("cannot store the scenario in memory for the processes: " + why);
   }
   ::fcntl(descriptor_, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE | F_SEAL_SEAL);
 }

@@ -193,7 +193,7 @@ void Up::listen() {
   });
   bus_.subscribe<models::ScenarioNotice>(bus::kScenario, [this](const auto& notice) {
     if (notice.yaml != scenario_.source_text && !std::exchange(result_.has_other_scenario, true)) {
-      display_.say("another scenario file, or other options, are flown on this network (by " +
+      display_.say("another scenario file or other options are in use on this network (by " +
                    readable(notice.process) + ", version " + readable(notice.version) + ")");
     }
   });
@@ -239,7 +239,7 @@ void Up::take(const std::vector<SupervisorEvent>& events) {
     next_report_ = {};
     if (event.name == kSimProcess && event.kind == SupervisorEvent::Kind::kStarted) {
       ++result_.world_restarts;
-      display_.say("the simulated world begins anew: robots and targets are back at their starts");
+      display_.say("the simulator was restarted: robots and targets are back at their starts");
     }
   }
 }
@@ -300,7 +300,7 @@ bool Up::turn_well() {
   } catch (const std::exception& error) {
     if (result_.broken.empty()) {
       result_.broken = error.what();
-      display_.say(std::string("the trial ends, for an error of the program: ") + error.what());
+      display_.say(std::string("the trial ends because of an internal error: ") + error.what());
     }
     // An error before the wait for messages would repeat thousands of times per second in land().
     std::this_thread::sleep_for(milliseconds(10));
@@ -465,7 +465,7 @@ UpResult run_up(const scenario::Scenario& scenario, const UpOptions& options,
         logs::room_for_log(scenario, options.log_path, logs::free_bytes_for(options.log_path));
     if (!room.is_enough) {
       throw StartupError(room.words +
-                         ": make room, write elsewhere (--log), fly for a shorter "
+                         ": free disk space, write to another disk (--log), fly for a shorter "
                          "time (--duration-s), or do not record (--no-log)");
     }
   }
@@ -480,7 +480,7 @@ UpResult run_up(const scenario::Scenario& scenario, const UpOptions& options,
     const auto rivals = trial::rivals_of_up(scenario, options.host, heard.accepted);
     if (!rivals.empty()) {
       throw StartupError(rivals.front() +
-                         ": end it, use another network (--url), or start beside it with "
+                         ": end it, use another network (--url), or start anyway with "
                          "--beside-others");
     }
   }

@@ -60,49 +60,50 @@ std::vector<std::string> remarks(const UpResult& result) {
     }
   }
   if (result.world_restarts > 0) {
-    out.push_back(fmt::format(
-        "the simulated world began anew {} times: robots and targets went back to their starts, "
-        "and the numbers above are of several worlds",
-        result.world_restarts));
+    out.push_back(
+        fmt::format("the results above mix several simulations: the simulator was restarted {} "
+                    "times, and robots "
+                    "and targets returned to their starts",
+                    result.world_restarts));
   }
   if (result.log.restarts > 0) {
     out.push_back(
-        fmt::format("log: nothing recorded for {:.2f} s, {} bytes of a torn event cut "
-                    "off; event numbers begin again",
+        fmt::format("log: {:.2f} s were not recorded, and {} bytes of an incomplete event "
+                    "were removed; event numbers start again",
                     result.log.unrecorded_s, result.log.bytes_dropped));
   }
   if (result.log_was_unwritten) {
-    out.push_back("log: it could not be written for a while");
+    out.push_back("log: could not be written for some time");
   }
   if (!result.log.is_good && !result.log_was_unwritten && result.killed.empty()) {
-    out.push_back("log: not everything that was heard is in it, or not safely on the disk");
+    out.push_back("log: some received messages are missing, or are not safely on the disk");
   }
   if (!result.log.is_to_the_end) {
-    out.push_back("log: what was published last is not in it");
+    out.push_back("log: incomplete: the last messages are missing");
   }
   if (result.contacts_unverified > 0) {
-    out.push_back(fmt::format(
-        "{} messages on COLLISION had no valid signature: where security is required they are not "
-        "counted",
-        result.contacts_unverified));
+    out.push_back(
+        fmt::format("{} messages on COLLISION had no valid signature; with `mode: require` they "
+                    "are not counted",
+                    result.contacts_unverified));
   }
   if (result.has_other_scenario) {
-    out.push_back("another host flew another scenario file");
+    out.push_back("another host used another scenario file");
   }
   if (!result.broken.empty()) {
-    out.push_back("the trial was ended by an error of the program: " + result.broken);
+    out.push_back("the trial ended because of an internal error: " + result.broken);
   }
   for (const std::string& name : result.killed) {
-    out.push_back(name + " did not end by itself and was killed");
+    out.push_back(name + " did not end when requested and was killed");
   }
   for (const std::string& name : result.cut_short) {
-    out.push_back(name + " was killed at once, as asked by one more Ctrl-C");
+    out.push_back(name + " was killed at once because of another Ctrl-C");
   }
   for (const std::string& name : result.ended_badly) {
-    out.push_back(name + " did not end well");
+    out.push_back(name + " ended with an error");
   }
   for (const std::string& name : result.never_flown) {
-    out.push_back(name + " has never followed a plan");
+    out.push_back(name + " never followed a plan");
   }
   for (const std::string& name : result.left_flying) {
     out.push_back(name + " had not landed when its driver was ended");

@@ -175,8 +175,8 @@ TEST_F(Asked, OfARobotThatThereIsNotIsAnErrorAndAnEmergencyStopOfAll) {
   EXPECT_FALSE(orders.was_refused());
   pass(2.0);
   EXPECT_EQ(heard, (Words{"estop Q9", "hold Q8", "estop"}));
-  EXPECT_TRUE(has_said("no robot 'Q8' is heard"));
-  EXPECT_TRUE(has_said("there is no robot 'Q7'"));
+  EXPECT_TRUE(has_said("no message received from robot 'Q8'"));
+  EXPECT_TRUE(has_said("unknown robot 'Q7'"));
   EXPECT_TRUE(orders.was_refused());
   heard.clear();
   ask(OperatorAction::kEmergencyStop, "Q6");
@@ -202,7 +202,7 @@ TEST_F(Asked, BesideAStationInChargeIsNotSaidAndSaysSo) {
   ask(OperatorAction::kHold, "Q1");
   ask(OperatorAction::kArm, "Q1");
   EXPECT_EQ(heard, Words{});
-  EXPECT_FALSE(has_said("all the same"));
+  EXPECT_FALSE(has_said("was sent anyway"));
   EXPECT_TRUE(has_said("not sent: refused"));
   EXPECT_TRUE(orders.was_refused());
   ask(OperatorAction::kEmergencyStop, "Q9");

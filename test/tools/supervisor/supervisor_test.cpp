@@ -123,7 +123,7 @@ TEST(Supervisor, StartsADeadProcessAgainAfterItsBackOffAndNotBefore) {
   const auto started = supervisor.poll(2 * kSecond_ns);
   ASSERT_EQ(started.size(), 1U);
   EXPECT_EQ(started[0].kind, Kind::kStarted);
-  EXPECT_EQ(started[0].words, "brief started again (restart 1, 1.0 s down in all)");
+  EXPECT_EQ(started[0].words, "brief started again (restart 1, 1.0 s down in total)");
   EXPECT_EQ(supervisor.restarts(), 1);
   EXPECT_EQ(preparations, 1);
   const SupervisedStatus status = supervisor.status(3 * kSecond_ns)[0];
@@ -144,9 +144,10 @@ TEST(Supervisor, TellsWhatAProcessSaidLastThatWritesIntoAFileOfItsOwn) {
   ASSERT_TRUE(supervisor.find("firmware")->wait(kLong));
   const auto ended = supervisor.poll(kSecond_ns);
   ASSERT_EQ(ended.size(), 1U);
-  EXPECT_EQ(ended[0].words,
-            "firmware ended (exit 3); starting it again in 0.2 s; it said 'already running' (" +
-                spec.folder + "/output.txt)");
+  EXPECT_EQ(
+      ended[0].words,
+      "firmware ended (exit 3); starting it again in 0.2 s; last output: 'already running' (" +
+          spec.folder + "/output.txt)");
 }
 
 TEST(Supervisor, GivesUpAfterTheStatedNumberOfRestarts) {
@@ -163,8 +164,8 @@ TEST(Supervisor, GivesUpAfterTheStatedNumberOfRestarts) {
   ASSERT_EQ(last.size(), 1U);
   EXPECT_EQ(last[0].kind, Kind::kGivenUp);
   EXPECT_EQ(last[0].words,
-            "brief ended (exit 1) and is given up: 2 restarts within 60 s did not help; nothing "
-            "goes on without it");
+            "brief ended (exit 1) and is given up: 2 restarts within 60 s did not help; the trial "
+            "cannot continue without it");
   EXPECT_TRUE(supervisor.any_given_up());
   EXPECT_EQ(supervisor.lost_essential(), "brief");
   EXPECT_EQ(supervisor.restarts(), 2);
@@ -283,7 +284,7 @@ TEST(Supervisor, KillsAProcessWhosePipeGivesNoMoreSigns) {
   Watched watched;
   watched.supervisor.start(ours("planner Q1", "sign(b'?')\ntime.sleep(1000)"), watched.now_ns);
   EXPECT_TRUE(watched.until([&] { return watched.count(Kind::kHung) == 1; }));
-  EXPECT_EQ(watched.events[0].words, "planner Q1 gives no sign of life: ending it");
+  EXPECT_EQ(watched.events[0].words, "planner Q1 sent no sign of life: killing it");
   EXPECT_TRUE(watched.until([&] { return watched.count(Kind::kEnded) == 1; }, 0));
   EXPECT_EQ(watched.status().last_end, "signal 9");
 }

@@ -62,13 +62,13 @@ TEST(HostBoard, SaysWhenAHostComesFallsSilentAndComesAgain) {
   EXPECT_FALSE(board.on_report(report_of("LAB", 1), at_s(0.1))) << "that is us";
   EXPECT_TRUE(board.fallen_silent(at_s(3.0)).empty());
   EXPECT_EQ(board.fallen_silent(at_s(4.0)),
-            std::vector<std::string>{"host AIR is not heard for 4 s"});
+            std::vector<std::string>{"host AIR has sent no report for 4 s"});
   EXPECT_TRUE(board.fallen_silent(at_s(5.0)).empty()) << "once is enough";
   EXPECT_EQ(board.on_report(report_of("AIR", 2), at_s(6.0)), "host AIR is up");
   EXPECT_FALSE(board.on_report(report_of("AIR", 2), at_s(7.0)));
   EXPECT_EQ(board.fallen_silent(at_s(11.0)),
-            std::vector<std::string>{"host AIR is silent for 4 s"});
-  EXPECT_EQ(board.on_report(report_of("AIR", 2), at_s(12.0)), "host AIR is heard again");
+            std::vector<std::string>{"host AIR has been silent for 4 s"});
+  EXPECT_EQ(board.on_report(report_of("AIR", 2), at_s(12.0)), "host AIR is received again");
   EXPECT_EQ(board.on_report(report_of("AIR", 3), at_s(13.0)), "host AIR was started again");
 }
 
@@ -117,7 +117,7 @@ TEST(HostBoard, ShowsEveryProcessOfEveryHostAndWhoIsMissing) {
                   at_s(1.0));
   const auto rows = board.table(at_s(2.0));
   ASSERT_EQ(rows.size(), 4U);
-  EXPECT_EQ(rows[1], "AIR      not heard for 2 s");
+  EXPECT_EQ(rows[1], "AIR      no report for 2 s");
   EXPECT_EQ(
       rows[2],
       "LAB      sim              running         1      0.4 s   50.0 %     3.0 MiB  signal 9");

@@ -49,7 +49,7 @@ TEST(HostFault, NeedsAPriorityOrProcessorsThatAreFree) {
     EXPECT_EQ(fault.has_value(), row.is_fault)
         << row.grants_priority << " " << row.free_processors.value_or(-1.0);
     if (fault) {
-      for (const char* part : {"processors free", "SCHED_FIFO 50", "ulimit -r", "CAP_SYS_NICE"}) {
+      for (const char* part : {"free processors", "SCHED_FIFO 50", "ulimit -r", "CAP_SYS_NICE"}) {
         EXPECT_NE(fault->find(part), std::string::npos) << *fault;
       }
     }

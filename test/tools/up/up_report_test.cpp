@@ -40,7 +40,7 @@ TEST(UpReport, IsNotGoodWhenTheLogCouldNotBeWritten) {
   UpResult result;
   result.log_was_unwritten = true;
   EXPECT_FALSE(is_good(result));
-  EXPECT_EQ(remarks(result), std::vector<std::string>{"log: it could not be written for a while"});
+  EXPECT_EQ(remarks(result), std::vector<std::string>{"log: could not be written for some time"});
   EXPECT_EQ(to_json(result)["log"]["was_unwritten"], true);
 }
 
@@ -62,7 +62,7 @@ TEST(UpReport, IsNotGoodWhenTheProgramItselfFailed) {
   result.broken = "out of memory";
   EXPECT_FALSE(is_good(result));
   EXPECT_EQ(remarks(result), std::vector<std::string>{
-                                 "the trial was ended by an error of the program: out of memory"});
+                                 "the trial ended because of an internal error: out of memory"});
   EXPECT_EQ(to_json(result)["broken"], "out of memory");
 }
 
@@ -70,11 +70,11 @@ TEST(UpReport, SaysWhyAProcessWasKilled) {
   UpResult result;
   result.killed = {"sim"};
   EXPECT_FALSE(is_good(result));
-  EXPECT_EQ(remarks(result).at(0), "sim did not end by itself and was killed");
+  EXPECT_EQ(remarks(result).at(0), "sim did not end when requested and was killed");
   result = {};
   result.cut_short = {"sim"};
   EXPECT_FALSE(is_good(result));
-  EXPECT_EQ(remarks(result).at(0), "sim was killed at once, as asked by one more Ctrl-C");
+  EXPECT_EQ(remarks(result).at(0), "sim was killed at once because of another Ctrl-C");
   EXPECT_EQ(to_json(result)["cut_short"].size(), 1U);
 }
 
@@ -92,14 +92,14 @@ TEST(UpReport, IsNotGoodWhenTheWorldOrTheLogIsNotOne) {
   UpResult result;
   result.world_restarts = 1;
   EXPECT_FALSE(is_good(result));
-  EXPECT_NE(remarks(result).at(0).find("began anew 1 times"), std::string::npos);
+  EXPECT_NE(remarks(result).at(0).find("was restarted 1 times"), std::string::npos);
   result = {};
   result.log.is_to_the_end = false;
   EXPECT_FALSE(is_good(result));
   result = {};
   result.ended_badly = {"sim (signal 6)"};
   EXPECT_FALSE(is_good(result));
-  EXPECT_EQ(remarks(result).at(0), "sim (signal 6) did not end well");
+  EXPECT_EQ(remarks(result).at(0), "sim (signal 6) ended with an error");
   result = {};
   result.has_other_scenario = true;
   EXPECT_FALSE(is_good(result));
@@ -115,7 +115,7 @@ TEST(UpReport, NamesVehiclesThatHadNotLandedOrNeverFlew) {
   result = {};
   result.never_flown = {"Q4"};
   EXPECT_FALSE(is_good(result));
-  EXPECT_EQ(remarks(result), std::vector<std::string>{"Q4 has never followed a plan"});
+  EXPECT_EQ(remarks(result), std::vector<std::string>{"Q4 never followed a plan"});
 }
 
 TEST(UpReport, SaysWhatALoggerThatDiedHasLost) {
@@ -123,8 +123,8 @@ TEST(UpReport, SaysWhatALoggerThatDiedHasLost) {
   result.log = {"a.lcmlog", 1, 0.75, 120, true};
   EXPECT_TRUE(is_good(result));
   EXPECT_EQ(remarks(result).at(0),
-            "log: nothing recorded for 0.75 s, 120 bytes of a torn event cut off; event numbers "
-            "begin again");
+            "log: 0.75 s were not recorded, and 120 bytes of an incomplete event were removed; "
+            "event numbers start again");
   EXPECT_EQ(to_json(result)["log"]["unrecorded_s"], 0.75);
 }
 
