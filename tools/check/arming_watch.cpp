@@ -24,7 +24,7 @@ const char* explain(std::string_view reason) {
       {"over_budget", "too many to verify: probably a flood of forged commands"},
       {"wrong_mode", "from a simulation, a replay or another kind of trial"},
       {"stale",
-       "time stamp too old or too new: an old log is played, or the hosts' clocks differ by 2 s"},
+       "time stamp not current: an old log is played, or the hosts' clocks differ by over 2 s"},
       {"replayed", "received before: an earlier message was sent again"},
       {"wrong_session", "a command of an earlier session"},
       {"wrong_destination", "a command of a station that receives no messages from this vehicle"},

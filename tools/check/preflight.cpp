@@ -86,9 +86,11 @@ void check_robots(const Scenario& scenario, std::vector<std::string>& faults) {
       const scenario::RobotSpec& other = scenario.robots[j];
       const double apart_m = (a_m - lift(other.start, other.height_m).translation_m).norm();
       if (apart_m < scenario.planner.separation_m) {
-        faults.push_back(fmt::format(
-            "robots {} and {}: their starts are {:.2f} m apart; planner.separation_m is {:g}",
-            robot.name, other.name, apart_m, scenario.planner.separation_m));
+        faults.push_back(
+            fmt::format("robots {} and {}: their starts are {:.2f} m apart, must be at least "
+                        "planner.separation_m, "
+                        "{:g} m",
+                        robot.name, other.name, apart_m, scenario.planner.separation_m));
       }
     }
   }
@@ -179,7 +181,7 @@ void check_round(const Scenario& scenario, std::vector<std::string>& faults) {
         planner.team_budget_s + planner.publish_margin_s, round_s));
   }
   if (planner.execute_steps > planner.horizon_steps) {
-    faults.emplace_back("planner: execute_steps is greater than horizon_steps");
+    faults.emplace_back("planner: execute_steps must not be greater than horizon_steps");
   }
 }
 

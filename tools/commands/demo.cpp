@@ -58,7 +58,7 @@ int run(const DemoArguments& arguments) {
     if (!png.empty()) {
       print_line("         " + png);
     }
-    print_line("look     vantage view " + shell_quoted(result.log_path));
+    print_line("open     vantage view " + shell_quoted(result.log_path));
   }
   for (const std::string& failure : result.failures) {
     print_line("vantage: " + failure, stderr);

@@ -68,7 +68,7 @@ std::string log_path(const scenario::Scenario& scenario, const UpArguments& argu
   if (is_named && !runs_logger) {
     throw StartupError(
         "host " + arguments.host +
-        " does not run the logger; give the log option on the host that `hosts` assigns it to");
+        " does not run the logger; use the log option on the host that has `logger` in `hosts`");
   }
   if (arguments.no_log || !runs_logger) {
     return "";
@@ -167,7 +167,7 @@ void add_up_command(CLI::App& root, Runner& chosen) {
                           "new file for the log (default: NAME.lcmlog, or NAME-2.lcmlog and "
                           "so on if that file exists)");
   auto* folder = command->add_option("--log-folder", arguments->log_folder,
-                                     "folder for the log; its name is NAME-TIME.lcmlog");
+                                     "folder for a new log with the name NAME-TIME.lcmlog");
   folder->excludes(log);
   command->add_flag("--no-log", arguments->no_log, "do not write a log")
       ->excludes(log)
@@ -196,7 +196,7 @@ void add_up_command(CLI::App& root, Runner& chosen) {
       "driver fails too often, and continues without any other process. The driver of a vehicle\n"
       "in flight is restarted without limit.\n"
       "Exit code 1: a collision; a process was killed or failed too often; the simulator was\n"
-      "restarted (robots and targets return to their starts); the end of the log is missing;\n"
+      "restarted (robots and targets return to their starts); the log is incomplete;\n"
       "another host flew another scenario; a vehicle was still in flight at the end; a robot of\n"
       "--fly did not fly; or an internal error. Exit code 2: could not start.\n"
       "Examples:\n"

@@ -222,8 +222,7 @@ void add_view_command(CLI::App& root, Runner& chosen) {
   command->add_option("--url", arguments->url, "LCM URL to listen to (default: $LCM_DEFAULT_URL)")
       ->excludes(log);
   command
-      ->add_flag("--play", arguments->is_playing,
-                 "start playing the log without waiting for a click")
+      ->add_flag("--play", arguments->is_playing, "start playing the log at once (default: paused)")
       ->needs(log);
   add_record_options(*command, log, arguments->record);
   add_web_options(*command, arguments->web);

@@ -144,7 +144,7 @@ Result<OperatorRequest> request_from_line(const std::string& line) {
   words >> verb >> robot >> rest;
   verb = lower(verb);
   if (!rest.empty()) {
-    return Error{"too many words: one action and at most one robot per line, as in 'land Q1'"};
+    return Error{"too many words: type one action and at most one robot per line, as in 'land Q1'"};
   }
   if (verb == "quit" || verb == "q") {
     return OperatorRequest{OperatorRequest::Kind::kQuit, OperatorAction::kHold, ""};

@@ -71,7 +71,7 @@ void describe_stream(const ViconPort& port, std::vector<std::string>& out) {
   }
   if (observed.troubles.count("poses_refused") > 0 && port.speaker == Speaker::kVrpn) {
     out.emplace_back(
-        "    poses are too far away for any room: check whether the server sends millimetres");
+        "    poses are implausibly far away: check whether the server sends millimetres");
   }
 }
 
