@@ -40,7 +40,7 @@ std::optional<std::string> VehicleCheck::fault(Time now) const {
   const drivers::ParameterCheck& parameters = link_.parameters();
   if (!parameters.is_complete()) {
     return link_.telemetry().is_armed()
-               ? "its motors are running: disarm it to read or write parameters"
+               ? "its motors are running: disarm it before reading or writing parameters"
                : fmt::format("only {} of {} parameters were read", settled(), size());
   }
   const auto entries = parameters.entries();

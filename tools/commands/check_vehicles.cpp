@@ -59,8 +59,8 @@ std::vector<Vehicle> open(const scenario::Scenario& scenario, const std::string&
   }
   if (out.empty()) {
     throw StartupError(only.empty()
-                           ? "no robot of this scenario has an autopilot with a url"
-                           : "robot " + only + " has no autopilot with a url in this scenario");
+                           ? "no robot of this scenario has `autopilot: {url: …}`"
+                           : "robot " + only + " has no `autopilot: {url: …}` in this scenario");
   }
   return out;
 }

@@ -76,7 +76,7 @@ std::vector<std::string> remarks(const UpResult& result) {
     out.push_back("log: could not be written for some time");
   }
   if (!result.log.is_good && !result.log_was_unwritten && result.killed.empty()) {
-    out.push_back("log: some received messages are missing, or are not safely on the disk");
+    out.push_back("log: some received messages are missing or not yet safely on the disk");
   }
   if (!result.log.is_to_the_end) {
     out.push_back("log: incomplete: the last messages are missing");
