@@ -88,8 +88,7 @@ void check_robots(const Scenario& scenario, std::vector<std::string>& faults) {
       if (apart_m < scenario.planner.separation_m) {
         faults.push_back(
             fmt::format("robots {} and {}: their starts are {:.2f} m apart, must be at least "
-                        "planner.separation_m, "
-                        "{:g} m",
+                        "planner.separation_m, {:g} m",
                         robot.name, other.name, apart_m, scenario.planner.separation_m));
       }
     }

@@ -192,6 +192,7 @@ void add_slurm_options(CLI::App& command, ExperimentArguments& arguments,
 
 }  // namespace
 
+// long: adds one option after the other.
 void add_experiment_command(CLI::App& root, Runner& chosen) {
   CLI::App* command = root.add_subcommand(
       "experiment",
@@ -236,9 +237,8 @@ void add_experiment_command(CLI::App& root, Runner& chosen) {
   command
       ->add_option("--planning-share", arguments->extent.planning_share,
                    "share of the planning time to use, in (0, 1]; 0.2: a fifth of the search nodes "
-                   "in a fifth "
-                   "of the time. Only for hardware, tracking-communication, tracking-time and "
-                   "tracking-noise")
+                   "in a fifth of the time. Only for hardware, tracking-communication, "
+                   "tracking-time and tracking-noise")
       ->check(number_between(1e-6, 1.0))
       ->capture_default_str();
   command->add_flag("--smoke", arguments->extent.is_smoke,

@@ -60,32 +60,30 @@ std::vector<std::string> remarks(const UpResult& result) {
     }
   }
   if (result.world_restarts > 0) {
-    out.push_back(
-        fmt::format("the results above mix several simulations: the simulator was restarted {} "
-                    "times, and robots "
-                    "and targets returned to their starts",
-                    result.world_restarts));
+    out.push_back(fmt::format(
+        "results mix several simulations: the simulator was restarted {} times, and robots and "
+        "targets returned to their starts",
+        result.world_restarts));
   }
   if (result.log.restarts > 0) {
     out.push_back(
-        fmt::format("log: {:.2f} s were not recorded, and {} bytes of an incomplete event "
-                    "were removed; event numbers start again",
+        fmt::format("log: {:.2f} s not recorded, {} bytes of an incomplete event removed; "
+                    "event numbers start again",
                     result.log.unrecorded_s, result.log.bytes_dropped));
   }
   if (result.log_was_unwritten) {
     out.push_back("log: could not be written for some time");
   }
   if (!result.log.is_good && !result.log_was_unwritten && result.killed.empty()) {
-    out.push_back("log: some received messages are missing or not yet safely on the disk");
+    out.push_back("log: some received messages are missing or not safely on the disk");
   }
   if (!result.log.is_to_the_end) {
     out.push_back("log: incomplete: the last messages are missing");
   }
   if (result.contacts_unverified > 0) {
-    out.push_back(
-        fmt::format("{} messages on COLLISION had no valid signature; with `mode: require` they "
-                    "are not counted",
-                    result.contacts_unverified));
+    out.push_back(fmt::format(
+        "{} messages on COLLISION had no valid signature; not counted with `mode: require`",
+        result.contacts_unverified));
   }
   if (result.has_other_scenario) {
     out.push_back("another host used another scenario file");

@@ -123,8 +123,8 @@ TEST(UpReport, SaysWhatALoggerThatDiedHasLost) {
   result.log = {"a.lcmlog", 1, 0.75, 120, true};
   EXPECT_TRUE(is_good(result));
   EXPECT_EQ(remarks(result).at(0),
-            "log: 0.75 s were not recorded, and 120 bytes of an incomplete event were removed; "
-            "event numbers start again");
+            "log: 0.75 s not recorded, 120 bytes of an incomplete event removed; event numbers "
+            "start again");
   EXPECT_EQ(to_json(result)["log"]["unrecorded_s"], 0.75);
 }
 
