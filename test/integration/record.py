@@ -247,7 +247,7 @@ def test_what_cannot_be_written_is_refused_at_the_start():
     assert f"{taken}: is there already" in recorder.said(), recorder.said()
     assert taken.read_bytes() == b"a flight of last year"
     recorder = Recorder(FOLDER / "huge.lcmlog", "--free-mib", "1000000000")
-    assert recorder.process.wait(PATIENCE_S) == 2 and "MiB are free there" in recorder.said()
+    assert recorder.process.wait(PATIENCE_S) == 2 and "MiB are free on its disk" in recorder.said()
     assert not (FOLDER / "huge.lcmlog").exists()
 
 
@@ -356,7 +356,7 @@ def test_large_messages_are_recorded_or_named():
         small.sender.publish("TICK", b"after it")
         until(lambda: of(small.log, "TICK"), "what was sent after it")
         assert small.end() == code, small.said()
-        words = "CAMERA: 1 messages are not in the log: of up to 6200000 bytes, more than max_message_size 4000000"
+        words = "CAMERA: 1 messages are not in the log: they have up to 6200000 bytes, more than max_message_size 4000000"
         assert (words in small.said()) == (code == 1), small.said()
 
 

@@ -68,7 +68,7 @@ WORDS = {  # mistyped word: what the error line must name
     "experiment dls-savings --planning-share 0.2": "experiment dls-savings has no planning time to reduce", "log export x --to docx --out y": "docx",
     "log plot x --out y.docx": ".png, .svg or .pdf", "log fit-rang x": "did you mean 'fit-ranges'",
     "log fit-ranges ranges.csv": "expected --poses", "log fit-ranges x --gap-max-s 0": "above 0",
-    "log fit-ranges ranges.csv --poses way.csv --robot Q1": "--robot is of a log",
+    "log fit-ranges ranges.csv --poses way.csv --robot Q1": "--robot is only for a log",
     "log fit-ranges ranges.csv --poses words.csv": "words.csv:3: x 'far'; expected a number",
     "log fit-ranges way.csv --poses way.csv": "way.csv:1: no column 'beacon'",
     "log fit-ranges flight.lcmlog --robot Q9": "no robot 'Q9'", "view --port 99999": "65535",

@@ -31,13 +31,13 @@ int report(const EditArguments& arguments, const logs::EditCounts& counts, Outpu
   const std::string failure = output.finish();
   print_line(fmt::format("{}: {} events", arguments.output, output.events()));
   if (counts.name_too_long > 0) {
-    fmt::print(stderr, "{} events left out: their new name is longer than 63 bytes\n",
+    fmt::print(stderr, "{} events left out: their new channel name is longer than 63 bytes\n",
                counts.name_too_long);
   }
   if (!failure.empty()) {
     print_line("vantage: " + failure, stderr);
   } else if (counts.is_stopped) {
-    fmt::print(stderr, "vantage: interrupted: what is written is whole, but not all\n");
+    fmt::print(stderr, "vantage: interrupted: the output is valid, but incomplete\n");
   }
   return failure.empty() && !counts.is_stopped && counts.name_too_long == 0 ? 0 : 1;
 }
@@ -70,7 +70,7 @@ int edit(const EditArguments& arguments) {
 int repair(const EditArguments& arguments) {
   const logs::IndexedLog log = open_log(arguments.input);
   const logs::ScanCounts& scan = log.survey().scan;
-  print_line(fmt::format("{}: {} stretches given up ({} bytes), {} doubtful events {}",
+  print_line(fmt::format("{}: {} damaged stretches dropped ({} bytes), {} doubtful events {}",
                          arguments.input, scan.stretches, scan.bytes_damaged, scan.doubtful,
                          arguments.strict ? "left out" : "kept"));
   return edit(arguments);
@@ -94,14 +94,14 @@ class Adder {
         int (*action)(const EditArguments&))
       : command_(*log.add_subcommand(name, what)), arguments_(std::make_shared<EditArguments>()) {
     command_.footer(footer);
-    command_.add_flag("--force", arguments_->force, "write over an existing file");
+    command_.add_flag("--force", arguments_->force, "overwrite the output file if it exists");
     command_.callback([&chosen, arguments = arguments_, action] {
       chosen = [arguments, action] { return action(*arguments); };
     });
   }
   Adder& one_input() {
     command_.add_option("log", arguments_->input, "LCM event log")->required();
-    command_.add_option("output", arguments_->output, "the new log")->required();
+    command_.add_option("output", arguments_->output, "log to write")->required();
     return *this;
   }
   CLI::App& command() { return command_; }
@@ -115,60 +115,65 @@ class Adder {
 }  // namespace
 
 void add_log_edit_commands(CLI::App& log, Runner& run) {
-  Adder repair_command(log, run, "repair", "Write what is intact of a damaged log to a new one.",
-                       "Torn tails, wrong lengths, overwritten and lost stretches: every intact\n"
-                       "event behind them is found again. Events are numbered anew.\n"
+  Adder repair_command(log, run, "repair", "Write the intact events of a damaged log to a new log.",
+                       "Every intact event is kept, also after a cut end, wrong lengths, and\n"
+                       "overwritten or missing bytes. The events are renumbered.\n"
                        "Example:\n"
                        "  vantage log repair torn.lcmlog whole.lcmlog",
                        repair);
   repair_command.one_input().command().add_flag(
       "--strict", repair_command.arguments().strict,
-      "leave out events whose data may have lost their end");
+      "leave out doubtful events, whose data may be cut off");
 
-  Adder slice(log, run, "slice", "Write the part of a log between two instants to a new one.",
-              "The part begins with the newest SCENARIO from before it. Seconds count from the\n"
-              "log's first event.\n"
+  Adder slice(log, run, "slice", "Write the part of a log between two times to a new log.",
+              "The new log begins with the newest SCENARIO from before the part. Times are in\n"
+              "seconds after the first event.\n"
               "Example:\n"
               "  vantage log slice flight.lcmlog minute.lcmlog --from-s 60 --to-s 120",
               edit);
   slice.one_input();
   slice.command()
-      .add_option("--from-s", slice.arguments().from_s, "where it begins")
+      .add_option("--from-s", slice.arguments().from_s,
+                  "start of the part, s after the first event")
       ->check(any_number());
   slice.command()
-      .add_option("--to-s", slice.arguments().to_s, "where it ends (not included)")
+      .add_option("--to-s", slice.arguments().to_s,
+                  "end of the part (not included), s after the first event")
       ->check(any_number());
 
-  Adder filter(log, run, "filter", "Write some of a log's channels to a new one.",
-               "Expressions match the whole name: write '.*VICON.*', '(A|B)'.\n"
+  Adder filter(log, run, "filter", "Write selected channels of a log to a new log.",
+               "The regular expressions match whole names: write '.*VICON.*', '(A|B)'.\n"
                "Examples:\n"
                "  vantage log filter flight.lcmlog plans.lcmlog --channels 'PLAN_.*' SCENARIO\n"
                "  vantage log filter flight.lcmlog small.lcmlog --without VICON",
                edit);
   filter.one_input();
-  filter.command().add_option("--channels", filter.arguments().include, "the ones to keep");
-  filter.command().add_option("--without", filter.arguments().exclude, "the ones to leave out");
+  filter.command().add_option("--channels", filter.arguments().include,
+                              "channels to keep; regular expressions; default: all");
+  filter.command().add_option("--without", filter.arguments().exclude,
+                              "channels to leave out; regular expressions");
 
-  Adder rename(log, run, "rename", "Write a log with other channel names to a new one.",
+  Adder rename(log, run, "rename", "Rename channels of a log and write the result to a new log.",
                "Examples:\n"
                "  vantage log rename flight.lcmlog other.lcmlog --rule VICON=MOCAP\n"
                "  vantage log rename flight.lcmlog other.lcmlog --rule 'PLAN_*=OLD_PLAN_*'",
                edit);
   rename.one_input();
   rename.command()
-      .add_option("--rule", rename.arguments().renames, "OLD=NEW or OLD*=NEW*; the first fits")
+      .add_option("--rule", rename.arguments().renames,
+                  "OLD=NEW or OLD*=NEW*; the first matching rule applies")
       ->required();
 
-  Adder merge_command(log, run, "merge", "Write several logs into one, in the order of time.",
+  Adder merge_command(log, run, "merge", "Merge several logs into one log, ordered by time.",
                       "Example:\n"
                       "  vantage log merge host1.lcmlog host2.lcmlog --out both.lcmlog",
                       merge);
   merge_command.command()
-      .add_option("logs", merge_command.arguments().inputs, "LCM event logs")
+      .add_option("logs", merge_command.arguments().inputs, "LCM event logs to merge, 2 to 64")
       ->required()
       ->expected(2, 64);
   merge_command.command()
-      .add_option("--out", merge_command.arguments().output, "the new log")
+      .add_option("--out", merge_command.arguments().output, "log to write")
       ->required();
 }
 

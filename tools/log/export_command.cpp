@@ -31,7 +31,7 @@ void tell_left_out(const logs::IndexedLog& log, const logs::ExportCounts& counts
   int named = 0;
   for (const auto& [channel, events] : counts.left_out) {
     if (++named > kNamed) {
-      print_line(fmt::format("{}: … and those of {} more channels", log.path(),
+      print_line(fmt::format("{}: … and events of {} more channels", log.path(),
                              counts.left_out.size() - kNamed),
                  stderr);
       break;
@@ -39,7 +39,8 @@ void tell_left_out(const logs::IndexedLog& log, const logs::ExportCounts& counts
     const std::int64_t all = log.survey().channels.at(channel).events;
     print_line(
         fmt::format(
-            "{}: {}: {} of {} events are no messages of this version of vantage: not exported",
+            "{}: {}: {} of {} events were not exported: they are not messages of this version of "
+            "vantage",
             log.path(), readable(channel), events, all),
         stderr);
   }
@@ -51,15 +52,16 @@ int report(const logs::IndexedLog& log, const ExportArguments& arguments,
   tell_left_out(log, counts);
   if (counts.times_held > 0) {
     fmt::print(stderr,
-               "{}: {} messages have times before 1970 or after 2262, which MCAP cannot hold: "
-               "written as the nearest time that it can\n",
+               "{}: the times of {} messages were changed to the nearest time that MCAP supports "
+               "(1970 to 2262)\n",
                log.path(), counts.times_held);
   }
   if (!counts.failure.empty()) {
     print_line("vantage: " + counts.failure, stderr);
   } else if (counts.is_stopped) {
-    print_line("vantage: interrupted: what is written is whole, but not all of " + arguments.log,
-               stderr);
+    print_line(
+        "vantage: interrupted: the output is valid, but contains only a part of " + arguments.log,
+        stderr);
   }
   return counts.failure.empty() && !counts.is_stopped && counts.left_out.empty() ? 0 : 1;
 }
@@ -72,10 +74,12 @@ int run(const ExportArguments& arguments) {
   const bool is_there = std::filesystem::exists(arguments.output, error);
   if (arguments.format == "csv" && is_there &&
       !std::filesystem::is_directory(arguments.output, error)) {
-    throw StartupError(arguments.output + ": is no folder, which CSV tables need");
+    throw StartupError(arguments.output +
+                       ": is not a folder; CSV tables need a folder; choose another --out");
   }
   if (!arguments.force && is_there && !std::filesystem::is_empty(arguments.output, error)) {
-    throw StartupError(arguments.output + ": exists; --force writes over it");
+    throw StartupError(arguments.output +
+                       ": exists already; choose another name, or overwrite it with --force");
   }
   if (arguments.format == "csv") {
     return report(log, arguments,
@@ -96,34 +100,37 @@ int run(const ExportArguments& arguments) {
 }  // namespace
 
 void add_log_export_command(CLI::App& log, Runner& chosen) {
-  CLI::App* command = log.add_subcommand("export", "Write a log as CSV tables or as an MCAP file.");
+  CLI::App* command =
+      log.add_subcommand("export", "Export a log as CSV tables or as an MCAP file.");
   auto arguments = std::make_shared<ExportArguments>();
   command->add_option("log", arguments->log, "LCM event log")->required();
-  command->add_option("--to", arguments->format, "csv or mcap")
+  command->add_option("--to", arguments->format, "output format: csv or mcap")
       ->required()
       ->check(CLI::IsMember({"csv", "mcap"}));
-  command->add_option("--out", arguments->output, "csv: folder of CHANNEL.csv; mcap: file")
+  command
+      ->add_option("--out", arguments->output,
+                   "csv: folder for the tables CHANNEL.csv; mcap: file to write")
       ->required();
-  command->add_option("--channels", arguments->include,
-                      "the ones to write (expressions that match whole names); all else");
+  command->add_option(
+      "--channels", arguments->include,
+      "channels to export; regular expressions that match whole names; default: all");
   command
       ->add_option(
           "--profile", arguments->profile,
-          "mcap: foxglove (JSON, all messages), or ros2 (CDR in ROS 2's own types, what has "
-          "one: docs/guide/ros2.md)")
+          "mcap: foxglove (all messages as JSON) or ros2 (messages that have a ROS 2 type, as CDR; "
+          "see docs/guide/ros2.md)")
       ->check(CLI::IsMember({"foxglove", "ros2"}))
       ->capture_default_str();
   command->add_flag("--messages-only", arguments->messages_only,
-                    "mcap: without the pictures and events in the Foxglove schemas");
-  command->add_flag("--force", arguments->force, "write over what is there");
+                    "mcap: leave out the drawings and events in Foxglove's schemas");
+  command->add_flag("--force", arguments->force, "overwrite existing files");
   command->footer(
-      "CSV: a message with a list (bodies, targets, …) is one line an element. MCAP: JSON "
-      "messages\n"
-      "with their schemas; Foxglove, Lichtblick and PlotJuggler open it. Details: "
+      "CSV: a message with a list (bodies, targets, …) becomes one row per element. MCAP: JSON\n"
+      "messages with their schemas, for Foxglove, Lichtblick and PlotJuggler. Details:\n"
       "docs/guide/logs.md.\n"
-      "Ctrl-C ends it at once with what is written, whole. Exit code 1 then, when the disk is "
-      "full,\n"
-      "and when events were left out that are no messages of this version: each channel is named.\n"
+      "Ctrl-C ends the export at once; the files are valid, but incomplete.\n"
+      "Exit code 1: interrupted, or the disk is full, or events that are not messages of this\n"
+      "version were left out (their channels are listed).\n"
       "Examples:\n"
       "  vantage log export flight.lcmlog --to csv --out flight-csv --channels 'PLAN_.*'\n"
       "  vantage log export flight.lcmlog --to mcap --out flight.mcap\n"

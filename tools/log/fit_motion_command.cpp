@@ -89,7 +89,7 @@ void print(const std::vector<logs::FittedMotion>& fits) {
   print_line("");
   for (const logs::FittedMotion& fit : fits) {
     print_line(fmt::format("target_model: {}{}", yaml_of(fit.model),
-                           &fit == best ? "  # best on held-back time" : ""));
+                           &fit == best ? "  # best on the held-back time" : ""));
   }
 }
 
@@ -119,7 +119,8 @@ nlohmann::ordered_json fits_to_json(const std::vector<logs::FittedMotion>& fits)
 bool draw(const std::vector<logs::FittedMotion>& fits, const std::string& picture) {
   const std::string script = std::filesystem::path(picture).replace_extension(".gp");
   const Result<std::string> drawn = draw_plot(
-      motion_plot_script(fits, "held-back time: how far targets got", picture), script, picture);
+      motion_plot_script(fits, "displacement of the targets in the held-back time", picture),
+      script, picture);
   if (!drawn.ok()) {
     print_line("vantage: " + drawn.error().message, stderr);
   }
@@ -156,25 +157,28 @@ int fit(const FitArguments& arguments) {
 void add_log_fit_motion_command(CLI::App& log, Runner& chosen) {
   auto arguments = std::make_shared<FitArguments>();
   CLI::App* command = log.add_subcommand(
-      "fit-motion", "Fit motion models to how targets moved; for estimator.target_model.");
+      "fit-motion",
+      "Fit motion models to the targets' recorded motion, for estimator.target_model.");
   command
-      ->add_option("log", arguments->logs, "LCM event logs with VICON and SCENARIO, of one world")
+      ->add_option("log", arguments->logs,
+                   "LCM event logs of the same world, with VICON and SCENARIO")
       ->required();
   command
-      ->add_option("--fitted-share", arguments->fitted_share,
-                   "share of each log's time, from its start, that is fitted; the rest judges")
+      ->add_option(
+          "--fitted-share", arguments->fitted_share,
+          "share of each log's duration, from its start, used for the fit; the rest tests it")
       ->check(CLI::Range(0.1, 0.9))
       ->capture_default_str();
-  command->add_option("--out", arguments->picture,
-                      "also draw how far targets got, seen and foretold: .png, .svg or .pdf, with "
-                      "gnuplot; its script lies beside it");
+  command->add_option(
+      "--out", arguments->picture,
+      "also plot the measured and predicted displacement of the targets: .png, .svg or "
+      ".pdf (needs gnuplot); the script is written next to it (.gp)");
   command->add_flag("--json", arguments->as_json, "print one JSON object");
   command->footer(
-      "Each model foretells where a target will be 0.5 to 8 s ahead from where it is and how fast\n"
-      "it goes. 'fitted' and 'held back' are the mean log likelihood of a position in nats (more "
-      "is\n"
-      "better) on the time fitted to and on the rest; the columns are the NEES of predictions so\n"
-      "far ahead on the rest: 2 where the model knows how wrong it is.\n"
+      "Each model predicts a target's position 0.5 to 8 s ahead from its position and velocity.\n"
+      "'fitted' and 'held back' are the mean log likelihood of a position in nats (higher is\n"
+      "better), in the time used for the fit and in the rest. The other columns are the NEES of\n"
+      "predictions this far ahead in the rest; a consistent model has 2.\n"
       "Examples:\n"
       "  vantage log fit-motion flight.lcmlog --out motion.png\n"
       "  vantage log fit-motion trial_*.lcmlog --json");

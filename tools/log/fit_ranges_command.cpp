@@ -36,18 +36,18 @@ bool is_log(const std::string& path) {
 RangeRecording read(const RangesArguments& arguments) {
   if (is_log(arguments.source)) {
     if (!arguments.poses.empty()) {
-      throw StartupError("--poses is of a table of ranges; a log says where its robots were");
+      throw StartupError("--poses is only for a table of ranges: a log contains the robots' poses");
     }
     return recording_of(logs::IndexedLog(arguments.source, progress_line("reading")),
                         arguments.robot);
   }
   if (!arguments.robot.empty()) {
-    throw StartupError("--robot is of a log; a table of ranges is of one robot");
+    throw StartupError("--robot is only for a log: a table contains the ranges of one robot");
   }
   Table ranges = read_ranges(arguments.source);
   if (arguments.poses.empty()) {
     throw StartupError(arguments.source +
-                       ": where the robot was is not known; expected --poses POSES.csv");
+                       ": the poses of the robot are missing; expected --poses POSES.csv");
   }
   return place_ranges(std::move(ranges), read_poses(arguments.poses), arguments.gap_max_s);
 }
@@ -87,38 +87,40 @@ int fit(const RangesArguments& arguments) {
 void add_log_fit_ranges_command(CLI::App& log, Runner& chosen) {
   auto arguments = std::make_shared<RangesArguments>();
   CLI::App* command = log.add_subcommand(
-      "fit-ranges", "Find beacons by ranges, with the ranging sensor's scale and bias.");
+      "fit-ranges", "Estimate beacon positions and a range sensor's scale and bias from ranges.");
   command
       ->add_option("ranges", arguments->source,
-                   "table (CSV) of time, beacon and range; or an LCM event log with MEASUREMENT_R "
-                   "and SCENARIO, NAME.lcmlog, whose targets stand still")
+                   "table (CSV) with time, beacon and range; or an LCM event log NAME.lcmlog with "
+                   "MEASUREMENT_R, SCENARIO and static targets")
       ->required();
-  command->add_option("--poses", arguments->poses,
-                      "table (CSV) of time, x and y: where the robot was");
+  command->add_option(
+      "--poses", arguments->poses,
+      "table (CSV) with time, x and y of the robot; required with a table of ranges");
   command->add_option("--beacons", arguments->beacons,
-                      "table (CSV) of beacon, x and y: their survey, to be judged by");
-  command->add_option("--robot", arguments->robot, "of a log: the ranges of this robot alone");
+                      "table (CSV) with beacon, x and y: surveyed positions to compare with");
+  command->add_option("--robot", arguments->robot,
+                      "with a log: use only the ranges of this robot; default: all robots");
   command
-      ->add_option("--gap-max-s", arguments->gap_max_s,
-                   "between poses farther apart in time nothing is guessed; five times as far as "
-                   "they usually are, and at least 1, when not given")
+      ->add_option(
+          "--gap-max-s", arguments->gap_max_s,
+          "longest gap between poses, s; ranges in longer gaps are left out; default: five "
+          "times the usual interval, at least 1")
       ->check(positive_number());
   command
       ->add_option("--fitted-share", arguments->fitted_share,
-                   "share of the time, from its start, that a second fit is of; the rest judges it")
+                   "share of the time, from the start, used for a second fit that the rest tests")
       ->check(CLI::Range(0.1, 0.9))
       ->capture_default_str();
   command->add_option("--out", arguments->picture,
-                      "also draw the beacons with 95 % ellipses and the residuals: .png, .svg or "
-                      ".pdf, with gnuplot; its script lies beside it");
+                      "also plot the beacons with 95 % ellipses and the residuals: .png, .svg or "
+                      ".pdf (needs gnuplot); the script is written next to it (.gp)");
   command->add_flag("--json", arguments->as_json, "print one JSON object");
   command->footer(
-      "A range is range_scale times the distance, plus range_bias_m, plus noise; some are\n"
-      "outliers. Scale, bias and beacons are found together, from scales of 0.8 to 1.25 and "
-      "biases\n"
-      "of some metres on. 'sigma' is the longer half axis of a place's 1-sigma ellipse, 'noise' 1\n"
-      "sigma of honest ranges. Columns are found by their headings (time_s, beacon_id, range_m; "
-      "x_m,\ny_m), units in them are used: range_cm, time [ms]. Rows may be in any order.\n"
+      "Model: range = range_scale * distance + range_bias_m + noise; some ranges are outliers.\n"
+      "Scale (0.8 to 1.25), bias (-1.5 to 1.5 m) and beacons are estimated together. 'sigma' is\n"
+      "the longer half axis of a position's 1-sigma ellipse, 'noise' is 1 sigma of the ranges\n"
+      "without outliers. Columns are found by their headings (time_s, beacon_id, range_m; x_m,\n"
+      "y_m); units in headings are used (range_cm, time [ms]). Rows may be in any order.\n"
       "Examples:\n"
       "  vantage log fit-ranges ranges.csv --poses poses.csv --beacons survey.csv\n"
       "  vantage log fit-ranges flight.lcmlog --robot Q1 --json");

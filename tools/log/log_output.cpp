@@ -62,8 +62,9 @@ void require_channels(const logs::IndexedLog& log, const std::vector<std::string
   if (without.empty()) {
     return;
   }
-  const std::string words = fmt::format("{}: no channel's whole name is {}; it has {}", log.path(),
-                                        fmt::join(without, " or "), channel_names(log.survey()));
+  const std::string words =
+      fmt::format("{}: no channel's whole name matches {}; the log has {}", log.path(),
+                  fmt::join(without, " or "), channel_names(log.survey()));
   if (without.size() == expressions.size()) {
     throw StartupError(words);
   }
@@ -75,11 +76,12 @@ std::string OutputLog::checked(const std::string& path, const std::vector<std::s
   std::error_code error;
   for (const std::string& input : inputs) {
     if (std::filesystem::equivalent(path, input, error)) {
-      throw StartupError(path + ": is the log to be read; give the new one another name");
+      throw StartupError(path + ": is an input log; choose another name for the output");
     }
   }
   if (!force && std::filesystem::exists(path, error)) {
-    throw StartupError(path + ": exists; --force writes over it");
+    throw StartupError(path +
+                       ": exists already; choose another name, or overwrite it with --force");
   }
   return path;
 }

@@ -61,7 +61,7 @@ std::string plot_terminal(const std::string& picture_path, int height_px) {
   if (suffix == ".pdf") {
     return fmt::format("pdfcairo noenhanced size 14in,{}in font 'Sans,11'", 0.01 * height_px);
   }
-  throw StartupError(picture_path + ": a picture's name ends in .png, .svg or .pdf");
+  throw StartupError(picture_path + ": the name of a picture must end in .png, .svg or .pdf");
 }
 
 std::string gnuplot_text(const std::string& text) {

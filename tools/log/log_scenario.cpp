@@ -29,7 +29,9 @@ std::optional<models::ScenarioNotice> find_scenario_notice(const logs::IndexedLo
 scenario::Scenario scenario_of(const logs::IndexedLog& log) {
   const auto notice = find_scenario_notice(log);
   if (!notice) {
-    throw StartupError(log.path() + ": no SCENARIO in it that says what was flown");
+    throw StartupError(
+        log.path() +
+        ": contains no SCENARIO message; this command needs the scenario of the trial");
   }
   return scenario::parse_scenario(notice->yaml, log.path() + " (SCENARIO)");
 }

@@ -57,7 +57,7 @@ std::vector<std::string> describe_content(const std::string& path, const logs::L
   out.push_back(
       fmt::format("lasts     {:.3f} s, {} events", survey.duration_s(), survey.scan.events));
   if (survey.times_outlying > 0) {
-    out.push_back(fmt::format("times     {} events are more than a day from the others",
+    out.push_back(fmt::format("times     {} events are more than a day away from all others",
                               survey.times_outlying));
   }
   out.push_back(fmt::format("flown by  {}", flown_by.empty() ? "unknown: no SCENARIO" : flown_by));
@@ -96,15 +96,15 @@ std::vector<std::string> describe_damage(const logs::LogSurvey& survey) {
       out.push_back(fmt::format("{} {}", number, what));
     }
   };
-  count(survey.scan.doubtful, "events whose data may have lost their end");
+  count(survey.scan.doubtful, "events whose data may be cut off");
   count(survey.numbers_missing, "event numbers missing");
-  count(survey.number_restarts, "places where the event number goes back");
+  count(survey.number_restarts, "jumps back of the event number");
   if (survey.times_backward > 0) {
-    out.push_back(fmt::format("{} events earlier than the one before, by up to {:.6f} s",
+    out.push_back(fmt::format("{} events are earlier than the event before them, by up to {:.6f} s",
                               survey.times_backward, to_seconds(survey.backward_max)));
   }
   count(survey.times_outlying,
-        "events whose times are more than a day from the others; they count in no duration");
+        "events are more than a day away from all others; durations leave them out");
   for (const auto& [raw_name, channel] : survey.channels) {
     const std::string name = readable(raw_name);
     if (channel.messages_lost > 0) {
@@ -112,12 +112,13 @@ std::vector<std::string> describe_damage(const logs::LogSurvey& survey) {
           fmt::format("{}: {} messages lost before they were logged", name, channel.messages_lost));
     }
     if (channel.other_types > 0) {
-      out.push_back(channel.type.empty()
-                        ? fmt::format("{}: {} of {} events are vantage's, the others of no type "
-                                      "that this version knows",
-                                      name, channel.other_types, channel.events)
-                        : fmt::format("{}: {} of {} events are not of type {}, as its first is",
-                                      name, channel.other_types, channel.events, channel.type));
+      out.push_back(
+          channel.type.empty()
+              ? fmt::format("{}: {} of {} events have types of vantage, the others have "
+                            "types unknown to this version",
+                            name, channel.other_types, channel.events)
+              : fmt::format("{}: {} of {} events are not of type {}, the type of the first event",
+                            name, channel.other_types, channel.events, channel.type));
     }
   }
   if (survey.scan.events > 0 && !survey.begins_with_scenario) {

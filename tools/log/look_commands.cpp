@@ -33,7 +33,7 @@ int info(const LookArguments& arguments) {
     print_line(line);
   }
   if (!log.survey().is_whole()) {
-    print_line("damaged; `vantage log check` says where");
+    print_line("damaged; `vantage log check` lists the damage");
   }
   return 0;
 }
@@ -69,14 +69,15 @@ void add(CLI::App& log, Runner& chosen, const char* name, const char* what, cons
 }  // namespace
 
 void add_log_look_commands(CLI::App& log, Runner& run) {
-  add(log, run, "info", "What a log holds: span, versions, channels with rates, gaps and sizes.",
-      "The first look at a log reads all of it and keeps what it saw in LOG.index.\n"
+  add(log, run, "info",
+      "Show the content of a log: time span, version, and each channel's rate, gaps and size.",
+      "The first command on a log reads all of it and writes the index LOG.index for later ones.\n"
       "Example:\n"
       "  vantage log info flight.lcmlog",
       info);
-  add(log, run, "check", "Whether a log is whole, and where not.",
-      "Exit code 0: whole; 1: damaged; 2: it cannot be read. Messages that were lost before they\n"
-      "were logged are named, but they are no damage to the log.\n"
+  add(log, run, "check", "Check whether a log is whole and list its damage.",
+      "Exit code 0: whole; 1: damaged; 2: the file cannot be read. Messages that were lost before\n"
+      "they were logged are listed, but do not count as damage.\n"
       "Example:\n"
       "  vantage log check flight.lcmlog",
       check);

@@ -42,7 +42,7 @@ void print(const scenario::Scenario& scenario, const logs::LogAnalysis& analysis
     print_line(line);
   }
   if (analysis.sets) {
-    print_line(fmt::format("as a set: OSPA {:.3f} m, {:.2f} swaps a minute, of a robot",
+    print_line(fmt::format("as a set, per robot: OSPA {:.3f} m, {:.2f} swaps per minute",
                            analysis.sets->ospa_m, analysis.sets->swaps_per_min));
   }
   print_line("");
@@ -53,14 +53,14 @@ void print(const scenario::Scenario& scenario, const logs::LogAnalysis& analysis
   }
   print_line("");
   print_line(fmt::format("{:<20} {:>8} {:>9} {:>9} {:>14} {:>14}", "deadlines", "plans", "late",
-                         "fallbacks", "least left, ms", "mean left, ms"));
+                         "fallbacks", "min margin, ms", "avg margin, ms"));
   for (const auto& [robot, record] : analysis.deadlines) {
     print_line(fmt::format("{:<20} {:>8} {:>9} {:>9} {:>14.2f} {:>14.2f}", robot, record.plans,
                            record.late, record.fallbacks, 1e3 * record.margin.least_s,
                            1e3 * record.margin.mean_s));
   }
   if (analysis.times_outlying > 0) {
-    print_line(fmt::format("left out: {} events whose times are more than a day from the others",
+    print_line(fmt::format("left out: {} events that are more than a day away from all others",
                            analysis.times_outlying));
   }
   for (const auto& [channel, lost] : analysis.lost) {
@@ -70,10 +70,11 @@ void print(const scenario::Scenario& scenario, const logs::LogAnalysis& analysis
 
 void print_hops(const logs::LogAnalysis& analysis) {
   if (analysis.hops.empty()) {
-    print_line("no process measured its part of the way: drivers of vehicles do, and of a mocap");
+    print_line(
+        "no latencies in this log: only drivers of vehicles and motion capture measure them");
     return;
   }
-  print_line(fmt::format("{:<16} {:<22} {:>9} {:>9} {:>9}", "latency, us", "from _ to", "median",
+  print_line(fmt::format("{:<16} {:<22} {:>9} {:>9} {:>9}", "latency, us", "from_to", "median",
                          "99 %", "worst"));
   for (const auto& [process, hops] : analysis.hops) {
     for (const logs::Hop& hop : hops) {
@@ -94,10 +95,10 @@ std::vector<std::pair<std::string, std::optional<double>>> figures_of(
       {"entropy of the team, nat", summary.entropy_nats},
       {"entropy of a robot, nat", robot.entropy_nats},
       {"NEES of a robot", robot.consistency.mean_nees},
-      {"its median", robot.consistency.median_nees},
+      {"median NEES of a robot", robot.consistency.median_nees},
       {"share in the 95 % ellipse", robot.consistency.coverage_95}};
   for (std::size_t i = 0; i < logs::kAgeClasses; ++i) {
-    out.emplace_back("NEES unseen for " + logs::age_name(i) + " s",
+    out.emplace_back("NEES if unseen for " + logs::age_name(i) + " s",
                      robot.consistency_by_age[i].mean_nees);
   }
   if (analysis.sets) {
@@ -118,7 +119,8 @@ void print_bands(const std::vector<logs::LogAnalysis>& analyses) {
       }
     }
   }
-  print_line(fmt::format("mean of {} logs and 95 % band of it by Student's t", analyses.size()));
+  print_line(
+      fmt::format("mean of {} logs ± 95 % confidence interval (Student's t)", analyses.size()));
   for (const auto& [name, value] : figures_of(analyses.front())) {
     const experiments::Sample& sample = samples[name];
     print_line(sample.size() == 0 ? fmt::format("{:<28} -", name)
@@ -133,7 +135,7 @@ int metrics(const MetricsArguments& arguments) {
   for (const std::string& path : arguments.logs) {
     const logs::IndexedLog log(path, progress_line("reading"));
     const scenario::Scenario scenario = scenario_of(log);
-    logs::LogAnalysis analysis = logs::analyse_log(log, scenario, progress_line("judging"));
+    logs::LogAnalysis analysis = logs::analyse_log(log, scenario, progress_line("evaluating"));
     if (arguments.as_json) {
       print_json(logs::to_json(analysis));
     } else if (arguments.is_of_latency) {
@@ -156,7 +158,7 @@ int plot(const MetricsArguments& arguments) {
   const std::string& path = arguments.logs.front();
   const logs::IndexedLog log(path, progress_line("reading"));
   const scenario::Scenario scenario = scenario_of(log);
-  const logs::LogAnalysis analysis = logs::analyse_log(log, scenario, progress_line("judging"));
+  const logs::LogAnalysis analysis = logs::analyse_log(log, scenario, progress_line("evaluating"));
   const std::string script = std::filesystem::path(arguments.output).replace_extension(".gp");
   const std::string title =
       fmt::format("{}: {} with {}", std::filesystem::path(path).filename().string(), scenario.name,
@@ -177,19 +179,22 @@ void add_log_metrics_commands(CLI::App& log, Runner& chosen) {
   auto arguments = std::make_shared<MetricsArguments>();
   CLI::App* metrics_command = log.add_subcommand(
       "metrics",
-      "Judge a log: RMSE, OSPA, swaps, entropy, NEES, discovery, deadlines, loss, latencies.");
+      "Evaluate a log: RMSE, OSPA, swaps, entropy, NEES, discovery, deadlines, loss, latencies.");
   metrics_command
-      ->add_option("log", arguments->logs, "LCM event log; of several, means and their bands")
+      ->add_option("log", arguments->logs,
+                   "LCM event log; several logs give means with confidence intervals")
       ->required();
-  metrics_command->add_flag("--json", arguments->as_json, "print one JSON object a log");
-  metrics_command->add_flag("--latency", arguments->is_of_latency,
-                            "from the mocap's frame to the set-point, each process's part");
+  metrics_command->add_flag("--json", arguments->as_json, "print one JSON object per log");
+  metrics_command->add_flag(
+      "--latency", arguments->is_of_latency,
+      "print only the latency of each driver between motion-capture frame and set-point");
   metrics_command->footer(
-      "Latencies are from the instants that messages are valid for to those they were made or\n"
-      "logged at; 'look' is the newest measurement that something was made from.\n"
-      "NEES is judged for each robot by its own belief: 2 in the plane where the filter knows how\n"
-      "wrong it is. OSPA (order 2, cutoff 1 m) and swaps judge each robot's targets as a set,\n"
-      "whatever they are called.\n"
+      "A latency is the time from the validity of the input to the moment when the output is\n"
+      "finished or logged; 'look' is the newest measurement that was used. The margin of a plan\n"
+      "is the time left until its deadline.\n"
+      "NEES is computed for each robot from its own belief; a consistent filter has mean 2 in the\n"
+      "plane. OSPA (order 2, cutoff 1 m) and swaps compare the set of each robot's estimates\n"
+      "with the set of targets, without their ids.\n"
       "Examples:\n"
       "  vantage log metrics flight.lcmlog --json\n"
       "  vantage log metrics flight.lcmlog --latency\n"
@@ -198,11 +203,12 @@ void add_log_metrics_commands(CLI::App& log, Runner& chosen) {
       [&chosen, arguments] { chosen = [arguments] { return metrics(*arguments); }; });
 
   CLI::App* plot_command =
-      log.add_subcommand("plot", "Draw the course of a trial as PNG, SVG or PDF, with gnuplot.");
+      log.add_subcommand("plot", "Plot a trial over time as PNG, SVG or PDF (needs gnuplot).");
   plot_command->add_option("log", arguments->logs, "LCM event log")->required()->expected(1);
   plot_command
-      ->add_option("--out", arguments->output,
-                   "the picture, .png, .svg or .pdf; its script lies beside it")
+      ->add_option(
+          "--out", arguments->output,
+          "picture to write: .png, .svg or .pdf; the gnuplot script is written next to it (.gp)")
       ->required();
   plot_command->footer(
       "Example:\n"

@@ -39,13 +39,13 @@ std::string motion_plot_script(const std::vector<logs::FittedMotion>& fits,
   out += fmt::format(
       "set terminal {}\nset output {}\nset grid lt 1 lc rgb '#dddddd'\n"
       "set colorsequence podo\nset key left top Left reverse\n"
-      "set xrange [0:*]\nset yrange [0:*]\nset xlabel 'lag, s'\n"
+      "set xrange [0:*]\nset yrange [0:*]\nset xlabel 'time ahead, s'\n"
       "set multiplot layout 1,2 title {}\n",
       plot_terminal(picture_path, 600), gnuplot_text(picture_path), gnuplot_text(title));
   for (std::size_t axis = 0; axis < 2; ++axis) {
     out +=
         fmt::format("set ylabel 'RMS displacement in {}, m'\nplot $coordinate{}", "xy"[axis], axis);
-    out += " using 1:2 with points pt 7 ps 1.2 lt 1 title 'seen'";
+    out += " using 1:2 with points pt 7 ps 1.2 lt 1 title 'measured'";
     for (std::size_t m = 0; m < fits.size(); ++m) {
       out += fmt::format(", '' using 1:{} with lines lw 2 lt {} title {}", m + 3, m + 2,
                          gnuplot_text(kind_word(fits[m].model)));

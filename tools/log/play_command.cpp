@@ -71,8 +71,8 @@ void refuse_neighbours(const PlayArguments& arguments) {
       trial::hear_channels(*transport, trial::kListenToNeighbours, stop_requested));
   if (!rivals.empty()) {
     throw StartupError(rivals.front() +
-                       ": play on another network (--url), under other names (--prefix), or all "
-                       "the same with --beside-others");
+                       ": play on another network (--url), under other names (--prefix), or skip "
+                       "this check with --beside-others");
   }
 }
 
@@ -101,15 +101,15 @@ class PublishFailures {
   [[nodiscard]] std::string why(const std::string& channel, std::size_t bytes) const {
     if (bytes > message_bytes_max_) {
       return fmt::format(
-          "messages of up to {} bytes, more than max_message_size {}; set max_message_size in "
+          "messages have up to {} bytes, more than max_message_size {}; raise max_message_size in "
           "--url",
           bytes, message_bytes_max_);
     }
     if (!bus::udpm::is_channel_name(channel)) {
-      return fmt::format("not a name that LCM carries: it must have 1 to {} bytes",
+      return fmt::format("not a valid LCM channel name: it must have 1 to {} bytes",
                          bus::udpm::kChannelBytesMax);
     }
-    return "the network did not take messages of up to " + std::to_string(bytes) + " bytes";
+    return "the network rejected messages of up to " + std::to_string(bytes) + " bytes";
   }
 
   std::size_t message_bytes_max_ = std::numeric_limits<std::size_t>::max();
@@ -127,7 +127,7 @@ void tell_end(const PlayArguments& arguments, const logs::PlayReport& report,
                                       {"late_over_1_ms", report.late_over_1_ms},
                                       {"gaps", report.gaps}});
   } else {
-    print_line(fmt::format("{} messages, late by {:.0f} µs on average, {:.0f} µs at worst",
+    print_line(fmt::format("{} messages published, on average {:.0f} µs late, at most {:.0f} µs",
                            report.published, report.late_mean_us, report.late_worst_us));
   }
   if (report.failed > 0) {
@@ -157,7 +157,9 @@ int run(const PlayArguments& arguments) {
         return wish;
       }
       if (!terminal.is_interactive()) {
-        print_line("play: do not understand '" + *text + "'", stderr);
+        print_line("play: unknown command '" + *text +
+                       "'; expected pause, resume, seek S, step S, speed X or quit",
+                   stderr);
       }
     }
     return std::nullopt;
@@ -175,11 +177,12 @@ int run(const PlayArguments& arguments) {
   const auto on_gap = [&](Time from, Time to) {
     constexpr int kGapsTold = 5;
     if (++gaps_told <= kGapsTold) {
-      fmt::print(stderr,
-                 "vantage: {}: its times jump from {:.3f} s to {:.3f} s after the first: not "
-                 "waited out\n",
-                 arguments.log, to_seconds(from - log.survey().begin),
-                 to_seconds(to - log.survey().begin));
+      fmt::print(
+          stderr,
+          "vantage: {}: a gap is skipped: the log's times jump from {:.3f} s to {:.3f} s after "
+          "the first event\n",
+          arguments.log, to_seconds(from - log.survey().begin),
+          to_seconds(to - log.survey().begin));
     }
   };
   const logs::PlayReport report = player.run(command, stop_requested, on_position, on_gap);
@@ -190,36 +193,51 @@ int run(const PlayArguments& arguments) {
 }  // namespace
 
 void add_log_play_command(CLI::App& log, Runner& chosen) {
-  CLI::App* command = log.add_subcommand("play", "Publish a log's messages again, at their pace.");
+  CLI::App* command =
+      log.add_subcommand("play", "Publish the messages of a log again with their original timing.");
   auto arguments = std::make_shared<PlayArguments>();
   command->add_option("log", arguments->log, "LCM event log")->required();
-  command->add_option("--url", arguments->url, "LCM URL; $LCM_DEFAULT_URL when not given");
-  command->add_option("--speed", arguments->speed, "1: as it was")
+  command->add_option("--url", arguments->url, "LCM URL of the bus; default: $LCM_DEFAULT_URL");
+  command
+      ->add_option("--speed", arguments->speed,
+                   "playback speed relative to the recording; 1: original speed")
       ->check(number_between(1.0 / 64.0, 64.0))
       ->capture_default_str();
-  command->add_option("--from-s", arguments->from_s, "where to begin, since the first event")
-      ->check(any_number());
-  command->add_option("--to-s", arguments->to_s, "where to end (not included)")
+  command
+      ->add_option("--from-s", arguments->from_s,
+                   "start of the part to play, s after the first event")
       ->check(any_number());
   command
-      ->add_option("--gap-max-s", arguments->gap_max_s,
-                   "where the log's times jump by more, on or back, it does not wait")
+      ->add_option("--to-s", arguments->to_s,
+                   "end of the part to play (not included), s after the first event")
+      ->check(any_number());
+  command
+      ->add_option(
+          "--gap-max-s", arguments->gap_max_s,
+          "longest gap to wait for, s; larger jumps of the log's times, forward or back, are "
+          "skipped")
       ->check(positive_number())
       ->capture_default_str();
-  command->add_option("--channels", arguments->include, "the ones to play (whole names)");
-  command->add_option("--without", arguments->exclude, "the ones not to play");
-  command->add_option("--rename", arguments->renames, "OLD=NEW or OLD*=NEW*; the first fits");
-  command->add_option("--prefix", arguments->prefix, "put before the name of every channel");
+  command->add_option("--channels", arguments->include,
+                      "channels to play; regular expressions that match whole names; default: all");
+  command->add_option("--without", arguments->exclude,
+                      "channels not to play; regular expressions that match whole names");
+  command->add_option("--rename", arguments->renames,
+                      "rename channels: OLD=NEW or OLD*=NEW*; the first matching rule applies");
+  command->add_option("--prefix", arguments->prefix,
+                      "text to put before the name of every channel");
   command->add_flag("--beside-others", arguments->beside_others,
-                    "play though vehicles, a supervisor or a simulator are alive on the network");
-  command->add_flag("--loop", arguments->loops, "begin again at the end");
-  command->add_flag("--paused", arguments->starts_paused, "wait for space (or 'resume')");
+                    "play even if vehicles, a supervisor or a simulator are active on the network");
+  command->add_flag("--loop", arguments->loops, "start again when the end is reached");
+  command->add_flag("--paused", arguments->starts_paused,
+                    "start paused; the space key or the line 'resume' starts playback");
   command->add_flag("--json", arguments->as_json, "print one JSON object at the end");
   command->footer(
-      "Keys: space pause, arrows or f b 5 s on and back, + - speed, q quit. Without a terminal,\n"
-      "lines: pause, resume, seek S, step S, speed X, quit.\n"
-      "After going back, vantage's own processes take what they hear for old and refuse it; start\n"
-      "them anew. Viewers and other LCM programs do not mind.\n"
+      "Keys: space pauses, right or f and left or b jump 5 s forward and back, + and - (or up and\n"
+      "down) change the speed, q quits. Without a terminal it reads lines: pause, resume, seek S,\n"
+      "step S, speed X, quit.\n"
+      "After a jump back, vantage's processes reject the messages as too old: restart them.\n"
+      "Viewers and other LCM programs accept them.\n"
       "Examples:\n"
       "  vantage log play flight.lcmlog --speed 2 --from-s 30\n"
       "  vantage log play flight.lcmlog --channels VICON --rename VICON=MOCAP --loop");

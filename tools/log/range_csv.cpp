@@ -181,7 +181,7 @@ class Reader {
       const std::size_t closed = end_of_quoted_record();
       const bool is_last_line = end + 1 >= text_.size();
       if (closed == std::string_view::npos && !is_last_line) {
-        refuse("a quote without its end; expected another one behind it");
+        refuse("a quotation mark is not closed; expected a second one");
       }
       has_end_ = closed < text_.size();
       end = std::min(closed, text_.size());
@@ -305,7 +305,7 @@ class Reader {
       }
       if (!place) {
         constexpr std::size_t kShown = 80;
-        refuse(fmt::format("no column '{}' with a unit that is known in '{}'; expected {}",
+        refuse(fmt::format("no column '{}' with a known unit in '{}'; expected {}",
                            column.names.front(), readable(line.substr(0, kShown)), expected()));
       }
       places_.push_back(*place);
@@ -315,7 +315,7 @@ class Reader {
   void take_order(std::string_view line) {
     cells_ = cells_of(line).size();
     if (cells_ != columns_.size()) {
-      refuse(fmt::format("{} cells and no header; expected one, with {}", cells_, expected()));
+      refuse(fmt::format("{} cells and no header; expected a header with {}", cells_, expected()));
     }
     for (std::size_t i = 0; i < columns_.size(); ++i) {
       places_.push_back({i, 1.0});

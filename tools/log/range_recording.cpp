@@ -140,7 +140,7 @@ std::vector<Survey> read_survey(const std::string& path) {
   for (const TableRow& row : read_table(path, columns).rows) {
     if (!names.insert(row.name).second) {
       throw StartupError(
-          fmt::format("{}: beacon '{}' is there twice; expected once", path, row.name));
+          fmt::format("{}: beacon '{}' is listed twice; expected once", path, row.name));
     }
     out.push_back({row.name, {row.numbers[0], row.numbers[1]}});
   }
@@ -204,8 +204,8 @@ RangeRecording recording_of(const logs::IndexedLog& log, const std::string& robo
   if (rangers.empty()) {
     throw StartupError(fmt::format("{}: {}; expected a sensor of kind range or range_bearing",
                                    log.path(),
-                                   robot.empty() ? "no robot of its scenario ranges"
-                                                 : "no robot '" + robot + "' that ranges"));
+                                   robot.empty() ? "no robot of its scenario has a range sensor"
+                                                 : "no robot '" + robot + "' with a range sensor"));
   }
   std::vector<NamedRange> named;
   RangeRecording recording;

@@ -37,12 +37,12 @@ std::string left_out(const RangeRecording& recording) {
       words.push_back(fmt::format("{} {}", number, what));
     }
   };
-  count(recording.not_finite, "without a number");
-  count(recording.doubled, "twice there");
+  count(recording.not_finite, "with a missing value");
+  count(recording.doubled, "duplicates");
   count(recording.outside_poses, "before the first pose or after the last");
   count(recording.in_gaps, "in gaps between poses");
-  count(recording.too_far, "beyond 1000 km, or taken there");
-  count(recording.of_too_few, "of beacons with too few");
+  count(recording.too_far, "with a range or position beyond 1000 km");
+  count(recording.of_too_few, "of beacons with too few ranges");
   return fmt::format("{}", fmt::join(words, ", "));
 }
 
@@ -83,9 +83,9 @@ RangeReport report_of(RangeRecording recording, const std::vector<Survey>& surve
                       double fitted_share, const std::string& source) {
   if (recording.beacons.empty()) {
     const std::string why = left_out(recording);
-    throw StartupError(fmt::format("{}: no beacon with {} ranges that say where the robot was{}",
-                                   source, estimator::kRangesOfBeaconMin,
-                                   why.empty() ? "; there are none" : " (left out: " + why + ")"));
+    throw StartupError(
+        fmt::format("{}: no beacon has {} usable ranges{}", source, estimator::kRangesOfBeaconMin,
+                    why.empty() ? ": the input has no ranges" : " (left out: " + why + ")"));
   }
   RangeReport report;
   report.recording = std::move(recording);
@@ -135,8 +135,8 @@ std::vector<std::string> to_lines(const RangeReport& report) {
       fmt::format("scale   {:.5f} ± {:.5f}", fit.calibration.range_scale, fit.range_scale_sigma));
   out.push_back(fmt::format("bias    {:.3f} ± {:.3f} m", fit.calibration.range_bias_m,
                             fit.range_bias_sigma_m));
-  out.push_back(fmt::format("so many ranges say as much as one of an error of its own: {:.1f}",
-                            fit.correlation));
+  out.push_back(fmt::format(
+      "number of ranges with the information of one independent range: {:.1f}", fit.correlation));
   out.emplace_back();
   const std::optional<double> nees = mean_nees(report);
   out.push_back(fmt::format("{:<10} {:>7} {:>10} {:>10} {:>9} {:>9} {:>10}{}", "beacon", "ranges",
@@ -148,22 +148,23 @@ std::vector<std::string> to_lines(const RangeReport& report) {
   }
   for (std::size_t b = 0; b < fit.beacons.size(); ++b) {
     if (const estimator::FittedBeacon& beacon = fit.beacons[b]; beacon.other) {
-      out.push_back(fmt::format("{} may be elsewhere: here by {:.3f}, else about {:.2f}, {:.2f}",
-                                recording.beacons[b], beacon.probability, beacon.other->x(),
-                                beacon.other->y()));
+      out.push_back(fmt::format(
+          "{} has two possible positions: this one with probability {:.3f}, or {:.2f}, {:.2f}",
+          recording.beacons[b], beacon.probability, beacon.other->x(), beacon.other->y()));
     }
   }
   out.emplace_back();
   if (nees) {
-    out.push_back(fmt::format("mean NEES of the beacons {:.2f} of 2", *nees));
+    out.push_back(fmt::format("mean NEES of the beacons {:.2f} (expected 2)", *nees));
   }
   if (!report.unheard.empty()) {
-    out.push_back(fmt::format("surveyed, not found: {}", fmt::join(report.unheard, ", ")));
+    out.push_back(fmt::format("surveyed, but not located (too few ranges): {}",
+                              fmt::join(report.unheard, ", ")));
   }
   if (report.held_back) {
-    out.push_back(
-        fmt::format("held back: mean NEES of {} innovations {:.2f} of 1, {} beyond 4 sigma",
-                    report.held_back->honest, report.held_back->nees, report.held_back->outliers));
+    out.push_back(fmt::format(
+        "held back: {} innovations with mean NEES {:.2f} (expected 1), {} beyond 4 sigma",
+        report.held_back->honest, report.held_back->nees, report.held_back->outliers));
   }
   out.push_back(fmt::format("calibration: {{range_scale: {:.5f}, range_bias_m: {:.3f}}}",
                             fit.calibration.range_scale, fit.calibration.range_bias_m));
@@ -254,7 +255,7 @@ std::string range_plot_script(const RangeReport& report, const std::string& pict
                                fit.calibration.range_scale, fit.range_scale_sigma,
                                fit.calibration.range_bias_m, fit.range_bias_sigma_m)));
   out +=
-      "plot $ranges using 1:2 with dots lt 1 title 'ranged from', $beacons using 1:2:3:4:5 with "
+      "plot $ranges using 1:2 with dots lt 1 title 'robot', $beacons using 1:2:3:4:5 with "
       "ellipses lt 3 lw 2 title 'beacon, 95 %', '' using 1:2:6 with labels offset 0,1 notitle";
   const bool is_surveyed = mean_nees(report).has_value();
   out += is_surveyed ? ", $surveys using 1:2 with points pt 1 lt 7 title 'survey'\n" : "\n";

@@ -56,7 +56,8 @@ void check_room(const RecordArguments& arguments) {
   const auto free_bytes = logs::free_bytes_for(arguments.log);
   if (free_bytes && *free_bytes < arguments.free_mib * kMebi) {
     throw StartupError(fmt::format(
-        "{}: {} MiB are free there, less than --free-mib {}: make room, or write elsewhere",
+        "{}: only {} MiB are free on its disk, and --free-mib requires {}; free some space, or "
+        "write to another disk",
         arguments.log, *free_bytes / kMebi, arguments.free_mib));
   }
 }
@@ -68,7 +69,7 @@ class RoomWatch {
   void look(const logs::SpoolReport& report) {
     const bool is_little = report.free_bytes && *report.free_bytes < arguments_.free_mib * kMebi;
     if (is_little != std::exchange(was_little_, is_little)) {
-      print_line(fmt::format("record: {} MiB are left for {}",
+      print_line(fmt::format("record: {} MiB of disk space are left for {}",
                              report.free_bytes.value_or(0) / kMebi, report.path),
                  stderr);
     }
@@ -95,7 +96,7 @@ Losses losses_of(const bus::Transport& transport, logs::ChannelFilter channels) 
   out.incomplete = stats.incomplete_messages;
   if (out.for_want_of_room > 0) {
     out.sentences.push_back(
-        fmt::format("{} datagrams or messages were lost for want of room before they were recorded",
+        fmt::format("{} datagrams or messages are not in the log: the receive buffers were full",
                     out.for_want_of_room));
   }
   if (out.incomplete > 0) {
@@ -107,8 +108,8 @@ Losses losses_of(const bus::Transport& transport, logs::ChannelFilter channels) 
       if (channels.takes(channel)) {
         out.oversized += refused.messages;
         out.sentences.push_back(fmt::format(
-            "{}: {} messages are not in the log: of up to {} bytes, more than max_message_size {}; "
-            "set max_message_size in --url",
+            "{}: {} messages are not in the log: they have up to {} bytes, more than "
+            "max_message_size {}; raise max_message_size in --url",
             readable(channel), refused.messages, refused.bytes_max, udpm->message_bytes_max()));
       }
     }
@@ -139,7 +140,9 @@ void tell_end(const RecordArguments& arguments, const logs::SpoolReport& report,
                          static_cast<double>(report.bytes) * 1e-6,
                          report.files > 1 ? fmt::format(" in {} files", report.files) : ""));
   if (report.events_lost > 0) {
-    print_line(fmt::format("record: {} events were lost", report.events_lost), stderr);
+    print_line(fmt::format("record: {} events were lost: they could not be written to the log",
+                           report.events_lost),
+               stderr);
   }
   for (const std::string& sentence : losses.sentences) {
     print_line("record: " + sentence, stderr);
@@ -203,36 +206,48 @@ int run(const RecordArguments& arguments) {
 
 void add_log_record_command(CLI::App& log, Runner& chosen) {
   CLI::App* command =
-      log.add_subcommand("record", "Record a bus until Ctrl-C, losing 100 ms at most to anything.");
+      log.add_subcommand("record", "Record the messages of an LCM bus to a log until Ctrl-C.");
   auto arguments = std::make_shared<RecordArguments>();
-  command->add_option("log", arguments->log, "LCM event log to write, a new file")->required();
-  command->add_option("--url", arguments->url, "LCM URL; $LCM_DEFAULT_URL when not given");
-  command->add_option("--scenario", arguments->scenario,
-                      "sign HEALTH_RECORDER with the keys of this scenario's `security`");
-  command->add_option("--channels", arguments->include, "the ones to record (whole names)");
-  command->add_option("--without", arguments->exclude, "the ones not to record");
-  command->add_flag("--append", arguments->appends, "go on with the log where there is one");
-  command->add_option("--rotate-mib", arguments->rotate_mib,
-                      "begin another file, NAME-2, NAME-3, … before one gets longer");
-  command->add_option("--limit-mib", arguments->limit_mib,
-                      "end, with exit code 1, before all files together get longer; with --append "
-                      "those that are there count");
   command
-      ->add_option("--free-mib", arguments->free_mib,
-                   "what must be free to begin; what is left is told below that")
+      ->add_option("log", arguments->log,
+                   "LCM event log to write; the file must not exist unless --append is given")
+      ->required();
+  command->add_option("--url", arguments->url, "LCM URL of the bus; default: $LCM_DEFAULT_URL");
+  command->add_option(
+      "--scenario", arguments->scenario,
+      "scenario file; HEALTH_RECORDER is signed with the keys of its `security` section");
+  command->add_option(
+      "--channels", arguments->include,
+      "channels to record; regular expressions that match whole names; default: all");
+  command->add_option("--without", arguments->exclude,
+                      "channels not to record; regular expressions that match whole names");
+  command->add_flag("--append", arguments->appends, "append to the log if it exists");
+  command->add_option(
+      "--rotate-mib", arguments->rotate_mib,
+      "MiB; largest size of a file; the recording continues in NAME-2, NAME-3, …; 0: no limit");
+  command->add_option(
+      "--limit-mib", arguments->limit_mib,
+      "MiB; largest total size; the recording ends with exit code 1 before it is exceeded; "
+      "with --append existing files count; 0: no limit");
+  command
+      ->add_option(
+          "--free-mib", arguments->free_mib,
+          "MiB that must be free on the disk at the start; later a warning is printed below it")
       ->capture_default_str();
-  command->add_option("--duration-s", arguments->duration_s, "end after that")
+  command
+      ->add_option("--duration-s", arguments->duration_s,
+                   "end the recording after this time, s; default: at Ctrl-C")
       ->check(CLI::PositiveNumber);
   command->add_flag("--json", arguments->as_json, "print one JSON object at the end");
-  command->add_flag("--quiet", arguments->is_quiet, "say nothing at the end");
+  command->add_flag("--quiet", arguments->is_quiet, "print no report at the end");
   command->footer(
-      "No log is deleted or written over. While the disk refuses (full, read-only) that is said "
-      "at\n"
-      "once and on HEALTH_RECORDER, and tried again; the file stays whole. Ctrl-C, SIGTERM and\n"
-      "SIGHUP end it. Each file after the first begins with the newest SCENARIO. Messages of up "
-      "to\n"
-      "32 MiB are recorded; max_message_size=BYTES in --url sets another limit.\n"
-      "Exit code 1 when anything was lost or the disk refused, 2 when it could not start.\n"
+      "Ctrl-C, SIGTERM and SIGHUP end the recording. Existing logs are never deleted or\n"
+      "overwritten. If the disk rejects data (full, read-only), this is reported at once, also on\n"
+      "HEALTH_RECORDER, and writing is tried again; the file stays valid. A power cut normally\n"
+      "loses less than 100 ms. With --rotate-mib each further file begins with the newest\n"
+      "SCENARIO. Messages of up to 32 MiB are recorded; max_message_size=BYTES in --url sets\n"
+      "another limit.\n"
+      "Exit code 1: messages were lost or the disk rejected data; 2: it could not start.\n"
       "Examples:\n"
       "  vantage log record flight.lcmlog\n"
       "  vantage log record flight.lcmlog --rotate-mib 500 --without 'SCAN_.*'\n"

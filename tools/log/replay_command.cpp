@@ -43,22 +43,23 @@ Json to_json(const std::string& node, const trial::ReplayReport& report) {
 
 void print(const std::string& node, const trial::ReplayReport& report) {
   const trial::OutputComparison& outputs = report.outputs;
-  print_line(fmt::format("{}: {} of {} outputs made again, {} different{}", node,
+  print_line(fmt::format("{}: {} of {} outputs reproduced, {} different{}", node,
                          outputs.replayed(), outputs.logged(), outputs.different(),
                          is_good(report) ? ": exact" : ""));
   if (outputs.unexpected() > 0) {
-    print_line(fmt::format("  {} outputs that the log does not have", outputs.unexpected()));
+    print_line(fmt::format("  {} outputs are not in the log", outputs.unexpected()));
   }
   if (report.not_replayed() > 0) {
-    print_line(fmt::format("  {} not made again: an input that they name is not in the log",
+    print_line(fmt::format("  {} outputs not replayed: one of their inputs is not in the log",
                            report.not_replayed()));
   }
   if (report.refused > 0) {
-    print_line(
-        fmt::format("  {} messages left out: not signed with the flight's keys", report.refused));
+    print_line(fmt::format("  {} messages left out: they are not signed with the trial's keys",
+                           report.refused));
   }
   if (report.lacks_keys && !is_good(report)) {
-    print_line("  the flight's keys are not here: what it refused was replayed, too");
+    print_line(
+        "  messages that the trial rejected were replayed too: its keys are not on this computer");
   }
   if (outputs.first_difference()) {
     for (const std::string& line : describe(*outputs.first_difference())) {
@@ -99,16 +100,16 @@ int run(ReplayArguments arguments) {
 
 void add_log_replay_command(CLI::App& log, Runner& chosen) {
   CLI::App* command = log.add_subcommand(
-      "replay", "Let planners and estimators decide again on logged inputs, and compare.");
+      "replay", "Run planners and estimators again on logged inputs and compare their outputs.");
   auto arguments = std::make_shared<ReplayArguments>();
   command->add_option("log", arguments->log, "LCM event log")->required();
   command->add_option("--node", arguments->nodes,
-                      "planner:ROBOT or estimator:ROBOT; all of them when not given");
+                      "process to replay: planner:ROBOT or estimator:ROBOT; default: all");
   command->add_flag("--json", arguments->as_json, "print one JSON object");
   command->footer(
-      "Every plan and belief names the messages it was made from and the nodes it cost; the same\n"
-      "code makes it again from these, in virtual time, and every bit is compared.\n"
-      "Exit code 0: all equal; 1: some differ, or none could be made again.\n"
+      "Every logged plan and belief lists its input messages and the number of search nodes. The\n"
+      "same code computes it again from these in virtual time, and every bit is compared.\n"
+      "Exit code 0: all equal; 1: outputs differ, or none could be replayed.\n"
       "Examples:\n"
       "  vantage log replay flight.lcmlog\n"
       "  vantage log replay flight.lcmlog --node planner:Q1 --json");

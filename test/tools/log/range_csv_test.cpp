@@ -85,7 +85,7 @@ TEST(ParseTable, NamesFileLineAndRule) {
   EXPECT_EQ(refusal("time,beacon,range,distance\n"),
             "a.csv:1: two columns are the range, 'range' and 'distance'; expected one");
   EXPECT_EQ(refusal("time,beacon,range_furlong\n"),
-            "a.csv:1: no column 'range' with a unit that is known in 'time,beacon,range_furlong'; "
+            "a.csv:1: no column 'range' with a known unit in 'time,beacon,range_furlong'; "
             "expected time, beacon, range");
   EXPECT_EQ(refusal(""), "a.csv: is empty; expected columns time, beacon, range");
   EXPECT_NE(refusal("\x89PNG\r\n").find("a.csv:1: no column 'time'"), std::string::npos);

@@ -113,8 +113,8 @@ TEST(ReportOf, SaysWhereRangesWentWhenNoneIsLeft) {
   } catch (const StartupError& error) {
     EXPECT_STREQ(
         error.what(),
-        "r.csv: no beacon with 10 ranges that say where the robot was (left out: 4 without "
-        "a number, 9 of beacons with too few)");
+        "r.csv: no beacon has 10 usable ranges (left out: 4 with a missing value, 9 of beacons "
+        "with too few ranges)");
   }
 }
 
