@@ -16,7 +16,8 @@ std::vector<std::regex> compiled(const std::vector<std::string>& texts) {
     try {
       out.emplace_back(text, std::regex::ECMAScript | std::regex::optimize);
     } catch (const std::regex_error& error) {
-      throw UsageError("channel expression '" + text + "': " + error.what());
+      throw UsageError("channel expression '" + text +
+                       "' is not a valid regular expression: " + error.what());
     }
   }
   return out;
@@ -55,11 +56,11 @@ ChannelRenames::ChannelRenames(const std::vector<std::string>& rules) {
   for (const std::string& text : rules) {
     const std::size_t equals = text.find('=');
     require(equals != std::string::npos && equals > 0 && equals + 1 < text.size(),
-            "rename rule '" + text + "': want OLD=NEW or OLD*=NEW*");
+            "rename rule '" + text + "': must be OLD=NEW or OLD*=NEW*");
     Rule rule{text.substr(0, equals), text.substr(equals + 1)};
     rule.is_prefix = rule.from.ends_with('*');
     require(rule.is_prefix == rule.to.ends_with('*'),
-            "rename rule '" + text + "': both names end in '*', or none");
+            "rename rule '" + text + "': both names must end in '*', or neither");
     if (rule.is_prefix) {
       rule.from.pop_back();
       rule.to.pop_back();

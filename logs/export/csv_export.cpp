@@ -74,7 +74,7 @@ ExportCounts export_csv(const IndexedLog& log, const std::string& folder, Channe
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) {
-    throw StartupError(folder + ": cannot be made: " + error.message());
+    throw StartupError(folder + ": cannot be created: " + error.message());
   }
   std::map<std::string, Table, std::less<>> tables;
   ExportCounts counts;

@@ -158,8 +158,8 @@ std::uint16_t McapWriter::topic(const std::string& name, const std::string& sche
   }
   if (topics_.size() == kTopicsMax) {
     fail(
-        fmt::format("{}: cannot be written: an MCAP file numbers at most {} topics; choose "
-                    "channels with --channels, or leave out what is drawn with --messages-only",
+        fmt::format("{}: cannot be written: an MCAP file can have at most {} topics; "
+                    "select channels with --channels, or leave out drawings with --messages-only",
                     path_, kTopicsMax));
     return 0;
   }

@@ -141,7 +141,7 @@ MappedFile::MappedFile(const std::string& path) : path_(path) {
   }
   if (!S_ISREG(status.st_mode)) {
     ::close(fd);
-    throw StartupError(path + ": not a file");
+    throw StartupError(path + ": is not a regular file");
   }
   size_bytes_ = static_cast<std::size_t>(status.st_size);
   void* mapped =

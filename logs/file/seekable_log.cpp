@@ -53,7 +53,7 @@ SeekableLog::SeekableLog(const std::string& path) : file_(path) {
     }
   }
   if (survey().channels.empty()) {
-    throw StartupError(path + ": no event in it; `vantage log check` says more");
+    throw StartupError(path + ": contains no events; run `vantage log check` for details");
   }
 }
 

@@ -23,7 +23,7 @@ Event event_of(const models::ContactReport& contact) {
   return {contact.stamp.time, is_collision ? LogLevel::kFatal : LogLevel::kWarning,
           is_collision ? "collision" : "near_miss",
           fmt::format("{} and {} {} ({:.2f} m)", contact.body_a, contact.body_b,
-                      is_collision ? "collided" : "came too near", contact.distance_m)};
+                      is_collision ? "collided" : "came too close", contact.distance_m)};
 }
 
 std::optional<Event> event_of(const models::RobotPlan& plan) {
@@ -67,7 +67,7 @@ std::optional<Event> event_of(const models::AttackNotice* before,
     return std::nullopt;
   }
   return Event{attack.stamp.time, jammed.empty() ? LogLevel::kInfo : LogLevel::kWarning, "attack",
-               jammed.empty() ? std::string("no sensor is jammed any more")
+               jammed.empty() ? std::string("no sensor is jammed anymore")
                               : fmt::format("jammed: {}", fmt::join(jammed, ", "))};
 }
 
@@ -78,7 +78,7 @@ std::optional<Event> HealthStory::on(const models::ProcessHealth& health) {
   const std::optional<models::ProcessHealth> before = std::exchange(last_, health);
   if (before && before->stamp.run_id != health.stamp.run_id) {
     degraded_.reset();
-    return event(LogLevel::kWarning, "was started anew");
+    return event(LogLevel::kWarning, "was restarted");
   }
   const Time now = health.stamp.time;
   if (health.state == models::ProcessState::kDegraded) {
@@ -91,17 +91,17 @@ std::optional<Event> HealthStory::on(const models::ProcessHealth& health) {
   }
   if (health.state == models::ProcessState::kStopping) {
     degraded_.reset();
-    return before && before->state == health.state ? std::nullopt
-                                                   : std::optional(event(LogLevel::kInfo, "stops"));
+    return before && before->state == health.state
+               ? std::nullopt
+               : std::optional(event(LogLevel::kInfo, "is stopping"));
   }
   if (!degraded_ || now - degraded_->second < kWell) {
     return std::nullopt;
   }
   const double lasted_s = to_seconds(degraded_->second - degraded_->first);
   degraded_.reset();
-  return event(LogLevel::kInfo, lasted_s > 0.0
-                                    ? fmt::format("runs well again, after {:.0f} s", lasted_s)
-                                    : "runs well again");
+  return event(LogLevel::kInfo,
+               lasted_s > 0.0 ? fmt::format("recovered after {:.0f} s", lasted_s) : "recovered");
 }
 
 std::optional<Event> event_of(const models::HostReport* before, const models::HostReport& report) {

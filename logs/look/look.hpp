@@ -24,12 +24,12 @@ struct Paint {
   [[nodiscard]] std::uint32_t middle() const;
 };
 
-/// Name and unit of a displayed quantity: "entropy a target", "nat".
+/// Name and unit of a displayed quantity: "entropy per target", "nat".
 struct Measure {
   std::string name;
   std::string unit;  ///< empty for a count
 
-  /// Returns "entropy a target [nat]".
+  /// Returns "entropy per target [nat]".
   [[nodiscard]] std::string title() const;
 };
 

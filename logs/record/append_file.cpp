@@ -38,7 +38,8 @@ class DiskFile : public AppendFile {
       taken = ::write(fd_, bytes.data(), bytes.size());
     } while (taken < 0 && errno == EINTR);
     if (taken <= 0) {
-      return Error{path_ + ": cannot be written: " + (taken < 0 ? reason() : "nothing is taken")};
+      return Error{path_ +
+                   ": cannot be written: " + (taken < 0 ? reason() : "the disk accepted no bytes")};
     }
     size_bytes_ += static_cast<std::uint64_t>(taken);
     return static_cast<std::size_t>(taken);
@@ -57,7 +58,7 @@ class DiskFile : public AppendFile {
         ::close(folder);
       }
       if (!is_synced) {
-        return Error{path_ + ": its name may not be on the disk: " + why};
+        return Error{path_ + ": its folder entry may not be on the disk: " + why};
       }
     }
     return std::nullopt;
@@ -97,7 +98,7 @@ Result<std::unique_ptr<AppendFile>> open_append_file(const std::string& path, Ex
   const int fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | how, kMode);
   if (fd < 0) {
     return Error{path + ": " +
-                 (errno == EEXIST ? "is there already, and no log is written over"
+                 (errno == EEXIST ? "exists already, and no log is overwritten"
                                   : "cannot be written: " + reason())};
   }
   struct stat status {};

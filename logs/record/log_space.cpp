@@ -25,10 +25,10 @@ LogRoom room_for_log(const scenario::Scenario& scenario, const std::string& path
                      std::optional<std::uint64_t> free_bytes) {
   const std::uint64_t needed_bytes = log_bytes_needed(scenario);
   if (!free_bytes) {
-    return {true, "log: nobody can say how much is free for " + path};
+    return {true, "log: the free disk space is unknown for " + path};
   }
   const std::string words =
-      fmt::format("log: {} are free for {}; {:g} s take {} at most", megabytes(*free_bytes), path,
+      fmt::format("log: {} are free for {}; {:g} s need at most {}", megabytes(*free_bytes), path,
                   scenario.duration_s + kLogSpareS, megabytes(needed_bytes));
   return {*free_bytes >= needed_bytes, words};
 }
@@ -53,18 +53,18 @@ std::optional<std::string> LogWatch::look(const Look& look, Time now) {
   if (state_ == before) {
     return std::nullopt;
   }
-  const std::string left = look.free_bytes ? megabytes(*look.free_bytes) : "an unknown space";
+  const std::string left = look.free_bytes ? megabytes(*look.free_bytes) : "an unknown amount";
   switch (state_) {
     case State::kUnwritten:
       ++times_unwritten_;
       return fmt::format(
-          "LOG NOT WRITTEN for {:.0f} s, with {} free: the flight goes on unrecorded",
+          "LOG NOT WRITTEN for {:.0f} s, with {} free: the flight continues unrecorded",
           to_seconds(now - *grown_at_), left);
     case State::kNearlyFull:
       return fmt::format("log: only {} are left on its disk, for {:.0f} s of flight", left,
                          static_cast<double>(look.free_bytes.value_or(0)) / bytes_per_s_);
     case State::kWritten:
-      return fmt::format("log: written, with {} free", left);
+      return fmt::format("log: written as usual, with {} free", left);
   }
   return std::nullopt;
 }

@@ -65,8 +65,8 @@ LogSpool::LogSpool(SpoolOptions options, OpenFile open)
     bytes_before_ += error ? 0 : bytes;
   }
   if (report_.trimmed_bytes > 0) {
-    news_.push_back(report_.path + ": its end was torn: " + std::to_string(report_.trimmed_bytes) +
-                    " bytes of an unfinished event are cut off");
+    news_.push_back(report_.path + ": " + std::to_string(report_.trimmed_bytes) +
+                    " bytes of an unfinished event were removed from its end");
   }
   report_.free_bytes = file_->free_bytes();
   queued_.reserve(kWakeBytes);
@@ -87,7 +87,7 @@ bool LogSpool::write(Time time, std::string_view channel, std::span<const std::u
   if (is_closing_ || bytes > options_.queue_bytes_max) {
     ++report_.events_lost;
     if (!is_closing_ && !std::exchange(is_overflowing_, true)) {
-      news_.push_back(report_.path + ": the disk does not take what comes: events are lost");
+      news_.push_back(report_.path + ": events are lost: the disk is slower than the bus");
     }
     return false;
   }

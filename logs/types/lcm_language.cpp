@@ -63,7 +63,7 @@ class Parser {
       return each.name == made.name;
     });
     if (is_known) {
-      fail("struct " + made.name + " stands here twice");
+      fail("struct " + made.name + " is defined twice");
     }
     structs_.push_back(std::move(made));
   }
@@ -81,7 +81,7 @@ class Parser {
   void parse_members(LcmStruct& made) {
     const std::string type = name("a type");
     if (type == "struct" || type == "enum") {
-      fail("no " + type + " inside a struct");
+      fail(type + " inside a struct is not allowed");
     }
     do {
       LcmMember member{is_basic_lcm_type(type) ? type : with_package(type), new_name(made), {}};
@@ -101,17 +101,17 @@ class Parser {
     }
     if (const auto known = constants_.find(size); known != constants_.end()) {
       if (!is_integer_type(known->second.first)) {
-        fail("the array's size " + size + " is no integer");
+        fail("the array size " + size + " is not an integer");
       }
       return {known->second.second, constant_size(known->second.second), -1};
     }
     const auto found = std::find_if(made.members.begin(), made.members.end(),
                                     [&](const LcmMember& each) { return each.name == size; });
     if (found == made.members.end()) {
-      fail("the array's size " + size + " is no member before it");
+      fail("the array size " + size + " is not an earlier member");
     }
     if (!is_integer_type(found->type) || !found->dimensions.empty()) {
-      fail("the array's size " + size + " is no integer");
+      fail("the array size " + size + " is not an integer");
     }
     return {size, 0, static_cast<std::int32_t>(found - made.members.begin())};
   }
@@ -144,7 +144,7 @@ class Parser {
                           std::any_of(made.members.begin(), made.members.end(),
                                       [&](const LcmMember& each) { return each.name == found; });
     if (is_taken) {
-      fail(found + " stands twice in " + made.name);
+      fail(found + " is defined twice in " + made.name);
     }
     return found;
   }
@@ -174,7 +174,7 @@ class Parser {
   std::string take(const std::string& what) {
     if (token_.empty()) {
       line_ = next_line_;
-      fail("expected " + what + ", and the file ends");
+      fail("expected " + what + ", but the file ends");
     }
     std::string taken(token_);
     line_ = token_line_;
@@ -213,7 +213,7 @@ class Parser {
         const std::size_t end = left_.find("*/", 2);
         if (end == std::string_view::npos) {
           line_ = next_line_;
-          fail("a comment without an end");
+          fail("a comment is not closed");
         }
         size = end + 2;
       } else {

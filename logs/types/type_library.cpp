@@ -102,7 +102,7 @@ TypeLibrary::TypeLibrary(const std::vector<std::string>& paths) {
     const std::vector<std::string> files = files_of(path);
     std::for_each(files.begin(), files.end(), [this](const auto& file) { add_file(file); });
     if (structs_.size() == before && files.empty()) {
-      throw StartupError(path + ": no .lcm file in it");
+      throw StartupError(path + ": contains no .lcm file");
     }
   }
   for (const auto& [name, layout] : structs_) {
@@ -122,7 +122,7 @@ void TypeLibrary::add_file(const std::string& path) {
       structs_.emplace(name, std::make_unique<Layout>(Layout{std::move(source), path, {}, {}}));
     } else if (own_hash(known->second->source) != own_hash(source)) {
       throw StartupError(path + ":" + std::to_string(source.line) + ": " + source.name +
-                         " is another one than in " + known->second->path);
+                         " differs from its definition in " + known->second->path);
     }
   }
 }
@@ -151,8 +151,8 @@ void TypeLibrary::lay_out(Layout& layout) {
     } else {
       const auto nested = structs_.find(member.type);
       if (nested == structs_.end()) {
-        fail("its member " + member.name + " is a " + member.type +
-             ", which is in none of the files that were given");
+        fail("its member " + member.name + " has type " + member.type +
+             ", which none of the given files defines");
       }
       field.nested = &nested->second->schema;
     }

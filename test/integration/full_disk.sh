@@ -17,7 +17,7 @@ status=0
 "$bin/vantage" up "$scenario" --url "$url" --duration-s 300 --log "$disk/flight.lcmlog" \
   > "$dir/refused.out" 2> "$dir/refused.err" || status=$?
 [[ $status == 2 ]] || fail "a trial without room for its log ends with $status, not 2"
-grep -q 'are free for .*flight.lcmlog; 360 s take 108.0 MB at most' "$dir/refused.err" ||
+grep -q 'are free for .*flight.lcmlog; 360 s need at most 108.0 MB' "$dir/refused.err" ||
   fail "it does not say what is free and needed"
 [[ -z $(ls "$disk") ]] || fail "something was begun"
 
@@ -29,7 +29,7 @@ until_true 20 grep -q 'LOG NOT WRITTEN' "$dir/up.err" || fail "nobody says that 
 plans=$(plans_in "$dir/witness.lcmlog")
 until_true 20 plans_go_on "$dir/witness.lcmlog" "$plans" Q1 Q2 Q3 || fail "the flight does not go on"
 rm "$disk/else"
-until_true 30 grep -q 'log: written, with' "$dir/up.err" || fail "it is not written again"
+until_true 30 grep -q 'log: written as usual, with' "$dir/up.err" || fail "it is not written again"
 # Someone deletes the log, then the recorder dies, and a folder has the log's name. The vehicles' processes
 # stay the same.
 pids=$(pgrep -P "$up" | sort)

@@ -244,7 +244,7 @@ def test_what_cannot_be_written_is_refused_at_the_start():
     taken.write_bytes(b"a flight of last year")
     recorder = Recorder(taken)
     assert recorder.process.wait(PATIENCE_S) == 2
-    assert f"{taken}: is there already" in recorder.said(), recorder.said()
+    assert f"{taken}: exists already" in recorder.said(), recorder.said()
     assert taken.read_bytes() == b"a flight of last year"
     recorder = Recorder(FOLDER / "huge.lcmlog", "--free-mib", "1000000000")
     assert recorder.process.wait(PATIENCE_S) == 2 and "MiB are free on its disk" in recorder.said()

@@ -37,7 +37,7 @@ TEST(OpenAppendFile, GoesOnWithWritesOverOrRefusesWhatIsThere) {
   test::write_file(path, {1, 2, 3});
   const auto refused = open_append_file(path, Existing::kRefuse);
   ASSERT_FALSE(refused.ok());
-  EXPECT_EQ(refused.error().message, path + ": is there already, and no log is written over");
+  EXPECT_EQ(refused.error().message, path + ": exists already, and no log is overwritten");
   {
     const auto file = opened(path, Existing::kAppend);
     EXPECT_EQ(file->size_bytes(), 3U);

@@ -51,7 +51,7 @@ TEST(ChannelFilter, RemembersRightHoweverManyNamesThereAre) {
 
 TEST(ChannelFilter, SaysWhichExpressionIsNone) {
   const std::string why = why_not([] { ChannelFilter({"A", "(B"}, {}); });
-  EXPECT_EQ(why.find("channel expression '(B': "), 0U) << why;
+  EXPECT_EQ(why.find("channel expression '(B' is not a valid regular expression: "), 0U) << why;
   EXPECT_NE(why_not([] { ChannelFilter({}, {"[C"}); }).find("'[C'"), std::string::npos);
 }
 
@@ -77,10 +77,11 @@ TEST(ChannelRenames, SayWhichRuleIsNone) {
     return why_not([&] { ChannelRenames({"GOOD=FINE", rule}); });
   };
   for (const char* rule : {"A", "=A", "A=", "="}) {
-    EXPECT_EQ(why(rule), "rename rule '" + std::string(rule) + "': want OLD=NEW or OLD*=NEW*");
+    EXPECT_EQ(why(rule), "rename rule '" + std::string(rule) + "': must be OLD=NEW or OLD*=NEW*");
   }
   for (const char* rule : {"A*=B", "A=B*"}) {
-    EXPECT_EQ(why(rule), "rename rule '" + std::string(rule) + "': both names end in '*', or none");
+    EXPECT_EQ(why(rule),
+              "rename rule '" + std::string(rule) + "': both names must end in '*', or neither");
   }
   EXPECT_EQ(why("A=B"), "");
   EXPECT_EQ(why("A*=B*"), "");

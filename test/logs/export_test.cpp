@@ -166,7 +166,7 @@ TEST_F(ExportTest, SaysWhatCannotBeMade) {
     return std::string();
   };
   EXPECT_EQ(why_not(folder_.file("file/x")),
-            folder_.file("file/x") + ": cannot be made: Not a directory");
+            folder_.file("file/x") + ": cannot be created: Not a directory");
   EXPECT_EQ(why_not(folder_.file("csv")),
             folder_.file("csv/VEHICLE_Q1.csv") + ": cannot be written: Is a directory");
 }

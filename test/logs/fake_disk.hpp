@@ -101,7 +101,7 @@ class FakeDisk {
   Result<std::unique_ptr<AppendFile>> open(const std::string& path, Existing existing) {
     const std::lock_guard lock(mutex_);
     if (existing == Existing::kRefuse && files_.count(path) > 0) {
-      return Error{path + ": is there already"};
+      return Error{path + ": exists already"};
     }
     files_[path];
     return std::unique_ptr<AppendFile>(std::make_unique<File>(*this, path));

@@ -266,7 +266,7 @@ TEST(HealthStory, TellsOfAStretchOfTroubleWhenItBeginsAndWhenItIsOver) {
   const auto over = story.on(health_at(45, ProcessState::kRunning));
   ASSERT_TRUE(over);
   EXPECT_EQ(over->level, LogLevel::kInfo);
-  EXPECT_EQ(over->text, "PLANNER_Q1: runs well again, after 30 s");
+  EXPECT_EQ(over->text, "PLANNER_Q1: recovered after 30 s");
   EXPECT_FALSE(story.on(health_at(46, ProcessState::kRunning)));
   EXPECT_TRUE(story.on(health_at(47, ProcessState::kDegraded))) << "another stretch";
 }
@@ -275,11 +275,11 @@ TEST(HealthStory, TellsOnceThatAProcessStopsAndThatItWasStartedAnew) {
   using models::ProcessState;
   HealthStory story;
   EXPECT_TRUE(story.on(health_at(10, ProcessState::kDegraded)));
-  EXPECT_EQ(story.on(health_at(11, ProcessState::kStopping))->text, "PLANNER_Q1: stops");
+  EXPECT_EQ(story.on(health_at(11, ProcessState::kStopping))->text, "PLANNER_Q1: is stopping");
   EXPECT_FALSE(story.on(health_at(12, ProcessState::kStopping)));
   models::ProcessHealth anew = health_at(13, ProcessState::kRunning);
   anew.stamp.run_id = 7;
-  EXPECT_EQ(story.on(anew)->text, "PLANNER_Q1: was started anew");
+  EXPECT_EQ(story.on(anew)->text, "PLANNER_Q1: was restarted");
   anew.stamp.time += std::chrono::seconds(20);
   EXPECT_FALSE(story.on(anew)) << "the trouble was of another run";
 }

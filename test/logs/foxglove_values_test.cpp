@@ -290,7 +290,7 @@ void expect_event(const std::optional<Event>& event, LogLevel level, const std::
 TEST(EventOf, TellsWhoCameHowNearToWhom) {
   models::ContactReport contact{{kTime, 0, 0}, models::ContactKind::kNearMiss, "Q1", "Q2", 0.123};
   expect_event(event_of(contact), LogLevel::kWarning, "near_miss",
-               "Q1 and Q2 came too near (0.12 m)");
+               "Q1 and Q2 came too close (0.12 m)");
   contact.kind = models::ContactKind::kCollision;
   contact.distance_m = -0.02;
   expect_event(event_of(contact), LogLevel::kFatal, "collision", "Q1 and Q2 collided (-0.02 m)");
@@ -340,7 +340,7 @@ TEST(EventOf, TellsWhenNobodyIsJammedAnyMore) {
   const models::AttackNotice none{{kTime, 0, 0}, {}};
   const models::AttackNotice one{{kTime, 0, 0}, {"Q2"}};
   expect_event(event_of(nullptr, one), LogLevel::kWarning, "attack", "jammed: Q2");
-  expect_event(event_of(&one, none), LogLevel::kInfo, "attack", "no sensor is jammed any more");
+  expect_event(event_of(&one, none), LogLevel::kInfo, "attack", "no sensor is jammed anymore");
   const models::AttackNotice two{{kTime, 0, 0}, {"Q2", "Q1"}};
   expect_event(event_of(&one, two), LogLevel::kWarning, "attack", "jammed: Q1, Q2");
   const models::AttackNotice two_again{{kTime, 0, 0}, {"Q1", "Q2"}};
@@ -386,15 +386,15 @@ TEST(HealthStory, TellsOfOneBadSecondWithoutItsLength) {
   health.stamp.time = kTime - Duration{1};
   EXPECT_FALSE(story.on(health));
   health.stamp.time = kTime;
-  expect_event(story.on(health), LogLevel::kInfo, "health", "SIM: runs well again");
+  expect_event(story.on(health), LogLevel::kInfo, "health", "SIM: recovered");
   EXPECT_FALSE(story.on(health)) << "once";
   health.state = models::ProcessState::kStopping;
-  expect_event(story.on(health), LogLevel::kInfo, "health", "SIM: stops");
+  expect_event(story.on(health), LogLevel::kInfo, "health", "SIM: is stopping");
   health.state = models::ProcessState::kRunning;
   EXPECT_FALSE(story.on(health)) << "it was well when it stopped";
   HealthStory another;
   health.state = models::ProcessState::kStopping;
-  expect_event(another.on(health), LogLevel::kInfo, "health", "SIM: stops");
+  expect_event(another.on(health), LogLevel::kInfo, "health", "SIM: is stopping");
 }
 
 TEST(HealthStory, ForgetsTheTroubleOfARunThatEnded) {
@@ -408,7 +408,7 @@ TEST(HealthStory, ForgetsTheTroubleOfARunThatEnded) {
     if (is_started_anew) {
       health.stamp.run_id = 9;
       health.state = models::ProcessState::kRunning;
-      expect_event(story.on(health), LogLevel::kWarning, "health", "SIM: was started anew");
+      expect_event(story.on(health), LogLevel::kWarning, "health", "SIM: was restarted");
     } else {
       health.state = models::ProcessState::kStopping;
       EXPECT_TRUE(story.on(health));

@@ -316,7 +316,7 @@ TEST(LogSpool, WritesOverNothing) {
     const LogSpool spool(quick(folder.file("a.lcmlog")));
     FAIL() << "it is there";
   } catch (const StartupError& error) {
-    EXPECT_NE(std::string(error.what()).find("a.lcmlog: is there already"), std::string::npos)
+    EXPECT_NE(std::string(error.what()).find("a.lcmlog: exists already"), std::string::npos)
         << error.what();
   }
   EXPECT_TRUE(test::read_file(folder.file("a.lcmlog")) == old);

@@ -134,7 +134,7 @@ TEST(RobotLook, TellsSixtyFourRobotsApart) {
 }
 
 TEST(Measure, HasItsUnitInItsTitleWhereItHasOne) {
-  EXPECT_EQ(look().measures.at("entropy").title(), "entropy a target [nat]");
+  EXPECT_EQ(look().measures.at("entropy").title(), "entropy per target [nat]");
   EXPECT_EQ(look().measures.at("found").title(), "targets found");
 }
 

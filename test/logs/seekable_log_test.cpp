@@ -350,7 +350,7 @@ TEST(SeekableLog, SaysWhatIsWrongWithALogWithoutEvents) {
     const SeekableLog log(path);
     FAIL() << "there is nothing in it";
   } catch (const StartupError& error) {
-    EXPECT_EQ(error.what(), path + ": no event in it; `vantage log check` says more");
+    EXPECT_EQ(error.what(), path + ": contains no events; run `vantage log check` for details");
   }
 }
 

@@ -21,7 +21,7 @@ TEST(RoomForLog, IsForTheWholeTrialAndItsLandings) {
   EXPECT_TRUE(enough.is_enough);
   const LogRoom little = room_for_log(scenario, "lab.lcmlog", 89'900'000U);
   EXPECT_FALSE(little.is_enough);
-  EXPECT_EQ(little.words, "log: 89.9 MB are free for lab.lcmlog; 300 s take 90.0 MB at most");
+  EXPECT_EQ(little.words, "log: 89.9 MB are free for lab.lcmlog; 300 s need at most 90.0 MB");
   EXPECT_TRUE(room_for_log(scenario, "lab.lcmlog", std::nullopt).is_enough) << "nobody knows";
 }
 
@@ -93,12 +93,12 @@ TEST(LogWatch, SaysThatTheDiskIsNearlyFull) {
 TEST(RoomForLog, SaysWhatIsFreeAndNeeded) {
   scenario::Scenario scenario = three_robots();
   EXPECT_EQ(room_for_log(scenario, "a", std::nullopt).words,
-            "log: nobody can say how much is free for a");
+            "log: the free disk space is unknown for a");
   scenario.duration_s = 0.5;
   scenario.robots.resize(1);
   EXPECT_EQ(log_bytes_needed(scenario), 6'050'000U);  // 100 kB/s · 60.5 s
   EXPECT_EQ(room_for_log(scenario, "a", 6'050'000U).words,
-            "log: 6.0 MB are free for a; 60.5 s take 6.0 MB at most");
+            "log: 6.0 MB are free for a; 60.5 s need at most 6.0 MB");
   EXPECT_TRUE(room_for_log(scenario, "a", 6'050'000U).is_enough);
   EXPECT_FALSE(room_for_log(scenario, "a", 6'049'999U).is_enough);
 }
@@ -113,10 +113,10 @@ TEST(LogWatch, WaitsThreeSecondsBeforeItSaysThatNothingIsWritten) {
   EXPECT_FALSE(at(3'999'999, 1'001));
   EXPECT_TRUE(watch.is_written());
   EXPECT_EQ(at(4'000'000, 1'001),
-            "LOG NOT WRITTEN for 3 s, with 1000.0 MB free: the flight goes on unrecorded");
+            "LOG NOT WRITTEN for 3 s, with 1000.0 MB free: the flight continues unrecorded");
   EXPECT_FALSE(watch.is_written());
   EXPECT_FALSE(at(9'000'000, 1'001));
-  EXPECT_EQ(at(9'100'000, 1'002), "log: written, with 1000.0 MB free");
+  EXPECT_EQ(at(9'100'000, 1'002), "log: written as usual, with 1000.0 MB free");
   EXPECT_FALSE(at(12'000'000, 1'002));
   EXPECT_TRUE(at(12'100'000, 1'002)) << "and once more";
   const models::ProcessHealth health = watch.health(kStart + Duration{13'000'000});
@@ -143,15 +143,16 @@ TEST(LogWatch, KnowsWhenLessThanAMinuteIsLeft) {
   LogWatch watch{300e3};
   EXPECT_TRUE(watch.look({1, 1'000}, kStart));
   EXPECT_EQ(watch.look({2, 900}, kStart), std::nullopt) << "once";
-  EXPECT_EQ(watch.look({3, 1'000'000'000}, kStart), "log: written, with 1000.0 MB free");
+  EXPECT_EQ(watch.look({3, 1'000'000'000}, kStart), "log: written as usual, with 1000.0 MB free");
 }
 
 // Unknown free space gives no warning.
 TEST(LogWatch, DoesWithoutKnowingWhatIsFree) {
   LogWatch watch{300e3};
   EXPECT_FALSE(watch.look({1, std::nullopt}, kStart));
-  EXPECT_EQ(watch.look({1, std::nullopt, true}, kStart + Duration{1'600'000}),
-            "LOG NOT WRITTEN for 2 s, with an unknown space free: the flight goes on unrecorded");
+  EXPECT_EQ(
+      watch.look({1, std::nullopt, true}, kStart + Duration{1'600'000}),
+      "LOG NOT WRITTEN for 2 s, with an unknown amount free: the flight continues unrecorded");
   EXPECT_EQ(watch.health(kStart).counters.at(1).count, 0);
   watch.look({1, ~std::uint64_t{0}}, kStart);
   EXPECT_EQ(watch.health(kStart).counters.at(1).count, INT64_MAX) << "as much as can be said";

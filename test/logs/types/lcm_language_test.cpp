@@ -60,19 +60,19 @@ TEST(ParseLcm, HasNothingInAnEmptyFile) {
 TEST(ParseLcm, SaysWhereAFileBreaksTheLanguage) {
   EXPECT_EQ(why_not("struct a_t {\n  double x\n}\n"), "a.lcm:3: expected ;, not }");
   EXPECT_EQ(why_not("struct a_t {\n  double x[n];\n}\n"),
-            "a.lcm:2: the array's size n is no member before it");
+            "a.lcm:2: the array size n is not an earlier member");
   EXPECT_EQ(why_not("struct a_t { double n; byte x[n]; }"),
-            "a.lcm:1: the array's size n is no integer");
+            "a.lcm:1: the array size n is not an integer");
   EXPECT_EQ(why_not("struct a_t { byte x[0]; }"),
             "a.lcm:1: an array's size must be a whole number above 0, not 0");
   EXPECT_EQ(why_not("struct a_t { byte x[3x]; }"),
             "a.lcm:1: an array's size must be a whole number above 0, not 3x");
-  EXPECT_EQ(why_not("struct a_t { byte x;\n byte x; }"), "a.lcm:2: x stands twice in a_t");
-  EXPECT_EQ(why_not("struct a_t { }\nstruct a_t { }"), "a.lcm:2: struct a_t stands here twice");
+  EXPECT_EQ(why_not("struct a_t { byte x;\n byte x; }"), "a.lcm:2: x is defined twice in a_t");
+  EXPECT_EQ(why_not("struct a_t { }\nstruct a_t { }"), "a.lcm:2: struct a_t is defined twice");
   EXPECT_EQ(why_not("\nclass a_t { }"), "a.lcm:2: expected package, struct or enum, not class");
   EXPECT_EQ(why_not("struct a_t { double 3x; }"), "a.lcm:1: expected a member's name, not 3x");
-  EXPECT_EQ(why_not("struct a_t {\n\n double x;\n"), "a.lcm:4: expected a type, and the file ends");
-  EXPECT_EQ(why_not("struct a_t {}\n/* for\never"), "a.lcm:2: a comment without an end");
+  EXPECT_EQ(why_not("struct a_t {\n\n double x;\n"), "a.lcm:4: expected a type, but the file ends");
+  EXPECT_EQ(why_not("struct a_t {}\n/* for\never"), "a.lcm:2: a comment is not closed");
 }
 
 TEST(ParseLcm, EndsWhateverItIsGiven) {
@@ -124,30 +124,31 @@ TEST(ParseLcm, ReadsSizesAsCDoes) {
   EXPECT_EQ(why_not("struct a_t { const int32_t N = -3; byte x[N]; }"),
             "a.lcm:1: an array's size must be a whole number above 0, not -3");
   EXPECT_EQ(why_not("struct a_t { const double N = 3; byte x[N]; }"),
-            "a.lcm:1: the array's size N is no integer");
+            "a.lcm:1: the array size N is not an integer");
   EXPECT_EQ(why_not("struct a_t { int32_t n[2]; byte x[n]; }"),
-            "a.lcm:1: the array's size n is no integer")
+            "a.lcm:1: the array size n is not an integer")
       << "but a list of them";
   EXPECT_EQ(why_not("struct a_t { byte m; byte x[m]; }"),
-            "a.lcm:1: the array's size m is no integer");
+            "a.lcm:1: the array size m is not an integer");
   EXPECT_EQ(why_not("struct a_t { const int32_t N = 3; }\nstruct b_t { byte x[N]; }"),
-            "a.lcm:2: the array's size N is no member before it")
+            "a.lcm:2: the array size N is not an earlier member")
       << "of another struct";
 }
 
 TEST(ParseLcm, SaysOnWhichLineWhateverStandsBetween) {
   EXPECT_EQ(why_not("/* one\n two */ // three\n struct a_t { struct b_t x; }"),
-            "a.lcm:3: no struct inside a struct");
-  EXPECT_EQ(why_not("struct a_t {\n\n enum b x; }"), "a.lcm:3: no enum inside a struct");
+            "a.lcm:3: struct inside a struct is not allowed");
+  EXPECT_EQ(why_not("struct a_t {\n\n enum b x; }"),
+            "a.lcm:3: enum inside a struct is not allowed");
   EXPECT_EQ(why_not("struct a_t { const int32_t N = 3,\n N = 4; }"),
-            "a.lcm:2: N stands twice in a_t");
+            "a.lcm:2: N is defined twice in a_t");
   EXPECT_EQ(why_not("struct a_t { const int32_t N = 3; byte N; }"),
-            "a.lcm:1: N stands twice in a_t");
+            "a.lcm:1: N is defined twice in a_t");
   EXPECT_EQ(why_not("package p;\nstruct a_t {}\n\nstruct a_t {}"),
-            "a.lcm:4: struct p.a_t stands here twice");
+            "a.lcm:4: struct p.a_t is defined twice");
   EXPECT_EQ(why_not("package 3;"), "a.lcm:1: expected a package, not 3");
   EXPECT_EQ(why_not("enum {"), "a.lcm:1: expected an enum, not {");
-  EXPECT_EQ(why_not("enum e_t { A,\n B"), "a.lcm:2: expected }, and the file ends");
+  EXPECT_EQ(why_not("enum e_t { A,\n B"), "a.lcm:2: expected }, but the file ends");
   EXPECT_EQ(why_not("struct a_t { byte x[3; }"), "a.lcm:1: expected ], not ;");
   EXPECT_EQ(why_not("\n\nstruct a_t { byte x; }\n}"),
             "a.lcm:4: expected package, struct or enum, not }");

@@ -160,16 +160,16 @@ TEST(TypeLibrary, SaysWhatIsWrongWithTheFiles) {
     return folder.file(name);
   };
   EXPECT_EQ(why_not({folder.file("none.lcm")}), folder.file("none.lcm") + ": cannot be read");
-  EXPECT_NE(why_not({folder.file("")}).find("no .lcm file in it"), std::string::npos);
+  EXPECT_NE(why_not({folder.file("")}).find("contains no .lcm file"), std::string::npos);
   const std::string lonely = written("lonely.lcm", "struct a_t {\n  b_t b;\n}\n");
-  EXPECT_EQ(
-      why_not({lonely}),
-      lonely + ":1: a_t: its member b is a b_t, which is in none of the files that were given");
+  EXPECT_EQ(why_not({lonely}),
+            lonely + ":1: a_t: its member b has type b_t, which none of the given files defines");
   const std::string other = written("other.lcm", "struct b_t { double x; }");
   EXPECT_EQ(why_not({lonely, other}), "");
   EXPECT_EQ(why_not({lonely, other, other}), "") << "the same again";
   const std::string another = written("another.lcm", "\nstruct b_t { float x; }");
-  EXPECT_EQ(why_not({lonely, other, another}), another + ":2: b_t is another one than in " + other);
+  EXPECT_EQ(why_not({lonely, other, another}),
+            another + ":2: b_t differs from its definition in " + other);
 }
 
 TEST(TypeLibrary, SaysWhatIsTooLargeToBeRead) {

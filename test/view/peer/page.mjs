@@ -305,7 +305,7 @@ async function check_charts(page) {
   await page.mouse.up();
   assert((await windows())[0][0] > zoomed[0][0] + 2);
   const rows = (await page.evaluate(() => vantage.csv())).trim().split("\n");
-  assert.match(rows[0], /^time \[s\],entropy a target \[nat\] team,/);
+  assert.match(rows[0], /^time \[s\],entropy per target \[nat\] team,/);
   const [low, high] = (await windows())[0];
   assert(rows.length > 10 && rows.slice(1).every((row) => parseFloat(row) >= low && parseFloat(row) <= high));
   const [download] = await Promise.all([page.waitForEvent("download"), page.click("#csv")]);
@@ -608,13 +608,13 @@ async function check_words(page) {
   await shown(1);
   if (kind !== "live") return;
   const lines = await page.evaluate(() => {
-    for (const [level, what] of [[3, "degraded: something was missed"], [2, "runs well again, after 30 s"], [3, "degraded: something was missed"]]) {
+    for (const [level, what] of [[3, "degraded: something was missed"], [2, "recovered after 30 s"], [3, "degraded: something was missed"]]) {
       vantage.hear("/events", { name: "health", level, message: `PLANNER_C7: ${what}` });
     }
     return [...document.querySelectorAll("#events li")].map(({ textContent }) => textContent).filter((text) => /PLANNER_C7/.test(text));
   });
   assert.equal(lines.length, 2);
-  assert.match(lines[1], /degraded: something was missed; at [\d.]+ s runs well again, after 30 s$/);
+  assert.match(lines[1], /degraded: something was missed; at [\d.]+ s recovered after 30 s$/);
 }
 
 if (kind === "proposals") {

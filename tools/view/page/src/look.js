@@ -54,7 +54,7 @@ export const robot_css = (place) => `rgba(${channels(table.robots[place][theme])
 /** Dash patterns of chart lines, by `dash` of robot_look(). */
 export const kDashes = [[], [7, 4], [2, 3], [10, 3, 2, 3], [4, 2], [12, 5], [2, 6], [8, 2, 2, 2, 2, 2]];
 
-/** Returns the name of a measure with its unit, such as "entropy a target [nat]". */
+/** Returns the name of a measure with its unit, such as "entropy per target [nat]". */
 export function title_of(measure) {
   const { name, unit } = table.measures[measure];
   return unit ? `${name} [${unit}]` : name;
