@@ -87,7 +87,7 @@ std::optional<Event> HealthStory::on(const models::ProcessHealth& health) {
       return std::nullopt;
     }
     degraded_ = {now, now};
-    return event(LogLevel::kWarning, "degraded: drops or misses");
+    return event(LogLevel::kWarning, "degraded: drops, missed deadlines or other errors");
   }
   if (health.state == models::ProcessState::kStopping) {
     degraded_.reset();

@@ -381,7 +381,7 @@ TEST(HealthStory, TellsOfOneBadSecondWithoutItsLength) {
   const auto begun = story.on(health);
   ASSERT_TRUE(begun);
   EXPECT_EQ(begun->time, kTime - HealthStory::kWell);
-  EXPECT_EQ(begun->text, "SIM: degraded: drops or misses");
+  EXPECT_EQ(begun->text, "SIM: degraded: drops, missed deadlines or other errors");
   health.state = models::ProcessState::kRunning;
   health.stamp.time = kTime - Duration{1};
   EXPECT_FALSE(story.on(health));

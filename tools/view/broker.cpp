@@ -119,9 +119,9 @@ void Broker::tell_drops(Client& client) {
   const std::int64_t dropped = client.dropped();
   if (dropped > 2 * client.dropped_told_) {
     client.dropped_told_ = dropped;
-    client.push(
-        control(status_text(StatusLevel::kWarning,
-                            fmt::format("too slow: {} records were dropped", dropped), "drops")));
+    client.push(control(status_text(
+        StatusLevel::kWarning,
+        fmt::format("too slow: {} records were dropped for this viewer", dropped), "drops")));
   }
 }
 
@@ -262,7 +262,7 @@ void Broker::on_request(Client& client, const Request& request) {
     }
   } else if (const auto* declined = std::get_if<Declined>(&request)) {
     client.push(control(status_text(StatusLevel::kWarning,
-                                    "this server only shows; it does not do: " + declined->what,
+                                    "not supported by this read-only server: " + declined->what,
                                     "declined:" + declined->what)));
   } else {
     ++malformed_;
@@ -279,10 +279,12 @@ void Broker::subscribe(Client& client, std::uint32_t subscription_id, std::uint3
     is_taken = is_taken || std::find(ids.begin(), ids.end(), subscription_id) != ids.end();
   }
   if (channel_id == 0 || channel_id > topic_of_.size() || is_taken || total >= kSubscriptionsMax) {
-    client.push(control(
-        status_text(StatusLevel::kError,
-                    fmt::format("cannot subscribe {} to channel {}", subscription_id, channel_id),
-                    "subscribe")));
+    client.push(control(status_text(
+        StatusLevel::kError,
+        fmt::format(
+            "subscription {} to channel {} rejected: unknown channel, id in use or too many",
+            subscription_id, channel_id),
+        "subscribe")));
     return;
   }
   Topic& topic = topics_.at(topic_of_.at(channel_id - 1));

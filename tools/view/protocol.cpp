@@ -57,7 +57,7 @@ Request subscribe(const Json& document) {
     const auto id = each.is_object() ? id_of(each.value("id", Json())) : std::nullopt;
     const auto channel = each.is_object() ? id_of(each.value("channelId", Json())) : std::nullopt;
     if (!id || !channel) {
-      return Malformed{"subscribe: an entry needs id and channelId"};
+      return Malformed{"subscribe: every subscription needs a numeric id and channelId"};
     }
     out.pairs.emplace_back(*id, *channel);
   }
@@ -70,7 +70,7 @@ Request unsubscribe(const Json& document) {
   for (const Json& each : list) {
     const auto id = id_of(each);
     if (!id) {
-      return Malformed{"unsubscribe: subscriptionIds must be numbers"};
+      return Malformed{"unsubscribe: subscriptionIds must be a list of numbers"};
     }
     out.ids.push_back(*id);
   }
@@ -147,7 +147,7 @@ std::string playback_state_frame(const PlaybackState& state) {
 Request parse_text(std::string_view frame) {
   const Json document = Json::parse(frame, nullptr, false);
   if (!document.is_object() || !document.contains("op") || !document["op"].is_string()) {
-    return Malformed{"a text frame must be a JSON object with op"};
+    return Malformed{"a text frame must be a JSON object with a string \"op\""};
   }
   const auto op = document["op"].get<std::string>();
   for (const char* list : {"subscriptions", "subscriptionIds"}) {
@@ -170,7 +170,7 @@ Request parse_binary(std::string_view frame) {
     return Declined{"binary frame"};
   }
   if (frame.size() < kFixed) {
-    return Malformed{"playback control: too short"};
+    return Malformed{"playback control: the frame is too short"};
   }
   std::string_view rest = frame.substr(1);
   PlaybackControl out;
@@ -180,7 +180,9 @@ Request parse_binary(std::string_view frame) {
   const auto seek_ns = take<std::uint64_t>(rest);
   const auto id_length = take<std::uint32_t>(rest);
   if (command > 1 || !std::isfinite(out.speed) || out.speed <= 0.0F || id_length != rest.size()) {
-    return Malformed{"playback control: command 0 or 1, speed > 0, id as long as it says"};
+    return Malformed{
+        "playback control: the command must be 0 or 1, the speed above 0, and the id as long as "
+        "stated"};
   }
   out.play = command == 0;
   if (had_seek) {

@@ -37,7 +37,7 @@ class PassingFolder {
   PassingFolder() {
     std::string name = (fs::temp_directory_path() / "vantage-record.XXXXXX").string();
     if (::mkdtemp(name.data()) == nullptr) {
-      throw StartupError(name + ": cannot be made");
+      throw StartupError(name + ": cannot be created");
     }
     path_ = name;
   }
@@ -105,8 +105,8 @@ Child start_browser(const std::string& address, const RecordOptions& options,
   ::close(output);
   if (!browser) {
     throw StartupError(
-        fmt::format("no browser to record with: {} cannot be started (CHROMIUM names "
-                    "another one)",
+        fmt::format("no browser to record with: {} cannot be started; install Chromium or set "
+                    "CHROMIUM to its path",
                     fmt::join(names, ", ")));
   }
   return std::move(*browser);
@@ -128,8 +128,9 @@ bool record_log(logs::SeekableLog& log, const logs::TypeLibrary& types, WebOptio
                 const std::function<bool()>& stop) {
   const double length_s = to_seconds(log.range().second - log.range().first);
   if (options.from_s >= options.to_s.value_or(length_s) || options.from_s >= length_s) {
-    throw StartupError(fmt::format("{}: nothing from {} to {} s; it is {:.1f} s long", log.path(),
-                                   options.from_s, options.to_s.value_or(length_s), length_s));
+    throw StartupError(
+        fmt::format("{}: no part from {} to {} s to record; the log is {:.1f} s long", log.path(),
+                    options.from_s, options.to_s.value_or(length_s), length_s));
   }
   require_writable(options.path);
   const PassingFolder folder;
@@ -141,14 +142,14 @@ bool record_log(logs::SeekableLog& log, const logs::TypeLibrary& types, WebOptio
   const auto begin = [&](const WebServer& server) {
     if (!server.has_page()) {
       throw StartupError(
-          "the viewer's page was not built (npm was not there), and it draws videos");
+          "videos need the viewer's page, which was not built: run tools/setup and build again");
     }
     browser.emplace(start_browser(record_address(server.url(), desk.key(), options, length_s),
                                   options, folder));
   };
   const auto is_over = [&] {
     if (!desk.is_over() && browser && browser->wait(std::chrono::milliseconds(0))) {
-      desk.fail("the browser has ended: " +
+      desk.fail("the browser ended too early: " +
                 browser->wait(std::chrono::milliseconds(0))->describe());
     }
     return desk.is_over() || stop();

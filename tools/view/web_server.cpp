@@ -41,9 +41,9 @@ constexpr std::string_view kRecordingPath = "/api/recording";
 
 constexpr const char* kNoPage =
     "<!doctype html><meta charset=utf-8><title>vantage</title>"
-    "<p>This vantage was built without its page (npm was not there). "
-    "<code>tools/setup</code> fetches what it is made of; then build again. "
-    "Foxglove and Lichtblick can connect to this address all the same, by <code>ws://</code>.";
+    "<p>vantage was built without this page, because npm was not installed. "
+    "Run <code>tools/setup</code> and build again. "
+    "Foxglove and Lichtblick can connect to this address with <code>ws://</code> anyway.";
 
 /// One viewer's connection, passed to its handlers.
 struct Connection {
@@ -218,12 +218,13 @@ struct WebServer::State {
     const bool is_recording = method == "POST" && of(socket).options.recording != nullptr &&
                               mg_get_request_info(socket)->local_uri == kRecordingPath;
     if (method != "GET" && method != "HEAD" && !is_recording) {
-      return refuse(socket, 405, "Method Not Allowed", "this server only shows");
+      return refuse(socket, 405, "Method Not Allowed", "this server is read-only");
     }
     if (!is_welcome(socket, of(socket).options)) {
       ++of(socket).refused;
       return refuse(socket, 403, "Forbidden",
-                    "not by this name (--host) or not for the page of another server (--origin)");
+                    "host name or page origin not allowed; allow a name with --host, an origin "
+                    "with --origin");
     }
     if (mg_get_header(socket, "Upgrade") == nullptr) {
       return 0;
@@ -234,7 +235,7 @@ struct WebServer::State {
                     "subprotocol must be foxglove.sdk.v1 or foxglove.websocket.v1");
     }
     if (of(socket).broker.clients() >= kClientsMax) {
-      return refuse(socket, 503, "Service Unavailable", "too many viewers");
+      return refuse(socket, 503, "Service Unavailable", "too many viewers are connected");
     }
     return 0;
   }
@@ -336,7 +337,7 @@ struct WebServer::State {
   static int on_recording(mg_connection* socket, void* state) {
     RecordingDesk& desk = *static_cast<State*>(state)->options.recording;
     if (!desk.is_key(parameter(socket, "key"))) {
-      return refuse(socket, 403, "Forbidden", "not the key of this recording");
+      return refuse(socket, 403, "Forbidden", "the key does not belong to this recording");
     }
     if (const std::string done = parameter(socket, "done"); !done.empty()) {
       desk.tell_progress(std::strtod(done.c_str(), nullptr));
@@ -345,8 +346,8 @@ struct WebServer::State {
     }
     const long long size = mg_get_request_info(socket)->content_length;
     if (size <= 0 || size > kVideoBytesMax) {
-      desk.fail("a video of " + std::to_string(size) + " bytes");
-      return refuse(socket, 413, "Payload Too Large", "no video, or too long a one");
+      desk.fail("the video has an invalid size: " + std::to_string(size) + " bytes");
+      return refuse(socket, 413, "Payload Too Large", "the video is empty or too large");
     }
     std::string body(static_cast<std::size_t>(size), '\0');
     std::size_t read = 0;
@@ -354,7 +355,7 @@ struct WebServer::State {
       part = std::max(0, mg_read(socket, body.data() + read, body.size() - read));
     }
     if (read < body.size()) {
-      desk.fail("it was cut off on its way");
+      desk.fail("the video was cut off during the upload");
     } else if (parameter(socket, "failed") == "1") {
       desk.fail(body);
     } else {
@@ -437,7 +438,7 @@ WebServer::WebServer(Broker& broker, const WebOptions& options)
   if (state_->context == nullptr) {
     mg_exit_library();
     throw StartupError("cannot serve on " + address +
-                       ": the port is taken or the address not ours");
+                       ": the port is in use or the address is not on this computer");
   }
   mg_server_port ports[4] = {};
   if (mg_get_server_ports(state_->context, 4, ports) > 0) {

@@ -428,7 +428,7 @@ async function check_ages(page) {
   const box = await page.locator('[data-chart="nees"] .u-over').boundingBox();
   const { length } = await page.evaluate(() => vantage.ages("nees"));
   await page.mouse.move(box.x + (box.width * 0.5) / length, box.y + box.height / 2);
-  await until(page, (samples) => document.querySelector('[data-chart="nees"] .read').textContent.startsWith("unseen 0–1 s: ") && document.querySelector('[data-chart="nees"] .read').textContent.endsWith(`of ${samples}`), first.samples);
+  await until(page, (samples) => document.querySelector('[data-chart="nees"] .read').textContent.startsWith("unseen for 0–1 s: mean ") && document.querySelector('[data-chart="nees"] .read').textContent.endsWith(`, ${samples} samples`), first.samples);
   await page.evaluate(() => vantage.zoom(11, 19));
   await expect(11, 19);
   await page.keyboard.press("z");

@@ -51,7 +51,7 @@ const kCharts = [
   {
     key: "deadlines",
     measure: "margin",
-    title: "plans by deadline margin [ms]",
+    title: "number of plans by deadline margin [ms]",
     topic: /^\/plan\/[^/]+\/status$/,
     take: (r, topic) => [[robot_of(topic), number(r.margin_s * 1e3)]],
     kind: "histogram",
@@ -124,8 +124,8 @@ class Chart {
     this.caption.append(this.title, this.names_box);
     const close = document.createElement("button");
     close.textContent = "×";
-    close.title = "Take this chart away";
-    close.setAttribute("aria-label", `Take ${this.title.textContent} away`);
+    close.title = "Remove this chart";
+    close.setAttribute("aria-label", `Remove ${this.title.textContent}`);
     close.onclick = () => source.remove(this);
     this.caption.append(close);
     this.body = document.createElement("div");
@@ -615,7 +615,7 @@ class ByAge extends Chart {
     this.read.hidden = of === undefined;
     if (!of) return;
     const band = of.half === null ? "" : ` ± ${digits(of.half)}`;
-    this.read.textContent = `unseen ${of.age.replace("-", "–")} s: ${digits(of.mean)}${band} of ${of.samples}`;
+    this.read.textContent = `unseen for ${of.age.replace("-", "–")} s: mean ${digits(of.mean)}${band}, ${of.samples} samples`;
     this.read.classList.toggle("left", left > this.plot.over.clientWidth / 2);
   }
 

@@ -20,7 +20,7 @@ export class Layouts {
     this.on = on;
     const form = make("form");
     this.name = make("input");
-    this.name.placeholder = "name of what is shown now";
+    this.name.placeholder = "name for the present layout";
     this.name.setAttribute("aria-label", "Name of the layout");
     this.name.maxLength = 60;
     const save = make("button", "", "Save");
@@ -47,7 +47,7 @@ export class Layouts {
     try {
       localStorage.setItem(kKept, JSON.stringify(layouts));
     } catch {
-      this.on.failed("this browser keeps nothing");
+      this.on.failed("layouts cannot be saved: this browser blocks local storage");
     }
     this.write();
   }
@@ -69,6 +69,6 @@ export class Layouts {
       row.append(give, make("span", "space"), forget);
       return row;
     }));
-    if (names.length === 0) this.list.replaceChildren(make("li", "quiet", "none yet: charts, cameras, layers and side as they are now get a name"));
+    if (names.length === 0) this.list.replaceChildren(make("li", "quiet", "No layouts yet. A layout saves the charts, cameras, layers and side panel under a name."));
   }
 }

@@ -260,7 +260,7 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
       by_id("empty").textContent = state.range ? "The log is being read." : kNothingYet;
       const of_another = state.wanted?.log && state.wanted.log !== state.log;
       by_id("note").hidden = !of_another;
-      if (of_another) by_id("note").textContent = `the link is of ${state.wanted.log}, shown is ${state.log ?? "what is live"}`;
+      if (of_another) by_id("note").textContent = `the link is for ${state.wanted.log}, but this server shows ${state.log ?? "live data"}`;
       connection.hold();
       load_history(info.session);
     }
@@ -319,7 +319,7 @@ function update_scene() {
   if (has_none === (document.body.dataset.scene === "none")) return;
   document.body.dataset.scene = has_none ? "none" : "";
   by_id("empty").textContent = has_none
-    ? "No scenario in this log. Its topics are at the side: open one, and press + beside a number to chart it."
+    ? "This log has no scenario. Its topics are listed at the side: open one, and press + next to a number to chart it."
     : kNothingYet;
   if (has_none) show_side("topics");
 }
@@ -500,7 +500,7 @@ function refresh_inspect() {
     if (speed !== null && (kind === "robot" || kind === "target")) first.push(["speed", `${speed.toFixed(2)} m/s`]);
     first.push(...metadata_of(found));
   } else {
-    first.push(["gone", "not on the bus any more"]);
+    first.push(["gone", "no longer on the bus"]);
   }
   const sections = [["", first]];
   const section = (title, topic, left_out = []) => {
@@ -516,14 +516,14 @@ function refresh_inspect() {
   }
   if (kind === "target" || kind === "estimate") {
     const [truth, estimate] = [world.find(`target/${name}`), world.find(`estimate/${name}`)];
-    if (estimate && kind === "target") sections.push(["As the team knows it", metadata_of(estimate)]);
+    if (estimate && kind === "target") sections.push(["Estimate of the team", metadata_of(estimate)]);
     if (truth?.is_placed && estimate) {
       const [a, b] = [truth.position, estimate.position];
-      sections.push(["From true to estimated", [["distance", distance_words([a.x, a.y], [b.x, b.y]).replaceAll(" · ", ", ")]]]);
+      sections.push(["From the true to the estimated position", [["distance", distance_words([a.x, a.y], [b.x, b.y]).replaceAll(" · ", ", ")]]]);
     }
     for (const robot of state.colors.keys()) {
       const belief = world.find(`belief/${robot}/${name}`);
-      if (belief) sections.push([`As ${robot} knows it`, metadata_of(belief)]);
+      if (belief) sections.push([`Estimate of ${robot}`, metadata_of(belief)]);
     }
   }
   write_inspect(by_id("inspect"), id, world.followed === id, sections);
@@ -636,7 +636,7 @@ async function share() {
     await navigator.clipboard.writeText(address);
     tell("link copied");
   } catch {
-    tell("the link is in the address bar");
+    tell("not copied: the link is in the address bar");
   }
 }
 
@@ -665,7 +665,7 @@ function paint_stage(out) {
   pen.fillStyle = style.getPropertyValue("--quiet");
   pen.font = `${13 * ratio}px system-ui, sans-serif`;
   pen.textBaseline = "middle";
-  pen.fillText([by_id("scenario").textContent, state.log ?? "live", by_id("clock").textContent, `ellipses hold ${100 * look.ellipse_probability} %`].join("   ·   "), 12 * ratio, height + line / 2);
+  pen.fillText([by_id("scenario").textContent, state.log ?? "live", by_id("clock").textContent, `ellipses: ${100 * look.ellipse_probability} %`].join("   ·   "), 12 * ratio, height + line / 2);
 }
 
 function take_shot() {
@@ -788,9 +788,9 @@ function choose_theme() {
 const kKeys = [
   ["space", "play or pause a log", () => play(!state.is_playing)],
   ["←", "1 s back (with shift 10 s)", (event) => seek(state.now - (event.shiftKey ? 10 : 1))],
-  ["→", "1 s on (with shift 10 s)", (event) => seek(state.now + (event.shiftKey ? 10 : 1))],
+  ["→", "1 s forward (with shift 10 s)", (event) => seek(state.now + (event.shiftKey ? 10 : 1))],
   [",", "0.1 s back", () => seek(state.now - kShortStep_s)],
-  [".", "0.1 s on", () => seek(state.now + kShortStep_s)],
+  [".", "0.1 s forward", () => seek(state.now + kShortStep_s)],
   ["home", "to the start", () => seek(0)],
   ["end", "to the end", () => seek(Infinity)],
   ["+", "faster", () => step_speed(1)],
@@ -798,20 +798,20 @@ const kKeys = [
   ["1", "plan view", () => show_view("plan")],
   ["2", "3-D", () => show_view("space")],
   ["3", "both", () => show_view("both")],
-  ["r", "whole world in view", () => fit()],
-  ["c", "the view goes with what is selected, or with the team", () => toggle_follow()],
+  ["r", "show the whole world", () => fit()],
+  ["c", "the view follows the selected object, or the team", () => toggle_follow()],
   ["l", "measure a distance", () => toggle_measure()],
-  ["h", "legend", () => (by_id("legend").open = !by_id("legend").open)],
-  ["i", "topics, rates and messages", () => show_side(state.side === "topics" ? "status" : "topics")],
-  ["z", "charts show all of the time", () => charts.zoom(null)],
-  ["v", "save what the charts show as CSV", () => save_csv()],
+  ["h", "show or hide the legend", () => (by_id("legend").open = !by_id("legend").open)],
+  ["i", "show topics with rates and messages, or the status", () => show_side(state.side === "topics" ? "status" : "topics")],
+  ["z", "charts show the whole time", () => charts.zoom(null)],
+  ["v", "save the values in the charts as CSV", () => save_csv()],
   ["x", "screenshot of the stage", () => take_shot()],
-  ["w", "video of a log's stretch that the charts show, or from here on; again: it ends", () => toggle_video()],
-  ["k", "copy a link to this moment and layout", () => share()],
-  ["d", "light or dark", () => choose_theme()],
-  ["n", "layouts: give what is shown a name, or have one back", () => layouts.open()],
-  ["?", "these keys", () => (by_id("help").open ? by_id("help").close() : by_id("help").showModal())],
-  ["escape", "end measuring, close what is inspected", () => (world.is_measuring ? toggle_measure() : pick(null))],
+  ["w", "start a video: of a log the part that the charts show, or from the present time on; press again to end it", () => toggle_video()],
+  ["k", "copy a link to this time and layout", () => share()],
+  ["d", "light or dark colours", () => choose_theme()],
+  ["n", "save or load a layout", () => layouts.open()],
+  ["?", "show these keys", () => (by_id("help").open ? by_id("help").close() : by_id("help").showModal())],
+  ["escape", "end measuring, or close the details", () => (world.is_measuring ? toggle_measure() : pick(null))],
   ...kLayers.map((layer) => [layer.key, `${layer.name} on or off`, () => toggle(layer)]),
 ];
 

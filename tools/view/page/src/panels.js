@@ -129,7 +129,7 @@ export class Vehicles {
     return [
       counted(states.map(({ state }) => state)) || `${robots.length} vehicles`,
       percents.length > 0 && `battery ${low === high ? low : `${low} to ${high}`} %`,
-      late > 0 ? `${late} plans late` : Number.isFinite(spare_ms) && `plans ${spare_ms} ms spare or more`,
+      late > 0 ? `${late} plans late` : Number.isFinite(spare_ms) && `plans at least ${spare_ms} ms early`,
     ].filter(Boolean).join(" · ");
   }
 
@@ -144,7 +144,7 @@ export class Vehicles {
       head.append(badge, make("span", "quiet", `battery ${Math.round(100 * state.battery_share)} %`));
     }
     if (plan) {
-      const note = make("span", "quiet", plan.late ? `plan ${(-1e3 * plan.margin_s).toFixed(0)} ms late` : `plan ${plan.source}, ${(1e3 * plan.margin_s).toFixed(0)} ms spare`);
+      const note = make("span", "quiet", plan.late ? `plan ${(-1e3 * plan.margin_s).toFixed(0)} ms late` : `plan ${plan.source}, ${(1e3 * plan.margin_s).toFixed(0)} ms early`);
       if (plan.late || plan.source !== "searched") note.classList.add("warn");
       head.append(note);
     }
@@ -255,7 +255,7 @@ export function write_inspect(box, id, is_followed, sections) {
   box.said = said;
   const head = make("div", "line");
   const follow = make("button", "", "Follow");
-  follow.title = "The view goes with it (C)";
+  follow.title = "The view follows this object (C)";
   follow.dataset.act = "follow";
   follow.setAttribute("aria-pressed", is_followed);
   const close = make("button", "", "×");

@@ -55,6 +55,6 @@ export async function hand_over(key, make) {
   try {
     await post({}, await make(tell));
   } catch (error) {
-    await post({ failed: 1 }, String(error.message ?? error) || "for no reason");
+    await post({ failed: 1 }, String(error.message ?? error) || "unknown reason");
   }
 }

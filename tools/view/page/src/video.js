@@ -11,7 +11,7 @@ const kCodecs = [["vp09.00.40.08", "V_VP9"], ["vp8", "V_VP8"]];
 export const why_no_video = () =>
   typeof VideoEncoder !== "undefined" ? null
     : window.isSecureContext ? "this browser has no video encoder (WebCodecs)"
-      : "browsers encode video for pages of this machine or of https only";
+      : "browsers encode video only for pages from localhost or https";
 
 export class Video {
   /** Opens an encoder. @param width, height even, pixels @param fps largest number of pictures per second
@@ -23,7 +23,7 @@ export class Video {
       const config = { codec, width, height, framerate: fps, bitrate: Math.round(kBitsAPixel * width * height * fps), latencyMode: "quality" };
       if ((await VideoEncoder.isConfigSupported(config)).supported) return new Video(config, { codec: name, width, height, fps });
     }
-    throw new Error("this browser encodes neither VP9 nor VP8");
+    throw new Error("this browser can encode neither VP9 nor VP8");
   }
 
   constructor(config, track) {
