@@ -224,8 +224,8 @@ std::vector<FittedMotion> fit_motion(std::span<const std::vector<TargetCourse>> 
   for (const MotionSample* sample : {&fitted, &held_back}) {
     for (const MotionMoments& moments : sample->moments[0]) {
       require(moments.samples > 0,
-              "fit-motion: the targets were not seen for long enough; both "
-              "parts of the time need more than 8 s");
+              "fit-motion: too few target positions; the fitted and the held-back part "
+              "of the time each need more than 8 s");
     }
   }
   std::vector<FittedMotion> all;

@@ -60,7 +60,8 @@ std::vector<std::string> describe_content(const std::string& path, const logs::L
     out.push_back(fmt::format("times     {} events are more than a day away from all others",
                               survey.times_outlying));
   }
-  out.push_back(fmt::format("flown by  {}", flown_by.empty() ? "unknown: no SCENARIO" : flown_by));
+  out.push_back(fmt::format(
+      "flown by  {}", flown_by.empty() ? "unknown: the log has no SCENARIO message" : flown_by));
   std::size_t width = 7;
   for (const auto& [name, channel] : survey.channels) {
     width = std::max(width, readable(name).size());

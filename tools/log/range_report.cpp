@@ -163,7 +163,8 @@ std::vector<std::string> to_lines(const RangeReport& report) {
   }
   if (report.held_back) {
     out.push_back(fmt::format(
-        "held back: {} innovations with mean NEES {:.2f} (expected 1), {} beyond 4 sigma",
+        "test on held-back ranges: {} innovations with mean NEES {:.2f} (expected 1), {} beyond "
+        "4 sigma",
         report.held_back->honest, report.held_back->nees, report.held_back->outliers));
   }
   out.push_back(fmt::format("calibration: {{range_scale: {:.5f}, range_bias_m: {:.3f}}}",

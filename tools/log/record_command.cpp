@@ -222,17 +222,17 @@ void add_log_record_command(CLI::App& log, Runner& chosen) {
   command->add_option("--without", arguments->exclude,
                       "channels not to record; regular expressions that match whole names");
   command->add_flag("--append", arguments->appends, "append to the log if it exists");
-  command->add_option(
-      "--rotate-mib", arguments->rotate_mib,
-      "MiB; largest size of a file; the recording continues in NAME-2, NAME-3, …; 0: no limit");
+  command->add_option("--rotate-mib", arguments->rotate_mib,
+                      "MiB; largest size of a file; the recording continues in NAME-2, NAME-3, …; "
+                      "0 (default): no limit");
   command->add_option(
       "--limit-mib", arguments->limit_mib,
       "MiB; largest total size; the recording ends with exit code 1 before it is exceeded; "
-      "with --append existing files count; 0: no limit");
+      "with --append existing files count; 0 (default): no limit");
   command
       ->add_option(
           "--free-mib", arguments->free_mib,
-          "MiB that must be free on the disk at the start; later a warning is printed below it")
+          "free disk space required at the start, MiB; a warning is printed if less is left later")
       ->capture_default_str();
   command
       ->add_option("--duration-s", arguments->duration_s,

@@ -279,12 +279,11 @@ void Broker::subscribe(Client& client, std::uint32_t subscription_id, std::uint3
     is_taken = is_taken || std::find(ids.begin(), ids.end(), subscription_id) != ids.end();
   }
   if (channel_id == 0 || channel_id > topic_of_.size() || is_taken || total >= kSubscriptionsMax) {
-    client.push(control(status_text(
-        StatusLevel::kError,
-        fmt::format(
-            "subscription {} to channel {} rejected: unknown channel, id in use or too many",
-            subscription_id, channel_id),
-        "subscribe")));
+    client.push(control(status_text(StatusLevel::kError,
+                                    fmt::format("subscription {} to channel {} rejected: unknown "
+                                                "channel, id in use, or too many subscriptions",
+                                                subscription_id, channel_id),
+                                    "subscribe")));
     return;
   }
   Topic& topic = topics_.at(topic_of_.at(channel_id - 1));

@@ -27,7 +27,7 @@ const number = (x) => (typeof x === "boolean" ? Number(x) : typeof x === "number
 const robot_of = (topic) => topic.split("/")[2];
 
 /** Returns a `take` for a number of the team and the mean of the robots' numbers, each from the robot's own belief. */
-const of_both = (team, robot) => (r) => [["team", number(r[team])], ["a robot", number(r[robot])]];
+const of_both = (team, robot) => (r) => [["team", number(r[team])], ["robot mean", number(r[robot])]];
 
 /** All charts. `take` converts a record into a list of [series, value]; the value is null if it is missing. */
 const kCharts = [
@@ -107,7 +107,7 @@ const axis_look = () => ({
 });
 
 /** Look of the series that do not belong to one robot. */
-const kOfTeam = { team: { colour: "--ink" }, "a robot": { colour: "--quiet", dash: [5, 3] } };
+const kOfTeam = { team: { colour: "--ink" }, "robot mean": { colour: "--quiet", dash: [5, 3] } };
 
 class Chart {
   constructor(box, spec, source) {
