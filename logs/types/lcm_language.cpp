@@ -108,7 +108,7 @@ class Parser {
     const auto found = std::find_if(made.members.begin(), made.members.end(),
                                     [&](const LcmMember& each) { return each.name == size; });
     if (found == made.members.end()) {
-      fail("the array size " + size + " is not an earlier member");
+      fail("the array size " + size + " is not a constant or an earlier member");
     }
     if (!is_integer_type(found->type) || !found->dimensions.empty()) {
       fail("the array size " + size + " is not an integer");

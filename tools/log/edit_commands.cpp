@@ -116,8 +116,9 @@ class Adder {
 
 void add_log_edit_commands(CLI::App& log, Runner& run) {
   Adder repair_command(log, run, "repair", "Write the intact events of a damaged log to a new log.",
-                       "Every intact event is kept, also after a cut end, wrong lengths, and\n"
-                       "overwritten or missing bytes. The events are renumbered.\n"
+                       "Every intact event is kept, also between wrong lengths and overwritten or\n"
+                       "missing bytes. An incomplete last event is dropped. Events are\n"
+                       "renumbered.\n"
                        "Example:\n"
                        "  vantage log repair torn.lcmlog whole.lcmlog",
                        repair);

@@ -60,7 +60,7 @@ TEST(ParseLcm, HasNothingInAnEmptyFile) {
 TEST(ParseLcm, SaysWhereAFileBreaksTheLanguage) {
   EXPECT_EQ(why_not("struct a_t {\n  double x\n}\n"), "a.lcm:3: expected ;, not }");
   EXPECT_EQ(why_not("struct a_t {\n  double x[n];\n}\n"),
-            "a.lcm:2: the array size n is not an earlier member");
+            "a.lcm:2: the array size n is not a constant or an earlier member");
   EXPECT_EQ(why_not("struct a_t { double n; byte x[n]; }"),
             "a.lcm:1: the array size n is not an integer");
   EXPECT_EQ(why_not("struct a_t { byte x[0]; }"),
@@ -131,7 +131,7 @@ TEST(ParseLcm, ReadsSizesAsCDoes) {
   EXPECT_EQ(why_not("struct a_t { byte m; byte x[m]; }"),
             "a.lcm:1: the array size m is not an integer");
   EXPECT_EQ(why_not("struct a_t { const int32_t N = 3; }\nstruct b_t { byte x[N]; }"),
-            "a.lcm:2: the array size N is not an earlier member")
+            "a.lcm:2: the array size N is not a constant or an earlier member")
       << "of another struct";
 }
 
