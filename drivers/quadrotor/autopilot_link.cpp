@@ -296,17 +296,17 @@ std::vector<WireMessage> AutopilotLink::take_output() { return std::exchange(out
 
 std::optional<std::string> AutopilotLink::fault(Time now) const {
   if (!telemetry_.heartbeat_time()) {
-    return strangers_ > 0 ? "no autopilot of this system id is heard, but others are"
-                          : "no autopilot is heard";
+    return strangers_ > 0 ? "messages received, but none from an autopilot with this system id"
+                          : "no message received from an autopilot";
   }
   if (!telemetry_.is_connected(now)) {
-    return "the autopilot has fallen silent";
+    return "the autopilot's messages have stopped";
   }
   if (telemetry_.autopilot() != traits_.autopilot_id) {
     return "the autopilot is not " + std::string(traits_.name);
   }
   if (is_heartbeat_v1_) {
-    return "the autopilot speaks MAVLink 1; version 2 is needed";
+    return "the autopilot sends MAVLink 1; version 2 is required";
   }
   return std::nullopt;
 }

@@ -302,20 +302,20 @@ models::VehicleStatus QuadrotorDriver::status(Time now) const {
   }
   const Telemetry& telemetry = link_.telemetry();
   if (const auto flags = telemetry.estimator_flags(now); !flags) {
-    out.reasons.emplace_back("the autopilot says nothing of its estimator");
+    out.reasons.emplace_back("no estimator status received from the autopilot");
   } else if (const auto fault = estimator_fault(dialect_, *flags, !telemetry.is_on_ground())) {
     out.reasons.push_back(*fault);
   } else if (!telemetry.position_world_m(now)) {
-    out.reasons.emplace_back("the autopilot says nothing of its position");
+    out.reasons.emplace_back("no position received from the autopilot");
   } else if (!telemetry.has_attitude(now)) {
-    out.reasons.emplace_back("the autopilot says nothing of its attitude");
+    out.reasons.emplace_back("no attitude received from the autopilot");
   }
   const bool tells_of_battery = telemetry.heard(wire::mavlink::BatteryStatus::kMessage.id) ||
                                 telemetry.heard(wire::mavlink::SysStatus::kMessage.id);
   if (tells_of_battery && !telemetry.battery_share()) {
     out.reasons.emplace_back(
-        "the autopilot does not tell its battery's charge: give it a current sensor and the "
-        "capacity, or the scenario robots[].autopilot.battery to know it by the voltage");
+        "the autopilot does not report its battery's charge: set up a current sensor and the "
+        "capacity, or set robots[].autopilot.battery to estimate the charge from the voltage");
   }
   if (!telemetry.is_armed()) {
     const char* const mark =
@@ -326,7 +326,7 @@ models::VehicleStatus QuadrotorDriver::status(Time now) const {
   }
   if (sequence_.is_mode_lost()) {
     out.reasons.push_back("the autopilot is in " + mode_name(dialect_, telemetry.mode()) +
-                          " mode; `hold`, `follow` or `land` takes it back");
+                          " mode; send `hold`, `follow` or `land` to regain control");
   }
   if (const auto waiting = sequence_.waiting_for()) {
     out.reasons.push_back("waiting for " + *waiting);

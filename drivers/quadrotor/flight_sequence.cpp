@@ -73,7 +73,7 @@ bool FlightSequence::step(AutopilotLink& link, const Situation& situation) {
     case FlightGoal::kArm:
     case FlightGoal::kFly:
       if (is_over_) {
-        waiting_for_ = "a new order: the autopilot has stopped its motors";
+        waiting_for_ = "a new order, because the autopilot has stopped its motors";
         return false;
       }
       return is_armed ? fly(link, situation) : prepare(link, situation);
@@ -109,7 +109,7 @@ bool FlightSequence::rest(AutopilotLink& link, Time now) {
 
 bool FlightSequence::prepare(AutopilotLink& link, const Situation& situation) {
   if (!situation.may_arm) {
-    waiting_for_ = "ready to arm";
+    waiting_for_ = "the preconditions of arming";
     streaming_since_.reset();
     return false;
   }
@@ -117,7 +117,7 @@ bool FlightSequence::prepare(AutopilotLink& link, const Situation& situation) {
     streaming_since_ = situation.now;
   }
   if (traits_.wants_proof_of_life && situation.now - *streaming_since_ < kProofOfLife) {
-    waiting_for_ = "set-points to be noticed";
+    waiting_for_ = "the autopilot to register set-points";
     return true;
   }
   if (link.telemetry().mode() != traits_.follow_mode) {

@@ -145,7 +145,7 @@ std::vector<std::string> ParameterCheck::reasons() const {
   if (broken > kReasonsMax) {
     out.push_back(
         fmt::format("{} more parameters differ; `vantage check SCENARIO --vehicles` "
-                    "names them",
+                    "lists them",
                     broken - kReasonsMax));
   }
   if (is_reading) {

@@ -13,11 +13,12 @@ using models::OperatorAction;
 using In = SafetyInputs;
 using Lim = SafetyLimits;
 
-constexpr const char* kStandingRule = "standing, gone, and the operator says arm";
+constexpr const char* kStandingRule = "stationary, fault ended, and the operator sends arm";
 
 constexpr auto kRows = std::to_array<Condition>({
     // KILL: the rover's own emergency stop
-    cleared(limited(common::kEmergencyStop, "any station asked, or the rover's own is latched"),
+    cleared(limited(common::kEmergencyStop,
+                    "any station requested it, or the rover's own stop is latched"),
             kStandingRule),
     cleared(limited(common::kMotor, "the rover reports a failed motor"), kStandingRule),
     cleared(limited(common::kFenceFar, "centre > fence_kill_m outside"), kStandingRule),
@@ -40,14 +41,15 @@ constexpr auto kRows = std::to_array<Condition>({
         "rover silent", "no telemetry for telemetry_age_hold_s", {.blocks_arming = true},
         [](const In& in, const Lim& lim) { return in.heartbeat_age_s > lim.telemetry_age_hold_s; }),
     holds(
-        "rover deaf", "no command taken for telemetry_age_hold_s", {.blocks_arming = true},
+        "rover deaf", "no command accepted for telemetry_age_hold_s", {.blocks_arming = true},
         [](const In& in, const Lim& lim) { return in.telemetry_age_s > lim.telemetry_age_hold_s; }),
-    holds_for_operator("rover disobeys", "it takes commands from another driver",
+    holds_for_operator("rover disobeys", "the rover accepts commands from another driver",
                        {.blocks_arming = true},
                        [](const In& in, const Lim&) { return !in.autopilot_obeys; }),
     held_for_operator(common::kBatteryCritical),
     common::kOperatorQuiet,
-    cleared(held_for_operator(common::kEnding), "never: the driver ends once the rover stands"),
+    cleared(held_for_operator(common::kEnding),
+            "never: the driver ends once the rover is stationary"),
     common::kOwnStall,
     held_for_operator(common::kShortOfProcessor),
     common::kWaitsForProcessor,

@@ -8,10 +8,10 @@
 
 namespace vantage::drivers {
 
-inline constexpr const char* kSelfRule = "by itself, gone for clear_s";
-inline constexpr const char* kOperatorRule = "gone, and the operator says follow";
-inline constexpr const char* kGroundRule = "gone, landed and disarmed";
-inline constexpr const char* kRearmRule = "on the ground, gone, and the operator says arm";
+inline constexpr const char* kSelfRule = "automatic, clear_s after the fault ends";
+inline constexpr const char* kOperatorRule = "fault ended, and the operator sends follow";
+inline constexpr const char* kGroundRule = "fault ended, landed and disarmed";
+inline constexpr const char* kRearmRule = "on the ground, fault ended, and the operator sends arm";
 
 /// Optional fields of a row, as in Condition.
 struct RowOptions {
@@ -89,7 +89,7 @@ constexpr Condition cleared(Condition row, Clearing clearing, const char* clears
 namespace common {
 
 inline constexpr Condition kEmergencyStop =
-    kills("emergency stop", "any station asked", {.blocks_arming = true},
+    kills("emergency stop", "any station requested it", {.blocks_arming = true},
           [](const SafetyInputs& in, const SafetyLimits&) { return in.emergency_stop; });
 inline constexpr Condition kMotor = kills(
     "motor", "the autopilot reports a failed motor", {.blocks_arming = true, .spares_pilot = true},
@@ -126,7 +126,7 @@ inline constexpr Condition kBatteryCritical =
             return in.battery_share < lim.battery_land_share;
           });
 inline constexpr Condition kEnding =
-    lands("ending", "the driver was asked to end", {.blocks_arming = true},
+    lands("ending", "the driver was requested to end", {.blocks_arming = true},
           [](const SafetyInputs& in, const SafetyLimits&) { return in.is_ending; });
 inline constexpr Condition kPoseStale =
     holds("pose stale", "pose_age_s > pose_age_hold_s", {.blocks_arming = true},
@@ -139,23 +139,23 @@ inline constexpr Condition kPoseLate =
             return in.pose_latency_s > lim.pose_latency_hold_s;
           });
 inline constexpr Condition kPoseImplausible = holds_for_operator(
-    "pose implausible", "pose_rejected_hold poses in a row", {.blocks_arming = true},
+    "pose implausible", "pose_rejected_hold poses rejected in a row", {.blocks_arming = true},
     [](const SafetyInputs& in, const SafetyLimits& lim) {
       return in.poses_rejected >= lim.pose_rejected_hold;
     });
 inline constexpr Condition kFenceAhead =
-    holds("fence ahead", "the braking way leaves the fence", {},
+    holds("fence ahead", "the braking path leaves the fence", {},
           [](const SafetyInputs& in, const SafetyLimits&) { return in.fence_stop_m < 0.0; });
 inline constexpr Condition kObstacleAhead =
-    holds("obstacle ahead", "the braking way meets an obstacle", {.blocks_arming = true},
+    holds("obstacle ahead", "the braking path meets an obstacle", {.blocks_arming = true},
           [](const SafetyInputs& in, const SafetyLimits&) { return in.obstacle_stop_m < 0.0; });
 inline constexpr Condition kSeparation =
-    cleared(holds("separation", "braking now comes within separation_hold_m of a body",
+    cleared(holds("separation", "braking now would come within separation_hold_m of a body",
                   {.blocks_arming = true, .yields = true},
                   [](const SafetyInputs& in, const SafetyLimits& lim) {
                     return in.separation_stop_m < lim.separation_hold_m;
                   }),
-            "by itself, gone for clear_s; yield_s more for the later name of the two");
+            "automatic, clear_s after the fault ends; yield_s later for the later name of the two");
 inline constexpr Condition kTracking =
     holds("tracking", "tracking_error_m > tracking_hold_m", {.after_s = 0.1},
           [](const SafetyInputs& in, const SafetyLimits& lim) {
@@ -180,7 +180,7 @@ inline constexpr Condition kOperatorQuiet = holds_for_operator(
     [](const SafetyInputs& in, const SafetyLimits& lim) {
       return lim.needs_operator && in.operator_age_s > lim.operator_age_hold_s;
     });
-inline constexpr Condition kOwnStall = holds("own stall", "stall_hold_s between two ticks", {},
+inline constexpr Condition kOwnStall = holds("own stall", "> stall_hold_s between two ticks", {},
                                              [](const SafetyInputs& in, const SafetyLimits& lim) {
                                                return in.since_last_tick_s > lim.stall_hold_s;
                                              });
@@ -205,15 +205,16 @@ inline constexpr Condition kPoseUnsettled =
             return in.poses_accepted < lim.pose_frames_to_arm;
           });
 inline constexpr Condition kPlannerSilent =
-    notes("planner silent", "leaseholder silent for plan_silent_warn_s", {},
+    notes("planner silent", "no message from the leaseholder for plan_silent_warn_s", {},
           [](const SafetyInputs& in, const SafetyLimits& lim) {
             return in.planner_age_s > lim.plan_silent_warn_s;
           });
 inline constexpr Condition kTwoPlanners =
-    notes("two planners", "a run without the lease spoke within the lease", {.blocks_arming = true},
+    notes("two planners", "a planner without the lease published during the lease",
+          {.blocks_arming = true},
           [](const SafetyInputs& in, const SafetyLimits&) { return in.second_planner; });
 inline constexpr Condition kAnotherVersion =
-    notes("another version", "a message of no type of ours, in the last other_version_clear_s",
+    notes("another version", "a message of an unknown type in the last other_version_clear_s",
           {.blocks_arming = true}, [](const SafetyInputs& in, const SafetyLimits& lim) {
             return in.other_version_age_s < lim.other_version_clear_s;
           });

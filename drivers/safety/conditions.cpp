@@ -19,41 +19,42 @@ constexpr Condition kTilt =
           [](const In& in, const Lim& lim) { return in.tilt_rad > lim.tilt_kill_rad; });
 constexpr Condition kPoseLostLow = kills(
     "pose lost low",
-    "pose_age_s > pose_age_kill_s and height < safe_height_m or outside; no pilot has it, and no "
-    "row has distrusted poses",
+    "pose_age_s > pose_age_kill_s while below safe_height_m or outside the fence; off while a "
+    "pilot flies or poses are distrusted",
     {}, [](const In& in, const Lim& lim) {
       // The autopilot received the distrusted poses, so its height may be that of the other body.
       return !in.is_pose_distrusted && in.autopilot_obeys && in.pose_age_s > lim.pose_age_kill_s &&
              (in.height_m < lim.safe_height_m || in.fence_centre_m < 0.0);
     });
-constexpr Condition kBodyDoesNotLift =
-    kills("body does not lift", "told to take off, and not risen lift_risen_m in lift_wait_s",
-          {.spares_pilot = true},
-          [](const In& in, const Lim& lim) { return in.unrisen_s > lim.lift_wait_s; });
-constexpr Condition kAnotherBodyLifts =
-    kills("another body lifts", "lift_other_m by another robot's body, before this one has risen",
-          {.spares_pilot = true},
-          [](const In& in, const Lim& lim) { return in.other_risen_m > lim.lift_other_m; });
+constexpr Condition kBodyDoesNotLift = kills(
+    "body does not lift", "take-off commanded, but not risen by lift_risen_m within lift_wait_s",
+    {.spares_pilot = true},
+    [](const In& in, const Lim& lim) { return in.unrisen_s > lim.lift_wait_s; });
+constexpr Condition kAnotherBodyLifts = kills(
+    "another body lifts", "another robot's body rises by lift_other_m before this one has risen",
+    {.spares_pilot = true},
+    [](const In& in, const Lim& lim) { return in.other_risen_m > lim.lift_other_m; });
 constexpr Condition kLiftAstray =
-    kills("lift astray", "> lift_astray_m from its place in the first lift", {.spares_pilot = true},
+    kills("lift astray", "> lift_astray_m from the path of the first lift", {.spares_pilot = true},
           [](const In& in, const Lim& lim) { return in.lift_astray_m > lim.lift_astray_m; });
 constexpr Condition kLiftDisagrees =
-    kills("lift disagrees", "first lift: climb or turn of the body against the autopilot's own",
+    kills("lift disagrees", "first lift: climb or turn rates of mocap and autopilot differ",
           {.after_s = 0.1, .spares_pilot = true}, [](const In& in, const Lim& lim) {
             return in.lift_climb_error_mps > lim.lift_climb_error_mps ||
                    in.lift_turn_error_radps > lim.lift_turn_error_radps;
           });
 constexpr Condition kRisesUntold =
-    kills("rises untold", "armed, not told, and risen lift_other_m", {.spares_pilot = true},
+    kills("rises untold", "armed, and risen by lift_other_m without a take-off order",
+          {.spares_pilot = true},
           [](const In& in, const Lim& lim) { return in.risen_untold_m > lim.lift_other_m; });
 constexpr Condition kLiftUnproven =
-    lands("lift unproven", "lift_proof_s in the first hover, and not gone where it was told", {},
+    lands("lift unproven", "first hover longer than lift_proof_s, without the commanded motion", {},
           [](const In& in, const Lim& lim) { return in.unproven_s > lim.lift_proof_s; });
 constexpr Condition kBatteryEmpty = lands(
     "battery empty", "share < battery_empty_share", {.blocks_arming = true},
     [](const In& in, const Lim& lim) { return !(in.battery_share >= lim.battery_empty_share); });
 constexpr Condition kBatterySilent =
-    lands("battery silent", "no word for battery_age_land_s", {.blocks_arming = true},
+    lands("battery silent", "no battery report for battery_age_land_s", {.blocks_arming = true},
           [](const In& in, const Lim& lim) { return in.battery_age_s > lim.battery_age_land_s; });
 constexpr Condition kBatteryStuck = lands(
     "battery stuck", "unchanged for battery_stuck_land_s in flight", {},
@@ -76,19 +77,19 @@ constexpr Condition kEstimatorFailed =
     lands("estimator failed", "the autopilot's estimator is not good",
           {.blocks_arming = true, .after_s = 1.0},
           [](const In& in, const Lim&) { return !in.estimator_good; });
-constexpr Condition kPoseForeign =
-    lands("pose foreign",
-          "velocity by mocap and autopilot > velocity_error_land_mps; no pose is used any more",
-          {.after_s = 0.3, .distrusts_pose = true}, [](const In& in, const Lim& lim) {
-            return in.velocity_error_mps > lim.velocity_error_land_mps;
-          });
+constexpr Condition kPoseForeign = lands(
+    "pose foreign",
+    "velocities of mocap and autopilot differ by > velocity_error_land_mps; poses no longer used",
+    {.after_s = 0.3, .distrusts_pose = true}, [](const In& in, const Lim& lim) {
+      return in.velocity_error_mps > lim.velocity_error_land_mps;
+    });
 constexpr Condition kHoldRestless =
     lands("hold restless",
-          "to hover, and faster than hover_speed_mps or hover_off_m away; no pose is used any more",
+          "in hover, but faster than hover_speed_mps or > hover_off_m away; poses no longer used",
           {.after_s = 2.0, .distrusts_pose = true},
           [](const In& in, const Lim&) { return in.is_hold_restless; });
 constexpr Condition kDoesNotSink =
-    lands("does not sink", "comes down, and sink_error_m too high; no pose is used any more",
+    lands("does not sink", "in descent, but more than sink_error_m too high; poses no longer used",
           {.after_s = 2.0, .distrusts_pose = true},
           [](const In& in, const Lim& lim) { return in.sink_error_m > lim.sink_error_m; });
 constexpr Condition kOperatorLost =
@@ -102,7 +103,7 @@ constexpr Condition kTooFast =
             return in.speed_mps > lim.speed_hold_ratio * lim.vehicle.speed_max_mps;
           });
 constexpr Condition kFoundFlying = holds_for_operator(
-    "found flying", "in the air, and not by this driver's doing", {.blocks_arming = true},
+    "found flying", "in the air without a take-off by this driver", {.blocks_arming = true},
     [](const In& in, const Lim&) { return in.is_found_flying || in.is_found_landing; });
 constexpr Condition kAutopilotQuiet = holds(
     "autopilot quiet", "no heartbeat for heartbeat_age_hold_s", {.blocks_arming = true},
@@ -114,17 +115,17 @@ constexpr Condition kEstimateOff = holds(
     "estimate off", "estimate_error_m > estimate_error_hold_m",
     {.blocks_arming = true, .after_s = 0.1},
     [](const In& in, const Lim& lim) { return in.estimate_error_m > lim.estimate_error_hold_m; });
-constexpr Condition kVelocityDisagrees =
-    holds("velocity disagrees", "velocity by mocap and autopilot > velocity_error_hold_mps",
-          {.after_s = 0.1}, [](const In& in, const Lim& lim) {
-            return in.velocity_error_mps > lim.velocity_error_hold_mps;
-          });
+constexpr Condition kVelocityDisagrees = holds(
+    "velocity disagrees", "velocities of mocap and autopilot differ by > velocity_error_hold_mps",
+    {.after_s = 0.1}, [](const In& in, const Lim& lim) {
+      return in.velocity_error_mps > lim.velocity_error_hold_mps;
+    });
 constexpr Condition kEstimatorDoubtful =
     holds("estimator doubtful", "the autopilot's estimator is not good",
           {.blocks_arming = true, .after_s = 0.2},
           [](const In& in, const Lim&) { return !in.estimator_good; });
 constexpr Condition kAutopilotDisobeys = holds_for_operator(
-    "autopilot disobeys", "it left the mode that takes set-points", {.after_s = 0.5},
+    "autopilot disobeys", "the autopilot left the mode that accepts set-points", {.after_s = 0.5},
     [](const In& in, const Lim&) { return !in.autopilot_obeys; });
 constexpr Condition kPoseAging =
     notes("pose aging", "pose_age_s > pose_age_warn_s; slows the plan", {},
@@ -136,31 +137,33 @@ constexpr Condition kBodyTilted =
           });
 constexpr Condition kNotAtItsStart =
     notes("not at its start",
-          "further than start_off_arm_m or turned by more than start_turn_arm_rad from the "
-          "scenario's start; before its first flight",
+          "> start_off_arm_m or > start_turn_arm_rad from the scenario's start; before its first "
+          "flight",
           {.blocks_arming = true}, [](const In& in, const Lim& lim) {
             return in.flight_s <= 0.0 && (in.start_off_m > lim.start_off_arm_m ||
                                           in.start_turn_rad > lim.start_turn_arm_rad);
           });
-constexpr Condition kAttitudeDisagrees = notes(
-    "attitude disagrees", "level by mocap and autopilot > attitude_error_arm_rad; on the ground",
-    {.blocks_arming = true}, [](const In& in, const Lim& lim) {
-      return in.flight_s <= 0.0 && in.attitude_error_rad > lim.attitude_error_arm_rad;
-    });
-constexpr Condition kYawDisagrees =
-    notes("yaw disagrees", "yaw by mocap and autopilot > yaw_error_arm_rad; on the ground",
+constexpr Condition kAttitudeDisagrees =
+    notes("attitude disagrees",
+          "tilts of mocap and autopilot differ by > attitude_error_arm_rad; on the ground",
           {.blocks_arming = true}, [](const In& in, const Lim& lim) {
-            return in.flight_s <= 0.0 && in.yaw_error_rad > lim.yaw_error_arm_rad;
+            return in.flight_s <= 0.0 && in.attitude_error_rad > lim.attitude_error_arm_rad;
           });
+constexpr Condition kYawDisagrees = notes(
+    "yaw disagrees", "yaws of mocap and autopilot differ by > yaw_error_arm_rad; on the ground",
+    {.blocks_arming = true}, [](const In& in, const Lim& lim) {
+      return in.flight_s <= 0.0 && in.yaw_error_rad > lim.yaw_error_arm_rad;
+    });
 constexpr Condition kAnotherVehicleIsLifting =
     notes("another vehicle is lifting",
-          "one lifts at a time: told first, then by name; on the ground", {.blocks_take_off = true},
+          "one vehicle lifts at a time, by order time, then by name; on the ground",
+          {.blocks_take_off = true},
           [](const In& in, const Lim&) { return in.flight_s <= 0.0 && in.is_lift_taken; });
-constexpr Condition kSomebodyNear =
-    notes("somebody near", "a body within landing_clearance_m in take_off_look_s; on the ground",
-          {.blocks_take_off = true}, [](const In& in, const Lim& lim) {
-            return in.flight_s <= 0.0 && in.near_m < lim.landing_clearance_m;
-          });
+constexpr Condition kSomebodyNear = notes(
+    "somebody near", "a body comes within landing_clearance_m in take_off_look_s; on the ground",
+    {.blocks_take_off = true}, [](const In& in, const Lim& lim) {
+      return in.flight_s <= 0.0 && in.near_m < lim.landing_clearance_m;
+    });
 constexpr Condition kBatteryForTakeOff =
     notes("battery for take-off", "share < battery_arm_share; on the ground",
           {.blocks_arming = true}, [](const In& in, const Lim& lim) {

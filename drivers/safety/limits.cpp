@@ -41,7 +41,7 @@ double setpoint_timeout_max_s(models::AutopilotDialect dialect) {
                                  [name](const auto& each) { return each.name == name; });
   require(
       rule != rules.end() && rule->kind == wire::ParameterRule::Kind::kAtMost && !rule->is_advised,
-      std::string("config/autopilot: ") + name + " must stand there with `at most`");
+      std::string("config/autopilot: ") + name + " needs a rule that begins with `at most`");
   return rule->bounds[0];
 }
 
@@ -166,7 +166,7 @@ void check_limits(const SafetyLimits& l) {
             std::string("safety limits: ") + bound.name + " must be positive and finite");
   }
   require(l.take_off_height_m < l.fence.ceiling_m,
-          "safety limits: take_off_height_m must lie below the ceiling");
+          "safety limits: take_off_height_m must be below the ceiling");
 }
 
 }  // namespace vantage::drivers

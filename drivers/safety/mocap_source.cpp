@@ -57,8 +57,8 @@ const char* MocapSource::complaint(Time now) const {
   const auto is_recent = [now](const std::optional<Time>& heard) {
     return heard && to_seconds(now - *heard) <= kFreshS;
   };
-  return is_recent(other_heard_)        ? "a second source of VICON is refused"
-         : is_recent(other_time_heard_) ? "VICON stamped by another clock, or of a log, is refused"
+  return is_recent(other_heard_)        ? "messages from a second VICON source are rejected"
+         : is_recent(other_time_heard_) ? "VICON messages from another clock or a log are rejected"
                                         : nullptr;
 }
 

@@ -35,7 +35,7 @@ void DriverEnd::step(const EndFacts& facts, Time now) {
   } else if (hurried_at_ && facts.lands_itself) {
     end();
   } else if (hurried_at_ && now - *hurried_at_ >= kHurry) {
-    end("the vehicle has not confirmed that it lands or is at rest: the driver ends without that");
+    end("the vehicle has not confirmed that it is landing or stationary: the driver ends anyway");
   }
 }
 

@@ -24,7 +24,7 @@ std::unique_ptr<Port> open_udp_url(const std::string& url, const std::string& ad
   }
   const auto& [host, port] = parts.value();
   if (speaks_first && host.empty()) {
-    throw StartupError(url + ": udpout:// needs a host to speak to");
+    throw StartupError(url + ": udpout:// needs a host to send to");
   }
   return open_udp_port(host, static_cast<std::uint16_t>(port), speaks_first);
 }

@@ -141,10 +141,11 @@ std::unique_ptr<Port> open_serial_port(const std::string& device, int baud) {
     throw StartupError("serial:" + device + ": " + std::to_string(baud) + " is not a baud rate");
   }
   if (baud < kBaudMin) {
-    throw StartupError("serial:" + device + ": " + std::to_string(baud) +
-                       " baud are too few: poses and set-points take 17 kB/s, which needs " +
-                       std::to_string(kBaudMin) +
-                       " or more (over USB any rate will do; a telemetry radio carries no flight)");
+    throw StartupError(
+        "serial:" + device + ": " + std::to_string(baud) +
+        " baud is too slow: poses and set-points take 17 kB/s, which needs " +
+        std::to_string(kBaudMin) +
+        " or more (over USB any rate works; a telemetry radio is unsuitable for flight)");
   }
   return std::make_unique<SerialPort>(device, baud);
 }

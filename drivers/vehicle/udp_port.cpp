@@ -25,7 +25,7 @@ class UdpPort : public Port {
   UdpPort(const std::string& host, std::uint16_t port, bool speaks_first)
       : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {
     if (fd_ < 0) {
-      throw StartupError("cannot make a UDP socket: " + reason());
+      throw StartupError("cannot create a UDP socket: " + reason());
     }
     try {
       const sockaddr_in address =

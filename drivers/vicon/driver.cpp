@@ -149,7 +149,7 @@ void ViconDriver::receive(Moment arrival, wire::vicon::Bytes bytes) {
                            : spec_.protocol == MocapProtocol::kDataStream ? Speaker::kDataStream
                                                                           : Speaker::kObjectStream;
   const std::string complaint =
-      speaker == expected ? std::string("sends bytes that its own protocol does not have")
+      speaker == expected ? std::string("sends bytes that its protocol does not allow")
                           : std::string("is ") + wire::vicon::name_of(speaker) + ", not " +
                                 wire::vicon::name_of(expected) + cure_for(speaker);
   if (is_datagram_) {
@@ -177,7 +177,7 @@ void ViconDriver::close_if_behind(Moment now) {
   is_backlog_ = true;
   ++link_counts_.backlogs;
   close_because("is " + std::to_string(filter_.waited().count() / 1'000) +
-                " ms behind: frames wait in a queue; connecting anew to empty it; use a cable, "
+                " ms behind: frames wait in a queue; reconnecting to empty it; use a cable, "
                 "or mocap.mode: pull");
 }
 
@@ -192,17 +192,18 @@ void ViconDriver::on_time(Moment now) {
   if (now.steady - last_heard_ > kSilenceMax) {
     if (is_datagram_) {
       last_heard_ = now.steady;  // report it only now and then
-      status_ = "nothing arrives at " + place() +
-                "; in Tracker turn on the UDP object stream to this host and port";
+      status_ = "no data received at " + place() +
+                "; in Tracker, turn on the UDP object stream to this host and port";
     } else {
       ++link_counts_.silences;
-      close_because(first_bytes_.empty() ? "accepts, but says nothing: not a mocap server?"
-                                         : "has fallen silent");
+      close_because(first_bytes_.empty()
+                        ? "accepts the connection but sends nothing; is it a mocap server?"
+                        : "has stopped sending");
     }
   } else if (frames_since_open_ == 0 && last_heard_ > opened_at_ &&
              now.steady - opened_at_ > kNoFrameHint) {
-    status_ = (is_datagram_ ? "something arrives at " : "connected to ") + place() +
-              ", but there are no frames; is the system live, and are objects ticked? (Nexus: run "
+    status_ = (is_datagram_ ? "data received at " : "connected to ") + place() +
+              ", but no frames; is the system live, and are objects ticked? (Nexus: run "
               "the Kinematic Fit pipeline)";
   }
 }

@@ -40,7 +40,7 @@ SocketLink::SocketLink(ViconDriver& driver, std::function<Moment()> now)
       epoll_(epoll_create1(EPOLL_CLOEXEC)),
       buffer_(kReadBytes) {
   if (!epoll_.is_open()) {
-    throw StartupError("cannot make an epoll descriptor: " + reason(errno));
+    throw StartupError("cannot create an epoll descriptor: " + reason(errno));
   }
 }
 
@@ -140,7 +140,7 @@ void SocketLink::finish_opening(Moment now) {
   getsockopt(socket_.fd(), SOL_SOCKET, SO_ERROR, &error, &size);
   if (error != 0) {
     fail(error == ECONNREFUSED
-             ? "nobody listens there; is the server running, and is mocap.port right?"
+             ? "connection refused; is the server running, and is mocap.port right?"
              : "cannot connect: " + reason(error));
     return;
   }
@@ -166,7 +166,7 @@ void SocketLink::read_all() {
       return;
     }
     if (size < 0) {
-      fail("the connection broke: " + reason(errno));
+      fail("the connection failed: " + reason(errno));
       return;
     }
     if (sender_ && from.sin_addr.s_addr != *sender_) {
@@ -188,7 +188,7 @@ void SocketLink::write_all() {
       continue;
     }
     if (size < 0) {
-      fail("the connection broke: " + reason(errno));
+      fail("the connection failed: " + reason(errno));
       return;
     }
     outgoing.erase(outgoing.begin(), outgoing.begin() + size);

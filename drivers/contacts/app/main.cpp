@@ -9,7 +9,7 @@
 int main(int argc, char** argv) {
   using namespace vantage;  // NOLINT(google-build-using-namespace): main alone
   return bus::node_main(
-      {"vantage-contacts", "Judges contacts and near misses of real bodies, as cameras see them."},
+      {"vantage-contacts", "Detects contacts and near misses of real bodies from motion capture."},
       argc, argv,
       [](bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
          const bus::NodeArguments& /*arguments*/) -> std::unique_ptr<bus::Node> {

@@ -10,8 +10,9 @@
 int main(int argc, char** argv) {
   using namespace vantage;  // NOLINT(google-build-using-namespace): main alone
   return bus::node_main(
-      {"vantage-rover", "Drives one rover by the protocol of docs/guide/rovers.md.", true}, argc,
-      argv,
+      {"vantage-rover", "Drives one rover with the protocol that docs/guide/rovers.md defines.",
+       true},
+      argc, argv,
       [](bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
          const bus::NodeArguments& arguments) -> std::unique_ptr<bus::Node> {
         const auto& rover = scenario.find_robot(arguments.robot)->rover;

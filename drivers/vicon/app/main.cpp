@@ -13,7 +13,7 @@ int main(int argc, char** argv) {
   using namespace vantage;  // NOLINT(google-build-using-namespace): main alone
   return bus::node_main(
       {.name = "vantage-vicon",
-       .description = "Publishes what a Vicon or VRPN server sees.",
+       .description = "Publishes the poses that a Vicon or VRPN server measures.",
        .serves_vehicles = true},
       argc, argv,
       [](bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,

@@ -229,13 +229,13 @@ TEST(AutopilotLink, HearsItsVehicleAlone) {
   bench.hear(wire::mavlink::Heartbeat{0, 2, 12, 128, 4, 3}, kNow, 9);
   EXPECT_FALSE(bench.link.telemetry().heartbeat_time().has_value());
   EXPECT_STREQ(bench.fault(kNow).c_str(),
-               "no autopilot of this system id is heard, but others are");
+               "messages received, but none from an autopilot with this system id");
   bench.hear(wire::mavlink::Heartbeat{0, 6, 8, 128, 4, 3}, kNow, 1, 190);  // ground station
   EXPECT_FALSE(bench.link.telemetry().heartbeat_time().has_value());
   bench.hear_heartbeat(kNow);
   EXPECT_FALSE(bench.link.fault(kNow).has_value());
   EXPECT_STREQ(bench.fault(kNow + std::chrono::seconds(3)).c_str(),
-               "the autopilot has fallen silent");
+               "the autopilot's messages have stopped");
 }
 
 TEST(AutopilotLink, TakesTheFirstAutopilotWhenNoneIsNamed) {
@@ -313,7 +313,7 @@ TEST(AutopilotLink, NamesVersionOne) {
   std::vector<std::uint8_t> bytes;
   wire::mavlink::append_bytes(frame, bytes);
   bench.link.receive(bytes, true, kNow);
-  EXPECT_STREQ(bench.fault(kNow).c_str(), "the autopilot speaks MAVLink 1; version 2 is needed");
+  EXPECT_STREQ(bench.fault(kNow).c_str(), "the autopilot sends MAVLink 1; version 2 is required");
 }
 
 TEST(AutopilotLink, SignsEverythingAndHearsNothingUnsigned) {

@@ -351,7 +351,7 @@ TEST_P(FlightFaults, WithoutAnAttitudeItLands) {
     EXPECT_EQ(up.state(), FlightState::kHold);
     up.run(1.6);
     EXPECT_EQ(up.state(), FlightState::kLand) << up.reasons();
-    EXPECT_TRUE(up.has_reason("says nothing of its attitude")) << up.reasons();
+    EXPECT_TRUE(up.has_reason("no attitude received from the autopilot")) << up.reasons();
   }
 }
 

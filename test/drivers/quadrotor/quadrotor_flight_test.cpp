@@ -245,12 +245,12 @@ TEST_P(Flight, GivesWayToAPilotAndTakesTheVehicleBackWhenAsked) {
   bench.run(4.0);
   EXPECT_NE(bench.vehicle.controller().mode(), ours) << "it fought the pilot";
   EXPECT_EQ(bench.state(), FlightState::kHold);
-  EXPECT_TRUE(bench.has_reason("mode; `hold`, `follow` or `land` takes it back"))
+  EXPECT_TRUE(bench.has_reason("mode; send `hold`, `follow` or `land` to regain control"))
       << bench.reasons();
   bench.command(OperatorAction::kFollow);
   ASSERT_TRUE(bench.run_until([&] { return bench.vehicle.controller().mode() == ours; }, 3.0));
   bench.run(1.5);
-  EXPECT_FALSE(bench.has_reason("takes it back")) << bench.reasons();
+  EXPECT_FALSE(bench.has_reason("to regain control")) << bench.reasons();
 }
 
 TEST_P(Flight, IsLandedByItsAutopilotWhenTheWireIsCut) {

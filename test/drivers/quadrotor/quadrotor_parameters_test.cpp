@@ -155,7 +155,7 @@ INSTANTIATE_TEST_SUITE_P(Dialects, Battery,
 TEST_P(Battery, ThatTellsAVoltageAloneIsNamedAsTheObstacle) {
   const auto bench = bench_with(sim::BatteryReport::kVoltageOnly, 1.0);
   bench->run(30.0);
-  EXPECT_TRUE(bench->has_reason("does not tell its battery's charge")) << bench->reasons();
+  EXPECT_TRUE(bench->has_reason("does not report its battery's charge")) << bench->reasons();
   bench->command(OperatorAction::kArm);
   EXPECT_FALSE(bench->run_until([&] { return bench->is_armed(); }, 10.0));
 }

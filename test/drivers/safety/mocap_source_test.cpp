@@ -137,8 +137,8 @@ TEST_F(Source, IsSilentAfterThreeTenthsAndOfNowWithinTwoSeconds) {
 
 // The complaint names a second source first, then another clock; each for two seconds.
 TEST_F(Source, SaysWhoWasRefusedInTheLastTwoSeconds) {
-  const std::string second = "a second source of VICON is refused";
-  const std::string other_time = "VICON stamped by another clock, or of a log, is refused";
+  const std::string second = "messages from a second VICON source are rejected";
+  const std::string other_time = "VICON messages from another clock or a log are rejected";
   const auto complaint = [&](double at_s) {
     const char* const text = source.complaint(at(at_s));
     return text == nullptr ? std::string() : text;

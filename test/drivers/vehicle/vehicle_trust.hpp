@@ -26,9 +26,9 @@ using models::OperatorAction;
 
 inline constexpr std::int64_t kLabRun = 22;  // of the bench: mocap and operator
 inline constexpr std::int64_t kOtherRun = 5;
-inline constexpr const char* kSecondSource = "a second source of VICON is refused";
+inline constexpr const char* kSecondSource = "messages from a second VICON source are rejected";
 inline constexpr const char* kOtherClock =
-    "VICON stamped by another clock, or of a log, is refused";
+    "VICON messages from another clock or a log are rejected";
 inline constexpr std::int64_t kFarAhead = std::int64_t{1} << 62;
 
 struct FlightNodeBench : VehicleNodeBench<QuadrotorNode, sim::AutopilotEndpoint> {

@@ -63,7 +63,7 @@ class ViconBench {
         if (is_server_up) {
           connect();
         } else {
-          driver.on_closed(now(), "nobody listens there");
+          driver.on_closed(now(), "connection refused");
         }
       }
       exchange();

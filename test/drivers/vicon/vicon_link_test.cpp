@@ -62,7 +62,7 @@ TEST_P(ViconLink, WaitsLongerEachTimeThatNobodyListensAndIsBackWhenTheServerIs) 
   bench.pass(std::chrono::seconds(100));
   EXPECT_GE(bench.driver.link_counts().connections_failed, 48) << "it keeps to 2 s at most";
   EXPECT_LE(bench.driver.link_counts().connections_failed, 56) << "and waits longer each time";
-  EXPECT_NE(bench.driver.status().find("nobody listens"), std::string::npos);
+  EXPECT_NE(bench.driver.status().find("connection refused"), std::string::npos);
   bench.is_server_up = true;
   bench.pass(std::chrono::seconds(2) + Duration{10'000});
   number = 0;  // the server restarted
@@ -103,10 +103,10 @@ TEST_P(ViconLink, HangsUpOnAServerThatFallsSilent) {
     }
     EXPECT_TRUE(bench.driver.wants_close());
     EXPECT_EQ(bench.driver.link_counts().silences, 1);
-    EXPECT_NE(bench.driver.status().find("silent"), std::string::npos);
+    EXPECT_NE(bench.driver.status().find("stopped sending"), std::string::npos);
   } else {
     bench.pass(std::chrono::seconds(4));
-    EXPECT_NE(bench.driver.status().find("nothing arrives"), std::string::npos);
+    EXPECT_NE(bench.driver.status().find("no data received"), std::string::npos);
     EXPECT_EQ(bench.driver.link_counts().connections, connections) << "UDP has nothing to reopen";
   }
 }

@@ -136,7 +136,8 @@ TEST_P(CheckVehicles, SaysThatNobodyIsHeard) {
   bench.is_wire_cut = true;
   ASSERT_TRUE(bench.run(20.0));
   EXPECT_FALSE(bench.check.is_ready(bench.now));
-  EXPECT_NE(bench.said().find("no autopilot is heard at udp://:1"), std::string::npos);
+  EXPECT_NE(bench.said().find("no message received from an autopilot at udp://:1"),
+            std::string::npos);
 }
 
 TEST(CheckVehiclesOfAnotherKind, SaysWhichItIsNot) {
