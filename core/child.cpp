@@ -80,7 +80,7 @@ std::string ChildExit::describe() const {
 }
 
 Result<Child> Child::start(const std::vector<std::string>& arguments, const ChildPlace& place) {
-  require(!arguments.empty(), "a process to start has a name");
+  require(!arguments.empty(), "a process to start needs a name");
   std::vector<const char*> pointers;
   for (const std::string& argument : arguments) {
     pointers.push_back(argument.c_str());

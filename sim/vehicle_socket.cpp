@@ -37,14 +37,14 @@ VehicleSocket::VehicleSocket(const std::string& driver_url) {
   const bool speaks_first = driver_url.starts_with(kDriverWaits);
   if (!speaks_first && !driver_url.starts_with(kDriverSpeaks)) {
     throw StartupError("vehicle '" + driver_url +
-                       "': a simulated one is reached by udp:// or udpout:// only");
+                       "': a simulated vehicle needs a udp:// or udpout:// url");
   }
   const sockaddr_in address =
       address_in(driver_url, std::strlen(speaks_first ? kDriverWaits : kDriverSpeaks));
   fd_ = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   const int on = 1;
   if (fd_ < 0 || setsockopt(fd_, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on) != 0) {
-    throw StartupError("cannot make a UDP socket: " + std::system_category().message(errno));
+    throw StartupError("cannot create a UDP socket: " + std::system_category().message(errno));
   }
   if (speaks_first) {
     driver_ = address;

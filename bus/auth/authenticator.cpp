@@ -52,8 +52,8 @@ constexpr Duration kStaleShownFor = std::chrono::seconds(1);
 
 /// Returns the fault of a real device without required signatures, with its remedy.
 std::string real_fault(const scenario::Scenario& scenario) {
-  return "a device is real, so what moves it must be signed: write security: {mode: require, "
-         "keys: FOLDER} into the scenario, and make the keys: vantage keys new " +
+  return "a device is real, so its commands must be signed: write security: {mode: require, "
+         "keys: FOLDER} into the scenario, and create the keys: vantage keys new " +
          (scenario.security.keys.empty() ? "FOLDER" : scenario.security.keys);
 }
 
@@ -299,8 +299,8 @@ std::vector<std::string> security_faults(const scenario::Scenario& scenario) {
   }
   if (has_too_many_vehicles(scenario)) {
     faults.push_back(
-        fmt::format("robots: where security is required a command can be said to {} vehicles at "
-                    "most, and there are {}: fly fewer, or without drivers (device: direct)",
+        fmt::format("robots: {1} vehicles, but a signed command reaches at most {0}; use fewer "
+                    "vehicles, or simulate them without drivers (device: direct)",
                     kEchoesMax, scenario.robots.size()));
   }
   try {
@@ -310,7 +310,7 @@ std::vector<std::string> security_faults(const scenario::Scenario& scenario) {
           keyring.keys().begin(), keyring.keys().end(),
           [role](const Key& key) { return key.role == role && key.use == KeyUse::kSigns; });
       if (!is_there) {
-        faults.push_back(fmt::format("{}: there is no key of the role {}: {}-ID.key",
+        faults.push_back(fmt::format("{}: no key for the role {} (file {}-ID.key)",
                                      scenario.security.keys, name_of(role), name_of(role)));
       }
     }
@@ -323,8 +323,9 @@ std::vector<std::string> security_faults(const scenario::Scenario& scenario) {
 void require_operator(const scenario::Scenario& scenario) {
   if (scenario.security.mode != scenario::SecurityMode::kOff &&
       load_keyring(scenario.security.keys).signing(Role::kOperator) == nullptr) {
-    throw StartupError(scenario.security.keys +
-                       ": this host cannot say commands: operator-ID.sign is on stations alone");
+    throw StartupError(
+        scenario.security.keys +
+        ": this host cannot send commands: operator-ID.sign is missing; only stations have it");
   }
 }
 

@@ -74,11 +74,12 @@ std::optional<FileName> parse_name(const fs::path& path) {
 void check_folder(const std::string& folder) {
   struct stat status {};
   if (stat(folder.c_str(), &status) != 0 || !S_ISDIR(status.st_mode)) {
-    throw StartupError(folder + ": there is no such folder of keys; vantage keys new " + folder);
+    throw StartupError(folder + ": no such folder of keys; create it: vantage keys new " + folder);
   }
   if (status.st_uid != geteuid() || (status.st_mode & (S_IWGRP | S_IWOTH)) != 0) {
-    throw StartupError(folder + ": others may change this folder of keys; it must be ours, and " +
-                       "chmod 700 " + folder);
+    throw StartupError(
+        folder + ": other users may change this folder of keys; it must belong to this user; " +
+        "chmod 700 " + folder);
   }
 }
 
@@ -95,7 +96,7 @@ Key read_key(const fs::path& path, const FileName& name) {
   }
   key.id = key_id(name.role, contents.bytes());
   if (key.id != name.id) {
-    throw StartupError(fmt::format("{}: the file holds key {}, not the one it is called",
+    throw StartupError(fmt::format("{}: the file contains key {}, not the key in its name",
                                    path.string(), key_name(key)));
   }
   const fs::path seed_path = fs::path(path).replace_extension(kSeedSuffix);
@@ -105,7 +106,7 @@ Key read_key(const fs::path& path, const FileName& name) {
     const auto expected = key.public_key;
     set_seed(key, seed.bytes());
     if (key.public_key != expected) {
-      throw StartupError(seed_path.string() + ": is not the other half of " + path.string());
+      throw StartupError(seed_path.string() + ": does not belong to " + path.string());
     }
   }
   return key;
@@ -119,7 +120,8 @@ void move_file(const fs::path& from, const fs::path& to) {
   std::error_code error;
   fs::rename(from, to, error);
   if (error) {
-    throw StartupError(from.string() + ": cannot become " + to.string() + ": " + error.message());
+    throw StartupError(from.string() + ": cannot be renamed to " + to.string() + ": " +
+                       error.message());
   }
 }
 
@@ -167,9 +169,9 @@ std::string key_name(const Key& key) { return fmt::format("{}-{:08x}", name_of(k
 
 void Keyring::add(Key key) {
   for (const Key& known : keys_) {
-    require(known.id != key.id, "two keys have the id of " + key_name(key));
+    require(known.id != key.id, "two keys have the same id: " + key_name(key));
     require(known.role != key.role || known.use != KeyUse::kSigns || key.use != KeyUse::kSigns,
-            fmt::format("the role {} signs with {} and with {}; one of them must be .next or .old",
+            fmt::format("the role {} has two signing keys, {} and {}; rename one to .next or .old",
                         name_of(key.role), key_name(known), key_name(key)));
   }
   keys_.push_back(std::move(key));
@@ -244,10 +246,11 @@ void store_key(const std::string& folder, const Key& key) {
 
 void make_keys(const std::string& folder) {
   if (mkdir(folder.c_str(), S_IRWXU) != 0 && errno != EEXIST) {
-    throw StartupError(folder + ": cannot be made: " + std::system_category().message(errno));
+    throw StartupError(folder + ": cannot be created: " + std::system_category().message(errno));
   }
   if (!load_keyring(folder).keys().empty()) {
-    throw StartupError(folder + ": there are keys already; vantage keys rotate " + folder);
+    throw StartupError(
+        folder + ": the folder has keys already; to replace them: vantage keys rotate " + folder);
   }
   for (const Role role : kRoles) {
     store_key(folder, make_key(role));
@@ -259,7 +262,8 @@ void begin_rotation(const std::string& folder, std::optional<Role> role) {
   for (const Key& key : keyring.keys()) {
     if (key.use == KeyUse::kNext && is_meant(key, role)) {
       throw StartupError(path_of(folder, key).string() +
-                         ": a rotation is under way; vantage keys rotate --sign " + folder);
+                         ": a rotation is in progress; finish it: vantage keys rotate --sign " +
+                         folder);
     }
   }
   for (const Role each : kRoles) {
@@ -279,7 +283,7 @@ void end_rotation(const std::string& folder, std::optional<Role> role) {
   };
   if (std::none_of(kRoles.begin(), kRoles.end(),
                    [&](Role each) { return (!role || each == *role) && has_next(each); })) {
-    throw StartupError(folder + ": there is no new key to sign with; vantage keys rotate " +
+    throw StartupError(folder + ": no new key to sign with; create one: vantage keys rotate " +
                        folder);
   }
   for (const KeyUse use : {KeyUse::kSigns, KeyUse::kNext}) {  // never two signing keys at once
@@ -306,7 +310,7 @@ void revoke_key(const std::string& folder, const std::string& name) {
       return;
     }
   }
-  throw StartupError(folder + ": there is no key " + name + "; vantage keys show " + folder);
+  throw StartupError(folder + ": no key " + name + "; list the keys: vantage keys show " + folder);
 }
 
 }  // namespace vantage::bus::auth

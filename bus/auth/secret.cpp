@@ -43,18 +43,18 @@ std::string fault_of_reading(const std::string& file, std::span<std::uint8_t> ou
     return "cannot read the " + what + ": " + reason(errno);
   }
   if (!S_ISREG(status.st_mode) || status.st_size != static_cast<off_t>(out.size())) {
-    return "a " + what + " is a file of " + std::to_string(out.size()) + " bytes, this one has " +
-           std::to_string(status.st_size);
+    return "the file has " + std::to_string(status.st_size) + " bytes; the " + what +
+           " must have " + std::to_string(out.size()) + " bytes";
   }
   if (status.st_uid != geteuid()) {
-    return "the " + what + " belongs to another user; it must be ours alone";
+    return "the " + what + " belongs to another user; it must belong to this user";
   }
   if ((status.st_mode & (S_IRWXG | S_IRWXO)) != 0) {
-    return "others may read or change the " + what + "; chmod 600 " + file;
+    return "other users may read or change the " + what + "; chmod 600 " + file;
   }
   const ssize_t got = read(opened.fd(), out.data(), out.size());
   if (got != static_cast<ssize_t>(out.size())) {
-    return "cannot read the " + what + ": " + (got < 0 ? reason(errno) : "it is cut short");
+    return "cannot read the " + what + ": " + (got < 0 ? reason(errno) : "the file is truncated");
   }
   return "";
 }
@@ -64,7 +64,7 @@ std::string fault_of_reading(const std::string& file, std::span<std::uint8_t> ou
 void start_sodium() {
   [[maybe_unused]] static const bool is_ready = [] {
     if (sodium_init() < 0) {
-      throw StartupError("libsodium cannot start");
+      throw StartupError("libsodium cannot be initialised");
     }
     return true;
   }();
@@ -95,7 +95,7 @@ void write_secret_file(const std::string& file, std::span<const std::uint8_t> by
   constexpr mode_t kOursAlone = S_IRUSR | S_IWUSR;
   const File made(open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kOursAlone));
   if (made.fd() < 0) {
-    throw StartupError(file + ": cannot be made: " + reason(errno));
+    throw StartupError(file + ": cannot be created: " + reason(errno));
   }
   const ssize_t put = write(made.fd(), bytes.data(), bytes.size());
   if (put != static_cast<ssize_t>(bytes.size()) || fchmod(made.fd(), kOursAlone) != 0 ||

@@ -39,7 +39,7 @@ std::optional<Duration> handed_on() {
   if (offset_us < kOffsetMin_us || offset_us > kOffsetMax_us) {
     throw StartupError(std::string(SteadyClock::kHandedOn) + " is " + text + ", and must be from " +
                        std::to_string(kOffsetMin_us) + " to " + std::to_string(kOffsetMax_us) +
-                       ": unset it, or start again");
+                       ": unset it, or restart the programs");
   }
   return Duration{offset_us};
 }

@@ -65,13 +65,13 @@ int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode&
     app.footer(
         "Real time:\n"
         "  --fifo PRIORITY             SCHED_FIFO with this priority, 1 to 99\n"
-        "  --cpu N                     on this CPU only\n"
-        "  --lock-memory               no page is swapped out or faulted in late\n"
-        "What the system does not grant is refused at once, with the limit to raise.");
+        "  --cpu N                     run on this CPU only\n"
+        "  --lock-memory               keep all memory in RAM, without page faults\n"
+        "If the system denies an option, the program ends and names the limit to raise.");
     NodeArguments arguments;
     scenario::Overrides overrides;
     app.add_option("--scenario", arguments.scenario, "scenario file")->required();
-    auto* robot = app.add_option("--robot", arguments.robot, "robot of the scenario");
+    auto* robot = app.add_option("--robot", arguments.robot, "name of a robot in the scenario");
     if (program.needs_robot) {
       robot->required();
     }
@@ -79,10 +79,10 @@ int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode&
     app.add_option("--seed", overrides.seed, "seed instead of the scenario's");
     app.add_option("--planner", overrides.planner, "planning algorithm instead of the scenario's");
     app.add_option("--publish-prefix", arguments.publish_prefix,
-                   "put before every channel published on");
+                   "prefix of every channel that this process publishes");
     if (program.can_replay) {
       app.add_flag("--replay", arguments.replay,
-                   "recompute what a replayed log says was computed, from the inputs it names");
+                   "repeat the computations of a replayed log, from the inputs that it names");
     }
     try {
       app.parse(argc, argv);

@@ -19,7 +19,8 @@ std::string expression_of(const std::string& channel) {
     return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' ||
            c == ':' || c == '/' || c == '-';
   });
-  require(is_plain && !channel.empty(), "channel '" + channel + "' must be of [A-Za-z0-9_:/-]");
+  require(is_plain && !channel.empty(),
+          "channel '" + channel + "' must consist of [A-Za-z0-9_:/-]");
   return is_prefix ? stem + ".*" : stem;
 }
 

@@ -67,7 +67,7 @@ MulticastSocket::MulticastSocket(const UdpmAddress& address, Absence absence)
       buffer_(kDatagramBytesMax + 1) {
   // The third socket checks that join() can open its probe.
   if (receiver_.fd() < 0 || sender_.fd() < 0 || Descriptor(open_udp()).fd() < 0) {
-    throw StartupError("LCM udpm: cannot make a socket: " + reason());
+    throw StartupError("LCM udpm: cannot create a socket: " + reason());
   }
   group_.sin_family = AF_INET;
   group_.sin_port = htons(static_cast<std::uint16_t>(address.port));
@@ -93,7 +93,7 @@ std::string MulticastSocket::find_interface() {
   membership_.imr_ifindex = static_cast<int>(if_nametoindex(interface.c_str()));
   return membership_.imr_ifindex != 0 ? ""
                                       : "LCM udpm: interface=" + interface + ": " + reason() +
-                                            ". 'ip -4 address' shows what there is";
+                                            ". 'ip -4 address' lists the interfaces";
 }
 
 std::string MulticastSocket::join() {

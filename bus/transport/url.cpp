@@ -28,7 +28,7 @@ std::string checked_interface(const std::string& text) {
                        text.find_first_of("/ \t%") == std::string::npos;
   if (!is_name) {
     throw StartupError("LCM url: interface is '" + text +
-                       "', must be a card's name (see 'ip link') or its IPv4 address");
+                       "', must be the name of a network card (see 'ip link') or its IPv4 address");
   }
   return text;
 }
@@ -38,7 +38,7 @@ std::string checked_interface(const std::string& text) {
 Url parse_url(const std::string& url) {
   const std::size_t colon = url.find("://");
   if (colon == std::string::npos || colon == 0) {
-    throw StartupError("LCM url '" + url + "' is not like " + kDefaultUrl);
+    throw StartupError("LCM url '" + url + "' does not have the form of " + kDefaultUrl);
   }
   Url parsed;
   parsed.scheme = url.substr(0, colon);

@@ -11,7 +11,8 @@ int main(int argc, char** argv) {
   using namespace vantage;  // NOLINT(google-build-using-namespace): main alone
   return bus::node_main(
       {.name = "vantage-sim",
-       .description = "Simulates the lab: quadrotors that follow plans, rovers, mocap, contacts.",
+       .description =
+           "Simulates the lab: quadrotors that follow plans, rovers, motion capture and contacts.",
        .serves_vehicles = true},
       argc, argv,
       [](bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,

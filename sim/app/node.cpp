@@ -19,7 +19,7 @@ constexpr Duration kStatusPeriod{100'000};
 constexpr Duration kAttackPeriod{1'000'000};
 constexpr Duration kCatchUpPause{1'000};
 constexpr Duration kExchangePeriod = WorldSimulation::kStep;
-constexpr const char* kCure = ": fly it with `vantage up`, or say 'direct'";
+constexpr const char* kCure = ": run it with `vantage up`, or set device: direct";
 
 Time at_or_after(Time time, Duration period) {
   return from_utime((to_utime(time) + period.count() - 1) / period.count() * period.count());

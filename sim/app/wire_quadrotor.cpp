@@ -19,7 +19,7 @@ const scenario::AutopilotSpec& autopilot_of(const scenario::RobotSpec& robot) {
   }
   if (!robot.autopilot->key_file.empty()) {
     throw StartupError("robot " + robot.name +
-                       ": the simulated autopilot does not sign; leave `key_file` out");
+                       ": the simulated autopilot cannot sign; remove `key_file`");
   }
   return *robot.autopilot;
 }

@@ -11,7 +11,7 @@ namespace {
 const scenario::RoverSpec& rover_of(const scenario::RobotSpec& robot) {
   if (!robot.rover || robot.rover->url.empty()) {
     throw StartupError("robot " + robot.name +
-                       " is driven on the wire: it needs a `rover` with a `url`");
+                       " has device 'wire': it needs a `rover` with a `url`");
   }
   return *robot.rover;
 }

@@ -68,8 +68,8 @@ std::vector<Pose2> target_starts(const scenario::Scenario& scenario, std::uint64
       }
     }
     require(found, "target " + target.name +
-                       ": no free ground left to start from: " + std::to_string(starts.size()) +
-                       " of " + std::to_string(scenario.targets.size()) + " targets found some");
+                       ": no free start position left: " + std::to_string(starts.size()) + " of " +
+                       std::to_string(scenario.targets.size()) + " targets have one");
   }
   return starts;
 }

@@ -47,7 +47,7 @@ RecordedFlight read_flight(const std::string& path) {
     }
     const Quaternion rotation(row[4], row[5], row[6], row[7]);
     if (std::abs(rotation.norm() - 1.0) > 1e-3) {
-      throw StartupError(where + "the quaternion is not unit");
+      throw StartupError(where + "the quaternion must have length 1");
     }
     const std::size_t count = flight.world_from_body.size();
     first_s = count == 0 ? row[0] : first_s;
@@ -59,7 +59,7 @@ RecordedFlight read_flight(const std::string& path) {
     flight.world_from_body.push_back({{row[1], row[2], row[3]}, rotation.normalized()});
   }
   if (flight.world_from_body.empty() || flight.period_s <= 0.0) {
-    throw StartupError(path + ": holds no flight");
+    throw StartupError(path + ": contains no flight");
   }
   return flight;
 }

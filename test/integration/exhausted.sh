@@ -33,7 +33,7 @@ for process in "${processes[@]}"; do
     # shellcheck disable=SC2086
     run_within -n "$descriptors" $process
     if ((descriptors < 6)); then
-      grep -q 'cannot make a socket: Too many open files' "$dir/said.err" ||
+      grep -q 'cannot create a socket: Too many open files' "$dir/said.err" ||
         fail "$process with $descriptors descriptors does not say what it lacks"
     fi
   done

@@ -240,7 +240,7 @@ TEST(SimNode, SaysWhichDeviceNeedsRealTime) {
     return std::string();
   };
   const std::string cure =
-      "has device 'wire', which needs real time: fly it with `vantage up`, or say 'direct'";
+      "has device 'wire', which needs real time: run it with `vantage up`, or set device: direct";
   scenario::Scenario scenario = test::lab_scenario();
   scenario.robots[1].device = scenario::DeviceSource::kWire;
   EXPECT_EQ(why(scenario), "robot Q2 " + cure);

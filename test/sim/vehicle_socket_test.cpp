@@ -153,9 +153,8 @@ TEST(VehicleSocket, SaysWhyItCannotBe) {
     }
     return std::string();
   };
-  EXPECT_EQ(
-      why("serial:/dev/ttyUSB0"),
-      "vehicle 'serial:/dev/ttyUSB0': a simulated one is reached by udp:// or udpout:// only");
+  EXPECT_EQ(why("serial:/dev/ttyUSB0"),
+            "vehicle 'serial:/dev/ttyUSB0': a simulated vehicle needs a udp:// or udpout:// url");
   EXPECT_NE(why("udp:/127.0.0.1:1"), "");
   EXPECT_EQ(why("udp://127.0.0.1:x").rfind("udp://127.0.0.1:x: ", 0), 0u);
   EXPECT_EQ(why("udpout://127.0.0.1").rfind("udpout://127.0.0.1: ", 0), 0u);

@@ -156,7 +156,7 @@ TEST(WireQuadrotor, SaysWhyItCannotBeSimulated) {
   };
   scenario::RobotSpec robot = flier_at(port_of_this_test(3));
   robot.autopilot->key_file = "key";
-  EXPECT_EQ(why(robot), "robot Q2: the simulated autopilot does not sign; leave `key_file` out");
+  EXPECT_EQ(why(robot), "robot Q2: the simulated autopilot cannot sign; remove `key_file`");
   robot.autopilot->url.clear();
   EXPECT_EQ(why(robot),
             "robot Q2 has device 'wire': it needs an `autopilot` or a `rover` with a `url`");
@@ -233,7 +233,7 @@ TEST(WireRover, SaysWhatItNeeds) {
     FAIL();
   } catch (const StartupError& error) {
     EXPECT_EQ(std::string(error.what()),
-              "robot Q2 is driven on the wire: it needs a `rover` with a `url`");
+              "robot Q2 has device 'wire': it needs a `rover` with a `url`");
   }
 }
 

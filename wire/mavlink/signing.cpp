@@ -15,7 +15,7 @@ constexpr std::uint64_t kMinute10us = 6'000'000;
 
 void start_sodium() {
   [[maybe_unused]] static const bool is_ready =
-      (require(sodium_init() >= 0, "libsodium cannot start"), true);
+      (require(sodium_init() >= 0, "libsodium cannot be initialised"), true);
 }
 
 }  // namespace

@@ -78,7 +78,7 @@ const char* name_of(Speaker speaker) {
     case Speaker::kUnknown:
       return "something unknown";
     case Speaker::kTooFewBytes:
-      return "a server that does not speak";
+      return "a server that sends too few bytes";
     case Speaker::kDataStream:
       return "a Vicon DataStream server";
     case Speaker::kVrpn:
@@ -88,7 +88,7 @@ const char* name_of(Speaker speaker) {
     case Speaker::kQualisys:
       return "Qualisys Track Manager";
     case Speaker::kText:
-      return "a server that speaks text (not motion capture)";
+      return "a server that sends text (not motion capture)";
   }
   return "something unknown";
 }

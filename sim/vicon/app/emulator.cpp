@@ -50,34 +50,39 @@ void add_options(CLI::App& app, Arguments& arguments) {
                                                      {"repeated", OcclusionStyle::kRepeated}};
   app.add_option("--protocol", arguments.settings.protocol, "datastream, object_stream or vrpn")
       ->transform(CLI::CheckedTransformer(protocols));
-  app.add_option("--host", arguments.host, "address to listen at");
-  app.add_option("--port", arguments.port, "instead of the protocol's own")
+  app.add_option("--host", arguments.host, "address to listen on");
+  app.add_option("--port", arguments.port, "port instead of the protocol's default")
       ->check(CLI::Range(1, 65535));
-  app.add_option("--to", arguments.to, "where an object stream goes; may be a broadcast address");
-  app.add_option("--rate", arguments.settings.rate_hz, "frames a second")
+  app.add_option("--to", arguments.to,
+                 "destination of an object stream; may be a broadcast address");
+  app.add_option("--rate", arguments.settings.rate_hz, "frame rate, Hz")
       ->check(CLI::Range(1.0, 1000.0));
-  app.add_option("--block-bytes", arguments.settings.block_bytes, "of an object stream's datagram")
+  app.add_option("--block-bytes", arguments.settings.block_bytes,
+                 "datagram size of an object stream, bytes")
       ->check(CLI::IsMember({256, 512, 1024}));
-  app.add_option("--up", arguments.up, "axis of the world that is sent: z or y")
+  app.add_option("--up", arguments.up, "upward axis of the sent frame: z or y")
       ->check(CLI::IsMember({"z", "y"}));
-  app.add_option("--latency-s", arguments.latency_s, "that the server claims to have taken")
+  app.add_option("--latency-s", arguments.latency_s, "latency that the server reports, s")
       ->check(CLI::Range(0.0, 1.0));
-  app.add_option("--occlusion", arguments.settings.occlusion, "absent, zero or repeated")
+  app.add_option("--occlusion", arguments.settings.occlusion,
+                 "how a hidden body is sent: absent, zero or repeated")
       ->transform(CLI::CheckedTransformer(styles));
   app.add_option("--occluded-s", arguments.occluded_s,
-                 "hide the bodies for so long every 10 s, one after the other")
+                 "time for which the bodies are hidden, in turn, in every 10 s; s")
       ->check(CLI::Range(0.0, kOcclusionPeriod_s));
-  auto* bodies = app.add_option("--bodies", arguments.bodies, "so many bodies on circles")
-                     ->check(CLI::Range(0, 512));
+  auto* bodies =
+      app.add_option("--bodies", arguments.bodies, "number of bodies that move on circles")
+          ->check(CLI::Range(0, 512));
   auto* flights = app.add_option("--flight", arguments.flights,
                                  "recorded flight (CSV: time_s,x_m,y_m,z_m,qw,qx,qy,qz); may be "
                                  "given several times")
                       ->excludes(bodies);
-  app.add_flag("--endless", arguments.is_endless, "begin the flights again at their end");
-  app.add_option("--scenario", arguments.scenario, "the world of a scenario file, nobody planning")
+  app.add_flag("--endless", arguments.is_endless, "restart the flights when they end");
+  app.add_option("--scenario", arguments.scenario,
+                 "simulate the world of this scenario file, without planners")
       ->excludes(bodies)
       ->excludes(flights);
-  app.add_option("--duration-s", arguments.duration_s, "stop by itself; 0: never");
+  app.add_option("--duration-s", arguments.duration_s, "stop after this time, s; 0: never");
   app.footer(
       "Examples:\n"
       "  vantage-vicon-emulator --protocol datastream --bodies 20 --rate 1000\n"
@@ -148,7 +153,7 @@ int serve(const Arguments& arguments) {
 }  // namespace
 
 int run_emulator(int argc, char** argv) {
-  CLI::App app{"A Vicon or VRPN server that is none, to try drivers on.", "vantage-vicon-emulator"};
+  CLI::App app{"Emulates a Vicon or VRPN server, to test drivers.", "vantage-vicon-emulator"};
   Arguments arguments;
   add_options(app, arguments);
   try {

@@ -37,7 +37,7 @@ Flights::Flights(const std::vector<std::string>& paths, bool is_endless) : is_en
     length_s_ = flights_.size() == 1 ? length_s : std::min(length_s_, length_s);
   }
   if (flights_.empty()) {
-    throw StartupError("no flight was given");
+    throw StartupError("no flight given");
   }
 }
 

@@ -113,7 +113,7 @@ TEST_F(KeyFolder, IsRefusedWhenAFileIsNotWhatItsNameSays) {
 
 TEST_F(KeyFolder, IsRefusedWhenARoleWouldSignWithTwoKeys) {
   store_key(folder(), make_key(Role::kMocap));
-  EXPECT_NE(refusal_of(folder()).find("signs with"), std::string::npos);
+  EXPECT_NE(refusal_of(folder()).find("has two signing keys"), std::string::npos);
 }
 
 // The keys of a vehicle's host: all except the seed that signs commands.
@@ -128,7 +128,7 @@ TEST_F(KeyFolder, OfAnotherOperatorsSeedIsRefused) {
   const std::string seed = file_of(Role::kOperator, "sign");
   fs::remove(seed);
   write_secret_file(seed, std::vector<std::uint8_t>(kSeedBytes, 3));
-  EXPECT_NE(refusal_of(folder()).find("not the other half"), std::string::npos);
+  EXPECT_NE(refusal_of(folder()).find("does not belong to"), std::string::npos);
 }
 
 TEST_F(KeyFolder, IsRotatedWithoutAMomentInWhichSomebodyIsNotUnderstood) {
@@ -341,8 +341,8 @@ TEST_F(KeyFolder, IsForNoMoreVehiclesThanACommandCanBeSaidTo) {
   for (const DeviceSource device : {DeviceSource::kWire, DeviceSource::kReal}) {
     EXPECT_EQ(faults_of(SecurityMode::kRequire, 65, device),
               (std::vector<std::string>{
-                  "robots: where security is required a command can be said to 64 vehicles at "
-                  "most, and there are 65: fly fewer, or without drivers (device: direct)"}));
+                  "robots: 65 vehicles, but a signed command reaches at most 64; use fewer "
+                  "vehicles, or simulate them without drivers (device: direct)"}));
   }
   EXPECT_TRUE(faults_of(SecurityMode::kRequire, 65, DeviceSource::kDirect).empty());
   EXPECT_TRUE(faults_of(SecurityMode::kWarn, 65, DeviceSource::kWire).empty())

@@ -124,7 +124,7 @@ TEST(TargetStarts, AreNearerWhereThereIsNoRoomAndRefusedWhereThereIsNone) {
     FAIL();
   } catch (const UsageError& error) {
     EXPECT_EQ(std::string(error.what()),
-              "target T2: no free ground left to start from: 2 of 3 targets found some");
+              "target T2: no free start position left: 2 of 3 targets have one");
   }
 }
 

@@ -85,7 +85,7 @@ TEST(CheckPreflight, SaysByLineThatTheTargetsFindNoGround) {
                  ": target R"),
       std::string::npos)
       << fault;
-  EXPECT_NE(fault.find("of 500 targets found some"), std::string::npos) << fault;
+  EXPECT_NE(fault.find("of 500 targets have one"), std::string::npos) << fault;
 }
 
 TEST(CheckPreflight, SaysByLineThatAnAddressIsNotMulticast) {

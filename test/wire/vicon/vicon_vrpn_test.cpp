@@ -350,7 +350,7 @@ TEST(IdentifyDatagram, TellsTheStreamsApart) {
 TEST(Speakers, AreCalledByTheirOwnNames) {
   const std::vector<std::pair<Speaker, std::string>> words{
       {Speaker::kUnknown, "unknown"},
-      {Speaker::kTooFewBytes, "does not speak"},
+      {Speaker::kTooFewBytes, "sends too few bytes"},
       {Speaker::kDataStream, "DataStream"},
       {Speaker::kVrpn, "VRPN"},
       {Speaker::kObjectStream, "object stream"},
