@@ -42,7 +42,7 @@ std::vector<double> numbers(std::string_view text) {
     out.push_back(number);
   }
   if (!in.eof()) {
-    throw StartupError(fmt::format("'{}' is no number", text));
+    throw StartupError(fmt::format("'{}' is not a number", text));
   }
   return out;
 }
@@ -62,7 +62,7 @@ void read_rule(std::string_view text, ParameterRule& out) {
   } else if (take(text, "one of ")) {
     out.kind = Kind::kOneOf;
   } else if (!take(text, "exactly")) {
-    throw StartupError(fmt::format("'{}' is no rule", text));
+    throw StartupError(fmt::format("'{}' is not a rule", text));
   }
   const std::size_t gap = out.kind == Kind::kBetween ? text.find(" and ") : std::string_view::npos;
   out.bounds = numbers(text.substr(0, gap));
@@ -72,7 +72,7 @@ void read_rule(std::string_view text, ParameterRule& out) {
     }
   }
   if (out.kind == Kind::kOneOf ? out.bounds.empty() : out.bounds.size() != count) {
-    throw StartupError(fmt::format("'{}' is no rule", text));
+    throw StartupError(fmt::format("'{}' is not a rule", text));
   }
 }
 
@@ -96,7 +96,7 @@ ParameterRule read_line(std::string_view line) {
   read_rule(trim(line.substr(comment + 1, colon - comment - 1)), out);
   out.otherwise = trim(line.substr(colon + 1));
   if (!out.accepts(out.value)) {
-    throw StartupError(out.name + " breaks its own rule");
+    throw StartupError(out.name + " violates its own rule");
   }
   return out;
 }
@@ -145,7 +145,7 @@ std::string ParameterRule::wanted() const {
 std::string ParameterRule::complaint(std::optional<double> actual) const {
   return actual ? fmt::format("{} is {}, wanted is {}: {}", name, parameter_text(*actual), wanted(),
                               otherwise)
-                : fmt::format("{} is not there, wanted is {}: {}", name, wanted(), otherwise);
+                : fmt::format("{} is missing, wanted is {}: {}", name, wanted(), otherwise);
 }
 
 std::vector<ParameterRule> parse_parameter_rules(std::string_view text) {
@@ -161,7 +161,7 @@ std::vector<ParameterRule> parse_parameter_rules(std::string_view text) {
       ParameterRule rule = read_line(line);
       if (std::any_of(out.begin(), out.end(),
                       [&](const ParameterRule& other) { return other.name == rule.name; })) {
-        throw StartupError(rule.name + " comes a second time");
+        throw StartupError(rule.name + " is listed twice");
       }
       out.push_back(std::move(rule));
     } catch (const StartupError& error) {

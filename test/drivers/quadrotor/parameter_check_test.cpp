@@ -80,7 +80,7 @@ TEST(ParameterCheck, RepeatsWhatIsNotAnsweredAndGivesItUp) {
   EXPECT_EQ(bench.asked["FS_GCS_ENABLE"], ParameterCheck::kAsksMax);
   EXPECT_FALSE(bench.check.is_kept());
   EXPECT_EQ(bench.check.reasons(),
-            std::vector<std::string>{"FS_GCS_ENABLE is not there, wanted is 5: it stays"});
+            std::vector<std::string>{"FS_GCS_ENABLE is missing, wanted is 5: it stays"});
 }
 
 TEST(ParameterCheck, KeepsOnlyAFewQuestionsUnderWay) {

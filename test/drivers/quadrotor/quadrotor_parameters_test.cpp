@@ -38,7 +38,7 @@ TEST_P(Parameters, ThatDifferForbidArmingAndSayWhatWouldHappen) {
   bench.vehicle.set_parameter(loss_name(), 3.0);
   bench.run(30.0);
   EXPECT_TRUE(bench.has_reason(loss_name() + " is 3, wanted is at most")) << bench.reasons();
-  EXPECT_TRUE(bench.has_reason("it flies on for so long after the driver dies"));
+  EXPECT_TRUE(bench.has_reason("it flies on for this time after the driver dies"));
   EXPECT_FALSE(arms_within(10.0));
   EXPECT_NEAR(bench.driver->parameters().value(loss_name()).value_or(0.0), 3.0, 1e-6);
 }
@@ -74,7 +74,7 @@ TEST_P(Parameters, ThatLetItArmStopItWithinTheBudgetWhenItsDriverDies) {
 TEST_P(Parameters, ThatAreMissingForbidArming) {
   bench.vehicle.forget_parameter(loss_name());
   bench.run(30.0);
-  EXPECT_TRUE(bench.has_reason(loss_name() + " is not there")) << bench.reasons();
+  EXPECT_TRUE(bench.has_reason(loss_name() + " is missing")) << bench.reasons();
   EXPECT_FALSE(arms_within(10.0));
 }
 

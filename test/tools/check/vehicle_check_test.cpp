@@ -89,7 +89,7 @@ TEST_P(CheckVehicles, NamesEachDifferenceAndWhatItWouldDo) {
   EXPECT_FALSE(bench.check.is_ready(bench.now));
   ASSERT_EQ(bench.check.differences().size(), 1U);
   EXPECT_NE(bench.said().find(loss_name()), std::string::npos);
-  EXPECT_NE(bench.said().find("it flies on for so long after the driver dies"), std::string::npos);
+  EXPECT_NE(bench.said().find("it flies on for this time after the driver dies"), std::string::npos);
   EXPECT_EQ(bench.vehicle.parameter(loss_name()), 3.0) << "nothing is written unasked";
 }
 

@@ -118,7 +118,7 @@ TEST(ParameterRules, SayTheValueTheRuleAndWhatWouldHappen) {
             "GUID_TIMEOUT is 3, wanted is at most 0.5: it flies on");
   EXPECT_EQ(rule("A 0 # one of 0 3 5: b").complaint(1.0), "A is 1, wanted is 0, 3 or 5: b");
   EXPECT_EQ(rule("A 2 # between 1 and 3: b").complaint(std::nullopt),
-            "A is not there, wanted is between 1 and 3: b");
+            "A is missing, wanted is between 1 and 3: b");
   EXPECT_EQ(rule("A 0.05 # exactly: b").complaint(static_cast<double>(0.2F)),
             "A is 0.2, wanted is 0.05: b");
 }
@@ -126,16 +126,16 @@ TEST(ParameterRules, SayTheValueTheRuleAndWhatWouldHappen) {
 TEST(ParameterRules, RefuseWhatIsNoneAndNameTheLine) {
   EXPECT_EQ(refusal("A 1 # exactly: b\nB 1\n"),
             "line 2: must be `NAME VALUE  # RULE: what happens otherwise`");
-  EXPECT_EQ(refusal("A 1 # roughly: b"), "line 1: 'roughly' is no rule");
-  EXPECT_EQ(refusal("A one # exactly: b"), "line 1: ' one' is no number");
-  EXPECT_EQ(refusal("A 1 # at most: b"), "line 1: 'at most' is no rule");
+  EXPECT_EQ(refusal("A 1 # roughly: b"), "line 1: 'roughly' is not a rule");
+  EXPECT_EQ(refusal("A one # exactly: b"), "line 1: ' one' is not a number");
+  EXPECT_EQ(refusal("A 1 # at most: b"), "line 1: 'at most' is not a rule");
   EXPECT_NE(refusal("A 1 # at most x: b"), "taken");
   EXPECT_NE(refusal("A 1 # between 1: b"), "taken");
   EXPECT_NE(refusal("A 1 # one of : b"), "taken");
   EXPECT_NE(refusal("A # exactly: b"), "taken");
   EXPECT_NE(refusal("LONGER_THAN_16_IT 1 # exactly: b"), "taken");
-  EXPECT_EQ(refusal("A 1 # at most 0: b"), "line 1: A breaks its own rule");
-  EXPECT_EQ(refusal("A 1 # exactly: b\nA 1 # exactly: b"), "line 2: A comes a second time");
+  EXPECT_EQ(refusal("A 1 # at most 0: b"), "line 1: A violates its own rule");
+  EXPECT_EQ(refusal("A 1 # exactly: b\nA 1 # exactly: b"), "line 2: A is listed twice");
 }
 
 TEST(ParameterRules, HaveAsManyNumbersAsTheirKind) {
@@ -153,9 +153,9 @@ TEST(ParameterRules, HaveAsManyNumbersAsTheirKind) {
 
 TEST(ParameterRules, CountEveryLineForThoseWhoLookForIt) {
   EXPECT_EQ(refusal("\n# a comment\n\t\nA 1 # exactly: b\nA 1 # roughly: b"),
-            "line 5: 'roughly' is no rule");
+            "line 5: 'roughly' is not a rule");
   EXPECT_EQ(refusal("A 1 # exactly: b\nB 1 # exactly: b\nC 1 # exactly: b\nB 1 # exactly: c"),
-            "line 4: B comes a second time");
+            "line 4: B is listed twice");
   EXPECT_EQ(parse_parameter_rules("A 1 # exactly: b\nB 2 # exactly: c").at(1).otherwise, "c");
   EXPECT_TRUE(parse_parameter_rules("").empty());
 }
