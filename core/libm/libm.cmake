@@ -4,8 +4,8 @@
 find_file(MUSL_LIBRARY libc.a
   PATHS /usr/lib/${CMAKE_SYSTEM_PROCESSOR}-linux-musl /usr/lib/musl/lib NO_DEFAULT_PATH)
 if(NOT MUSL_LIBRARY)
-  message(FATAL_ERROR "core/ needs musl's libc.a (Debian: musl-dev; or tools/setup), for sin, exp, log "
-    "with the same bits everywhere; -DVANTAGE_OWN_LIBM=OFF takes the system's")
+  message(FATAL_ERROR "core/ needs musl's libc.a (Debian: musl-dev; or tools/setup), so that sin, exp, log "
+    "give identical results everywhere; -DVANTAGE_OWN_LIBM=OFF uses the system's functions")
 endif()
 set(functions
   sin cos tan asin acos atan atan2 exp exp2 expm1 log log10 log1p pow hypot erf)
@@ -31,7 +31,7 @@ add_custom_command(
   COMMAND ${CMAKE_OBJCOPY} ${kept} all.o ${libm_object}
   DEPENDS ${MUSL_LIBRARY}
   WORKING_DIRECTORY ${work}
-  COMMENT "sin, exp, log, … out of musl"
+  COMMENT "Extracting sin, exp, log, … from musl"
   VERBATIM)
 set_source_files_properties(${libm_object}
   PROPERTIES EXTERNAL_OBJECT ON GENERATED ON)

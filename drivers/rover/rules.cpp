@@ -41,7 +41,8 @@ constexpr auto kRows = std::to_array<Condition>({
         "rover silent", "no telemetry for telemetry_age_hold_s", {.blocks_arming = true},
         [](const In& in, const Lim& lim) { return in.heartbeat_age_s > lim.telemetry_age_hold_s; }),
     holds(
-        "rover deaf", "no command accepted for telemetry_age_hold_s", {.blocks_arming = true},
+        "commands not accepted", "no command accepted for telemetry_age_hold_s",
+        {.blocks_arming = true},
         [](const In& in, const Lim& lim) { return in.telemetry_age_s > lim.telemetry_age_hold_s; }),
     holds_for_operator("rover disobeys", "the rover accepts commands from another driver",
                        {.blocks_arming = true},

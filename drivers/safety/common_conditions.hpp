@@ -180,10 +180,11 @@ inline constexpr Condition kOperatorQuiet = holds_for_operator(
     [](const SafetyInputs& in, const SafetyLimits& lim) {
       return lim.needs_operator && in.operator_age_s > lim.operator_age_hold_s;
     });
-inline constexpr Condition kOwnStall = holds("own stall", "> stall_hold_s between two ticks", {},
-                                             [](const SafetyInputs& in, const SafetyLimits& lim) {
-                                               return in.since_last_tick_s > lim.stall_hold_s;
-                                             });
+inline constexpr Condition kOwnStall =
+    holds("driver stalled", "> stall_hold_s between two ticks", {},
+          [](const SafetyInputs& in, const SafetyLimits& lim) {
+            return in.since_last_tick_s > lim.stall_hold_s;
+          });
 inline constexpr Condition kShortOfProcessor =
     lands("short of processor", "processor_wait_s > processor_wait_hold_s for 3 s",
           {.after_s = 3.0}, [](const SafetyInputs& in, const SafetyLimits& lim) {

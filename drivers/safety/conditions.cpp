@@ -34,9 +34,9 @@ constexpr Condition kAnotherBodyLifts = kills(
     "another body lifts", "another robot's body rises by lift_other_m before this one has risen",
     {.spares_pilot = true},
     [](const In& in, const Lim& lim) { return in.other_risen_m > lim.lift_other_m; });
-constexpr Condition kLiftAstray =
-    kills("lift astray", "> lift_astray_m from the path of the first lift", {.spares_pilot = true},
-          [](const In& in, const Lim& lim) { return in.lift_astray_m > lim.lift_astray_m; });
+constexpr Condition kLiftAstray = kills(
+    "lift off course", "> lift_astray_m from the path of the first lift", {.spares_pilot = true},
+    [](const In& in, const Lim& lim) { return in.lift_astray_m > lim.lift_astray_m; });
 constexpr Condition kLiftDisagrees =
     kills("lift disagrees", "first lift: climb or turn rates of mocap and autopilot differ",
           {.after_s = 0.1, .spares_pilot = true}, [](const In& in, const Lim& lim) {
@@ -44,7 +44,7 @@ constexpr Condition kLiftDisagrees =
                    in.lift_turn_error_radps > lim.lift_turn_error_radps;
           });
 constexpr Condition kRisesUntold =
-    kills("rises untold", "armed, and risen by lift_other_m without a take-off order",
+    kills("uncommanded rise", "armed, and risen by lift_other_m without a take-off order",
           {.spares_pilot = true},
           [](const In& in, const Lim& lim) { return in.risen_untold_m > lim.lift_other_m; });
 constexpr Condition kLiftUnproven =
@@ -84,7 +84,7 @@ constexpr Condition kPoseForeign = lands(
       return in.velocity_error_mps > lim.velocity_error_land_mps;
     });
 constexpr Condition kHoldRestless =
-    lands("hold restless",
+    lands("hover unsteady",
           "in hover, but faster than hover_speed_mps or > hover_off_m away; poses no longer used",
           {.after_s = 2.0, .distrusts_pose = true},
           [](const In& in, const Lim&) { return in.is_hold_restless; });
@@ -160,7 +160,7 @@ constexpr Condition kAnotherVehicleIsLifting =
           {.blocks_take_off = true},
           [](const In& in, const Lim&) { return in.flight_s <= 0.0 && in.is_lift_taken; });
 constexpr Condition kSomebodyNear = notes(
-    "somebody near", "a body comes within landing_clearance_m in take_off_look_s; on the ground",
+    "body nearby", "a body comes within landing_clearance_m in take_off_look_s; on the ground",
     {.blocks_take_off = true}, [](const In& in, const Lim& lim) {
       return in.flight_s <= 0.0 && in.near_m < lim.landing_clearance_m;
     });

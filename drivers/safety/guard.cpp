@@ -50,10 +50,11 @@ bool distrusts_pose(const Reasons& latched) {
 void say_orders(const LadderState& ladder, const SafetyInputs& in,
                 std::vector<std::string>& reasons) {
   if (ladder.arm.is_given && !ladder.wants_armed) {
-    reasons.emplace_back("arm waits");
+    reasons.emplace_back("arm pending");
   }
   if (ladder.take_off.is_given) {
-    reasons.emplace_back(in.autopilot_armed ? "take-off waits" : "take-off waits: motors");
+    reasons.emplace_back(in.autopilot_armed ? "take-off pending"
+                                            : "take-off pending: starting the motors");
   }
   if (ladder.refusal.order != Refusal::Order::kNone) {
     const bool is_arm = ladder.refusal.order == Refusal::Order::kArm;

@@ -74,7 +74,7 @@ std::vector<Row> rows() {
          }
          up.alters = nullptr;
        }},
-      {"lift astray",
+      {"lift off course",
        [](Reach& up) {
          up.begin_take_off();
          up.run_until([&] { return up.height_m() > 0.12; }, 10.0);
@@ -88,7 +88,7 @@ std::vector<Row> rows() {
          up.report_attitude(0.0, 0.0, 2.0);
          up.run(1.0);
        }},
-      {"rises untold",
+      {"uncommanded rise",
        [](Reach& up) {
          up.arm();
          up.force(kFree, kFree, 0.3);
@@ -164,7 +164,7 @@ std::vector<Row> rows() {
                   up.mute({id::EstimatorStatus::kMessage.id, id::EkfStatusReport::kMessage.id});
                 })},
       {"pose foreign", hovering(3.0, [](Reach& up) { up.report_motion(0.0, 1.0); })},
-      {"hold restless", hovering(4.0, [](Reach& up) { up.force(kFree, 0.3, 0.0); })},
+      {"hover unsteady", hovering(4.0, [](Reach& up) { up.force(kFree, 0.3, 0.0); })},
       {"does not sink", hovering(6.0,
                                  [](Reach& up) {
                                    up.alters = [k = 0](models::MocapFrame& frame) mutable {
@@ -238,7 +238,8 @@ std::vector<Row> rows() {
                                             up.is_px4() ? 3U << 16U : 5U, up.now);
                                       })},
       {"operator quiet", hovering(2.0, [](Reach& up) { up.has_operator = false; })},
-      {"own stall", hovering(0.1, [](Reach& up) { up.now += std::chrono::milliseconds(300); })},
+      {"driver stalled",
+       hovering(0.1, [](Reach& up) { up.now += std::chrono::milliseconds(300); })},
       {"waits for processor", hovering(0.2, [](Reach& up) { up.driver->on_processor_wait(0.4); })},
       {"pose aging", hovering(0.09, [](Reach& up) { up.has_mocap = false; })},
       {"pose unsettled", [](Reach& up) { up.run(0.3); }},
@@ -280,7 +281,7 @@ std::vector<Row> rows() {
          up.driver->on_command(own, up.now);
          up.run(1.0);
        }},
-      {"somebody near",
+      {"body nearby",
        [](Reach& up) {
          up.arm();
          up.walker_m = up.vehicle.world_from_body().translation_m + Eigen::Vector3d(0.6, 0.0, 0.0);

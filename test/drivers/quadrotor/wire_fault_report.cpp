@@ -59,7 +59,7 @@ constexpr Difference kDifferences[] = {
     {"link cut for 1.2 s", kFailsafe, "telemetry stale", nullptr, FlightState::kIdle},
     {"telemetry stops", "the reports of the estimator stop as well", "telemetry stale", nullptr,
      FlightState::kIdle},
-    {"own process stops for 0.4 s", "the failsafe of PX4 lands it", "own stall", "tick.stalls",
+    {"own process stops for 0.4 s", "the failsafe of PX4 lands it", "driver stalled", "tick.stalls",
      std::nullopt, FlightState::kIdle},
 };
 

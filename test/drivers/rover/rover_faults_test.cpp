@@ -50,7 +50,7 @@ const Fault kFaults[] = {
      FlightState::kKilled, "emergency stop"},
     {"MotorFails", [](RoverBench& b) { b.rover.fail_motor(); }, 0.0, FlightState::kKilled, "motor"},
     {"CommandsAreLost", [](RoverBench& b) { b.commands_on = false; }, kWatchdogS,
-     FlightState::kHold, "rover deaf"},
+     FlightState::kHold, "commands not accepted"},
     {"TelemetryIsLost", [](RoverBench& b) { b.telemetry_on = false; }, 0.5 + 0.05,
      FlightState::kHold, "rover silent"},
     {"AnotherMapIsFlown", [](RoverBench& b) { b.driver.on_map(false); }, 0.02, FlightState::kHold,

@@ -46,7 +46,7 @@ TEST_F(Arming, IsForbiddenWhileTheHostIsBusy) {
   arm([&] { q1.knobs.processor_wait_s = 0.16; });
   EXPECT_FALSE(q1.is_armed);
   EXPECT_TRUE(has("host busy"));
-  EXPECT_TRUE(has("arm waits"));
+  EXPECT_TRUE(has("arm pending"));
   bench.run(1.0, [&] { q1.knobs.processor_wait_s = 0.15; });
   EXPECT_TRUE(q1.is_armed) << "the order was kept until the host had time";
 }
@@ -127,11 +127,11 @@ TEST_F(Arming, IsRememberedWhileSomethingPassesBy) {
   const Eigen::Vector3d beside_m = q1.position_m + Eigen::Vector3d(0.52, 0.0, 0.0);
   bench.run(0.16, [&] { bench.room().walkers_m = {beside_m}; });
   EXPECT_FALSE(q1.is_armed) << "motors off while it is there";
-  EXPECT_TRUE(has("arm waits"));
+  EXPECT_TRUE(has("arm pending"));
   EXPECT_TRUE(has("separation"));
   bench.run(1.5, [&] { bench.room().walkers_m = {{3.5, 1.8, 0.0}}; });
   EXPECT_TRUE(q1.is_armed);
-  EXPECT_FALSE(has("arm waits"));
+  EXPECT_FALSE(has("arm pending"));
 }
 
 TEST_F(Arming, IsForgottenAfterAWhileAndSaysSo) {
@@ -192,7 +192,7 @@ TEST_F(Arming, TakeOffWaitsForWhoIsBesideOrComes) {
     room.say(OperatorAction::kTakeOff, "Q1");
     room.run(3.0, [&] { room.room().walkers_m = {from_m}; });
     EXPECT_LT(vehicle.position_m.z(), 0.01);
-    EXPECT_TRUE(FlightBench::has_reason(vehicle, "somebody near", room.now()));
+    EXPECT_TRUE(FlightBench::has_reason(vehicle, "body nearby", room.now()));
     EXPECT_TRUE(vehicle.is_armed) << "it may stand there with its motors on";
     Eigen::Vector3d walker_m = from_m;
     room.run(8.0, [&] {

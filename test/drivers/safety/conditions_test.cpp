@@ -39,10 +39,10 @@ std::vector<Edge> edges(const SafetyLimits& l) {
       {"fence far", &In::fence_centre_m, -l.fence_kill_m, false},
       {"body does not lift", &In::unrisen_s, l.lift_wait_s},
       {"another body lifts", &In::other_risen_m, l.lift_other_m},
-      {"lift astray", &In::lift_astray_m, l.lift_astray_m},
+      {"lift off course", &In::lift_astray_m, l.lift_astray_m},
       {"lift disagrees", &In::lift_climb_error_mps, l.lift_climb_error_mps},
       {"lift disagrees", &In::lift_turn_error_radps, l.lift_turn_error_radps},
-      {"rises untold", &In::risen_untold_m, l.lift_other_m},
+      {"uncommanded rise", &In::risen_untold_m, l.lift_other_m},
       {"pose lost", &In::pose_age_s, l.pose_age_land_s},
       {"fence", &In::fence_now_m, -l.fence_land_m, false},
       {"separation breach", &In::separation_now_m, l.separation_land_m, false},
@@ -70,7 +70,7 @@ std::vector<Edge> edges(const SafetyLimits& l) {
       {"telemetry stale", &In::telemetry_age_s, l.telemetry_age_hold_s},
       {"estimate off", &In::estimate_error_m, l.estimate_error_hold_m},
       {"operator quiet", &In::operator_age_s, l.operator_age_hold_s},
-      {"own stall", &In::since_last_tick_s, l.stall_hold_s},
+      {"driver stalled", &In::since_last_tick_s, l.stall_hold_s},
       {"short of processor", &In::processor_wait_s, l.processor_wait_hold_s},
       {"waits for processor", &In::processor_wait_s, l.processor_wait_hold_s},
       {"host busy", &In::processor_wait_s, l.processor_wait_arm_s},
@@ -80,7 +80,7 @@ std::vector<Edge> edges(const SafetyLimits& l) {
       {"not at its start", &In::start_turn_rad, l.start_turn_arm_rad},
       {"attitude disagrees", &In::attitude_error_rad, l.attitude_error_arm_rad},
       {"yaw disagrees", &In::yaw_error_rad, l.yaw_error_arm_rad},
-      {"somebody near", &In::near_m, l.landing_clearance_m, false},
+      {"body nearby", &In::near_m, l.landing_clearance_m, false},
       {"planner silent", &In::planner_age_s, l.plan_silent_warn_s},
       {"another version", &In::other_version_age_s, l.other_version_clear_s, false},
       {"battery low", &In::battery_share, l.battery_low_share, false},
@@ -117,7 +117,7 @@ TEST(ConditionRow, OfTheGroundIsSilentInTheAir) {
   const SafetyLimits l = limits();
   const std::set<std::string> of_the_ground = {"body tilted",   "not at its start",
                                                "yaw disagrees", "attitude disagrees",
-                                               "somebody near", "battery for take-off"};
+                                               "body nearby",   "battery for take-off"};
   for (const Edge& edge : edges(l)) {
     SafetyInputs in;
     in.flight_s = 1.0;

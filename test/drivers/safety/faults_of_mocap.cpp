@@ -59,7 +59,7 @@ std::vector<Fault> of_mocap() {
                         swaps_names(), ends(kKilled, to_the_end, "pose implausible"))),
       after(2.0, fault(5, "a still body bears its name", "0.24 m away, after `hold`",
                        both(says(OperatorAction::kHold), from(2.0, body(BodyFault::kForeign))),
-                       ends(kIdle, {{kHold, kTicks}, {kLand, 2.3}}, "hold restless"))),
+                       ends(kIdle, {{kHold, kTicks}, {kLand, 2.3}}, "hover unsteady"))),
       fault(5, "the autopilot feels another motion", "its velocity differs by 1 m/s",
             sets(&VehicleKnobs::velocity_offset_mps, 1.0),
             ends(kIdle, {{kHold, 1.6}, {kLand, 2.5}}, "pose foreign")),

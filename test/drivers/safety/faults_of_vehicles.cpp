@@ -78,7 +78,7 @@ std::vector<Fault> of_vehicles() {
                            lasting(0.04, sets(&VehicleKnobs::is_stalled, true)), flies_on())),
       delaying(0.4, fault(45, "own process stops for 0.4 s", "",
                           lasting(0.4, sets(&VehicleKnobs::is_stalled, true)),
-                          ends(kFollow, {{kHold, 0.4 + kTicks}}, "own stall", "tick.stalls"))),
+                          ends(kFollow, {{kHold, 0.4 + kTicks}}, "driver stalled", "tick.stalls"))),
       fault(45, "own process waits 0.2 s of each second", "for a processor",
             sets(&VehicleKnobs::processor_wait_s, 0.2), flies_on_saying("host busy")),
       fault(45, "own process waits 0.4 s of each second for 2 s", "for a processor",

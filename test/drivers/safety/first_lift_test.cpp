@@ -208,7 +208,7 @@ TEST(FirstLiftOfThree, ABodyThatRisesUntoldStopsItsMotors) {
   bench.run(0.6, [&] { q1.velocity_mps.z() = 0.5; });
   EXPECT_EQ(q1.out.state, FlightState::kKilled);
   EXPECT_FALSE(q1.is_armed);
-  EXPECT_TRUE(FlightBench::has_reason(q1, "rises untold", bench.now()));
+  EXPECT_TRUE(FlightBench::has_reason(q1, "uncommanded rise", bench.now()));
 }
 
 // Real autopilots take up to half a minute to arm, and seconds to spool up. By then the order of

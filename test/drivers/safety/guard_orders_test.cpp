@@ -94,7 +94,7 @@ TEST(GuardOrders, SayWhatATakeOffWaitsFor) {
   EXPECT_EQ(q1.reasons(), std::vector<std::string>());
   EXPECT_EQ(q1.say_to("Q1", OperatorAction::kTakeOff), CommandVerdict::kObeyed);
   q1.tick();
-  EXPECT_EQ(q1.reasons(), std::vector<std::string>({"take-off waits: motors"}));
+  EXPECT_EQ(q1.reasons(), std::vector<std::string>({"take-off pending: starting the motors"}));
   models::VehicleStatus q2;
   q2.robot = "Q2";
   q2.state = FlightState::kHold;
@@ -103,7 +103,7 @@ TEST(GuardOrders, SayWhatATakeOffWaitsFor) {
   q1.report.armed = q1.report.is_in_our_mode = true;
   q1.tick();
   EXPECT_TRUE(q1.out.changed);
-  const std::vector<std::string> waits = {"another vehicle is lifting", "take-off waits"};
+  const std::vector<std::string> waits = {"another vehicle is lifting", "take-off pending"};
   EXPECT_EQ(q1.reasons(), waits);
   q1.tick();
   EXPECT_FALSE(q1.out.changed);

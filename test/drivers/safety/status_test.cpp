@@ -125,7 +125,7 @@ TEST(VehicleStatus, NamesEverythingThatIsInTheWay) {
     q1.knobs.yaw_offset_rad = 1.0;
   };
   bench.run(1.0, lie);
-  EXPECT_FALSE(FlightBench::has_reason(q1, "arm waits", bench.now()));
+  EXPECT_FALSE(FlightBench::has_reason(q1, "arm pending", bench.now()));
   bench.say(OperatorAction::kArm);
   lie();
   bench.tick();
@@ -134,7 +134,7 @@ TEST(VehicleStatus, NamesEverythingThatIsInTheWay) {
   bench.tick();
   EXPECT_FALSE(q1.out.changed);
   bench.run(0.98, lie);
-  EXPECT_TRUE(FlightBench::has_reason(q1, "arm waits", bench.now()));
+  EXPECT_TRUE(FlightBench::has_reason(q1, "arm pending", bench.now()));
   std::string refused = "arm refused: ";
   int names = 0;
   const auto rows = drivers::conditions();
@@ -150,7 +150,7 @@ TEST(VehicleStatus, NamesEverythingThatIsInTheWay) {
   EXPECT_FALSE(FlightBench::has_reason(q1, refused, bench.now()));
   bench.run(0.2, lie);
   EXPECT_TRUE(FlightBench::has_reason(q1, refused, bench.now()));
-  EXPECT_FALSE(FlightBench::has_reason(q1, "arm waits", bench.now()));
+  EXPECT_FALSE(FlightBench::has_reason(q1, "arm pending", bench.now()));
 }
 
 // Plans are accepted only after the climb has come within 15 cm of its height.
