@@ -25,7 +25,7 @@ static_assert(alignof(Eigen::Vector2d) == 16 && alignof(Eigen::Vector3d) == 8 &&
               "storage: compile without EIGEN_DONT_ALIGN, EIGEN_MAX_STATIC_ALIGN_BYTES=0, "
               "EIGEN_DONT_VECTORIZE alone and EIGEN_DEFAULT_TO_ROW_MAJOR");
 static_assert(sizeof(std::vector<int>) == 3 * sizeof(int*),
-              "vantage's libraries use the containers' release layout: compile without "
+              "vantage's libraries use standard containers without debug mode: compile without "
               "_GLIBCXX_DEBUG");
 
 }  // namespace vantage

@@ -78,7 +78,7 @@ const char* name_of(Speaker speaker) {
     case Speaker::kUnknown:
       return "something unknown";
     case Speaker::kTooFewBytes:
-      return "a server that sends too few bytes";
+      return "a server that sends too few bytes to be identified";
     case Speaker::kDataStream:
       return "a Vicon DataStream server";
     case Speaker::kVrpn:

@@ -60,7 +60,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--block-bytes", arguments.settings.block_bytes,
                  "datagram size of an object stream, bytes")
       ->check(CLI::IsMember({256, 512, 1024}));
-  app.add_option("--up", arguments.up, "upward axis of the sent frame: z or y")
+  app.add_option("--up", arguments.up, "upward axis of the published coordinates: z or y")
       ->check(CLI::IsMember({"z", "y"}));
   app.add_option("--latency-s", arguments.latency_s, "latency that the server reports, s")
       ->check(CLI::Range(0.0, 1.0));

@@ -258,7 +258,7 @@ TEST_P(Flight, IsLandedByItsAutopilotWhenTheWireIsCut) {
   bench.is_wire_cut = true;
   bench.run(4.0);
   EXPECT_EQ(bench.state(), FlightState::kLand);
-  EXPECT_TRUE(bench.has_reason("fallen silent")) << bench.reasons();
+  EXPECT_TRUE(bench.has_reason("messages have stopped")) << bench.reasons();
   ASSERT_TRUE(bench.run_until([&] { return !bench.is_armed(); }, 40.0));
 }
 
