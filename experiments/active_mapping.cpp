@@ -216,17 +216,17 @@ void compare(const std::map<std::string, PlanSamples>& samples, Summary& summary
       compare_number("mean cost per path in the tree of A*, 0.1 s", astar.per_path, 2.67, "m²"),
       compare_number("mean cost per path in the tree of ARVI, 0.1 s", arvi.per_path, 3.14, "m²"),
       compare_claim(
-          "order of the two",
+          "order of the mean costs per path",
           astar.per_path.mean() < arvi.per_path.mean() ? "A* below ARVI" : "ARVI below A*",
-          "A* below ARVI (caption; the prose says the opposite)",
+          "A* below ARVI (caption; the text states the opposite)",
           astar.per_path.mean() < arvi.per_path.mean()),
-      compare_claim("starts whose optimum A* finds and proves",
+      compare_claim("starts for which A* finds and proves the optimum",
                     fmt::format("{} of {} in {} s ({} in 0.1 s)", long_astar.proven,
                                 long_astar.cost.size(), kProof_s, astar.proven),
                     "all, in less than 10 s",
                     static_cast<std::size_t>(long_astar.proven) == long_astar.cost.size()),
       compare_claim(
-          "landmarks that the optimum of the known start sees",
+          "landmarks observed by the optimum of the known start",
           fmt::format("{:.0f} of 6, cost {:.4f}, proven: {}", samples.at("known,astar").seen.mean(),
                       samples.at("known,astar").cost.mean(),
                       samples.at("known,astar").proven == 1 ? "yes" : "no"),
@@ -254,12 +254,13 @@ Summary summarise(const SweepPlan& plan, const Tables& tables) {
   summary.figures = {"active-mapping-heat-map", "active-mapping-trees", "active-mapping-paths",
                      "active-mapping-moving"};
   summary.choices = {
-      "How the cost per path is normalised is not printed: the mean of g(n)/t over the nodes of "
-      "each depth, and of that over the depths 1 … T − 1.",
-      "Budgets of time are nodes of work at the reference machine's rate (see the settings); the "
-      "source gives A* ten seconds and ARVI sixty.",
-      "Starts from which no sequence of the primitives stays clear of the wall are left out.",
-      fmt::format("AEGIS and RVI: ε = {:g}, δ = {:g} m, as in Fig. 2.5; its target is ours.",
+      "The source does not state how the cost per path is normalised. Here: mean of g(n)/t over "
+      "the nodes of each depth, then mean over the depths 1 … T − 1.",
+      "Time budgets are converted to nodes at the reference machine's rate (see the settings); "
+      "the source gives A* ten seconds and ARVI sixty.",
+      "Starts from which every sequence of primitives comes too near to the wall are left out.",
+      fmt::format("AEGIS and RVI: ε = {:g}, δ = {:g} m, as in Fig. 2.5; the target of that figure "
+                  "is not in the source.",
                   kEpsilon, kDelta_m)};
   return summary;
 }

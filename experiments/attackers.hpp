@@ -16,6 +16,6 @@ struct NamedAttacker {
 /// The first one is the attacker of the source.
 inline constexpr std::array<NamedAttacker, 2> kAttackers = {
     {{planner::Attacker::kGreedy, "greedy", "greatest loss to the team, greedily"},
-     {planner::Attacker::kBestAlone, "best_alone", "robots whose plans alone are worth most"}}};
+     {planner::Attacker::kBestAlone, "best_alone", "robots whose single plans gain most"}}};
 
 }  // namespace vantage::experiments

@@ -65,7 +65,7 @@ Summary summarise(const Tables& tables) {
       }
       csv += "\n";
       summary.lines.push_back(fmt::format(
-          "clutter {}, detection {}, {}: OSPA {} m, {} swaps a minute, RMSE {} m, {} tracks",
+          "clutter {}, detection {}, {}: OSPA {} m, {} swaps per minute, RMSE {} m, {} tracks",
           detection.clutter_per_look, detection.detection_probability, method, mean_text(of[kOspa]),
           mean_text(of[kSwaps]), mean_text(of[kRmse]), mean_text(of[kTracks])));
     }
@@ -74,12 +74,12 @@ Summary summarise(const Tables& tables) {
   summary.figure_script = tracking_clutter_figure(kClutterMethods);
   summary.figures = {"tracking-clutter"};
   summary.choices = {
-      "No figure of the dissertation: there, which target a detection is of is known.",
+      "The dissertation has no such figure: its detections contain the target's id.",
       "Every method is one central filter with the same motion model, measurement update and "
-      "looks; "
-      "where the sensors fly is decided by the beliefs of known ids.",
-      "OSPA of order 2, cutoff 1 m. Ours (lmb) is told how many targets there are; jpda and "
-      "nearest_neighbour tell of tracks by counts of hits and misses."};
+      "detections. "
+      "The sensors fly by the beliefs that use the known ids.",
+      "OSPA of order 2, cutoff 1 m. lmb receives the number of targets; jpda and "
+      "nearest_neighbour confirm tracks by counts of hits and misses."};
   return summary;
 }
 

@@ -48,11 +48,11 @@ Summary summarise_savings(const Tables& tables) {
     const double fewer_adopted = fewer_percent(both.adopted.mean(), naive.adopted.mean());
     summary.compared.push_back(
         compare_range(fmt::format("{} robots: oracle calls saved", n), fewer_calls, 80, 92, "%"));
-    summary.compared.push_back(compare_range(
-        fmt::format("{} robots: proposals saved, of those adopted", n), fewer_adopted, 0, 60, "%"));
+    summary.compared.push_back(compare_range(fmt::format("{} robots: adopted proposals saved", n),
+                                             fewer_adopted, 0, 60, "%"));
     summary.lines.push_back(fmt::format(
         "{:2} robots, N = {:6.0f}: {:5.3f} N calls instead of {:5.2f} N ({:.1f} % fewer; {:.1f} % "
-        "if valuing each candidate alone is N calls more for both), "
+        "if the N calls for the single candidates are added to both), "
         "{:.2f} proposals adopted instead of {:.2f}, {:.1f} messages instead of {:.1f}",
         n, samples.candidates(n), both.calls.mean(), naive.calls.mean(), fewer_calls,
         fewer_percent(1.0 + both.calls.mean(), 1.0 + naive.calls.mean()), both.adopted.mean(),
@@ -61,8 +61,8 @@ Summary summarise_savings(const Tables& tables) {
   const int n = samples.team_sizes().back();
   const auto mean_s = [&](const char* part) { return samples.cpu_s(n, part).mean(); };
   summary.time_lines.push_back(fmt::format(
-      "CPU of {} robots, means: trajectories {:.3f} s (printed: under 2 s), each alone {:.4f} s, "
-      "lazy + warm {:.4f} s; naive {:.3f} s, and {:.2f} s if every call began from scratch",
+      "CPU of {} robots, means: trajectories {:.3f} s (published: < 2 s), single gains {:.4f} s, "
+      "lazy + warm {:.4f} s; naive {:.3f} s, or {:.2f} s without reuse between calls",
       n, mean_s("trajectories"), mean_s("each alone"), mean_s("lazy + warm"), mean_s("naive"),
       samples.of(n, "naive").calls.mean() * samples.candidates(n) *
           mean_s("one call from scratch")));
@@ -125,26 +125,27 @@ Summary summarise_objective(const Tables& tables) {
     const auto value = [&](const char* method) { return samples.of(n, method).value.mean(); };
     const double cd = std::max(value("cd cheap first"), value("cd dear first"));
     summary.compared.push_back(compare_claim(
-        fmt::format("{} robots: mean J of DLS less that of the better order of CD", n),
-        fmt::format("{:.2f} nats; less the better one of each trial {}", value("dls") - cd,
+        fmt::format("{} robots: mean J of DLS minus mean J of the better order of CD", n),
+        fmt::format("{:.2f} nats; minus the better order per trial {}", value("dls") - cd,
                     mean_text(gaps.of_dls.at(n))),
         "≥ 0", value("dls") >= cd));
     summary.compared.push_back(
-        compare_claim(fmt::format("{} robots: the same of the best 10 %", n),
-                      fmt::format("{:.2f} nats; less the better one of each trial {}",
+        compare_claim(fmt::format("{} robots: mean J of DLS with the best 10 %, minus CD", n),
+                      fmt::format("{:.2f} nats; minus the better order per trial {}",
                                   value("dls best 10 %") - cd, mean_text(gaps.of_best_share.at(n))),
                       "> 0", value("dls best 10 %") > cd));
-    summary.lines.push_back(fmt::format(
-        "{:2} robots, N = {:6.0f}: J = {:.2f} of DLS, {:.2f} of its best 10 %, {:.2f} of CD cheap "
-        "first, {:.2f} of CD dear first",
-        n, samples.candidates(n), value("dls"), value("dls best 10 %"), value("cd cheap first"),
-        value("cd dear first")));
+    summary.lines.push_back(
+        fmt::format("{:2} robots, N = {:6.0f}: J = {:.2f} of DLS, {:.2f} with the best 10 %, "
+                    "{:.2f} of CD cheap "
+                    "first, {:.2f} of CD expensive first",
+                    n, samples.candidates(n), value("dls"), value("dls best 10 %"),
+                    value("cd cheap first"), value("cd dear first")));
   }
   const double least = gaps.slope.mean() - gaps.slope.half_interval();
   summary.compared.push_back(
-      {"the gap to the better order of each trial, by robot", mean_text(gaps.slope) + " nats",
+      {"slope per robot of the gap to the better order per trial", mean_text(gaps.slope) + " nats",
        "grows with the number of robots",
-       least > 0.0 ? "none: it holds" : "not shown: the interval has 0 in it"});
+       least > 0.0 ? "none: it holds" : "not shown: the interval contains 0"});
   return summary;
 }
 

@@ -94,14 +94,15 @@ Sweep energy_sweep(const Extent& extent,
 std::vector<std::string> energy_choices() {
   const EnergyTrialOptions options;
   return {
-      fmt::format("The prior of each target is not printed: {:g} m and {:g} m/s (1σ).",
+      fmt::format("The source does not state the targets' prior. Here: {:g} m, {:g} m/s (1σ).",
                   options.prior_position_sigma_m, options.prior_velocity_sigma_mps),
-      fmt::format("The targets' q is not printed: {:g} m²/s³.", options.acceleration_q),
-      fmt::format("The metric of δ = 2 m is not printed: {:g} m/rad, with which ten robots come "
-                  "near the printed N ≈ 12 500.",
+      fmt::format("The source does not state the targets' q. Here: {:g} m²/s³.",
+                  options.acceleration_q),
+      fmt::format("The source does not state the metric of δ = 2 m. Here: {:g} m/rad, with which "
+                  "ten robots come near the published N ≈ 12 500.",
                   options.yaw_weight_m_per_rad),
-      "Oracle calls are those of the decision: what each candidate gains alone comes with its "
-      "search, which follows it to its end. With N calls more for every method: results."};
+      "Oracle calls are those of the decision only: the search already computes the gain of each "
+      "single candidate. Results also give the numbers with these N calls."};
 }
 
 EnergySamples::EnergySamples(const Tables& tables) {

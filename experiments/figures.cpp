@@ -142,7 +142,7 @@ std::string resilient_mapping_figures() {
         ways = world."_ways.txt"
         plot world."_".map.".txt" matrix using (0.2*$1+0.1):(0.2*$2+0.1):3 with image notitle, \
           for [i=0:5] ways index i using ($1 >= since && $1 <= until ? $2 : 1/0):3 with lines lw 1 lc rgb "#56B4E9" notitle, \
-          for [i=0:5] ways index i using ($1 >= since && $1 <= until && $4 == 0 ? $2 : 1/0):3 with points pt 7 ps 0.5 lc rgb "#0072B2" title (i == 0 ? "saw" : ""), \
+          for [i=0:5] ways index i using ($1 >= since && $1 <= until && $4 == 0 ? $2 : 1/0):3 with points pt 7 ps 0.5 lc rgb "#0072B2" title (i == 0 ? "not attacked" : ""), \
           for [i=0:5] ways index i using ($1 >= since && $1 <= until && $4 == 1 ? $2 : 1/0):3 with points pt 7 ps 0.5 lc rgb "#D55E00" title (i == 0 ? "attacked" : "")
       }
     }
@@ -219,7 +219,7 @@ std::string active_mapping_figures() {
                                    R"gp("RVI (ε = 1, δ = 0.1)" "A*" "AEGIS (ε = 1, δ = 0.1)")gp", 6,
                                    "moving_target.txt")) +
          figure("active-mapping-paths", "900,560", R"gp(
-  set title "Mean cost of a path of the search tree a step, free starts, 0.1 s each"
+  set title "Mean cost per path and step in the search tree, free starts, 0.1 s each"
   set xlabel "mean over the tree of g(n)/t(n) [m²]"; set ylabel "starts"
   set yrange [0:*]
   width = 0.05
@@ -241,7 +241,7 @@ std::string surveillance_figures() {
   set key bottom left samplen 2
   set xlabel 'T_{REPLAN} [steps]'; set xrange [0.5:10.5]; set xtics 1
   set ylabel 'steps, mean of trials, 95 % interval'; set yrange [0:*]
-  array what[4] = ['between two observations', 'with the waits at both ends', 'the same, by landmark', 'since the last observation']
+  array what[4] = ['interval between two observations', 'interval with the waits at both ends', 'interval, averaged per landmark', 'time since the last observation']
   do for [k=1:4] {
     set title what[k]
     plot for [m in 'cd rain'] by(m) using 2:(column(4 + 2 * k)):(column(5 + 2 * k)) with yerrorlines pt 7 ps 0.6 lw 2 lc rgb colour(m) title called(m)
@@ -307,9 +307,9 @@ std::string team_figure(const std::string& name, const std::string& axis,
   return figure(name, "1000,700",
                 "  set multiplot layout 2,2\n  set offsets 0.3, 0.3, 0, 0\n  set xtics "
                 "noenhanced font ',10'\n  set xlabel '" +
-                    axis + "'\n" + panel(0, "RMSE of a robot [m]") +
-                    panel(1, "entropy of a robot [nats]") + panel(2, "discovery by a robot [s]") +
-                    panel(4, "RMSE of the team [m]"));
+                    axis + "'\n" + panel(0, "RMSE per robot [m]") +
+                    panel(1, "entropy per robot [nats]") +
+                    panel(2, "discovery time per robot [s]") + panel(4, "RMSE of the team [m]"));
 }
 
 std::string tracking_clutter_figure(std::span<const char* const> methods) {
@@ -327,11 +327,12 @@ std::string tracking_clutter_figure(std::span<const char* const> methods) {
     }
     return out + "\n";
   };
-  return figure("tracking-clutter", "1100,500",
-                "  set multiplot layout 1,2\n  set offsets 0.3, 0.3, 0, 0\n"
-                "  set key tmargin center horizontal noenhanced\n  set xtics rotate by -45\n"
-                "  set yrange [0:*]\n  set xlabel 'false alarms a look, detection probability'\n" +
-                    panel(5, "OSPA [m]") + panel(7, "swaps a minute"));
+  return figure(
+      "tracking-clutter", "1100,500",
+      "  set multiplot layout 1,2\n  set offsets 0.3, 0.3, 0, 0\n"
+      "  set key tmargin center horizontal noenhanced\n  set xtics rotate by -45\n"
+      "  set yrange [0:*]\n  set xlabel 'false alarms per scan, detection probability'\n" +
+          panel(5, "OSPA [m]") + panel(7, "swaps per minute"));
 }
 
 }  // namespace vantage::experiments

@@ -82,15 +82,15 @@ UnitRows run_trial(double price_nats, bool is_pictured, std::uint64_t seed, bool
 
 std::vector<std::string> choices_of(const HeterogeneousTrialOptions& options) {
   return {
-      "Mud and wind are drawn in Fig. 3.9 without numbers: here rectangles, mud over 36 % of the "
+      "Fig. 3.9 shows mud and wind without numbers. Here: rectangles, mud over 36 % of the "
       "arena, wind over 42 %, both over 12 %.",
-      fmt::format("The prior of each target is not printed: {:g} m (1σ); the metric of δ = 4 m "
-                  "neither: {:g} m/rad, as in scenario 1.",
+      fmt::format("The source states neither the targets' prior (here {:g} m, 1σ) nor the metric "
+                  "of δ = 4 m (here {:g} m/rad, as in scenario 1).",
                   options.open.prior_position_sigma_m, options.open.yaw_weight_m_per_rad),
-      "The values of r are not printed: 0 to 0.5 by 0.05.",
-      "The picture is of the trial in which DLS gains most on the better order of CD: an example "
-      "of what can happen, not of what is usual.",
-      "Fig. 3.8 of the source is the plane, Fig. 3.9 the picture of one trial."};
+      "The source does not state the values of r. Here: 0 to 0.5 in steps of 0.05.",
+      "The figure shows the trial in which DLS exceeds the better order of CD most: an extreme "
+      "example, not a typical one.",
+      "Fig. 3.8 of the source shows information against energy, Fig. 3.9 one trial."};
 }
 
 }  // namespace

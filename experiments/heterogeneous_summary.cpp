@@ -54,13 +54,14 @@ class Summarised {
     for (const auto& [price, point] : curves_.at("dls")) {
       summary.lines.push_back(line(price));
     }
-    summary.lines.push_back(fmt::format("I and J in nats; the picture is of trial {}", trial));
+    summary.lines.push_back(fmt::format("I and J in nats; the figure shows trial {}", trial));
     const auto mean_s = [&](const char* part) { return times_.at(part).mean(); };
-    summary.time_lines.push_back(fmt::format(
-        "CPU of a trial, means: trajectories {:.3f} s, each of N = {:.0f} alone {:.4f} s, DLS "
-        "{:.4f} s, CD {:.4f} s",
-        mean_s("trajectories"), candidates_.mean(), mean_s("each alone"), mean_s("dls"),
-        mean_s("cd uav first")));
+    summary.time_lines.push_back(
+        fmt::format("CPU of a trial, means: trajectories {:.3f} s, gains of N = {:.0f} candidates "
+                    "{:.4f} s, DLS "
+                    "{:.4f} s, CD {:.4f} s",
+                    mean_s("trajectories"), candidates_.mean(), mean_s("each alone"), mean_s("dls"),
+                    mean_s("cd uav first")));
     return summary;
   }
 
@@ -135,19 +136,19 @@ class Summarised {
     }
     const auto points = static_cast<int>(above.size());
     summary.compared.push_back(compare_claim(
-        fmt::format("the plane: mean information of DLS at the mean energy of {}", method.called),
-        fmt::format("no less at {} of {} points, {:+.2f} nats in the mean of them", higher, points,
+        fmt::format("mean information of DLS at the mean energy of {}", method.called),
+        fmt::format("at least equal at {} of {} points, on average {:+.2f} nats", higher, points,
                     above.mean()),
         "DLS consistently better", higher == points));
-    summary.compared.push_back(compare_claim(
-        fmt::format("mean of J of DLS less that of {} in the same trial", method.called),
-        fmt::format("≥ 0 at {} of {} prices, its interval > 0 at {}", better, points,
-                    surely_better),
-        "better on average", better == points));
+    summary.compared.push_back(
+        compare_claim(fmt::format("mean J of DLS minus that of {}, paired by trial", method.called),
+                      fmt::format("≥ 0 at {} of {} prices; the interval is > 0 at {}", better,
+                                  points, surely_better),
+                      "better on average", better == points));
     const Sample pictured = gap_to(kPicturedPrice, method.name);
-    summary.compared.push_back(compare_claim(fmt::format("the same at r = {}", kPicturedPrice),
-                                             mean_text(pictured) + " nats", "> 0 in Fig. 3.9",
-                                             pictured.mean() > 0.0));
+    summary.compared.push_back(
+        compare_claim(fmt::format("mean difference of J at r = {}", kPicturedPrice),
+                      mean_text(pictured) + " nats", "> 0 in Fig. 3.9", pictured.mean() > 0.0));
   }
 
   [[nodiscard]] std::string line(const std::string& price) const {
@@ -159,7 +160,7 @@ class Summarised {
                       p.information.mean(), p.energy.mean(), p.energy_uav.mean(), p.value.mean());
     }
     const Sample gain = gap(price, [&](int trial) { return better_descent(price, trial); });
-    return text + fmt::format(" DLS over the better order of each trial {}", mean_text(gain));
+    return text + fmt::format(" DLS minus the better order of CD per trial {}", mean_text(gain));
   }
 
   // Returns the trial with the largest gain of DLS over the better order.

@@ -204,8 +204,8 @@ std::string rounds_line(const Tables& tables) {
   }
   return fmt::format(
       "Squares, worst case, two attacks, both planners from the same states: after the attack "
-      "coordinate descent keeps {:.1f} nats a round, RAIN {:.1f}; RAIN is the better in {} rounds "
-      "of {}",
+      "coordinate descent keeps {:.1f} nats per round, RAIN {:.1f}; RAIN keeps more in {} of {} "
+      "rounds",
       descent.mean(), rain.mean(), better, rain.size());
 }
 
@@ -226,13 +226,14 @@ Summary summarise(const Tables& tables) {
   for (std::size_t i = 0; i + 1 < cases.size(); i += 2) {
     const Sample less = rain_less_descent(ends[i], ends[i + 1]);
     const std::string ours =
-        fmt::format("{} nats by trial: CD {}, RAIN {}", mean_text(less),
+        fmt::format("{} nats, paired by trial: CD {}, RAIN {}", mean_text(less),
                     mean_text(ends[i].end_nats), mean_text(ends[i + 1].end_nats));
-    const std::string what = "entropy at the end, RAIN less CD: " + cases[i].group();
+    const std::string what = "final entropy, RAIN minus CD: " + cases[i].group();
     if (cases[i].is_of_source()) {
       summary.compared.push_back(compare_claim(what, ours, "< 0", less.mean() < 0.0));
     } else {
-      summary.lines.push_back("A variant or attacker of ours, " + what + ": " + ours);
+      summary.lines.push_back("Variant or attacker that is not in the source, " + what + ": " +
+                              ours);
     }
   }
   summary.lines.push_back(rounds_line(tables));
@@ -244,15 +245,16 @@ Summary summarise(const Tables& tables) {
   summary.figure_script = resilient_mapping_figures();
   summary.figures = {"resilient-mapping-maps", "resilient-mapping-entropy"};
   summary.choices = {
-      "How many robots are attacked is not printed: 1, 2 and 3 of 6.",
-      "T_REPLAN is printed as T_TASK, yet attacks are redrawn at the end of each planning "
-      "duration: "
-      "replanned every 4 steps.",
-      "The maps are pictures without a scale: 16 m, cells of 0.2 m, so that the task is nearly "
-      "finished at its end as in the pictures.",
-      "96 beams a scan, 48 in planning; 95 % odds a look; clamp at 99 %; the team starts within 6 "
+      "The source does not state the number of attacked robots. Here: 1, 2 and 3 of 6.",
+      "The source gives T_REPLAN as T_TASK, but redraws attacks after each planning duration. "
+      "Here: planned again every 4 steps.",
+      "The maps of the source have no scale. Here: 16 m, cells of 0.2 m; the map is then nearly "
+      "complete at the end, as in the source.",
+      "96 beams per scan, 48 in planning; 95 % probability per scan; clamp at 99 %; the team "
+      "starts within 6 "
       "m.",
-      "A pull of 0.5 nats a metre to the nearest frontier at the end of the horizon (variant "
+      "Reward of 0.5 nats per metre towards the nearest frontier at the end of the horizon "
+      "(variant "
       "no-frontier: none)."};
   return summary;
 }

@@ -105,16 +105,16 @@ Summary summarise(const Tables& tables) {
     csv += fmt::format(",{:.4f},{:.4f},{},{}\n", trials.entropy_nats.mean(),
                        trials.entropy_nats.half_interval(), trials.sticking, trials.switching);
     const std::size_t runs = trials.entropy_nats.size();
-    const std::string ours =
-        fmt::format("switches {} and {} a trial; neither robot ever in {} of {} trials, both in {}",
-                    mean_text(trials.switches[0]), mean_text(trials.switches[1]), trials.sticking,
-                    runs, trials.switching);
-    const std::string what = fmt::format("{} of the two jammed, {}", cases[i].jam.name,
+    const std::string ours = fmt::format(
+        "switches per trial {} and {}; no robot switches in {} of {} trials, both do in {}",
+        mean_text(trials.switches[0]), mean_text(trials.switches[1]), trials.sticking, runs,
+        trials.switching);
+    const std::string what = fmt::format("jammed robot: {}, {}", cases[i].jam.name,
                                          cases[i].is_rain ? "resilient" : "without resilience");
     summary.compared.push_back(cases[i].is_rain
                                    ? compare_claim(what, ours, "both switch between the targets",
                                                    trials.switching == static_cast<int>(runs))
-                                   : compare_claim(what, ours, "each sticks to its nearest target",
+                                   : compare_claim(what, ours, "each stays at its nearest target",
                                                    trials.sticking == static_cast<int>(runs)));
   }
   summary.files["summary.csv"] = csv;
@@ -131,11 +131,11 @@ Summary summarise(const Tables& tables) {
   summary.figure_script = resilient_hardware_figure();
   summary.figures = {"resilient-hardware"};
   summary.choices = {
-      "Simulated, not flown, and without noise of the measurements: robots and targets are where "
-      "they are believed to be.",
-      "Which robot is jammed is not printed: the first or the second to plan, always, or at each "
-      "planning the one that would bring more. The picture shows the first.",
-      "Targets 4 m apart, primitives, noise, T, τ as in config/lab.yaml; planned anew every two "
+      "Simulated, not flown, without measurement noise: true positions of robots and targets equal "
+      "the estimates.",
+      "The source does not state the jammed robot. Here: always the first or always the second to "
+      "plan, or at each planning the one with the larger gain. The figure shows the first.",
+      "Targets 4 m apart, primitives, noise, T, τ as in config/lab.yaml; planned again every two "
       "steps; random walk of 0.01 m²/s; two minutes; ten trials with starts drawn in each half."};
   return summary;
 }

@@ -80,11 +80,11 @@ constexpr const char* kColumns =
     "turns_on_the_spot,restricted_by_landmark,restricted";
 constexpr std::array<std::pair<Measure, const char*>, 6> kCompared = {
     {{kInterval, "mean interval between two observations"},
-     {kWithEnds, "the same with the waits at both ends"},
-     {kByLandmark, "the same averaged landmark by landmark"},
+     {kWithEnds, "mean interval, waits at both ends included"},
+     {kByLandmark, "mean interval, averaged per landmark first"},
      {kAge, "mean time since the last observation"},
-     {kRestrictedByLandmark, "time unobserved, restricted mean landmark by landmark"},
-     {kRestricted, "time unobserved, restricted mean of all"}}};
+     {kRestrictedByLandmark, "time unobserved, restricted mean per landmark"},
+     {kRestricted, "time unobserved, restricted mean over all"}}};
 
 WatchSetting setting_of(const WatchCase& of, bool is_smoke) {
   WatchSetting setting = surveillance_setting(of.replan_steps, of.attacks);
@@ -212,14 +212,14 @@ void compare(const Attacked& attacked, std::span<const Runs> runs, Summary& summ
     summary.compared.push_back(
         compare_claim(fmt::format("{}: RAIN below coordinate descent", what),
                       fmt::format("at {} of {} values of T_REPLAN", better, kReplanMax),
-                      "at every one", better == kReplanMax));
+                      "at every value", better == kReplanMax));
     const double at_one = share_less(runs[0], runs[1], measure);
-    summary.compared.push_back(compare_claim(fmt::format("{}: less by RAIN at T_REPLAN = 1", what),
-                                             fmt::format("{:.1f} %", at_one), "≥ 24 %",
-                                             at_one >= 24.0));
+    summary.compared.push_back(
+        compare_claim(fmt::format("{}: reduction by RAIN at T_REPLAN = 1", what),
+                      fmt::format("{:.1f} %", at_one), "≥ 24 %", at_one >= 24.0));
     const double at_last = share_less(runs[runs.size() - 2], runs.back(), measure);
     summary.compared.push_back(compare_claim(
-        fmt::format("{}: RAIN's gain at T_REPLAN = 10 above that at 1", what),
+        fmt::format("{}: RAIN reduces more at T_REPLAN = 10 than at 1", what),
         fmt::format("{:.1f} % and {:.1f} %", at_last, at_one), "it grows", at_last > at_one));
   }
 }
@@ -230,7 +230,7 @@ void add_lines(const std::vector<WatchCase>& cases, const std::vector<Runs>& run
     std::string line = fmt::format("T_REPLAN = {}, α = {}, attacked: {}:", cases[i].replan_steps,
                                    cases[i].attacks, cases[i].attacker.text);
     for (const auto& [measure, what] : kCompared) {
-      line += fmt::format(" {} {} (CD), {} (RAIN), by trial {} less ({:.0f} %);", what,
+      line += fmt::format(" {} {} (CD), {} (RAIN), paired reduction {} ({:.0f} %);", what,
                           mean_text(sample_of(runs[i][measure])),
                           mean_text(sample_of(runs[i + 1][measure])),
                           mean_text(less_by_rain(runs[i][measure], runs[i + 1][measure])),
@@ -254,14 +254,15 @@ Summary summarise(const Tables& tables) {
   }
   add_lines(cases, runs, summary);
   summary.choices = {
-      "Robots and attacks are not printed: five as in the picture, two of them attacked "
-      "(\"some\"), and three; one at T_REPLAN = 5.",
-      "The camp is ours: 120 × 90 m, fifteen buildings with a landmark each, 24 trees.",
-      "σ of the range is not printed: that of the tracking, 0.15 m; prior of 1 m.",
-      "Plans hold each landmark's k as it is when they are made.",
-      "The attacker chooses at each planning by what the whole plans would bring, greedily; "
-      "all is run as well with one who takes the robots whose plans alone are worth most.",
-      "Steps without an end are counted as said for each measure: see landmark_watch.hpp and "
+      "The source does not state the numbers of robots and attacks. Here: five robots as in its "
+      "figure; two (\"some\") or three attacked, and one at T_REPLAN = 5.",
+      "The source gives no map of the camp. Here: 120 × 90 m, fifteen buildings with a landmark "
+      "each, 24 trees.",
+      "The source does not state σ of the range. Here: 0.15 m as in tracking; prior 1 m.",
+      "A plan uses each landmark's k at the time of planning.",
+      "The attacker chooses robots greedily at each planning, by the gain of the whole plans. "
+      "A second attacker chooses the robots whose single plans gain most.",
+      "landmark_watch.hpp describes how each measure counts intervals that have no end; see also "
       "restricted_mean.hpp."};
   return summary;
 }

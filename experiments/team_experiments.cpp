@@ -109,12 +109,12 @@ Summary summarise(const TeamSweep& sweep, const Tables& tables) {
     const CaseSamples& of = samples[i];
     collisions += sum_of(of[kCollisions]);
     violations += sum_of(of[kViolations]);
-    summary.lines.push_back(fmt::format(
-        "{} = {}: of a robot RMSE {} m, entropy {} nats, discovery {} s, found {}; of the team "
-        "RMSE {} m, entropy {} nats",
-        sweep.columns, sweep.cases[i].cells, mean_text(of[kRmse]), mean_text(of[kEntropy]),
-        mean_text(of[kDiscovery]), mean_text(of[kFound]), mean_text(of[kTeamRmse]),
-        mean_text(of[kTeamEntropy])));
+    summary.lines.push_back(
+        fmt::format("{} = {}: per robot RMSE {} m, entropy {} nats, discovery {} s, found {}; team "
+                    "RMSE {} m, entropy {} nats",
+                    sweep.columns, sweep.cases[i].cells, mean_text(of[kRmse]),
+                    mean_text(of[kEntropy]), mean_text(of[kDiscovery]), mean_text(of[kFound]),
+                    mean_text(of[kTeamRmse]), mean_text(of[kTeamEntropy])));
   }
   summary.lines.push_back(
       fmt::format("{:.0f} collisions, {:.0f} separation violations", collisions, violations));
@@ -152,13 +152,14 @@ Sweep sweep_of(TeamSweep team, const Extent& extent) {
 }
 
 std::vector<std::string> choices_with(const std::string& own) {
-  return {own,
-          "The figure shows means over the whole trial against what is swept; the source's shows "
-          "them over time.",
-          fmt::format("T_ARVI is turned into nodes: {:g} a second, split evenly among the robots.",
-                      kReferenceNodesPerS),
-          "Starts, priors, the exploration's landmarks and how robots keep apart are ours: see the "
-          "scenario file."};
+  return {
+      own,
+      "The figure shows means over the whole trial versus the swept parameter; the source "
+      "shows them over time.",
+      fmt::format("T_ARVI is converted to nodes: {:g} per second, split evenly among the robots.",
+                  kReferenceNodesPerS),
+      "The source does not state starts, priors, exploration landmarks and separation: see "
+      "the scenario file."};
 }
 
 }  // namespace
@@ -173,9 +174,11 @@ Sweep tracking_communication(const Extent& extent) {
         {std::to_string(range_m), {.file = "field.yaml", .communication_range_m = range_m}});
   }
   sweep.trends = {{kRmse, "RMSE of a robot", "m", "falls with the communication range"},
-                  {kEntropy, "entropy of a robot", "nats", "falls with it"},
-                  {kDiscovery, "time until a robot knows a target", "s", "falls with it"}};
-  sweep.choices = choices_with("100 m is farther than the field's diagonal: the printed ∞.");
+                  {kEntropy, "entropy of a robot", "nats", "falls with the communication range"},
+                  {kDiscovery, "time until a robot detects or receives a target", "s",
+                   "falls with the communication range"}};
+  sweep.choices =
+      choices_with("100 m stands for the published ∞: it exceeds the field's diagonal.");
   return sweep_of(std::move(sweep), extent);
 }
 
@@ -196,8 +199,9 @@ Sweep tracking_time(const Extent& extent) {
                             .duration_s = 300.0}});
   }
   sweep.trends = {{kRmse, "RMSE of a robot", "m", "falls with the planning time"},
-                  {kEntropy, "entropy of a robot", "nats", "falls with it"}};
-  sweep.choices = choices_with("The values of T_ARVI are not legible: 0.05 to 1 s.");
+                  {kEntropy, "entropy of a robot", "nats", "falls with the planning time"}};
+  sweep.choices =
+      choices_with("The values of T_ARVI are illegible in the source. Here: 0.05 to 1 s.");
   return sweep_of(std::move(sweep), extent);
 }
 
@@ -219,9 +223,10 @@ Sweep tracking_noise(const Extent& extent) {
   }
   sweep.is_improving = false;
   sweep.trends = {{kRmse, "RMSE of a robot", "m", "rises with the noise"},
-                  {kEntropy, "entropy of a robot", "nats", "rises with it"}};
+                  {kEntropy, "entropy of a robot", "nats", "rises with the noise"}};
   sweep.choices = choices_with(
-      "The swept values and T_max are not legible: (0.15 m, 5°) doubled three times, 500 s.");
+      "The swept values and T_max are illegible in the source. Here: (0.15 m, 5°) doubled three "
+      "times, 500 s.");
   return sweep_of(std::move(sweep), extent);
 }
 
@@ -237,7 +242,7 @@ Sweep hardware(const Extent& extent) {
   sweep.trends = {{kTeamRmse, "RMSE of the team", "m", "a low tracking error (no number)"},
                   {kTeamEntropy, "entropy of the team", "nats", "none"}};
   sweep.choices = choices_with(
-      "Simulated, not flown; one-step greedy, lawn mower and random walk beside ARVI are ours.");
+      "Simulated, not flown; the source has ARVI only, not greedy, lawn mower, random walk.");
   return sweep_of(std::move(sweep), extent);
 }
 

@@ -72,7 +72,7 @@ scenario::Scenario scenario_of(const TeamTrial& trial, std::uint64_t seed) {
                                  : scenario::parse_scenario(text, trial.file).robots.size();
   return scenario::parse_scenario(
       scenario::apply_overrides(text, overrides_of(trial, robots, seed)),
-      trial.file + " as the experiment has it");
+      trial.file + " with the settings of the experiment");
 }
 
 std::string team_trial_row(const TeamTrial& trial, std::uint64_t seed) {

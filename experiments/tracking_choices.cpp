@@ -26,7 +26,7 @@ constexpr std::array<std::pair<BearingNoise, const char*>, 2> kBearingNoise = {
 constexpr std::array<NamedAttacker, 2> kChosenAttackers = {
     {kAttackers.front(),
      {planner::Attacker::kBestTogether, "best_together",
-      "robots whose plans together are worth most, greedily"}}};
+      "robots whose joint plans gain most, greedily"}}};
 constexpr std::array<std::pair<bool, const char*>, 2> kBeliefs = {
     {{true, "inside"}, {false, "free"}}};
 
@@ -184,14 +184,15 @@ Summary summarise(const Tables& tables) {
                       fmt::format("in {} rows of {}", of.rain_better, kRows.size()), "in every row",
                       of.rain_better == static_cast<int>(kRows.size())));
     summary.lines.push_back(
-        fmt::format("{}: off the printed means by a factor of {:.2f}, off the peaks by {:.2f}, off "
-                    "both by {:.2f}",
+        fmt::format("{}: differs from the published means by a factor of {:.2f}, from the peaks by "
+                    "{:.2f}, from both by {:.2f}",
                     cells, of.mean.value(), of.peak.value(), of.both.value()));
   }
   const auto nearest = std::ranges::min_element(distances, std::ranges::less{},
                                                 [](const Distance& of) { return of.both.value(); });
   const auto at = static_cast<std::size_t>(nearest - distances.begin());
-  summary.lines.push_back("Nearest: " + cases[at * 2 * kRows.size()].choices.cells());
+  summary.lines.push_back("Combination nearest to the published table: " +
+                          cases[at * 2 * kRows.size()].choices.cells());
   for (std::size_t i = 0; i < cases.size(); ++i) {
     const TrackingTableRow& row = kTrackingTable[cases[i].row];
     const std::size_t method = cases[i].is_rain ? 1 : 0;
@@ -203,12 +204,11 @@ Summary summarise(const Tables& tables) {
   summary.figure_script = resilient_tracking_choices_figure();
   summary.figures = {"resilient-tracking-choices"};
   summary.choices = {
-      "A bearing's variance grows with the range, or with the bearing; the attacker takes whom the "
-      "team would miss most, or those whose plans together are worth most, one after another; "
-      "beliefs are mirrored at the walls, or not.",
-      "Nearest is the least factor, exp of the mean |log(ours / printed)| over rows, methods, "
-      "means "
-      "and peaks."};
+      "A bearing's variance grows with the range, or with the bearing. The attacker chooses, one "
+      "after another, the robots whose loss costs most, or those whose joint plans gain most. "
+      "Beliefs are reflected at the walls, or not.",
+      "The nearest combination has the least factor: exp of the mean |log(ours / published)| "
+      "over rows, methods, means and peaks."};
   return summary;
 }
 

@@ -138,8 +138,8 @@ void compare_table(const TableSamples& samples, const NamedAttacker& attacker, S
       }
     }
     summary.lines.push_back(fmt::format(
-        "{}, attacked: {}: mean RMSE {} m of CD, {} of RAIN (printed {} and {}); peak {} and {} "
-        "(printed {} and {})",
+        "{}, attacked: {}: mean RMSE {} m of CD, {} of RAIN (published {} and {}); peak {} and {} "
+        "(published {} and {})",
         name, attacker.text, mean_text(ours.mean_m[0]), mean_text(ours.mean_m[1]), row.mean_m[0],
         row.mean_m[1], mean_text(ours.peak_m[0]), mean_text(ours.peak_m[1]), row.peak_m[0],
         row.peak_m[1]));
@@ -162,10 +162,10 @@ Summary summarise(const Tables& tables) {
   summary.figure_script = resilient_tracking_figure();
   summary.figures = {"resilient-tracking"};
   summary.choices = {
-      "The targets' prior, the nodes of a search and what a look that finds nothing says are not "
-      "printed: see the settings below.",
+      "The source does not state the targets' prior, the nodes per search and the update after a "
+      "scan without detection: see the settings below.",
       "The attacker's worst case is approximated greedily, as in the source; the second table is "
-      "of an attacker who takes the robots whose plans alone are worth most."};
+      "for an attacker that chooses the robots whose single plans gain most."};
   return summary;
 }
 

@@ -26,11 +26,11 @@ Compared compare_number(const std::string& what, const Sample& ours, double prin
 
 Compared compare_range(const std::string& what, double ours, double low, double high,
                        const std::string& unit) {
-  std::string deviation = "none: within it";
+  std::string deviation = "none: within the published range";
   if (ours < low) {
-    deviation = fmt::format("{:.3g} {} below it", low - ours, unit);
+    deviation = fmt::format("{:.3g} {} below the range", low - ours, unit);
   } else if (ours > high) {
-    deviation = fmt::format("{:.3g} {} above it", ours - high, unit);
+    deviation = fmt::format("{:.3g} {} above the range", ours - high, unit);
   }
   return {what, fmt::format("{:.3g} {}", ours, unit), fmt::format("{:g}–{:g} {}", low, high, unit),
           deviation};
@@ -38,7 +38,7 @@ Compared compare_range(const std::string& what, double ours, double low, double 
 
 Compared compare_claim(const std::string& what, const std::string& ours, const std::string& printed,
                        bool holds) {
-  return {what, ours, printed, holds ? "none: it holds" : "**it does not hold here**"};
+  return {what, ours, printed, holds ? "none: it holds" : "**does not hold here**"};
 }
 
 }  // namespace vantage::experiments

@@ -80,12 +80,12 @@ void refuse_other(const std::string& directory, const SweepIdentity& identity,
   std::ostringstream text;
   text << file.rdbuf();
   if (!nlohmann::json::accept(text.str())) {
-    throw StartupError(path + ": not the manifest of an experiment; choose another --out");
+    throw StartupError(path + ": is not the manifest of an experiment; choose another --out");
   }
   const std::string difference = difference_of(text.str(), identity, plan);
   if (!difference.empty()) {
     throw StartupError(
-        fmt::format("{}: holds a run of {}; one directory holds one run: choose another --out",
+        fmt::format("{}: contains another run: {}; a directory holds one run; choose another --out",
                     directory, difference));
   }
 }
@@ -117,7 +117,7 @@ std::string difference_of(const std::string& theirs, const SweepIdentity& identi
     const nlohmann::json other =
         there.is_object() && there.contains(key) ? there[key] : nlohmann::json();
     if (other != nlohmann::json(value)) {
-      return fmt::format("another {}: {}, and this one is of {}", key, other.dump(), value.dump());
+      return fmt::format("different {}: {}, but this run has {}", key, other.dump(), value.dump());
     }
   }
   return "";
@@ -144,7 +144,7 @@ void claim_directory(const std::string& directory, const SweepIdentity& identity
   std::error_code error;
   std::filesystem::create_directories(directory, error);
   if (error) {
-    throw StartupError(directory + ": cannot be made: " + error.message());
+    throw StartupError(directory + ": cannot be created: " + error.message());
   }
   const std::filesystem::path manifest = std::filesystem::path(directory) / kName;
   if (!std::filesystem::exists(manifest)) {
@@ -159,7 +159,7 @@ void claim_directory(const std::string& directory, const SweepIdentity& identity
     const int why = errno;
     std::filesystem::remove(written, error);
     if (linked != 0 && why != EEXIST) {
-      throw StartupError(manifest.string() + ": cannot be made: " + std::strerror(why));
+      throw StartupError(manifest.string() + ": cannot be created: " + std::strerror(why));
     }
   }
   refuse_other(directory, identity, plan);

@@ -20,7 +20,7 @@ std::string settings_hash(const SweepPlan& plan);
 /// settings_sha256.
 std::string identity_text(const SweepIdentity& identity, const SweepPlan& plan);
 /// Returns the first difference between `theirs`, JSON with at least the same keys, and this run:
-/// "another version: "1.0", and this one is of "1.1"". Empty if both are the same run.
+/// "different version: "1.0", but this run has "1.1"". Empty if both are the same run.
 std::string difference_of(const std::string& theirs, const SweepIdentity& identity,
                           const SweepPlan& plan);
 

@@ -27,7 +27,7 @@ std::string progress_text(const SweepProgress& progress) {
   std::string text = fmt::format("{:.0f} % {} of {} units, ", std::floor(100.0 * share),
                                  progress.done, progress.units);
   if (progress.is_stopping) {
-    return text + "stopping when the units that run are done; Ctrl-C again drops them";
+    return text + "stopping after the running units; press Ctrl-C again to discard them";
   }
   const std::size_t run = progress.done - progress.done_before;
   if (run == 0) {

@@ -17,32 +17,34 @@ std::string command_of(const SweepIdentity& identity, int trials) {
 std::string report_page(const SweepIdentity& identity, const std::string& what,
                         const SweepPlan& plan, const Summary& summary) {
   std::string page = fmt::format(
-      "# {}\n\n{}.\n\n`{}`, version {}, settings {:.12}. Numbers with ± are means with half of "
+      "# {}\n\n{}.\n\n`{}`, version {}, settings {:.12}. Numbers with ± are means and half of "
       "their "
       "95 % interval.\n",
       identity.experiment, what, command_of(identity, plan.trials), identity.version,
       settings_hash(plan));
   if (identity.is_smoke) {
-    page += "\n**A smoke run: two trials of shortened horizons. Nothing here is a result.**\n";
+    page += "\n**Smoke run: two trials with short horizons. Do not use the numbers as results.**\n";
   }
   for (const std::string& figure : summary.figures) {
     page += fmt::format("\n![{0}]({0}.png)\n", figure);
   }
   if (!summary.compared.empty()) {
-    page += "\n## Ours beside the printed\n\n| | ours | printed | deviation |\n|---|---|---|---|\n";
+    page +=
+        "\n## Comparison with the published values\n\n| | ours | published | deviation "
+        "|\n|---|---|---|---|\n";
     for (const Compared& row : summary.compared) {
       page +=
           fmt::format("| {} | {} | {} | {} |\n", row.what, row.ours, row.printed, row.deviation);
     }
   }
   if (!summary.lines.empty()) {
-    page += "\n## In short\n\n";
+    page += "\n## Summary\n\n";
     for (const std::string& line : summary.lines) {
       page += "- " + line + "\n";
     }
   }
   if (!summary.choices.empty()) {
-    page += "\n## What the source leaves open, or is done otherwise\n\n";
+    page += "\n## Assumptions and deviations from the source\n\n";
     for (const std::string& choice : summary.choices) {
       page += "- " + choice + "\n";
     }

@@ -37,7 +37,7 @@ RowProcess process_of_line(const std::string& line, const SweepPlan& plan,
   const std::string difference =
       difference_of(header.value("run", nlohmann::json()).dump(), identity, plan);
   if (!difference.empty()) {
-    throw StartupError("rows of " + difference);
+    throw StartupError("rows of another run: " + difference);
   }
   RowProcess process;
   process.machine = json.at("machine").get<std::string>();
@@ -114,7 +114,7 @@ std::pair<Unit, UnitRows> unit_of_line(const SweepPlan& plan, const std::string&
   const auto setting = std::find_if(plan.settings.begin(), plan.settings.end(),
                                     [&](const Setting& s) { return s.cells == cells; });
   if (setting == plan.settings.end()) {
-    throw std::runtime_error("no setting is called '" + cells + "'");
+    throw std::runtime_error("unknown setting '" + cells + "'");
   }
   UnitRows rows;
   json.at("rows").get_to(rows.tables);
@@ -153,7 +153,7 @@ RowWriter::RowWriter(const std::string& directory, const RowProcess& process,
     path_ = folder / fmt::format("{}-{}-{}-{}.jsonl", shard, host_name(), ::getpid(), k);
     descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0644);
     if (descriptor_ < 0 && errno != EEXIST) {
-      throw StartupError(path_ + ": cannot be made: " + std::strerror(errno));
+      throw StartupError(path_ + ": cannot be created: " + std::strerror(errno));
     }
   }
   nlohmann::ordered_json json;

@@ -54,11 +54,11 @@ std::string submit_job(const std::vector<std::string>& options, const std::strin
       ask(joined(joined({"sbatch", "--parsable"}, options), {script}));
   if (!answer.ok()) {
     throw StartupError(answer.error().message +
-                       "; --slurm is for a machine from which jobs are submitted to a cluster");
+                       "; run --slurm on a machine that can submit jobs to a cluster");
   }
   const std::string job = job_of(answer.value().text);
   if (!answer.value().exit.is_success() || job.empty()) {
-    throw StartupError("Slurm did not take the job: " + trimmed(answer.value().text));
+    throw StartupError("Slurm rejected the job: " + trimmed(answer.value().text));
   }
   return job;
 }

@@ -91,7 +91,7 @@ class SlurmRun {
     const Result<SlurmQueue> now = ask_queue(submitted_);
     if (!now.ok()) {
       throw StartupError(fmt::format(
-          "{} perhaps in the queue, and Slurm cannot be asked: {}; nothing is submitted",
+          "{} perhaps in the queue, but Slurm cannot be queried: {}; nothing is submitted",
           submitted_.are(), now.error().message));
     }
     return now.value().has_task(is_live) || is_live(now.value().collector);
@@ -131,19 +131,19 @@ class SlurmRun {
                                     "collect.sh", submitted_.array);
     } catch (const StartupError& refusal) {
       cancel_job(submitted_.array);
-      throw StartupError(fmt::format("{} (that collects; job {} is cancelled)", refusal.what(),
-                                     job_text(submitted_.array)));
+      throw StartupError(fmt::format("{} (job that collects the results; job {} is cancelled)",
+                                     refusal.what(), job_text(submitted_.array)));
     }
     keep_submitted();
-    slurm_.tell(
-        fmt::format("submitted: job {} of shards {} of {}, job {} that collects them; logs in {}",
-                    job_text(submitted_.array), array_text(lacking), slurm_.shards,
-                    job_text(submitted_.collector), folder_.string()));
+    slurm_.tell(fmt::format(
+        "submitted: job {} for shards {} of {}, job {} collects their results; logs in {}",
+        job_text(submitted_.array), array_text(lacking), slurm_.shards,
+        job_text(submitted_.collector), folder_.string()));
   }
 
   SlurmEnd left_alone() const {
     slurm_.tell(
-        fmt::format("{} left to run; results will be in {}. The same command waits for "
+        fmt::format("{} still running; results will be in {}. Run the same command to wait for "
                     "them. To cancel: {}",
                     submitted_.are(), options_.directory, cancel_command(submitted_)));
     return SlurmEnd::kSubmitted;
@@ -227,12 +227,12 @@ class SlurmRun {
     for (const int shard : shards_lacking(sweep_.plan, submitted_.shards, done)) {
       const auto state = last.find(shard);
       const fs::path log = log_of(shard);
-      slurm_.tell(fmt::format(
-          "shard {} lacks units: {}; {}", shard,
-          state == last.end() ? "not in the queue any more" : state->second,
-          fs::exists(log) ? log.string() + " ends: " + last_line_of(log) : "it did not begin"));
+      slurm_.tell(fmt::format("shard {} is incomplete: {}; {}", shard,
+                              state == last.end() ? "no longer in the queue" : state->second,
+                              fs::exists(log) ? log.string() + " ends with: " + last_line_of(log)
+                                              : "it did not start"));
     }
-    slurm_.tell("the same command submits what lacks");
+    slurm_.tell("run the same command to submit the missing shards");
     return SlurmEnd::kLacking;
   }
 

@@ -13,7 +13,7 @@ double Record::number(std::size_t column) const {
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size()) {
-    throw std::runtime_error("a row has '" + text + "' where a number should be");
+    throw std::runtime_error("a row contains '" + text + "' instead of a number");
   }
   return value;
 }

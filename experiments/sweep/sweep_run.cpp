@@ -89,8 +89,9 @@ void check_beginnings(const SweepPlan& plan, const std::vector<std::string>& beg
       return begins_with_any(setting, {beginning});
     };
     if (std::ranges::none_of(plan.settings, is_begun)) {
-      throw StartupError(fmt::format("no setting begins with '{}': they are ({}), as '{}'",
-                                     beginning, plan.setting_columns, plan.settings.front().cells));
+      throw StartupError(
+          fmt::format("no setting begins with '{}': columns are ({}), for example '{}'", beginning,
+                      plan.setting_columns, plan.settings.front().cells));
     }
   }
 }

@@ -69,7 +69,7 @@ grep -q 'rows are kept. To continue: vantage experiment dls-objective --seed 9 -
 code=0
 "$vantage" experiment dls-objective --smoke --seed 2 --out "$work/shards" 2> "$work/err" || code=$?
 [[ $code == 2 ]] || fail "another seed's directory gave exit code $code"
-grep -q 'another seed' "$work/err" || fail "it said: $(cat "$work/err")"
+grep -q 'different seed' "$work/err" || fail "it said: $(cat "$work/err")"
 
 # Invalid shards.
 for shard in 0/3 4/3 3 1/0 1/3x; do
@@ -83,6 +83,6 @@ done
 code=0
 PATH=/nonexistent "$vantage" experiment dls-objective --smoke --slurm --out "$work/slurm" \
   2> "$work/err" || code=$?
-[[ $code == 2 ]] && grep -q 'sbatch: No such file .*--slurm is for a machine' "$work/err" ||
+[[ $code == 2 ]] && grep -q 'sbatch: No such file .*run --slurm on a machine' "$work/err" ||
   fail "without Slurm: exit code $code, $(cat "$work/err")"
 [[ ! -e "$work/slurm/rows" ]] || fail "it ran units"

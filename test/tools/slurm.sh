@@ -8,7 +8,7 @@ run 0 whole
 
 # Waited for: each shard runs once, and the bytes are the same.
 run 0 waited --slurm --shards 3
-says "^submitted: job [0-9]* of shards 1-3 of 3, "
+says "^submitted: job [0-9]* for shards 1-3 of 3, "
 [[ $(row_files waited) == 3 ]] || fail "$(row_files waited) processes wrote rows"
 same waited
 
@@ -19,7 +19,7 @@ same waited
 
 # Detached: the cluster collects the results.
 run 0 alone --slurm --shards 2 --no-wait
-says "left to run; results will be in "
+says "still running; results will be in "
 until_queue_is_empty
 [[ $(row_files alone) == 2 ]] || fail "$(row_files alone) processes wrote rows"
 same alone
@@ -40,12 +40,12 @@ says "To cancel: scancel $array $collector"
 scancel "${array}_2"
 scontrol release "$array" "$collector"
 run 1 held --slurm
-says "^shard 2 lacks units: .*it did not begin"
-[[ $(grep -c "lacks units" "$work/out") == 1 ]] || fail "other shards are named"
-says "^the same command submits what lacks"
+says "^shard 2 is incomplete: .*it did not start"
+[[ $(grep -c "^shard .* is incomplete" "$work/out") == 1 ]] || fail "other shards are named"
+says "^run the same command to submit the missing shards"
 until_queue_is_empty
 run 0 held --slurm --shards 3
-says "^submitted: job [0-9]* of shards 2 of 3, "
+says "^submitted: job [0-9]* for shards 2 of 3, "
 [[ $(row_files held) == 3 ]] || fail "$(row_files held) processes wrote rows"
 same held
 
@@ -58,16 +58,16 @@ until_told "nothing is submitted"
 sed -i 's/"seed": 1/"seed": 7/' "$work/broken/manifest.json"
 scontrol release "$array" "$collector"
 ended 1
-says "^shard 1 lacks units: FAILED; .*/shard_1.log ends: .*another seed"
+says "^shard 1 is incomplete: FAILED; .*/shard_1.log ends with: .*different seed"
 mv "$work/kept" "$work/broken/manifest.json"
 run 0 broken --slurm --shards 2
 same broken
 
 # A request that Slurm refuses is reported with Slurm's own message; nothing is left in the queue.
 run 2 refused --slurm --shards 2 --sbatch=--partition=none
-says "Slurm did not take the job: .*invalid partition specified: none"
+says "Slurm rejected the job: .*invalid partition specified: none"
 run 2 refused --slurm --shards 6  # in_slurm.sh allows numbers up to 4
-says "Slurm did not take the job: .*[Ii]nvalid job array"
+says "Slurm rejected the job: .*[Ii]nvalid job array"
 [[ -z "$(squeue --noheader)" ]] || fail "something was submitted"
 
 # The same if Slurm accepts only the array. Nothing is submitted while the queue cannot be queried.
@@ -82,11 +82,11 @@ in_the_way() {
 }
 in_the_way sbatch --dependency 'sbatch: error: full'
 run 2 refused --slurm --shards 2 --sbatch=--hold
-says "did not take the job: sbatch: error: full (that collects; job [0-9]* is cancelled)"
+says "rejected the job: sbatch: error: full (job that collects the results; job [0-9]* is cancelled)"
 until_queue_is_empty
 rm "$work/bin/sbatch"
 hash -r
 in_the_way squeue --states=all 'squeue: error: no controller'
 run 2 refused --slurm --shards 2
-says "cannot be asked: squeue: error: no controller; nothing is submitted"
+says "cannot be queried: squeue: error: no controller; nothing is submitted"
 echo "slurm.sh: all good"

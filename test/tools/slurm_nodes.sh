@@ -100,10 +100,10 @@ run 0 lost --slurm --shards 2 --no-wait --sbatch=--no-requeue
 until_true 60 have_begun lost node1 node3
 dies lost node3
 run 1 lost --slurm
-says "^shard ${shard%_*} lacks units: NODE_FAIL; "
-[[ $(grep -c "lacks units" "$work/out") == 1 ]] || fail "other shards are named"
+says "^shard ${shard%_*} is incomplete: NODE_FAIL; "
+[[ $(grep -c "^shard .* is incomplete" "$work/out") == 1 ]] || fail "other shards are named"
 run 0 lost --slurm --shards 2
-says "^submitted: job [0-9]* of shards ${shard%_*} of 2, "
+says "^submitted: job [0-9]* for shards ${shard%_*} of 2, "
 each_once lost
 shared lost "$shard"
 same lost

@@ -26,7 +26,7 @@ ended() {
 says() { grep -q -- "$1" "$work/out" || fail "it does not say '$1'"; }
 # The numbers of the submitted jobs.
 array() { sed -n 's/^submitted: job \([0-9]*\) .*/\1/p' "$work/out"; }
-collector() { sed -n 's/^submitted: .* job \([0-9]*\) that collects.*/\1/p' "$work/out"; }
+collector() { sed -n 's/^submitted: .* job \([0-9]*\) collects their results.*/\1/p' "$work/out"; }
 # until_true SECONDS COMMAND…: fails if the command does not succeed within SECONDS.
 until_true() {
   local tenths

@@ -264,20 +264,20 @@ TEST_F(Sweeps, RefuseTheDirectoryOfAnotherRunAndNameWhatDiffers) {
   };
   SweepIdentity other = kIdentity;
   other.seed = 6;
-  EXPECT_NE(refused(same, other).find("another seed: 5, and this one is of 6"), std::string::npos);
+  EXPECT_NE(refused(same, other).find("different seed: 5, but this run has 6"), std::string::npos);
   other = kIdentity;
   other.version = "1.1";
-  EXPECT_NE(refused(same, other).find("another version"), std::string::npos);
+  EXPECT_NE(refused(same, other).find("different version"), std::string::npos);
   other = kIdentity;
   other.is_smoke = true;
-  EXPECT_NE(refused(same, other).find("another smoke"), std::string::npos);
+  EXPECT_NE(refused(same, other).find("different smoke"), std::string::npos);
   other = kIdentity;
   other.planning_share = 0.2;
-  EXPECT_NE(refused(same, other).find("another planning_share"), std::string::npos);
+  EXPECT_NE(refused(same, other).find("different planning_share"), std::string::npos);
   other = kIdentity;
   other.experiment = "other";
-  EXPECT_NE(refused(same, other).find("another experiment"), std::string::npos);
-  EXPECT_NE(refused(deeper, kIdentity).find("another settings_sha256"), std::string::npos);
+  EXPECT_NE(refused(same, other).find("different experiment"), std::string::npos);
+  EXPECT_NE(refused(deeper, kIdentity).find("different settings_sha256"), std::string::npos);
   EXPECT_EQ(refused(same, kIdentity), "");
 }
 
@@ -322,7 +322,8 @@ TEST_F(Sweeps, RefuseRowsOfAnotherRunThatWereCopiedIn) {
   const fs::path second = share("b", 2, kIdentity);
   const fs::path other = share("c", 2, newer);
   fs::copy(other, first);
-  EXPECT_NE(refusal_of([&] { run("a"); }).find("another version: \"1.0+abd\""), std::string::npos);
+  EXPECT_NE(refusal_of([&] { run("a"); }).find("different version: \"1.0+abd\""),
+            std::string::npos);
   fs::remove(first / only_rows_file(dir("c")).filename());
   fs::copy(second, first);
   EXPECT_EQ(refusal_of([&] { run("a"); }), "");
@@ -425,9 +426,10 @@ TEST(Compare, NamesTheDeviation) {
   sample.add(1.0);
   sample.add(3.0);
   EXPECT_EQ(compare_number("x", sample, 0.5, "m").deviation, "+1.5 m (× 4), within our interval");
-  EXPECT_EQ(compare_range("x", 70.0, 80.0, 92.0, "%").deviation, "10 % below it");
-  EXPECT_EQ(compare_range("x", 85.0, 80.0, 92.0, "%").deviation, "none: within it");
-  EXPECT_EQ(compare_claim("x", "1", "> 2", false).deviation, "**it does not hold here**");
+  EXPECT_EQ(compare_range("x", 70.0, 80.0, 92.0, "%").deviation, "10 % below the range");
+  EXPECT_EQ(compare_range("x", 85.0, 80.0, 92.0, "%").deviation,
+            "none: within the published range");
+  EXPECT_EQ(compare_claim("x", "1", "> 2", false).deviation, "**does not hold here**");
 }
 
 }  // namespace
