@@ -61,7 +61,7 @@ add_custom_command(
   COMMAND ${CMAKE_COMMAND} -E touch ${PROJECT_BINARY_DIR}/headers.stamp
   DEPENDS ${installed_headers} ${PROJECT_BINARY_DIR}/headers.txt
     ${PROJECT_SOURCE_DIR}/cmake/WriteHeaders.cmake
-  COMMENT "headers as others include them"
+  COMMENT "headers for installation"
   VERBATIM)
 add_custom_target(vantage_headers ALL DEPENDS ${PROJECT_BINARY_DIR}/headers.stamp)
 install(DIRECTORY ${PROJECT_BINARY_DIR}/include/vantage
@@ -101,7 +101,7 @@ if(TARGET vantage_lcm)
     ${make_jar}
     COMMAND ${CMAKE_COMMAND} -E touch ${languages}/stamp
     DEPENDS ${lcm_sources}
-    COMMENT "lcm-gen for C, Python and Java"
+    COMMENT "generating messages for C, Python and Java"
     VERBATIM)
   add_custom_target(vantage_lcmtypes DEPENDS ${languages}/stamp)
   get_target_property(lcm_includes vantage_lcm VANTAGE_LCM_HEADERS)

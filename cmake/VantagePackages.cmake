@@ -2,7 +2,7 @@
 # and python3-vantage if python/ installs a part of that name.
 set(CPACK_GENERATOR DEB)
 set(VANTAGE_MAINTAINER "vantage developers <vantage@localhost>" CACHE STRING
-  "Whom the packages name as their maintainer")
+  "Maintainer that the packages name")
 set(CPACK_PACKAGE_CONTACT ${VANTAGE_MAINTAINER})
 set(CPACK_PACKAGE_VENDOR "the vantage developers")
 set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
@@ -57,13 +57,13 @@ judge trials.")
 vantage_package(dev NAME libvantage-dev SECTION libdevel
   DEPENDS "libeigen3-dev"
   RECOMMENDS "vantage-lcmtypes (= ${PROJECT_VERSION}), cmake, pkg-config, libfmt-dev, liblcm-dev, libglib2.0-dev, libsodium-dev, libyaml-cpp-dev, nlohmann-json3-dev"
-  SUMMARY "planners, filters, drivers and logs of vantage, to build with"
+  SUMMARY "development files of vantage: planners, filters, drivers and logs"
   TEXT "Static libraries and headers for find_package(vantage). Components planner
-and estimator need Eigen alone, the others what is recommended.")
+and estimator need only Eigen, the others the recommended packages.")
 vantage_package(lcmtypes NAME vantage-lcmtypes SECTION devel ARCHITECTURE all DEPENDS "python3:any"
   RECOMMENDS "liblcm-bin"
   SUMMARY "messages of vantage for LCM"
-  TEXT "The .lcm files, and what lcm-gen makes of them for C, C++, Python and Java
+  TEXT "The .lcm files and the code that lcm-gen generates for C, C++, Python and Java
 (a jar for lcm-spy).")
 vantage_package(doc NAME vantage-doc SECTION doc ARCHITECTURE all
   SUMMARY "documentation of vantage"

@@ -3,13 +3,13 @@ include_guard()
 include(VantageComponents)
 
 option(VANTAGE_PORTABLE "Do not assume x86-64-v3 (AVX2)" OFF)
-option(VANTAGE_OWN_LIBM "sin, exp, log, … with the same bits on every machine (musl-dev)"
+option(VANTAGE_OWN_LIBM "Compute sin, exp, log, … identically on every machine (needs musl-dev)"
   ${PROJECT_IS_TOP_LEVEL})
 option(VANTAGE_HARDENED
-  "For packages: stack and library hardening, and no folder of this machine in what is made" OFF)
+  "For packages: harden stack and libraries, and keep build paths out of the binaries" OFF)
 # VANTAGE_UNITY is set by tools/demo and tools/test in a new build folder. It is not for daily work:
 # a changed file is compiled together with seven others, and missing includes are not detected.
-option(VANTAGE_UNITY "Compile up to eight files of a library at once: from nothing in half the time" OFF)
+option(VANTAGE_UNITY "Compile up to eight files of a library as one: a clean build takes half the time" OFF)
 option(VANTAGE_WARNINGS_AS_ERRORS "Treat warnings as errors" OFF)
 
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)

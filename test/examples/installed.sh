@@ -93,6 +93,6 @@ refused() {
   tr '\n' ' ' < "$work/wrong/log" | tr -s ' ' | grep -qF "$words" ||
     { cat "$work/wrong/log"; fail "component $component is not refused with: $words"; }
 }
-refused gripper "there is no component 'gripper'; there are core, models"
+refused gripper "unknown component 'gripper'; components are core, models"
 refused bus "component 'bus' needs" -DCMAKE_DISABLE_FIND_PACKAGE_PkgConfig=ON
 refused scenario_reader "component 'scenario_reader' needs yaml-cpp" -DCMAKE_DISABLE_FIND_PACKAGE_yaml-cpp=ON

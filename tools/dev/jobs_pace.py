@@ -68,10 +68,10 @@ def main():
         one, many = run(arguments, 1), run(arguments, arguments.jobs)
         paces.append(arguments.jobs * one[3] / many[3])
         print(f"jobs 1 and {arguments.jobs}: wall {one[0]:.2f} and {many[0]:.2f} s, CPU {one[1]:.2f} "
-              f"and {many[1]:.2f} s, others took {one[2]:.2f} and {many[2]:.2f} cores: "
+              f"and {many[1]:.2f} s, other processes used {one[2]:.2f} and {many[2]:.2f} cores: "
               f"{one[0] / many[0]:.2f} times as fast, {paces[-1]:.2f} with the cores to itself",
               flush=True)
-    print(f"with the cores to itself: median {statistics.median(paces):.2f}, "
+    print(f"without other load: median {statistics.median(paces):.2f}, "
           f"from {min(paces):.2f} to {max(paces):.2f}")
 
 

@@ -20,7 +20,7 @@ if ((stressed > 0)) && ! command -v stress-ng >/dev/null; then
   exit 2
 fi
 
-echo "| trial | beside | rounds | late | messages lost | plans: logged | made again | different | not judged | beliefs: logged | made again | different | not judged |"
+echo "| trial | load | rounds | late | messages lost | plans: logged | recomputed | different | not compared | beliefs: logged | recomputed | different | not compared |"
 echo "|---|---|---|---|---|---|---|---|---|---|---|---|---|"
 status=0
 for trial in $(seq "$trials"); do
