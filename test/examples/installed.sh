@@ -54,7 +54,7 @@ for name in plain debug avx2 native; do
   for program in plan_a_path own_search own_sensor follow_targets layout; do
     "$work/$name/$program" > "$work/$name/$program.out" || fail "$name: $program"
     diff "$work/plain/$program.out" "$work/$name/$program.out" ||
-      fail "$program says something else with ${flags[$name]}"
+      fail "$program prints something else with ${flags[$name]}"
   done
 done
 cat "$work/plain/plan_a_path.out"

@@ -63,9 +63,9 @@ for flags in "-O2" "-O3 -mavx2 -mfma" "-O3 -march=native"; do
     { tail -50 "$work/make"; fail "build with $flags"; }
   said=$("$work/build/turn") || fail "turn built with $flags"
   echo "$said"
-  [[ "$said" == "${first:=$said}" ]] || fail "turn says something else when built with $flags"
+  [[ "$said" == "${first:=$said}" ]] || fail "turn prints something else when built with $flags"
 done
-[[ "$said" == *"0.841471 0.459698 1.000000" ]] || fail "turn says $said"
+[[ "$said" == *"0.841471 0.459698 1.000000" ]] || fail "turn prints $said"
 "$cmake" --build "$work/build" --parallel 2 --target plan_a_path > "$work/make" 2>&1 ||
   { tail -50 "$work/make"; fail "build plan_a_path"; }
 "$work/build/plan_a_path" || fail "plan_a_path"

@@ -11,13 +11,13 @@ sed 's/from_s: [0-9]*/from_s: 4/' "$scenario" > "$dir/scenario.yaml"
 start_witness
 "$bin/vantage" up "$dir/scenario.yaml" --duration-s "$seconds" --url "$url" \
   --log "$dir/flight.lcmlog" --json > "$dir/up.json" 2> "$dir/up.err" & up=$!
-until_true 30 plans_go_on "$dir/witness.lcmlog" "" Q1 Q2 Q3 || fail "nobody plans"
+until_true 30 plans_go_on "$dir/witness.lcmlog" "" Q1 Q2 Q3 || fail "no robot publishes plans"
 old=$(child_of "$up" 'vantage-planner .*--robot Q2')
 [[ -n $old ]] || fail "no planner of Q2"
 kill -9 "$old"
 plans=$(plans_in "$dir/witness.lcmlog")
 until_true 20 plans_go_on "$dir/witness.lcmlog" "$plans" Q1 Q2 Q3 ||
-  fail "not all plan after a planner was killed"
+  fail "not all robots publish plans after a planner was killed"
 status=0
 wait "$up" || status=$?
 cat "$dir/up.json" "$dir/up.err"
@@ -26,7 +26,7 @@ kill -TERM "$witness"
 
 "$bin/vantage" log check "$dir/flight.lcmlog" || fail "the log is damaged"
 "$bin/vantage" log info "$dir/flight.lcmlog" --json > "$dir/info.json"
-python3 - "$dir" "$proposals" <<'PYTHON' || fail "the flight is not as it should be"
+python3 - "$dir" "$proposals" <<'PYTHON' || fail "the flight differs from the expectation"
 import json, sys
 dir, proposals = sys.argv[1:]
 report = json.loads(open(dir + "/up.json").readlines()[-1])

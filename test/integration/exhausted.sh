@@ -22,7 +22,7 @@ run_within() {
   done
   kill -INT "$child" 2> /dev/null || true
   wait "$child" || status=$?
-  [[ $status == 0 || -s $dir/said.err ]] || fail "${*:3} with $1 $2 ends with $status and no word"
+  [[ $status == 0 || -s $dir/said.err ]] || fail "${*:3} with $1 $2 exits with $status without a message"
   [[ $status == 0 || $status == 1 || $status == 2 ]] || fail "${*:3} with $1 $2 ends with $status"
   echo "${*:3}, $1 $2: $status $(head -c 100 "$dir/said.err" | head -1)"
 }
@@ -34,7 +34,7 @@ for process in "${processes[@]}"; do
     run_within -n "$descriptors" $process
     if ((descriptors < 6)); then
       grep -q 'cannot create a socket: Too many open files' "$dir/said.err" ||
-        fail "$process with $descriptors descriptors does not say what it lacks"
+        fail "$process with $descriptors descriptors does not report the missing resource"
     fi
   done
   for kib in 40000 60000 100000; do
@@ -43,4 +43,4 @@ for process in "${processes[@]}"; do
   done
 done
 run_within -v 60000 vantage-planner --robot Q1
-grep -q 'out of memory' "$dir/said.err" || fail "the planner does not say that memory is short"
+grep -q 'out of memory' "$dir/said.err" || fail "the planner does not report that memory is exhausted"

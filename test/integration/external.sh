@@ -17,11 +17,11 @@ start_witness
   > "$dir/up.json" 2> "$dir/up.err" & up=$!
 "$python" "$example" "$dir/external.yaml" Q1 2> "$dir/policy.err" & policy=$!
 "$python" "$here/external_faults.py" "$dir/external.yaml" 2> "$dir/faults.err" & faults=$!
-until_true 30 plans_go_on "$dir/witness.lcmlog" "" Q1 Q2 Q3 || fail "nobody plans"
+until_true 30 plans_go_on "$dir/witness.lcmlog" "" Q1 Q2 Q3 || fail "no robot publishes plans"
 sleep_until() { until_true 30 plans_go_on "$dir/witness.lcmlog" "$1" Q1 Q2 Q3; }
-for _ in 1 2 3; do sleep_until "$(plans_in "$dir/witness.lcmlog")" || fail "not all go on"; done
+for _ in 1 2 3; do sleep_until "$(plans_in "$dir/witness.lcmlog")" || fail "not all robots continue to plan"; done
 kill -9 "$policy"
-for _ in 1 2; do sleep_until "$(plans_in "$dir/witness.lcmlog")" || fail "not all go on without"; done
+for _ in 1 2; do sleep_until "$(plans_in "$dir/witness.lcmlog")" || fail "not all robots continue to plan without the policy"; done
 status=0
 wait "$up" || status=$?
 cat "$dir/up.json" "$dir/up.err"
@@ -29,6 +29,6 @@ cat "$dir/up.json" "$dir/up.err"
 kill -TERM "$witness" "$faults" 2>/dev/null || true
 options=()
 "$bin/hil_check" --held-up "$dir/flight.lcmlog" && options+=(--held-up)
-"$python" "$here/external_check.py" "$dir/flight.lcmlog" "$dir/up.json" "${options[@]}" || fail "the flight is not as it should be"
+"$python" "$here/external_check.py" "$dir/flight.lcmlog" "$dir/up.json" "${options[@]}" || fail "the flight differs from the expectation"
 "$bin/vantage" log replay "$dir/flight.lcmlog" --node planner:Q1 --node planner:Q2 --node planner:Q3 ||
   fail "plans differ"

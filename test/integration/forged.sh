@@ -29,18 +29,18 @@ fly() {
     [[ $forged == 3 ]] && "$bin/hil_check" --held-up "$dir/$1.lcmlog" || break
     echo "forged.sh: $1 did not get under way on a machine that held it up; once more"
   done
-  fail "nothing was forged in $1"
+  fail "no message was forged in $1"
 }
 
 { cat "$scenario"; echo "security: {mode: require, keys: $dir/keys}"; } > "$dir/signed.yaml"
-fly signed "$dir/signed.yaml" || fail "the signed flight did not end well"
-"$bin/hil_check" --collisions "$dir/signed.lcmlog" || fail "something collided in the signed flight"
+fly signed "$dir/signed.yaml" || fail "the signed flight failed"
+"$bin/hil_check" --collisions "$dir/signed.lcmlog" || fail "collision in the signed flight"
 options=(--signed)
 "$bin/hil_check" --held-up "$dir/signed.lcmlog" && options+=(--held-up)
 python3 "$here/forged_check.py" "$dir/py" "$dir/signed.lcmlog" "$dir/signed.span" "${options[@]}" ||
-  fail "the signed flight was changed"
+  fail "forged messages changed the signed flight"
 ! grep -qr "$(od -An -tx1 -v "$dir"/keys/mocap-*.key | tr -d ' \n')" "$dir"/*.json "$dir"/*.err ||
-  fail "a key is told"
+  fail "a key is printed"
 python3 - "$dir" <<'PY' || fail "a key is in the log"
 import glob, sys
 log = open(sys.argv[1] + "/signed.lcmlog", "rb").read()
@@ -51,4 +51,4 @@ PY
 
 fly open "$scenario" || true
 ! python3 "$here/forged_check.py" "$dir/py" "$dir/open.lcmlog" "$dir/open.span" ||
-  fail "forging changes nothing even without signatures: this test tests nothing"
+  fail "forged messages have no effect even without signatures: the test is void"

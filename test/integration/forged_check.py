@@ -64,5 +64,5 @@ for robot in seen if "--signed" in sys.argv else ():
     for channel in ("VICON", "COMMAND", f"PLAN_{robot}"):
         for reason in ("unsigned", "bad_mac", "replayed"):
             if not refused[robot].get(f"{channel}.{reason}"):
-                sys.exit(f"{robot} counts no {channel}.{reason}")
+                sys.exit(f"{robot} has not counted {channel}.{reason}")
 sys.exit(1 if changed else 0)

@@ -16,20 +16,20 @@ trap 'kill $(jobs -p) 2>/dev/null || true; wait; umount -l "$disk"; rm -rf "$dir
 status=0
 "$bin/vantage" up "$scenario" --url "$url" --duration-s 300 --log "$disk/flight.lcmlog" \
   > "$dir/refused.out" 2> "$dir/refused.err" || status=$?
-[[ $status == 2 ]] || fail "a trial without room for its log ends with $status, not 2"
+[[ $status == 2 ]] || fail "a trial without space for its log exits with $status instead of 2"
 grep -q 'are free for .*flight.lcmlog; 360 s need at most 108.0 MB' "$dir/refused.err" ||
-  fail "it does not say what is free and needed"
-[[ -z $(ls "$disk") ]] || fail "something was begun"
+  fail "free and needed space are not printed"
+[[ -z $(ls "$disk") ]] || fail "files were created"
 
 start_witness
 "$bin/vantage" up "$scenario" --url "$url" --duration-s 90 --log "$disk/flight.lcmlog" --json > "$dir/up.json" 2> "$dir/up.err" & up=$!
-until_true 30 plans_go_on "$dir/witness.lcmlog" "" Q1 Q2 Q3 || fail "nobody plans"
+until_true 30 plans_go_on "$dir/witness.lcmlog" "" Q1 Q2 Q3 || fail "no robot publishes plans"
 dd if=/dev/zero of="$disk/else" bs=64k 2> /dev/null || true
-until_true 20 grep -q 'LOG NOT WRITTEN' "$dir/up.err" || fail "nobody says that nothing is written"
+until_true 20 grep -q 'LOG NOT WRITTEN' "$dir/up.err" || fail "no message reports that the log is not written"
 plans=$(plans_in "$dir/witness.lcmlog")
-until_true 20 plans_go_on "$dir/witness.lcmlog" "$plans" Q1 Q2 Q3 || fail "the flight does not go on"
+until_true 20 plans_go_on "$dir/witness.lcmlog" "$plans" Q1 Q2 Q3 || fail "the flight does not continue"
 rm "$disk/else"
-until_true 30 grep -q 'log: written as usual, with' "$dir/up.err" || fail "it is not written again"
+until_true 30 grep -q 'log: written as usual, with' "$dir/up.err" || fail "writing the log does not resume"
 # Someone deletes the log, then the recorder dies, and a folder has the log's name. The vehicles' processes
 # stay the same.
 pids=$(pgrep -P "$up" | sort)
@@ -37,7 +37,7 @@ recorder=$(child_of "$up" 'log record')
 mv "$disk/flight.lcmlog" "$disk/elsewhere.lcmlog"
 mkdir "$disk/flight.lcmlog"
 kill -9 "$recorder"
-until_true 20 grep -q 'recorder ended (signal 9)' "$dir/up.err" || fail "the recorder's end is not told"
+until_true 20 grep -q 'recorder ended (signal 9)' "$dir/up.err" || fail "the end of the recorder is not reported"
 plans=$(plans_in "$dir/witness.lcmlog")
 until_true 20 plans_go_on "$dir/witness.lcmlog" "$plans" Q1 Q2 Q3 || fail "the flight ends with its log"
 for pid in $pids; do
@@ -47,9 +47,9 @@ kill -INT "$up"
 status=0
 wait "$up" || status=$?
 cat "$dir/up.err" "$dir/up.json"
-[[ $status == 1 ]] || fail "an unrecorded flight ends with $status, not 1"
-grep -q 'could not be written for some time' "$dir/up.err" || fail "the end does not tell"
-python3 - "$dir/up.json" << 'END' || fail "what it says of the log is not so"
+[[ $status == 1 ]] || fail "an unrecorded flight exits with $status instead of 1"
+grep -q 'could not be written for some time' "$dir/up.err" || fail "the final report does not state that the log was not written"
+python3 - "$dir/up.json" << 'END' || fail "the JSON report describes the log wrongly"
 import json, sys
 log = json.load(open(sys.argv[1]))["log"]
 assert not log["is_good"] and not log["is_to_the_end"] and log["was_unwritten"], log

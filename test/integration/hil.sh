@@ -22,7 +22,7 @@ cat "$dir/flight.json" "$dir/flight.err"
 # The emulated autopilots limit their estimated speed to 1.15 of the limit. Flights of lab-hil with seeds 1 to
 # 3, without other load, reached 1.14 to 1.173. Their drivers stop them at 1.3.
 "$bin/hil_check" --strict --speed-share 1.25 "$dir/flight.lcmlog" "${level[@]}"
-have_flown || "$bin/hil_check" --held-up "$dir/flight.lcmlog" || fail "not all have followed $rounds rounds"
+have_flown || "$bin/hil_check" --held-up "$dir/flight.lcmlog" || fail "not all robots have followed $rounds rounds"
 if [[ $status != 0 ]] && ! is_the_machines flight; then
   echo "vantage up ended with $status"
   exit 1

@@ -8,7 +8,7 @@
 start_witness
 "$bin/vantage" up "$scenario" --duration-s 300 --url "$url" --log "$dir/flight.lcmlog" --json \
   > "$dir/up.json" 2> "$dir/up.err" & up=$!
-until_true 30 plans_go_on "$dir/witness.lcmlog" "" Q1 Q2 Q3 || fail "nobody plans"
+until_true 30 plans_go_on "$dir/witness.lcmlog" "" Q1 Q2 Q3 || fail "no robot publishes plans"
 
 kill_and_see() {
   local pattern=$1 signal=${2:-9} old new plans
@@ -16,10 +16,10 @@ kill_and_see() {
   [[ -n $old ]] || fail "no process '$pattern'"
   kill "-$signal" "$old"
   new_one() { new=$(child_of "$up" "$pattern"); [[ -n $new && $new != "$old" ]]; }
-  until_true 20 new_one || fail "'$pattern' is not started again"
+  until_true 20 new_one || fail "'$pattern' is not restarted"
   plans=$(plans_in "$dir/witness.lcmlog")
   until_true 20 plans_go_on "$dir/witness.lcmlog" "$plans" Q1 Q2 Q3 ||
-    fail "not all plan after '$pattern' was killed: $plans, then $(plans_in "$dir/witness.lcmlog")"
+    fail "not all robots plan after '$pattern' was killed: $plans, then $(plans_in "$dir/witness.lcmlog")"
 }
 kill_and_see 'vantage-sim '
 kill_and_see 'vantage-sensor .*--robot Q1'
@@ -28,7 +28,7 @@ kill_and_see 'vantage-planner .*--robot Q3'
 kill_and_see 'vantage log record '
 # Stopped, not killed: the process exists but does nothing.
 kill_and_see 'vantage-planner .*--robot Q1' STOP
-grep -q 'planner Q1 sent no sign of life' "$dir/up.err" || fail "nobody noticed the stopped planner"
+grep -q 'planner Q1 sent no sign of life' "$dir/up.err" || fail "the stopped planner was not reported"
 
 status=0
 kill -INT "$up"
@@ -60,4 +60,4 @@ for counter in process.cpu_us process.memory_bytes process.memory_most_bytes; do
   grep -q "$counter" "$dir"/csv/HEALTH_PLANNER_Q1.csv || fail "HEALTH has no $counter"
 done
 kill -TERM "$witness"
-echo "plans heard: $(plans_in "$dir/witness.lcmlog"); recorded: $(plans_in "$dir/flight.lcmlog")"
+echo "plans received: $(plans_in "$dir/witness.lcmlog"); recorded: $(plans_in "$dir/flight.lcmlog")"

@@ -9,20 +9,20 @@ seconds=$3
 start_witness
 "$bin/vantage" up "$scenario" --duration-s "$seconds" --url "$url" --log "$dir/flight.lcmlog" \
   --json > "$dir/up.json" 2> "$dir/up.err" & up=$!
-until_true 30 plans_go_on "$dir/witness.lcmlog" "" Q1 Q2 Q3 || fail "nobody plans"
+until_true 30 plans_go_on "$dir/witness.lcmlog" "" Q1 Q2 Q3 || fail "no robot publishes plans"
 old=$(child_of "$up" 'vantage-planner .*--robot Q2')
 kill -9 "$old"
 new_one() { new=$(child_of "$up" 'vantage-planner .*--robot Q2'); [[ -n $new && $new != "$old" ]]; }
-until_true 20 new_one || fail "the planner is not started again"
+until_true 20 new_one || fail "the planner is not restarted"
 plans=$(plans_in "$dir/witness.lcmlog")
-until_true 20 plans_go_on "$dir/witness.lcmlog" "$plans" Q1 Q2 Q3 || fail "not all plan: $plans"
+until_true 20 plans_go_on "$dir/witness.lcmlog" "$plans" Q1 Q2 Q3 || fail "not all robots publish plans: $plans"
 wait "$up" || fail "vantage up ended with $?"
 cat "$dir/up.json"; echo
 replays=()
 for robot in Q1 Q2 Q3; do
   replays+=(--node "planner:$robot" --node "estimator:$robot")
 done
-"$bin/vantage" log replay "$dir/flight.lcmlog" "${replays[@]}" || fail "not the same again"
+"$bin/vantage" log replay "$dir/flight.lcmlog" "${replays[@]}" || fail "replayed outputs differ"
 "$bin/vantage" log export "$dir/flight.lcmlog" --to csv --out "$dir/csv" \
   --channels 'MAP_.*' --channels 'SCAN_Q1'
 python3 - "$dir" <<'PYTHON' || fail "the trial is wrong"

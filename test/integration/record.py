@@ -208,7 +208,7 @@ def test_a_full_disk_is_said_at_once_and_leaves_a_whole_log():
     until(refused, "word of it on HEALTH_RECORDER")
     (disk / "else").unlink()
     until(lambda: "written again; events lost: 0" in recorder.said(), "writing again")
-    assert recorder.end() == 1, "an unwritten log ends well"
+    assert recorder.end() == 1, "exit code 0 although the log was not written"
     ticks = of(recorder.log, "TICK")
     assert [struct.unpack(">I", data[:4])[0] for _, data in ticks] == list(range(sent)), "lost"
 
@@ -285,7 +285,7 @@ def test_datagrams_that_end_lcm_logger_do_not_end_it():
             # Sends at the recorder's own pace: this test is not about the capacity of a socket's buffer.
             until(lambda: os.path.getsize(recorder.log) >= sum(map(len, good)),
                   "good messages in the log")
-    assert recorder.end() == 1, "forged first fragments are messages that never become whole"
+    assert recorder.end() == 1, "forged first fragments were not counted as incomplete messages"
     assert "parts of them never arrived" in recorder.said(), recorder.said()
     assert [data for _, data in of(recorder.log, "GOOD")] == good
     # The claim itself: one such datagram ends lcm-logger.

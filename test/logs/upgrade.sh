@@ -40,8 +40,8 @@ judge_scenario() {  # judge_scenario FILE: accepted, or refused with the text of
   "$vantage" check "$1" > said 2>&1 || status=$?
   local refused=${1%.yaml}.refused
   if [[ -e "$refused" ]]; then
-    [[ $status == 2 ]] || { cat said; fail "$1: is accepted, against $refused"; }
-    grep -qF "$(cat "$refused")" said || { cat said; fail "$1: is not refused as $refused says"; }
+    [[ $status == 2 ]] || { cat said; fail "$1: is accepted, but must be rejected as in $refused"; }
+    grep -qF "$(cat "$refused")" said || { cat said; fail "$1: is not rejected with the message in $refused"; }
   elif [[ $status == 2 ]]; then  # 1: it is read, but this machine cannot fly it
     cat said
     fail "$1: is refused"

@@ -40,7 +40,7 @@ def test_each_wrong_is_found():
                     {"lost_counted": 10}, {"collisions": 1}, {"separation_m": 0.4}, {"never_flown": ["Q1"]},
                     {"left_flying": ["Q1"]}):
         assert CHAOS.judge(spoilt(**changes), True), changes
-    assert CHAOS.judge(GOOD, False), "nothing is lost where nothing harms"
+    assert CHAOS.judge(GOOD, False), "losses are a fault if the network is undisturbed"
 
 
 def test_arrivals_are_told_apart():
@@ -84,8 +84,8 @@ def soaked(descriptors, memory_kib=lambda i: 1000, period_s=5.0):
 def test_what_grows_is_a_fault():
     text, faults = soaked(lambda i: 9)
     assert faults == [] and "| sim | 1 |" in text and "| wire.Q1.pose |  | 5.00 |  |" in text
-    assert soaked(lambda i: 9 + i // 10)[1], "descriptors that leak"
-    assert soaked(lambda i: 9 + (i == 20))[1] == [], "a file that was looked at"
+    assert soaked(lambda i: 9 + i // 10)[1], "leaked descriptors are a fault"
+    assert soaked(lambda i: 9 + (i == 20))[1] == [], "one temporarily open file is not a fault"
 
 
 def test_memory_that_grows_for_hours_is_a_fault():
@@ -96,7 +96,7 @@ def test_memory_that_grows_for_hours_is_a_fault():
 
     assert len(rises(1.1)) == 1 and "1.1 MiB a day" in rises(1.1)[0]
     assert rises(0.9) == []
-    assert rises(100.0, 5.0) == [], "of a few minutes: what a start leaves"
+    assert rises(100.0, 5.0) == [], "growth during the first minutes is not a fault"
 
 
 for name, test in sorted(globals().items()):

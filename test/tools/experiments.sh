@@ -33,7 +33,7 @@ for i in 1 2 3; do
   grep -q "^shard $i/3: 2 units done" "$work/out" || fail "shard $i: $(cat "$work/out")"
 done
 "$vantage" experiment dls-objective --smoke --out "$work/shards" > "$work/out"
-[[ $(find "$work/shards/rows" -type f | wc -l) == 3 ]] || fail "collecting ran something"
+[[ $(find "$work/shards/rows" -type f | wc -l) == 3 ]] || fail "collecting ran units"
 same "$work/dls-objective" "$work/shards"
 
 # Killed as soon as one row exists: the same command continues, to the same bytes.
@@ -56,20 +56,20 @@ same "$work/dls-objective" "$work/killed"
 "$vantage" experiment dls-objective --seed 9 --out "$work/stopped" > "$work/out" 2> "$work/err" &
 pid=$!
 until [[ -n "$(ls "$work"/stopped/rows 2> /dev/null)" ]]; do
-  kill -0 "$pid" || fail "it ended by itself: $(cat "$work/err")"
+  kill -0 "$pid" || fail "the run ended before the signal: $(cat "$work/err")"
 done
 kill -INT "$pid"
 code=0
 wait "$pid" || code=$?
 [[ $code == 1 ]] || fail "Ctrl-C gave exit code $code"
 grep -q 'rows are kept. To continue: vantage experiment dls-objective --seed 9 --trials 50 --out' \
-  "$work/err" || fail "Ctrl-C said: $(cat "$work/err")"
+  "$work/err" || fail "output after Ctrl-C: $(cat "$work/err")"
 
 # A directory of another run is refused, and the message names the rule.
 code=0
 "$vantage" experiment dls-objective --smoke --seed 2 --out "$work/shards" 2> "$work/err" || code=$?
-[[ $code == 2 ]] || fail "another seed's directory gave exit code $code"
-grep -q 'different seed' "$work/err" || fail "it said: $(cat "$work/err")"
+[[ $code == 2 ]] || fail "a directory with a different seed gave exit code $code"
+grep -q 'different seed' "$work/err" || fail "wrong message: $(cat "$work/err")"
 
 # Invalid shards.
 for shard in 0/3 4/3 3 1/0 1/3x; do
@@ -77,7 +77,7 @@ for shard in 0/3 4/3 3 1/0 1/3x; do
   "$vantage" experiment dls-objective --smoke --shard "$shard" --out "$work/none" 2> "$work/err" || code=$?
   [[ $code == 2 ]] && grep -q 'is not i/n' "$work/err" || fail "--shard $shard: exit code $code"
 done
-[[ ! -e "$work/none" ]] || fail "a refused command made its directory"
+[[ ! -e "$work/none" ]] || fail "a rejected command created its directory"
 
 # Slurm is requested where it does not exist: an error message, and nothing is run.
 code=0
@@ -85,4 +85,4 @@ PATH=/nonexistent "$vantage" experiment dls-objective --smoke --slurm --out "$wo
   2> "$work/err" || code=$?
 [[ $code == 2 ]] && grep -q 'sbatch: No such file .*run --slurm on a machine' "$work/err" ||
   fail "without Slurm: exit code $code, $(cat "$work/err")"
-[[ ! -e "$work/slurm/rows" ]] || fail "it ran units"
+[[ ! -e "$work/slurm/rows" ]] || fail "units ran without Slurm"

@@ -84,7 +84,7 @@ exits_with 2 "$vantage" log replay trial.lcmlog --node planner:Q9
 if command -v gnuplot > /dev/null; then
   "$vantage" log plot flight.lcmlog --out flight.png
   "$vantage" log fit-motion flight.lcmlog --json --out motion.svg | json 'len(d["models"])' | grep -q 3 ||
-    fail "fit-motion beside its plot"
+    fail "fit-motion with its plot"
   "$vantage" log fit-ranges ranges.csv --poses way.csv --beacons survey.csv --out beacons.svg > /dev/null
   [[ -s flight.png && -s motion.svg && -s beacons.svg ]] || fail "plot"
 fi

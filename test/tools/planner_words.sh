@@ -7,7 +7,7 @@ scenario=$2
 sed 's/^  algorithm: [a-z_]*/  algorithm: nothing/' "$scenario" > "$work/nothing.yaml"
 "$vantage" check "$work/nothing.yaml" > "$work/refused" 2>&1 && fail "algorithm: nothing"
 words=$(sed -n 's/.*algorithm: must be one of \(.*\); is .*/\1/p' "$work/refused")
-[[ "$words" == *" astar"* ]] || fail "the reader's words are '$words'"
+[[ "$words" == *" astar"* ]] || fail "the algorithms of the scenario reader are '$words'"
 for word in ${words//,/}; do
   if [[ $word == external ]]; then
     # The word is accepted, but an external planner exists only in real time.
@@ -19,6 +19,6 @@ for word in ${words//,/}; do
   fi
 done
 for command in demo up; do
-  "$vantage" "$command" --help | tr -d ' \n' | grep -qF "{${words// /}}" || fail "$command offers other words"
+  "$vantage" "$command" --help | tr -d ' \n' | grep -qF "{${words// /}}" || fail "$command offers other algorithms than the scenario reader"
 done
 echo "planner_words: ${words}"

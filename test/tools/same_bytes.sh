@@ -17,7 +17,7 @@ done
 for library in core/libvantage_core.a wire/rover/libvantage_rover_wire.a; do
   cmp "$dir/one/made/$library" "$dir/a/much/longer/other/made/$library"
   if grep -aq "$dir" "$dir/one/made/$library"; then
-    echo "$library tells where it was built"
+    echo "$library contains its build folder"
     exit 1
   fi
 done

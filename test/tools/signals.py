@@ -174,7 +174,7 @@ def main():
             code, said, _ = interrupted(
                 [vantage, "plan", problem, "--budget-s", "86400", "--algorithm", "beam", "--json"],
                 folder, has_worked(4.0), which)
-            assert said, f"it was ended by the signal, with nothing: {code}"
+            assert said, f"it ended by the signal without output: {code}"
             plan = json.loads(said)
             assert code == 1 and plan["stop_reason"] == "interrupted", (code, said)
             assert plan["found"] and plan["controls"], said

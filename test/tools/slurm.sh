@@ -14,7 +14,7 @@ same waited
 
 # All is done: a repetition submits nothing.
 run 0 waited --slurm --shards 3
-[[ -z "$(array)" && -z "$(squeue --noheader)" ]] || fail "it submitted what was done"
+[[ -z "$(array)" && -z "$(squeue --noheader)" ]] || fail "finished units were submitted"
 same waited
 
 # Detached: the cluster collects the results.
@@ -34,7 +34,7 @@ until_told "nothing is submitted"
 kill -INT "$pid"
 ended 1
 says "To cancel: scancel $array $collector"
-[[ $(squeue --noheader --array | wc -l) == 4 ]] || fail "Ctrl-C took jobs: $(squeue --array)"
+[[ $(squeue --noheader --array | wc -l) == 4 ]] || fail "Ctrl-C cancelled jobs: $(squeue --array)"
 
 # A task is cancelled, the others run: it is named, and only its shard is submitted again.
 scancel "${array}_2"
@@ -68,7 +68,7 @@ run 2 refused --slurm --shards 2 --sbatch=--partition=none
 says "Slurm rejected the job: .*invalid partition specified: none"
 run 2 refused --slurm --shards 6  # in_slurm.sh allows numbers up to 4
 says "Slurm rejected the job: .*[Ii]nvalid job array"
-[[ -z "$(squeue --noheader)" ]] || fail "something was submitted"
+[[ -z "$(squeue --noheader)" ]] || fail "a job was submitted"
 
 # The same if Slurm accepts only the array. Nothing is submitted while the queue cannot be queried.
 mkdir "$work/bin"

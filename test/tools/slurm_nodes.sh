@@ -27,8 +27,8 @@ shared() {
 }
 # All units exist, none was run twice, and none by the job that collects.
 each_once() {
-  [[ "$(units "$1")" == "$(units whole)" ]] || fail "$1: not every unit once and only once"
-  [[ -z "$(unit_files "$1" 1_1-)" ]] || fail "$1: who collects has run units"
+  [[ "$(units "$1")" == "$(units whole)" ]] || fail "$1: a unit is missing or was run twice"
+  [[ -z "$(unit_files "$1" 1_1-)" ]] || fail "$1: the collecting job has run units"
 }
 on_node() {  # on_node NODE SIGNAL: sends SIGNAL to the program that runs there
   local process network
@@ -57,12 +57,12 @@ until_true 120 is_gone_on_with cut "$shard"
 on_node node2 CONT
 ended 0
 same cut
-[[ "$(units cut | uniq)" == "$(units whole)" ]] || fail "units lack"
-[[ -n "$(units cut | uniq -d)" ]] || fail "no unit was run by both: the test shows nothing"
+[[ "$(units cut | uniq)" == "$(units whole)" ]] || fail "units are missing"
+[[ -n "$(units cut | uniq -d)" ]] || fail "no unit was run by both jobs: the test is void"
 ip link set node2 up
 until_true 120 all_idle 3
 run 0 cut --slurm --shards 3
-[[ -z "$(array)" ]] || fail "it submitted what was done"
+[[ -z "$(array)" ]] || fail "finished units were submitted"
 same cut
 echo "cut off: good"
 

@@ -23,7 +23,7 @@ ended() {
   [[ $code == "$1" ]] || fail "exit code $code of: $what"
 }
 
-says() { grep -q -- "$1" "$work/out" || fail "it does not say '$1'"; }
+says() { grep -q -- "$1" "$work/out" || fail "the output does not contain '$1'"; }
 # The numbers of the submitted jobs.
 array() { sed -n 's/^submitted: job \([0-9]*\) .*/\1/p' "$work/out"; }
 collector() { sed -n 's/^submitted: .* job \([0-9]*\) collects their results.*/\1/p' "$work/out"; }

@@ -86,7 +86,7 @@ def test_flips_one_bit_and_none_of_the_header():
     assert len(places) == link.counts["flipped"] and close(len(places), 0.25)
     assert min(places) >= 14 * 8
     middle = (14 * 8 + 100 * 8) / 2
-    assert abs(sum(places) / len(places) - middle) < 4 * (86 * 8) / math.sqrt(12 * len(places)), "all over it"
+    assert abs(sum(places) / len(places) - middle) < 4 * (86 * 8) / math.sqrt(12 * len(places)), "flipped bits are not uniformly distributed"
 
 
 def test_reorder():
@@ -117,7 +117,7 @@ def test_rate():
     assert abs(link.counts["over_rate"] - FRAMES / 2) < 300
     assert max(came - sent for sent, came, _, _ in out) <= SWITCH.Link.QUEUE_S + 0.003
     link, out = pass_through("--rate", "900000")
-    assert len(out) == FRAMES, "what fits passes"
+    assert len(out) == FRAMES, "frames within the rate limit were lost"
 
 
 def test_cuts_go_one_way():
@@ -197,7 +197,7 @@ def network_test_harms_as_it_says():
     heard, _, counts = over_the_cables("--loss", "0.2", "--duplicate", "0.1", "--reorder", "0.1", "--reorder-s", "0.02")
     assert 4 * math.sqrt(3000 * 0.16) > abs(len(set(heard)) - 2400), len(set(heard))
     assert 4 * math.sqrt(2400 * 0.09) > abs(len(heard) - len(set(heard)) - 240)
-    assert any(a > b for a, b in zip(heard, heard[1:])), "none overtook another"
+    assert any(a > b for a, b in zip(heard, heard[1:])), "no frame was reordered"
     assert counts["frames"] == counts["passed"] + counts["lost"]
 
 

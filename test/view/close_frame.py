@@ -8,7 +8,7 @@ from plain_viewer import Viewer, serving
 
 def goodbye(port, content):
     viewer = Viewer(port)
-    assert viewer.frame()[0] == 1, "the server says who it is"
+    assert viewer.frame()[0] == 1, "the server sends no identification"
     viewer.send(8, content)
     opcode = 0
     while opcode != 8:
