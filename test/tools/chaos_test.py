@@ -94,7 +94,7 @@ def test_memory_that_grows_for_hours_is_a_fault():
     def rises(mib_per_day, period_s=300.0):
         return soaked(lambda i: 9, lambda i: 1000 + mib_per_day * kib_per_s * period_s * i, period_s)[1]
 
-    assert len(rises(1.1)) == 1 and "1.1 MiB a day" in rises(1.1)[0]
+    assert len(rises(1.1)) == 1 and "1.1 MiB per day" in rises(1.1)[0]
     assert rises(0.9) == []
     assert rises(100.0, 5.0) == [], "growth during the first minutes is not a fault"
 

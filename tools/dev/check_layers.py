@@ -66,7 +66,7 @@ def cycles(seen_by):
     def walk(folder, way):
         if folder in way:
             ring = way[way.index(folder):]
-            yield "folders see each other: " + ", ".join(
+            yield "folders include each other: " + ", ".join(
                 f"{a} sees {b} ({seen_by[a][b]})" for a, b in zip(ring, ring[1:] + ring[:1]))
             return
         if folder in done:
@@ -83,7 +83,7 @@ def misplaced_tests(root):
     for path in sorted((root / "test").rglob("*_test.cpp")):
         folder = path.relative_to(root / "test").parent
         if folder.parts[0] not in TESTS_OF_NO_FOLDER and not (root / folder).is_dir():
-            yield f"{path.relative_to(root)}: there is no {folder}/ that it could be about"
+            yield f"{path.relative_to(root)}: tests of a folder {folder}/ that does not exist"
 
 
 if __name__ == "__main__":

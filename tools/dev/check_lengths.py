@@ -66,12 +66,12 @@ def main(root):
         text = path.read_text(encoding="utf-8")
         lines = text.split("\n")
         if len(lines) - 1 > FILE_LINES_MAX:
-            faults.append(f"{name}: {len(lines) - 1} lines, at most {FILE_LINES_MAX}")
+            faults.append(f"{name}: {len(lines) - 1} lines; the limit is {FILE_LINES_MAX}")
         if name.startswith("test/"):
             continue
         for first, last in functions(text):
             if last - first + 1 > FUNCTION_LINES_MAX and not has_reason(lines, first):
-                faults.append(f"{name}:{first}: a function of {last - first + 1} lines, at most {FUNCTION_LINES_MAX}"
+                faults.append(f"{name}:{first}: a function of {last - first + 1} lines; the limit is {FUNCTION_LINES_MAX}"
                               " without a comment `long: why` above it")
     for fault in faults:
         print(fault)

@@ -64,7 +64,7 @@ def main():
                 used.add(entry)
                 if entry is None:
                     faults.append(fault)
-    faults += [f"tools/dev/words_allowed.tsv: no line needs: {' '.join(each[:2])}"
+    faults += [f"tools/dev/words_allowed.tsv: unused entry: {' '.join(each[:2])}"
                for i, each in enumerate(allowed) if i not in used]
     print("\n".join(faults))
     sys.exit(f"{len(faults)} texts to rewrite (docs/reference/words.md)" if faults else 0)

@@ -161,7 +161,7 @@ class Workshop:
         try:
             fcntl.flock(self.lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
-            raise Trouble("another session is at work in build/mutate") from None
+            raise Trouble("another process is using build/mutate; wait until it ends") from None
         shutil.rmtree(self.place / "work", ignore_errors=True)
         if not (self.build / "build.ninja").exists():
             self.say(f"configuring {self.build}")
@@ -314,7 +314,7 @@ class Workshop:
             if name not in self.sites:
                 arguments = self.arguments_for(name)
                 if arguments is None:
-                    self.say(f"{name}: nothing that is built sees it")
+                    self.say(f"{name}: no built program contains it")
                 self.sites[name] = self.kept_sites(name, arguments) if arguments is not None else []
             yield from self.sites[name]
 
