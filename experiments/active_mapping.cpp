@@ -259,9 +259,9 @@ Summary summarise(const SweepPlan& plan, const Tables& tables) {
       "Time budgets are converted to nodes at the reference machine's rate (see the settings); "
       "the source gives A* ten seconds and ARVI sixty.",
       "Starts from which every sequence of primitives comes too near to the wall are left out.",
-      fmt::format("AEGIS and RVI: ε = {:g}, δ = {:g} m, as in Fig. 2.5; the target of that figure "
-                  "is not in the source.",
-                  kEpsilon, kDelta_m)};
+      fmt::format(
+          "AEGIS and RVI: ε = {:g}, δ = {:g} m, as in Fig. 2.5; the target is our own choice.",
+          kEpsilon, kDelta_m)};
   return summary;
 }
 

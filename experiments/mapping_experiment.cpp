@@ -250,9 +250,8 @@ Summary summarise(const Tables& tables) {
       "Here: planned again every 4 steps.",
       "The maps of the source have no scale. Here: 16 m, cells of 0.2 m; the map is then nearly "
       "complete at the end, as in the source.",
-      "96 beams per scan, 48 in planning; 95 % probability per scan; clamp at 99 %; the team "
-      "starts within 6 "
-      "m.",
+      "96 beams per scan, 48 in planning; 95 % probability per cell observation; clamp at 99 %; "
+      "the team starts within 6 m.",
       "Reward of 0.5 nats per metre towards the nearest frontier at the end of the horizon "
       "(variant "
       "no-frontier: none)."};

@@ -256,7 +256,7 @@ Summary summarise(const Tables& tables) {
   summary.choices = {
       "The source does not state the numbers of robots and attacks. Here: five robots as in its "
       "figure; two (\"some\") or three attacked, and one at T_REPLAN = 5.",
-      "The source gives no map of the camp. Here: 120 × 90 m, fifteen buildings with a landmark "
+      "The map of the camp is our own choice: 120 × 90 m, fifteen buildings with a landmark "
       "each, 24 trees.",
       "The source does not state σ of the range. Here: 0.15 m as in tracking; prior 1 m.",
       "A plan uses each landmark's k at the time of planning.",

@@ -158,8 +158,8 @@ std::vector<std::string> choices_with(const std::string& own) {
       "shows them over time.",
       fmt::format("T_ARVI is converted to nodes: {:g} per second, split evenly among the robots.",
                   kReferenceNodesPerS),
-      "The source does not state starts, priors, exploration landmarks and separation: see "
-      "the scenario file."};
+      "Starts, priors, exploration landmarks and separation are our own choices: see the "
+      "scenario file."};
 }
 
 }  // namespace
@@ -175,7 +175,7 @@ Sweep tracking_communication(const Extent& extent) {
   }
   sweep.trends = {{kRmse, "RMSE of a robot", "m", "falls with the communication range"},
                   {kEntropy, "entropy of a robot", "nats", "falls with the communication range"},
-                  {kDiscovery, "time until a robot detects or receives a target", "s",
+                  {kDiscovery, "time until a robot discovers a target", "s",
                    "falls with the communication range"}};
   sweep.choices =
       choices_with("100 m stands for the published ∞: it exceeds the field's diagonal.");
@@ -242,7 +242,7 @@ Sweep hardware(const Extent& extent) {
   sweep.trends = {{kTeamRmse, "RMSE of the team", "m", "a low tracking error (no number)"},
                   {kTeamEntropy, "entropy of the team", "nats", "none"}};
   sweep.choices = choices_with(
-      "Simulated, not flown; the source has ARVI only, not greedy, lawn mower, random walk.");
+      "Simulated, not flown. One-step greedy, lawn mower and random walk are our own additions.");
   return sweep_of(std::move(sweep), extent);
 }
 

@@ -142,10 +142,10 @@ class SlurmRun {
   }
 
   SlurmEnd left_alone() const {
-    slurm_.tell(
-        fmt::format("{} still running; results will be in {}. Run the same command to wait for "
-                    "them. To cancel: {}",
-                    submitted_.are(), options_.directory, cancel_command(submitted_)));
+    slurm_.tell(fmt::format(
+        "{} still in the queue; results will be in {}. Run the same command to wait for "
+        "them. To cancel: {}",
+        submitted_.are(), options_.directory, cancel_command(submitted_)));
     return SlurmEnd::kSubmitted;
   }
 

@@ -19,7 +19,7 @@ same waited
 
 # Detached: the cluster collects the results.
 run 0 alone --slurm --shards 2 --no-wait
-says "still running; results will be in "
+says "still in the queue; results will be in "
 until_queue_is_empty
 [[ $(row_files alone) == 2 ]] || fail "$(row_files alone) processes wrote rows"
 same alone
