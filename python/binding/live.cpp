@@ -146,7 +146,7 @@ class LiveBus {
 }  // namespace
 
 void bind_live(py::module_& module) {
-  py::class_<LiveBus>(module, "_Bus", "Bytes on the bus: see vantage.live.Bus.")
+  py::class_<LiveBus>(module, "_Bus", "Transport of bytes; see vantage.live.Bus.")
       .def(py::init([](const std::string& url, const py::object& scenario) {
              std::shared_ptr<Scenario> of;
              if (!scenario.is_none()) {

@@ -153,21 +153,21 @@ Eigen::Vector2d point_of(const Doubles& point) {
 void bind_motion(py::module_& module) {
   module.def("step_unicycle", &step_unicycle, py::arg("pose"), py::arg("control"),
              py::arg("duration_s"),
-             R"(The pose after holding a control, exactly: (3,) or (n, 3) like `pose`.
+             R"(Returns the exact pose after holding a control: (3,) or (n, 3) like `pose`.
 
 pose: x, y in m and yaw in rad; control (2,) or (n, 2): speed in m/s and yaw rate in rad/s.)");
   module.def(
       "standard_primitives", [] { return controls_array(models::standard_primitives()); },
-      "(10, 2): {1, 3} m/s × {0, ±1, ±3} rad/s, those of the simulations.");
+      "(10, 2): {1, 3} m/s × {0, ±1, ±3} rad/s, the controls of the simulations.");
   module.def(
       "lab_primitives", [] { return controls_array(models::lab_primitives()); },
-      "(5, 2): 1 m/s × {0, ±1, ±3} rad/s, those of the hardware experiment.");
+      "(5, 2): 1 m/s × {0, ±1, ±3} rad/s, the controls of the hardware experiment.");
   py::class_<TargetModel>(module, "TargetModel", R"(Linear motion of one target, y' = A y + w.
 
 TargetModel(kind="random_walk", *, q=0.0, position_dim=2): kind static, random_walk (q in m²/s),
 double_integrator (x, y, vx, vy; q in m²/s³) or growing_uncertainty (q in m²).
 TargetModel("damped_oscillator", center_m, position_sigma_m, velocity_sigma_mps, damping_per_s):
-(x, y, vx, vy) that keeps to its surroundings, y' = c + A (y − c) + w; each is (x, y).)")
+(x, y, vx, vy) that stays near its centre, y' = c + A (y − c) + w; each argument is (x, y).)")
       .def(py::init([](const std::string& kind, double q, int position_dim, const Doubles& center_m,
                        const Doubles& position_sigma_m, const Doubles& velocity_sigma_mps,
                        const Doubles& damping_per_s) {
@@ -193,7 +193,7 @@ TargetModel("damped_oscillator", center_m, position_sigma_m, velocity_sigma_mps,
           "kind", [](const TargetModel& m) { return word_of_kind(m.kind, target_kinds()); })
       .def_readonly("q", &TargetModel::q)
       .def_readonly("position_dim", &TargetModel::position_dim)
-      .def_property_readonly("dim", &TargetModel::dim, "n, rows of the state.")
+      .def_property_readonly("dim", &TargetModel::dim, "n, dimension of the state.")
       .def(
           "transition",
           [](const TargetModel& m, double dt_s) { return matrix_array(m.transition(dt_s)); },
@@ -209,7 +209,7 @@ TargetModel("damped_oscillator", center_m, position_sigma_m, velocity_sigma_mps,
 // long: a list of the Python names, one entry each.
 void bind_sensor(py::module_& module) {
   py::class_<SensorModel> sensor(module, "SensorModel",
-                                 R"(One of the stack's sensors, z = h(x, y) + v.
+                                 R"(A sensor model, z = h(x, y) + v.
 
 SensorModel(kind="range_bearing", **fields): kind position, range, bearing, range_bearing or camera;
 the fields are the attributes below, units in their names. A viewpoint is (4,): x, y, z in m and yaw
@@ -233,7 +233,7 @@ from body x; range_bearing: (m, rad); camera: pixels.)");
           "kind", [](const SensorModel& s) { return word_of_kind(s.kind, sensor_kinds()); })
       .def_readwrite("range_max_m", &SensorModel::range_max_m)
       .def_readwrite("range_min_m", &SensorModel::range_min_m)
-      .def_readwrite("fov_rad", &SensorModel::fov_rad, "Full angle.")
+      .def_readwrite("fov_rad", &SensorModel::fov_rad, "Full opening angle.")
       .def_readwrite("range_sigma_m", &SensorModel::range_sigma_m)
       .def_readwrite("bearing_sigma_rad", &SensorModel::bearing_sigma_rad)
       .def_readwrite("position_sigma_m", &SensorModel::position_sigma_m)
@@ -249,13 +249,13 @@ from body x; range_bearing: (m, rad); camera: pixels.)");
             return models::in_view(s, viewpoint_of(from), position_of(target));
           },
           py::arg("viewpoint"), py::arg("target"),
-          "By range and field of view; see World for sight.")
+          "True if within range and field of view; World checks occlusion.")
       .def(
           "observe",
           [](const SensorModel& s, const Doubles& from, const Doubles& target) {
             return array_of(models::observe(s, viewpoint_of(from), position_of(target)));
           },
-          py::arg("viewpoint"), py::arg("target"), "h(x, y), (k,): z without noise.")
+          py::arg("viewpoint"), py::arg("target"), "Returns h(x, y), (k,): z without noise.")
       .def(
           "noise_covariance",
           [](const SensorModel& s, const Doubles& from, const Doubles& target) {
@@ -285,7 +285,7 @@ from body x; range_bearing: (m, rad); camera: pixels.)");
             return py::make_tuple(array_of(m.z), matrix_array(m.V));
           },
           py::arg("viewpoint"), py::arg("target"), py::arg("seed"),
-          "(z (k,), V (k, k)) with noise: a function of the seed.")
+          "Returns (z (k,), V (k, k)) with noise that depends only on the seed.")
       .def(
           "position_from",
           [](const SensorModel& s, const Doubles& from, const Doubles& z,
@@ -299,11 +299,11 @@ from body x; range_bearing: (m, rad); camera: pixels.)");
             return found ? py::object(array_of(*found)) : py::object(py::none());
           },
           py::arg("viewpoint"), py::arg("z"), py::arg("position_dim") = 2,
-          "The target that explains z exactly; None for sensors that cannot tell.");
+          "Returns the target position that gives z exactly; None if z does not determine it.");
 }
 
 void bind_world(py::module_& module) {
-  py::class_<World>(module, "World", R"(A rectangle with boxes in it.
+  py::class_<World>(module, "World", R"(A rectangle with box obstacles.
 
 World(bounds, obstacles=()): bounds (4,) and obstacles (n, 4): xmin, ymin, xmax, ymax in m.)")
       .def(py::init(&world_of), py::arg("bounds"), py::arg("obstacles") = py::tuple())
@@ -312,13 +312,15 @@ World(bounds, obstacles=()): bounds (4,) and obstacles (n, 4): xmin, ymin, xmax,
           [](const World& w, const Doubles& point) {
             return models::clearance_m(w, point_of(point));
           },
-          py::arg("point"), "To the nearest obstacle or wall, m; negative inside one or outside.")
+          py::arg("point"),
+          "Returns the distance to the nearest obstacle or wall, m; negative inside an obstacle or "
+          "outside.")
       .def(
           "line_of_sight",
           [](const World& w, const Doubles& a, const Doubles& b) {
             return models::line_of_sight(w, point_of(a), point_of(b));
           },
-          py::arg("a"), py::arg("b"), "Whether no obstacle stands between.");
+          py::arg("a"), py::arg("b"), "True if no obstacle is between the points.");
 }
 
 // long: a list of the Python names, one entry each.
@@ -331,7 +333,7 @@ void bind_belief(py::module_& module) {
         return pair_of(models::predict(belief, model, dt_s));
       },
       py::arg("mean"), py::arg("covariance"), py::arg("model"), py::arg("dt_s"),
-      "(mean, covariance) after dt_s: c + A (y − c), A Σ Aᵀ + W.");
+      "Returns (mean, covariance) after dt_s: c + A (y − c), A Σ Aᵀ + W.");
   module.def(
       "measure",
       [](const Doubles& mean, const Doubles& covariance, const SensorModel& sensor,
@@ -361,10 +363,10 @@ void bind_belief(py::module_& module) {
       },
       py::arg("mean"), py::arg("covariance"), py::arg("sensor"), py::arg("viewpoint"), py::arg("z"),
       py::arg("V"), py::arg("gate_sigma") = 0.0,
-      R"((mean, covariance, used) after one measurement, as the stack's estimator takes it.
+      R"(Returns (mean, covariance, used) after one measurement, as the stack's estimator uses it.
 
-Linearised at the mean, or where z points when the belief is wide. gate_sigma > 0: not used when the
-innovation is longer, in σ.)");
+Linearised at the mean, or at the position that z indicates if the belief is wide. gate_sigma > 0: a
+measurement whose innovation exceeds this number of σ is not used.)");
   module.def(
       "miss",
       [](const Doubles& mean, const Doubles& covariance, const SensorModel& sensor,
@@ -375,14 +377,14 @@ innovation is longer, in σ.)");
       },
       py::arg("mean"), py::arg("covariance"), py::arg("sensor"), py::arg("viewpoint"),
       py::arg("world"), py::arg("detection_probability") = 0.9,
-      "(mean, covariance) after a look that did not find the target.");
+      "Returns (mean, covariance) after a scan that did not detect the target.");
   module.def(
       "confine",
       [](const Doubles& mean, const Doubles& covariance, const World& world) {
         return pair_of(estimator::confine(gaussian_of(mean, covariance), world));
       },
       py::arg("mean"), py::arg("covariance"), py::arg("world"),
-      "(mean, covariance) of a target that is known to be in the free world.");
+      "Returns (mean, covariance) of a target that is known to be in free space.");
   module.def(
       "log_det",
       [](const Doubles& covariance) {
@@ -390,7 +392,7 @@ innovation is longer, in σ.)");
         const Doubles mean(std::vector<py::ssize_t>{covariance.shape(0)});
         return models::log_det(gaussian_of(mean, covariance).covariance);
       },
-      py::arg("covariance"), "log det Σ; −inf when it is singular.");
+      py::arg("covariance"), "Returns log det Σ; −inf if it is singular.");
   module.def(
       "entropy_nats",
       [](const Doubles& covariance) {
@@ -398,7 +400,7 @@ innovation is longer, in σ.)");
         const Doubles mean(std::vector<py::ssize_t>{covariance.shape(0)});
         return models::entropy_nats(gaussian_of(mean, covariance));
       },
-      py::arg("covariance"), "½ log det(2πe Σ), nats.");
+      py::arg("covariance"), "Returns ½ log det(2πe Σ), nats.");
 }
 
 }  // namespace

@@ -6,12 +6,12 @@
 PYBIND11_MODULE(_vantage, module) {
   namespace py = pybind11;
   using namespace vantage::python;  // NOLINT(google-build-using-namespace): this file is its list
-  module.doc() = "What import vantage is made of; see help(vantage).";
+  module.doc() = "Compiled part of the package vantage; see help(vantage).";
   module.attr("__version__") = vantage::trial::version();
   py::register_exception<vantage::StartupError>(module, "StartupError", PyExc_ValueError).doc() =
-      "A file or text that cannot be used: where it is wrong, and what was expected.";
+      "A file or text is invalid. The message states the location and what was expected.";
   py::register_exception<vantage::UsageError>(module, "UsageError", PyExc_ValueError).doc() =
-      "An argument that breaks a rule.";
+      "An argument breaks a rule.";
   bind_models(module);
   bind_planning(module);
   bind_team(module);

@@ -167,8 +167,8 @@ void bind_problem(py::module_& module) {
   py::class_<Problem>(module, "Problem",
                       R"(One robot's planning problem: docs/guide/planning-problems.md.
 
-Problem(source): of a dict with the keys of that page, or of the JSON file at a path.
-Raises StartupError with the words of `vantage plan` at the first thing that cannot be.)")
+Problem(source): from a dict with the keys of that page, or from the JSON file at a path.
+Invalid input raises StartupError with the message of `vantage plan`.)")
       .def(py::init(&problem_of), py::arg("source"))
       .def_static(
           "parse",
@@ -176,7 +176,7 @@ Raises StartupError with the words of `vantage plan` at the first thing that can
             return std::make_unique<Problem>(tools::parse_problem(text, name), name);
           },
           py::arg("text"), py::arg("name") = "problem",
-          "Of JSON text; `name` stands for the file in messages.")
+          "Reads JSON text. Messages use `name` instead of a file name.")
       .def_property_readonly(
           "name",
           [](const Problem& p) {
@@ -188,13 +188,13 @@ Raises StartupError with the words of `vantage plan` at the first thing that can
           [](const Problem& p) {
             return p.alone([](const auto& planning) { return planning.problem.horizon_steps; });
           },
-          "T.")
+          "Horizon T, steps.")
       .def_property_readonly(
           "step_s",
           [](const Problem& p) {
             return p.alone([](const auto& planning) { return planning.problem.step_s; });
           },
-          "Seconds that each control is held.")
+          "Duration of each control, s.")
       .def_property_readonly("controls", &controls_array,
                              "(U, 2): speed in m/s and yaw rate in rad/s; an action is a row.")
       .def_property(
@@ -209,19 +209,19 @@ Raises StartupError with the words of `vantage plan` at the first thing that can
             pose.yaw_rad = wrap_to_pi(pose.yaw_rad);
             p.change([&](planner::SearchProblem& problem) { problem.start = pose; });
           },
-          "(3,): x, y in m and yaw in rad, world from body. May be set.")
+          "(3,): x, y in m and yaw in rad, world from body. Can be set.")
       .def_property_readonly("means", &means_array,
-                             "(M, n): of each target x, y in m and, of moving ones, vx, vy in m/s.")
-      .def_property_readonly("covariances", &covariances_array, "(M, n, n), of the same.")
+                             "(M, n): x, y in m of each target, and vx, vy in m/s if it moves.")
+      .def_property_readonly("covariances", &covariances_array,
+                             "(M, n, n): covariances of `means`.")
       .def("set_beliefs", &set_beliefs, py::arg("means"), py::arg("covariances"),
-           R"(Plans are for these beliefs from now on: means (M, n), covariances (M, n, n).
+           R"(Replaces the beliefs: means (M, n), covariances (M, n, n).
 
-M may differ from what it was. Raises UsageError unless each covariance is symmetric and definite.)")
+M may change. Raises UsageError unless each covariance is symmetric and positive definite.)")
       .def("score", &score, py::arg("poses"),
-           R"(The cost of being at `poses` (T, 3) after each step, by the plain recursion.
+           R"(Returns the cost of the poses (T, 3) after each step, by the plain recursion.
 
-Nats for cost logdet, m² for trace. It asks neither whether the poses can be reached nor whether
-they are clear.)")
+Nats for cost logdet, m² for trace. Reachability and clearance of the poses are not checked.)")
       .def("__repr__", [](const Problem& p) {
         return p.alone([&](const tools::PlanningProblem& planning) {
           return "<vantage.Problem " + (planning.name.empty() ? p.source() : planning.name) + ": " +
@@ -236,21 +236,21 @@ void bind_plan(py::module_& module) {
   const auto integer = [](std::int64_t SearchResult::*member) {
     return [member](const Plan& p) { return p.result().*member; };
   };
-  py::class_<Plan>(module, "Plan", "What a search found. Numbers that are not known are None.")
+  py::class_<Plan>(module, "Plan", "Result of a search. Unknown numbers are None.")
       .def_property_readonly(
           "found", [](const Plan& p) { return p.is_complete; },
-          "Whether there is a plan of all T steps.")
+          "True if there is a plan of all T steps.")
       .def_property_readonly(
           "cost",
           [](const Plan& p) {
             return p.is_complete ? number_or_none(p.result().cost) : py::object(py::none());
           },
-          "Summed over steps and targets: nats (logdet) or m² (trace).")
+          "Sum over steps and targets: nats (logdet) or m² (trace).")
       .def_property_readonly(
           "lower_bound", [](const Plan& p) { return number_or_none(p.result().lower_bound); },
-          "Proven: no plan costs less.")
+          "Proven lower bound of the cost of all plans.")
       .def_property_readonly(
-          "gap", [](const Plan& p) { return number_or_none(gap_of(p)); }, "cost less lower_bound.")
+          "gap", [](const Plan& p) { return number_or_none(gap_of(p)); }, "cost − lower_bound.")
       .def_property_readonly(
           "controls",
           [](const Plan& p) {
@@ -258,32 +258,33 @@ void bind_plan(py::module_& module) {
             std::copy(p.result().controls.begin(), p.result().controls.end(), out.mutable_data());
             return out;
           },
-          "(T,): rows of Problem.controls; fewer when no complete plan was found.")
+          "(T,): rows of Problem.controls; fewer if no complete plan was found.")
       .def_property_readonly(
           "states",
           [](const Plan& p) { return poses_array(p.result().poses, p.result().controls.size()); },
-          "(T, 3): x, y in m and yaw in rad after each step, the start not among them.")
+          "(T, 3): x, y in m and yaw in rad after each step, without the start.")
       .def_property_readonly(
-          "algorithm", [](const Plan& p) { return p.outcome.algorithm; }, "Which search it was.")
+          "algorithm", [](const Plan& p) { return p.outcome.algorithm; }, "Name of the search.")
       .def_property_readonly(
           "epsilon", [](const Plan& p) { return number_or_none(p.result().epsilon); },
-          "Of the last finished pass.")
+          "epsilon of the last finished pass.")
       .def_property_readonly(
           "delta_m", [](const Plan& p) { return number_or_none(p.result().delta_m); },
-          "Of the last finished pass, m.")
+          "delta of the last finished pass, m.")
       .def_property_readonly("nodes_generated", integer(&SearchResult::nodes_generated))
       .def_property_readonly("nodes_expanded", integer(&SearchResult::nodes_expanded))
       .def_property_readonly("work_nodes", integer(&SearchResult::work_nodes),
-                             "The unit of Planner(nodes=…).")
+                             "Work in the unit of Planner(nodes=…).")
       .def_property_readonly("passes", integer(&SearchResult::passes))
       .def_property_readonly(
           "elapsed_s", [](const Plan& p) { return p.outcome.elapsed_s; },
-          "Wall clock of the search alone.")
+          "Wall time of the search alone, s.")
       .def_property_readonly(
-          "cpu_s", [](const Plan& p) { return p.outcome.cpu_s; }, "CPU time of the same.")
+          "cpu_s", [](const Plan& p) { return p.outcome.cpu_s; },
+          "CPU time of the search alone, s.")
       .def_property_readonly(
           "peak_bytes", [](const Plan& p) { return p.outcome.peak_bytes; },
-          "Nodes, blocks and lists in use.")
+          "Memory of nodes, blocks and lists in use.")
       .def_property_readonly(
           "stop_reason", [](const Plan& p) { return tools::word_of(p.result().stop_reason); },
           "finished, converged, deadline or memory.")
@@ -301,7 +302,7 @@ void bind_plan(py::module_& module) {
             }
             return out;
           },
-          "(passes, 4): epsilon, delta in m, cost, work_nodes at the end of each finished pass.")
+          "(passes, 4): epsilon, delta in m, cost and work_nodes of each finished pass.")
       .def("__repr__", [](const Plan& p) {
         return "<vantage.Plan " + p.outcome.algorithm +
                (p.is_complete ? ": cost " + std::to_string(p.result().cost) + ">" : ": none>");
@@ -309,12 +310,12 @@ void bind_plan(py::module_& module) {
 }
 
 void bind_planner(py::module_& module) {
-  py::class_<Planner>(module, "Planner", R"(A search with its memory, for problem after problem.
+  py::class_<Planner>(module, "Planner", R"(A search with reusable memory.
 
 Planner(algorithm="default", *, budget_s=None, nodes=None, epsilon=1.0, delta_m=1.0, weight=1.0,
-memory_mb=512): as the flags of `vantage plan`; with neither budget_s nor nodes, one second. With
-nodes the answer is the same to the bit every time, and that of the command. Other threads run
-while it searches; one Planner works on one problem at a time.)")
+memory_mb=512): as the flags of `vantage plan`; the default budget is one second. With nodes the
+result is reproducible to the bit and equals that of the command. Other threads run during the
+search; a Planner solves one problem at a time.)")
       .def(py::init([](const std::string& algorithm, std::optional<double> budget_s,
                        std::optional<std::int64_t> nodes, double epsilon, double delta_m,
                        double weight, std::size_t memory_mb) {
@@ -324,16 +325,17 @@ while it searches; one Planner works on one problem at a time.)")
            py::arg("algorithm") = "default", py::kw_only(), py::arg("budget_s") = py::none(),
            py::arg("nodes") = py::none(), py::arg("epsilon") = 1.0, py::arg("delta_m") = 1.0,
            py::arg("weight") = 1.0, py::arg("memory_mb") = 512)
-      .def("plan", &plan_of, py::arg("problem"),
-           R"(The best plan by the deadline. Memory is prepared by the first call of a size.
+      .def(
+          "plan", &plan_of, py::arg("problem"),
+          R"(Returns the best plan at the deadline. The first call for a problem size allocates memory.
 
-Ctrl-C ends it, as KeyboardInterrupt. A signal's handler may not use what is at work.)")
+Ctrl-C raises KeyboardInterrupt. A signal handler must not use the interrupted objects.)")
       .def(
           "prepare",
           [](Planner& self, const Problem& problem) {
             problem.alone([&](const tools::PlanningProblem& p) { self.prepare(p.problem); });
           },
-          py::arg("problem"), "Prepares memory for problems of this size, before it counts.");
+          py::arg("problem"), "Allocates the memory for problems of this size in advance.");
   module.def(
       "algorithms",
       [] {
@@ -343,7 +345,7 @@ Ctrl-C ends it, as KeyboardInterrupt. A signal's handler may not use what is at 
         }
         return out;
       },
-      "Every search by name, and what it is.");
+      "Returns {name: description} of all searches.");
   module.def(
       "plan",
       [](const py::object& problem, const py::kwargs& options) {
@@ -354,7 +356,7 @@ Ctrl-C ends it, as KeyboardInterrupt. A signal's handler may not use what is at 
         return py::type::of<Planner>()(**options).attr("plan")(of);
       },
       py::arg("problem"),
-      "One plan: Planner(**options).plan(problem); `problem` may also be a dict or a path.");
+      "Returns Planner(**options).plan(problem); `problem` may also be a dict or a path.");
 }
 
 }  // namespace

@@ -34,14 +34,14 @@ std::shared_ptr<Scenario> scenario_of(const py::object& source) {
 // long: a list of the Python names, one entry each.
 void bind_scenario(py::module_& module) {
   py::class_<Scenario, std::shared_ptr<Scenario>>(module, "Scenario",
-                                                  R"(A trial as one file says it.
+                                                  R"(Complete description of a trial.
 
-Scenario(source): of the YAML file at a path, of one that came with vantage by its name ("lab"), or
-of a dict with such a file's keys (`vantage config copy lab` writes one). Read as strictly as
-everywhere: StartupError says line, key, rule and value, and what was probably meant.)")
+Scenario(source): from the YAML file at a path, from an installed scenario by its name ("lab"), or
+from a dict with the keys of such a file (`vantage config copy lab` writes one). Invalid input
+raises StartupError with line, key, rule, value and a probable correction.)")
       .def(py::init(&scenario_of), py::arg("source"))
       .def_static("parse", &parsed, py::arg("yaml"), py::arg("name") = "scenario",
-                  "Of YAML text; `name` stands for the file in messages.")
+                  "Reads YAML text. Messages use `name` instead of a file name.")
       .def(
           "replace",
           [](const Scenario& self, std::optional<std::uint64_t> seed,
@@ -59,18 +59,18 @@ everywhere: StartupError says line, key, rule and value, and what was probably m
           py::kw_only(), py::arg("seed") = py::none(), py::arg("duration_s") = py::none(),
           py::arg("planner") = py::none(), py::arg("communication_range_m") = py::none(),
           py::arg("node_budget") = py::none(),
-          "The same with these changed, as the flags of `vantage trial` do.")
+          "Returns a copy with these options changed, as the flags of `vantage trial` do.")
       .def_property_readonly("name", [](const Scenario& self) { return self.value.name; })
       .def_property_readonly("source", [](const Scenario& self) { return self.source; })
       .def_property_readonly(
           "text", [](const Scenario& self) { return self.value.source_text; },
-          "YAML, as it goes into every log.")
+          "YAML text, as stored in every log.")
       .def_property_readonly("seed", [](const Scenario& self) { return self.value.seed; })
       .def_property_readonly("duration_s",
                              [](const Scenario& self) { return self.value.duration_s; })
       .def_property_readonly(
           "step_s", [](const Scenario& self) { return self.value.planner.step_s; },
-          "Seconds of one planning step, τ.")
+          "Duration of a planning step τ, s.")
       .def_property_readonly(
           "robots",
           [](const Scenario& self) {
@@ -80,7 +80,7 @@ everywhere: StartupError says line, key, rule and value, and what was probably m
             }
             return names;
           },
-          "Names, in the file's order.")
+          "Names in the order of the file.")
       .def_property_readonly(
           "targets",
           [](const Scenario& self) {
@@ -90,7 +90,7 @@ everywhere: StartupError says line, key, rule and value, and what was probably m
             }
             return names;
           },
-          "Names; a target's id is its index.")
+          "Names. A target's id is its index.")
       .def_property_readonly(
           "bounds",
           [](const Scenario& self) {
@@ -114,7 +114,7 @@ everywhere: StartupError says line, key, rule and value, and what was probably m
           "world", [](const Scenario& self) { return self.value.world; }, "Bounds and obstacles.")
       .def_property_readonly(
           "target_model", [](const Scenario& self) { return self.value.estimator.target_model; },
-          "What the estimators take the targets for.")
+          "Target model of the estimators.")
       .def(
           "sensor",
           [](const Scenario& self, const std::string& robot) {
@@ -122,7 +122,7 @@ everywhere: StartupError says line, key, rule and value, and what was probably m
             require(spec != nullptr, "robot: the scenario has no robot " + robot);
             return spec->sensor;
           },
-          py::arg("robot"), "The SensorModel of that robot.")
+          py::arg("robot"), "Returns the SensorModel of the robot.")
       .def(
           "clearance_m",
           [](const Scenario& self, const std::string& robot) {
@@ -130,7 +130,7 @@ everywhere: StartupError says line, key, rule and value, and what was probably m
             require(spec != nullptr, "robot: the scenario has no robot " + robot);
             return spec->limits.radius_m + self.value.planner.obstacle_margin_m;
           },
-          py::arg("robot"), "How far its plans have to keep from walls, m.")
+          py::arg("robot"), "Returns the minimum distance of the robot's plans from walls, m.")
       .def("__repr__", [](const Scenario& self) {
         return "<vantage.Scenario " + self.value.name + ": " +
                std::to_string(self.value.robots.size()) + " robots, " +

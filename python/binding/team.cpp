@@ -125,25 +125,25 @@ py::list candidates_of(const Decision& decision) {
 // long: a list of the Python names, one entry each.
 void bind_decision(py::module_& module) {
   py::class_<Decision>(module, "Decision",
-                       "What a team decided: one entry a robot, in the order of the problems.")
-      .def_property_readonly("algorithm", &Decision::algorithm, "Which of team_algorithms().")
+                       "Decision of a team: one entry per robot, in the order of the problems.")
+      .def_property_readonly("algorithm", &Decision::algorithm, "Name in team_algorithms().")
       .def_property_readonly(
           "value", &Decision::value,
-          "J: nats that all plans together are worth, less what their motion costs.")
+          "J: information gain of all plans together minus the cost of motion, nats.")
       .def_property_readonly(
           "bound", &Decision::bound,
-          R"(Proven: no choice of these candidates is worth more. Of exhaustive it is the value.
+          R"(Proven upper bound of J over all choices of these candidates; for exhaustive, the value.
 
-None of rain, which searches instead of choosing, and for measure logdet.)")
+None for rain, which searches instead of choosing, and for measure logdet.)")
       .def_property_readonly(
           "choice", &Decision::chosen,
-          "Rows of `candidates` that were chosen; None for a robot that was given nothing.")
+          "Chosen row of `candidates` for each robot; None for a robot without a plan.")
       .def_property_readonly(
           "candidates", &candidates_of,
-          "Of each robot (N, T): controls that it could choose from; its one plan, of rain.")
+          "For each robot (N, T): controls of its candidates; with rain, its one plan.")
       .def_property_readonly(
           "controls", [](const Decision& d) { return per_robot(d, &controls_of); },
-          "Of each robot (T,): rows of its Problem.controls; (0,) when it was given nothing.")
+          "For each robot (T,): rows of its Problem.controls; (0,) without a plan.")
       .def_property_readonly(
           "states",
           [](const Decision& d) {
@@ -151,14 +151,14 @@ None of rain, which searches instead of choosing, and for measure logdet.)")
               return poses_array(candidate.poses, candidate.poses.size());
             });
           },
-          "Of each robot (T, 3): x, y in m and yaw in rad after each step.")
+          "For each robot (T, 3): x, y in m and yaw in rad after each step.")
       .def_property_readonly(
           "bait", &Decision::bait,
-          "Robots that are expected to be attacked: the rest decided as if they were not there.")
+          "Robots that are expected to be attacked: the others plan without their observations.")
       .def_property_readonly("oracle_calls", &Decision::oracle_calls,
-                             "Sets of plans that were valued on the way.")
+                             "Number of evaluated sets of plans.")
       .def_property_readonly("messages", &Decision::messages,
-                             "Broadcasts that it takes; 0 where one decides for all.")
+                             "Number of broadcasts; 0 for a central decision.")
       .def(
           "worst_attack",
           [](const Decision& d, int attacks_max) {
@@ -170,9 +170,9 @@ None of rain, which searches instead of choosing, and for measure logdet.)")
             return std::pair(attack.robots, attack.value);
           },
           py::arg("attacks_max"),
-          R"((robots, value): at most so many without whose eyes least is left, and how much.
+          R"(Returns (robots, value): the worst attack on at most attacks_max robots and the remaining J.
 
-Every attack is tried.)")
+All attacks are enumerated.)")
       .def(
           "paths_bound",
           [](const Decision& d, int attacks_max, std::int64_t nodes) {
@@ -186,11 +186,11 @@ Every attack is tried.)")
             return std::isfinite(nats) ? std::optional<double>(nats) : std::nullopt;
           },
           py::arg("attacks_max") = 0, py::arg("nodes") = 4'000'000,
-          R"(Proven, nats: no paths at all that the robots' controls allow are together worth more.
+          R"(Returns a proven upper bound of J over all paths that the robots' controls allow, nats.
 
-However they were found, whatever is in their way, motion costing nothing. With attacks_max: after
-the worst attack on so many robots no paths leave more. Tighter with more nodes of work, some 0.1 s
-a million. None: nothing is known (of targets in space, say).)")
+It ignores obstacles and the cost of motion. With attacks_max it bounds the value that remains after
+the worst attack on that number of robots. More nodes of work give a tighter bound, in about 0.1 s
+per million. None: no bound is known (for example for targets in 3-D).)")
       .def("__repr__", [](const Decision& d) {
         return "<vantage.Decision " + d.algorithm() + ": " + std::to_string(d.value()) + " nats>";
       });
@@ -210,7 +210,7 @@ void bind_team(py::module_& module) {
         }
         return out;
       },
-      "Every way of a team to decide by name, and what it is.");
+      "Returns {name: description} of all decision algorithms.");
   module.def(
       "decide",
       [](const py::sequence& sources, const std::string& algorithm, const std::string& measure,
@@ -238,20 +238,20 @@ void bind_team(py::module_& module) {
       py::arg("epsilon") = 1.0, py::arg("delta_m") = 1.0, py::arg("attacks_max") = 0,
       py::arg("order") = std::vector<int>{}, py::arg("rounds_max") = 1, py::arg("alpha") = 1.0,
       py::arg("energy") = Costs{}, py::arg("planner") = py::none(),
-      R"(What each robot of a team is to do: a Decision; the same every time.
+      R"(Returns a Decision: a plan for each robot of a team. The result is reproducible.
 
-problems: one a robot, each with its own start, controls, sensor and map, and with the same targets,
-T and tau; dicts and paths will do. Each robot's candidates are what a search of `nodes` of work
-leaves (epsilon and delta_m as of Planner), candidates_max at most, and of these the team chooses
-by `algorithm`, one of team_algorithms(); with rain each searches itself, by `planner` or `nodes`.
-J is the information that all looks together give of the targets, nats: of measure mutual
-I(y_1:T; z_1:T), for which the algorithms have their guarantees, or logdet, ½ Σ log det Σ⁰_t / Σ_t;
-less what motion costs. energy: one dict or one for each robot: price_nats of one unit of cost, and
-what a step costs: rest_cost, turn_cost (turning alone) and move_cost.
+problems: one per robot, each with its own start, controls, sensor and map, and with the same
+targets, T and tau; dicts and paths are accepted. A search with `nodes` of work (epsilon and delta_m
+as in Planner) gives each robot at most candidates_max candidates. The team chooses among them by
+`algorithm`, one of team_algorithms(); with rain each robot searches by `planner` or `nodes`.
+J is the information of all observations about the targets, nats, minus the cost of motion. measure
+mutual: I(y_1:T; z_1:T), for which the algorithms have guarantees; logdet: ½ Σ log det Σ⁰_t / Σ_t.
+energy: one dict for all robots or one per robot: price_nats of one unit of cost, and the costs of a
+step: rest_cost, turn_cost (turning alone) and move_cost.
 
-attacks_max: resilient, resilient_exhaustive, max_min and rain expect so many robots to see nothing.
-order and rounds_max: who of coordinate_descent chooses when (nobody else does), and how often.
-alpha: how much at least a local search has to gain, over N⁴.)");
+attacks_max: number of jammed robots that resilient, resilient_exhaustive, max_min and rain expect.
+order and rounds_max: order and number of rounds of coordinate_descent; other algorithms ignore them.
+alpha: each step of a local search multiplies J by at least 1 + alpha/N⁴, with N candidates.)");
 }
 
 }  // namespace vantage::python

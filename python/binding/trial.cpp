@@ -277,25 +277,26 @@ void bind_trial(py::module_& module) {
   py::class_<Trial>(module, "Trial",
                     R"(One trial in virtual time: simulator, sensors, estimators, planners.
 
-Trial(scenario, *, log=None, sensors={}, planners={}, filters={}): the scenario may also be a path or a dict. A pure function
-of the scenario, its seed included, however it is stepped; the same as `vantage trial`. One without
-planner.node_budget gets 20 000 nodes a slot, as there. `log` is a path to write an LCM log to.
+Trial(scenario, *, log=None, sensors={}, planners={}, filters={}): the scenario may also be a path or
+a dict. The result depends only on the scenario with its seed, however the trial is stepped, and
+equals that of `vantage trial`. A scenario without planner.node_budget gets 20 000 nodes per slot, as
+there. `log` is the path of an LCM log to write.
 
-sensors={"Q1": look}: look(viewpoint, targets, time_s) instead of that robot's sensor, each planning
-step; viewpoint (4,): x, y, z in m and yaw in rad; targets {id: (3,) m}; time_s since the Unix epoch.
-It gives a list of (id, z (k,), V (k, k)), z as the scenario's kind of sensor would: what is seen,
-where and how well is its business; what z means is not.
+sensors={"Q1": look}: look(viewpoint, targets, time_s) replaces that robot's sensor at each planning
+step. viewpoint (4,): x, y, z in m and yaw in rad; targets {id: (3,) m}; time_s since the Unix epoch.
+It returns a list of (id, z (k,), V (k, k)). The function decides which targets are detected and how
+accurately; the meaning of z is that of the scenario's sensor kind.
 
-planners={"Q1": plan, …}, one for each robot: plan(question) instead of the scenario's search, once a
-round; question as vantage.own.Search says. It gives rows (n, 3) of speed in m/s, yaw rate in rad/s
-and seconds, or None. Checked like any plan; without one the robot falls back. The scenario, in logs
-too, says planner.algorithm: external.
+planners={"Q1": plan, …}, one for each robot: plan(question) replaces the scenario's search once per
+round; vantage.own.Search describes the question. It returns rows (n, 3) of speed in m/s, yaw rate in
+rad/s and duration in s, or None. The result is checked like any plan; without one the robot uses its
+fallback. The scenario, also in logs, then contains planner.algorithm: external.
 
-filters={"Q1": filter}: filter(looks, time_s) instead of what that robot's estimator believes of
-targets; looks, a list of (viewpoint, [(id, z, V), …]), are those since the last step. It gives
-{id: (mean (n,), covariance (n, n))}, n as the scenario's target model has it.
+filters={"Q1": filter}: filter(looks, time_s) replaces the target estimation of that robot. looks is
+a list of (viewpoint, [(id, z, V), …]) since the last step. It returns
+{id: (mean (n,), covariance (n, n))}, where n is the dimension of the scenario's target model.
 
-Functions hold Python's lock while they work, and what they raise ends the step.
+Functions hold the interpreter's lock. An exception in a function ends the step.
 
 Times are seconds since the trial's start. Other threads run while the trial is stepped.)")
       .def(py::init([](const py::object& scenario, const py::object& log, const Functions& sensors,
@@ -311,28 +312,29 @@ Times are seconds since the trial's start. Other threads run while the trial is 
            py::arg("scenario"), py::kw_only(), py::arg("log") = py::none(),
            py::arg("sensors") = Functions{}, py::arg("planners") = Functions{},
            py::arg("filters") = Functions{})
-      .def_property_readonly("scenario", &Trial::scenario, "As it is run, node budget included.")
+      .def_property_readonly("scenario", &Trial::scenario,
+                             "The scenario as run, with its node budget.")
       .def_property_readonly("time_s", &Trial::time_s)
       .def_property_readonly("is_over", &Trial::is_over)
       .def("advance", &Trial::advance, py::arg("seconds"),
-           "Goes on by so many seconds, not beyond the scenario's duration.")
+           "Advances by `seconds`, at most to the end of the scenario.")
       .def(
           "step",
           [](Trial& self, int steps) {
             require(steps >= 1, "steps: must be ≥ 1");
             self.advance(steps * self.scenario()->value.planner.step_s);
           },
-          py::arg("steps") = 1, "Goes on by so many planning steps of scenario.step_s.")
+          py::arg("steps") = 1, "Advances by `steps` planning steps of scenario.step_s.")
       .def("run", &Trial::run, py::arg("progress") = py::none(),
-           "Goes on to the end; progress(share) is called now and then. Ctrl-C ends it.")
+           "Advances to the end and calls progress(share) repeatedly. Ctrl-C interrupts it.")
       .def_property_readonly(
           "robots", [](const Trial& self) { return truth_array(self, false); },
-          R"((N, 7): x, y, z in m, yaw in rad, vx, vy, vz in m/s of each robot, as it is in truth.
+          R"((N, 7): true x, y, z in m, yaw in rad, vx, vy, vz in m/s of each robot.
 
 In the order of scenario.robots; nan before the first instant.)")
       .def_property_readonly(
           "targets", [](const Trial& self) { return truth_array(self, true); },
-          "(M, 7): the same of the targets.")
+          "(M, 7): the same quantities of the targets.")
       .def_property_readonly(
           "beliefs",
           [](const Trial& self) {
@@ -345,7 +347,7 @@ In the order of scenario.robots; nan before the first instant.)")
             return out;
           },
           R"({robot: its newest belief}: time_s; ids (K,), means (K, n), covariances (K, n, n) and
-last_seen_s (K,) of the targets that it knows; grid_last_seen_utime (rows, columns), 0 for never.)")
+last_seen_s (K,) of its known targets; grid_last_seen_utime (rows, columns), 0 for never.)")
       .def_property_readonly(
           "plans",
           [](const Trial& self) {
@@ -360,8 +362,8 @@ last_seen_s (K,) of the targets that it knows; grid_last_seen_utime (rows, colum
             }
             return out;
           },
-          R"({robot: its newest plan}: poses (T + 1, 3) at start_s + k step_s, the start first; cost and
-lower_bound in nats; source: searched, shifted or braking; nodes, round, late.)")
+          R"({robot: its newest plan}: poses (T + 1, 3) at start_s + k step_s, including the start; cost
+and lower_bound in nats; source: searched, shifted or braking; nodes, round, late.)")
       .def_property_readonly(
           "maps",
           [](const Trial& self) {
@@ -373,8 +375,8 @@ lower_bound in nats; source: searched, shifted or braking; nodes, round, late.)"
             }
             return out;
           },
-          R"({robot: its newest map}, of a scenario that maps: looks (rows, columns), scans that met
-something in a cell less scans that passed through it; entropy_nats.)")
+          R"({robot: its newest map} of a mapping scenario: looks (rows, columns), the number of scans
+that hit the cell minus the number that passed through it; entropy_nats.)")
       .def_property_readonly(
           "metrics",
           [](const Trial& self) {
@@ -383,7 +385,7 @@ something in a cell less scans that passed through it; entropy_nats.)")
                   .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
             }));
           },
-          "What the trial comes to so far: the keys of `vantage trial --json`.");
+          "Results of the trial so far, with the keys of `vantage trial --json`.");
 }
 
 }  // namespace vantage::python
