@@ -33,7 +33,7 @@ void check_keys(const Value& mapping) {
     if (!node.key(entry).is_scalar()) {
       Value key = mapping;
       key.line = value.line;
-      key.refuse("every key must be a word");
+      key.refuse("keys must be plain words");
     }
     const auto [first, is_new] = first_line.emplace(node.key(entry).text, value.line);
     if (!is_new) {

@@ -25,12 +25,12 @@ constexpr double kYawRateMaxRadps = 20.0;
 /// Refuses a name that another body has: it is both a channel suffix and a mocap subject.
 void check_name(Mapping& from, const std::string& name, const Scenario& scenario) {
   if (!is_channel_suffix(name)) {
-    from.refuse("name", "must be of A-Z and 0-9 only, is '" + name + "'");
+    from.refuse("name", "must contain only A-Z and 0-9, is '" + name + "'");
   }
   const auto has_name = [&](const auto& body) { return body.name == name; };
   if (std::any_of(scenario.robots.begin(), scenario.robots.end(), has_name) ||
       std::any_of(scenario.targets.begin(), scenario.targets.end(), has_name)) {
-    from.refuse("name", "is taken: a robot or target before is called " + name);
+    from.refuse("name", "must be unique; an earlier robot or target is called " + name);
   }
 }
 
@@ -56,8 +56,9 @@ void check_start(Mapping& from, const models::World& world, const Pose2& start,
     from.refuse("start", at + " is inside an obstacle");
   }
   if (clearance_m < clearance_needed_m) {
-    from.refuse("start", fmt::format("must be at least {} m from obstacles and walls, {} is {:.3g}",
-                                     clearance_needed_m, at, clearance_m));
+    from.refuse("start",
+                fmt::format("must be at least {} m from obstacles and walls; at {} it is {:.3g}",
+                            clearance_needed_m, at, clearance_m));
   }
 }
 
@@ -129,7 +130,7 @@ void read_primitives(Mapping& from, const models::VehicleLimits& limits,
     });
   }
   if (primitives.empty() || primitives.size() > kPrimitivesMax) {
-    value->refuse(fmt::format("must hold at least 1 and at most {} primitives, holds {}",
+    value->refuse(fmt::format("must contain at least 1 and at most {} primitives, contains {}",
                               kPrimitivesMax, primitives.size()));
   }
   for (const models::UnicycleControl& control : primitives) {
@@ -139,8 +140,8 @@ void read_primitives(Mapping& from, const models::VehicleLimits& limits,
     }
     if (std::abs(control.yaw_rate_radps) > limits.yaw_rate_max_radps) {
       value->refuse(
-          fmt::format("yaw_rate_radps must be at most limits.yaw_rate_max_radps, {}, either way; "
-                      "is {}",
+          fmt::format("yaw_rate_radps must be at most limits.yaw_rate_max_radps, {}, in either "
+                      "direction; is {}",
                       limits.yaw_rate_max_radps, control.yaw_rate_radps));
     }
   }
@@ -171,7 +172,7 @@ void read_battery(Mapping& from, BatterySpec& battery) {
   from.number("empty_v", battery.empty_v, above_to(0.0, kCellMaxV));
   from.number("full_v", battery.full_v, above_to(0.0, kCellMaxV));
   if (battery.full_v <= battery.empty_v) {
-    from.refuse("full_v", fmt::format("must be above empty_v, {}, is {}; volts of one cell",
+    from.refuse("full_v", fmt::format("must be above empty_v, {}, is {}; volts per cell",
                                       battery.empty_v, battery.full_v));
   }
 }
@@ -211,7 +212,7 @@ void read_firmware(Mapping& from, FirmwareSpec& firmware) {
     firmware.instance = instance;
   }
   if (!firmware.serial.empty() && !firmware.binary.empty()) {
-    from.refuse("serial", "is of a board, which runs its own firmware: leave `binary` out");
+    from.refuse("serial", "selects a board, which runs its own firmware: remove `binary`");
   }
 }
 
@@ -264,18 +265,19 @@ void check_plans(Mapping& top, const Scenario& scenario) {
   }
   if (planner.horizon_steps > kStepsMax) {
     top.refuse("planner",
-               fmt::format("horizon_steps must be at most {} where a robot's device is wire or "
-                           "real, whose plans are of so many steps and a stop; is {}",
+               fmt::format("horizon_steps must be at most {} if a robot's device is wire or "
+                           "real, the longest plan that its driver accepts; is {}",
                            kStepsMax, planner.horizon_steps));
   }
   for (const RobotSpec& robot : scenario.robots) {
     const double plan_s = planner.horizon_steps * planner.step_s +
                           robot.limits.speed_max_mps / robot.limits.brake_mps2;
     if (plan_s > models::kFlownDurationMax_s - kRounding_s) {
-      top.refuse("planner",
-                 fmt::format("horizon_steps · step_s and the longest stop of {}, {:.4g} s, must be "
-                             "below {} s where a robot's device is wire or real",
-                             robot.name, plan_s, models::kFlownDurationMax_s));
+      top.refuse(
+          "planner",
+          fmt::format("horizon_steps · step_s plus the longest stop of {}, {:.4g} s, must be "
+                      "below {} s if a robot's device is wire or real",
+                      robot.name, plan_s, models::kFlownDurationMax_s));
     }
   }
 }
@@ -300,24 +302,24 @@ void read_robot(Mapping& from, const Scenario& scenario, RobotSpec& robot) {
   from.section("firmware",
                [&](Mapping& firmware) { read_firmware(firmware, robot.firmware.emplace()); });
   if (robot.firmware && !robot.autopilot) {
-    from.refuse("firmware", "needs an `autopilot`, whose dialect says which firmware it is");
+    from.refuse("firmware", "needs an `autopilot` section: its dialect selects the firmware");
   }
   if (robot.firmware && robot.device != DeviceSource::kWire) {
-    from.refuse("firmware", "flies a simulated vehicle: it needs device 'wire'");
+    from.refuse("firmware", "is for simulated vehicles only: set device to 'wire'");
   }
   if (robot.device == DeviceSource::kReal && robot.autopilot && robot.autopilot->system_id == 0) {
     from.refuse("autopilot",
-                "must say the system_id, 1 to 255, of a real vehicle: 0 would fly "
-                "whichever speaks first");
+                "must contain the system_id, 1 to 255, of a real vehicle: 0 would connect to "
+                "the first vehicle that sends a message");
   }
   if (robot.device == DeviceSource::kReal && robot.autopilot && robot.autopilot->key_file.empty()) {
     from.refuse("autopilot",
-                "must say the key_file of a real vehicle: without one whoever is on its network "
-                "flies it; docs/guide/quadrotors.md says how the autopilot gets the key");
+                "must contain the key_file of a real vehicle: without it anyone on its network "
+                "can command it; docs/guide/quadrotors.md explains how to set the key");
   }
   from.section("rover", [&](Mapping& rover) { read_rover(rover, robot.rover.emplace()); });
   if (robot.rover && robot.autopilot) {
-    from.refuse("rover", "a robot has an autopilot or is a rover, not both");
+    from.refuse("rover", "a robot can have `autopilot` or `rover`, not both: remove one of them");
   }
   from.finish();
 
@@ -347,7 +349,7 @@ void read_target(Mapping& from, const Scenario& scenario, TargetSpec& target) {
 
   const auto has_id = [&](const TargetSpec& other) { return other.id == target.id; };
   if (std::any_of(scenario.targets.begin(), scenario.targets.end(), has_id)) {
-    from.refuse("id", fmt::format("is taken: a target before has the id {}", target.id));
+    from.refuse("id", fmt::format("must be unique; an earlier target has the id {}", target.id));
   }
   if (target.start) {
     check_start(from, scenario.world, *target.start, target.radius_m);
@@ -368,10 +370,11 @@ void read_target_count(Mapping& from, Scenario& scenario) {
                       .start = std::nullopt,
                       .radius_m = radius_m};
     if (!is_channel_suffix(target.name)) {
-      from.refuse("name_prefix", "must be of A-Z and 0-9 only, is '" + prefix + "'");
+      from.refuse("name_prefix", "must contain only A-Z and 0-9, is '" + prefix + "'");
     }
     if (scenario.find_robot(target.name) != nullptr) {
-      from.refuse("name_prefix", "makes the name " + target.name + ", which is a robot's");
+      from.refuse("name_prefix",
+                  "gives a target the name " + target.name + ", which a robot already has");
     }
     scenario.targets.push_back(std::move(target));
   }
@@ -396,8 +399,8 @@ void read_robots(Mapping& top, Scenario& scenario) {
   const std::optional<Value> list = top.find_required("robots");
   const std::vector<Value> items = list ? list->items() : std::vector<Value>();
   if (list && (items.empty() || items.size() > kRobotsMax)) {
-    list->refuse(fmt::format("must list at least 1 and at most {} robots, lists {}", kRobotsMax,
-                             items.size()));
+    list->refuse(fmt::format("must contain at least 1 and at most {} robots, contains {}",
+                             kRobotsMax, items.size()));
   }
   for (const Value& item : items) {
     std::vector<Value> layers{item};
@@ -425,7 +428,7 @@ void read_targets(Mapping& top, Scenario& scenario) {
   }
   const std::vector<Value> items = targets->items();
   if (items.empty() || items.size() > kTargetsMax) {
-    targets->refuse(fmt::format("must list at least 1 and at most {} targets, lists {}",
+    targets->refuse(fmt::format("must contain at least 1 and at most {} targets, contains {}",
                                 kTargetsMax, items.size()));
   }
   for (const Value& item : items) {
@@ -437,7 +440,7 @@ void read_targets(Mapping& top, Scenario& scenario) {
   }
   for (std::size_t i = 0; i < items.size(); ++i) {
     if (scenario.targets[i].id >= static_cast<int>(items.size())) {
-      items[i].refuse(fmt::format("id must be at most {}, one less than there are targets; is {}",
+      items[i].refuse(fmt::format("id must be at most {}, the number of targets minus 1; is {}",
                                   items.size() - 1, scenario.targets[i].id));
     }
   }

@@ -23,7 +23,7 @@ void read_attack(Mapping& from, const Scenario& scenario, AttackSpec& attack) {
     for (const Value& item : robots->items()) {
       const std::string robot = item.text();
       if (scenario.find_robot(robot) == nullptr) {
-        item.refuse("must be a robot of the scenario, is '" + robot + "'");
+        item.refuse("must be the name of a robot, is '" + robot + "'");
       }
       attack.robots.push_back(robot);
     }
@@ -44,7 +44,8 @@ void read_attacks(Mapping& top, Scenario& scenario) {
   }
   const std::vector<Value> items = list->items();
   if (items.size() > kAttacksMax) {
-    list->refuse(fmt::format("must list at most {}, lists {}", kAttacksMax, items.size()));
+    list->refuse(
+        fmt::format("must contain at most {} attacks, contains {}", kAttacksMax, items.size()));
   }
   for (const Value& item : items) {
     AttackSpec attack;

@@ -18,14 +18,14 @@ void read_detection(Mapping& from, const models::SensorModel& sensor,
   from.number("detection_probability", detection.detection_probability, above_to(0.0, 1.0));
   if (!detection.detects_ids && sensor.kind.law().position_from == nullptr) {
     from.refuse("detects_ids",
-                fmt::format("must be true for a sensor of kind {}: a detection that does not say "
-                            "whose it is must tell where its target is",
+                fmt::format("must be true for a sensor of kind {}: without ids, each detection "
+                            "must give the position of its target",
                             sensor.kind.name()));
   }
   if (detection.detects_ids && detection.clutter_per_look > 0.0) {
     from.refuse("clutter_per_look",
-                fmt::format("must be 0 with detects_ids: true: a false alarm has no target whose "
-                            "id it could bear; is {}",
+                fmt::format("must be 0 with detects_ids: true: a false alarm cannot have the id of "
+                            "a target; is {}",
                             detection.clutter_per_look));
   }
 }
@@ -40,8 +40,8 @@ void check_unnamed(Mapping& top, const Scenario& scenario) {
   }
   if (with_ids > 0) {
     top.refuse("robots",
-               "must all have sensors of detects_ids: true, or none: the team has one set of names "
-               "for its targets");
+               "must all have the same detects_ids, true or false: the team shares one numbering "
+               "of its targets");
   }
   if (scenario.robots.size() > kUnnamedRobotsMax) {
     top.refuse("robots", fmt::format("must be at most {} with detects_ids: false, are {}",
@@ -54,12 +54,12 @@ void check_unnamed(Mapping& top, const Scenario& scenario) {
   if (scenario.estimator.target_model.position_dim != 2) {
     top.refuse("estimator",
                "target_model.position_dim must be 2 with detects_ids: false: targets "
-               "without names are tracked on the ground alone");
+               "without ids are tracked in the plane only");
   }
   if (scenario.network.neighbourhood_m > 0.0) {
     top.refuse("network",
-               "neighbourhood_m must be 0 with detects_ids: false: how many targets "
-               "there are is known of the whole world alone");
+               "neighbourhood_m must be 0 with detects_ids: false: the number "
+               "of targets is estimated for the whole world only");
   }
 }
 

@@ -20,14 +20,14 @@ void read_part(const Value& item, const Scenario& scenario, HostSpec& host) {
   constexpr std::array<std::string_view, 3> kParts = {kSimPart, kMocapPart, kLoggerPart};
   if (scenario.find_robot(part) == nullptr &&
       std::find(kParts.begin(), kParts.end(), part) == kParts.end()) {
-    item.refuse("must be a robot of the scenario, sim, vicon or logger; is '" + part + "'");
+    item.refuse("must be the name of a robot, sim, vicon or logger; is '" + part + "'");
   }
   const auto runs_it = [&](const HostSpec& other) {
     return std::find(other.runs.begin(), other.runs.end(), part) != other.runs.end();
   };
   const auto runner = std::find_if(scenario.hosts.begin(), scenario.hosts.end(), runs_it);
   if (runner != scenario.hosts.end() || runs_it(host)) {
-    item.refuse(fmt::format("'{}' runs on {} already", part,
+    item.refuse(fmt::format("'{}' already runs on {}", part,
                             runner != scenario.hosts.end() ? runner->name : host.name));
   }
   host.runs.push_back(part);
@@ -37,11 +37,11 @@ void read_host(Mapping& from, const Scenario& scenario, HostSpec& host) {
   from.require("name");
   from.text("name", host.name);
   if (!is_channel_suffix(host.name)) {
-    from.refuse("name", "must be of A-Z and 0-9 only, is '" + host.name + "'");
+    from.refuse("name", "must contain only A-Z and 0-9, is '" + host.name + "'");
   }
   const auto has_name = [&](const HostSpec& other) { return other.name == host.name; };
   if (std::any_of(scenario.hosts.begin(), scenario.hosts.end(), has_name)) {
-    from.refuse("name", "is taken: a host before is called " + host.name);
+    from.refuse("name", "must be unique; an earlier host is called " + host.name);
   }
   if (const std::optional<Value> runs = from.find_required("runs")) {
     for (const Value& item : runs->items()) {
@@ -59,7 +59,7 @@ void read_hosts(Mapping& top, Scenario& scenario) {
   }
   const std::vector<Value> items = list->items();
   if (items.empty() || items.size() > kHostsMax) {
-    list->refuse(fmt::format("must list at least 1 and at most {} hosts, lists {}", kHostsMax,
+    list->refuse(fmt::format("must contain at least 1 and at most {} hosts, contains {}", kHostsMax,
                              items.size()));
   }
   for (const Value& item : items) {

@@ -38,7 +38,7 @@ void read(Mapping& from, const models::World& world, MappingSpec& mapping) {
   const double cells = (size_m / mapping.resolution_m).array().ceil().prod();
   if (cells > kMapCellsMax) {
     from.refuse("resolution_m",
-                fmt::format("must cut world.bounds into at most {} cells, {} makes {:.3g}",
+                fmt::format("must divide world.bounds into at most {} cells; {} gives {:.3g}",
                             kMapCellsMax, mapping.resolution_m, cells));
   }
 }
@@ -49,7 +49,8 @@ void read_mapping_spec(Mapping& top, Scenario& scenario) {
   const bool is_there =
       top.section("mapping", [&](Mapping& from) { read(from, scenario.world, scenario.mapping); });
   if (!is_there && scenario.planner.objective == PlanObjective::kMapping) {
-    top.refuse("planner", "objective mapping needs the section `mapping` (the robots' scanners)");
+    top.refuse("planner",
+               "objective: mapping needs the section `mapping`, which describes the scanners");
   }
 }
 

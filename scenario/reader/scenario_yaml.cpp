@@ -55,7 +55,7 @@ void read_footprint(Mapping& from, models::Rectangle& footprint, const models::W
   from.finish();
   if ((footprint.max_m.array() <= world.bounds.min_m.array()).any() ||
       (footprint.min_m.array() >= world.bounds.max_m.array()).any()) {
-    from.refuse("footprint", "is wholly outside world.bounds");
+    from.refuse("footprint", "must overlap world.bounds; is entirely outside");
   }
 }
 
@@ -147,7 +147,7 @@ void check_grid(Mapping& from, const Scenario& scenario) {
     const double cells = (size_m / resolution_m).array().ceil().prod();
     if (cells > cells_max) {
       from.refuse("grid_resolution_m",
-                  fmt::format("must cut {} into at most {:.0f} cells, {} makes {:.0f}", what,
+                  fmt::format("must divide {} into at most {:.0f} cells; {} gives {:.0f}", what,
                               cells_max, resolution_m, cells));
     }
   };
@@ -157,9 +157,9 @@ void check_grid(Mapping& from, const Scenario& scenario) {
       (kBeliefBytesMax - kTargetBytes * static_cast<double>(scenario.targets.size())) / kCellBytes);
   if (const double near_m = scenario.network.neighbourhood_m; near_m > 0.0) {
     refuse_above(told_cells_max, size_m.cwiseMin(2.5 * near_m),
-                 "the 2.5 · network.neighbourhood_m that a belief tells of");
+                 "the 2.5 · network.neighbourhood_m that a belief contains");
   } else {
-    refuse_above(told_cells_max, size_m, "world.bounds, which a belief tells of,");
+    refuse_above(told_cells_max, size_m, "world.bounds, which every belief contains,");
   }
 }
 
@@ -205,7 +205,7 @@ void check_round(Mapping& from, const PlannerSpec& planner) {
 void check_team(Mapping& from, const PlannerSpec& planner) {
   if (is_external(planner) && planner.attacks_max > 0) {
     from.refuse("attacks_max",
-                fmt::format("must be 0 with algorithm: external, which proposes nothing; is {}",
+                fmt::format("must be 0 with algorithm: external, which sends no proposals; is {}",
                             planner.attacks_max));
   }
   if (planner.team_algorithm != TeamAlgorithm::kLocalSearch) {
@@ -215,8 +215,8 @@ void check_team(Mapping& from, const PlannerSpec& planner) {
     from.refuse("team_algorithm", "local_search needs objective: tracking");
   }
   if (planner.algorithm != "arvi" && planner.algorithm != "rvi") {
-    from.refuse("algorithm", fmt::format("must be arvi or rvi, which make the candidates of "
-                                         "team_algorithm: local_search; is {}",
+    from.refuse("algorithm", fmt::format("must be arvi or rvi with team_algorithm: local_search, "
+                                         "which needs their candidates; is {}",
                                          planner.algorithm));
   }
   if (planner.attacks_max > 0) {
@@ -268,22 +268,23 @@ void check_neighbourhood(Mapping& from, const Scenario& scenario) {
   if (neighbourhood_m == 0.0) {
     if (planner.slots > 0) {
       from.refuse("neighbourhood_m",
-                  "of network must be above 0 with planner.slots above 0: who is near may not plan "
-                  "at once");
+                  "must be above 0 with planner.slots above 0, so that robots near each other plan "
+                  "in different slots");
     }
     return;
   }
   if (const double least_m = least_neighbourhood_m(scenario); neighbourhood_m < least_m) {
-    from.refuse("neighbourhood_m",
-                fmt::format("must be 0, or at least {:.4g} here, that nobody comes near before he "
-                            "is heard; is {}",
-                            least_m, neighbourhood_m));
+    from.refuse(
+        "neighbourhood_m",
+        fmt::format("must be 0 (off) or at least {:.4g} here: otherwise two robots can come "
+                    "too close before they have exchanged plans; is {}",
+                    least_m, neighbourhood_m));
   }
   if (planner.objective != PlanObjective::kTracking || planner.attacks_max > 0 ||
       planner.team_algorithm != TeamAlgorithm::kCoordinateDescent) {
     from.refuse("neighbourhood_m",
-                "must be 0 where the whole team decides or maps: with objective: mapping, "
-                "team_algorithm: local_search or attacks_max above 0");
+                "must be 0 with objective: mapping, team_algorithm: local_search or attacks_max "
+                "above 0, which need the messages of the whole team");
   }
 }
 
@@ -310,7 +311,7 @@ void read_security(Mapping& from, SecuritySpec& security) {
              {"require", SecurityMode::kRequire}});
   from.text("keys", security.keys);
   if (security.mode != SecurityMode::kOff && security.keys.empty()) {
-    from.refuse("keys", "must name the folder that `vantage keys new` made");
+    from.refuse("keys", "must name the folder that `vantage keys new` created");
   }
 }
 
@@ -322,7 +323,7 @@ void read_name(Mapping& top, std::string& name) {
            c == '_';
   });
   if (!is_file_name) {
-    top.refuse("name", "must be of letters, digits, - and _ only, is '" + name + "'");
+    top.refuse("name", "must contain only letters, digits, - and _, is '" + name + "'");
   }
 }
 

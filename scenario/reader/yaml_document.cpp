@@ -48,8 +48,9 @@ class YamlEvents : public YAML::EventHandler {
  private:
   void add(Node::Kind kind, int line_before, YAML::anchor_t anchor, const std::string& text = "") {
     if (documents_ > 1) {
-      throw StartupError(fmt::format("{}:{}: a second document; a file holds one scenario", file_,
-                                     std::max(line_before, 0) + 1));
+      throw StartupError(
+          fmt::format("{}:{}: a second YAML document begins here; a file may contain only one",
+                      file_, std::max(line_before, 0) + 1));
     }
     const Node& node = tree_.add(kind, line_before + 1, text);
     if (anchor != YAML::NullAnchor) {

@@ -65,7 +65,7 @@ TEST(LargeTeam, HasNeighbourhoodsThatAreWideEnoughForWhatIsDecidedInThem) {
   for (const char* more :
        {"planner: {attacks_max: 1}\n", "planner: {team_algorithm: local_search}\n"}) {
     EXPECT_NE(refusal_of_smallest_with(std::string("network: {neighbourhood_m: 500}\n") + more)
-                  .find("where the whole team decides"),
+                  .find("need the messages of the whole team"),
               std::string::npos);
   }
 }

@@ -260,7 +260,7 @@ TEST(ScenarioLimits, OfMapsAreTakenAndNothingBeyond) {
     const Limit cells{key, "", "", "", ""};
     // In estimators' grids 707 by 707 cells are less than the half million that fit into a belief.
     EXPECT_EQ(answer_to(cells, is_map ? "0.1794" : "0.0566"), "taken");
-    EXPECT_NE(answer_to(cells, is_map ? "0.1788" : "0.0565").find("must cut world.bounds"),
+    EXPECT_NE(answer_to(cells, is_map ? "0.1788" : "0.0565").find("must divide world.bounds"),
               std::string::npos)
         << key;
   }

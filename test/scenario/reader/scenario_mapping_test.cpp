@@ -66,8 +66,8 @@ TEST(MappingScenario, IsOtherwiseAsStated) {
 TEST(MappingScenario, NeedsItsSectionAndNoTargets) {
   EXPECT_EQ(refusal_of(kMapper + "mapping: {resolution_m: 0.5}\n"), "not refused");
   EXPECT_EQ(refusal_of(kMapper),
-            "x.yaml:4: planner: objective mapping needs the section `mapping` (the robots' "
-            "scanners)");
+            "x.yaml:4: planner: objective: mapping needs the section `mapping`, which "
+            "describes the scanners");
   EXPECT_EQ(refusal_of(kTeam + "mapping: {resolution_m: 0.5}\n"),
             "x.yaml:1: missing required key targets")
       << "of a team that tracks";
@@ -82,8 +82,8 @@ TEST(MappingScenario, RefusesWhatMakesNoMap) {
   EXPECT_EQ(with("{settled_probability: 1}"),
             "x.yaml:5: mapping.settled_probability: must be above 0.5 and below 1, is 1");
   EXPECT_EQ(with("{resolution_m: 0.01}"),
-            "x.yaml:5: mapping.resolution_m: must cut world.bounds into at most 50000 cells, 0.01 "
-            "makes 8e+05");
+            "x.yaml:5: mapping.resolution_m: must divide world.bounds into at most 50000 cells; "
+            "0.01 gives 8e+05");
   EXPECT_EQ(with("{scanner: {range_min_m: 2}}"),
             "x.yaml:5: mapping.scanner.range_min_m: must be below range_max_m, 1.5, is 2");
   EXPECT_TRUE(with("{beams: 3}").starts_with("x.yaml:5: mapping.beams: unknown key"));

@@ -99,12 +99,12 @@ const BadEdit kValues[] = {
     {"AutopilotWithAStrangeUrl", "  - name: Q3\n", "  - name: Q3\n    @autopilot: {dialect: px4, url: \"tcp://h:1\"}\n", "must begin with udp://, udpout:// or serial:"},
     {"UnknownDialect", "  - name: Q3\n", "  - name: Q3\n    @autopilot: {dialect: ino, url: \"udp://:1\"}\n", "must be one of px4, ardupilot"},
     {"AutopilotSystemIdBeyondAByte", "  - name: Q3\n", "  - name: Q3\n    @autopilot: {dialect: px4, url: \"udp://:1\", system_id: 256}\n", "system_id"},
-    {"NeighbourhoodThatIsTooSmall", "  communication_range_m: 3 ", "  @neighbourhood_m: 5\n  communication_range_m: 3 ", "must be 0, or at least 17.5 here"},
-    {"SecurityWithoutKeys", "network:\n", "@security:\n  mode: require\nnetwork:\n", "must name the folder that `vantage keys new` made"},
+    {"NeighbourhoodThatIsTooSmall", "  communication_range_m: 3 ", "  @neighbourhood_m: 5\n  communication_range_m: 3 ", "must be 0 (off) or at least 17.5 here"},
+    {"SecurityWithoutKeys", "network:\n", "@security:\n  mode: require\nnetwork:\n", "must name the folder that `vantage keys new` created"},
     {"SecurityOfAnUnknownMode", "network:\n", "security:\n  @mode: always\n  keys: keys\nnetwork:\n", "off"},
     {"SecurityWithoutAMode", "network:\n", "@security: {keys: keys}\nnetwork:\n", "mode"},
-    {"RealAutopilotWithoutASystemId", "  - name: Q3\n", "  - name: Q3\n    device: real\n    @autopilot: {dialect: px4, url: \"udp://:1\"}\n", "must say the system_id, 1 to 255, of a real vehicle"},
-    {"RealAutopilotThatDoesNotSign", "  - name: Q3\n", "  - name: Q3\n    device: real\n    @autopilot: {dialect: px4, url: \"udp://:1\", system_id: 1}\n", "must say the key_file of a real vehicle"},
+    {"RealAutopilotWithoutASystemId", "  - name: Q3\n", "  - name: Q3\n    device: real\n    @autopilot: {dialect: px4, url: \"udp://:1\"}\n", "must contain the system_id, 1 to 255, of a real vehicle"},
+    {"RealAutopilotThatDoesNotSign", "  - name: Q3\n", "  - name: Q3\n    device: real\n    @autopilot: {dialect: px4, url: \"udp://:1\", system_id: 1}\n", "must contain the key_file of a real vehicle"},
     {"UnknownParameterPolicy", "  - name: Q3\n", "  - name: Q3\n    @autopilot: {dialect: px4, url: \"udp://:1\", parameters: perhaps}\n", "must be one of verify, warn, ignore; is 'perhaps'"},
     {"BatteryWithoutCells", "  - name: Q3\n", "  - name: Q3\n    @autopilot: {dialect: px4, url: \"udp://:1\", battery: {full_v: 4.2}}\n", "cells"},
     {"BatteryFullerWhenEmpty", "  - name: Q3\n", "  - name: Q3\n    @autopilot: {dialect: px4, url: \"udp://:1\", battery: {cells: 3, empty_v: 4.2, full_v: 4.1}}\n", "must be above empty_v, 4.2, is 4.1"},
@@ -115,7 +115,7 @@ const BadEdit kValues[] = {
     {"MappingForList", "  regions: []", "  @regions: {a: 1}", "world.regions: must be a list, is a mapping"},
     {"PointOfThree", "max_m: [4, 2]", "@max_m: [4, 2, 3]", "world.bounds.max_m: must be a list of two numbers [x, y], is a list of 3"},
     {"TextInPoint", "max_m: [4, 2]", "max_m: [4,\n      @two]", "world.bounds.max_m[1]: must be a number, is 'two'"},
-    {"BadName", "name: lab ", "@name: ../lab ", "must be of letters, digits, - and _ only"},
+    {"BadName", "name: lab ", "@name: ../lab ", "must contain only letters, digits, - and _"},
     {"BadUrl", "url: \"udpm://", "@url: \"tcp://", "must begin with udpm:// or memq://"},
 };
 
@@ -123,7 +123,7 @@ const BadEdit kRanges[] = {
     {"NoDuration", "duration_s: 300", "@duration_s: 0", "must be above 0 and at most 86400, is 0"},
     {"EmptyBounds", "max_m: [4, 2]", "@max_m: [4, -2]", "must be above min_m, [-4, -2], in x and in y; is [4, -2]"},
     {"ObstacleInsideOut", "max_m: [-1.2, 1.1]", "@max_m: [-1.9, 1.1]", "world.obstacles[0].footprint.max_m: must be above min_m"},
-    {"ObstacleOutside", "{min_m: [-1.8, 0.5], max_m: [-1.2, 1.1]}", "@{min_m: [-1.8, 5], max_m: [-1.2, 6]}", "footprint: is wholly outside world.bounds"},
+    {"ObstacleOutside", "{min_m: [-1.8, 0.5], max_m: [-1.2, 1.1]}", "@{min_m: [-1.8, 5], max_m: [-1.2, 6]}", "footprint: must overlap world.bounds; is entirely outside"},
     {"NegativeRange", "range_max_m: 1 ", "@range_max_m: -1 ", "range_max_m: must be above 0 and at most 10000, is -1"},
     {"RangesCrossed", "range_min_m: 0.1", "@range_min_m: 1.5", "must be below range_max_m, 1, is 1.5"},
     {"BearingWithoutLeastRange", "range_min_m: 0.1", "@range_min_m: 0", "must be above 0 for a sensor that measures bearings"},
@@ -131,7 +131,7 @@ const BadEdit kRanges[] = {
     {"MoreThanATurn", "fov_deg: 360", "@fov_deg: 361", "must be above 0 and at most 360, is 361"},
     {"SpeedsCrossed", "speed_min_mps: 0.2", "@speed_min_mps: 2", "must be at most speed_max_mps, 1.4, is 2"},
     {"CertainDetection", "detection_probability: 0.8", "@detection_probability: 1", "must be at least 0 and below 1, is 1"},
-    {"EndlessGrid", "grid_resolution_m: 0.25", "@grid_resolution_m: 0.0001", "must cut world.bounds into at most"},
+    {"EndlessGrid", "grid_resolution_m: 0.25", "@grid_resolution_m: 0.0001", "must divide world.bounds into at most"},
     {"NegativeQ", "    q: 0.3", "    @q: -0.15", "estimator.target_model.q: must be at least 0, is -0.15"},
     {"OscillatorWithoutDamping", "damping_per_s: [0.24, 0.41]", "@damping_per_s: [0.24, 0]", "estimator.target_model.damping_per_s[1]: must be above 0, is 0"},
     {"OscillatorWithoutSpread", "position_sigma_m: [1.75, 0.83]", "@position_sigma_m: [0, 0.83]", "estimator.target_model.position_sigma_m[0]: must be above 0 and at most 10000, is 0"},
@@ -147,23 +147,23 @@ const BadEdit kRanges[] = {
 };
 
 const BadEdit kTeams[] = {
-    {"DuplicateRobot", "  - name: Q2", "  - @name: Q1", "robots[1].name: is taken: a robot or target before is called Q1"},
-    {"LowerCaseRobot", "  - name: Q2", "  - @name: q2", "must be of A-Z and 0-9 only, is 'q2'"},
-    {"RobotNamedAsATarget", "name_prefix: R", "@name_prefix: Q", "makes the name Q1, which is a robot's"},
+    {"DuplicateRobot", "  - name: Q2", "  - @name: Q1", "robots[1].name: must be unique; an earlier robot or target is called Q1"},
+    {"LowerCaseRobot", "  - name: Q2", "  - @name: q2", "must contain only A-Z and 0-9, is 'q2'"},
+    {"RobotNamedAsATarget", "name_prefix: R", "@name_prefix: Q", "gives a target the name Q1, which a robot already has"},
     {"RobotWithoutName", "  - name: Q2\n    start: {x_m: 0,", "  - @start: {x_m: 0,", "robots[1]: missing required key name"},
     {"StartOutside", "    start: {x_m: 0, y_m: 0, yaw_deg: 90}", "    @start: {x_m: 0, y_m: 2.5}", "robots[1].start: (0, 2.5) m is outside world.bounds"},
     {"StartInObstacle", "    start: {x_m: 0, y_m: 0, yaw_deg: 90}", "    @start: {x_m: 1.5, y_m: -0.8}", "robots[1].start: (1.5, -0.8) m is inside an obstacle"},
-    {"StartAtTheWall", "    start: {x_m: 0, y_m: 0, yaw_deg: 90}", "    @start: {x_m: 0, y_m: 1.9}", "must be at least 0.35 m from obstacles and walls, (0, 1.9) m is 0.1"},
+    {"StartAtTheWall", "    start: {x_m: 0, y_m: 0, yaw_deg: 90}", "    @start: {x_m: 0, y_m: 1.9}", "must be at least 0.35 m from obstacles and walls; at (0, 1.9) m it is 0.1"},
     {"StartsTooNear", "    start: {x_m: 0, y_m: 0, yaw_deg: 90}", "    @start: {x_m: -2.8, y_m: 0}", "must be at least planner.separation_m, 0.6 m, from the start of Q1; is 0.539"},
     {"StartWithoutY", "    start: {x_m: 0, y_m: 0, yaw_deg: 90}", "    @start: {x_m: 0}", "robots[1].start: missing required key y_m"},
     {"AboveTheCeiling", "height_m: 2.0", "@height_m: 3.0", "robots[2].height_m: must be below world.ceiling_m, 3, is 3"},
     {"TouchingTheCeiling", "height_m: 2.0", "@height_m: 2.8", "robots[2].height_m: must be at most world.ceiling_m, 3, less the robot's radius_m, 0.25: it would touch the ceiling; is 2.8"},
-    {"NoPrimitives", "primitives: lab", "@primitives: []", "must hold at least 1 and at most 64 primitives, holds 0"},
+    {"NoPrimitives", "primitives: lab", "@primitives: []", "must contain at least 1 and at most 64 primitives, contains 0"},
     {"PrimitivesTooFast", "primitives: lab", "@primitives: standard", "speed_mps must be at most limits.speed_max_mps, 1, is 3"},
-    {"PrimitivesTurnTooFast", "primitives: lab", "@primitives: [{speed_mps: 1, yaw_rate_radps: -4}]", "yaw_rate_radps must be at most limits.yaw_rate_max_radps, 3, either way; is -4"},
+    {"PrimitivesTurnTooFast", "primitives: lab", "@primitives: [{speed_mps: 1, yaw_rate_radps: -4}]", "yaw_rate_radps must be at most limits.yaw_rate_max_radps, 3, in either direction; is -4"},
     {"PrimitiveBackwards", "primitives: lab", "@primitives: [{speed_mps: -1, yaw_rate_radps: 0}]", "primitives[0].speed_mps: must be at least 0, is -1"},
     {"PrimitivesUnknown", "primitives: lab", "@primitives: fast", "must be one of standard, lab; is 'fast'"},
-    {"FalseAlarmsWithIds", "clutter_per_look: 0 ", "@clutter_per_look: 1 ", "clutter_per_look: must be 0 with detects_ids: true: a false alarm has no target whose id it could bear; is 1"},
+    {"FalseAlarmsWithIds", "clutter_per_look: 0 ", "@clutter_per_look: 1 ", "clutter_per_look: must be 0 with detects_ids: true: a false alarm cannot have the id of a target; is 1"},
     {"FalseAlarmsWithoutEnd", "clutter_per_look: 0 ", "@clutter_per_look: 21 ", "clutter_per_look: must be at least 0 and at most 20, is 21"},
     {"BlindSensor", "detection_probability: 1 ", "@detection_probability: 0 ", "detection_probability: must be above 0 and at most 1, is 0"},
     {"NoTargets", "  count: 5 ", "  @count: 0 ", "targets.count: must be at least 1 and at most 10000, is '0'"},
@@ -212,12 +212,14 @@ TEST(ParseScenario, RefusesWhatIsNoScenarioAtAll) {
       {"# only\n# comments\n", "lab.yaml:1: empty file; expected a scenario"},
       {"- a\n- list\n", "lab.yaml:1: must be a mapping of keys to values"},
       {"name", "lab.yaml:1: must be a mapping of keys to values"},
-      {"name: a\n---\nname: b\n", "lab.yaml:3: a second document; a file holds one scenario"},
+      {"name: a\n---\nname: b\n",
+       "lab.yaml:3: a second YAML document begins here; a file may "
+       "contain only one"},
       {"name: a\nworld:\n\tbounds: 1\n", "lab.yaml:3: tab character; use spaces"},
       {"name: a\nwo\xFFrld: 1\n", "lab.yaml:2: byte 0xff is not UTF-8 text"},
       {"name: a\nw\xC0\xAFld: 1\n", "lab.yaml:2: byte 0xc0 is not UTF-8 text"},
       {"name: \x1b[31m\n", "lab.yaml:1: control character 0x1b"},
-      {"name: a\n? [b]\n: 1\n", "lab.yaml:2: every key must be a word"},
+      {"name: a\n? [b]\n: 1\n", "lab.yaml:2: keys must be plain words"},
   };
   for (const BadFile& file : files) {
     EXPECT_EQ(refusal_of(file.text), file.refusal) << "for: " << file.text;
@@ -232,7 +234,7 @@ TEST(ParseScenario, RefusesInOneShortLineWhateverTheFileHas) {
   EXPECT_EQ(refusal_of("\"na\\nme\": x\n" + kWorld).find("lab.yaml:1: na\\x0Ame: unknown key; "),
             0U);
   EXPECT_EQ(refusal_of("name: \"a\\eb\"\n" + kWorld + kRobot + kTargets),
-            "lab.yaml:1: name: must be of letters, digits, - and _ only, is 'a\\x1Bb'");
+            "lab.yaml:1: name: must contain only letters, digits, - and _, is 'a\\x1Bb'");
   // The cut after forty bytes falls inside a two-byte character.
   std::string umlauts = "x";
   for (int i = 0; i < 50'000; ++i) {
@@ -296,22 +298,22 @@ TEST(ParseScenario, RefusesWhatOnlySeveralKeysTogetherMakeWrong) {
             "and B, 0.65 m together; is 0.6");
   EXPECT_EQ(refusal_of("name: x\nworld: {bounds: {min_m: [0, 0], max_m: [9000, 9000]}}\n" + kRobot +
                        kTargets),
-            "lab.yaml:1: grid_resolution_m: must cut world.bounds into at most 4000000 cells, "
-            "0.25 makes 1296000000");
+            "lab.yaml:1: grid_resolution_m: must divide world.bounds into at most 4000000 cells; "
+            "0.25 gives 1296000000");
   const std::string base = "name: x\n" + kWorld + kRobot;
   EXPECT_EQ(refusal_of(base + "targets:\n  - {id: 1}\n  - {id: 1}\n"),
-            "lab.yaml:6: targets[1].id: is taken: a target before has the id 1");
+            "lab.yaml:6: targets[1].id: must be unique; an earlier target has the id 1");
   EXPECT_EQ(refusal_of(base + "targets:\n  - {id: 0}\n  - {id: 2}\n"),
-            "lab.yaml:6: targets[1]: id must be at most 1, one less than there are targets; is 2");
+            "lab.yaml:6: targets[1]: id must be at most 1, the number of targets minus 1; is 2");
   EXPECT_EQ(refusal_of(base + "targets:\n  - {name: A}\n"),
-            "lab.yaml:5: targets[0].name: is taken: a robot or target before is called A");
+            "lab.yaml:5: targets[0].name: must be unique; an earlier robot or target is called A");
   EXPECT_EQ(refusal_of(base + "targets:\n  - {start: {x_m: 8.9, y_m: 5}}\n"),
-            "lab.yaml:5: targets[0].start: must be at least 0.2 m from obstacles and walls, "
-            "(8.9, 5) m is 0.1");
+            "lab.yaml:5: targets[0].start: must be at least 0.2 m from obstacles and walls; "
+            "at (8.9, 5) m it is 0.1");
   EXPECT_EQ(refusal_of(base + "targets: []\n"),
-            "lab.yaml:4: targets: must list at least 1 and at most 10000 targets, lists 0");
+            "lab.yaml:4: targets: must contain at least 1 and at most 10000 targets, contains 0");
   EXPECT_EQ(refusal_of("name: x\n" + kWorld + kTargets + "robots: []\n"),
-            "lab.yaml:4: robots: must list at least 1 and at most 10000 robots, lists 0");
+            "lab.yaml:4: robots: must contain at least 1 and at most 10000 robots, contains 0");
 }
 
 TEST(ParseScenario, RefusesTeamsWithoutIdsOfWhomNothingTellsTargetsApart) {
@@ -326,8 +328,7 @@ TEST(ParseScenario, RefusesTeamsWithoutIdsOfWhomNothingTellsTargetsApart) {
     EXPECT_EQ(refusal_of(alone),
               std::string("lab.yaml:3: robots[0].sensor.detects_ids: must be true for a sensor of "
                           "kind ") +
-                  kind +
-                  ": a detection that does not say whose it is must tell where its target is");
+                  kind + ": without ids, each detection must give the position of its target");
   }
   EXPECT_EQ(refusal_of("name: x\n" + kWorld + kTargets +
                        "robot_defaults: {primitives: lab, sensor: {kind: position}}\n"
@@ -335,8 +336,8 @@ TEST(ParseScenario, RefusesTeamsWithoutIdsOfWhomNothingTellsTargetsApart) {
                        "  - {name: A, start: {x_m: 2, y_m: 2}}\n"
                        "  - {name: B, start: {x_m: 6, y_m: 6}, " +
                        sensor + "}\n"),
-            "lab.yaml:5: robots: must all have sensors of detects_ids: true, or none: the team has "
-            "one set of names for its targets");
+            "lab.yaml:5: robots: must all have the same detects_ids, true or false: the team "
+            "shares one numbering of its targets");
   EXPECT_EQ(refusal_of(good + "targets: {count: 101}\n"),
             "lab.yaml:4: targets: must be 1 to 100 with detects_ids: false, are 101");
   EXPECT_EQ(refusal_of(good + "planner: {objective: mapping}\nmapping: {}\n"),
@@ -344,31 +345,31 @@ TEST(ParseScenario, RefusesTeamsWithoutIdsOfWhomNothingTellsTargetsApart) {
   EXPECT_EQ(refusal_of(good + kTargets +
                        "estimator: {target_model: {kind: random_walk, position_dim: 3}}\n"),
             "lab.yaml:5: estimator: target_model.position_dim must be 2 with detects_ids: false: "
-            "targets without names are tracked on the ground alone");
+            "targets without ids are tracked in the plane only");
   EXPECT_EQ(refusal_of(good + kTargets + "network: {neighbourhood_m: 100}\n"),
-            "lab.yaml:5: network: neighbourhood_m must be 0 with detects_ids: false: how many "
-            "targets there are is known of the whole world alone");
+            "lab.yaml:5: network: neighbourhood_m must be 0 with detects_ids: false: the "
+            "number of targets is estimated for the whole world only");
 }
 
 TEST(ParseScenario, RefusesHostsThatCannotBe) {
   const std::string base = "name: x\n" + kWorld + kRobot + kTargets + "hosts:\n";
   EXPECT_EQ(refusal_of(base + "  - {name: lab1, runs: []}\n"),
-            "lab.yaml:6: hosts[0].name: must be of A-Z and 0-9 only, is 'lab1'");
+            "lab.yaml:6: hosts[0].name: must contain only A-Z and 0-9, is 'lab1'");
   EXPECT_EQ(refusal_of(base + "  - {name: LAB}\n"),
             "lab.yaml:6: hosts[0]: missing required key runs");
   EXPECT_EQ(refusal_of(base + "  - {name: LAB, run: []}\n"),
             "lab.yaml:6: hosts[0].run: unknown key; did you mean runs?");
   EXPECT_EQ(refusal_of(base + "  - {name: LAB, runs: [A, B]}\n"),
-            "lab.yaml:6: hosts[0].runs[1]: must be a robot of the scenario, sim, vicon or logger; "
+            "lab.yaml:6: hosts[0].runs[1]: must be the name of a robot, sim, vicon or logger; "
             "is 'B'");
   EXPECT_EQ(refusal_of(base + "  - {name: LAB, runs: [A]}\n  - {name: AIR, runs: [A]}\n"),
-            "lab.yaml:7: hosts[1].runs[0]: 'A' runs on LAB already");
+            "lab.yaml:7: hosts[1].runs[0]: 'A' already runs on LAB");
   EXPECT_EQ(refusal_of(base + "  - {name: LAB, runs: [sim, sim]}\n"),
-            "lab.yaml:6: hosts[0].runs[1]: 'sim' runs on LAB already");
+            "lab.yaml:6: hosts[0].runs[1]: 'sim' already runs on LAB");
   EXPECT_EQ(refusal_of(base + "  - {name: LAB, runs: []}\n  - {name: LAB, runs: []}\n"),
-            "lab.yaml:7: hosts[1].name: is taken: a host before is called LAB");
+            "lab.yaml:7: hosts[1].name: must be unique; an earlier host is called LAB");
   EXPECT_EQ(refusal_of("name: x\n" + kWorld + kRobot + kTargets + "hosts: []\n"),
-            "lab.yaml:5: hosts: must list at least 1 and at most 32 hosts, lists 0");
+            "lab.yaml:5: hosts: must contain at least 1 and at most 32 hosts, contains 0");
 }
 
 TEST(LoadScenario, RefusesPathsThatAreNoFile) {

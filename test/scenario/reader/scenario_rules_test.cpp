@@ -31,7 +31,7 @@ TEST(ScenarioRules, NamesAreOfTheLettersAndDigitsThatChannelsHave) {
   for (const char other : {'@', '[', '/', ':', 'a', '_', '-'}) {
     const std::string name = std::string("A") + other;
     EXPECT_EQ(answer_to_team("  - {name: '" + name + "', start: {x_m: 1, y_m: 1}}\n"),
-              "f:6: robots[0].name: must be of A-Z and 0-9 only, is '" + name + "'");
+              "f:6: robots[0].name: must contain only A-Z and 0-9, is '" + name + "'");
   }
   const auto named = [](const std::string& name) {
     return answer_to("name: '" + name + "'\n" + kWorld.substr(8) + kTargets + kDefaults +
@@ -41,7 +41,7 @@ TEST(ScenarioRules, NamesAreOfTheLettersAndDigitsThatChannelsHave) {
   for (const char other : {'@', '[', '`', '{', '/', ':', ',', '.', '^'}) {
     const std::string name = std::string("a") + other;
     EXPECT_EQ(named(name),
-              "f:1: name: must be of letters, digits, - and _ only, is '" + name + "'");
+              "f:1: name: must contain only letters, digits, - and _, is '" + name + "'");
   }
 }
 
@@ -50,12 +50,13 @@ TEST(ScenarioRules, NoTwoBodiesHaveOneName) {
   const std::string base = kWorld + kDefaults + "robots:\n" + robots + "targets:\n";
   EXPECT_EQ(answer_to(base + "  - {name: B}\n  - {name: C}\n"), "taken");
   EXPECT_EQ(answer_to(base + "  - {name: B}\n  - {name: B}\n"),
-            "f:8: targets[1].name: is taken: a robot or target before is called B");
+            "f:8: targets[1].name: must be unique; an earlier robot or target "
+            "is called B");
   EXPECT_EQ(answer_to(base + "  - {name: a}\n"),
-            "f:7: targets[0].name: must be of A-Z and 0-9 only, is 'a'");
+            "f:7: targets[0].name: must contain only A-Z and 0-9, is 'a'");
   EXPECT_EQ(answer_to(kWorld + kDefaults + "robots:\n" + robots +
                       "targets: {count: 2, name_prefix: t}\n"),
-            "f:6: targets.name_prefix: must be of A-Z and 0-9 only, is 't'");
+            "f:6: targets.name_prefix: must contain only A-Z and 0-9, is 't'");
   EXPECT_EQ(answer_to(kWorld + kDefaults + "robots: [{name: T2, start: {x_m: 1, y_m: 1}}]\n" +
                       "targets: {count: 3}\n"),
             "f:5: targets: name_prefix: makes the name T2, which is a robot's");
@@ -97,7 +98,8 @@ TEST(ScenarioRules, PrimitivesAreAsManyAndAsFastAsTheyMayBe) {
   EXPECT_EQ(answer_to_robot(of(1)), "taken");
   EXPECT_EQ(answer_to_robot(of(64)), "taken");
   EXPECT_EQ(answer_to_robot(of(65)),
-            "f:6: robots[0].primitives: must hold at least 1 and at most 64 primitives, holds 65");
+            "f:6: robots[0].primitives: must contain at least 1 and at most 64 primitives, "
+            "contains 65");
   const std::string limits = ", limits: {speed_max_mps: 2, yaw_rate_max_radps: 1.5}";
   const auto one = [&](const std::string& speed, const std::string& turn) {
     return answer_to_robot(limits + ", primitives: [{speed_mps: " + speed +
@@ -112,7 +114,7 @@ TEST(ScenarioRules, PrimitivesAreAsManyAndAsFastAsTheyMayBe) {
   for (const std::string turn : {"1.75", "-1.75"}) {
     EXPECT_EQ(one("0", turn),
               "f:6: robots[0].primitives: yaw_rate_radps must be at most "
-              "limits.yaw_rate_max_radps, 1.5, either way; is " +
+              "limits.yaw_rate_max_radps, 1.5, in either direction; is " +
                   turn);
   }
 }
@@ -192,7 +194,9 @@ TEST(ScenarioRules, ObstaclesMayReachOutOfTheWorldButNotLieOutside) {
                                       {"[9, 2]", "[11, 3]"},
                                       {"[2, 5]", "[3, 7]"},
                                       {"[2, -7]", "[3, -5]"}}) {
-    EXPECT_EQ(box(min, max), "f:5: world.obstacles[0].footprint: is wholly outside world.bounds");
+    EXPECT_EQ(box(min, max),
+              "f:5: world.obstacles[0].footprint: must overlap world.bounds; "
+              "is entirely outside");
   }
   EXPECT_EQ(box("[2, 3]", "[4, 3]"),
             "f:5: world.obstacles[0].footprint.max_m: must be above min_m, [2, 3], in x and in y; "
@@ -215,8 +219,8 @@ TEST(ScenarioRules, AutopilotsAreReachedByWhatTheDriverSpeaks) {
   EXPECT_EQ(with("dialect: px4"), "f:6: robots[0].autopilot: missing required key url");
   EXPECT_EQ(with("url: \"udp://:1\""), "f:6: robots[0].autopilot: missing required key dialect");
   EXPECT_EQ(with("dialect: px4, url: \"udp://:1\", battery: {empty_v: 3.5, full_v: 3.5, cells: 2}"),
-            "f:6: robots[0].autopilot.battery.full_v: must be above empty_v, 3.5, is 3.5; volts of "
-            "one cell");
+            "f:6: robots[0].autopilot.battery.full_v: must be above empty_v, 3.5, is 3.5; volts "
+            "per cell");
   EXPECT_EQ(with("dialect: px4, url: \"udp://:1\", battery: {full_v: 4}"),
             "f:6: robots[0].autopilot.battery: missing required key cells");
 }
@@ -228,8 +232,9 @@ TEST(ScenarioRules, ARealAutopilotSaysWhoItIsAndSigns) {
   };
   EXPECT_EQ(real(", system_id: 1, key_file: k"), "taken");
   EXPECT_EQ(
-      real(", key_file: k").find("f:6: robots[0].autopilot: must say the system_id, 1 to 255"), 0U);
-  EXPECT_EQ(real(", system_id: 1").find("f:6: robots[0].autopilot: must say the key_file"), 0U);
+      real(", key_file: k").find("f:6: robots[0].autopilot: must contain the system_id, 1 to 255"),
+      0U);
+  EXPECT_EQ(real(", system_id: 1").find("f:6: robots[0].autopilot: must contain the key_file"), 0U);
   EXPECT_EQ(real("", "wire"), "taken") << "a simulated one need not";
   EXPECT_EQ(answer_to_robot(", device: real"), "taken") << "without an autopilot there is none";
 }
@@ -239,13 +244,13 @@ TEST(ScenarioRules, FirmwareFliesASimulatedVehicleOfAnAutopilot) {
   EXPECT_EQ(answer_to_robot(flown + ", firmware: {binary: px4, parameters: p}"), "taken");
   EXPECT_EQ(answer_to_robot(flown + ", firmware: {serial: /dev/ttyACM0}"), "taken");
   EXPECT_EQ(answer_to_robot(flown + ", firmware: {serial: /dev/ttyACM0, binary: px4}"),
-            "f:6: robots[0].firmware.serial: is of a board, which runs its own firmware: leave "
-            "`binary` out");
+            "f:6: robots[0].firmware.serial: selects a board, which runs its own firmware: remove "
+            "`binary`");
   EXPECT_EQ(answer_to_robot(", device: wire, firmware: {binary: px4}"),
-            "f:6: robots[0].firmware: needs an `autopilot`, whose dialect says which firmware it "
-            "is");
+            "f:6: robots[0].firmware: needs an `autopilot` section: its dialect selects the "
+            "firmware");
   EXPECT_EQ(answer_to_robot(", autopilot: {dialect: px4, url: \"udp://:1\"}, firmware: {}"),
-            "f:6: robots[0].firmware: flies a simulated vehicle: it needs device 'wire'");
+            "f:6: robots[0].firmware: is for simulated vehicles only: set device to 'wire'");
   const Scenario scenario = parse_scenario(
       kWorld + kTargets + kDefaults + "robots:\n  - {name: A, start: {x_m: 1, y_m: 1}" + flown +
           ", firmware: {binary: b, parameters: p, instance: 0}}\n  - {name: B, start: {x_m: 4, "
@@ -270,7 +275,8 @@ TEST(ScenarioRules, RoversAreReachedByDatagramsAndAreNoAutopilots) {
             "f:6: robots[0].rover.url: must begin with udp:// or udpout://, is 'tcp://h:1'");
   EXPECT_EQ(answer_to_robot(", rover: {url: \"udp://:1\"}, autopilot: {dialect: px4, url: "
                             "\"udp://:2\"}"),
-            "f:6: robots[0].rover: a robot has an autopilot or is a rover, not both");
+            "f:6: robots[0].rover: a robot can have `autopilot` or `rover`, not both: remove one "
+            "of them");
 }
 
 TEST(ScenarioRules, SensorsSeeFartherThanTheirLeastRange) {
@@ -285,7 +291,7 @@ TEST(ScenarioRules, SensorsSeeFartherThanTheirLeastRange) {
   EXPECT_EQ(with("kind: position, detects_ids: false, clutter_per_look: 2"), "taken");
   EXPECT_EQ(with("clutter_per_look: 1.5"),
             "f:6: robots[0].sensor.clutter_per_look: must be 0 with detects_ids: true: a false "
-            "alarm has no target whose id it could bear; is 1.5");
+            "alarm cannot have the id of a target; is 1.5");
 }
 
 TEST(ScenarioRules, TeamsWithoutIdsAreAsLargeAsTheyMayBe) {
@@ -310,13 +316,13 @@ TEST(ScenarioRules, TargetsHaveIdsPlacesAndSpeedsThatCanBe) {
       kWorld + kDefaults + "robots: [{name: A, start: {x_m: 2, y_m: 2}}]\ntargets:\n";
   EXPECT_EQ(answer_to(base + "  - {id: 1}\n  - {id: 0}\n"), "taken");
   EXPECT_EQ(answer_to(base + "  - {}\n  - {id: 3}\n  - {id: 1}\n"),
-            "f:7: targets[1]: id must be at most 2, one less than there are targets; is 3");
+            "f:7: targets[1]: id must be at most 2, the number of targets minus 1; is 3");
   EXPECT_EQ(answer_to(base + "  - {id: 0}\n  - {id: 2}\n  - {id: 2}\n"),
-            "f:8: targets[2].id: is taken: a target before has the id 2");
+            "f:8: targets[2].id: must be unique; an earlier target has the id 2");
   EXPECT_EQ(answer_to(base + "  - {start: {x_m: -8.875, y_m: 1}, radius_m: 0.125}\n"), "taken");
   EXPECT_EQ(answer_to(base + "  - {start: {x_m: -8.875, y_m: 1}, radius_m: 0.25}\n"),
-            "f:6: targets[0].start: must be at least 0.25 m from obstacles and walls, (-8.875, 1) "
-            "m is 0.125");
+            "f:6: targets[0].start: must be at least 0.25 m from obstacles and walls; at (-8.875, "
+            "1) m it is 0.125");
   EXPECT_EQ(answer_to(base + "  - {start: {x_m: 9.5, y_m: 1}}\n"),
             "f:6: targets[0].start: (9.5, 1) m is outside world.bounds");
   EXPECT_EQ(answer_to(base + "  - {}\ntarget_truth: {speed_min_mps: 1.5, speed_max_mps: 1}\n"),
@@ -331,7 +337,7 @@ TEST(ScenarioRules, TargetsHaveIdsPlacesAndSpeedsThatCanBe) {
   };
   EXPECT_EQ(many(10'000), "f:6: targets[0].id: must be at least 0 and at most 9999, is '-1'");
   EXPECT_EQ(many(10'001),
-            "f:5: targets: must list at least 1 and at most 10000 targets, lists 10001");
+            "f:5: targets: must contain at least 1 and at most 10000 targets, contains 10001");
   const Scenario named =
       parse_scenario(kWorld + kDefaults + "robots: [{name: A, start: {x_m: 2, y_m: 2}}]\n" +
                          "targets: {count: 3, name_prefix: CAT, radius_m: 0.5}\n",

@@ -30,11 +30,11 @@ TEST(ScenarioRules, GridsAndDrawsAreOfTheWorldWhereverItLies) {
     const double y_m = 0.5 * x_m;
     EXPECT_EQ(answer_to(world(x_m, y_m, "mapping: {resolution_m: 0.5}\n")), "taken");
     EXPECT_EQ(answer_to(world(x_m, y_m, "mapping: {resolution_m: 0.25}\n")),
-              "f:6: mapping.resolution_m: must cut world.bounds into at most 50000 cells, 0.25 "
-              "makes 8e+04");
+              "f:6: mapping.resolution_m: must divide world.bounds into at most 50000 cells; "
+              "0.25 gives 8e+04");
     EXPECT_EQ(answer_to(world(x_m, y_m, "estimator: {grid_resolution_m: 0.03125}\n")),
-              "f:6: estimator.grid_resolution_m: must cut world.bounds into at most 4000000 cells, "
-              "0.03125 makes 5120000");
+              "f:6: estimator.grid_resolution_m: must divide world.bounds into at most 4000000 "
+              "cells; 0.03125 gives 5120000");
     const models::Surroundings drawn =
         parse_scenario(
             world(x_m, y_m, "estimator: {target_model: {kind: damped_oscillator, q: 0.1}}\n"), "f")
@@ -70,8 +70,8 @@ TEST(ScenarioRules, TeamsAgreeInOneWayAtATime) {
     EXPECT_EQ(with(local + ", algorithm: " + search), "taken");
   }
   EXPECT_EQ(with(local + ", algorithm: greedy"),
-            "f:8: planner.algorithm: must be arvi or rvi, which make the candidates of "
-            "team_algorithm: local_search; is greedy");
+            "f:8: planner.algorithm: must be arvi or rvi with team_algorithm: local_search, which "
+            "needs their candidates; is greedy");
   EXPECT_EQ(with(local + ", objective: mapping"),
             "f:8: planner.team_algorithm: local_search needs objective: tracking");
   EXPECT_EQ(with(local + ", attacks_max: 1"),
@@ -80,8 +80,8 @@ TEST(ScenarioRules, TeamsAgreeInOneWayAtATime) {
   EXPECT_EQ(with("algorithm: greedy"), "taken");
   EXPECT_EQ(with("algorithm: external"), "taken");
   EXPECT_EQ(with("algorithm: external, attacks_max: 1"),
-            "f:8: planner.attacks_max: must be 0 with algorithm: external, which proposes nothing; "
-            "is 1");
+            "f:8: planner.attacks_max: must be 0 with algorithm: external, which sends no "
+            "proposals; is 1");
   EXPECT_EQ(with("attacks_max: 2"),
             "f:8: planner: attacks_max must be below the number of robots, 2, is 2");
   EXPECT_EQ(with("attacks_max: 1001"),
@@ -104,21 +104,21 @@ TEST(ScenarioRules, GridsFitIntoAMessage) {
   EXPECT_EQ(with("707", "1", "0"), "taken");
   EXPECT_EQ(
       with("708", "1", "0"),
-      "f:6: estimator.grid_resolution_m: must cut world.bounds, which a belief tells of, into "
-      "at most 499975 cells, 1 makes 501264");
+      "f:6: estimator.grid_resolution_m: must divide world.bounds, which every belief contains, "
+      "into at most 499975 cells; 1 gives 501264");
   EXPECT_EQ(with("707", "1", "0", "7"),
-            "f:6: estimator.grid_resolution_m: must cut world.bounds, "
-            "which a belief tells of, into at most 499825 cells, 1 "
-            "makes 499849");
+            "f:6: estimator.grid_resolution_m: must divide world.bounds, "
+            "which every belief contains, into at most 499825 cells; 1 "
+            "gives 499849");
   EXPECT_EQ(with("707", "1", "0", "6"), "taken") << "499850 cells";
   EXPECT_EQ(with("1000", "0.5", "80"), "taken") << "four millions, and 400 by 400 of them are told";
   EXPECT_EQ(with("1000", "0.4999", "80"),
-            "f:6: estimator.grid_resolution_m: must cut world.bounds into at most 4000000 cells, "
-            "0.4999 makes 4004001");
+            "f:6: estimator.grid_resolution_m: must divide world.bounds into at most 4000000 "
+            "cells; 0.4999 gives 4004001");
   EXPECT_EQ(with("400", "0.283", "80"), "taken") << "707 by 707";
   EXPECT_EQ(with("400", "0.28", "80"),
-            "f:6: estimator.grid_resolution_m: must cut the 2.5 · network.neighbourhood_m that a "
-            "belief tells of into at most 499975 cells, 0.28 makes 511225");
+            "f:6: estimator.grid_resolution_m: must divide the 2.5 · network.neighbourhood_m that "
+            "a belief contains into at most 499975 cells; 0.28 gives 511225");
 }
 
 // 63 steps and a stop are 64 segments; a stop from 4 m/s at 2 m/s² takes 2 s.
@@ -134,15 +134,15 @@ TEST(ScenarioRules, DriversAreGivenPlansThatTheyFly) {
        {"wire", "real, autopilot: {dialect: px4, url: \"udp://:1\", key_file: k, system_id: 1}"}) {
     EXPECT_EQ(with(device, "63", "0.5"), "taken");
     EXPECT_EQ(with(device, "64", "0.5"),
-              "f:8: planner: horizon_steps must be at most 63 where a robot's device is wire or "
-              "real, whose plans are of so many steps and a stop; is 64");
+              "f:8: planner: horizon_steps must be at most 63 if a robot's device is wire or "
+              "real, the longest plan that its driver accepts; is 64");
   }
   EXPECT_EQ(with("direct", "64", "0.5"), "taken");
   EXPECT_EQ(with("wire", "39", "1.4871"), "taken") << "57.997 s, and 2 s";
   EXPECT_EQ(with("direct", "39", "1.4872"), "taken");
   EXPECT_EQ(with("wire", "39", "1.4872"),
-            "f:8: planner: horizon_steps · step_s and the longest stop of B, 60 s, must be below "
-            "60 s where a robot's device is wire or real");
+            "f:8: planner: horizon_steps · step_s plus the longest stop of B, 60 s, must be below "
+            "60 s if a robot's device is wire or real");
 }
 
 // The limit for one robot with the defaults: 2 (3 (6 + 2 · 3) + 9/4) + 0.6 + 2 · 0.2 m.
@@ -152,18 +152,17 @@ TEST(ScenarioRules, NeighbourhoodsAreOfTeamsThatTrackInARow) {
                                    "}\nmapping: {}\nplanner: {" + planner + "}\n");
   };
   EXPECT_EQ(with("77.5", "slots: 4"), "taken");
-  EXPECT_EQ(
-      with("77.25", "slots: 4"),
-      "f:7: network.neighbourhood_m: must be 0, or at least 77.5 here, that nobody comes near "
-      "before he is heard; is 77.25");
+  EXPECT_EQ(with("77.25", "slots: 4"),
+            "f:7: network.neighbourhood_m: must be 0 (off) or at least 77.5 here: otherwise two "
+            "robots can come too close before they have exchanged plans; is 77.25");
   EXPECT_EQ(with("0", ""), "taken");
   EXPECT_EQ(with("0", "slots: 1"),
-            "f:7: network.neighbourhood_m: of network must be above 0 with planner.slots above 0: "
-            "who is near may not plan at once");
+            "f:7: network.neighbourhood_m: must be above 0 with planner.slots above 0, so that "
+            "robots near each other plan in different slots");
   for (const char* whole : {"objective: mapping", "team_algorithm: local_search"}) {
     EXPECT_EQ(with("77.5", whole),
-              "f:7: network.neighbourhood_m: must be 0 where the whole team decides or maps: with "
-              "objective: mapping, team_algorithm: local_search or attacks_max above 0");
+              "f:7: network.neighbourhood_m: must be 0 with objective: mapping, team_algorithm: "
+              "local_search or attacks_max above 0, which need the messages of the whole team");
     EXPECT_EQ(with("0", whole), "taken");
   }
 }
@@ -184,7 +183,7 @@ TEST(ScenarioRules, NetworksAndSignaturesAreAsTheyAreWritten) {
   EXPECT_EQ(security("mode: warn, keys: k"), "taken");
   for (const char* mode : {"warn", "require"}) {
     EXPECT_EQ(security(std::string("mode: ") + mode),
-              "f:7: security: keys: must name the folder that `vantage keys new` made");
+              "f:7: security: keys: must name the folder that `vantage keys new` created");
   }
   EXPECT_EQ(security("keys: k"), "f:7: security: missing required key mode");
 }
@@ -200,7 +199,7 @@ TEST(ScenarioRules, AttacksHaveASpanAndNameRobots) {
   EXPECT_EQ(attack("from_s: 2.5, to_s: 1, robots: [A]"),
             "f:8: attacks[0].to_s: must be above from_s, 2.5, is 1");
   EXPECT_EQ(attack("to_s: 2, robots: [A, B]"),
-            "f:8: attacks[0].robots[1]: must be a robot of the scenario, is 'B'");
+            "f:8: attacks[0].robots[1]: must be the name of a robot, is 'B'");
   EXPECT_EQ(attack("to_s: 2"), "f:8: attacks[0]: missing required key robots");
   EXPECT_EQ(attack("robots: [A], from_s: 1").find("f:8: attacks[0]"), 0U);
   const auto many = [](int count) {
@@ -211,7 +210,7 @@ TEST(ScenarioRules, AttacksHaveASpanAndNameRobots) {
     return answer_to_robot("", text);
   };
   EXPECT_EQ(many(1000), "taken");
-  EXPECT_EQ(many(1001), "f:7: attacks: must list at most 1000, lists 1001");
+  EXPECT_EQ(many(1001), "f:7: attacks: must contain at most 1000 attacks, contains 1001");
 }
 
 TEST(ScenarioRules, HostsAreAsManyAsTheyMayBeAndRunEachPartOnce) {
@@ -224,11 +223,11 @@ TEST(ScenarioRules, HostsAreAsManyAsTheyMayBeAndRunEachPartOnce) {
   };
   EXPECT_EQ(many(1), "taken");
   EXPECT_EQ(many(32), "taken");
-  EXPECT_EQ(many(33), "f:7: hosts: must list at least 1 and at most 32 hosts, lists 33");
+  EXPECT_EQ(many(33), "f:7: hosts: must contain at least 1 and at most 32 hosts, contains 33");
   EXPECT_EQ(answer_to_robot("",
                             "hosts:\n  - {name: L, runs: [sim, logger]}\n"
                             "  - {name: M, runs: [A]}\n  - {name: N, runs: [vicon, A]}\n"),
-            "f:10: hosts[2].runs[1]: 'A' runs on M already");
+            "f:10: hosts[2].runs[1]: 'A' already runs on M");
   EXPECT_EQ(answer_to_robot("", "hosts:\n  - {runs: [A]}\n"),
             "f:8: hosts[0]: missing required key name");
 }

@@ -152,14 +152,18 @@ TEST(ParseYaml, RefusesASecondDocumentWhateverItHolds) {
       static_cast<void>(parse_yaml(std::string("a: 1\n---\n\n") + second + "\n", "f"));
       ADD_FAILURE() << second;
     } catch (const StartupError& error) {
-      EXPECT_STREQ(error.what(), "f:4: a second document; a file holds one scenario");
+      EXPECT_STREQ(error.what(),
+                   "f:4: a second YAML document begins here; a "
+                   "file may contain only one");
     }
   }
   try {
     static_cast<void>(parse_yaml("a: 1\n---\n~\n", "f"));
     ADD_FAILURE() << "nothing";
   } catch (const StartupError& error) {
-    EXPECT_STREQ(error.what(), "f:1: a second document; a file holds one scenario");
+    EXPECT_STREQ(error.what(),
+                 "f:1: a second YAML document begins here; a "
+                 "file may contain only one");
   }
 }
 
