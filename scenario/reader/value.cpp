@@ -181,10 +181,10 @@ std::string Value::text() const {
 std::string Value::text_or_empty() const {
   note("text");
   if (node->kind == Node::Kind::kLiteral) {
-    refuse("must be a text, in quotes, is " + shortened(node->text));
+    refuse("must be text in quotes, is " + shortened(node->text));
   }
   if (!node->is_scalar()) {
-    refuse("must be a text, is " + found(*node));
+    refuse("must be text, is " + found(*node));
   }
   return node->text;
 }

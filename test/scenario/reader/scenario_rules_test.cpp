@@ -59,7 +59,8 @@ TEST(ScenarioRules, NoTwoBodiesHaveOneName) {
             "f:6: targets.name_prefix: must contain only A-Z and 0-9, is 't'");
   EXPECT_EQ(answer_to(kWorld + kDefaults + "robots: [{name: T2, start: {x_m: 1, y_m: 1}}]\n" +
                       "targets: {count: 3}\n"),
-            "f:5: targets: name_prefix: makes the name T2, which is a robot's");
+            "f:5: targets: name_prefix: gives a target the name T2, which a "
+            "robot already has");
   EXPECT_EQ(answer_to(kWorld + kDefaults + "robots:\n" + robots + "targets: {radius_m: 1}\n"),
             "f:6: targets: missing required key count");
 }

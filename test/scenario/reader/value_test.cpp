@@ -121,15 +121,14 @@ TEST(Value, IsATextWithOrWithoutQuotes) {
   EXPECT_EQ(yaml("7").text(), "7") << "YAML's words need no quotes";
   EXPECT_EQ(yaml("''").text_or_empty(), "");
   EXPECT_EQ(refusal([] { static_cast<void>(yaml("''").text()); }), "f:1: must not be empty");
-  EXPECT_EQ(refusal([] { static_cast<void>(yaml("[a]").text()); }),
-            "f:1: must be a text, is a list");
+  EXPECT_EQ(refusal([] { static_cast<void>(yaml("[a]").text()); }), "f:1: must be text, is a list");
   EXPECT_EQ(refusal([] { static_cast<void>(yaml("{a: 1}").text()); }),
-            "f:1: must be a text, is a mapping");
+            "f:1: must be text, is a mapping");
   const auto literal = std::make_shared<const Node>(Node{Node::Kind::kLiteral, 3, "12.5", {}});
   EXPECT_EQ(refusal([&] {
               static_cast<void>(Value{literal, "f", "a.b", 3}.text());
             }),
-            "f:3: a.b: must be a text, in quotes, is 12.5");
+            "f:3: a.b: must be text in quotes, is 12.5");
   EXPECT_EQ((Value{literal, "f", "a.b", 3}.number(any_number())), 12.5);
   const auto yes = std::make_shared<const Node>(Node{Node::Kind::kLiteral, 3, "true", {}});
   EXPECT_TRUE((Value{yes, "f", "a.b", 3}.flag()));

@@ -194,7 +194,7 @@ const BadEdit kBadEdits[] = {
     {R"("n_targets": 3)", R"(@"n_targets": 4)", "n_targets: must be the number of targets, 3; is 4"},
     {R"("logdet")", R"(@"entropy")", "cost: must be one of logdet, trace; is 'entropy'"},
     {R"("logdet")", R"(@3)", "cost: must be one of logdet, trace; is '3'"},
-    {R"("two rovers")", R"(@3)", "name: must be a text, in quotes, is 3"},
+    {R"("two rovers")", R"(@3)", "name: must be text in quotes, is 3"},
     {R"("seed": 7)", R"(@"seed": "x")", "seed: must be a plain number, is the text 'x'"},
     {R"("seed": 7)", R"(@"seed": 7, "horizon": 3)", "horizon: unknown key; known here are name, family"},
 };
