@@ -79,8 +79,8 @@ TrialResult run_trial(const scenario::Scenario& scenario, const std::vector<Node
                       const TrialOptions& options) {
   if (scenario::is_external(scenario.planner)) {
     throw StartupError(
-        "planner.algorithm: external asks a process on the bus, and a trial in virtual time has "
-        "none: fly it with `vantage up`, or in Python by Trial(scenario, planners=…)");
+        "planner.algorithm: external requires a planner process on the bus; a trial in virtual "
+        "time has none: use `vantage up`, or Trial(scenario, planners=…) in Python");
   }
   Trial trial(scenario, recipes, options.log_path);
   constexpr int kProgressReports = 100;

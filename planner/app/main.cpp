@@ -10,7 +10,8 @@
 int main(int argc, char** argv) {
   using namespace vantage;  // NOLINT(google-build-using-namespace): main alone
   return bus::node_main(
-      {"vantage-planner", "Plans one robot's share of each round.", true, true}, argc, argv,
+      {"vantage-planner", "Plans the motion of one robot in each planning round.", true, true},
+      argc, argv,
       [](bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
          const bus::NodeArguments& arguments) -> std::unique_ptr<bus::Node> {
         if (arguments.replay) {

@@ -148,12 +148,12 @@ Candidate make_candidate(const SearchProblem& problem, const EnergyModel& energy
                          std::vector<int> controls) {
   require_valid(problem);
   require(controls.size() == static_cast<std::size_t>(problem.horizon_steps),
-          "candidate: one control for every step");
+          "candidate: must have one control per step");
   std::vector<Pose2> poses;
   Pose2 at = problem.start;
   for (const int c : controls) {
     require(c >= 0 && c < static_cast<int>(problem.controls.size()),
-            "candidate: controls are indices into the problem's");
+            "candidate: controls must be indices into the problem's controls");
     at = models::step_unicycle(at, problem.controls[static_cast<std::size_t>(c)], problem.step_s);
     poses.push_back(at);
   }
@@ -164,7 +164,7 @@ Candidate make_candidate(const SearchProblem& problem, const EnergyModel& energy
                          const SearchResult& result) {
   require_valid(problem);
   require(result.found && result.poses.size() == static_cast<std::size_t>(problem.horizon_steps),
-          "candidate: a pose for every step");
+          "candidate: the search result must have one pose per step");
   return CandidateMaker(problem, energy).make(result.controls, result.poses);
 }
 

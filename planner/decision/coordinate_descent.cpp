@@ -46,7 +46,8 @@ TeamDecision coordinate_descent(const TeamOracle& oracle, const DescentOptions& 
   for (int round = 0; round < options.rounds_max && decision.finished; ++round) {
     const std::int64_t adopted_before = decision.adopted;
     for (const int robot : order) {
-      require(robot >= 0 && robot < oracle.robot_count(), "coordinate descent: no such robot");
+      require(robot >= 0 && robot < oracle.robot_count(),
+              "coordinate descent: robot must be in [0, robot_count)");
       const CandidateId had = team.choice()[static_cast<std::size_t>(robot)];
       const double value_before = team.value();
       if (had != kNoCandidate) {

@@ -32,7 +32,8 @@ void for_each_choice(const TeamOracle& oracle, const std::vector<int>& robots, s
 
 TeamDecision exhaustive_optimum(const TeamOracle& oracle, const std::vector<int>& robots) {
   for (const int robot : robots) {
-    require(robot >= 0 && robot < oracle.robot_count(), "exhaustive optimum: no such robot");
+    require(robot >= 0 && robot < oracle.robot_count(),
+            "exhaustive optimum: robot must be in [0, robot_count)");
   }
   TeamDecision best;
   TeamSet team(oracle);

@@ -79,7 +79,7 @@ LocalSearchSession::LocalSearchSession(SessionSetup setup) : setup_(std::move(se
           "local search: the robot must be one of the team");
   setup_.problem.candidates.resize(setup_.robots.size());
   const std::vector<Candidate>& own = setup_.problem.candidates[index(setup_.robot)];
-  require(own.size() == setup_.own.size(), "local search: one motion for each candidate");
+  require(own.size() == setup_.own.size(), "local search: must have one motion per candidate");
   begin();
   for (std::size_t i = 0; i < own.size(); ++i) {
     const CandidateId id = oracle_->begin(setup_.robot) + static_cast<CandidateId>(i);
@@ -96,7 +96,7 @@ LocalSearchSession::LocalSearchSession(SessionSetup setup) : setup_(std::move(se
 void LocalSearchSession::begin_beside(const std::vector<models::TeamChoice>& committed) {
   for (const models::TeamChoice& choice : committed) {
     const int robot = index_of(choice.robot);
-    require(robot >= 0 && robot != setup_.robot, "local search: teammates alone are committed");
+    require(robot >= 0 && robot != setup_.robot, "local search: only teammates may be committed");
   }
   models::TeamProposal& start = held_.emplace();
   start.stamp.time = setup_.activation;

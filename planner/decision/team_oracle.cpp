@@ -68,10 +68,10 @@ void TeamOracle::check() const {
     for (const Look& look : candidate->looks) {
       require(
           look.target < target_count() && look.step >= 1 && look.step <= problem_->horizon_steps,
-          "team: a look must be at a target, at a step of the horizon");
+          "team: each look must name a target, and a step of the horizon");
       require(last == nullptr || last->target < look.target ||
                   (last->target == look.target && last->step < look.step),
-              "team: looks are ordered by target, then step");
+              "team: looks must be ordered by target, then by step");
       last = &look;
     }
   }

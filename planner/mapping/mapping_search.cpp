@@ -33,7 +33,7 @@ MappingSearch::MappingSearch(ViewTable& views, const DriveMap& drive,
       coverage_(views.belief().geometry().size()) {
   require(!options.controls.empty(), "a mapping search must have controls");
   require(options.horizon_steps >= 1 && options.step_s > 0.0,
-          "a mapping search must have a step and a horizon");
+          "a mapping search must have a positive step and horizon");
   const models::GridGeometry& geometry = views.belief().geometry();
   farthest_m_ = geometry.resolution_m * (geometry.columns + geometry.rows);
 }

@@ -30,7 +30,7 @@ void require_valid(const models::SensorModel& sensor) {
 void require_valid(const SearchTarget& target) {
   const models::TargetModel& model = target.model;
   demand(model.position_dim == 2 || (model.position_dim == 3 && !model.has_velocity()),
-         "search: a target has 2 position coordinates, or 3 unless it has a velocity");
+         "search: position_dim must be 2, or 3 for a model without velocity");
   demand(is_not_negative(model.q), "search: a target's q must be ≥ 0");
   if (model.kind == models::TargetKind::kDampedOscillator) {
     const models::Surroundings& around = model.surroundings;
@@ -43,7 +43,7 @@ void require_valid(const SearchTarget& target) {
   const models::StateMatrix& covariance = target.prior.covariance;
   demand(target.prior.mean.size() == target.model.dim() &&
              covariance.rows() == target.model.dim() && covariance.cols() == target.model.dim(),
-         "search: a prior's dimensions must be its target model's");
+         "search: a prior must have the dimension of its target model");
   demand(target.prior.mean.allFinite(), "search: a prior mean must be finite");
   demand(std::isfinite(models::log_det(covariance)),
          "search: a prior covariance must be positive definite");
@@ -56,14 +56,15 @@ void require_valid(const SearchTarget& target) {
 void require_valid_information(const SearchProblem& problem) {
   demand(problem.fixed_information.empty() ||
              problem.fixed_information.size() == problem.targets.size(),
-         "search: fixed_information is for every target or for none");
+         "search: fixed_information must be empty or have one entry per target");
   for (std::size_t m = 0; m < problem.fixed_information.size(); ++m) {
     demand(problem.fixed_information[m].size() >= static_cast<std::size_t>(problem.horizon_steps),
-           "search: fixed_information is for every step");
+           "search: fixed_information must have a matrix for every step");
     const int p = problem.targets[m].model.position_dim;
     for (const models::PositionMatrix& M : problem.fixed_information[m]) {
       demand(M.size() == 0 || (M.rows() == p && M.cols() == p && M.allFinite()),
-             "search: fixed_information is empty or position_dim square, and finite");
+             "search: each matrix of fixed_information must be empty, or finite and square of "
+             "size position_dim");
     }
   }
 }
@@ -86,10 +87,10 @@ void require_valid(const SearchProblem& problem) {
          "search: horizon_steps must be in [1, 255]");
   demand(is_positive(problem.step_s), "search: step_s must be > 0");
   demand(!problem.controls.empty() && problem.controls.size() <= kMaxControls,
-         "search: between 1 and 64 controls");
+         "search: must have 1 to 64 controls");
   for (const models::UnicycleControl& control : problem.controls) {
     demand(is_not_negative(control.speed_mps) && std::isfinite(control.yaw_rate_radps),
-           "search: controls must be finite and not backwards");
+           "search: controls must be finite, with speeds ≥ 0");
   }
   demand(is_finite(problem.start) && std::isfinite(problem.height_m),
          "search: the start must be finite");
@@ -98,11 +99,11 @@ void require_valid(const SearchProblem& problem) {
   demand(is_not_negative(problem.clearance_m), "search: clearance_m must be ≥ 0");
   demand(is_not_negative(problem.separation_m), "search: separation_m must be ≥ 0");
   demand(problem.field == nullptr || problem.world != nullptr,
-         "search: a distance field needs its world");
+         "search: a distance field requires a world");
   for (const models::SensorModel& sensor : problem.sensors) {
     require_valid(sensor);
   }
-  demand(problem.targets.size() < 65'535, "search: fewer than 65535 targets");
+  demand(problem.targets.size() < 65'535, "search: must have fewer than 65535 targets");
   for (const SearchTarget& target : problem.targets) {
     require_valid(target);
   }

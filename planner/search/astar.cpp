@@ -92,7 +92,7 @@ const SearchResult& BestFirstSearch::plan(const SearchProblem& problem,
                                           const BestFirstOptions& options,
                                           const Deadline& deadline) {
   require_valid(problem);
-  demand(capacity_.nodes_max > 0, "search: no room for a node");
+  demand(capacity_.nodes_max > 0, "search: nodes_max must be > 0");
   require_fits(problem, capacity_);
   demand(options.epsilon >= 0.0 && options.delta_m >= 0.0, "search: ε and δ must be ≥ 0");
   demand(options.weight >= 1.0 && std::isfinite(options.weight), "search: the weight must be ≥ 1");

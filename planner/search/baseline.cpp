@@ -171,7 +171,7 @@ const SearchResult& LawnMower::plan(const SearchProblem& problem, const SweepSha
                                     const Deadline& /*deadline*/) {
   constexpr double kRowsPerRange = 1.6;
   constexpr double kBesideWall_m = 0.25;  // in addition to the clearance
-  require(problem.world != nullptr, "lawn_mower: the problem has no world to sweep");
+  require(problem.world != nullptr, "lawn_mower: the problem must have a world");
   if (waypoints_.empty()) {
     const double range_m = problem.sensors.empty() ? 1.0 : problem.sensors.front().range_max_m;
     waypoints_ = lawn_mower_waypoints(problem.world->bounds, share.index, share.count,

@@ -57,8 +57,9 @@ const SearchResult& RefiningBeam::plan(const SearchProblem& problem, const BeamO
                                        const Deadline& deadline) {
   require_valid(problem);
   require_fits(problem, capacity_);
-  demand(options.first_width >= 1 && options.growth > 1.0, "beam: the width must grow");
-  demand(options.cell_m > 0.0 && options.cell_rad > 0.0, "beam: cells must have an extent");
+  demand(options.first_width >= 1 && options.growth > 1.0,
+         "beam: first_width must be ≥ 1 and growth > 1");
+  demand(options.cell_m > 0.0 && options.cell_rad > 0.0, "beam: cell_m and cell_rad must be > 0");
   demand(options.alternation > 0.0, "beam: alternation must be > 0");
   demand(options.breadth >= 0.0 && options.breadth <= 1.0, "beam: breadth must be in [0, 1]");
   demand(options.shrink > 0.0 && options.shrink <= 1.0, "beam: shrink must be in (0, 1]");

@@ -6,11 +6,12 @@
 namespace vantage::planner {
 
 void require_fits(const SearchProblem& problem, const SearchCapacity& capacity) {
-  demand(problem.horizon_steps <= capacity.horizon_max, "search: horizon_steps over capacity");
+  demand(problem.horizon_steps <= capacity.horizon_max,
+         "search: horizon_steps must be at most the search capacity");
   demand(problem.targets.size() <= index(capacity.targets_max),
-         "search: more targets than capacity");
+         "search: number of targets must be at most the search capacity");
   demand(problem.teammates.size() <= index(capacity.teammates_max),
-         "search: more teammates than capacity");
+         "search: number of teammates must be at most the search capacity");
 }
 
 }  // namespace vantage::planner

@@ -82,29 +82,31 @@ Algorithm reduced(std::string_view name, std::string_view what, ReducedSearch ki
 
 const std::vector<Algorithm>& all_algorithms() {
   static const std::vector<Algorithm> kAll = {
-      {"beam", "refining beam: passes of growing width and shrinking diversity cells", 0.25, false,
-       false,
+      {"beam", "anytime beam search: each pass is wider and has smaller diversity cells", 0.25,
+       false, false,
        [](const SearchCapacity& capacity, const AlgorithmOptions&) {
          return std::make_unique<BeamAdapter>(capacity, BeamOptions{});
        }},
-      reduced("arvi", "anytime reduced value iteration: passes of falling (epsilon, delta)",
+      reduced("arvi", "anytime reduced value iteration: passes with decreasing (epsilon, delta)",
               ReducedSearch::kAnytime),
-      reduced("rvi", "reduced value iteration, one pass at (epsilon, delta)",
+      reduced("rvi", "reduced value iteration: one pass with fixed (epsilon, delta)",
               ReducedSearch::kSinglePass),
-      reduced("fvi", "forward value iteration: everything, nothing pruned",
+      reduced("fvi", "forward value iteration: complete search without pruning",
               ReducedSearch::kExhaustive),
-      best_first("astar", "A*: optimal, and proven so when it ends", BestFirst::kAStar),
-      best_first("wastar", "weighted A*: sooner, at most --weight from optimal",
+      best_first("astar", "A*: the plan is proven optimal if the search completes",
+                 BestFirst::kAStar),
+      best_first("wastar", "weighted A*: faster than A*; --weight bounds the loss of optimality",
                  BestFirst::kWeightedAStar),
-      best_first("aegis", "AEGIS: A* that leaves out what (epsilon, delta) dominates",
+      best_first("aegis", "AEGIS: A* without the nodes that are (epsilon, delta)-dominated",
                  BestFirst::kAegis),
-      reduced("greedy", "the best next step, T times", ReducedSearch::kGreedy),
-      {"random_walk", "a random way that is safe, drawn by the problem's seed", 1.0, false, false,
+      reduced("greedy", "picks the best next step, once per step of the horizon",
+              ReducedSearch::kGreedy),
+      {"random_walk", "a random safe path, determined by the problem's seed", 1.0, false, false,
        [](const SearchCapacity& capacity, const AlgorithmOptions&) {
          return std::make_unique<RandomWalkAdapter>(capacity, RandomWalkOptions{});
        }},
-      {"lawn_mower", "rows over the robot's strip of the world, whatever is believed", 1.0, true,
-       false,
+      {"lawn_mower", "sweeps the robot's strip of the world in rows, independent of beliefs", 1.0,
+       true, false,
        [](const SearchCapacity& capacity, const AlgorithmOptions& options) {
          return std::make_unique<LawnMowerAdapter>(capacity, options.sweep);
        }},

@@ -12,7 +12,7 @@ for word in ${words//,/}; do
   if [[ $word == external ]]; then
     # The word is accepted, but an external planner exists only in real time.
     said=$("$vantage" trial "$scenario" --planner external --duration-s 1 2>&1) && fail "external"
-    [[ "$said" == *"asks a process on the bus"* ]] || fail "external: $said"
+    [[ "$said" == *"requires a planner process on the bus"* ]] || fail "external: $said"
   else
     "$vantage" trial "$scenario" --planner "$word" --nodes 100 --duration-s 3 --json > "$work/$word.json" ||
       fail "--planner $word"
