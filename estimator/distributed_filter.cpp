@@ -104,8 +104,9 @@ DistributedFilter::DistributedFilter(FilterSpec spec)
     r = StepRecord(has_ids ? spec_.target_count : kLabelledDetections, looks);
   }
   if (!has_ids) {
-    require(spec_.team.size() <= index(kLabelledRobots), "labels have room for 32 robots");
-    require(spec_.neighbourhood_m <= 0.0, "tracks without ids are kept by no neighbourhood");
+    require(spec_.team.size() <= index(kLabelledRobots),
+            "teams without target ids may have at most 32 robots");
+    require(spec_.neighbourhood_m <= 0.0, "neighbourhood_m must be 0 without target ids");
     multi_target_.emplace(multi_target_spec(spec_));
     labelled_ = multi_target_->no_tracks();
     const std::size_t told = spec_.team.size() * labelled_.size();

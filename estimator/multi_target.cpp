@@ -66,9 +66,10 @@ MultiTargetFilter::MultiTargetFilter(MultiTargetSpec spec)
       world_area_m2_((spec_.world.bounds.max_m - spec_.world.bounds.min_m).prod()),
       association_(spec_.tracks_max, spec_.detections_max) {
   require(spec_.targets >= 1 && spec_.tracks_max >= spec_.targets && spec_.detections_max >= 1,
-          "there must be room for a track of each target, and for a detection");
-  require(spec_.components_max >= 1, "a mixture needs a component");
-  require(spec_.estimator.target_model.position_dim == 2, "targets without ids must be planar");
+          "tracks_max must be ≥ targets ≥ 1 and detections_max ≥ 1");
+  require(spec_.components_max >= 1, "components_max must be at least 1");
+  require(spec_.estimator.target_model.position_dim == 2,
+          "targets without ids must have position_dim 2");
   if (spec_.tracker != Tracker::kLabelled) {
     spec_.components_max = 1;
   }

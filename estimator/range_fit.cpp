@@ -28,15 +28,17 @@ using Places = std::vector<Eigen::Vector2d>;
 using RangesOfBeacons = std::vector<std::vector<TakenRange>>;
 
 RangesOfBeacons by_beacon(std::span<const TakenRange> ranges, int beacons) {
-  require(beacons >= 1, "there is no beacon");
+  require(beacons >= 1, "the number of beacons must be at least 1");
   RangesOfBeacons out(index(beacons));
   for (const TakenRange& range : ranges) {
-    require(range.beacon >= 0 && range.beacon < beacons, "a range is of no beacon");
-    require(is_within_bound(range), "a range is not finite, or beyond what can be fitted to");
+    require(range.beacon >= 0 && range.beacon < beacons,
+            "each range must have the index of a beacon");
+    require(is_within_bound(range), "each range must be finite and within the limit of the fit");
     out[index(range.beacon)].push_back(range);
   }
   for (const auto& of : out) {
-    require(of.size() >= index(kRangesOfBeaconMin), "a beacon has too few ranges");
+    require(of.size() >= index(kRangesOfBeaconMin),
+            "each beacon must have enough ranges for a fit");
   }
   return out;
 }
@@ -130,7 +132,7 @@ class Search {
       }
     }
     require(!best.noise.empty(),
-            "the ranges fit no calibration: no likelihood of them is a number");
+            "no calibration fits the ranges: the likelihood is not finite for any of them");
     refine(part_, best, kRounds);
     return best;
   }

@@ -12,7 +12,7 @@
 namespace vantage::estimator {
 
 RangeOnlyFilter::RangeOnlyFilter(RangeOnlySpec spec) : spec_(spec) {
-  require(spec.hypotheses >= 8, "a ring needs at least 8 hypotheses");
+  require(spec.hypotheses >= 8, "hypotheses must be at least 8");
   require(spec.calibration.range_scale > 0.0, "range_scale must be positive");
   require(spec.range_sigma_m > 0.0, "range_sigma_m must be positive");
   require(spec.outlier_share >= 0.0 && spec.outlier_share < 1.0 && spec.outlier_span_m > 0.0,

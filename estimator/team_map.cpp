@@ -64,7 +64,7 @@ void TeamMap::count(const models::RangeScan& scan, models::Looks& looks) {
 }
 
 models::RobotMap TeamMap::step(const MapInput& input) {
-  require(input.belief != nullptr, "a map's step needs the belief of that step");
+  require(input.belief != nullptr, "a step of the map requires the belief of that step");
   models::RobotMap map;
   map.stamp.time = input.belief->stamp.time;
   map.robot = robot_;

@@ -106,7 +106,7 @@ bool join_nearest(std::vector<LabelledTrack>& tracks, std::span<HeardLabel> hear
 }  // namespace
 
 int first_label(Time of_look, int robot) {
-  demand(robot >= 0 && robot < kLabelledRobots, "a label has no room for so many robots");
+  demand(robot >= 0 && robot < kLabelledRobots, "a label requires a robot index in [0, 32)");
   const std::int64_t tick = to_utime(of_look) / kLabelTick.count() % kTicks;
   return models::kTrackLabelMin +
          (static_cast<int>(tick) * kLabelledRobots + robot) * kLabelledDetections;

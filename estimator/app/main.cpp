@@ -10,8 +10,9 @@
 int main(int argc, char** argv) {
   using namespace vantage;  // NOLINT(google-build-using-namespace): main alone
   return bus::node_main(
-      {"vantage-estimator", "Estimates the targets as one robot knows them.", true, true}, argc,
-      argv,
+      {"vantage-estimator", "Estimates the targets with the information available to one robot.",
+       true, true},
+      argc, argv,
       [](bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
          const bus::NodeArguments& arguments) -> std::unique_ptr<bus::Node> {
         if (arguments.replay) {

@@ -89,7 +89,8 @@ CollisionMonitor::~CollisionMonitor() = default;
 
 void CollisionMonitor::update(Time now, std::span<const Eigen::Vector3d> centres_m,
                               std::vector<ContactReport>& begun) {
-  require(centres_m.size() == bodies_.size(), "one centre for each body");
+  require(centres_m.size() == bodies_.size(),
+          "the number of centres must equal the number of bodies");
   new_m_.assign(centres_m.begin(), centres_m.end());
   if (old_m_.empty()) {
     old_m_ = new_m_;

@@ -26,7 +26,7 @@ void require_valid(const BeamSensor& sensor) {
           "a beam sensor's field of view must be in (0, 2 pi] rad");
   require(sensor.range_min_m >= 0.0 && sensor.range_max_m > sensor.range_min_m &&
               std::isfinite(sensor.range_max_m),
-          "a beam sensor's ranges must be 0 <= least < greatest, m");
+          "a beam sensor's ranges must satisfy 0 <= minimum < maximum, m");
   require(sensor.sigma_m > 0.0 && std::isfinite(sensor.sigma_m),
           "a beam sensor's noise must be > 0 m");
 }

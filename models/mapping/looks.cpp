@@ -22,10 +22,10 @@ void add_look(Looks& looks, int cell, bool met_something) {
 }
 
 Looks sum_of(std::span<const std::span<const std::int16_t>> all) {
-  require(!all.empty(), "there must be looks to add up");
+  require(!all.empty(), "the list of looks to add must not be empty");
   std::vector<int> sums(all.front().size(), 0);
   for (const std::span<const std::int16_t> looks : all) {
-    require(looks.size() == sums.size(), "looks of different grids cannot be added");
+    require(looks.size() == sums.size(), "looks must have equal grids to be added");
     std::transform(sums.begin(), sums.end(), looks.begin(), sums.begin(), std::plus<>());
   }
   Looks limited_sums(sums.size());
@@ -36,7 +36,7 @@ Looks sum_of(std::span<const std::span<const std::int16_t>> all) {
 OccupancyBelief belief_of(const GridGeometry& geometry, std::span<const std::int16_t> looks,
                           const MappingSpec& spec) {
   require(looks.size() == static_cast<std::size_t>(geometry.size()),
-          "a map must have one count of looks a cell");
+          "a map must have one look count per cell");
   OccupancyBelief belief(geometry, log_odds_of(spec.settled_probability));
   const double look_log_odds = log_odds_of(spec.look_probability);
   for (int cell = 0; cell < geometry.size(); ++cell) {

@@ -82,7 +82,7 @@ class Thinner {
 GridGeometry GridGeometry::covering(const Rectangle& bounds, double resolution_m) {
   require(resolution_m > 0.0, "grid resolution must be > 0 m");
   const Eigen::Vector2d size_m = bounds.max_m - bounds.min_m;
-  require(size_m.x() > 0.0 && size_m.y() > 0.0, "grid bounds must have an area");
+  require(size_m.x() > 0.0 && size_m.y() > 0.0, "grid bounds must have a positive area");
   const Eigen::Vector2d cells = size_m / resolution_m;
   require(cells.x() * cells.y() < 1e8, "grid must have fewer than 1e8 cells");
   return {bounds.min_m, resolution_m,
