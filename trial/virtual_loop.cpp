@@ -67,7 +67,8 @@ void VirtualTimeLoop::run_until(Time end) {
       }
       participant.node->tick(now);
       if (participant.node->next_tick() <= now) {
-        throw std::logic_error(participant.node->name() + ": its next tick does not move on");
+        throw std::logic_error(participant.node->name() +
+                               ": next_tick() must be later than the present tick");
       }
       participant.health->on_loop(now, 0.0);
       deliver();

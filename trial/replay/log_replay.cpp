@@ -30,9 +30,9 @@ ReplayTarget parse_replay_target(const std::string& text, const scenario::Scenar
   const std::size_t colon = text.find(':');
   const std::string kind = text.substr(0, colon);
   require(colon != std::string::npos && (kind == "planner" || kind == "estimator"),
-          "node '" + text + "': want planner:ROBOT or estimator:ROBOT");
+          "node '" + text + "': must be planner:ROBOT or estimator:ROBOT");
   const std::string robot = text.substr(colon + 1);
-  require(scenario.find_robot(robot) != nullptr, "node '" + text + "': no such robot in the log");
+  require(scenario.find_robot(robot) != nullptr, "node '" + text + "': the log has no such robot");
   return {kind == "planner" ? ReplayTarget::Kind::kPlanner : ReplayTarget::Kind::kEstimator, robot};
 }
 

@@ -67,7 +67,7 @@ std::string config_path(const std::string& name) {
     const std::vector<std::string_view> views(names.begin(), names.end());
     const std::string nearest = scenario::nearest_word(stem, views);
     throw StartupError("no scenario is called '" + name + "'; " +
-                       (nearest.empty() ? "there are " + scenario::comma_separated(views)
+                       (nearest.empty() ? "available: " + scenario::comma_separated(views)
                                         : "did you mean '" + nearest + "'?"));
   }
   return (fs::path(config_folder()) / (stem + kSuffix)).string();

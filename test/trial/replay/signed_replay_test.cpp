@@ -196,10 +196,10 @@ TEST_F(SignedReplay, IsOfTheNodeThatItIsToldOf) {
     return "taken";
   };
   for (const std::string none : {"planner", "estimator", "Q1", "", ":Q1", "sim:Q1", "planner Q1"}) {
-    EXPECT_EQ(refusal(none), "node '" + none + "': want planner:ROBOT or estimator:ROBOT");
+    EXPECT_EQ(refusal(none), "node '" + none + "': must be planner:ROBOT or estimator:ROBOT");
   }
   for (const std::string none : {"planner:", "planner:Q9", "estimator:planner:Q1"}) {
-    EXPECT_EQ(refusal(none), "node '" + none + "': no such robot in the log");
+    EXPECT_EQ(refusal(none), "node '" + none + "': the log has no such robot");
   }
 }
 

@@ -84,7 +84,7 @@ TEST_F(ConfigFolder, FindsANameWithItsEndingAndSaysWhatThereIs) {
     try {
       ADD_FAILURE() << config_path(none);
     } catch (const StartupError& error) {
-      EXPECT_EQ(error.what(), "no scenario is called '" + none + "'; there are " + all);
+      EXPECT_EQ(error.what(), "no scenario is called '" + none + "'; available: " + all);
     }
   }
 }
