@@ -37,7 +37,7 @@ class Options {
   }
   void finish() const {
     for (const auto& [name, value] : left_) {
-      throw UsageError("unknown option " + py::cast<std::string>(name) + "; known here are " +
+      throw UsageError("unknown option " + py::cast<std::string>(name) + "; valid options are " +
                        known_);
     }
   }
@@ -46,7 +46,7 @@ class Options {
   template <class Value>
   static std::string word_of() {
     if constexpr (std::is_same_v<Value, std::string>) {
-      return "a text";
+      return "text";
     } else if constexpr (std::is_floating_point_v<Value>) {
       return "a number";
     } else {

@@ -90,7 +90,7 @@ class LiveBus {
   int handle(double timeout_s) {
     require(timeout_s >= 0.0 && timeout_s <= 3600.0, "timeout_s: must be ≥ 0 and ≤ 3600");
     return alone([&] {
-      require(!is_handling_, "handle: must not be called by what a subscription calls");
+      require(!is_handling_, "handle: must not be called from the function of a subscription");
       is_handling_ = true;
       const Handling handling{is_handling_};
       return transport_->handle(from_seconds(timeout_s));

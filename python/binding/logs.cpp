@@ -127,7 +127,7 @@ class Log {
       throw py::key_error(log_.path() + ": no channel " + channel);
     }
     if (columns == nullptr) {
-      throw StartupError(log_.path() + ": " + channel + ": of none of vantage's types");
+      throw StartupError(log_.path() + ": " + channel + ": not a vantage message type");
     }
     py::dict values;
     py::dict offsets;

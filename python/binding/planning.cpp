@@ -117,7 +117,7 @@ void set_beliefs(Problem& problem, const Doubles& means, const Doubles& covarian
   require_shape(means, {-1, dim}, "means");
   require_shape(covariances, {means.shape(0), dim, dim}, "covariances");
   if (means.shape(0) == 0) {
-    throw py::value_error("means: must be of one target at least");
+    throw py::value_error("means: must contain at least one target");
   }
   std::vector<models::Gaussian> beliefs(static_cast<std::size_t>(means.shape(0)));
   for (std::size_t m = 0; m < beliefs.size(); ++m) {
@@ -147,8 +147,8 @@ double score(const Problem& problem, const Doubles& poses) {
   }
   return problem.alone([&](const tools::PlanningProblem& p) {
     require(std::ssize(along) == p.problem.horizon_steps,
-            "poses: must be one a step, " + std::to_string(p.problem.horizon_steps) + ", got " +
-                std::to_string(along.size()));
+            "poses: must have one row per step, " + std::to_string(p.problem.horizon_steps) +
+                ", got " + std::to_string(along.size()));
     return planner::score(p.problem, along);
   });
 }

@@ -250,7 +250,7 @@ energy: one dict for all robots or one per robot: price_nats of one unit of cost
 step: rest_cost, turn_cost (turning alone) and move_cost.
 
 attacks_max: number of jammed robots that resilient, resilient_exhaustive, max_min and rain expect.
-order and rounds_max: order and number of rounds of coordinate_descent; other algorithms ignore them.
+order and rounds_max: order and number of rounds; only coordinate_descent accepts them.
 alpha: each step of a local search multiplies J by at least 1 + alpha/N⁴, with N candidates.)");
 }
 

@@ -77,7 +77,7 @@ class Trial {
     }
     for (const scenario::RobotSpec& robot : value.robots) {
       require(!scenario::is_external(value.planner) || planners.contains(robot.name),
-              "planners: must have one for each robot, has none for " + robot.name);
+              "planners: must have an entry for each robot, has none for " + robot.name);
     }
     for (const auto& [robot, plan] : planners) {
       recipe_of("planners", "PLANNER_", robot, recipes);

@@ -99,7 +99,7 @@ def three_figures(number):
 def compare_env(seconds):
     threads = len(os.sched_getaffinity(0))
     clocked = {}
-    print("Steps a second of CPU time, one thread:")
+    print("Steps per second of CPU time, one thread:")
     print("| task | numpy | one environment | × | 256 together | × |")
     print("|---|---|---|---|---|---|")
     for name in vantage.env.tasks:
@@ -108,12 +108,13 @@ def compare_env(seconds):
         clocked[name] = three_figures(rate(many(name, 256, threads), seconds, time.perf_counter))
         print(f"| `{name}` | {three_figures(slow)} | {three_figures(one)} | {one / slow:.0f} "
               f"| {three_figures(together)} | {together / slow:.0f} |", flush=True)
-    print(f"By the clock, 256 on {threads} threads: " + ", ".join(f"{name} {each}" for name, each in clocked.items()))
+    print(f"Wall-clock rate, 256 environments on {threads} threads: "
+          + ", ".join(f"{name} {each}" for name, each in clocked.items()))
 
 
 def compare_plan():
     print("CPU time, median of 500:")
-    print("| problem | nodes | call, µs | search, µs | besides, µs |")
+    print("| problem | nodes | call, µs | search, µs | overhead, µs |")
     print("|---|---|---|---|---|")
     for file in ("tracking.json", "mapping.json"):
         problem = vantage.Problem(ROOT / "test/tools/problems" / file)
@@ -157,8 +158,8 @@ def compare_trial(binary, scenario, pairs, duration_s):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", nargs="*", metavar="WHAT", help="env, plan, trial")
-    parser.add_argument("--seconds", type=float, default=5.0, help="of each rate")
+    parser.add_argument("what", nargs="*", metavar="WHAT", help="what to compare: env, plan or trial")
+    parser.add_argument("--seconds", type=float, default=5.0, help="s; duration of each rate measurement (default: 5)")
     parser.add_argument("--vantage", default=str(ROOT / "build/release/bin/vantage"))
     parser.add_argument("--scenario", default=str(ROOT / "config/lab.yaml"))
     parser.add_argument("--pairs", type=int, default=5)

@@ -65,9 +65,9 @@ void require_order(const std::vector<int>& order, int robots) {
   std::ranges::sort(sorted);
   for (std::size_t i = 0; i < sorted.size(); ++i) {
     require(sorted[i] >= 0 && sorted[i] < robots,
-            fmt::format("order: must be of robots from 0 to {}, got {}", robots - 1, sorted[i]));
+            fmt::format("order: must contain robots from 0 to {}, got {}", robots - 1, sorted[i]));
     require(i == 0 || sorted[i] != sorted[i - 1],
-            fmt::format("order: must name each robot once, has {} twice", sorted[i]));
+            fmt::format("order: must contain each robot once, has {} twice", sorted[i]));
   }
 }
 
@@ -76,7 +76,7 @@ void require_sense(const TeamRequest& request, int robots) {
   const auto only = [&](std::string_view option, bool is_given) {
     require(
         !is_given || has(algorithm, option),
-        fmt::format("{}: is for {}, not for {}", option,
+        fmt::format("{}: is an option of {}, not of {}", option,
                     names_of([&](const auto& each) { return has(each, option); }), algorithm.name));
   };
   only("attacks_max", request.attacks_max != 0);
@@ -86,7 +86,7 @@ void require_sense(const TeamRequest& request, int robots) {
   only("energy", !request.energy.empty());
   only("planner", request.search != nullptr);
   require(request.attacks_max >= 0 && request.attacks_max <= robots,
-          fmt::format("attacks_max: must be ≥ 0 and ≤ {}, one a robot, got {}", robots,
+          fmt::format("attacks_max: must be ≥ 0 and ≤ {}, the number of robots, got {}", robots,
                       request.attacks_max));
   require_order(request.order, robots);
   require(request.rounds_max >= 1,
@@ -101,9 +101,9 @@ void require_sense(const TeamRequest& request, int robots) {
     require(std::isfinite(value) && value >= 0.0,
             fmt::format("{}: must be ≥ 0, got {}", name, value));
   }
-  require(
-      request.energy.empty() || request.energy.size() == index(robots),
-      fmt::format("energy: must be one for each robot, {}, got {}", robots, request.energy.size()));
+  require(request.energy.empty() || request.energy.size() == index(robots),
+          fmt::format("energy: must have one entry per robot, {}, got {}", robots,
+                      request.energy.size()));
 }
 
 bool is_same(const planner::SearchTarget& a, const planner::SearchTarget& b) {
@@ -112,25 +112,25 @@ bool is_same(const planner::SearchTarget& a, const planner::SearchTarget& b) {
 }
 
 void require_team(const std::vector<SearchProblem>& problems) {
-  require(!problems.empty(), "problems: must be of one robot at least");
+  require(!problems.empty(), "problems: must contain at least one robot");
   const SearchProblem& first = problems.front();
   for (std::size_t i = 0; i < problems.size(); ++i) {
     const SearchProblem& own = problems[i];
     const auto equal = [&](bool holds, std::string_view what) {
-      require(holds, fmt::format("problems[{}]: {}: must be as in problems[0]", i, what));
+      require(holds, fmt::format("problems[{}]: {}: must be equal to problems[0]", i, what));
     };
     equal(own.horizon_steps == first.horizon_steps, "T");
     equal(own.step_s == first.step_s, "tau");
-    equal(std::ranges::equal(own.targets, first.targets, is_same), "targets, as they are believed");
+    equal(std::ranges::equal(own.targets, first.targets, is_same), "targets and their beliefs");
     require(own.cost == planner::CostKind::kLogDet,
-            fmt::format("problems[{}]: cost: must be logdet, since teams are after nats", i));
+            fmt::format("problems[{}]: cost: must be logdet, the only cost for teams", i));
   }
 }
 
 void require_few(const char* argument, double sets) {
   require(sets <= kMostSets,
-          fmt::format("{}: leaves {:.3g} choices to value one by one, more than {:.0f}", argument,
-                      sets, kMostSets));
+          fmt::format("{}: leaves {:.3g} choices to evaluate one by one; the limit is {:.0f}",
+                      argument, sets, kMostSets));
 }
 
 // Returns the number of choices of one candidate per robot, or of none if `may_rest`.
@@ -247,23 +247,27 @@ std::vector<int> search_in_turn(std::vector<SearchProblem> problems, const TeamR
 const std::vector<TeamAlgorithm>& team_algorithms() {
   static const std::vector<TeamAlgorithm> kAll = {
       {"coordinate_descent",
-       "one robot after another takes what adds most to those before it",
+       "each robot in turn takes the candidate that adds most to the earlier choices",
        {"order", "rounds_max", "energy"}},
-      {"greedy", "again and again the candidate of any robot that adds most", {"energy"}},
+      {"greedy", "repeatedly adds the candidate, of any robot, that adds most value", {"energy"}},
       {"local_search",
-       "add, delete and swap while that improves, by one for all",
+       "central: adds, removes and swaps candidates while the value improves",
        {"alpha", "energy"}},
       {"distributed_local_search",
-       "the same by proposals of robots that hear one another",
+       "local_search, distributed: the robots exchange proposals",
        {"alpha", "energy"}},
-      {kExhaustive, "every choice there is: the optimum, for small teams", {"energy"}},
-      {"resilient", "robust to attacks: bait, the rest by coordinate descent", {"attacks_max"}},
-      {"resilient_exhaustive", "the same, the rest by every choice there is", {"attacks_max"}},
+      {kExhaustive, "evaluates all choices: the optimum, for small teams", {"energy"}},
+      {"resilient",
+       "robust to attacks: bait robots choose alone, the others by coordinate descent",
+       {"attacks_max"}},
+      {"resilient_exhaustive",
+       "robust to attacks: bait robots choose alone, the others exhaustively",
+       {"attacks_max"}},
       {"max_min",
-       "every choice against every attack: the robust optimum, for small teams",
+       "evaluates all choices under all attacks: the robust optimum, for small teams",
        {"attacks_max"}},
       {kRain,
-       "robots search one after another beside the plans before, with attacks_max for bait",
+       "robots search in turn, given the earlier plans; with attacks_max, bait robots search alone",
        {"attacks_max", "planner"}}};
   return kAll;
 }

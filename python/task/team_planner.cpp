@@ -99,7 +99,7 @@ std::unique_ptr<TeamPlanner> make_team_planner(const TeamTask& task, const TeamP
           fmt::format("horizon_steps: must be ≥ 1 and ≤ {}, got {}", longest, spec.horizon_steps));
   if (is_mapping) {
     require(spec.algorithm == "forward",
-            fmt::format("algorithm: of mapping must be forward, got {}", spec.algorithm));
+            fmt::format("algorithm: must be forward for mapping, got {}", spec.algorithm));
     return std::make_unique<MappingPlanner>(spec);
   }
   return std::make_unique<TrackingPlanner>(spec);

@@ -35,7 +35,7 @@ void TeamTask::reset(std::uint64_t seed) {
 double TeamTask::step(std::span<const std::int64_t> actions) {
   require_actions(actions, 1, *this);
   if (is_over()) {
-    throw UsageError("the episode is over: reset() before the next step()");
+    throw UsageError("the episode is over: call reset() before the next step()");
   }
   if (steps_ > 0 && steps_ % jammer_.period_steps == 0) {
     choose_jammed();
@@ -49,8 +49,9 @@ void require_actions(std::span<const std::int64_t> actions, std::size_t tasks,
                      const TeamTask& task) {
   const auto robots = static_cast<std::size_t>(task.robots());
   if (actions.size() != tasks * robots) {
-    throw UsageError(fmt::format("actions: must be {}, {} robots in each of {} tasks, got {}",
-                                 tasks * robots, robots, tasks, actions.size()));
+    throw UsageError(
+        fmt::format("actions: must contain {} numbers for {} robots in each of {} tasks, got {}",
+                    tasks * robots, robots, tasks, actions.size()));
   }
   const int choices = task.actions();
   for (const std::int64_t action : actions) {

@@ -22,8 +22,9 @@ VectorTask::VectorTask(int count, int threads, const Make& make) : parallel_(thr
 }
 
 void VectorTask::reset(std::span<const std::uint64_t> seeds) {
-  require(seeds.size() == tasks_.size(),
-          fmt::format("seeds: must be one a task, {}, got {}", tasks_.size(), seeds.size()));
+  require(
+      seeds.size() == tasks_.size(),
+      fmt::format("seeds: must have one seed per task, {}, got {}", tasks_.size(), seeds.size()));
   seeds_.assign(seeds.begin(), seeds.end());
   parallel_.run(tasks_.size(), [&](std::size_t i) { tasks_[i]->reset(seeds_[i]); });
   was_reset_ = true;
@@ -31,7 +32,7 @@ void VectorTask::reset(std::span<const std::uint64_t> seeds) {
 
 void VectorTask::step(std::span<const std::int64_t> actions, std::span<double> rewards,
                       std::span<bool> is_over) {
-  require(was_reset_, "reset() must come before the first step()");
+  require(was_reset_, "reset() must be called before the first step()");
   require_actions(actions, tasks_.size(), *tasks_.front());
   const auto robots = static_cast<std::size_t>(tasks_.front()->robots());
   parallel_.run(tasks_.size(), [&](std::size_t i) {
@@ -48,7 +49,7 @@ void VectorTask::step(std::span<const std::int64_t> actions, std::span<double> r
 }
 
 void VectorTask::observe(std::span<float> out) {
-  require(was_reset_, "reset() must come before the first observation");
+  require(was_reset_, "reset() must be called before the first observation");
   const auto size = static_cast<std::size_t>(tasks_.front()->robots()) *
                     static_cast<std::size_t>(tasks_.front()->observation_size());
   parallel_.run(tasks_.size(),

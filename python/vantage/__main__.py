@@ -14,10 +14,10 @@ def main(arguments=None):
         prog="python3 -m vantage", description=vantage.__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
         epilog=f"Searches:\n{listed(vantage.algorithms())}\n\nTeam decisions:\n{listed(vantage.team_algorithms())}"
-        "\n\nMore: docs/guide/python.md, and help(vantage.Trial) and the like.")
-    parser.add_argument("problem", nargs="?", help="a planning problem (JSON) to solve; without: this help")
-    parser.add_argument("--algorithm", default="default", help="which search (default: what fits)")
-    parser.add_argument("--nodes", type=int, help="nodes of work instead of one second")
+        "\n\nMore: docs/guide/python.md, and the help of each class, such as help(vantage.Trial).")
+    parser.add_argument("problem", nargs="?", help="JSON file of a planning problem; without it, this help is printed")
+    parser.add_argument("--algorithm", default="default", help="search algorithm (default: chosen for the problem)")
+    parser.add_argument("--nodes", type=int, help="node budget of the search (default: one second instead)")
     parser.add_argument("--version", action="version", version=f"vantage {vantage.__version__}")
     given = parser.parse_args(arguments)
     if given.problem is None:

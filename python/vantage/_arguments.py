@@ -8,7 +8,7 @@ def _plain(value):
         return value.tolist()
     if isinstance(value, os.PathLike):
         return os.fspath(value)
-    raise TypeError(f"neither a number, text, list nor dict: {value!r}")
+    raise TypeError(f"must be a number, text, list or dict, got {value!r}")
 
 
 def to_json(value):

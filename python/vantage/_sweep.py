@@ -75,7 +75,7 @@ def _rows(parameters, seeds):
     """Returns the replaced options of each trial."""
     for key, values in parameters.items():
         if key not in _KEYS:
-            raise UsageError(f"parameters: unknown key {key}; known here are {', '.join(_KEYS)}")
+            raise UsageError(f"parameters: unknown key {key}; valid keys are {', '.join(_KEYS)}")
         if isinstance(values, str) or not numpy.iterable(values):
             raise UsageError(f"parameters: {key}: must be a list of values, got {values}")
     if not numpy.iterable(seeds):
@@ -83,7 +83,7 @@ def _rows(parameters, seeds):
     keys = [*parameters, "seed"]
     rows = [dict(zip(keys, values)) for values in itertools.product(*parameters.values(), seeds)]
     if not rows:
-        raise UsageError("parameters, seeds: must have one value at least each")
+        raise UsageError("parameters, seeds: each must have at least one value")
     return rows
 
 

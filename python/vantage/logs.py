@@ -29,7 +29,7 @@ class Columns(collections.abc.Mapping):
         try:
             return self._values[field]
         except KeyError:
-            raise KeyError(f"{self.channel}: no field {field}; known are {', '.join(self._values)}") from None
+            raise KeyError(f"{self.channel}: no field {field}; the fields are {', '.join(self._values)}") from None
 
     def __iter__(self):
         return iter(self._values)

@@ -192,7 +192,7 @@ void Mapping::finish() {
       const Value value = child(layer, entry);
       const std::string nearest = nearest_word(key, known);
       if (nearest.empty()) {
-        value.refuse("unknown key; known here are " + comma_separated(known));
+        value.refuse("unknown key; valid keys are " + comma_separated(known));
       }
       value.refuse(fmt::format("unknown key{}; did you mean {}?",
                                differs_in_unit(key, nearest) ? ", wrong unit" : "", nearest));

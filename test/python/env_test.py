@@ -148,7 +148,7 @@ class Rules(unittest.TestCase):
             team.step({"robot_0": 0, "robot_1": 0})
 
     def test_refuse_options_that_are_none(self):
-        for options, words in (({"robot": 3}, "unknown option robot; known here are robots"),
+        for options, words in (({"robot": 3}, "unknown option robot; valid options are robots"),
                                ({"robots": 0}, "robots: must be ≥ 1"),
                                ({"targets": 2.5}, "targets: must be a whole number, got 2.5"),
                                ({"attacks": 2}, "attacks: must be ≥ 0 and ≤ robots, 1, got 2"),
@@ -276,7 +276,7 @@ class Baselines(unittest.TestCase):
             self.assertEqual(results[0], results[1])
 
     def test_refuse_what_a_task_has_not(self):
-        with self.assertRaisesRegex(vantage.UsageError, "algorithm: of mapping must be forward, got arvi"):
+        with self.assertRaisesRegex(vantage.UsageError, "algorithm: must be forward for mapping, got arvi"):
             baselines.Planner(vantage.env.make("Exploration"), "arvi")
         with self.assertRaisesRegex(ValueError, "replan_steps"):
             baselines.Planner(vantage.env.make("TargetTracking"), replan_steps=0)

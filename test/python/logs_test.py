@@ -78,7 +78,7 @@ class Log(unittest.TestCase):
         self.assertEqual(len(plans.split("segments.duration_s")), len(plans.log_utime))
         self.assertEqual(plans.row("segments.duration_s").tolist(), numpy.repeat(range(len(counts)), counts).tolist())
         self.assertEqual(plans["cost_nat"].dtype, float)
-        with self.assertRaisesRegex(KeyError, "no field cost; known are .*cost_nat"):
+        with self.assertRaisesRegex(KeyError, "no field cost; the fields are .*cost_nat"):
             plans["cost"]
 
     def test_reads_a_part(self):

@@ -67,10 +67,10 @@ class Sweep(unittest.TestCase):
 
     def test_is_refused_before_anything_flies(self):
         for words, parameters, seeds, options in (
-                ("unknown key horizon; known here are duration_s, planner", {"horizon": [1]}, [1], {}),
+                ("unknown key horizon; valid keys are duration_s, planner", {"horizon": [1]}, [1], {}),
                 ("planner: must be a list of values, got arvi", {"planner": "arvi"}, [1], {}),
                 ("seeds: must be a list of whole numbers, got 3", {}, 3, {}),
-                ("must have one value at least each", {"planner": []}, [1], {}),
+                ("each must have at least one value", {"planner": []}, [1], {}),
                 ("threads: must be ≥ 1, got 0", {}, [1], {"threads": 0})):
             with self.assertRaisesRegex(vantage.UsageError, words):
                 vantage.sweep(LAB, parameters, seeds, **options)

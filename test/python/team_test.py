@@ -260,21 +260,21 @@ class Refused(unittest.TestCase):
     def test_are_options_that_mean_nothing_or_break_a_rule(self):
         for words, algorithm, options in (
                 ("algorithm: must be one of coordinate_descent, greedy, .*, got best", "best", {}),
-                ("attacks_max: is for resilient, .*, rain, not for greedy", "greedy", {"attacks_max": 1}),
-                ("attacks_max: must be ≥ 0 and ≤ 3, one a robot, got 4", "resilient", {"attacks_max": 4}),
-                ("order: is for coordinate_descent, not for max_min", "max_min", {"order": [0]}),
-                ("order: must be of robots from 0 to 2, got 3", "coordinate_descent", {"order": [0, 3]}),
-                ("order: must name each robot once, has 1 twice", "coordinate_descent", {"order": [1, 1]}),
+                ("attacks_max: is an option of resilient, .*, rain, not of greedy", "greedy", {"attacks_max": 1}),
+                ("attacks_max: must be ≥ 0 and ≤ 3, the number of robots, got 4", "resilient", {"attacks_max": 4}),
+                ("order: is an option of coordinate_descent, not of max_min", "max_min", {"order": [0]}),
+                ("order: must contain robots from 0 to 2, got 3", "coordinate_descent", {"order": [0, 3]}),
+                ("order: must contain each robot once, has 1 twice", "coordinate_descent", {"order": [1, 1]}),
                 ("rounds_max: must be ≥ 1, got 0", "coordinate_descent", {"rounds_max": 0}),
                 ("alpha: must be > 0, got -1", "local_search", {"alpha": -1.0}),
                 ("nodes: must be ≥ 1, got 0", "greedy", {"nodes": 0}),
                 ("epsilon: must be ≥ 0", "greedy", {"epsilon": float("nan")}),
                 ("measure: must be one of logdet, mutual, got trace", "greedy", {"measure": "trace"}),
-                ("planner: is for rain, not for greedy", "greedy", {"planner": vantage.Planner(nodes=1)}),
+                ("planner: is an option of rain, not of greedy", "greedy", {"planner": vantage.Planner(nodes=1)}),
                 ("energy: must be one of move_cost, price_nats, .*, got fuel", "greedy", {"energy": {"fuel": 1.0}}),
                 ("energy: move_cost: must be ≥ 0, got -1", "greedy", {"energy": {"move_cost": -1}}),
-                ("energy: must be one for each robot, 3, got 1", "greedy", {"energy": [{}]}),
-                ("energy: is for .*, not for rain", "rain", {"energy": {"move_cost": 1.0}}),
+                ("energy: must have one entry per robot, 3, got 1", "greedy", {"energy": [{}]}),
+                ("energy: is an option of .*, not of rain", "rain", {"energy": {"move_cost": 1.0}}),
                 ("candidates_max: leaves .* choices", "exhaustive", {"candidates_max": 200})):
             with self.subTest(words), self.assertRaisesRegex(vantage.UsageError, words):
                 vantage.decide(team(), algorithm, **{**FEW, **options})
@@ -284,11 +284,11 @@ class Refused(unittest.TestCase):
             return [*team(), {**spec(STARTS[0]), key: value}]
         moved = team()
         moved[1].set_beliefs(moved[1].means + 0.5, moved[1].covariances)
-        for words, problems in (("problems: must be of one robot at least", []),
-                                (r"problems\[3\]: T: must be as in problems\[0\]", changed("T", STEPS - 1)),
-                                (r"problems\[3\]: tau: must be as in problems\[0\]", changed("tau", 1.0)),
+        for words, problems in (("problems: must contain at least one robot", []),
+                                (r"problems\[3\]: T: must be equal to problems\[0\]", changed("T", STEPS - 1)),
+                                (r"problems\[3\]: tau: must be equal to problems\[0\]", changed("tau", 1.0)),
                                 (r"problems\[3\]: cost: must be logdet", changed("cost", "trace")),
-                                (r"problems\[1\]: targets, as they are believed: must be as", moved)):
+                                (r"problems\[1\]: targets and their beliefs: must be equal to", moved)):
             with self.assertRaisesRegex(vantage.UsageError, words):
                 vantage.decide(problems)
         with self.assertRaisesRegex(vantage.StartupError, r"problem:\d+: T: must be at least 1"):

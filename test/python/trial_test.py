@@ -55,7 +55,7 @@ class Scenario(unittest.TestCase):
     def test_of_a_dict_is_refused_by_line(self):
         with self.assertRaisesRegex(vantage.StartupError, r"scenario:3: duration_s: "):
             vantage.Scenario({**SMALL, "duration_s": -1})
-        with self.assertRaisesRegex(TypeError, "neither a number, text, list nor dict"):
+        with self.assertRaisesRegex(TypeError, "must be a number, text, list or dict"):
             vantage.Scenario({**SMALL, "seed": object()})
 
 

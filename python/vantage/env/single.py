@@ -116,7 +116,7 @@ class TaskEnv(Parts, _Env):
 
     def step(self, action):
         if self._is_over:
-            raise RuntimeError("reset() must come before the first step() and after an episode's last")
+            raise RuntimeError("reset() must be called before the first step() and after the end of an episode")
         observations, rewards, over = self._tasks.step(numpy.atleast_1d(whole_numbers(action)))
         self._is_over = bool(over[0])
         return observations[self._first], float(rewards[0]), False, self._is_over, {}

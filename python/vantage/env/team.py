@@ -70,11 +70,11 @@ class TeamEnv(Parts, _ParallelEnv):
     def step(self, actions):
         """Takes {agent: action} of all agents. Other keys are ignored, as PettingZoo's tests require."""
         if not self.agents:
-            raise RuntimeError("reset() must come before the first step() and after an episode's last")
+            raise RuntimeError("reset() must be called before the first step() and after the end of an episode")
         try:
             chosen = whole_numbers([actions[agent] for agent in self.agents])
         except KeyError as missing:
-            raise ValueError(f"actions: none of {missing.args[0]}") from None
+            raise ValueError(f"actions: must contain every agent, missing {missing.args[0]}") from None
         observations, rewards, over = self._tasks.step(chosen)
         self._observations = observations[0]
         agents = self.agents

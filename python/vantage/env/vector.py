@@ -73,7 +73,7 @@ class TaskVectorEnv(Parts, _VectorEnv):
             seeds = self._random.integers(2**63, size=self.num_envs, dtype=numpy.uint64)
         elif isinstance(seed, (list, tuple, numpy.ndarray)):
             if len(seed) != self.num_envs:
-                raise ValueError(f"seed: must be one number, or {self.num_envs}, got {len(seed)}")
+                raise ValueError(f"seed: must be one number or a list of {self.num_envs}, got {len(seed)}")
             drawn = self._random.integers(2**63, size=self.num_envs, dtype=numpy.uint64)
             seeds = [drawn[i] if each is None else require_seed(each) for i, each in enumerate(seed)]
         else:

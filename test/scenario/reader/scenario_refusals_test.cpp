@@ -65,7 +65,7 @@ TEST_P(BadScenario, IsRefusedWithItsLineAndReason) {
 const BadEdit kKeys[] = {
     {"UnknownKey", "duration_s: 300", "@duration: 300", "duration: unknown key, wrong unit; did you mean duration_s?"},
     {"UnknownKeyWithin", "ceiling_m: 3", "@sealing_m: 3", "world.sealing_m: unknown key; did you mean ceiling_m?"},
-    {"UnknownKeyFarFromAll", "seed: 1 ", "@colour: 1 ", "colour: unknown key; known here are name, duration_s, seed, world"},
+    {"UnknownKeyFarFromAll", "seed: 1 ", "@colour: 1 ", "colour: unknown key; valid keys are name, duration_s, seed, world"},
     {"UnknownKeyInDefaults", "  device: direct             # direct", "  @devise: direct #", "robot_defaults.devise: unknown key; did you mean device?"},
     {"UnknownKeyInRobot", "    height_m: 1.5", "    @heigth_m: 1.5", "robots[1].heigth_m: unknown key; did you mean height_m?"},
     {"MergeKey", "seed: 1 ", "@<<: {} ", "<<: unknown key"},
@@ -260,7 +260,7 @@ TEST(ParseScenario, ReadsWhatAnAliasNames) {
             "lab.yaml:6: world.obstacles[1].footprint.max_m: must be above min_m, [1, 1], in x and "
             "in y; is [1, 1]");
   EXPECT_EQ(refusal_of("name: x\nworld: &a {bounds: *a}\n" + kRobot + kTargets),
-            "lab.yaml:2: world.bounds.bounds: unknown key; known here are min_m, max_m");
+            "lab.yaml:2: world.bounds.bounds: unknown key; valid keys are min_m, max_m");
   // Each line multiplies by ten the size of the one before: copies would make ten thousand million
   // nodes.
   std::string laughs = "name: x\nseed: &a0 [0]\n";

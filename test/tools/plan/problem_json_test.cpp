@@ -196,7 +196,7 @@ const BadEdit kBadEdits[] = {
     {R"("logdet")", R"(@3)", "cost: must be one of logdet, trace; is '3'"},
     {R"("two rovers")", R"(@3)", "name: must be text in quotes, is 3"},
     {R"("seed": 7)", R"(@"seed": "x")", "seed: must be a plain number, is the text 'x'"},
-    {R"("seed": 7)", R"(@"seed": 7, "horizon": 3)", "horizon: unknown key; known here are name, family"},
+    {R"("seed": 7)", R"(@"seed": 7, "horizon": 3)", "horizon: unknown key; valid keys are name, family"},
 };
 // clang-format on
 
