@@ -12,7 +12,7 @@ class Listener : public bus::Node {
   Listener(bus::Bus& bus, const bus::Clock& clock) : bus_(bus), next_(clock.now()) {
     bus_.subscribe<models::RobotBelief>(
         bus::belief_channel("*"), [this](const models::RobotBelief& belief) {
-          std::printf("%s knows %zu targets\n", belief.robot.c_str(), belief.targets.size());
+          std::printf("%s: beliefs of %zu targets\n", belief.robot.c_str(), belief.targets.size());
           ++heard_;
         });
   }

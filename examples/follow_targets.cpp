@@ -28,7 +28,7 @@ int main() {
     const models::DetectionSet* looks[] = {&look};
     filter.advance({.time = time, .viewpoint = from, .looks = looks});
     if (const auto belief = models::to_gaussian(filter.track(0).information)) {
-      std::printf("%4.1f s: at %.3f %.3f, it is %.3f %.3f, 1 sigma %.3f m\n", 0.5 * k,
+      std::printf("%4.1f s: estimate %.3f %.3f, true %.3f %.3f, 1 sigma %.3f m\n", 0.5 * k,
                   belief->mean(0), belief->mean(1), truth_m.x(), truth_m.y(),
                   std::sqrt(belief->covariance(0, 0)));
     }

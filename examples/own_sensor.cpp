@@ -35,6 +35,6 @@ int main() {
       {{.q = 0.05}, {Eigen::Vector2d{6.0, 3.0}, Eigen::Matrix2d::Identity()}});
   planner::ReducedValueIteration search(planner::SearchCapacity{});
   const planner::SearchResult& plan = search.plan(problem, {}, Deadline::nodes(100'000));
-  std::printf("cost %.12f nats, of no plan below %.12f\n", plan.cost, plan.lower_bound);
+  std::printf("cost %.12f nats, lower bound %.12f\n", plan.cost, plan.lower_bound);
   return plan.found ? 0 : 1;
 }

@@ -32,7 +32,7 @@ int main(int count, char** words) {
     std::printf("%-20s %6d\n", channel.c_str(), number);
   }
   for (const auto& [robot, belief] : beliefs) {
-    std::printf("%s knew %zu targets at last\n", robot.c_str(), belief.targets.size());
+    std::printf("%s: last belief contains %zu targets\n", robot.c_str(), belief.targets.size());
   }
   return messages.empty() ? 1 : 0;
 }
