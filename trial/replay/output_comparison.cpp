@@ -131,13 +131,13 @@ void OutputComparison::add_replayed(std::span<const std::uint8_t> signed_message
 
 std::vector<std::string> describe(const OutputDifference& difference) {
   std::vector<std::string> out;
-  out.push_back(fmt::format("first difference: number {}, valid for {} µs, {} members differ",
+  out.push_back(fmt::format("first difference: number {}, valid at {} µs, {} fields differ",
                             difference.index, to_utime(difference.time),
                             difference.members_different));
   out.push_back(fmt::format("  {}", difference.member));
   out.push_back(fmt::format("    logged    {}", difference.logged));
   out.push_back(fmt::format("    replayed  {}", difference.replayed));
-  out.emplace_back("  made from");
+  out.emplace_back("  inputs of this output");
   for (const std::string& input : difference.inputs) {
     out.push_back("    " + input);
   }

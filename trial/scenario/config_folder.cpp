@@ -41,8 +41,8 @@ std::string config_folder() {
   const auto all = places();
   const auto found = std::find_if(all.begin(), all.end(), is_folder);
   if (found == all.end()) {
-    throw StartupError("no scenarios: neither " + all[0].string() + " nor " + all[1].string() +
-                       " is a folder");
+    throw StartupError("folder of scenarios not found: tried " + all[0].string() + " and " +
+                       all[1].string());
   }
   return found->string();
 }

@@ -219,9 +219,9 @@ TEST(DescribeDifference, SaysWhichWhenWhatAndOfWhat) {
   difference.inputs = {"X 1/2", "Y 3/4"};
   EXPECT_EQ(
       describe(difference),
-      (std::vector<std::string>{"first difference: number 7, valid for 12345 µs, 3 members differ",
-                                "  a.b[2]", "    logged    1.5", "    replayed  2.5", "  made from",
-                                "    X 1/2", "    Y 3/4"}));
+      (std::vector<std::string>{"first difference: number 7, valid at 12345 µs, 3 fields differ",
+                                "  a.b[2]", "    logged    1.5", "    replayed  2.5",
+                                "  inputs of this output", "    X 1/2", "    Y 3/4"}));
 }
 
 }  // namespace
