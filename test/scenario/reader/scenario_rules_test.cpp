@@ -131,8 +131,8 @@ TEST(ScenarioRules, RobotsStandClearOfWallsObstaclesAndEachOther) {
   for (const auto& [x, y] : Pairs{{"8.75", "0"}, {"-8.75", "0"}, {"0", "4.75"}, {"0", "-4.75"}}) {
     EXPECT_EQ(at(x, y),
               "f:6: robots[0].start: must be at least 0.35 m from obstacles "
-              "and walls, (" +
-                  x + ", " + y + ") m is 0.25");
+              "and walls; at (" +
+                  x + ", " + y + ") m it is 0.25");
   }
   const std::string a = ", start: {x_m: 1, y_m: 1}, height_m: 3";
   const auto b = [](const std::string& x, const std::string& y, const std::string& z) {
