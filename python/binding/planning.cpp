@@ -325,9 +325,8 @@ search; a Planner solves one problem at a time.)")
            py::arg("algorithm") = "default", py::kw_only(), py::arg("budget_s") = py::none(),
            py::arg("nodes") = py::none(), py::arg("epsilon") = 1.0, py::arg("delta_m") = 1.0,
            py::arg("weight") = 1.0, py::arg("memory_mb") = 512)
-      .def(
-          "plan", &plan_of, py::arg("problem"),
-          R"(Returns the best plan at the deadline. The first call for a problem size allocates memory.
+      .def("plan", &plan_of, py::arg("problem"),
+           R"(Returns the best plan at the deadline. The first call for a size allocates the memory.
 
 Ctrl-C raises KeyboardInterrupt. A signal handler must not use the interrupted objects.)")
       .def(

@@ -132,7 +132,7 @@ void bind_decision(py::module_& module) {
           "J: information gain of all plans together minus the cost of motion, nats.")
       .def_property_readonly(
           "bound", &Decision::bound,
-          R"(Proven upper bound of J over all choices of these candidates; for exhaustive, the value.
+          R"(Proven upper bound of J over all choices of these candidates; exhaustive: the value.
 
 None for rain, which searches instead of choosing, and for measure logdet.)")
       .def_property_readonly(
@@ -170,7 +170,7 @@ None for rain, which searches instead of choosing, and for measure logdet.)")
             return std::pair(attack.robots, attack.value);
           },
           py::arg("attacks_max"),
-          R"(Returns (robots, value): the worst attack on at most attacks_max robots and the remaining J.
+          R"(Returns (robots, value): the worst attack on at most attacks_max robots, and J under it.
 
 All attacks are enumerated.)")
       .def(

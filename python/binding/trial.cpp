@@ -277,20 +277,20 @@ void bind_trial(py::module_& module) {
   py::class_<Trial>(module, "Trial",
                     R"(One trial in virtual time: simulator, sensors, estimators, planners.
 
-Trial(scenario, *, log=None, sensors={}, planners={}, filters={}): the scenario may also be a path or
-a dict. The result depends only on the scenario with its seed, however the trial is stepped, and
-equals that of `vantage trial`. A scenario without planner.node_budget gets 20 000 nodes per slot, as
-there. `log` is the path of an LCM log to write.
+Trial(scenario, *, log=None, sensors={}, planners={}, filters={}): the scenario may also be a path
+or a dict. The result depends only on the scenario with its seed, however the trial is stepped,
+and equals that of `vantage trial`. A scenario without planner.node_budget gets 20 000 nodes per
+slot, as there. `log` is the path of an LCM log to write.
 
 sensors={"Q1": look}: look(viewpoint, targets, time_s) replaces that robot's sensor at each planning
-step. viewpoint (4,): x, y, z in m and yaw in rad; targets {id: (3,) m}; time_s since the Unix epoch.
-It returns a list of (id, z (k,), V (k, k)). The function decides which targets are detected and how
+step. viewpoint (4,): x, y, z in m and yaw in rad; targets {id: (3,) m}; time_s since the Unix
+epoch. It returns a list of (id, z (k,), V (k, k)). The function decides which targets are detected and how
 accurately; the meaning of z is that of the scenario's sensor kind.
 
 planners={"Q1": plan, …}, one for each robot: plan(question) replaces the scenario's search once per
-round; vantage.own.Search describes the question. It returns rows (n, 3) of speed in m/s, yaw rate in
-rad/s and duration in s, or None. The result is checked like any plan; without one the robot uses its
-fallback. The scenario, also in logs, then contains planner.algorithm: external.
+round; vantage.own.Search describes the question. It returns rows (n, 3) of speed in m/s, yaw rate
+in rad/s and duration in s, or None. The result is checked like any plan; without one the robot uses
+its fallback. The scenario, also in logs, then contains planner.algorithm: external.
 
 filters={"Q1": filter}: filter(looks, time_s) replaces the target estimation of that robot. looks is
 a list of (viewpoint, [(id, z, V), …]) since the last step. It returns
@@ -362,8 +362,8 @@ last_seen_s (K,) of its known targets; grid_last_seen_utime (rows, columns), 0 f
             }
             return out;
           },
-          R"({robot: its newest plan}: poses (T + 1, 3) at start_s + k step_s, including the start; cost
-and lower_bound in nats; source: searched, shifted or braking; nodes, round, late.)")
+          R"({robot: its newest plan}: poses (T + 1, 3) at start_s + k step_s, including the start;
+cost and lower_bound in nats; source: searched, shifted or braking; nodes, round, late.)")
       .def_property_readonly(
           "maps",
           [](const Trial& self) {
@@ -375,8 +375,8 @@ and lower_bound in nats; source: searched, shifted or braking; nodes, round, lat
             }
             return out;
           },
-          R"({robot: its newest map} of a mapping scenario: looks (rows, columns), the number of scans
-that hit the cell minus the number that passed through it; entropy_nats.)")
+          R"({robot: its newest map} of a mapping scenario: looks (rows, columns), the number of
+scans that hit the cell minus the number that passed through it; entropy_nats.)")
       .def_property_readonly(
           "metrics",
           [](const Trial& self) {

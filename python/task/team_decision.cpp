@@ -67,7 +67,7 @@ void require_order(const std::vector<int>& order, int robots) {
     require(sorted[i] >= 0 && sorted[i] < robots,
             fmt::format("order: must contain robots from 0 to {}, got {}", robots - 1, sorted[i]));
     require(i == 0 || sorted[i] != sorted[i - 1],
-            fmt::format("order: must contain each robot once, has {} twice", sorted[i]));
+            fmt::format("order: must contain each robot at most once, has {} twice", sorted[i]));
   }
 }
 

@@ -264,7 +264,7 @@ class Refused(unittest.TestCase):
                 ("attacks_max: must be ≥ 0 and ≤ 3, the number of robots, got 4", "resilient", {"attacks_max": 4}),
                 ("order: is an option of coordinate_descent, not of max_min", "max_min", {"order": [0]}),
                 ("order: must contain robots from 0 to 2, got 3", "coordinate_descent", {"order": [0, 3]}),
-                ("order: must contain each robot once, has 1 twice", "coordinate_descent", {"order": [1, 1]}),
+                ("order: must contain each robot at most once, has 1 twice", "coordinate_descent", {"order": [1, 1]}),
                 ("rounds_max: must be ≥ 1, got 0", "coordinate_descent", {"rounds_max": 0}),
                 ("alpha: must be > 0, got -1", "local_search", {"alpha": -1.0}),
                 ("nodes: must be ≥ 1, got 0", "greedy", {"nodes": 0}),
