@@ -326,9 +326,10 @@ search; a Planner solves one problem at a time.)")
            py::arg("nodes") = py::none(), py::arg("epsilon") = 1.0, py::arg("delta_m") = 1.0,
            py::arg("weight") = 1.0, py::arg("memory_mb") = 512)
       .def("plan", &plan_of, py::arg("problem"),
-           R"(Returns the best plan at the deadline. The first call for a size allocates the memory.
+           R"(Returns the best plan at the deadline.
 
-Ctrl-C raises KeyboardInterrupt. A signal handler must not use the interrupted objects.)")
+The first call for a problem size allocates memory. Ctrl-C raises KeyboardInterrupt.
+A signal handler must not use the interrupted objects.)")
       .def(
           "prepare",
           [](Planner& self, const Problem& problem) {

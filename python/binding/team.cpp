@@ -170,7 +170,7 @@ None for rain, which searches instead of choosing, and for measure logdet.)")
             return std::pair(attack.robots, attack.value);
           },
           py::arg("attacks_max"),
-          R"(Returns (robots, value): the worst attack on at most attacks_max robots, and J under it.
+          R"(Returns (robots, value): the worst attack on at most attacks_max robots and its J.
 
 All attacks are enumerated.)")
       .def(

@@ -284,8 +284,8 @@ slot, as there. `log` is the path of an LCM log to write.
 
 sensors={"Q1": look}: look(viewpoint, targets, time_s) replaces that robot's sensor at each planning
 step. viewpoint (4,): x, y, z in m and yaw in rad; targets {id: (3,) m}; time_s since the Unix
-epoch. It returns a list of (id, z (k,), V (k, k)). The function decides which targets are detected and how
-accurately; the meaning of z is that of the scenario's sensor kind.
+epoch. It returns a list of (id, z (k,), V (k, k)). The function decides which targets are detected
+and how accurately; the meaning of z is that of the scenario's sensor kind.
 
 planners={"Q1": plan, …}, one for each robot: plan(question) replaces the scenario's search once per
 round; vantage.own.Search describes the question. It returns rows (n, 3) of speed in m/s, yaw rate
