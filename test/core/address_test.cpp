@@ -11,7 +11,7 @@ namespace {
 
 constexpr in_addr_t kDocumentation = 0xC0000207;  // 192.0.2.7
 
-TEST(FindHost, ReadsANumber) {
+TEST(FindHost, ParsesNumericAddresses) {
   const Result<sockaddr_in> found = find_host("192.0.2.7", 14540);
   ASSERT_TRUE(found.ok());
   const sockaddr_in expected = address_of(kDocumentation, 14540);
@@ -20,13 +20,13 @@ TEST(FindHost, ReadsANumber) {
   EXPECT_EQ(found.value().sin_port, expected.sin_port);
 }
 
-TEST(FindHost, KnowsThisMachine) {
+TEST(FindHost, ResolvesLocalhost) {
   EXPECT_EQ(require_host("localhost", 0).sin_addr.s_addr,
             address_of(INADDR_LOOPBACK, 0).sin_addr.s_addr);
 }
 
 // A host name contains no blank, so no DNS query is sent.
-TEST(FindHost, SaysWhichHostThereIsNot) {
+TEST(FindHost, NamesAnUnknownHostInItsError) {
   const Result<sockaddr_in> found = find_host("no such", 80);
   ASSERT_FALSE(found.ok());
   EXPECT_TRUE(found.error().message.starts_with("no such host: no such ("))
@@ -34,7 +34,7 @@ TEST(FindHost, SaysWhichHostThereIsNot) {
   EXPECT_THROW(require_host("no such", 80), StartupError);
 }
 
-TEST(SplitAddress, TakesTheLastColonAndAWholePort) {
+TEST(SplitAddress, SplitsAtTheLastColonAndRequiresAnIntegerPort) {
   for (const auto& [text, host, port] :
        {std::tuple{"localhost:1", "localhost", 1}, std::tuple{":65535", "", 65535},
         std::tuple{"fe80::1:14550", "fe80::1", 14550}}) {
@@ -52,7 +52,7 @@ TEST(SplitAddress, TakesTheLastColonAndAWholePort) {
   }
 }
 
-TEST(AddressOf, IsInTheNetworksByteOrder) {
+TEST(AddressOf, UsesNetworkByteOrder) {
   const sockaddr_in address = address_of(kDocumentation, 0x1234);
   const auto* bytes = reinterpret_cast<const unsigned char*>(&address.sin_addr);
   EXPECT_EQ(bytes[0], 192);

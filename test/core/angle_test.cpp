@@ -9,7 +9,7 @@
 namespace vantage {
 namespace {
 
-TEST(WrapToPi, BringsEveryAngleIntoTheHalfOpenTurn) {
+TEST(WrapToPi, ReturnsAnglesInTheHalfOpenInterval) {
   test::Random random(1);
   for (int i = 0; i < 100'000; ++i) {
     const double angle_rad = random.uniform(-1e3, 1e3);
@@ -21,7 +21,7 @@ TEST(WrapToPi, BringsEveryAngleIntoTheHalfOpenTurn) {
   }
 }
 
-TEST(WrapToPi, LeavesWrappedAnglesAlone) {
+TEST(WrapToPi, KeepsWrappedAngles) {
   test::Random random(2);
   for (int i = 0; i < 10'000; ++i) {
     const double angle_rad = random.uniform(-kPi, kPi);
@@ -29,7 +29,7 @@ TEST(WrapToPi, LeavesWrappedAnglesAlone) {
   }
 }
 
-TEST(WrapToPi, SendsBothEndsOfTheTurnToPlusPi) {
+TEST(WrapToPi, MapsMinusPiToPlusPi) {
   EXPECT_EQ(wrap_to_pi(kPi), kPi);
   EXPECT_EQ(wrap_to_pi(-kPi), kPi);
   EXPECT_EQ(wrap_to_pi(3.0 * kPi), kPi);
@@ -38,7 +38,7 @@ TEST(WrapToPi, SendsBothEndsOfTheTurnToPlusPi) {
   EXPECT_LT(wrap_to_pi(std::nextafter(kPi, 4.0)), 0.0);
 }
 
-TEST(WrapToPi, KeepsNotANumberAndTurnsInfinityIntoIt) {
+TEST(WrapToPi, ReturnsNanForNanAndInfinity) {
   EXPECT_TRUE(std::isnan(wrap_to_pi(std::nan(""))));
   EXPECT_TRUE(std::isnan(wrap_to_pi(INFINITY)));
 }

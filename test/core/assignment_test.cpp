@@ -32,7 +32,7 @@ double least_cost(const std::vector<double>& cost, int rows, int columns) {
   return least;
 }
 
-TEST(AssignmentSolver, FindsWhatTryingAllFinds) {
+TEST(AssignmentSolver, MatchesExhaustiveSearch) {
   test::Random random(1);
   AssignmentSolver solver(6, 7);
   for (int trial = 0; trial < 300; ++trial) {
@@ -52,7 +52,7 @@ TEST(AssignmentSolver, FindsWhatTryingAllFinds) {
   }
 }
 
-TEST(AssignmentSolver, AvoidsPairsThatMustNotBeWhileThereAreOthers) {
+TEST(AssignmentSolver, AvoidsForbiddenPairsIfOthersExist) {
   AssignmentSolver solver;
   const std::vector<double> cost = {1.0, 1e6, 2.0, 1.0, 1e6, 1e6};
   const std::span<const int> column = solver.solve(cost, 2, 3);

@@ -5,9 +5,9 @@
 namespace vantage {
 namespace {
 
-TEST(Require, IsSilentWhenTheRuleHolds) { EXPECT_NO_THROW(require(true, "1 < 2")); }
+TEST(Require, DoesNothingWhenTheRuleHolds) { EXPECT_NO_THROW(require(true, "1 < 2")); }
 
-TEST(Require, ThrowsTheRuleThatWasBroken) {
+TEST(Require, ThrowsTheBrokenRule) {
   try {
     require(false, "resolution must be > 0 m");
     FAIL() << "did not throw";

@@ -7,7 +7,7 @@
 namespace vantage {
 namespace {
 
-TEST(ThreadCpu, CountsWhatThisThreadDoesAndNoOther) {
+TEST(ThreadCpu, MeasuresThisThreadOnly) {
   constexpr std::int64_t kWork_ns = 20'000'000;
   const std::int64_t begin_ns = thread_cpu_ns();
   std::thread([&] {

@@ -17,7 +17,7 @@ std::int64_t nodes_until_expiry(const Deadline& deadline, std::int64_t stride) {
   return nodes;
 }
 
-TEST(Deadline, OfNodesExpiresAtTheBudgetAndNotBefore) {
+TEST(Deadline, OfNodesExpiresExactlyAtTheBudget) {
   const Deadline deadline = Deadline::nodes(100);
   EXPECT_FALSE(deadline.expired(0));
   EXPECT_FALSE(deadline.expired(99));
@@ -25,25 +25,25 @@ TEST(Deadline, OfNodesExpiresAtTheBudgetAndNotBefore) {
   EXPECT_TRUE(deadline.expired(101));
 }
 
-TEST(Deadline, OfNoNodesHasExpiredAlready) { EXPECT_TRUE(Deadline::nodes(0).expired(0)); }
+TEST(Deadline, OfZeroNodesHasExpired) { EXPECT_TRUE(Deadline::nodes(0).expired(0)); }
 
-TEST(Deadline, OfAnInstantLooksAtTheClockAlone) {
+TEST(Deadline, OfATimeIgnoresNodes) {
   EXPECT_TRUE(Deadline::at(kLongAgo_ns).expired(0));
   EXPECT_FALSE(Deadline::at(kInAThousandYears_ns).expired(1'000'000'000));
 }
 
-TEST(Deadline, OfEitherExpiresAtWhicheverComesFirst) {
+TEST(Deadline, OfBothExpiresAtTheFirstLimit) {
   EXPECT_TRUE(Deadline::either(10, kLongAgo_ns).expired(0));
   EXPECT_TRUE(Deadline::either(10, kInAThousandYears_ns).expired(10));
   EXPECT_FALSE(Deadline::either(10, kInAThousandYears_ns).expired(9));
 }
 
-TEST(Deadline, NeverMeansNever) {
+TEST(Deadline, NeverDoesNotExpire) {
   EXPECT_FALSE(Deadline::never().expired(0));
   EXPECT_FALSE(Deadline::never().expired(std::numeric_limits<std::int64_t>::max() - 1));
 }
 
-TEST(Deadline, ComesAfterAThirdOfTheTimeThatIsLeftAndOfTheSameNodes) {
+TEST(Deadline, FractionAppliesToTimeAndNodes) {
   constexpr std::int64_t kLeft_ns = 3'000'000'000'000;
   const std::int64_t before_ns = monotonic_ns();
   const Deadline third = Deadline::either(10, before_ns + kLeft_ns).third();
@@ -57,7 +57,7 @@ TEST(Deadline, ComesAfterAThirdOfTheTimeThatIsLeftAndOfTheSameNodes) {
   }
 }
 
-TEST(Deadline, OfTheNodesThatAStoppedLoopDidStopsItAtTheSamePlace) {
+TEST(Deadline, NodeBudgetOfAStoppedLoopStopsAtTheSameNode) {
   for (const std::int64_t stride : {1, 3, 7, 1000}) {
     const std::int64_t stopped_at =
         nodes_until_expiry(Deadline::at(monotonic_ns() + 200'000), stride);
@@ -65,7 +65,7 @@ TEST(Deadline, OfTheNodesThatAStoppedLoopDidStopsItAtTheSamePlace) {
   }
 }
 
-TEST(MonotonicNs, NeverGoesBack) {
+TEST(MonotonicNs, NeverDecreases) {
   std::int64_t last_ns = monotonic_ns();
   for (int i = 0; i < 10'000; ++i) {
     const std::int64_t now_ns = monotonic_ns();
@@ -74,7 +74,7 @@ TEST(MonotonicNs, NeverGoesBack) {
   }
 }
 
-TEST(Deadline, ExpiresWhenItIsCancelledWhateverIsLeft) {
+TEST(Deadline, ExpiresWhenCancelled) {
   static bool is_cancelled = false;
   const auto asked = [] { return is_cancelled; };
   for (const Deadline& budget :

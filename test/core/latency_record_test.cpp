@@ -5,7 +5,7 @@
 namespace vantage {
 namespace {
 
-TEST(LatencyRecord, GivesPercentilesToTheWidthOfABin) {
+TEST(LatencyRecord, ReturnsPercentilesWithinOneBin) {
   LatencyRecord record;
   EXPECT_EQ(record.percentile_us(0.5), 0);
   for (int k = 1; k <= 1000; ++k) {

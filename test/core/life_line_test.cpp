@@ -26,7 +26,7 @@ struct Pipe {
   }
 };
 
-TEST(LifeSign, IsWrittenAtMostTenTimesASecond) {
+TEST(LifeSign, IsWrittenAtMostTenTimesPerSecond) {
   Pipe pipe;
   int arrived = 0;
   for (int ms = 0; ms < 1'000; ms += 5) {
@@ -56,7 +56,7 @@ TEST(LifeLine, KeepsTheNewestKnownStateOfTheVehicle) {
 }
 
 // A supervisor that hangs must not block a driver.
-TEST(LifeSign, NeverWaitsForASupervisorThatDoesNotRead) {
+TEST(LifeSign, NeverBlocksOnAStalledSupervisor) {
   Pipe pipe;
   for (int i = 0; i < 200'000; ++i) {  // more than a pipe holds
     pipe.sign.on_loop(kStart + i * milliseconds(100), InFlight::kNo);
@@ -64,7 +64,7 @@ TEST(LifeSign, NeverWaitsForASupervisorThatDoesNotRead) {
   EXPECT_TRUE(pipe.line.take().any);
 }
 
-TEST(LifeSign, TakesFromTheEnvironmentOnlyAPipe) {
+TEST(LifeSign, AcceptsOnlyAPipeFromTheEnvironment) {
   LifeLine line;
   ASSERT_TRUE(line.open());
   const std::string pipe_end = std::to_string(::dup(line.child_end()));

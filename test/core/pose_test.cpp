@@ -10,7 +10,7 @@
 namespace vantage {
 namespace {
 
-TEST(Pose2, KeepsItsYawInTheHalfOpenTurn) {
+TEST(Pose2, KeepsYawInTheHalfOpenInterval) {
   test::Random random(3);
   Pose2 pose;
   for (int i = 0; i < 10'000; ++i) {
@@ -20,12 +20,12 @@ TEST(Pose2, KeepsItsYawInTheHalfOpenTurn) {
   }
 }
 
-TEST(Pose2, AHalfTurnIsItsOwnInverse) {
+TEST(Pose2, HalfTurnIsItsOwnInverse) {
   const Pose2 half_turn{0.0, 0.0, kPi};
   EXPECT_EQ(inverse(half_turn).yaw_rad, kPi);
 }
 
-TEST(Pose2, AQuarterTurnTakesForwardToLeft) {
+TEST(Pose2, QuarterTurnMapsForwardToLeft) {
   const Pose2 world_from_body{1.0, 2.0, kPi / 2};
   EXPECT_TRUE(
       test::is_near(world_from_body * Eigen::Vector2d(3.0, 0.0), Eigen::Vector2d(1.0, 5.0), 1e-15));
@@ -65,14 +65,14 @@ TEST(ExpSe3, InThePlaneIsExpSe2AtEveryAngle) {
   }
 }
 
-TEST(Flatten, OfABodyThatPointsUpHasHeadingZero) {
+TEST(Flatten, GivesZeroHeadingForVerticalBody) {
   const Pose3 upright{Eigen::Vector3d(1.0, 2.0, 3.0),
                       Eigen::Quaterniond(Eigen::AngleAxisd(1.1, Eigen::Vector3d::UnitZ()) *
                                          Eigen::AngleAxisd(-0.5 * kPi, Eigen::Vector3d::UnitY()))};
   EXPECT_EQ(flatten(upright).yaw_rad, 0.0);
 }
 
-TEST(LogSe3, DoesNotCareAboutTheSignOfTheQuaternion) {
+TEST(LogSe3, IsIndependentOfTheQuaternionsSign) {
   test::Random random(5);
   for (int i = 0; i < 1000; ++i) {
     const Pose3 pose = exp_se3(random.vector<6>(-1.7, 1.7));
@@ -83,7 +83,7 @@ TEST(LogSe3, DoesNotCareAboutTheSignOfTheQuaternion) {
   }
 }
 
-TEST(Flatten, UndoesLift) {
+TEST(Flatten, InvertsLift) {
   test::Random random(6);
   for (int i = 0; i < 1000; ++i) {
     const Pose2 pose = random.pose2(10.0);

@@ -21,12 +21,12 @@ int exit_code_of(const std::function<int()>& body, std::string* words = nullptr)
   return code;
 }
 
-TEST(RunProcess, ReturnsWhatTheBodyReturned) {
+TEST(RunProcess, ReturnsTheBodysExitCode) {
   EXPECT_EQ(exit_code_of([] { return 0; }), 0);
   EXPECT_EQ(exit_code_of([] { return 7; }), 7);
 }
 
-TEST(RunProcess, TellsAFailedStartFromAFailedRun) {
+TEST(RunProcess, DistinguishesStartAndRunFailures) {
   std::string words;
   EXPECT_EQ(exit_code_of([]() -> int { throw StartupError("no such file: a.yaml"); }, &words), 2);
   EXPECT_EQ(words, "vantage-test: no such file: a.yaml\n");
@@ -36,13 +36,13 @@ TEST(RunProcess, TellsAFailedStartFromAFailedRun) {
   EXPECT_EQ(words, "vantage-test: link lost\n");
 }
 
-TEST(RunProcess, SaysThatMemoryIsShort) {
+TEST(RunProcess, ReportsLackOfMemory) {
   std::string words;
   EXPECT_EQ(exit_code_of([]() -> int { throw std::bad_alloc(); }, &words), 1);
   EXPECT_EQ(words, "vantage-test: out of memory\n");
 }
 
-TEST(RunProcess, HearsTheRequestToEnd) {
+TEST(RunProcess, ReceivesStopSignals) {
   EXPECT_FALSE(stop_requested());
   EXPECT_EQ(exit_code_of([] {
               std::raise(SIGTERM);
@@ -51,7 +51,7 @@ TEST(RunProcess, HearsTheRequestToEnd) {
             0);
 }
 
-TEST(RunProcess, HearsThatItsTerminalIsClosed) {
+TEST(RunProcess, EndsWhenTerminalCloses) {
   EXPECT_EQ(exit_code_of([] {
               const int before = stop_requests();
               std::raise(SIGHUP);
@@ -60,7 +60,7 @@ TEST(RunProcess, HearsThatItsTerminalIsClosed) {
             1);
 }
 
-TEST(RunProcess, OutlivesItsTerminalWhereThatIsAskedFor) {
+TEST(RunProcess, SurvivesTheTerminalIfRequested) {
   std::signal(SIGHUP, SIG_IGN);  // as nohup does
   EXPECT_EQ(exit_code_of([] {
               const int before = stop_requests();
@@ -71,7 +71,7 @@ TEST(RunProcess, OutlivesItsTerminalWhereThatIsAskedFor) {
   std::signal(SIGHUP, SIG_DFL);
 }
 
-TEST(EndsAtOnceDeathTest, IsEndedByTheSignal) {
+TEST(EndsAtOnceDeathTest, IsTerminatedByTheSignal) {
   const auto body = [] {
     const EndsAtOnce reading;
     std::raise(SIGTERM);
@@ -80,7 +80,7 @@ TEST(EndsAtOnceDeathTest, IsEndedByTheSignal) {
   EXPECT_EXIT(run_process("vantage-test", body), ::testing::KilledBySignal(SIGTERM), "");
 }
 
-TEST(EndsAtOnceDeathTest, IsEndedByOneThatCameBefore) {
+TEST(EndsAtOnceDeathTest, IsTerminatedByAPendingSignal) {
   const auto body = [] {
     std::raise(SIGINT);
     const EndsAtOnce reading;
@@ -89,7 +89,7 @@ TEST(EndsAtOnceDeathTest, IsEndedByOneThatCameBefore) {
   EXPECT_EXIT(run_process("vantage-test", body), ::testing::KilledBySignal(SIGINT), "");
 }
 
-TEST(EndsAtOnceDeathTest, IsHeardAgainAfterwards) {
+TEST(EndsAtOnceDeathTest, RestoresSignalHandlingAfterwards) {
   const auto body = [] {
     { const EndsAtOnce reading; }
     std::raise(SIGTERM);
@@ -109,7 +109,7 @@ TEST(RunProcess, CountsTheRequests) {
 }
 
 // When a terminal closes, both its shell and the kernel send SIGHUP.
-TEST(RunProcess, TakesHangingUpForOneRequestThoughItIsSaidTwice) {
+TEST(RunProcess, CountsRepeatedSighupAsOneRequest) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT(std::exit(run_process("vantage-test",
                                     [] {
@@ -120,7 +120,7 @@ TEST(RunProcess, TakesHangingUpForOneRequestThoughItIsSaidTwice) {
               ::testing::ExitedWithCode(11), "");
 }
 
-TEST(RunProcess, LeavesHangingUpIgnoredWhereItWas) {
+TEST(RunProcess, KeepsIgnoredHangups) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT(
       {
@@ -133,12 +133,12 @@ TEST(RunProcess, LeavesHangingUpIgnoredWhereItWas) {
       ::testing::ExitedWithCode(10), "");
 }
 
-TEST(RequestStop, IsHeardLikeASignal) {
+TEST(RequestStop, ActsLikeASignal) {
   request_stop();
   EXPECT_TRUE(stop_requested());
 }
 
-TEST(RunProcess, OutlivesAWriteToAClosedPipe) {
+TEST(RunProcess, SurvivesAWriteToAClosedPipe) {
   EXPECT_EQ(exit_code_of([] {
               std::raise(SIGPIPE);
               return 0;

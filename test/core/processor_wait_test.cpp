@@ -47,7 +47,7 @@ TEST(ProcessorWait, IsTheSumOfTheLastSecond) {
 
 // At any rate of reading the result contains the waits of the last second and none from before the
 // newest reading that is at least one second old.
-TEST(ProcessorWait, CoversTheWindowAtAnyRateOfReading) {
+TEST(ProcessorWait, CoversTheWindowAtAnyReadingRate) {
   std::mt19937_64 rng(7);
   std::uniform_int_distribution<int> step_ms(31, 900);
   std::uniform_int_distribution<int> waits_us(0, 20'000);
@@ -69,7 +69,7 @@ TEST(ProcessorWait, CoversTheWindowAtAnyRateOfReading) {
 }
 
 // With more readings than capacity it covers less than a second and stays bounded.
-TEST(ProcessorWait, KeepsTheNewestReadingsWhenThereAreTooMany) {
+TEST(ProcessorWait, KeepsTheNewestReadings) {
   ProcessorWait wait;
   for (int i = 0; i < 1'000; ++i) {
     wait.add(at(0.001 * i), 1'000 * i);

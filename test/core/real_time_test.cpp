@@ -30,7 +30,7 @@ RealTime take(std::vector<std::string> words) {
   return take_real_time(arguments.count, arguments.pointers.data());
 }
 
-TEST(TakeRealTime, LeavesTheOtherArgumentsInTheirOrder) {
+TEST(TakeRealTime, KeepsOtherArgumentsInOrder) {
   Arguments arguments(
       {"program", "--scenario", "a", "--fifo", "50", "--cpu", "1", "--lock-memory", "--robot"});
   const RealTime real_time = take_real_time(arguments.count, arguments.pointers.data());
@@ -44,7 +44,7 @@ TEST(TakeRealTime, LeavesTheOtherArgumentsInTheirOrder) {
   EXPECT_EQ(arguments.pointers[4], nullptr);
 }
 
-TEST(TakeRealTime, AsksForNothingByItself) {
+TEST(TakeRealTime, RequestsNothingByDefault) {
   const RealTime real_time = take({"program"});
   EXPECT_EQ(real_time.fifo_priority, 0);
   EXPECT_EQ(real_time.cpu, -1);
@@ -53,7 +53,7 @@ TEST(TakeRealTime, AsksForNothingByItself) {
 }
 
 // The query does not change the calling thread; its answer is that of apply().
-TEST(GrantsFifo, AnswersAsApplyDoes) {
+TEST(GrantsFifo, AgreesWithApply) {
   const int policy_before = sched_getscheduler(0);
   const bool is_granted = grants_fifo(50);
   EXPECT_EQ(sched_getscheduler(0), policy_before);
@@ -71,7 +71,7 @@ TEST(GrantsFifo, AnswersAsApplyDoes) {
   EXPECT_FALSE(grants_fifo(1'000)) << "no such priority";
 }
 
-TEST(TakeRealTime, RefusesValuesThatCannotBe) {
+TEST(TakeRealTime, RefusesInvalidValues) {
   EXPECT_THROW(take({"program", "--fifo"}), UsageError);
   EXPECT_THROW(take({"program", "--fifo", "0"}), UsageError);
   EXPECT_THROW(take({"program", "--fifo", "100"}), UsageError);
@@ -80,7 +80,7 @@ TEST(TakeRealTime, RefusesValuesThatCannotBe) {
   EXPECT_THROW(take({"program", "--cpu", ""}), UsageError);
 }
 
-TEST(ApplyRealTime, SaysWhatWasRefusedAndWhatWouldAllowIt) {
+TEST(ApplyRealTime, ReportsRefusalAndRemedy) {
   RealTime real_time;
   real_time.cpu = 1023;  // no existing machine has this CPU
   try {

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kMany = std::size_t{1} << 24;
 
-TEST(ReservedArray, IsZeroAndKeepsWhatIsWritten) {
+TEST(ReservedArray, IsZeroInitialisedAndKeepsWrites) {
   ReservedArray<double> values(1000);
   EXPECT_EQ(values.size(), 1000U);
   EXPECT_TRUE(std::all_of(values.begin(), values.end(), [](double v) { return v == 0.0; }));
@@ -19,7 +19,7 @@ TEST(ReservedArray, IsZeroAndKeepsWhatIsWritten) {
   EXPECT_EQ(values[999], 3.5);
 }
 
-TEST(ReservedArray, CostsWhatIsWritten) {
+TEST(ReservedArray, CommitsOnlyWrittenPages) {
   ReservedArray<std::uint64_t> values(kMany);
   EXPECT_EQ(values.committed_bytes(), 0U);
   values[0] = 1;
@@ -28,7 +28,7 @@ TEST(ReservedArray, CostsWhatIsWritten) {
   EXPECT_LE(values.committed_bytes(), std::size_t{1} << 16);
 }
 
-TEST(ReservedArray, PrefaultCommitsAllAndChangesNothing) {
+TEST(ReservedArray, PrefaultCommitsAllPages) {
   ReservedArray<std::uint32_t> values(300'000);
   values[0] = 7;
   values[1024] = 8;
@@ -51,14 +51,14 @@ TEST(ReservedArray, MovesAndSwaps) {
   EXPECT_EQ(c[3], 3);
 }
 
-TEST(ReservedArray, OfNothingIsNothing) {
+TEST(ReservedArray, OfSizeZeroIsEmpty) {
   ReservedArray<int> none(0);
   none.prefault();
   EXPECT_EQ(none.begin(), none.end());
   EXPECT_EQ(none.committed_bytes(), 0U);
 }
 
-TEST(ReservedArray, RefusesMoreThanThereIs) {
+TEST(ReservedArray, RefusesMoreThanTheAddressSpace) {
   EXPECT_THROW(ReservedBytes(std::size_t{1} << 62), std::bad_alloc);
 }
 

@@ -28,12 +28,12 @@ TEST(Result, HoldsTheReasonOfAFailure) {
   EXPECT_THROW((void)result.value(), std::bad_variant_access);
 }
 
-TEST(Result, TellsAnErrorFromAValueOfTheSameText) {
+TEST(Result, DistinguishesErrorAndValueOfEqualText) {
   EXPECT_TRUE(Result<std::string>(std::string("x")).ok());
   EXPECT_FALSE(Result<std::string>(Error{"x"}).ok());
 }
 
-TEST(Result, GivesUpAMoveOnlyValue) {
+TEST(Result, ReturnsAMoveOnlyValue) {
   Result<std::unique_ptr<int>> result(std::make_unique<int>(5));
   const std::unique_ptr<int> owned = std::move(result).value();
   EXPECT_EQ(*owned, 5);

@@ -5,7 +5,7 @@
 namespace vantage {
 namespace {
 
-TEST(Time, IsTheUtimeOfTheWire) {
+TEST(Time, EqualsUtime) {
   for (const std::int64_t utime_us : {0L, 1L, 1'700'000'000'123'456L, -5L}) {
     EXPECT_EQ(to_utime(from_utime(utime_us)), utime_us);
   }
@@ -20,7 +20,7 @@ TEST(FromSeconds, RoundsToTheNearestMicrosecond) {
   EXPECT_EQ(from_seconds(-1.6e-6), Duration{-2});
 }
 
-TEST(ToSeconds, IsTheInverseOfFromSeconds) {
+TEST(ToSeconds, InvertsFromSeconds) {
   for (std::int64_t us = -2'000'000; us <= 2'000'000; us += 77'777) {
     EXPECT_EQ(from_seconds(to_seconds(Duration{us})), Duration{us});
   }

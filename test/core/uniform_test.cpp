@@ -8,7 +8,7 @@ namespace vantage {
 namespace {
 
 // The C++ standard defines the engine's 10 000th number for every library.
-TEST(Uniform, IsTheUpperBitsOfOneDraw) {
+TEST(Uniform, UsesTheUpperBitsOfOneDraw) {
   std::mt19937_64 random;
   random.discard(9'999);
   EXPECT_EQ(uniform(random, 0.0, 0x1p53), static_cast<double>(9'981'545'732'273'789'042U >> 11U));
@@ -17,7 +17,7 @@ TEST(Uniform, IsTheUpperBitsOfOneDraw) {
   EXPECT_EQ(random(), twin());
 }
 
-TEST(Uniform, StaysInItsRangeAndFillsIt) {
+TEST(Uniform, CoversItsRange) {
   std::mt19937_64 random(3);
   const int draws = 100'000;
   double sum = 0.0;

@@ -9,7 +9,7 @@
 namespace vantage {
 namespace {
 
-TEST(IsUtf8, TellsTextFromBytes) {
+TEST(IsUtf8, DistinguishesTextAndBytes) {
   for (const char* text : {"", "VICON", "PLAN_ü", "日本", "a\tb", "\xF0\x9F\x9A\x81"}) {
     EXPECT_TRUE(is_utf8(text)) << readable(text);
   }
@@ -20,7 +20,7 @@ TEST(IsUtf8, TellsTextFromBytes) {
   EXPECT_FALSE(is_utf8(std::string_view("a\0b", 3)));
 }
 
-TEST(Readable, LeavesTextAndEscapesTheRest) {
+TEST(Readable, KeepsTextAndEscapesOtherBytes) {
   EXPECT_EQ(readable("PLAN_ü 日本"), "PLAN_ü 日本");
   EXPECT_EQ(readable("PLAN_\xFC"), "PLAN_\\xFC");
   EXPECT_EQ(readable("a\tb\n\x1B[31m"), "a\\x09b\\x0A\\x1B[31m");
@@ -29,7 +29,7 @@ TEST(Readable, LeavesTextAndEscapesTheRest) {
 }
 
 // C1's CSI acts like ESC [, and a right-to-left override reverses the text after it.
-TEST(Printable, EscapesWhatActsOnATerminalAndKeepsText) {
+TEST(Printable, EscapesTerminalControlCharacters) {
   const std::vector<std::pair<std::string, std::string>> rows{
       {"PLAN_ü 日本 \\ – \xF0\x9F\x9A\x81", "PLAN_ü 日本 \\ – \xF0\x9F\x9A\x81"},
       {"a\tb\nc", "a\tb\nc"},
@@ -53,7 +53,7 @@ TEST(Printable, EscapesWhatActsOnATerminalAndKeepsText) {
   EXPECT_EQ(readable("\xC2\x9B\xE2\x80\xAE"), "\\xC2\\x9B\\xE2\\x80\\xAE");
 }
 
-TEST(Readable, IsAlwaysUtf8AndTellsEachByteFromAnother) {
+TEST(Readable, IsAlwaysUtf8AndInjective) {
   for (int a = 0; a < 256; ++a) {
     const std::string one(1, static_cast<char>(a));
     EXPECT_TRUE(is_utf8(readable(one + "x")));

@@ -33,14 +33,14 @@ class WriteFile : public ::testing::Test {
   const test::TemporaryFolder folder_;
 };
 
-TEST_F(WriteFile, LeavesTheTextAndNothingElse) {
+TEST_F(WriteFile, WritesExactlyTheText) {
   write_file(file("a"), "long ago");
   write_file(file("a"), "now");
   EXPECT_EQ(text_of(file("a")), "now");
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), {}), 1);
 }
 
-TEST_F(WriteFile, SaysFileAndReason) {
+TEST_F(WriteFile, ReportsFileAndReason) {
   EXPECT_EQ(complaint([&] { write_file(file("no/where"), "x"); }),
             file("no/where") + ": cannot be written: No such file or directory");
   EXPECT_EQ(complaint([&] { require_writable(file("no/where")); }),
@@ -52,14 +52,14 @@ TEST_F(WriteFile, SaysFileAndReason) {
             file("a/b") + ": cannot be written: Not a directory");
 }
 
-TEST_F(WriteFile, WritesWhatIsNoFileAsItIs) {
+TEST_F(WriteFile, WritesDirectlyToNonRegularFile) {
   EXPECT_EQ(complaint([] { write_file("/dev/full", "x"); }),
             "/dev/full: cannot be written: No space left on device");
   EXPECT_TRUE(fs::is_character_file("/dev/full"));
   EXPECT_NO_THROW(write_file("/dev/null", "x"));
 }
 
-TEST_F(WriteFile, FindsNothingWrongWhereItCanWrite) {
+TEST_F(WriteFile, ReportsNoErrorOnSuccess) {
   EXPECT_NO_THROW(require_writable(file("new")));
   write_file(file("a"), "x");
   EXPECT_NO_THROW(require_writable(file("a")));

@@ -81,7 +81,7 @@ void expect_marginals(const Association& association, const Odds& expected, doub
   }
 }
 
-TEST(Association, HasTheMarginalsOfAllJointAssociations) {
+TEST(Association, EqualsTheMarginalsOfAllJointAssociations) {
   test::Random random(2);
   Association association(6, 6);
   for (int trial = 0; trial < 200; ++trial) {
@@ -115,7 +115,7 @@ TEST(Association, HasTheMarginalsOfAllJointAssociations) {
   }
 }
 
-TEST(Association, OfOneTrackAndOneDetectionIsByHand) {
+TEST(Association, EqualsTheClosedFormForOneTrack) {
   Association association(1, 1);
   set_all(association, {{3.0}});
   association.solve();
@@ -125,7 +125,7 @@ TEST(Association, OfOneTrackAndOneDetectionIsByHand) {
 
 // A group without loops: each track may be one of two detections and each detection one of two
 // tracks. Messages are exact there.
-TEST(Association, OfALargeGroupWithoutLoopsIsExactByMessages) {
+TEST(Association, MessagePassingIsExactWithoutLoops) {
   constexpr std::size_t kCount = 12;
   static_assert(kCount > Association::kExactMax);
   test::Random random(3);
@@ -143,7 +143,7 @@ TEST(Association, OfALargeGroupWithoutLoopsIsExactByMessages) {
 }
 
 // If one side has at most ten elements, the solution is exact and does not use message passing.
-TEST(Association, IsExactUpToTenOnEitherSide) {
+TEST(Association, IsExactUpToTenTracksOrDetections) {
   test::Random random(5);
   for (const auto& [tracks, detections] : {std::pair(3U, 12U), std::pair(12U, 3U)}) {
     Odds odds(tracks, std::vector<double>(detections));
@@ -169,7 +169,7 @@ TEST(Association, IsExactUpToTenOnEitherSide) {
   expect_marginals(association, Enumeration(ring).marginal, 1e-12);
 }
 
-TEST(Association, OfALargeGroupIsExactByMessagesWhicheverSideIsLonger) {
+TEST(Association, MessagePassingIsExactForEitherLongerSide) {
   test::Random random(6);
   for (const auto& [tracks, detections] : {std::pair(11U, 12U), std::pair(12U, 11U)}) {
     Odds odds(tracks, std::vector<double>(detections));
@@ -188,7 +188,7 @@ TEST(Association, OfALargeGroupIsExactByMessagesWhicheverSideIsLonger) {
 }
 
 // Odds may change between two solutions; the second must not depend on the first.
-TEST(Association, SolvesAnewWhatHasChanged) {
+TEST(Association, SolvesAgainAfterAChange) {
   Association association(2, 2);
   set_all(association, {{3.0, 1.0}, {0.0, 2.0}});
   association.solve();
@@ -206,7 +206,7 @@ TEST(Association, SolvesAnewWhatHasChanged) {
   EXPECT_EQ(association.best()[1], 1);
 }
 
-TEST(Association, OfOddsBeyondAllMeasureIsCertain) {
+TEST(Association, IsCertainForInfiniteOdds) {
   Association association(8, 8);
   Odds odds(8, std::vector<double>(8, 1e-3));
   for (std::size_t i = 0; i < 8; ++i) {
@@ -219,7 +219,7 @@ TEST(Association, OfOddsBeyondAllMeasureIsCertain) {
   }
 }
 
-TEST(Association, AllocatesNothingWithinWhatItWasMadeFor) {
+TEST(Association, AllocatesNothingWithinItsCapacity) {
   if (!test::AllocationCounter::is_active()) {
     GTEST_SKIP() << "a sanitizer replaces the allocator";
   }

@@ -56,7 +56,7 @@ std::vector<models::DetectionSet> looks_at(const std::vector<Eigen::Vector2d>& t
 }
 
 // Every observation is received at once and empty scans are not used.
-TEST(CentralFilter, IsADistributedFilterThatHearsEverything) {
+TEST(CentralFilter, EqualsADistributedFilterWithAllMeasurements) {
   const std::vector<Eigen::Vector2d> targets_m = {{-2.0, 1.0}, {3.0, -1.0}, {-10.0, 18.0}};
   const std::vector<models::Gaussian> priors = {prior_at(-2.3, 1.2), prior_at(3.5, -1.4),
                                                 prior_at(-10.5, 18.5)};
@@ -87,7 +87,7 @@ TEST(CentralFilter, IsADistributedFilterThatHearsEverything) {
   EXPECT_EQ(seen, 2 * 60) << "the third is out of view";
 }
 
-TEST(CentralFilter, PredictsOnlyWhereNobodyLooks) {
+TEST(CentralFilter, OnlyPredictsUnobservedTargets) {
   const models::World world = square_world();
   CentralFilter filter({kModel, 0.5, 0.05, false}, world, {prior_at(1.0, 2.0)});
   const models::Gaussian expected = models::predict(prior_at(1.0, 2.0), kModel, 0.5);
@@ -98,7 +98,7 @@ TEST(CentralFilter, PredictsOnlyWhereNobodyLooks) {
   EXPECT_EQ(filter.is_seen()[0], 0);
 }
 
-TEST(CentralFilter, MovesABeliefOutOfAViewThatIsEmpty) {
+TEST(CentralFilter, MovesABeliefOutOfAnEmptyView) {
   const models::World world = square_world();
   models::DetectionSet look;
   look.viewpoint = test::at(0.0, 0.0);

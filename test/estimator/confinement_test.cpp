@@ -18,14 +18,14 @@ using vantage::test::is_near;
 
 const models::World kRoom{{{-4.0, -2.0}, {4.0, 2.0}}, 3.0, {{{{1.0, -1.0}, {2.0, 0.0}}, 2.0}}, {}};
 
-TEST(Confinement, ChangesNothingWhereNeitherWallNorObstacleIsNear) {
+TEST(Confinement, ChangesNothingFarFromWallsAndObstacles) {
   const Gaussian belief{Eigen::Vector2d(-1.5, 0.0), 0.01 * Eigen::Matrix2d::Identity()};
   const Gaussian after = confine(belief, kRoom);
   EXPECT_EQ(after.mean, belief.mean);
   EXPECT_EQ(after.covariance, belief.covariance);
 }
 
-TEST(Confinement, AtAWallHasTheMomentsOfTheTruncatedNormal) {
+TEST(Confinement, EqualsTheTruncatedNormalAtAWall) {
   // Only the wall at x = 4 is near: what is left of N(4 + aσ, σ²) is u < −a, with mean −λ,
   // λ = φ(a)/Φ(−a), and variance 1 + aλ − λ². The edge lies midway between two columns.
   const double sigma_m = 0.2;
@@ -41,7 +41,7 @@ TEST(Confinement, AtAWallHasTheMomentsOfTheTruncatedNormal) {
   EXPECT_NEAR(after.mean(1), 0.0, 1e-9);
 }
 
-TEST(Confinement, AroundAnObstacleHasTheMomentsOfSamplesThatKeptOutOfIt) {
+TEST(Confinement, EqualsSampledMomentsAroundAnObstacle) {
   std::mt19937_64 rng(11);
   std::normal_distribution<double> normal;
   for (const double x_m : {1.8, 1.5, 0.7}) {
@@ -68,7 +68,7 @@ TEST(Confinement, AroundAnObstacleHasTheMomentsOfSamplesThatKeptOutOfIt) {
   }
 }
 
-TEST(Confinement, SettlesInTheMiddleAndNeverKnowsLessThanTheWorldsSize) {
+TEST(Confinement, TendsToTheCentreWithTheWorldsVariance) {
   const models::World room{kRoom.bounds, 3.0, {}, {}};
   Gaussian belief{Eigen::Vector2d(3.9, -1.9), 0.01 * Eigen::Matrix2d::Identity()};
   for (int step = 0; step < 400; ++step) {
@@ -85,7 +85,7 @@ TEST(Confinement, SettlesInTheMiddleAndNeverKnowsLessThanTheWorldsSize) {
   EXPECT_NEAR(belief.covariance(0, 0), 64.0 * ground_mode, 0.25 * 64.0 * ground_mode);
 }
 
-TEST(Confinement, KeepsRandomBeliefsDefiniteAndTheirMeansInside) {
+TEST(Confinement, KeepsBeliefsDefiniteAndMeansInside) {
   std::mt19937_64 rng(5);
   const auto uniform = [&](double low, double high) {
     return low + (high - low) * std::generate_canonical<double, 53>(rng);
@@ -116,7 +116,7 @@ TEST(Confinement, KeepsRandomBeliefsDefiniteAndTheirMeansInside) {
   EXPECT_GT(changed, 200);
 }
 
-TEST(Confinement, HoldsWhatATeammateHasToldAStepAgo) {
+TEST(Confinement, AppliesToATeammatesBeliefOfTheLastStep) {
   // The target turns back in the meantime. A belief without this would be more certain of its
   // velocity, and would win the fusion.
   for (const bool samples : {false, true}) {
@@ -139,7 +139,7 @@ TEST(Confinement, HoldsWhatATeammateHasToldAStepAgo) {
   }
 }
 
-TEST(Confinement, HoldsWhatATeammateHasToldTwoStepsAgo) {
+TEST(Confinement, AppliesToATeammatesBeliefOfTwoStepsAgo) {
   FilterSpec spec = test::open_spec({models::TargetKind::kDoubleIntegrator, 2, 0.001},
                                     test::far_sighted(models::SensorKind::kPosition), 1);
   spec.estimator.targets_stay_inside = true;
@@ -156,7 +156,7 @@ TEST(Confinement, HoldsWhatATeammateHasToldTwoStepsAgo) {
   EXPECT_LT(test::known(filter, 0).mean(2), -0.5);
 }
 
-TEST(Confinement, HoldsTheFilterInsideWhenATargetIsLostAtTheWall) {
+TEST(Confinement, KeepsTheFilterInsideWhenATargetIsLostAtTheWall) {
   models::TargetModel walk{models::TargetKind::kRandomWalk, 2, 0.3};
   models::SensorModel position;
   position.kind = models::SensorKind::kPosition;
@@ -178,7 +178,7 @@ TEST(Confinement, HoldsTheFilterInsideWhenATargetIsLostAtTheWall) {
   EXPECT_LT(after_a_minute(true).covariance.trace(), 64.0 / 12.0 + 16.0 / 12.0);
 }
 
-TEST(Reflection, ChangesNothingWhereNoWallIsNear) {
+TEST(Reflection, ChangesNothingFarFromWalls) {
   Gaussian belief{models::StateVector(Eigen::Vector4d(1.0, -0.5, 0.3, 0.2)),
                   0.01 * Eigen::Matrix4d::Identity()};
   const Gaussian after = reflect(belief, kRoom.bounds);
@@ -186,7 +186,7 @@ TEST(Reflection, ChangesNothingWhereNoWallIsNear) {
   EXPECT_EQ(after.covariance, belief.covariance);
 }
 
-TEST(Reflection, AtAWallHasTheMomentsOfTheFoldedNormal) {
+TEST(Reflection, EqualsTheFoldedNormalAtAWall) {
   // y = L − |x − L| with x ~ N(L + aσ, σ²): E|x − L| = σ (2 φ(a) + a (1 − 2 Φ(−a))); a velocity
   // that is not correlated with x is reversed with probability p = Φ(a).
   const double sigma_m = 0.2;
@@ -217,7 +217,7 @@ TEST(Reflection, AtAWallHasTheMomentsOfTheFoldedNormal) {
 
 // A belief entirely beyond a wall is mirrored, including its velocity correlations. This holds at
 // each wall, in the corners, and over several reflections.
-TEST(Reflection, BeyondAWallIsTheMirrorImage) {
+TEST(Reflection, MirrorsABeliefBeyondAWall) {
   std::mt19937_64 rng(17);
   for (int i = 0; i < 100; ++i) {
     Gaussian inside;
@@ -252,7 +252,7 @@ TEST(Reflection, BeyondAWallIsTheMirrorImage) {
   }
 }
 
-TEST(Reflection, InACornerHasTheMomentsOfReflectedSamples) {
+TEST(Reflection, EqualsSampledMomentsInACorner) {
   std::mt19937_64 rng(3);
   std::normal_distribution<double> normal;
   Eigen::Matrix4d root;
@@ -284,7 +284,7 @@ TEST(Reflection, InACornerHasTheMomentsOfReflectedSamples) {
   EXPECT_TRUE(is_near(after.covariance, covariance, 0.1));
 }
 
-TEST(Inset, LeavesTheMiddleOfADiscWhatTheDiscTouchesNothingAt) {
+TEST(Inset, IsTheSpaceForTheCentreOfADisc) {
   const models::World world{{{-4.0, -2.0}, {4.0, 2.0}}, 3.0, {{{{1.0, 0.0}, {2.0, 1.0}}, 2.5}}, {}};
   const models::World room = inset(world, 0.2);
   EXPECT_EQ(room.bounds.min_m, Eigen::Vector2d(-3.8, -1.8));
@@ -295,7 +295,7 @@ TEST(Inset, LeavesTheMiddleOfADiscWhatTheDiscTouchesNothingAt) {
 }
 
 // A target turns back when its side touches the wall, one radius before its centre would.
-TEST(Reflection, IsWhereATargetsSideMeetsTheWall) {
+TEST(Reflection, IsAtTheTargetsRadiusFromTheWall) {
   FilterSpec spec = test::open_spec({models::TargetKind::kDoubleIntegrator, 2, 1e-6},
                                     test::far_sighted(models::SensorKind::kRangeBearing), 1);
   spec.estimator.targets_stay_inside = true;
@@ -313,7 +313,7 @@ TEST(Reflection, IsWhereATargetsSideMeetsTheWall) {
 
 // Simulated truth: targets that turn back at the walls, in steps of 20 ms, and are observed at the
 // start only.
-TEST(Reflection, KeepsTheFilterHonestAboutATargetLostAtTheWall) {
+TEST(Reflection, KeepsTheFilterConsistentAtTheWall) {
   const models::TargetModel drift{models::TargetKind::kDoubleIntegrator, 2, 0.001};
   std::mt19937_64 rng(21);
   std::normal_distribution<double> normal;
@@ -366,7 +366,7 @@ TEST(Reflection, KeepsTheFilterHonestAboutATargetLostAtTheWall) {
 }
 
 // A corridor without width has no inside to turn back to.
-TEST(Reflection, ChangesNothingBetweenWallsThatAreInOnePlace) {
+TEST(Reflection, ChangesNothingBetweenCoincidentWalls) {
   Gaussian belief;
   belief.mean = Eigen::Vector4d(3.9, 2.1, 0.4, -0.3);
   belief.covariance = 0.25 * Eigen::Matrix4d::Identity();

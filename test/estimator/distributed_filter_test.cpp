@@ -103,11 +103,11 @@ void expect_textbook(SensorKind kind) {
   ::testing::Test::RecordProperty("worst_difference", std::to_string(worst));
 }
 
-TEST(DistributedFilter, OfOneRobotIsTheJointKalmanFilterForALinearSensor) {
+TEST(DistributedFilter, OfOneRobotEqualsTheJointKalmanFilter) {
   expect_textbook(SensorKind::kPosition);
 }
 
-TEST(DistributedFilter, OfOneRobotIsTheJointExtendedKalmanFilterForRangeAndBearing) {
+TEST(DistributedFilter, OfOneRobotEqualsTheJointExtendedKalmanFilter) {
   expect_textbook(SensorKind::kRangeBearing);
 }
 
@@ -145,7 +145,7 @@ TEST(DistributedFilter, OfOneRobotIsConsistentOnItsOwnModel) {
   EXPECT_LE(nees, test::chi2_quantile(dof, 1.96));
 }
 
-TEST(DistributedFilter, UsesALookBetweenTwoStepsAtItsOwnTime) {
+TEST(DistributedFilter, UsesAMeasurementBetweenStepsAtItsTime) {
   const models::TargetModel model{TargetKind::kDoubleIntegrator, 2, 0.5};
   const models::SensorModel sensor = test::far_sighted(SensorKind::kPosition);
   std::mt19937_64 rng(5);
@@ -168,7 +168,7 @@ TEST(DistributedFilter, UsesALookBetweenTwoStepsAtItsOwnTime) {
 
 /// Two filters over the same world; one of them receives the observations of `late_steps` `delay`
 /// steps later.
-class LateLooks : public ::testing::Test {
+class LateMeasurements : public ::testing::Test {
  protected:
   void run(int delay, int history_steps) {
     const models::TargetModel model{TargetKind::kDoubleIntegrator, 2, 0.01};
@@ -219,7 +219,7 @@ class LateLooks : public ::testing::Test {
   FilterCounters timely_counters_;
 };
 
-TEST_F(LateLooks, GiveTheBeliefOfTimelyOnes) {
+TEST_F(LateMeasurements, GiveTheBeliefOfTimelyOnes) {
   run(3, 8);
   EXPECT_EQ(counters_.late_measurements, 4);
   EXPECT_EQ(counters_.too_late_measurements, 0);
@@ -238,13 +238,13 @@ TEST_F(LateLooks, GiveTheBeliefOfTimelyOnes) {
   EXPECT_EQ(a_.last_seen_utime, b_.last_seen_utime);
 }
 
-TEST_F(LateLooks, BeyondTheHistoryAreCountedAndDropped) {
+TEST_F(LateMeasurements, BeyondTheHistoryAreCountedAndDropped) {
   run(3, 3);
   EXPECT_EQ(counters_.late_measurements, 0);
   EXPECT_EQ(counters_.too_late_measurements, 4);
 }
 
-TEST(DistributedFilter, DiscoversWithTheNoiseOfTheFirstLook) {
+TEST(DistributedFilter, DiscoversWithTheNoiseOfTheFirstMeasurement) {
   const models::TargetModel model{TargetKind::kDoubleIntegrator, 2, 0.001};
   const models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
   std::mt19937_64 rng(3);
@@ -271,7 +271,7 @@ TEST(DistributedFilter, DiscoversWithTheNoiseOfTheFirstLook) {
       is_near(g.covariance.bottomRightCorner(2, 2), 0.25 * Eigen::Matrix2d::Identity(), 1e-9));
 }
 
-TEST(DistributedFilter, CannotDiscoverByRangeAloneAndCountsIt) {
+TEST(DistributedFilter, CountsRangesThatCannotDiscoverATarget) {
   const models::SensorModel sensor = test::far_sighted(SensorKind::kRange);
   std::mt19937_64 rng(3);
   DistributedFilter filter(open_spec({TargetKind::kStatic, 2, 0.0}, sensor, 1));
@@ -280,7 +280,7 @@ TEST(DistributedFilter, CannotDiscoverByRangeAloneAndCountsIt) {
   EXPECT_EQ(filter.counters().undiscoverable, 1);
 }
 
-TEST(DistributedFilter, CountsEverythingItDoesNotUse) {
+TEST(DistributedFilter, CountsEveryUnusedInput) {
   const models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
   std::mt19937_64 rng(4);
   DistributedFilter filter(gated_spec({TargetKind::kStatic, 2, 0.0}, sensor, 1, 4.0));
@@ -317,7 +317,7 @@ TEST(DistributedFilter, CountsEverythingItDoesNotUse) {
 
 // A starting filter receives a teammate's observation and a belief that already contains it: it
 // counts once.
-TEST(DistributedFilter, CountsALookOfItsBeginningOnce) {
+TEST(DistributedFilter, CountsAMeasurementOfItsStartOnce) {
   const models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
   std::mt19937_64 rng(14);
   FilterSpec spec = open_spec({TargetKind::kStatic, 2, 0.0}, sensor, 1);
@@ -373,7 +373,7 @@ TEST(DistributedFilter, StepsWithoutAllocating) {
   EXPECT_GT(filter.counters().missed_detections, 0);
 }
 
-TEST(DistributedFilter, MarksWhatTheLookCovered) {
+TEST(DistributedFilter, MarksTheObservedCells) {
   models::SensorModel sensor;
   sensor.range_max_m = 3.0;
   FilterSpec spec = open_spec({TargetKind::kStatic, 2, 0.0}, sensor, 1);
@@ -392,12 +392,10 @@ TEST(DistributedFilter, MarksWhatTheLookCovered) {
   EXPECT_EQ(seen(4.2, 1.2), models::VisibilityGrid::kNeverSeen);
 }
 
-TEST(FilterSpec, RefusesARobotThatIsNotInTheScenario) {
-  EXPECT_THROW(filter_spec({}, "Q1"), UsageError);
-}
+TEST(FilterSpec, RefusesAnUnknownRobot) { EXPECT_THROW(filter_spec({}, "Q1"), UsageError); }
 
 // An observation from before a rebase is always too late.
-TEST(DistributedFilter, GoesBackNoFartherThanItsLastRebase) {
+TEST(DistributedFilter, IgnoresMeasurementsBeforeTheLastRebase) {
   const models::TargetModel walk{models::TargetKind::kRandomWalk, 2, 0.1};
   models::SensorModel position;
   position.kind = models::SensorKind::kPosition;
@@ -439,7 +437,7 @@ TEST(DistributedFilter, GoesBackNoFartherThanItsLastRebase) {
   }
 }
 
-TEST(FilterCounters, AreNamedOnceTheyCount) {
+TEST(FilterCounters, AreListedWhenNonZero) {
   FilterCounters counters;
   std::vector<std::pair<std::string, std::int64_t>> expected, named;
   const auto count = [&](const char* name, std::int64_t& counter) {

@@ -27,7 +27,7 @@ class ExplorationLandmarks : public ::testing::Test {
   ExplorationSpec spec_;
 };
 
-TEST_F(ExplorationLandmarks, LieOnTheEdgeOfWhatHasBeenSeenNearestFirst) {
+TEST_F(ExplorationLandmarks, AreFrontiersNearestFirst) {
   grid_.see(sensor_, at(0, 0), world_, instant(0));
   const Eigen::Vector2d from_m(0.5, -1.0);
   const auto landmarks = exploration_landmarks(grid_, spec_, from_m, instant(1));
@@ -45,7 +45,7 @@ TEST_F(ExplorationLandmarks, LieOnTheEdgeOfWhatHasBeenSeenNearestFirst) {
   }
 }
 
-TEST_F(ExplorationLandmarks, AreGoneWhereTheRobotHasLookedAndBackWhenMemoryFades) {
+TEST_F(ExplorationLandmarks, ReturnWhenTheMemoryExpires) {
   grid_.see(sensor_, at(0, 0), world_, instant(0));
   const auto before = exploration_landmarks(grid_, spec_, {0.0, 0.0}, instant(1));
   ASSERT_FALSE(before.empty());
@@ -62,7 +62,7 @@ TEST_F(ExplorationLandmarks, AreGoneWhereTheRobotHasLookedAndBackWhenMemoryFades
   EXPECT_FALSE(exploration_landmarks(grid_, spec_, {0.0, 0.0}, instant(100)).empty());
 }
 
-TEST_F(ExplorationLandmarks, AreNoneWhenNoneAreWanted) {
+TEST_F(ExplorationLandmarks, AreEmptyWhenTheLimitIsZero) {
   spec_.landmarks_max = 0;
   EXPECT_TRUE(exploration_landmarks(grid_, spec_, {0.0, 0.0}, instant(0)).empty());
 }

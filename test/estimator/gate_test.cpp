@@ -17,7 +17,7 @@ using namespace test::words;  // NOLINT(google-build-using-namespace): made for 
 using vantage::test::is_near;
 
 // Two stationary targets whose ids are swapped in every tenth scan.
-TEST(DistributedFilter, WithAGateDoesNotMindSwappedIds) {
+TEST(DistributedFilter, GateRejectsSwappedIds) {
   const models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
   const std::vector<Eigen::Vector2d> truth = {{4.0, 0.0}, {0.0, 4.0}};
   for (const bool is_gated : {false, true}) {
@@ -43,7 +43,7 @@ TEST(DistributedFilter, WithAGateDoesNotMindSwappedIds) {
 
 // A false alarm with an unused id starts a track. The first detection of the true target is gated,
 // the second one replaces the track.
-TEST(DistributedFilter, WithAGateLetsGoOfWhatAFalseIdFounded) {
+TEST(DistributedFilter, GateDropsATrackOfAFalseId) {
   const models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
   std::mt19937_64 rng(6);
   DistributedFilter filter(gated_spec({TargetKind::kStatic, 2, 0.0}, sensor, 1, 4.0));
@@ -60,7 +60,7 @@ TEST(DistributedFilter, WithAGateLetsGoOfWhatAFalseIdFounded) {
 
 // A detection outside the gate has a wrong id, or its target moved unexpectedly. Until the next
 // detection the covariance covers both hypotheses; the next one decides.
-TEST(DistributedFilter, WithAGateBelievesInBothUntilTheNextLook) {
+TEST(DistributedFilter, GateKeepsBothHypothesesUntilTheNextMeasurement) {
   const models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
   const models::TargetModel model{TargetKind::kDoubleIntegrator, 2, 0.001};
   const Eigen::Vector2d here_m(4.0, 0.0);
@@ -97,7 +97,7 @@ TEST(DistributedFilter, WithAGateBelievesInBothUntilTheNextLook) {
 }
 
 // The belief of a teammate without the gated detection does not cancel the doubt.
-TEST(DistributedFilter, DoubtsUntilItsOwnNextLookWhateverTeammatesBelieve) {
+TEST(DistributedFilter, GateIsResolvedByItsOwnNextMeasurementOnly) {
   const models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
   std::mt19937_64 rng(13);
   FilterSpec spec = gated_spec({TargetKind::kStatic, 2, 0.0}, sensor, 1, 4.0);
@@ -127,7 +127,7 @@ TEST(DistributedFilter, DoubtsUntilItsOwnNextLookWhateverTeammatesBelieve) {
 
 // A range alone does not locate a target. Detections outside the gate are therefore used, or the
 // belief would never move.
-TEST(DistributedFilter, DoesNotGateWhatCannotBeDiscovered) {
+TEST(DistributedFilter, DoesNotGateRangesAndBearings) {
   const models::SensorModel sensor = test::far_sighted(SensorKind::kRange);
   std::mt19937_64 rng(12);
   DistributedFilter filter(gated_spec({TargetKind::kStatic, 2, 0.0}, sensor, 1, 4.0));

@@ -9,7 +9,7 @@ namespace {
 
 // The rule has 12 points. It is exact for every polynomial up to degree 23, and is the only such
 // rule.
-TEST(GaussLegendre, IsExactOfPolynomialsOfUpToTheTwentyThirdDegree) {
+TEST(GaussLegendre, IsExactForPolynomialsUpToDegree23) {
   for (int degree = 0; degree <= 23; ++degree) {
     double sum = 0.0;
     for (std::size_t i = 0; i < kLegendrePoints; ++i) {

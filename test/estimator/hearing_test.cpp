@@ -43,7 +43,7 @@ Gaussian around(double x_m, double y_m, const Eigen::Matrix2d& covariance_m2) {
 
 const std::vector<Gaussian> kOne = {around(3.0, 4.0, 0.5 * Eigen::Matrix2d::Identity())};
 
-TEST(Hearing, IsOfBeliefsThatAreAsOldAsStatedAndNotOfTheFuture) {
+TEST(Hearing, AcceptsBeliefsUpToTheStatedAge) {
   const models::RobotBelief told = told_by("Q2", instant(9), kOne);
   const auto after = [&](Time now) {
     DistributedFilter filter(still_spec(1));
@@ -68,7 +68,7 @@ TEST(Hearing, IsOfBeliefsThatAreAsOldAsStatedAndNotOfTheFuture) {
 }
 
 // The range limit holds for beliefs and for observations, and is a distance in space.
-TEST(Hearing, ReachesExactlyAsFarAsTheRadio) {
+TEST(Hearing, HasExactlyTheRadioRange) {
   for (const double aside : {-1.0, 1.0}) {
     for (const auto& [height_m, is_near] : {std::pair(0.0, true), std::pair(0.01, false)}) {
       FilterSpec spec = still_spec(1);
@@ -91,7 +91,7 @@ TEST(Hearing, ReachesExactlyAsFarAsTheRadio) {
   }
 }
 
-TEST(Hearing, CountsWhoIsInRangeAtEachStepAnew) {
+TEST(Hearing, CountsTeammatesInRangeAtEachStep) {
   DistributedFilter filter(still_spec(1));
   std::vector<models::RobotBelief> told = {told_by("Q2", instant(1), kOne),
                                            told_by("Q3", instant(1), kOne),
@@ -105,7 +105,7 @@ TEST(Hearing, CountsWhoIsInRangeAtEachStepAnew) {
 
 // Weights are proportional to √det Ω, in any order of arrival. The last observation is the latest
 // of any robot.
-TEST(Hearing, IsTheWeightedMeanOfAllWhoKnowATarget) {
+TEST(BeliefFusion, FirstBeliefIsWeightedMeanOfTeammates) {
   const std::vector<Gaussian> of_one = {
       around(1.0, 0.0, Eigen::Vector2d(0.25, 1.0).asDiagonal()),               // Ω of 4 and 1
       around(3.0, 2.0, Eigen::Vector2d(1.0 / 9, 1.0 / 9).asDiagonal()),        // 9 and 9
@@ -136,7 +136,7 @@ TEST(Hearing, IsTheWeightedMeanOfAllWhoKnowATarget) {
 }
 
 // Compared with a search over all κ.
-TEST(Hearing, TakesAsMuchOfATeammateAsMakesTheDeterminantLargest) {
+TEST(Hearing, WeightsATeammateToMaximiseTheDeterminant) {
   vantage::test::Random random(6);
   int between = 0;
   for (int trial = 0; trial < 60; ++trial) {
@@ -175,7 +175,7 @@ TEST(Hearing, TakesAsMuchOfATeammateAsMakesTheDeterminantLargest) {
   EXPECT_GT(between, 20);
 }
 
-TEST(Hearing, CountsWhatIsNoBeliefAboutATargetThatThereIs) {
+TEST(Hearing, CountsBeliefsOfUnknownTargets) {
   const models::TargetModel model{TargetKind::kDoubleIntegrator, 2, 0.1};
   FilterSpec spec = open_spec(model, test::far_sighted(SensorKind::kPosition), 3);
   spec.communication_range_m = 5.0;
@@ -218,7 +218,7 @@ TEST(Hearing, CountsWhatIsNoBeliefAboutATargetThatThereIs) {
   }
 }
 
-TEST(Hearing, MindsNoBeliefWithoutAGridAndCountsOneOfAnother) {
+TEST(BeliefFusion, CountsGridMismatchOnlyWhenGridIsPresent) {
   DistributedFilter filter(still_spec(1));
   models::RobotBelief told = told_by("Q2", instant(1), kOne);
   take_step(filter, instant(1), at(0, 0), {}, {told});
@@ -236,7 +236,7 @@ TEST(Hearing, MindsNoBeliefWithoutAGridAndCountsOneOfAnother) {
 
 // A belief that is two steps old is predicted with the walls of both steps. Receiving the filter's
 // own old belief therefore changes neither mean nor covariance.
-TEST(Hearing, TakesWhatIsOldToTheWallsThatItHasMetSince) {
+TEST(Hearing, ReflectsOldBeliefsAtWalls) {
   for (const bool stay_inside : {false, true}) {
     for (const double x_m : {0.0, 19.7}) {
       FilterSpec spec = open_spec({TargetKind::kDoubleIntegrator, 2, 0.001},
@@ -262,7 +262,7 @@ TEST(Hearing, TakesWhatIsOldToTheWallsThatItHasMetSince) {
 }
 
 // A filter restarted from a belief publishes the same belief.
-TEST(Rebase, GoesOnFromAllThatABeliefSays) {
+TEST(Rebase, ContinuesFromACompleteBelief) {
   DistributedFilter filter(still_spec(5));
   models::RobotBelief before = told_by("Q1", instant(3),
                                        {around(1, 2, 0.3 * Eigen::Matrix2d::Identity()),
@@ -298,7 +298,7 @@ TEST(Rebase, GoesOnFromAllThatABeliefSays) {
   EXPECT_EQ(filter.counters().steps_out_of_order, 1);
 }
 
-TEST(Rebase, CountsWhatIsNotOfThisFilter) {
+TEST(Rebase, CountsBeliefsOfAnotherFilter) {
   DistributedFilter filter(still_spec(2));
   models::RobotBelief before = told_by("Q1", instant(3), {kOne[0], kOne[0], kOne[0], kOne[0]});
   before.targets[0].target_id = -1;
@@ -324,7 +324,7 @@ TEST(Rebase, CountsWhatIsNotOfThisFilter) {
   EXPECT_EQ(filter.grid().last_seen_utime()[0], models::VisibilityGrid::kNeverSeen);
 }
 
-TEST(FilterSpec, IsWhatTheScenarioSaysOfARobotAndItsTeam) {
+TEST(FilterSpec, IsReadFromTheScenario) {
   scenario::Scenario scenario;
   scenario.world.bounds = {{-3.0, -2.0}, {5.0, 4.0}};
   for (int i = 0; i < 3; ++i) {
@@ -373,7 +373,7 @@ TEST(FilterSpec, IsWhatTheScenarioSaysOfARobotAndItsTeam) {
   EXPECT_EQ(DistributedFilter(spec).belief().viewpoint.height_m, 1.5);
 }
 
-TEST(DistributedFilter, RefusesSpecsThatMakeNoSense) {
+TEST(DistributedFilter, RefusesInvalidSpecs) {
   const auto is_refused = [](auto change) {
     FilterSpec spec = still_spec(1);
     change(spec);
@@ -396,7 +396,7 @@ TEST(DistributedFilter, RefusesSpecsThatMakeNoSense) {
 
 // Each case alone: an unknown target id, a second detection of one target, a covariance of the
 // wrong size.
-TEST(DistributedFilter, CountsEachDetectionThatItCannotUse) {
+TEST(DistributedFilter, CountsEachUnusableDetection) {
   const FilterSpec spec = still_spec(3);
   std::mt19937_64 rng(2);
   const models::DetectionSet good =

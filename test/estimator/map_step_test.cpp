@@ -104,7 +104,7 @@ class MapPublisherTest : public ::testing::Test {
   }
 };
 
-TEST_F(MapPublisherTest, AddsUpTheNewestOfEachRunOfATeammate) {
+TEST_F(MapPublisherTest, SumsTheNewestMapOfEachRunOfATeammate) {
   say(10, 0, -3);
   EXPECT_EQ(step(0).team_looks[0], -3);
   const models::InputRef of_first = say(10, 1, -4);
@@ -124,7 +124,7 @@ TEST_F(MapPublisherTest, CountsMapsOfAnotherGrid) {
   EXPECT_EQ(count("map.malformed_maps"), 1);
 }
 
-TEST_F(MapPublisherTest, KeepsSoManyRunsOfATeammateWhoseEstimatorStartsOverAndOver) {
+TEST_F(MapPublisherTest, LimitsTheRunsOfATeammate) {
   models::RobotMap map;
   std::vector<models::InputRef> said;
   for (int run = 0; run < 40; ++run) {
@@ -139,7 +139,7 @@ TEST_F(MapPublisherTest, KeepsSoManyRunsOfATeammateWhoseEstimatorStartsOverAndOv
   EXPECT_EQ(count("map.runs_forgotten"), 24);
 }
 
-TEST_F(MapPublisherTest, CountsEachScanInTheStepOfItsTime) {
+TEST_F(MapPublisherTest, AssignsEachScanToTheStepOfItsTime) {
   const models::InputRef first = scan(0);
   const models::InputRef second = scan(1);
   const models::InputRef later = scan(2);
@@ -158,7 +158,7 @@ TEST_F(MapPublisherTest, CountsEachScanInTheStepOfItsTime) {
   EXPECT_TRUE(publisher_.counters().empty());
 }
 
-TEST_F(MapPublisherTest, KeepsTheNewestOfMoreScansThanItHasRoomFor) {
+TEST_F(MapPublisherTest, KeepsTheNewestScans) {
   constexpr std::size_t kRoom = 64;
   std::vector<models::InputRef> scans;
   for (std::size_t i = 0; i < kRoom; ++i) {
@@ -174,7 +174,7 @@ TEST_F(MapPublisherTest, KeepsTheNewestOfMoreScansThanItHasRoomFor) {
   EXPECT_EQ(own_looks_here(), -static_cast<int>(kRoom));
 }
 
-TEST_F(MapPublisherTest, BelievesNobodyUnderAnothersName) {
+TEST_F(MapPublisherTest, IgnoresMapsUnderAnotherRobotsName) {
   scan(0, "Q2");
   models::RobotMap map;
   map.stamp.time = time_of(0);
@@ -191,7 +191,7 @@ TEST_F(MapPublisherTest, BelievesNobodyUnderAnothersName) {
 }
 
 // Maps from outside radio range are ignored; maps received earlier are kept.
-TEST_F(MapPublisherTest, TakesUpWhatComesFromWithinTheRadiosRange) {
+TEST_F(MapPublisherTest, MergesMapsWithinRadioRange) {
   scenario_.network.communication_range_m = 0.5;
   const auto far_end = hub_.connect();
   bus::Bus far_bus(*far_end, 7);
@@ -217,7 +217,7 @@ TEST_F(MapPublisherTest, TakesUpWhatComesFromWithinTheRadiosRange) {
 }
 
 // Repeats the maps of a flight under another prefix, using only the inputs that each map names.
-TEST_F(MapPublisherTest, IsReplayedFromWhatItsMapsName) {
+TEST_F(MapPublisherTest, IsReproducedFromItsNamedInputs) {
   MapReplayer replayer(replay_bus_, scenario_, "Q1");
   std::vector<models::RobotMap> again;
   ear_.subscribe<models::RobotMap>(bus::Channel<models::RobotMap>{"REPLAY_MAP_Q1"},

@@ -74,7 +74,7 @@ State turned(const State& x, double by_rad, bool mirrored) {
   return out;
 }
 
-TEST(Meet, WhoWalkIntoEachOtherTurnBackThere) {
+TEST(Samples, WalkIntoReversesBothVelocitiesAtTheMeetingPoint) {
   // 2 m apart, closing at 2 m/s: they meet after 0.8 s. In every direction, and mirrored.
   for (int quarter = 0; quarter < 4; ++quarter) {
     for (const bool mirrored : {false, true}) {
@@ -89,7 +89,7 @@ TEST(Meet, WhoWalkIntoEachOtherTurnBackThere) {
   }
 }
 
-TEST(Meet, WhoIsOvertakenGoesOn) {
+TEST(Samples, WalkIntoKeepsVelocityOfTheOvertakenTarget) {
   // 1 m behind and 0.8 m/s faster: they meet after 0.75 s.
   const Met met = after(exactly({0.0, 0.0, 0.2, 0.0}), exactly({-1.0, 0.0, 1.0, 0.0}), 1.0);
   EXPECT_FALSE(met.one_has);
@@ -97,13 +97,13 @@ TEST(Meet, WhoIsOvertakenGoesOn) {
   EXPECT_TRUE(is_near(met.other.mean, State(-0.25 - 0.25, 0.0, -1.0, 0.0), 1e-3));
 }
 
-TEST(Meet, WhoStandsIsWalkedIntoAndStays) {
+TEST(Samples, WalkIntoKeepsAStationaryTargetStationary) {
   const Met met = after(exactly({0.0, 1.0, 0.0, 0.0}), exactly({0.0, -1.0, 0.0, 1.0}), 2.0);
   EXPECT_TRUE(is_near(met.one.mean, State(0.0, 1.0, 0.0, 0.0), 1e-3));
   EXPECT_TRUE(is_near(met.other.mean, State(0.0, 0.6 - 0.4, 0.0, -1.0), 1e-3));
 }
 
-TEST(Meet, ByTheComponentThatTakesItAway) {
+TEST(Samples, WalkIntoReversesTheApproachingComponent) {
   // From below, nearly along y; then from the left, nearly along x.
   const Met y = after(exactly({0.05, -1.0, 0.3, 1.0}), exactly({0.2, 0.0, 0.0, 0.0}), 1.0);
   EXPECT_TRUE(is_near(y.one.mean.tail<2>(), Eigen::Vector2d(0.3, -1.0), 1e-3));
@@ -111,7 +111,7 @@ TEST(Meet, ByTheComponentThatTakesItAway) {
   EXPECT_TRUE(is_near(x.one.mean.tail<2>(), Eigen::Vector2d(-1.0, 0.3), 1e-3));
 }
 
-TEST(Meet, OnlyWithinTheTimeAndTheDistance) {
+TEST(Meet, HappensWithinTheTimeAndDistanceOnly) {
   const State from_left(0.0, 0.0, 1.0, 0.0);
   const auto is_met = [&](double aside_m, double dt_s) {
     return after(exactly(from_left), exactly({2.0, aside_m, -1.0, 0.0}), dt_s).one_has;
@@ -124,7 +124,7 @@ TEST(Meet, OnlyWithinTheTimeAndTheDistance) {
   }
 }
 
-TEST(Meet, NothingChangesWhereNobodyMeets) {
+TEST(Samples, WalkIntoChangesNothingWithoutAMeeting) {
   Samples one = samples_of(around({0.0, 0.0, -1.0, 0.0}, 0.1, 0.05));
   const Samples other = samples_of(around({2.0, 0.0, 1.0, 0.0}, 0.1, 0.05));
   const Gaussian before = one.moments();
@@ -133,7 +133,7 @@ TEST(Meet, NothingChangesWhereNobodyMeets) {
   EXPECT_EQ(one.moments().covariance, before.covariance);
 }
 
-TEST(Meet, AsOftenInPartsAsAtOnce) {
+TEST(Meet, IsIndependentOfTheStepLength) {
   // One target moves and one is stationary. Their uncertain positions overlap; samples that start
   // within the minimum distance do not count as a meeting.
   const Gaussian walks = around({0.0, 0.0, 0.5, 0.0}, 1.0, 0.02);
@@ -160,7 +160,7 @@ TEST(Meet, AsOftenInPartsAsAtOnce) {
   EXPECT_NEAR(slower_mps(5) / slower_mps(1), 1.0, 0.15);
 }
 
-TEST(Meet, MoreOftenWithWhatWeighsMore) {
+TEST(Samples, WalkIntoWeightsMeetingsBySampleWeight) {
   // The other target is equally likely to be on the left or on the right. An empty scan of the left
   // almost excludes it there, so a target that moves on the left rarely meets it.
   const models::SensorModel sensor = [] {
@@ -215,7 +215,7 @@ State drawn(const Gaussian& belief, std::mt19937_64& rng) {
   return State(belief.mean) + L * test::normal_vector(4, rng);
 }
 
-TEST(Meet, IsOfBeliefsWhatBruteForceMakesOfThem) {
+TEST(Samples, WalkIntoAgreesWithBruteForce) {
   // They probably meet within 2 s, but may miss each other.
   const Gaussian one = around({0.0, 0.0, 0.8, 0.1}, 0.25, 0.15);
   const Gaussian other = around({1.6, 0.3, -0.5, 0.0}, 0.25, 0.15);
@@ -264,7 +264,7 @@ DistributedFilter knows_two(double radius_m) {
   return filter;
 }
 
-TEST(MeetingsOfAFilter, KnowHowWrongTheyAreOfWhoMetUnseen) {
+TEST(DistributedFilter, IsConsistentAfterUnobservedMeetings) {
   test::MeanNees with;
   test::MeanNees without;
   std::mt19937_64 rng(11);
@@ -295,7 +295,7 @@ TEST(MeetingsOfAFilter, KnowHowWrongTheyAreOfWhoMetUnseen) {
   EXPECT_GT(without.mean(), 20.0);
 }
 
-TEST(MeetingsOfAFilter, HappenToWhatATeammateToldOfTheStepBeforeAsWell) {
+TEST(MeetingsOfAFilter, ApplyToATeammatesBeliefOfTheLastStep) {
   // A belief sent before the meeting and predicted without the meeting would be too certain, and
   // would win the fusion.
   DistributedFilter alone = knows_two(0.2);
@@ -315,7 +315,7 @@ TEST(MeetingsOfAFilter, HappenToWhatATeammateToldOfTheStepBeforeAsWell) {
   }
 }
 
-TEST(MeetingsOfAFilter, AreTheSameForAllWhoHeardTheSameAndOfALookThatComesLate) {
+TEST(MeetingsOfAFilter, AreIndependentOfTheArrivalOrder) {
   const auto look = [](int step) {
     models::DetectionSet set;
     set.stamp.time = instant(step);
@@ -354,7 +354,7 @@ TEST(MeetingsOfAFilter, AreTheSameForAllWhoHeardTheSameAndOfALookThatComesLate) 
   }
 }
 
-TEST(MeetingsOfAFilter, LeaveAloneWhoMeetsNobody) {
+TEST(DistributedFilter, PredictsAsUsualWithoutMeetings) {
   DistributedFilter filter(spec_of_two(0.2));
   const std::vector<Gaussian> apart = {around({0.0, 0.0, -0.6, 0.1}, 0.08, 0.05),
                                        around({9.0, 0.2, 0.5, 0.0}, 0.08, 0.05)};
@@ -382,7 +382,7 @@ TEST(MeetingsOfAFilter, AllocateNothing) {
 
 // Both targets turn back, whatever their ids and table positions. A target far from both gets no
 // samples.
-TEST(Meetings, TurnBothBackWhateverTheirNumbers) {
+TEST(Meetings, ReverseBothTargetsForAnyIds) {
   const State from_left(0.0, 0.0, 1.0, 0.0);
   const State from_right(2.0, 0.0, -1.0, 0.0);
   const State far(0.0, 9.0, 0.0, -1.0);
@@ -410,7 +410,7 @@ TEST(Meetings, TurnBothBackWhateverTheirNumbers) {
 }
 
 // Meetings are checked from exactly the distance on at which the two can meet within the time.
-TEST(Meetings, LookForWhoCanJustComeThere) {
+TEST(Meetings, IncludeTargetsThatCanJustReachEachOther) {
   constexpr double kTime_s = 1.5;
   for (int quarter = 0; quarter < 4; ++quarter) {
     for (const double share :

@@ -29,7 +29,7 @@ models::SensorModel disc(double range_max_m) {
 
 Gaussian standard() { return {Eigen::Vector2d(2.0, 0.0), Eigen::Matrix2d::Identity()}; }
 
-TEST(ProductRule, ReachesAsFarAsItsFarthestPointAndNotMuchFarther) {
+TEST(ProductRule, HasTheRangeOfItsFarthestPoint) {
   models::PositionMatrix L = models::PositionMatrix::Zero(2, 2);
   L << 0.5, 0.0, -0.2, 0.3;
   const ProductRule& rule = ProductRule::of(2);
@@ -45,7 +45,7 @@ TEST(ProductRule, ReachesAsFarAsItsFarthestPointAndNotMuchFarther) {
   EXPECT_LE(rule.reach_m(L), 1.5 * farthest_m);
 }
 
-TEST(MissedDetection, ChangesNothingWhenNothingOfTheBeliefWasCovered) {
+TEST(MissedDetection, ChangesNothingOutsideTheView) {
   const Gaussian belief = standard();
   const Gaussian after = missed_detection(belief, disc(1.0), at(-10, 0), kOpen, 0.9);
   EXPECT_EQ(after.mean, belief.mean);
@@ -53,14 +53,14 @@ TEST(MissedDetection, ChangesNothingWhenNothingOfTheBeliefWasCovered) {
   EXPECT_EQ(missed_detection(belief, disc(1.0), at(2, 0), kOpen, 0.0).mean, belief.mean);
 }
 
-TEST(MissedDetection, ChangesNothingWhenAllOfTheBeliefWasCovered) {
+TEST(MissedDetection, ChangesNothingWhenTheBeliefIsFullyInView) {
   const Gaussian belief = standard();
   const Gaussian after = missed_detection(belief, disc(50.0), at(0, 0), kOpen, 0.9);
   EXPECT_TRUE(is_near(after.mean, belief.mean, 1e-12));
   EXPECT_TRUE(is_near(after.covariance, belief.covariance, 1e-12));
 }
 
-TEST(MissedDetection, OfAHalfPlaneHasTheMomentsOfTheTruncatedNormal) {
+TEST(MissedDetection, EqualsTheTruncatedNormalForAHalfPlane) {
   // A wide field of view, far away, covers x < 2 + a of N((2, 0), I) and never misses what is
   // there: what is left is u > a, mean λ = φ(a)/(1 − Φ(a)), variance 1 + aλ − λ². The edge lies
   // midway between two columns of the rule.
@@ -76,7 +76,7 @@ TEST(MissedDetection, OfAHalfPlaneHasTheMomentsOfTheTruncatedNormal) {
   EXPECT_NEAR(after.covariance(1, 1), 1.0, 0.02);
 }
 
-TEST(MissedDetection, OfAHoleInTheMiddleWidensTheBelief) {
+TEST(MissedDetection, WidensABeliefAroundAnObservedCentre) {
   const Gaussian after = missed_detection(standard(), disc(1.0), at(2, 0), kOpen, 0.9);
   EXPECT_TRUE(is_near(after.mean, standard().mean, 1e-12));
   // ∫ over the covered disc in closed form: Z = 1 − p(1 − e^−½), E[r²] = 2 − p(2 − 3e^−½).
@@ -87,7 +87,7 @@ TEST(MissedDetection, OfAHoleInTheMiddleWidensTheBelief) {
   EXPECT_NEAR(after.covariance(1, 1), variance, 0.05);
 }
 
-TEST(MissedDetection, SeesNothingThroughAWall) {
+TEST(MissedDetection, RespectsLineOfSight) {
   models::World walled = kOpen;
   walled.obstacles.push_back({{{-1.0, -15.0}, {-0.8, 15.0}}, 10.0});
   const Gaussian after = missed_detection(standard(), disc(50.0), at(-10, 0), walled, 0.9);
@@ -97,7 +97,7 @@ TEST(MissedDetection, SeesNothingThroughAWall) {
   EXPECT_GT(open.mean(0), after.mean(0) + 0.2);
 }
 
-TEST(MissedDetection, MovesVelocityThroughItsCorrelation) {
+TEST(MissedDetection, UpdatesTheCorrelatedVelocity) {
   Gaussian belief{Eigen::Vector4d(2.0, 0.0, 0.0, 0.0), Eigen::Matrix4d::Identity()};
   belief.covariance(0, 2) = belief.covariance(2, 0) = 0.8;
   const Gaussian after = missed_detection(belief, disc(1000.0), at(-998.0, 0), kOpen, 0.9);
@@ -132,7 +132,7 @@ TEST(MissedDetection, IsConsistentOverTruthsDrawnFromTheBelief) {
 }
 
 // The detection probability is given by the scenario and by the sensor: the smaller one is used.
-TEST(DistributedFilter, TakesAMissForNoMoreThanTheSensorAndTheScenarioSay) {
+TEST(DistributedFilter, WeightsAMissByTheSensorsMissProbability) {
   const Gaussian before = standard();
   for (const auto& [of_scenario, of_sensor] : {std::pair(0.9, 0.6), std::pair(0.6, 0.9)}) {
     FilterSpec spec = test::open_spec({models::TargetKind::kStatic, 2, 0.0},
@@ -177,7 +177,7 @@ TEST(MissedDetection, StaysSymmetricAndPositiveDefinite) {
 }
 
 // Teammates, including the robot itself, with different ranges and detection probabilities.
-TEST(DistributedFilter, TakesATeammatesMissForWhatThatOnesSensorMisses) {
+TEST(DistributedFilter, WeightsATeammatesMissByItsSensor) {
   const Gaussian before = standard();
   FilterSpec spec = test::open_spec({models::TargetKind::kStatic, 2, 0.0},
                                     test::far_sighted(models::SensorKind::kRangeBearing), 1);

@@ -21,7 +21,7 @@ Mixture random_mixture(test::Random& random, int count) {
   return mixture;
 }
 
-TEST(Moments, AreThoseOfTheSum) {
+TEST(Moments, EqualThoseOfTheMixture) {
   test::Random random(1);
   const Mixture mixture = random_mixture(random, 5);
   double weight = 0.0;
@@ -38,7 +38,7 @@ TEST(Moments, AreThoseOfTheSum) {
   EXPECT_TRUE(is_near(whole.covariance, square / weight - mean * mean.transpose(), 1e-12));
 }
 
-TEST(Reduce, KeepsWeightMeanAndCovarianceOfTheWhole) {
+TEST(Reduce, KeepsTotalWeightMeanAndCovariance) {
   test::Random random(2);
   for (int trial = 0; trial < 50; ++trial) {
     Mixture mixture = random_mixture(random, random.integer(1, 12));
@@ -60,7 +60,7 @@ TEST(Reduce, KeepsWeightMeanAndCovarianceOfTheWhole) {
   }
 }
 
-TEST(Reduce, DropsWhatWeighsNothingButNeverTheHeaviest) {
+TEST(Reduce, DropsZeroWeightsButKeepsTheHeaviest) {
   test::Random random(3);
   Mixture mixture = random_mixture(random, 3);
   mixture[0].weight = 1e-9;
@@ -77,7 +77,7 @@ Component at_x(double weight, double x_m, double sigma_m) {
   return {weight, {Eigen::Vector2d(x_m, 0.0), sigma_m * sigma_m * Eigen::Matrix2d::Identity()}};
 }
 
-TEST(Moments, AreNotOfWhatWeighsNothing) {
+TEST(Moments, IgnoreZeroWeights) {
   const Component one = at_x(0.3, 2.0, 0.5);
   const Mixture mixture = {at_x(0.0, -7.0, 3.0), at_x(0.0, 5.0, 2.0), one, at_x(0.0, 1.0, 9.0)};
   EXPECT_TRUE(is_near(moments(mixture).mean, one.belief.mean, 1e-12));
@@ -85,7 +85,7 @@ TEST(Moments, AreNotOfWhatWeighsNothing) {
 }
 
 // Distances are measured by the heavier component's covariance, in either order.
-TEST(Reduce, MergesWhatIsWithinSoManySigmaOfTheHeavier) {
+TEST(Reduce, MergesComponentsWithinTheGivenSigma) {
   for (const double other_sigma_m : {0.05, 5.0}) {
     for (const double side : {-1.0, 1.0}) {
       for (const bool is_lighter_first : {false, true}) {
@@ -105,7 +105,7 @@ TEST(Reduce, MergesWhatIsWithinSoManySigmaOfTheHeavier) {
 }
 
 // Merging widens a component but does not extend its merge distance.
-TEST(Reduce, JudgesByWhatTheHeavierWasAtFirst) {
+TEST(Reduce, ComparesWithTheOriginalHeavierComponent) {
   Mixture mixture = {at_x(0.5, 0.0, 0.5), at_x(0.3, 0.9, 0.5), at_x(0.2, 1.1, 0.5)};
   reduce(mixture, 8, 2.0, 0.0);
   ASSERT_EQ(mixture.size(), 2U);
@@ -116,7 +116,7 @@ TEST(Reduce, JudgesByWhatTheHeavierWasAtFirst) {
 
 // The nearest component is found by the covariance of the one that absorbs it: a wide one is near
 // from farther away.
-TEST(Reduce, GivesWhatIsTooManyToItsNearest) {
+TEST(Reduce, MergesExcessComponentsWithTheNearest) {
   for (const auto& [wide_m, is_to_wide] : {std::pair(1.0, false), std::pair(4.0, true)}) {
     Mixture mixture = {at_x(1.5, 0.0, wide_m), at_x(0.9, 10.0, 1.0), at_x(0.75, 6.0, 1.0),
                        at_x(0.03, -90.0, 1.0)};
@@ -130,7 +130,7 @@ TEST(Reduce, GivesWhatIsTooManyToItsNearest) {
   }
 }
 
-TEST(Reduce, DropsWhatWeighsLessThanItsShareAndNotJustAsMuch) {
+TEST(Reduce, DropsComponentsBelowTheWeightLimit) {
   for (const auto& [least, left] : {std::pair(0.25, 2U), std::pair(0.2501, 1U)}) {
     Mixture mixture = {at_x(1.0, 9.0, 1.0), at_x(3.0, 0.0, 1.0)};
     reduce(mixture, 2, 0.1, least);

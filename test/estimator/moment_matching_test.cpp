@@ -14,7 +14,7 @@ namespace {
 using models::Gaussian;
 using vantage::test::is_near;
 
-TEST(ProductRule, HasTheFirstMomentsOfTheNormalDistribution) {
+TEST(ProductRule, HasTheMomentsOfTheNormalDistribution) {
   EXPECT_EQ(ProductRule::of(2).size, 15);
   EXPECT_EQ(ProductRule::of(3).size, 7);
   for (const Eigen::Index dim : {2, 3}) {
@@ -42,7 +42,7 @@ TEST(ProductRule, HasTheFirstMomentsOfTheNormalDistribution) {
 
 // exp(−½ (y − m)ᵀ W (y − m)) is a measurement of the position: a Kalman filter's update, the
 // velocity after it, and how likely it was.
-TEST(Reweighted, ByAGaussianIsAKalmanUpdate) {
+TEST(Reweighted, ByAGaussianEqualsAKalmanUpdate) {
   vantage::test::Random random(11);
   for (int trial = 0; trial < 60; ++trial) {
     const int dim = 2 + trial % 3;
@@ -82,7 +82,7 @@ TEST(Reweighted, ByAGaussianIsAKalmanUpdate) {
 }
 
 // If only one point of the rule is possible, the result is there and as wide as one of its cells.
-TEST(Reweighted, IsNeverNarrowerThanACell) {
+TEST(Reweighted, IsAtLeastOneCellWide) {
   Eigen::Matrix4d root = Eigen::Matrix4d::Zero();
   root << 2.0, 0.0, 0.0, 0.0, 0.5, 1.5, 0.0, 0.0, 0.3, -0.2, 1.0, 0.0, 0.1, 0.4, 0.2, 0.7;
   for (const int dim : {2, 3, 4}) {
@@ -117,7 +117,7 @@ TEST(Reweighted, IsNeverNarrowerThanACell) {
   }
 }
 
-TEST(Reweighted, LeavesAloneWhatItCannotChange) {
+TEST(Reweighted, KeepsABeliefWithoutUsableWeights) {
   const Gaussian belief{Eigen::Vector2d(1.0, 2.0), Eigen::Matrix2d::Identity()};
   double share = -1.0;
   Gaussian same = reweighted(

@@ -62,7 +62,7 @@ double density(const Eigen::Vector2d& off_m, const Eigen::Matrix2d& S_m2) {
 
 // One track of two components at the edge of view and one detection between them. The expected
 // values are Bayes' rule over all hypotheses.
-TEST(MultiTargetLook, AtOneTrackAndOneDetectionIsByHand) {
+TEST(MultiTargetUpdate, AgreesWithBayesRuleForOneTrackAndOneDetection) {
   const models::SensorModel sensor = lab_sensor();
   const models::DetectionModel detection{0.8, 0.7};
   const MultiTargetSpec spec = spec_of(3, detection);
@@ -135,7 +135,7 @@ TEST(MultiTargetLook, AtOneTrackAndOneDetectionIsByHand) {
 }
 
 // A detection more than 4σ from every component of a track is not assigned to it.
-TEST(MultiTargetLook, GatesWhatIsFartherThanFourSigma) {
+TEST(MultiTargetUpdate, GatesDetectionsBeyondFourSigma) {
   const models::Viewpoint from = at(0.0, 0.0);
   const models::Detection z = seen(from, 2.0, 0.0);
   for (const auto& [sigmas, is_within] : {std::pair(3.98, true), std::pair(4.02, false)}) {
@@ -157,7 +157,7 @@ TEST(MultiTargetLook, GatesWhatIsFartherThanFourSigma) {
 
 // r ← r (1 − p) / (1 − r p), where p is the smaller of the assumed and the true detection
 // probability, at most 0.99. With an assumed probability of zero the position does not change.
-TEST(MultiTargetLook, ThatIsEmptyTellsAsMuchAsTheSensorIsBelieved) {
+TEST(MultiTargetUpdate, EmptyScanUsesSmallerDetectionProbability) {
   const auto after = [](double believed, double true_probability) {
     MultiTargetSpec spec = spec_of(2, {true_probability, 0.5});
     spec.estimator.detection_probability = believed;
@@ -178,7 +178,7 @@ TEST(MultiTargetLook, ThatIsEmptyTellsAsMuchAsTheSensorIsBelieved) {
 }
 
 // n tracks of equal existence probability, of which at most N exist: binomial distribution.
-TEST(MultiTargetLook, KnowsThatThereAreNoMoreTargetsThanThereAre) {
+TEST(MultiTargetUpdate, LimitsTheNumberOfTargets) {
   constexpr double r = 0.4;
   for (const int targets : {1, 2, 3, 4}) {
     MultiTargetSpec spec = spec_of(targets, {0.8, 0.5});
@@ -207,7 +207,7 @@ TEST(MultiTargetLook, KnowsThatThereAreNoMoreTargetsThanThereAre) {
 
 // At least 0.05 targets are assumed to be untracked, and at least 0.001 false alarms per scan are
 // assumed.
-TEST(MultiTargetLook, NeverRulesOutABirthNorAFalseAlarm) {
+TEST(MultiTargetUpdate, AlwaysAllowsABirthAndAFalseAlarm) {
   const models::Viewpoint from = at(0, 0);
   const models::Detection z = seen(from, 1.0, 1.0);
   for (const auto& [of_tracked, clutter] : {std::pair(1.0, 0.5), std::pair(0.3, 0.0)}) {
@@ -222,7 +222,7 @@ TEST(MultiTargetLook, NeverRulesOutABirthNorAFalseAlarm) {
 }
 
 // When the table is full, a birth replaces the least likely track if the birth is likelier.
-TEST(MultiTargetLook, PutsABirthInThePlaceOfTheLeastLikely) {
+TEST(MultiTargetUpdate, BirthReplacesLeastLikelyTrackWhenFull) {
   const models::Viewpoint from = at(0, 0);
   const models::Detection z = seen(from, 1.0, 1.0);
   for (const double least : {0.02, 0.6}) {
@@ -248,7 +248,7 @@ TEST(MultiTargetLook, PutsABirthInThePlaceOfTheLeastLikely) {
   }
 }
 
-TEST(MultiTargetLook, ForgetsWhoIsHardlyThere) {
+TEST(MultiTargetUpdate, DeletesTracksBelowMinimumExistence) {
   for (const auto& [existence, is_kept] : {std::pair(0.0101, true), std::pair(0.0099, false)}) {
     MultiTargetFilter filter(spec_of(5, {0.9, 0.1}));
     auto tracks = filter.no_tracks();
@@ -262,7 +262,7 @@ TEST(MultiTargetLook, ForgetsWhoIsHardlyThere) {
 
 // A track is confirmed at its third hit. It is deleted after two consecutive misses, or after five
 // once it is confirmed. A scan that does not cover the track is not a miss.
-TEST(TracksByCounts, LiveByHitsAndMisses) {
+TEST(TracksByCounts, AreConfirmedAndDeletedByHitsAndMisses) {
   const models::Viewpoint from = at(0, 0);
   const models::Detection z = seen(from, 1.0, 1.0);
   for (const Tracker tracker : {Tracker::kJpda, Tracker::kNearest}) {
@@ -300,7 +300,7 @@ TEST(TracksByCounts, LiveByHitsAndMisses) {
 
 // The likelier of two possible tracks gets the detection and the other counts as missed. Joint
 // association (JPDA) shares it between both.
-TEST(MultiTargetLook, GivesADetectionToOneTrackUnlessToldToShare) {
+TEST(MultiTargetUpdate, AssignsADetectionToOneTrackByDefault) {
   const models::Viewpoint from = at(0, 0);
   const models::Detection z = seen(from, 1.5, 0.0);
   for (const Tracker tracker : {Tracker::kLabelled, Tracker::kNearest, Tracker::kJpda}) {
@@ -334,7 +334,7 @@ TEST(MultiTargetLook, GivesADetectionToOneTrackUnlessToldToShare) {
 
 // Unassigned detections start tracks. Their labels are numbered by distance, not by the order of
 // the detections.
-TEST(MultiTargetLook, CallsBirthsByTheOrderOfTheirDetections) {
+TEST(MultiTargetUpdate, LabelsBirthsInDetectionOrder) {
   const models::Viewpoint from = at(0, 0);
   std::vector<models::Detection> look = {seen(from, 2.0, 0.0), seen(from, 0.0, 1.0),
                                          seen(from, -2.5, 0.0)};
@@ -358,7 +358,7 @@ TEST(MultiTargetLook, CallsBirthsByTheOrderOfTheirDetections) {
   }
 }
 
-TEST(MultiTargetLook, CountsEachDetectionThatIsNotOfThisSensor) {
+TEST(MultiTargetUpdate, CountsDetectionsOfAnotherSensor) {
   const models::Viewpoint from = at(0, 0);
   const auto malformed = [&](auto change) {
     MultiTargetFilter filter(spec_of(5, {0.9, 0.1}));
@@ -377,7 +377,7 @@ TEST(MultiTargetLook, CountsEachDetectionThatIsNotOfThisSensor) {
 }
 
 // Components within 1σ of a heavier one are merged; those with a weight below 0.001 are removed.
-TEST(MultiTargetLook, KeepsPartsThatAreApartAndWeighSomething) {
+TEST(MultiTargetUpdate, KeepsSeparateComponentsWithWeight) {
   const auto parts_after = [](Mixture parts, Tracker tracker) {
     MultiTargetFilter filter(spec_of(1, {0.9, 0.1}, tracker));
     auto tracks = filter.no_tracks();
@@ -401,7 +401,7 @@ TEST(MultiTargetLook, KeepsPartsThatAreApartAndWeighSomething) {
 }
 
 // A track counts as missed only if more than half of its probability mass is in view.
-TEST(TracksByCounts, AreMissedWhereMoreThanHalfOfThemIsInView) {
+TEST(TracksByCounts, AreMissedWhenMostlyInView) {
   for (const auto& [x_m, is_missed] : {std::pair(2.9, true), std::pair(3.1, false)}) {
     MultiTargetFilter filter(spec_of(1, {0.9, 0.1}, Tracker::kNearest));
     auto tracks = filter.no_tracks();
@@ -413,7 +413,7 @@ TEST(TracksByCounts, AreMissedWhereMoreThanHalfOfThemIsInView) {
 }
 
 // The uncertainty grows from the last observation on, once per step that has passed.
-TEST(MultiTargetFilter, PropagatesByTheTimeSinceATargetWasSeen) {
+TEST(MultiTargetFilter, PropagatesByTheTimeSinceTheLastObservation) {
   MultiTargetSpec spec = spec_of(1, {});
   spec.estimator.target_model = {models::TargetKind::kGrowingUncertainty, 2, 0.01};
   MultiTargetFilter filter(spec);
@@ -426,7 +426,7 @@ TEST(MultiTargetFilter, PropagatesByTheTimeSinceATargetWasSeen) {
   EXPECT_EQ(tracks[0].mixture[1].belief.mean, part(1.0, -1.0, 2.0, 1.0).belief.mean);
 }
 
-TEST(MultiTargetFilter, RefusesEachSpecThatMakesNoSense) {
+TEST(MultiTargetFilter, RefusesEachInvalidSpec) {
   const auto is_refused = [](auto change) {
     MultiTargetSpec spec = spec_of(3, {});
     change(spec);
@@ -449,7 +449,7 @@ TEST(MultiTargetFilter, RefusesEachSpecThatMakesNoSense) {
 
 // Components with a posterior weight of at least 0.02 are updated by quadrature. Lighter ones get a
 // linear update by position and covariance.
-TEST(MultiTargetLook, IsExactOfPartsFromAFiftiethOn) {
+TEST(MultiTargetUpdate, IsExactForComponentsAboveTwoPercent) {
   const models::Viewpoint from = at(0, 0);
   const models::Gaussian before = part(1.0, 2.0, 0.0, 0.3).belief;
   double nearest_below = 0.0;

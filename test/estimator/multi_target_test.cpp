@@ -52,7 +52,7 @@ std::vector<models::Detection> detections_of(const models::DetectionModel& detec
   return out;
 }
 
-TEST(MultiTargetFilter, OfOneCertainTargetIsTheFilterOfKnownIds) {
+TEST(MultiTargetFilter, EqualsTheKnownIdFilterForOneCertainTarget) {
   const models::SensorModel sensor = lab_sensor();
   MultiTargetFilter filter(spec_of(1, {1.0, 0.0}));
   auto tracks = filter.no_tracks();
@@ -72,7 +72,7 @@ TEST(MultiTargetFilter, OfOneCertainTargetIsTheFilterOfKnownIds) {
 }
 
 // r ← r (1 − p_D) / (1 − r p_D) of one that is certainly in view.
-TEST(MultiTargetFilter, OfAnEmptyLookDoubtsWhoShouldHaveBeenSeen) {
+TEST(MultiTargetFilter, LowersTheExistenceOfMissedTargets) {
   MultiTargetFilter filter(spec_of(3, {0.8, 0.5}));
   auto tracks = filter.no_tracks();
   tracks[0] = track_at(1.0, 0.5, 0.05, 0.7);
@@ -83,7 +83,7 @@ TEST(MultiTargetFilter, OfAnEmptyLookDoubtsWhoShouldHaveBeenSeen) {
 }
 
 // Two tracks of existence r and at most one target: r (1 − r) / (1 − r²).
-TEST(MultiTargetFilter, KnowsHowManyThereAre) {
+TEST(MultiTargetFilter, EstimatesTheNumberOfTargets) {
   MultiTargetFilter filter(spec_of(1, {0.8, 0.5}));
   auto tracks = filter.no_tracks();
   tracks[0] = track_at(3.9, 3.9, 0.01, 0.6);
@@ -95,7 +95,7 @@ TEST(MultiTargetFilter, KnowsHowManyThereAre) {
 
 // The existence of a new track is the intensity of untracked targets divided by that of all
 // detections without a track.
-TEST(MultiTargetFilter, BelievesABirthAsMuchAsFalseAlarmsAllow) {
+TEST(MultiTargetFilter, WeightsABirthAgainstFalseAlarms) {
   const models::SensorModel sensor = lab_sensor();
   MultiTargetFilter filter(spec_of(3, {0.9, 2.0}));
   auto tracks = filter.no_tracks();
@@ -135,7 +135,7 @@ std::vector<LabelledTrack> tracked(const MultiTargetSpec& spec, double turned_ra
   return tracks;
 }
 
-TEST(MultiTargetFilter, DoesNotMindTheOrderOfDetections) {
+TEST(MultiTargetFilter, IsIndependentOfDetectionOrder) {
   for (const Tracker tracker : {Tracker::kLabelled, Tracker::kJpda, Tracker::kNearest}) {
     const auto one = tracked(spec_of(3, {0.8, 2.0}, tracker), 0.0, false, 30);
     const auto other = tracked(spec_of(3, {0.8, 2.0}, tracker), 0.0, true, 30);
@@ -151,7 +151,7 @@ TEST(MultiTargetFilter, DoesNotMindTheOrderOfDetections) {
 }
 
 // Up to the error of the quadrature of empty scans: its points lie along the world's axes.
-TEST(MultiTargetFilter, TurnsWithTheWorld) {
+TEST(MultiTargetFilter, IsInvariantToRotation) {
   const double turn_rad = 0.5 * kPi;  // the world is a square: its walls are where they were
   const auto plain = tracked(spec_of(3, {0.9, 1.0}), 0.0, false, 12);
   const auto turned = tracked(spec_of(3, {0.9, 1.0}), turn_rad, false, 12);
@@ -165,7 +165,7 @@ TEST(MultiTargetFilter, TurnsWithTheWorld) {
   }
 }
 
-TEST(MultiTargetFilter, FindsAllTargetsAmongFalseAlarmsAndNothingElse) {
+TEST(MultiTargetFilter, FindsExactlyTheTargetsAmongFalseAlarms) {
   const MultiTargetSpec spec = spec_of(3, {0.8, 2.0});
   const MultiTargetFilter filter(spec);
   const auto tracks = tracked(spec, 0.0, false, 60);
@@ -188,7 +188,7 @@ TEST(MultiTargetFilter, FindsAllTargetsAmongFalseAlarmsAndNothingElse) {
 
 // Mean NEES of one target among false alarms: 2 if the covariance is right. The spread of the mean
 // over 100 runs is below 0.2.
-TEST(MultiTargetFilter, KnowsHowWrongItIsAmongFalseAlarms) {
+TEST(MultiTargetFilter, IsConsistentAmongFalseAlarms) {
   const models::SensorModel sensor = lab_sensor();
   const MultiTargetSpec spec = spec_of(1, {0.89, 2.0});
   double sum = 0.0;
@@ -236,7 +236,7 @@ TEST(MultiTargetFilter, AllocatesNothing) {
   EXPECT_EQ(allocations.count(), 0U);
 }
 
-TEST(MultiTargetFilter, CountsWhatItCannotUse) {
+TEST(MultiTargetFilter, CountsUnusableInputs) {
   MultiTargetSpec spec = spec_of(1, {0.9, 1.0});
   spec.detections_max = 1;
   MultiTargetFilter filter(spec);
@@ -254,7 +254,7 @@ TEST(MultiTargetFilter, CountsWhatItCannotUse) {
 }
 
 // A range alone cannot start a track.
-TEST(MultiTargetFilter, CountsWhatIsNobodysAndSaysNotWhere) {
+TEST(MultiTargetFilter, CountsDetectionsWithoutViewpoint) {
   MultiTargetFilter filter(spec_of(1, {0.9, 1.0}));
   auto tracks = filter.no_tracks();
   models::SensorModel sensor = lab_sensor();
@@ -267,7 +267,7 @@ TEST(MultiTargetFilter, CountsWhatIsNobodysAndSaysNotWhere) {
   EXPECT_EQ(filter.counters().births, 0);
 }
 
-TEST(MultiTargetFilter, RefusesSpecsThatMakeNoSense) {
+TEST(MultiTargetFilter, RefusesInvalidSpecs) {
   MultiTargetSpec spec = spec_of(3, {});
   spec.tracks_max = 2;
   EXPECT_THROW(MultiTargetFilter{spec}, UsageError);

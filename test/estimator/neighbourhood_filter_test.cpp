@@ -44,7 +44,7 @@ models::DetectionSet look_in_range(const FilterSpec& spec, int step, const model
   return look;
 }
 
-TEST(NeighbourhoodFilter, KnowsWhatAFilterOfEverythingKnowsThere) {
+TEST(NeighbourhoodFilter, EqualsTheFullFilterInItsNeighbourhood) {
   FilterSpec near = near_spec(kNear_m);
   DistributedFilter some(near);
   DistributedFilter all(near_spec(0.0));
@@ -81,7 +81,7 @@ TEST(NeighbourhoodFilter, KnowsWhatAFilterOfEverythingKnowsThere) {
   }
 }
 
-TEST(NeighbourhoodFilter, GoesOnFromAnyOfItsBeliefsToTheBit) {
+TEST(NeighbourhoodFilter, ContinuesExactlyFromAnyOfItsBeliefs) {
   const FilterSpec spec = near_spec(kNear_m);
   DistributedFilter first(spec);
   DistributedFilter second(spec);
@@ -98,7 +98,7 @@ TEST(NeighbourhoodFilter, GoesOnFromAnyOfItsBeliefsToTheBit) {
   }
 }
 
-TEST(NeighbourhoodFilter, TakesWhatTeammatesTellWhereBothAre) {
+TEST(NeighbourhoodFilter, FusesTeammatesBeliefsInTheSharedArea) {
   const FilterSpec spec = near_spec(kNear_m);
   FilterSpec other = spec;
   other.robot = "Q2";
@@ -123,7 +123,7 @@ TEST(NeighbourhoodFilter, TakesWhatTeammatesTellWhereBothAre) {
 
 // The same grid while the robot moves in a square of half the neighbourhood; it contains all that
 // is near from any position there.
-TEST(NeighbourhoodFilter, HasAGridOfWhatIsNearThatSeldomMoves) {
+TEST(NeighbourhoodFilter, MovesItsLocalGridRarely) {
   const auto grid_at = [](double x_m, double y_m) {
     FilterSpec spec = near_spec(kNear_m);
     spec.start = at(x_m, y_m);
@@ -147,7 +147,7 @@ TEST(NeighbourhoodFilter, HasAGridOfWhatIsNearThatSeldomMoves) {
   EXPECT_EQ(DistributedFilter(near_spec(0.0)).grid().geometry().size(), 200 * 200);
 }
 
-TEST(NeighbourhoodFilter, ForgetsATargetFromItsVeryEdgeOn) {
+TEST(NeighbourhoodFilter, DropsATargetAtItsEdge) {
   for (const Eigen::Vector2d& towards : {Eigen::Vector2d(0.6, -0.8), Eigen::Vector2d(-1.0, 0.0)}) {
     DistributedFilter filter(near_spec(kNear_m));
     const Eigen::Vector2d here_m(3.0, -4.0);

@@ -80,7 +80,7 @@ struct Ears {
 };
 
 // Frames that do not show the robot do not displace its poses from the buffer, however many arrive.
-TEST(NodeRooms, OfPosesAreForFramesThatShowTheRobotAlone) {
+TEST(EstimatorNode, BuffersPosesOnlyFromFramesShowingTheRobot) {
   Ears ears;
   const scenario::Scenario scenario = team_of(2);
   EstimatorNode node(ears.bus, ears.clock, scenario, "Q1");
@@ -100,7 +100,7 @@ TEST(NodeRooms, OfPosesAreForFramesThatShowTheRobotAlone) {
 
 // Inputs of a logged step are found if at most 1024 observations or 64 beliefs of each robot, or
 // 2048 frames, have arrived.
-TEST(NodeRooms, OfAReplayAreForSoManyMessagesOfEachRobot) {
+TEST(EstimatorReplayNode, FindsInputsWithinBufferCapacity) {
   for (const int robots : {1, 2, 3}) {
     const scenario::Scenario scenario = team_of(robots);
     for (const std::string kind : {"look", "belief", "frame"}) {
@@ -137,7 +137,7 @@ TEST(NodeRooms, OfAReplayAreForSoManyMessagesOfEachRobot) {
 }
 
 // The replay buffers hold 64 beliefs, 256 scans, and 16 maps of each robot.
-TEST(NodeRooms, OfAMapsReplayAreForSoManyMessages) {
+TEST(MapReplayer, FindsInputsWithinBufferCapacity) {
   for (const int robots : {1, 2, 3}) {
     std::vector<std::string> names;
     for (int i = 0; i < robots; ++i) {
@@ -189,7 +189,7 @@ TEST(NodeRooms, OfAMapsReplayAreForSoManyMessages) {
 
 // The last belief of a silent teammate is used while it is fresh, counted as stale once, and then
 // dropped.
-TEST(NodeRooms, HoldATeammatesBeliefForAsLongAsItIsFresh) {
+TEST(NodeBuffers, KeepATeammatesBeliefWhileFresh) {
   const scenario::Scenario scenario = team_of(2);
   for (const auto& [late, uses] : {std::pair(0us, 3), std::pair(1us, 3), std::pair(-1us, 2)}) {
     Ears ears;

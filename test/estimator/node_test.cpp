@@ -136,7 +136,7 @@ TEST_F(NodeTest, PublishesAtEveryMultipleOfTheStepAndNamesItsInputs) {
   EXPECT_EQ(node.deadlines_missed(), 0);
 }
 
-TEST_F(NodeTest, WaitsForItsOwnLookWhereMocapIsOldAndNoLongerThanForOneThatStaysAway) {
+TEST_F(NodeTest, WaitsForItsOwnMeasurementForALimitedTime) {
   EstimatorNode node(robot_bus_, clock_, scenario_, "Q1");
   std::vector<std::pair<Time, models::RobotBelief>> heard;
   world_.subscribe<models::RobotBelief>(bus::belief_channel("Q1"), [&](const auto& belief) {
@@ -165,7 +165,7 @@ TEST_F(NodeTest, WaitsForItsOwnLookWhereMocapIsOldAndNoLongerThanForOneThatStays
   EXPECT_EQ(node.deadlines_missed(), 0);
 }
 
-TEST_F(NodeTest, CountsInstantsItSleptThrough) {
+TEST_F(NodeTest, CountsSkippedSteps) {
   EstimatorNode node(robot_bus_, clock_, scenario_, "Q1");
   std::vector<Time> heard;
   world_.subscribe<models::RobotBelief>(
@@ -177,7 +177,7 @@ TEST_F(NodeTest, CountsInstantsItSleptThrough) {
   EXPECT_EQ(node.next_tick(), kStart + 2450ms);
 }
 
-TEST_F(NodeTest, CountsWhatItCannotUse) {
+TEST_F(NodeTest, CountsUnusableInputs) {
   EstimatorNode node(robot_bus_, clock_, scenario_, "Q1");
   world_.publish(bus::measurement_channel("Q1"), look("Q2", kStart, {}));
   models::RobotBelief old = test::prior(kStart - 5s, {});
@@ -194,7 +194,7 @@ TEST_F(NodeTest, CountsWhatItCannotUse) {
   EXPECT_EQ(counts["viewpoint_unknown"], 4);
 }
 
-TEST_F(NodeTest, TakesTeammatesLooksForItsOwnAndItsPlaceFromNone) {
+TEST_F(NodeTest, UsesTeammatesMeasurementsButNotTheirPositions) {
   EstimatorNode node(robot_bus_, clock_, scenario_, "Q1");
   std::vector<models::RobotBelief> heard;
   world_.subscribe<models::RobotBelief>(bus::belief_channel("Q1"),
@@ -212,7 +212,7 @@ TEST_F(NodeTest, TakesTeammatesLooksForItsOwnAndItsPlaceFromNone) {
   EXPECT_NEAR(heard[0].viewpoint.world_from_body.x_m, 1.0, 1e-9);
 }
 
-TEST_F(NodeTest, WithoutARadioHearsNoTeammatesLook) {
+TEST_F(NodeTest, UsesNoTeammatesMeasurementWithoutARadio) {
   scenario_.network.communication_range_m = 0.0;
   EstimatorNode node(robot_bus_, clock_, scenario_, "Q1");
   const Time t1 = kStart + 400ms;
@@ -222,12 +222,12 @@ TEST_F(NodeTest, WithoutARadioHearsNoTeammatesLook) {
   EXPECT_TRUE(node.filter().belief().targets.empty());
 }
 
-TEST_F(NodeTest, RefusesARobotThatIsNotInTheScenario) {
+TEST_F(NodeTest, RefusesAnUnknownRobot) {
   EXPECT_THROW(EstimatorNode(robot_bus_, clock_, scenario_, "Q9"), UsageError);
 }
 
 // 64 observations of each robot and the newest 256 poses are kept.
-TEST_F(NodeTest, KeepsTheNewestOfMoreThanItHasRoomFor) {
+TEST_F(NodeTest, KeepsTheNewestInputs) {
   EstimatorNode node(robot_bus_, clock_, scenario_, "Q1");
   std::vector<models::RobotBelief> heard;
   world_.subscribe<models::RobotBelief>(bus::belief_channel("Q1"),
@@ -272,7 +272,7 @@ TEST_F(NodeTest, KeepsTheNewestOfMoreThanItHasRoomFor) {
 
 // An observation or a pose gives the robot's position at t if it belongs to the step that ends at
 // t.
-TEST_F(NodeTest, TakesItsPlaceFromWhatIsOfThisStep) {
+TEST_F(NodeTest, TakesItsPoseFromInputsOfThisStep) {
   EstimatorNode node(robot_bus_, clock_, scenario_, "Q1");
   std::vector<models::RobotBelief> heard;
   world_.subscribe<models::RobotBelief>(bus::belief_channel("Q1"),
@@ -302,7 +302,7 @@ TEST_F(NodeTest, TakesItsPlaceFromWhatIsOfThisStep) {
   EXPECT_EQ(node.counters().back().count, 1);
 }
 
-TEST_F(NodeTest, SaysOfTheTargetsWhatItIsToldToBelieve) {
+TEST_F(NodeTest, PublishesTheConfiguredBeliefs) {
   std::vector<std::pair<Time, std::size_t>> asked;
   const auto believe = [&](Time t, const std::vector<Heard<models::DetectionSet>>& looks) {
     asked.emplace_back(t, looks.size());
@@ -422,7 +422,7 @@ std::vector<models::RobotBelief> beliefs_in(const auto& log) {
   return beliefs;
 }
 
-TEST_F(Replay, MakesTheSameBeliefs) {
+TEST_F(Replay, ReproducesBeliefs) {
   fly(40);
   Player player(scenario_);
   player.play(log_);
@@ -438,7 +438,7 @@ TEST_F(Replay, MakesTheSameBeliefs) {
   }
 }
 
-TEST_F(Replay, DoesNotCareWhenThePlayerDeliversWhat) {
+TEST_F(Replay, IsIndependentOfDeliveryTimes) {
   fly(20);
   // The node's own beliefs arrive before the inputs that they were made from.
   std::vector<Logged> jittered = log_;
@@ -456,7 +456,7 @@ TEST_F(Replay, DoesNotCareWhenThePlayerDeliversWhat) {
   EXPECT_EQ(player.node.differences(), 0);
 }
 
-TEST_F(Replay, GoesOnFromTheLogWhenAnInputIsMissing) {
+TEST_F(Replay, ContinuesFromTheLogWhenAnInputIsMissing) {
   fly(30);
   std::vector<Logged> holed = log_;
   int looks = 0;
@@ -472,7 +472,7 @@ TEST_F(Replay, GoesOnFromTheLogWhenAnInputIsMissing) {
   EXPECT_TRUE(same_content(player.made.front(), beliefs_in(log_).front(), 1e-9));
 }
 
-TEST_F(Replay, MakesNoOtherBeliefsWhateverTheLogLost) {
+TEST_F(Replay, IsExactForAnyLostLogEvents) {
   fly(40);
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     std::mt19937_64 random(seed);
@@ -485,7 +485,7 @@ TEST_F(Replay, MakesNoOtherBeliefsWhateverTheLogLost) {
   }
 }
 
-TEST_F(Replay, NoticesABeliefThatDoesNotFollowFromItsInputs) {
+TEST_F(Replay, DetectsABeliefThatContradictsItsInputs) {
   fly(10);
   scenario_.estimator.target_model.q *= 1.001;  // simulates another version of the estimator
   Player player(scenario_);

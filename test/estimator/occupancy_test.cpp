@@ -34,11 +34,11 @@ std::vector<double> log_odds_after(double range_m) {
   return result;
 }
 
-TEST(OccupancyFusion, MissesUpToTheHit) {
+TEST(OccupancyFusion, MarksCellsFreeUpToTheHit) {
   EXPECT_EQ(log_odds_after(0.6), (std::vector<double>{-1, -1, -1, 2, 0, 0, 0, 0, 0, 0, 0, 0}));
 }
 
-TEST(OccupancyFusion, PutsASurfaceAtACellsNearSideIntoThatCellWhateverTheNoise) {
+TEST(OccupancyFusion, AssignsASurfaceToItsCellDespiteNoise) {
   // Cell 3 begins at 0.5 m along the beam.
   for (const double noise_m : {-0.015, -0.01, 0.0, 0.01, 0.03}) {
     const std::vector<double> l = log_odds_after(0.5 + noise_m);
@@ -48,7 +48,7 @@ TEST(OccupancyFusion, PutsASurfaceAtACellsNearSideIntoThatCellWhateverTheNoise) 
 }
 
 // A hit within the vehicle's own cell changes no cell.
-TEST(OccupancyFusion, LeavesItsOwnCellAloneWhenTheBeamEndsInIt) {
+TEST(OccupancyFusion, KeepsItsOwnCell) {
   for (const double range_m : {0.0, 0.02, 0.05, 0.079}) {
     EXPECT_EQ(log_odds_after(range_m), std::vector<double>(12, 0.0)) << range_m;
   }
@@ -57,7 +57,7 @@ TEST(OccupancyFusion, LeavesItsOwnCellAloneWhenTheBeamEndsInIt) {
   EXPECT_EQ(next[1], 2.0);
 }
 
-TEST(OccupancyFusion, HitsNothingAtTheGreatestRange) {
+TEST(OccupancyFusion, HasNoHitAtMaximumRange) {
   const std::vector<double> l = log_odds_after(1.49);
   for (const double log_odds : l) {
     EXPECT_LE(log_odds, 0.0);
@@ -66,7 +66,7 @@ TEST(OccupancyFusion, HitsNothingAtTheGreatestRange) {
   EXPECT_EQ(l[9], 0.0) << "beyond the range";
 }
 
-TEST(OccupancyFusion, LetsAHitWinOverTheMissesOfTheSameScan) {
+TEST(OccupancyFusion, PrefersAHitToMissesOfTheSameScan) {
   const models::World world{{{0.0, 0.0}, {4.0, 4.0}}, 3.0, {{{{0.0, 2.31}, {4.0, 4.0}}, 3.0}}, {}};
   OccupancyBelief belief(GridGeometry::covering(world.bounds, 0.2), 20.0);
   test::Random random(4801);
@@ -83,7 +83,7 @@ TEST(OccupancyFusion, LetsAHitWinOverTheMissesOfTheSameScan) {
   EXPECT_GE(hits, 8);
 }
 
-TEST(OccupancyFusion, DrawsTheTrueMapFromManyPlaces) {
+TEST(OccupancyFusion, FindsTheTrueMap) {
   const models::World world{{{0.0, 0.0}, {6.0, 6.0}},
                             3.0,
                             {{{{1.07, 1.13}, {2.49, 2.31}}, 3.0}, {{{3.9, 2.2}, {4.7, 5.1}}, 3.0}},
@@ -110,7 +110,7 @@ TEST(OccupancyFusion, DrawsTheTrueMapFromManyPlaces) {
   EXPECT_GT(known, 600);
 }
 
-TEST(OccupancyFusion, DoesNotDependOnTheOrderOfScansBelowTheClamp) {
+TEST(OccupancyFusion, IsIndependentOfScanOrderBelowTheClamp) {
   const models::World world{{{0.0, 0.0}, {4.0, 4.0}}, 3.0, {{{{1.1, 1.1}, {2.1, 2.4}}, 3.0}}, {}};
   test::Random random(4803);
   std::vector<Pose2> poses;
@@ -152,7 +152,7 @@ TEST(OccupancyFusion, LowersEntropyOverMapsDrawnFromTheBelief) {
   EXPECT_LT(change_nats / 4'000, -0.3);
 }
 
-TEST(OccupancyFusion, IgnoresAndCountsWhatCannotBeTrue) {
+TEST(OccupancyFusion, IgnoresAndCountsInvalidScans) {
   OccupancyBelief belief(kLine, 9.0);
   const double before_nats = belief.entropy_nats();
   const BeamSensor fan{3, 0.2, 0.5, 1.5, 0.01};
@@ -171,14 +171,14 @@ TEST(OccupancyFusion, IgnoresAndCountsWhatCannotBeTrue) {
   EXPECT_EQ(counts.misses, 1);
 }
 
-TEST(OccupancyFusion, RefusesAModelThatLearnsBackwards) {
+TEST(OccupancyFusion, RefusesAnInvertedSensorModel) {
   EXPECT_THROW(OccupancyFusion(kBeam, {-1.0, -1.0}), UsageError);
   EXPECT_THROW(OccupancyFusion(kBeam, {1.0, 1.0}), UsageError);
   EXPECT_THROW(OccupancyFusion({0, 1.0, 0.0, 1.0, 0.1}, {}), UsageError);
 }
 
 // A reading that is below the minimum range by more than the noise is ignored.
-TEST(OccupancyFusion, IgnoresReadingsThreeSigmaBelowTheLeast) {
+TEST(OccupancyFusion, IgnoresReadingsBelowTheMinimumRange) {
   for (const double least_m : {0.0, 0.5}) {
     const BeamSensor sensor{1, 1.0, least_m, 1.5, 0.02};
     for (const auto& [off_m, is_used] : {std::pair(-0.061, false), std::pair(-0.059, true)}) {
@@ -193,7 +193,7 @@ TEST(OccupancyFusion, IgnoresReadingsThreeSigmaBelowTheLeast) {
   }
 }
 
-TEST(OccupancyFusion, HitsNothingFromThreeSigmaBelowTheGreatestRangeOn) {
+TEST(OccupancyFusion, HasNoHitNearMaximumRange) {
   for (const auto& [range_m, is_hit] : {std::pair(1.469, true), std::pair(1.471, false)}) {
     OccupancyBelief belief(kLine, 9.0);
     const ScanCounts counts =
@@ -204,7 +204,7 @@ TEST(OccupancyFusion, HitsNothingFromThreeSigmaBelowTheGreatestRangeOn) {
 }
 
 // With much noise the cell before the hit is not known to be free, unless its middle is nearer.
-TEST(OccupancyFusion, MissesCellsWhoseMiddleIsNearerThanTheReading) {
+TEST(OccupancyFusion, MarksCellsWithNearerCentresFree) {
   const BeamSensor noisy{1, 1.0, 0.0, 1.5, 0.1};
   for (const auto& [range_m, of_middle] : {std::pair(0.39, 0.0), std::pair(0.41, -1.0)}) {
     OccupancyBelief belief(kLine, 9.0);  // middles at 0.2, 0.4, … m from the vehicle
@@ -222,7 +222,7 @@ TEST(OccupancyFusion, MissesCellsWhoseMiddleIsNearerThanTheReading) {
 }
 
 // A scan that is counted and one that is fused see the same cells, each once; and so does the next.
-TEST(OccupancyFusion, CountsTheCellsThatItFuses) {
+TEST(OccupancyFusion, CountsUpdatedCells) {
   const models::World world{{{0.0, 0.0}, {4.0, 4.0}}, 3.0, {{{{1.1, 1.1}, {2.1, 2.4}}, 3.0}}, {}};
   const GridGeometry grid = GridGeometry::covering(world.bounds, 0.2);
   test::Random random(4805);

@@ -41,7 +41,7 @@ double largest_sigma_m(const Component& part) {
   return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(P).eigenvalues()(1));
 }
 
-TEST(Parts, HaveTheMomentsOfTheSamplesTogether) {
+TEST(Parts, KeepTheMomentsOfTheSamples) {
   for (const double sigma_m : {0.5, 3.0, 9.0}) {
     for (const double yaw_rad : {0.0, 2.0, -1.0}) {
       const Samples samples = looked_for(sigma_m, yaw_rad);
@@ -65,7 +65,7 @@ TEST(Parts, HaveTheMomentsOfTheSamplesTogether) {
   }
 }
 
-TEST(Parts, AreNoWiderThanAskedOrAsManyAsThereMayBe) {
+TEST(Parts, AreNarrowOrAtTheMaximumNumber) {
   const double asked_m = std::hypot(kSigma_m, std::sqrt(Samples::kGrain_m2));
   for (const double sigma_m : {1.0, 2.5, 3.0, 4.0, 9.0}) {
     for (const double yaw_rad : {0.7, -0.7, 2.5}) {
@@ -80,7 +80,7 @@ TEST(Parts, AreNoWiderThanAskedOrAsManyAsThereMayBe) {
   }
 }
 
-TEST(Parts, AreTwoFromTheVeryWidthOn) {
+TEST(Parts, SplitAtTheWidthLimit) {
   for (const double yaw_rad : {0.0, 1.0}) {
     const Samples samples = looked_for(3.0, yaw_rad);
     const double widest_m = largest_sigma_m({1.0, samples.moments()});
@@ -90,7 +90,7 @@ TEST(Parts, AreTwoFromTheVeryWidthOn) {
 }
 
 // The mean of a ring lies inside it, in the area that was seen empty. Plans therefore use parts.
-TEST(Parts, AreNotWhereALookSawNothing) {
+TEST(Parts, AvoidEmptyObservedAreas) {
   const models::SensorModel sensor = test::field_sensor();
   for (const double yaw_rad : {0.0, 1.0, -2.5}) {
     const models::Viewpoint from = at(-4.0 * std::cos(yaw_rad), -4.0 * std::sin(yaw_rad), yaw_rad);
@@ -104,7 +104,7 @@ TEST(Parts, AreNotWhereALookSawNothing) {
   }
 }
 
-TEST(MixtureOfAFilter, IsOfWhoIsUnseenAndNowhereInParticular) {
+TEST(MixtureOfAFilter, ContainsUnseenWideTargets) {
   DistributedFilter filter = test::knows(test::kNearACorner);
   EXPECT_TRUE(filter.mixture().targets.empty()) << "a Gaussian, as it was told";
   for (int k = 1; k <= 40; ++k) {
@@ -133,7 +133,7 @@ TEST(MixtureOfAFilter, IsOfWhoIsUnseenAndNowhereInParticular) {
 
 // Beliefs wider than a fifth of the sensor's range, 2 m, are split: narrower ones are covered by
 // one scan.
-TEST(MixtureOfAFilter, IsOfWhoIsWiderThanAFifthOfTheRange) {
+TEST(MixtureOfAFilter, ContainsTargetsWiderThanAFifthOfTheRange) {
   for (const auto& [sigma_m, is_wide] : {std::pair(1.9, false), std::pair(2.1, true)}) {
     Gaussian belief{Eigen::Vector4d::Zero(), Eigen::Matrix4d::Zero()};
     belief.covariance.diagonal() << sigma_m * sigma_m, 1.0, 0.01, 0.01;

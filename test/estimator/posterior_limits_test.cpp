@@ -71,7 +71,7 @@ class AtLimits : public ::testing::TestWithParam<SensorKind> {};
 
 // If prior and measurement agree on a position far outside a stated limit, the limit is wrong and
 // is ignored.
-TEST_P(AtLimits, WhatTheSensorDoesNotKeepToIsNotUsed) {
+TEST_P(AtLimits, IgnoresContradictedLimits) {
   for (const int dim : {2, 3}) {
     const SensorModel open = open_sensor(GetParam());
     std::vector<Case> cases = {
@@ -125,7 +125,7 @@ void expect_as_by_brute_force(SensorKind kind, const Case& each, int dim, double
 
 // With two noise levels. The camera's posterior is integrated on a coarse grid, so its tolerance is
 // larger.
-TEST_P(AtLimits, InThePlaneAreThoseOfBruteForce) {
+TEST_P(AtLimits, EqualsBruteForceInThePlane) {
   std::vector<Case> cases = {{"far", 0.3, [](SensorModel& sensor) { sensor.range_max_m = 2.9; }},
                              {"near", -0.3, [](SensorModel& sensor) { sensor.range_min_m = 3.1; }},
                              {"left", 0.5, [](SensorModel& sensor) { sensor.fov_rad = 0.94; }},
@@ -149,7 +149,7 @@ INSTANTIATE_TEST_SUITE_P(EverySensor, AtLimits, ::testing::ValuesIn(models::all_
 
 // The minimum distance of a bearing sensor is horizontal and that of a range sensor is in space. A
 // camera's depth is along its optical axis.
-TEST(PosteriorMoments, AtLimitsInSpaceAreThoseOfBruteForce) {
+TEST(PosteriorMoments, EqualBruteForceInSpace) {
   const auto near = [](double least_m) {
     return Case{"near", 0.3, [=](SensorModel& sensor) { sensor.range_min_m = least_m; }};
   };
@@ -164,7 +164,7 @@ TEST(PosteriorMoments, AtLimitsInSpaceAreThoseOfBruteForce) {
 }
 
 // A sensor kind with exact limits: a mirrored scene gives mirrored moments.
-TEST(PosteriorMoments, OfExactLimitsAreTheSameLeftAndRight) {
+TEST(PosteriorMoments, AreSymmetricAtExactLimits) {
   models::SensorLaw law = SensorKind(SensorKind::kRange).law();
   law.sees = [](const SensorModel&, const models::Viewpoint&, const models::SightLine&) {
     return true;
@@ -195,7 +195,7 @@ TEST(PosteriorMoments, OfExactLimitsAreTheSameLeftAndRight) {
 // The target's bearing and the edge of view are both normally distributed. At k σ of their
 // difference inside the edge, the target is in view with probability Φ(k). Φ(−3.09) = 10⁻³,
 // Φ(4.753) = 1 − 10⁻⁶.
-TEST(PosteriorMoments, MindLimitsFromAThousandthInViewToAllButAMillionth) {
+TEST(PosteriorMoments, ApplyLimitsForPartialViews) {
   constexpr double kNoise_rad = 1.0;
   const double sigma_rad = std::hypot(0.1 / 5.0, kSoftShare * kNoise_rad);
   const SensorModel open = open_sensor(SensorKind::kBearing);
@@ -218,7 +218,7 @@ TEST(PosteriorMoments, MindLimitsFromAThousandthInViewToAllButAMillionth) {
 }
 
 // A range sensor that sees only its left half-plane: the moments of a detected target lie there.
-TEST(PosteriorMoments, OfAKindWithLimitsOfItsOwnAreWithinThem) {
+TEST(PosteriorMoments, RespectLimitsOfTheSensorKind) {
   models::SensorLaw law = SensorKind(SensorKind::kRange).law();
   law.sees = [](const SensorModel&, const models::Viewpoint&, const models::SightLine& to) {
     return to.offset_world_m.y() > 0.0;

@@ -25,7 +25,7 @@ models::Measurement one(double z, double sigma) {
 
 // The posterior density falls with the distance from the robot in every direction, so only the
 // region near the robot counts although p is wide.
-TEST(PosteriorMoments, OfARangeBelowZeroAreAroundTheRobot) {
+TEST(PosteriorMoments, OfANegativeRangeSurroundTheRobot) {
   const double prior_sigma_m = 0.5;
   const double sigma_m = 0.1;
   const double z_m = -0.8;
@@ -47,7 +47,7 @@ TEST(PosteriorMoments, OfARangeBelowZeroAreAroundTheRobot) {
 }
 
 // The noise exceeds a full turn, but each direction counts once.
-TEST(PosteriorMoments, OfABearingThatSaysNothingAreThoseOfThePrior) {
+TEST(PosteriorMoments, OfAnUninformativeBearingEqualThePrior) {
   const Eigen::Vector2d mean_m(2.0, 0.5);
   const Eigen::Matrix2d P = Eigen::Vector2d(0.16, 0.04).asDiagonal();
   for (const double sigma_rad : {20.0, 200.0}) {
@@ -61,7 +61,7 @@ TEST(PosteriorMoments, OfABearingThatSaysNothingAreThoseOfThePrior) {
 }
 
 // With a prior σ of 10⁸⁰ m the mean is finite but its square overflows.
-TEST(PosteriorMoments, AreNoneWhereTheyAreBeyondNumbers) {
+TEST(PosteriorMoments, AreEmptyOnOverflow) {
   const auto moments = [](double information) {
     return posterior_moments({Eigen::Vector2d(2.0, 0.5), information * Eigen::Matrix2d::Identity()},
                              far_sighted(models::SensorKind::kBearing), at(0.0, 0.0),
@@ -79,7 +79,7 @@ struct Prior {
 
 // A position sensor gives the Kalman update, rotated by its heading, in the plane and in space, and
 // with correlated noise.
-TEST(PosteriorMoments, OfPositionsAreAKalmanUpdate) {
+TEST(PosteriorMoments, OfPositionsEqualAKalmanUpdate) {
   vantage::test::Random random(21);
   const models::SensorModel sensor = far_sighted(models::SensorKind::kPosition);
   for (int trial = 0; trial < 24; ++trial) {
@@ -108,7 +108,7 @@ TEST(PosteriorMoments, OfPositionsAreAKalmanUpdate) {
 
 // A sensor with a known scale and offset error gives the same moments as an ideal sensor, also when
 // range and bearing noise are correlated.
-TEST(PosteriorMoments, OfACalibratedSensorAreThoseOfTheTrueRange) {
+TEST(PosteriorMoments, OfACalibratedSensorUseTheTrueRange) {
   vantage::test::Random random(22);
   for (const auto kind : {models::SensorKind::kRange, models::SensorKind::kRangeBearing}) {
     const models::SensorModel plain = far_sighted(kind);
@@ -146,7 +146,7 @@ TEST(PosteriorMoments, OfACalibratedSensorAreThoseOfTheTrueRange) {
 }
 
 // Compared with the minimum over a grid of positions.
-TEST(PosteriorMoments, KnowHowFarApartMeasurementAndPriorAre) {
+TEST(PosteriorMoments, ReportTheDistanceOfMeasurementAndPrior) {
   vantage::test::Random random(23);
   for (const auto kind : {models::SensorKind::kRange, models::SensorKind::kBearing,
                           models::SensorKind::kRangeBearing, models::SensorKind::kCamera}) {
@@ -182,7 +182,7 @@ TEST(PosteriorMoments, KnowHowFarApartMeasurementAndPriorAre) {
   }
 }
 
-TEST(PosteriorMoments, AreNoneOfWhatCannotBeIntegratedOrIsNoNoise) {
+TEST(PosteriorMoments, AreEmptyForInvalidNoise) {
   models::SensorModel own = far_sighted(vantage::test::signal_strength());
   models::Viewpoint from = at(0.0, 0.0);
   from.height_m = 1.0;

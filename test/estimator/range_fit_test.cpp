@@ -34,7 +34,7 @@ TEST(ResidualVerdict, HasTheDerivativesOfItsDensity) {
   EXPECT_LT(verdict_of(20.0, noise, kSpan_m).honest, 0.01);
 }
 
-TEST(ResidualVerdict, IsADensity) {
+TEST(ResidualVerdict, IntegratesToOne) {
   const RangeNoise noise{0.4, 0.15};
   double sum = 0.0;
   constexpr double kStep_m = 0.01;
@@ -44,7 +44,7 @@ TEST(ResidualVerdict, IsADensity) {
   EXPECT_NEAR(sum, 1.0, 1e-3);
 }
 
-TEST(FitRanges, FindsWhatMadeRangesWithoutNoise) {
+TEST(FitRanges, IsExactForNoiselessRanges) {
   const test::RangeSceneSpec spec{.range_sigma_m = 1e-3, .outlier_share_max = 0.0};
   const test::RangeScene scene = test::draw_range_scene(3, spec);
   const RangeFit fit = fit_ranges(scene.ranges, static_cast<int>(scene.beacons_m.size()));
@@ -57,7 +57,7 @@ TEST(FitRanges, FindsWhatMadeRangesWithoutNoise) {
   }
 }
 
-TEST(FitRanges, IsTheSameEveryTime) {
+TEST(FitRanges, IsDeterministic) {
   const test::RangeScene scene = test::draw_range_scene(4, {});
   const int beacons = static_cast<int>(scene.beacons_m.size());
   const RangeFit a = fit_ranges(scene.ranges, beacons);
@@ -66,7 +66,7 @@ TEST(FitRanges, IsTheSameEveryTime) {
   EXPECT_EQ(a.beacons.back().position_m, b.beacons.back().position_m);
 }
 
-TEST(FitRanges, SaysThatAWayWithoutATurnLeavesTwoPlaces) {
+TEST(FitRanges, ReportsAmbiguityOfAStraightPath) {
   std::mt19937_64 rng(1);
   std::normal_distribution<double> noise(0.0, 0.1);
   const Eigen::Vector2d beacon_m(12.0, 7.0);
@@ -85,7 +85,7 @@ TEST(FitRanges, SaysThatAWayWithoutATurnLeavesTwoPlaces) {
 
 // From a straight path half of the ranges belong to one position and half to another. Each is as
 // likely as its mirror image, which is likelier than either of the other pair.
-TEST(FitRanges, NamesTheLikeliestOfSeveralOtherPlaces) {
+TEST(FitRanges, ReportsTheLikeliestAlternativePosition) {
   const Eigen::Vector2d places_m[] = {{12.0, 7.0}, {20.0, -4.0}};
   for (unsigned seed = 1; seed <= 8; ++seed) {
     std::mt19937_64 rng(seed);
@@ -103,7 +103,7 @@ TEST(FitRanges, NamesTheLikeliestOfSeveralOtherPlaces) {
 }
 
 // At a correlation ρ of successive errors, (1 + ρ)/(1 − ρ) of them count as one.
-TEST(FitRanges, CountsErrorsThatLastOnce) {
+TEST(FitRanges, CountsLastingErrorsOnce) {
   const auto correlation = [](double of_successive) {
     const test::RangeSceneSpec spec{
         .ranges_of_beacon = 2000, .outlier_share_max = 0.0, .correlation = of_successive};
@@ -117,7 +117,7 @@ TEST(FitRanges, CountsErrorsThatLastOnce) {
 
 // Ten laps with the same error at the same position. Errors are correlated over a quarter of a
 // metre only, and yet ten laps count as one.
-TEST(FitRanges, CountsErrorsThatAPlaceRepeatsOnce) {
+TEST(FitRanges, CountsRepeatedErrorsOfAPositionOnce) {
   std::mt19937_64 rng(2);
   std::normal_distribution<double> noise(0.0, 0.3);
   constexpr int kPlaces = 400;
@@ -137,7 +137,7 @@ TEST(FitRanges, CountsErrorsThatAPlaceRepeatsOnce) {
   EXPECT_NEAR(fit.correlation, 10.0, 2.5);
 }
 
-TEST(FitRanges, SaysOfItsOwnFitThatInnovationsAreAsClaimed) {
+TEST(FitRanges, ReportsConsistentInnovationsForItsOwnModel) {
   const test::RangeScene scene = test::draw_range_scene(11, {.ranges_of_beacon = 500});
   const int beacons = static_cast<int>(scene.beacons_m.size());
   const auto half = static_cast<std::ptrdiff_t>(scene.ranges.size() / 2);
@@ -148,7 +148,7 @@ TEST(FitRanges, SaysOfItsOwnFitThatInnovationsAreAsClaimed) {
   EXPECT_NEAR(score.nees, 1.0, 0.2);
 }
 
-TEST(FitRanges, RefusesWhatIsNoRecording) {
+TEST(FitRanges, RefusesInvalidRecordings) {
   const test::RangeScene scene = test::draw_range_scene(1, {});
   const int beacons = static_cast<int>(scene.beacons_m.size());
   EXPECT_THROW(fit_ranges({}, 1), UsageError);
@@ -171,7 +171,7 @@ std::vector<TakenRange> ranges_of(const std::function<TakenRange(int)>& range) {
 }
 
 // Numbers whose squares overflow, and positions that make all beacons indistinguishable.
-TEST(FitRanges, EndsWithAFitOrARefusalWhateverTheRangesAre) {
+TEST(FitRanges, EndsWithAFitOrARefusalForAnyRanges) {
   const auto at = [](double x_m, double range_m) {
     return TakenRange{Eigen::Vector2d(x_m, 0.5 * x_m), range_m, 0};
   };
@@ -196,7 +196,7 @@ TEST(FitRanges, EndsWithAFitOrARefusalWhateverTheRangesAre) {
   }
 }
 
-TEST(FitRanges, HoldsOutWhereEveryRangeIsAnOutlier) {
+TEST(FitRanges, SurvivesOutliersOnly) {
   std::mt19937_64 rng(5);
   std::uniform_real_distribution<double> anything(0.0, 80.0);
   test::RangeScene scene = test::draw_range_scene(6, {.outlier_share_max = 0.0});
@@ -213,7 +213,7 @@ TEST(FitRanges, HoldsOutWhereEveryRangeIsAnOutlier) {
 }
 
 // All numbers of the fit differ: each range is compared with its prediction.
-TEST(Judge, ScoresWhatIsWithinFourSigmaOfWhatIsExpected) {
+TEST(Judge, ScoresRangesWithinFourSigma) {
   RangeFit fit;
   fit.calibration = {1.1, 0.5};
   fit.beacons.resize(2);
@@ -255,7 +255,7 @@ TEST(Judge, ScoresWhatIsWithinFourSigmaOfWhatIsExpected) {
 }
 
 // Half of the ranges are below zero.
-TEST(FitRanges, KnowsBeaconsBehindASensorThatSaysLessThanNothing) {
+TEST(FitRanges, FitsASensorWithNegativeRanges) {
   std::mt19937_64 rng(3);
   std::normal_distribution<double> noise(0.0, 0.05);
   const Eigen::Vector2d beacons_m[] = {{3.0, 1.0}, {-2.0, 2.5}};
@@ -274,7 +274,7 @@ TEST(FitRanges, KnowsBeaconsBehindASensorThatSaysLessThanNothing) {
   }
 }
 
-TEST(FitRanges, TakesAsFewRangesOfABeaconAsItSaysAndNoFewer) {
+TEST(FitRanges, RequiresTheStatedMinimumOfRanges) {
   const test::RangeScene scene = test::draw_range_scene(3, {.ranges_of_beacon = 40});
   std::vector<TakenRange> ranges;
   for (const TakenRange& range : scene.ranges) {
@@ -297,7 +297,7 @@ TEST(FitRanges, TakesAsFewRangesOfABeaconAsItSaysAndNoFewer) {
 }
 
 // The sensor reads 2 m too short for a beacon nearer than that: no range is above zero.
-TEST(FitRanges, KnowsABeaconOfWhichNoRangeIsAboveZero) {
+TEST(FitRanges, FitsABeaconWithNonPositiveRangesOnly) {
   std::mt19937_64 rng(8);
   std::normal_distribution<double> noise(0.0, 0.02);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -320,7 +320,7 @@ TEST(FitRanges, KnowsABeaconOfWhichNoRangeIsAboveZero) {
 
 // Along a nearly straight path a position is likelier than its mirror image. Repeating each range
 // does not change the probability: of 600 ranges the same number is used, and two count as one.
-TEST(FitRanges, IsAsSureOfAPlaceWhenItHearsEachRangeTwice) {
+TEST(FitRanges, DuplicateRangesAddNoCertainty) {
   int cases = 0;
   for (const double bend_m : {0.05, 0.1, 0.15}) {
     std::mt19937_64 rng(4);

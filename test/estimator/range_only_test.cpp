@@ -25,7 +25,7 @@ namespace {
 
 using test::read_csv;
 
-TEST(RangeOnlyFilter, PutsTheFirstRangeOnARing) {
+TEST(RangeOnlyFilter, StartsWithARing) {
   RangeOnlySpec spec;
   spec.calibration = {2.0, 1.0};
   RangeOnlyFilter filter(spec);
@@ -91,7 +91,7 @@ TEST(RangeOnlyFilter, FindsABeaconAmongOutliersFromEverySide) {
 }
 
 // A known bias has no effect on the result.
-TEST(RangeOnlyFilter, FindsWithABiasWhatItFindsWithout) {
+TEST(RangeOnlyFilter, CompensatesABias) {
   const Eigen::Vector2d beacon_m(9.0, -4.0);
   std::mt19937_64 rng(7);
   std::normal_distribution<double> noise(0.0, 0.2);
@@ -111,7 +111,7 @@ TEST(RangeOnlyFilter, FindsWithABiasWhatItFindsWithout) {
   EXPECT_EQ(biased.restarts(), 0);
 }
 
-TEST(RangeOnlyFilter, StartsOverWhenTheFirstRangeWasAnOutlier) {
+TEST(RangeOnlyFilter, RestartsWhenTheFirstRangeWasAnOutlier) {
   RangeOnlySpec spec;
   RangeOnlyFilter filter(spec);
   const Eigen::Vector2d beacon_m(-20.0, 10.0);
@@ -124,7 +124,7 @@ TEST(RangeOnlyFilter, StartsOverWhenTheFirstRangeWasAnOutlier) {
   EXPECT_LT((filter.best().mean_m - beacon_m).norm(), 0.3);
 }
 
-TEST(RangeOnlyFilter, RefusesWhatIsNoRange) {
+TEST(RangeOnlyFilter, RefusesInvalidRanges) {
   RangeOnlyFilter filter({});
   filter.update({0.0, 0.0}, std::numeric_limits<double>::quiet_NaN());
   filter.update({0.0, 0.0}, -1.0);
@@ -168,7 +168,7 @@ BeaconHypothesis posterior_of(const BeaconHypothesis& prior, const RangeOnlySpec
   return {prior.weight * any, prior.mean_m + mean_m, square - mean_m * mean_m.transpose()};
 }
 
-TEST(RangeOnlyFilter, MakesOfEachHypothesisWhatTheRangeSaysOfIt) {
+TEST(RangeOnlyFilter, UpdatesEachHypothesis) {
   RangeOnlySpec spec = keeping_all(9);
   spec.calibration = {1.3, 0.7};
   spec.outlier_share = 0.2;
@@ -210,7 +210,7 @@ double density_at(const std::vector<BeaconHypothesis>& all, const Eigen::Vector2
 }
 
 // The ring is uniform, at the measured distance and with its σ, for any scale.
-TEST(RangeOnlyFilter, BeginsWithARingThatIsEvenAndAsWideAsTheNoise) {
+TEST(RangeOnlyFilter, StartsWithAnEvenRingOfTheNoisesWidth) {
   RangeOnlySpec spec;
   spec.calibration.range_scale = 2.0;
   spec.range_sigma_m = 1.0;
@@ -275,7 +275,7 @@ BeaconHypothesis whole(const std::vector<BeaconHypothesis>& all) {
   return sum;
 }
 
-TEST(RangeOnlyFilter, MergesWithoutLosingAnything) {
+TEST(RangeOnlyFilter, MergingKeepsTheMoments) {
   RangeOnlySpec spec = keeping_all(48);
   RangeOnlyFilter all(spec);
   spec.merge_distance_sigma = 2.0;
@@ -294,7 +294,7 @@ TEST(RangeOnlyFilter, MergesWithoutLosingAnything) {
 }
 
 // An outlier leaves the eight hypotheses where the first range has put them.
-TEST(RangeOnlyFilter, MergesWhatIsNearerThanStatedOfItsOwnSigmaOrOfARanges) {
+TEST(RangeOnlyFilter, MergesHypothesesWithinTheStatedDistance) {
   const auto left = [](double scale, double distance_m, double merge_sigma) {
     RangeOnlySpec spec = keeping_all(8);
     spec.calibration.range_scale = scale;
@@ -317,7 +317,7 @@ TEST(RangeOnlyFilter, MergesWhatIsNearerThanStatedOfItsOwnSigmaOrOfARanges) {
   EXPECT_LT(left(100.0, 0.249 / chord, 0.5).second, 8u);
 }
 
-TEST(RangeOnlyFilter, DropsWhatIsLighterThanStated) {
+TEST(RangeOnlyFilter, DropsHypothesesBelowTheWeightLimit) {
   RangeOnlySpec spec = keeping_all(48);
   RangeOnlyFilter all(spec);
   spec.weight_min = 1e-3;
@@ -341,7 +341,7 @@ TEST(RangeOnlyFilter, DropsWhatIsLighterThanStated) {
 
 // The filter restarts when less than half of the ranges in the window are explained, and then
 // counts anew.
-TEST(RangeOnlyFilter, StartsOverAfterAWindowMostlyUnlikeAnyHypothesis) {
+TEST(RangeOnlyFilter, RestartsAfterAWindowOfUnexplainedRanges) {
   RangeOnlySpec spec;
   spec.restart_window = 4;
   RangeOnlyFilter filter(spec);
@@ -370,7 +370,7 @@ TEST(RangeOnlyFilter, StartsOverAfterAWindowMostlyUnlikeAnyHypothesis) {
   EXPECT_EQ(filter.restarts(), 2) << "and once more";
 }
 
-TEST(RangeOnlyFilter, StartsOverWhenNothingExplainsARangeAndThereAreNoOutliers) {
+TEST(RangeOnlyFilter, RestartsOnAnUnexplainedRangeWithoutOutliers) {
   RangeOnlySpec spec;
   spec.outlier_share = 0.0;
   RangeOnlyFilter filter(spec);
@@ -389,7 +389,7 @@ TEST(RangeOnlyFilter, StartsOverWhenNothingExplainsARangeAndThereAreNoOutliers) 
   EXPECT_NEAR(whole(some.hypotheses()).weight, 1.0, 1e-12);
 }
 
-TEST(RangeOnlyFilter, RefusesEachSpecThatMakesNoSense) {
+TEST(RangeOnlyFilter, RefusesEachInvalidSpec) {
   const auto is_refused = [](auto change) {
     RangeOnlySpec spec;
     change(spec);
@@ -414,7 +414,7 @@ TEST(RangeOnlyFilter, RefusesEachSpecThatMakesNoSense) {
   EXPECT_FALSE(is_refused([](Spec& spec) { spec.restart_window = 1; }));
 }
 
-TEST(RangeOnlyFilter, CountsWhatItsCalibrationMapsToNoDistance) {
+TEST(RangeOnlyFilter, CountsRangesThatCalibrateToNoDistance) {
   RangeOnlySpec spec;
   spec.calibration = {2.0, 1.5};
   RangeOnlyFilter filter(spec);

@@ -22,7 +22,7 @@ Eigen::Vector2d on_circle_m(int k) {
 }
 
 // Three beacons with ranges of the stated noise; the result does not depend on their order.
-TEST(FitAt, SaysOfEachBeaconTheSameWhateverItsNumber) {
+TEST(FitAt, IsIndependentOfBeaconNumbers) {
   constexpr int kBeacons = 3;
   const RangeState state{{1.0, 0.0},
                          {{25.0, 5.0}, {-10.0, 20.0}, {3.0, -18.0}},
@@ -54,7 +54,7 @@ TEST(FitAt, SaysOfEachBeaconTheSameWhateverItsNumber) {
 
 // Ten laps with the same error at the same position in each lap: ten ranges count as one, whatever
 // the stated noise.
-TEST(FitAt, CountsErrorsThatAPlaceRepeatsOnceWhateverTheirUnit) {
+TEST(FitAt, CountsRepeatedErrorsOnceInAnyUnit) {
   std::mt19937_64 rng(4);
   std::normal_distribution<double> noise(0.0, 0.3);
   std::vector<double> errors_m(kPlaces);
@@ -106,14 +106,14 @@ Drawn draw(unsigned seed, int count) {
   return out;
 }
 
-TEST(ResidualOf, IsWhatARangeSaysMoreThanIsExpected) {
+TEST(ResidualOf, IsTheRangeMinusItsExpectation) {
   const RangeState state{{1.5, 0.25}, {{0.0, 0.0}, {4.0, 6.0}}, {}};
   EXPECT_NEAR(residual_m(state, {{1.0, 2.0}, 9.0, 1}), 9.0 - 1.5 * 5.0 - 0.25, 1e-12);
   EXPECT_NEAR(residual_m(state, {{3.0, 4.0}, 1.0, 0}), 1.0 - 1.5 * 5.0 - 0.25, 1e-12);
 }
 
 // Median of the absolute residuals, times 1.4826 (σ of a normal distribution).
-TEST(GuessNoise, IsOfEachBeaconByTheMiddleOfItsResiduals) {
+TEST(GuessNoise, UsesTheMedianResidualPerBeacon) {
   RangeState state{{1.0, 0.5}, {{0.0, 0.0}, {10.0, 0.0}, {0.0, 9.0}, {5.0, 5.0}}, {}};
   std::vector<TakenRange> ranges;
   for (const double off_m : {-4.0, 0.1, -2.0, 3.0, 1.0}) {
@@ -130,7 +130,7 @@ TEST(GuessNoise, IsOfEachBeaconByTheMiddleOfItsResiduals) {
   EXPECT_EQ(state.noise[0].outlier_share, RangeNoise{}.outlier_share);
 }
 
-TEST(LogPosterior, IsTheSumOfWhatEachRangeAndThePriorSay) {
+TEST(LogPosterior, SumsRangesAndPrior) {
   const Drawn drawn = draw(1, 40);
   double expected = -0.5 * (std::pow(0.05 / drawn.spec.range_scale_sigma, 2) +
                             std::pow(0.3 / drawn.spec.range_bias_sigma_m, 2));
@@ -142,7 +142,7 @@ TEST(LogPosterior, IsTheSumOfWhatEachRangeAndThePriorSay) {
 }
 
 // A step in any direction lowers the posterior, with an informative prior of scale and bias.
-TEST(Refine, EndsWhereNothingNearIsLikelier) {
+TEST(Refine, EndsAtALocalMaximum) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     Drawn drawn = draw(seed, 60);
     drawn.spec = {0.03, 0.2};
@@ -174,7 +174,7 @@ TEST(Refine, EndsWhereNothingNearIsLikelier) {
 }
 
 // Width and outlier share of each beacon are those of the simulation.
-TEST(Refine, KnowsTheNoiseOfEachBeacon) {
+TEST(Refine, EstimatesTheNoisePerBeacon) {
   Drawn drawn = draw(3, 4000);
   RangeState state = drawn.truth;
   guess_noise(drawn.problem(), state);
@@ -202,7 +202,7 @@ TEST(Refine, KnowsTheNoiseOfEachBeacon) {
 
 // Truths are drawn from the prior and ranges from the noise model. The errors of positions and
 // calibration agree with the reported covariance.
-TEST(FitAt, KnowsHowWrongItIs) {
+TEST(FitAt, IsConsistent) {
   constexpr int kFits = 250;
   double nees[2] = {0.0, 0.0};
   double of_calibration = 0.0;
@@ -239,7 +239,7 @@ TEST(FitAt, KnowsHowWrongItIs) {
 }
 
 // The fit is the same in millimetres.
-TEST(FitAt, IsTheSameInAnotherUnit) {
+TEST(FitAt, IsIndependentOfTheUnit) {
   constexpr double kUnits = 1000.0;
   Drawn drawn = draw(7, 200);
   const RangeFit in_m = fit_at(drawn.problem(), drawn.truth);
@@ -287,7 +287,7 @@ double correlation_of(const std::vector<Eigen::Vector2d>& robots_m,
 // The robot jumps between random positions, so errors are correlated in time only. At a correlation
 // ρ of successive errors, (1 + ρ)/(1 − ρ) ranges count as one; an error never counts more than
 // once.
-TEST(FitAt, CountsErrorsThatLastOnceWhereverTheyWereMade) {
+TEST(FitAt, CountsLastingErrorsOnceAnywhere) {
   for (const double of_successive : {-0.5, 0.0, 0.5, 0.7}) {
     std::mt19937_64 rng(5);
     std::normal_distribution<double> normal;
@@ -335,7 +335,7 @@ std::vector<double> errors_of_places(int more_alike, std::mt19937_64& rng) {
 // The row is repeated n times and each error counts once. The neighbour correlation of 64
 // independent errors is known to 1/8, however often they are repeated. A correlation below twice
 // that is treated as chance.
-TEST(FitAt, TakesForChanceWhatSoManyErrorsLeaveOpenHoweverOftenTheyAreRepeated) {
+TEST(FitAt, ChanceLevelIsIndependentOfRepetitions) {
   std::mt19937_64 rng(6);
   for (const int times : {2, 6, 12}) {
     for (const int more_alike : {-11, 1, 15, 17, 25}) {  // 2/8 of 63 is 15.75
@@ -358,7 +358,7 @@ TEST(FitAt, TakesForChanceWhatSoManyErrorsLeaveOpenHoweverOftenTheyAreRepeated) 
 // Errors of one size and alternating sign: C = s (ψ/ψ′)² (Σ J Jᵀ)⁻¹. With N ranges per beacon, s =
 // N/(N − 2 − 2/beacons) corrects for the fitted parameters; s = N where one degree of freedom or
 // none is left.
-TEST(FitAt, KnowsThatWhatWasFittedHasMadeErrorsSmall) {
+TEST(FitAt, CorrectsForFittedResiduals) {
   constexpr double kWidth_m = 0.4;
   constexpr double kError_m = 0.25;
   const ResidualVerdict verdict = verdict_of(kError_m, {kWidth_m, 0.0}, 30.0);
@@ -401,7 +401,7 @@ TEST(FitAt, KnowsThatWhatWasFittedHasMadeErrorsSmall) {
 }
 
 // Each beacon gets the noise of all beacons with the weight of twenty ranges.
-TEST(FitAt, LendsABeaconOfFewRangesTheNoiseOfAll) {
+TEST(FitAt, UsesTheCommonNoiseForABeaconWithFewRanges) {
   const RangeState state{{1.0, 0.0}, {{9.0, 4.0}, {-6.0, 7.0}}, {{0.5, 0.0}, {0.5, 0.0}}};
   std::vector<TakenRange> ranges;
   const int counts[] = {5, 45};

@@ -73,19 +73,19 @@ void expect_claims_hold(const Claims& claims) {
             2.0 + n / 100.0);  // 0.0027 n expected; more once in thousands
 }
 
-TEST(DrawnRangeScenes, AreAsFarOffAsTheFitClaims) {
+TEST(DrawnRangeScenes, ErrorsMatchTheClaimedCovariance) {
   const Claims claims = claims_of({}, 5001);
   expect_claims_hold(claims);
   EXPECT_LT(claims.farthest_m, 6.0);  // no beacon is mistaken for its image
 }
 
-TEST(DrawnRangeScenes, AreAsFarOffAsTheFitClaimsInARoom) {
+TEST(DrawnRangeScenes, ErrorsMatchTheClaimedCovarianceInARoom) {
   expect_claims_hold(claims_of({.half_side_m = 4.0, .range_sigma_m = 0.1}, 6001));
 }
 
 // An error lasts for ten ranges of a beacon; treating each as independent would give a third of the
 // right σ.
-TEST(DrawnRangeScenes, AreAsFarOffAsTheFitClaimsWhereErrorsLast) {
+TEST(DrawnRangeScenes, ErrorsMatchTheClaimedCovarianceWithLastingErrors) {
   expect_claims_hold(claims_of({.ranges_of_beacon = 400, .correlation = 0.8}, 7001));
 }
 

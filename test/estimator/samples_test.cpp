@@ -76,20 +76,20 @@ void expect_near(const Gaussian& made, const Gaussian& right, double mean_sigma,
   EXPECT_LT((white - Eigen::Matrix4d::Identity()).cwiseAbs().maxCoeff(), share);
 }
 
-TEST(Samples, HaveTheMomentsThatTheyWereSpreadBy) {
+TEST(Samples, HaveTheGivenMoments) {
   const Gaussian belief = moving({3.0, -4.0}, {0.2, -0.1}, 1.5, 0.4);
   const Gaussian made = samples_of(belief).moments();
   EXPECT_TRUE(is_near(made.mean, belief.mean, 1e-12));
   EXPECT_TRUE(is_near(made.covariance, belief.covariance, 1e-12));
 }
 
-TEST(Samples, OfWhatIsNoGaussianThereAreNone) {
+TEST(Samples, IsEmptyForInvalidCovariance) {
   Gaussian belief = moving({3.0, -4.0}, {0.2, -0.1}, 1.5, 0.4);
   belief.covariance(0, 0) = -1.0;
   EXPECT_TRUE(samples_of(belief).empty());
 }
 
-TEST(Samples, ArePredictedAsAGaussianIsWithWhateverNoiseTheyMeet) {
+TEST(Samples, PredictionHasTheMomentsOfAGaussian) {
   for (const models::TargetModel& model :
        {kModel, models::TargetModel{TargetKind::kDoubleIntegrator, 2, 0.3},
         models::TargetModel{
@@ -111,7 +111,7 @@ TEST(Samples, ArePredictedAsAGaussianIsWithWhateverNoiseTheyMeet) {
   }
 }
 
-TEST(Samples, MeetOtherNoiseAtAnotherInstant) {
+TEST(Samples, NoiseDependsOnTheTime) {
   Samples one = samples_of(moving({3.0, -4.0}, {0.2, -0.1}, 1.5, 0.4));
   Samples same = one;
   Samples other = one;
@@ -122,7 +122,7 @@ TEST(Samples, MeetOtherNoiseAtAnotherInstant) {
   EXPECT_NE(one.moments().covariance, other.moments().covariance);
 }
 
-TEST(Samples, TurnBackAtWallsAsEachTargetDoes) {
+TEST(Samples, ReflectAtWallsLikeTargets) {
   for (const Eigen::Vector2d& at_m : {Eigen::Vector2d(31.5, 0.0), Eigen::Vector2d(-33.0, 31.0)}) {
     const Gaussian belief = moving(at_m, {0.5, 0.1}, 1.5, 0.4);
     const Gaussian right = drawn(belief, 200'000, [](Eigen::Vector4d& x) {
@@ -138,7 +138,7 @@ TEST(Samples, TurnBackAtWallsAsEachTargetDoes) {
   }
 }
 
-TEST(Samples, ThatALookDidNotReportAreWhereItDidNotSee) {
+TEST(Samples, OfAMissedTargetLieOutsideTheView) {
   const models::SensorModel sensor = field_sensor();
   for (const double yaw_rad : {0.0, 1.0, -2.0}) {
     const models::Viewpoint from = at(1.0, 2.0, yaw_rad);
@@ -156,7 +156,7 @@ TEST(Samples, ThatALookDidNotReportAreWhereItDidNotSee) {
   EXPECT_EQ(far.moments().covariance, before.covariance);
 }
 
-TEST(Samples, BehindAnObstacleAreNotMissed) {
+TEST(Samples, BehindAnObstacleStayAfterAMiss) {
   models::World world = kField;
   world.obstacles = {{{{2.0, -5.0}, {2.5, 5.0}}, 10.0}};
   Samples samples = samples_of(moving({5.0, 0.0}, {0.0, 0.0}, 0.4, 0.1));
@@ -164,7 +164,7 @@ TEST(Samples, BehindAnObstacleAreNotMissed) {
   EXPECT_TRUE(samples.miss(field_sensor(), at(0, 0), kField, 0.9));
 }
 
-TEST(Samples, KeepOutOfObstaclesUnlessNothingWouldBeLeft) {
+TEST(Samples, AvoidObstaclesUnlessNoneWouldRemain) {
   const std::vector<models::Obstacle> half = {{{{0.0, -50.0}, {50.0, 50.0}}, 10.0}};
   const Gaussian belief = moving({0.0, 0.0}, {0.0, 0.0}, 1.0, 0.4);
   const Gaussian right =
@@ -178,7 +178,7 @@ TEST(Samples, KeepOutOfObstaclesUnlessNothingWouldBeLeft) {
   EXPECT_EQ(inside.moments().covariance, before.covariance);
 }
 
-TEST(Samples, AreMeasuredWhereEnoughOfThemExplainIt) {
+TEST(Samples, AreUpdatedWhenEnoughExplainTheMeasurement) {
   const models::SensorModel sensor = field_sensor();
   const models::Viewpoint from = at(0, 0, 0.3);
   const Gaussian belief = moving({4.0, 1.0}, {0.2, -0.1}, 0.4, 0.4);
@@ -199,7 +199,7 @@ TEST(Samples, AreMeasuredWhereEnoughOfThemExplainIt) {
   EXPECT_EQ(wide.moments().covariance, before.covariance);
 }
 
-TEST(Samples, AreNotMeasuredByWhatIsFarFromAllOfThem) {
+TEST(Samples, IgnoreAMeasurementFarFromAll) {
   // 2 m off at σ = 0.15 m: all samples explain it equally badly, so the effective sample count
   // alone would not detect it.
   const models::SensorModel sensor = field_sensor();
@@ -214,7 +214,7 @@ TEST(Samples, AreNotMeasuredByWhatIsFarFromAllOfThem) {
   EXPECT_TRUE(samples_of(moving({6.0, 0.0}, {0.2, -0.1}, 0.1, 0.4)).measure(sensor, from, z, 4.0));
 }
 
-TEST(Samples, CopiesAreApart) {
+TEST(Samples, CopiesAreIndependent) {
   Samples one = samples_of(moving({3.0, -4.0}, {0.2, -0.1}, 1.5, 0.4));
   const Samples copy = one;
   const Gaussian before = one.moments();
@@ -254,7 +254,7 @@ Ending never_seen(int steps, bool samples, std::uint64_t seed) {
   }
 }
 
-TEST(SamplesOfAFilter, KnowHowWrongTheyAreOfWhatTurnsBackAtWallsAndWasLookedFor) {
+TEST(SamplesOfAFilter, AreConsistentWithWallsAndMisses) {
   // 40 s, starting near a corner. A Gaussian that is folded at the walls in each step stays there.
   test::MeanNees by_samples;
   test::MeanNees by_a_gaussian;
@@ -272,7 +272,7 @@ TEST(SamplesOfAFilter, KnowHowWrongTheyAreOfWhatTurnsBackAtWallsAndWasLookedFor)
   EXPECT_GT(by_a_gaussian.mean(), 20.0);
 }
 
-TEST(SamplesOfAFilter, AreOneGaussianAgainWhenTheTargetIsSeen) {
+TEST(SamplesOfAFilter, BecomeAGaussianWhenTheTargetIsSeen) {
   // Near the mean and far from it: updated by samples that explain the measurement, or by their
   // moments if too few do.
   for (const Eigen::Vector2d& truth_m :
@@ -299,7 +299,7 @@ TEST(SamplesOfAFilter, AreOneGaussianAgainWhenTheTargetIsSeen) {
   }
 }
 
-TEST(SamplesOfAFilter, AreTheSameOfALookThatComesLate) {
+TEST(SamplesOfAFilter, AreIndependentOfLateArrival) {
   DistributedFilter timely = knows(kNearACorner);
   DistributedFilter late = knows(kNearACorner);
   for (int k = 1; k <= 6; ++k) {
@@ -323,7 +323,7 @@ TEST(SamplesOfAFilter, AreTheSameOfALookThatComesLate) {
   EXPECT_EQ(late.track(0).information.vector, timely.track(0).information.vector);
 }
 
-TEST(SamplesOfAFilter, GiveWayToATeammateWhoHasSeenTheTargetSinceAndToNoOther) {
+TEST(SamplesOfAFilter, YieldOnlyToANewerTeammatesObservation) {
   const auto after_hearing = [](const std::optional<Gaussian>& theirs, Time last_seen) {
     DistributedFilter filter = knows(kNearACorner);
     for (int k = 1; k <= 12; ++k) {
@@ -371,7 +371,7 @@ TEST(SamplesOfAFilter, AllocateNothing) {
 
 // An empty scan changes the published moments at once and is counted once. A scan elsewhere is not
 // counted.
-TEST(SamplesOfAFilter, TellWhatALookHasLeftOfThemAtOnce) {
+TEST(SamplesOfAFilter, UpdateTheBeliefAfterEachMeasurement) {
   DistributedFilter filter = knows(kNearACorner);
   const models::Viewpoint from = at(20.0, 24.0, 0.3);
   take_step(filter, instant(1), from, {look_of("Q1", 1, from)});
@@ -390,7 +390,7 @@ TEST(SamplesOfAFilter, TellWhatALookHasLeftOfThemAtOnce) {
 // Samples come in opposite pairs. A cut through the middle therefore keeps the variance of all
 // coordinates along the cut. When fewer than half are left, they are duplicated and moved apart by
 // 0.3σ: the variance grows by 1.09.
-TEST(Samples, AreDoubledWhereFewerThanHalfSpeak) {
+TEST(Samples, DuplicatesWhenLessThanHalfAreEffective) {
   Gaussian belief{Eigen::Vector4d(1.0, -2.0, 0.3, 0.1), Eigen::Matrix4d::Zero()};
   belief.covariance.diagonal() << 1.0, 4.0, 0.25, 0.09;
   for (const bool is_half_left : {true, false}) {
@@ -422,7 +422,7 @@ TEST(Samples, AreDoubledWhereFewerThanHalfSpeak) {
 
 // For N(0, 1) in the plane, a likelihood of variance x leaves n (1 − 1/(x + 1)²) of n samples
 // effective. The cases have 1.4 times the required number, and the required number divided by 1.4.
-TEST(Samples, AreMeasuredWhereThirtyTwoSpeak) {
+TEST(Samples, AreUpdatedFromThirtyTwoSupportingSamples) {
   const models::SensorModel sensor = test::far_sighted(models::SensorKind::kPosition);
   Gaussian belief{Eigen::Vector4d(3.0, -4.0, 0.2, -0.1), Eigen::Matrix4d::Identity()};
   for (const auto& [speak, is_used] : {std::pair(32.0 * 1.4, true), std::pair(32.0 / 1.4, false)}) {

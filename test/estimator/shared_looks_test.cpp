@@ -100,7 +100,7 @@ struct SharedLooks {
   }
 };
 
-TEST(SharedLooks, MakeEveryRobotTheCentralFilterWhereAllHearAll) {
+TEST(SharedMeasurements, MakeEveryRobotEqualTheCentralFilter) {
   for (const SensorKind kind : {SensorKind::kPosition, SensorKind::kRangeBearing}) {
     SharedLooks team(kind, 2.5, 3);
     for (int k = 1; k <= 60; ++k) {
@@ -117,7 +117,7 @@ TEST(SharedLooks, MakeEveryRobotTheCentralFilterWhereAllHearAll) {
   }
 }
 
-TEST(SharedLooks, NeverMakeARobotSurerThanTheCentralFilterAndRecoverWhenAPartitionHeals) {
+TEST(SharedMeasurements, AreConsistentAndRecoverAfterAPartition) {
   // 30 % of all messages are lost. From step 30 to 60 the team is split into two pairs.
   double least = 1.0;
   double before_nats = 0.0;
@@ -159,7 +159,7 @@ TEST(SharedLooks, NeverMakeARobotSurerThanTheCentralFilterAndRecoverWhenAPartiti
   EXPECT_GT(apart_nats, before_nats + 0.1);
 }
 
-TEST(SharedLooks, ThatComeLateGiveTheBeliefOfTimelyOnesThoughTheirMakersBeliefCameFirst) {
+TEST(SharedMeasurements, ThatArriveLateGiveTheBeliefOfTimelyOnes) {
   // The belief of step k contains the observation of step k; the observation itself arrives two
   // steps later.
   models::SensorModel sensor = test::far_sighted(SensorKind::kPosition);
@@ -201,7 +201,7 @@ TEST(SharedLooks, ThatComeLateGiveTheBeliefOfTimelyOnesThoughTheirMakersBeliefCa
   EXPECT_EQ(late.counters().late_measurements, 10);
 }
 
-TEST(SharedLooks, OfTeammatesOutOfRangeAreLeft) {
+TEST(SharedMeasurements, OfTeammatesOutOfRangeAreIgnored) {
   SharedLooks team(SensorKind::kPosition, 100.0, 1);
   FilterSpec spec = team.robots[0].spec();
   spec.communication_range_m = 1.0;

@@ -32,7 +32,7 @@ models::RobotBelief some_belief() {
 }
 
 // Stamp, step number and inputs are not compared.
-TEST(SameContent, IsTheSameOfTheSameTargetsAndCells) {
+TEST(SameContent, IsTrueForEqualTargetsAndCells) {
   const models::RobotBelief one = some_belief();
   models::RobotBelief other = one;
   other.stamp.sequence = 9;
@@ -41,7 +41,7 @@ TEST(SameContent, IsTheSameOfTheSameTargetsAndCells) {
   EXPECT_TRUE(same_content(one, other, 0.0));
 }
 
-TEST(SameContent, IsAnotherWhereAnythingOfItIs) {
+TEST(SameContent, IsFalseForAnyDifference) {
   const models::RobotBelief one = some_belief();
   const auto is_another = [&](auto change) {
     models::RobotBelief other = one;
@@ -67,7 +67,7 @@ TEST(SameContent, IsAnotherWhereAnythingOfItIs) {
 }
 
 // Each number may differ by tolerance × (1 + its magnitude), in either direction.
-TEST(SameContent, ForgivesAShareOfEachNumber) {
+TEST(SameContent, AllowsARelativeTolerance) {
   constexpr double kTolerance = 1e-3;
   const models::RobotBelief one = some_belief();
   for (const double side : {-1.0, 1.0}) {
@@ -89,7 +89,7 @@ TEST(SameContent, ForgivesAShareOfEachNumber) {
   }
 }
 
-TEST(OwnPose, IsThatOfTheRobotWhereItIsSeen) {
+TEST(OwnPose, IsTheVisiblePoseOfTheRobot) {
   models::MocapFrame frame;
   frame.stamp.time = instant(2);
   frame.bodies = {{"Q1", lift({1.0, 2.0, 0.5}, 1.5), false},
@@ -105,7 +105,7 @@ TEST(OwnPose, IsThatOfTheRobotWhereItIsSeen) {
   }
 }
 
-TEST(HasViewpoint, OfALookOfTheRobotWithinTheStep) {
+TEST(HasViewpoint, IsTrueForAMeasurementWithinTheStep) {
   const Duration step = from_seconds(0.5);
   const auto has = [&](const char* robot, Time time) {
     models::DetectionSet look;
@@ -122,7 +122,7 @@ TEST(HasViewpoint, OfALookOfTheRobotWithinTheStep) {
 }
 
 // The viewpoint of a step is that of the newest own observation, whatever teammates observed later.
-TEST(MakeStep, IsFromWhereTheRobotLookedLast) {
+TEST(MakeStep, UsesTheLastViewpoint) {
   FilterSpec spec = test::open_spec({models::TargetKind::kStatic, 2, 0.0},
                                     test::far_sighted(models::SensorKind::kPosition), 1);
   spec.start = test::at(9.0, 9.0);
@@ -159,7 +159,7 @@ scenario::Scenario lone_robot() {
 /// 1.7e9 s is a multiple of half a second.
 Time after_an_instant(double s) { return from_utime(1'700'000'000'000'000) + from_seconds(s); }
 
-TEST(EstimatorNode, BeginsWithTheFirstInstantThatIsStillToBeTold) {
+TEST(EstimatorNode, StartsWithTheFirstUnpublishedStep) {
   bus::InProcessHub hub;
   const auto end = hub.connect();
   bus::Bus bus(*end, 1);
@@ -179,7 +179,7 @@ TEST(EstimatorNode, BeginsWithTheFirstInstantThatIsStillToBeTold) {
 }
 
 // A map follows each belief only if the scenario has the mapping objective. Both are replayed.
-TEST(EstimatorNode, MapsWhereTheScenarioDoes) {
+TEST(EstimatorNode, MapsIfTheScenarioMaps) {
   for (const bool maps : {false, true}) {
     scenario::Scenario scenario = lone_robot();
     if (maps) {

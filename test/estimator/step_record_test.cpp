@@ -33,7 +33,7 @@ std::vector<int> ids_of(const TrackTable& tracks) {
   return ids;
 }
 
-TEST(TrackTable, HasEachTargetOnceInTheOrderOfTheirNumbers) {
+TEST(TrackTable, HasEachTargetOnceOrderedById) {
   TrackTable tracks(8);
   for (const int id : {5, 2, 7, 0, 3}) {
     EXPECT_EQ(tracks.put(known_track(id, id)).target_id, id);
@@ -62,7 +62,7 @@ TEST(TrackTable, HasEachTargetOnceInTheOrderOfTheirNumbers) {
   EXPECT_TRUE(ids_of(tracks).empty());
 }
 
-TEST(TrackTable, HasRoomForAsManyTargetsAsThereAreUpToSoMany) {
+TEST(TrackTable, HasTheStatedCapacity) {
   if (!vantage::test::AllocationCounter::is_active()) {
     GTEST_SKIP() << "the allocation counter is inert under sanitizers";
   }
@@ -95,7 +95,7 @@ std::vector<std::pair<Time, int>> looks_of(const StepRecord& record) {
 }
 
 // In any order of arrival, and beyond the capacity.
-TEST(StepRecord, KeepsLooksByInstantAndThenByWhoLooked) {
+TEST(StepRecord, OrdersMeasurementsByTimeAndRobot) {
   std::vector<std::pair<Time, int>> sorted;
   for (int step = 0; step < 2; ++step) {
     for (int looker = -1; looker < 2; ++looker) {
@@ -124,7 +124,7 @@ TEST(StepRecord, KeepsLooksByInstantAndThenByWhoLooked) {
   EXPECT_FALSE(record.holds(instant(2), 1));
 }
 
-TEST(StepRecord, StartsOverWithNothingButTheTracks) {
+TEST(StepRecord, RestartsWithTracksOnly) {
   StepRecord record(3, 4);
   TrackTable tracks(3);
   tracks.put(known_track(1, 2.0));
@@ -145,7 +145,7 @@ TEST(StepRecord, StartsOverWithNothingButTheTracks) {
   EXPECT_FALSE(record.holds(instant(1), 0));
 }
 
-TEST(StepRecord, HasRoomForEveryTargetInEveryLookOfASmallTeam) {
+TEST(StepRecord, HasCapacityForASmallTeam) {
   if (!vantage::test::AllocationCounter::is_active()) {
     GTEST_SKIP() << "the allocation counter is inert under sanitizers";
   }

@@ -60,7 +60,7 @@ models::RobotMap map_of(TeamMap& team_map, const std::vector<std::vector<models:
   return map;
 }
 
-TEST(TeamMap, IsThatOfAllScansInAnyOrderWhoeverTookThem) {
+TEST(TeamMap, SumsAllScansInAnyOrder) {
   const scenario::Scenario scenario = mapping_scenario();
   test::Random random(5301);
   std::vector<models::RangeScan> scans;
@@ -87,7 +87,7 @@ TEST(TeamMap, IsThatOfAllScansInAnyOrderWhoeverTookThem) {
   EXPECT_LT(all.entropy_nats, 0.7 * 1200 * std::log(2.0)) << "they told something";
 }
 
-TEST(TeamMap, CountsATeammateOnceHoweverOftenItIsHeard) {
+TEST(TeamMap, CountsATeammateOnce) {
   const scenario::Scenario scenario = mapping_scenario();
   test::Random random(5302);
   TeamMap q1(scenario, "Q1");
@@ -101,7 +101,7 @@ TEST(TeamMap, CountsATeammateOnceHoweverOftenItIsHeard) {
 }
 
 // A robot that hovers for hours brings its cells to the limits of a count.
-TEST(TeamMap, IsTheSameInAnyOrderOfTeammatesAtTheLimitsOfACountToo) {
+TEST(TeamMap, IsIndependentOfOrderAtSaturation) {
   const scenario::Scenario scenario = mapping_scenario();
   TeamMap q1(scenario, "Q1");
   const models::RobotMap blank = map_of(q1, {{}});
@@ -117,7 +117,7 @@ TEST(TeamMap, IsTheSameInAnyOrderOfTeammatesAtTheLimitsOfACountToo) {
   EXPECT_EQ(map_of(q1, {{}}, {&far_up, &up}).team_looks[7], 32'767);
 }
 
-TEST(TeamMap, LearnsNothingOfJammedOrStrangeScans) {
+TEST(TeamMap, IgnoresJammedAndUnknownScans) {
   const scenario::Scenario scenario = mapping_scenario();
   test::Random random(5303);
   TeamMap team_map(scenario, "Q1");
@@ -135,7 +135,7 @@ TEST(TeamMap, LearnsNothingOfJammedOrStrangeScans) {
   EXPECT_NEAR(nothing.entropy_nats, 40 * 30 * std::log(2.0), 1e-6);
 }
 
-TEST(TeamMap, TakesUpWhatComesFromNearAndNowAndOfTheSameGround) {
+TEST(TeamMap, MergesNearCurrentMapsOfTheSameGrid) {
   const scenario::Scenario scenario = mapping_scenario();
   TeamMap q1(scenario, "Q1");
   TeamMap q2(scenario, "Q2");
@@ -153,7 +153,7 @@ TEST(TeamMap, TakesUpWhatComesFromNearAndNowAndOfTheSameGround) {
   EXPECT_THROW(TeamMap(scenario, "Q9"), UsageError);
 }
 
-TEST(TeamMap, IsOfTheStepOfTheBeliefThatItStandsOn) {
+TEST(TeamMap, HasTheStepOfItsBelief) {
   const scenario::Scenario scenario = mapping_scenario();
   TeamMap team_map(scenario, "Q2");
   const models::RobotBelief belief = belief_at(5, {1.0, 2.0, 0.3});
@@ -175,7 +175,7 @@ TEST(TeamMap, IsOfTheStepOfTheBeliefThatItStandsOn) {
 
 // Scans must match the scenario's scanner up to rounding of the field of view, which is published
 // in another unit.
-TEST(TeamMap, CountsScansOfTheScenariosScannerAlone) {
+TEST(TeamMap, AcceptsOnlyTheScenariosScanner) {
   const scenario::Scenario scenario = mapping_scenario();
   test::Random random(5304);
   const auto malformed = [&](double off_rad, double off_m, int surplus) {
@@ -198,7 +198,7 @@ TEST(TeamMap, CountsScansOfTheScenariosScannerAlone) {
   EXPECT_TRUE(malformed(0.0, 0.0, 1));
 }
 
-TEST(TeamMap, AddsUpNoMapOfAnotherGrid) {
+TEST(TeamMap, RefusesMapsOfAnotherGrid) {
   const scenario::Scenario scenario = mapping_scenario();
   TeamMap team_map(scenario, "Q1");
   models::RobotMap theirs;
@@ -210,7 +210,7 @@ TEST(TeamMap, AddsUpNoMapOfAnotherGrid) {
   EXPECT_EQ(team_map.counters().malformed_maps, 1);
 }
 
-TEST(TeamMap, CountsAScanFromItsVeryFirstCell) {
+TEST(TeamMap, IncludesTheFirstCellOfAScan) {
   const scenario::Scenario scenario = mapping_scenario();
   test::Random random(5305);
   TeamMap team_map(scenario, "Q1");
@@ -220,7 +220,7 @@ TEST(TeamMap, CountsAScanFromItsVeryFirstCell) {
   EXPECT_EQ(team_map.counters().malformed_scans, 0);
 }
 
-TEST(MapCounters, AreNamedOnceTheyCount) {
+TEST(MapCounters, AreListedWhenNonZero) {
   EXPECT_TRUE(MapCounters{}.named().empty());
   const std::vector<models::NamedCount> all = MapCounters{1, 2, 3}.named();
   ASSERT_EQ(all.size(), 3U);

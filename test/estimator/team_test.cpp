@@ -66,7 +66,7 @@ class Team {
   std::vector<models::RobotBelief> beliefs_;
 };
 
-TEST(Team, OnAConnectedGraphConvergesToStaticTargetsThatNobodyCouldFindAlone) {
+TEST(Team, ConvergesOnAConnectedGraph) {
   // Theorem 9. A pentagon whose sides, but not diagonals, are within radio range. Robots 0 and 2
   // measure ranges to all targets, 1 bearings to all, 3 the position of target 0 only, and 4
   // nothing.
@@ -175,7 +175,7 @@ TEST(Team, IsNeverMoreCertainThanTheCentralFilter) {
   }
 }
 
-TEST(Team, IsNotOverconfident) {
+TEST(Team, IsConsistent) {
   constexpr int kTargets = 3;
   constexpr std::size_t kRobots = 4;
   const models::TargetModel model{TargetKind::kRandomWalk, 2, 0.02};
@@ -236,7 +236,7 @@ class Newcomer : public ::testing::Test {
   models::RobotBelief teammate_;
 };
 
-TEST_F(Newcomer, TakesATeammatesBeliefWholeAndBringsItToItsOwnTime) {
+TEST_F(Newcomer, AdoptsATeammatesBeliefAtItsOwnTime) {
   DistributedFilter newcomer = filter(6.5);
   const auto belief = take_step(newcomer, instant(10), at(0, 0), {}, {teammate_});
   ASSERT_EQ(belief.targets.size(), 1u);
@@ -247,7 +247,7 @@ TEST_F(Newcomer, TakesATeammatesBeliefWholeAndBringsItToItsOwnTime) {
   EXPECT_TRUE(vantage::test::is_near(g.covariance, 0.55 * Eigen::Matrix2d::Identity(), 1e-12));
 }
 
-TEST_F(Newcomer, TakesTheSurerBeliefWhereOneHoldsMoreInEveryDirection) {
+TEST_F(Newcomer, AdoptsTheDominatingBelief) {
   DistributedFilter newcomer = filter(6.5);
   newcomer.rebase(
       test::prior(instant(9), {{Eigen::Vector2d(1.0, 0.0), 0.95 * Eigen::Matrix2d::Identity()}}));
@@ -264,7 +264,7 @@ TEST_F(Newcomer, TakesTheSurerBeliefWhereOneHoldsMoreInEveryDirection) {
 }
 
 // The later of both observation times.
-TEST_F(Newcomer, KnowsWhenATargetWasSeenLast) {
+TEST_F(Newcomer, AdoptsTheTimeOfTheLastObservation) {
   for (const int own : {5, 10}) {
     DistributedFilter newcomer = filter(6.5);
     newcomer.rebase(test::prior(instant(own),
@@ -275,7 +275,7 @@ TEST_F(Newcomer, KnowsWhenATargetWasSeenLast) {
   }
 }
 
-TEST_F(Newcomer, IntersectsBeliefsThatEachHoldSomethingTheOtherDoesNot) {
+TEST_F(Newcomer, FusesComplementaryBeliefsByCovarianceIntersection) {
   DistributedFilter newcomer = filter(6.5);
   const Eigen::Matrix2d wide_in_x = Eigen::Vector2d(2.0, 0.5).asDiagonal();
   const Eigen::Matrix2d wide_in_y = Eigen::Vector2d(0.5, 2.0).asDiagonal();
@@ -290,7 +290,7 @@ TEST_F(Newcomer, IntersectsBeliefsThatEachHoldSomethingTheOtherDoesNot) {
   EXPECT_TRUE(vantage::test::is_near(g.mean, Eigen::Vector2d(2.6, 0.8), 1e-2));
 }
 
-TEST_F(Newcomer, IsNotMadeLessCertainByATeammateWhoDoesNotKnowTheTarget) {
+TEST_F(Newcomer, IgnoresATeammateWithoutInformation) {
   DistributedFilter newcomer = filter(10.0);
   newcomer.rebase(
       test::prior(instant(9), {{Eigen::Vector2d(1.0, 0.0), 0.95 * Eigen::Matrix2d::Identity()}}));
@@ -300,20 +300,20 @@ TEST_F(Newcomer, IsNotMadeLessCertainByATeammateWhoDoesNotKnowTheTarget) {
   EXPECT_NEAR(newcomer.track(0).information.matrix(0, 0), 1.0 / 0.55, 1e-9);
 }
 
-TEST_F(Newcomer, HearsNobodyBeyondTheRadioRange) {
+TEST_F(Newcomer, ReceivesNothingBeyondTheRadioRange) {
   DistributedFilter newcomer = filter(5.9);
   EXPECT_TRUE(take_step(newcomer, instant(10), at(0, 0), {}, {teammate_}).targets.empty());
   EXPECT_EQ(newcomer.counters().out_of_range_beliefs, 1);
 }
 
-TEST_F(Newcomer, HearsNobodyWithoutARadio) {
+TEST_F(Newcomer, ReceivesNothingWithoutARadio) {
   DistributedFilter newcomer = filter(0.0);
   teammate_.viewpoint = at(0, 0);
   EXPECT_TRUE(take_step(newcomer, instant(10), at(0, 0), {}, {teammate_}).targets.empty());
   EXPECT_EQ(newcomer.counters().out_of_range_beliefs, 1);
 }
 
-TEST_F(Newcomer, RefusesOldNewsAndNewsOfTheFuture) {
+TEST_F(Newcomer, RefusesOldAndFutureBeliefs) {
   DistributedFilter newcomer = filter(10.0);
   EXPECT_TRUE(take_step(newcomer, instant(8), at(0, 0), {}, {teammate_}).targets.empty());
   EXPECT_TRUE(take_step(newcomer, instant(13), at(0, 0), {}, {teammate_}).targets.empty());
@@ -321,7 +321,7 @@ TEST_F(Newcomer, RefusesOldNewsAndNewsOfTheFuture) {
   EXPECT_EQ(newcomer.counters().stale_beliefs, 1);
 }
 
-TEST_F(Newcomer, TakesOverWhatTheTeammateHasSeenOfTheGround) {
+TEST_F(Newcomer, AdoptsATeammatesObservedCells) {
   DistributedFilter newcomer = filter(10.0);
   teammate_.grid = newcomer.grid().geometry();
   teammate_.last_seen_utime.assign(static_cast<std::size_t>(teammate_.grid.size()), 0);

@@ -43,7 +43,7 @@ bool is_linearised(const Gaussian& prior, const models::SensorModel& sensor,
 
 // A range over the corners 1.5 σ out: where it leaves its tangent by less than a fifth of its
 // noise.
-TEST(Measure, LinearisesWhereARangeBendsByAFifthOfItsSigmaAtMost) {
+TEST(Measure, LinearisesOnlyNearlyLinearRanges) {
   constexpr double kAway_m = 4.0;
   constexpr double kOut_m = 1.5 * 0.4;
   const double bend_m = std::hypot(kAway_m - kOut_m, kOut_m) - (kAway_m - kOut_m);  // the nearest
@@ -64,7 +64,7 @@ TEST(Measure, LinearisesWhereARangeBendsByAFifthOfItsSigmaAtMost) {
 }
 
 // Limits are ignored when the posterior is 3σ inside, plus 3σ of the limit itself.
-TEST(Measure, MindsNoLimitThatIsThreeSigmaAway) {
+TEST(Measure, IgnoresLimitsBeyondThreeSigma) {
   constexpr double kAway_m = 5.0;
   constexpr double kNoise_m = 0.2;
   const double sigma_m = 0.2 / std::sqrt(2.0);  // of two equally certain beliefs
@@ -91,7 +91,7 @@ TEST(Measure, MindsNoLimitThatIsThreeSigmaAway) {
 }
 
 // The gate is in σ of the predicted measurement, for linear and for integrated updates.
-TEST(Measure, GatesFromTheVeryDistanceOn) {
+TEST(Measure, GatesAtTheStatedDistance) {
   const models::SensorModel sensor = far_sighted(models::SensorKind::kPosition);
   const double sigma_m = std::hypot(0.3, 0.4);
   for (const double side : {-1.0, 1.0}) {
@@ -115,7 +115,7 @@ TEST(Measure, GatesFromTheVeryDistanceOn) {
   }
 }
 
-TEST(Propagate, ChangesNoBitWhereNothingHappens) {
+TEST(Propagate, IsExactlyTheIdentityWithoutMotionAndNoise) {
   models::Information belief{Eigen::Vector2d(1.0 / 3.0, -0.7), Eigen::Matrix2d::Identity()};
   belief.matrix(0, 1) = belief.matrix(1, 0) = 0.1;
   const models::TargetModel walk{TargetKind::kRandomWalk, 2, 0.3};
@@ -130,7 +130,7 @@ TEST(Propagate, ChangesNoBitWhereNothingHappens) {
 }
 
 // An oscillator's velocity prior is that of its surroundings; other models use the stated prior.
-TEST(Discover, KnowsOfVelocitiesWhatIsStated) {
+TEST(Discover, UsesTheConfiguredVelocityPrior) {
   scenario::EstimatorSpec spec;
   spec.prior_velocity_sigma_mps = 0.7;
   const models::SensorModel sensor = far_sighted(models::SensorKind::kRangeBearing);
@@ -156,7 +156,7 @@ TEST(Discover, KnowsOfVelocitiesWhatIsStated) {
   }
 }
 
-TEST(Doubt, IsOnlyOfWhatSaysWhereTheTargetIsInstead) {
+TEST(Doubt, RequiresAPositionMeasurement) {
   scenario::EstimatorSpec spec;
   spec.target_model = {TargetKind::kRandomWalk, 2, 0.1};
   const models::Measurement range{Eigen::Matrix<double, 1, 1>(4.0),
@@ -180,7 +180,7 @@ TEST(Doubt, IsOnlyOfWhatSaysWhereTheTargetIsInstead) {
 
 // For each target, scans without a detection are applied before those with one, in any order of
 // arrival.
-TEST(CentralFilter, UsesEmptyLooksBeforeThoseThatSawTheTarget) {
+TEST(CentralFilter, AppliesMissesBeforeDetections) {
   models::World world;
   world.bounds = {{-20.0, -20.0}, {20.0, 20.0}};
   models::SensorModel sensor = far_sighted(models::SensorKind::kRangeBearing);

@@ -47,7 +47,7 @@ std::vector<int> labels_of(const std::vector<LabelledTrack>& tracks) {
 const int kOld = first_label(instant(1), 2);
 const int kYoung = first_label(instant(2), 0);
 
-TEST(TrackLabels, OfDifferentLooksAreDifferentAndNoIdsOfTargets) {
+TEST(TrackLabels, AreUniqueAndDifferFromTargetIds) {
   std::set<int> labels;
   for (int k = 0; k < 50; ++k) {
     for (int robot = 0; robot < kLabelledRobots; ++robot) {
@@ -62,7 +62,7 @@ TEST(TrackLabels, OfDifferentLooksAreDifferentAndNoIdsOfTargets) {
   EXPECT_THROW(first_label(instant(0), -1), UsageError);
 }
 
-TEST(TrackLabels, KnowWhichIsOlderAcrossTheirEnd) {
+TEST(TrackLabels, CompareAgesAcrossTheWrap) {
   EXPECT_TRUE(is_older(kOld, kYoung));
   EXPECT_FALSE(is_older(kYoung, kOld));
   EXPECT_FALSE(is_older(kOld, kOld));
@@ -71,7 +71,7 @@ TEST(TrackLabels, KnowWhichIsOlderAcrossTheirEnd) {
   EXPECT_TRUE(is_older(first_label(last, 31) + 31, first_label(last + kLabelTick, 0)));
 }
 
-TEST(Reconcile, ChangesNothingOfWhoHasUsedTheSameLooks) {
+TEST(Reconcile, ChangesNothingForEqualMeasurements) {
   std::vector<LabelledTrack> tracks = {own(kOld, at_m(1, 1, 0.2)), own(kYoung, at_m(1.1, 1, 0.2)),
                                        own(kYoung + 1, at_m(1.05, 1, 0.2), 0.3)};
   std::vector<HeardLabel> heard = {theirs(kOld, at_m(1, 1, 0.2)),
@@ -82,7 +82,7 @@ TEST(Reconcile, ChangesNothingOfWhoHasUsedTheSameLooks) {
   EXPECT_EQ(tracks[2].existence, 0.3);
 }
 
-TEST(Reconcile, GivesBothTheOlderLabelWhoeverHears) {
+TEST(Reconcile, KeepsTheOlderLabelOnBothSides) {
   std::vector<LabelledTrack> one = {own(kYoung, at_m(1, 1, 0.2), 0.4)};
   std::vector<HeardLabel> heard = {theirs(kOld, at_m(1.2, 1, 0.2))};
   EXPECT_EQ(reconcile(one, heard).relabelled, 1);
@@ -97,7 +97,7 @@ TEST(Reconcile, GivesBothTheOlderLabelWhoeverHears) {
 }
 
 // If two pairs are within 3σ, the pair with the smaller Mahalanobis distance is joined first.
-TEST(Reconcile, JoinsTheNearestFirst) {
+TEST(Reconcile, MergesTheNearestTracksFirst) {
   std::vector<LabelledTrack> tracks = {own(kYoung, at_m(0, 0, 0.5)),
                                        own(kYoung + 1, at_m(1, 0, 0.5))};
   std::vector<HeardLabel> heard = {theirs(kOld, at_m(0.9, 0, 0.5)),
@@ -106,7 +106,7 @@ TEST(Reconcile, JoinsTheNearestFirst) {
   EXPECT_EQ(labels_of(tracks), (std::vector{kOld + 1, kOld}));
 }
 
-TEST(Reconcile, TakesWhatIsFarFromAllForAnother) {
+TEST(Reconcile, AddsADistantTrack) {
   std::vector<LabelledTrack> tracks = {own(kYoung, at_m(0, 0, 0.1)), LabelledTrack{}};
   std::vector<HeardLabel> heard = {theirs(kOld, at_m(2, 0, 0.1))};
   const Reconciled done = reconcile(tracks, heard);
@@ -121,7 +121,7 @@ TEST(Reconcile, TakesWhatIsFarFromAllForAnother) {
 }
 
 // The beliefs are never multiplied, which would count their common information twice.
-TEST(Reconcile, TakesTheBeliefThatTellsClearlyMoreAsItIs) {
+TEST(Reconcile, AdoptsAClearlyMoreCertainBelief) {
   const models::Gaussian vague = at_m(1, 1, 1.0);
   const models::Gaussian sure = at_m(1.3, 1, 0.2);
   std::vector<LabelledTrack> tracks = {own(kOld, vague)};
@@ -136,7 +136,7 @@ TEST(Reconcile, TakesTheBeliefThatTellsClearlyMoreAsItIs) {
   EXPECT_EQ(moments(tracks[0].mixture).covariance, sure.covariance);
 }
 
-TEST(TrackLabels, FillTheUpperHalfOfWhatIsPositive) {
+TEST(TrackLabels, AreAtLeastTwoToThePower30) {
   const Time last = from_utime(((1 << 20) - 1) * kLabelTick.count());
   EXPECT_EQ(first_label(from_utime(0), 0), models::kTrackLabelMin);
   EXPECT_EQ(first_label(last, kLabelledRobots - 1) + kLabelledDetections - 1,
@@ -147,7 +147,7 @@ TEST(TrackLabels, FillTheUpperHalfOfWhatIsPositive) {
   EXPECT_NE(first_label(tick - Duration{1}, 3), first_label(tick, 3));
 }
 
-TEST(TrackLabels, AreOlderForHalfOfTheirRound) {
+TEST(TrackLabels, OrderHoldsForHalfTheirRange) {
   const Time begin = instant(0);
   const int label = first_label(begin, 5);
   const auto after = [&](int ticks) { return first_label(begin + ticks * kLabelTick, 5); };
@@ -161,7 +161,7 @@ TEST(TrackLabels, AreOlderForHalfOfTheirRound) {
 }
 
 // 3σ of the sum of both covariances.
-TEST(Reconcile, TakesForOneWhatIsWithinThreeSigma) {
+TEST(Reconcile, MergesTracksWithinThreeSigma) {
   for (const bool is_along_x : {false, true}) {
     for (const auto& [away_m, is_one] : {std::pair(1.499, true), std::pair(1.501, false)}) {
       std::vector<LabelledTrack> tracks = {own(kYoung, at_m(1.0, 2.0, 0.3)), LabelledTrack{}};
@@ -175,7 +175,7 @@ TEST(Reconcile, TakesForOneWhatIsWithinThreeSigma) {
   }
 }
 
-TEST(Reconcile, ComparesTracksFromATenthOfACertaintyOn) {
+TEST(Reconcile, ComparesTracksAboveTenPercentExistence) {
   for (const auto& [existence, is_compared] : {std::pair(0.0999, false), std::pair(0.1, true)}) {
     std::vector<LabelledTrack> tracks = {own(kYoung, at_m(1, 1, 0.2), existence),
                                          own(kYoung + 1, at_m(9, 9, 0.2))};
@@ -187,7 +187,7 @@ TEST(Reconcile, ComparesTracksFromATenthOfACertaintyOn) {
   }
 }
 
-TEST(Reconcile, MindsNoLabelOfATrackThatIsNoMore) {
+TEST(Reconcile, IgnoresLabelsOfDeletedTracks) {
   std::vector<LabelledTrack> tracks = {own(kYoung, at_m(1, 1, 0.2)), own(kOld, at_m(5, 5, 0.2), 0)};
   std::vector<HeardLabel> heard = {theirs(kOld, at_m(1.1, 1, 0.2))};
   EXPECT_EQ(reconcile(tracks, heard).relabelled, 1);
@@ -195,7 +195,7 @@ TEST(Reconcile, MindsNoLabelOfATrackThatIsNoMore) {
 }
 
 // The joined track takes over the teammate's more certain belief in the same step.
-TEST(Reconcile, TakesTheSurerBeliefOfWhatItHasJustJoined) {
+TEST(Reconcile, KeepsTheMoreCertainBeliefAfterAMerge) {
   for (const bool is_own_older : {false, true}) {
     std::vector<LabelledTrack> tracks = {own(is_own_older ? kOld : kYoung, at_m(1, 1, 1.0))};
     std::vector<HeardLabel> heard = {theirs(is_own_older ? kYoung : kOld, at_m(1.1, 1, 0.2))};
@@ -209,7 +209,7 @@ TEST(Reconcile, TakesTheSurerBeliefOfWhatItHasJustJoined) {
 }
 
 // In the plane half a nat is a σ that is smaller by e^¼.
-TEST(Reconcile, TakesABeliefThatTellsMoreByHalfANat) {
+TEST(Reconcile, AdoptsABeliefWithHalfANatMoreInformation) {
   for (const auto& [nats, is_taken] : {std::pair(0.499, false), std::pair(0.501, true)}) {
     for (const int own_seen : {0, 2}) {
       std::vector<LabelledTrack> tracks = {own(kOld, at_m(1, 1, 1.0))};
@@ -222,7 +222,7 @@ TEST(Reconcile, TakesABeliefThatTellsMoreByHalfANat) {
   }
 }
 
-TEST(Reconcile, AdoptsInThePlaceOfTheUnlikeliestThatIsNotConfirmed) {
+TEST(Reconcile, ReplacesTheLeastLikelyUnconfirmedTrack) {
   for (const auto& [least, is_adopted] : {std::pair(0.499, true), std::pair(0.5, false)}) {
     std::vector<LabelledTrack> tracks = {own(kYoung, at_m(0, 0, 0.1), 0.95),
                                          own(kYoung + 1, at_m(3, 0, 0.1), least),
@@ -245,7 +245,7 @@ TEST(Reconcile, AdoptsInThePlaceOfTheUnlikeliestThatIsNotConfirmed) {
 }
 
 // A track with the same label in both is not compared with other tracks of the teammate.
-TEST(Reconcile, JoinsNothingWithATrackThatBothHave) {
+TEST(Reconcile, MergesNothingWithASharedTrack) {
   std::vector<LabelledTrack> tracks = {own(kOld, at_m(0, 0, 0.2)), LabelledTrack{}};
   std::vector<HeardLabel> heard = {theirs(kOld, at_m(0.2, 0, 0.2)),
                                    theirs(kYoung, at_m(0.1, 0, 0.2))};
@@ -255,7 +255,7 @@ TEST(Reconcile, JoinsNothingWithATrackThatBothHave) {
   EXPECT_EQ(labels_of(tracks), (std::vector{kOld, kYoung}));
 }
 
-TEST(Reconcile, AdoptsATrackThatItHadOnceAndNoneWithoutRoom) {
+TEST(Reconcile, AdoptsAFormerTrackIfCapacityAllows) {
   std::vector<LabelledTrack> tracks = {own(kOld, at_m(1, 1, 9.0), 0.0)};
   std::vector<HeardLabel> heard = {theirs(kOld, at_m(1, 1, 0.2))};
   const Reconciled done = reconcile(tracks, heard);
@@ -273,7 +273,7 @@ MultiTargetFilter planar_filter() {
   return MultiTargetFilter(spec);
 }
 
-TEST(Told, AreTheConfirmedOnesByTheirLabels) {
+TEST(SentTracks, AreConfirmedAndOrderedByLabel) {
   const MultiTargetFilter filter = planar_filter();
   std::vector<LabelledTrack> tracks = {
       own(kYoung, at_m(3, 0, 0.2)), own(kOld, at_m(1, 0, 0.1), 0.5),
@@ -303,7 +303,7 @@ TEST(Told, AreTheConfirmedOnesByTheirLabels) {
   EXPECT_EQ(mixtures[1].components[1].belief.mean(0), 3.4);
 }
 
-TEST(SetTold, LeavesNothingOfBeforeAndNothingThatIsNoBelief) {
+TEST(SetTold, ReplacesAllTracksAndSkipsInvalidOnes) {
   const auto belief = [](int label, const models::Gaussian& of, int seen) {
     return models::TargetBelief{label, models::to_information(of).value(), instant(seen)};
   };

@@ -26,7 +26,7 @@ using vantage::test::is_near;
 
 const models::Surroundings kLabSurroundings{{0.5, -0.5}, {1.75, 0.83}, {0.4, 0.25}, {0.3, 0.5}};
 
-TEST(Propagate, InTwoPartsIsTheSameAsInOne) {
+TEST(Propagate, InTwoPartsEqualsOnePart) {
   for (const TargetKind kind :
        {TargetKind::kStatic, TargetKind::kRandomWalk, TargetKind::kDoubleIntegrator,
         TargetKind::kGrowingUncertainty, TargetKind::kDampedOscillator}) {
@@ -46,7 +46,7 @@ TEST(Propagate, InTwoPartsIsTheSameAsInOne) {
 }
 
 // Step by step, as the filter does it.
-TEST(Propagate, OfADampedOscillatorEndsWithItsSurroundingsAndGoesNoFurther) {
+TEST(Propagate, OfADampedOscillatorTendsToItsStationaryDistribution) {
   const models::TargetModel model{TargetKind::kDampedOscillator, 2, 0.0, kLabSurroundings};
   const models::StateMatrix sharp = 1e-4 * models::StateMatrix::Identity(4, 4);
   models::Information belief =
@@ -66,7 +66,7 @@ TEST(Propagate, OfADampedOscillatorEndsWithItsSurroundingsAndGoesNoFurther) {
                       Eigen::Vector4d(1.75 * 1.75, 0.83 * 0.83, 0.4 * 0.4, 0.25 * 0.25), 1e-6));
 }
 
-TEST(Propagate, OfGrowingUncertaintyAddsTheStepsOwnNoise) {
+TEST(Propagate, OfGrowingUncertaintyAddsTheNoiseOfTheStep) {
   const models::TargetModel model{TargetKind::kGrowingUncertainty, 3, 0.01};
   const auto belief =
       models::to_information({models::StateVector::Zero(3), models::StateMatrix::Identity(3, 3)})
@@ -81,7 +81,7 @@ TEST(Propagate, OfGrowingUncertaintyAddsTheStepsOwnNoise) {
                       variance * models::StateMatrix::Identity(3, 3), 1e-12));
 }
 
-TEST(Propagate, RefusesABeliefThatCannotBeInverted) {
+TEST(Propagate, RefusesASingularBelief) {
   const models::Information nothing{models::StateVector::Zero(2), models::StateMatrix::Zero(2, 2)};
   EXPECT_FALSE(propagate({TargetKind::kRandomWalk, 2, 0.1}, 0.5, nothing, instant(0), instant(0),
                          instant(1)));
@@ -129,7 +129,7 @@ LookCase draw_case(models::SensorKind kind, double range_max_m, double fov_deg, 
 
 const auto kEverySensor = models::all_sensor_kinds();
 
-TEST(Measure, AgreesWithTheCovarianceFormWhereTheSensorIsLinearEnough) {
+TEST(Measure, EqualsTheCovarianceFormForLinearSensors) {
   std::mt19937_64 rng(17);
   for (const auto kind : kEverySensor) {
     int alike = 0;
@@ -164,7 +164,7 @@ Gaussian after_its_look(const LookCase& c) {
   return models::to_gaussian(information).value();
 }
 
-TEST(Measure, UsesASensorOfOnesOwn) {
+TEST(Measure, UsesACustomSensor) {
   std::mt19937_64 rng(5);
   for (int trial = 0; trial < 20; ++trial) {
     const LookCase c =
@@ -180,7 +180,7 @@ TEST(Measure, UsesASensorOfOnesOwn) {
   }
 }
 
-TEST(Measure, LinearisesASensorOfOnesOwnInSpace) {
+TEST(Measure, LinearisesACustomSensorInSpace) {
   models::SensorModel sensor;
   sensor.kind = vantage::test::signal_strength();
   models::Viewpoint from = at(0.0, 0.0);
@@ -199,7 +199,7 @@ TEST(Measure, LinearisesASensorOfOnesOwnInSpace) {
 /// Against brute force; prior σ of 2 % and 20 % of the range, all around and with a field of view.
 class MeasureAgainstBruteForce : public ::testing::TestWithParam<models::SensorKind> {};
 
-TEST_P(MeasureAgainstBruteForce, GivesTheMomentsOfThePosterior) {
+TEST_P(MeasureAgainstBruteForce, HasThePosteriorsMoments) {
   std::mt19937_64 rng(2026);
   double worst_mean = 0.0;
   double worst_covariance = 0.0;
@@ -231,7 +231,7 @@ TEST_P(MeasureAgainstBruteForce, GivesTheMomentsOfThePosterior) {
 
 INSTANTIATE_TEST_SUITE_P(EverySensor, MeasureAgainstBruteForce, ::testing::ValuesIn(kEverySensor));
 
-TEST(Measure, IsRightAboutATargetUnderTheRobot) {
+TEST(Measure, IsCorrectForATargetUnderTheRobot) {
   // The lab's sensor above a lost target: z_r is only noise. A linearised posterior would be 0.4 mm
   // wide and 0.5 m off.
   models::SensorModel sensor;
@@ -279,7 +279,7 @@ TEST(Measure, IsConsistentNearTheRobot) {
   EXPECT_NEAR(nees.mean(), 2.0, std::max(1.96 * nees.sigma(), 0.1));
 }
 
-TEST(Measure, TurnsAndMirrorsWithTheWorld) {
+TEST(Measure, IsInvariantToRotationAndReflection) {
   std::mt19937_64 rng(31);
   for (const auto kind : kEverySensor) {
     for (int trial = 0; trial < 10; ++trial) {
@@ -318,7 +318,7 @@ TEST(Measure, TurnsAndMirrorsWithTheWorld) {
   }
 }
 
-TEST(Measure, DoesNotBelieveInLimitsThatTheSensorDoesNotKeep) {
+TEST(Measure, IgnoresLimitsThatTheSensorViolates) {
   // A precise prior at 1.3 m and a detection there by a sensor with a stated range of 1 m.
   models::SensorModel sensor;
   sensor.range_max_m = 1.0;
@@ -368,7 +368,7 @@ TEST(Measure, WrapsTheBearingBehindTheRobot) {
   EXPECT_NEAR(models::to_gaussian(belief)->mean(1), 0.07, 0.05);
 }
 
-TEST(Measure, LeavesABeliefAloneBeyondTheGate) {
+TEST(Measure, KeepsABeliefBeyondTheGate) {
   const models::SensorModel sensor;
   const auto start =
       models::to_information({Eigen::Vector2d(5.0, 0.0), 0.01 * Eigen::Matrix2d::Identity()})
@@ -389,7 +389,7 @@ TEST(Measure, LeavesABeliefAloneBeyondTheGate) {
   EXPECT_EQ(measure(here, sensor, at(0, 0), z, 0.0), Use::kSingular);
 }
 
-TEST(Discover, FindsNothingByALookWithoutNoise) {
+TEST(Discover, RefusesAMeasurementWithoutNoise) {
   scenario::EstimatorSpec spec;
   spec.target_model = {TargetKind::kRandomWalk, 2, 0.1};
   const models::SensorModel sensor;
@@ -399,7 +399,7 @@ TEST(Discover, FindsNothingByALookWithoutNoise) {
   EXPECT_FALSE(discover(spec, sensor, at(0.0, 0.0), z));
 }
 
-TEST(Discover, StatesThePriorWhereTheCameraIsSilent) {
+TEST(Discover, UsesThePriorInUnobservedDirections) {
   scenario::EstimatorSpec spec;
   spec.target_model = {TargetKind::kRandomWalk, 3, 0.1};
   spec.prior_position_sigma_m = 2.0;
@@ -429,7 +429,7 @@ TEST(Discover, StatesThePriorWhereTheCameraIsSilent) {
   EXPECT_NEAR(g.covariance(0, 0), across / mass, 0.02 * across / mass);
 }
 
-TEST(Discover, GivesTheMomentsOfAllThatTheFirstLookLeavesPossible) {
+TEST(Discover, HasTheMomentsOfTheFirstMeasurementsPosterior) {
   scenario::EstimatorSpec spec;
   spec.target_model = {TargetKind::kRandomWalk, 2, 0.1};
   models::SensorModel sensor;

@@ -155,7 +155,7 @@ struct Team {
   }
 };
 
-TEST(UnnamedTeam, HasTheSameTracksToTheLastBitWhereAllHearAll) {
+TEST(UnnamedTeam, HasIdenticalTracksWithFullCommunication) {
   Team team(1);
   for (int k = 1; k <= 80; ++k) {
     team.step(k, [](int, std::size_t, std::size_t) { return true; });
@@ -171,7 +171,7 @@ TEST(UnnamedTeam, HasTheSameTracksToTheLastBitWhereAllHearAll) {
   }
 }
 
-TEST(UnnamedTeam, CountsNoLookTwice) {
+TEST(UnnamedTeam, UsesEachMeasurementOnce) {
   Scene scene(2);
   DistributedFilter once(spec_of(0));
   DistributedFilter twice(spec_of(0));
@@ -185,7 +185,7 @@ TEST(UnnamedTeam, CountsNoLookTwice) {
   EXPECT_EQ(twice.counters().repeated_looks, 40 * static_cast<int>(kRobots));
 }
 
-TEST(UnnamedTeam, PutsALateLookInItsPlace) {
+TEST(UnnamedTeam, UsesALateMeasurementAtItsTime) {
   Scene scene(3);
   DistributedFilter timely(spec_of(0));
   DistributedFilter late(spec_of(0));
@@ -207,7 +207,7 @@ TEST(UnnamedTeam, PutsALateLookInItsPlace) {
   }
 }
 
-TEST(UnnamedTeam, AgreesOnLabelsThoughLooksAreLost) {
+TEST(UnnamedTeam, AgreesOnLabelsDespiteLoss) {
   double agreed[2] = {0.0, 0.0};
   int healed = 0;
   constexpr int kSeeds = 10;
@@ -233,7 +233,7 @@ TEST(UnnamedTeam, AgreesOnLabelsThoughLooksAreLost) {
 }
 
 // A robot that joins later takes over the track labels of the others from their first beliefs.
-TEST(UnnamedTeam, TellsItsLabelsToWhoComesLater) {
+TEST(UnnamedTeam, LateJoinerAdoptsTeamLabels) {
   Team team(5);
   const auto all = [](int, std::size_t, std::size_t) { return true; };
   for (int k = 1; k <= 40; ++k) {
@@ -247,7 +247,7 @@ TEST(UnnamedTeam, TellsItsLabelsToWhoComesLater) {
   EXPECT_GE(labels_of(team.beliefs[2]).size(), 3U);
 }
 
-TEST(UnnamedTeam, TellsHowProbablyEachOfItsTracksIsOne) {
+TEST(UnnamedTeam, ReportsExistenceProbabilities) {
   Team team(7);
   for (int k = 1; k <= 40; ++k) {
     team.step(k, [](int, std::size_t, std::size_t) { return true; });
@@ -282,7 +282,7 @@ TEST(UnnamedTeam, ContinuesWithTheLabelsOfALoggedBelief) {
   EXPECT_EQ(labels_of(again.belief()), labels_of(team.beliefs[0]));
 }
 
-TEST(UnnamedTeam, RefusesWhatItCannotKeep) {
+TEST(UnnamedTeam, RefusesUnsupportedSpecs) {
   FilterSpec spec = spec_of(0);
   spec.neighbourhood_m = 10.0;
   EXPECT_THROW(DistributedFilter{spec}, UsageError);
@@ -294,7 +294,7 @@ TEST(UnnamedTeam, RefusesWhatItCannotKeep) {
   EXPECT_THROW(DistributedFilter{spec}, UsageError);
 }
 
-TEST(UnnamedTeam, DropsWhatIsNoTrackOrTooMuch) {
+TEST(UnnamedTeam, DropsInvalidAndExcessTracks) {
   DistributedFilter filter(spec_of(0));
   Scene scene(7);
   auto looks = scene.looks(1);
@@ -314,7 +314,7 @@ TEST(UnnamedTeam, DropsWhatIsNoTrackOrTooMuch) {
 
 // A belief may contain the number of tracks that the team can hold. A belief with a hundred
 // thousand tracks does not use memory.
-TEST(UnnamedTeam, HearsOfNoMoreTracksThanItsTeamCanHave) {
+TEST(UnnamedTeam, LimitsReceivedTracks) {
   DistributedFilter filter(spec_of(0));
   models::RobotBelief stranger;
   stranger.robot = robot_name(1);
@@ -359,7 +359,7 @@ TEST(UnnamedTeam, AllocatesNothing) {
 
 // A track received in the middle of a step is predicted to its end. The prediction uses the elapsed
 // time, and the time since the target was last observed at the time of sending.
-TEST(UnnamedTeam, BringsWhatItIsToldToItsOwnTime) {
+TEST(UnnamedTeam, PropagatesReceivedTracksToItsTime) {
   const auto variance_m2 = [](const models::TargetModel& model, Time told_at, Time last_seen) {
     FilterSpec spec = spec_of(0);
     spec.estimator.target_model = model;

@@ -101,7 +101,7 @@ class Stretches {
 
 class ViconFlights : public ::testing::TestWithParam<models::SensorKind> {};
 
-TEST_P(ViconFlights, AreTrackedAsWellAsTheFilterSays) {
+TEST_P(ViconFlights, ErrorsMatchTheFiltersCovariance) {
   const std::string folder = VANTAGE_DATA_DIR "/vicon_flights/";
   const Track3 observer = test::read_csv(folder + "v1_01.csv");
   const std::vector<Track3> targets = {test::read_csv(folder + "v1_02.csv"),

@@ -64,7 +64,7 @@ Eigen::Vector2d place_near_a_limit(double off_m, std::mt19937_64& rng) {
          range_m * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad));
 }
 
-TEST(ViewProbability, IsHowOftenATargetIsInViewOfLimitsThatAreOff) {
+TEST(ViewProbability, EqualsTheSampledFrequency) {
   std::mt19937_64 rng(3);
   constexpr int kDraws = 3000;
   for (const auto kind : models::all_sensor_kinds()) {
@@ -98,7 +98,7 @@ models::SensorModel wide_sensor(models::SensorKind kind) {
   return sensor;
 }
 
-TEST(LimitSoftness, IsATenthOfEachSigmaOfWhatIsMeasured) {
+TEST(LimitSoftness, IsATenthOfTheMeasurementsSigma) {
   const Eigen::Vector2d variances(0.04, 0.09);
   const models::MeasurementMatrix V = variances.asDiagonal();
   const models::MeasurementMatrix V1 = V.topLeftCorner(1, 1);
@@ -118,7 +118,7 @@ TEST(LimitSoftness, IsATenthOfEachSigmaOfWhatIsMeasured) {
 
 // Sensor kinds with their own limits have exact limits, except for the angle if the kind measures a
 // bearing.
-TEST(LimitSoftness, IsNoneOfAKindWithLimitsOfItsOwn) {
+TEST(LimitSoftness, IsZeroForSensorsWithOwnLimits) {
   const models::MeasurementMatrix V1 = 0.04 * Eigen::Matrix<double, 1, 1>::Identity();
   models::SensorLaw law = vantage::test::signal_strength_law();
   models::SensorModel own;
@@ -137,7 +137,7 @@ TEST(LimitSoftness, IsNoneOfAKindWithLimitsOfItsOwn) {
   EXPECT_NEAR(limit_softness(own, V1).distance_m, 0.02, 1e-15);
 }
 
-TEST(ViewProbability, FallsOffAtEachLimitAsANormalDistribution) {
+TEST(ViewProbability, IsANormalDistributionAtEachLimit) {
   const models::SensorModel sensor = wide_sensor(models::SensorKind::kRangeBearing);
   const models::SensorModel camera = wide_sensor(models::SensorKind::kCamera);
   const LimitSoftness soft{0.1, 0.02};
@@ -167,7 +167,7 @@ TEST(ViewProbability, FallsOffAtEachLimitAsANormalDistribution) {
               1e-12);
 }
 
-TEST(ViewProbability, IsCertainSixSigmaFromALimitAndWhereThereIsNone) {
+TEST(ViewProbability, IsOneFarFromLimits) {
   models::SensorModel sensor = wide_sensor(models::SensorKind::kRangeBearing);
   const LimitSoftness soft{0.1, 0.02};
   const auto at_range = [&](double range_m) {
@@ -192,7 +192,7 @@ TEST(ViewProbability, IsCertainSixSigmaFromALimitAndWhereThereIsNone) {
   EXPECT_EQ(view_probability(sensor, soft, 0.0, 0.0, 1.0, kNoDepth_m), 1.0);
 }
 
-TEST(ViewProbability, OfAPlaceIsThatOfItsRangeBearingAndDepth) {
+TEST(ViewProbability, IsAProductOverRangeBearingAndDepth) {
   const LimitSoftness soft{0.1, 0.02};
   models::Viewpoint from = test::at(101.0, -52.0, 2.5);
   from.height_m = 4.0;
@@ -231,7 +231,7 @@ TEST(ViewProbability, OfAPlaceIsThatOfItsRangeBearingAndDepth) {
   EXPECT_EQ(view_probability(sensor, soft, from, Eigen::Vector2d(101.0, -52.0)), 1.0);
 }
 
-TEST(ViewProbability, OfLimitsThatAreExactIsWhetherItIsInView) {
+TEST(ViewProbability, IsZeroOrOneForExactLimits) {
   std::mt19937_64 rng(4);
   for (const auto kind : models::all_sensor_kinds()) {
     const models::SensorModel sensor = lab_sensor(kind);
@@ -245,7 +245,7 @@ TEST(ViewProbability, OfLimitsThatAreExactIsWhetherItIsInView) {
 
 // Truth is drawn from the prior and observed if it is within the displaced limits. If the moments
 // are correct, the mean of ε' Σ⁻¹ ε is 2, whatever the posterior's shape.
-TEST(Measure, IsConsistentWhereTheLimitsAreALittleOff) {
+TEST(Measure, IsConsistentWithInaccurateLimits) {
   constexpr int kCases = 1500;
   constexpr double kSigma_m = 0.02;
   std::mt19937_64 rng(5);

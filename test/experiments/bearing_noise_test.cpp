@@ -39,7 +39,7 @@ Look random_look(test::Random& random) {
   return {{pose, 0.0}, pose * at(random.uniform(0.5, 9.9), random.uniform(-0.8, 0.8))};
 }
 
-TEST(BearingNoise, GrowsWithTheBearingAloneAndThatOfTheRangeWithTheRange) {
+TEST(BearingNoise, GrowsWithTheBearingOnly) {
   const models::SensorModel sensor = sensor_of();
   const auto variances = [&](double range_m, double bearing_rad) {
     return Eigen::Vector2d(
@@ -61,7 +61,7 @@ TEST(BearingNoise, GrowsWithTheBearingAloneAndThatOfTheRangeWithTheRange) {
   }
 }
 
-TEST(BearingNoise, OfAFullTurnIsLargestBehind) {
+TEST(BearingNoise, IsLargestBehindTheRobot) {
   const models::SensorModel sensor = sensor_of(2.0 * kPi);
   const double full_rad2 = radians(5.0) * radians(5.0);
   EXPECT_NEAR(models::noise_covariance(sensor, {}, Eigen::Vector2d(-3.0, 0.0))(1, 1), full_rad2,
@@ -70,7 +70,7 @@ TEST(BearingNoise, OfAFullTurnIsLargestBehind) {
               0.5 * full_rad2, 1e-12);
 }
 
-TEST(BearingNoise, LeavesTheJacobianAsItIs) {
+TEST(BearingNoise, KeepsTheJacobian) {
   const models::SensorModel sensor = sensor_of();
   test::Random random(5);
   for (int i = 0; i < 1'000; ++i) {
@@ -86,7 +86,7 @@ TEST(BearingNoise, LeavesTheJacobianAsItIs) {
 
 // The information gain predicted by a plan, for itself or for a teammate, equals the filter's gain
 // from such a measurement.
-TEST(BearingNoise, IsTheSameToPlannerAndFilter) {
+TEST(BearingNoise, IsEqualInPlannerAndFilter) {
   planner::SearchProblem problem;
   problem.sensors = {sensor_of()};
   problem.controls = models::standard_primitives();
@@ -129,7 +129,7 @@ TEST(BearingNoise, IsTheSameToPlannerAndFilter) {
   }
 }
 
-TEST(BearingNoise, TellsNoMoreThanItsBound) {
+TEST(BearingNoise, RespectsItsInformationBound) {
   test::Random random(7);
   int seen = 0;
   for (int i = 0; i < 20'000; ++i) {

@@ -16,7 +16,7 @@ const ClutterScore& of(const ClutterScores& scores, ClutterMethod method) {
   return scores[index(method)];
 }
 
-TEST(TrackInClutter, WithoutAnyIsNearlyAsGoodAsKnownIds) {
+TEST(TrackInClutter, WithoutClutterIsCloseToKnownIds) {
   const ClutterScores all = scores({1.0, 0.0});
   const ClutterScore& known = of(all, ClutterMethod::kKnownIds);
   const ClutterScore& ours = of(all, ClutterMethod::kLabelled);
@@ -25,7 +25,7 @@ TEST(TrackInClutter, WithoutAnyIsNearlyAsGoodAsKnownIds) {
   EXPECT_LT(ours.ospa_m, 1.4 * known.ospa_m);
 }
 
-TEST(TrackInClutter, AmongFalseAlarmsTheLabelledFilterIsAheadAndKnownIdsAreOutOfReach) {
+TEST(TrackInClutter, RanksKnownIdsThenTheLabelledFilter) {
   const ClutterScores all = scores({0.9, 1.0});
   const double ours_m = of(all, ClutterMethod::kLabelled).ospa_m;
   EXPECT_LT(ours_m, of(all, ClutterMethod::kJpda).ospa_m);
@@ -33,7 +33,7 @@ TEST(TrackInClutter, AmongFalseAlarmsTheLabelledFilterIsAheadAndKnownIdsAreOutOf
   EXPECT_GT(ours_m, of(all, ClutterMethod::kKnownIds).ospa_m);
 }
 
-TEST(TrackInClutter, IsAFunctionOfItsSeed) {
+TEST(TrackInClutter, DependsOnItsSeedOnly) {
   const ClutterScores one = scores({0.7, 2.0});
   const ClutterScores other = scores({0.7, 2.0});
   for (std::size_t i = 0; i < one.size(); ++i) {

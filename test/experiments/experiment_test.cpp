@@ -16,7 +16,7 @@
 namespace vantage::experiments {
 namespace {
 
-TEST(EnergyTrial, IsDrawnByItsSeedAlone) {
+TEST(EnergyTrial, DependsOnItsSeedOnly) {
   const EnergyTrial one = draw_energy_trial(2, 5, {}, own_search());
   const EnergyTrial again = draw_energy_trial(2, 5, {}, own_search());
   const EnergyTrial other = draw_energy_trial(2, 6, {}, own_search());
@@ -28,7 +28,7 @@ TEST(EnergyTrial, IsDrawnByItsSeedAlone) {
   }
 }
 
-TEST(HeterogeneousTrial, ChargesEachRobotItsControlsAndItsOwnKindOfGround) {
+TEST(HeterogeneousTrial, ChargesControlsAndTerrainPerRobot) {
   HeterogeneousTrialOptions options;
   options.price_nats = 0.3;
   int in_both = 0;
@@ -65,7 +65,7 @@ TEST(HeterogeneousTrial, ChargesEachRobotItsControlsAndItsOwnKindOfGround) {
   EXPECT_GT(in_both, 0);
 }
 
-TEST(HeterogeneousTrial, IsTheSameAtEveryPriceButForTheEnergy) {
+TEST(HeterogeneousTrial, DiffersBetweenPricesInEnergyOnly) {
   HeterogeneousTrialOptions options;
   const EnergyTrial free = draw_heterogeneous_trial(1001, options, own_search());
   options.price_nats = 0.5;
@@ -80,7 +80,7 @@ TEST(HeterogeneousTrial, IsTheSameAtEveryPriceButForTheEnergy) {
 }
 
 // J = I − r C in every row, so that J is the information alone where r = 0.
-TEST(Heterogeneous, HasRowsWhoseValueIsInformationLessPricedEnergy) {
+TEST(Heterogeneous, ValueIsInformationMinusPricedEnergy) {
   const Sweep sweep = heterogeneous({0, true});
   for (std::size_t setting = 0; setting < sweep.plan.settings.size(); ++setting) {
     const double price_nats = std::stod(sweep.plan.settings[setting].cells);
@@ -114,7 +114,7 @@ TEST(BestShare, KeepsTheBestOfEachRobot) {
   }
 }
 
-TEST(Experiments, HaveSettingsOfTheirOwnNames) {
+TEST(Experiments, HaveUniqueSettingNames) {
   for (const Experiment& experiment : all_experiments()) {
     const SweepPlan plan = experiment.make({}).plan;
     std::set<std::string> cells;
@@ -126,7 +126,7 @@ TEST(Experiments, HaveSettingsOfTheirOwnNames) {
   }
 }
 
-TEST(TeamTrial, IsTheScenarioWithWhatTheExperimentChanges) {
+TEST(TeamTrial, AppliesTheExperimentsChanges) {
   const TeamTrial trial{.file = "field.yaml",
                         .communication_range_m = 30.0,
                         .planning_time_s = 0.2,
@@ -154,7 +154,7 @@ TEST(TeamTrial, IsTheScenarioWithWhatTheExperimentChanges) {
   }
 }
 
-TEST(TreeFiles, HaveTheTreeInTheFirstBlockAndThePlanInTheSecond) {
+TEST(TreeFiles, ContainTreeAndPlanBlocks) {
   SweepPlan plan;
   plan.settings = {{"known,astar"}};
   plan.tables = {{"motions", "part,depth,points_m"}, {"heat_map", "cost_to_go"}};
@@ -164,7 +164,7 @@ TEST(TreeFiles, HaveTheTreeInTheFirstBlockAndThePlanInTheSecond) {
   EXPECT_EQ(files.at("tree_known_astar.txt"), "0 0 1\n1 0 1\n\n1 0 2\n2 1 2\n\n\n0 0 1\n1 0 1\n");
 }
 
-TEST(MapRows, KeepWhatIsFreeOccupiedAndUnknown) {
+TEST(MapRows, EncodeFreeOccupiedAndUnknownCells) {
   models::OccupancyBelief map(models::GridGeometry::covering({{0.0, 0.0}, {0.6, 0.2}}, 0.2), 4.6);
   map.add_log_odds(0, -9.0);
   map.add_log_odds(2, 9.0);
@@ -173,7 +173,7 @@ TEST(MapRows, KeepWhatIsFreeOccupiedAndUnknown) {
   EXPECT_EQ(rows.tables.at("maps"), std::vector<std::string>{"end,0,0iz"});
 }
 
-TEST(TrackUnderAttack, IsTheSameForBothWhereNobodyIsAttacked) {
+TEST(TrackUnderAttack, IsEqualForBothPlannersWithoutAttack) {
   const TrackingSetting setting{
       .robots = 2, .targets = 3, .attacks = 0, .task_steps = 30, .nodes_per_plan = 2'000};
   const TrackingRun cd = track_under_attack(setting, false, 4);
@@ -183,7 +183,7 @@ TEST(TrackUnderAttack, IsTheSameForBothWhereNobodyIsAttacked) {
 }
 
 // Errors of each target over time and their consistency with the covariance, without attacks.
-TEST(TrackUnderAttack, KeepsEveryTargetWhereNobodyIsAttacked) {
+TEST(TrackUnderAttack, TracksEveryTargetWithoutAttack) {
   const TrackingSetting setting{.robots = 8, .targets = 4, .attacks = 0, .task_steps = 250};
   double nees = 0.0;
   constexpr std::uint64_t kSeeds = 2;
@@ -206,7 +206,7 @@ TEST(TrackUnderAttack, KeepsEveryTargetWhereNobodyIsAttacked) {
 }
 
 // Each choice that the paper leaves open changes the result, though not for every seed.
-TEST(TrackUnderAttack, IsRunAsItsChoicesSay) {
+TEST(TrackUnderAttack, AppliesItsChoices) {
   const TrackingSetting published{
       .robots = 4, .targets = 4, .attacks = 2, .task_steps = 150, .nodes_per_plan = 2'000};
   TrackingSetting by_bearing = published;
@@ -227,7 +227,7 @@ TEST(TrackUnderAttack, IsRunAsItsChoicesSay) {
   }
 }
 
-TEST(TrackUnderAttack, LearnsNothingWhereAllAreAttacked) {
+TEST(TrackUnderAttack, LearnsNothingWhenAllAreAttacked) {
   const TrackingSetting setting{
       .robots = 2, .targets = 2, .attacks = 2, .task_steps = 50, .nodes_per_plan = 2'000};
   const TrackingRun run = track_under_attack(setting, true, 4);

@@ -6,7 +6,7 @@ namespace vantage::experiments {
 namespace {
 
 // Units run in another order, in a thread that has run others before.
-TEST(Experiments, HaveUnitsThatAreFunctionsOfTheirSeed) {
+TEST(Experiments, UnitsDependOnTheirSeedOnly) {
   for (const Experiment& experiment : all_experiments()) {
     const Sweep sweep = experiment.make({0, true});
     ASSERT_EQ(sweep.plan.trials, 2) << experiment.name;

@@ -21,7 +21,7 @@ WatchSetting short_setting(int attacks) {
 }
 
 // One landmark seen at steps 2, 3 and 7 of 10, one never.
-TEST(Revisits, CountIntervalsWithAndWithoutTheirEnds) {
+TEST(Revisits, CountIntervalsWithAndWithoutTheEnds) {
   std::vector<std::vector<char>> seen(10, {0, 0});
   seen[1][0] = seen[2][0] = seen[6][0] = 1;
   const Revisits result = revisits(seen);
@@ -35,7 +35,7 @@ TEST(Revisits, CountIntervalsWithAndWithoutTheirEnds) {
 }
 
 // Intervals with their ends fill the time of every landmark, whatever was seen.
-TEST(Revisits, WithTheirEndsAreAllOfTheTime) {
+TEST(Revisits, WithEndsSumToTheDuration) {
   std::mt19937_64 rng(7);
   for (int i = 0; i < 200; ++i) {
     const std::size_t landmarks = 1 + rng() % 5;
@@ -54,7 +54,7 @@ TEST(Revisits, WithTheirEndsAreAllOfTheTime) {
   }
 }
 
-TEST(Camp, HasALandmarkOverEveryRoofThatEveryRobotCanComeToSee) {
+TEST(Camp, HasAReachableLandmarkPerRoof) {
   const WatchSetting setting = surveillance_setting(1, 0);
   const auto landmarks_m = camp_landmarks_m();
   for (std::size_t m = 0; m < landmarks_m.size(); ++m) {
@@ -82,7 +82,7 @@ TEST(Camp, HasALandmarkOverEveryRoofThatEveryRobotCanComeToSee) {
   }
 }
 
-TEST(Watch, LeavesOutOfAWorldWhatARobotFliesOver) {
+TEST(Watch, OmitsObstaclesBelowTheFlightHeight) {
   const WatchSetting setting = surveillance_setting(1, 0);
   const models::World high = world_at(setting, 9.5);
   EXPECT_LT(high.obstacles.size(), world_at(setting, 5.5).obstacles.size());
@@ -91,7 +91,7 @@ TEST(Watch, LeavesOutOfAWorldWhatARobotFliesOver) {
   }
 }
 
-TEST(Watch, IsTheSameForBothWhereNobodyIsAttacked) {
+TEST(Watch, IsEqualForBothPlannersWithoutAttack) {
   const WatchSetting setting = short_setting(0);
   const auto starts = surveillance_starts(setting, 3, 4);
   const WatchRun descent = watch(setting, starts, false);
@@ -101,7 +101,7 @@ TEST(Watch, IsTheSameForBothWhereNobodyIsAttacked) {
   ASSERT_EQ(descent.seen.size(), 30U);
 }
 
-TEST(Watch, KeepsClearAndWithinItsControls) {
+TEST(Watch, KeepsClearanceAndControlLimits) {
   const WatchSetting setting = short_setting(2);
   const auto starts = surveillance_starts(setting, 5, 11);
   const WatchRun run = watch(setting, starts, true);
@@ -119,7 +119,7 @@ TEST(Watch, KeepsClearAndWithinItsControls) {
 }
 
 // With every sensor jammed, Σ is (σ² + q n (n − 1)/2) I after n steps: k is 0 in the first.
-TEST(Watch, KnowsLessAndLessWhereAllAreAttacked) {
+TEST(Watch, UncertaintyGrowsWhenAllAreAttacked) {
   const WatchSetting setting = short_setting(2);
   const WatchRun run = watch(setting, surveillance_starts(setting, 2, 4), true);
   for (std::size_t t = 0; t < run.seen.size(); ++t) {
@@ -139,7 +139,7 @@ TEST(Watch, RefusesAStartInABuilding) {
 }
 
 // The result of the hardware experiment, in which the robot that plans first is jammed.
-TEST(TwoTargets, AreSharedWithoutResilienceAndBothVisitedWithIt) {
+TEST(TwoTargets, AreExchangedOnlyWithResilience) {
   WatchSetting setting = two_targets_setting(0);
   setting.task_steps = 120;
   int switches = 0;

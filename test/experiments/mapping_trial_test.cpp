@@ -33,7 +33,7 @@ TEST(MappingTrial, LearnsTheTrueMap) {
   EXPECT_EQ(outcome.steps.back().entropy_nats, outcome.map.entropy_nats());
 }
 
-TEST(MappingTrial, IsAFunctionOfItsSeed) {
+TEST(MappingTrial, DependsOnItsSeedOnly) {
   const MappingSetup setup = small_setup();
   const MappingOutcome a = run_mapping_trial(setup, 5);
   const MappingOutcome b = run_mapping_trial(setup, 5);
@@ -46,7 +46,7 @@ TEST(MappingTrial, IsAFunctionOfItsSeed) {
   EXPECT_NE(run_mapping_trial(setup, 6).steps.back().entropy_nats, a.steps.back().entropy_nats);
 }
 
-TEST(MappingTrial, NeverDrivesThroughTheTrueWorld) {
+TEST(MappingTrial, NeverCollidesWithTheTrueWorld) {
   MappingSetup setup = small_setup();
   for (const bool resilient : {false, true}) {
     setup.planner = resilient ? MappingTeamPlanner(planner::plan_mapping_resiliently)
@@ -70,7 +70,7 @@ TEST(MappingTrial, LearnsNothingWhileEveryRobotIsAttacked) {
   EXPECT_EQ(outcome.steps.back().entropy_nats, outcome.steps.front().entropy_nats);
 }
 
-TEST(AttackedRobots, AreChosenAsTheKindOfAttackSays) {
+TEST(AttackedRobots, FollowTheKindOfAttack) {
   const MappingSetup setup = small_setup();
   const models::OccupancyBelief map(models::GridGeometry::covering(setup.world.bounds, 0.2), 4.0);
   planner::ViewTable views(map, {16, 2.0 * kPi, 0.0, 1.5, 0.01}, {});
@@ -109,7 +109,7 @@ TEST(AttackedRobots, AreChosenAsTheKindOfAttackSays) {
 }
 
 // The attacked robots are the worst case of the previous plans; at first no robot is attacked.
-TEST(MappingTrial, IsAttackedByThePlansBefore) {
+TEST(MappingTrial, AttackerUsesThePreviousPlans) {
   MappingSetup setup = small_setup();
   setup.attack = AttackKind::kPreviousPlans;
   std::vector<std::vector<int>> worst;
@@ -131,7 +131,7 @@ TEST(MappingTrial, IsAttackedByThePlansBefore) {
   EXPECT_TRUE(differs);
 }
 
-TEST(MappingWorlds, HaveWaysEverywhereForARobot) {
+TEST(MappingWorlds, AreConnectedForARobot) {
   for (const models::World& world : {square_obstacles_world(), corridor_world()}) {
     EXPECT_EQ(world.bounds.max_m, Eigen::Vector2d(16.0, 16.0));
     EXPECT_GT(models::clearance_m(world, {0.8, 0.8}), 0.5);

@@ -9,7 +9,7 @@
 namespace vantage::experiments {
 namespace {
 
-TEST(RestrictedMean, OfWaitsThatAllEndedIsTheirMeanCutAtItsLimit) {
+TEST(RestrictedMean, OfCompleteWaitsIsTheirTruncatedMean) {
   const std::vector<Wait> waits = {{4}, {1}, {7}, {1}, {30}};
   EXPECT_DOUBLE_EQ(restricted_mean(waits, 100), 43.0 / 5.0);
   EXPECT_DOUBLE_EQ(restricted_mean(waits, 30), 43.0 / 5.0);
@@ -17,7 +17,7 @@ TEST(RestrictedMean, OfWaitsThatAllEndedIsTheirMeanCutAtItsLimit) {
   EXPECT_DOUBLE_EQ(restricted_mean(waits, 1), 1.0);
 }
 
-TEST(RestrictedMean, OfWaitsThatAllWereCutOffIsItsLimit) {
+TEST(RestrictedMean, OfCensoredWaitsIsItsLimit) {
   EXPECT_DOUBLE_EQ(restricted_mean({{3, false}, {9, false}}, 20), 20.0);
   EXPECT_DOUBLE_EQ(restricted_mean({{20, false}}, 20), 20.0);
   EXPECT_DOUBLE_EQ(restricted_mean({}, 20), 20.0);
@@ -25,7 +25,7 @@ TEST(RestrictedMean, OfWaitsThatAllWereCutOffIsItsLimit) {
 
 // Computed by hand: S = 1, 3/4 from 1 on, 1/2 from 2 on. The wait censored at 3 leaves one, which
 // ends at 4.
-TEST(RestrictedMean, CountsWhoWasCutOffUntilThen) {
+TEST(RestrictedMean, IncludesCensoredWaitsUntilTheirEnd) {
   const std::vector<Wait> waits = {{2}, {1}, {4}, {3, false}};
   EXPECT_DOUBLE_EQ(restricted_mean(waits, 10), 1.0 + 0.75 + 2 * 0.5);
   EXPECT_DOUBLE_EQ(restricted_mean(waits, 3), 1.0 + 0.75 + 0.5);
@@ -35,7 +35,7 @@ TEST(RestrictedMean, CountsWhoWasCutOffUntilThen) {
 
 // Waits end with probability p per step and are censored independently with probability c: Σ_{t <
 // τ} (1 − p)^t = (1 − (1 − p)^τ) / p, the exponential distribution in steps.
-TEST(RestrictedMean, IsThatOfTheExponentialDistributionWhateverIsCutOff) {
+TEST(RestrictedMean, IsUnbiasedForExponentialWaits) {
   constexpr int kWaits = 200'000;
   std::mt19937_64 rng(3);
   for (const double p : {0.3, 0.05}) {
@@ -61,7 +61,7 @@ TEST(RestrictedMean, IsThatOfTheExponentialDistributionWhateverIsCutOff) {
 }
 
 // One landmark seen at steps 2, 3 and 7 of 10, one never.
-TEST(TimeUnobserved, HasWaitsFromTheStartAndCutsTheLastOnesOff) {
+TEST(TimeUnobserved, CensorsTheLastWaits) {
   std::vector<std::vector<char>> seen(10, {0, 0});
   seen[1][0] = seen[2][0] = seen[6][0] = 1;
   const TimeUnobserved result = time_unobserved(seen);
@@ -71,7 +71,7 @@ TEST(TimeUnobserved, HasWaitsFromTheStartAndCutsTheLastOnesOff) {
   EXPECT_DOUBLE_EQ(result.pooled, 1.0 + 0.8 + 2 * 0.6 + 6 * 0.3);
 }
 
-TEST(TimeUnobserved, IsAStepOfWhatIsAlwaysInViewAndTheTaskOfWhatNeverIs) {
+TEST(TimeUnobserved, IsOneStepIfAlwaysInViewAndTheTaskIfNever) {
   const std::vector<std::vector<char>> always(50, {1, 1, 1});
   const std::vector<std::vector<char>> never(50, {0, 0, 0});
   EXPECT_DOUBLE_EQ(time_unobserved(always).by_landmark, 1.0);

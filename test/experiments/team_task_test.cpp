@@ -16,7 +16,7 @@ struct Diary {
   void judge() { text += " judge"; }
 };
 
-TEST(RunTeamTask, PlansAnewEveryFewStepsAndEndsInTheMiddleOfAPlan) {
+TEST(RunTeamTask, ReplansPeriodicallyAndMayEndInsideAPlan) {
   Diary diary;
   run_team_task(diary, 5, 3);
   EXPECT_EQ(diary.text,
@@ -24,7 +24,7 @@ TEST(RunTeamTask, PlansAnewEveryFewStepsAndEndsInTheMiddleOfAPlan) {
             " plan attack move0 look judge move1 look judge");
 }
 
-TEST(RunTeamTask, DoesNothingInNoSteps) {
+TEST(RunTeamTask, DoesNothingInZeroSteps) {
   Diary diary;
   run_team_task(diary, 0, 1);
   EXPECT_EQ(diary.text, "");

@@ -69,7 +69,7 @@ Consistency consistency_of_sentries(const TargetSetting& setting, int seeds) {
   return mean;
 }
 
-TEST(TrackedTargets, AreKnownAsWellAsTheFilterSays) {
+TEST(TrackedTargets, ErrorsMatchTheFiltersCovariance) {
   const Consistency mean = consistency_of_sentries({}, 20);
   EXPECT_GT(mean.share_seen, 0.05);
   EXPECT_LT(mean.share_seen, 0.6);
@@ -78,13 +78,13 @@ TEST(TrackedTargets, AreKnownAsWellAsTheFilterSays) {
 }
 
 // Shows why the setting is not the sensor's detection probability.
-TEST(TrackedTargets, AreThoughtKnownWhereEachLookCountsAsIfItWereTheFirst) {
+TEST(TrackedTargets, AreOverconfidentWhenMeasurementsCountTwice) {
   TargetSetting setting;
   setting.detection_probability = 0.9;
   EXPECT_GT(consistency_of_sentries(setting, 5).nees_unseen, 8.0);
 }
 
-TEST(TrackedTargets, AreWithinDecimetresWhereNothingLimitsTheSight) {
+TEST(TrackedTargets, HaveSmallErrorsWithUnlimitedView) {
   const models::World world = square_world();
   const models::SensorModel sensor = range_bearing(100.0, 2.0 * kPi);
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
@@ -104,7 +104,7 @@ TEST(TrackedTargets, AreWithinDecimetresWhereNothingLimitsTheSight) {
 
 // Without measurements, a belief that may leave the world is the predicted prior, and it does
 // leave.
-TEST(TrackedTargets, AreBelievedBeyondTheWallsWhereThatIsAllowed) {
+TEST(TrackedTargets, MayBeEstimatedBeyondWallsIfAllowed) {
   const models::World world = square_world();
   TargetSetting setting;
   setting.prior_velocity_sigma_mps = 1.0;
@@ -133,7 +133,7 @@ TEST(TrackedTargets, AreBelievedBeyondTheWallsWhereThatIsAllowed) {
   EXPECT_GT(outside, 0);
 }
 
-TEST(TrackedTargets, AreOnlyPredictedByATeamThatIsBlind) {
+TEST(TrackedTargets, AreOnlyPredictedByABlindTeam) {
   const models::World world = square_world();
   const models::SensorModel sensor = range_bearing(100.0, 2.0 * kPi);
   TargetSetting certain;

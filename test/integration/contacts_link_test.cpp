@@ -15,7 +15,7 @@
 namespace vantage {
 namespace {
 
-TEST(ContactsLink, ACollisionOfRealVehiclesIsHeardOnTheNetwork) {
+TEST(ContactsLink, PublishesCollisionOfRealVehicles) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.mocap.device = scenario::DeviceSource::kReal;
   for (scenario::RobotSpec& robot : scenario.robots) {

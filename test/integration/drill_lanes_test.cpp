@@ -35,7 +35,7 @@ std::vector<DrillLanes::Event> flown(DrillLanes& lanes, double seconds, double q
   return out;
 }
 
-TEST(DrillLanes, GiveEachVehicleItsOwnMishapsUntilEachKindHasHappenedOftenEnough) {
+TEST(DrillLanes, GiveEachVehicleEventsUntilEachKindIsDone) {
   DrillLanes lanes({"hold", "plan-loss"}, 3, 1);
   const auto events = flown(lanes, 60.0, 1.0, 1.0, models::FlightState::kFollow);
 
@@ -52,7 +52,7 @@ TEST(DrillLanes, GiveEachVehicleItsOwnMishapsUntilEachKindHasHappenedOftenEnough
   EXPECT_GE(robots["Q2"], 2);
 }
 
-TEST(DrillLanes, LeaveAloneWhoStandsOrDoesNotFollow) {
+TEST(DrillLanes, SkipSlowOrNotFollowingRobots) {
   DrillLanes lanes({"hold"}, 100, 1);
   for (const auto& event : flown(lanes, 30.0, 0.1, 1.0, models::FlightState::kHold)) {
     ADD_FAILURE() << event.robot;
@@ -60,7 +60,7 @@ TEST(DrillLanes, LeaveAloneWhoStandsOrDoesNotFollow) {
   EXPECT_EQ(lanes.left(), 100);
 }
 
-TEST(DrillLanes, LeaveARobotInPeaceForAsLongAsTheyAreTold) {
+TEST(DrillLanes, SuppressEventsDuringRest) {
   DrillLanes lanes({"hold"}, 100, 1);
   lanes.on_status(asked("Q1", from_utime(1'000'000), 1.0));
   static_cast<void>(lanes.due(from_utime(1'000'000)));

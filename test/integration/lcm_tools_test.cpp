@@ -91,7 +91,7 @@ class LcmTools : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
-TEST_F(LcmTools, LcmLoggerRecordsWhatWePublish) {
+TEST_F(LcmTools, LcmLoggerRecordsOurMessages) {
   constexpr unsigned kMessages = 100;
   constexpr unsigned kAtOnce = 20;  // fewer than the 31 that the logger's queue holds, so none is
                                     // lost while it gets no processor
@@ -124,7 +124,7 @@ TEST_F(LcmTools, LcmLoggerRecordsWhatWePublish) {
   }
 }
 
-TEST_F(LcmTools, WeHearWhatLcmLogplayerReplays) {
+TEST_F(LcmTools, LcmLogplayerReplaysToOurTransport) {
   constexpr unsigned kMessages = 100;
   {
     const auto writer = bus::open_transport("file://" + log() + "?mode=w");
@@ -145,7 +145,7 @@ TEST_F(LcmTools, WeHearWhatLcmLogplayerReplays) {
 
 // LCM's logger and player do not change a byte of signed messages. A receiver that requires
 // signatures refuses the replayed messages, whether it received the flight or not.
-TEST_F(LcmTools, CarrySignedMessagesUnchangedAndTheyAreOld) {
+TEST_F(LcmTools, KeepSignedMessagesAndReplayIsRefused) {
   constexpr unsigned kMessages = 25;  // a receiver queues 30 and drops the oldest of a larger burst
   const auto keys = test::keys_of_a_trial();
   bus::VirtualClock clock(from_utime(1'700'000'000'000'000));

@@ -14,7 +14,7 @@
 namespace vantage {
 namespace {
 
-TEST(WithoutARoute, OpeningFailsAndSaysWhatToDo) {
+TEST(WithoutARoute, OpeningFailsWithARemedy) {
   try {
     bus::open_transport(test::kUrl);
     FAIL() << "opened";
@@ -53,7 +53,7 @@ struct Waiting {
 
 void ip(const std::string& words) { ASSERT_EQ(std::system(("ip " + words).c_str()), 0) << words; }
 
-TEST(WithoutARoute, AWaitingTransportJoinsOnceThereIsOneAndAgainAfterEachLoss) {
+TEST(UdpmWithoutRoute, JoinsWhenRouteAppearsAndAgainAfterLoss) {
   Waiting waiting;
   EXPECT_FALSE(waiting.hears_itself());
   ASSERT_EQ(waiting.reports.size(), 1U) << "once, however often it tries";
@@ -83,7 +83,7 @@ TEST(WithoutARoute, AWaitingTransportJoinsOnceThereIsOneAndAgainAfterEachLoss) {
   ip("link del card");
 }
 
-TEST(WithoutARoute, ATypingErrorInTheUrlIsStillAnError) {
+TEST(WithoutARoute, AMalformedUrlIsStillAnError) {
   for (const char* const url : {"udpm://239.255.76.67:0", "udpm://10.0.0.1:7667",
                                 "udpm://239.255.76.67:7667?tll=1", "udmp://239.255.76.67:7667"}) {
     EXPECT_THROW(bus::open_waiting_transport(url, [](const std::string&) {}), StartupError) << url;

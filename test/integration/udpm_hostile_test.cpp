@@ -89,7 +89,7 @@ Bytes hostile_datagram(std::mt19937& rng) {
 // Sends 20 hostile datagrams after each good one, for 500 rounds. Every 10th good message has 200
 // kB, and its sender is unknown to the attackers. The attackers change their port from time to
 // time.
-TEST(UdpmUnderAttack, LosesNoGoodMessageAndKeepsItsMemory) {
+TEST(UdpmUnderAttack, LosesNoValidMessageAndStaysBounded) {
   if (!test::has_large_buffers()) {
     GTEST_SKIP() << test::kNeedsLargeBuffers;
   }
@@ -132,7 +132,7 @@ TEST(UdpmUnderAttack, LosesNoGoodMessageAndKeepsItsMemory) {
 
 // An attacker's fragments arrive between those of a good message, with the same sequence number but
 // from another port. They must not be assembled into the message.
-TEST(UdpmUnderAttack, MixesNoStrangersFragmentIntoAMessage) {
+TEST(UdpmUnderAttack, KeepsForeignFragmentsOutOfMessages) {
   if (!test::has_large_buffers()) {
     GTEST_SKIP() << test::kNeedsLargeBuffers;
   }
@@ -154,7 +154,7 @@ TEST(UdpmUnderAttack, MixesNoStrangersFragmentIntoAMessage) {
 
 // The reassembly limits per sender and in total grow with the configured largest message: one
 // message of that size is always assembled.
-TEST(UdpmReassembly, HasRoomForAMessageOfTheLargestSizeThatItIsToldToTake) {
+TEST(UdpmReassembly, AssemblesMessageOfConfiguredMaximum) {
   constexpr std::uint32_t kPieceBytes = 60'000;
   constexpr std::uint16_t kPieces = 600;
   constexpr std::uint32_t kMessageBytes = kPieces * kPieceBytes;

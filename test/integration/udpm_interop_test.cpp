@@ -35,7 +35,7 @@ TEST(UdpmInterop, ReachesLiblcmAtEverySize) {
   }
 }
 
-TEST(UdpmInterop, HearsLiblcmAtEverySize) {
+TEST(UdpmInterop, ReceivesFromLiblcmAtEverySize) {
   if (!test::has_large_buffers()) {
     GTEST_SKIP() << test::kNeedsLargeBuffers;
   }
@@ -54,7 +54,7 @@ TEST(UdpmInterop, HearsLiblcmAtEverySize) {
   EXPECT_EQ(ours->stats().incomplete_messages, 0);
 }
 
-TEST(UdpmInterop, LetsTwoOfOursAndOneOfTheirsShareThePort) {
+TEST(UdpmInterop, SharesThePortWithLiblcm) {
   const auto first = bus::open_transport(test::kUrl);
   const auto second = bus::open_transport(test::kUrl);
   test::Liblcm theirs("SHARED");
@@ -72,7 +72,7 @@ TEST(UdpmInterop, LetsTwoOfOursAndOneOfTheirsShareThePort) {
 }
 
 // 1000 messages of 200 B, sent back to back before any is handled.
-TEST(UdpmInterop, LosesNothingOfABurstToUs) {
+TEST(UdpmInterop, ReceivesABurstWithoutLoss) {
   if (!test::has_large_buffers()) {
     GTEST_SKIP() << test::kNeedsLargeBuffers;
   }
@@ -92,7 +92,7 @@ TEST(UdpmInterop, LosesNothingOfABurstToUs) {
   EXPECT_EQ(ours->stats().kernel_drops, 0);
 }
 
-TEST(UdpmInterop, LosesNothingOfABurstFromUs) {
+TEST(UdpmInterop, SendsABurstWithoutLoss) {
   if (!test::has_large_buffers()) {
     GTEST_SKIP() << test::kNeedsLargeBuffers;
   }
@@ -109,7 +109,7 @@ TEST(UdpmInterop, LosesNothingOfABurstFromUs) {
   }
 }
 
-TEST(UdpmTransport, RefusesAndCountsWhatLcmCannotCarry) {
+TEST(UdpmTransport, RefusesAndCountsMessagesBeyondLcmsLimits) {
   const auto ours = bus::open_transport(test::kUrl + "&max_message_size=100000");
   EXPECT_FALSE(ours->publish(std::string(64, 'C'), Bytes{1}));
   EXPECT_FALSE(ours->publish("", Bytes{1}));
@@ -118,7 +118,7 @@ TEST(UdpmTransport, RefusesAndCountsWhatLcmCannotCarry) {
   EXPECT_EQ(ours->stats().messages_sent, 0);
 }
 
-TEST(UdpmTransport, RefusesAndCountsOversizedMessagesOfOthers) {
+TEST(UdpmTransport, RefusesAndCountsReceivedOversizedMessages) {
   const auto small = bus::open_transport(test::kUrl + "&max_message_size=100000");
   const auto large = bus::open_transport(test::kUrl);
   Heard heard;
@@ -131,7 +131,7 @@ TEST(UdpmTransport, RefusesAndCountsOversizedMessagesOfOthers) {
   EXPECT_EQ(small->stats().oversized_messages, 2) << "fragments";
 }
 
-TEST(UdpmTransport, CarriesWhatIsAsLargeAsItMayBe) {
+TEST(UdpmTransport, TransmitsTheLargestMessage) {
   const auto ours = bus::open_transport(test::kUrl + "&max_message_size=100000");
   Heard heard;
   test::collect(*ours, "X", heard);
@@ -147,7 +147,7 @@ TEST(UdpmTransport, CarriesWhatIsAsLargeAsItMayBe) {
   EXPECT_EQ(ours->stats().malformed_datagrams, 0);
 }
 
-TEST(UdpmTransport, HearsNoMoreWhatItUnsubscribed) {
+TEST(UdpmTransport, StopsDeliveryAfterUnsubscribe) {
   const auto ours = bus::open_transport(test::kUrl);
   std::string order;
   const auto note = [&order](char who) { return [&order, who](auto, auto) { order += who; }; };
@@ -174,7 +174,7 @@ TEST(UdpmTransport, HearsNoMoreWhatItUnsubscribed) {
 
 // The source identifies address and port: equal for one socket at any message size, and the same
 // host for two sockets.
-TEST(UdpmTransport, SaysWhoSentIt) {
+TEST(UdpmTransport, IdentifiesSender) {
   const auto first = bus::open_transport(test::kUrl);
   const auto second = bus::open_transport(test::kUrl);
   std::vector<std::uint64_t> sources;
@@ -195,7 +195,7 @@ TEST(UdpmTransport, SaysWhoSentIt) {
   EXPECT_NE(sources[0] & 0xFFFFU, 0U);
 }
 
-TEST(UdpmTransport, RefusesToHandleInsideAHandler) {
+TEST(UdpmTransport, RefusesHandleInsideAHandler) {
   const auto ours = bus::open_transport(test::kUrl);
   int calls = 0;
   ours->subscribe("X", [&](auto, auto) {
@@ -210,14 +210,14 @@ TEST(UdpmTransport, RefusesToHandleInsideAHandler) {
   EXPECT_EQ(calls, 2);
 }
 
-TEST(UdpmTransport, WaitsForAsLongAsItIsToldWhereNothingComes) {
+TEST(UdpmTransport, WaitsForTheTimeoutWithoutMessages) {
   const auto ours = bus::open_transport(test::kUrl);
   const std::int64_t begin_ns = monotonic_ns();
   EXPECT_EQ(ours->handle(std::chrono::milliseconds(20)), 0);
   EXPECT_GE(monotonic_ns() - begin_ns, 20'000'000);
 }
 
-TEST(UdpmTransport, BringsAHandlersExceptionOutAndStaysUsable) {
+TEST(UdpmTransport, RethrowsAHandlersExceptionAndStaysUsable) {
   const auto ours = bus::open_transport(test::kUrl);
   int calls = 0;
   ours->subscribe("X", [&](auto, auto) {

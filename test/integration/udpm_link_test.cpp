@@ -15,7 +15,7 @@ namespace {
 using test::Bytes;
 using Heard = std::vector<std::pair<std::string, Bytes>>;
 
-TEST(UdpmLink, CountsEveryDatagramTheSocketHadNoRoomFor) {
+TEST(UdpmLink, CountsDatagramsDroppedByTheSocket) {
   constexpr int kSent = 2'000;
   const auto sender = bus::open_transport(test::kUrl);
   const auto receiver = bus::open_transport(
@@ -40,7 +40,7 @@ TEST(UdpmLink, CountsEveryDatagramTheSocketHadNoRoomFor) {
 
 // During a flood on a subscribed channel the caller still gets control back: handle() does not call
 // a handler that takes 1 ms once for every waiting message.
-TEST(UdpmLink, GivesControlBackWhileAFloodGoesOn) {
+TEST(UdpmLink, ReturnsDuringAFlood) {
   constexpr int kSent = 200;
   const auto sender = bus::open_transport(test::kUrl);
   const auto receiver = bus::open_transport(test::kUrl);
@@ -64,7 +64,7 @@ TEST(UdpmLink, GivesControlBackWhileAFloodGoesOn) {
 
 // Each handler call causes ten new messages, so nine more wait than are handled. The oldest waiting
 // ones are dropped, and the newest is received.
-TEST(UdpmLink, GivesUpTheOldestWhenItsReaderIsSlow) {
+TEST(UdpmLink, DropsTheOldestForASlowReader) {
   constexpr std::uint32_t kSent = 5'000;
   constexpr std::size_t kBytes = 500;
   const auto sender = bus::open_transport(test::kUrl);
@@ -97,7 +97,7 @@ TEST(UdpmLink, GivesUpTheOldestWhenItsReaderIsSlow) {
   EXPECT_EQ(heard + stats.queue_overflows + stats.kernel_drops, kSent);
 }
 
-TEST(UdpmLink, SaysHowMuchOfTheReceiveBufferWasNotGranted) {
+TEST(UdpmLink, ReportsAReducedReceiveBuffer) {
   constexpr std::int64_t kAsked = 1 << 30;
   const auto greedy = bus::open_transport("udpm://?recv_buf_size=1073741824");
   const bus::TransportStats stats = greedy->stats();
@@ -143,7 +143,7 @@ class UdpmCards : public ::testing::Test {
   };
 };
 
-TEST_F(UdpmCards, StayApart) {
+TEST_F(UdpmCards, AreSeparate) {
   Listener lo("ttl=0");
   Listener a("ttl=0&interface=va0");
   Listener a_by_address("interface=10.1.0.1");
@@ -158,7 +158,7 @@ TEST_F(UdpmCards, StayApart) {
   EXPECT_EQ(a_by_address.hear_all(), "A A2 END END ");
 }
 
-TEST_F(UdpmCards, CarryWhatIsSentOverTheirCable) {
+TEST_F(UdpmCards, TransmitOverTheirCable) {
   // Otherwise the kernel refuses packets from outside that carry this host's own address.
   if (std::system("for key in accept_local=1 rp_filter=0; do for card in all va1 vb1; do"
                   " sysctl -qw net.ipv4.conf.$card.$key || exit 1; done; done") != 0) {
@@ -180,7 +180,7 @@ TEST_F(UdpmCards, CarryWhatIsSentOverTheirCable) {
       << "a time to live of 0 does not leave the host";
 }
 
-TEST_F(UdpmCards, ThatAreNotThereAreRefusedByName) {
+TEST_F(UdpmCards, RefusesMissingCardByName) {
   for (const char* card : {"nosuch0", "10.9.9.9"}) {
     try {
       bus::open_transport("udpm://239.255.76.67:7667?interface=" + std::string(card));
@@ -192,7 +192,7 @@ TEST_F(UdpmCards, ThatAreNotThereAreRefusedByName) {
   }
 }
 
-TEST(UdpmLink, CountsWhatCannotBeSentAndHealsWithTheInterface) {
+TEST(UdpmLink, CountsUnsentMessagesAndRecovers) {
   const auto ours = bus::open_transport(test::kUrl);
   Heard heard;
   test::collect(*ours, "X", heard);

@@ -26,7 +26,7 @@ std::unique_ptr<AppendFile> opened(const std::string& path, Existing existing) {
   return std::move(file).value();
 }
 
-TEST(OpenAppendFile, GoesOnWithWritesOverOrRefusesWhatIsThere) {
+TEST(OpenAppendFile, AppendsOverwritesOrRefuses) {
   const test::TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");
   for (const Existing existing : {Existing::kRefuse, Existing::kAppend, Existing::kReplace}) {
@@ -59,7 +59,7 @@ TEST(OpenAppendFile, GoesOnWithWritesOverOrRefusesWhatIsThere) {
             std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
 }
 
-TEST(OpenAppendFile, SaysWhyItCannot) {
+TEST(OpenAppendFile, ReportsWhyItFailed) {
   const test::TemporaryFolder folder;
   const std::string missing = folder.file("missing/a.lcmlog");
   EXPECT_EQ(open_append_file(missing, Existing::kRefuse).error().message,
@@ -68,7 +68,7 @@ TEST(OpenAppendFile, SaysWhyItCannot) {
             folder.path() + ": cannot be written: Is a directory");
 }
 
-TEST(AppendFile, SaysWhatTheDiskRefuses) {
+TEST(AppendFile, ReportsWriteErrors) {
   const auto full = opened("/dev/full", Existing::kAppend);
   const auto taken = full->append(Bytes{1, 2});
   ASSERT_FALSE(taken.ok());
@@ -83,7 +83,7 @@ TEST(AppendFile, SaysWhatTheDiskRefuses) {
 }
 
 // A limit on the file size simulates a disk that fills up during a write.
-TEST(AppendFile, TakesAsMuchAsThereIsRoomFor) {
+TEST(AppendFile, WritesUpToTheFreeSpace) {
   const test::TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");
   const auto file = opened(path, Existing::kRefuse);
@@ -102,13 +102,13 @@ TEST(AppendFile, TakesAsMuchAsThereIsRoomFor) {
   EXPECT_EQ(none.error().message, path + ": cannot be written: File too large");
 }
 
-TEST(NumberedPath, PutsTheNumberBeforeTheLastDot) {
+TEST(NumberedPath, InsertsTheNumberBeforeTheLastDot) {
   EXPECT_EQ(numbered_path("lab.lcmlog", 3), "lab-3.lcmlog");
   EXPECT_EQ(numbered_path("/a.b/lab", 12), "/a.b/lab-12");
   EXPECT_EQ(numbered_path("logs/a.b.c", 2), "logs/a.b-2.c");
 }
 
-TEST(UnusedPath, CountsALinkThatLeadsNowhereAsUsed) {
+TEST(UnusedPath, TreatsADanglingLinkAsUsed) {
   const test::TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");
   EXPECT_EQ(unused_path(path), path);
@@ -119,7 +119,7 @@ TEST(UnusedPath, CountsALinkThatLeadsNowhereAsUsed) {
   EXPECT_EQ(unused_path(path), folder.file("a-4.lcmlog"));
 }
 
-TEST(FreeBytesFor, IsAboutWhatAnOpenFileSays) {
+TEST(FreeBytesFor, AgreesWithAnOpenFile) {
   const test::TemporaryFolder folder;
   const auto file = opened(folder.file("a.lcmlog"), Existing::kRefuse);
   const auto of_path = free_bytes_for(folder.file("b.lcmlog"));

@@ -20,7 +20,7 @@ std::string why_not(const Make& make) {
   return "";
 }
 
-TEST(ChannelFilter, TakesWhatIsIncludedAndNotExcluded) {
+TEST(ChannelFilter, AppliesIncludesAndExcludes) {
   ChannelFilter all;
   EXPECT_TRUE(all.takes(""));
   EXPECT_TRUE(all.takes("VICON"));
@@ -39,7 +39,7 @@ TEST(ChannelFilter, TakesWhatIsIncludedAndNotExcluded) {
   }
 }
 
-TEST(ChannelFilter, RemembersRightHoweverManyNamesThereAre) {
+TEST(ChannelFilter, IsCorrectForManyNames) {
   ChannelFilter even({".*[02468]"}, {});
   for (int i = 0; i < 20'002; ++i) {
     const std::string name = "C" + std::to_string(i);
@@ -49,13 +49,13 @@ TEST(ChannelFilter, RemembersRightHoweverManyNamesThereAre) {
   EXPECT_TRUE(even.takes("C0"));
 }
 
-TEST(ChannelFilter, SaysWhichExpressionIsNone) {
+TEST(ChannelFilter, NamesAnInvalidExpression) {
   const std::string why = why_not([] { ChannelFilter({"A", "(B"}, {}); });
   EXPECT_EQ(why.find("channel expression '(B' is not a valid regular expression: "), 0U) << why;
   EXPECT_NE(why_not([] { ChannelFilter({}, {"[C"}); }).find("'[C'"), std::string::npos);
 }
 
-TEST(ChannelRenames, GoByTheFirstRuleThatFits) {
+TEST(ChannelRenames, ApplyTheFirstMatchingRule) {
   const ChannelRenames names({"A=B", "A*=C_*", "AB=D", "X*=*"});
   EXPECT_EQ(names.rename("A"), "B");
   EXPECT_EQ(names.rename("AB"), "C_B") << "the second rule fits, too, and comes first";
@@ -65,14 +65,14 @@ TEST(ChannelRenames, GoByTheFirstRuleThatFits) {
   EXPECT_EQ(ChannelRenames().rename("A"), "A");
 }
 
-TEST(ChannelRenames, MakeNoNameThatIsTooLongForLcm) {
+TEST(ChannelRenames, RefuseNamesTooLongForLcm) {
   const std::string longest(63, 'B');
   const ChannelRenames names({"A*=" + longest.substr(3) + "*"});
   EXPECT_EQ(names.rename("ABBB"), longest);
   EXPECT_EQ(names.rename("ABBBB"), std::nullopt);
 }
 
-TEST(ChannelRenames, SayWhichRuleIsNone) {
+TEST(ChannelRenames, NameAnInvalidRule) {
   const auto why = [](const std::string& rule) {
     return why_not([&] { ChannelRenames({"GOOD=FINE", rule}); });
   };

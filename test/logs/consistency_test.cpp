@@ -16,7 +16,7 @@ namespace vantage::logs {
 namespace {
 
 // Log-uniform samples whose median is at different positions within a histogram bin.
-TEST(NeesSums, HasTheMedianWhereHalfOfAllLieBelow) {
+TEST(NeesSums, ReportsTheMedian) {
   for (const double from : {-3.9, -0.5, 0.0, 2.123}) {
     for (const double length : {0.343, 0.6868, 1.7772}) {
       NeesSums sums(2);
@@ -30,7 +30,7 @@ TEST(NeesSums, HasTheMedianWhereHalfOfAllLieBelow) {
   }
 }
 
-TEST(NeesSums, CountsWhatLiesInsideItsEllipse) {
+TEST(NeesSums, CountsEstimatesInsideTheEllipse) {
   // The 95 % points of chi squared, from tables: 5.991 with 2, 7.815 with 3 coordinates.
   for (const auto& [dim, edge] : {std::pair{2, 5.991}, {3, 7.815}}) {
     NeesSums sums(dim);
@@ -48,7 +48,7 @@ TEST(NeesSums, CountsWhatLiesInsideItsEllipse) {
   EXPECT_FALSE(none.coverage_95);
 }
 
-TEST(NeesSums, KeepsTheLeastAndTheGreatestInItsOuterBins) {
+TEST(NeesSums, KeepsExtremesInItsOuterBins) {
   for (const double nees : {0.0, 1e-300, 1e-5}) {
     NeesSums sums(2);
     sums.add(nees);
@@ -61,7 +61,7 @@ TEST(NeesSums, KeepsTheLeastAndTheGreatestInItsOuterBins) {
   }
 }
 
-TEST(AgeClass, IsOfTheEdgesThatItsNameSays) {
+TEST(AgeClass, HasTheStatedEdges) {
   const std::vector<std::string> names = {"0-1", "1-2", "2-4", "4-8", "8+"};
   const double edges_s[] = {0.0, 1.0, 2.0, 4.0, 8.0};
   ASSERT_EQ(kAgeClasses, names.size());
@@ -81,7 +81,7 @@ models::TargetBelief known(int id, double x_m, double sigma_m) {
 }
 
 // Ids that are not targets of the trial and targets without information are skipped.
-TEST(RobotSums, PassOverWhatIsNoTarget) {
+TEST(RobotSums, IgnoreUnknownTargets) {
   models::TruthFrame frame;
   frame.stamp.time = from_utime(5);
   for (int id = -1; id <= 2; ++id) {
@@ -121,7 +121,7 @@ Consistency consistency(double base) {
 }
 
 // Every number of a summary under its key: none under another's.
-TEST(TrialSummary, HasEachOfItsNumbersUnderItsKey) {
+TEST(TrialSummary, ContainsEachNumberByKey) {
   TrialSummary summary;
   summary.seed = 1;
   summary.duration_s = 2.5;

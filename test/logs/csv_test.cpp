@@ -47,7 +47,7 @@ std::vector<std::vector<std::string>> parsed(const std::string& text) {
   return lines;
 }
 
-TEST(CsvTable, LaysElementsOutInLines) {
+TEST(CsvTable, WritesOneLinePerElement) {
   vantage_lcm::vicon_frame_t frame{};
   frame.utime = 5;
   frame.sequence = 7;
@@ -75,7 +75,7 @@ TEST(CsvTable, LaysElementsOutInLines) {
   EXPECT_EQ(cell(2, "bodies.occluded"), "true");
 }
 
-TEST(CsvTable, GivesAMessageWithoutElementsOneLine) {
+TEST(CsvTable, WritesOneLineForAnEmptyMessage) {
   vantage_lcm::vicon_frame_t frame{};
   const CsvTable table(schema_of("vicon_frame_t"));
   const auto lines = parsed(table.lines(from_utime(9), test::encoded(frame)));
@@ -83,7 +83,7 @@ TEST(CsvTable, GivesAMessageWithoutElementsOneLine) {
   EXPECT_EQ(lines[0].back(), "");
 }
 
-TEST(CsvTable, LeavesWhatIsNotFiniteEmpty) {
+TEST(CsvTable, LeavesNonFiniteCellsEmpty) {
   vantage_lcm::plan_t plan{};
   plan.cost_nat = std::numeric_limits<double>::quiet_NaN();
   const CsvTable table(schema_of("plan_t"));
@@ -115,7 +115,7 @@ TYPED_TEST(CsvOf, HasAsManyCellsInEveryLineAsInItsHeader) {
   }
 }
 
-TEST(CsvFileName, NeverLeavesTheFolderAndTellsNamesApart) {
+TEST(CsvFileName, StaysInTheFolderAndIsUnique) {
   EXPECT_EQ(csv_file_name("PLAN_Q1"), "PLAN_Q1.csv");
   EXPECT_EQ(csv_file_name("../../evil"), "%2E.%2F..%2Fevil.csv");
   EXPECT_EQ(csv_file_name("/etc/passwd"), "%2Fetc%2Fpasswd.csv");
@@ -133,7 +133,7 @@ TEST(CsvFileName, NeverLeavesTheFolderAndTellsNamesApart) {
   }
 }
 
-TEST(ExportCsv, WritesATableAChannelAndNothingOutsideItsFolder) {
+TEST(ExportCsv, WritesOneTablePerChannelInItsFolder) {
   test::TemporaryFolder folder;
   {
     LogWriter log(folder.file("a.lcmlog"));

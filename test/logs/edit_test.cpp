@@ -44,7 +44,7 @@ class Edit : public ::testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(Edit, CutsTheHalfOpenPartAndPutsTheScenarioFirst) {
+TEST_F(Edit, CutsAHalfOpenIntervalAndPrependsTheScenario) {
   const IndexedLog log = log_of("a", {{0, "SCENARIO", 1},
                                       {5'000'000, "SCENARIO", 2},
                                       {6'000'000, "A", 3},
@@ -59,7 +59,7 @@ TEST_F(Edit, CutsTheHalfOpenPartAndPutsTheScenarioFirst) {
   EXPECT_EQ(counts.written, 2);
 }
 
-TEST_F(Edit, FindsTheScenarioOfALogThatHasItOnlyOnce) {
+TEST_F(Edit, FindsTheOnlyScenarioOfALog) {
   const IndexedLog log = log_of("a", {{0, "SCENARIO", 1}, {90'000'000, "A", 2}});
   EditRules rules;
   rules.from = from_utime(80'000'000);
@@ -68,7 +68,7 @@ TEST_F(Edit, FindsTheScenarioOfALogThatHasItOnlyOnce) {
   EXPECT_EQ(kept, (Kept{{80'000'000, "SCENARIO", 1}, {90'000'000, "A", 2}}));
 }
 
-TEST_F(Edit, KeepsEveryEventOfThePartWhenTimesGoBack) {
+TEST_F(Edit, KeepsEveryEventWhenTimesGoBack) {
   const IndexedLog log = log_of("a", {{10, "A", 1}, {30, "A", 2}, {20, "A", 3}, {40, "A", 4}});
   EditRules rules;
   rules.from = from_utime(15);
@@ -78,7 +78,7 @@ TEST_F(Edit, KeepsEveryEventOfThePartWhenTimesGoBack) {
   EXPECT_EQ(kept, (Kept{{20, "A", 3}}));
 }
 
-TEST_F(Edit, TakesAndLeavesWholeNames) {
+TEST_F(Edit, MatchesWholeNames) {
   const IndexedLog log = log_of("a", {{1, "VICON", 1}, {2, "VICON_RAW", 2}, {3, "PLAN_Q1", 3}});
   EditRules rules;
   rules.channels = ChannelFilter({"VICON", "PLAN_.*"}, {"PLAN_Q2"});
@@ -119,7 +119,7 @@ TEST_F(Edit, MergesByTimeAndKeepsEachLogsOrder) {
   EXPECT_EQ(counts.written, 7);
 }
 
-TEST_F(Edit, MendsATornLogIntoOneThatLcmReads) {
+TEST_F(Edit, RepairsATruncatedLog) {
   const Kept events{{10, "A", 1}, {20, "B", 2}, {30, "A", 3}, {40, "B", 4}};
   log_of("whole", events);
   Bytes torn = test::read_file(folder_.file("whole"));
@@ -146,7 +146,7 @@ TEST_F(Edit, MendsATornLogIntoOneThatLcmReads) {
 }
 
 // The functions behind `vantage log check` and `repair`, on files.
-TEST_F(Edit, MendsAThousandDamagedLogs) {
+TEST_F(Edit, RepairsAThousandDamagedLogs) {
   for (std::uint64_t seed = 0; seed < 1000; ++seed) {
     // Separate files: truncating a file that was just written is slow.
     const std::string torn = folder_.file("torn" + std::to_string(seed));
@@ -183,7 +183,7 @@ TEST_F(Edit, MendsAThousandDamagedLogs) {
   }
 }
 
-TEST_F(Edit, EndsAtTheFirstThatCannotBeWritten) {
+TEST_F(Edit, EndsAtTheFirstWriteError) {
   const IndexedLog log = log_of("a", {{10, "A", 1}, {30, "A", 2}});
   EditRules rules;
   const EditCounts counts = edit_log(log, rules, [](const LogEvent&) { return false; });
@@ -191,7 +191,7 @@ TEST_F(Edit, EndsAtTheFirstThatCannotBeWritten) {
   EXPECT_EQ(counts.written, 0);
 }
 
-TEST_F(Edit, EndsWhereItIsToldTo) {
+TEST_F(Edit, EndsOnRequest) {
   const IndexedLog log = log_of("a", {{10, "A", 1}, {30, "A", 2}, {50, "A", 3}});
   int asked = 0;
   EditRules rules;
@@ -207,7 +207,7 @@ TEST_F(Edit, EndsWhereItIsToldTo) {
 }
 
 // As far back as SCENARIO comes three times over; farther, what the log begins with says it.
-TEST_F(Edit, LooksFifteenSecondsBackForTheNewestScenario) {
+TEST_F(Edit, SearchesFifteenSecondsBackForTheScenario) {
   const auto scenario_of = [&](const Kept& events, std::int64_t from) {
     const IndexedLog log =
         log_of("a" + std::to_string(events.size()) + std::to_string(from), events);
@@ -235,7 +235,7 @@ TEST_F(Edit, LooksFifteenSecondsBackForTheNewestScenario) {
   EXPECT_EQ(scenario_of({{0, "SCENARIO", 1}, {10, "A", 2}}, 0), 1) << "the whole log";
 }
 
-TEST_F(Edit, LooksAmongTheFirstThousandEventsForAScenario) {
+TEST_F(Edit, SearchesTheFirstThousandEventsForAScenario) {
   for (const int before : {999, 1000}) {
     Kept events;
     for (int i = 0; i < before; ++i) {
@@ -252,7 +252,7 @@ TEST_F(Edit, LooksAmongTheFirstThousandEventsForAScenario) {
   }
 }
 
-TEST_F(Edit, PutsNoScenarioFirstThatWasNotAskedForAndRenamesIt) {
+TEST_F(Edit, PrependsOnlyASelectedScenarioAndRenamesIt) {
   const Kept events{{0, "SCENARIO", 1}, {10, "A", 2}, {20, "A", 3}};
   const IndexedLog log = log_of("a", events);
   EditRules rules;
@@ -275,7 +275,7 @@ TEST_F(Edit, PutsNoScenarioFirstThatWasNotAskedForAndRenamesIt) {
   EXPECT_EQ(failed.failed, 1);
 }
 
-TEST_F(Edit, LeavesOutWhatIsDoubtfulOnlyWhenToldTo) {
+TEST_F(Edit, OmitsDoubtfulEventsOnRequest) {
   log_of("whole", {{10, "A", 1}, {20, "A", 2}, {30, "A", 3}});
   Bytes bytes = test::read_file(folder_.file("whole"));
   bytes[27] = 0;  // the first one's length: no header is behind it
@@ -292,7 +292,7 @@ TEST_F(Edit, LeavesOutWhatIsDoubtfulOnlyWhenToldTo) {
 }
 
 // A sorted log is read only up to the end of the part; an unsorted one is read completely.
-TEST_F(Edit, CountsWhatItLeavesOutAsFarAsItReads) {
+TEST_F(Edit, CountsOmittedEvents) {
   EditRules rules;
   rules.from = from_utime(20);
   rules.to = from_utime(30);
@@ -311,7 +311,7 @@ TEST_F(Edit, CountsWhatItLeavesOutAsFarAsItReads) {
   EXPECT_FALSE(mixed.is_stopped);
 }
 
-TEST_F(Edit, EndsAMergeAtTheFirstThatCannotBeWritten) {
+TEST_F(Edit, EndsAMergeAtTheFirstWriteError) {
   const IndexedLog log = log_of("a", {{10, "A", 1}, {30, "A", 2}, {50, "A", 3}});
   int taken = 0;
   const EditCounts counts = merge_logs({&log, &log}, [&](const LogEvent&) { return ++taken <= 3; });

@@ -68,7 +68,7 @@ class ExportTest : public ::testing::Test {
   LogWriter log_{folder_.file("a.lcmlog")};
 };
 
-TEST_F(ExportTest, TellsHowFarItIsEachThousandEventsAndAtItsEnd) {
+TEST_F(ExportTest, ReportsProgressEveryThousandEvents) {
   const auto data = vantage::test::encoded(vantage::test::sample<models::VehicleStatus>(sampler_));
   for (int i = 0; i < 2'500; ++i) {
     add_bytes("VEHICLE_Q1", test::Bytes(data.begin(), data.end()));
@@ -90,7 +90,7 @@ TEST_F(ExportTest, TellsHowFarItIsEachThousandEventsAndAtItsEnd) {
   }
 }
 
-TEST_F(ExportTest, EndsWhereItIsToldTo) {
+TEST_F(ExportTest, EndsOnRequest) {
   for (int i = 0; i < 10; ++i) {
     add<models::VehicleStatus>(i % 2 == 0 ? "VEHICLE_Q1" : "VEHICLE_Q2");
   }
@@ -112,7 +112,7 @@ TEST_F(ExportTest, EndsWhereItIsToldTo) {
 }
 
 // Channels that were not selected are neither written nor counted as missing.
-TEST_F(ExportTest, WritesAndCountsTheChannelsThatAreMeant) {
+TEST_F(ExportTest, WritesAndCountsSelectedChannels) {
   add<models::VehicleStatus>("VEHICLE_Q1");
   add<models::VehicleStatus>("VEHICLE_Q2");
   add_bytes("FOREIGN", {1, 2, 3});
@@ -128,7 +128,7 @@ TEST_F(ExportTest, WritesAndCountsTheChannelsThatAreMeant) {
   }
 }
 
-TEST_F(ExportTest, ToRos2LeavesOutWhatHasNoCounterpartWithoutMissingIt) {
+TEST_F(ExportTest, ToRos2OmitsTypesWithoutCounterpart) {
   add<models::AttackNotice>("ATTACK");
   add<models::VehicleStatus>("VEHICLE_Q1");
   add<models::RobotPlan>("EXTERNAL_PLAN_Q1");
@@ -141,7 +141,7 @@ TEST_F(ExportTest, ToRos2LeavesOutWhatHasNoCounterpartWithoutMissingIt) {
   EXPECT_EQ(counts.left_out, (Left{{"FOREIGN", 1}}));
 }
 
-TEST_F(ExportTest, ToMcapHasThePicturesOnlyWithTheScene) {
+TEST_F(ExportTest, ToMcapContainsPicturesOnlyWithTheScene) {
   add<models::MocapFrame>("VICON");
   add<models::ContactReport>("COLLISION");
   const IndexedLog whole = log();
@@ -151,7 +151,7 @@ TEST_F(ExportTest, ToMcapHasThePicturesOnlyWithTheScene) {
       << "transforms, tracks and an event";
 }
 
-TEST_F(ExportTest, SaysWhatCannotBeMade) {
+TEST_F(ExportTest, ReportsFilesThatCannotBeCreated) {
   add<models::VehicleStatus>("VEHICLE_Q1");
   const IndexedLog whole = log();
   test::write_file(folder_.file("file"), {1});
@@ -184,7 +184,7 @@ std::vector<std::string> cells(const std::string& line) {
   return out;
 }
 
-TEST(CsvTable, HasItsColumnsInTheOrderOfTheType) {
+TEST(CsvTable, HasColumnsInFieldOrder) {
   const CsvTable table(*bus::find_wire_schema("vicon_frame_t"));
   EXPECT_EQ(table.header(),
             "log_utime,utime,run_id,sequence,arrival_utime,frame_number,num_bodies,bodies.name,"
@@ -217,7 +217,7 @@ TEST(CsvTable, HasItsColumnsInTheOrderOfTheType) {
 
 // Only the first list of structs becomes rows. `inputs`, the list of messages that this one was
 // made from, does not.
-TEST(CsvTable, PutsOtherListsIntoOneCell) {
+TEST(CsvTable, WritesFurtherListsIntoOneCell) {
   vantage_lcm::scan_t scan{};
   scan.robot = "line\none";
   scan.num_beams = 3;

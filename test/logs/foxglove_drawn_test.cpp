@@ -25,7 +25,7 @@ models::RobotPlan straight_plan(double speed_mps, double duration_s) {
   return plan;
 }
 
-TEST(PlanScene, IsCutIntoEqualPiecesOfATenthOfASecondAtMost) {
+TEST(PlanScene, HasEqualPiecesOfAtMostATenthOfASecond) {
   const Json scene = plan_scene(straight_plan(2.0, 1.65), std::nullopt);
   const Json& entity = scene.at("entities").at(0);
   EXPECT_EQ(entity.at("timestamp"), to_json(kTime));
@@ -54,7 +54,7 @@ TEST(PlanScene, IsCutIntoEqualPiecesOfATenthOfASecondAtMost) {
   EXPECT_EQ(pieces(straight_plan(1e-3, 1e7)), 10'000U) << "as only a stranger would send";
 }
 
-TEST(PlanScene, SaysByItsColourWhatThePlanIs) {
+TEST(PlanScene, IsColouredByPlanKind) {
   const Colour own{0.25, 0.5, 0.75};
   models::RobotPlan plan = straight_plan(1.0, 1.0);
   const auto colour = [&](const std::optional<Colour>& of_robot) {
@@ -72,7 +72,7 @@ TEST(PlanScene, SaysByItsColourWhatThePlanIs) {
   EXPECT_EQ(rgb(colour(own)), role("late"));
 }
 
-TEST(ProposalScene, TellsWhoMovesAndWhatItIsWorth) {
+TEST(ProposalScene, ShowsRobotAndGain) {
   models::TeamProposal proposal;
   proposal.robot = "Q3";
   proposal.round = 12;
@@ -105,7 +105,7 @@ PositionEstimate estimate_of(double sigma_x_m, double sigma_y_m) {
 }
 
 // Points at one distance that lie on a half of it only would pass for an ellipse.
-TEST(Ellipse, GoesAllAroundItsMeanAtItsHeight) {
+TEST(Ellipse, SurroundsItsMeanAtItsHeight) {
   PositionEstimate estimate = estimate_of(0.5, 0.25);
   for (const int dim : {2, 3}) {
     if (dim == 3) {
@@ -125,7 +125,7 @@ TEST(Ellipse, GoesAllAroundItsMeanAtItsHeight) {
   }
 }
 
-TEST(EstimatesScene, CrossesTheMeanAndTellsWhoKnowsHowWell) {
+TEST(EstimatesScene, MarksTheMeanAndStatesTheUncertainty) {
   EstimateView small{4, "R5", estimate_of(0.2, 0.2), 0.125, Duration{0}};
   EstimateView large{5, "R6", estimate_of(4.0, 2.0), std::nullopt, from_seconds(0.75)};
   const Json scene = estimates_scene("estimate", {small, large}, {"R1", "R2"}, kTime);
@@ -164,7 +164,7 @@ TEST(EstimatesScene, CrossesTheMeanAndTellsWhoKnowsHowWell) {
             (Json{{"timestamp", to_json(kTime)}, {"type", 0}, {"id", "estimate/R2"}}));
 }
 
-TEST(TrackEntity, IsTheWayInTheColourOfWhoWentIt) {
+TEST(TrackEntity, IsThePathInTheRobotsColour) {
   const std::vector<Eigen::Vector3d> way = {{1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}};
   const Colour own{0.25, 0.5, 0.75};
   const Json robot = track_entity("Q1", way, own, kTime);
@@ -176,7 +176,7 @@ TEST(TrackEntity, IsTheWayInTheColourOfWhoWentIt) {
   EXPECT_EQ(rgb(target.at("lines")[0].at("color")), role("truth"));
 }
 
-TEST(MeasurementScene, HasALineForEachDetectionThatTellsAPlace) {
+TEST(MeasurementScene, HasALinePerPositionDetection) {
   models::SensorModel sensor;
   sensor.kind = models::SensorKind::kPosition;
   models::DetectionSet looked;
@@ -210,7 +210,7 @@ TEST(MeasurementScene, HasALineForEachDetectionThatTellsAPlace) {
   EXPECT_EQ(told(nowhere, "jammed"), "yes");
 }
 
-TEST(Parts, SayWhatTheyAreGiven) {
+TEST(Parts, ContainTheirInputs) {
   const Colour colour{0.1, 0.2, 0.3, 0.4};
   EXPECT_EQ(to_json(colour), (Json{{"r", 0.1}, {"g", 0.2}, {"b", 0.3}, {"a", 0.4}}));
   EXPECT_EQ(to_json(Quaternion(0.1, 0.2, 0.3, 0.4)),
@@ -233,7 +233,7 @@ TEST(Parts, SayWhatTheyAreGiven) {
 }
 
 // The schema names of docs/guide/viewer.md, which existing layouts depend on.
-TEST(NameOf, IsTheNameOfEachSchema) {
+TEST(NameOf, ReturnsEachSchemasName) {
   std::vector<std::string> names;
   for (const Schema each : kSchemas) {
     names.emplace_back(name_of(each));

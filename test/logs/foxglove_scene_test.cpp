@@ -25,7 +25,7 @@ models::World a_world() {
   return world;
 }
 
-TEST(WorldScene, HasBoundsObstaclesAndRegionsWhereTheyAre) {
+TEST(WorldScene, HasBoundsObstaclesAndRegions) {
   const models::World world = a_world();
   const Json entities = world_scene(world, kTime).at("entities");
   ASSERT_EQ(entities.size(), 4U);
@@ -86,7 +86,7 @@ scenario::Scenario ten_robots() {
   return out;
 }
 
-TEST(RobotsScene, DrawsEachAsADiscOfItsRadiusWithItsNoseAhead) {
+TEST(RobotsScene, DrawsDiscsWithAHeadingMark) {
   const scenario::Scenario scenario = ten_robots();
   const Json entities = robots_scene(scenario, {"Q3"}, kTime).at("entities");
   ASSERT_EQ(entities.size(), 10U);
@@ -156,7 +156,7 @@ TEST(RobotsScene, DrawsEachAsADiscOfItsRadiusWithItsNoseAhead) {
 }
 
 // The part of a disc on the ground that is within the field of view, as a fan from below the robot.
-TEST(ViewsScene, IsTheSectorThatTheSensorSeesOfTheGround) {
+TEST(ViewsScene, IsTheSensorsGroundSector) {
   scenario::Scenario scenario = lab();
   const double fovs_rad[] = {1.2, 2.0 * kPi, 3.0 * kPi};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -223,7 +223,7 @@ TEST(ViewsScene, IsTheSectorThatTheSensorSeesOfTheGround) {
 
 // A field of view of more than half a turn, but less than a full one, has edges from and to its
 // origin.
-TEST(ViewsScene, IsASectorUntilItIsAWholeTurn) {
+TEST(ViewsScene, IsASectorOrAFullDisc) {
   scenario::Scenario scenario = lab();
   scenario.robots.resize(1);
   for (const double fov_rad : {0.5, 2.5, 3.3, 4.0, 6.0, 2.0 * kPi - 1e-4, 2.0 * kPi, 7.0}) {
@@ -238,7 +238,7 @@ TEST(ViewsScene, IsASectorUntilItIsAWholeTurn) {
 }
 
 // Lines are visible, fills hide nothing, and obstacles are more opaque than regions.
-TEST(Scenes, AreDrawnSoThatOneSeesThem) {
+TEST(Scenes, AreVisible) {
   const models::World world = a_world();
   const Json of_world = world_scene(world, kTime).at("entities");
   const auto alpha = [](const Json& drawn) { return drawn.at("color").at("a").get<double>(); };
@@ -285,7 +285,7 @@ TEST(Scenes, AreDrawnSoThatOneSeesThem) {
       << "the ground's edge more than the ceiling's";
 }
 
-TEST(TargetsScene, IsADiamondOnTheGroundWithACornerAhead) {
+TEST(TargetsScene, DrawsADiamondPointingAhead) {
   scenario::Scenario scenario = lab();
   scenario.targets[1].radius_m = 0.35;
   scenario.targets[1].id = 7;

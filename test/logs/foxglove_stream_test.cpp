@@ -30,7 +30,7 @@ models::RobotBelief belief_of(const std::string& robot, std::int64_t step,
   return belief;
 }
 
-TEST(Stream, MakesNothingThatNobodyWants) {
+TEST(Stream, PublishesOnlySubscribedTopics) {
   Notebook notebook;
   notebook.refused = {"/transforms", "/world"};
   Stream stream(notebook);
@@ -42,7 +42,7 @@ TEST(Stream, MakesNothingThatNobodyWants) {
   EXPECT_TRUE(notebook.schemas.contains("/transforms")) << "but the topic is known";
 }
 
-TEST(Stream, PaintsAJammedSensorRedUntilItIsFree) {
+TEST(Stream, ColoursAJammedSensorRed) {
   Notebook notebook;
   Stream stream(notebook);
   stream.on(lab_notice(), Time{});
@@ -61,7 +61,7 @@ TEST(Stream, PaintsAJammedSensorRedUntilItIsFree) {
   EXPECT_EQ(colour(scenes[2], 1), colour(scenes[0], 1));
 }
 
-TEST(RobotColour, IsOneForEachOfEightAndTheSameWhereverTheRobotIsDrawn) {
+TEST(RobotColour, IsUniqueForEightRobotsAndConsistent) {
   scenario::Scenario eight = lab();
   eight.robots.resize(8);
   std::set<std::string> met;
@@ -113,7 +113,7 @@ models::TeamProposal proposal_of(const std::string& robot, Time end_of_round) {
   return proposal;
 }
 
-TEST(ProposalScene, LiesOnItsTrajectoriesAndLastsToTheEndOfTheRound) {
+TEST(ProposalScene, FollowsTrajectoriesUntilTheEndOfTheRound) {
   const Time heard = from_utime(5'000'000);
   const models::TeamProposal proposal = proposal_of("Q2", from_utime(5'400'000));
   const scenario::Scenario scenario = lab();
@@ -139,7 +139,7 @@ TEST(ProposalScene, LiesOnItsTrajectoriesAndLastsToTheEndOfTheRound) {
   EXPECT_NEAR(drawn_m, 1.5, 0.25) << "half of its 3 m, to a dash";
 }
 
-TEST(ProposalScene, FillsTheGapsOfTheNextRobotsWhereTheyAgree) {
+TEST(ProposalScene, OverlaysEqualProposals) {
   const scenario::Scenario scenario = lab();
   std::set<std::string> begins;
   std::size_t dashes = 0;
@@ -155,7 +155,7 @@ TEST(ProposalScene, FillsTheGapsOfTheNextRobotsWhereTheyAgree) {
   EXPECT_EQ(dashes, 15U);
 }
 
-TEST(Stream, ShowsProposalsThatComeBeforeTheEndOfTheirRound) {
+TEST(Stream, ShowsProposalsOfTheCurrentRound) {
   Notebook notebook;
   Stream stream(notebook);
   const Time end = from_utime(2'000'000);
@@ -168,7 +168,7 @@ TEST(Stream, ShowsProposalsThatComeBeforeTheEndOfTheirRound) {
   EXPECT_EQ(notebook.of("/proposal/Q1").size(), 1U);
 }
 
-TEST(Stream, ShowsTheBestInformedRobotAndTakesAwayWhatIsForgotten) {
+TEST(Stream, ShowsTheBestBeliefAndRemovesForgottenTargets) {
   Notebook notebook;
   Stream stream(notebook);
   stream.on(lab_notice(), Time{});
@@ -194,7 +194,7 @@ TEST(Stream, ShowsTheBestInformedRobotAndTakesAwayWhatIsForgotten) {
 
 // Removed labels cannot be listed, so a track that is not published again expires after one and a
 // half steps.
-TEST(Stream, ShowsATrackOnlyAsLongAsItIsTold) {
+TEST(Stream, ShowsATrackWhileItIsPublished) {
   Notebook notebook;
   Stream stream(notebook);
   stream.on(lab_notice(), Time{});
@@ -209,7 +209,7 @@ TEST(Stream, ShowsATrackOnlyAsLongAsItIsTold) {
   EXPECT_EQ(entities[1]["lifetime"], to_json(from_seconds(0.75)));
 }
 
-TEST(Stream, MovesBodiesByTheTruthWhereNoMocapIsHeard) {
+TEST(Stream, MovesBodiesByTruthWithoutMocap) {
   Notebook notebook;
   Stream stream(notebook);
   models::TruthFrame truth;
@@ -226,7 +226,7 @@ TEST(Stream, MovesBodiesByTheTruthWhereNoMocapIsHeard) {
 
 // A measurement at 1.0 s enters a belief, which enters the plan of round 7, which the vehicle
 // follows at 2.5 s.
-TEST(Stream, TellsHowOldTheMeasurementIsThatAVehicleActsOn) {
+TEST(Stream, PublishesTheAgeOfTheMeasurementBehindEachAction) {
   Notebook notebook;
   Stream stream(notebook);
   stream.on(lab_notice(), Time{});
@@ -259,7 +259,7 @@ TEST(Stream, TellsHowOldTheMeasurementIsThatAVehicleActsOn) {
   EXPECT_EQ(latency_s(3.5, 8), -1.0) << "nobody knows what that was made from";
 }
 
-TEST(Stream, CountsAScenarioThatItCannotRead) {
+TEST(Stream, CountsUnreadableScenarios) {
   Notebook notebook;
   Stream stream(notebook);
   models::ScenarioNotice notice;
@@ -270,7 +270,7 @@ TEST(Stream, CountsAScenarioThatItCannotRead) {
   EXPECT_TRUE(notebook.of("/scenario").empty());
 }
 
-TEST(Stream, TellsOfAScenarioOnceAndBeginsAnewWithAnother) {
+TEST(Stream, PublishesAScenarioOnceAndRestartsWithAnother) {
   Notebook notebook;
   Stream stream(notebook);
   stream.on(lab_notice(), from_utime(7));
@@ -300,7 +300,7 @@ TEST(Stream, TellsOfAScenarioOnceAndBeginsAnewWithAnother) {
   }
 }
 
-TEST(Stream, TellsOfTheTeamAtEachStepAndWhenStepsBeginAnew) {
+TEST(Stream, PublishesTeamMetricsAtEachStep) {
   Notebook notebook;
   Stream stream(notebook);
   stream.on(lab_notice(), Time{});
@@ -320,7 +320,7 @@ TEST(Stream, TellsOfTheTeamAtEachStepAndWhenStepsBeginAnew) {
 }
 
 // The error shown is that of the newest evaluated step, which is two before the current one.
-TEST(Stream, TellsHowWrongAnEstimateIs) {
+TEST(Stream, PublishesEstimationErrors) {
   Notebook notebook;
   Stream stream(notebook);
   stream.on(lab_notice(), from_utime(1'000'000));
@@ -367,7 +367,7 @@ TEST(Stream, NamesTargetsAndTracks) {
   EXPECT_EQ(scene.at("deletions").size(), 4U);
 }
 
-TEST(Stream, TellsNoAgeOfWhatNobodyKnows) {
+TEST(Stream, PublishesNoAgeWithoutAMeasurement) {
   Notebook notebook;
   Stream stream(notebook);
   models::DetectionSet look;
@@ -400,7 +400,7 @@ TEST(Stream, TellsNoAgeOfWhatNobodyKnows) {
   EXPECT_FALSE(is_told("Q2", 7)) << "its plans were not heard";
 }
 
-TEST(Stream, RemembersWhatTheSixteenNewestPlansWereMadeFrom) {
+TEST(Stream, KeepsTheInputsOfTheNewestSixteenPlans) {
   Notebook notebook;
   Stream stream(notebook);
   for (std::int64_t round = 0; round < 17; ++round) {
@@ -434,7 +434,7 @@ TEST(Stream, RemembersWhatTheSixteenNewestPlansWereMadeFrom) {
 }
 
 // The /team metrics cover all messages since the scenario notice.
-TEST(Stream, HandsEveryKindOfMessageToWhoJudgesTheTrial) {
+TEST(Stream, PassesEveryMessageKindToTheMetrics) {
   Notebook notebook;
   Stream stream(notebook);
   stream.on(lab_notice(), Time{});
@@ -462,7 +462,7 @@ TEST(Stream, HandsEveryKindOfMessageToWhoJudgesTheTrial) {
   EXPECT_EQ(team.at("map_entropy_nats"), 7.5);
 }
 
-TEST(Stream, DrawsWhatRobotsOfTheScenarioMeasure) {
+TEST(Stream, DrawsMeasurementsOfTheScenariosRobots) {
   Notebook notebook;
   Stream stream(notebook);
   models::DetectionSet look;

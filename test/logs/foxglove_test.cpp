@@ -62,7 +62,7 @@ void feed_samples(Stream& stream, test::Sampler& sampler, int count) {
   }
 }
 
-TEST(JsonSchema, DescribesEverythingThatAnyMessageBecomes) {
+TEST(JsonSchema, DescribesEveryMessage) {
   Notebook notebook;
   Stream stream(notebook);
   stream.on(lab_notice(), from_utime(1'000'000));
@@ -94,7 +94,7 @@ TEST(JsonSchema, DescribesEverythingThatAnyMessageBecomes) {
       << "all but raw messages, which are made elsewhere";
 }
 
-TEST(JsonSchema, HasAllMembersOfASceneEntityThatWeMake) {
+TEST(JsonSchema, ContainsAllUsedSceneEntityMembers) {
   const Json made = entity("a", kWorldFrame, Time{}, false);
   const Json schema = Json::parse(json_schema(Schema::kSceneUpdate));
   const Json& entity_schema = schema["properties"]["entities"]["items"]["properties"];
@@ -110,7 +110,7 @@ TEST(ToJson, SplitsTimeIntoSecondsAndAPositiveRest) {
   EXPECT_EQ(to_json(from_utime(-1)), Json({{"sec", -1}, {"nsec", 999'999'000}}));
 }
 
-TEST(Base64, IsThatOfTheRfc) {
+TEST(Base64, MatchesTheRfc) {
   const std::pair<const char*, const char*> cases[] = {{"", ""},
                                                        {"f", "Zg=="},
                                                        {"fo", "Zm8="},
@@ -124,7 +124,7 @@ TEST(Base64, IsThatOfTheRfc) {
   }
 }
 
-TEST(Ellipse, HasEveryPointAtTheSameMahalanobisDistance) {
+TEST(Ellipse, HasConstantMahalanobisDistance) {
   std::mt19937_64 rng(3);
   std::uniform_real_distribution<double> uniform(-2.0, 2.0);
   for (int trial = 0; trial < 200; ++trial) {
@@ -141,7 +141,7 @@ TEST(Ellipse, HasEveryPointAtTheSameMahalanobisDistance) {
   }
 }
 
-TEST(PlanScene, BeginsAndEndsWhereTheTrajectoryDoes) {
+TEST(PlanScene, HasTheTrajectorysEnds) {
   models::RobotPlan plan;
   plan.robot = "Q1";
   plan.trajectory.start = {1.0, 2.0, 0.5};
@@ -155,7 +155,7 @@ TEST(PlanScene, BeginsAndEndsWhereTheTrajectoryDoes) {
   EXPECT_NEAR(points.back()["y"].get<double>(), end.y_m, 1e-6);
 }
 
-TEST(MeasurementScene, DrawsToWhereTheTargetIsAndIgnoresAnotherSensorsNumbers) {
+TEST(MeasurementScene, DrawsToTheTargetAndIgnoresOtherSensors) {
   const models::SensorModel sensor;  // range and bearing
   models::DetectionSet looked;
   looked.robot = "Q1";
@@ -172,7 +172,7 @@ TEST(MeasurementScene, DrawsToWhereTheTargetIsAndIgnoresAnotherSensorsNumbers) {
   EXPECT_NEAR(points[1]["y"].get<double>(), 2.5, 1e-9);
 }
 
-TEST(FrameTransforms, LeavesOutWhatIsNotSeen) {
+TEST(FrameTransforms, OmitsUnseenBodies) {
   models::MocapFrame frame;
   frame.bodies = {{"Q1", {{1, 2, 3}, Eigen::Quaterniond::Identity()}, false}, {"Q2", {}, true}};
   const Json transforms = frame_transforms(frame)["transforms"];
@@ -182,7 +182,7 @@ TEST(FrameTransforms, LeavesOutWhatIsNotSeen) {
   EXPECT_EQ(transforms[0]["translation"]["z"], 3.0);
 }
 
-TEST(VisibilityGrid, IsLittleEndianFloatsOfAge) {
+TEST(VisibilityGrid, ContainsLittleEndianAges) {
   models::GridGeometry grid{{-1.0, -2.0}, 0.5, 2, 1};
   const Json made = visibility_grid(grid, {0, 1'000'000}, from_utime(3'500'000));
   // −1.0f = 00 00 80 BF, 2.5f = 00 00 20 40
@@ -191,7 +191,7 @@ TEST(VisibilityGrid, IsLittleEndianFloatsOfAge) {
   EXPECT_EQ(made["pose"]["position"]["y"], -2.0);
 }
 
-TEST(OccupancyGrid, SaysWhatTheTeamsLooksMake) {
+TEST(OccupancyGrid, ShowsTheTeamsMap) {
   models::RobotMap map;
   map.grid = {{-1.0, -2.0}, 0.5, 3, 1};
   map.own_looks = {0, 0, 0};
@@ -203,7 +203,7 @@ TEST(OccupancyGrid, SaysWhatTheTeamsLooksMake) {
   EXPECT_EQ(made["fields"][0]["name"], "occupancy");
 }
 
-TEST(PlanJson, LeavesOutWhatIsNotFinite) {
+TEST(PlanJson, OmitsNonFiniteValues) {
   models::RobotPlan plan;
   plan.cost = std::nan("");
   plan.lower_bound = -std::numeric_limits<double>::infinity();
@@ -218,7 +218,7 @@ TEST(PlanJson, LeavesOutWhatIsNotFinite) {
   EXPECT_EQ(plan_json(plan)["gap_nat"], 1.0);
 }
 
-TEST(EventOf, SpeaksOfChangesOnly) {
+TEST(EventOf, ReportsChangesOnly) {
   models::VehicleStatus calm;
   calm.robot = "Q1";
   calm.state = models::FlightState::kFollow;
@@ -249,7 +249,7 @@ models::ProcessHealth health_at(int at_s, models::ProcessState state) {
   return health;
 }
 
-TEST(HealthStory, TellsOfAStretchOfTroubleWhenItBeginsAndWhenItIsOver) {
+TEST(HealthStory, ReportsStartAndEndOfTrouble) {
   using models::ProcessState;
   HealthStory story;
   EXPECT_FALSE(story.on(health_at(9, ProcessState::kRunning)));
@@ -271,7 +271,7 @@ TEST(HealthStory, TellsOfAStretchOfTroubleWhenItBeginsAndWhenItIsOver) {
   EXPECT_TRUE(story.on(health_at(47, ProcessState::kDegraded))) << "another stretch";
 }
 
-TEST(HealthStory, TellsOnceThatAProcessStopsAndThatItWasStartedAnew) {
+TEST(HealthStory, ReportsAStopAndARestartOnce) {
   using models::ProcessState;
   HealthStory story;
   EXPECT_TRUE(story.on(health_at(10, ProcessState::kDegraded)));
@@ -284,7 +284,7 @@ TEST(HealthStory, TellsOnceThatAProcessStopsAndThatItWasStartedAnew) {
   EXPECT_FALSE(story.on(anew)) << "the trouble was of another run";
 }
 
-TEST(EventOf, TellsLateAndFallbackPlansFromGoodOnes) {
+TEST(EventOf, DistinguishesLateAndFallbackPlans) {
   models::RobotPlan plan;
   plan.robot = "Q1";
   plan.source = models::PlanSource::kSearched;

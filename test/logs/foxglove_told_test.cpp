@@ -11,7 +11,7 @@
 namespace vantage::logs::foxglove {
 namespace {
 
-TEST(Stream, PaintsRobotsWhenWhoIsJammedChanges) {
+TEST(Stream, RecoloursRobotsWhenJammingChanges) {
   Notebook notebook;
   Stream stream(notebook);
   stream.on(models::AttackNotice{{from_utime(5), 0, 0}, {"Q3"}}, from_utime(6));
@@ -32,7 +32,7 @@ TEST(Stream, PaintsRobotsWhenWhoIsJammedChanges) {
 
 // The time of a record is when its message was received; that of what it shows is the message's
 // own.
-TEST(Stream, KeepsTheTimeOfReceptionApartFromTheTimeShown) {
+TEST(Stream, SeparatesReceptionTimeAndDisplayTime) {
   Notebook notebook;
   Stream stream(notebook);
   models::ScenarioNotice notice = lab_notice();
@@ -71,7 +71,7 @@ TEST(Stream, KeepsTheTimeOfReceptionApartFromTheTimeShown) {
   }
 }
 
-TEST(Stream, TellsOfPeoplesCommandsAndOfTheEmergencyStopAsAnError) {
+TEST(Stream, ReportsCommandsAndEmergencyStops) {
   Notebook notebook;
   Stream stream(notebook);
   models::OperatorCommand command;
@@ -100,7 +100,7 @@ TEST(Stream, TellsOfPeoplesCommandsAndOfTheEmergencyStopAsAnError) {
   EXPECT_EQ(told(OperatorAction::kEmergencyStop, "Q1"), "operator: emergency stop Q1");
 }
 
-TEST(Stream, TellsOnceOfEachThatIsDifferentFromBefore) {
+TEST(Stream, ReportsEachChangeOnce) {
   Notebook notebook;
   Stream stream(notebook);
   const auto events = [&] { return notebook.of("/events").size(); };

@@ -56,7 +56,7 @@ double distance_m(const Eigen::Vector3d& point, const std::vector<Eigen::Vector3
   return least_m;
 }
 
-TEST_F(Tracks, OfAStraightWayHaveAPointEachTwoSeconds) {
+TEST_F(Tracks, OfAStraightPathHaveAPointEveryTwoSeconds) {
   const Way straight = [](double at_s) { return Eigen::Vector3d(at_s, -0.5 * at_s, 1.5); };
   fly(straight, 0.0, 30.0);
   const auto track = newest();
@@ -75,7 +75,7 @@ TEST_F(Tracks, OfAStraightWayHaveAPointEachTwoSeconds) {
 }
 
 // Circles of 1 m radius in either direction, and a slow arc.
-TEST_F(Tracks, LieWithinTwoCentimetresOfTheWayThatWasGone) {
+TEST_F(Tracks, DeviateByAtMostTwoCentimetres) {
   for (const double turn_radps : {0.8, -0.8, 0.05}) {
     Notebook notebook;
     Stream stream(notebook);
@@ -97,7 +97,7 @@ TEST_F(Tracks, LieWithinTwoCentimetresOfTheWayThatWasGone) {
   }
 }
 
-TEST_F(Tracks, KeepACornerAndAWayBack) {
+TEST_F(Tracks, KeepCornersAndReversals) {
   // 2 m along x in 2 s and back to x = 1 m, then to the left.
   const Way there_and_back = [](double at_s) {
     return Eigen::Vector3d(at_s <= 2.0 ? at_s : std::max(1.0, 4.0 - at_s),
@@ -112,7 +112,7 @@ TEST_F(Tracks, KeepACornerAndAWayBack) {
 }
 
 // Time steps around 0.2 s and displacements around 2 cm.
-TEST_F(Tracks, HaveAPointWhereABodyHasMovedTwoCentimetresInAFifthOfASecond) {
+TEST_F(Tracks, AddAPointAfterTwoCentimetresAndAFifthOfASecond) {
   const auto points = [&](double step_s, double step_m) {
     Notebook notebook;
     Stream stream(notebook);
@@ -127,7 +127,7 @@ TEST_F(Tracks, HaveAPointWhereABodyHasMovedTwoCentimetresInAFifthOfASecond) {
   EXPECT_EQ(points(0.2, 0.019), 1U);
 }
 
-TEST_F(Tracks, LeaveOutAPointThatLiesWithinACentimetreOfTheStraightWay) {
+TEST_F(Tracks, OmitPointsWithinOneCentimetreOfALine) {
   const auto points = [&](const Eigen::Vector3d& middle_m, double last_s) {
     Notebook notebook;
     Stream stream(notebook);
@@ -148,7 +148,7 @@ TEST_F(Tracks, LeaveOutAPointThatLiesWithinACentimetreOfTheStraightWay) {
   EXPECT_EQ(points({-0.5, 0.0, 0.0}, 1.0), 3U);
 }
 
-TEST_F(Tracks, AreForgottenAfterTwentySecondsAndWhenAnotherRunBegins) {
+TEST_F(Tracks, ExpireAfterTwentySecondsOrANewRun) {
   const auto at = [&](double at_s, double x_m) {
     stream_.on(frame_of(kStart + from_seconds(at_s), "Q1", {x_m, x_m * x_m, 0.0}), kStart);
   };
@@ -163,7 +163,7 @@ TEST_F(Tracks, AreForgottenAfterTwentySecondsAndWhenAnotherRunBegins) {
   EXPECT_EQ(newest(), (std::vector<Eigen::Vector3d>{{4.0, 16.0, 0.0}}));
 }
 
-TEST_F(Tracks, AreToldEachHalfSecondAndAtOnceWhenTimeGoesBack) {
+TEST_F(Tracks, ArePublishedEveryHalfSecond) {
   const auto told = [&](double at_s) {
     const std::size_t before = notebook_.of("/tracks").size();
     stream_.on(frame_of(kStart + from_seconds(at_s), "Q1", {at_s, 0.0, 0.0}), kStart);
@@ -179,7 +179,7 @@ TEST_F(Tracks, AreToldEachHalfSecondAndAtOnceWhenTimeGoesBack) {
   EXPECT_EQ(told(3.0), 1U) << "another run";
 }
 
-TEST_F(Tracks, AreOfWhoIsInSightAndInTheColoursOfTheTeam) {
+TEST_F(Tracks, ShowVisibleBodiesInTeamColours) {
   stream_.on(lab_notice(), kStart);
   models::MocapFrame frame = frame_of(kStart, "Q2", {1.0, 2.0, 3.0});
   frame.bodies.push_back({"Q3", {{4.0, 5.0, 6.0}, Quaternion::Identity()}, true});
@@ -194,7 +194,7 @@ TEST_F(Tracks, AreOfWhoIsInSightAndInTheColoursOfTheTeam) {
   EXPECT_EQ(rgb(entities[1].at("lines")[0].at("color")), role("truth"));
 }
 
-TEST_F(Tracks, GoByTheTruthASecondAfterTheLastMocap) {
+TEST_F(Tracks, UseTruthOneSecondAfterTheLastMocap) {
   models::TruthFrame truth;
   truth.bodies.push_back({"Q1", -1, {}, Eigen::Vector3d::Zero()});
   const auto moves = [&](double at_s) {
@@ -257,7 +257,7 @@ models::RobotBelief seen_by(const std::string& robot, std::int64_t step,
   return belief;
 }
 
-TEST(Grids, AreOfEachRobotAndOfAllTogether) {
+TEST(Grids, ExistPerRobotAndForTheTeam) {
   Notebook notebook;
   Stream stream(notebook);
   const models::GridGeometry grid{{0.0, 0.0}, 1.0, 2, 2};
@@ -279,7 +279,7 @@ TEST(Grids, AreOfEachRobotAndOfAllTogether) {
   EXPECT_EQ(notebook.of("/belief/Q1/grid").size(), 3U);
 }
 
-TEST(Grids, OfNeighbourhoodsAreLaidIntoTheWorldsOwn) {
+TEST(Grids, OfNeighbourhoodsAreMergedIntoTheWorldGrid) {
   Notebook notebook;
   Stream stream(notebook);
   models::ScenarioNotice notice = lab_notice();
@@ -306,7 +306,7 @@ TEST(Grids, OfNeighbourhoodsAreLaidIntoTheWorldsOwn) {
   EXPECT_EQ(values_of(last), expected);
 }
 
-TEST(Maps, AreShownAsTheLastHeardAndAsEachRobotKnowsThem) {
+TEST(Maps, AreShownPerRobotAndNewest) {
   Notebook notebook;
   Stream stream(notebook);
   models::RobotMap map;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr Time kTime = from_utime(1'700'000'000'250'000);
 
-TEST(FrameTransforms, AreTheBodiesPosesInTheWorld) {
+TEST(FrameTransforms, ContainBodyPosesInTheWorldFrame) {
   const Quaternion turn(0.5, -0.1, 0.2, 0.3);
   models::MocapFrame frame;
   frame.stamp.time = kTime;
@@ -32,7 +32,7 @@ TEST(FrameTransforms, AreTheBodiesPosesInTheWorld) {
   EXPECT_EQ(frame_transforms(truth, ""), (Json{{"transforms", Json::array({wanted})}}));
 }
 
-TEST(VisibilityGrid, LiesWhereItsCellsAreRowByRow) {
+TEST(VisibilityGrid, IsAlignedWithItsCells) {
   const models::GridGeometry grid{{-1.5, 2.25}, 0.5, 3, 2};
   const Json made = visibility_grid(grid, {0, 1, 2, 3, 4, 5}, kTime);
   EXPECT_EQ(made.at("timestamp"), to_json(kTime));
@@ -47,7 +47,7 @@ TEST(VisibilityGrid, LiesWhereItsCellsAreRowByRow) {
   EXPECT_EQ(made.at("data").get<std::string>().size(), 4U * 6U * 4U / 3U);
 }
 
-TEST(ScenarioJson, TellsWorldRobotsAndTargets) {
+TEST(ScenarioJson, ContainsWorldRobotsAndTargets) {
   scenario::Scenario scenario = lab();
   scenario.name = "a name";
   scenario.duration_s = 123.5;
@@ -91,7 +91,7 @@ TEST(ScenarioJson, TellsWorldRobotsAndTargets) {
   EXPECT_EQ(scenario_json(notice, scenario).at("objective"), "mapping");
 }
 
-TEST(PlanJson, TellsEveryNumberUnderItsName) {
+TEST(PlanJson, ContainsEveryNumber) {
   models::RobotPlan plan;
   plan.stamp.time = kTime;
   plan.robot = "Q2";
@@ -121,7 +121,7 @@ TEST(PlanJson, TellsEveryNumberUnderItsName) {
                                    {"late", true}}));
 }
 
-TEST(VehicleJson, TellsEveryNumberUnderItsName) {
+TEST(VehicleJson, ContainsEveryNumber) {
   models::VehicleStatus status;
   status.stamp.time = kTime;
   status.robot = "Q2";
@@ -143,7 +143,7 @@ TEST(VehicleJson, TellsEveryNumberUnderItsName) {
   EXPECT_EQ(vehicle_json(status, from_seconds(1.5)), wanted);
 }
 
-TEST(HealthJson, AddsUpWhatWasLostAndNamesTheState) {
+TEST(HealthJson, SumsLossAndNamesTheState) {
   models::ProcessHealth health;
   health.stamp.time = kTime;
   health.process = "PLANNER_Q1";
@@ -167,7 +167,7 @@ TEST(HealthJson, AddsUpWhatWasLostAndNamesTheState) {
   }
 }
 
-TEST(AttackJson, NamesWhoIsJammed) {
+TEST(AttackJson, NamesJammedRobots) {
   models::AttackNotice attack{{kTime, 1, 2}, {"Q2", "Q1"}};
   EXPECT_EQ(attack_json(attack), (Json{{"timestamp", to_json(kTime)}, {"jammed", {"Q2", "Q1"}}}));
 }
@@ -191,7 +191,7 @@ models::RobotBelief belief(const std::string& robot, Time time,
 }
 
 // Three of five targets are tracked; the truth of two of them is received, too.
-TEST(TeamJson, TellsOfTheNewestJudgedStep) {
+TEST(TeamJson, DescribesTheNewestEvaluatedStep) {
   const scenario::Scenario scenario = lab();
   ASSERT_EQ(scenario.targets.size(), 5U);
   TrialMetrics metrics(scenario, kTime);
@@ -287,7 +287,7 @@ void expect_event(const std::optional<Event>& event, LogLevel level, const std::
   EXPECT_EQ(event->text, text);
 }
 
-TEST(EventOf, TellsWhoCameHowNearToWhom) {
+TEST(EventOf, ReportsBodiesAndDistanceOfAContact) {
   models::ContactReport contact{{kTime, 0, 0}, models::ContactKind::kNearMiss, "Q1", "Q2", 0.123};
   expect_event(event_of(contact), LogLevel::kWarning, "near_miss",
                "Q1 and Q2 came too close (0.12 m)");
@@ -296,7 +296,7 @@ TEST(EventOf, TellsWhoCameHowNearToWhom) {
   expect_event(event_of(contact), LogLevel::kFatal, "collision", "Q1 and Q2 collided (-0.02 m)");
 }
 
-TEST(EventOf, TellsHowLateAPlanWasAndWhatStandsInForOne) {
+TEST(EventOf, ReportsLatePlansAndFallbacks) {
   models::RobotPlan plan;
   plan.robot = "Q1";
   plan.round = 1'795'300'099;
@@ -308,7 +308,7 @@ TEST(EventOf, TellsHowLateAPlanWasAndWhatStandsInForOne) {
   expect_event(event_of(plan), LogLevel::kWarning, "late", "Q1: plan of round 99 was 12.5 ms late");
 }
 
-TEST(EventOf, TellsWhatAVehicleDoesAndWhy) {
+TEST(EventOf, ReportsVehicleStateAndReasons) {
   using models::FlightState;
   models::VehicleStatus status;
   status.robot = "Q1";
@@ -336,7 +336,7 @@ TEST(EventOf, TellsWhatAVehicleDoesAndWhy) {
   expect_event(event_of(&before, status), LogLevel::kInfo, "safety", "Q1: idle");
 }
 
-TEST(EventOf, TellsWhenNobodyIsJammedAnyMore) {
+TEST(EventOf, ReportsTheEndOfJamming) {
   const models::AttackNotice none{{kTime, 0, 0}, {}};
   const models::AttackNotice one{{kTime, 0, 0}, {"Q2"}};
   expect_event(event_of(nullptr, one), LogLevel::kWarning, "attack", "jammed: Q2");
@@ -348,7 +348,7 @@ TEST(EventOf, TellsWhenNobodyIsJammedAnyMore) {
   EXPECT_FALSE(event_of(&two_again, two));
 }
 
-TEST(EventOf, TellsOnceThatAProcessWasGivenUp) {
+TEST(EventOf, ReportsAnAbandonedProcessOnce) {
   using models::SupervisedPhase;
   models::HostReport report;
   report.stamp.time = kTime;
@@ -372,7 +372,7 @@ TEST(EventOf, TellsOnceThatAProcessWasGivenUp) {
                "planner Q2 on AIR was given up (exit 1)");
 }
 
-TEST(HealthStory, TellsOfOneBadSecondWithoutItsLength) {
+TEST(HealthStory, ReportsOneBadSecondWithoutDuration) {
   HealthStory story;
   models::ProcessHealth health;
   health.process = "SIM";
@@ -397,7 +397,7 @@ TEST(HealthStory, TellsOfOneBadSecondWithoutItsLength) {
   expect_event(another.on(health), LogLevel::kInfo, "health", "SIM: is stopping");
 }
 
-TEST(HealthStory, ForgetsTheTroubleOfARunThatEnded) {
+TEST(HealthStory, ForgetsTroubleOfAnEndedRun) {
   for (const bool is_started_anew : {false, true}) {
     HealthStory story;
     models::ProcessHealth health;

@@ -18,7 +18,7 @@ using test::Bytes;
 using test::TemporaryFolder;
 
 // Sequence numbers start at 0. Messages without a number (-1, older logs) count no loss.
-TEST(SurveyLog, CountsFromTheFirstNumberThatThereIs) {
+TEST(SurveyLog, CountsFromTheFirstSequenceNumber) {
   const auto lost = [](const std::vector<std::int64_t>& sequences) {
     Bytes log;
     vantage_lcm::attack_t wire{};
@@ -34,7 +34,7 @@ TEST(SurveyLog, CountsFromTheFirstNumberThatThereIs) {
 }
 
 // All numbers differ, so a swapped field is detected.
-TEST(IndexedLog, ReadsEveryNumberBackUnderItsName) {
+TEST(IndexedLog, RestoresEveryNumber) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");
   const Bytes log(9'000, 7);

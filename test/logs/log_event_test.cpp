@@ -12,7 +12,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-TEST(BigEndian, IsReadAsItIsWrittenInEveryWidth) {
+TEST(BigEndian, RoundTripsInEveryWidth) {
   constexpr std::uint64_t kValue = 0x0102030405060708U;
   for (std::size_t width = 1; width <= 8; ++width) {
     Bytes bytes{0xFF};
@@ -27,7 +27,7 @@ TEST(BigEndian, IsReadAsItIsWrittenInEveryWidth) {
 }
 
 // Byte by byte what LCM's eventlog.c writes.
-TEST(AppendEvent, WritesAnEventAsLcmDoes) {
+TEST(AppendEvent, WritesEventsLikeLcm) {
   Bytes bytes;
   append_event({0x0102, from_utime(0x030405), "AB", Bytes{7, 8, 9}}, bytes);
   EXPECT_EQ(bytes, (Bytes{0xED, 0xA1, 0xDA, 0x01, 0, 0, 0, 0, 0, 0, 1, 2,   0,   0, 0, 0, 0,
@@ -35,7 +35,7 @@ TEST(AppendEvent, WritesAnEventAsLcmDoes) {
   EXPECT_EQ(event_bytes_at(bytes, 0), bytes.size());
 }
 
-TEST(IsEventChannel, IsTextOrHasNoControlCharacters) {
+TEST(IsEventChannel, AcceptsTextWithoutControlCharacters) {
   EXPECT_FALSE(is_event_channel(""));
   EXPECT_TRUE(is_event_channel(std::string(63, 'A')));
   EXPECT_FALSE(is_event_channel(std::string(64, 'A')));
@@ -49,7 +49,7 @@ TEST(IsEventChannel, IsTextOrHasNoControlCharacters) {
   }
 }
 
-TEST(FindSync, IsTheNextPlaceWhereTheWordStands) {
+TEST(FindSync, ReturnsTheNextSyncWord) {
   Bytes bytes(20, 0xED);
   const Bytes word{0xED, 0xA1, 0xDA, 0x01};
   for (const std::size_t at : {3U, 16U}) {
@@ -66,7 +66,7 @@ TEST(FindSync, IsTheNextPlaceWhereTheWordStands) {
   EXPECT_EQ(find_sync(bytes, 4), 19U);
 }
 
-TEST(EventAt, TakesNumbersTimesAndNamesUpToTheirLimits) {
+TEST(EventAt, AcceptsValuesUpToTheirLimits) {
   for (const std::size_t name : {std::size_t{1}, kChannelBytesMax}) {
     for (const std::int64_t number : {std::int64_t{0}, INT64_MAX}) {
       Bytes bytes;
@@ -90,7 +90,7 @@ TEST(EventAt, TakesNumbersTimesAndNamesUpToTheirLimits) {
   EXPECT_TRUE(event_at(bytes, 0));
 }
 
-TEST(WholeEvents, AreThoseThatEndWithinWhatWasWritten) {
+TEST(WholeEvents, EndWithinTheWrittenBytes) {
   Bytes events;
   std::vector<std::size_t> ends{0};
   for (const std::size_t data : {3U, 0U, 5U}) {

@@ -48,7 +48,7 @@ std::size_t seek_by_reading(std::span<const std::uint8_t> log, Time time) {
   return log.size();
 }
 
-TEST(SeekOffset, IsWhereReadingFromTheBeginningArrives) {
+TEST(SeekOffset, EqualsASequentialRead) {
   const Bytes log = large_log();
   const LogSurvey survey = survey_log(log);
   EXPECT_GT(survey.blocks.size(), 5U);
@@ -58,7 +58,7 @@ TEST(SeekOffset, IsWhereReadingFromTheBeginningArrives) {
   }
 }
 
-TEST(SurveyLog, CountsWhatIsThere) {
+TEST(SurveyLog, CountsEventsAndBytes) {
   const Bytes log = large_log();
   const LogSurvey survey = survey_log(log);
   EXPECT_TRUE(survey.is_whole());
@@ -97,7 +97,7 @@ TEST(SurveyLog, FindsLostMessagesGapsAndOtherTypes) {
   EXPECT_EQ(survey.numbers_missing, 2);
 }
 
-TEST(SurveyLog, TakesAMessageThatDoesNotDecodeForDamage) {
+TEST(SurveyLog, TreatsAnUndecodableMessageAsDamage) {
   vantage_lcm::attack_t wire{};
   wire.num_jammed = 1;
   wire.jammed = {"Q1"};
@@ -113,7 +113,7 @@ TEST(SurveyLog, TakesAMessageThatDoesNotDecodeForDamage) {
   EXPECT_EQ(survey.scan.bytes_damaged, size);
 }
 
-TEST(IndexedLog, RemembersItsSurveyBesideTheLog) {
+TEST(IndexedLog, StoresItsSurveyNextToTheLog) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");
   std::mt19937_64 rng(5);
@@ -139,7 +139,7 @@ TEST(IndexedLog, RemembersItsSurveyBesideTheLog) {
   EXPECT_EQ(second.survey().backward_max, first.survey().backward_max);
 }
 
-TEST(IndexedLog, DoesNotTrustTheIndexOfAnotherLog) {
+TEST(IndexedLog, RefusesTheIndexOfAnotherLog) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");
   Bytes log = large_log();
@@ -156,7 +156,7 @@ TEST(IndexedLog, DoesNotTrustTheIndexOfAnotherLog) {
   EXPECT_FALSE(IndexedLog(path).was_indexed());
 }
 
-TEST(IndexedLog, DoesNotTrustADamagedIndex) {
+TEST(IndexedLog, RefusesADamagedIndex) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");
   std::mt19937_64 rng(5);
@@ -174,7 +174,7 @@ TEST(IndexedLog, DoesNotTrustADamagedIndex) {
   }
 }
 
-TEST(IndexedLog, OpensAnEmptyLogAndRefusesWhatIsNone) {
+TEST(IndexedLog, OpensAnEmptyLogAndRefusesOtherFiles) {
   const TemporaryFolder folder;
   test::write_file(folder.file("empty"), {});
   const IndexedLog empty(folder.file("empty"));
@@ -259,7 +259,7 @@ LogSurvey survey_by_hand(const Bytes& log) {
   return out;
 }
 
-TEST(SurveyLog, CountsWhatOneWouldCountByHand) {
+TEST(SurveyLog, MatchesAManualCount) {
   const Bytes log = eventful_log();
   const LogSurvey survey = survey_log(log);
   const LogSurvey wanted = survey_by_hand(log);
@@ -298,7 +298,7 @@ TEST(SurveyLog, CountsWhatOneWouldCountByHand) {
 }
 
 // Blocks are where reading can begin: of 256 KiB at least, each ended by the next event.
-TEST(SurveyLog, CutsALogIntoBlocksThatSayWhatIsInThem) {
+TEST(SurveyLog, DividesALogIntoDescribedBlocks) {
   for (const Bytes& log : {eventful_log(), large_log()}) {
     const LogSurvey survey = survey_log(log);
     std::vector<PlacedEvent> events;
@@ -335,7 +335,7 @@ TEST(SurveyLog, CutsALogIntoBlocksThatSayWhatIsInThem) {
   }
 }
 
-TEST(SurveyLog, TellsHowFarItIsAboutAHundredTimes) {
+TEST(SurveyLog, ReportsProgressAboutAHundredTimes) {
   Bytes log;
   for (std::int64_t i = 0; i < 5'000; ++i) {
     append_event({i, from_utime(i), "A", Bytes(71, 1)}, log);
@@ -352,7 +352,7 @@ TEST(SurveyLog, TellsHowFarItIsAboutAHundredTimes) {
 }
 
 // The index contains the complete survey, each value under its own name.
-TEST(IndexedLog, ReadsItsWholeSurveyBack) {
+TEST(IndexedLog, RestoresItsSurvey) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");
   const Bytes log = eventful_log();
@@ -404,7 +404,7 @@ TEST(IndexedLog, ReadsItsWholeSurveyBack) {
 }
 
 // 4 KiB of either end say which log it is.
-TEST(IndexedLog, DoesNotTrustTheIndexOfALogThatIsAnotherAtItsEnds) {
+TEST(IndexedLog, RefusesAnIndexWhenTheLogsEndsDiffer) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");
   const Bytes log = eventful_log();
@@ -423,7 +423,7 @@ TEST(IndexedLog, DoesNotTrustTheIndexOfALogThatIsAnotherAtItsEnds) {
   }
 }
 
-TEST(IndexedLog, LeavesNothingBehindButItsIndex) {
+TEST(IndexedLog, LeavesOnlyItsIndex) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");
   test::write_file(path, eventful_log());
@@ -444,7 +444,7 @@ Bytes with_hash(Bytes content) {
 }
 
 // An index is a cache: whatever it contains, the log is read.
-TEST(IndexedLog, ReadsItsLogWhateverBytesAnIndexWithARightHashHolds) {
+TEST(IndexedLog, SurvivesACorruptIndexWithAValidHash) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");
   test::write_file(path, eventful_log());

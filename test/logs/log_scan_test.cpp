@@ -31,7 +31,7 @@ Bytes log_of(const std::vector<std::pair<std::int64_t, Bytes>>& events) {
   return out;
 }
 
-TEST(EventAt, ReadsWhatAppendEventWrote) {
+TEST(EventAt, InvertsAppendEvent) {
   Bytes bytes{1, 2, 3};
   const Bytes data{9, 8, 7};
   append_event({41, from_utime(1'700'000'000'123'456), "VICON", data}, bytes);
@@ -44,7 +44,7 @@ TEST(EventAt, ReadsWhatAppendEventWrote) {
   EXPECT_EQ(event->size_bytes(), bytes.size() - 3);
 }
 
-TEST(EventAt, RefusesWhatCannotBeTrue) {
+TEST(EventAt, RefusesInvalidEvents) {
   Bytes good;
   append_event({1, from_utime(1), "ABC", Bytes{5}}, good);
   ASSERT_TRUE(event_at(good, 0).has_value());
@@ -67,7 +67,7 @@ TEST(EventAt, RefusesWhatCannotBeTrue) {
 }
 
 // LCM allows any bytes in a channel name; overwritten bytes are rarely text.
-TEST(EventAt, TakesAnyNameThatIsTextOrHasNoControlCharacters) {
+TEST(EventAt, AcceptsNamesWithoutControlCharacters) {
   for (const char* name : {"A\tB", "A\nB", "\x1B[31mRED", "PLAN_\xFC", "PLAN_ü", "../../evil"}) {
     Bytes bytes;
     append_event({1, from_utime(1), name, Bytes{5}}, bytes);
@@ -80,7 +80,7 @@ TEST(EventAt, TakesAnyNameThatIsTextOrHasNoControlCharacters) {
   EXPECT_FALSE(event_at(bytes, 0));
 }
 
-TEST(LogScan, ReadsAWholeLogWithTrapsInItsData) {
+TEST(LogScan, ReadsALogWithSyncWordsInItsData) {
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     std::mt19937_64 rng(seed);
     const test::MadeLog log = test::random_log(rng, 60);
@@ -119,7 +119,7 @@ std::int64_t expect_recovery(const test::DamagedLog& damaged, std::uint64_t seed
   return std::ssize(damaged.intact);
 }
 
-TEST(LogScan, RecoversEveryIntactEventOfTwoThousandDamagedLogsAndInventsNone) {
+TEST(LogScan, RecoversExactlyTheIntactEventsOfDamagedLogs) {
   std::int64_t intact = 0;
   for (std::uint64_t seed = 0; seed < 2000; ++seed) {
     std::mt19937_64 rng(seed);
@@ -129,7 +129,7 @@ TEST(LogScan, RecoversEveryIntactEventOfTwoThousandDamagedLogsAndInventsNone) {
   EXPECT_GT(intact, 60'000);
 }
 
-TEST(LogScan, RecoversEveryIntactEventOfLongLogsWithPagesOfZeros) {
+TEST(LogScan, RecoversEventsAroundPagesOfZeros) {
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
     std::mt19937_64 rng(seed);
     const test::MadeLog log = test::random_log(rng, 1000);
@@ -140,7 +140,7 @@ TEST(LogScan, RecoversEveryIntactEventOfLongLogsWithPagesOfZeros) {
 // Seeds that failed among 17 000 damaged logs. Intact events next to damage contain pieces of logs.
 // These pieces outnumbered the log's own events near its ends, or were all that was found after
 // damage. In other cases a length in one piece ended by chance at a header in another.
-TEST(LogScan, IsNotMisledByLogsInsideDataBesideDamage) {
+TEST(LogScan, IgnoresLogsInsideDataNearDamage) {
   for (const unsigned seed :
        {4316U, 5998U, 6592U, 10045U, 11019U, 13965U, 14089U, 15142U, 15699U, 16847U}) {
     SCOPED_TRACE(seed);
@@ -152,7 +152,7 @@ TEST(LogScan, IsNotMisledByLogsInsideDataBesideDamage) {
 
 // Each header claims all following bytes and has an unrelated number. The check of what each header
 // encloses must not take quadratic time (the test's time limit is the bound).
-TEST(LogScan, EndsOnAFileOfNothingButHeaders) {
+TEST(LogScan, EndsOnAFileOfHeadersOnly) {
   std::mt19937_64 rng(5);
   constexpr std::size_t kEvents = 100'000;
   constexpr std::size_t kSize = kEventHeaderBytes + 1;
@@ -169,7 +169,7 @@ TEST(LogScan, EndsOnAFileOfNothingButHeaders) {
   EXPECT_GE(all_events(scan).size(), 1U);
 }
 
-TEST(LogScan, EndsOnNoiseAndOnLogsCutAnywhere) {
+TEST(LogScan, EndsOnNoiseAndTruncatedLogs) {
   std::mt19937_64 rng(3);
   const test::MadeLog log = test::random_log(rng, 8);
   for (std::size_t size = 0; size <= log.bytes.size(); ++size) {
@@ -189,7 +189,7 @@ TEST(LogScan, EndsOnNoiseAndOnLogsCutAnywhere) {
   EXPECT_EQ(scan.counts().bytes_damaged, noise.size());
 }
 
-TEST(LogScan, NamesTheStretchesThatAreNoEvents) {
+TEST(LogScan, ReportsDamagedRanges) {
   const Bytes data(20, 7);
   Bytes bytes = log_of({{0, data}, {1, data}, {2, data}});
   const std::size_t size = bytes.size() / 3;
@@ -203,7 +203,7 @@ TEST(LogScan, NamesTheStretchesThatAreNoEvents) {
   EXPECT_TRUE(scan.stretches()[0].is_tail);
 }
 
-TEST(LogScan, BelievesAWitnessAboutALength) {
+TEST(LogScan, ConfirmsALengthByTheNextEvent) {
   const Bytes data(50, 7);
   Bytes bytes = log_of({{0, data}, {1, data}, {2, data}});
   bytes[27] = 30;  // the first event's length, shorter than it was
@@ -218,7 +218,7 @@ TEST(LogScan, BelievesAWitnessAboutALength) {
   EXPECT_EQ(witnessed.stretches().size(), 1U);
 }
 
-TEST(LogScan, KeepsLogsThatWerePutTogether) {
+TEST(LogScan, ReadsConcatenatedLogs) {
   const Bytes data(10, 7);
   Bytes bytes = log_of({{500, data}, {501, data}});
   const Bytes second = log_of({{0, data}, {1, data}, {7, data}});
@@ -231,7 +231,7 @@ TEST(LogScan, KeepsLogsThatWerePutTogether) {
 // Isolated events with foreign numbers do not change the number range of the log, however many
 // there are. A log inside the data of one of them is found by the usual numbers, even at the end of
 // the file.
-TEST(LogScan, KeepsItsUsualNumbersHoweverManyStrangersThereAreApart) {
+TEST(LogScan, KeepsItsNumberingDespiteScatteredForeignEvents) {
   const Bytes data(10, 7);
   for (const int strangers : {1, 63, 64, 65, 128, 200}) {
     std::vector<std::pair<std::int64_t, Bytes>> events;
@@ -258,7 +258,7 @@ TEST(LogScan, KeepsItsUsualNumbersHoweverManyStrangersThereAreApart) {
 
 // 64 foreign numbers in a row belong to the log, which was merged from several logs. This holds
 // repeatedly.
-TEST(LogScan, TakesSixtyFourStrangersInARowForTheLogsOwnEachTime) {
+TEST(LogScan, AcceptsSixtyFourConsecutiveForeignEvents) {
   const Bytes data(10, 7);
   std::vector<std::pair<std::int64_t, Bytes>> events;
   std::int64_t number = 0;
@@ -277,7 +277,7 @@ TEST(LogScan, TakesSixtyFourStrangersInARowForTheLogsOwnEachTime) {
 }
 
 // Every damaged stretch is counted; the first thousand are listed.
-TEST(LogScan, CountsEveryStretchAndEveryDoubt) {
+TEST(LogScan, CountsDamagedRangesAndDoubtfulEvents) {
   Bytes bytes;
   std::size_t damaged = 0;
   for (std::int64_t i = 0; i < 1'203; ++i) {
@@ -306,7 +306,7 @@ TEST(LogScan, CountsEveryStretchAndEveryDoubt) {
 }
 
 // Event numbers at most ten thousand apart, in either direction, belong to the same log.
-TEST(LogScan, TakesAHeaderInsideForTheLogsOwnByItsNumber) {
+TEST(LogScan, AcceptsAnInnerHeaderByItsNumber) {
   constexpr std::int64_t kNumber = 50'000;
   for (const std::int64_t apart : {-10'001, -10'000, -1, 1, 10'000, 10'001}) {
     Bytes inner;
@@ -324,7 +324,7 @@ TEST(LogScan, TakesAHeaderInsideForTheLogsOwnByItsNumber) {
 
 // An event whose number lies between its neighbours' is whole, even if it contains a piece of this
 // log. Otherwise it would be treated as damage.
-TEST(LogScan, LeavesWholeWhatIsInOrderWhateverIsInside) {
+TEST(LogScan, KeepsIntactEventsWithAnyContent) {
   const Bytes data(3, 7);
   for (const std::int64_t inside : {1, 6, 7, 100}) {
     const Bytes piece = log_of({{inside, data}, {inside + 1, data}});
@@ -352,7 +352,7 @@ TEST(LogScan, LeavesWholeWhatIsInOrderWhateverIsInside) {
 }
 
 // A scan that starts in the middle counts skipped bytes from there.
-TEST(LogScan, CountsFromWhereItBegins) {
+TEST(LogScan, CountsFromItsStart) {
   const Bytes bytes = log_of({{0, Bytes(5, 7)}, {1, Bytes(5, 7)}, {2, Bytes(5, 7)}});
   const std::size_t size = bytes.size() / 3;
   LogScan scan(bytes, {}, size - 2);

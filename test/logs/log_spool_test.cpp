@@ -76,7 +76,7 @@ std::string hear(LogSpool& spool, const std::string& words) {
   return said;
 }
 
-TEST(LogSpool, WritesWhatLcmReads) {
+TEST(LogSpool, WritesLogsThatLcmReads) {
   const test::TemporaryFolder folder;
   {
     LogSpool spool(quick(folder.file("a.lcmlog")));
@@ -101,7 +101,7 @@ TEST(LogSpool, WritesWhatLcmReads) {
   EXPECT_EQ(found, 300);
 }
 
-TEST(LogSpool, WritesAndSyncsWithoutBeingAskedTo) {
+TEST(LogSpool, WritesAndSyncsPeriodically) {
   FakeDisk disk;
   LogSpool spool(quick(), disk.opener());
   for (int i = 0; i < 3; ++i) {
@@ -114,7 +114,7 @@ TEST(LogSpool, WritesAndSyncsWithoutBeingAskedTo) {
 }
 
 // Red with a queue that waits: write() would not return.
-TEST(LogSpool, MakesNobodyWaitForADiskThatHangs) {
+TEST(LogSpool, DoesNotBlockOnAHangingDisk) {
   FakeDisk disk;
   disk.hang_append(true);
   SpoolOptions options = quick();
@@ -140,7 +140,7 @@ TEST(LogSpool, MakesNobodyWaitForADiskThatHangs) {
 }
 
 // Written data survives a kill -9, however long the sync takes.
-TEST(LogSpool, WritesOnWhileASyncHangs) {
+TEST(LogSpool, ContinuesWritingDuringAHangingSync) {
   FakeDisk disk;
   disk.hang_sync(true);
   LogSpool spool(quick(), disk.opener());
@@ -171,7 +171,7 @@ TEST(LogSpool, WritesOnWhileASyncHangs) {
   EXPECT_GT(spool.report().at_risk_worst_us, 100'000) << "remembered when all is safe";
 }
 
-TEST(LogSpool, IsWholeAfterTheDiskWasFull) {
+TEST(LogSpool, IsIntactAfterAFullDisk) {
   FakeDisk disk;
   disk.set_room(2 * kEventBytes + 77);  // in the third event
   LogSpool spool(quick(), disk.opener());
@@ -211,7 +211,7 @@ TEST(LogSpool, EndsWithItsLastWholeEventWhenTheDiskStaysFull) {
   }
 }
 
-TEST(LogSpool, SaysThatWhatIsWrittenMayNotBeSafe) {
+TEST(LogSpool, ReportsUnsyncedData) {
   FakeDisk disk;
   disk.fail_sync(true);
   LogSpool spool(quick(), disk.opener());
@@ -221,7 +221,7 @@ TEST(LogSpool, SaysThatWhatIsWrittenMayNotBeSafe) {
   EXPECT_FALSE(spool.report().is_good());
 }
 
-TEST(LogSpool, BeginsEachFileWithTheNewestScenarioAndWritesOverNone) {
+TEST(LogSpool, StartsEachFileWithTheNewestScenario) {
   const test::TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");
   const Bytes other = {1, 2, 3};
@@ -254,7 +254,7 @@ TEST(LogSpool, BeginsEachFileWithTheNewestScenarioAndWritesOverNone) {
   EXPECT_EQ(next, 12);
 }
 
-TEST(LogSpool, GoesOnWithTheLastOfItsFiles) {
+TEST(LogSpool, AppendsToItsLastFile) {
   const test::TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");
   SpoolOptions options = quick(path);
@@ -289,7 +289,7 @@ TEST(LogSpool, StopsAtItsLimit) {
 }
 
 // At its beginning, when it is refused, and when what was written is safe.
-TEST(LogSpool, TellsHowMuchRoomIsLeft) {
+TEST(LogSpool, ReportsFreeSpace) {
   FakeDisk disk;
   const std::size_t room = 2 * kEventBytes + 77;
   disk.set_room(room);
@@ -308,7 +308,7 @@ TEST(LogSpool, TellsHowMuchRoomIsLeft) {
   EXPECT_EQ(spool.report().free_bytes, room + 10 * kEventBytes - 5 * kEventBytes);
 }
 
-TEST(LogSpool, WritesOverNothing) {
+TEST(LogSpool, OverwritesNothing) {
   const test::TemporaryFolder folder;
   const Bytes old = {7, 7, 7};
   test::write_file(folder.file("a.lcmlog"), old);
@@ -327,14 +327,14 @@ TEST(LogSpool, WritesOverNothing) {
   EXPECT_THROW(LogSpool(quick("/no/such/folder/x.lcmlog")), StartupError);
 }
 
-TEST(FreeBytesFor, IsWhatTheFileSystemSays) {
+TEST(FreeBytesFor, EqualsTheFileSystemsFigure) {
   const test::TemporaryFolder folder;
   EXPECT_TRUE(free_bytes_for(folder.file("not_there.lcmlog")).has_value());
   EXPECT_TRUE(free_bytes_for("here.lcmlog").has_value());
   EXPECT_FALSE(free_bytes_for("/no/such/folder/x.lcmlog").has_value());
 }
 
-TEST(LogSpool, IsOtherwiseAsStated) {
+TEST(LogSpool, HasTheStatedDefaults) {
   const SpoolOptions options;
   EXPECT_EQ(options.rotate_bytes, 0U);
   EXPECT_EQ(options.limit_bytes, 0U);
@@ -358,7 +358,7 @@ TEST(LogSpool, IsOtherwiseAsStated) {
 }
 
 // To the byte: what fills the limit is written. What is behind it is lost, however small.
-TEST(LogSpool, FillsItsLimitToTheByte) {
+TEST(LogSpool, FillsItsLimitExactly) {
   for (const std::size_t less : {0U, 1U}) {
     FakeDisk disk;
     SpoolOptions options = quick();
@@ -405,7 +405,7 @@ TEST(LogSpool, CountsAllItsFilesTogether) {
   EXPECT_EQ(report.queue_bytes, 0U);
 }
 
-TEST(LogSpool, TriesTheNextFileUntilItCanBeMade) {
+TEST(LogSpool, RetriesCreatingTheNextFile) {
   FakeDisk disk;
   std::atomic<int> refused = 0;
   const OpenFile open = [&, opener = disk.opener()](
@@ -432,7 +432,7 @@ TEST(LogSpool, TriesTheNextFileUntilItCanBeMade) {
   expect_events(disk.bytes("/nowhere/flight-2.lcmlog"), 1, 2);
 }
 
-TEST(LogSpool, LosesWhatHasNoFileWhenItEnds) {
+TEST(LogSpool, CountsEventsWithoutAFileAsLost) {
   FakeDisk disk;
   const OpenFile open = [&, opener = disk.opener()](
                             const std::string& path,

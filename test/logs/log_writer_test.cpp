@@ -16,7 +16,7 @@
 namespace vantage::logs {
 namespace {
 
-TEST(LogWriter, WritesWhatLcmReadsWithTheTimesItWasGiven) {
+TEST(LogWriter, WritesLogsThatLcmReads) {
   const test::TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");
   const std::vector<std::uint8_t> first = {1, 2, 3};
@@ -42,11 +42,11 @@ TEST(LogWriter, WritesWhatLcmReadsWithTheTimesItWasGiven) {
   EXPECT_EQ(log.readNextEvent(), nullptr);
 }
 
-TEST(LogWriter, RefusesAPathThatCannotBeWritten) {
+TEST(LogWriter, RefusesAnUnwritablePath) {
   EXPECT_THROW(LogWriter("/nonexistent/folder/x.lcmlog"), StartupError);
 }
 
-TEST(LogWriter, WritesOverALogOnlyWhenToldTo) {
+TEST(LogWriter, OverwritesOnlyOnRequest) {
   const test::TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");
   test::write_file(path, {1, 2, 3});
@@ -57,7 +57,7 @@ TEST(LogWriter, WritesOverALogOnlyWhenToldTo) {
 }
 
 // A failed write must be reported.
-TEST(LogWriter, SaysWhyALogLacksSomethingAndEndsItWhole) {
+TEST(LogWriter, ReportsWriteErrorAndEndsAtWholeEvent) {
   test::FakeDisk disk;
   const std::vector<std::uint8_t> data(1000);
   disk.set_room(5'500);
@@ -105,7 +105,7 @@ TEST(LogWriter, EndsWithItsLastWholeEventWhenTheDiskIsFull) {
   EXPECT_EQ(scan.counts().stretches, 0);
 }
 
-TEST(LogWriter, KeepsSixtyFourKibibytesTogether) {
+TEST(LogWriter, Buffers64Kibibytes) {
   test::FakeDisk disk;
   LogWriter writer("a.lcmlog", Existing::kRefuse, disk.opener());
   constexpr std::size_t kEventBytes = kEventHeaderBytes + 1 + 1'000;
@@ -127,7 +127,7 @@ TEST(LogWriter, KeepsSixtyFourKibibytesTogether) {
 }
 
 // 1024 events of 64 bytes are those kibibytes to the byte.
-TEST(LogWriter, WritesWhatItKeepsWhenItIsFullToTheByte) {
+TEST(LogWriter, FlushesAnExactlyFullBuffer) {
   test::FakeDisk disk;
   LogWriter writer("a.lcmlog", Existing::kRefuse, disk.opener());
   const std::vector<std::uint8_t> data(64 - kEventHeaderBytes - 1);

@@ -77,13 +77,13 @@ double contrast(const std::string& a, const std::string& b) {
   return std::max(x, y) / std::min(x, y);
 }
 
-TEST(Look, HasAnEllipseOfTheProbabilityThatItsWordsSay) {
+TEST(Look, EllipseHasTheStatedProbability) {
   EXPECT_NEAR(look().ellipse_radius(), 2.447746830680816, 1e-12);  // √χ²₂(0.95), from tables
   EXPECT_EQ(look().ellipse_words(), "95 %");
   EXPECT_NE(look().glyphs.at("estimate").find(look().ellipse_words()), std::string::npos);
 }
 
-TEST(Look, ColoursAreToldApartByTheColourBlindToo) {
+TEST(Look, ColoursAreDistinctForColourBlindReaders) {
   for (const bool is_dark : {false, true}) {
     const auto shown = [&](const Paint& paint) { return is_dark ? paint.dark : paint.light; };
     std::vector<std::string> colours;
@@ -102,7 +102,7 @@ TEST(Look, ColoursAreToldApartByTheColourBlindToo) {
   }
 }
 
-TEST(Look, ColoursOfTheStreamSayWhichOfTheTableTheyAre) {
+TEST(Look, StreamColoursNameTheirTableEntry) {
   std::set<std::uint32_t> met;
   std::size_t count = 0;
   std::set<std::string> pairs;  // roles that share both colours are one on the stream, too
@@ -120,7 +120,7 @@ TEST(Look, ColoursOfTheStreamSayWhichOfTheTableTheyAre) {
   EXPECT_EQ((Paint{"#010203", "#030507"}.middle()), 0x020305U);
 }
 
-TEST(RobotLook, TellsSixtyFourRobotsApart) {
+TEST(RobotLook, DistinguishesSixtyFourRobots) {
   std::set<std::pair<std::size_t, std::size_t>> bodies;
   std::set<std::pair<std::size_t, std::size_t>> lines;
   for (std::size_t i = 0; i < 64; ++i) {
@@ -133,7 +133,7 @@ TEST(RobotLook, TellsSixtyFourRobotsApart) {
   EXPECT_EQ(lines.size(), 64U);
 }
 
-TEST(Measure, HasItsUnitInItsTitleWhereItHasOne) {
+TEST(Measure, TitleContainsItsUnit) {
   EXPECT_EQ(look().measures.at("entropy").title(), "entropy per target [nat]");
   EXPECT_EQ(look().measures.at("found").title(), "targets found");
 }

@@ -17,7 +17,7 @@ namespace {
 
 using test::Bytes;
 
-TEST(MappedFile, HasTheBytesOfItsFileAndHandsThemOn) {
+TEST(MappedFile, HasItsFilesBytesAndIsMovable) {
   const test::TemporaryFolder folder;
   const std::string path = folder.file("a");
   test::write_file(path, {1, 2, 3});
@@ -34,7 +34,7 @@ TEST(MappedFile, HasTheBytesOfItsFileAndHandsThemOn) {
   EXPECT_TRUE(MappedFile(folder.file("empty")).bytes().empty());
 }
 
-TEST(MappedFile, SaysWhyItCannotBeRead) {
+TEST(MappedFile, ReportsWhyItCannotBeRead) {
   const test::TemporaryFolder folder;
   const auto why_not = [](const std::string& path) {
     try {
@@ -60,7 +60,7 @@ Bytes long_log(std::size_t bytes) {
 }
 
 // A recording that is cut, copied over or on a disk that fails while it is read.
-TEST(MappedFile, EndsAScanWithAnErrorWhenItsFileIsCutWhileItIsRead) {
+TEST(MappedFile, ReportsATruncationDuringAScan) {
   const test::TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");
   for (const std::uintmax_t left : {0U, 1U, 4'096U, 100'000U, 999'000U}) {
@@ -81,7 +81,7 @@ TEST(MappedFile, EndsAScanWithAnErrorWhenItsFileIsCutWhileItIsRead) {
   }
 }
 
-TEST(MappedFile, LeavesOtherFilesReadableWhenOneIsCut) {
+TEST(MappedFile, KeepsOtherFilesReadableAfterATruncation) {
   const test::TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");
   test::write_file(path, long_log(1'000'000));

@@ -23,12 +23,12 @@ namespace {
 
 const std::string kPeer = std::string(VANTAGE_SOURCE_DIR) + "/test/logs/mcap_peer";
 
-TEST(Crc32, IsThatOfTheStandardsCheckValue) {
+TEST(Crc32, MatchesTheStandardsCheckValue) {
   EXPECT_EQ(crc32("123456789"), 0xCBF43926U);
   EXPECT_EQ(crc32("6789", crc32("12345")), 0xCBF43926U);
 }
 
-TEST(McapWriter, RefusesAPathThatCannotBeWritten) {
+TEST(McapWriter, RefusesAnUnwritablePath) {
   EXPECT_THROW(McapWriter("/nonexistent/folder/x.mcap"), StartupError);
 }
 
@@ -52,7 +52,7 @@ class McapPeer : public ::testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(McapPeer, ReadsEveryMessageOfSeveralChunksInTheOrderOfTime) {
+TEST_F(McapPeer, ReadsMessagesOfSeveralChunksInTimeOrder) {
   const std::string path = folder_.file("a.mcap");
   const std::string schema = R"({"type":"object","properties":{"i":{"type":"integer"}}})";
   constexpr int kMessages = 40'000;
@@ -84,7 +84,7 @@ TEST_F(McapPeer, ReadsAFileWithoutMessages) {
   EXPECT_EQ(read(path), "\n");
 }
 
-TEST_F(McapPeer, NoticesADamagedFile) {
+TEST_F(McapPeer, DetectsADamagedFile) {
   const std::string path = folder_.file("bad.mcap");
   {
     McapWriter writer(path);
@@ -140,7 +140,7 @@ TEST_F(McapPeer, ReadsAnExportedLogOfEveryType) {
 }
 
 // LCM carries names in any bytes; MCAP's are UTF-8, and a reader refuses the whole file for one.
-TEST_F(McapPeer, ReadsALogWhoseNamesAreNoUtf8) {
+TEST_F(McapPeer, ReadsALogWithNamesThatAreNotUtf8) {
   const std::string log_path = folder_.file("a.lcmlog");
   {
     LogWriter log(log_path);
@@ -164,7 +164,7 @@ TEST_F(McapPeer, ReadsALogWhoseNamesAreNoUtf8) {
   EXPECT_NE(said.find("summary A\\x09B vantage_lcm.attack_t 1\n"), std::string::npos) << said;
 }
 
-TEST(ExportMcap, EndsWholeWhereItIsToldTo) {
+TEST(ExportMcap, EndsCompletelyOnRequest) {
   test::TemporaryFolder folder;
   {
     LogWriter log(folder.file("a.lcmlog"));
@@ -186,7 +186,7 @@ TEST(ExportMcap, EndsWholeWhereItIsToldTo) {
   EXPECT_FALSE(std::filesystem::exists(folder.file("a.mcap.part")));
 }
 
-TEST(McapWriter, SaysWhyAndLeavesNothingHalfOnAFullDisk) {
+TEST(McapWriter, ReportsAFullDiskAndRemovesThePartialFile) {
   test::TemporaryFolder folder;
   const std::string path = folder.file("a.mcap");
   std::filesystem::create_symlink("/dev/full", path + ".part");
@@ -209,7 +209,7 @@ std::uint64_t number_at(const test::Bytes& bytes, std::size_t at) {
 
 // By the specification only: opcode, length, content. A chunk and its index begin with the times of
 // the first and last message.
-TEST(McapWriter, SaysOfEachChunkFromWhenToWhenItIs) {
+TEST(McapWriter, WritesTheTimeSpanOfEachChunk) {
   constexpr std::uint8_t kChunk = 0x06;
   constexpr std::uint8_t kChunkIndex = 0x08;
   constexpr std::size_t kMagicBytes = 8;

@@ -168,7 +168,7 @@ class McapFile : public ::testing::Test {
   std::vector<Record> records_;
 };
 
-TEST_F(McapFile, HasChunksWhoseIndexesLeadToTheirMessages) {
+TEST_F(McapFile, HasCorrectChunkIndexes) {
   read(2'500);
   const auto chunks = of(kChunk);
   const auto chunk_indexes = of(kChunkIndex);
@@ -261,7 +261,7 @@ TEST_F(McapFile, HasChunksWhoseIndexesLeadToTheirMessages) {
   EXPECT_EQ(next, written_.size());
 }
 
-TEST_F(McapFile, SumsItselfUpAtItsEnd) {
+TEST_F(McapFile, EndsWithASummary) {
   read(2'500);
   Reader header(records_.front().content);
   EXPECT_EQ(records_.front().opcode, kHeader);
@@ -311,7 +311,7 @@ TEST_F(McapFile, SumsItselfUpAtItsEnd) {
   EXPECT_EQ(last.offset + last.size + kMagic.size(), bytes_.size());
 }
 
-TEST_F(McapFile, CountsWhatIsInIt) {
+TEST_F(McapFile, HasCorrectStatistics) {
   for (const int count : {0, 1, 2'500}) {
     read(count);
     std::uint64_t first_ns = count == 0 ? 0 : ~std::uint64_t{0};
@@ -342,7 +342,7 @@ TEST_F(McapFile, CountsWhatIsInIt) {
 }
 
 // A detector of one's own may stamp with −1, or in nanoseconds.
-TEST(McapWriter, HoldsTimesWithinWhatTheFormatCanSay) {
+TEST(McapWriter, ClampsTimesToTheFormatsRange) {
   const test::TemporaryFolder folder;
   constexpr std::int64_t kMost_ns = std::numeric_limits<std::int64_t>::max();
   const std::pair<std::int64_t, std::int64_t> cases[] = {
@@ -386,7 +386,7 @@ TEST(McapWriter, HoldsTimesWithinWhatTheFormatCanSay) {
   }
 }
 
-TEST(McapWriter, RefusesMoreTopicsThanTheFormatCanNumber) {
+TEST(McapWriter, RefusesTooManyTopics) {
   const test::TemporaryFolder folder;
   McapWriter writer(folder.file("a.mcap"));
   for (int i = 0; i < 65'535; ++i) {

@@ -39,7 +39,7 @@ double by_definition(std::vector<Labelled> a, std::vector<Labelled> b, double c_
   return b.empty() ? 0.0 : std::sqrt(least / static_cast<double>(b.size()));
 }
 
-TEST(OspaJudge, FollowsTheDefinitionOverAllPairings) {
+TEST(OspaJudge, EqualsTheMinimumOverAllPairings) {
   test::Random random(1);
   OspaJudge judge(1.3);
   for (int trial = 0; trial < 200; ++trial) {
@@ -49,7 +49,7 @@ TEST(OspaJudge, FollowsTheDefinitionOverAllPairings) {
   }
 }
 
-TEST(OspaJudge, OfSmallSetsIsByHand) {
+TEST(OspaJudge, MatchesManualValues) {
   OspaJudge judge(1.0);
   EXPECT_DOUBLE_EQ(judge.judge({}, {}).ospa_m, 0.0);
   const std::vector<Labelled> one = {{0, {0.0, 0.0}}};
@@ -77,7 +77,7 @@ TEST(OspaJudge, IsAMetric) {
   }
 }
 
-TEST(OspaJudge, CountsATargetWhoseTrackIsAnotherThanBefore) {
+TEST(OspaJudge, CountsATrackSwap) {
   OspaJudge judge(1.0);
   const std::vector<Labelled> truth = {{0, {0.0, 0.0}}, {1, {5.0, 0.0}}};
   judge.judge(truth, std::vector<Labelled>{{10, {0.1, 0.0}}, {11, {5.1, 0.0}}});
@@ -92,7 +92,7 @@ TEST(OspaJudge, CountsATargetWhoseTrackIsAnotherThanBefore) {
 }
 
 // Without a cutoff: the least sum of squares over all pairings of the smaller set with the larger.
-TEST(OspaJudge, MatchesEachOfTheSmallerSetAtTheLeastDistance) {
+TEST(OspaJudge, MatchesTheSmallerSetOptimally) {
   test::Random random(3);
   OspaJudge judge(0.7);
   for (int trial = 0; trial < 200; ++trial) {
@@ -112,7 +112,7 @@ TEST(OspaJudge, MatchesEachOfTheSmallerSetAtTheLeastDistance) {
 }
 
 // A swap is of a track that is nearer than the cutoff, whichever of the sets is the larger.
-TEST(OspaJudge, CountsSwapsOfTracksThatAreNearOnly) {
+TEST(OspaJudge, CountsSwapsOfNearTracksOnly) {
   const auto at = [](std::int64_t label, double x_m) { return Labelled{label, {x_m, 0.0}}; };
   for (const bool has_more_tracks : {false, true}) {
     OspaJudge judge(1.0);

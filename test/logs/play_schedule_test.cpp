@@ -12,7 +12,7 @@ constexpr Time kBegin = from_utime(1'700'000'000'000'000);
 
 Time after_ms(std::int64_t ms) { return kBegin + Duration{1'000 * ms}; }
 
-TEST(PlaySchedule, StandsUntilItIsResumedAndThenGoesAtItsSpeed) {
+TEST(PlaySchedule, WaitsUntilResumedAndKeepsItsSpeed) {
   for (const double speed : {0.5, 1.0, 4.0}) {
     PlaySchedule schedule(kBegin, speed);
     EXPECT_TRUE(schedule.is_paused());
@@ -30,7 +30,7 @@ TEST(PlaySchedule, StandsUntilItIsResumedAndThenGoesAtItsSpeed) {
 }
 
 // position() and due_ns() are inverse to each other after any sequence of operations.
-TEST(PlaySchedule, IsWhereItIsDue) {
+TEST(PlaySchedule, PositionInvertsDueTime) {
   PlaySchedule schedule(kBegin, 2.0);
   std::int64_t now_ns = 5'000 * kMs;
   const auto expect_at = [&](std::int64_t at_ms) {

@@ -76,7 +76,7 @@ class PlayerTest : public ::testing::Test {
   std::vector<std::tuple<std::int64_t, std::string, int>> heard_;
 };
 
-TEST_F(PlayerTest, PublishesEachEventAtItsInstant) {
+TEST_F(PlayerTest, PublishesEachEventAtItsTime) {
   const PlayReport report = play({});
   ASSERT_EQ(heard_.size(), 20U);
   for (int i = 0; i < 20; ++i) {
@@ -87,7 +87,7 @@ TEST_F(PlayerTest, PublishesEachEventAtItsInstant) {
   EXPECT_EQ(report.passes, 1);
 }
 
-TEST_F(PlayerTest, PlaysFasterAndOnlyAPart) {
+TEST_F(PlayerTest, PlaysAPartFaster) {
   PlayOptions options;
   options.speed = 2.0;
   options.rules.from = from_utime(1'500'000);
@@ -96,27 +96,27 @@ TEST_F(PlayerTest, PlaysFasterAndOnlyAPart) {
   EXPECT_EQ(heard(), (Pairs{{5, 0}, {6, 50}, {7, 100}}));
 }
 
-TEST_F(PlayerTest, PausesWithoutLosingItsPlace) {
+TEST_F(PlayerTest, ContinuesAfterAPause) {
   PlayOptions options;
   options.rules.to = from_utime(1'400'000);
   play(std::move(options), {{140, "pause"}, {1'000, "resume"}});
   EXPECT_EQ(heard(), (Pairs{{0, 0}, {1, 100}, {2, 1'060}, {3, 1'160}}));
 }
 
-TEST_F(PlayerTest, SeeksForthAndBack) {
+TEST_F(PlayerTest, SeeksForwardsAndBackwards) {
   PlayOptions options;
   play(std::move(options), {{110, "seek 1.75"}, {240, "step -1.5"}, {300, "quit"}});
   EXPECT_EQ(heard(), (Pairs{{0, 0}, {1, 100}, {18, 170}, {4, 270}}));
 }
 
-TEST_F(PlayerTest, ChangesItsSpeedWhereItIs) {
+TEST_F(PlayerTest, ChangesItsSpeedWithoutAJump) {
   PlayOptions options;
   options.rules.to = from_utime(1'400'000);
   play(std::move(options), {{160, "speed 0.5"}});
   EXPECT_EQ(heard(), (Pairs{{0, 0}, {1, 100}, {2, 240}, {3, 440}}));
 }
 
-TEST_F(PlayerTest, LoopsUntilItIsToldToStop) {
+TEST_F(PlayerTest, LoopsUntilStopped) {
   PlayOptions options;
   options.loops = true;
   options.rules.to = from_utime(1'200'000);
@@ -135,7 +135,7 @@ TEST_F(PlayerTest, FiltersAndRenames) {
   EXPECT_EQ(std::get<1>(heard_[0]), "STRANGE");
 }
 
-TEST_F(PlayerTest, StaysPausedUntilToldOtherwise) {
+TEST_F(PlayerTest, StaysPausedUntilResumed) {
   PlayOptions options;
   options.starts_paused = true;
   options.rules.to = from_utime(1'200'000);
@@ -143,7 +143,7 @@ TEST_F(PlayerTest, StaysPausedUntilToldOtherwise) {
   EXPECT_EQ(heard(), (Pairs{{0, 500}, {1, 600}}));
 }
 
-TEST(ParsePlayCommand, KnowsItsWordsAndNoOthers) {
+TEST(ParsePlayCommand, AcceptsOnlyItsCommands) {
   using Kind = PlayCommand::Kind;
   EXPECT_EQ(parse_play_command("seek 12.5")->value, 12.5);
   EXPECT_EQ(parse_play_command("\x1b[D")->kind, Kind::kStep);
@@ -155,7 +155,7 @@ TEST(ParsePlayCommand, KnowsItsWordsAndNoOthers) {
 }
 
 // A clock that is set while it is logged: 1970, 2026, 1970 and 2026 again.
-TEST_F(PlayerTest, WaitsOutNoBrokenTimeStamp) {
+TEST_F(PlayerTest, SkipsWaitsOfBrokenTimeStamps) {
   Bytes bytes;
   constexpr std::int64_t kNow = 1'795'000'000'000'000;
   std::int64_t number = 0;
@@ -185,7 +185,7 @@ TEST_F(PlayerTest, WaitsOutNoBrokenTimeStamp) {
   EXPECT_EQ(heard(), (Pairs{{0, 0}})) << "what comes after the end is not waited for";
 }
 
-TEST(ParsePlayCommand, SaysWhatEachKeyAndWordIs) {
+TEST(ParsePlayCommand, MapsEachKeyAndWord) {
   using Kind = PlayCommand::Kind;
   const std::tuple<const char*, Kind, double> known[] = {
       {" ", Kind::kToggle, 0.0},
@@ -252,7 +252,7 @@ TEST_F(PlayerTest, DoublesAndHalvesItsSpeedBetweenItsLimits) {
   EXPECT_EQ(last_speed(1.0 / 40.0, "-"), 1.0 / 64.0);
 }
 
-TEST_F(PlayerTest, TogglesAndPausesHoweverOften) {
+TEST_F(PlayerTest, TogglesAndPausesRepeatedly) {
   PlayOptions options;
   options.rules.to = from_utime(1'400'000);
   play(options, {{120, " "},
@@ -266,7 +266,7 @@ TEST_F(PlayerTest, TogglesAndPausesHoweverOften) {
   EXPECT_EQ(heard(), (Pairs{{0, 0}, {1, 100}, {2, 500}, {3, 780}}));
 }
 
-TEST_F(PlayerTest, StaysBetweenItsEndsWhereverItIsSentTo) {
+TEST_F(PlayerTest, ClampsSeeksToTheLog) {
   PlayOptions options;
   options.rules.from = from_utime(1'500'000);
   options.rules.to = from_utime(1'800'000);
@@ -283,7 +283,7 @@ TEST_F(PlayerTest, StaysBetweenItsEndsWhereverItIsSentTo) {
   EXPECT_EQ(play(options, {{0, "seek 0.1"}}).published, 0);
 }
 
-TEST_F(PlayerTest, PlaysTheWholeLogUnlessToldWhichPart) {
+TEST_F(PlayerTest, PlaysTheWholeLogByDefault) {
   PlayOptions options;
   options.rules.from = from_utime(1);
   options.rules.to = from_utime(900'000'000);
@@ -298,7 +298,7 @@ TEST_F(PlayerTest, PlaysTheWholeLogUnlessToldWhichPart) {
 }
 
 // The time of the sink counts: 3 ms for every other event, and 250 ms once.
-TEST_F(PlayerTest, TellsHowLateItWas) {
+TEST_F(PlayerTest, ReportsItsLateness) {
   Player player(*log_, {}, timer(), [&](const LogEvent& event) {
     now_ns_ += (event.data[0] == 5 ? 250 : event.data[0] % 2 == 0 ? 3 : 0) * kMs;
     return event.data[0] != 19;
@@ -313,7 +313,7 @@ TEST_F(PlayerTest, TellsHowLateItWas) {
 }
 
 // Names that LCM would not carry are not played, and counted.
-TEST_F(PlayerTest, CountsWhatItCannotPublish) {
+TEST_F(PlayerTest, CountsUnpublishableEvents) {
   PlayOptions options;
   options.rules.names = ChannelRenames({"ODD=" + std::string(64, 'A')});
   const PlayReport report = play(options);
@@ -322,7 +322,7 @@ TEST_F(PlayerTest, CountsWhatItCannotPublish) {
   EXPECT_EQ(heard_.size(), 10U);
 }
 
-TEST_F(PlayerTest, AsksEachTwentyMillisecondsAndTellsWhereItIs) {
+TEST_F(PlayerTest, ReportsItsPositionEvery20Milliseconds) {
   std::vector<std::int64_t> asked_ms;
   std::vector<std::int64_t> told_ms;
   PlayOptions options;
@@ -345,7 +345,7 @@ TEST_F(PlayerTest, AsksEachTwentyMillisecondsAndTellsWhereItIs) {
   }
 }
 
-TEST_F(PlayerTest, StopsWhenItIsTold) {
+TEST_F(PlayerTest, StopsOnRequest) {
   int asked = 0;
   PlayOptions options;
   options.loops = true;
@@ -355,7 +355,7 @@ TEST_F(PlayerTest, StopsWhenItIsTold) {
   EXPECT_EQ(report.published, 20 + 1) << "1900 ms, then from the beginning until 2000 ms";
 }
 
-TEST_F(PlayerTest, WaitsOutAPauseOfAMinuteAndNoneThatIsLonger) {
+TEST_F(PlayerTest, SkipsGapsLongerThanOneMinute) {
   for (const std::int64_t gap_us : {60'000'000, 60'000'001}) {
     Bytes bytes;
     append_event({0, from_utime(1'000'000), "A", Bytes{0}}, bytes);
@@ -371,7 +371,7 @@ TEST_F(PlayerTest, WaitsOutAPauseOfAMinuteAndNoneThatIsLonger) {
 }
 
 // One stamp near the end of what a time can be, among 100 good ones.
-TEST_F(PlayerTest, PlaysEveryEventWhateverOneStampIs) {
+TEST_F(PlayerTest, PlaysEveryEventDespiteOneBadStamp) {
   constexpr std::int64_t kNow = 1'795'000'000'000'000;
   constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
   for (const std::int64_t broken :

@@ -16,7 +16,7 @@ namespace {
 
 constexpr Time kNow = from_utime(1'700'000'000'000'000);
 
-TEST(Recorder, RecordsWhatItsFilterTakesAndNoNameThatLooksLikeDamage) {
+TEST(Recorder, RecordsFilteredChannelsWithValidNames) {
   bus::InProcessHub hub;
   const auto ear = hub.connect();
   const auto mouth = hub.connect();
@@ -41,7 +41,7 @@ TEST(Recorder, RecordsWhatItsFilterTakesAndNoNameThatLooksLikeDamage) {
   EXPECT_EQ(recorder.names_refused(), 2);
 }
 
-TEST(RecorderNode, TellsAtOnceAndCountsWhatTheDiskRefuses) {
+TEST(RecorderNode, ReportsAndCountsWriteErrorsAtOnce) {
   bus::InProcessHub hub;
   const auto ear = hub.connect();
   const auto mouth = hub.connect();
@@ -75,7 +75,7 @@ TEST(RecorderNode, TellsAtOnceAndCountsWhatTheDiskRefuses) {
   EXPECT_TRUE(disk.bytes("flight.lcmlog").empty()) << "no torn event";
 }
 
-TEST(RecorderNode, SaysWhatWasWrittenAndLooksTwentyTimesASecond) {
+TEST(RecorderNode, ReportsWrittenEvents) {
   bus::InProcessHub hub;
   const auto ear = hub.connect();
   const auto mouth = hub.connect();

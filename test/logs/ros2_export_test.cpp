@@ -72,7 +72,7 @@ class Ros2Export : public ::testing::Test {
   ExportCounts counts_;
 };
 
-TEST_F(Ros2Export, SaysPosesAndPlansInTheWorldsFrame) {
+TEST_F(Ros2Export, WritesPosesAndPlansInTheWorldFrame) {
   models::MocapFrame frame;
   frame.stamp.time = from_utime(kUtime);
   frame.arrival = frame.stamp.time;
@@ -110,7 +110,7 @@ TEST_F(Ros2Export, SaysPosesAndPlansInTheWorldsFrame) {
   EXPECT_NEAR(poses[3]["pose"]["position"]["x"], 2.2, 1e-9);
 }
 
-TEST_F(Ros2Export, SaysBeliefsWithTheirCovariance) {
+TEST_F(Ros2Export, WritesBeliefsWithCovariance) {
   models::RobotBelief belief;
   belief.stamp.time = from_utime(kUtime);
   belief.robot = "Q1";
@@ -128,7 +128,7 @@ TEST_F(Ros2Export, SaysBeliefsWithTheirCovariance) {
   EXPECT_EQ(pose["covariance"][14], 1e6) << "nobody estimates its height";
 }
 
-TEST_F(Ros2Export, SaysScansMapsBatteriesAndHealth) {
+TEST_F(Ros2Export, WritesScansMapsBatteriesAndHealth) {
   models::RangeScan scan;
   scan.stamp.time = from_utime(kUtime);
   scan.robot = "Q1";
@@ -177,7 +177,7 @@ TEST_F(Ros2Export, SaysScansMapsBatteriesAndHealth) {
   EXPECT_EQ(diagnostic["values"][0], (Json{{"key", "VICON.lost"}, {"value", "3"}}));
 }
 
-TEST_F(Ros2Export, TakesEverySampleOfTheTypesThatItKnows) {
+TEST_F(Ros2Export, WritesEverySampleOfKnownTypes) {
   vantage::test::Sampler sampler(11);
   for (int i = 0; i < 20; ++i) {
     add("VICON", vantage::test::sample<models::MocapFrame>(sampler));

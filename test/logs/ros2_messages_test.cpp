@@ -89,7 +89,7 @@ class Reader {
 
 using Numbers = std::vector<double>;
 
-TEST(Cdr, AlignsEachNumberToItsOwnSize) {
+TEST(Cdr, AlignsEachNumberToItsSize) {
   Cdr out;
   out.number(std::uint8_t{1}).number(std::uint16_t{2}).number(std::uint8_t{3}).number(4.0);
   out.text("ab").number(std::uint8_t{5}).number(std::uint32_t{6});
@@ -105,7 +105,7 @@ TEST(Cdr, AlignsEachNumberToItsOwnSize) {
 }
 
 // Before 1970 too: nanoseconds are never negative.
-TEST(ToRos2, SaysTransformsOfWhatIsSeen) {
+TEST(ToRos2, WritesTransformsOfVisibleBodies) {
   for (const std::int64_t utime : {kUtime, std::int64_t{-1}, std::int64_t{-1'000'000},
                                    std::int64_t{-1'250'000}, std::int64_t{0}}) {
     models::MocapFrame frame;
@@ -137,7 +137,7 @@ TEST(ToRos2, SaysTransformsOfWhatIsSeen) {
   }
 }
 
-TEST(ToRos2, SaysBeliefsInThePlaneAndInSpace) {
+TEST(ToRos2, WritesPlanarAndSpatialBeliefs) {
   models::RobotBelief belief;
   belief.stamp.time = kTime;
   belief.robot = "Q1";
@@ -184,7 +184,7 @@ TEST(ToRos2, SaysBeliefsInThePlaneAndInSpace) {
 }
 
 // Each beam as measured, for any field of view; angles continue beyond π.
-TEST(ToRos2, SaysScansByTheBearingsOfTheirBeams) {
+TEST(ToRos2, WritesScansByBeamBearing) {
   for (const double fov_rad : {kPi, 0.5, 2.0 * kPi}) {
     for (const int beams : {1, 2, 3, 8}) {
       models::RangeScan scan;
@@ -229,7 +229,7 @@ TEST(ToRos2, SaysScansByTheBearingsOfTheirBeams) {
   }
 }
 
-TEST(ToRos2, SaysMapsByWhatMoreScansMet) {
+TEST(ToRos2, WritesMapsByHitsMinusPasses) {
   models::RobotMap map;
   map.stamp.time = kTime;
   map.robot = "Q2";
@@ -254,7 +254,7 @@ TEST(ToRos2, SaysMapsByWhatMoreScansMet) {
 
 // One pose per step from start to end, and only one for zero duration. The number of poses is
 // limited, whatever a foreign plan requests.
-TEST(ToRos2, SaysAPlanAsPosesAStepApart) {
+TEST(ToRos2, WritesAPlanAsOnePosePerStep) {
   for (const double duration_s : {1.2, 1.0, 0.0, 1e5}) {
     models::RobotPlan plan;
     plan.robot = "Q1";
@@ -283,7 +283,7 @@ TEST(ToRos2, SaysAPlanAsPosesAStepApart) {
   }
 }
 
-TEST(ToRos2, SaysOfABatteryWhatIsKnown) {
+TEST(ToRos2, WritesKnownBatteryValues) {
   models::VehicleStatus status;
   status.stamp.time = kTime;
   status.robot = "Q3";
@@ -306,7 +306,7 @@ TEST(ToRos2, SaysOfABatteryWhatIsKnown) {
   EXPECT_EQ(in.text(), "");
 }
 
-TEST(ToRos2, SaysHowAProcessIs) {
+TEST(ToRos2, WritesProcessHealth) {
   models::ProcessHealth health;
   health.stamp.time = kTime;
   health.process = "SIM";
@@ -334,7 +334,7 @@ TEST(ToRos2, SaysHowAProcessIs) {
 }
 
 // Each type that a definition names is defined behind it, once.
-TEST(DefinitionOf, HasEveryTypeThatItNamesOnce) {
+TEST(DefinitionOf, ContainsEachUsedTypeOnce) {
   const std::string line(80, '=');
   for (const char* type :
        {"tf2_msgs/msg/TFMessage", "geometry_msgs/msg/PoseWithCovarianceStamped",

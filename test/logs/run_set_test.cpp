@@ -9,7 +9,7 @@
 namespace vantage::logs {
 namespace {
 
-TEST(RunSet, CountsEachNumberOnceAndKeepsNeighboursTogether) {
+TEST(RunSet, CountsEachNumberOnceAndMergesNeighbours) {
   std::mt19937 rng(7);
   for (int repetition = 0; repetition < 200; ++repetition) {
     RunSet set;
@@ -29,7 +29,7 @@ TEST(RunSet, CountsEachNumberOnceAndKeepsNeighboursTogether) {
   }
 }
 
-TEST(RunSet, TakesNoMoreForADayOfRoundsThanForOne) {
+TEST(RunSet, NeedsConstantMemoryForConsecutiveRounds) {
   RunSet set;
   for (std::int64_t round = 0; round < 86'400; round += 2) {  // two robots' plans, out of order
     set.insert(round + 1);

@@ -112,7 +112,7 @@ void append_second(std::int64_t start_us, int seconds, std::int64_t& number, Byt
   }
 }
 
-TEST(SeekableLog, FindsEveryEventByTimeInWhateverOrderTheyLie) {
+TEST(SeekableLog, FindsEveryEventByTimeInAnyOrder) {
   std::vector<std::int64_t> order = first_numbers(100);
   std::mt19937 rng(5);
   for (std::size_t i = 0; i + 5 <= order.size(); i += 5) {  // as of several hosts' logs merged
@@ -140,7 +140,7 @@ TEST(SeekableLog, FindsEveryEventByTimeInWhateverOrderTheyLie) {
   expect_as_in_one_pass(log, 100);
 }
 
-TEST(SeekableLog, GoesByTimeThroughBlocksWhoseTimesLieOverEachOther) {
+TEST(SeekableLog, OrdersOverlappingBlocksByTime) {
   Bytes bytes;
   std::int64_t number = 0;
   append_second(5'000'000, 2, number, bytes);
@@ -155,7 +155,7 @@ TEST(SeekableLog, GoesByTimeThroughBlocksWhoseTimesLieOverEachOther) {
   expect_as_in_one_pass(log, 200);
 }
 
-TEST(SeekableLog, HoldsWhatIsIntactOfADamagedLog) {
+TEST(SeekableLog, ContainsTheIntactEventsOfADamagedLog) {
   Bytes bytes = log_of(first_numbers(100));
   bytes.resize(bytes.size() - 3);
   std::fill_n(bytes.begin(), 7, std::uint8_t{0x55});
@@ -168,7 +168,7 @@ TEST(SeekableLog, HoldsWhatIsIntactOfADamagedLog) {
   EXPECT_GT(log.survey().scan.bytes_damaged, 0U);
 }
 
-TEST(SeekableLog, FindsInTheBlocksOfDamagedLogsWhatOnePassFinds) {
+TEST(SeekableLog, BlocksOfDamagedLogsEqualOnePass) {
   for (std::uint64_t seed = 0; seed < 8; ++seed) {
     std::mt19937_64 rng(seed);
     Bytes bytes;
@@ -188,7 +188,7 @@ TEST(SeekableLog, FindsInTheBlocksOfDamagedLogsWhatOnePassFinds) {
   }
 }
 
-TEST(SeekableLog, RefusesWhatIsNoLog) {
+TEST(SeekableLog, RefusesOtherFiles) {
   const TemporaryFolder folder;
   test::write_file(folder.file("a.txt"), Bytes(200, 'x'));
   EXPECT_THROW(SeekableLog{folder.file("a.txt")}, StartupError);
@@ -215,7 +215,7 @@ class LongLog : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(LongLog, IsUsedBeforeItIsRead) {
+TEST_F(LongLog, IsUsableDuringItsFirstPass) {
   SeekableLog log(write());
   EXPECT_FALSE(log.is_surveyed());
   EXPECT_LT(log.surveyed_share(), 0.5);
@@ -248,7 +248,7 @@ TEST_F(LongLog, IsUsedBeforeItIsRead) {
   expect_as_in_one_pass(again, 50);
 }
 
-TEST_F(LongLog, KnowsItsEndBehindForeignBytesAndATornEvent) {
+TEST_F(LongLog, FindsItsEndDespiteForeignBytesAndATruncatedEvent) {
   bytes_.resize(bytes_.size() - 7);
   bytes_.insert(bytes_.end(), 300'000, std::uint8_t{0xED});
   SeekableLog log(write());
@@ -257,7 +257,7 @@ TEST_F(LongLog, KnowsItsEndBehindForeignBytesAndATornEvent) {
   EXPECT_EQ(log.range().second, sorted.back().time);
 }
 
-TEST_F(LongLog, LearnsAtTheEndOfThePassWhenItsTimesWentBack) {
+TEST_F(LongLog, DetectsDecreasingTimesAfterItsFirstPass) {
   std::int64_t number = 1000 * kLength_s;
   append_second(kStart_us - 5'000'000, 1, number, bytes_);
   SeekableLog log(write());
@@ -268,7 +268,7 @@ TEST_F(LongLog, LearnsAtTheEndOfThePassWhenItsTimesWentBack) {
   expect_as_in_one_pass(log, 50);
 }
 
-TEST_F(LongLog, IsOpenedAndSoughtByReadingALittle) {
+TEST_F(LongLog, OpensAndSeeksWithFewReads) {
   const std::string path = write();
   const Time far = from_utime(kStart_us + 23'000'000);
   const auto bytes_of_seek = [&](const SeekableLog& log) {
@@ -291,7 +291,7 @@ TEST_F(LongLog, IsOpenedAndSoughtByReadingALittle) {
 }
 
 // It says how far it is in blocks that have their end, and what it has read in bytes.
-TEST_F(LongLog, SaysHowFarItIsAndWhatItHasRead) {
+TEST_F(LongLog, ReportsProgressAndCounts) {
   SeekableLog log(write());
   const auto size = static_cast<double>(log.bytes().size());
   const auto bytes_surveyed = [&] { return log.surveyed_share() * size; };
@@ -325,7 +325,7 @@ TEST_F(LongLog, SaysHowFarItIsAndWhatItHasRead) {
   EXPECT_GT(read_for(early + std::chrono::milliseconds(290)), 200'000U) << "and this was not";
 }
 
-TEST(SeekableLog, ReadsOnUntilThereIsAnEvent) {
+TEST(SeekableLog, SkipsToTheNextEvent) {
   Bytes bytes(9 * kMib, 0);
   const Bytes events = log_of(first_numbers(10));
   bytes.insert(bytes.end(), events.begin(), events.end());
@@ -342,7 +342,7 @@ TEST(SeekableLog, ReadsOnUntilThereIsAnEvent) {
   EXPECT_EQ(log.events(from_utime(0), from_utime(10'000)).size(), 10U);
 }
 
-TEST(SeekableLog, SaysWhatIsWrongWithALogWithoutEvents) {
+TEST(SeekableLog, ReportsALogWithoutEvents) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.txt");
   test::write_file(path, Bytes(200, 'x'));

@@ -54,14 +54,14 @@ TEST(SetSums, AreMeansOverBeliefsThenRobots) {
   EXPECT_NEAR(means->swaps_per_min, 0.5 * 2.0 / 0.5, 1e-9);
 }
 
-TEST(SetSums, AreNoneWithoutTruth) {
+TEST(SetSums, AreEmptyWithoutTruth) {
   SetSums sums(2);
   sums.on_belief(belief("Q1", 0.5, {{0, 0.3}}));
   EXPECT_FALSE(sums.means());
 }
 
 // Each robot has the same weight, however many beliefs it sends and however many targets it tracks.
-TEST(SetSums, WeighEachRobotAlike) {
+TEST(SetSums, WeightRobotsEqually) {
   SetSums sums(2);
   sums.on_truth(truth(0.0));
   sums.on_belief(belief("Q2", 0.0, {{0, 0.6}}));
@@ -79,7 +79,7 @@ TEST(SetSums, WeighEachRobotAlike) {
   EXPECT_NEAR(means->swaps_per_min, 0.5 * (0.0 + 2.0), 1e-9);
 }
 
-TEST(SetSums, JudgeABeliefOnceTheTruthOfItsInstantIsThere) {
+TEST(SetSums, EvaluateABeliefWhenItsTruthArrives) {
   SetSums sums(2);
   sums.on_truth(truth(0.0));
   sums.on_belief(belief("Q1", 1.0, {}));

@@ -16,7 +16,7 @@ models::TargetBelief belief_with(const Eigen::VectorXd& mean, const Eigen::Matri
   return out;
 }
 
-TEST(PositionEstimate, MarginalisesTheVelocityAway) {
+TEST(PositionEstimate, MarginalisesTheVelocity) {
   Eigen::Matrix4d root;
   root << 2.0, 0.3, 0.4, 0.1, 0.0, 1.0, 0.2, 0.5, 0.0, 0.0, 1.5, 0.3, 0.0, 0.0, 0.0, 0.7;
   const Eigen::Matrix4d covariance = root * root.transpose();
@@ -46,7 +46,7 @@ TEST(PositionEstimate, IsRefusedWithoutInformation) {
   EXPECT_FALSE(position_estimate(ignorant, "Q1", Time{}, 2));
 }
 
-TEST(TeamEstimate, IsTheMostInformedThenTheNewestThenTheFirstInTheAlphabet) {
+TEST(TeamEstimate, PrefersInformationThenAgeThenName) {
   PositionEstimate vague{"Q1", Time{}, from_utime(9), {}, {}, 3.0};
   PositionEstimate old{"Q2", Time{}, from_utime(4), {}, {}, 1.0};
   PositionEstimate fresh{"Q4", Time{}, from_utime(5), {}, {}, 1.0};
@@ -65,7 +65,7 @@ TEST(TeamEstimate, IsTheMostInformedThenTheNewestThenTheFirstInTheAlphabet) {
   EXPECT_EQ(team.find(7)->robot, "Q3");
 }
 
-TEST(PositionEstimate, IsInSpaceWhereTheBeliefIs) {
+TEST(PositionEstimate, HasTheBeliefsDimension) {
   Eigen::Matrix3d root;
   root << 2.0, 0.3, 0.4, 0.0, 1.0, 0.2, 0.0, 0.0, 1.5;
   const Eigen::Matrix3d covariance = root * root.transpose();
@@ -97,7 +97,7 @@ TEST(PositionEstimate, IsInSpaceWhereTheBeliefIs) {
               1e-9);
 }
 
-TEST(TeamEstimate, KeepsTheTargetsApart) {
+TEST(TeamEstimate, SeparatesTargets) {
   TeamEstimate team;
   team.offer(3, {"Q1", Time{}, from_utime(1), {}, {}, 2.0});
   team.offer(4, {"Q2", Time{}, from_utime(1), {}, {}, 1.0});

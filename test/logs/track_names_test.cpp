@@ -25,7 +25,7 @@ models::TargetBelief track(int label, const Eigen::Vector2d& at_m) {
 }
 
 // The best way to give each of the fewer one of the more, over all ways.
-TEST(NamedByPlace, GivesEachTrackTheTargetThatTheBestAssignmentDoes) {
+TEST(NamedByPosition, UsesTheOptimalAssignment) {
   test::Random random(5);
   for (int trial = 0; trial < 100; ++trial) {
     const int targets = random.integer(0, 5);
@@ -75,7 +75,7 @@ TEST(NamedByPlace, GivesEachTrackTheTargetThatTheBestAssignmentDoes) {
   }
 }
 
-TEST(NamedByPlace, PassesOverTracksAndTargetsThatAreNowhere) {
+TEST(NamedByPosition, SkipsTracksAndTargetsWithoutPosition) {
   TruthHistory truth;
   models::TruthFrame frame;
   frame.stamp.time = kTime;

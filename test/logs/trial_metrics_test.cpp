@@ -59,7 +59,7 @@ models::RobotBelief belief(const std::string& robot, double time_s,
   return out;
 }
 
-TEST(TrialMetrics, MeasuresErrorAtTheBeliefsOwnTime) {
+TEST(TrialMetrics, EvaluatesErrorsAtTheBeliefsTime) {
   TrialMetrics metrics(scenario(), at_s(0.0));
   // Truth between frames: at 0.5 s target 0 is at x = 1; the belief is off by (0.3, 0.4).
   metrics.on_belief(belief("Q1", 0.5, {target(0, 1.3, 0.4, 1.0)}));
@@ -74,7 +74,7 @@ TEST(TrialMetrics, MeasuresErrorAtTheBeliefsOwnTime) {
 
 // Labels are not ids: each track is evaluated against the target of the best assignment. A track
 // far from all targets counts as no discovery.
-TEST(TrialMetrics, JudgesTracksWithoutIdsByWhereTheyAre) {
+TEST(TrialMetrics, AssignsTracksWithoutIdsByPosition) {
   scenario::Scenario unnamed = scenario();
   for (scenario::RobotSpec& robot : unnamed.robots) {
     robot.detection.detects_ids = false;
@@ -97,7 +97,7 @@ TEST(TrialMetrics, JudgesTracksWithoutIdsByWhereTheyAre) {
   EXPECT_NEAR(summary.undiscovered_share, 0.5 / 3.0, 1e-12);
 }
 
-TEST(TrialMetrics, TakesTheBestInformedRobotOfEachStep) {
+TEST(TrialMetrics, UsesTheBestInformedRobotPerStep) {
   TrialMetrics metrics(scenario(), at_s(0.0));
   metrics.on_truth(truth(0.0));
   metrics.on_truth(truth(2.0));
@@ -108,7 +108,7 @@ TEST(TrialMetrics, TakesTheBestInformedRobotOfEachStep) {
   EXPECT_NEAR(summary.entropy_per_target_nats[0], isotropic_entropy_nats(0.5, 2), 1e-9);
 }
 
-TEST(TrialMetrics, CountsUnknownTargetsWithTheirPriorAndKeepsThemOutOfTheRmse) {
+TEST(TrialMetrics, ExcludesUnknownTargetsFromTheRmse) {
   TrialMetrics metrics(scenario(), at_s(0.0));
   metrics.on_truth(truth(0.0));
   metrics.on_truth(truth(3.0));
@@ -125,7 +125,7 @@ TEST(TrialMetrics, CountsUnknownTargetsWithTheirPriorAndKeepsThemOutOfTheRmse) {
   EXPECT_EQ(summary.discovered, 1);
 }
 
-TEST(TrialMetrics, JudgesEachRobotByItsOwnBeliefAndTakesTheMean) {
+TEST(TrialMetrics, AveragesOverRobotsBeliefs) {
   TrialMetrics metrics(scenario(), at_s(0.0));
   metrics.on_truth(truth(0.0));
   metrics.on_truth(truth(2.0));
@@ -169,7 +169,7 @@ TEST(TrialMetrics, AveragesTheRmseOverTime) {
   EXPECT_NEAR(*summary.rmse_per_target_m[0], std::sqrt(5.0), 1e-9);
 }
 
-TEST(TrialMetrics, SaysWhetherTheEstimatorKnowsHowWrongItIs) {
+TEST(TrialMetrics, ReportsConsistency) {
   TrialMetrics metrics(scenario(), at_s(0.0));
   metrics.on_truth(truth(0.0));
   metrics.on_truth(truth(5.0));
@@ -181,7 +181,7 @@ TEST(TrialMetrics, SaysWhetherTheEstimatorKnowsHowWrongItIs) {
   EXPECT_FALSE(TrialMetrics(scenario(), at_s(0.0)).finish(at_s(1.0)).position_nees);
 }
 
-TEST(TrialMetrics, JudgesHowSureEachRobotIsByHowLongItsTargetsAreUnseen) {
+TEST(TrialMetrics, ReportsConsistencyByUnseenTime) {
   TrialMetrics metrics(scenario(), at_s(0.0));
   metrics.on_truth(truth(0.0));
   metrics.on_truth(truth(5.0));
@@ -203,7 +203,7 @@ TEST(TrialMetrics, JudgesHowSureEachRobotIsByHowLongItsTargetsAreUnseen) {
   EXPECT_NEAR(*means.consistency_by_age[4].mean_nees, 1.0, 1e-9);
 }
 
-TEST(TrialMetrics, TellsOfTheNewestStepHowItsRobotsSawIt) {
+TEST(TrialMetrics, ReportsTheNewestStepPerRobot) {
   TrialMetrics metrics(scenario(), at_s(0.0));
   EXPECT_FALSE(metrics.step_of_robots().entropy_nats());
   metrics.on_truth(truth(0.0));
@@ -234,7 +234,7 @@ TEST(TrialMetrics, TellsOfTheNewestStepHowItsRobotsSawIt) {
   EXPECT_EQ(metrics.step_of_robots().nees_by_age()[0].samples, 0);
 }
 
-TEST(NeesSums, GivesMeanMedianAndCoverageOfErrorsThatAreAsTheFilterSays) {
+TEST(NeesSums, MatchesAConsistentFilter) {
   for (const int dim : {2, 3}) {
     NeesSums sums(dim);
     std::mt19937_64 rng(4);
@@ -251,7 +251,7 @@ TEST(NeesSums, GivesMeanMedianAndCoverageOfErrorsThatAreAsTheFilterSays) {
   }
 }
 
-TEST(NeesSums, TakesErrorsOfAnySize) {
+TEST(NeesSums, AcceptsErrorsOfAnySize) {
   NeesSums sums(2);
   for (const double nees : {0.0, 1e9, 3.0}) {
     sums.add(nees);
@@ -260,7 +260,7 @@ TEST(NeesSums, TakesErrorsOfAnySize) {
   EXPECT_FALSE(NeesSums(2).result().median_nees);
 }
 
-TEST(AgeClass, BeginsAtItsEdge) {
+TEST(AgeClass, IncludesItsLowerEdge) {
   EXPECT_EQ(age_class(-0.1), 0U);
   EXPECT_EQ(age_class(0.99), 0U);
   EXPECT_EQ(age_class(1.0), 1U);
@@ -291,7 +291,7 @@ TEST(TrialMetrics, CountsRoundsPlansAndFallbacks) {
   EXPECT_EQ(summary.plans_missing, 1);
 }
 
-TEST(TrialMetrics, CountsWhatPlannedMotionCostsUntilTheNextPlan) {
+TEST(TrialMetrics, SumsPlannedEnergyUntilTheNextPlan) {
   scenario::Scenario world = scenario();
   world.planner.execute_steps = 3;
   world.world.regions = {{"wind", {{0.4, -1.0}, {0.9, 1.0}}, 5.0}};
@@ -308,7 +308,7 @@ TEST(TrialMetrics, CountsWhatPlannedMotionCostsUntilTheNextPlan) {
   EXPECT_DOUBLE_EQ(metrics.finish(at_s(1.0)).energy_nats, 0.5 * (2.0 + (2.0 + 5.0) + 1.0));
 }
 
-TEST(TrialMetrics, TellsCollisionsFromNearMisses) {
+TEST(TrialMetrics, DistinguishesCollisionsAndNearMisses) {
   TrialMetrics metrics(scenario(), at_s(0.0));
   models::ContactReport contact;
   contact.kind = models::ContactKind::kNearMiss;
@@ -335,7 +335,7 @@ TEST(TrialMetrics, SumsTheNewestLossCountersOfEachProcess) {
   EXPECT_EQ(metrics.finish(at_s(1.0), 5).messages_lost, 5);
 }
 
-TEST(TrialMetrics, KeepsTheLossesOfARunThatWasReplaced) {
+TEST(TrialMetrics, KeepsTheLossOfAReplacedRun) {
   TrialMetrics metrics(scenario(), at_s(0.0));
   models::ProcessHealth health;
   health.process = "PLANNER_Q1";
@@ -380,7 +380,7 @@ TEST(TrialSummary, HasThePublishedKeysFirstAndInOrder) {
   EXPECT_TRUE(json["entropy"].is_number());
 }
 
-TEST(TrialMetrics, LeavesOutBeliefsThatComeWhenTheirStepIsJudged) {
+TEST(TrialMetrics, IgnoresBeliefsAfterTheirStepsEvaluation) {
   TrialMetrics metrics(scenario(), at_s(0.0));
   metrics.on_truth(truth(0.0));
   metrics.on_truth(truth(5.0));
@@ -397,7 +397,7 @@ TEST(TrialMetrics, LeavesOutBeliefsThatComeWhenTheirStepIsJudged) {
   EXPECT_EQ(metrics.finish(at_s(5.0)).rmse_m, summary.rmse_m) << "nothing is judged twice";
 }
 
-TEST(TrialMetrics, MissesNoPlanThatCameTwiceAndKnowsWhatItWasTold) {
+TEST(TrialMetrics, CountsDuplicatePlansOnce) {
   scenario::Scenario named = scenario();
   named.planner.algorithm = "greedy";
   TrialMetrics metrics(named, at_s(0.5));
@@ -429,7 +429,7 @@ TEST(TrialMetrics, MissesNoPlanThatCameTwiceAndKnowsWhatItWasTold) {
   EXPECT_FALSE(summary.map_entropy_nats);
 }
 
-TEST(TrialMetrics, TakesTheMeanOfTheNewestMaps) {
+TEST(TrialMetrics, AveragesTheNewestMaps) {
   TrialMetrics metrics(scenario(), at_s(0.0));
   models::RobotMap map;
   for (const auto& [robot, nats] : {std::pair{"Q1", 100.0}, {"Q2", 30.0}, {"Q1", 10.0}}) {
@@ -441,7 +441,7 @@ TEST(TrialMetrics, TakesTheMeanOfTheNewestMaps) {
   EXPECT_EQ(metrics.finish(at_s(1.0)).map_entropy_nats, 20.0);
 }
 
-TEST(TrialMetrics, OfATrialInWhichNothingWasHeardIsThePrior) {
+TEST(TrialMetrics, OfASilentTrialEqualsThePrior) {
   const TrialSummary summary = TrialMetrics(scenario(), at_s(0.0)).finish(at_s(2.0));
   const double prior = isotropic_entropy_nats(kPriorSigma_m, 2);
   EXPECT_EQ(summary.undiscovered_share, 1.0);

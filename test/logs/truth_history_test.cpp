@@ -30,7 +30,7 @@ models::TruthFrame frame(std::int64_t utime, std::vector<models::TruthBody> bodi
   return out;
 }
 
-TEST(TruthHistory, IsLinearBetweenFramesAndSilentOutside) {
+TEST(TruthHistory, InterpolatesBetweenFramesOnly) {
   TruthHistory truth;
   truth.add(frame(1'000'000, {body("R1", 0, 0.0, 2.0)}));
   truth.add(frame(1'100'000, {body("R1", 0, 1.0, 4.0)}));
@@ -44,7 +44,7 @@ TEST(TruthHistory, IsLinearBetweenFramesAndSilentOutside) {
   EXPECT_FALSE(truth.target_position_m(1, from_utime(1'050'000)));
 }
 
-TEST(TruthHistory, SeesRobotsPassThroughEachOtherBetweenFrames) {
+TEST(TruthHistory, DetectsRobotsThatCrossBetweenFrames) {
   TruthHistory truth;
   EXPECT_FALSE(truth.min_separation_m());
   truth.add(frame(0, {body("Q1", -1, -1.0, 0.1), body("Q2", -1, 1.0, 0.0)}));
@@ -67,7 +67,7 @@ TEST(TruthHistory, IgnoresAndCountsFramesThatAreNotNewer) {
   EXPECT_EQ(truth.target_position_m(0, from_utime(100))->x(), 1.0);
 }
 
-TEST(TruthHistory, ForgetsWhatIsOlderThanItsMemory) {
+TEST(TruthHistory, ForgetsOldFrames) {
   TruthHistory truth(1.0);
   for (std::int64_t i = 0; i <= 30; ++i) {
     truth.add(frame(i * 100'000, {body("R1", 0, 0.0, 0.0)}));
@@ -77,7 +77,7 @@ TEST(TruthHistory, ForgetsWhatIsOlderThanItsMemory) {
 }
 
 // The minimum separation, computed from all pairs of all frames.
-TEST(TruthHistory, FindsTheLeastSeparationOfManyWhoComeAndGo) {
+TEST(TruthHistory, FindsTheLeastSeparationOfChangingBodies) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     test::Random random(seed);
     TruthHistory truth(0.3);
@@ -115,7 +115,7 @@ TEST(TruthHistory, FindsTheLeastSeparationOfManyWhoComeAndGo) {
 
 // The two meet between frames. In the second frame they are far apart: only the distance that they
 // travelled makes the pair a candidate.
-TEST(TruthHistory, SeesTwoPassEachOtherWhoAreFarApartAgain) {
+TEST(TruthHistory, FindsMeetingBetweenFrames) {
   TruthHistory truth;
   truth.add(frame(0, {body("Q1", -1, -0.3, 0.0), body("Q2", -1, 0.3, 0.0)}));
   EXPECT_NEAR(truth.min_separation_m().value(), 0.6, 1e-12);
@@ -123,7 +123,7 @@ TEST(TruthHistory, SeesTwoPassEachOtherWhoAreFarApartAgain) {
   EXPECT_NEAR(truth.min_separation_m().value(), 0.0, 1e-12);
 }
 
-TEST(TruthHistory, GoesFromFrameToFrameOfEachTargetAlone) {
+TEST(TruthHistory, InterpolatesEachTargetSeparately) {
   TruthHistory truth;
   truth.add(frame(1'000'000, {body("R1", 0, 0.0, 0.0), body("R2", 1, 5.0, -3.0)}));
   truth.add(frame(2'000'000, {body("R1", 0, 1.0, -1.0)}));

@@ -73,7 +73,7 @@ TYPED_TEST(MessageJson, FitsItsSchemaWhateverTheMessage) {
   }
 }
 
-TEST(MessageJsonOfAPlan, SaysEveryNumberExactly) {
+TEST(MessageJsonOfAPlan, ContainsEveryNumberExactly) {
   test::Sampler sampler(3);
   for (int i = 0; i < 100; ++i) {
     models::RobotPlan plan = test::sample<models::RobotPlan>(sampler);
@@ -90,7 +90,7 @@ TEST(MessageJsonOfAPlan, SaysEveryNumberExactly) {
   }
 }
 
-TEST(MessageJsonOfABelief, LaysMatricesOutInRows) {
+TEST(MessageJsonOfABelief, WritesMatricesAsRows) {
   vantage_lcm::belief_t belief{};
   vantage_lcm::target_belief_t target{};
   target.target_id = 4;

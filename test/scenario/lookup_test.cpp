@@ -11,7 +11,7 @@
 namespace vantage::scenario {
 namespace {
 
-TEST(FindRobot, GivesTheOneOfThatNameOrNone) {
+TEST(FindRobot, ReturnsTheRobotOrNull) {
   Scenario scenario;
   scenario.robots.resize(2);
   scenario.robots[0].name = "Q1";
@@ -22,7 +22,7 @@ TEST(FindRobot, GivesTheOneOfThatNameOrNone) {
   EXPECT_EQ(Scenario{}.find_robot("Q1"), nullptr);
 }
 
-TEST(RunsOn, IsTheHostThatNamesItElseTheFirst) {
+TEST(RunsOn, IsTheNamedHostElseTheFirst) {
   Scenario scenario;
   EXPECT_TRUE(scenario.runs_on("LAB", "Q1")) << "without hosts all runs on any";
   scenario.hosts = {{"LAB", {"sim", "Q2"}}, {"AIR", {"Q1"}}};
@@ -34,7 +34,7 @@ TEST(RunsOn, IsTheHostThatNamesItElseTheFirst) {
   EXPECT_FALSE(scenario.runs_on("ELSE", "Q2"));
 }
 
-TEST(FirmwareInstance, IsTheOneSaidElseTheRobotsPlace) {
+TEST(FirmwareInstance, IsStatedOrRobotIndex) {
   Scenario scenario;
   scenario.robots.resize(4);
   scenario.robots[1].firmware.emplace();
@@ -46,7 +46,7 @@ TEST(FirmwareInstance, IsTheOneSaidElseTheRobotsPlace) {
   }
 }
 
-TEST(TrialMode, IsThatOfTheDeviceWhichIsMostReal) {
+TEST(TrialMode, IsThatOfMostRealDevice) {
   using enum DeviceSource;
   for (const DeviceSource mocap : {kDirect, kWire, kReal}) {
     for (const DeviceSource first : {kDirect, kWire, kReal}) {
@@ -84,7 +84,7 @@ TEST(MocapProtocol, HasTheNamesAndPortsOfItsMakers) {
   EXPECT_EQ(mocap.actual_port(), 1);
 }
 
-TEST(SearchName, IsTheAlgorithmButOfATeamThatMapsByItself) {
+TEST(SearchName, IsTheAlgorithmOrMapping) {
   PlannerSpec planner;
   planner.algorithm = "greedy";
   EXPECT_EQ(search_name(planner), "greedy");
@@ -98,7 +98,7 @@ TEST(SearchName, IsTheAlgorithmButOfATeamThatMapsByItself) {
   EXPECT_EQ(search_name(planner), "external");
 }
 
-TEST(FindBody, GivesTheOneOfThatNameOrNone) {
+TEST(FindBody, ReturnsTheBodyOrNull) {
   models::MocapFrame frame;
   frame.bodies.resize(2);
   frame.bodies[0].name = "Q1";

@@ -32,7 +32,7 @@ Scenario team() {
 // A plan of 2.5 s and two rounds of 0.75 s last 4 s. The first robot travels 8 m and brakes within
 // 8 m; the second travels 16 m and brakes within 1 m, which is farther. The result is twice that,
 // plus the required clearance between them.
-TEST(LeastNeighbourhood, IsTwiceTheFarthestThatPlansReachAndWhatIsKeptBetween) {
+TEST(LeastNeighbourhood, IsTwiceFarthestPlanReachPlusClearance) {
   Scenario scenario = team();
   EXPECT_DOUBLE_EQ(least_neighbourhood_m(scenario), 2.0 * 17.0 + 0.75 + 2.0 * 0.125);
   scenario.robots[0].limits.brake_mps2 = 0.125;  // 8 m travelled, 16 m of braking
@@ -41,7 +41,7 @@ TEST(LeastNeighbourhood, IsTwiceTheFarthestThatPlansReachAndWhatIsKeptBetween) {
   EXPECT_DOUBLE_EQ(least_neighbourhood_m(scenario), 2.0 * 24.0 + 0.75 + 2.0 * 0.125);
 }
 
-TEST(LeastNeighbourhood, IsNoLessThanWhatIsHeardOrSeen) {
+TEST(LeastNeighbourhood, CoversCommunicationAndSensorRange) {
   Scenario scenario = team();
   scenario.network.communication_range_m = 40.0;
   EXPECT_EQ(least_neighbourhood_m(scenario), 40.0);
@@ -54,7 +54,7 @@ TEST(LeastNeighbourhood, IsNoLessThanWhatIsHeardOrSeen) {
   EXPECT_DOUBLE_EQ(least_neighbourhood_m(scenario), 4.0 * 3.25 + 95.0);
 }
 
-TEST(StepCost, IsOfTheControlAndOfEachRegionThatIsPaidFor) {
+TEST(StepCost, SumsControlAndRegionCosts) {
   const EnergySpec energy{.price_nats = 100.0,
                           .rest_cost = 1.0,
                           .turn_cost = 2.0,
@@ -79,7 +79,7 @@ TEST(StepCost, IsOfTheControlAndOfEachRegionThatIsPaidFor) {
 }
 
 // The defaults of a scenario without these keys: robots in the air and targets on the ground.
-TEST(ScenarioDefaults, OfRobotsAndTargetsAreAsStated) {
+TEST(ScenarioDefaults, HoldForRobotsAndTargets) {
   const RobotSpec robot;
   EXPECT_EQ(robot.height_m, 1.0);
   EXPECT_EQ(robot.limits.speed_max_mps, 3.0);
@@ -118,7 +118,7 @@ TEST(ScenarioDefaults, OfRobotsAndTargetsAreAsStated) {
   EXPECT_EQ(truth.acceleration_q, 0.001);
 }
 
-TEST(ScenarioDefaults, OfTheWorldAndTheNetworkAreAsStated) {
+TEST(ScenarioDefaults, HoldForWorldAndNetwork) {
   const Scenario scenario;
   EXPECT_EQ(scenario.duration_s, 300.0);
   EXPECT_EQ(scenario.seed, 1U);
@@ -141,7 +141,7 @@ TEST(ScenarioDefaults, OfTheWorldAndTheNetworkAreAsStated) {
   EXPECT_EQ(scenario.mocap.gate_turn_radps, 20.0);
 }
 
-TEST(ScenarioDefaults, OfWhatIsBelievedAndPlannedAreAsStated) {
+TEST(ScenarioDefaults, HoldForEstimatorAndPlanner) {
   const Scenario scenario;
   const EstimatorSpec& estimator = scenario.estimator;
   EXPECT_EQ(estimator.target_model.position_dim, 2);

@@ -41,7 +41,7 @@ std::set<std::uint32_t> heard_of(const std::vector<std::uint32_t>& asked) {
 }
 
 // The frame number is always included, because a packet without it is not a frame.
-TEST(DataStreamPeer, SendsWhatItIsAskedForAndNothingElse) {
+TEST(DataStreamPeer, SendsOnlyRequestedBlocks) {
   using Types = std::set<std::uint32_t>;
   const std::uint32_t number = wire::kFrameInfo;
   for (const std::uint32_t type :

@@ -74,7 +74,7 @@ struct Lab {
 
 // Started at any time, the node publishes each message at whole multiples of its period, when it is
 // due.
-TEST(SimNode, SpeaksAtWholeMultiplesOfEachPeriodWhereverItBegins) {
+TEST(SimNode, PublishesAtWholePeriodsForAnyStart) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.mocap.rate_hz = 40.0;
   scenario.mocap.latency_s = 0.012;
@@ -109,7 +109,7 @@ TEST(SimNode, SpeaksAtWholeMultiplesOfEachPeriodWhereverItBegins) {
   EXPECT_EQ(lab.node.name(), "SIM");
 }
 
-TEST(SimNode, SaysAChangeOfAVehicleAtTheNextInstant) {
+TEST(SimNode, PublishesStateChangeAtNextInstant) {
   Lab lab(test::lab_scenario());
   lab.run_until(kStart + Duration{310'000});
   lab.statuses.clear();
@@ -125,7 +125,7 @@ TEST(SimNode, SaysAChangeOfAVehicleAtTheNextInstant) {
   EXPECT_EQ(lab.statuses[0].stamp.time, kStart + Duration{320'000});
 }
 
-TEST(SimNode, SaysItsTruthAsOftenAsARealMocapWhoseDriverAddsItsBodies) {
+TEST(SimNode, PublishesTruthAtMocapRate) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.mocap.device = scenario::DeviceSource::kReal;
   scenario.mocap.rate_hz = 100.0;
@@ -137,7 +137,7 @@ TEST(SimNode, SaysItsTruthAsOftenAsARealMocapWhoseDriverAddsItsBodies) {
 
 // Attacks follow the scenario from its start. They are published on each change and once per
 // second.
-TEST(SimNode, TellsWhoIsJammedOnEachChangeAndOnceASecond) {
+TEST(SimNode, PublishesAttackOnChangeAndEachSecond) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.attacks = {{0.5, 2.0, {"Q3", "Q1"}}, {1.5, 2.6, {"Q1", "Q2"}}};
   Lab lab(scenario);
@@ -158,7 +158,7 @@ TEST(SimNode, TellsWhoIsJammedOnEachChangeAndOnceASecond) {
 }
 
 // A tick late by a period and the latency is in time; a microsecond more is not.
-TEST(SimNode, CountsTicksThatComeMoreThanAPeriodLateAndCatchesUpByTwentyInstants) {
+TEST(SimNode, CountsLateTicksAndCatchesUp) {
   Lab lab(test::lab_scenario());
   lab.run_until(kStart + Duration{1'000'000});
   const Time due = lab.node.next_tick();
@@ -191,7 +191,7 @@ TEST(SimNode, CountsTicksThatComeMoreThanAPeriodLateAndCatchesUpByTwentyInstants
   EXPECT_GT(lab.node.next_tick(), lab.clock.now());
 }
 
-TEST(SimNode, CountsEachPlanThatItDoesNotFlyUnderItsReason) {
+TEST(SimNode, CountsRefusedPlansByReason) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.robots[2].device = scenario::DeviceSource::kReal;
   Lab lab(scenario);
@@ -230,7 +230,7 @@ TEST(SimNode, CountsEachPlanThatItDoesNotFlyUnderItsReason) {
           {"sim.plans_discontinuous", 2}, {"sim.plans_stale", 3}, {"sim.plans_misaddressed", 1}}));
 }
 
-TEST(SimNode, SaysWhichDeviceNeedsRealTime) {
+TEST(SimNode, NamesTheDeviceThatRequiresRealTime) {
   const auto why = [](const scenario::Scenario& scenario) {
     try {
       const Lab lab(scenario);
@@ -284,7 +284,7 @@ class StandingClock : public bus::Clock {
   Time time = kStart;
 };
 
-TEST(SimNode, IsTheMocapServerOfAScenarioThatHasOneOnTheWire) {
+TEST(SimNode, ServesMocapOnTheWire) {
   for (const bool is_y_up : {false, true}) {
     Ear ear;
     scenario::Scenario scenario = test::lab_scenario();
@@ -320,7 +320,7 @@ TEST(SimNode, IsTheMocapServerOfAScenarioThatHasOneOnTheWire) {
 }
 
 // With vehicles on the wire the world follows the clock, and frames are sent after their latency.
-TEST(SimNode, KeepsUpWithTheClockWhereAVehicleIsOnTheWire) {
+TEST(SimNode, KeepsUpWithTheClockForWireVehicles) {
   Ear ear;
   scenario::Scenario scenario = test::lab_scenario();
   scenario.robots[1].device = scenario::DeviceSource::kWire;

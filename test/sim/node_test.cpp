@@ -116,7 +116,7 @@ TEST(SimNode, FliesAPlanFromItsStartAndBrakesAtItsEnd) {
   EXPECT_TRUE(lab.node.counters().empty());
 }
 
-TEST(SimNode, CountsEveryPlanItDoesNotFly) {
+TEST(SimNode, CountsEveryRefusedPlan) {
   Lab lab;
   const Time begin = kStart + std::chrono::seconds(1);
   lab.bus.publish(bus::plan_channel("Q1"), forward_plan("Q1", begin, {1.5, 1.0, 0.0}, 1.0));
@@ -134,7 +134,7 @@ TEST(SimNode, CountsEveryPlanItDoesNotFly) {
   EXPECT_EQ(lab.count("sim.plans_not_following"), 1);
 }
 
-TEST(SimNode, ObeysTheOperator) {
+TEST(SimNode, FollowsOperatorCommands) {
   Lab lab;
   const auto command = [&](models::OperatorAction action, const std::string& robot) {
     models::OperatorCommand message;
@@ -174,7 +174,7 @@ TEST(SimNode, ReportsACollisionOnTheBus) {
   EXPECT_EQ(lab.contacts[1].kind, models::ContactKind::kNearMiss);
 }
 
-TEST(SimNode, CatchesUpInPiecesAfterAStall) {
+TEST(SimNode, CatchesUpInStepsAfterAStall) {
   Lab lab;
   lab.run_until(kStart + std::chrono::seconds(1));
   const std::size_t before = lab.frames.size();
@@ -189,7 +189,7 @@ TEST(SimNode, CatchesUpInPiecesAfterAStall) {
   EXPECT_GT(lab.node.deadlines_missed(), 0);
 }
 
-TEST(SimNode, RefusesADeviceItCannotSimulate) {
+TEST(SimNode, RefusesUnsupportedDevices) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.robots[2].device = scenario::DeviceSource::kWire;
   EXPECT_THROW(Lab{scenario}, StartupError);
@@ -198,7 +198,7 @@ TEST(SimNode, RefusesADeviceItCannotSimulate) {
   EXPECT_THROW(Lab{scenario}, StartupError);
 }
 
-TEST(SimNode, LeavesViconToARealMocap) {
+TEST(SimNode, DoesNotPublishMocapWithARealOne) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.mocap.device = scenario::DeviceSource::kReal;
   Lab lab(scenario);
@@ -232,7 +232,7 @@ std::vector<std::uint8_t> bytes_of_run(std::uint64_t seed, Duration tick_every) 
   return bytes;
 }
 
-TEST(SimNode, SaysTheSameBytesForTheSameSeed) {
+TEST(SimNode, IsDeterministicForASeed) {
   const auto first = bytes_of_run(5, Duration{5'000});
   EXPECT_GT(first.size(), 100'000u);
   EXPECT_EQ(first, bytes_of_run(5, Duration{5'000}));

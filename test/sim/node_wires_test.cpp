@@ -68,7 +68,7 @@ struct Lab {
 
 // An autopilot without an explicit number has the index of its robot among all robots as system id.
 // The boot number of a rover is the second of its start.
-TEST(SimNode, NumbersWhatIsOnTheWireByItsPlaceAndTheSecondOfItsStart) {
+TEST(SimNode, DerivesWireIdsFromIndexAndStart) {
   scenario::Scenario scenario = test::lab_scenario();
   for (const std::size_t i : {1U, 2U}) {
     scenario.robots[i].device = scenario::DeviceSource::kWire;
@@ -109,7 +109,7 @@ TEST(SimNode, NumbersWhatIsOnTheWireByItsPlaceAndTheSecondOfItsStart) {
 }
 
 // Each frame is sent when its latency has passed, between the steps of the world or at one of them.
-TEST(SimNode, SaysAFrameWhenItsLatencyHasPassedWhereverTheWorldsStepsAre) {
+TEST(SimNode, PublishesFrameAfterItsLatency) {
   for (const int latency_ms : {2, 5, 7, 12, 26}) {
     scenario::Scenario scenario = test::lab_scenario();
     scenario.mocap.latency_s = 1e-3 * latency_ms;
@@ -183,7 +183,7 @@ Time run_up_to_a_frame(Lab& lab) {
 }
 
 // A frame that is sent 3 ms late reports its real latency.
-TEST(SimNode, SaysOfItsStreamHowOftenAndHowLateItReallyIs) {
+TEST(SimNode, ReportsRealStreamRateAndLatency) {
   namespace vicon = wire::vicon;
   const std::string port = port_of_this_test(3);
   Lab lab(lab_of(scenario::MocapProtocol::kDataStream, port));
@@ -222,7 +222,7 @@ TEST(SimNode, SaysOfItsStreamHowOftenAndHowLateItReallyIs) {
   EXPECT_EQ(lab.node.deadlines_missed(), 0);
 }
 
-TEST(SimNode, StampsItsVrpnWithTheInstantOfCapture) {
+TEST(SimNode, StampsVrpnWithTheCaptureTime) {
   namespace vicon = wire::vicon;
   const std::string port = port_of_this_test(3);
   Lab lab(lab_of(scenario::MocapProtocol::kVrpn, port));

@@ -89,7 +89,7 @@ Errors fly_random_rounds(const std::vector<models::UnicycleControl>& primitives,
   return errors;
 }
 
-TEST(FirstOrderLag, IsTheClosedFormStepResponse) {
+TEST(FirstOrderLag, EqualsTheClosedForm) {
   Scalar x(0.0);
   for (int i = 1; i <= 200; ++i) {
     x = first_order_lag<1>(x, Scalar(2.0), 0.15, 1e9, kDtS);
@@ -97,7 +97,7 @@ TEST(FirstOrderLag, IsTheClosedFormStepResponse) {
   }
 }
 
-TEST(FirstOrderLag, ChangesNoFasterThanItsLimit) {
+TEST(FirstOrderLag, KeepsItsRateLimit) {
   Scalar x(0.0);
   for (int i = 1; i <= 20; ++i) {
     x = first_order_lag<1>(x, Scalar(100.0), 0.15, 10.0, kDtS);
@@ -120,7 +120,7 @@ TEST(Quadrotor, HoversAtItsStartWithoutAPlan) {
 
 // In hover x″ + c x′ + ω² x = w with c = 1/T, ω² = k/T, and w has decay rate β. White noise passes
 // a third-order filter, whose variance has a closed form (James, Nichols, Phillips 1947).
-TEST(Quadrotor, IsBlownAboutAsFarAsTheWindAndItsMemorySay) {
+TEST(Quadrotor, HoverVarianceMatchesWindModel) {
   const QuadrotorParameters p;
   const double c = 1.0 / p.velocity_lag_s;
   const double omega2 = p.position_gain_per_s / p.velocity_lag_s;
@@ -160,7 +160,7 @@ TEST(Quadrotor, TracksTheFieldPlansWithinHalfAMetre) {
 
 // A plan with a heading slightly left or right of the vehicle's is reached by the short turn, also
 // across ±π.
-TEST(Quadrotor, TurnsToAPlansYawTheShortWayAlsoThroughTheBack) {
+TEST(Quadrotor, TurnsTheShortWayAcrossPi) {
   for (const double side : {1.0, -1.0}) {
     for (const double start_rad : {kPi - 0.1, 0.4}) {
       scenario::RobotSpec spec = robot_spec(1.0);
@@ -183,7 +183,7 @@ TEST(Quadrotor, TurnsToAPlansYawTheShortWayAlsoThroughTheBack) {
   }
 }
 
-TEST(Quadrotor, KeepsItsSpeedLimitsWhateverThePlanAsks) {
+TEST(Quadrotor, KeepsItsSpeedLimitsForAnyPlan) {
   const QuadrotorParameters p;
   Quadrotor vehicle(robot_spec(1.0), 1e9, 9, kStart);
   models::Trajectory wild{kStart, {0.0, 0.0, 0.0}, 1.5, {{{40.0, 30.0}, 3.0, 0.0}}};
@@ -205,7 +205,7 @@ TEST(Quadrotor, KeepsItsSpeedLimitsWhateverThePlanAsks) {
   }
 }
 
-TEST(Quadrotor, RefusesWhatIsNotAPlan) {
+TEST(Quadrotor, RefusesInvalidPlan) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   Quadrotor vehicle(robot_spec(1.0), 0.2, 1, kStart);
   const models::Trajectory good{
@@ -254,7 +254,7 @@ TEST(Quadrotor, SwitchesAtTheStartOfANewPlan) {
   EXPECT_EQ(vehicle.status(next.start_time).plan_round, 8);
 }
 
-TEST(Quadrotor, TakesALatePlanOnlyWhereItShouldBeByNow) {
+TEST(Quadrotor, AcceptsALatePlanOnlyNearItsPosition) {
   Quadrotor vehicle(robot_spec(1.0), 0.2, 1, kStart);
   Time now = kStart;
   for (int i = 0; i < 400; ++i, now += kStep) {
@@ -317,7 +317,7 @@ TEST(Quadrotor, LandsAndTakesOffAgain) {
   EXPECT_NEAR(flight.vehicle.position_world_m().z(), 1.5, 0.01);
 }
 
-TEST(Quadrotor, DropsLikeAStoneWhenKilled) {
+TEST(Quadrotor, FallsFreelyWhenKilled) {
   InFlight flight;
   flight.vehicle.command(OperatorAction::kEmergencyStop, flight.now);
   flight.run(0.3);
@@ -332,7 +332,7 @@ TEST(Quadrotor, DropsLikeAStoneWhenKilled) {
   }
 }
 
-TEST(AfterCommand, NeverMakesAStateLessSevereExceptByItsRule) {
+TEST(AfterCommand, LowersSeverityOnlyByItsRule) {
   const std::vector<FlightState> states{FlightState::kIdle, FlightState::kFollow,
                                         FlightState::kHold, FlightState::kLand,
                                         FlightState::kKilled};

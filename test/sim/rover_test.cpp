@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kDtS = 0.005;
 
-TEST(StepRover, RampsToItsSpeedAndNoFurther) {
+TEST(StepRover, RampsToItsSpeed) {
   const RoverParameters parameters;
   RoverState state;
   double travelled_m = 0.0;
@@ -46,7 +46,7 @@ TEST(StoppingPath, EndsAtStandstillAfterTheBrakingDistance) {
   EXPECT_NEAR(path.points_m().back().x(), 1.4 * 1.4 / (2.0 * 2.0), 1e-9);
 }
 
-TEST(StoppingPath, DistanceIsThatOfTheWaysDriven) {
+TEST(StoppingPath, DistanceEqualsTheDrivenPaths) {
   std::mt19937_64 rng(7);
   std::uniform_real_distribution<double> u(-1.0, 1.0);
   const RoverParameters parameters;
@@ -78,7 +78,7 @@ TEST(StoppingPath, DistanceIsThatOfTheWaysDriven) {
   }
 }
 
-TEST(RouteMap, GoesAroundABoxWithRoomToSpare) {
+TEST(RouteMap, AvoidsABoxWithClearance) {
   const models::World world = test::lab_scenario().world;
   const RouteMap map(world);
   const Eigen::Vector2d from_m(1.25, 1.5);
@@ -97,7 +97,7 @@ TEST(RouteMap, GoesAroundABoxWithRoomToSpare) {
   EXPECT_LT(length_m, 3.6);
 }
 
-TEST(RouteMap, FindsNoWayThroughAWallOfDiscs) {
+TEST(RouteMap, FindsNoRouteThroughAWallOfDiscs) {
   const models::World world = test::lab_scenario().world;
   const RouteMap map(world);
   std::vector<Disc> wall;
@@ -109,7 +109,7 @@ TEST(RouteMap, FindsNoWayThroughAWallOfDiscs) {
   EXPECT_TRUE(map.route({2.0, 1.0}, {1.25, 2.75}, 0.2, {}).empty()) << "inside a box";
 }
 
-TEST(TargetStarts, AreFreeApartAndTheSameForTheSameSeed) {
+TEST(TargetStarts, AreFreeSeparateAndDeterministic) {
   const scenario::Scenario scenario = test::lab_scenario();
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     const auto starts = target_starts(scenario, seed);
@@ -140,7 +140,7 @@ TEST(TargetStarts, RefusesAFullLab) {
 // limits, and cover ground.
 class RoversFor300S : public ::testing::TestWithParam<int> {};
 
-TEST_P(RoversFor300S, NeverTouchAndReachWayPoints) {
+TEST_P(RoversFor300S, NeverTouchAndReachWaypoints) {
   const scenario::Scenario scenario = test::lab_scenario();
   const auto seed = static_cast<std::uint64_t>(GetParam());
   std::vector<RoverFleet::Start> starts;
@@ -191,7 +191,7 @@ TEST_P(RoversFor300S, NeverTouchAndReachWayPoints) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, RoversFor300S, ::testing::Range(1, 21));
 
-TEST(RoverFleet, RefusesASpeedThatRoversCannotDrive) {
+TEST(RoverFleet, RefusesAnUndrivableSpeed) {
   const scenario::Scenario scenario = test::lab_scenario();
   scenario::TargetTruthSpec truth;
   truth.speed_max_mps = 1.5;
@@ -199,7 +199,7 @@ TEST(RoverFleet, RefusesASpeedThatRoversCannotDrive) {
 }
 
 // Also after a slow arrival: the reaction to a path without progress does not apply any more.
-TEST(RoverFleet, StandsStillWhereItHasArrived) {
+TEST(RoverFleet, StaysAtItsGoal) {
   models::World world;
   world.bounds = {{-1.0, -1.0}, {1.0, 1.0}};
   scenario::TargetTruthSpec truth;
@@ -220,7 +220,7 @@ TEST(RoverFleet, StandsStillWhereItHasArrived) {
 }
 
 // A bounce off a wall reverses one velocity component; only in a corner both are reversed.
-TEST(Drifters, KeepTheirWayAlongAWallTheyBounceOff) {
+TEST(Drifters, KeepTangentialVelocityWhenTheyBounce) {
   models::World world;
   world.bounds = {{-5.0, -5.0}, {5.0, 5.0}};
   Drifters drifters(world, {{{0.0, 0.0}, 0.2}}, 0.05, 2.0, 3);

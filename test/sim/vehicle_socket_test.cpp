@@ -61,7 +61,7 @@ std::vector<Bytes> read_all(VehicleSocket& socket) {
   return out;
 }
 
-TEST(VehicleSocket, WaitsWhereADriverSpeaksFirstAndAnswersWhoSpokeLast) {
+TEST(VehicleSocket, AnswersTheLastSender) {
   for (const char* host : {"127.0.0.1", "0.0.0.0"}) {
     const int port = test::free_port();
     VehicleSocket vehicle("udpout://" + std::string(host) + ":" + std::to_string(port));
@@ -84,7 +84,7 @@ TEST(VehicleSocket, WaitsWhereADriverSpeaksFirstAndAnswersWhoSpokeLast) {
   }
 }
 
-TEST(VehicleSocket, SpeaksFirstWhereADriverWaits) {
+TEST(VehicleSocket, SendsFirstInUdpoutMode) {
   for (const char* host : {"127.0.0.1", "", "0.0.0.0"}) {
     Port driver;
     VehicleSocket vehicle("udp://" + std::string(host) + ":" + std::to_string(driver.number));
@@ -95,7 +95,7 @@ TEST(VehicleSocket, SpeaksFirstWhereADriverWaits) {
   }
 }
 
-TEST(VehicleSocket, LeavesOutEmptyDatagramsAndTakesAFloodInPieces) {
+TEST(VehicleSocket, SkipsEmptyDatagramsAndReadsAFloodInParts) {
   const int port = test::free_port();
   VehicleSocket vehicle("udpout://127.0.0.1:" + std::to_string(port));
   Port driver;
@@ -112,7 +112,7 @@ TEST(VehicleSocket, LeavesOutEmptyDatagramsAndTakesAFloodInPieces) {
 }
 
 // The kernel's time stamp lies between the clock before sending and after reading.
-TEST(VehicleSocket, TellsWhenADatagramArrived) {
+TEST(VehicleSocket, ReportsArrivalTime) {
   const auto clock_us = [] {
     timespec now{};
     clock_gettime(CLOCK_REALTIME, &now);
@@ -132,7 +132,7 @@ TEST(VehicleSocket, TellsWhenADatagramArrived) {
   EXPECT_EQ(heard, 1);
 }
 
-TEST(VehicleSocket, CountsWhatCannotBeSentAndNotADriverThatDoesNotListen) {
+TEST(VehicleSocket, CountsSendErrorsButNotAClosedPort) {
   VehicleSocket vehicle("udp://127.0.0.1:" + std::to_string(test::free_port()));
   for (int k = 0; k < 3; ++k) {
     vehicle.write(Bytes{1});  // is refused, and the next one reports it
@@ -144,7 +144,7 @@ TEST(VehicleSocket, CountsWhatCannotBeSentAndNotADriverThatDoesNotListen) {
   EXPECT_EQ(vehicle.send_errors(), 2);
 }
 
-TEST(VehicleSocket, SaysWhyItCannotBe) {
+TEST(VehicleSocket, ReportsWhyItCannotOpen) {
   const auto why = [](const std::string& url) {
     try {
       const VehicleSocket socket(url);

@@ -19,7 +19,7 @@ int run_at(std::string port) {
   return run_emulator(5, argv);
 }
 
-TEST(RunEmulator, TakesEveryPortThatThereIsAndNoOther) {
+TEST(RunEmulator, AcceptsEveryValidPort) {
   for (const char* port : {"0", "-1", "65536", "some"}) {
     EXPECT_EQ(run_at(port), 2) << port;
   }

@@ -74,7 +74,7 @@ struct Lab {
 
 // Positions are on the clock that was set last. A tenth of a second is stored, and up to 20 ms are
 // extrapolated. Without a clock, the current position is returned.
-TEST(WireFirmware, IsWhereItWasAtTheInstantThatItIsAskedFor) {
+TEST(WireFirmware, ReturnsItsPoseAtTheRequestedTime) {
   for (int attempt = 0; attempt < 30; ++attempt) {
     Lab lab;
     lab.fly(150, 1'800);
@@ -115,7 +115,7 @@ TEST(WireFirmware, IsWhereItWasAtTheInstantThatItIsAskedFor) {
 }
 
 // In a wind without gusts it drifts in that direction, as far as drag takes it.
-TEST(WireFirmware, IsBlownByTheScenariosWind) {
+TEST(WireFirmware, IsMovedByTheScenariosWind) {
   Lab lab;
   lab.fly(150, 1'800);
   lab.vehicle->step(kStart, 0.0);

@@ -79,7 +79,7 @@ scenario::RobotSpec robot_at(const std::string& url) {
   return robot;
 }
 
-TEST(WireQuadrotor, StandsAtItsStartAndSpeaksToTheDriversPort) {
+TEST(WireQuadrotor, RestsAtItsStartAndSendsToTheDriversPort) {
   DriverPort port;
   const scenario::RobotSpec robot = robot_at(port.url());
   WireQuadrotor vehicle(robot, {}, 7, 1, kStart);
@@ -103,7 +103,7 @@ TEST(WireQuadrotor, StandsAtItsStartAndSpeaksToTheDriversPort) {
   EXPECT_EQ(heartbeats, 3);  // at 1 Hz, in 2.05 s
 }
 
-TEST(WireQuadrotor, HearsItsDriverAndMeasuresHowOldThePosesAre) {
+TEST(WireQuadrotor, ReceivesDriverAndMeasuresPoseAge) {
   DriverPort port;
   WireQuadrotor vehicle(robot_at(port.url()), {}, 1, 1, kStart);
   vehicle.step(kStart, 0.005);
@@ -131,7 +131,7 @@ TEST(WireQuadrotor, HearsItsDriverAndMeasuresHowOldThePosesAre) {
   EXPECT_GT(age_us, 365LL * 86'400 * 1'000'000);
 }
 
-TEST(WireQuadrotor, RefusesWhatCannotBeSimulatedOnTheWire) {
+TEST(WireQuadrotor, RefusesUnsupportedSpecs) {
   scenario::RobotSpec robot = test::lab_scenario().robots[0];
   EXPECT_THROW(WireQuadrotor(robot, {}, 1, 1, kStart), StartupError);  // no autopilot
   for (const char* url : {"", "serial:/dev/ttyUSB0:921600", "udp://127.0.0.1", "udp://:0"}) {

@@ -36,7 +36,7 @@ Time step(WireRover& rover, Time now) {
   return now + Duration{5'000};
 }
 
-TEST(WireRover, StandsAtItsStartAtTheHeightOfItsMarkers) {
+TEST(WireRover, RestsAtItsStartAtMarkerHeight) {
   const scenario::RobotSpec robot = robot_at("udpout://127.0.0.1:" + port_of_this_test(0));
   WireRover rover(robot, 1, kStart);
   Time now = kStart;
@@ -49,7 +49,7 @@ TEST(WireRover, StandsAtItsStartAtTheHeightOfItsMarkers) {
   EXPECT_EQ(rover.name(), robot.name);
 }
 
-TEST(WireRover, IsWhereItsWheelsHaveTakenIt) {
+TEST(WireRover, FollowsItsWheels) {
   const std::string port = port_of_this_test(1);
   // Both ends of the wire use the same socket class: if the driver waits, the rover sends first.
   WireRover rover(robot_at("udpout://127.0.0.1:" + port), 1, kStart);
@@ -82,7 +82,7 @@ TEST(WireRover, IsWhereItsWheelsHaveTakenIt) {
   EXPECT_EQ(rover.velocity_world_mps().norm(), 0.0);
 }
 
-TEST(WireRover, RefusesWhatCannotBeSimulatedOnTheWire) {
+TEST(WireRover, RefusesUnsupportedSpecs) {
   scenario::RobotSpec robot = test::lab_scenario().robots[0];
   EXPECT_THROW(WireRover(robot, 1, kStart), StartupError);  // no rover
   for (const char* url :

@@ -62,7 +62,7 @@ struct Driver {
   std::uint8_t sequence = 0;
 };
 
-TEST(WireQuadrotor, IsTheSystemThatTheScenarioNamesOrTheOneOfItsPlace) {
+TEST(WireQuadrotor, HasTheScenariosSystemIdOrItsIndex) {
   for (const int named : {0, 42}) {
     const std::string port = port_of_this_test(0);
     scenario::RobotSpec robot = flier_at(port);
@@ -86,7 +86,7 @@ TEST(WireQuadrotor, IsTheSystemThatTheScenarioNamesOrTheOneOfItsPlace) {
 
 // A set-point latency is measured from the capture time of the newest pose. Without a pose nothing
 // is measured.
-TEST(WireQuadrotor, MeasuresPosesAndSetPointsFromTheNewestCapture) {
+TEST(WireQuadrotor, ReportsAgesFromTheNewestCapture) {
   const std::string port = port_of_this_test(1);
   WireQuadrotor vehicle(flier_at(port), {}, 1, 1, kStart);
   Driver driver(port);
@@ -119,7 +119,7 @@ TEST(WireQuadrotor, MeasuresPosesAndSetPointsFromTheNewestCapture) {
   EXPECT_EQ(counts_of(vehicle).at("wire.Q2.ignored"), vehicle.emulator().ignored());
 }
 
-TEST(WireQuadrotor, BeginsAtAWholeStepAndNeverGoesBack) {
+TEST(WireQuadrotor, StartsAtAWholeStepAndNeverGoesBack) {
   const std::string port = port_of_this_test(2);
   WireQuadrotor vehicle(flier_at(port), {}, 1, 1, kStart);  // 3 ms after a whole step
   Driver driver(port);
@@ -145,7 +145,7 @@ TEST(WireQuadrotor, BeginsAtAWholeStepAndNeverGoesBack) {
   EXPECT_EQ(heartbeats, 2) << "a second after its beginning";
 }
 
-TEST(WireQuadrotor, SaysWhyItCannotBeSimulated) {
+TEST(WireQuadrotor, ReportsWhyItCannotBeSimulated) {
   const auto why = [](const scenario::RobotSpec& robot) {
     try {
       const WireQuadrotor vehicle(robot, {}, 1, 1, kStart);
@@ -162,7 +162,7 @@ TEST(WireQuadrotor, SaysWhyItCannotBeSimulated) {
             "robot Q2 has device 'wire': it needs an `autopilot` or a `rover` with a `url`");
 }
 
-TEST(AirframeIn, TurnsTheWindsAxesAndHasLightGustsWithoutOne) {
+TEST(AirframeIn, RotatesTheWindAndHasDefaultGusts) {
   const AirframeParameters windy = airframe_in(scenario::WindSpec{2.0, -1.0, 0.7});
   EXPECT_EQ(windy.wind_mean_mps, Eigen::Vector3d(2.0, 1.0, 0.0));
   EXPECT_EQ(windy.wind_sigma_mps, 0.7);
@@ -171,7 +171,7 @@ TEST(AirframeIn, TurnsTheWindsAxesAndHasLightGustsWithoutOne) {
 }
 
 // Its limits are a tenth above those of the scenario, or those of any rover if these are higher.
-TEST(WireRover, CanALittleMoreThanItIsAskedFor) {
+TEST(WireRover, LimitsExceedScenarioSlightly) {
   struct Row {
     double speed_mps, brake_mps2, yaw_rate_radps;
     double fastest_mps, stop_s, turn_radps;
@@ -225,7 +225,7 @@ TEST(WireRover, CanALittleMoreThanItIsAskedFor) {
   }
 }
 
-TEST(WireRover, SaysWhatItNeeds) {
+TEST(WireRover, ReportsItsRequirements) {
   scenario::RobotSpec robot = test::lab_scenario().robots[1];
   robot.rover.emplace();
   try {
@@ -238,7 +238,7 @@ TEST(WireRover, SaysWhatItNeeds) {
 }
 
 // The port that is in use shows which firmware is expected.
-TEST(WireFirmware, WaitsForTheFirmwareOfItsDialectAndStandsAtItsStart) {
+TEST(WireFirmware, WaitsForItsFirmwareAtItsStart) {
   scenario::RobotSpec robot = test::lab_scenario().robots[1];
   robot.autopilot.emplace();
   robot.firmware.emplace();

@@ -26,7 +26,7 @@ models::RobotPlan circle_from(const scenario::RobotSpec& robot, Time start) {
 // Five minutes with the quadrotors circling above: FCL and the closed form both find no contact.
 class LabFor300S : public ::testing::TestWithParam<int> {};
 
-TEST_P(LabFor300S, NothingTouches) {
+TEST_P(LabFor300S, HasNoContact) {
   const scenario::Scenario scenario = test::lab_scenario();
   WorldSimulation world(scenario, static_cast<std::uint64_t>(GetParam()), kStart);
   for (const scenario::RobotSpec& robot : scenario.robots) {
@@ -45,7 +45,7 @@ TEST_P(LabFor300S, NothingTouches) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, LabFor300S, ::testing::Range(1, 5));
 
-TEST(WorldSimulation, BlowsOnWhatFliesByItself) {
+TEST(WorldSimulation, AppliesWindToFlyingVehicles) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.wind = scenario::WindSpec{4.0, -2.0, 0.0};
   WorldSimulation world(scenario, 1, kStart);
@@ -71,7 +71,7 @@ std::vector<double> numbers_of(const models::TruthFrame& frame) {
   return numbers;
 }
 
-TEST(WorldSimulation, IsTheSameForTheSameSeedAndAnotherForAnother) {
+TEST(WorldSimulation, DependsOnItsSeed) {
   for (const auto motion :
        {scenario::TargetMotion::kRandomWaypoint, scenario::TargetMotion::kDoubleIntegrator}) {
     scenario::Scenario scenario = test::lab_scenario();
@@ -90,7 +90,7 @@ TEST(WorldSimulation, IsTheSameForTheSameSeedAndAnotherForAnother) {
   }
 }
 
-TEST(WorldSimulation, DoesNotDependOnHowItIsStepped) {
+TEST(WorldSimulation, IsIndependentOfTheStepLength) {
   const scenario::Scenario scenario = test::lab_scenario();
   WorldSimulation often(scenario, 7, kStart);
   WorldSimulation once(scenario, 7, kStart);
@@ -103,7 +103,7 @@ TEST(WorldSimulation, DoesNotDependOnHowItIsStepped) {
   EXPECT_EQ(numbers_of(often.truth()), numbers_of(once.truth())) << "time went backwards";
 }
 
-TEST(WorldSimulation, LeavesStillTargetsWhereTheyAreAndRealRobotsOut) {
+TEST(WorldSimulation, KeepsStaticTargetsAndOmitsRealRobots) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.target_truth.motion = scenario::TargetMotion::kStill;
   scenario.targets[2].start = Pose2{2.0, 7.0, 1.0};
@@ -156,7 +156,7 @@ class Puppet : public Vehicle {
   std::string name_;
 };
 
-TEST(WorldSimulation, TakesTheCallersVehiclesForItsOwnBodies) {
+TEST(WorldSimulation, IncludesTheCallersVehicles) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.robots[1].device = scenario::DeviceSource::kWire;
   Puppet puppet("Q2", {2.0, 4.0, 1.0});
@@ -180,7 +180,7 @@ TEST(WorldSimulation, TakesTheCallersVehiclesForItsOwnBodies) {
   EXPECT_EQ(contacts.front().kind, models::ContactKind::kCollision);
 }
 
-TEST(WorldSimulation, KeepsTheGroundFreeUnderALowVehicleAndOnlyThen) {
+TEST(WorldSimulation, KeepsTheGroundFreeOnlyUnderALowVehicle) {
   const scenario::Scenario scenario = test::lab_scenario();
   Puppet puppet("Q2", {2.0, 4.0, 0.0});
   // The starts are drawn clear of the robots' starts.
@@ -205,7 +205,7 @@ TEST(WorldSimulation, KeepsTheGroundFreeUnderALowVehicleAndOnlyThen) {
   EXPECT_LT(nearest_m(120), 0.7);
 }
 
-TEST(MocapCamera, AddsTheNoiseItStates) {
+TEST(MocapCamera, AddsTheStatedNoise) {
   scenario::MocapSpec spec;
   spec.position_sigma_m = 0.01;
   spec.yaw_sigma_rad = 0.02;
@@ -247,7 +247,7 @@ TEST(MocapCamera, CapturesAtWholePeriodsAndArrivesALatencyLater) {
   EXPECT_EQ(frame.frame_number * 16'667, to_utime(at));
 }
 
-TEST(MocapCamera, RefusesARateThatIsNone) {
+TEST(MocapCamera, RefusesAnInvalidRate) {
   scenario::MocapSpec spec;
   spec.rate_hz = 0.0;
   EXPECT_THROW(MocapCamera(spec, 1), UsageError);

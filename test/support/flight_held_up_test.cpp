@@ -52,7 +52,7 @@ MadeUpFlight flight_held_up_us(std::int64_t waits_us) {
   return flight;
 }
 
-TEST(FlightHeldUp, WhatTakesTimeIsJudgedWhereTheMachineWasThere) {
+TEST(FlightHeldUp, JudgesTimingOnlyWithoutWaits) {
   const FlightRecord there = flight_held_up_us(100'000).record();
   EXPECT_EQ(held_up(there), std::nullopt);
   EXPECT_EQ(broken(there), Names{"Q1 following"});
@@ -103,7 +103,7 @@ MadeUpFlight flight_that_touches(const std::string& other, double touches_s, std
   return flight;
 }
 
-TEST(FlightHeldUp, ACollisionIsTheMachinesWhereAnAutopilotLandsWithoutAPose) {
+TEST(FlightHeldUp, ExcusesCollisionInBlindLanding) {
   const FlightRecord blind = flight_that_touches("R2", 12.0, 100'001).record();
   ASSERT_EQ(blind.collisions().size(), 1U);
   EXPECT_EQ(blind.collisions()[0].text,
@@ -122,7 +122,7 @@ TEST(FlightHeldUp, ACollisionIsTheMachinesWhereAnAutopilotLandsWithoutAPose) {
             1U);
 }
 
-TEST(FlightHeldUp, SafetyIsJudgedWhateverTheMachineDoes) {
+TEST(FlightHeldUp, JudgesSafetyEvenWhenHeldUp) {
   MadeUpFlight near = flight_held_up_us(900'000);
   near.is = [](double t_s, models::TruthBody& body) {
     if (body.name == "Q2" && is_between_words(t_s)) {
@@ -178,7 +178,7 @@ TEST(FlightHeldUp, SafetyIsJudgedWhateverTheMachineDoes) {
 
 // Reports the longest wait of any process and second. Waits during the start, or of another run of
 // the process, do not count.
-TEST(FlightHeldUp, TheLongestWaitSinceSomebodyFollowsIsOfOneRun) {
+TEST(FlightHeldUp, ReportsLongestWaitWithinOneRun) {
   MadeUpFlight flight;
   flight.besides = [planner = Waits(), sim = Waits()](double t_s, FlightRecord& record) mutable {
     const double second = std::round(t_s);
@@ -216,7 +216,7 @@ TEST(FlightHeldUp, TheLongestWaitSinceSomebodyFollowsIsOfOneRun) {
 
 // Two processes report at different instants of the second; each counts with the part inside the
 // span.
-TEST(FlightHeldUp, ProcessorsAreOfTheSpanThatIsAskedFor) {
+TEST(FlightHeldUp, CountsProcessorsOfRequestedSpan) {
   MadeUpFlight flight;
   flight.besides = [planner = Waits(), sim = Waits()](double t_s, FlightRecord& record) mutable {
     const double second = std::round(t_s);
@@ -240,7 +240,7 @@ TEST(FlightHeldUp, ProcessorsAreOfTheSpanThatIsAskedFor) {
 
 // Waits caused by the flight's own processes are no excuse. A wait caused by other programs at
 // another time still is.
-TEST(FlightHeldUp, ProcessesThatTakeTheMachineThemselvesAreNotExcused) {
+TEST(FlightHeldUp, DoesNotExcuseWaitsCausedByOwnProcesses) {
   const auto record = [](std::int64_t sim_runs_us, std::int64_t waits_later_us) {
     MadeUpFlight flight = flight_held_up_us(300'000);
     flight.besides = [=, of_planner = flight.besides, later = Waits(), sim = Waits()](
@@ -264,7 +264,7 @@ TEST(FlightHeldUp, ProcessesThatTakeTheMachineThemselvesAreNotExcused) {
 }
 
 // Counts from the first followed plan; the second in which a process was restarted is unknown.
-TEST(FlightHeldUp, AProcessThatSpinsIsNamedWhateverTheMachineDoes) {
+TEST(FlightHeldUp, NamesSpinningProcessEvenWhenHeldUp) {
   for (const std::int64_t sim_runs_us : {600'000, 601'000}) {
     MadeUpFlight flight;
     flight.besides = [sim_runs_us, planner = Waits(), sim = Waits()](double t_s,

@@ -16,12 +16,12 @@ namespace {
 using models::FlightState;
 using Names = std::vector<std::string>;
 
-TEST(FlightInvariants, AreAllKeptByAFlightToWhichNothingHappens) {
+TEST(FlightInvariants, HoldForAnUndisturbedFlight) {
   EXPECT_EQ(violations(MadeUpFlight().record()), Names{});
   EXPECT_EQ(violations(FlightRecord()), Names{"nothing flew: no SCENARIO, or no vehicle"});
 }
 
-TEST(FlightInvariants, NameTheVehicleWhatWasSeenAndWhatIsAllowed) {
+TEST(FlightInvariants, ReportVehicleValueAndLimit) {
   MadeUpFlight flight;
   flight.is = [](double t_s, models::TruthBody& body) {
     if (body.name == "Q2" && std::abs(t_s - 9.0) < 0.1) {
@@ -35,7 +35,7 @@ TEST(FlightInvariants, NameTheVehicleWhatWasSeenAndWhatIsAllowed) {
   EXPECT_TRUE(lines[0].ends_with("of its limit (at most 1.15)")) << lines[0];
 }
 
-TEST(FlightInvariants, WhoMayHoldIsNotAskedToFollow) {
+TEST(FlightInvariants, RequireNoFollowShareOfRobotsThatMayHold) {
   MadeUpFlight flight;
   flight.says = [](double t_s, models::VehicleStatus& status) {
     if (t_s > 7.0 && t_s < 9.0) {
@@ -50,7 +50,7 @@ TEST(FlightInvariants, WhoMayHoldIsNotAskedToFollow) {
 }
 
 // Breaks each invariant at one moment of the flight, for Q1 alone.
-TEST(FlightInvariants, EachIsBrokenByWhatItIsFor) {
+TEST(FlightInvariants, DetectEachViolation) {
   struct Case {
     std::function<bool(double, models::VehicleStatus&)> says;
     std::function<bool(double, models::TruthBody&)> is;
@@ -119,7 +119,7 @@ TEST(FlightInvariants, EachIsBrokenByWhatItIsFor) {
   }
 }
 
-TEST(FlightInvariants, ANearMissIsBothVehicles) {
+TEST(FlightInvariants, ReportNearMissForBothVehicles) {
   MadeUpFlight flight;
   flight.is = [](double t_s, models::TruthBody& body) {
     if (body.name == "Q2" && is_between_words(t_s)) {
@@ -130,7 +130,7 @@ TEST(FlightInvariants, ANearMissIsBothVehicles) {
   EXPECT_EQ(broken(flight.record()), (Names{"Q1 separation", "Q2 separation"}));
 }
 
-TEST(FlightInvariants, OutsideIsBeyondTheBoundsOrInAnObstacle) {
+TEST(FlightInvariants, OutsideMeansBeyondBoundsOrInAnObstacle) {
   for (const Eigen::Vector2d& place_m : {Eigen::Vector2d(-3.0, 2.1), Eigen::Vector2d(-1.5, 0.8)}) {
     MadeUpFlight flight;
     flight.is = [&](double t_s, models::TruthBody& body) {
@@ -144,7 +144,7 @@ TEST(FlightInvariants, OutsideIsBeyondTheBoundsOrInAnObstacle) {
 }
 
 // A ground robot is judged at a height at which flying vehicles are not.
-TEST(FlightInvariants, AGroundRobotIsJudgedOnTheGround) {
+TEST(FlightInvariants, GroundRobotsAreCheckedOnTheGround) {
   const std::string flying = "height_m: 1.0\n";
   const std::string ground =
       "height_m: 0.2\n    rover: {url: \"udpout://127.0.0.1:7700\", number: 4}\n";
@@ -190,7 +190,7 @@ TEST(FlightInvariants, AGroundRobotIsJudgedOnTheGround) {
 
 // Messages of another run are refused while the vehicle's own run is alive. After a silence they
 // are accepted, and the flight is reported to have had another driver.
-TEST(FlightInvariants, SayWhoElseSpokeAndHowOftenADriverBeganAnew) {
+TEST(FlightInvariants, CountForeignMessagesAndDriverRestarts) {
   MadeUpFlight beside;
   beside.besides = [](double t_s, FlightRecord& record) {
     if (std::abs(t_s - 9.01) < 0.05) {
@@ -217,7 +217,7 @@ TEST(FlightInvariants, SayWhoElseSpokeAndHowOftenADriverBeganAnew) {
   EXPECT_EQ(broken(anew.record(), mishap), Names{});
 }
 
-TEST(FlightInvariants, AVehicleThatNeverFollowedIsNamed) {
+TEST(FlightInvariants, ReportAVehicleThatNeverFollowed) {
   MadeUpFlight flight;
   flight.says = [](double, models::VehicleStatus& status) {
     status.state = status.robot == "Q1" ? FlightState::kIdle : status.state;

@@ -82,7 +82,7 @@ Said what_was_said(const logs::IndexedLog& log) {
 
 class Neighbourhood : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(Neighbourhood, BoundsWhatIsSaidAndIsReplayedExactly) {
+TEST_P(Neighbourhood, LimitsMessagesAndReplaysExactly) {
   const logs::test::TemporaryFolder folder;
   const scenario::Scenario scenario = crowd(65, GetParam());
   TrialOptions options;

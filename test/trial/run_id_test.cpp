@@ -7,7 +7,7 @@ namespace {
 
 // Logs name their runs by these numbers, so they must not change. Worked out with integers of
 // Python from the published constants of FNV-1a and SplitMix64.
-TEST(DeterministicRunId, IsWhatTheRecipeSays) {
+TEST(DeterministicRunId, EqualsTheStatedHash) {
   EXPECT_EQ(deterministic_run_id(1, "PLANNER_Q1"), 8938889392048076765);
   EXPECT_EQ(deterministic_run_id(0, ""), 4656582077437394441);
   EXPECT_EQ(deterministic_run_id(0xFFFF'FFFF'FFFF'FFFF, "SIM"), 1020457809645835924);

@@ -43,7 +43,7 @@ TEST(RunTrial, IsAPureFunctionOfTheSeed) {
   EXPECT_NE(first, trial_json(4));
 }
 
-TEST(TrialRecipes, NameTheNodesThatTheyMake) {
+TEST(TrialRecipes, HaveTheNamesOfTheirNodes) {
   const scenario::Scenario scenario = short_lab(3);
   const std::vector<NodeRecipe> recipes = trial_recipes(scenario);
   EXPECT_EQ(recipes.size(), 1 + kRobotProcesses.size() * scenario.robots.size());
@@ -56,7 +56,7 @@ TEST(TrialRecipes, NameTheNodesThatTheyMake) {
   }
 }
 
-TEST(RunTrial, WritesTheSameBytesOfLogForTheSameSeed) {
+TEST(RunTrial, WritesEqualLogsForEqualSeeds) {
   const scenario::Scenario scenario = short_lab(6);
   const test::TemporaryFolder folder;
   std::string logs[2];
@@ -72,7 +72,7 @@ TEST(RunTrial, WritesTheSameBytesOfLogForTheSameSeed) {
   EXPECT_TRUE(logs[0] == logs[1]);  // run ids, sequences and times included
 }
 
-TEST(Trial, IsTheSameInPiecesOfAnyLength) {
+TEST(Trial, IsIndependentOfTheStepLength) {
   const scenario::Scenario scenario = short_lab(6);
   const test::TemporaryFolder folder;
   const std::string path = folder.file("trial.lcmlog");
@@ -99,7 +99,7 @@ TEST(Trial, IsTheSameInPiecesOfAnyLength) {
   EXPECT_EQ(summaries[0], summaries[1]);
 }
 
-TEST(RunTrial, PlansEveryRoundOfEveryRobotAndLosesNothing) {
+TEST(RunTrial, PlansEveryRoundWithoutLoss) {
   const scenario::Scenario scenario = short_lab(1);
   const TrialResult result = run_trial(scenario, trial_recipes(scenario));
   EXPECT_GE(result.summary.rounds, 5);  // of 1 s each
@@ -115,7 +115,7 @@ TEST(RunTrial, PlansEveryRoundOfEveryRobotAndLosesNothing) {
   }
 }
 
-TEST(RunTrial, StoppedEarlyIsTheShorterTrial) {
+TEST(RunTrial, StoppedEarlyEqualsAShorterTrial) {
   scenario::Scenario scenario = short_lab(2);
   TrialOptions options;
   int asked = 0;
@@ -130,7 +130,7 @@ TEST(RunTrial, StoppedEarlyIsTheShorterTrial) {
   EXPECT_EQ(logs::to_json(stopped.summary).dump(), logs::to_json(shorter.summary).dump());
 }
 
-TEST(RunTrial, SaysHowFarItIs) {
+TEST(RunTrial, ReportsProgress) {
   const scenario::Scenario scenario = short_lab(5);
   std::vector<double> shares;
   TrialOptions options;
@@ -143,7 +143,7 @@ TEST(RunTrial, SaysHowFarItIs) {
 }
 
 // Without nodes nothing happens, and three hours pass at once.
-TEST(RunTrial, SaysAHundredTimesHowFarItIsHoweverLongItLasts) {
+TEST(RunTrial, ReportsProgressAHundredTimes) {
   scenario::Scenario scenario = short_lab(5);
   for (const double duration_s : {300.0, 10'800.0}) {
     scenario.duration_s = duration_s;
@@ -166,7 +166,7 @@ TEST(RunTrial, SaysAHundredTimesHowFarItIsHoweverLongItLasts) {
   }
 }
 
-TEST(RunTrial, EndsAtTheHalfSecondAtWhichItIsToldTo) {
+TEST(RunTrial, EndsAtTheNextHalfSecondAfterAStop) {
   scenario::Scenario scenario = short_lab(5);
   for (const int at : {1, 2, 7}) {
     TrialOptions options;
@@ -179,7 +179,7 @@ TEST(RunTrial, EndsAtTheHalfSecondAtWhichItIsToldTo) {
   }
 }
 
-TEST(Trial, GoesNeitherBackNorBeyondItsEnd) {
+TEST(Trial, RefusesTimesInThePastOrBeyondItsEnd) {
   const scenario::Scenario scenario = short_lab(5);
   Trial trial(scenario, {}, "");
   EXPECT_EQ(trial.start(), trial_start(scenario));
@@ -197,7 +197,7 @@ TEST(Trial, GoesNeitherBackNorBeyondItsEnd) {
   EXPECT_FALSE(trial.result().was_stopped);
 }
 
-TEST(RunTrial, RefusesWhatAsksAProcessThatIsNotThere) {
+TEST(RunTrial, RefusesExternalPlanners) {
   scenario::Scenario scenario = short_lab(5);
   scenario.planner.algorithm = "external";
   EXPECT_THROW(run_trial(scenario, {}), StartupError);
@@ -209,7 +209,7 @@ TEST(RunTrial, RefusesWhatAsksAProcessThatIsNotThere) {
 }
 
 // A limit on the file size simulates a full disk.
-TEST(RunTrial, EndsWhenItsLogCannotBeWrittenAndCountsWhatIsNotInIt) {
+TEST(RunTrial, EndsOnALogErrorAndCountsLostEvents) {
   const scenario::Scenario scenario = short_lab(5);
   const test::TemporaryFolder folder;
   TrialOptions options;
@@ -268,7 +268,7 @@ class Talker : public bus::Node {
 
 // A queue holds the last ten thousand of 10 050 messages. The trial's queue loses 50; the
 // recorder's, which also receives the talker's health, loses 51.
-TEST(RunTrial, CountsWhatItsRecorderHadNoRoomFor) {
+TEST(RunTrial, CountsEventsDroppedByTheRecorder) {
   scenario::Scenario scenario = short_lab(5);
   scenario.duration_s = 1.0;
   const std::vector<NodeRecipe> recipes = {
@@ -304,7 +304,7 @@ TEST(RunTrial, StartsOnAWholeRound) {
   EXPECT_EQ(to_utime(trial_start(scenario)), 1'700'000'000'000'156);
 }
 
-TEST(RunTrial, LogsEverythingAfterTheScenarioItself) {
+TEST(RunTrial, LogsTheScenarioFirst) {
   const scenario::Scenario scenario = short_lab(5);
   const test::TemporaryFolder folder;
   TrialOptions options;
@@ -335,7 +335,7 @@ TEST(RunTrial, LogsEverythingAfterTheScenarioItself) {
   EXPECT_EQ(events["SCENARIO"], 1) << "and once more after 5 s";
 }
 
-TEST(TrialRecipes, AreOfTheSimulatorAndThenOfEachKindOfAllRobots) {
+TEST(TrialRecipes, ListTheSimulatorThenNodesByKind) {
   const scenario::Scenario scenario = short_lab(3);
   std::vector<std::string> names;
   for (const NodeRecipe& recipe : trial_recipes(scenario)) {

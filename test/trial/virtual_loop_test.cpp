@@ -48,7 +48,7 @@ NodeRecipe recipe(const std::string& name, Diary& diary, Duration period) {
           }};
 }
 
-TEST(VirtualTimeLoop, JumpsFromTickToTickAndDeliversBeforeTheNextOneActs) {
+TEST(VirtualTimeLoop, DeliversBetweenTicks) {
   Diary diary;
   VirtualTimeLoop loop(kStart);
   loop.add_node(recipe("A", diary, Duration(20)), 1);
@@ -61,7 +61,7 @@ TEST(VirtualTimeLoop, JumpsFromTickToTickAndDeliversBeforeTheNextOneActs) {
   EXPECT_EQ(loop.messages_lost(), 0);
 }
 
-TEST(VirtualTimeLoop, IsTheSameInPiecesAsInOneGo) {
+TEST(VirtualTimeLoop, IsIndependentOfTheStepLength) {
   Diary whole;
   Diary pieces;
   VirtualTimeLoop one(kStart);
@@ -77,7 +77,7 @@ TEST(VirtualTimeLoop, IsTheSameInPiecesAsInOneGo) {
   EXPECT_EQ(whole, pieces);
 }
 
-TEST(VirtualTimeLoop, DoesNotActAtItsEnd) {
+TEST(VirtualTimeLoop, DoesNotTickAtItsEnd) {
   Diary diary;
   VirtualTimeLoop loop(kStart);
   loop.add_node(recipe("A", diary, Duration(10)), 1);
@@ -85,7 +85,7 @@ TEST(VirtualTimeLoop, DoesNotActAtItsEnd) {
   EXPECT_EQ(diary, (Diary{"A at 0", "A hears A"}));
 }
 
-TEST(VirtualTimeLoop, RefusesANodeWhoseTimeStandsStill) {
+TEST(VirtualTimeLoop, RefusesANodeWithoutProgress) {
   Diary diary;
   VirtualTimeLoop loop(kStart);
   loop.add_node(recipe("A", diary, Duration(0)), 1);
@@ -105,7 +105,7 @@ TEST(VirtualTimeLoop, ReportsTheHealthOfItsNodes) {
   EXPECT_EQ(heard, (std::set<std::string>{"A", "B"}));
 }
 
-TEST(VirtualTimeLoop, LetsSomethingElseHearAllBeforeTheNextOneActs) {
+TEST(VirtualTimeLoop, DeliversToListenersBeforeTheNextTick) {
   Diary diary;
   VirtualTimeLoop loop(kStart);
   const auto ear = loop.connect();
@@ -123,7 +123,7 @@ TEST(VirtualTimeLoop, LetsSomethingElseHearAllBeforeTheNextOneActs) {
                           "A hears B", "B hears B", "recorded DIARY_B"}));
 }
 
-TEST(VirtualTimeLoop, DeliversWhatIsSaidWhileItDelivers) {
+TEST(VirtualTimeLoop, DeliversMessagesPublishedDuringDelivery) {
   VirtualTimeLoop loop(kStart);
   const bus::Channel<models::AttackNotice> ask{"ASK"};
   const bus::Channel<models::AttackNotice> answer{"ANSWER"};
@@ -147,7 +147,7 @@ TEST(VirtualTimeLoop, DeliversWhatIsSaidWhileItDelivers) {
   EXPECT_EQ(loop.messages_lost(), 0);
 }
 
-TEST(VirtualTimeLoop, ActsLateRatherThanInThePast) {
+TEST(VirtualTimeLoop, TicksLateRatherThanInThePast) {
   Diary diary;
   VirtualTimeLoop loop(kStart);
   loop.run_until(kStart + Duration(100));
@@ -171,7 +171,7 @@ vantage_lcm::attack_t attack_numbered(std::int64_t sequence) {
 
 // One bus misses four numbers and then three, another only the three. A queue of ten thousand drops
 // the excess.
-TEST(VirtualTimeLoop, CountsWhatAnyBusMissesAndWhatAnyQueueDrops) {
+TEST(VirtualTimeLoop, CountsLossAndDroppedMessages) {
   VirtualTimeLoop loop(kStart);
   const auto speaks = loop.connect();
   const auto say = [&](const std::string& channel, std::int64_t sequence) {
@@ -199,7 +199,7 @@ TEST(VirtualTimeLoop, CountsWhatAnyBusMissesAndWhatAnyQueueDrops) {
       << "of the first, which nobody knows to be missing";
 }
 
-TEST(VirtualTimeLoop, ReportsHowOftenEachNodeActed) {
+TEST(VirtualTimeLoop, CountsTheTicksOfEachNode) {
   Diary diary;
   VirtualTimeLoop loop(kStart);
   std::map<std::string, models::ProcessHealth> newest;
@@ -218,7 +218,7 @@ TEST(VirtualTimeLoop, ReportsHowOftenEachNodeActed) {
   }
 }
 
-TEST(DeterministicRunId, DependsOnSeedAndNameAndIsNeverZero) {
+TEST(DeterministicRunId, DependsOnSeedAndNameAndIsNonZero) {
   std::set<std::int64_t> ids;
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     for (const std::string name : {"SIM", "PLANNER_Q1", "PLANNER_Q2"}) {

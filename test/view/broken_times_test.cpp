@@ -14,7 +14,7 @@ namespace vantage::tools {
 namespace {
 
 // One invalid stamp among valid ones does not change what is shown.
-TEST(LogHistory, EndsAndIsAsWithoutItWhateverOneStampIs) {
+TEST(LogHistory, IgnoresInvalidStamp) {
   const logs::test::TemporaryFolder folder;
   constexpr std::int64_t kNow = 1'795'000'000'000'000;
   constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();

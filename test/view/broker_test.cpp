@@ -18,7 +18,7 @@ using test::pop_text;
 using test::put;
 using test::state;
 
-TEST(Outbox, DropsTheOldestFlowAndNeverControl) {
+TEST(Outbox, DropsOldDataButNoControlMessages) {
   Outbox outbox(100);
   outbox.push(control("hello"));
   for (int i = 0; i < 50; ++i) {
@@ -48,13 +48,13 @@ TEST(Outbox, KeepsOnlyTheNewestOfAState) {
   EXPECT_EQ(outbox.dropped(), 0);
 }
 
-TEST(Outbox, LetsOneFrameThroughHoweverLarge) {
+TEST(Outbox, SendsOneFrameOfAnySize) {
   Outbox outbox(100);
   outbox.push(flow(500));
   EXPECT_EQ(outbox.pop()->size(), 500U);
 }
 
-TEST(Outbox, GivesUpOnAViewerThatNeverReads) {
+TEST(Outbox, ClosesAViewerThatNeverReads) {
   Outbox outbox(100, 3);
   for (int i = 0; i < 4; ++i) {
     EXPECT_FALSE(outbox.is_hopeless());
@@ -63,7 +63,7 @@ TEST(Outbox, GivesUpOnAViewerThatNeverReads) {
   EXPECT_TRUE(outbox.is_hopeless());
 }
 
-TEST(Broker, TellsANewcomerWhatThereIsAndTheStates) {
+TEST(Broker, SendsTopicsAndStatesToNewViewer) {
   Broker broker({"test", "s", std::nullopt});
   put(broker, "/state", 1, true);
   put(broker, "/flow", 2, false);
@@ -82,7 +82,7 @@ TEST(Broker, TellsANewcomerWhatThereIsAndTheStates) {
   EXPECT_FALSE(client->wait_pop());
 }
 
-TEST(Broker, WantsAFlowOnlyWhileSomebodyWatches) {
+TEST(Broker, RequestsFlowOnlyWithSubscribers) {
   Broker broker({"test", "s", std::nullopt});
   EXPECT_FALSE(broker.wants("/flow", Schema::kTeam, false));
   EXPECT_TRUE(broker.wants("/state", Schema::kTeam, true));
@@ -96,7 +96,7 @@ TEST(Broker, WantsAFlowOnlyWhileSomebodyWatches) {
   EXPECT_FALSE(broker.wants("/flow", Schema::kTeam, false));
 }
 
-TEST(Broker, AdvertisesATopicToThoseAlreadyThere) {
+TEST(Broker, AdvertisesATopicToConnectedViewers) {
   Broker broker({"test", "s", std::nullopt});
   const auto client = broker.connect(true);
   pop_text(*client);
@@ -109,7 +109,7 @@ TEST(Broker, AdvertisesATopicToThoseAlreadyThere) {
   broker.disconnect(client);
 }
 
-TEST(Broker, RefusesDoubleAndUnknownSubscriptionsAndChangesNothing) {
+TEST(Broker, RefusesDuplicateAndUnknownSubscriptions) {
   Broker broker({"test", "s", std::nullopt});
   put(broker, "/flow", 1, false);
   const auto client = broker.connect(true);
@@ -126,7 +126,7 @@ TEST(Broker, RefusesDoubleAndUnknownSubscriptionsAndChangesNothing) {
   broker.disconnect(client);
 }
 
-TEST(Broker, HoldsBackTheWayToAnInstantAndSendsWhereItLed) {
+TEST(Broker, SendsOnlyLastRecordAfterHold) {
   Broker broker({"test", "s", std::pair(from_utime(0), from_utime(9))});
   put(broker, "/flow", 1, false);
   const auto client = broker.connect(true);
@@ -153,7 +153,7 @@ TEST(Broker, HoldsBackTheWayToAnInstantAndSendsWhereItLed) {
   broker.disconnect(client);
 }
 
-TEST(Broker, TellsANewcomerWhereThePlayerIs) {
+TEST(Broker, SendsPlaybackStateToNewViewer) {
   Broker broker({"test", "s", std::pair(from_utime(0), from_utime(9'000'000))});
   const PlaybackState state{PlaybackStatus::kPlaying, from_utime(1'000'000), 2.0F, true, "r"};
   broker.broadcast_playback(state);
@@ -174,7 +174,7 @@ TEST(Broker, TellsANewcomerWhereThePlayerIs) {
   }
 }
 
-TEST(Broker, CountsWhatASlowViewerMissesAndTellsIt) {
+TEST(Broker, CountsAndReportsMissedMessagesOfASlowViewer) {
   Broker broker({"test", "s", std::nullopt});
   put(broker, "/flow", 0, false);
   const auto client = broker.connect(true);
@@ -190,7 +190,7 @@ TEST(Broker, CountsWhatASlowViewerMissesAndTellsIt) {
   EXPECT_GE(broker.dropped(), 12) << "also after it has gone";
 }
 
-TEST(Broker, CountsRecordsOfATopicThatNobodyHears) {
+TEST(Broker, CountsRecordsWithoutSubscribers) {
   Broker broker({"test", "s", std::nullopt});
   for (int i = 0; i < 7; ++i) {
     put(broker, "/flow", i, false);
@@ -201,7 +201,7 @@ TEST(Broker, CountsRecordsOfATopicThatNobodyHears) {
 }
 
 // Time and jumps belong to the counts of the same text, so that no rate is computed across a jump.
-TEST(Broker, SaysWhenInTheLogItCountedAndAfterHowManyJumps) {
+TEST(Broker, ReportsLogTimeAndJumpsWithCounts) {
   Broker broker({"test", "s", std::pair(from_utime(0), from_utime(9'000'000))});
   const auto counted = [&broker] {
     const json all = json::parse(broker.topics_text());
@@ -219,7 +219,7 @@ TEST(Broker, SaysWhenInTheLogItCountedAndAfterHowManyJumps) {
   }
 }
 
-TEST(Broker, KeepsRawMessagesOfALogForWhoSubscribesAlone) {
+TEST(Broker, SendsRawMessagesOnlyToSubscribers) {
   Broker broker({"test", "s", std::pair(Time{}, from_utime(10))});
   EXPECT_FALSE(broker.wants("/lcm/PLAN_Q1", Schema::kLcm, false));
   const auto client = broker.connect(true);
@@ -228,7 +228,7 @@ TEST(Broker, KeepsRawMessagesOfALogForWhoSubscribesAlone) {
   EXPECT_TRUE(broker.wants("/lcm/PLAN_Q1", Schema::kLcm, false)) << "also on the way to an instant";
 }
 
-TEST(Broker, SaysSomethingToEveryoneUntilItIsSaidNoMore) {
+TEST(Broker, SendsStatusUntilWithdrawn) {
   Broker broker({"test", "s", std::pair(from_utime(0), from_utime(9))});
   const auto client = broker.connect(true);
   pop_text(*client);
@@ -262,7 +262,7 @@ TEST(Broker, SaysSomethingToEveryoneUntilItIsSaidNoMore) {
   broker.disconnect(late);
 }
 
-TEST(Broker, BeginsANewSessionWhenTheLogTurnsOutLonger) {
+TEST(Broker, StartsANewSessionWhenTheLogGrows) {
   const std::pair range(from_utime(1'000'000), from_utime(9'000'000));
   Broker broker({"test", "s", range});
   put(broker, "/state", 1, true);

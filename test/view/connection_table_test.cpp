@@ -12,7 +12,7 @@ using std::chrono::milliseconds;
 constexpr Time kStart = from_utime(1'000'000);
 constexpr const char* kOne = "10.0.0.1";
 
-TEST(ConnectionTable, EndsAConnectionOnceWhoseRequestDoesNotCome) {
+TEST(ConnectionTable, EndsConnectionWithoutRequest) {
   ConnectionTable table;
   const std::set<Peer> open{{kOne, 1}, {kOne, 2}, {kOne, 3}};
   EXPECT_TRUE(table.update(open, kStart).empty());
@@ -26,7 +26,7 @@ TEST(ConnectionTable, EndsAConnectionOnceWhoseRequestDoesNotCome) {
   EXPECT_TRUE(table.update(open, late).empty()) << "new ones, though of the same ports";
 }
 
-TEST(ConnectionTable, EndsTheOldestOfAnAddressThatHasTooMany) {
+TEST(ConnectionTable, ClosesTheOldestConnectionOfAnAddress) {
   ConnectionTable table;
   std::set<Peer> open{{"10.0.0.2", 1}};
   for (int port = 100; port > 68; --port) {
@@ -43,7 +43,7 @@ TEST(ConnectionTable, EndsTheOldestOfAnAddressThatHasTooMany) {
 
 // Three addresses with 30 or 20 connections each are below the limit per address, but reach the
 // total limit.
-TEST(ConnectionTable, EndsTheOldestOfTheAddressThatHasTheMostWhereAllAreTooMany) {
+TEST(ConnectionTable, EndsOldestOfBusiestAddressAtTotalLimit) {
   ConnectionTable table;
   std::set<Peer> open;
   const auto add = [&](const char* address, int first, int count, int at_ms) {

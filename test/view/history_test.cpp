@@ -37,7 +37,7 @@ void tell(History& history, bus::VirtualClock& clock, const std::string& topic, 
   }
 }
 
-TEST(History, ThinsWhatComesOftenAndPassesOnAllOfIt) {
+TEST(History, ThinsFrequentTopicsButForwardsAll) {
   bus::VirtualClock clock(Time{});
   Counter audience;
   History history(clock, audience, History::Audience::kHears, 1U << 20U);
@@ -64,7 +64,7 @@ TEST(History, ThinsWhatComesOftenAndPassesOnAllOfIt) {
   }
 }
 
-TEST(History, KeepsForLaterWhatNobodyHearsNow) {
+TEST(History, KeepsRecordsWithoutSubscribers) {
   bus::VirtualClock clock(Time{});
   Counter audience;
   audience.wants_all = false;
@@ -76,7 +76,7 @@ TEST(History, KeepsForLaterWhatNobodyHearsNow) {
   EXPECT_EQ(audience.asked["/robots"], 1);
 }
 
-TEST(History, IsBoundedAndForgetsTheOldest) {
+TEST(History, IsBoundedAndDropsTheOldest) {
   bus::VirtualClock clock(Time{});
   Counter audience;
   History history(clock, audience, History::Audience::kHears, 4000);

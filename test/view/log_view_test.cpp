@@ -61,7 +61,7 @@ std::map<std::string, std::string> told_to_newcomer(Broker& broker) {
   return content;
 }
 
-TEST(PlaybackClock, GoesAtItsSpeedAndStopsAtTheEnd) {
+TEST(PlaybackClock, RunsAtItsSpeedAndStopsAtTheEnd) {
   PlaybackClock clock(from_utime(0), from_utime(10'000'000));
   EXPECT_EQ(clock.state(5).status, PlaybackStatus::kPaused);
   clock.control({true, 2.0F, std::nullopt, ""}, 0);
@@ -70,7 +70,7 @@ TEST(PlaybackClock, GoesAtItsSpeedAndStopsAtTheEnd) {
   EXPECT_EQ(clock.position(9 * kSecond_ns), from_utime(10'000'000));
 }
 
-TEST(PlaybackClock, KeepsItsPlaceOverAPauseAndAChangeOfSpeed) {
+TEST(PlaybackClock, KeepsItsPositionAcrossPausesAndSpeedChanges) {
   PlaybackClock clock(from_utime(0), from_utime(100'000'000));
   clock.control({true, 1.0F, std::nullopt, ""}, 0);
   clock.control({false, 1.0F, std::nullopt, ""}, 2 * kSecond_ns);
@@ -109,7 +109,7 @@ class SampleLog : public ::testing::Test {
   std::optional<logs::SeekableLog> log_;
 };
 
-TEST_F(SampleLog, ShowsTheSameInstantHoweverItCameThere) {
+TEST_F(SampleLog, ShowsSameInstantAfterAnySeekPath) {
   const logs::SeekableLog& log = log_of_sample();
   const Time instant = log.range().first + std::chrono::seconds(40);
   const auto newest = [&](bool goes_back_first) {
@@ -141,7 +141,7 @@ TEST_F(SampleLog, ShowsTheSameInstantHoweverItCameThere) {
   EXPECT_EQ(straight, roundabout);
 }
 
-TEST_F(SampleLog, ShowsOfAnInstantWhatMakingEveryRecordBeforeItWouldHaveLeft) {
+TEST_F(SampleLog, SeekShowsStateOfFullReplay) {
   const logs::SeekableLog& log = log_of_sample();
   const logs::TypeLibrary types;
   for (const int at_s : {3, 15, 45}) {  // for the last one the preceding 20 s are enough
@@ -183,7 +183,7 @@ void go_to(Time to, Broker& broker, Client& client, LogView& view) {
   view.tick(0);
 }
 
-TEST_F(SampleLog, StepsOnWithoutBeginningAnewAndRepeatsAnInstantThatIsAskedForAgain) {
+TEST_F(SampleLog, StepsWithoutJumpAndRepeatsRequestedInstant) {
   const logs::SeekableLog& log = log_of_sample();
   const logs::TypeLibrary types;
   Broker broker({"test", "s", log.range()});
@@ -214,7 +214,7 @@ TEST_F(SampleLog, StepsOnWithoutBeginningAnewAndRepeatsAnInstantThatIsAskedForAg
 }
 
 // Poses are sent twenty times per second anywhere in the log, whatever was read for the seek.
-TEST_F(SampleLog, ARateIsOfTheCountsAndTheTimeThatAreToldTogether) {
+TEST_F(SampleLog, RateUsesCountsAndTimeOfOneText) {
   const logs::SeekableLog& log = log_of_sample();
   const logs::TypeLibrary types;
   Broker broker({"test", "s", log.range()});
@@ -246,7 +246,7 @@ TEST_F(SampleLog, ARateIsOfTheCountsAndTheTimeThatAreToldTogether) {
   broker.disconnect(client);
 }
 
-TEST_F(SampleLog, HoldsTheNumbersOfTheWholeLogInOrder) {
+TEST_F(SampleLog, ContainsTheWholeLogsNumbersInOrder) {
   const logs::SeekableLog& log = log_of_sample();
   Broker broker({"test", "s", log.range()});
   const json history = json::parse(log_history(log, {}, broker));
@@ -266,7 +266,7 @@ TEST_F(SampleLog, HoldsTheNumbersOfTheWholeLogInOrder) {
   EXPECT_NEAR(records["/vehicle/Q3"], 60, 3);
 }
 
-TEST_F(SampleLog, GivesOneNumberOfATopicOverItsWholeLength) {
+TEST_F(SampleLog, ReturnsOneNumberOfATopicOverTime) {
   const logs::SeekableLog& log = log_of_sample();
   const json battery = json::parse(log_series(log, {}, "/vehicle/Q1", "/battery_share"));
   EXPECT_GT(battery.size(), 100U);
@@ -283,7 +283,7 @@ TEST_F(SampleLog, GivesOneNumberOfATopicOverItsWholeLength) {
   EXPECT_TRUE(json::parse(log_series(log, {}, "/nobody", "/a")).empty());
 }
 
-TEST_F(SampleLog, IsFirstShownWhereEveryRobotHasAPlaceAndAPlanAndSomethingIsKnown) {
+TEST_F(SampleLog, StartsWhereRobotsPlansAndEstimatesExist) {
   const logs::SeekableLog& log = log_of_sample();
   const Time first = first_picture(log);
   EXPECT_GT(to_seconds(first - log.range().first), 0.5);
@@ -313,7 +313,7 @@ TEST_F(SampleLog, IsFirstShownWhereEveryRobotHasAPlaceAndAPlanAndSomethingIsKnow
   broker.disconnect(client);
 }
 
-TEST(LeadUp, CountsARecordAndMakesTheLastOfEachTopicAlone) {
+TEST(SeekPreroll, CountsRecordsAndSendsLastOfEachTopic) {
   using logs::foxglove::Schema;
   Broker broker({"test", "s", std::pair(from_utime(0), from_utime(9))});
   LeadUp lead_up(broker);
@@ -389,7 +389,7 @@ class UnreadLog : public ::testing::Test {
   logs::test::TemporaryFolder folder_;
 };
 
-TEST_F(UnreadLog, IsShownAgainFromAllThatIsKnownOnceItsFirstPassIsOver) {
+TEST_F(UnreadLog, IsShownCompletelyAfterItsFirstPass) {
   logs::SeekableLog log(write());
   ASSERT_FALSE(log.is_surveyed());
   Broker broker({"test", "s", log.range()});
@@ -459,7 +459,7 @@ TEST_F(UnreadLog, IsShownAgainFromAllThatIsKnownOnceItsFirstPassIsOver) {
   broker.disconnect(client);
 }
 
-TEST_F(UnreadLog, BeginsANewSessionWhenItTurnsOutLonger) {
+TEST_F(UnreadLog, StartsANewSessionWhenItGrows) {
   append_attack(kStart_us - 5'000'000, "Q3");
   append_filler(60, 61);
   logs::SeekableLog log(write());

@@ -16,7 +16,7 @@ namespace {
 using nlohmann::json;
 using test::playback_request;
 
-TEST(ServerInfoText, OffersPlaybackOfALogAlone) {
+TEST(ServerInfoText, OffersPlaybackOnlyForLogs) {
   const json live = json::parse(server_info_text({"a", "s", std::nullopt}, true));
   EXPECT_EQ(live["op"], "serverInfo");
   EXPECT_TRUE(live["capabilities"].empty());
@@ -30,7 +30,7 @@ TEST(ServerInfoText, OffersPlaybackOfALogAlone) {
 }
 
 // A channel name of LCM, from any sender on the network, may contain any bytes except NUL.
-TEST(AdvertiseText, IsUtf8WhateverTheChannelIsCalled) {
+TEST(AdvertiseText, IsUtf8ForAnyChannelName) {
   const std::vector<ChannelInfo> channels = {{3, "/K\xd6RPER", {}}};
   std::string said;
   ASSERT_NO_THROW(said = advertise_text(channels));
@@ -51,7 +51,7 @@ TEST(ParseBinary, ReadsAPlaybackRequest) {
   EXPECT_EQ(control.request_id, "ab");
 }
 
-TEST(ParseBinary, RefusesEveryTornOrImpossibleRequest) {
+TEST(ParseBinary, RefusesTruncatedAndInvalidRequests) {
   const std::string whole = playback_request(1, 1.0F, false, 0, "id");
   ASSERT_TRUE(std::holds_alternative<PlaybackControl>(parse_binary(whole)));
   for (std::size_t size = 1; size < whole.size(); ++size) {
@@ -65,7 +65,7 @@ TEST(ParseBinary, RefusesEveryTornOrImpossibleRequest) {
   EXPECT_TRUE(std::holds_alternative<Declined>(parse_binary("")));
 }
 
-TEST(ParseText, SurvivesWhatNoViewerShouldSend) {
+TEST(ParseText, SurvivesInvalidRequests) {
   for (const char* text :
        {"", "{", "[]", "{\"op\":7}", R"({"op":"subscribe","subscriptions":3})",
         R"({"op":"subscribe","subscriptions":[1]})",
@@ -88,14 +88,14 @@ TEST(OffersOurProtocol, FindsItInAList) {
   EXPECT_FALSE(offers_our_protocol(""));
 }
 
-TEST(RawMessage, TellsAForeignTypeByItsFingerprint) {
+TEST(RawMessage, ReportsFingerprintOfForeignType) {
   const std::vector<std::uint8_t> foreign{1, 2, 3, 4, 5, 6, 7, 0xab, 9, 9};
   EXPECT_EQ(raw_message(foreign, {}),
             (json{{"foreign_type", "0x01020304050607ab"}, {"bytes", 10}}));
   EXPECT_EQ(raw_message({}, {}), (json{{"foreign_type", "0x"}, {"bytes", 0}}));
 }
 
-TEST(IsOurHost, IsAnAddressThisMachineOrWhatWasNamed) {
+TEST(IsOurHost, AcceptsAddressLocalHostOrGivenName) {
   const std::vector<std::string> more{"lab-wall"};
   for (const char* ours : {"127.0.0.1:8765", "10.0.0.7", "[::1]:8765", "localhost:8765",
                            "LocalHost", "lab-wall:8765", "Lab-Wall"}) {
@@ -107,7 +107,7 @@ TEST(IsOurHost, IsAnAddressThisMachineOrWhatWasNamed) {
   }
 }
 
-TEST(IsKnownOrigin, IsOurPageFoxgloveOrOfThisMachine) {
+TEST(IsKnownOrigin, AcceptsOurPageFoxgloveAndThisMachine) {
   const std::vector<std::string> more{"https://viewer.example"};
   const std::string host = "10.0.0.7:8765";
   for (const char* known :

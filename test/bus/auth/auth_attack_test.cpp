@@ -147,7 +147,7 @@ Duration longest_wait(const std::vector<Forged>& attack, bool repeats_now) {
   return std::max(longest, end - accepted);
 }
 
-TEST(Stranger, DelaysNoOrderByMoreThanItsPeriodWhateverItReplays) {
+TEST(Stranger, DelaysOrdersByOnePeriodAtMostByReplays) {
   struct Row {
     const char* name;
     std::function<std::vector<Forged>()> attack;
@@ -170,7 +170,7 @@ TEST(Stranger, DelaysNoOrderByMoreThanItsPeriodWhateverItReplays) {
 }
 
 // A recording of the same session of the station, from before the vehicle was armed.
-TEST(Stranger, UsesUpNoBudgetByCommandsFromBeforeTheVehicleWasArmed) {
+TEST(Stranger, UsesNoBudgetByReplayedCommands) {
   const auto vehicle = process();
   const auto station = process();
   vehicle->answer_to("Q1");
@@ -195,7 +195,7 @@ TEST(Stranger, UsesUpNoBudgetByCommandsFromBeforeTheVehicleWasArmed) {
 }
 
 // The network held an emergency stop up for 5 s; its station has been verified before.
-TEST(Authenticator, AcceptsALateStopOfAStationThatItVerified) {
+TEST(Authenticator, AcceptsALateStopOfAVerifiedStation) {
   for (const bool is_known : {false, true}) {
     const auto vehicle = process();
     const auto station = process();
@@ -212,7 +212,7 @@ TEST(Authenticator, AcceptsALateStopOfAStationThatItVerified) {
   }
 }
 
-TEST(Authenticator, StatesByHowMuchRefusedStatusesAreAhead) {
+TEST(Authenticator, ReportsHowFarRefusedStatusesAreAhead) {
   const auto station = process();
   const auto vehicle = process();
   EXPECT_EQ(station->stale_ahead(kNow), std::nullopt);

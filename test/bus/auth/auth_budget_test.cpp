@@ -19,7 +19,7 @@ using std::chrono::milliseconds;
 constexpr Time kNow = Time{Duration{1'700'000'000'000'000}};
 constexpr std::uint64_t kNowCounter = 1'700'000'000'000'000;
 
-TEST(Budget, IsSpentOneByOneAndFilledUpToItsBurst) {
+TEST(Budget, IsSpentSinglyAndRefilledToItsBurst) {
   Budget budget(2.0, 3.0);
   const auto spend = [&budget](Time now) {
     int out = 0;
@@ -42,7 +42,7 @@ constexpr std::uint64_t host(std::uint64_t number, std::uint64_t port = 0) {
   return (number << 16U) | port;
 }
 
-TEST(SignatureBudgets, OfAHostAreOfAllItsPortsTogether) {
+TEST(SignatureBudgets, HostBudgetCoversAllPorts) {
   SignatureBudgets budgets({kNone, kNone}, {Budget(0.0, 3.0), Budget(0.0, 2.0)}, {kAny, kAny});
   int orders = 0;
   int stops = 0;
@@ -56,7 +56,7 @@ TEST(SignatureBudgets, OfAHostAreOfAllItsPortsTogether) {
 }
 
 // A sender with a valid signature is identified by address and session together.
-TEST(SignatureBudgets, OfWhoWasRightAreItsOwn) {
+TEST(SignatureBudgets, VerifiedSenderHasOwnBudget) {
   SignatureBudgets budgets({Budget(0.0, 2.0), Budget(0.0, 2.0)}, {kNone, kNone}, {kAny, kAny});
   const Sender known{host(1, 5), 7};
   EXPECT_FALSE(budgets.take(known, false, kNow));
@@ -106,7 +106,7 @@ TEST(SignatureBudgets, ReplacesTheHostSilentLongestAfterThreeSeconds) {
   EXPECT_FALSE(take(2, 3'003));
 }
 
-TEST(SignatureBudgets, OfStrangersAreOneForAllHosts) {
+TEST(SignatureBudgets, StrangersOfAllHostsShareOneBudget) {
   SignatureBudgets budgets({kNone, kNone}, {kAny, kAny}, {Budget(0.0, 3.0), Budget(0.0, 5.0)});
   int orders = 0;
   int stops = 0;
@@ -120,7 +120,7 @@ TEST(SignatureBudgets, OfStrangersAreOneForAllHosts) {
 
 // Compared with a complete set of received counters: the guard keeps the newest 64 and refuses
 // everything up to the newest counter that it dropped.
-TEST(ReplayGuard, AgreesWithFullBookkeeping) {
+TEST(ReplayGuard, EqualsAReferenceThatStoresAllNumbers) {
   std::mt19937_64 rng(9);
   for (int trial = 0; trial < 30; ++trial) {
     ReplayGuard guard;
@@ -150,7 +150,7 @@ TEST(ReplayGuard, AgreesWithFullBookkeeping) {
   }
 }
 
-TEST(Verify, TakesWhatIsSaidWithinTwoSecondsOfNow) {
+TEST(Verify, AcceptsMessagesWithinTwoSecondsOfNow) {
   const Key key = test::key_of(Role::kMocap, 1);
   const Key station = test::key_of(Role::kOperator, 4);
   struct Row {

@@ -119,7 +119,7 @@ class SecuredBus : public ::testing::Test {
   Process station_{hub_, clock_, 3, test::authenticator(keys_)};
 };
 
-TEST_F(SecuredBus, IsUnderstoodByWhoKnowsAKeyAndByWhoKnowsOfNone) {
+TEST_F(SecuredBus, IsReadableWithAndWithoutKeys) {
   Process viewer(hub_, clock_, 9, nullptr);
   EXPECT_FALSE(viewer.bus.hears_signed());
   lab_.bus.publish(kVicon, frame());
@@ -137,7 +137,7 @@ TEST_F(SecuredBus, IsUnderstoodByWhoKnowsAKeyAndByWhoKnowsOfNone) {
 }
 
 // The run id, the next number and the current time are readable on the network.
-TEST_F(SecuredBus, RefusesAFrameWithTheRunAndTheNumberOfTheTrueOne) {
+TEST_F(SecuredBus, RefusesAForgedFrameWithTheTrueRunAndNumber) {
   lab_.bus.publish(kVicon, frame());
   hear();
   models::MocapFrame forged = frame();
@@ -160,7 +160,7 @@ TEST_F(SecuredBus, RefusesAFrameWithTheRunAndTheNumberOfTheTrueOne) {
   EXPECT_EQ(vehicle_.count("VICON.duplicates"), 0);
 }
 
-TEST_F(SecuredBus, RefusesWhatAnotherTrialsKeysSigned) {
+TEST_F(SecuredBus, RefusesMessagesSignedWithKeysOfAnotherTrial) {
   Process other(hub_, clock_, 4, test::authenticator(test::keys_of_a_trial(7)));
   other.bus.publish(kVicon, frame());
   hear();
@@ -185,7 +185,7 @@ TEST_F(SecuredBus, RefusesASimulationAndAReplayWithTheSameKeys) {
   EXPECT_EQ(replay.frames.size(), 3U) << "a replay takes what was said, whenever that was";
 }
 
-TEST_F(SecuredBus, RefusesWhatIsSentAgainNowAndLater) {
+TEST_F(SecuredBus, RefusesReplayedMessagesAtOnceAndLater) {
   lab_.bus.publish(kVicon, frame());
   hear();
   send_again(heard_.at(0));
@@ -198,7 +198,7 @@ TEST_F(SecuredBus, RefusesWhatIsSentAgainNowAndLater) {
   EXPECT_EQ(late.count("VICON.stale"), 1);
 }
 
-TEST_F(SecuredBus, AcceptsUnsignedMessagesOnChannelsThatDecideNothing) {
+TEST_F(SecuredBus, AcceptsUnsignedMessagesOnUncriticalChannels) {
   const Channel<models::HostReport> camera{"CAMERA"};
   int received = 0;
   vehicle_.bus.subscribe<models::HostReport>(camera, [&](const auto&) { ++received; });
@@ -212,7 +212,7 @@ TEST_F(SecuredBus, AcceptsUnsignedMessagesOnChannelsThatDecideNothing) {
 
 // A forged HEALTH would keep the supervisor from ending a hung process, a forged HOST a trial from
 // starting; a forged COLLISION would decide the exit code.
-TEST_F(SecuredBus, RefusesAndCountsUnsignedMessagesThatDecideSomething) {
+TEST_F(SecuredBus, RefusesAndCountsUnsignedMessagesOnCriticalChannels) {
   const auto check = [this](const auto& channel, auto message, const int& received) {
     message.stamp = {clock_.now(), 77, 0};
     forge(channel.name, test::encoded(message));
@@ -235,7 +235,7 @@ TEST_F(SecuredBus, RefusesAndCountsUnsignedMessagesThatDecideSomething) {
 }
 
 // A console or `vantage check --live` must not accept a replayed status as that of a live vehicle.
-TEST_F(SecuredBus, JudgesTheTimeOfStatusesWithoutBeingToldTo) {
+TEST_F(SecuredBus, ChecksTheTimeOfStatusesByDefault) {
   tell_status(vehicle_.bus);
   ASSERT_EQ(station_.statuses.size(), 1U);
   const auto recorded = heard_.back();
@@ -247,7 +247,7 @@ TEST_F(SecuredBus, JudgesTheTimeOfStatusesWithoutBeingToldTo) {
   EXPECT_EQ(console.count("VEHICLE_Q1.stale"), 1);
 }
 
-TEST_F(SecuredBus, WarnsAndTakesAllTheSameWhileKeysAreHandedOut) {
+TEST_F(SecuredBus, WarnsButAcceptsInWarnMode) {
   Process warned(hub_, clock_, 6, test::authenticator(keys_, {SecurityMode::kWarn}));
   models::MocapFrame stranger = frame();
   stranger.stamp = {clock_.now(), 77, 0};
@@ -257,7 +257,7 @@ TEST_F(SecuredBus, WarnsAndTakesAllTheSameWhileKeysAreHandedOut) {
   EXPECT_EQ(warned.count("VICON.unsigned"), 1);
 }
 
-TEST_F(SecuredBus, CountsWhatItHasNoKeyToSign) {
+TEST_F(SecuredBus, CountsMessagesWithoutASigningKey) {
   auto keys = std::make_shared<auth::Keyring>();
   keys->add(test::key_of(auth::Role::kNode, 9));
   Process poor(hub_, clock_, 6, test::authenticator(keys));
@@ -265,7 +265,7 @@ TEST_F(SecuredBus, CountsWhatItHasNoKeyToSign) {
   EXPECT_EQ(poor.count("VICON.no_key"), 1);
 }
 
-TEST_F(SecuredBus, RotatesWhileItRuns) {
+TEST_F(SecuredBus, RotatesKeysWhileRunning) {
   auto both = std::make_shared<auth::Keyring>();
   both->add(test::key_of(auth::Role::kMocap, 40));
   auth::Key next = test::key_of(auth::Role::kMocap, 200);
@@ -286,7 +286,7 @@ TEST_F(SecuredBus, RotatesWhileItRuns) {
 
 // COMMAND
 
-TEST_F(SecuredBus, ACommandReachesTheVehicleWhoseNonceTheStationHeard) {
+TEST_F(SecuredBus, CommandReachesTheVehicleWhoseNonceWasReceived) {
   tell_status(vehicle_.bus);
   say(OperatorAction::kHeartbeat);
   say(OperatorAction::kTakeOff, "Q1");
@@ -295,7 +295,7 @@ TEST_F(SecuredBus, ACommandReachesTheVehicleWhoseNonceTheStationHeard) {
   EXPECT_EQ(vehicle_.count("COMMAND.wrong_destination"), 0);
 }
 
-TEST_F(SecuredBus, ACommandOfAStationThatNeverHeardTheVehicleMayOnlyStopIt) {
+TEST_F(SecuredBus, CommandWithoutTheVehiclesNonceMayOnlyStop) {
   for (const OperatorAction action :
        {OperatorAction::kHeartbeat, OperatorAction::kArm, OperatorAction::kTakeOff,
         OperatorAction::kFollow, OperatorAction::kHold, OperatorAction::kLand,
@@ -309,7 +309,7 @@ TEST_F(SecuredBus, ACommandOfAStationThatNeverHeardTheVehicleMayOnlyStopIt) {
   EXPECT_EQ(vehicle_.count("COMMAND.lost"), 0);
 }
 
-TEST_F(SecuredBus, ACommandToAnotherVehicleIsNeitherTakenNorCounted) {
+TEST_F(SecuredBus, IgnoresCommandsToAnotherVehicle) {
   tell_status(vehicle_.bus);
   say(OperatorAction::kArm, "Q2");
   say(OperatorAction::kHeartbeat);
@@ -319,7 +319,7 @@ TEST_F(SecuredBus, ACommandToAnotherVehicleIsNeitherTakenNorCounted) {
 }
 
 // After a restart of the vehicle process, or after arming, commands recorded earlier are refused.
-TEST_F(SecuredBus, CommandsOfAnEarlierSessionAreRefused) {
+TEST_F(SecuredBus, RefusesCommandsOfAnEarlierSession) {
   tell_status(vehicle_.bus);
   Process again(hub_, clock_, 7, test::authenticator(keys_));
   again.bus.answer_to("Q1");
@@ -340,7 +340,7 @@ TEST_F(SecuredBus, CommandsOfAnEarlierSessionAreRefused) {
   EXPECT_EQ(vehicle_.commands.size(), 3U);
 }
 
-TEST_F(SecuredBus, OldStatusesThatAreSentAgainDisplaceNoLiveVehiclesNonce) {
+TEST_F(SecuredBus, ReplayedStatusesDoNotReplaceTheCurrentNonce) {
   tell_status(vehicle_.bus);
   const auto old = heard_.back();
   pass(std::chrono::seconds(1));
@@ -362,7 +362,7 @@ TEST_F(SecuredBus, OldStatusesThatAreSentAgainDisplaceNoLiveVehiclesNonce) {
 
 // A process that can verify commands cannot sign them: a captured vehicle has every key except the
 // seed.
-TEST_F(SecuredBus, AProcessWithoutTheSeedSaysNoCommand) {
+TEST_F(SecuredBus, ProcessWithoutSeedCannotSignCommands) {
   auto keys = std::make_shared<auth::Keyring>();
   auth::Key key = test::key_of(auth::Role::kOperator, 160);
   key.signing.reset();
@@ -378,7 +378,7 @@ TEST_F(SecuredBus, AProcessWithoutTheSeedSaysNoCommand) {
   EXPECT_EQ(captured.count("COMMAND.no_key"), 1);
 }
 
-TEST_F(SecuredBus, AStationWhoseClockIsWrongIsHeardByItsEcho) {
+TEST_F(SecuredBus, AcceptsAStationWithAWrongClockByItsEcho) {
   VirtualClock wrong(kStart);
   Process station(hub_, wrong, 8, test::authenticator(keys_));
   tell_status(vehicle_.bus);
@@ -392,7 +392,7 @@ TEST_F(SecuredBus, AStationWhoseClockIsWrongIsHeardByItsEcho) {
   EXPECT_EQ(vehicle_.commands.size(), 1U);
 }
 
-TEST(RefusalCounts, AreReadFromTheNamesOfCounters) {
+TEST(RefusalCounts, AreParsedFromCounterNames) {
   const auto count = auth::parse_refusal("PLAN_Q1.bad_mac");
   ASSERT_TRUE(count.has_value());
   EXPECT_EQ(count->channel, "PLAN_Q1");

@@ -61,7 +61,7 @@ Message signed_by(const Key& key, const std::string& channel, const Message& pay
 
 // The expected bytes were made by Python's hashlib.blake2b, as docs/guide/security.md shows for
 // other programs.
-TEST(Sign, MakesTheBytesThatAnIndependentProgramMakes) {
+TEST(Sign, EqualsAnIndependentImplementation) {
   const Key key = test::key_of(Role::kMocap, 0);
   EXPECT_EQ(key.id, 0x5b595a32U);
   const Message payload = bytes_of("what the cameras saw");
@@ -74,7 +74,7 @@ TEST(Sign, MakesTheBytesThatAnIndependentProgramMakes) {
 }
 
 // The same with an Ed25519 signature made by OpenSSL.
-TEST(Sign, MakesTheCommandThatAnIndependentProgramMakes) {
+TEST(Sign, CommandEqualsAnIndependentImplementation) {
   const Key key = test::key_of(Role::kOperator, 0);
   const Message payload = bytes_of("land");
   Message expected = payload;
@@ -90,7 +90,7 @@ TEST(Sign, MakesTheCommandThatAnIndependentProgramMakes) {
             expected);
 }
 
-TEST(Verify, BelievesWhatWasSignedAndHandsThePayloadOn) {
+TEST(Verify, AcceptsSignedMessagesAndReturnsThePayload) {
   Receiver receiver = receiver_of({Role::kMocap, Role::kOperator});
   for (const auto& [role, channel] :
        {std::pair{Role::kMocap, "VICON"}, std::pair{Role::kOperator, "COMMAND"}}) {
@@ -104,7 +104,7 @@ TEST(Verify, BelievesWhatWasSignedAndHandsThePayloadOn) {
   }
 }
 
-TEST(Verify, RefusesEachBitThatWasFlipped) {
+TEST(Verify, RefusesEveryFlippedBit) {
   std::mt19937_64 rng(20'261'123);
   for (const Role role : {Role::kMocap, Role::kPlanner, Role::kOperator}) {
     const std::string channel =
@@ -136,7 +136,7 @@ TEST(Verify, RefusesEachBitThatWasFlipped) {
 
 // An attacker with the MAC key, for example from a captured vehicle, changes what the signature
 // covers.
-TEST(Verify, RefusesACommandWhoseMacIsRightAndWhoseSignatureIsNot) {
+TEST(Verify, RefusesACommandWithAValidMacAndAWrongSignature) {
   const Key station = test::key_of(Role::kOperator, 4);
   Key captured = test::key_of(Role::kOperator, 4);
   std::vector<std::uint8_t> other_seed(kSeedBytes, 9);
@@ -149,7 +149,7 @@ TEST(Verify, RefusesACommandWhoseMacIsRightAndWhoseSignatureIsNot) {
             Refusal::kNone);
 }
 
-TEST(Verify, NamesTheReason) {
+TEST(Verify, ReturnsTheReasonOfARefusal) {
   const Key mocap = test::key_of(Role::kMocap, 1);
   const Message payload = bytes_of("frame");
   Receiver receiver = receiver_of({Role::kMocap, Role::kPlanner, Role::kNode});
@@ -179,14 +179,14 @@ TEST(Verify, NamesTheReason) {
   EXPECT_EQ(receiver.judge("VICON", signed_by(mocap, "VICON", payload)), Refusal::kReplayed);
 }
 
-TEST(Verify, OfAForeignKeyOfTheSameIdSaysThatTheMacIsWrong) {
+TEST(Verify, ReportsABadMacForAForeignKeyOfTheSameId) {
   Key forged = test::key_of(Role::kMocap, 50);
   forged.id = test::key_of(Role::kMocap, 1).id;
   Receiver receiver = receiver_of({Role::kMocap});
   EXPECT_EQ(receiver.judge("VICON", signed_by(forged, "VICON", bytes_of("x"))), Refusal::kBadMac);
 }
 
-TEST(Verify, AcceptsBothKeysOfARotation) {
+TEST(Verify, AcceptsOldAndNewKeyDuringARotation) {
   Receiver receiver;
   for (const auto& [first, use] :
        {std::pair{1, KeyUse::kSigns}, std::pair{90, KeyUse::kNext}, std::pair{60, KeyUse::kOld}}) {
@@ -204,7 +204,7 @@ TEST(Verify, AcceptsBothKeysOfARotation) {
 
 // Counters are shuffled within less than the window and repeated at random. Each message is
 // accepted once in any order; messages far older than the newest are refused.
-TEST(ReplayGuard, TakesEachMessageOnceInAnyOrderWithinTheWindow) {
+TEST(ReplayGuard, AcceptsEachMessageOnceWithinWindow) {
   std::mt19937_64 rng(7);
   for (int trial = 0; trial < 50; ++trial) {
     ReplayGuard guard;
@@ -231,7 +231,7 @@ TEST(ReplayGuard, TakesEachMessageOnceInAnyOrderWithinTheWindow) {
   }
 }
 
-TEST(ReplayGuard, RefusesWhatWasSkippedLongAgo) {
+TEST(ReplayGuard, RefusesNumbersThatWereSkippedLongAgo) {
   ReplayGuard guard;
   for (std::uint64_t counter = 100; counter < 100 + 2 * ReplayGuard::kWindow; ++counter) {
     ASSERT_TRUE(guard.admit(1, 1, counter));
@@ -239,7 +239,7 @@ TEST(ReplayGuard, RefusesWhatWasSkippedLongAgo) {
   EXPECT_FALSE(guard.admit(1, 1, 99));
 }
 
-TEST(ReplayGuard, KeepsItsSizeAndForgetsTheSessionSilentLongest) {
+TEST(ReplayGuard, ReplacesTheLongestSilentSession) {
   ReplayGuard guard;
   ASSERT_TRUE(guard.admit(1, 0, 5));
   for (std::uint64_t session = 1; session < ReplayGuard::kSessionsMax; ++session) {
@@ -251,7 +251,7 @@ TEST(ReplayGuard, KeepsItsSizeAndForgetsTheSessionSilentLongest) {
   EXPECT_FALSE(guard.knows(1, 1));
 }
 
-TEST(Echoes, SayToWhomACommandIsAndInWhichSession) {
+TEST(Echoes, IdentifyVehicleAndSessionOfACommand) {
   const Key station = test::key_of(Role::kOperator, 4);
   const std::uint32_t q1 = destination_of("Q1");
   const std::uint32_t q2 = destination_of("Q2");
@@ -265,7 +265,7 @@ TEST(Echoes, SayToWhomACommandIsAndInWhichSession) {
 }
 
 // An attacker with the operator's MAC key floods the receiver with commands.
-TEST(SignatureBudgets, BoundWhatAFloodOfForgedCommandsCostsAndLeaveRoomForStops) {
+TEST(SignatureBudgets, LimitTheCostOfForgedCommandsAndKeepStopsPossible) {
   const Key station = test::key_of(Role::kOperator, 4);
   Key captured = test::key_of(Role::kOperator, 4);
   set_seed(captured, std::vector<std::uint8_t>(kSeedBytes, 9));
@@ -291,7 +291,7 @@ TEST(SignatureBudgets, BoundWhatAFloodOfForgedCommandsCostsAndLeaveRoomForStops)
 }
 
 // Burst and refill per 0.1 s, by kind of sender and of command.
-TEST(SignatureBudgets, AreOfSoManyAtOnceAndSoManyASecond) {
+TEST(SignatureBudgets, HaveTheStatedBurstAndRate) {
   enum class Asker { kProven, kOneHost, kManyHosts };
   struct Row {
     Asker asker;
@@ -391,7 +391,7 @@ Flooded flooded(bool is_stop, bool was_heard,
   return out;
 }
 
-TEST(SignatureBudgets, AnotherHostsFloodOfStopsAndOrdersDelaysNoWordOfAStation) {
+TEST(SignatureBudgets, FloodFromAnotherHostDelaysNoCommand) {
   for (const bool is_stop : {false, true}) {
     const Flooded out = flooded(is_stop, true, [&](Attack& attack, Receiver& receiver) {
       return attack.strike(receiver, is_stop, kAttacker, kSession);
@@ -402,7 +402,7 @@ TEST(SignatureBudgets, AnotherHostsFloodOfStopsAndOrdersDelaysNoWordOfAStation) 
 }
 
 // The attacker also forges its addresses.
-TEST(SignatureBudgets, AFloodUnderAnyAddressDelaysNoWordOfAStationThatWasHeard) {
+TEST(SignatureBudgets, FloodFromAnyAddressDelaysNoKnownStation) {
   for (const bool is_stop : {false, true}) {
     std::mt19937_64 rng(7);
     const Flooded out = flooded(is_stop, true, [&](Attack& attack, Receiver& receiver) {
@@ -415,7 +415,7 @@ TEST(SignatureBudgets, AFloodUnderAnyAddressDelaysNoWordOfAStationThatWasHeard) 
   }
 }
 
-TEST(SignatureBudgets, AStationThatWasNeverHeardIsHeardThroughAnotherHostsFlood) {
+TEST(SignatureBudgets, NewStationIsAcceptedDuringAnotherHostsFlood) {
   for (const bool is_stop : {false, true}) {
     std::mt19937_64 rng(8);
     const Flooded out = flooded(is_stop, false, [&](Attack& attack, Receiver& receiver) {
@@ -427,7 +427,7 @@ TEST(SignatureBudgets, AStationThatWasNeverHeardIsHeardThroughAnotherHostsFlood)
 }
 
 // An attacker without a key replays the operator's messages.
-TEST(SignatureBudgets, AreNotUsedUpByWhatIsSentAgain) {
+TEST(SignatureBudgets, AreNotSpentByReplays) {
   const Key station = test::key_of(Role::kOperator, 4);
   Receiver receiver = receiver_of({Role::kOperator});
   const Message beat = signed_by(station, "COMMAND", bytes_of("beat"), kNowCounter);
@@ -440,7 +440,7 @@ TEST(SignatureBudgets, AreNotUsedUpByWhatIsSentAgain) {
       Refusal::kNone);
 }
 
-TEST(Split, ReadsNothingBeyondAnythingItIsGiven) {
+TEST(Split, StaysWithinItsInput) {
   std::mt19937_64 rng(3);
   const Key key = test::key_of(Role::kOperator, 4);
   for (int i = 0; i < 20'000; ++i) {
@@ -463,7 +463,7 @@ TEST(Split, ReadsNothingBeyondAnythingItIsGiven) {
   EXPECT_FALSE(split({}).has_value());
 }
 
-TEST(Policy, EveryChannelThatDecidesAnythingMustBeSigned) {
+TEST(Policy, CriticalChannelsMustBeSigned) {
   for (const char* channel : {"VICON",
                               "COMMAND",
                               "PLAN_Q1",

@@ -48,7 +48,7 @@ class KeyFolder : public ::testing::Test {
   TemporaryFolder outer_;
 };
 
-TEST_F(KeyFolder, HasAKeyOfEachRoleThatNobodyElseMayRead) {
+TEST_F(KeyFolder, HasAPrivateKeyFilePerRole) {
   const Keyring keyring = load_keyring(folder());
   EXPECT_EQ(keyring.keys().size(), kRoles.size());
   for (const Role role : kRoles) {
@@ -66,7 +66,7 @@ TEST_F(KeyFolder, HasAKeyOfEachRoleThatNobodyElseMayRead) {
   EXPECT_EQ(files, 6) << "five keys and the operator's seed";
 }
 
-TEST_F(KeyFolder, IsNotMadeTwice) { EXPECT_THROW(make_keys(folder()), StartupError); }
+TEST_F(KeyFolder, IsNotOverwritten) { EXPECT_THROW(make_keys(folder()), StartupError); }
 
 TEST_F(KeyFolder, KeysDifferFromFolderToFolder) {
   const std::string other = outer_.file("other");
@@ -78,7 +78,7 @@ TEST_F(KeyFolder, KeysDifferFromFolderToFolder) {
   }
 }
 
-TEST_F(KeyFolder, IsRefusedWhenOthersMayReadOrChangeAKey) {
+TEST_F(KeyFolder, IsRefusedWhenOtherUsersCanAccessAKey) {
   const std::string file = file_of(Role::kVehicle);
   for (const unsigned mode : {0640U, 0604U, 0620U, 0602U}) {
     ASSERT_EQ(chmod(file.c_str(), mode), 0);
@@ -90,7 +90,7 @@ TEST_F(KeyFolder, IsRefusedWhenOthersMayReadOrChangeAKey) {
   EXPECT_NE(refusal_of(folder()).find("chmod 700"), std::string::npos);
 }
 
-TEST_F(KeyFolder, IsRefusedWhenAKeyIsAnothersOrALink) {
+TEST_F(KeyFolder, IsRefusedWhenAKeyIsALinkOrOfAnotherUser) {
   const std::string file = file_of(Role::kVehicle);
   if (geteuid() == 0) {
     ASSERT_EQ(chown(file.c_str(), 12345, getegid()), 0);
@@ -102,7 +102,7 @@ TEST_F(KeyFolder, IsRefusedWhenAKeyIsAnothersOrALink) {
   EXPECT_NE(refusal_of(folder()).find(file), std::string::npos);
 }
 
-TEST_F(KeyFolder, IsRefusedWhenAFileIsNotWhatItsNameSays) {
+TEST_F(KeyFolder, IsRefusedWhenAFileDoesNotMatchItsName) {
   const std::string mocap = file_of(Role::kMocap);
   const std::string vehicle = file_of(Role::kVehicle);
   fs::copy_file(mocap, vehicle, fs::copy_options::overwrite_existing);
@@ -111,27 +111,27 @@ TEST_F(KeyFolder, IsRefusedWhenAFileIsNotWhatItsNameSays) {
   EXPECT_NE(refusal_of(folder()).find("32 bytes"), std::string::npos);
 }
 
-TEST_F(KeyFolder, IsRefusedWhenARoleWouldSignWithTwoKeys) {
+TEST_F(KeyFolder, IsRefusedWithTwoSigningKeysOfARole) {
   store_key(folder(), make_key(Role::kMocap));
   EXPECT_NE(refusal_of(folder()).find("has two signing keys"), std::string::npos);
 }
 
 // The keys of a vehicle's host: all except the seed that signs commands.
-TEST_F(KeyFolder, WithoutTheSeedVerifiesCommandsAndSaysNone) {
+TEST_F(KeyFolder, WithoutTheSeedVerifiesButDoesNotSignCommands) {
   fs::remove(file_of(Role::kOperator, "sign"));
   const Keyring keyring = load_keyring(folder());
   EXPECT_EQ(keyring.signing(Role::kOperator), nullptr);
   EXPECT_EQ(keyring.keys().size(), kRoles.size());
 }
 
-TEST_F(KeyFolder, OfAnotherOperatorsSeedIsRefused) {
+TEST_F(KeyFolder, IsRefusedWithTheSeedOfAnotherOperator) {
   const std::string seed = file_of(Role::kOperator, "sign");
   fs::remove(seed);
   write_secret_file(seed, std::vector<std::uint8_t>(kSeedBytes, 3));
   EXPECT_NE(refusal_of(folder()).find("does not belong to"), std::string::npos);
 }
 
-TEST_F(KeyFolder, IsRotatedWithoutAMomentInWhichSomebodyIsNotUnderstood) {
+TEST_F(KeyFolder, RotationNeverInterruptsVerification) {
   const Keyring before = load_keyring(folder());
   begin_rotation(folder(), std::nullopt);
   EXPECT_THROW(begin_rotation(folder(), std::nullopt), StartupError);
@@ -156,7 +156,7 @@ TEST_F(KeyFolder, IsRotatedWithoutAMomentInWhichSomebodyIsNotUnderstood) {
   EXPECT_THROW(revoke_key(folder(), "mocap-00000000"), StartupError);
 }
 
-TEST_F(KeyFolder, RotatesOneRoleAlone) {
+TEST_F(KeyFolder, RotatesASingleRole) {
   const Keyring before = load_keyring(folder());
   begin_rotation(folder(), Role::kOperator);
   end_rotation(folder(), Role::kOperator);
@@ -165,7 +165,7 @@ TEST_F(KeyFolder, RotatesOneRoleAlone) {
   EXPECT_EQ(after.signing(Role::kMocap)->id, before.signing(Role::kMocap)->id);
 }
 
-TEST_F(KeyFolder, LeavesFilesOfOtherNamesAlone) {
+TEST_F(KeyFolder, KeepsForeignFiles) {
   for (const char* const name :
        {"mocap-0123456.key", "mocap-012345678.key", "mocap-0123456G.key", "mocap-0123ABCD.key",
         "mocap-01234567.bak", "mocap-01234567.key.bak", "camera-01234567.key", "mocap01234567.key",
@@ -175,7 +175,7 @@ TEST_F(KeyFolder, LeavesFilesOfOtherNamesAlone) {
   EXPECT_EQ(load_keyring(folder()).keys().size(), kRoles.size());
 }
 
-TEST_F(KeyFolder, IsRefusedWhenOthersMayChangeIt) {
+TEST_F(KeyFolder, IsRefusedWhenOtherUsersCanWriteToIt) {
   for (const unsigned mode : {0720U, 0702U}) {
     ASSERT_EQ(chmod(folder().c_str(), mode), 0);
     EXPECT_NE(refusal_of(folder()).find("chmod 700"), std::string::npos) << mode;
@@ -184,7 +184,7 @@ TEST_F(KeyFolder, IsRefusedWhenOthersMayChangeIt) {
   EXPECT_EQ(refusal_of(folder()), "loaded") << "to look into it is no harm";
 }
 
-TEST_F(KeyFolder, RotatesEachRoleByItself) {
+TEST_F(KeyFolder, RotatesRolesIndependently) {
   const Keyring before = load_keyring(folder());
   begin_rotation(folder(), Role::kMocap);
   EXPECT_THROW(begin_rotation(folder(), Role::kMocap), StartupError);
@@ -209,7 +209,7 @@ TEST_F(KeyFolder, RotatesEachRoleByItself) {
   EXPECT_EQ(last.signing(Role::kMocap)->id, after.signing(Role::kMocap)->id) << "not once more";
 }
 
-TEST_F(KeyFolder, RevokesByNameAndByNumberWithTheSeed) {
+TEST_F(KeyFolder, RevokesKeysByNameAndNumberWithTheSeed) {
   const auto files = [this] {
     return std::distance(fs::directory_iterator(folder()), fs::directory_iterator());
   };
@@ -224,7 +224,7 @@ TEST_F(KeyFolder, RevokesByNameAndByNumberWithTheSeed) {
   EXPECT_EQ(files(), 3);
 }
 
-TEST_F(KeyFolder, IsMadeInAFolderThatIsThereAndEmpty) {
+TEST_F(KeyFolder, IsCreatedInAnExistingEmptyFolder) {
   const std::string empty = outer_.file("empty");
   ASSERT_EQ(mkdir(empty.c_str(), 0700), 0);
   EXPECT_NO_THROW(make_keys(empty));
@@ -232,7 +232,7 @@ TEST_F(KeyFolder, IsMadeInAFolderThatIsThereAndEmpty) {
   EXPECT_THROW(make_keys(outer_.file("no/where")), StartupError);
 }
 
-TEST_F(KeyFolder, GivesNothingOfASecretThatItRefuses) {
+TEST_F(KeyFolder, DoesNotPrintARefusedSecret) {
   const std::string file = outer_.file("secret");
   const std::vector<std::uint8_t> secret(16, 7);
   write_secret_file(file, secret);
@@ -260,7 +260,7 @@ TEST(Secret, BeginsWithZeros) {
   }
 }
 
-TEST(Keyring, HasOneKeyOfAnIdAndOneToSignWithOfARole) {
+TEST(Keyring, HasOneKeyPerIdAndOneSigningKeyPerRole) {
   Keyring keyring;
   keyring.add(test::key_of(Role::kMocap, 1));
   EXPECT_THROW(keyring.add(test::key_of(Role::kMocap, 1)), UsageError);
@@ -280,7 +280,7 @@ TEST(Keyring, HasOneKeyOfAnIdAndOneToSignWithOfARole) {
   EXPECT_EQ(keyring.find(1), nullptr);
 }
 
-TEST_F(KeyFolder, IsMissedWhereAKeyIsOnlyTheNextOne) {
+TEST_F(KeyFolder, IsMissingWhenOnlyTheNextKeyExists) {
   const Keyring before = load_keyring(folder());
   begin_rotation(folder(), Role::kMocap);
   revoke_key(folder(), key_name(*before.signing(Role::kMocap)));
@@ -296,7 +296,7 @@ TEST_F(KeyFolder, IsMissedWhereAKeyIsOnlyTheNextOne) {
   EXPECT_EQ(security_faults(scenario).size(), 3U);
 }
 
-TEST(LoadKeyring, SaysHowToMakeAFolderThatIsMissing) {
+TEST(LoadKeyring, ReportsHowToCreateAMissingFolder) {
   EXPECT_NE(refusal_of("/nowhere/keys").find("vantage keys new"), std::string::npos);
 }
 
@@ -308,7 +308,7 @@ scenario::Scenario scenario_of(scenario::SecurityMode mode, const std::string& k
   return scenario;
 }
 
-TEST_F(KeyFolder, IsForcedWhereADeviceIsReal) {
+TEST_F(KeyFolder, IsRequiredForRealDevices) {
   using scenario::DeviceSource;
   using scenario::SecurityMode;
   for (const SecurityMode mode : {SecurityMode::kOff, SecurityMode::kWarn}) {
@@ -328,7 +328,7 @@ TEST_F(KeyFolder, IsForcedWhereADeviceIsReal) {
 // A command echoes the nonces of at most 64 vehicles. Further vehicles could not be armed and would
 // receive no heartbeat. The status of every robot requests a nonce; without a driver, nothing
 // verifies it.
-TEST_F(KeyFolder, IsForNoMoreVehiclesThanACommandCanBeSaidTo) {
+TEST_F(KeyFolder, LimitsTheNumberOfVehiclesPerCommand) {
   using scenario::DeviceSource;
   using scenario::SecurityMode;
   const auto faults_of = [&](SecurityMode mode, std::size_t robots, DeviceSource of_one) {
@@ -350,7 +350,7 @@ TEST_F(KeyFolder, IsForNoMoreVehiclesThanACommandCanBeSaidTo) {
   EXPECT_TRUE(faults_of(SecurityMode::kOff, 65, DeviceSource::kWire).empty());
 }
 
-TEST_F(KeyFolder, IsMissedByName) {
+TEST_F(KeyFolder, IsReportedByNameWhenMissing) {
   using scenario::DeviceSource;
   using scenario::SecurityMode;
   const auto scenario = scenario_of(SecurityMode::kRequire, folder(), DeviceSource::kWire);

@@ -29,7 +29,7 @@ Message message_of(const Message& payload, const Foot& foot, const std::vector<E
   return out;
 }
 
-TEST(Trailer, ComesApartAsItWasPutTogether) {
+TEST(Trailer, ParsesToTheWrittenFields) {
   std::mt19937_64 rng(31);
   for (int i = 0; i < 2'000; ++i) {
     const Foot foot{static_cast<std::uint32_t>(rng()), rng(), rng(), kRoles[rng() % kRoles.size()],
@@ -63,7 +63,7 @@ TEST(Trailer, ComesApartAsItWasPutTogether) {
   }
 }
 
-TEST(Trailer, IsNoneOfARoleAModeOrACountThatThereIsNot) {
+TEST(Trailer, RefusesUnknownRolesModesAndCounts) {
   const Message good =
       message_of(Message(5'000, 0), {1, 2, 3, Role::kNode, TrialMode::kLive}, {}, 0);
   const auto with = [&good](std::size_t from_end, int value) {
@@ -83,7 +83,7 @@ TEST(Trailer, IsNoneOfARoleAModeOrACountThatThereIsNot) {
   }
 }
 
-TEST(Trailer, EchoesWhatIsSaidToTheFirstOfANameAlone) {
+TEST(Trailer, ContainsTheFirstEchoOfADuplicateName) {
   const Message message = message_of({}, {1, 2, 3, Role::kOperator, TrialMode::kLive},
                                      {{0x01020304, 5}, {0x01020305, 6}, {0x01020304, 7}}, 1);
   const SignedParts parts = split(message).value();
@@ -92,7 +92,7 @@ TEST(Trailer, EchoesWhatIsSaidToTheFirstOfANameAlone) {
   EXPECT_EQ(parts.echo_for(0x04030201), std::nullopt);
 }
 
-TEST(Policy, EachChannelIsSaidByItsRole) {
+TEST(Policy, GivesEachChannelItsRole) {
   const std::vector<std::pair<Role, std::vector<const char*>>> rows{
       {Role::kMocap, {"VICON"}},
       {Role::kOperator, {"COMMAND"}},
@@ -113,7 +113,7 @@ TEST(Policy, EachChannelIsSaidByItsRole) {
   }
 }
 
-TEST(Roles, AreCalledAsTheirKeysAre) {
+TEST(Roles, HaveTheNamesOfTheirKeys) {
   const std::vector<std::string> names{"mocap", "planner", "vehicle", "operator", "node"};
   for (std::size_t i = 0; i < kRoles.size(); ++i) {
     EXPECT_EQ(name_of(kRoles[i]), names[i]);
@@ -121,7 +121,7 @@ TEST(Roles, AreCalledAsTheirKeysAre) {
   }
 }
 
-TEST(RefusalCounts, AreReadOfEveryReasonThatThereIs) {
+TEST(RefusalCounts, CoverEveryReason) {
   for (std::size_t i = 0; i < kRefusals; ++i) {
     const std::string reason = name_of(static_cast<Refusal>(i));
     EXPECT_NE(reason, "unknown") << i;

@@ -36,7 +36,7 @@ void hear(Authenticator& station, const std::string& robot, const Message& statu
   EXPECT_TRUE(station.judge("VEHICLE_" + robot, status, now).may_pass);
 }
 
-TEST(Authenticator, EchoesOneVehicleOrAllThatItHeard) {
+TEST(Authenticator, EchoesOneVehicleOrAllReceivedOnes) {
   const auto station = process();
   std::map<std::string, std::uint64_t> sessions;
   for (const char* const robot : {"Q1", "Q2", "Q3"}) {
@@ -68,7 +68,7 @@ TEST(Authenticator, EchoesSixtyFourVehiclesAtMost) {
 }
 
 // For example vehicles of an earlier trial with the same keys.
-TEST(Authenticator, EchoesNewVehiclesInThePlaceOfThoseThatAreHeardNoMore) {
+TEST(Authenticator, EchoesNewVehiclesInsteadOfSilentOnes) {
   const auto station = process();
   const auto hear_at = [&](int i, Time now) {
     const std::string robot = "Q" + std::to_string(i);
@@ -94,7 +94,7 @@ TEST(Authenticator, EchoesNewVehiclesInThePlaceOfThoseThatAreHeardNoMore) {
   }
 }
 
-TEST(Authenticator, CountsOnByItsClockAndNeverBack) {
+TEST(Authenticator, NumbersIncreaseWithTheClockAndNeverDecrease) {
   const auto node = process();
   std::uint64_t last = 0;
   for (const int at_ms : {0, 0, 5, -100, -100, 6}) {
@@ -121,7 +121,7 @@ class Nonces : public ::testing::Test {
   std::unique_ptr<Authenticator> station_ = process();
 };
 
-TEST_F(Nonces, OfTheSessionBeforeAreTakenForASecond) {
+TEST_F(Nonces, OfThePreviousSessionAreAcceptedForOneSecond) {
   EXPECT_EQ(command(kNow), Refusal::kWrongDestination);
   hear(*station_, "Q1", status(kNow), kNow);
   EXPECT_EQ(command(kNow), Refusal::kNone);
@@ -132,7 +132,7 @@ TEST_F(Nonces, OfTheSessionBeforeAreTakenForASecond) {
   EXPECT_EQ(command(kNow + seconds(3)), Refusal::kWrongSession) << "that is two sessions ago";
 }
 
-TEST_F(Nonces, AreThoseOfTheNewestStatusOrOfOneThatAloneIsHeard) {
+TEST_F(Nonces, AreTakenFromTheNewestOrTheOnlyStatus) {
   const Message old = status(kNow);
   const std::uint64_t old_session = vehicle_->session();
   vehicle_->renew_session(kNow);
@@ -161,7 +161,7 @@ TEST_F(Nonces, AreThoseOfTheNewestStatusOrOfOneThatAloneIsHeard) {
   }
 }
 
-TEST(Authenticator, CountsRefusalsOf1024ChannelsByTheirNames) {
+TEST(Authenticator, CountsRefusalsOf1024ChannelsByName) {
   const auto node = process();
   const Message unsigned_message{1, 2, 3};
   const auto refuse = [&](int i) {

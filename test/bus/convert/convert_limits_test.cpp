@@ -24,17 +24,17 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 template <class Message>
-class EveryLimit : public ::testing::Test {};
+class MessageLimits : public ::testing::Test {};
 TYPED_TEST_SUITE(EveryLimit, test::MessageTypes);
 
-TYPED_TEST(EveryLimit, OfAStampIsTheYear2286AndTheFirstNumber) {
+TYPED_TEST(MessageLimits, StampEndsInYear2286AndSequenceStartsAtZero) {
   test::Sampler sampler(41);
   const Changed<TypeParam> message(test::sample<TypeParam>(sampler));
   message.utime("time", VANTAGE_FIELD(utime));
   message.whole("sequence", 0, VANTAGE_FIELD(sequence));
 }
 
-TEST(Limits, OfAMocapFrame) {
+TEST(Limits, HoldForMocapFrames) {
   models::MocapFrame frame;
   frame.bodies = {{"first", {}, false}, {"last", {{1.0, 2.0, 3.0}, Quaternion::Identity()}, false}};
   const Changed<models::MocapFrame> message(frame);
@@ -58,7 +58,7 @@ TEST(Limits, OfAMocapFrame) {
 }
 
 // A quaternion within 10⁻¹² of unit norm keeps its bits; otherwise it is normalised.
-TEST(Limits, OfWhatIsUnitUpToRounding) {
+TEST(Limits, AllowRoundingOfUnitVectors) {
   const double position_m[3] = {1.0, 2.0, 3.0};
   for (const double off : {-1.4e-12, -0.7e-12, 0.7e-12, 1.4e-12}) {
     const double wxyz[4] = {1.0 + off, 0.0, 0.0, 0.0};
@@ -68,7 +68,7 @@ TEST(Limits, OfWhatIsUnitUpToRounding) {
   }
 }
 
-TEST(Limits, OfATruthFrame) {
+TEST(Limits, HoldForTruthFrames) {
   models::TruthFrame truth;
   truth.bodies.resize(2);
   const Changed<models::TruthFrame> message(truth);
@@ -82,7 +82,7 @@ TEST(Limits, OfATruthFrame) {
   }
 }
 
-TEST(Limits, OfDetections) {
+TEST(Limits, HoldForDetections) {
   models::DetectionSet set;
   set.inputs = {{"A", 1, 2}, {"B", 3, 4}};
   set.detections.resize(2);
@@ -113,7 +113,7 @@ TEST(Limits, OfDetections) {
   message.refused("a column more", [](auto& w) { w.detections[1].covariance_z[0].push_back(0.0); });
 }
 
-TEST(Limits, OfMatrices) {
+TEST(Limits, HoldForMatrices) {
   for (int dim = -1; dim <= 6; ++dim) {
     const auto side = static_cast<std::size_t>(std::max(dim, 0));
     parts::Rows rows(side, std::vector<double>(side, 0.0));
@@ -153,7 +153,7 @@ models::RobotBelief belief_of_two() {
   return belief;
 }
 
-TEST(Limits, OfABelief) {
+TEST(Limits, HoldForBeliefs) {
   const Changed<models::RobotBelief> message(belief_of_two());
   message.text("robot", VANTAGE_FIELD(robot));
   message.whole("step", 0, VANTAGE_FIELD(step));
@@ -208,7 +208,7 @@ TEST(Limits, OfABelief) {
   message.refused("fewer rows than none", with_grid(0, -1));
 }
 
-TEST(Limits, OfAMixture) {
+TEST(Limits, HoldForMixtures) {
   models::BeliefMixture mixture;
   mixture.targets.resize(2);
   for (std::size_t i = 0; i < 2; ++i) {
@@ -240,7 +240,7 @@ TEST(Limits, OfAMixture) {
   message.refused("existence below none", [](auto& w) { w.targets[1].existence = -0.5; });
 }
 
-TEST(Limits, OfAScan) {
+TEST(Limits, HoldForScans) {
   models::RangeScan scan;
   scan.field_of_view_rad = 1.0;
   scan.range_max_m = 5.0;
@@ -261,7 +261,7 @@ TEST(Limits, OfAScan) {
   }
 }
 
-TEST(Limits, OfAMap) {
+TEST(Limits, HoldForMaps) {
   models::RobotMap map;
   map.grid = {{1.0, 2.0}, 0.5, 2, 3};
   map.own_looks = {1, 2, 3, 4, 5, 6};
@@ -279,7 +279,7 @@ TEST(Limits, OfAMap) {
 }
 
 // Autopilot texts have any length. A text that is too long does not invalidate the other fields.
-TEST(Limits, ReasonsThatAreTooLongAreCutAndNotRefused) {
+TEST(Limits, ShortenLongReasons) {
   const auto told = [](const std::string& reason) {
     models::VehicleStatus status;
     status.reasons = {reason, "and this"};

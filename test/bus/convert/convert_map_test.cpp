@@ -29,7 +29,7 @@ void expect_refused(const Wire& good, const Spoil<Wire> (&spoils)[N]) {
   }
 }
 
-TEST(FromWireScan, RefusesWhatCannotBeTrue) {
+TEST(FromWireScan, RefusesInvalidValues) {
   test::Sampler sampler(5201);
   auto scan = test::sample<models::RangeScan>(sampler);
   scan.jammed = false;
@@ -51,7 +51,7 @@ TEST(FromWireScan, RefusesWhatCannotBeTrue) {
   EXPECT_TRUE(from_wire(to_wire(scan)).has_value()) << "it has no beams then";
 }
 
-TEST(FromWireMap, RefusesWhatCannotBeTrue) {
+TEST(FromWireMap, RefusesInvalidValues) {
   test::Sampler sampler(5202);
   const Spoil<wire::map_t> spoils[] = {
       {"a cell too few", [](wire::map_t& w) { w.own_looks.pop_back(); }},
@@ -66,7 +66,7 @@ TEST(FromWireMap, RefusesWhatCannotBeTrue) {
   expect_refused(to_wire(test::sample<models::RobotMap>(sampler)), spoils);
 }
 
-TEST(ToWireMap, OfTheLargestMapThatAScenarioMayHaveFitsASocketsBuffer) {
+TEST(ToWireMap, LargestMapFitsTheSocketBuffer) {
   models::RobotMap map;
   map.grid = {{0.0, 0.0}, 0.2, 250, 200};
   map.own_looks.assign(50'000, -3);

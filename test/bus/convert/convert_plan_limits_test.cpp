@@ -92,19 +92,19 @@ void expect_limits_of_a_plan(const Changed<Message>& message, const Of& of) {
   }
 }
 
-TEST(Limits, OfAPlan) {
+TEST(Limits, HoldForPlans) {
   const auto itself = [](auto& w) -> auto& { return w; };
   expect_limits_of_a_plan(Changed<models::RobotPlan>(plan()), itself);
 }
 
-TEST(Limits, OfAProposal) {
+TEST(Limits, HoldForProposals) {
   const Changed<models::PlanProposal> message({{}, 1.0, plan()});
   message.amount("value", VANTAGE_FIELD(value_nat));
   message.utime("time of the plan", VANTAGE_FIELD(plan.utime));
   expect_limits_of_a_plan(message, VANTAGE_FIELD(plan));
 }
 
-TEST(Limits, OfATeamProposal) {
+TEST(Limits, HoldForTeamProposals) {
   models::TeamProposal proposal;
   proposal.choices = {{"Q1", drive(), 1.0, 2.0}, {"Q2", drive(), 3.0, 4.0}};
   proposal.history = {-5, 6};
@@ -123,7 +123,7 @@ TEST(Limits, OfATeamProposal) {
   expect_limits_of_a_trajectory(message, VANTAGE_FIELD(choices[1]));
 }
 
-TEST(Limits, OfAVehicle) {
+TEST(Limits, HoldForVehicleStatuses) {
   models::VehicleStatus status;
   status.reasons = {"first", "last"};
   const Changed<models::VehicleStatus> message(status);
@@ -139,7 +139,7 @@ TEST(Limits, OfAVehicle) {
   message.text("reason", VANTAGE_FIELD(reasons[1]));
 }
 
-TEST(Limits, OfWhatIsAskedAndTold) {
+TEST(Limits, HoldForCommandsAndNotices) {
   const Changed<models::OperatorCommand> command(models::OperatorCommand{});
   command.text("robot", VANTAGE_FIELD(robot));
   command.whole("action", 0, VANTAGE_FIELD(action), 6);
@@ -159,7 +159,7 @@ TEST(Limits, OfWhatIsAskedAndTold) {
   scenario.refused("not UTF-8", [](auto& w) { w.yaml = "\xFF"; });
 }
 
-TEST(Limits, OfHealth) {
+TEST(Limits, HoldForHealth) {
   models::ProcessHealth health;
   health.counters = {{"first", 1}, {"last", -2}};
   const Changed<models::ProcessHealth> message(health);
@@ -172,7 +172,7 @@ TEST(Limits, OfHealth) {
   message.whole("missed", 0, VANTAGE_FIELD(deadlines_missed));
 }
 
-TEST(Limits, OfAHost) {
+TEST(Limits, HoldForHostReports) {
   models::HostReport report;
   report.processes.resize(2);
   const Changed<models::HostReport> message(report);

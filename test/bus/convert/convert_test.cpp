@@ -13,7 +13,7 @@ namespace {
 namespace wire = vantage_lcm;
 
 // Small norm errors in either direction are normalised; a unit quaternion keeps its bits.
-TEST(Pose3From, MakesUnitWhatIsNearlyUnit) {
+TEST(Pose3From, NormalisesANearlyUnitQuaternion) {
   const double position_m[3] = {1.0, -2.0, 3.0};
   for (const double norm : {1.0 - 5e-4, 1.0 - 1e-6, 1.0, 1.0 + 1e-6, 1.0 + 5e-4}) {
     const double wxyz[4] = {0.6 * norm, 0.0, 0.0, 0.8 * norm};
@@ -85,7 +85,7 @@ void expect_accepted(const Wire& good, void (*change)(Wire&), const char* what) 
   EXPECT_TRUE(from_wire(changed).has_value()) << what;
 }
 
-TEST(FromWireViconFrame, RefusesWhatCannotBeTrue) {
+TEST(FromWireMocapFrame, RefusesInvalidValues) {
   auto good = rich_wire<models::MocapFrame>([](const auto& m) { return m.bodies.size() >= 2; });
   for (auto& body : good.bodies) {
     body.occluded = 0;
@@ -135,7 +135,7 @@ TEST(FromWireViconFrame, RefusesWhatCannotBeTrue) {
       "too many bodies");
 }
 
-TEST(FromWireViconFrame, NormalisesAQuaternionThatIsNearlyUnit) {
+TEST(FromWireMocapFrame, NormalisesANearlyUnitQuaternion) {
   auto wire = rich_wire<models::MocapFrame>([](const auto& m) { return !m.bodies.empty(); });
   for (double& q : wire.bodies[0].quaternion_wxyz) {
     q *= 1.0009;
@@ -145,7 +145,7 @@ TEST(FromWireViconFrame, NormalisesAQuaternionThatIsNearlyUnit) {
   EXPECT_NEAR(frame->bodies[0].world_from_body.rotation.norm(), 1.0, 1e-15);
 }
 
-TEST(FromWireViconFrame, LetsNoMeaninglessPoseOfAnOccludedBodyThrough) {
+TEST(FromWireMocapFrame, DropsPosesOfOccludedBodies) {
   auto wire = rich_wire<models::MocapFrame>([](const auto& m) { return !m.bodies.empty(); });
   wire.bodies[0].occluded = 1;
   wire.bodies[0].position_world_m[0] = kNan;
@@ -155,7 +155,7 @@ TEST(FromWireViconFrame, LetsNoMeaninglessPoseOfAnOccludedBodyThrough) {
   EXPECT_TRUE(frame->bodies[0].world_from_body.translation_m.allFinite());
 }
 
-TEST(FromWireMeasurement, RefusesWhatCannotBeTrue) {
+TEST(FromWireMeasurement, RefusesInvalidValues) {
   const auto good = rich_wire<models::DetectionSet>([](const auto& m) {
     return !m.inputs.empty() && m.detections.size() >= 2 &&
            m.detections[0].measurement.z.size() == 3;
@@ -188,7 +188,7 @@ TEST(FromWireMeasurement, RefusesWhatCannotBeTrue) {
   refused([](wire::measurement_t& w) { w.num_detections = 1; }, "detections beyond the count");
 }
 
-TEST(FromWireBelief, RefusesWhatCannotBeTrue) {
+TEST(FromWireBelief, RefusesInvalidValues) {
   const auto good =
       rich_wire<models::RobotBelief>([](const auto& m) { return m.targets.size() >= 3; });
   const auto refused = [&](void (*spoil)(wire::belief_t&), const char* what) {
@@ -266,7 +266,7 @@ TEST(FromWireBelief, RefusesWhatCannotBeTrue) {
       "a product that overflows");
 }
 
-TEST(FromWireBelief, BearsAsymmetryOfRounding) {
+TEST(FromWireBelief, AcceptsAsymmetryOfRounding) {
   const auto good =
       rich_wire<models::RobotBelief>([](const auto& m) { return !m.targets.empty(); });
   expect_accepted<wire::belief_t>(
@@ -274,7 +274,7 @@ TEST(FromWireBelief, BearsAsymmetryOfRounding) {
       "rounding");
 }
 
-TEST(FromWireMixture, RefusesWhatCannotBeTrue) {
+TEST(FromWireMixture, RefusesInvalidValues) {
   const auto good = rich_wire<models::BeliefMixture>(
       [](const auto& m) { return m.targets.size() >= 2 && m.targets[0].components.size() >= 2; });
   const auto refused = [&](void (*spoil)(wire::mixture_t&), const char* what) {
@@ -327,7 +327,7 @@ TEST(FromWireMixture, RefusesWhatCannotBeTrue) {
   refused([](wire::mixture_t& w) { w.robot = std::string(257, 'Q'); }, "a long name");
 }
 
-TEST(FromWirePlan, RefusesWhatCannotBeTrue) {
+TEST(FromWirePlan, RefusesInvalidValues) {
   const auto good =
       rich_wire<models::RobotPlan>([](const auto& m) { return m.trajectory.segments.size() >= 3; });
   const auto refused = [&](void (*spoil)(wire::plan_t&), const char* what) {
@@ -372,7 +372,7 @@ TEST(FromWirePlan, RefusesWhatCannotBeTrue) {
       "too many segments");
 }
 
-TEST(FromWireQuadrotor, RefusesWhatCannotBeTrue) {
+TEST(FromWireVehicle, RefusesInvalidValues) {
   const auto good =
       rich_wire<models::VehicleStatus>([](const auto& m) { return !m.reasons.empty(); });
   const auto refused = [&](void (*spoil)(wire::quadrotor_t&), const char* what) {
@@ -388,7 +388,7 @@ TEST(FromWireQuadrotor, RefusesWhatCannotBeTrue) {
   refused([](wire::quadrotor_t& w) { w.num_reasons = 0; }, "reasons beyond the count");
 }
 
-TEST(FromWireCommand, RefusesWhatCannotBeTrue) {
+TEST(FromWireCommand, RefusesInvalidValues) {
   const auto good = rich_wire<models::OperatorCommand>([](const auto&) { return true; });
   expect_refused<wire::command_t>(
       good, [](wire::command_t& w) { w.action = 7; }, "unknown action");
@@ -398,7 +398,7 @@ TEST(FromWireCommand, RefusesWhatCannotBeTrue) {
       good, [](wire::command_t& w) { w.robot.assign(257, 'Q'); }, "long name");
 }
 
-TEST(FromWireTruth, RefusesWhatCannotBeTrue) {
+TEST(FromWireTruth, RefusesInvalidValues) {
   const auto good = rich_wire<models::TruthFrame>([](const auto& m) { return !m.bodies.empty(); });
   expect_refused<wire::truth_t>(
       good, [](wire::truth_t& w) { w.bodies[0].target_id = -2; }, "id -2");
@@ -412,7 +412,7 @@ TEST(FromWireTruth, RefusesWhatCannotBeTrue) {
       good, [](wire::truth_t& w) { w.bodies[0].name = "\xFF"; }, "not UTF-8");
 }
 
-TEST(FromWireCollision, RefusesWhatCannotBeTrue) {
+TEST(FromWireCollision, RefusesInvalidValues) {
   const auto good = rich_wire<models::ContactReport>([](const auto&) { return true; });
   expect_refused<wire::collision_t>(
       good, [](wire::collision_t& w) { w.kind = 2; }, "unknown kind");
@@ -422,7 +422,7 @@ TEST(FromWireCollision, RefusesWhatCannotBeTrue) {
       good, [](wire::collision_t& w) { w.body_b.assign(257, 'b'); }, "long name");
 }
 
-TEST(FromWireAttack, RefusesWhatCannotBeTrue) {
+TEST(FromWireAttack, RefusesInvalidValues) {
   const auto good =
       rich_wire<models::AttackNotice>([](const auto& m) { return !m.jammed.empty(); });
   expect_refused<wire::attack_t>(
@@ -431,7 +431,7 @@ TEST(FromWireAttack, RefusesWhatCannotBeTrue) {
       good, [](wire::attack_t& w) { w.jammed[0].assign(257, 'Q'); }, "long name");
 }
 
-TEST(FromWireHealth, RefusesWhatCannotBeTrue) {
+TEST(FromWireHealth, RefusesInvalidValues) {
   const auto good =
       rich_wire<models::ProcessHealth>([](const auto& m) { return !m.counters.empty(); });
   expect_refused<wire::health_t>(
@@ -450,7 +450,7 @@ TEST(FromWireHealth, RefusesWhatCannotBeTrue) {
       good, [](wire::health_t& w) { w.num_counters = 0; }, "counters beyond the count");
 }
 
-TEST(FromWireHost, RefusesWhatCannotBeTrue) {
+TEST(FromWireHost, RefusesInvalidValues) {
   const auto good =
       rich_wire<models::HostReport>([](const auto& m) { return !m.processes.empty(); });
   expect_refused<wire::host_t>(
@@ -471,7 +471,7 @@ TEST(FromWireHost, RefusesWhatCannotBeTrue) {
       good, [](wire::host_t& w) { w.num_processes = 0; }, "processes beyond the count");
 }
 
-TEST(FromWireScenario, AllowsALongFileButNotAnEndlessOne) {
+TEST(FromWireScenario, LimitsTheFileSize) {
   const auto good = rich_wire<models::ScenarioNotice>([](const auto&) { return true; });
   expect_accepted<wire::scenario_t>(
       good, [](wire::scenario_t& w) { w.yaml.assign(std::size_t{1} << 20U, 'y'); }, "1 MiB");
@@ -483,7 +483,7 @@ TEST(FromWireScenario, AllowsALongFileButNotAnEndlessOne) {
       good, [](wire::scenario_t& w) { w.process.assign(257, 'p'); }, "long process name");
 }
 
-TEST(ToWireMeasurement, IsRefusedByTheReceiverWhenACovarianceHasTheWrongShape) {
+TEST(ToWireMeasurement, ReceiverRefusesAWrongCovarianceShape) {
   models::DetectionSet set;
   set.detections.resize(1);
   set.detections[0].measurement.z = Eigen::Vector2d(1.0, 2.0);

@@ -118,7 +118,7 @@ bool is_attack_well_formed(std::uint32_t num_jammed, const Bytes& rest) {
   return is_well_formed(*find_wire_schema("attack_t"), body);
 }
 
-TEST(IsWellFormed, RefusesTheLengthsThatCrashTheGeneratedDecoder) {
+TEST(IsWellFormed, RefusesLengthsThatCrashTheGeneratedDecoder) {
   const Bytes one_name{0, 0, 0, 2, 'Q', 0};
   EXPECT_TRUE(is_attack_well_formed(0, {}));
   EXPECT_TRUE(is_attack_well_formed(1, one_name));
@@ -150,7 +150,7 @@ bool fits(const std::vector<WireField>& fields, const Bytes& body) {
 }
 
 // Counts of each width that an integer may have, of either sign; which one is meant is stated.
-TEST(IsWellFormed, CountsByIntegersOfEachWidth) {
+TEST(IsWellFormed, AcceptsCountsOfEachIntegerWidth) {
   for (const std::int32_t width : {1, 2, 4, 8}) {
     const std::vector<WireField> fields{whole_number(1), whole_number(width),
                                         elements_of(3, {0, 1})};
@@ -167,7 +167,7 @@ TEST(IsWellFormed, CountsByIntegersOfEachWidth) {
   }
 }
 
-TEST(IsWellFormed, TakesDimensionsTimesOneAnother) {
+TEST(IsWellFormed, MultipliesDimensions) {
   const std::vector<WireField> fields{whole_number(1), whole_number(1),
                                       elements_of(2, {0, 0}, {0, 1})};
   for (std::uint8_t rows = 0; rows < 5; ++rows) {
@@ -187,7 +187,7 @@ TEST(IsWellFormed, TakesDimensionsTimesOneAnother) {
 }
 
 // 2¹⁶ four times is 2⁶⁴, which is 0 in 64 bits; so is 2³³ times 2³¹.
-TEST(IsWellFormed, LetsNoProductOverflow) {
+TEST(IsWellFormed, RefusesOverflowingProducts) {
   WireField huge = elements_of(1, {65'536, -1}, {65'536, -1});
   huge.dims[2] = huge.dims[3] = {65'536, -1};
   EXPECT_FALSE(fits({huge}, {}));
@@ -197,7 +197,7 @@ TEST(IsWellFormed, LetsNoProductOverflow) {
 
 // Without the limit, a message could request any number of empty rows; the number of its bytes is
 // the maximum.
-TEST(IsWellFormed, BelievesNoMoreRowsOfNothingThanThereAreBytes) {
+TEST(IsWellFormed, RefusesMoreEmptyRowsThanBytes) {
   const std::vector<WireField> fields{whole_number(2), whole_number(1),
                                       elements_of(8, {0, 0}, {0, 1}), elements_of(1, {5, -1})};
   for (std::uint8_t rows = 0; rows < 10; ++rows) {
@@ -205,7 +205,7 @@ TEST(IsWellFormed, BelievesNoMoreRowsOfNothingThanThereAreBytes) {
   }
 }
 
-TEST(IsWellFormed, GoesEightStructsDeepAndNoDeeper) {
+TEST(IsWellFormed, LimitsNestingToEightStructs) {
   for (const std::size_t depth : {1U, 8U, 9U}) {
     std::vector<std::vector<WireField>> fields(depth + 1);
     std::vector<WireSchema> schemas(depth + 1);
@@ -219,12 +219,12 @@ TEST(IsWellFormed, GoesEightStructsDeepAndNoDeeper) {
   }
 }
 
-TEST(IsWellFormed, TakesAsManyFieldsAsATypeMayHave) {
+TEST(IsWellFormed, AcceptsTheMaximumNumberOfFields) {
   EXPECT_TRUE(fits(std::vector<WireField>(256, whole_number(1)), Bytes(256, 0)));
   EXPECT_FALSE(fits(std::vector<WireField>(257, whole_number(1)), Bytes(257, 0)));
 }
 
-TEST(SignedValue, HasTheSignOfItsWidth) {
+TEST(SignedValue, ExtendsTheSign) {
   constexpr std::uint64_t kBits = 0x8182'8384'8586'8788;
   EXPECT_EQ(signed_value(WireNumber::kInt8, kBits), std::int64_t{0x88} - (1 << 8));
   EXPECT_EQ(signed_value(WireNumber::kInt16, kBits), std::int64_t{0x8788} - (1 << 16));
@@ -236,7 +236,7 @@ TEST(SignedValue, HasTheSignOfItsWidth) {
   EXPECT_EQ(signed_value(WireNumber::kInt16, 0x7FFF), 32'767);
 }
 
-TEST(FindWireSchema, KnowsTheTypesOfTheHouseAndNoOthers) {
+TEST(FindWireSchema, FindsOnlyTypesOfVantage) {
   EXPECT_NE(find_wire_schema("target_belief_t"), nullptr);
   EXPECT_EQ(find_wire_schema("pose_t"), nullptr);
 }

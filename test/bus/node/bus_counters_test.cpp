@@ -38,7 +38,7 @@ struct StatedTransport : Transport {
   TransportStats stated;
 };
 
-TEST(BusCounters, CallEachOfTheTransportsByItsName) {
+TEST(BusCounters, NameEachTransportCounter) {
   StatedTransport transport;
   TransportStats& stats = transport.stated;
   stats.messages_sent = 1;
@@ -105,7 +105,7 @@ class Counted : public ::testing::Test {
   using Counts = std::vector<std::int64_t>;
 };
 
-TEST_F(Counted, TellOfEachStreamWhatBecameOfItsMessages) {
+TEST_F(Counted, ReportsTheOutcomePerStream) {
   bus_.subscribe<models::RobotPlan>(plan_channel("*"), [](const auto&) {});
   say_all("PLAN_A");
   say("PLAN_B", 1, 0, 10);
@@ -115,7 +115,7 @@ TEST_F(Counted, TellOfEachStreamWhatBecameOfItsMessages) {
   EXPECT_EQ(counters_of(bus_)["transport.messages_received"], 8);
 }
 
-TEST_F(Counted, TellOf256StreamsOneByOneAndOfMoreByTheirKind) {
+TEST_F(Counted, Reports256StreamsSinglyAndMoreByKind) {
   bus_.subscribe<models::RobotPlan>({"*"}, [](const auto&) {});
   say_all("PLAN_A");
   say_all("PLAN_B");
@@ -137,7 +137,7 @@ TEST_F(Counted, TellOf256StreamsOneByOneAndOfMoreByTheirKind) {
 
 // Losses counted while subscribed stay in the counters after unsubscribing, for every kind of
 // channel.
-TEST_F(Counted, KeepWhatTheyCameToOfAStreamThatIsLeft) {
+TEST_F(Counted, KeepsTotalsOfAnUnsubscribedStream) {
   const Channel<models::RobotPlan> shared{"SHARED", true};
   for (int time = 0; time < 2; ++time) {
     bus_.subscribe<models::RobotPlan>(plan_channel("A"), [](const auto&) {});
@@ -156,7 +156,7 @@ TEST_F(Counted, KeepWhatTheyCameToOfAStreamThatIsLeft) {
   EXPECT_EQ(bus_.messages_lost(), 8);
 }
 
-TEST_F(Counted, GoOnWhereAPatternStillHearsWhatWasLeft) {
+TEST_F(Counted, ContinuesWhenAPatternStillMatches) {
   int heard = 0;
   bus_.subscribe<models::RobotPlan>(plan_channel("*"), [&](const auto&) { ++heard; });
   bus_.subscribe<models::RobotPlan>(plan_channel("A"), [&](const auto&) { ++heard; });
@@ -170,7 +170,7 @@ TEST_F(Counted, GoOnWhereAPatternStillHearsWhatWasLeft) {
 }
 
 // A malformed message counts once, however many subscriptions match.
-TEST_F(Counted, CountAMessageThatDoesNotDecodeOnce) {
+TEST_F(Counted, CountsAnUndecodableMessageOnce) {
   for (int i = 0; i < 3; ++i) {
     bus_.subscribe<models::RobotPlan>(plan_channel("A"), [](const auto&) {});
   }
@@ -187,7 +187,7 @@ TEST_F(Counted, CountAMessageThatDoesNotDecodeOnce) {
   EXPECT_EQ(counters_of(bus_)["PLAN_A.refused"], 1);
 }
 
-TEST(BusCounters, HaveRoomFor1024ChannelsThatDoNotDecode) {
+TEST(BusCounters, CountUndecodableMessagesOf1024Channels) {
   InProcessHub hub;
   const auto raw = hub.connect();
   const auto endpoint = hub.connect();
@@ -208,7 +208,7 @@ TEST(BusCounters, HaveRoomFor1024ChannelsThatDoNotDecode) {
 }
 
 // At least the time measured inside the handlers, and less than the total time.
-TEST(BusHandling, IsTheTimeInHandlers) {
+TEST(BusHandling, MeasuresTheTimeInHandlers) {
   test::BusPair net(1, 2);
   std::int64_t inside_ns = 0;
   net.own.subscribe<models::RobotPlan>(plan_channel("Q1"), [&](const auto&) {
@@ -228,7 +228,7 @@ TEST(BusHandling, IsTheTimeInHandlers) {
   EXPECT_LE(net.own.handling_s(), all_s);
 }
 
-TEST(BusSecurity, IsNoneUnlessItIsAskedFor) {
+TEST(BusSecurity, IsOffByDefault) {
   test::BusPair net(1, 2);
   EXPECT_FALSE(net.own.renew_session());
   EXPECT_FALSE(net.own.hears_signed());

@@ -54,7 +54,7 @@ class BusAgainstRawBytes : public ::testing::Test {
   std::vector<models::OperatorCommand> heard_;
 };
 
-TEST(Bus, CountsNothingAsLostThatWasSaidWhileItDidNotListen) {
+TEST(Bus, CountsNoLossWhileUnsubscribed) {
   test::BusPair net(42, 43);
   Bus& speaker = net.own;
   Bus& bus = net.other;
@@ -87,7 +87,7 @@ TEST(Bus, CountsNothingAsLostThatWasSaidWhileItDidNotListen) {
   EXPECT_EQ(count_of(bus, "COMMAND.fresh"), 2);
 }
 
-TEST(Bus, StampsRunAndSequencePerChannelAndSaysUnderWhichName) {
+TEST(Bus, StampsRunAndSequencePerChannel) {
   InProcessHub hub;
   const auto endpoint = hub.connect();
   Bus bus(*endpoint, 42);
@@ -96,7 +96,7 @@ TEST(Bus, StampsRunAndSequencePerChannelAndSaysUnderWhichName) {
   EXPECT_EQ(bus.publish(kAttack, models::AttackNotice{}), (models::InputRef{"ATTACK", 42, 0}));
 }
 
-TEST(Bus, HearsItselfAndOthersWithContentTimeUntouched) {
+TEST(Bus, ReceivesOwnAndOtherMessagesWithUnchangedTime) {
   test::BusPair net(1, 2);
   Bus& sender = net.own;
   Bus& receiver = net.other;
@@ -111,7 +111,7 @@ TEST(Bus, HearsItselfAndOthersWithContentTimeUntouched) {
   EXPECT_EQ(times, (std::vector<std::int64_t>{77, 77}));
 }
 
-TEST(Bus, PutsThePrefixBeforeWhatItPublishesOnly) {
+TEST(Bus, PrefixesPublishedChannelsOnly) {
   InProcessHub hub;
   const auto one = hub.connect();
   const auto two = hub.connect();
@@ -130,7 +130,7 @@ TEST(Bus, PutsThePrefixBeforeWhatItPublishesOnly) {
   EXPECT_EQ(heard_by_replay, 1);
 }
 
-TEST(Bus, JudgesEachChannelOfAPrefixAsItsOwnStream) {
+TEST(Bus, MonitorsEachChannelOfAPrefixSeparately) {
   InProcessHub hub;
   const auto endpoint = hub.connect();
   Bus bus(*endpoint, 1);
@@ -149,7 +149,7 @@ TEST(Bus, JudgesEachChannelOfAPrefixAsItsOwnStream) {
   EXPECT_EQ(bus.messages_lost(), 0);
 }
 
-TEST(Bus, GivesAMessageToOverlappingSubscriptionsOnceEach) {
+TEST(Bus, DeliversOncePerOverlappingSubscription) {
   InProcessHub hub;
   const auto endpoint = hub.connect();
   Bus bus(*endpoint, 1);
@@ -168,7 +168,7 @@ TEST(Bus, GivesAMessageToOverlappingSubscriptionsOnceEach) {
   EXPECT_EQ(count_of(bus, "PLAN_Q1.duplicates"), 0);
 }
 
-TEST_F(BusAgainstRawBytes, CountsAndDropsWhatDoesNotDecode) {
+TEST_F(BusAgainstRawBytes, CountsAndDropsUndecodableMessages) {
   send_bytes({1, 2, 3});
   send_bytes(test::encoded(models::AttackNotice{}));
   std::vector<std::uint8_t> truncated = test::encoded(command(1));
@@ -178,7 +178,7 @@ TEST_F(BusAgainstRawBytes, CountsAndDropsWhatDoesNotDecode) {
   EXPECT_EQ(count_of(bus_, "COMMAND.decode_errors"), 3);
 }
 
-TEST_F(BusAgainstRawBytes, CountsAndDropsWhatCannotBeTrue) {
+TEST_F(BusAgainstRawBytes, CountsAndDropsInvalidMessages) {
   models::OperatorCommand impossible = command(1);
   impossible.action = static_cast<models::OperatorAction>(99);
   send(impossible);
@@ -187,7 +187,7 @@ TEST_F(BusAgainstRawBytes, CountsAndDropsWhatCannotBeTrue) {
   EXPECT_EQ(count_of(bus_, "COMMAND.decode_errors"), 0);
 }
 
-TEST_F(BusAgainstRawBytes, HearsEveryConsoleHoweverManyThereAre) {
+TEST_F(BusAgainstRawBytes, ReceivesFromAnyNumberOfConsoles) {
   send(stamped(1, 0, 10));
   send(stamped(2, 0, 20));
   send(stamped(1, 1, 15));  // its clock is behind the other's
@@ -208,7 +208,7 @@ TEST_F(BusAgainstRawBytes, HearsEveryConsoleHoweverManyThereAre) {
 }
 
 // A forged sequence number does not suppress a stop; the receiver decides.
-TEST_F(BusAgainstRawBytes, HandsOnWhatMakesAVehicleSaferWhateverItsNumber) {
+TEST_F(BusAgainstRawBytes, DeliversSaferCommandsWithAnyNumber) {
   using models::OperatorAction;
   send(stamped(1, std::int64_t{1} << 40, 10));
   ASSERT_EQ(heard_.size(), 1U);
@@ -260,16 +260,18 @@ void expect_first_is_kept(const Channel<Message>& channel, Message message) {
   EXPECT_EQ(heard, std::vector<std::int64_t>(151, 3)) << "once it is silent";
 }
 
-TEST(Bus, KeepsTheFirstMocapWhileItIsHeard) { expect_first_is_kept(kVicon, models::MocapFrame{}); }
+TEST(Bus, KeepsTheFirstMocapWhileItPublishes) {
+  expect_first_is_kept(kVicon, models::MocapFrame{});
+}
 
 // A second simulation on the network of a flight reports the same robots as standing on the ground.
-TEST(Bus, KeepsTheFirstWordOfAVehicleWhileItIsHeard) {
+TEST(Bus, KeepsTheFirstPublisherOfAVehicleWhileItPublishes) {
   models::VehicleStatus status;
   status.robot = "Q1";
   expect_first_is_kept(vehicle_channel("Q1"), status);
 }
 
-TEST_F(BusAgainstRawBytes, NeverShowsADuplicateAnOvertakenMessageOrAnOldRun) {
+TEST_F(BusAgainstRawBytes, DropsDuplicatesOvertakenMessagesAndOldRuns) {
   bus_.subscribe<models::OperatorCommand>(
       {"SINGLE"}, [this](const models::OperatorCommand& c) { heard_.push_back(c); });
   const auto send = [this](const models::OperatorCommand& c) {
@@ -291,7 +293,7 @@ TEST_F(BusAgainstRawBytes, NeverShowsADuplicateAnOvertakenMessageOrAnOldRun) {
   EXPECT_EQ(count_of(bus_, "SINGLE.restarts"), 1);
 }
 
-TEST_F(BusAgainstRawBytes, SaysOfManyStreamsWhatTheyCameToTogether) {
+TEST_F(BusAgainstRawBytes, SumsTheCountsOfManyStreams) {
   bus_.subscribe<models::RobotPlan>(plan_channel("*"), [](const auto&) {});
   const auto say = [&](int robot, std::int64_t run, std::int64_t sequence) {
     models::RobotPlan plan;
@@ -314,7 +316,7 @@ TEST_F(BusAgainstRawBytes, SaysOfManyStreamsWhatTheyCameToTogether) {
   EXPECT_EQ(count_of(bus_, "PLAN_7.fresh"), 0) << "each by itself would be too many";
 }
 
-TEST_F(BusAgainstRawBytes, KeepsItsBooksBoundedUnderAFloodOfChannelNames) {
+TEST_F(BusAgainstRawBytes, StaysBoundedUnderAFloodOfChannelNames) {
   bus_.subscribe<models::RobotPlan>(plan_channel("*"), [](const auto&) {});
   for (int i = 0; i < 20'000; ++i) {
     send_bytes(test::encoded(models::RobotPlan{}), "PLAN_" + std::to_string(i));
@@ -370,7 +372,7 @@ TEST(Bus, LetsHandlersPublishAndSubscribe) {
   EXPECT_EQ(attacks, 1);
 }
 
-TEST(RandomRunId, IsPositiveAndDoesNotRepeat) {
+TEST(RandomRunId, IsPositiveAndUnique) {
   std::set<std::int64_t> ids;
   for (int i = 0; i < 1'000; ++i) {
     ids.insert(random_run_id());

@@ -28,7 +28,7 @@ struct Machine {
   void pass(Duration duration) { since_boot += duration; }
 };
 
-TEST(SteadyClock, BeginsWithTheWallClockAndGoesOnWithTheMonotonicOne) {
+TEST(SteadyClock, StartsAtWallTimeAndAdvancesMonotonically) {
   Machine machine;
   EXPECT_EQ(machine.clock.now(), kStart);
   machine.pass(seconds(100));
@@ -36,7 +36,7 @@ TEST(SteadyClock, BeginsWithTheWallClockAndGoesOnWithTheMonotonicOne) {
   EXPECT_EQ(machine.clock.apart(), Duration{0});
 }
 
-TEST(SteadyClock, DoesNotFollowAWallClockThatIsSet) {
+TEST(SteadyClock, IgnoresASetWallClock) {
   for (const Duration set : {Duration(-seconds(3)), Duration(-hours(1)), Duration(hours(1))}) {
     Machine machine;
     machine.set = set;
@@ -48,7 +48,7 @@ TEST(SteadyClock, DoesNotFollowAWallClockThatIsSet) {
   }
 }
 
-TEST(SteadyClock, IsDrawnToAWallClockThatIsNearAndNeverGoesBack) {
+TEST(SteadyClock, ApproachesANearWallClockWithoutGoingBack) {
   std::mt19937_64 rng(3);
   Machine machine;
   Time last = machine.clock.now();
@@ -71,7 +71,7 @@ TEST(SteadyClock, IsDrawnToAWallClockThatIsNearAndNeverGoesBack) {
 
 // The clock is slewed by 5 ms per second and checked every 20 ms. Offsets up to half a second are
 // followed, larger ones are not.
-TEST(SteadyClock, IsDrawnSoFastAndFromSoFar) {
+TEST(SteadyClock, ApproachesAtTheStatedRateAndRange) {
   for (const int sign : {-1, 1}) {
     for (const int apart_ms : {10, 100, 500}) {
       Machine machine;
@@ -92,7 +92,7 @@ TEST(SteadyClock, IsDrawnSoFastAndFromSoFar) {
   }
 }
 
-TEST(SteadyClock, LooksAtTheWallClockEveryTwentyMilliseconds) {
+TEST(SteadyClock, ReadsTheWallClockEvery20Milliseconds) {
   for (const bool is_early : {true, false}) {
     Machine machine;
     machine.set = milliseconds(100);
@@ -104,7 +104,7 @@ TEST(SteadyClock, LooksAtTheWallClockEveryTwentyMilliseconds) {
 }
 
 // The handed-on offset includes the slewing so far.
-TEST(SteadyClock, HandsOnWhatLiesBetweenItAndTheMonotonicClock) {
+TEST(SteadyClock, PassesItsOffsetToChildren) {
   Machine machine;
   machine.set = milliseconds(100);
   machine.pass(milliseconds(20));
@@ -123,7 +123,7 @@ TEST(SteadyClock, HandsOnWhatLiesBetweenItAndTheMonotonicClock) {
   ASSERT_EQ(::unsetenv(SteadyClock::kHandedOn), 0);
 }
 
-TEST(SteadyClock, RefusesAnOffsetThatNoClockCanHave) {
+TEST(SteadyClock, RefusesAnImpossibleOffset) {
   for (const char* const offset :
        {"9223372036854775807", "-9223372036854775808", "7258118400000001", "-100000000000001"}) {
     ASSERT_EQ(::setenv(SteadyClock::kHandedOn, offset, 1), 0);
@@ -132,7 +132,7 @@ TEST(SteadyClock, RefusesAnOffsetThatNoClockCanHave) {
   ASSERT_EQ(::unsetenv(SteadyClock::kHandedOn), 0);
 }
 
-TEST(Clocks, SayWhetherTheyFollowTheMachines) {
+TEST(Clocks, ReportWhetherTheyAreRealTime) {
   EXPECT_TRUE(SystemClock().is_real_time());
   EXPECT_TRUE(SteadyClock().is_real_time());
   VirtualClock clock(kStart);
@@ -143,7 +143,7 @@ TEST(Clocks, SayWhetherTheyFollowTheMachines) {
   EXPECT_GT(SystemClock().now(), kStart);
 }
 
-TEST(SteadyClock, GoesOnFromWhatWasHandedOn) {
+TEST(SteadyClock, ContinuesFromAPassedOffset) {
   ASSERT_EQ(::setenv(SteadyClock::kHandedOn, "3600000000", 1), 0);
   const SteadyClock parent;
   parent.hand_on();

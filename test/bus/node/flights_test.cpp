@@ -19,7 +19,7 @@ models::VehicleStatus status(const std::string& robot, FlightState state) {
   return out;
 }
 
-TEST(Flights, KnowsWhatIsInTheAirForASecond) {
+TEST(Flights, KeepsAVehicleForOneSecondAfterItsStatus) {
   Flights flights({"Q1", "Q2"});
   flights.on_status(status("Q1", FlightState::kLand), kStart);
   flights.on_status(status("Q2", FlightState::kIdle), kStart);
@@ -28,7 +28,7 @@ TEST(Flights, KnowsWhatIsInTheAirForASecond) {
   EXPECT_EQ(flights.in_flight(kStart + seconds(1) + Duration{1}), Names{});
 }
 
-TEST(Flights, ForgetsAVehicleThatIsAtRest) {
+TEST(Flights, RemovesAVehicleOnTheGround) {
   for (const FlightState rest : {FlightState::kIdle, FlightState::kKilled}) {
     Flights flights({"Q1"});
     flights.on_status(status("Q1", FlightState::kFollow), kStart);
@@ -37,7 +37,7 @@ TEST(Flights, ForgetsAVehicleThatIsAtRest) {
   }
 }
 
-TEST(EndAfterFlights, HoldsBackTheFirstRequestUntilTheLanding) {
+TEST(EndAfterFlights, DelaysTheFirstRequestUntilTheLanding) {
   EndAfterFlights end;
   EXPECT_EQ(end.requests(0, true, kStart), 0);
   EXPECT_EQ(end.requests(1, true, kStart + seconds(10)), 0);
@@ -45,7 +45,7 @@ TEST(EndAfterFlights, HoldsBackTheFirstRequestUntilTheLanding) {
   EXPECT_EQ(end.requests(1, false, kStart + seconds(70)), 1);
 }
 
-TEST(EndAfterFlights, HoldsItBackForAMinuteAtMostAndNoSecondOne) {
+TEST(EndAfterFlights, DelaysByOneMinuteAtMostAndTheFirstRequestOnly) {
   EndAfterFlights end;
   EXPECT_EQ(end.requests(1, true, kStart), 0);
   EXPECT_EQ(end.requests(1, true, kStart + EndAfterFlights::kPatience), 0);

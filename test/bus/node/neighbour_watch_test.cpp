@@ -41,7 +41,7 @@ class Listened : public ::testing::Test {
 };
 using Names = std::set<std::string>;
 
-TEST_F(Listened, ToEverybodyWithoutANeighbourhood) {
+TEST_F(Listened, ToAllRobotsWithoutANeighbourhood) {
   const scenario::Scenario scenario = in_a_row(4, 0.0);
   NeighbourWatch all = watch(scenario);
   EXPECT_EQ(to, (Names{"Q2", "Q3", "Q4"}));
@@ -49,7 +49,7 @@ TEST_F(Listened, ToEverybodyWithoutANeighbourhood) {
   EXPECT_EQ(to, (Names{"Q2", "Q3", "Q4"}));
 }
 
-TEST_F(Listened, ToThoseWhoAreNearAsTheyComeAndGo) {
+TEST_F(Listened, ToNearRobotsOnly) {
   const scenario::Scenario scenario = in_a_row(65, 20.0);
   NeighbourWatch near = watch(scenario);
   EXPECT_EQ(to, Names{});
@@ -62,7 +62,7 @@ TEST_F(Listened, ToThoseWhoAreNearAsTheyComeAndGo) {
 }
 
 // One frame from next year, or a clock that was ahead and is set back.
-TEST_F(Listened, GoesOnAfterAFrameOfTheFuture) {
+TEST_F(Listened, ContinuesAfterAFutureFrame) {
   const scenario::Scenario scenario = in_a_row(9, 20.0);
   NeighbourWatch near = watch(scenario);
   for (const Duration ahead : {3 * kStep, Duration{365 * 86'400 * INT64_C(1'000'000)}}) {
@@ -77,7 +77,7 @@ TEST_F(Listened, GoesOnAfterAFrameOfTheFuture) {
   }
 }
 
-TEST_F(Listened, ToOthersThanItselfWhereverItStandsInTheTeam) {
+TEST_F(Listened, ExcludesTheRobotItselfAtAnyTeamIndex) {
   const scenario::Scenario alone = in_a_row(4, 0.0);
   NeighbourWatch all = watch(alone, "Q3");
   EXPECT_EQ(to, (Names{"Q1", "Q2", "Q4"}));
@@ -97,7 +97,7 @@ TEST_F(Listened, ToOthersThanItselfWhereverItStandsInTheTeam) {
   }
 }
 
-TEST_F(Listened, OnceAStepAgainAndAgain) {
+TEST_F(Listened, UpdatesOncePerStep) {
   scenario::Scenario scenario = in_a_row(2, 10.0);
   scenario.planner.step_s = 0.25;
   NeighbourWatch near = watch(scenario);
@@ -114,7 +114,7 @@ TEST_F(Listened, OnceAStepAgainAndAgain) {
   EXPECT_FALSE(listens_at(850, 30.0));
 }
 
-TEST_F(Listened, StillToThoseWhoAreNotSeen) {
+TEST_F(Listened, KeepsUnseenRobots) {
   const scenario::Scenario scenario = in_a_row(4, 20.0);
   NeighbourWatch near = watch(scenario);
   near.on_frame(frame_of(scenario, kStart, 0.0));

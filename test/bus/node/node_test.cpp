@@ -100,7 +100,7 @@ class RunNode : public ::testing::Test {
   std::vector<models::ProcessHealth> health_;
 };
 
-TEST_F(RunNode, TicksExactlyWhenTheNodeAskedFor) {
+TEST_F(RunNode, TicksAtTheRequestedTimes) {
   run_until(start_ + milliseconds(985));
   ASSERT_EQ(node_.ticks.size(), 50U);
   for (std::size_t i = 0; i < node_.ticks.size(); ++i) {
@@ -136,7 +136,7 @@ TEST_F(RunNode, ReportsTheWaitOfTheLastSecondBeforeTicks) {
   EXPECT_TRUE(uncounted.waits_s.empty()) << "the kernel does not count, or nobody reads";
 }
 
-TEST_F(RunNode, AsksWhetherToStopEvenWhenTheNodeSleepsLong) {
+TEST_F(RunNode, ChecksForStopDuringLongWaits) {
   Ticker sleeper(start_ + seconds(1'000), seconds(1));
   int asked = 0;
   run_node(bus_, sleeper, clock_, [&] { return ++asked > 10; });
@@ -173,7 +173,7 @@ class TickerWithADevice : public Ticker {
   int device_ = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK);
 };
 
-TEST_F(RunNode, WaitsNoLongerForADeviceThanUntilTheNodesTime) {
+TEST_F(RunNode, WaitsForADeviceUntilTheNextTickOnly) {
   TickerWithADevice node(start_ + milliseconds(1), milliseconds(1));
   node.start();
   int asked = 0;
@@ -182,7 +182,7 @@ TEST_F(RunNode, WaitsNoLongerForADeviceThanUntilTheNodesTime) {
 }
 
 // The wait must not be shorter either, or the node would poll thousands of times per second.
-TEST_F(RunNode, WaitsForADeviceThatIsSilentUntilTheNodesTime) {
+TEST_F(RunNode, TicksOnTimeWithASilentDevice) {
   TickerWithADevice node(start_ + milliseconds(20), milliseconds(20));
   node.start();
   const std::int64_t begin_ns = monotonic_ns();
@@ -191,7 +191,7 @@ TEST_F(RunNode, WaitsForADeviceThatIsSilentUntilTheNodesTime) {
   EXPECT_GE(monotonic_ns() - begin_ns, 20'000'000);
 }
 
-TEST_F(RunNode, TicksAsSoonAsItsDeviceSpeaks) {
+TEST_F(RunNode, TicksWhenItsDeviceHasData) {
   TickerWithADevice node(start_ + seconds(1'000), seconds(1));
   int asked = 0;
   run_node(bus_, node, clock_, [&] { return ++asked > 1; });
@@ -216,7 +216,7 @@ class Lander : public Ticker {
   Time ends_at{};
 };
 
-TEST_F(RunNode, GoesOnUntilTheNodeMayEndAndReportsEachRequestOnce) {
+TEST_F(RunNode, RunsUntilTheNodeMayEndAndReportsEachRequestOnce) {
   Lander node(start_ + milliseconds(20), milliseconds(20));
   node.ends_at = start_ + seconds(3);
   run_node(bus_, node, clock_, [&] {
@@ -227,7 +227,7 @@ TEST_F(RunNode, GoesOnUntilTheNodeMayEndAndReportsEachRequestOnce) {
   EXPECT_EQ(node.ticks.size(), 150U) << "it flies on until it has landed";
 }
 
-TEST_F(RunNode, GivesSignsOfLifeTheLastOfWhichSaysHowTheVehicleWasLeft) {
+TEST_F(RunNode, SendsHeartbeatsAndAFinalFlightState) {
   LifeLine line;
   ASSERT_TRUE(line.open());
   LifeSign life(dup(line.child_end()));
@@ -253,7 +253,7 @@ TEST_F(RunNode, GivesSignsOfLifeTheLastOfWhichSaysHowTheVehicleWasLeft) {
   EXPECT_EQ(signs.back(), InFlight::kNo);
 }
 
-TEST_F(RunNode, ReportsItsHealthEachSecondFromStartingToStopping) {
+TEST_F(RunNode, PublishesHealthEverySecond) {
   run_until(start_ + milliseconds(3'500));
   ASSERT_EQ(health_.size(), 6U) << "starting, at once, three seconds, stopping";
   EXPECT_EQ(health_.front().state, models::ProcessState::kStarting);
@@ -265,7 +265,7 @@ TEST_F(RunNode, ReportsItsHealthEachSecondFromStartingToStopping) {
   }
 }
 
-TEST_F(RunNode, LetsMessagesThroughBetweenTicks) {
+TEST_F(RunNode, HandlesMessagesBetweenTicks) {
   int commands = 0;
   bus_.subscribe<models::OperatorCommand>(kCommand, [&](const auto&) { ++commands; });
   observer_.publish(kCommand, models::OperatorCommand{});
@@ -273,13 +273,13 @@ TEST_F(RunNode, LetsMessagesThroughBetweenTicks) {
   EXPECT_EQ(commands, 1);
 }
 
-TEST_F(RunNode, EndsWithItsLog) {
+TEST_F(RunNode, EndsAtTheEndOfItsLog) {
   transport_.ends_at = start_ + seconds(1);
   run_node(bus_, node_, clock_, [] { return false; });
   EXPECT_EQ(node_.ticks.size(), 50U);
 }
 
-TEST_F(RunNode, PassesOnWhatAHandlerThrows) {
+TEST_F(RunNode, RethrowsExceptionsOfHandlers) {
   bus_.subscribe<models::OperatorCommand>(kCommand,
                                           [](const auto&) { throw std::runtime_error("no"); });
   observer_.publish(kCommand, models::OperatorCommand{});
@@ -288,7 +288,7 @@ TEST_F(RunNode, PassesOnWhatAHandlerThrows) {
 
 class Health : public RunNode {};
 
-TEST_F(Health, IsReportedAtOnceWhenSomethingWasDroppedAndDegradedForThatSecond) {
+TEST_F(Health, IsPublishedAtOnceAndDegradedAfterADrop) {
   HealthReporter reporter(bus_, node_);
   const auto loop = [&](Duration at) {
     reporter.on_loop(start_ + at, 0.001);
@@ -312,7 +312,7 @@ TEST_F(Health, IsReportedAtOnceWhenSomethingWasDroppedAndDegradedForThatSecond) 
 }
 
 // Ten times a second at most, to the microsecond; and a second after the last full one.
-TEST_F(Health, ComesATenthOfASecondAfterTheLastAtTheEarliest) {
+TEST_F(Health, IsPublishedAtMostTenTimesPerSecond) {
   HealthReporter reporter(bus_, node_);
   const auto reports = [&](Duration at) {
     reporter.on_loop(start_ + at, 0.001);
@@ -331,7 +331,7 @@ TEST_F(Health, ComesATenthOfASecondAfterTheLastAtTheEarliest) {
   EXPECT_EQ(health_.back().process, "TICKER");
 }
 
-TEST_F(Health, IsDegradedByWhatIsMissedAndNotByWhatIsPlainTraffic) {
+TEST_F(Health, IsDegradedByLossNotByTraffic) {
   bus_.subscribe<models::AttackNotice>(kAttack, [](const auto&) {});
   HealthReporter reporter(bus_, node_);
   int second = 0;
@@ -361,7 +361,7 @@ TEST_F(Health, IsDegradedByWhatIsMissedAndNotByWhatIsPlainTraffic) {
   EXPECT_EQ(state(), models::ProcessState::kDegraded) << "something did not decode";
 }
 
-TEST_F(Health, IsOfTheWorstOfItsLoops) {
+TEST_F(Health, ReportsItsWorstLoop) {
   HealthReporter reporter(bus_, node_);
   for (const double loop_s : {0.002, 0.007, 0.003}) {
     reporter.on_loop(start_, loop_s);
@@ -375,7 +375,7 @@ TEST_F(Health, IsOfTheWorstOfItsLoops) {
   EXPECT_EQ(health_[2].loop_worst_s, 0.0) << "none since";
 }
 
-TEST_F(Health, CarriesTheCountersOfBusAndNodeAndTheWorstLoopSinceTheLast) {
+TEST_F(Health, ContainsCountersAndTheWorstLoopSinceTheLastReport) {
   HealthReporter reporter(bus_, node_, [] {
     return std::vector<models::NamedCount>{{"process.memory_bytes", 4096}};
   });
@@ -419,7 +419,7 @@ class SetWallClock : public OwnHub {
   Duration since_start{};
 };
 
-TEST(RunNodeBySteadyClock, TicksOnWhateverTheWallClockIsSetTo) {
+TEST(RunNodeBySteadyClock, TicksOnTimeWhenTheWallClockIsSet) {
   const Time start = from_utime(1'700'000'000'000'000);
   SetWallClock machine;
   const SteadyClock clock([&] { return std::chrono::nanoseconds(machine.since_start).count(); },

@@ -28,20 +28,20 @@ TEST(UsageFromStat, CountsUserAndSystemTimeAndResidentPages) {
   EXPECT_EQ(usage->memory_bytes, 4'096'000);
 }
 
-TEST(UsageFromStat, IsNotMisledByTheName) {
+TEST(UsageFromStat, AcceptsAnyProcessName) {
   const auto usage = usage_from_stat("77 (a) R 1 (2 b)" + kRest, 100, 4096);
   ASSERT_TRUE(usage);
   EXPECT_EQ(usage->cpu_us, 3'000'000);
 }
 
-TEST(UsageFromStat, RefusesWhatIsNoSuchLine) {
+TEST(UsageFromStat, RefusesMalformedLines) {
   EXPECT_FALSE(usage_from_stat("", 100, 4096));
   EXPECT_FALSE(usage_from_stat("77 (x) S 1 9 9", 100, 4096));
   EXPECT_FALSE(usage_from_stat("77 (x) S 1 9 9 0 -1 4 1 0 0 0 many 50 0 0 20 0 3 0 1 5 1", 100, 1));
   EXPECT_FALSE(usage_from_stat("77 (vantage-sim)" + kRest, 0, 4096));
 }
 
-TEST(UsageFromStat, NeedsNoMoreThanTheFieldsThatItReads) {
+TEST(UsageFromStat, RequiresOnlyTheFieldsThatItReads) {
   const std::string least = kRest.substr(0, kRest.rfind(' '));
   const auto usage = usage_from_stat("77 (x)" + least, 1, 1);
   ASSERT_TRUE(usage);
@@ -60,7 +60,7 @@ TEST(WaitedUsFromSchedstat, IsTheSecondNumber) {
   EXPECT_EQ(waited_us_from_schedstat("1 0 1"), 0);
 }
 
-TEST(WaitedUsFromSchedstat, RefusesWhatIsNoSuchLineAndAKernelThatDoesNotCount) {
+TEST(WaitedUsFromSchedstat, RefusesMalformedLinesAndZeroCounters) {
   EXPECT_FALSE(waited_us_from_schedstat(""));
   EXPECT_FALSE(waited_us_from_schedstat("5000000"));
   EXPECT_FALSE(waited_us_from_schedstat("5000000 1234567"));
@@ -98,7 +98,7 @@ std::int64_t waited_us_by_thread() {
 }
 
 // Threads of one processor take turns: while one runs, the others wait.
-TEST(WaitedUsOf, SumsWhatThreadsWaitForEachOther) {
+TEST(WaitedUsOf, SumsTheWaitsOfAllThreads) {
   if (!waited_us_of(::getpid())) {
     GTEST_SKIP() << "this kernel does not count it";
   }
@@ -145,7 +145,7 @@ TEST(ThreadWait, ReadsTheCounterOfTheThreadThatOpenedIt) {
 }
 
 // The kernel's values before and after bound the reported ones.
-TEST(UsageCounters, AreWhatTheKernelSaysOfThisProcess) {
+TEST(UsageCounters, EqualTheKernelsFigures) {
   const auto asked = [] {
     rusage own{};
     ::getrusage(RUSAGE_SELF, &own);
@@ -175,7 +175,7 @@ TEST(UsageCounters, AreWhatTheKernelSaysOfThisProcess) {
   }
 }
 
-TEST(UsageOf, KnowsThisProcessAndNoneThatIsGone) {
+TEST(UsageOf, ReadsThisProcessAndNoEndedOne) {
   const auto own = usage_of(::getpid());
   ASSERT_TRUE(own);
   EXPECT_GT(own->memory_bytes, 0);

@@ -39,7 +39,7 @@ TEST(ReplayQueue, KeepsTheOrderOfTheLog) {
   EXPECT_EQ(player.made, (std::vector<int>{1, 2, 3}));
 }
 
-TEST(ReplayQueue, WaitsUntilTheInputComes) {
+TEST(ReplayQueue, WaitsForTheInput) {
   Player player;
   player.missing = 1;
   player.queue.add(1);
@@ -52,7 +52,7 @@ TEST(ReplayQueue, WaitsUntilTheInputComes) {
   EXPECT_EQ(player.given_up, 0);
 }
 
-TEST(ReplayQueue, GivesUpWhenMoreWaitBehindIt) {
+TEST(ReplayQueue, GivesUpWhenTheQueueIsFull) {
   Player player;
   player.missing = 1;
   for (int i = 1; i <= 3; ++i) {
@@ -66,7 +66,7 @@ TEST(ReplayQueue, GivesUpWhenMoreWaitBehindIt) {
   EXPECT_EQ(player.made, (std::vector<int>{2, 3, 4}));
 }
 
-TEST(ReplayQueue, LetsThreeWaitBehindTheFirstUnlessItIsToldOtherwise) {
+TEST(ReplayQueue, HoldsThreeMoreByDefault) {
   Player player{ReplayQueue<int>(), 1, {}, 0};
   for (int i = 1; i <= 4; ++i) {
     EXPECT_EQ(player.given_up, 0) << i;
@@ -80,7 +80,7 @@ TEST(ReplayQueue, LetsThreeWaitBehindTheFirstUnlessItIsToldOtherwise) {
   EXPECT_EQ(impatient.given_up, 1);
 }
 
-TEST(ReplayQueue, CountsTheTimeOfWhatWaitsAloneFromWhenItCame) {
+TEST(ReplayQueue, MeasuresWaitsFromTheArrival) {
   Player player;
   player.missing = 7;
   player.queue.add(1);
@@ -107,7 +107,7 @@ models::OperatorCommand numbered(std::int64_t run, std::int64_t sequence, std::s
   return out;
 }
 
-TEST(InputStore, FindsTheVeryMessageThatIsNamed) {
+TEST(InputStore, FindsTheReferencedMessage) {
   InputStore<models::OperatorCommand> store(8);
   EXPECT_EQ(store.find({"A", 1, 2}), nullptr);
   store.add("A", numbered(1, 2, "first"));
@@ -126,7 +126,7 @@ TEST(InputStore, FindsTheVeryMessageThatIsNamed) {
   EXPECT_EQ(store.find({"A", 1, 2})->robot, "again") << "the newest of a name";
 }
 
-TEST(InputStore, ForgetsTheOldestBeyondItsCapacity) {
+TEST(InputStore, DropsTheOldestBeyondItsCapacity) {
   InputStore<models::OperatorCommand> store(3);
   for (std::int64_t i = 0; i < 10; ++i) {
     store.add("A", numbered(1, i, ""));
@@ -137,7 +137,7 @@ TEST(InputStore, ForgetsTheOldestBeyondItsCapacity) {
 }
 
 // If a teammate's planner has ended, its last plan remains an input of every plan.
-TEST(InputStore, KeepsTheLastOfWhoIsSilentHoweverMuchOthersSay) {
+TEST(InputStore, KeepsTheLastMessageOfASilentPublisher) {
   InputStore<models::OperatorCommand> store(3);
   store.add("A", numbered(1, 7, "the last"));
   for (std::int64_t i = 0; i < 1000; ++i) {
@@ -148,7 +148,7 @@ TEST(InputStore, KeepsTheLastOfWhoIsSilentHoweverMuchOthersSay) {
   EXPECT_NE(store.find({"B", 2, 994}), nullptr);
 }
 
-TEST(ReplayQueue, GivesUpAfterTwoSecondsOfTicksEachAnew) {
+TEST(ReplayQueue, GivesUpAfterTwoSecondsPerRequest) {
   Player player;
   player.missing = 7;
   for (int i = 0; i < 30; ++i) {  // with nothing to wait for

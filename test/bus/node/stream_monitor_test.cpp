@@ -27,7 +27,7 @@ TEST(StreamMonitor, CountsNothingLostInAnUnbrokenStream) {
   EXPECT_EQ(monitor.counts().runs, 1);
 }
 
-TEST(StreamMonitor, DoesNotCountWhatCameBeforeItListened) {
+TEST(StreamMonitor, IgnoresMessagesBeforeTheSubscription) {
   StreamMonitor monitor;
   EXPECT_EQ(monitor.judge(stamp(1000)), Arrival::kFresh);
   EXPECT_EQ(monitor.counts().lost, 0);
@@ -40,7 +40,7 @@ TEST(StreamMonitor, CountsAGap) {
   EXPECT_EQ(monitor.counts().lost, 3);
 }
 
-TEST(StreamMonitor, TakesALateMessageOffTheLostOnesOnceOnly) {
+TEST(StreamMonitor, SubtractsALateMessageFromTheLossOnce) {
   StreamMonitor monitor;
   EXPECT_EQ(monitor.judge(stamp(0)), Arrival::kFresh);
   EXPECT_EQ(monitor.judge(stamp(3)), Arrival::kFresh);
@@ -51,7 +51,7 @@ TEST(StreamMonitor, TakesALateMessageOffTheLostOnesOnceOnly) {
   EXPECT_EQ(monitor.counts().duplicates, 1);
 }
 
-TEST(StreamMonitor, RefusesDuplicatesOfTheNewestAndOfOlderOnes) {
+TEST(StreamMonitor, RefusesDuplicatesOfNewAndOldMessages) {
   StreamMonitor monitor;
   EXPECT_EQ(monitor.judge(stamp(0)), Arrival::kFresh);
   EXPECT_EQ(monitor.judge(stamp(1)), Arrival::kFresh);
@@ -60,14 +60,14 @@ TEST(StreamMonitor, RefusesDuplicatesOfTheNewestAndOfOlderOnes) {
   EXPECT_EQ(monitor.counts().duplicates, 2);
 }
 
-TEST(StreamMonitor, CallsReorderedWhatOvertakesTheVeryFirst) {
+TEST(StreamMonitor, CountsAMessageBeforeTheFirstAsReordered) {
   StreamMonitor monitor;
   EXPECT_EQ(monitor.judge(stamp(5)), Arrival::kFresh);
   EXPECT_EQ(monitor.judge(stamp(4)), Arrival::kReordered);
   EXPECT_EQ(monitor.counts().lost, 0);
 }
 
-TEST(StreamMonitor, FollowsARestartAndRefusesTheOldRunForGood) {
+TEST(StreamMonitor, FollowsARestartAndRefusesTheOldRunAfterwards) {
   StreamMonitor monitor;
   EXPECT_EQ(monitor.judge(stamp(50, 1, 100)), Arrival::kFresh);
   EXPECT_EQ(monitor.judge(stamp(0, 2, 100)), Arrival::kFresh) << "not older is enough";
@@ -78,7 +78,7 @@ TEST(StreamMonitor, FollowsARestartAndRefusesTheOldRunForGood) {
   EXPECT_EQ(monitor.counts().lost, 0);
 }
 
-TEST(StreamMonitor, CountsWhatAReplacingRunLostBeforeItWasHeard) {
+TEST(StreamMonitor, CountsTheFirstLossOfAReplacingRun) {
   StreamMonitor monitor;
   EXPECT_EQ(monitor.judge(stamp(50, 1, 100)), Arrival::kFresh);
   EXPECT_EQ(monitor.judge(stamp(2, 2, 200)), Arrival::kFresh);
@@ -87,7 +87,7 @@ TEST(StreamMonitor, CountsWhatAReplacingRunLostBeforeItWasHeard) {
   EXPECT_EQ(monitor.counts().lost, 1);
 }
 
-TEST(StreamMonitor, IsNotTakenOverByAnUnknownRunWithOlderContent) {
+TEST(StreamMonitor, RefusesAnUnknownRunWithOlderContent) {
   StreamMonitor monitor;
   EXPECT_EQ(monitor.judge(stamp(0, 1, 1000)), Arrival::kFresh);
   EXPECT_EQ(monitor.judge(stamp(7, 2, 999)), Arrival::kOldRun);
@@ -96,7 +96,7 @@ TEST(StreamMonitor, IsNotTakenOverByAnUnknownRunWithOlderContent) {
   EXPECT_EQ(monitor.counts().old_runs, 1);
 }
 
-TEST(StreamMonitor, ComparesANewRunWithTheNewestContentHeard) {
+TEST(StreamMonitor, ComparesANewRunWithTheNewestReceivedContent) {
   StreamMonitor monitor;
   EXPECT_EQ(monitor.judge(stamp(0, 1, 1000)), Arrival::kFresh);
   EXPECT_EQ(monitor.judge(stamp(1, 1, 500)), Arrival::kFresh) << "times need not ascend";
@@ -115,7 +115,7 @@ TEST(StreamMonitor, StaysBoundedUnderHostileSequenceNumbers) {
   EXPECT_EQ(monitor.counts().too_far_ahead, 1);
 }
 
-TEST(StreamMonitor, TakesAStepUpToItsBound) {
+TEST(StreamMonitor, AcceptsAGapUpToItsLimit) {
   StreamMonitor monitor;
   EXPECT_EQ(monitor.judge(stamp(0)), Arrival::kFresh);
   EXPECT_EQ(monitor.judge(stamp(StreamMonitor::kStepMax + 1)), Arrival::kTooFarAhead);
@@ -123,7 +123,7 @@ TEST(StreamMonitor, TakesAStepUpToItsBound) {
   EXPECT_EQ(monitor.counts().lost, StreamMonitor::kStepMax - 1);
 }
 
-TEST(StreamMonitor, BelievesAFarStepThatGoesOnOnceTheRunIsSilent) {
+TEST(StreamMonitor, AcceptsALargeGapAfterSilenceIfTheRunContinues) {
   StreamMonitor monitor;
   const auto judge = [&](std::int64_t sequence, double at_s) {
     const Time now = from_utime(0) + from_seconds(at_s);
@@ -141,7 +141,7 @@ TEST(StreamMonitor, BelievesAFarStepThatGoesOnOnceTheRunIsSilent) {
   EXPECT_EQ(judge(60'010, 510.0), Arrival::kFresh);
 }
 
-TEST(StreamMonitor, GoesBackBeforeAGapThatWasForged) {
+TEST(StreamMonitor, ReturnsToTheNumbersBeforeAForgedGap) {
   StreamMonitor monitor;
   EXPECT_EQ(monitor.judge(stamp(10, 1, 1000)), Arrival::kFresh);
   EXPECT_EQ(monitor.judge(stamp(9'000, 1, 1005)), Arrival::kFresh);
@@ -152,7 +152,7 @@ TEST(StreamMonitor, GoesBackBeforeAGapThatWasForged) {
   EXPECT_EQ(monitor.counts().lost, 0);
 }
 
-TEST(StreamMonitor, KeepsARunWithinItsLeaseAndTakesTheNextOneAfterIt) {
+TEST(StreamMonitor, KeepsARunForItsLease) {
   StreamMonitor monitor;
   const auto judge = [&](std::int64_t run, std::int64_t sequence, double stamp_s, double at_s) {
     return monitor.judge({from_utime(0) + from_seconds(stamp_s), run, sequence},
@@ -169,7 +169,7 @@ TEST(StreamMonitor, KeepsARunWithinItsLeaseAndTakesTheNextOneAfterIt) {
 }
 
 // A stamp in the far future does not block later runs.
-TEST(StreamMonitor, ComparesRunsByNoTimeInTheFuture) {
+TEST(StreamMonitor, IgnoresFutureTimesWhenComparingRuns) {
   StreamMonitor monitor;
   const Time now = from_utime(0) + seconds(100);
   EXPECT_EQ(monitor.judge({now + std::chrono::hours(24), 1, 0}, {now, {}}), Arrival::kFresh);
@@ -183,7 +183,7 @@ Arrival judged_at(StreamMonitor& monitor, double at_s, std::int64_t run, std::in
   return monitor.judge({now, run, sequence}, {now, lease});
 }
 
-TEST(StreamMonitor, RemembersTheNewest256NumbersOfAGap) {
+TEST(StreamMonitor, KeepsTheNewest256NumbersOfAGap) {
   for (const std::int64_t gap : {255, 256, 257, 1'000}) {
     StreamMonitor monitor;
     EXPECT_EQ(monitor.judge(stamp(0)), Arrival::kFresh);
@@ -202,7 +202,7 @@ TEST(StreamMonitor, RemembersTheNewest256NumbersOfAGap) {
   }
 }
 
-TEST(StreamMonitor, RemembersTheNewest256NumbersOfManyGaps) {
+TEST(StreamMonitor, KeepsTheNewest256NumbersOfManyGaps) {
   StreamMonitor monitor;
   for (std::int64_t i = 0; i <= 300; ++i) {
     EXPECT_EQ(monitor.judge(stamp(2 * i)), Arrival::kFresh);
@@ -217,7 +217,7 @@ TEST(StreamMonitor, RemembersTheNewest256NumbersOfManyGaps) {
 }
 
 // Three were lost before the forged gap, and stay counted as lost.
-TEST(StreamMonitor, GoesBackBeforeAForgedGapToWhatWasLostBefore) {
+TEST(StreamMonitor, RestoresEarlierGapsBeforeAForgedOne) {
   StreamMonitor monitor;
   EXPECT_EQ(monitor.judge(stamp(0, 1, 1000)), Arrival::kFresh);
   EXPECT_EQ(monitor.judge(stamp(4, 1, 1001)), Arrival::kFresh);
@@ -233,7 +233,7 @@ TEST(StreamMonitor, GoesBackBeforeAForgedGapToWhatWasLostBefore) {
   EXPECT_EQ(monitor.judge(stamp(8, 1, 1011)), Arrival::kFresh);
 }
 
-TEST(StreamMonitor, BelievesAFarStepOfTenInARowAlone) {
+TEST(StreamMonitor, AcceptsALargeGapAfterTenConsecutiveMessages) {
   StreamMonitor monitor;
   EXPECT_EQ(monitor.judge(stamp(0)), Arrival::kFresh);
   const auto refuse = [&](std::int64_t from, int times) {
@@ -252,7 +252,7 @@ TEST(StreamMonitor, BelievesAFarStepOfTenInARowAlone) {
   EXPECT_EQ(monitor.counts().too_far_ahead, 45);
 }
 
-TEST(StreamMonitor, BelievesAFarStepAfterTwoSecondsOfSilence) {
+TEST(StreamMonitor, AcceptsALargeGapAfterTwoSecondsOfSilence) {
   for (const bool is_silent : {false, true}) {
     StreamMonitor monitor;
     EXPECT_EQ(judged_at(monitor, 10.0, 1, 0), Arrival::kFresh);
@@ -264,7 +264,7 @@ TEST(StreamMonitor, BelievesAFarStepAfterTwoSecondsOfSilence) {
   }
 }
 
-TEST(StreamMonitor, LetsAnotherRunBeginAtTheEndOfTheLease) {
+TEST(StreamMonitor, AcceptsAnotherRunAtTheEndOfTheLease) {
   for (const bool is_over : {false, true}) {
     StreamMonitor monitor;
     EXPECT_EQ(judged_at(monitor, 1.0, 1, 0, milliseconds(500)), Arrival::kFresh);
@@ -274,7 +274,7 @@ TEST(StreamMonitor, LetsAnotherRunBeginAtTheEndOfTheLease) {
 }
 
 // Two seconds ahead of the listener's clock at most, when runs are compared.
-TEST(StreamMonitor, BelievesAStampTwoSecondsAhead) {
+TEST(StreamMonitor, AcceptsAStampTwoSecondsAhead) {
   for (const bool is_older : {false, true}) {
     StreamMonitor monitor;
     const Time now = from_utime(0) + seconds(100);
@@ -285,7 +285,7 @@ TEST(StreamMonitor, BelievesAStampTwoSecondsAhead) {
   }
 }
 
-TEST(StreamMonitor, RefusesTheSixteenRunsThatWereReplacedLast) {
+TEST(StreamMonitor, RefusesTheLastSixteenReplacedRuns) {
   StreamMonitor monitor;
   for (std::int64_t run = 1; run <= 17; ++run) {
     EXPECT_EQ(monitor.judge(stamp(0, run, 10)), Arrival::kFresh);
@@ -300,7 +300,7 @@ TEST(StreamMonitor, RefusesTheSixteenRunsThatWereReplacedLast) {
   EXPECT_EQ(monitor.counts().old_runs, 17);
 }
 
-TEST(StreamMonitor, ExpectsALaterRunFromZeroUnlessThatCannotBe) {
+TEST(StreamMonitor, ExpectsALaterRunToStartAtZeroIfPossible) {
   for (const std::int64_t first : {std::int64_t{0}, std::int64_t{7}, StreamMonitor::kStepMax - 1,
                                    StreamMonitor::kStepMax, 5 * StreamMonitor::kStepMax}) {
     StreamMonitor monitor;
@@ -312,7 +312,7 @@ TEST(StreamMonitor, ExpectsALaterRunFromZeroUnlessThatCannotBe) {
 
 // A new run starts with empty books: gaps, missing numbers and times of the previous run are
 // dropped.
-TEST(StreamMonitor, BeginsItsBooksAnewWithEachRun) {
+TEST(StreamMonitor, ResetsItsStateForEachRun) {
   StreamMonitor missing;
   EXPECT_EQ(missing.judge(stamp(0, 1)), Arrival::kFresh);
   EXPECT_EQ(missing.judge(stamp(5, 1)), Arrival::kFresh);
@@ -336,7 +336,7 @@ TEST(StreamMonitor, BeginsItsBooksAnewWithEachRun) {
   EXPECT_EQ(times.judge(stamp(0, 3, 1)), Arrival::kFresh) << "newer than the second";
 }
 
-TEST(StreamCounts, AddUpAndNeverBeyondWhatFits) {
+TEST(StreamCounts, AddWithSaturation) {
   StreamCounts sum{1, 2, 3, 4, 5, 6, 7};
   sum.add({10, 20, 30, 40, 50, 60, 70});
   const auto all = [](const StreamCounts& c) {
@@ -353,7 +353,7 @@ TEST(StreamCounts, AddUpAndNeverBeyondWhatFits) {
 }
 
 // A forgotten run is accepted as if it were new; its counts are kept.
-TEST(SharedStreamMonitor, ForgetsOfThirtyThreeRunsTheOneSilentLongest) {
+TEST(SharedStreamMonitor, DropsTheLongestSilentOf33Runs) {
   SharedStreamMonitor monitor;
   EXPECT_EQ(monitor.judge(stamp(0, 1)), Arrival::kFresh);
   EXPECT_EQ(monitor.judge(stamp(3, 1)), Arrival::kFresh);
@@ -376,7 +376,7 @@ TEST(SharedStreamMonitor, ForgetsOfThirtyThreeRunsTheOneSilentLongest) {
 }
 
 // Compared with a set of all numbers; gaps stay below what the monitor remembers.
-TEST(StreamMonitor, AgreesWithFullBookkeepingOnShuffledStreams) {
+TEST(StreamMonitor, EqualsAReferenceOnShuffledStreams) {
   std::mt19937_64 rng(7);
   for (int trial = 0; trial < 50; ++trial) {
     StreamMonitor monitor;

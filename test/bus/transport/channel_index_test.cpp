@@ -9,7 +9,7 @@
 namespace vantage::bus {
 namespace {
 
-TEST(ChannelIndex, FindsWhatGoingThroughAllWouldFind) {
+TEST(ChannelIndex, EqualsALinearSearch) {
   std::mt19937_64 rng(5);
   const std::vector<std::string> patterns = {"A", "AB", "A*", "*", "PLAN_Q1", "PLAN_*", "PLAN_Q"};
   const std::vector<std::string> channels = {"A", "AB", "ABC", "PLAN_Q1", "PLAN_Q", "PLAN_", "B"};
@@ -38,7 +38,7 @@ TEST(ChannelIndex, FindsWhatGoingThroughAllWouldFind) {
 }
 
 // Compared with a plain list of subscriptions while names and patterns are added and removed.
-TEST(ChannelIndex, FindsWhatGoingThroughAllWouldFindAsTheyComeAndGo) {
+TEST(ChannelIndex, EqualsALinearSearchWhileEntriesChange) {
   std::mt19937_64 rng(6);
   const std::vector<std::string> patterns = {"A", "AB", "A*", "*", "PLAN_Q1", "PLAN_*"};
   const std::vector<std::string> channels = {"A", "AB", "PLAN_Q1", "PLAN_", "B"};
@@ -80,7 +80,7 @@ TEST(ChannelIndex, FindsWhatGoingThroughAllWouldFindAsTheyComeAndGo) {
   }
 }
 
-TEST(ChannelIndex, GivesNumbersThatWereGivenBackAgain) {
+TEST(ChannelIndex, ReusesReturnedNumbers) {
   ChannelIndex index;
   index.add("A");
   index.add("B*");

@@ -34,7 +34,7 @@ struct TwoListeners {
   std::vector<Bytes> at_b;
 };
 
-TEST(InProcessHub, LetsEveryEndpointHearEveryEndpointItselfIncluded) {
+TEST(InProcessHub, DeliversToEveryEndpointIncludingTheSender) {
   TwoListeners two("X");
   auto& [hub, a, b, at_a, at_b] = two;
   EXPECT_TRUE(a->publish("X", Bytes{1}));
@@ -46,7 +46,7 @@ TEST(InProcessHub, LetsEveryEndpointHearEveryEndpointItselfIncluded) {
   EXPECT_EQ(at_b, (std::vector<Bytes>{{1}, {2}, {3}}));
 }
 
-TEST(InProcessHub, HearsNoMoreWhatItUnsubscribed) {
+TEST(InProcessHub, DeliversNothingAfterUnsubscribing) {
   InProcessHub hub;
   const auto a = hub.connect();
   std::vector<Bytes> heard;
@@ -67,7 +67,7 @@ TEST(InProcessHub, HearsNoMoreWhatItUnsubscribed) {
   EXPECT_EQ(heard, (std::vector<Bytes>{{3}}));
 }
 
-TEST(InProcessHub, DropsTheOldestAndCountsIt) {
+TEST(InProcessHub, DropsAndCountsTheOldestMessage) {
   InProcessHub hub(3);
   const auto slow = hub.connect();
   const auto fast = hub.connect();
@@ -84,7 +84,7 @@ TEST(InProcessHub, DropsTheOldestAndCountsIt) {
   EXPECT_EQ(fast->stats().queue_overflows, 0) << "each endpoint has its own queue";
 }
 
-TEST(InProcessHub, LeavesAnswersOfHandlersForTheNextHandle) {
+TEST(InProcessHub, QueuesMessagesOfHandlersForTheNextHandle) {
   InProcessHub hub;
   const auto endpoint = hub.connect();
   int calls = 0;
@@ -98,7 +98,7 @@ TEST(InProcessHub, LeavesAnswersOfHandlersForTheNextHandle) {
   EXPECT_EQ(calls, 2);
 }
 
-TEST(InProcessHub, KeepsTheRestWhenAHandlerThrows) {
+TEST(InProcessHub, KeepsTheQueueWhenAHandlerThrows) {
   InProcessHub hub;
   const auto endpoint = hub.connect();
   std::vector<Bytes> heard;
@@ -115,7 +115,7 @@ TEST(InProcessHub, KeepsTheRestWhenAHandlerThrows) {
   EXPECT_EQ(heard, (std::vector<Bytes>{{1}}));
 }
 
-TEST(InProcessHub, ForgetsEndpointsThatAreGone) {
+TEST(InProcessHub, ForgetsDestroyedEndpoints) {
   InProcessHub hub;
   const auto stays = hub.connect();
   { const auto goes = hub.connect(); }
@@ -123,7 +123,7 @@ TEST(InProcessHub, ForgetsEndpointsThatAreGone) {
 }
 
 // New endpoints reuse its memory: they receive what they subscribed to, once.
-TEST(InProcessHub, SaysNothingToEndpointsThatAreGone) {
+TEST(InProcessHub, DeliversNothingToDestroyedEndpoints) {
   for (const char* const pattern : {"X", "X*"}) {
     InProcessHub hub;
     const auto speaker = hub.connect();
@@ -151,7 +151,7 @@ TEST(InProcessHub, SaysNothingToEndpointsThatAreGone) {
   }
 }
 
-TEST(InProcessHub, HandsAMessageOnceToEachOfSeveralHandlersOfOneEndpoint) {
+TEST(InProcessHub, DeliversOncePerHandlerOfAnEndpoint) {
   InProcessHub hub;
   const auto endpoint = hub.connect();
   std::string order;
@@ -182,7 +182,7 @@ TEST(InProcessHub, HandsAMessageOnceToEachOfSeveralHandlersOfOneEndpoint) {
   EXPECT_EQ(endpoint->handle(kNow), 0);
 }
 
-TEST(Decoded, IsOfOneTypeAndTheLastThatWasKept) {
+TEST(Decoded, HoldsTheLastStoredValueOfOneType) {
   Decoded decoded;
   EXPECT_EQ(decoded.get<int>(), nullptr);
   decoded.keep(std::make_shared<const int>(5));
@@ -195,7 +195,7 @@ TEST(Decoded, IsOfOneTypeAndTheLastThatWasKept) {
 }
 
 // The decoded form of a message is shared by all its receivers, and by no other message.
-TEST(InProcessHub, SharesWhatWasDecodedOfOneMessage) {
+TEST(InProcessHub, SharesADecodedMessage) {
   InProcessHub hub;
   const auto a = hub.connect();
   const auto b = hub.connect();
@@ -215,10 +215,10 @@ TEST(InProcessHub, SharesWhatWasDecodedOfOneMessage) {
   EXPECT_EQ(found, (std::vector<int>{0, 0, 7, 8}));
 }
 
-TEST(InProcessHub, RefusesAQueueOfNothing) { EXPECT_THROW(InProcessHub(0), UsageError); }
+TEST(InProcessHub, RefusesAnEmptyQueue) { EXPECT_THROW(InProcessHub(0), UsageError); }
 
 // Two senders in separate threads; both receivers must receive all messages in the same order.
-TEST(InProcessHub, ShowsConcurrentPublishersInOneOrderToAll) {
+TEST(InProcessHub, DeliversConcurrentMessagesInOneOrder) {
   constexpr int kEach = 2'000;
   TwoListeners two("*");
   auto& [hub, a, b, at_a, at_b] = two;
@@ -240,7 +240,7 @@ TEST(InProcessHub, ShowsConcurrentPublishersInOneOrderToAll) {
   EXPECT_EQ(at_a, at_b);
 }
 
-TEST(ChannelMatches, KnowsExactNamesAndPrefixes) {
+TEST(ChannelMatches, SupportsNamesAndPrefixes) {
   EXPECT_TRUE(channel_matches("PLAN_Q1", "PLAN_Q1"));
   EXPECT_FALSE(channel_matches("PLAN_Q1", "PLAN_Q12"));
   EXPECT_FALSE(channel_matches("PLAN_Q12", "PLAN_Q1"));

@@ -30,7 +30,7 @@ TEST(LcmTransport, DeliversWithinAProcessInOrder) {
   EXPECT_EQ(names, (std::vector<std::string>{"PLAN_Q1", "PLAN_Q2"}));
 }
 
-TEST(LcmTransport, BringsAHandlersExceptionOutAndStaysUsable) {
+TEST(LcmTransport, RethrowsAHandlersExceptionAndStaysUsable) {
   const auto transport = open_transport("memq://");
   int calls = 0;
   transport->subscribe("X", [&](auto, auto) {
@@ -45,7 +45,7 @@ TEST(LcmTransport, BringsAHandlersExceptionOutAndStaysUsable) {
   EXPECT_EQ(calls, 2);
 }
 
-TEST(LcmTransport, TakesChannelNamesLiterallyOrNotAtAll) {
+TEST(LcmTransport, TreatsChannelNamesLiterally) {
   const auto transport = open_transport("memq://");
   const auto ignore = [](auto, auto) {};
   EXPECT_NO_THROW(transport->subscribe("HEALTH_ESTIMATOR_Q1", ignore));
@@ -55,7 +55,7 @@ TEST(LcmTransport, TakesChannelNamesLiterallyOrNotAtAll) {
   }
 }
 
-TEST(LcmTransport, TakesEveryLetterDigitAndSignThatItMay) {
+TEST(LcmTransport, AcceptsAllValidChannelCharacters) {
   const auto transport = open_transport("memq://");
   const std::string allowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_:/-";
   const auto ignore = [](auto, auto) {};
@@ -70,7 +70,7 @@ TEST(LcmTransport, TakesEveryLetterDigitAndSignThatItMay) {
   }
 }
 
-TEST(LcmTransport, HearsNoMoreWhatItUnsubscribed) {
+TEST(LcmTransport, DeliversNothingAfterUnsubscribing) {
   const auto transport = open_transport("memq://");
   std::string heard;
   const std::vector<std::pair<const char*, char>> handlers{
@@ -93,7 +93,7 @@ TEST(LcmTransport, HearsNoMoreWhatItUnsubscribed) {
   EXPECT_EQ(heard, "e");
 }
 
-TEST(LcmTransport, CountsWhatItSaysAndWhatItHears) {
+TEST(LcmTransport, CountsSentAndReceivedMessages) {
   const auto transport = open_transport("memq://");
   for (const char* const name : {"X", "X*", "Y"}) {
     transport->subscribe(name, [](auto, auto) {});
@@ -109,7 +109,7 @@ TEST(LcmTransport, CountsWhatItSaysAndWhatItHears) {
 }
 
 // A flood must not keep the caller; what it left is handled next time.
-TEST(LcmTransport, HandlesSoManyMessagesAtATime) {
+TEST(LcmTransport, HandlesTheRequestedNumberOfMessages) {
   const auto transport = open_transport("memq://");
   int heard = 0;
   transport->subscribe("X", [&heard](auto, auto) { ++heard; });
@@ -122,7 +122,7 @@ TEST(LcmTransport, HandlesSoManyMessagesAtATime) {
   EXPECT_EQ(transport->handle(kNow), 0);
 }
 
-TEST(LcmTransport, WaitsForAsLongAsItIsToldWhereNothingComes) {
+TEST(LcmTransport, WaitsForTheTimeoutWithoutMessages) {
   const auto transport = open_transport("memq://");
   for (const int wait_us : {20'000, 500, 0, -1'000}) {  // a part of a millisecond is a whole one
     const std::int64_t begin_ns = monotonic_ns();
@@ -131,7 +131,7 @@ TEST(LcmTransport, WaitsForAsLongAsItIsToldWhereNothingComes) {
   }
 }
 
-TEST(LcmTransport, RefusesToHandleInsideAHandler) {
+TEST(LcmTransport, RefusesHandleInsideAHandler) {
   const auto transport = open_transport("memq://");
   transport->subscribe("X", [&](auto, auto) { transport->handle(kNow); });
   transport->publish("X", Bytes{});

@@ -43,7 +43,7 @@ TEST(ParsePacket, ReadsFragmentsWrittenByHand) {
   EXPECT_EQ(tail->channel, "");
 }
 
-TEST(ParsePacket, ReadsWhatPacketHeadWrites) {
+TEST(ParsePacket, ReadsTheOutputOfPacketHead) {
   const Bytes payload{1, 2, 3};
   const auto message = joined(PacketHead::of_short(7, "PLAN_Q1"), payload);
   const auto parsed = parse_packet(message);
@@ -60,7 +60,7 @@ TEST(ParsePacket, ReadsWhatPacketHeadWrites) {
   EXPECT_EQ(part->fragment_count, 4);
 }
 
-TEST(ParsePacket, RefusesChannelsThatAreEmptyEndlessOrTooLong) {
+TEST(ParsePacket, RefusesEmptyUnterminatedAndLongChannels) {
   EXPECT_FALSE(parse_packet(Bytes{'L', 'C', '0', '2', 0, 0, 0, 0}).has_value()) << "header only";
   EXPECT_FALSE(parse_packet(Bytes{'L', 'C', '0', '2', 0, 0, 0, 0, 'A', 'B'}).has_value())
       << "no NUL";
@@ -79,7 +79,7 @@ Bytes fragment(std::uint32_t message_bytes, std::uint32_t offset, std::uint16_t 
 }
 
 // The datagrams that crash liblcm 1.3.1.
-TEST(ParsePacket, RefusesTheDatagramsThatCrashOthers) {
+TEST(ParsePacket, RefusesDatagramsThatCrashOtherReceivers) {
   EXPECT_FALSE(parse_packet(fragment(0x180, 0xFFFFFF00, 1, 2, Bytes(0x180))).has_value())
       << "offset wraps";
   EXPECT_FALSE(parse_packet(fragment(100, 90, 1, 2, Bytes(11))).has_value()) << "beyond the end";
@@ -100,7 +100,7 @@ TEST(ParsePacket, RefusesImpossibleNumbering) {
 }
 
 // All values of all bytes of each number, and every length of a name.
-TEST(ParsePacket, ReadsBackEveryHeadThatIsPossible) {
+TEST(ParsePacket, ReadsEveryValidHead) {
   std::mt19937_64 rng(12);
   for (int i = 0; i < 5'000; ++i) {
     const auto sequence = static_cast<std::uint32_t>(rng());
@@ -137,7 +137,7 @@ TEST(ParsePacket, ReadsBackEveryHeadThatIsPossible) {
   }
 }
 
-TEST(ParsePacket, TakesAsManyFragmentsAsThereAreBytes) {
+TEST(ParsePacket, AcceptsOneFragmentPerByte) {
   EXPECT_TRUE(parse_packet(fragment(4, 3, 3, 4, Bytes(1))).has_value());
   EXPECT_FALSE(parse_packet(fragment(4, 3, 3, 5, Bytes(1))).has_value());
   const auto bytes = fragment(1, 0, 0, 1, Bytes(1));  // what is parsed looks into it
@@ -146,7 +146,7 @@ TEST(ParsePacket, TakesAsManyFragmentsAsThereAreBytes) {
   EXPECT_EQ(whole->channel, "T");
 }
 
-TEST(PacketHead, CutsANameThatIsTooLong) {
+TEST(PacketHead, ShortensALongName) {
   const Bytes bytes = joined(PacketHead::of_short(1, std::string(64, 'N')), {5});
   const auto packet = parse_packet(bytes);
   ASSERT_TRUE(packet.has_value());
@@ -186,7 +186,7 @@ TEST(ParsePacket, StaysInsideRandomAndTruncatedDatagrams) {
   EXPECT_GT(accepted, 1'000);
 }
 
-TEST(CutMessage, KeepsToTheLimitsMeasuredOfLcm) {
+TEST(CutMessage, KeepsTheMeasuredLimitsOfLcm) {
   const auto at_limit = cut_message(4, kShortBytesMax - 5);
   ASSERT_TRUE(at_limit.has_value());
   EXPECT_EQ(at_limit->fragments, 1U);
@@ -198,13 +198,13 @@ TEST(CutMessage, KeepsToTheLimitsMeasuredOfLcm) {
 }
 
 // UDP over IPv4 carries 65 535 bytes less two headers, of 20 and 8.
-TEST(CutMessage, FillsDatagramsAsFarAsTheyGo) {
+TEST(CutMessage, FillsDatagramsCompletely) {
   EXPECT_EQ(kDatagramBytesMax, 65'535U - 20U - 8U);
   EXPECT_EQ(kShortHeaderBytes + kShortBytesMax, kDatagramBytesMax);
   EXPECT_EQ(kFragmentHeaderBytes + kFragmentBytesMax, kDatagramBytesMax);
 }
 
-TEST(CutMessage, CutsIntoAsFewPiecesAsHoldItAll) {
+TEST(CutMessage, MinimisesTheNumberOfFragments) {
   for (const std::size_t channel : {1U, 4U, 63U}) {
     for (std::size_t pieces = 2; pieces <= 65'535; pieces += pieces < 10 ? 1 : 13'105) {
       const std::size_t most = pieces * kFragmentBytesMax - channel - 1;

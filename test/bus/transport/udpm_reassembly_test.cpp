@@ -45,7 +45,7 @@ class Message {
   Bytes payload_;
 };
 
-TEST(Reassembler, PutsFragmentsTogetherInAnyOrder) {
+TEST(Reassembler, AcceptsFragmentsInAnyOrder) {
   std::mt19937 rng(3);
   for (std::uint32_t trial = 0; trial < 100; ++trial) {
     Reassembler reassembler;
@@ -83,7 +83,7 @@ TEST(Reassembler, IgnoresDuplicates) {
   EXPECT_EQ(reassembler.counts().incomplete, 0);
 }
 
-TEST(Reassembler, KeepsSendersAndMessagesApart) {
+TEST(Reassembler, SeparatesSendersAndMessages) {
   Reassembler reassembler;
   const Message a(1, 200, 100, 1);
   const Message b(1, 200, 100, 2);
@@ -98,7 +98,7 @@ TEST(Reassembler, KeepsSendersAndMessagesApart) {
   EXPECT_EQ(reassembler.counts().completed, 3);
 }
 
-TEST(Reassembler, GivesUpAndCountsWhatStaysIncomplete) {
+TEST(Reassembler, DropsAndCountsIncompleteMessages) {
   Reassembler reassembler;
   const Message message(1, 200, 100);
   EXPECT_FALSE(reassembler.add(1, message.piece(0), 0).has_value());
@@ -110,7 +110,7 @@ TEST(Reassembler, GivesUpAndCountsWhatStaysIncomplete) {
   EXPECT_EQ(reassembler.counts().incomplete, 1);
 }
 
-TEST(Reassembler, CountsAMessagesAgeFromItsNewestFragment) {
+TEST(Reassembler, MeasuresAgeFromTheNewestFragment) {
   Reassembler reassembler;
   const Message message(1, 300, 100);
   EXPECT_FALSE(reassembler.add(1, message.piece(0), 5 * kSecondNs).has_value());
@@ -120,7 +120,7 @@ TEST(Reassembler, CountsAMessagesAgeFromItsNewestFragment) {
   EXPECT_TRUE(reassembler.add(1, message.piece(2), 7 * kSecondNs).has_value());
 }
 
-TEST(Reassembler, GivesUpOfSeveralThoseThatAreTooOld) {
+TEST(Reassembler, DropsOnlyTheMessagesThatAreTooOld) {
   Reassembler reassembler;
   for (std::uint32_t i = 0; i < 5; ++i) {
     const Message message(i, 200, 100);
@@ -135,7 +135,7 @@ TEST(Reassembler, GivesUpOfSeveralThoseThatAreTooOld) {
 
 // The newest 256 completed messages are remembered for a second; further fragments of them do not
 // start a new message.
-TEST(Reassembler, KnowsALateDuplicateOfTheNewest256ForASecond) {
+TEST(Reassembler, RecognisesDuplicatesOfTheNewest256ForOneSecond) {
   for (const std::uint32_t messages : {1U, 256U, 257U, 600U}) {
     Reassembler reassembler;
     for (std::uint32_t i = 0; i < messages; ++i) {
@@ -156,7 +156,7 @@ TEST(Reassembler, KnowsALateDuplicateOfTheNewest256ForASecond) {
   }
 }
 
-TEST(Reassembler, TakesASequenceNumberAgainLongAfter) {
+TEST(Reassembler, AcceptsAReusedSequenceNumberLater) {
   Reassembler reassembler;
   const Message first(1, 200, 100, 1);
   const Message second(1, 200, 100, 2);
@@ -177,7 +177,7 @@ TEST(Reassembler, RefusesFragmentsThatContradictTheirMessage) {
   EXPECT_EQ(reassembler.add(1, message.piece(1), 0)->payload, message.payload()) << "unharmed";
 }
 
-TEST(Reassembler, TellsADuplicateFromOneThatContradictsIt) {
+TEST(Reassembler, DistinguishesDuplicatesFromContradictions) {
   Reassembler reassembler;
   const Message message(1, 300, 100);
   EXPECT_FALSE(reassembler.add(1, message.piece(0), 0).has_value());
@@ -199,7 +199,7 @@ TEST(Reassembler, TellsADuplicateFromOneThatContradictsIt) {
   EXPECT_EQ(reassembler.add(1, message.piece(2), 0)->payload, message.payload());
 }
 
-TEST(Reassembler, DeliversNothingThatIsTooShort) {
+TEST(Reassembler, RefusesShortMessages) {
   Reassembler reassembler;
   const Message message(1, 200, 100);
   Packet shorter = message.piece(1);
@@ -210,7 +210,7 @@ TEST(Reassembler, DeliversNothingThatIsTooShort) {
   EXPECT_EQ(reassembler.messages_kept(), 0U);
 }
 
-TEST(Reassembler, DeliversNothingThatDoesNotTile) {
+TEST(Reassembler, RefusesFragmentsThatDoNotTile) {
   Reassembler reassembler;
   const Message message(1, 200, 100);
   Packet overlapping = message.piece(1);
@@ -222,7 +222,7 @@ TEST(Reassembler, DeliversNothingThatDoesNotTile) {
   EXPECT_EQ(reassembler.bytes_kept(), 0U);
 }
 
-TEST(Reassembler, RefusesMessagesAboveTheCap) {
+TEST(Reassembler, RefusesMessagesAboveTheSizeLimit) {
   Reassembler reassembler({.message_bytes_max = 1000});
   const Message message(1, 1001, 100);
   EXPECT_FALSE(reassembler.add(1, message.piece(0), 0).has_value());
@@ -241,7 +241,7 @@ TEST(Reassembler, RefusesMessagesAboveTheCap) {
   EXPECT_EQ(refused.bytes_max, 5'000U);
 }
 
-TEST(Reassembler, IsBoundedAsItsHeaderSays) {
+TEST(Reassembler, KeepsTheStatedMemoryLimit) {
   const ReassemblyLimits limits;
   EXPECT_EQ(limits.message_bytes_max, 4U * 1024U * 1024U);
   EXPECT_EQ(limits.source_bytes_max, 8U * 1024U * 1024U);
@@ -250,7 +250,7 @@ TEST(Reassembler, IsBoundedAsItsHeaderSays) {
   EXPECT_EQ(limits.age_max_ns, kSecondNs);
 }
 
-TEST(Reassembler, PaysOnlyForBytesThatArrived) {
+TEST(Reassembler, AllocatesOnlyForReceivedBytes) {
   Reassembler reassembler;
   const Message little(1, 10, 10);
   Packet claim = little.piece(0);
@@ -260,7 +260,7 @@ TEST(Reassembler, PaysOnlyForBytesThatArrived) {
   EXPECT_LT(reassembler.bytes_kept(), 1000U);
 }
 
-TEST(Reassembler, HoldsOneSenderToItsShare) {
+TEST(Reassembler, LimitsEachSenderToItsShare) {
   const ReassemblyLimits limits{.source_bytes_max = 10'000};
   Reassembler reassembler(limits);
   for (std::uint32_t i = 0; i < 100; ++i) {
@@ -274,7 +274,7 @@ TEST(Reassembler, HoldsOneSenderToItsShare) {
 
 // Of 16 messages the two with the newest additions are kept. Of the others, the one with the fewest
 // bytes is dropped, the oldest of equal ones. Compared with a plain list.
-TEST(Reassembler, GivesUpThatOfWhichLeastHasArrivedButNoneOfTheNewestEighth) {
+TEST(Reassembler, DropsTheLeastCompleteMessageExceptTheNewestEighth) {
   struct Held {
     std::uint32_t sequence;
     std::size_t bytes;
@@ -321,7 +321,7 @@ TEST(Reassembler, GivesUpThatOfWhichLeastHasArrivedButNoneOfTheNewestEighth) {
 }
 
 // A message that alone exceeds its sender's limit is dropped; messages of other senders are kept.
-TEST(Reassembler, GivesUpAMessageThatItsSenderHasNoRoomFor) {
+TEST(Reassembler, DropsAMessageBeyondItsSendersShare) {
   Reassembler reassembler({.source_bytes_max = 10'000});
   const Message others(1, 9'000, 4'500);
   EXPECT_FALSE(reassembler.add(2, others.piece(0), 0).has_value());
@@ -340,7 +340,7 @@ TEST(Reassembler, GivesUpAMessageThatItsSenderHasNoRoomFor) {
   EXPECT_EQ(reassembler.bytes_kept(), 0U);
 }
 
-TEST(Reassembler, HoldsAllSendersToWhatTheyMayKeepTogether) {
+TEST(Reassembler, LimitsAllSendersTogether) {
   const ReassemblyLimits limits{.source_bytes_max = 10'000, .total_bytes_max = 30'000};
   Reassembler reassembler(limits);
   for (std::uint64_t source = 0; source < 50; ++source) {
@@ -352,7 +352,7 @@ TEST(Reassembler, HoldsAllSendersToWhatTheyMayKeepTogether) {
 
 // Memory is charged by what arrived: per fragment its bytes and an allowance for book-keeping; per
 // message an allowance and one bit per fragment.
-TEST(Reassembler, ChargesEachPieceAlikeAndEachMessageForItsBits) {
+TEST(Reassembler, ChargesFragmentsAndMessageSize) {
   Reassembler reassembler;
   const Message message(1, 8'000, 10);
   std::size_t before = 0;
@@ -369,7 +369,7 @@ TEST(Reassembler, ChargesEachPieceAlikeAndEachMessageForItsBits) {
 }
 
 // 100 000 first fragments from ever new senders arrive between the two halves of a good message.
-TEST(Reassembler, FinishesGoodMessagesThroughAFloodOfClaims) {
+TEST(Reassembler, CompletesMessagesDuringAFloodOfFirstFragments) {
   const ReassemblyLimits limits;
   Reassembler reassembler(limits);
   const Message good(1, 100'000, 50'000);
@@ -384,7 +384,7 @@ TEST(Reassembler, FinishesGoodMessagesThroughAFloodOfClaims) {
 
 // Nearly complete messages from ever new senders arrive between the fragments of a good one, which
 // therefore has the fewest bytes.
-TEST(Reassembler, FinishesGoodMessagesThroughAFloodOfNearlyWholeOnes) {
+TEST(Reassembler, CompletesMessagesDuringAFloodOfIncompleteOnes) {
   Reassembler reassembler;
   std::uint64_t stranger = 1'000;
   std::int64_t now_ns = 0;
@@ -410,7 +410,7 @@ TEST(Reassembler, FinishesGoodMessagesThroughAFloodOfNearlyWholeOnes) {
 
 // An attacker that uses the sender's address and next number does not destroy a message of another
 // size or count.
-TEST(Reassembler, KeepsAMessageApartFromOneForgedUnderItsNumber) {
+TEST(Reassembler, SeparatesAMessageFromAForgeryOfItsNumber) {
   Reassembler reassembler;
   for (std::uint32_t i = 0; i < 20; ++i) {
     const Message good(i, 300, 100, i);
@@ -429,7 +429,7 @@ TEST(Reassembler, KeepsAMessageApartFromOneForgedUnderItsNumber) {
 
 // With the same size and count, the attacker destroys that message only, and the conflict is
 // counted.
-TEST(Reassembler, LosesNoMoreThanTheMessageThatIsForgedToTheSize) {
+TEST(Reassembler, LosesOnlyTheForgedMessage) {
   Reassembler reassembler;
   const Message forged(0, 300, 100, 99);
   EXPECT_FALSE(reassembler.add(7, forged.piece(1), 0).has_value());

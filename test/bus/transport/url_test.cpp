@@ -13,21 +13,21 @@
 namespace vantage::bus {
 namespace {
 
-TEST(ParseUrl, TakesAnUrlApart) {
+TEST(ParseUrl, ReturnsSchemeAddressAndOptions) {
   const Url url = parse_url("file:///tmp/a log?mode=r&speed=0");
   EXPECT_EQ(url.scheme, "file");
   EXPECT_EQ(url.target, "/tmp/a log");
   EXPECT_EQ(url.options, (std::map<std::string, std::string>{{"mode", "r"}, {"speed", "0"}}));
 }
 
-TEST(ParseUrl, RefusesWhatIsNotOne) {
+TEST(ParseUrl, RefusesMalformedUrls) {
   EXPECT_THROW(parse_url("239.255.76.67:7667"), StartupError);
   EXPECT_THROW(parse_url("://x"), StartupError);
   EXPECT_THROW(parse_url("udpm://?ttl"), StartupError);
   EXPECT_THROW(parse_url("udpm://?ttl=0&ttl=1"), StartupError);
 }
 
-TEST(ParseUdpm, FillsInWhatIsLeftOut) {
+TEST(ParseUdpm, AppliesDefaults) {
   const UdpmAddress plain = parse_udpm(parse_url("udpm://"));
   EXPECT_EQ(plain.group, "239.255.76.67");
   EXPECT_EQ(plain.port, 7667);
@@ -46,7 +46,7 @@ TEST(ParseUdpm, FillsInWhatIsLeftOut) {
   EXPECT_EQ(full.message_bytes_max, 5000);
 }
 
-TEST(WithUdpmOption, AddsWhatIsNotGiven) {
+TEST(WithUdpmOption, AddsAMissingOption) {
   const std::pair<const char*, const char*> cases[] = {
       {"udpm://", "udpm://?max_message_size=9000"},
       {"udpm://239.255.76.67:7667?ttl=1", "udpm://239.255.76.67:7667?ttl=1&max_message_size=9000"},
@@ -58,7 +58,7 @@ TEST(WithUdpmOption, AddsWhatIsNotGiven) {
   }
 }
 
-TEST(ParseUdpm, RefusesWhatItCannotDo) {
+TEST(ParseUdpm, RefusesUnsupportedOptions) {
   for (const char* url :
        {"udpm://192.168.1.1:7667", "udpm://localhost:7667", "udpm://239.255.76.67:0",
         "udpm://239.255.76.67:70000", "udpm://239.255.76.67:76x", "udpm://?ttl=256",
@@ -77,7 +77,7 @@ std::string refusal(const std::string& url) {
   return "taken";
 }
 
-TEST(ParseUdpm, TakesEachNumberFromItsLeastToItsGreatest) {
+TEST(ParseUdpm, AcceptsTheFullRangeOfEachNumber) {
   const auto taken = [](const std::string& url) { return refusal(url) == "taken"; };
   EXPECT_TRUE(taken("udpm://239.255.76.67:1") && taken("udpm://239.255.76.67:65535"));
   EXPECT_FALSE(taken("udpm://239.255.76.67:0") || taken("udpm://239.255.76.67:65536"));
@@ -97,7 +97,7 @@ TEST(ParseUdpm, TakesEachNumberFromItsLeastToItsGreatest) {
   EXPECT_FALSE(taken("udpm://223.255.255.255") || taken("udpm://240.0.0.0"));
 }
 
-TEST(ParseUdpm, TakesNamesThatACardCanHave) {
+TEST(ParseUdpm, AcceptsValidInterfaceNames) {
   const auto card = [](const std::string& name) { return refusal("udpm://?interface=" + name); };
   EXPECT_EQ(card("fifteen-letters"), "taken");
   EXPECT_EQ(card("10.0.0.1"), "taken");
@@ -106,7 +106,7 @@ TEST(ParseUdpm, TakesNamesThatACardCanHave) {
   }
 }
 
-TEST(ParseUrl, TakesItsOptionsApart) {
+TEST(ParseUrl, SplitsOptions) {
   const Url url = parse_url("udpm://239.1.2.3:7000?a=1&b=x=y&c=");
   EXPECT_EQ(url.target, "239.1.2.3:7000");
   EXPECT_EQ(url.options, (std::map<std::string, std::string>{{"a", "1"}, {"b", "x=y"}, {"c", ""}}));
@@ -142,7 +142,7 @@ class DefaultUrl {
   std::optional<std::string> before_;
 };
 
-TEST(OpenTransport, TakesTheUrlOfTheEnvironmentWhereItIsGivenNone) {
+TEST(OpenTransport, UsesTheUrlOfTheEnvironmentByDefault) {
   const DefaultUrl memory("memq://");
   EXPECT_NO_THROW(open_transport(""));
   EXPECT_THROW(open_transport("tcpq://localhost"), StartupError) << "what it is given goes first";

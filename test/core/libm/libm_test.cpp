@@ -92,7 +92,7 @@ const Function2 kFunctions2[] = {
 #undef VANTAGE_FUNCTION
 #undef VANTAGE_FUNCTION2
 
-TEST(Libm, GivesTheBitsThatAreWrittenHere) {
+TEST(Libm, ReturnsTheReferenceBits) {
   for (const Function& function : kFunctions) {
     std::mt19937_64 random(1);
     Digest digest;
@@ -113,7 +113,7 @@ TEST(Libm, GivesTheBitsThatAreWrittenHere) {
   }
 }
 
-TEST(Libm, IsWithinItsShareOfTheLastDigit) {
+TEST(Libm, IsWithinItsStatedUlps) {
   for (const Function& function : kFunctions) {
     std::mt19937_64 random(2);
     double worst_ulp = 0.0;
@@ -139,7 +139,7 @@ TEST(Libm, IsWithinItsShareOfTheLastDigit) {
 }
 
 // The results at the edges are those that the C standard demands of the C library.
-TEST(Libm, KnowsTheEdges) {
+TEST(Libm, HandlesSpecialValues) {
   const double infinity = HUGE_VAL;
   EXPECT_TRUE(std::isnan(std::sin(infinity)));
   EXPECT_TRUE(std::isnan(std::log(-1.0)));
@@ -159,7 +159,7 @@ TEST(Libm, KnowsTheEdges) {
 }
 
 // Constant folding by the compiler would round correctly, which a library need not do.
-TEST(Libm, IsAskedForConstantsToo) {
+TEST(Libm, IsUsedForConstantArguments) {
   Digest folded;
   Digest asked;
   for (volatile double x : {0.1, 0.7, 2.5}) {
@@ -182,7 +182,7 @@ TEST(Libm, IsAskedForConstantsToo) {
 }
 
 // Library templates call the same functions, and there is no fused multiply-add.
-TEST(Libm, IsInsideTemplatesToo) {
+TEST(Libm, IsUsedInLibraryTemplates) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);

@@ -100,7 +100,7 @@ TEST(ContactJudge, ReportsANearMissAndThenACollisionOfTwoRealVehiclesOnceEach) {
   EXPECT_TRUE(lab.see({{"Q1", {1.0, 4.0, 1.0}}, {"Q2", {1.48, 4.0, 1.0}}}).empty());
 }
 
-TEST(ContactJudge, SeesATargetAnObstacleAWallAndWhatTheScenarioDoesNotName) {
+TEST(ContactJudge, ReportsTargetsObstaclesWallsAndUnknownBodies) {
   Judged lab;
   lab.fly("Q1");
   const auto first_of = [&](const Placed& bodies) {
@@ -113,7 +113,7 @@ TEST(ContactJudge, SeesATargetAnObstacleAWallAndWhatTheScenarioDoesNotName) {
   EXPECT_EQ(first_of({{"Q1", {2.0, 7.0, 1.0}}, {"HELMET", {2.4, 7.0, 1.0}}}), "HELMET");
 }
 
-TEST(ContactJudge, SeesWhoMeetsBetweenTwoFrames) {
+TEST(ContactJudge, FindsContactsBetweenFrames) {
   Judged lab;
   lab.fly("Q1");
   lab.see({{"Q1", {1.0, 4.0, 1.0}}, {"Q2", {2.0, 4.0, 1.0}}});
@@ -123,7 +123,7 @@ TEST(ContactJudge, SeesWhoMeetsBetweenTwoFrames) {
   EXPECT_EQ(begun[0].kind, ContactKind::kCollision);
 }
 
-TEST(ContactJudge, InventsNoMotionOverAGapOrWhileABodyIsNotSeen) {
+TEST(ContactJudge, DoesNotInterpolateOverGaps) {
   Judged lab;
   lab.fly("Q1");
   lab.see({{"Q1", {1.0, 4.0, 1.0}}, {"Q2", {2.0, 4.0, 1.0}}});
@@ -134,7 +134,7 @@ TEST(ContactJudge, InventsNoMotionOverAGapOrWhileABodyIsNotSeen) {
   EXPECT_TRUE(lab.see({{"Q1", {0.4, 4.0, 1.0}}, {"Q2", {1.0, 4.0, 1.0}}}).empty());
 }
 
-TEST(ContactJudge, LeavesPeopleAloneWhoCarryWhatRests) {
+TEST(ContactJudge, IgnoresContactsOfIdleVehicles) {
   Judged lab;
   const Placed together = {{"Q1", {1.0, 4.0, 1.0}}, {"Q2", {1.1, 4.0, 1.0}}};
   const Placed apart = {{"Q1", {1.0, 4.0, 1.0}}, {"Q2", {2.0, 4.0, 1.0}}};
@@ -153,7 +153,7 @@ TEST(ContactJudge, LeavesPeopleAloneWhoCarryWhatRests) {
   EXPECT_TRUE(lab.see(together).empty());
 }
 
-TEST(ContactJudge, LeavesToTheSimulatorWhatItJudges) {
+TEST(ContactJudge, IgnoresContactsThatTheSimulatorJudges) {
   scenario::Scenario mixed = real_lab();
   mixed.robots[1].device = scenario::DeviceSource::kDirect;
   mixed.robots[2].device = scenario::DeviceSource::kWire;
@@ -172,7 +172,7 @@ TEST(ContactJudge, LeavesToTheSimulatorWhatItJudges) {
   EXPECT_EQ(lab.see({{"Q1", {3.0, 7.0, 1.0}}, {"Q3", {3.1, 7.0, 1.0}}}).size(), 2U);
 }
 
-TEST(ContactJudge, CountsOldFramesAndBodiesBeyondThoseItKeeps) {
+TEST(ContactJudge, CountsOldFramesAndExcessBodies) {
   Judged lab;
   lab.see({});
   EXPECT_TRUE(lab.judge.on_frame(frame_of(lab.now, {}), lab.now + Duration{5'000}).empty());
@@ -188,7 +188,7 @@ TEST(ContactJudge, CountsOldFramesAndBodiesBeyondThoseItKeeps) {
   EXPECT_EQ(lab.count("contacts.gaps"), 1);
 }
 
-TEST(ContactJudge, JudgesOnByOurTimeWhenThePublishersClockIsSet) {
+TEST(ContactJudge, UsesLocalTimeAfterAClockChange) {
   for (const Duration set :
        {Duration{-std::chrono::hours(1)}, Duration{-std::chrono::seconds(1)},
         Duration{-std::chrono::milliseconds(500)}, Duration{std::chrono::hours(1)}}) {
@@ -207,7 +207,7 @@ TEST(ContactJudge, JudgesOnByOurTimeWhenThePublishersClockIsSet) {
   }
 }
 
-TEST(ContactsNode, PublishesWhatItSeesBesideTheSimulators) {
+TEST(ContactsNode, PublishesItsContactsAndKeepsThoseOfTheSimulator) {
   bus::InProcessHub hub;
   const auto judge_side = hub.connect();
   const auto lab_side = hub.connect();

@@ -65,7 +65,7 @@ struct Bench {
   std::uint8_t sequence = 0;
 };
 
-TEST(AutopilotLink, SaysItsHeartbeatFiveTimesASecondAsTheDialectExpects) {
+TEST(AutopilotLink, SendsHeartbeatsAtFiveHertz) {
   for (const auto dialect : {AutopilotDialect::kPx4, AutopilotDialect::kArdupilot}) {
     Bench bench(dialect);
     for (int i = 0; i < 500; ++i) {
@@ -84,7 +84,7 @@ TEST(AutopilotLink, SaysItsHeartbeatFiveTimesASecondAsTheDialectExpects) {
   }
 }
 
-TEST(AutopilotLink, SendsPosesAsTheEstimatorsAcceptThem) {
+TEST(AutopilotLink, SendsPosesInTheEstimatorsFormat) {
   test::Random random(1);
   for (int i = 0; i < 200; ++i) {
     Bench bench(AutopilotDialect::kPx4);
@@ -124,7 +124,7 @@ TEST(AutopilotLink, SendsPosesAsTheEstimatorsAcceptThem) {
   }
 }
 
-TEST(AutopilotLink, TellsPlaceVelocityAndAccelerationInEachSetPoint) {
+TEST(AutopilotLink, SendsPositionVelocityAndAccelerationInEachSetPoint) {
   for (const AutopilotDialect dialect : {AutopilotDialect::kPx4, AutopilotDialect::kArdupilot}) {
     Bench bench(dialect);
     Setpoint moving;
@@ -151,7 +151,7 @@ TEST(AutopilotLink, TellsPlaceVelocityAndAccelerationInEachSetPoint) {
   }
 }
 
-TEST(AutopilotLink, AnswersTheVehiclesClockAndMeasuresIt) {
+TEST(AutopilotLink, SynchronisesWithTheVehicleClock) {
   Bench bench(AutopilotDialect::kPx4);
   bench.hear_heartbeat(kNow);
   wire::mavlink::Timesync request;
@@ -179,7 +179,7 @@ TEST(AutopilotLink, AnswersTheVehiclesClockAndMeasuresIt) {
   EXPECT_EQ(bench.link.telemetry().clock_offset_ns(), 100'000'000'000 - to_utime(kNow) * 1000);
 }
 
-TEST(AutopilotLink, AsksForStreamsOneAfterTheOtherUntilTheyCome) {
+TEST(AutopilotLink, RequestsStreamsUntilTheyArrive) {
   Bench bench(AutopilotDialect::kPx4);
   std::map<int, int> asked;
   for (int i = 0; i < 400; ++i) {
@@ -204,7 +204,7 @@ TEST(AutopilotLink, AsksForStreamsOneAfterTheOtherUntilTheyCome) {
   }
 }
 
-TEST(AutopilotLink, GivesArdupilotAnOriginUntilItHasOne) {
+TEST(AutopilotLink, SendsArdupilotAnOriginUntilConfirmed) {
   for (const auto dialect : {AutopilotDialect::kPx4, AutopilotDialect::kArdupilot}) {
     Bench bench(dialect);
     const auto origins_in = [&bench](int from_s, int to_s) {
@@ -224,7 +224,7 @@ TEST(AutopilotLink, GivesArdupilotAnOriginUntilItHasOne) {
   }
 }
 
-TEST(AutopilotLink, HearsItsVehicleAlone) {
+TEST(AutopilotLink, AcceptsOnlyItsVehicle) {
   Bench bench(AutopilotDialect::kPx4);
   bench.hear(wire::mavlink::Heartbeat{0, 2, 12, 128, 4, 3}, kNow, 9);
   EXPECT_FALSE(bench.link.telemetry().heartbeat_time().has_value());
@@ -238,7 +238,7 @@ TEST(AutopilotLink, HearsItsVehicleAlone) {
                "the autopilot's messages have stopped");
 }
 
-TEST(AutopilotLink, TakesTheFirstAutopilotWhenNoneIsNamed) {
+TEST(AutopilotLink, AcceptsTheFirstAutopilotByDefault) {
   AutopilotLink link({AutopilotDialect::kArdupilot, "", 0, ""}, std::nullopt);
   const auto hear = [&link](const wire::mavlink::Heartbeat& heartbeat, std::uint8_t system,
                             std::uint8_t component) {
@@ -255,7 +255,7 @@ TEST(AutopilotLink, TakesTheFirstAutopilotWhenNoneIsNamed) {
 
 // Companions and ground stations may send as component 0 or 1 of the system of the vehicle;
 // pymavlink does so by default.
-TEST(AutopilotLink, TakesNothingOfComponent0OrOfAPartOnceItsAutopilotWasReceived) {
+TEST(AutopilotLink, IgnoresOtherComponentsOnceTheAutopilotIsKnown) {
   using wire::mavlink::Heartbeat;
   struct Row {
     const char* what;
@@ -285,7 +285,7 @@ TEST(AutopilotLink, TakesNothingOfComponent0OrOfAPartOnceItsAutopilotWasReceived
   }
 }
 
-TEST(AutopilotLink, TakesOfComponent0AHeartbeatAloneAndOnlyBeforeComponent1) {
+TEST(AutopilotLink, AcceptsOnlyHeartbeatsOfComponent0AndBeforeComponent1) {
   Bench bench(AutopilotDialect::kArdupilot);
   bench.hear(wire::mavlink::Heartbeat{4, 2, 3, 0, 4, 3}, kNow, 1, 0);
   EXPECT_TRUE(bench.link.telemetry().heartbeat_time().has_value());
@@ -303,7 +303,7 @@ TEST(AutopilotLink, TakesOfComponent0AHeartbeatAloneAndOnlyBeforeComponent1) {
   EXPECT_FALSE(bench.link.telemetry().battery_share().has_value());
 }
 
-TEST(AutopilotLink, NamesVersionOne) {
+TEST(AutopilotLink, ReportsMavlinkVersionOne) {
   Bench bench(AutopilotDialect::kPx4);
   wire::mavlink::Frame frame =
       wire::mavlink::pack(wire::mavlink::Heartbeat{0, 2, 12, 0, 3, 3}, {1, 1, 0});
@@ -316,7 +316,7 @@ TEST(AutopilotLink, NamesVersionOne) {
   EXPECT_STREQ(bench.fault(kNow).c_str(), "the autopilot sends MAVLink 1; version 2 is required");
 }
 
-TEST(AutopilotLink, SignsEverythingAndHearsNothingUnsigned) {
+TEST(AutopilotLink, SignsMessagesAndRefusesUnsignedOnes) {
   const wire::mavlink::SigningKey key{4, 5, 6};
   Bench bench(AutopilotDialect::kPx4, key);
   bench.hear_heartbeat(kNow);
@@ -337,7 +337,7 @@ TEST(AutopilotLink, SignsEverythingAndHearsNothingUnsigned) {
   }
 }
 
-TEST(AutopilotLink, PutsLongTextsTogether) {
+TEST(AutopilotLink, JoinsLongTexts) {
   Bench bench(AutopilotDialect::kPx4);
   bench.hear_heartbeat(kNow);
   wire::mavlink::Statustext text;
@@ -359,7 +359,7 @@ TEST(AutopilotLink, PutsLongTextsTogether) {
   EXPECT_EQ(bench.warning(), whole) << "information is no warning";
 }
 
-TEST(AutopilotLink, SurvivesAnythingOnTheWire) {
+TEST(AutopilotLink, SurvivesRandomBytes) {
   std::mt19937_64 rng(7);
   for (const bool is_datagram : {true, false}) {
     Bench bench(AutopilotDialect::kArdupilot);
@@ -391,7 +391,7 @@ TEST(AutopilotLink, SurvivesAnythingOnTheWire) {
 }
 
 // docs/guide/quadrotors.md: all other modes may run without a pilot, whatever the sub-mode of PX4.
-TEST(Dialect, KnowsTheModesThatAreFlownByHand) {
+TEST(Dialect, ListsTheModesFlownByHand) {
   const std::set<std::uint32_t> px4{1, 2, 3, 5, 7, 8, 11};
   const std::set<std::uint32_t> ardupilot{0, 1, 2, 5, 11, 13, 16, 22};
   for (std::uint32_t mode = 0; mode < 40; ++mode) {
@@ -406,7 +406,7 @@ TEST(Dialect, KnowsTheModesThatAreFlownByHand) {
 }
 
 // docs/guide/quadrotors.md: set-points lead by the response time of each autopilot.
-TEST(DialectTraits, LeadByAsMuchAsTheDocumentStates) {
+TEST(DialectTraits, HaveTheDocumentedLead) {
   const DialectTraits& px4 = traits_of(models::AutopilotDialect::kPx4);
   EXPECT_EQ(px4.lead_s, 0.05);
   EXPECT_EQ(px4.acceleration_lead_s, 0.05);

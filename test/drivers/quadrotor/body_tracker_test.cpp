@@ -47,7 +47,7 @@ TEST(BodyTracker, FindsTheVelocityOfASteadyFlightInNoise) {
   EXPECT_LT(squares, promised) << "it promises more than it keeps";
 }
 
-TEST(BodyTracker, RefusesWhatIsNoPose) {
+TEST(BodyTracker, RefusesInvalidPoses) {
   BodyTracker tracker("Q1", 2.0);
   Pose3 bad = at(0, 0);
   bad.translation_m.x() = std::numeric_limits<double>::quiet_NaN();
@@ -66,7 +66,7 @@ TEST(BodyTracker, RefusesWhatIsNoPose) {
             BodyVerdict::kOutOfOrder);
 }
 
-TEST(BodyTracker, NeverBelievesAJumpInTheAir) {
+TEST(BodyTracker, RefusesAJumpInTheAir) {
   BodyTracker tracker("Q1", 2.0);
   tracker.see(frame_at(kStart, at(0, 0)), kStart, kStart, false);
   for (int i = 1; i < 20; ++i) {
@@ -84,7 +84,7 @@ TEST(BodyTracker, NeverBelievesAJumpInTheAir) {
 
 // Regression, flown: after a restart of the mocap driver no pose reached the autopilot, because the
 // vehicle had moved on. Five seconds later the autopilot had no position.
-TEST(BodyTracker, FollowsAMocapThatIsStartedAgainThoughTheBodyHasFlownOn) {
+TEST(BodyTracker, ContinuesAfterAMocapRestartInFlight) {
   for (const Duration other_clock : {Duration{}, Duration{std::chrono::hours(-3)}}) {
     BodyTracker tracker("Q1", 1.0);
     Time now = kStart;
@@ -105,7 +105,7 @@ TEST(BodyTracker, FollowsAMocapThatIsStartedAgainThoughTheBodyHasFlownOn) {
   }
 }
 
-TEST(BodyTracker, BelievesThatABodyOnTheGroundWasCarriedAndCountsIt) {
+TEST(BodyTracker, AcceptsACarriedBodyOnTheGround) {
   BodyTracker tracker("Q1", 2.0);
   tracker.see(frame_at(kStart, at(0, 0)), kStart, kStart, true);
   int refused = 0;
@@ -119,7 +119,7 @@ TEST(BodyTracker, BelievesThatABodyOnTheGroundWasCarriedAndCountsIt) {
   EXPECT_EQ(tracker.state()->world_from_body.translation_m.x(), 3.0);
 }
 
-TEST(BodyTracker, DoesNotTrustAPoseThatStandsStillToTheLastBitInTheAir) {
+TEST(BodyTracker, RefusesIdenticalPosesInTheAir) {
   BodyTracker tracker("Q1", 2.0);
   BodyVerdict verdict = BodyVerdict::kTaken;
   int taken = 0;
@@ -133,7 +133,7 @@ TEST(BodyTracker, DoesNotTrustAPoseThatStandsStillToTheLastBitInTheAir) {
   EXPECT_EQ(tracker.see(frame_at(time, at(0, 0)), time, time, true), BodyVerdict::kTaken);
 }
 
-TEST(BodyTracker, KeepsItsAgeByArrival) {
+TEST(BodyTracker, MeasuresAgeByArrival) {
   BodyTracker tracker("Q1", 2.0);
   EXPECT_FALSE(tracker.age(kStart).has_value());
   const Time captured = kStart - Duration{50'000};

@@ -37,7 +37,7 @@ TEST(CommandSender, RepeatsWithAGrowingConfirmationAndGivesUp) {
   EXPECT_FALSE(sender.outcome(400)->result.has_value());
 }
 
-TEST(CommandSender, SendsTheSameAgainOnlyAfterThePause) {
+TEST(CommandSender, RepeatsOnlyAfterThePause) {
   CommandSender sender;
   sender.want(arm(1), kNow, 2 * kSecond);
   EXPECT_EQ(sender.due(kNow).size(), 1U);
@@ -49,7 +49,7 @@ TEST(CommandSender, SendsTheSameAgainOnlyAfterThePause) {
   EXPECT_EQ(sender.due(kNow + 2 * kSecond).size(), 1U);
 }
 
-TEST(CommandSender, GivesUpACommandForItsOpposite) {
+TEST(CommandSender, ReplacesACommandByItsOpposite) {
   CommandSender sender;
   sender.want(arm(1), kNow, kSecond);
   EXPECT_EQ(sender.due(kNow).size(), 1U);
@@ -59,7 +59,7 @@ TEST(CommandSender, GivesUpACommandForItsOpposite) {
   EXPECT_EQ(due[0].param1, 0.0F);
 }
 
-TEST(CommandSender, WaitsLongerForWhatIsInProgress) {
+TEST(CommandSender, WaitsLongerForACommandInProgress) {
   CommandSender sender;
   sender.want(arm(1), kNow, kSecond);
   EXPECT_EQ(sender.due(kNow).size(), 1U);
@@ -69,7 +69,7 @@ TEST(CommandSender, WaitsLongerForWhatIsInProgress) {
   EXPECT_EQ(sender.due(kNow + 4 * kSecond).size(), 1U);
 }
 
-TEST(CommandSender, InsistsWhateverIsAnswered) {
+TEST(CommandSender, RepeatsWhateverIsReplied) {
   CommandSender sender;
   int sent = 0;
   for (int i = 0; i < 100; ++i) {
@@ -81,7 +81,7 @@ TEST(CommandSender, InsistsWhateverIsAnswered) {
   EXPECT_EQ(sent, 20);
 }
 
-TEST(CommandSender, IgnoresAnswersToNothing) {
+TEST(CommandSender, IgnoresUnexpectedReplies) {
   CommandSender sender;
   sender.acknowledge(ack(0), kNow);
   EXPECT_FALSE(sender.outcome(400).has_value());

@@ -54,7 +54,7 @@ INSTANTIATE_TEST_SUITE_P(Dialects, FlightFaults,
 
 // After an occlusion the body of another vehicle appears under its name. Flight safety rejects the
 // pose, so it must not affect control.
-TEST_P(FlightFaults, APoseThatIsNotBelievedSteersNothing) {
+TEST_P(FlightFaults, IgnoresARejectedPose) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.run(2.0);
   const Eigen::Vector2d place_m = bench.place_m();
@@ -95,7 +95,7 @@ TEST_P(FlightFaults, APoseThatIsNotBelievedSteersNothing) {
 
 // A radio that fails in one direction: the vehicle still receives the driver and must not hover
 // permanently.
-TEST_P(FlightFaults, AVehicleThatIsNoLongerHeardIsLanded) {
+TEST_P(FlightFaults, LandsAVehicleThatIsNoLongerReceived) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.is_deaf = true;
   ASSERT_TRUE(bench.run_until([&] { return !bench.is_armed(); }, 60.0)) << height_m();
@@ -104,7 +104,7 @@ TEST_P(FlightFaults, AVehicleThatIsNoLongerHeardIsLanded) {
 
 // A driver restarted in the air lands by set-points. It must not hand over to the landing mode of
 // the autopilot, which does not stop for a body below.
-TEST_P(FlightFaults, ADriverThatBeginsInTheAirDoesNotTakeThatForTheGround) {
+TEST_P(FlightFaults, RestartedDriverLandsBySetPoints) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.run(2.0);
   bench.restart_driver();
@@ -123,7 +123,7 @@ TEST_P(FlightFaults, ADriverThatBeginsInTheAirDoesNotTakeThatForTheGround) {
 }
 
 // The arm command is lost and then withdrawn; it must not be sent again.
-TEST_P(FlightFaults, AnOrderToArmThatWasWithdrawnIsNotSaidAgain) {
+TEST_P(FlightFaults, DoesNotRepeatAWithdrawnArm) {
   ASSERT_TRUE(bench.run_until(
       [this] {
         return bench.now > FlightBench::kStart + from_seconds(1.0) && bench.reasons().empty();
@@ -153,7 +153,7 @@ TEST_P(FlightFaults, AnOrderToArmThatWasWithdrawnIsNotSaidAgain) {
 
 // The console repeats `hold` for most of a second. A pilot who takes over meanwhile must keep
 // control.
-TEST_P(FlightFaults, ARepeatedOrderTakesNothingFromAPilot) {
+TEST_P(FlightFaults, RepeatedCommandKeepsThePilotInControl) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   const models::OperatorCommand hold = bench.order(OperatorAction::kHold);
   bench.driver->on_command(hold, bench.now);
@@ -173,7 +173,7 @@ TEST_P(FlightFaults, ARepeatedOrderTakesNothingFromAPilot) {
 // becomes LAND, but the mode stays with the pilot, whether the link works or not. In a hold mode of
 // the autopilot there may be no pilot, so it is landed. An operator command takes over, also from a
 // second pilot.
-TEST_P(FlightFaults, NothingThatGoesWrongTakesTheModeFromAPilot) {
+TEST_P(FlightFaults, KeepsTheModeOfAPilot) {
   for (const bool is_by_hand : {true, false}) {
     for (const bool is_deaf : {true, false}) {
       SCOPED_TRACE(testing::Message() << "by hand " << is_by_hand << ", deaf " << is_deaf);
@@ -223,7 +223,7 @@ TEST_P(FlightFaults, NothingThatGoesWrongTakesTheModeFromAPilot) {
 
 // Poses return during a blind landing while a body moves in below: the controlled landing resumes
 // and stops above the body. Near the ground the blind landing continues.
-TEST_P(FlightFaults, SteersABlindLandingAgainWhenPosesAreBack) {
+TEST_P(FlightFaults, ResumesTheLandingWhenPosesReturn) {
   struct Row {
     double begins_m;  ///< m; height of the vehicle when poses return
     bool is_steered;
@@ -264,7 +264,7 @@ TEST_P(FlightFaults, SteersABlindLandingAgainWhenPosesAreBack) {
 
 // pymavlink sends as component 0 by default. A companion that does so in flight must not interrupt
 // the set-points.
-TEST_P(FlightFaults, AHeartbeatOfComponent0InFlightStopsNoSetPoint) {
+TEST_P(FlightFaults, KeepsSetPointsDespiteComponent0) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   Time last = bench.now;
   Duration gap{};
@@ -292,7 +292,7 @@ TEST_P(FlightFaults, AHeartbeatOfComponent0InFlightStopsNoSetPoint) {
 }
 
 // Faults that would stop the motors of a vehicle under our control do not stop them under a pilot.
-TEST_P(FlightFaults, DoesNotStopTheMotorsOfAPilotForAFaultAndDoesForAnOperator) {
+TEST_P(FlightFaults, StopsAPilotedVehicleOnlyOnCommand) {
   using Breaks = std::function<void(FlightBench&)>;
   const Breaks shows_it_outside = [](FlightBench& up) {
     up.alters = [](models::MocapFrame& frame) {
@@ -328,7 +328,7 @@ TEST_P(FlightFaults, DoesNotStopTheMotorsOfAPilotForAFaultAndDoesForAnOperator) 
 }
 
 // Without attitude reports it lands.
-TEST_P(FlightFaults, WithoutAnAttitudeItLands) {
+TEST_P(FlightFaults, LandsWithoutAnAttitude) {
   for (const bool is_told_as_nan : {false, true}) {
     FlightBench up(GetParam());
     ASSERT_TRUE(up.take_off()) << up.reasons();

@@ -32,7 +32,7 @@ constexpr std::array kForeignRows{
     ForeignRow{0.3, 0.58}, ForeignRow{0.3, 0.65},  ForeignRow{0.6, 0.24}, ForeignRow{0.6, 0.58}};
 constexpr double kLeavesMostM = 0.8;
 
-TEST(MocapIdentity, AVehicleWhoseNameAStillBodyBearsEndsLandedAndNear) {
+TEST(MocapIdentity, LandsNearbyWhenAStationaryBodyHasItsName) {
   for (const AutopilotDialect dialect : kDialects) {
     for (const ForeignRow& row : kForeignRows) {
       SCOPED_TRACE(testing::Message() << name_of(dialect) << ", unseen for " << row.gap_s
@@ -68,7 +68,7 @@ constexpr std::array kSwapRows{SwapRow{0.6, 0.3}, SwapRow{1.0, 0.1}, SwapRow{2.0
 constexpr double kFarM = 2.2;         // m; between the bodies at take-off
 constexpr double kApproachMps = 0.3;  // m/s; of the other body, in the air
 
-TEST(MocapIdentity, NamesThatAreSwappedReachNoVehicle) {
+TEST(MocapIdentity, HidesSwappedNamesFromTheVehicle) {
   for (const SwapRow& row : kSwapRows) {
     SCOPED_TRACE(testing::Message() << row.apart_m << " m apart, unseen for " << row.gap_s << " s");
     FlightBench bench(AutopilotDialect::kPx4);
@@ -148,7 +148,7 @@ struct PoseWatch {
   }
 };
 
-TEST(MocapIdentity, AClockThatIsSetCostsTheAutopilotNoPose) {
+TEST(MocapIdentity, ForwardsPosesThroughAClockChange) {
   using std::chrono::hours;
   for (const AutopilotDialect dialect : kDialects) {
     for (const Duration set : {Duration{-hours(1)}, Duration{-std::chrono::seconds(1)},

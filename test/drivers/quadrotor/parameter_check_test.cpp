@@ -54,7 +54,7 @@ struct Bench {
   }
 };
 
-TEST(ParameterCheck, AsksForEachOnceWhenItIsAnswered) {
+TEST(ParameterCheck, RequestsEachParameterOnce) {
   Bench bench;
   EXPECT_FALSE(bench.check.is_kept()) << "before anything is known";
   EXPECT_EQ(bench.check.reasons(),
@@ -70,7 +70,7 @@ TEST(ParameterCheck, AsksForEachOnceWhenItIsAnswered) {
   EXPECT_NEAR(bench.check.value("GUID_TIMEOUT").value_or(0.0), 0.3, 1e-6);
 }
 
-TEST(ParameterCheck, RepeatsWhatIsNotAnsweredAndGivesItUp) {
+TEST(ParameterCheck, RepeatsUnansweredRequestsThenGivesUp) {
   Bench bench;
   bench.known.erase("FS_GCS_ENABLE");
   bench.run(2.0);
@@ -83,7 +83,7 @@ TEST(ParameterCheck, RepeatsWhatIsNotAnsweredAndGivesItUp) {
             std::vector<std::string>{"FS_GCS_ENABLE is missing, wanted is 5: it stays"});
 }
 
-TEST(ParameterCheck, KeepsOnlyAFewQuestionsUnderWay) {
+TEST(ParameterCheck, LimitsPendingRequests) {
   Bench bench;
   bench.check = ParameterCheck(AutopilotDialect::kArdupilot,
                                wire::parameter_rules(AutopilotDialect::kArdupilot));
@@ -92,7 +92,7 @@ TEST(ParameterCheck, KeepsOnlyAFewQuestionsUnderWay) {
   EXPECT_TRUE(bench.check.due(kStart).reads.empty());
 }
 
-TEST(ParameterCheck, NamesADifferenceAndForgivesOneThatIsAdvised) {
+TEST(ParameterCheck, ReportsRequiredDifferences) {
   Bench bench;
   bench.known["GUID_TIMEOUT"] = 3.0;
   bench.known["VISO_DELAY_MS"] = 60.0;
@@ -105,7 +105,7 @@ TEST(ParameterCheck, NamesADifferenceAndForgivesOneThatIsAdvised) {
   EXPECT_TRUE(bench.check.is_kept());
 }
 
-TEST(ParameterCheck, AsksAgainLaterAndBelievesTheNewestWord) {
+TEST(ParameterCheck, RefreshesValues) {
   Bench bench;
   bench.run(2.0);
   ASSERT_TRUE(bench.check.is_kept());
@@ -117,7 +117,7 @@ TEST(ParameterCheck, AsksAgainLaterAndBelievesTheNewestWord) {
   EXPECT_EQ(bench.check.value("GUID_TIMEOUT"), std::nullopt) << "old words do not stay";
 }
 
-TEST(ParameterCheck, ForgetsAllWhenTheVehicleWasAway) {
+TEST(ParameterCheck, RestartsAfterALostLink) {
   Bench bench;
   bench.run(2.0);
   ASSERT_TRUE(bench.check.is_kept());
@@ -128,7 +128,7 @@ TEST(ParameterCheck, ForgetsAllWhenTheVehicleWasAway) {
   EXPECT_TRUE(bench.check.is_kept());
 }
 
-TEST(ParameterCheck, MendsWhatDiffersAndNothingElse) {
+TEST(ParameterCheck, SetsOnlyDifferingParameters) {
   Bench bench;
   bench.known["GUID_TIMEOUT"] = 3.0;
   bench.known["FS_GCS_ENABLE"] = 0.0;
@@ -143,7 +143,7 @@ TEST(ParameterCheck, MendsWhatDiffersAndNothingElse) {
   EXPECT_TRUE(bench.check.is_kept());
 }
 
-TEST(ParameterCheck, GivesUpWhatDoesNotLetItselfBeSet) {
+TEST(ParameterCheck, GivesUpParametersThatCannotBeSet) {
   Bench bench;
   bench.known["GUID_TIMEOUT"] = 3.0;
   bench.run(2.0);
@@ -154,7 +154,7 @@ TEST(ParameterCheck, GivesUpWhatDoesNotLetItselfBeSet) {
   EXPECT_FALSE(bench.check.is_kept());
 }
 
-TEST(ParameterCheck, IgnoresNamesItDidNotAskForAndNumbersThatAreNone) {
+TEST(ParameterCheck, IgnoresUnknownNamesAndNonFiniteValues) {
   Bench bench;
   bench.check.take({std::numeric_limits<float>::quiet_NaN(), 3, 0,
                     wire::mavlink::parameter_id("GUID_TIMEOUT"), 9},

@@ -65,7 +65,7 @@ TEST_P(Flight, LandsFromTheMiddleOfItsTakeOff) {
 }
 
 // A person walks in during the descent and stays: it stops, moves aside and lands.
-TEST_P(Flight, LandsBesideWhoWalksInBelow) {
+TEST_P(Flight, LandsNextToAPerson) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.walker_m = Eigen::Vector3d(3.0, 2.0, 0.0);
   bench.run(3.0);
@@ -140,10 +140,10 @@ std::set<std::uint16_t> kinds_told(const std::vector<std::vector<std::uint8_t>>&
 
 // Regression: a HOLD in motion threw a real ArduCopter by one metre. The driver sent one kind of
 // set-point in motion and another at rest. At each change of kind the autopilot attributes its
-// current braking to wind (RecordedMotion.ThrowsAsFarWhenTheKindOfTargetChanges verifies this for
-// the emulator). The driver now sends one kind for the whole flight, stops within the budgeted
-// distance and stays there, also when repeated.
-TEST_P(Flight, StopsOnTheBudgetedWayWhenItIsHeldInMotionAndOnceMore) {
+// current braking to wind (RecordedMotion.OvershootsAsRecordedWhenTheTargetKindChanges verifies
+// this for the emulator). The driver now sends one kind for the whole flight, stops within the
+// budgeted distance and stays there, also when repeated.
+TEST_P(Flight, StopsWithinTheBudgetedDistance) {
   constexpr double kRecordedM = 0.12;  // m; accuracy of the emulated autopilots
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.run(3.0);
@@ -175,7 +175,7 @@ TEST_P(Flight, StopsOnTheBudgetedWayWhenItIsHeldInMotionAndOnceMore) {
   EXPECT_EQ(kinds, std::set<std::uint16_t>{wire::mavlink::mask::kNothingIgnored});
 }
 
-TEST_P(Flight, HoldsWhenAPlanIsTakenFromItAndLandsWithoutPoses) {
+TEST_P(Flight, HoldsThenLandsWithoutPoses) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.command(OperatorAction::kFollow);
   bench.run(0.1);
@@ -192,7 +192,7 @@ TEST_P(Flight, HoldsWhenAPlanIsTakenFromItAndLandsWithoutPoses) {
   EXPECT_NEAR(bench.vehicle.world_from_body().translation_m.z(), FlightBench::kFloorM, 1e-9);
 }
 
-TEST_P(Flight, StopsTheMotorsAtOnceInAnEmergency) {
+TEST_P(Flight, StopsTheMotorsAtOnceOnAnEmergencyStop) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.command(OperatorAction::kEmergencyStop);
   bench.run(0.03);
@@ -206,7 +206,7 @@ TEST_P(Flight, StopsTheMotorsAtOnceInAnEmergency) {
 
 // From the ground to the end of the climb, and right after arming, before a heartbeat reports it.
 // The motors stop at once, it falls, and only `arm` lets them run again.
-TEST_P(Flight, StopsTheMotorsAtOnceInAnEmergencyOnItsWayUp) {
+TEST_P(Flight, StopsTheMotorsAtOnceDuringTakeOff) {
   for (const double above_m : {-1.0, 0.02, 0.1, 0.3, 0.8}) {
     SCOPED_TRACE(above_m);
     FlightBench up(GetParam());
@@ -237,7 +237,7 @@ TEST_P(Flight, StopsTheMotorsAtOnceInAnEmergencyOnItsWayUp) {
   }
 }
 
-TEST_P(Flight, GivesWayToAPilotAndTakesTheVehicleBackWhenAsked) {
+TEST_P(Flight, YieldsToAPilotUntilCommanded) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   const std::uint32_t ours = bench.vehicle.controller().mode();
   const bool is_px4 = GetParam() == AutopilotDialect::kPx4;
@@ -264,7 +264,7 @@ TEST_P(Flight, IsLandedByItsAutopilotWhenTheWireIsCut) {
 
 // Regression: a driver restarted in the air reported `idle` and landed the vehicle against the wish
 // of the operator.
-TEST_P(Flight, HoldsAVehicleThatAnEarlierRunLeftInTheAirAndAsks) {
+TEST_P(Flight, HoldsAVehicleOfAnEarlierRun) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.run(2.0);  // until it hovers: the autopilot completes its climb first
   const Eigen::Vector3d place_m = bench.vehicle.world_from_body().translation_m;
@@ -280,14 +280,14 @@ TEST_P(Flight, HoldsAVehicleThatAnEarlierRunLeftInTheAirAndAsks) {
 }
 
 // Without mocap it is landed.
-TEST_P(Flight, BringsDownAVehicleThatAnEarlierRunLeftInTheAirUnseen) {
+TEST_P(Flight, LandsAnUnseenVehicleOfAnEarlierRun) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.restart_driver();
   bench.has_mocap = false;
   ASSERT_TRUE(bench.run_until([&] { return !bench.is_armed(); }, 40.0)) << bench.reasons();
 }
 
-TEST_P(Flight, SaysThatItIsConnectedToTheOtherAutopilot) {
+TEST_P(Flight, ReportsTheWrongDialect) {
   const AutopilotDialect other =
       GetParam() == AutopilotDialect::kPx4 ? AutopilotDialect::kArdupilot : AutopilotDialect::kPx4;
   FlightBench mixed(GetParam(), FlightBench::vehicle_for(other));
@@ -313,7 +313,7 @@ TEST_P(Flight, ShowsWhyTheAutopilotRefuses) {
 
 // Seen with ArduCopter: it was commanded to take off again during its lift and refused. Every
 // vehicle then reported "take-off failed" for 5 s while it followed its first plan.
-TEST_P(Flight, SaysNothingOfARefusedTakeOffOnceItHasTakenOff) {
+TEST_P(Flight, HidesARefusedTakeOffOnceAirborne) {
   bool has_said = false;
   bench.on_step = [&](Time now) {
     wire::mavlink::CommandAck ack;
@@ -330,7 +330,7 @@ TEST_P(Flight, SaysNothingOfARefusedTakeOffOnceItHasTakenOff) {
   EXPECT_FALSE(bench.has_reason("take-off failed")) << bench.reasons();
 }
 
-TEST_P(Flight, IsTheSameFlightAgain) {
+TEST_P(Flight, IsReproducible) {
   ASSERT_TRUE(bench.take_off());
   FlightBench again(GetParam());
   ASSERT_TRUE(again.take_off());

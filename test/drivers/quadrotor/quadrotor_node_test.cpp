@@ -47,7 +47,7 @@ void fly(NodeBench& bench) {
   ASSERT_TRUE(bench.run_until([&] { return !bench.is_armed(); }, 30.0));
 }
 
-TEST(QuadrotorNode, FliesAVehicleThatSpeaksToItsPort) {
+TEST(QuadrotorNode, FliesAVehicleThatSendsFirst) {
   NodeBench bench(AutopilotDialect::kPx4, "udp://127.0.0.1:" + port_of_this_test(0));
   fly(bench);
   // At least ten statuses per second.
@@ -55,7 +55,7 @@ TEST(QuadrotorNode, FliesAVehicleThatSpeaksToItsPort) {
             9.9 * to_seconds(bench.clock.now() - FlightBench::kStart));
 }
 
-TEST(QuadrotorNode, FliesAVehicleThatWaitsForIt) {
+TEST(QuadrotorNode, FliesAVehicleThatWaitsForItsDriver) {
   NodeBench bench(AutopilotDialect::kArdupilot, "udpout://127.0.0.1:" + port_of_this_test(1));
   fly(bench);
 }
@@ -110,7 +110,7 @@ bool hovers(NodeBench& bench) {
 
 constexpr AutopilotDialect kDialects[] = {AutopilotDialect::kPx4, AutopilotDialect::kArdupilot};
 
-TEST(QuadrotorNode, LandsBeforeItEndsWhenItIsAskedToEndInTheAir) {
+TEST(QuadrotorNode, LandsBeforeItEnds) {
   for (const AutopilotDialect dialect : kDialects) {
     NodeBench bench(dialect, "udpout://127.0.0.1:" + port_of_this_test(0));
     ASSERT_TRUE(hovers(bench));
@@ -125,7 +125,7 @@ TEST(QuadrotorNode, LandsBeforeItEndsWhenItIsAskedToEndInTheAir) {
   }
 }
 
-TEST(QuadrotorNode, HandsOverToTheAutopilotsLandingWhenAskedToEndAgain) {
+TEST(QuadrotorNode, HandsOverAtTheSecondEndRequest) {
   for (const AutopilotDialect dialect : kDialects) {
     NodeBench bench(dialect, "udpout://127.0.0.1:" + port_of_this_test(0));
     ASSERT_TRUE(hovers(bench));
@@ -145,7 +145,7 @@ TEST(QuadrotorNode, HandsOverToTheAutopilotsLandingWhenAskedToEndAgain) {
   }
 }
 
-TEST(QuadrotorNode, EndsAtOnceOnTheGroundAndDisarmsBefore) {
+TEST(QuadrotorNode, DisarmsAndEndsAtOnceOnTheGround) {
   NodeBench bench(AutopilotDialect::kPx4, "udpout://127.0.0.1:" + port_of_this_test(0));
   ASSERT_TRUE(bench.run_until(
       [&] { return !bench.statuses.empty() && bench.statuses.back().reasons.empty(); }, 20.0));
@@ -158,7 +158,7 @@ TEST(QuadrotorNode, EndsAtOnceOnTheGroundAndDisarmsBefore) {
   EXPECT_FALSE(bench.is_armed());
 }
 
-TEST(QuadrotorNode, TellsHowLongFramesAreOnTheirWay) {
+TEST(QuadrotorNode, CountsFrameLatency) {
   NodeBench bench(AutopilotDialect::kPx4, "udp://127.0.0.1:" + port_of_this_test(3));
   bench.mocap_clock = -Duration{2'000};
   bench.run(1.0);
@@ -196,7 +196,7 @@ TEST(QuadrotorNode, RefusesARobotThatHasNoAutopilot) {
   EXPECT_THROW(QuadrotorNode(bus, clock, scenario, "Q9", open_port(url)), UsageError);
 }
 
-TEST(LoadKey, TakesThirtyTwoBytesAndNothingElse) {
+TEST(LoadKey, RequiresExactlyThirtyTwoBytes) {
   const auto file =
       std::filesystem::temp_directory_path() / ("vantage_key_" + std::to_string(getpid()));
   using std::filesystem::perms;

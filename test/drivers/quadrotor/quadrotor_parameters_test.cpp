@@ -34,7 +34,7 @@ INSTANTIATE_TEST_SUITE_P(Dialects, Parameters,
                          ::testing::Values(AutopilotDialect::kPx4, AutopilotDialect::kArdupilot),
                          [](const auto& chosen) { return std::string(name_of(chosen.param)); });
 
-TEST_P(Parameters, ThatDifferForbidArmingAndSayWhatWouldHappen) {
+TEST_P(Parameters, ForbidArmingWhenDifferent) {
   bench.vehicle.set_parameter(loss_name(), 3.0);
   bench.run(30.0);
   EXPECT_TRUE(bench.has_reason(loss_name() + " is 3, wanted is at most")) << bench.reasons();
@@ -44,7 +44,7 @@ TEST_P(Parameters, ThatDifferForbidArmingAndSayWhatWouldHappen) {
 }
 
 // Regression: the rules allowed 0.5 s, but the stop was budgeted with 0.3 s.
-TEST_P(Parameters, LongerThanTheStopWasBudgetedForForbidArming) {
+TEST_P(Parameters, ForbidArmingWithATimeOutBeyondTheBudget) {
   bench.vehicle.set_parameter(loss_name(), 0.5);
   bench.run(30.0);
   EXPECT_TRUE(bench.has_reason(loss_name() + " is 0.5, wanted is at most 0.3")) << bench.reasons();
@@ -53,7 +53,7 @@ TEST_P(Parameters, LongerThanTheStopWasBudgetedForForbidArming) {
 
 // With the longest permitted time-out, measures the distance from motion to the stop without
 // set-points.
-TEST_P(Parameters, ThatLetItArmStopItWithinTheBudgetWhenItsDriverDies) {
+TEST_P(Parameters, StopWithinTheBudgetWhenTheDriverDies) {
   bench.vehicle.set_parameter(loss_name(), 0.3);
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.run(3.0);
@@ -71,14 +71,14 @@ TEST_P(Parameters, ThatLetItArmStopItWithinTheBudgetWhenItsDriverDies) {
   EXPECT_GT(farthest_m, 0.3 * speed_mps) << "it was not cut off in motion";
 }
 
-TEST_P(Parameters, ThatAreMissingForbidArming) {
+TEST_P(Parameters, ForbidArmingWhenMissing) {
   bench.vehicle.forget_parameter(loss_name());
   bench.run(30.0);
   EXPECT_TRUE(bench.has_reason(loss_name() + " is missing")) << bench.reasons();
   EXPECT_FALSE(arms_within(10.0));
 }
 
-TEST_P(Parameters, ThatWereMendedLetItArm) {
+TEST_P(Parameters, AllowArmingOnceCorrected) {
   bench.vehicle.set_parameter(loss_name(), 3.0);
   bench.run(30.0);
   ASSERT_TRUE(bench.has_reason(loss_name()));
@@ -88,7 +88,7 @@ TEST_P(Parameters, ThatWereMendedLetItArm) {
   EXPECT_TRUE(arms_within(60.0)) << bench.reasons();
 }
 
-TEST_P(Parameters, AreReadAgainWhenTheVehicleWasAway) {
+TEST_P(Parameters, AreReadAgainAfterALostLink) {
   bench.run(10.0);
   ASSERT_TRUE(bench.driver->parameters().is_kept());
   bench.is_wire_cut = true;
@@ -100,7 +100,7 @@ TEST_P(Parameters, AreReadAgainWhenTheVehicleWasAway) {
   EXPECT_FALSE(arms_within(10.0));
 }
 
-TEST_P(Parameters, AreToldOnlyWhereTheScenarioSaysSo) {
+TEST_P(Parameters, AreOnlyReportedWhenConfigured) {
   use(ParameterPolicy::kWarn);
   bench.vehicle.set_parameter(loss_name(), 3.0);
   bench.run(30.0);
@@ -108,7 +108,7 @@ TEST_P(Parameters, AreToldOnlyWhereTheScenarioSaysSo) {
   EXPECT_TRUE(arms_within(60.0)) << bench.reasons();
 }
 
-TEST_P(Parameters, AreNotAskedForWhereTheScenarioSaysSo) {
+TEST_P(Parameters, AreNotRequestedWhenIgnored) {
   use(ParameterPolicy::kIgnore);
   bench.vehicle.set_parameter(loss_name(), 3.0);
   bench.run(30.0);
@@ -116,7 +116,7 @@ TEST_P(Parameters, AreNotAskedForWhereTheScenarioSaysSo) {
   EXPECT_TRUE(arms_within(60.0)) << bench.reasons();
 }
 
-TEST_P(Parameters, AreNotAskedForInFlight) {
+TEST_P(Parameters, AreNotRequestedInFlight) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   std::int64_t asked = 0;
   bench.on_step = [&](Time) {
@@ -152,7 +152,7 @@ INSTANTIATE_TEST_SUITE_P(Dialects, Battery,
                          ::testing::Values(AutopilotDialect::kPx4, AutopilotDialect::kArdupilot),
                          [](const auto& chosen) { return std::string(name_of(chosen.param)); });
 
-TEST_P(Battery, ThatTellsAVoltageAloneIsNamedAsTheObstacle) {
+TEST_P(Battery, ReportsAMissingCharge) {
   const auto bench = bench_with(sim::BatteryReport::kVoltageOnly, 1.0);
   bench->run(30.0);
   EXPECT_TRUE(bench->has_reason("does not report its battery's charge")) << bench->reasons();
@@ -160,7 +160,7 @@ TEST_P(Battery, ThatTellsAVoltageAloneIsNamedAsTheObstacle) {
   EXPECT_FALSE(bench->run_until([&] { return bench->is_armed(); }, 10.0));
 }
 
-TEST_P(Battery, IsKnownByItsVoltageWhereTheScenarioSaysHow) {
+TEST_P(Battery, IsEstimatedFromVoltageWhenConfigured) {
   const auto bench = known_bench(sim::BatteryReport::kVoltageOnly, 1.0);
   ASSERT_TRUE(bench->take_off()) << bench->reasons();
   bench->run(15.0);
@@ -179,7 +179,7 @@ TEST_P(Battery, LandsTheVehicleByItsVoltage) {
   EXPECT_TRUE(bench->run_until([&] { return !bench->is_armed(); }, 40.0)) << bench->reasons();
 }
 
-TEST_P(Battery, ThatIsNearlyEmptyIsNotBelievedToBeFull) {
+TEST_P(Battery, IgnoresAWrongFullReport) {
   // ArduCopter 4.6.2 reported 100 % for a three-cell battery at 10.6 V, because it counts down from
   // full.
   const auto bench = known_bench(sim::BatteryReport::kFromFull, 0.05);

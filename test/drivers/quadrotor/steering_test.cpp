@@ -26,7 +26,7 @@ BodyState seen_at(const Eigen::Vector3d& position_m) {
   return out;
 }
 
-TEST(Steering, HandsOnWhatIsWithinTheLimits) {
+TEST(Steering, PassesSetPointsWithinTheLimits) {
   FlightSetpoint asked = asked_at({1.0, 2.0, 1.5}, {0.6, -0.8, 0.5});
   asked.acceleration_world_mps2 = {1.0, 2.0, 0.0};
   asked.yaw_rate_radps = -3.0;
@@ -39,7 +39,7 @@ TEST(Steering, HandsOnWhatIsWithinTheLimits) {
 }
 
 // Speed limits hold in every direction, and the position stays within kReachM of the vehicle.
-TEST(Steering, NeverAsksForMoreThanTheLimitsNorForAPlaceFarFromWhereItIs) {
+TEST(Steering, LimitsSpeedsAndDistance) {
   std::mt19937_64 rng(3);
   std::uniform_real_distribution<double> any(-3.0, 3.0);
   for (int i = 0; i < 1000; ++i) {
@@ -60,13 +60,13 @@ TEST(Steering, NeverAsksForMoreThanTheLimitsNorForAPlaceFarFromWhereItIs) {
   }
 }
 
-TEST(Steering, LeavesThePlaceAloneWhileTheBodyIsNotSeen) {
+TEST(Steering, KeepsThePositionWhileTheBodyIsUnseen) {
   const FlightSetpoint asked = asked_at({9.0, -9.0, 2.0}, {0.0, 0.0, 0.0});
   EXPECT_EQ(steer(asked, std::nullopt, kLimits).position_world_m, asked.position_world_m);
 }
 
 // A mirrored input gives the mirrored output.
-TEST(Steering, IsTheSameMirrored) {
+TEST(Steering, IsInvariantUnderMirroring) {
   const Eigen::Vector3d mirror(1.0, -1.0, 1.0);
   const FlightSetpoint asked = asked_at({2.0, 1.0, 1.0}, {1.0, 2.0, 0.1});
   FlightSetpoint mirrored = asked_at(asked.position_world_m.cwiseProduct(mirror),

@@ -29,7 +29,7 @@ struct Bench {
   Telemetry telemetry;
 };
 
-TEST(Telemetry, KeepsNoPositionFreshThatIsNoNumber) {
+TEST(Telemetry, IgnoresNonFinitePositions) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   using Position = wire::mavlink::LocalPositionNed;
@@ -48,7 +48,7 @@ TEST(Telemetry, KeepsNoPositionFreshThatIsNoNumber) {
   }
 }
 
-TEST(Telemetry, KeepsNoAttitudeFreshThatIsNoNumber) {
+TEST(Telemetry, IgnoresNonFiniteAttitudes) {
   using wire::mavlink::Attitude;
   for (const auto field :
        {&Attitude::roll, &Attitude::pitch, &Attitude::yaw, &Attitude::yawspeed}) {
@@ -69,7 +69,7 @@ TEST(Telemetry, KeepsNoAttitudeFreshThatIsNoNumber) {
 }
 
 // Each dialect reports motor faults in its own way; the report of the other dialect is ignored.
-TEST(Telemetry, KnowsAMotorFaultAsTheDialectReportsIt) {
+TEST(Telemetry, DetectsMotorFaultsPerDialect) {
   using wire::mavlink::kSensorMotorOutputs;
   struct Row {
     const char* what;
@@ -111,7 +111,7 @@ TEST(Telemetry, KnowsAMotorFaultAsTheDialectReportsIt) {
 }
 
 // The lowest battery decides, whatever the ids are.
-TEST(Telemetry, KnowsTheLowestChargeOfAllBatteriesThatReport) {
+TEST(Telemetry, ReportsTheLowestBattery) {
   struct Report {
     int id;  ///< negative: SYS_STATUS
     std::int8_t percent;

@@ -39,7 +39,7 @@ double error_m(const RoverBench& bench, const HeldPlan& plan) {
   return (bench.place_m() - planned_m.head<2>()).norm();
 }
 
-TEST(RoverDriver, StandsUntilItIsArmedAndToldToFollow) {
+TEST(RoverDriver, StandsUntilArmAndFollow) {
   RoverBench bench;
   bench.run(1.0);
   EXPECT_EQ(bench.driver.state(), FlightState::kIdle);
@@ -79,7 +79,7 @@ TEST(RoverDriver, FollowsAPlanWithinTheStatedError) {
   RecordProperty("worst_mm", static_cast<int>(1000.0 * worst_m));
 }
 
-TEST(RoverDriver, GoesOverFromOnePlanToTheNext) {
+TEST(RoverDriver, ContinuesWithTheNextPlan) {
   RoverBench bench;
   ASSERT_TRUE(bench.make_ready());
   ASSERT_EQ(bench.plan(RoverBench::straight(0.5, 6.0)), PlanVerdict::kAccepted);
@@ -105,7 +105,7 @@ TEST(RoverDriver, GoesOverFromOnePlanToTheNext) {
   EXPECT_EQ(bench.driver.state(), FlightState::kFollow);
 }
 
-TEST(RoverDriver, ComesBackToAPlanThatBeginsBesideIt) {
+TEST(RoverDriver, ReturnsToAPlanThatBeginsNearby) {
   RoverBench bench;
   ASSERT_TRUE(bench.make_ready());
   ASSERT_EQ(bench.plan(RoverBench::straight(0.5, 6.0), 0.3, Pose2{1.15, 1.0, kPi / 2}),
@@ -115,7 +115,7 @@ TEST(RoverDriver, ComesBackToAPlanThatBeginsBesideIt) {
   EXPECT_LT(std::abs(bench.place_m().x() - 1.15), 0.03);
 }
 
-TEST(RoverDriver, DrivesThroughPlaces) {
+TEST(RoverDriver, DrivesThroughWaypoints) {
   RoverBench bench;
   ASSERT_TRUE(bench.make_ready());
   const std::vector<Waypoint> places = {{{1.0, 2.0}, 0.5}, {{2.5, 2.0}, 0.5}};
@@ -132,7 +132,7 @@ TEST(RoverDriver, DrivesThroughPlaces) {
   EXPECT_EQ(bench.driver.drive_through(outside, bench.now), PlanVerdict::kOutsideFence);
 }
 
-TEST(RoverDriver, RefusesPlansThatItMustNotDrive) {
+TEST(RoverDriver, RefusesForbiddenPlans) {
   scenario::Scenario scenario = RoverBench::scenario_for();
   scenario.world.obstacles = {{{{0.8, 2.0}, {1.2, 2.4}}, 0.5}};
   RoverBench bench(scenario);
@@ -145,7 +145,7 @@ TEST(RoverDriver, RefusesPlansThatItMustNotDrive) {
   EXPECT_EQ(bench.plan(RoverBench::straight(0.3, 1.0)), PlanVerdict::kAccepted);
 }
 
-TEST(RoverDriver, LandIsAStopThatEndsDisarmed) {
+TEST(RoverDriver, LandStopsAndDisarms) {
   RoverBench bench;
   ASSERT_TRUE(bench.make_ready());
   ASSERT_EQ(bench.plan(RoverBench::straight(0.5, 6.0)), PlanVerdict::kAccepted);
@@ -171,7 +171,7 @@ TEST(RoverDriver, TicksWithoutAllocating) {
   EXPECT_EQ(allocations.count(), 0U);
 }
 
-TEST(RoverDriver, RefusesARobotThatIsNoRover) {
+TEST(RoverDriver, RefusesOtherRobots) {
   scenario::Scenario scenario = RoverBench::scenario_for();
   const SafetyLimits limits = limits_for(scenario, "R1");
   EXPECT_THROW(RoverDriver(scenario, "R9", limits, 1), UsageError);
@@ -181,7 +181,7 @@ TEST(RoverDriver, RefusesARobotThatIsNoRover) {
 
 // A person crosses the path of the rover without stopping. The rover stops before the person is
 // closer than separation_hold_m.
-TEST(RoverDriver, StandsBeforeAPersonWhoWalksOnIsNear) {
+TEST(RoverDriver, StopsBeforeACrossingPersonIsClose) {
   for (const double speed_mps : {0.5, 1.0, 1.5}) {
     for (const double heading_rad : {-kPi / 2, -kPi / 4, 0.0, kPi, kPi / 4}) {
       RoverBench bench;

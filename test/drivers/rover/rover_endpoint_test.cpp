@@ -46,13 +46,11 @@ void drive(const std::string& url) {
   EXPECT_EQ(rover.emulator().refused(), 0);
 }
 
-TEST(RoverEndpoint, IsDrivenByADriverThatSpeaksFirst) {
+TEST(RoverEndpoint, IsDrivenByADriverThatSendsFirst) {
   drive("udpout://127.0.0.1:" + port_of_this_test(0));
 }
 
-TEST(RoverEndpoint, IsDrivenByADriverThatWaitsForIt) {
-  drive("udp://127.0.0.1:" + port_of_this_test(1));
-}
+TEST(RoverEndpoint, IsDrivenByAWaitingDriver) { drive("udp://127.0.0.1:" + port_of_this_test(1)); }
 
 }  // namespace
 }  // namespace vantage::drivers

@@ -105,14 +105,14 @@ class RoverUnderWay : public ::testing::Test {
   RoverBench bench;
 };
 
-TEST_F(RoverUnderWay, StopsByItselfWhenItsDriverDies) {
+TEST_F(RoverUnderWay, StopsWhenItsDriverEnds) {
   bench.driver_on = false;
   const Time begin = bench.now;
   ASSERT_TRUE(bench.run_until([&] { return bench.stands(); }, 2.0));
   EXPECT_LE(to_seconds(bench.now - begin), kWatchdogS + 0.25 + 0.02);
 }
 
-TEST_F(RoverUnderWay, StandsAtTheEndOfAPlanThatNoOtherFollows) {
+TEST_F(RoverUnderWay, StopsAtTheEndOfTheLastPlan) {
   ASSERT_TRUE(bench.run_until([&] { return bench.stands(); }, 10.0));
   bench.run(3.0);
   EXPECT_TRUE(bench.stands());
@@ -121,7 +121,7 @@ TEST_F(RoverUnderWay, StandsAtTheEndOfAPlanThatNoOtherFollows) {
   EXPECT_TRUE(bench.says("no plan"));
 }
 
-TEST_F(RoverUnderWay, AnEmergencyStopStaysUntilItIsArmedAnew) {
+TEST_F(RoverUnderWay, KeepsAnEmergencyStopUntilRearmed) {
   (void)bench.command(OperatorAction::kEmergencyStop);
   bench.run(1.0);
   EXPECT_TRUE(bench.rover.is_stopped());
@@ -143,14 +143,14 @@ TEST_F(RoverUnderWay, AnEmergencyStopStaysUntilItIsArmedAnew) {
   EXPECT_EQ(bench.driver.state(), FlightState::kFollow);
 }
 
-TEST_F(RoverUnderWay, AStopThatWasPressedAtTheRoverIsNotReleasedByTime) {
+TEST_F(RoverUnderWay, KeepsAStopPressedAtTheRover) {
   bench.rover.press_stop();
   bench.run(20.0);
   EXPECT_TRUE(bench.rover.is_stopped());
   EXPECT_EQ(bench.driver.state(), FlightState::kKilled);
 }
 
-TEST_F(RoverUnderWay, GoesOnWithANewPlanWhenMocapIsBack) {
+TEST_F(RoverUnderWay, ContinuesWithANewPlanWhenMocapReturns) {
   bench.mocap_on = false;
   bench.run(0.3);
   bench.mocap_on = true;
@@ -162,7 +162,7 @@ TEST_F(RoverUnderWay, GoesOnWithANewPlanWhenMocapIsBack) {
   EXPECT_EQ(bench.driver.state(), FlightState::kFollow);
 }
 
-TEST_F(RoverUnderWay, WaitsForFollowAfterTheOperatorWasAway) {
+TEST_F(RoverUnderWay, WaitsForFollowAfterOperatorSilence) {
   bench.operator_on = false;
   bench.run(2.0);
   bench.operator_on = true;
@@ -175,7 +175,7 @@ TEST_F(RoverUnderWay, WaitsForFollowAfterTheOperatorWasAway) {
 }
 
 // The steering jams in a curve that ends before the wall; the rover must not reach the wall.
-TEST(RoverFence, IsNotCrossedByARoverThatDoesNotTurn) {
+TEST(RoverFence, IsNotCrossedWhenSteeringJams) {
   scenario::Scenario scenario = RoverBench::scenario_for();
   scenario.world.bounds = {{0.0, 0.0}, {4.0, 3.0}};
   RoverBench bench(scenario);
@@ -197,7 +197,7 @@ TEST(RoverFence, IsNotCrossedByARoverThatDoesNotTurn) {
   EXPECT_LT(bench.place_m().y(), 3.0 - scenario.robots[0].limits.radius_m);
 }
 
-TEST(RoverFence, OutsideOfItARoverIsNotArmed) {
+TEST(RoverFence, ForbidsArmingOutside) {
   RoverBench bench;
   bench.rover.push_to({0.1, 1.0, kPi / 2});
   bench.run(1.0);
@@ -205,7 +205,7 @@ TEST(RoverFence, OutsideOfItARoverIsNotArmed) {
   EXPECT_EQ(bench.command(OperatorAction::kArm), CommandVerdict::kRefused);
 }
 
-TEST(RoverDrivers, TwoOfOneRoverAreSeenByTheOneThatIsNotObeyed) {
+TEST(RoverDrivers, SecondDriverReportsDisobedience) {
   RoverBench bench;
   bench.run(1.0);
   RoverDriver second(bench.scenario, "R1", limits_for(bench.scenario, "R1"), 42);

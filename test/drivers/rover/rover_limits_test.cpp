@@ -76,7 +76,7 @@ const Stated kStated[] = {
      [](SafetyInputs& in, double v) { in.other_version_age_s = -v; }, -5.0},
 };
 
-TEST(RoverLimits, AreThoseThatTheDocumentStates) {
+TEST(RoverLimits, MatchTheDocument) {
   scenario::Scenario scenario = test::RoverBench::scenario_for();
   scenario.robots[0].limits.radius_m = 0.2;
   scenario.planner.tracking_tolerance_m = kToleranceM;
@@ -100,7 +100,7 @@ TEST(RoverLimits, AreThoseThatTheDocumentStates) {
   EXPECT_EQ(limits.clear_s, 0.5) << "after which what ends by itself has ended";
 }
 
-TEST(RoverLimits, OfItsSteeringAndItsProtocolAreThoseThatTheDocumentStates) {
+TEST(RoverLimits, SteeringAndProtocolMatchTheDocument) {
   const SteeringGains gains;
   EXPECT_EQ(gains.along_per_s, 1.5);
   EXPECT_EQ(gains.side_per_m2, 4.0);

@@ -87,7 +87,7 @@ TEST(RoverNode, HoldsWhileItsProcessWaitsForAProcessor) {
       << "after more than 3 s the operator has to say follow";
 }
 
-TEST(RoverNode, StopsBeforeItEndsWhenItIsAskedToEnd) {
+TEST(RoverNode, StopsBeforeItEnds) {
   NodeBench bench;
   ASSERT_TRUE(bench.sets_off());
   bench.run(1.5);
@@ -100,7 +100,7 @@ TEST(RoverNode, StopsBeforeItEndsWhenItIsAskedToEnd) {
 }
 
 // An old log is replayed during the drive, with its mocap and its stop.
-TEST(RoverNode, DrivesOnBesideAnOldLogAndASecondMocap) {
+TEST(RoverNode, IgnoresAnOldLogAndASecondMocap) {
   NodeBench bench;
   ASSERT_TRUE(bench.sets_off());
   bench.each_step = [&, sequence = std::int64_t{0}]() mutable {
@@ -122,7 +122,7 @@ TEST(RoverNode, DrivesOnBesideAnOldLogAndASecondMocap) {
   EXPECT_NEAR(bench.vehicle.emulator().state().world_from_body.y_m, 2.0, 0.1);
 }
 
-TEST(RoverNode, RefusesARobotThatIsNoRover) {
+TEST(RoverNode, RefusesOtherRobots) {
   bus::InProcessHub hub;
   const auto side = hub.connect();
   bus::Bus bus(*side, 1);

@@ -24,14 +24,14 @@ PlanPoint point_of(const Pose2& pose, double speed_mps, double yaw_rate_radps) {
   return out;
 }
 
-TEST(Steer, OnTheReferenceItIsTheReference) {
+TEST(Steer, EqualsTheReferenceWithoutError) {
   const Pose2 pose{1.0, -2.0, 2.5};
   const models::UnicycleControl out = steer(pose, point_of(pose, 0.6, -0.4), kLimits);
   EXPECT_NEAR(out.speed_mps, 0.6, 1e-12);
   EXPECT_NEAR(out.yaw_rate_radps, -0.4, 1e-12);
 }
 
-TEST(Steer, TurnsTowardsAReferenceAtItsLeftAndHurriesAfterOneAhead) {
+TEST(Steer, CorrectsLateralAndLongitudinalErrors) {
   const Pose2 pose{0.0, 0.0, 0.0};
   EXPECT_GT(steer(pose, point_of({0.0, 0.1, 0.0}, 0.5, 0.0), kLimits).yaw_rate_radps, 0.0);
   EXPECT_LT(steer(pose, point_of({0.0, -0.1, 0.0}, 0.5, 0.0), kLimits).yaw_rate_radps, 0.0);
@@ -39,7 +39,7 @@ TEST(Steer, TurnsTowardsAReferenceAtItsLeftAndHurriesAfterOneAhead) {
   EXPECT_LT(steer(pose, point_of({-0.1, 0.0, 0.0}, 0.5, 0.0), kLimits).speed_mps, 0.5);
 }
 
-TEST(Steer, AsksForNothingBeyondTheVehicleAndNeverBackwards) {
+TEST(Steer, RespectsLimitsAndNeverReverses) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> any(-3.0, 3.0);
   for (int i = 0; i < 10'000; ++i) {
@@ -78,7 +78,7 @@ TEST(Steer, BringsAnExactUnicycleBackToACircle) {
   }
 }
 
-TEST(BrakeOnCircle, KeepsTheRadiusAndStopsInTheTimeThatTheBrakeNeeds) {
+TEST(BrakeOnCircle, KeepsTheRadiusAndStopsInTime) {
   models::UnicycleControl control{0.8, -0.4};
   for (int i = 0; i < 39; ++i) {
     control = brake_on_circle(control, 2.0, 0.01);
@@ -91,7 +91,7 @@ TEST(BrakeOnCircle, KeepsTheRadiusAndStopsInTheTimeThatTheBrakeNeeds) {
   EXPECT_EQ(brake_on_circle({0.0, 1.0}, 2.0, 0.01).yaw_rate_radps, 0.0);
 }
 
-TEST(WayThrough, ComesThroughEveryPlaceAndEndsAtRest) {
+TEST(WayThrough, PassesEveryWaypointAndStops) {
   const std::vector<Waypoint> places = {{{2.0, 0.0}, 0.5}, {{2.0, 0.05}, 5.0}, {{-1.0, 1.0}, 1.0}};
   const models::Trajectory way = way_through(places, {0.0, 0.0, 1.0}, 0.2, Time{}, kLimits);
   HeldPlan held;
@@ -112,7 +112,7 @@ TEST(WayThrough, ComesThroughEveryPlaceAndEndsAtRest) {
   }
 }
 
-TEST(WayThrough, IsNoMotionToWhereItStands) {
+TEST(WayThrough, IsEmptyAtTheGoal) {
   const std::vector<Waypoint> here = {{{1.0, 1.0}, 0.5}};
   EXPECT_TRUE(way_through(here, {1.0, 1.0, 0.0}, 0.2, Time{}, kLimits).segments.empty());
 }

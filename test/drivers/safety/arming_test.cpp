@@ -33,7 +33,7 @@ class Arming : public testing::Test {
 };
 
 // Regression: a vehicle that mocap showed on its side armed and flew away.
-TEST_F(Arming, IsForbiddenToABodyThatLiesTilted) {
+TEST_F(Arming, IsForbiddenWhenTheBodyIsTilted) {
   for (const double tilt_rad : {16.0 * kDegree, -16.0 * kDegree, 90.0 * kDegree, kPi}) {
     arm([&] { q1.knobs.body_tilt_rad = q1.knobs.attitude_offset_rad = tilt_rad; });
     EXPECT_FALSE(q1.is_armed) << tilt_rad;
@@ -53,7 +53,7 @@ TEST_F(Arming, IsForbiddenWhileTheHostIsBusy) {
 
 // Regression, flown: in a world rotated as a whole a vehicle took off and hit an obstacle that its
 // map had elsewhere.
-TEST_F(Arming, IsForbiddenToAVehicleThatDoesNotStandAtItsStart) {
+TEST_F(Arming, IsForbiddenAwayFromTheStart) {
   const Eigen::Vector3d start_m = q1.position_m;
   const double start_yaw_rad = q1.yaw_rad;
   for (const double side : {-1.0, 1.0}) {
@@ -76,7 +76,7 @@ TEST_F(Arming, IsForbiddenToAVehicleThatDoesNotStandAtItsStart) {
   EXPECT_TRUE(q1.is_armed);
 }
 
-TEST_F(Arming, IsAllowedWhereItLandedOnceItHasFlown) {
+TEST_F(Arming, IsAllowedAtTheLandingPositionAfterAFlight) {
   arm();
   bench.say(OperatorAction::kTakeOff);
   bench.run(20.0);
@@ -95,7 +95,7 @@ TEST_F(Arming, IsAllowedOnASlope) {
   EXPECT_TRUE(q1.is_armed);
 }
 
-TEST_F(Arming, IsForbiddenWhenMocapAndAutopilotDisagreeAboutLevel) {
+TEST_F(Arming, IsForbiddenWhenAttitudesDisagree) {
   for (const double roll_rad : {12.0 * kDegree, -12.0 * kDegree}) {
     arm([&] { q1.knobs.attitude_offset_rad = roll_rad; });
     EXPECT_FALSE(q1.is_armed);
@@ -103,7 +103,7 @@ TEST_F(Arming, IsForbiddenWhenMocapAndAutopilotDisagreeAboutLevel) {
   }
 }
 
-TEST_F(Arming, IsForbiddenWhenMocapAndAutopilotDisagreeAboutYaw) {
+TEST_F(Arming, IsForbiddenWhenYawsDisagree) {
   for (const double yaw_rad : {20.0 * kDegree, -20.0 * kDegree, kPi}) {
     arm([&] { q1.knobs.yaw_offset_rad = yaw_rad; });
     EXPECT_FALSE(q1.is_armed);
@@ -113,7 +113,7 @@ TEST_F(Arming, IsForbiddenWhenMocapAndAutopilotDisagreeAboutYaw) {
   EXPECT_TRUE(q1.is_armed);
 }
 
-TEST_F(Arming, IsForbiddenWhenItsOwnHeightIsNotTheBodys) {
+TEST_F(Arming, IsForbiddenWhenTheEstimateIsOff) {
   arm([&] { q1.knobs.estimate_offset_m = 0.4; });
   EXPECT_FALSE(q1.is_armed);
   EXPECT_TRUE(has("estimate off"));
@@ -121,7 +121,7 @@ TEST_F(Arming, IsForbiddenWhenItsOwnHeightIsNotTheBodys) {
 
 // Regression: a condition that blocked arming for an instant deleted the `arm` order without a
 // report.
-TEST_F(Arming, IsRememberedWhileSomethingPassesBy) {
+TEST_F(Arming, KeepsTheOrderWhileABodyPasses) {
   arm();
   ASSERT_TRUE(q1.is_armed);
   const Eigen::Vector3d beside_m = q1.position_m + Eigen::Vector3d(0.52, 0.0, 0.0);
@@ -134,7 +134,7 @@ TEST_F(Arming, IsRememberedWhileSomethingPassesBy) {
   EXPECT_FALSE(has("arm pending"));
 }
 
-TEST_F(Arming, IsForgottenAfterAWhileAndSaysSo) {
+TEST_F(Arming, DropsTheOrderAfterTheTimeLimit) {
   arm();
   const Eigen::Vector3d beside_m = q1.position_m + Eigen::Vector3d(0.52, 0.0, 0.0);
   bench.run(11.0, [&] { bench.room().walkers_m = {beside_m}; });
@@ -148,7 +148,7 @@ TEST_F(Arming, IsForgottenAfterAWhileAndSaysSo) {
 }
 
 // A condition that only the operator can clear deletes the order.
-TEST_F(Arming, IsNotRememberedWithoutAnOperator) {
+TEST_F(Arming, DropsTheOrderWhenTheOperatorIsSilent) {
   arm();
   bench.run(2.0, [&] { bench.room().operator_silent = true; });
   EXPECT_FALSE(q1.is_armed);
@@ -158,7 +158,7 @@ TEST_F(Arming, IsNotRememberedWithoutAnOperator) {
 }
 
 // Regression: `take-off` before the motors ran was dropped without a report.
-TEST_F(Arming, TakeOffSaidBeforeTheMotorsRunIsRemembered) {
+TEST_F(Arming, KeepsTakeOffUntilTheMotorsRun) {
   bench.run(1.0);
   bench.say(OperatorAction::kArm);
   bench.tick();
@@ -168,7 +168,7 @@ TEST_F(Arming, TakeOffSaidBeforeTheMotorsRunIsRemembered) {
   EXPECT_GT(q1.position_m.z(), 0.9);
 }
 
-TEST_F(Arming, TakeOffSaidBeforeArmIsRefusedAndSaysSo) {
+TEST_F(Arming, RefusesTakeOffBeforeArm) {
   bench.run(1.0);
   bench.say(OperatorAction::kTakeOff);
   bench.run(1.0);
@@ -180,7 +180,7 @@ TEST_F(Arming, TakeOffSaidBeforeArmIsRefusedAndSaysSo) {
 }
 
 // Regression: a rover underneath made it land at once after the take-off.
-TEST_F(Arming, TakeOffWaitsForWhoIsBesideOrComes) {
+TEST_F(Arming, TakeOffWaitsForNearBodies) {
   for (const double side : {1.0, -1.0}) {
     FlightBench room(5);
     Vehicle& vehicle = room.vehicle("Q1");
@@ -207,7 +207,7 @@ TEST_F(Arming, TakeOffWaitsForWhoIsBesideOrComes) {
 }
 
 // Rounding of the cosine must not make the angle NaN, because NaN would forbid nothing.
-TEST_F(Arming, TheAngleBetweenTwoAttitudesIsAlwaysANumber) {
+TEST_F(Arming, ComputesFiniteAttitudeErrors) {
   for (int degrees = -180; degrees <= 180; degrees += 6) {
     for (const double off_rad : {0.0, kPi}) {
       bench.run(0.05, [&] {

@@ -22,7 +22,7 @@ models::OperatorCommand command(OperatorAction action, std::int64_t run, std::in
   return out;
 }
 
-TEST(PlannerLease, ObeysTheFirstUntilItIsSilentForTheLease) {
+TEST(PlannerLease, KeepsTheFirstUntilItIsSilent) {
   PlannerLease lease;
   EXPECT_TRUE(lease.admit(1, kStart, 2.0));
   EXPECT_FALSE(lease.admit(2, kStart + from_seconds(1.0), 2.0));
@@ -44,7 +44,7 @@ class Authority : public testing::Test {
   std::int64_t sequence = 0;
 };
 
-TEST_F(Authority, TakesWhatIsSaferFromAnyoneAndTheRestFromTheFirst) {
+TEST_F(Authority, AcceptsSaferCommandsFromAnyStation) {
   EXPECT_FALSE(admit(OperatorAction::kArm, 1, 0.0)) << "nobody beats yet";
   EXPECT_TRUE(admit(OperatorAction::kHeartbeat, 1, 0.1));
   EXPECT_FALSE(admit(OperatorAction::kHeartbeat, 2, 0.2));
@@ -76,7 +76,7 @@ TEST_F(Authority, PassesToAnotherStationOnlyAfterSilence) {
   EXPECT_EQ(authority.handovers(), 1);
 }
 
-TEST_F(Authority, TakesNoReplayedOrStaleCommandForLife) {
+TEST_F(Authority, IgnoresReplayedAndStaleCommandsForItsAge) {
   EXPECT_TRUE(admit(OperatorAction::kHeartbeat, 1, 0.0));
   const auto arm = command(OperatorAction::kArm, 1, 50, 0.1);
   EXPECT_TRUE(authority.admit(arm, kStart + from_seconds(0.1), kSilentS));
@@ -91,7 +91,7 @@ TEST_F(Authority, TakesNoReplayedOrStaleCommandForLife) {
   EXPECT_TRUE(authority.admit(late_stop, kStart + from_seconds(3.0), kSilentS)) << "held up";
 }
 
-TEST_F(Authority, HearsAStationWhoseClockIsSet) {
+TEST_F(Authority, AcceptsAStationAfterAClockChange) {
   double set_s = 0.0;
   int beats = 0;
   for (double at_s = 0.0; at_s < 100.0; at_s += 0.2) {
@@ -107,7 +107,7 @@ TEST_F(Authority, HearsAStationWhoseClockIsSet) {
   }
 }
 
-TEST_F(Authority, IsTakenOverByNoLogHoweverItBeats) {
+TEST_F(Authority, IsNotTakenOverByALog) {
   for (double at_s = 0.0; at_s < 10.0; at_s += 0.2) {
     const auto beat = command(OperatorAction::kHeartbeat, 9, sequence++, at_s - 86400.0);
     EXPECT_FALSE(authority.admit(beat, kStart + from_seconds(at_s), kSilentS));
@@ -116,7 +116,7 @@ TEST_F(Authority, IsTakenOverByNoLogHoweverItBeats) {
   }
 }
 
-TEST_F(Authority, RemembersTheOneInChargeHoweverManyOthersBeat) {
+TEST_F(Authority, KeepsTheStationInChargeAmongManyOthers) {
   EXPECT_TRUE(admit(OperatorAction::kHeartbeat, 1, 0.0));
   for (int run = 100; run < 200; ++run) {
     EXPECT_FALSE(admit(OperatorAction::kHeartbeat, run, 0.1));
@@ -126,7 +126,7 @@ TEST_F(Authority, RemembersTheOneInChargeHoweverManyOthersBeat) {
 
 // A changed clock is accepted if the sequence numbers continue, with fewer than a hundred lost
 // messages. A later part of a log is not.
-TEST_F(Authority, FollowsAClockThatIsSetOnlyWhileTheNumbersGoOn) {
+TEST_F(Authority, AcceptsAClockChangeWhenNumbersContinue) {
   for (const std::int64_t lost : {0, 99, 100, 100'000}) {
     authority = {};
     sequence = 5;
@@ -137,7 +137,7 @@ TEST_F(Authority, FollowsAClockThatIsSetOnlyWhileTheNumbersGoOn) {
 }
 
 // An order with a lower number and an earlier stamp than the newest is outdated.
-TEST_F(Authority, ObeysNoOrderThatWasOvertaken) {
+TEST_F(Authority, RefusesOutdatedOrders) {
   EXPECT_TRUE(authority.admit(command(OperatorAction::kHeartbeat, 1, 10, 0.0), kStart, kSilentS));
   const auto admit_at = [&](std::int64_t number, double stamped_s, double at_s) {
     return authority.admit(command(OperatorAction::kArm, 1, number, stamped_s),
@@ -152,7 +152,7 @@ TEST_F(Authority, ObeysNoOrderThatWasOvertaken) {
   }
 }
 
-TEST(PlannerLease, LastsAsLongAsItIsToldAndIsContestedForAsLong) {
+TEST(PlannerLease, LastsForItsDuration) {
   constexpr double kLeaseS = 2.0;
   const auto at = [](double t_s) { return kStart + from_seconds(t_s); };
   PlannerLease lease;
@@ -179,7 +179,7 @@ TEST(PlannerLease, LastsAsLongAsItIsToldAndIsContestedForAsLong) {
   }
 }
 
-TEST_F(Authority, CountsWhatIsNotOfNowWhoTakesOverAndClocksThatAreSet) {
+TEST_F(Authority, CountsStaleCommandsTakeoversAndClockChanges) {
   const auto expect_counts = [&](std::int64_t handovers, std::int64_t other_time,
                                  std::int64_t clock_set) {
     std::vector<models::NamedCount> counts;
@@ -215,7 +215,7 @@ TEST_F(Authority, CountsWhatIsNotOfNowWhoTakesOverAndClocksThatAreSet) {
   }
 }
 
-TEST_F(Authority, HearsWhatIsSaidWithinTwoSecondsOfItsClock) {
+TEST_F(Authority, AcceptsStampsWithinTwoSeconds) {
   for (const double side : {1.0, -1.0}) {
     for (const auto& [ahead_s, is_heard] : {std::pair(1.99, true), std::pair(2.01, false)}) {
       authority = {};
@@ -231,7 +231,7 @@ TEST_F(Authority, HearsWhatIsSaidWithinTwoSecondsOfItsClock) {
 
 // Eight stations are remembered. A ninth replaces the one that was silent longest, except the one
 // in charge. Late commands that make the vehicle safer are accepted only from known stations.
-TEST_F(Authority, ForgetsTheStationThatWasSilentLongestOnly) {
+TEST_F(Authority, ForgetsTheLongestSilentStation) {
   const auto is_known = [&](std::int64_t run) {
     OperatorAuthority asked = authority;  // the test of a late command must not change the state
     return asked.admit(command(OperatorAction::kHold, run, 1'000, 0.0),
@@ -254,7 +254,7 @@ TEST_F(Authority, ForgetsTheStationThatWasSilentLongestOnly) {
   }
 }
 
-TEST(PlannerLease, IsContestedByNobodyAtTheBeginningOfTime) {
+TEST(PlannerLease, IsUncontestedAtTimeZero) {
   PlannerLease lease;
   EXPECT_FALSE(lease.is_contested(Time{} + from_seconds(0.5), 2.0));
   EXPECT_TRUE(lease.admit(1, Time{}, 2.0));
@@ -262,7 +262,7 @@ TEST(PlannerLease, IsContestedByNobodyAtTheBeginningOfTime) {
 }
 
 // A replayed heartbeat of any age neither sets the clock nor keeps its station in charge.
-TEST_F(Authority, FollowsNoClockOfWhatWasHeardBefore) {
+TEST_F(Authority, IgnoresTheClockOfReplayedHeartbeats) {
   for (const std::int64_t number : {5, 9, 10}) {  // 10: the newest itself
     authority = {};
     const auto beat = [&](std::int64_t sequence_now, double stamped_s, double at_s) {
@@ -285,7 +285,7 @@ TEST_F(Authority, FollowsNoClockOfWhatWasHeardBefore) {
 
 // A silent station is replaced by one that sends a new heartbeat, but not by a replayed heartbeat
 // or an order.
-TEST_F(Authority, PassesToAStationThatBeatsNow) {
+TEST_F(Authority, PassesToAStationWithANewHeartbeat) {
   for (const std::int64_t first : {0, 1}) {  // any number is a valid id
     authority = {};
     EXPECT_TRUE(authority.admit(command(OperatorAction::kHeartbeat, first, 1, 0.0), kStart, 1.0));
@@ -305,7 +305,7 @@ TEST_F(Authority, PassesToAStationThatBeatsNow) {
 }
 
 // A delayed stop acts once. It does not keep its station in charge, and a delayed order is refused.
-TEST_F(Authority, TakesWhatIsSaferLateOnceEach) {
+TEST_F(Authority, AcceptsDelayedSaferCommandsOnce) {
   const auto at = [](double t_s) { return kStart + from_seconds(t_s); };
   EXPECT_TRUE(authority.admit(command(OperatorAction::kHeartbeat, 1, 50, 0.0), at(0.0), 1.0));
   const auto newest = command(OperatorAction::kHold, 1, 50, 0.1);

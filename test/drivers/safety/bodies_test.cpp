@@ -33,7 +33,7 @@ double stop_m(const OtherBody& body, double own_mps, const SafetyLimits& limits)
 
 // Head-on: the distance shrinks by our braking distance v T + v²/2a and by the path of the person
 // at constant speed. It also shrinks by the distance that the person can leave the straight path.
-TEST(LookAround, CarriesAPersonOnUntilTheVehicleStands) {
+TEST(LookAround, PredictsAPersonUntilTheVehicleStops) {
   const SafetyLimits limits = bench_limits();
   for (const double own_mps : {0.0, 0.5, 1.0}) {
     for (const double person_mps : {0.0, 0.5, 1.0, 1.5}) {
@@ -46,7 +46,7 @@ TEST(LookAround, CarriesAPersonOnUntilTheVehicleStands) {
   }
 }
 
-TEST(LookAround, LetsARobotBrakeAsItsScenarioSays) {
+TEST(LookAround, UsesTheDecelerationOfARobot) {
   const SafetyLimits limits = bench_limits();
   for (const double brake_mps2 : {0.5, 2.0, 4.0}) {
     OtherBody body = person_at(3.0, -1.0);
@@ -59,7 +59,7 @@ TEST(LookAround, LetsARobotBrakeAsItsScenarioSays) {
 }
 
 // A person reaches from the markers down to the ground; a rover on the floor is below the vehicle.
-TEST(LookAround, TakesAPersonDownToTheGround) {
+TEST(LookAround, TreatsAPersonAsReachingTheGround) {
   const SafetyLimits limits = bench_limits();
   const double at_rest_m = 0.5 * limits.other_turn_mps2 * limits.reaction_s * limits.reaction_s;
   for (const double above_m : {0.0, 0.3, 0.8}) {
@@ -73,7 +73,7 @@ TEST(LookAround, TakesAPersonDownToTheGround) {
 }
 
 // A lost person may move anywhere at the last speed until the vehicle has stopped.
-TEST(LookAround, TakesAnOccludedPersonForOneWhoWalksOnUntilTheVehicleStands) {
+TEST(LookAround, AssumesAnOccludedPersonKeepsWalking) {
   const SafetyLimits limits = bench_limits();
   for (const double unseen_s : {0.1, 0.5, 0.9}) {
     OtherBody body = person_at(4.0, 0.0);
@@ -87,7 +87,7 @@ TEST(LookAround, TakesAnOccludedPersonForOneWhoWalksOnUntilTheVehicleStands) {
 }
 
 // A person counts if the person will be below before touchdown, within sinking_look_s.
-TEST(OccupiedBelow, CountsWhereAPersonWillBe) {
+TEST(OccupiedBelow, PredictsAPerson) {
   const SafetyLimits limits = bench_limits();
   for (const double height_m : {0.2, 0.4, 1.0, 2.0}) {
     const Eigen::Vector3d hover_m(0.0, -1.0, height_m);
@@ -108,7 +108,7 @@ TEST(OccupiedBelow, CountsWhereAPersonWillBe) {
 }
 
 // A person 1.5 m away walks in below. The spot is neither on nor at the end of the person's path.
-TEST(LandingSpot, IsNotWhereAPersonWillBe) {
+TEST(LandingSpot, AvoidsThePathOfAPerson) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d hover_m(2.0, -0.5, 1.0);
   OtherBody body;
@@ -122,7 +122,7 @@ TEST(LandingSpot, IsNotWhereAPersonWillBe) {
 }
 
 // A person whose path crosses ours during the motion blocks it.
-TEST(WayTaken, CountsAPersonThatCrossesItMeanwhile) {
+TEST(IsWayTaken, CountsACrossingPerson) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d from_m(0.0, 0.0, 1.0);
   const Eigen::Vector3d to_m(1.2, 0.0, 1.0);  // takes 2 s

@@ -24,7 +24,7 @@ SafetyLimits wide_limits() {
 
 // A body below that has not been seen for long: the spot is on the nearest ring that is far enough,
 // up to 1.5 m away.
-TEST(LandingSpot, IsTheNearestFreeOfSomePlacesWithinAMetreAndAHalf) {
+TEST(LandingSpot, IsOnTheNearestFreeRing) {
   SafetyLimits limits = wide_limits();
   const Eigen::Vector3d hover_m(0.5, -0.5, 1.0);
   OtherBody below;
@@ -46,7 +46,7 @@ TEST(LandingSpot, IsTheNearestFreeOfSomePlacesWithinAMetreAndAHalf) {
 
 // Stationary robots are ignored because they wait for their turn; moving robots and all other
 // bodies count.
-TEST(NearSoon, CountsWhoMovesOrIsNoRobotAndWhereItWillBe) {
+TEST(NearSoon, IgnoresStationaryRobotsOnly) {
   const Eigen::Vector3d here_m(1.0, 2.0, 0.0);
   const double never_m = std::numeric_limits<double>::infinity();
   const auto near_m = [&](int robot, double vx_mps) {
@@ -67,7 +67,7 @@ TEST(NearSoon, CountsWhoMovesOrIsNoRobotAndWhereItWillBe) {
 
 // The set-point sinks at the stated speed, slower near the ground, starting at the vehicle. A
 // controller that tracks it well does not descend faster.
-TEST(FlightGuard, ComesDownNoFasterThanItStates) {
+TEST(FlightGuard, DescendsAtTheStatedSpeeds) {
   test::FlightBench bench(3, false, 0.7);
   bench.fly_up(3.0);
   test::Vehicle& q3 = bench.vehicle("Q3");
@@ -98,7 +98,7 @@ TEST(FlightGuard, ComesDownNoFasterThanItStates) {
 // Five rovers drive at up to 0.5 m/s with random turns among three vehicles that land at once. No
 // vehicle is hit, and few landings take long. (Preferring spots that no rover drives towards had
 // little effect: 28 instead of 37 of 360 took over 8 s.)
-TEST(FlightGuard, ComesDownAmongRoversThatDriveOn) {
+TEST(FlightGuard, LandsAmongRoversWithRandomTurns) {
   constexpr double kRoverMps = 0.5;
   const models::Rectangle bounds = limits_for(test::FlightBench::scenario(), "Q1").fence.bounds;
   std::vector<double> took_s;

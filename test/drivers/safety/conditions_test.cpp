@@ -102,7 +102,7 @@ TEST(ConditionRow, HoldsBeyondItsLimitAndNotAtIt) {
 }
 
 // Except for the emergency stop, no row stops the motors of a vehicle that a pilot flies.
-TEST(ConditionRow, ThatKillsSparesAPilotUnlessItIsTheEmergencyStop) {
+TEST(ConditionRow, KillsAPilotedVehicleOnlyByEmergencyStop) {
   for (const Condition& row : conditions()) {
     // "pose lost low" itself tests whether the autopilot obeys.
     const bool asks_itself = std::string(row.name) == "pose lost low";
@@ -113,7 +113,7 @@ TEST(ConditionRow, ThatKillsSparesAPilotUnlessItIsTheEmergencyStop) {
 }
 
 // Rows for the ground must not hold in the air, where they would be reported permanently.
-TEST(ConditionRow, OfTheGroundIsSilentInTheAir) {
+TEST(ConditionRow, ForTheGroundDoesNotHoldInTheAir) {
   const SafetyLimits l = limits();
   const std::set<std::string> of_the_ground = {"body tilted",   "not at its start",
                                                "yaw disagrees", "attitude disagrees",
@@ -126,7 +126,7 @@ TEST(ConditionRow, OfTheGroundIsSilentInTheAir) {
   }
 }
 
-TEST(ConditionRow, ThatCountsHoldsFromTheNumberThatItNames) {
+TEST(ConditionRow, WithACountHoldsFromItsLimit) {
   const SafetyLimits l = limits();
   const auto holds = [&](const char* name, int In::*input, int value) {
     SafetyInputs in;
@@ -145,7 +145,7 @@ TEST(ConditionRow, ThatCountsHoldsFromTheNumberThatItNames) {
 
 // Rows with several facts: blind and near the floor or outside; no plan, or one that ended long
 // ago.
-TEST(ConditionRow, OfTwoFactsNeedsWhatItSays) {
+TEST(ConditionRow, WithTwoFactsNeedsBoth) {
   const SafetyLimits l = limits();
   SafetyInputs in;
   in.pose_age_s = l.pose_age_kill_s + 1e-9;
@@ -183,7 +183,7 @@ TEST(ConditionRow, OfTwoFactsNeedsWhatItSays) {
   }
 }
 
-TEST(Names, OfSeverityAndClearingAreTheirOwn) {
+TEST(NameOf, IsUniqueForSeverityAndClearing) {
   std::set<std::string> names = {"?"};
   for (const Severity each : {Severity::kNote, Severity::kHold, Severity::kLand, Severity::kKill}) {
     EXPECT_TRUE(names.insert(name_of(each)).second) << name_of(each);

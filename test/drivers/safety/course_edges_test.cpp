@@ -40,7 +40,7 @@ void expect_same(const PlanPoint& is, const PlanPoint& should_be) {
 
 // Only plans and shifts change their speed abruptly and are smoothed. A stop is followed exactly,
 // with or without a later plan, also when repeated.
-TEST(Course, AsksForAStopAsItIs) {
+TEST(Course, FollowsAStopExactly) {
   test::Random random(21);
   Course course(kHalfWindowS);
   for (int time = 0; time < 20; ++time) {
@@ -81,7 +81,7 @@ TEST(Course, IsThePlanItselfWithoutAWindow) {
 
 // A plan counts from its exact start time, after a hover and after another plan, whatever was
 // queried before. Once begun after a hover, a plan gives its own start position for earlier times.
-TEST(Course, TakesAPlanFromItsStartTimeOn) {
+TEST(Course, FollowsAPlanFromItsStartTime) {
   Course course(kHalfWindowS);
   Eigen::Vector3d before_m(5.0, 5.0, 1.0);
   course.stand(before_m, 0.3, kStart);
@@ -110,7 +110,7 @@ TEST(Course, TakesAPlanFromItsStartTimeOn) {
 
 // From rest to v and ω at t = 0: both change only while the window contains the start, at v/(2 w)
 // and ω/(2 w).
-TEST(Course, ChangesItsSpeedWithinTheWindowAndNotBesideIt) {
+TEST(Course, ChangesItsSpeedOnlyWithinTheWindow) {
   constexpr double kW = kHalfWindowS;
   for (const double rate_radps : {2.0, -2.0}) {
     for (const double speed_mps : {kSpeedMps, 0.0}) {
@@ -172,7 +172,7 @@ TEST(Course, ShiftsFromWhereItIs) {
 
 // A shift or a hover that begins in the middle of a turn starts and ends with zero speed, turn rate
 // and acceleration.
-TEST(Course, ShiftsAndStandsWithNothingLeftOfWhatItDidBefore) {
+TEST(Course, ShiftsAndStandsFromRest) {
   Course course(kHalfWindowS);
   course.follow(driving({0.0, 0.0, 0.0}, kSpeedMps, 1.0, kStart), kStart);
   course.advance(kStart, 0.01, 1.0);
@@ -191,7 +191,7 @@ TEST(Course, ShiftsAndStandsWithNothingLeftOfWhatItDidBefore) {
   expect_same(course.at(after(9.0)), stands);
 }
 
-TEST(Course, BelievesPlansToTheirEndWhereNoRoundIsKnown) {
+TEST(Course, FollowsPlansToTheirEndWithoutARound) {
   Course course(kHalfWindowS);
   const HeldPlan plan = driving({0.0, 0.0, 0.0}, kSpeedMps, 1.0, kStart);
   course.follow(plan, kStart);
@@ -202,7 +202,7 @@ TEST(Course, BelievesPlansToTheirEndWhereNoRoundIsKnown) {
 
 // The plan counts within its round, and beyond it once the next plan has arrived, until that
 // begins.
-TEST(Course, BelievesWhatNoNextPlanWillTakeBack) {
+TEST(Course, FollowsAPlanUntilTheNextOneCanReplaceIt) {
   constexpr double kRoundS = 1.0;
   for (const double rate_radps : {0.8, -0.8}) {
     Course course(kHalfWindowS, kRoundS);

@@ -33,7 +33,7 @@ HeldPlan random_plan(test::Random& random, Time start) {
   return plan;
 }
 
-TEST(Course, AsksForNoMoreAccelerationThanTheWindowAllows) {
+TEST(Course, LimitsAccelerationByItsWindow) {
   test::Random random(3);
   for (int trial = 0; trial < 50; ++trial) {
     Course course(kHalfWindowS);
@@ -59,7 +59,7 @@ TEST(Course, AsksForNoMoreAccelerationThanTheWindowAllows) {
   }
 }
 
-TEST(Course, AsksForVelocitiesThatAreTheDerivativesOfItsPlaces) {
+TEST(Course, VelocityIsTheDerivativeOfPosition) {
   test::Random random(4);
   for (int trial = 0; trial < 50; ++trial) {
     Course course(kHalfWindowS);
@@ -80,7 +80,7 @@ TEST(Course, AsksForVelocitiesThatAreTheDerivativesOfItsPlaces) {
 
 // In closed form: from rest to v at t = 0, the mean over ±w is v (t + w)² / (4 w), and v w / 4 at
 // the start itself.
-TEST(Course, SetsOffBeforeThePlanDoesAndCutsTheCornerAsStated) {
+TEST(Course, SmoothsTheStartOfAPlanAsStated) {
   HeldPlan plan;
   plan.start_time = after(1.0);
   plan.count = 1;
@@ -99,7 +99,7 @@ TEST(Course, SetsOffBeforeThePlanDoesAndCutsTheCornerAsStated) {
   EXPECT_NEAR(course.at(after(1.0)).position_world_m.x(), kSpeedMps * w_s / 4.0, 3e-4);
 }
 
-TEST(Course, ForgetsAPlanThatHasNotBegun) {
+TEST(Course, DropsAPlanThatHasNotStarted) {
   test::Random random(5);
   const HeldPlan plan = random_plan(random, after(0.1));
   Course course(kHalfWindowS);
@@ -115,7 +115,7 @@ TEST(Course, ForgetsAPlanThatHasNotBegun) {
   EXPECT_FALSE(course.is_on_plan());
 }
 
-TEST(Course, GoesFromPlanToPlanWithoutAJump) {
+TEST(Course, ChangesPlansWithoutAJump) {
   HeldPlan first;
   first.start_time = kStart;
   first.count = 1;
@@ -190,7 +190,7 @@ HeldPlan driving(double rate_radps, Time start) {
 
 // A slowed plan lags behind its clock; the next plan begins at its actual position. Three in a row
 // show that the past of the second is not that of the first.
-TEST(Course, HandsOverWithoutAJumpFromPlansThatWereSlowed) {
+TEST(Course, ContinuesWithoutAJumpAfterASlowedPlan) {
   for (const double side : {1.0, -1.0}) {
     Course course(kHalfWindowS);
     course.follow(driving(0.0, kStart), kStart);
@@ -225,7 +225,7 @@ TEST(Course, HandsOverWithoutAJumpFromPlansThatWereSlowed) {
 
 // A stop discards earlier plans: a plan that begins in a hover begins from that hover. Tested
 // twice.
-TEST(Course, RemembersNoPlanFromBeforeAStop) {
+TEST(Course, ForgetsPlansBeforeAStop) {
   Course course(kHalfWindowS);
   for (int time = 0; time < 2; ++time) {
     const double begin_s = 10.0 * time;
@@ -248,7 +248,7 @@ TEST(Course, RemembersNoPlanFromBeforeAStop) {
   }
 }
 
-TEST(Course, IsWhereItWouldBeOnTimeHadItNotBeenSlowed) {
+TEST(Course, OnTimeIgnoresTheSlowing) {
   Course slowed(kHalfWindowS);
   Course never(kHalfWindowS);
   const HeldPlan plan = driving(0.7, kStart);
@@ -269,7 +269,7 @@ TEST(Course, IsWhereItWouldBeOnTimeHadItNotBeenSlowed) {
 
 // Until the next plan arrives or is due, the path beyond the round continues straight. Tested for
 // the first plan and the next.
-TEST(Course, GoesStraightOnBeyondTheRoundUntilTheNextPlanComes) {
+TEST(Course, ContinuesStraightUntilTheNextPlan) {
   constexpr double kRoundS = 1.0;
   Course course(kHalfWindowS, kRoundS);
   HeldPlan turns;
@@ -295,7 +295,7 @@ TEST(Course, GoesStraightOnBeyondTheRoundUntilTheNextPlanComes) {
   }
 }
 
-TEST(Course, HasAPlanUntilItsHoverAndStandsOnlyAfterAStop) {
+TEST(Course, HasAPlanUntilItsHover) {
   const HeldPlan plan = driving(0.0, kStart);
   Course course(kHalfWindowS);
   EXPECT_FALSE(course.has_plan(kStart));
@@ -329,7 +329,7 @@ TEST(Course, HasAPlanUntilItsHoverAndStandsOnlyAfterAStop) {
 
 // Compares with small steps of the equations of motion: constant velocity during the reaction, then
 // braking to rest.
-TEST(BrakeWay, IsThatOfAVehicleThatBrakesAfterItsReaction) {
+TEST(BrakeWay, MatchesTheEquationsOfMotion) {
   test::Random random(7);
   for (int trial = 0; trial < 100; ++trial) {
     const Eigen::Vector3d v_mps = random.vector<3>(-1.0, 1.0);
@@ -362,7 +362,7 @@ TEST(BrakeWay, IsThatOfAVehicleThatBrakesAfterItsReaction) {
 
 // Along a plan the braking path stays on the shifted line of the plan and ends at rest, whatever
 // the plan does later.
-TEST(BrakeWay, FollowsItsPlanToRest) {
+TEST(BrakeWay, FollowsThePlanUntilRest) {
   test::Random random(8);
   for (int trial = 0; trial < 200; ++trial) {
     const HeldPlan plan = random_plan(random, kStart);
@@ -389,7 +389,7 @@ TEST(BrakeWay, FollowsItsPlanToRest) {
 }
 
 // Mirroring, rotation and a time shift do not change the result.
-TEST(Course, IsTheSameInAMirrorAndTurnedAndLater) {
+TEST(Course, IsInvariantUnderMirrorRotationAndTime) {
   test::Random random(9);
   for (int trial = 0; trial < 100; ++trial) {
     const HeldPlan plan = random_plan(random, after(0.4));

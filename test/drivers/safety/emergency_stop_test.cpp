@@ -39,7 +39,7 @@ constexpr Moment kMoments[] = {
     {"NearlyThere", [](const Vehicle& first) { return first.position_m.z() > 0.9; }},
 };
 
-class EmergencyStopOnTheWayUp : public testing::TestWithParam<Moment> {
+class EmergencyStopInTakeOff : public testing::TestWithParam<Moment> {
  protected:
   /// Runs until `has_come` is true, at most `seconds`; returns whether it is.
   bool run_until(const std::function<bool()>& has_come, double seconds) {
@@ -65,7 +65,7 @@ class EmergencyStopOnTheWayUp : public testing::TestWithParam<Moment> {
 
 // One vehicle lifts and two wait: all motors stop at once, and again at the second stop. Only `arm`
 // ends the stop, and only a second `arm` arms.
-TEST_P(EmergencyStopOnTheWayUp, StopsEveryMotorUntilItIsArmedAnewAndOnceMore) {
+TEST_P(EmergencyStopInTakeOff, StopsEveryMotorUntilRearmed) {
   const Vehicle& first = bench.vehicle("Q1");
   bench.run(1.0);
   bench.say(OperatorAction::kArm);
@@ -130,7 +130,7 @@ void flood(drivers::FlightGuard& guard, int i, Time now) {
 }
 
 // The stop may come from any station and at any position in the queue.
-TEST(EmergencyStop, IsHeardAmongThousandsOfMessagesOfOneTick) {
+TEST(EmergencyStop, ActsAmongThousandsOfMessagesInOneTick) {
   constexpr int kMessages = 4000;
   for (const int place : {0, kMessages / 2, kMessages - 1}) {
     SCOPED_TRACE(place);
@@ -156,7 +156,7 @@ TEST(EmergencyStop, IsHeardAmongThousandsOfMessagesOfOneTick) {
 }
 
 // The process was stalled for 0.4 s while the stop waited; its first tick obeys.
-TEST(EmergencyStop, ThatWaitedForAProcessWithoutTimeIsObeyedByItsNextTick) {
+TEST(EmergencyStop, ActsAtTheFirstTickAfterAStall) {
   FlightBench bench(5);
   bench.fly_up(6.4);
   Vehicle& q1 = bench.vehicle("Q1");

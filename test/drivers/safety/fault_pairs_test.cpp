@@ -154,7 +154,7 @@ class FaultPairs : public testing::TestWithParam<std::size_t> {};
 // leaves the fence; each reaction is as fast and each final state at least as severe as alone.
 // Set-points can be flown, states are not revoked, separation is kept, and counted faults are
 // counted.
-TEST_P(FaultPairs, AreNoWorseThanTheWorse) {
+TEST_P(FaultPairs, ReactAsToEachFaultAlone) {
   const auto& all = fault_catalogue();
   const std::size_t i = GetParam();
   const Fault* const one[] = {&all[i]};
@@ -183,7 +183,7 @@ TEST_P(FaultPairs, AreNoWorseThanTheWorse) {
 }
 
 // An exception must name existing faults and give a reason.
-TEST(FaultPairExceptions, NameFaultsThatExistAndSayWhy) {
+TEST(FaultPairExceptions, NameExistingFaultsAndReasons) {
   const auto exists = [](const std::string& name) {
     const auto& all = fault_catalogue();
     return std::any_of(all.begin(), all.end(),

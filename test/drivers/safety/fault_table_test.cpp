@@ -24,7 +24,7 @@ std::string case_name(const std::string& name) {
 class FaultTable : public testing::TestWithParam<std::size_t> {};
 
 // One fault alone: each stage in time, the stated reason and final state, and no violation.
-TEST_P(FaultTable, ReactsInTimeAndEndsAsWritten) {
+TEST_P(FaultTable, ReactsInTimeAndEndsAsStated) {
   const Fault& fault = fault_catalogue()[GetParam()];
   const Fault* const one[] = {&fault};
   for (const std::uint64_t seed : {1u, 2u, 3u}) {

@@ -75,7 +75,7 @@ std::vector<WorldSetup> setups() {
 class FirstLift : public testing::TestWithParam<std::size_t> {};
 
 // Regression: vehicles flew with y-up mocap, and two with swapped addresses climbed to 12 m.
-TEST_P(FirstLift, NeverArmsOrIsBackOnTheGroundBelowItsProof) {
+TEST_P(FirstLift, StaysBelowTheProofHeightInAWrongSetup) {
   const WorldSetup setup = setups()[GetParam()];
   // Take-off of one vehicle or of all at once.
   for (const char* whom : {"", "Q1", "Q2"}) {
@@ -130,7 +130,7 @@ std::string name_of_setup(const testing::TestParamInfo<std::size_t>& param) {
 INSTANTIATE_TEST_SUITE_P(Setups, FirstLift, testing::Range(std::size_t{0}, setups().size()),
                          name_of_setup);
 
-TEST(FirstLiftOfThree, OneAfterTheOtherByName) {
+TEST(FirstLiftOfThree, LiftsInTheOrderOfNames) {
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     FlightBench bench(seed);
     bench.run(1.0);
@@ -156,7 +156,7 @@ TEST(FirstLiftOfThree, OneAfterTheOtherByName) {
 }
 
 // A vehicle that cannot lift is skipped after a time limit.
-TEST(FirstLiftOfThree, WhoCannotIsNotWaitedForForEver) {
+TEST(FirstLiftOfThree, SkipsAVehicleThatCannotLift) {
   for (const char* broken : {"Q1", "Q2", "Q3"}) {
     FlightBench bench(4);
     const auto knobs = [&] { bench.vehicle(broken).knobs.cannot_lift = true; };
@@ -180,7 +180,7 @@ TEST(FirstLiftOfThree, WhoCannotIsNotWaitedForForEver) {
 }
 
 // The take-off orders arrive one shortly after the other.
-TEST(FirstLiftOfThree, WhoWasToldFirstGoesFirst) {
+TEST(FirstLiftOfThree, LiftsInTheOrderOfCommands) {
   for (const double later_s : {0.02, 0.3, 1.0, 2.0}) {
     FlightBench bench(4);
     bench.run(1.0);
@@ -198,7 +198,7 @@ TEST(FirstLiftOfThree, WhoWasToldFirstGoesFirst) {
 }
 
 // Its motors run and someone lifts it, or mocap shows the body of another vehicle.
-TEST(FirstLiftOfThree, ABodyThatRisesUntoldStopsItsMotors) {
+TEST(FirstLiftOfThree, StopsABodyThatRisesWithoutAnOrder) {
   FlightBench bench(4);
   bench.run(1.0);
   bench.say(OperatorAction::kArm);
@@ -213,7 +213,7 @@ TEST(FirstLiftOfThree, ABodyThatRisesUntoldStopsItsMotors) {
 
 // Real autopilots take up to half a minute to arm, and seconds to spool up. By then the order of
 // the commands is forgotten and mocap shows nothing yet, so vehicles report their own lift.
-TEST(LiftQueue, WaitsForWhoSaysThatItLiftsAndThenGoesByName) {
+TEST(LiftQueue, WaitsForReportedLiftsThenGoesByName) {
   const scenario::Scenario scenario = FlightBench::scenario();
   const drivers::SafetyLimits limits = drivers::limits_for(scenario, "Q2");
   const Time start = from_utime(1'700'000'000'000'000);
@@ -248,7 +248,7 @@ TEST(LiftQueue, WaitsForWhoSaysThatItLiftsAndThenGoesByName) {
 }
 
 // Two vehicles whose motors start at the same instant.
-TEST(LiftQueue, LetsNoTwoBeginTogether) {
+TEST(LiftQueue, StaggersSimultaneousStarts) {
   const scenario::Scenario scenario = FlightBench::scenario();
   const drivers::SafetyLimits limits = drivers::limits_for(scenario, "Q1");
   const Time start = from_utime(1'700'000'000'000'000);
@@ -269,7 +269,7 @@ TEST(LiftQueue, LetsNoTwoBeginTogether) {
 
 // The vehicle before ours does not rise, or rises and is never proven. The sequence is repeated
 // with the same queue.
-TEST(LiftQueue, WaitsForWhoIsBeforeUsAsLongAsItStates) {
+TEST(LiftQueue, WaitsTheStatedTimeForThePredecessor) {
   const scenario::Scenario scenario = FlightBench::scenario();
   const drivers::SafetyLimits limits = drivers::limits_for(scenario, "Q2");
   const Time start = from_utime(1'700'000'000'000'000);
@@ -298,7 +298,7 @@ TEST(LiftQueue, WaitsForWhoIsBeforeUsAsLongAsItStates) {
 
 // Step and turn count only in the commanded direction and beyond 0.3 of the commanded amount, for
 // any ground position and yaw.
-TEST(Lift, IsProvenByItsStepAndItsTurnAsTheyWereAskedFor) {
+TEST(Lift, IsProvenByTheCommandedStepAndTurn) {
   const drivers::SafetyLimits limits = drivers::limits_for(FlightBench::scenario(), "Q1");
   const Time start = from_utime(1'700'000'000'000'000);
   const auto proves = [&](const Pose2& rest, double x_share, double y_share, double turn_share) {
@@ -343,7 +343,7 @@ TEST(Lift, IsProvenByItsStepAndItsTurnAsTheyWereAskedFor) {
 }
 
 // The first hover is not above the commanded take-off height.
-TEST(Lift, RisesNoHigherThanTheTakeOff) {
+TEST(Lift, StaysBelowTheTakeOffHeight) {
   const drivers::SafetyLimits limits = drivers::limits_for(FlightBench::scenario(), "Q1");
   drivers::Lift own;
   own.begin(lift(Pose2{0.3, -0.2, 0.0}, limits.take_off_height_m - 0.05), {}, limits, Time{});
@@ -351,7 +351,7 @@ TEST(Lift, RisesNoHigherThanTheTakeOff) {
 }
 
 // The step goes along both axes, to the diagonal with the most room.
-TEST(Lift, StepsAsideToWhereThereIsMostRoom) {
+TEST(Lift, StepsToTheDiagonalWithMostRoom) {
   const drivers::SafetyLimits limits = drivers::limits_for(FlightBench::scenario(), "Q1");
   const Time start = from_utime(1'700'000'000'000'000);
   const Eigen::Vector3d rest_m(1.5, -0.9, 0.0);
@@ -375,7 +375,7 @@ TEST(Lift, StepsAsideToWhereThereIsMostRoom) {
 }
 
 // 0.65 m to a wall is more room than 0.74 m to the centre of another body.
-TEST(Lift, HasARadiusLessOfRoomBesideAnotherBodyThanBesideAWall) {
+TEST(Lift, SubtractsTheRadiusOfABody) {
   drivers::SafetyLimits limits = drivers::limits_for(FlightBench::scenario(), "Q1");
   limits.vehicle.radius_m = 0.15;
   limits.fence.obstacles.clear();

@@ -48,7 +48,7 @@ class FleetOfQ2 : public testing::Test {
 };
 
 // Such a plan is counted, and the teammate is taken at its seen position.
-TEST_F(FleetOfQ2, RefusesATeammatesPlanThatItsVehicleCannotFly) {
+TEST_F(FleetOfQ2, RefusesInfeasibleTeammatePlans) {
   using Segments = std::vector<models::PlanSegment>;
   struct Case {
     const char* what;
@@ -81,7 +81,7 @@ TEST_F(FleetOfQ2, RefusesATeammatesPlanThatItsVehicleCannotFly) {
 }
 
 // The driver of the teammate has fallen silent, so its autopilot lands it straight down.
-TEST_F(FleetOfQ2, TakesATeammateWhoseDriverIsSilentForAColumnWhereItIsSeen) {
+TEST_F(FleetOfQ2, TreatsASilentTeammateAsAColumn) {
   const auto course_at = [&](double t_s) {
     show(t_s, {{"Q3", {1.0, -1.0, 1.5}}});
     return fleet.courses(at(t_s), limits)[0];
@@ -101,7 +101,7 @@ TEST_F(FleetOfQ2, TakesATeammateWhoseDriverIsSilentForAColumnWhereItIsSeen) {
   fleet.on_status("Q9", at(2.6));  // not in the scenario
 }
 
-TEST_F(FleetOfQ2, CarriesABodyOtherThanARobotStraightOn) {
+TEST_F(FleetOfQ2, PredictsOtherBodiesAtConstantVelocity) {
   for (double t_s = 0.0; t_s < 0.5; t_s += 0.01) {
     show(t_s, {{"W1", {1.2 * t_s, 0.0, 1.0}}});
   }
@@ -114,7 +114,7 @@ TEST_F(FleetOfQ2, CarriesABodyOtherThanARobotStraightOn) {
 }
 
 // A person in the room counts under any name; a body that this vehicle carries does not.
-TEST_F(FleetOfQ2, KeepsBodiesOfNamesThatTheScenarioDoesNotHave) {
+TEST_F(FleetOfQ2, KeepsBodiesWithUnknownNames) {
   show(0.0, {{"Q2", {0, 0, 1}}, {"HELMET", {1.5, 0, 1.7}}, {"GIMBAL", {0.1, 0, 1.0}}});
   auto bodies = fleet.bodies(at(0.0), limits);
   ASSERT_EQ(bodies.size(), 1u);
@@ -127,7 +127,7 @@ TEST_F(FleetOfQ2, KeepsBodiesOfNamesThatTheScenarioDoesNotHave) {
   EXPECT_EQ(fleet.bodies(at(10.1), limits).size(), 0u) << "gone";
 }
 
-TEST_F(FleetOfQ2, KeepsTheNearestStrangersAndCountsTheOthers) {
+TEST_F(FleetOfQ2, KeepsTheNearestUnknownBodiesAndCountsTheRest) {
   std::map<std::string, Eigen::Vector3d> places_m = {{"Q2", {0, 0, 1}}};
   const auto add = [&](const std::string& name, double x_m) {
     places_m[name] = Eigen::Vector3d(x_m, 1.0, 0.0);
@@ -148,7 +148,7 @@ TEST_F(FleetOfQ2, KeepsTheNearestStrangersAndCountsTheOthers) {
                           [](const OtherBody& body) { return body.position_world_m.x() == 0.5; }));
 }
 
-TEST_F(FleetOfQ2, AllocatesNothingForStrangers) {
+TEST_F(FleetOfQ2, AllocatesNothingForUnknownBodies) {
   models::MocapFrame frame;
   for (const char* name : {"Q2", "a name that is longer than a string keeps in place",
                            "another name that is longer than a string keeps in place"}) {

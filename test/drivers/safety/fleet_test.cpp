@@ -44,7 +44,7 @@ class TeammatesPlans : public testing::Test {
   Fleet fleet{scenario, "Q1"};
 };
 
-TEST_F(TeammatesPlans, MustBeOfNow) {
+TEST_F(TeammatesPlans, MustBeCurrent) {
   EXPECT_FALSE(hear(1, 0, -3600.0, 0.0)) << "of an old log";
   EXPECT_FALSE(hear(1, 1, 3600.0, 0.0)) << "it would keep every true one out for an hour";
   EXPECT_TRUE(hear(1, 2, 1.0, 0.0));
@@ -52,7 +52,7 @@ TEST_F(TeammatesPlans, MustBeOfNow) {
   EXPECT_EQ(fleet.plans_refused(), 3);
 }
 
-TEST_F(TeammatesPlans, AreNewEachTime) {
+TEST_F(TeammatesPlans, MustBeNew) {
   EXPECT_TRUE(hear(1, 5, 1.0, 0.0));
   EXPECT_FALSE(hear(1, 5, 1.0, 0.1));
   EXPECT_FALSE(hear(1, 4, 1.5, 0.1));
@@ -60,7 +60,7 @@ TEST_F(TeammatesPlans, AreNewEachTime) {
   EXPECT_TRUE(hear(1, 7, 1.0, 0.1));
 }
 
-TEST_F(TeammatesPlans, AreOfThePlannerThatHoldsTheLease) {
+TEST_F(TeammatesPlans, MustComeFromTheLeaseholder) {
   EXPECT_TRUE(hear(1, 0, 1.0, 0.0));
   EXPECT_FALSE(hear(2, 0, 1.5, 0.5));
   EXPECT_TRUE(hear(2, 0, 1.0, 0.5, "Q3")) << "each teammate has its own";
@@ -69,7 +69,7 @@ TEST_F(TeammatesPlans, AreOfThePlannerThatHoldsTheLease) {
   EXPECT_FALSE(hear(1, 1, after_s, after_s));
 }
 
-TEST_F(TeammatesPlans, BeginNeitherTooLongAgoNorTooFarAhead) {
+TEST_F(TeammatesPlans, BeginWithinTheTimeLimits) {
   const auto hears = [&](double start_s) {
     fleet = Fleet(scenario, "Q1");
     return hear(1, 0, start_s, 0.0);
@@ -78,7 +78,7 @@ TEST_F(TeammatesPlans, BeginNeitherTooLongAgoNorTooFarAhead) {
   EXPECT_NEAR(test::last_accepted(0.0, 60.0, 1e-7, hears), limits.plan_future_max_s, 2e-6);
 }
 
-TEST_F(TeammatesPlans, MayBeginExactlyAtTheirLimits) {
+TEST_F(TeammatesPlans, MayStartExactlyAtTheirLimits) {
   for (const auto& [start_s, is_taken] : {std::pair(-limits.plan_past_max_s, true),
                                           {-limits.plan_past_max_s - 1e-6, false},
                                           {limits.plan_future_max_s, true},
@@ -89,7 +89,7 @@ TEST_F(TeammatesPlans, MayBeginExactlyAtTheirLimits) {
 }
 
 // The numbers of a run start at 0; any number is a valid run id.
-TEST_F(TeammatesPlans, AreTakenFromAnyRunAndOnceEach) {
+TEST_F(TeammatesPlans, AreAcceptedOnceFromAnyRun) {
   for (const std::int64_t run :
        {std::int64_t{0}, std::int64_t{1}, std::int64_t{-1},
         std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::min()}) {
@@ -100,7 +100,7 @@ TEST_F(TeammatesPlans, AreTakenFromAnyRunAndOnceEach) {
   }
 }
 
-TEST_F(TeammatesPlans, OfANewPlannerAreNumberedFromTheBeginning) {
+TEST_F(TeammatesPlans, RestartNumbersWithANewPlanner) {
   double at_s = 0.0;
   for (std::int64_t run = 1; run <= 3; ++run) {
     EXPECT_TRUE(hear(run, 1000, at_s, at_s)) << run;
@@ -111,7 +111,7 @@ TEST_F(TeammatesPlans, OfANewPlannerAreNumberedFromTheBeginning) {
 }
 
 // A clock that was never set may be before 1970.
-TEST_F(TeammatesPlans, AreTakenFirstWhateverTheClockSays) {
+TEST_F(TeammatesPlans, AreAcceptedFirstAtAnyTime) {
   constexpr double kEpochS = -1'700'000'000.0;
   for (const double at_s : {kEpochS - 5.0, kEpochS + 5.0, 0.0}) {
     fleet = Fleet(scenario, "Q1");
@@ -121,7 +121,7 @@ TEST_F(TeammatesPlans, AreTakenFirstWhateverTheClockSays) {
 }
 
 // A plan that cannot be flown is ignored and does not take the lease.
-TEST_F(TeammatesPlans, ThatCannotBeAreAsIfNotHeard) {
+TEST_F(TeammatesPlans, AreIgnoredWhenInfeasible) {
   models::RobotPlan plan = hover(1, 0, 1.0);
   plan.trajectory.start.x_m = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(hear(plan, 0.0));
@@ -137,14 +137,14 @@ TEST_F(TeammatesPlans, ThatCannotBeAreAsIfNotHeard) {
   EXPECT_EQ(fleet.courses(kStart, limits).size(), 1u);
 }
 
-TEST_F(TeammatesPlans, AreOfRobotsAndNotOnesOwn) {
+TEST_F(TeammatesPlans, MustBelongToOtherRobots) {
   EXPECT_FALSE(hear(1, 0, 1.0, 0.0, "W1")) << "a target follows no plan";
   EXPECT_FALSE(hear(1, 0, 1.0, 0.0, "Q1")) << "itself is no teammate";
   EXPECT_TRUE(fleet.courses(kStart, limits).empty());
 }
 
 /// Fleet as seen by Q2: Q1, Q3 and the walkers W1 … W9.
-class Seen : public testing::Test {
+class FleetBodies : public testing::Test {
  protected:
   void show(double at_s, const std::map<std::string, Eigen::Vector3d>& places_m) {
     models::MocapFrame frame;
@@ -182,7 +182,7 @@ class Seen : public testing::Test {
   std::int64_t sequence = 0;
 };
 
-TEST_F(Seen, AreOnlyThoseThatWereSeenAndWhoGoesFirstIsByName) {
+TEST_F(FleetBodies, AreSeenBodiesWithPriorityByName) {
   EXPECT_TRUE(fleet.bodies(at(0.0), limits).empty());
   EXPECT_TRUE(fleet.courses(at(0.0), limits).empty());
   show(0.0, {{"Q1", {0, 0, 1}}, {"Q2", {1, 0, 1}}, {"Q3", {2, 0, 1}}, {"W1", {3, 0, 0}}});
@@ -204,7 +204,7 @@ TEST_F(Seen, AreOnlyThoseThatWereSeenAndWhoGoesFirstIsByName) {
   }
 }
 
-TEST_F(Seen, CountStrangersAndRefusedPosesEachTime) {
+TEST_F(FleetBodies, CountUnknownBodiesAndRefusedPoses) {
   for (int time = 1; time <= 2; ++time) {
     show(0.01 * time, {{"Q1", {0, 0, 1}}, {"Q2", {1, 0, 1}}, {"X", {2, 0, 1}}, {"Y", {2, 1, 1}}});
     EXPECT_EQ(fleet.unknown_bodies(), 2 * time);
@@ -217,7 +217,7 @@ TEST_F(Seen, CountStrangersAndRefusedPosesEachTime) {
 }
 
 // A moved body is accepted again after fifty consecutive poses, each time.
-TEST_F(Seen, AreBelievedWhereTheyAreAfterFiftyPoses) {
+TEST_F(FleetBodies, AreAcceptedAfterFiftyPosesElsewhere) {
   double t_s = 0.0;
   show(t_s, {{"Q1", {0, 0, 1}}});
   for (const double x_m : {2.0, -2.0}) {
@@ -233,7 +233,7 @@ TEST_F(Seen, AreBelievedWhereTheyAreAfterFiftyPoses) {
 
 // The measured velocity of a teammate is late. The velocity of its plan counts from the reaction
 // time before it sets off, when braking would need it.
-TEST_F(Seen, SetOffAsTheirPlanSaysAReactionTimeBefore) {
+TEST_F(FleetBodies, SetOffOneReactionTimeBeforeTheirPlan) {
   const Eigen::Vector3d hover_m(1.0, -1.0, 1.0);
   const double seen_s = test::last_accepted(1.5, 0.0, 1e-7, [&](double t_s) {
     fleet = Fleet(scenario, "Q2");
@@ -248,7 +248,7 @@ TEST_F(Seen, SetOffAsTheirPlanSaysAReactionTimeBefore) {
 
 // The planned velocity never improves the prediction: a teammate that should stand by its plan may
 // still move.
-TEST_F(Seen, AreNotTakenForSlowerThanTheyAre) {
+TEST_F(FleetBodies, KeepTheMeasuredVelocityIfItIsGreater) {
   for (double t_s = 0.0; t_s < 0.5; t_s += 0.01) {
     show(t_s, {{"Q3", {0.5 * t_s, -1.0, 1.0}}});
   }
@@ -259,7 +259,7 @@ TEST_F(Seen, AreNotTakenForSlowerThanTheyAre) {
   EXPECT_NEAR(body(0.58).position_world_m.x(), 0.245 + 0.09 * 0.5, 0.002) << "moved on to now";
 }
 
-TEST_F(Seen, HaveStoppedWhereTheyWereLastIfNotSeenForLong) {
+TEST_F(FleetBodies, StopAtTheirLastPositionWhenUnseen) {
   for (double t_s = 0.0; t_s < 0.5; t_s += 0.01) {
     show(t_s, {{"Q3", {0.5 * t_s, -1.0, 1.0}}});
   }
@@ -273,7 +273,7 @@ TEST_F(Seen, HaveStoppedWhereTheyWereLastIfNotSeenForLong) {
 }
 
 // An occluded person is assumed to keep walking, and has the radius of the scenario.
-TEST_F(Seen, GoOnIfTheyAreNoRobotsAndAreAsLargeAsTheyAre) {
+TEST_F(FleetBodies, KeepMovingAndKeepTheirRadiusIfNotRobots) {
   scenario.targets[0].radius_m = 0.4;
   scenario.robots[0].limits.radius_m = 0.3;
   scenario.robots[2].limits.radius_m = 0.1;
@@ -296,7 +296,7 @@ TEST_F(Seen, GoOnIfTheyAreNoRobotsAndAreAsLargeAsTheyAre) {
 
 // A teammate that keeps to its plan is assumed to follow it; one that strays is taken at its seen
 // position, and later again on its plan.
-TEST_F(Seen, FlyTheirPlanWhileTheyKeepToIt) {
+TEST_F(FleetBodies, FollowTheirPlanWhileTheyKeepToIt) {
   const Eigen::Vector3d hover_m(1.0, -1.0, 1.0);
   show(0.0, {{"Q3", hover_m}});
   EXPECT_EQ(course(0.0).plan, nullptr) << "nothing was heard of it";
@@ -330,7 +330,7 @@ TEST_F(Seen, FlyTheirPlanWhileTheyKeepToIt) {
 }
 
 // While a name appears twice, its body stays at its last position and counts as not seen.
-TEST_F(Seen, AreNotBelievedWhileTheirNameIsThereTwice) {
+TEST_F(FleetBodies, AreUnseenWhileTheirNameIsDuplicate) {
   const Eigen::Vector3d here_m(1.0, -1.0, 1.0);
   show(0.0, {{"Q3", here_m}});
   for (int time = 1; time <= 2; ++time) {
@@ -348,7 +348,7 @@ TEST_F(Seen, AreNotBelievedWhileTheirNameIsThereTwice) {
 }
 
 // The comparison uses the point of the plan at the current time, not its start.
-TEST_F(Seen, KeepToAPlanThatTheyFly) {
+TEST_F(FleetBodies, AreComparedWithTheCurrentPointOfTheirPlan) {
   const Eigen::Vector3d hover_m(-1.0, -1.0, 1.0);
   EXPECT_TRUE(plan_of_q3(0.0, 0.0, hover_m));
   for (int i = 0; i <= 300; ++i) {
@@ -366,7 +366,7 @@ TEST_F(Seen, KeepToAPlanThatTheyFly) {
       << "one that did not set off";
 }
 
-TEST_F(Seen, AreAskedWhatTheirPlanSaysAReactionTimeLater) {
+TEST_F(FleetBodies, UseThePlannedVelocityOneReactionTimeAhead) {
   const Eigen::Vector3d hover_m(-1.0, -1.0, 1.0);
   models::RobotPlan plan;
   plan.robot = "Q3";
@@ -390,7 +390,7 @@ TEST_F(Seen, AreAskedWhatTheirPlanSaysAReactionTimeLater) {
   }
 }
 
-TEST_F(Seen, AreNotAskedWhatAPlanSaysThatTheyHaveLeft) {
+TEST_F(FleetBodies, IgnoreAPlanThatTheyHaveLeft) {
   const Eigen::Vector3d hover_m(1.0, -1.0, 1.0);
   for (const double off_m : {0.7, 0.9}) {
     fleet = Fleet(scenario, "Q2");
@@ -402,7 +402,7 @@ TEST_F(Seen, AreNotAskedWhatAPlanSaysThatTheyHaveLeft) {
 }
 
 // A teammate without a received plan is at its seen position, also near the origin.
-TEST_F(Seen, WithoutAPlanAreWhereTheyAre) {
+TEST_F(FleetBodies, StayAtTheirPositionWithoutAPlan) {
   test::Random random(51);
   for (int i = 0; i < 100; ++i) {
     const Eigen::Vector3d here_m = random.vector<3>(0.0, 1.5);
@@ -415,7 +415,7 @@ TEST_F(Seen, WithoutAPlanAreWhereTheyAre) {
 }
 
 // The prediction goes on at the last velocity for half a second at most.
-TEST_F(Seen, AreBelievedToGoOnForHalfASecond) {
+TEST_F(FleetBodies, AreExtrapolatedForHalfASecond) {
   for (double t_s = 0.0; t_s < 0.5; t_s += 0.01) {
     show(t_s, {{"Q3", {0.5 * t_s, -1.0, 1.0}}});
   }
@@ -428,7 +428,7 @@ TEST_F(Seen, AreBelievedToGoOnForHalfASecond) {
   }
 }
 
-TEST(FindUnique, IsOneOfItsNameOnly) {
+TEST(FindUnique, FindsABodyWithAUniqueName) {
   models::MocapFrame frame;
   EXPECT_EQ(find_unique(frame, "Q1").body, nullptr);
   EXPECT_TRUE(find_unique(frame, "Q1").is_unique);

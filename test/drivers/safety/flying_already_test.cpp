@@ -22,7 +22,7 @@ class FlyingAlready : public testing::Test {
 };
 
 // Regression: a new driver went to `idle` in the air and landed the vehicle.
-TEST_F(FlyingAlready, ADriverThatIsRestartedHoldsAndAsks) {
+TEST_F(FlyingAlready, HoldsAfterARestartUntilFollow) {
   bench.fly_up(6.4);
   bench.run(0.5, [&] { q1.knobs.is_stalled = true; });
   bench.restart_driver(q1);
@@ -40,7 +40,7 @@ TEST_F(FlyingAlready, ADriverThatIsRestartedHoldsAndAsks) {
   EXPECT_TRUE(bench.violations().empty()) << bench.violations().front();
 }
 
-TEST_F(FlyingAlready, ADriverThatIsRestartedLandsWhenTold) {
+TEST_F(FlyingAlready, LandsOnCommandAfterARestart) {
   bench.fly_up(6.4);
   bench.restart_driver(q1);
   bench.run(1.0);
@@ -50,7 +50,7 @@ TEST_F(FlyingAlready, ADriverThatIsRestartedLandsWhenTold) {
   EXPECT_FALSE(q1.is_armed);
 }
 
-TEST_F(FlyingAlready, ADriverThatIsRestartedLandsWithoutAnOperator) {
+TEST_F(FlyingAlready, LandsWithoutAnOperatorAfterARestart) {
   bench.fly_up(6.4);
   bench.restart_driver(q1);
   double held_s = 0.0;
@@ -63,7 +63,7 @@ TEST_F(FlyingAlready, ADriverThatIsRestartedLandsWithoutAnOperator) {
   EXPECT_LT(q1.position_m.z(), 0.01);
 }
 
-TEST_F(FlyingAlready, ADriverThatIsRestartedWithoutAPoseLands) {
+TEST_F(FlyingAlready, LandsWithoutAPoseAfterARestart) {
   bench.fly_up(6.4);
   bench.restart_driver(q1);
   bench.run(8.0, [&] { q1.knobs.body = {BodyFault::kAbsent}; });
@@ -72,7 +72,7 @@ TEST_F(FlyingAlready, ADriverThatIsRestartedWithoutAPoseLands) {
 }
 
 // Regression: one disarmed report in flight made the guard idle and the driver land.
-TEST_F(FlyingAlready, IsNotDisarmedBecauseSomebodySaysSo) {
+TEST_F(FlyingAlready, IgnoresDisarmedReportsInTheAir) {
   for (const double lasts_s : {0.02, 1.0, 6.0}) {
     FlightBench room(9);
     room.fly_up(6.4);
@@ -90,7 +90,7 @@ TEST_F(FlyingAlready, IsNotDisarmedBecauseSomebodySaysSo) {
 
 // Without mocap, three consecutive heartbeats (one per second) must report it. Until then the
 // landing continues.
-TEST_F(FlyingAlready, UnseenIsNotDisarmedBeforeThreeHeartbeatsSaySo) {
+TEST_F(FlyingAlready, StaysArmedUnseenBeforeThreeHeartbeats) {
   bench.fly_up(6.4);
   const auto hide = [&] { q1.knobs.body = {BodyFault::kOccluded}; };
   bench.run(0.6, hide);
@@ -109,7 +109,7 @@ TEST_F(FlyingAlready, UnseenIsNotDisarmedBeforeThreeHeartbeatsSaySo) {
 }
 
 // The third such heartbeat in a row is accepted, in the tick that receives it.
-TEST_F(FlyingAlready, UnseenIsDisarmedByTheThirdHeartbeatThatSaysSo) {
+TEST_F(FlyingAlready, IsDisarmedUnseenAtTheThirdHeartbeat) {
   bench.fly_up(6.4);
   int beats = 0;
   for (int tick = 0; tick < 300; ++tick) {
@@ -139,7 +139,7 @@ TEST_F(FlyingAlready, IsDisarmedWhenItFalls) {
   EXPECT_EQ(q1.out.state, FlightState::kIdle);
 }
 
-TEST_F(FlyingAlready, ADisarmedOneOnTheGroundIsIdleAtOnce) {
+TEST_F(FlyingAlready, IsIdleAtOnceWhenDisarmedOnTheGround) {
   bench.fly_up(6.4);
   bench.say(OperatorAction::kLand);
   while (q1.is_armed) {
@@ -152,7 +152,7 @@ TEST_F(FlyingAlready, ADisarmedOneOnTheGroundIsIdleAtOnce) {
 
 // Mocap defines the ground. A vehicle on the ground whose estimate drifted while it was not seen is
 // not flying when it is seen again and armed by hand.
-TEST_F(FlyingAlready, DriftedUnseenOnTheGroundIsNotFlying) {
+TEST_F(FlyingAlready, IgnoresADriftedEstimateOnTheGround) {
   bench.run(1.0);
   bench.run(2.0, [&] {
     q1.knobs.body = {BodyFault::kOccluded};

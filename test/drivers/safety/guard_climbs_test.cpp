@@ -23,7 +23,7 @@ double asked_m(const OneVehicle& one) { return one.out.setpoint.position_world_m
 // It climbs at 0.5 m/s to 0.2 m, proves itself there, and climbs to 1 m, with set-points 0.1 s
 // ahead. Plans are not taken until it is within 0.15 m of its height. A second flight does the
 // same.
-TEST(Climbs, ToItsLiftAndThenToItsHeight) {
+TEST(GuardClimb, ReachesLiftHeightThenFlightHeight) {
   OneVehicle one;
   for (int flight = 0; flight < 2; ++flight) {
     one.begin_lift();
@@ -65,7 +65,7 @@ TEST(Climbs, ToItsLiftAndThenToItsHeight) {
 }
 
 // Heights count from the ground position, for example a table.
-TEST(Climbs, FromWhereItStands) {
+TEST(GuardClimb, StartsAtTheGroundHeight) {
   scenario::Scenario room = OneVehicle::room();
   OneVehicle one({0.0, 0.0, 0.0}, 0.0, room);
   one.hold_at_height(0.3);
@@ -91,7 +91,7 @@ TEST(Climbs, FromWhereItStands) {
 
 // A climb that does not reach its height ends after twice its nominal time and 5 s. The set-point
 // stays at the goal height all the time.
-TEST(Climbs, NotForEver) {
+TEST(GuardClimb, EndsAfterItsTimeLimit) {
   OneVehicle one;
   one.hold_at_height(0.3);
   one.begin_lift();
@@ -115,7 +115,7 @@ TEST(Climbs, NotForEver) {
 
 // While another vehicle flies above, the set-point stops and the time limit does not run; then the
 // climb continues.
-TEST(Climbs, OnlyWhenNobodyFliesAbove) {
+TEST(GuardClimb, PausesBelowAnotherVehicle) {
   OneVehicle one;
   const auto above = [&] { one.others = {one.body("Q2", {0.5, 0.0, 1.2})}; };
   one.begin_lift();
@@ -150,7 +150,7 @@ TEST(Climbs, OnlyWhenNobodyFliesAbove) {
 
 // A vehicle above does not restart a climb that was held back for long, and one far above does not
 // block it. The first lift and a followed plan are not interrupted.
-TEST(Climbs, ForAsLongAsTheyShouldWithSomebodyAbove) {
+TEST(GuardClimb, EndsOnTimeBelowAnotherVehicle) {
   OneVehicle one;
   const auto fly_above = [&] { one.others = {one.body("Q2", {0.5, 0.0, 1.5})}; };
   one.begin_lift();
@@ -167,7 +167,7 @@ TEST(Climbs, ForAsLongAsTheyShouldWithSomebodyAbove) {
   EXPECT_NEAR(one.in().tracking_error_m, 0.5, 1e-6);
 }
 
-TEST(Climbs, WithSomebodyFarAbove) {
+TEST(GuardClimb, IgnoresAVehicleFarAbove) {
   OneVehicle one;
   const auto fly_above = [&] { one.others = {one.body("Q2", {0.5, 0.0, 3.0})}; };
   fly_above();
@@ -177,7 +177,7 @@ TEST(Climbs, WithSomebodyFarAbove) {
   EXPECT_NEAR(asked_m(one), 1.0, 1e-6);
 }
 
-TEST(Climbs, InTheFirstLiftAndOnAPlanWhoeverIsAbove) {
+TEST(GuardClimb, ContinuesInLiftAndPlanBelowAnotherVehicle) {
   OneVehicle one;
   const auto hover = [&] { one.others = {one.body("Q2", {0.7, 0.0, 0.6})}; };
   hover();
@@ -199,7 +199,7 @@ TEST(Climbs, InTheFirstLiftAndOnAPlanWhoeverIsAbove) {
 }
 
 // A finished climb stays finished: pushed down later, the vehicle has a tracking error.
-TEST(Climbs, AreOverOnceTheyAre) {
+TEST(GuardClimb, DoesNotResumeAfterItsEnd) {
   OneVehicle one;
   one.begin_lift();
   one.run(4.0);
@@ -209,7 +209,7 @@ TEST(Climbs, AreOverOnceTheyAre) {
   EXPECT_NEAR(one.in().tracking_error_m, 0.2, 1e-6);
 }
 
-TEST(Climbs, AreOverOnceItLands) {
+TEST(GuardClimb, EndsWhenALandingBegins) {
   OneVehicle one;
   one.begin_lift();
   while (one.position_m.z() < 0.6 && one.ticks < 1000) {
@@ -231,7 +231,7 @@ TEST(Climbs, AreOverOnceItLands) {
 
 // A plan at another height is flown at that height, up or down, at the speed of a climb, even with
 // a vehicle above. A hover keeps its height.
-TEST(Climbs, ToTheHeightOfItsPlan) {
+TEST(GuardClimb, ReachesTheHeightOfThePlan) {
   for (const double height_m : {1.2, 1.8}) {
     OneVehicle one;
     one.wait_for_plan();
@@ -257,7 +257,7 @@ TEST(Climbs, ToTheHeightOfItsPlan) {
 
 // Position, velocity, acceleration and yaw of a set-point are consistent: the window mean of the
 // plan 0.1 s from now.
-TEST(Climbs, AskForWhatIsToBeATenthOfASecondFromNow) {
+TEST(GuardClimb, SetpointsLeadByATenthOfASecond) {
   OneVehicle one({0.0, 0.0, 1.5});
   one.wait_for_plan();
   ASSERT_EQ(one.follow(0.8, 0.6, 3.0, 1.5), PlanVerdict::kAccepted);
@@ -280,7 +280,7 @@ TEST(Climbs, AskForWhatIsToBeATenthOfASecondFromNow) {
 }
 
 // An idle vehicle gets no set-point, a killed vehicle only the motor stop.
-TEST(Climbs, AskNothingOnTheGroundAndNothingOfTheKilled) {
+TEST(GuardClimb, SendsNoSetpointWhenIdleOrKilled) {
   OneVehicle one;
   one.stand();
   one.run(0.2);
@@ -295,7 +295,7 @@ TEST(Climbs, AskNothingOnTheGroundAndNothingOfTheKilled) {
 }
 
 // A killed vehicle that is still in the air is not treated as found flying.
-TEST(Climbs, FindNoKilledVehicle) {
+TEST(GuardClimb, DoesNotFindAKilledVehicle) {
   OneVehicle one;
   one.run(0.2);
   one.say(OperatorAction::kEmergencyStop);
@@ -305,7 +305,7 @@ TEST(Climbs, FindNoKilledVehicle) {
 }
 
 // A lift ends with an emergency stop or a landing.
-TEST(Climbs, LiftNoMoreOnceTheyAreOver) {
+TEST(GuardClimb, LiftEndsWithAStopOrLanding) {
   for (const OperatorAction action : {OperatorAction::kEmergencyStop, OperatorAction::kLand}) {
     OneVehicle one;
     one.begin_lift();
@@ -318,7 +318,7 @@ TEST(Climbs, LiftNoMoreOnceTheyAreOver) {
 }
 
 // Plans are accepted while following, or while only a plan is missing for it.
-TEST(Climbs, AndPlansAreTakenByWhoWaitsForThem) {
+TEST(GuardClimb, AcceptsPlansOnlyWhileWaitingForThem) {
   OneVehicle one;
   const auto verdict = [&] { return one.follow(0.2, 0.0, 0.2, 1.5, 0.3); };
   EXPECT_EQ(verdict(), PlanVerdict::kNotFollowing) << "idle";

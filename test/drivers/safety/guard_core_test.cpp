@@ -26,7 +26,7 @@ scenario::Scenario room() {
 }
 
 // The result does not depend on the order of the commands; the next tick starts without any.
-TEST(GuardCore, AnswersTheSafestOfTheOrdersOfATick) {
+TEST(GuardCore, KeepsTheSafestOrderOfATick) {
   const scenario::Scenario scenario = room();
   GuardCore core(scenario, "Q1", limits_for(scenario, "Q1"), Course(0.25));
   std::vector<OperatorAction> orders = {OperatorAction::kFollow, OperatorAction::kHold,
@@ -46,7 +46,7 @@ TEST(GuardCore, AnswersTheSafestOfTheOrdersOfATick) {
 }
 
 // A heartbeat requests nothing and is obeyed at once.
-TEST(GuardCore, ObeysAtOnceWhatNeedsNoLook) {
+TEST(GuardCore, ObeysCommandsThatNeedNoCheckAtOnce) {
   const scenario::Scenario scenario = room();
   GuardCore core(scenario, "Q1", limits_for(scenario, "Q1"), Course(0.25));
   models::OperatorCommand command;
@@ -105,7 +105,7 @@ class SeenCore : public testing::Test {
 // After arming, a new publisher must show the vehicle at its known position; before, it may have
 // been carried. The current publisher may show it elsewhere on the ground, armed or not, but never
 // in the air.
-TEST_F(SeenCore, MustBeSeenWhereItIsByWhoTakesOverOnceItIsArmed) {
+TEST_F(SeenCore, NewSourceMustAgreeOnceArmed) {
   for (const bool is_armed : {false, true}) {
     for (const bool in_air : {false, true}) {
       for (const bool is_other : {false, true}) {
@@ -129,7 +129,7 @@ TEST_F(SeenCore, MustBeSeenWhereItIsByWhoTakesOverOnceItIsArmed) {
 }
 
 // Counts each change of the clock once, in either direction, and nothing else.
-TEST_F(SeenCore, CountsHowOftenTheClockOfItsPosesWasSet) {
+TEST_F(SeenCore, CountsClockChanges) {
   const auto frames = [&] {
     for (int i = 0; i < 20; ++i) {
       pass(0.01);
@@ -154,7 +154,7 @@ TEST_F(SeenCore, CountsHowOftenTheClockOfItsPosesWasSet) {
 }
 
 // Latency includes delays in the cameras' computer and in the network from the mocap driver.
-TEST_F(SeenCore, SeesThatItsPosesAreLateWhereverTheyWaited) {
+TEST_F(SeenCore, MeasuresLatencyOfEveryStage) {
   for (int round = 0; round < 2; ++round) {  // repeated with the same state
     for (const double waits_s : {0.0, 0.05, 0.3, 0.9, 0.0}) {
       pass(std::max(0.0, waits_s - way_s));  // nothing arrives while the path becomes longer
@@ -171,7 +171,7 @@ TEST_F(SeenCore, SeesThatItsPosesAreLateWhereverTheyWaited) {
 }
 
 // Both counts are consecutive; without a frame they are 0.
-TEST_F(SeenCore, SaysHowManyPosesItBelievedAndRefused) {
+TEST_F(SeenCore, CountsAcceptedAndRejectedPoses) {
   core.look(now);
   EXPECT_EQ(core.in.poses_accepted, 0);
   EXPECT_EQ(core.in.poses_rejected, 0);
@@ -195,7 +195,7 @@ TEST_F(SeenCore, SaysHowManyPosesItBelievedAndRefused) {
 }
 
 // Only an accepted plan is put on the course.
-TEST_F(SeenCore, FollowsThePlansThatPass) {
+TEST_F(SeenCore, FollowsAcceptedPlans) {
   models::RobotPlan plan;
   plan.robot = "Q1";
   plan.trajectory.start = {here_m.x(), here_m.y(), 0.0};

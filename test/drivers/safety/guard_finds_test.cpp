@@ -23,9 +23,9 @@ struct Found {
 
 void PrintTo(const Found& found, std::ostream* out) { *out << found.what; }
 
-class LooksAtAFoundVehicle : public testing::TestWithParam<Found> {};
+class FoundVehicle : public testing::TestWithParam<Found> {};
 
-TEST_P(LooksAtAFoundVehicle, AsItIs) {
+TEST_P(FoundVehicle, IsDetected) {
   OneVehicle one({0.3, 0.05, 1.5});
   GetParam().set(one);
   bool flies = false;
@@ -44,7 +44,7 @@ TEST_P(LooksAtAFoundVehicle, AsItIs) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Found, LooksAtAFoundVehicle,
+    Found, FoundVehicle,
     testing::Values(
         Found{"InOurMode", [](OneVehicle&) {}, true, false},
         Found{"LandingByItself",

@@ -79,7 +79,7 @@ constexpr Phase kPhases[] = {
 
 // When a vehicle is seen again, a sinking vehicle may be lower by its commanded descent. A vehicle
 // that was not sinking may not. Tested on both sides of either limit.
-TEST(GuardInTheAir, BelievesThatItSankOnlyWhenItWasToldTo) {
+TEST(GuardInTheAir, AcceptsALowerPoseOnlyAfterADescent) {
   constexpr double kUnseenS = 0.4;
   for (const Phase& phase : kPhases) {
     for (const double off_m : {-0.01, 0.01}) {
@@ -101,7 +101,7 @@ TEST(GuardInTheAir, BelievesThatItSankOnlyWhenItWasToldTo) {
 
 // In the air, poses repeated bit for bit mean that mocap is stuck. Near the ground the vehicle may
 // really be stationary.
-TEST(GuardInTheAir, BelievesThatItStandsStillOnlyNearTheGround) {
+TEST(GuardInTheAir, AcceptsIdenticalPosesOnlyNearTheGround) {
   for (const double off_m : {-0.03, 0.03}) {
     OneVehicle q1({-2.0, -1.3, 0.3});
     q1.answers = false;
@@ -121,7 +121,7 @@ TEST(GuardInTheAir, BelievesThatItStandsStillOnlyNearTheGround) {
 }
 
 // A vehicle that is commanded to move faster than 0.1 m/s cannot show identical poses for long.
-TEST(GuardInTheAir, DoesNotBelieveThatItStandsStillWhileItIsToldToMove) {
+TEST(GuardInTheAir, RefusesIdenticalPosesInMotion) {
   for (const double speed_mps : {0.07, 0.15}) {
     OneVehicle q1(kHigh);
     hover(q1);
@@ -138,7 +138,7 @@ TEST(GuardInTheAir, DoesNotBelieveThatItStandsStillWhileItIsToldToMove) {
 
 // The clock of the plan runs at full rate with fresh poses, stops at the maximum pose age, and
 // slows linearly in between.
-TEST(GuardInTheAir, SlowsItsPlanInProportionAsPosesAge) {
+TEST(GuardInTheAir, SlowsThePlanInProportionToPoseAge) {
   constexpr double kSpeedMps = 0.5;
   constexpr double kStepS = 0.1;
   OneVehicle q1(kHigh);
@@ -166,7 +166,7 @@ TEST(GuardInTheAir, SlowsItsPlanInProportionAsPosesAge) {
 }
 
 // An accepted plan begins at its start time. After `hold` it does not begin, then or later.
-TEST(GuardInTheAir, BeginsNoPlanOnceItIsToldToHold) {
+TEST(GuardInTheAir, DropsTheNextPlanAfterHold) {
   for (const bool is_told : {false, true}) {
     OneVehicle q1(kHigh);
     hover(q1);
@@ -193,7 +193,7 @@ TEST(GuardInTheAir, BeginsNoPlanOnceItIsToldToHold) {
 }
 
 // Too close to the fence, it moves away while it holds; with enough room it stays at its hover.
-TEST(GuardInTheAir, MovesOffTheFenceWhileItHolds) {
+TEST(GuardInTheAir, MovesAwayFromTheFenceDuringHold) {
   const double fence_m = -5.0;
   for (const double room_m : {0.02, 0.2}) {
     OneVehicle q1({-2.0, fence_m + 0.25 + room_m, 1.0});
@@ -208,7 +208,7 @@ TEST(GuardInTheAir, MovesOffTheFenceWhileItHolds) {
 
 // While it waits at the lift height, its course still has the height of the ground. The distance to
 // a teammate must be computed from its actual height.
-TEST(GuardInTheAir, MovesOffTheFenceAfterItsLiftAndNotAtATeammate) {
+TEST(GuardInTheAir, MovesOffTheFenceWithoutMeetingATeammate) {
   scenario::Scenario room = OneVehicle::room();
   room.world.bounds.min_m.y() = -0.27;
   OneVehicle q1({0.0, 0.0, 0.0}, 0.0, room);
@@ -227,7 +227,7 @@ TEST(GuardInTheAir, MovesOffTheFenceAfterItsLiftAndNotAtATeammate) {
 
 // It descends at the stated speed, slower near the ground. The commanded vertical velocity equals
 // the rate of the commanded height.
-TEST(GuardInTheAir, AsksForTheSpeedAtWhichItsHeightChanges) {
+TEST(GuardInTheAir, VerticalSpeedMatchesHeight) {
   OneVehicle q1(kHigh);
   q1.beside_m.z() = 0.01;  // avoids a jump of the set-point to the body
   hover(q1);
@@ -251,7 +251,7 @@ TEST(GuardInTheAir, AsksForTheSpeedAtWhichItsHeightChanges) {
 }
 
 // Two ticks at the same instant count as one; the zero time step must not produce a velocity.
-TEST(GuardInTheAir, AsksForNumbersWhenNoTimeHasPassed) {
+TEST(GuardInTheAir, SendsFiniteSetpointsWithoutElapsedTime) {
   OneVehicle q1(kHigh);
   hover(q1);
   q1.say(OperatorAction::kLand);
@@ -266,7 +266,7 @@ TEST(GuardInTheAir, AsksForNumbersWhenNoTimeHasPassed) {
 
 // The commanded vertical velocity stays within the limits, even when the vehicle is lifted during a
 // landing or climb and descent limits differ.
-TEST(GuardInTheAir, AsksForNoSpeedBeyondWhatIsStated) {
+TEST(GuardInTheAir, LimitsItsVerticalSpeed) {
   OneVehicle lifted(kHigh);
   hover(lifted);
   lifted.answers = false;
@@ -294,7 +294,7 @@ TEST(GuardInTheAir, AsksForNoSpeedBeyondWhatIsStated) {
 }
 
 // `changed` is set for one tick when the state or the reasons change, each without the other.
-TEST(GuardInTheAir, SaysOnceThatSomethingHasChanged) {
+TEST(GuardInTheAir, ReportsEachChangeOnce) {
   OneVehicle q1(kHigh);
   hover(q1);
   follow(q1, 0.2, kHigh.z());
@@ -319,7 +319,7 @@ TEST(GuardInTheAir, SaysOnceThatSomethingHasChanged) {
 }
 
 // The status gives the set-point if there is one, otherwise the position.
-TEST(VehicleStatus, SaysWhereItIsToBeOrElseWhereItIs) {
+TEST(VehicleStatus, ReportsSetpointOrPosition) {
   OneVehicle q1(kHigh, 0.5);
   q1.stand();
   q1.battery_share = 0.7;
@@ -357,7 +357,7 @@ TEST(VehicleStatus, SaysWhereItIsToBeOrElseWhereItIs) {
 
 // Without mocap, the motors count as off after the third consecutive heartbeat that reports it.
 // Earlier interrupted reports do not count.
-TEST(GuardInTheAir, BelievesUnseenThatItsMotorsAreOffAtTheThirdWordInARow) {
+TEST(GuardInTheAir, IsDisarmedUnseenAtTheThirdReport) {
   OneVehicle q1(kHigh);
   hover(q1);
   q1.has_mocap = false;
@@ -381,7 +381,7 @@ TEST(GuardInTheAir, BelievesUnseenThatItsMotorsAreOffAtTheThirdWordInARow) {
 }
 
 // The age of the battery value counts from its first report, even if that equals the default value.
-TEST(GuardInTheAir, KnowsSinceWhenItsBatterySaysTheSame) {
+TEST(GuardInTheAir, MeasuresTheTimeOfAnUnchangedBattery) {
   for (const double share : {1.0, 0.9}) {
     OneVehicle q1(kHigh);
     q1.battery_share = -1.0;  // out of range, therefore refused

@@ -18,7 +18,7 @@ using models::FlightState;
 using models::OperatorAction;
 
 // It descends at 0.6 m/s, and at 0.4 m/s below 1 m.
-TEST(ComesDown, AtItsTwoSpeeds) {
+TEST(Landing, DescendsAtTwoSpeeds) {
   OneVehicle one;
   for (int flight = 0; flight < 2; ++flight) {  // second flight with the same guard
     one.land_from({0.5, -0.5, 2.0});
@@ -45,7 +45,7 @@ TEST(ComesDown, AtItsTwoSpeeds) {
 }
 
 // The set-point goes down until touchdown, but never more than 0.5 m below the vehicle.
-TEST(ComesDown, ToNoFartherThanHalfAMetreBelowWhereItIs) {
+TEST(Landing, SetpointIsAtMostHalfAMetreBelow) {
   for (const double held_m : {0.3, 1.8}) {
     OneVehicle one;
     one.land_from({0.0, 0.0, 2.0});
@@ -58,7 +58,7 @@ TEST(ComesDown, ToNoFartherThanHalfAMetreBelowWhereItIs) {
 }
 
 // A landing during a climb starts from the lower of set-point and position.
-TEST(ComesDown, FromTheLowerOfWhereItIsAndWasAskedToBe) {
+TEST(Landing, StartsAtTheLowerOfPositionAndSetpoint) {
   for (const double off_m : {-0.3, 0.3}) {
     OneVehicle one;
     one.position_m.z() = 1.5;
@@ -77,7 +77,7 @@ TEST(ComesDown, FromTheLowerOfWhereItIsAndWasAskedToBe) {
 
 // A vehicle that was pushed up and waits for its landing keeps the height of its set-point. This
 // also holds after an earlier landing without a wait.
-TEST(ComesDown, FromNoHigherThanItWasAskedToBe) {
+TEST(Landing, WaitsAtTheSetpointHeightAfterAPushUp) {
   OneVehicle one;
   one.land_from({0.0, 0.0, 1.5});
   one.run(0.5);
@@ -100,7 +100,7 @@ TEST(ComesDown, FromNoHigherThanItWasAskedToBe) {
 
 // With a body below, it first moves aside at 0.6 m/s and then descends. The second flight does the
 // same.
-TEST(ComesDown, BesideWhoIsBelow) {
+TEST(Landing, MovesAsideFromABodyBelow) {
   OneVehicle one;
   for (int flight = 0; flight < 2; ++flight) {
     const Eigen::Vector3d from_m(0.5, -0.5 + flight, 1.5);
@@ -128,7 +128,7 @@ TEST(ComesDown, BesideWhoIsBelow) {
 
 // The vehicle has drifted from its hover, and a body is below the vehicle or below the hover. It
 // lands where neither is the case.
-TEST(ComesDown, WhereNobodyIsBelowItNorBelowItsHover) {
+TEST(Landing, AvoidsBodiesBelowVehicleAndHover) {
   for (const double at_m : {-0.5, 0.85}) {  // closer than 0.7 m to only one of the two
     OneVehicle one;
     const Eigen::Vector3d walker_m(at_m, 0.0, 0.2);
@@ -160,7 +160,7 @@ TEST(ComesDown, WhereNobodyIsBelowItNorBelowItsHover) {
 
 // A vehicle that does not reach its landing spot descends 6 s after the command to go there. A
 // vehicle within 0.25 m of the spot at the expected arrival descends then.
-TEST(ComesDown, BesideItsPlaceWhenItDoesNotGetThere) {
+TEST(Landing, DescendsNextToAnUnreachedSpot) {
   OneVehicle one;
   const Eigen::Vector3d walker_m(-0.1, 0.0, 0.3);
   for (const double off_m : {0.24, 0.26, 0.24, 0.26}) {
@@ -184,7 +184,7 @@ TEST(ComesDown, BesideItsPlaceWhenItDoesNotGetThere) {
 }
 
 // While there is no free spot it waits, for at most 20 s. The second flight does the same.
-TEST(ComesDown, WhoeverIsBelowWhenItHasWaitedForLong) {
+TEST(Landing, ProceedsAfterTheTimeLimit) {
   scenario::Scenario room = OneVehicle::room();
   room.world.bounds = {{-0.5, -0.5}, {0.5, 0.5}};
   OneVehicle one({0.0, 0.0, 1.5}, 0.0, room);
@@ -210,7 +210,7 @@ TEST(ComesDown, WhoeverIsBelowWhenItHasWaitedForLong) {
 }
 
 // A landing that begins this low ignores bodies below. The second flight does the same.
-TEST(ComesDown, WithoutALookFromBelow35Centimetres) {
+TEST(Landing, IgnoresBodiesWhenItBeginsLow) {
   OneVehicle one;
   for (const double from_m : {0.33, 0.37, 0.33, 0.37}) {
     one.others = {one.body("W1", {0.6, 0.0, 0.05})};
@@ -222,7 +222,7 @@ TEST(ComesDown, WithoutALookFromBelow35Centimetres) {
 
 // When a body moves in below, a descent stops at its height and continues after the body has left.
 // Below 0.15 m it does not stop.
-TEST(ComesDown, AndWaitsForWhoWalksInUntilItIsLow) {
+TEST(Landing, PausesForABodyUntilItIsLow) {
   for (const double at_m : {0.8, 0.2, 0.1}) {
     scenario::Scenario room = OneVehicle::room();
     room.world.bounds = {{-0.5, -0.5}, {0.5, 0.5}};
@@ -246,7 +246,7 @@ TEST(ComesDown, AndWaitsForWhoWalksInUntilItIsLow) {
 }
 
 // When the path aside becomes blocked, the vehicle stops and searches again.
-TEST(ComesDown, AndStopsOnItsWayAsideForWhoStepsInToIt) {
+TEST(Landing, StopsWhenThePathAsideIsBlocked) {
   OneVehicle one;
   const Eigen::Vector3d below_m(-0.1, 0.0, 0.3);
   one.others = {one.body("W1", below_m)};
@@ -268,7 +268,7 @@ TEST(ComesDown, AndStopsOnItsWayAsideForWhoStepsInToIt) {
 }
 
 // A free path aside is flown to its end without a stop.
-TEST(ComesDown, AsideWithoutAStopOnAFreeWay) {
+TEST(Landing, FliesAFreePathAsideWithoutAStop) {
   OneVehicle one;
   const Eigen::Vector3d below_m(-0.1, 0.0, 0.3);
   one.others = {one.body("W1", below_m)};
@@ -288,7 +288,7 @@ TEST(ComesDown, AsideWithoutAStopOnAFreeWay) {
 }
 
 // A vehicle that is pushed down while it waits has not begun its descent.
-TEST(ComesDown, ByItsOwnDecisionOnly) {
+TEST(Landing, IsNotDecidedByAPushDown) {
   OneVehicle one;
   const auto walker = [&] { one.others = {one.body("W1", {0.65, 0.0, 0.1})}; };
   walker();
@@ -305,7 +305,7 @@ TEST(ComesDown, ByItsOwnDecisionOnly) {
 
 // A vehicle sinks 0.2 m from its spot. A body below the vehicle, or only below the spot, stops
 // the descent. The vehicle then moves from its position to a free spot.
-TEST(ComesDown, AndWaitsForWhoComesBelowItOrBelowItsPlace) {
+TEST(Landing, StopsForBodiesBelowVehicleOrSpot) {
   for (const double at_m : {-0.55, 0.8}) {
     OneVehicle one;
     for (int i = 1; i <= 20; ++i) {
@@ -335,7 +335,7 @@ TEST(ComesDown, AndWaitsForWhoComesBelowItOrBelowItsPlace) {
 }
 
 // Once the descent is decided, the set-point stays above the spot and does not follow the vehicle.
-TEST(ComesDown, OverItsPlaceOnceItHasDecided) {
+TEST(Landing, KeepsItsSpotOnceDecided) {
   OneVehicle one;
   for (int i = 1; i <= 20; ++i) {
     one.beside_m.x() = 0.01 * i;
@@ -352,7 +352,7 @@ TEST(ComesDown, OverItsPlaceOnceItHasDecided) {
 
 // During the path aside the estimator failed and the vehicle sank so low that the landing is
 // decided. The vehicle stops there within its braking distance and is not moved aside.
-TEST(ComesDown, WithoutGoingAsideOnceItIsLow) {
+TEST(Landing, DoesNotMoveAsideOnceLow) {
   OneVehicle one;
   const auto walker = [&] { one.others = {one.body("W1", {-0.62, 0.0, 0.1})}; };
   walker();
@@ -374,7 +374,7 @@ TEST(ComesDown, WithoutGoingAsideOnceItIsLow) {
 }
 
 // The 6 s to reach the spot count from the command to go to that spot.
-TEST(ComesDown, BesideItsLastPlaceAsLateAsBesideItsFirst) {
+TEST(Landing, CountsTheTimeToEachSpotSeparately) {
   OneVehicle one;
   one.land_from({0.0, 0.0, 1.5});
   one.hold_at_height(1.5);
@@ -393,7 +393,7 @@ TEST(ComesDown, BesideItsLastPlaceAsLateAsBesideItsFirst) {
 }
 
 // A vehicle that is found landing at the fence is brought inside. The second flight does the same.
-TEST(ComesDown, InsideTheFenceWhenItWasFoundLandingAtIt) {
+TEST(Landing, MovesInsideTheFenceWhenFoundOutside) {
   OneVehicle one;
   one.report.is_in_our_mode = false;
   one.report.is_landing_itself = true;

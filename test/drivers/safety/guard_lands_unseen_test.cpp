@@ -15,7 +15,7 @@ using models::OperatorAction;
 
 // In a landing, the autopilot takes over and lands by itself once its estimator has been bad for
 // 0.2 s.
-TEST(ComesDownUnseen, BlindlyWhenTheEstimatorFails) {
+TEST(LandingUnseen, BecomesBlindWhenTheEstimatorFails) {
   OneVehicle one;
   one.land_from({0.0, 0.0, 1.5});
   for (int time = 0; time < 2; ++time) {
@@ -37,7 +37,7 @@ TEST(ComesDownUnseen, BlindlyWhenTheEstimatorFails) {
 
 // A vehicle that is not seen waits above its hover for 1.4 s and lands blindly after 1.5 s, even
 // with a body below.
-TEST(ComesDownUnseen, BlindlyWhenItIsNotSeenForLong) {
+TEST(LandingUnseen, BecomesBlindAfterTheTimeLimit) {
   OneVehicle one;
   one.run(0.4);
   one.others = {one.body("W1", {0.1, 0.0, 0.2})};
@@ -62,7 +62,7 @@ TEST(ComesDownUnseen, BlindlyWhenItIsNotSeenForLong) {
 
 // Without any height measurement the estimated height sinks at 0.4 of the commanded speed and stops
 // at the floor.
-TEST(ComesDownUnseen, AndIsBelievedToSinkWhileNothingMeasuresIt) {
+TEST(LandingUnseen, EstimatesItsHeightWithoutMeasurements) {
   OneVehicle one;
   one.land_from({0.0, 0.0, 1.5});
   one.run(0.1);
@@ -79,7 +79,7 @@ TEST(ComesDownUnseen, AndIsBelievedToSinkWhileNothingMeasuresIt) {
   EXPECT_NEAR(sunk_m, 0.4 * 0.5 * (asked_m > 1.1 ? 0.6 : 0.4), 0.03);
 }
 
-TEST(ComesDownUnseen, AndIsNotBelievedToBeBelowTheFloor) {
+TEST(LandingUnseen, EstimatesNoHeightBelowTheFloor) {
   OneVehicle one;
   one.land_from({0.0, 0.0, 0.2});
   one.has_mocap = one.tells = false;
@@ -94,7 +94,7 @@ TEST(ComesDownUnseen, AndIsNotBelievedToBeBelowTheFloor) {
 
 // A vehicle that has not been seen for a while descends above its hover without a search for
 // another spot. It waits if a body was last seen below.
-TEST(ComesDownUnseen, OverItsHoverWhileItIsNotSeen) {
+TEST(LandingUnseen, StaysAboveItsHover) {
   for (const bool is_free : {true, false}) {
     OneVehicle one;
     if (!is_free) {
@@ -117,7 +117,7 @@ TEST(ComesDownUnseen, OverItsHoverWhileItIsNotSeen) {
 }
 
 // A pose up to 0.1 s old is fresh enough for the search of a landing spot.
-TEST(ComesDownUnseen, ByAPoseThatIsNotNew) {
+TEST(LandingUnseen, UsesAPoseUpToATenthOfASecondOld) {
   OneVehicle one;
   const auto walker = [&] { one.others = {one.body("W1", {-0.1, 0.0, 0.2})}; };
   walker();
@@ -130,7 +130,7 @@ TEST(ComesDownUnseen, ByAPoseThatIsNotNew) {
 }
 
 // A landing known only from the autopilot report starts at the reported height.
-TEST(ComesDownUnseen, FromWhereItsAutopilotSaysThatItIs) {
+TEST(LandingUnseen, StartsAtTheReportedHeight) {
   OneVehicle one({0.0, 0.0, 1.5});
   one.has_mocap = one.report.is_in_our_mode = false;
   one.report.is_landing_itself = true;

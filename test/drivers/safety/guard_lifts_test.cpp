@@ -16,7 +16,7 @@ using models::OperatorAction;
 constexpr double kLiftM = 0.2;
 
 // The times without a rise and without the commanded step.
-TEST(Lifts, AreTimedUntilTheyRiseAndUntilTheyAreProven) {
+TEST(FirstLiftWatch, TimesTheRiseAndTheProof) {
   OneVehicle one;
   one.hold_at_height(0.0);
   one.begin_lift();
@@ -37,7 +37,7 @@ TEST(Lifts, AreTimedUntilTheyRiseAndUntilTheyAreProven) {
 
 // While it is armed on the ground, a rise is not due to an order. A body that is not seen has not
 // risen.
-TEST(Lifts, AreUntoldWhenItIsOnlyArmed) {
+TEST(FirstLiftWatch, MeasuresARiseWithoutAnOrder) {
   OneVehicle one;
   one.stand();
   one.run(1.5);
@@ -70,7 +70,7 @@ TEST(Lifts, AreUntoldWhenItIsOnlyArmed) {
 }
 
 // A rise of another body counts only until our own body has risen.
-TEST(Lifts, WatchAnotherBodyUntilTheirOwnHasRisen) {
+TEST(FirstLiftWatch, WatchesOtherBodiesUntilItHasRisen) {
   for (const bool has_risen : {false, true}) {
     OneVehicle one;
     one.others = {one.body("Q2", {2.0, 2.0, 0.0})};
@@ -89,7 +89,7 @@ TEST(Lifts, WatchAnotherBodyUntilTheirOwnHasRisen) {
 }
 
 // Distance from the path of the lift, now or in 0.2 s.
-TEST(Lifts, AreAstrayWhereTheyAreOrWillBe) {
+TEST(FirstLiftWatch, MeasuresTheDistanceFromThePathNowAndSoon) {
   OneVehicle one;
   one.hold_at_height(0.0);
   one.begin_lift();
@@ -111,7 +111,7 @@ TEST(Lifts, AreAstrayWhereTheyAreOrWillBe) {
 }
 
 // Climb and turn rates of body and autopilot are compared while both report.
-TEST(Lifts, AreComparedWithWhatTheAutopilotFeels) {
+TEST(FirstLiftWatch, ComparesRatesWithTheAutopilot) {
   enum class Lacks { kNothing, kPosition, kTelemetry, kPose };
   for (const Lacks lacks : {Lacks::kNothing, Lacks::kPosition, Lacks::kTelemetry, Lacks::kPose}) {
     OneVehicle one;
@@ -145,7 +145,7 @@ TEST(Lifts, AreComparedWithWhatTheAutopilotFeels) {
 
 // A pose older than 0.05 s does not prove the lift, and a short loss of poses does not end the
 // climb.
-TEST(Lifts, GoOnByPosesOfNow) {
+TEST(FirstLiftWatch, NeedsFreshPoses) {
   for (const double late_s : {0.04, 0.06}) {
     OneVehicle one;
     one.hold_at_height(0.0);
@@ -175,7 +175,7 @@ TEST(Lifts, GoOnByPosesOfNow) {
 }
 
 // During a lift near the fence, the vehicle does not move away from it.
-TEST(Lifts, DoNotMoveOffFromTheFence) {
+TEST(FirstLiftWatch, DoesNotMoveOffTheFence) {
   scenario::Scenario room = OneVehicle::room();
   room.robots[0].start = {4.7, 0.0, 0.0};
   OneVehicle one({4.7, 0.0, 0.0}, 0.0, room);

@@ -16,7 +16,7 @@ using models::OperatorAction;
 
 // The height comes from mocap. After 0.1 s without a pose it comes from the autopilot if that has a
 // valid position; otherwise the last pose counts.
-TEST(Looks, AtItsHeightFromTheBestThatItHas) {
+TEST(GuardInputs, UseTheBestHeightSource) {
   enum class Lacks { kNothing, kPosition, kEstimator, kTelemetry };
   for (const Lacks lacks :
        {Lacks::kNothing, Lacks::kPosition, Lacks::kEstimator, Lacks::kTelemetry}) {
@@ -47,7 +47,7 @@ TEST(Looks, AtItsHeightFromTheBestThatItHas) {
 }
 
 // The tracking error includes the height error, above or below.
-TEST(Looks, AtHowFarItIsFromItsHeight) {
+TEST(GuardInputs, MeasureTheHeightError) {
   for (const double off_m : {-0.3, 0.3}) {
     OneVehicle one({0.4, -0.7, 1.5});
     one.run(0.4);
@@ -58,7 +58,7 @@ TEST(Looks, AtHowFarItIsFromItsHeight) {
 }
 
 // After a landing, the next flight is measured like the first.
-TEST(Looks, AtHowFarItIsFromItsHeightAfterALandingToo) {
+TEST(GuardInputs, MeasureTheHeightErrorAfterALanding) {
   OneVehicle one({0.4, -0.7, 1.5});
   one.run(0.4);
   one.say(OperatorAction::kLand);
@@ -77,7 +77,7 @@ TEST(Looks, AtHowFarItIsFromItsHeightAfterALandingToo) {
 }
 
 // A disarmed report in the air does not reset the reference height of the ground.
-TEST(Looks, ForTheGroundOnTheGround) {
+TEST(GuardInputs, KeepTheGroundHeightInTheAir) {
   OneVehicle one({0.4, -0.7, 1.5});
   one.run(0.4);
   one.report.armed = false;
@@ -92,7 +92,7 @@ TEST(Looks, ForTheGroundOnTheGround) {
 }
 
 // While a vehicle sinks, its height error is ignored; while it waits for its landing, it counts.
-TEST(Looks, AtItsHeightInALandingOnlyWhileItWaits) {
+TEST(GuardInputs, IgnoreTheHeightErrorWhileSinking) {
   for (const bool waits : {false, true}) {
     OneVehicle one({0.0, 0.0, 1.5});
     const auto walker = [&] {
@@ -115,7 +115,7 @@ TEST(Looks, AtItsHeightInALandingOnlyWhileItWaits) {
 
 // A disarmed report is rejected while the body is seen to fly: above 0.15 m and not falling at
 // 1 m/s.
-TEST(Looks, ForFlightBeforeItBelievesThatTheMotorsAreOff) {
+TEST(GuardInputs, RejectDisarmedReportsInFlight) {
   struct Case {
     double height_m, sinks_mps;
     bool flies;
@@ -150,7 +150,7 @@ TEST(Looks, ForFlightBeforeItBelievesThatTheMotorsAreOff) {
 
 // Without mocap, three consecutive heartbeats must report it; an armed report in between resets the
 // count.
-TEST(Looks, ForThreeHeartbeatsWhenNobodySeesIt) {
+TEST(GuardInputs, NeedThreeHeartbeatsToDisarmUnseen) {
   OneVehicle one({0.3, 3.0, 1.5});
   one.run(0.4);
   one.has_mocap = false;
@@ -181,7 +181,7 @@ TEST(Looks, ForThreeHeartbeatsWhenNobodySeesIt) {
 }
 
 // On the ground, armed and disarmed reports are accepted at once.
-TEST(Looks, AtNothingElseOnTheGround) {
+TEST(GuardInputs, AcceptArmedReportsAtOnceOnTheGround) {
   OneVehicle one;
   one.stand();
   one.run(0.2);
@@ -206,7 +206,7 @@ TEST(Looks, AtNothingElseOnTheGround) {
 
 // In the air, the age of an input that never arrived counts from the start of the process. On the
 // ground it is kNever.
-TEST(Looks, AtWhatItNeverHeard) {
+TEST(GuardInputs, CountMissingInputsFromTheStart) {
   OneVehicle one({0.3, 0.05, 1.5});
   one.has_mocap = one.beats = one.is_commanded = false;
   one.battery_share.reset();
@@ -241,7 +241,7 @@ TEST(Looks, AtWhatItNeverHeard) {
 }
 
 // Ages of the inputs received; that of the battery value counts in flight only.
-TEST(Looks, AtTheAgeOfWhatItHeard) {
+TEST(GuardInputs, MeasureAges) {
   OneVehicle one({0.3, 0.05, 1.5});
   one.report.is_in_our_mode = false;
   one.run(1.0);
@@ -265,7 +265,7 @@ TEST(Looks, AtTheAgeOfWhatItHeard) {
 }
 
 // The horizontal speed, while the vehicle is seen.
-TEST(Looks, AtItsSpeedWhileItIsSeen) {
+TEST(GuardInputs, MeasureTheSpeedWhileSeen) {
   OneVehicle one({0.3, 0.05, 1.5});
   one.run(0.4);
   one.drift_mps = Eigen::Vector3d(0.3, -0.4, 0.2);
@@ -285,7 +285,7 @@ TEST(Looks, AtItsSpeedWhileItIsSeen) {
 
 // A plan whose clock is slowed because of late poses falls behind; the delay counts as tracking
 // error.
-TEST(Looks, AtHowFarItIsBehindItsPlan) {
+TEST(GuardInputs, MeasureTheDelayBehindThePlan) {
   OneVehicle one({0.0, 0.0, 1.5});
   one.wait_for_plan();
   ASSERT_EQ(one.follow(1.0, 0.0, 4.0, 1.5), drivers::PlanVerdict::kAccepted);
@@ -303,7 +303,7 @@ TEST(Looks, AtHowFarItIsBehindItsPlan) {
 }
 
 // Only before its first flight is it compared with the start of the scenario.
-TEST(Looks, AtHowFarItIsFromItsStartUntilItHasFlown) {
+TEST(GuardInputs, MeasureTheDistanceFromTheStartBeforeTheFirstFlight) {
   scenario::Scenario room = OneVehicle::room();
   room.robots[0].start = {1.0, -1.0, 3.0};
   OneVehicle one({1.3, -1.4, 0.0}, -3.1, room);
@@ -344,7 +344,7 @@ TEST(Looks, AtHowFarItIsFromItsStartUntilItHasFlown) {
 }
 
 // near_m is the least distance to a passing body within the next second.
-TEST(Looks, AtWhoComesNear) {
+TEST(GuardInputs, MeasureTheDistanceToPassingBodies) {
   OneVehicle one;
   one.stand();
   one.run(0.2, [&] { one.others = {one.body("W1", {3.0, 0.5, 0.0})}; });
@@ -358,7 +358,7 @@ TEST(Looks, AtWhoComesNear) {
 }
 
 // Autopilot and mocap are compared only while both are fresh.
-TEST(Looks, AtTheEstimateOnlyWhileBothAreFresh) {
+TEST(GuardInputs, CompareTheEstimateOnlyWhileFresh) {
   for (const int lacks : {0, 1, 2, 3, 4}) {
     OneVehicle one({0.3, 0.05, 1.5});
     one.run(0.4);

@@ -41,7 +41,7 @@ CommandVerdict answer(bool is_airborne, OperatorAction action, const std::string
 }
 
 // Arming and taking off are for the ground, following is for the air.
-TEST(GuardOrders, AreRefusedWhereTheyMakeNoSense) {
+TEST(GuardOrders, AreRefusedInTheWrongState) {
   for (const bool is_airborne : {false, true}) {
     for (const OperatorAction action : kAll) {
       const bool is_for_ground =
@@ -59,7 +59,7 @@ TEST(GuardOrders, AreRefusedWhereTheyMakeNoSense) {
 
 // Any station may send commands that make the vehicle safer; all others only the station in charge.
 // Commands for another vehicle are ignored.
-TEST(GuardOrders, AreTakenFromTheStationInCharge) {
+TEST(GuardOrders, AreAcceptedFromTheStationInCharge) {
   for (const bool is_airborne : {false, true}) {
     for (const OperatorAction action : kAll) {
       const CommandVerdict due =
@@ -71,7 +71,7 @@ TEST(GuardOrders, AreTakenFromTheStationInCharge) {
 }
 
 // Another station takes charge after the first was silent for the limit; both sides of it.
-TEST(GuardOrders, AreTakenFromAnotherStationOnceTheFirstIsSilent) {
+TEST(GuardOrders, AreAcceptedFromAnotherStationAfterSilence) {
   for (const double off_s : {-0.01, 0.01}) {
     OneVehicle q1;
     q1.stand();
@@ -85,7 +85,7 @@ TEST(GuardOrders, AreTakenFromAnotherStationOnceTheFirstIsSilent) {
 }
 
 // A take-off waits for the motors and then for the vehicle that lifts; the status shows both.
-TEST(GuardOrders, SayWhatATakeOffWaitsFor) {
+TEST(GuardOrders, ReportWhatATakeOffWaitsFor) {
   OneVehicle q1;
   q1.stand();
   q1.run(1.2);
@@ -112,7 +112,7 @@ TEST(GuardOrders, SayWhatATakeOffWaitsFor) {
 }
 
 // A teammate counts as lifting while it is airborne and reports its lift, for a limited time.
-TEST(GuardOrders, WaitForATeammateThatSaysInTheAirThatItLifts) {
+TEST(GuardOrders, WaitForATeammateThatReportsItsLift) {
   for (const FlightState state : {FlightState::kIdle, FlightState::kFollow, FlightState::kHold,
                                   FlightState::kLand, FlightState::kKilled}) {
     for (const bool says_so : {true, false}) {
@@ -137,7 +137,7 @@ TEST(GuardOrders, WaitForATeammateThatSaysInTheAirThatItLifts) {
 }
 
 // Two take-off orders at once: the first by name lifts, and its turn ends with its lift.
-TEST(GuardOrders, LeaveTheTurnToTheNextOnceItsOwnLiftIsOver) {
+TEST(GuardOrders, EndTheTurnWithTheLift) {
   OneVehicle q1;
   q1.stand();
   q1.fastest_mps = 1.0;
@@ -170,7 +170,7 @@ TEST(GuardOrders, LeaveTheTurnToTheNextOnceItsOwnLiftIsOver) {
 }
 
 // A wrong map counts until the right one is announced, another version for a limited time.
-TEST(GuardOnTheGround, SaysThatAnotherMapOrAnotherVersionIsAnnounced) {
+TEST(GuardOnTheGround, ReportsAnotherMapOrVersion) {
   OneVehicle q1;
   q1.stand();
   q1.run(1.2);
@@ -198,7 +198,7 @@ TEST(GuardOnTheGround, SaysThatAnotherMapOrAnotherVersionIsAnnounced) {
 }
 
 // Any finite number is accepted, however large.
-TEST(AutopilotReport, IsHeardHoweverLargeItsNumbersAre) {
+TEST(AutopilotReport, IsAcceptedWithLargeValues) {
   OneVehicle q1;
   q1.stand();
   drivers::AutopilotReport report;

@@ -47,7 +47,7 @@ void follow_straight(OneVehicle& one, double seconds) {
 
 // It stops within v²/2a on the circle; a straight stop would end 3 cm from it. The predicted
 // braking path also follows the circle.
-TEST(Stops, AlongThePlanWhileItKeepsToIt) {
+TEST(GuardStop, FollowsThePlanWhileTracking) {
   for (const double unseen_s : {0.0, 0.04}) {
     OneVehicle one;
     follow_circle(one, 1.0);
@@ -69,7 +69,7 @@ TEST(Stops, AlongThePlanWhileItKeepsToIt) {
 // Set-points change their speed gradually where the plan changes it abruptly. At the ends of a plan
 // the vehicle is up to 0.1 m from its plan and has a different speed. A stop begins at its position
 // and speed.
-TEST(Stops, FromItsPositionAndSpeedWhereThePlanChangesItsSpeed) {
+TEST(GuardStop, StartsAtPositionAndSpeedWhereThePlanChanges) {
   for (const double after_s : {0.1, 0.2, 0.3, 1.0, 2.8, 3.0, 3.1}) {
     OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
     follow_straight(one, after_s);
@@ -88,7 +88,7 @@ TEST(Stops, FromItsPositionAndSpeedWhereThePlanChangesItsSpeed) {
 }
 
 // After a loss long enough to land, it stops straight on from its last accepted position.
-TEST(Stops, StraightOnWhenItHasNotBeenSeenForLong) {
+TEST(GuardStop, IsStraightAfterALongLoss) {
   OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
   follow_straight(one, 1.0);
   one.drift_mps = turned(1.0, 0.3);
@@ -105,7 +105,7 @@ TEST(Stops, StraightOnWhenItHasNotBeenSeenForLong) {
 
 // A velocity error of more than 0.6 m/s in any direction makes it stop straight on; below that it
 // still follows the plan.
-TEST(Stops, StraightOnWhenItIsPushedOffItsVelocity) {
+TEST(GuardStop, IsStraightAfterAPush) {
   for (const Eigen::Vector2d& push_mps :
        {Eigen::Vector2d(0.0, 0.5), Eigen::Vector2d(0.0, 0.75), Eigen::Vector2d(0.0, -0.75),
         Eigen::Vector2d(-0.75, 0.0), Eigen::Vector2d(-0.5, 0.0)}) {
@@ -129,7 +129,7 @@ TEST(Stops, StraightOnWhenItIsPushedOffItsVelocity) {
 }
 
 // An error larger than the tracking limit stops the vehicle without a command.
-TEST(Stops, StraightOnFromFarBesideItsPlan) {
+TEST(GuardStop, IsStraightBeyondTheTrackingLimit) {
   for (const bool is_far : {false, true}) {
     OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
     follow_straight(one, 0.6);
@@ -154,7 +154,7 @@ TEST(Stops, StraightOnFromFarBesideItsPlan) {
 }
 
 // The braking path of a pushed hover follows its measured motion, not that of a finished plan.
-TEST(Stops, LooksAheadAsFarAsItDriftsInAHover) {
+TEST(GuardStop, PredictsADriftingHover) {
   for (const bool has_flown_a_plan : {false, true}) {
     OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
     if (has_flown_a_plan) {
@@ -172,7 +172,7 @@ TEST(Stops, LooksAheadAsFarAsItDriftsInAHover) {
 
 // A vehicle that has only just been commanded to move stops at its position and does not begin the
 // plan. This holds if the commanded speed exceeds twice its own by more than 0.1 m/s.
-TEST(Stops, WhereItIsWhenItHasOnlyJustBeenToldToGo) {
+TEST(GuardStop, StaysWhenThePlanHasJustBegun) {
   struct Case {
     double own_mps, asked_mps;
     bool goes_on;
@@ -200,7 +200,7 @@ TEST(Stops, WhereItIsWhenItHasOnlyJustBeenToldToGo) {
 }
 
 // The braking path follows a plan that has just been commanded.
-TEST(Stops, LooksAlongThePlanThatItIsAboutToFly) {
+TEST(GuardStop, PredictsAlongANewPlan) {
   OneVehicle one;
   one.wait_for_plan();
   one.answers = false;
@@ -212,7 +212,7 @@ TEST(Stops, LooksAlongThePlanThatItIsAboutToFly) {
 
 // The final hover of a plan was checked with it, so the vehicle hovers there, wherever the body is.
 // If a further plan was accepted, it stops from its position.
-TEST(Stops, InTheHoverThatItsPlanEndedIn) {
+TEST(GuardStop, HoversAtTheEndOfThePlan) {
   for (const bool has_next : {false, true}) {
     OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
     one.wait_for_plan();
@@ -238,7 +238,7 @@ TEST(Stops, InTheHoverThatItsPlanEndedIn) {
 }
 
 // In the middle of a plan it stops from its actual position.
-TEST(Stops, FromWhereItIsInTheMiddleOfAPlan) {
+TEST(GuardStop, StartsAtThePositionInAPlan) {
   OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
   follow_straight(one, 1.0);
   const double here_m = back(one.position_m.head<2>()).x();
@@ -253,7 +253,7 @@ TEST(Stops, FromWhereItIsInTheMiddleOfAPlan) {
 
 // A plan that was accepted during a hold is not flown after a landing has begun, and the hover
 // position is kept.
-TEST(Stops, BeforeAPlanThatItHasTakenAndMayNotFly) {
+TEST(GuardStop, DropsAnAcceptedPlanWhenLanding) {
   OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
   one.wait_for_plan();
   ASSERT_EQ(one.follow(1.0, 0.0, 3.0, 1.5), PlanVerdict::kAccepted);
@@ -264,7 +264,7 @@ TEST(Stops, BeforeAPlanThatItHasTakenAndMayNotFly) {
   EXPECT_LT(one.asked_m().norm(), 0.01);
 }
 
-TEST(Stops, InItsHoverWhenItLandsFromIt) {
+TEST(GuardStop, KeepsTheHoverWhenLanding) {
   OneVehicle one({0.3, -0.4, 1.5}, kYawRad);
   one.run(0.2);
   one.answers = false;
@@ -278,7 +278,7 @@ TEST(Stops, InItsHoverWhenItLandsFromIt) {
 }
 
 // The flight time runs through all airborne states and starts at 0 in the next flight.
-TEST(Stops, DoNotBeginAFlightAnew) {
+TEST(GuardStop, KeepsTheFlightTime) {
   OneVehicle one;
   one.tick();
   double flown_s = 0.0;
@@ -300,7 +300,7 @@ TEST(Stops, DoNotBeginAFlightAnew) {
 }
 
 // A pose up to 0.05 s old is fresh enough for a move away from the fence.
-TEST(Stops, AndMovesOffByAPoseThatIsNotNew) {
+TEST(GuardStop, MovesOffWithASlightlyOldPose) {
   OneVehicle one({5.0 - 0.25 - 0.05, 1.0, 1.5});
   one.report.armed = one.beats = false;
   one.run(0.1);
@@ -316,7 +316,7 @@ TEST(Stops, AndMovesOffByAPoseThatIsNotNew) {
 
 // A hover closer than 0.1 m to the fence moves at 0.2 m/s to 0.15 m. It does not move while poses
 // are old or the estimator is bad.
-TEST(Stops, AndMovesOffFromTheFence) {
+TEST(GuardStop, MovesOffTheFence) {
   enum class Waits { kNot, kForMocap, kForEstimator };
   for (const Waits waits : {Waits::kNot, Waits::kForMocap, Waits::kForEstimator}) {
     OneVehicle one({5.0 - 0.25 - 0.05, 1.0, 1.5});

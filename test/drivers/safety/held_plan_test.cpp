@@ -39,7 +39,7 @@ models::Trajectory random_way(test::Random& random) {
 }
 
 // Velocity and yaw rate compared with differences of position and yaw, in every kind of segment.
-TEST(PointAt, MovesAsFastAsItSays) {
+TEST(PointAt, VelocityIsTheDerivativeOfPosition) {
   constexpr double kHalfS = 1e-5;
   test::Random random(41);
   for (int i = 0; i < 500; ++i) {
@@ -65,7 +65,7 @@ TEST(PointAt, MovesAsFastAsItSays) {
 
 // A stop from v at a is v²/2a long, takes v/a and stays at rest for the remaining time of the
 // segment.
-TEST(PointAt, BrakesAsHardAsItSaysAndThenStands) {
+TEST(PointAt, BrakesAtTheStatedDeceleration) {
   for (const double speed_mps : {0.6, 1.0, 1.7}) {
     for (const double brake_mps2 : {0.5, 1.0, 2.5}) {
       const double stop_s = speed_mps / brake_mps2;
@@ -92,7 +92,7 @@ TEST(PointAt, BrakesAsHardAsItSaysAndThenStands) {
 }
 
 // The hover after a plan is at its end, even if it drives and turns until its last instant.
-TEST(PointAt, StandsBeforeItsStartAndAfterItsEnd) {
+TEST(PointAt, IsStationaryBeforeStartAndAfterEnd) {
   HeldPlan plan;
   plan.start = {1.0, -0.5, 3.0};
   plan.height_m = 1.3;
@@ -125,7 +125,7 @@ TEST(PointAt, StandsBeforeItsStartAndAfterItsEnd) {
 
 // A turn that is treated as straight deviates by at most 2 mm after 60 s at 1 m/s. Its exact chord
 // is v t sinc(ω t / 2), half-way between both headings.
-TEST(PointAt, KnowsTheSlowestTurnsToTwoMillimetres) {
+TEST(PointAt, ComputesSlowTurnsToTwoMillimetres) {
   HeldPlan plan;
   plan.count = 1;
   for (const double rate_radps : {0.3e-6, 0.99e-6, 1.01e-6, 1.3e-6, 1.9e-6, 5e-6, 1e-3}) {
@@ -140,7 +140,7 @@ TEST(PointAt, KnowsTheSlowestTurnsToTwoMillimetres) {
   }
 }
 
-TEST(HoldPlan, HoldsAsManySegmentsAsItHasRoomForEachAsItWas) {
+TEST(HoldPlan, KeepsUpToTheMaximumOfSegments) {
   models::Trajectory way;
   way.start_time = kStart + from_seconds(3.5);
   way.start = {0.1, -0.2, 0.3};
@@ -167,7 +167,7 @@ TEST(HoldPlan, HoldsAsManySegmentsAsItHasRoomForEachAsItWas) {
 
 // The storage is reused: remains of a longer earlier plan do not count, even if they are fast,
 // tight, long or not finite.
-TEST(HoldPlan, ForgetsTheLongerPlanThatWasInItsPlace) {
+TEST(HoldPlan, IgnoresRemainsOfALongerPlan) {
   test::Random random(42);
   const SafetyLimits limits = limits_for(test::FlightBench::scenario(), "Q1");
   const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -63,7 +63,7 @@ class Inputs : public testing::Test {
 };
 
 // All components count equally, with either sign.
-TEST_F(Inputs, SayHowFarTheAutopilotIsFromWhereItIsSeen) {
+TEST_F(Inputs, ComparePositions) {
   const Eigen::Vector3d here_m(-2.1, -1.2, 0.05);
   for (const Eigen::Vector3d& off_m :
        {Eigen::Vector3d(0.4, -1.2, 0.3), Eigen::Vector3d(-1.2, 0.3, 0.4),
@@ -75,7 +75,7 @@ TEST_F(Inputs, SayHowFarTheAutopilotIsFromWhereItIsSeen) {
 }
 
 // Holds for any yaw of the body, either sign, and across ±π.
-TEST_F(Inputs, SayByHowMuchYawAndLevelDifferFromWhatIsSeen) {
+TEST_F(Inputs, CompareYawAndAttitude) {
   const Eigen::Vector3d here_m(-2.0, -1.3, 0.0);
   for (const double yaw_rad : {0.0, 1.0, -2.0, 3.1, -3.1}) {
     for (const double off_rad : {0.3, -0.3, 1.2, -1.2}) {
@@ -95,7 +95,7 @@ TEST_F(Inputs, SayByHowMuchYawAndLevelDifferFromWhatIsSeen) {
   }
 }
 
-TEST_F(Inputs, SayHowItStandsAndHowFarFromItsStart) {
+TEST_F(Inputs, MeasureTiltAndDistanceFromTheStart) {
   const Eigen::Vector3d start_m(-2.0, -1.3, 0.0);
   for (const double off_rad : {0.4, -0.4}) {
     guard.emplace(scenario, "Q1", limits);
@@ -146,7 +146,7 @@ TEST_F(Inputs, AreComparedOnlyWhileBothAreFresh) {
 }
 
 // A quaternion with a small length error does not add tilt, upright or upside down.
-TEST_F(Inputs, SayANumberForEveryTilt) {
+TEST_F(Inputs, ComputeFiniteTilts) {
   for (const double length : {0.995, 1.0, 1.005}) {
     for (const double roll_rad : {0.0, kPi}) {
       guard.emplace(scenario, "Q1", limits);
@@ -158,7 +158,7 @@ TEST_F(Inputs, SayANumberForEveryTilt) {
   }
 }
 
-TEST_F(Inputs, SayHowLongAgoTheLastTickWas) {
+TEST_F(Inputs, MeasureTheTimeSinceTheLastTick) {
   EXPECT_EQ(look(1.0).since_last_tick_s, 0.0);
   EXPECT_NEAR(look(1.25).since_last_tick_s, 0.25, 1e-9);
   EXPECT_NEAR(look(1.26).since_last_tick_s, 0.01, 1e-9);
@@ -176,7 +176,7 @@ TEST_F(Inputs, SayHowLongAgoTheLastTickWas) {
   }
 }
 
-TEST_F(Inputs, SayHowLongTheThreadWaitedForAProcessor) {
+TEST_F(Inputs, ContainTheProcessorWait) {
   EXPECT_EQ(look(1.0).processor_wait_s, 0.0) << "nothing is reported in virtual time";
   guard->on_processor_wait(0.3);
   EXPECT_EQ(look(1.1).processor_wait_s, 0.3);
@@ -187,7 +187,7 @@ TEST_F(Inputs, SayHowLongTheThreadWaitedForAProcessor) {
 
 // While ordered to stay on the ground, the rise is measured from its ground position, floor or
 // table.
-TEST_F(Inputs, SayHowFarItRisesUntoldFromWhereItStood) {
+TEST_F(Inputs, MeasureARiseWithoutAnOrder) {
   for (const double table_m : {0.0, 0.4}) {
     guard.emplace(scenario, "Q1", limits);
     number = 0;
@@ -220,7 +220,7 @@ TEST_F(Inputs, SayHowFarItRisesUntoldFromWhereItStood) {
 
 // Each input has its own age. The values that the autopilot reports about itself are passed on
 // unchanged.
-TEST_F(Inputs, AreAsOldAsTheLastWordOfEach) {
+TEST_F(Inputs, HaveSeparateAges) {
   const SafetyInputs& never = look(0.0);
   EXPECT_EQ(never.heartbeat_age_s, kNever);
   EXPECT_EQ(never.telemetry_age_s, kNever);
@@ -251,7 +251,7 @@ TEST_F(Inputs, AreAsOldAsTheLastWordOfEach) {
 }
 
 // Values that are not numbers or not shares are ignored and counted.
-TEST_F(Inputs, AreNoNumbersThatAreNone) {
+TEST_F(Inputs, IgnoreNonFiniteReports) {
   const double nan = std::nan("");
   AutopilotReport good;
   good.has_position = good.has_attitude = true;
@@ -299,7 +299,7 @@ TEST_F(Inputs, AreNoNumbersThatAreNone) {
 
 // In a first lift, climb and turn rates are compared between body and autopilot: either sign, on
 // both sides of the limit.
-TEST(FirstLiftInputs, AreHowMuchTheBodyClimbsAndTurnsUnlikeItsAutopilot) {
+TEST(FirstLiftInputs, CompareClimbAndTurnRates) {
   struct Lie {
     double climb_mps, turn_radps;
     bool is_found;
@@ -341,7 +341,7 @@ TEST(FirstLiftInputs, AreHowMuchTheBodyClimbsAndTurnsUnlikeItsAutopilot) {
 }
 
 // The time without change counts from the last different share, or from the take-off.
-TEST(FlightInputs, SayHowLongABatteryHasSaidTheSame) {
+TEST(FlightInputs, MeasureTheTimeOfAnUnchangedBattery) {
   FlightBench bench(3);
   Vehicle& q1 = bench.vehicle("Q1");
   bench.fly_up(3.0);
@@ -362,7 +362,7 @@ TEST(FlightInputs, SayHowLongABatteryHasSaidTheSame) {
 
 // Nothing of the first flight remains in the second: height error, flight time, age of the battery
 // value.
-TEST(SecondFlight, IsLookedAtAsTheFirst) {
+TEST(SecondFlight, IsMeasuredLikeTheFirst) {
   for (const double push_mps : {1.0, -1.0}) {
     FlightBench bench(3);
     Vehicle& q1 = bench.vehicle("Q1");

@@ -32,7 +32,7 @@ class LadderOrders : public ::testing::Test {
   test::Driven d;
 };
 
-TEST_F(LadderOrders, EndWithTheFlightHoweverItEnds) {
+TEST_F(LadderOrders, EndWithTheFlight) {
   d.airborne().in.emergency_stop = true;
   EXPECT_EQ(d.step(), FlightState::kKilled);
   expect_nothing_is_wanted("killed in the air");
@@ -55,7 +55,7 @@ TEST_F(LadderOrders, EndWithTheFlightHoweverItEnds) {
   EXPECT_TRUE(d.ladder.wants_armed) << "it has to come down first";
 }
 
-TEST_F(LadderOrders, AreNotHeardInTheTickOfAnEmergencyStop) {
+TEST_F(LadderOrders, AreIgnoredInTheTickOfAnEmergencyStop) {
   for (const bool is_found : {false, true}) {
     for (const OperatorAction action : {OperatorAction::kArm, OperatorAction::kTakeOff}) {
       d = {};
@@ -68,7 +68,7 @@ TEST_F(LadderOrders, AreNotHeardInTheTickOfAnEmergencyStop) {
   }
 }
 
-TEST_F(LadderOrders, ATakeOffIsOverOnceItHasBegun) {
+TEST_F(LadderOrders, TakeOffEndsOnceItHasBegun) {
   for (int flight = 0; flight < 2; ++flight) {
     d = {};
     EXPECT_EQ(d.airborne(false).ladder.state, FlightState::kHold);
@@ -76,7 +76,7 @@ TEST_F(LadderOrders, ATakeOffIsOverOnceItHasBegun) {
   }
 }
 
-TEST_F(LadderOrders, ATakeOffIsRefusedWithTheArmingThatItNeeds) {
+TEST_F(LadderOrders, TakeOffIsRefusedWithItsArming) {
   wait_for_its_turn();
   d.in.poses_rejected = d.lim.pose_rejected_hold;  // only the operator clears it
   d.step();
@@ -84,7 +84,7 @@ TEST_F(LadderOrders, ATakeOffIsRefusedWithTheArmingThatItNeeds) {
   expect_nothing_is_wanted("refused");
 }
 
-TEST_F(LadderOrders, EachTakesBackWhatWasSaidOfTheLast) {
+TEST_F(LadderOrders, EachClearsTheLastRefusal) {
   for (const OperatorAction next :
        {OperatorAction::kArm, OperatorAction::kLand, OperatorAction::kHold}) {
     d = {};
@@ -108,7 +108,7 @@ TEST_F(LadderOrders, EachTakesBackWhatWasSaidOfTheLast) {
   EXPECT_EQ(d.ladder.refusal, Refusal{});
 }
 
-TEST_F(LadderOrders, AVehicleThatIsFoundInTheAirHoldsOrGoesOnLanding) {
+TEST_F(LadderOrders, FoundVehicleHoldsOrContinuesLanding) {
   for (const bool is_flying : {false, true}) {
     for (const bool is_landing : {false, true}) {
       d = {};
@@ -133,7 +133,7 @@ TEST_F(LadderOrders, AVehicleThatIsFoundInTheAirHoldsOrGoesOnLanding) {
   }
 }
 
-TEST_F(LadderOrders, ATakeOffWaitsForWhoIsNear) {
+TEST_F(LadderOrders, TakeOffWaitsForNearBodies) {
   for (int time = 0; time < 2; ++time) {
     d = {};
     wait_for_its_turn();
@@ -148,7 +148,7 @@ TEST_F(LadderOrders, ATakeOffWaitsForWhoIsNear) {
 
 // Motors that were not wanted and are still seen to run may stop within 2.5 s, the stop delay and
 // one heartbeat. Motors that run after that run because they are wanted again.
-TEST_F(LadderOrders, ATakeOffWaitsForMotorsThatMayStopForAsLongAsTheyMay) {
+TEST_F(LadderOrders, TakeOffWaitsForStoppingMotors) {
   wait_for_its_turn();
   for (int time = 0; time < 2; ++time) {
     d.in.is_lift_taken = true;
@@ -161,7 +161,7 @@ TEST_F(LadderOrders, ATakeOffWaitsForMotorsThatMayStopForAsLongAsTheyMay) {
   EXPECT_EQ(d.wait(0.1), FlightState::kHold);
 }
 
-TEST(IsAirborne, IsWhoFollowsHoldsOrLands) {
+TEST(IsAirborne, HoldsForFollowHoldAndLand) {
   for (const FlightState state : {FlightState::kFollow, FlightState::kHold, FlightState::kLand}) {
     EXPECT_TRUE(is_airborne(state));
   }
@@ -170,7 +170,7 @@ TEST(IsAirborne, IsWhoFollowsHoldsOrLands) {
   }
 }
 
-TEST_F(LadderOrders, AKilledVehicleIsClearedByArmOnceItsMotorsStandOrNobodyHearsIt) {
+TEST_F(LadderOrders, ArmClearsAKilledVehicleWithStoppedMotors) {
   for (const bool is_heard : {true, false}) {
     d = {};
     d.airborne().in.emergency_stop = true;

@@ -22,7 +22,7 @@ class StepLadder : public ::testing::Test {
   Driven d;
 };
 
-TEST_F(StepLadder, TakesOffIntoAHoldAndFollowsWhenTold) {
+TEST_F(StepLadder, TakesOffIntoAHoldAndFollowsOnCommand) {
   EXPECT_EQ(d.airborne(false).ladder.state, FlightState::kHold);
   EXPECT_EQ(d.wait(5.0), FlightState::kHold);
   EXPECT_EQ(d.step(0.01, OperatorAction::kFollow), FlightState::kFollow);
@@ -30,7 +30,7 @@ TEST_F(StepLadder, TakesOffIntoAHoldAndFollowsWhenTold) {
   EXPECT_EQ(d.wait(5.0), FlightState::kHold);
 }
 
-TEST_F(StepLadder, DoesNotArmWhileAnythingBlocksIt) {
+TEST_F(StepLadder, DoesNotArmWhileBlocked) {
   d.in.autopilot_armed = false;
   d.in.battery_share = 0.29;
   d.step(0.01, OperatorAction::kArm);
@@ -43,7 +43,7 @@ TEST_F(StepLadder, DoesNotArmWhileAnythingBlocksIt) {
   EXPECT_FALSE(d.ladder.wants_armed) << "armed on the ground while the operator is away";
 }
 
-TEST_F(StepLadder, HoldsForAStalePoseAndGoesOnHalfASecondAfterIt) {
+TEST_F(StepLadder, HoldsForAStalePoseAndResumesHalfASecondLater) {
   d.airborne().in.pose_age_s = 0.11;
   EXPECT_EQ(d.step(), FlightState::kHold);
   d.in.pose_age_s = 0.0;
@@ -51,7 +51,7 @@ TEST_F(StepLadder, HoldsForAStalePoseAndGoesOnHalfASecondAfterIt) {
   EXPECT_EQ(d.wait(0.10), FlightState::kFollow);
 }
 
-TEST_F(StepLadder, WaitsForTheOperatorWhereTheRowSaysSo) {
+TEST_F(StepLadder, WaitsForTheOperatorWhereTheRowRequiresIt) {
   d.airborne().in.poses_rejected = 3;
   EXPECT_EQ(d.step(), FlightState::kHold);
   EXPECT_EQ(d.step(0.01, OperatorAction::kFollow), FlightState::kHold) << "still there";
@@ -78,7 +78,7 @@ TEST_F(StepLadder, NeverLeavesALandingBeforeTheGround) {
 
 // An estimated height does not disarm: once the pose is older than the hold limit, the motors stay
 // armed.
-TEST_F(StepLadder, StaysArmedInALandingWhileItsHeightIsOnlyBelieved) {
+TEST_F(StepLadder, StaysArmedInALandingWithAnEstimatedHeight) {
   for (int time = 0; time < 2; ++time) {
     d = Driven();
     d.airborne();
@@ -101,7 +101,7 @@ TEST_F(StepLadder, StaysArmedInALandingWhileItsHeightIsOnlyBelieved) {
 }
 
 // A condition must hold, and must be gone, without a break. Each period is timed separately.
-TEST_F(StepLadder, CountsEachTimeAnewHowLongAConditionHoldsAndIsGone) {
+TEST_F(StepLadder, TimesConditionsSeparately) {
   d.airborne();
   for (int time = 0; time < 2; ++time) {
     for (int burst = 0; burst < 3; ++burst) {  // "tracking" must last 0.1 s
@@ -125,7 +125,7 @@ TEST_F(StepLadder, CountsEachTimeAnewHowLongAConditionHoldsAndIsGone) {
 }
 
 // The vehicle whose name is later waits longer, each time.
-TEST_F(StepLadder, YieldsAsLongAsItStates) {
+TEST_F(StepLadder, YieldsForTheStatedTime) {
   d.airborne();
   for (int time = 0; time < 2; ++time) {
     for (const bool yields : {true, false}) {
@@ -153,7 +153,7 @@ TEST_F(StepLadder, WaitsForTheOperatorEachTime) {
 }
 
 // Orders on the ground: what forbids them, how long they wait, and that each order is new.
-TEST_F(StepLadder, ForgetsAnOrderThatCannotBeObeyedEachTime) {
+TEST_F(StepLadder, DropsAnOrderAfterTheTimeLimit) {
   d.in.autopilot_armed = false;
   for (int time = 0; time < 2; ++time) {
     d.in.pose_age_s = d.lim.pose_age_hold_s + 0.01;  // clears without the operator
@@ -173,7 +173,7 @@ TEST_F(StepLadder, ForgetsAnOrderThatCannotBeObeyedEachTime) {
   }
 }
 
-TEST_F(StepLadder, ArmsOnceNothingHasForbiddenItForAWhileEachTime) {
+TEST_F(StepLadder, ArmsWhenNothingForbidsIt) {
   d.in.autopilot_armed = false;
   d.step(0.01, OperatorAction::kArm);
   EXPECT_TRUE(d.ladder.wants_armed) << "at once when nothing forbids it";
@@ -197,7 +197,7 @@ TEST_F(StepLadder, ArmsOnceNothingHasForbiddenItForAWhileEachTime) {
   }
 }
 
-TEST_F(StepLadder, TakesBackOrdersThatOnlyTheOperatorCouldHelp) {
+TEST_F(StepLadder, RevokesOrdersThatNeedTheOperator) {
   d.in.autopilot_armed = false;
   for (int time = 0; time < 2; ++time) {
     d.in.poses_rejected = d.lim.pose_rejected_hold;
@@ -221,7 +221,7 @@ TEST_F(StepLadder, TakesBackOrdersThatOnlyTheOperatorCouldHelp) {
 }
 
 // Nothing of one flight remains in the next.
-TEST_F(StepLadder, BeginsEachFlightAnew) {
+TEST_F(StepLadder, ResetsForEachFlight) {
   for (int flight = 0; flight < 3; ++flight) {
     d.in = {};
     d.in.now += from_seconds(100.0 * (flight + 1));
@@ -260,7 +260,7 @@ TEST_F(StepLadder, KeepsAnEmergencyStopUntilArmedAgainOnTheGround) {
   EXPECT_FALSE(d.ladder.wants_armed) << "one arm to clear, one to arm";
 }
 
-TEST_F(StepLadder, StopsTheMotorsOnTheGroundToo) {
+TEST_F(StepLadder, StopsTheMotorsAlsoOnTheGround) {
   d.step(0.01, OperatorAction::kArm);
   EXPECT_TRUE(d.ladder.wants_armed);
   d.in.emergency_stop = true;
@@ -277,7 +277,7 @@ TEST_F(StepLadder, KillsABlindVehicleOnlyNearTheFloorOrOutside) {
 
 // Random inputs around their limits: the state equals the severity of the worst condition that
 // held.
-TEST_F(StepLadder, IsNeverLessSevereThanItsWorstCondition) {
+TEST_F(StepLadder, IsAsSevereAsItsWorstCondition) {
   test::Random random(11);
   for (int trial = 0; trial < 3000; ++trial) {
     d = Driven();
@@ -311,7 +311,7 @@ TEST_F(StepLadder, IsNeverLessSevereThanItsWorstCondition) {
 }
 
 // Autopilots stop motors that idle for ten seconds, which would end the order.
-TEST_F(StepLadder, DoesNotIdleForLongWhileOthersLift) {
+TEST_F(StepLadder, LimitsIdlingWhileOthersLift) {
   d.in.autopilot_armed = false;
   d.step(0.01, OperatorAction::kArm);
   d.in.autopilot_armed = true;
@@ -334,7 +334,7 @@ TEST_F(StepLadder, DoesNotIdleForLongWhileOthersLift) {
 
 // Regression, flown: the turn came while the idling motors were being stopped, so the vehicle
 // lifted and fell.
-TEST_F(StepLadder, DoesNotLiftOnMotorsThatAreBeingStopped) {
+TEST_F(StepLadder, DoesNotLiftWhileMotorsStop) {
   d.in.autopilot_armed = false;
   d.step(0.01, OperatorAction::kArm);
   d.in.autopilot_armed = true;
@@ -353,7 +353,7 @@ TEST_F(StepLadder, DoesNotLiftOnMotorsThatAreBeingStopped) {
 }
 
 // Distances until a vehicle stops that was commanded to, and one that gets no more commands.
-TEST(SafetyLimits, SayHowFarAVehicleGoesOn) {
+TEST(SafetyLimits, GiveStoppingDistances) {
   const SafetyLimits lim = limits();  // brakes at 2 m/s²
   EXPECT_NEAR(stopping_way_m(lim, 1.0), 0.20 + 0.25, 1e-12);
   EXPECT_NEAR(lost_way_m(lim, 1.0), 0.50 + 0.25, 1e-12);
@@ -368,7 +368,7 @@ TEST_F(StepLadder, AllocatesNothing) {
 }
 
 // A healthy vehicle has no condition, and names are unique.
-TEST(Conditions, AreAllSilentForAHealthyVehicleAndHaveTheirOwnNames) {
+TEST(Conditions, DoNotHoldForAHealthyVehicleAndHaveUniqueNames) {
   SafetyInputs in;
   in.flight_s = 5.0;
   std::set<std::string> names;
@@ -385,7 +385,7 @@ TEST(Conditions, AreAllSilentForAHealthyVehicleAndHaveTheirOwnNames) {
   }
 }
 
-TEST(Conditions, AllHoldWhenNothingWasEverHeard) {
+TEST(Conditions, AllAgesHoldWhenNothingWasReceived) {
   SafetyInputs in;
   in.pose_age_s = in.heartbeat_age_s = in.telemetry_age_s = kNever;
   in.battery_age_s = in.operator_age_s = in.planner_age_s = kNever;

@@ -27,7 +27,7 @@ double clearance_m(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
 
 SafetyLimits bench_limits() { return limits_for(test::FlightBench::scenario(), "Q1"); }
 
-TEST(LandingSpot, HasNobodyBelowAndRoomToStray) {
+TEST(LandingSpot, IsFreeBelowAndClearOfObstacles) {
   const SafetyLimits limits = bench_limits();
   test::Random random(21);
   int moved = 0;
@@ -50,7 +50,7 @@ TEST(LandingSpot, HasNobodyBelowAndRoomToStray) {
 }
 
 // In a narrow room it still moves aside; in a room without any free spot it stays.
-TEST(LandingSpot, TakesLessRoomWhereThereIsNoMore) {
+TEST(LandingSpot, AcceptsLessRoomInANarrowRoom) {
   SafetyLimits limits = bench_limits();
   limits.hover_clearance_m = 0.2;
   limits.fence.obstacles.clear();
@@ -64,7 +64,7 @@ TEST(LandingSpot, TakesLessRoomWhereThereIsNoMore) {
   EXPECT_EQ(landing_spot(hover_m, others, limits), hover_m);
 }
 
-TEST(LandingSpot, TheWayToItIsTakenByWhoGoesFirst) {
+TEST(IsWayTaken, CountsBodiesWithPriority) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d from_m(0.0, 0.0, 1.0);
   const Eigen::Vector3d to_m(1.0, 0.0, 1.0);
@@ -81,7 +81,7 @@ TEST(LandingSpot, TheWayToItIsTakenByWhoGoesFirst) {
 }
 
 // A stationary robot lands there and does not give way, whatever its priority.
-TEST(LandingSpot, TheWayToItIsTakenByARobotThatStandsAtAnyHeight) {
+TEST(IsWayTaken, CountsStationaryRobotsAtAnyHeight) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d from_m(0.0, 0.0, 1.0);
   const Eigen::Vector3d to_m(1.0, 0.0, 1.0);
@@ -104,7 +104,7 @@ TEST(LandingSpot, TheWayToItIsTakenByARobotThatStandsAtAnyHeight) {
 }
 
 // A robot that flies above may land as well.
-TEST(LandingSpot, IsNotBelowAnotherRobotNorReachedBelowIt) {
+TEST(LandingSpot, AndItsPathAreNotBelowAnotherRobot) {
   const SafetyLimits limits = bench_limits();
   test::Random random(22);
   int moved = 0;
@@ -139,7 +139,7 @@ TEST(LandingSpot, IsNotBelowAnotherRobotNorReachedBelowIt) {
   EXPECT_GT(moved, 500);
 }
 
-TEST(LandingSpot, SomebodyNotSeenLatelyMayHaveComeNearer) {
+TEST(LandingSpot, AssumesAnUnseenBodyCloser) {
   const SafetyLimits limits = bench_limits();
   std::vector<OtherBody> others(1);
   others[0].position_world_m = {limits.landing_clearance_m + 0.3, 0.0, 0.0};
@@ -192,7 +192,7 @@ Eigen::Vector3d below(const Eigen::Vector3d& vehicle_m) {
   return {vehicle_m.x(), vehicle_m.y(), 0.0};
 }
 
-TEST(FlightGuard, DoesNotComeDownOnWhoStandsBelow) {
+TEST(FlightGuard, DoesNotLandOnABodyBelow) {
   for (const double until_s : {6.4, 7.1, 8.3, 9.6, 10.2}) {
     test::FlightBench bench(1);
     bench.fly_up(until_s);
@@ -207,7 +207,7 @@ TEST(FlightGuard, DoesNotComeDownOnWhoStandsBelow) {
 
 // A person follows below the vehicle for 12 s. The vehicle stays up and lands after the person has
 // left.
-TEST(FlightGuard, WaitsWhileSomebodyFollowsBelow) {
+TEST(FlightGuard, WaitsWhileAPersonFollowsBelow) {
   test::FlightBench bench(1);
   bench.fly_up(6.4);
   Eigen::Vector3d walker_m = below(bench.vehicle("Q1").position_m);
@@ -225,7 +225,7 @@ TEST(FlightGuard, WaitsWhileSomebodyFollowsBelow) {
 
 // A person walks in from each side during the descent and stays. The vehicle stops its descent in
 // time and lands aside.
-TEST(FlightGuard, StopsComingDownWhenSomebodyWalksIn) {
+TEST(FlightGuard, StopsItsDescentWhenAPersonWalksIn) {
   enum class Walker { kWaits, kWalks, kStands };
   for (int side = 0; side < 8; ++side) {
     test::FlightBench bench(1);
@@ -253,7 +253,7 @@ TEST(FlightGuard, StopsComingDownWhenSomebodyWalksIn) {
 }
 
 // A person approaches before the motors have stopped; the vehicle stays on the ground.
-TEST(FlightGuard, StaysDownWhoeverComesNear) {
+TEST(FlightGuard, StaysOnTheGroundWhenABodyApproaches) {
   test::FlightBench bench(1);
   bench.fly_up(6.4);
   Eigen::Vector3d walker_m;
@@ -276,7 +276,7 @@ TEST(FlightGuard, StaysDownWhoeverComesNear) {
 // All vehicles land at once, each with bodies below or close. No vehicle goes where another lands.
 // If landings consider only bodies below, four of 400 seeds end in a contact; three of those seeds
 // are included here.
-TEST(FlightGuard, AllThatLandAtOnceAboveWalkersKeepApart) {
+TEST(FlightGuard, KeepsSeparationInSimultaneousLandings) {
   std::vector<std::uint64_t> seeds = {226, 251};
   for (std::uint64_t seed = 80; seed < 100; ++seed) {
     seeds.push_back(seed);
@@ -313,7 +313,7 @@ TEST(FlightGuard, AllThatLandAtOnceAboveWalkersKeepApart) {
 
 // Regression, seen with real firmware: a landing from 2 m among moving rovers took 10.6 s at
 // 0.4 m/s.
-TEST(FlightGuard, IsDownWithinEightSecondsBesideWhoStandsBelow) {
+TEST(FlightGuard, LandsNextToABodyWithinTheTimeLimit) {
   double slowest_s = 0.0;
   int aside = 0;
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
@@ -340,7 +340,7 @@ TEST(FlightGuard, IsDownWithinEightSecondsBesideWhoStandsBelow) {
 }
 
 // A plan that was accepted before `land` and would begin after it is dropped.
-TEST(FlightGuard, ForgetsThePlanToComeWhenItLands) {
+TEST(FlightGuard, DropsTheNextPlanWhenItLands) {
   test::FlightBench bench(1);
   bench.fly_up(3.93);  // plans published at 3.9 s begin at 4.0 s
   ASSERT_EQ(bench.vehicle("Q1").out.state, FlightState::kHold);
@@ -351,7 +351,7 @@ TEST(FlightGuard, ForgetsThePlanToComeWhenItLands) {
 }
 
 // During a take-off, near the ground, it descends at once, even with a body next to it.
-TEST(FlightGuard, EndsATakeOffAtOnce) {
+TEST(FlightGuard, EndsATakeOffImmediately) {
   for (const double up_to_m : {0.05, 0.1, 0.2, 0.3}) {
     test::FlightBench bench(1);
     bench.fly_up(0.95 - test::FlightBench::kLeadS);
@@ -371,7 +371,7 @@ TEST(FlightGuard, EndsATakeOffAtOnce) {
 }
 
 // A constant push to one side, towards a body just far enough from the landing spot.
-TEST(FlightGuard, DoesNotStayUpBecauseItIsPushed) {
+TEST(FlightGuard, LandsWhileItIsPushed) {
   test::FlightBench bench(1);
   bench.fly_up(6.4);
   Eigen::Vector3d place_m = Eigen::Vector3d::Zero();
@@ -387,7 +387,7 @@ TEST(FlightGuard, DoesNotStayUpBecauseItIsPushed) {
 
 // While the vehicle itself is not seen, it does not descend onto a body that is seen, as long as it
 // can wait.
-TEST(FlightGuard, LooksBelowWithoutAPoseToo) {
+TEST(FlightGuard, WaitsForABodyBelowWithoutAPose) {
   test::FlightBench bench(1);
   bench.fly_up(6.4);
   test::Vehicle& vehicle = bench.vehicle("Q1");
@@ -402,7 +402,7 @@ TEST(FlightGuard, LooksBelowWithoutAPoseToo) {
 }
 
 // A single bad estimator report does not end the controlled landing; 0.2 s of them do.
-TEST(FlightGuard, DoesNotGiveALandingAwayForOneBadWord) {
+TEST(FlightGuard, KeepsTheLandingAfterOneBadReport) {
   test::FlightBench bench(1);
   bench.fly_up(6.4);
   test::Vehicle& vehicle = bench.vehicle("Q1");
@@ -419,7 +419,7 @@ TEST(FlightGuard, DoesNotGiveALandingAwayForOneBadWord) {
 }
 
 // The wait for a free spot is limited, with a follower below or a crowd that leaves no spot.
-TEST(FlightGuard, ComesDownInTheEndWhoeverIsBelow) {
+TEST(FlightGuard, LandsAfterTheTimeLimitAboveBodies) {
   test::FlightBench bench(1);
   bench.fly_up(6.4);
   const Landing seen =

@@ -51,7 +51,7 @@ std::vector<Condition> made_rows() {
   return rows;
 }
 
-TEST(Latches, AreWhatTheWholeHistorySays) {
+TEST(Latches, MatchTheWholeHistory) {
   const std::vector<Condition> rows = made_rows();
   SafetyLimits limits;
   limits.clear_s = 0.5;
@@ -136,7 +136,7 @@ void expect_of_rows(const std::vector<Condition>& rows, const Ask& ask,
   EXPECT_EQ(rows.size(), kRows);
 }
 
-TEST(Latches, ActByTheirSeverityAndWaitByTheWayTheyEnd) {
+TEST(Latches, ActBySeverityAndClearing) {
   const std::vector<Condition> rows = made_rows();
   const auto of = [&](auto&& is) {
     std::vector<bool> out;

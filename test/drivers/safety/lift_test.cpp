@@ -51,7 +51,7 @@ LiftQueue seen(const std::vector<OtherBody>& rest, const std::vector<OtherBody>&
 // Vehicles lift in the order in which their take-off orders arrived. A repeated order keeps the
 // position; orders for several vehicles at once are sorted by name. A vehicle leaves the queue when
 // mocap shows that it has risen.
-TEST(LiftQueue, GoesInTheOrderInWhichTheyWereToldAndByNameAtOnce) {
+TEST(LiftQueue, OrdersByCommandThenByName) {
   const SafetyLimits limits;
   const std::vector<std::string> names = {"Q3", "Q1", "Q4", "Q2"};
   test::Random random(31);
@@ -112,7 +112,7 @@ TEST(LiftQueue, GoesInTheOrderInWhichTheyWereToldAndByNameAtOnce) {
 
 // A report of lifting blocks for 0.5 s and the extra wait of the vehicle. Own reports and those of
 // unknown vehicles are ignored.
-TEST(LiftQueue, WaitsAsLongAsItStatesForWhoSaidThatItLifts) {
+TEST(LiftQueue, WaitsTheStatedTimeAfterAReport) {
   const std::vector<std::string> names = {"Q1", "Q2", "Q3"};
   for (std::size_t own = 0; own < names.size(); ++own) {
     LiftQueue queue(team(names), names[own]);
@@ -133,7 +133,7 @@ TEST(LiftQueue, WaitsAsLongAsItStatesForWhoSaidThatItLifts) {
 }
 
 // A monotonic clock may start at 0: without a report, nothing counts as received at time 0.
-TEST(LiftQueue, HearsNothingAtTheBeginningOfTheClock) {
+TEST(LiftQueue, IsFreeAtTheStartOfTheClock) {
   LiftQueue queue(team({"Q1", "Q2"}), "Q1");
   for (const double t_s : {0.2, 0.3, 0.4}) {
     queue.look({}, SafetyLimits{}, Time{} + from_seconds(t_s));
@@ -143,7 +143,7 @@ TEST(LiftQueue, HearsNothingAtTheBeginningOfTheClock) {
 
 // The turn of the front begins when it is first seen. The queue is static so that its memory starts
 // as zero.
-TEST(LiftQueue, WaitsFromTheFirstLookOnForWhoWasToldBeforeIt) {
+TEST(LiftQueue, WaitsForThePredecessorFromTheFirstTick) {
   static LiftQueue queue(team({"Q1", "Q2"}), "Q2");
   queue.on_take_off("Q1");
   for (const double t_s : {0.0, 1.0, 2.0}) {
@@ -152,7 +152,7 @@ TEST(LiftQueue, WaitsFromTheFirstLookOnForWhoWasToldBeforeIt) {
   }
 }
 
-TEST(LiftQueue, OfNobodyWaitsForNobody) {
+TEST(LiftQueue, IsFreeWithoutRobots) {
   LiftQueue queue(team({}), "Q1");
   queue.on_take_off("");
   queue.forget_own();
@@ -164,7 +164,7 @@ TEST(LiftQueue, OfNobodyWaitsForNobody) {
 
 // A body other than our own counts as lifting if it is 0.02 m to 0.5 m above its rest height and
 // climbs faster than 0.05 m/s. The rest height may be the floor, a table or a pit.
-TEST(LiftQueue, TakesABodyThatClimbsALittleAboveItsRestForOneThatLifts) {
+TEST(LiftQueue, TreatsALowClimbingBodyAsLifting) {
   for (const double rest_m : {0.0, 0.4, -0.3}) {
     for (const double risen_m : {0.0, 0.01, 0.019, 0.021, 0.1, 0.3, 0.49, 0.51, 2.0}) {
       for (const double climb_mps : {-0.5, 0.0, 0.02, 0.049, 0.051, 0.08, 1.0}) {
@@ -181,7 +181,7 @@ TEST(LiftQueue, TakesABodyThatClimbsALittleAboveItsRestForOneThatLifts) {
   }
 }
 
-TEST(LiftQueue, SeesOneThatLiftsWhateverAnotherDoes) {
+TEST(LiftQueue, SeesALiftWhateverOthersDo) {
   for (const double far_up_m : {0.0, 0.01, 0.8}) {
     for (const int lifting : {1, 2}) {
       const int other = 3 - lifting;
@@ -192,7 +192,7 @@ TEST(LiftQueue, SeesOneThatLiftsWhateverAnotherDoes) {
   }
 }
 
-TEST(LiftQueue, TakesTheLowestThatItSawForABodysRest) {
+TEST(LiftQueue, UsesTheLowestHeightAsRest) {
   LiftQueue queue(team({"Q1", "Q2"}), "Q1");
   double t_s = 0.0;
   const auto takes = [&](double height_m, double climb_mps) {
@@ -208,7 +208,7 @@ TEST(LiftQueue, TakesTheLowestThatItSawForABodysRest) {
   EXPECT_TRUE(takes(0.69, kClimbMps));
 }
 
-TEST(LiftQueue, BelievesABodyAsLongAsAPoseMayBeOld) {
+TEST(LiftQueue, UsesPosesUpToTheMaximumAge) {
   const SafetyLimits limits;
   for (const double age_s : {0.0, limits.pose_age_hold_s - 0.01, limits.pose_age_hold_s + 0.01}) {
     OtherBody then = body(1, 0.1, kClimbMps);
@@ -220,7 +220,7 @@ TEST(LiftQueue, BelievesABodyAsLongAsAPoseMayBeOld) {
 // The result is the largest rise since our own lift began of those bodies that climb and had not
 // risen by then. A second, later lift starts from new heights; the result is 0 when all stand
 // still.
-TEST(LiftQueue, SaysHowFarAnotherBodyHasRisenInsteadOfOurs) {
+TEST(LiftQueue, MeasuresTheRiseOfAnotherBody) {
   const SafetyLimits limits;
   test::Random random(32);
   for (int trial = 0; trial < 500; ++trial) {
@@ -263,7 +263,7 @@ TEST(LiftQueue, SaysHowFarAnotherBodyHasRisenInsteadOfOurs) {
   }
 }
 
-TEST(LiftQueue, CountsFromWhereABodyWasFirstSeenSinceOurLiftBegan) {
+TEST(LiftQueue, MeasuresARiseFromTheFirstPose) {
   LiftQueue queue(team({"Q1", "Q2"}), "Q1");
   queue.begin_own();
   for (const double height_m : {0.4, 0.43, 0.48}) {
@@ -274,7 +274,7 @@ TEST(LiftQueue, CountsFromWhereABodyWasFirstSeenSinceOurLiftBegan) {
 }
 
 // A vehicle on a table waits as long as one on the floor; its rise counts from the table.
-TEST(LiftQueue, GivesATurnAsLongWhereverItsBodyStands) {
+TEST(LiftQueue, WaitsEquallyLongAtAnyGroundHeight) {
   const SafetyLimits limits;
   for (const double rest_m : {0.0, 0.4, -0.3}) {
     for (const double risen_m : {0.0, 0.09, 0.11, 0.29}) {
@@ -318,7 +318,7 @@ struct Room {
 
 // The step goes to one of the four diagonal positions at lift_step_m, and no other has more room.
 // Walls, boxes and bodies each are the limit in some trials.
-TEST(Lift, StepsToTheRoomiestOfFourPlaces) {
+TEST(Lift, StepsToTheRoomiestDiagonalAmongRandomBodies) {
   test::Random random(33);
   int least[3] = {};
   for (int trial = 0; trial < 500; ++trial) {
@@ -382,7 +382,7 @@ struct Flight {
   }
 };
 
-TEST(Lift, CountsFromTheTakeOffUntilItHasRisenAndFromTheHoverUntilItIsProven) {
+TEST(Lift, TimesTheRiseAndTheProof) {
   for (const Pose2& rest : {Pose2{0.0, 0.0, 0.0}, Pose2{1.0, -2.0, 2.0}, Pose2{-1.0, 2.0, -2.0}}) {
     for (const double rest_m : {0.0, 0.4, -0.3}) {
       Flight f(rest, rest_m);
@@ -412,7 +412,7 @@ TEST(Lift, CountsFromTheTakeOffUntilItHasRisenAndFromTheHoverUntilItIsProven) {
 }
 
 // Only the hover can be proven, once: not during the climb, after the proof or after end().
-TEST(Lift, ProvesNothingButItsHover) {
+TEST(Lift, ProvesOnlyItsHover) {
   for (const bool is_proven_first : {true, false}) {
     Flight f({1.0, -2.0, 0.5}, 0.1);
     const auto step = [&](const Eigen::Vector3d& at_m, double yaw_rad) {
@@ -440,7 +440,7 @@ TEST(Lift, ProvesNothingButItsHover) {
 
 // Compares with the nearest of ten thousand points of the path, also beyond both ends and at any
 // height. Before and after the lift the distance is 0.
-TEST(Lift, IsAstrayByItsDistanceFromTheWayAside) {
+TEST(Lift, MeasuresItsDistanceFromThePath) {
   Flight f({1.0, -2.0, 0.5}, 0.1);
   EXPECT_EQ(Lift{}.astray_m({3.0, 3.0, 3.0}), 0.0);
   EXPECT_FALSE(f.own.step(f.risen(0.2), 0.5, f.course, f.limits, kStart));

@@ -19,7 +19,7 @@
 namespace vantage::drivers {
 namespace {
 
-TEST(SafetyLimits, AreThoseThatTheDocumentsState) {
+TEST(SafetyLimits, MatchTheDocuments) {
   const SafetyLimits is;
   const std::vector<test::Stated> rows = {
       {"pose_age_warn_s", is.pose_age_warn_s, 0.05},
@@ -141,7 +141,7 @@ class FromTheScenario : public testing::Test {
   scenario::Scenario scenario = test::FlightBench::scenario();
 };
 
-TEST_F(FromTheScenario, EachLimitIsWhatTheScenarioSays) {
+TEST_F(FromTheScenario, DerivesLimitsFromTheScenario) {
   const SafetyLimits is = of();
   EXPECT_EQ(is.fence.bounds.min_m, scenario.world.bounds.min_m);
   EXPECT_EQ(is.fence.bounds.max_m, scenario.world.bounds.max_m);
@@ -175,7 +175,7 @@ TEST_F(FromTheScenario, EachLimitIsWhatTheScenarioSays) {
   EXPECT_EQ(of("Q2").take_off_height_m, scenario.robots[1].height_m);
 }
 
-TEST_F(FromTheScenario, NoLimitIsLessThanWhatALabNeeds) {
+TEST_F(FromTheScenario, KeepsMinimumLimits) {
   scenario.planner.execute_steps = 1;  // a round of 0.6 s
   scenario.planner.obstacle_margin_m = 0.01;
   scenario.planner.separation_m = 0.445;  // vehicles touch at 0.44 m
@@ -192,7 +192,7 @@ TEST_F(FromTheScenario, NoLimitIsLessThanWhatALabNeeds) {
   EXPECT_LT(is.pose_gate_m, is.pose_gate_max_m);
 }
 
-TEST_F(FromTheScenario, WhatTheScenarioDoesNotSayIsAsStated) {
+TEST_F(FromTheScenario, KeepsDefaultsOtherwise) {
   const SafetyLimits is = of();
   const SafetyLimits stated;
   EXPECT_EQ(is.pose_age_hold_s, stated.pose_age_hold_s);
@@ -209,7 +209,7 @@ TEST_F(FromTheScenario, WhatTheScenarioDoesNotSayIsAsStated) {
 // docs/explanation/safety.md, "When a driver dies in motion". The budget holds for each vehicle
 // that arms, because arming is refused with a longer time-out
 // (Parameters.LongerThanTheStopWasBudgetedFor...).
-TEST_F(FromTheScenario, EachAutopilotIsBudgetedWithItsReactionAndItsTimeOut) {
+TEST_F(FromTheScenario, BudgetsReactionAndTimeOutPerDialect) {
   using models::AutopilotDialect;
   struct Budget {
     AutopilotDialect dialect;
@@ -256,7 +256,7 @@ TEST(HalfWindow, IsHalfTheTimeToTheGreatestSpeed) {
 TEST_F(FromTheScenario, AnUnknownRobotIsRefused) { EXPECT_THROW(of("Q9"), UsageError); }
 
 // The limits of each ladder must increase strictly and be finite.
-TEST(CheckLimits, RefusesALadderThatDoesNotRise) {
+TEST(CheckLimits, RefusesLimitsThatDoNotIncrease) {
   using Limit = double SafetyLimits::*;
   using L = SafetyLimits;
   const std::vector<std::pair<Limit, Limit>> rising = {
@@ -299,7 +299,7 @@ TEST(CheckLimits, RefusesALadderThatDoesNotRise) {
   }
 }
 
-TEST(CheckLimits, RefusesWhatIsNotPositiveAndFinite) {
+TEST(CheckLimits, RefusesValuesThatAreNotPositiveAndFinite) {
   const SafetyLimits good = limits_for(test::FlightBench::scenario(), "Q1");
   const std::vector<double* (*)(SafetyLimits&)> limits = {
       [](SafetyLimits& l) { return &l.safe_height_m; },

@@ -17,7 +17,7 @@ Time after(double seconds_s) { return kStart + from_seconds(seconds_s); }
 
 // With lost frames, jitter and a clock that is set repeatedly, the reported latency is the true
 // one.
-TEST(MocapClock, TellsTheLatencyWhateverTheClockIsSetTo) {
+TEST(MocapClock, ReportsTrueLatencyThroughClockChanges) {
   test::Random random(5);
   MocapClock clock;
   double ahead_s = 0.0;
@@ -43,7 +43,7 @@ TEST(MocapClock, TellsTheLatencyWhateverTheClockIsSetTo) {
   EXPECT_GT(sets, 50);
 }
 
-TEST(MocapClock, SeesALatencyThatBeginsWithTheNewClock) {
+TEST(MocapClock, ReportsLatencyThatBeginsWithAClockChange) {
   MocapClock clock;
   for (int i = 0; i < 10; ++i) {
     EXPECT_TRUE(clock.on_frame(after(kPeriodS * i), after(kPeriodS * i + 0.005), i));
@@ -88,7 +88,7 @@ TEST(MocapClock, CountsFromTheFirstFrameWhenTheClocksDiffer) {
 
 // Impossible latencies are limited: arrival before capture gives 0 s, and after a clock change the
 // maximum is 1 s.
-TEST(MocapClock, TellsALatencyBetweenNoneAndASecondWhenTheClockIsSet) {
+TEST(MocapClock, LimitsLatencyAtAClockChange) {
   MocapClock clock;
   for (int i = 0; i < 10; ++i) {
     EXPECT_TRUE(clock.on_frame(after(kPeriodS * i), after(kPeriodS * i + 0.005), i));
@@ -103,7 +103,7 @@ TEST(MocapClock, TellsALatencyBetweenNoneAndASecondWhenTheClockIsSet) {
 
 // When the clock is set while frames are lost, up to a hundred missing frames account for the gap.
 // The time of a longer gap counts as latency.
-TEST(MocapClock, CountsUpToAHundredFramesThatAreDue) {
+TEST(MocapClock, AccountsForUpToAHundredLostFrames) {
   for (const auto& [frames, due] :
        {std::pair{1, 1}, {99, 99}, {100, 100}, {101, 0}, {0, 0}, {-1, 0}}) {
     MocapClock clock;
@@ -121,7 +121,7 @@ TEST(MocapClock, CountsUpToAHundredFramesThatAreDue) {
 // The frame period comes from stamps and numbers that advance by less than 1 s per frame and at
 // most 100 frames. Stamps that do not advance, numbers that repeat, restart or jump, and pauses
 // leave it unchanged.
-TEST(MocapClock, KnowsThePeriodOnlyFromFramesThatFollow) {
+TEST(MocapClock, EstimatesThePeriodFromAdvancingFrames) {
   struct Frame {
     std::int64_t numbers;  // frame numbers since the last one
     double stamps_s;
@@ -151,7 +151,7 @@ TEST(MocapClock, KnowsThePeriodOnlyFromFramesThatFollow) {
 
 // A single frame has no period, also on clocks that count from power-up. All time after it counts
 // as latency.
-TEST(MocapClock, KnowsNoPeriodFromTheFirstFrame) {
+TEST(MocapClock, HasNoPeriodAfterOneFrame) {
   for (const std::int64_t number : {0, 1, 7, 100, 101}) {
     MocapClock clock;
     const Time on{};
@@ -163,7 +163,7 @@ TEST(MocapClock, KnowsNoPeriodFromTheFirstFrame) {
 }
 
 // Latencies from 0 to 1 s are accepted; other values mean that the clock was set.
-TEST(MocapClock, BelievesLatenciesOfNoneToASecond) {
+TEST(MocapClock, AcceptsLatenciesUpToASecond) {
   for (const auto& [latency_s, is_believed] :
        {std::pair{0.0, true}, {1e-6, true}, {1.0, true}, {-1e-6, false}, {1.0 + 1e-6, false}}) {
     MocapClock clock;

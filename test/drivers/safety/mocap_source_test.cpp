@@ -36,7 +36,7 @@ class Source : public testing::Test {
   std::int64_t number_ = 0;
 };
 
-TEST_F(Source, IsTheFirstThatShowsTheBody) {
+TEST_F(Source, IsTheFirstPublisherOfTheBody) {
   shows_body = false;
   EXPECT_EQ(hear(1, 0.0), Standing::kCandidate);
   shows_body = true;
@@ -47,7 +47,7 @@ TEST_F(Source, IsTheFirstThatShowsTheBody) {
   EXPECT_EQ(source.complaint(at(2.1)), nullptr);
 }
 
-TEST_F(Source, IsFollowedByOneThatShowsTheBodyOnceItIsSilent) {
+TEST_F(Source, IsReplacedWhenSilent) {
   EXPECT_EQ(hear(1, 0.0), Standing::kCandidate);
   EXPECT_EQ(hear(2, 0.29), Standing::kRefused);
   shows_body = false;
@@ -59,7 +59,7 @@ TEST_F(Source, IsFollowedByOneThatShowsTheBodyOnceItIsSilent) {
   EXPECT_EQ(hear(1, 0.72), Standing::kRefused);
 }
 
-TEST_F(Source, IsOfNow) {
+TEST_F(Source, RefusesOldStamps) {
   for (const double ahead_s : {-24.0 * kHourS, -2.1, 2.1, 10.0 * 365.0 * 24.0 * kHourS}) {
     EXPECT_EQ(hear(1, 0.0, ahead_s), Standing::kRefused);
   }
@@ -67,7 +67,7 @@ TEST_F(Source, IsOfNow) {
   EXPECT_EQ(hear(1, 0.0, -1.9), Standing::kCandidate);
 }
 
-TEST_F(Source, KeepsBeingBelievedWhenItsClockIsSet) {
+TEST_F(Source, StaysAcceptedAfterAClockChange) {
   EXPECT_EQ(hear(1, 0.0), Standing::kCandidate);
   double at_s = 0.0;
   for (const double ahead_s : {-kHourS, 2.0 * kHourS, 0.0, -3.0}) {
@@ -82,7 +82,7 @@ TEST_F(Source, KeepsBeingBelievedWhenItsClockIsSet) {
   EXPECT_EQ(hear(2, at_s + 1.0), Standing::kCandidate);
 }
 
-TEST_F(Source, IsBelievedWithAClockThatIsSetOnlyWhileItsFramesGoOn) {
+TEST_F(Source, AcceptsAClockChangeWhenFramesContinue) {
   EXPECT_EQ(hear(1, 0.0, 0.0, 10), Standing::kCandidate);
   std::int64_t number = 10;
   double ahead_s = -kHourS;
@@ -96,7 +96,7 @@ TEST_F(Source, IsBelievedWithAClockThatIsSetOnlyWhileItsFramesGoOn) {
   }
 }
 
-TEST_F(Source, IsCountedWhenItIsRefusedAndWhenItTakesOver) {
+TEST_F(Source, CountsRefusalsAndTakeovers) {
   const auto count = [&](const std::string& name) {
     std::vector<models::NamedCount> counts;
     source.count(counts);
@@ -118,7 +118,7 @@ TEST_F(Source, IsCountedWhenItIsRefusedAndWhenItTakesOver) {
 }
 
 // Both sides of both time limits, and again after a take-over.
-TEST_F(Source, IsSilentAfterThreeTenthsAndOfNowWithinTwoSeconds) {
+TEST_F(Source, HasTheStatedTimeLimits) {
   shows_body = false;
   for (const double side : {1.0, -1.0}) {
     EXPECT_EQ(hear(7, 0.0, side * 1.99), Standing::kCandidate);
@@ -136,7 +136,7 @@ TEST_F(Source, IsSilentAfterThreeTenthsAndOfNowWithinTwoSeconds) {
 }
 
 // The complaint names a second source first, then another clock; each for two seconds.
-TEST_F(Source, SaysWhoWasRefusedInTheLastTwoSeconds) {
+TEST_F(Source, ReportsRefusalsForTwoSeconds) {
   const std::string second = "messages from a second VICON source are rejected";
   const std::string other_time = "VICON messages from another clock or a log are rejected";
   const auto complaint = [&](double at_s) {
@@ -165,7 +165,7 @@ TEST_F(Source, SaysWhoWasRefusedInTheLastTwoSeconds) {
 
 // Frames of the source itself with an old stamp and a discontinuous number are counted and
 // reported, each time.
-TEST_F(Source, IsRefusedForFramesOfItsOwnOfAnotherTime) {
+TEST_F(Source, RefusesItsOwnFramesOfAnotherTime) {
   EXPECT_EQ(hear(1, 0.0, 0.0, 100), Standing::kCandidate);
   for (std::int64_t time = 1; time <= 2; ++time) {
     const double at_s = 10.0 * static_cast<double>(time);
@@ -183,7 +183,7 @@ TEST_F(Source, IsRefusedForFramesOfItsOwnOfAnotherTime) {
 }
 
 // A changed clock is accepted until it is set back, and only for its own source.
-TEST_F(Source, FollowsOneClockAtATime) {
+TEST_F(Source, AcceptsOneClockAtATime) {
   EXPECT_EQ(hear(1, 0.0, 0.0, 100), Standing::kCandidate);
   EXPECT_EQ(hear(1, 0.1, kHourS, 101), Standing::kBelieved);
   EXPECT_EQ(hear(1, 0.2, kHourS, 5), Standing::kBelieved) << "numbered anew, by that clock";
@@ -194,7 +194,7 @@ TEST_F(Source, FollowsOneClockAtATime) {
   EXPECT_EQ(hear(2, 1.1, kHourS, 0), Standing::kRefused) << "the clock of the one before it";
 }
 
-TEST_F(Source, IsAnybodyAtTheBeginningOfTime) {
+TEST_F(Source, AcceptsACandidateAtTimeZero) {
   models::MocapFrame frame;
   frame.stamp.run_id = 1;
   frame.stamp.time = Time{} + from_seconds(0.1);

@@ -47,7 +47,7 @@ TEST(FlightGuard, FollowsForAMinuteWithoutAReasonToStop) {
 
 // Set-points follow the course of the plans; a plan does not count beyond its round before the next
 // one arrives. The course keeps up while poses are younger than 50 ms.
-TEST(FlightGuard, AsksForTheCourseOfItsPlansUntilTheRoundEnds) {
+TEST(FlightGuard, FollowsThePlanUntilTheRoundEnds) {
   FlightBench bench(1);
   bench.fly_up(5.0);
   Vehicle& q1 = bench.vehicle("Q1");
@@ -84,7 +84,7 @@ TEST(FlightGuard, AsksForTheCourseOfItsPlansUntilTheRoundEnds) {
 }
 
 // Every possible refusal has its own counter.
-TEST(FlightGuard, CountsEveryVerdictByItsName) {
+TEST(FlightGuard, CountsEveryPlanVerdictByName) {
   FlightBench bench(1);
   std::vector<std::string> names;
   for (const models::NamedCount& each : bench.vehicle("Q1").guard->counters()) {
@@ -101,7 +101,7 @@ TEST(FlightGuard, CountsEveryVerdictByItsName) {
 }
 
 // Frames of a second source are ignored, however similar; those of the own source are used.
-TEST(FlightGuard, BelievesNoFrameOfASecondSource) {
+TEST(FlightGuard, IgnoresFramesOfASecondSource) {
   FlightBench bench(2);
   bench.run(1.0);
   Vehicle& q1 = bench.vehicle("Q1");
@@ -121,7 +121,7 @@ TEST(FlightGuard, BelievesNoFrameOfASecondSource) {
 }
 
 // Each fault increases the counter with its name.
-TEST(FlightGuard, CountsEachVerdictOfAPoseUnderItsName) {
+TEST(FlightGuard, CountsEveryPoseVerdictByName) {
   FlightBench bench(2);
   bench.run(1.0);
   Vehicle& q1 = bench.vehicle("Q1");

@@ -31,7 +31,7 @@ HeldPlan lane() {
   return held(way);
 }
 
-TEST(CheckWay, KeepsFromABodyWhereItWillBe) {
+TEST(CheckWay, AvoidsPredictedBodyPositions) {
   struct Case {
     const char* what;
     Eigen::Vector3d at_m;
@@ -61,7 +61,7 @@ TEST(CheckWay, KeepsFromABodyWhereItWillBe) {
 }
 
 // Each teammate is stepped separately, so distant ones cost almost nothing.
-TEST(CheckWay, TakesFewStepsBesideNinetyNineTeammates) {
+TEST(CheckWay, TakesFewStepsWithNinetyNineTeammates) {
   SafetyLimits lim = limits();
   lim.fence.bounds = {{-400.0, -400.0}, {400.0, 400.0}};
   models::Trajectory beside;

@@ -47,7 +47,7 @@ models::Trajectory random_way(test::Random& random) {
 }
 
 // Compares two independent closed forms of the same motion.
-TEST(PointAt, AgreesWithTheTrajectoryThatEveryoneElseUses) {
+TEST(PointAt, AgreesWithTheModelsTrajectory) {
   test::Random random(3);
   for (int i = 0; i < 2000; ++i) {
     const models::Trajectory way = random_way(random);
@@ -62,7 +62,7 @@ TEST(PointAt, AgreesWithTheTrajectoryThatEveryoneElseUses) {
 }
 
 // Brute force: samples the path every millisecond with the same distance functions.
-TEST(CheckWay, FindsWhatASampleEachMillisecondFinds) {
+TEST(CheckWay, AgreesWithSamplesEveryMillisecond) {
   test::Random random(4);
   const SafetyLimits lim = limits();
   int refused = 0;
@@ -95,7 +95,7 @@ TEST(CheckWay, FindsWhatASampleEachMillisecondFinds) {
 
 // The shared models compute swept clearance by another method and must accept every plan that we
 // accept.
-TEST(CheckWay, AcceptsNothingThatTheModelsCallBlocked) {
+TEST(CheckWay, AcceptsOnlyPathsThatAreClearInTheModels) {
   test::Random random(5);
   const SafetyLimits lim = limits();
   int accepted = 0;
@@ -109,7 +109,7 @@ TEST(CheckWay, AcceptsNothingThatTheModelsCallBlocked) {
   EXPECT_GT(accepted, 100);
 }
 
-TEST(CheckWay, CountsTheHoverAfterTheEnd) {
+TEST(CheckWay, IncludesTheHoverAfterTheEnd) {
   const SafetyLimits lim = limits();
   models::Trajectory still;
   still.start_time = kStart;
@@ -134,7 +134,7 @@ TEST(CheckWay, KeepsBelowTheCeilingAndAboveTheGround) {
   }
 }
 
-TEST(CheckShape, RefusesWhatNoVehicleCanFly) {
+TEST(CheckShape, RefusesInfeasiblePlans) {
   const SafetyLimits lim = limits();
   const models::PlanSegment stop = models::brake(1.0, 2.0).front();
   const auto verdict = [&](std::vector<models::PlanSegment> segments) {
@@ -163,7 +163,7 @@ TEST(CheckShape, RefusesWhatNoVehicleCanFly) {
   EXPECT_EQ(verdict({{{1.0, 0.0}, 0.3, 2.0}}), PlanVerdict::kNoHover);
 }
 
-TEST(HoldPlan, RefusesMoreSegmentsThanItHasRoomFor) {
+TEST(HoldPlan, RefusesTooManySegments) {
   models::Trajectory way;
   way.segments.resize(HeldPlan::kSegmentsMax + 1);
   HeldPlan plan;
@@ -171,7 +171,7 @@ TEST(HoldPlan, RefusesMoreSegmentsThanItHasRoomFor) {
 }
 
 // A turn rate too small for an arc still turns the yaw, to the correct side.
-TEST(PointAt, TurnsAsSlowlyAsItSaysOnBothSidesOfTheStraightest) {
+TEST(PointAt, TurnsAtVerySmallRates) {
   HeldPlan plan;
   plan.start = {0.0, 0.0, 0.5};
   plan.count = 1;
@@ -184,7 +184,7 @@ TEST(PointAt, TurnsAsSlowlyAsItSaysOnBothSidesOfTheStraightest) {
 }
 
 // The result is the greatest speed between two instants, forwards or backwards.
-TEST(SpeedMax, IsOfWhatIsFlownMeanwhile) {
+TEST(SpeedMax, CoversTheGivenTime) {
   HeldPlan plan;
   plan.count = 3;
   plan.segments[0] = {{0.5, 0.0}, 1.0, 0.0};
@@ -202,7 +202,7 @@ TEST(SpeedMax, IsOfWhatIsFlownMeanwhile) {
   }
 }
 
-TEST(PlanVerdict, IsNamedAsReasonsWriteIt) {
+TEST(PlanVerdict, HasAName) {
   const std::vector<std::pair<PlanVerdict, std::string>> names = {
       {PlanVerdict::kAccepted, "accepted"},
       {PlanVerdict::kWrongVehicle, "wrong vehicle"},
@@ -226,7 +226,7 @@ TEST(PlanVerdict, IsNamedAsReasonsWriteIt) {
 }
 
 // Any value of a plan that is not finite is refused with this verdict, before all other checks.
-TEST(CheckShape, RefusesWhateverIsNoNumber) {
+TEST(CheckShape, RefusesNonFiniteValues) {
   const SafetyLimits lim = limits();
   const std::vector<double* (*)(HeldPlan&)> numbers = {
       [](HeldPlan& p) { return &p.start.x_m; },
@@ -269,7 +269,7 @@ TEST(CheckShape, RefusesWhateverIsNoNumber) {
 
 // Rounding on the wire: each limit may be exceeded by 1e-6 of its value, in both directions and on
 // both sides, also by segments that change the speed in steps.
-TEST(CheckShape, ForgivesAMillionthOfEachLimitAndNoMore) {
+TEST(CheckShape, ToleratesAMillionthOfEachLimit) {
   SafetyLimits lim = limits();
   lim.vehicle.speed_max_mps = 0.8;
   lim.vehicle.yaw_rate_max_radps = 2.5;
@@ -368,7 +368,7 @@ HeldPlan hover(double start_s, double x_m, double y_m) {
 
 // Every path is checked to its end, to the centimetre, for any start times. A teammate that came to
 // rest long before does not shorten the check.
-TEST(CheckWay, LooksAtEveryWayToItsEnd) {
+TEST(CheckWay, ChecksEveryPathToItsEnd) {
   SafetyLimits lim = open_limits();
   lim.plan_separation_m = 0.5;
   const HeldPlan over = hover(-100.0, 50.0, 0.0);
@@ -407,7 +407,7 @@ TEST(CheckWay, LooksAtEveryWayToItsEnd) {
 }
 
 // A teammate under way is at the current point of its plan; the part behind it does not count.
-TEST(CheckWay, CountsTheWaysOfOthersFromNowOn) {
+TEST(CheckWay, IgnoresTheFlownPartOfTeammatePlans) {
   SafetyLimits lim = open_limits();
   lim.plan_separation_m = 0.5;
   const HeldPlan passes = drive(0.0, 0.3);  // at 0.3 m when x = 1 m; 0.5 m away again at 1.4 m
@@ -446,7 +446,7 @@ TEST(CheckWay, FindsAThinWallAtAnySpeed) {
 }
 
 // At 2 m/s no body of 2 mm is stepped over.
-TEST(CheckWay, FindsTwoMillimetresAtTwoMetresASecond) {
+TEST(CheckWay, FindsTwoMillimetresAtTwoMetresPerSecond) {
   test::Random random(39);
   SafetyLimits lim = open_limits();
   lim.vehicle.speed_max_mps = 2.0;

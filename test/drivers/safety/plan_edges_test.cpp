@@ -180,7 +180,7 @@ TEST(CheckWay, FindsTheLeastDistanceOfFenceAndObstacle) {
 }
 
 // Thin conflicts: a body of 2 mm on the path, and a head-on teammate with a limit of 4 mm.
-TEST(CheckWay, StepsOverNothingThatIsAsThickAsStated) {
+TEST(CheckWay, FindsConflictsOfTheStatedThickness) {
   test::Random random(37);
   SafetyLimits limits = open_limits();
   for (int i = 0; i < 300; ++i) {
@@ -198,7 +198,7 @@ TEST(CheckWay, StepsOverNothingThatIsAsThickAsStated) {
 }
 
 // Signed distances by brute force over a fine grid on the edge of the rectangle.
-TEST(Distances, AreThoseToTheNearestPointOfTheEdge) {
+TEST(Distances, AreToTheNearestPointOfTheEdge) {
   test::Random random(34);
   for (int i = 0; i < 300; ++i) {
     models::World world;
@@ -287,7 +287,7 @@ Scene seen(Scene scene, const Place& of, const Yaw& yaw, double sense) {
   return scene;
 }
 
-TEST(PlanCheck, AnswersTheSameInAMirrorTurnedLaterAndWithOthersRenamed) {
+TEST(PlanCheck, IsInvariantUnderSymmetries) {
   test::Random random(35);
   std::array<int, kPlanVerdicts> counts{};
   for (int i = 0; i < 3000; ++i) {
@@ -331,7 +331,7 @@ TEST(PlanCheck, AnswersTheSameInAMirrorTurnedLaterAndWithOthersRenamed) {
 }
 
 // Driving backwards reaches the same positions at the same times.
-TEST(PlanCheck, JudgesDrivingBackwardsAsDrivingTurnedRound) {
+TEST(PlanCheck, TreatsBackwardsAsForwardsTurned) {
   test::Random random(36);
   for (int i = 0; i < 1000; ++i) {
     const Scene scene = random_scene(random);
@@ -364,7 +364,7 @@ class ShapeEdges : public testing::Test {
   SafetyLimits limits = bench_limits();  // 1 m/s, 3 rad/s, 2 m/s²
 };
 
-TEST_F(ShapeEdges, TurnsAsTightAsItsLateralAccelerationToEitherSideForwardsAndBackwards) {
+TEST_F(ShapeEdges, LimitsLateralAcceleration) {
   limits.lateral_max_mps2 = 1.2;
   for (const double speed_mps : {0.8, -0.8}) {
     for (const double side : {1.0, -1.0}) {
@@ -375,7 +375,7 @@ TEST_F(ShapeEdges, TurnsAsTightAsItsLateralAccelerationToEitherSideForwardsAndBa
   }
 }
 
-TEST_F(ShapeEdges, TurnsAndDrivesAsFastAsItsVehicle) {
+TEST_F(ShapeEdges, LimitsSpeedAndYawRate) {
   for (const double sign : {1.0, -1.0}) {
     const double rate_radps =
         test::last_accepted(0.0, 10.0, 1e-9, [&](double w) { return turns(0.1, sign * w); });
@@ -386,7 +386,7 @@ TEST_F(ShapeEdges, TurnsAndDrivesAsFastAsItsVehicle) {
   }
 }
 
-TEST_F(ShapeEdges, BrakesAsHardAsItsVehicleAndLongEnough) {
+TEST_F(ShapeEdges, LimitsDecelerationAndDuration) {
   for (const double v : {1.0, -1.0}) {
     const double brake_mps2 = test::last_accepted(1.0, 10.0, 1e-9, [&](double a) {
       return accepts({{{v, 0.0}, 1.0, a}});
@@ -407,7 +407,7 @@ TEST_F(ShapeEdges, BrakesAsHardAsItsVehicleAndLongEnough) {
   EXPECT_EQ(verdict({{{0.0, 0.0}, 1.0, -0.1}}), PlanVerdict::kNotFinite) << "gaining speed";
 }
 
-TEST_F(ShapeEdges, ChangesItsSpeedByNoMoreThanTheWholeAndFromRestAtTheBeginning) {
+TEST_F(ShapeEdges, LimitsSpeedChanges) {
   for (const double sign : {1.0, -1.0}) {
     const double change_mps = test::last_accepted(0.0, 1.0, 1e-9, [&](double v) {
       return accepts({{{sign * 0.4, 0.0}, 0.5, 0.0}, {{-sign * v, 0.0}, 0.5, 0.0}, {{}, 0.1, 0.0}});
@@ -416,7 +416,7 @@ TEST_F(ShapeEdges, ChangesItsSpeedByNoMoreThanTheWholeAndFromRestAtTheBeginning)
   }
 }
 
-TEST_F(ShapeEdges, LastsAMinuteAtMostAndLiesWithinReach) {
+TEST_F(ShapeEdges, LimitsDurationAndReach) {
   const double rest_s = test::last_accepted(1.0, 1000.0, 1e-7, [&](double t_s) {
     return accepts({{{}, 0.5 * t_s, 0.0}, {{}, 0.5 * t_s, 0.0}});
   });
@@ -445,7 +445,7 @@ TEST_F(ShapeEdges, FliesBetweenTheGroundAndTheCeiling) {
 
 // The part of the path behind the vehicle does not count; finds the last instant of a conflict
 // ahead.
-TEST_F(ShapeEdges, CountsFromNowOn) {
+TEST_F(ShapeEdges, IgnoresTheFlownPart) {
   limits = open_limits();
   const HeldPlan plan = held(kStart, {}, {{{1.0, 0.0}, 3.0, 0.0}, models::brake(1.0, 2.0).front()});
   const OtherCourse others[] = {{nullptr, {1.0, 0.3, 1.0}}};  // passed at 0.3 m after 1 s
@@ -457,7 +457,7 @@ TEST_F(ShapeEdges, CountsFromNowOn) {
 }
 
 // Each other body counts, at any position in the list.
-TEST_F(ShapeEdges, KeepsFromEveryOtherOne) {
+TEST_F(ShapeEdges, ChecksEveryBody) {
   const HeldPlan plan = held(kStart, {1.0, -1.0, 0.0}, {});
   for (std::size_t near = 0; near < 4; ++near) {
     std::vector<OtherCourse> others(4, {nullptr, {1.0, 1.5, 1.0}});
@@ -468,7 +468,7 @@ TEST_F(ShapeEdges, KeepsFromEveryOtherOne) {
 }
 
 // Rounding on the wire: a violation of up to 1e-6 m is accepted, a larger one is not.
-TEST_F(ShapeEdges, ForgivesAMillionthOfAMetre) {
+TEST_F(ShapeEdges, ToleratesAMicrometre) {
   const auto forgiven_m = [&](const Eigen::Vector2d& edge_m, const Eigen::Vector2d& inward,
                               std::vector<OtherCourse> others = {}) {
     return test::last_accepted(-0.01, 0.01, 1e-10, [&](double beyond_m) {

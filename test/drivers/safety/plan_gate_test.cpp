@@ -62,7 +62,7 @@ class Gate : public testing::Test {
   std::int64_t sequence = 0;
 };
 
-TEST_F(Gate, TakesNewsAndSaysHowOldItIs) {
+TEST_F(Gate, ReportsTheAgeOfAcceptedPlans) {
   EXPECT_EQ(report(0.0).plan_age_s, kNever);
   EXPECT_EQ(report(0.0).planner_age_s, kNever);
   EXPECT_EQ(gate.round(), -1);
@@ -77,7 +77,7 @@ TEST_F(Gate, TakesNewsAndSaysHowOldItIs) {
 }
 
 // Only consecutive late plans count; a plan in time resets the count.
-TEST_F(Gate, CountsLatePlansInARowAndAGoodOneEndsTheRow) {
+TEST_F(Gate, CountsConsecutiveLatePlans) {
   int expected[] = {1, 2, 0, 1, 2, 3, 0, 0, 1};
   bool is_late[] = {true, true, false, true, true, true, false, false, true};
   for (std::size_t i = 0; i < std::size(is_late); ++i) {
@@ -92,7 +92,7 @@ TEST_F(Gate, CountsLatePlansInARowAndAGoodOneEndsTheRow) {
   EXPECT_EQ(report(1.0).plans_late, 1) << "another planner's lateness is not ours";
 }
 
-TEST_F(Gate, CountsRefusalsInARowAndAnAcceptedPlanEndsTheRow) {
+TEST_F(Gate, CountsConsecutiveRefusals) {
   const auto refused = [&](double at_s) {
     models::RobotPlan plan = news(at_s);
     plan.trajectory.start.x_m += 1.0;
@@ -117,7 +117,7 @@ TEST_F(Gate, CountsRefusalsInARowAndAnAcceptedPlanEndsTheRow) {
   }
 }
 
-TEST_F(Gate, TakesEachPlanOnceAndNoneThatBeginsBeforeTheLast) {
+TEST_F(Gate, AcceptsEachPlanOnceInOrderOfStart) {
   for (const double at_s : {0.0, 1.0}) {
     const models::RobotPlan first = news(at_s + 0.2);
     EXPECT_EQ(judge(first, at_s), PlanVerdict::kAccepted);
@@ -130,7 +130,7 @@ TEST_F(Gate, TakesEachPlanOnceAndNoneThatBeginsBeforeTheLast) {
   }
 }
 
-TEST_F(Gate, TakesANewPlannersNumbersFromTheBeginningOnceTheOldOneIsSilent) {
+TEST_F(Gate, AcceptsANewPlannerAfterTheLease) {
   sequence = 1000;
   EXPECT_EQ(judge(news(0.0, 1), 0.0), PlanVerdict::kAccepted);
   for (std::int64_t run = 2; run <= 3; ++run) {
@@ -145,7 +145,7 @@ TEST_F(Gate, TakesANewPlannersNumbersFromTheBeginningOnceTheOldOneIsSilent) {
 }
 
 // A clock that was never set may be before 1970.
-TEST_F(Gate, TakesAFirstPlanWhateverTheClockSays) {
+TEST_F(Gate, AcceptsAFirstPlanAtAnyTime) {
   constexpr double kEpochS = -1'700'000'000.0;
   for (const double at_s : {kEpochS - 5.0, kEpochS + 5.0, 0.0}) {
     EXPECT_TRUE(accepts_at_first(news(at_s), at_s)) << at_s;
@@ -153,7 +153,7 @@ TEST_F(Gate, TakesAFirstPlanWhateverTheClockSays) {
   }
 }
 
-TEST_F(Gate, TakesPlansOfNowOnly) {
+TEST_F(Gate, RefusesStaleAndFuturePlans) {
   const double past_s = test::last_accepted(
       0.0, 60.0, 1e-7, [&](double ago_s) { return accepts_at_first(news(-ago_s), 0.0); });
   EXPECT_NEAR(past_s, limits.plan_past_max_s, 2e-6);
@@ -166,7 +166,7 @@ TEST_F(Gate, TakesPlansOfNowOnly) {
 
 // The path between the current hover and a third plan belongs to the second plan, which has not
 // begun.
-TEST_F(Gate, TakesNoPlanThatBeginsAfterOneThatWaits) {
+TEST_F(Gate, RefusesAThirdPlan) {
   for (const double at_s : {0.0, 10.0}) {
     const models::RobotPlan next = news(at_s + 0.5);
     ASSERT_EQ(judge(next, at_s), PlanVerdict::kAccepted);
@@ -180,7 +180,7 @@ TEST_F(Gate, TakesNoPlanThatBeginsAfterOneThatWaits) {
   }
 }
 
-TEST_F(Gate, TakesPlansThatBeginExactlyAtTheirLimits) {
+TEST_F(Gate, AcceptsPlansExactlyAtTheTimeLimits) {
   const double past_s = -limits.plan_past_max_s;
   const double future_s = limits.plan_future_max_s;
   for (const auto& [start_s, verdict] : {std::pair(past_s - 1e-6, PlanVerdict::kStale),
@@ -192,7 +192,7 @@ TEST_F(Gate, TakesPlansThatBeginExactlyAtTheirLimits) {
   }
 }
 
-TEST_F(Gate, TakesPlansThatBeginWhereTheVehicleWillBe) {
+TEST_F(Gate, AcceptsPlansThatBeginNearTheCourse) {
   for (const double side : {1.0, -1.0}) {
     for (int axis = 0; axis < 3; ++axis) {
       const double off_m = test::last_accepted(0.0, 0.9, 1e-9, [&](double m) {
@@ -216,7 +216,7 @@ TEST_F(Gate, TakesPlansThatBeginWhereTheVehicleWillBe) {
 }
 
 // A plan that has begun is compared at the current time, a future plan at its start.
-TEST_F(Gate, LooksWhereThePlanIsNowOrWillBegin) {
+TEST_F(Gate, ComparesThePlanNowOrAtItsStart) {
   HeldPlan drives;
   drives.start_time = kStart;
   drives.start = {1.0, -1.0, kPi};
@@ -237,7 +237,7 @@ TEST_F(Gate, LooksWhereThePlanIsNowOrWillBegin) {
 
 // A plan whose last half second agrees with the flown path continues from here at any speed. A plan
 // that begins now at the old start position does not.
-TEST_F(Gate, TakesWhatGoesOnFromWhereTheVehicleIsByNow) {
+TEST_F(Gate, AcceptsPlansThatMatchTheFlownPath) {
   limits.plan_start_tolerance_m = 0.01;
   models::RobotPlan plan = news(0.0);
   plan.trajectory.segments = {{{1.0, -1.0}, 1.0, 0.0}, {{}, 0.1, 0.0}};
@@ -254,7 +254,7 @@ TEST_F(Gate, TakesWhatGoesOnFromWhereTheVehicleIsByNow) {
   }
 }
 
-TEST_F(Gate, KeepsFromTeammates) {
+TEST_F(Gate, RefusesPlansTooCloseToTeammates) {
   limits.plan_separation_m = kSeparationM;
   others = {{nullptr, {1.0, -1.0 + kSeparationM + 0.01, 1.0}}};
   EXPECT_EQ(judge(news(0.0), 0.0), PlanVerdict::kAccepted);
@@ -262,7 +262,7 @@ TEST_F(Gate, KeepsFromTeammates) {
   EXPECT_EQ(judge(news(0.1), 0.1), PlanVerdict::kTeammate);
 }
 
-TEST_F(Gate, CountsEachVerdictByItsName) {
+TEST_F(Gate, CountsEachVerdictByName) {
   const auto bad = [&](auto&& spoil) {
     models::RobotPlan plan = news(0.1);
     spoil(plan);
@@ -321,7 +321,7 @@ TEST_F(Gate, CountsEachVerdictByItsName) {
 }
 
 // Each counter has its own value.
-TEST_F(Gate, CountsEachVerdictUnderItsOwnName) {
+TEST_F(Gate, CountsVerdictsSeparately) {
   const std::map<std::string, int> met = {
       {"accepted", 5}, {"wrong vehicle", 1}, {"stale", 2}, {"too far ahead", 3}, {"not finite", 4}};
   for (int i = 0; i < 5; ++i) {
@@ -351,7 +351,7 @@ TEST_F(Gate, CountsEachVerdictUnderItsOwnName) {
 }
 
 // A second planner is reported until it has been silent for the lease time, each time.
-TEST_F(Gate, TellsOfASecondPlannerForALease) {
+TEST_F(Gate, ReportsASecondPlannerForTheLease) {
   EXPECT_EQ(judge(news(0.0, 1), 0.0), PlanVerdict::kAccepted);
   EXPECT_FALSE(report(0.0).second_planner);
   for (const double at_s : {1.0, 9.0}) {

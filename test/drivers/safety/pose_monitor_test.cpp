@@ -40,7 +40,7 @@ class Poses : public testing::Test {
 };
 
 // The accepted volume ends 1 m beyond fence and ceiling, and 0.3 m below the floor.
-TEST_F(Poses, BeginOnlyInTheRoom) {
+TEST_F(Poses, BeginOnlyInsideTheVolume) {
   const Eigen::Vector3d middle_m(0.5, -0.4, 1.0);
   const double ends_m[3][2] = {{-5.0, 5.0}, {-3.2, 3.2}, {-0.3, 4.0}};
   for (int axis = 0; axis < 3; ++axis) {
@@ -60,7 +60,7 @@ TEST_F(Poses, BeginOnlyInTheRoom) {
 
 // In the air the gate covers an unknown acceleration of 10 m/s² during the gap, and stays below
 // half of the separation.
-TEST_F(Poses, PassAGateThatWidensWithTheGap) {
+TEST_F(Poses, PassAGateThatGrowsWithTheGap) {
   const Eigen::Vector3d here_m(0.5, -0.4, 1.0);
   for (const double gap_s : {0.01, 0.1, 0.2, 0.3, 1.0}) {
     const double gate_m = std::min(limits.pose_gate_max_m, 0.25 + 5.0 * gap_s * gap_s);
@@ -93,7 +93,7 @@ TEST_F(Poses, PassAGateThatWidensWithTheGap) {
 }
 
 // A commanded descent while not seen widens the gate downwards only.
-TEST_F(Poses, MayHaveComeDownAsFarAsItWasTold) {
+TEST_F(Poses, AllowACommandedDescentWhileUnseen) {
   const Eigen::Vector3d here_m(0.5, -0.4, 2.0);
   const double gap_s = 0.1;
   const double gate_m = std::min(limits.pose_gate_max_m, 0.25 + 5.0 * gap_s * gap_s);
@@ -114,7 +114,7 @@ TEST_F(Poses, MayHaveComeDownAsFarAsItWasTold) {
 
 // On the ground the body may be carried: a jump starts a new track at rest with a count of one.
 // Tested twice.
-TEST_F(Poses, BeginAnewAtRestWhereABodyIsCarried) {
+TEST_F(Poses, RestartAtRestAfterCarrying) {
   double t_s = 0.0;
   Eigen::Vector3d p_m(0.0, -1.0, 0.0);
   for (const double to_m : {2.0, -2.0}) {
@@ -138,7 +138,7 @@ TEST_F(Poses, BeginAnewAtRestWhereABodyIsCarried) {
 
 // The response to a velocity step is 1 − e^(−t / 50 ms) in either direction. A velocity that needs
 // more than 10 m/s² is limited.
-TEST_F(Poses, TellVelocityAndTurnWithAMemoryOfFiftyMilliseconds) {
+TEST_F(Poses, FilterVelocityAndTurnWithFiftyMilliseconds) {
   for (const double side : {1.0, -1.0}) {
     stand({0.0, -1.0, 1.0});
     for (int i = 1; i <= 30; ++i) {
@@ -160,7 +160,7 @@ TEST_F(Poses, TellVelocityAndTurnWithAMemoryOfFiftyMilliseconds) {
 
 // Identical poses are accepted for the stated time; afterwards the age counts from the first of
 // them.
-TEST_F(Poses, AreStuckAfterWhatTheLimitsState) {
+TEST_F(Poses, AreStuckAfterTheStatedTime) {
   const Eigen::Vector3d here_m(0.0, -1.0, 1.0);
   for (const BodyContext& context : {kFlies, kHovers}) {
     const double allowed_s =
@@ -181,7 +181,7 @@ TEST_F(Poses, AreStuckAfterWhatTheLimitsState) {
   }
 }
 
-TEST_F(Poses, AreCountedInARowUntilTheOtherKindComes) {
+TEST_F(Poses, AreCountedConsecutively) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const Eigen::Vector3d here_m(0.0, -1.0, 1.0);
   stand(here_m);
@@ -203,7 +203,7 @@ TEST_F(Poses, AreCountedInARowUntilTheOtherKindComes) {
   }
 }
 
-TEST_F(Poses, AreCountedInARowFromTheFirst) {
+TEST_F(Poses, AreCountedFromTheFirst) {
   const Eigen::Vector3d here_m(0.5, -0.4, 1.0);
   EXPECT_EQ(monitor.accepted_in_row(), 0);
   for (int n = 1; n <= 3; ++n) {
@@ -228,7 +228,7 @@ TEST_F(Poses, HaveRotationsOfUnitLength) {
   EXPECT_NEAR(test::last_accepted(1.0, 0.0, 1e-9, accepts), 0.99, 1e-8);
 }
 
-TEST_F(Poses, AreRotationsAndPlacesOfNumbers) {
+TEST_F(Poses, MustBeFinite) {
   const double inf = std::numeric_limits<double>::infinity();
   for (const double value : {std::numeric_limits<double>::quiet_NaN(), inf, -inf}) {
     for (int i = 0; i < 7; ++i) {
@@ -242,7 +242,7 @@ TEST_F(Poses, AreRotationsAndPlacesOfNumbers) {
   }
 }
 
-TEST_F(Poses, ArePredictedNowhereBeforeTheFirst) {
+TEST_F(Poses, PredictTheOriginBeforeTheFirst) {
   EXPECT_FALSE(monitor.has_pose());
   EXPECT_EQ(monitor.age_s(kStart), kNever);
   for (const double horizon_s : {0.0, 0.5, kNever}) {
@@ -252,7 +252,7 @@ TEST_F(Poses, ArePredictedNowhereBeforeTheFirst) {
 
 // A continuous path out of the room is accepted in the air, and also the way back. On the ground,
 // or for a first pose, it is not.
-TEST_F(Poses, LeaveTheRoomOnlyInTheAirOnAWayThatGoesOn) {
+TEST_F(Poses, LeaveTheVolumeOnlyOnAContinuousFlight) {
   const double beyond_m = 4.0 + limits.volume_margin_m;
   for (const BodyContext& context : {kFlies, kHovers, kOnGround}) {
     monitor = {};
@@ -270,7 +270,7 @@ TEST_F(Poses, LeaveTheRoomOnlyInTheAirOnAWayThatGoesOn) {
   }
 }
 
-TEST_F(Poses, AreAllRefusedOnceTheyAreDistrusted) {
+TEST_F(Poses, AreRefusedWhileDistrusted) {
   const Eigen::Vector3d here_m(0.5, -0.4, 1.0);
   stand(here_m);
   BodyContext context = kHovers;
@@ -281,7 +281,7 @@ TEST_F(Poses, AreAllRefusedOnceTheyAreDistrusted) {
 }
 
 // A jump and a flip are reported by name, also outside the room; a pose with both is a jump.
-TEST_F(Poses, AreRefusedInTheAirByTheirNames) {
+TEST_F(Poses, AreRefusedByNameInTheAir) {
   const Eigen::Vector3d here_m(0.5, -0.4, 1.0);
   const Eigen::Vector3d there_m = here_m + Eigen::Vector3d(1.0, 0.0, 0.0);
   stand(here_m);
@@ -294,7 +294,7 @@ TEST_F(Poses, AreRefusedInTheAirByTheirNames) {
 }
 
 // An unseen flight is extrapolated for half a second; the next pose is accepted around there.
-TEST_F(Poses, AreExpectedWhereAFlightThatIsNotSeenLeads) {
+TEST_F(Poses, AreExtrapolatedWhileUnseen) {
   const Eigen::Vector3d begin_m(-2.0, -1.0, 1.0);
   for (const double gap_s : {0.1, 0.3, 0.5, 0.8}) {
     const auto accepts_at = [&](double ahead_m) {
@@ -318,7 +318,7 @@ TEST_F(Poses, AreExpectedWhereAFlightThatIsNotSeenLeads) {
 
 // When the pose of a moving vehicle repeats, the limit counts from its first occurrence, however
 // long it flew before. Afterwards the age counts from that pose. A second repetition acts the same.
-TEST_F(Poses, AreStuckFromWhenTheyFirstCame) {
+TEST_F(Poses, AreStuckFromTheFirstRepetition) {
   double t_s = 0.0;
   Eigen::Vector3d p_m(-3.0, -1.0, 1.0);
   for (int time = 0; time < 2; ++time) {

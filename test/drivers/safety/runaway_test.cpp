@@ -47,7 +47,7 @@ Seen carry_away(const Eigen::Vector3d& mps, double seconds) {
 
 // Regression: a vehicle in `hold` climbed to 12 m, because its poses were refused from one metre
 // above the ceiling.
-TEST(Runaway, UpwardsIsLandedAndThenStoppedAboveTheCeiling) {
+TEST(Runaway, UpwardsLandsAndStopsMotorsAboveTheCeiling) {
   const Seen seen = carry_away({0.0, 0.0, 0.7}, 8.0);
   ASSERT_GE(seen.landed_s, 0.0);
   EXPECT_LT(seen.landed_s, 2.5) << "1 m off its height";
@@ -74,7 +74,7 @@ TEST(Runaway, SidewaysIsTheSameInEachDirection) {
 }
 
 // A pose outside the room that does not continue the motion is refused, also in the air.
-TEST(Runaway, AJumpOutOfTheRoomIsNotOne) {
+TEST(Runaway, IgnoresAJumpOutOfTheRoom) {
   FlightBench bench(3);
   bench.fly_up(3.0);
   Vehicle& q1 = bench.vehicle("Q1");
@@ -84,7 +84,7 @@ TEST(Runaway, AJumpOutOfTheRoomIsNotOne) {
 }
 
 // The tracking error includes the height error.
-TEST(Runaway, OffItsHeightIsOffItsCourse) {
+TEST(Runaway, HeightErrorCountsAsTrackingError) {
   for (const double push_mps : {1.0, -1.0}) {
     FlightBench bench(3);
     bench.fly_up(3.0);
@@ -99,7 +99,7 @@ TEST(Runaway, OffItsHeightIsOffItsCourse) {
 
 // A climb may take 5 s and twice its nominal time; a vehicle that is still below then has a
 // tracking error.
-TEST(Runaway, DownwardsInAClimbIsOffItsCourseOnceTheClimbShouldBeOver) {
+TEST(Runaway, DownwardsInAClimbIsReportedAfterTheTimeLimit) {
   FlightBench bench(3);
   Vehicle& q1 = bench.vehicle("Q1");
   bool has_lifted = false;
@@ -136,7 +136,7 @@ TEST(Runaway, FasterThanItsLimitIsHeld) {
 }
 
 // Carried up during a landing: the set-point follows at no more than the climb speed.
-TEST(Runaway, UpwardsInALandingAsksForNoSteeperWayThanItsLimits) {
+TEST(Runaway, UpwardsInALandingKeepsSpeedLimits) {
   FlightBench bench(3);
   bench.fly_up(3.0);
   bench.say(models::OperatorAction::kLand);

@@ -38,7 +38,7 @@ void expect_asked_now(const models::VehicleStatus& status, const FlightSetpoint&
               0.0, 0.5 * 12.0 * lead_s * lead_s + 1e-6);
 }
 
-TEST(VehicleStatus, SaysWhatIsAskedNowAndByWhichPlan) {
+TEST(VehicleStatus, ReportsSetpointAndPlan) {
   FlightBench bench(3);
   Vehicle& q1 = bench.vehicle("Q1");
   const drivers::SafetyLimits limits = drivers::limits_for(FlightBench::scenario(), "Q1");
@@ -117,7 +117,7 @@ TEST(VehicleStatus, SaysWhatIsAskedNowAndByWhichPlan) {
 }
 
 // A revoked order reports all conditions against it, in the order of the table.
-TEST(VehicleStatus, NamesEverythingThatIsInTheWay) {
+TEST(VehicleStatus, ReportsAllReasonsOfARefusal) {
   FlightBench bench(3);
   Vehicle& q1 = bench.vehicle("Q1");
   const auto lie = [&] {
@@ -154,7 +154,7 @@ TEST(VehicleStatus, NamesEverythingThatIsInTheWay) {
 }
 
 // Plans are accepted only after the climb has come within 15 cm of its height.
-TEST(TakeOff, FollowsNoPlanBeforeItsClimbIsOver) {
+TEST(TakeOff, AcceptsPlansAfterTheClimb) {
   for (const double told_s : {-14.2, -13.9, -13.6}) {
     FlightBench bench(3);
     bench.run(0.5);
@@ -180,7 +180,7 @@ TEST(TakeOff, FollowsNoPlanBeforeItsClimbIsOver) {
 }
 
 // Without mocap and telemetry, the estimated height sinks at 0.4 of the commanded speed.
-TEST(BlindDescent, IsBelievedToBeSlowerThanAsked) {
+TEST(BlindDescent, EstimatesTwoFifthsOfTheCommandedSpeed) {
   FlightBench bench(3);
   bench.fly_up(3.0);
   Vehicle& q1 = bench.vehicle("Q1");

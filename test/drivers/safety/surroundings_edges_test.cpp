@@ -35,7 +35,7 @@ BrakeWay stop_from(const Eigen::Vector3d& p_m, const Eigen::Vector3d& v_mps,
 }
 
 // Two vehicles with equal speed pass each other head-on. The relative motion is a straight line.
-TEST(LookAround, FindsHowFarApartTwoPassWhoMeetHeadOn) {
+TEST(LookAround, FindsTheSeparationOfAHeadOnPass) {
   const SafetyLimits limits = bench_limits();
   test::Random random(51);
   for (int i = 0; i < 300; ++i) {
@@ -99,7 +99,7 @@ TEST(LookAround, FindsTheLeastSeparationToHalfAMillimetre) {
 
 // On a straight path in a convex room the least distance to walls and ceiling is at one end of the
 // path. The same holds for a wall across the room.
-TEST(LookAround, FindsTheLeastDistanceOfPlainWallsAtAnEndOfTheWay) {
+TEST(LookAround, FindsTheLeastDistanceToWallsAtAnEnd) {
   SafetyLimits limits = limits_in({{-8.0, 3.0}, {4.5, 9.0}});
   limits.fence.ceiling_m = 2.6;
   limits.fence.obstacles.push_back({{{-10.0, -5.0}, {-5.0, 17.0}}, 2.5});
@@ -125,7 +125,7 @@ TEST(LookAround, FindsTheLeastDistanceOfPlainWallsAtAnEndOfTheWay) {
 }
 
 // A post as thick as 1/16 of the path is found at every position along the path.
-TEST(LookAround, FindsAPostBesideTheWay) {
+TEST(LookAround, FindsAPostNextToThePath) {
   SafetyLimits limits = limits_in({{-8.0, -8.0}, {8.0, 8.0}});
   const Eigen::Vector3d here_m(1.0, -2.0, 1.0);
   for (const double v_mps : {0.5, -1.0}) {
@@ -141,7 +141,7 @@ TEST(LookAround, FindsAPostBesideTheWay) {
 }
 
 // Bodies pass at different times; the nearest counts in any order of the list.
-TEST(NearSoon, CountsTheNearest) {
+TEST(NearSoon, ReturnsTheNearestBody) {
   const Eigen::Vector3d here_m(1.0, -1.0, 1.0);
   std::vector<OtherBody> others(3);
   others[0].position_world_m = {1.0, 2.0, 0.0};
@@ -158,7 +158,7 @@ TEST(NearSoon, CountsTheNearest) {
 
 // A hover outside the fence gets a landing spot just inside, with its edge 0.1 m from the wall. If
 // the room is too small for that, the spot is in the middle between the walls.
-TEST(LandingSpot, IsBroughtInsideTheFence) {
+TEST(LandingSpot, IsMovedInsideTheFence) {
   test::Random random(53);
   for (int i = 0; i < 200; ++i) {
     const Eigen::Vector2d low_m = random.vector<2>(-5.0, 5.0);
@@ -225,7 +225,7 @@ class Corridor {
   std::vector<OtherBody> others_;
 };
 
-TEST(LandingSpot, IsOnTheSideWhereNoObstacleIsInTheWay) {
+TEST(LandingSpot, IsOnTheSideWithAFreePath) {
   for (const bool is_turned : {false, true}) {
     EXPECT_NEAR(std::abs(Corridor(is_turned).spot_m()), 1.0, 1e-9);
     for (const double side : {1.0, -1.0}) {
@@ -241,7 +241,7 @@ TEST(LandingSpot, IsOnTheSideWhereNoObstacleIsInTheWay) {
 }
 
 // The edge of the vehicle stays at least 0.05 m from an obstacle.
-TEST(LandingSpot, IsAsFarFromObstaclesAsItStates) {
+TEST(LandingSpot, KeepsTheStatedDistanceFromObstacles) {
   for (const double side : {1.0, -1.0}) {
     const double end_m = test::last_accepted(3.0, 0.5, 1e-9, [&](double wall_m) {
       Corridor corridor;
@@ -254,7 +254,7 @@ TEST(LandingSpot, IsAsFarFromObstaclesAsItStates) {
 }
 
 // A hover closer than 0.05 m to an obstacle still moves away from it when a body is below.
-TEST(LandingSpot, IsFoundFromBesideAnObstacleAsFromAfar) {
+TEST(LandingSpot, IsFoundFromNextToAnObstacle) {
   const double radius_m = bench_limits().vehicle.radius_m;
   for (const bool is_turned : {false, true}) {
     for (const double side : {1.0, -1.0}) {
@@ -279,7 +279,7 @@ TEST(LandingSpot, IsFoundFromBesideAnObstacleAsFromAfar) {
 
 // The path keeps landing_clearance_m + 0.1 m horizontally from robots and separation_hold_m from
 // other bodies.
-TEST(LandingSpot, IsReachedAsFarFromOthersAsItStates) {
+TEST(LandingSpot, PathKeepsTheStatedDistanceFromBodies) {
   const auto passes_m = [](int robot, double above_m) {
     return test::last_accepted(3.0, 0.1, 1e-9, [&](double beside_m) {
       Corridor corridor;
@@ -302,7 +302,7 @@ TEST(LandingSpot, IsReachedAsFarFromOthersAsItStates) {
 
 // The spot keeps the landing clearance and 0.1 m from a body below, so a spot 1 m away allows a
 // clearance of at most 0.9 m.
-TEST(LandingSpot, IsAsFarFromWhoIsBelowAsItStates) {
+TEST(LandingSpot, KeepsTheStatedDistanceFromBodiesBelow) {
   Corridor corridor;
   const double asked_m = test::last_accepted(0.8, 1.1, 1e-9, [&](double clearance_m) {
     corridor.ask_clearance(clearance_m);
@@ -313,7 +313,7 @@ TEST(LandingSpot, IsAsFarFromWhoIsBelowAsItStates) {
 
 // In every direction, exactly separation_hold_m is enough. A body abeam at the start only gets
 // farther away. Rounding must not change either result.
-TEST(WayTaken, NotByWhoIsJustFarEnoughNorByWhoIsLeftBehind) {
+TEST(IsWayTaken, IgnoresBodiesFarEnoughOrBehind) {
   const SafetyLimits limits = bench_limits();
   test::Random random(54);
   for (int i = 0; i < 500; ++i) {
@@ -333,7 +333,7 @@ TEST(WayTaken, NotByWhoIsJustFarEnoughNorByWhoIsLeftBehind) {
 
 // All robots, including index 0, count at any height. Other bodies count if they reach the height
 // of the path or more.
-TEST(WayTaken, ByRobotsAtAnyHeightAndByOthersUnlessTheyAreBelow) {
+TEST(IsWayTaken, CountsRobotsAtAnyHeightAndOthersUnlessBelow) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d from_m(1.0, -1.0, 1.0);
   const auto is_taken = [&](int robot, double above_m) {
@@ -352,7 +352,7 @@ TEST(WayTaken, ByRobotsAtAnyHeightAndByOthersUnlessTheyAreBelow) {
 }
 
 // Robots at constant velocity count if they come close within two seconds.
-TEST(ClimbTaken, ByWhoComesWithinTwoSeconds) {
+TEST(IsClimbTaken, CountsRobotsWithinTwoSeconds) {
   const SafetyLimits limits = bench_limits();
   for (const double speed_mps : {0.0, 0.4, 1.0}) {
     const double from_m = test::last_accepted(5.0, 0.0, 1e-9, [&](double x_m) {
@@ -376,7 +376,7 @@ double moves_m(double edge_m, std::span<const OtherBody> others) {
 }
 
 // The hover moves straight away in steps of 5 cm until its edge is 0.15 m away, by at most 0.6 m.
-TEST(ClearSpot, IsTheNearestThatIsClear) {
+TEST(ClearSpot, IsTheNearestClearPosition) {
   ASSERT_EQ(bench_limits().hover_clearance_m, 0.1);
   EXPECT_EQ(moves_m(0.1001, {}), 0.0);
   for (double edge_m = 0.0999; edge_m > -0.55; edge_m -= 0.01) {
@@ -387,7 +387,7 @@ TEST(ClearSpot, IsTheNearestThatIsClear) {
 
 // The spot may approach another body down to separation_hold_m + 0.05 m. From a closer body it
 // moves away.
-TEST(ClearSpot, IsAsFarFromOthersAsItStates) {
+TEST(ClearSpot, KeepsTheStatedDistanceFromBodies) {
   constexpr double kEdgeM = 0.0501;  // m; the only clear spot this near is 0.1 m straight away
   const SafetyLimits limits = bench_limits();
   OtherBody body;

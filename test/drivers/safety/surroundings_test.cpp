@@ -24,7 +24,7 @@ double clearance_m(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
          limits.vehicle.radius_m;
 }
 
-TEST(ClearSpot, IsClearNearAndLeavesAloneWhoIsClear) {
+TEST(ClearSpot, IsClearAndNearAndEmptyWhenAlreadyClear) {
   const SafetyLimits limits = bench_limits();
   test::Random random(11);
   int moved = 0;
@@ -45,7 +45,7 @@ TEST(ClearSpot, IsClearNearAndLeavesAloneWhoIsClear) {
   EXPECT_GT(moved, 500);
 }
 
-TEST(ClearSpot, DoesNotComeNearerToAnotherThanItShould) {
+TEST(ClearSpot, KeepsItsDistanceFromBodies) {
   const SafetyLimits limits = bench_limits();
   test::Random random(12);
   for (int i = 0; i < 2000; ++i) {
@@ -69,7 +69,7 @@ TEST(ClearSpot, DoesNotComeNearerToAnotherThanItShould) {
 // commanded. The parameter is the age of mocap frames at a tick, ms.
 class Hovering : public ::testing::TestWithParam<int> {};
 
-TEST_P(Hovering, IsNotWhereAGustWouldMakeItTouchSomething) {
+TEST_P(Hovering, MovesAwayFromAnObstacle) {
   test::FlightBench bench(1);
   bench.fly_up(6.4);
   test::Vehicle& vehicle = bench.vehicle("Q3");
@@ -104,7 +104,7 @@ INSTANTIATE_TEST_SUITE_P(FlightGuard, Hovering, ::testing::Values(0, 8));
 
 // A pose jump within the gate must not count as a velocity of metres per second and start a
 // braking manoeuvre.
-TEST(FlightGuard, IsNotCarriedAwayByASmallJumpOfThePose) {
+TEST(FlightGuard, ContinuesAfterASmallPoseJump) {
   test::FlightBench bench(1);
   bench.fly_up(6.4);
   test::Vehicle& vehicle = bench.vehicle("Q3");
@@ -118,7 +118,7 @@ TEST(FlightGuard, IsNotCarriedAwayByASmallJumpOfThePose) {
 }
 
 // Regression: a late climber met a vehicle that flew above it.
-TEST(ClimbTaken, ByARobotAboveUpToTheGoalNowOrSoonFromEitherSide) {
+TEST(IsClimbTaken, CountsRobotsAboveNowOrSoon) {
   const SafetyLimits limits;
   const Eigen::Vector3d here_m(0.0, 0.0, 0.3);
   const auto is_taken = [&](double x_m, double z_m, double vx_mps, int robot = 1) {
@@ -174,7 +174,7 @@ double stepped_closest_m(Eigen::Vector3d p_m, Eigen::Vector3d v_mps, Eigen::Vect
   return least_m;
 }
 
-TEST(LookAround, FindsTheLeastSeparationOfTwoThatBrake) {
+TEST(LookAround, FindsTheLeastSeparationOfBrakingVehicles) {
   const SafetyLimits limits = bench_limits();
   test::Random random(41);
   for (int i = 0; i < 200; ++i) {
@@ -201,7 +201,7 @@ TEST(LookAround, FindsTheLeastSeparationOfTwoThatBrake) {
 
 // A body that was not seen for longer than a hold may be anywhere within a tube that grows to a
 // limit.
-TEST(LookAround, TakesABodyForNearerTheLongerItHasNotBeenSeen) {
+TEST(LookAround, AssumesAnUnseenBodyCloser) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d here_m(1.0, -1.0, 1.0);
   const BrakeWay way =
@@ -218,7 +218,7 @@ TEST(LookAround, TakesABodyForNearerTheLongerItHasNotBeenSeen) {
   }
 }
 
-TEST(LookAround, TakesTheNearestOfAllAndWhoseTurnItIs) {
+TEST(LookAround, ReportsTheNearestBodyAndItsPriority) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d here_m(1.0, -1.0, 1.0);
   const BrakeWay way =
@@ -243,7 +243,7 @@ TEST(LookAround, TakesTheNearestOfAllAndWhoseTurnItIs) {
   }
 }
 
-TEST(LookAround, FindsTheLeastDistanceOfFenceCeilingAndObstaclesOnTheWayToRest) {
+TEST(LookAround, FindsTheLeastDistanceToTheRoomWhileBraking) {
   const SafetyLimits limits = bench_limits();
   test::Random random(42);
   for (int i = 0; i < 1000; ++i) {
@@ -352,7 +352,7 @@ void expect_the_same(const Place& of, test::Random& random) {
   }
 }
 
-TEST(Surroundings, AreTheSameInAMirrorAndTurnedAndFromAnotherOriginAndWithOthersRenamed) {
+TEST(Surroundings, AreInvariantUnderSymmetries) {
   test::Random random(43);
   for (int i = 0; i < 2000; ++i) {
     expect_the_same([](double x, double y) { return Eigen::Vector2d(x, -y); }, random);
@@ -364,7 +364,7 @@ TEST(Surroundings, AreTheSameInAMirrorAndTurnedAndFromAnotherOriginAndWithOthers
 
 // A body that is not a robot keeps its last speed for one second after it was lost. Its excess
 // radius reduces the distance.
-TEST(Surroundings, WidenForWhoGoesOnAndForWhoIsLarge) {
+TEST(Surroundings, GrowForMovingAndLargeBodies) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d here_m(0.0, -1.0, 1.0);
   OtherBody body;
@@ -411,7 +411,7 @@ TEST(Surroundings, WidenForWhoGoesOnAndForWhoIsLarge) {
 }
 
 // Finds the limits of each distance by bisection, from both sides.
-TEST(Surroundings, HaveTheMarginsThatTheirLimitsState) {
+TEST(Surroundings, HaveTheStatedMargins) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d here_m(0.0, -1.0, 1.0);
   for (const double side : {1.0, -1.0}) {
@@ -478,7 +478,7 @@ TEST(Surroundings, HaveTheMarginsThatTheirLimitsState) {
 }
 
 // Only robots within a range of heights block a climb; finds both limits by bisection.
-TEST(ClimbTaken, HasTheHeightsThatItStates) {
+TEST(IsClimbTaken, HasTheStatedHeightLimits) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d here_m(0.0, -1.0, 0.3);
   const auto is_taken = [&](double z_m) {

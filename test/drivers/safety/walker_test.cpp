@@ -128,7 +128,7 @@ class Flight {
 
 class Walker : public ::testing::TestWithParam<Case> {};
 
-TEST_P(Walker, ComesNoNearerThanHoldPromisesWhileTheVehicleMoves) {
+TEST_P(Walker, StaysBeyondTheHoldDistanceOfAMovingVehicle) {
   constexpr int kDirections = 16;
   const SafetyLimits limits = limits_for(test::FlightBench::scenario(), "Q2");
   double least_m = 1e9;
@@ -189,7 +189,7 @@ class Rovers {
 
 // Tracked targets drive below the team, 0.8 m lower and more. They must not stop a vehicle or cause
 // a refused plan.
-TEST(FlightGuard, IsNotHeldByRoversThatDriveBelow) {
+TEST(FlightGuard, FollowsAboveRovers) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     test::FlightBench bench(seed);
     Rovers rovers(seed);
@@ -209,7 +209,7 @@ TEST(FlightGuard, IsNotHeldByRoversThatDriveBelow) {
 }
 
 // It lands between them within the 20 s in which it avoids bodies, and touches none.
-TEST(FlightGuard, ComesDownAmongRoversThatDriveOn) {
+TEST(FlightGuard, LandsAmongRoversOnStraightPaths) {
   double slowest_s = 0.0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     test::FlightBench bench(seed, false, 0.5);

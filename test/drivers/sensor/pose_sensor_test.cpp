@@ -42,7 +42,7 @@ scenario::Scenario scenario_with(models::SensorKind kind) {
 // with one degree of freedom per row, and the mean of n of them has σ = √(2 d / n).
 class EverySensor : public ::testing::TestWithParam<models::SensorKind> {};
 
-TEST_P(EverySensor, HasTheNoiseItStates) {
+TEST_P(EverySensor, HasItsStatedNoise) {
   const scenario::Scenario scenario = scenario_with(GetParam());
   const models::SensorModel& sensor = scenario.robots[0].sensor;
   const PoseSensor driver(scenario, "Q1");
@@ -75,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, EverySensor,
                                            models::SensorKind::kRangeBearing,
                                            models::SensorKind::kCamera));
 
-TEST(PoseSensor, SeesOnlyWhatIsInRangeInViewAndInSight) {
+TEST(PoseSensor, DetectsTargetsInRangeViewAndSight) {
   scenario::Scenario scenario = scenario_with(models::SensorKind::kRangeBearing);
   scenario.robots[0].sensor.fov_rad = radians(90.0);
   scenario.world.obstacles.push_back({{{2.4, 3.9}, {2.5, 4.1}}, 0.5});
@@ -89,7 +89,7 @@ TEST(PoseSensor, SeesOnlyWhatIsInRangeInViewAndInSight) {
   EXPECT_FALSE(sees(2.8, 4.0)) << "behind a box";
 }
 
-TEST(PoseSensor, SeesNothingOfAnOccludedTargetAndNothingWithoutItself) {
+TEST(PoseSensor, IgnoresOccludedTargetsAndNeedsItsOwnPose) {
   const PoseSensor sensor(scenario_with(models::SensorKind::kRangeBearing), "Q1");
   models::MocapFrame frame = frame_with({2.5, 4.3, 0.0});
   frame.bodies[1].occluded = true;
@@ -100,7 +100,7 @@ TEST(PoseSensor, SeesNothingOfAnOccludedTargetAndNothingWithoutItself) {
   EXPECT_FALSE(sensor.look(frame, false));
 }
 
-TEST(PoseSensor, DoesNotLookWhenJammed) {
+TEST(PoseSensor, DoesNotMeasureWhenJammed) {
   const PoseSensor sensor(scenario_with(models::SensorKind::kRangeBearing), "Q1");
   const auto jammed = sensor.look(frame_with({2.5, 4.3, 0.0}), true);
   ASSERT_TRUE(jammed);
@@ -108,7 +108,7 @@ TEST(PoseSensor, DoesNotLookWhenJammed) {
   EXPECT_TRUE(jammed->detections.empty());
 }
 
-TEST(PoseSensor, DrawsTheSameNoiseForTheSameInstantOnly) {
+TEST(PoseSensor, NoiseDependsOnTheTime) {
   scenario::Scenario scenario = scenario_with(models::SensorKind::kRangeBearing);
   const auto z = [&](const std::string& robot, Time time) {
     models::MocapFrame frame = frame_with({2.5, 4.3, 0.0}, time);
@@ -146,7 +146,7 @@ struct Reports {
 };
 
 // Bernoulli distribution: mean p, variance p (1 − p).
-TEST(PoseSensor, MissesAsOftenAsItsScenarioSays) {
+TEST(PoseSensor, MissesAtTheScenariosRate) {
   const Reports reports({0.7, 0.0, true});
   EXPECT_NEAR(reports.mean, 0.7, 5.0 * std::sqrt(0.21 / Reports::kLooks));
   EXPECT_NEAR(reports.variance, 0.21, 0.01);
@@ -154,7 +154,7 @@ TEST(PoseSensor, MissesAsOftenAsItsScenarioSays) {
 
 // Mean and variance of a Poisson number are λ, and the variance has σ² = (λ + 2 λ²) / n. The target
 // adds p and p (1 − p).
-TEST(PoseSensor, RaisesFalseAlarmsByPoissonsLaw) {
+TEST(PoseSensor, ReportsPoissonFalseAlarms) {
   const double lambda = 2.0;
   const Reports reports({0.9, lambda, false});
   EXPECT_NEAR(reports.mean, lambda + 0.9, 5.0 * std::sqrt((lambda + 0.09) / Reports::kLooks));
@@ -162,7 +162,7 @@ TEST(PoseSensor, RaisesFalseAlarmsByPoissonsLaw) {
               5.0 * std::sqrt((lambda + 2.0 * lambda * lambda) / Reports::kLooks));
 }
 
-TEST(PoseSensor, TellsNothingOfWhichDetectionIsOfATarget) {
+TEST(PoseSensor, HidesWhichDetectionIsATarget) {
   scenario::Scenario scenario = scenario_with(models::SensorKind::kRangeBearing);
   scenario.robots[0].detection = {1.0, 3.0, false};
   const PoseSensor sensor(scenario, "Q1");
@@ -193,7 +193,7 @@ TEST(PoseSensor, TellsNothingOfWhichDetectionIsOfATarget) {
   EXPECT_LT(place, 1800.0);
 }
 
-TEST(PoseSensor, RaisesTheSameFalseAlarmsAtTheSameInstantOnly) {
+TEST(PoseSensor, ReproducesFalseAlarmsPerInstant) {
   scenario::Scenario scenario = scenario_with(models::SensorKind::kRangeBearing);
   scenario.robots[0].detection = {0.9, 5.0, false};
   const PoseSensor sensor(scenario, "Q1");
@@ -210,11 +210,11 @@ TEST(PoseSensor, RaisesTheSameFalseAlarmsAtTheSameInstantOnly) {
   EXPECT_NE(first.at(0).measurement.z, later.at(0).measurement.z);
 }
 
-TEST(PoseSensor, RefusesAStranger) {
+TEST(PoseSensor, RefusesAnUnknownRobot) {
   EXPECT_THROW(PoseSensor(test::lab_scenario(), "Q9"), UsageError);
 }
 
-TEST(Interpolate, GoesStraightAndTurnsTheShortWay) {
+TEST(Interpolate, MovesStraightAndTurnsTheShortestAngle) {
   const models::MocapFrame before = frame_with({1.0, 1.0, 3.0}, kStart);
   const models::MocapFrame after = frame_with({2.0, 3.0, -3.0}, kStart + Duration{20'000});
   const models::MocapFrame between = interpolate(before, after, kStart + Duration{5'000});
@@ -225,7 +225,7 @@ TEST(Interpolate, GoesStraightAndTurnsTheShortWay) {
   EXPECT_NEAR(rover.yaw_rad, 3.0 + 0.25 * (2.0 * kPi - 6.0), 1e-9);
 }
 
-TEST(Interpolate, NeedsABodyInBothFrames) {
+TEST(Interpolate, RequiresABodyInBothFrames) {
   models::MocapFrame before = frame_with({1.0, 1.0, 3.0}, kStart);
   const models::MocapFrame after = frame_with({2.0, 3.0, -3.0}, kStart + Duration{20'000});
   before.bodies[1].occluded = true;

@@ -78,7 +78,7 @@ struct Bench {
   }
 };
 
-TEST(SensorNode, MeasuresAtWholeStepsFromTheFrameOfThatInstant) {
+TEST(SensorNode, MeasuresAtMultiplesOfTheStep) {
   Bench bench;
   std::vector<models::InputRef> refs;
   for (int k = 0; k <= 100; ++k) {
@@ -98,7 +98,7 @@ TEST(SensorNode, MeasuresAtWholeStepsFromTheFrameOfThatInstant) {
   EXPECT_TRUE(bench.node.counters().empty());
 }
 
-TEST(SensorNode, PublishesDetectionsWithoutNamesWhereItsSensorTellsNone) {
+TEST(SensorNode, PublishesDetectionsWithoutIdsWhenConfigured) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.robots[0].detection = {1.0, 2.0, false};
   Bench bench(scenario);
@@ -130,7 +130,7 @@ TEST(SensorNode, InterpolatesToTheExactStepBetweenFrames) {
   EXPECT_EQ(bench.measured.size(), 1u);
 }
 
-TEST(SensorNode, MakesNothingUpOverALongGapAndCountsTheSteps) {
+TEST(SensorNode, SkipsAndCountsStepsInALongGap) {
   Bench bench;
   bench.send_frame(Duration{10'000});
   bench.send_frame(Duration{1'710'000});
@@ -148,7 +148,7 @@ TEST(SensorNode, CountsStepsAtWhichItsRobotIsNotSeen) {
   EXPECT_EQ(bench.count("sensor.steps_without_own_pose"), 1);
 }
 
-TEST(SensorNode, MeasuresOnByOurTimeWhenThePublishersClockIsSet) {
+TEST(SensorNode, UsesLocalTimeAfterAClockChange) {
   for (const Duration set :
        {Duration{-std::chrono::hours(1)}, Duration{-std::chrono::seconds(1)},
         Duration{-std::chrono::milliseconds(500)}, Duration{std::chrono::hours(1)}}) {
@@ -186,7 +186,7 @@ TEST(SensorNode, MeasuresNothingWhileItIsJammed) {
 
 // Attack notices are repeated every second. Without the time limit, a sender that ends in the
 // middle would leave its robots jammed for the rest of the flight.
-TEST(SensorNode, ANoticeOfAnAttackThatIsNotRepeatedIsForgottenAfterThreeSeconds) {
+TEST(SensorNode, ForgetsAnAttackNoticeAfterThreeSeconds) {
   Bench bench;
   const auto measure_at = [&](Duration after_start) {
     bench.clock.set(kStart + after_start);
@@ -214,7 +214,7 @@ scenario::Scenario mapping_scenario() {
   return scenario;
 }
 
-TEST(SensorNode, ScansTheWorldAroundTheRobotWhereTheTeamMapsUnlessItIsJammed) {
+TEST(SensorNode, ScansInMappingUnlessJammed) {
   Bench bench(mapping_scenario());
   bench.send_frame(Duration{0});
   bench.send_attack({"Q1"});
@@ -248,7 +248,7 @@ TEST(SensorNode, ScansTheWorldAroundTheRobotWhereTheTeamMapsUnlessItIsJammed) {
   EXPECT_TRUE(tracker.scanned.empty());
 }
 
-TEST(SensorNode, RefusesAStrangerAndAStepThatIsNone) {
+TEST(SensorNode, RefusesAnUnknownRobotAndAZeroStep) {
   bus::InProcessHub hub;
   const auto transport = hub.connect();
   bus::Bus bus(*transport, 1);

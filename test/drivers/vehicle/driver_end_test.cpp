@@ -24,12 +24,12 @@ struct Driver {
 constexpr EndFacts kFlies{.in_flight = InFlight::kYes};
 constexpr EndFacts kRests{.in_flight = InFlight::kNo};
 
-TEST(DriverEnd, DoesNotEndUnasked) {
+TEST(DriverEnd, DoesNotEndWithoutARequest) {
   Driver driver;
   EXPECT_FALSE(driver.may_end(kRests, seconds(0)));
 }
 
-TEST(DriverEnd, EndsOnceTheVehicleIsAtRest) {
+TEST(DriverEnd, EndsWhenTheVehicleIsAtRest) {
   Driver driver;
   driver.end.request(1, kStart);
   EXPECT_FALSE(driver.may_end(kFlies, seconds(0)));
@@ -39,7 +39,7 @@ TEST(DriverEnd, EndsOnceTheVehicleIsAtRest) {
   EXPECT_FALSE(driver.end.is_hurried());
 }
 
-TEST(DriverEnd, HurriesWhenAskedAgainOrWhenTheLandingTakesTooLong) {
+TEST(DriverEnd, HurriesAfterASecondRequestOrTimeOut) {
   for (const bool is_asked_again : {true, false}) {
     Driver driver;
     driver.end.request(1, kStart);
@@ -64,7 +64,7 @@ TEST(DriverEnd, ReportsThatNoLandingWasConfirmed) {
   EXPECT_NE(driver.end.fault(), "");
 }
 
-TEST(DriverEnd, LeavesTheVehicleToAPilotWhoFliesIt) {
+TEST(DriverEnd, EndsWhileAPilotFlies) {
   Driver driver;
   driver.end.request(1, kStart);
   EXPECT_TRUE(driver.may_end({InFlight::kYes, true, false}, seconds(0)));
@@ -72,7 +72,7 @@ TEST(DriverEnd, LeavesTheVehicleToAPilotWhoFliesIt) {
 }
 
 // A driver that restarts in flight and is requested to end at once has not received anything yet.
-TEST(DriverEnd, LooksForItsVehicleBeforeItEnds) {
+TEST(DriverEnd, WaitsForItsVehicleBeforeItEnds) {
   DriverEnd end(kStart, kLanding);
   end.request(1, kStart);
   end.step({}, kStart + DriverEnd::kSearch - Duration{1});

@@ -42,7 +42,7 @@ class OtherVersion : public ::testing::Test {
       }};
 };
 
-TEST_F(OtherVersion, KeepsAVehicleFromArmingUntilItIsSilent) {
+TEST_F(OtherVersion, ForbidsArmingUntilItIsSilent) {
   stand();
   speak_otherwise();
   bench_.run(0.5);
@@ -56,7 +56,7 @@ TEST_F(OtherVersion, KeepsAVehicleFromArmingUntilItIsSilent) {
   EXPECT_TRUE(bench_.run_until([&] { return is_armed(); }, 40.0));
 }
 
-TEST_F(OtherVersion, IsOnlySaidInTheAir) {
+TEST_F(OtherVersion, IsOnlyReportedInTheAir) {
   stand();
   bench_.say(OperatorAction::kArm);
   ASSERT_TRUE(bench_.run_until([&] { return is_armed(); }, 40.0));

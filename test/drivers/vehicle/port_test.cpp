@@ -74,7 +74,7 @@ Bytes read_all(Port& port, Time now) {
   return bytes;
 }
 
-TEST(UdpPort, AnswersWhereTheVehicleSpeaksFrom) {
+TEST(UdpPort, RepliesToTheAcceptedSender) {
   const int number = test::free_port();
   const auto port = open_port("udp://127.0.0.1:" + std::to_string(number));
   EXPECT_TRUE(port->is_datagram());
@@ -90,7 +90,7 @@ TEST(UdpPort, AnswersWhereTheVehicleSpeaksFrom) {
 }
 
 // A stranger that sends first, and continues, must not keep the vehicle out.
-TEST(UdpPort, ListensToEverySenderUntilOneIsAccepted) {
+TEST(UdpPort, ReceivesFromAllSendersUntilOneIsAccepted) {
   const int number = test::free_port();
   const auto port = open_port("udp://127.0.0.1:" + std::to_string(number));
   const Socket stranger;
@@ -106,7 +106,7 @@ TEST(UdpPort, ListensToEverySenderUntilOneIsAccepted) {
   EXPECT_EQ(vehicle.receive(), Bytes{9});
 }
 
-TEST(UdpPort, ListensToTheAcceptedSenderAloneUntilItIsSilent) {
+TEST(UdpPort, ReceivesOnlyFromTheAcceptedSender) {
   const int number = test::free_port();
   const auto port = open_port("udp://127.0.0.1:" + std::to_string(number));
   const Socket vehicle;
@@ -128,7 +128,7 @@ TEST(UdpPort, ListensToTheAcceptedSenderAloneUntilItIsSilent) {
   EXPECT_EQ(other.receive(), Bytes{9});
 }
 
-TEST(UdpPort, SpeaksFirstWhenToldTo) {
+TEST(UdpPort, SendsFirstWhenConfigured) {
   const Socket vehicle;
   const auto port = open_port("udpout://127.0.0.1:" + std::to_string(vehicle.port()));
   port->write(Bytes{4, 5}, kNow);
@@ -181,7 +181,7 @@ class Line {
   int fd_;
 };
 
-TEST(SerialPort, CarriesEveryByteUnchanged) {
+TEST(SerialPort, TransmitsEveryByteUnchanged) {
   const Line line;
   const auto port = open_port("serial:" + line.name + ":921600");
   EXPECT_FALSE(port->is_datagram());
@@ -196,14 +196,14 @@ TEST(SerialPort, CarriesEveryByteUnchanged) {
   EXPECT_EQ(read_all(*port, kNow), all);
 }
 
-TEST(SerialPort, WaitsForADeviceThatIsNotThere) {
+TEST(SerialPort, WaitsForAMissingDevice) {
   const auto port = open_port("serial:/nowhere/at/all");
   EXPECT_TRUE(read_all(*port, kNow).empty());
   port->write(Bytes{1}, kNow);
   EXPECT_EQ(port->counters()[0].name, "port.messages_dropped");
 }
 
-TEST(SerialPort, NoticesThatTheLineWasCutAndForgetsWhatWaited) {
+TEST(SerialPort, DropsQueuedMessagesWhenTheLineIsCut) {
   Line line;
   const auto port = open_port("serial:" + line.name + ":230400");
   EXPECT_TRUE(read_all(*port, kNow).empty());
@@ -218,7 +218,7 @@ TEST(SerialPort, NoticesThatTheLineWasCutAndForgetsWhatWaited) {
 }
 
 // While a line is stuck, only whole messages are dropped, the oldest first.
-TEST(SerialPort, DropsTheOldestThatItHasNotBegunAndNoneInPart) {
+TEST(SerialPort, DropsTheOldestWholeMessages) {
   constexpr std::size_t kBytes = 90;
   constexpr int kMessages = 400;
   const Line line;
@@ -253,7 +253,7 @@ TEST(SerialPort, DropsTheOldestThatItHasNotBegunAndNoneInPart) {
   EXPECT_GT(counters[0].count, 100);
 }
 
-TEST(SerialPort, RefusesALineThatCannotCarryAFlight) {
+TEST(SerialPort, RefusesSlowBaudRates) {
   for (const char* const baud : {"9600", "57600", "115200"}) {
     EXPECT_THROW(static_cast<void>(open_port(std::string("serial:/dev/x:") + baud)), StartupError);
   }
@@ -262,7 +262,7 @@ TEST(SerialPort, RefusesALineThatCannotCarryAFlight) {
   }
 }
 
-TEST(OpenPort, RefusesWhatItDoesNotUnderstand) {
+TEST(OpenPort, RefusesInvalidUrls) {
   for (const char* const url :
        {"", "tcp://a:1", "udp://127.0.0.1", "udp://:0", "udp://:65536", "udp://:12x", "udpout://:1",
         "serial:/dev/x:fast", "serial:/dev/x:12345"}) {

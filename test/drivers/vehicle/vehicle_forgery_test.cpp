@@ -104,13 +104,13 @@ class ForgedInThisSession : public VehicleTrust {
   std::int64_t forged_ = 0;
 };
 
-TEST_F(ForgedInThisSession, PosesSteerAVehicleThatAsksForNoSignature) {
+TEST_F(ForgedInThisSession, PosesActWithoutSignatures) {
   take_off();
   forge_poses();
   EXPECT_FALSE(only_hovered());
 }
 
-TEST_F(ForgedInThisSession, PosesSteerNobodyWhereTheyMustBeSigned) {
+TEST_F(ForgedInThisSession, PosesAreRefusedWithSignatures) {
   bench.secure(test::keys_of_a_trial(), {});
   take_off();
   forge_poses();
@@ -120,13 +120,13 @@ TEST_F(ForgedInThisSession, PosesSteerNobodyWhereTheyMustBeSigned) {
   EXPECT_GT(bench.count("VICON.replayed"), 200);
 }
 
-TEST_F(ForgedInThisSession, OrdersAreObeyedByAVehicleThatAsksForNoSignature) {
+TEST_F(ForgedInThisSession, CommandsActWithoutSignatures) {
   take_off();
   forge_order(OperatorAction::kEmergencyStop);
   EXPECT_EQ(bench.state(), FlightState::kKilled);
 }
 
-TEST_F(ForgedInThisSession, OrdersAreObeyedByNobodyWhereTheyMustBeSigned) {
+TEST_F(ForgedInThisSession, CommandsAreRefusedWithSignatures) {
   bench.secure(test::keys_of_a_trial(), {});
   take_off();
   for (const OperatorAction action :
@@ -142,7 +142,7 @@ TEST_F(ForgedInThisSession, OrdersAreObeyedByNobodyWhereTheyMustBeSigned) {
   EXPECT_EQ(bench.state(), FlightState::kKilled) << "the true one's is";
 }
 
-TEST_F(ForgedInThisSession, PlansReachNoVehicleWhereTheyMustBeSigned) {
+TEST_F(ForgedInThisSession, PlansAreRefusedWithSignatures) {
   const std::string channel = bus::plan_channel(bench.robot()).name;
   take_off();
   send(channel, bytes_of(plan()));
@@ -156,7 +156,7 @@ TEST_F(ForgedInThisSession, PlansReachNoVehicleWhereTheyMustBeSigned) {
   EXPECT_EQ(bench.count(channel + ".unsigned"), 1);
 }
 
-TEST_F(ForgedInThisSession, ALiveVehicleTakesNoWordOfASimulationWithItsKeys) {
+TEST_F(ForgedInThisSession, LiveVehicleRefusesSimulationMessages) {
   const auto keys = test::keys_of_a_trial();
   bench.secure(keys, {});
   take_off();

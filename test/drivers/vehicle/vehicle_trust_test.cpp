@@ -24,7 +24,7 @@ using test::VehicleTrust;
 
 // COMMAND
 
-TEST_F(VehicleTrust, ForgedNumbersDoNotSilenceTheOperatorsStop) {
+TEST_F(VehicleTrust, AcceptsAStopAfterForgedNumbers) {
   take_off();
   bench.forge(bus::kCommand, command(OperatorAction::kHeartbeat, kLabRun, kFarAhead, {}));
   bench.forge(bus::kCommand, command(OperatorAction::kHeartbeat, kLabRun,
@@ -36,14 +36,14 @@ TEST_F(VehicleTrust, ForgedNumbersDoNotSilenceTheOperatorsStop) {
   EXPECT_EQ(bench.state(), FlightState::kKilled);
 }
 
-TEST_F(VehicleTrust, AStopPassesThoughItIsOvertakenOrItsNumberWasUsed) {
+TEST_F(VehicleTrust, AcceptsAStopWithAnOldNumber) {
   take_off();
   bench.forge(bus::kCommand, command(OperatorAction::kEmergencyStop, kLabRun, 3, {}));
   bench.run(0.05);
   EXPECT_EQ(bench.state(), FlightState::kKilled);
 }
 
-TEST_F(VehicleTrust, AStopOfYesterdayStopsNobody) {
+TEST_F(VehicleTrust, IgnoresAStaleStop) {
   take_off();
   for (const OperatorAction action :
        {OperatorAction::kHold, OperatorAction::kLand, OperatorAction::kEmergencyStop}) {
@@ -55,7 +55,7 @@ TEST_F(VehicleTrust, AStopOfYesterdayStopsNobody) {
   EXPECT_EQ(bench.count("command.refused"), 3);
 }
 
-TEST_F(VehicleTrust, AnOldLogWithItsOwnHeartbeatsStopsNobody) {
+TEST_F(VehicleTrust, IgnoresStopsOfAnOldLog) {
   take_off();
   std::int64_t sequence = 500;
   bench.each_step = [&] {
@@ -73,7 +73,7 @@ TEST_F(VehicleTrust, AnOldLogWithItsOwnHeartbeatsStopsNobody) {
   EXPECT_TRUE(only_hovered());
 }
 
-TEST_F(VehicleTrust, TheLiveOperatorsOwnOldWordsAreNotObeyedAgain) {
+TEST_F(VehicleTrust, IgnoresReplayedCommandsOfTheOperator) {
   take_off();
   for (const OperatorAction action : {OperatorAction::kLand, OperatorAction::kEmergencyStop}) {
     bench.forge(bus::kCommand, command(action, kLabRun, 5, std::chrono::seconds(30)));
@@ -82,7 +82,7 @@ TEST_F(VehicleTrust, TheLiveOperatorsOwnOldWordsAreNotObeyedAgain) {
   EXPECT_TRUE(only_hovered());
 }
 
-TEST_F(VehicleTrust, AnOperatorWhoseClockIsSetStaysInCharge) {
+TEST_F(VehicleTrust, KeepsTheOperatorThroughAClockChange) {
   take_off();
   for (const Duration set :
        {Duration(-std::chrono::seconds(3)), Duration(-hours(1)), Duration(hours(1)), Duration(0)}) {
@@ -102,7 +102,7 @@ TEST_F(VehicleTrust, AnOperatorWhoseClockIsSetStaysInCharge) {
 
 // VICON
 
-TEST_F(VehicleTrust, ASecondMocapBesideTheFlightIsRefusedAndTheTrueOneIsNot) {
+TEST_F(VehicleTrust, RefusesASecondMocap) {
   take_off();
   begin_second_mocap();
   bench.run(3.0);
@@ -117,7 +117,7 @@ TEST_F(VehicleTrust, ASecondMocapBesideTheFlightIsRefusedAndTheTrueOneIsNot) {
 
 // Regression, flown: a second trial with another scenario on the network held three vehicles for
 // ten seconds.
-TEST_F(VehicleTrust, TheMapOfASecondTrialHoldsNobodyWhileTheFirstIsAnnounced) {
+TEST_F(VehicleTrust, IgnoresTheMapOfASecondTrial) {
   take_off();
   const auto side = bench.hub.connect();
   bus::Bus second(*side, kOtherRun);
@@ -150,7 +150,7 @@ TEST_F(VehicleTrust, TheMapOfASecondTrialHoldsNobodyWhileTheFirstIsAnnounced) {
 }
 
 // The second source must not stay in use after a dropout of the first.
-TEST_F(VehicleTrust, TheMocapOfTheFlightIsBelievedAgainAtOnceWhenItComesBack) {
+TEST_F(VehicleTrust, ReturnsToTheFirstMocapAtOnce) {
   take_off();
   begin_second_mocap();
   bench.mocap = nullptr;
@@ -165,7 +165,7 @@ TEST_F(VehicleTrust, TheMocapOfTheFlightIsBelievedAgainAtOnceWhenItComesBack) {
   EXPECT_LT(bench.count("pose.jump"), 60) << "of the second's while the first was silent, no more";
 }
 
-TEST_F(VehicleTrust, AMocapThatIsStartedAgainTakesOverFromTheOldOnesSilence) {
+TEST_F(VehicleTrust, AcceptsARestartedMocap) {
   take_off();
   const auto side = bench.hub.connect();
   bus::Bus again(*side, kOtherRun);
@@ -176,7 +176,7 @@ TEST_F(VehicleTrust, AMocapThatIsStartedAgainTakesOverFromTheOldOnesSilence) {
   EXPECT_TRUE(hovers()) << words_of(bench.statuses.back().reasons);
 }
 
-TEST_F(VehicleTrust, OneFrameOfTheFarFutureTakesNoPoseAway) {
+TEST_F(VehicleTrust, IgnoresAFrameOfTheFarFuture) {
   take_off();
   for (const std::int64_t run : {kOtherRun, kLabRun}) {
     models::MocapFrame frame = bench.see();
@@ -187,7 +187,7 @@ TEST_F(VehicleTrust, OneFrameOfTheFarFutureTakesNoPoseAway) {
   EXPECT_TRUE(only_hovered());
 }
 
-TEST_F(VehicleTrust, ForgedNumbersTakeNoPoseAway) {
+TEST_F(VehicleTrust, AcceptsPosesAfterForgedNumbers) {
   take_off();
   models::MocapFrame frame = bench.see();
   frame.stamp = {bench.clock.now(), kLabRun, kFarAhead};
@@ -197,7 +197,7 @@ TEST_F(VehicleTrust, ForgedNumbersTakeNoPoseAway) {
   EXPECT_EQ(bench.count("VICON.too_far_ahead"), 1);
 }
 
-TEST_F(VehicleTrust, AMocapClockThatIsSetInFlightGroundsNobody) {
+TEST_F(VehicleTrust, ContinuesThroughAMocapClockChange) {
   take_off();
   for (const Duration set :
        {Duration(-hours(1)), Duration(hours(2)), Duration(0), Duration(-seconds(1)),
@@ -208,7 +208,7 @@ TEST_F(VehicleTrust, AMocapClockThatIsSetInFlightGroundsNobody) {
   EXPECT_TRUE(only_hovered());
 }
 
-TEST_F(VehicleTrust, AnOldLogsMocapEndsNoLossOfPoseOnTheGround) {
+TEST_F(VehicleTrust, IgnoresMocapOfAnOldLogOnTheGround) {
   stand();
   bench.mocap = nullptr;
   bench.run(1.0);
@@ -229,7 +229,7 @@ TEST_F(VehicleTrust, AnOldLogsMocapEndsNoLossOfPoseOnTheGround) {
 
 // PLAN
 
-TEST_F(VehicleTrust, StalePlansOfAnOldLogKeepNoPlannerOut) {
+TEST_F(VehicleTrust, AcceptsAPlannerDespiteStalePlans) {
   take_off();
   bench.each_step = [&, sequence = std::int64_t{0}]() mutable {
     if (bench.steps % 100 == 0) {

@@ -21,7 +21,7 @@ using test::kPeriod;
 using test::spec_of;
 using test::ViconBench;
 
-TEST(ReadFlight, TakesEvenTimesAndUnitQuaternionsAlone) {
+TEST(ReadFlight, RequiresEvenTimesAndUnitQuaternions) {
   const vantage::test::TemporaryFolder folder;
   const auto is_taken = [&](const std::string& third_row) {
     const std::string path = folder.file("flight.csv");
@@ -51,9 +51,9 @@ struct Way {
   std::size_t block_bytes = 256;
 };
 
-class ViconWay : public ::testing::TestWithParam<Way> {
+class ViconMode : public ::testing::TestWithParam<Way> {
  protected:
-  ViconWay() : spec(spec_of(GetParam().protocol)) {
+  ViconMode() : spec(spec_of(GetParam().protocol)) {
     spec.mode = GetParam().mode;
     if (GetParam().is_y_up && GetParam().protocol != MocapProtocol::kDataStream) {
       spec.up_axis = scenario::UpAxis::kY;
@@ -81,7 +81,7 @@ void expect_same_poses(const sim::vicon::EmulatedFrame& sent, const models::Moca
   }
 }
 
-TEST_P(ViconWay, DeliversEveryPoseOfSevenBodies) {
+TEST_P(ViconMode, DeliversEveryPoseOfSevenBodies) {
   ViconBench bench(spec, settings, GetParam().chunk_bytes);
   bench.pass(Duration{2'000});
   std::vector<sim::vicon::EmulatedFrame> sent;
@@ -121,7 +121,7 @@ INSTANTIATE_TEST_SUITE_P(Protocols, ViconWay, testing::ValuesIn(kWays),
 
 class ViconFlight : public ::testing::TestWithParam<MocapProtocol> {};
 
-TEST_P(ViconFlight, IsTheSameBehindTheWireWithoutALoss) {
+TEST_P(ViconFlight, ArrivesUnchangedWithoutLoss) {
   std::vector<sim::vicon::RecordedFlight> flights;
   for (const char* name : {"v1_01", "v1_02", "v1_03"}) {
     const std::string path = std::string(VANTAGE_DATA_DIR) + "/vicon_flights/" + name + ".csv";

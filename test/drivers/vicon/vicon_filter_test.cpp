@@ -15,7 +15,7 @@ namespace {
 
 using test::is_near;
 
-TEST(FrameFilter, TakesLatencyOffTheArrivalAndKeepsBoth) {
+TEST(FrameFilter, SubtractsLatencyFromTheArrival) {
   FilterBench bench;
   bench.begin();
   bench.add("A", {});
@@ -24,7 +24,7 @@ TEST(FrameFilter, TakesLatencyOffTheArrivalAndKeepsBoth) {
   EXPECT_EQ(bench.out.arrival - bench.out.stamp.time, Duration{4'000});
 }
 
-TEST(FrameFilter, BelievesNoLatencyThatCannotBe) {
+TEST(FrameFilter, RefusesImpossibleLatencies) {
   FilterBench bench;
   for (const double latency_s :
        {1.8e35, -0.001, 10.001, std::nan(""), std::numeric_limits<double>::infinity()}) {
@@ -40,7 +40,7 @@ TEST(FrameFilter, BelievesNoLatencyThatCannotBe) {
 }
 
 // A server that cannot keep up reports a long latency; the frame is at least that old.
-TEST(FrameFilter, AFrameIsNoYoungerForALatencyThatIsLongerThanAnyUsualOne) {
+TEST(FrameFilter, AppliesUnusuallyLongLatencies) {
   for (const double latency_s : {0.2, 0.3, 0.34, 0.4, 1.0, 10.0}) {
     for (const double rise_s : {0.0, 0.4, 20.0}) {
       FilterBench bench;
@@ -70,7 +70,7 @@ TEST(FrameFilter, AFrameIsNoYoungerForALatencyThatIsLongerThanAnyUsualOne) {
   }
 }
 
-TEST(FrameFilter, NeverLetsCaptureTimesStandStillOrRunAhead) {
+TEST(FrameFilter, CaptureTimesIncreaseUpToArrival) {
   FilterBench bench;
   Time last{};
   for (int k = 0; k < 50; ++k) {
@@ -96,7 +96,7 @@ TEST(FrameFilter, FollowsAClockThatIsSetBackByAnHour) {
   EXPECT_EQ(bench.out.arrival - bench.out.stamp.time, Duration{4'000});
 }
 
-TEST(FrameFilter, CountsGapsRepetitionsAndOvertakenFrames) {
+TEST(FrameFilter, CountsGapsRepetitionsAndLateFrames) {
   FilterBench bench;
   const auto send = [&](std::uint32_t number) {
     bench.begin().number = number;
@@ -118,7 +118,7 @@ TEST(FrameFilter, CountsGapsRepetitionsAndOvertakenFrames) {
   EXPECT_EQ(bench.filter.counts().server_restarts, 2) << "so many frames are not lost at once";
 }
 
-TEST(FrameFilter, CountsOnWhereNumbersWrap) {
+TEST(FrameFilter, ContinuesWhereNumbersWrap) {
   FilterBench bench;
   for (const std::uint32_t number : {0xFFFFFFFEu, 0xFFFFFFFFu, 0u, 2u}) {
     bench.begin().number = number;
@@ -129,7 +129,7 @@ TEST(FrameFilter, CountsOnWhereNumbersWrap) {
   EXPECT_EQ(bench.filter.counts().server_restarts, 0);
 }
 
-TEST(FrameFilter, AServerThatRestartsAFewNumbersBackIsHeardAgain) {
+TEST(FrameFilter, AcceptsARestartAFewNumbersBack) {
   FilterBench bench;
   for (const std::uint32_t number : {5u, 0u, 1u, 2u, 3u}) {
     bench.begin().number = number;
@@ -140,7 +140,7 @@ TEST(FrameFilter, AServerThatRestartsAFewNumbersBackIsHeardAgain) {
   EXPECT_EQ(bench.out.frame_number, 3);
 }
 
-TEST(FrameFilter, KeepsBodiesByNameWhateverTheirOrder) {
+TEST(FrameFilter, KeepsBodiesByNameInAnyOrder) {
   FilterBench bench;
   const Pose3 a{{1, 2, 3}, Eigen::Quaterniond::Identity()};
   const Pose3 b{{4, 5, 6}, Eigen::Quaterniond::Identity()};
@@ -165,7 +165,7 @@ TEST(FrameFilter, KeepsBodiesByNameWhateverTheirOrder) {
   }
 }
 
-TEST(FrameFilter, ABodyThatIsLeftOutIsOccludedUntilItIsForgotten) {
+TEST(FrameFilter, MarksAMissingBodyOccludedUntilForgotten) {
   FilterBench bench;
   EXPECT_TRUE(bench.is_seen(bench.moving()));
   for (int second = 0; second < 59; ++second) {
@@ -182,7 +182,7 @@ TEST(FrameFilter, ABodyThatIsLeftOutIsOccludedUntilItIsForgotten) {
   EXPECT_TRUE(bench.out.bodies.empty());
 }
 
-TEST(FrameFilter, ABodyThatTheServerListsNoMoreIsGoneAtOnce) {
+TEST(FrameFilter, RemovesAnUnlistedBodyAtOnce) {
   FilterBench bench;
   EXPECT_TRUE(bench.is_seen(bench.moving()));
   bench.begin().is_complete_list = true;
@@ -192,7 +192,7 @@ TEST(FrameFilter, ABodyThatTheServerListsNoMoreIsGoneAtOnce) {
   EXPECT_EQ(bench.out.bodies[0].name, "B");
 }
 
-TEST(FrameFilter, ZeroAndImpossiblePosesAreNotSeenAndCounted) {
+TEST(FrameFilter, RefusesZeroAndImpossiblePoses) {
   FilterBench bench;
   bench.begin();
   bench.add("A", bench.moving(), Sight::kZero);
@@ -209,7 +209,7 @@ TEST(FrameFilter, ZeroAndImpossiblePosesAreNotSeenAndCounted) {
   EXPECT_EQ(bench.filter.counts().poses_refused, 1);
 }
 
-TEST(FrameFilter, APoseThatIsRepeatedBitByBitIsNotSeenFromTheThirdRepetition) {
+TEST(FrameFilter, RefusesThePoseFromTheThirdRepetition) {
   FilterBench bench;
   const Pose3 pose = bench.moving();
   EXPECT_TRUE(bench.is_seen(pose));
@@ -229,7 +229,7 @@ TEST(FrameFilter, APoseThatIsRepeatedBitByBitIsNotSeenFromTheThirdRepetition) {
   }
 }
 
-TEST(FrameFilter, RefusesNamesThatNoMessageMayCarry) {
+TEST(FrameFilter, RefusesInvalidNames) {
   FilterBench bench;
   bench.begin();
   for (const std::string& name :
@@ -246,7 +246,7 @@ TEST(FrameFilter, RefusesNamesThatNoMessageMayCarry) {
   EXPECT_EQ(bench.filter.counts().names_twice, 1);
 }
 
-TEST(FrameFilter, KeepsToItsMemoryHoweverManyBodiesComeAndAllocatesNothingOnceTheyAreKnown) {
+TEST(FrameFilter, LimitsItsMemory) {
   FilterBench bench;
   bench.begin();
   for (int i = 0; i < 2000; ++i) {

@@ -87,13 +87,13 @@ void run(MocapProtocol protocol, const std::vector<Sample>& samples, const Fuzz&
 
 class ViconFuzz : public ::testing::TestWithParam<MocapProtocol> {};
 
-TEST_P(ViconFuzz, DriverKeepsItsPromisesWhateverAServerSends) {
+TEST_P(ViconFuzz, DriverKeepsItsInvariants) {
   run(GetParam(), server_samples(GetParam()), fuzz_client);
 }
 
 class ViconServerFuzz : public ::testing::TestWithParam<MocapProtocol> {};
 
-TEST_P(ViconServerFuzz, KeepsItsPromisesWhateverAClientSends) {
+TEST_P(ViconServerFuzz, KeepsItsInvariants) {
   run(GetParam(), client_samples(GetParam()), fuzz_server);
 }
 

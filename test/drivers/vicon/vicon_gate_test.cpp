@@ -7,7 +7,7 @@
 namespace vantage::drivers::vicon {
 namespace {
 
-TEST(FrameFilter, AnOutlierIsRefusedAndTheBodyIsGoodAgainWhereItShouldBe) {
+TEST(FrameFilter, RefusesAnOutlierAndContinues) {
   FilterBench bench;
   for (int k = 0; k < 20; ++k) {
     EXPECT_TRUE(bench.is_seen(bench.moving()));
@@ -19,7 +19,7 @@ TEST(FrameFilter, AnOutlierIsRefusedAndTheBodyIsGoodAgainWhereItShouldBe) {
   EXPECT_EQ(bench.filter.counts().poses_outlying, 1);
 }
 
-TEST(FrameFilter, AFlipIsRefusedForAsLongAsAVehicleNeedsToLand) {
+TEST(FrameFilter, RefusesAFlipUntilAVehicleHasLanded) {
   FilterBench bench;
   for (int k = 0; k < 20; ++k) {
     EXPECT_TRUE(bench.is_seen(bench.moving()));
@@ -35,7 +35,7 @@ TEST(FrameFilter, AFlipIsRefusedForAsLongAsAVehicleNeedsToLand) {
   EXPECT_EQ(bench.filter.counts().poses_flipped, 200);
 }
 
-TEST(FrameFilter, BodiesThatSwapTheirNamesAreNeitherOfThemFollowed) {
+TEST(FrameFilter, RefusesBothBodiesAfterASwap) {
   FilterBench bench;
   const Eigen::Vector3d apart(0.0, 2.0, 0.0);
   for (int k = 0; k < 1000; ++k) {
@@ -62,7 +62,7 @@ TEST(FrameFilter, BodiesThatSwapTheirNamesAreNeitherOfThemFollowed) {
 // Regression: one wrong frame followed by a gap. Within the gap a body could have moved from the
 // wrong pose to the right one inside the gate limits. The right pose was therefore refused as a
 // swap, permanently.
-TEST(FrameFilter, ABodyThatIsBackWhereItWasIsGoodAtOnceAfterAWrongFrameAndAGap) {
+TEST(FrameFilter, AcceptsABodyAfterAWrongFrameAndAGap) {
   const Pose3 of_other{{0.0, 1.0, 0.0}, Eigen::Quaterniond::Identity()};
   const Pose3 of_nobody{{0.0, -1.0, 0.0}, Eigen::Quaterniond::Identity()};
   const Pose3 flipped = lift({0.0, 0.0, kPi}, 0.0);
@@ -89,7 +89,7 @@ TEST(FrameFilter, ABodyThatIsBackWhereItWasIsGoodAtOnceAfterAWrongFrameAndAGap) 
 
 // A body that returns to an earlier position may be another body under its name: here it follows up
 // to 0.8 m behind at 1 m/s and is seen only every `period_frames`.
-TEST(FrameFilter, ABodyThatBearsAnothersNameIsNotBelievedWhereThatOneWasBefore) {
+TEST(FrameFilter, RefusesAnotherBodyAtAnEarlierPosition) {
   for (const double behind_m : {0.3, 0.5, 0.8}) {
     for (const int period_frames : {1, 3, 10, 20}) {
       FilterBench bench;
@@ -112,7 +112,7 @@ TEST(FrameFilter, ABodyThatBearsAnothersNameIsNotBelievedWhereThatOneWasBefore) 
   }
 }
 
-TEST(FrameFilter, ABodyThatWasLongUnseenIsBackAfterFiveFramesThatAgree) {
+TEST(FrameFilter, AcceptsALongLostBodyAfterFiveFrames) {
   FilterBench bench;
   EXPECT_TRUE(bench.is_seen(bench.moving()));
   bench.elapsed += std::chrono::seconds(2);

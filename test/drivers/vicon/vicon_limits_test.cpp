@@ -13,7 +13,7 @@
 namespace vantage::drivers::vicon {
 namespace {
 
-TEST(ViconLimits, AreThoseThatTheDocumentStates) {
+TEST(ViconLimits, MatchTheDocument) {
   const GateSettings gate;
   const scenario::MocapSpec mocap;
   const test::Stated rows[] = {

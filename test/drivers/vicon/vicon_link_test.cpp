@@ -44,7 +44,7 @@ class ViconLink : public ::testing::TestWithParam<MocapProtocol> {
   std::uint32_t number = 100;
 };
 
-TEST_P(ViconLink, ComesBackAfterEachCutForEver) {
+TEST_P(ViconLink, ReconnectsAfterEveryCut) {
   for (int cut = 0; cut < 30; ++cut) {
     ASSERT_EQ(fly(20), 20u) << "after cut " << cut << ": " << bench.driver.status();
     bench.cut();
@@ -55,7 +55,7 @@ TEST_P(ViconLink, ComesBackAfterEachCutForEver) {
   EXPECT_EQ(bench.driver.frame_counts().frames_lost, 0);
 }
 
-TEST_P(ViconLink, WaitsLongerEachTimeThatNobodyListensAndIsBackWhenTheServerIs) {
+TEST_P(ViconLink, BacksOffAndReconnects) {
   ASSERT_EQ(fly(10), 10u);
   bench.is_server_up = false;
   bench.cut();
@@ -72,7 +72,7 @@ TEST_P(ViconLink, WaitsLongerEachTimeThatNobodyListensAndIsBackWhenTheServerIs) 
   EXPECT_TRUE(bench.driver.has_frames());
 }
 
-TEST_P(ViconLink, SaysWhatIsWrongWithAPortOfAnotherProduct) {
+TEST_P(ViconLink, ReportsAnotherProduct) {
   bench.cut();
   bench.driver.on_opening(bench.now());
   bench.driver.on_opened(bench.now());
@@ -93,7 +93,7 @@ TEST_P(ViconLink, SaysWhatIsWrongWithAPortOfAnotherProduct) {
   EXPECT_EQ(bench.driver.wire_counts().broken_streams, 1);
 }
 
-TEST_P(ViconLink, HangsUpOnAServerThatFallsSilent) {
+TEST_P(ViconLink, ClosesASilentConnection) {
   ASSERT_EQ(fly(10), 10u);
   const auto connections = bench.driver.link_counts().connections;
   if (bench.peer) {
@@ -120,7 +120,7 @@ TEST_P(ViconLink, StaysConnectedToALiveServerThatHasNoFrames) {
   }
 }
 
-TEST_P(ViconLink, AllocatesNothingForAFrameOfBodiesItKnows) {
+TEST_P(ViconLink, AllocatesNothingForKnownBodies) {
   const MocapSpec here = spec;
   std::size_t published = 0;
   ViconDriver driver(here,
@@ -201,7 +201,7 @@ struct HandServer {
   DataStreamSession session;
 };
 
-TEST(DataStreamSession, AsksForWhatPosesNeedOfWhatIsOffered) {
+TEST(DataStreamSession, RequestsTheContentForPoses) {
   const HandServer server;
   const wire::vicon::Framed first = wire::vicon::next_packet(server.session.outgoing);
   ASSERT_EQ(first.state, wire::vicon::Framing::kWhole);
@@ -216,7 +216,7 @@ TEST(DataStreamSession, AsksForWhatPosesNeedOfWhatIsOffered) {
   EXPECT_TRUE(std::equal(second.begin(), second.end(), expected.begin(), expected.end()));
 }
 
-TEST(DataStreamSession, KeepsStaticContentUntilAnyComesWithoutItsLeave) {
+TEST(DataStreamSession, KeepsStaticContentUntilItIsReplaced) {
   HandServer server;
   server.send([](wire::vicon::PacketWriter& packet) {
     append(packet, HandServer::subject(7, "A"));
@@ -248,7 +248,7 @@ TEST(DataStreamSession, KeepsStaticContentUntilAnyComesWithoutItsLeave) {
   EXPECT_EQ(server.numbers, (std::vector<std::uint32_t>{1, 2, 3, 4}));
 }
 
-TEST(DataStreamSession, ReusesPosesThatAreCalledUnchangedAndNoOthers) {
+TEST(DataStreamSession, ReusesOnlyUnchangedPoses) {
   HandServer server;
   server.send([](wire::vicon::PacketWriter& packet) {
     append(packet, HandServer::subject(7, "A"));
@@ -264,7 +264,7 @@ TEST(DataStreamSession, ReusesPosesThatAreCalledUnchangedAndNoOthers) {
   EXPECT_EQ(server.bodies[0].sight, Sight::kAbsent);
 }
 
-TEST(DataStreamSession, DropsFramesFromBeforeItsWishWasHeard) {
+TEST(DataStreamSession, DropsFramesBeforeItsRequestActs) {
   HandServer server;
   server.send([](wire::vicon::PacketWriter& packet) {
     append(packet, HandServer::subject(7, "A"));
@@ -280,7 +280,7 @@ TEST(DataStreamSession, DropsFramesFromBeforeItsWishWasHeard) {
   EXPECT_EQ(server.bodies[0].sight, Sight::kAbsent);
 }
 
-TEST(DataStreamSession, TakesTheRootOfASkeletonAndTheSegmentNamedLikeAnObject) {
+TEST(DataStreamSession, UsesTheRootSegmentOrTheObjectsOwn) {
   HandServer server;
   server.send([](wire::vicon::PacketWriter& packet) {
     wire::vicon::SubjectInfo skeleton = HandServer::subject(1, "Man");
@@ -301,7 +301,7 @@ TEST(DataStreamSession, TakesTheRootOfASkeletonAndTheSegmentNamedLikeAnObject) {
   EXPECT_EQ(server.bodies[1].world_from_body.translation_m.x(), 5.0);
 }
 
-TEST(DataStreamSession, TurnsAYUpWorldAndBodyUnlessToldOtherwise) {
+TEST(DataStreamSession, ConvertsYUpByDefault) {
   for (const auto up_axis : {scenario::UpAxis::kAsTold, scenario::UpAxis::kZ}) {
     HandServer server(up_axis);
     server.send([](wire::vicon::PacketWriter& packet) {
@@ -319,7 +319,7 @@ TEST(DataStreamSession, TurnsAYUpWorldAndBodyUnlessToldOtherwise) {
   }
 }
 
-TEST(DataStreamSession, SurvivesABlockThatItCannotRead) {
+TEST(DataStreamSession, SkipsBrokenBlocks) {
   HandServer server;
   server.send([](wire::vicon::PacketWriter& packet) {
     append(packet, HandServer::subject(7, "A"));

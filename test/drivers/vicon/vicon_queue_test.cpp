@@ -15,7 +15,7 @@ namespace {
 // Regression, seen in flight: a driver that was stalled for 0.6 s read thirty queued frames. All
 // were stamped with the time of reading, and the autopilot received velocities of metres per
 // second.
-TEST(FrameFilter, WhatHasQueuedIsStampedWhenItWasCapturedOrDropped) {
+TEST(FrameFilter, StampsQueuedFramesAtCaptureOrDropsThem) {
   for (const bool is_stamped : {false, true}) {
     for (const double stall_s : {0.03, 0.06, 0.6, 2.0, 40.0}) {
       FilterBench bench;
@@ -82,7 +82,7 @@ struct ChangingServer {
 };
 
 // After a pause of the frame numbers, the echo of a ping shows that there is no queue.
-TEST(FrameFilter, IsFreshAgainAfterAPauseWhenAnEchoIsFast) {
+TEST(FrameFilter, RecoversAfterAPauseWhenAnEchoIsFast) {
   ChangingServer server;
   server.states_rate = server.answers_pings = true;
   server.run(500, kPeriod);
@@ -99,7 +99,7 @@ TEST(FrameFilter, IsFreshAgainAfterAPauseWhenAnEchoIsFast) {
 
 // Without an echo a pause looks like a queue. The latency is reported until a new connection ends
 // it.
-TEST(FrameFilter, IsBehindAfterAPauseUntilTheConnectionIsNew) {
+TEST(FrameFilter, StaysLateAfterAPauseUntilAReconnect) {
   for (const double pause_s : {0.15, 0.5, 5.0}) {
     ChangingServer server;
     server.run(500, kPeriod);
@@ -114,7 +114,7 @@ TEST(FrameFilter, IsBehindAfterAPauseUntilTheConnectionIsNew) {
   }
 }
 
-TEST(FrameFilter, FollowsARateThatTheServerStates) {
+TEST(FrameFilter, UsesTheServersStatedRate) {
   for (const bool answers_pings : {false, true}) {
     ChangingServer server;
     server.states_rate = true;
@@ -133,7 +133,7 @@ TEST(FrameFilter, FollowsARateThatTheServerStates) {
 }
 
 // If the stated rate differs from that of the frame numbers, echoes reveal it within three seconds.
-TEST(FrameFilter, TrustsEchoesMoreThanTheStatedRate) {
+TEST(FrameFilter, PrefersEchoesToTheStatedRate) {
   for (const double stated_share : {0.5, 0.999, 1.001, 2.0, 10.0}) {
     FilterBench bench;
     double worst_late_s = 0.0;
@@ -153,7 +153,7 @@ TEST(FrameFilter, TrustsEchoesMoreThanTheStatedRate) {
 
 // The period of an object stream is estimated from arrivals with jitter, possibly starting with a
 // late frame.
-TEST(FrameFilter, ReportsNoQueueInArrivalsThatJitter) {
+TEST(FrameFilter, ReportsNoQueueForJitter) {
   for (const double jitter_s : {0.001, 0.004, 0.015}) {
     FilterBench bench;
     std::uint32_t draw = 7;
@@ -175,7 +175,7 @@ TEST(FrameFilter, ReportsNoQueueInArrivalsThatJitter) {
 }
 
 // A server without a stated rate becomes slower, which cannot be distinguished from a slow line.
-TEST(FrameFilter, LearnsASlowerPaceOnANewConnection) {
+TEST(FrameFilter, LearnsASlowerRateOnANewConnection) {
   ChangingServer server;
   server.run(500, kPeriod);
   server.run(100, 2 * kPeriod);

@@ -109,7 +109,7 @@ struct SocketBench {
 
 class ViconSocket : public ::testing::TestWithParam<MocapProtocol> {};
 
-TEST_P(ViconSocket, CarriesTheRecordedFlightsWithoutALoss) {
+TEST_P(ViconSocket, CarriesRecordedFlightsWithoutLoss) {
   std::vector<sim::vicon::RecordedFlight> flights;
   for (const char* name : {"v1_01", "v1_02", "v1_03"}) {
     try {
@@ -151,7 +151,7 @@ TEST_P(ViconSocket, CarriesTheRecordedFlightsWithoutALoss) {
 }
 
 // Datagrams from another sender than the configured one.
-TEST(ViconObjectStream, IsTakenFromTheConfiguredSenderAlone) {
+TEST(ViconObjectStream, AcceptsOnlyTheConfiguredSender) {
   const auto counted = [](const SocketBench& bench) {
     const auto counters = bench.node->counters();
     const auto found = std::find_if(counters.begin(), counters.end(), [](const auto& counter) {
@@ -170,7 +170,7 @@ TEST(ViconObjectStream, IsTakenFromTheConfiguredSenderAlone) {
   EXPECT_EQ(counted(named), 0);
 }
 
-TEST_P(ViconSocket, ComesBackWhenTheServerIsKilledAndStartedAgain) {
+TEST_P(ViconSocket, ReconnectsAfterAServerRestart) {
   SocketBench bench(GetParam());
   for (int life = 0; life < 3; ++life) {
     bench.warm_up();
@@ -199,7 +199,7 @@ INSTANTIATE_TEST_SUITE_P(Protocols, ViconSocket,
                                          MocapProtocol::kVrpn),
                          [](const auto& protocol) { return std::string(name_of(protocol.param)); });
 
-TEST(ViconNode, SaysWhichServerItFoundInsteadOfItsOwn) {
+TEST(ViconNode, ReportsAnotherServerType) {
   SocketBench bench(MocapProtocol::kVrpn);
   bench.scenario.mocap.protocol = MocapProtocol::kDataStream;
   std::vector<std::string> said;
@@ -213,14 +213,14 @@ TEST(ViconNode, SaysWhichServerItFoundInsteadOfItsOwn) {
   EXPECT_GE(lost.counters().size(), 1u);
 }
 
-TEST(ViconNode, IsNotForAScenarioWhoseMocapIsDirect) {
+TEST(ViconNode, RefusesAScenarioWithDirectMocap) {
   SocketBench bench(MocapProtocol::kVrpn);
   bench.scenario.mocap.device = scenario::DeviceSource::kDirect;
   EXPECT_THROW(ViconNode(bench.bus, bench.clock, bench.scenario, [](const std::string&) {}),
                StartupError);
 }
 
-TEST(SocketServer, DialsBackToAVrpnClientThatCallsByDatagram) {
+TEST(SocketServer, ConnectsBackToAVrpnClient) {
   sim::vicon::ServerSettings settings;
   settings.protocol = MocapProtocol::kVrpn;
   SocketServer server(settings, "127.0.0.1", 0);
@@ -253,7 +253,7 @@ TEST(SocketServer, DialsBackToAVrpnClientThatCallsByDatagram) {
   }
 }
 
-TEST(SocketServer, ServesSeveralClientsAndSkipsFramesForOneThatDoesNotRead) {
+TEST(SocketServer, SkipsFramesForAClientThatDoesNotRead) {
   sim::vicon::ServerSettings settings;
   settings.backlog_bytes_max = 10'000;
   SocketServer server(settings, "127.0.0.1", 0);
@@ -293,7 +293,7 @@ TEST(SocketServer, ServesSeveralClientsAndSkipsFramesForOneThatDoesNotRead) {
 }
 
 // A client beyond the limit is disconnected at once; a client that leaves makes room.
-TEST(SocketServer, ServesNoMoreClientsThanItSays) {
+TEST(SocketServer, LimitsTheNumberOfClients) {
   SocketServer server({}, "127.0.0.1", 0);
   std::vector<int> clients;
   const auto connect_one = [&] {

@@ -53,7 +53,7 @@ struct SwapRow {
 constexpr SwapRow kRows[] = {{0.24, 0.0}, {0.24, 0.05}, {0.4, 0.1},  {0.58, 0.0},
                              {0.58, 0.3}, {1.0, 0.1},   {1.0, 0.35}, {2.0, 0.2}};
 
-TEST(FrameFilter, PublishesNoPoseOfAnotherBodyWhenNamesAreSwappedAfterAGap) {
+TEST(FrameFilter, PublishesNoSwappedPosesAfterAGap) {
   for (const SwapRow& row : kRows) {
     SCOPED_TRACE(testing::Message() << row.apart_m << " m apart, unseen for " << row.gap_s << " s");
     Pair pair(row.apart_m);
@@ -68,7 +68,7 @@ TEST(FrameFilter, PublishesNoPoseOfAnotherBodyWhenNamesAreSwappedAfterAGap) {
   }
 }
 
-TEST(FrameFilter, RefusesNoPoseOfBodiesThatKeepTheirNamesThroughAGap) {
+TEST(FrameFilter, AcceptsUnswappedPosesAfterAGap) {
   for (const SwapRow& row : kRows) {
     SCOPED_TRACE(testing::Message() << row.apart_m << " m apart, unseen for " << row.gap_s << " s");
     Pair pair(row.apart_m);
@@ -82,7 +82,7 @@ TEST(FrameFilter, RefusesNoPoseOfBodiesThatKeepTheirNamesThroughAGap) {
 }
 
 // One body passes the other at 2 m/s and a distance of 0.3 m without a swap of names.
-TEST(FrameFilter, TakesBodiesThatPassEachOtherForThemselves) {
+TEST(FrameFilter, KeepsTheNamesOfPassingBodies) {
   for (const double gap_s : {0.0, 0.1, 0.3}) {
     FilterBench bench(Pair::gate());
     for (int k = 0; k < 400; ++k) {

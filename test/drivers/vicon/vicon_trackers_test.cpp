@@ -96,7 +96,7 @@ class VrpnTrackersOnTheWire : public ::testing::Test {
 
 constexpr Duration ms(std::int64_t count) { return Duration{1'000 * count}; }
 
-TEST_F(VrpnTrackersOnTheWire, AreInEachFrameThoughEachReportsWhenItDoes) {
+TEST_F(VrpnTrackersOnTheWire, AppearInEveryFrame) {
   run({{"A", ms(10), ms(0)}, {"B", ms(20), ms(3)}, {"C", ms(10), ms(5)}}, ms(3'000));
   const auto settled = frames(ms(200), ms(3'000));
   EXPECT_NEAR(static_cast<double>(settled.size()), 280.0, 1.0) << "as many as the fastest reports";
@@ -117,7 +117,7 @@ TEST_F(VrpnTrackersOnTheWire, AreInEachFrameThoughEachReportsWhenItDoes) {
   }
 }
 
-TEST_F(VrpnTrackersOnTheWire, AreToldByTheirOwnRates) {
+TEST_F(VrpnTrackersOnTheWire, HaveSeparateRates) {
   run({{"A", ms(10), ms(0)}, {"B", ms(20), ms(3)}, {"C", ms(10), ms(5)}}, ms(500));
   const std::vector<BodyRate> rates = driver_.rates();
   ASSERT_EQ(rates.size(), 3U);
@@ -126,7 +126,7 @@ TEST_F(VrpnTrackersOnTheWire, AreToldByTheirOwnRates) {
   EXPECT_NEAR(rates[2].rate_hz, 100.0, 0.1);
 }
 
-TEST_F(VrpnTrackersOnTheWire, AreNotSeenOnceTheyAreSilent) {
+TEST_F(VrpnTrackersOnTheWire, AreUnseenWhenSilent) {
   run({{"A", ms(10), ms(0)}, {"B", ms(20), ms(3), ms(1'000)}}, ms(2'000));
   for (const models::MocapFrame& frame : frames(ms(200), ms(1'000))) {
     EXPECT_FALSE(frame.find("B")->occluded);
@@ -137,7 +137,7 @@ TEST_F(VrpnTrackersOnTheWire, AreNotSeenOnceTheyAreSilent) {
   }
 }
 
-TEST_F(VrpnTrackersOnTheWire, GoOnWhenTheOneThatLeadsIsSilent) {
+TEST_F(VrpnTrackersOnTheWire, ContinueWhenTheLeaderIsSilent) {
   run({{"A", ms(10), ms(0), ms(1'000)}, {"B", ms(10), ms(4)}, {"C", ms(20), ms(7)}}, ms(2'000));
   const auto after = frames(ms(1'200), ms(2'000));
   EXPECT_NEAR(static_cast<double>(after.size()), 80.0, 1.0);
@@ -148,7 +148,7 @@ TEST_F(VrpnTrackersOnTheWire, GoOnWhenTheOneThatLeadsIsSilent) {
   }
 }
 
-TEST_F(VrpnTrackersOnTheWire, ThatShareTheirInstantsAreOccludedAtOnce) {
+TEST_F(VrpnTrackersOnTheWire, AreOccludedAtOnceWithSharedInstants) {
   run({{"A", ms(10), ms(0)}, {"B", ms(10), ms(0), ms(1'000)}}, ms(2'000));
   EXPECT_EQ(frames(ms(200), ms(2'000)).size(), 180U);
   for (const models::MocapFrame& frame : frames(ms(200), ms(2'000))) {

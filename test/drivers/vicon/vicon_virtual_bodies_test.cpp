@@ -22,14 +22,14 @@ models::TruthFrame truth_at(Time time) {
   return truth;
 }
 
-TEST(VirtualBodies, LeaveAFrameAsItIsWithoutASimulator) {
+TEST(VirtualBodies, DoNotChangeAFrameWithoutASimulator) {
   VirtualBodies bodies;
   models::MocapFrame frame = frame_with("Q1");
   bodies.add_to(frame);
   EXPECT_EQ(frame.bodies.size(), 1u);
 }
 
-TEST(VirtualBodies, StandWhereTheyAreAtTheFramesInstant) {
+TEST(VirtualBodies, AreExtrapolatedToTheFrameTime) {
   VirtualBodies bodies;
   bodies.on_truth(truth_at(kCapture - Duration{20'000}));
   models::MocapFrame frame = frame_with("Q2");
@@ -47,7 +47,7 @@ TEST(VirtualBodies, StandWhereTheyAreAtTheFramesInstant) {
   EXPECT_NEAR(frame.find("R1")->world_from_body.translation_m.x(), -1.01, 1e-12);
 }
 
-TEST(VirtualBodies, GiveWayToARealBodyOfTheSameName) {
+TEST(VirtualBodies, YieldToRealBodiesOfTheSameName) {
   VirtualBodies bodies;
   bodies.on_truth(truth_at(kCapture));
   models::MocapFrame frame = frame_with("Q1");
@@ -57,7 +57,7 @@ TEST(VirtualBodies, GiveWayToARealBodyOfTheSameName) {
   EXPECT_EQ(bodies.names_taken(), 1);
 }
 
-TEST(VirtualBodies, AreGoneWhenTheTruthIsOldOrALogIsPlayed) {
+TEST(VirtualBodies, DisappearWithOldTruthOrALog) {
   VirtualBodies bodies;
   for (const Duration away : {Duration{-201'000}, Duration{201'000}, Duration{-86'400'000'000}}) {
     bodies.on_truth(truth_at(kCapture + away));

@@ -26,7 +26,7 @@ std::string said_by(const std::string& script, const std::string& task) {
   return answer.ok() ? answer.value().text : "";
 }
 
-TEST(SlurmScripts, HandEachWordOnUnchangedAndTheShardOfTheTask) {
+TEST(SlurmScripts, PassArgumentsAndTheTasksShard) {
   const SlurmScripts scripts =
       slurm_scripts({"printf", "<%s>\n", "two words", "it's", "$HOME `ls` \"*\" \\", ""}, 12);
   const std::string words = "<two words>\n<it's>\n<$HOME `ls` \"*\" \\>\n<>\n";
@@ -36,7 +36,7 @@ TEST(SlurmScripts, HandEachWordOnUnchangedAndTheShardOfTheTask) {
 }
 
 // Together the listed shards contain all open units, and each of them is needed.
-TEST(ShardsLacking, HaveAllUnitsThatAreNotDone) {
+TEST(ShardsLacking, CoverAllMissingUnits) {
   std::mt19937 rng(7);
   for (int round = 0; round < 200; ++round) {
     SweepPlan plan;
@@ -63,20 +63,20 @@ TEST(ShardsLacking, HaveAllUnitsThatAreNotDone) {
   }
 }
 
-TEST(ArrayText, JoinsWhatIsInARow) {
+TEST(ArrayText, JoinsConsecutiveNumbers) {
   EXPECT_EQ(array_text({}), "");
   EXPECT_EQ(array_text({4}), "4");
   EXPECT_EQ(array_text({1, 2, 3, 7, 9, 10}), "1-3,7,9-10");
 }
 
-TEST(JobOf, IsTheNumberAmongWarningsWithItsCluster) {
+TEST(JobOf, ParsesJobNumberAndCluster) {
   EXPECT_EQ(job_of("1234\n"), "1234");
   EXPECT_EQ(job_of("sbatch: warning: 12 nodes\n77;east\n"), "77;east");
   EXPECT_EQ(job_of("sbatch: error: invalid partition specified: none\n"), "");
   EXPECT_EQ(job_of(""), "");
 }
 
-TEST(StatesOf, AreByJobAndSayWhatMayStillWrite) {
+TEST(StatesOf, ReportWhichJobsMayStillWrite) {
   const auto states = states_of("12_1|RUNNING\n12_2|OUT_OF_MEMORY\n13|PENDING\nnonsense\n");
   ASSERT_EQ(states.size(), 3U);
   EXPECT_TRUE(is_live(states.at("12_1")));
@@ -92,7 +92,7 @@ TEST(StatesOf, AreByJobAndSayWhatMayStillWrite) {
 
 // The node of a completing job has not answered yet: the job may have ended, or may be about to run
 // again.
-TEST(StatesOf, OfAJobThatIsTakenDownSayNotThatItHasEnded) {
+TEST(SlurmState, CompletingJobIsNotReportedAsEnded) {
   EXPECT_TRUE(is_live("COMPLETING"));
   EXPECT_FALSE(is_at_work("COMPLETING"));
   EXPECT_FALSE(is_failure("COMPLETING"));
@@ -129,7 +129,7 @@ class FakeSlurm {
   std::string path_before_ = std::getenv("PATH");
 };
 
-TEST(SlurmClient, WorksOnTheClusterThatTheJobsWereSubmittedTo) {
+TEST(SlurmClient, UsesTheClusterOfTheJobs) {
   const std::tuple<SlurmJobs, std::string, std::string> cases[] = {
       {{"77", "78", 1}, "", "jobs 77 and 78 are"},
       {{"77;east", "78;east", 1}, "--clusters=east ", "jobs 77 and 78 on cluster east are"}};

@@ -139,7 +139,7 @@ TEST_F(Sweeps, WriteTablesSummaryReportAndManifest) {
   }
 }
 
-TEST_F(Sweeps, LeaveTheSameBytesWithManyJobs) {
+TEST_F(Sweeps, AreIdenticalForAnyNumberOfJobs) {
   run("one");
   SweepOptions options;
   options.jobs = 4;
@@ -147,7 +147,7 @@ TEST_F(Sweeps, LeaveTheSameBytesWithManyJobs) {
   EXPECT_EQ(results_in(dir("one")), results_in(dir("four")));
 }
 
-TEST_F(Sweeps, RunOnlyTheSettingsThatAreNamed) {
+TEST_F(Sweeps, RunOnlyNamedSettings) {
   SweepOptions options;
   options.only = {"large", "small,1"};
   const SweepOutcome outcome = run("some", options);
@@ -162,7 +162,7 @@ TEST_F(Sweeps, RunOnlyTheSettingsThatAreNamed) {
   EXPECT_EQ(results_in(dir("whole")), results_in(dir("some")));
 }
 
-TEST_F(Sweeps, RefuseANameThatBeginsNoSetting) {
+TEST_F(Sweeps, RefuseAnUnknownSetting) {
   SweepOptions options;
   options.only = {"large", "lar"};
   EXPECT_THROW(run("none", options), StartupError);
@@ -170,7 +170,7 @@ TEST_F(Sweeps, RefuseANameThatBeginsNoSetting) {
   EXPECT_EQ(runs_, 0);
 }
 
-TEST_F(Sweeps, LeaveTheSameBytesInShardsAndCollectWithoutRunning) {
+TEST_F(Sweeps, AreIdenticalInShards) {
   run("whole");
   for (int number = 3; number >= 1; --number) {
     SweepOptions options;
@@ -185,7 +185,7 @@ TEST_F(Sweeps, LeaveTheSameBytesInShardsAndCollectWithoutRunning) {
   EXPECT_EQ(results_in(dir("whole")), results_in(dir("shards")));
 }
 
-TEST_F(Sweeps, GoOnFromAFileThatEndsAnywhere) {
+TEST_F(Sweeps, ResumeFromATruncatedFile) {
   run("whole");
   runs_since();
   const fs::path rows = only_rows_file(dir("whole"));
@@ -203,7 +203,7 @@ TEST_F(Sweeps, GoOnFromAFileThatEndsAnywhere) {
   }
 }
 
-TEST_F(Sweeps, EndWhenAskedAndGoOn) {
+TEST_F(Sweeps, EndOnRequestAndResume) {
   run("whole");
   runs_since();
   SweepOptions options;
@@ -218,7 +218,7 @@ TEST_F(Sweeps, EndWhenAskedAndGoOn) {
   EXPECT_EQ(results_in(dir("whole")), results_in(dir("stopped")));
 }
 
-TEST_F(Sweeps, RunMoreTrialsFromWhereFewerEnded) {
+TEST_F(Sweeps, AddTrialsToAFinishedRun) {
   run("a");
   runs_since();
   Sweep more = counting_sweep(runs_);
@@ -229,7 +229,7 @@ TEST_F(Sweeps, RunMoreTrialsFromWhereFewerEnded) {
   EXPECT_EQ(runs_since(), 4);
 }
 
-TEST_F(Sweeps, KeepWhatWasDoneWhenAUnitFails) {
+TEST_F(Sweeps, KeepFinishedUnitsWhenAUnitFails) {
   Sweep sweep = counting_sweep(runs_);
   const auto good = sweep.run;
   sweep.run = [&](std::size_t setting, std::uint64_t seed) {
@@ -252,7 +252,7 @@ TEST_F(Sweeps, KeepWhatWasDoneWhenAUnitFails) {
   EXPECT_EQ(runs_since(), kUnits - done);
 }
 
-TEST_F(Sweeps, RefuseTheDirectoryOfAnotherRunAndNameWhatDiffers) {
+TEST_F(Sweeps, RefuseTheFolderOfAnotherRunAndNameTheDifference) {
   run("a");
   SweepOptions options;
   options.directory = dir("a");
@@ -281,7 +281,7 @@ TEST_F(Sweeps, RefuseTheDirectoryOfAnotherRunAndNameWhatDiffers) {
   EXPECT_EQ(refused(same, kIdentity), "");
 }
 
-TEST_F(Sweeps, RefuseADirectoryWithOtherThingsInIt) {
+TEST_F(Sweeps, RefuseAFolderWithForeignFiles) {
   fs::create_directories(dir("full"));
   std::ofstream(fs::path(dir("full")) / "thesis.tex") << "chapter";
   EXPECT_NE(refusal_of([&] { run("full"); }).find("is not empty"), std::string::npos);
@@ -292,7 +292,7 @@ TEST_F(Sweeps, RefuseADirectoryWithOtherThingsInIt) {
   EXPECT_NE(refusal_of([&] { run("empty"); }).find("not the manifest"), std::string::npos);
 }
 
-TEST_F(Sweeps, RefuseRowsThatCannotBe) {
+TEST_F(Sweeps, RefuseInvalidRows) {
   run("a");
   const fs::path rows = only_rows_file(dir("a"));
   const std::string all = text_of(rows);
@@ -308,7 +308,7 @@ TEST_F(Sweeps, RefuseRowsThatCannotBe) {
 }
 
 // Shards on separate machines write separate directories, whose rows are then copied together.
-TEST_F(Sweeps, RefuseRowsOfAnotherRunThatWereCopiedIn) {
+TEST_F(Sweeps, RefuseRowsOfAnotherRun) {
   const auto share = [&](const std::string& name, int number, const SweepIdentity& identity) {
     SweepOptions options;
     options.directory = dir(name);
@@ -329,7 +329,7 @@ TEST_F(Sweeps, RefuseRowsOfAnotherRunThatWereCopiedIn) {
   EXPECT_EQ(refusal_of([&] { run("a"); }), "");
 }
 
-TEST_F(Sweeps, KeepLinesWholeWhenTheDiskTakesNoMore) {
+TEST_F(Sweeps, KeepCompleteLinesOnAFullDisk) {
   run("whole");
   const std::string all = text_of(only_rows_file(dir("whole")));
   const std::size_t first = all.find('\n') + 1;
@@ -356,7 +356,7 @@ TEST_F(Sweeps, KeepLinesWholeWhenTheDiskTakesNoMore) {
 }
 
 // Processes that start together; some create their rows before others have checked.
-TEST_F(Sweeps, LetManyShardsBeginTogether) {
+TEST_F(Sweeps, AllowSimultaneousShards) {
   const SweepPlan plan = counting_sweep(runs_).plan;
   for (int turn = 0; turn < 100; ++turn) {
     const std::string directory = dir(fmt::format("t{}", turn));
@@ -383,7 +383,7 @@ TEST_F(Sweeps, LetManyShardsBeginTogether) {
   }
 }
 
-TEST(Sample, HasTheMeanDeviationAndIntervalOfATextbook) {
+TEST(Sample, MatchesATextbookExample) {
   Sample sample;
   for (const double value : {2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0}) {
     sample.add(value);
@@ -394,7 +394,7 @@ TEST(Sample, HasTheMeanDeviationAndIntervalOfATextbook) {
   EXPECT_EQ(Sample().mean(), 0.0);
 }
 
-TEST(UnitsOf, AreInOneShardEachAndEverySettingIsInEveryShard) {
+TEST(UnitsOf, PartitionUnitsAndSpreadSettings) {
   SweepPlan plan;
   plan.settings = {{"a"}, {"b", true}, {"c"}};
   plan.trials = 10;
@@ -414,14 +414,14 @@ TEST(UnitsOf, AreInOneShardEachAndEverySettingIsInEveryShard) {
   EXPECT_EQ(all.size(), 21U);
 }
 
-TEST(ProgressText, TellsShareAndTimeLeft) {
+TEST(ProgressText, ContainsShareAndRemainingTime) {
   EXPECT_EQ(progress_text({90, 37, 17, 100.0, false}), "41 % 37 of 90 units, 4 min 25 s left");
   EXPECT_EQ(progress_text({90, 17, 17, 3.0, false}), "18 % 17 of 90 units, … left");
   EXPECT_EQ(progress_text({10, 10, 0, 3.0, false}), "100 % 10 of 10 units, 0 s left");
   EXPECT_EQ(progress_text({1000, 1, 0, 30.0, false}), "0 % 1 of 1000 units, 8 h 19 min left");
 }
 
-TEST(Compare, NamesTheDeviation) {
+TEST(Compare, ReportsTheDeviation) {
   Sample sample;
   sample.add(1.0);
   sample.add(3.0);

@@ -19,7 +19,7 @@
 namespace vantage::tools {
 namespace {
 
-TEST(HopsOf, AreTheCountersOfThreeThatBelongTogether) {
+TEST(HopsOf, GroupsCountersInThrees) {
   models::ProcessHealth health;
   LatencyRecord record;
   record.add(Duration{100});
@@ -37,7 +37,7 @@ TEST(HopsOf, AreTheCountersOfThreeThatBelongTogether) {
   EXPECT_EQ(hops[1].name, "wire.Q1.pose");
 }
 
-TEST(SpreadOf, IsTheOrderStatisticsOfItsValues) {
+TEST(SpreadOf, ReturnsOrderStatistics) {
   std::vector<double> values;
   for (int i = 100; i >= 0; --i) {
     values.push_back(i);
@@ -69,7 +69,7 @@ class AnalyseLog : public ::testing::Test {
   logs::TrialSummary flown_;
 };
 
-TEST_F(AnalyseLog, ComesToWhatTheTrialItselfCameTo) {
+TEST_F(AnalyseLog, EqualsTheTrialsOwnMetrics) {
   const logs::IndexedLog log(folder_.file("trial.lcmlog"));
   const logs::LogAnalysis analysis = logs::analyse_log(log, scenario_of(log));
   const logs::TrialSummary& read = analysis.summary;
@@ -95,7 +95,7 @@ TEST_F(AnalyseLog, ComesToWhatTheTrialItselfCameTo) {
             step_s * (scenario_.planner.execute_steps + 1));
 }
 
-TEST_F(AnalyseLog, HasACourseWhoseEntropyFalls) {
+TEST_F(AnalyseLog, EntropyDecreasesOverTime) {
   const logs::IndexedLog log(folder_.file("trial.lcmlog"));
   const logs::LogAnalysis analysis = logs::analyse_log(log, scenario_of(log));
   ASSERT_GE(analysis.course.size(), 20U);
@@ -121,7 +121,7 @@ TEST_F(AnalyseLog, IsDrawnByGnuplot) {
 }
 
 // One stamp of a clock that was not set yet: durations are of the others.
-TEST_F(AnalyseLog, LeavesOutATimeFarFromAllOthers) {
+TEST_F(AnalyseLog, IgnoresAnOutlyingTime) {
   const logs::test::Bytes whole = logs::test::read_file(folder_.file("trial.lcmlog"));
   constexpr std::size_t kTimeAt = 12;  // of an event
   std::size_t middle = 0;

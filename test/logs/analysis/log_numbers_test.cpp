@@ -83,7 +83,7 @@ class LogNumbers : public ::testing::Test {
   LogWriter writer_{folder_.file("a.lcmlog")};
 };
 
-TEST_F(LogNumbers, TellsHowLongEachPartOfTheWayTakes) {
+TEST_F(LogNumbers, ReportsTheLatencyOfEachHop) {
   add_frame(0.10, 0.103, 0.105, 1);
   add_frame(0.20, 0.204, 0.212, 2);
   add_look("Q2", 0.45, 0.46, 4);
@@ -160,7 +160,7 @@ TEST_F(LogNumbers, TellsHowLongEachPartOfTheWayTakes) {
 }
 
 // A point for each step, when the first belief of it was logged: of what is judged by then.
-TEST_F(LogNumbers, HasTheCourseOfWhatTheTeamKnows) {
+TEST_F(LogNumbers, ReportsTheTeamsEntropyOverTime) {
   add_truth(0.0);
   for (std::int64_t step = 1; step <= 4; ++step) {
     const double s = 0.5 * static_cast<double>(step);
@@ -194,7 +194,7 @@ TEST_F(LogNumbers, HasTheCourseOfWhatTheTeamKnows) {
 // The larger of the losses reported by the processes and the messages missing in the log.
 class LossNumbers : public LogNumbers, public ::testing::WithParamInterface<std::int64_t> {};
 
-TEST_P(LossNumbers, AreTheGreaterOfWhatWasToldAndWhatIsMissing) {
+TEST_P(LossNumbers, AreTheGreaterOfReportedAndMissing) {
   for (const std::int64_t sequence : {1, 2, 5, 6}) {
     const double s = 0.1 * static_cast<double>(sequence);
     add_frame(s, s, s, sequence);
@@ -228,7 +228,7 @@ TEST_P(LossNumbers, AreTheGreaterOfWhatWasToldAndWhatIsMissing) {
 
 INSTANTIATE_TEST_SUITE_P(LessAndMore, LossNumbers, ::testing::Values(1, 7));
 
-TEST_F(LogNumbers, TellsHowFarItIs) {
+TEST_F(LogNumbers, ReportsProgress) {
   for (int i = 0; i < 2'500; ++i) {
     writer_.write(at_s(0.001 * i), "FOREIGN", test::Bytes(10, 1));
   }
@@ -240,7 +240,7 @@ TEST_F(LogNumbers, TellsHowFarItIs) {
   EXPECT_EQ(shares[2], 1.0);
 }
 
-TEST(ToJson, HasEachNumberOfAnAnalysisUnderItsKey) {
+TEST(ToJson, ContainsEachNumberOfAnAnalysis) {
   const auto spread = [](double base) {
     return Spread{static_cast<std::int64_t>(base),
                   base + 0.1,
@@ -275,7 +275,7 @@ TEST(ToJson, HasEachNumberOfAnAnalysisUnderItsKey) {
   EXPECT_FALSE(to_json(LogAnalysis{}).at("per_robot").contains("ospa_m"));
 }
 
-TEST(SpreadOf, IsOfOneValueThatValue) {
+TEST(SpreadOf, OfOneValueEqualsThatValue) {
   const Spread spread = spread_of({4.5});
   EXPECT_EQ(spread.count, 1);
   for (const double each :

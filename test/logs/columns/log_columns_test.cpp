@@ -49,7 +49,7 @@ vantage_lcm::plan_t plan(std::int64_t round, const std::string& robot) {
 }
 
 // Text and lists stand before numbers that are read right: nothing is read from another's place.
-TEST(LogColumns, HaveEveryFieldOfEveryMessageUnderItsName) {
+TEST(LogColumns, ContainEveryFieldByName) {
   LogColumns columns(*bus::find_wire_schema("plan_t"));
   const std::string robots[] = {"Q1", "", "a robot with a name"};
   for (int round = 0; round < 3; ++round) {
@@ -74,7 +74,7 @@ TEST(LogColumns, HaveEveryFieldOfEveryMessageUnderItsName) {
   }
 }
 
-TEST(LogColumns, TakeNothingOfWhatIsNotExactlyOneMessage) {
+TEST(LogColumns, RefuseIncompleteMessages) {
   LogColumns columns(*bus::find_wire_schema("plan_t"));
   test::Bytes bytes = test::encoded(plan(1, "Q1"));
   bytes.push_back(0);
@@ -182,7 +182,7 @@ TYPED_TEST(LogColumnsOf, HoldWhatTheJsonOfTheSameMessagesSays) {
   EXPECT_EQ(columns.logged_utime().size(), 30U);
 }
 
-TEST(LogColumns, SayTheShapeOfArraysOfConstantSize) {
+TEST(LogColumns, ReportTheShapeOfFixedArrays) {
   LogColumns columns(*bus::find_wire_schema("vicon_frame_t"));
   std::map<std::string, std::vector<std::size_t>> shapes;
   for (const LogColumn& column : columns.columns()) {

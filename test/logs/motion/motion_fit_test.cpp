@@ -54,7 +54,7 @@ std::vector<std::vector<TargetCourse>> many(const models::TargetModel& model, in
   return logs;
 }
 
-TEST(TargetCourse, IsTheStraightLineBetweenWhatWasSeen) {
+TEST(TargetCourse, InterpolatesLinearly) {
   TargetCourse course;
   for (const double at_s : {0.0, 0.07, 0.21}) {
     course.add(instant(at_s), {at_s, 2.0 * at_s});
@@ -64,7 +64,7 @@ TEST(TargetCourse, IsTheStraightLineBetweenWhatWasSeen) {
   EXPECT_NEAR(course.places_m().rbegin()->second.y(), 0.4, 1e-12);
 }
 
-TEST(TargetCourse, GuessesNothingInAGap) {
+TEST(TargetCourse, DoesNotInterpolateGaps) {
   TargetCourse course;
   for (const double at_s : {0.0, 0.1, 1.0, 1.1, 1.05}) {
     course.add(instant(at_s), {at_s, 0.0});
@@ -72,7 +72,7 @@ TEST(TargetCourse, GuessesNothingInAGap) {
   EXPECT_EQ(course.places_m().size(), 2U);  // of 0.1 and 1.1 s
 }
 
-TEST(FitMotion, FindsTheOscillatorThatMoved) {
+TEST(FitMotion, FindsTheTrueOscillator) {
   const auto logs = many(oscillator(), 40, 7);
   const std::vector<FittedMotion> fits = fit_motion(logs, oscillator().surroundings.center_m);
   ASSERT_EQ(fits.size(), 3U);
@@ -97,7 +97,7 @@ TEST(FitMotion, FindsTheOscillatorThatMoved) {
   }
 }
 
-TEST(FitMotion, FindsTheQOfARandomWalk) {
+TEST(FitMotion, FindsARandomWalksDensity) {
   const models::TargetModel walk{models::TargetKind::kRandomWalk, 2, 0.3};
   const std::vector<FittedMotion> fits = fit_motion(many(walk, 40, 8), {0.0, 0.0});
   EXPECT_NEAR(fits[0].model.q, 0.3, 0.03);
@@ -112,7 +112,7 @@ TEST(FitMotion, FindsTheQOfARandomWalk) {
   }
 }
 
-TEST(FitMotion, RefusesTimeThatIsTooShort) {
+TEST(FitMotion, RefusesShortRecordings) {
   std::mt19937_64 rng(1);
   const models::TargetModel walk{models::TargetKind::kRandomWalk, 2, 0.3};
   const std::vector<std::vector<TargetCourse>> logs = {

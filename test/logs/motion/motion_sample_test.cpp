@@ -30,7 +30,7 @@ TargetCourse course_of(int first, int last, const Place& place) {
 
 Eigen::Vector2d wobble(int k) { return {std::sin(0.3 * k) + 0.01 * k, 2.0 * std::cos(0.17 * k)}; }
 
-TEST(TargetCourse, BridgesAQuarterOfASecondAndNoMore) {
+TEST(TargetCourse, InterpolatesUpToAQuarterOfASecond) {
   for (const std::int64_t gap_us : {250'000, 250'001}) {
     TargetCourse course;
     course.add(from_utime(1'000'000), {0.0, 1.0});
@@ -51,7 +51,7 @@ TEST(TargetCourse, BridgesAQuarterOfASecondAndNoMore) {
 
 // By the definition: each instant of the selected part, with the previous step and the position h
 // later.
-TEST(MotionSample, HasTheMomentsOfThePartThatIsAskedFor) {
+TEST(MotionSample, HasTheMomentsOfTheRequestedPart) {
   const TargetCourse course = course_of(0, 400, wobble);
   for (const auto& [from, to] : {std::pair{0.0, 1.0}, {0.0, 0.3}, {0.25, 0.75}, {0.7, 1.0}}) {
     MotionSample sample;
@@ -79,7 +79,7 @@ TEST(MotionSample, HasTheMomentsOfThePartThatIsAskedFor) {
   }
 }
 
-TEST(MotionSample, GuessesNothingAcrossAGap) {
+TEST(MotionSample, ExcludesGaps) {
   TargetCourse course;
   for (int k = 0; k <= 100; ++k) {
     if (k != 40 && k != 41 && k != 42) {
@@ -119,7 +119,7 @@ MotionSample one_of_each(const Eigen::Vector2d& later, const Eigen::Vector2d& no
   return out;
 }
 
-TEST(Judge, IsTheLikelihoodOfWhatCame) {
+TEST(Judge, ReturnsTheLikelihood) {
   const Eigen::Vector2d later(1.5, -0.75);
   const Eigen::Vector2d now(0.5, 0.25);
   const Eigen::Vector2d velocity(0.25, -0.5);
@@ -181,7 +181,7 @@ MotionSample in_the_long_run(const models::TargetModel& model) {
 }
 
 // With an infinite sample the most likely oscillator is the true one, in each coordinate.
-TEST(FitOscillator, FindsTheTrueOneOfAnInfiniteSample) {
+TEST(FitOscillator, IsExactForAnInfiniteSample) {
   test::Random random(2);
   for (int trial = 0; trial < 10; ++trial) {
     models::TargetModel model{models::TargetKind::kDampedOscillator};
@@ -212,7 +212,7 @@ std::string why_not(const std::vector<std::vector<TargetCourse>>& logs, double f
 }
 
 // 80 steps are predicted, so each part needs 81 steps after its first one.
-TEST(FitMotion, NeedsMoreThanEightSecondsOfEitherPart) {
+TEST(FitMotion, RequiresEightSecondsOfEachPart) {
   const auto logs = [](int steps) {
     return std::vector<std::vector<TargetCourse>>{{course_of(0, steps, wobble)}};
   };
@@ -228,7 +228,7 @@ TEST(FitMotion, NeedsMoreThanEightSecondsOfEitherPart) {
 
 // The time of a log runs from the first position of any target to the last of any; it is separate
 // for each log.
-TEST(FitMotion, CutsTheTimeOfAWholeLogAndNotOfEachTarget) {
+TEST(FitMotion, SplitsTheLogByTime) {
   const auto slow = [](int k) { return Eigen::Vector2d(0.1 * wobble(k)); };
   const TargetCourse early = course_of(1, 150, slow);
   const TargetCourse late = course_of(251, 400, wobble);

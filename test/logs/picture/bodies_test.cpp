@@ -68,7 +68,7 @@ Example three_robots() {
 }
 
 // A triangle that grows out of the body, as wide to the left as to the right.
-TEST(DrawRobot, HasItsNoseAheadAndACoreOfAnotherColour) {
+TEST(DrawRobot, ShowsHeadingAndCore) {
   const Eigen::Vector2d at_px(200.0, 100.0);
   for (const double yaw_rad : {0.0, kPi / 2, -2.5}) {
     Svg svg(400.0, 400.0);
@@ -105,7 +105,7 @@ TEST(DrawRobot, HasItsNoseAheadAndACoreOfAnotherColour) {
 }
 
 // A sensor that sees more than half of what is around it still does not see all of it.
-TEST(DrawView, IsASectorUntilItIsAWholeTurn) {
+TEST(DrawView, IsASectorOrAFullDisc) {
   const Example it = three_robots();
   models::SensorModel sensor;
   sensor.range_max_m = 1.5;
@@ -131,7 +131,7 @@ TEST(DrawView, IsASectorUntilItIsAWholeTurn) {
   }
 }
 
-TEST(DrawViewsAndPlans, ShowsWhatEachSensorReachesAhead) {
+TEST(DrawViewsAndPlans, ShowsEachSensorsView) {
   Example it = three_robots();
   it.scenario.robots[2].sensor.fov_rad = 2.0 * kPi;
   it.scene.jammed = {"Q2"};
@@ -167,7 +167,7 @@ TEST(DrawViewsAndPlans, ShowsWhatEachSensorReachesAhead) {
 }
 
 // From now on, or from its start where that is to come, until where it hovers.
-TEST(DrawViewsAndPlans, ShowsThePlanThatIsStillToBeFlown) {
+TEST(DrawViewsAndPlans, ShowsTheRemainingPlan) {
   Example it = three_robots();
   const Layout layout = it.layout();
   for (const double start_s : {0.25, -0.55}) {
@@ -201,7 +201,7 @@ TEST(DrawViewsAndPlans, ShowsThePlanThatIsStillToBeFlown) {
 }
 
 // The last 20 s are drawn strongly and older parts faintly, without a gap.
-TEST(DrawTracks, CutsEachWayWhereItBecomesOld) {
+TEST(DrawTracks, OmitsOldParts) {
   Example it = three_robots();
   it.scenario.robots.resize(2);
   it.scene.targets[4];
@@ -249,7 +249,7 @@ TEST(DrawTracks, CutsEachWayWhereItBecomesOld) {
   EXPECT_GT(number(lines[3], "stroke-opacity"), number(lines[1], "stroke-opacity"));
 }
 
-TEST(DrawEstimates, TurnsTheEllipseAsTheTargetIsUncertain) {
+TEST(DrawEstimates, OrientsTheEllipseByTheCovariance) {
   for (const double turn_rad : {0.5, -0.5, 1.2}) {
     Example it = three_robots();
     const Layout layout = it.layout();
@@ -315,7 +315,7 @@ std::vector<Shown> labels_of(const std::string& svg) {
   return out;
 }
 
-TEST(DrawBodies, TurnsEachRobotAsItIs) {
+TEST(DrawBodies, OrientsEachRobot) {
   const Example it = three_robots();
   const Layout layout = it.layout();
   const auto noses = elements(
@@ -333,7 +333,7 @@ TEST(DrawBodies, TurnsEachRobotAsItIs) {
 
 // Alone, a robot's name has the nearest of its places at 8, 16, 26 and 40 px that is 5 px clear of
 // its body: from the upper right on clockwise, sixteen a turn.
-TEST(DrawBodies, PutsANameAsNearAsItsBodyLetsIt) {
+TEST(DrawBodies, PutsANameNextToItsBody) {
   for (const double radius_px : {8.0, 10.0, 12.0, 14.0, 18.0}) {
     SCOPED_TRACE(radius_px);
     Example it = three_robots();
@@ -367,7 +367,7 @@ TEST(DrawBodies, PutsANameAsNearAsItsBodyLetsIt) {
 }
 
 // A target and its estimated mean only: the name covers neither.
-TEST(DrawBodies, PutsTheNameOfATargetBesideItAndItsEstimate) {
+TEST(DrawBodies, PutsATargetsNameNextToItAndItsEstimate) {
   Example it = three_robots();
   it.scenario.robots.clear();
   it.scenario.targets = {{"R1", 0, {}, 0.2}};
@@ -402,7 +402,7 @@ TEST(DrawBodies, PutsTheNameOfATargetBesideItAndItsEstimate) {
 }
 
 // Robots in a row so close that a label may cover the next one, a target, its estimate.
-TEST(DrawBodies, LabelsWhatItDrawsAndCoversNoneOfIt) {
+TEST(DrawBodies, LabelsBodiesWithoutCoveringThem) {
   Example it = three_robots();
   const Layout layout = it.layout();
   for (std::size_t i = 0; i < 3; ++i) {

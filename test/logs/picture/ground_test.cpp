@@ -57,7 +57,7 @@ std::string ground(const scenario::Scenario& scenario, const Scene& scene) {
 
 // Every cell is coloured by when it was last seen, in a grid that is not square and has an offset
 // origin.
-TEST(DrawGround, PaintsEachCellByWhenItWasSeen) {
+TEST(DrawGround, ColoursCellsByAge) {
   scenario::Scenario scenario = a_scenario();
   const Layout layout(scenario.world.bounds, 0.0);
   Scene scene;
@@ -106,7 +106,7 @@ int channel(std::string_view colour, std::size_t i) {
 }
 
 // In eighths: white where it is free, grey where nothing is known, dark where it is occupied.
-TEST(DrawGround, ShadesEachCellOfAMapByHowLikelyItIsOccupied) {
+TEST(DrawGround, ShadesMapCellsByOccupancy) {
   scenario::Scenario scenario = a_scenario();
   scenario.mapping.look_probability = 0.6;
   const Layout layout(scenario.world.bounds, 0.0);
@@ -144,7 +144,7 @@ TEST(DrawGround, ShadesEachCellOfAMapByHowLikelyItIsOccupied) {
 }
 
 // Rows that are alike to their ends are as wide as the map: none goes on into the next one.
-TEST(DrawGround, EndsEachRowOfAMapWhereTheMapEnds) {
+TEST(DrawGround, EndsMapRowsAtTheMapsEdge) {
   scenario::Scenario scenario = a_scenario();
   const Layout layout(scenario.world.bounds, 0.0);
   Scene scene;
@@ -160,7 +160,7 @@ TEST(DrawGround, EndsEachRowOfAMapWhereTheMapEnds) {
   }
 }
 
-TEST(DrawGround, PutsObstaclesAndRegionsWhereTheyAre) {
+TEST(DrawGround, DrawsObstaclesAndRegions) {
   const scenario::Scenario scenario = a_scenario();
   const Layout layout(scenario.world.bounds, 0.0);
   Scene scene;
@@ -251,7 +251,7 @@ Axes expect_true_axes(const models::World& world) {
 }
 
 // The finest of 0.5, 1, 2, 5, ... m that cuts the longer side into nine at most.
-TEST(DrawAxes, HasRoundNumbersAsFineAsThereIsRoomFor) {
+TEST(DrawAxes, HasRoundTicks) {
   const std::pair<double, double> spacings[] = {
       {2.0, 0.5},  {4.5, 0.5},   {4.6, 1.0},    {9.0, 1.0},   {9.1, 2.0},   {18.0, 2.0},
       {18.1, 5.0}, {45.0, 5.0},  {45.1, 10.0},  {90.0, 10.0}, {90.1, 20.0}, {180.0, 20.0},

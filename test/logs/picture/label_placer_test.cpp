@@ -13,7 +13,7 @@ namespace {
 
 // The label is placed 8 px from its point, up and to the right if possible, otherwise in another
 // direction.
-TEST(LabelPlacer, PutsALabelBesideItsPointAndAsNearAsNothingIsInTheWay) {
+TEST(LabelPlacer, PutsALabelAtTheNearestFreePosition) {
   const Eigen::AlignedBox2d page(Eigen::Vector2d(0, 0), Eigen::Vector2d(400, 400));
   const Eigen::Vector2d anchor_px(200, 200);
   const Eigen::Vector2d size_px(40, 20);
@@ -47,7 +47,7 @@ TEST(LabelPlacer, PutsALabelBesideItsPointAndAsNearAsNothingIsInTheWay) {
 }
 
 // It rather covers something than that it leaves the page.
-TEST(LabelPlacer, StaysOnThePageThoughThatIsFull) {
+TEST(LabelPlacer, StaysOnAFullPage) {
   const Eigen::AlignedBox2d page(Eigen::Vector2d(0, 0), Eigen::Vector2d(100, 60));
   LabelPlacer placer(page);
   placer.avoid(page);

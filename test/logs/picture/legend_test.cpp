@@ -130,7 +130,7 @@ class Legend : public ::testing::Test {
   std::vector<Symbol> symbols_;
 };
 
-TEST_F(Legend, IsATitleAndRowsOfWordsBesideTheirSymbols) {
+TEST_F(Legend, HasATitleAndRowsOfSymbolAndText) {
   draw(false);
   ASSERT_GT(texts_.size(), 6U);
   EXPECT_EQ(texts_[0].at("words"), "Legend");
@@ -153,7 +153,7 @@ TEST_F(Legend, IsATitleAndRowsOfWordsBesideTheirSymbols) {
   }
 }
 
-TEST_F(Legend, ShowsRobotsAsTheMapDoes) {
+TEST_F(Legend, ShowsRobotsLikeTheMap) {
   draw(false);
   std::vector<Symbol> bodies;
   std::vector<Symbol> noses;
@@ -184,7 +184,7 @@ TEST_F(Legend, ShowsRobotsAsTheMapDoes) {
 }
 
 // A way and a plan lead from the left to the right; where the plan ends there is its mark.
-TEST_F(Legend, ShowsWaysPlansAndViewsAsTheMapDoes) {
+TEST_F(Legend, ShowsTracksPlansAndViewsLikeTheMap) {
   draw(false);
   const auto expect_way = [&](const Symbol& it, const std::string& words) {
     ASSERT_EQ(it.tag, "line");
@@ -209,7 +209,7 @@ TEST_F(Legend, ShowsWaysPlansAndViewsAsTheMapDoes) {
   EXPECT_LE(number(view[0].attributes, "r"), 0.5 * kRow_px);
 }
 
-TEST_F(Legend, ShowsTargetsAndEstimatesAsTheMapDoes) {
+TEST_F(Legend, ShowsTargetsAndEstimatesLikeTheMap) {
   draw(false);
   const auto truth = beside(look().glyphs.at("truth"));
   ASSERT_EQ(truth.size(), 1U);
@@ -282,7 +282,7 @@ TEST_F(Legend, ShowsGroundsAsSwatches) {
 }
 
 // Two lines of words, each as high as it is, one below the other and above the map.
-TEST_F(Legend, IsBelowAHeaderWhoseLinesAreApart) {
+TEST_F(Legend, IsBelowTheHeader) {
   const Layout layout(scenario_.world.bounds, panel_height_px(scenario_));
   Svg svg(2000.0, 1000.0);
   draw_header(svg, layout, scenario_, {});

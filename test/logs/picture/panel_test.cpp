@@ -95,7 +95,7 @@ void expect_first_rows(const Rows& found, const Rows& wanted) {
   EXPECT_EQ(Rows(found.begin(), found.begin() + std::ssize(wanted)), wanted);
 }
 
-TEST(DrawPanel, HasARowForEachTargetAndSaysHowManyMoreThereAre) {
+TEST(DrawPanel, HasARowPerTargetAndCountsTheRest) {
   expect_first_rows(rows(a_trial(2, 3).panel()), {{"Targets"},
                                                   {"name", "found", "RMSE", "entropy"},
                                                   {"R1", "10.0 s", "0.25 m", "-0.50 nat"},
@@ -114,7 +114,7 @@ TEST(DrawPanel, HasARowForEachTargetAndSaysHowManyMoreThereAre) {
                     {{"Targets"}, {"name", "found", "RMSE", "entropy"}, {"and 3 more"}});
 }
 
-TEST(DrawPanel, HasARowForEachRobotThatMapsAndTheirMean) {
+TEST(DrawPanel, HasARowPerMappingRobotAndTheMean) {
   expect_first_rows(rows(a_mapping_trial(3).panel()), {{"Maps"},
                                                        {"as known by", "entropy"},
                                                        {"Q1", "100 nat", ""},
@@ -129,7 +129,7 @@ TEST(DrawPanel, HasARowForEachRobotThatMapsAndTheirMean) {
   }
 }
 
-TEST(DrawPanel, ExplainsWhatThePictureHasAndNothingElse) {
+TEST(DrawPanel, ExplainsOnlyDrawnItems) {
   const auto legend = [](const Example& it) {
     std::vector<std::string> out;
     bool is_legend = false;
@@ -162,7 +162,7 @@ TEST(DrawPanel, ExplainsWhatThePictureHasAndNothingElse) {
 }
 
 // panel_height_px() is the height needed when the legend shows everything.
-TEST(DrawPanel, EndsWhereItSaysThatItWill) {
+TEST(DrawPanel, HasTheStatedHeight) {
   for (const std::size_t robots : {1U, 4U, 5U, 12U, 30U}) {
     for (const std::size_t targets : {0U, 1U, 5U, 12U, 13U, 40U}) {
       for (const bool maps : {false, true}) {
@@ -246,7 +246,7 @@ TEST(DrawPanel, ListsTheRobotsWithTheirColours) {
   }
 }
 
-TEST(DrawHeader, SaysWhatTheTrialCameTo) {
+TEST(DrawHeader, StatesTheTrialsResults) {
   Example it = a_trial(2, 5);
   it.summary.scenario = "lab";
   it.summary.algorithm = "arvi";

@@ -86,7 +86,7 @@ Example example() {
   return out;
 }
 
-TEST(PanelHeight, HasRoomForRobotsFourARow) {
+TEST(PanelHeight, FitsFourRobotsPerRow) {
   scenario::Scenario scenario;
   std::vector<double> heights_px;
   for (int robots = 1; robots <= 12; ++robots) {
@@ -104,7 +104,7 @@ TEST(DrawPicture, IsWellFormedXml) {
   EXPECT_EQ(xml_fault(draw_picture(it.scenario, Scene{}, it.summary)), "");
 }
 
-TEST(XmlFault, FindsFaults) {
+TEST(XmlFault, FindsMalformedXml) {
   EXPECT_NE(xml_fault("<a><b></a></b>"), "");
   EXPECT_NE(xml_fault("<a>1 & 2</a>"), "");
   EXPECT_NE(xml_fault("<a x=1/>"), "");
@@ -128,7 +128,7 @@ TEST(DrawPicture, ShowsEverythingOnce) {
   EXPECT_NE(svg.find("12.5 s"), std::string::npos);
 }
 
-TEST(DrawPicture, ShowsNothingOfTheGroundBesideTheMap) {
+TEST(DrawPicture, ClipsTheGroundToTheMap) {
   const Example it = example();
   const std::string svg = draw_picture(it.scenario, it.scene, it.summary);
   ASSERT_EQ(count(svg, "<clipPath "), 1);
@@ -141,7 +141,7 @@ TEST(DrawPicture, ShowsNothingOfTheGroundBesideTheMap) {
   EXPECT_NEAR(number(window, "height"), layout.map_size_px.y(), 0.01);
 }
 
-TEST(DrawPicture, DrawsTheEllipseThatHoldsWhatTheLegendSays) {
+TEST(DrawPicture, EllipseHasTheLegendsProbability) {
   const Example it = example();
   const std::string svg = draw_picture(it.scenario, it.scene, it.summary);
   // 8 m are 1040 px; σ are 0.1 m and 0.2 m (the smaller axis first), and √(−2 ln 0.05) of them
@@ -156,7 +156,7 @@ Example in_a_square() {
   return out;
 }
 
-TEST(DrawPicture, MarksBothAxesFromEndToEnd) {
+TEST(DrawPicture, MarksBothAxesCompletely) {
   const Example it = in_a_square();
   const std::string svg = draw_picture(it.scenario, it.scene, it.summary);
   std::map<std::string, std::string> bounds;
@@ -193,7 +193,7 @@ TEST(DrawPicture, MarksBothAxesFromEndToEnd) {
   EXPECT_EQ(upright, below.size());
 }
 
-TEST(DrawPicture, DrawsAViewAllAroundAsFarAsItReaches) {
+TEST(DrawPicture, DrawsAFullView) {
   const Example it = example();
   const std::string svg = draw_picture(it.scenario, it.scene, it.summary);
   int circles = 0;
@@ -217,7 +217,7 @@ Example with_many_robots() {
   return out;
 }
 
-TEST(DrawPicture, KeepsOnThePageWhatItWrites) {
+TEST(DrawPicture, KeepsTextOnThePage) {
   for (const Example& it : {example(), in_a_square(), with_many_robots()}) {
     const std::string svg = draw_picture(it.scenario, it.scene, it.summary);
     const auto page = elements(svg, "svg").at(0);
@@ -230,7 +230,7 @@ TEST(DrawPicture, KeepsOnThePageWhatItWrites) {
   }
 }
 
-TEST(DrawPicture, PutsEachSymbolOfTheLegendBesideItsWords) {
+TEST(DrawPicture, AlignsLegendSymbolsAndText) {
   const Example it = with_many_robots();
   const std::string svg = draw_picture(it.scenario, it.scene, it.summary);
   std::map<std::string, std::string> head;
@@ -272,7 +272,7 @@ TEST(DrawPicture, PutsEachSymbolOfTheLegendBesideItsWords) {
   EXPECT_EQ(symbols, 8);
 }
 
-TEST(DrawPicture, WritesTheNameOfARobotBesideIt) {
+TEST(DrawPicture, WritesARobotsNameNextToIt) {
   Example it = example();
   it.scenario.robots.resize(1);
   it.scenario.targets.clear();
@@ -296,7 +296,7 @@ TEST(DrawPicture, WritesTheNameOfARobotBesideIt) {
   EXPECT_EQ(names, 1);
 }
 
-TEST(DrawPicture, PaintsAJammedRobotRedWithItsOwnColourInside) {
+TEST(DrawPicture, OutlinesAJammedRobotInRed) {
   Example it = example();
   const auto red = std::string(role_colour("jammed"));
   const std::string calm = draw_picture(it.scenario, it.scene, it.summary);
@@ -336,7 +336,7 @@ TEST(DrawPicture, ShowsTheMapOfATeamThatMaps) {
 
 // With neighbourhoods, robots publish only their surroundings, but the picture shows the whole
 // ground.
-TEST(SceneRecorder, HasTheWholeGroundBeforeAnyPartOfItIsTold) {
+TEST(SceneRecorder, StartsWithTheWholeGround) {
   scenario::Scenario scenario = example().scenario;
   scenario.network.neighbourhood_m = 2.0;
   scenario.estimator.grid_resolution_m = 0.5;
@@ -346,7 +346,7 @@ TEST(SceneRecorder, HasTheWholeGroundBeforeAnyPartOfItIsTold) {
   EXPECT_EQ(scene.last_seen_utime.size(), 128U);
 }
 
-TEST(SceneRecorder, KeepsAWholeTrackOfATrialOfDaysInBoundedMemory) {
+TEST(SceneRecorder, KeepsLongTracksInBoundedMemory) {
   SceneRecorder recorder(example().scenario);
   constexpr int kFrames = 100'000;
   for (int i = 0; i < kFrames; ++i) {
@@ -387,14 +387,14 @@ TEST(DrawPicture, ListsEveryRobotInTheLegend) {
   }
 }
 
-TEST(DrawPicture, IsTheSameForTheSameTrial) {
+TEST(DrawPicture, IsDeterministic) {
   const Example a = example();
   const Example b = example();
   EXPECT_EQ(draw_picture(a.scenario, a.scene, a.summary),
             draw_picture(b.scenario, b.scene, b.summary));
 }
 
-TEST(LabelPlacer, KeepsLabelsApartWhileThereIsRoom) {
+TEST(LabelPlacer, AvoidsOverlapWhilePossible) {
   LabelPlacer placer({Eigen::Vector2d(0, 0), Eigen::Vector2d(400, 400)});
   std::vector<Eigen::AlignedBox2d> boxes;
   for (int i = 0; i < 6; ++i) {
@@ -413,7 +413,7 @@ TEST(LabelPlacer, StaysOnThePage) {
   EXPECT_TRUE(page.contains(placer.place({1.0, 299.0}, {30.0, 14.0})));
 }
 
-TEST(RenderPng, MakesAPngOrSaysWhatIsMissing) {
+TEST(RenderPng, WritesAPngOrNamesTheMissingProgram) {
   const test::TemporaryFolder own;
   const std::string svg_path = own.file("picture.svg");
   const std::string png_path = own.file("picture.png");
@@ -430,7 +430,7 @@ TEST(RenderPng, MakesAPngOrSaysWhatIsMissing) {
   EXPECT_EQ(magic, "\x89PNG");
 }
 
-TEST(RenderPng, SaysFileAndReasonAndLeavesNothingHalf) {
+TEST(RenderPng, ReportsErrorsAndRemovesThePartialFile) {
   const test::TemporaryFolder own;
   const std::string& folder = own.path();
   write_file(folder + "/no.svg", "this is no picture");

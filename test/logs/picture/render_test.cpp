@@ -42,11 +42,11 @@ class RenderPngBy : public ::testing::Test {
   std::string before_ = std::getenv("PATH");
 };
 
-TEST_F(RenderPngBy, NothingSaysWhatIsToBeInstalled) {
+TEST_F(RenderPngBy, NamesThePackageToInstall) {
   EXPECT_EQ(said(), "no PNG: rsvg-convert is not installed (apt install librsvg2-bin)");
 }
 
-TEST_F(RenderPngBy, ItsProgramIsGivenBothNamesAndIsReadWhenItIsThere) {
+TEST_F(RenderPngBy, RunsItsProgramWithBothPaths) {
   draws_by("[ \"$1\" = --format=png ] && [ \"$3\" = \"" + folder_.file("a.svg") +
            "\" ] && echo drawn > \"${2#--output=}\"\n");
   const std::string png_path = folder_.file("a.png");
@@ -58,7 +58,7 @@ TEST_F(RenderPngBy, ItsProgramIsGivenBothNamesAndIsReadWhenItIsThere) {
   EXPECT_FALSE(fs::exists(png_path + ".part")) << "it has its name when it is whole";
 }
 
-TEST_F(RenderPngBy, AProgramThatFailsLeavesNothing) {
+TEST_F(RenderPngBy, RemovesTheFileOfAFailedProgram) {
   const std::string png_path = folder_.file("a.png");
   draws_by("echo half > \"${2#--output=}\"\nexit 3\n");
   EXPECT_EQ(said(),

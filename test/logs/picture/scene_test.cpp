@@ -29,7 +29,7 @@ scenario::Scenario a_scenario() {
   return out;
 }
 
-TEST(SceneRecorder, KeepsAPointOfATrackEachTenthOfASecondAndTwoCentimetres) {
+TEST(SceneRecorder, ThinsTracksByTimeAndDistance) {
   for (const int target_id : {-1, 3}) {
     SceneRecorder recorder(a_scenario());
     const auto points = [&] {
@@ -66,7 +66,7 @@ TEST(SceneRecorder, KeepsAPointOfATrackEachTenthOfASecondAndTwoCentimetres) {
 }
 
 // A tenth of a second and two centimetres from the point before, whichever it takes longer.
-TEST(SceneRecorder, KeepsAPointEachTenthOfASecondOrTwoCentimetres) {
+TEST(SceneRecorder, KeepsAPointPerTenthOfASecondOrTwoCentimetres) {
   for (const double speed_mps : {0.04, 0.1, 0.25, 1.0}) {
     SceneRecorder recorder(a_scenario());
     for (int i = 0; i <= 500; ++i) {  // to and fro, 50 frames a second
@@ -87,7 +87,7 @@ TEST(SceneRecorder, KeepsAPointEachTenthOfASecondOrTwoCentimetres) {
 }
 
 // A track that is full is thinned alone; the others go on as they were.
-TEST(SceneRecorder, ThinsAFullTrackAndNoOther) {
+TEST(SceneRecorder, ThinsOnlyFullTracks) {
   SceneRecorder recorder(a_scenario());
   for (int i = 0; i < 4100; ++i) {
     recorder.on_truth(truth(0.1 * i, "Q1", -1, {0.1 * i, 0.0}));
@@ -112,7 +112,7 @@ models::RobotBelief belief(double at_s, const models::GridGeometry& grid,
   return out;
 }
 
-TEST(SceneRecorder, IsOfTheNewestInstantThatWasHeard) {
+TEST(SceneRecorder, HasTheNewestReceivedTime) {
   SceneRecorder recorder(a_scenario());
   models::RobotMap map;
   recorder.on_belief(belief(3.0, {}, {}));
@@ -130,7 +130,7 @@ TEST(SceneRecorder, IsOfTheNewestInstantThatWasHeard) {
   EXPECT_EQ(recorder.scene().time, kStart + from_seconds(5.0));
 }
 
-TEST(SceneRecorder, HasOfEachCellTheNewestLookOfAnyRobot) {
+TEST(SceneRecorder, HasTheNewestObservationPerCell) {
   SceneRecorder recorder(a_scenario());
   const models::GridGeometry grid{{-4.0, -2.0}, 1.0, 3, 1};
   recorder.on_belief(belief(1.0, grid, {5, 0, 7}));
@@ -143,7 +143,7 @@ TEST(SceneRecorder, HasOfEachCellTheNewestLookOfAnyRobot) {
 }
 
 // With neighbourhoods, each belief covers a part; cells outside it keep their values.
-TEST(SceneRecorder, LaysThePartsOfNeighbourhoodsIntoTheWhole) {
+TEST(SceneRecorder, MergesNeighbourhoodGrids) {
   scenario::Scenario scenario = a_scenario();
   scenario.network.neighbourhood_m = 2.0;
   scenario.estimator.grid_resolution_m = 1.0;
@@ -159,7 +159,7 @@ TEST(SceneRecorder, LaysThePartsOfNeighbourhoodsIntoTheWhole) {
   EXPECT_EQ(recorder.scene().last_seen_utime, wanted);
 }
 
-TEST(SceneRecorder, HasWhatWasSaidLastOfMapsPlansAndAttacks) {
+TEST(SceneRecorder, HasTheLastMapsPlansAndAttacks) {
   SceneRecorder recorder(a_scenario());
   models::RobotMap map;
   for (const auto& [robot, nats] : {std::pair{"Q1", 9.0}, {"Q2", 8.0}, {"Q1", 7.0}}) {

@@ -10,7 +10,7 @@
 namespace vantage::logs {
 namespace {
 
-TEST(Svg, WritesWhatItIsGivenWhereItBelongs) {
+TEST(Svg, WritesElementsInOrder) {
   Svg svg(640.4, 480.2);
   auto added = [&, before = svg.str()](const auto& add) mutable {
     const std::string end = "</svg>\n";
@@ -64,12 +64,12 @@ TEST(Svg, WritesWhatItIsGivenWhereItBelongs) {
   }
 }
 
-TEST(EscapeXml, WritesWhatXmlReservesAsEntities) {
+TEST(EscapeXml, EscapesReservedCharacters) {
   EXPECT_EQ(escape_xml("a&b<c>d\"e'f"), "a&amp;b&lt;c&gt;d&quot;e&apos;f");
 }
 
 // As large as there is room for, whatever the world's shape and wherever its corner is.
-TEST(Layout, FitsTheMapOnThePageBesideThePanel) {
+TEST(Layout, FitsMapAndPanelOnThePage) {
   for (const auto& [width_m, height_m] :
        {std::pair{8.0, 4.0}, {4.0, 8.0}, {10.4, 8.2}, {100.0, 90.0}, {0.5, 3.0}}) {
     for (const double panel_height_px : {0.0, 400.0, 2000.0}) {

@@ -14,7 +14,7 @@ scenario::Scenario three_robots() {
   return out;
 }
 
-TEST(RoomForLog, IsForTheWholeTrialAndItsLandings) {
+TEST(RoomForLog, CoversTrialAndLandings) {
   const scenario::Scenario scenario = three_robots();
   EXPECT_EQ(log_bytes_needed(scenario), 90'000'000U);  // 3 · 100 kB/s · 300 s
   const LogRoom enough = room_for_log(scenario, "lab.lcmlog", 90'000'000U);
@@ -42,7 +42,7 @@ TEST(LogWatch, IsSilentWhileTheLogGrows) {
   EXPECT_EQ(log.watch.health(log.now).state, models::ProcessState::kRunning);
 }
 
-TEST(LogWatch, SaysOnceThatNothingIsWrittenAndThatItIsAgain) {
+TEST(LogWatch, ReportsAStallAndItsEndOnce) {
   Watched log;
   EXPECT_EQ(log.look(1000, 1'000'000'000), std::nullopt);
   EXPECT_TRUE(log.look(1000, 0).has_value()) << "the disk is full";
@@ -61,7 +61,7 @@ TEST(LogWatch, SaysOnceThatNothingIsWrittenAndThatItIsAgain) {
   EXPECT_TRUE(log.watch.is_written());
 }
 
-TEST(LogWatch, BelievesARecorderThatIsRefusedAtOnce) {
+TEST(LogWatch, ReportsARefusedRecorderAtOnce) {
   LogWatch watch{300e3};
   EXPECT_EQ(watch.look({1000, 1'000'000'000}, kStart), std::nullopt);
   EXPECT_TRUE(watch.look({1000, 0, true}, kStart).has_value());
@@ -71,7 +71,7 @@ TEST(LogWatch, BelievesARecorderThatIsRefusedAtOnce) {
 }
 
 // Whatever the disk says: a logger that died, or a file that another has taken away.
-TEST(LogWatch, GoesByTheFileThatDoesNotGrow) {
+TEST(LogWatch, DetectsAFileThatDoesNotGrow) {
   Watched log;
   log.look(5000, 1'000'000'000);
   for (int k = 0; k < 5; ++k) {
@@ -80,7 +80,7 @@ TEST(LogWatch, GoesByTheFileThatDoesNotGrow) {
   EXPECT_TRUE(log.look(0, 1'000'000'000).has_value());
 }
 
-TEST(LogWatch, SaysThatTheDiskIsNearlyFull) {
+TEST(LogWatch, ReportsANearlyFullDisk) {
   Watched log;
   EXPECT_EQ(log.look(1000, 18'000'001), std::nullopt);
   const auto words = log.look(2000, 9'000'000);
@@ -90,7 +90,7 @@ TEST(LogWatch, SaysThatTheDiskIsNearlyFull) {
   EXPECT_TRUE(log.watch.is_written());
 }
 
-TEST(RoomForLog, SaysWhatIsFreeAndNeeded) {
+TEST(RoomForLog, ReportsFreeAndRequiredSpace) {
   scenario::Scenario scenario = three_robots();
   EXPECT_EQ(room_for_log(scenario, "a", std::nullopt).words,
             "log: the free disk space is unknown for a");
@@ -103,7 +103,7 @@ TEST(RoomForLog, SaysWhatIsFreeAndNeeded) {
   EXPECT_FALSE(room_for_log(scenario, "a", 6'049'999U).is_enough);
 }
 
-TEST(LogWatch, WaitsThreeSecondsBeforeItSaysThatNothingIsWritten) {
+TEST(LogWatch, ReportsAStallAfterThreeSeconds) {
   LogWatch watch{300e3};
   const auto at = [&](std::int64_t us, std::uint64_t size_bytes) {
     return watch.look({size_bytes, 1'000'000'000}, kStart + Duration{us});
@@ -133,7 +133,7 @@ TEST(LogWatch, WaitsThreeSecondsBeforeItSaysThatNothingIsWritten) {
   }
 }
 
-TEST(LogWatch, KnowsWhenLessThanAMinuteIsLeft) {
+TEST(LogWatch, ReportsWhenLessThanOneMinuteIsLeft) {
   for (const std::uint64_t free_bytes : {18'000'000U, 17'999'999U}) {
     LogWatch watch{300e3};
     const auto words = watch.look({1, free_bytes}, kStart);
@@ -147,7 +147,7 @@ TEST(LogWatch, KnowsWhenLessThanAMinuteIsLeft) {
 }
 
 // Unknown free space gives no warning.
-TEST(LogWatch, DoesWithoutKnowingWhatIsFree) {
+TEST(LogWatch, WorksWithoutAFreeSpaceFigure) {
   LogWatch watch{300e3};
   EXPECT_FALSE(watch.look({1, std::nullopt}, kStart));
   EXPECT_EQ(

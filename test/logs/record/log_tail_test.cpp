@@ -37,7 +37,7 @@ class LogFile : public ::testing::Test {
                             ".lcmlog";
 };
 
-TEST(FindTail, IsTheEndOfTheLastWholeEventWhereverTheCutIs) {
+TEST(FindTail, IsTheEndOfTheLastWholeEvent) {
   const Bytes whole = log_of(5);
   const std::size_t four = log_of(4).size();
   for (std::size_t size = four; size < whole.size(); ++size) {
@@ -48,19 +48,19 @@ TEST(FindTail, IsTheEndOfTheLastWholeEventWhereverTheCutIs) {
   EXPECT_EQ(find_tail(whole).whole_bytes, whole.size());
 }
 
-TEST(FindTail, MayBeginInTheMiddleOfAnEvent) {
+TEST(FindTail, MayStartInsideAnEvent) {
   const Bytes whole = log_of(5);
   for (std::size_t from = 1; from < log_of(1).size(); from += 7) {
     EXPECT_EQ(find_tail(std::span(whole).subspan(from)).whole_bytes, whole.size() - from);
   }
 }
 
-TEST(FindTail, HasNothingWhereThereIsNoEvent) {
+TEST(FindTail, IsEmptyWithoutEvents) {
   EXPECT_FALSE(find_tail({}).last);
   EXPECT_FALSE(find_tail(kPayload).last);
 }
 
-TEST_F(LogFile, LosesItsTornEndAndNothingElse) {
+TEST_F(LogFile, LosesOnlyItsTruncatedEvent) {
   Bytes bytes = log_of(3);
   const std::size_t three = bytes.size();
   bytes.resize(log_of(4).size() - 50);
@@ -78,27 +78,27 @@ TEST_F(LogFile, LosesItsTornEndAndNothingElse) {
   EXPECT_FALSE(event_time_at(path_, three));
 }
 
-TEST_F(LogFile, IsLeftAloneWithoutAWholeEvent) {
+TEST_F(LogFile, IsUnchangedWithoutAWholeEvent) {
   write(kPayload);
   EXPECT_EQ(trim_log(path_).dropped_bytes, 0U);
   EXPECT_EQ(std::filesystem::file_size(path_), kPayload.size());
   EXPECT_EQ(trim_log(path_ + ".absent").size_bytes, 0U);
 }
 
-TEST_F(LogFile, TellsWhenTheEventAtAnOffsetWasLogged) {
+TEST_F(LogFile, ReturnsTheTimeOfAnEvent) {
   write(log_of(3));
   EXPECT_EQ(event_time_at(path_, log_of(2).size()), from_utime(1'000'002));
   EXPECT_FALSE(event_time_at(path_, log_of(2).size() + 1));
   EXPECT_FALSE(event_time_at(path_, log_of(3).size()));
 }
 
-TEST_F(LogFile, ThatIsGoneEndsNoFlight) {
+TEST_F(LogFile, LossDoesNotEndFlight) {
   const std::string absent = path_ + ".absent";
   EXPECT_FALSE(event_time_at(absent, 0));
   EXPECT_FALSE(ends_with(absent, Bytes{1}));
 }
 
-TEST_F(LogFile, IsSearchedForWhatWasPublishedLast) {
+TEST_F(LogFile, ReturnsTheLastPublishedMessage) {
   Bytes bytes = log_of(2);
   append_event({2, from_utime(5), "LAST", Bytes{7, 8, 9, 10}}, bytes);
   write(bytes);

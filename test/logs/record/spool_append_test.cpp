@@ -43,7 +43,7 @@ void write(LogSpool& spool, int count) {
   }
 }
 
-TEST(LogSpool, CutsAnUnfinishedEventOffBeforeItAppends) {
+TEST(LogSpool, RemovesAnIncompleteEventBeforeAppending) {
   const test::TemporaryFolder folder;
   for (const std::size_t torn :
        {std::size_t{0}, std::size_t{1}, kEventBytes - 1, kEventBytes - 3}) {
@@ -65,7 +65,7 @@ TEST(LogSpool, CutsAnUnfinishedEventOffBeforeItAppends) {
 }
 
 // The limit is of all files together.
-TEST(LogSpool, CountsTheFilesThatAreThereTowardsTheLimit) {
+TEST(LogSpool, IncludesExistingFilesInItsLimit) {
   const test::TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");
   for (const int there : {1, 3, 4}) {

@@ -42,7 +42,7 @@ TEST(ParseLcm, ReadsStructsMembersAndPackages) {
   EXPECT_EQ(structs[1].members[2].type, "other.pose_t");
 }
 
-TEST(ParseLcm, TakesAConstantForASize) {
+TEST(ParseLcm, AcceptsConstantsAsSizes) {
   const auto structs = parse_lcm(
       "struct a_t { const int32_t N = 0x10, M = 3; double v[N][M]; byte b[N]; }", "a.lcm");
   const auto& dimensions = structs.at(0).members.at(0).dimensions;
@@ -51,13 +51,13 @@ TEST(ParseLcm, TakesAConstantForASize) {
   EXPECT_EQ(dimensions.at(1).constant, 3);
 }
 
-TEST(ParseLcm, HasNothingInAnEmptyFile) {
+TEST(ParseLcm, ReturnsNothingForAnEmptyFile) {
   EXPECT_TRUE(parse_lcm("", "a.lcm").empty());
   EXPECT_TRUE(parse_lcm(" // nothing\n\n", "a.lcm").empty());
   EXPECT_TRUE(parse_lcm("struct empty_t {}", "a.lcm").at(0).members.empty());
 }
 
-TEST(ParseLcm, SaysWhereAFileBreaksTheLanguage) {
+TEST(ParseLcm, ReportsTheLineOfASyntaxError) {
   EXPECT_EQ(why_not("struct a_t {\n  double x\n}\n"), "a.lcm:3: expected ;, not }");
   EXPECT_EQ(why_not("struct a_t {\n  double x[n];\n}\n"),
             "a.lcm:2: the array size n is not a constant or an earlier member");
@@ -75,7 +75,7 @@ TEST(ParseLcm, SaysWhereAFileBreaksTheLanguage) {
   EXPECT_EQ(why_not("struct a_t {}\n/* for\never"), "a.lcm:2: a comment is not closed");
 }
 
-TEST(ParseLcm, EndsWhateverItIsGiven) {
+TEST(ParseLcm, EndsForAnyInput) {
   const std::string whole =
       "package p; struct a_t { const int32_t N = 3; int32_t n; string s[n][N]; /* c */ b_t b; }";
   for (std::size_t size = 0; size < whole.size(); ++size) {
@@ -88,7 +88,7 @@ TEST(ParseLcm, EndsWhateverItIsGiven) {
   }
 }
 
-TEST(ParseLcm, KnowsTheBasicTypesAndTakesEveryOtherForAStruct) {
+TEST(ParseLcm, TreatsUnknownTypesAsStructs) {
   for (const char* basic : {"int8_t", "int16_t", "int32_t", "int64_t", "byte", "float", "double",
                             "string", "boolean"}) {
     EXPECT_TRUE(is_basic_lcm_type(basic)) << basic;
@@ -102,7 +102,7 @@ TEST(ParseLcm, KnowsTheBasicTypesAndTakesEveryOtherForAStruct) {
   EXPECT_EQ(parse_lcm("struct a_t { q.bool x; }", "").at(0).members.at(0).type, "q.bool");
 }
 
-TEST(ParseLcm, ReadsSizesAsCDoes) {
+TEST(ParseLcm, ReadsSizesLikeC) {
   const auto dimensions = [](const std::string& size) {
     return parse_lcm("struct a_t { int8_t n; byte m; byte x[" + size + "]; }", "a.lcm")
         .at(0)
@@ -135,7 +135,7 @@ TEST(ParseLcm, ReadsSizesAsCDoes) {
       << "of another struct";
 }
 
-TEST(ParseLcm, SaysOnWhichLineWhateverStandsBetween) {
+TEST(ParseLcm, CountsLinesAcrossComments) {
   EXPECT_EQ(why_not("/* one\n two */ // three\n struct a_t { struct b_t x; }"),
             "a.lcm:3: struct inside a struct is not allowed");
   EXPECT_EQ(why_not("struct a_t {\n\n enum b x; }"),
@@ -155,7 +155,7 @@ TEST(ParseLcm, SaysOnWhichLineWhateverStandsBetween) {
   EXPECT_EQ(why_not("struct a_t { byte _x, x2/**/, x3//\n; }"), "");
 }
 
-TEST(ParseLcm, SaysWhereEachStructBegins) {
+TEST(ParseLcm, RecordsTheLineOfEachStruct) {
   const auto structs = parse_lcm("struct a_t {\n byte x;\n}\n\nstruct\n b_t { byte x; }", "");
   ASSERT_EQ(structs.size(), 2U);
   EXPECT_EQ(structs[0].line, 1U);

@@ -56,7 +56,7 @@ foreign::arm_t an_arm() {
   return arm;
 }
 
-TEST(TypeLibrary, HasTheFingerprintsThatLcmGenMakes) {
+TEST(TypeLibrary, ComputesLcmGensFingerprints) {
   using namespace vantage_lcm;  // NOLINT(google-build-using-namespace): all of them
   const TypeLibrary house({kHouse});
   expect_fingerprints<attack_t, belief_t, body_t, collision_t, command_t, counter_t, detection_t,
@@ -91,7 +91,7 @@ TEST(TypeLibrary, ReadsEveryKindOfMember) {
     "notes": ["ü", ""]})"));
 }
 
-TEST(TypeLibrary, ReadsATypeThatHoldsItself) {
+TEST(TypeLibrary, ReadsRecursiveTypes) {
   const TypeLibrary types({kForeign});
   foreign::tree_t tree{};
   tree.value = 1;
@@ -105,7 +105,7 @@ TEST(TypeLibrary, ReadsATypeThatHoldsItself) {
   EXPECT_EQ(json->at("children").at(1).at("value"), 3);
 }
 
-TEST(TypeLibrary, RefusesWhatIsTornOrTooLong) {
+TEST(TypeLibrary, RefusesTruncatedAndOversizedMessages) {
   const TypeLibrary types({kForeign});
   auto bytes = test::encoded(an_arm());
   const bus::WireSchema& schema = *types.find(bytes);
@@ -119,7 +119,7 @@ TEST(TypeLibrary, RefusesWhatIsTornOrTooLong) {
   EXPECT_EQ(types.find(bytes), nullptr);
 }
 
-TEST(TypeLibrary, RefusesRowsOfNothingWithoutCountingThem) {
+TEST(TypeLibrary, RefusesHugeCountsOfEmptyRows) {
   const test::TemporaryFolder folder;
   std::ofstream(folder.file("deep.lcm")) << "struct deep_t { int32_t a, b, c; byte x[a][b][c]; }";
   const TypeLibrary types({folder.file("deep.lcm")});
@@ -137,7 +137,7 @@ TEST(TypeLibrary, RefusesRowsOfNothingWithoutCountingThem) {
   EXPECT_FALSE(message_json(bytes, *types.find(bytes)));
 }
 
-TEST(TypeLibrary, TakesTheHouseForItsOwnTypes) {
+TEST(TypeLibrary, ContainsVantagesTypes) {
   const TypeLibrary types({kHouse, kForeign});
   const auto bytes = test::encoded(vantage_lcm::attack_t{});
   EXPECT_EQ(types.find(bytes), bus::find_wire_schema("attack_t"));
@@ -145,7 +145,7 @@ TEST(TypeLibrary, TakesTheHouseForItsOwnTypes) {
   EXPECT_EQ(TypeLibrary().find(test::encoded(an_arm())), nullptr);
 }
 
-TEST(TypeLibrary, SaysWhatIsWrongWithTheFiles) {
+TEST(TypeLibrary, ReportsFaultyFiles) {
   test::TemporaryFolder folder;
   const auto why_not = [](const std::vector<std::string>& paths) {
     try {
@@ -172,7 +172,7 @@ TEST(TypeLibrary, SaysWhatIsWrongWithTheFiles) {
             another + ":2: b_t differs from its definition in " + other);
 }
 
-TEST(TypeLibrary, SaysWhatIsTooLargeToBeRead) {
+TEST(TypeLibrary, ReportsOversizedFiles) {
   const test::TemporaryFolder folder;
   const auto library = [&](const std::string& name, const std::string& text) {
     std::ofstream(folder.file(name)) << text;
@@ -203,7 +203,7 @@ TEST(TypeLibrary, SaysWhatIsTooLargeToBeRead) {
 
 // Of two types with the same wire format the first in alphabetical order is used; folders are
 // searched recursively.
-TEST(TypeLibrary, FindsTypesInFoldersAndTheFirstOfTwoThatAreAlike) {
+TEST(TypeLibrary, FindsTypesInFoldersFirstMatchWins) {
   const test::TemporaryFolder folder;
   std::filesystem::create_directories(folder.file("deep/deeper"));
   std::ofstream(folder.file("deep/z.lcm")) << "struct z_t { double x; }";

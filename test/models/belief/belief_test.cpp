@@ -36,7 +36,7 @@ Eigen::MatrixXd embedded(const Eigen::MatrixXd& M, int n) {
   return whole;
 }
 
-TEST(UpdateCovariance, IsTheInverseOfAddedInformation) {
+TEST(UpdateCovariance, EqualsTheInverseOfSummedInformation) {
   test::Random random(21);
   for (const Shape& shape : kShapes) {
     for (int i = 0; i < 2000; ++i) {
@@ -50,7 +50,7 @@ TEST(UpdateCovariance, IsTheInverseOfAddedInformation) {
   }
 }
 
-TEST(UpdateCovariance, LeavesTheCovarianceAloneWhenNothingWasSeen) {
+TEST(UpdateCovariance, KeepsTheCovarianceWithoutInformation) {
   test::Random random(22);
   for (const Shape& shape : kShapes) {
     const Gaussian belief = random_belief(random, shape.state);
@@ -59,7 +59,7 @@ TEST(UpdateCovariance, LeavesTheCovarianceAloneWhenNothingWasSeen) {
   }
 }
 
-TEST(UpdateCovariance, NeedsNoInverseOfTheCovariance) {
+TEST(UpdateCovariance, AcceptsASingularCovariance) {
   StateMatrix certain = StateMatrix::Zero(4, 4);
   certain(0, 0) = 1.0;
   const StateMatrix updated = update_covariance(certain, PositionMatrix::Identity(2, 2));
@@ -68,7 +68,7 @@ TEST(UpdateCovariance, NeedsNoInverseOfTheCovariance) {
   EXPECT_TRUE(test::is_near(updated, expected, 1e-15));
 }
 
-TEST(UpdateCovariance, IsSymmetricToTheLastBitAndNeverGrows) {
+TEST(UpdateCovariance, IsExactlySymmetricAndNeverGrows) {
   test::Random random(23);
   for (const Shape& shape : kShapes) {
     for (int i = 0; i < 500; ++i) {
@@ -84,7 +84,7 @@ TEST(UpdateCovariance, IsSymmetricToTheLastBitAndNeverGrows) {
 }
 
 // Joseph form with measurement noise compared with ω + Hᵀ V⁻¹ z̃, Ω + Hᵀ V⁻¹ H.
-TEST(Update, EqualsTheUpdateInInformationForm) {
+TEST(Update, EqualsTheInformationForm) {
   test::Random random(24);
   for (const int n : {2, 3, 4}) {
     for (int i = 0; i < 2000; ++i) {
@@ -108,7 +108,7 @@ TEST(Update, EqualsTheUpdateInInformationForm) {
   }
 }
 
-TEST(Update, PromisesTheFilterWhatThePlannerExpects) {
+TEST(Update, IsSameInFilterAndPlanner) {
   test::Random random(25);
   const SensorModel sensor;
   for (int i = 0; i < 1000; ++i) {
@@ -127,7 +127,7 @@ TEST(Update, PromisesTheFilterWhatThePlannerExpects) {
   }
 }
 
-TEST(ToGaussian, UndoesToInformation) {
+TEST(ToGaussian, InvertsToInformation) {
   test::Random random(26);
   for (const int n : {2, 3, 4}) {
     for (int i = 0; i < 500; ++i) {
@@ -142,7 +142,7 @@ TEST(ToGaussian, UndoesToInformation) {
   }
 }
 
-TEST(ToGaussian, RefusesWhatIsNoInformation) {
+TEST(ToGaussian, RefusesInvalidInformation) {
   const StateVector zero = StateVector::Zero(4);
   EXPECT_FALSE(to_gaussian({zero, StateMatrix::Zero(4, 4)}));
   StateMatrix rank_two = StateMatrix::Identity(4, 4);
@@ -166,7 +166,7 @@ TEST(Predict, PropagatesMeanAndCovariance) {
   }
 }
 
-TEST(Predict, GivesTheSameInInformationForm) {
+TEST(Predict, EqualsTheInformationForm) {
   test::Random random(28);
   const TargetModel model{TargetKind::kDoubleIntegrator, 2, 0.1};
   const StateMatrix A = model.transition(0.5);
@@ -194,7 +194,7 @@ TEST(LogDet, IsTheLogarithmOfTheDeterminant) {
   }
 }
 
-TEST(LogDet, SurvivesDeterminantsThatADoubleCannotHold) {
+TEST(LogDet, IsFiniteWhenTheDeterminantOverflows) {
   const StateMatrix tiny = 1e-150 * StateMatrix::Identity(4, 4);
   EXPECT_NEAR(log_det(tiny), -600.0 * std::log(10.0), 1e-9);
 }
@@ -204,19 +204,19 @@ TEST(LogDet, IsMinusInfinityForASingularCovariance) {
   EXPECT_EQ(log_det(-StateMatrix::Identity(2, 2)), -INFINITY);
 }
 
-TEST(Entropy, OfAUnitGaussianIsTheKnownNumber) {
+TEST(Entropy, IsKnownForUnitGaussian) {
   const Gaussian unit{StateVector::Zero(1), StateMatrix::Identity(1, 1)};
   EXPECT_NEAR(entropy_nats(unit), 1.4189385332046727, 1e-15);  // ½ ln(2πe)
 }
 
-TEST(Entropy, FallsByTheMutualInformation) {
+TEST(Entropy, DecreasesByTheMutualInformation) {
   const Gaussian belief{StateVector::Zero(2), StateMatrix::Identity(2, 2)};
   const Gaussian seen{belief.mean,
                       update_covariance(belief.covariance, 3.0 * PositionMatrix::Identity(2, 2))};
   EXPECT_NEAR(entropy_nats(belief) - entropy_nats(seen), 0.5 * std::log(16.0), 1e-14);
 }
 
-TEST(Belief, NeverReachesForTheHeap) {
+TEST(Belief, AllocatesNothing) {
   if (!test::AllocationCounter::is_active()) {
     GTEST_SKIP() << "allocations are not counted under a sanitizer";
   }
@@ -244,7 +244,7 @@ TEST(Belief, NeverReachesForTheHeap) {
 }
 
 // The prediction uses the target's A and W; for an oscillator, relative to its centre.
-TEST(Predict, GoesByTheTargetsOwnMotion) {
+TEST(Predict, UsesTheTargetsModel) {
   TargetModel swings{TargetKind::kDampedOscillator, 2};
   swings.surroundings.center_m = {3.0, -2.0};
   const TargetModel models[] = {{TargetKind::kStatic, 2, 0.1},
@@ -267,7 +267,7 @@ TEST(Predict, GoesByTheTargetsOwnMotion) {
 
 // The noise continues from the current step count: it is q Σ j over the unseen steps, and two parts
 // give the same as one.
-TEST(PredictUnseen, GrowsFromWhenTheTargetWasLastSeen) {
+TEST(PredictUnseen, GrowsSinceTheLastObservation) {
   const TargetModel model{TargetKind::kGrowingUncertainty, 2, 0.3};
   test::Random random(32);
   const Gaussian belief = random_belief(random, 2);

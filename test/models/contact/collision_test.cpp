@@ -32,7 +32,7 @@ std::vector<ContactReport> update(CollisionMonitor& monitor,
   return begun;
 }
 
-TEST(SignedDistance, IsThatOfTheNearestSampledSurfacePoint) {
+TEST(SignedDistance, EqualsThatOfSampledSurfacePoints) {
   const Box3 box{{-0.5, -0.25, 0.0}, {0.5, 0.25, 1.0}};
   EXPECT_DOUBLE_EQ(signed_distance_m(box, {0.0, 0.0, 0.9}), -0.1);
   EXPECT_DOUBLE_EQ(signed_distance_m(box, {0.5 + 3.0, 0.25 + 4.0, 0.5}), 5.0);
@@ -84,7 +84,7 @@ TEST(CollisionMonitor, FclAndClosedFormAgreeOnRandomPoses) {
   EXPECT_GT(hits, 1000) << "the poses hardly ever touched: nothing was tested";
 }
 
-TEST(CollisionMonitor, CatchesWhatTunnelsBetweenTwoSteps) {
+TEST(CollisionMonitor, DetectsContactBetweenTwoSteps) {
   CollisionMonitor robots(lab(), two_robots(), 0.0);
   EXPECT_TRUE(update(robots, {{1.0, 4.0, 1.0}, {3.0, 4.0, 1.0}}).empty());
   const auto crossed = update(robots, {{3.0, 4.0, 1.0}, {1.0, 4.0, 1.0}});
@@ -101,14 +101,14 @@ TEST(CollisionMonitor, CatchesWhatTunnelsBetweenTwoSteps) {
   EXPECT_TRUE(update(box, {{2.3, 2.75, 0.0}}).empty());
 }
 
-TEST(CollisionMonitor, FliesOverALowBox) {
+TEST(CollisionMonitor, AllowsFlightOverALowBox) {
   CollisionMonitor monitor(lab(), {{"Q1", 0.25, true}}, 0.6);
   EXPECT_TRUE(update(monitor, {{0.5, 2.75, 0.76}}).empty());
   EXPECT_TRUE(update(monitor, {{2.2, 2.75, 0.76}}).empty());
   EXPECT_EQ(update(monitor, {{0.5, 2.75, 0.74}}).size(), 1u);
 }
 
-TEST(CollisionMonitor, ReportsAContactOnceUntilItHasEnded) {
+TEST(CollisionMonitor, ReportsAContactOnce) {
   CollisionMonitor monitor(lab(), two_robots(), 0.0);
   const Eigen::Vector3d still(1.0, 4.0, 1.0);
   const auto beside = [&](double gap_m) {
@@ -125,7 +125,7 @@ TEST(CollisionMonitor, ReportsAContactOnceUntilItHasEnded) {
 
 // While bodies stay closer than the distance that ends a contact, it is one contact; tested three
 // times.
-TEST(CollisionMonitor, KeepsAContactAsLongAsItHasNotEnded) {
+TEST(CollisionMonitor, KeepsAContactUntilItEnds) {
   CollisionMonitor monitor(lab(), two_robots(), 0.6);
   const Eigen::Vector3d still(1.0, 4.0, 1.0);
   const auto apart = [&](double centres_m) {
@@ -148,7 +148,7 @@ TEST(CollisionMonitor, KeepsAContactAsLongAsItHasNotEnded) {
   }
 }
 
-TEST(CollisionMonitor, ReportsANearMissOfRobotsButNotOfRovers) {
+TEST(CollisionMonitor, ReportsNearMissesOfRobotsOnly) {
   CollisionMonitor monitor(lab(), {{"Q1", 0.25, true}, {"Q2", 0.25, true}, {"ROVER1", 0.05, false}},
                            0.6);
   const Eigen::Vector3d a(1.0, 4.0, 1.0);
@@ -162,7 +162,7 @@ TEST(CollisionMonitor, ReportsANearMissOfRobotsButNotOfRovers) {
   EXPECT_NEAR(monitor.min_separation_m(), 0.55, 1e-12);
 }
 
-TEST(CollisionMonitor, LeavesOutWhatIsNotFiniteAndCountsIt) {
+TEST(CollisionMonitor, SkipsAndCountsNonFinitePositions) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   CollisionMonitor monitor(lab(), two_robots(), 0.6);
   EXPECT_TRUE(update(monitor, {{nan, 4.0, 1.0}, {3.0, 4.0, 1.0}}).empty());
@@ -272,7 +272,7 @@ std::vector<std::string> words_of(const std::vector<ContactReport>& reports) {
 
 // Robots and rovers of all sizes that wander, flee, jump, appear late and are lost for a while. The
 // reports equal those of a check of all pairs at each step.
-TEST(CollisionMonitor, FindsWhatALookAtAllPairsFinds) {
+TEST(CollisionMonitor, EqualsCheckOfAllPairs) {
   std::mt19937_64 rng(17);
   std::uniform_real_distribution<double> u(0.0, 1.0);
   int touches = 0;
@@ -336,7 +336,7 @@ TEST(CollisionMonitor, FindsWhatALookAtAllPairsFinds) {
   EXPECT_GT(nears, 10);
 }
 
-TEST(CollisionMonitor, TakesNoBodyWithoutASizeAndAPlaceForEach) {
+TEST(CollisionMonitor, RequiresSizeAndPositionOfEachBody) {
   EXPECT_THROW(CollisionMonitor(lab(), {{"Q1", 0.0, true}}, 0.6), UsageError);
   EXPECT_THROW(CollisionMonitor(lab(), {{"Q1", NAN, true}}, 0.6), UsageError);
   EXPECT_THROW(CollisionMonitor(lab(), {{"Q1", INFINITY, true}}, 0.6), UsageError);
@@ -345,7 +345,7 @@ TEST(CollisionMonitor, TakesNoBodyWithoutASizeAndAPlaceForEach) {
   EXPECT_THROW(update(monitor, {{1.0, 1.0, 1.0}, {2.0, 1.0, 1.0}, {3.0, 1.0, 1.0}}), UsageError);
 }
 
-TEST(BoundsDistance, IsToTheNearestOfFourWallsAndTheCeiling) {
+TEST(BoundsDistance, IsTheLeastOfWallsAndCeiling) {
   World world;
   world.bounds = {{-1.0, -2.0}, {5.0, 9.0}};
   world.ceiling_m = 3.0;

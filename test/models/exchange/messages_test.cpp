@@ -44,7 +44,7 @@ MocapBody body(const std::string& name, double x_m, double y_m, bool occluded = 
   return out;
 }
 
-TEST(MocapFrame, FindsABodyWhereverItIsAndSoonWhereItWas) {
+TEST(MocapFrame, FindsABodyAtAnyIndex) {
   MocapFrame frame;
   frame.bodies = {body("a", 1.0, 0.0), body("b", 2.0, 0.0), body("b", 3.0, 0.0)};
   EXPECT_EQ(frame.find("a"), &frame.bodies[0]);
@@ -58,7 +58,7 @@ TEST(MocapFrame, FindsABodyWhereverItIsAndSoonWhereItWas) {
   EXPECT_EQ(MocapFrame{}.find("a", 0), nullptr);
 }
 
-TEST(Neighbours, AreThoseWithinADistanceOnTheGround) {
+TEST(Neighbours, AreRobotsWithinAHorizontalDistance) {
   MocapFrame frame;
   frame.bodies = {body("q1", 1.0, 1.0), body("q2", 4.0, 5.0), body("q3", -2.0, -3.0 - 1e-9),
                   body("q4", 1.0, 1.0, true)};
@@ -79,7 +79,7 @@ TEST(Neighbours, AreThoseWithinADistanceOnTheGround) {
   EXPECT_EQ(is_near, (std::vector<std::uint8_t>{1, 0, 1, 3, 3}));
 }
 
-TEST(BeliefMixture, IsOfTheBeliefOfTheSameRobotStepAndInstant) {
+TEST(BeliefMixture, MatchesTheBeliefOfTheSameRobotStepAndTime) {
   RobotBelief belief;
   belief.robot = "q1";
   belief.step = 4;
@@ -105,7 +105,7 @@ TEST(BeliefMixture, IsOfTheBeliefOfTheSameRobotStepAndInstant) {
   EXPECT_FALSE(is_of_belief(other, belief));
 }
 
-TEST(TeamProposal, FindsWhatARobotIsToDo) {
+TEST(TeamProposal, FindsTheChoiceOfARobot) {
   TeamProposal proposal;
   EXPECT_EQ(proposal.find("q1"), nullptr);
   for (const char* const robot : {"q1", "q2", "q3"}) {
@@ -117,7 +117,7 @@ TEST(TeamProposal, FindsWhatARobotIsToDo) {
   EXPECT_EQ(proposal.find("q4"), nullptr);
 }
 
-TEST(OperatorAction, MakesSaferWhatEndsAFlight) {
+TEST(OperatorAction, IsSaferIfItEndsAFlight) {
   using Action = OperatorAction;
   for (const Action action : {Action::kHold, Action::kLand, Action::kEmergencyStop}) {
     EXPECT_TRUE(makes_safer(action));
@@ -128,7 +128,7 @@ TEST(OperatorAction, MakesSaferWhatEndsAFlight) {
   }
 }
 
-TEST(Counts, AreTheirsThatAreNotZeroInOrder) {
+TEST(Counts, OmitZerosAndKeepOrder) {
   const std::vector<NamedCount> some{{"a", 0}, {"b", 2}, {"c", -1}, {"d", 0}};
   const std::vector<NamedCount> left = nonzero(some);
   ASSERT_EQ(left.size(), 2U);

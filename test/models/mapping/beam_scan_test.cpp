@@ -14,7 +14,7 @@ const models::World kWorld{{{0.0, 0.0}, {8.0, 6.0}},
                            {{{{2.0, 2.0}, {3.0, 4.0}}, 3.0}, {{{5.0, 1.0}, {7.0, 2.0}}, 3.0}},
                            {}};
 
-TEST(RayDistance, IsWhatARulerSays) {
+TEST(RayDistance, EqualsTheGeometricDistance) {
   EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {1.0, 3.0}, 0.0), 1.0);
   EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {1.0, 3.0}, kPi), 1.0);
   EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {1.0, 1.0}, kPi / 4.0), std::sqrt(2.0));
@@ -23,7 +23,7 @@ TEST(RayDistance, IsWhatARulerSays) {
   EXPECT_EQ(ray_distance_m(kWorld, {-1.0, 3.0}, 0.0), 0.0) << "outside";
 }
 
-TEST(RayDistance, EndsWhereSightEnds) {
+TEST(RayDistance, AgreesWithLineOfSight) {
   test::Random random(4901);
   for (int i = 0; i < 20'000; ++i) {
     const Eigen::Vector2d from_m(random.uniform(0.0, 8.0), random.uniform(0.0, 6.0));
@@ -44,7 +44,7 @@ TEST(RayDistance, EndsWhereSightEnds) {
   }
 }
 
-TEST(BeamScan, ReadsDistancesWithinTheSensorsRangeAndItsEndsOtherwise) {
+TEST(BeamScan, ClampsDistancesToTheSensorsRange) {
   test::Random random(4902);
   const models::BeamSensor sensor{360, 2.0 * kPi, 0.8, 2.5, 0.01};
   const Pose2 at{1.5, 3.0, 0.7};
@@ -63,7 +63,7 @@ TEST(BeamScan, ReadsDistancesWithinTheSensorsRangeAndItsEndsOtherwise) {
 }
 
 // Exact along the axes in both directions: past a box, along its edge, and up to it.
-TEST(RayDistance, IsWhatARulerSaysAlongTheAxes) {
+TEST(RayDistance, IsExactAlongAxes) {
   const double up = kPi / 2.0;
   EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {2.5, 1.0}, up), 1.0);
   EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {2.5, 5.0}, -up), 1.0);

@@ -75,12 +75,12 @@ double csqmi_as_printed(const BeamProfile& beam, const BeamSensor& sensor) {
   return std::log(first) + std::log(product * second) - 2.0 * std::log(third);
 }
 
-TEST(Csqmi, OfOneUnknownCellFarFromTheGreatestRangeIsOneBit) {
+TEST(Csqmi, IsOneBitForOneUnknownCell) {
   const BeamSensor sensor{1, 1.0, 0.0, 10.0, 0.01};
   EXPECT_NEAR(csqmi(beam_of({0.5}, 1.0), sensor).nats, std::log(2.0), 1e-12);
 }
 
-TEST(Csqmi, OfOneCellIsTheRatioOfSquaredOdds) {
+TEST(Csqmi, EqualsClosedFormForOneCell) {
   // p = (o, 1 − o), w = (o², (1 − o)²)/s, s = o² + (1 − o)²: I = log s − 2 log((o³ + (1 − o)³)/s).
   const BeamSensor sensor{1, 1.0, 0.0, 10.0, 0.01};
   for (const double o : {0.01, 0.2, 0.7, 0.999}) {
@@ -91,7 +91,7 @@ TEST(Csqmi, OfOneCellIsTheRatioOfSquaredOdds) {
   }
 }
 
-TEST(Csqmi, EqualsTheSumOverAllMapsOfUpToEightCells) {
+TEST(Csqmi, EqualsTheSumOverAllMaps) {
   test::Random random(4201);
   for (int i = 0; i < 200; ++i) {
     const BeamSensor sensor{1, 1.0, random.coin() ? 0.0 : 0.4, random.uniform(0.8, 2.5),
@@ -104,7 +104,7 @@ TEST(Csqmi, EqualsTheSumOverAllMapsOfUpToEightCells) {
   }
 }
 
-TEST(Csqmi, EqualsTheClosedFormAsPrinted) {
+TEST(Csqmi, EqualsThePublishedClosedForm) {
   test::Random random(4202);
   for (int i = 0; i < 2'000; ++i) {
     const BeamSensor sensor{1, 1.0, 0.0, random.uniform(0.5, 4.0), random.uniform(0.01, 0.3)};
@@ -113,7 +113,7 @@ TEST(Csqmi, EqualsTheClosedFormAsPrinted) {
   }
 }
 
-TEST(Csqmi, CutOffIsWithinItsStatedError) {
+TEST(Csqmi, TruncationErrorIsWithinItsBound) {
   test::Random random(4203);
   double worst_share = 0.0;
   for (int i = 0; i < 20'000; ++i) {
@@ -127,7 +127,7 @@ TEST(Csqmi, CutOffIsWithinItsStatedError) {
   EXPECT_GT(worst_share, 0.05) << "the statement says nothing";
 }
 
-TEST(Csqmi, StatesAnErrorOfLessThanATenMillionthAtTheUsualCutOff) {
+TEST(Csqmi, TruncationErrorIsBelowOneTenMillionth) {
   test::Random random(4204);
   for (int i = 0; i < 1'000; ++i) {
     const BeamSensor sensor{1, 1.0, 0.0, 6.0, 0.01};
@@ -136,7 +136,7 @@ TEST(Csqmi, StatesAnErrorOfLessThanATenMillionthAtTheUsualCutOff) {
   }
 }
 
-TEST(Csqmi, IsNeverNegativeAndIsZeroWhenEveryCellIsCertain) {
+TEST(Csqmi, IsNonNegativeAndZeroForCertainCells) {
   test::Random random(4205);
   for (int i = 0; i < 20'000; ++i) {
     const BeamSensor sensor{1, 1.0, 0.0, random.uniform(0.3, 6.0), random.uniform(0.001, 0.5)};
@@ -150,7 +150,7 @@ TEST(Csqmi, IsNeverNegativeAndIsZeroWhenEveryCellIsCertain) {
   EXPECT_EQ(csqmi({}, BeamSensor{}).nats, 0.0);
 }
 
-TEST(Csqmi, DoesNotSeeWhatIsBehindAnOccupiedCell) {
+TEST(Csqmi, IgnoresCellsBehindAnOccupiedCell) {
   test::Random random(4206);
   const BeamSensor sensor{1, 1.0, 0.0, 5.0, 0.01};
   for (int i = 0; i < 200; ++i) {
@@ -163,7 +163,7 @@ TEST(Csqmi, DoesNotSeeWhatIsBehindAnOccupiedCell) {
   }
 }
 
-TEST(Csqmi, StaysFiniteOnABeamOfTenThousandUnknownCells) {
+TEST(Csqmi, IsFiniteForTenThousandUnknownCells) {
   const BeamSensor sensor{1, 1.0, 0.0, 1001.0, 0.01};
   const BeamProfile beam = beam_of(std::vector<double>(10'000, 0.5), 0.1);
   // p = w, geometric: I = −log Σ 4^−j = log 3.

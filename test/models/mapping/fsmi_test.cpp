@@ -78,7 +78,7 @@ double shannon_by_enumeration(const EnumeratedBeam& beam) {
   });
 }
 
-TEST(Fsmi, OfOneUnknownCellIsTheExpectedDivergence) {
+TEST(Fsmi, EqualsExpectedDivergenceForOneCell) {
   const BeamSensor sensor{1, 1.0, 0.0, 10.0, 0.01};
   const InverseBeamModel inverse{std::log(9.0), -std::log(9.0)};
   BeamProfile beam;
@@ -86,7 +86,7 @@ TEST(Fsmi, OfOneUnknownCellIsTheExpectedDivergence) {
   EXPECT_NEAR(fsmi(beam, sensor, inverse).nats, divergence_nats(0.9, 0.5), 1e-12);
 }
 
-TEST(Fsmi, EqualsTheSumOverAllMapsOfUpToEightCells) {
+TEST(Fsmi, EqualsTheSumOverAllMaps) {
   test::Random random(4301);
   for (int i = 0; i < 1'000; ++i) {
     const BeamSensor sensor{1, 1.0, random.coin() ? 0.0 : 0.4, random.uniform(0.8, 2.5),
@@ -98,7 +98,7 @@ TEST(Fsmi, EqualsTheSumOverAllMapsOfUpToEightCells) {
   }
 }
 
-TEST(Fsmi, IsShannonsInformationWhenReadingsLeaveNoDoubt) {
+TEST(Fsmi, EqualsShannonInformationForNoiselessReadings) {
   test::Random random(4302);
   const BeamSensor sensor{1, 1.0, 0.0, 3.0, 0.002};
   const InverseBeamModel certain{40.0, -40.0};
@@ -109,7 +109,7 @@ TEST(Fsmi, IsShannonsInformationWhenReadingsLeaveNoDoubt) {
   }
 }
 
-TEST(Fsmi, CutOffIsWithinItsStatedError) {
+TEST(Fsmi, TruncationErrorIsWithinItsBound) {
   test::Random random(4303);
   for (int i = 0; i < 5'000; ++i) {
     const BeamSensor sensor{1, 1.0, 0.0, random.uniform(0.5, 6.0), random.uniform(0.02, 0.3)};
@@ -119,7 +119,7 @@ TEST(Fsmi, CutOffIsWithinItsStatedError) {
   }
 }
 
-TEST(Fsmi, IsNeverNegativeAndIsZeroWhenEveryCellIsCertain) {
+TEST(Fsmi, IsNonNegativeAndZeroForCertainCells) {
   test::Random random(4304);
   for (int i = 0; i < 5'000; ++i) {
     const BeamSensor sensor{1, 1.0, 0.0, random.uniform(0.3, 6.0), random.uniform(0.001, 0.1)};
@@ -133,7 +133,7 @@ TEST(Fsmi, IsNeverNegativeAndIsZeroWhenEveryCellIsCertain) {
   EXPECT_EQ(fsmi({}, BeamSensor{}, {}).nats, 0.0);
 }
 
-TEST(BeamInformation, RanksBeamsAlikeByBothMeasures) {
+TEST(BeamInformation, RanksBeamsEquallyByBothMeasures) {
   test::Random random(4305);
   const BeamSensor sensor{1, 1.0, 0.0, 1.5, 0.01};
   int agree = 0;

@@ -15,7 +15,7 @@ namespace {
 
 const GridGeometry kGrid{{0.0, 0.0}, 0.5, 4, 3};
 
-TEST(Looks, AddUpTheSameInAnyOrderWhereClampedLogOddsDoNot) {
+TEST(Looks, SumIndependentlyOfTheOrderUnlikeClampedLogOdds) {
   test::Random random(5101);
   struct Look {
     int cell = 0;
@@ -38,7 +38,7 @@ TEST(Looks, AddUpTheSameInAnyOrderWhereClampedLogOddsDoNot) {
   EXPECT_THROW(sum_of({{parts[0], Looks(11, 0)}}), UsageError);
 }
 
-TEST(Looks, StayAtTheLimits) {
+TEST(Looks, SaturateAtTheLimits) {
   using Limits = std::numeric_limits<std::int16_t>;
   Looks looks{Limits::max(), Limits::min()};
   add_look(looks, 0, true);
@@ -50,7 +50,7 @@ TEST(Looks, StayAtTheLimits) {
   EXPECT_EQ(sum_of({{looks, same, other}}), (Looks{Limits::max() - 4, Limits::min() + 4}));
 }
 
-TEST(Looks, MakeTheBeliefOfSoManyUpdates) {
+TEST(Looks, EqualRepeatedUpdates) {
   const MappingSpec spec;
   const Looks looks{0, 1, -1, 2, -2, 30, -30, 0, 0, 0, 0, 0};
   const OccupancyBelief belief = belief_of(kGrid, looks, spec);
@@ -64,7 +64,7 @@ TEST(Looks, MakeTheBeliefOfSoManyUpdates) {
   EXPECT_THROW(static_cast<void>(belief_of(kGrid, Looks(11, 0), spec)), UsageError);
 }
 
-TEST(MappingSpec, IsAsStatedWhereAScenarioSaysNothing) {
+TEST(MappingSpec, HasTheStatedDefaults) {
   const MappingSpec spec;
   EXPECT_EQ(spec.scanner.beams, 96);
   EXPECT_EQ(spec.scanner.range_max_m, 1.5);

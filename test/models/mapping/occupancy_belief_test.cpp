@@ -14,14 +14,14 @@ namespace {
 
 const GridGeometry kGrid{{0.0, 0.0}, 0.5, 6, 4};
 
-TEST(OccupancyBelief, BeginsAtOneBitACell) {
+TEST(OccupancyBelief, StartsAtOneBitPerCell) {
   const OccupancyBelief belief(kGrid, 4.0);
   EXPECT_NEAR(belief.entropy_nats(), 24.0 * std::log(2.0), 1e-12);
   EXPECT_EQ(belief.occupancy(5), 0.5);
   EXPECT_FALSE(belief.is_settled(5));
 }
 
-TEST(OccupancyBelief, AddsLogOddsAsBayesRuleMultipliesOdds) {
+TEST(OccupancyBelief, AddsLogOddsByBayesRule) {
   OccupancyBelief belief(kGrid, 10.0);
   belief.add_log_odds(3, std::log(0.9 / 0.2));  // P(hit | occupied) / P(hit | free)
   EXPECT_NEAR(belief.occupancy(3), 0.9 / (0.9 + 0.2), 1e-12);
@@ -29,7 +29,7 @@ TEST(OccupancyBelief, AddsLogOddsAsBayesRuleMultipliesOdds) {
   EXPECT_NEAR(belief.occupancy(3), 0.09 / (0.09 + 0.16), 1e-12);
 }
 
-TEST(OccupancyBelief, DoesNotDependOnTheOrderBelowTheClamp) {
+TEST(OccupancyBelief, IsIndependentOfTheOrderBelowTheClamp) {
   test::Random random(4401);
   OccupancyBelief forward(kGrid, 100.0);
   OccupancyBelief backward(kGrid, 100.0);
@@ -47,7 +47,7 @@ TEST(OccupancyBelief, DoesNotDependOnTheOrderBelowTheClamp) {
   }
 }
 
-TEST(OccupancyBelief, SettlesAtTheClampAndCanBeUnsettled) {
+TEST(OccupancyBelief, SaturatesAtTheClampReversibly) {
   OccupancyBelief belief(kGrid, 2.0);
   belief.add_log_odds(0, 5.0);
   EXPECT_EQ(belief.log_odds(0), 2.0);
@@ -81,12 +81,12 @@ TEST(OccupancyBelief, EntropyFallsInExpectation) {
   }
 }
 
-TEST(OccupancyBelief, RefusesAClampOfNothing) {
+TEST(OccupancyBelief, RefusesAZeroClamp) {
   EXPECT_THROW(OccupancyBelief(kGrid, 0.0), UsageError);
   EXPECT_THROW(OccupancyBelief(kGrid, std::nan("")), UsageError);
 }
 
-TEST(TraceBeam, LeavesOutTheOwnCellAndEndsBehindAWall) {
+TEST(TraceBeam, ExcludesTheOwnCellAndEndsAtAWall) {
   OccupancyBelief belief(kGrid, 2.0);
   belief.add_log_odds(4, 9.0);
   const BeamSensor sensor{1, 1.0, 0.0, 10.0, 0.01};
@@ -108,7 +108,7 @@ TEST(BeamSensor, SpreadsItsBeamsOverItsFieldOfView) {
   EXPECT_EQ((BeamSensor{1, 1.0, 0.0, 1.0, 0.01}).bearing_rad(0), 0.0);
 }
 
-TEST(BeamSensor, RefusesNumbersThatMakeNoSense) {
+TEST(BeamSensor, RefusesInvalidValues) {
   EXPECT_NO_THROW(require_valid(BeamSensor{}));
   EXPECT_THROW(require_valid(BeamSensor{0, 1.0, 0.0, 1.0, 0.01}), UsageError);
   EXPECT_THROW(require_valid(BeamSensor{1, 7.0, 0.0, 1.0, 0.01}), UsageError);
@@ -117,7 +117,7 @@ TEST(BeamSensor, RefusesNumbersThatMakeNoSense) {
 }
 
 // Each rule at its limit, on both sides.
-TEST(BeamSensor, TakesNumbersUpToTheirLimits) {
+TEST(BeamSensor, AcceptsValuesUpToTheirLimits) {
   const auto is_valid = [](const BeamSensor& sensor) {
     try {
       require_valid(sensor);
@@ -142,7 +142,7 @@ TEST(BeamSensor, TakesNumbersUpToTheirLimits) {
 
 // The beams of a full circle are spread evenly, those of a fan from end to end, and a single one is
 // straight ahead. Distances outside the range read as its ends.
-TEST(BeamSensor, IsAsStated) {
+TEST(BeamSensor, HasTheStatedDefaults) {
   for (const int beams : {1, 2, 5, 8}) {
     const BeamSensor circle{beams, 2.0 * kPi, 0.0, 1.0, 0.01};
     const BeamSensor fan{beams, 3.0, 0.0, 1.0, 0.01};
@@ -170,7 +170,7 @@ TEST(BeamSensor, IsAsStated) {
 
 // From outside the grid the profile is empty, whatever it held before; from the last cell outwards,
 // too.
-TEST(TraceBeam, IsEmptyWhereTheRayIs) {
+TEST(TraceBeam, IsEmptyForAnEmptyRay) {
   const OccupancyBelief belief(kGrid, 2.0);
   const BeamSensor sensor{1, 1.0, 0.0, 10.0, 0.01};
   BeamProfile beam;
@@ -188,7 +188,7 @@ TEST(TraceBeam, IsEmptyWhereTheRayIs) {
   EXPECT_NEAR(beam.exit_m[0], 0.7, 1e-12) << "as far as it reaches";
 }
 
-TEST(Probabilities, AreLogOddsAndBack) {
+TEST(Probabilities, ConvertToLogOddsAndBack) {
   for (const double p : {0.01, 0.3, 0.5, 0.95}) {
     EXPECT_NEAR(probability_of(log_odds_of(p)), p, 1e-12);
     EXPECT_NEAR(log_odds_of(1.0 - p), -log_odds_of(p), 1e-12);

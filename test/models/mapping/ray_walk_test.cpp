@@ -13,7 +13,7 @@ namespace {
 
 const GridGeometry kGrid{{-1.0, 2.0}, 0.25, 32, 18};
 
-TEST(RayWalk, RunsAlongARow) {
+TEST(RayWalk, VisitsTheCellsOfARow) {
   std::vector<int> cells;
   std::vector<double> enter_m;
   for (RayWalk walk(kGrid, {-0.9, 2.1}, 0.0, 0.7); walk.next();) {
@@ -25,7 +25,7 @@ TEST(RayWalk, RunsAlongARow) {
   EXPECT_NEAR(enter_m[3], 0.65, 1e-12);
 }
 
-TEST(RayWalk, TilesTheRayWithTheCellsThatHoldIt) {
+TEST(RayWalk, CoversTheRayWithItsCells) {
   test::Random random(4101);
   for (int i = 0; i < 20'000; ++i) {
     const Eigen::Vector2d from_m(random.uniform(-1.0, 7.0), random.uniform(2.0, 6.5));
@@ -48,7 +48,7 @@ TEST(RayWalk, TilesTheRayWithTheCellsThatHoldIt) {
   }
 }
 
-TEST(RayWalk, GoesNowhereFromOutsideOrWithoutARange) {
+TEST(RayWalk, IsEmptyOutsideOrWithoutRange) {
   EXPECT_FALSE(RayWalk(kGrid, {-1.1, 3.0}, 0.0, 1.0).next());
   EXPECT_FALSE(RayWalk(kGrid, {0.0, 3.0}, 0.0, 0.0).next());
   EXPECT_FALSE(RayWalk(kGrid, {0.0, 3.0}, std::nan(""), 1.0).next());

@@ -42,7 +42,7 @@ TEST(StepUnicycle, SolvesTheDifferentialEquation) {
   }
 }
 
-TEST(StepUnicycle, IsTheExponentialOfItsTwist) {
+TEST(StepUnicycle, EqualsTheExponentialOfItsTwist) {
   test::Random random(12);
   for (const double yaw_rate_radps : {0.0, 1e-12, 1e-5, 2e-4, -1e-3, 1.0, -3.0, 20.0}) {
     const Pose2 start = random.pose2(10.0);
@@ -53,7 +53,7 @@ TEST(StepUnicycle, IsTheExponentialOfItsTwist) {
   }
 }
 
-TEST(StepUnicycle, TakesTwoHalvesAsOneWhole) {
+TEST(StepUnicycle, TwoHalfStepsEqualOneStep) {
   test::Random random(13);
   for (int i = 0; i < 1000; ++i) {
     const Pose2 start = random.pose2(10.0);
@@ -98,7 +98,7 @@ TEST(StandardPrimitives, AreTwoSpeedsByFiveYawRates) {
   EXPECT_EQ(standard_primitives(), expected);
 }
 
-TEST(LabPrimitives, AreTheSlowHalfOfTheStandardOnes) {
+TEST(LabPrimitives, AreTheSlowStandardPrimitives) {
   const std::vector<UnicycleControl> standard = standard_primitives();
   EXPECT_EQ(lab_primitives(), std::vector(standard.begin(), standard.begin() + 5));
 }

@@ -55,20 +55,20 @@ TEST(At, FollowsTheSegmentsAndThenHovers) {
   EXPECT_EQ(at(trajectory, kStart + from_seconds(1e6)).world_from_body, end);
 }
 
-TEST(At, RestsAtTheStartBeforeItsTime) {
+TEST(At, HoversAtStartBeforeStartTime) {
   const Trajectory trajectory{kStart, {1.0, 2.0, 0.5}, 1.0, {{{3.0, 1.0}, 0.5, 0.0}}};
   const TrajectoryPoint point = at(trajectory, kStart - Duration{1});
   EXPECT_EQ(point.world_from_body, trajectory.start);
   EXPECT_EQ(point.control, UnicycleControl{});
 }
 
-TEST(At, HoversForEverWithoutSegments) {
+TEST(At, HoversPermanentlyWithoutSegments) {
   const Trajectory trajectory{kStart, {1.0, 2.0, 0.5}, 1.0, {}};
   EXPECT_EQ(end_time(trajectory), kStart);
   EXPECT_EQ(at(trajectory, kStart + from_seconds(3.0)).world_from_body, trajectory.start);
 }
 
-TEST(At, IsContinuousAndNoFasterThanItsControlSays) {
+TEST(At, IsContinuousAndWithinItsControlSpeed) {
   test::Random random(81);
   for (int i = 0; i < 300; ++i) {
     const Trajectory trajectory = random_trajectory(random, 3.0);
@@ -85,7 +85,7 @@ TEST(At, IsContinuousAndNoFasterThanItsControlSays) {
   }
 }
 
-TEST(EndTime, IsWhenTheVehicleHasComeToRest) {
+TEST(EndTime, IsTheTimeOfTheStop) {
   test::Random random(82);
   for (int i = 0; i < 300; ++i) {
     const Trajectory trajectory = random_trajectory(random, 3.0);
@@ -97,7 +97,7 @@ TEST(EndTime, IsWhenTheVehicleHasComeToRest) {
   }
 }
 
-TEST(Brake, StopsStraightAheadAfterTheSquareOfTheSpeedOverTwiceTheBrake) {
+TEST(Brake, StopsAfterSquaredSpeedOverTwiceTheDeceleration) {
   const Trajectory stop{kStart, {0.0, 0.0, kPi / 2}, 1.0, brake(3.0, 2.0)};
   ASSERT_EQ(stop.segments.size(), 1u);
   EXPECT_DOUBLE_EQ(stop.segments[0].duration_s, 1.5);
@@ -116,7 +116,7 @@ TEST(Brake, StopsBackwardsToo) {
 }
 
 // The bound uses the speeds without braking, forwards and in reverse.
-TEST(LengthAtMost, IsNoLessThanTheWayForwardsAndBackwards) {
+TEST(LengthAtMost, BoundsForwardAndReverseDistance) {
   test::Random random(84);
   for (int i = 0; i < 300; ++i) {
     Trajectory trajectory = random_trajectory(random, 2.0);
@@ -138,7 +138,7 @@ TEST(LengthAtMost, IsNoLessThanTheWayForwardsAndBackwards) {
   }
 }
 
-TEST(Brake, IsNothingAtRest) { EXPECT_TRUE(brake(0.0, 2.0).empty()); }
+TEST(Brake, IsEmptyAtRest) { EXPECT_TRUE(brake(0.0, 2.0).empty()); }
 
 TEST(KeepsSeparation, AgreesWithDenseSampling) {
   test::Random random(83);
@@ -172,7 +172,7 @@ TEST(KeepsSeparation, AgreesWithDenseSampling) {
   EXPECT_GT(decided, 900);
 }
 
-TEST(KeepsSeparation, IsNotFooledByLongPieces) {
+TEST(KeepsSeparation, IsExactForLongSegments) {
   test::Random random(84);
   for (int i = 0; i < 2000; ++i) {
     const Trajectory a = random_trajectory(random, 1.0);
@@ -183,20 +183,20 @@ TEST(KeepsSeparation, IsNotFooledByLongPieces) {
   }
 }
 
-TEST(KeepsSeparation, SeesASwapOfPlacesBetweenTwoSamples) {
+TEST(KeepsSeparation, DetectsASwapBetweenTwoSamples) {
   const Trajectory a{kStart, {-1.0, 0.0, 0.0}, 1.0, {{{3.0, 0.0}, 0.7, 0.0}}};
   const Trajectory b{kStart, {1.0, 0.0, kPi}, 1.0, {{{3.0, 0.0}, 0.7, 0.0}}};
   EXPECT_FALSE(keeps_separation(a, b, kStart, 0.01, 1.0));
 }
 
-TEST(KeepsSeparation, CountsTheDifferenceOfHeights) {
+TEST(KeepsSeparation, IncludesTheHeightDifference) {
   const Trajectory low{kStart, {}, 1.0, {}};
   const Trajectory high{kStart, {}, 1.6, {}};
   EXPECT_TRUE(keeps_separation(low, high, kStart, 0.6 - 1e-12));
   EXPECT_FALSE(keeps_separation(low, high, kStart, 0.6 + 1e-9));
 }
 
-TEST(KeepsSeparation, FromAboveIsThatOfTheSameWaysAtOneHeight) {
+TEST(KeepsSeparation, FromAboveIgnoresHeight) {
   test::Random random(87);
   int differ = 0;
   for (int i = 0; i < 2000; ++i) {
@@ -212,7 +212,7 @@ TEST(KeepsSeparation, FromAboveIsThatOfTheSameWaysAtOneHeight) {
   EXPECT_GT(differ, 100);
 }
 
-TEST(KeepsSeparation, WatchesTheHoverBeforeALateStartAndTheOneForEver) {
+TEST(KeepsSeparation, CountsHoverBeforeStartAndAfterEnd) {
   const Trajectory passes{kStart, {-3.0, 0.0, 0.0}, 1.0, {{{3.0, 0.0}, 2.0, 0.0}}};
   const Trajectory waits{
       kStart + from_seconds(3600.0), {0.0, 0.1, 0.0}, 1.0, {{{3.0, 0.0}, 2.0, 0.0}}};
@@ -228,7 +228,7 @@ TEST(KeepsSeparation, WatchesTheHoverBeforeALateStartAndTheOneForEver) {
       ((position_m(joins, end_time(joins)) - position_m(passes, end_time(passes))).norm() > 0.5));
 }
 
-TEST(KeepsSeparation, ForgetsWhatIsPast) {
+TEST(KeepsSeparation, IgnoresPastMotion) {
   const Trajectory a{kStart, {-1.0, 0.0, 0.0}, 1.0, {{{3.0, 0.0}, 2.0, 0.0}}};
   const Trajectory b{kStart, {}, 1.0, {}};
   EXPECT_FALSE(keeps_separation(a, b, kStart, 0.5));
@@ -263,7 +263,7 @@ TEST(IsClear, AgreesWithDenseSampling) {
   EXPECT_LT(clear, 3500);
 }
 
-TEST(IsClear, CatchesTheBulgeOfAnArcBetweenTheEndsOfAPiece) {
+TEST(IsClear, DetectsTheBulgeOfAnArc) {
   const World world{{{-5.0, -5.0}, {5.0, 1.4}}, 3.0, {}, {}};
   // Half a circle of radius 1 that rises to y = 1 between ends at y = 0.
   const Trajectory arc{kStart, {1.0, 0.0, kPi / 2}, 1.0, {{{1.0, 1.0}, kPi, 0.0}}};
@@ -271,13 +271,13 @@ TEST(IsClear, CatchesTheBulgeOfAnArcBetweenTheEndsOfAPiece) {
   EXPECT_TRUE(is_clear(world, arc, kStart, 0.39, 100.0));
 }
 
-TEST(IsClear, LooksAtTheHoverAlone) {
+TEST(IsClear, ChecksHoverWithoutSegments) {
   EXPECT_TRUE(is_clear(lab(), {kStart, {2.0, 2.0, 0.0}, 1.0, {}}, kStart, 0.3));
   EXPECT_FALSE(is_clear(lab(), {kStart, {0.0, 0.0, 0.0}, 1.0, {}}, kStart, 0.3));
   EXPECT_FALSE(is_clear(lab(), {kStart, {3.8, 2.0, 0.0}, 1.0, {}}, kStart, 0.3));
 }
 
-TEST(PlanChecks, NeverReachForTheHeap) {
+TEST(PlanChecks, AllocateNothing) {
   if (!test::AllocationCounter::is_active()) {
     GTEST_SKIP() << "allocations are not counted under a sanitizer";
   }

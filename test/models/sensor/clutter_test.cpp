@@ -20,12 +20,12 @@ SensorModel sensor_of(SensorKind kind) {
   return sensor;
 }
 
-TEST(ViewArea, OfARangeAndBearingIsTheSectors) {
+TEST(ViewArea, OfRangeAndBearingIsSectorArea) {
   const SensorModel sensor = sensor_of(SensorKind::kRangeBearing);
   EXPECT_DOUBLE_EQ(view_area_m2(sensor, {}), 0.75 * (9.0 - 0.25));
 }
 
-TEST(ViewArea, OfACameraIsWhatAFineGridCounts) {
+TEST(ViewArea, OfCameraEqualsGridCount) {
   SensorModel sensor = sensor_of(SensorKind::kCamera);
   sensor.range_min_m = 0.0;
   sensor.fov_rad = 2.0 * kPi;
@@ -71,7 +71,7 @@ TEST(SampleClutter, IsPoissonAndUniformOverTheAreaInView) {
   EXPECT_NEAR(near_half / count, 0.5, 4.0 * 0.5 / std::sqrt(count));
 }
 
-TEST(SampleClutter, IsPoissonWhereThereIsMuch) {
+TEST(SampleClutter, IsPoissonAtHighRates) {
   const SensorModel sensor = sensor_of(SensorKind::kPosition);
   std::mt19937_64 rng(2);
   constexpr int kLooks = 300;
@@ -87,14 +87,14 @@ TEST(SampleClutter, IsPoissonWhereThereIsMuch) {
   EXPECT_NEAR(square / kLooks, kMean, 4.0 * kMean * std::sqrt(2.0 / kLooks));
 }
 
-TEST(SampleClutter, IsNoneWhereThereIsNone) {
+TEST(SampleClutter, IsEmptyAtRateZero) {
   std::mt19937_64 rng(1);
   EXPECT_TRUE(sample_clutter(sensor_of(SensorKind::kBearing), {}, 0.0, rng).empty());
 }
 
 // Clutter is as frequent left as right and near as far, from the least range on and over the whole
 // field of view. This also holds for a sensor with a full circle.
-TEST(SampleClutter, IsOnBothSidesOfStraightAhead) {
+TEST(SampleClutter, CoversBothSidesOfTheHeading) {
   SensorModel sensor = sensor_of(SensorKind::kPosition);
   sensor.position_sigma_m = 1e-9;
   for (const double fov_rad : {1.5, 2.0 * kPi}) {
@@ -118,7 +118,7 @@ TEST(SampleClutter, IsOnBothSidesOfStraightAhead) {
 
 // The area of a ring between two ranges within a field of view of any width, with and without a
 // camera.
-TEST(ViewArea, IsOfTheRingWithinTheFieldOfView) {
+TEST(ViewArea, IsTheRingSectorInView) {
   SensorModel sensor = sensor_of(SensorKind::kRange);
   sensor.fov_rad = 2.0 * kPi;
   EXPECT_NEAR(view_area_m2(sensor, {}), kPi * (9.0 - 0.25), 1e-12);

@@ -94,7 +94,7 @@ TEST(InformationBound, IsNeverExceededFromAnyReachableViewpoint) {
 }
 
 // A consistent heuristic needs this: what is reachable after a step was reachable before it.
-TEST(InformationBound, NeverFallsWhenTheReachGrows) {
+TEST(InformationBound, IsMonotonicInTheReach) {
   test::Random random(72);
   for (const SensorKind kind : kKinds) {
     for (int i = 0; i < 4000; ++i) {
@@ -109,7 +109,7 @@ TEST(InformationBound, NeverFallsWhenTheReachGrows) {
   }
 }
 
-TEST(InformationBound, IsZeroForATargetThatNoReachableViewpointCanSee) {
+TEST(InformationBound, IsZeroForAnInvisibleTarget) {
   for (const SensorKind kind : kKinds) {
     SensorModel sensor;
     sensor.kind = kind;
@@ -125,7 +125,7 @@ TEST(InformationBound, IsZeroForATargetThatNoReachableViewpointCanSee) {
 }
 
 // A target far below has no bearing until the reach leads far enough to the side.
-TEST(InformationBound, IsZeroWhereNothingReachedIsBesideTheTarget) {
+TEST(InformationBound, IsZeroDirectlyAboveTarget) {
   for (const SensorKind kind : {SensorKind::kRangeBearing, SensorKind::kBearing}) {
     SensorModel sensor;
     sensor.kind = kind;
@@ -137,7 +137,7 @@ TEST(InformationBound, IsZeroWhereNothingReachedIsBesideTheTarget) {
   }
 }
 
-TEST(InformationBound, IsReachedByTheBestViewpoint) {
+TEST(InformationBound, IsAttainedAtTheBestViewpoint) {
   SensorModel sensor;
   sensor.range_min_m = 0.1;
   const Viewpoint from{{0.0, 0.0, 0.0}, 2.0};
@@ -151,7 +151,7 @@ TEST(InformationBound, IsReachedByTheBestViewpoint) {
   }
 }
 
-TEST(InformationBound, OfABearingStopsAtTheLeastRange) {
+TEST(InformationBound, EndsAtMinimumRangeForBearing) {
   SensorModel sensor;
   sensor.kind = SensorKind::kBearing;
   sensor.range_min_m = 0.2;
@@ -163,7 +163,7 @@ TEST(InformationBound, OfABearingStopsAtTheLeastRange) {
 }
 
 // Beyond the range no viewpoint sees the target, so a larger reach adds nothing.
-TEST(InformationBound, StaysWhereTheReachGoesBeyondTheRange) {
+TEST(InformationBound, IsConstantBeyondTheSensorsRange) {
   for (const SensorKind kind : kKinds) {
     for (const double tilt_rad : {0.3, 1.0, kPi / 2}) {
       for (const double fov_rad : {1.0, 2.0 * kPi}) {
@@ -188,7 +188,7 @@ TEST(InformationBound, StaysWhereTheReachGoesBeyondTheRange) {
 
 // On its optical axis a stationary camera has the information (f / (σ d))² at depth d, which equals
 // the bound. This holds at any tilt, for targets on the ground and above it.
-TEST(InformationBound, OfACameraIsReachedOnItsAxis) {
+TEST(InformationBound, IsReachedOnCameraAxis) {
   SensorModel sensor;
   sensor.kind = SensorKind::kCamera;
   sensor.focal_length_pixels = 400.0;

@@ -20,7 +20,7 @@ using test::random_target;
 
 // The planar law for planners equals information() for each observation: along the line of sight,
 // across it, and in all directions.
-TEST(SensorLaw, OfAPlanarTargetIsItsInformation) {
+TEST(SensorLaw, PlanarLawEqualsInformation) {
   test::Random random(68);
   for (const SensorKind kind : kKinds) {
     const SensorLaw& law = kind.law();
@@ -58,7 +58,7 @@ TEST(SensorLaw, OfAPlanarTargetIsItsInformation) {
 
 // The depth per metre along a line of sight gives the depth at which in_view() cuts off, in all
 // directions.
-TEST(SensorLaw, OfACameraSaysHowMuchDepthAWayHas) {
+TEST(SensorLaw, CameraDepthPerMetreMatchesView) {
   test::Random random(69);
   for (const SensorKind kind : kKinds) {
     if (kind != SensorKind::kCamera) {
@@ -91,7 +91,7 @@ TEST(SensorLaw, OfACameraSaysHowMuchDepthAWayHas) {
   }
 }
 
-TEST(SensorLaw, SaysWhatItMeasures) {
+TEST(SensorLaw, StatesItsMeasurement) {
   for (const SensorKind kind : kKinds) {
     const bool range = kind == SensorKind::kRange || kind == SensorKind::kRangeBearing;
     const bool bearing = kind == SensorKind::kBearing || kind == SensorKind::kRangeBearing;
@@ -111,7 +111,7 @@ TEST(SensorLaw, SaysWhatItMeasures) {
   EXPECT_FALSE(sensor_kind_called(""));
 }
 
-TEST(Viewpoints, AreApartInSpace) {
+TEST(Viewpoints, DistanceIncludesHeight) {
   const Viewpoint a{{1.0, 2.0, 0.3}, 1.0};
   const Viewpoint b{{3.0, 5.0, -2.0}, 7.0};
   EXPECT_NEAR(distance_m(a, b), 7.0, 1e-12);
@@ -120,7 +120,7 @@ TEST(Viewpoints, AreApartInSpace) {
 }
 
 // Each noise variance is the square of its own sigma and depends on nothing else.
-TEST(NoiseCovariance, IsTheSquareOfItsSigmas) {
+TEST(NoiseCovariance, IsTheSquareOfTheSigmas) {
   SensorModel sensor;
   sensor.range_sigma_m = 2.0;
   sensor.bearing_sigma_rad = 3.0;

@@ -87,7 +87,7 @@ TEST(ObservationJacobian, AgreesWithFiniteDifferencesNearItsSingularPoints) {
   }
 }
 
-TEST(Observe, DoesNotChangeWhenWorldAndTargetMoveTogether) {
+TEST(Observe, IsInvariantToRigidMotions) {
   test::Random random(63);
   for (const SensorKind kind : kKinds) {
     for (int i = 0; i < 500; ++i) {
@@ -106,7 +106,7 @@ TEST(Observe, DoesNotChangeWhenWorldAndTargetMoveTogether) {
   }
 }
 
-TEST(Observe, SaysWhereTheTargetIsInTheBodyFrame) {
+TEST(Observe, ReturnsTargetInBodyFrame) {
   const Viewpoint from{{1.0, 2.0, kPi / 2}, 3.0};  // looks along world y; left is −x
   const Eigen::Vector2d planar(0.0, 6.0);          // 4 ahead, 1 to the left
   const Eigen::Vector3d spatial(0.0, 6.0, 1.0);
@@ -138,7 +138,7 @@ TEST(Observe, PutsImageXToTheRightAndImageYDown) {
                             Eigen::Vector2d(0.0, 0.0), 1e-12));
 }
 
-TEST(Calibration, ScalesAndShiftsTheReportedRangeAlone) {
+TEST(Calibration, ScalesAndShiftsOnlyTheReportedRange) {
   SensorModel sensor = of_kind(SensorKind::kRangeBearing);
   const Viewpoint from{{0.0, 0.0, 0.0}, 1.0};
   const Eigen::Vector2d target(3.0, 4.0);
@@ -149,7 +149,7 @@ TEST(Calibration, ScalesAndShiftsTheReportedRangeAlone) {
   EXPECT_TRUE(test::is_near(noise_covariance(sensor, from, target), V, 0.0));
 }
 
-TEST(InView, EndsAtTheRangeLimitAndTheFieldOfViewWhichAreOpen) {
+TEST(InView, ExcludesItsLimits) {
   SensorModel sensor = of_kind(SensorKind::kRangeBearing);
   sensor.range_max_m = 5.0;
   sensor.range_min_m = 1.0;
@@ -176,7 +176,7 @@ TEST(InView, MeasuresRangeInSpaceForTargetsInSpace) {
   EXPECT_TRUE(in_view(sensor, from, Eigen::Vector3d(3.5, 0.0, 1.0)));
 }
 
-TEST(InView, OfACameraNeedsTheLeastDepth) {
+TEST(InView, NeedsMinimumDepthForCamera) {
   SensorModel camera = of_kind(SensorKind::kCamera);
   camera.range_min_m = 0.0;
   camera.depth_min_m = 0.5;
@@ -188,7 +188,7 @@ TEST(InView, OfACameraNeedsTheLeastDepth) {
   EXPECT_FALSE(in_view(camera, {{}, 1.0}, Eigen::Vector2d(-2.0, 0.0)));  // behind the image
 }
 
-TEST(InView, IsNeverTrueWhereTheJacobianDoesNotExist) {
+TEST(InView, IsFalseWhereTheJacobianIsUndefined) {
   for (const SensorKind kind :
        {SensorKind::kRange, SensorKind::kBearing, SensorKind::kRangeBearing}) {
     SensorModel sensor = of_kind(kind);
@@ -203,7 +203,7 @@ TEST(InView, IsNeverTrueWhereTheJacobianDoesNotExist) {
   EXPECT_FALSE(in_view(of_kind(SensorKind::kBearing), above, ground));
 }
 
-TEST(NoiseCovariance, GrowsLinearlyInRangeFromItsFloor) {
+TEST(NoiseCovariance, GrowsLinearlyWithRangeAboveItsFloor) {
   SensorModel sensor = of_kind(SensorKind::kRangeBearing);
   sensor.variance_grows_with_range = true;
   sensor.range_max_m = 10.0;
@@ -218,7 +218,7 @@ TEST(NoiseCovariance, GrowsLinearlyInRangeFromItsFloor) {
   EXPECT_TRUE(test::is_near(variances_at(0.2), full, 1e-15));
 }
 
-TEST(Information, IsHtransposeVinverseHWhereTheTargetIsInViewAndZeroElsewhere) {
+TEST(Information, IsHtransposeVinverseHInViewAndZeroElsewhere) {
   test::Random random(64);
   for (const SensorKind kind : kKinds) {
     for (const int dim : {2, 3}) {
@@ -245,7 +245,7 @@ TEST(Information, IsHtransposeVinverseHWhereTheTargetIsInViewAndZeroElsewhere) {
   }
 }
 
-TEST(Innovation, IsShortAcrossTheCutOfTheBearing) {
+TEST(Innovation, WrapsTheBearing) {
   const SensorModel bearing = of_kind(SensorKind::kBearing);
   const Eigen::Matrix<double, 1, 1> almost_pi(kPi - 0.1);
   const Eigen::Matrix<double, 1, 1> beyond_pi(-kPi + 0.2);
@@ -261,7 +261,7 @@ TEST(Innovation, IsShortAcrossTheCutOfTheBearing) {
 }
 
 // n samples: the mean is within 5 σ/√n; a variance within 5 √(2/n) of its value.
-TEST(Sample, HasTheMeanAndVarianceThatTheModelStates) {
+TEST(Sample, HasTheModelsMeanAndVariance) {
   constexpr int kSamples = 20'000;
   test::Random random(65);
   for (const SensorKind kind : kKinds) {
@@ -295,7 +295,7 @@ TEST(Sample, HasTheMeanAndVarianceThatTheModelStates) {
   }
 }
 
-TEST(PositionFrom, UndoesObserveForSensorsThatCanTell) {
+TEST(PositionFrom, InvertsObserve) {
   test::Random random(66);
   for (const SensorKind kind :
        {SensorKind::kPosition, SensorKind::kRangeBearing, SensorKind::kCamera}) {
@@ -322,7 +322,7 @@ TEST(PositionFrom, UndoesObserveForSensorsThatCanTell) {
   }
 }
 
-TEST(PositionFrom, AdmitsWhatASensorCannotTell) {
+TEST(PositionFrom, IsEmptyForAmbiguousSensors) {
   const Viewpoint from{{0.0, 0.0, 0.0}, 2.0};
   const Eigen::Matrix<double, 1, 1> one(1.0);
   EXPECT_FALSE(position_from(of_kind(SensorKind::kRange), from, one, 2));
@@ -337,7 +337,7 @@ TEST(PositionFrom, AdmitsWhatASensorCannotTell) {
   EXPECT_FALSE(position_from(camera, from, Eigen::Vector2d(0.0, 0.0), 2));    // on the horizon
 }
 
-TEST(Sensor, NeverReachesForTheHeap) {
+TEST(Sensor, AllocatesNothing) {
   if (!test::AllocationCounter::is_active()) {
     GTEST_SKIP() << "allocations are not counted under a sanitizer";
   }

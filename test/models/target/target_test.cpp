@@ -31,7 +31,7 @@ StateMatrix stationary(const Surroundings& around) {
   return variances.asDiagonal();
 }
 
-TEST(TargetModel, HasAsManyRowsAsItsState) {
+TEST(TargetModel, HasTheDimensionOfItsState) {
   const int expected[] = {2, 3, 2, 3, 4, 3, 4, 4};
   for (int i = 0; i < 8; ++i) {
     EXPECT_EQ(kModels[i].dim(), expected[i]);
@@ -41,7 +41,7 @@ TEST(TargetModel, HasAsManyRowsAsItsState) {
 }
 
 // A(s + t) = A(t) A(s) and W(s + t) = A(t) W(s) A(t)ᵀ + W(t): two short steps equal one long one.
-TEST(TargetModel, ForgetsHowTimeWasCutIntoSteps) {
+TEST(TargetModel, IsIndependentOfStepPartition) {
   for (const TargetModel& model : kModels) {
     if (model.kind == TargetKind::kGrowingUncertainty) {
       continue;  // counted in steps, by definition
@@ -68,13 +68,13 @@ TEST(DoubleIntegrator, HasTheNoiseOfWhiteAcceleration) {
   EXPECT_TRUE(test::is_near(model.process_noise(0.5), W, 1e-8));
 }
 
-TEST(DoubleIntegrator, MovesByItsVelocity) {
+TEST(DoubleIntegrator, MovesAtItsVelocity) {
   const TargetModel model{TargetKind::kDoubleIntegrator, 2, 0.0};
   const StateVector y = model.transition(0.5) * Eigen::Vector4d(1.0, 2.0, 4.0, -8.0);
   EXPECT_TRUE(test::is_near(y, Eigen::Vector4d(3.0, -2.0, 4.0, -8.0), 0.0));
 }
 
-TEST(DampedOscillator, StaysAsSpreadAsItIsInTheLongRun) {
+TEST(DampedOscillator, KeepsItsStationaryDistribution) {
   for (const Surroundings& around : {kSwings, kOnTheEdge}) {
     const TargetModel model{TargetKind::kDampedOscillator, 2, 0.0, around};
     const StateMatrix P = stationary(around);
@@ -90,7 +90,7 @@ TEST(DampedOscillator, StaysAsSpreadAsItIsInTheLongRun) {
 }
 
 // ẏ = F y by short Euler steps, and W = ∫ e^{Fs} G q Gᵀ e^{Fᵀs} ds with q = 2 γ σ_v².
-TEST(DampedOscillator, SolvesItsEquation) {
+TEST(DampedOscillator, SolvesItsDifferentialEquation) {
   const TargetModel model{TargetKind::kDampedOscillator, 2, 0.0, kSwings};
   constexpr int kSteps = 200'000;
   constexpr double kStep_s = 2.0 / kSteps;
@@ -118,7 +118,7 @@ TEST(DampedOscillator, SolvesItsEquation) {
 }
 
 // A wide and slowly damped oscillator with the same q = 2 γ σ_v².
-TEST(DampedOscillator, IsADoubleIntegratorWhereItsRatesVanish) {
+TEST(DampedOscillator, TendsToADoubleIntegrator) {
   constexpr double kDamping_per_s = 1e-5;
   const double sigma_mps = std::sqrt(0.3 / (2.0 * kDamping_per_s));
   const TargetModel free{TargetKind::kDoubleIntegrator, 2, 0.3};
@@ -132,7 +132,7 @@ TEST(DampedOscillator, IsADoubleIntegratorWhereItsRatesVanish) {
   EXPECT_NEAR(W(0, 2), 0.3 * 0.5 * 0.5 / 2.0, 1e-4);
 }
 
-TEST(DampedOscillator, ExpectsFreeMotionAtFirstAndTheCenterAtLast) {
+TEST(DampedOscillator, TendsFromFreeMotionToTheCentre) {
   const TargetModel model{TargetKind::kDampedOscillator, 2, 0.0, kSwings};
   const Eigen::Vector4d y(3.0, -2.0, 0.4, 0.2);
   EXPECT_TRUE(
@@ -141,7 +141,7 @@ TEST(DampedOscillator, ExpectsFreeMotionAtFirstAndTheCenterAtLast) {
   EXPECT_LT(away_m, (y.head<2>() - kSwings.center_m).norm());
 }
 
-TEST(TargetModel, HasNoiseThatIsSymmetricAndNotNegative) {
+TEST(TargetModel, NoiseIsSymmetricAndPositiveSemidefinite) {
   for (const TargetModel& model : kModels) {
     const Eigen::MatrixXd W = model.process_noise(0.5, 3);
     EXPECT_TRUE(test::is_near(W, W.transpose(), 0.0));
@@ -149,13 +149,13 @@ TEST(TargetModel, HasNoiseThatIsSymmetricAndNotNegative) {
   }
 }
 
-TEST(StaticTarget, KnowsNoNoise) { EXPECT_TRUE(kModels[0].process_noise(10.0).isZero(0.0)); }
+TEST(StaticTarget, HasNoNoise) { EXPECT_TRUE(kModels[0].process_noise(10.0).isZero(0.0)); }
 
-TEST(RandomWalk, SpreadsByQPerSecond) {
+TEST(RandomWalk, GrowsByQPerSecond) {
   EXPECT_TRUE(test::is_near(kModels[3].process_noise(2.0), 0.6 * Eigen::Matrix3d::Identity(), 0.0));
 }
 
-TEST(GrowingUncertainty, GrowsByTheStepsOwnNoiseHoweverTheyAreCut) {
+TEST(GrowingUncertainty, GrowsIndependentlyOfStepGrouping) {
   const TargetModel& model = kModels[5];
   double sum = 0.0;
   for (int k = 0; k < 6; ++k) {
@@ -166,14 +166,14 @@ TEST(GrowingUncertainty, GrowsByTheStepsOwnNoiseHoweverTheyAreCut) {
   EXPECT_NEAR(cut, sum, 1e-12);
 }
 
-TEST(GrowingUncertainty, IsPlannedWithTheNoiseOfTheComingStep) {
+TEST(GrowingUncertainty, IsPlannedWithTheNoiseOfTheNextStep) {
   const TargetModel planned = kModels[5].as_planned(4.0, 0.5);
   EXPECT_EQ(planned.kind, TargetKind::kRandomWalk);
   EXPECT_TRUE(test::is_near(planned.process_noise(0.5), kModels[5].process_noise(0.5, 4), 1e-12));
   EXPECT_EQ(kModels[6].as_planned(4.0, 0.5).kind, TargetKind::kDampedOscillator);
 }
 
-TEST(GrowingUncertainty, GrowsWithTheStepsUnseenAndNotWithTime) {
+TEST(GrowingUncertainty, GrowsWithUnseenStepsNotWithTime) {
   const TargetModel& model = kModels[5];
   EXPECT_TRUE(test::is_near(model.process_noise(0.1, 4), 1.2 * Eigen::Matrix3d::Identity(), 0.0));
   EXPECT_EQ(model.process_noise(0.1, 4), model.process_noise(9.0, 4));
@@ -181,7 +181,7 @@ TEST(GrowingUncertainty, GrowsWithTheStepsUnseenAndNotWithTime) {
 
 // If h = γ/2 and ω are nearly equal, a series replaces the root of their difference. On both sides
 // of the switch the result is e^{−ht} (cosh x + …), to the last digits.
-TEST(DampedOscillator, IsAsExactWhereItNearlySwingsAsElsewhere) {
+TEST(DampedOscillator, IsExactNearCriticalDamping) {
   for (const double x : {-9.9e-4, -1.01e-3, -3e-4, 3e-4, 9.9e-4, 1.01e-3}) {
     constexpr long double kT = 0.5L;
     constexpr long double kH = 0.8L;
@@ -206,7 +206,7 @@ TEST(DampedOscillator, IsAsExactWhereItNearlySwingsAsElsewhere) {
   }
 }
 
-TEST(GrowingUncertainty, IsPlannedByWholeStepsButForARounding) {
+TEST(GrowingUncertainty, RoundsToWholeSteps) {
   const TargetModel& model = kModels[5];
   EXPECT_NEAR(model.as_planned(3.0 - 1e-7, 0.5).q, 3.0 * 0.3 / 0.5, 1e-12);
   EXPECT_NEAR(model.as_planned(3.0 - 1e-5, 0.5).q, 2.0 * 0.3 / 0.5, 1e-12);

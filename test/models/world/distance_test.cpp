@@ -54,7 +54,7 @@ TEST(Clearance, IsTheSignedDistanceToTheNearestBorder) {
   }
 }
 
-TEST(Clearance, KnowsTheClosedFormsAroundOneBox) {
+TEST(Clearance, EqualsTheClosedFormAroundOneBox) {
   const World world{{{-10, -10}, {10, 10}}, 3.0, {{{{-1, -2}, {1, 2}}, 1.0}}, {}};
   EXPECT_EQ(clearance_m(world, {3.0, 0.0}), 2.0);
   EXPECT_DOUBLE_EQ(clearance_m(world, {4.0, 6.0}), 4.0);  // the wall is nearer than the corner
@@ -65,7 +65,7 @@ TEST(Clearance, KnowsTheClosedFormsAroundOneBox) {
   EXPECT_EQ(clearance_m(world, {13.0, 14.0}), -5.0);  // 3-4-5 from the corner of the bounds
 }
 
-TEST(Clearance, ChangesNoFasterThanOneMoves) {
+TEST(Clearance, IsLipschitzWithConstantOne) {
   test::Random random(32);
   for (int i = 0; i < 20'000; ++i) {
     const World world = random_world(random, 3);
@@ -76,7 +76,7 @@ TEST(Clearance, ChangesNoFasterThanOneMoves) {
   }
 }
 
-TEST(NearbyObstacles, AreAllThatMatterForAClearanceAroundThere) {
+TEST(NearbyObstacles, SufficeForTheClearanceNearby) {
   test::Random random(35);
   int left_out = 0;
   int too_many = 0;
@@ -102,7 +102,7 @@ TEST(NearbyObstacles, AreAllThatMatterForAClearanceAroundThere) {
   EXPECT_GT(too_many, 0);
 }
 
-TEST(LineOfSight, AgreesWithPointsSampledAlongIt) {
+TEST(LineOfSight, AgreesWithDenseSampling) {
   test::Random random(33);
   int hidden = 0;
   for (int i = 0; i < 5000; ++i) {
@@ -146,7 +146,7 @@ TEST(LineOfSight, MayGrazeEdgesAndCorners) {
   EXPECT_FALSE(line_of_sight(world, {-0.9, -3}, {-0.9, 3}));
 }
 
-TEST(SweptClearance, IsTheLeastClearanceOnTheWay) {
+TEST(SweptClearance, IsLeastClearanceAlongPath) {
   test::Random random(34);
   for (int i = 0; i < 5000; ++i) {
     const World world = random_world(random, 3);
@@ -167,7 +167,7 @@ TEST(SweptClearance, IsTheLeastClearanceOnTheWay) {
   }
 }
 
-TEST(SweptClearance, CatchesAThinWallThatSamplingTunnelsThrough) {
+TEST(SweptClearance, DetectsAThinWallBetweenSamples) {
   const World world{{{-10, -10}, {10, 10}}, 3.0, {{{{0, -1}, {1e-6, 1}}, 1.0}}, {}};
   EXPECT_LE(swept_clearance_m(world, {-1, 0}, {1, 0}), 0.0);
   EXPECT_DOUBLE_EQ(swept_clearance_m(world, {-1, 2}, {1, 2}), 1.0);
@@ -191,7 +191,7 @@ TEST(ClosestApproach, IsTheLeastDistanceAtEqualTimes) {
   }
 }
 
-TEST(ClosestApproach, SeesTwoVehiclesSwapPlaces) {
+TEST(ClosestApproach, DetectsASwapOfPositions) {
   const Eigen::Vector3d left(-1, 0, 1);
   const Eigen::Vector3d right(1, 0, 1);
   EXPECT_EQ(closest_approach_m(left, right, right, left), 0.0);
@@ -200,7 +200,7 @@ TEST(ClosestApproach, SeesTwoVehiclesSwapPlaces) {
 }
 
 // Next to each of the four sides, and on each of them.
-TEST(Rectangle, ContainsItsEdgesAndNothingBeyondAnyOfThem) {
+TEST(Rectangle, IncludesItsEdges) {
   const Rectangle box{{-1.0, 2.0}, {3.0, 4.5}};
   for (const double x_m : {-1.1, -1.0, 0.5, 3.0, 3.1}) {
     for (const double y_m : {1.9, 2.0, 3.0, 4.5, 4.6}) {
@@ -223,7 +223,7 @@ TEST(RegionCost, SumsOverlappingRegionsWithTheirEdges) {
 }
 
 // If exactly kMax obstacles are near, the list is complete; with one more it is not.
-TEST(NearbyObstacles, SayWhenThereAreMoreThanTheyHold) {
+TEST(NearbyObstacles, ReportOverflow) {
   World world{{{-50, -50}, {50, 50}}, 3.0, {}, {}};
   for (std::size_t i = 0; i < NearbyObstacles::kMax; ++i) {
     const double x_m = 0.1 * static_cast<double>(i);
@@ -253,7 +253,7 @@ TEST(NearbyObstacles, SayWhenThereAreMoreThanTheyHold) {
 }
 
 // Paths along an axis and past each corner, and paths that leave the bounds.
-TEST(SweptClearance, KnowsTheClosedFormsAroundOneBox) {
+TEST(SweptClearance, EqualsTheClosedFormAroundOneBox) {
   const World world{{{-10, -8}, {10, 8}}, 3.0, {{{{-1, -2}, {1, 2}}, 1.0}}, {}};
   EXPECT_DOUBLE_EQ(swept_clearance_m(world, {3, -5}, {3, 5}), 2.0);
   EXPECT_DOUBLE_EQ(swept_clearance_m(world, {-3, 5}, {-3, -5}), 2.0);

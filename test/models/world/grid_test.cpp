@@ -26,7 +26,7 @@ TEST(GridGeometry, CoversTheBoundsWithWholeCells) {
   EXPECT_EQ(GridGeometry::covering({{0, 0}, {0.3, 0.9}}, 0.1).columns, 3);  // not 4 by rounding
 }
 
-TEST(GridGeometry, RefusesCellsAndBoundsWithoutASize) {
+TEST(GridGeometry, RefusesEmptyCellsAndBounds) {
   EXPECT_THROW((void)GridGeometry::covering({{0, 0}, {1, 1}}, 0.0), UsageError);
   EXPECT_THROW((void)GridGeometry::covering({{0, 0}, {1, 1}}, std::nan("")), UsageError);
   EXPECT_THROW((void)GridGeometry::covering({{0, 0}, {0, 1}}, 0.1), UsageError);
@@ -40,14 +40,14 @@ TEST(GridGeometry, FindsEveryCellByItsCentre) {
   }
 }
 
-TEST(GridGeometry, RunsRowMajorFromTheMinimumCorner) {
+TEST(GridGeometry, IsRowMajorFromTheMinimumCorner) {
   const GridGeometry grid{{10.0, 20.0}, 0.5, 4, 3};
   EXPECT_TRUE(test::is_near(grid.centre_m(0), Eigen::Vector2d(10.25, 20.25), 1e-15));
   EXPECT_TRUE(test::is_near(grid.centre_m(1), Eigen::Vector2d(10.75, 20.25), 1e-15));
   EXPECT_TRUE(test::is_near(grid.centre_m(4), Eigen::Vector2d(10.25, 20.75), 1e-15));
 }
 
-TEST(GridGeometry, HoldsEveryPointOfTheClosedBoundsAndNoneBeyond) {
+TEST(GridGeometry, ContainsExactlyTheClosedBounds) {
   const Rectangle bounds{{-1.0, 2.0}, {7.0, 6.3}};
   const GridGeometry grid = GridGeometry::covering(bounds, 0.25);
   test::Random random(41);
@@ -68,7 +68,7 @@ TEST(GridGeometry, HoldsEveryPointOfTheClosedBoundsAndNoneBeyond) {
   EXPECT_EQ(grid.index_of({std::nan(""), 2.0}), -1);
 }
 
-TEST(Rasterise, MarksTheCellsThatShareAnAreaWithAnObstacle) {
+TEST(Rasterise, MarksCellsThatOverlapAnObstacle) {
   const World world = world_with_boxes();
   const OccupancyGrid grid = rasterise(world, 0.25);
   ASSERT_EQ(grid.occupied.size(), static_cast<std::size_t>(grid.geometry.size()));
@@ -85,7 +85,7 @@ TEST(Rasterise, MarksTheCellsThatShareAnAreaWithAnObstacle) {
   }
 }
 
-TEST(Rasterise, ClipsAnObstacleThatReachesOverTheBounds) {
+TEST(Rasterise, ClipsObstaclesAtTheBounds) {
   const World world{
       {{0, 0}, {1, 1}}, 3.0, {{{{-5, 0.5}, {0.3, 9}}, 1.0}, {{{2, 2}, {3, 3}}, 1.0}}, {}};
   const OccupancyGrid grid = rasterise(world, 0.25);
@@ -96,7 +96,7 @@ TEST(Rasterise, ClipsAnObstacleThatReachesOverTheBounds) {
   EXPECT_EQ(occupied, 4);  // two columns by two rows
 }
 
-TEST(DistanceField, NeverPromisesMoreThanTheClearance) {
+TEST(DistanceField, IsALowerBoundOfTheClearance) {
   const World world = world_with_boxes();
   for (const double resolution_m : {0.05, 0.25, 1.0}) {
     const DistanceField field(world, resolution_m);

@@ -8,7 +8,7 @@
 namespace vantage::models {
 namespace {
 
-TEST(NearPairs, AreAllThatAreNearAndNotAllThereAre) {
+TEST(NearPairs, IncludeAllNearPairsAndExcludeFarOnes) {
   std::mt19937_64 rng(4);
   std::uniform_real_distribution<double> side(-100.0, 100.0);
   std::uniform_real_distribution<double> step(-1.0, 1.0);
@@ -35,7 +35,7 @@ TEST(NearPairs, AreAllThatAreNearAndNotAllThereAre) {
   }
 }
 
-TEST(NearPairs, AreAllPairsOfFiniteBodiesWhereNothingIsFarEnough) {
+TEST(NearPairs, IncludeAllPairsWithoutADistanceLimit) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   NearPairs near;

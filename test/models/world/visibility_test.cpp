@@ -23,7 +23,7 @@ SensorModel eye(double range_max_m, double fov_rad = 2.0 * kPi) {
   return sensor;
 }
 
-TEST(VisibilityGrid, SeesExactlyTheFreeCellsInViewWithLineOfSight) {
+TEST(VisibilityGrid, MarksExactlyTheVisibleFreeCells) {
   const World world = lab();
   test::Random random(51);
   for (int i = 0; i < 200; ++i) {
@@ -43,14 +43,14 @@ TEST(VisibilityGrid, SeesExactlyTheFreeCellsInViewWithLineOfSight) {
   }
 }
 
-TEST(VisibilityGrid, LeavesAnEyeOutsideTheWorldHarmless) {
+TEST(VisibilityGrid, AcceptsAViewpointOutsideTheWorld) {
   VisibilityGrid grid(lab(), 0.25, 0.0);
   grid.see(eye(1.0), {{-100.0, 50.0, 0.0}, 1.0}, lab(), kNow);
   grid.see(eye(1.0), {{1e12, -1e12, 0.0}, 1.0}, lab(), kNow);
   EXPECT_EQ(grid.explored_share(kNow), 0.0);
 }
 
-TEST(VisibilityGrid, TakesNoCellInsideAnObstacleForFree) {
+TEST(VisibilityGrid, ExcludesCellsInsideObstacles) {
   const VisibilityGrid grid(lab(), 0.25, 0.0);
   EXPECT_FALSE(grid.is_free(grid.geometry().index_of({3.5, 1.5})));
   EXPECT_TRUE(grid.is_free(grid.geometry().index_of({3.5, 2.1})));
@@ -65,19 +65,19 @@ TEST(VisibilityGrid, ForgetsAfterItsMemory) {
   EXPECT_EQ(grid.explored_share(kNow + from_seconds(30.000001)), 0.0);
 }
 
-TEST(VisibilityGrid, RemembersForEverWithoutAMemory) {
+TEST(VisibilityGrid, NeverForgetsWithoutAMemoryLimit) {
   VisibilityGrid grid({{{0, 0}, {8, 4}}, 3.0, {}, {}}, 0.25, 0.0);
   grid.see(eye(20.0), {{1.01, 1.02, 0.0}, 1.0}, {{{0, 0}, {8, 4}}, 3.0, {}, {}}, kNow);
   EXPECT_EQ(grid.explored_share(kNow + from_seconds(1e9)), 1.0);
 }
 
-TEST(VisibilityGrid, CountsALookAtTheEpochItself) {
+TEST(VisibilityGrid, CountsAnObservationAtTimeZero) {
   VisibilityGrid grid(lab(), 0.25, 10.0);
   grid.see(eye(20.0), {{1.0, 1.0, 0.0}, 1.0}, lab(), Time{});
   EXPECT_GT(grid.explored_share(Time{}), 0.5);
 }
 
-TEST(VisibilityGrid, KeepsTheNewerStampWhenMergingAndWhenLookingBack) {
+TEST(VisibilityGrid, KeepsTheNewerStamp) {
   const World world = lab();
   const Time later = kNow + from_seconds(5.0);
   VisibilityGrid left(world, 0.25, 0.0);
@@ -99,7 +99,7 @@ TEST(VisibilityGrid, KeepsTheNewerStampWhenMergingAndWhenLookingBack) {
   EXPECT_EQ(again.last_seen_utime(), one.last_seen_utime());
 }
 
-TEST(VisibilityGrid, TravelsByItsStamps) {
+TEST(VisibilityGrid, IsRestoredFromItsStamps) {
   const World world = lab();
   VisibilityGrid sender(world, 0.25, 0.0);
   sender.see(eye(2.0), {{1.0, 1.0, 0.0}, 1.0}, world, kNow);
@@ -165,14 +165,14 @@ TEST(Frontiers, AreEveryFreeCellWhileNothingIsExplored) {
   EXPECT_EQ(grid.frontiers(kNow, 0.0), expected);
 }
 
-TEST(Frontiers, VanishOnceEverythingIsExplored) {
+TEST(Frontiers, AreEmptyWhenAllIsExplored) {
   const World empty{{{0, 0}, {8, 4}}, 3.0, {}, {}};
   VisibilityGrid grid(empty, 0.25, 0.0);
   grid.see(eye(20.0), {{1.01, 1.02, 0.0}, 1.0}, empty, kNow);
   EXPECT_TRUE(grid.frontiers(kNow, 1.0).empty());
 }
 
-TEST(Frontiers, LieOutsideTheFieldOfViewButNotBehindTheBounds) {
+TEST(Frontiers, LieOutsideTheViewAndInsideTheBounds) {
   const World world{{{0, 0}, {8.1, 4.1}}, 3.0, {}, {}};  // the last cells extend beyond the bounds
   const VisibilityGrid grid(world, 0.25, 0.0);
   for (const Eigen::Vector2d& p_m : grid.frontiers(kNow, 0.0)) {
@@ -182,7 +182,7 @@ TEST(Frontiers, LieOutsideTheFieldOfViewButNotBehindTheBounds) {
 
 // Also where the seen area reaches the grid's edges: the end of a row is not adjacent to the start
 // of the next.
-TEST(Frontiers, EndAtTheEdgesOfTheGrid) {
+TEST(Frontiers, StayWithinTheGrid) {
   const World world{{{0, 0}, {2.0, 1.5}}, 3.0, {}, {}};
   test::Random random(52);
   for (int i = 0; i < 200; ++i) {
@@ -213,7 +213,7 @@ TEST(Frontiers, EndAtTheEdgesOfTheGrid) {
   }
 }
 
-TEST(VisibilityGrid, IsExploredWhereNothingIsFree) {
+TEST(VisibilityGrid, IsExploredWithoutFreeCells) {
   const World full{{{0, 0}, {1, 1}}, 3.0, {{{{-1, -1}, {2, 2}}, 1.0}}, {}};
   EXPECT_EQ(VisibilityGrid(full, 0.25, 0.0).explored_share(kNow), 1.0);
 }

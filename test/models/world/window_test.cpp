@@ -19,7 +19,7 @@ World field() {
   return {{{-20.3, -11.1}, {40.9, 30.2}}, 3.0, {{{{3.0, 1.0}, {7.0, 6.0}}, 1.0}}, {}};
 }
 
-TEST(GridWindow, HasTheWorldsCellsThatReachIntoTheSquare) {
+TEST(GridWindow, HasTheWorldsCellsThatOverlapTheSquare) {
   const GridGeometry whole = GridGeometry::covering(field().bounds, 0.7);
   test::Random random(7);
   for (int i = 0; i < 500; ++i) {
@@ -42,7 +42,7 @@ TEST(GridWindow, HasTheWorldsCellsThatReachIntoTheSquare) {
   }
 }
 
-TEST(GridWindow, KnowsWhoseCellsAreOthers) {
+TEST(GridWindow, DetectsDifferentCells) {
   const GridGeometry whole = GridGeometry::covering(field().bounds, 0.7);
   GridGeometry other = whole.window({0.0, 0.0}, 5.0);
   EXPECT_TRUE(whole.place_of(other));
@@ -58,7 +58,7 @@ TEST(GridWindow, KnowsWhoseCellsAreOthers) {
 
 // The offset in cells along each axis, in both directions. An offset that is too large to count has
 // no value.
-TEST(GridWindow, KnowsHowManyCellsItIsFromTheWhole) {
+TEST(GridWindow, ReturnsOffsetInCells) {
   const GridGeometry whole = GridGeometry::covering(field().bounds, 0.5);
   for (const int columns : {-7, 0, 3}) {
     for (const int rows : {-2, 0, 5}) {
@@ -80,7 +80,7 @@ TEST(GridWindow, KnowsHowManyCellsItIsFromTheWhole) {
   }
 }
 
-TEST(GridWindow, SeesAndMergesAsTheWholeGridDoesThere) {
+TEST(GridWindow, AgreesWithTheWholeGrid) {
   const World world = field();
   const GridGeometry whole = GridGeometry::covering(world.bounds, 0.7);
   test::Random random(8);
@@ -114,7 +114,7 @@ TEST(GridWindow, SeesAndMergesAsTheWholeGridDoesThere) {
   }
 }
 
-TEST(GridWindow, TakesNoStampsThatAreNotOfItsCells) {
+TEST(GridWindow, RefusesStampsOfOtherCells) {
   const World world = field();
   VisibilityGrid grid(world, 0.7, 0.0);
   const GridGeometry part = grid.geometry().window({0.0, 0.0}, 3.0);
@@ -127,7 +127,7 @@ TEST(GridWindow, TakesNoStampsThatAreNotOfItsCells) {
 }
 
 // All cells reach into the square, except for the nearest cell if the square is outside the grid.
-TEST(GridWindow, HasNoCellThatDoesNotReachIntoTheSquare) {
+TEST(GridWindow, HasOnlyCellsThatOverlapTheSquare) {
   const GridGeometry whole = GridGeometry::covering(field().bounds, 0.7);
   test::Random random(9);
   for (int i = 0; i < 500; ++i) {
@@ -154,7 +154,7 @@ TEST(GridWindow, HasNoCellThatDoesNotReachIntoTheSquare) {
 
 // Only common cells are merged, for any overlap. Nothing is merged if the number of stamps differs
 // from the number of cells.
-TEST(MergeStamps, TakesTheNewerWhereBothHaveCells) {
+TEST(MergeStamps, KeepsTheNewerStampOfSharedCells) {
   const GridGeometry own{{0.0, 0.0}, 0.5, 3, 2};
   const GridGeometry theirs{{0.5, -0.5}, 0.5, 3, 2};  // two columns and one row in common
   std::vector<std::int64_t> stamps{1, 2, 3, 4, 5, 6};
@@ -173,7 +173,7 @@ TEST(MergeStamps, TakesTheNewerWhereBothHaveCells) {
   EXPECT_EQ(stamps, (std::vector<std::int64_t>{1, 40, 3, 4, 5, 6}));
 }
 
-TEST(GridWindow, TakesTheSameSquaresForTheSameButForRounding) {
+TEST(GridWindow, TreatsRoundedSquaresAsEqual) {
   const GridGeometry own{{0.0, 0.0}, 0.5, 3, 2};
   const auto place_of = [&](double x_m, double y_m) {
     return own.place_of({{x_m, y_m}, 0.5, 1, 1});

@@ -59,7 +59,7 @@ class ExternalTest : public test::PlannerNodeTest {
   Time published_at_{};
 };
 
-TEST_F(ExternalTest, FliesWhatItIsAnsweredAtOnceWithAStopOfItsOwn) {
+TEST_F(ExternalTest, PublishesAnswerAtOnceWithOwnStop) {
   start_with([](const auto& question) { return std::vector{drive(question, 0.5, 1.0)}; });
   ASSERT_EQ(questions_.size(), 1U);
   const models::RobotPlan& question = questions_[0];
@@ -78,7 +78,7 @@ TEST_F(ExternalTest, FliesWhatItIsAnsweredAtOnceWithAStopOfItsOwn) {
   EXPECT_EQ(count("fallbacks_shifted"), 0);
 }
 
-TEST_F(ExternalTest, FallsBackInTimeWhenNobodyAnswers) {
+TEST_F(ExternalTest, FallsBackInTimeWithoutAnswer) {
   start_with([](const auto&) { return std::vector<models::RobotPlan>{}; });
   ASSERT_EQ(plans_.size(), 1U);
   EXPECT_EQ(plans_[0].source, models::PlanSource::kShifted);
@@ -90,7 +90,7 @@ TEST_F(ExternalTest, FallsBackInTimeWhenNobodyAnswers) {
 }
 
 // A planner that is woken after the deadline for answers sends no question and uses its own plan.
-TEST_F(ExternalTest, AsksNobodyWhenItIsTooLateForAnAnswer) {
+TEST_F(ExternalTest, SendsNoQuestionAfterAnswerDeadline) {
   start(external_scenario());
   world_.subscribe<models::RobotPlan>(
       bus::external_request_channel("Q1"),
@@ -115,7 +115,7 @@ TEST_F(ExternalTest, AsksNobodyWhenItIsTooLateForAnAnswer) {
   }
 }
 
-TEST_F(ExternalTest, AsksAtTheBeginningOfItsSlotByWhatItKnows) {
+TEST_F(ExternalTest, SendsQuestionAtSlotBegin) {
   start_with([](const auto& question) { return std::vector{drive(question, 0.5, 1.0)}; });
   ASSERT_EQ(questions_.size(), 1U);
   const models::InputRef belief{"BELIEF_Q1", 100, 0};
@@ -133,7 +133,7 @@ TEST_F(ExternalTest, AsksAtTheBeginningOfItsSlotByWhatItKnows) {
             (std::vector<models::InputRef>{belief, {"VICON", 100, 1}, {"PLAN_Q1", 1, 0}}));
 }
 
-TEST_F(ExternalTest, GoesOnWithoutAnAnswerInARoundAfterOneThatHadOne) {
+TEST_F(ExternalTest, ContinuesItsPlanWithoutAnAnswer) {
   bool answers = true;
   start_with([&](const auto& question) {
     return answers ? std::vector{drive(question, 0.5, 1.0)} : std::vector<models::RobotPlan>{};
@@ -154,7 +154,7 @@ TEST_F(ExternalTest, GoesOnWithoutAnAnswerInARoundAfterOneThatHadOne) {
 
 // The planner is woken only after the slot, but it sent its question in time. The slot does not
 // count as skipped.
-TEST_F(ExternalTest, PlansAfterItsSlotWhenItHasAsked) {
+TEST_F(ExternalTest, PlansAtTheEndOfItsSlotAfterARequest) {
   start(external_scenario());
   world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
   deliver();
@@ -169,7 +169,7 @@ TEST_F(ExternalTest, PlansAfterItsSlotWhenItHasAsked) {
   EXPECT_EQ(count("external_missing"), 1);
 }
 
-TEST_F(ExternalTest, CountsAnswersThatComeTooLateOrUnasked) {
+TEST_F(ExternalTest, CountsLateAndUnrequestedAnswers) {
   start_with([](const auto&) { return std::vector<models::RobotPlan>{}; });
   const models::RobotPlan late = drive(questions_[0], 0.5, 1.0);
   world_.publish(bus::external_plan_channel("Q1"), late);
@@ -185,7 +185,7 @@ TEST_F(ExternalTest, CountsAnswersThatComeTooLateOrUnasked) {
   EXPECT_EQ(plans_.size(), 1U);
 }
 
-TEST_F(ExternalTest, TakesTheFirstAnswerAndAsksAgainInTheNextRound) {
+TEST_F(ExternalTest, AcceptsTheFirstAnswerPerRound) {
   start_with([](const auto& question) {
     return std::vector{drive(question, 0.5, 1.0), drive(question, 0.25, 1.0)};
   });
@@ -219,7 +219,7 @@ TEST_F(ExternalTest, IsReplayedFromItsInputs) {
 
 // The plan drives straight at a box, 1.2 m away. The planner accepts a plan that stops up to 2 cm
 // (rounding) inside the margin of a search. It refuses a plan that stops closer.
-TEST(RobotPlanner, TakesNoPlanThatComesNearerThanItsMarginAndTwoCentimetres) {
+TEST(RobotPlanner, RefusesAnswerInsideMarginByTwoCentimetres) {
   scenario::Scenario scenario = external_scenario();
   scenario.robots.resize(1);
   scenario.robots[0].start = {-3.0, 0.8, 0.0};
@@ -240,7 +240,7 @@ TEST(RobotPlanner, TakesNoPlanThatComesNearerThanItsMarginAndTwoCentimetres) {
 }
 
 // Changes each field of a valid answer so that the vehicle cannot fly it.
-TEST(MotionOfAnswer, IsNoneOfWhatTheVehicleCannotFly) {
+TEST(MotionOfAnswer, RefusesInfeasibleMotions) {
   const scenario::Scenario scenario = external_scenario();
   const models::VehicleLimits& limits = scenario.robots[0].limits;
   models::RobotPlan question;

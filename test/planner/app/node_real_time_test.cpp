@@ -31,7 +31,7 @@ class RealClock : public bus::Clock {
 
 // A restarted planner listens for one round and 350 ms. In that time it receives the status of its
 // vehicle and the plans of its teammates.
-TEST_F(PlannerNodeTest, ListensFirstInRealTimeAlone) {
+TEST_F(PlannerNodeTest, WaitsForMessagesFirstOnlyInRealTime) {
   const scenario::Scenario scenario = test::lab_scenario();
   const RoundSchedule::Slot slot = test::first_inputs(scenario, 0).slot;
   const auto workspace = std::make_shared<Workspace>(scenario);
@@ -51,7 +51,7 @@ TEST_F(PlannerNodeTest, ListensFirstInRealTimeAlone) {
 
 // Whenever a planner is started, each teammate has a slot to publish a plan before its first own
 // slot. A teammate without a plan would be assumed to hover.
-TEST_F(PlannerNodeTest, HearsAPlanOfEveryTeammateBeforeItsFirstSlot) {
+TEST_F(PlannerNodeTest, ReceivesPlanOfEachTeammateBeforeFirstSlot) {
   for (const int attacks : {0, 1}) {
     scenario::Scenario scenario = test::lab_scenario();
     scenario.planner.attacks_max = attacks;
@@ -80,7 +80,7 @@ TEST_F(PlannerNodeTest, HearsAPlanOfEveryTeammateBeforeItsFirstSlot) {
 }
 
 // A search that ends after the slot leads to no new plan and no new proposal.
-TEST_F(PlannerNodeTest, SaysNothingNewAfterItsSlot) {
+TEST_F(PlannerNodeTest, PublishesNoNewSearchAfterItsSlot) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.attacks_max = 1;
   RealClock clock;
@@ -126,7 +126,7 @@ INSTANTIATE_TEST_SUITE_P(WithADriver, PlannerOfABusyHost, ::testing::Bool());
 
 // The planner of a vehicle with a driver brakes if it waited too long for a processor within the
 // last second. It searches again as soon as the machine is free.
-TEST_P(PlannerOfABusyHost, StopsAVehicleWithADriverWhileItWaitsForAProcessor) {
+TEST_P(PlannerOfABusyHost, PlansAStopWhileItWaitsForAProcessor) {
   struct Row {
     double wait_s;
     bool stops_with_driver;
@@ -157,7 +157,7 @@ TEST_P(PlannerOfABusyHost, StopsAVehicleWithADriverWhileItWaitsForAProcessor) {
 }
 
 // A node budget is used in full in real time as well, even if the slot is nearly over.
-TEST_F(PlannerNodeTest, PlansWithItsBudgetOfNodesInRealTimeToo) {
+TEST_F(PlannerNodeTest, UsesNodeBudgetInRealTime) {
   scenario::Scenario scenario = test::lab_scenario();
   RealClock clock;
   clock.set(test::first_inputs(scenario, 0).slot.activation - 2s);
@@ -176,7 +176,7 @@ TEST_F(PlannerNodeTest, PlansWithItsBudgetOfNodesInRealTimeToo) {
 
 // A planner that is woken near the end of its slot still publishes a plan in time, after a short
 // search.
-TEST_F(PlannerNodeTest, SearchesNoLongerThanItsSlotLets) {
+TEST_F(PlannerNodeTest, EndsSearchWithItsSlot) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.node_budget = 0;
   RealClock clock;

@@ -32,7 +32,7 @@ scenario::Scenario team_that_agrees() {
   return scenario;
 }
 
-TEST(NamesOf, AreOfEachInputOfItsRoundInAFixedOrder) {
+TEST(NamesOf, ListsTheInputsInAFixedOrder) {
   PlanInputs inputs;
   EXPECT_TRUE(names_of(inputs, "Q1").empty());
   inputs.slot.round = 7;
@@ -88,7 +88,7 @@ class PlannerNodeClosing : public PlannerNodeTest, public testing::WithParamInte
 
 INSTANTIATE_TEST_SUITE_P(Budgets, PlannerNodeClosing, testing::Values(0.06, 0.48, 0.9));
 
-TEST_P(PlannerNodeClosing, LeavesAFifthOfItsSlotAndTwentyMillisecondsAtMost) {
+TEST_P(PlannerNodeClosing, ReservesAFifthOfSlotUpTo20Ms) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.attacks_max = 1;
   scenario.planner.team_budget_s = GetParam();
@@ -108,7 +108,7 @@ TEST_P(PlannerNodeClosing, LeavesAFifthOfItsSlotAndTwentyMillisecondsAtMost) {
   }
 }
 
-TEST_F(PlannerNodeTest, NamesWhatItSaidItselfAsTheBusDid) {
+TEST_F(PlannerNodeTest, NamesOwnMessagesAsOnTheBus) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.attacks_max = 1;
   start(scenario);
@@ -135,7 +135,7 @@ TEST_F(PlannerNodeTest, NamesWhatItSaidItselfAsTheBusDid) {
 
 // The planner plans until the last microsecond of its slot. From the end on it waits for the next
 // slot.
-TEST_F(PlannerNodeTest, SkipsASlotThatItSleptThroughAndNoOther) {
+TEST_F(PlannerNodeTest, SkipsOnlySlotsThatItMissed) {
   start(test::lab_scenario());
   world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
   deliver();
@@ -175,7 +175,7 @@ TEST_F(PlannerNodeTest, DoesNothingBeforeItsSlot) {
   EXPECT_EQ(node_->name(), "PLANNER_Q1");
 }
 
-TEST_F(PlannerNodeTest, TakesPlansThatBeginWithinFourHorizons) {
+TEST_F(PlannerNodeTest, AcceptsPlansThatStartWithinFourHorizons) {
   start(test::lab_scenario());
   const Duration most = from_seconds(4.0 * 12 * 0.5);
   for (const auto& [ahead, unusable] :
@@ -188,7 +188,7 @@ TEST_F(PlannerNodeTest, TakesPlansThatBeginWithinFourHorizons) {
   }
 }
 
-TEST_F(PlannerNodeTest, PlansWithItsBudgetOfNodesWhateverTheClock) {
+TEST_F(PlannerNodeTest, UsesNodeBudgetWithAnyClock) {
   scenario::Scenario scenario = test::lab_scenario();
   start(scenario);
   world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
@@ -218,7 +218,7 @@ TEST_F(PlannerNodeTest, PlansWithTheDefaultBudgetInVirtualTime) {
 
 // The messages of a robot that leaves the neighbourhood are dropped; those of a robot that enters
 // it are used.
-TEST_F(PlannerNodeTest, ListensToItsNeighboursAlone) {
+TEST_F(PlannerNodeTest, UsesMessagesOfNeighboursOnly) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.network.neighbourhood_m = 3.5;
   start(scenario);
@@ -248,7 +248,7 @@ TEST_F(PlannerNodeTest, ListensToItsNeighboursAlone) {
 }
 
 // A planner ignores messages that its team does not use: proposals, maps, external answers.
-TEST_F(PlannerNodeTest, HearsOnlyWhatItsTeamUses) {
+TEST_F(PlannerNodeTest, IgnoresUnusedMessageKinds) {
   start(test::lab_scenario());
   world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
   world_.publish(bus::proposal_channel("Q2"),
@@ -276,7 +276,7 @@ TEST_F(PlannerNodeTest, HearsOnlyWhatItsTeamUses) {
   }
 }
 
-TEST_F(PlannerNodeTest, CountsByThePublishedNames) {
+TEST_F(PlannerNodeTest, PublishesItsCountersByName) {
   const std::vector<std::string> names = {
       "plans_late",         "slots_skipped",       "rounds_short_of_processor",
       "fallbacks_shifted",  "fallbacks_braking",   "off_plan",
@@ -297,7 +297,7 @@ TEST_F(PlannerNodeTest, CountsByThePublishedNames) {
 
 // If two robots share a slot, the one with the lower index keeps it. The other yields, and then
 // moves to a slot of its own.
-TEST_F(PlannerNodeTest, MovesToAnotherSlotWhereALowerOneHasIts) {
+TEST_F(PlannerNodeTest, YieldsSlotToLowerRobot) {
   scenario::Scenario scenario = test::lab_scenario();
   std::swap(scenario.robots[0].name, scenario.robots[2].name);  // Q1 becomes the third robot
   scenario.planner.slots = 2;
@@ -325,7 +325,7 @@ TEST_F(PlannerNodeTest, MovesToAnotherSlotWhereALowerOneHasIts) {
 
 // Ticks fill the first half of the budget, 250 ms, except for the last 20 ms, in which the last
 // proposals arrive.
-TEST_F(PlannerNodeTest, LooksEveryFiveMillisecondsForBetterProposals) {
+TEST_F(PlannerNodeTest, PollsProposalsEveryFiveMilliseconds) {
   start(team_that_agrees());
   world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
   deliver();
@@ -348,7 +348,7 @@ TEST_F(PlannerNodeTest, LooksEveryFiveMillisecondsForBetterProposals) {
   }
 }
 
-TEST_F(PlannerNodeTest, NamesInAProposalWhatItWasMadeFromAndWhatItImprovesOn) {
+TEST_F(PlannerNodeTest, NamesInputsAndBaseOfProposal) {
   start(team_that_agrees());
   std::vector<models::TeamProposal> said;
   world_.subscribe<models::TeamProposal>(bus::team_proposal_channel("Q1"),
@@ -377,7 +377,7 @@ TEST_F(PlannerNodeTest, NamesInAProposalWhatItWasMadeFromAndWhatItImprovesOn) {
   }
 }
 
-TEST_F(PlannerNodeTest, CountsProposalsThatCannotBe) {
+TEST_F(PlannerNodeTest, CountsInvalidProposals) {
   start(team_that_agrees());
   world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
   deliver();

@@ -19,7 +19,7 @@ bool names(const models::RobotPlan& plan, const models::InputRef& input) {
   return std::find(plan.inputs.begin(), plan.inputs.end(), input) != plan.inputs.end();
 }
 
-TEST_F(PlannerNodeTest, PlansOnNoMessageOfAnotherRobotThanItsChannels) {
+TEST_F(PlannerNodeTest, RefusesMessageWhoseRobotDiffersFromChannel) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.attacks_max = 1;
   start(scenario);
@@ -44,7 +44,7 @@ TEST_F(PlannerNodeTest, PlansOnNoMessageOfAnotherRobotThanItsChannels) {
 
 // Attack notices are repeated each second, so an old one must expire. Without that, a teammate
 // counted as jammed for the rest of the flight.
-TEST_F(PlannerNodeTest, PlansByNoAttackThatWasNotHeardAgainForThreeSeconds) {
+TEST_F(PlannerNodeTest, DropsAttackNoticeAfterThreeSeconds) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.execute_steps = 2;  // one round lasts 1 s
   start(scenario);
@@ -68,7 +68,7 @@ TEST_F(PlannerNodeTest, PlansByNoAttackThatWasNotHeardAgainForThreeSeconds) {
   EXPECT_GE(without, 2);
 }
 
-TEST_F(PlannerNodeTest, GoesOnWhateverATeammateCallsAPlan) {
+TEST_F(PlannerNodeTest, SurvivesInvalidTeammatePlans) {
   const auto spoil = [&](int kind) {
     models::RobotPlan plan = plan_of("Q2");
     std::vector<models::PlanSegment>& segments = plan.trajectory.segments;
@@ -113,7 +113,7 @@ TEST_F(PlannerNodeTest, GoesOnWhateverATeammateCallsAPlan) {
   EXPECT_TRUE(names(plans_[0], good));
 }
 
-TEST_F(PlannerNodeTest, TakesAPlanWhoseStopIsLongerThanItsHorizon) {
+TEST_F(PlannerNodeTest, AcceptsAPlanWithALongStop) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.horizon_steps = 1;
   scenario.planner.execute_steps = 1;
@@ -132,7 +132,7 @@ TEST_F(PlannerNodeTest, TakesAPlanWhoseStopIsLongerThanItsHorizon) {
   EXPECT_EQ(count("unusable_plans"), 1);
 }
 
-TEST_F(PlannerNodeTest, GoesOnWithoutABeliefThatCannotBe) {
+TEST_F(PlannerNodeTest, ContinuesWithoutAnInvalidBelief) {
   const auto plan_on = [&](const models::RobotBelief& belief) {
     RobotPlanner planner(test::lab_scenario(), "Q1");
     PlanInputs inputs = inputs_;
@@ -195,13 +195,13 @@ class PlannerNodeByMixtures : public PlannerNodeTest {
   }
 };
 
-TEST_F(PlannerNodeByMixtures, PlansByTheOneThatCameBeforeItsBelief) {
+TEST_F(PlannerNodeByMixtures, UsesAMixtureThatArrivedBeforeItsBelief) {
   EXPECT_EQ(mixtures_named(3), 1);
 }
 
-TEST_F(PlannerNodeByMixtures, PlansByNoneOfAnotherStep) { EXPECT_EQ(mixtures_named(2), 0); }
+TEST_F(PlannerNodeByMixtures, IgnoresMixtureOfAnotherStep) { EXPECT_EQ(mixtures_named(2), 0); }
 
-TEST_F(PlannerNodeTest, CountsMapsThatItCannotPlanOn) {
+TEST_F(PlannerNodeTest, CountsUnusableMaps) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.targets.clear();
   scenario.planner.objective = scenario::PlanObjective::kMapping;

@@ -109,7 +109,7 @@ class ReplayTest : public test::PlannerNodeTest {
   std::vector<models::TeamProposal> said_again_;
 };
 
-TEST_F(ReplayTest, PlansAgainFromBeliefsMotionsStatesAndAttacks) {
+TEST_F(ReplayTest, ReproducesPlansFromTheirInputs) {
   start_both(test::lab_scenario());
   rounds(3, [&] {
     world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
@@ -126,7 +126,7 @@ TEST_F(ReplayTest, PlansAgainFromBeliefsMotionsStatesAndAttacks) {
 
 // A person walks at flight height. The plan names both frames from which it computes the person's
 // velocity.
-TEST_F(ReplayTest, PlansAgainBesideAPersonFromTwoFrames) {
+TEST_F(ReplayTest, ReplaysPlanWithPersonFromTwoFrames) {
   start_both(test::lab_scenario());
   rounds(3, [&] {
     world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
@@ -147,7 +147,7 @@ TEST_F(ReplayTest, PlansAgainBesideAPersonFromTwoFrames) {
   }
 }
 
-TEST_F(ReplayTest, StopsAgainWhereThePlannerHadNoProcessor) {
+TEST_F(ReplayTest, ReproducesStopsOfABusyHost) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.robots[0].device = scenario::DeviceSource::kWire;
   start_both(scenario);
@@ -160,7 +160,7 @@ TEST_F(ReplayTest, StopsAgainWhereThePlannerHadNoProcessor) {
   EXPECT_TRUE(again_[3].late);
 }
 
-TEST_F(ReplayTest, PlansAgainBesideProposals) {
+TEST_F(ReplayTest, ReplaysPlanWithProposals) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.attacks_max = 1;
   start_both(scenario);
@@ -172,7 +172,7 @@ TEST_F(ReplayTest, PlansAgainBesideProposals) {
   expect_all_again(2, {"BELIEF_Q1", "PROPOSAL_Q1", "PROPOSAL_Q2"});
 }
 
-TEST_F(ReplayTest, PlansAgainByMixtures) {
+TEST_F(ReplayTest, ReproducesPlansByMixtures) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.estimator.samples = true;
   start_both(scenario);
@@ -188,7 +188,7 @@ TEST_F(ReplayTest, PlansAgainByMixtures) {
   expect_all_again(1, {"MIXTURE_Q1"});
 }
 
-TEST_F(ReplayTest, PlansAgainByMaps) {
+TEST_F(ReplayTest, ReproducesPlansByMaps) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.targets.clear();
   scenario.planner.objective = scenario::PlanObjective::kMapping;
@@ -206,7 +206,7 @@ TEST_F(ReplayTest, PlansAgainByMaps) {
   expect_all_again(1, {"MAP_Q1"});
 }
 
-TEST_F(ReplayTest, PlansAgainWhatAnotherProcessAnswered) {
+TEST_F(ReplayTest, ReproducesExternalPlans) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.algorithm = "external";
   start_both(scenario);
@@ -223,7 +223,7 @@ TEST_F(ReplayTest, PlansAgainWhatAnotherProcessAnswered) {
 
 // The replay repeats the robot's own proposals, the first of which improves on a teammate's, and
 // the resulting plan.
-TEST_F(ReplayTest, ProposesAgainWhatItProposedToItsTeam) {
+TEST_F(ReplayTest, ReplaysOwnProposals) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.team_algorithm = scenario::TeamAlgorithm::kLocalSearch;
   scenario.planner.candidates_max = 20;
@@ -271,7 +271,7 @@ TEST_F(ReplayTest, ProposesAgainWhatItProposedToItsTeam) {
   expect_counts(same, 4, 0);
 }
 
-TEST_F(ReplayTest, SaysWhichPlansAreDifferent) {
+TEST_F(ReplayTest, ReportsDifferentPlans) {
   start_both(test::lab_scenario());
   rounds(1, [&] { world_.publish(bus::belief_channel("Q1"), *inputs_.belief); });
   expect_all_again(1, {"BELIEF_Q1"});
@@ -296,7 +296,7 @@ TEST_F(ReplayTest, SaysWhichPlansAreDifferent) {
 }
 
 // After a search that ended too late, the robot continued its committed motion.
-TEST_F(ReplayTest, GoesOnWithItsMotionWhereTheSearchCameTooLate) {
+TEST_F(ReplayTest, ReproducesFallbacksOfLateSearches) {
   start_alone(test::lab_scenario());
   const auto belief = world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
   const auto mocap = world_.publish(bus::kVicon, *inputs_.mocap);
@@ -320,7 +320,7 @@ TEST_F(ReplayTest, GoesOnWithItsMotionWhereTheSearchCameTooLate) {
 }
 
 // With shared slots, each plan states the slot in which it was made.
-TEST_F(ReplayTest, PlansInTheSlotThatThePlanWasMadeIn) {
+TEST_F(ReplayTest, PlansInTheLoggedSlot) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.slots = 2;
   start_alone(scenario);
@@ -344,7 +344,7 @@ TEST_F(ReplayTest, PlansInTheSlotThatThePlanWasMadeIn) {
 
 // Inputs may be logged after the message that they led to. The replay waits two seconds for them
 // and then continues with the next message.
-TEST_F(ReplayTest, WaitsForInputsThatAreStillToCome) {
+TEST_F(ReplayTest, WaitsForMissingInputs) {
   start_alone(test::lab_scenario());
   EXPECT_EQ(replay_->next_tick(), clock_.now());
   log_plan({{"BELIEF_Q1", 100, 0}});
@@ -372,7 +372,7 @@ TEST_F(ReplayTest, WaitsForInputsThatAreStillToCome) {
 }
 
 // Up to 30 messages may wait behind one whose inputs are missing.
-TEST_F(ReplayTest, GivesUpWhatHasThirtyOneBehindIt) {
+TEST_F(ReplayTest, SkipsMessageWith31Waiting) {
   start_alone(test::lab_scenario());
   log_plan({{"BELIEF_Q1", 100, 0}});
   for (int k = 0; k < 30; ++k) {
@@ -388,7 +388,7 @@ TEST_F(ReplayTest, GivesUpWhatHasThirtyOneBehindIt) {
 }
 
 // The replay finds the oldest message that it keeps per channel, but not the one before it.
-TEST_F(ReplayTest, RemembersSoManyMessagesOfEachKind) {
+TEST_F(ReplayTest, KeepsLimitedMessagesPerChannel) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.objective = scenario::PlanObjective::kMapping;
   scenario.targets.clear();

@@ -62,7 +62,7 @@ models::RobotPlan plan() {
   return plan;
 }
 
-TEST(IsSameDecision, OfAPlanIsOfAllThatIsFlownAndHowGoodItIs) {
+TEST(IsSameDecision, ComparesMotionAndCertificateOfPlan) {
   std::vector<std::function<void(models::RobotPlan&)>> others = {
       [](auto& p) { p.robot = "Q2"; },
       [](auto& p) { ++p.round; },
@@ -87,7 +87,7 @@ TEST(IsSameDecision, OfAPlanIsOfAllThatIsFlownAndHowGoodItIs) {
   }
 }
 
-TEST(IsSameDecision, OfAPlanLeavesOutHowLongItTookAndFromWhatItWasMade) {
+TEST(IsSameDecision, IgnoresTimesAndInputsOfPlan) {
   models::RobotPlan other = plan();
   other.stamp = {Time{Duration{1}}, 8, 9};
   other.nodes = 1'000;
@@ -98,7 +98,7 @@ TEST(IsSameDecision, OfAPlanLeavesOutHowLongItTookAndFromWhatItWasMade) {
 }
 
 // A plan without a search has cost NaN, which counts as equal. Zeros of different sign differ.
-TEST(IsSameDecision, GoesByTheBits) {
+TEST(IsSameDecision, ComparesBits) {
   models::RobotPlan none = plan();
   none.cost = kNan;
   EXPECT_TRUE(is_same_decision(none, none));
@@ -119,7 +119,7 @@ models::TeamProposal proposal() {
   return proposal;
 }
 
-TEST(IsSameDecision, OfAProposalIsOfTheWholeSolutionAndOfWhatLedToIt) {
+TEST(IsSameDecision, ComparesSolutionAndHistoryOfProposal) {
   std::vector<std::function<void(models::TeamProposal&)>> others = {
       [](auto& p) { p.robot = "Q2"; },
       [](auto& p) { ++p.round; },

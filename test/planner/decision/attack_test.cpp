@@ -81,7 +81,7 @@ void for_each_team(const Look& look) {
   }
 }
 
-TEST(WorstAttack, IsTheFirstSetThatLeavesLeastAndCountsEachOnce) {
+TEST(WorstAttack, ReturnsTheFirstMinimumOverAllSets) {
   for_each_team([](const TeamOracle& oracle, const Choice& choice) {
     for (int attacks = -1; attacks <= oracle.robot_count() + 1; ++attacks) {
       const auto sets = sets_of(robots_of(choice), std::max(0, attacks));
@@ -102,7 +102,7 @@ TEST(WorstAttack, IsTheFirstSetThatLeavesLeastAndCountsEachOnce) {
   });
 }
 
-TEST(GreedyAttack, TakesTheLowestOfThoseWithoutWhomLeastIsLeftWhileThatTakesAway) {
+TEST(GreedyAttack, RemovesRobotThatMinimisesRemainingValue) {
   int stopped = 0;
   for_each_team([&](const TeamOracle& oracle, const Choice& choice) {
     for (int attacks = 0; attacks <= oracle.robot_count() + 1; ++attacks) {
@@ -140,7 +140,7 @@ TEST(GreedyAttack, TakesTheLowestOfThoseWithoutWhomLeastIsLeftWhileThatTakesAway
   EXPECT_GT(stopped, 100);
 }
 
-TEST(AttackOnBestAlone, TakesTheLowerOfEqualsAndNobodyForLessThanOne) {
+TEST(AttackOnBestAlone, PrefersLowerIndexAndTakesNoneForZeroAttacks) {
   for_each_team([](const TeamOracle& oracle, const Choice& choice) {
     std::vector<int> ranked = robots_of(choice);
     std::ranges::sort(
@@ -159,7 +159,7 @@ TEST(AttackOnBestAlone, TakesTheLowerOfEqualsAndNobodyForLessThanOne) {
 
 // Each round takes the first of the best robots, even if it adds nothing. It evaluates all robots
 // that are left.
-TEST(AttackOnBestTogether, TakesTheLowerOfEqualsAndCountsWhatItAsks) {
+TEST(AttackOnBestTogether, PrefersLowerIndexAndCountsOracleCalls) {
   for_each_team([](const TeamOracle& oracle, const Choice& choice) {
     const std::vector<int> robots = robots_of(choice);
     std::vector<int> taken;
@@ -196,7 +196,7 @@ TEST(AttackOnBestTogether, TakesTheLowerOfEqualsAndCountsWhatItAsks) {
   });
 }
 
-TEST(ScriptedAttack, IsOfEachRobotOnce) {
+TEST(ScriptedAttack, ListsEachRobotOnce) {
   const std::vector<AttackInterval> script = {{0, 3, {2, 0}}, {1, 2, {0, 2, 2}}, {5, 5, {1}}};
   EXPECT_EQ(scripted_attack(script, 0), (std::vector<int>{0, 2}));
   EXPECT_EQ(scripted_attack(script, 1), (std::vector<int>{0, 2}));
@@ -205,7 +205,7 @@ TEST(ScriptedAttack, IsOfEachRobotOnce) {
   EXPECT_EQ(scripted_attack({}, 0), (std::vector<int>{}));
 }
 
-TEST(RandomAttack, OfNobodyIsNobodyAndDrawsNothing) {
+TEST(RandomAttack, DrawsNothingForZeroAttacks) {
   std::mt19937_64 rng(3);
   std::mt19937_64 untouched(3);
   EXPECT_TRUE(random_attack(4, 0, rng).empty());
@@ -215,7 +215,7 @@ TEST(RandomAttack, OfNobodyIsNobodyAndDrawsNothing) {
 
 // ---- The exhaustive optima to which the searches are compared ----
 
-TEST(ExhaustiveOptimum, IsTheFirstOfTheBestChoicesOfItsRobotsAlone) {
+TEST(ExhaustiveOptimum, ReturnsTheFirstBestChoice) {
   for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
     const TeamProblem problem = test::random_instance(seed, {4, 3, 2.0}, {});
     const TeamOracle oracle(problem);
@@ -252,7 +252,7 @@ TEST(ExhaustiveOptimum, IsTheFirstOfTheBestChoicesOfItsRobotsAlone) {
   }
 }
 
-TEST(ExhaustiveOptimum, RefusesRobotsThatAreNotThere) {
+TEST(ExhaustiveOptimum, RefusesUnknownRobots) {
   const TeamProblem problem = test::random_instance(3, {3, 3, 0.0}, {});
   const TeamOracle oracle(problem);
   EXPECT_NO_THROW(exhaustive_optimum(oracle, {oracle.robot_count() - 1}));
@@ -260,7 +260,7 @@ TEST(ExhaustiveOptimum, RefusesRobotsThatAreNotThere) {
   EXPECT_THROW(exhaustive_optimum(oracle, {-1}), UsageError);
 }
 
-TEST(ExhaustiveMaxMin, IsTheMostThatTheWorstAttackLeavesOfAnyWholeChoice) {
+TEST(ExhaustiveMaxMin, MaximisesValueAfterWorstAttack) {
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     const TeamProblem problem = test::random_instance(seed, {3, 3, 0.0}, {});
     const TeamOracle oracle(problem);

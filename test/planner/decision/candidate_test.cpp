@@ -39,7 +39,7 @@ TeamProblem team_of(const SearchProblem& problem, InformationMeasure measure) {
 }
 
 // ½ (J without measurements − J of the search) is the log-det information of its best plan.
-TEST(CandidateTrajectories, HoldTheBestPlanOfTheSearchAtItsValue) {
+TEST(CandidateTrajectories, ContainTheBestPlanOfTheSearch) {
   ReducedValueIteration search({20'000, 400'000, 16, 16, 4});
   int planned = 0;
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
@@ -72,7 +72,7 @@ TEST(CandidateTrajectories, HoldTheBestPlanOfTheSearchAtItsValue) {
   EXPECT_GT(planned, 100);
 }
 
-TEST(CandidateTrajectories, AreWhatTheirControlsMake) {
+TEST(CandidateTrajectories, MatchTheirControls) {
   ReducedValueIteration search({20'000, 400'000, 16, 16, 4});
   const EnergyModel energy{0.3, 0.0, 1.0, 2.0, {}};
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
@@ -92,7 +92,7 @@ TEST(CandidateTrajectories, AreWhatTheirControlsMake) {
 
 // The stand-alone gains that the search supplies equal those of the oracle bit for bit, and save
 // all its calls.
-TEST(CandidateTrajectories, BringWhatTheyGainAlone) {
+TEST(CandidateTrajectories, SupplyStandAloneGain) {
   ReducedValueIteration search({20'000, 400'000, 16, 16, 4});
   const EnergyModel energy{0.3, 0.0, 1.0, 2.0, {}};
   int gaining = 0;
@@ -121,7 +121,7 @@ TEST(CandidateTrajectories, BringWhatTheyGainAlone) {
 
 // With fixed measurements of teammates, the gain of a trajectory in the search is not its
 // stand-alone gain.
-TEST(CandidateTrajectories, BringNothingWhereTeammatesAreFixed) {
+TEST(CandidateTrajectories, SupplyNoGainWithFixedInformation) {
   ReducedValueIteration search({20'000, 400'000, 16, 16, 4});
   int made = 0;
   int zeroed = 0;
@@ -155,7 +155,7 @@ TEST(CandidateTrajectories, BringNothingWhereTeammatesAreFixed) {
 }
 
 // The region "mud" begins at x = 3 m; the six steps begin at x = 0, 2, 4, 6, 8 and 8 m.
-TEST(EnergyUsed, PaysForControlsAndForTheRegionsThatConcernTheRobot) {
+TEST(EnergyUsed, SumsControlsAndRegionsOfTheRobot) {
   models::World world;
   world.bounds = {{-1.0, -5.0}, {20.0, 5.0}};
   world.regions = {{"mud", {{3.0, -5.0}, {20.0, 5.0}}, 3.0}, {"wind", world.bounds, 7.0}};
@@ -173,7 +173,7 @@ TEST(EnergyUsed, PaysForControlsAndForTheRegionsThatConcernTheRobot) {
   EXPECT_DOUBLE_EQ(make_candidate(problem, air, {2, 2, 2, 2, 2, 2}).energy_cost, 6 * (2.0 + 7.0));
 }
 
-TEST(MakeCandidate, RefusesControlsThatAreNotThere) {
+TEST(MakeCandidate, RefusesUnknownControls) {
   const SearchProblem problem = open_problem(1);
   const auto count = static_cast<int>(problem.controls.size());
   const std::vector<int> controls(static_cast<std::size_t>(problem.horizon_steps), 0);
@@ -216,7 +216,7 @@ void expect_same_looks(const Candidate& a, const Candidate& b) {
 
 // The measurements are the sums over all sensors, per target and step, at the expected target
 // positions. They are ordered by target and step and contain only what is visible.
-TEST(MakeCandidate, SeesWhatItsSensorsSeeOfEveryTargetAtEveryStep) {
+TEST(MakeCandidate, HasMeasurementsOfAllVisibleTargets) {
   int seen = 0;
   int hidden = 0;
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
@@ -259,7 +259,7 @@ TEST(MakeCandidate, SeesWhatItsSensorsSeeOfEveryTargetAtEveryStep) {
 
 // A candidate is the same if it is made from controls, from a search result or from a teammate's
 // trajectory.
-TEST(MakeCandidate, IsTheSameOfASearchsPlanAndOfATeammatesMotion) {
+TEST(MakeCandidate, IsSameFromSearchAndFromMotion) {
   ReducedValueIteration search({20'000, 400'000, 16, 16, 4});
   const EnergyModel energy{0.3, 0.0, 1.0, 2.0, {}};
   int looks = 0;
@@ -372,7 +372,7 @@ double least_lead(const PlainLeaf& leaf, const PlainLeaf& kept) {
 // Leaves are compared with all kept ones in ascending order. A leaf is dropped if it is within δ of
 // a kept leaf and its covariance is not smaller by more than ε. Compared with the tree that the
 // search leaves behind.
-TEST(CandidateTrajectories, AreTheLeavesThatNoCheaperOneMakesRedundant) {
+TEST(CandidateTrajectories, AreTheNonRedundantLeaves) {
   ReducedValueIteration search({20'000, 400'000, 16, 16, 4});
   const EnergyModel energy{0.3, 0.1, 1.0, 2.0, {}};
   constexpr std::size_t kAll = CandidateOptions::kNoLimit;
@@ -438,7 +438,7 @@ TEST(CandidateTrajectories, AreTheLeavesThatNoCheaperOneMakesRedundant) {
 }
 
 // If a robot must be able to stop, leaves from which it cannot stop are dropped.
-TEST(CandidateTrajectories, CanStopWhereAStopIsDemanded) {
+TEST(CandidateTrajectories, CanStopWhenStopIsRequired) {
   ReducedValueIteration search({20'000, 400'000, 16, 16, 4});
   int left_out = 0;
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
@@ -465,7 +465,7 @@ TEST(CandidateTrajectories, CanStopWhereAStopIsDemanded) {
   EXPECT_GT(left_out, 100);
 }
 
-TEST(CandidateTrajectories, RefuseToleranceThatIsNone) {
+TEST(CandidateTrajectories, RefuseInvalidTolerances) {
   ReducedValueIteration search({20'000, 400'000, 16, 16, 4});
   const SearchProblem problem = open_problem(1);
   for (const double none :

@@ -181,7 +181,7 @@ TeamProblem drawn(std::uint64_t seed) {
   return test::random_instance(seed, {5, 5, 1.0}, InformationMeasure::kMutual);
 }
 
-TEST(LocalSearchSession, EndsWithoutLossInOneLocalOptimumThatAllHold) {
+TEST(LocalSearchSession, ConvergesToOneLocalOptimumWithoutLoss) {
   double sum = 0.0;
   double sum_in_process = 0.0;
   int same = 0;
@@ -210,7 +210,7 @@ TEST(LocalSearchSession, EndsWithoutLossInOneLocalOptimumThatAllHold) {
   EXPECT_GE(same, static_cast<int>(kInstances) * 8 / 10);
 }
 
-TEST(LocalSearchSession, EndsAndNeverFallsWhateverTheNetworkDoes) {
+TEST(LocalSearchSession, EndsAndNeverLosesValueOnAnyNetwork) {
   for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
     Team team({drawn(seed)});
     const Outcome outcome = run(team, {0.4, 0.4, 30}, seed, 3, 1'000'000);
@@ -232,7 +232,7 @@ TEST(LocalSearchSession, EndsAndNeverFallsWhateverTheNetworkDoes) {
 }
 
 // Robots have different beliefs, so a change that raises J of one robot may lower J of another.
-TEST(LocalSearchSession, GoesNotInCirclesWhereBeliefsDiffer) {
+TEST(LocalSearchSession, EndsWhenBeliefsDiffer) {
   int disputed = 0;
   for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
     const TeamProblem drawn_problem = drawn(seed);
@@ -257,7 +257,7 @@ TEST(LocalSearchSession, GoesNotInCirclesWhereBeliefsDiffer) {
   EXPECT_GE(disputed, 10);
 }
 
-TEST(LocalSearchSession, ProposesTheSameHoweverItIsInterrupted) {
+TEST(LocalSearchSession, ProposesSameAfterAnyInterruption) {
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     const TeamProblem problem = drawn(seed);
     Team whole({problem});
@@ -281,7 +281,7 @@ TEST(LocalSearchSession, ProposesTheSameHoweverItIsInterrupted) {
 }
 
 // A session that received only the newest message continues from it as its sender does.
-TEST(LocalSearchSession, UnderstandsAMessageWithoutThoseBeforeIt) {
+TEST(LocalSearchSession, NeedsOnlyNewestMessage) {
   int heard = 0;
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     Team team({drawn(seed)});
@@ -301,7 +301,7 @@ TEST(LocalSearchSession, UnderstandsAMessageWithoutThoseBeforeIt) {
 }
 
 // Coordinate descent: the choices of the others are fixed, and the robot adds its best candidate.
-TEST(LocalSearchSession, AddsTheBestBesideWhatIsCommitted) {
+TEST(LocalSearchSession, AddsBestToCommittedChoices) {
   int added = 0;
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     const Team team({drawn(seed)});
@@ -339,7 +339,7 @@ TEST(LocalSearchSession, AddsTheBestBesideWhatIsCommitted) {
   EXPECT_GE(added, 80);
 }
 
-TEST(LocalSearchSession, HasNothingCommittedOfItsOwnRobotOrOfAnother) {
+TEST(LocalSearchSession, StartsWithoutCommittedPlans) {
   const Team team({drawn(3)});
   for (const char* robot : {"Q1", "Q99"}) {
     models::TeamChoice choice;
@@ -348,7 +348,7 @@ TEST(LocalSearchSession, HasNothingCommittedOfItsOwnRobotOrOfAnother) {
   }
 }
 
-TEST(LocalSearchSession, RefusesWhatIsNotOfThisRoundTeamOrRobot) {
+TEST(LocalSearchSession, RefusesOtherRoundTeamOrRobot) {
   Team team({drawn(3)});
   const auto said = team[0].improve(Deadline::never());
   ASSERT_TRUE(said);
@@ -374,7 +374,7 @@ TEST(LocalSearchSession, RefusesWhatIsNotOfThisRoundTeamOrRobot) {
   }));
 }
 
-TEST(LocalSearchSession, ProposesNothingThatComesTooNear) {
+TEST(LocalSearchSession, KeepsSeparationInProposals) {
   int kept = 0;
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     const TeamProblem problem = drawn(seed);
@@ -417,7 +417,7 @@ TEST(LocalSearchSession, ProposesNothingThatComesTooNear) {
   EXPECT_GE(kept, 100);
 }
 
-TEST(LocalSearchSession, CountsWhatOnlyTheOwnerKnowsOf) {
+TEST(LocalSearchSession, CountsUnsharedInformation) {
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     const TeamProblem plain = drawn(seed);
     const TeamOracle before(plain);
@@ -440,7 +440,7 @@ TEST(LocalSearchSession, CountsWhatOnlyTheOwnerKnowsOf) {
 
 // The stated effect of its own robot's motion may change, for example after a restart with another
 // belief.
-TEST(LocalSearchSession, CountsWhatTheSolutionThatItHoldsSaysOfAMotion) {
+TEST(LocalSearchSession, UsesMotionEffectOfHeldSolution) {
   const auto session = [] {
     SessionSetup setup;
     setup.robots = {"Q1", "Q2"};

@@ -77,7 +77,7 @@ void expect_local_optima(const TeamOracle& oracle, const TeamDecision& decision,
   }
 }
 
-TEST(CoordinateDescent, IsWithinHalfOfTheOptimumInBothOrders) {
+TEST(CoordinateDescent, IsAtLeastHalfOfTheOptimum) {
   for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
     const TeamProblem problem = test::random_instance(seed, {4, 4, 0.0}, {});
     const TeamOracle oracle(problem);
@@ -96,7 +96,7 @@ TEST(CoordinateDescent, IsWithinHalfOfTheOptimumInBothOrders) {
   }
 }
 
-TEST(CoordinateDescent, ChoosesTheSameLazilyWithFewerCalls) {
+TEST(CoordinateDescent, LazyEvaluationMakesEqualChoices) {
   std::int64_t lazy_calls = 0;
   std::int64_t calls = 0;
   for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
@@ -111,7 +111,7 @@ TEST(CoordinateDescent, ChoosesTheSameLazilyWithFewerCalls) {
   EXPECT_LT(lazy_calls, calls);
 }
 
-TEST(CoordinateDescent, NeverFallsWhenItGoesRoundAgain) {
+TEST(CoordinateDescent, NeverDecreasesInFurtherPasses) {
   int improved = 0;
   for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
     const TeamProblem problem = test::random_instance(seed, {5, 5, 2.0}, {});
@@ -127,7 +127,7 @@ TEST(CoordinateDescent, NeverFallsWhenItGoesRoundAgain) {
   EXPECT_GT(improved, 0);
 }
 
-TEST(CoordinateDescent, IsNeverWorseWithMoreTimeAndKeepsToIt) {
+TEST(CoordinateDescent, ImprovesMonotonicallyWithTime) {
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     const TeamProblem problem = test::random_instance(seed, {5, 5, 2.0}, {});
     const TeamOracle oracle(problem);
@@ -147,7 +147,7 @@ TEST(CoordinateDescent, IsNeverWorseWithMoreTimeAndKeepsToIt) {
   }
 }
 
-TEST(ValueBound, IsAboveEveryChoiceFromWhateverChoice) {
+TEST(ValueBound, IsAnUpperBoundFromAnyChoice) {
   double gap = 0.0;
   double gap_alone = 0.0;
   for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
@@ -194,7 +194,7 @@ TEST(LocalSearch, KeepsItsBoundOnInformationLessCosts) {
   }
 }
 
-TEST(LocalSearch, EndsWhereNoDeletionAdditionOrSwapImproves) {
+TEST(LocalSearch, EndsAtALocalOptimum) {
   for (const InformationMeasure measure :
        {InformationMeasure::kMutual, InformationMeasure::kLogDet}) {
     for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
@@ -212,7 +212,7 @@ TEST(LocalSearch, EndsWhereNoDeletionAdditionOrSwapImproves) {
 
 // 10 robots of 1250 candidates, nearly all equal in value. α/N⁴ vanishes in 1 + α/N⁴, so a search
 // that adopts equal values would not end.
-TEST(LocalSearch, DoesNotGoInCirclesWhereAlphaOverNToTheFourthVanishes) {
+TEST(LocalSearch, EndsWhenAlphaOverN4Vanishes) {
   TeamProblem problem = test::random_instance(3, {1, 1, 0.0}, {});
   problem.horizon_steps = 3;
   problem.candidates.assign(10, {});
@@ -262,7 +262,7 @@ TEST(DistributedLocalSearch, StopsAtItsDeadlineWithASolution) {
   }
 }
 
-TEST(TieRule, PrefersOneOfAnyTwoDifferentProposalsAndNeverBoth) {
+TEST(TieRule, IsAStrictOrder) {
   const std::vector<Proposal> proposals = {
       {-1, 3, 1.0},           {-1, 4, 1.0},           {0, 3, 1.0}, {1, 3, 1.0},
       {0, kNoCandidate, 1.0}, {1, kNoCandidate, 1.0}, {-1, 3, 2.0}};

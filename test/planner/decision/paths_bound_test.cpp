@@ -74,7 +74,7 @@ constexpr InformationMeasure kMeasures[] = {InformationMeasure::kMutual,
                                             InformationMeasure::kLogDet};
 constexpr std::int64_t kNodes = 60'000;
 
-TEST(PathsBound, IsAboveEveryChoiceOfPaths) {
+TEST(PathsBound, IsAnUpperBound) {
   PathsBound bound(4, 5);
   int told = 0;
   double least = kInfinity;
@@ -104,7 +104,7 @@ TEST(PathsBound, IsAboveEveryChoiceOfPaths) {
   EXPECT_LT(least, 0.05);  // the bound is nearly tight somewhere
 }
 
-TEST(PathsBound, OfSomeRobotsLeavesTheOthersOut) {
+TEST(PathsBound, CountsOnlyGivenRobots) {
   PathsBound bound(4, 5);
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const std::vector<SearchProblem> team = drawn_team(seed);
@@ -121,7 +121,7 @@ TEST(PathsBound, OfSomeRobotsLeavesTheOthersOut) {
   }
 }
 
-TEST(PathsBound, UnderAttackIsAboveTheBestThatTheWorstAttackLeaves) {
+TEST(PathsBound, UnderAttackIsAnUpperBound) {
   PathsBound bound(4, 5);
   for (std::uint64_t seed = 0; seed < team_count() / 4; ++seed) {
     SCOPED_TRACE(seed);
@@ -141,7 +141,7 @@ TEST(PathsBound, UnderAttackIsAboveTheBestThatTheWorstAttackLeaves) {
 }
 
 // The lattice cannot hold the horizon, and there is no deadline.
-TEST(PathsBound, EndsWhereNoLatticeFits) {
+TEST(PathsBound, EndsWithoutALattice) {
   constexpr int kSteps = 44;
   PathsBound bound(4, kSteps);
   std::vector<SearchProblem> team = drawn_team(0);
@@ -153,7 +153,7 @@ TEST(PathsBound, EndsWhereNoLatticeFits) {
             kInfinity);
 }
 
-TEST(PathsBound, SaysNothingWhereItsRulesDoNotHold) {
+TEST(PathsBound, IsInfiniteForUnsupportedProblems) {
   PathsBound bound(4, 5);
   std::vector<SearchProblem> team = drawn_team(0);
   team[1].controls[1].yaw_rate_radps *= std::sqrt(2.0);
@@ -204,7 +204,7 @@ void expect_known(double is, double known) {
   EXPECT_LE(is, known * (1.0 + 2e-3));
 }
 
-TEST(PathsBound, IsWhatIsSeenWhereEveryPathSeesTheSame) {
+TEST(PathsBound, IsExactWhenAllPathsSeeTheSame) {
   PathsBound bound(4, 5);
   std::vector<SearchProblem> team = seers();
   for (const InformationMeasure measure : kMeasures) {
@@ -232,7 +232,7 @@ TEST(PathsBound, IsWhatIsSeenWhereEveryPathSeesTheSame) {
   }
 }
 
-TEST(PathsBound, UnderAttackIsWhatTheOthersSeeWithoutTheBest) {
+TEST(PathsBound, UnderAttackExcludesBestRobots) {
   PathsBound bound(4, 5);
   const std::vector<SearchProblem> team = seers();
   for (const InformationMeasure measure : kMeasures) {
@@ -265,7 +265,7 @@ TEST(PathsBound, UnderAttackIsWhatTheOthersSeeWithoutTheBest) {
   }
 }
 
-TEST(PathsBound, KnowsNothingBeforeItHasLooked) {
+TEST(PathsBound, IsInfiniteWithoutWork) {
   PathsBound bound(4, 5);
   const std::vector<SearchProblem> team = seers();
   const auto answer =

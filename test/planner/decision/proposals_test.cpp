@@ -50,7 +50,7 @@ models::TeamChoice choice() {
 
 // Each character and each number is one word of eight bytes, least significant first. Words follow
 // the motion: start, height, and per segment speed, yaw rate, duration and braking.
-TEST(Fingerprint, IsThePublishedHashOfTheMotionOnEveryMachine) {
+TEST(Fingerprint, IsIndependentOfTheMachine) {
   std::vector<unsigned char> bytes;
   add_word(bytes, 'Q');
   add_word(bytes, 0xE9);
@@ -60,7 +60,7 @@ TEST(Fingerprint, IsThePublishedHashOfTheMotionOnEveryMachine) {
   EXPECT_EQ(fingerprint(choice()), fnv1a(bytes));
 }
 
-TEST(Fingerprint, OfASolutionIsOfTheTeamsOrderAndOfWhoRests) {
+TEST(Fingerprint, OfSolutionDependsOnTeamOrderAndHovers) {
   models::TeamChoice first = choice();
   first.robot = "Q1";
   models::TeamChoice last = choice();
@@ -75,7 +75,7 @@ TEST(Fingerprint, OfASolutionIsOfTheTeamsOrderAndOfWhoRests) {
   EXPECT_NE(fingerprint({"Q3", "Q2", "Q1"}, {first, last}), fnv1a(bytes));
 }
 
-TEST(Fingerprint, ChangesWithEveryNumberOfTheMotionAndNotWithWhatItIsWorth) {
+TEST(Fingerprint, DependsOnMotionAndNotOnValue) {
   const std::vector<std::function<void(models::TeamChoice&)>> others = {
       [](auto& c) { c.robot = "Q1"; },
       [](auto& c) { c.trajectory.start.x_m *= -1.0; },
@@ -155,13 +155,13 @@ models::TeamProposal said_by(const std::string& robot, double value_nats, double
   return proposal;
 }
 
-TEST(InformationAlone, LeavesOutWhatAMotionCostsAndWhatOnlyItsOwnerKnows) {
+TEST(InformationAlone, ExcludesCostAndUnsharedInformation) {
   const SessionSetup setup = setup_of({{3.0, 0.5, 0.25}});
   EXPECT_NEAR(information_alone(setup.problem, setup.problem.candidates[1][0]), std::log(4.0),
               1e-12);
 }
 
-TEST(LocalSearchSession, SaysOfItsMotionWhatItGainsAloneAndWhatItCosts) {
+TEST(LocalSearchSession, StatesStandAloneGainAndCost) {
   LocalSearchSession session(setup_of({{0.5, 0.0, 0.0}, {3.0, 0.5, 0.25}}));
   const auto proposal = session.improve(Deadline::never());
   ASSERT_TRUE(proposal);
@@ -181,7 +181,7 @@ TEST(LocalSearchSession, SaysOfItsMotionWhatItGainsAloneAndWhatItCosts) {
   EXPECT_FALSE(session.is_searching());
 }
 
-TEST(LocalSearchSession, RestsWhereNothingIsWorthItsCost) {
+TEST(LocalSearchSession, HoversWhenNoMotionIsWorthItsCost) {
   LocalSearchSession session(setup_of({{0.0, 0.0, 0.0}, {0.5, 2.0, 0.0}}));
   EXPECT_TRUE(session.is_searching());
   EXPECT_FALSE(session.improve(Deadline::never()));
@@ -190,7 +190,7 @@ TEST(LocalSearchSession, RestsWhereNothingIsWorthItsCost) {
 }
 
 // A rise of kLeastRise_nats is proposed; a smaller one is not.
-TEST(LocalSearchSession, ProposesRisesOfAMillionthOfANat) {
+TEST(LocalSearchSession, ProposesRisesOfAtLeast1e6Nats) {
   EXPECT_EQ(LocalSearchSession::kLeastRise_nats, 1e-6);
   LocalSearchSession below(setup_of({{std::expm1(0.9e-6), 0.0, 0.0}}));
   EXPECT_FALSE(below.improve(Deadline::never()));
@@ -198,7 +198,7 @@ TEST(LocalSearchSession, ProposesRisesOfAMillionthOfANat) {
   EXPECT_TRUE(above.improve(Deadline::never()));
 }
 
-TEST(LocalSearchSession, RefusesATeamThatItIsNotOfAndMotionsWithoutCandidates) {
+TEST(LocalSearchSession, RefusesForeignTeamAndUnknownMotions) {
   for (const int robot : {-1, 3}) {
     SessionSetup setup = setup_of({});
     setup.robot = robot;
@@ -214,7 +214,7 @@ TEST(LocalSearchSession, RefusesATeamThatItIsNotOfAndMotionsWithoutCandidates) {
 
 // The greater value is held, then the sender that is first in the team, then the lower fingerprint.
 // Sessions that received the same proposals in any order hold the same one.
-TEST(LocalSearchSession, HoldsTheSameOfTwoInWhateverOrderTheyCome) {
+TEST(LocalSearchSession, HoldsSameProposalInAnyOrder) {
   models::TeamProposal low = said_by("Q3", 1.0, 1.0);
   models::TeamProposal high = said_by("Q3", 1.0, 2.0);
   if (low.history.back() > high.history.back()) {
@@ -237,7 +237,7 @@ TEST(LocalSearchSession, HoldsTheSameOfTwoInWhateverOrderTheyCome) {
   }
 }
 
-TEST(LocalSearchSession, SaysWhatIsOfItsRoundAndWhatCanBe) {
+TEST(LocalSearchSession, ChecksRoundAndValidityOfProposals) {
   const LocalSearchSession session(setup_of({{1.0, 0.0, 0.0}}));
   const models::TeamProposal good = said_by("Q3", 1.0);
   const auto verdict = [&](const std::function<void(models::TeamProposal&)>& spoil) {
@@ -274,7 +274,7 @@ TEST(LocalSearchSession, SaysWhatIsOfItsRoundAndWhatCanBe) {
 }
 
 // Chains of proposals are bounded: a robot stops proposing at 256.
-TEST(LocalSearchSession, ImprovesOnNothingThatTwoHundredAndFiftySixLedTo) {
+TEST(LocalSearchSession, LimitsTheHistoryTo256) {
   for (const std::size_t before : {std::size_t{254}, std::size_t{255}}) {
     LocalSearchSession session(setup_of({{3.0, 0.0, 0.0}}));
     models::TeamProposal said = said_by("Q3", 1.0);
@@ -288,7 +288,7 @@ TEST(LocalSearchSession, ImprovesOnNothingThatTwoHundredAndFiftySixLedTo) {
 }
 
 // A proposal never returns to a solution of its own history.
-TEST(LocalSearchSession, ProposesNoSolutionOfItsOwnHistory) {
+TEST(LocalSearchSession, ProposesNoEarlierSolution) {
   for (const bool was_there : {false, true}) {
     LocalSearchSession session(setup_of({{3.0, 0.0, 0.0}}));
     models::TeamProposal said = said_by("Q3", 5.0);
@@ -311,7 +311,7 @@ TEST(LocalSearchSession, ProposesNoSolutionOfItsOwnHistory) {
 }
 
 // Committed choices have value 0; values count what is added to them.
-TEST(LocalSearchSession, BeginsBesideWhatIsCommitted) {
+TEST(LocalSearchSession, BeginsFromCommittedChoices) {
   SessionSetup setup = setup_of({{3.0, 0.0, 0.0}});
   setup.committed = said_by("Q3", 5.0).choices;
   LocalSearchSession session(std::move(setup));
@@ -330,7 +330,7 @@ TEST(LocalSearchSession, BeginsBesideWhatIsCommitted) {
 // The best stand-alone candidate is the best addition to an empty choice. Then its deletion is
 // evaluated; the other candidate is excluded by its bound without an oracle call. Each action of a
 // session counts as at least one call.
-TEST(LocalSearchSession, CountsItsCallsAndIsStoppedBetweenThem) {
+TEST(LocalSearchSession, CountsCallsAndStopsBetweenThem) {
   LocalSearchSession session(setup_of({{1.0, 0.0, 0.0}, {3.0, 0.0, 0.0}}));
   EXPECT_FALSE(session.improve(Deadline::nodes(0)));
   EXPECT_EQ(session.calls(), 0);

@@ -108,7 +108,7 @@ TEST(PlanResiliently, KeepsTheBoundOfTotalCurvatureForLogDet) {
   }
 }
 
-TEST(PlanResiliently, LeavesMoreThanPlanningForNoAttackOnAverage) {
+TEST(PlanResiliently, IsBetterOnAverageUnderAttack) {
   double resilient = 0.0;
   double plain = 0.0;
   test::for_each_instance(kInstances, {4, 4, 0.0}, {},
@@ -124,7 +124,7 @@ TEST(PlanResiliently, LeavesMoreThanPlanningForNoAttackOnAverage) {
   EXPECT_GT(resilient, plain);
 }
 
-TEST(AttackOnBestAlone, TakesThoseOfWhomEachAloneIsWorthMost) {
+TEST(AttackOnBestAlone, TakesRobotsWithHighestStandAloneValue) {
   for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
     const TeamProblem problem = test::random_instance(seed, {4, 4, 0.0}, {});
     const TeamOracle oracle(problem);
@@ -152,7 +152,7 @@ TEST(AttackOnBestAlone, TakesThoseOfWhomEachAloneIsWorthMost) {
 }
 
 // Bait robots keep their best stand-alone candidates, and the attack on the best alone takes these.
-TEST(AttackOnBestAlone, TakesTheBait) {
+TEST(AttackOnBestAlone, AttacksTheBait) {
   for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
     const TeamProblem problem = test::random_instance(seed, {4, 4, 0.0}, {});
     const TeamOracle oracle(problem);
@@ -174,7 +174,7 @@ TEST(AttackOnBestAlone, TakesTheBait) {
   }
 }
 
-TEST(AttackOnBestTogether, OfOneIsTheRobotWhosePlanIsWorthMostOfAll) {
+TEST(AttackOnBestTogether, TakesMostValuableRobotForOneAttack) {
   for (const InformationMeasure measure :
        {InformationMeasure::kMutual, InformationMeasure::kLogDet}) {
     for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
@@ -200,7 +200,7 @@ TEST(AttackOnBestTogether, OfOneIsTheRobotWhosePlanIsWorthMostOfAll) {
 
 // One more attack adds the robot with which J of the attacked robots, by the plain recursion, is
 // largest.
-TEST(AttackOnBestTogether, AddsTheRobotWithWhichThoseTakenAreWorthMost) {
+TEST(AttackOnBestTogether, AddsRobotThatMaximisesJointValue) {
   int unlike_alone = 0;
   for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
     const TeamProblem problem =
@@ -245,7 +245,7 @@ TEST(AttackOnBestTogether, AddsTheRobotWithWhichThoseTakenAreWorthMost) {
   EXPECT_GT(unlike_alone, 10);
 }
 
-TEST(PlanResiliently, AsksInTheOrderOfTheAlgorithm) {
+TEST(PlanResiliently, EvaluatesInAlgorithmOrder) {
   using Call = std::pair<int, std::vector<int>>;
   const std::vector<double> values = {2.0, 5.0, 3.0, 4.0};
   std::vector<Call> calls;
@@ -263,7 +263,7 @@ TEST(PlanResiliently, AsksInTheOrderOfTheAlgorithm) {
   EXPECT_EQ(calls.size(), 2U);
 }
 
-TEST(PlanResiliently, HasAllPlanAloneAndThoseOutsideTheBaitThenTogether) {
+TEST(PlanResiliently, PlansAloneThenTheRestTogether) {
   const std::vector<double> values = {2.0, 5.0, 3.0, 4.0};
   std::vector<int> alone;
   std::vector<std::vector<int>> together;
@@ -290,7 +290,7 @@ TEST(PlanResiliently, HasAllPlanAloneAndThoseOutsideTheBaitThenTogether) {
   EXPECT_THROW(plan(-1), UsageError);
 }
 
-TEST(ResilientRound, HasTheBaitCountOnNobodyAndTheRestOnOneAnother) {
+TEST(ResilientRound, BaitPlansAloneAndOthersTogether) {
   const std::vector<double> values = {1.0, 3.0, 2.0, 3.0};
   const ResilientRound round(values, 2);
   EXPECT_EQ(round.bait(), (std::vector<int>{1, 3}));
@@ -305,7 +305,7 @@ TEST(ResilientRound, HasTheBaitCountOnNobodyAndTheRestOnOneAnother) {
   EXPECT_TRUE(calm.unseeing_for(1).empty());
 }
 
-TEST(BaitRobots, AreTheOnesWorthMostAndTheLowerOfEquals) {
+TEST(BaitRobots, HaveHighestValueThenLowerIndex) {
   const std::vector<double> values = {1.0, 3.0, 2.0, 3.0, 2.0};
   EXPECT_EQ(bait_robots(values, 0), (std::vector<int>{}));
   EXPECT_EQ(bait_robots(values, 1), (std::vector<int>{1}));
@@ -314,7 +314,7 @@ TEST(BaitRobots, AreTheOnesWorthMostAndTheLowerOfEquals) {
 }
 
 // The attack that the experiments call worst case, compared with all attacks.
-TEST(Attack, OfTheGreedyKindIsNeverWorseThanTheWorstAndNearlyAlwaysIsIt) {
+TEST(GreedyAttack, NearlyAlwaysEqualsTheWorstAttack) {
   int all_apart = 0;
   for (const InformationMeasure measure :
        {InformationMeasure::kMutual, InformationMeasure::kLogDet}) {
@@ -350,7 +350,7 @@ TEST(Attack, OfTheGreedyKindIsNeverWorseThanTheWorstAndNearlyAlwaysIsIt) {
   EXPECT_GT(all_apart, 0);
 }
 
-TEST(Attack, AtRandomHitsEverySetAlike) {
+TEST(Attack, AtRandomIsUniform) {
   std::mt19937_64 rng(11);
   std::map<std::vector<int>, int> counts;
   const int draws = 20'000;
@@ -367,7 +367,7 @@ TEST(Attack, AtRandomHitsEverySetAlike) {
   EXPECT_EQ(random_attack(3, 3, rng), (std::vector<int>{0, 1, 2}));
 }
 
-TEST(Attack, ByScriptLastsFromItsBeginningUntilItsEnd) {
+TEST(ScriptedAttack, LastsFromBeginToEnd) {
   const std::vector<AttackInterval> script = {{2, 5, {1, 0}}, {4, 6, {1, 3}}};
   EXPECT_EQ(scripted_attack(script, 1), (std::vector<int>{}));
   EXPECT_EQ(scripted_attack(script, 2), (std::vector<int>{0, 1}));

@@ -38,7 +38,7 @@ std::vector<char> drawn_exclusion(const TeamOracle& oracle, std::uint64_t seed) 
 
 // A change improves if g' ≥ (1 + α/N⁴) g, with g = J + O and O the sum of the highest costs per
 // robot, and if J rises.
-TEST(ImprovementRule, AsksForAShareOfValueAndCosts) {
+TEST(ImprovementRule, RequiresShareOfValueAndCosts) {
   const TeamProblem one = made_team(1, {{{0, 1.0, 3.0}}});
   const TeamOracle of_one(one);
   ASSERT_EQ(of_one.offset(), 3.0);
@@ -65,7 +65,7 @@ TEST(ImprovementRule, AsksForAShareOfValueAndCosts) {
   EXPECT_TRUE(ImprovementRule(of_none, 1.0).improves(1.0, 2.1));
 }
 
-TEST(ImprovementRule, RefusesSharesAndRisesThatAreNone) {
+TEST(ImprovementRule, RefusesInvalidShares) {
   const TeamProblem one = made_team(1, {{{0, 1.0, 3.0}}});
   const TeamOracle oracle(one);
   const double inf = std::numeric_limits<double>::infinity();
@@ -79,7 +79,7 @@ TEST(ImprovementRule, RefusesSharesAndRisesThatAreNone) {
   EXPECT_NO_THROW(ImprovementRule(oracle, 1e-30, 0.0));
 }
 
-TEST(TieRule, PrefersValueThenTheLowestNumberAndLastAMereDeletionOfTheLowestRobot) {
+TEST(TieRule, PrefersValueThenLowNumbersThenDeletions) {
   const std::vector<Proposal> ranked = {{1, 9, 2.0},
                                         {0, 3, 1.0},
                                         {1, 3, 1.0},
@@ -102,7 +102,7 @@ TEST(TieRule, PrefersValueThenTheLowestNumberAndLastAMereDeletionOfTheLowestRobo
 
 // Returns the best addition of a robot, even if it adds nothing; of equal ones the lowest number.
 // With bounds the results are the same for fewer calls.
-TEST(BestAddition, IsTheFirstOfTheBestWhileASolutionGrows) {
+TEST(BestAddition, IsFirstBestCandidateAsSolutionGrows) {
   std::int64_t calls = 0;
   std::int64_t lazy_calls = 0;
   for (std::uint64_t seed = 0; seed < 2 * kInstances; ++seed) {
@@ -205,7 +205,7 @@ std::optional<Proposal> finish(ProposalSearch& search) {
   }
 }
 
-TEST(ProposalSearch, ProposesTheFirstThatImprovesInItsOrderAndAsksForNoneBehindIt) {
+TEST(ProposalSearch, ProposesFirstImprovementInOrder) {
   int proposed = 0;
   int nothing = 0;
   for (const InformationMeasure measure : kMeasures) {
@@ -254,7 +254,7 @@ TEST(ProposalSearch, ProposesTheFirstThatImprovesInItsOrderAndAsksForNoneBehindI
 
 // The search goes through the candidates from the best stand-alone value down. It stops where none
 // can gain enough, and so misses no improvement.
-TEST(ProposalSearch, GivesUpOnlyWhereNothingImprovesAndAsksLess) {
+TEST(ProposalSearch, StopsEarlyOnlyWithoutImprovement) {
   std::int64_t calls = 0;
   std::int64_t all_calls = 0;
   for (std::uint64_t seed = 0; seed < 2 * kInstances; ++seed) {

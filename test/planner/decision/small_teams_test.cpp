@@ -33,7 +33,7 @@ constexpr std::uint64_t kInstances = 200;
 // both swaps, then for the worse one its deletion and itself. Distributed search: it sends its
 // candidate count and best value, then that it proposes nothing. It evaluates deletion and swap,
 // then the deletion alone.
-TEST(LocalSearch, OfOneRobotTakesACallForEachThingThatItMayDo) {
+TEST(LocalSearch, CallsPerMoveForOneRobot) {
   const TeamProblem problem = made_team(1, {{{0, 1.0}, {0, 2.0}}});
   const TeamOracle oracle(problem);
   const TeamDecision central = centralised_local_search(oracle, 1.0, Deadline::never());
@@ -57,7 +57,7 @@ TEST(LocalSearch, OfOneRobotTakesACallForEachThingThatItMayDo) {
 // Two robots with one trajectory each and separate targets. The better trajectory is the initial
 // choice. The other is added (one call, one message). Then both robots evaluate both deletions and
 // report that they propose nothing. The second round has no candidates left.
-TEST(LocalSearch, OfTwoRobotsAddsTheOtherOnceAndSaysSo) {
+TEST(LocalSearch, AddsSecondRobotOnce) {
   const TeamProblem problem = made_team(2, {{{0, 1.0}}, {{1, 2.0}}});
   const TeamOracle oracle(problem);
   const Choice both = {0, 1};
@@ -86,7 +86,7 @@ TEST(LocalSearch, OfTwoRobotsAddsTheOtherOnceAndSaysSo) {
   EXPECT_EQ(central.adopted, 1);
 }
 
-TEST(LocalSearch, BeginsWithTheBestSingleThatIsLeftAndOfEqualsTheFirst) {
+TEST(LocalSearch, BeginsWithFirstBestSingleCandidate) {
   const TeamProblem problem =
       made_team(3, {{{0, 1.0}, {0, 1.5}}, {{1, 2.0}, {1, 2.0}}, {{2, 2.0}}});
   const TeamOracle oracle(problem);
@@ -161,7 +161,7 @@ TEST(CoordinateDescent, EndsAfterATurnThatChangesNothingAndCountsEveryTurn) {
   }
 }
 
-TEST(CoordinateDescent, TakesTheFirstOfEqualsAndNothingOfOthersThanItIsToldOf) {
+TEST(CoordinateDescent, TakesFirstOfEqualsForGivenRobotsOnly) {
   const TeamProblem alike = made_team(2, {{{0, 1.0}}, {{1, 1.0}, {1, 1.5}, {1, 1.5}}});
   const TeamOracle oracle(alike);
   for (const bool lazy : {false, true}) {
@@ -177,7 +177,7 @@ TEST(CoordinateDescent, TakesTheFirstOfEqualsAndNothingOfOthersThanItIsToldOf) {
 }
 
 // In a second turn a robot changes its candidate only if the new one is better.
-TEST(CoordinateDescent, LeavesNobodyWithABetterOneThatItCouldTakeAlone) {
+TEST(CoordinateDescent, EndsInASingleRobotOptimum) {
   int kept = 0;
   for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
     const TeamProblem problem = test::random_instance(seed, {4, 5, 1.0}, {});
@@ -198,7 +198,7 @@ TEST(CoordinateDescent, LeavesNobodyWithABetterOneThatItCouldTakeAlone) {
 }
 
 // Each step adds the candidate, of any robot without one, that adds most; of equal ones the first.
-TEST(Greedy, AddsTheBestOfAllWhoHaveNoneWhileItAdds) {
+TEST(Greedy, AddsBestCandidateWhileItGains) {
   for (const InformationMeasure measure : kMeasures) {
     std::int64_t calls = 0;
     std::int64_t calls_of_all = 0;
@@ -244,7 +244,7 @@ TEST(Greedy, AddsTheBestOfAllWhoHaveNoneWhileItAdds) {
 // ---- Against attacks ----
 
 // Bait robots take their best stand-alone candidates; the others plan together.
-TEST(PlanResiliently, GivesTheBaitTheirBestAndTellsEverybodyTwice) {
+TEST(PlanResiliently, GivesBaitTheirBestWithTwoMessagesEach) {
   // Robots 1 and 2 see one target, robots 0 and 3 another.
   const TeamProblem problem = made_team(
       3, {{{0, 1.0}, {1, 0.9}}, {{0, 0.5}, {0, 3.0}}, {{1, 2.0}, {1, 1.0}}, {{0, 1.0}, {2, 0.95}}});
@@ -274,7 +274,7 @@ TEST(PlanResiliently, GivesTheBaitTheirBestAndTellsEverybodyTwice) {
 
 // Robots with separate targets, with costs and unshared information: the bound is the optimum for
 // any choice. For two robots that see the same target it is less than their sum.
-TEST(ValueBound, IsTheOptimumWhereNobodyTakesFromAnother) {
+TEST(ValueBound, EqualsTheOptimumForIndependentRobots) {
   TeamProblem problem =
       made_team(3, {{{0, 1.0, 0.25}, {0, 2.0, 1.5}}, {{1, 1.0, 3.0}}, {{2, 0.5}}});
   problem.candidates[1][0].unshared_nats = 2.5;

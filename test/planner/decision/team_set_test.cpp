@@ -126,7 +126,7 @@ TEST(MutualInformation, NeverGainsMoreFromALargerSet) {
 
 // Two measurements of variance v² of a static target of variance s²: ½ log(1 + s²(1/v² + 1/v²)) in
 // each of both coordinates.
-TEST(MutualInformation, OfAStillTargetIsTheClosedForm) {
+TEST(MutualInformation, EqualsClosedFormForStaticTarget) {
   TeamProblem problem;
   problem.horizon_steps = 3;
   const double variance_m2 = 4.0;
@@ -201,7 +201,7 @@ TEST(TeamOracle, TakesCostsAndGainsThatAreFiniteAndNoLessThanNone) {
 
 // Candidates are numbered robot by robot. The value of each is its information plus its unshared
 // information minus its cost. The ranking is by value, then by number.
-TEST(TeamOracle, RanksEachRobotsCandidatesByWhatEachIsWorthAlone) {
+TEST(TeamOracle, RanksCandidatesByStandAloneValue) {
   const auto check = [](std::uint64_t seed, TeamProblem problem) {
     SCOPED_TRACE(seed);
     std::mt19937_64 rng(seed);

@@ -33,7 +33,7 @@ double clearance_m(const OccupancyBelief& belief, const Eigen::Vector2d& p_m) {
   return least_m;
 }
 
-TEST(DriveMap, NeverLetsADiscTouchWhatIsOccupied) {
+TEST(DriveMap, KeepsDiscOffOccupiedCells) {
   test::Random random(4601);
   int driven = 0;
   for (int i = 0; i < 300; ++i) {
@@ -55,7 +55,7 @@ TEST(DriveMap, NeverLetsADiscTouchWhatIsOccupied) {
 }
 
 // Driving backwards covers the same path as driving forwards with the opposite heading.
-TEST(DriveMap, DrivesBackwardsAsItDrivesForwardsTurnedRound) {
+TEST(DriveMap, IsSymmetricInDrivingDirection) {
   test::Random random(4602);
   int free = 0;
   int blocked = 0;
@@ -75,7 +75,7 @@ TEST(DriveMap, DrivesBackwardsAsItDrivesForwardsTurnedRound) {
   EXPECT_GT(blocked, 50);
 }
 
-TEST(DriveMap, LetsARobotThatStandsTooNearLeaveButNotComeNear) {
+TEST(DriveMap, LetsTooNearRobotLeaveOnly) {
   OccupancyBelief belief(kGrid, 3.0);
   belief.add_log_odds(12 * 30 + 10, 9.0);  // a post
   const DriveMap map(belief, {});
@@ -91,7 +91,7 @@ TEST(DriveMap, LetsARobotThatStandsTooNearLeaveButNotComeNear) {
   EXPECT_TRUE(map.is_free(beside, {0.0, 2.0}, 1.0)) << "it may turn on the spot";
 }
 
-TEST(DriveMap, MeasuresTheWayToTheUnknown) {
+TEST(DriveMap, MeasuresDistanceToUnknown) {
   OccupancyBelief belief(kGrid, 3.0);
   for (int cell = 0; cell < kGrid.size(); ++cell) {
     if (cell % 30 < 20) {
@@ -105,7 +105,7 @@ TEST(DriveMap, MeasuresTheWayToTheUnknown) {
 }
 
 // Mirrored left to right and top to bottom.
-TEST(DriveMap, MeasuresTheSameWayInAMirror) {
+TEST(DriveMap, IsMirrorSymmetric) {
   test::Random random(4603);
   const int columns = kGrid.columns;
   const int rows = kGrid.rows;
@@ -137,7 +137,7 @@ TEST(DriveMap, MeasuresTheSameWayInAMirror) {
   EXPECT_GT(on_the_way, 1'000);
 }
 
-TEST(DriveMap, GoesAroundWallsToTheUnknownAndKnowsWhenThereIsNoWay) {
+TEST(DriveMap, MeasuresDistanceAroundWallsOrNone) {
   OccupancyBelief belief(kGrid, 3.0);
   for (int cell = 0; cell < kGrid.size(); ++cell) {
     const int column = cell % 30;
@@ -167,7 +167,7 @@ double gap_m(int a, int b_column, int b_row) {
 
 // A cell is blocked if and only if the disc, enlarged by a quarter of a cell, would touch something
 // from a point in the cell.
-TEST(DriveMap, IsFreeExactlyWhereNothingIsNear) {
+TEST(DriveMap, IsFreeIfAndOnlyIfNothingIsNear) {
   test::Random random(4604);
   int free = 0;
   int near = 0;
@@ -203,7 +203,7 @@ TEST(DriveMap, IsFreeExactlyWhereNothingIsNear) {
 }
 
 // Compared with relaxation of all paths until none becomes shorter.
-TEST(DriveMap, MeasuresTheShortestWayToTheNearestFrontier) {
+TEST(DriveMap, MeasuresShortestDistanceToNearestFrontier) {
   test::Random random(4605);
   constexpr double kNoWay_m = std::numeric_limits<double>::infinity();
   int frontiers = 0;
@@ -263,7 +263,7 @@ TEST(DriveMap, MeasuresTheShortestWayToTheNearestFrontier) {
 
 // Between two walls a robot is too near throughout, and clear from half a metre beyond their end.
 // It may drive out if it becomes clear within its radius plus two cells, 0.7 m.
-TEST(DriveMap, LetsWhoStandsTooNearGoAsFarAsItsRadiusAndTwoCells) {
+TEST(DriveMap, LetsTooNearRobotLeaveWithinRadiusAndTwoCells) {
   for (const bool is_upright : {false, true}) {
     OccupancyBelief belief(kGrid, 3.0);
     for (int along = 9; along <= 14; ++along) {
@@ -297,7 +297,7 @@ TEST(DriveMap, LetsWhoStandsTooNearGoAsFarAsItsRadiusAndTwoCells) {
 
 // The path cuts the outer corner of the blocked area around a post. It is sampled every half cell,
 // so that 18 cm inside the area are found for any start. A path outside is accepted.
-TEST(DriveMap, LooksEachHalfOfACell) {
+TEST(DriveMap, SamplesEveryHalfCell) {
   OccupancyBelief belief(kGrid, 3.0);
   belief.add_log_odds(12 * 30 + 10, 9.0);
   const DriveMap map(belief, {});
@@ -315,14 +315,14 @@ TEST(DriveMap, LooksEachHalfOfACell) {
   }
 }
 
-TEST(DriveMap, IsOtherwiseAsStated) {
+TEST(DriveMap, HasTheStatedDefaults) {
   const DriveOptions options;
   EXPECT_EQ(options.radius_m, 0.2);
   EXPECT_EQ(options.occupied_from, 0.51);
   EXPECT_EQ(options.free_up_to, 0.35);
 }
 
-TEST(DriveMap, RefusesOptionsThatMakeNoSense) {
+TEST(DriveMap, RefusesInvalidOptions) {
   const OccupancyBelief belief(kGrid, 3.0);
   EXPECT_THROW(DriveMap(belief, {0.0, 0.51, 0.35}), UsageError);
   EXPECT_THROW(DriveMap(belief, {0.2, 0.3, 0.35}), UsageError);

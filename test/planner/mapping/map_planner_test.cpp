@@ -92,7 +92,7 @@ std::vector<MapRoute> fixed_routes(const Bench& bench) {
   return routes;
 }
 
-TEST(MapPlanner, FindsTheBestOfAllSafeRoutesOnWhatTheMapSays) {
+TEST(MapPlanner, FindsBestSafeRoute) {
   Random random(5401);
   const scenario::Scenario scenario = mapping_scenario();
   int compared = 0;
@@ -186,7 +186,7 @@ TEST(MapPlanner, PlansWithItsPlannedBeams) {
   EXPECT_GE(different, 3);
 }
 
-TEST(MapPlanner, HasAPlanAtEveryBudgetABetterOneWithMoreAndTheSameAgain) {
+TEST(MapPlanner, ImprovesMonotonicallyWithBudget) {
   Random random(5402);
   const scenario::Scenario scenario = mapping_scenario();
   int improved = 0;
@@ -227,7 +227,7 @@ TEST(MapPlanner, HasAPlanAtEveryBudgetABetterOneWithMoreAndTheSameAgain) {
 
 // The result is optimal if the search finished with all steps; otherwise it has no bound. The
 // reported counts are those of the work done.
-TEST(MapPlanner, SaysWhatItHasProven) {
+TEST(MapPlanner, ReportsItsCertificate) {
   Random random(5405);
   const scenario::Scenario scenario = mapping_scenario();
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
@@ -258,7 +258,7 @@ TEST(MapPlanner, SaysWhatItHasProven) {
 
 // At 1 m/s the robot stops within 25 cm: 40 cm before the wall there is no plan; at rest there is
 // one.
-TEST(MapPlanner, FindsNothingWhereItCannotEvenStop) {
+TEST(MapPlanner, FindsNothingWhereItCannotStop) {
   Random random(5406);
   const scenario::Scenario scenario = mapping_scenario();
   Bench bench(scenario, random);
@@ -276,7 +276,7 @@ TEST(MapPlanner, FindsNothingWhereItCannotEvenStop) {
 }
 
 // An empty list means that no cell was observed. A list of another size is refused.
-TEST(MapPlanner, TakesLooksOfEachCellOrNone) {
+TEST(MapPlanner, RequiresObservationCountPerCell) {
   Random random(5407);
   const scenario::Scenario scenario = mapping_scenario();
   const Bench bench(scenario, random);
@@ -292,7 +292,7 @@ TEST(MapPlanner, TakesLooksOfEachCellOrNone) {
   EXPECT_THROW(cost(looks), UsageError);
 }
 
-TEST(RobotPlanner, MapsWithTheSameLadder) {
+TEST(RobotPlanner, UsesTheSameFallbacksForMapping) {
   const scenario::Scenario scenario = mapping_scenario();
   const double clearance_m =
       scenario.robots[0].limits.radius_m + scenario.planner.obstacle_margin_m;
@@ -323,7 +323,7 @@ TEST(RobotPlanner, MapsWithTheSameLadder) {
   }
 }
 
-TEST(RobotPlanner, CountsOnTheScansOfTeammatesThatSeeAndNotOnTheBait) {
+TEST(RobotPlanner, IncludesScansOfTeammatesExceptTheBait) {
   scenario::Scenario scenario = mapping_scenario();
   scenario.planner.attacks_max = 1;
   const Deadline deadline = Deadline::nodes(20'000);
@@ -357,7 +357,7 @@ TEST(RobotPlanner, CountsOnTheScansOfTeammatesThatSeeAndNotOnTheBait) {
   EXPECT_EQ(kept->cost, alone->plan.cost);
 }
 
-TEST(RobotPlanner, PlansOnNoMapOfAnotherGround) {
+TEST(RobotPlanner, IgnoresMapsOfAnotherGrid) {
   const scenario::Scenario scenario = mapping_scenario();
   RobotPlanner planner(scenario, "Q1");
   const Deadline deadline = Deadline::nodes(20'000);

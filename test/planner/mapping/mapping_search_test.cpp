@@ -105,7 +105,7 @@ TEST(MappingSearch, FindsTheBestOfAllRoutes) {
 }
 
 // With a budget for the greedy route only, the result is that route: the best next step each time.
-TEST(MappingSearch, IsTheGreedyRouteWhenItIsCutOffBehindIt) {
+TEST(MappingSearch, ReturnsTheGreedyRouteAtAnEarlyDeadline) {
   test::Random random(4711);
   int greedy_routes = 0;
   for (int i = 0; i < 20; ++i) {
@@ -150,7 +150,7 @@ TEST(MappingSearch, IsTheGreedyRouteWhenItIsCutOffBehindIt) {
   EXPECT_GT(greedy_routes, 10);
 }
 
-TEST(MappingSearch, PlansTheSameAgain) {
+TEST(MappingSearch, IsDeterministic) {
   test::Random random(4702);
   Bench bench(random, 3, 0.5);
   MappingSearch search(bench.views, bench.drive, bench.options);
@@ -171,7 +171,7 @@ struct Descended {
       search.coordinate_descent(bench.starts, std::vector<int>{0, 1, 2, 3});
 };
 
-TEST(MappingSearch, ValuesATeamWhateverItsOrderAndNobodyAtNothing) {
+TEST(MappingSearch, TeamValueIsOrderFreeAndZeroWhenEmpty) {
   Descended all(4703);
   MappingSearch& search = all.search;
   const std::vector<MapRoute>& routes = all.routes;
@@ -188,7 +188,7 @@ TEST(MappingSearch, ValuesATeamWhateverItsOrderAndNobodyAtNothing) {
   EXPECT_EQ(search.value(std::vector<const MapRoute*>{nullptr, nullptr}), 0.0);
 }
 
-TEST(MappingSearch, LeavesToTeammatesWhatTheySee) {
+TEST(MappingSearch, CountsTeammatesViews) {
   test::Random random(4704);
   Bench bench(random, 3, 0.0);
   MappingSearch search(bench.views, bench.drive, bench.options);
@@ -198,7 +198,7 @@ TEST(MappingSearch, LeavesToTeammatesWhatTheySee) {
   EXPECT_LT(twin.gain_nats, first.gain_nats);
 }
 
-TEST(MappingSearch, KeepsApartFromTheTeammatesItPlansAgainst) {
+TEST(MappingSearch, KeepsSeparationFromTeammates) {
   test::Random random(4705);
   for (int i = 0; i < 20; ++i) {
     Bench bench(random, 3, 0.5);
@@ -217,7 +217,7 @@ TEST(MappingSearch, KeepsApartFromTheTeammatesItPlansAgainst) {
 
 // Both robots drive each step straight and uniformly; the distance is sampled there. A robot
 // without a route, or whose route has ended, does not block the others.
-TEST(MappingSearch, FindsTheBestOfTheRoutesThatKeepApart) {
+TEST(MappingSearch, FindsTheBestSeparatedRoute) {
   test::Random random(4712);
   int refused = 0;
   int compared = 0;
@@ -275,7 +275,7 @@ TEST(MappingSearch, FindsTheBestOfTheRoutesThatKeepApart) {
 // If only some routes may end, the search returns the best full-length route that may. Otherwise it
 // returns the best of the longest that may, after which the robot stands still. Otherwise the robot
 // stays.
-TEST(MappingSearch, EndsWhereItMay) {
+TEST(MappingSearch, EndsRoutesAtAllowedPoses) {
   test::Random random(4713);
   std::vector<int> ended(4, 0);
   for (int i = 0; i < 60; ++i) {
@@ -332,7 +332,7 @@ TEST(MappingSearch, EndsWhereItMay) {
 
 // Each robot plans against those before it in the given order. A robot that is not listed has no
 // route.
-TEST(MappingSearch, PlansARobotAfterAnotherInTheOrderGiven) {
+TEST(MappingSearch, PlansRobotsInTheGivenOrder) {
   test::Random random(4714);
   Bench bench(random, 2, 0.5);
   MappingSearch search(bench.views, bench.drive, bench.options);
@@ -347,7 +347,7 @@ TEST(MappingSearch, PlansARobotAfterAnotherInTheOrderGiven) {
   EXPECT_TRUE(routes[1].poses.empty() && routes[3].poses.empty());
 }
 
-TEST(MappingSearch, StandsStillWhereNothingIsAllowed) {
+TEST(MappingSearch, StaysWhenNoStepIsAllowed) {
   OccupancyBelief belief(kGrid, 3.0);
   for (int cell = 0; cell < kGrid.size(); ++cell) {
     belief.add_log_odds(cell, 9.0);
@@ -386,7 +386,7 @@ TEST(CoordinateDescent, IsAtLeastHalfOfTheBestTeamOnAMap) {
   EXPECT_LT(worst_ratio, 1.0) << "the instances are too easy to say anything";
 }
 
-TEST(ResilientMapping, WithoutAttacksIsCoordinateDescent) {
+TEST(ResilientMapping, WithoutAttacksEqualsCoordinateDescent) {
   Descended all(4707);
   MappingSearch& search = all.search;
   const std::vector<MapRoute>& plain = all.routes;
@@ -396,7 +396,7 @@ TEST(ResilientMapping, WithoutAttacksIsCoordinateDescent) {
   }
 }
 
-TEST(ResilientMapping, KeepsTheBestAloneAndPlansTheRestWithoutThem) {
+TEST(ResilientMapping, KeepsBestStandAloneRoutesAndPlansRest) {
   test::Random random(4708);
   for (int i = 0; i < 20; ++i) {
     Bench bench(random, 2, 0.5);

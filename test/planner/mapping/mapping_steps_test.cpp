@@ -16,7 +16,7 @@ using models::OccupancyBelief;
 // Three controls, three steps, all allowed: the greedy route evaluates 3 · 3 steps, the tree 3 + 9
 // + 27. All cells are known, so nothing is gained and there is no frontier. The frontier distance
 // is then the sum of both sides of the ground. Of the leaves only the first improves the result.
-TEST(MappingSearch, CountsTheStepsItLooksAt) {
+TEST(MappingSearch, CountsEvaluatedSteps) {
   const GridGeometry ground{{0.0, 0.0}, 0.25, 40, 20};
   OccupancyBelief belief(ground, 3.0);
   for (int cell = 0; cell < ground.size(); ++cell) {
@@ -43,7 +43,7 @@ TEST(MappingSearch, CountsTheStepsItLooksAt) {
   }
 }
 
-TEST(MappingSearch, IsOtherwiseAsStated) {
+TEST(MappingSearch, HasTheStatedDefaults) {
   const MappingSearchOptions options;
   EXPECT_EQ(options.horizon_steps, 4);
   EXPECT_EQ(options.step_s, 1.0);
@@ -59,7 +59,7 @@ TEST(MappingSearch, IsOtherwiseAsStated) {
   }
 }
 
-TEST(MappingSearch, RefusesHorizonsWithoutAStep) {
+TEST(MappingSearch, RefusesEmptyHorizons) {
   const OccupancyBelief belief({{0.0, 0.0}, 0.25, 32, 32}, 3.0);
   ViewTable views(belief, {16, 2.0 * kPi, 0.0, 1.5, 0.01}, {});
   const DriveMap drive(belief, {});

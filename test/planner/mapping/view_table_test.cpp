@@ -41,7 +41,7 @@ double value_of(ViewTable& table, const std::vector<Pose2>& poses) {
   return sum_nats;
 }
 
-TEST(ViewTable, TellsOfOneBeamWhatTheBeamTells) {
+TEST(ViewTable, OfOneBeamEqualsTheBeamsInformation) {
   test::Random random(4501);
   const BeamSensor one{1, 1.0, 0.0, 1.5, 0.01};
   for (const BeamMeasure measure : {BeamMeasure::kCsqmi, BeamMeasure::kFsmi}) {
@@ -68,7 +68,7 @@ TEST(ViewTable, TellsOfOneBeamWhatTheBeamTells) {
   }
 }
 
-TEST(ViewTable, IsWorthNothingWhereEverythingIsKnownAndOutside) {
+TEST(ViewTable, IsZeroForKnownCellsAndOutside) {
   OccupancyBelief belief(kGrid, 2.0);
   for (int cell = 0; cell < kGrid.size(); ++cell) {
     belief.add_log_odds(cell, cell % 7 == 0 ? 5.0 : -5.0);
@@ -81,7 +81,7 @@ TEST(ViewTable, IsWorthNothingWhereEverythingIsKnownAndOutside) {
   }
 }
 
-TEST(ViewTable, RemovesTheBeamsOfAScanThatDependOnEachOther) {
+TEST(ViewTable, RemovesDependentBeamsOfAScan) {
   const OccupancyBelief unknown(kGrid, 3.0);
   double beams_alone_nats = 0.0;
   for (int beam = 0; beam < 96; ++beam) {
@@ -103,7 +103,7 @@ TEST(ViewTable, RemovesTheBeamsOfAScanThatDependOnEachOther) {
   }
 }
 
-TEST(ViewTable, LooksOnlyWhereTheFieldOfViewIs) {
+TEST(ViewTable, KeepsTheFieldOfView) {
   OccupancyBelief belief(kGrid, 3.0);
   for (int cell = 0; cell < kGrid.size(); ++cell) {
     if (kGrid.centre_m(cell).x() < 4.0) {
@@ -136,7 +136,7 @@ TEST(MapCoverage, CountsTheSameScanOnce) {
   });
 }
 
-TEST(MapCoverage, AddsUpScansThatShareNoCell) {
+TEST(MapCoverage, SumsDisjointScans) {
   for_each_dependence(4503, [](test::Random&, ViewTable& table) {
     const Pose2 a{1.7, 1.7, 0.0};
     const Pose2 b{5.5, 6.0, 2.0};
@@ -144,7 +144,7 @@ TEST(MapCoverage, AddsUpScansThatShareNoCell) {
   });
 }
 
-TEST(MapCoverage, GainsBetweenNothingAndTheWholeView) {
+TEST(MapCoverage, GainIsAtMostTheWholeView) {
   for_each_dependence(4504, [](test::Random& random, ViewTable& table) {
     MapCoverage coverage(kGrid.size());
     for (int i = 0; i < 200; ++i) {
@@ -225,7 +225,7 @@ class Told {
 
 // A scan, and successive scans, follow the two documented rules; with a limited field of view also
 // at several headings.
-TEST(ViewTable, CountsBeamsByItsTwoRules) {
+TEST(ViewTable, AppliesItsTwoBeamRules) {
   test::Random random(4507);
   for (int i = 0; i < 36; ++i) {
     ViewOptions options;
@@ -274,7 +274,7 @@ TEST(ViewTable, CountsBeamsByItsTwoRules) {
 }
 
 // Five beams: headings are rounded to twentieths of a turn, and the last is the first again.
-TEST(ViewTable, TellsHeadingsApartByTheSpacingOfItsBeams) {
+TEST(ViewTable, RoundsHeadingsByBeamSpacing) {
   const OccupancyBelief belief(kGrid, 3.0);
   const Eigen::Vector2d at_m = kGrid.centre_m(820);
   const double sector_rad = 2.0 * kPi / 20.0;
@@ -304,7 +304,7 @@ TEST(ViewTable, TellsHeadingsApartByTheSpacingOfItsBeams) {
   }
 }
 
-TEST(ViewTable, IsOtherwiseAsStated) {
+TEST(ViewTable, HasTheStatedDefaults) {
   const ViewOptions options;
   EXPECT_EQ(options.measure, BeamMeasure::kCsqmi);
   EXPECT_EQ(options.dependence, BeamDependence::kBestOfCell);
@@ -312,7 +312,7 @@ TEST(ViewTable, IsOtherwiseAsStated) {
   EXPECT_EQ(options.cutoff_sigmas, 6.0);
 }
 
-TEST(MapCoverage, BestOfCellIsSubmodularAndKnowsNoOrder) {
+TEST(MapCoverage, BestOfCellIsSubmodularAndOrderFree) {
   test::Random random(4505);
   const OccupancyBelief belief = test::random_map(random, kGrid, 0.05);
   ViewTable table(belief, kCircle, options_of(BeamDependence::kBestOfCell));
@@ -337,7 +337,7 @@ TEST(MapCoverage, BestOfCellIsSubmodularAndKnowsNoOrder) {
   }
 }
 
-TEST(MapCoverage, TakesBackToTheBit) {
+TEST(MapCoverage, RemovesScansExactly) {
   test::Random random(4506);
   const OccupancyBelief belief = test::random_map(random, kGrid, 0.05);
   ViewTable table(belief, kCircle, options_of(BeamDependence::kBestOfCell));
@@ -352,7 +352,7 @@ TEST(MapCoverage, TakesBackToTheBit) {
   }
 }
 
-TEST(ViewTable, RefusesOptionsThatMakeNoSense) {
+TEST(ViewTable, RefusesInvalidOptions) {
   const OccupancyBelief belief(kGrid, 2.0);
   ViewOptions options;
   options.dependent_share = 0.0;

@@ -24,7 +24,7 @@ using test::uniform;
 
 // One table is reused for all problems. It holds the model's prediction for each target and depth,
 // and nothing of the previous problem.
-TEST(BeliefTable, TellsWhatTheModelsTellOfEachTargetAtEachDepth) {
+TEST(BeliefTable, EqualsModelPredictionAtEachDepth) {
   BeliefTable table(6, 5);
   int fixed = 0;
   int unfixed = 0;
@@ -88,7 +88,7 @@ TEST(BeliefTable, TellsWhatTheModelsTellOfEachTargetAtEachDepth) {
   EXPECT_GT(unfixed, 15);
 }
 
-TEST(BeliefTable, AllocatesNothingForAsMuchAsItWasMadeFor) {
+TEST(BeliefTable, AllocatesNothingWithinItsCapacity) {
   if (!test::AllocationCounter::is_active()) {
     GTEST_SKIP() << "the allocation counter is inert under sanitizers";
   }
@@ -113,7 +113,7 @@ models::SensorModel sensor_of(models::SensorKind kind, double range_max_m) {
 
 // Information adds up over the sensors that see the target. An obstacle blocks all sensors: here a
 // wall from y = −1 to 1 at x = 2.
-TEST(Look, AddsUpWhatSeesAndNothingThroughAWall) {
+TEST(Look, SumsVisibleSensorsAndNoneThroughWalls) {
   models::World world;
   world.bounds = {{-50.0, -50.0}, {50.0, 50.0}};
   world.obstacles = {{{{1.9, -1.0}, {2.1, 1.0}}, 2.0}};
@@ -143,7 +143,7 @@ TEST(Look, AddsUpWhatSeesAndNothingThroughAWall) {
 
 // The sum over sensing teammates of the information from each teammate's position at the end of
 // each step, at the expected target position. Distance does not matter.
-TEST(FixedInformation, IsTheSumOfWhatEachTeammateSeesAtEachStep) {
+TEST(FixedInformation, SumsTeammatesMeasurementsPerStep) {
   std::mt19937_64 rng(54);
   int seen = 0;
   int unseen = 0;
@@ -191,7 +191,7 @@ TEST(FixedInformation, IsTheSumOfWhatEachTeammateSeesAtEachStep) {
 
 // A teammate comes into range only at the end of the last step, from any side. Or the target comes
 // into the range of a hovering teammate. A second target that is not seen changes nothing.
-TEST(FixedInformation, SeesWhatComesJustIntoRangeFromAnySide) {
+TEST(FixedInformation, CountsTargetsThatJustComeIntoRange) {
   for (int side = 0; side < 4; ++side) {
     const double to_rad = 0.5 * kPi * side;
     const Eigen::Vector2d away(std::cos(to_rad), std::sin(to_rad));
@@ -229,7 +229,7 @@ TEST(FixedInformation, SeesWhatComesJustIntoRangeFromAnySide) {
 }
 
 // Equals the sum of logarithms where the product itself exceeds the range of a double.
-TEST(LogProduct, IsTheSumOfItsLogarithms) {
+TEST(LogProduct, EqualsTheSumOfLogarithms) {
   std::mt19937_64 rng(53);
   for (int i = 0; i < 100; ++i) {
     LogProduct product;
@@ -248,7 +248,7 @@ TEST(LogProduct, IsTheSumOfItsLogarithms) {
   }
 }
 
-TEST(Lanes, SayOneBitEachAndKeepTheirPlaces) {
+TEST(Lanes, ReturnOneBitEachInOrder) {
   for (unsigned said = 0; said < 16; ++said) {
     const double values[] = {1.0, 4.0, 9.0, 16.0};
     double limits[4];

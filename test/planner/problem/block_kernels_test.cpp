@@ -70,7 +70,7 @@ void for_random_blocks(const Check& check) {
 
 double relative(double a, double b) { return std::abs(a - b) / std::max(std::abs(b), 1e-300); }
 
-TEST(BlockKernels, UnpackWhatTheyPacked) {
+TEST(BlockKernels, UnpackInvertsPack) {
   for_random_blocks([](const Case& c, std::mt19937_64&) {
     EXPECT_TRUE(is_near(unpack(c.layout, c.block), c.covariance, 0.0));
   });
@@ -104,7 +104,7 @@ TEST(BlockKernels, PredictLikeTheModels) {
 }
 
 // Blocks of many targets are stored one after another, so a kernel must not write beyond its own.
-TEST(BlockKernels, WriteTheirOwnNumbersAlone) {
+TEST(BlockKernels, WriteOnlyTheirOwnBlock) {
   for_random_blocks([](const Case& c, std::mt19937_64&) {
     constexpr double kUntouched = -12345.0;
     double out[2 * kMaxPacked];
@@ -150,7 +150,7 @@ TEST(BlockKernels, MeasureLikeTheModels) {
 }
 
 // These identities give the cost of a child without its covariance.
-TEST(BlockKernels, CostALookWithoutMakingTheUpdate) {
+TEST(BlockKernels, ComputeCostWithoutUpdate) {
   for_random_blocks([](const Case& c, std::mt19937_64&) {
     const models::StateMatrix after = models::update_covariance(c.covariance, c.information);
     const double log_gain = std::log(gain(c.layout, c.packed_information.m, c.block));
@@ -163,7 +163,7 @@ TEST(BlockKernels, CostALookWithoutMakingTheUpdate) {
 
 // Information far sharper than the prior, as from a near camera, compared with (Σ⁻¹ + M)⁻¹ in long
 // double.
-TEST(BlockKernels, StayExactUnderTheSharpestLooks) {
+TEST(BlockKernels, StayExactForSharpestMeasurements) {
   using Long = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
   std::mt19937_64 rng(24);
   for (const BlockLayout layout : kLayouts) {
@@ -199,7 +199,7 @@ double least_eigenvalue(const models::StateMatrix& a, double epsilon,
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(difference).eigenvalues()(0);
 }
 
-TEST(Dominates, IsNeverTrueOfAnIndefiniteDifference) {
+TEST(Dominates, IsFalseForAnIndefiniteDifference) {
   std::mt19937_64 rng(21);
   int said_true = 0;
   int said_false = 0;
@@ -245,7 +245,7 @@ TEST(Dominates, HoldsBothWaysBetweenEqualBlocks) {
   });
 }
 
-TEST(Dominates, IsNotFooledByADominatingDiagonal) {
+TEST(Dominates, IsFalseForADominatingDiagonalOnly) {
   // [2 1.9; 1.9 2] has a larger diagonal than I but does not dominate it.
   const double a[] = {2.0, 1.9, 2.0};
   const double b[] = {1.0, 0.0, 1.0};

@@ -48,7 +48,7 @@ TEST(FixedInformation, SendsTheSecondRobotToTheOtherTarget) {
 }
 
 // A teammate drives past a target and sees it only at the end of its third step.
-TEST(FixedInformation, IsOfWhereATeammateIsAtTheEndOfEachStep) {
+TEST(FixedInformation, UsesTeammatePoseAtStepEnd) {
   const scenario::Scenario scenario = test::lab_scenario();
   SearchProblem problem;
   problem.start_time = Time{std::chrono::seconds(1'700'000'000)};

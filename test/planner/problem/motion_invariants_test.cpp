@@ -87,7 +87,7 @@ void for_crowded_problems(const Look& look) {
 }
 
 // A motion is free of all teammates if and only if it is free of each, in any order.
-TEST(MotionTable, KeepsFromAllWhatItKeepsFromEach) {
+TEST(MotionTable, FreeOfAllEqualsFreeOfEach) {
   for_crowded_problems(
       [](const SearchProblem& problem, const Pose2& from, int depth, const Answers& answers) {
         std::vector<bool> free(answers.free.size(), true);
@@ -109,7 +109,7 @@ TEST(MotionTable, KeepsFromAllWhatItKeepsFromEach) {
 }
 
 // A later step has the same answers as the first step of a plan that starts later.
-TEST(MotionTable, TellsOfALaterStepWhatALaterStartWouldTell) {
+TEST(MotionTable, LaterStepEqualsLaterStart) {
   for_crowded_problems(
       [](const SearchProblem& problem, const Pose2& from, int depth, const Answers& answers) {
         SearchProblem later = problem;
@@ -123,7 +123,7 @@ TEST(MotionTable, TellsOfALaterStepWhatALaterStartWouldTell) {
 }
 
 // Mirrored left to right. (Distances differ by rounding; no case is that close.)
-TEST(MotionTable, TellsTheSameInAMirror) {
+TEST(MotionTable, IsMirrorSymmetric) {
   for_crowded_problems(
       [](const SearchProblem& problem, const Pose2& from, int depth, const Answers& answers) {
         SearchProblem mirrored = problem;
@@ -147,7 +147,7 @@ TEST(MotionTable, TellsTheSameInAMirror) {
 // Compared with sampling: a robot that may stop keeps the separation from teammates that move
 // during and after the stop. A refused stop exceeds the limit by no more than the error of the
 // chords.
-TEST(CanStop, KeepsApartFromWhoMovesMeanwhile) {
+TEST(CanStop, KeepsSeparationFromMovingTeammates) {
   for_crowded_problems([](const SearchProblem& problem, const Pose2& from, int depth,
                           const Answers& answers) {
     models::Trajectory own;
@@ -174,7 +174,7 @@ TEST(CanStop, KeepsApartFromWhoMovesMeanwhile) {
   });
 }
 
-TEST(CanStop, FromTheStartIsFromItsSpeedThere) {
+TEST(CanStop, FromTheStartUsesItsSpeed) {
   std::mt19937_64 rng(62);
   models::World world;
   world.bounds = {{-10.0, -10.0}, {10.0, 10.0}};
@@ -201,7 +201,7 @@ TEST(CanStop, FromTheStartIsFromItsSpeedThere) {
 }
 
 // A stop of length v²/2a ends with the disc just clear of the wall ahead.
-TEST(CanStop, NeedsTheWholeWayOfItsStop) {
+TEST(CanStop, NeedsFullStoppingDistance) {
   models::World world;
   world.bounds = {{-10.0, -10.0}, {10.0, 10.0}};
   for (const double yaw_rad : {0.0, 0.5 * kPi, kPi, -0.5 * kPi}) {
@@ -245,7 +245,7 @@ double nearest_let_m(const std::vector<models::PlanSegment>& segments, int depth
 // Each piece is treated as straight and uniform. Where that is exact, only the clock's rounding is
 // added. Otherwise Δ²/8 of an acceleration and J s (1 − s) Δ of a jump are added, and no more: a
 // larger allowance would leave a team no room.
-TEST(IsFree, AllowsForWhatATeammatesPieceHidesAndNoMore) {
+TEST(IsFree, AllowsForCurvatureOfTeammatePieceOnly) {
   constexpr double kPiece_s = 0.1;
   constexpr double kClock_m = 1e-5;
   const auto bulge_m = [&](double acceleration_mps2) {
@@ -370,7 +370,7 @@ TEST(IsFree, AllowsForWhatATeammatesPieceHidesAndNoMore) {
 // Two robots that drive towards each other may come as near as the separation at the end of the
 // step. The same holds for one that follows a returning teammate. No teammate is skipped as too far
 // away.
-TEST(IsFree, LetsTwoMeetAtTheEndOfAStep) {
+TEST(IsFree, ChecksTheEndOfAStep) {
   for (const double side : {1.0, -1.0}) {
     for (const int depth : {0, 1, 3}) {
       SearchProblem problem;
@@ -397,7 +397,7 @@ TEST(IsFree, LetsTwoMeetAtTheEndOfAStep) {
 }
 
 // For the robot's own arc the chord's sagitta ν ω Δ²/8 is allowed in both directions, and no more.
-TEST(IsFree, AllowsForItsOwnArcAndNoMore) {
+TEST(IsFree, AddsExactlyItsOwnArc) {
   for (const double side : {1.0, -1.0}) {
     SearchProblem problem;
     problem.start_time = kStart;
@@ -420,7 +420,7 @@ TEST(IsFree, AllowsForItsOwnArcAndNoMore) {
 }
 
 // Headings stay within (−π, π], bit for bit as from wrap_to_pi().
-TEST(MotionTable, WrapsHeadingsAsTheUnicycleDoes) {
+TEST(MotionTable, WrapsHeadingsLikeTheUnicycle) {
   std::mt19937_64 rng(63);
   SearchProblem problem;
   for (const double turn_rad : {0.0, 0.5 * kPi, -0.5 * kPi, kPi, -kPi, 1.0, -3.0}) {
@@ -446,7 +446,7 @@ TEST(MotionTable, WrapsHeadingsAsTheUnicycleDoes) {
 }
 
 // The reach is the longest step of any control of the current problem.
-TEST(MotionTable, ReachesAsFarAsItsFastestControl) {
+TEST(MotionTable, ReachEqualsTheFastestControl) {
   models::World world;
   world.bounds = {{-10.0, -10.0}, {10.0, 10.0}};
   const models::DistanceField field(world, 0.1);
@@ -478,7 +478,7 @@ TEST(MotionTable, ReachesAsFarAsItsFastestControl) {
 }
 
 // Plans of teammates may continue for three horizons.
-TEST(MotionTable, AllocatesNothingForAsMuchAsItWasMadeFor) {
+TEST(MotionTable, AllocatesNothingWithinItsCapacity) {
   if (!test::AllocationCounter::is_active()) {
     GTEST_SKIP() << "the allocation counter is inert under sanitizers";
   }

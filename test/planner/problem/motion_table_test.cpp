@@ -45,7 +45,7 @@ double sampled_clearance_m(const models::World& world, const Pose2& from,
   return least_m;
 }
 
-TEST(MotionTable, ArrivesWhereTheUnicycleDoes) {
+TEST(MotionTable, EqualsTheUnicycle) {
   std::mt19937_64 rng(30);
   SearchProblem problem;
   problem.controls = models::standard_primitives();
@@ -66,7 +66,7 @@ TEST(MotionTable, ArrivesWhereTheUnicycleDoes) {
 }
 
 // A problem may have at most 64 controls.
-TEST(MotionTable, HasRoomForEveryControlThatAProblemMayHave) {
+TEST(MotionTable, HasCapacityForAllControls) {
   std::mt19937_64 rng(37);
   SearchProblem problem;
   for (int c = 0; c < 64; ++c) {
@@ -89,7 +89,7 @@ TEST(MotionTable, HasRoomForEveryControlThatAProblemMayHave) {
   }
 }
 
-TEST(IsFree, IsTrueExactlyOfWhatStaysClear) {
+TEST(IsFree, IsTrueIfAndOnlyIfClear) {
   std::mt19937_64 rng(31);
   int freed = 0;
   int refused = 0;
@@ -131,7 +131,7 @@ TEST(IsFree, IsTrueExactlyOfWhatStaysClear) {
 
 // Starts where the choice between the field and exact distances lies within a cell of contact. The
 // answer must be that of arc_is_clear(), and never less strict.
-TEST(IsFree, NeverAcceptsByTheFieldWhatExactDistancesRefuse) {
+TEST(IsFree, FieldNeverAcceptsWhatExactDistancesRefuse) {
   std::mt19937_64 rng(33);
   int grazing = 0;
   int refused = 0;
@@ -179,7 +179,7 @@ TEST(IsFree, NeverAcceptsByTheFieldWhatExactDistancesRefuse) {
   EXPECT_GT(refused, 20'000);
 }
 
-TEST(CanStop, IsTrueExactlyOfAStopThatStaysClear) {
+TEST(CanStop, IsTrueIfAndOnlyIfTheStopIsClear) {
   std::mt19937_64 rng(32);
   int stops = 0;
   int refused = 0;
@@ -270,7 +270,7 @@ std::unique_ptr<TeamProblem> team_problem(std::uint64_t seed) {
   return team;
 }
 
-TEST(Plans, KeepApartFromTeammatesAndEndInASafeHover) {
+TEST(Plans, KeepSeparationAndEndInASafeHover) {
   ReducedValueIteration search({20'000, 200'000, 4, 8, 4});
   int found = 0;
   int stopped_early = 0;
@@ -321,7 +321,7 @@ TEST(Plans, KeepApartFromTeammatesAndEndInASafeHover) {
   EXPECT_GT(above, 5);
 }
 
-TEST(Plans, LeaveATeammateThatIsTooNearAndComeNoNearer) {
+TEST(Plans, MoveAwayFromATooNearTeammate) {
   ReducedValueIteration search({20'000, 200'000, 4, 8, 4});
   std::mt19937_64 rng(5);
   for (int i = 0; i < 40; ++i) {
@@ -363,7 +363,7 @@ TEST(Plans, LeaveATeammateThatIsTooNearAndComeNoNearer) {
 }
 
 // Driving an arc back in reverse sweeps the same area.
-TEST(ArcIsClear, IsTheSameThereAndBack) {
+TEST(ArcIsClear, IsSymmetricInDirection) {
   std::mt19937_64 rng(36);
   int clear = 0;
   int touching = 0;

@@ -159,9 +159,7 @@ std::vector<Fault> faults_of_one_number() {
   return faults;
 }
 
-TEST(RequireValid, AcceptsAProblemThatBreaksNoRule) {
-  EXPECT_NO_THROW(require_valid(valid_problem()));
-}
+TEST(RequireValid, AcceptsAValidProblem) { EXPECT_NO_THROW(require_valid(valid_problem())); }
 
 TEST(RequireValid, RefusesEachBrokenRule) {
   ReducedValueIteration search({1'000, 10'000, 4, 8, 2});
@@ -173,7 +171,7 @@ TEST(RequireValid, RefusesEachBrokenRule) {
   }
 }
 
-TEST(RequireValid, RefusesEachNumberThatCannotBe) {
+TEST(RequireValid, RefusesEachInvalidNumber) {
   for (const Fault& fault : faults_of_one_number()) {
     SearchProblem problem = valid_problem();
     fault.make(problem);
@@ -182,7 +180,7 @@ TEST(RequireValid, RefusesEachNumberThatCannotBe) {
 }
 
 // The extreme allowed values, on every side that has a limit.
-TEST(RequireValid, AcceptsWhatIsJustAllowed) {
+TEST(RequireValid, AcceptsLimits) {
   static const models::World world;
   static const models::DistanceField field;
   const std::vector<Fault> allowed = {
@@ -246,7 +244,7 @@ TEST(RequireValid, AcceptsWhatIsJustAllowed) {
 }
 
 // An asymmetry of 1e-9 of the greatest variance counts as rounding, whichever entry is greater.
-TEST(RequireValid, AllowsForRoundingInWhatIsSymmetric) {
+TEST(RequireValid, AllowsRoundingInSymmetry) {
   for (const double side : {1.0, -1.0}) {
     for (const double share : {0.99, 1.01}) {
       SearchProblem problem = valid_problem();
@@ -261,7 +259,7 @@ TEST(RequireValid, AllowsForRoundingInWhatIsSymmetric) {
   }
 }
 
-TEST(RequireValid, AcceptsFewerTargetsThanSixteenBitsCount) {
+TEST(RequireValid, LimitsTargetsTo16Bits) {
   SearchProblem problem = valid_problem();
   problem.fixed_information.clear();
   problem.targets.assign(65'534, problem.targets[0]);
@@ -270,7 +268,7 @@ TEST(RequireValid, AcceptsFewerTargetsThanSixteenBitsCount) {
   EXPECT_THROW(require_valid(problem), UsageError);
 }
 
-TEST(SearchProblem, IsOtherwiseAsStated) {
+TEST(SearchProblem, HasTheStatedDefaults) {
   const SearchProblem problem;
   EXPECT_EQ(problem.horizon_steps, 12);
   EXPECT_EQ(problem.step_s, 0.5);
@@ -295,7 +293,7 @@ TEST(SearchProblem, IsOtherwiseAsStated) {
   EXPECT_EQ(kept_height_m(walled, teammate), 2.0);
 }
 
-TEST(SearchResult, ForgetsAllWhenItIsReset) {
+TEST(SearchResult, ResetClearsAll) {
   SearchResult result;
   result.found = true;
   result.controls = {1, 2};
@@ -326,7 +324,7 @@ TEST(SearchResult, ForgetsAllWhenItIsReset) {
   EXPECT_EQ(result.replay_budget_nodes(), 1);
 }
 
-TEST(ReducedValueIteration, RefusesWhatExceedsItsCapacity) {
+TEST(ReducedValueIteration, RefusesProblemsBeyondItsCapacity) {
   ReducedValueIteration search({1'000, 10'000, 1, 2, 0});
   SearchProblem problem = valid_problem();
   problem.fixed_information.clear();
@@ -339,7 +337,7 @@ TEST(ReducedValueIteration, RefusesWhatExceedsItsCapacity) {
   EXPECT_THROW(search.plan(problem, {}, Deadline::nodes(100)), UsageError) << "teammates";
 }
 
-TEST(ReducedValueIteration, RefusesOptionsThatCannotBeMeant) {
+TEST(ReducedValueIteration, RefusesInvalidOptions) {
   ReducedValueIteration search({1'000, 10'000, 4, 8, 2});
   for (const auto& make : std::vector<std::function<void(ReducedOptions&)>>{
            [](ReducedOptions& o) { o.epsilon = -1.0; }, [](ReducedOptions& o) { o.delta_m = kNan; },
@@ -352,7 +350,7 @@ TEST(ReducedValueIteration, RefusesOptionsThatCannotBeMeant) {
 }
 
 // One step, one static target, one position sensor: (1 + 1/σ²)⁻¹ on both axes.
-TEST(Score, IsWhatOneDoesByHand) {
+TEST(Score, EqualsHandComputation) {
   SearchProblem problem;
   problem.horizon_steps = 2;
   models::SensorModel sensor;
@@ -367,7 +365,7 @@ TEST(Score, IsWhatOneDoesByHand) {
   EXPECT_NEAR(score(problem, poses), 4.0 / 5.0, 1e-12);
 }
 
-TEST(ToTrajectory, EndsInTheStopThatTheSearchChecked) {
+TEST(ToTrajectory, EndsInTheCheckedStop) {
   SearchProblem problem = valid_problem();
   problem.start_time = from_utime(1'000'000);
   problem.height_m = 1.5;
@@ -388,7 +386,7 @@ TEST(ToTrajectory, EndsInTheStopThatTheSearchChecked) {
 
 // The trajectory starts at the problem's start, with one step per control in order, then brakes
 // from the speed of the last control. Compared with the unicycle model.
-TEST(ToTrajectory, GoesWhereItsControlsLead) {
+TEST(ToTrajectory, FollowsItsControls) {
   std::mt19937_64 rng(51);
   for (int i = 0; i < 50; ++i) {
     SearchProblem problem;
@@ -433,7 +431,7 @@ TEST(ToTrajectory, GoesWhereItsControlsLead) {
 
 // The kept separation is the distance at the plan's start less a centimetre, for each teammate. It
 // is at most the required separation and at least 0.
-TEST(KeptSeparation, IsWhatThereIsWhenThePlanStarts) {
+TEST(KeptSeparation, IsDistanceAtPlanStart) {
   std::mt19937_64 rng(52);
   int nearer = 0;
   int farther = 0;

@@ -35,7 +35,7 @@ models::PositionMatrix from_models(const SearchProblem& problem, const Pose2& at
   return M;
 }
 
-TEST(SightTable, TellsWhatTheModelsTellSideBySide) {
+TEST(SightTable, LanesEqualTheModels) {
   std::mt19937_64 rng(41);
   SightTable sight;
   int seen_count = 0;
@@ -67,7 +67,7 @@ TEST(SightTable, TellsWhatTheModelsTellSideBySide) {
   EXPECT_GT(unseen_count, 1'000);
 }
 
-TEST(SightTable, TellsWhatTheModelsTellOneByOne) {
+TEST(SightTable, SinglesEqualTheModels) {
   std::mt19937_64 rng(42);
   SightTable sight;
   int seen_count = 0;
@@ -104,7 +104,7 @@ TEST(SightTable, TellsWhatTheModelsTellOneByOne) {
   EXPECT_GT(seen_count, 1'000);
 }
 
-TEST(SightTable, SeesByTheFieldWhatItSeesWithout) {
+TEST(SightTable, LineOfSightIsIndependentOfTheField) {
   std::mt19937_64 rng(44);
   SightTable sight;
   int clear = 0;
@@ -130,7 +130,7 @@ TEST(SightTable, SeesByTheFieldWhatItSeesWithout) {
 }
 
 // The result in a lane must not depend on the lane or on the other lanes.
-TEST(SightTable, GivesEveryLaneTheSameBits) {
+TEST(SightTable, LanesAreBitIdentical) {
   std::mt19937_64 rng(43);
   SightTable sight;
   std::vector<Pose2> poses;

@@ -19,7 +19,7 @@ using test::pick;
 using test::uniform;
 
 // A teammate drives along the x axis at 1 m/s and passes a robot that hovers at the origin at 3 s.
-TEST(IsFree, IsOfWhereATeammateIsInThatStep) {
+TEST(IsFree, UsesTeammatePositionInThatStep) {
   SearchProblem problem;
   problem.start_time = from_utime(1'700'000'000'000'000);
   problem.horizon_steps = 8;
@@ -41,7 +41,7 @@ TEST(IsFree, IsOfWhereATeammateIsInThatStep) {
 
 // A teammate that turns a full circle within one step ends where it began, so its chord does not
 // bound its distance.
-TEST(IsFree, SeesATeammateThatCirclesWithinOneStep) {
+TEST(IsFree, DetectsATeammateThatCirclesWithinOneStep) {
   SearchProblem problem;
   problem.horizon_steps = 2;
   problem.step_s = 1.0;
@@ -58,7 +58,7 @@ TEST(IsFree, SeesATeammateThatCirclesWithinOneStep) {
 }
 
 // Opposite turns within one piece cancel, but the path still bulges beyond its chord.
-TEST(IsFree, AllowsForTurnsWithinATeammatesPiece) {
+TEST(IsFree, AccountsForTurnsWithinATeammatesPiece) {
   std::mt19937_64 rng(33);
   for (int i = 0; i < 400; ++i) {
     SearchProblem problem;
@@ -105,7 +105,7 @@ TEST(IsFree, AllowsForTurnsWithinATeammatesPiece) {
 
 // A stop that lasts longer than any teammate's motion, next to a hovering teammate. Every instant
 // of the stop counts.
-TEST(CanStop, SeesWhoHoversBesideTheEndOfALongStop) {
+TEST(CanStop, DetectsHoverNextToEndOfLongStop) {
   std::mt19937_64 rng(34);
   int stops = 0;
   int refused = 0;
@@ -146,7 +146,7 @@ TEST(CanStop, SeesWhoHoversBesideTheEndOfALongStop) {
 
 // The pieces of a stop are treated as uniform motion with an allowance of a Δ²/8. The robot may
 // stop v²/2a before a hovering teammate, less that allowance only.
-TEST(CanStop, AllowsForItsBrakeAndNoMore) {
+TEST(CanStop, AddsExactlyItsBrakingPath) {
   for (const double brake_mps2 : {0.5, 2.0, 4.0}) {
     SearchProblem problem;
     problem.start_time = from_utime(1'700'000'000'000'000);
@@ -172,7 +172,7 @@ TEST(CanStop, AllowsForItsBrakeAndNoMore) {
 
 // An arc bulges beyond its chords, left or right. With a required separation slightly above the
 // actual one, it must be refused.
-TEST(IsFree, AllowsForTheBulgeOfItsOwnArc) {
+TEST(IsFree, AccountsForTheBulgeOfItsArc) {
   std::mt19937_64 rng(35);
   int accepted = 0;
   for (int i = 0; i < 2000; ++i) {

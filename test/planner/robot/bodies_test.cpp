@@ -67,7 +67,7 @@ class KeptFrom : public ::testing::Test {
   std::int64_t dropped = 0;
 };
 
-TEST_F(KeptFrom, BodiesOtherThanRobotsAsHighAsItFlies) {
+TEST_F(KeptFrom, OtherBodiesAtItsHeight) {
   struct Case {
     const char* what;
     Eigen::Vector3d at_m;
@@ -103,7 +103,7 @@ TEST_F(KeptFrom, BodiesOtherThanRobotsAsHighAsItFlies) {
   }
 }
 
-TEST_F(KeptFrom, ABodyThatMovesWhereItWillBe) {
+TEST_F(KeptFrom, MovingBodiesAtTheirPredictedPosition) {
   add("PERSON", {-1.0, 1.0, 1.7}, {0.6, -0.8, 0.3});
   const auto others = this->others();
   ASSERT_EQ(others.size(), 1U);
@@ -118,7 +118,7 @@ TEST_F(KeptFrom, ABodyThatMovesWhereItWillBe) {
 
 // The velocity is unknown for a body whose name was on another body in the earlier frame, and for a
 // body that was occluded in it.
-TEST_F(KeptFrom, ABodyWhoseVelocityIsUnknownWhereItIs) {
+TEST_F(KeptFrom, BodyOfUnknownVelocityAtItsPosition) {
   add("SWAPPED", {-1.0, 1.0, 1.0}, {9.0, 0.0, 0.0});
   add("NEW", {1.0, 1.0, 1.0}, {1.0, 0.0, 0.0});
   inputs.mocap_before->bodies.back().occluded = true;
@@ -128,7 +128,7 @@ TEST_F(KeptFrom, ABodyWhoseVelocityIsUnknownWhereItIs) {
   EXPECT_EQ(others().size(), 2U);
 }
 
-TEST_F(KeptFrom, TheNearestBodiesAndTheOthersAreCounted) {
+TEST_F(KeptFrom, TheNearestBodiesAndCountsTheRest) {
   for (int i = 0; i < static_cast<int>(kBodiesMax) + 3; ++i) {
     add("P" + std::to_string(i), {3.0 - 0.25 * i, 1.5, 1.0});
   }
@@ -147,7 +147,7 @@ TEST_F(KeptFrom, TheNearestBodiesAndTheOthersAreCounted) {
   EXPECT_TRUE(workspace.search().plan(round.search, Deadline::nodes(200)).found);
 }
 
-TEST_F(KeptFrom, ATeammateThatIsSilentOrOffItsPlanWhereItIsSeen) {
+TEST_F(KeptFrom, SilentOrOffPlanTeammateAtSeenPosition) {
   struct Case {
     const char* what;
     FlightState state;

@@ -17,7 +17,7 @@ namespace {
 // A vehicle that its driver stopped holds its set-point, here turned away from its plan, and does
 // not return to the plan. In a flight, 49 plans in a row began at the plan's heading and were
 // refused.
-TEST(RobotPlanner, BeginsWhereItsVehicleHolds) {
+TEST(RobotPlanner, StartsWhereItsVehicleHolds) {
   const scenario::Scenario scenario = test::lab_scenario();
   PlanInputs inputs = test::first_inputs(scenario, 0);
   inputs.own_plan = RobotPlanner(scenario, "Q1").plan(inputs, Deadline::nodes(500));
@@ -45,7 +45,7 @@ TEST(RobotPlanner, BeginsWhereItsVehicleHolds) {
 
 // A vehicle that hovers slightly off its plan is returned to it by its tracking controller. Beyond
 // the tolerance, or turned by more than 0.4 rad to any side, its plan begins at its set-point.
-TEST(RobotPlanner, BeginsOnItsPlanWhereItsVehicleHoldsWithinTheTolerance) {
+TEST(RobotPlanner, StartsOnItsPlanWithinTheTolerance) {
   const scenario::Scenario scenario = test::lab_scenario();
   RobotPlanner planner(scenario, "Q1");
   PlanInputs inputs = test::first_inputs(scenario, 0);
@@ -82,7 +82,7 @@ TEST(RobotPlanner, BeginsOnItsPlanWhereItsVehicleHoldsWithinTheTolerance) {
 }
 
 // In successive rounds the vehicle is held and turned, flies on, and is held and turned again.
-TEST(RobotPlanner, BeginsWhereItsVehicleHoldsEachTime) {
+TEST(RobotPlanner, StartsWhereItsVehicleHoldsInEachRound) {
   const scenario::Scenario scenario = test::lab_scenario();
   const RoundSchedule schedule(scenario.planner, 0, 3);
   RobotPlanner planner(scenario, "Q1");
@@ -146,7 +146,7 @@ class CommitmentOfADriver : public ::testing::Test {
 
 // Within the tolerance the vehicle counts as on its plan. Beyond it, the vehicle is off its plan
 // but continues it. Beyond three tolerances it begins anew where it is. Holds in every direction.
-TEST_F(CommitmentOfADriver, GoesOnUntilItIsThreeTolerancesOff) {
+TEST_F(CommitmentOfADriver, ContinuesUpToThreeTolerances) {
   const double tolerance_m = scenario_.planner.tracking_tolerance_m;
   for (int bearing = 0; bearing < 8; ++bearing) {
     const double to_rad = 0.25 * kPi * bearing;
@@ -167,7 +167,7 @@ TEST_F(CommitmentOfADriver, GoesOnUntilItIsThreeTolerancesOff) {
 }
 
 // A frame does not count if it is older than the start of the plan or does not show the vehicle.
-TEST_F(CommitmentOfADriver, IsComparedOnlyWhereItWasSeenOnItsPlan) {
+TEST_F(CommitmentOfADriver, IsComparedWithTheSeenPose) {
   const auto is_on_plan = [&] {
     const Commitment commitment = this->commitment();
     return !commitment.is_off_plan &&
@@ -189,7 +189,7 @@ TEST_F(CommitmentOfADriver, IsComparedOnlyWhereItWasSeenOnItsPlan) {
 }
 
 // Without a plan it hovers where it is seen; if it is not seen either, its motion is unknown.
-TEST_F(CommitmentOfADriver, HoversWhereItIsSeenWithoutAPlan) {
+TEST_F(CommitmentOfADriver, HoversAtItsSeenPoseWithoutAPlan) {
   see({0.3, -0.4, 1.0});
   inputs_.own_plan.reset();
   const Commitment commitment = this->commitment();
@@ -208,7 +208,7 @@ TEST_F(CommitmentOfADriver, HoversWhereItIsSeenWithoutAPlan) {
 
 // A holding vehicle is compared with the point of its plan at the time of its status. Before the
 // plan begins, that is the start of the plan.
-TEST_F(CommitmentOfADriver, HoldsWhereItsPlanHadItThen) {
+TEST_F(CommitmentOfADriver, ComparesHoldWithPlanAtStatusTime) {
   models::VehicleStatus& status = inputs_.team_statuses["Q2"];
   status.state = models::FlightState::kHold;
   for (const double since_s : {-3.0, 0.0, 0.7, 1.9}) {
@@ -228,7 +228,7 @@ TEST_F(CommitmentOfADriver, HoldsWhereItsPlanHadItThen) {
 
 // In a flight, a vehicle at 1 m passed over one that was climbing to 2 m. Only the final height of
 // the climb was kept clear.
-TEST(RobotPlanner, KeepsClearOfWhatAClimbOrALandingPasses) {
+TEST(RobotPlanner, KeepsClearOfHeightsThatAClimbOrLandingPasses) {
   const scenario::Scenario scenario = test::lab_scenario();
   const auto kept_at_m = [&](const std::string& own, models::FlightState state, double here_m) {
     PlanInputs inputs = test::first_inputs(scenario, own == "Q1" ? 0 : 2);
@@ -257,7 +257,7 @@ TEST(RobotPlanner, KeepsClearOfWhatAClimbOrALandingPasses) {
 
 // A rover planned a path through a quadrotor that had not taken off yet, because only the flight
 // height of the quadrotor was kept clear. The driver refused the path for 18 s.
-TEST(RobotPlanner, KeepsClearOfWhoStandsOnTheGroundThereAndWhereItWillFly) {
+TEST(RobotPlanner, KeepsClearOfGroundedTeammateAtBothHeights) {
   const scenario::Scenario scenario = test::lab_scenario();
   const auto kept_at_m = [&](models::FlightState state, double here_m) {
     PlanInputs inputs = test::first_inputs(scenario, 0);
@@ -288,7 +288,7 @@ TEST(RobotPlanner, KeepsClearOfWhoStandsOnTheGroundThereAndWhereItWillFly) {
 }
 
 // A vehicle whose driver does not run sends no status, but its position is still kept clear.
-TEST(RobotPlanner, KeepsClearOfWhoStandsOnTheGroundAndWasNeverHeard) {
+TEST(RobotPlanner, KeepsClearOfGroundedTeammateWithoutStatus) {
   const scenario::Scenario scenario = test::lab_scenario();
   PlanInputs inputs = test::first_inputs(scenario, 0);
   inputs.mocap->bodies[1].world_from_body.translation_m.z() = 0.1;
@@ -303,7 +303,7 @@ TEST(RobotPlanner, KeepsClearOfWhoStandsOnTheGroundAndWasNeverHeard) {
 
 // Before take-off and after landing each teammate on the ground counts three times: its plan, its
 // position on the ground, and its flight position.
-TEST(RobotPlanner, PlansWhereATeamOfAnySizeStandsOnTheGround) {
+TEST(RobotPlanner, PlansWithWholeTeamOnGround) {
   for (std::size_t team = 1; team <= 9; ++team) {
     scenario::Scenario scenario = test::lab_scenario();
     const scenario::RobotSpec model = scenario.robots.front();
@@ -332,7 +332,7 @@ TEST(RobotPlanner, PlansWhereATeamOfAnySizeStandsOnTheGround) {
 
 // In a flight, the operator stopped a vehicle half a metre from a wall, facing it. It hovered there
 // for seven minutes, because no primitive turns on the spot.
-TEST(RobotPlanner, TurnsWhereAWallIsTooNearToBeginAnyMotion) {
+TEST(RobotPlanner, TurnsOnTheSpotNearAWall) {
   scenario::Scenario scenario = test::lab_scenario();
   const double nearest_m = scenario.robots[0].limits.radius_m + scenario.planner.obstacle_margin_m;
   const Pose2 inward{0.0, 0.0, 0.3};  // rad; angle to the wall's normal

@@ -75,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(Teams, EnergyAtRest,
 
 // A robot that pays for energy may hover. Without turning, it would hover permanently if the wall
 // ahead is nearer than its tightest arc, because no primitive is feasible.
-TEST_P(EnergyAtRest, TurnsWhereAWallIsTooNearToBeginAnyMotion) {
+TEST_P(EnergyAtRest, IsPaidForTurnsNearAWall) {
   set_price_nats(1e-6);
   for (const Pose2& start :
        {Pose2{0.0, 2.0 - nearest_m_ - 0.06, kPi / 2},
@@ -94,7 +94,7 @@ TEST_P(EnergyAtRest, TurnsWhereAWallIsTooNearToBeginAnyMotion) {
 }
 
 // Once it faces free space, it hovers for as long as no motion is worth its energy.
-TEST_P(EnergyAtRest, TurnsNoFurtherThanToAWayOut) {
+TEST_P(EnergyAtRest, StopsTurningOnceItFacesFreeSpace) {
   set_price_nats(1e6);
   AloneAtRest robot(scenario_, {-4.0 + nearest_m_ + 0.06, 0.0, kPi});
   for (int round = 0; round < 8; ++round) {
@@ -107,7 +107,7 @@ TEST_P(EnergyAtRest, TurnsNoFurtherThanToAWayOut) {
 }
 
 // A robot that is too near to a teammate stops turning once it faces free space.
-TEST_P(EnergyAtRest, RestsBesideATeammateThatItCouldLeave) {
+TEST_P(EnergyAtRest, HoversNextToTeammateOnceItCouldLeave) {
   set_price_nats(1e6);
   const Eigen::Vector2d teammate_m = scenario_.robots[1].start.position_m();
   scenario_.robots[0].height_m = scenario_.robots[1].height_m;

@@ -88,7 +88,7 @@ class Round {
   std::map<std::string, models::RobotPlan> plans_;
 };
 
-TEST(RoundSchedule, GivesAllRobotsTheFirstHalfOfALocalSearch) {
+TEST(RoundSchedule, SharesTheFirstHalfOfALocalSearch) {
   scenario::PlannerSpec spec;
   spec.team_algorithm = scenario::TeamAlgorithm::kLocalSearch;
   const int robots = 5;
@@ -122,7 +122,7 @@ void expect_safe(const Round& round, const std::string& what) {
   }
 }
 
-TEST(RobotPlanner, FliesWhatTheTeamAgreedOn) {
+TEST(RobotPlanner, FliesTeamSolution) {
   const scenario::Scenario scenario = energy_scenario();
   int flown = 0;
   int rests = 0;
@@ -179,7 +179,7 @@ TEST(RobotPlanner, StaysSafeWhenProposalsAreLost) {
 
 // A logged proposal can be repeated from its inputs, its node count and the solution that it
 // improved on.
-TEST(RobotPlanner, ProposesTheSameOfTheSameInputs) {
+TEST(RobotPlanner, ProposalIsReproducibleFromInputs) {
   const scenario::Scenario scenario = energy_scenario();
   int again = 0;
   for (unsigned seed = 0; seed < 10; ++seed) {
@@ -206,7 +206,7 @@ TEST(RobotPlanner, ProposesTheSameOfTheSameInputs) {
   EXPECT_GE(again, 15);
 }
 
-TEST(RobotPlanner, HearsNoMotionThatIsNoPlan) {
+TEST(RobotPlanner, RefusesInvalidProposals) {
   const scenario::Scenario scenario = energy_scenario();
   Round round(scenario, 3);
   round.exchange(0.0);
@@ -233,7 +233,7 @@ TEST(RobotPlanner, HearsNoMotionThatIsNoPlan) {
 }
 
 // Each team algorithm uses its own kind of message only.
-TEST(RobotPlanner, SaysNothingThatItsTeamDoesNotAskFor) {
+TEST(RobotPlanner, ProposesOnlyForItsTeamAlgorithm) {
   scenario::Scenario scenario = energy_scenario();
   const PlanInputs inputs = first_inputs(scenario, 0, 3);
   const Deadline deadline = Deadline::nodes(scenario.planner.node_budget);
@@ -252,7 +252,7 @@ TEST(RobotPlanner, SaysNothingThatItsTeamDoesNotAskFor) {
 }
 
 // Without a pose the round cannot begin, so no proposal is sent or used.
-TEST(RobotPlanner, BeginsNoExchangeWithoutAPose) {
+TEST(RobotPlanner, StartsNoExchangeWithoutAPose) {
   const scenario::Scenario scenario = energy_scenario();
   PlanInputs inputs = first_inputs(scenario, 0, 3);
   inputs.mocap.reset();
@@ -261,7 +261,7 @@ TEST(RobotPlanner, BeginsNoExchangeWithoutAPose) {
   EXPECT_EQ(planner.counts().no_pose, 1);
 }
 
-TEST(RobotPlanner, GivesAJammedRobotNothing) {
+TEST(RobotPlanner, PlansNoMotionForJammedRobot) {
   const scenario::Scenario scenario = energy_scenario();
   for (unsigned seed = 0; seed < 5; ++seed) {
     Round round(scenario, seed);
@@ -275,7 +275,7 @@ TEST(RobotPlanner, GivesAJammedRobotNothing) {
   }
 }
 
-TEST(RobotPlanner, WeighsItsEnergyInCoordinateDescentToo) {
+TEST(RobotPlanner, IncludesEnergyInCoordinateDescent) {
   scenario::Scenario scenario = energy_scenario();
   scenario.planner.team_algorithm = scenario::TeamAlgorithm::kCoordinateDescent;
   const Deadline deadline = Deadline::nodes(scenario.planner.node_budget);
@@ -306,7 +306,7 @@ TEST(RobotPlanner, WeighsItsEnergyInCoordinateDescentToo) {
 // Only the search checks the deadline; the work after it does not and must also end in time. A busy
 // machine may delay the checks, hence the repetitions. Without the rule the search would check
 // until the deadline.
-TEST(RobotPlanner, SearchesForAThirdOfItsTimeWhereItWeighsCandidates) {
+TEST(RobotPlanner, SearchesForAThirdOfItsTimeBeforeAnExchange) {
   static std::int64_t asked_ns = 0;
   constexpr std::int64_t kTime_ns = 200'000'000;
   const auto note = [] {
@@ -334,7 +334,7 @@ TEST(RobotPlanner, SearchesForAThirdOfItsTimeWhereItWeighsCandidates) {
   EXPECT_TRUE(was_in_time);
 }
 
-TEST(RobotPlanner, RestsWithoutASolutionOfThisRoundOrAPlaceInIt) {
+TEST(RobotPlanner, HoversWithoutCurrentSolution) {
   const scenario::Scenario scenario = energy_scenario();
   int moving = 0;
   for (unsigned seed = 0; seed < 10; ++seed) {
@@ -369,7 +369,7 @@ TEST(RobotPlanner, RestsWithoutASolutionOfThisRoundOrAPlaceInIt) {
 
 // A solution begins where the team assumed this robot to be. The robot flies it only if it is
 // within the tracking tolerance of that position, in every direction.
-TEST(RobotPlanner, FliesNoSolutionThatStartsElsewhere) {
+TEST(RobotPlanner, RefusesSolutionsWithAnotherStart) {
   const scenario::Scenario scenario = energy_scenario();
   const double tolerance_m = scenario.planner.tracking_tolerance_m;
   int flown = 0;

@@ -44,7 +44,7 @@ class MotionOfAnswer : public ::testing::Test {
 
 // The start may differ by 1 mm and 1 mrad in any direction. The motion then begins exactly at the
 // committed start.
-TEST_F(MotionOfAnswer, BeginsWhereItIsCommittedTo) {
+TEST_F(MotionOfAnswer, StartsAtTheCommittedPose) {
   using Change = std::function<void(models::Trajectory&, double)>;
   const std::vector<std::pair<std::string, Change>> changes = {
       {"x", [](auto& t, double by) { t.start.x_m += by; }},
@@ -79,7 +79,7 @@ TEST_F(MotionOfAnswer, BeginsWhereItIsCommittedTo) {
 }
 
 // Each limit may be reached but not exceeded, in the first segment and in the last.
-TEST_F(MotionOfAnswer, IsFlownUpToTheLimitsOfItsVehicle) {
+TEST_F(MotionOfAnswer, KeepsItsVehiclesLimits) {
   struct Edge {
     std::string what;
     models::PlanSegment last;
@@ -109,7 +109,7 @@ TEST_F(MotionOfAnswer, IsFlownUpToTheLimitsOfItsVehicle) {
 }
 
 // Rounding of up to 1e-9 of each limit is tolerated, but no more.
-TEST_F(MotionOfAnswer, IsForgivenABillionth) {
+TEST_F(MotionOfAnswer, ToleratesRoundingOfABillionth) {
   for (const double over : {0.5e-9, 2e-9}) {
     const double more = 1.0 + over;
     const std::vector<models::PlanSegment> segments = {
@@ -129,7 +129,7 @@ TEST_F(MotionOfAnswer, IsForgivenABillionth) {
 
 // The driven segments may last as long as the horizon, in any number of pieces. The braking
 // segments may last as long again.
-TEST_F(MotionOfAnswer, LastsForItsHorizonAndAStop) {
+TEST_F(MotionOfAnswer, LastsOneHorizonAndAStop) {
   const auto drive = [](double s) { return models::PlanSegment{{1.0, 0.0}, s, 0.0}; };
   const auto stop = [](double s) { return models::PlanSegment{{2.0, 0.0}, s, 0.1}; };
   EXPECT_TRUE(motion(driven({drive(2.0)})));
@@ -180,7 +180,7 @@ TEST_F(MotionOfAnswer, EndsInAStop) {
 
 // An answer of this round is used, or refused and counted if it is invalid. An answer of another
 // round is ignored.
-TEST(ExternalPlanner, CountsAnswersThatAreNoPlanOfTheirSlot) {
+TEST(ExternalPlanner, CountsInvalidAnswersOfItsRound) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.algorithm = "external";
   RobotPlanner planner(scenario, "Q2");

@@ -60,7 +60,7 @@ Pose2 end_of(const models::RobotPlan& plan) {
   return models::at(plan.trajectory, Time::max()).world_from_body;
 }
 
-TEST(BlankPlan, SaysNothingYet) {
+TEST(BlankPlan, HasNoMotionOrCertificate) {
   scenario::PlannerSpec planner;
   planner.horizon_steps = 7;
   planner.step_s = 0.4;
@@ -85,7 +85,7 @@ TEST(BlankPlan, SaysNothingYet) {
 }
 
 // The plan carries the certificate of the search. It is refused if it comes too near to a wall.
-TEST_F(Ladder, FliesWhatASearchFound) {
+TEST_F(Ladder, FliesSearchResult) {
   SearchResult result;
   result.controls = {0, 1};
   result.cost = 1.0;
@@ -126,7 +126,7 @@ TEST_F(Ladder, FliesWhatASearchFound) {
 }
 
 // A proposal is used only if it was searched and is still safe. The plan keeps its certificate.
-TEST_F(Ladder, DoesAsItProposed) {
+TEST_F(Ladder, FliesItsProposal) {
   models::RobotPlan proposal;
   proposal.source = models::PlanSource::kSearched;
   proposal.cost = -3.0;
@@ -162,7 +162,7 @@ TEST_F(Ladder, DoesAsItProposed) {
 
 // It stops within v² / 2a = 0.25 m. Where there is no room for that, the last fallback still gives
 // a plan.
-TEST_F(Ladder, RestsOrFallsBack) {
+TEST_F(Ladder, HoversOrFallsBack) {
   {
     PlanLadder ladder = begin(5.0);
     const auto rest = ladder.rest();
@@ -196,7 +196,7 @@ TEST_F(Ladder, RestsOrFallsBack) {
 
 // A planner without a processor brakes where that is safe. Where it is not, because a teammate
 // passes the stop position, it continues the last plan.
-TEST_F(Ladder, StopsAtOnceWhereThatIsSafe) {
+TEST_F(Ladder, StopsAtOnceIfSafe) {
   {
     PlanLadder ladder = begin(5.0);
     const models::RobotPlan stopped = ladder.stopped();
@@ -217,7 +217,7 @@ TEST_F(Ladder, StopsAtOnceWhereThatIsSafe) {
 
 // Returns the nearest teammate that is closer than the required separation, at any index; none if
 // all keep it.
-TEST(TooNear, IsTheNearestOfThoseThatAre) {
+TEST(TooNear, ReturnsTheNearestTeammate) {
   SearchProblem problem;
   problem.start_time = kStart;
   problem.start = {1.0, 2.0, 0.0};
@@ -242,7 +242,7 @@ TEST(TooNear, IsTheNearestOfThoseThatAre) {
 
 // Each teammate must be as far away as required, less the given rounding. With separation from
 // above, heights do not count.
-TEST(KeepsApart, AsksWhatTheProblemAsksOfEach) {
+TEST(KeepsApart, RequiresSeparationFromEachTeammate) {
   SearchProblem problem;
   problem.start_time = kStart;
   problem.separation_m = 1.0;
@@ -266,7 +266,7 @@ TEST(KeepsApart, AsksWhatTheProblemAsksOfEach) {
 }
 
 // The clearance to walls and the separation may be violated by up to two centimetres.
-TEST(IsSafe, ForgivesTwoCentimetres) {
+TEST(IsSafe, AllowsTwoCentimetres) {
   models::World world;
   world.bounds = {{-10.0, -10.0}, {10.0, 10.0}};
   SearchProblem problem;

@@ -16,7 +16,7 @@ namespace {
 
 using test::first_inputs;
 
-TEST(RoundSchedule, HearsAllProposalsBeforeTheFirstPlan) {
+TEST(RoundSchedule, ReceivesAllProposalsBeforeTheFirstPlan) {
   scenario::PlannerSpec spec;
   spec.attacks_max = 2;
   const int robots = 5;
@@ -48,7 +48,7 @@ double told(const std::vector<std::vector<models::PositionMatrix>>& information)
   return sum;
 }
 
-TEST(RobotPlanner, LetsTheBaitDoAsItProposedAndCountsOnTheOthersAlone) {
+TEST(RobotPlanner, KeepsProposalsOfBaitAndPlansForTheRest) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.attacks_max = 1;
   const Deadline deadline = Deadline::nodes(scenario.planner.node_budget);
@@ -112,7 +112,7 @@ TEST(RobotPlanner, LetsTheBaitDoAsItProposedAndCountsOnTheOthersAlone) {
   EXPECT_GE(taken, 10);
 }
 
-TEST(RobotPlanner, TakesNoNoticeOfProposalsWhereNoAttackIsExpectedOrOfAnotherRound) {
+TEST(RobotPlanner, IgnoresProposalsOfOtherRoundsOrWithoutAttack) {
   scenario::Scenario scenario = test::lab_scenario();
   const Deadline deadline = Deadline::nodes(scenario.planner.node_budget);
   for (const int attacks_max : {0, 1}) {

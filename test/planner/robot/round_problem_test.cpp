@@ -14,7 +14,7 @@ namespace {
 
 // The noise of a target grows with the number of steps for which it is unseen. It is counted until
 // the plan begins, not only until the time of the belief.
-TEST(ProblemOfRound, PlansWithTheNoiseOfTargetsAsLongUnseenAsTheyAreThen) {
+TEST(ProblemOfRound, CountsUnseenStepsUntilPlanBegins) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.estimator.target_model = {models::TargetKind::kGrowingUncertainty, 2, 0.1};
   scenario.planner.step_s = 0.5;
@@ -88,7 +88,7 @@ class PlansByMixtures : public ::testing::Test {
 };
 
 // The test scenario has static targets. The robot has observed one cell of the grid.
-TEST(ProblemOfRound, ExploresUntilAllAreFoundWhereItIsTold) {
+TEST(ProblemOfRound, ExploresUntilFoundIfConfigured) {
   scenario::Scenario scenario = test::lab_scenario();
   PlanInputs inputs = test::first_inputs(scenario, 0, 1);
   const models::VisibilityGrid grid(scenario.world, scenario.estimator.grid_resolution_m,
@@ -117,7 +117,7 @@ TEST(ProblemOfRound, ExploresUntilAllAreFoundWhereItIsTold) {
 }
 
 // All numbers differ. The problem is that of the requested robot, from its committed motion.
-TEST(ProblemOfRound, IsWhatItsScenarioSays) {
+TEST(ProblemOfRound, MatchesScenario) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.horizon_steps = 7;
   scenario.planner.step_s = 0.4;
@@ -184,7 +184,7 @@ TEST(ProblemOfRound, DrawsItsOwnRandomNumbers) {
 // A teammate moves along its plan if one was received, at any distance. Otherwise it hovers where
 // it is seen or, if unseen, at its start. Hovering teammates count only within the neighbourhood,
 // its edge included.
-TEST(ProblemOfRound, HasTheTeammatesThatMayMatter) {
+TEST(ProblemOfRound, HasTheRelevantTeammates) {
   scenario::Scenario scenario = test::lab_scenario();
   for (const double neighbourhood_m : {0.0, 2.0}) {
     scenario.network.neighbourhood_m = neighbourhood_m;
@@ -235,7 +235,7 @@ TEST(ProblemOfRound, HasTheTeammatesThatMayMatter) {
 
 // Unusable beliefs, and beliefs beyond the number of targets, are left out and counted. Beliefs
 // just within the limits are used.
-TEST(ProblemOfRound, CountsBeliefsThatItCannotUse) {
+TEST(ProblemOfRound, CountsUnusableBeliefs) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.estimator.target_model = {models::TargetKind::kStatic, 2, 0.0};
   Workspace workspace(scenario);
@@ -341,7 +341,7 @@ TEST(ProblemOfRound, MapsByTheGridOfItsScenario) {
   EXPECT_EQ(round_of().unusable_maps, 1);
 }
 
-TEST_F(PlansByMixtures, WhereverATargetMayBeThereIsOne) {
+TEST_F(PlansByMixtures, HaveOneTargetPerComponent) {
   add(1, {0.5, 0.3, 0.2});
   add(4, {0.97, 0.03});  // below 1/32 a component is dropped; one position comes from the belief
   const std::vector<Eigen::Vector2d> places_m = this->places_m();
@@ -354,7 +354,7 @@ TEST_F(PlansByMixtures, WhereverATargetMayBeThereIsOne) {
   }
 }
 
-TEST_F(PlansByMixtures, OfItsVeryBeliefAlone) {
+TEST_F(PlansByMixtures, UsesOnlyMixtureOfItsBelief) {
   add(1, {0.5, 0.5});
   EXPECT_EQ(places_m().size(), 6U);
   const models::BeliefMixture right = *inputs_.mixture;
@@ -377,7 +377,7 @@ TEST_F(PlansByMixtures, OfItsVeryBeliefAlone) {
   EXPECT_EQ(places_m().size(), 6U);
 }
 
-TEST_F(PlansByMixtures, AsFarAsThereIsRoom) {
+TEST_F(PlansByMixtures, KeepTheTargetLimit) {
   EXPECT_EQ(parts_max(scenario_), 35U);
   for (int id = 0; id < 5; ++id) {
     add(id, std::vector<double>(8, 0.125));

@@ -29,7 +29,7 @@ TEST(RoundSchedule, GivesEachRobotItsOwnSlotBeforeTheRoundEnds) {
   }
 }
 
-TEST(RoundSchedule, FindsTheFirstSlotThatIsStillAhead) {
+TEST(RoundSchedule, FindsTheNextSlot) {
   scenario::PlannerSpec spec;
   const RoundSchedule schedule(spec, 1, 3);
   std::mt19937_64 rng(3);
@@ -55,7 +55,7 @@ TEST(RoundSchedule, RefusesABudgetThatDoesNotFit) {
   EXPECT_THROW(RoundSchedule(spec, 0, 1), UsageError);
 }
 
-TEST(RoundSchedule, RefusesARobotThatIsNoneOfItsTeam) {
+TEST(RoundSchedule, RefusesAnUnknownRobot) {
   const scenario::PlannerSpec spec;
   EXPECT_NO_THROW(RoundSchedule(spec, 0, 1));
   EXPECT_NO_THROW(RoundSchedule(spec, 2, 3));
@@ -158,7 +158,7 @@ TEST(RoundSchedule, FindsTheNextOfBothKinds) {
 
 // Slots begin at whole microseconds for any budget. Each slot is identified by its exact begin
 // only.
-TEST(RoundSchedule, KnowsWhichSlotAPlanWasMadeIn) {
+TEST(RoundSchedule, FindsTheSlotOfAPlan) {
   scenario::PlannerSpec spec;
   spec.execute_steps = 2;
   for (const double budget_s : {0.5, 0.499999, 0.1, 5e-6}) {

@@ -52,7 +52,7 @@ struct Case {
   int next;
 };
 
-TEST_F(SharedSlotsTest, AreOfTheLowestWhoIsHeardInThem) {
+TEST_F(SharedSlotsTest, BelongToLowestReceivedRobot) {
   const Workspace workspace(scenario_);
   const std::vector<Case> cases = {
       {0, 0, {-1, -1, -1}, false, 0},  // not claimed yet
@@ -79,7 +79,7 @@ TEST_F(SharedSlotsTest, AreOfTheLowestWhoIsHeardInThem) {
 }
 
 // A plan outside the slots, or of a robot that the scenario lacks, occupies no slot.
-TEST_F(SharedSlotsTest, AreNotHeldByWhatIsNoPlanOfTheirs) {
+TEST_F(SharedSlotsTest, IgnorePlansOutsideTheSlots) {
   const Workspace workspace(scenario_);
   const SharedSlots slots(workspace, 2);
   PlanInputs inputs = inputs_of(2, 0, {0, -1, 0});
@@ -96,7 +96,7 @@ TEST_F(SharedSlotsTest, AreNotHeldByWhatIsNoPlanOfTheirs) {
 }
 
 // A robot without a slot continues its committed motion, and the yield is counted.
-TEST_F(SharedSlotsTest, AreYieldedByWhoHasNone) {
+TEST_F(SharedSlotsTest, AreYieldedByRobotWithoutSlot) {
   RobotPlanner planner(scenario_, "Q3");
   EXPECT_EQ(planner.robot_index(), 2);
   EXPECT_EQ(planner.robot_count(), 3);
@@ -120,7 +120,7 @@ TEST_F(SharedSlotsTest, AreYieldedByWhoHasNone) {
   EXPECT_EQ(RobotPlanner(scenario_, "Q3").next_place(inputs), std::nullopt);
 }
 
-TEST(MaySearch, IsOfTheLowestInASlot) {
+TEST(MaySearch, IsTrueForTheLowestRobotOfASlot) {
   const std::vector<SlotHolder> holders = {{3, 0}, {5, 1}, {9, 2}};
   for (int robot = 0; robot < 12; ++robot) {
     for (int slot = 0; slot < 4; ++slot) {

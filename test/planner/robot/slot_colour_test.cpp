@@ -102,7 +102,7 @@ class Team {
   std::vector<bool> claimed_;
 };
 
-TEST(SlotColour, NeverLetsTwoNeighboursSearchAtOnce) {
+TEST(SlotColour, DiffersBetweenNeighbours) {
   for (const int robots : {2, 65, 200, 1000}) {
     for (const int slots : {3, 16, 48}) {
       Team team(robots, 20.0 * std::sqrt(robots), 35.0, slots, 11);
@@ -117,7 +117,7 @@ TEST(SlotColour, NeverLetsTwoNeighboursSearchAtOnce) {
   }
 }
 
-TEST(SlotColour, SettlesSoThatEverybodySearches) {
+TEST(SlotColour, ConvergesSoThatAllRobotsSearch) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     Team team(300, 350.0, 35.0, 40, seed);
     ASSERT_LT(team.most_neighbours(), 40U);
@@ -132,7 +132,7 @@ TEST(SlotColour, SettlesSoThatEverybodySearches) {
   }
 }
 
-TEST(SlotColour, LetsMostSearchWhileTheyMove) {
+TEST(SlotColour, LetsMostRobotsSearchDuringMotion) {
   Team team(300, 350.0, 35.0, 40, 5);
   team.begin();
   std::ptrdiff_t searched = 0;
@@ -144,7 +144,7 @@ TEST(SlotColour, LetsMostSearchWhileTheyMove) {
   EXPECT_GE(static_cast<double>(searched), 0.95 * 300 * 52);
 }
 
-TEST(SharedRound, HasSoManySlotsWhateverTheTeam) {
+TEST(SharedRound, HasConfiguredNumberOfSlots) {
   scenario::PlannerSpec spec;
   spec.execute_steps = 2;
   spec.slots = 48;
@@ -170,7 +170,7 @@ TEST(SharedRound, HasSoManySlotsWhateverTheTeam) {
   EXPECT_EQ(row.slot(5).begin, RoundSchedule(spec, 47, 48).slot(5).begin);
 }
 
-TEST(SharedRound, IsPlannedInOnceWhereverTheSlotGoes) {
+TEST(SharedRound, HasOnePlanPerRobot) {
   scenario::PlannerSpec spec;
   spec.execute_steps = 2;
   spec.slots = 8;

@@ -153,7 +153,7 @@ class Team {
 
 class TeamSafety : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(TeamSafety, KeepsSeparationAndClearanceWhoeverIsSilentOrLate) {
+TEST_P(TeamSafety, KeepsSeparationAndClearanceWithSilentOrLateRobots) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.algorithm = GetParam();
   const double radius_m = scenario.robots[0].limits.radius_m;
@@ -173,7 +173,7 @@ TEST_P(TeamSafety, KeepsSeparationAndClearanceWhoeverIsSilentOrLate) {
 
 // In a flight, the autopilot landed a vehicle straight down after its link was cut. The vehicle
 // came down on a teammate that flew a metre below.
-TEST(TeamSafetyFromAbove, NobodyFliesOverAnother) {
+TEST(TeamSafetyFromAbove, RobotsDoNotFlyOverEachOther) {
   for (const bool is_from_above : {false, true}) {
     scenario::Scenario scenario = test::lab_scenario();
     scenario.planner.separation_from_above = is_from_above;
@@ -198,7 +198,7 @@ INSTANTIATE_TEST_SUITE_P(Planner, TeamSafety,
                                            "random_walk", "lawn_mower"),
                          [](const auto& each) { return std::string(each.param); });
 
-TEST(RobotPlanner, GoesOnWithItsPlanWhenTheSearchCameTooLate) {
+TEST(RobotPlanner, ContinuesItsPlanAfterALateSearch) {
   Team team(test::lab_scenario(), 5);
   ASSERT_NO_FATAL_FAILURE(team.run_round(kFirstRound, 0.0));
   const auto before = team.plans();
@@ -208,7 +208,7 @@ TEST(RobotPlanner, GoesOnWithItsPlanWhenTheSearchCameTooLate) {
   }
 }
 
-TEST(RobotPlanner, DecidesTheSameFromTheSameInputs) {
+TEST(RobotPlanner, IsDeterministic) {
   Team a(test::lab_scenario(), 9);
   Team b(test::lab_scenario(), 9);
   for (std::int64_t round = kFirstRound; round < kFirstRound + 5; ++round) {
@@ -222,7 +222,7 @@ TEST(RobotPlanner, DecidesTheSameFromTheSameInputs) {
 }
 
 // Planners that share a workspace in turn do not affect each other's results.
-TEST(Workspace, ChangesNothingForThoseWhoShareIt) {
+TEST(Workspace, SharingDoesNotChangeResults) {
   for (const char* algorithm : {"arvi", "rvi", "beam", "astar", "aegis", "random_walk"}) {
     scenario::Scenario scenario = test::lab_scenario();
     scenario.planner.algorithm = algorithm;
@@ -248,7 +248,7 @@ TEST(Workspace, ChangesNothingForThoseWhoShareIt) {
 }
 
 // A teammate on the ground publishes plans but does not fly them yet.
-TEST(RobotPlanner, KeepsThePlaceOfATeammateThatDoesNotFollowFree) {
+TEST(RobotPlanner, KeepsPositionOfNonFollowingTeammateFree) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.world.obstacles.clear();
   scenario.robots.resize(2);
@@ -298,7 +298,7 @@ TEST(RobotPlanner, KeepsThePlaceOfATeammateThatDoesNotFollowFree) {
 
 // A restarted planner does not know the plan that its robot flies and that its teammates plan
 // around.
-TEST(RobotPlanner, WaitsForTheEndOfAPlanItDoesNotKnow) {
+TEST(RobotPlanner, WaitsForTheEndOfAnUnknownPlan) {
   const scenario::Scenario scenario = test::lab_scenario();  // plans of 6 rounds
   PlanInputs inputs = test::first_inputs(scenario, 0);
   models::VehicleStatus& status = inputs.team_statuses["Q1"];

@@ -25,7 +25,7 @@ models::Trajectory winding_trajectory(std::mt19937_64& rng) {
   return trajectory;
 }
 
-TEST(RestOf, IsTheSameMotionFromThereOn) {
+TEST(RestOf, IsTheRemainingMotion) {
   std::mt19937_64 rng(11);
   for (int i = 0; i < 200; ++i) {
     const models::Trajectory whole = winding_trajectory(rng);
@@ -50,7 +50,7 @@ TEST(RestOf, IsTheSameMotionFromThereOn) {
 
 // A cut at a segment boundary keeps the following segments whole. A cut while braking keeps the
 // rest of the brake, from the current speed.
-TEST(RestOf, KeepsWhatIsNotOver) {
+TEST(RestOf, KeepsRemainingMotion) {
   models::Trajectory whole;
   whole.start_time = from_utime(1'700'000'000'000'000);
   whole.segments = {{{2.0, 0.0}, 0.5, 0.0}, {{1.0, 1.0}, 0.5, 0.0}, {{1.0, 0.0}, 0.5, 2.0}};
@@ -69,7 +69,7 @@ TEST(RestOf, KeepsWhatIsNotOver) {
 
 // The stop begins at the current pose and speed and leads straight ahead. A hovering vehicle gets
 // no segment.
-TEST(StopFrom, BrakesFromTheSpeedThatItHasThen) {
+TEST(StopFrom, BrakesFromTheCurrentSpeed) {
   std::mt19937_64 rng(12);
   for (int i = 0; i < 50; ++i) {
     const models::Trajectory whole = winding_trajectory(rng);
@@ -118,7 +118,7 @@ TEST(IsOfPlanLength, AllowsTheLongestStopOfTheTeam) {
   EXPECT_FALSE(is_taken(quick_s + 1e-9, {quick, quick}));
 }
 
-TEST(IsOfPlanLength, AllowsAsManySegmentsAsFourHorizonsHaveSteps) {
+TEST(IsOfPlanLength, AllowsTheSegmentsOfFourHorizons) {
   scenario::PlannerSpec planner;
   planner.horizon_steps = 3;
   models::Trajectory motion;

@@ -55,7 +55,7 @@ class TurnToAWayOut : public ::testing::Test {
 
 // The robot turns away from the nearest teammate, at its position when the plan begins. It turns
 // right if the opposite direction is more than π/4 to the right, else left.
-TEST_F(TurnToAWayOut, TurnsAwayFromWhoIsTooNear) {
+TEST_F(TurnToAWayOut, TurnsAwayFromTooNearTeammate) {
   std::mt19937_64 rng(71);
   std::uniform_real_distribution<double> any(-kPi, kPi);
   std::uniform_real_distribution<double> place(-5.0, 5.0);
@@ -87,7 +87,7 @@ TEST_F(TurnToAWayOut, TurnsAwayFromWhoIsTooNear) {
 }
 
 // The robot may stay if that is best. If the search found nothing, it turns left.
-TEST_F(TurnToAWayOut, StaysInTheOpen) {
+TEST_F(TurnToAWayOut, KeepsItsHeadingInFreeSpace) {
   for (int i = 0; i < 8; ++i) {
     const Pose2 start{0.0, 0.0, wrap_to_pi(0.25 * kPi * i)};
     EXPECT_EQ(side_of(start), 0);
@@ -96,7 +96,7 @@ TEST_F(TurnToAWayOut, StaysInTheOpen) {
 }
 
 // In a corner, five centimetres from the clearance limit, only west and south are feasible.
-TEST_F(TurnToAWayOut, TurnsToTheNearestHeadingThatLeadsOut) {
+TEST_F(TurnToAWayOut, TurnsToTheNearestFreeHeading) {
   const auto in_the_corner = [&](double heading_deg) {
     return side_of({9.6, 9.6, radians(heading_deg)});
   };
@@ -114,7 +114,7 @@ TEST_F(TurnToAWayOut, TurnsToTheNearestHeadingThatLeadsOut) {
 }
 
 // At the closed end of a lane only the way back is feasible; between four walls no heading is.
-TEST_F(TurnToAWayOut, TurnsRoundWhereOnlyTheWayBackIsFree) {
+TEST_F(TurnToAWayOut, ReversesInADeadEnd) {
   world_.obstacles = {{{{0.0, 0.4}, {3.0, 1.0}}, 2.0},
                       {{{0.0, -1.0}, {3.0, -0.4}}, 2.0},
                       {{{2.4, -0.4}, {3.0, 0.4}}, 2.0}};
@@ -130,7 +130,7 @@ TEST_F(TurnToAWayOut, TurnsRoundWhereOnlyTheWayBackIsFree) {
 
 // A teammate that hovers two centimetres beyond the required separation blocks a heading like a
 // wall.
-TEST_F(TurnToAWayOut, TakesTeammatesForWalls) {
+TEST_F(TurnToAWayOut, TreatsTeammatesLikeWalls) {
   const models::Trajectory ahead = hover_at({1.02, 0.0, 0.0}, 1.5, kStart);
   const models::Trajectory left = hover_at({0.0, 1.02, 0.0}, 1.5, kStart);
   const models::Trajectory right = hover_at({0.0, -1.02, 0.0}, 1.5, kStart);
@@ -146,7 +146,7 @@ TEST_F(TurnToAWayOut, TakesTeammatesForWalls) {
 }
 
 // Controls that turn on the spot do not count as motions.
-TEST_F(TurnToAWayOut, NeedsAControlThatDrives) {
+TEST_F(TurnToAWayOut, IgnoresControlsThatOnlyTurn) {
   problem_.controls = {{0.0, 1.0}, {0.0, 0.0}};
   EXPECT_EQ(side_of({0.0, 0.0, 0.0}), 0) << "no heading has a way out";
   EXPECT_EQ(side_of({0.0, 0.0, 0.0}, true), 1);

@@ -85,7 +85,7 @@ double asked_m() {
 }
 
 // From every heading, the robot turns and leaves a teammate that came too near and stays.
-TEST(RobotPlanner, LeavesATeammateThatIsTooNear) {
+TEST(RobotPlanner, MovesAwayFromATooNearTeammate) {
   for (int i = 0; i < 8; ++i) {
     BesideAnother robot({{0.75 * asked_m(), 0.0, wrap_to_pi(i * kPi / 4.0)}}, {}, {3.0, 1.0});
     double apart_m = 0.0;
@@ -107,7 +107,7 @@ TEST(RobotPlanner, LeavesATeammateThatIsTooNear) {
 
 // In a flight, two robots that hovered at the smallest allowed distance, one facing the other,
 // stayed there.
-TEST(RobotPlanner, LeavesATeammateThatIsAsNearAsItMayBe) {
+TEST(RobotPlanner, MovesAwayFromATeammateAtTheLimit) {
   for (int i = 0; i < 8; ++i) {
     BesideAnother robot({{asked_m() + 0.004, 0.0, wrap_to_pi(i * kPi / 4.0)}}, {}, {3.0, 1.5});
     for (int round = 0; round < 12; ++round) {
@@ -120,7 +120,7 @@ TEST(RobotPlanner, LeavesATeammateThatIsAsNearAsItMayBe) {
 
 // Poses from a flight: 1.024 m apart in three dimensions where 1.0 m was required, at two heights,
 // each nearly facing the other.
-TEST(RobotPlanner, LeavesATeammateAtAnotherHeightThatIsAsNearAsItMayBe) {
+TEST(RobotPlanner, MovesAwayFromATeammateAtAnotherHeight) {
   const Place q2{{0.894, 0.802, -1.745}, 1.5};
   const Place q3{{0.292, 0.142, 0.942}, 2.0};
   const double separation_m = 1.0 - 2.0 * test::lab_scenario().planner.tracking_tolerance_m;

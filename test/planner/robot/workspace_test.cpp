@@ -15,7 +15,7 @@
 namespace vantage::planner {
 namespace {
 
-TEST(Workspace, KnowsRobotsByTheirNames) {
+TEST(Workspace, FindsRobotsByName) {
   const Workspace workspace(test::lab_scenario());
   EXPECT_EQ(workspace.index_of("Q1"), 0U);
   EXPECT_EQ(workspace.index_of("Q3"), 2U);
@@ -23,7 +23,7 @@ TEST(Workspace, KnowsRobotsByTheirNames) {
 }
 
 // Cells measure 5 cm, or more if the longer side would have more than 500 of them.
-TEST(Workspace, HasAFieldAsFineAsItMayBe) {
+TEST(Workspace, LimitsFieldResolution) {
   const auto resolution_m = [](double width_m, double depth_m) {
     scenario::Scenario scenario = test::lab_scenario();
     scenario.world.obstacles.clear();
@@ -38,7 +38,7 @@ TEST(Workspace, HasAFieldAsFineAsItMayBe) {
 
 // A search has memory for each target, its mixture components and the landmarks. For each robot it
 // has memory for a plan, its ground position and its flight position. More than that is refused.
-TEST(Workspace, HasRoomForAllThatARoundMayHave) {
+TEST(Workspace, HasCapacityForAnyRound) {
   scenario::Scenario scenario = test::lab_scenario();
   for (const auto& [landmarks_max, has_parts] :
        {std::pair{12, false}, std::pair{12, true}, std::pair{-5, false}}) {
@@ -75,7 +75,7 @@ TEST(Workspace, HasRoomForAllThatARoundMayHave) {
 }
 
 // The longest plan that is accepted starts four horizons ahead, drives for four and then brakes.
-TEST(Workspace, AllocatesNothingForTheLongestPlansThatAreAccepted) {
+TEST(Workspace, AllocatesNothingForTheLongestAcceptedPlans) {
   if (!test::AllocationCounter::is_active()) {
     GTEST_SKIP() << "the allocation counter is inert under sanitizers";
   }
@@ -109,7 +109,7 @@ TEST(Workspace, AllocatesNothingForTheLongestPlansThatAreAccepted) {
   EXPECT_EQ(allocations.count(), 0U);
 }
 
-TEST(PartsMax, IsSevenMoreOfEachTargetAndNoMoreThanFitIn) {
+TEST(PartsMax, IsSevenPerTargetUpToItsLimit) {
   scenario::Scenario scenario = test::lab_scenario();
   EXPECT_EQ(parts_max(scenario), 0U);
   for (const auto& [targets, parts] :
@@ -139,7 +139,7 @@ TEST(Workspace, SharesItsSearches) {
 }
 
 // The first completed pass uses the epsilon and delta of the scenario.
-TEST(Workspace, SearchesAsItsScenarioSays) {
+TEST(Workspace, UsesScenarioSearchOptions) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.epsilon_initial = 0.8;
   scenario.planner.delta_initial_m = 0.6;
@@ -165,7 +165,7 @@ TEST(Workspace, SearchesAsItsScenarioSays) {
 
 // The grid shows the last observation, for any part and any earlier content. Observations expire
 // after the memory time.
-TEST(Workspace, ShowsThatPartOfTheGroundAsItWasLastSeen) {
+TEST(Workspace, ReturnsTheRequestedPartOfTheGrid) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.estimator.grid_memory_s = 10.0;
   Workspace workspace(scenario);

@@ -52,7 +52,7 @@ void expect_optimal(std::uint64_t seed, const SearchProblem& problem,
   EXPECT_NEAR(result.cost, best.cost, slack(best.cost)) << "seed " << seed;
 }
 
-TEST(Exhaustive, IsWhatTheOracleFinds) {
+TEST(Exhaustive, EqualsOracle) {
   ReducedValueIteration search(small_capacity());
   for_oracle_problems(
       [&](std::uint64_t seed, const SearchProblem& problem, const test::OracleAnswer& best) {
@@ -90,7 +90,7 @@ TEST(AnytimeReduced, EndsAtTheOptimum) {
       });
 }
 
-TEST(AnytimeReduced, NeverPublishesACostlierPlan) {
+TEST(AnytimeReduced, CostNeverIncreases) {
   ReducedValueIteration search(small_capacity());
   int improved = 0;
   for_oracle_problems(
@@ -124,7 +124,7 @@ TEST(AnytimeReduced, HasAPlanAfterTheFirstPass) {
   });
 }
 
-TEST(SearchResult, SaysWhatItsPosesScore) {
+TEST(SearchResult, CostEqualsScoreOfPoses) {
   ReducedValueIteration search(small_capacity());
   for_oracle_problems([&](std::uint64_t seed, const SearchProblem& problem,
                           const test::OracleAnswer&) {
@@ -149,7 +149,7 @@ TEST(SearchResult, SaysWhatItsPosesScore) {
   });
 }
 
-TEST(LowerBound, IsNeverAboveTheOptimum) {
+TEST(LowerBound, IsAtMostTheOptimum) {
   ReducedValueIteration search(small_capacity());
   int finite = 0;
   for_oracle_problems(
@@ -166,7 +166,7 @@ TEST(LowerBound, IsNeverAboveTheOptimum) {
 }
 
 // With δ = ∞ all nodes are δ-crossing, so only ε decides about pruning.
-TEST(Reduced, TestsRedundancyAlsoWhenEverythingCrosses) {
+TEST(Reduced, TestsRedundancyWhenAllPosesCross) {
   ReducedValueIteration search(small_capacity());
   int opened = 0;
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
@@ -186,7 +186,7 @@ TEST(Reduced, TestsRedundancyAlsoWhenEverythingCrosses) {
   EXPECT_GT(opened, 10);
 }
 
-TEST(Reduced, AllocatesNothingOnceItHasRun) {
+TEST(Reduced, AllocatesNothingAfterItsFirstRun) {
   if (!test::AllocationCounter::is_active()) {
     GTEST_SKIP() << "the sanitizer has its own allocator";
   }
@@ -204,7 +204,7 @@ TEST(Reduced, AllocatesNothingOnceItHasRun) {
   }
 }
 
-TEST(Reduced, AllocatesNothingEvenOnAProblemNeverSeenBefore) {
+TEST(Reduced, AllocatesNothingForANewProblem) {
   if (!test::AllocationCounter::is_active()) {
     GTEST_SKIP() << "the sanitizer has its own allocator";
   }
@@ -219,7 +219,7 @@ TEST(Reduced, AllocatesNothingEvenOnAProblemNeverSeenBefore) {
 
 // Memory that is reserved for the worst case is only used when needed. A planner in flight touches
 // all of it at the start. (A few pages of code or stack may be touched for the first time.)
-TEST(Reduced, TakesMemoryAsItIsUsedUnlessAllOfItIsTakenBefore) {
+TEST(Reduced, CommitsMemoryOnUseUnlessPrefaulted) {
   if (!test::AllocationCounter::is_active()) {
     GTEST_SKIP() << "the sanitizer has its own memory";
   }
@@ -240,7 +240,7 @@ TEST(Reduced, TakesMemoryAsItIsUsedUnlessAllOfItIsTakenBefore) {
   EXPECT_LE(faults_of(ready), kFew);
 }
 
-TEST(Reduced, SaysWhenItsArenaIsFullAndStillHasAPlan) {
+TEST(Reduced, ReportsFullArenaWithPlan) {
   const OwnedProblem owned = test::smooth_problem(3);
   ReducedValueIteration search({40, 4'000, 8, 8, 4});
   const SearchResult& result =

@@ -46,7 +46,7 @@ double floor_of(const SearchProblem& problem) {
   return sum;
 }
 
-TEST(AStar, IsWhatExhaustionFindsWithGapZero) {
+TEST(AStar, EqualsExhaustiveSearchWithGapZero) {
   BestFirstSearch search(small_capacity());
   int solvable = 0;
   int dimensions[5] = {};
@@ -72,7 +72,7 @@ TEST(AStar, IsWhatExhaustionFindsWithGapZero) {
   EXPECT_GT(std::min({dimensions[2], dimensions[3], dimensions[4]}), 50);
 }
 
-TEST(Aegis, IsAStarAtEpsilonAndDeltaZero) {
+TEST(Aegis, EqualsAStarAtEpsilonAndDeltaZero) {
   BestFirstSearch search(small_capacity());
   for (const test::SolvedProblem& each : solved()) {
     const SearchProblem& problem = each.owned.problem;
@@ -89,7 +89,7 @@ TEST(Aegis, IsAStarAtEpsilonAndDeltaZero) {
   }
 }
 
-TEST(WeightedAStar, KeepsItsBoundOnceCostsAreShiftedAboveZero) {
+TEST(WeightedAStar, KeepsItsBoundForPositiveCosts) {
   BestFirstSearch search(small_capacity());
   int above = 0;
   for (const test::SolvedProblem& each : solved()) {
@@ -115,7 +115,7 @@ TEST(WeightedAStar, KeepsItsBoundOnceCostsAreShiftedAboveZero) {
 }
 
 // With ε and δ > 0, the lower bound holds at every budget.
-TEST(Aegis, NeverLiesInItsCertificate) {
+TEST(Aegis, CertificateAlwaysHolds) {
   BestFirstSearch search(small_capacity());
   int worse = 0;
   int open = 0;
@@ -146,7 +146,7 @@ TEST(Aegis, NeverLiesInItsCertificate) {
   EXPECT_GT(open, worse);
 }
 
-TEST(BestFirst, TightensItsBoundAndItsPlanWithTheBudget) {
+TEST(BestFirst, ImprovesBoundAndPlanWithBudget) {
   BestFirstSearch search(small_capacity());
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     const OwnedProblem owned = test::random_problem(seed);
@@ -169,7 +169,7 @@ TEST(BestFirst, TightensItsBoundAndItsPlanWithTheBudget) {
   }
 }
 
-TEST(BestFirst, IsBitIdenticalUnderANodeBudgetWhateverWasPlannedBefore) {
+TEST(BestFirst, IsBitIdenticalUnderNodeBudgetAfterOtherPlans) {
   BestFirstSearch search(small_capacity());
   BestFirstSearch used(small_capacity());
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
@@ -184,7 +184,7 @@ TEST(BestFirst, IsBitIdenticalUnderANodeBudgetWhateverWasPlannedBefore) {
   }
 }
 
-TEST(BestFirst, StoppedByTheClockIsReplayedByNodes) {
+TEST(BestFirst, StoppedByTheClockIsReproducedByNodes) {
   BestFirstSearch search(small_capacity());
   int stopped = 0;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
@@ -202,7 +202,7 @@ TEST(BestFirst, StoppedByTheClockIsReplayedByNodes) {
   EXPECT_GT(stopped, 40);
 }
 
-TEST(BestFirst, AllocatesNothingEvenOnAProblemNeverSeenBefore) {
+TEST(BestFirst, AllocatesNothingForANewProblem) {
   if (!test::AllocationCounter::is_active()) {
     GTEST_SKIP() << "the sanitizer has its own allocator";
   }
@@ -220,7 +220,7 @@ TEST(BestFirst, AllocatesNothingEvenOnAProblemNeverSeenBefore) {
 
 // Once the search has a plan, it expands only nodes whose bound is below the cost of that plan.
 // Dives are switched off.
-TEST(WeightedAStar, ExpandsOnlyNodesThatMightLeadToSomethingBetter) {
+TEST(WeightedAStar, ExpandsOnlyNodesThatMayImprove) {
   BestFirstSearch search(small_capacity());
   InformationHeuristic heuristic(8, 8);
   BestFirstOptions how = options(BestFirst::kAegis, 3.0);
@@ -258,7 +258,7 @@ TEST(WeightedAStar, ExpandsOnlyNodesThatMightLeadToSomethingBetter) {
   EXPECT_GT(left_alone, 1'000);
 }
 
-TEST(BestFirst, DivesNoMoreOftenThanItIsTold) {
+TEST(BestFirst, LimitsDivesToOption) {
   BestFirstSearch search(small_capacity());
   BestFirstOptions how = options(BestFirst::kAStar);
   const auto work_when_diving_every = [&](int nodes) {
@@ -272,7 +272,7 @@ TEST(BestFirst, DivesNoMoreOftenThanItIsTold) {
   EXPECT_LT(work_when_diving_every(1'000'000), work_when_diving_every(1));
 }
 
-TEST(BestFirst, IsAsFarWhenItsMemoryEndsAsWhenItsTimeDoes) {
+TEST(BestFirst, HasAPlanWhenItsMemoryIsFull) {
   BestFirstSearch with_room(small_capacity());
   int full = 0;
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
@@ -296,7 +296,7 @@ TEST(BestFirst, IsAsFarWhenItsMemoryEndsAsWhenItsTimeDoes) {
   EXPECT_GT(full, 50);
 }
 
-TEST(BestFirst, SaysWhenItsArenaIsFullAndStillHasAPlanAndABound) {
+TEST(BestFirst, ReportsFullArenaWithPlanAndBound) {
   const OwnedProblem owned = test::smooth_problem(3);
   BestFirstSearch large(small_capacity());
   const double optimum =
@@ -347,7 +347,7 @@ double isotropic_bound(const SearchProblem& problem) {
 
 // The bound is not above the cost of any plan, hovering included, and mostly tighter than the
 // isotropic bound.
-TEST(RootBound, IsBelowEveryPlanAndMostlyTighterThanTheIsotropicOne) {
+TEST(RootBound, IsBelowEveryPlanAndUsuallyTighterThanIsotropic) {
   RootBound root(8, 8);
   BeliefTable beliefs(8, 8);
   ReducedValueIteration greedy(small_capacity());

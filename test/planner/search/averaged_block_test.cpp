@@ -80,7 +80,7 @@ void expect_like(const AveragedBlock& block, const models::StateMatrix& covarian
 
 // The block stays the mean information over all turns and mirror images of the plane, through all
 // updates.
-TEST(AveragedBlock, IsTheMeanOverAllSymmetriesOfThePlane) {
+TEST(AveragedBlock, IsTheMeanOverAllPlanarSymmetries) {
   std::mt19937_64 rng(41);
   for (int i = 0; i < 300; ++i) {
     const bool moves = i % 3 != 0;
@@ -116,7 +116,7 @@ TEST(AveragedBlock, IsTheMeanOverAllSymmetriesOfThePlane) {
 }
 
 // The averaged block never costs more than the block itself, for measurements in any directions.
-TEST(AveragedBlock, CostsNoMoreThanTheBlockItselfWhereverLooksPoint) {
+TEST(AveragedBlock, NeverCostsMoreThanTheBlock) {
   std::mt19937_64 rng(42);
   for (int i = 0; i < 300; ++i) {
     const bool moves = i % 3 != 0;
@@ -147,7 +147,7 @@ Eigen::Matrix2d along(double angle_rad, double strength) {
 }
 
 // Compared with the best of many directions of one or two measurements.
-TEST(PointedInformation, IsWhatTheBestDirectionsMakeOfTheLooks) {
+TEST(PointedInformation, EqualsBestMeasurementDirections) {
   std::mt19937_64 rng(43);
   int stretched = 0;
   int round = 0;
@@ -201,7 +201,7 @@ TEST(PointedInformation, IsWhatTheBestDirectionsMakeOfTheLooks) {
   EXPECT_GT(round, 10);
 }
 
-TEST(LookBound, IsOfAllDirectionsAndOfTheBestOne) {
+TEST(LookBound, BoundsIsotropicAndBestDirection) {
   const LookBound look{3.0, 5.0, 2};
   EXPECT_EQ(look.strongest(), 8.0);
   EXPECT_EQ(look.average(), 5.5);

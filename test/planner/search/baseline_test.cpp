@@ -74,7 +74,7 @@ TEST(LawnMower, SpacesItsRowsByTheFirstSensor) {
 
 // The longer side of the area is cut into strips. Each strip is swept row by row and back from its
 // lower edge, with a margin to walls and neighbouring strips.
-TEST(LawnMower, SweepsItsStripThereAndBack) {
+TEST(LawnMower, SweepsItsStripInBothDirections) {
   for (const bool is_wide : {false, true}) {
     const auto at = [&](double across, double along) {
       return is_wide ? Eigen::Vector2d(along, across) : Eigen::Vector2d(across, along);
@@ -117,7 +117,7 @@ SearchProblem sweeping(const models::World& world) {
 
 // When one step of each plan is executed, the robot reaches every waypoint in order and starts
 // again.
-TEST(LawnMower, ComesToItsWayPointsOneAfterAnother) {
+TEST(LawnMower, ReachesWaypointsInOrder) {
   models::World world;
   world.bounds = {{-3.0, -2.0}, {3.0, 2.0}};
   SearchProblem problem = sweeping(world);
@@ -141,7 +141,7 @@ TEST(LawnMower, ComesToItsWayPointsOneAfterAnother) {
 }
 
 // A robot that is enclosed skips a waypoint that it cannot reach.
-TEST(LawnMower, GoesOnFromAWayPointThatItCannotGetTo) {
+TEST(LawnMower, SkipsUnreachableWaypoint) {
   models::World world;
   world.bounds = {{-3.0, -2.0}, {3.0, 2.0}};
   SearchProblem problem = sweeping(world);
@@ -178,7 +178,7 @@ TEST(LawnMower, GoesOnFromAWayPointThatItCannotGetTo) {
 }
 
 // All controls are equally likely at each step, and the plan has the stated cost.
-TEST(RandomWalk, TakesEachControlAsOftenAsAnyOther) {
+TEST(RandomWalk, ChoosesControlsUniformly) {
   SearchProblem problem;
   problem.horizon_steps = 5;
   problem.controls = models::lab_primitives();

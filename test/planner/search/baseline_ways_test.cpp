@@ -13,7 +13,7 @@ namespace vantage::planner {
 namespace {
 
 // With and without walls, the walk is a collision-free path along its controls whenever one exists.
-TEST(RandomWalk, FindsAWayWhereThereIsOneAndTouchesNothing) {
+TEST(RandomWalk, FindsCollisionFreePathIfOneExists) {
   RandomWalk walk(test::small_capacity());
   int walked = 0;
   int blocked = 0;

@@ -25,7 +25,7 @@ BeamOptions narrow() {
 
 const std::vector<test::SolvedProblem>& solved() { return test::solved_problems(5000, 400); }
 
-TEST(RefiningBeam, EndsAtTheOptimumAndSaysSo) {
+TEST(RefiningBeam, ReportsOptimum) {
   RefiningBeam search(small_capacity());
   int solvable = 0;
   for (const test::SolvedProblem& each : solved()) {
@@ -48,7 +48,7 @@ TEST(RefiningBeam, EndsAtTheOptimumAndSaysSo) {
 
 // At every budget there is a plan once a pass is complete. Its cost never rises with the budget,
 // and the lower bound is below every plan.
-TEST(RefiningBeam, NeverLiesInItsBoundAndNeverGetsWorse) {
+TEST(RefiningBeam, BoundHoldsAndCostNeverRises) {
   RefiningBeam search(small_capacity());
   int worse = 0;
   for (const test::SolvedProblem& each : solved()) {
@@ -91,7 +91,7 @@ TEST(RefiningBeam, IsBitIdenticalOverAThousandRepetitions) {
   }
 }
 
-TEST(RefiningBeam, StoppedByTheClockIsReplayedByNodes) {
+TEST(RefiningBeam, StoppedByTheClockIsReproducedByNodes) {
   RefiningBeam search(small_capacity());
   int stopped = 0;
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
@@ -107,7 +107,7 @@ TEST(RefiningBeam, StoppedByTheClockIsReplayedByNodes) {
   EXPECT_GT(stopped, 40);
 }
 
-TEST(RefiningBeam, AllocatesNothingEvenOnAProblemNeverSeenBefore) {
+TEST(RefiningBeam, AllocatesNothingForANewProblem) {
   if (!test::AllocationCounter::is_active()) {
     GTEST_SKIP() << "the sanitizer has its own allocator";
   }
@@ -120,7 +120,7 @@ TEST(RefiningBeam, AllocatesNothingEvenOnAProblemNeverSeenBefore) {
   }
 }
 
-TEST(RefiningBeam, FaultsNoPageInOnceAllMemoryIsTaken) {
+TEST(RefiningBeam, CausesNoPageFaultAfterPrefault) {
   if (!test::AllocationCounter::is_active()) {
     GTEST_SKIP() << "the sanitizer has its own memory";
   }
@@ -134,7 +134,7 @@ TEST(RefiningBeam, FaultsNoPageInOnceAllMemoryIsTaken) {
   EXPECT_LE(faults.count(), kFew);
 }
 
-TEST(RefiningBeam, SaysWhenItsArenaIsFullAndStillHasAPlan) {
+TEST(RefiningBeam, ReportsAFullArenaAndHasAPlan) {
   const OwnedProblem owned = test::smooth_problem(3);
   RefiningBeam search({80, 4'000, 8, 8, 4});
   const SearchResult& result = search.plan(owned.problem, narrow(), Deadline::nodes(200'000));

@@ -24,7 +24,7 @@ class BestCostsFile : public ::testing::Test {
   std::string path_;
 };
 
-TEST_F(BestCostsFile, OnlyEverFalls) {
+TEST_F(BestCostsFile, CostsNeverIncrease) {
   BestCosts first(path_);
   EXPECT_TRUE(first.offer("a", {-10.0, "beam", {1, 2}}));
   EXPECT_FALSE(first.offer("a", {-9.0, "arvi", {3, 4}}));
@@ -44,7 +44,7 @@ TEST_F(BestCostsFile, OnlyEverFalls) {
   EXPECT_EQ(last.find("b")->cost, 1.0);
 }
 
-TEST_F(BestCostsFile, RefusesWhatItCannotReadAndLeavesItAsItIs) {
+TEST_F(BestCostsFile, RefusesUnreadableFileWithoutChangingIt) {
   BestCosts costs(path_);
   costs.offer("a", {-10.0, "beam", {1}});
   std::ofstream(path_) << "problem,cost,method,controls\na,low,beam,1\n";
@@ -58,7 +58,7 @@ TEST_F(BestCostsFile, RefusesWhatItCannotReadAndLeavesItAsItIs) {
 }
 
 // The list in the repository: each cost equals the score of its controls.
-TEST(BestCostsList, IsWhatItsControlsScore) {
+TEST(BestCostsList, CostsEqualScoresOfControls) {
   const BestCosts best(VANTAGE_SOURCE_DIR "/test/bench/best_costs.csv");
   for (const tools::PlanningProblem& drawn : hundred_problems()) {
     const BestCosts::Entry* entry = best.find(drawn.name);

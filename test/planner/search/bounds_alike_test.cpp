@@ -48,7 +48,7 @@ RootAnswers answers_of(RootBound& root, const SearchProblem& problem, Expander& 
   return out;
 }
 
-TEST(RootBound, IsTheSameWhateverWasBoundedBefore) {
+TEST(RootBound, IsIndependentOfEarlierProblems) {
   RootBound used(8, 8);
   Expander expander(8, 8, 4);
   int raised = 0;
@@ -152,7 +152,7 @@ SearchProblem crowded(std::mt19937_64& rng) {
   return problem;
 }
 
-TEST(RootBound, KnowsNoFrameAndNoOrderOfTargets) {
+TEST(RootBound, IsInvariantToFrameAndTargetOrder) {
   RootBound root(8, 8);
   Expander expander(8, 8, 4);
   std::mt19937_64 rng(81);
@@ -206,7 +206,7 @@ SearchProblem rest_of(const SearchProblem& problem, int depth) {
   return out;
 }
 
-TEST(InformationHeuristic, OfTheRestIsThatOfAPlanThatBeginsThere) {
+TEST(InformationHeuristic, AtDepthEqualsProblemFromThere) {
   InformationHeuristic heuristic(8, 8);
   InformationHeuristic of_rest(8, 8);
   BeliefTable beliefs(8, 8);
@@ -278,7 +278,7 @@ SearchProblem moving_alike(std::uint64_t seed, std::mt19937_64& rng) {
   return problem;
 }
 
-TEST(LatticeBound, OfTheRestIsThatOfAPlanThatBeginsThere) {
+TEST(LatticeBound, AtDepthEqualsProblemFromThere) {
   LatticeBound lattice(8, 8, kStates);
   BeliefTable beliefs(8, 8);
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
@@ -313,7 +313,7 @@ TEST(LatticeBound, OfTheRestIsThatOfAPlanThatBeginsThere) {
 
 // A lattice works in the frame of its start pose. Its bound is the same after all positions are
 // turned and shifted, both at first and after its reference is improved by what its best path sees.
-TEST(LatticeBound, IsTheSameInAnyFrame) {
+TEST(LatticeBound, IsInvariantToTheFrame) {
   LatticeBound lattice(8, 8, kStates);
   BeliefTable beliefs(8, 8);
   int alike = 0;

@@ -59,7 +59,7 @@ double expect_complete(const SearchProblem& problem, double reach_m, double rang
   return listed;
 }
 
-TEST(CandidateGrid, MissesNobodyInSight) {
+TEST(CandidateGrid, ListsEveryTargetInSight) {
   std::mt19937_64 rng(31);
   CandidateGrid grid(400, 12);
   for (int problem = 0; problem < 30; ++problem) {
@@ -71,7 +71,7 @@ TEST(CandidateGrid, MissesNobodyInSight) {
   }
 }
 
-TEST(CandidateGrid, MissesNobodyWhereItsPoolIsFull) {
+TEST(CandidateGrid, ListsEveryTargetWhenPoolIsFull) {
   std::mt19937_64 rng(32);
   CandidateGrid grid(3'000, 12);  // all see all: 3000 per cell
   const SearchProblem scene = scattered(rng, 3'000, 10.0, 6);
@@ -79,7 +79,7 @@ TEST(CandidateGrid, MissesNobodyWhereItsPoolIsFull) {
 }
 
 // At equal density the length of a list does not depend on the number of targets.
-TEST(CandidateGrid, IsAsShortWithAThousandTargetsAsWithAHundred) {
+TEST(CandidateGrid, CostIsIndependentOfDistantTargets) {
   std::mt19937_64 rng(33);
   CandidateGrid grid(1'000, 6);
   const double few = expect_complete(scattered(rng, 100, 64.0, 6), 1.5, 10.0, grid, rng);
@@ -91,7 +91,7 @@ TEST(CandidateGrid, IsAsShortWithAThousandTargetsAsWithAHundred) {
 
 // Up to four relevant targets at a depth are returned at every position. Of five, only those that
 // may be visible from the position are returned.
-TEST(CandidateGrid, GivesFourAsTheyAreAndSortsOutFive) {
+TEST(CandidateGrid, FiltersOnlyAboveFourTargets) {
   for (const int count : {1, 4, 5}) {
     SearchProblem problem;
     problem.horizon_steps = 2;

@@ -25,13 +25,13 @@ std::set<std::string, std::less<>> names() {
   return out;
 }
 
-TEST(Catalogue, HasTheSearchesThatScenariosMayName) {
+TEST(Catalogue, ContainsTheSearchesOfScenarios) {
   const std::set<std::string, std::less<>> words(scenario::kSearchWords.begin(),
                                                  scenario::kSearchWords.end());
   EXPECT_EQ(words, names());
 }
 
-TEST(Catalogue, RefusesOthersWithTheList) {
+TEST(Catalogue, RefusesUnknownNamesWithTheList) {
   try {
     static_cast<void>(algorithm_called("dijkstra"));
     FAIL() << "taken";
@@ -46,7 +46,7 @@ TEST(Catalogue, RefusesOthersWithTheList) {
 
 // The reported poses are those of the controls, the cost is that of the poses, and no lower bound
 // is above it.
-TEST(Catalogue, EachSaysTheTruthOfItsPlan) {
+TEST(Catalogue, ResultsMatchTheirPlans) {
   for (const Algorithm& algorithm : all_algorithms()) {
     int found = 0;
     for (std::uint64_t seed = 0; seed < 60; ++seed) {
@@ -79,7 +79,7 @@ TEST(Catalogue, EachSaysTheTruthOfItsPlan) {
 
 // For any number of targets, a path from the root to the horizon can store the covariances of all
 // targets at each depth.
-TEST(CapacityFor, HasRoomForAWholePathOfAnyProblem) {
+TEST(CapacityFor, FitsAnyProblem) {
   for (const std::size_t targets : {1U, 100U, 5'000U, 50'000U}) {
     for (const int horizon : {1, 2, 30}) {
       SearchProblem problem;
@@ -95,7 +95,7 @@ TEST(CapacityFor, HasRoomForAWholePathOfAnyProblem) {
   }
 }
 
-TEST(Catalogue, DrawsByTheProblemsSeed) {
+TEST(Catalogue, UsesTheProblemsSeed) {
   test::OwnedProblem owned = test::random_problem(3);
   const Algorithm& algorithm = algorithm_called("random_walk");
   const auto search = algorithm.make({}, {});
@@ -110,7 +110,7 @@ TEST(Catalogue, DrawsByTheProblemsSeed) {
 }
 
 // Options reach each search: ε and δ where it prunes, the weight where it is weighted.
-TEST(Catalogue, TellsEachSearchWhatItIsTold) {
+TEST(Catalogue, PassesOptionsToEachSearch) {
   AlgorithmOptions options;
   options.epsilon = 0.6;
   options.delta_m = 0.8;
@@ -181,7 +181,7 @@ SearchProblem turning_problem() {
 
 // With a yaw weight of 0, or one whose square is 0 in double precision, poses of one position and
 // different headings have the distance 0.
-TEST(Catalogue, ProvesNoFalseOptimumWhateverTheYawWeightIs) {
+TEST(Catalogue, ProvesNoFalseOptimumForAnyYawWeight) {
   const auto expect_true_proofs = [](const SearchProblem& problem, const test::OracleAnswer& best,
                                      const std::string& label) {
     for (const Algorithm& algorithm : all_algorithms()) {
@@ -211,7 +211,7 @@ TEST(Catalogue, ProvesNoFalseOptimumWhateverTheYawWeightIs) {
   }
 }
 
-TEST(Catalogue, SaysWhatEachIsLike) {
+TEST(Catalogue, DescribesEachAlgorithm) {
   for (const Algorithm& algorithm : all_algorithms()) {
     const bool is_beam = algorithm.name == "beam";
     EXPECT_EQ(algorithm.kept_share, is_beam ? 0.25 : 1.0) << algorithm.name;
@@ -238,7 +238,7 @@ TEST(Catalogue, SaysWhatEachIsLike) {
 }
 
 // Range measurements of static targets are mapping; any other sensor or a moving target is not.
-TEST(DefaultAlgorithm, IsAStarForRangesOfWhatStandsStill) {
+TEST(DefaultAlgorithm, IsAStarForRangesOfStaticTargets) {
   SearchProblem problem;
   models::SensorModel range;
   range.kind = models::SensorKind::kRange;
@@ -266,7 +266,7 @@ TEST(DefaultAlgorithm, IsAStarForRangesOfWhatStandsStill) {
 
 // The nodes are those that are kept of the generated ones: at least 20,000, and at most what fits
 // into the memory at 260 bytes per node plus twelve numbers of nine bytes.
-TEST(CapacityFor, IsWhatIsKeptWithinTheMemory) {
+TEST(CapacityFor, FitsKeptNodesIntoMemory) {
   SearchProblem problem;
   problem.targets.resize(3);
   problem.horizon_steps = 7;

@@ -40,7 +40,7 @@ std::vector<Costed> random_costs(std::mt19937_64& rng, int count) {
   return costs;
 }
 
-TEST(CostOrder, IsTheStableOrder) {
+TEST(CostOrder, EqualsAStableSort) {
   std::mt19937_64 rng(5);
   CostOrder order(20'000);
   for (const int count : {0, 1, 2, 159, 160, 161, 511, 512, 513, 5'000, 20'000}) {
@@ -64,7 +64,7 @@ TEST(CostOrder, IsTheStableOrder) {
   }
 }
 
-TEST(CostOrder, TakesBothZerosAsOne) {
+TEST(CostOrder, TreatsBothZerosAsEqual) {
   CostOrder order(2);
   order.add(0.0, 1);
   order.add(-0.0, 2);
@@ -73,7 +73,7 @@ TEST(CostOrder, TakesBothZerosAsOne) {
   EXPECT_EQ(order.pop(), 1u);
 }
 
-TEST(CostOrder, AsksInBoundedStepsAndStopsWhenTold) {
+TEST(CostOrder, ChecksDeadlineInBoundedSteps) {
   constexpr int kCount = 20'000;
   std::mt19937_64 rng(6);
   CostOrder order(kCount);

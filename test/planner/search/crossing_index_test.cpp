@@ -13,7 +13,7 @@
 namespace vantage::planner {
 namespace {
 
-TEST(PoseMetric, CountsTheShorterTurnEitherWay) {
+TEST(PoseMetric, UsesTheShorterTurn) {
   const PoseMetric metric{2.0};
   for (const double yaw_rad : {-3.1, -2.0, -0.2, 0.0, 0.4, 2.5, kPi}) {
     for (const double turn_rad : {-3.0, -0.1, 0.0, 0.1, 3.0}) {
@@ -26,7 +26,7 @@ TEST(PoseMetric, CountsTheShorterTurnEitherWay) {
   }
 }
 
-TEST(PoseMetric, CrossesAtDeltaZeroOnlyWhereWholePosesAreEqual) {
+TEST(PoseMetric, AtDeltaZeroRequiresEqualPoses) {
   const Pose2 a{1.0, -2.0, 0.5};
   for (const double weight_m_per_rad : {0.0, 1e-200, 0.3}) {
     const PoseMetric metric{weight_m_per_rad};
@@ -51,7 +51,7 @@ std::vector<NodeId> near(const CrossingIndex& index, const Pose2& pose) {
 
 // Poses within δ are visited once; poses beyond 3 δ are not. Tested on all sides of the origin,
 // after a reset and with other widths.
-TEST(CrossingIndex, VisitsAllThatAreNearAndNoneThatAreFar) {
+TEST(CrossingIndex, VisitsNearPosesAndNoFarOnes) {
   std::mt19937_64 rng(71);
   CrossingIndex index(600);
   for (int round = 0; round < 20; ++round) {
@@ -82,7 +82,7 @@ TEST(CrossingIndex, VisitsAllThatAreNearAndNoneThatAreFar) {
   }
 }
 
-TEST(CrossingIndex, StopsWhenToldAndSaysWhenItIsFull) {
+TEST(CrossingIndex, StopsOnRequestAndReportsFull) {
   CrossingIndex index(3);
   index.reset(0.0);
   for (const NodeId id : {7U, 8U, 9U}) {

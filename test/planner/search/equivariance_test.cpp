@@ -113,7 +113,7 @@ class Equivariance : public ::testing::TestWithParam<std::string> {
   }
 };
 
-TEST_P(Equivariance, OfLeftAndRight) {
+TEST_P(Equivariance, HoldsForMirroring) {
   expect_alike(
       [](const SearchProblem& problem, std::uint64_t) { return seen(problem, true, 0.0); });
 }
@@ -121,13 +121,13 @@ TEST_P(Equivariance, OfLeftAndRight) {
 /// Turning or renaming changes sums in their last bits.
 class EquivarianceButForBits : public Equivariance {};
 
-TEST_P(EquivarianceButForBits, OfTheFrame) {
+TEST_P(EquivarianceButForBits, HoldsForRotation) {
   expect_alike([](const SearchProblem& problem, std::uint64_t seed) {
     return seen(problem, seed % 2 == 0, 0.1 + 0.1 * static_cast<double>(seed));
   });
 }
 
-TEST_P(EquivarianceButForBits, OfTheTargetsOrder) {
+TEST_P(EquivarianceButForBits, HoldsForTargetOrder) {
   expect_alike([](SearchProblem problem, std::uint64_t) {
     std::reverse(problem.targets.begin(), problem.targets.end());
     return problem;

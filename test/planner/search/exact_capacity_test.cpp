@@ -50,7 +50,7 @@ void expect_alike(int targets, int steps, const Plan& plan) {
   test::expect_same(is, plan(roomy, budget));
 }
 
-TEST(SearchCapacity, OfAsMuchAsAProblemHasIsEnough) {
+TEST(SearchCapacity, ExactCapacityIsEnough) {
   for_problems_without_a_square([](const SearchProblem& problem, int targets, int steps) {
     expect_alike<ReducedValueIteration>(
         targets, steps,
@@ -73,7 +73,7 @@ TEST(SearchCapacity, OfAsMuchAsAProblemHasIsEnough) {
   });
 }
 
-TEST(RootBound, OfAsMuchAsAProblemHasIsEnough) {
+TEST(RootBound, NeedsOnlyExactCapacity) {
   for_problems_without_a_square([](const SearchProblem& problem, int targets, int steps) {
     Expander expander(16, 16, 1);
     expander.reset(problem);
@@ -95,7 +95,7 @@ TEST(RootBound, OfAsMuchAsAProblemHasIsEnough) {
 
 // The cheapest of the nodes that may stop is chosen; of equal ones the first, whatever the order in
 // which they are offered.
-TEST(HoverChoice, IsTheCheapestOfThoseThatMayStop) {
+TEST(HoverChoice, IsTheCheapestSafeHover) {
   int chosen = 0;
   int none = 0;
   for (std::uint64_t seed = 0; seed < 60; ++seed) {

@@ -20,7 +20,7 @@ using test::uniform;
 
 constexpr std::uint64_t kProblems = 240;
 
-TEST(Expander, CostsEveryNodeAsTheScorerDoes) {
+TEST(Expander, CostsEqualTheScorers) {
   std::size_t nodes = 0;
   for (std::uint64_t seed = 0; seed < kProblems; ++seed) {
     const OwnedProblem owned = test::random_problem(seed);
@@ -36,7 +36,7 @@ TEST(Expander, CostsEveryNodeAsTheScorerDoes) {
   EXPECT_GT(nodes, 20'000u);
 }
 
-TEST(Expander, KeepsTheCovariancesOfTheModels) {
+TEST(Expander, CovariancesEqualTheModels) {
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     const OwnedProblem owned = test::random_problem(seed);
     const FullTree full(owned.problem);
@@ -57,7 +57,7 @@ TEST(Expander, KeepsTheCovariancesOfTheModels) {
 }
 
 // Products of determinants must not leave the range of a double.
-TEST(Expander, CostsManySharpLooksAtVagueTargets) {
+TEST(Expander, KeepsRangeForSharpMeasurements) {
   for (const models::TargetKind kind :
        {models::TargetKind::kRandomWalk, models::TargetKind::kDoubleIntegrator}) {
     SearchProblem problem;
@@ -82,7 +82,7 @@ TEST(Expander, CostsManySharpLooksAtVagueTargets) {
   }
 }
 
-TEST(Expander, SeesThroughAPositionSensorWhereItStands) {
+TEST(Expander, UsesPositionSensorAtItsOwnPosition) {
   SearchProblem problem;
   problem.horizon_steps = 1;
   problem.controls = {{0.0, 0.0}};
@@ -95,7 +95,7 @@ TEST(Expander, SeesThroughAPositionSensorWhereItStands) {
   EXPECT_NEAR(full.tree[1].cost, score(problem, {problem.start}), 1e-12);
 }
 
-TEST(Expander, HasRoomForEveryControlHoweverShortTheHorizon) {
+TEST(Expander, HasCapacityForAllControlsAtAnyHorizon) {
   if (!test::AllocationCounter::is_active()) {
     GTEST_SKIP() << "the sanitizer has its own allocator";
   }
@@ -110,7 +110,7 @@ TEST(Expander, HasRoomForEveryControlHoweverShortTheHorizon) {
   EXPECT_EQ(allocations.count(), 0U);
 }
 
-TEST(Expander, CostsAHoverAsTheScorerDoes) {
+TEST(Expander, HoverCostEqualsTheScorers) {
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     const OwnedProblem owned = test::random_problem(seed);
     FullTree full(owned.problem);

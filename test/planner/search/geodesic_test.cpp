@@ -54,7 +54,7 @@ std::vector<double> lattice_ways(const models::World& world, const Eigen::Vector
   return ways;
 }
 
-TEST(GeodesicTable, IsTheShortestWayAroundTheBoxes) {
+TEST(GeodesicTable, IsShortestPathAroundBoxes) {
   std::mt19937_64 rng(17);
   int bent = 0;
   for (int trial = 0; trial < 12; ++trial) {
@@ -97,7 +97,7 @@ TEST(GeodesicTable, IsTheShortestWayAroundTheBoxes) {
   EXPECT_GT(bent, 50);
 }
 
-TEST(GeodesicTable, IsAMetricEvenWhereBoxesTouchWallsAndOverlap) {
+TEST(GeodesicTable, IsAMetricForOverlappingBoxes) {
   std::mt19937_64 rng(5);
   models::World world;
   world.bounds = {{0.0, 0.0}, {4.0, 4.0}};
@@ -144,7 +144,7 @@ models::Rectangle seen(const models::Rectangle& box, bool is_mirrored, int quart
 
 // No path leads between a box and the wall that it touches, for any wall. The path leads around the
 // other end, past two corners. For a point outside the walls there is one.
-TEST(GeodesicTable, HasNoWayBetweenABoxAndAnyWallThatItTouches) {
+TEST(GeodesicTable, HasNoPathBetweenBoxAndTouchedWall) {
   for (int which = 0; which < 8; ++which) {
     SCOPED_TRACE(which);
     const auto turned = [&](const auto& it) { return seen(it, which >= 4, which % 4); };
@@ -184,7 +184,7 @@ TEST(GeodesicTable, HasNoWayBetweenABoxAndAnyWallThatItTouches) {
   }
 }
 
-TEST(GeodesicTable, SaysWhereNoRobotCanBe) {
+TEST(GeodesicTable, ReportsBlockedPositions) {
   models::World world;
   world.bounds = {{-3.0, -2.0}, {3.0, 2.0}};
   world.obstacles = {{{{-1.0, -1.0}, {0.0, 0.5}}, 10.0}, {{{1.0, 0.0}, {2.0, 1.0}}, 10.0}};

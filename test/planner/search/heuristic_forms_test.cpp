@@ -145,7 +145,7 @@ bool is_close(const SearchProblem& problem, const Pose2& at, int depth) {
   return false;
 }
 
-class ClosedForm : public ::testing::Test {
+class InformationHeuristicTest : public ::testing::Test {
  protected:
   InformationHeuristic heuristic_{8, 8};
   BeliefTable beliefs_{8, 8};
@@ -157,7 +157,7 @@ class ClosedForm : public ::testing::Test {
 
 // Near and far targets, with and without earlier measurements, from every depth. `apart` is the
 // part of the selected targets.
-TEST_F(ClosedForm, OfLooksThatTellAsMuchInAllDirections) {
+TEST_F(InformationHeuristicTest, EqualsClosedFormForIsotropicMeasurements) {
   std::mt19937_64 rng(51);
   int compared = 0;
   for (int trial = 0; trial < 250; ++trial) {
@@ -214,7 +214,7 @@ TEST_F(ClosedForm, OfLooksThatTellAsMuchInAllDirections) {
 
 // The floors are the stage costs of a robot that is near all reachable targets, step by step. The
 // cost without measurements is the sum of the remaining stages.
-TEST_F(ClosedForm, OfFloorsAndOfWhatIsLeftWhenNobodyLooks) {
+TEST_F(InformationHeuristicTest, FloorsAndOpenLoopCostEqualClosedForm) {
   std::mt19937_64 rng(52);
   int compared = 0;
   for (int trial = 0; trial < 100; ++trial) {
@@ -253,7 +253,7 @@ TEST_F(ClosedForm, OfFloorsAndOfWhatIsLeftWhenNobodyLooks) {
 
 // A moving target starts just within and just beyond reach of the k-th measurement, in the plane
 // and, at other heights, in space.
-TEST_F(ClosedForm, OfTheFirstStepThatComesNearEnough) {
+TEST_F(InformationHeuristicTest, CountsFromFirstStepInRange) {
   for (const double drop_m : {0.0, 1.2, -1.2}) {
     SearchProblem problem;
     problem.start = {1.0, -2.0, 2.5};
@@ -332,7 +332,7 @@ SearchProblem round_about(const models::TargetModel& model, models::SensorModel 
 
 // A range measures one direction. For a static target all measurements add up in the best
 // directions. For a moving one each counts half in both directions.
-TEST_F(ClosedForm, OfRangesWhichTellOfOneDirectionAtATime) {
+TEST_F(InformationHeuristicTest, EqualsClosedFormForRanges) {
   constexpr double kStrength = 16.0;
   models::SensorModel range;
   range.kind = models::SensorKind::kRange;
@@ -388,7 +388,7 @@ TEST_F(ClosedForm, OfRangesWhichTellOfOneDirectionAtATime) {
 
 // The greatest information of one measurement from between two distances and some steps nearer, per
 // sensor.
-TEST_F(ClosedForm, OfOneLook) {
+TEST_F(InformationHeuristicTest, BoundsOneMeasurementAsInClosedForm) {
   constexpr double kPlay = 1e-6;
   models::SensorModel sensor;
   sensor.range_max_m = 3.0;
@@ -447,7 +447,7 @@ TEST_F(ClosedForm, OfOneLook) {
   expect(look({Kind::kRange}, 0, 0.0, 0.3, 0), 0.0, range, 1);
 }
 
-TEST_F(ClosedForm, OfWhoStaysAndWhoIsLookedAtByOthers) {
+TEST_F(InformationHeuristicTest, EqualsClosedFormForStaticAndFixedTargets) {
   std::mt19937_64 rng(53);
   bool seen_fixed = false;
   for (int trial = 0; trial < 20; ++trial) {
@@ -477,7 +477,7 @@ TEST_F(ClosedForm, OfWhoStaysAndWhoIsLookedAtByOthers) {
 
 // A bearing without a least range has unlimited information, so neither a node nor a stage has a
 // bound.
-TEST_F(ClosedForm, OfWhatNothingBounds) {
+TEST_F(InformationHeuristicTest, HasNoBoundForUnlimitedInformation) {
   models::SensorModel sensor;
   sensor.kind = models::SensorKind::kBearing;
   sensor.range_min_m = 0.0;

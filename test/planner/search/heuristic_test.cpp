@@ -46,7 +46,7 @@ std::vector<double> bounds_of(const OwnedProblem& owned, const FullTree& full,
 
 class Heuristic : public ::testing::TestWithParam<models::SensorKind> {};
 
-TEST_P(Heuristic, IsAdmissibleConsistentAndNotBelowItsStageFloors) {
+TEST_P(Heuristic, IsAdmissibleAndConsistent) {
   InformationHeuristic heuristic(8, 8);
   std::int64_t nodes = 0;
   std::int64_t informed = 0;
@@ -80,7 +80,7 @@ TEST_P(Heuristic, IsAdmissibleConsistentAndNotBelowItsStageFloors) {
 
 // A slow robot is nearer to its target than the least range and gets just far enough in the last
 // steps. The bound must count these measurements.
-TEST(StepsAhead, CountOnLooksFromJustBeyondTheLeastRange) {
+TEST(StepsAhead, IncludeMeasurementsFromTheMinimumRange) {
   InformationHeuristic heuristic(8, 8);
   for (const models::SensorKind kind : {models::SensorKind::kPosition, models::SensorKind::kRange,
                                         models::SensorKind::kRangeBearing}) {
@@ -112,7 +112,7 @@ TEST(StepsAhead, CountOnLooksFromJustBeyondTheLeastRange) {
 
 // A target above or below is visible within the horizontal distance that the slant range leaves. It
 // is never visible if the height difference exceeds the range.
-TEST(InformationHeuristic, SeesTargetsAboveAsItSeesThoseBelow) {
+TEST(InformationHeuristic, IsSymmetricInHeight) {
   constexpr double kRange_m = 3.0;
   InformationHeuristic heuristic(4, 8);
   BeliefTable beliefs(4, 8);
@@ -156,7 +156,7 @@ TEST(InformationHeuristic, SeesTargetsAboveAsItSeesThoseBelow) {
 
 // Information of teammates about a target counts at any step, also the first and the last.
 // Information about another target does not.
-TEST(InformationHeuristic, KnowsOfWhomTeammatesTellAtWhateverStep) {
+TEST(InformationHeuristic, CountsFixedInformationAtAnyStep) {
   constexpr int kSteps = 3;
   InformationHeuristic heuristic(4, 8);
   BeliefTable beliefs(4, 8);

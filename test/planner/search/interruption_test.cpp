@@ -38,7 +38,7 @@ SearchProblem tracking_problem(std::uint64_t seed) {
 
 ReducedOptions anytime() { return {}; }
 
-TEST(Interruption, HasAPlanAtEveryBudgetAndABetterOneWithMore) {
+TEST(Interruption, HasAPlanAtEveryBudgetThatImprovesWithIt) {
   ReducedValueIteration search(small_capacity());
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const SearchProblem problem = tracking_problem(seed);
@@ -63,7 +63,7 @@ TEST(Interruption, HasAPlanAtEveryBudgetAndABetterOneWithMore) {
   }
 }
 
-TEST(Interruption, ByTheClockIsReplayedByNodes) {
+TEST(Interruption, ByClockIsReproducedByNodes) {
   ReducedValueIteration search(small_capacity());
   int stopped = 0;
   for (const std::uint64_t seed : {4U, 5U, 6U, 7U}) {
@@ -81,7 +81,7 @@ TEST(Interruption, ByTheClockIsReplayedByNodes) {
   EXPECT_GT(stopped, 20);
 }
 
-TEST(Interruption, ReplaysASearchThatEndedByItself) {
+TEST(Interruption, ReproducesAFinishedSearch) {
   ReducedValueIteration search(small_capacity());
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     const test::OwnedProblem owned = test::random_problem(seed);
@@ -110,7 +110,7 @@ TEST(Interruption, IsBitIdenticalOverAThousandRepetitions) {
 
 // A search that is stopped at any check while it sorts and prunes a level makes no further check.
 // With the reported work as budget it stops at the same check again.
-TEST(Interruption, IsReplayedFromAnyAskOfALevelsOrder) {
+TEST(Interruption, IsReproducedFromAnyDeadlineCheck) {
   SearchProblem problem = tracking_problem(1);
   problem.horizon_steps = 4;
   problem.controls.resize(6);

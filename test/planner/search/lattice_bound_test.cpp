@@ -134,7 +134,7 @@ SearchTarget beside_the_way(double ahead_m, double speed_mps) {
 // Two targets drive one behind the other at half the robot's speed and are met at 1 m and 2 m. A
 // step leads from next to the rear target to next to the front one; no step leads back. A third
 // target is never met. Tested in every order of the targets.
-TEST(LatticeBound, LetsAStepLeadFromBesideOneTargetToBesideAnother) {
+TEST(LatticeBound, AllowsStepBetweenNearbyTargets) {
   const std::vector<SearchTarget> targets = {beside_the_way(0.5, 1.0), beside_the_way(1.0, 1.0),
                                              beside_the_way(30.0, 1.0)};
   std::vector<std::size_t> order = {0, 1, 2};
@@ -146,7 +146,7 @@ TEST(LatticeBound, LetsAStepLeadFromBesideOneTargetToBesideAnother) {
 
 // Of controls that go one metre or half of that, in any order, one leads from next to one target to
 // next to the other. It may be the shortest or the longest control, and it takes one step or two.
-TEST(LatticeBound, LetsTheShortestAndTheLongestStepLeadWhereverItIsInTheList) {
+TEST(LatticeBound, UsesShortestAndLongestStepInAnyOrder) {
   std::vector<models::UnicycleControl> controls = {{2.0, 0.0}, {1.5, 0.8}, {1.0, 0.0}};
   for (int turn = 0; turn < 3; ++turn) {
     std::rotate(controls.begin(), controls.begin() + 1, controls.end());
@@ -159,13 +159,13 @@ TEST(LatticeBound, LetsTheShortestAndTheLongestStepLeadWhereverItIsInTheList) {
 }
 
 // Two targets overtake the robot side by side, at its position after one step.
-TEST(LatticeBound, LetsWhoIsBesideTwoTargetsBeBesideBoth) {
+TEST(LatticeBound, AllowsBeingNearTwoTargetsAtOnce) {
   expect_bound_below_best({beside_the_way(-1.0, 4.0), beside_the_way(-1.0, 4.0)});
 }
 
 // The first reference is a tenth of the isotropic mean information from half the range, for each
 // target that can be in range at the step. It is 0 for the rest.
-TEST(LatticeBound, BeginsFromAWeakLookAtAllThatIsInReach) {
+TEST(LatticeBound, BeginsFromWeakReferenceForReachableTargets) {
   for (const models::SensorKind kind :
        {models::SensorKind::kRangeBearing, models::SensorKind::kBearing, models::SensorKind::kRange,
         models::SensorKind::kPosition}) {
@@ -226,7 +226,7 @@ SearchProblem mirrored(SearchProblem problem) {
   return problem;
 }
 
-TEST(LatticeBound, IsTheSameInAMirror) {
+TEST(LatticeBound, IsInvariantToReflection) {
   LatticeBound lattice(8, 8, kStates);
   BeliefTable beliefs(8, 8);
   const auto bound_of = [&](const SearchProblem& problem) {
@@ -263,7 +263,7 @@ TEST(LatticeBound, IsTheSameInAMirror) {
   EXPECT_GT(same, 0.9 * compared);  // a chord along cell edges touches one side, too
 }
 
-TEST(PrefixBound, RisesToTheOptimumAndNeverBeyondIt) {
+TEST(PrefixBound, ConvergesToTheOptimumFromBelow) {
   PrefixBound prefix(8, 8);
   for (std::uint64_t seed = 0; seed < problem_count(); ++seed) {
     SCOPED_TRACE(seed);
@@ -285,7 +285,7 @@ TEST(PrefixBound, RisesToTheOptimumAndNeverBeyondIt) {
   }
 }
 
-TEST(PrefixBound, StopsAtTheDeadlineAndSaysWhatIsProven) {
+TEST(PrefixBound, ReturnsProvenBoundAtDeadline) {
   PrefixBound prefix(8, 8);
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const OwnedProblem owned = lattice_problem(seed);
@@ -302,7 +302,7 @@ TEST(PrefixBound, StopsAtTheDeadlineAndSaysWhatIsProven) {
 }
 
 // With 150 targets in sight, the blocks of a node take 1500 numbers.
-TEST(PrefixBound, GoesOnAsLongAsItIsToldToHoweverManyTargetsThereAre) {
+TEST(PrefixBound, UsesWholeBudgetWithManyTargets) {
   std::mt19937_64 rng(5);
   OwnedProblem owned;
   SearchProblem& problem = owned.problem;
@@ -343,7 +343,7 @@ TEST(PrefixBound, AllocatesNothing) {
   EXPECT_EQ(allocations.count(), 0U);
 }
 
-TEST(LatticeBound, BoundsNothingWhereItsRulesDoNotHold) {
+TEST(LatticeBound, IsUnusedWhereItsConditionsFail) {
   OwnedProblem owned = lattice_problem(0);
   BeliefTable beliefs(8, 8);
   LatticeBound lattice(8, 8, kStates);

@@ -61,7 +61,7 @@ SearchProblem all_alike(std::mt19937_64& rng) {
 // Around a reference with far more information than any measurement, every measurement counts in
 // full. With isotropic beliefs the best path gains exactly what it gathers, for any cell width.
 // Other paths gather less, and what they do not see adds nothing.
-TEST(LatticeBound, SeesOnItsBestPathWhatThatGathers) {
+TEST(LatticeBound, BestPathInformationEqualsItsGain) {
   LatticeBound lattice(8, 8, kStates);
   BeliefTable beliefs(8, 8);
   LinearisedCost cost(8, 8);
@@ -153,7 +153,7 @@ class BestBound {
 // If no step can see anything, the bound is the cost without measurements. The target is too near,
 // too far in every reachable direction, or outside the field of view. With slightly larger limits
 // it would be seen.
-TEST(LatticeBound, IsWhatIsKnownAnywayWhereNothingIsSeen) {
+TEST(LatticeBound, EqualsOpenLoopCostWhenNothingIsSeen) {
   BestBound bound;
   for (const models::SensorKind kind : kKinds) {
     for (const double yaw_rad : {0.0, 0.5 * kPi, kPi, -0.5 * kPi, 0.8}) {
@@ -206,7 +206,7 @@ TEST(LatticeBound, IsWhatIsKnownAnywayWhereNothingIsSeen) {
 
 // A robot on rails has only one plan. The bound lies just below its cost, by no more than the blur
 // of a cell's width.
-TEST(LatticeBound, IsNearlyWhatTheOnlyWayCosts) {
+TEST(LatticeBound, IsTightForASinglePath) {
   BestBound bound;
   std::mt19937_64 rng(92);
   int compared = 0;
@@ -261,7 +261,7 @@ TEST(LatticeBound, IsNearlyWhatTheOnlyWayCosts) {
 
 // The bound is the reference's cost minus what the best path gathers, minus the rounding error of
 // that number of float sums.
-TEST(LatticeBound, LeavesRoomForTheRoundingOfItsFloats) {
+TEST(LatticeBound, IncludesFloatRounding) {
   LatticeBound lattice(8, 8, kStates);
   BeliefTable beliefs(8, 8);
   LinearisedCost linear(8, 8);
@@ -294,7 +294,7 @@ TEST(LatticeBound, LeavesRoomForTheRoundingOfItsFloats) {
 
 // The bound uses the best position of a cell. A measurement from any position of the cell, of a
 // target hardly a cell away, must not have more information.
-TEST(LatticeBound, IsBelowALookFromAnywhereInACell) {
+TEST(LatticeBound, IsBelowMeasurementFromAnywhereInCell) {
   LatticeBound lattice(2, 2, kStates);
   BeliefTable beliefs(2, 2);
   std::mt19937_64 rng(94);
@@ -341,7 +341,7 @@ TEST(LatticeBound, IsBelowALookFromAnywhereInACell) {
 
 // A lattice with exact capacity for steps and targets has the finest cells there are. Its results
 // equal those of one with more capacity.
-TEST(LatticeBound, HasRoomForItsFinestLattice) {
+TEST(LatticeBound, HasCapacityForItsFinestLattice) {
   for (const int steps : {1, 2, 3}) {
     SearchProblem problem;
     problem.horizon_steps = steps;
@@ -380,7 +380,7 @@ TEST(LatticeBound, HasRoomForItsFinestLattice) {
 
 // A search that is cut off before its last work reports it, whether or not it follows its path.
 // With one more node it is not cut off.
-TEST(LatticeBound, SaysThatItIsCutOffWhetherOrNotItFollowsItsPath) {
+TEST(LatticeBound, ReportsCutOff) {
   LatticeBound lattice(8, 8, 20'000);
   BeliefTable beliefs(8, 8);
   for (std::uint64_t seed = 0; seed < 12; ++seed) {

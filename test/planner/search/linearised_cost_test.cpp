@@ -118,7 +118,7 @@ double slack(double cost) { return 1e-6 * std::max(1.0, std::abs(cost)); }
 
 // The linear form is tangent to the cost at the reference and lies below it elsewhere. Tested from
 // every depth, with and without teammates, noise and oscillators.
-TEST(LinearisedCost, TouchesTheCostAtTheReferenceAndLiesBelowItElsewhere) {
+TEST(LinearisedCost, IsATangentLowerBound) {
   int far = 0;
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     SCOPED_TRACE(seed);
@@ -197,7 +197,7 @@ TEST(LinearisedCost, HasTheGradientOfTheCost) {
 
 // At a depth at which no robot can come near a target, the reference has no effect. If none ever
 // comes near, the cost is that without measurements.
-TEST(LinearisedCost, CountsAReferenceOnlyWhereSomebodyComesNear) {
+TEST(LinearisedCost, UsesReferencesOnlyNearTargets) {
   const OwnedProblem owned = test::lattice_problem(1);
   const SearchProblem& problem = owned.problem;
   std::mt19937_64 rng(3);
@@ -230,7 +230,7 @@ TEST(LinearisedCost, CountsAReferenceOnlyWhereSomebodyComesNear) {
 
 // The information without measurements is the least of any direction. A measurement that raises it
 // by a factor f lowers the cost by at most weight · ln f.
-TEST(LinearisedCost, SaysWhatALookIsWorthAtMost) {
+TEST(LinearisedCost, BoundsGainOfOneMeasurement) {
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     SCOPED_TRACE(seed);
     const OwnedProblem owned = test::lattice_problem(seed);

@@ -124,7 +124,7 @@ TEST(NearBound, IsBelowEveryMovingPlanAndOftenTighter) {
 
 // A robot that moves a metre per step is next to a target once; one that can hover stays longer.
 // The bound distinguishes both at every step of the horizon.
-TEST(NearBound, LetsNobodyBeBesideATargetTwiceWhoHasToMoveOn) {
+TEST(NearBound, AllowsOneNearStepToMovingRobot) {
   RootBound root(8, 8);
   BeliefTable beliefs(8, 8);
   for (int k = 1; k <= 4; ++k) {
@@ -193,7 +193,7 @@ OwnedProblem slow_among_targets(std::uint64_t seed) {
   return owned;
 }
 
-TEST(NearBound, IsBelowEveryPlanThatIsNearSeveralTargetsAtOnce) {
+TEST(NearBound, IsBelowPlansNearSeveralTargets) {
   Bounds bounds;
   int tight = 0;  // tighter than the bound of all plans
   for (std::uint64_t seed = 0; seed < 400; ++seed) {
@@ -208,7 +208,7 @@ TEST(NearBound, IsBelowEveryPlanThatIsNearSeveralTargetsAtOnce) {
 // A robot circles close around one of several targets, any of them, and is near it at every step.
 // It stays just beyond its least range, where range and bearing have equal information, so its plan
 // saves all that the bound allows.
-TEST(NearBound, LetsWhoStaysBesideATargetBeBesideItAtEveryStep) {
+TEST(NearBound, AllowsEveryStepNearWhenRobotStays) {
   Bounds bounds;
   std::mt19937_64 rng(71);
   for (int count = 1; count <= 4; ++count) {
@@ -259,7 +259,7 @@ double cost_of(const SearchProblem& problem, const SearchTarget& target,
 // A robot on rails, 1.1 m per step, among targets far apart can be near one of them at one step at
 // most. All other measurements come from the nearest position reachable by then, or the edge of the
 // disc. The best of three disc sizes counts. Beliefs are isotropic, so this is the whole bound.
-TEST(NearBound, IsWhatOneLookFromBesideATargetAndAllOthersFromAfarCost) {
+TEST(NearBound, CountsOneNearMeasurementAndOthersFromAfar) {
   std::mt19937_64 rng(72);
   BeliefTable beliefs(8, 8);
   InformationHeuristic heuristic(8, 8);
@@ -385,7 +385,7 @@ class PassedOver : public ::testing::Test {
 
 // A robot that has been next to a target returns after one, two or three steps only if controls
 // lead back in that number: a metre there and back, around a triangle, or never.
-TEST_F(PassedOver, IsBesideItAgainAfterAsManyStepsAsControlsLeadBackIn) {
+TEST_F(PassedOver, ReturnsOnlyAfterStepsOfControls) {
   const double never = bound_with({{1.0, 0.0}});
   const double after_two = bound_with({{1.0, 0.0}, {1.0, kPi}});
   const double third_rad = 2.0 * kPi / 3.0;
@@ -404,7 +404,7 @@ TEST_F(PassedOver, IsBesideItAgainAfterAsManyStepsAsControlsLeadBackIn) {
 
 // With more than a dozen controls, three-step returns are not computed: the robot may then be
 // anywhere.
-TEST_F(PassedOver, MayBeAnywhereInThreeStepsOfManyControls) {
+TEST_F(PassedOver, HasManyControlsReachAnyPoseInThreeSteps) {
   std::vector<models::UnicycleControl> controls(12, {1.0, 0.0});
   const double few = bound_with(controls);
   EXPECT_EQ(bound_with({{1.0, 0.0}}), few);
@@ -413,7 +413,7 @@ TEST_F(PassedOver, MayBeAnywhereInThreeStepsOfManyControls) {
 }
 
 // Only planar targets that move or spread, over at most thirty steps.
-TEST_F(PassedOver, IsOfThoseThatMoveOrSpread) {
+TEST_F(PassedOver, AppliesToMovingOrSpreadingTargets) {
   problem_.targets = {spread(1.0, 0.0), spread(2.0, 0.0), spread(3.0, 0.0), spread(4.0, 0.0)};
   problem_.targets[0].model.kind = models::TargetKind::kStatic;
   problem_.targets[1].model.q = 0.0;
@@ -439,7 +439,7 @@ TEST_F(PassedOver, IsOfThoseThatMoveOrSpread) {
 
 // If a step leads from one target to the other, the robot may be next to both; otherwise only to
 // one of them.
-TEST_F(PassedOver, IsBesideAnotherOnlyWhereAStepLeads) {
+TEST_F(PassedOver, IsNearSecondTargetOnlyIfAStepLeadsThere) {
   const auto bound_of = [&](double apart_m) {
     problem_.targets = {spread(1.0, 0.0), spread(1.0 + apart_m, 0.0)};
     return bound_with({{1.0, 0.0}});

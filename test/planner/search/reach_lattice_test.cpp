@@ -76,7 +76,7 @@ void expect_cells_of(const std::vector<Eigen::Vector2d>& places_m, double cell_m
   }
 }
 
-TEST(ReachLattice, HasTheCellsThatCanBeReachedAndNoneBeyondThem) {
+TEST(ReachLattice, HasExactlyTheReachableCells) {
   SearchProblem problem;
   problem.horizon_steps = 4;
   problem.controls = {{2.0, 0.0}, {2.0, 1.5}, {1.0, -1.5}, {0.5, 3.0}};
@@ -114,7 +114,7 @@ SearchProblem with_turns(const std::vector<double>& turns_rad, int horizon_steps
 
 // The unit is the largest angle of which all turns are whole multiples, such that the least turn is
 // one to four units, in both directions.
-TEST(ReachLattice, FindsTheUnitOfItsTurns) {
+TEST(ReachLattice, FindsTheCommonTurnAngle) {
   ReachLattice lattice(8);
   const auto expect = [&](const std::vector<double>& turns_rad, double unit_rad,
                           const std::vector<int>& turns) {
@@ -156,7 +156,7 @@ TEST(ReachLattice, FindsTheUnitOfItsTurns) {
 }
 
 // The tables depend on the controls, the step length and the horizon.
-TEST(ReachLattice, TablesAnewWhateverOfTheThreeChanges) {
+TEST(ReachLattice, RebuildsTablesWhenProblemChanges) {
   const SearchProblem first = with_turns({0.0, 0.4, -0.4}, 3);
   ReachLattice lattice(8);
   const auto expect_as_new = [&](const SearchProblem& problem) {
@@ -188,7 +188,7 @@ TEST(ReachLattice, TablesAnewWhateverOfTheThreeChanges) {
 }
 
 // The lattice is the finest that fits, in total and at each depth.
-TEST(ReachLattice, IsAsFineAsThereIsRoomFor) {
+TEST(ReachLattice, IsAsFineAsItsCapacityAllows) {
   const SearchProblem problem = with_turns({0.0, 0.4, -0.4}, 4);
   ReachLattice lattice(8);
   ASSERT_TRUE(lattice.reset(problem));
@@ -229,7 +229,7 @@ TEST(ReachLattice, IsAsFineAsThereIsRoomFor) {
 
 // From any position in a cell, a control ends in one of the four cells to which it leads. These are
 // on the plane of the next depth.
-TEST(ReachLattice, LeadsFromACellToTheFourThatTheMovedOneTouches) {
+TEST(ReachLattice, SuccessorsAreTheFourOverlappedCells) {
   const SearchProblem problem = with_turns({0.0, 0.7, -1.4}, 4);
   ReachLattice lattice(8);
   ASSERT_TRUE(lattice.reset(problem));
@@ -267,7 +267,7 @@ TEST(ReachLattice, LeadsFromACellToTheFourThatTheMovedOneTouches) {
   EXPECT_GT(moved, 1'000);
 }
 
-TEST(ReachLattice, NumbersTheCellsOfABoxRowByRow) {
+TEST(ReachLattice, IsRowMajor) {
   ReachLattice::Plane plane;
   plane.left = -3;
   plane.bottom = 2;

@@ -54,7 +54,7 @@ class Told {
 
 constexpr double kLittle = 1e-9;
 
-TEST(Reduced, TakesOptionsWithinTheirLimits) {
+TEST(Reduced, AcceptsOptionsWithinTheirLimits) {
   Told<ReducedValueIteration, ReducedOptions> told;
   told.expect(&ReducedOptions::halvings, {0, 1, 100}, {-1, 101});
   told.expect(&ReducedOptions::epsilon, {0.0, kInfinity}, {-kLittle, kNaN});
@@ -62,7 +62,7 @@ TEST(Reduced, TakesOptionsWithinTheirLimits) {
   told.expect(&ReducedOptions::yaw_weight_m_per_rad, {0.0, 5.0}, {-kLittle, kNaN});
 }
 
-TEST(BestFirst, TakesOptionsWithinTheirLimits) {
+TEST(BestFirst, AcceptsOptionsWithinTheirLimits) {
   Told<BestFirstSearch, BestFirstOptions> told;
   told.expect(&BestFirstOptions::weight, {1.0, 1e6}, {1.0 - kLittle, kInfinity, kNaN});
   told.expect(&BestFirstOptions::epsilon, {0.0, 1e9}, {-kLittle, kNaN});
@@ -71,7 +71,7 @@ TEST(BestFirst, TakesOptionsWithinTheirLimits) {
   told.expect(&BestFirstOptions::dive_every, {0, 1}, {-1});
 }
 
-TEST(RefiningBeam, TakesOptionsWithinTheirLimits) {
+TEST(RefiningBeam, AcceptsOptionsWithinTheirLimits) {
   Told<RefiningBeam, BeamOptions> told;
   told.expect(&BeamOptions::first_width, {1, 1'000}, {0});
   told.expect(&BeamOptions::growth, {1.0 + kLittle, 1e6}, {1.0, kNaN});
@@ -83,7 +83,7 @@ TEST(RefiningBeam, TakesOptionsWithinTheirLimits) {
 }
 
 // The exact capacity is enough, and one less is refused.
-TEST(SearchCapacity, IsTakenToTheFullAndNoFurther) {
+TEST(SearchCapacity, IsAnExactLimit) {
   SearchProblem problem;
   problem.horizon_steps = 3;
   problem.controls = models::lab_primitives();
@@ -124,7 +124,7 @@ TEST(SearchCapacity, IsTakenToTheFullAndNoFurther) {
 }
 
 // One pass with the given options is reported; a pass that is cut off does not count.
-TEST(BestFirst, SaysWithWhatItSearched) {
+TEST(BestFirst, ReportsItsOptions) {
   BestFirstSearch search(small_capacity());
   int converged = 0;
   for (const test::SolvedProblem& each : test::solved_problems(1000, 400)) {
@@ -164,7 +164,7 @@ TEST(BestFirst, SaysWithWhatItSearched) {
 }
 
 // Peak bytes count the tree, and the widest depth of generated and of expanded nodes.
-TEST(Reduced, SaysWhatItHasTouched) {
+TEST(Reduced, ReportsPeakMemory) {
   ReducedValueIteration search(small_capacity());
   int pruned = 0;
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
@@ -212,7 +212,7 @@ TEST(Reduced, SaysWhatItHasTouched) {
 
 // If no complete path can stop safely, the plan hovers as late as possible, at the cheapest of the
 // nodes that can.
-TEST(Hovering, BeginsAsLateAsIsSafeAtTheCheapestPlace) {
+TEST(Hovering, StartsAsLateAsSafeAtTheCheapestPose) {
   ReducedValueIteration reduced(small_capacity());
   BestFirstSearch best_first(small_capacity());
   RefiningBeam beam(small_capacity());
@@ -310,7 +310,7 @@ std::size_t first_pass_at(const SearchResult& result, std::int64_t work_nodes, s
 // A search without its own certificate first reports the bound of any plan. From 50,000 nodes on it
 // reports the bound of moving plans. From 300,000 nodes on a beam raises that bound, with half a
 // million nodes and a quarter of the work done so far.
-TEST(Certificate, IsRaisedWhenASearchHasDoneSoMuchWork) {
+TEST(Certificate, IsImprovedAfterTheStatedWork) {
   const SearchProblem problem = tracking_problem(3);
   const SearchCapacity capacity{100'000, 3'000'000, 8, 8, 1};
   RootBound root(8, 8);

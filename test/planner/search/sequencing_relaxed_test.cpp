@@ -162,7 +162,7 @@ class Relaxed {
 
 double slack(double cost) { return 1e-7 * std::max(1.0, std::abs(cost)); }
 
-TEST(SequencingBound, IsTheOptimumOfTheRelaxedProblem) {
+TEST(SequencingBound, EqualsTheRelaxedOptimum) {
   InformationHeuristic heuristic(8, 8);
   SequencingBound sequencing(8, 8, 20'000);
   BeliefTable beliefs(8, 8);
@@ -226,7 +226,7 @@ TEST(SequencingBound, IsTheOptimumOfTheRelaxedProblem) {
 
 // Of many targets the sixteen nearest take part, in any order. A target that is just out of reach,
 // moves or has a height does not.
-TEST(SequencingBound, IsOfTheNearestThatStayAndCanBeReached) {
+TEST(SequencingBound, UsesTheNearestReachableStaticTargets) {
   constexpr int kTargets = 24;
   InformationHeuristic heuristic(kTargets, 8);
   SequencingBound sequencing(kTargets, 8, 100);
@@ -275,7 +275,7 @@ TEST(SequencingBound, IsOfTheNearestThatStayAndCanBeReached) {
 
 // A control that ends in a box or behind a wall is infeasible, so the bound is that of the other
 // controls.
-TEST(SequencingBound, LetsNoStepEndInABoxOrBehindAWall) {
+TEST(SequencingBound, RespectsObstaclesAndWalls) {
   InformationHeuristic heuristic(4, 8);
   SequencingBound sequencing(4, 8, 2'000);
   BeliefTable beliefs(4, 8);

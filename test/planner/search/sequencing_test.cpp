@@ -130,18 +130,18 @@ void expect_admissible(int states_max, std::int64_t nodes_min, double& gained) {
   }
 }
 
-TEST(SequencingBound, IsAdmissibleAndFarAboveTheoremSix) {
+TEST(SequencingBound, IsAdmissibleAndTighterThanTheoremSix) {
   double gained = 0.0;
   expect_admissible(2'000, 60'000, gained);
   EXPECT_GT(gained, 60'000 * 0.1);
 }
 
-TEST(SequencingBound, IsAdmissibleHoweverSoonItIsCutOff) {
+TEST(SequencingBound, IsAdmissibleAfterAnyCutOff) {
   double gained = 0.0;
   expect_admissible(60, 60'000, gained);
 }
 
-TEST(SequencingBound, LeavesTheOptimumWhatItIs) {
+TEST(SequencingBound, KeepsTheOptimum) {
   const SearchCapacity capacity{20'000, 800'000, 16, 8, 1};
   BestFirstSearch by_reach(capacity);
   BestFirstSearch by_sequence(capacity);
@@ -172,7 +172,7 @@ TEST(SequencingBound, LeavesTheOptimumWhatItIs) {
 
 // Four targets around a robot that can observe one at a time. Even without memory for sequences,
 // together they cost more than separately.
-TEST(SequencingBound, LooksAtOnePlaceAtATimeHoweverSoonItIsCutOff) {
+TEST(SequencingBound, ObservesOnePlaceAtATimeAfterAnyCutOff) {
   InformationHeuristic heuristic(8, 8);
   SequencingBound sequencing(8, 8, 1);
   BeliefTable beliefs(8, 8);
@@ -209,7 +209,7 @@ TEST(SequencingBound, LooksAtOnePlaceAtATimeHoweverSoonItIsCutOff) {
 
 // Two clusters of targets, each merged into one place and reachable only late in a long horizon.
 // After the first there is no time for the second.
-TEST(SequencingBound, LetsNobodyBeAtTwoFarPlacesOfALongHorizon) {
+TEST(SequencingBound, ExcludesTwoFarPlaces) {
   constexpr int kSteps = 200;
   InformationHeuristic heuristic(16, kSteps);
   SequencingBound sequencing(16, kSteps, 2'000);
@@ -242,7 +242,7 @@ TEST(SequencingBound, LetsNobodyBeAtTwoFarPlacesOfALongHorizon) {
 }
 
 // Many targets with overlapping discs are merged into places, so that the work stays bounded.
-TEST(SequencingBound, BoundsHowEverManyTargetsThereAre) {
+TEST(SequencingBound, AcceptsAnyNumberOfTargets) {
   InformationHeuristic heuristic(64, 12);
   SequencingBound sequencing(64, 12, 1'000);
   BeliefTable beliefs(64, 12);
@@ -280,7 +280,7 @@ double regularised_score(const SearchProblem& problem, const std::vector<Pose2>&
   return cost;
 }
 
-TEST(Mapping, IsSolvedWithItsProof) {
+TEST(Mapping, IsSolvedToProvenOptimality) {
   const OwnedProblem owned = test::known_mapping_problem();
   BestFirstSearch search({50'000, 1'000'000, 8, 12, 1});
   const SearchResult& result = search.plan(owned.problem, {}, Deadline::nodes(200'000));
@@ -290,7 +290,7 @@ TEST(Mapping, IsSolvedWithItsProof) {
   EXPECT_NEAR(regularised_score(owned.problem, result.poses), test::kKnownMappingOptimum, 1e-4);
 }
 
-TEST(Mapping, IsSolvedFromOtherStartsAndByTheorem6Alike) {
+TEST(Mapping, HasEqualOptimaForBothBounds) {
   BestFirstSearch search({400'000, 4'000'000, 8, 12, 1});
   for (const std::uint64_t seed : {6U, 9U}) {
     const OwnedProblem owned = experiments::random_start_problem(seed);
@@ -304,7 +304,7 @@ TEST(Mapping, IsSolvedFromOtherStartsAndByTheorem6Alike) {
   }
 }
 
-TEST(Mapping, HasABoundBelowTheOptimumAtEveryBudget) {
+TEST(Mapping, BoundIsAtMostTheOptimum) {
   const OwnedProblem owned = test::known_mapping_problem();
   BestFirstSearch search({50'000, 1'000'000, 8, 12, 1});
   for (std::int64_t budget_nodes = 200; budget_nodes < 60'000; budget_nodes *= 2) {

@@ -44,7 +44,7 @@ class Sighting : public ::testing::Test {
 
 // The value per step is ln det(I + M P) for a measurement from half the range, with P halfway
 // there: for a static target its prior.
-TEST_F(Sighting, IsWorthALookFromHalfTheRangeAtEachStepThatIsLeft) {
+TEST_F(Sighting, ValuesMeasurementsFromHalfTheRange) {
   const models::PositionVector target_m = Eigen::Vector2d::Zero();
   const Eigen::Matrix2d M = models::information(sensor_, {{-1.5, 0.0, 0.0}, 0.0}, target_m);
   const double look_nats = std::log((Eigen::Matrix2d::Identity() + M).determinant());
@@ -60,7 +60,7 @@ TEST_F(Sighting, IsWorthALookFromHalfTheRangeAtEachStepThatIsLeft) {
 
 // Each step of driving and turning at full speed costs one measurement. The first is at the next
 // step at the earliest. Left and right are equal.
-TEST_F(Sighting, ComesAsManyStepsLaterAsTheWayAndTheTurnTake) {
+TEST_F(Sighting, IsDelayedByPathAndTurn) {
   const double look = at(1.0, 0.0, 0) / problem_.horizon_steps;
   int late = 0;
   for (double away_m = 1.0; away_m < 8.0; away_m += 0.7) {
@@ -82,7 +82,7 @@ TEST_F(Sighting, ComesAsManyStepsLaterAsTheWayAndTheTurnTake) {
 
 // The best target counts. Information adds up over the sensors; the longest range and the widest
 // view decide when it is seen.
-TEST_F(Sighting, IsOfTheBestOfAllTargetsBySensorsTogether) {
+TEST_F(Sighting, UsesTheBestTargetAndAllSensors) {
   const double near = at(4.0, 1.0, 2);
   ASSERT_GT(near, 0.0);
   SearchTarget vague = problem_.targets[0];
@@ -128,7 +128,7 @@ TEST_F(Sighting, IsOfTheBestOfAllTargetsBySensorsTogether) {
 
 // A spatial target is measured from the robot's height. A robot that cannot drive gains only what
 // it already sees.
-TEST_F(Sighting, IsFromTheHeightOfTheRobotAndForWhoGetsThere) {
+TEST_F(Sighting, UsesTheRobotsHeightAndReach) {
   problem_.height_m = 1.2;
   Eigen::Vector3d place_m(0.0, 0.0, 0.5);
   problem_.targets = {
@@ -148,7 +148,7 @@ TEST_F(Sighting, IsFromTheHeightOfTheRobotAndForWhoGetsThere) {
 }
 
 // The value does not change if the robot and all targets are shifted.
-TEST_F(Sighting, KnowsNoOrigin) {
+TEST_F(Sighting, IsTranslationInvariant) {
   problem_.height_m = 0.8;
   problem_.targets = {{{models::TargetKind::kStatic, 2, 0.0},
                        {Eigen::Vector2d(1.0, -0.5), 3.0 * Eigen::Matrix2d::Identity()}},

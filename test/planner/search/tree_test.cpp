@@ -20,7 +20,7 @@ Node node(NodeId parent, int control, int depth, double x_m) {
   return out;
 }
 
-TEST(Tree, HasRoomForSoManyNodesAndNoMore) {
+TEST(Tree, HasTheStatedNodeCapacity) {
   Tree tree(3, 30);
   for (int round = 0; round < 2; ++round) {
     EXPECT_EQ(tree.node_count(), 0U);
@@ -71,7 +71,7 @@ TEST(Tree, KeepsTheBlocksOfEachNode) {
   }
 }
 
-TEST(Tree, HasRoomForTargetsOfThreeNumbersEachAndOneMore) {
+TEST(Tree, HasTheStatedBlockCapacity) {
   Tree tree(10, 6);
   EXPECT_NE(tree.room_for_posterior(3, 6).targets, nullptr);
   EXPECT_EQ(tree.room_for_posterior(4, 6).targets, nullptr);
@@ -105,7 +105,7 @@ TEST(NodeList, IsAQueue) {
 
 // The path from the root, step by step, then a hover until the horizon; it overwrites an earlier
 // result.
-TEST(WritePath, IsTheWayFromTheRootAndThenAHover) {
+TEST(WritePath, WritesThePathFromTheRootAndAHover) {
   Tree tree(8, 3);
   tree.add(node(kNoNode, -1, 0, 0.0));
   tree.add(node(0, 3, 1, 1.0));

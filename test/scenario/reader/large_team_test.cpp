@@ -15,7 +15,7 @@ std::string smallest_with(const std::string& more) {
          more;
 }
 
-TEST(LargeTeam, TakesTeamsOfAnySizeUpToTenThousand) {
+TEST(LargeTeam, AcceptsUpToTenThousandRobots) {
   for (const int robots : {64, 65, 200, 1000, 10'000, 10'001}) {
     std::string text =
         "name: crowd\nworld: {bounds: {min_m: [0, 0], max_m: [3000, 3000]}}\n"
@@ -46,7 +46,7 @@ std::string refusal_of_smallest_with(const std::string& more) {
   return "accepted";
 }
 
-TEST(LargeTeam, HasNeighbourhoodsThatAreWideEnoughForWhatIsDecidedInThem) {
+TEST(LargeTeam, HasSufficientNeighbourhoods) {
   const Scenario near =
       parse_scenario(smallest_with("network: {neighbourhood_m: 500, communication_range_m: 20}\n"
                                    "planner: {slots: 8}\n"),

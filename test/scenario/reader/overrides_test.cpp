@@ -10,13 +10,13 @@ namespace {
 
 const std::string kLab = VANTAGE_SOURCE_DIR "/config/lab.yaml";
 
-TEST(Overrides, LeaveTheTextAloneWhenThereAreNone) {
+TEST(Overrides, KeepTheTextWithoutOverrides) {
   const Scenario scenario = load_scenario_with(kLab, {});
   EXPECT_EQ(scenario.source_text, load_scenario(kLab).source_text);
   EXPECT_EQ(apply_overrides("a:   1  # one\n", {}), "a:   1  # one\n") << "to its blanks";
 }
 
-TEST(Overrides, AreWhatTheTextThenSays) {
+TEST(Overrides, ChangeScenarioText) {
   Overrides overrides;
   overrides.seed = 42;
   overrides.duration_s = 12.5;
@@ -39,7 +39,7 @@ TEST(Overrides, AreWhatTheTextThenSays) {
 }
 
 // Each override alone makes the set non-empty and changes only its own key.
-TEST(Overrides, ChangeOneThingEach) {
+TEST(Overrides, ChangeOneKeyEach) {
   const Scenario lab = load_scenario(kLab);
   EXPECT_TRUE(Overrides{}.is_empty());
   for (int which = 0; which < 7; ++which) {
@@ -84,7 +84,7 @@ TEST(Overrides, ChangeOneThingEach) {
   }
 }
 
-TEST(Overrides, AreNamedWhereTheyAreRefused) {
+TEST(Overrides, AreNamedInErrors) {
   Overrides overrides;
   overrides.keys["planner.horizon_steps"] = "0";
   try {
@@ -113,7 +113,7 @@ TEST(Overrides, WriteAnyKeyByItsPath) {
   EXPECT_THROW(load_scenario_with(kLab, overrides), StartupError);
 }
 
-TEST(Overrides, CannotSayWhatAScenarioCannot) {
+TEST(Overrides, RefuseInvalidScenarioValues) {
   Overrides overrides;
   overrides.planner = "psychic";
   EXPECT_THROW(load_scenario_with(kLab, overrides), StartupError);

@@ -133,7 +133,7 @@ class Mutator {
 
 class MutatedLab : public testing::TestWithParam<unsigned> {};
 
-TEST_P(MutatedLab, IsReadOrRefusedByNameAndLine) {
+TEST_P(MutatedLab, IsReadOrRefusedWithFileAndLine) {
   constexpr int kEdits = 1000;
   const std::vector<std::string> lines = lab_lines();
   Mutator mutator(GetParam());

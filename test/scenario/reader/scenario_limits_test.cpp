@@ -62,7 +62,7 @@ void expect_limits(const std::vector<Limit>& limits) {
   }
 }
 
-TEST(ScenarioLimits, OfTheWorldAndTheTrialAreTakenAndNothingBeyond) {
+TEST(ScenarioLimits, HoldForWorldAndTrial) {
   const Keys coarse{{"estimator.grid_resolution_m", "100"}};
   const std::string box = "[{footprint: {min_m: [9, 9], max_m: [10, 10]}, height_m: @}]";
   const std::string mud =
@@ -93,7 +93,7 @@ TEST(ScenarioLimits, OfTheWorldAndTheTrialAreTakenAndNothingBeyond) {
   });
 }
 
-TEST(ScenarioLimits, OfRobotsAreTakenAndNothingBeyond) {
+TEST(ScenarioLimits, HoldForRobots) {
   const std::string pose = "[{name: A, start: {x_m: 2, y_m: 2, yaw_deg: @}}]";
   const std::string turned = "[{name: A, start: {x_m: 2, y_m: 2, yaw_rad: @}}]";
   const std::string pilot = "{dialect: px4, url: \"udp://:1\", system_id: @}";
@@ -147,7 +147,7 @@ TEST(ScenarioLimits, OfRobotsAreTakenAndNothingBeyond) {
   });
 }
 
-TEST(ScenarioLimits, OfSensorsAreTakenAndNothingBeyond) {
+TEST(ScenarioLimits, HoldForSensors) {
   const std::string sensor = "robot_defaults.sensor.";
   expect_limits({
       {sensor + "range_max_m", "0", "0.002", "10000", "10001"},
@@ -171,7 +171,7 @@ TEST(ScenarioLimits, OfSensorsAreTakenAndNothingBeyond) {
   });
 }
 
-TEST(ScenarioLimits, OfTargetsAndWhatIsBelievedOfThemAreTakenAndNothingBeyond) {
+TEST(ScenarioLimits, HoldForTargetsAndPriors) {
   const std::string estimator = "estimator.";
   expect_limits({
       {"targets.count", "0", "1", "10000", "10001"},
@@ -210,7 +210,7 @@ TEST(ScenarioLimits, OfTargetsAndWhatIsBelievedOfThemAreTakenAndNothingBeyond) {
   });
 }
 
-TEST(ScenarioLimits, OfPlansAreTakenAndNothingBeyond) {
+TEST(ScenarioLimits, HoldForPlans) {
   const Keys quick{{"planner.team_budget_s", "0.001"},
                    {"planner.publish_margin_s", "0"},
                    {"planner.execute_steps", "1"}};
@@ -242,7 +242,7 @@ TEST(ScenarioLimits, OfPlansAreTakenAndNothingBeyond) {
 
 // A map of 40 m by 40 m has 223 by 223 = 49 729 cells of 0.1794 m, and 224 by 224 = 50 176 cells of
 // 0.1788 m.
-TEST(ScenarioLimits, OfMapsAreTakenAndNothingBeyond) {
+TEST(ScenarioLimits, HoldForMaps) {
   expect_limits({
       {"mapping.scanner.beams", "0", "1", "10000", "10001"},
       {"mapping.scanner.fov_deg", "0", "1e-6", "360", "360.1"},
@@ -266,7 +266,7 @@ TEST(ScenarioLimits, OfMapsAreTakenAndNothingBeyond) {
   }
 }
 
-TEST(ScenarioLimits, OfMotionCaptureAreTakenAndNothingBeyond) {
+TEST(ScenarioLimits, HoldForMotionCapture) {
   expect_limits({
       {"mocap.rate_hz", "0", "1e-6", "1000", "1000.5"},
       {"mocap.position_sigma_m", "-0.1", "0", "", ""},

@@ -55,7 +55,7 @@ mapping:
   EXPECT_EQ(mapping.frontier_nats_per_m, 0.0);
 }
 
-TEST(MappingScenario, IsOtherwiseAsStated) {
+TEST(MappingScenario, HasTheStatedDefaults) {
   const models::MappingSpec mapping = parse_scenario(kMapper + "mapping: {}\n", "x.yaml").mapping;
   EXPECT_EQ(mapping.resolution_m, 0.2);
   EXPECT_EQ(mapping.look_probability, 0.95);
@@ -63,7 +63,7 @@ TEST(MappingScenario, IsOtherwiseAsStated) {
   EXPECT_EQ(mapping.frontier_nats_per_m, 0.5);
 }
 
-TEST(MappingScenario, NeedsItsSectionAndNoTargets) {
+TEST(MappingScenario, RequiresItsSectionButNoTargets) {
   EXPECT_EQ(refusal_of(kMapper + "mapping: {resolution_m: 0.5}\n"), "not refused");
   EXPECT_EQ(refusal_of(kMapper),
             "x.yaml:4: planner: objective: mapping needs the section `mapping`, which "
@@ -73,7 +73,7 @@ TEST(MappingScenario, NeedsItsSectionAndNoTargets) {
       << "of a team that tracks";
 }
 
-TEST(MappingScenario, RefusesWhatMakesNoMap) {
+TEST(MappingScenario, RefusesInvalidMap) {
   const auto with = [](const std::string& section) {
     return refusal_of(kMapper + "mapping: " + section + "\n");
   };

@@ -42,7 +42,7 @@ std::string refusal_of(const std::string& text) {
 
 class BadScenario : public testing::TestWithParam<BadEdit> {};
 
-TEST_P(BadScenario, IsRefusedWithItsLineAndReason) {
+TEST_P(BadScenario, IsRefusedWithLineAndReason) {
   std::string text = lab_text();
   const std::string was = GetParam().was;
   const std::size_t at = text.find(was);
@@ -188,7 +188,7 @@ const std::string kRobot =
     "robots: [{name: A, start: {x_m: 2, y_m: 2}, primitives: lab, sensor: {kind: range}}]\n";
 const std::string kTargets = "targets: {count: 1}\n";
 
-TEST(ParseScenario, NamesWhatIsMissing) {
+TEST(ParseScenario, NamesMissingKeys) {
   EXPECT_EQ(refusal_of(kWorld + kRobot + kTargets), "lab.yaml:1: missing required key name");
   EXPECT_EQ(refusal_of("name: x\n" + kRobot + kTargets), "lab.yaml:1: missing required key world");
   EXPECT_EQ(refusal_of("name: x\n" + kWorld + kTargets), "lab.yaml:1: missing required key robots");
@@ -206,7 +206,7 @@ TEST(ParseScenario, NamesWhatIsMissing) {
             "lab.yaml:4: robots[0]: missing required key primitives");
 }
 
-TEST(ParseScenario, RefusesWhatIsNoScenarioAtAll) {
+TEST(ParseScenario, RefusesOtherDocuments) {
   const BadFile files[] = {
       {"", "lab.yaml:1: empty file; expected a scenario"},
       {"# only\n# comments\n", "lab.yaml:1: empty file; expected a scenario"},
@@ -230,7 +230,7 @@ TEST(ParseScenario, RefusesWhatIsNoScenarioAtAll) {
   EXPECT_EQ(refusal_of("name: " + std::string(100'000, '[')), "lab.yaml:1: nested deeper than 32");
 }
 
-TEST(ParseScenario, RefusesInOneShortLineWhateverTheFileHas) {
+TEST(ParseScenario, RefusesInOneShortLine) {
   EXPECT_EQ(refusal_of("\"na\\nme\": x\n" + kWorld).find("lab.yaml:1: na\\x0Ame: unknown key; "),
             0U);
   EXPECT_EQ(refusal_of("name: \"a\\eb\"\n" + kWorld + kRobot + kTargets),
@@ -250,7 +250,7 @@ TEST(ParseScenario, RefusesInOneShortLineWhateverTheFileHas) {
 
 // An alias stands for the node of its anchor, with the line of its own key; the node is never
 // copied.
-TEST(ParseScenario, ReadsWhatAnAliasNames) {
+TEST(ParseScenario, ReadsAliases) {
   const std::string text =
       "name: x\nworld:\n  bounds: {min_m: &zero [0, 0], max_m: [9, 9]}\n  obstacles:\n"
       "  - footprint: {min_m: *zero, max_m: &one [1, 1]}\n"
@@ -275,7 +275,7 @@ TEST(ParseScenario, ReadsWhatAnAliasNames) {
   EXPECT_EQ(refusal_of(laughs).find("lab.yaml:3: k1: unknown key"), 0U) << refusal_of(laughs);
 }
 
-TEST(ParseScenario, RefusesWhatOnlySeveralKeysTogetherMakeWrong) {
+TEST(ParseScenario, RefusesContradictingKeys) {
   const std::string good = "name: x\n" + kWorld + kTargets;
   EXPECT_EQ(refusal_of(good + kRobot), "accepted");
   EXPECT_EQ(refusal_of(good + kRobot + "mocap: 5\n"),
@@ -316,7 +316,7 @@ TEST(ParseScenario, RefusesWhatOnlySeveralKeysTogetherMakeWrong) {
             "lab.yaml:4: robots: must contain at least 1 and at most 10000 robots, contains 0");
 }
 
-TEST(ParseScenario, RefusesTeamsWithoutIdsOfWhomNothingTellsTargetsApart) {
+TEST(ParseScenario, RefusesUnlabelledTeamThatCannotSeparateTargets) {
   const std::string sensor = "sensor: {kind: position, detects_ids: false, range_min_m: 0.1}";
   const std::string unnamed =
       "robots: [{name: A, start: {x_m: 2, y_m: 2}, primitives: lab, " + sensor + "}]\n";
@@ -351,7 +351,7 @@ TEST(ParseScenario, RefusesTeamsWithoutIdsOfWhomNothingTellsTargetsApart) {
             "number of targets is estimated for the whole world only");
 }
 
-TEST(ParseScenario, RefusesHostsThatCannotBe) {
+TEST(ParseScenario, RefusesInvalidHosts) {
   const std::string base = "name: x\n" + kWorld + kRobot + kTargets + "hosts:\n";
   EXPECT_EQ(refusal_of(base + "  - {name: lab1, runs: []}\n"),
             "lab.yaml:6: hosts[0].name: must contain only A-Z and 0-9, is 'lab1'");
@@ -372,7 +372,7 @@ TEST(ParseScenario, RefusesHostsThatCannotBe) {
             "lab.yaml:5: hosts: must contain at least 1 and at most 32 hosts, contains 0");
 }
 
-TEST(LoadScenario, RefusesPathsThatAreNoFile) {
+TEST(LoadScenario, RefusesPathsWithoutAFile) {
   const auto refusal = [](const std::string& path) -> std::string {
     try {
       static_cast<void>(load_scenario(path));

@@ -22,7 +22,7 @@ using test::kWorld;
 using Pairs = std::vector<std::array<std::string, 2>>;
 using Triples = std::vector<std::array<std::string, 3>>;
 
-TEST(ScenarioRules, NamesAreOfTheLettersAndDigitsThatChannelsHave) {
+TEST(ScenarioRules, NamesConsistOfChannelCharacters) {
   EXPECT_EQ(answer_to_two(", start: {x_m: 1, y_m: 1}", ", start: {x_m: 4, y_m: 1}"), "taken");
   for (const char letter : {'A', 'Z', '0', '9'}) {
     const std::string name(1, letter);
@@ -45,7 +45,7 @@ TEST(ScenarioRules, NamesAreOfTheLettersAndDigitsThatChannelsHave) {
   }
 }
 
-TEST(ScenarioRules, NoTwoBodiesHaveOneName) {
+TEST(ScenarioRules, NamesOfBodiesAreUnique) {
   const std::string robots = "  - {name: A, start: {x_m: 2, y_m: 2}}\n";
   const std::string base = kWorld + kDefaults + "robots:\n" + robots + "targets:\n";
   EXPECT_EQ(answer_to(base + "  - {name: B}\n  - {name: C}\n"), "taken");
@@ -65,7 +65,7 @@ TEST(ScenarioRules, NoTwoBodiesHaveOneName) {
             "f:6: targets: missing required key count");
 }
 
-TEST(ScenarioRules, MissingKeysAreSaidOfTheFirstAndWhereTheyBelong) {
+TEST(ScenarioRules, TheFirstMissingKeyIsReportedWithItsSection) {
   EXPECT_EQ(answer_to_robot(", limits: {}"), "taken");
   EXPECT_EQ(answer_to_team("  - {name: A, start: {}}\n"),
             "f:6: robots[0].start: missing required key x_m");
@@ -88,7 +88,7 @@ TEST(ScenarioRules, MissingKeysAreSaidOfTheFirstAndWhereTheyBelong) {
             "f:6: robots[0].primitives[0]: missing required key speed_mps");
 }
 
-TEST(ScenarioRules, PrimitivesAreAsManyAndAsFastAsTheyMayBe) {
+TEST(ScenarioRules, PrimitivesKeepNumberAndSpeedLimits) {
   const auto of = [](int count) {
     std::string list;
     for (int i = 0; i < count; ++i) {
@@ -120,7 +120,7 @@ TEST(ScenarioRules, PrimitivesAreAsManyAndAsFastAsTheyMayBe) {
   }
 }
 
-TEST(ScenarioRules, RobotsStandClearOfWallsObstaclesAndEachOther) {
+TEST(ScenarioRules, StartsKeepClearanceToWallsObstaclesAndRobots) {
   const auto at = [](const std::string& x, const std::string& y) {
     return answer_to_team("  - {name: A, start: {x_m: " + x + ", y_m: " + y + "}}\n");
   };
@@ -167,7 +167,7 @@ TEST(ScenarioRules, RobotsStandClearOfWallsObstaclesAndEachOther) {
       << "where neither says it, of the robot";
 }
 
-TEST(ScenarioRules, RobotsStayBelowTheCeilingWithAllOfThem) {
+TEST(ScenarioRules, WholeRobotsStayBelowTheCeiling) {
   const auto at = [](const std::string& height) {
     return answer_to_team("  - {name: A, start: {x_m: 1, y_m: 1}, height_m: " + height +
                           ", limits: {radius_m: 0.5}}\n");
@@ -179,7 +179,7 @@ TEST(ScenarioRules, RobotsStayBelowTheCeilingWithAllOfThem) {
   EXPECT_EQ(at("10.5"), "f:6: robots[0].height_m: must be below world.ceiling_m, 10, is 10.5");
 }
 
-TEST(ScenarioRules, ObstaclesMayReachOutOfTheWorldButNotLieOutside) {
+TEST(ScenarioRules, ObstaclesOverlapTheWorld) {
   const auto box = [](const std::string& min, const std::string& max) {
     return answer_to(
         "name: x\nworld:\n  bounds: {min_m: [-9, -5], max_m: [9, 5]}\n  obstacles:\n"
@@ -207,7 +207,7 @@ TEST(ScenarioRules, ObstaclesMayReachOutOfTheWorldButNotLieOutside) {
             "is [3, 5]");
 }
 
-TEST(ScenarioRules, AutopilotsAreReachedByWhatTheDriverSpeaks) {
+TEST(ScenarioRules, AutopilotUrlsAreSupportedByTheDriver) {
   const auto with = [](const std::string& autopilot) {
     return answer_to_robot(", autopilot: {" + autopilot + "}");
   };
@@ -226,7 +226,7 @@ TEST(ScenarioRules, AutopilotsAreReachedByWhatTheDriverSpeaks) {
             "f:6: robots[0].autopilot.battery: missing required key cells");
 }
 
-TEST(ScenarioRules, ARealAutopilotSaysWhoItIsAndSigns) {
+TEST(ScenarioRules, RealAutopilotsHaveAnIdAndAKey) {
   const std::string url = "dialect: px4, url: \"udp://:1\"";
   const auto real = [&](const std::string& more, const std::string& device = "real") {
     return answer_to_robot(", device: " + device + ", autopilot: {" + url + more + "}");
@@ -240,7 +240,7 @@ TEST(ScenarioRules, ARealAutopilotSaysWhoItIsAndSigns) {
   EXPECT_EQ(answer_to_robot(", device: real"), "taken") << "without an autopilot there is none";
 }
 
-TEST(ScenarioRules, FirmwareFliesASimulatedVehicleOfAnAutopilot) {
+TEST(ScenarioRules, FirmwareRequiresASimulatedVehicleWithAutopilot) {
   const std::string flown = ", device: wire, autopilot: {dialect: px4, url: \"udp://:1\"}";
   EXPECT_EQ(answer_to_robot(flown + ", firmware: {binary: px4, parameters: p}"), "taken");
   EXPECT_EQ(answer_to_robot(flown + ", firmware: {serial: /dev/ttyACM0}"), "taken");
@@ -269,7 +269,7 @@ TEST(ScenarioRules, FirmwareFliesASimulatedVehicleOfAnAutopilot) {
   EXPECT_EQ(scenario.firmware_instance(scenario.robots[2]), 9);
 }
 
-TEST(ScenarioRules, RoversAreReachedByDatagramsAndAreNoAutopilots) {
+TEST(ScenarioRules, RoversHaveUdpUrlsAndNoAutopilot) {
   EXPECT_EQ(answer_to_robot(", rover: {url: \"udp://:1\"}"), "taken");
   EXPECT_EQ(answer_to_robot(", rover: {url: \"udpout://h:1\"}"), "taken");
   EXPECT_EQ(answer_to_robot(", rover: {url: \"tcp://h:1\"}"),
@@ -280,7 +280,7 @@ TEST(ScenarioRules, RoversAreReachedByDatagramsAndAreNoAutopilots) {
             "of them");
 }
 
-TEST(ScenarioRules, SensorsSeeFartherThanTheirLeastRange) {
+TEST(ScenarioRules, MaximumRangeExceedsMinimumRange) {
   const auto with = [](const std::string& sensor) {
     return answer_to_robot(", sensor: {" + sensor + "}");
   };
@@ -295,7 +295,7 @@ TEST(ScenarioRules, SensorsSeeFartherThanTheirLeastRange) {
             "alarm cannot have the id of a target; is 1.5");
 }
 
-TEST(ScenarioRules, TeamsWithoutIdsAreAsLargeAsTheyMayBe) {
+TEST(ScenarioRules, TeamsWithoutIdsKeepTheSizeLimit) {
   const auto team = [](int robots, int targets, const std::string& more = "") {
     std::string text = kWorld +
                        "robot_defaults: {primitives: lab, sensor: {kind: position, "
@@ -312,7 +312,7 @@ TEST(ScenarioRules, TeamsWithoutIdsAreAsLargeAsTheyMayBe) {
   EXPECT_EQ(team(1, 101), "f:4: targets: must be 1 to 100 with detects_ids: false, are 101");
 }
 
-TEST(ScenarioRules, TargetsHaveIdsPlacesAndSpeedsThatCanBe) {
+TEST(ScenarioRules, TargetsHaveValidIdsPositionsAndSpeeds) {
   const std::string base =
       kWorld + kDefaults + "robots: [{name: A, start: {x_m: 2, y_m: 2}}]\ntargets:\n";
   EXPECT_EQ(answer_to(base + "  - {id: 1}\n  - {id: 0}\n"), "taken");

@@ -16,7 +16,7 @@ using test::kDefaults;
 using test::kTargets;
 
 // The world is not centred at the origin, so that adding and subtracting an offset differ.
-TEST(ScenarioRules, GridsAndDrawsAreOfTheWorldWhereverItLies) {
+TEST(ScenarioRules, GridsAndDrawsFollowWorldOffset) {
   const auto world = [](double x_m, double y_m, const std::string& more) {
     const auto text = [](double a, double b) {
       return "[" + std::to_string(a) + ", " + std::to_string(b) + "]";
@@ -46,7 +46,7 @@ TEST(ScenarioRules, GridsAndDrawsAreOfTheWorldWhereverItLies) {
   }
 }
 
-TEST(ScenarioRules, RoundsHoldWhatIsDoneInThem) {
+TEST(ScenarioRules, RoundsAreLongEnough) {
   const auto with = [](const std::string& planner) {
     return answer_to_robot("", "planner: {" + planner + "}\n");
   };
@@ -60,7 +60,7 @@ TEST(ScenarioRules, RoundsHoldWhatIsDoneInThem) {
             "execute_steps · step_s = 0.75 s; is 0.75");
 }
 
-TEST(ScenarioRules, TeamsAgreeInOneWayAtATime) {
+TEST(ScenarioRules, TeamAlgorithmsExcludeEachOther) {
   const auto with = [](const std::string& planner) {
     return answer_to_two(", start: {x_m: 1, y_m: 1}", ", start: {x_m: 4, y_m: 1}",
                          "planner: {" + planner + "}\nmapping: {}\n");
@@ -122,7 +122,7 @@ TEST(ScenarioRules, GridsFitIntoAMessage) {
 }
 
 // 63 steps and a stop are 64 segments; a stop from 4 m/s at 2 m/s² takes 2 s.
-TEST(ScenarioRules, DriversAreGivenPlansThatTheyFly) {
+TEST(ScenarioRules, PlansOutlastTheDriversLimits) {
   const auto with = [](const std::string& device, const std::string& horizon_steps,
                        const std::string& step_s) {
     return answer_to_two(
@@ -146,7 +146,7 @@ TEST(ScenarioRules, DriversAreGivenPlansThatTheyFly) {
 }
 
 // The limit for one robot with the defaults: 2 (3 (6 + 2 · 3) + 9/4) + 0.6 + 2 · 0.2 m.
-TEST(ScenarioRules, NeighbourhoodsAreOfTeamsThatTrackInARow) {
+TEST(ScenarioRules, NeighbourhoodsRequireTrackingTeamWithSlots) {
   const auto with = [](const std::string& neighbourhood_m, const std::string& planner) {
     return answer_to_robot("", "network: {neighbourhood_m: " + neighbourhood_m +
                                    "}\nmapping: {}\nplanner: {" + planner + "}\n");
@@ -167,7 +167,7 @@ TEST(ScenarioRules, NeighbourhoodsAreOfTeamsThatTrackInARow) {
   }
 }
 
-TEST(ScenarioRules, NetworksAndSignaturesAreAsTheyAreWritten) {
+TEST(ScenarioRules, NetworkAndSignatureValuesAreChecked) {
   const auto url = [](const std::string& word) {
     return answer_to_robot("", "network: {url: \"" + word + "\"}\n");
   };
@@ -188,7 +188,7 @@ TEST(ScenarioRules, NetworksAndSignaturesAreAsTheyAreWritten) {
   EXPECT_EQ(security("keys: k"), "f:7: security: missing required key mode");
 }
 
-TEST(ScenarioRules, AttacksHaveASpanAndNameRobots) {
+TEST(ScenarioRules, AttacksHaveATimeSpanAndKnownRobots) {
   const auto attack = [](const std::string& keys) {
     return answer_to_robot("", "attacks:\n  - {" + keys + "}\n");
   };
@@ -213,7 +213,7 @@ TEST(ScenarioRules, AttacksHaveASpanAndNameRobots) {
   EXPECT_EQ(many(1001), "f:7: attacks: must contain at most 1000 attacks, contains 1001");
 }
 
-TEST(ScenarioRules, HostsAreAsManyAsTheyMayBeAndRunEachPartOnce) {
+TEST(ScenarioRules, HostsAreLimitedAndRunEachPartOnce) {
   const auto many = [](int count) {
     std::string text = "hosts:\n";
     for (int i = 0; i < count; ++i) {
@@ -232,7 +232,7 @@ TEST(ScenarioRules, HostsAreAsManyAsTheyMayBeAndRunEachPartOnce) {
             "f:8: hosts[0]: missing required key name");
 }
 
-TEST(ScenarioRules, RegionsThatCostAreThoseOfTheWorld) {
+TEST(ScenarioRules, CostRegionsLieInWorld) {
   const auto paying = [](const std::string& regions) {
     return answer_to(
         "name: x\nworld:\n  bounds: {min_m: [-9, -5], max_m: [9, 5]}\n  regions:\n"
@@ -249,7 +249,7 @@ TEST(ScenarioRules, RegionsThatCostAreThoseOfTheWorld) {
             "'sand'");
 }
 
-TEST(LineOfKey, IsThatOfTheInnermostKeyOfThePathThatIsGiven) {
+TEST(LineOfKey, IsTheLineOfTheInnermostGivenKey) {
   const std::string text = "a: 1\n\nb:\n  c:\n    d: [e: 1]\n  f: 2\ng: 3\n";
   EXPECT_EQ(line_of_key(text, "a"), 1);
   EXPECT_EQ(line_of_key(text, "b"), 3);

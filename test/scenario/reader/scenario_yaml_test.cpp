@@ -104,7 +104,7 @@ TEST(LoadScenario, ReadsTheSimulationOfTheField) {
   EXPECT_EQ(field.network.communication_range_m, 30.0);
 }
 
-TEST(ParseScenario, ReadsWhatADampedOscillatorIs) {
+TEST(ParseScenario, ReadsADampedOscillator) {
   const auto model = [](const std::string& keys) {
     return parse_scenario(
                smallest_with("estimator: {target_model: {kind: damped_oscillator" + keys + "}}"),
@@ -125,13 +125,13 @@ TEST(ParseScenario, ReadsWhatADampedOscillatorIs) {
   EXPECT_EQ(uniform.position_sigma_m, (bounds.max_m - bounds.min_m) / std::sqrt(12.0));
 }
 
-TEST(LoadScenario, KeepsTheFileAsItIs) {
+TEST(LoadScenario, KeepsTheText) {
   std::ifstream file(config("lab.yaml"), std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   EXPECT_EQ(load_scenario(config("lab.yaml")).source_text, text);
 }
 
-TEST(ParseScenario, LeavesWhatIsAbsentAtTheDefaultsOfTheStructs) {
+TEST(ParseScenario, KeepsDefaultsOfAbsentKeys) {
   const Scenario smallest = parse_scenario(kSmallest, "smallest");
   const Scenario defaults;
   const scenario::RobotSpec robot;
@@ -148,7 +148,7 @@ TEST(ParseScenario, LeavesWhatIsAbsentAtTheDefaultsOfTheStructs) {
   EXPECT_EQ(smallest.robots[0].start, (Pose2{2.0, 3.0, 0.0}));
 }
 
-TEST(ParseScenario, ReadsHowToReachAMocapServer) {
+TEST(ParseScenario, ReadsTheMocapServersAddress) {
   const std::string text = std::string(kSmallest) + R"(
 mocap:
   device: real
@@ -179,7 +179,7 @@ mocap:
       << "the protocol's own";
 }
 
-TEST(ParseScenario, LaysTheDefaultsOfRobotsUnderEachRobotKeyByKey) {
+TEST(ParseScenario, AppliesRobotDefaultsKeyByKey) {
   const Scenario scenario = parse_scenario(R"(
 name: layers
 world: {bounds: {min_m: [0, 0], max_m: [10, 10]}}
@@ -217,7 +217,7 @@ targets: {count: 1}
   EXPECT_EQ(b.primitives, (std::vector<models::UnicycleControl>{{0.5, -1.0}, {0.0, 2.0}}));
 }
 
-TEST(ParseScenario, ReadsHowARobotsAutopilotIsReached) {
+TEST(ParseScenario, ReadsAutopilots) {
   const Scenario scenario = parse_scenario(R"(
 name: flown
 world: {bounds: {min_m: [0, 0], max_m: [10, 10]}}
@@ -254,7 +254,7 @@ targets: {count: 1}
   EXPECT_FALSE(scenario.robots[2].autopilot.has_value());
 }
 
-TEST(ParseScenario, ReadsHowARoverIsReachedAndRefusesOneWithAnAutopilot) {
+TEST(ParseScenario, ReadsRoversAndRefusesAnAutopilot) {
   const std::string text = R"(
 name: driven
 world: {bounds: {min_m: [0, 0], max_m: [10, 10]}}
@@ -282,7 +282,7 @@ robots:
 targets: {count: 1}
 )";
 
-TEST(ParseScenario, ReadsWhatRunsOnWhichHost) {
+TEST(ParseScenario, ReadsHosts) {
   const Scenario scenario = parse_scenario(std::string(kTwoRobots) + R"(
 hosts:
   - {name: LAB, runs: [sim, logger, B]}
@@ -296,7 +296,7 @@ hosts:
   EXPECT_TRUE(scenario.runs_on("LAB", kMocapPart)) << "named by none: the first";
 }
 
-TEST(ParseScenario, ReadsAttacksAndHowManyTheTeamExpects) {
+TEST(ParseScenario, ReadsAttacksAndTheExpectedNumber) {
   const std::string text = std::string(kTwoRobots) + R"(
 planner: {attacks_max: 1}
 attacks:
@@ -322,7 +322,7 @@ attacks:
   refused("to_s: 5, robots", "robots");                              // end missing
 }
 
-TEST(ParseScenario, KnowsAStatedWindFromNone) {
+TEST(ParseScenario, DistinguishesZeroWindFromNone) {
   const std::string text = R"(name: windy
 world: {bounds: {min_m: [0, 0], max_m: [10, 10]}}
 robots: [{name: A, start: {x_m: 2, y_m: 5}, primitives: lab, sensor: {kind: position}}]
@@ -337,7 +337,7 @@ targets: {count: 1}
   EXPECT_THROW((void)parse_scenario(text + "wind: {x_mps: 31}\n", "windy"), StartupError);
 }
 
-TEST(ParseScenario, ReadsWhatMotionCostsAndHowTheTeamAgrees) {
+TEST(ParseScenario, ReadsEnergyCostAndTeamAlgorithm) {
   const std::string text = R"(name: energy
 world:
   bounds: {min_m: [0, 0], max_m: [10, 10]}
@@ -403,7 +403,7 @@ targets:
   EXPECT_FALSE(scenario.targets[1].start.has_value());
 }
 
-TEST(ParseScenario, KnowsEveryWordOfTheStructs) {
+TEST(ParseScenario, ReadsEveryEnumerator) {
   const auto algorithm = [](const std::string& word) {
     return parse_scenario(smallest_with("planner: {algorithm: " + word + "}"), "words")
         .planner.algorithm;
@@ -432,7 +432,7 @@ TEST(ParseScenario, KnowsEveryWordOfTheStructs) {
   EXPECT_EQ(motion("still"), TargetMotion::kStill);
 }
 
-TEST(ParseScenario, ReadsNumbersAsTheyAreUsuallyWritten) {
+TEST(ParseScenario, ReadsUsualNumberFormats) {
   const Scenario scenario =
       parse_scenario(smallest_with("duration_s: +1.5e2\nseed: 18446744073709551615\n"
                                    "planner: {node_budget: 9000000000}\n"
@@ -444,7 +444,7 @@ TEST(ParseScenario, ReadsNumbersAsTheyAreUsuallyWritten) {
   EXPECT_EQ(scenario.target_truth.acceleration_q, 0.5);
 }
 
-TEST(ScenarioSecurity, IsOffUnlessSaidAndTheModeIsThatOfItsDevices) {
+TEST(ScenarioSecurity, IsOffByDefaultAndFollowsItsDevices) {
   const Scenario plain = parse_scenario(kSmallest, "smallest");
   EXPECT_EQ(plain.security.mode, SecurityMode::kOff);
   EXPECT_EQ(trial_mode(plain), TrialMode::kSimulation);

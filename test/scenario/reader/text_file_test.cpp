@@ -33,7 +33,7 @@ std::string refusal_of_file(const std::string& path, const TextRule& rule) {
   }
 }
 
-TEST(CheckText, TakesAsManyBytesAsItsRuleSaysAndNoMore) {
+TEST(CheckText, LimitsTheNumberOfBytes) {
   EXPECT_EQ(refusal_of("abcdef", kOfSixBytes), "taken");
   EXPECT_EQ(refusal_of("abcdefg", kOfSixBytes), "f: must be at most 6 bytes");
   EXPECT_EQ(refusal_of(std::string(1'048'576, 'a'), kScenarioText), "taken");
@@ -41,7 +41,7 @@ TEST(CheckText, TakesAsManyBytesAsItsRuleSaysAndNoMore) {
             "f: must be at most 1048576 bytes");
 }
 
-TEST(CheckText, TakesWhatPrintsAndEndsLinesAndNamesTheLineOfAnythingElse) {
+TEST(CheckText, AcceptsPrintableTextAndNamesTheBadLine) {
   const TextRule rule{.expected = "a text", .bytes_max = 1000};
   for (int byte = 1; byte < 0x80; ++byte) {
     const std::string text = std::string("a\r\n\xC3\xA4\n") + static_cast<char>(byte);
@@ -62,7 +62,7 @@ TEST(CheckText, TakesWhatPrintsAndEndsLinesAndNamesTheLineOfAnythingElse) {
   EXPECT_EQ(refusal_of("a\n\n\xC3", rule), "f:3: byte 0xc3 is not UTF-8 text");
 }
 
-TEST(ReadTextFile, ReadsAFileOfAnyLengthThatItsRuleAllowsWhole) {
+TEST(ReadTextFile, ReadsWholeFilesOfAllowedLength) {
   const test::TemporaryFolder folder;
   const std::string path = folder.file("text");
   // The file is read in parts of 64 KiB: less than one, exactly one, one and a byte, three and
@@ -83,7 +83,7 @@ TEST(ReadTextFile, ReadsAFileOfAnyLengthThatItsRuleAllowsWhole) {
   }
 }
 
-TEST(ReadTextFile, ReadsWhatIsNoFileOnlyWhereItMay) {
+TEST(ReadTextFile, ReadsPipesOnlyIfAllowed) {
   TextRule rule = kOfSixBytes;
   EXPECT_EQ(refusal_of_file("/dev/null", rule), "/dev/null: cannot be read");
   rule.may_be_pipe = true;
@@ -93,7 +93,7 @@ TEST(ReadTextFile, ReadsWhatIsNoFileOnlyWhereItMay) {
   EXPECT_EQ(refusal_of_file("/nowhere/at/all", rule), "/nowhere/at/all: no such file");
 }
 
-TEST(TreeBuilder, NestsAsDeepAsItSaysAndNoDeeper) {
+TEST(TreeBuilder, LimitsTheNestingDepth) {
   for (const auto kind : {Node::Kind::kList, Node::Kind::kMapping}) {
     TreeBuilder tree("f");
     EXPECT_EQ(tree.root(), nullptr);
@@ -110,7 +110,7 @@ TEST(TreeBuilder, NestsAsDeepAsItSaysAndNoDeeper) {
   }
 }
 
-TEST(TreeBuilder, PutsEachPartIntoWhatIsOpen) {
+TEST(TreeBuilder, AddsEachNodeToTheOpenParent) {
   TreeBuilder tree("f");
   const Node& list = tree.add(Node::Kind::kList, 1);
   const Node& word = tree.add(Node::Kind::kWord, 2, "word");
@@ -129,7 +129,7 @@ TEST(TreeBuilder, PutsEachPartIntoWhatIsOpen) {
   EXPECT_EQ(inner.items[0]->line, 4);
 }
 
-TEST(ParseYaml, KnowsTheLineOfEveryPart) {
+TEST(ParseYaml, RecordsTheLineOfEveryNode) {
   const Value root = parse_yaml("# first\na:\n  - b\n  - c: d\n'e': |\n  f\n", "f");
   const Node& node = *root.node;
   ASSERT_EQ(node.entry_count(), 2U);
@@ -146,7 +146,7 @@ TEST(ParseYaml, KnowsTheLineOfEveryPart) {
   EXPECT_EQ(node.value(1).text, "f\n");
 }
 
-TEST(ParseYaml, RefusesASecondDocumentWhateverItHolds) {
+TEST(ParseYaml, RefusesASecondDocument) {
   for (const char* second : {"a", "[a]", "{a: 1}"}) {
     try {
       static_cast<void>(parse_yaml(std::string("a: 1\n---\n\n") + second + "\n", "f"));

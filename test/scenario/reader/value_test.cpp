@@ -32,7 +32,7 @@ std::string refusal_of_number(const std::string& text, const Range& range = any_
   return refusal([&] { static_cast<void>(yaml(text).number(range)); });
 }
 
-TEST(Range, HoldsItsEndsUnlessTheyAreExcludedAndSaysSo) {
+TEST(Range, IncludesAndDescribesItsEnds) {
   const struct {
     Range range;
     bool has_min;
@@ -70,7 +70,7 @@ TEST(Range, HoldsItsEndsUnlessTheyAreExcludedAndSaysSo) {
   EXPECT_FALSE(at_least(3.0).contains(2.9) || above(3.0).contains(3.0));
 }
 
-TEST(Value, IsANumberHoweverItsSignIsWritten) {
+TEST(Value, ReadsNumbersWithAnySign) {
   EXPECT_EQ(yaml("+7.5").number(any_number()), 7.5);
   EXPECT_EQ(yaml("-7.5").number(any_number()), -7.5);
   EXPECT_EQ(yaml("+7").integer(0, 9), 7);
@@ -87,7 +87,7 @@ TEST(Value, IsANumberHoweverItsSignIsWritten) {
   EXPECT_EQ(refusal_of_number("5", above_to(5.0, 6.0)), "f:1: must be above 5 and at most 6, is 5");
 }
 
-TEST(Value, IsAWholeNumberAtBothEndsAndNotBeyond) {
+TEST(Value, LimitsIntegers) {
   const auto answer = [](const std::string& text) {
     return refusal([&] { static_cast<void>(yaml(text).integer(-3, 11)); });
   };
@@ -103,7 +103,7 @@ TEST(Value, IsAWholeNumberAtBothEndsAndNotBeyond) {
             "f:1: must be a whole number of at least 0 and at most 18446744073709551615, is '-1'");
 }
 
-TEST(Value, IsAFlagOnlyWithoutQuotes) {
+TEST(Value, ReadsUnquotedFlagsOnly) {
   EXPECT_TRUE(yaml("true").flag());
   EXPECT_FALSE(yaml("false").flag());
   for (const char* none : {"'true'", "\"false\"", "True", "yes", "1", "[true]"}) {
@@ -115,7 +115,7 @@ TEST(Value, IsAFlagOnlyWithoutQuotes) {
   }
 }
 
-TEST(Value, IsATextWithOrWithoutQuotes) {
+TEST(Value, ReadsTextWithOrWithoutQuotes) {
   EXPECT_EQ(yaml("'a b'").text(), "a b");
   EXPECT_EQ(yaml("a").text(), "a");
   EXPECT_EQ(yaml("7").text(), "7") << "YAML's words need no quotes";
@@ -134,7 +134,7 @@ TEST(Value, IsATextWithOrWithoutQuotes) {
   EXPECT_TRUE((Value{yes, "f", "a.b", 3}.flag()));
 }
 
-TEST(Value, HandsOutItsItemsInTheirOrderEachWithItsPlace) {
+TEST(Value, ReturnsItemsInOrderWithTheirPath) {
   const Value list = yaml("- 1.5\n-\n  - 2\n  - 4\n- ~\n- 8\n");
   const std::vector<Value> items = list.items();
   ASSERT_EQ(items.size(), 4U);
@@ -159,7 +159,7 @@ TEST(Value, HandsOutItsItemsInTheirOrderEachWithItsPlace) {
             "f:6: [3]: must be a list, is '8'");
 }
 
-TEST(Value, IsTheEnumeratorOfItsWord) {
+TEST(Value, ReadsEnumerators) {
   enum class Colour { kRed, kGreen, kBlue };
   const auto colour = [](const std::string& text) {
     return yaml(text).word<Colour>(
@@ -174,7 +174,7 @@ TEST(Value, IsTheEnumeratorOfItsWord) {
             "f:1: must be one of red, green, blue; is 'Red'");
 }
 
-TEST(Shortened, IsTheTextUpToItsFortiethByteAndWholeCharacters) {
+TEST(Shortened, KeepsFortyBytesOfWholeCharacters) {
   EXPECT_EQ(shortened(std::string(40, 'a')), std::string(40, 'a'));
   EXPECT_EQ(shortened(std::string(41, 'a')), std::string(40, 'a') + "…");
   EXPECT_EQ(shortened("abc", 2), "ab…");
@@ -185,7 +185,7 @@ TEST(Shortened, IsTheTextUpToItsFortiethByteAndWholeCharacters) {
   EXPECT_EQ(shortened("\xFF\xFF\xFF", 2), "\xFF\xFF…") << "bytes that are no text count one each";
 }
 
-TEST(DiffersInUnit, IsOfTheLastPartOfTheName) {
+TEST(DiffersInUnit, ComparesTheLastPartOfTheName) {
   EXPECT_TRUE(differs_in_unit("range_m", "range_mm"));
   EXPECT_TRUE(differs_in_unit("range", "range_m"));
   EXPECT_TRUE(differs_in_unit("range_max_kmh", "range_max_mps"));
@@ -205,7 +205,7 @@ std::size_t edits(std::string_view a, std::string_view b) {
 }
 
 // Compares with the recursive definition, on words so similar that all distances occur.
-TEST(NearestWord, IsTheFirstOfThoseWithTheFewestEditsIfTheyAreFew) {
+TEST(NearestWord, IsFirstWithFewestEditsUpToLimit) {
   std::mt19937 random(7);
   const auto any_word = [&](std::size_t least, std::size_t most) {
     std::string word(least + random() % (most - least + 1), 'a');
@@ -237,7 +237,7 @@ TEST(NearestWord, IsTheFirstOfThoseWithTheFewestEditsIfTheyAreFew) {
   EXPECT_LT(near, kDraws);
 }
 
-TEST(NearestWord, ForgivesTwoEditsOfAShortWordAndAThirdOfALongOne) {
+TEST(NearestWord, AllowsTwoEditsOrAThirdOfTheLength) {
   EXPECT_EQ(nearest_word("abxy", {"abcd"}), "abcd");
   EXPECT_EQ(nearest_word("axyz", {"abcd"}), "");
   EXPECT_EQ(nearest_word("abcdefxyz", {"abcdefghi"}), "abcdefghi");
@@ -246,7 +246,7 @@ TEST(NearestWord, ForgivesTwoEditsOfAShortWordAndAThirdOfALongOne) {
 }
 
 // The rule "the same name with another unit, else the nearest" holds for units of any length.
-TEST(NearestWord, IsTheSameNameWithAnotherUnitBeforeAnyOther) {
+TEST(NearestWord, PrefersTheSameNameWithAnotherUnit) {
   EXPECT_EQ(nearest_word("range_km", {"range_k", "range_m"}), "range_m");
   EXPECT_EQ(nearest_word("range_km", {"range_m", "range_k"}), "range_m");
   EXPECT_EQ(nearest_word("turn_radps", {"turn_deg", "turn_radpz"}), "turn_deg");
@@ -256,7 +256,7 @@ TEST(NearestWord, IsTheSameNameWithAnotherUnitBeforeAnyOther) {
 
 // Absent keys have their rule and default, present ones their line too; items of a list share a
 // row.
-TEST(KeyTable, ListsEachKeyThatTheReaderAsksFor) {
+TEST(KeyTable, ListsEachKeyOfTheReader) {
   KeyTable table;
   Value document = parse_yaml("speed_mps: 2\nrobots:\n  - {name: A}\n  - {name: B}\n", "");
   document.keys = &table;

@@ -49,7 +49,7 @@ void run(Airframe& body, double seconds, const Eigen::Vector3d& wish_mps2,
 
 // In every direction the body reaches the commanded acceleration, less drag, once tilt and thrust
 // have settled.
-TEST(Airframe, AcceleratesAsItIsAskedAnyWay) {
+TEST(Airframe, ReachesCommandedAccelerationInEveryDirection) {
   const AirframeParameters p = still_air();
   for (const Eigen::Vector3d& wish :
        {Eigen::Vector3d(2.0, 0.0, 0.0), Eigen::Vector3d(-2.0, 1.0, 0.0),
@@ -69,7 +69,7 @@ TEST(Airframe, AcceleratesAsItIsAskedAnyWay) {
   }
 }
 
-TEST(Airframe, TiltsPushesAndSinksNoMoreThanItCan) {
+TEST(Airframe, KeepsItsTiltThrustAndDescentLimits) {
   const AirframeParameters p = still_air();
   Airframe tilted = in_the_air(p);
   run(tilted, 1.0, {30.0, -40.0, 0.0});
@@ -92,7 +92,7 @@ TEST(Airframe, TiltsPushesAndSinksNoMoreThanItCan) {
   EXPECT_GT(off.velocity_mps().z(), 1.0);
 }
 
-TEST(Airframe, TurnsAndPushesWithItsLags) {
+TEST(Airframe, HasItsTurnAndThrustLags) {
   const AirframeParameters p = still_air();
   for (const double side : {1.0, -1.0}) {
     Airframe body = in_the_air(p, side * 3.0);
@@ -124,7 +124,7 @@ TEST(Airframe, TurnsAndPushesWithItsLags) {
   EXPECT_GT(nose.z(), 0.4) << "it looks down where it accelerates";
 }
 
-TEST(Airframe, StandsUntilItLiftsAndLiesWhereItFalls) {
+TEST(Airframe, StaysOnGroundUntilLiftAndWhereItFalls) {
   AirframeParameters windy = still_air();
   windy.wind_mean_mps = {5.0, -4.0, 0.0};
   Airframe body(windy, 1, kPlace, 0.5);
@@ -150,7 +150,7 @@ TEST(Airframe, StandsUntilItLiftsAndLiesWhereItFalls) {
 }
 
 // For v̇ = d (w − v) and a wind with decay rate β, the variance of the speed is w² d/(d + β).
-TEST(Airframe, IsBlownByGustsAsStrongAsStated) {
+TEST(Airframe, IsMovedByGustsOfTheStatedStrength) {
   AirframeParameters p;
   p.wind_sigma_mps = 0.5;
   p.wind_memory_s = 0.5;
@@ -172,7 +172,7 @@ TEST(Airframe, IsBlownByGustsAsStrongAsStated) {
   }
 }
 
-TEST(Airframe, EmptiesItsBatteryByItsThrust) {
+TEST(Airframe, DischargesItsBatteryByThrust) {
   AirframeParameters p = still_air();
   p.battery_endurance_s = 100.0;
   p.battery_start_share = 0.5;
@@ -236,7 +236,7 @@ PoseEstimatorTraits traits_of(double converge_s) {
   return out;
 }
 
-TEST(PoseEstimator, IsReadyAfterPosesWithoutABreakAndLostWithoutThem) {
+TEST(PoseEstimator, IsReadyAfterContinuousPosesAndLostWithoutThem) {
   Belief belief(traits_of(0.5));
   EXPECT_FALSE(belief.estimator.is_ready(belief.now));
   EXPECT_FALSE(belief.estimator.is_lost(belief.now));
@@ -260,7 +260,7 @@ TEST(PoseEstimator, IsReadyAfterPosesWithoutABreakAndLostWithoutThem) {
   EXPECT_FALSE(belief.estimator.is_fed(belief.now + 101 * kMs, 0.1));
 }
 
-TEST(PoseEstimator, ABreakOfLessThanAFifthOfASecondIsNone) {
+TEST(PoseEstimator, IgnoresGapsBelowAFifthOfASecond) {
   Belief belief(traits_of(0.5));
   belief.see();
   for (int k = 0; k < 2; ++k) {
@@ -273,7 +273,7 @@ TEST(PoseEstimator, ABreakOfLessThanAFifthOfASecondIsNone) {
 }
 
 // After a time t without poses the estimate drifts along x at wander · t², in total by wander t³/3.
-TEST(PoseEstimator, WandersWithTheSquareOfTheTimeWithoutPoses) {
+TEST(PoseEstimator, DriftsQuadraticallyWithoutPoses) {
   Belief belief(traits_of(0.0));
   belief.see();
   EXPECT_EQ(belief.estimator.drift_mps(), Eigen::Vector3d::Zero());
@@ -287,7 +287,7 @@ TEST(PoseEstimator, WandersWithTheSquareOfTheTimeWithoutPoses) {
 
 // Each pose corrects three tenths of the error. The first pose, one after a gap and one with a new
 // reset counter correct all of it.
-TEST(PoseEstimator, TakesThreeTenthsOfEachPoseAndAllOfOneThatBeginsAnew) {
+TEST(PoseEstimator, CorrectsThirtyPercentPerPoseAndAllAfterReset) {
   PoseEstimatorTraits traits = traits_of(0.0);
   traits.wander_mps3 = 0.0;
   Belief belief(traits);
@@ -314,7 +314,7 @@ TEST(PoseEstimator, TakesThreeTenthsOfEachPoseAndAllOfOneThatBeginsAnew) {
   EXPECT_NEAR(belief.off_m(), 5.0, 1e-12);
 }
 
-TEST(PoseEstimator, RefusesWhatIsFarUntilItHasDoneSoForLong) {
+TEST(PoseEstimator, RefusesFarPosesUntilTimeout) {
   const Eigen::Vector3d far_m(0.0, 0.81, 0.0);
   Belief belief(traits_of(0.0));
   belief.see();
@@ -339,7 +339,7 @@ TEST(PoseEstimator, RefusesWhatIsFarUntilItHasDoneSoForLong) {
   EXPECT_NEAR(belief.off_m(), 0.81, 1e-9);
 }
 
-TEST(PoseEstimator, KnowsNothingOfAVehicleThatHasNotMovedYet) {
+TEST(PoseEstimator, HasNoHistoryBeforeFirstMove) {
   PoseEstimator estimator(traits_of(0.0));
   estimator.fuse(kStart, kStart, kHere, 0);
   EXPECT_EQ(estimator.poses(), 0);
@@ -347,7 +347,7 @@ TEST(PoseEstimator, KnowsNothingOfAVehicleThatHasNotMovedYet) {
 }
 
 // For poses older than a second, the oldest stored position is used.
-TEST(PoseEstimator, RemembersASecondOfItsWay) {
+TEST(PoseEstimator, StoresOneSecondOfPositions) {
   PoseEstimatorTraits traits = traits_of(0.0);
   traits.wander_mps3 = 0.0;
   PoseEstimator estimator(traits);
@@ -374,7 +374,7 @@ AutopilotSettings settings_with(AutopilotDialect dialect,
 }
 
 // Defaults of the firmwares, as in their parameter documentation.
-TEST(AutopilotSettings, AreTheFirmwaresOwnWhereNothingIsSet) {
+TEST(AutopilotSettings, UseFirmwareDefaultsWithoutParameters) {
   const AutopilotSettings px4 = settings_with(AutopilotDialect::kPx4, {});
   EXPECT_EQ(px4.setpoint_loss_s, 1.0);
   EXPECT_FALSE(px4.lands_on_setpoint_loss);
@@ -407,7 +407,7 @@ TEST(AutopilotSettings, AreTheFirmwaresOwnWhereNothingIsSet) {
   EXPECT_NEAR(ardupilot.yaw_rate_max_radps, 60.0 * kPi / 180.0, 1e-12);
 }
 
-TEST(AutopilotSettings, AreWhatTheParametersSayInTheirUnits) {
+TEST(AutopilotSettings, ConvertParametersAndUnits) {
   const auto px4 = [](const std::string& name, double value) {
     return settings_with(AutopilotDialect::kPx4, {{name, value}});
   };
@@ -453,7 +453,7 @@ TEST(AutopilotSettings, AreWhatTheParametersSayInTheirUnits) {
 }
 
 // Autopilots, modes and estimator flags are numbered as in the MAVLink documentation.
-TEST(AutopilotProfile, NumbersItselfAndItsModesAsMavlinkDoes) {
+TEST(AutopilotProfile, UsesMavlinkNumbers) {
   const AutopilotProfile& px4 = profile_of(AutopilotDialect::kPx4);
   EXPECT_EQ(px4.autopilot_id, 12);
   EXPECT_EQ(px4.follow_mode, 0x00060000U);  // main mode 6: offboard

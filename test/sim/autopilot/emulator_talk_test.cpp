@@ -29,7 +29,7 @@ using test::target_of;
 
 constexpr Time kBoot = test::kDeskBoot;
 
-TEST(EmulatorTalk, BeginsWithItsPlaceInTheWorldsAxes) {
+TEST(EmulatorTalk, StartsWithItsWorldPosition) {
   const Desk desk(AutopilotDialect::kPx4);
   EXPECT_LT(
       (desk.emulator.world_from_body().translation_m - Eigen::Vector3d(1.0, 2.0, 0.25)).norm(),
@@ -38,7 +38,7 @@ TEST(EmulatorTalk, BeginsWithItsPlaceInTheWorldsAxes) {
   EXPECT_EQ(desk.emulator.velocity_world_mps(), Eigen::Vector3d::Zero());
 }
 
-TEST(EmulatorTalk, SaysAHeartbeatEachSecondOfItsKind) {
+TEST(EmulatorMessages, SendsHeartbeatEachSecond) {
   struct Row {
     AutopilotDialect dialect;
     int id;
@@ -70,7 +70,7 @@ TEST(EmulatorTalk, SaysAHeartbeatEachSecondOfItsKind) {
   }
 }
 
-TEST(EmulatorTalk, SendsAMessageAsOftenAsItIsAskedToAndNoneOfTheOtherAutopilots) {
+TEST(EmulatorMessages, SendsOwnMessagesAtRequestedRate) {
   Desk desk(AutopilotDialect::kPx4);
   const std::uint16_t kInterval = mavlink::command::kSetMessageInterval;
   EXPECT_EQ(desk.command(kInterval, 30.0F, 20'000.0F), 0);
@@ -95,7 +95,7 @@ TEST(EmulatorTalk, SendsAMessageAsOftenAsItIsAskedToAndNoneOfTheOtherAutopilots)
   EXPECT_EQ(other.command(kInterval, 230.0F, 20'000.0F), 4);
 }
 
-TEST(EmulatorTalk, ListensToItselfAndToEverybodysMessagesAlone) {
+TEST(EmulatorMessages, AcceptsOwnAddressAndBroadcastOnly) {
   Desk desk(AutopilotDialect::kPx4);
   EXPECT_EQ(desk.command(mavlink::command::kSetMode, 1.0F, 4.0F, 6.0F, 0.0F, 8), -1);
   EXPECT_EQ(desk.command(mavlink::command::kSetMode, 1.0F, 4.0F, 6.0F, 0.0F, 0), 0);
@@ -112,7 +112,7 @@ TEST(EmulatorTalk, ListensToItselfAndToEverybodysMessagesAlone) {
   EXPECT_EQ(other.emulator.controller().mode(), 9U) << "it has no sub modes";
 }
 
-TEST(EmulatorTalk, SaysWhereItIsAndHowItLiesInTheAutopilotsAxes) {
+TEST(EmulatorMessages, ReportsPoseInAutopilotAxes) {
   Desk desk = flying();
   auto target = target_of(mavlink::mask::kVelocityAndYawRate);
   target.vx = 1.0F;
@@ -156,7 +156,7 @@ TEST(EmulatorTalk, SaysWhereItIsAndHowItLiesInTheAutopilotsAxes) {
 }
 
 // Without poses PX4 reports its power-up position as the origin; ArduPilot sends no position.
-TEST(EmulatorTalk, WithoutPosesIsAtZeroOrSilent) {
+TEST(EmulatorMessages, ReportsZeroOrNothingWithoutPoses) {
   Desk desk(AutopilotDialect::kPx4);
   const auto motion = desk.ask<mavlink::LocalPositionNed>();
   EXPECT_EQ(motion.x, 0.0F);
@@ -168,7 +168,7 @@ TEST(EmulatorTalk, WithoutPosesIsAtZeroOrSilent) {
   EXPECT_TRUE(other.all<mavlink::LocalPositionNed>().empty());
 }
 
-TEST(EmulatorTalk, SaysOfItsBatteryAsMuchAsItsKindKnows) {
+TEST(EmulatorMessages, ReportsBatteryPerDialect) {
   struct Row {
     BatteryReport report;
     int remaining;
@@ -197,7 +197,7 @@ TEST(EmulatorTalk, SaysOfItsBatteryAsMuchAsItsKindKnows) {
   EXPECT_NEAR(desk.ask<mavlink::BatteryStatus>().current_battery, 2500.0 * 9.81 / 20.0, 60.0);
 }
 
-TEST(EmulatorTalk, ReadsWritesAndForgetsParameters) {
+TEST(EmulatorMessages, ReadsWritesAndResetsParameters) {
   Desk desk(AutopilotDialect::kPx4);
   const auto ask = [&](const std::string& name, std::uint8_t to = 9) {
     mavlink::ParamRequestRead out;
@@ -246,7 +246,7 @@ TEST(EmulatorTalk, ReadsWritesAndForgetsParameters) {
 }
 
 // PX4 accepts poses in each frame that it knows and counts the others as refused.
-TEST(EmulatorTalk, Px4TurnsPosesOfOtherFramesIntoItsOwn) {
+TEST(EmulatorMessages, Px4ConvertsPoseFrames) {
   struct Row {
     std::uint8_t frame;
     Eigen::Vector3d said_m;
@@ -272,7 +272,7 @@ TEST(EmulatorTalk, Px4TurnsPosesOfOtherFramesIntoItsOwn) {
   }
 }
 
-TEST(EmulatorTalk, Px4FusesWhatClaimsToBeVisionAndSaysOfOthersThatItDoesNot) {
+TEST(EmulatorMessages, Px4FusesVisionAndReportsOtherSources) {
   for (int type = 0; type <= 8; ++type) {
     Desk desk(AutopilotDialect::kPx4);
     mavlink::Heartbeat station;
@@ -294,7 +294,7 @@ TEST(EmulatorTalk, Px4FusesWhatClaimsToBeVisionAndSaysOfOthersThatItDoesNot) {
   }
 }
 
-TEST(EmulatorTalk, ArdupilotTakesPosesInItsOneFrameOfItsOneBodyAlone) {
+TEST(EmulatorMessages, ArdupilotAcceptsPosesInOneFrameOnly) {
   const auto taken = [](std::uint8_t frame, std::uint8_t body, double x_m) {
     Desk desk(AutopilotDialect::kArdupilot);
     desk.run(5.1);
@@ -312,7 +312,7 @@ TEST(EmulatorTalk, ArdupilotTakesPosesInItsOneFrameOfItsOneBodyAlone) {
                      std::numeric_limits<double>::infinity()));
 }
 
-TEST(EmulatorTalk, TakesVisionPositionEstimatesThatAreNumbers) {
+TEST(EmulatorTalk, AcceptsFiniteVisionEstimates) {
   Desk desk(AutopilotDialect::kPx4);
   desk.run(0.1);
   mavlink::VisionPositionEstimate vision;

@@ -39,7 +39,7 @@ Eigen::Vector4d place_after(Desk desk, const mavlink::SetPositionTargetLocalNed&
 
 // Targets in body axes are turned by the yaw: forward, right, down. A position in body axes is
 // refused.
-TEST(EmulatorTargets, InItsOwnAxesAreTurnedByItsYaw) {
+TEST(EmulatorTargets, InBodyAxesAreRotatedByYaw) {
   const Desk begin = flying();
   const double yaw_rad = begin.emulator.controller().airframe().yaw_rad();
   ASSERT_NEAR(yaw_rad, -0.5, 0.01);
@@ -62,7 +62,7 @@ TEST(EmulatorTargets, InItsOwnAxesAreTurnedByItsYaw) {
   }
 }
 
-TEST(EmulatorTargets, InAxesThatItDoesNotKnowOrOfAForceAreIgnoredAndCounted) {
+TEST(EmulatorTargets, InUnknownFramesAreIgnoredAndCounted) {
   const Desk begin = flying();
   auto stay = target_of(mavlink::mask::kPositionAndYaw);
   stay.x = 1.0F;
@@ -93,7 +93,7 @@ TEST(EmulatorTargets, InAxesThatItDoesNotKnowOrOfAForceAreIgnoredAndCounted) {
 }
 
 // Each of the five parts is obeyed if and only if it is not masked out.
-TEST(EmulatorTargets, ObeyEachPartThatIsNotMaskedOut) {
+TEST(EmulatorTargets, ApplyAllUnmaskedFields) {
   using Target = mavlink::SetPositionTargetLocalNed;
   struct Part {
     std::uint16_t bits;
@@ -135,7 +135,7 @@ TEST(EmulatorTargets, ObeyEachPartThatIsNotMaskedOut) {
 
 // --- clocks
 
-TEST(EmulatorTalk, AnswersWhoAsksForItsTimeAndAsksItself) {
+TEST(EmulatorMessages, AnswersAndSendsTimesync) {
   Desk desk(AutopilotDialect::kPx4);
   desk.run(0.5);
   desk.frames.clear();
@@ -154,7 +154,7 @@ TEST(EmulatorTalk, AnswersWhoAsksForItsTimeAndAsksItself) {
 
 // The host's clock is five hours off. The answer gives the host's time half a round trip after the
 // request. A pose of 0.1 s ago is then compared with the position of 0.1 s ago.
-TEST(EmulatorTalk, KnowsWhenAPoseWasTakenByTheClockOfItsHost) {
+TEST(EmulatorMessages, ConvertsPoseTimeFromHostClock) {
   constexpr Duration kOff = std::chrono::hours(5);
   for (const bool is_answered : {false, true}) {
     Desk desk = flying();
@@ -188,7 +188,7 @@ TEST(EmulatorTalk, KnowsWhenAPoseWasTakenByTheClockOfItsHost) {
   }
 }
 
-TEST(EmulatorTalk, ConfirmsTheOriginThatItWasGiven) {
+TEST(EmulatorMessages, ConfirmsOrigin) {
   for (const AutopilotDialect dialect : {AutopilotDialect::kPx4, AutopilotDialect::kArdupilot}) {
     Desk desk(dialect);
     desk.run(4.0);
@@ -211,7 +211,7 @@ TEST(EmulatorTalk, ConfirmsTheOriginThatItWasGiven) {
 // --- long texts
 
 // 50 letters per message. The pieces of one text share an id and are numbered.
-TEST(EmulatorTalk, SaysLongTextsInPieces) {
+TEST(EmulatorMessages, SplitsLongTexts) {
   Desk desk(AutopilotDialect::kPx4);
   mavlink::Heartbeat station;
   station.type = mavlink::type::kGroundStation;
@@ -245,7 +245,7 @@ TEST(EmulatorTalk, SaysLongTextsInPieces) {
 }
 
 // PX4 sends texts only to a ground station whose last heartbeat is at most 2.5 s old.
-TEST(EmulatorTalk, SpeaksToAStationForTwoAndAHalfSecondsAfterItsHeartbeat) {
+TEST(EmulatorMessages, SendsTextsFor2_5SecondsAfterHeartbeat) {
   const auto texts_after = [](AutopilotDialect dialect, double silence_s) {
     Desk desk(dialect);
     desk.run(1.0);
@@ -262,7 +262,7 @@ TEST(EmulatorTalk, SpeaksToAStationForTwoAndAHalfSecondsAfterItsHeartbeat) {
 }
 
 // If nothing is fetched, the older half of 1024 messages is dropped.
-TEST(EmulatorTalk, ForgetsTheOlderHalfOfWhatNobodyFetches) {
+TEST(EmulatorMessages, DropsOlderHalfOfUnfetchedOutput) {
   AutopilotEmulator emulator(spec_of(AutopilotDialect::kPx4), kBoot);
   std::uint8_t sequence = 0;
   const auto ask = [&](std::uint16_t number) {

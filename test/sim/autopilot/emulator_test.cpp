@@ -57,7 +57,7 @@ Hand flying_ardupilot() {
 }
 
 // A late pose is compared with the vehicle's position at its capture time.
-TEST(PoseEstimator, OfAMovingVehicleIsRightWithLatePoses) {
+TEST(PoseEstimator, IsExactWithLatePosesInMotion) {
   PoseEstimatorTraits traits;
   traits.converge_s = 0.1;
   for (const int late_ms : {0, 20, 200}) {
@@ -78,7 +78,7 @@ TEST(PoseEstimator, OfAMovingVehicleIsRightWithLatePoses) {
 }
 
 // ArduPilot checks for its station three times per second.
-TEST(AutopilotProfile, AsksAsOftenAsTheRealOneWhetherItsStationIsThere) {
+TEST(AutopilotProfile, ChecksStationAtTheRealRate) {
   EXPECT_DOUBLE_EQ(3.0 * profile_of(AutopilotDialect::kArdupilot).station_check_s, 1.0);
 }
 
@@ -95,7 +95,7 @@ TEST(EmulatedPx4, IsReadySoonAfterTheFirstPose) {
 }
 
 // PX4 1.18 sends STATUSTEXT only where it receives a heartbeat of type GCS.
-TEST(EmulatedPx4, SaysWhyItRefusesToGroundStationsAlone) {
+TEST(EmulatedPx4, SendsReasonsOnlyToGroundStations) {
   Hand hand(AutopilotDialect::kPx4);
   listen(hand);
   hand.run(1.0);
@@ -110,7 +110,7 @@ TEST(EmulatedPx4, SaysWhyItRefusesToGroundStationsAlone) {
   EXPECT_FALSE(hand.last_text.empty());
 }
 
-TEST(EmulatedPx4, NeverReadsPosesThatClaimToBeMocap) {
+TEST(EmulatedPx4, IgnoresMocapPoses) {
   Hand hand(AutopilotDialect::kPx4);
   hand.sends_poses = true;
   hand.estimator_type = 6;
@@ -119,7 +119,7 @@ TEST(EmulatedPx4, NeverReadsPosesThatClaimToBeMocap) {
   EXPECT_EQ(hand.emulator.controller().estimator().poses(), 0);
 }
 
-TEST(EmulatedPx4, TakesOffboardAtOnceButArmsInItOnlyAfterASecondOfSetPoints) {
+TEST(EmulatedPx4, ArmsInOffboardAfterOneSecondOfSetPoints) {
   Hand hand(AutopilotDialect::kPx4);
   hand.sends_poses = true;
   hand.run(5.0);
@@ -134,7 +134,7 @@ TEST(EmulatedPx4, TakesOffboardAtOnceButArmsInItOnlyAfterASecondOfSetPoints) {
 }
 
 // COM_OF_LOSS_T, with the default and set values.
-TEST(EmulatedPx4, LandsWhenSetPointsStopForAsLongAsItsParameterSays) {
+TEST(EmulatedPx4, LandsAfterComOfLossT) {
   for (const double timeout_s : {0.3, 1.0, 2.0}) {
     Hand hand = flying_px4();
     hand.set_parameter("COM_OF_LOSS_T", timeout_s);
@@ -148,7 +148,7 @@ TEST(EmulatedPx4, LandsWhenSetPointsStopForAsLongAsItsParameterSays) {
   }
 }
 
-TEST(EmulatedPx4, HoldsWhereItIsWhenItsParameterDoesNotSayLand) {
+TEST(EmulatedPx4, HoldsOnSetPointLossUnlessConfiguredToLand) {
   Hand hand = flying_px4();
   hand.set_parameter("COM_OBL_RC_ACT", 0.0);
   hand.target.reset();
@@ -157,7 +157,7 @@ TEST(EmulatedPx4, HoldsWhereItIsWhenItsParameterDoesNotSayLand) {
   EXPECT_TRUE(hand.armed());
 }
 
-TEST(EmulatedPx4, NeverStopsItsMotorsAfterALandingWithANegativeDelay) {
+TEST(EmulatedPx4, KeepsMotorsRunningWithANegativeDisarmDelay) {
   Hand hand = flying_px4();
   hand.set_parameter("COM_DISARM_LAND", -1.0);
   EXPECT_EQ(hand.command(21, 0), 0);
@@ -165,7 +165,7 @@ TEST(EmulatedPx4, NeverStopsItsMotorsAfterALandingWithANegativeDelay) {
   EXPECT_TRUE(hand.armed());
 }
 
-TEST(EmulatedPx4, LosesItsHeightWithItsPosesWhenItsBarometerIsOff) {
+TEST(EmulatedPx4, LosesHeightWithoutPosesAndBarometer) {
   Hand hand = flying_px4();
   hand.set_parameter("EKF2_BARO_CTRL", 0.0);
   hand.sends_poses = false;
@@ -175,7 +175,7 @@ TEST(EmulatedPx4, LosesItsHeightWithItsPosesWhenItsBarometerIsOff) {
   EXPECT_EQ(hand.flags, 0x005);
 }
 
-TEST(EmulatedPx4, AnswersVelocitiesSoftly) {
+TEST(EmulatedPx4, FollowsVelocitiesSmoothly) {
   Hand hand = flying_px4();
   const Eigen::Vector3d before_m = hand.emulator.world_from_body().translation_m;
   hand.target = Hand::velocity(0.5F, 0.0F, 0.0F, 0.0F);
@@ -188,7 +188,7 @@ TEST(EmulatedPx4, AnswersVelocitiesSoftly) {
   EXPECT_NEAR(hand.emulator.world_from_body().translation_m.y(), before_m.y(), 0.1);
 }
 
-TEST(EmulatedArdupilot, KnowsItsPositionWithoutAnOriginAndDoesNotArm) {
+TEST(EmulatedArdupilot, DoesNotArmWithoutAnOrigin) {
   Hand hand(AutopilotDialect::kArdupilot);
   listen(hand);
   hand.sends_poses = true;
@@ -204,7 +204,7 @@ TEST(EmulatedArdupilot, KnowsItsPositionWithoutAnOriginAndDoesNotArm) {
   EXPECT_EQ(hand.command(400, 1), 0);
 }
 
-TEST(EmulatedArdupilot, TakesNoOriginBeforeItsEstimatorRuns) {
+TEST(EmulatedArdupilot, RefusesAnOriginBeforeItsEstimatorRuns) {
   Hand hand(AutopilotDialect::kArdupilot);
   hand.run(3.0);
   hand.send(wire::mavlink::SetGpsGlobalOrigin{});
@@ -216,7 +216,7 @@ TEST(EmulatedArdupilot, TakesNoOriginBeforeItsEstimatorRuns) {
   EXPECT_EQ(hand.origins, 1);
 }
 
-TEST(EmulatedArdupilot, RefusesToArmForTwentyTwoSecondsAndSaysWhy) {
+TEST(EmulatedArdupilot, RefusesToArmFor22SecondsWithReason) {
   Hand hand = placed_ardupilot();
   hand.run(5.0);
   EXPECT_EQ(hand.command(400, 1), 4);
@@ -228,7 +228,7 @@ TEST(EmulatedArdupilot, RefusesToArmForTwentyTwoSecondsAndSaysWhy) {
   EXPECT_EQ(hand.command(400, 1), 0);
 }
 
-TEST(EmulatedArdupilot, IgnoresPosesInAnyFrameButTheOne) {
+TEST(EmulatedArdupilot, IgnoresPosesInOtherFrames) {
   Hand hand(AutopilotDialect::kArdupilot);
   hand.sends_poses = true;
   hand.frame = wire::mavlink::frame::kLocalNed;
@@ -240,7 +240,7 @@ TEST(EmulatedArdupilot, IgnoresPosesInAnyFrameButTheOne) {
 }
 
 // GUID_TIMEOUT, with the default and set values.
-TEST(EmulatedArdupilot, KeepsItsLastVelocityForAsLongAsItsParameterSaysAndStops) {
+TEST(EmulatedArdupilot, StopsAfterGuidTimeout) {
   for (const double timeout_s : {0.3, 3.0}) {
     Hand hand = flying_ardupilot();
     hand.set_parameter("GUID_TIMEOUT", timeout_s);
@@ -257,7 +257,7 @@ TEST(EmulatedArdupilot, KeepsItsLastVelocityForAsLongAsItsParameterSaysAndStops)
 }
 
 // FS_GCS_ENABLE, FS_GCS_TIMEOUT, SYSID_MYGCS. A station that never sent anything cannot be lost.
-TEST(EmulatedArdupilot, LandsWhenItsStationFallsSilentIfItsParametersSaySo) {
+TEST(EmulatedArdupilot, LandsOnStationLossIfConfigured) {
   const auto mode_after = [](double silence_s, const std::string& name, double value) {
     Hand hand = flying_ardupilot();
     hand.set_parameter(name, value);
@@ -278,7 +278,7 @@ TEST(EmulatedArdupilot, LandsWhenItsStationFallsSilentIfItsParametersSaySo) {
   EXPECT_EQ(hand.mode(), 4U);
 }
 
-TEST(EmulatedArdupilot, TurnsWithTheYawRateItIsGiven) {
+TEST(EmulatedArdupilot, FollowsTheYawRate) {
   Hand hand = flying_ardupilot();
   hand.target = Hand::velocity(0.0F, 0.0F, 0.0F, 0.5F);
   hand.run(2.0);
@@ -300,7 +300,7 @@ TEST(EmulatedArdupilot, LandsEightSecondsAfterTheLastPose) {
   EXPECT_EQ(hand.flags, 0x025);
 }
 
-TEST(EmulatedArdupilot, DisarmsWhenItIsNotTakenOffInTenSeconds) {
+TEST(EmulatedArdupilot, DisarmsTenSecondsAfterArmingWithoutTakeOff) {
   Hand hand = placed_ardupilot();
   hand.run(21.0);
   EXPECT_EQ(hand.command(176, 1, 4), 0);
@@ -311,7 +311,7 @@ TEST(EmulatedArdupilot, DisarmsWhenItIsNotTakenOffInTenSeconds) {
   EXPECT_FALSE(hand.armed());
 }
 
-TEST(EmulatedArdupilot, LandsAndDisarmsByItself) {
+TEST(EmulatedArdupilot, LandsAndDisarmsAutomatically) {
   Hand hand = flying_ardupilot();
   EXPECT_EQ(hand.command(176, 1, 9), 0);
   hand.run(3.0);
@@ -332,7 +332,7 @@ TEST(EmulatedAutopilot, RefusesToStopItsMotorsInTheAirUnlessForced) {
   }
 }
 
-TEST(EmulatedAutopilot, SaysOfItsBatteryWhatARealOneSays) {
+TEST(EmulatedAutopilot, ReportsBatteryLikeTheRealOne) {
   Hand hand(AutopilotDialect::kPx4);
   hand.command(511, 147.0F, 50'000.0F);
   hand.run(0.2);
@@ -344,7 +344,7 @@ TEST(EmulatedAutopilot, SaysOfItsBatteryWhatARealOneSays) {
   EXPECT_EQ(hand.last_battery->charge_state, 1);
 }
 
-TEST(EmulatedAutopilot, SaysTheSameAgainToTheSameBytes) {
+TEST(EmulatedAutopilot, IsDeterministic) {
   const auto fly = [] {
     Hand hand = flying_px4();
     hand.target = Hand::velocity(0.3F, -0.2F, 0.1F, 0.4F);

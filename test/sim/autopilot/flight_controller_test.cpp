@@ -27,7 +27,7 @@ constexpr Time kBoot = test::kPilotBoot;
 constexpr AutopilotDialect kBoth[] = {AutopilotDialect::kPx4, AutopilotDialect::kArdupilot};
 
 // The flight is the same after turning north and mirroring left and right.
-TEST(FlightController, FliesTheSameTurnedAndMirrored) {
+TEST(FlightController, IsInvariantToRotationAndReflection) {
   for (const AutopilotDialect dialect : kBoth) {
     const auto fly = [&](double turn_rad, double side) {
       const Eigen::AngleAxisd turn(turn_rad, Eigen::Vector3d::UnitZ());
@@ -64,7 +64,7 @@ TEST(FlightController, FliesTheSameTurnedAndMirrored) {
 }
 
 // Each kind of target is reached, and limits are kept on the way.
-TEST(FlightController, ComesToItsTargetWithinItsLimits) {
+TEST(FlightController, ReachesItsTargetWithinItsLimits) {
   for (const AutopilotDialect dialect : kBoth) {
     Pilot pilot(dialect);
     pilot.take_off(1.5);
@@ -110,7 +110,7 @@ TEST(FlightController, ComesToItsTargetWithinItsLimits) {
 }
 
 // A position target with a feed-forward velocity is followed without lag.
-TEST(FlightController, FollowsAPlaceThatMovesAtTheStatedVelocity) {
+TEST(FlightController, FollowsAMovingTarget) {
   for (const AutopilotDialect dialect : kBoth) {
     Pilot pilot(dialect);
     pilot.take_off(1.5);
@@ -128,7 +128,7 @@ TEST(FlightController, FollowsAPlaceThatMovesAtTheStatedVelocity) {
   }
 }
 
-TEST(FlightController, LandsAtItsSpeedAndStopsItsMotorsWhenItHasNoticed) {
+TEST(FlightController, LandsAtItsSpeedAndStopsItsMotorsAfterDetection) {
   for (const AutopilotDialect dialect : kBoth) {
     Pilot pilot(dialect);
     pilot.take_off(1.5);
@@ -155,7 +155,7 @@ TEST(FlightController, LandsAtItsSpeedAndStopsItsMotorsWhenItHasNoticed) {
   }
 }
 
-TEST(FlightController, NeverStopsItsMotorsByItselfWhereItsOwnerHasSetNoTime) {
+TEST(FlightController, KeepsMotorsRunningWithoutADisarmDelay) {
   AutopilotSettings set = settings();
   set.land_disarm_s.reset();
   set.idle_disarm_s.reset();
@@ -176,7 +176,7 @@ TEST(FlightController, NeverStopsItsMotorsByItselfWhereItsOwnerHasSetNoTime) {
 }
 
 // It needs 10 % to arm and 3 % to continue flying.
-TEST(FlightController, NeitherArmsNorFliesOnWithAnEmptyBattery) {
+TEST(FlightController, DoesNotArmOrFlyWithAnEmptyBattery) {
   for (const AutopilotDialect dialect : kBoth) {
     Pilot pilot(dialect);
     pilot.run(25.0);
@@ -204,7 +204,7 @@ TEST(FlightController, NeitherArmsNorFliesOnWithAnEmptyBattery) {
   }
 }
 
-TEST(FlightController, ArmsWithoutAFaultOfItsOwnAlone) {
+TEST(FlightController, ArmsOnlyWithoutFaults) {
   Pilot pilot(AutopilotDialect::kPx4);
   pilot.run(1.0);
   pilot.controller.set_fault("Preflight Fail: compass");
@@ -218,7 +218,7 @@ TEST(FlightController, ArmsWithoutAFaultOfItsOwnAlone) {
 }
 
 // All reasons in order; the set of reasons depends on the time since power-up.
-TEST(FlightController, ArdupilotSaysAllThatKeepsItFromArming) {
+TEST(FlightController, ArdupilotReportsAllArmingReasons) {
   const std::string none = "Arm: Need Alt Estimate", attitude = "Arm: EKF attitude is bad",
                     odometry = "Arm: VisOdom: not healthy", accels = "Arm: Accels inconsistent",
                     gyros = "Arm: Gyros inconsistent", home = "Arm: AHRS: waiting for home";
@@ -248,7 +248,7 @@ TEST(FlightController, ArdupilotSaysAllThatKeepsItFromArming) {
 }
 
 // It needs a stream of targets for more than a second, without a gap of more than half a second.
-TEST(FlightController, Px4WantsAProofOfLifeBeforeItArmsInItsModeOrEntersItArmed) {
+TEST(FlightController, Px4RequiresSetPointsBeforeOffboardArming) {
   const auto is_let_in = [](int targets, int gap_ms) {
     Pilot pilot(AutopilotDialect::kPx4);
     pilot.run(1.0);
@@ -276,7 +276,7 @@ TEST(FlightController, Px4WantsAProofOfLifeBeforeItArmsInItsModeOrEntersItArmed)
   EXPECT_EQ(pilot.controller.arm(pilot.now), 0) << "in another mode nobody asks";
 }
 
-TEST(FlightController, TakesOffByCommandAloneAndOnlyFromTheGroundInItsMode) {
+TEST(FlightController, TakesOffOnlyByCommandFromTheGround) {
   Pilot pilot(AutopilotDialect::kArdupilot);
   pilot.controller.set_origin();
   pilot.run(25.0);
@@ -309,7 +309,7 @@ TEST(FlightController, TakesOffByCommandAloneAndOnlyFromTheGroundInItsMode) {
 
 // The flags differ on the ground, in the air, after more than 0.6 s without poses, and after the
 // loss of position.
-TEST(FlightController, SaysHowItsEstimatorIs) {
+TEST(FlightController, ReportsEstimatorFlags) {
   AutopilotSettings set = settings();
   set.lands_on_pose_loss = false;
   Pilot pilot(AutopilotDialect::kPx4, set);
@@ -333,7 +333,7 @@ TEST(FlightController, SaysHowItsEstimatorIs) {
 
 // A station that is lost on the ground stops the motors. Once it is received again, it can be lost
 // again.
-TEST(FlightController, MissesItsOwnStationAlone) {
+TEST(FlightController, FailsOnlyOnLossOfItsOwnStation) {
   AutopilotSettings set = settings();
   set.heartbeat_loss_s = 1.0;
   set.station_id = 250;

@@ -28,7 +28,7 @@ void fly_on(Pilot& pilot, const Eigen::Vector3d& velocity_mps) {
 }
 
 // It lands where its velocity would bring it in the time of its profile, in both directions.
-TEST(FlightController, LandsWhereItsVelocityBringsItInTheStatedTime) {
+TEST(FlightController, LandsAfterTheStatedStoppingTime) {
   for (const AutopilotDialect dialect : kBoth) {
     for (const double side : {1.0, -1.0}) {
       Pilot pilot(dialect);
@@ -45,7 +45,7 @@ TEST(FlightController, LandsWhereItsVelocityBringsItInTheStatedTime) {
 }
 
 // Without a position it only stops. It does not fly back, and it still descends.
-TEST(FlightController, LandsBlindWhereItHasStopped) {
+TEST(FlightController, LandsBlindAtItsStop) {
   AutopilotSettings set = settings();
   set.lands_on_pose_loss = false;
   for (const double side : {1.0, -1.0}) {

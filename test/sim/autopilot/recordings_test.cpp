@@ -151,14 +151,14 @@ TEST(RecordedArdupilot, RefusesToArmForTheSameReasons) {
   EXPECT_EQ(answers(emulated), answers(real));
 }
 
-TEST(RecordedArdupilot, ArmsAsLateAndStopsItsMotorsWhenItIsNotTakenOff) {
+TEST(RecordedArdupilot, HasTheRecordedArmingAndDisarmTimes) {
   const Pair& pair = drill("ardupilot_arming");
   EXPECT_NEAR(pair.emulated.mark("idle"), pair.real.mark("idle"), 1.5);  // since power-up
   EXPECT_GT(pair.real.mark("idle"), 22.0);
   expect_delay(pair, "idle", "text", "Disarming motors", 0.2);
 }
 
-TEST(RecordedArdupilot, KnowsItsPlaceBeforeItHasAnOrigin) {
+TEST(RecordedArdupilot, HasAPositionBeforeAnOrigin) {
   const Pair& pair = drill("ardupilot_arming");
   for (const Recording* recording : {&pair.real, &pair.emulated}) {
     EXPECT_LT(recording->first("position", "")->time_s, recording->mark("origin"));
@@ -183,11 +183,11 @@ TEST(RecordedPx4, RefusesToArmForTheSameReasons) {
   expect_delay(drill("px4_arming"), "arm", "ack", "400 0", 0.2);
 }
 
-TEST(RecordedPx4, IsReadyAsSoonAsItSeesPoses) {
+TEST(RecordedPx4, IsReadyWithTheFirstPoses) {
   expect_delay(drill("px4_arming"), "poses", "flags", "0x01AF", 0.2);
 }
 
-TEST(RecordedPx4, StopsItsMotorsWhenItIsToldNothing) {
+TEST(RecordedPx4, DisarmsWithoutCommands) {
   expect_delay(drill("px4_arming"), "idle", "text", "Disarmed by auto preflight disarming", 0.6);
 }
 
@@ -195,7 +195,7 @@ TEST(RecordedPx4, StopsItsMotorsWhenItIsToldNothing) {
 
 class RecordedMotion : public testing::TestWithParam<const char*> {};
 
-TEST_P(RecordedMotion, FollowsAndStopsAlike) {
+TEST_P(RecordedMotion, FollowsAndStopsAsRecorded) {
   const Pair& pair = drill(GetParam());
   for (const char* const mark : {"move", "brake", "move again", "place alone", "velocity"}) {
     expect_way(pair, mark, 0.08, 0.15);
@@ -204,13 +204,13 @@ TEST_P(RecordedMotion, FollowsAndStopsAlike) {
 }
 
 // Another kind of target while it brakes: ArduCopter attributes the braking to wind.
-TEST_P(RecordedMotion, ThrowsAsFarWhenTheKindOfTargetChanges) {
+TEST_P(RecordedMotion, OvershootsAsRecordedWhenTheTargetKindChanges) {
   const Pair& pair = drill(GetParam());
   expect_way(pair, "place while braking", 0.08, 0.12);
   expect_way(pair, "place after braking velocity", 0.12, 0.12);
 }
 
-TEST_P(RecordedMotion, TurnsAlike) {
+TEST_P(RecordedMotion, TurnsAsRecorded) {
   const Pair& pair = drill(GetParam());
   const double real_s = pair.real.mark("turn");
   const double emulated_s = pair.emulated.mark("turn");
@@ -226,7 +226,7 @@ TEST_P(RecordedMotion, TurnsAlike) {
   EXPECT_NEAR(emulated_most_rad, real_most_rad, 0.1);  // ArduCopter overshoots by a third
 }
 
-TEST_P(RecordedMotion, LandsAndStopsItsMotorsAsLate) {
+TEST_P(RecordedMotion, LandsAndStopsItsMotorsAsRecorded) {
   const Pair& pair = drill(GetParam());
   expect_delay(pair, "land", "landed", kLanding, 0.2);
   expect_delay(pair, "land", "landed", kOnGround, 0.3);
@@ -235,7 +235,7 @@ TEST_P(RecordedMotion, LandsAndStopsItsMotorsAsLate) {
 
 INSTANTIATE_TEST_SUITE_P(, RecordedMotion, testing::Values("ardupilot_motion", "px4_motion"));
 
-TEST(RecordedArdupilot, IsThrownBackByHalfAMetre) {
+TEST(RecordedArdupilot, OvershootsByHalfAMetre) {
   const auto& [real, emulated] = drill("ardupilot_motion");
   EXPECT_GT(way(real, "place while braking").back_m, 0.5);
   EXPECT_GT(way(emulated, "place while braking").back_m, 0.5);
@@ -245,7 +245,7 @@ TEST(RecordedArdupilot, IsThrownBackByHalfAMetre) {
 
 class RecordedSilence : public testing::TestWithParam<const char*> {};
 
-TEST_P(RecordedSilence, OfSetPointsStopsArdupilotWhereItDoes) {
+TEST_P(RecordedSilence, SetPointLossStopsArdupilot) {
   const Pair& pair = drill(std::string("ardupilot_setpoints_stop") + GetParam());
   expect_way(pair, "set-points stop", 0.10, 0.10);
   for (const Recording* recording : {&pair.real, &pair.emulated}) {  // and it stays in its mode
@@ -254,7 +254,7 @@ TEST_P(RecordedSilence, OfSetPointsStopsArdupilotWhereItDoes) {
   }
 }
 
-TEST_P(RecordedSilence, OfSetPointsLandsPx4) {
+TEST_P(RecordedSilence, SetPointLossLandsPx4) {
   const Pair& pair = drill(std::string("px4_setpoints_stop") + GetParam());
   expect_delay(pair, "set-points stop", "text", "Failsafe activated", 0.1);
   expect_delay(pair, "set-points stop", "landed", kLanding, 0.1);
@@ -263,7 +263,7 @@ TEST_P(RecordedSilence, OfSetPointsLandsPx4) {
   expect_way(pair, "set-points stop", 0.12, 0.12);
 }
 
-TEST_P(RecordedSilence, OfHeartbeatsLandsArdupilotAfterAPause) {
+TEST_P(RecordedSilence, HeartbeatLossLandsArdupilotAfterPause) {
   const Pair& pair = drill(std::string("ardupilot_heartbeats_stop") + GetParam());
   // It checks three times per second; heartbeats come five times per second.
   expect_delay(pair, "heartbeats stop", "text", "GCS Failsafe", 0.5);
@@ -284,7 +284,7 @@ TEST_P(RecordedSilence, OfHeartbeatsLandsArdupilotAfterAPause) {
 
 INSTANTIATE_TEST_SUITE_P(, RecordedSilence, testing::Values("", "_slow"));
 
-TEST(RecordedPx4, DoesNothingWhenHeartbeatsStopAndSetPointsDoNot) {
+TEST(RecordedPx4, IgnoresMissingHeartbeatsDuringSetPoints) {
   const Pair& pair = drill("px4_heartbeats_stop");
   for (const Recording* recording : {&pair.real, &pair.emulated}) {
     const double stop_s = recording->mark("heartbeats stop");
@@ -293,7 +293,7 @@ TEST(RecordedPx4, DoesNothingWhenHeartbeatsStopAndSetPointsDoNot) {
   }
 }
 
-TEST(RecordedArdupilot, LandsWhenEverythingStops) {
+TEST(RecordedArdupilot, LandsWhenAllInputStops) {
   const Pair& pair = drill("ardupilot_everything_stops");
   expect_delay(pair, "everything stops", "text", "GCS Failsafe", 0.5);
   expect_delay(pair, "everything stops", "landed", kOnGround, 0.6);
@@ -302,14 +302,14 @@ TEST(RecordedArdupilot, LandsWhenEverythingStops) {
               way(pair.real, "everything stops").farthest_m, 0.3);
 }
 
-TEST(RecordedPx4, LandsWhenEverythingStops) {
+TEST(RecordedPx4, LandsWhenAllInputStops) {
   const Pair& pair = drill("px4_everything_stops");
   expect_delay(pair, "everything stops", "landed", kLanding, 0.1);
   expect_delay(pair, "everything stops", "landed", kOnGround, 0.4);
   expect_way(pair, "everything stops", 0.12, 0.12);
 }
 
-TEST(RecordedArdupilot, LosesItsPlaceAndLands) {
+TEST(RecordedArdupilot, LandsWhenItsPositionIsLost) {
   const Pair& pair = drill("ardupilot_poses_stop");
   expect_delay(pair, "poses stop", "flags", "0x0025", 0.2);
   expect_delay(pair, "poses stop", "text", "EKF Failsafe: changed to LAND Mode", 0.2);
@@ -319,7 +319,7 @@ TEST(RecordedArdupilot, LosesItsPlaceAndLands) {
   EXPECT_NEAR(drift_m(pair.emulated, "poses stop"), drift_m(pair.real, "poses stop"), 0.5);
 }
 
-TEST(RecordedPx4, LosesItsPlaceAndLands) {
+TEST(RecordedPx4, LandsWhenItsPositionIsLost) {
   const Pair& pair = drill("px4_poses_stop");
   const auto in_the_air = [](const Recording& recording) {
     const double stop_s = recording.mark("poses stop");
@@ -339,7 +339,7 @@ TEST(RecordedPx4, LosesItsPlaceAndLands) {
 // second and then accepts it and flies there.
 class RecordedJump : public testing::TestWithParam<const char*> {};
 
-TEST_P(RecordedJump, OfItsPosesMovesItAlike) {
+TEST_P(RecordedJump, MovesEmulatorLikeRealAutopilot) {
   const Pair& pair = drill(GetParam());
   for (const char* const mark : {"small jump", "small jump back", "great jump"}) {
     SCOPED_TRACE(mark);

@@ -48,7 +48,7 @@ class ArdupilotLinkTest : public testing::Test {
   std::uint32_t frames_ = 0;
 };
 
-TEST_F(ArdupilotLinkTest, TurnsPulsesIntoThrottlesFromOneMillisecondToTwo) {
+TEST_F(ArdupilotLinkTest, MapsPulsesOfOneToTwoMillisecondsToThrottle) {
   struct Row {
     std::uint16_t pulse_us;
     double throttle;

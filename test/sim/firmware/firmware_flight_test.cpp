@@ -70,7 +70,7 @@ TEST(FirmwareFlight, EachSensorIsAnsweredBeforeTheNextAndTheBodyFlies) {
   EXPECT_GT(flight.at(monotonic_ns()).world_from_body.translation_m.z(), 0.2);
 }
 
-TEST(FirmwareFlight, FirmwareThatThinksBeforeItAnswersIsHeardFromTheStartAndAgain) {
+TEST(FirmwareFlight, WaitsForSlowFirmware) {
   auto shared = std::make_shared<Obedient::Shared>();
   shared->throttle = 0.8;
   FirmwareFlight flight({}, {}, 1, {}, std::make_unique<Thoughtful>(shared));
@@ -87,7 +87,7 @@ TEST(FirmwareFlight, FirmwareThatThinksBeforeItAnswersIsHeardFromTheStartAndAgai
   EXPECT_GT(flight.at(monotonic_ns()).world_from_body.translation_m.z(), 0.2);
 }
 
-TEST(FirmwareFlight, FirmwareThatFallsSilentLosesItsMotorsAndTheBodyFalls) {
+TEST(FirmwareFlight, SilentFirmwareStopsTheMotors) {
   auto shared = std::make_shared<Obedient::Shared>();
   shared->throttle = 0.8;
   FirmwareFlight flight({}, {}, 1, {}, std::make_unique<Obedient>(shared));
@@ -98,7 +98,7 @@ TEST(FirmwareFlight, FirmwareThatFallsSilentLosesItsMotorsAndTheBodyFalls) {
   EXPECT_NEAR(flight.at(monotonic_ns()).world_from_body.translation_m.z(), 0.0, 0.05);
 }
 
-TEST(FirmwareFlight, PlacesBetweenSamplesLieBetweenThem) {
+TEST(FirmwareFlight, InterpolatesBetweenSamples) {
   auto shared = std::make_shared<Obedient::Shared>();
   shared->throttle = 0.8;
   FirmwareFlight flight({}, {}, 1, {}, std::make_unique<Obedient>(shared));

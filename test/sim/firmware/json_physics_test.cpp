@@ -29,7 +29,7 @@ TEST(JsonPhysics, ReadsTheFirmwaresOutputs) {
   EXPECT_EQ(std::vector<std::uint8_t>(bytes.begin(), bytes.end()), kRecorded);
 }
 
-TEST(JsonPhysics, TakesThirtyTwoOutputsToo) {
+TEST(JsonPhysics, AcceptsThirtyTwoOutputs) {
   std::vector<std::uint8_t> wide = kRecorded;
   wide[0] = 0x81;
   wide[1] = 0x73;
@@ -39,7 +39,7 @@ TEST(JsonPhysics, TakesThirtyTwoOutputsToo) {
   EXPECT_EQ(outputs->pulse_us[0], 1500);
 }
 
-TEST(JsonPhysics, KeepsEachOutputInItsPlace) {
+TEST(JsonPhysics, KeepsTheOrderOfOutputs) {
   wire::sitl::ServoOutputs sent;
   sent.frame_rate_hz = 0x0102;
   sent.frame_count = 0x03040506;
@@ -78,7 +78,7 @@ TEST(JsonPhysics, RefusesEveryOtherLengthAndMagic) {
 
 // The firmware's reader searches a key, skips the quote and the colon, and reads with "[%f, %f,
 // %f]". It does not skip a blank before the bracket.
-TEST(JsonPhysics, IsReadByAReaderLikeTheFirmwares) {
+TEST(JsonPhysics, IsReadableByTheFirmwaresParser) {
   wire::sitl::JsonSensors sensors;
   sensors.time_s = 12.5;
   sensors.gyro_body_radps = {0.1, -0.2, 1e-9};

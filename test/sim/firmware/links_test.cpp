@@ -74,7 +74,7 @@ struct Ardupilot {
   std::unique_ptr<ArdupilotLink> link;
 };
 
-TEST(ArdupilotLink, HandsOverEverySensorUnderItsName) {
+TEST(ArdupilotLink, SendsEverySensorByName) {
   Ardupilot firmware;
   firmware.ask({1'500, 1'500, 1'500, 1'500});
   ASSERT_TRUE(firmware.link->receive(kLong));
@@ -96,7 +96,7 @@ TEST(ArdupilotLink, HandsOverEverySensorUnderItsName) {
   EXPECT_EQ(firmware.hear(), wire::sitl::format_json_sensors(expected));
 }
 
-TEST(ArdupilotLink, GivesEachMotorItsOwnAndTheNewestOfSeveral) {
+TEST(ArdupilotLink, ReturnsTheNewestThrottlePerMotor) {
   Ardupilot firmware;
   EXPECT_FALSE(firmware.link->receive(Duration{0}));
   EXPECT_FALSE(firmware.link->receive(Duration{1'500}));
@@ -115,7 +115,7 @@ TEST(ArdupilotLink, GivesEachMotorItsOwnAndTheNewestOfSeveral) {
   EXPECT_EQ(firmware.link->period(), Duration{1'250});
 }
 
-TEST(ArdupilotLink, SaysWhichPortCannotBeHad) {
+TEST(ArdupilotLink, ReportsUnavailablePort) {
   const Ardupilot firmware;
   try {
     const ArdupilotLink second(firmware.instance);
@@ -192,7 +192,7 @@ struct Px4 {
 
 // A heartbeat precedes the first and each 250th sample. Frames come from system 200 and are
 // numbered without a gap. Compass and barometer alternate.
-TEST(Px4Link, SaysAHeartbeatEachSecondAndNumbersItsFrames) {
+TEST(Px4Link, SendsHeartbeatEachSecondAndNumbersFrames) {
   Px4 firmware;
   std::vector<wire::mavlink::Frame> frames;
   for (int k = 1; k <= 510; ++k) {
@@ -223,7 +223,7 @@ TEST(Px4Link, SaysAHeartbeatEachSecondAndNumbersItsFrames) {
   EXPECT_EQ(firmware.link->counts().unsent, 0);
 }
 
-TEST(Px4Link, GivesEachMotorItsOwnAndWhatAnswersTheLastSensors) {
+TEST(Px4Link, ReturnsCommandsThatAnswerTheLastSensors) {
   Px4 firmware;
   ASSERT_TRUE(firmware.link->send(Px4::at(4'000)));
   firmware.send(wire::mavlink::Heartbeat{});  // no motors
@@ -241,7 +241,7 @@ TEST(Px4Link, GivesEachMotorItsOwnAndWhatAnswersTheLastSensors) {
 }
 
 // A frame that the previous firmware did not complete does not affect the next firmware.
-TEST(Px4Link, BeginsAnewWithANewFirmware) {
+TEST(Px4Link, DropsPartialFrameOfOldFirmware) {
   Px4 firmware;
   ASSERT_TRUE(firmware.link->send(Px4::at(4'000)));
   std::vector<std::uint8_t> bytes;
@@ -259,7 +259,7 @@ TEST(Px4Link, BeginsAnewWithANewFirmware) {
   EXPECT_EQ(motors->throttles[3], 1.0);
 }
 
-TEST(Px4Link, SaysWhichBaudRateIsNone) {
+TEST(Px4Link, ReportsInvalidBaudRate) {
   const auto why = [](const std::string& line) {
     try {
       Px4Link::on_serial_line(line);
@@ -298,7 +298,7 @@ class Thinker : public FirmwareLink {
   std::shared_ptr<Shared> shared_;
 };
 
-TEST(FirmwareFlight, IsBetweenItsSamplesAndALittleBeyondTheNewest) {
+TEST(FirmwareFlight, InterpolatesAndExtrapolatesBriefly) {
   constexpr std::int64_t kPeriodNs = 2'500'000;
   constexpr std::int64_t kFar = std::numeric_limits<std::int64_t>::max() / 2;
   for (int attempt = 0; attempt < 20; ++attempt) {

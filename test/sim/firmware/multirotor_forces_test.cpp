@@ -45,7 +45,7 @@ Multirotor in_the_air(const MultirotorParameters& p) {
 }
 
 // All motors have the same thrust curve; throttles outside [0, 1] are clamped.
-TEST(MultirotorForces, ThrustIsOfTheThrottleAndFeltByTheAccelerometer) {
+TEST(MultirotorForces, ThrustFollowsThrottleAndIsMeasured) {
   MultirotorParameters p = still_air();
   p.mass_kg = 1.3;
   for (const double u : {-0.5, 0.0, 0.2, 0.5, 0.9, 1.0, 1.7}) {
@@ -84,7 +84,7 @@ TEST(MultirotorForces, MotorsFollowWithTheirLag) {
 
 // With more thrust on two motors, J ω̇ = τ (1 − e^(−t/T)) − c ω has a closed form for the rate
 // about one axis.
-TEST(MultirotorForces, TurnsAboutOneAxisAsFastAsArmsAndInertiaSay) {
+TEST(MultirotorForces, AngularAccelerationMatchesArmsAndInertia) {
   MultirotorParameters p = still_air();
   p.arm_x_m = 0.10;
   p.arm_y_m = 0.15;
@@ -118,7 +118,7 @@ TEST(MultirotorForces, TurnsAboutOneAxisAsFastAsArmsAndInertiaSay) {
   }
 }
 
-TEST(MultirotorForces, LosesItsTurningToTheAir) {
+TEST(MultirotorForces, RotationIsDamped) {
   MultirotorParameters p = still_air();
   p.spin_drag_nms = 0.01;
   Multirotor body = in_the_air(p);
@@ -161,7 +161,7 @@ TEST(MultirotorForces, TumblesWithAConstantAngularMomentum) {
 
 // On its feet the body sinks less when thrust carries a part of the weight, and tilts on its
 // springs.
-TEST(MultirotorForces, StandsOnItsFeetAsOnSprings) {
+TEST(MultirotorForces, RestsOnItsFeetLikeSprings) {
   MultirotorParameters p = still_air();
   p.foot_m = 0.10;
   p.torque_per_thrust_m = 0.2;
@@ -228,7 +228,7 @@ TEST(MultirotorForces, SlidesOnItsFeetAgainstFriction) {
 }
 
 // Level at hover, the accelerometer measures only the air, so gusts are visible.
-TEST(MultirotorForces, GustsAreAsStrongAndForgetAsFastAsStatedAThirdUpwards) {
+TEST(MultirotorForces, GustsHaveTheStatedStrengthAndTimeConstant) {
   MultirotorParameters p;
   p.gust_sigma_mps = 0.6;
   p.gust_memory_s = 0.02;
@@ -260,7 +260,7 @@ TEST(MultirotorForces, GustsAreAsStrongAndForgetAsFastAsStatedAThirdUpwards) {
   }
 }
 
-TEST(MultirotorForces, AStepIsAsGoodAsTheShortStepsItIsMadeOf) {
+TEST(MultirotorForces, AStepEqualsItsShortSteps) {
   const MultirotorParameters p = still_air();
   Multirotor once(p, 1, {1.0, 2.0, 0.5});
   Multirotor often(p, 1, {1.0, 2.0, 0.5});
@@ -277,7 +277,7 @@ TEST(MultirotorForces, AStepIsAsGoodAsTheShortStepsItIsMadeOf) {
   EXPECT_GT(once.world_from_body().translation_m.z(), 0.1);
 }
 
-TEST(MultirotorForces, BatterySagsUnderLoadAndEmptiesToNothing) {
+TEST(MultirotorForces, BatterySagsUnderLoadAndDischarges) {
   MultirotorParameters p = still_air();
   p.battery_endurance_s = 10.0;
   Multirotor body(p, 1, {});
@@ -299,7 +299,7 @@ TEST(MultirotorForces, BatterySagsUnderLoadAndEmptiesToNothing) {
 
 // --- sensors
 
-TEST(SensorBoard, SaysWhereItIsAndHowItMovesInTheAutopilotsAxes) {
+TEST(SensorBoard, ReportsMotionInAutopilotAxes) {
   MultirotorParameters p = still_air();
   p.wind_world_mps = {1.0, -0.5, 0.0};
   Multirotor body(p, 1, {1.0, 2.0, 0.7});
@@ -333,7 +333,7 @@ TEST(SensorBoard, SaysWhereItIsAndHowItMovesInTheAutopilotsAxes) {
 }
 
 // White noise, independent for each sensor and axis, with the stated strength.
-TEST(SensorBoard, EachSensorHasItsOwnNoiseOnEachAxis) {
+TEST(SensorBoard, NoiseIsIndependentPerSensorAndAxis) {
   const Multirotor body(still_air(), 1, {});
   SensorBoard silent(SensorNoise{0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, 1);
   const FirmwareSensors truth = silent.sample(body, Duration{0});

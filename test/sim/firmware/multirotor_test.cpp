@@ -36,7 +36,7 @@ Multirotor hovering(const MultirotorParameters& p) {
   return body;
 }
 
-TEST(Multirotor, StandsStillForAMinuteAndFeelsGravity) {
+TEST(Multirotor, RestsForAMinuteAndMeasuresGravity) {
   Multirotor body(still_air(), 1, {1.0, -2.0, 0.7});
   for (int i = 0; i < 6000; ++i) {
     body.step({}, 0.01);
@@ -58,7 +58,7 @@ TEST(Multirotor, KeepsItsHeightRateAtHoverThrottle) {
   EXPECT_FALSE(body.is_on_ground());
 }
 
-TEST(Multirotor, FallsFreelyAndFeelsNothingButDrag) {
+TEST(Multirotor, FallsFreelyAndMeasuresDragOnly) {
   Multirotor body = hovering(still_air());
   for (int i = 0; i < 50; ++i) {
     body.step({}, 0.01);
@@ -69,7 +69,7 @@ TEST(Multirotor, FallsFreelyAndFeelsNothingButDrag) {
 }
 
 // Left and right behave alike, mirrored.
-TEST(Multirotor, TurnsAsItsMotorsSay) {
+TEST(Multirotor, TurnsWithMotorDifferences) {
   const MultirotorParameters p = still_air();
   const double u = hover_throttle(p);
   struct Case {
@@ -98,7 +98,7 @@ TEST(Multirotor, TurnsAsItsMotorsSay) {
   }
 }
 
-TEST(Multirotor, IsCarriedByTheWindToItsSpeed) {
+TEST(Multirotor, ReachesTheWindsSpeed) {
   MultirotorParameters p = still_air();
   p.wind_world_mps = {1.0, -0.5, 0.0};
   Multirotor body = hovering(p);
@@ -108,7 +108,7 @@ TEST(Multirotor, IsCarriedByTheWindToItsSpeed) {
   EXPECT_LT((body.velocity_world_mps() - p.wind_world_mps).head<2>().norm(), 0.01);
 }
 
-TEST(Multirotor, WindDoesNotPushWhatStands) {
+TEST(Multirotor, WindDoesNotMoveItOnGround) {
   MultirotorParameters p = still_air();
   p.wind_world_mps = {3.0, 0.0, 0.0};
   Multirotor body(p, 1, {});
@@ -126,7 +126,7 @@ TEST(Multirotor, ComesToRestWhereItIsDropped) {
   EXPECT_NEAR(body.world_from_body().translation_m.z(), 0.0, 1e-3);
 }
 
-TEST(Multirotor, SameSeedSameFlight) {
+TEST(Multirotor, DependsOnItsSeedOnly) {
   MultirotorParameters p;
   Multirotor a(p, 7, {});
   Multirotor b(p, 7, {});
@@ -139,7 +139,7 @@ TEST(Multirotor, SameSeedSameFlight) {
   EXPECT_NE(a.world_from_body().translation_m, c.world_from_body().translation_m);
 }
 
-TEST(Multirotor, EmptiesItsBatteryInItsEnduranceOfHovering) {
+TEST(Multirotor, HoversForItsEndurance) {
   MultirotorParameters p = still_air();
   p.battery_endurance_s = 60.0;
   Multirotor body = hovering(p);
@@ -149,7 +149,7 @@ TEST(Multirotor, EmptiesItsBatteryInItsEnduranceOfHovering) {
   EXPECT_LT(body.battery_v(), p.battery_full_v);
 }
 
-TEST(SensorBoard, FeelsGravityUpwardsInBodyFrdAndKnowsNorth) {
+TEST(SensorBoard, MeasuresGravityInFrdAndNorth) {
   const Multirotor body(still_air(), 1, {0.0, 0.0, kPi / 2});  // faces y: west in NED
   SensorBoard board(SensorNoise{0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, 1);
   const FirmwareSensors sensed = board.sample(body, Duration{0});
@@ -162,7 +162,7 @@ TEST(SensorBoard, FeelsGravityUpwardsInBodyFrdAndKnowsNorth) {
 }
 
 // Over 300 boards the biases have the stated standard deviation; each stays constant.
-TEST(SensorBoard, IsOffByABiasOfItsOwnThatStays) {
+TEST(SensorBoard, HasConstantBias) {
   const Multirotor body(still_air(), 1, {0.0, 0.0, 0.0});
   double turns2_radps2 = 0.0;
   double forces2_m2ps4 = 0.0;

@@ -135,7 +135,7 @@ FirmwareSensors sensors_at(Duration since_start) {
   return out;
 }
 
-TEST(Px4Link, SaysWhatTheSensorsFeelInTheFirmwaresUnits) {
+TEST(Px4Link, SendsSensorsInFirmwareUnits) {
   const auto [link, port] = listen_somewhere();
   EXPECT_FALSE(link->send(sensors_at(Duration{4'000})));  // no firmware is connected
   FakeFirmware firmware(FakeFirmware::connected_to(port));
@@ -159,7 +159,7 @@ TEST(Px4Link, SaysWhatTheSensorsFeelInTheFirmwaresUnits) {
 
 // PX4 uses a sensor only if its bits are set, and refuses a compass that repeats a value at too
 // high a rate.
-TEST(Px4Link, SaysInEverySampleThatTheInertialUnitIsFreshAndTheOthersAtFiftyHertz) {
+TEST(Px4Link, FlagsInertialDataPerSampleAndOthersAt50Hz) {
   const auto [link, port] = listen_somewhere();
   FakeFirmware firmware(FakeFirmware::connected_to(port));
   int magnetic = 0;
@@ -176,7 +176,7 @@ TEST(Px4Link, SaysInEverySampleThatTheInertialUnitIsFreshAndTheOthersAtFiftyHert
   EXPECT_EQ(barometric, 10);
 }
 
-TEST(Px4Link, GivesTheMotorsThatAnswerTheLastSensors) {
+TEST(Px4Link, ReturnsTheMotorsForTheLastSensors) {
   const auto [link, port] = listen_somewhere();
   EXPECT_TRUE(link->is_lockstep());
   FakeFirmware firmware(FakeFirmware::connected_to(port));
@@ -198,7 +198,7 @@ TEST(Px4Link, GivesTheMotorsThatAnswerTheLastSensors) {
   EXPECT_EQ(link->counts().stale, 1);
 }
 
-TEST(Px4Link, TurnsNoMotorThatIsNotArmedNorByANumberThatIsNone) {
+TEST(Px4Link, StopsMotorsWhenDisarmedOrNotFinite) {
   const auto [link, port] = listen_somewhere();
   FakeFirmware firmware(FakeFirmware::connected_to(port));
   ASSERT_TRUE(link->send(sensors_at(Duration{4'000})));
@@ -214,7 +214,7 @@ TEST(Px4Link, TurnsNoMotorThatIsNotArmedNorByANumberThatIsNone) {
   EXPECT_EQ(odd->throttles, (Throttles{0.0, 0.0, 1.0, 1.0}));
 }
 
-TEST(Px4Link, ListensToAFirmwareThatWasStartedAnew) {
+TEST(Px4Link, AcceptsRestartedFirmware) {
   const auto [link, port] = listen_somewhere();
   FakeFirmware old(FakeFirmware::connected_to(port));
   ASSERT_TRUE(link->send(sensors_at(Duration{4'000})));
@@ -234,7 +234,7 @@ TEST(Px4Link, ListensToAFirmwareThatWasStartedAnew) {
 }
 
 // The newest of several connections since the last check is used. The port is released afterwards.
-TEST(Px4Link, TakesTheNewestOfSeveralAndGivesItsPortBack) {
+TEST(Px4Link, UsesTheNewestMessageAndReleasesItsPort) {
   auto [link, port] = listen_somewhere();
   FakeFirmware first(FakeFirmware::connected_to(port));
   FakeFirmware second(FakeFirmware::connected_to(port));
@@ -248,7 +248,7 @@ TEST(Px4Link, TakesTheNewestOfSeveralAndGivesItsPortBack) {
   EXPECT_NO_THROW(Px4Link::listening(port - Px4Link::kPort));
 }
 
-TEST(Px4Link, NeverWaitsForAFirmwareThatDoesNotRead) {
+TEST(Px4Link, NeverBlocksOnAStalledFirmware) {
   const auto [link, port] = listen_somewhere();
   FakeFirmware firmware(FakeFirmware::connected_to(port));
   std::vector<std::uint64_t> told_usec;
@@ -283,7 +283,7 @@ TEST(Px4Link, NeverWaitsForAFirmwareThatDoesNotRead) {
   EXPECT_EQ(heard_usec, told_usec) << "what it said it could not say is not said later";
 }
 
-TEST(Px4Link, SaysWhichPortCannotBeHad) {
+TEST(Px4Link, ReportsUnavailablePort) {
   const auto [link, port] = listen_somewhere();
   try {
     Px4Link::listening(port - Px4Link::kPort);
@@ -304,7 +304,7 @@ struct Board {
   std::string device;
 };
 
-TEST(Px4Link, SpeaksWithABoardThatHasAClockOfItsOwn) {
+TEST(Px4Link, SupportsBoardWithItsOwnClock) {
   const Board board;
   FakeFirmware firmware(board.fd);
   const auto link = Px4Link::on_serial_line(board.device);
@@ -319,7 +319,7 @@ TEST(Px4Link, SpeaksWithABoardThatHasAClockOfItsOwn) {
 }
 
 // The baud rate follows the last colon; the default is PX4's.
-TEST(Px4Link, SpeaksWithABoardAtTheSpeedThatIsStated) {
+TEST(Px4Link, OpensSerialLineAtGivenBaudRate) {
   struct Row {
     std::string behind;
     speed_t speed;
@@ -339,7 +339,7 @@ TEST(Px4Link, SpeaksWithABoardAtTheSpeedThatIsStated) {
 
 // Opening is tried twice per second, however often send() is called: here a file, which is not a
 // serial line.
-TEST(Px4Link, TriesToOpenALineThatIsNotThereTwiceASecond) {
+TEST(Px4Link, RetriesAMissingSerialLineTwicePerSecond) {
   const test::TemporaryFolder folder;
   write_file(folder.file("no_line"), "");
   const int watch = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
@@ -367,7 +367,7 @@ TEST(Px4Link, TriesToOpenALineThatIsNotThereTwiceASecond) {
   EXPECT_EQ(closed, opened);
 }
 
-TEST(Px4Link, WaitsForABoardThatIsNotThereAndRefusesASpeedThatNoLineHas) {
+TEST(Px4Link, WaitsForABoardAndRefusesAnInvalidBaudRate) {
   const auto link = Px4Link::on_serial_line("/nowhere/at/all:921600");
   EXPECT_FALSE(link->send(sensors_at(Duration{4'000})));
   EXPECT_EQ(link->receive(kLong), std::nullopt);

@@ -23,7 +23,7 @@ models::Trajectory straight(Time start, double x_m, double yaw_rad, double heigh
   return {start, {x_m, 0.0, yaw_rad}, height_m, {{{1.0, 0.25}, 10.0, 0.0}}};
 }
 
-TEST(Course, IsTheHoverUntilAPlanStartsAndThenTheOneThatStartedLast) {
+TEST(Course, FollowsTheLastStartedPlan) {
   Course course(kStart, {1.0, 2.0, 0.5}, 1.5);
   EXPECT_EQ(course.newest_start(), kStart);
   course.follow(straight(kStart + kSecond, 3.0, 0.0, 2.0), 7);
@@ -50,7 +50,7 @@ TEST(Course, IsTheHoverUntilAPlanStartsAndThenTheOneThatStartedLast) {
   EXPECT_EQ(point.yaw_rate_radps, 0.25);
 }
 
-TEST(Course, DropsWhatWasToStartLaterOrAtTheSameTime) {
+TEST(Course, DropsPlansThatStartAtOrAfterTheNewOne) {
   Course course(kStart, {}, 1.0);
   course.follow(straight(kStart + kSecond, 1.0, 0.0, 2.0), 1);
   course.follow(straight(kStart + 2 * kSecond, 2.0, 0.0, 3.0), 2);
@@ -67,7 +67,7 @@ TEST(Course, DropsWhatWasToStartLaterOrAtTheSameTime) {
 }
 
 // In any direction of motion and heading: v²/2b along the velocity, with the heading unchanged.
-TEST(Course, StopsStraightAlongItsVelocityAndKeepsItsHeading) {
+TEST(Course, StopsStraightAndKeepsItsHeading) {
   for (const double direction_rad : {0.0, 0.7, 2.5, -2.5, -0.7}) {
     Course course(kStart, {}, 1.0);
     course.follow(straight(kStart, 0.0, 0.0, 1.0), 3);
@@ -89,7 +89,7 @@ TEST(Course, StopsStraightAlongItsVelocityAndKeepsItsHeading) {
   }
 }
 
-TEST(Course, OfWhoStandsStillAStopIsAHover) {
+TEST(Course, StopAtZeroSpeedIsAHover) {
   Course course(kStart, {}, 1.0);
   course.stop(kStart, {4.0, -1.0, -3.0}, Eigen::Vector2d::Zero(), 1.5, 2.0);
   for (const Duration after : {Duration{0}, kSecond}) {
@@ -100,7 +100,7 @@ TEST(Course, OfWhoStandsStillAStopIsAHover) {
 
 // The controller looks back less than a second. What was in force then is kept, the rest is
 // removed.
-TEST(Course, ForgetsWhatNobodyLooksBackToAndNothingElse) {
+TEST(Course, PrunesOnlyPlansOlderThanLookback) {
   Course course(kStart, {}, 1.0);
   for (int k = 1; k <= 4; ++k) {
     course.follow(straight(kStart + k * kSecond, k, 0.0, 1.0), k);
@@ -118,7 +118,7 @@ TEST(Course, ForgetsWhatNobodyLooksBackToAndNothingElse) {
 
 // Every state with every command, on the ground and above it. States that are not listed stay
 // unchanged.
-TEST(AfterCommand, IsThisTable) {
+TEST(AfterCommand, MatchesTheTable) {
   const FlightState states[] = {FlightState::kIdle, FlightState::kFollow, FlightState::kHold,
                                 FlightState::kLand, FlightState::kKilled};
   struct Row {
@@ -158,7 +158,7 @@ TEST(AfterCommand, IsThisTable) {
 }
 
 // The seed words are the seed's lower half, its upper half and the letters of the purpose.
-TEST(RandomStream, IsAnotherForEachSeedAndPurposeAndTheSameForEver) {
+TEST(RandomStream, DependsOnSeedAndPurposeOnly) {
   const std::uint64_t seed = 0x0123456789ABCDEFULL;
   std::seed_seq words{0x89ABCDEFU, 0x01234567U, std::uint32_t{'a'}, 0xFFU};
   EXPECT_EQ(random_stream(seed, "a\xFF"), std::mt19937_64(words));

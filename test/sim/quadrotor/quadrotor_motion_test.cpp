@@ -74,7 +74,7 @@ Complex at_angle(double angle_rad) { return std::polar(1.0, angle_rad); }
 
 // On a circle everything turns at ω. The vehicle step v ← v + α (v_cmd − v), p ← p + dt (v + v′)/2
 // then becomes an equation of complex numbers.
-TEST(QuadrotorMotion, FollowsACircleAsItsEquationsSay) {
+TEST(QuadrotorMotion, FollowsACircleByItsEquations) {
   const QuadrotorParameters p = still_air();
   for (const double omega : {1.5, -1.5}) {
     Flight flight({1.0, 2.0, 0.4});
@@ -105,7 +105,7 @@ TEST(QuadrotorMotion, FollowsACircleAsItsEquationsSay) {
 }
 
 // The same flight after the world is turned and mirrored.
-TEST(QuadrotorMotion, IsTheSameTurnedAndMirrored) {
+TEST(QuadrotorMotion, IsInvariantToRotationAndReflection) {
   const auto fly = [](double turn_rad, double side) {
     const auto see = [&](const Pose2& pose) {
       const Complex place = Complex(pose.x_m, side * pose.y_m) * at_angle(turn_rad);
@@ -137,7 +137,7 @@ TEST(QuadrotorMotion, IsTheSameTurnedAndMirrored) {
 // For a jump δ of the reference, the averaged velocity carries the vehicle the whole distance, and
 // earlier errors are corrected afterwards. From ẍ T = v_s + k e − ẋ follow the first two moments of
 // the error: ∫ e = 0 and ∫ t e = −T δ/k, for any window. (A controller step is half a step late.)
-TEST(QuadrotorMotion, MakesGoodAJumpOfItsPlanAsItsGainsAndLagsSay) {
+TEST(QuadrotorMotion, RecoversFromPlanJumpAsPredicted) {
   const QuadrotorParameters p = still_air();
   for (const double side : {1.0, -1.0}) {
     const double jump_m = side * 0.1;
@@ -172,7 +172,7 @@ TEST(QuadrotorMotion, MakesGoodAJumpOfItsPlanAsItsGainsAndLagsSay) {
 
 // Without feedback, a jump of speed and yaw rate becomes a ramp from w before it to w after it. The
 // lag is compensated, except for half a step.
-TEST(QuadrotorMotion, RoundsACornerWithARampThatIsBegunBeforeIt) {
+TEST(QuadrotorMotion, StartsARampBeforeACorner) {
   QuadrotorParameters p = still_air();
   p.position_gain_per_s = 0.0;
   p.yaw_gain_per_s = 0.0;
@@ -195,7 +195,7 @@ TEST(QuadrotorMotion, RoundsACornerWithARampThatIsBegunBeforeIt) {
   }
 }
 
-TEST(QuadrotorMotion, ClimbsAndSinksAsFastAsItMayAndNoFaster) {
+TEST(QuadrotorMotion, KeepsItsClimbAndDescentLimits) {
   const QuadrotorParameters p = still_air();
   for (const double side : {1.0, -1.0}) {
     Flight near({0.0, 0.0, 0.0});
@@ -220,7 +220,7 @@ TEST(QuadrotorMotion, ClimbsAndSinksAsFastAsItMayAndNoFaster) {
 }
 
 // Commanded far more, it accelerates up to its reserve above its limits, and as fast as allowed.
-TEST(QuadrotorMotion, GivesAllItMayWhenAskedForMore) {
+TEST(QuadrotorMotion, SaturatesAtItsLimits) {
   QuadrotorParameters p = still_air();
   p.acceleration_max_mps2 = 4.0;
   p.yaw_acceleration_max_radps2 = 20.0;
@@ -253,7 +253,7 @@ TEST(QuadrotorMotion, GivesAllItMayWhenAskedForMore) {
 }
 
 // A vehicle that responds only to wind: each step of its velocity is the wind's.
-TEST(QuadrotorMotion, IsBlownByAWindThatForgetsAndIsCutAtThreeSigma) {
+TEST(QuadrotorMotion, WindIsCorrelatedAndTruncatedAtThreeSigma) {
   QuadrotorParameters p;
   p.velocity_lag_s = 1e12;
   p.wind_sigma_mps2 = 0.2;
@@ -288,7 +288,7 @@ TEST(QuadrotorMotion, IsBlownByAWindThatForgetsAndIsCutAtThreeSigma) {
   EXPECT_NEAR(across, 0.0, 0.05);
 }
 
-TEST(QuadrotorMotion, FallsAsItFliesAndLiesWhereItFell) {
+TEST(QuadrotorMotion, FallsWithItsVelocityAndStaysThere) {
   Flight flight({1.0, 2.0, 0.5});
   flight.follow({kStart, {1.0, 2.0, 0.5}, 1.5, {{{0.9, 1.0}, 60.0, 0.0}}});
   flight.run(2.0);
@@ -317,7 +317,7 @@ TEST(QuadrotorMotion, FallsAsItFliesAndLiesWhereItFell) {
       1e-4);
 }
 
-TEST(QuadrotorMotion, LandsWhereItStoppedAndStandsStill) {
+TEST(QuadrotorMotion, LandsAtItsStopAndRests) {
   Flight flight({1.0, 2.0, 0.0});
   flight.follow({kStart, {1.0, 2.0, 0.0}, 1.5, {{{0.8, 0.5}, 60.0, 0.0}}});
   flight.run(2.0);
@@ -340,7 +340,7 @@ TEST(QuadrotorMotion, LandsWhereItStoppedAndStandsStill) {
 }
 
 // A second hold command changes nothing.
-TEST(QuadrotorMotion, ObeysACommandItHasAlreadyObeyedByDoingNothingNew) {
+TEST(QuadrotorMotion, IgnoresRepeatedCommand) {
   const auto rests_at = [](bool is_told_twice) {
     Flight flight({0.0, 0.0, 0.0});
     flight.follow({kStart, {0.0, 0.0, 0.0}, 1.5, {{{1.0, 0.0}, 60.0, 0.0}}});
@@ -357,7 +357,7 @@ TEST(QuadrotorMotion, ObeysACommandItHasAlreadyObeyedByDoingNothingNew) {
   EXPECT_EQ(rests_at(true), rests_at(false));
 }
 
-TEST(Quadrotor, TakesPlansToTheEdgesOfWhatCanBeAndNoFurther) {
+TEST(Quadrotor, AcceptsPlansUpToTheirLimits) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();
   const models::PlanSegment good{{1.0, 0.5}, 0.5, 0.0};
@@ -394,7 +394,7 @@ TEST(Quadrotor, TakesPlansToTheEdgesOfWhatCanBeAndNoFurther) {
       << "as old as the newest is not older";
 }
 
-TEST(Quadrotor, StartsFiniteAndAboveTheGroundAlone) {
+TEST(Quadrotor, RequiresAFiniteStartAboveTheGround) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto is_refused = [](const Pose2& start, double height_m) {
     scenario::RobotSpec spec = robot_at(start);
@@ -414,7 +414,7 @@ TEST(Quadrotor, StartsFiniteAndAboveTheGroundAlone) {
   EXPECT_TRUE(is_refused({1.0, 2.0, nan}, 1.0));
 }
 
-TEST(Quadrotor, SaysItsStateItsSetPointAndItsBattery) {
+TEST(Quadrotor, ReportsStateSetPointAndBattery) {
   Flight flight({1.0, 2.0, 0.5});
   Quadrotor& vehicle = flight.vehicle;
   EXPECT_EQ(vehicle.name(), "Q1");
@@ -452,7 +452,7 @@ TEST(Quadrotor, SaysItsStateItsSetPointAndItsBattery) {
 }
 
 // Drag turns wind into acceleration: a quarter of it per second.
-TEST(Quadrotor, HasTheScenariosWindOrItsOwnLightGusts) {
+TEST(Quadrotor, HasTheScenariosWindOrDefaultGusts) {
   const QuadrotorParameters windy = parameters_in(scenario::WindSpec{4.0, -2.0, 0.8});
   EXPECT_EQ(windy.wind_mean_mps2, Eigen::Vector2d(1.0, -0.5));
   EXPECT_EQ(windy.wind_sigma_mps2, 0.2);

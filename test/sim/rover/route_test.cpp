@@ -71,7 +71,7 @@ double cheapest_m(const models::World& world, const Eigen::Vector2d& from_m,
   return at(goal);
 }
 
-TEST(RouteMap, FindsTheCheapestWayOrNone) {
+TEST(RouteMap, FindsTheCheapestRouteOrNone) {
   std::mt19937_64 rng(5);
   std::uniform_real_distribution<double> u(0.0, 1.0);
   const models::World world = room();
@@ -111,14 +111,14 @@ TEST(RouteMap, FindsTheCheapestWayOrNone) {
 }
 
 // Within one cell there is nothing in between.
-TEST(RouteMap, IsTheGoalItselfWhereThatIsNear) {
+TEST(RouteMap, ReturnsANearGoalDirectly) {
   const RouteMap map(room());
   const auto path = map.route({1.51, 1.51}, {1.57, 1.58}, kRadiusM, {});
   ASSERT_EQ(path.size(), 1u);
   EXPECT_EQ(path[0], Eigen::Vector2d(1.57, 1.58));
 }
 
-TEST(RouteMap, HasNoWayFromOrToBeyondTheWorldNorIntoADisc) {
+TEST(RouteMap, HasNoRouteOutsideTheWorldOrIntoADisc) {
   const RouteMap map(room());
   const Eigen::Vector2d inside_m(1.5, 1.5);
   for (const Eigen::Vector2d& outside_m : {Eigen::Vector2d(-1.5, 1.0), Eigen::Vector2d(2.5, 1.0),
@@ -132,7 +132,7 @@ TEST(RouteMap, HasNoWayFromOrToBeyondTheWorldNorIntoADisc) {
       map.route(inside_m, goal_m, kRadiusM, {{{0.0, 4.0}, 0.1}, {{1.5, 1.0}, 0.2}}).empty());
 }
 
-TEST(RouteMap, HasCellsOfTenCentimetresOrAHundredAndTwentyEightOnTheLongestSide) {
+TEST(RouteMap, HasTheStatedCellSize) {
   EXPECT_NEAR(RouteMap(room()).clearance_needed_m(0.3), 0.35 + 0.1 / std::numbers::sqrt2, 1e-12);
   for (const bool is_wide : {true, false}) {
     models::World world;
@@ -147,7 +147,7 @@ TEST(RouteMap, HasCellsOfTenCentimetresOrAHundredAndTwentyEightOnTheLongestSide)
 
 // The passage is narrower than routes allow. Such cells are open only within one and a half cells
 // of the start: one large cell, but not two.
-TEST(RouteMap, LetsWhoStandsInANarrowPlaceGetOutByOneLargeCell) {
+TEST(RouteMap, LetsRoverLeaveNarrowPassageWithinOneCell) {
   models::World world;
   world.bounds = {{0.0, 0.0}, {51.2, 12.8}};
   world.obstacles = {{{{0.0, 0.0}, {2.0, 6.0}}, 0.5}, {{{0.0, 7.4}, {2.0, 12.8}}, 0.5}};
@@ -157,7 +157,7 @@ TEST(RouteMap, LetsWhoStandsInANarrowPlaceGetOutByOneLargeCell) {
 }
 
 // A rover that is nearer to a wall than routes allow may leave the wall, but not drive along it.
-TEST(RouteMap, LetsWhoStandsAtAWallGetAway) {
+TEST(RouteMap, LetsRoverLeaveWall) {
   const RouteMap map(room());
   const Eigen::Vector2d at_wall_m(-0.79, 1.25);
   const auto path = map.route(at_wall_m, {-0.6, 3.5}, kRadiusM, {});

@@ -62,7 +62,7 @@ struct Bench {
   std::uint32_t sequence = 0;
 };
 
-TEST(RoverEmulator, ObeysWhatItHearsAfterItsDelayAndNotBefore) {
+TEST(RoverEmulator, ExecutesCommandsAfterDelay) {
   RoverEmulatorSpec spec = Bench::exact();
   spec.delay_s = 0.1;
   Bench bench(spec);
@@ -80,7 +80,7 @@ TEST(RoverEmulator, ObeysWhatItHearsAfterItsDelayAndNotBefore) {
 }
 
 // Stepped seldom or often, each command takes effect at its own instant.
-TEST(RoverEmulator, DoesNotDependOnHowItIsStepped) {
+TEST(RoverEmulator, IsIndependentOfTheStepLength) {
   RoverEmulatorSpec spec = Bench::exact();
   spec.delay_s = 0.03;
   Bench often(spec);
@@ -106,7 +106,7 @@ TEST(RoverEmulator, DoesNotDependOnHowItIsStepped) {
 }
 
 // Slip and drift change only the true motion, at any heading, and drift acts only during motion.
-TEST(RoverEmulator, SlipsAndTurnsInAWayThatItsWheelsDoNotMeasure) {
+TEST(RoverEmulator, SlipAndDriftAreUnmeasured) {
   for (const double yaw_rad : {0.3, 2.0, -2.5}) {
     RoverEmulatorSpec spec = Bench::exact();
     spec.start = {1.0, -2.0, yaw_rad};
@@ -135,7 +135,7 @@ TEST(RoverEmulator, SlipsAndTurnsInAWayThatItsWheelsDoNotMeasure) {
   }
 }
 
-TEST(RoverEmulator, TellsEveryFiftyMillisecondsHowItIs) {
+TEST(RoverEmulator, SendsTelemetryEvery50Ms) {
   Bench bench;
   ASSERT_TRUE(bench.rover.take_output()) << "at once";
   EXPECT_FALSE(bench.rover.take_output());
@@ -167,7 +167,7 @@ TEST(RoverEmulator, TellsEveryFiftyMillisecondsHowItIs) {
   EXPECT_TRUE(bench.rover.take_output());
 }
 
-TEST(RoverEmulator, SaysWhyItDoesNotDrive) {
+TEST(RoverEmulator, ReportsWhyItDoesNotDrive) {
   Bench bench;
   bench.rover.take_output();
   bench.drive_for(0.5, 0.5F);
@@ -189,7 +189,7 @@ TEST(RoverEmulator, SaysWhyItDoesNotDrive) {
 }
 
 // A command that requests the stop and also driving or the end of the stop is a stop.
-TEST(RoverEmulator, StopsWhateverElseIsAskedInTheSameBreath) {
+TEST(RoverEmulator, StopOverridesOtherFlags) {
   for (const std::uint32_t flags :
        {wire::kEmergencyStop | wire::kDrive, wire::kEmergencyStop | wire::kReleaseStop,
         wire::kEmergencyStop}) {
@@ -207,7 +207,7 @@ TEST(RoverEmulator, StopsWhateverElseIsAskedInTheSameBreath) {
 }
 
 // Commands that are delayed when the stop begins are dropped: they are not executed after it ends.
-TEST(RoverEmulator, ForgetsWhatWasOnItsWayWhenItStops) {
+TEST(RoverEmulator, DropsDelayedCommandsOnStop) {
   RoverEmulatorSpec spec = Bench::exact();
   spec.delay_s = 0.3;
   Bench bench(spec);
@@ -228,7 +228,7 @@ TEST(RoverEmulator, ForgetsWhatWasOnItsWayWhenItStops) {
 
 // The watchdog expires 0.2 s after the last command, to the microsecond. A new driver may then
 // send, with any number.
-TEST(RoverEmulator, IsFreeForAnotherDriverWhenItsWatchdogIsOut) {
+TEST(RoverEmulator, AcceptsAnotherDriverAfterItsWatchdog) {
   Bench bench;
   wire::Command other{7, 12, 1, 0, 0.1F, 0.0F, wire::kDrive};
   bench.sequence = 1000;
@@ -247,7 +247,7 @@ TEST(RoverEmulator, IsFreeForAnotherDriverWhenItsWatchdogIsOut) {
   EXPECT_EQ(bench.hear().refused, 3U) << "no command at all";
 }
 
-TEST(RoverEmulator, HasItsStatedSelfWhereNothingElseIsSaid) {
+TEST(RoverEmulator, HasDocumentedDefaults) {
   const RoverEmulatorSpec spec;
   EXPECT_EQ(spec.number, 1U);
   EXPECT_EQ(spec.delay_s, 0.03);
@@ -264,7 +264,7 @@ TEST(RoverEmulator, HasItsStatedSelfWhereNothingElseIsSaid) {
 }
 
 // Both ends of a wire use the same socket class: one listens, the other sends first.
-TEST(RoverEndpoint, TakesWhatHasComeAndSendsWhatIsDue) {
+TEST(RoverEndpoint, ExchangesCommandsAndTelemetry) {
   const std::string port = test::port_of_this_test(2);
   RoverEndpoint endpoint(Bench::exact(), "udpout://127.0.0.1:" + port, kStart);
   VehicleSocket driver("udp://127.0.0.1:" + port);

@@ -24,7 +24,7 @@ RoverState drive(RoverState state, const RoverCommand& command, double seconds,
 
 // Speed rises at 1 m/s² and falls at 2 m/s²; yaw rate changes at 8 rad/s². Valid from and to any
 // value in between.
-TEST(RoverModel, RampsUpAndDownAsFastAsStatedAndNoFarther) {
+TEST(RoverModel, RampsAtTheStatedRates) {
   struct Row {
     double from, wish, after_s, expected;
   };
@@ -48,7 +48,7 @@ TEST(RoverModel, RampsUpAndDownAsFastAsStatedAndNoFarther) {
 }
 
 // One step uses the means of both speeds along the heading halfway.
-TEST(RoverModel, GoesAlongTheChordOfItsArc) {
+TEST(RoverModel, MovesAlongTheChordOfItsArc) {
   const RoverState from{{1.0, -2.0, 3.0}, 0.8, 1.5};
   for (const double side : {1.0, -1.0}) {
     const RoverState mirrored{{1.0, side * -2.0, side * 3.0}, 0.8, side * 1.5};
@@ -67,7 +67,7 @@ TEST(RoverModel, GoesAlongTheChordOfItsArc) {
 }
 
 // A commanded rover drives on for the period and then stops within v²/2b. Its turn ends meanwhile.
-TEST(StoppingPath, IsThePeriodAndThenTheBraking) {
+TEST(StoppingPath, IsOnePeriodAndTheBrakingPath) {
   for (const double period_s : {0.05, 0.12, 0.15}) {
     const StoppingPath path({{}, 1.0, 0.0}, {1.0, 0.0}, {}, period_s);
     EXPECT_NEAR(path.points_m().back().x(), period_s + 0.25, 1e-9) << period_s;
@@ -88,7 +88,7 @@ TEST(StoppingPath, IsThePeriodAndThenTheBraking) {
   EXPECT_EQ(standing.points_m().size(), 2u);
 }
 
-TEST(StoppingPath, ReachesAsFarAsItsFarthestPointAndEndsInAnyCase) {
+TEST(StoppingPath, ReachesItsFarthestPointAndEnds) {
   // It circles and returns to its start.
   RoverParameters slippery;
   slippery.brake_mps2 = 0.3;
@@ -110,7 +110,7 @@ StoppingPath stop_from(double x_m, double y_m, double yaw_rad) {
   return {{{x_m, y_m, yaw_rad}, 1.0, 0.0}, {1.0, 0.0}, {}, 0.05};
 }
 
-TEST(StoppingPathDistance, IsExactInKnownPlacesWhicheverIsAskedFirst) {
+TEST(StoppingPathDistance, IsExactAndSymmetric) {
   const StoppingPath along = stop_from(0.0, 0.0, 0.0);  // to (0.3, 0)
   const StoppingPath standing({{0.12, 0.4, 0.0}, 0.0, 0.0}, {}, {}, 0.05);
   struct Row {
@@ -130,7 +130,7 @@ TEST(StoppingPathDistance, IsExactInKnownPlacesWhicheverIsAskedFirst) {
   EXPECT_LT(distance_m(along, stop_from(0.16, 0.1, -kPi / 2)), 0.025);
 }
 
-TEST(StoppingPathDistance, FarAwayIsNoMoreThanItIs) {
+TEST(StoppingPathDistance, IsALowerBoundWhenFar) {
   const StoppingPath along = stop_from(0.0, 0.0, 0.0);
   // Face to face: the distance minus both stopping distances.
   const double found_m = distance_m(along, stop_from(3.0, 0.0, kPi));

@@ -47,7 +47,7 @@ double least_gap_m(const scenario::Scenario& scenario, const std::vector<Pose2>&
 
 // Where there is room, targets of any size start 30 cm from each other, 10 cm from walls and 1 m
 // from robots. Starts cover each quarter of the room and of the compass.
-TEST(TargetStarts, KeepTheirDistancesAndAreEverywhere) {
+TEST(TargetStarts, KeepDistancesAndCoverTheWorld) {
   scenario::Scenario scenario = room_of(6.0, {0.1, 0.5, 0.3});
   scenario.robots = {test::lab_scenario().robots[0], test::lab_scenario().robots[1]};
   scenario.robots[0].start = {0.0, 4.0, 0.0};
@@ -84,7 +84,7 @@ TEST(TargetStarts, KeepTheirDistancesAndAreEverywhere) {
   }
 }
 
-TEST(TargetStarts, AreThoseOfTheScenarioAndKeepAwayFromThoseThatAreDrawnLater) {
+TEST(TargetStarts, UseTheScenariosStartsFirst) {
   scenario::Scenario scenario = room_of(2.0, {0.2, 0.2, 0.2});
   scenario.targets[2].start = Pose2{0.0, 4.0, 1.5};  // in the middle, and the last
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
@@ -97,7 +97,7 @@ TEST(TargetStarts, AreThoseOfTheScenarioAndKeepAwayFromThoseThatAreDrawnLater) {
 
 // One target is fixed in a corner, `from_m` from both walls; the other must go to the opposite
 // corner. 10 cm to walls and 0.3 m between them do not fit, but half or a quarter of that does.
-TEST(TargetStarts, AreNearerWhereThereIsNoRoomAndRefusedWhereThereIsNone) {
+TEST(TargetStarts, AreCloserOrRefusedWithoutSpace) {
   struct Row {
     double from_m, least_m, most_m;
   };
@@ -128,7 +128,7 @@ TEST(TargetStarts, AreNearerWhereThereIsNoRoomAndRefusedWhereThereIsNone) {
   }
 }
 
-TEST(Drifters, RefuseWhatIsNoMotion) {
+TEST(Drifters, RefuseInvalidMotion) {
   const models::World world = room_of(6.0, {}).world;
   EXPECT_NO_THROW(Drifters(world, {}, 0.0, 0.1, 1));
   EXPECT_THROW(Drifters(world, {}, -1e-9, 1.0, 1), UsageError);
@@ -138,7 +138,7 @@ TEST(Drifters, RefuseWhatIsNoMotion) {
 
 // Without noise nothing moves. With noise each target moves independently, as far as its own radius
 // allows.
-TEST(Drifters, OfDifferentSizesStopShortOfEachOtherAndOfWallsByAMillimetre) {
+TEST(Drifters, StopAMillimetreFromEachOtherAndWalls) {
   models::World world;
   world.bounds = {{0.0, 0.0}, {1.2, 1.2}};
   const std::vector<Disc> starts{{{0.25, 0.25}, 0.1}, {{0.8, 0.8}, 0.25}};
@@ -177,7 +177,7 @@ scenario::TargetTruthSpec truth_of(double min_mps, double max_mps) {
   return out;
 }
 
-TEST(RoverFleet, TakesSpeedsThatRoversCanDriveAndNoOthers) {
+TEST(RoverFleet, AcceptsOnlyDrivableSpeeds) {
   const models::World world = room_of(6.0, {}).world;
   const auto is_taken = [&](double min_mps, double max_mps) {
     try {
@@ -207,7 +207,7 @@ void watch(RoverFleet& fleet, double seconds, const Look& look) {
 }
 
 // Legs have speeds between the limits, and pauses between them last at most the limit.
-TEST(RoverFleet, DrivesItsLegsAsFastAndPausesAsLongAsIsStated) {
+TEST(RoverFleet, HasTheStatedSpeedsAndPauses) {
   const models::World world = room_of(12.0, {}).world;
   RoverFleet fleet(world, truth_of(0.4, 0.8), {{{5.0, 9.0, 0.0}, 0.2}}, 3);
   double slowest_leg_mps = 1e9;
@@ -271,7 +271,7 @@ TEST(RoverFleet, OfDifferentSizesTouchNothing) {
 
 // No rover enters the kept-out circles. A rover inside comes no nearer to the centre. Once
 // released, the areas are used.
-TEST(RoverFleet, KeepsOutOfPlacesAsLongAsTheyAreKeptFree) {
+TEST(RoverFleet, AvoidsReservedDiscs) {
   const models::World world = room_of(4.0, {}).world;
   const Eigen::Vector2d first_m(0.0, 4.0);
   const Eigen::Vector2d second_m(2.0, 6.0);
@@ -299,7 +299,7 @@ TEST(RoverFleet, KeepsOutOfPlacesAsLongAsTheyAreKeptFree) {
 
 // At full speed a piece of the path is seven centimetres long. A kept-out area may lie next to the
 // middle of a piece.
-TEST(RoverFleet, KeepsOutOfSmallPlacesBetweenTheEndsOfItsPieces) {
+TEST(RoverFleet, AvoidsSmallReservedDiscs) {
   const models::World world = room_of(3.0, {}).world;
   constexpr double kNearM = 0.045;
   std::vector<Eigen::Vector2d> places_m;

@@ -107,7 +107,7 @@ DataStreamPeer& asking(DataStreamPeer& peer, const std::vector<std::uint32_t>& t
   return peer;
 }
 
-TEST(DataStreamPeer, OffersWhatItHasInOrder) {
+TEST(DataStreamPeer, ListsItsBlocksInOrder) {
   DataStreamPeer peer{ServerSettings{}};
   const std::vector<Packet> packets = take_packets(peer);
   ASSERT_EQ(packets.size(), 1u);
@@ -115,7 +115,7 @@ TEST(DataStreamPeer, OffersWhatItHasInOrder) {
   EXPECT_EQ(offered.types, kAll);
 }
 
-TEST(DataStreamPeer, SaysOfEachBodyWhatItIsWhereItIsAndHowLate) {
+TEST(DataStreamPeer, SendsNamePoseAndLatencyOfEachBody) {
   for (const bool is_y_up : {false, true}) {
     ServerSettings settings = settings_of(OcclusionStyle::kRepeated, is_y_up);
     settings.rate_hz = 125.0;
@@ -180,7 +180,7 @@ TEST(DataStreamPeer, SaysOfEachBodyWhatItIsWhereItIsAndHowLate) {
 }
 
 // Each available type, requested alone.
-TEST(DataStreamPeer, CountsInItsContentsWhatItSends) {
+TEST(DataStreamPeer, ContentsCountMatchesBlocks) {
   DataStreamPeer peer{ServerSettings{}};
   std::vector<std::uint32_t> wanted = kAll;
   wanted.push_back(wire::kTimecode);  // which is not available
@@ -209,7 +209,7 @@ TEST(DataStreamPeer, CountsInItsContentsWhatItSends) {
   }
 }
 
-TEST(DataStreamPeer, SaysWhatIsStaticOnceAndAgainWhenItChanges) {
+TEST(DataStreamPeer, SendsStaticBlocksOnceAndOnChange) {
   DataStreamPeer peer{ServerSettings{}};
   asking(peer, {wire::kSubjectInfo});
   const auto names_after = [&](const EmulatedFrame& frame) {
@@ -239,7 +239,7 @@ TEST(DataStreamPeer, SaysWhatIsStaticOnceAndAgainWhenItChanges) {
 }
 
 // No frame without a request; one per request, with at most 1000 pending; or a stream.
-TEST(DataStreamPeer, SendsAsManyFramesAsItIsAskedFor) {
+TEST(DataStreamPeer, SendsRequestedNumberOfFrames) {
   const auto sent_after = [](const std::vector<Bytes>& requests) {
     DataStreamPeer peer{ServerSettings{}};
     asking(peer, {wire::kFrameInfo}, false);
@@ -294,7 +294,7 @@ TEST(DataStreamPeer, AnswersPingsAndSkipsFramesWhileItsBacklogIsFull) {
   EXPECT_EQ(peer.frames_sent, 2);
 }
 
-TEST(DataStreamPeer, HangsUpOnWhatIsNoPacketAndPutsTogetherWhatComesInPieces) {
+TEST(DataStreamPeer, ReassemblesPacketsAndClosesOnInvalidOnes) {
   const Bytes asked = packet_of(wire::ObjectEnums{{wire::kFrameInfo}}, wire::RequestFrame{true});
   {
     DataStreamPeer peer{ServerSettings{}};
@@ -324,7 +324,7 @@ TEST(DataStreamPeer, HangsUpOnWhatIsNoPacketAndPutsTogetherWhatComesInPieces) {
 
 // --- object stream
 
-TEST(ObjectStreamServer, SendsBodiesInOrderInAsManyDatagramsAsTheyNeed) {
+TEST(ObjectStreamServer, SendsBodiesInOrderInSeveralDatagrams) {
   for (const std::size_t bytes : {256U, 512U, 1024U}) {
     const std::size_t fit = wire::objects_per_block(bytes);
     ServerSettings settings;
@@ -372,7 +372,7 @@ std::map<std::string, wire::TrackerObject> objects_of(ObjectStreamServer& server
   return out;
 }
 
-TEST(ObjectStreamServer, ShowsBodiesWhereTheyAreAndThoseThatAreHiddenInItsStyle) {
+TEST(ObjectStreamServer, SendsVisibleAndHiddenBodies) {
   for (const bool is_y_up : {false, true}) {
     ObjectStreamServer server(settings_of(OcclusionStyle::kAbsent, is_y_up));
     const EmulatedFrame frame = frame_of(1);

@@ -61,7 +61,7 @@ class Socket {
 
 // Each frame is received by each client or counted as skipped for it, however often the counters
 // are read.
-TEST(SocketServer, CountsEachFrameThatAClientDidNotHear) {
+TEST(SocketServer, CountsSkippedFramesPerClient) {
   ServerSettings settings;
   settings.backlog_bytes_max = 200'000;
   SocketServer server(settings, "127.0.0.1", 0);
@@ -148,7 +148,7 @@ std::vector<wire::VrpnHeader> poses_in(const Bytes& heard) {
 
 // With a latency of a second, each frame was captured at least a second before. The program runs
 // for the given duration.
-TEST(RunEmulator, SaysThatItsFramesWereCapturedALatencyAgo) {
+TEST(RunEmulator, CaptureTimesIncludeLatency) {
   const std::string port = test::port_of_this_test(0);
   const bus::SystemClock clock;
   std::vector<wire::VrpnHeader> poses;
@@ -194,7 +194,7 @@ TEST(RunEmulator, SaysThatItsFramesWereCapturedALatencyAgo) {
 }
 
 // The program uses the given up axis and datagram size.
-TEST(RunEmulator, SendsTheAxisAndTheBytesThatItIsTold) {
+TEST(RunEmulator, SendsTheConfiguredAxisAndBytes) {
   for (const std::string& up : {std::string("z"), std::string("y")}) {
     for (const std::size_t bytes : {256U, 1'024U}) {
       const Socket ear(SOCK_DGRAM);

@@ -27,7 +27,7 @@ namespace vantage::sim::vicon {
 namespace {
 
 // Circles of radius 0.5 m around centres 2 m apart, ten per row, at 1 rad/s; about a metre high.
-TEST(CirclingBodies, GoRoundPlacesOfTheirOwn) {
+TEST(CirclingBodies, CircleTheirOwnCentres) {
   CirclingBodies source(23);
   EmulatedFrame frame;
   Eigen::Vector2d least_m = Eigen::Vector2d::Constant(1e9);
@@ -75,7 +75,7 @@ std::string flight_in(const vantage::test::TemporaryFolder& folder, const std::s
   return folder.file(name);
 }
 
-TEST(ReadFlight, ReadsNamesPeriodsPlacesAndAttitudes) {
+TEST(ReadFlight, ReadsNamesPeriodsAndPoses) {
   const vantage::test::TemporaryFolder folder;
   const RecordedFlight flight = read_flight(flight_in(folder, "LARK.one.csv", 5, 0.02));
   EXPECT_EQ(flight.name, "LARK.one");
@@ -114,7 +114,7 @@ TEST(ReadFlight, ReadsNamesPeriodsPlacesAndAttitudes) {
 }
 
 // Each flight shows its newest row. All end with the shortest, or start again.
-TEST(Flights, ShowTheNewestRowUntilTheShortestEnds) {
+TEST(Flights, PlayUntilTheShortestEnds) {
   const vantage::test::TemporaryFolder folder;
   // 1 s at 50 ms, 1.2 s at 100 ms, and 1.05 s at 150 ms.
   const std::vector<std::string> paths{flight_in(folder, "B.csv", 12, 0.1),
@@ -142,7 +142,7 @@ TEST(Flights, ShowTheNewestRowUntilTheShortestEnds) {
   EXPECT_THROW(Flights({}, true), StartupError);
 }
 
-TEST(ScenarioWorld, IsTheScenariosWorldOfItsSeed) {
+TEST(ScenarioWorld, EqualsTheScenariosWorld) {
   const scenario::Scenario scenario = test::lab_scenario();
   const Time start = from_utime(1'700'000'000'000'000);
   ScenarioWorld source(scenario, start);
@@ -183,7 +183,7 @@ bool is_understood(std::vector<std::string> words) {
   return false;
 }
 
-TEST(RunEmulator, TakesItsOptionsToTheirEndsAndNoFurther) {
+TEST(RunEmulator, KeepsItsOptionLimits) {
   struct Row {
     std::string option;
     std::vector<std::string> good, bad;
@@ -236,7 +236,7 @@ std::vector<std::vector<std::string>> frames_of(const std::vector<std::string>& 
   return out;
 }
 
-TEST(RunEmulator, SendsItsBodiesAtItsRateForAsLongAsItIsTold) {
+TEST(RunEmulator, SendsAtItsRateForItsDuration) {
   const auto frames = frames_of({"--bodies", "4", "--rate", "200", "--duration-s", "0.03"});
   ASSERT_EQ(frames.size(), 6u) << "at 0, 5, … 25 ms";
   for (const auto& names : frames) {
@@ -246,7 +246,7 @@ TEST(RunEmulator, SendsItsBodiesAtItsRateForAsLongAsItIsTold) {
 }
 
 // At its end the program reports the number of frames sent, whatever ended it.
-TEST(RunEmulator, SaysHowManyFramesItHasSent) {
+TEST(RunEmulator, ReportsFrameCount) {
   const vantage::test::TemporaryFolder folder;
   const std::string path = flight_in(folder, "LARK.csv", 4, 0.01);
   for (const std::vector<std::string>& words :
@@ -260,7 +260,7 @@ TEST(RunEmulator, SaysHowManyFramesItHasSent) {
   }
 }
 
-TEST(RunEmulator, EndsWithItsRecording) {
+TEST(RunEmulator, EndsAfterItsRecording) {
   const vantage::test::TemporaryFolder folder;
   const std::string path = flight_in(folder, "LARK.csv", 4, 0.01);
   EXPECT_EQ(frames_of({"--flight", path, "--rate", "200"}).size(), 8u);
@@ -271,7 +271,7 @@ TEST(RunEmulator, EndsWithItsRecording) {
 
 // Bodies are occluded in turns, for the given part of each 10 s. Of two bodies for 5 s each, one is
 // always hidden; a single body is hidden first.
-TEST(RunEmulator, HidesItsBodiesInTurns) {
+TEST(RunEmulator, OccludesBodiesInTurns) {
   using Names = std::vector<std::string>;
   const auto expect = [](const std::string& bodies, const std::string& hidden_s, const Names& seen,
                          const std::string& style) {
@@ -289,7 +289,7 @@ TEST(RunEmulator, HidesItsBodiesInTurns) {
   expect("4", "2.6", {"BODY0", "BODY1", "BODY2", "BODY3"}, "zero");
 }
 
-TEST(SocketServer, SaysWhereItCannotListenOrSend) {
+TEST(SocketServer, ReportsListenAndSendErrors) {
   ServerSettings settings;
   SocketServer taken(settings, "127.0.0.1", 0);
   const auto why = [&](const std::string& host, int port) {
@@ -312,7 +312,7 @@ TEST(SocketServer, SaysWhereItCannotListenOrSend) {
   EXPECT_EQ(SocketServer(settings, "127.0.0.1", 5'000).port(), 5'000);
 }
 
-TEST(SocketServer, ServesSixtyFourClientsAndForgetsThoseThatGo) {
+TEST(SocketServer, ServesSixtyFourClients) {
   SocketServer server(ServerSettings{}, "127.0.0.1", 0);
   const sockaddr_in address = address_of(INADDR_LOOPBACK, server.port());
   std::vector<int> clients;

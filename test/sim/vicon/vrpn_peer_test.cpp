@@ -110,7 +110,7 @@ struct Talk {
   wire::VrpnHeader last;
 };
 
-TEST(VrpnPeer, SaysItsCookieAtOnceAndNothingElseBeforeTheClients) {
+TEST(VrpnPeer, SendsItsCookieFirst) {
   VrpnPeer peer{ServerSettings{}};
   EXPECT_EQ(peer.outgoing, cookie());
   peer.outgoing.clear();
@@ -126,7 +126,7 @@ TEST(VrpnPeer, SaysItsCookieAtOnceAndNothingElseBeforeTheClients) {
   EXPECT_EQ(peer.frames_sent, 1);
 }
 
-TEST(VrpnPeer, HangsUpOnWhatIsNoCookieOrOfAnotherMajorVersionOrNoMessage) {
+TEST(VrpnPeer, ClosesOnAnInvalidCookieOrMessage) {
   const auto is_taken = [](const std::string& text) {
     VrpnPeer peer{ServerSettings{}};
     Bytes bytes(text.begin(), text.end());
@@ -143,7 +143,7 @@ TEST(VrpnPeer, HangsUpOnWhatIsNoCookieOrOfAnotherMajorVersionOrNoMessage) {
   EXPECT_FALSE(peer.receive(Bytes(24, 0xFF)));
 }
 
-TEST(VrpnPeer, ShowsEachBodyAsASenderOfItsOwnAtTheInstantOfCapture) {
+TEST(VrpnPeer, SendsEachBodyWithTheCaptureTime) {
   for (const bool is_y_up : {false, true}) {
     Talk talk(OcclusionStyle::kAbsent, is_y_up);
     EmulatedFrame frame = frame_of(1.0);
@@ -171,7 +171,7 @@ TEST(VrpnPeer, ShowsEachBodyAsASenderOfItsOwnAtTheInstantOfCapture) {
   }
 }
 
-TEST(VrpnPeer, ShowsThoseThatAreHiddenInItsStyle) {
+TEST(VrpnPeer, SendsHiddenBodiesInItsStyle) {
   EmulatedFrame seen = frame_of(1.0);
   seen.bodies[1].is_occluded = false;
   Talk absent(OcclusionStyle::kAbsent);
@@ -190,7 +190,7 @@ TEST(VrpnPeer, ShowsThoseThatAreHiddenInItsStyle) {
 }
 
 // A ping to a body by name is answered by that body; ids are the client's own.
-TEST(VrpnPeer, AnswersPingsOfBodiesThatItHas) {
+TEST(VrpnPeer, AnswersPingsOfKnownBodies) {
   Talk talk(OcclusionStyle::kAbsent);
   talk.show(frame_of(1.0));
   talk.name(wire::kVrpnSenderDescription, 5, "Q2");
@@ -212,7 +212,7 @@ TEST(VrpnPeer, AnswersPingsOfBodiesThatItHas) {
   EXPECT_EQ(talk.pongs.back(), "Q1") << "named anew";
 }
 
-TEST(VrpnPeer, KeepsAThousandNamesOfAClientAndNoMore) {
+TEST(VrpnPeer, LimitsAClientToAThousandNames) {
   Talk talk(OcclusionStyle::kAbsent);
   talk.show(frame_of(1.0));
   talk.name(wire::kVrpnTypeDescription, 1, wire::kVrpnPingType);

@@ -26,7 +26,7 @@ scenario::Scenario lab_with(scenario::TargetMotion motion) {
 }
 
 // The reported velocity of a target is the rate of its position, for any motion.
-TEST(Ground, MovesAsFastAsItSays) {
+TEST(Ground, VelocityIsRateOfPosition) {
   for (const auto motion :
        {scenario::TargetMotion::kRandomWaypoint, scenario::TargetMotion::kDoubleIntegrator}) {
     scenario::Scenario scenario = lab_with(motion);
@@ -64,7 +64,7 @@ TEST(Ground, MovesAsFastAsItSays) {
   }
 }
 
-TEST(Ground, DriftsNoFasterThanTwoMetresASecond) {
+TEST(Ground, LimitsDriftToTwoMetresPerSecond) {
   scenario::Scenario scenario = lab_with(scenario::TargetMotion::kDoubleIntegrator);
   scenario.target_truth.acceleration_q = 20.0;
   Ground ground(scenario, 3);
@@ -76,7 +76,7 @@ TEST(Ground, DriftsNoFasterThanTwoMetresASecond) {
   EXPECT_NEAR(fastest_mps, 2.0, 1e-9);
 }
 
-TEST(Ground, StaysWhereItIsTold) {
+TEST(Ground, KeepsGivenPositions) {
   scenario::Scenario scenario = lab_with(scenario::TargetMotion::kStill);
   scenario.targets[3].start = Pose2{2.0, 7.0, -2.0};
   Ground ground(scenario, 3);
@@ -90,7 +90,7 @@ TEST(Ground, StaysWhereItIsTold) {
 
 // --- targets of a linear model
 
-TEST(LinearTargets, ComeBackFromEachWallAsFromAMirror) {
+TEST(LinearTargets, ReflectAtWalls) {
   const models::TargetModel model{models::TargetKind::kDoubleIntegrator, 2, 0.0};
   const models::Rectangle bounds{{-2.0, 3.0}, {4.0, 5.0}};
   struct Row {
@@ -108,7 +108,7 @@ TEST(LinearTargets, ComeBackFromEachWallAsFromAMirror) {
   }
 }
 
-TEST(LinearTargets, StartWithAPositionAndAVelocityEach) {
+TEST(LinearTargets, StartWithPositionAndVelocity) {
   const models::TargetModel model{models::TargetKind::kDoubleIntegrator, 2, 0.1};
   const models::StateVector four = Eigen::Vector4d::Zero();
   const models::StateVector two = Eigen::Vector2d::Zero();
@@ -118,7 +118,7 @@ TEST(LinearTargets, StartWithAPositionAndAVelocityEach) {
 }
 
 // Correlated, unequal and singular: each draw lies in the range of the covariance.
-TEST(DrawGaussian, HasTheCovarianceThatItIsGivenAlsoASingularOne) {
+TEST(DrawGaussian, HasTheGivenCovariance) {
   Eigen::Matrix3d root;
   root << 0.1, 0.0, 0.0, 0.5, 2.0, 0.0, -1.0, 1.0, 0.0;  // of rank two
   const models::StateMatrix covariance = root * root.transpose();
@@ -141,7 +141,7 @@ TEST(DrawGaussian, HasTheCovarianceThatItIsGivenAlsoASingularOne) {
 
 // --- cameras
 
-TEST(MocapCamera, RefusesWhatNoCameraHas) {
+TEST(MocapCamera, RefusesInvalidSpec) {
   const auto is_taken = [](double scenario::MocapSpec::*field, double value) {
     scenario::MocapSpec spec;
     spec.*field = value;
@@ -163,7 +163,7 @@ TEST(MocapCamera, RefusesWhatNoCameraHas) {
   }
 }
 
-TEST(MocapCamera, CapturesAtTheFirstWholePeriodThatIsNotPast) {
+TEST(MocapCamera, CapturesAtNextWholePeriod) {
   scenario::MocapSpec spec;
   spec.rate_hz = 100.0;
   MocapCamera camera(spec, 1);
@@ -175,7 +175,7 @@ TEST(MocapCamera, CapturesAtTheFirstWholePeriodThatIsNotPast) {
 }
 
 // Without noise a camera sees the truth. Yaw noise turns a body about the vertical at any attitude.
-TEST(MocapCamera, SeesBodiesInTheirOrderAndTurnsThemAboutTheVerticalAlone) {
+TEST(MocapCamera, KeepsBodyOrderAndRotatesAboutTheVertical) {
   models::TruthFrame truth;
   truth.stamp.time = kStart;
   truth.bodies.push_back({"Q1", -1, lift({1.0, 2.0, 3.0}, 1.5), {}});
@@ -225,7 +225,7 @@ class Counted : public Vehicle {
 };
 
 // If the start and end are not multiples of the step, the first and last steps are shorter.
-TEST(WorldSimulation, StepsToEachWholeMultipleAndToTheTimeItIsTold) {
+TEST(WorldSimulation, StepsToWholeMultiplesAndTheGivenTime) {
   Counted vehicle("Q2", 2.5);
   const Time start = kStart + Duration{1'200};
   WorldSimulation world(test::lab_scenario(), 1, start, {&vehicle});
@@ -241,7 +241,7 @@ TEST(WorldSimulation, StepsToEachWholeMultipleAndToTheTimeItIsTold) {
   EXPECT_EQ(vehicle.steps.back(), (Step{kStart + Duration{12'500}, 0.0025}));
 }
 
-TEST(WorldSimulation, TellsOneRobotOrAllAndSaysTheTimeOfItsTruth) {
+TEST(WorldSimulation, CommandsOneOrAllRobots) {
   const scenario::Scenario scenario = lab_with(scenario::TargetMotion::kStill);
   WorldSimulation world(scenario, 1, kStart);
   models::OperatorCommand command;
@@ -275,7 +275,7 @@ TEST(WorldSimulation, TellsOneRobotOrAllAndSaysTheTimeOfItsTruth) {
 }
 
 // The ground is kept free only below the low one of two external vehicles.
-TEST(WorldSimulation, KeepsTheGroundFreeUnderThoseThatAreLow) {
+TEST(WorldSimulation, KeepsTheGroundFreeUnderLowVehicles) {
   for (const bool is_low : {true, false}) {
     scenario::Scenario scenario = test::lab_scenario();
     scenario.robots[1].start = {2.0, 4.0, 0.0};

@@ -16,7 +16,7 @@ models::TargetModel double_integrator(double q_m2ps3) {
   return {models::TargetKind::kDoubleIntegrator, 2, q_m2ps3};
 }
 
-TEST(LinearTargets, GoStraightWithoutNoiseAndComeBackFromAWall) {
+TEST(LinearTargets, MoveStraightAndReflectAtWalls) {
   const models::StateVector start = Eigen::Vector4d(9.0, 5.0, 1.0, -0.5);
   LinearTargets targets(double_integrator(0.0), kStep_s, kBounds, {start}, std::mt19937_64(1));
   for (int step = 0; step < 4; ++step) {
@@ -25,7 +25,7 @@ TEST(LinearTargets, GoStraightWithoutNoiseAndComeBackFromAWall) {
   EXPECT_LT((targets.states()[0] - Eigen::Vector4d(9.0, 4.0, -1.0, -0.5)).norm(), 1e-12);
 }
 
-TEST(LinearTargets, SpreadAsTheirModelSays) {
+TEST(LinearTargets, HaveModelCovariance) {
   constexpr int kTargets = 4'000;
   constexpr double kSteps = 8.0;
   const models::TargetModel model = double_integrator(0.001);

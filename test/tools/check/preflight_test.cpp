@@ -20,7 +20,7 @@ std::string only_fault(const scenario::Scenario& scenario) {
   return preflight.faults.empty() ? "" : preflight.faults[0];
 }
 
-TEST(CheckPreflight, LetsTheShippedScenariosFly) {
+TEST(CheckPreflight, AcceptsTheInstalledScenarios) {
   for (const char* path :
        {VANTAGE_SOURCE_DIR "/config/lab.yaml", VANTAGE_SOURCE_DIR "/config/field.yaml"}) {
     const Preflight preflight = check_preflight(scenario::load_scenario(path));
@@ -29,7 +29,7 @@ TEST(CheckPreflight, LetsTheShippedScenariosFly) {
   }
 }
 
-TEST(CheckPreflight, SaysWhetherDetectionsNameTheirTargets) {
+TEST(CheckPreflight, ReportsWhetherDetectionsHaveIds) {
   const auto understands = [](const scenario::Scenario& scenario, const std::string& words) {
     const std::vector<std::string> lines = check_preflight(scenario).understood;
     return std::any_of(lines.begin(), lines.end(),
@@ -57,7 +57,7 @@ TEST(CheckPreflight, MeasuresTheSeparationOfStartsInSpace) {
   EXPECT_TRUE(check_preflight(scenario).is_ready());
 }
 
-TEST(CheckPreflight, RefusesARoundTooShortForItsSlots) {
+TEST(CheckPreflight, RefusesARoundThatIsTooShortForItsSlots) {
   scenario::Scenario scenario = lab();
   scenario.planner.team_budget_s = scenario.planner.execute_steps * scenario.planner.step_s;
   EXPECT_NE(only_fault(scenario).find("round"), std::string::npos);
@@ -72,7 +72,7 @@ TEST(CheckPreflight, RefusesATargetThatStartsInAnObstacle) {
   EXPECT_NE(only_fault(scenario).find(scenario.targets[2].name), std::string::npos);
 }
 
-TEST(CheckPreflight, SaysByLineThatTheTargetsFindNoGround) {
+TEST(CheckPreflight, ReportsLineWhenTargetsCannotBePlaced) {
   scenario::Scenario scenario = lab();
   for (int id = 5; id < 500; ++id) {
     scenario.targets.push_back(scenario.targets.back());
@@ -88,7 +88,7 @@ TEST(CheckPreflight, SaysByLineThatTheTargetsFindNoGround) {
   EXPECT_NE(fault.find("of 500 targets have one"), std::string::npos) << fault;
 }
 
-TEST(CheckPreflight, SaysByLineThatAnAddressIsNotMulticast) {
+TEST(CheckPreflight, RefusesANonMulticastAddressWithItsLine) {
   scenario::Scenario scenario = lab();
   scenario.network.url = "udpm://10.0.0.1:7667?ttl=0";
   const std::string fault = only_fault(scenario);
@@ -102,7 +102,7 @@ TEST(CheckPreflight, SaysByLineThatAnAddressIsNotMulticast) {
   EXPECT_TRUE(check_preflight(scenario).is_ready());
 }
 
-TEST(RoomForPlanners, IsWhatTheHostWithMostOfThemNeeds) {
+TEST(RoomForPlanners, IsThatOfTheHostWithMostPlanners) {
   scenario::Scenario scenario = lab();
   EXPECT_TRUE(room_for_planners(scenario, 400'000'000).is_enough);
   const MemoryRoom little = room_for_planners(scenario, 300'000'000);
@@ -116,7 +116,7 @@ TEST(RoomForPlanners, IsWhatTheHostWithMostOfThemNeeds) {
   EXPECT_GT(free_memory_bytes().value_or(0), 1'000'000U);
 }
 
-TEST(LineOfKey, IsOfTheInnermostThatIsGiven) {
+TEST(LineOfKey, IsThatOfTheInnermostGivenKey) {
   const std::string text = "name: x\n# nothing\nnetwork:\n  url: memq://\ntargets: {count: 2}\n";
   EXPECT_EQ(scenario::line_of_key(text, "network.url"), 4);
   EXPECT_EQ(scenario::line_of_key(text, "network.no_key"), 3);
@@ -137,7 +137,7 @@ std::string all_of(const std::vector<std::string>& lines) {
   return out;
 }
 
-TEST(CheckPreflight, NotesWhatADriverThatDiesInMotionNeeds) {
+TEST(CheckPreflight, NotesTheStoppingDistanceOfAFailedDriver) {
   scenario::Scenario scenario = lab_hil();
   scenario.planner.separation_m = 0.6;
   scenario.planner.obstacle_margin_m = 0.1;
@@ -168,7 +168,7 @@ TEST(CheckPreflight, NotesWhatADriverThatDiesInMotionNeeds) {
   EXPECT_TRUE(check_preflight(scenario).notes.empty()) << "nobody drives them";
 }
 
-TEST(CheckPreflight, NotesPlansThatComeAfterTheTurnTheyBeginWith) {
+TEST(CheckPreflight, NotesPlansThatArriveAfterTheirFirstTurn) {
   scenario::Scenario scenario = lab_hil();
   scenario.planner.separation_m = 0.9;
   scenario.planner.separation_from_above = true;
@@ -183,7 +183,7 @@ TEST(CheckPreflight, NotesPlansThatComeAfterTheTurnTheyBeginWith) {
   EXPECT_TRUE(check_preflight(scenario).notes.empty()) << "they turn at once";
 }
 
-TEST(CheckPreflight, NotesAWindThatBlowsOnNothing) {
+TEST(CheckPreflight, NotesWindWithoutEffect) {
   scenario::Scenario scenario = lab();
   scenario.wind = scenario::WindSpec{1.5, 0.0, 0.1};
   EXPECT_TRUE(check_preflight(scenario).notes.empty());
@@ -193,14 +193,14 @@ TEST(CheckPreflight, NotesAWindThatBlowsOnNothing) {
   EXPECT_NE(all_of(check_preflight(scenario).notes).find("wind x_mps 1.5"), std::string::npos);
 }
 
-TEST(CheckPreflight, SaysThatThereIsNoRobot) {
+TEST(CheckPreflight, RefusesAScenarioWithoutRobots) {
   scenario::Scenario scenario = lab();
   scenario.robots.clear();
   EXPECT_NE(all_of(check_preflight(scenario).faults).find("the scenario has no robot"),
             std::string::npos);
 }
 
-TEST(CheckPreflight, NotesTargetsThatMoveAndAreBelievedToStand) {
+TEST(CheckPreflight, NotesMovingTargetsWithStationaryModel) {
   scenario::Scenario scenario = lab();
   models::TargetModel& believed = scenario.estimator.target_model;
   believed.q = 0.0;  // the oscillator model ignores q

@@ -77,23 +77,24 @@ INSTANTIATE_TEST_SUITE_P(Dialects, CheckVehicles,
                          ::testing::Values(AutopilotDialect::kPx4, AutopilotDialect::kArdupilot),
                          [](const auto& chosen) { return std::string(name_of(chosen.param)); });
 
-TEST_P(CheckVehicles, FindsNothingInAVehicleThatIsSetUp) {
+TEST_P(CheckVehicles, AcceptsACorrectlyConfiguredVehicle) {
   ASSERT_TRUE(bench.run(20.0));
   EXPECT_TRUE(bench.check.is_ready(bench.now));
   EXPECT_NE(bench.said().find("parameters have the required values"), std::string::npos);
 }
 
-TEST_P(CheckVehicles, NamesEachDifferenceAndWhatItWouldDo) {
+TEST_P(CheckVehicles, ReportsEachDifferenceAndItsConsequence) {
   bench.vehicle.set_parameter(loss_name(), 3.0);
   ASSERT_TRUE(bench.run(20.0));
   EXPECT_FALSE(bench.check.is_ready(bench.now));
   ASSERT_EQ(bench.check.differences().size(), 1U);
   EXPECT_NE(bench.said().find(loss_name()), std::string::npos);
-  EXPECT_NE(bench.said().find("it flies on for this time after the driver dies"), std::string::npos);
+  EXPECT_NE(bench.said().find("it flies on for this time after the driver dies"),
+            std::string::npos);
   EXPECT_EQ(bench.vehicle.parameter(loss_name()), 3.0) << "nothing is written unasked";
 }
 
-TEST_P(CheckVehicles, WritesWhatDiffersAndReadsItBack) {
+TEST_P(CheckVehicles, WritesDifferencesAndReadsThemBack) {
   for (const wire::ParameterRule& rule : wire::parameter_rules(GetParam())) {
     bench.vehicle.set_parameter(rule.name, 77.0);
   }
@@ -107,7 +108,7 @@ TEST_P(CheckVehicles, WritesWhatDiffersAndReadsItBack) {
   }
 }
 
-TEST_P(CheckVehicles, WritesNothingToAnArmedOne) {
+TEST_P(CheckVehicles, WritesNothingToAnArmedVehicle) {
   bench.vehicle.set_parameter(loss_name(), 3.0);
   ASSERT_TRUE(bench.run(20.0));
   ASSERT_EQ(bench.check.differences().size(), 1U);
@@ -132,7 +133,7 @@ TEST_P(CheckVehicles, WritesNothingToAnArmedOne) {
   EXPECT_EQ(bench.vehicle.parameter(loss_name()), 3.0);
 }
 
-TEST_P(CheckVehicles, SaysThatNobodyIsHeard) {
+TEST_P(CheckVehicles, ReportsThatNoVehicleIsReceived) {
   bench.is_wire_cut = true;
   ASSERT_TRUE(bench.run(20.0));
   EXPECT_FALSE(bench.check.is_ready(bench.now));
@@ -140,7 +141,7 @@ TEST_P(CheckVehicles, SaysThatNobodyIsHeard) {
             std::string::npos);
 }
 
-TEST(CheckVehiclesOfAnotherKind, SaysWhichItIsNot) {
+TEST(CheckVehiclesOfAnotherKind, ReportsTheWrongKind) {
   Bench bench(AutopilotDialect::kPx4, AutopilotDialect::kArdupilot);
   ASSERT_TRUE(bench.run(20.0));
   EXPECT_NE(bench.said().find("the autopilot is not ArduPilot"), std::string::npos);

@@ -66,7 +66,7 @@ TEST(KeyInput, SelectsAnyRobotByItsName) {
   }
 }
 
-TEST(KeyInput, ReachesEachRobotByTabAndThenAll) {
+TEST(KeyInput, SelectsEachRobotThenAllByTab) {
   std::vector<std::string> robots;
   for (int i = 1; i <= 12; ++i) {
     robots.push_back("Q" + std::to_string(i));
@@ -79,7 +79,7 @@ TEST(KeyInput, ReachesEachRobotByTabAndThenAll) {
   EXPECT_EQ(request_from_key("\t", robots, selected)->robot, "");
 }
 
-TEST(KeyInput, ShowsTheNameThatIsTyped) {
+TEST(KeyInput, ShowsTheTypedName) {
   KeyInput input;
   EXPECT_FALSE(input.on_key("r", kRobots, ""));
   EXPECT_FALSE(input.on_key("Q", kRobots, ""));
@@ -127,12 +127,12 @@ TEST(RequestFromLine, ReadsEveryWordItWrites) {
   }
 }
 
-TEST(RequestFromLine, RefusesWhatItDoesNotKnow) {
+TEST(RequestFromLine, RefusesUnknownWords) {
   EXPECT_FALSE(request_from_line("fly Q1").ok());
   EXPECT_FALSE(request_from_line("land Q1 now").ok());
 }
 
-TEST(RequestFromLine, UnderstandsAnActionInAnyLetterCase) {
+TEST(RequestFromLine, IgnoresLetterCase) {
   const auto request = request_from_line("ESTOP Q9");
   ASSERT_TRUE(request.ok());
   EXPECT_EQ(request.value().action, OperatorAction::kEmergencyStop);
@@ -156,7 +156,7 @@ std::vector<std::string> keys_of(std::string typed) {
 using Keys = std::vector<std::string>;
 
 // Each sequence ends in a letter or digit that alone arms, follows, quits or selects.
-TEST(Keys, OfMoreBytesThanOneAreOneKeyAndNoOrder) {
+TEST(Keys, TreatEscapeSequenceAsOneKeyWithoutOrder) {
   for (const char* key :
        {"\x1b[A",   "\x1b[B",    "\x1b[F",    "\x1b[H",  "\x1bOA",    "\x1bOF",  "\x1bOH",
         "\x1bOP",   "\x1bOQ",    "\x1b[[A",   "\x1b[[E", "\x1b[3~",   "\x1b[5~", "\x1b[15~",
@@ -171,7 +171,7 @@ TEST(Keys, OfMoreBytesThanOneAreOneKeyAndNoOrder) {
   }
 }
 
-TEST(Keys, NeverSwallowTheEmergencyStop) {
+TEST(Keys, KeepEmergencyStopAfterPartialSequence) {
   EXPECT_EQ(keys_of("\x1b "), (Keys{"\x1b", " "})) << "after the key ESC";
   EXPECT_EQ(keys_of("\x1b[ "), (Keys{"\x1b[", " "}));
   EXPECT_EQ(keys_of("\x1bO "), (Keys{"\x1bO", " "}));

@@ -35,7 +35,7 @@ bool mentions(const std::vector<std::string>& lines, const std::string& words) {
   });
 }
 
-TEST(OperatorDesk, RefusesTheSecondStationEverythingButTheEmergencyStop) {
+TEST(OperatorDesk, AllowsTheSecondStationOnlyAnEmergencyStop) {
   bus::InProcessHub hub;
   const auto link_a = hub.connect();
   const auto link_b = hub.connect();
@@ -81,7 +81,7 @@ TEST(OperatorDesk, RefusesTheSecondStationEverythingButTheEmergencyStop) {
 }
 
 // The orders of a console with a wrong clock are accepted, since they carry the vehicles' time.
-TEST(OperatorDesk, SpeaksInTheVehiclesTime) {
+TEST(OperatorDesk, StampsOrdersByVehicleClock) {
   for (const Duration off : {Duration(-std::chrono::hours(24)), Duration(std::chrono::hours(1)),
                              Duration(std::chrono::milliseconds(300))}) {
     test::BusPair net(11, 13);
@@ -112,7 +112,7 @@ TEST(OperatorDesk, SpeaksInTheVehiclesTime) {
   }
 }
 
-TEST(OperatorDesk, ShowsThatTheLogIsNotWritten) {
+TEST(OperatorDesk, ShowsALogError) {
   test::BusPair net(11, 12);
   bus::Bus& desk_bus = net.own;
   bus::Bus& up_bus = net.other;
@@ -133,7 +133,7 @@ TEST(OperatorDesk, ShowsThatTheLogIsNotWritten) {
 
 // In a one-way partition each end detects the fault by itself: vehicles by the missing heartbeat
 // (fault 17), the operator by the vehicles' silence.
-TEST(OperatorDesk, ShowsAVehicleThatHearsItAndIsNotHeard) {
+TEST(OperatorDesk, ShowsSilentVehicleInOneWayPartition) {
   test::BusPair net(11, 13);
   bus::Bus& desk_bus = net.own;
   bus::Bus& vehicle = net.other;
@@ -187,7 +187,7 @@ struct LossyDesk {
   }
 };
 
-TEST(OperatorDesk, IsHeardThoughHalfASecondOfDatagramsIsLost) {
+TEST(OperatorDesk, OrderArrivesDespiteHalfASecondOfLoss) {
   for (const OperatorAction action :
        {OperatorAction::kHold, OperatorAction::kLand, OperatorAction::kEmergencyStop}) {
     LossyDesk lab;
@@ -203,7 +203,7 @@ TEST(OperatorDesk, IsHeardThoughHalfASecondOfDatagramsIsLost) {
   }
 }
 
-TEST(OperatorDesk, SaysTheSameOrderAgainAndNotForEver) {
+TEST(OperatorDesk, RepeatsOrderForALimitedTime) {
   LossyDesk lab;
   const Time given = lab.now;
   lab.send(OperatorAction::kEmergencyStop, "Q1");
@@ -222,7 +222,7 @@ TEST(OperatorDesk, SaysTheSameOrderAgainAndNotForEver) {
   EXPECT_EQ(lab.count(OperatorAction::kArm), 1) << "what makes nothing safer is said once";
 }
 
-TEST(OperatorDesk, DoesNotSayAgainWhatALaterOrderHasUndone) {
+TEST(OperatorDesk, DoesNotRepeatRevokedOrder) {
   LossyDesk lab;
   lab.send(OperatorAction::kHold);
   lab.send(OperatorAction::kFollow, "Q1");
@@ -250,7 +250,7 @@ struct WatchedLab {
   ArmingWatch watch{net.other, scenario};
 };
 
-TEST(ArmingWatch, SaysWhatIsMissingAndWhatTheDriversSay) {
+TEST(ArmingWatch, ReportsMissingVehiclesAndDriverReasons) {
   WatchedLab lab;
   const ArmingWatch& watch = lab.watch;
   EXPECT_TRUE(mentions(watch.blocks(), "no mocap frame"));
@@ -293,7 +293,7 @@ TEST(ArmingWatch, NamesMessagesOfAnotherVersion) {
   EXPECT_TRUE(mentions(watch.blocks(), "2 messages on PLAN_Q1 cannot be decoded"));
 }
 
-TEST(ArmingWatch, NamesWhatProcessesRefuseMeanwhileAndWhy) {
+TEST(ArmingWatch, ReportsMessagesRefusedDuringArming) {
   WatchedLab lab;
   const ArmingWatch& watch = lab.watch;
   models::ProcessHealth health;
@@ -314,7 +314,7 @@ TEST(ArmingWatch, NamesWhatProcessesRefuseMeanwhileAndWhy) {
   EXPECT_FALSE(mentions(watch.blocks(), "lost"));
 }
 
-TEST(OperatorDesk, SaysThatItIsNotHeardWhereMessagesAreSigned) {
+TEST(OperatorDesk, ReportsThatUnsignedOrdersAreRefused) {
   test::BusPair net(11, 13);
   bus::Bus& bus = net.own;
   bus::Bus& vehicle = net.other;
@@ -363,7 +363,7 @@ struct SecuredConsole {
 };
 
 // A signed trial was recorded and has ended; its log is replayed ten seconds later.
-TEST(OperatorDesk, DoesNotReceiveRobotsOfALogThatIsPlayed) {
+TEST(OperatorDesk, IgnoresRobotsOfAPlayedLog) {
   SecuredConsole console(kStart + std::chrono::seconds(10));
   bus::VirtualClock then(kStart);
   const auto recorder = console.hub.connect();
@@ -398,7 +398,7 @@ TEST(OperatorDesk, DoesNotReceiveRobotsOfALogThatIsPlayed) {
 
 // A station whose clock is wrong refuses the vehicles' messages, but can still make the vehicles
 // safer.
-TEST(OperatorDesk, StampsAStopByTheClockOfVehiclesThatItRefuses) {
+TEST(OperatorDesk, StampsStopByClockOfRefusedVehicles) {
   const Duration off = std::chrono::hours(1);
   SecuredConsole console(kStart + off);
   bus::VirtualClock true_clock(kStart);
@@ -426,7 +426,7 @@ TEST(OperatorDesk, StampsAStopByTheClockOfVehiclesThatItRefuses) {
   }));
 }
 
-TEST(OperatorDesk, KeepsNoMoreVehiclesThanItHasPlacesFor) {
+TEST(OperatorDesk, LimitsNumberOfVehicles) {
   test::BusPair net(11, 13);
   OperatorDesk desk(net.own, {}, kStart);
   const auto hear = [&](const std::string& robot, Time now) {
@@ -449,7 +449,7 @@ TEST(OperatorDesk, KeepsNoMoreVehiclesThanItHasPlacesFor) {
       << "in the place of one that fell silent";
 }
 
-TEST(CheckPreflight, RefusesWhatFlightSafetyWouldRefuseInFlight) {
+TEST(CheckPreflight, AppliesTheRulesOfFlightSafety) {
   scenario::Scenario scenario = lab();
   scenario.planner.separation_m = 0.5;  // m; the sum of two radii
   EXPECT_TRUE(mentions(check_preflight(scenario).faults, "touch at that distance"));

@@ -17,9 +17,9 @@ constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
 /// A console and the vehicles that receive its orders. `heard` has their orders such as "hold Q1",
 /// without heartbeats and repetitions.
-class Asked : public ::testing::Test {
+class OrderQueueTest : public ::testing::Test {
  protected:
-  Asked() {
+  OrderQueueTest() {
     vehicles_.subscribe<models::OperatorCommand>(
         bus::kCommand, [this](const models::OperatorCommand& command) {
           if (command.action == OperatorAction::kHeartbeat) {
@@ -93,7 +93,7 @@ class Asked : public ::testing::Test {
   OrderQueue orders{desk_};
 };
 
-TEST_F(Asked, SafeOrdersAreSaidAtOnceAndOthersOnceItIsInCharge) {
+TEST_F(OrderQueueTest, SendsSafeOrdersAtOnceAndOthersWhenInCharge) {
   ask(OperatorAction::kFollow, "Q2");
   ask(OperatorAction::kHold, "Q1");
   EXPECT_EQ(heard, Words{"hold Q1"});
@@ -109,7 +109,7 @@ TEST_F(Asked, SafeOrdersAreSaidAtOnceAndOthersOnceItIsInCharge) {
 }
 
 // After `hold` no vehicle begins to follow because of an order from before.
-TEST_F(Asked, ASaferOrderEndsWhatStillWaitsForItsVehicles) {
+TEST_F(OrderQueueTest, SaferOrderCancelsPendingOrders) {
   for (const OperatorAction safer :
        {OperatorAction::kHold, OperatorAction::kLand, OperatorAction::kEmergencyStop}) {
     for (const std::string whom : {"", "Q1"}) {
@@ -123,7 +123,7 @@ TEST_F(Asked, ASaferOrderEndsWhatStillWaitsForItsVehicles) {
   EXPECT_EQ(heard, (Words{"hold", "hold Q1", "land", "land Q1", "estop", "estop Q1"}));
 }
 
-TEST_F(Asked, ASaferOrderOfOneIsNotUndoneByWhatWaitsForAll) {
+TEST_F(OrderQueueTest, PendingBroadcastDoesNotUndoSaferOrderOfOneVehicle) {
   ask(OperatorAction::kFollow);
   ask(OperatorAction::kLand, "Q1");
   ask(OperatorAction::kFollow, "Q2");
@@ -138,7 +138,7 @@ TEST_F(Asked, ASaferOrderOfOneIsNotUndoneByWhatWaitsForAll) {
 
 // A vehicle takes only the most urgent order of a turn: of `arm` and `take-off` it would take
 // `take-off`.
-TEST_F(Asked, OneEachTenthOfASecond) {
+TEST_F(OrderQueueTest, SendsOneOrderPerTenthOfASecond) {
   pass(1.0);
   for (int round = 0; round < 2; ++round) {
     heard.clear();
@@ -156,7 +156,7 @@ TEST_F(Asked, OneEachTenthOfASecond) {
   }
 }
 
-TEST_F(Asked, OfARobotThatHasNotSpokenYetIsOfThatRobot) {
+TEST_F(OrderQueueTest, SendsOrderToRobotNotYetReceived) {
   ask(OperatorAction::kEmergencyStop, "Q1");
   ask(OperatorAction::kHold, "Q2");
   ask(OperatorAction::kArm, "Q2");
@@ -168,7 +168,7 @@ TEST_F(Asked, OfARobotThatHasNotSpokenYetIsOfThatRobot) {
 }
 
 // Orders with typing errors: an emergency stop must still work.
-TEST_F(Asked, OfARobotThatThereIsNotIsAnErrorAndAnEmergencyStopOfAll) {
+TEST_F(OrderQueueTest, RefusesUnknownRobotButStopsAllOnEmergencyStop) {
   ask(OperatorAction::kEmergencyStop, "Q9");
   ask(OperatorAction::kHold, "Q8");
   ask(OperatorAction::kArm, "Q7");
@@ -183,7 +183,7 @@ TEST_F(Asked, OfARobotThatThereIsNotIsAnErrorAndAnEmergencyStopOfAll) {
   EXPECT_EQ(heard, Words{"estop"}) << "at once";
 }
 
-TEST_F(Asked, ByOneWhoHearsNobodyIsSaidAllTheSame) {
+TEST_F(OrderQueueTest, SendsOrderWithoutKnownVehicles) {
   ask(OperatorAction::kLand);
   pass(1.0, {});
   ask(OperatorAction::kArm, "Q1");
@@ -195,7 +195,7 @@ TEST_F(Asked, ByOneWhoHearsNobodyIsSaidAllTheSame) {
   EXPECT_TRUE(orders.was_refused());
 }
 
-TEST_F(Asked, BesideAStationInChargeIsNotSaidAndSaysSo) {
+TEST_F(OrderQueueTest, RefusesOrderWhileAnotherStationIsInCharge) {
   hears_station = true;
   pass(1.0);
   ask(OperatorAction::kHold, "Q9");
@@ -210,7 +210,7 @@ TEST_F(Asked, BesideAStationInChargeIsNotSaidAndSaysSo) {
 }
 
 // Vehicles accept only orders that are current by their clock, which the console does not know yet.
-TEST_F(Asked, BeforeAnyVehicleWasHeardIsRepeatedByTheirClock) {
+TEST_F(OrderQueueTest, RestampsOrderOnceVehicleClockIsKnown) {
   ahead = std::chrono::hours(2);
   ask(OperatorAction::kLand);
   ASSERT_EQ(stamps, std::vector<Time>{kStart});

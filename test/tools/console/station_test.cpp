@@ -28,7 +28,7 @@ void pass(Station& station, double from_s, double to_s, std::int64_t other) {
   }
 }
 
-TEST(Station, TakesChargeWhenNobodyElseBeats) {
+TEST(Station, TakesChargeWithoutOtherHeartbeat) {
   Station station(5, false, kStart);
   station.on_command(beat(5, kStart), kStart);  // its own heartbeat
   pass(station, 0.0, 0.6, 0);
@@ -40,7 +40,7 @@ TEST(Station, TakesChargeWhenNobodyElseBeats) {
   EXPECT_TRUE(station.may_say(OperatorAction::kArm));
 }
 
-TEST(Station, IsRefusedBesideAnotherForGood) {
+TEST(Station, IsRefusedPermanentlyNextToAnother) {
   Station station(5, false, kStart);
   pass(station, 0.0, 1.0, 9);
   EXPECT_EQ(station.role(), Role::kRefused);
@@ -53,7 +53,7 @@ TEST(Station, IsRefusedBesideAnotherForGood) {
 }
 
 // A replayed log, or one old packet, does not make the station give up its role.
-TEST(Station, HeedsNoHeartbeatThatIsNotOfNow) {
+TEST(Station, IgnoresOutdatedHeartbeat) {
   Station station(5, false, kStart);
   for (double t_s = 0.0; t_s < 3.0; t_s += 0.1) {
     station.on_command(beat(1, at(t_s) - std::chrono::hours(24)), at(t_s));
@@ -75,7 +75,7 @@ TEST(Station, MayAlwaysStop) {
   }
 }
 
-TEST(Station, StandsByWhenAllowedAndTakesOverFromSilence) {
+TEST(Station, WaitsAndTakesOverAfterSilence) {
   Station station(5, true, kStart);
   pass(station, 0.0, 10.0, 9);
   EXPECT_EQ(station.role(), Role::kSecond);
@@ -90,7 +90,7 @@ TEST(Station, StandsByWhenAllowedAndTakesOverFromSilence) {
   EXPECT_EQ(station.role(), Role::kInCharge);
 }
 
-TEST(Station, OfTwoThatBeginTogetherOneStays) {
+TEST(Station, OneOfTwoSimultaneousStationsYields) {
   Station low(3, false, kStart);
   Station high(4, false, kStart);
   int beating = 0;

@@ -45,7 +45,7 @@ ViconPort stream_of(MocapProtocol protocol, Speaker speaker, int port) {
   return out;
 }
 
-TEST(DescribeVicon, SaysWhatIsThereAndWhatToWriteIntoTheScenario) {
+TEST(DescribeVicon, ListsSubjectsAndScenarioLines) {
   const std::vector<ViconPort> ports{
       stream_of(MocapProtocol::kDataStream, Speaker::kDataStream, 801)};
   const auto lines = describe("10.0.0.9", ports);
@@ -55,14 +55,14 @@ TEST(DescribeVicon, SaysWhatIsThereAndWhatToWriteIntoTheScenario) {
   EXPECT_TRUE(is_usable(ports));
 }
 
-TEST(DescribeVicon, NamesTheProductThatAnswersAtAnothersPort) {
+TEST(DescribeVicon, NamesTheProductAtAWrongPort) {
   const std::vector<ViconPort> ports{stream_of(MocapProtocol::kDataStream, Speaker::kVrpn, 801)};
   const auto lines = describe("10.0.0.9", ports);
   EXPECT_TRUE(says(lines, "10.0.0.9:801: a VRPN server"));
   EXPECT_TRUE(says(lines, "protocol: vrpn, host: 10.0.0.9, port: 801"));
 }
 
-TEST(DescribeVicon, SaysWhyThereMayBeNoPoses) {
+TEST(DescribeVicon, ExplainsMissingPoses) {
   std::vector<ViconPort> ports{stream_of(MocapProtocol::kDataStream, Speaker::kDataStream, 801)};
   ports[0].observed->bodies["QUAD"].seen = 0;
   EXPECT_TRUE(says(describe("h", ports), "Kinematic Fit"));
@@ -74,14 +74,14 @@ TEST(DescribeVicon, SaysWhyThereMayBeNoPoses) {
   EXPECT_TRUE(says(describe("h", ports), "no motion capture found"));
 }
 
-TEST(DescribeVicon, SaysHowOftenATrackerReportsByItself) {
+TEST(DescribeVicon, ReportsATrackersOwnRate) {
   std::vector<ViconPort> ports{stream_of(MocapProtocol::kVrpn, Speaker::kVrpn, 3883)};
   ports[0].observed->bodies["QUAD"].rate_hz = 50.0;
   EXPECT_TRUE(says(describe("h", ports), "QUAD: 50.0 Hz, seen in 50 % of the frames"));
 }
 
 // Nothing was ever received, and no connection exists.
-TEST(ExamineVicon, SaysThatNothingArrives) {
+TEST(ExamineVicon, ReportsSilence) {
   const auto ports = examine_vicon("127.0.0.1", {}, std::stoi(test::port_of_this_test(0)),
                                    std::chrono::milliseconds(2'500));
   const auto lines = describe("127.0.0.1", ports);
@@ -89,14 +89,14 @@ TEST(ExamineVicon, SaysThatNothingArrives) {
   EXPECT_FALSE(says(lines, "connected")) << all_of(lines);
 }
 
-TEST(ExamineVicon, ReturnsWhatItHasWhenItIsToldToStop) {
+TEST(ExamineVicon, ReturnsItsResultOnStop) {
   int asked = 0;
   const auto ports = examine_vicon("127.0.0.1", {1, 2, 3}, std::stoi(test::port_of_this_test(0)),
                                    std::chrono::hours(1), [&] { return ++asked > 2; });
   EXPECT_LT(ports.size(), 4U);
 }
 
-TEST(ExamineVicon, FindsAVrpnServerWhereADataStreamWasExpected) {
+TEST(ExamineVicon, RecognisesAVrpnServer) {
   sim::vicon::ServerSettings settings;
   settings.protocol = MocapProtocol::kVrpn;
   sim::vicon::SocketServer server(settings, "127.0.0.1", 0);
@@ -124,7 +124,7 @@ TEST(ExamineVicon, FindsAVrpnServerWhereADataStreamWasExpected) {
   EXPECT_TRUE(says(lines, "protocol: vrpn")) << all_of(lines);
 }
 
-TEST(ExamineVicon, RefusesAHostThatDoesNotExist) {
+TEST(ExamineVicon, RefusesAnUnknownHost) {
   EXPECT_THROW(static_cast<void>(examine_vicon("no.such.host.invalid", {}, 1, Duration{0})),
                StartupError);
 }

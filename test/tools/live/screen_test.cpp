@@ -26,7 +26,7 @@ TEST(CutTo, CountsCharactersNotBytes) {
   EXPECT_EQ(cut_to("a", 0), "");
 }
 
-TEST(CutTo, GivesColoursNoRoomAndEndsThem) {
+TEST(CutTo, IgnoresColourCodesAndResetsThem) {
   const std::string line = "ab" + inked("cd", Ink::kBad) + "ef";
   EXPECT_EQ(cut_to(line, 6), line);
   EXPECT_EQ(cut_to(line, 3), "ab\x1b[1;31mc\x1b[0m");
@@ -61,7 +61,7 @@ class FullPipe {
   std::array<int, 2> ends_{};
 };
 
-TEST(OutputQueue, KeepsWholeTextsAndDropsAndCountsTheRest) {
+TEST(OutputQueue, DropsAndCountsWholeTexts) {
   const FullPipe pipe;
   OutputQueue queue(pipe.writer());
   std::string expected;
@@ -102,14 +102,14 @@ TEST(PrintLine, WritesNoEscapeSequence) {
   }
 }
 
-TEST(Fit, LeavesRoomForTheCursorAndSaysWhatIsMissing) {
+TEST(Fit, LeavesSpaceForTheCursorAndReportsOmissions) {
   const Lines five{"1", "2", "3", "4", "5"};
   EXPECT_EQ(fit(five, 6, 80), five);
   EXPECT_EQ(fit(five, 5, 80), (Lines{"1", "2", "3", "... 2 more lines"}));
   EXPECT_EQ(fit(five, 3, 80), (Lines{"1", "... 4 more lines"}));
 }
 
-TEST(Fit, KnowsNoLimitWithoutATerminal) {
+TEST(Fit, DoesNotLimitWithoutTerminal) {
   const Lines lines(100, std::string(500, 'x'));
   EXPECT_EQ(fit(lines, 0, 0), lines);
 }

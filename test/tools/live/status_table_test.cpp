@@ -37,7 +37,7 @@ models::RobotBelief belief(std::int64_t step, std::vector<int> ids) {
   return out;
 }
 
-TEST(StatusTable, TellsWhoKnowsATargetFromWhetherItWasEverFound) {
+TEST(StatusTable, DistinguishesKnownFromEverFound) {
   logs::TrialMetrics metrics(lab(), from_utime(1'000'000));
   metrics.on_belief(belief(0, {0}));
   metrics.on_belief(belief(1, {0}));
@@ -50,7 +50,7 @@ TEST(StatusTable, TellsWhoKnowsATargetFromWhetherItWasEverFound) {
   EXPECT_NE(row_of(lines, "R3").find("not found yet"), std::string::npos) << row_of(lines, "R3");
 }
 
-TEST(StatusTable, SaysTheSameInColour) {
+TEST(StatusTable, HasTheSameTextInColour) {
   const scenario::Scenario scenario = lab();
   logs::TrialMetrics metrics(scenario, from_utime(1'000'000));
   const std::vector<std::string> plain = status_table(scenario, metrics, 2.0);
@@ -70,7 +70,7 @@ TEST(StatusTable, SaysTheSameInColour) {
   }
 }
 
-TEST(StatusTable, ShowsTheMapOfATeamThatMaps) {
+TEST(StatusTable, ShowsTheMapOfAMappingTeam) {
   scenario::Scenario scenario = lab();
   scenario.targets.clear();
   scenario.planner.objective = scenario::PlanObjective::kMapping;

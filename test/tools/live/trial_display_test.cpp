@@ -15,7 +15,7 @@ struct Lab {
   logs::TrialMetrics metrics{scenario, from_utime(1'000'000)};
 };
 
-TEST(TrialDisplay, SaysALineAndItsWordsEveryFiveSeconds) {
+TEST(TrialDisplay, PrintsALineEveryFiveSeconds) {
   const Lab lab;
   TrialDisplay display(form_of(false, false));
   ASSERT_TRUE(display.is_due(from_utime(1'000'000)));
@@ -30,7 +30,7 @@ TEST(TrialDisplay, SaysALineAndItsWordsEveryFiveSeconds) {
 
 // An exception here would end `vantage up` and with it every driver in flight; the terminal may be
 // gone.
-TEST(TrialDisplay, GoesOnWhereNobodyReadsWhatItSays) {
+TEST(TrialDisplay, SurvivesClosedTerminal) {
   const int kept = dup(STDERR_FILENO);
   const int full = open("/dev/full", O_WRONLY);
   ASSERT_GE(full, 0);
@@ -45,7 +45,7 @@ TEST(TrialDisplay, GoesOnWhereNobodyReadsWhatItSays) {
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "! landed\n");
 }
 
-TEST(TrialDisplay, ShowsRowsAndWhatHappenedBelowATable) {
+TEST(TrialDisplay, ShowsRowsAndEventsBelowATable) {
   const Lab lab;
   TrialDisplay display(form_of(false, true));
   testing::internal::CaptureStdout();
@@ -61,7 +61,7 @@ TEST(TrialDisplay, ShowsRowsAndWhatHappenedBelowATable) {
   EXPECT_TRUE(display.is_due(from_utime(1'500'000)));
 }
 
-TEST(TrialDisplay, IsSilentWhenQuietButForWhatHappened) {
+TEST(TrialDisplay, PrintsOnlyEventsWhenQuiet) {
   TrialDisplay display(form_of(true, false));
   EXPECT_FALSE(display.is_due(from_utime(1'000'000)));
   testing::internal::CaptureStdout();

@@ -50,14 +50,14 @@ TEST(ParseTable, UsesTheUnitsOfHeadings) {
   EXPECT_DOUBLE_EQ(parse("time_ns,beacon,range_ft\n1e9,1,10\n").rows[0].numbers[1], 3.048);
 }
 
-TEST(ParseTable, TakesColumnsInTheirOrderWithoutAHeader) {
+TEST(ParseTable, UsesColumnOrderWithoutAHeader) {
   const Table table = parse("# by hand\n\n0.5 4 2.5\n  1.0   4   2.75  \n");
   ASSERT_EQ(table.rows.size(), 2u);
   EXPECT_EQ(table.rows[1].numbers, (std::vector{1.0, 2.75}));
   EXPECT_NE(refusal("0.5,1,4,2.5\n").find("a.csv:1: 4 cells and no header"), std::string::npos);
 }
 
-TEST(ParseTable, CountsRowsThatHaveNoNumber) {
+TEST(ParseTable, CountsRowsWithoutANumber) {
   const Table table = parse(
       "time,beacon,range\n1,4,nan\n2,4,\n3,4,inf\n4,4,-NaN\nN/A,4,2\n5,,2\n6,4,1e999\n7,4,+2\n");
   ASSERT_EQ(table.rows.size(), 1u);
@@ -65,11 +65,11 @@ TEST(ParseTable, CountsRowsThatHaveNoNumber) {
   EXPECT_EQ(table.not_finite, 7);
 }
 
-TEST(ParseTable, PassesOverTheHeaderOfAFileThatWasPutBehind) {
+TEST(ParseTable, SkipsRepeatedHeaders) {
   EXPECT_EQ(parse("time,beacon,range\n1,4,2\ntime,beacon,range\n2,4,2\n").rows.size(), 2u);
 }
 
-TEST(ParseTable, LeavesOutALastLineThatIsTorn) {
+TEST(ParseTable, SkipsATruncatedLastLine) {
   const Table torn = parse("time,beacon,range\n1,4,2\n2,4");
   EXPECT_TRUE(torn.is_torn);
   EXPECT_EQ(torn.rows.size(), 1u);
@@ -91,7 +91,7 @@ TEST(ParseTable, NamesFileLineAndRule) {
   EXPECT_NE(refusal("\x89PNG\r\n").find("a.csv:1: no column 'time'"), std::string::npos);
 }
 
-TEST(ReadTable, NamesAFileThatCannotBeRead) {
+TEST(ReadTable, NamesAnUnreadableFile) {
   EXPECT_THROW(read_table("none.csv", kColumns), StartupError);
   EXPECT_THROW(read_table("/", kColumns), StartupError);
 }

@@ -34,7 +34,7 @@ Rows ranges_of(const std::string& beacon, int count) {
   return out;
 }
 
-TEST(PlaceRanges, PutsRangesBetweenPosesAndCountsTheOthers) {
+TEST(PlaceRanges, InterpolatesPosesAndCountsTheRest) {
   Rows rows = ranges_of("A", 12);
   rows.push_back({"A", {-0.5, 5.0}});  // before the first pose
   rows.push_back({"A", {10.5, 5.0}});  // after the last pose
@@ -61,7 +61,7 @@ TEST(PlaceRanges, PutsRangesBetweenPosesAndCountsTheOthers) {
   EXPECT_TRUE(std::is_sorted(recording.times_s.begin(), recording.times_s.end()));
 }
 
-TEST(PlaceRanges, DoesNotMindTheOrderOfRows) {
+TEST(PlaceRanges, IsIndependentOfRowOrder) {
   Rows rows = ranges_of("A", 30);
   Rows poses = way();
   const RangeRecording sorted = place_ranges({rows, 0, false}, {poses, 0, false}, 1.0);
@@ -76,7 +76,7 @@ TEST(PlaceRanges, DoesNotMindTheOrderOfRows) {
   }
 }
 
-TEST(PlaceRanges, TakesForAGapWhatIsLongBesideTheUsual) {
+TEST(PlaceRanges, DetectsGapRelativeToUsualInterval) {
   Rows poses;
   for (int k = 0; k < 20; ++k) {
     poses.push_back({"", {2.5 * k, 0.0, 0.0}});
@@ -89,7 +89,7 @@ TEST(PlaceRanges, TakesForAGapWhatIsLongBesideTheUsual) {
   EXPECT_EQ(place_ranges({rows, 0, false}, {poses, 0, false}, 2.0).in_gaps, 21);
 }
 
-TEST(PlaceRanges, OrdersBeaconsByNumberAndLeavesOutThoseWithFewRanges) {
+TEST(PlaceRanges, OrdersBeaconsAndOmitsThoseWithFewRanges) {
   Rows rows;
   for (const char* beacon : {"10", "9", "north", "2"}) {
     const Rows more = ranges_of(beacon, 15);
@@ -104,7 +104,7 @@ TEST(PlaceRanges, OrdersBeaconsByNumberAndLeavesOutThoseWithFewRanges) {
   EXPECT_EQ(recording.ranges.size(), 60u);
 }
 
-TEST(ReportOf, SaysWhereRangesWentWhenNoneIsLeft) {
+TEST(ReportOf, ExplainsDroppedRangesWhenNoneRemain) {
   const RangeRecording recording =
       place_ranges({ranges_of("A", 9), 4, false}, {way(), 0, false}, 1.0);
   try {

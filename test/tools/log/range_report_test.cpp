@@ -29,7 +29,7 @@ RangeReport drawn_report() {
   return report_of(recording, {{"it's 0", scene.beacons_m[0]}, {"far", {0.0, 0.0}}}, 0.7, "drawn");
 }
 
-TEST(RangeReport, JudgesByTheSurveyAndByWhatIsHeldBack) {
+TEST(RangeReport, ComparesWithSurveyAndHeldOutRanges) {
   const RangeReport report = drawn_report();
   ASSERT_TRUE(report.surveys[0].has_value());
   const Eigen::Vector2d error_m = report.fit.beacons[0].position_m - report.surveys[0]->position_m;
@@ -41,7 +41,7 @@ TEST(RangeReport, JudgesByTheSurveyAndByWhatIsHeldBack) {
   EXPECT_NEAR(report.held_back->nees, 1.0, 0.5);
 }
 
-TEST(RangeReport, SaysTheSameInJson) {
+TEST(RangeReport, HasTheSameContentInJson) {
   const RangeReport report = drawn_report();
   const nlohmann::ordered_json json = to_json(report);
   EXPECT_EQ(json["range_scale"], report.fit.calibration.range_scale);

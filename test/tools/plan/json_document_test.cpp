@@ -65,7 +65,7 @@ void expect_same(const Value& value, const json& oracle) {
   }
 }
 
-TEST(ParseJson, ReadsEveryProblemAsTheLibrarysOwnTreeHasIt) {
+TEST(ParseJson, AgreesWithTheLibrarysParser) {
   int files = 0;
   for (const auto& entry :
        std::filesystem::directory_iterator(VANTAGE_SOURCE_DIR "/test/tools/problems")) {
@@ -77,7 +77,7 @@ TEST(ParseJson, ReadsEveryProblemAsTheLibrarysOwnTreeHasIt) {
   EXPECT_GE(files, 2);
 }
 
-TEST(ParseJson, ReadsNumbersToTheBit) {
+TEST(ParseJson, ReadsNumbersExactly) {
   std::mt19937_64 rng(5);
   std::string text = "[0, 0.0, -0.0, 1, -1, 12.0, 1e3, 1E+3, 0.1e1, 123456789012345678901234567890";
   text += ", 9007199254740993, 18446744073709551615, -9223372036854775808, 5e-324, 1e308, 2e-308";
@@ -93,14 +93,14 @@ TEST(ParseJson, ReadsNumbersToTheBit) {
   expect_same(parse_json(text, "p.json"), json::parse(text));
 }
 
-TEST(ParseJson, ReadsTextsWithAllTheirEscapes) {
+TEST(ParseJson, ReadsAllEscapes) {
   const char* const text = R"(["", "\"\\\/\b\f\n\r\t", "\u00e9\ud83d\ude00", "é😀", "{[:,]}"])";
   expect_same(parse_json(text, "p.json"), json::parse(text));
   EXPECT_EQ(items_of(text)[1].text(), "\"\\/\b\f\n\r\t");
   EXPECT_EQ(items_of(text)[2].text(), items_of(text)[3].text().substr(0, 6));
 }
 
-TEST(ParseJson, KnowsTheLineOfEveryValue) {
+TEST(ParseJson, RecordsTheLineOfEveryValue) {
   // White space and special characters between values, in strings and at the ends of lines.
   const std::string text =
       "\xEF\xBB\xBF\n[1,\r\n\t\"a\\\"]\\\\\" , \"\\u000a,\",\n {\"k:{\" :\n\n -1.5e3}\n, [\n], "
@@ -117,7 +117,7 @@ TEST(ParseJson, KnowsTheLineOfEveryValue) {
   EXPECT_EQ(items[3].node->value(0).line, 6);
 }
 
-TEST(ParseJson, TakesWholeNumbersHoweverTheyAreWritten) {
+TEST(ParseJson, ReadsIntegersInAnyNotation) {
   for (const Value& item : items_of("[12, 12.0, 1.2e1, 120e-1, 12.00]")) {
     EXPECT_EQ(item.integer(0, 100), 12);
   }
@@ -129,7 +129,7 @@ TEST(ParseJson, TakesWholeNumbersHoweverTheyAreWritten) {
   }
 }
 
-TEST(ParseJson, TakesNoTextForANumberAndNoNumberForAText) {
+TEST(ParseJson, DistinguishesTextAndNumbers) {
   const std::vector<Value> items = items_of(R"(["1", 1, "true", true, null])");
   const auto is = [&](std::size_t i) {
     std::string kinds;
@@ -154,7 +154,7 @@ TEST(ParseJson, TakesNoTextForANumberAndNoNumberForAText) {
   EXPECT_EQ(is(4), "");
 }
 
-TEST(ParseJson, RefusesWhatIsNoJsonWithLineAndColumn) {
+TEST(ParseJson, RefusesMalformedJsonWithLineAndColumn) {
   struct Refused {
     std::string text;
     std::string refusal;  ///< beginning of the error
@@ -187,7 +187,7 @@ TEST(ParseJson, RefusesWhatIsNoJsonWithLineAndColumn) {
 }
 
 // Text that YAML would accept.
-TEST(ParseJson, RefusesWhatIsYamlAlone) {
+TEST(ParseJson, RefusesYaml) {
   for (const char* text : {"[1,,2]", "[1,]", "{\"a\": 1,}", "{a: 1}", "{\"a\": .5}", "[01]", "[+1]",
                            "['a']", "[a]", "[1] # one", "a: 1", "- 1", "[0x1F]", "[.inf]", "[~]"}) {
     EXPECT_NE(refusal_of(text).find(": not JSON: "), std::string::npos) << text;
@@ -214,7 +214,7 @@ TEST(ParseJson, RefusesInOneShortLineOfText) {
   }
 }
 
-TEST(ParseJson, NeverFallsOverATornFile) {
+TEST(ParseJson, SurvivesTruncatedFile) {
   std::ifstream file(VANTAGE_SOURCE_DIR "/test/tools/problems/tracking.json");
   const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   for (std::size_t length = 0; length + 2 < text.size(); ++length) {

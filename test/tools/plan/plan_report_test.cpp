@@ -104,7 +104,7 @@ void expect_clear_way(const PlanningProblem& planning, const json& printed) {
   }
 }
 
-TEST(PlanReport, PrintsTheCostThatItsControlsHave) {
+TEST(PlanReport, PrintsTheCostOfItsControls) {
   for (const char* name : {"tracking.json", "mapping.json"}) {
     const PlanningProblem planning = load_problem(in_repo(name));
     for (const planner::Algorithm& algorithm : planner::all_algorithms()) {
@@ -140,7 +140,7 @@ TEST(PlanReport, HasEveryKeyOfTheInterface) {
   EXPECT_GT(printed["peak_bytes"], 0);
 }
 
-TEST(PlanReport, SaysWhenThereIsNoWayOn) {
+TEST(PlanReport, ReportsMissingContinuation) {
   PlanningProblem planning = load_problem(in_repo("mapping.json"));
   planning.world->obstacles.push_back({{{0.5, 0.5}, {1.4, 1.5}}, 10.0});
   planning.world->obstacles.push_back({{{1.6, 0.5}, {2.5, 1.5}}, 10.0});

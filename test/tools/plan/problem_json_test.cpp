@@ -67,7 +67,7 @@ TEST(ParseProblem, ReadsEveryFieldOfATrackingProblem) {
   EXPECT_TRUE(p.teammates.empty());
 }
 
-TEST(ParseProblem, TakesTheFieldOfViewAsTheFullAngle) {
+TEST(ParseProblem, ReadsTheFieldOfViewAsFullAngle) {
   const PlanningProblem read = parse(file("tracking.json"));
   const models::SensorModel& sensor = read.problem.sensors[0];
   EXPECT_DOUBLE_EQ(sensor.fov_rad, radians(94.0));
@@ -83,7 +83,7 @@ TEST(ParseProblem, TakesTheFieldOfViewAsTheFullAngle) {
 }
 
 // The only target lies 70° off the heading: outside a field of view of 94°, inside one of 188°.
-TEST(ParseProblem, CostsWhatTheFullAngleSees) {
+TEST(ParseProblem, CostUsesTheFullAngle) {
   json document = file("tracking.json");
   document["map"].erase("obstacles");
   document["robot"] = {{"x", 0.0}, {"y", 0.0}, {"yaw", 0.0}};
@@ -101,7 +101,7 @@ TEST(ParseProblem, CostsWhatTheFullAngleSees) {
   EXPECT_LT(cost_at(188.0), unseen - 1.0);
 }
 
-TEST(ParseProblem, SeesAllRoundFromAFullTurnAlone) {
+TEST(ParseProblem, SeesAllRoundOnlyWithFullTurn) {
   json document = file("tracking.json");
   const auto sees_behind = [&] {
     return models::in_view(parse(document).problem.sensors[0], {{0, 0, 0}, 0.0},
@@ -115,7 +115,7 @@ TEST(ParseProblem, SeesAllRoundFromAFullTurnAlone) {
   EXPECT_TRUE(sees_behind());
 }
 
-TEST(ParseProblem, HasDefaultsForWhatMayBeLeftOut) {
+TEST(ParseProblem, HasDefaultsForOptionalKeys) {
   const PlanningProblem read = parse(file("mapping.json"));
   const planner::SearchProblem& p = read.problem;
   EXPECT_EQ(read.name, "");
@@ -135,7 +135,7 @@ TEST(ParseProblem, HasDefaultsForWhatMayBeLeftOut) {
   EXPECT_TRUE(open.world->obstacles.empty());
 }
 
-TEST(ParseProblem, LetsAMovingTargetHaveNoNoise) {
+TEST(ParseProblem, AcceptsAMovingTargetWithoutNoise) {
   json document = file("tracking.json");
   document["q"] = 0;
   EXPECT_DOUBLE_EQ(parse(document).problem.targets[0].model.q, 0.0);
@@ -200,7 +200,7 @@ const BadEdit kBadEdits[] = {
 };
 // clang-format on
 
-TEST(ParseProblem, RefusesWithTheLineTheValueAndTheRule) {
+TEST(ParseProblem, RefusesWithLineValueAndRule) {
   for (const BadEdit& edit : kBadEdits) {
     std::string text = text_of("tracking.json");
     const std::size_t at = text.find(edit.was);
@@ -217,7 +217,7 @@ TEST(ParseProblem, RefusesWithTheLineTheValueAndTheRule) {
   }
 }
 
-TEST(ParseProblem, RefusesListsThatAreTooShortOrTooLong) {
+TEST(ParseProblem, RefusesListsOfWrongLength) {
   json document = file("tracking.json");
   document["controls"] = json::array();
   EXPECT_EQ(refusal_of(document.dump()),
@@ -228,7 +228,7 @@ TEST(ParseProblem, RefusesListsThatAreTooShortOrTooLong) {
             "p.json:1: targets: must list at least 1 and at most 65534 targets, lists 0");
 }
 
-TEST(ParseProblem, NamesWhatIsMissing) {
+TEST(ParseProblem, NamesMissingKeys) {
   for (const char* key : {"map", "robot", "tau", "controls", "T", "target_model", "q", "targets",
                           "prior_cov_diag", "sensor"}) {
     json document = file("tracking.json");
@@ -237,7 +237,7 @@ TEST(ParseProblem, NamesWhatIsMissing) {
   }
 }
 
-TEST(ParseProblem, TakesADescriptionThatSaysNothing) {
+TEST(ParseProblem, AcceptsEmptyDescription) {
   json document = file("tracking.json");
   for (const char* key : {"name", "family", "notes"}) {
     document[key] = "";
@@ -245,7 +245,7 @@ TEST(ParseProblem, TakesADescriptionThatSaysNothing) {
   EXPECT_EQ(parse(document).name, "");
 }
 
-TEST(ParseProblem, RefusesWhatIsNoProblemAtAll) {
+TEST(ParseProblem, RefusesOtherDocuments) {
   EXPECT_EQ(refusal_of(""), "p.json:1: empty file; expected a planning problem");
   for (const char* text : {"[]", "12", "\"text\"", "true"}) {
     EXPECT_EQ(refusal_of(text), "p.json:1: must be a mapping of keys to values") << text;
@@ -255,7 +255,7 @@ TEST(ParseProblem, RefusesWhatIsNoProblemAtAll) {
   EXPECT_TRUE(refusal_of("{\n\"T\" 8}").starts_with("p.json:2:5: not JSON: "));
 }
 
-TEST(ParseProblem, NeverFallsOverWhateverOneCharacterBecomes) {
+TEST(ParseProblem, SurvivesAnySingleCharacterChange) {
   const std::string text = file("mapping.json").dump();
   int read = 0;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -268,7 +268,7 @@ TEST(ParseProblem, NeverFallsOverWhateverOneCharacterBecomes) {
   EXPECT_GT(read, 0);
 }
 
-TEST(LoadProblem, RefusesPathsThatAreNoFile) {
+TEST(LoadProblem, RefusesPathsWithoutAFile) {
   const auto refusal = [](const std::string& path) -> std::string {
     try {
       static_cast<void>(load_problem(path));

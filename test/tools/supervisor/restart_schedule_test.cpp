@@ -24,7 +24,7 @@ TEST(RestartSchedule, DoublesItsBackOffUpToTheCap) {
   EXPECT_EQ(schedule.restarts(), 5);
 }
 
-TEST(RestartSchedule, BeginsAnewWithOneThatHasSettled) {
+TEST(RestartSchedule, ResetsAfterAStableRun) {
   RestartSchedule schedule;  // settled after 10 s
   schedule.on_start(0);
   ASSERT_EQ(schedule.on_end(kSecond_ns), kSecond_ns + seconds(0.2));
@@ -34,7 +34,7 @@ TEST(RestartSchedule, BeginsAnewWithOneThatHasSettled) {
   EXPECT_EQ(schedule.on_end(14 * kSecond_ns), 14 * kSecond_ns + seconds(0.2));
 }
 
-TEST(RestartSchedule, NeverGivesUpWhatIsNeededInFlight) {
+TEST(RestartSchedule, NeverAbandonsAFlyingVehiclesDriver) {
   RestartSchedule schedule;
   schedule.on_start(0);
   std::int64_t now_ns = 0;
@@ -48,7 +48,7 @@ TEST(RestartSchedule, NeverGivesUpWhatIsNeededInFlight) {
   EXPECT_FALSE(schedule.on_end(now_ns, false)) << "on the ground it may be";
 }
 
-TEST(RestartSchedule, GivesUpWhatDiesAtOnceEachTime) {
+TEST(RestartSchedule, AbandonsAProcessThatFailsImmediately) {
   RestartSchedule schedule;
   schedule.on_start(0);
   std::int64_t now_ns = 0;
@@ -63,7 +63,7 @@ TEST(RestartSchedule, GivesUpWhatDiesAtOnceEachTime) {
   EXPECT_EQ(now_ns, seconds(0.2 + 0.4 + 0.8 + 1.6 + 3.2)) << "that is how long it takes to be sure";
 }
 
-TEST(RestartSchedule, NeverGivesUpWhatDiesRarely) {
+TEST(RestartSchedule, KeepsRestartingRareFailures) {
   RestartSchedule schedule;  // 5 in 60 s
   schedule.on_start(0);
   std::int64_t now_ns = 0;
@@ -78,7 +78,7 @@ TEST(RestartSchedule, NeverGivesUpWhatDiesRarely) {
   EXPECT_EQ(schedule.restarts(), 1000);
 }
 
-TEST(RestartSchedule, ForgetsRestartsThatLeaveTheWindow) {
+TEST(RestartSchedule, ForgetsRestartsOutsideTheWindow) {
   RestartSchedule schedule(RestartPolicy{.restarts_max = 2, .window_s = 60.0});
   schedule.on_start(0);
   ASSERT_TRUE(schedule.on_end(0));
@@ -92,13 +92,13 @@ TEST(RestartSchedule, ForgetsRestartsThatLeaveTheWindow) {
   EXPECT_FALSE(schedule.on_end(63 * kSecond_ns)) << "two within two seconds";
 }
 
-TEST(RestartSchedule, AllowsNoneWhenNoneAreAllowed) {
+TEST(RestartSchedule, AllowsNoRestartIfTheLimitIsZero) {
   RestartSchedule schedule(RestartPolicy{.restarts_max = 0});
   schedule.on_start(0);
   EXPECT_FALSE(schedule.on_end(1000 * kSecond_ns));
 }
 
-TEST(RestartSchedule, SumsUpTheTimeItWasDown) {
+TEST(RestartSchedule, SumsDownTime) {
   RestartSchedule schedule;
   schedule.on_start(5 * kSecond_ns);
   EXPECT_EQ(schedule.down_s(6 * kSecond_ns), 0.0);

@@ -25,7 +25,7 @@ using std::chrono::milliseconds;
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 const milliseconds kLong(30'000);  // never reached: each wait below ends for certain
 
-TEST(Child, TellsHowItEnded) {
+TEST(Child, ReportsHowItEnded) {
   Result<Child> good = Child::start({"true"});
   ASSERT_TRUE(good.ok());
   Child child = std::move(good).value();
@@ -36,7 +36,7 @@ TEST(Child, TellsHowItEnded) {
   EXPECT_EQ(bad.wait(kLong)->describe(), "exit 3");
 }
 
-TEST(Ask, TellsWhatWasSaidAndHowItEnded) {
+TEST(Ask, ReturnsOutputAndExitStatus) {
   const Result<ChildAnswer> answer = ask({"sh", "-c", "echo one; echo two >&2; exit 3"});
   ASSERT_TRUE(answer.ok());
   EXPECT_EQ(answer.value().text, "one\ntwo\n");
@@ -45,14 +45,14 @@ TEST(Ask, TellsWhatWasSaidAndHowItEnded) {
   EXPECT_FALSE(ask({"/nonexistent/program"}).ok());
 }
 
-TEST(Child, IsEndedByASignal) {
+TEST(Child, IsTerminatedByASignal) {
   Child child = std::move(Child::start({"sleep", "1000"})).value();
   EXPECT_FALSE(child.wait(milliseconds(0)));
   child.send(SIGTERM);
   EXPECT_EQ(child.wait(kLong)->signal, SIGTERM);
 }
 
-TEST(Child, IsGoneWithItsOwner) {
+TEST(Child, IsKilledWithItsOwner) {
   pid_t pid = 0;
   {
     const Child child = std::move(Child::start({"sleep", "1000"})).value();
@@ -62,7 +62,7 @@ TEST(Child, IsGoneWithItsOwner) {
   EXPECT_EQ(::kill(pid, 0), -1);  // reaped, not just a zombie
 }
 
-TEST(Child, IsGoneWithWhatItHasStarted) {
+TEST(Child, EndsWithItsDescendants) {
   std::array<int, 2> pipe_fds{};
   ASSERT_EQ(::pipe2(pipe_fds.data(), O_CLOEXEC), 0);
   ChildPlace place;
@@ -80,7 +80,7 @@ TEST(Child, IsGoneWithWhatItHasStarted) {
   ::close(pipe_fds[0]);
 }
 
-TEST(Child, HasOurEnvironmentButForWhatIsSaid) {
+TEST(Child, InheritsTheEnvironmentWithChanges) {
   const std::string home = std::getenv("HOME") == nullptr ? "" : std::getenv("HOME");
   ChildPlace place;
   place.environment = {"HOME=/elsewhere", "VANTAGE_NEW=a=b"};
@@ -92,13 +92,13 @@ TEST(Child, HasOurEnvironmentButForWhatIsSaid) {
   EXPECT_EQ(std::getenv("VANTAGE_NEW"), nullptr);
 }
 
-TEST(Child, ThatCannotBeExecutedIsAnError) {
+TEST(Child, ReportsAnUnexecutableProgram) {
   const Result<Child> child = Child::start({"/nonexistent/program"});
   ASSERT_FALSE(child.ok());
   EXPECT_NE(child.error().message.find("No such file"), std::string::npos);
 }
 
-TEST(Supervisor, RefusesToStartWhatDoesNotExist) {
+TEST(Supervisor, RefusesAMissingProgram) {
   Supervisor supervisor;
   EXPECT_THROW(supervisor.start({"ghost", {"/nonexistent/program"}}, 0), StartupError);
 }
@@ -106,7 +106,7 @@ TEST(Supervisor, RefusesToStartWhatDoesNotExist) {
 using models::SupervisedPhase;
 using Kind = SupervisorEvent::Kind;
 
-TEST(Supervisor, StartsADeadProcessAgainAfterItsBackOffAndNotBefore) {
+TEST(Supervisor, RestartsAProcessAfterItsBackOff) {
   Supervisor supervisor;
   int preparations = 0;
   supervisor.start({"brief", {"true"}, false, [&] { ++preparations; }}, 0);
@@ -134,7 +134,7 @@ TEST(Supervisor, StartsADeadProcessAgainAfterItsBackOffAndNotBefore) {
 }
 
 // PX4, for instance, repeats "exit 255" and gives the reason only in its output file.
-TEST(Supervisor, TellsWhatAProcessSaidLastThatWritesIntoAFileOfItsOwn) {
+TEST(Supervisor, ReportsLastLineOfOutputFile) {
   const test::TemporaryFolder folder;
   Supervisor supervisor;
   ProcessSpec spec{"firmware",
@@ -150,7 +150,7 @@ TEST(Supervisor, TellsWhatAProcessSaidLastThatWritesIntoAFileOfItsOwn) {
           spec.folder + "/output.txt)");
 }
 
-TEST(Supervisor, GivesUpAfterTheStatedNumberOfRestarts) {
+TEST(Supervisor, AbandonsAProcessAfterTheStatedRestarts) {
   Supervisor supervisor(RestartPolicy{.restarts_max = 2});
   supervisor.start({"brief", {"false"}, true}, 0);
   std::int64_t now_ns = 0;
@@ -173,7 +173,7 @@ TEST(Supervisor, GivesUpAfterTheStatedNumberOfRestarts) {
   EXPECT_TRUE(supervisor.poll(now_ns + 100 * kSecond_ns).empty());
 }
 
-TEST(Supervisor, DoesNotCallAnyProcessEssential) {
+TEST(Supervisor, TreatsNoProcessAsEssentialByDefault) {
   Supervisor supervisor(RestartPolicy{.restarts_max = 0});
   supervisor.start({"brief", {"false"}}, 0);
   ASSERT_TRUE(supervisor.find("brief")->wait(kLong));
@@ -182,7 +182,7 @@ TEST(Supervisor, DoesNotCallAnyProcessEssential) {
   EXPECT_FALSE(supervisor.lost_essential());
 }
 
-TEST(Supervisor, StartsNothingAgainOnceAllWereToEnd) {
+TEST(Supervisor, RestartsNothingAfterStop) {
   Supervisor supervisor;
   supervisor.start({"brief", {"true"}}, 0);
   ASSERT_TRUE(supervisor.find("brief")->wait(kLong));
@@ -204,7 +204,7 @@ void start_stubborn(Supervisor& supervisor) {
   }
 }
 
-TEST(Supervisor, KillsThoseThatWillNotEndOnceItIsInAHurry) {
+TEST(Supervisor, KillsStubbornProcessesWhenHurried) {
   Supervisor supervisor;
   supervisor.start({"polite", {"sleep", "1000"}}, 0);
   start_stubborn(supervisor);
@@ -218,7 +218,7 @@ TEST(Supervisor, KillsThoseThatWillNotEndOnceItIsInAHurry) {
   EXPECT_EQ(supervisor.status(0)[1].last_end, "killed");
 }
 
-TEST(Supervisor, EndsEveryoneAndKillsThoseThatWillNot) {
+TEST(Supervisor, StopsAllAndKillsUnresponsiveProcesses) {
   Supervisor supervisor;
   supervisor.start({"polite", {"sleep", "1000"}}, 0);
   start_stubborn(supervisor);
@@ -280,7 +280,7 @@ ProcessSpec driver(const std::string& script) {
 }
 
 // The pipe alone decides, whatever is received over the network.
-TEST(Supervisor, KillsAProcessWhosePipeGivesNoMoreSigns) {
+TEST(Supervisor, KillsAProcessWithoutHeartbeats) {
   Watched watched;
   watched.supervisor.start(ours("planner Q1", "sign(b'?')\ntime.sleep(1000)"), watched.now_ns);
   EXPECT_TRUE(watched.until([&] { return watched.count(Kind::kHung) == 1; }));
@@ -301,7 +301,7 @@ TEST(Supervisor, FindsAStoppedProcess) {
   EXPECT_TRUE(watched.until([&] { return watched.count(Kind::kHung) == 1; }));
 }
 
-TEST(Supervisor, DoesNotWatchAProgramThatHasNoPipe) {
+TEST(Supervisor, DoesNotMonitorAProgramWithoutAPipe) {
   Watched watched;
   watched.supervisor.start({"firmware Q1", {"sleep", "1000"}}, watched.now_ns);
   int looks = 0;
@@ -309,7 +309,7 @@ TEST(Supervisor, DoesNotWatchAProgramThatHasNoPipe) {
   EXPECT_EQ(watched.count(Kind::kHung), 0);
 }
 
-TEST(Supervisor, NeverGivesUpADriverWhoseVehicleMayBeInFlight) {
+TEST(Supervisor, NeverAbandonsADriverOfAFlyingVehicle) {
   for (const bool is_in_flight : {true, false}) {
     Watched watched(RestartPolicy{.backoff_first_s = 0.0, .restarts_max = 1});
     const std::string byte = is_in_flight ? "b'f'" : "b'g'";
@@ -321,7 +321,7 @@ TEST(Supervisor, NeverGivesUpADriverWhoseVehicleMayBeInFlight) {
   }
 }
 
-TEST(Supervisor, WaitsForADriverThatLandsAndDoesNotStartItAgain) {
+TEST(Supervisor, WaitsForALandingDriverWithoutRestart) {
   Watched watched;
   watched.supervisor.start(driver("sign(b'f')\nwhile not asked: time.sleep(0.005)\nsign(b'g')"),
                            watched.now_ns);
@@ -338,7 +338,7 @@ TEST(Supervisor, WaitsForADriverThatLandsAndDoesNotStartItAgain) {
 }
 
 // The restarted driver, which reports on its own pipe, is asked to end at once, however early.
-TEST(Supervisor, StartsADriverAgainThatFailsInTheAirWhileItIsToEnd) {
+TEST(Supervisor, RestartsDriverThatFailsInFlightDuringShutdown) {
   const test::TemporaryFolder folder;
   const std::string mark = folder.path() + "/failed";
   Watched watched;
@@ -356,7 +356,7 @@ TEST(Supervisor, StartsADriverAgainThatFailsInTheAirWhileItIsToEnd) {
   EXPECT_EQ(watched.status().in_flight, InFlight::kNo);
 }
 
-TEST(Supervisor, AsksDriversAgainByASecondSignal) {
+TEST(Supervisor, SendsDriversASecondSignal) {
   Watched watched;
   watched.supervisor.start(
       driver("sign(b'f')\nwhile len(set(asked)) < 2: time.sleep(0.005)\nsys.exit(1)"),

@@ -21,7 +21,7 @@ Names looked_at(Watchdog& dog, double begin_s, double end_s) {
   return out;
 }
 
-TEST(Watchdog, ProcessThatStopsGivingSignsIsOverdueOnce) {
+TEST(Watchdog, ReportsASilentProcessOnce) {
   Watchdog dog;
   dog.watch("a", 1.0);
   dog.watch("b", 3.0);
@@ -33,7 +33,7 @@ TEST(Watchdog, ProcessThatStopsGivingSignsIsOverdueOnce) {
   EXPECT_EQ(dog.overdue(at(3.001)), Names{"b"});
 }
 
-TEST(Watchdog, WaitsForTheVeryFirstSignHoweverLong) {
+TEST(Watchdog, WaitsForTheFirstHeartbeatWithoutLimit) {
   Watchdog dog;
   dog.watch("a", 1.0);
   EXPECT_EQ(looked_at(dog, 0.0, 100.0), Names{});
@@ -42,7 +42,7 @@ TEST(Watchdog, WaitsForTheVeryFirstSignHoweverLong) {
 }
 
 // A planner that hangs again before its first sign must be found, too.
-TEST(Watchdog, OneThatIsStartedAgainHasAWhileForItsFirstSign) {
+TEST(Watchdog, GivesRestartedProcessTimeForFirstSign) {
   Watchdog dog;
   dog.watch("a", 1.0);
   for (const double begin_s : {100.0, 200.0}) {  // the second round must give the same result
@@ -65,7 +65,7 @@ TEST(Watchdog, OneThatIsStartedAgainHasAWhileForItsFirstSign) {
   }
 }
 
-TEST(Watchdog, AStartBeforeItIsOverdueGivesItTime) {
+TEST(Watchdog, ARestartResetsTheTime) {
   Watchdog dog;
   dog.watch("a", 1.0);
   dog.on_sign("a", at(0.0));
@@ -74,7 +74,7 @@ TEST(Watchdog, AStartBeforeItIsOverdueGivesItTime) {
   EXPECT_EQ(looked_at(dog, 0.5, 10.0), Names{});
 }
 
-TEST(Watchdog, SignsOfStrangersAreNobodys) {
+TEST(Watchdog, IgnoresSignsOfUnknownProcesses) {
   Watchdog dog;
   dog.watch("a", 1.0);
   dog.on_sign("x", at(0.0));
@@ -83,7 +83,7 @@ TEST(Watchdog, SignsOfStrangersAreNobodys) {
 
 // While the supervisor itself does not run (Ctrl-Z, suspend, no processor) it receives nothing.
 // This time does not count as silence of the others.
-TEST(Watchdog, TimeInWhichNobodyLookedIsNobodysSilence) {
+TEST(Watchdog, DoesNotCountPausesOfTheSupervisorAsSilence) {
   Watchdog dog;
   dog.watch("a", 1.0);
   dog.watch("b", 1.0);
@@ -107,7 +107,7 @@ TEST(Watchdog, TimeInWhichNobodyLookedIsNobodysSilence) {
 }
 
 // The sign is handled at the end of the pause, before the check that notices the pause.
-TEST(Watchdog, ASignIsNeverLaterThanNow) {
+TEST(Watchdog, ClampsHeartbeatsToNow) {
   Watchdog dog;
   dog.watch("a", 1.0);
   EXPECT_EQ(dog.overdue(at(0.0)), Names{});
@@ -116,7 +116,7 @@ TEST(Watchdog, ASignIsNeverLaterThanNow) {
   EXPECT_EQ(dog.overdue(at(6.01)), Names{"a"});
 }
 
-TEST(Watchdog, AFirstSignIsWaitedForWhileSomebodyLooks) {
+TEST(Watchdog, CountsTimeOnlyWhileChecked) {
   Watchdog dog;
   dog.watch("a", 1.0);
   dog.on_sign("a", at(0.0));

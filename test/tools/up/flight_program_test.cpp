@@ -91,7 +91,7 @@ struct Trial {
   }
 };
 
-TEST(FlightProgram, TakesEveryVehicleUpAndDown) {
+TEST(FlightProgram, TakesOffAndLandsEveryVehicle) {
   Trial trial({"Q1", "Q2"});
   trial.vehicles[1].arming = std::chrono::seconds(25);  // as long as ArduPilot needs
   trial.run(20.0);
@@ -110,7 +110,7 @@ TEST(FlightProgram, TakesEveryVehicleUpAndDown) {
   EXPECT_EQ(trial.said.size(), said) << "it goes on talking to vehicles that are down";
 }
 
-TEST(FlightProgram, SaysFollowAgainAfterAHoldOfTheVehiclesOwn) {
+TEST(FlightProgram, RepeatsFollowAfterVehicleHolds) {
   Trial trial({"Q1"});
   trial.run(20.0);
   ASSERT_EQ(trial.vehicles[0].state, FlightState::kFollow);
@@ -121,7 +121,7 @@ TEST(FlightProgram, SaysFollowAgainAfterAHoldOfTheVehiclesOwn) {
   EXPECT_EQ(trial.vehicles[0].state, FlightState::kFollow);
 }
 
-TEST(FlightProgram, LeavesAVehicleToAnotherStationButLandsItAtTheEnd) {
+TEST(FlightProgram, YieldsToAnotherStationButLandsAtTheEnd) {
   Trial trial({"Q1", "Q2"});
   trial.run(20.0);
   models::OperatorCommand hold;
@@ -144,7 +144,7 @@ TEST(FlightProgram, LeavesAVehicleToAnotherStationButLandsItAtTheEnd) {
   EXPECT_TRUE(trial.program.is_down());
 }
 
-TEST(FlightProgram, DoesNotFlyWhatHasLandedOrIsKilled) {
+TEST(FlightProgram, DoesNotRestartALandedOrKilledVehicle) {
   for (const FlightState state : {FlightState::kIdle, FlightState::kKilled}) {
     Trial trial({"Q1"});
     trial.run(20.0);
@@ -158,7 +158,7 @@ TEST(FlightProgram, DoesNotFlyWhatHasLandedOrIsKilled) {
   }
 }
 
-TEST(FlightProgram, BeginsAnewWhenMotorsStoppedBeforeTakeOff) {
+TEST(FlightProgram, RestartsWhenMotorsStopBeforeTakeOff) {
   Trial trial({"Q1"});
   trial.vehicles[0].arming = std::chrono::hours(1);
   trial.run(120.0);

@@ -37,7 +37,7 @@ models::HostReport report_of(const std::string& host, std::int64_t run_id,
   return report;
 }
 
-TEST(UsageMeter, MakesSharesOfWhatWasUsedInBetween) {
+TEST(UsageMeter, ReturnsSharesPerInterval) {
   UsageMeter meter;
   SupervisedStatus status;
   status.name = "sim";
@@ -57,7 +57,7 @@ TEST(UsageMeter, MakesSharesOfWhatWasUsedInBetween) {
   EXPECT_EQ(process.memory_bytes, 0);
 }
 
-TEST(HostBoard, SaysWhenAHostComesFallsSilentAndComesAgain) {
+TEST(HostBoard, ReportsHostAppearanceSilenceAndReturn) {
   HostBoard board(two_hosts(), "LAB", 1, at_s(0.0));
   EXPECT_FALSE(board.on_report(report_of("LAB", 1), at_s(0.1))) << "that is us";
   EXPECT_TRUE(board.fallen_silent(at_s(3.0)).empty());
@@ -72,7 +72,7 @@ TEST(HostBoard, SaysWhenAHostComesFallsSilentAndComesAgain) {
   EXPECT_EQ(board.on_report(report_of("AIR", 3), at_s(13.0)), "host AIR was started again");
 }
 
-TEST(HostBoard, KeepsNoMoreHostsThanTheScenariosAndThirtyTwo) {
+TEST(HostBoard, LimitsTheNumberOfHosts) {
   HostBoard board(two_hosts(), "LAB", 1, at_s(0.0));
   const std::vector<models::SupervisedProcess> many(5'000, process_of("x"));
   for (int i = 0; i < 6'000; ++i) {
@@ -84,7 +84,7 @@ TEST(HostBoard, KeepsNoMoreHostsThanTheScenariosAndThirtyTwo) {
   EXPECT_EQ(board.table(at_s(2.0)).size(), 1U + 1U + 1U + 1'024U + 31U);
 }
 
-TEST(HostBoard, ShowsNoControlCharacterOfAReport) {
+TEST(HostBoard, EscapesControlCharacters) {
   HostBoard board(two_hosts(), "LAB", 1, at_s(0.0));
   models::SupervisedProcess process = process_of("sim\x1b[2J");
   process.last_end = "signal\n9";
@@ -101,7 +101,7 @@ TEST(HostBoard, ShowsNoControlCharacterOfAReport) {
   EXPECT_NE(all.find("sim\\x1B[2J"), std::string::npos);
 }
 
-TEST(HostBoard, NoticesAnotherOfItsOwnNameOnce) {
+TEST(HostBoard, ReportsDuplicateHostNameOnce) {
   HostBoard board(two_hosts(), "LAB", 1, at_s(0.0));
   const auto words = board.on_report(report_of("LAB", 9), at_s(1.0));
   ASSERT_TRUE(words);
@@ -109,7 +109,7 @@ TEST(HostBoard, NoticesAnotherOfItsOwnNameOnce) {
   EXPECT_FALSE(board.on_report(report_of("LAB", 9), at_s(2.0)));
 }
 
-TEST(HostBoard, ShowsEveryProcessOfEveryHostAndWhoIsMissing) {
+TEST(HostBoard, ShowsEveryProcessAndMissingHosts) {
   HostBoard board(two_hosts(), "LAB", 1, at_s(0.0));
   board.on_report(report_of("LAB", 1,
                             {{"sim", SupervisedPhase::kRunning, 1, 0.4, 0.5, 3 << 20, "signal 9"},
@@ -125,7 +125,7 @@ TEST(HostBoard, ShowsEveryProcessOfEveryHostAndWhoIsMissing) {
   EXPECT_EQ(board.line(at_s(2.0)), "AIR silent for 2 s, LAB 1/2");
 }
 
-TEST(HostBoard, HasNothingToSayOfOneHostThatIsWell) {
+TEST(HostBoard, IsSilentForOneHealthyHost) {
   HostBoard board({}, kOnlyHost, 1, at_s(0.0));
   EXPECT_EQ(board.line(at_s(0.0)), "");
   board.on_report(report_of(kOnlyHost, 1), at_s(1.0));

@@ -9,7 +9,7 @@
 namespace vantage::tools {
 namespace {
 
-TEST(ProcessorTimes, CountIdleNiceAndDiskWaitsAsFree) {
+TEST(ProcessorTimes, TreatIdleNiceAndDiskWaitAsFree) {
   const auto times =
       processor_times("cpu  100 20 30 400 50 6 7 8 9 10\ncpu0 1 2 3 4 5 6 7 8 0 0\n");
   ASSERT_TRUE(times);
@@ -17,14 +17,14 @@ TEST(ProcessorTimes, CountIdleNiceAndDiskWaitsAsFree) {
   EXPECT_EQ(times->free, 470);
 }
 
-TEST(ProcessorTimes, RefuseWhatIsNoSuchText) {
+TEST(ProcessorTimes, RefuseInvalidText) {
   for (const char* text : {"", "cpu ", "cpu  1 2 3 4 5 6 7", "cpu0 1 2 3 4 5 6 7 8", "cpu  a",
                            "cpu  1 2 3 -4 5 6 7 8", "intr 5"}) {
     EXPECT_FALSE(processor_times(text)) << text;
   }
 }
 
-TEST(FreeProcessors, AreTheFreeShareOfAll) {
+TEST(FreeProcessors, IsTheFreeShareOfAll) {
   const ProcessorTimes before{100, 1'000};
   EXPECT_NEAR(free_processors(before, {150, 1'200}, 8).value_or(-1.0), 2.0, 1e-12);
   EXPECT_NEAR(free_processors(before, {100, 1'200}, 8).value_or(-1.0), 0.0, 1e-12);
@@ -37,7 +37,7 @@ struct Row {
   bool is_fault;
 };
 
-TEST(HostFault, NeedsAPriorityOrProcessorsThatAreFree) {
+TEST(HostFault, RequiresPriorityOrFreeProcessors) {
   for (const Row& row : std::vector<Row>{{true, std::nullopt, false},
                                          {true, 0.0, false},
                                          {false, 4.0, false},

@@ -10,20 +10,20 @@ using std::chrono::seconds;
 
 constexpr Time kStart = from_utime(1'000'000'000);
 
-TEST(Landing, IsOverOnceNothingFlies) {
+TEST(Landing, EndsWhenAllVehiclesAreDown) {
   Landing landing(kStart);
   EXPECT_EQ(landing.step(false, false, kStart), Step::kWait);
   EXPECT_EQ(landing.step(true, false, kStart + seconds(20)), Step::kOver);
 }
 
-TEST(Landing, HurriesOnceOnRequestAndIsOverSoonAfter) {
+TEST(Landing, HurriesOnceOnRequest) {
   Landing landing(kStart);
   EXPECT_EQ(landing.step(false, true, kStart + seconds(1)), Step::kHurry);
   EXPECT_EQ(landing.step(false, true, kStart + seconds(2)), Step::kWait);
   EXPECT_EQ(landing.step(false, true, kStart + seconds(1) + Landing::kHurry), Step::kOver);
 }
 
-TEST(Landing, HurriesByItselfAfterAMinute) {
+TEST(Landing, HurriesAfterOneMinute) {
   Landing landing(kStart);
   EXPECT_EQ(landing.step(false, false, kStart + Landing::kPatience - Duration{1}), Step::kWait);
   EXPECT_EQ(landing.step(false, false, kStart + Landing::kPatience), Step::kHurry);

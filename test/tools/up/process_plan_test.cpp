@@ -15,7 +15,7 @@ scenario::Scenario two_robots() {
   return out;
 }
 
-TEST(ProcessPlan, HasOneSimulatorAndThreeProcessesARobot) {
+TEST(ProcessPlan, HasASimulatorAndThreeProcessesPerRobot) {
   const auto plan = process_plan(two_robots(), {"/opt/bin", "s.yaml", "udpm://x", ""});
   ASSERT_EQ(plan.size(), 7U);
   EXPECT_EQ(plan[0].name, "sim");
@@ -28,7 +28,7 @@ TEST(ProcessPlan, HasOneSimulatorAndThreeProcessesARobot) {
 }
 
 // Only drivers and the mocap driver: long computations at this priority would block them.
-TEST(ProcessPlan, GivesDriversThePriorityThatIsGranted) {
+TEST(ProcessPlan, GivesDriversTheGrantedPriority) {
   scenario::Scenario scenario = two_robots();
   scenario.mocap.device = scenario::DeviceSource::kWire;
   scenario.robots[0].device = scenario::DeviceSource::kWire;
@@ -65,7 +65,7 @@ TEST(ProcessPlan, StartsNoSimulatorWhenEveryDeviceIsReal) {
                            [](const ProcessSpec& process) { return process.name == "sim"; }));
 }
 
-TEST(ProcessPlan, HasAJudgeOfContactsWhereTheMocapIsWhenARobotIsReal) {
+TEST(ProcessPlan, RunsContactsNextToMocapForRealRobots) {
   scenario::Scenario scenario = two_robots();
   scenario.mocap.device = scenario::DeviceSource::kReal;
   const auto judges_at = [&scenario](const std::string& host) {
@@ -93,7 +93,7 @@ scenario::Scenario on_the_wire() {
 }
 
 // Poses are needed within half a second, and a restarted simulator begins a new world.
-TEST(ProcessPlan, WatchesDriversAndMocapFourTimesAsCloselyAsTheOthersAndNoFirmware) {
+TEST(ProcessPlan, WatchesDriversAndMocapMoreClosely) {
   for (const ProcessSpec& process : process_plan(on_the_wire(), {".", "s.yaml", "", ""})) {
     const bool is_driver = process.name.starts_with("quadrotor ");
     const bool is_close = is_driver || process.name == "vicon";
@@ -118,7 +118,7 @@ scenario::Scenario flown_by_px4() {
   return scenario;
 }
 
-TEST(ProcessPlan, StartsPx4InItsFolderWithOurParametersInItsEnvironment) {
+TEST(ProcessPlan, StartsPx4InItsFolderWithParameters) {
   scenario::Scenario scenario = flown_by_px4();
   scenario.robots[0].autopilot->system_id = 7;
   const auto plan =
@@ -140,7 +140,7 @@ TEST(ProcessPlan, StartsPx4InItsFolderWithOurParametersInItsEnvironment) {
                                       "/etc"}));
 }
 
-TEST(DeviceFaults, NameAnUrlThatPx4DoesNotSpeakTo) {
+TEST(DeviceFaults, NameAnUrlThatPx4DoesNotSupport) {
   scenario::Scenario scenario = flown_by_px4();
   EXPECT_TRUE(device_faults(scenario).empty());
   scenario.robots[0].autopilot->url = "udp://:14541";
@@ -148,7 +148,7 @@ TEST(DeviceFaults, NameAnUrlThatPx4DoesNotSpeakTo) {
   EXPECT_NE(device_faults(scenario)[0].find("14540"), std::string::npos);
 }
 
-TEST(ProcessPlan, StartsADriverForEachDeviceThatIsNotDirect) {
+TEST(ProcessPlan, StartsADriverPerWireDevice) {
   scenario::Scenario scenario = on_the_wire();
   EXPECT_EQ(names_of(process_plan(scenario, {".", "s.yaml", "", ""})),
             (std::vector<std::string>{"sim", "vicon", "quadrotor Q1", "quadrotor Q2", "sensor Q1",
@@ -162,7 +162,7 @@ TEST(ProcessPlan, StartsADriverForEachDeviceThatIsNotDirect) {
                                                           "s.yaml", "--url", "", "--robot", "Q2"}));
 }
 
-TEST(ProcessPlan, StartsOnAHostWhatThisHostRuns) {
+TEST(ProcessPlan, StartsTheProcessesOfItsHost) {
   scenario::Scenario scenario = on_the_wire();
   scenario.hosts = {{"LAB", {"sim", "Q2"}}, {"AIR", {"Q1"}}};
   EXPECT_EQ(names_of(process_plan(scenario, {".", "s.yaml", "", "LAB"})),
@@ -174,7 +174,7 @@ TEST(ProcessPlan, StartsOnAHostWhatThisHostRuns) {
   EXPECT_EQ(process_plan(scenario, {".", "s.yaml", "", ""}).size(), 10U) << "all on one";
 }
 
-TEST(ProcessPlan, CallsTheSimulatorAndTheMocapDriverEssential) {
+TEST(ProcessPlan, TreatsSimulatorAndMocapDriverAsEssential) {
   for (const ProcessSpec& process : process_plan(on_the_wire(), {".", "s.yaml", "", ""})) {
     EXPECT_EQ(process.is_essential, process.name == "sim" || process.name == "vicon")
         << process.name;
@@ -198,7 +198,7 @@ TEST(ProcessPlan, StartsARoversOwnDriver) {
   EXPECT_NE(std::find(on_wire.begin(), on_wire.end(), "sim"), on_wire.end());
 }
 
-TEST(DeviceFaults, NameARealRobotThatNobodySeesAndADriverWithoutAnAutopilot) {
+TEST(DeviceFaults, NameUnobservedRealRobotAndDriverWithoutAutopilot) {
   scenario::Scenario scenario = on_the_wire();
   EXPECT_TRUE(device_faults(scenario).empty());
   scenario.robots[1].device = scenario::DeviceSource::kReal;

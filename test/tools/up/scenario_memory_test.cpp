@@ -21,7 +21,7 @@ std::string read(const std::string& path) {
   return text.str();
 }
 
-TEST(ScenarioMemory, IsReadByItsPathAgainAndAgainAndByChildrenThatKeepIt) {
+TEST(ScenarioMemory, IsReadableRepeatedlyAndByChildren) {
   const std::string yaml(200'000, 'x');
   const ScenarioMemory memory(yaml);
   EXPECT_EQ(read(memory.path()), yaml);
@@ -39,7 +39,7 @@ TEST(ScenarioMemory, IsReadByItsPathAgainAndAgainAndByChildrenThatKeepIt) {
   EXPECT_FALSE(size_in_child({})) << "a program that is not of ours does not have it";
 }
 
-TEST(ScenarioMemory, CannotBeChangedByItsReaders) {
+TEST(ScenarioMemory, IsReadOnly) {
   const ScenarioMemory memory("name: lab");
   EXPECT_EQ(::write(memory.descriptor(), "x", 1), -1);
   EXPECT_EQ(::ftruncate(memory.descriptor(), 0), -1);

@@ -13,14 +13,14 @@ UpResult with(const SupervisedStatus& process) {
   return result;
 }
 
-TEST(UpReport, IsSilentAboutATrialInWhichNothingHappened) {
+TEST(UpReport, IsEmptyForAnUneventfulTrial) {
   const UpResult result = with({"sensor Q1"});
   EXPECT_TRUE(is_good(result));
   EXPECT_TRUE(remarks(result).empty());
   EXPECT_TRUE(to_json(result)["processes"].empty());
 }
 
-TEST(UpReport, NamesARestartThoughItSpoilsNothing) {
+TEST(UpReport, ListsRestartsOfAGoodTrial) {
   SupervisedStatus sensor{"sensor Q1"};
   sensor.restarts = 2;
   sensor.down_s = 0.7;
@@ -36,7 +36,7 @@ TEST(UpReport, NamesARestartThoughItSpoilsNothing) {
   EXPECT_EQ(json["processes"][0]["last_end"], "signal 9");
 }
 
-TEST(UpReport, IsNotGoodWhenTheLogCouldNotBeWritten) {
+TEST(UpReport, IsNotGoodAfterALogError) {
   UpResult result;
   result.log_was_unwritten = true;
   EXPECT_FALSE(is_good(result));
@@ -44,7 +44,7 @@ TEST(UpReport, IsNotGoodWhenTheLogCouldNotBeWritten) {
   EXPECT_EQ(to_json(result)["log"]["was_unwritten"], true);
 }
 
-TEST(UpReport, StatesForgedContactsAndDoesNotCountThem) {
+TEST(UpReport, ReportsForgedContactsWithoutCountingThem) {
   UpResult result;
   result.contacts_unverified = contacts_unverified({{"COLLISION.unsigned", 30'000},
                                                     {"COLLISION.bad_mac", 2},
@@ -57,7 +57,7 @@ TEST(UpReport, StatesForgedContactsAndDoesNotCountThem) {
   EXPECT_EQ(to_json(result)["contacts_unverified"], 30'002);
 }
 
-TEST(UpReport, IsNotGoodWhenTheProgramItselfFailed) {
+TEST(UpReport, IsNotGoodWhenTheFlightProgramFailed) {
   UpResult result;
   result.broken = "out of memory";
   EXPECT_FALSE(is_good(result));
@@ -66,7 +66,7 @@ TEST(UpReport, IsNotGoodWhenTheProgramItselfFailed) {
   EXPECT_EQ(to_json(result)["broken"], "out of memory");
 }
 
-TEST(UpReport, SaysWhyAProcessWasKilled) {
+TEST(UpReport, ReportsWhyAProcessWasKilled) {
   UpResult result;
   result.killed = {"sim"};
   EXPECT_FALSE(is_good(result));
@@ -78,7 +78,7 @@ TEST(UpReport, SaysWhyAProcessWasKilled) {
   EXPECT_EQ(to_json(result)["cut_short"].size(), 1U);
 }
 
-TEST(UpReport, IsNotGoodWhenSomethingWasGivenUp) {
+TEST(UpReport, IsNotGoodWithAnAbandonedProcess) {
   SupervisedStatus sensor{"sensor Q1"};
   sensor.phase = SupervisedPhase::kGivenUp;
   sensor.last_end = "exit 1";
@@ -88,7 +88,7 @@ TEST(UpReport, IsNotGoodWhenSomethingWasGivenUp) {
   EXPECT_EQ(to_json(result)["given_up"][0], "sensor Q1");
 }
 
-TEST(UpReport, IsNotGoodWhenTheWorldOrTheLogIsNotOne) {
+TEST(UpReport, IsNotGoodWithASecondSimulatorOrLog) {
   UpResult result;
   result.world_restarts = 1;
   EXPECT_FALSE(is_good(result));
@@ -105,7 +105,7 @@ TEST(UpReport, IsNotGoodWhenTheWorldOrTheLogIsNotOne) {
   EXPECT_FALSE(is_good(result));
 }
 
-TEST(UpReport, NamesVehiclesThatHadNotLandedOrNeverFlew) {
+TEST(UpReport, NamesVehiclesThatNeverFlewOrDidNotLand) {
   UpResult result;
   result.left_flying = {"Q2"};
   EXPECT_FALSE(is_good(result));
@@ -118,7 +118,7 @@ TEST(UpReport, NamesVehiclesThatHadNotLandedOrNeverFlew) {
   EXPECT_EQ(remarks(result), std::vector<std::string>{"Q4 never followed a plan"});
 }
 
-TEST(UpReport, SaysWhatALoggerThatDiedHasLost) {
+TEST(UpReport, ReportsTheLossOfAFailedRecorder) {
   UpResult result;
   result.log = {"a.lcmlog", 1, 0.75, 120, true};
   EXPECT_TRUE(is_good(result));

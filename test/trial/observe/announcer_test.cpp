@@ -39,7 +39,7 @@ class AnnouncerTest : public ::testing::Test {
   std::vector<models::ScenarioNotice> heard_;
 };
 
-TEST_F(AnnouncerTest, SaysTheScenarioAtOnceAndEveryFiveSeconds) {
+TEST_F(AnnouncerTest, PublishesTheScenarioAtOnceAndEveryFiveSeconds) {
   Announcer announcer(speaks_, scenario_, "some process");
   EXPECT_TRUE(heard().empty());
   std::vector<Time> said;
@@ -59,7 +59,7 @@ TEST_F(AnnouncerTest, SaysTheScenarioAtOnceAndEveryFiveSeconds) {
   EXPECT_FALSE(version().empty());
 }
 
-TEST_F(AnnouncerTest, WaitsFiveSecondsFromWhenItSaidItLast) {
+TEST_F(AnnouncerTest, WaitsFiveSecondsAfterItsLastMessage) {
   Announcer announcer(speaks_, scenario_, "p");
   announcer.tick(kStart);
   announcer.tick(kStart + microseconds(4'999'999));

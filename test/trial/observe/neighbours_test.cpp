@@ -54,7 +54,7 @@ TEST(RivalsOfUp, AreVehiclesThatItWouldFlyItself) {
 
 using Sentences = std::vector<std::string>;
 
-TEST(RivalsOfUp, AreNamedInASentenceEach) {
+TEST(RivalsOfUp, AreReportedInOneSentenceEach) {
   const scenario::Scenario scenario = lab_of_two_hosts();
   EXPECT_EQ(rivals_of_up(scenario, "LAB", Channels{"HOST_LAB"}),
             Sentences{"another `vantage up` runs on this network, as host LAB"});
@@ -72,7 +72,7 @@ TEST(RivalsOfUp, AreNamedInASentenceEach) {
 
 // A direct vehicle belongs to the simulator, whichever host runs its robot. A vehicle with a driver
 // belongs to its host.
-TEST(RivalsOfUp, AreVehiclesByWhoSpeaksForThem) {
+TEST(RivalsOfUp, AreVehiclesOfAnotherPublisher) {
   scenario::Scenario scenario = lab_of_two_hosts();
   scenario.robots[1].device = scenario::DeviceSource::kWire;
   EXPECT_TRUE(rivals_of_up(scenario, "AIR", Channels{"VEHICLE_Q1", "VEHICLE_Q3"}).empty());
@@ -81,7 +81,7 @@ TEST(RivalsOfUp, AreVehiclesByWhoSpeaksForThem) {
   EXPECT_EQ(rivals_of_up(scenario, "", Channels{"VEHICLE_Q1", "VEHICLE_Q2"}).size(), 2U);
 }
 
-TEST(RivalsOfPlay, AreNamedInASentenceEach) {
+TEST(RivalsOfPlay, AreReportedInOneSentenceEach) {
   EXPECT_EQ(rivals_of_play(Channels{"HOST_LAB", "QUADROTOR_Q2", "TRUTH", "VEHICLE_Q1"}),
             (Sentences{"`vantage up` runs on this network, as host LAB",
                        "vehicle Q2 is alive on this network", "a simulator runs on this network",
@@ -89,12 +89,12 @@ TEST(RivalsOfPlay, AreNamedInASentenceEach) {
   EXPECT_TRUE(rivals_of_play(Channels{"HOST_", "VEHICLE_", "TRUTHS"}).empty());
 }
 
-TEST(RivalsOfPlay, AreAllThatALogMightBeTakenFor) {
+TEST(RivalsOfPlay, AreAllLivePublishersOfLoggedChannels) {
   EXPECT_TRUE(rivals_of_play(Channels{"HEALTH_VIEW", "COMMAND"}).empty());
   EXPECT_EQ(rivals_of_play(Channels{"VEHICLE_Q1", "HOST_LAB", "TRUTH"}).size(), 3U);
 }
 
-TEST(HearChannels, KnowsWhoSpeaks) {
+TEST(ActiveChannels, ContainThePublishedChannels) {
   bus::InProcessHub hub;
   const auto listens = hub.connect();
   const auto speaks = hub.connect();
@@ -107,7 +107,7 @@ TEST(HearChannels, KnowsWhoSpeaks) {
   EXPECT_EQ(hear_channels(*listens, std::chrono::hours(1), stop), (Channels{"HOST_LAB", "TRUTH"}));
 }
 
-TEST(HearChannels, TellsApartWhatIsSignedWhereThatIsRequired) {
+TEST(ActiveChannels, SeparateUnverifiedChannelsWhereRequired) {
   bus::InProcessHub hub;
   const bus::VirtualClock clock(from_utime(1'700'000'000'000'000));
   const auto listens = hub.connect();
@@ -165,7 +165,7 @@ class Recording : public bus::Transport {
   std::chrono::microseconds longest_{};
 };
 
-TEST(HearChannels, EndsWithWhatItListensToAndKeepsNoMoreThanTenThousandNames) {
+TEST(ActiveChannels, AreLimitedToTenThousandNames) {
   const auto never = [] { return false; };
   for (const int channels : {0, 3, 10'000, 10'001, 12'345}) {
     Recording recording(channels);
@@ -178,7 +178,7 @@ TEST(HearChannels, EndsWithWhatItListensToAndKeepsNoMoreThanTenThousandNames) {
   EXPECT_TRUE(hear_channels(recording, std::chrono::hours(1), [] { return true; }).empty());
 }
 
-TEST(HearChannels, ListensForAsLongAsItIsToldTo) {
+TEST(ActiveChannels, AreCollectedForTheGivenTime) {
   bus::InProcessHub hub;
   const auto listens = hub.connect();
   // It asks whether to stop each 50 ms at most: at 0 and at 50 ms, and perhaps at 100.

@@ -47,7 +47,7 @@ class Observer : public ::testing::Test {
   int said_ = 0;
 };
 
-TEST_F(Observer, KnowsNothingBeforeAnybodySpeaks) {
+TEST_F(Observer, IsEmptyBeforeTheFirstMessage) {
   EXPECT_FALSE(observer_.truth());
   EXPECT_TRUE(observer_.beliefs().empty());
   EXPECT_TRUE(observer_.maps().empty());
@@ -65,7 +65,7 @@ TEST_F(Observer, KeepsTheNewestTruthAndDrawsIt) {
   EXPECT_FALSE(observer_.scene().targets.at(1).track.empty());
 }
 
-TEST_F(Observer, CountsContactsAndKnowsVehiclesLossesAndAttacks) {
+TEST_F(Observer, ReportsContactsVehiclesLossesAndAttacks) {
   models::ContactReport contact;
   contact.body_a = "Q1";
   contact.body_b = "bounds";
@@ -100,7 +100,7 @@ TEST_F(Observer, CountsContactsAndKnowsVehiclesLossesAndAttacks) {
 }
 
 // Without signatures, messages of invented robots are possible.
-TEST_F(Observer, KeepsNothingOfRobotsThatAreNotTheScenarios) {
+TEST_F(Observer, IgnoresRobotsOutsideTheScenario) {
   const std::size_t robots = scenario_.robots.size();
   for (int i = 0; i < 50; ++i) {
     const std::string name = "X" + std::to_string(i);
@@ -121,7 +121,7 @@ TEST_F(Observer, KeepsNothingOfRobotsThatAreNotTheScenarios) {
 }
 
 // A body whose number is not a target of the scenario is drawn, but has no estimate.
-TEST_F(Observer, HasNoEstimateOfWhatIsNoTarget) {
+TEST_F(Observer, IgnoresBodiesThatAreNoTargets) {
   const int targets = static_cast<int>(scenario_.targets.size());
   for (const int id : {0, targets - 1, targets, targets + 100}) {
     say(bus::kTruth, truth_of("B" + std::to_string(id), id, 0.1 * id, 0.0));

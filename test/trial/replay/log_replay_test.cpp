@@ -103,14 +103,14 @@ class ReplayLog : public ::testing::Test {
 };
 std::unique_ptr<TemporaryFolder> ReplayLog::folder_;
 
-TEST_F(ReplayLog, MakesEveryPlanAndBeliefOfATrialAgainToTheBit) {
+TEST_F(ReplayLog, ReproducesEveryPlanAndBeliefExactly) {
   for (const char* robot : {"Q1", "Q2", "Q3"}) {
     expect_made_again(trial(), std::string("planner:") + robot, 7);
     expect_made_again(trial(), std::string("estimator:") + robot, 15);
   }
 }
 
-TEST_F(ReplayLog, MakesTheTracksOfATeamWithoutIdsAgainAndThePlansByThem) {
+TEST_F(ReplayLog, ReproducesTracksWithoutIdsAndTheirPlans) {
   scenario::Overrides overrides;
   overrides.duration_s = 20.0;
   const std::string log_path = folder_->file("unlabelled.lcmlog");
@@ -161,7 +161,7 @@ TEST_F(ReplayLog, MakesTheTracksOfATeamWithoutIdsAgainAndThePlansByThem) {
 
 // A log without mixtures is valid and counts as no difference. A plan that names a mixture can only
 // be repeated with it.
-TEST_F(ReplayLog, MakesTheMixturesOfTheFieldAgainAndThePlansByThem) {
+TEST_F(ReplayLog, ReproducesMixturesAndTheirPlans) {
   const auto [scenario, path, summary] = fly("field", 180.0, 300);
   EXPECT_EQ(summary.plans_missing, 0);
   int mixtures = 0;
@@ -202,7 +202,7 @@ TEST_F(ReplayLog, MakesTheMixturesOfTheFieldAgainAndThePlansByThem) {
   EXPECT_EQ(plans.not_replayed(), planned_by);
 }
 
-TEST_F(ReplayLog, MakesTheMapsOfATeamUnderAttackAndThePlansOnThemAgain) {
+TEST_F(ReplayLog, ReproducesMapsUnderAttackAndTheirPlans) {
   const auto [scenario, path, summary] = fly("mapping", 12.0, 300);
   EXPECT_EQ(summary.plans_missing, 0);
   EXPECT_EQ(summary.collisions, 0);
@@ -234,7 +234,7 @@ TEST_F(ReplayLog, MakesTheMapsOfATeamUnderAttackAndThePlansOnThemAgain) {
   }
 }
 
-TEST_F(ReplayLog, MakesTheRoundsOfATeamUnderAttackAgain) {
+TEST_F(ReplayLog, ReproducesRoundsUnderAttack) {
   const Flown flown = fly("lab-attack", 8.0, 300, 2);
   ASSERT_EQ(flown.scenario.planner.attacks_max, 1);
   int proposals = 0;
@@ -254,7 +254,7 @@ TEST_F(ReplayLog, MakesTheRoundsOfATeamUnderAttackAgain) {
   }
 }
 
-TEST_F(ReplayLog, MakesThePlansAndProposalsOfALocalSearchAgain) {
+TEST_F(ReplayLog, ReproducesPlansAndProposalsOfLocalSearch) {
   const Flown flown = fly("lab-energy", 14.0, 1000, 2);
   ASSERT_EQ(flown.scenario.planner.team_algorithm, scenario::TeamAlgorithm::kLocalSearch);
   std::map<std::string, int> said;
@@ -290,7 +290,7 @@ TEST_F(ReplayLog, NamesTheFirstMemberThatDiffers) {
   EXPECT_FALSE(report.outputs.first_difference()->inputs.empty());
 }
 
-TEST_F(ReplayLog, NoticesAnotherInput) {
+TEST_F(ReplayLog, DetectsAChangedInput) {
   int seen = 0;
   const std::string path = edited([&](std::string_view channel, Bytes& data) {
     if (channel == "MEASUREMENT_Q1") {
@@ -306,7 +306,7 @@ TEST_F(ReplayLog, NoticesAnotherInput) {
   EXPECT_GE(replay(path, "estimator:Q1").outputs.different(), 1);
 }
 
-TEST_F(ReplayLog, SaysWhatCouldNotBeMadeAgain) {
+TEST_F(ReplayLog, ReportsOutputsThatCannotBeReproduced) {
   int seen = 0;
   const std::string path = edited(
       [&](std::string_view channel, Bytes&) { return channel != "BELIEF_Q1" || ++seen != 10; });
@@ -321,7 +321,7 @@ TEST_F(ReplayLog, SaysWhatCouldNotBeMadeAgain) {
 
 // Plans after one with a lost input wait for it at most two seconds: tested three times, and with
 // the log ending earlier.
-TEST_F(ReplayLog, MakesThePlansAgainThatFollowOneWhoseInputIsLost) {
+TEST_F(ReplayLog, ReproducesPlansAfterALostInput) {
   int plans = 0;
   edited([&](std::string_view channel, Bytes&) {
     plans += channel == "PLAN_Q1" ? 1 : 0;
@@ -356,7 +356,7 @@ TEST_F(ReplayLog, MakesThePlansAgainThatFollowOneWhoseInputIsLost) {
   }
 }
 
-TEST_F(ReplayLog, RefusesNodesThatAreNot) {
+TEST_F(ReplayLog, RefusesUnknownNodes) {
   const logs::IndexedLog log(trial());
   const scenario::Scenario scenario = tools::scenario_of(log);
   EXPECT_THROW(parse_replay_target("planner", scenario), UsageError);
@@ -368,7 +368,7 @@ TEST(OutputComparison, IsNotExactWhenNothingWasCompared) {
   EXPECT_FALSE(OutputComparison().is_exact());
 }
 
-TEST(OutputComparison, CountsWhatItCannotReadAsNothingElse) {
+TEST(OutputComparison, CountsUnreadableOutputsSeparately) {
   const std::vector<std::uint8_t> words{'n', 'o', ' ', 'm', 'e', 's', 's', 'a', 'g', 'e'};
   OutputComparison comparison;
   comparison.add_logged(words);
@@ -381,7 +381,7 @@ TEST(OutputComparison, CountsWhatItCannotReadAsNothingElse) {
   EXPECT_FALSE(comparison.is_exact());
 }
 
-TEST(OutputComparison, HoldsEachAgainstTheOneOfItsRound) {
+TEST(OutputComparison, ComparesOutputsOfTheSameRound) {
   vantage_lcm::plan_t plan{};
   OutputComparison comparison;
   for (const int round : {7, 8}) {
@@ -398,7 +398,7 @@ TEST(OutputComparison, HoldsEachAgainstTheOneOfItsRound) {
   EXPECT_EQ(comparison.unexpected(), 1);
 }
 
-TEST(OutputComparison, TellsBitsApartThatReadTheSame) {
+TEST(OutputComparison, DetectsBitDifferencesWithEqualText) {
   vantage_lcm::plan_t plan{};
   plan.robot = "Q1";
   OutputComparison comparison;

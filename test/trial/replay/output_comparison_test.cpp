@@ -36,7 +36,7 @@ vantage_lcm::plan_t plan_of(std::int64_t round) {
 
 // Changes each byte: fingerprint, time stamp, identity of the sender (16 bytes, skipped), and the
 // rest.
-TEST(OutputComparison, HoldsEveryByteButThoseOfWhoSaidIt) {
+TEST(OutputComparison, ComparesAllBytesExceptThePublishers) {
   vantage_lcm::mixture_t mixture{};
   mixture.utime = 7;
   mixture.robot = "Q1";
@@ -59,7 +59,7 @@ TEST(OutputComparison, HoldsEveryByteButThoseOfWhoSaidIt) {
   EXPECT_EQ(comparison.different(), 1) << "they are of two lengths";
 }
 
-TEST(OutputComparison, TellsOutputsOfOneNumberApartByWhatTheyAre) {
+TEST(OutputComparison, SeparatesKindsOfEqualNumber) {
   vantage_lcm::belief_t belief{};
   belief.step = 5;
   vantage_lcm::mixture_t mixture{};
@@ -85,7 +85,7 @@ TEST(OutputComparison, TellsOutputsOfOneNumberApartByWhatTheyAre) {
 
 // A local search makes several proposals per round; each is compared with that of the same
 // solution.
-TEST(OutputComparison, HoldsProposalsAgainstThatOfTheirSolution) {
+TEST(OutputComparison, ComparesProposalsOfTheSameSolution) {
   const auto proposal = [](std::int64_t before, std::int64_t last, double value_nat) {
     vantage_lcm::team_proposal_t out{};
     out.round = 4;
@@ -107,7 +107,7 @@ TEST(OutputComparison, HoldsProposalsAgainstThatOfTheirSolution) {
   EXPECT_FALSE(comparison.has_logged(encoded(first))) << "of no solution yet";
 }
 
-TEST(OutputComparison, NamesTheDifferenceOfTheLeastNumberWhateverComesFirst) {
+TEST(OutputComparison, ReportsTheDifferenceWithTheLowestNumber) {
   OutputComparison comparison;
   for (const int round : {3, 4, 5, 6}) {
     comparison.add_logged(encoded(plan_of(round)));
@@ -138,7 +138,7 @@ TEST(OutputComparison, NamesTheDifferenceOfTheLeastNumberWhateverComesFirst) {
   EXPECT_EQ(first.inputs, (std::vector<std::string>{"BELIEF_Q1 11/12", "PLAN_Q2 21/22"}));
 }
 
-TEST(OutputComparison, NamesAListThatIsLongerAndBitsAlone) {
+TEST(OutputComparison, ReportsLongerListsAndBitDifferences) {
   OutputComparison comparison;
   comparison.add_logged(encoded(plan_of(1)));
   vantage_lcm::plan_t longer = plan_of(1);
@@ -169,7 +169,7 @@ TEST(OutputComparison, NamesAListThatIsLongerAndBitsAlone) {
   EXPECT_EQ(bits.first_difference()->members_different, 0);
 }
 
-TEST(OutputComparison, HoldsTheNewestOfANumberAndCountsEach) {
+TEST(OutputComparison, ComparesTheNewestOfANumberAndCountsAll) {
   OutputComparison comparison;
   vantage_lcm::plan_t plan = plan_of(1);
   comparison.add_logged(encoded(plan));
@@ -183,7 +183,7 @@ TEST(OutputComparison, HoldsTheNewestOfANumberAndCountsEach) {
   EXPECT_FALSE(comparison.is_exact());
 }
 
-TEST(OutputComparison, LooksAtWhatIsSignedAsAtWhatIsNot) {
+TEST(OutputComparison, IgnoresSignatures) {
   const auto judge = test::authenticator(test::keys_of_a_trial());
   Bytes signed_plan = encoded(plan_of(1));
   judge->seal("PLAN_Q1", "", from_utime(5), signed_plan);
@@ -197,7 +197,7 @@ TEST(OutputComparison, LooksAtWhatIsSignedAsAtWhatIsNot) {
   EXPECT_TRUE(comparison.is_exact());
 }
 
-TEST(ReplayReport, SaysHowManyOfTheLogWereNotMadeAgain) {
+TEST(ReplayReport, CountsOutputsThatWereNotReproduced) {
   ReplayReport report;
   for (const int round : {1, 2, 3, 4, 5}) {
     report.outputs.add_logged(encoded(plan_of(round)));
@@ -208,7 +208,7 @@ TEST(ReplayReport, SaysHowManyOfTheLogWereNotMadeAgain) {
   EXPECT_EQ(report.not_replayed(), 3) << "what the log does not have is none of them";
 }
 
-TEST(DescribeDifference, SaysWhichWhenWhatAndOfWhat) {
+TEST(DescribeDifference, StatesChannelTimeFieldAndValues) {
   OutputDifference difference;
   difference.index = 7;
   difference.time = from_utime(12'345);

@@ -101,7 +101,7 @@ std::unique_ptr<scenario::Scenario> SignedReplay::scenario_;
 int SignedReplay::forged_ = 0;
 int SignedReplay::events_ = 0;
 
-TEST_F(SignedReplay, LeavesOutWhatTheFlightsOwnProcessesDidNotHeed) {
+TEST_F(SignedReplay, OmitsMessagesThatTheFlightRefused) {
   ASSERT_GE(forged_, 6);
   for (const char* node : {"planner:Q1", "estimator:Q1", "planner:Q2"}) {
     const ReplayReport report =
@@ -115,7 +115,7 @@ TEST_F(SignedReplay, LeavesOutWhatTheFlightsOwnProcessesDidNotHeed) {
   }
 }
 
-TEST_F(SignedReplay, TakesEverythingWhereItsKeysAreNotAndSaysSo) {
+TEST_F(SignedReplay, AcceptsAllAndWarnsWithoutKeys) {
   const ReplayReport report = replay(with_signatures(), "planner:Q1",
                                      scenario::SecurityMode::kRequire, folder_->file("nowhere"));
   EXPECT_TRUE(report.lacks_keys);
@@ -124,7 +124,7 @@ TEST_F(SignedReplay, TakesEverythingWhereItsKeysAreNotAndSaysSo) {
   EXPECT_FALSE(report.outputs.is_exact()) << "forged plans were said, too";
 }
 
-TEST_F(SignedReplay, JudgesNothingWhereNobodySigned) {
+TEST_F(SignedReplay, ChecksNothingInUnsignedLogs) {
   for (const std::string& key_folder : {keys(), std::string()}) {
     const ReplayReport report =
         replay(plain(), "planner:Q1", scenario::SecurityMode::kOff, key_folder);
@@ -139,7 +139,7 @@ TEST_F(SignedReplay, JudgesNothingWhereNobodySigned) {
   EXPECT_FALSE(warned.lacks_keys);
 }
 
-TEST_F(SignedReplay, SaysHowFarItIsEachThousandEvents) {
+TEST_F(SignedReplay, ReportsProgressEveryThousandEvents) {
   const std::string path = folder_->file("long.lcmlog");
   {
     logs::LogWriter writer(path);
@@ -169,7 +169,7 @@ TEST_F(SignedReplay, SaysHowFarItIsEachThousandEvents) {
   EXPECT_FALSE(report.outputs.is_exact()) << "nothing was compared";
 }
 
-TEST_F(SignedReplay, HandsOutWhatTheReplayingNodeCounts) {
+TEST_F(SignedReplay, ReturnsTheCountersOfTheReplayingNode) {
   const ReplayReport report = replay(plain(), "planner:Q1", scenario::SecurityMode::kOff, "");
   std::map<std::string, std::int64_t> counts;
   for (const models::NamedCount& counter : report.counters) {
@@ -180,7 +180,7 @@ TEST_F(SignedReplay, HandsOutWhatTheReplayingNodeCounts) {
   EXPECT_EQ(counts["replay_inputs_missing"], 0);
 }
 
-TEST_F(SignedReplay, IsOfTheNodeThatItIsToldOf) {
+TEST_F(SignedReplay, ChecksForTheGivenNode) {
   const ReplayTarget planner = parse_replay_target("planner:Q2", *scenario_);
   EXPECT_EQ(planner.kind, ReplayTarget::Kind::kPlanner);
   EXPECT_EQ(planner.robot, "Q2");

@@ -37,7 +37,7 @@ class ConfigFolder : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(ConfigFolder, AScenarioIsAFileElseTheNameOfOneThatCameAlong) {
+TEST_F(ConfigFolder, PrefersAFileToAnInstalledName) {
   EXPECT_EQ(scenario_path("lab"), (fs::path(config_folder()) / "lab.yaml").string());
   std::ofstream("lab") << "mine";
   EXPECT_EQ(scenario_path("lab"), "lab");
@@ -46,14 +46,14 @@ TEST_F(ConfigFolder, AScenarioIsAFileElseTheNameOfOneThatCameAlong) {
   EXPECT_EQ(scenario_path("config/lab.yaml"), "config/lab.yaml");
 }
 
-TEST_F(ConfigFolder, APathIsNeverTakenForAName) {
+TEST_F(ConfigFolder, TreatsPathsAsFilesOnly) {
   EXPECT_EQ(refusal("lab.yaml"), "lab.yaml: no such file; 'lab' comes with vantage");
   EXPECT_EQ(refusal("config/lab.yaml"), "config/lab.yaml: no such file; 'lab' comes with vantage");
   EXPECT_EQ(refusal("config/mine.yaml"), "config/mine.yaml: no such file");
   EXPECT_EQ(refusal("lbb"), "no scenario is called 'lbb'; did you mean 'lab'?");
 }
 
-TEST_F(ConfigFolder, EachNameIsThatOfAFile) {
+TEST_F(ConfigFolder, FindsEachInstalledName) {
   const auto names = config_names();
   EXPECT_GE(names.size(), 10U);
   for (const std::string& name : names) {
@@ -61,7 +61,7 @@ TEST_F(ConfigFolder, EachNameIsThatOfAFile) {
   }
 }
 
-TEST_F(ConfigFolder, KnowsAllThatCameAlongInTheirOrder) {
+TEST_F(ConfigFolder, ListsInstalledScenariosInOrder) {
   std::set<std::string> files;
   for (const auto& entry : fs::directory_iterator(VANTAGE_SOURCE_DIR "/config")) {
     if (entry.path().extension() == ".yaml") {
@@ -71,7 +71,7 @@ TEST_F(ConfigFolder, KnowsAllThatCameAlongInTheirOrder) {
   EXPECT_EQ(config_names(), std::vector<std::string>(files.begin(), files.end()));
 }
 
-TEST_F(ConfigFolder, FindsANameWithItsEndingAndSaysWhatThereIs) {
+TEST_F(ConfigFolder, AcceptsNamesWithExtensionAndListsAlternatives) {
   const std::string lab = (fs::path(config_folder()) / "lab.yaml").string();
   EXPECT_EQ(config_path("lab"), lab);
   EXPECT_EQ(config_path("lab.yaml"), lab);

@@ -15,13 +15,13 @@ namespace {
 
 using enum ParameterEncoding;
 
-TEST(ParameterMessages, HaveTheChecksumsOfTheMessageDefinitions) {
+TEST(ParameterMessages, HaveTheChecksumsOfTheirDefinitions) {
   EXPECT_EQ(find_message(20)->crc_extra, 214);
   EXPECT_EQ(find_message(22)->crc_extra, 220);
   EXPECT_EQ(find_message(23)->crc_extra, 168);
 }
 
-TEST(ParameterValue, OfPx4IsTheBytesOfAnInteger) {
+TEST(ParameterValue, Px4SendsTheBytesOfAnInteger) {
   EXPECT_EQ(std::bit_cast<std::uint32_t>(encode_parameter(15, 6, kBytewise)), 15U);
   EXPECT_EQ(decode_parameter(std::bit_cast<float>(15U), 6, kBytewise), 15.0);
   EXPECT_EQ(decode_parameter(std::bit_cast<float>(0xFFFF'FFFFU), 6, kBytewise), -1.0);
@@ -30,13 +30,13 @@ TEST(ParameterValue, OfPx4IsTheBytesOfAnInteger) {
   EXPECT_FLOAT_EQ(static_cast<float>(decode_parameter(0.5F, 9, kBytewise)), 0.5F);
 }
 
-TEST(ParameterValue, OfArdupilotIsTheFloatOfAnInteger) {
+TEST(ParameterValue, ArdupilotSendsAnIntegerAsFloat) {
   EXPECT_EQ(encode_parameter(16, 6, kCast), 16.0F);
   EXPECT_EQ(decode_parameter(16.0F, 6, kCast), 16.0);
   EXPECT_EQ(encode_parameter(18000, 9, kCast), 18000.0F);
 }
 
-TEST(ParameterValue, ComesBackAsItWasForEveryTypeThatFits) {
+TEST(ParameterValue, RoundTripsForEveryType) {
   test::Random random(3);
   for (int i = 0; i < 2000; ++i) {
     for (const ParameterEncoding encoding : {kCast, kBytewise}) {
@@ -59,7 +59,7 @@ TEST(ParameterValue, StaysInTheRangeOfItsType) {
   EXPECT_TRUE(std::isnan(decode_parameter(1.0F, 8, kBytewise))) << "eight bytes do not fit";
 }
 
-TEST(ParameterValue, OfEachWholeTypeGoesFromItsLeastToItsGreatest) {
+TEST(ParameterValue, CoversTheRangeOfEachIntegerType) {
   struct Row {
     std::uint8_t type;
     double min;
@@ -87,7 +87,7 @@ TEST(ParameterValue, OfEachWholeTypeGoesFromItsLeastToItsGreatest) {
   }
 }
 
-TEST(ParameterName, FillsItsFieldWithoutAnEnd) {
+TEST(ParameterName, MayFillItsFieldWithoutATerminator) {
   EXPECT_EQ(parameter_name(parameter_id("GUID_TIMEOUT")), "GUID_TIMEOUT");
   EXPECT_EQ(parameter_name(parameter_id("SIXTEEN_LETTERS_")), "SIXTEEN_LETTERS_");
   EXPECT_EQ(parameter_name(parameter_id("SIXTEEN_LETTERS_AND_MORE")), "SIXTEEN_LETTERS_");

@@ -24,7 +24,7 @@ std::string refusal(const std::string& text) {
   return "taken";
 }
 
-TEST(ParameterRules, AreReadFromLines) {
+TEST(ParameterRules, AreParsedFromLines) {
   const auto rules = parse_parameter_rules(
       "# a comment\n\nGUID_TIMEOUT 0.3  # at most 0.5: it flies on\r\nA\t-1 # exactly: b: c\n");
   ASSERT_EQ(rules.size(), 2U);
@@ -39,7 +39,7 @@ TEST(ParameterRules, AreReadFromLines) {
   EXPECT_TRUE(rule("A 1 # advised, exactly: b").is_advised);
 }
 
-TEST(ParameterRules, AcceptWhatTheySay) {
+TEST(ParameterRules, AcceptTheStatedValues) {
   EXPECT_TRUE(rule("A 0.3 # exactly: b").accepts(static_cast<double>(0.3F)));
   EXPECT_FALSE(rule("A 0.3 # exactly: b").accepts(0.30001));
   EXPECT_TRUE(rule("A 0.3 # at most 0.5: b").accepts(static_cast<double>(0.5F)));
@@ -54,7 +54,7 @@ TEST(ParameterRules, AcceptWhatTheySay) {
 }
 
 // The tolerance is a millionth of the larger magnitude, for either sign.
-TEST(ParameterRules, AcceptANumberAsTheyAcceptItsNegative) {
+TEST(ParameterRules, AreSymmetricInTheSign) {
   for (const char* const sign : {"", "-"}) {
     const std::string about = std::string("A ") + sign + "8.000008000004 # exactly: b";
     EXPECT_TRUE(rule(about).accepts(*sign == '-' ? -8.0 : 8.0)) << about;
@@ -64,7 +64,7 @@ TEST(ParameterRules, AcceptANumberAsTheyAcceptItsNegative) {
 
 // The tolerance is a millionth of max(1, magnitude), on each side of each bound of each kind of
 // rule.
-TEST(ParameterRules, ForgiveAMillionthAndNoMoreOnEitherSide) {
+TEST(ParameterRules, AllowARelativeErrorOfOneMillionth) {
   for (const double at : {-3000.0, -0.25, 0.0, 0.25, 3000.0}) {
     const double little = 0.9e-6 * std::max(1.0, std::abs(at));
     const double much = 1.2e-6 * std::max(1.0, std::abs(at));
@@ -102,7 +102,7 @@ TEST(ParameterRules, ForgiveAMillionthAndNoMoreOnEitherSide) {
   }
 }
 
-TEST(ParameterRules, SayWhatIsWantedOfEachKind) {
+TEST(ParameterRules, DescribeTheExpectedValue) {
   EXPECT_EQ(rule("A 7.25 # exactly: b").wanted(), "7.25");
   EXPECT_EQ(rule("A 7 # at most 8: b").wanted(), "at most 8");
   EXPECT_EQ(rule("A 7 # at least -6: b").wanted(), "at least -6");
@@ -113,7 +113,7 @@ TEST(ParameterRules, SayWhatIsWantedOfEachKind) {
   EXPECT_EQ(parameter_text(static_cast<double>(0.3F)), "0.3");
 }
 
-TEST(ParameterRules, SayTheValueTheRuleAndWhatWouldHappen) {
+TEST(ParameterRules, ReportValueRuleAndConsequence) {
   EXPECT_EQ(rule("GUID_TIMEOUT 0.3 # at most 0.5: it flies on").complaint(3.0),
             "GUID_TIMEOUT is 3, wanted is at most 0.5: it flies on");
   EXPECT_EQ(rule("A 0 # one of 0 3 5: b").complaint(1.0), "A is 1, wanted is 0, 3 or 5: b");
@@ -123,7 +123,7 @@ TEST(ParameterRules, SayTheValueTheRuleAndWhatWouldHappen) {
             "A is 0.2, wanted is 0.05: b");
 }
 
-TEST(ParameterRules, RefuseWhatIsNoneAndNameTheLine) {
+TEST(ParameterRules, RefuseMalformedLinesByNumber) {
   EXPECT_EQ(refusal("A 1 # exactly: b\nB 1\n"),
             "line 2: must be `NAME VALUE  # RULE: what happens otherwise`");
   EXPECT_EQ(refusal("A 1 # roughly: b"), "line 1: 'roughly' is not a rule");
@@ -138,7 +138,7 @@ TEST(ParameterRules, RefuseWhatIsNoneAndNameTheLine) {
   EXPECT_EQ(refusal("A 1 # exactly: b\nA 1 # exactly: b"), "line 2: A is listed twice");
 }
 
-TEST(ParameterRules, HaveAsManyNumbersAsTheirKind) {
+TEST(ParameterRules, RequireTheNumbersOfTheirKind) {
   for (const char* const line :
        {"A 1 # exactly 1: b", "A 1 # at most 1 2: b", "A 1 # at least 1 1: b",
         "A 1 # between 1 and 2 3: b", "A 1 # between 0 1 and 2: b", "A 1 # between and 2: b",
@@ -151,7 +151,7 @@ TEST(ParameterRules, HaveAsManyNumbersAsTheirKind) {
   EXPECT_EQ(rule("A:B 1 # exactly: b").name, "A:B") << "the colon that counts is the rule's";
 }
 
-TEST(ParameterRules, CountEveryLineForThoseWhoLookForIt) {
+TEST(ParameterRules, NumberEveryLine) {
   EXPECT_EQ(refusal("\n# a comment\n\t\nA 1 # exactly: b\nA 1 # roughly: b"),
             "line 5: 'roughly' is not a rule");
   EXPECT_EQ(refusal("A 1 # exactly: b\nB 1 # exactly: b\nC 1 # exactly: b\nB 1 # exactly: c"),
@@ -160,14 +160,14 @@ TEST(ParameterRules, CountEveryLineForThoseWhoLookForIt) {
   EXPECT_TRUE(parse_parameter_rules("").empty());
 }
 
-TEST(ParameterEncoding, IsThatOfTheAutopilot) {
+TEST(ParameterEncoding, MatchesTheAutopilot) {
   EXPECT_EQ(parameter_encoding(models::AutopilotDialect::kPx4),
             mavlink::ParameterEncoding::kBytewise);
   EXPECT_EQ(parameter_encoding(models::AutopilotDialect::kArdupilot),
             mavlink::ParameterEncoding::kCast);
 }
 
-TEST(ParameterFiles, AreReadAndNameWhatTheDriverCannotDoWithout) {
+TEST(ParameterFiles, ContainTheDriversRequiredParameters) {
   const auto has = [](models::AutopilotDialect dialect, const std::string& name) {
     const auto& rules = parameter_rules(dialect);
     return std::any_of(rules.begin(), rules.end(), [&](const ParameterRule& found) {
@@ -182,7 +182,7 @@ TEST(ParameterFiles, AreReadAndNameWhatTheDriverCannotDoWithout) {
   }
 }
 
-TEST(ParameterFiles, HaveNoLineThatArdupilotsOwnToolsWouldCut) {
+TEST(ParameterFiles, AreReadableByArdupilotsTools) {
   std::istringstream lines(parameter_file(models::AutopilotDialect::kArdupilot));
   for (std::string line; std::getline(lines, line);) {
     EXPECT_LT(line.size(), 98U) << line;

@@ -65,7 +65,7 @@ constexpr Row kTable[] = {
     {"ODOMETRY", 331, 91, 230, 233},
 };
 
-TEST(MessageDescriptions, GiveTheChecksumsAndLengthsOfTheDefinitions) {
+TEST(MessageDescriptions, HaveTheChecksumsAndLengthsOfTheDefinitions) {
   for (const Row& row : kTable) {
     const MessageInfo* const info = find_message(row.id);
     ASSERT_NE(info, nullptr) << row.name;
@@ -78,7 +78,7 @@ TEST(MessageDescriptions, GiveTheChecksumsAndLengthsOfTheDefinitions) {
   EXPECT_EQ(find_message(99'999), nullptr);
 }
 
-TEST(MessageDescriptions, StandInWireOrderLargestElementsFirst) {
+TEST(MessageDescriptions, AreInWireOrder) {
   test::for_each_message([]<class Message>() {
     std::size_t last = 8;
     const Message message;
@@ -97,7 +97,7 @@ std::string hex_of(const Message& message, const Origin& origin) {
   return test::hex_of_bytes(bytes);
 }
 
-TEST(Pack, GivesTheBytesOfAHeartbeat) {
+TEST(Pack, WritesTheReferenceHeartbeat) {
   Heartbeat heartbeat;
   heartbeat.type = 18;
   heartbeat.autopilot = 8;
@@ -106,7 +106,7 @@ TEST(Pack, GivesTheBytesOfAHeartbeat) {
   EXPECT_EQ(hex_of(heartbeat, {255, 191, 0}), "fd09000000ffbf000000000000001208000403cb64");
 }
 
-TEST(Pack, GivesTheBytesOfAPositionTarget) {
+TEST(Pack, WritesTheReferencePositionTarget) {
   SetPositionTargetLocalNed target;
   target.time_boot_ms = 123456;
   target.x = 1.5F;
@@ -133,7 +133,7 @@ CommandLong command(std::uint16_t number, float param1, float param2) {
   return out;
 }
 
-TEST(Pack, GivesTheBytesOfTheCommandsOfAFlight) {
+TEST(Pack, WritesTheReferenceCommands) {
   EXPECT_EQ(
       hex_of(command(400, 1.0F, 0.0F), {255, 191, 1}),
       "fd20000001ffbf4c00000000803f000000000000000000000000000000000000000000000000900101012fbe");
@@ -145,7 +145,7 @@ TEST(Pack, GivesTheBytesOfTheCommandsOfAFlight) {
       "fd20000008ffbf4c000000000000000000000000000000000000000000000000000000000000150001013e5b");
 }
 
-TEST(Pack, GivesTheBytesOfATimesyncRequest) {
+TEST(Pack, WritesTheReferenceTimesync) {
   Timesync request;
   request.ts1 = 123'456'789;
   request.target_system = 1;
@@ -154,7 +154,7 @@ TEST(Pack, GivesTheBytesOfATimesyncRequest) {
             "fd12000003ffbf6f0000000000000000000015cd5b070000000001018063");
 }
 
-TEST(Pack, GivesTheBytesOfExternalPosesAndCutsTheirZeros) {
+TEST(Pack, WritesExternalPosesAndTrimsZeros) {
   VisionPositionEstimate vision;
   vision.usec = 1'000'000;
   vision.x = 1.0F;
@@ -212,7 +212,7 @@ TEST(Vocabulary, HasTheNumbersOfTheDefinitions) {
 }
 
 // Bits 0 to 11 of a target's type_mask: place, velocity, acceleration, force, yaw, yaw rate.
-TEST(Vocabulary, IgnoresByTheBitsOfTheDefinitions) {
+TEST(Vocabulary, HasTheIgnoreBitsOfTheDefinitions) {
   EXPECT_EQ(mask::kIgnorePosition, 0b111);
   EXPECT_EQ(mask::kIgnoreVelocity, 0b111 << 3);
   EXPECT_EQ(mask::kIgnoreAcceleration, 0b111 << 6);
@@ -232,7 +232,7 @@ TEST(Vocabulary, IgnoresByTheBitsOfTheDefinitions) {
   EXPECT_EQ(estimator::kUninitialised, 1 << 10);
 }
 
-TEST(HeartbeatOf, IsOfAPeerThatFliesNothing) {
+TEST(HeartbeatOf, DescribesAGroundStation) {
   const Heartbeat heartbeat = heartbeat_of(type::kOnboardController);
   EXPECT_EQ(heartbeat.type, 18);
   EXPECT_EQ(heartbeat.autopilot, 8);
@@ -242,7 +242,7 @@ TEST(HeartbeatOf, IsOfAPeerThatFliesNothing) {
   EXPECT_EQ(heartbeat.custom_mode, 0U);
 }
 
-TEST(Unpack, GivesBackEveryMessageWhateverItHolds) {
+TEST(Unpack, InvertsPackForAnyContent) {
   std::mt19937_64 rng(1);
   test::for_each_message([&rng]<class Message>() {
     for (int i = 0; i < 500; ++i) {
@@ -262,7 +262,7 @@ TEST(Unpack, RefusesAnotherMessage) {
   EXPECT_FALSE(unpack<Attitude>(pack(Heartbeat{}, {1, 1, 0})).has_value());
 }
 
-TEST(Unpack, IgnoresWhatGoesBeyondTheFieldsItKnows) {
+TEST(Unpack, IgnoresUnknownTrailingFields) {
   Frame frame = pack(ExtendedSysState{1, 2}, {1, 1, 0});
   frame.payload[2] = 77;
   frame.payload_size = 3;
@@ -273,7 +273,7 @@ TEST(Unpack, IgnoresWhatGoesBeyondTheFieldsItKnows) {
 }
 
 // Bytes after the version 1 fields are not read as extensions.
-TEST(Unpack, KnowsNoExtensionsInVersionOne) {
+TEST(Unpack, IgnoresExtensionsInVersionOne) {
   CommandAck ack;
   ack.command = 400;
   ack.result = 2;

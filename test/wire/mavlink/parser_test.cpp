@@ -44,7 +44,7 @@ Bytes unknown_frame(std::uint8_t fill) {
 
 void append(Bytes& to, const Bytes& more) { to.insert(to.end(), more.begin(), more.end()); }
 
-TEST(Parser, ReadsEachFrameWhenItsLastByteComes) {
+TEST(Parser, ReturnsAFrameWithItsLastByte) {
   Parser parser;
   std::mt19937_64 rng(2);
   test::for_each_message([&]<class Message>() {
@@ -63,7 +63,7 @@ TEST(Parser, ReadsEachFrameWhenItsLastByteComes) {
   EXPECT_EQ(parser.counts().bytes_skipped, 0);
 }
 
-TEST(Parser, FindsEveryFrameBetweenNoiseThatHoldsNoMarkers) {
+TEST(Parser, FindsEveryFrameInNoiseWithoutMarkers) {
   std::mt19937_64 rng(3);
   Bytes stream;
   std::size_t noise = 0;
@@ -80,7 +80,7 @@ TEST(Parser, FindsEveryFrameBetweenNoiseThatHoldsNoMarkers) {
   EXPECT_EQ(parser.counts().bytes_skipped, static_cast<std::int64_t>(noise));
 }
 
-TEST(Parser, LosesNoGoodFrameToATornOneBeforeIt) {
+TEST(Parser, FindsAFrameAfterATruncatedOne) {
   Bytes torn = bytes_of(attitude_frame(0));
   for (std::size_t length = 1; length < torn.size(); ++length) {
     Bytes stream(torn.begin(), torn.begin() + static_cast<std::ptrdiff_t>(length));
@@ -95,7 +95,7 @@ TEST(Parser, LosesNoGoodFrameToATornOneBeforeIt) {
   }
 }
 
-TEST(Parser, RefusesAFrameWithAnyBitChanged) {
+TEST(Parser, RefusesAnyFlippedBit) {
   const Bytes good = bytes_of(attitude_frame(0));
   for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
     Bytes bad = good;
@@ -108,7 +108,7 @@ TEST(Parser, RefusesAFrameWithAnyBitChanged) {
   }
 }
 
-TEST(Parser, CountsMessagesItDoesNotKnowAndReadsOn) {
+TEST(Parser, CountsUnknownMessagesAndContinues) {
   Parser parser;
   Bytes stream = unknown_frame(0xFD);  // a payload of markers leads nowhere
   append(stream, bytes_of(attitude_frame(1)));
@@ -118,7 +118,7 @@ TEST(Parser, CountsMessagesItDoesNotKnowAndReadsOn) {
   EXPECT_EQ(parser.counts().bytes_skipped, 0);
 }
 
-TEST(Parser, DropsFramesWithAFlagThatChangesWhatTheyMean) {
+TEST(Parser, DropsFramesWithIncompatibleFlags) {
   Frame frame = attitude_frame(1);
   frame.incompatible_flags = 0x02;
   frame.crc = crc_of(frame);
@@ -152,7 +152,7 @@ TEST(Parser, RecognisesVersionOne) {
 }
 
 // Where version 2 has its flags, version 1 has the running number, and is never signed.
-TEST(Parser, ReadsEveryRunningNumberOfVersionOne) {
+TEST(Parser, ReadsEverySequenceNumberOfVersionOne) {
   Parser parser;
   for (int sequence = 0; sequence < 256; ++sequence) {
     Frame frame = pack(Heartbeat{4, 2, 3, 128, 4, 3}, {7, 8, static_cast<std::uint8_t>(sequence)});
@@ -166,7 +166,7 @@ TEST(Parser, ReadsEveryRunningNumberOfVersionOne) {
   EXPECT_EQ(parser.counts().frames_v1, 256);
 }
 
-TEST(Parser, ReadsWhatWasSignedWithItsSignature) {
+TEST(Parser, ReadsSignedFrames) {
   const SigningKey key{1, 2, 3};
   const Time now = from_utime(1'767'225'600'123'450);
   Signer sender(key, 7);
@@ -191,7 +191,7 @@ TEST(Parser, ReadsWhatWasSignedWithItsSignature) {
 }
 
 // A frame with an unknown checksum seed is accepted only if another frame follows it.
-TEST(Parser, TakesAnUnknownMessageForNoiseWhenNoFrameFollows) {
+TEST(Parser, TreatsAnUnknownMessageAsNoiseIfNoFrameFollows) {
   Parser parser;
   Bytes stream = unknown_frame(0);
   stream.push_back(0x55);
@@ -201,7 +201,7 @@ TEST(Parser, TakesAnUnknownMessageForNoiseWhenNoFrameFollows) {
   EXPECT_EQ(parser.counts().bytes_skipped, 33);
 }
 
-TEST(Parser, FindsWhatAFalseStartWasHidingWhenTheDatagramEnds) {
+TEST(Parser, FindsFramesAfterAFalseMarkerAtTheDatagramsEnd) {
   Bytes datagram{kMarkerV2, 200, 0, 0, 0, 1, 1, 30, 0, 0};
   append(datagram, bytes_of(attitude_frame(5)));
   Parser parser;
@@ -213,7 +213,7 @@ TEST(Parser, FindsWhatAFalseStartWasHidingWhenTheDatagramEnds) {
   EXPECT_EQ(frames_in(parser, bytes_of(attitude_frame(6))).size(), 1U);
 }
 
-TEST(Parser, AccountsForEveryByteOfAnythingThatComes) {
+TEST(Parser, AccountsForEveryByte) {
   std::mt19937_64 rng(4);
   Parser parser;
   std::int64_t fed = 0;
@@ -255,7 +255,7 @@ TEST(Parser, AccountsForEveryByteOfAnythingThatComes) {
   EXPECT_EQ(frames_in(parser, bytes_of(attitude_frame(6))).size(), 1U);
 }
 
-TEST(SequenceMonitor, CountsGapsOfEachSenderAcrossTheWrap) {
+TEST(SequenceMonitor, CountsGapsPerSenderAcrossTheWrap) {
   SequenceMonitor monitor;
   for (int i = 250; i < 260; ++i) {
     monitor.see({1, 1, static_cast<std::uint8_t>(i)});
@@ -271,7 +271,7 @@ TEST(SequenceMonitor, CountsGapsOfEachSenderAcrossTheWrap) {
   EXPECT_EQ(monitor.lost(), 5);
 }
 
-TEST(SequenceMonitor, TakesAStepOfLessThanHalfTheNumbersForALoss) {
+TEST(SequenceMonitor, CountsStepsBelowHalfTheRangeAsLoss) {
   for (int start = 0; start < 256; start += 51) {
     for (int step = 1; step < 256; ++step) {
       SequenceMonitor monitor;
@@ -283,7 +283,7 @@ TEST(SequenceMonitor, TakesAStepOfLessThanHalfTheNumbersForALoss) {
   }
 }
 
-TEST(SequenceMonitor, KeepsBooksOfSixtyFourSendersEachByItself) {
+TEST(SequenceMonitor, TracksSixtyFourSenders) {
   SequenceMonitor monitor;
   for (int round = 0; round < 2; ++round) {
     for (int sender = 0; sender < 80; ++sender) {  // by system and component, neither alone

@@ -103,7 +103,7 @@ class Peer : public ::testing::Test {
   fs::path folder_;
 };
 
-TEST_F(Peer, ReadsWhatWeWriteAndWritesWhatWeRead) {
+TEST_F(Peer, ExchangesMessagesWithThisCodec) {
   std::mt19937_64 rng(5);
   test::for_each_message([&]<class Message>() {
     std::string values = header_of<Message>();

@@ -10,7 +10,7 @@ constexpr SigningKey kKey{1, 2, 3, 4, 5};
 
 Frame heartbeat() { return pack(Heartbeat{0, 18, 8, 0, 4, 3}, {255, 191, 0}); }
 
-TEST(SigningTimestamp, CountsTensOfMicrosecondsSince2015) {
+TEST(SigningTimestamp, CountsTenMicrosecondsSince2015) {
   EXPECT_EQ(signing_timestamp_10us(from_utime(1'420'070'400'000'000)), 0U);
   EXPECT_EQ(signing_timestamp_10us(from_utime(1'420'070'401'000'000)), 100'000U);
   EXPECT_EQ(signing_timestamp_10us(from_utime(0)), 0U);
@@ -20,7 +20,7 @@ TEST(SigningTimestamp, CountsTensOfMicrosecondsSince2015) {
 
 // Bytes of a signed HEARTBEAT as the specification builds them, by Python's hashlib and a CRC of
 // its own: sha256(key + header + payload + CRC + link id + timestamp), the first six bytes.
-TEST(Signer, MakesTheBytesOfTheSpecification) {
+TEST(Signer, WritesTheReferenceBytes) {
   SigningKey key{};
   for (std::size_t i = 0; i < key.size(); ++i) {
     key[i] = static_cast<std::uint8_t>(i);
@@ -35,7 +35,7 @@ TEST(Signer, MakesTheBytesOfTheSpecification) {
                                               0x1f, 0xa4, 0x16, 0x74, 0x12, 0x03, 0x2d}));
 }
 
-TEST(Signer, AcceptsWhatItsPeerSigned) {
+TEST(Signer, AcceptsItsPeersSignature) {
   Signer sender(kKey, 3);
   Signer receiver(kKey, 4);
   for (int i = 0; i < 10; ++i) {  // also when no time passes
@@ -46,7 +46,7 @@ TEST(Signer, AcceptsWhatItsPeerSigned) {
   }
 }
 
-TEST(Signer, RefusesAnotherKeyAndEveryChange) {
+TEST(Signer, RefusesAnotherKeyAndAnyChange) {
   Signer sender(kKey, 3);
   Frame frame = heartbeat();
   sender.sign(frame, kNow);
@@ -83,7 +83,7 @@ TEST(Signer, RefusesReplays) {
   EXPECT_EQ(receiver.check(first, kNow), SignatureVerdict::kReplayed);
 }
 
-TEST(Signer, RefusesWhatIsOlderThanTheNewestOfItsStreamHoweverLongThatIs) {
+TEST(Signer, RefusesOlderTimestampsOfAStream) {
   Signer sender(kKey, 3);
   Signer receiver(kKey, 0);
   std::vector<Frame> frames(5, heartbeat());
@@ -99,7 +99,7 @@ TEST(Signer, RefusesWhatIsOlderThanTheNewestOfItsStreamHoweverLongThatIs) {
 }
 
 // A stream is identified by system, component and link; time stamps of streams are independent.
-TEST(Signer, HoldsEachStreamAgainstItsOwnNewestAlone) {
+TEST(Signer, TracksTimestampsPerStream) {
   Signer receiver(kKey, 0);
   const auto check = [&](std::uint8_t system, std::uint8_t component, std::uint8_t link,
                          std::chrono::seconds late) {
@@ -118,7 +118,7 @@ TEST(Signer, HoldsEachStreamAgainstItsOwnNewestAlone) {
   EXPECT_EQ(check(2, 1, 1, seconds(25)), SignatureVerdict::kGood);
 }
 
-TEST(Signer, RefusesANewStreamThatIsMoreThanAMinuteBehind) {
+TEST(Signer, RefusesANewStreamOneMinuteBehind) {
   Signer sender(kKey, 3);
   Frame frame = heartbeat();
   sender.sign(frame, kNow);
@@ -129,7 +129,7 @@ TEST(Signer, RefusesANewStreamThatIsMoreThanAMinuteBehind) {
 
 // The signing time is always later than that of the peer, so the peer's receivers accept it. A
 // stream one minute behind the peer is refused, whatever the own clock shows.
-TEST(Signer, SignsLaterThanWhatItsPeerHasSigned) {
+TEST(Signer, SignsLaterThanItsPeer) {
   Signer peer(kKey, 3);
   Signer ours(kKey, 3);  // on the same link, with a clock an hour behind
   const Time behind = kNow - std::chrono::hours(1);
@@ -147,7 +147,7 @@ TEST(Signer, SignsLaterThanWhatItsPeerHasSigned) {
   EXPECT_EQ(ours.check(old, behind), SignatureVerdict::kReplayed);
 }
 
-TEST(Signer, SignsEachMessageLaterThanTheLastWhateverTheClockDoes) {
+TEST(Signer, TimestampsIncreaseForAnyClock) {
   Signer signer(kKey, 3);
   std::uint64_t last_10us = 0;
   for (const int seconds : {0, 0, 5, -10, -10, 6}) {

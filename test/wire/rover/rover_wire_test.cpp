@@ -32,13 +32,13 @@ Telemetry worked_telemetry() {
   return {7, 0xCAFE, 9, 0x01020304, 5, 1'700'000'000'000'000, 0.5F, -0.25F, 0.75F, kDriving, 3};
 }
 
-TEST(RoverWire, ChecksumIsTheOneOfEthernet) {
+TEST(RoverWire, UsesTheEthernetChecksum) {
   const std::array<std::uint8_t, 9> digits = {'1', '2', '3', '4', '5', '6', '7', '8', '9'};
   EXPECT_EQ(crc32(digits), 0xCBF43926U);
   EXPECT_EQ(crc32({}), 0U);
 }
 
-TEST(RoverWire, WorkedBytesEncodeAndDecodeExactly) {
+TEST(RoverWire, MatchesTheReferenceBytes) {
   EXPECT_EQ(encode(worked_command()), kWorkedCommand);
   EXPECT_EQ(encode(worked_telemetry()), kWorkedTelemetry);
   Command command;
@@ -49,7 +49,7 @@ TEST(RoverWire, WorkedBytesEncodeAndDecodeExactly) {
   EXPECT_EQ(telemetry, worked_telemetry());
 }
 
-TEST(RoverWire, EveryContentComesBackAsItWas) {
+TEST(RoverWire, RoundTripsAnyContent) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<float> number(-100.0F, 100.0F);
   std::uniform_real_distribution<float> share(0.0F, 1.0F);
@@ -71,7 +71,7 @@ TEST(RoverWire, EveryContentComesBackAsItWas) {
   }
 }
 
-TEST(RoverWire, NamesTheFirstThingThatIsWrong) {
+TEST(RoverWire, ReportsTheFirstFault) {
   Command out;
   const auto with = [](std::size_t at, std::uint8_t value) {
     auto bytes = kWorkedCommand;
@@ -103,7 +103,7 @@ TEST(RoverWire, NamesTheFirstThingThatIsWrong) {
   EXPECT_EQ(decode(encode(full), told), Verdict::kValue);
 }
 
-TEST(RoverWire, RefusesEachNumberThatCannotBeTrue) {
+TEST(RoverWire, RefusesInvalidNumbers) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   Command heard;
@@ -139,7 +139,7 @@ TEST(RoverWire, RefusesEachNumberThatCannotBeTrue) {
 }
 
 // A round trip between our own ends would not detect wrong values.
-TEST(RoverWire, HasTheFlagsAndTimesOfItsPage) {
+TEST(RoverWire, HasTheDocumentedFlagsAndTimes) {
   EXPECT_EQ(kDrive, 1U);
   EXPECT_EQ(kEmergencyStop, 2U);
   EXPECT_EQ(kReleaseStop, 4U);
@@ -151,7 +151,7 @@ TEST(RoverWire, HasTheFlagsAndTimesOfItsPage) {
   EXPECT_EQ(1.0 / kTelemetryPeriodS, 20.0);
 }
 
-TEST(RoverWire, CallsEachVerdictByItsName) {
+TEST(RoverWire, NamesEachVerdict) {
   const std::array<const char*, kVerdicts> names{"accepted", "foreign",  "version", "kind",
                                                  "length",   "checksum", "value"};
   for (std::size_t i = 0; i < kVerdicts; ++i) {
@@ -159,7 +159,7 @@ TEST(RoverWire, CallsEachVerdictByItsName) {
   }
 }
 
-TEST(RoverWire, NoSingleBitChangesUnseen) {
+TEST(RoverWire, DetectsEveryFlippedBit) {
   for (std::size_t bit = 0; bit < 8 * kTelemetryBytes; ++bit) {
     auto bytes = kWorkedTelemetry;
     bytes[bit / 8] = static_cast<std::uint8_t>(bytes[bit / 8] ^ (1U << (bit % 8)));
@@ -207,7 +207,7 @@ class Noise {
   std::array<std::uint8_t, 96> bytes_{};
 };
 
-TEST(RoverWire, AMillionRandomDatagramsAreEachCountedOnce) {
+TEST(RoverWire, CountsEachRandomDatagramOnce) {
   Noise noise;
   std::array<std::int64_t, kVerdicts> counts{};
   for (int i = 0; i < 1'000'000; ++i) {
@@ -230,7 +230,7 @@ TEST(RoverWire, AMillionRandomDatagramsAreEachCountedOnce) {
   }
 }
 
-TEST(RoverLink, CountsWhatItDoesNotBelieve) {
+TEST(RoverLink, CountsRefusedDatagrams) {
   constexpr Time kNow = from_utime(1'700'000'000'000'000);
   drivers::RoverLink link(7, 0x01020304);
   for (int i = 0; i < 5; ++i) {
@@ -265,7 +265,7 @@ TEST(RoverLink, CountsWhatItDoesNotBelieve) {
   EXPECT_GT(count_of("rover.checksum"), 0);
 }
 
-TEST(RoverLink, DoesNotTakeAnotherDriversCommandsForItsOwn) {
+TEST(RoverLink, IgnoresCommandsOfAnotherDriver) {
   constexpr Time kNow = from_utime(1'700'000'000'000'000);
   drivers::RoverLink link(7, 0x99);
   EXPECT_TRUE(link.is_ours());
@@ -293,7 +293,7 @@ class RoverRules : public ::testing::Test {
   sim::RoverEmulator rover{{}, now};
 };
 
-TEST_F(RoverRules, TheWatchdogStopsIt) {
+TEST_F(RoverRules, WatchdogStopsTheRover) {
   for (std::uint32_t i = 1; i <= 50; ++i) {
     say(drive(i));
     run(0.02);
@@ -305,7 +305,7 @@ TEST_F(RoverRules, TheWatchdogStopsIt) {
   EXPECT_EQ(rover.state().speed_mps, 0.0);
 }
 
-TEST_F(RoverRules, OldAndForeignCommandsAreRefusedWhileADriverSpeaks) {
+TEST_F(RoverRules, RefusesOldAndForeignCommands) {
   say(drive(5));
   say(drive(5));
   say(drive(4));
@@ -321,7 +321,7 @@ TEST_F(RoverRules, OldAndForeignCommandsAreRefusedWhileADriverSpeaks) {
   EXPECT_EQ(rover.refused(), 4) << "after the first driver's silence another may speak";
 }
 
-TEST_F(RoverRules, AnEmergencyStopIsTakenFromAnyoneAndReleasedByTheDriverAlone) {
+TEST_F(RoverRules, AcceptsAnyEmergencyStopAndReleaseByTheDriver) {
   say(drive(5));
   Command stop = drive(1);
   stop.session = 12;

@@ -13,7 +13,7 @@ namespace {
 
 using test::from_hex;
 
-TEST(WriterAndReader, HaveTheOrderOfBytesThatTheyAreToldTo) {
+TEST(WriterAndReader, UseTheGivenByteOrder) {
   std::vector<std::uint8_t> little;
   std::vector<std::uint8_t> big;
   Writer<std::endian::little> to_little(little);
@@ -66,13 +66,13 @@ void expect_there_and_back() {
   }
 }
 
-TEST(WriterAndReader, GiveBackWhatWasWritten) {
+TEST(WriterAndReader, RoundTrip) {
   expect_there_and_back<std::endian::little>();
   expect_there_and_back<std::endian::big>();
 }
 
 // After a failed read every further read gives zeros, even if bytes are left.
-TEST(Reader, GivesZerosForGoodOnceItWasAskedForTooMuch) {
+TEST(Reader, ReturnsZerosAfterReadingBeyondTheEnd) {
   const auto bytes = from_hex("03000000 010203");
   Reader<std::endian::little> number(bytes);
   EXPECT_EQ(number.u64(), 0U);
@@ -88,7 +88,7 @@ TEST(Reader, GivesZerosForGoodOnceItWasAskedForTooMuch) {
   EXPECT_FALSE(counted.ok());
 }
 
-TEST(Reader, TakesAllThatThereIs) {
+TEST(Reader, ReadsToTheEnd) {
   const auto bytes = from_hex("03000000 616263");
   Reader<std::endian::little> reader(bytes);
   EXPECT_EQ(reader.count(1), 3U);
@@ -99,7 +99,7 @@ TEST(Reader, TakesAllThatThereIs) {
   EXPECT_FALSE(reader.ok());
 }
 
-TEST(Reader, CountsOnlyWhatTheRestCanHold) {
+TEST(Reader, RefusesCountsBeyondTheRemainingBytes) {
   for (std::uint32_t elements = 0; elements < 5; ++elements) {
     for (std::size_t rest = 0; rest < 30; ++rest) {
       std::vector<std::uint8_t> bytes;
@@ -114,7 +114,7 @@ TEST(Reader, CountsOnlyWhatTheRestCanHold) {
   }
 }
 
-TEST(StreamBuffer, HasAllItsRoomAgainOnceItIsConsumedOrCleared) {
+TEST(StreamBuffer, IsEmptyAfterConsumeOrClear) {
   const std::vector<std::uint8_t> bytes{1, 2, 3, 4, 5, 6, 7, 8};
   StreamBuffer buffer(8);
   for (const bool is_consumed : {true, false}) {

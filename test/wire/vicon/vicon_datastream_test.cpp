@@ -51,7 +51,7 @@ Value there_and_back(const Value& value, std::uint32_t type) {
   return read;
 }
 
-TEST(DataStream, ServersFirstPacketHasTheWorkedBytes) {
+TEST(DataStream, FirstServerPacketMatchesTheReferenceBytes) {
   const auto bytes = from_hex(
       "01 00 2B 1A | 14 00 00 00 | A1 86 01 00 | 0C 00 00 00 | 02 00 00 00 | 05 00 00 00 | 09 00 "
       "00 "
@@ -64,7 +64,7 @@ TEST(DataStream, ServersFirstPacketHasTheWorkedBytes) {
   EXPECT_EQ(enums.types, (std::vector<std::uint32_t>{5, 9}));
 }
 
-TEST(DataStream, ClientsRequestHasTheWorkedBytes) {
+TEST(DataStream, ClientRequestMatchesTheReferenceBytes) {
   const auto bytes = from_hex("01 00 2B 1A | 09 00 00 00 | A2 86 01 00 | 01 00 00 00 | 01");
   EXPECT_EQ(packet_of(RequestFrame{true}), bytes);
   RequestFrame request;
@@ -72,7 +72,7 @@ TEST(DataStream, ClientsRequestHasTheWorkedBytes) {
   EXPECT_TRUE(request.streaming);
 }
 
-TEST(DataStream, BlocksComeBackAsTheyWere) {
+TEST(DataStream, BlocksRoundTrip) {
   EXPECT_EQ(there_and_back(RequestNextFrame{7}, 100008).count, 7u);
   EXPECT_EQ(there_and_back(Ping{0x0123456789ABCDEF}, 42).id, 0x0123456789ABCDEFu);
   EXPECT_EQ(there_and_back(FrameInfo{123456}, 5).frame_number, 123456u);
@@ -93,7 +93,7 @@ TEST(DataStream, BlocksComeBackAsTheyWere) {
   EXPECT_FALSE(contents.is_unchanged(9));
 }
 
-TEST(DataStream, SubjectsAndPosesComeBackAsTheyWere) {
+TEST(DataStream, SubjectsAndPosesRoundTrip) {
   SubjectInfo subject;
   subject.subject_id = 4;
   subject.name = "drohne ä";  // UTF-8 passes through
@@ -120,7 +120,7 @@ TEST(DataStream, SubjectsAndPosesComeBackAsTheyWere) {
   EXPECT_EQ(there_and_back(light, 901).poses[0].angle_axis_rad.z(), 0.3F);
 }
 
-TEST(DataStream, WhatHasNoNameComesBackToo) {
+TEST(DataStream, UnnamedItemsRoundTrip) {
   SubjectInfo subject;
   subject.segments.resize(5);
   EXPECT_EQ(there_and_back(subject, kSubjectInfo).segments.size(), 5u);
@@ -141,7 +141,7 @@ TEST(DataStream, RotationsAreRowMajor) {
   }
 }
 
-TEST(NextPacket, KnowsAWrongStreamFromItsFirstWrongByte) {
+TEST(NextPacket, DetectsAWrongStreamAtItsFirstWrongByte) {
   EXPECT_EQ(next_packet({}).state, Framing::kNeedMore);
   EXPECT_EQ(next_packet(from_hex("01")).state, Framing::kNeedMore);
   EXPECT_EQ(next_packet(from_hex("0100 2B1A 0000")).state, Framing::kNeedMore);
@@ -153,7 +153,7 @@ TEST(NextPacket, KnowsAWrongStreamFromItsFirstWrongByte) {
   EXPECT_EQ(next_packet(empty).bytes, 8u);
 }
 
-TEST(BlockCursor, StopsAtABlockThatIsLongerThanItsPacket) {
+TEST(BlockCursor, StopsAtABlockBeyondItsPacket) {
   const auto body = from_hex("05000000 04000000 01020304 | 09000000 ff000000 00");
   BlockCursor cursor(body);
   const auto first = cursor.next();
@@ -164,7 +164,7 @@ TEST(BlockCursor, StopsAtABlockThatIsLongerThanItsPacket) {
   EXPECT_FALSE(cursor.next());
 }
 
-TEST(Decode, RefusesCountsThatTheBodyCannotHoldWithoutReservingThem) {
+TEST(Decode, RefusesImpossibleCountsWithoutAllocating) {
   SubjectInfo subject;
   EXPECT_FALSE(decode(from_hex("01000000 ffffffff"), subject));
   EXPECT_FALSE(decode(from_hex("01000000 00000000 ffffffff"), subject));
@@ -177,7 +177,7 @@ TEST(Decode, RefusesCountsThatTheBodyCannotHoldWithoutReservingThem) {
   EXPECT_FALSE(decode(from_hex("00000020 00000000"), contents)) << "8 · count overflows 32 bits";
 }
 
-TEST(IsStatic, PartsTypesAsTheSdkDoes) {
+TEST(IsStatic, ClassifiesTypesLikeTheSdk) {
   for (const std::uint32_t type : {1u, 2u, 29u, 37u, 40u}) {
     EXPECT_TRUE(is_static(type) && !is_dynamic(type)) << type;
   }
@@ -190,7 +190,7 @@ TEST(IsStatic, PartsTypesAsTheSdkDoes) {
 }
 
 // The SDK's classification: types that describe the scene, types of a frame, and others.
-TEST(IsStatic, PartsEveryTypeAsTheSdkDoes) {
+TEST(IsStatic, ClassifiesEveryTypeLikeTheSdk) {
   const std::set<std::uint32_t> scene{1,  2,  3,  4,  14, 19, 20,   27,   28,
                                       29, 33, 34, 37, 38, 40, 1401, 28001};
   for (std::uint32_t type = 0; type < 100'020; ++type) {
@@ -200,7 +200,7 @@ TEST(IsStatic, PartsEveryTypeAsTheSdkDoes) {
   }
 }
 
-TEST(PacketWriter, PutsSeveralBlocksIntoSeveralPackets) {
+TEST(PacketWriter, WritesBlocksIntoSeveralPackets) {
   std::vector<std::uint8_t> bytes{9, 9, 9};  // earlier content is kept
   std::vector<std::size_t> ends;
   for (const std::uint32_t first : {1u, 4u}) {
@@ -236,7 +236,7 @@ TEST(PacketWriter, PutsSeveralBlocksIntoSeveralPackets) {
   EXPECT_TRUE(rest.empty());
 }
 
-TEST(NextPacket, IsOfTwoMebibytesAtMost) {
+TEST(NextPacket, LimitsPacketsToTwoMebibytes) {
   const auto state_of = [](std::uint32_t body_bytes) {
     std::vector<std::uint8_t> header;
     Writer<std::endian::little> writer(header);
@@ -254,7 +254,7 @@ TEST(NextPacket, IsOfTwoMebibytesAtMost) {
   }
 }
 
-TEST(Decode, TakesAnyOtherByteThanItsOwnForNo) {
+TEST(Decode, ReadsAnyOtherByteAsFalse) {
   RequestFrame request;
   ApplicationInfo application;
   for (int byte = 0; byte < 256; ++byte) {
@@ -290,7 +290,7 @@ void expect_room_for_all(const std::vector<std::uint8_t>& head, std::size_t elem
   }
 }
 
-TEST(Decode, ReservesNothingForWhatCannotBeThere) {
+TEST(Decode, AllocatesNothingForImpossibleCounts) {
   const auto id = from_hex("01000000");
   expect_room_for_all<Segments>(id, 100, [](const auto& v) { return v.poses.size(); });
   expect_room_for_all<LightweightSegments>(id, 28, [](const auto& v) { return v.poses.size(); });
@@ -306,7 +306,7 @@ TEST(Decode, ReservesNothingForWhatCannotBeThere) {
                                    [](const auto& v) { return v.attachments.size(); });
 }
 
-TEST(StreamBuffer, NeverHoldsMoreThanItsCapacityAndLosesNothing) {
+TEST(StreamBuffer, KeepsItsCapacityWithoutLoss) {
   StreamBuffer buffer(16);
   std::uint8_t next_in = 0;
   std::uint8_t next_out = 0;

@@ -26,7 +26,7 @@ ObjectBlock worked_block() {
   return block;
 }
 
-TEST(DecodeObjectBlock, ReadsTheWorkedBytes) {
+TEST(DecodeObjectBlock, ReadsTheReferenceBytes) {
   ASSERT_EQ(kWorked.size(), 80u);
   ObjectBlock block;
   ASSERT_TRUE(decode_object_block(kWorked, block));
@@ -39,7 +39,7 @@ TEST(DecodeObjectBlock, ReadsTheWorkedBytes) {
   EXPECT_FALSE(block.is_truncated);
 }
 
-TEST(EncodeObjectBlock, WritesTheWorkedBytesAndPads) {
+TEST(EncodeObjectBlock, WritesTheReferenceBytesAndPads) {
   std::vector<std::uint8_t> datagram;
   encode_object_block(worked_block(), 0, datagram);
   EXPECT_EQ(datagram, kWorked);
@@ -49,14 +49,14 @@ TEST(EncodeObjectBlock, WritesTheWorkedBytesAndPads) {
   EXPECT_TRUE(std::all_of(datagram.begin() + 80, datagram.end(), [](auto b) { return b == 0; }));
 }
 
-TEST(ObjectsPerBlock, AreThreeSixThirteen) {
+TEST(ObjectsPerBlock, EqualsTheDocumentedNumbers) {
   EXPECT_EQ(objects_per_block(256), 3u);
   EXPECT_EQ(objects_per_block(512), 6u);
   EXPECT_EQ(objects_per_block(1024), 13u);
   EXPECT_EQ(objects_per_block(0), 0u);
 }
 
-TEST(ObjectsPerBlock, AreAsManyAsFitAndAsTheCountCanSay) {
+TEST(ObjectsPerBlock, IsLimitedBySizeAndCountField) {
   for (std::size_t objects = 0; objects < 300; ++objects) {
     const std::size_t bytes = 5 + 75 * objects;
     EXPECT_EQ(objects_per_block(bytes), std::min<std::size_t>(objects, 255)) << objects;
@@ -65,7 +65,7 @@ TEST(ObjectsPerBlock, AreAsManyAsFitAndAsTheCountCanSay) {
   EXPECT_EQ(objects_per_block(4), 0u);
 }
 
-TEST(EncodeObjectBlock, IsNoLongerThanItMustBe) {
+TEST(EncodeObjectBlock, HasMinimalLength) {
   ObjectBlock block = worked_block();
   std::vector<std::uint8_t> datagram;
   for (const std::size_t block_bytes : {79u, 80u, 81u}) {
@@ -78,7 +78,7 @@ TEST(EncodeObjectBlock, IsNoLongerThanItMustBe) {
 }
 
 // The output memory is reused, without traces of the previous datagram.
-TEST(DecodeObjectBlock, SaysNothingOfTheDatagramBefore) {
+TEST(DecodeObjectBlock, KeepsNothingOfThePreviousDatagram) {
   ObjectBlock block;
   std::vector<std::uint8_t> spoiled = kWorked;
   spoiled[4] = 3;
@@ -95,7 +95,7 @@ TEST(DecodeObjectBlock, SaysNothingOfTheDatagramBefore) {
   EXPECT_TRUE(block.objects.empty());
 }
 
-TEST(DecodeObjectBlock, UndoesEncodingForAnyContents) {
+TEST(DecodeObjectBlock, InvertsEncoding) {
   test::Random random(4);
   std::vector<std::uint8_t> datagram;
   ObjectBlock read;
@@ -121,7 +121,7 @@ TEST(DecodeObjectBlock, UndoesEncodingForAnyContents) {
   }
 }
 
-TEST(DecodeObjectBlock, SkipsOtherItemsByTheirLengthAndTakesANameOfAll24Bytes) {
+TEST(DecodeObjectBlock, SkipsUnknownItemsAndReads24ByteNames) {
   std::vector<std::uint8_t> datagram = from_hex("01000000 04 07 0300 aabbcc 00 0200 ffff");
   const std::vector<std::uint8_t> nameless(75 - 3, 0);
   datagram.insert(datagram.end(), {0, 72, 0});
@@ -136,7 +136,7 @@ TEST(DecodeObjectBlock, SkipsOtherItemsByTheirLengthAndTakesANameOfAll24Bytes) {
   EXPECT_EQ(block.objects[0].name(), std::string(24, 'x'));
 }
 
-TEST(DecodeObjectBlock, KeepsWhatCameBeforeTheCut) {
+TEST(DecodeObjectBlock, KeepsObjectsBeforeATruncation) {
   ObjectBlock block = worked_block();
   block.objects.push_back(block.objects[0]);
   block.objects[1].set_name("quad2");

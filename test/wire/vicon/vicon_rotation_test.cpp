@@ -19,7 +19,7 @@ Eigen::Matrix3d product_of_turns(const Eigen::Vector3d& euler_rad) {
       .toRotationMatrix();
 }
 
-TEST(RotationFromEulerXyz, IsTheProductOfTurnsAboutMovingAxes) {
+TEST(RotationFromEulerXyz, IsTheProductOfRotationsAboutMovingAxes) {
   test::Random random(1);
   for (int i = 0; i < 1000; ++i) {
     const Eigen::Vector3d euler = random.vector<3>(-7.0, 7.0);
@@ -32,7 +32,7 @@ TEST(RotationFromEulerXyz, IsTheProductOfTurnsAboutMovingAxes) {
   }
 }
 
-TEST(EulerXyzFromRotation, UndoesItEverywhereAlsoWhereTwoAxesFallTogether) {
+TEST(EulerXyzFromRotation, InvertsAlsoAtGimbalLock) {
   test::Random random(2);
   for (int i = 0; i < 3000; ++i) {
     Eigen::Vector3d euler = random.vector<3>(-kPi, kPi);
@@ -46,7 +46,7 @@ TEST(EulerXyzFromRotation, UndoesItEverywhereAlsoWhereTwoAxesFallTogether) {
   }
 }
 
-TEST(RotationFromMatrix, RefusesWhatIsNoRotation) {
+TEST(RotationFromMatrix, RefusesOtherMatrices) {
   const Eigen::Matrix3d R = product_of_turns({0.3, -1.2, 2.0});
   ASSERT_TRUE(rotation_from_matrix(R));
   EXPECT_TRUE(is_near(rotation_from_matrix(R)->toRotationMatrix(), R, 1e-14));
@@ -60,7 +60,7 @@ TEST(RotationFromMatrix, RefusesWhatIsNoRotation) {
   }
 }
 
-TEST(RotationFromXyzw, RefusesWhatIsNotUnit) {
+TEST(RotationFromXyzw, RefusesNonUnitQuaternions) {
   ASSERT_TRUE(rotation_from_xyzw(0.0, 0.0, 0.6, 0.8));
   EXPECT_EQ(rotation_from_xyzw(0.0, 0.0, 0.6, 0.8)->w(), 0.8);
   EXPECT_FALSE(rotation_from_xyzw(0.0, 0.0, 0.0, 0.0));
@@ -69,7 +69,7 @@ TEST(RotationFromXyzw, RefusesWhatIsNotUnit) {
 }
 
 // Quaternions within 10⁻³ of unit norm are accepted and normalised, with the element order kept.
-TEST(RotationFromXyzw, MakesUnitWhatIsNearlyUnit) {
+TEST(RotationFromXyzw, NormalisesNearlyUnitQuaternions) {
   const Eigen::Vector4d xyzw = Eigen::Vector4d(0.1, -0.3, 0.5, 0.7).normalized();
   for (const double off : {-0.95e-3, -1e-9, 0.0, 1e-9, 0.95e-3}) {
     const Eigen::Vector4d q = (1.0 + off) * xyzw;
@@ -84,7 +84,7 @@ TEST(RotationFromXyzw, MakesUnitWhatIsNearlyUnit) {
 }
 
 // RᵀR of a scaled rotation is (1 + off)·I; that of a sheared one has `off` next to its diagonal.
-TEST(RotationFromMatrix, TakesWhatIsNearlyOneAndMakesItOne) {
+TEST(RotationFromMatrix, OrthonormalisesNearRotations) {
   const Eigen::Matrix3d R = product_of_turns({0.3, -1.2, 2.0});
   for (const double off : {-1.05e-3, -0.95e-3, 0.95e-3, 1.05e-3}) {
     const auto scaled = rotation_from_matrix(std::sqrt(1.0 + off) * R);
@@ -102,7 +102,7 @@ TEST(RotationFromMatrix, TakesWhatIsNearlyOneAndMakesItOne) {
   }
 }
 
-TEST(EulerXyzFromRotation, GivesTheAnglesWithinTheirRanges) {
+TEST(EulerXyzFromRotation, ReturnsAnglesInRange) {
   test::Random random(4);
   for (int i = 0; i < 1000; ++i) {
     const Eigen::Vector3d euler(random.uniform(-kPi, kPi), random.uniform(-1.57, 1.57),
@@ -111,21 +111,21 @@ TEST(EulerXyzFromRotation, GivesTheAnglesWithinTheirRanges) {
   }
 }
 
-TEST(ZUpFromYUp, MapsThePointThatTheirOwnClientMapped) {
+TEST(ZUpFromYUp, MapsTheReferencePoint) {
   const Pose3 y_up{{0.989, 0.145, 1.020}, Eigen::Quaterniond::Identity()};
   const Pose3 z_up = z_up_from_y_up(y_up);
   EXPECT_TRUE(is_near(z_up.translation_m, Eigen::Vector3d(0.989, -1.020, 0.145), 0.0));
   EXPECT_TRUE(is_near(z_up.rotation.toRotationMatrix(), Eigen::Matrix3d::Identity(), 1e-15));
 }
 
-TEST(ZUpFromYUp, MakesATurnAboutTheVerticalOfOne) {
+TEST(ZUpFromYUp, KeepsRotationsAboutTheVertical) {
   const Pose3 y_up{Eigen::Vector3d::Zero(),
                    Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitY()))};
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   EXPECT_TRUE(is_near(z_up_from_y_up(y_up).rotation.toRotationMatrix(), turn, 1e-15));
 }
 
-TEST(ZUpFromYUp, CommutesWithPuttingMotionsTogether) {
+TEST(ZUpFromYUp, CommutesWithComposition) {
   test::Random random(3);
   for (int i = 0; i < 100; ++i) {
     const Pose3 a = exp_se3(random.vector<6>(-2.0, 2.0));

@@ -17,7 +17,7 @@ namespace {
 using test::from_hex;
 using test::from_text;
 
-TEST(VrpnCookie, HasTheWorkedBytes) {
+TEST(VrpnCookie, MatchesTheReferenceBytes) {
   std::vector<std::uint8_t> cookie;
   append_vrpn_cookie(cookie);
   std::vector<std::uint8_t> expected = from_text("vrpn: ver. 07.35  0");
@@ -29,14 +29,14 @@ TEST(VrpnCookie, HasTheWorkedBytes) {
   EXPECT_EQ(version->minor, 35);
 }
 
-TEST(VrpnCookie, IsRefusedWhenItIsNone) {
+TEST(VrpnCookie, RefusesOtherBytes) {
   EXPECT_FALSE(decode_vrpn_cookie({}));
   EXPECT_FALSE(decode_vrpn_cookie(from_text("vrpn: ver. 07.35  0")));  // 19 of 24 bytes
   EXPECT_FALSE(decode_vrpn_cookie(from_text("vrpn: ver. ab.cd  0     ")));
   EXPECT_FALSE(decode_vrpn_cookie(from_text("SSH-2.0-OpenSSH_9.2p1 De")));
 }
 
-TEST(VrpnCookie, NamesItsVersionByTwoDigitsEach) {
+TEST(VrpnCookie, HasTwoDigitVersionNumbers) {
   std::vector<std::uint8_t> cookies;
   for (int minor = 0; minor < 100; ++minor) {  // one behind the other
     append_vrpn_cookie(cookies, minor);
@@ -63,7 +63,7 @@ TEST(VrpnCookie, NamesItsVersionByTwoDigitsEach) {
   }
 }
 
-TEST(VrpnMessage, PoseHasItsBytes) {
+TEST(VrpnMessage, PoseMatchesTheReferenceBytes) {
   std::vector<std::uint8_t> bytes;
   append_vrpn_pose(bytes, {1, 2, 3, 4}, {5, {1.0, -2.0, 0.5}, {0.0, 0.0, 0.6, 0.8}});
   EXPECT_EQ(bytes, from_hex("00000058 00000001 00000002 00000003 00000004 00000000"
@@ -86,7 +86,7 @@ TEST(VrpnMessage, PoseHasItsBytes) {
   EXPECT_FALSE(decode_vrpn_pose(framed.body.first(56)));
 }
 
-TEST(VrpnMessage, NamesArePaddedButNotCountedSo) {
+TEST(VrpnMessage, NamesArePaddedOutsideTheirLength) {
   std::vector<std::uint8_t> bytes;
   append_vrpn_name(bytes, kVrpnSenderDescription, 9, "quad1");
   // 4 + 5 + NUL = 10 bytes of payload, padded to 16.
@@ -103,7 +103,7 @@ TEST(VrpnMessage, NamesArePaddedButNotCountedSo) {
   EXPECT_FALSE(decode_vrpn_name(from_hex("00000007 717561"))) << "longer than its message";
 }
 
-TEST(VrpnMessage, VelocityAndPlainOnesComeBackAsTheyWere) {
+TEST(VrpnMessage, VelocityAndPlainMessagesRoundTrip) {
   std::vector<std::uint8_t> bytes;
   append_vrpn_velocity(bytes, {1, 2, 3, 4}, {0, {0.1, 0.2, 0.3}, {0, 0, 0, 1}, 0.01});
   append_vrpn_message(bytes, {0, 0, 1, 2}, {});
@@ -126,7 +126,7 @@ TEST(VrpnMessage, VelocityAndPlainOnesComeBackAsTheyWere) {
   EXPECT_EQ(header.type, 3);
 }
 
-TEST(VrpnMessage, LengthsThatCannotBeBreakTheStream) {
+TEST(VrpnMessage, InvalidLengthsEndTheStream) {
   VrpnHeader header;
   EXPECT_EQ(next_vrpn_message(from_hex("000000"), header).state, Framing::kNeedMore);
   EXPECT_EQ(next_vrpn_message(from_hex("00000017"), header).state, Framing::kBroken);
@@ -135,14 +135,14 @@ TEST(VrpnMessage, LengthsThatCannotBeBreakTheStream) {
   EXPECT_EQ(next_vrpn_message(from_hex("00000018"), header).state, Framing::kNeedMore);
 }
 
-TEST(VrpnMessage, IsOf64KibibytesAtMost) {
+TEST(VrpnMessage, LimitsItsSizeTo64Kibibytes) {
   VrpnHeader header;
   EXPECT_EQ(next_vrpn_message(from_hex("00010000"), header).state, Framing::kNeedMore);
   EXPECT_EQ(next_vrpn_message(from_hex("00010001"), header).state, Framing::kBroken);
 }
 
 // Names of every length, each with the next behind it: padding is to 8 bytes and no more.
-TEST(VrpnMessage, EveryNameComesBackAndTheNextOneBehindIt) {
+TEST(VrpnMessage, NamesRoundTripInSequence) {
   std::vector<std::uint8_t> bytes;
   for (int length = 1; length <= 129; ++length) {
     append_vrpn_name(bytes, kVrpnTypeDescription, length,
@@ -169,14 +169,14 @@ TEST(VrpnMessage, EveryNameComesBackAndTheNextOneBehindIt) {
   EXPECT_EQ(decode_vrpn_name(from_hex("00000003 616263")), "abc") << "without a NUL, too";
 }
 
-TEST(VrpnMessage, PlainOneHasItsBytes) {
+TEST(VrpnMessage, PlainMessageMatchesTheReferenceBytes) {
   std::vector<std::uint8_t> bytes{0xEE};
   append_vrpn_message(bytes, {1, 2, 3, -4}, from_hex("abcdef"));
   EXPECT_EQ(bytes, from_hex("EE 0000001b 00000001 00000002 00000003 fffffffc 00000000"
                             "abcdef 0000000000"));
 }
 
-TEST(VrpnMessage, VelocityComesBackWhole) {
+TEST(VrpnMessage, VelocityRoundTrips) {
   std::vector<std::uint8_t> bytes;
   append_vrpn_velocity(bytes, {1, 2, 3, 4}, {5, {0.1, -0.2, 0.3}, {0.5, -0.1, 0.7, 0.2}, 0.01});
   ASSERT_EQ(bytes.size(), 24U + 72U);
@@ -191,7 +191,7 @@ TEST(VrpnMessage, VelocityComesBackWhole) {
   EXPECT_FALSE(decode_vrpn_pose(payload)) << "that is a velocity";
 }
 
-TEST(VrpnCallback, IsOfAPortThatThereIs) {
+TEST(VrpnCallback, RequiresAValidPort) {
   for (const int port : {1, 65'535}) {
     const auto callback = decode_vrpn_callback(from_text("host " + std::to_string(port)));
     ASSERT_TRUE(callback) << port;
@@ -222,7 +222,7 @@ TEST(VrpnCallback, IsTextOfAddressAndPort) {
   }
 }
 
-TEST(VrpnCallback, NamesItsHostInFull) {
+TEST(VrpnCallback, ContainsTheFullHostName) {
   const std::string host = "motion-capture-room-two.robotics.example.org";
   std::vector<std::uint8_t> bytes;
   append_vrpn_callback(bytes, {host, 40123});
@@ -232,7 +232,7 @@ TEST(VrpnCallback, NamesItsHostInFull) {
   EXPECT_EQ(callback->port, 40123);
 }
 
-TEST(IdentifyStream, TakesWhatPrintsForTextAndNothingElse) {
+TEST(IdentifyStream, RecognisesPrintableText) {
   for (int c = 0; c < 256; ++c) {
     const std::string text(8, static_cast<char>(c));
     const bool is_text = (c >= 0x20 && c <= 0x7e) || c == '\r' || c == '\n' || c == '\t';
@@ -240,7 +240,7 @@ TEST(IdentifyStream, TakesWhatPrintsForTextAndNothingElse) {
   }
 }
 
-TEST(IdentifyStream, TellsTheServersApart) {
+TEST(IdentifyStream, DistinguishesTheServers) {
   std::vector<std::uint8_t> datastream;
   PacketWriter packet(datastream);
   append(packet, ObjectEnums{{5, 9}});
@@ -261,7 +261,7 @@ TEST(IdentifyStream, TellsTheServersApart) {
   EXPECT_EQ(identify_stream({}), Speaker::kTooFewBytes);
 }
 
-TEST(IdentifyStream, SaysNothingBeforeThereIsEnough) {
+TEST(IdentifyStream, WaitsForEnoughBytes) {
   const auto magic = from_hex("0100 2B1A");
   EXPECT_EQ(identify_stream(magic), Speaker::kDataStream);
   const std::string cookie = "vrpn: ver. ";
@@ -287,7 +287,7 @@ TEST(IdentifyStream, SaysNothingBeforeThereIsEnough) {
   EXPECT_EQ(identify_stream(qualisys), Speaker::kUnknown);
 }
 
-TEST(IdentifyDatagram, TakesNoNonsenseForAnObjectStream) {
+TEST(IdentifyDatagram, RefusesOtherDatagrams) {
   ObjectBlock block;
   block.objects.resize(3);
   for (TrackerObject& object : block.objects) {
@@ -326,7 +326,7 @@ TEST(IdentifyDatagram, TakesNoNonsenseForAnObjectStream) {
   EXPECT_EQ(identify_datagram(from_hex("0100 2B")), Speaker::kUnknown);
 }
 
-TEST(IdentifyDatagram, TellsTheStreamsApart) {
+TEST(IdentifyDatagram, DistinguishesTheStreams) {
   ObjectBlock block;
   block.objects.resize(2);
   block.objects[0].set_name("a");
@@ -347,7 +347,7 @@ TEST(IdentifyDatagram, TellsTheStreamsApart) {
 }
 
 // Each name contains a distinct word.
-TEST(Speakers, AreCalledByTheirOwnNames) {
+TEST(Speakers, HaveTheirNames) {
   const std::vector<std::pair<Speaker, std::string>> words{
       {Speaker::kUnknown, "unknown"},
       {Speaker::kTooFewBytes, "sends too few bytes"},
