@@ -46,7 +46,7 @@ set(vantage_bus_needs scenario)
 set(vantage_bus_packages LCM Threads SODIUM fmt)
 
 set(vantage_logs_libraries
-  foxglove log_analysis log_export log_file log_play look metrics record)
+  appearance foxglove log_analysis log_export log_file log_play metrics record)
 set(vantage_logs_needs bus scenario_reader)
 set(vantage_logs_packages nlohmann_json fmt ZSTD)
 

@@ -11,7 +11,8 @@
 namespace vantage::estimator {
 namespace {
 
-const models::Measurement* measurement_of(const models::DetectionSet& look, std::size_t target) {
+const models::Measurement* measurement_of(const models::RobotMeasurement& look,
+                                          std::size_t target) {
   const auto found = std::ranges::find_if(look.detections, [&](const models::Detection& of) {
     return of.target_id == static_cast<int>(target);
   });
@@ -39,14 +40,14 @@ void CentralFilter::predict() {
 }
 
 void CentralFilter::look(const models::SensorModel& sensor,
-                         std::span<const models::DetectionSet> looks) {
+                         std::span<const models::RobotMeasurement> looks) {
   for (std::size_t m = 0; m < beliefs_.size(); ++m) {
-    const auto reports = [&](const models::DetectionSet& look) {
+    const auto reports = [&](const models::RobotMeasurement& look) {
       return measurement_of(look, m) != nullptr;
     };
     is_seen_[m] = 0;
     if (spec_.detection_probability > 0.0) {
-      for (const models::DetectionSet& look : looks) {
+      for (const models::RobotMeasurement& look : looks) {
         if (!reports(look)) {
           beliefs_[m] = missed_detection(beliefs_[m], sensor, look.viewpoint, *world_,
                                          spec_.detection_probability);
@@ -56,7 +57,7 @@ void CentralFilter::look(const models::SensorModel& sensor,
       continue;  // converting to information form and back would only add rounding
     }
     std::optional<models::Information> information = models::to_information(beliefs_[m]);
-    for (const models::DetectionSet& look : looks) {
+    for (const models::RobotMeasurement& look : looks) {
       const models::Measurement* const z = measurement_of(look, m);
       if (information && z != nullptr &&
           measure(*information, sensor, look.viewpoint, *z, 0.0) == Use::kUsed) {

@@ -40,7 +40,7 @@ class CentralFilter {
   /// observations that do not report it come first, then those that report it, in their order.
   /// Missed detections thus do not depend on a measurement, and do not change a belief that a
   /// measurement has narrowed next to a field of view.
-  void look(const models::SensorModel& sensor, std::span<const models::DetectionSet> looks);
+  void look(const models::SensorModel& sensor, std::span<const models::RobotMeasurement> looks);
 
   [[nodiscard]] const models::TargetModel& model() const { return spec_.model; }
   [[nodiscard]] const std::vector<models::Gaussian>& beliefs() const { return beliefs_; }

@@ -136,7 +136,7 @@ void DistributedFilter::advance(const StepInput& input) {
   }
   Time from = time_.value_or(input.time);
   if (!time_) {
-    for (const models::DetectionSet* look : input.looks) {
+    for (const models::RobotMeasurement* look : input.looks) {
       from = std::min(from, look->stamp.time);
     }
   }
@@ -153,7 +153,7 @@ void DistributedFilter::advance(const StepInput& input) {
   listen(input, current);
 
   int oldest_changed = 0;
-  for (const models::DetectionSet* look : input.looks) {
+  for (const models::RobotMeasurement* look : input.looks) {
     oldest_changed = std::max(oldest_changed, file(*look, input.time));
   }
   if (oldest_changed > 0) {
@@ -169,7 +169,7 @@ void DistributedFilter::advance(const StepInput& input) {
   time_ = input.time;
 }
 
-int DistributedFilter::looker_of(const models::DetectionSet& look) const {
+int DistributedFilter::looker_of(const models::RobotMeasurement& look) const {
   auto found = lookers_.find(look.robot);
   if (found == lookers_.end()) {
     found = lookers_.find(spec_.robot);
@@ -189,7 +189,7 @@ const models::DetectionModel& DistributedFilter::detection_of(int looker) const 
   return is_self(looker) ? spec_.detection : spec_.team[index(looker)].detection;
 }
 
-int DistributedFilter::file(const models::DetectionSet& look, Time now) {
+int DistributedFilter::file(const models::RobotMeasurement& look, Time now) {
   const int looker = looker_of(look);
   const bool is_own = is_self(looker);
   if (!is_own && (spec_.communication_range_m <= 0.0 ||

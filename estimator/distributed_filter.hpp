@@ -60,7 +60,7 @@ struct StepInput {
   std::optional<models::Viewpoint> viewpoint;  ///< own, at t; absent: as in the previous step
   /// Own and teammates' observations, of any instants ≤ t. Those of a robot that is not in
   /// FilterSpec::team count as own.
-  std::span<const models::DetectionSet* const> looks;
+  std::span<const models::RobotMeasurement* const> looks;
   std::span<const models::RobotBelief* const> beliefs;  ///< newest of each teammate
 };
 
@@ -186,13 +186,13 @@ class DistributedFilter {
   void merge_grid(const models::RobotBelief& belief);
   /// Returns the index in spec_.team of the robot that made an observation; for a robot outside the
   /// team, that of this robot. −1 if neither is there.
-  [[nodiscard]] int looker_of(const models::DetectionSet& look) const;
+  [[nodiscard]] int looker_of(const models::RobotMeasurement& look) const;
   [[nodiscard]] const models::SensorModel& sensor_of(int looker) const;
   [[nodiscard]] const models::DetectionModel& detection_of(int looker) const;
   [[nodiscard]] bool is_self(int looker) const;
   /// Stores an observation in the record of its step. Returns that step's age in records, −1 if
   /// dropped.
-  int file(const models::DetectionSet& look, Time now);
+  int file(const models::RobotMeasurement& look, Time now);
   void run(StepRecord& record);
   void rebase_tracks(const models::RobotBelief& belief);
   /// True if samples represent beliefs that are not Gaussian.

@@ -13,7 +13,7 @@ class Listener : public bus::Node {
     bus_.subscribe<models::RobotBelief>(
         bus::belief_channel("*"), [this](const models::RobotBelief& belief) {
           std::printf("%s: beliefs of %zu targets\n", belief.robot.c_str(), belief.targets.size());
-          ++heard_;
+          ++received_;
         });
   }
   std::string name() const override { return "LISTENER"; }
@@ -22,12 +22,12 @@ class Listener : public bus::Node {
     bus_.publish(bus::belief_channel("LISTENER"), {.stamp = {now}, .robot = "LISTENER"});
     next_ += std::chrono::seconds(1);
   }
-  int heard() const { return heard_; }
+  int received() const { return received_; }
 
  private:
   bus::Bus& bus_;
   Time next_;
-  int heard_ = 0;
+  int received_ = 0;
 };
 
 int main(int count, char** words) {
@@ -36,5 +36,5 @@ int main(int count, char** words) {
   bus::Bus bus(*transport, bus::random_run_id());
   const bus::SteadyClock clock;
   Listener node(bus, clock);
-  run_node(bus, node, clock, [&] { return node.heard() >= beliefs; });
+  run_node(bus, node, clock, [&] { return node.received() >= beliefs; });
 }

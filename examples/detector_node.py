@@ -9,7 +9,7 @@ from vantage_lcm import detection_t, measurement_t
 def find():  # {target id: (range, m; bearing from the robot's heading, rad)}
     return {3: (1.0, 0.5)}
 
-def look(utime):
+def measure(utime):
     message = measurement_t()
     message.utime, message.robot = utime, sys.argv[2]
     for target, z in find().items():
@@ -21,5 +21,5 @@ def look(utime):
     node.publish(f"MEASUREMENT_{message.robot}", message)
 
 node = live.Node("DETECTOR", scenario=sys.argv[1])
-node.every(0.5, look)
+node.every(0.5, measure)
 node.run()

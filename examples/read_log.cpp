@@ -17,7 +17,7 @@ int main(int count, char** words) {
     return 2;
   }
   const logs::MappedFile file(words[1]);
-  logs::LogScan scan(file.bytes(), logs::wire_testimony);
+  logs::LogScan scan(file.bytes(), logs::check_wire_data);
   std::map<std::string, int, std::less<>> messages;
   std::map<std::string, models::RobotBelief> beliefs;
   while (const auto placed = scan.next()) {

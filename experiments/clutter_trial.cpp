@@ -199,7 +199,7 @@ class ClutterTrial {
     looks_.clear();
     for (std::size_t i = 0; i < places_m_.size(); ++i) {
       const scenario::RobotSpec& robot = scenario_.robots[i];
-      models::DetectionSet look;
+      models::RobotMeasurement look;
       look.stamp.time = now;
       look.robot = robot.name;
       look.viewpoint = {{places_m_[i].x(), places_m_[i].y(), 0.0}, robot.height_m};
@@ -217,8 +217,8 @@ class ClutterTrial {
   }
 
   void filter(Time now) {
-    std::vector<const models::DetectionSet*> pointers;
-    for (const models::DetectionSet& look : looks_) {
+    std::vector<const models::RobotMeasurement*> pointers;
+    for (const models::RobotMeasurement& look : looks_) {
       pointers.push_back(&look);
     }
     double start_s = thread_cpu_s();
@@ -257,7 +257,7 @@ class ClutterTrial {
   std::vector<Eigen::Vector2d> places_m_;  ///< m; by robot
   std::vector<Eigen::Vector2d> goals_m_;   ///< m; by robot
   std::vector<logs::Labelled> truth_;
-  std::vector<models::DetectionSet> looks_;
+  std::vector<models::RobotMeasurement> looks_;
 };
 
 }  // namespace

@@ -51,7 +51,7 @@ void TrackedTargets::move() {
 
 void TrackedTargets::look(const models::SensorModel& sensor, const std::vector<Pose2>& poses,
                           const std::vector<char>& is_blind) {
-  std::vector<models::DetectionSet> looks;
+  std::vector<models::RobotMeasurement> looks;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (is_blind[i] == 0) {
       looks.emplace_back().viewpoint = {poses[i], 0.0};
@@ -59,7 +59,7 @@ void TrackedTargets::look(const models::SensorModel& sensor, const std::vector<P
   }
   for (std::size_t m = 0; m < truth_.states().size(); ++m) {
     const models::PositionVector target_m = truth_.states()[m].head(2);
-    for (models::DetectionSet& look : looks) {
+    for (models::RobotMeasurement& look : looks) {
       if (models::in_view(sensor, look.viewpoint, target_m)) {
         look.detections.push_back(
             {static_cast<int>(m), models::sample(sensor, look.viewpoint, target_m, noise_rng_)});

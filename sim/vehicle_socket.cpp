@@ -24,8 +24,8 @@ sockaddr_in address_in(const std::string& url, std::size_t scheme_length) {
                                            : require_host(host, port);
 }
 
-Time arrival_of(Reception<timespec>& heard) {
-  const timespec stamp = heard.word(SCM_TIMESTAMPNS).value_or(timespec{});
+Time arrival_of(Reception<timespec>& reception) {
+  const timespec stamp = reception.word(SCM_TIMESTAMPNS).value_or(timespec{});
   return from_utime(stamp.tv_sec * 1'000'000 + stamp.tv_nsec / 1'000);
 }
 
@@ -34,19 +34,19 @@ Time arrival_of(Reception<timespec>& heard) {
 VehicleSocket::VehicleSocket(const std::string& driver_url) {
   constexpr const char* kDriverWaits = "udp://";
   constexpr const char* kDriverSpeaks = "udpout://";
-  const bool speaks_first = driver_url.starts_with(kDriverWaits);
-  if (!speaks_first && !driver_url.starts_with(kDriverSpeaks)) {
+  const bool sends_first = driver_url.starts_with(kDriverWaits);
+  if (!sends_first && !driver_url.starts_with(kDriverSpeaks)) {
     throw StartupError("vehicle '" + driver_url +
                        "': a simulated vehicle needs a udp:// or udpout:// url");
   }
   const sockaddr_in address =
-      address_in(driver_url, std::strlen(speaks_first ? kDriverWaits : kDriverSpeaks));
+      address_in(driver_url, std::strlen(sends_first ? kDriverWaits : kDriverSpeaks));
   fd_ = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   const int on = 1;
   if (fd_ < 0 || setsockopt(fd_, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on) != 0) {
     throw StartupError("cannot create a UDP socket: " + std::system_category().message(errno));
   }
-  if (speaks_first) {
+  if (sends_first) {
     driver_ = address;
   } else if (bind(fd_, as_sockaddr(address), sizeof address) != 0) {
     const std::string why = std::system_category().message(errno);
@@ -59,16 +59,17 @@ VehicleSocket::~VehicleSocket() { close(fd_); }
 
 std::optional<VehicleSocket::Datagram> VehicleSocket::read() {
   while (true) {
-    Reception<timespec> heard(fd_, buffer_, 0);
-    if (heard.size() < 0 && (errno == EINTR || errno == ECONNREFUSED)) {
+    Reception<timespec> reception(fd_, buffer_, 0);
+    if (reception.size() < 0 && (errno == EINTR || errno == ECONNREFUSED)) {
       continue;  // ECONNREFUSED refers to an earlier datagram
     }
-    if (heard.size() < 0) {
+    if (reception.size() < 0) {
       return std::nullopt;
     }
-    driver_ = heard.from();
-    if (heard.size() > 0) {
-      return Datagram{{buffer_.data(), static_cast<std::size_t>(heard.size())}, arrival_of(heard)};
+    driver_ = reception.from();
+    if (reception.size() > 0) {
+      return Datagram{{buffer_.data(), static_cast<std::size_t>(reception.size())},
+                      arrival_of(reception)};
     }
   }
 }

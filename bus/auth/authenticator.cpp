@@ -43,21 +43,21 @@ Count& entry_of(std::map<std::string, Count, std::less<>>& counts, std::string_v
   return counts[std::string(has_room ? channel : kOtherChannels)];
 }
 
-/// True if a sender's `stamp` is within kSaidWithin of `now`.
-bool is_of_now(Time stamp, Time now) {
-  return stamp >= now - kSaidWithin && stamp <= now + kSaidWithin;
+/// True if a sender's `stamp` is within kClockDifferenceMax of `now`.
+bool is_current(Time stamp, Time now) {
+  return stamp >= now - kClockDifferenceMax && stamp <= now + kClockDifferenceMax;
 }
 
 constexpr Duration kStaleShownFor = std::chrono::seconds(1);
 
 /// Returns the fault of a real device without required signatures, with its remedy.
-std::string real_fault(const scenario::Scenario& scenario) {
+std::string real_device_fault(const scenario::Scenario& scenario) {
   return "a device is real, so its commands must be signed: write security: {mode: require, "
          "keys: FOLDER} into the scenario, and create the keys: vantage keys new " +
          (scenario.security.keys.empty() ? "FOLDER" : scenario.security.keys);
 }
 
-bool needs_more(const scenario::Scenario& scenario) {
+bool lacks_required_security(const scenario::Scenario& scenario) {
   return scenario::trial_mode(scenario) == scenario::TrialMode::kLive &&
          scenario.security.mode != scenario::SecurityMode::kRequire;
 }
@@ -114,9 +114,9 @@ void Authenticator::seal(std::string_view channel, std::string_view robot, Time 
   std::vector<Echo> echoes;
   if (role == Role::kOperator) {
     const std::uint32_t to = destination_of(robot);
-    for (const auto& [destination, asked] : asked_) {
+    for (const auto& [destination, requested] : requested_) {
       if ((robot.empty() || destination == to) && echoes.size() < kEchoesMax) {
-        echoes.push_back({destination, asked.nonce});
+        echoes.push_back({destination, requested.nonce});
       }
     }
   }
@@ -135,10 +135,10 @@ Authenticator::Judged Authenticator::judge(std::string_view channel, Bytes messa
   const bool is_command = role_of(channel) == Role::kOperator;
   expectation.is_of_log = rules_.is_of_log;
   if (rules_.is_of_log) {
-    expectation.echoes_now = true;
+    expectation.echoes_current_nonce = true;
   } else if (const auto parts = is_command ? split(message) : std::nullopt) {
-    expectation.before_signature = judge_before_signature(*parts, now, claim);
-    expectation.echoes_now = echoes_now(*parts, now);
+    expectation.early_refusal = judge_before_signature(*parts, now, claim);
+    expectation.echoes_current_nonce = echoes_current_nonce(*parts, now);
   }
   const Verdict verdict = verify(*keyring_, channel, message, expectation, replays_, budgets_);
   Judged judged{true, verdict.payload};
@@ -154,60 +154,61 @@ Authenticator::Judged Authenticator::judge(std::string_view channel, Bytes messa
     return judged;
   }
   if (is_status) {
-    hear_nonce(channel.substr(kStatusPrefix.size()), verdict.parts->foot, now);
+    record_nonce(channel.substr(kStatusPrefix.size()), verdict.parts->foot, now);
   } else if (is_command && destination_) {
     judged.echo = judge_nonce(*verdict.parts, now);
   }
   return judged;
 }
 
-void Authenticator::hear_nonce(std::string_view robot, const Foot& foot, Time now) {
+void Authenticator::record_nonce(std::string_view robot, const Foot& foot, Time now) {
   const std::uint32_t destination = destination_of(robot);
-  const auto known = asked_.find(destination);
-  if (known == asked_.end()) {
+  const auto known = requested_.find(destination);
+  if (known == requested_.end()) {
     if (make_room(now)) {
-      asked_[destination] = {foot.session, foot.counter, now};
+      requested_[destination] = {foot.session, foot.counter, now};
     }
     return;
   }
-  Asked& asked = known->second;
-  if (foot.session == asked.nonce) {
-    asked.counter = std::max(asked.counter, foot.counter);
-    asked.heard = now;
-  } else if (foot.counter > asked.counter || now - asked.heard > kNonceLease) {
-    asked = {foot.session, foot.counter, now};
+  RequestedNonce& requested = known->second;
+  if (foot.session == requested.nonce) {
+    requested.counter = std::max(requested.counter, foot.counter);
+    requested.received_at = now;
+  } else if (foot.counter > requested.counter || now - requested.received_at > kNonceLease) {
+    requested = {foot.session, foot.counter, now};
   }
 }
 
 // If a vehicle was silent for longer than its lease, any nonce of it is accepted anyway, so
 // forgetting it loses no protection.
 bool Authenticator::make_room(Time now) {
-  if (asked_.size() < kEchoesMax) {
+  if (requested_.size() < kEchoesMax) {
     return true;
   }
-  const auto quietest = std::min_element(
-      asked_.begin(), asked_.end(),
-      [](const auto& a, const auto& b) { return a.second.heard < b.second.heard; });
-  if (now - quietest->second.heard <= kNonceLease) {
+  const auto oldest = std::min_element(
+      requested_.begin(), requested_.end(),
+      [](const auto& a, const auto& b) { return a.second.received_at < b.second.received_at; });
+  if (now - oldest->second.received_at <= kNonceLease) {
     return false;
   }
-  asked_.erase(quietest);
+  requested_.erase(oldest);
   return true;
 }
 
 Refusal Authenticator::judge_nonce(const SignedParts& parts, Time now) const {
   const std::array nonces{session_, session_before_};
-  const bool is_graceful = renewed_ && now - *renewed_ <= kNonceGrace;
-  return judge_echo(parts, *destination_, std::span(nonces).first(is_graceful ? 2 : 1));
+  const bool is_in_grace_time = renewed_ && now - *renewed_ <= kNonceGrace;
+  return judge_echo(parts, *destination_, std::span(nonces).first(is_in_grace_time ? 2 : 1));
 }
 
-bool Authenticator::echoes_now(const SignedParts& parts, Time now) const {
+bool Authenticator::echoes_current_nonce(const SignedParts& parts, Time now) const {
   if (destination_) {
     return judge_nonce(parts, now) == Refusal::kNone;
   }
-  return std::any_of(asked_.begin(), asked_.end(), [&](const auto& each) {
-    const auto& [destination, asked] = each;
-    return now - asked.heard <= kNonceLease && parts.echo_for(destination) == asked.nonce;
+  return std::any_of(requested_.begin(), requested_.end(), [&](const auto& each) {
+    const auto& [destination, requested] = each;
+    return now - requested.received_at <= kNonceLease &&
+           parts.echo_for(destination) == requested.nonce;
   });
 }
 
@@ -218,7 +219,8 @@ Refusal Authenticator::judge_before_signature(const SignedParts& parts, Time now
                                               const std::optional<CommandClaim>& claim) const {
   const bool is_late_but_known =
       claim && claim->makes_safer && replays_.knows(parts.foot.key_id, parts.foot.session);
-  if ((claim && is_of_now(claim->stamp, now)) || is_late_but_known || echoes_now(parts, now)) {
+  if ((claim && is_current(claim->stamp, now)) || is_late_but_known ||
+      echoes_current_nonce(parts, now)) {
     return Refusal::kNone;
   }
   const bool may_be_anyones =
@@ -275,8 +277,8 @@ std::optional<RefusalCount> parse_refusal(std::string_view counter) {
 }
 
 std::unique_ptr<Authenticator> authenticator_for(const scenario::Scenario& scenario) {
-  if (needs_more(scenario)) {
-    throw StartupError(real_fault(scenario));
+  if (lacks_required_security(scenario)) {
+    throw StartupError(real_device_fault(scenario));
   }
   return made_for(scenario, {});
 }
@@ -290,8 +292,8 @@ std::unique_ptr<Authenticator> log_authenticator_for(const scenario::Scenario& s
 }
 
 std::vector<std::string> security_faults(const scenario::Scenario& scenario) {
-  if (needs_more(scenario)) {
-    return {real_fault(scenario)};
+  if (lacks_required_security(scenario)) {
+    return {real_device_fault(scenario)};
   }
   std::vector<std::string> faults;
   if (scenario.security.mode == scenario::SecurityMode::kOff) {

@@ -39,7 +39,7 @@ class Authenticator {
 
   /// Declares this process to be the vehicle `robot`. Its statuses then carry the nonce that
   /// commands must echo; a command without it is only obeyed if it makes the vehicle safer.
-  void answer_to(std::string_view robot) { destination_ = destination_of(robot); }
+  void act_as_vehicle(std::string_view robot) { destination_ = destination_of(robot); }
   /// Begins a new session, and with it a new nonce.
   void renew_session(Time now);
 
@@ -81,19 +81,19 @@ class Authenticator {
 
  private:
   /// The nonce that a vehicle's statuses request.
-  struct Asked {
+  struct RequestedNonce {
     std::uint64_t nonce = 0;
     std::uint64_t counter = 0;  ///< of the newest status with this nonce
-    Time heard{};
+    Time received_at{};
   };
-  void hear_nonce(std::string_view robot, const Foot& foot, Time now);
+  void record_nonce(std::string_view robot, const Foot& foot, Time now);
   /// Makes room for the nonce of another vehicle, if need be by removing a silent one; returns
   /// false when there is none.
   [[nodiscard]] bool make_room(Time now);
   [[nodiscard]] Refusal judge_nonce(const SignedParts& parts, Time now) const;
   /// True if the command echoes a nonce that is valid now: ours, or that of a vehicle which this
   /// process receives.
-  [[nodiscard]] bool echoes_now(const SignedParts& parts, Time now) const;
+  [[nodiscard]] bool echoes_current_nonce(const SignedParts& parts, Time now) const;
   /// Returns the reason to refuse a command before its signature is verified; kNone: verify it.
   [[nodiscard]] Refusal judge_before_signature(const SignedParts& parts, Time now,
                                                const std::optional<CommandClaim>& claim) const;
@@ -105,8 +105,8 @@ class Authenticator {
   std::uint64_t session_before_ = 0;
   std::optional<Time> renewed_;
   std::uint64_t counter_ = 0;
-  std::optional<std::uint32_t> destination_;  ///< of the vehicle that this process is
-  std::map<std::uint32_t, Asked> asked_;      ///< by destination
+  std::optional<std::uint32_t> destination_;           ///< of the vehicle that this process is
+  std::map<std::uint32_t, RequestedNonce> requested_;  ///< by destination
   std::optional<Duration> stale_ahead_;
   Time stale_received_{};
   ReplayGuard replays_;

@@ -58,10 +58,10 @@ One* added(One one, std::vector<One>& all, std::size_t count_max) {
   return &*oldest;
 }
 
-bool is_of_now(std::uint64_t counter, Time now) {
+bool is_current(std::uint64_t counter, Time now) {
   constexpr auto kMax = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
-  const Time said = from_utime(static_cast<std::int64_t>(std::min(counter, kMax)));
-  return said >= now - kSaidWithin && said <= now + kSaidWithin;
+  const Time sent_at = from_utime(static_cast<std::int64_t>(std::min(counter, kMax)));
+  return sent_at >= now - kClockDifferenceMax && sent_at <= now + kClockDifferenceMax;
 }
 
 Refusal judge_signature(const Key& key, std::string_view channel, const SignedParts& parts,
@@ -80,8 +80,8 @@ Refusal judge_signature(const Key& key, std::string_view channel, const SignedPa
   if (!is_good) {
     return Refusal::kBadSignature;
   }
-  if (expectation.echoes_now) {
-    budgets.prove(sender, expectation.now);
+  if (expectation.echoes_current_nonce) {
+    budgets.add_verified(sender, expectation.now);
   }
   return Refusal::kNone;
 }
@@ -109,14 +109,14 @@ Refusal judge(const Keyring& keyring, std::string_view channel, const SignedPart
     return Refusal::kReplayed;
   }
   if (key->role == Role::kOperator) {
-    if (expectation.before_signature != Refusal::kNone) {
-      return expectation.before_signature;
+    if (expectation.early_refusal != Refusal::kNone) {
+      return expectation.early_refusal;
     }
     const Refusal refusal = judge_signature(*key, channel, parts, budgets, expectation);
     if (refusal != Refusal::kNone) {
       return refusal;
     }
-  } else if (!expectation.is_of_log && !is_of_now(foot.counter, expectation.now)) {
+  } else if (!expectation.is_of_log && !is_current(foot.counter, expectation.now)) {
     return Refusal::kStale;
   }
   replays.admit(foot.key_id, foot.session, foot.counter);
@@ -185,7 +185,7 @@ const ReplayGuard::Session* ReplayGuard::find(std::uint32_t key_id, std::uint64_
   return known == sessions_.end() ? nullptr : &*known;
 }
 
-bool ReplayGuard::has_heard(const Session& session, std::uint64_t counter) {
+bool ReplayGuard::was_received(const Session& session, std::uint64_t counter) {
   return counter <= session.forgotten ||
          std::binary_search(session.seen.begin(), session.seen.end(), counter);
 }
@@ -193,11 +193,11 @@ bool ReplayGuard::has_heard(const Session& session, std::uint64_t counter) {
 bool ReplayGuard::refuses(std::uint32_t key_id, std::uint64_t session,
                           std::uint64_t counter) const {
   const Session* const known = find(key_id, session);
-  return known != nullptr && has_heard(*known, counter);
+  return known != nullptr && was_received(*known, counter);
 }
 
 bool ReplayGuard::admit(std::uint32_t key_id, std::uint64_t session, std::uint64_t counter) {
-  ++asked_;
+  ++uses_;
   auto known = std::find_if(sessions_.begin(), sessions_.end(), [&](const Session& each) {
     return each.session == session && each.key_id == key_id;
   });
@@ -205,7 +205,7 @@ bool ReplayGuard::admit(std::uint32_t key_id, std::uint64_t session, std::uint64
     if (sessions_.size() == kSessionsMax) {
       sessions_.erase(std::min_element(
           sessions_.begin(), sessions_.end(),
-          [](const Session& a, const Session& b) { return a.asked_last < b.asked_last; }));
+          [](const Session& a, const Session& b) { return a.used_last < b.used_last; }));
     }
     Session added;
     added.key_id = key_id;
@@ -213,8 +213,8 @@ bool ReplayGuard::admit(std::uint32_t key_id, std::uint64_t session, std::uint64
     added.seen.reserve(kWindow + 1);
     known = sessions_.insert(sessions_.end(), std::move(added));
   }
-  known->asked_last = asked_;
-  if (has_heard(*known, counter)) {
+  known->used_last = uses_;
+  if (was_received(*known, counter)) {
     return false;
   }
   std::vector<std::uint64_t>& seen = known->seen;
@@ -227,10 +227,10 @@ bool ReplayGuard::admit(std::uint32_t key_id, std::uint64_t session, std::uint64
 }
 
 bool Budget::take(Time now) {
-  if (asked_ && now > *asked_) {
-    left_ = std::min(burst_, left_ + rate_per_s_ * to_seconds(now - *asked_));
+  if (last_take_ && now > *last_take_) {
+    left_ = std::min(burst_, left_ + rate_per_s_ * to_seconds(now - *last_take_));
   }
-  asked_ = now;
+  last_take_ = now;
   if (left_ < 1.0) {
     return false;
   }
@@ -238,10 +238,11 @@ bool Budget::take(Time now) {
   return true;
 }
 
-SignatureBudgets::Proven* SignatureBudgets::find(const Sender& sender) {
-  const auto found = std::find_if(senders_.begin(), senders_.end(), [&](const Proven& each) {
-    return each.sender.source == sender.source && each.sender.session == sender.session;
-  });
+SignatureBudgets::VerifiedSender* SignatureBudgets::find(const Sender& sender) {
+  const auto found =
+      std::find_if(senders_.begin(), senders_.end(), [&](const VerifiedSender& each) {
+        return each.sender.source == sender.source && each.sender.session == sender.session;
+      });
   return found == senders_.end() ? nullptr : &*found;
 }
 
@@ -262,18 +263,19 @@ bool SignatureBudgets::take(const Sender& sender, bool is_stop, Time now) {
     return (is_stop ? rates.stops : rates.orders).take(now);
   };
   // A forger of the address and the session must use up the other budgets as well.
-  if (Proven* const proven = find(sender); proven != nullptr && take_from(proven->left)) {
+  if (VerifiedSender* const verified = find(sender);
+      verified != nullptr && take_from(verified->left)) {
     return true;
   }
   Host* const host = host_of(sender, now);
-  return (host == nullptr || take_from(host->left)) && take_from(strangers_);
+  return (host == nullptr || take_from(host->left)) && take_from(unverified_);
 }
 
-void SignatureBudgets::prove(const Sender& sender, Time now) {
-  if (Proven* const proven = find(sender)) {
-    proven->received = now;
+void SignatureBudgets::add_verified(const Sender& sender, Time now) {
+  if (VerifiedSender* const verified = find(sender)) {
+    verified->received = now;
   } else {
-    added(Proven{sender, proven_, now}, senders_, kProvenMax);
+    added(VerifiedSender{sender, verified_, now}, senders_, kVerifiedMax);
   }
 }
 
@@ -297,8 +299,8 @@ Refusal judge_echo(const SignedParts& parts, std::uint32_t destination,
   if (!nonce) {
     return Refusal::kWrongDestination;
   }
-  const bool is_asked = std::find(nonces.begin(), nonces.end(), *nonce) != nonces.end();
-  return is_asked ? Refusal::kNone : Refusal::kWrongSession;
+  const bool is_valid = std::find(nonces.begin(), nonces.end(), *nonce) != nonces.end();
+  return is_valid ? Refusal::kNone : Refusal::kWrongSession;
 }
 
 }  // namespace vantage::bus::auth

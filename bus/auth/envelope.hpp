@@ -71,15 +71,15 @@ class ReplayGuard {
   struct Session {
     std::uint32_t key_id = 0;
     std::uint64_t session = 0;
-    std::uint64_t asked_last = 0;
+    std::uint64_t used_last = 0;
     std::uint64_t forgotten = 0;      ///< newest counter that is no longer remembered; 0: none
     std::vector<std::uint64_t> seen;  ///< ascending
   };
   [[nodiscard]] const Session* find(std::uint32_t key_id, std::uint64_t session) const;
-  [[nodiscard]] static bool has_heard(const Session& session, std::uint64_t counter);
+  [[nodiscard]] static bool was_received(const Session& session, std::uint64_t counter);
 
   std::vector<Session> sessions_;
-  std::uint64_t asked_ = 0;
+  std::uint64_t uses_ = 0;
 };
 
 /// A token bucket for signature checks: limits the rate per second and the burst.
@@ -93,7 +93,7 @@ class Budget {
   double rate_per_s_;
   double burst_;
   double left_;
-  std::optional<Time> asked_;
+  std::optional<Time> last_take_;
 };
 
 /// The sender of a message, as far as visible before verification.
@@ -103,7 +103,7 @@ struct Sender {
 };
 
 /// Limits the number of signatures that a process verifies, by sender. Only commands with a valid
-/// MAC that are current or echo a current nonce are verified (Expectation::before_signature). So
+/// MAC that are current or echo a current nonce are verified (Expectation::early_refusal). So
 /// recorded commands of an earlier session use up no budget. A sender has its own budgets once its
 /// signature was valid. The others share one budget per host and one for all hosts. Emergency stops
 /// have separate budgets everywhere.
@@ -114,8 +114,8 @@ class SignatureBudgets {
     Budget orders;
     Budget stops;
   };
-  static constexpr std::size_t kProvenMax = 16;  ///< a new one replaces the longest silent one
-  static constexpr std::size_t kHostsMax = 64;   ///< likewise
+  static constexpr std::size_t kVerifiedMax = 16;  ///< a new one replaces the longest silent one
+  static constexpr std::size_t kHostsMax = 64;     ///< likewise
   /// A sender or host that was received within this time is never replaced.
   static constexpr Duration kKeptFor = std::chrono::seconds(3);
 
@@ -123,16 +123,16 @@ class SignatureBudgets {
       : SignatureBudgets({Budget(100.0, 50.0), Budget(100.0, 50.0)},
                          {Budget(10.0, 10.0), Budget(20.0, 20.0)},
                          {Budget(40.0, 40.0), Budget(100.0, 50.0)}) {}
-  SignatureBudgets(const Rates& proven, const Rates& host, const Rates& strangers)
-      : proven_(proven), host_(host), strangers_(strangers) {}
+  SignatureBudgets(const Rates& verified, const Rates& host, const Rates& unverified)
+      : verified_(verified), host_(host), unverified_(unverified) {}
 
   /// Returns true if a message of `sender` may be verified now. `now` never goes back.
   bool take(const Sender& sender, bool is_stop, Time now);
   /// Gives `sender` its own budgets, after a valid signature with a current nonce.
-  void prove(const Sender& sender, Time now);
+  void add_verified(const Sender& sender, Time now);
 
  private:
-  struct Proven {
+  struct VerifiedSender {
     Sender sender;
     Rates left;
     Time received{};  ///< time of the last valid signature
@@ -142,19 +142,19 @@ class SignatureBudgets {
     Rates left;
     Time received{};
   };
-  [[nodiscard]] Proven* find(const Sender& sender);
+  [[nodiscard]] VerifiedSender* find(const Sender& sender);
   /// Returns the entry of the sender's host; nullptr when all entries are in use by others.
   [[nodiscard]] Host* host_of(const Sender& sender, Time now);
 
-  Rates proven_;  ///< initial budgets of each sender
+  Rates verified_;  ///< initial budgets of each sender
   Rates host_;
-  Rates strangers_;
-  std::vector<Proven> senders_;
+  Rates unverified_;
+  std::vector<VerifiedSender> senders_;
   std::vector<Host> hosts_;
 };
 
 /// Largest difference between the sender's time and ours.
-inline constexpr Duration kSaidWithin = std::chrono::seconds(2);
+inline constexpr Duration kClockDifferenceMax = std::chrono::seconds(2);
 
 /// The expected properties of a message.
 struct Expectation {
@@ -164,9 +164,9 @@ struct Expectation {
   std::uint64_t source = 0;  ///< sender's address and port, as far as visible: Payload::source
   /// Reason to refuse a command without verifying its signature. It is derived from the echoes and
   /// the payload, which the MAC covers.
-  Refusal before_signature = Refusal::kNone;
-  bool echoes_now = false;  ///< a command with a current nonce, so not from a recording
-  bool is_of_log = false;   ///< recorded: its time is not checked
+  Refusal early_refusal = Refusal::kNone;
+  bool echoes_current_nonce = false;  ///< a command with a current nonce, so not from a recording
+  bool is_of_log = false;             ///< recorded: its time is not checked
 };
 
 struct Verdict {

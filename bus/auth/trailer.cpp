@@ -37,7 +37,6 @@ constexpr std::array kFamilies{
     Family{"TEAM_PROPOSAL_", Role::kPlanner, true},
     Family{"EXTERNAL_", Role::kPlanner, true},
     Family{"VEHICLE_", Role::kVehicle, true},
-    Family{"QUADROTOR_", Role::kVehicle, true},  // old name of VEHICLE_, for replay and viewers
     Family{"MEASUREMENT_", Role::kNode, true},
     Family{"SCAN_", Role::kNode, true},
     Family{"BELIEF_", Role::kNode, true},

@@ -27,13 +27,13 @@ struct Channel {
 inline constexpr Duration kLease = std::chrono::milliseconds(500);
 inline const Channel<models::MocapFrame> kVicon{"VICON", false, kLease};
 inline const Channel<models::TruthFrame> kTruth{"TRUTH"};
-inline const Channel<models::ContactReport> kCollision{"COLLISION", true};  // sim and contacts
+inline const Channel<models::CollisionReport> kCollision{"COLLISION", true};  // sim and contacts
 inline const Channel<models::AttackNotice> kAttack{"ATTACK"};
 inline const Channel<models::OperatorCommand> kCommand{"COMMAND", true};  // any console
 inline const Channel<models::ScenarioNotice> kScenario{"SCENARIO"};
 
 /// `robot` "*" subscribes to the channels of all robots.
-inline Channel<models::DetectionSet> measurement_channel(const std::string& robot) {
+inline Channel<models::RobotMeasurement> measurement_channel(const std::string& robot) {
   return {"MEASUREMENT_" + robot};
 }
 inline Channel<models::RobotBelief> belief_channel(const std::string& robot) {
@@ -57,11 +57,6 @@ inline Channel<models::TeamProposal> team_proposal_channel(const std::string& ro
 }
 inline Channel<models::VehicleStatus> vehicle_channel(const std::string& robot) {
   return {"VEHICLE_" + robot, false, kLease};
-}
-/// Name of the status channel in old logs; only for code that reads logs. Nothing is published on
-/// it, and no code that flies or commands vehicles subscribes to it.
-inline Channel<models::VehicleStatus> old_vehicle_channel(const std::string& robot) {
-  return {"QUADROTOR_" + robot, false, kLease};
 }
 inline Channel<models::ProcessHealth> health_channel(const std::string& process) {
   return {"HEALTH_" + process};

@@ -12,14 +12,14 @@
 #include "vantage_lcm/map_t.hpp"
 #include "vantage_lcm/measurement_t.hpp"
 #include "vantage_lcm/mixture_t.hpp"
+#include "vantage_lcm/mocap_frame_t.hpp"
 #include "vantage_lcm/plan_t.hpp"
 #include "vantage_lcm/proposal_t.hpp"
-#include "vantage_lcm/quadrotor_t.hpp"
 #include "vantage_lcm/scan_t.hpp"
 #include "vantage_lcm/scenario_t.hpp"
 #include "vantage_lcm/team_proposal_t.hpp"
 #include "vantage_lcm/truth_t.hpp"
-#include "vantage_lcm/vicon_frame_t.hpp"
+#include "vantage_lcm/vehicle_t.hpp"
 
 #include "models/exchange/messages.hpp"
 
@@ -31,11 +31,11 @@
 
 namespace vantage::bus {
 
-vantage_lcm::vicon_frame_t to_wire(const models::MocapFrame& frame);
-std::optional<models::MocapFrame> from_wire(const vantage_lcm::vicon_frame_t& wire);
+vantage_lcm::mocap_frame_t to_wire(const models::MocapFrame& frame);
+std::optional<models::MocapFrame> from_wire(const vantage_lcm::mocap_frame_t& wire);
 
-vantage_lcm::measurement_t to_wire(const models::DetectionSet& detections);
-std::optional<models::DetectionSet> from_wire(const vantage_lcm::measurement_t& wire);
+vantage_lcm::measurement_t to_wire(const models::RobotMeasurement& detections);
+std::optional<models::RobotMeasurement> from_wire(const vantage_lcm::measurement_t& wire);
 
 vantage_lcm::belief_t to_wire(const models::RobotBelief& belief);
 std::optional<models::RobotBelief> from_wire(const vantage_lcm::belief_t& wire);
@@ -58,8 +58,8 @@ std::optional<models::PlanProposal> from_wire(const vantage_lcm::proposal_t& wir
 vantage_lcm::team_proposal_t to_wire(const models::TeamProposal& proposal);
 std::optional<models::TeamProposal> from_wire(const vantage_lcm::team_proposal_t& wire);
 
-vantage_lcm::quadrotor_t to_wire(const models::VehicleStatus& status);
-std::optional<models::VehicleStatus> from_wire(const vantage_lcm::quadrotor_t& wire);
+vantage_lcm::vehicle_t to_wire(const models::VehicleStatus& status);
+std::optional<models::VehicleStatus> from_wire(const vantage_lcm::vehicle_t& wire);
 
 vantage_lcm::command_t to_wire(const models::OperatorCommand& command);
 std::optional<models::OperatorCommand> from_wire(const vantage_lcm::command_t& wire);
@@ -67,8 +67,8 @@ std::optional<models::OperatorCommand> from_wire(const vantage_lcm::command_t& w
 vantage_lcm::truth_t to_wire(const models::TruthFrame& truth);
 std::optional<models::TruthFrame> from_wire(const vantage_lcm::truth_t& wire);
 
-vantage_lcm::collision_t to_wire(const models::ContactReport& contact);
-std::optional<models::ContactReport> from_wire(const vantage_lcm::collision_t& wire);
+vantage_lcm::collision_t to_wire(const models::CollisionReport& contact);
+std::optional<models::CollisionReport> from_wire(const vantage_lcm::collision_t& wire);
 
 vantage_lcm::attack_t to_wire(const models::AttackNotice& attack);
 std::optional<models::AttackNotice> from_wire(const vantage_lcm::attack_t& wire);

@@ -49,7 +49,7 @@ std::optional<models::TargetBelief> target_from(const vantage_lcm::target_belief
 
 }  // namespace
 
-vantage_lcm::measurement_t to_wire(const models::DetectionSet& detections) {
+vantage_lcm::measurement_t to_wire(const models::RobotMeasurement& detections) {
   auto wire = stamped<vantage_lcm::measurement_t>(detections.stamp);
   wire.robot = detections.robot;
   viewpoint_to(detections.viewpoint, wire);
@@ -69,7 +69,7 @@ vantage_lcm::measurement_t to_wire(const models::DetectionSet& detections) {
   return wire;
 }
 
-std::optional<models::DetectionSet> from_wire(const vantage_lcm::measurement_t& wire) {
+std::optional<models::RobotMeasurement> from_wire(const vantage_lcm::measurement_t& wire) {
   const auto stamp = stamp_from(wire);
   const auto viewpoint = viewpoint_from(wire);
   auto inputs = inputs_from(wire);
@@ -77,8 +77,8 @@ std::optional<models::DetectionSet> from_wire(const vantage_lcm::measurement_t& 
       !is_count(wire.num_detections, wire.detections.size())) {
     return std::nullopt;
   }
-  models::DetectionSet set{*stamp,           wire.robot, *viewpoint,
-                           wire.jammed != 0, {},         std::move(*inputs)};
+  models::RobotMeasurement set{*stamp,           wire.robot, *viewpoint,
+                               wire.jammed != 0, {},         std::move(*inputs)};
   set.detections.reserve(wire.detections.size());
   for (const vantage_lcm::detection_t& each : wire.detections) {
     const auto detection = detection_from(each);

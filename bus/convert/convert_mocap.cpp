@@ -6,8 +6,8 @@ namespace vantage::bus {
 
 using namespace parts;  // NOLINT(google-build-using-namespace): this room's own words
 
-vantage_lcm::vicon_frame_t to_wire(const models::MocapFrame& frame) {
-  vantage_lcm::vicon_frame_t wire{};
+vantage_lcm::mocap_frame_t to_wire(const models::MocapFrame& frame) {
+  vantage_lcm::mocap_frame_t wire{};
   stamp_to(frame.stamp, wire);
   wire.arrival_utime = to_utime(frame.arrival);
   wire.frame_number = frame.frame_number;
@@ -22,14 +22,14 @@ vantage_lcm::vicon_frame_t to_wire(const models::MocapFrame& frame) {
   return wire;
 }
 
-std::optional<models::MocapFrame> from_wire(const vantage_lcm::vicon_frame_t& wire) {
+std::optional<models::MocapFrame> from_wire(const vantage_lcm::mocap_frame_t& wire) {
   const auto stamp = stamp_from(wire);
   if (!stamp || !is_utime(wire.arrival_utime) || !is_count(wire.num_bodies, wire.bodies.size())) {
     return std::nullopt;
   }
   models::MocapFrame frame{*stamp, from_utime(wire.arrival_utime), wire.frame_number, {}};
   frame.bodies.reserve(wire.bodies.size());
-  for (const vantage_lcm::body_t& body : wire.bodies) {
+  for (const vantage_lcm::mocap_body_t& body : wire.bodies) {
     auto pose = pose3_from(body.position_world_m, body.quaternion_wxyz);
     if (!is_text(body.name) || !is_boolean(body.occluded) || (!pose && body.occluded == 0)) {
       return std::nullopt;

@@ -15,7 +15,7 @@ bool is_text(const std::string& text, std::size_t bytes_max) {
   return text.size() <= bytes_max && is_utf8(text);
 }
 
-std::string fitting(std::string text) {
+std::string to_wire_text(std::string text) {
   constexpr std::string_view kMore = "…";
   if (!is_utf8(text)) {
     text = readable(text);

@@ -29,7 +29,7 @@ inline constexpr std::size_t kCellsMax = 1'000'000;
 inline constexpr std::int64_t kUtimeMax = 10'000'000'000'000'000;
 /// Limits of a motion: distance from the origin, duration, and rate (m/s, rad/s, m/s²). Results
 /// computed from values within these limits stay finite.
-inline constexpr double kPlaceMax_m = 1e6;
+inline constexpr double kPositionMax_m = 1e6;
 inline constexpr double kMotionMax_s = 3600.0;
 inline constexpr double kRateMax = 1e3;
 inline constexpr double kAsymmetryMax = 1e-9;  ///< relative to the largest entry
@@ -45,7 +45,7 @@ bool is_utime(std::int64_t utime);
 bool is_text(const std::string& text, std::size_t bytes_max = kTextBytesMax);
 /// Returns `text` in a form that is_text() accepts: made readable() if it is not UTF-8, and cut
 /// with a final "…" if it is too long.
-std::string fitting(std::string text);
+std::string to_wire_text(std::string text);
 /// True if the count on the wire is the number of elements and within the cap.
 bool is_count(std::int64_t count, std::size_t elements, std::size_t cap = kItemsMax);
 template <class... Doubles>

@@ -50,8 +50,8 @@ template <class Wire>
 std::optional<models::Trajectory> trajectory_from(const Wire& wire, Time start_time) {
   const auto start =
       pose2_from(wire.start_x_world_m, wire.start_y_world_m, wire.start_yaw_world_rad);
-  if (!start || !is_within(start->x_m, kPlaceMax_m) || !is_within(start->y_m, kPlaceMax_m) ||
-      !is_within(wire.height_m, kPlaceMax_m) ||
+  if (!start || !is_within(start->x_m, kPositionMax_m) || !is_within(start->y_m, kPositionMax_m) ||
+      !is_within(wire.height_m, kPositionMax_m) ||
       !is_count(wire.num_segments, wire.segments.size())) {
     return std::nullopt;
   }

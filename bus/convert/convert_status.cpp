@@ -23,8 +23,8 @@ bool are_texts(std::int32_t count, const std::vector<std::string>& texts) {
 
 }  // namespace
 
-vantage_lcm::quadrotor_t to_wire(const models::VehicleStatus& status) {
-  auto wire = stamped<vantage_lcm::quadrotor_t>(status.stamp);
+vantage_lcm::vehicle_t to_wire(const models::VehicleStatus& status) {
+  auto wire = stamped<vantage_lcm::vehicle_t>(status.stamp);
   wire.robot = status.robot;
   wire.state = static_cast<std::int32_t>(status.state);
   wire.battery_share = status.battery_share;
@@ -35,12 +35,12 @@ vantage_lcm::quadrotor_t to_wire(const models::VehicleStatus& status) {
   wire.plan_round = status.plan_round;
   wire.num_reasons = count_of(status.reasons.size());
   for (const std::string& reason : status.reasons) {
-    wire.reasons.push_back(fitting(reason));
+    wire.reasons.push_back(to_wire_text(reason));
   }
   return wire;
 }
 
-std::optional<models::VehicleStatus> from_wire(const vantage_lcm::quadrotor_t& wire) {
+std::optional<models::VehicleStatus> from_wire(const vantage_lcm::vehicle_t& wire) {
   const auto stamp = stamp_from(wire);
   const auto state = enumerator_from(wire.state, models::FlightState::kKilled);
   const auto setpoint =
@@ -71,7 +71,7 @@ std::optional<models::OperatorCommand> from_wire(const vantage_lcm::command_t& w
   return models::OperatorCommand{*stamp, *action, wire.robot};
 }
 
-vantage_lcm::collision_t to_wire(const models::ContactReport& contact) {
+vantage_lcm::collision_t to_wire(const models::CollisionReport& contact) {
   auto wire = stamped<vantage_lcm::collision_t>(contact.stamp);
   wire.kind = static_cast<std::int32_t>(contact.kind);
   wire.body_a = contact.body_a;
@@ -80,14 +80,14 @@ vantage_lcm::collision_t to_wire(const models::ContactReport& contact) {
   return wire;
 }
 
-std::optional<models::ContactReport> from_wire(const vantage_lcm::collision_t& wire) {
+std::optional<models::CollisionReport> from_wire(const vantage_lcm::collision_t& wire) {
   const auto stamp = stamp_from(wire);
-  const auto kind = enumerator_from(wire.kind, models::ContactKind::kNearMiss);
+  const auto kind = enumerator_from(wire.kind, models::CollisionKind::kNearMiss);
   if (!stamp || !kind || !is_text(wire.body_a) || !is_text(wire.body_b) ||
       !are_finite(wire.distance_m)) {
     return std::nullopt;
   }
-  return models::ContactReport{*stamp, *kind, wire.body_a, wire.body_b, wire.distance_m};
+  return models::CollisionReport{*stamp, *kind, wire.body_a, wire.body_b, wire.distance_m};
 }
 
 vantage_lcm::attack_t to_wire(const models::AttackNotice& attack) {
@@ -112,7 +112,8 @@ vantage_lcm::health_t to_wire(const models::ProcessHealth& health) {
   wire.num_counters = count_of(health.counters.size());
   wire.counters.resize(health.counters.size());
   for (std::size_t i = 0; i < health.counters.size(); ++i) {
-    wire.counters[i].name = fitting(health.counters[i].name);  // may have a foreign channel name
+    wire.counters[i].name =
+        to_wire_text(health.counters[i].name);  // may have a foreign channel name
     wire.counters[i].count = health.counters[i].count;
   }
   wire.loops = health.loops;
@@ -153,7 +154,7 @@ vantage_lcm::host_t to_wire(const models::HostReport& report) {
     out.down_s = process.down_s;
     out.cpu_share = process.cpu_share;
     out.memory_bytes = process.memory_bytes;
-    out.last_end = fitting(process.last_end);
+    out.last_end = to_wire_text(process.last_end);
   }
   return wire;
 }

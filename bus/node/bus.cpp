@@ -68,17 +68,17 @@ void Bus::secure(std::unique_ptr<auth::Authenticator> authenticator, const Clock
   authenticator_ = std::move(authenticator);
   signing_clock_ = &clock;
   if (authenticator_ && !authenticator_->is_replay()) {
-    keep_time(clock);
+    use_clock(clock);
   }
-  if (authenticator_ && !answers_to_.empty()) {
-    authenticator_->answer_to(answers_to_);
+  if (authenticator_ && !vehicle_.empty()) {
+    authenticator_->act_as_vehicle(vehicle_);
   }
 }
 
-void Bus::answer_to(const std::string& robot) {
-  answers_to_ = robot;
+void Bus::act_as_vehicle(const std::string& robot) {
+  vehicle_ = robot;
   if (authenticator_) {
-    authenticator_->answer_to(robot);
+    authenticator_->act_as_vehicle(robot);
   }
 }
 
@@ -95,22 +95,22 @@ void Bus::seal(const std::string& channel, const std::string& robot) {
 
 bool Bus::open(Delivery& delivery) {
   if (!authenticator_) {
-    hears_signed_ = hears_signed_ || auth::split(delivery.bytes).has_value();
+    receives_signed_ = receives_signed_ || auth::split(delivery.bytes).has_value();
     return true;
   }
   const auth::Authenticator::Judged judged =
       authenticator_->judge(delivery.name, delivery.bytes, signing_clock_->now(),
-                            claim_of(delivery.name, delivery.bytes, answers_to_), delivery.source);
+                            claim_of(delivery.name, delivery.bytes, vehicle_), delivery.source);
   delivery.bytes = judged.payload;
   delivery.echo = judged.echo;
   return judged.may_pass;
 }
 
-bool Bus::is_said_to_us(Delivery& delivery, const models::OperatorCommand& command) {
+bool Bus::is_addressed_to_us(Delivery& delivery, const models::OperatorCommand& command) {
   if (delivery.echo == auth::Refusal::kNone || passes_every_filter(command)) {
     return true;
   }
-  if (!command.robot.empty() && command.robot != answers_to_) {
+  if (!command.robot.empty() && command.robot != vehicle_) {
     return false;  // addressed to another vehicle; not an error
   }
   if (!std::exchange(delivery.is_echo_counted, true)) {
@@ -163,11 +163,11 @@ void Bus::unsubscribe(const std::string& name) {
     return;  // a pattern subscription still receives it
   }
   if (const auto stream = streams_.find(name); stream != streams_.end()) {
-    left_.add(stream->second.counts());
+    unsubscribed_counts_.add(stream->second.counts());
     streams_.erase(stream);
   }
   if (const auto stream = shared_streams_.find(name); stream != shared_streams_.end()) {
-    left_.add(stream->second.counts());
+    unsubscribed_counts_.add(stream->second.counts());
     shared_streams_.erase(stream);
   }
 }
@@ -223,7 +223,7 @@ void Bus::count_fault(Delivery& delivery, std::map<std::string, std::int64_t>& c
 }
 
 std::int64_t Bus::messages_lost() const {
-  std::int64_t lost = left_.lost;
+  std::int64_t lost = unsubscribed_counts_.lost;
   for (const auto& [name, counts] : stream_counts()) {
     lost += counts.lost;
   }
@@ -279,7 +279,7 @@ std::vector<models::NamedCount> Bus::counters() const {
     add_stream(name, stream);
     add_nonzero(counts, name + ".restarts", std::max<std::int64_t>(0, stream.runs - 1));
   }
-  add_stream("left", left_);
+  add_stream("left", unsubscribed_counts_);
   return counts;
 }
 

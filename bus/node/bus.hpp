@@ -52,20 +52,20 @@ class Bus {
   /// Gives the Bus a clock, so that a run is only replaced after the lease of its channel has
   /// expired. `clock` must outlive the Bus. Without a clock, for example for a log, a run is
   /// replaced at once.
-  void keep_time(const Clock& clock) { clock_ = &clock; }
+  void use_clock(const Clock& clock) { clock_ = &clock; }
 
   /// Signs published messages, and verifies received ones by their signature and by `clock`. Also
-  /// calls keep_time(), except with an authenticator from replay_authenticator_for(), which only
+  /// calls use_clock(), except with an authenticator from replay_authenticator_for(), which only
   /// signs. `clock` must outlive the Bus (docs/guide/security.md). nullptr: no effect.
   void secure(std::unique_ptr<auth::Authenticator> authenticator, const Clock& clock);
   /// Declares this process to be the vehicle `robot`: commands must be addressed to it and echo its
   /// session. Commands that make it safer are always delivered. No effect without secure().
-  void answer_to(const std::string& robot);
+  void act_as_vehicle(const std::string& robot);
   /// Begins a new session, which commands must echo; a vehicle calls it when it is armed. Returns
   /// false without secure(), which provides the sessions.
   bool renew_session();
   /// True if signed messages were received although this Bus has no authenticator.
-  [[nodiscard]] bool hears_signed() const { return hears_signed_; }
+  [[nodiscard]] bool receives_signed() const { return receives_signed_; }
 
   /// Sets the run id and the next sequence number of the channel in `message`, and sends it. The
   /// caller sets the time of the content. Returns the name by which other messages can refer to it.
@@ -138,7 +138,7 @@ class Bus {
   /// Removes the signature from delivery.bytes; returns false when the message is refused.
   bool open(Delivery& delivery);
   /// True if this process may act on the command, by its addressee and its echoed nonce.
-  bool is_said_to_us(Delivery& delivery, const models::OperatorCommand& command);
+  bool is_addressed_to_us(Delivery& delivery, const models::OperatorCommand& command);
   bool send(const std::string& channel, std::span<const std::uint8_t> bytes);
   void add_subscription(Subscription subscription);
   void on_message(const std::string& pattern, std::string_view name, const Payload& bytes);
@@ -155,8 +155,8 @@ class Bus {
   const Clock* clock_ = nullptr;
   std::unique_ptr<auth::Authenticator> authenticator_;
   const Clock* signing_clock_ = nullptr;
-  std::string answers_to_;
-  bool hears_signed_ = false;
+  std::string vehicle_;
+  bool receives_signed_ = false;
   std::int64_t run_id_;
   std::string publish_prefix_;
   std::deque<Subscription> subscriptions_;  ///< a deque: handlers may subscribe
@@ -168,7 +168,7 @@ class Bus {
   ByName<std::int64_t> next_sequence_;
   ByName<StreamMonitor> streams_;
   ByName<SharedStreamMonitor> shared_streams_;
-  StreamCounts left_;  ///< of streams that were unsubscribed
+  StreamCounts unsubscribed_counts_;  ///< of streams that were unsubscribed
   std::int64_t undecoded_ = 0;
   std::map<std::string, std::int64_t> decode_errors_;  ///< by channel: wrong type or truncated
   std::map<std::string, std::int64_t> refused_;        ///< by channel: impossible values

@@ -87,7 +87,7 @@ void Bus::subscribe_shared(
                       bool may_pass =
                           is_fresh(delivery, message->stamp) || passes_every_filter(*message);
                       if constexpr (kMayPass) {
-                        may_pass = is_said_to_us(delivery, *message) && may_pass;
+                        may_pass = is_addressed_to_us(delivery, *message) && may_pass;
                       }
                       if (may_pass) {
                         handler(delivery.name, message);

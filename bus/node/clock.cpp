@@ -24,8 +24,8 @@ Time wall_clock() {
 constexpr Duration::rep kOffsetMin_us = -100'000'000'000'000;
 constexpr Duration::rep kOffsetMax_us = 7'258'118'400'000'000;
 
-std::optional<Duration> handed_on() {
-  const char* const given = std::getenv(SteadyClock::kHandedOn);
+std::optional<Duration> offset_from_environment() {
+  const char* const given = std::getenv(SteadyClock::kOffsetVariable);
   if (given == nullptr) {
     return std::nullopt;
   }
@@ -37,9 +37,9 @@ std::optional<Duration> handed_on() {
     return std::nullopt;
   }
   if (offset_us < kOffsetMin_us || offset_us > kOffsetMax_us) {
-    throw StartupError(std::string(SteadyClock::kHandedOn) + " is " + text + ", and must be from " +
-                       std::to_string(kOffsetMin_us) + " to " + std::to_string(kOffsetMax_us) +
-                       ": unset it, or restart the programs");
+    throw StartupError(std::string(SteadyClock::kOffsetVariable) + " is " + text +
+                       ", and must be from " + std::to_string(kOffsetMin_us) + " to " +
+                       std::to_string(kOffsetMax_us) + ": unset it, or restart the programs");
   }
   return Duration{offset_us};
 }
@@ -49,36 +49,36 @@ std::optional<Duration> handed_on() {
 Time SystemClock::now() const { return wall_clock(); }
 
 SteadyClock::SteadyClock() : SteadyClock([] { return vantage::monotonic_ns(); }, wall_clock) {
-  ahead_ = handed_on().value_or(ahead_);
+  offset_ = offset_from_environment().value_or(offset_);
 }
 
 SteadyClock::SteadyClock(MonotonicNs monotonic_ns, WallClock wall)
     : monotonic_ns_(std::move(monotonic_ns)),
       wall_(std::move(wall)),
       compared_(monotonic()),
-      ahead_(wall_() - compared_) {}
+      offset_(wall_() - compared_) {}
 
-Duration SteadyClock::ahead_at(Time monotonic) const {
+Duration SteadyClock::offset_at(Time monotonic) const {
   const Duration most = from_seconds(kSlewPerS * to_seconds(monotonic - compared_));
-  return ahead_ + std::clamp(draw_, -most, most);
+  return offset_ + std::clamp(slew_, -most, most);
 }
 
 Time SteadyClock::now() const {
   const std::lock_guard lock(mutex_);
   const Time steady = monotonic();
-  const Duration ahead = ahead_at(steady);
+  const Duration offset = offset_at(steady);
   if (steady - compared_ >= kComparePeriod) {
-    const Duration apart = wall_() - (steady + ahead);
+    const Duration difference = wall_() - (steady + offset);
     compared_ = steady;
-    ahead_ = ahead;
-    draw_ = std::chrono::abs(apart) <= kFollowMax ? apart : Duration{};
+    offset_ = offset;
+    slew_ = std::chrono::abs(difference) <= kFollowMax ? difference : Duration{};
   }
-  return steady + ahead;
+  return steady + offset;
 }
 
-void SteadyClock::hand_on() const {
+void SteadyClock::export_offset() const {
   const std::lock_guard lock(mutex_);
-  ::setenv(kHandedOn, std::to_string(ahead_at(monotonic()).count()).c_str(), 1);
+  ::setenv(kOffsetVariable, std::to_string(offset_at(monotonic()).count()).c_str(), 1);
 }
 
 }  // namespace vantage::bus

@@ -35,16 +35,16 @@ class SystemClock : public Clock {
 ///
 /// While the wall clock is within kFollowMax of this time, this time is slewed towards it by at
 /// most kSlewPerS. So NTP and PTP keep the hosts of a trial synchronous. A wall clock that is
-/// farther away was set. This process never follows it; apart() returns the difference. Processes
-/// of one host share one time, even those started after the wall clock was set: the first process,
-/// usually `vantage up`, passes its offset from the monotonic clock to its children (hand_on()).
-/// Thread-safe.
+/// farther away was set. This process never follows it; wall_offset() returns the difference.
+/// Processes of one host share one time, even those started after the wall clock was set: the first
+/// process, usually `vantage up`, passes its offset from the monotonic clock to its children
+/// (export_offset()). Thread-safe.
 class SteadyClock : public Clock {
  public:
   static constexpr Duration kFollowMax = std::chrono::milliseconds(500);
   static constexpr double kSlewPerS = 0.005;
   /// Environment variable: the stack's time minus the monotonic clock, µs.
-  static constexpr const char* kHandedOn = "VANTAGE_CLOCK_OFFSET_US";
+  static constexpr const char* kOffsetVariable = "VANTAGE_CLOCK_OFFSET_US";
 
   using MonotonicNs = std::function<std::int64_t()>;
   using WallClock = std::function<Time()>;
@@ -58,20 +58,20 @@ class SteadyClock : public Clock {
   [[nodiscard]] Time now() const override;
   [[nodiscard]] bool is_real_time() const override { return true; }
   /// Returns the wall clock minus now().
-  [[nodiscard]] Duration apart() const { return wall_() - now(); }
+  [[nodiscard]] Duration wall_offset() const { return wall_() - now(); }
   /// Stores the offset in the environment, for child processes. Call before any thread starts.
-  void hand_on() const;
+  void export_offset() const;
 
  private:
   [[nodiscard]] Time monotonic() const { return Time{Duration{monotonic_ns_() / 1'000}}; }
-  [[nodiscard]] Duration ahead_at(Time monotonic) const;
+  [[nodiscard]] Duration offset_at(Time monotonic) const;
 
   MonotonicNs monotonic_ns_;
   WallClock wall_;
   mutable std::mutex mutex_;
-  mutable Time compared_{};   ///< monotonic time of the last comparison with the wall clock
-  mutable Duration ahead_{};  ///< offset from the monotonic clock at compared_
-  mutable Duration draw_{};   ///< change of ahead_ still to be made after compared_
+  mutable Time compared_{};    ///< monotonic time of the last comparison with the wall clock
+  mutable Duration offset_{};  ///< offset from the monotonic clock at compared_
+  mutable Duration slew_{};    ///< change of offset_ still to be made after compared_
 };
 
 /// A clock that only advances when it is set.

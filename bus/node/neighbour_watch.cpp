@@ -8,17 +8,17 @@
 namespace vantage::bus {
 
 NeighbourWatch::NeighbourWatch(const scenario::Scenario& scenario, const std::string& robot,
-                               Action comes, Action goes)
+                               Action on_enter, Action on_leave)
     : within_m_(scenario.network.neighbourhood_m),
       step_(from_seconds(scenario.planner.step_s)),
-      comes_(std::move(comes)),
-      goes_(std::move(goes)) {
+      on_enter_(std::move(on_enter)),
+      on_leave_(std::move(on_leave)) {
   for (const scenario::RobotSpec& each : scenario.robots) {
     if (within_m_ > 0.0) {
       own_ = each.name == robot ? robots_.size() : own_;
       robots_.push_back(each.name);
     } else if (each.name != robot) {
-      comes_(each.name);
+      on_enter_(each.name);
     }
   }
   is_near_.resize(robots_.size(), 0);
@@ -27,7 +27,7 @@ NeighbourWatch::NeighbourWatch(const scenario::Scenario& scenario, const std::st
 void NeighbourWatch::on_frame(const models::MocapFrame& frame) {
   // A time stamp long before the last update means that its time was wrong or that the clock was
   // reset. Accept such a frame.
-  const Duration since = looked_ ? frame.stamp.time - *looked_ : step_;
+  const Duration since = updated_at_ ? frame.stamp.time - *updated_at_ : step_;
   if (robots_.empty() || (since < step_ && since > -step_)) {
     return;
   }
@@ -35,10 +35,10 @@ void NeighbourWatch::on_frame(const models::MocapFrame& frame) {
   models::find_neighbours(frame, robots_, own_, within_m_, is_near_);
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     if (is_near_[i] != was_near_[i]) {
-      (is_near_[i] != 0 ? comes_ : goes_)(robots_[i]);
+      (is_near_[i] != 0 ? on_enter_ : on_leave_)(robots_[i]);
     }
   }
-  looked_ = frame.stamp.time;
+  updated_at_ = frame.stamp.time;
 }
 
 }  // namespace vantage::bus

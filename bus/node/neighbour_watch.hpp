@@ -20,24 +20,23 @@ class NeighbourWatch {
  public:
   using Action = std::function<void(const std::string& teammate)>;
 
-  /// Calls `comes` for each teammate to subscribe to from now on. Without a neighbourhood it does
-  /// so at once for all teammates. Calls `goes` for each teammate that has left the neighbourhood.
-  /// Both may subscribe and unsubscribe.
-  /// Precondition: `robot` is in the scenario.
-  NeighbourWatch(const scenario::Scenario& scenario, const std::string& robot, Action comes,
-                 Action goes);
+  /// Calls `on_enter` for each teammate to subscribe to from now on. Without a neighbourhood it
+  /// does so at once for all teammates. Calls `on_leave` for each teammate that has left the
+  /// neighbourhood. Both may subscribe and unsubscribe. Precondition: `robot` is in the scenario.
+  NeighbourWatch(const scenario::Scenario& scenario, const std::string& robot, Action on_enter,
+                 Action on_leave);
   void on_frame(const models::MocapFrame& frame);
 
  private:
   double within_m_;
   Duration step_;
   std::size_t own_ = 0;
-  Action comes_;
-  Action goes_;
+  Action on_enter_;
+  Action on_leave_;
   std::vector<std::string> robots_;
   std::vector<std::uint8_t> is_near_;  ///< of robots_, at the last update
   std::vector<std::uint8_t> was_near_;
-  std::optional<Time> looked_;  ///< time of the frame of the last update
+  std::optional<Time> updated_at_;  ///< time of the frame of the last update
 };
 
 }  // namespace vantage::bus

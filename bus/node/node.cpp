@@ -19,7 +19,7 @@ constexpr Duration kStopPollPeriod = std::chrono::milliseconds(50);
 constexpr Duration kWaitPeriod = std::chrono::milliseconds(50);
 
 /// True for counters that change in normal operation: traffic, durations and kinds of rounds.
-bool is_plain_traffic(std::string_view counter) {
+bool is_normal_counter(std::string_view counter) {
   return counter == "transport.messages_sent" || counter == "transport.messages_received" ||
          counter.ends_with(".fresh") || counter.ends_with("_us") || counter.ends_with("_rounds");
 }
@@ -58,17 +58,17 @@ HealthReporter::HealthReporter(Bus& bus, const Node& node, Usage usage)
     : bus_(bus),
       node_(node),
       usage_(std::move(usage)),
-      trouble_reported_(trouble()),
-      trouble_last_second_(trouble_reported_) {}
+      fault_sum_reported_(fault_sum()),
+      fault_sum_last_second_(fault_sum_reported_) {}
 
-std::int64_t HealthReporter::trouble() const {
+std::int64_t HealthReporter::fault_sum() const {
   // Unsigned: a saturated count must wrap instead of overflowing. Only changes matter.
   auto sum = static_cast<std::uint64_t>(node_.deadlines_missed());
   for (const models::NamedCount& counter : bus_.counters()) {
-    sum += is_plain_traffic(counter.name) ? 0 : static_cast<std::uint64_t>(counter.count);
+    sum += is_normal_counter(counter.name) ? 0 : static_cast<std::uint64_t>(counter.count);
   }
   for (const models::NamedCount& counter : node_.counters()) {
-    sum += is_plain_traffic(counter.name) ? 0 : static_cast<std::uint64_t>(counter.count);
+    sum += is_normal_counter(counter.name) ? 0 : static_cast<std::uint64_t>(counter.count);
   }
   return static_cast<std::int64_t>(sum);
 }
@@ -80,12 +80,12 @@ void HealthReporter::on_loop(Time now, double loop_s) {
   if (!is_due && now < next_on_change_) {
     return;
   }
-  const std::int64_t trouble_now = trouble();
-  if (is_due || trouble_now != trouble_reported_) {
-    const bool is_degraded = trouble_now != trouble_last_second_;
+  const std::int64_t fault_sum_now = fault_sum();
+  if (is_due || fault_sum_now != fault_sum_reported_) {
+    const bool is_degraded = fault_sum_now != fault_sum_last_second_;
     publish(now, is_degraded ? models::ProcessState::kDegraded : models::ProcessState::kRunning);
     if (is_due) {
-      trouble_last_second_ = trouble_now;
+      fault_sum_last_second_ = fault_sum_now;
       next_ = now + kReportPeriod;
     }
   }
@@ -108,7 +108,7 @@ void HealthReporter::publish(Time now, models::ProcessState state) {
   health.loops = loops_;
   health.loop_worst_s = loop_worst_s_;
   health.deadlines_missed = node_.deadlines_missed();
-  trouble_reported_ = trouble();
+  fault_sum_reported_ = fault_sum();
   bus_.publish(health_channel(node_.name()), std::move(health));
   loop_worst_s_ = 0.0;
   next_on_change_ = now + kReportOnChangePeriod;

@@ -77,15 +77,15 @@ class HealthReporter {
  private:
   /// Returns the sum of all counters that should stay 0. It changes when something was dropped or
   /// missed.
-  [[nodiscard]] std::int64_t trouble() const;
+  [[nodiscard]] std::int64_t fault_sum() const;
 
   Bus& bus_;
   const Node& node_;
   Usage usage_;
-  Time next_{};                        ///< time of the next report
-  Time next_on_change_{};              ///< earliest time of the next report on a change
-  std::int64_t trouble_reported_ = 0;  ///< trouble() in the newest report
-  std::int64_t trouble_last_second_ = 0;
+  Time next_{};                          ///< time of the next report
+  Time next_on_change_{};                ///< earliest time of the next report on a change
+  std::int64_t fault_sum_reported_ = 0;  ///< fault_sum() in the newest report
+  std::int64_t fault_sum_last_second_ = 0;
   std::int64_t loops_ = 0;
   double loop_worst_s_ = 0.0;
 };

@@ -104,7 +104,7 @@ int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode&
       bus.secure(auth::replay_authenticator_for(scenario), clock);
     } else {
       bus.secure(auth::authenticator_for(scenario), clock);
-      bus.keep_time(clock);
+      bus.use_clock(clock);
     }
     apply(real_time);  // after the network's own threads, before the node prepares its memory
     const std::unique_ptr<Node> node = make_node(bus, clock, scenario, arguments);

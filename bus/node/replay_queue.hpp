@@ -23,14 +23,14 @@ class ReplayQueue {
   void add(const Logged& logged) { waiting_.push_back(logged); }
   /// Call once per kReplayTick, followed by work().
   void tick() { ticks_ = waiting_.empty() ? 0 : ticks_ + 1; }
-  /// Passes the queued outputs to redo(logged, is_last_chance), one after another while it returns
-  /// true (output is done). If it returns false, it is called again later, except after the last
-  /// chance.
-  template <class Redo>
-  void work(const Redo& redo) {
+  /// Passes the queued outputs to recompute(logged, is_last_chance), one after another while it
+  /// returns true (output is done). If it returns false, it is called again later, except after the
+  /// last chance.
+  template <class Recompute>
+  void work(const Recompute& recompute) {
     while (!waiting_.empty()) {
       const bool is_last_chance = waiting_.size() > later_max_ || ticks_ >= kTicksMax;
-      if (!redo(std::as_const(waiting_.front()), is_last_chance) && !is_last_chance) {
+      if (!recompute(std::as_const(waiting_.front()), is_last_chance) && !is_last_chance) {
         return;
       }
       ticks_ = 0;

@@ -41,35 +41,36 @@ void StreamMonitor::advance_to(const models::Stamp& stamp, const StreamRules& ru
     missing_.erase(missing_.begin(), missing_.end() - static_cast<std::ptrdiff_t>(kMissingKept));
   }
   newest_sequence_ = stamp.sequence;
-  const Time believed = rules.now ? std::min(stamp.time, *rules.now + kFutureMax) : stamp.time;
-  newest_time_ = std::max(newest_time_, believed);
-  heard_ = rules.now;
+  const Time accepted_time = rules.now ? std::min(stamp.time, *rules.now + kFutureMax) : stamp.time;
+  newest_time_ = std::max(newest_time_, accepted_time);
+  received_at_ = rules.now;
   refused_steps_ = 0;
   ++counts_.fresh;
 }
 
-void StreamMonitor::go_back_before_gap() {
+void StreamMonitor::discard_forged_gap() {
   counts_.lost -= std::min(counts_.lost, gap_lost_);
   newest_sequence_ = gap_begin_;
   gap_begin_ = -1;
   missing_.clear();
 }
 
-bool StreamMonitor::believes_step(std::int64_t sequence, const StreamRules& rules) {
+bool StreamMonitor::accepts_step(std::int64_t sequence, const StreamRules& rules) {
   const bool goes_on = refused_steps_ > 0 && sequence > refused_sequence_ &&
                        sequence - refused_sequence_ <= kStepMax;
   refused_steps_ = goes_on ? refused_steps_ + 1 : 1;
   refused_sequence_ = sequence;
-  const bool is_silent = !rules.now || !heard_ || *rules.now - *heard_ >= kBelieveSilence;
-  return refused_steps_ >= kBelieveSteps && is_silent;
+  const bool is_silent =
+      !rules.now || !received_at_ || *rules.now - *received_at_ >= kAcceptSilence;
+  return refused_steps_ >= kAcceptSteps && is_silent;
 }
 
 bool StreamMonitor::may_begin(const models::Stamp& stamp, const StreamRules& rules) const {
-  if (!heard_any_) {
+  if (!has_received_) {
     return true;
   }
-  if (rules.lease > Duration{} && rules.now && heard_) {
-    return *rules.now - *heard_ >= rules.lease;
+  if (rules.lease > Duration{} && rules.now && received_at_) {
+    return *rules.now - *received_at_ >= rules.lease;
   }
   const bool is_retired =
       std::find(retired_runs_.begin(), retired_runs_.end(), stamp.run_id) != retired_runs_.end();
@@ -77,7 +78,7 @@ bool StreamMonitor::may_begin(const models::Stamp& stamp, const StreamRules& rul
 }
 
 void StreamMonitor::begin_run(const models::Stamp& stamp) {
-  if (heard_any_) {
+  if (has_received_) {
     retired_runs_.push_back(run_id_);
     if (retired_runs_.size() > kRetiredRunsKept) {
       retired_runs_.erase(retired_runs_.begin());
@@ -86,20 +87,20 @@ void StreamMonitor::begin_run(const models::Stamp& stamp) {
   // Messages before the first one received are not counted for the first run, or for one that
   // returns. Any other run starts at 0, unless its first number is implausibly large.
   const bool was_retired = std::erase(retired_runs_, stamp.run_id) > 0;
-  const bool is_late = !heard_any_ || was_retired || stamp.sequence >= kStepMax;
+  const bool is_late = !has_received_ || was_retired || stamp.sequence >= kStepMax;
   first_sequence_ = is_late ? stamp.sequence : 0;
   newest_sequence_ = first_sequence_ - 1;
   missing_.clear();
   gap_begin_ = -1;
   refused_steps_ = 0;
-  heard_any_ = true;
+  has_received_ = true;
   run_id_ = stamp.run_id;
   newest_time_ = Time::min();
   ++counts_.runs;
 }
 
 Arrival StreamMonitor::judge(const models::Stamp& stamp, const StreamRules& rules) {
-  if (!heard_any_ || stamp.run_id != run_id_) {
+  if (!has_received_ || stamp.run_id != run_id_) {
     if (!may_begin(stamp, rules)) {
       ++counts_.old_runs;
       return Arrival::kOldRun;
@@ -107,7 +108,7 @@ Arrival StreamMonitor::judge(const models::Stamp& stamp, const StreamRules& rule
     begin_run(stamp);
   }
   if (stamp.sequence > newest_sequence_) {
-    if (stamp.sequence - newest_sequence_ > kStepMax && !believes_step(stamp.sequence, rules)) {
+    if (stamp.sequence - newest_sequence_ > kStepMax && !accepts_step(stamp.sequence, rules)) {
       ++counts_.too_far_ahead;
       return Arrival::kTooFarAhead;
     }
@@ -116,10 +117,10 @@ Arrival StreamMonitor::judge(const models::Stamp& stamp, const StreamRules& rule
   }
   const auto missing = std::find(missing_.begin(), missing_.end(), stamp.sequence);
   const bool was_before_first = stamp.sequence < first_sequence_;
-  const bool gap_was_forged = stamp.sequence > gap_begin_ && gap_begin_ >= 0 &&
-                              missing == missing_.end() && stamp.time > newest_time_;
-  if (gap_was_forged) {
-    go_back_before_gap();
+  const bool is_gap_forged = stamp.sequence > gap_begin_ && gap_begin_ >= 0 &&
+                             missing == missing_.end() && stamp.time > newest_time_;
+  if (is_gap_forged) {
+    discard_forged_gap();
     advance_to(stamp, rules);
     return Arrival::kFresh;
   }

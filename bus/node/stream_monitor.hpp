@@ -47,14 +47,14 @@ struct StreamCounts {
 /// message that arrives later than that counts as a duplicate, and stays counted as lost.
 ///
 /// A number more than kStepMax beyond the newest is refused, so that one forged number cannot
-/// silence a sender. It is accepted after kBelieveSteps consecutive ones, and (with a clock) if the
-/// run was otherwise silent for kBelieveSilence. After a shorter gap that exceeds the remembered
+/// silence a sender. It is accepted after kAcceptSteps consecutive ones, and (with a clock) if the
+/// run was otherwise silent for kAcceptSilence. After a shorter gap that exceeds the remembered
 /// numbers, a number inside the gap with a newer time is accepted: the gap was forged.
 class StreamMonitor {
  public:
   static constexpr std::int64_t kStepMax = 10'000;
-  static constexpr int kBelieveSteps = 10;
-  static constexpr Duration kBelieveSilence = std::chrono::seconds(2);
+  static constexpr int kAcceptSteps = 10;
+  static constexpr Duration kAcceptSilence = std::chrono::seconds(2);
   /// Largest lead of a stamp over the receiver's clock that counts when runs are compared by time.
   static constexpr Duration kFutureMax = std::chrono::seconds(2);
 
@@ -67,18 +67,18 @@ class StreamMonitor {
   [[nodiscard]] bool may_begin(const models::Stamp& stamp, const StreamRules& rules) const;
   void begin_run(const models::Stamp& stamp);
   void advance_to(const models::Stamp& stamp, const StreamRules& rules);
-  void go_back_before_gap();
+  void discard_forged_gap();
   /// True if a number more than kStepMax beyond the newest is accepted.
-  bool believes_step(std::int64_t sequence, const StreamRules& rules);
+  bool accepts_step(std::int64_t sequence, const StreamRules& rules);
 
   static constexpr std::size_t kRetiredRunsKept = 16;
   static constexpr std::size_t kMissingKept = 256;
-  bool heard_any_ = false;
+  bool has_received_ = false;
   std::int64_t run_id_ = 0;
   std::int64_t first_sequence_ = 0;
   std::int64_t newest_sequence_ = -1;
   Time newest_time_{};
-  std::optional<Time> heard_;    ///< time of the run's last fresh message, by the receiver's clock
+  std::optional<Time> received_at_;  ///< of the run's last fresh message; receiver's clock
   std::int64_t gap_begin_ = -1;  ///< newest number before a gap that is longer than kMissingKept
   std::int64_t gap_lost_ = 0;
   std::int64_t refused_sequence_ = 0;  ///< newest number that was too far ahead

@@ -96,7 +96,7 @@ class InProcessHub::State::Endpoint : public Transport {
       }
     }
     for (Endpoint* endpoint : hub_.pattern_listeners) {
-      if (endpoint->hears_by_pattern_alone(channel)) {
+      if (endpoint->matches_by_pattern_only(channel)) {
         endpoint->enqueue(posted);
       }
     }
@@ -141,7 +141,7 @@ class InProcessHub::State::Endpoint : public Transport {
     Handler handler;
   };
 
-  [[nodiscard]] bool hears_by_pattern_alone(const std::string& channel) const {
+  [[nodiscard]] bool matches_by_pattern_only(const std::string& channel) const {
     const std::lock_guard lock(mutex_);
     return !index_.contains(channel) &&
            std::any_of(patterns_.begin(), patterns_.end(), [&](const std::string& pattern) {

@@ -12,7 +12,7 @@ namespace {
 
 /// @param report  nullptr: a missing network is an error
 std::unique_ptr<Transport> open(const std::string& url, ReportNetwork report) {
-  const std::string chosen = chosen_url(url);
+  const std::string chosen = url_or_default(url);
   const Url parsed = parse_url(chosen);
   if (parsed.scheme == "udpm") {
     return std::make_unique<udpm::UdpmTransport>(parse_udpm(parsed), std::move(report));

@@ -45,7 +45,7 @@ std::string advice(const UdpmAddress& address) {
              : " (interface=" + address.interface + ")";
 }
 
-bool is_network_away(int error) {
+bool is_network_error(int error) {
   return error == ENETUNREACH || error == ENETDOWN || error == ENODEV || error == EHOSTUNREACH ||
          error == EADDRNOTAVAIL;
 }
@@ -126,7 +126,7 @@ std::string MulticastSocket::join() {
 
 bool MulticastSocket::keep_joined(std::int64_t monotonic_ns) {
   if (!is_joined_ && monotonic_ns >= next_try_ns_) {
-    next_try_ns_ = monotonic_ns + kTryPeriodNs;
+    next_try_ns_ = monotonic_ns + kRetryPeriodNs;
     fault_ = join();
     is_joined_ = fault_.empty();
   }
@@ -179,7 +179,7 @@ bool MulticastSocket::send(std::span<const std::uint8_t> head,
   do {
     sent = sendmsg(sender_.fd(), &message, MSG_NOSIGNAL);
   } while (sent < 0 && errno == EINTR);
-  if (sent < 0 && is_joined_ && is_network_away(errno)) {
+  if (sent < 0 && is_joined_ && is_network_error(errno)) {
     fault_ = "LCM udpm: nothing can be sent to " + address_.group + ": " + reason();
     is_joined_ = false;
     ++network_losses_;

@@ -29,8 +29,8 @@ struct Datagram {
 class MulticastSocket {
  public:
   /// The behaviour when no route or card leads to the group at opening: throw, or wait.
-  enum class Absence { kError, kWaits };
-  static constexpr std::int64_t kTryPeriodNs = 500'000'000;
+  enum class Absence { kError, kWait };
+  static constexpr std::int64_t kRetryPeriodNs = 500'000'000;
 
   /// @throws StartupError that names the problem. With Absence::kError also when no route leads to
   ///         the group or the host does not have the interface.
@@ -44,7 +44,7 @@ class MulticastSocket {
   /// Sends `head` and `payload` as one datagram. Returns false when the network refuses it, or has
   /// had no room for 100 ms.
   bool send(std::span<const std::uint8_t> head, std::span<const std::uint8_t> payload);
-  /// After a loss of the network, tries to join the group again, at most once per kTryPeriodNs.
+  /// After a loss of the network, tries to join the group again, at most once per kRetryPeriodNs.
   /// Returns true while the network is present.
   bool keep_joined(std::int64_t monotonic_ns);
   /// Returns the error of the last attempt to join; empty: it succeeded.

@@ -46,11 +46,10 @@ class Handling {
 
 UdpmTransport::UdpmTransport(const UdpmAddress& address, ReportNetwork report)
     : message_bytes_max_(static_cast<std::size_t>(address.message_bytes_max)),
-      receive_buffer_asked_bytes_(address.recv_buf_bytes),
+      receive_buffer_requested_bytes_(address.recv_buf_bytes),
       arrived_bytes_max_(
           static_cast<std::size_t>(std::max(address.recv_buf_bytes, address.message_bytes_max))),
-      socket_(address,
-              report ? MulticastSocket::Absence::kWaits : MulticastSocket::Absence::kError),
+      socket_(address, report ? MulticastSocket::Absence::kWait : MulticastSocket::Absence::kError),
       report_(std::move(report)),
       reassembler_(limits_for(message_bytes_max_)) {
   keep_network();
@@ -222,7 +221,7 @@ TransportStats UdpmTransport::stats() const {
   stats.network_losses = socket_.network_losses();
   stats.receive_buffer_bytes = socket_.receive_buffer_bytes();
   stats.receive_buffer_short_bytes =
-      std::max<std::int64_t>(0, receive_buffer_asked_bytes_ - stats.receive_buffer_bytes);
+      std::max<std::int64_t>(0, receive_buffer_requested_bytes_ - stats.receive_buffer_bytes);
   return stats;
 }
 

@@ -52,7 +52,7 @@ class UdpmTransport : public Transport {
   void dispatch(const AssembledMessage& message);
 
   std::size_t message_bytes_max_;
-  std::int64_t receive_buffer_asked_bytes_;
+  std::int64_t receive_buffer_requested_bytes_;
   std::size_t arrived_bytes_max_;
   MulticastSocket socket_;
   ReportNetwork report_;

@@ -60,7 +60,7 @@ Url parse_url(const std::string& url) {
   return parsed;
 }
 
-std::string chosen_url(const std::string& url) {
+std::string url_or_default(const std::string& url) {
   const char* from_environment = std::getenv("LCM_DEFAULT_URL");
   if (!url.empty()) {
     return url;

@@ -18,7 +18,7 @@ struct Url {
 Url parse_url(const std::string& url);
 
 /// Returns `url`; if it is empty, $LCM_DEFAULT_URL or else LCM's default.
-std::string chosen_url(const std::string& url);
+std::string url_or_default(const std::string& url);
 
 /// Returns a udpm:// URL with the option added, unless it has one of that name; returns other URLs
 /// unchanged.

@@ -70,7 +70,7 @@ bool ContactJudge::is_in_flight(const std::string& body, Time now) const {
          (!found->second.is_killed || now - found->second.killed_at <= kFall);
 }
 
-bool ContactJudge::counts(const models::ContactReport& contact) const {
+bool ContactJudge::counts(const models::CollisionReport& contact) const {
   const bool is_flown = is_in_flight(contact.body_a, contact.stamp.time) ||
                         is_in_flight(contact.body_b, contact.stamp.time);
   const bool is_of_two = bodies_.contains(contact.body_b);
@@ -99,8 +99,8 @@ void ContactJudge::place(const models::MocapFrame& frame) {
   }
 }
 
-std::vector<models::ContactReport> ContactJudge::on_frame(const models::MocapFrame& frame,
-                                                          Time now) {
+std::vector<models::CollisionReport> ContactJudge::on_frame(const models::MocapFrame& frame,
+                                                            Time now) {
   const bool is_same_run = has_last_ && frame.stamp.run_id == last_run_;
   clocks_set_ += clock_.on_frame(frame, now) ? 0 : 1;
   const Time captured = clock_.captured();
@@ -116,11 +116,11 @@ std::vector<models::ContactReport> ContactJudge::on_frame(const models::MocapFra
   last_captured_ = captured;
   has_last_ = true;
   place(frame);
-  begun_.clear();
-  monitor_.update(captured, centres_m_, begun_);
-  std::vector<models::ContactReport> out;
-  std::copy_if(begun_.begin(), begun_.end(), std::back_inserter(out),
-               [this](const models::ContactReport& contact) { return counts(contact); });
+  new_contacts_.clear();
+  monitor_.update(captured, centres_m_, new_contacts_);
+  std::vector<models::CollisionReport> out;
+  std::copy_if(new_contacts_.begin(), new_contacts_.end(), std::back_inserter(out),
+               [this](const models::CollisionReport& contact) { return counts(contact); });
   return out;
 }
 

@@ -40,7 +40,7 @@ class ContactJudge {
   /// (MocapClock). A frame of another run, or after a gap, starts without earlier motion. A frame
   /// that was not captured after the last one of its run is counted and ignored.
   /// @param now  arrival of the frame
-  std::vector<models::ContactReport> on_frame(const models::MocapFrame& frame, Time now);
+  std::vector<models::CollisionReport> on_frame(const models::MocapFrame& frame, Time now);
 
   [[nodiscard]] std::vector<models::NamedCount> counters() const;
 
@@ -52,7 +52,7 @@ class ContactJudge {
   };
   [[nodiscard]] bool is_simulated(const std::string& body) const;
   [[nodiscard]] bool is_in_flight(const std::string& body, Time now) const;
-  [[nodiscard]] bool counts(const models::ContactReport& contact) const;
+  [[nodiscard]] bool counts(const models::CollisionReport& contact) const;
   void place(const models::MocapFrame& frame);
 
   double other_radius_m_ = 0.0;
@@ -63,7 +63,7 @@ class ContactJudge {
   std::map<std::string, Flown> robots_;
   models::CollisionMonitor monitor_;
   std::vector<Eigen::Vector3d> centres_m_;
-  std::vector<models::ContactReport> begun_;
+  std::vector<models::CollisionReport> new_contacts_;
   models::MocapClock clock_;
   std::int64_t last_run_ = 0;
   Time last_captured_{};

@@ -5,8 +5,8 @@
 
 #include "core/axes.hpp"
 #include "models/exchange/counts.hpp"
+#include "wire/mavlink/constants.hpp"
 #include "wire/mavlink/single.hpp"
-#include "wire/mavlink/vocabulary.hpp"
 
 namespace vantage::drivers {
 namespace {
@@ -109,7 +109,7 @@ void AutopilotLink::take(const wire::mavlink::Frame& frame, Time now) {
     return;
   }
   ++frames_of_vehicle_;
-  sequence_.see(frame.origin);
+  sequence_.on_frame(frame.origin);
   telemetry_.take(frame, now);
   if (telemetry_.reconnections() != reconnections_seen_) {
     reconnections_seen_ = telemetry_.reconnections();
@@ -161,36 +161,36 @@ void AutopilotLink::tick(Time now) {
     }
   }
   if (telemetry_.is_connected(now)) {
-    ask_for_streams(now);
-    ask_for_parameters(now);
+    request_streams(now);
+    request_parameters(now);
   }
   for (wire::mavlink::CommandLong& command : commands_.due(now)) {
     send(command, now);
   }
 }
 
-void AutopilotLink::ask_for_streams(Time now) {
+void AutopilotLink::request_streams(Time now) {
   if (commands_.is_under_way(wire::mavlink::command::kSetMessageInterval)) {
     return;  // acknowledgements do not name the message, so requests are sent one at a time
   }
   for (const WantedStream& stream : traits_.streams) {
-    const std::optional<Time> heard = telemetry_.heard(stream.message_id);
-    const auto asked = streams_asked_.find(stream.message_id);
-    if ((heard && now - *heard <= kStreamAgeMax) ||
-        (asked != streams_asked_.end() && now - asked->second <= kStreamAgeMax)) {
+    const std::optional<Time> received_at = telemetry_.received_at(stream.message_id);
+    const auto requested = streams_requested_.find(stream.message_id);
+    if ((received_at && now - *received_at <= kStreamAgeMax) ||
+        (requested != streams_requested_.end() && now - requested->second <= kStreamAgeMax)) {
       continue;
     }
     wire::mavlink::CommandLong command;
     command.command = wire::mavlink::command::kSetMessageInterval;
     command.param1 = static_cast<float>(stream.message_id);
     command.param2 = f32(1e6 / stream.rate_hz);
-    streams_asked_[stream.message_id] = now;
-    want(command, now, Duration{0});
+    streams_requested_[stream.message_id] = now;
+    send_command(command, now, Duration{0});
     return;
   }
 }
 
-void AutopilotLink::ask_for_parameters(Time now) {
+void AutopilotLink::request_parameters(Time now) {
   if (telemetry_.is_armed()) {
     return;  // in flight the link is reserved for flying
   }
@@ -267,16 +267,17 @@ void AutopilotLink::send_setpoint(const Setpoint& setpoint, Time now) {
   send(target, now);
 }
 
-void AutopilotLink::want(wire::mavlink::CommandLong command, Time now, Duration pause) {
+void AutopilotLink::send_command(wire::mavlink::CommandLong command, Time now, Duration pause) {
   command.target_system = system_id_;
   command.target_component = wire::mavlink::kComponentAutopilot;
-  commands_.want(command, now, pause);
+  commands_.send_command(command, now, pause);
 }
 
-void AutopilotLink::insist(wire::mavlink::CommandLong command, Time now, Duration period) {
+void AutopilotLink::send_command_periodically(wire::mavlink::CommandLong command, Time now,
+                                              Duration period) {
   command.target_system = system_id_;
   command.target_component = wire::mavlink::kComponentAutopilot;
-  commands_.insist(command, now, period);
+  commands_.send_command_periodically(command, now, period);
 }
 
 template <class Message>

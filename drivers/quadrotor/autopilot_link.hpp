@@ -61,9 +61,9 @@ class AutopilotLink {
 
   void send_pose(const BodyState& state, Time now);
   void send_setpoint(const Setpoint& setpoint, Time now);
-  /// Sends a command and repeats it until it is acknowledged; see CommandSender::want().
-  void want(wire::mavlink::CommandLong command, Time now, Duration pause);
-  void insist(wire::mavlink::CommandLong command, Time now, Duration period);
+  /// Sends a command and repeats it until it is acknowledged; see CommandSender::send_command().
+  void send_command(wire::mavlink::CommandLong command, Time now, Duration pause);
+  void send_command_periodically(wire::mavlink::CommandLong command, Time now, Duration period);
 
   /// Returns the messages to send in order, and removes them.
   std::vector<WireMessage> take_output();
@@ -72,7 +72,7 @@ class AutopilotLink {
   [[nodiscard]] const CommandSender& commands() const { return commands_; }
   [[nodiscard]] const ParameterCheck& parameters() const { return parameters_; }
   /// Sets the parameters that violate their rules; nothing is set while the autopilot is armed.
-  void mend_parameters() { parameters_.mend(); }
+  void repair_parameters() { parameters_.repair(); }
   /// Returns why the connection does not work, in words; nullopt if it works.
   [[nodiscard]] std::optional<std::string> fault(Time now) const;
   /// Returns the counters of lost and refused messages.
@@ -82,8 +82,8 @@ class AutopilotLink {
   void take(const wire::mavlink::Frame& frame, Time now);
   [[nodiscard]] bool is_of_vehicle(const wire::mavlink::Frame& frame);
   void answer_timesync(const wire::mavlink::Timesync& request, Time now);
-  void ask_for_streams(Time now);
-  void ask_for_parameters(Time now);
+  void request_streams(Time now);
+  void request_parameters(Time now);
   void send_origin();
   template <class Message>
   void send(const Message& message, Time now);
@@ -99,7 +99,7 @@ class AutopilotLink {
   ParameterCheck parameters_;
   std::int64_t reconnections_seen_ = 0;
   std::vector<WireMessage> output_;
-  std::map<std::uint32_t, Time> streams_asked_;  ///< time of the last request, by message id
+  std::map<std::uint32_t, Time> streams_requested_;  ///< time of the last request, by message id
   std::uint8_t next_sequence_ = 0;
   bool is_heartbeat_v1_ = false;
   std::optional<Time> last_bytes_;

@@ -14,7 +14,7 @@ constexpr double kStartVelocitySigmaMps = 1.0;
 constexpr double kJumpM = 0.3;  // m beyond the reach at maximum speed
 constexpr double kJumpRad = 0.8;
 constexpr double kTurnMaxRadps = 8.0;
-constexpr double kSameplaceM = 0.2;
+constexpr double kSamePositionM = 0.2;
 constexpr double kGapMaxS = 0.5;  // s; the filter restarts after a longer gap
 constexpr Duration kStuck = std::chrono::milliseconds(500);
 constexpr Duration kConfirmation = std::chrono::milliseconds(500);
@@ -26,8 +26,8 @@ bool is_possible(const Pose3& pose) {
 
 }  // namespace
 
-BodyVerdict BodyTracker::see(const models::MocapFrame& frame, Time captured, Time now,
-                             bool is_resting) {
+BodyVerdict BodyTracker::update(const models::MocapFrame& frame, Time captured, Time now,
+                                bool is_resting) {
   const models::MocapBody* const body = frame.find(name_);
   if (body == nullptr || body->occluded) {
     return BodyVerdict::kUnseen;
@@ -51,7 +51,7 @@ BodyVerdict BodyTracker::see(const models::MocapFrame& frame, Time captured, Tim
   } else if (is_jump(pose, captured)) {
     const bool is_confirming =
         candidate_ && now - candidate_->newest < kConfirmation &&
-        (candidate_->pose.translation_m - pose.translation_m).norm() < kSameplaceM;
+        (candidate_->pose.translation_m - pose.translation_m).norm() < kSamePositionM;
     if (!is_confirming) {
       candidate_ = Candidate{pose, now, now};
     }

@@ -38,7 +38,7 @@ class BodyTracker {
   /// @param is_resting  the body is on the ground: it may be perfectly still or be carried. A pose
   ///                    elsewhere is accepted after half a second of consistent poses, and counted
   ///                    in `resets`
-  BodyVerdict see(const models::MocapFrame& frame, Time captured, Time now, bool is_resting);
+  BodyVerdict update(const models::MocapFrame& frame, Time captured, Time now, bool is_resting);
 
   /// Returns the newest state; nullopt before the first.
   [[nodiscard]] const std::optional<BodyState>& state() const { return state_; }

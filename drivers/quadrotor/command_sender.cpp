@@ -1,6 +1,6 @@
 #include "drivers/quadrotor/command_sender.hpp"
 
-#include "wire/mavlink/vocabulary.hpp"
+#include "wire/mavlink/constants.hpp"
 
 namespace vantage::drivers {
 namespace {
@@ -16,7 +16,8 @@ bool is_same(const wire::mavlink::CommandLong& a, const wire::mavlink::CommandLo
 
 }  // namespace
 
-void CommandSender::want(const wire::mavlink::CommandLong& command, Time now, Duration pause) {
+void CommandSender::send_command(const wire::mavlink::CommandLong& command, Time now,
+                                 Duration pause) {
   const auto [found, is_new] = entries_.try_emplace(command.command);
   Entry& entry = found->second;
   if (!is_new && is_same(entry.command, command) &&
@@ -29,7 +30,8 @@ void CommandSender::want(const wire::mavlink::CommandLong& command, Time now, Du
   entry.next_send = now;
 }
 
-void CommandSender::insist(const wire::mavlink::CommandLong& command, Time now, Duration period) {
+void CommandSender::send_command_periodically(const wire::mavlink::CommandLong& command, Time now,
+                                              Duration period) {
   const auto [found, is_new] = entries_.try_emplace(command.command);
   Entry& entry = found->second;
   if (is_new || !is_same(entry.command, command) || now >= entry.last_send + period) {

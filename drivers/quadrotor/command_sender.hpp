@@ -25,10 +25,11 @@ class CommandSender {
 
   /// Sends `command`, unless the same command is pending or ended less than `pause` ago. It
   /// replaces another pending command of its kind.
-  void want(const wire::mavlink::CommandLong& command, Time now, Duration pause);
+  void send_command(const wire::mavlink::CommandLong& command, Time now, Duration pause);
   /// Sends `command` every `period` as long as this is called, whatever the answer (emergency
   /// stop).
-  void insist(const wire::mavlink::CommandLong& command, Time now, Duration period);
+  void send_command_periodically(const wire::mavlink::CommandLong& command, Time now,
+                                 Duration period);
   void acknowledge(const wire::mavlink::CommandAck& ack, Time now);
   /// Returns the commands to send now.
   std::vector<wire::mavlink::CommandLong> due(Time now);

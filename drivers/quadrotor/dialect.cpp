@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "wire/mavlink/vocabulary.hpp"
+#include "wire/mavlink/constants.hpp"
 
 namespace vantage::drivers {
 namespace {

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/check.hpp"
-#include "wire/mavlink/vocabulary.hpp"
+#include "wire/mavlink/constants.hpp"
 
 namespace vantage::drivers {
 namespace {
@@ -74,13 +74,14 @@ void QuadrotorDriver::report_autopilot(Time now) {
     battery_reported_ = battery;
     guard_.on_battery(*telemetry.battery_share(), now);
   }
-  const auto news = later(later(telemetry.heard(wire::mavlink::LocalPositionNed::kMessage.id),
-                                telemetry.heard(wire::mavlink::Attitude::kMessage.id)),
-                          telemetry.heartbeat_time());
-  if (news == telemetry_reported_) {
+  const auto newest =
+      later(later(telemetry.received_at(wire::mavlink::LocalPositionNed::kMessage.id),
+                  telemetry.received_at(wire::mavlink::Attitude::kMessage.id)),
+            telemetry.heartbeat_time());
+  if (newest == telemetry_reported_) {
     return;
   }
-  telemetry_reported_ = news;
+  telemetry_reported_ = newest;
   AutopilotReport report;
   report.armed = telemetry.is_armed();
   report.obeys = !sequence_.is_mode_lost();
@@ -114,7 +115,7 @@ void QuadrotorDriver::on_mocap(const models::MocapFrame& frame, Time now) {
     return;
   }
   const bool is_resting = !is_airborne(orders_.state);
-  const BodyVerdict verdict = tracker_.see(frame, guard_.captured(), now, is_resting);
+  const BodyVerdict verdict = tracker_.update(frame, guard_.captured(), now, is_resting);
   if (verdict == BodyVerdict::kUnseen) {
     ++poses_unseen_;
   } else if (verdict != BodyVerdict::kTaken) {
@@ -206,7 +207,7 @@ bool QuadrotorDriver::may_steer_landing() const {
 FlightGoal QuadrotorDriver::goal(const GuardOutput& out) const {
   switch (out.state) {
     case FlightState::kIdle:
-      return out.wants_armed ? FlightGoal::kArm : FlightGoal::kRest;
+      return out.wants_armed ? FlightGoal::kArm : FlightGoal::kGrounded;
     case FlightState::kFollow:
     case FlightState::kHold:
       return FlightGoal::kFly;
@@ -221,7 +222,7 @@ FlightGoal QuadrotorDriver::goal(const GuardOutput& out) const {
     case FlightState::kKilled:
       return FlightGoal::kKill;
   }
-  return FlightGoal::kRest;
+  return FlightGoal::kGrounded;
 }
 
 void QuadrotorDriver::fly(Time now) {
@@ -229,7 +230,7 @@ void QuadrotorDriver::fly(Time now) {
   last_setpoint_ = now;
   next_setpoint_ = now + kSetpointPeriod + kPoseGrace;
   orders_ = guard_.tick(now);
-  has_news_ = has_news_ || orders_.changed;
+  has_changed_ = has_changed_ || orders_.changed;
   const auto pose_age = tracker_.age(now);
   settled_s_ = pose_age && to_seconds(*pose_age) < kSeenS ? settled_s_ + elapsed_s : 0.0;
   sequence_.set_goal(goal(orders_));
@@ -310,9 +311,10 @@ models::VehicleStatus QuadrotorDriver::status(Time now) const {
   } else if (!telemetry.has_attitude(now)) {
     out.reasons.emplace_back("no attitude received from the autopilot");
   }
-  const bool tells_of_battery = telemetry.heard(wire::mavlink::BatteryStatus::kMessage.id) ||
-                                telemetry.heard(wire::mavlink::SysStatus::kMessage.id);
-  if (tells_of_battery && !telemetry.battery_share()) {
+  const bool has_battery_message =
+      telemetry.received_at(wire::mavlink::BatteryStatus::kMessage.id) ||
+      telemetry.received_at(wire::mavlink::SysStatus::kMessage.id);
+  if (has_battery_message && !telemetry.battery_share()) {
     out.reasons.emplace_back(
         "the autopilot does not report its battery's charge: set up a current sensor and the "
         "capacity, or set robots[].autopilot.battery to estimate the charge from the voltage");

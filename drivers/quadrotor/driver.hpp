@@ -67,7 +67,7 @@ class QuadrotorDriver {
   /// waits for in its reasons.
   [[nodiscard]] models::VehicleStatus status(Time now) const;
   /// Returns true once after the state or the reasons have changed.
-  [[nodiscard]] bool take_news() { return std::exchange(has_news_, false); }
+  [[nodiscard]] bool take_changed() { return std::exchange(has_changed_, false); }
   [[nodiscard]] std::vector<models::NamedCount> counters() const;
   [[nodiscard]] const Telemetry& telemetry() const { return link_.telemetry(); }
   [[nodiscard]] const ParameterCheck& parameters() const { return link_.parameters(); }
@@ -98,7 +98,7 @@ class QuadrotorDriver {
   std::optional<Time> heartbeat_reported_;
   std::optional<Time> battery_reported_;
   std::optional<Time> telemetry_reported_;
-  bool has_news_ = false;
+  bool has_changed_ = false;
   bool lands_blind_ = false;  ///< the current landing by the autopilot began without poses
   double settled_s_ = 0.0;    ///< s; time without a gap in the poses
   bool is_hurried_ = false;   ///< ends without waiting for a steered landing

@@ -1,6 +1,6 @@
 #include "drivers/quadrotor/flight_sequence.hpp"
 
-#include "wire/mavlink/vocabulary.hpp"
+#include "wire/mavlink/constants.hpp"
 
 namespace vantage::drivers {
 namespace {
@@ -12,7 +12,7 @@ constexpr Duration kTakeOffPause = std::chrono::seconds(3);  // the motors spool
 constexpr Duration kArmPause = std::chrono::seconds(2);
 constexpr Duration kKillPeriod = std::chrono::milliseconds(100);
 // longest delay between report and reception
-constexpr Duration kSaidBefore = std::chrono::milliseconds(500);
+constexpr Duration kReportDelayMax = std::chrono::milliseconds(500);
 constexpr Duration kDisarmAfterLanding = std::chrono::seconds(5);
 constexpr Duration kLeftInTheAir = std::chrono::seconds(1);
 constexpr double kClimbedM = 0.25;
@@ -31,9 +31,9 @@ void FlightSequence::set_goal(FlightGoal goal) {
   if (goal == goal_) {
     return;
   }
-  if (goal_ == FlightGoal::kRest) {
+  if (goal_ == FlightGoal::kGrounded) {
     was_armed_ = false;
-    was_ours_ = false;
+    had_mode_ = false;
     streaming_since_.reset();
   }
   // Armed on the ground and flying use the same mode; the change does not retake a lost mode.
@@ -59,7 +59,7 @@ bool FlightSequence::step(AutopilotLink& link, const Situation& situation) {
       is_mode_lost_ = is_pilots(telemetry.mode());
       if (!is_mode_lost_) {
         waiting_for_ = "land mode";
-        link.want(land_command(dialect_), situation.now, kModePause);
+        link.send_command(land_command(dialect_), situation.now, kModePause);
       }
     }
     return was_armed_ && goal_ == FlightGoal::kFly;
@@ -68,8 +68,8 @@ bool FlightSequence::step(AutopilotLink& link, const Situation& situation) {
   is_over_ = is_over_ || (was_armed_ && !is_armed);
   was_armed_ = was_armed_ || telemetry.is_armed();
   switch (goal_) {
-    case FlightGoal::kRest:
-      return rest(link, situation.now);
+    case FlightGoal::kGrounded:
+      return stay_grounded(link, situation.now);
     case FlightGoal::kArm:
     case FlightGoal::kFly:
       if (is_over_) {
@@ -86,12 +86,12 @@ bool FlightSequence::step(AutopilotLink& link, const Situation& situation) {
   return false;
 }
 
-bool FlightSequence::rest(AutopilotLink& link, Time now) {
+bool FlightSequence::stay_grounded(AutopilotLink& link, Time now) {
   streaming_since_.reset();
   has_climbed_ = false;
   if (link.commands().is_under_way(arm_command(true).command) && !link.telemetry().is_armed()) {
     // A pending command to arm may still be received.
-    link.want(arm_command(false), now, kArmPause);
+    link.send_command(arm_command(false), now, kArmPause);
   }
   disarm_on_ground(link, now, Duration{0});
   // In the air and in our mode: an earlier run of this driver left it there. Flight safety holds it
@@ -102,7 +102,7 @@ bool FlightSequence::rest(AutopilotLink& link, Time now) {
   left_since_ = is_left ? left_since_.value_or(now) : std::optional<Time>();
   if (is_left && now - *left_since_ > kLeftInTheAir) {
     waiting_for_ = "landing of a vehicle that was found flying";
-    link.want(land_command(dialect_), now, kModePause);
+    link.send_command(land_command(dialect_), now, kModePause);
   }
   return false;
 }
@@ -122,12 +122,12 @@ bool FlightSequence::prepare(AutopilotLink& link, const Situation& situation) {
   }
   if (link.telemetry().mode() != traits_.follow_mode) {
     waiting_for_ = mode_name(dialect_, traits_.follow_mode) + " mode";
-    link.want(follow_mode_command(dialect_), situation.now, kModePause);
+    link.send_command(follow_mode_command(dialect_), situation.now, kModePause);
     return traits_.wants_proof_of_life;
   }
   come_into_mode();
   waiting_for_ = "motors";
-  link.want(arm_command(true), situation.now, kArmPause);
+  link.send_command(arm_command(true), situation.now, kArmPause);
   return traits_.wants_proof_of_life;
 }
 
@@ -144,7 +144,7 @@ bool FlightSequence::fly(AutopilotLink& link, const Situation& situation) {
       streaming_since_ = situation.now;
     }
     if (!traits_.wants_proof_of_life || situation.now - *streaming_since_ >= kProofOfLife) {
-      link.want(follow_mode_command(dialect_), situation.now, kModePause);
+      link.send_command(follow_mode_command(dialect_), situation.now, kModePause);
     }
     return true;
   }
@@ -165,7 +165,7 @@ bool FlightSequence::fly(AutopilotLink& link, const Situation& situation) {
     wire::mavlink::CommandLong take_off;
     take_off.command = wire::mavlink::command::kTakeOff;
     take_off.param7 = static_cast<float>(situation.take_off_height_m);
-    link.want(take_off, situation.now, kTakeOffPause);
+    link.send_command(take_off, situation.now, kTakeOffPause);
   }
   return false;
 }
@@ -187,7 +187,7 @@ bool FlightSequence::land(AutopilotLink& link, Time now, bool is_armed) {
     return false;
   }
   waiting_for_ = "land mode";
-  link.want(land_command(dialect_), now, kModePause);
+  link.send_command(land_command(dialect_), now, kModePause);
   return true;
 }
 
@@ -196,21 +196,21 @@ void FlightSequence::kill(AutopilotLink& link, Time now) {
   // or is still pending.
   const Telemetry& telemetry = link.telemetry();
   kill_since_ = kill_since_.value_or(now);
-  const bool is_said_since =
-      telemetry.is_connected(now) && *telemetry.heartbeat_time() - *kill_since_ > kSaidBefore;
-  if (telemetry.is_armed() || !is_said_since) {
+  const bool is_reported_since =
+      telemetry.is_connected(now) && *telemetry.heartbeat_time() - *kill_since_ > kReportDelayMax;
+  if (telemetry.is_armed() || !is_reported_since) {
     waiting_for_ = "motors to stop";
-    link.insist(arm_command(false, true), now, kKillPeriod);
+    link.send_command_periodically(arm_command(false, true), now, kKillPeriod);
   }
 }
 
 void FlightSequence::come_into_mode() {
-  has_mode_ = was_ours_ = true;
+  has_mode_ = had_mode_ = true;
   is_mode_lost_ = false;
 }
 
 bool FlightSequence::is_pilots(std::uint32_t mode) const {
-  return was_ours_ && is_flown_by_hand(dialect_, mode);
+  return had_mode_ && is_flown_by_hand(dialect_, mode);
 }
 
 void FlightSequence::disarm_on_ground(AutopilotLink& link, Time now, Duration after) {
@@ -223,7 +223,7 @@ void FlightSequence::disarm_on_ground(AutopilotLink& link, Time now, Duration af
     on_ground_since_ = now;
   }
   if (now - *on_ground_since_ >= after) {
-    link.want(arm_command(false), now, kArmPause);
+    link.send_command(arm_command(false), now, kArmPause);
   }
 }
 

@@ -10,9 +10,9 @@ namespace vantage::drivers {
 
 /// Goal of a vehicle.
 enum class FlightGoal {
-  kRest,  ///< on the ground, motors off
-  kArm,   ///< on the ground, motors on
-  kFly,   ///< in the air, following set-points
+  kGrounded,  ///< on the ground, motors off
+  kArm,       ///< on the ground, motors on
+  kFly,       ///< in the air, following set-points
   kLand,
   kKill,  ///< motors off at once, in any state
 };
@@ -32,7 +32,7 @@ class FlightSequence {
   /// Sets the goal; no effect if it is set already.
   void set_goal(FlightGoal goal);
   /// Takes the mode once more, on an operator's request.
-  void retake_mode() { has_mode_ = is_mode_lost_ = was_ours_ = false; }
+  void retake_mode() { has_mode_ = is_mode_lost_ = had_mode_ = false; }
   [[nodiscard]] FlightGoal goal() const { return goal_; }
 
   struct Situation {
@@ -58,7 +58,7 @@ class FlightSequence {
   [[nodiscard]] std::optional<std::string> waiting_for() const { return waiting_for_; }
 
  private:
-  bool rest(AutopilotLink& link, Time now);
+  bool stay_grounded(AutopilotLink& link, Time now);
   bool prepare(AutopilotLink& link, const Situation& situation);
   bool fly(AutopilotLink& link, const Situation& situation);
   bool land(AutopilotLink& link, Time now, bool is_armed);
@@ -69,7 +69,7 @@ class FlightSequence {
 
   const DialectTraits& traits_;
   models::AutopilotDialect dialect_;
-  FlightGoal goal_ = FlightGoal::kRest;
+  FlightGoal goal_ = FlightGoal::kGrounded;
   std::optional<Time> streaming_since_;
   std::optional<Time> on_ground_since_;
   std::optional<Time> left_since_;  ///< armed in the air without a goal of this driver
@@ -77,7 +77,7 @@ class FlightSequence {
   bool was_armed_ = false;
   bool has_climbed_ = false;
   bool has_mode_ = false;  ///< the mode of the goal was reached
-  bool was_ours_ = false;  ///< the mode of some goal was reached since the last rest goal or retake
+  bool had_mode_ = false;  ///< the mode of some goal was reached since the last kGrounded or retake
   bool is_mode_lost_ = false;
   bool is_over_ = false;
   std::optional<std::string> waiting_for_;

@@ -44,18 +44,18 @@ void ParameterCheck::take(const wire::mavlink::ParamValue& value, Time now) {
   if (!found->is_to_be_set) {
     found->known.is_settled = true;
     found->answered = now;
-    found->asked = 0;
-    found->next_ask.reset();
+    found->requests = 0;
+    found->next_request.reset();
   }
 }
 
-void ParameterCheck::mend() {
+void ParameterCheck::repair() {
   for (Item& item : entries_) {
     if (item.known.actual && !item.known.is_kept()) {
       item.is_to_be_set = true;
       item.known.is_settled = false;
-      item.asked = 0;
-      item.next_ask.reset();
+      item.requests = 0;
+      item.next_request.reset();
     }
   }
 }
@@ -63,30 +63,30 @@ void ParameterCheck::mend() {
 ParameterCheck::Due ParameterCheck::due(Time now) {
   Due out;
   auto under_way = std::count_if(entries_.begin(), entries_.end(),
-                                 [](const Item& item) { return item.next_ask.has_value(); });
+                                 [](const Item& item) { return item.next_request.has_value(); });
   for (Item& item : entries_) {
     const bool is_old = item.known.is_settled && now - item.answered > kRefresh;
-    if (item.known.is_settled && !is_old && !item.next_ask) {
+    if (item.known.is_settled && !is_old && !item.next_request) {
       continue;
     }
-    if (item.next_ask ? now < *item.next_ask : under_way >= kUnderWayMax) {
+    if (item.next_request ? now < *item.next_request : under_way >= kUnderWayMax) {
       continue;
     }
-    if (item.asked == kAsksMax) {
+    if (item.requests == kRequestsMax) {
       item.known.is_settled = true;
       if (!item.is_to_be_set) {
         item.known.actual.reset();
       }
       item.is_to_be_set = false;
       item.answered = now;
-      item.asked = 0;
-      item.next_ask.reset();
+      item.requests = 0;
+      item.next_request.reset();
       --under_way;
       continue;
     }
-    under_way += item.next_ask ? 0 : 1;
-    item.next_ask = now + kAnswerWait;
-    ++item.asked;
+    under_way += item.next_request ? 0 : 1;
+    item.next_request = now + kAnswerWait;
+    ++item.requests;
     const wire::ParameterRule& rule = item.known.rule;
     if (item.is_to_be_set) {
       wire::mavlink::ParamSet& set = out.sets.emplace_back();
@@ -139,7 +139,7 @@ std::vector<std::string> ParameterCheck::reasons() const {
     if (!item.known.actual && !item.known.is_settled) {
       is_reading = true;
     } else if (++broken <= kReasonsMax) {
-      out.push_back(item.known.rule.complaint(item.known.actual));
+      out.push_back(item.known.rule.violation_text(item.known.actual));
     }
   }
   if (broken > kReasonsMax) {

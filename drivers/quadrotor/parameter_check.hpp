@@ -20,7 +20,7 @@ class ParameterCheck {
  public:
   static constexpr Duration kAnswerWait = std::chrono::milliseconds(500);
   static constexpr Duration kRefresh = std::chrono::seconds(30);
-  static constexpr int kAsksMax = 6;
+  static constexpr int kRequestsMax = 6;
   static constexpr int kUnderWayMax = 4;
 
   ParameterCheck(models::AutopilotDialect dialect, const std::vector<wire::ParameterRule>& rules);
@@ -38,7 +38,7 @@ class ParameterCheck {
   /// Takes a value from the autopilot, requested or not.
   void take(const wire::mavlink::ParamValue& value, Time now);
   /// Requests that each existing parameter that violates its rule is set and read back.
-  void mend();
+  void repair();
 
   struct Due {
     std::vector<wire::mavlink::ParamRequestRead> reads;
@@ -64,8 +64,8 @@ class ParameterCheck {
   struct Item {
     Entry known;
     std::uint8_t type = wire::mavlink::parameter_type::kFloat;
-    int asked = 0;  ///< requests since it was last settled
-    std::optional<Time> next_ask;
+    int requests = 0;  ///< requests since it was last settled
+    std::optional<Time> next_request;
     Time answered{};
     bool is_to_be_set = false;
   };

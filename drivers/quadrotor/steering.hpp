@@ -8,11 +8,11 @@
 
 namespace vantage::drivers {
 
-/// Returns the autopilot set-point for the commanded motion `asked`: position, velocity,
+/// Returns the autopilot set-point for the motion `commanded`: position, velocity,
 /// acceleration, yaw and yaw rate. The autopilot closes the loop. The speed is limited to the
 /// vehicle's limit. The position is limited to kReachM from the body seen, so that no error causes
-/// a sudden fast motion. Precondition: asked.kind is kTrack.
-Setpoint steer(const FlightSetpoint& asked, const std::optional<BodyState>& seen,
+/// a sudden fast motion. Precondition: commanded.kind is kTrack.
+Setpoint steer(const FlightSetpoint& commanded, const std::optional<BodyState>& seen,
                const models::VehicleLimits& limits);
 
 inline constexpr double kReachM = 0.6;

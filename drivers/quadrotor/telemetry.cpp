@@ -6,7 +6,7 @@
 
 #include "core/axes.hpp"
 #include "drivers/quadrotor/dialect.hpp"
-#include "wire/mavlink/vocabulary.hpp"
+#include "wire/mavlink/constants.hpp"
 
 namespace vantage::drivers {
 namespace {
@@ -32,7 +32,7 @@ constexpr std::int64_t kRoundTripForgettingNs = 20'000;
 }  // namespace
 
 void Telemetry::take(const wire::mavlink::Frame& frame, Time now) {
-  heard_[frame.message_id] = now;
+  received_at_[frame.message_id] = now;
   if (const auto heartbeat = wire::mavlink::unpack<wire::mavlink::Heartbeat>(frame)) {
     take_heartbeat(*heartbeat, now);
   } else if (const auto state = wire::mavlink::unpack<wire::mavlink::ExtendedSysState>(frame)) {
@@ -178,7 +178,7 @@ std::optional<std::uint16_t> Telemetry::estimator_flags(Time now) const {
   const std::uint32_t id = dialect_ == models::AutopilotDialect::kPx4
                                ? wire::mavlink::EstimatorStatus::kMessage.id
                                : wire::mavlink::EkfStatusReport::kMessage.id;
-  const auto time = heard(id);
+  const auto time = received_at(id);
   return time && now - *time <= kEstimatorAgeMax ? std::optional(estimator_flags_) : std::nullopt;
 }
 
@@ -192,9 +192,9 @@ bool Telemetry::has_attitude(Time now) const {
   return attitude_time_ && now - *attitude_time_ <= kAttitudeAgeMax;
 }
 
-std::optional<Time> Telemetry::heard(std::uint32_t message_id) const {
-  const auto found = heard_.find(message_id);
-  return found == heard_.end() ? std::nullopt : std::optional(found->second);
+std::optional<Time> Telemetry::received_at(std::uint32_t message_id) const {
+  const auto found = received_at_.find(message_id);
+  return found == received_at_.end() ? std::nullopt : std::optional(found->second);
 }
 
 bool Telemetry::has_motor_fault(Time now) const {

@@ -69,7 +69,7 @@ class Telemetry {
   /// True once the autopilot has confirmed its origin. A valid position does not imply it.
   [[nodiscard]] bool has_origin() const { return has_origin_; }
   /// Returns when a message of this kind was last received.
-  [[nodiscard]] std::optional<Time> heard(std::uint32_t message_id) const;
+  [[nodiscard]] std::optional<Time> received_at(std::uint32_t message_id) const;
   /// Returns its clock minus ours, ns, from the exchange with the shortest round trip so far.
   [[nodiscard]] std::optional<std::int64_t> clock_offset_ns() const { return clock_offset_ns_; }
 
@@ -92,7 +92,7 @@ class Telemetry {
   void take_text(const wire::mavlink::Statustext& message, Time now);
 
   models::AutopilotDialect dialect_;
-  std::map<std::uint32_t, Time> heard_;  ///< by message id
+  std::map<std::uint32_t, Time> received_at_;  ///< by message id
   std::optional<Time> heartbeat_time_;
   std::int64_t reconnections_ = 0;
   bool is_armed_ = false;

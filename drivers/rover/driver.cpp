@@ -63,24 +63,24 @@ PlanVerdict RoverDriver::take(const models::RobotPlan& plan, Time now) {
 PlanVerdict RoverDriver::drive_through(std::span<const Waypoint> waypoints, Time now) {
   models::RobotPlan plan;
   const Time start = now + from_seconds(kSetOffS);
-  plan.stamp = {start, run_id_, ways_++};
+  plan.stamp = {start, run_id_, plans_made_++};
   plan.robot = core_.name;
-  plan.trajectory = way_through(waypoints, world_from_body(now), core_.limits.take_off_height_m,
-                                start, core_.limits.vehicle);
+  plan.trajectory = waypoint_trajectory(
+      waypoints, world_from_body(now), core_.limits.take_off_height_m, start, core_.limits.vehicle);
   return take(plan, now);
 }
 
 CommandVerdict RoverDriver::on_command(const models::OperatorCommand& command, Time now) {
   if (!core_.admits(command, now)) {
-    return core_.is_ours(command) ? CommandVerdict::kNotInCharge : CommandVerdict::kNotForUs;
+    return core_.is_ours(command) ? CommandVerdict::kNotInCharge : CommandVerdict::kOtherRobot;
   }
-  if (const auto verdict = core_.obey_at_once(command)) {
+  if (const auto verdict = core_.execute_if_stateless(command)) {
     return *verdict;
   }
   const FlightState state = core_.ladder.state;
   switch (command.action) {
     case OperatorAction::kTakeOff:  // sent to all vehicles, meant for those that fly
-      return CommandVerdict::kNotForUs;
+      return CommandVerdict::kOtherRobot;
     case OperatorAction::kArm:
       if (is_driving(state) || (state == FlightState::kIdle && core_.reasons.any())) {
         return core_.refuse();
@@ -97,22 +97,22 @@ CommandVerdict RoverDriver::on_command(const models::OperatorCommand& command, T
     case OperatorAction::kLand:
       break;
   }
-  return core_.ask(command.action);
+  return core_.request_action(command.action);
 }
 
 bool RoverDriver::receive(std::span<const std::uint8_t> datagram, Time now) {
   return link_.receive(datagram, now);  // the link counts other datagrams
 }
 
-bool RoverDriver::sees(Time now) const {
+bool RoverDriver::has_recent_pose(Time now) const {
   return core_.pose.age_s(now) <= core_.limits.pose_age_hold_s;
 }
 
 Pose2 RoverDriver::world_from_body(Time now) const {
   Pose2 here = flatten(core_.pose.world_from_body());
-  const Eigen::Vector3d place_m = core_.pose.predict_m(now, kPredictS);
-  here.x_m = place_m.x();
-  here.y_m = place_m.y();
+  const Eigen::Vector3d position_m = core_.pose.predict_m(now, kPredictS);
+  here.x_m = position_m.x();
+  here.y_m = position_m.y();
   if (core_.pose.has_pose()) {
     const double ahead_s = std::min(core_.pose.age_s(now), kPredictS);
     here.yaw_rad = wrap_to_pi(here.yaw_rad + control_.yaw_rate_radps * ahead_s);
@@ -130,28 +130,28 @@ bool RoverDriver::may_take_plans() const {
 
 // Returns the braking path: along the plan while the rover follows it, otherwise straight at its
 // measured velocity.
-BrakeWay RoverDriver::brake_way(Time now) const {
+BrakingPath RoverDriver::braking_path(Time now) const {
   const Eigen::Vector3d here_m = core_.pose.predict_m(now, kPredictS);
-  const PlanPoint asked = core_.course.at(now);
+  const PlanPoint commanded = core_.course.at(now);
   const bool keeps_to_course =
-      core_.course.is_on_plan() && sees(now) &&
-      (core_.pose.velocity_world_mps() - asked.velocity_world_mps).norm() <= kSwerveMps &&
-      (here_m - asked.position_world_m).head<2>().norm() <= core_.limits.tracking_hold_m;
+      core_.course.is_on_plan() && has_recent_pose(now) &&
+      (core_.pose.velocity_world_mps() - commanded.velocity_world_mps).norm() <= kSwerveMps &&
+      (here_m - commanded.position_world_m).head<2>().norm() <= core_.limits.tracking_hold_m;
   if (keeps_to_course) {
-    return BrakeWay::along(core_.course.plan(), std::max(0.0, core_.course.elapsed_s(now)),
-                           core_.limits.vehicle.brake_mps2, core_.limits.reaction_s,
-                           here_m - core_.course.planned_at(now).position_world_m);
+    return BrakingPath::along(core_.course.plan(), std::max(0.0, core_.course.elapsed_s(now)),
+                              core_.limits.vehicle.brake_mps2, core_.limits.reaction_s,
+                              here_m - core_.course.planned_at(now).position_world_m);
   }
-  return BrakeWay::straight(here_m, core_.pose.velocity_world_mps(), 0.0,
-                            core_.limits.vehicle.brake_mps2, core_.limits.reaction_s);
+  return BrakingPath::straight(here_m, core_.pose.velocity_world_mps(), 0.0,
+                               core_.limits.vehicle.brake_mps2, core_.limits.reaction_s);
 }
 
 RoverFacts RoverDriver::facts(Time now) const {
-  const wire::rover::Telemetry& heard = link_.telemetry();
+  const wire::rover::Telemetry& telemetry = link_.telemetry();
   RoverFacts out;
-  out.stands = link_.heard_age_s(now) <= core_.limits.telemetry_age_hold_s &&
-               std::abs(heard.speed_mps) < static_cast<float>(kStandingMps) &&
-               std::abs(heard.yaw_rate_radps) < static_cast<float>(kStandingRadps);
+  out.is_stationary = link_.receive_age_s(now) <= core_.limits.telemetry_age_hold_s &&
+                      std::abs(telemetry.speed_mps) < static_cast<float>(kStandingMps) &&
+                      std::abs(telemetry.yaw_rate_radps) < static_cast<float>(kStandingRadps);
   out.stop_latched = link_.has_flag(wire::rover::kStopLatched);
   return out;
 }
@@ -159,36 +159,36 @@ RoverFacts RoverDriver::facts(Time now) const {
 EndFacts RoverDriver::end_facts(Time now) const {
   EndFacts out;
   if (is_driving(core_.ladder.state)) {
-    out.in_flight = facts(now).stands ? InFlight::kNo : InFlight::kYes;
+    out.in_flight = facts(now).is_stationary ? InFlight::kNo : InFlight::kYes;
   } else if (link_.has_telemetry()) {
     out.in_flight = InFlight::kNo;
   }
   return out;
 }
 
-void RoverDriver::look(Time now) {
-  core_.look(now);
+void RoverDriver::update_inputs(Time now) {
+  core_.update_common_inputs(now);
   SafetyInputs& in = core_.in;
   const Eigen::Vector3d here_m = core_.pose.predict_m(now, kPredictS);
   in.height_m = here_m.z();
   in.tracking_error_m = 0.0;
-  if (core_.ladder.state == FlightState::kFollow && sees(now)) {
+  if (core_.ladder.state == FlightState::kFollow && has_recent_pose(now)) {
     in.tracking_error_m = (here_m - core_.course.at(now).position_world_m).head<2>().norm();
   }
   if (core_.pose.has_pose()) {
-    static_cast<Surroundings&>(in) =
-        look_around(here_m, brake_way(now), core_.fleet.bodies(now, core_.limits), core_.limits);
+    static_cast<Surroundings&>(in) = compute_surroundings(
+        here_m, braking_path(now), core_.fleet.bodies(now, core_.limits), core_.limits);
   }
-  in.heartbeat_age_s = link_.heard_age_s(now);
-  in.telemetry_age_s = link_.obeyed_age_s(now);
+  in.heartbeat_age_s = link_.receive_age_s(now);
+  in.telemetry_age_s = link_.taken_command_age_s(now);
   in.autopilot_obeys = link_.is_ours();
   in.motor_failed = link_.has_flag(wire::rover::kMotorFailed);
   in.battery_share =
       link_.has_telemetry() ? static_cast<double>(link_.telemetry().battery_share) : 1.0;
   // In the killed state the rover's latched stop is released by `arm`, and is not a new reason.
-  const bool is_news =
+  const bool is_new_stop =
       core_.ladder.state != FlightState::kKilled && link_.has_flag(wire::rover::kStopLatched);
-  in.emergency_stop = in.emergency_stop || is_news;
+  in.emergency_stop = in.emergency_stop || is_new_stop;
 }
 
 // Sets the course to the rover's position unless a plan is followed or about to begin.
@@ -200,12 +200,12 @@ void RoverDriver::keep_course(FlightState before, Time now) {
       core_.ladder.state == FlightState::kHold && core_.course.is_on_plan() && !stops;
   if (core_.ladder.state != FlightState::kFollow && !waits && !(begins && may_take_plans())) {
     const Pose2 here = world_from_body(now);
-    core_.course.stand({here.x_m, here.y_m, core_.limits.take_off_height_m}, here.yaw_rad, now);
+    core_.course.hover({here.x_m, here.y_m, core_.limits.take_off_height_m}, here.yaw_rad, now);
   }
 }
 
 void RoverDriver::drive(Time now, double dt_s) {
-  if (core_.ladder.state == FlightState::kFollow && sees(now)) {
+  if (core_.ladder.state == FlightState::kFollow && has_recent_pose(now)) {
     control_ = steer(world_from_body(now), core_.course.at(now), core_.limits.vehicle);
   } else if (is_driving(core_.ladder.state)) {
     control_ = brake_on_circle(control_, core_.limits.vehicle.brake_mps2, dt_s);
@@ -224,7 +224,7 @@ std::uint32_t RoverDriver::flags() const {
 RoverMessage RoverDriver::tick(Time now) {
   const double dt_s = core_.dt_s(now);
   core_.course.advance(now, dt_s, 1.0);
-  look(now);
+  update_inputs(now);
   const LadderState before = core_.ladder;
   core_.ladder = step_rover_ladder(core_.ladder, core_.in, facts(now), core_.limits);
   if (core_.ladder.wants_armed && !before.wants_armed) {
@@ -238,15 +238,15 @@ RoverMessage RoverDriver::tick(Time now) {
   const Reasons reasons = core_.ladder.state == FlightState::kIdle
                               ? arming_blocks(rover_conditions(), core_.in, core_.limits)
                               : core_.ladder.latched;
-  has_news_ = has_news_ || core_.ladder.state != before.state || reasons != core_.reasons;
+  has_changed_ = has_changed_ || core_.ladder.state != before.state || reasons != core_.reasons;
   core_.reasons = reasons;
   core_.end_tick(now);
   return link_.command(control_, flags(), now);
 }
 
-bool RoverDriver::take_news() {
-  const bool had = has_news_;
-  has_news_ = false;
+bool RoverDriver::take_changed() {
+  const bool had = has_changed_;
+  has_changed_ = false;
   return had;
 }
 
@@ -256,8 +256,9 @@ models::VehicleStatus RoverDriver::status(Time now) const {
   out.robot = core_.name;
   out.state = core_.ladder.state;
   out.battery_share = core_.in.battery_share;
-  const PlanPoint asked = core_.course.at(now);
-  out.setpoint = {asked.position_world_m.x(), asked.position_world_m.y(), asked.yaw_rad};
+  const PlanPoint commanded = core_.course.at(now);
+  out.setpoint = {commanded.position_world_m.x(), commanded.position_world_m.y(),
+                  commanded.yaw_rad};
   out.setpoint_height_m = std::max(0.0, core_.in.height_m);
   out.plan_round = core_.ladder.state == FlightState::kFollow ? core_.plans.round() : -1;
   const auto rows = rover_conditions();
@@ -269,8 +270,8 @@ models::VehicleStatus RoverDriver::status(Time now) const {
   if (core_.ladder.state == FlightState::kHold && !core_.ladder.wants_follow) {
     out.reasons.emplace_back("operator");
   }
-  if (const char* const complaint = core_.source.complaint(now)) {
-    out.reasons.emplace_back(complaint);
+  if (const char* const refusal_message = core_.source.refusal_message(now)) {
+    out.reasons.emplace_back(refusal_message);
   }
   return out;
 }

@@ -9,7 +9,7 @@
 #include "core/time.hpp"
 #include "drivers/rover/link.hpp"
 #include "drivers/rover/rules.hpp"
-#include "drivers/rover/way.hpp"
+#include "drivers/rover/waypoint_path.hpp"
 #include "drivers/safety/guard_core.hpp"
 #include "drivers/vehicle/driver_end.hpp"
 #include "models/exchange/messages.hpp"
@@ -54,7 +54,7 @@ class RoverDriver {
   /// Returns the command to send.
   RoverMessage tick(Time now);
   /// Returns true once after state or reasons changed.
-  bool take_news();
+  bool take_changed();
 
   [[nodiscard]] models::FlightState state() const { return core_.ladder.state; }
   /// Returns the conditions that act or forbid arming, by index into rover_conditions().
@@ -69,12 +69,12 @@ class RoverDriver {
 
  private:
   [[nodiscard]] bool may_take_plans() const;
-  [[nodiscard]] bool sees(Time now) const;
+  [[nodiscard]] bool has_recent_pose(Time now) const;
   [[nodiscard]] Pose2 world_from_body(Time now) const;
-  [[nodiscard]] BrakeWay brake_way(Time now) const;
+  [[nodiscard]] BrakingPath braking_path(Time now) const;
   [[nodiscard]] RoverFacts facts(Time now) const;
   PlanVerdict take(const models::RobotPlan& plan, Time now);
-  void look(Time now);
+  void update_inputs(Time now);
   void keep_course(models::FlightState before, Time now);
   void drive(Time now, double dt_s);
   [[nodiscard]] std::uint32_t flags() const;
@@ -83,9 +83,9 @@ class RoverDriver {
   RoverLink link_;
   models::UnicycleControl control_;  ///< last command to the rover
   std::int64_t run_id_;              ///< of the plans made by drive_through()
-  std::int64_t ways_ = 0;
+  std::int64_t plans_made_ = 0;
   Time release_since_{};
-  bool has_news_ = true;
+  bool has_changed_ = true;
 };
 
 }  // namespace vantage::drivers

@@ -24,42 +24,42 @@ std::array<std::uint8_t, wire::rover::kCommandBytes> RoverLink::command(
 }
 
 bool RoverLink::receive(std::span<const std::uint8_t> datagram, Time now) {
-  wire::rover::Telemetry heard;
-  const wire::rover::Verdict verdict = wire::rover::decode(datagram, heard);
+  wire::rover::Telemetry received;
+  const wire::rover::Verdict verdict = wire::rover::decode(datagram, received);
   ++verdicts_[static_cast<std::size_t>(verdict)];
   if (verdict != wire::rover::Verdict::kAccepted) {
     return false;
   }
-  if (heard.robot != number_) {
+  if (received.robot != number_) {
     ++misaddressed_;
     return false;
   }
-  const bool is_same_boot = has_telemetry_ && heard.boot == telemetry_.boot;
-  if (is_same_boot && !wire::rover::is_after(heard.sequence, telemetry_.sequence)) {
+  const bool is_same_boot = has_telemetry_ && received.boot == telemetry_.boot;
+  if (is_same_boot && !wire::rover::is_after(received.sequence, telemetry_.sequence)) {
     ++late_;
     return false;
   }
   restarts_ += has_telemetry_ && !is_same_boot ? 1 : 0;
   has_telemetry_ = true;
-  telemetry_ = heard;
-  heard_ = now;
+  telemetry_ = received;
+  received_at_ = now;
   // The reported command must be one that this session sent.
-  const bool was_said =
-      heard.session == session_ && !wire::rover::is_after(heard.command_sequence, sequence_);
-  const Time sent = from_utime(heard.command_time_us);
-  if (was_said && sent <= now && (!is_obeyed_ || sent > obeyed_)) {
-    is_obeyed_ = true;
-    obeyed_ = sent;
+  const bool was_sent =
+      received.session == session_ && !wire::rover::is_after(received.command_sequence, sequence_);
+  const Time sent = from_utime(received.command_time_us);
+  if (was_sent && sent <= now && (!has_taken_command_ || sent > taken_command_sent_at_)) {
+    has_taken_command_ = true;
+    taken_command_sent_at_ = sent;
   }
   return true;
 }
 
-double RoverLink::heard_age_s(Time now) const {
-  return has_telemetry_ ? to_seconds(now - heard_) : kNever;
+double RoverLink::receive_age_s(Time now) const {
+  return has_telemetry_ ? to_seconds(now - received_at_) : kNever;
 }
 
-double RoverLink::obeyed_age_s(Time now) const {
-  return is_obeyed_ ? to_seconds(now - obeyed_) : kNever;
+double RoverLink::taken_command_age_s(Time now) const {
+  return has_taken_command_ ? to_seconds(now - taken_command_sent_at_) : kNever;
 }
 
 bool RoverLink::is_ours() const {

@@ -29,10 +29,10 @@ class RoverLink {
   [[nodiscard]] const wire::rover::Telemetry& telemetry() const { return telemetry_; }
   [[nodiscard]] bool has_flag(std::uint32_t flag) const { return (telemetry_.flags & flag) != 0; }
   /// Returns the time since the arrival of the newest telemetry, s; infinite before any.
-  [[nodiscard]] double heard_age_s(Time now) const;
+  [[nodiscard]] double receive_age_s(Time now) const;
   /// Returns the time since the sending of the newest command that the rover reports as taken, s: a
   /// measure of both directions of the link. Infinite before any.
-  [[nodiscard]] double obeyed_age_s(Time now) const;
+  [[nodiscard]] double taken_command_age_s(Time now) const;
   /// False while the rover reports that it takes commands from another session.
   [[nodiscard]] bool is_ours() const;
   void count(std::vector<models::NamedCount>& out) const;
@@ -43,9 +43,9 @@ class RoverLink {
   std::uint32_t sequence_ = 0;
   bool has_telemetry_ = false;
   wire::rover::Telemetry telemetry_;
-  Time heard_{};
-  bool is_obeyed_ = false;
-  Time obeyed_{};
+  Time received_at_{};
+  bool has_taken_command_ = false;
+  Time taken_command_sent_at_{};
   std::array<std::int64_t, wire::rover::kVerdicts> verdicts_{};
   std::int64_t misaddressed_ = 0;
   std::int64_t late_ = 0;      ///< not newer than earlier telemetry

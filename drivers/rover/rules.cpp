@@ -71,7 +71,8 @@ void step_idle(LadderState& next, const SafetyInputs& inputs, const SafetyLimits
   if (inputs.emergency_stop) {
     latch(next, kRows, inputs, limits);
     next.state = FlightState::kKilled;
-  } else if (asks(inputs, OperatorAction::kArm) && arming_blocks(kRows, inputs, limits).none()) {
+  } else if (is_requested(inputs, OperatorAction::kArm) &&
+             arming_blocks(kRows, inputs, limits).none()) {
     next.state = FlightState::kHold;
   }
 }
@@ -84,14 +85,14 @@ void step_driving(LadderState& next, const SafetyInputs& inputs, const RoverFact
     next.wants_follow = false;
     return;
   }
-  if (next.state == FlightState::kLand || asks(inputs, OperatorAction::kLand)) {
-    next.state = facts.stands ? FlightState::kIdle : FlightState::kLand;
+  if (next.state == FlightState::kLand || is_requested(inputs, OperatorAction::kLand)) {
+    next.state = facts.is_stationary ? FlightState::kIdle : FlightState::kLand;
     next.wants_follow = false;
     return;
   }
-  if (asks(inputs, OperatorAction::kFollow)) {
+  if (is_requested(inputs, OperatorAction::kFollow)) {
     next.wants_follow = true;
-  } else if (asks(inputs, OperatorAction::kHold)) {
+  } else if (is_requested(inputs, OperatorAction::kHold)) {
     next.wants_follow = false;
   }
   const bool may_follow = next.wants_follow && !acts(kRows, next.latched, Severity::kHold);
@@ -103,7 +104,7 @@ void step_killed(LadderState& next, const SafetyInputs& inputs, const RoverFacts
   // becomes idle when the rover reports the release.
   if (inputs.emergency_stop) {
     next.wants_armed = false;
-  } else if (asks(inputs, OperatorAction::kArm) && facts.stands) {
+  } else if (is_requested(inputs, OperatorAction::kArm) && facts.is_stationary) {
     next.wants_armed = true;
   }
   if (next.wants_armed && !facts.stop_latched && !holds_any(kRows, next, Clearing::kRearm)) {

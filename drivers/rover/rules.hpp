@@ -18,8 +18,8 @@ std::span<const Condition> rover_conditions();
 
 /// Inputs of the ladder in addition to SafetyInputs.
 struct RoverFacts {
-  bool stands = false;        ///< its wheels are known to be stationary
-  bool stop_latched = false;  ///< as reported by the rover
+  bool is_stationary = false;  ///< its wheels are known to be stationary
+  bool stop_latched = false;   ///< as reported by the rover
 };
 
 /// Computes one tick: the most severe condition wins. kIdle does not drive; kHold brakes and stays

@@ -8,22 +8,24 @@
 namespace vantage::drivers {
 
 bool PlannerLease::admit(std::int64_t run_id, Time now, double lease_s) {
-  if (!is_held_ || run_id == holder_ || to_seconds(now - heard_) > lease_s) {
+  if (!is_held_ || run_id == holder_ || to_seconds(now - received_at_) > lease_s) {
     takeovers_ += is_held_ && run_id != holder_ ? 1 : 0;
     is_held_ = true;
     holder_ = run_id;
-    heard_ = now;
+    received_at_ = now;
     return true;
   }
-  other_spoke_ = true;
-  other_heard_ = now;
+  has_other_ = true;
+  other_received_at_ = now;
   return false;
 }
 
-double PlannerLease::age_s(Time now) const { return is_held_ ? to_seconds(now - heard_) : kNever; }
+double PlannerLease::age_s(Time now) const {
+  return is_held_ ? to_seconds(now - received_at_) : kNever;
+}
 
 bool PlannerLease::is_contested(Time now, double lease_s) const {
-  return other_spoke_ && to_seconds(now - other_heard_) <= lease_s;
+  return has_other_ && to_seconds(now - other_received_at_) <= lease_s;
 }
 
 OperatorAuthority::Station* OperatorAuthority::find(std::int64_t run_id) {
@@ -34,18 +36,18 @@ OperatorAuthority::Station* OperatorAuthority::find(std::int64_t run_id) {
   return found == end ? nullptr : &*found;
 }
 
-OperatorAuthority::Station& OperatorAuthority::place() {
+OperatorAuthority::Station& OperatorAuthority::new_station() {
   if (station_count_ < kStationsMax) {
     return stations_[station_count_++];
   }
   const auto last = [this](const Station& station) {
-    return is_held_ && station.run_id == in_charge_ ? Time::max() : station.heard;
+    return is_held_ && station.run_id == in_charge_ ? Time::max() : station.received_at;
   };
   return *std::min_element(stations_.begin(), stations_.end(),
                            [&](const auto& a, const auto& b) { return last(a) < last(b); });
 }
 
-bool OperatorAuthority::is_of_now(Time stamp, Duration ahead, Time now) {
+bool OperatorAuthority::is_current(Time stamp, Duration ahead, Time now) {
   return std::abs(to_seconds(now + ahead - stamp)) <= kFreshS;
 }
 
@@ -56,9 +58,9 @@ OperatorAuthority::Station* OperatorAuthority::learn(const models::OperatorComma
   if (command.action != models::OperatorAction::kHeartbeat) {
     return station;
   }
-  if (is_of_now(stamp.time, {}, now)) {
+  if (is_current(stamp.time, {}, now)) {
     if (station == nullptr) {
-      Station& added = place();
+      Station& added = new_station();
       added = {stamp.run_id, stamp.sequence - 1, stamp.time, now, {}};
       return &added;
     }
@@ -68,7 +70,7 @@ OperatorAuthority::Station* OperatorAuthority::learn(const models::OperatorComma
   }
   const bool goes_on = station != nullptr && stamp.sequence > station->sequence &&
                        stamp.sequence - station->sequence <= kGoesOnMax;
-  if (goes_on && !is_of_now(stamp.time, station->ahead, now)) {
+  if (goes_on && !is_current(stamp.time, station->ahead, now)) {
     ++clocks_set_;
     station->ahead = stamp.time - now;
   }
@@ -81,11 +83,11 @@ bool OperatorAuthority::admit(const models::OperatorCommand& command, Time now, 
   Station* const station = learn(command, now);
   const bool is_newer =
       station != nullptr && (stamp.sequence > station->sequence || stamp.time > station->stamp);
-  const bool is_now = is_of_now(stamp.time, {}, now) ||
-                      (station != nullptr && is_of_now(stamp.time, station->ahead, now));
+  const bool is_now = is_current(stamp.time, {}, now) ||
+                      (station != nullptr && is_current(stamp.time, station->ahead, now));
   const bool is_late = station != nullptr && stamp.sequence > station->sequence;
   if (!is_now && !(models::makes_safer(action) && is_late)) {
-    ++not_of_now_;
+    ++not_current_;
     return false;
   }
   const bool takes_over = action == models::OperatorAction::kHeartbeat && station != nullptr &&
@@ -98,12 +100,12 @@ bool OperatorAuthority::admit(const models::OperatorCommand& command, Time now, 
   }
   const bool counts = is_held_ && stamp.run_id == in_charge_ && is_newer && is_now;
   if (counts) {
-    heard_ = now;
+    received_at_ = now;
   }
   if (is_newer && is_now) {
     station->sequence = stamp.sequence;
     station->stamp = stamp.time;
-    station->heard = now;
+    station->received_at = now;
   } else if (is_late) {
     station->sequence = stamp.sequence;  // accepted late only once, not on each repetition
   }
@@ -112,12 +114,12 @@ bool OperatorAuthority::admit(const models::OperatorCommand& command, Time now, 
 
 void OperatorAuthority::count(std::vector<models::NamedCount>& out) const {
   out.push_back({"operator.handovers", handovers_});
-  out.push_back({"operator.other_time", not_of_now_});
+  out.push_back({"operator.other_time", not_current_});
   out.push_back({"operator.clock_set", clocks_set_});
 }
 
 double OperatorAuthority::age_s(Time now) const {
-  return is_held_ ? to_seconds(now - heard_) : kNever;
+  return is_held_ ? to_seconds(now - received_at_) : kNever;
 }
 
 }  // namespace vantage::drivers

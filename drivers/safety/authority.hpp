@@ -28,9 +28,9 @@ class PlannerLease {
  private:
   bool is_held_ = false;
   std::int64_t holder_ = 0;
-  Time heard_{};
-  bool other_spoke_ = false;
-  Time other_heard_{};
+  Time received_at_{};
+  bool has_other_ = false;
+  Time other_received_at_{};
   std::int64_t takeovers_ = 0;
 };
 
@@ -65,25 +65,25 @@ class OperatorAuthority {
     std::int64_t run_id = 0;
     std::int64_t sequence = 0;  ///< newest number received
     Time stamp{};               ///< newest stamp, by its own clock
-    Time heard{};
+    Time received_at{};
     Duration ahead{};  ///< lag of our clock behind the station's
   };
   Station* find(std::int64_t run_id);
   /// Returns an entry for a new station: a free one, or that of the station silent longest that is
   /// not in charge.
-  Station& place();
-  [[nodiscard]] static bool is_of_now(Time stamp, Duration ahead, Time now);
+  Station& new_station();
+  [[nodiscard]] static bool is_current(Time stamp, Duration ahead, Time now);
   /// Updates the clock offset of the sender or adds a new station. Returns nullptr if it is
   /// unknown.
   Station* learn(const models::OperatorCommand& command, Time now);
 
   bool is_held_ = false;
   std::int64_t in_charge_ = 0;
-  Time heard_{};
+  Time received_at_{};
   std::array<Station, kStationsMax> stations_{};
   std::size_t station_count_ = 0;
   std::int64_t handovers_ = 0;
-  std::int64_t not_of_now_ = 0;
+  std::int64_t not_current_ = 0;
   std::int64_t clocks_set_ = 0;
 };
 

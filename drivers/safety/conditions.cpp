@@ -29,27 +29,28 @@ constexpr Condition kPoseLostLow = kills(
 constexpr Condition kBodyDoesNotLift = kills(
     "body does not lift", "take-off commanded, but not risen by lift_risen_m within lift_wait_s",
     {.spares_pilot = true},
-    [](const In& in, const Lim& lim) { return in.unrisen_s > lim.lift_wait_s; });
-constexpr Condition kAnotherBodyLifts = kills(
-    "another body lifts", "another robot's body rises by lift_other_m before this one has risen",
-    {.spares_pilot = true},
-    [](const In& in, const Lim& lim) { return in.other_risen_m > lim.lift_other_m; });
+    [](const In& in, const Lim& lim) { return in.no_rise_s > lim.lift_wait_s; });
+constexpr Condition kAnotherBodyLifts =
+    kills("another body lifts",
+          "another robot's body rises by lift_other_rise_m before this one has risen",
+          {.spares_pilot = true},
+          [](const In& in, const Lim& lim) { return in.other_risen_m > lim.lift_other_rise_m; });
 constexpr Condition kLiftAstray = kills(
-    "lift off course", "> lift_astray_m from the path of the first lift", {.spares_pilot = true},
-    [](const In& in, const Lim& lim) { return in.lift_astray_m > lim.lift_astray_m; });
+    "lift off course", "> lift_deviation_m from the path of the first lift", {.spares_pilot = true},
+    [](const In& in, const Lim& lim) { return in.lift_deviation_m > lim.lift_deviation_m; });
 constexpr Condition kLiftDisagrees =
     kills("lift disagrees", "first lift: climb or turn rates of mocap and autopilot differ",
           {.after_s = 0.1, .spares_pilot = true}, [](const In& in, const Lim& lim) {
             return in.lift_climb_error_mps > lim.lift_climb_error_mps ||
                    in.lift_turn_error_radps > lim.lift_turn_error_radps;
           });
-constexpr Condition kRisesUntold =
-    kills("uncommanded rise", "armed, and risen by lift_other_m without a take-off order",
+constexpr Condition kUnorderedRise =
+    kills("uncommanded rise", "armed, and risen by lift_other_rise_m without a take-off order",
           {.spares_pilot = true},
-          [](const In& in, const Lim& lim) { return in.risen_untold_m > lim.lift_other_m; });
+          [](const In& in, const Lim& lim) { return in.unordered_rise_m > lim.lift_other_rise_m; });
 constexpr Condition kLiftUnproven =
     lands("lift unproven", "first hover longer than lift_proof_s, without the commanded motion", {},
-          [](const In& in, const Lim& lim) { return in.unproven_s > lim.lift_proof_s; });
+          [](const In& in, const Lim& lim) { return in.proof_pending_s > lim.lift_proof_s; });
 constexpr Condition kBatteryEmpty = lands(
     "battery empty", "share < battery_empty_share", {.blocks_arming = true},
     [](const In& in, const Lim& lim) { return !(in.battery_share >= lim.battery_empty_share); });
@@ -87,7 +88,7 @@ constexpr Condition kHoldRestless =
     lands("hover unsteady",
           "in hover, but faster than hover_speed_mps or > hover_off_m away; poses no longer used",
           {.after_s = 2.0, .distrusts_pose = true},
-          [](const In& in, const Lim&) { return in.is_hold_restless; });
+          [](const In& in, const Lim&) { return in.is_hover_deviating; });
 constexpr Condition kDoesNotSink =
     lands("does not sink", "in descent, but more than sink_error_m too high; poses no longer used",
           {.after_s = 2.0, .distrusts_pose = true},
@@ -158,12 +159,13 @@ constexpr Condition kAnotherVehicleIsLifting =
     notes("another vehicle is lifting",
           "one vehicle lifts at a time, by order time, then by name; on the ground",
           {.blocks_take_off = true},
-          [](const In& in, const Lim&) { return in.flight_s <= 0.0 && in.is_lift_taken; });
-constexpr Condition kSomebodyNear = notes(
-    "body nearby", "a body comes within landing_clearance_m in take_off_look_s; on the ground",
-    {.blocks_take_off = true}, [](const In& in, const Lim& lim) {
-      return in.flight_s <= 0.0 && in.near_m < lim.landing_clearance_m;
-    });
+          [](const In& in, const Lim&) { return in.flight_s <= 0.0 && in.is_lift_blocked; });
+constexpr Condition kSomebodyNear =
+    notes("body nearby",
+          "a body comes within landing_clearance_m in take_off_prediction_s; on the ground",
+          {.blocks_take_off = true}, [](const In& in, const Lim& lim) {
+            return in.flight_s <= 0.0 && in.near_m < lim.landing_clearance_m;
+          });
 constexpr Condition kBatteryForTakeOff =
     notes("battery for take-off", "share < battery_arm_share; on the ground",
           {.blocks_arming = true}, [](const In& in, const Lim& lim) {
@@ -180,7 +182,7 @@ constexpr auto kRows = std::to_array<Condition>({
     kAnotherBodyLifts,
     kLiftAstray,
     kLiftDisagrees,
-    kRisesUntold,
+    kUnorderedRise,
     // LAND
     common::kPoseLost,
     common::kFence,

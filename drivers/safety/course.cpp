@@ -6,32 +6,33 @@
 
 namespace vantage::drivers {
 
-BrakeWay BrakeWay::along(const HeldPlan& plan, double elapsed_s, double brake_mps2,
-                         double reaction_s, const Eigen::Vector3d& offset_m) {
-  BrakeWay way;
-  way.is_along_ = true;
-  way.plan_ = plan;
-  way.elapsed_s_ = elapsed_s;
-  way.offset_m_ = offset_m;
-  way.reaction_s_ = reaction_s;
+BrakingPath BrakingPath::along(const HeldPlan& plan, double elapsed_s, double brake_mps2,
+                               double reaction_s, const Eigen::Vector3d& offset_m) {
+  BrakingPath path;
+  path.is_along_ = true;
+  path.plan_ = plan;
+  path.elapsed_s_ = elapsed_s;
+  path.offset_m_ = offset_m;
+  path.reaction_s_ = reaction_s;
   const double now_mps = point_at(plan, elapsed_s).velocity_world_mps.norm();
   const double then_mps = point_at(plan, elapsed_s + reaction_s).velocity_world_mps.norm();
-  way.brake_s_ = std::max(now_mps, then_mps) / brake_mps2;
-  return way;
+  path.brake_s_ = std::max(now_mps, then_mps) / brake_mps2;
+  return path;
 }
 
-BrakeWay BrakeWay::straight(const Eigen::Vector3d& position_m, const Eigen::Vector3d& velocity_mps,
-                            double yaw_rad, double brake_mps2, double reaction_s) {
-  BrakeWay way;
-  way.start_.position_world_m = position_m;
-  way.start_.velocity_world_mps = velocity_mps;
-  way.start_.yaw_rad = yaw_rad;
-  way.reaction_s_ = reaction_s;
-  way.brake_s_ = velocity_mps.norm() / brake_mps2;
-  return way;
+BrakingPath BrakingPath::straight(const Eigen::Vector3d& position_m,
+                                  const Eigen::Vector3d& velocity_mps, double yaw_rad,
+                                  double brake_mps2, double reaction_s) {
+  BrakingPath path;
+  path.start_.position_world_m = position_m;
+  path.start_.velocity_world_mps = velocity_mps;
+  path.start_.yaw_rad = yaw_rad;
+  path.reaction_s_ = reaction_s;
+  path.brake_s_ = velocity_mps.norm() / brake_mps2;
+  return path;
 }
 
-PlanPoint BrakeWay::at(double t_s) const {
+PlanPoint BrakingPath::at(double t_s) const {
   // Uniform until the reaction, then s(u) = u − u²/(2 T): time that slows from rate 1 to 0.
   const double u = std::clamp(t_s - reaction_s_, 0.0, brake_s_);
   const double gone_s =
@@ -52,8 +53,8 @@ PlanPoint BrakeWay::at(double t_s) const {
   return out;
 }
 
-void Course::stand(const Eigen::Vector3d& position_m, double yaw_rad, Time now) {
-  mode_ = Mode::kStand;
+void Course::hover(const Eigen::Vector3d& position_m, double yaw_rad, Time now) {
+  mode_ = Mode::kHover;
   begin_ = now;
   from_ = {};
   from_.position_world_m = position_m;
@@ -82,10 +83,10 @@ void Course::begin(const HeldPlan& plan) {
   has_next_ = false;
 }
 
-void Course::stop(const BrakeWay& way, Time now) {
+void Course::stop(const BrakingPath& path, Time now) {
   mode_ = Mode::kBrake;
   begin_ = now;
-  way_ = way;
+  path_ = path;
   has_next_ = false;
 }
 
@@ -129,7 +130,7 @@ PlanPoint Course::planned_at(Time time, double lag_s) const {
     return point_at(next_, to_seconds(time - next_.start_time));
   }
   switch (mode_) {
-    case Mode::kStand:
+    case Mode::kHover:
       return from_;
     case Mode::kPlan:
       if (has_past_ && time < plan_.start_time) {
@@ -137,18 +138,18 @@ PlanPoint Course::planned_at(Time time, double lag_s) const {
       }
       return on_plan(to_seconds(time - plan_.start_time) - lag_s);
     case Mode::kBrake:
-      return way_.at(to_seconds(time - begin_));
+      return path_.at(to_seconds(time - begin_));
     case Mode::kShift: {
       PlanPoint out = from_;
-      const Eigen::Vector3d way_m = to_m_ - from_.position_world_m;
-      const double length_m = way_m.norm();
+      const Eigen::Vector3d shift_m = to_m_ - from_.position_world_m;
+      const double length_m = shift_m.norm();
       // Starts half a window late, so that the averaged motion starts at rest.
       const double gone_m = shift_mps_ * std::max(0.0, to_seconds(time - begin_) - half_window_s_);
       if (gone_m >= length_m) {
         out.position_world_m = to_m_;
       } else if (gone_m > 0.0) {
-        out.position_world_m += way_m * (gone_m / length_m);
-        out.velocity_world_mps = way_m * (shift_mps_ / length_m);
+        out.position_world_m += shift_m * (gone_m / length_m);
+        out.velocity_world_mps = shift_m * (shift_mps_ / length_m);
       }
       return out;
     }
@@ -192,17 +193,17 @@ bool Course::has_plan(Time now) const {
   return mode_ == Mode::kPlan && elapsed_s(now) <= duration_s(plan_);
 }
 
-bool Course::is_standing(Time now) const {
+bool Course::is_hovering(Time now) const {
   switch (mode_) {
-    case Mode::kStand:
+    case Mode::kHover:
       return true;
     case Mode::kPlan:
       return false;
     case Mode::kBrake:
-      return to_seconds(now - begin_) >= way_.duration_s();
+      return to_seconds(now - begin_) >= path_.duration_s();
     case Mode::kShift: {
-      const double way_s = (to_m_ - from_.position_world_m).norm() / shift_mps_;
-      return to_seconds(now - begin_) >= way_s + 2.0 * half_window_s_;
+      const double shift_s = (to_m_ - from_.position_world_m).norm() / shift_mps_;
+      return to_seconds(now - begin_) >= shift_s + 2.0 * half_window_s_;
     }
   }
   return false;

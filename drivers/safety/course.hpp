@@ -10,15 +10,16 @@ namespace vantage::drivers {
 
 /// Path from the stop command to standstill in closed form: constant speed for the reaction time,
 /// then braking at the given deceleration, along the checked plan or straight.
-class BrakeWay {
+class BrakingPath {
  public:
-  BrakeWay() = default;
+  BrakingPath() = default;
   /// Path along `plan` from `elapsed_s` after its start; positions are shifted by `offset_m`.
-  static BrakeWay along(const HeldPlan& plan, double elapsed_s, double brake_mps2,
-                        double reaction_s, const Eigen::Vector3d& offset_m);
+  static BrakingPath along(const HeldPlan& plan, double elapsed_s, double brake_mps2,
+                           double reaction_s, const Eigen::Vector3d& offset_m);
   /// Straight path from `position_m` at `velocity_mps`.
-  static BrakeWay straight(const Eigen::Vector3d& position_m, const Eigen::Vector3d& velocity_mps,
-                           double yaw_rad, double brake_mps2, double reaction_s);
+  static BrakingPath straight(const Eigen::Vector3d& position_m,
+                              const Eigen::Vector3d& velocity_mps, double yaw_rad,
+                              double brake_mps2, double reaction_s);
 
   /// Returns the state `t_s` after the path began; at rest from duration_s() on.
   [[nodiscard]] PlanPoint at(double t_s) const;
@@ -55,13 +56,13 @@ class Course {
       : half_window_s_(half_window_s), round_s_(round_s) {}
 
   /// Hovers at `position_m`.
-  void stand(const Eigen::Vector3d& position_m, double yaw_rad, Time now);
+  void hover(const Eigen::Vector3d& position_m, double yaw_rad, Time now);
   /// Puts a checked plan on the course from its start time on.
   void follow(const HeldPlan& plan, Time now);
   /// Drops the next plan if it has not begun.
   void forget_next() { has_next_ = false; }
-  /// Stops along `way` and drops all plans.
-  void stop(const BrakeWay& way, Time now);
+  /// Stops along `path` and drops all plans.
+  void stop(const BrakingPath& path, Time now);
   /// Moves the hover after a stop to `to_m` at `speed_mps`, from rest to rest.
   void shift(const Eigen::Vector3d& to_m, double speed_mps, Time now);
   /// Advances by `dt_s`; the plan's own clock advances by `rate` · `dt_s`, with rate in [0, 1].
@@ -75,7 +76,7 @@ class Course {
   /// True while a plan is flown that has not reached its hover.
   [[nodiscard]] bool has_plan(Time now) const;
   /// True if it hovers and a stop or shift is complete.
-  [[nodiscard]] bool is_standing(Time now) const;
+  [[nodiscard]] bool is_hovering(Time now) const;
   [[nodiscard]] bool is_on_plan() const { return mode_ == Mode::kPlan; }
   /// Fills the fields of `inputs` that describe the plan on the course.
   void report(Time now, SafetyInputs& inputs) const {
@@ -87,7 +88,7 @@ class Course {
   [[nodiscard]] bool has_next() const { return has_next_; }
 
  private:
-  enum class Mode { kStand, kPlan, kBrake, kShift };
+  enum class Mode { kHover, kPlan, kBrake, kShift };
   void begin(const HeldPlan& plan);
   [[nodiscard]] PlanPoint planned_at(Time time, double lag_s) const;
   [[nodiscard]] PlanPoint smoothed_at(Time time, double lag_s) const;
@@ -97,12 +98,12 @@ class Course {
   double half_window_s_;
   double round_s_;
   Time now_{};  ///< at the last advance()
-  Mode mode_ = Mode::kStand;
+  Mode mode_ = Mode::kHover;
   Time begin_{};
-  PlanPoint from_;  ///< for kStand and kShift
+  PlanPoint from_;  ///< for kHover and kShift
   Eigen::Vector3d to_m_ = Eigen::Vector3d::Zero();
   double shift_mps_ = 0.0;
-  BrakeWay way_;
+  BrakingPath path_;
   HeldPlan plan_;
   double lag_s_ = 0.0;
   bool has_next_ = false;

@@ -30,7 +30,7 @@ OtherBody body_of(const PoseMonitor& pose, const SafetyLimits& limits, Time now)
   OtherBody body;
   body.position_world_m = pose.predict_m(now, limits.pose_age_hold_s);
   body.age_s = pose.age_s(now);
-  body.went_mps = pose.velocity_world_mps().norm();
+  body.last_speed_mps = pose.velocity_world_mps().norm();
   if (body.age_s <= limits.pose_age_hold_s) {
     body.velocity_world_mps = pose.velocity_world_mps();
     body.planned_world_mps = body.velocity_world_mps;
@@ -46,7 +46,7 @@ OtherCourse course_of(const PoseMonitor& pose, const SafetyLimits& limits, Time 
   course.reaches_ground = true;
   if (pose.age_s(now) <= kPredictOthersS) {
     course.velocity_world_mps = pose.velocity_world_mps();
-    course.goes_on_s = limits.other_goes_on_s;
+    course.prediction_s = limits.other_prediction_s;
   }
   return course;
 }
@@ -76,7 +76,7 @@ Fleet::Fleet(const scenario::Scenario& scenario, const std::string& own_name)
       Member& member = members_.emplace_back();
       member.name = robot.name;
       member.is_robot = true;
-      member.goes_first = robot.name < own_name;
+      member.has_priority = robot.name < own_name;
       member.robot = index;
       member.can = robot.limits;
     }
@@ -87,12 +87,12 @@ Fleet::Fleet(const scenario::Scenario& scenario, const std::string& own_name)
     member.name = target.name;
     member.can.radius_m = target.radius_m;
   }
-  strangers_.resize(kStrangersMax);
-  for (Stranger& stranger : strangers_) {
-    stranger.name.reserve(kNameMax);
+  nearest_unknown_.resize(kUnknownBodiesMax);
+  for (UnknownBody& unknown : nearest_unknown_) {
+    unknown.name.reserve(kNameMax);
   }
-  bodies_.reserve(members_.size() + strangers_.size());
-  courses_.reserve(members_.size() + strangers_.size());
+  bodies_.reserve(members_.size() + nearest_unknown_.size());
+  courses_.reserve(members_.size() + nearest_unknown_.size());
 }
 
 void Fleet::on_mocap(const models::MocapFrame& frame, const SafetyLimits& limits, Time now) {
@@ -110,20 +110,20 @@ void Fleet::on_mocap(const models::MocapFrame& frame, const SafetyLimits& limits
                           });
     if (!is_known) {
       ++unknown_bodies_;
-      show_stranger(body, own, limits, now);
+      on_unknown_body(body, own, limits, now);
     }
   }
 }
 
-void Fleet::show_stranger(const models::MocapBody& body, const models::MocapBody* own,
-                          const SafetyLimits& limits, Time now) {
+void Fleet::on_unknown_body(const models::MocapBody& body, const models::MocapBody* own,
+                            const SafetyLimits& limits, Time now) {
   const Eigen::Vector3d& there_m = body.world_from_body.translation_m;
   const Eigen::Vector3d here_m =
       own != nullptr ? own->world_from_body.translation_m : Eigen::Vector3d::Zero();
-  const auto known = std::find_if(strangers_.begin(), strangers_.end(), [&](const Stranger& each) {
-    return !each.name.empty() && each.name == kept_name(body);
-  });
-  Stranger* kept = known != strangers_.end() ? &*known : nullptr;
+  const auto known = std::find_if(
+      nearest_unknown_.begin(), nearest_unknown_.end(),
+      [&](const UnknownBody& each) { return !each.name.empty() && each.name == kept_name(body); });
+  UnknownBody* kept = known != nearest_unknown_.end() ? &*known : nullptr;
   if (own != nullptr && !own->occluded && !body.occluded &&
       (there_m - here_m).norm() < limits.vehicle.radius_m) {
     if (kept != nullptr) {
@@ -132,7 +132,7 @@ void Fleet::show_stranger(const models::MocapBody& body, const models::MocapBody
     return;
   }
   if (kept == nullptr && !body.occluded && !body.name.empty()) {
-    kept = room_for(there_m, here_m, now);
+    kept = entry_for(there_m, here_m, now);
     if (kept == nullptr) {
       ++bodies_dropped_;
     } else {
@@ -146,11 +146,11 @@ void Fleet::show_stranger(const models::MocapBody& body, const models::MocapBody
   }
 }
 
-Fleet::Stranger* Fleet::room_for(const Eigen::Vector3d& there_m, const Eigen::Vector3d& here_m,
-                                 Time now) {
-  Stranger* farthest = nullptr;
+Fleet::UnknownBody* Fleet::entry_for(const Eigen::Vector3d& there_m, const Eigen::Vector3d& here_m,
+                                     Time now) {
+  UnknownBody* farthest = nullptr;
   double farthest_m = (there_m - here_m).norm();
-  for (Stranger& each : strangers_) {
+  for (UnknownBody& each : nearest_unknown_) {
     if (each.name.empty() || !each.pose.has_pose() || each.pose.age_s(now) > kForgottenS) {
       return &each;
     }
@@ -182,9 +182,9 @@ bool Fleet::take(const models::RobotPlan& plan, const SafetyLimits& limits, Time
     return each.is_robot && each.name == plan.robot;
   });
   const Time start = plan.trajectory.start_time;
-  const bool is_of_now = start >= now - from_seconds(limits.plan_past_max_s) &&
-                         start <= now + from_seconds(limits.plan_future_max_s);
-  if (member == members_.end() || !is_of_now) {
+  const bool is_current = start >= now - from_seconds(limits.plan_past_max_s) &&
+                          start <= now + from_seconds(limits.plan_future_max_s);
+  if (member == members_.end() || !is_current) {
     return false;
   }
   const bool is_repeated =
@@ -218,11 +218,11 @@ std::span<const OtherBody> Fleet::bodies(Time now, const SafetyLimits& limits) {
   for (const Member& member : members_) {
     if (member.pose.has_pose()) {
       OtherBody body = body_of(member.pose, limits, now);
-      body.goes_first = member.goes_first;
+      body.has_priority = member.has_priority;
       body.robot = member.robot;
       body.brake_mps2 = member.is_robot ? member.can.brake_mps2 : 0.0;
-      body.larger_m = std::max(0.0, member.can.radius_m - limits.vehicle.radius_m);
-      body.went_mps = member.is_robot ? 0.0 : body.went_mps;
+      body.excess_radius_m = std::max(0.0, member.can.radius_m - limits.vehicle.radius_m);
+      body.last_speed_mps = member.is_robot ? 0.0 : body.last_speed_mps;
       if (member.is_robot && body.age_s <= limits.pose_age_hold_s) {
         // A robot that starts to move is measured late; its plan gives the velocity at once.
         const double ahead_s = to_seconds(now - member.plan.start_time) + limits.reaction_s;
@@ -235,9 +235,9 @@ std::span<const OtherBody> Fleet::bodies(Time now, const SafetyLimits& limits) {
       bodies_.push_back(body);
     }
   }
-  for (const Stranger& stranger : strangers_) {
-    if (!stranger.name.empty() && stranger.pose.age_s(now) <= kForgottenS) {
-      bodies_.push_back(body_of(stranger.pose, limits, now));
+  for (const UnknownBody& unknown : nearest_unknown_) {
+    if (!unknown.name.empty() && unknown.pose.age_s(now) <= kForgottenS) {
+      bodies_.push_back(body_of(unknown.pose, limits, now));
     }
   }
   return bodies_;
@@ -267,9 +267,9 @@ std::span<const OtherCourse> Fleet::courses(Time now, const SafetyLimits& limits
     }
     courses_.push_back(course);
   }
-  for (const Stranger& stranger : strangers_) {
-    if (!stranger.name.empty() && stranger.pose.age_s(now) <= kForgottenS) {
-      courses_.push_back(course_of(stranger.pose, limits, now));
+  for (const UnknownBody& unknown : nearest_unknown_) {
+    if (!unknown.name.empty() && unknown.pose.age_s(now) <= kForgottenS) {
+      courses_.push_back(course_of(unknown.pose, limits, now));
     }
   }
   return courses_;

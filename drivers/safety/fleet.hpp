@@ -20,12 +20,12 @@
 namespace vantage::drivers {
 
 /// All other bodies by mocap and their plans: the scenario's robots and targets, and bodies of
-/// unknown names (persons, for example), of which the nearest kStrangersMax are kept. A body of
+/// unknown names (persons, for example), of which the nearest kUnknownBodiesMax are kept. A body of
 /// unknown name within our own radius is assumed to be carried by this vehicle: it is counted and
 /// otherwise ignored.
 class Fleet {
  public:
-  static constexpr std::size_t kStrangersMax = 16;
+  static constexpr std::size_t kUnknownBodiesMax = 16;
   static constexpr double kSilentS = 0.5;  ///< s; drivers report at 10 Hz
   Fleet(const scenario::Scenario& scenario, const std::string& own_name);
 
@@ -43,12 +43,12 @@ class Fleet {
   /// unknown body seen within 10 s. Valid until the next call.
   std::span<const OtherBody> bodies(Time now, const SafetyLimits& limits);
   /// Returns the predicted course of each other body. Teammate: its newest plan while it follows
-  /// it, otherwise its position. Every other body: straight at its velocity for other_goes_on_s.
+  /// it, otherwise its position. Every other body: straight at its velocity for other_prediction_s.
   /// Valid until the next call.
   std::span<const OtherCourse> courses(Time now, const SafetyLimits& limits);
   [[nodiscard]] std::int64_t unknown_bodies() const { return unknown_bodies_; }
-  /// Returns the number of observations of unknown bodies that were dropped because kStrangersMax
-  /// nearer ones were kept.
+  /// Returns the number of observations of unknown bodies that were dropped because
+  /// kUnknownBodiesMax nearer ones were kept.
   [[nodiscard]] std::int64_t bodies_dropped() const { return bodies_dropped_; }
   [[nodiscard]] std::int64_t poses_refused() const { return poses_refused_; }
   [[nodiscard]] std::int64_t plans_refused() const { return plans_refused_; }
@@ -57,7 +57,7 @@ class Fleet {
   struct Member {
     std::string name;
     bool is_robot = false;
-    bool goes_first = true;
+    bool has_priority = true;
     int robot = -1;               ///< index among the scenario's robots
     models::VehicleLimits can{};  ///< all limits of a robot; only the radius of other bodies
     PoseMonitor pose;
@@ -69,20 +69,20 @@ class Fleet {
     std::optional<Time> reported_at{};  ///< last report of its driver
   };
   /// Body whose name is not in the scenario; an empty name marks a free entry.
-  struct Stranger {
+  struct UnknownBody {
     std::string name;  ///< with reserved capacity
     PoseMonitor pose;
   };
   bool take(const models::RobotPlan& plan, const SafetyLimits& limits, Time now);
   [[nodiscard]] static bool is_on_plan(const Member& member, Time now, const SafetyLimits& limits);
-  void show_stranger(const models::MocapBody& body, const models::MocapBody* own,
-                     const SafetyLimits& limits, Time now);
+  void on_unknown_body(const models::MocapBody& body, const models::MocapBody* own,
+                       const SafetyLimits& limits, Time now);
   /// Returns an entry for a new unknown body at `there_m`; nullptr if all kept bodies are nearer.
-  Stranger* room_for(const Eigen::Vector3d& there_m, const Eigen::Vector3d& here_m, Time now);
+  UnknownBody* entry_for(const Eigen::Vector3d& there_m, const Eigen::Vector3d& here_m, Time now);
 
   std::string own_name_;
   std::vector<Member> members_;
-  std::vector<Stranger> strangers_;
+  std::vector<UnknownBody> nearest_unknown_;
   std::vector<OtherBody> bodies_;
   std::vector<OtherCourse> courses_;
   std::int64_t unknown_bodies_ = 0;

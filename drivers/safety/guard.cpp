@@ -47,8 +47,8 @@ bool distrusts_pose(const Reasons& latched) {
 }
 
 // Appends the status of the orders `arm` and `take-off` on the ground.
-void say_orders(const LadderState& ladder, const SafetyInputs& in,
-                std::vector<std::string>& reasons) {
+void append_order_status(const LadderState& ladder, const SafetyInputs& in,
+                         std::vector<std::string>& reasons) {
   if (ladder.arm.is_given && !ladder.wants_armed) {
     reasons.emplace_back("arm pending");
   }
@@ -116,12 +116,12 @@ CommandVerdict FlightGuard::on_command(const models::OperatorCommand& command, T
   using models::OperatorAction;
   Parts& p = *parts_;
   if (!p.admits(command, now)) {
-    return p.is_ours(command) ? CommandVerdict::kNotInCharge : CommandVerdict::kNotForUs;
+    return p.is_ours(command) ? CommandVerdict::kNotInCharge : CommandVerdict::kOtherRobot;
   }
   if (command.action == OperatorAction::kTakeOff) {
     p.lift_queue.on_take_off(command.robot);  // for any robot, since robots lift one after another
   }
-  if (const auto verdict = p.obey_at_once(command)) {
+  if (const auto verdict = p.execute_if_stateless(command)) {
     return *verdict;
   }
   const bool airborne = is_airborne(p.ladder.state);
@@ -131,7 +131,7 @@ CommandVerdict FlightGuard::on_command(const models::OperatorCommand& command, T
   if (on_ground_only == airborne && !is_harmless) {
     return p.refuse();
   }
-  return p.ask(command.action);
+  return p.request_action(command.action);
 }
 
 void FlightGuard::on_heartbeat(Time now) {
@@ -183,7 +183,7 @@ GuardOutput FlightGuard::tick(Time now) {
       (p.limits.pose_age_hold_s - p.pose_age_s(now)) / (p.limits.pose_age_hold_s - warn_s), 0.0,
       1.0);
   p.course.advance(now, dt_s, rate);
-  p.look_at_all(now);
+  p.update_inputs(now);
   p.stalls += p.in.since_last_tick_s > p.limits.stall_hold_s ? 1 : 0;
 
   const FlightState before = p.ladder.state;
@@ -196,17 +196,17 @@ GuardOutput FlightGuard::tick(Time now) {
   p.ladder = step_ladder(p.ladder, p.in, p.limits);
   p.distrusts_pose = is_airborne(p.ladder.state) && distrusts_pose(p.ladder.latched);
   if (p.ladder.state != before) {
-    p.change(before, now);
+    p.on_state_change(before, now);
   }
   if (p.ladder.state == FlightState::kHold && !p.may_take_plans()) {
     // A plan accepted before a condition forbade plans must not begin now.
     p.course.forget_next();
     if (p.course.is_on_plan()) {
-      p.course.stop(p.brake_way(now, 0.0), now);
+      p.course.stop(p.braking_path(now, 0.0), now);
     }
   }
   if (p.ladder.state == FlightState::kHold) {
-    p.move_off(now);
+    p.restore_clearance(now);
   }
   const double height_before_m = p.height_ref_m;
   if (p.ladder.state == FlightState::kLand) {
@@ -248,8 +248,9 @@ models::VehicleStatus FlightGuard::status(Time now) const {
   out.state = p.ladder.state;
   out.battery_share = p.battery_share;
   if (p.setpoint(now).kind == FlightSetpoint::Kind::kTrack) {
-    const PlanPoint asked = p.course.at(now);  // the current set-point, without setpoint_lead_s
-    out.setpoint = {asked.position_world_m.x(), asked.position_world_m.y(), asked.yaw_rad};
+    const PlanPoint commanded = p.course.at(now);  // the current set-point, without setpoint_lead_s
+    out.setpoint = {commanded.position_world_m.x(), commanded.position_world_m.y(),
+                    commanded.yaw_rad};
     out.setpoint_height_m = std::max(0.0, p.height_ref_m);
   } else {
     out.setpoint = flatten(p.pose.world_from_body());
@@ -263,10 +264,10 @@ models::VehicleStatus FlightGuard::status(Time now) const {
     out.reasons.emplace_back("operator");
   }
   if (p.ladder.state == FlightState::kIdle) {
-    say_orders(p.ladder, p.in, out.reasons);
+    append_order_status(p.ladder, p.in, out.reasons);
   }
-  if (const char* const complaint = p.source.complaint(now)) {
-    out.reasons.emplace_back(complaint);
+  if (const char* const refusal_message = p.source.refusal_message(now)) {
+    out.reasons.emplace_back(refusal_message);
   }
   return out;
 }

@@ -52,9 +52,10 @@ bool GuardCore::admits(const models::OperatorCommand& command, Time now) {
   return false;
 }
 
-std::optional<CommandVerdict> GuardCore::obey_at_once(const models::OperatorCommand& command) {
+std::optional<CommandVerdict> GuardCore::execute_if_stateless(
+    const models::OperatorCommand& command) {
   if (!is_ours(command)) {
-    return CommandVerdict::kNotForUs;
+    return CommandVerdict::kOtherRobot;
   }
   if (command.action == OperatorAction::kEmergencyStop) {
     emergency_stop = true;
@@ -66,14 +67,14 @@ std::optional<CommandVerdict> GuardCore::obey_at_once(const models::OperatorComm
   return std::nullopt;
 }
 
-CommandVerdict GuardCore::ask(OperatorAction action) {
+CommandVerdict GuardCore::request_action(OperatorAction action) {
   if (!request || static_cast<int>(action) > static_cast<int>(*request)) {
     request = action;
   }
   return CommandVerdict::kObeyed;
 }
 
-void GuardCore::look(Time now) {
+void GuardCore::update_common_inputs(Time now) {
   in.now = now;
   in.since_last_tick_s = has_ticked ? to_seconds(now - last_tick) : 0.0;
   in.processor_wait_s = processor_wait_s;

@@ -28,14 +28,14 @@ inline constexpr double kPredictS = 0.1;  ///< s; longest extrapolation of the v
 /// Result of an operator command.
 enum class [[nodiscard]] CommandVerdict{
     kObeyed,  ///< obeyed, or waiting until it can be; see the status
-    kNotForUs,
+    kOtherRobot,
     kNotInCharge,  ///< another station is in charge; only hold, land and emergency stop are taken
     kRefused,      ///< not possible in this state
 };
 
 /// State and functions that the guards of all vehicle types share: trusted sources, own pose,
-/// course, other bodies and pending commands. The guard of a vehicle type calls look(), steps its
-/// own ladder, and calls end_tick().
+/// course, other bodies and pending commands. The guard of a vehicle type calls
+/// update_common_inputs(), steps its own ladder, and calls end_tick().
 ///
 /// Times are those of FlightGuard. Only the constructor and count() allocate.
 struct GuardCore {
@@ -61,9 +61,9 @@ struct GuardCore {
   }
   /// Executes an admitted command if that needs no check of the vehicle's state. Returns nullopt if
   /// it does.
-  std::optional<CommandVerdict> obey_at_once(const models::OperatorCommand& command);
+  std::optional<CommandVerdict> execute_if_stateless(const models::OperatorCommand& command);
   /// Stores `action` for the next tick. Of several commands within one tick the safest is kept.
-  CommandVerdict ask(models::OperatorAction action);
+  CommandVerdict request_action(models::OperatorAction action);
   CommandVerdict refuse() {
     ++commands_refused;
     return CommandVerdict::kRefused;
@@ -74,7 +74,7 @@ struct GuardCore {
   }
   /// Fills the fields of `in` that all vehicle types share. Ages count from the last message
   /// received, or are kNever.
-  void look(Time now);
+  void update_common_inputs(Time now);
   /// Ends the tick: forgets the commands that it has answered.
   void end_tick(Time now);
   void count(std::vector<models::NamedCount>& out) const;

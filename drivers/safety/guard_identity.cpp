@@ -18,36 +18,37 @@ constexpr double kComesToRestMax_s = 4.0;
 // Compares the motion of the body that bears the vehicle's name with the motion that the autopilot
 // reports. Distances are compared, not speeds: frames that jitter by 50 ms shift the body by a few
 // centimetres, but change its measured speed by metres per second.
-void FlightGuard::Parts::look_at_identity(Time now) {
+void FlightGuard::Parts::update_identity_inputs(Time now) {
   in.is_pose_distrusted = distrusts_pose;
-  const bool feels = is_airborne(ladder.state) && autopilot.has_position &&
-                     autopilot.estimator_good && in.telemetry_age_s <= limits.telemetry_age_hold_s;
+  const bool has_estimate = is_airborne(ladder.state) && autopilot.has_position &&
+                            autopilot.estimator_good &&
+                            in.telemetry_age_s <= limits.telemetry_age_hold_s;
   const Eigen::Vector2d seen_m = pose.world_from_body().translation_m.head<2>();
-  const Eigen::Vector2d felt_m = dt_s(now) * autopilot.velocity_world_mps.head<2>();
-  const double kept = feels ? std::exp(-dt_s(now) / limits.velocity_memory_s) : 0.0;
-  moved_apart_m = kept * (moved_apart_m + felt_m - (seen_m - compared_m));
-  moved_m = kept * (moved_m + felt_m.norm());
+  const Eigen::Vector2d reported_m = dt_s(now) * autopilot.velocity_world_mps.head<2>();
+  const double kept = has_estimate ? std::exp(-dt_s(now) / limits.velocity_memory_s) : 0.0;
+  moved_apart_m = kept * (moved_apart_m + reported_m - (seen_m - compared_m));
+  moved_m = kept * (moved_m + reported_m.norm());
   compared_m = seen_m;
   // Poses that are late show where the vehicle was before it braked.
-  const bool can_compare = feels && in.pose_age_s <= limits.pose_age_warn_s &&
+  const bool can_compare = has_estimate && in.pose_age_s <= limits.pose_age_warn_s &&
                            in.pose_latency_s <= limits.pose_latency_hold_s;
   const double apart_m = std::max(0.0, moved_apart_m.norm() - kTurnedShare * moved_m);
   in.velocity_error_mps = can_compare ? apart_m / limits.velocity_memory_s : 0.0;
   // and not controlled by a pilot
   const bool is_ours = autopilot.is_in_our_mode && in.autopilot_obeys;
   const bool hovers = ladder.state == models::FlightState::kHold && is_ours &&
-                      course.is_standing(now) && !is_climbing && !lift.is_under_way();
+                      course.is_hovering(now) && !is_climbing && !lift.is_under_way();
   const Eigen::Vector3d off_m = pose.predict_m(now, kPredictS) - course.at(now).position_world_m;
   const double off_plane_m = off_m.head<2>().norm();
-  const bool is_restless =
+  const bool is_deviating =
       hovers && can_compare &&
       (in.speed_mps > limits.hover_speed_mps || off_plane_m > limits.hover_off_m ||
        autopilot.velocity_world_mps.head<2>().norm() > limits.hover_speed_mps);
-  restless_s = is_restless ? restless_s + dt_s(now) : 0.0;
-  restless_off_m = is_restless ? std::max(restless_off_m, off_plane_m) : off_plane_m;
-  const bool comes_nearer = off_plane_m < restless_off_m - kNearer_m;
-  restless_off_m = comes_nearer ? off_plane_m : restless_off_m;
-  in.is_hold_restless = is_restless && (!comes_nearer || restless_s > kComesToRestMax_s);
+  hover_deviation_s = is_deviating ? hover_deviation_s + dt_s(now) : 0.0;
+  farthest_off_m = is_deviating ? std::max(farthest_off_m, off_plane_m) : off_plane_m;
+  const bool comes_nearer = off_plane_m < farthest_off_m - kNearer_m;
+  farthest_off_m = comes_nearer ? off_plane_m : farthest_off_m;
+  in.is_hover_deviating = is_deviating && (!comes_nearer || hover_deviation_s > kComesToRestMax_s);
   const bool comes_down = ladder.state == models::FlightState::kLand && is_sinking && is_ours &&
                           in.telemetry_age_s <= limits.telemetry_age_hold_s &&
                           in.pose_age_s <= limits.pose_age_warn_s &&

@@ -17,11 +17,11 @@ namespace {
 // m/s off the course's velocity; then the vehicle is assumed to be pushed
 constexpr double kSwerveMps = 0.6;
 constexpr double kSameSpeedMps = 0.1;     // m/s; speeds that differ by less count as equal
-constexpr double kMoveOffMps = 0.2;       // m/s; speed away from fence or obstacle
+constexpr double kClearanceMps = 0.2;     // m/s; speed away from fence or obstacle
 constexpr double kShiftPatienceS = 6.0;   // s; then it descends even if it is not over its spot
 constexpr double kAvoidPatienceS = 20.0;  // s; then it descends even if a body is below
 constexpr double kCommitM = 0.35;  // m; a landing that begins lower does not wait or move aside
-constexpr double kDoubtS = 0.2;    // s; longer than a single lost estimator report
+constexpr double kEstimatorGapMaxS = 0.2;  // s; longer than a single lost estimator report
 constexpr double kOverSpotM = 0.25;
 constexpr double kFallsMps = 1.0;  // m/s; faster than any landing
 constexpr int kDisarmedBeats = 3;
@@ -33,42 +33,43 @@ constexpr double kBlindSinkShare = 0.4;
 }  // namespace
 
 bool FlightGuard::Parts::keeps_to_course(Time now) const {
-  const PlanPoint asked = course.at(now);
+  const PlanPoint commanded = course.at(now);
   return course.is_on_plan() && pose_age_s(now) < limits.pose_age_land_s &&
-         (pose.velocity_world_mps() - asked.velocity_world_mps).norm() <= kSwerveMps &&
-         (pose.predict_m(now, kPredictS) - asked.position_world_m).norm() <= limits.tracking_hold_m;
+         (pose.velocity_world_mps() - commanded.velocity_world_mps).norm() <= kSwerveMps &&
+         (pose.predict_m(now, kPredictS) - commanded.position_world_m).norm() <=
+             limits.tracking_hold_m;
 }
 
 // A stop follows the plan's curve only where the plan keeps one speed and the vehicle has reached
 // it. Elsewhere the set-points, which change their speed gradually, differ from the plan.
 bool FlightGuard::Parts::has_planned_speed(Time now) const {
-  const double asked_mps = course.at(now).velocity_world_mps.norm();
-  if (asked_mps > 2.0 * pose.velocity_world_mps().norm() + kSameSpeedMps) {
+  const double commanded_mps = course.at(now).velocity_world_mps.norm();
+  if (commanded_mps > 2.0 * pose.velocity_world_mps().norm() + kSameSpeedMps) {
     return false;  // commanded to move a moment ago: it must not begin the plan in order to stop
   }
-  const double half_brake_s = 0.5 * asked_mps / limits.vehicle.brake_mps2;
+  const double half_brake_s = 0.5 * commanded_mps / limits.vehicle.brake_mps2;
   const auto differs = [&](const PlanPoint& planned) {
-    return std::abs(planned.velocity_world_mps.norm() - asked_mps) > kSameSpeedMps;
+    return std::abs(planned.velocity_world_mps.norm() - commanded_mps) > kSameSpeedMps;
   };
   return !differs(course.planned_at(now)) &&
          !differs(course.planned_at(now + from_seconds(half_brake_s)));
 }
 
-BrakeWay FlightGuard::Parts::brake_way(Time now, double reaction_s) const {
+BrakingPath FlightGuard::Parts::braking_path(Time now, double reaction_s) const {
   const Eigen::Vector3d here_m = pose.predict_m(now, kPredictS);
   if (keeps_to_course(now) && (reaction_s > 0.0 || has_planned_speed(now))) {
     const Eigen::Vector3d offset_m = here_m - course.planned_at(now).position_world_m;
-    return BrakeWay::along(course.plan(), std::max(0.0, course.elapsed_s(now)),
-                           limits.vehicle.brake_mps2, reaction_s, offset_m);
+    return BrakingPath::along(course.plan(), std::max(0.0, course.elapsed_s(now)),
+                              limits.vehicle.brake_mps2, reaction_s, offset_m);
   }
-  return BrakeWay::straight(here_m, pose.velocity_world_mps(), course.at(now).yaw_rad,
-                            limits.vehicle.brake_mps2, reaction_s);
+  return BrakingPath::straight(here_m, pose.velocity_world_mps(), course.at(now).yaw_rad,
+                               limits.vehicle.brake_mps2, reaction_s);
 }
 
 // Returns false when the motors are accepted to be off. While the body is seen to fly, a report of
 // disarmed motors is ignored, since it may come from another vehicle. While it is not seen,
 // kDisarmedBeats reports are required.
-bool FlightGuard::Parts::believes_armed(Time now) const {
+bool FlightGuard::Parts::is_assumed_armed(Time now) const {
   if (autopilot.armed || !in.autopilot_armed || !is_airborne(ladder.state)) {
     return autopilot.armed;
   }
@@ -93,20 +94,20 @@ double FlightGuard::Parts::height_error_m() const {
 
 // Fills `in` with the state at `now`.
 // long: later inputs use earlier ones
-void FlightGuard::Parts::look_at_all(Time now) {
+void FlightGuard::Parts::update_inputs(Time now) {
   started_at = has_ticked ? started_at : now;
-  in.autopilot_armed = believes_armed(now);
-  look(now);
+  in.autopilot_armed = is_assumed_armed(now);
+  update_common_inputs(now);
   in.telemetry_age_s = has_telemetry ? to_seconds(now - telemetry_at) : kNever;
   const Eigen::Vector3d here_m = pose.predict_m(now, kPredictS);
-  const bool sees = in.pose_age_s <= limits.pose_age_hold_s;
-  const bool feels = autopilot.has_position && autopilot.estimator_good &&
-                     in.telemetry_age_s <= limits.telemetry_age_hold_s;
-  if (sees) {
+  const bool has_recent_pose = in.pose_age_s <= limits.pose_age_hold_s;
+  const bool has_estimate = autopilot.has_position && autopilot.estimator_good &&
+                            in.telemetry_age_s <= limits.telemetry_age_hold_s;
+  if (has_recent_pose) {
     blind_height_m = here_m.z();
     in.height_m = here_m.z();
   } else {
-    in.height_m = feels ? autopilot.position_world_m.z() : blind_height_m;
+    in.height_m = has_estimate ? autopilot.position_world_m.z() : blind_height_m;
   }
   // Found in the air: by mocap or, after a long time without a pose, by the autopilot's estimate.
   const bool is_unseen =
@@ -114,8 +115,8 @@ void FlightGuard::Parts::look_at_all(Time now) {
   const bool is_found = ladder.state == FlightState::kIdle && !ladder.wants_armed &&
                         in.autopilot_armed && in.telemetry_age_s <= limits.telemetry_age_hold_s &&
                         in.height_m - ground_m.value_or(0.0) > limits.safe_height_m &&
-                        (sees || (is_unseen && feels));
-  if (ladder.state == FlightState::kIdle && has_heartbeat && !autopilot.armed && sees) {
+                        (has_recent_pose || (is_unseen && has_estimate));
+  if (ladder.state == FlightState::kIdle && has_heartbeat && !autopilot.armed && has_recent_pose) {
     ground_m = in.height_m;
   }
   in.is_found_flying = is_found && autopilot.is_in_our_mode;
@@ -131,28 +132,28 @@ void FlightGuard::Parts::look_at_all(Time now) {
   in.pose_age_s = aged(in.pose_age_s);
   in.telemetry_age_s = aged(in.telemetry_age_s);
   in.operator_age_s = aged(in.operator_age_s);
-  in.speed_mps = sees ? pose.velocity_world_mps().head<2>().norm() : 0.0;
+  in.speed_mps = has_recent_pose ? pose.velocity_world_mps().head<2>().norm() : 0.0;
   in.tracking_error_m = 0.0;
-  if (is_airborne(ladder.state) && sees) {
-    const Eigen::Vector3d asked_m = course.at(now).position_world_m;
+  if (is_airborne(ladder.state) && has_recent_pose) {
+    const Eigen::Vector3d commanded_m = course.at(now).position_world_m;
     const Eigen::Vector3d on_time_m = course.on_time(now).position_world_m;
-    const double level_m =
-        std::max((here_m - asked_m).head<2>().norm(), (on_time_m - asked_m).head<2>().norm());
+    const double level_m = std::max((here_m - commanded_m).head<2>().norm(),
+                                    (on_time_m - commanded_m).head<2>().norm());
     in.tracking_error_m = std::hypot(level_m, height_error_m());
   }
   if (pose.has_pose()) {
     const auto bodies = fleet.bodies(now, limits);
     static_cast<Surroundings&>(in) =
-        look_around(here_m, brake_way(now, limits.reaction_s), bodies, limits);
-    in.near_m = near_soon_m(here_m, bodies, limits.take_off_look_s);
+        compute_surroundings(here_m, braking_path(now, limits.reaction_s), bodies, limits);
+    in.near_m = predicted_distance_m(here_m, bodies, limits.take_off_prediction_s);
     if (std::exchange(had_motors, in.autopilot_armed) != in.autopilot_armed) {
       lift_queue.begin_turn(now);  // other motors may have changed at the same instant
     }
-    lift_queue.look(bodies, limits, now);
+    lift_queue.update(bodies, limits, now);
   }
-  look_at_autopilot(now);
-  look_at_lift(now);
-  look_at_identity(now);
+  update_autopilot_inputs(now);
+  update_lift_inputs(now);
+  update_identity_inputs(now);
 
   in.heartbeat_age_s = age(has_heartbeat, heartbeat_at);
   in.battery_share = battery_share;
@@ -163,7 +164,7 @@ void FlightGuard::Parts::look_at_all(Time now) {
 }
 
 // Fills the inputs from the autopilot's report, and its differences from mocap.
-void FlightGuard::Parts::look_at_autopilot(Time now) {
+void FlightGuard::Parts::update_autopilot_inputs(Time now) {
   in.autopilot_obeys = autopilot.obeys;
   in.is_flown_by_hand = autopilot.is_flown_by_hand;
   in.estimator_good = autopilot.estimator_good;
@@ -171,9 +172,9 @@ void FlightGuard::Parts::look_at_autopilot(Time now) {
   in.tilt_rad = autopilot.tilt_rad;
   in.motor_failed = autopilot.motor_failed;
   in.estimate_error_m = in.attitude_error_rad = in.yaw_error_rad = 0.0;
-  const Quaternion& seen = pose.world_from_body().rotation;
+  const Quaternion& measured = pose.world_from_body().rotation;
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-  in.body_tilt_rad = pose.has_pose() ? std::acos(std::clamp((seen * up).z(), -1.0, 1.0)) : 0.0;
+  in.body_tilt_rad = pose.has_pose() ? std::acos(std::clamp((measured * up).z(), -1.0, 1.0)) : 0.0;
   in.start_off_m = in.start_turn_rad = 0.0;
   if (limits.start && pose.has_pose() && !has_flown) {
     // No on-board instrument can detect a world that is turned as a whole.
@@ -192,29 +193,31 @@ void FlightGuard::Parts::look_at_autopilot(Time now) {
     in.attitude_error_rad = in.yaw_error_rad = kNever;
     return;
   }
-  const Quaternion& felt = autopilot.world_from_body;
-  const double cosine = (seen.inverse() * up).dot(felt.inverse() * up);
+  const Quaternion& estimated = autopilot.world_from_body;
+  const double cosine = (measured.inverse() * up).dot(estimated.inverse() * up);
   in.attitude_error_rad = std::acos(std::clamp(cosine, -1.0, 1.0));
   in.yaw_error_rad = std::abs(wrap_to_pi(flatten(pose.world_from_body()).yaw_rad -
-                                         flatten({Eigen::Vector3d::Zero(), felt}).yaw_rad));
+                                         flatten({Eigen::Vector3d::Zero(), estimated}).yaw_rad));
 }
 
 // Fills the inputs about our own take-off and those of others.
-void FlightGuard::Parts::look_at_lift(Time now) {
+void FlightGuard::Parts::update_lift_inputs(Time now) {
   const Eigen::Vector3d here_m = pose.predict_m(now, kPredictS);
-  const bool sees = in.pose_age_s <= limits.pose_age_hold_s;
-  const bool stands_armed =
+  const bool has_recent_pose = in.pose_age_s <= limits.pose_age_hold_s;
+  const bool is_armed_on_ground =
       ladder.state == FlightState::kIdle && ladder.wants_armed && in.autopilot_armed;
-  stand_height_m = stands_armed ? stand_height_m : in.height_m;
-  in.risen_untold_m = stands_armed && sees ? in.height_m - stand_height_m : 0.0;
-  in.is_lift_taken = lift_queue.is_taken();
-  in.unrisen_s = lift.unrisen_s(here_m, limits, now);
-  in.unproven_s = lift.unproven_s(now);
-  in.other_risen_m = in.unrisen_s > 0.0 ? lift_queue.other_risen_m() : 0.0;
+  unarmed_height_m = is_armed_on_ground ? unarmed_height_m : in.height_m;
+  in.unordered_rise_m =
+      is_armed_on_ground && has_recent_pose ? in.height_m - unarmed_height_m : 0.0;
+  in.is_lift_blocked = lift_queue.is_blocked();
+  in.no_rise_s = lift.no_rise_s(here_m, limits, now);
+  in.proof_pending_s = lift.proof_pending_s(now);
+  in.other_risen_m = in.no_rise_s > 0.0 ? lift_queue.other_risen_m() : 0.0;
   const Eigen::Vector3d soon_m = here_m + limits.reaction_s * pose.velocity_world_mps();
-  in.lift_astray_m = sees ? std::max(lift.astray_m(here_m), lift.astray_m(soon_m)) : 0.0;
+  in.lift_deviation_m =
+      has_recent_pose ? std::max(lift.deviation_m(here_m), lift.deviation_m(soon_m)) : 0.0;
   in.lift_climb_error_mps = in.lift_turn_error_radps = 0.0;
-  const bool can_compare = lift.is_under_way() && sees && autopilot.has_position &&
+  const bool can_compare = lift.is_under_way() && has_recent_pose && autopilot.has_position &&
                            in.telemetry_age_s <= limits.telemetry_age_hold_s;
   if (can_compare) {
     in.lift_climb_error_mps =
@@ -224,12 +227,12 @@ void FlightGuard::Parts::look_at_lift(Time now) {
 }
 
 // Starts the actions of a new state.
-void FlightGuard::Parts::change(FlightState before, Time now) {
+void FlightGuard::Parts::on_state_change(FlightState before, Time now) {
   const FlightState state = ladder.state;
   if (!is_airborne(before) && is_airborne(state)) {
     airborne_at = now;
     const Pose2 here = flatten(pose.world_from_body());
-    course.stand(pose.world_from_body().translation_m, here.yaw_rad, now);
+    course.hover(pose.world_from_body().translation_m, here.yaw_rad, now);
     height_ref_m = height_goal_m = in.height_m;
     if (!in.is_found_flying && !in.is_found_landing) {
       lift_off(now);
@@ -241,9 +244,9 @@ void FlightGuard::Parts::change(FlightState before, Time now) {
     if (in.plan_ended && course.is_on_plan() && !course.has_next()) {
       // The plan's final hover, which was checked with it.
       const PlanPoint end = course.at(now);
-      course.stand(end.position_world_m, end.yaw_rad, now);
+      course.hover(end.position_world_m, end.yaw_rad, now);
     } else {
-      course.stop(brake_way(now, 0.0), now);
+      course.stop(braking_path(now, 0.0), now);
     }
   }
   if (lands || !is_airborne(state)) {
@@ -272,8 +275,8 @@ void FlightGuard::Parts::lift_off(Time now) {
 }
 
 // Moves a vehicle away from a fence or obstacle that a gust would make it touch.
-void FlightGuard::Parts::move_off(Time now) {
-  if (lift.is_under_way() || !course.is_standing(now) || in.pose_age_s > limits.pose_age_warn_s ||
+void FlightGuard::Parts::restore_clearance(Time now) {
+  if (lift.is_under_way() || !course.is_hovering(now) || in.pose_age_s > limits.pose_age_warn_s ||
       !in.estimator_good) {
     return;
   }
@@ -281,48 +284,50 @@ void FlightGuard::Parts::move_off(Time now) {
   const Eigen::Vector3d hover_m = course.at(now).position_world_m;
   const Eigen::Vector3d here_m(hover_m.x(), hover_m.y(), in.height_m);
   if (const auto clear_m = clear_spot(here_m, fleet.bodies(now, limits), limits)) {
-    course.shift({clear_m->x(), clear_m->y(), hover_m.z()}, kMoveOffMps, now);
+    course.shift({clear_m->x(), clear_m->y(), hover_m.z()}, kClearanceMps, now);
   }
 }
 
 bool FlightGuard::Parts::is_blind() const {
   return distrusts_pose || in.pose_age_s > limits.pose_age_kill_s ||
-         to_seconds(in.now - estimator_good_at) > kDoubtS;
+         to_seconds(in.now - estimator_good_at) > kEstimatorGapMaxS;
 }
 
 // Stops, moves to a landing spot and descends. Stops the descent when a body enters below, unless
 // the landing is committed (low or long under way) or blind.
 void FlightGuard::Parts::land(Time now, double dt_s) {
   const Eigen::Vector3d here_m = pose.predict_m(now, kPredictS);
-  const bool sees = in.pose_age_s <= limits.pose_age_hold_s;
+  const bool has_recent_pose = in.pose_age_s <= limits.pose_age_hold_s;
   const bool was_committed = is_committed;
   is_committed = is_committed || (is_sinking && in.height_m < limits.safe_height_m) ||
                  to_seconds(now - landing_since) > kAvoidPatienceS;
   const auto bodies = fleet.bodies(now, limits);
-  const PlanPoint asked = course.at(now);
-  const Eigen::Vector3d hover_m(asked.position_world_m.x(), asked.position_world_m.y(), here_m.z());
+  const PlanPoint commanded = course.at(now);
+  const Eigen::Vector3d hover_m(commanded.position_world_m.x(), commanded.position_world_m.y(),
+                                here_m.z());
   const Eigen::Vector3d level_spot_m(spot_m.x(), spot_m.y(), here_m.z());
   const bool is_below_us = is_occupied_below(here_m, bodies, limits);
   const bool is_free = !is_below_us && !is_occupied_below(hover_m, bodies, limits);
   if (is_committed) {
-    if (!was_committed && !course.is_standing(now)) {
-      course.stop(brake_way(now, 0.0), now);
+    if (!was_committed && !course.is_hovering(now)) {
+      course.stop(braking_path(now, 0.0), now);
     }
-  } else if (sees && course.is_standing(now)) {
+  } else if (has_recent_pose && course.is_hovering(now)) {
     if (!has_spot || !is_free) {
       spot_m = landing_spot(is_below_us ? here_m : hover_m, bodies, limits);
-      spot_m.z() = asked.position_world_m.z();
-      if ((spot_m - asked.position_world_m).norm() > 1e-6) {
+      spot_m.z() = commanded.position_world_m.z();
+      if ((spot_m - commanded.position_world_m).norm() > 1e-6) {
         course.shift(spot_m, kShiftMps, now);
         spot_since = now;
       }
       has_spot = true;
     }
-  } else if (sees && has_spot && is_way_taken(hover_m, level_spot_m, bodies, limits)) {
-    course.stop(brake_way(now, 0.0), now);
+  } else if (has_recent_pose && has_spot &&
+             is_path_blocked(hover_m, level_spot_m, bodies, limits)) {
+    course.stop(braking_path(now, 0.0), now);
     has_spot = false;
   }
-  const bool is_there = course.is_standing(now) && (has_spot || !sees) &&
+  const bool is_there = course.is_hovering(now) && (has_spot || !has_recent_pose) &&
                         ((here_m - course.at(now).position_world_m).head<2>().norm() < kOverSpotM ||
                          to_seconds(now - spot_since) > kShiftPatienceS);
   if ((is_there && is_free) || is_committed || is_blind()) {
@@ -356,8 +361,8 @@ void FlightGuard::Parts::move_height(double dt_s) {
     height_goal_m = course.plan().height_m;
   }
   const bool climbs_on = is_climbing && !lift.is_under_way() && height_ref_m < height_goal_m;
-  if (climbs_on && is_climb_taken(pose.predict_m(in.now, kPredictS), height_goal_m,
-                                  fleet.bodies(in.now, limits), limits)) {
+  if (climbs_on && is_climb_blocked(pose.predict_m(in.now, kPredictS), height_goal_m,
+                                    fleet.bodies(in.now, limits), limits)) {
     climb_since = in.now;  // the other vehicle goes first
     return;
   }

@@ -19,20 +19,20 @@ struct FlightGuard::Parts : GuardCore {
         lift_queue(scenario, robot) {}
 
   [[nodiscard]] double pose_age_s(Time now) const { return pose.age_s(now); }
-  [[nodiscard]] BrakeWay brake_way(Time now, double reaction_s) const;
+  [[nodiscard]] BrakingPath braking_path(Time now, double reaction_s) const;
   [[nodiscard]] bool keeps_to_course(Time now) const;
   [[nodiscard]] bool has_planned_speed(Time now) const;
   /// True if a landing has no position that it can use.
   [[nodiscard]] bool is_blind() const;
-  void look_at_all(Time now);
-  void look_at_autopilot(Time now);
-  void look_at_lift(Time now);
-  void look_at_identity(Time now);
-  [[nodiscard]] bool believes_armed(Time now) const;
+  void update_inputs(Time now);
+  void update_autopilot_inputs(Time now);
+  void update_lift_inputs(Time now);
+  void update_identity_inputs(Time now);
+  [[nodiscard]] bool is_assumed_armed(Time now) const;
   [[nodiscard]] double height_error_m() const;
   void lift_off(Time now);
-  void change(models::FlightState before, Time now);
-  void move_off(Time now);
+  void on_state_change(models::FlightState before, Time now);
+  void restore_clearance(Time now);
   void land(Time now, double dt_s);
   void move_height(double dt_s);
   [[nodiscard]] FlightSetpoint setpoint(Time now) const;
@@ -49,7 +49,7 @@ struct FlightGuard::Parts : GuardCore {
   double height_rate_mps = 0.0;  ///< m/s; rate of height_ref_m at the last tick
   double height_goal_m = 0.0;
   double blind_height_m = 0.0;
-  double stand_height_m = 0.0;     ///< m; height before the motors were started on the ground
+  double unarmed_height_m = 0.0;   ///< m; height before the motors were started on the ground
   std::optional<double> ground_m;  ///< m; last height seen with the motors off
   double climb_from_m = 0.0;
   Time climb_since{};
@@ -67,9 +67,9 @@ struct FlightGuard::Parts : GuardCore {
   Eigen::Vector2d moved_apart_m = Eigen::Vector2d::Zero();  ///< m; reported motion less seen motion
   double moved_m = 0.0;                                     ///< m; length of the reported motion
   Eigen::Vector2d compared_m = Eigen::Vector2d::Zero();     ///< m; position at the last comparison
-  double restless_s = 0.0;  ///< s during which it was commanded to hover and did not
+  double hover_deviation_s = 0.0;  ///< s during which it was commanded to hover and did not
   /// m; farthest distance from its position since it last came nearer
-  double restless_off_m = 0.0;
+  double farthest_off_m = 0.0;
   int disarmed_beats = 0;  ///< consecutive heartbeats that report disarmed motors
   Time heartbeat_at{}, telemetry_at{}, battery_at{}, battery_changed_at{}, airborne_at{},
       estimator_good_at{};

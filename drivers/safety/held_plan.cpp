@@ -22,9 +22,10 @@ PlanPoint along(const models::PlanSegment& segment, const Eigen::Vector3d& p_m, 
   if (segment.brake_mps2 > 0.0) {
     const double t_stop = std::min(t, std::abs(v) / segment.brake_mps2);
     const double sense = v < 0.0 ? -1.0 : 1.0;
-    const double way_m = v * t_stop - sense * 0.5 * segment.brake_mps2 * t_stop * t_stop;
+    const double travelled_m = v * t_stop - sense * 0.5 * segment.brake_mps2 * t_stop * t_stop;
     speed_mps = v - sense * segment.brake_mps2 * t_stop;
-    out.position_world_m += way_m * Eigen::Vector3d(std::cos(yaw_rad), std::sin(yaw_rad), 0.0);
+    out.position_world_m +=
+        travelled_m * Eigen::Vector3d(std::cos(yaw_rad), std::sin(yaw_rad), 0.0);
   } else if (std::abs(w) < kStraightRadps) {
     out.position_world_m += v * t * Eigen::Vector3d(std::cos(yaw_rad), std::sin(yaw_rad), 0.0);
     out.yaw_rad = yaw_rad + w * t;

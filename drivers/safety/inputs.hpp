@@ -41,7 +41,7 @@ struct SafetyInputs : Surroundings {
   double height_m = 0.0;          ///< m above the ground, by the best source available
   double tracking_error_m = 0.0;  ///< m from the reference, height included; 0 without a reference
   double speed_mps = 0.0;         ///< m/s; horizontal, by mocap
-  bool is_hold_restless = false;  ///< commanded to hover, but moves or is away from its position
+  bool is_hover_deviating = false;  ///< commanded to hover, but moves or is away from its position
   bool is_pose_distrusted = false;  ///< by a row that has acted in this flight
   double sink_error_m = 0.0;        ///< m above the commanded height during a descent in the air
   double body_tilt_rad = 0.0;       ///< rad; body z axis to the vertical, by mocap
@@ -60,18 +60,18 @@ struct SafetyInputs : Surroundings {
   double other_version_age_s = kNever;  ///< s since a message of an unknown type was received
 
   // Taking off.
-  bool is_lift_taken = false;  ///< another vehicle lifts, or must lift before this one
-  double unrisen_s = 0.0;      ///< s since take-off, while the body has not risen
-  double unproven_s = 0.0;     ///< s in the hover of the first lift
-  double other_risen_m = 0.0;  ///< m; rise of another robot's body before this one has risen
+  bool is_lift_blocked = false;  ///< another vehicle lifts, or must lift before this one
+  double no_rise_s = 0.0;        ///< s since take-off, while the body has not risen
+  double proof_pending_s = 0.0;  ///< s in the hover of the first lift
+  double other_risen_m = 0.0;    ///< m; rise of another robot's body before this one has risen
   /// m; horizontal distance from the path of the first lift, now or after reaction_s
-  double lift_astray_m = 0.0;
+  double lift_deviation_m = 0.0;
   double lift_climb_error_mps = 0.0;  ///< m/s; mocap against autopilot, in the first lift
   double lift_turn_error_radps = 0.0;
-  double risen_untold_m = 0.0;   ///< m; rise while armed without a take-off order
-  double near_m = kNever;        ///< m; least horizontal distance to a body within take_off_look_s;
-                                 ///< standing robots excluded
-  bool is_found_flying = false;  ///< armed and in the air without an order of this driver
+  double unordered_rise_m = 0.0;  ///< m; rise while armed without a take-off order
+  double near_m = kNever;  ///< m; least horizontal distance to a body within take_off_prediction_s;
+                           ///< standing robots excluded
+  bool is_found_flying = false;   ///< armed and in the air without an order of this driver
   bool is_found_landing = false;  ///< the same, with the autopilot in its landing mode
 
   // Vehicle.
@@ -104,7 +104,7 @@ struct SafetyInputs : Surroundings {
 };
 
 /// True if the operator requests `action` at this tick.
-inline bool asks(const SafetyInputs& inputs, models::OperatorAction action) {
+inline bool is_requested(const SafetyInputs& inputs, models::OperatorAction action) {
   return inputs.request.has_value() && *inputs.request == action;
 }
 

@@ -12,7 +12,7 @@ using models::OperatorAction;
 
 constexpr double kStoppingS = 2.5;  // s; for a pending disarming and the heartbeat that reports it
 
-void come_to_rest(LadderState& next, FlightState state) {
+void reset_to(LadderState& next, FlightState state) {
   next.state = state;
   next.wants_armed = false;
   next.arm = next.take_off = {};
@@ -29,19 +29,20 @@ void refuse(LadderState& next, Refusal::Order order, const Reasons& reasons) {
 }
 
 // Takes new orders that are to be obeyed later.
-void hear_orders(LadderState& next, const SafetyInputs& inputs) {
-  if (asks(inputs, OperatorAction::kArm)) {
+void take_orders(LadderState& next, const SafetyInputs& inputs) {
+  if (is_requested(inputs, OperatorAction::kArm)) {
     next.arm = {true, inputs.now};
     next.forbidden_at = inputs.now - std::chrono::hours(1);  // earlier causes do not count
     next.refusal = {};
-  } else if (asks(inputs, OperatorAction::kTakeOff)) {
+  } else if (is_requested(inputs, OperatorAction::kTakeOff)) {
     next.refusal = {};
     if (next.arm.is_given) {
       next.take_off = {true, inputs.now};
     } else {
       refuse(next, Refusal::Order::kTakeOff, {});
     }
-  } else if (asks(inputs, OperatorAction::kLand) || asks(inputs, OperatorAction::kHold)) {
+  } else if (is_requested(inputs, OperatorAction::kLand) ||
+             is_requested(inputs, OperatorAction::kHold)) {
     next.arm = next.take_off = {};
     next.refusal = {};
   }
@@ -50,9 +51,9 @@ void hear_orders(LadderState& next, const SafetyInputs& inputs) {
 void step_idle(LadderState& next, const SafetyInputs& inputs, const SafetyLimits& limits) {
   next.latched.reset();
   next.wants_follow = false;
-  if (inputs.emergency_stop || inputs.risen_untold_m > limits.lift_other_m) {
+  if (inputs.emergency_stop || inputs.unordered_rise_m > limits.lift_other_rise_m) {
     latch(next, conditions(), inputs, limits);
-    come_to_rest(next, FlightState::kKilled);
+    reset_to(next, FlightState::kKilled);
     return;
   }
   if (inputs.is_found_flying || inputs.is_found_landing) {
@@ -62,7 +63,7 @@ void step_idle(LadderState& next, const SafetyInputs& inputs, const SafetyLimits
     next.refusal = {};
     return;
   }
-  hear_orders(next, inputs);
+  take_orders(next, inputs);
   const auto has_waited = [&](const GroundOrder& order) {
     return to_seconds(inputs.now - order.waits_since) > limits.arm_wait_s;
   };
@@ -71,7 +72,7 @@ void step_idle(LadderState& next, const SafetyInputs& inputs, const SafetyLimits
     next.arm.waits_since = inputs.now;
     // Motors idle for at most lift_idle_s while another lifts: autopilots stop idle motors, which
     // ends an order.
-    const bool is_turn = !next.take_off.is_given || !inputs.is_lift_taken;
+    const bool is_turn = !next.take_off.is_given || !inputs.is_lift_blocked;
     next.its_turn_at = is_turn ? inputs.now : next.its_turn_at;
     next.wants_armed =
         next.arm.is_given && to_seconds(inputs.now - next.its_turn_at) <= limits.lift_idle_s &&
@@ -90,7 +91,7 @@ void step_idle(LadderState& next, const SafetyInputs& inputs, const SafetyLimits
   }
   const bool may_stop = next.is_stopping && to_seconds(inputs.now - next.unwanted_at) < kStoppingS;
   const Reasons near = take_off_blocks(inputs, limits);
-  if (inputs.is_lift_taken) {
+  if (inputs.is_lift_blocked) {
     next.take_off.waits_since = inputs.now;  // waiting for the turn does not count as forbidden
   } else if (has_waited(next.take_off)) {
     refuse(next, Refusal::Order::kTakeOff, near | blocks);
@@ -103,21 +104,21 @@ void step_idle(LadderState& next, const SafetyInputs& inputs, const SafetyLimits
 void step_airborne(LadderState& next, const SafetyInputs& inputs, const SafetyLimits& limits) {
   latch(next, conditions(), inputs, limits);
   if (acts(conditions(), next.latched, Severity::kKill)) {
-    come_to_rest(next, FlightState::kKilled);
+    reset_to(next, FlightState::kKilled);
     return;
   }
   if (!inputs.autopilot_armed) {  // landed, or disarmed by the pilot
-    come_to_rest(next, FlightState::kIdle);
+    reset_to(next, FlightState::kIdle);
     next.latched.reset();
     return;
   }
-  if (asks(inputs, OperatorAction::kFollow)) {
+  if (is_requested(inputs, OperatorAction::kFollow)) {
     next.wants_follow = true;
-  } else if (asks(inputs, OperatorAction::kHold)) {
+  } else if (is_requested(inputs, OperatorAction::kHold)) {
     next.wants_follow = false;
   }
   if (next.state == FlightState::kLand || acts(conditions(), next.latched, Severity::kLand) ||
-      asks(inputs, OperatorAction::kLand)) {
+      is_requested(inputs, OperatorAction::kLand)) {
     next.state = FlightState::kLand;
     next.wants_follow = false;
     const bool is_down =
@@ -132,9 +133,9 @@ void step_airborne(LadderState& next, const SafetyInputs& inputs, const SafetyLi
 
 void step_killed(LadderState& next, const SafetyInputs& inputs) {
   const bool is_down = !inputs.autopilot_armed || inputs.heartbeat_age_s == kNever;
-  if (asks(inputs, OperatorAction::kArm) && is_down &&
+  if (is_requested(inputs, OperatorAction::kArm) && is_down &&
       !holds_any(conditions(), next, Clearing::kRearm)) {
-    come_to_rest(next, FlightState::kIdle);
+    reset_to(next, FlightState::kIdle);
     next.latched.reset();
   }
 }

@@ -18,7 +18,7 @@ bool is_cleared(const Condition& row, const LadderState& ladder, std::size_t i,
       return to_seconds(inputs.now - ladder.gone_since[i]) >= wait_s;
     }
     case Clearing::kOperator:
-      return asks(inputs, OperatorAction::kFollow);
+      return is_requested(inputs, OperatorAction::kFollow);
     case Clearing::kGround:
     case Clearing::kRearm:
       return false;  // cleared by the change of state that ends them

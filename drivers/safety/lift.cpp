@@ -12,11 +12,11 @@ namespace {
 constexpr double kOnItsWayM = 0.02;  // m above its lowest height; a climbing body lifts above this
 constexpr double kStillLiftingM = 0.5;
 constexpr double kClimbsMps = 0.05;
-constexpr double kTurnSlackS = 6.0;  // s; for the start of its motors
-constexpr double kSaidS = 0.5;       // s; vehicles report at 10 Hz
-constexpr double kPolitenessS = 0.15;
-constexpr double kShownShare = 0.3;  // share of a commanded step or turn
-constexpr double kBeneathM = 0.06;   // m below the hover height; the proof begins above this
+constexpr double kTurnSlackS = 6.0;     // s; for the start of its motors
+constexpr double kReportAgeMaxS = 0.5;  // s; vehicles report at 10 Hz
+constexpr double kTurnDelayS = 0.15;
+constexpr double kShownShare = 0.3;              // share of a commanded step or turn
+constexpr double kProofHeightToleranceM = 0.06;  // m below the hover height; start of the proof
 
 }  // namespace
 
@@ -36,8 +36,8 @@ bool LiftQueue::is_before(const Entry& a, const Entry& b) {
 void LiftQueue::on_take_off(const std::string& robot) {
   ++orders_;
   for (Entry& entry : robots_) {
-    if ((robot.empty() || entry.name == robot) && !entry.is_told) {
-      entry.is_told = true;
+    if ((robot.empty() || entry.name == robot) && !entry.is_ordered) {
+      entry.is_ordered = true;
       entry.order = orders_;
     }
   }
@@ -46,15 +46,15 @@ void LiftQueue::on_take_off(const std::string& robot) {
 void LiftQueue::on_lifting(const std::string& robot, Time now) {
   for (Entry& entry : robots_) {
     if (entry.name == robot) {
-      entry.has_said = true;
-      entry.said = now;
+      entry.has_reported = true;
+      entry.reported_at = now;
     }
   }
 }
 
 void LiftQueue::forget_own() {
   if (own_ < robots_.size()) {
-    robots_[own_].is_told = false;
+    robots_[own_].is_ordered = false;
   }
 }
 
@@ -64,7 +64,7 @@ void LiftQueue::begin_own() {
   }
 }
 
-void LiftQueue::look(std::span<const OtherBody> bodies, const SafetyLimits& limits, Time now) {
+void LiftQueue::update(std::span<const OtherBody> bodies, const SafetyLimits& limits, Time now) {
   for (const OtherBody& body : bodies) {
     if (body.robot < 0 || body.age_s > limits.pose_age_hold_s) {
       continue;
@@ -76,22 +76,22 @@ void LiftQueue::look(std::span<const OtherBody> bodies, const SafetyLimits& limi
     entry.begun_m = entry.is_seen ? entry.begun_m : entry.height_m;
     entry.is_seen = true;
   }
-  is_taken_ = false;
+  is_blocked_ = false;
   other_risen_m_ = 0.0;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     Entry& entry = robots_[i];
     const double risen_m = entry.height_m - entry.rest_m;
-    if (i != own_ && entry.has_said && to_seconds(now - entry.said) < kSaidS) {
-      is_taken_ = true;
+    if (i != own_ && entry.has_reported && to_seconds(now - entry.reported_at) < kReportAgeMaxS) {
+      is_blocked_ = true;
     }
     if (i == own_ || !entry.is_seen) {
       continue;
     }
-    if (risen_m > limits.lift_over_m) {
-      entry.is_told = false;  // its turn is over
+    if (risen_m > limits.lift_done_m) {
+      entry.is_ordered = false;  // its turn is over
     }
     if (entry.climb_mps > kClimbsMps) {
-      is_taken_ = is_taken_ || (risen_m > kOnItsWayM && risen_m < kStillLiftingM);
+      is_blocked_ = is_blocked_ || (risen_m > kOnItsWayM && risen_m < kStillLiftingM);
       // A body that hovered before our lift began belongs to another vehicle.
       if (entry.begun_m - entry.rest_m < limits.lift_risen_m) {
         other_risen_m_ = std::max(other_risen_m_, entry.height_m - entry.begun_m);
@@ -100,7 +100,8 @@ void LiftQueue::look(std::span<const OtherBody> bodies, const SafetyLimits& limi
   }
   std::size_t front = robots_.size();
   for (std::size_t i = 0; i < robots_.size(); ++i) {
-    if (robots_[i].is_told && (front == robots_.size() || is_before(robots_[i], robots_[front]))) {
+    if (robots_[i].is_ordered &&
+        (front == robots_.size() || is_before(robots_[i], robots_[front]))) {
       front = i;
     }
   }
@@ -112,12 +113,12 @@ void LiftQueue::look(std::span<const OtherBody> bodies, const SafetyLimits& limi
     const double turn_s =
         limits.lift_wait_s + kTurnSlackS + (has_risen ? limits.lift_proof_s : 0.0);
     if (to_seconds(now - front_since_) > turn_s) {
-      robots_[front_].is_told = false;
+      robots_[front_].is_ordered = false;
     }
-    is_taken_ = true;
+    is_blocked_ = true;
   }
-  taken_last_ = is_taken_ ? now : taken_last_;
-  is_taken_ = to_seconds(now - taken_last_) < kPolitenessS * static_cast<double>(own_ + 1);
+  blocked_last_ = is_blocked_ ? now : blocked_last_;
+  is_blocked_ = to_seconds(now - blocked_last_) < kTurnDelayS * static_cast<double>(own_ + 1);
 }
 
 void Lift::begin(const Pose3& world_from_body, std::span<const OtherBody> others,
@@ -149,42 +150,44 @@ void Lift::begin(const Pose3& world_from_body, std::span<const OtherBody> others
 
 bool Lift::step(const Eigen::Vector3d& position_m, double yaw_rad, Course& course,
                 const SafetyLimits& limits, Time now) {
-  if (phase_ == Phase::kRising && position_m.z() > height_m_ - kBeneathM) {
+  if (phase_ == Phase::kRising && position_m.z() > height_m_ - kProofHeightToleranceM) {
     phase_ = Phase::kProving;
     since_ = now;
     proof_from_m_ = position_m;
     proof_from_yaw_rad_ = yaw_rad;
-    course.stand(rest_m_ + step_m_, wrap_to_pi(rest_yaw_rad_ + limits.lift_turn_rad), now);
+    course.hover(rest_m_ + step_m_, wrap_to_pi(rest_yaw_rad_ + limits.lift_turn_rad), now);
   }
   if (phase_ != Phase::kProving) {
     return false;
   }
   const Eigen::Vector3d gone_m = position_m - proof_from_m_;
-  const Eigen::Vector3d asked_m = rest_m_ + step_m_ - proof_from_m_;
-  const double asked_rad = wrap_to_pi(rest_yaw_rad_ + limits.lift_turn_rad - proof_from_yaw_rad_);
-  const auto is_shown = [](double shown, double asked) {
-    return shown * asked > 0.0 && std::abs(shown) > kShownShare * std::abs(asked);
+  const Eigen::Vector3d commanded_m = rest_m_ + step_m_ - proof_from_m_;
+  const double commanded_rad =
+      wrap_to_pi(rest_yaw_rad_ + limits.lift_turn_rad - proof_from_yaw_rad_);
+  const auto is_shown = [](double shown, double commanded) {
+    return shown * commanded > 0.0 && std::abs(shown) > kShownShare * std::abs(commanded);
   };
-  const bool is_proven = is_shown(gone_m.x(), asked_m.x()) && is_shown(gone_m.y(), asked_m.y()) &&
-                         is_shown(wrap_to_pi(yaw_rad - proof_from_yaw_rad_), asked_rad);
+  const bool is_proven = is_shown(gone_m.x(), commanded_m.x()) &&
+                         is_shown(gone_m.y(), commanded_m.y()) &&
+                         is_shown(wrap_to_pi(yaw_rad - proof_from_yaw_rad_), commanded_rad);
   if (is_proven) {
     phase_ = Phase::kNone;
-    course.stand(rest_m_, rest_yaw_rad_, now);
+    course.hover(rest_m_, rest_yaw_rad_, now);
   }
   return is_proven;
 }
 
-double Lift::unrisen_s(const Eigen::Vector3d& position_m, const SafetyLimits& limits,
+double Lift::no_rise_s(const Eigen::Vector3d& position_m, const SafetyLimits& limits,
                        Time now) const {
   const bool waits = phase_ == Phase::kRising && position_m.z() - rest_m_.z() < limits.lift_risen_m;
   return waits ? to_seconds(now - since_) : 0.0;
 }
 
-double Lift::unproven_s(Time now) const {
+double Lift::proof_pending_s(Time now) const {
   return phase_ == Phase::kProving ? to_seconds(now - since_) : 0.0;
 }
 
-double Lift::astray_m(const Eigen::Vector3d& position_m) const {
+double Lift::deviation_m(const Eigen::Vector3d& position_m) const {
   if (!is_under_way()) {
     return 0.0;
   }

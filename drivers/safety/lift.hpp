@@ -36,31 +36,31 @@ class LiftQueue {
   /// before mocap can show it.
   void on_lifting(const std::string& robot, Time now);
   /// Restarts the wait for our own turn, because motors have started or stopped.
-  void begin_turn(Time now) { taken_last_ = now; }
+  void begin_turn(Time now) { blocked_last_ = now; }
   /// Ends our own order: done, refused or revoked.
   void forget_own();
   /// Updates the queue from the positions of `bodies`, which are the fleet's of the same scenario.
-  void look(std::span<const OtherBody> bodies, const SafetyLimits& limits, Time now);
+  void update(std::span<const OtherBody> bodies, const SafetyLimits& limits, Time now);
   /// Begins our own lift: from now on the rise of another robot's body is measured.
   void begin_own();
 
   /// True if another vehicle lifts, or must lift before us, or did so a moment ago.
-  [[nodiscard]] bool is_taken() const { return is_taken_; }
+  [[nodiscard]] bool is_blocked() const { return is_blocked_; }
   /// Returns how far another robot's body has risen since our own lift began, m; 0 if none rises.
   [[nodiscard]] double other_risen_m() const { return other_risen_m_; }
 
  private:
   struct Entry {
     std::string name;
-    bool is_told = false;
+    bool is_ordered = false;
     std::int64_t order = 0;
     bool is_seen = false;
     double height_m = 0.0;
     double rest_m = 0.0;   ///< m; lowest height seen
     double begun_m = 0.0;  ///< m; height when our own lift began
     double climb_mps = 0.0;
-    bool has_said = false;
-    Time said{};  ///< last report that it was lifting
+    bool has_reported = false;
+    Time reported_at{};  ///< last report that it was lifting
   };
   [[nodiscard]] static bool is_before(const Entry& a, const Entry& b);
 
@@ -69,8 +69,8 @@ class LiftQueue {
   std::int64_t orders_ = 0;
   std::size_t front_;  ///< first of the queue; robots_.size(): empty
   Time front_since_{};
-  bool is_taken_ = false;
-  Time taken_last_{};
+  bool is_blocked_ = false;
+  Time blocked_last_{};
   double other_risen_m_ = 0.0;
 };
 
@@ -99,12 +99,12 @@ class Lift {
   [[nodiscard]] double height_m() const { return height_m_; }
   [[nodiscard]] double rest_m() const { return rest_m_.z(); }
   /// Returns the time since the climb was commanded, s; 0 once it has risen.
-  [[nodiscard]] double unrisen_s(const Eigen::Vector3d& position_m, const SafetyLimits& limits,
+  [[nodiscard]] double no_rise_s(const Eigen::Vector3d& position_m, const SafetyLimits& limits,
                                  Time now) const;
   /// Returns the duration of the hover of the proof, s; 0 outside that phase.
-  [[nodiscard]] double unproven_s(Time now) const;
+  [[nodiscard]] double proof_pending_s(Time now) const;
   /// Returns the horizontal distance from the segment between ground position and step, m.
-  [[nodiscard]] double astray_m(const Eigen::Vector3d& position_m) const;
+  [[nodiscard]] double deviation_m(const Eigen::Vector3d& position_m) const;
 
  private:
   Phase phase_ = Phase::kNone;

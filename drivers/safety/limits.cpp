@@ -16,7 +16,7 @@ struct Bound {
   double value;
 };
 
-void rises(const Bound& low, const Bound& high) {
+void require_less(const Bound& low, const Bound& high) {
   require(low.value > 0.0 && low.value < high.value && std::isfinite(high.value),
           std::string("safety limits: 0 < ") + low.name + " < " + high.name);
 }
@@ -53,18 +53,19 @@ double setpoint_loss_s(models::AutopilotDialect dialect) {
          (dialect == models::AutopilotDialect::kArdupilot ? kArdupilotGentleS : 0.0);
 }
 
-double way_m(double speed_mps, double on_s, double brake_mps2) {
+double distance_to_stop_m(double speed_mps, double on_s, double brake_mps2) {
   return speed_mps * on_s + 0.5 * speed_mps * speed_mps / brake_mps2;
 }
 
 }  // namespace
 
-double stopping_way_m(const SafetyLimits& limits, double speed_mps) {
-  return way_m(speed_mps, limits.reaction_s, limits.vehicle.brake_mps2);
+double stopping_distance_m(const SafetyLimits& limits, double speed_mps) {
+  return distance_to_stop_m(speed_mps, limits.reaction_s, limits.vehicle.brake_mps2);
 }
 
-double lost_way_m(const SafetyLimits& limits, double speed_mps) {
-  return way_m(speed_mps, limits.setpoint_loss_s + limits.reaction_s, limits.vehicle.brake_mps2);
+double stopping_distance_after_loss_m(const SafetyLimits& limits, double speed_mps) {
+  return distance_to_stop_m(speed_mps, limits.setpoint_loss_s + limits.reaction_s,
+                            limits.vehicle.brake_mps2);
 }
 
 double half_window_s(const models::VehicleLimits& vehicle) {
@@ -110,31 +111,34 @@ SafetyLimits limits_for(const scenario::Scenario& scenario, const std::string& r
 }
 
 void check_limits(const SafetyLimits& l) {
-  rises({"pose_age_warn_s", l.pose_age_warn_s}, {"pose_age_hold_s", l.pose_age_hold_s});
-  rises({"pose_age_hold_s", l.pose_age_hold_s}, {"pose_age_land_s", l.pose_age_land_s});
-  rises({"pose_age_land_s", l.pose_age_land_s}, {"pose_age_kill_s", l.pose_age_kill_s});
-  rises({"pose_gate_m", l.pose_gate_m}, {"pose_gate_max_m", l.pose_gate_max_m});
-  rises({"tracking_hold_m", l.tracking_hold_m}, {"tracking_land_m", l.tracking_land_m});
-  rises({"lift_other_m", l.lift_other_m}, {"lift_risen_m", l.lift_risen_m});
-  rises({"lift_risen_m", l.lift_risen_m}, {"lift_height_m", l.lift_height_m});
-  rises({"lift_height_m", l.lift_height_m}, {"lift_over_m", l.lift_over_m});
-  rises({"lift_step_m", l.lift_step_m}, {"lift_astray_m", l.lift_astray_m});
-  rises({"separation_land_m", l.separation_land_m}, {"separation_hold_m", l.separation_hold_m});
-  rises({"battery_empty_share", l.battery_empty_share},
-        {"battery_land_share", l.battery_land_share});
-  rises({"battery_land_share", l.battery_land_share}, {"battery_low_share", l.battery_low_share});
-  rises({"battery_low_share", l.battery_low_share}, {"battery_arm_share", l.battery_arm_share});
-  rises({"heartbeat_age_hold_s", l.heartbeat_age_hold_s},
-        {"heartbeat_age_land_s", l.heartbeat_age_land_s});
-  rises({"estimate_error_hold_m", l.estimate_error_hold_m},
-        {"estimate_error_land_m", l.estimate_error_land_m});
-  rises({"velocity_error_hold_mps", l.velocity_error_hold_mps},
-        {"velocity_error_land_mps", l.velocity_error_land_mps});
-  rises({"operator_age_hold_s", l.operator_age_hold_s},
-        {"operator_age_land_s", l.operator_age_land_s});
-  rises({"low_descent_mps", l.low_descent_mps}, {"descent_mps", l.descent_mps});
-  rises({"processor_wait_arm_s", l.processor_wait_arm_s},
-        {"processor_wait_hold_s", l.processor_wait_hold_s});
+  require_less({"pose_age_warn_s", l.pose_age_warn_s}, {"pose_age_hold_s", l.pose_age_hold_s});
+  require_less({"pose_age_hold_s", l.pose_age_hold_s}, {"pose_age_land_s", l.pose_age_land_s});
+  require_less({"pose_age_land_s", l.pose_age_land_s}, {"pose_age_kill_s", l.pose_age_kill_s});
+  require_less({"pose_gate_m", l.pose_gate_m}, {"pose_gate_max_m", l.pose_gate_max_m});
+  require_less({"tracking_hold_m", l.tracking_hold_m}, {"tracking_land_m", l.tracking_land_m});
+  require_less({"lift_other_rise_m", l.lift_other_rise_m}, {"lift_risen_m", l.lift_risen_m});
+  require_less({"lift_risen_m", l.lift_risen_m}, {"lift_height_m", l.lift_height_m});
+  require_less({"lift_height_m", l.lift_height_m}, {"lift_done_m", l.lift_done_m});
+  require_less({"lift_step_m", l.lift_step_m}, {"lift_deviation_m", l.lift_deviation_m});
+  require_less({"separation_land_m", l.separation_land_m},
+               {"separation_hold_m", l.separation_hold_m});
+  require_less({"battery_empty_share", l.battery_empty_share},
+               {"battery_land_share", l.battery_land_share});
+  require_less({"battery_land_share", l.battery_land_share},
+               {"battery_low_share", l.battery_low_share});
+  require_less({"battery_low_share", l.battery_low_share},
+               {"battery_arm_share", l.battery_arm_share});
+  require_less({"heartbeat_age_hold_s", l.heartbeat_age_hold_s},
+               {"heartbeat_age_land_s", l.heartbeat_age_land_s});
+  require_less({"estimate_error_hold_m", l.estimate_error_hold_m},
+               {"estimate_error_land_m", l.estimate_error_land_m});
+  require_less({"velocity_error_hold_mps", l.velocity_error_hold_mps},
+               {"velocity_error_land_mps", l.velocity_error_land_mps});
+  require_less({"operator_age_hold_s", l.operator_age_hold_s},
+               {"operator_age_land_s", l.operator_age_land_s});
+  require_less({"low_descent_mps", l.low_descent_mps}, {"descent_mps", l.descent_mps});
+  require_less({"processor_wait_arm_s", l.processor_wait_arm_s},
+               {"processor_wait_hold_s", l.processor_wait_hold_s});
   const std::array<Bound, 24> positive = {{
       {"safe_height_m", l.safe_height_m},
       {"reaction_s", l.reaction_s},
@@ -143,9 +147,9 @@ void check_limits(const SafetyLimits& l) {
       {"planner_lease_s", l.planner_lease_s},
       {"climb_mps", l.climb_mps},
       {"other_turn_mps2", l.other_turn_mps2},
-      {"other_goes_on_s", l.other_goes_on_s},
-      {"landing_look_s", l.landing_look_s},
-      {"sinking_look_s", l.sinking_look_s},
+      {"other_prediction_s", l.other_prediction_s},
+      {"landing_prediction_s", l.landing_prediction_s},
+      {"descent_prediction_s", l.descent_prediction_s},
       {"low_height_m", l.low_height_m},
       {"flight_max_s", l.flight_max_s},
       {"lift_wait_s", l.lift_wait_s},

@@ -56,7 +56,7 @@ struct SafetyLimits {
   double reaction_s = 0.20;
   /// Additional seconds flown on when set-points stop: the longest autopilot time-out that
   /// config/autopilot accepts for arming, and an allowance for its gentler braking. See
-  /// lost_way_m().
+  /// stopping_distance_after_loss_m().
   double setpoint_loss_s = 0.30;
   double separation_hold_m = 0.55;
   double separation_land_m = 0.5;
@@ -67,10 +67,10 @@ struct SafetyLimits {
   /// Horizontal acceleration by which a body other than a robot may leave its straight path. A
   /// person who walks at 1.5 m/s turns by 90° within 0.8 s, or starts to walk.
   double other_turn_mps2 = 3.0;
-  double other_goes_on_s = 3.0;  ///< s; straight prediction of such a body in the plan check
+  double other_prediction_s = 3.0;  ///< s; straight prediction of such a body in the plan check
   /// s; prediction of bodies near a landing spot, at most until touchdown
-  double landing_look_s = 1.5;
-  double sinking_look_s = 0.5;  ///< s; the same below a descending vehicle
+  double landing_prediction_s = 1.5;
+  double descent_prediction_s = 0.5;  ///< s; the same below a descending vehicle
   /// m from fence and obstacles; a vehicle that hovers closer moves away
   double hover_clearance_m = 0.1;
   double landing_clearance_m = 0.7;  ///< m; horizontal clearance from bodies below
@@ -96,7 +96,7 @@ struct SafetyLimits {
   double start_off_arm_m = 0.5;     ///< m from `start`, before the first flight
   double start_turn_arm_rad = 0.3;
   double lift_height_m = 0.2;  ///< m above the ground position; hover height of the first lift
-  double lift_over_m = 0.3;    ///< m; a vehicle that has risen more lets the next one lift
+  double lift_done_m = 0.3;    ///< m; a vehicle that has risen more lets the next one lift
   double lift_risen_m = 0.1;
   double lift_wait_s = 6.0;  ///< s from take-off to lift_risen_m, including the start of the motors
   /// s; longest idling while waiting for the turn; autopilots stop the motors after 10 s
@@ -105,12 +105,12 @@ struct SafetyLimits {
   double lift_step_m = 0.15;  ///< m along each horizontal axis
   double lift_turn_rad = 0.2;
   /// m; horizontal distance from the segment between the start and the step
-  double lift_astray_m = 0.3;
-  double lift_other_m = 0.06;  ///< m; rise of another body, or of this one without a take-off order
+  double lift_deviation_m = 0.3;
+  double lift_other_rise_m = 0.06;     ///< m; rise of another body, or of this one without an order
   double lift_climb_error_mps = 0.35;  ///< between mocap and the autopilot's estimate
   double lift_turn_error_radps = 0.8;  ///< between mocap and the autopilot's gyroscopes
   double arm_wait_s = 10.0;            ///< s; then an order that is still forbidden is dropped
-  double take_off_look_s = 1.0;        ///< s; prediction of bodies that approach a take-off
+  double take_off_prediction_s = 1.0;  ///< s; prediction of bodies that approach a take-off
 
   double battery_arm_share = 0.30;
   double battery_low_share = 0.25;
@@ -151,10 +151,10 @@ struct SafetyLimits {
 
 /// Returns the distance from the stop command at `speed_mps` to standstill, m: v T + v²/2a with T =
 /// reaction_s.
-double stopping_way_m(const SafetyLimits& limits, double speed_mps);
+double stopping_distance_m(const SafetyLimits& limits, double speed_mps);
 /// Returns the same distance after the driver or its link has failed, m: T includes
 /// setpoint_loss_s.
-double lost_way_m(const SafetyLimits& limits, double speed_mps);
+double stopping_distance_after_loss_m(const SafetyLimits& limits, double speed_mps);
 /// Returns half the time between standstill and maximum speed, s. Course begins a change of speed
 /// this long before the plan does.
 double half_window_s(const models::VehicleLimits& vehicle);

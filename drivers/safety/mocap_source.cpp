@@ -4,16 +4,16 @@
 
 namespace vantage::drivers {
 
-bool MocapSource::is_of_now(Time stamp, Duration ahead, Time now) {
+bool MocapSource::is_current(Time stamp, Duration ahead, Time now) {
   return std::abs(to_seconds(now + ahead - stamp)) <= kFreshS;
 }
 
-void MocapSource::hear(const models::MocapFrame& frame, Time now) {
-  heard_ = now;
+void MocapSource::record_frame(const models::MocapFrame& frame, Time now) {
+  received_at_ = now;
   number_ = frame.frame_number;
-  if (is_of_now(frame.stamp.time, {}, now)) {
+  if (is_current(frame.stamp.time, {}, now)) {
     ahead_ = {};
-  } else if (!is_of_now(frame.stamp.time, ahead_, now)) {
+  } else if (!is_current(frame.stamp.time, ahead_, now)) {
     ahead_ = frame.stamp.time - now;
   }
 }
@@ -22,23 +22,23 @@ MocapSource::Standing MocapSource::judge(const models::MocapFrame& frame, Time n
   const Time stamp = frame.stamp.time;
   if (run_id_ == frame.stamp.run_id) {
     const bool goes_on = frame.frame_number > number_ && frame.frame_number - number_ <= kGoesOnMax;
-    if (!goes_on && !is_of_now(stamp, {}, now) && !is_of_now(stamp, ahead_, now)) {
+    if (!goes_on && !is_current(stamp, {}, now) && !is_current(stamp, ahead_, now)) {
       ++other_time_;
-      other_time_heard_ = now;
+      other_time_received_at_ = now;
       return Standing::kRefused;
     }
-    hear(frame, now);
-    return Standing::kBelieved;
+    record_frame(frame, now);
+    return Standing::kAccepted;
   }
-  if (!is_of_now(stamp, {}, now)) {
+  if (!is_current(stamp, {}, now)) {
     ++other_time_;
-    other_time_heard_ = now;
+    other_time_received_at_ = now;
     return Standing::kRefused;
   }
   if (run_id_) {
-    other_heard_ = now;
+    other_received_at_ = now;
   }
-  if (run_id_ && to_seconds(now - heard_) <= kSilentS) {
+  if (run_id_ && to_seconds(now - received_at_) <= kSilentS) {
     ++others_refused_;
     return Standing::kRefused;
   }
@@ -49,17 +49,18 @@ void MocapSource::confirm(const models::MocapFrame& frame, Time now) {
   takeovers_ += run_id_ ? 1 : 0;
   run_id_ = frame.stamp.run_id;
   ahead_ = {};
-  other_heard_.reset();
-  hear(frame, now);
+  other_received_at_.reset();
+  record_frame(frame, now);
 }
 
-const char* MocapSource::complaint(Time now) const {
-  const auto is_recent = [now](const std::optional<Time>& heard) {
-    return heard && to_seconds(now - *heard) <= kFreshS;
+const char* MocapSource::refusal_message(Time now) const {
+  const auto is_recent = [now](const std::optional<Time>& received_at) {
+    return received_at && to_seconds(now - *received_at) <= kFreshS;
   };
-  return is_recent(other_heard_)        ? "messages from a second VICON source are rejected"
-         : is_recent(other_time_heard_) ? "VICON messages from another clock or a log are rejected"
-                                        : nullptr;
+  return is_recent(other_received_at_) ? "messages from a second VICON source are rejected"
+         : is_recent(other_time_received_at_)
+             ? "VICON messages from another clock or a log are rejected"
+             : nullptr;
 }
 
 void MocapSource::count(std::vector<models::NamedCount>& out) const {

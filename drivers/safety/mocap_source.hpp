@@ -30,7 +30,7 @@ class MocapSource {
 
   /// Treatment of a frame.
   enum class [[nodiscard]] Standing{
-      kBelieved,   ///< of the source
+      kAccepted,   ///< of the source
       kCandidate,  ///< of a run that may become the source: use it only if it passes as the own
                    ///< pose
       kRefused,
@@ -41,21 +41,21 @@ class MocapSource {
   void confirm(const models::MocapFrame& frame, Time now);
 
   /// Returns a message about what was refused in the last kFreshS; nullptr if nothing was.
-  [[nodiscard]] const char* complaint(Time now) const;
+  [[nodiscard]] const char* refusal_message(Time now) const;
   /// Appends the number of frames refused from other sources and with other times, and of
   /// takeovers.
   void count(std::vector<models::NamedCount>& out) const;
 
  private:
-  [[nodiscard]] static bool is_of_now(Time stamp, Duration ahead, Time now);
-  void hear(const models::MocapFrame& frame, Time now);
+  [[nodiscard]] static bool is_current(Time stamp, Duration ahead, Time now);
+  void record_frame(const models::MocapFrame& frame, Time now);
 
   std::optional<std::int64_t> run_id_;
-  Time heard_{};
-  std::int64_t number_ = 0;          ///< number of its newest frame
-  Duration ahead_{};                 ///< lag of our clock behind the source's, since that was set
-  std::optional<Time> other_heard_;  ///< last frame of another source
-  std::optional<Time> other_time_heard_;  ///< last frame with another time
+  Time received_at_{};
+  std::int64_t number_ = 0;  ///< number of its newest frame
+  Duration ahead_{};         ///< lag of our clock behind the source's, since that was set
+  std::optional<Time> other_received_at_;       ///< last frame of another source
+  std::optional<Time> other_time_received_at_;  ///< last frame with another time
   std::int64_t others_refused_ = 0;
   std::int64_t other_time_ = 0;
   std::int64_t takeovers_ = 0;

@@ -83,7 +83,7 @@ PlanVerdict check_room(const HeldPlan& plan, Time now, const SafetyLimits& limit
   const double offset_s = to_seconds(now - plan.start_time);
   const double end_s = std::max(0.0, duration_s(plan) - offset_s);
   PlanWalk walk(plan);
-  for (double t_s = 0.0; steps < kWayStepsMax; ++steps) {
+  for (double t_s = 0.0; steps < kPathStepsMax; ++steps) {
     const Room room = room_at(walk.at(t_s + offset_s), limits);
     if (room.fence_m < -kSlack) {
       return PlanVerdict::kOutsideFence;
@@ -120,7 +120,7 @@ PlanVerdict check_apart(const HeldPlan& plan, Time now, const SafetyLimits& limi
                                     : other.velocity_world_mps.norm();
   const bool walks = !has_plan && other_mps > kBodyStandsMps;
   const double other_end_s = has_plan ? duration_s(*other.plan) - other_offset_s
-                             : walks  ? other.goes_on_s
+                             : walks  ? other.prediction_s
                                       : 0.0;
   const double end_s = walks ? other_end_s : std::max(own_end_s, other_end_s);
   PlanWalk walk(plan);
@@ -128,7 +128,7 @@ PlanVerdict check_apart(const HeldPlan& plan, Time now, const SafetyLimits& limi
   if (has_plan) {
     others_walk.emplace(*other.plan);
   }
-  for (double t_s = 0.0; steps < kWayStepsMax; ++steps) {
+  for (double t_s = 0.0; steps < kPathStepsMax; ++steps) {
     const Eigen::Vector3d other_m =
         has_plan ? others_walk->at(t_s + other_offset_s).position_world_m
         : walks  ? Eigen::Vector3d(other.position_world_m + t_s * other.velocity_world_mps)
@@ -187,8 +187,8 @@ PlanVerdict check_shape(const HeldPlan& plan, const models::VehicleLimits& can,
   return ends_at_rest(plan) ? PlanVerdict::kAccepted : PlanVerdict::kNoHover;
 }
 
-PlanVerdict check_way(const HeldPlan& plan, Time now, const SafetyLimits& limits,
-                      std::span<const OtherCourse> others, int* steps) {
+PlanVerdict check_path(const HeldPlan& plan, Time now, const SafetyLimits& limits,
+                       std::span<const OtherCourse> others, int* steps) {
   int taken = 0;
   PlanVerdict verdict = PlanVerdict::kOutsideFence;
   if (plan.height_m > 0.0 && plan.height_m < limits.fence.ceiling_m) {

@@ -28,11 +28,11 @@ enum class [[nodiscard]] PlanVerdict{
     kNotFollowing,  ///< the vehicle does not accept plans now
     kDiscontinuous, kOutsideFence, kObstacle,
     kTeammate,   ///< or any other body
-    kTooCostly,  ///< needs more than kWayStepsMax steps to check
+    kTooCostly,  ///< needs more than kPathStepsMax steps to check
 };
 inline constexpr std::size_t kPlanVerdicts = 14;
-/// Maximum steps of one check_way(), along the path and against all other bodies; about 10 ms.
-inline constexpr int kWayStepsMax = 50'000;
+/// Maximum steps of one check_path(), along the path and against all other bodies; about 10 ms.
+inline constexpr int kPathStepsMax = 50'000;
 
 /// Returns the name used in reasons and counters.
 const char* name_of(PlanVerdict verdict);
@@ -86,7 +86,7 @@ struct OtherCourse {
   const HeldPlan* plan = nullptr;  ///< nullptr: use position_world_m
   Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();  ///< used without a plan
-  double goes_on_s = 0.0;       ///< s; prediction of a moving body; it is ignored afterwards
+  double prediction_s = 0.0;    ///< s; prediction of a moving body; it is ignored afterwards
   bool reaches_ground = false;  ///< the space below it counts as occupied
 };
 
@@ -99,8 +99,8 @@ PlanVerdict check_shape(const HeldPlan& plan, const models::VehicleLimits& can,
 /// kOutsideFence, kObstacle, kTeammate and kTooCostly. Steps are as long as the remaining distance
 /// allows, but at least 1 ms: it may miss a violation along less than 2 mm at 2 m/s. `steps`, if
 /// given, receives the number of steps.
-PlanVerdict check_way(const HeldPlan& plan, Time now, const SafetyLimits& limits,
-                      std::span<const OtherCourse> others, int* steps = nullptr);
+PlanVerdict check_path(const HeldPlan& plan, Time now, const SafetyLimits& limits,
+                       std::span<const OtherCourse> others, int* steps = nullptr);
 
 /// Returns the exact signed distance from `p_m` to the nearest obstacle, m; negative inside, +∞
 /// without obstacles.

@@ -9,7 +9,7 @@ namespace vantage::drivers {
 
 PlanVerdict PlanGate::judge(const models::RobotPlan& plan, const PlanSituation& situation,
                             const SafetyLimits& limits, Time now, HeldPlan& out) {
-  const PlanVerdict verdict = look_at(plan, situation, limits, now, out);
+  const PlanVerdict verdict = check(plan, situation, limits, now, out);
   ++counts_[static_cast<std::size_t>(verdict)];
   if (verdict == PlanVerdict::kAccepted) {
     has_accepted_ = true;
@@ -19,28 +19,28 @@ PlanVerdict PlanGate::judge(const models::RobotPlan& plan, const PlanSituation& 
     sequence_ = plan.stamp.sequence;
     round_ = plan.round;
   }
-  const bool is_heeded = lease_.is_holder(plan.stamp.run_id) && plan.robot == robot_;
-  if (is_heeded && verdict != PlanVerdict::kNotFollowing) {
+  const bool is_from_our_planner = lease_.is_holder(plan.stamp.run_id) && plan.robot == robot_;
+  if (is_from_our_planner && verdict != PlanVerdict::kNotFollowing) {
     refused_ = verdict == PlanVerdict::kAccepted ? 0 : refused_ + 1;
   }
   return verdict;
 }
 
-PlanVerdict PlanGate::look_at(const models::RobotPlan& plan, const PlanSituation& situation,
-                              const SafetyLimits& limits, Time now, HeldPlan& out) {
+PlanVerdict PlanGate::check(const models::RobotPlan& plan, const PlanSituation& situation,
+                            const SafetyLimits& limits, Time now, HeldPlan& out) {
   if (plan.robot != robot_) {
     return PlanVerdict::kWrongVehicle;
   }
-  const models::Trajectory& way = plan.trajectory;
+  const models::Trajectory& trajectory = plan.trajectory;
   const bool is_repeated = plan.stamp.run_id == run_ && plan.stamp.sequence <= sequence_;
-  if (is_repeated || (has_accepted_ && way.start_time < newest_start_) ||
-      way.start_time < now - from_seconds(limits.plan_past_max_s)) {
+  if (is_repeated || (has_accepted_ && trajectory.start_time < newest_start_) ||
+      trajectory.start_time < now - from_seconds(limits.plan_past_max_s)) {
     return PlanVerdict::kStale;
   }
-  if (way.start_time > now + from_seconds(limits.plan_future_max_s)) {
+  if (trajectory.start_time > now + from_seconds(limits.plan_future_max_s)) {
     return PlanVerdict::kTooFarAhead;
   }
-  if (!hold_plan(way, out)) {
+  if (!hold_plan(trajectory, out)) {
     return PlanVerdict::kNotFinite;
   }
   if (const PlanVerdict shape = check_shape(out, limits); shape != PlanVerdict::kAccepted) {
@@ -68,7 +68,7 @@ PlanVerdict PlanGate::look_at(const models::RobotPlan& plan, const PlanSituation
       !(turn_rad <= limits.plan_start_turn_rad)) {
     return PlanVerdict::kDiscontinuous;
   }
-  return check_way(out, when, limits, situation.others);
+  return check_path(out, when, limits, situation.others);
 }
 
 void PlanGate::report(Time now, const SafetyLimits& limits, SafetyInputs& inputs) const {

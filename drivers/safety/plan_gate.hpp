@@ -44,8 +44,8 @@ class PlanGate {
   void count(std::vector<models::NamedCount>& out) const;
 
  private:
-  PlanVerdict look_at(const models::RobotPlan& plan, const PlanSituation& situation,
-                      const SafetyLimits& limits, Time now, HeldPlan& out);
+  PlanVerdict check(const models::RobotPlan& plan, const PlanSituation& situation,
+                    const SafetyLimits& limits, Time now, HeldPlan& out);
 
   std::string robot_;
   PlannerLease lease_;

@@ -136,7 +136,7 @@ void PoseMonitor::update(const Pose3& pose, Time now) {
 bool PoseMonitor::is_stuck(const Pose3& pose, const BodyContext& context,
                            const SafetyLimits& limits, Time now) {
   // Compares with the last accepted pose: a wrong pose in between does not make a repeated one new.
-  if (!is_same(pose, pose_) || context.may_rest) {
+  if (!is_same(pose, pose_) || context.may_be_stationary) {
     return false;
   }
   const double allowed_s =

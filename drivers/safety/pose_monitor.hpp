@@ -27,11 +27,11 @@ const char* name_of(PoseVerdict verdict);
 
 /// Facts about the body that the check needs.
 struct BodyContext {
-  bool in_air = false;         ///< jumps and flips are rejected
-  bool is_moving = false;      ///< commanded to move; repeated poses are detected sooner
-  bool may_rest = true;        ///< may be stationary without limit (on the ground)
-  double sunk_m = 0.0;         ///< m; possible descent while it was not seen, as commanded
-  bool is_distrusted = false;  ///< poses under its name belong to another body
+  bool in_air = false;            ///< jumps and flips are rejected
+  bool is_moving = false;         ///< commanded to move; repeated poses are detected sooner
+  bool may_be_stationary = true;  ///< may be stationary without limit (on the ground)
+  double sunk_m = 0.0;            ///< m; possible descent while it was not seen, as commanded
+  bool is_distrusted = false;     ///< poses under its name belong to another body
 };
 
 /// Checks the poses of one body frame by frame. Uses arrival times, since mocap clocks may jump.

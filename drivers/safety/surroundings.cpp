@@ -31,28 +31,28 @@ double unseen_s(const OtherBody& body, const SafetyLimits& limits) {
 // moving body may continue for a second.
 double strayed_m(const OtherBody& body, const SafetyLimits& limits) {
   constexpr double kGoesOnS = 1.0;
-  const double growth_mps = std::max(limits.other_pose_growth_mps, body.went_mps);
-  const double most_m = std::max(limits.other_pose_growth_max_m, kGoesOnS * body.went_mps);
+  const double growth_mps = std::max(limits.other_pose_growth_mps, body.last_speed_mps);
+  const double most_m = std::max(limits.other_pose_growth_max_m, kGoesOnS * body.last_speed_mps);
   return std::min(most_m, growth_mps * unseen_s(body, limits));
 }
 
 // Returns the distance to subtract for a body, m: its uncertainty radius and its excess radius.
 double tube_m(const OtherBody& body, const SafetyLimits& limits) {
-  return strayed_m(body, limits) + body.larger_m;
+  return strayed_m(body, limits) + body.excess_radius_m;
 }
 
 // Returns the least distance between a vehicle that moves from `from_m` to `to_m` and a moving body
 // that stands on the ground, m. The body moves meanwhile from `body_from_m` to `body_to_m`, and may
 // be `strayed_m` off that path; the space below its markers is occupied. Horizontal and vertical
 // distance are minimized separately, so the result is a lower bound.
-double apart_of_standing_m(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
-                           const Eigen::Vector3d& body_from_m, const Eigen::Vector3d& body_to_m,
-                           double strayed_m) {
-  const double beside_m =
+double distance_to_standing_m(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
+                              const Eigen::Vector3d& body_from_m, const Eigen::Vector3d& body_to_m,
+                              double strayed_m) {
+  const double horizontal_m =
       models::closest_approach_m(level(from_m), level(to_m), level(body_from_m), level(body_to_m));
   const double top_m = std::max(body_from_m.z(), body_to_m.z());
   const double above_m = std::max(0.0, std::min(from_m.z(), to_m.z()) - top_m);
-  return std::hypot(std::max(0.0, beside_m - strayed_m), above_m);
+  return std::hypot(std::max(0.0, horizontal_m - strayed_m), above_m);
 }
 
 double fence_edge_m(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
@@ -64,44 +64,44 @@ double obstacle_edge_m(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
   return obstacle_distance_m(limits.fence, p_m.head<2>()) - limits.vehicle.radius_m;
 }
 
-// Returns the least distance of the centres while this vehicle brakes along `way` and a robot
+// Returns the least distance of the centres while this vehicle brakes along `path` and a robot
 // brakes straight from `velocity_mps`, m.
-double closest_stop_m(const BrakeWay& way, const OtherBody& body,
+double closest_stop_m(const BrakingPath& path, const OtherBody& body,
                       const Eigen::Vector3d& velocity_mps, const SafetyLimits& limits) {
   const double brake_mps2 = body.brake_mps2 > 0.0 ? body.brake_mps2 : limits.vehicle.brake_mps2;
-  const BrakeWay theirs =
-      BrakeWay::straight(body.position_world_m, velocity_mps, 0.0, brake_mps2, limits.reaction_s);
-  const double end_s = std::max(way.duration_s(), theirs.duration_s());
-  double least_m = (way.at(0.0).position_world_m - body.position_world_m).norm();
+  const BrakingPath theirs = BrakingPath::straight(body.position_world_m, velocity_mps, 0.0,
+                                                   brake_mps2, limits.reaction_s);
+  const double end_s = std::max(path.duration_s(), theirs.duration_s());
+  double least_m = (path.at(0.0).position_world_m - body.position_world_m).norm();
   for (int i = 0; i < kSamples; ++i) {
     const double t0_s = end_s * i / kSamples;
     const double t1_s = end_s * (i + 1) / kSamples;
     least_m =
         std::min(least_m, models::closest_approach_m(
-                              way.at(t0_s).position_world_m, way.at(t1_s).position_world_m,
+                              path.at(t0_s).position_world_m, path.at(t1_s).position_world_m,
                               theirs.at(t0_s).position_world_m, theirs.at(t1_s).position_world_m));
   }
   return least_m;
 }
 
-// Returns the least distance of the centres until this vehicle stops along `way`, m, to a body that
-// keeps its velocity. The body may leave its straight path; while it is not seen it may move
+// Returns the least distance of the centres until this vehicle stops along `path`, m, to a body
+// that keeps its velocity. The body may leave its straight path; while it is not seen it may move
 // anywhere at its last speed.
-double closest_walk_m(const BrakeWay& way, const OtherBody& body, const SafetyLimits& limits) {
+double closest_walk_m(const BrakingPath& path, const OtherBody& body, const SafetyLimits& limits) {
   const bool is_seen = unseen_s(body, limits) <= 0.0;
-  const double strays_mps = is_seen ? 0.0 : body.went_mps;
+  const double strays_mps = is_seen ? 0.0 : body.last_speed_mps;
   double least_m = std::numeric_limits<double>::infinity();
   for (int i = 0; i < kSamples; ++i) {
-    const double t0_s = way.duration_s() * i / kSamples;
-    const double t1_s = way.duration_s() * (i + 1) / kSamples;
+    const double t0_s = path.duration_s() * i / kSamples;
+    const double t1_s = path.duration_s() * (i + 1) / kSamples;
     const double off_m =
         strayed_m(body, limits) + strays_mps * t1_s + 0.5 * limits.other_turn_mps2 * t1_s * t1_s;
-    least_m = std::min(least_m, apart_of_standing_m(
-                                    way.at(t0_s).position_world_m, way.at(t1_s).position_world_m,
+    least_m = std::min(least_m, distance_to_standing_m(
+                                    path.at(t0_s).position_world_m, path.at(t1_s).position_world_m,
                                     body.position_world_m + t0_s * body.velocity_world_mps,
                                     body.position_world_m + t1_s * body.velocity_world_mps, off_m));
   }
-  return least_m - body.larger_m;
+  return least_m - body.excess_radius_m;
 }
 
 Eigen::Vector3d inside(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
@@ -138,16 +138,16 @@ bool meets(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m, const Oth
   const Eigen::Vector3d then_m = seen(carried_on_m(body, (to_m - from_m).norm() / kShiftMps));
   const double now_m = (seen(from_m) - q_m).norm();
   const double least_m = models::closest_approach_m(seen(from_m), seen(to_m), q_m, then_m);
-  return least_m < std::min(now_m, apart_m + body.larger_m) - 1e-9;
+  return least_m < std::min(now_m, apart_m + body.excess_radius_m) - 1e-9;
 }
 
-bool is_way_clear(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
-                  std::span<const OtherBody> others, const SafetyLimits& limits) {
+bool is_path_clear(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
+                   std::span<const OtherBody> others, const SafetyLimits& limits) {
   // A vehicle that hovers closer to an obstacle than the spare may still move away from it.
-  const double way_spare_m = std::min(kObstacleSpareM, obstacle_edge_m(from_m, limits));
+  const double path_spare_m = std::min(kObstacleSpareM, obstacle_edge_m(from_m, limits));
   for (int i = 0; i <= kSamples; ++i) {
     const Eigen::Vector3d p_m = from_m + (to_m - from_m) * (static_cast<double>(i) / kSamples);
-    if (obstacle_edge_m(p_m, limits) < (i < kSamples ? way_spare_m : kObstacleSpareM)) {
+    if (obstacle_edge_m(p_m, limits) < (i < kSamples ? path_spare_m : kObstacleSpareM)) {
       return false;
     }
   }
@@ -160,48 +160,49 @@ bool is_way_clear(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
 
 }  // namespace
 
-Surroundings look_around(const Eigen::Vector3d& position_m, const BrakeWay& way,
-                         std::span<const OtherBody> others, const SafetyLimits& limits) {
+Surroundings compute_surroundings(const Eigen::Vector3d& position_m, const BrakingPath& path,
+                                  std::span<const OtherBody> others, const SafetyLimits& limits) {
   Surroundings out;
   out.fence_centre_m = std::min(fence_distance_m(limits.fence, position_m.head<2>()),
                                 limits.fence.ceiling_m - position_m.z());
   out.fence_now_m = fence_edge_m(position_m, limits);
   for (int i = 0; i <= kSamples; ++i) {
-    const double t_s = way.duration_s() * i / kSamples;
-    const Eigen::Vector3d p_m = way.at(t_s).position_world_m;
+    const double t_s = path.duration_s() * i / kSamples;
+    const Eigen::Vector3d p_m = path.at(t_s).position_world_m;
     out.fence_stop_m = std::min(out.fence_stop_m, fence_edge_m(p_m, limits));
     out.obstacle_stop_m = std::min(out.obstacle_stop_m, obstacle_edge_m(p_m, limits));
   }
   for (const OtherBody& body : others) {
     const double less_m = tube_m(body, limits);
     const Eigen::Vector3d& there_m = body.position_world_m;
-    const double apart_m = is_robot(body) ? (position_m - there_m).norm() - less_m
-                                          : apart_of_standing_m(position_m, position_m, there_m,
-                                                                there_m, strayed_m(body, limits)) -
-                                                body.larger_m;
+    const double apart_m = is_robot(body)
+                               ? (position_m - there_m).norm() - less_m
+                               : distance_to_standing_m(position_m, position_m, there_m, there_m,
+                                                        strayed_m(body, limits)) -
+                                     body.excess_radius_m;
     out.separation_now_m = std::min(out.separation_now_m, apart_m);
     double least_m = apart_m;
     if (!is_robot(body)) {
-      least_m = std::min(least_m, closest_walk_m(way, body, limits));
+      least_m = std::min(least_m, closest_walk_m(path, body, limits));
     } else {
       least_m =
-          std::min(least_m, closest_stop_m(way, body, body.velocity_world_mps, limits) - less_m);
+          std::min(least_m, closest_stop_m(path, body, body.velocity_world_mps, limits) - less_m);
       if (body.planned_world_mps != body.velocity_world_mps) {
         least_m =
-            std::min(least_m, closest_stop_m(way, body, body.planned_world_mps, limits) - less_m);
+            std::min(least_m, closest_stop_m(path, body, body.planned_world_mps, limits) - less_m);
       }
     }
     const bool is_as_near = least_m == out.separation_stop_m;
-    if (least_m < out.separation_stop_m || (is_as_near && body.goes_first)) {
+    if (least_m < out.separation_stop_m || (is_as_near && body.has_priority)) {
       out.separation_stop_m = least_m;
-      out.yields = body.goes_first;
+      out.yields = body.has_priority;
     }
   }
   return out;
 }
 
-double near_soon_m(const Eigen::Vector3d& position_m, std::span<const OtherBody> others,
-                   double look_s) {
+double predicted_distance_m(const Eigen::Vector3d& position_m, std::span<const OtherBody> others,
+                            double prediction_s) {
   double least_m = std::numeric_limits<double>::infinity();
   const Eigen::Vector3d here_m = level(position_m);
   for (const OtherBody& body : others) {
@@ -211,31 +212,32 @@ double near_soon_m(const Eigen::Vector3d& position_m, std::span<const OtherBody>
     }
     const Eigen::Vector3d from_m = level(body.position_world_m);
     least_m = std::min(least_m, models::closest_approach_m(here_m, here_m, from_m,
-                                                           from_m + look_s * velocity_mps) -
-                                    body.larger_m);
+                                                           from_m + prediction_s * velocity_mps) -
+                                    body.excess_radius_m);
   }
   return least_m;
 }
 
 bool is_occupied_below(const Eigen::Vector3d& position_m, std::span<const OtherBody> others,
-                       const SafetyLimits& limits, double spare_m, double look_s) {
+                       const SafetyLimits& limits, double spare_m, double prediction_s) {
   const double until_down_s = std::max(0.0, position_m.z()) / limits.low_descent_mps;
   return std::any_of(others.begin(), others.end(), [&](const OtherBody& body) {
     const double above_m = position_m.z() - body.position_world_m.z();
     const bool is_below =
-        !is_robot(body) || above_m > kLevelM || (above_m > -kLevelM && body.goes_first);
+        !is_robot(body) || above_m > kLevelM || (above_m > -kLevelM && body.has_priority);
     const double needed_m = limits.landing_clearance_m + tube_m(body, limits) + spare_m;
     const Eigen::Vector3d here_m = level(position_m);
-    return is_below && models::closest_approach_m(
-                           here_m, here_m, level(body.position_world_m),
-                           level(carried_on_m(body, std::min(look_s, until_down_s)))) < needed_m;
+    return is_below &&
+           models::closest_approach_m(
+               here_m, here_m, level(body.position_world_m),
+               level(carried_on_m(body, std::min(prediction_s, until_down_s)))) < needed_m;
   });
 }
 
-bool is_way_taken(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
-                  std::span<const OtherBody> others, const SafetyLimits& limits) {
+bool is_path_blocked(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
+                     std::span<const OtherBody> others, const SafetyLimits& limits) {
   return std::any_of(others.begin(), others.end(), [&](const OtherBody& body) {
-    return (body.goes_first || is_standing_robot(body)) &&
+    return (body.has_priority || is_standing_robot(body)) &&
            meets(from_m, to_m, body, limits.separation_hold_m);
   });
 }
@@ -246,8 +248,8 @@ Eigen::Vector3d landing_spot(const Eigen::Vector3d& hover_m, std::span<const Oth
   constexpr int kBearings = 12;
   const Eigen::Vector3d home_m = inside(hover_m, limits);
   const auto is_free = [&](const Eigen::Vector3d& spot_m) {
-    return !is_occupied_below(spot_m, others, limits, kBelowSpareM, limits.landing_look_s) &&
-           is_way_clear(hover_m, spot_m, others, limits);
+    return !is_occupied_below(spot_m, others, limits, kBelowSpareM, limits.landing_prediction_s) &&
+           is_path_clear(hover_m, spot_m, others, limits);
   };
   if (is_free(home_m)) {
     return home_m;
@@ -272,9 +274,9 @@ Eigen::Vector3d landing_spot(const Eigen::Vector3d& hover_m, std::span<const Oth
   return home_m;
 }
 
-bool is_climb_taken(const Eigen::Vector3d& position_m, double goal_m,
-                    std::span<const OtherBody> others, const SafetyLimits& limits) {
-  constexpr double kLookS = 2.0;
+bool is_climb_blocked(const Eigen::Vector3d& position_m, double goal_m,
+                      std::span<const OtherBody> others, const SafetyLimits& limits) {
+  constexpr double kPredictionS = 2.0;
   constexpr double kRoomM = 0.25;  // m; for a turn of the other body meanwhile
   return std::any_of(others.begin(), others.end(), [&](const OtherBody& body) {
     const double z_m = body.position_world_m.z();
@@ -283,7 +285,7 @@ bool is_climb_taken(const Eigen::Vector3d& position_m, double goal_m,
     const Eigen::Vector3d flat(1.0, 1.0, 0.0);
     const Eigen::Vector3d here_m = position_m.cwiseProduct(flat);
     const Eigen::Vector3d from_m = body.position_world_m.cwiseProduct(flat);
-    const Eigen::Vector3d to_m = from_m + kLookS * body.velocity_world_mps.cwiseProduct(flat);
+    const Eigen::Vector3d to_m = from_m + kPredictionS * body.velocity_world_mps.cwiseProduct(flat);
     const double needed_m = limits.separation_hold_m + kRoomM + tube_m(body, limits);
     return is_on_the_way && models::closest_approach_m(here_m, here_m, from_m, to_m) < needed_m;
   });
@@ -310,7 +312,8 @@ std::optional<Eigen::Vector3d> clear_spot(const Eigen::Vector3d& hover_m,
         const double now_m = (hover_m - body.position_world_m).norm();
         const double then_m = models::closest_approach_m(spot_m, spot_m, body.position_world_m,
                                                          carried_on_m(body, kMovesOffS));
-        return then_m >= std::min(now_m, limits.separation_hold_m + kHoverSpareM + body.larger_m);
+        return then_m >=
+               std::min(now_m, limits.separation_hold_m + kHoverSpareM + body.excess_radius_m);
       });
       if (is_apart && edge_m(spot_m) >= limits.hover_clearance_m + kHoverSpareM) {
         return spot_m;

@@ -65,13 +65,13 @@ PoseSensor::PoseSensor(const scenario::Scenario& scenario, const std::string& ro
       position_dim_(scenario.estimator.target_model.position_dim),
       seed_(scenario.seed) {}
 
-std::optional<models::DetectionSet> look_of(const models::MocapFrame& frame,
-                                            const std::string& robot, bool jammed) {
+std::optional<models::RobotMeasurement> empty_measurement(const models::MocapFrame& frame,
+                                                          const std::string& robot, bool jammed) {
   const models::MocapBody* const self = frame.find(robot);
   if (self == nullptr || self->occluded) {
     return std::nullopt;
   }
-  models::DetectionSet seen;
+  models::RobotMeasurement seen;
   seen.stamp.time = frame.stamp.time;
   seen.robot = robot;
   seen.viewpoint = {flatten(self->world_from_body), self->world_from_body.translation_m.z()};
@@ -79,9 +79,9 @@ std::optional<models::DetectionSet> look_of(const models::MocapFrame& frame,
   return seen;
 }
 
-std::optional<models::DetectionSet> PoseSensor::look(const models::MocapFrame& frame,
-                                                     bool jammed) const {
-  std::optional<models::DetectionSet> seen = look_of(frame, robot_, jammed);
+std::optional<models::RobotMeasurement> PoseSensor::measure(const models::MocapFrame& frame,
+                                                            bool jammed) const {
+  std::optional<models::RobotMeasurement> seen = empty_measurement(frame, robot_, jammed);
   if (!seen || jammed) {
     return seen;
   }
@@ -106,12 +106,12 @@ std::optional<models::DetectionSet> PoseSensor::look(const models::MocapFrame& f
     }
   }
   if (!detection_.detects_ids) {
-    hide_names(*seen);
+    anonymize(*seen);
   }
   return seen;
 }
 
-void PoseSensor::hide_names(models::DetectionSet& seen) const {
+void PoseSensor::anonymize(models::RobotMeasurement& seen) const {
   std::mt19937_64 noise = noise_of(seed_, robot_, kClutterStream, seen.stamp.time);
   for (const models::Measurement& z :
        models::sample_clutter(sensor_, seen.viewpoint, detection_.clutter_per_look, noise)) {

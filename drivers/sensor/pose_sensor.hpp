@@ -26,8 +26,8 @@ inline constexpr int kClutterStream = -2;
 
 /// Returns the scan that `robot` begins at the instant of `frame`, without detections; nullopt if
 /// the robot itself is not seen.
-std::optional<models::DetectionSet> look_of(const models::MocapFrame& frame,
-                                            const std::string& robot, bool jammed);
+std::optional<models::RobotMeasurement> empty_measurement(const models::MocapFrame& frame,
+                                                          const std::string& robot, bool jammed);
 
 /// Simulated sensor of one robot: computes its measurements from the poses of all bodies.
 ///
@@ -43,12 +43,12 @@ class PoseSensor {
   /// attack there are no measurements and `jammed` is set. A sensor without ids adds false alarms
   /// and sorts all measurements by value, so that their order does not identify targets. The caller
   /// sets run id, sequence and inputs. nullopt if the robot itself is not seen.
-  [[nodiscard]] std::optional<models::DetectionSet> look(const models::MocapFrame& frame,
-                                                         bool jammed) const;
+  [[nodiscard]] std::optional<models::RobotMeasurement> measure(const models::MocapFrame& frame,
+                                                                bool jammed) const;
 
  private:
   /// Adds false alarms to `seen`, and removes everything that identifies targets.
-  void hide_names(models::DetectionSet& seen) const;
+  void anonymize(models::RobotMeasurement& seen) const;
 
   std::string robot_;
   models::SensorModel sensor_;

@@ -4,7 +4,7 @@ namespace vantage::drivers {
 
 void DriverEnd::request(int requests, Time now) {
   if (requests > 0) {
-    asked_at_ = asked_at_.value_or(now);
+    requested_at_ = requested_at_.value_or(now);
   }
   if (requests > 1) {
     hurried_at_ = hurried_at_.value_or(now);
@@ -12,10 +12,10 @@ void DriverEnd::request(int requests, Time now) {
 }
 
 void DriverEnd::step(const EndFacts& facts, Time now) {
-  if (!asked_at_ || may_end_) {
+  if (!requested_at_ || may_end_) {
     return;
   }
-  if (!hurried_at_ && now - *asked_at_ >= landing_) {
+  if (!hurried_at_ && now - *requested_at_ >= landing_) {
     hurried_at_ = now;
   }
   switch (facts.in_flight) {

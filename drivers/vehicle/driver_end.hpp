@@ -46,7 +46,7 @@ class DriverEnd {
 
   Time started_;
   Duration landing_;
-  std::optional<Time> asked_at_;
+  std::optional<Time> requested_at_;
   std::optional<Time> hurried_at_;
   bool may_end_ = false;
   std::string fault_;

@@ -17,16 +17,16 @@ std::optional<int> whole_number(const std::string& text) {
 }
 
 std::unique_ptr<Port> open_udp_url(const std::string& url, const std::string& address,
-                                   bool speaks_first) {
+                                   bool sends_first) {
   const Result<HostAndPort> parts = split_address(address);
   if (!parts.ok()) {
     throw StartupError(url + ": " + parts.error().message);
   }
   const auto& [host, port] = parts.value();
-  if (speaks_first && host.empty()) {
+  if (sends_first && host.empty()) {
     throw StartupError(url + ": udpout:// needs a host to send to");
   }
-  return open_udp_port(host, static_cast<std::uint16_t>(port), speaks_first);
+  return open_udp_port(host, static_cast<std::uint16_t>(port), sends_first);
 }
 
 }  // namespace

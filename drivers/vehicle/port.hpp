@@ -42,7 +42,7 @@ class Port {
 /// serial device that does not exist yet is waited for.
 std::unique_ptr<Port> open_port(const std::string& url);
 
-std::unique_ptr<Port> open_udp_port(const std::string& host, std::uint16_t port, bool speaks_first);
+std::unique_ptr<Port> open_udp_port(const std::string& host, std::uint16_t port, bool sends_first);
 std::unique_ptr<Port> open_serial_port(const std::string& device, int baud);
 
 }  // namespace vantage::drivers

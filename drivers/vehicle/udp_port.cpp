@@ -22,7 +22,7 @@ bool is_same(const sockaddr_in& a, const sockaddr_in& b) {
 
 class UdpPort : public Port {
  public:
-  UdpPort(const std::string& host, std::uint16_t port, bool speaks_first)
+  UdpPort(const std::string& host, std::uint16_t port, bool sends_first)
       : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {
     if (fd_ < 0) {
       throw StartupError("cannot create a UDP socket: " + reason());
@@ -30,7 +30,7 @@ class UdpPort : public Port {
     try {
       const sockaddr_in address =
           host.empty() ? address_of(INADDR_ANY, port) : require_host(host, port);
-      if (speaks_first) {
+      if (sends_first) {
         peer_ = address;
         is_peer_fixed_ = true;
       } else if (bind(fd_, as_sockaddr(address), sizeof address) != 0) {
@@ -129,9 +129,8 @@ class UdpPort : public Port {
 
 }  // namespace
 
-std::unique_ptr<Port> open_udp_port(const std::string& host, std::uint16_t port,
-                                    bool speaks_first) {
-  return std::make_unique<UdpPort>(host, port, speaks_first);
+std::unique_ptr<Port> open_udp_port(const std::string& host, std::uint16_t port, bool sends_first) {
+  return std::make_unique<UdpPort>(host, port, sends_first);
 }
 
 }  // namespace vantage::drivers

@@ -17,7 +17,7 @@ constexpr Duration kPingPeriod = std::chrono::milliseconds(50);
 /// poses.
 constexpr Duration kJunkMax = std::chrono::milliseconds(300);
 constexpr std::size_t kOutgoingMax = std::size_t{64} << 10U;
-constexpr Duration kAskAgain = std::chrono::seconds(1);
+constexpr Duration kRequestPeriod = std::chrono::seconds(1);
 constexpr std::array<std::uint32_t, 3> kSegmentTypes{
     wire::vicon::kGlobalSegments, wire::vicon::kLocalSegments, wire::vicon::kLightweightSegments};
 constexpr std::array<std::uint32_t, 6> kWanted{
@@ -53,7 +53,7 @@ void DataStreamSession::open(Moment now) {
   has_set_ = false;
   subjects_.clear();
   echo_.reset();
-  opened_ = last_asked_ = now;
+  opened_ = last_request_ = now;
   next_wake_ = Duration::max();
 }
 
@@ -120,9 +120,9 @@ void DataStreamSession::on_packet(Moment arrival, wire::vicon::Bytes body) {
   }
   counts.broken_blocks += cursor.is_broken() ? 1 : 0;
   if (has_enums) {
-    ask_for_content();
-    ask_for_frame(true);
-    last_asked_ = arrival;
+    request_content();
+    request_frame(true);
+    last_request_ = arrival;
     next_wake_ = arrival.steady + kPingPeriod;
   }
   if (has_static) {
@@ -130,10 +130,10 @@ void DataStreamSession::on_packet(Moment arrival, wire::vicon::Bytes body) {
   }
   if (has_dynamic) {
     read_dynamic(body);
-    hand_on(arrival);
+    pass_on(arrival);
     if (mode_ != scenario::StreamMode::kPush) {
-      ask_for_frame(false);
-      last_asked_ = arrival;
+      request_frame(false);
+      last_request_ = arrival;
     }
   }
 }
@@ -147,7 +147,7 @@ void DataStreamSession::on_ping(Moment arrival, const wire::vicon::Ping& ping) {
   }
 }
 
-void DataStreamSession::ask_for_content() {
+void DataStreamSession::request_content() {
   segments_type_ = 0;
   for (const std::uint32_t type : kSegmentTypes) {
     segments_type_ = segments_type_ == 0 && contains(offered_.types, type) ? type : segments_type_;
@@ -163,7 +163,7 @@ void DataStreamSession::ask_for_content() {
   send(wanted);
 }
 
-void DataStreamSession::ask_for_frame(bool is_first) {
+void DataStreamSession::request_frame(bool is_first) {
   switch (mode_) {
     case scenario::StreamMode::kPush:
       if (is_first) {
@@ -185,9 +185,9 @@ void DataStreamSession::on_time(Moment now) {
   }
   next_wake_ = now.steady + kPingPeriod;
   send(wire::vicon::Ping{static_cast<std::uint64_t>(now.steady.count())});
-  if (now.steady - last_asked_.steady >= kAskAgain && mode_ != scenario::StreamMode::kPush) {
-    ask_for_frame(false);  // the answer was lost, or the server paused
-    last_asked_ = now;
+  if (now.steady - last_request_.steady >= kRequestPeriod && mode_ != scenario::StreamMode::kPush) {
+    request_frame(false);  // the answer was lost, or the server paused
+    last_request_ = now;
   }
 }
 
@@ -216,7 +216,7 @@ void DataStreamSession::on_subject(std::size_t index, const wire::vicon::Subject
   }
   Subject& subject = subjects_[index];
   if (subject.id != info.subject_id || subject.name != info.name) {
-    subject.seen.sight = Sight::kAbsent;
+    subject.seen.pose_state = PoseState::kAbsent;
   }
   subject.id = info.subject_id;
   subject.name = info.name;
@@ -239,7 +239,7 @@ void DataStreamSession::read_dynamic(wire::vicon::Bytes packet) {
   }
   if (!contents_.is_unchanged(segments_type_)) {
     for (Subject& subject : subjects_) {
-      subject.seen.sight = Sight::kAbsent;
+      subject.seen.pose_state = PoseState::kAbsent;
     }
   }
   wire::vicon::BlockCursor cursor(packet);
@@ -296,7 +296,7 @@ void DataStreamSession::set_segment(std::uint32_t subject_id, std::uint32_t segm
            wire::vicon::rotation_from_matrix(world_from_body), is_zero, is_y_up());
 }
 
-void DataStreamSession::hand_on(Moment arrival) {
+void DataStreamSession::pass_on(Moment arrival) {
   if (frame_.frame_number == wire::vicon::FrameInfo::kNoFrame ||
       (!has_set_ && arrival.steady - opened_.steady < kJunkMax)) {
     ++counts.frames_before_set;
@@ -312,7 +312,7 @@ void DataStreamSession::hand_on(Moment arrival) {
   for (const Subject& subject : subjects_) {
     SeenBody& body = seen_.add();
     body.name = subject.name;
-    body.sight = subject.seen.sight;
+    body.pose_state = subject.seen.pose_state;
     body.world_from_body = subject.seen.world_from_body;
   }
   sink_(seen_);

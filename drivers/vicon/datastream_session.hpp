@@ -46,9 +46,9 @@ class DataStreamSession : public Session {
   void set_segment(std::uint32_t subject, std::uint32_t segment, const Eigen::Vector3d& position_mm,
                    const Eigen::Matrix3d& world_from_body);
   void on_subject(std::size_t index, const wire::vicon::SubjectInfo& info);
-  void hand_on(Moment arrival);
-  void ask_for_content();
-  void ask_for_frame(bool is_first);
+  void pass_on(Moment arrival);
+  void request_content();
+  void request_frame(bool is_first);
   template <class Value>
   void send(const Value& value);
   template <class Value>
@@ -72,7 +72,7 @@ class DataStreamSession : public Session {
   std::vector<Subject> subjects_;
 
   Moment opened_;
-  Moment last_asked_;
+  Moment last_request_;
   Duration next_wake_{Duration::max()};
   std::optional<Echo> echo_;
 

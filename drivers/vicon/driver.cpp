@@ -49,13 +49,13 @@ GateSettings gate_of(const scenario::MocapSpec& spec, double separation_m) {
 }
 
 /// Returns the remedy for a port that belongs to another product.
-std::string cure_for(wire::vicon::Speaker speaker) {
-  switch (speaker) {
-    case wire::vicon::Speaker::kDataStream:
+std::string remedy_for(wire::vicon::ServerType server_type) {
+  switch (server_type) {
+    case wire::vicon::ServerType::kDataStream:
       return "; set mocap.protocol: datastream, or another mocap.port";
-    case wire::vicon::Speaker::kVrpn:
+    case wire::vicon::ServerType::kVrpn:
       return "; set mocap.protocol: vrpn, or another mocap.port";
-    case wire::vicon::Speaker::kObjectStream:
+    case wire::vicon::ServerType::kObjectStream:
       return "; set mocap.protocol: object_stream, or another mocap.port";
     default:
       return "; check mocap.host and mocap.port";
@@ -77,7 +77,7 @@ ViconDriver::ViconDriver(const scenario::MocapSpec& spec, FrameFilter::Publish p
 
 ViconDriver::~ViconDriver() = default;
 
-std::string ViconDriver::place() const {
+std::string ViconDriver::address() const {
   return is_datagram_ ? "UDP port " + std::to_string(port())
                       : host() + ":" + std::to_string(port());
 }
@@ -95,13 +95,13 @@ void ViconDriver::on_opening(Moment now) {
 void ViconDriver::on_opened(Moment now) {
   state_ = State::kOpen;
   wants_close_ = false;
-  last_heard_ = opened_at_ = now.steady;
+  last_received_ = opened_at_ = now.steady;
   frames_since_open_ = 0;
   first_bytes_.clear();
   ++link_counts_.connections;
   session_->open(now);
   filter_.on_opened();
-  status_ = (is_datagram_ ? "listening at " : "connected to ") + place() + ", no frame yet";
+  status_ = (is_datagram_ ? "listening at " : "connected to ") + address() + ", no frame yet";
 }
 
 void ViconDriver::on_closed(Moment now, const std::string& why) {
@@ -111,7 +111,7 @@ void ViconDriver::on_closed(Moment now, const std::string& why) {
     ++link_counts_.connections_lost;
   }
   if (!wants_close_) {
-    status_ = place() + ": " + why;
+    status_ = address() + ": " + why;
   }
   state_ = State::kClosed;
   wants_close_ = false;
@@ -126,14 +126,14 @@ void ViconDriver::on_closed(Moment now, const std::string& why) {
 
 void ViconDriver::close_because(const std::string& why) {
   wants_close_ = true;
-  status_ = place() + " " + why;
+  status_ = address() + " " + why;
 }
 
 void ViconDriver::receive(Moment arrival, wire::vicon::Bytes bytes) {
   if (state_ != State::kOpen || wants_close_) {
     return;
   }
-  last_heard_ = arrival.steady;
+  last_received_ = arrival.steady;
   if (!is_datagram_ && first_bytes_.size() < kFirstBytes) {
     const auto more = bytes.first(std::min(bytes.size(), kFirstBytes - first_bytes_.size()));
     first_bytes_.insert(first_bytes_.end(), more.begin(), more.end());
@@ -142,28 +142,29 @@ void ViconDriver::receive(Moment arrival, wire::vicon::Bytes bytes) {
     close_if_behind(arrival);
     return;
   }
-  using wire::vicon::Speaker;
-  const Speaker speaker = is_datagram_ ? wire::vicon::identify_datagram(bytes)
-                                       : wire::vicon::identify_stream(first_bytes_);
-  const Speaker expected = spec_.protocol == MocapProtocol::kVrpn         ? Speaker::kVrpn
-                           : spec_.protocol == MocapProtocol::kDataStream ? Speaker::kDataStream
-                                                                          : Speaker::kObjectStream;
-  const std::string complaint =
-      speaker == expected ? std::string("sends bytes that its protocol does not allow")
-                          : std::string("is ") + wire::vicon::name_of(speaker) + ", not " +
-                                wire::vicon::name_of(expected) + cure_for(speaker);
+  using wire::vicon::ServerType;
+  const ServerType server_type = is_datagram_ ? wire::vicon::identify_datagram(bytes)
+                                              : wire::vicon::identify_stream(first_bytes_);
+  const ServerType expected = spec_.protocol == MocapProtocol::kVrpn ? ServerType::kVrpn
+                              : spec_.protocol == MocapProtocol::kDataStream
+                                  ? ServerType::kDataStream
+                                  : ServerType::kObjectStream;
+  const std::string problem =
+      server_type == expected ? std::string("sends bytes that its protocol does not allow")
+                              : std::string("is ") + wire::vicon::name_of(server_type) + ", not " +
+                                    wire::vicon::name_of(expected) + remedy_for(server_type);
   if (is_datagram_) {
     // other hosts may send to this port as well: keep listening
-    status_ = place() + " " + complaint;
+    status_ = address() + " " + problem;
   } else {
-    close_because(complaint);
+    close_because(problem);
   }
 }
 
 void ViconDriver::on_frame(const SeenFrame& frame) {
   if (frames_since_open_++ == 0) {
     back_off_ = kBackOffMin;
-    status_ = "frames from " + place();
+    status_ = "frames from " + address();
   }
   filter_.accept(frame);
 }
@@ -189,10 +190,10 @@ void ViconDriver::on_time(Moment now) {
     return;
   }
   session_->on_time(now);
-  if (now.steady - last_heard_ > kSilenceMax) {
+  if (now.steady - last_received_ > kSilenceMax) {
     if (is_datagram_) {
-      last_heard_ = now.steady;  // report it only now and then
-      status_ = "no data received at " + place() +
+      last_received_ = now.steady;  // report it only now and then
+      status_ = "no data received at " + address() +
                 "; in Tracker, turn on the UDP object stream to this host and port";
     } else {
       ++link_counts_.silences;
@@ -200,9 +201,9 @@ void ViconDriver::on_time(Moment now) {
                         ? "accepts the connection but sends nothing; is it a mocap server?"
                         : "has stopped sending");
     }
-  } else if (frames_since_open_ == 0 && last_heard_ > opened_at_ &&
+  } else if (frames_since_open_ == 0 && last_received_ > opened_at_ &&
              now.steady - opened_at_ > kNoFrameHint) {
-    status_ = (is_datagram_ ? "data received at " : "connected to ") + place() +
+    status_ = (is_datagram_ ? "data received at " : "connected to ") + address() +
               ", but no frames; is the system live, and are objects ticked? (Nexus: run "
               "the Kinematic Fit pipeline)";
   }
@@ -217,7 +218,7 @@ Duration ViconDriver::next_wake() const {
     case State::kOpen:
       break;
   }
-  return std::min(session_->next_wake(), last_heard_ + kSilenceMax + Duration{1'000});
+  return std::min(session_->next_wake(), last_received_ + kSilenceMax + Duration{1'000});
 }
 
 }  // namespace vantage::drivers::vicon

@@ -82,7 +82,7 @@ class ViconDriver {
  private:
   enum class State { kClosed, kOpening, kOpen };
 
-  [[nodiscard]] std::string place() const;
+  [[nodiscard]] std::string address() const;
   void close_because(const std::string& why);
   void on_frame(const SeenFrame& frame);
   void close_if_behind(Moment now);
@@ -98,7 +98,7 @@ class ViconDriver {
   Duration next_attempt_{};
   Duration back_off_;
   Duration opening_since_{};
-  Duration last_heard_{};
+  Duration last_received_{};
   Duration opened_at_{};
   std::int64_t frames_since_open_ = 0;
   std::vector<std::uint8_t> first_bytes_;  ///< of this connection, to identify the server

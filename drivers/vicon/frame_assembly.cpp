@@ -14,7 +14,7 @@ void FrameAssembly::clear() {
 
 SeenFrame& FrameAssembly::begin(Moment arrival) {
   if (is_open_) {
-    hand_on();
+    pass_on();
   }
   frame_.clear();
   frame_.arrival = arrival;
@@ -22,18 +22,18 @@ SeenFrame& FrameAssembly::begin(Moment arrival) {
   return frame_;
 }
 
-void FrameAssembly::hand_on_if_whole() {
+void FrameAssembly::pass_on_if_complete() {
   const auto expected = std::span(expected_).first(expected_size_);
   if (is_open_ && !is_first_ &&
       std::all_of(expected.begin(), expected.end(),
                   [this](const std::string& name) { return frame_.has(name); })) {
-    hand_on();
+    pass_on();
   }
 }
 
 void FrameAssembly::on_time(Moment now) {
   if (is_open_ && now.steady >= frame_.arrival.steady + kPatience) {
-    hand_on();
+    pass_on();
   }
 }
 
@@ -48,14 +48,14 @@ void FrameAssembly::expect(std::string_view name) {
   expected_[expected_size_++] = name;
 }
 
-void FrameAssembly::expect_also(std::string_view name) {
+void FrameAssembly::expect_late(std::string_view name) {
   expect(name);
   SeenBody& late = frame_.add();
   late.name = name;
-  late.sight = Sight::kAbsent;
+  late.pose_state = PoseState::kAbsent;
 }
 
-void FrameAssembly::hand_on() {
+void FrameAssembly::pass_on() {
   is_open_ = false;
   is_first_ = false;
   expected_size_ = 0;

@@ -28,16 +28,16 @@ class FrameAssembly {
   /// Starts a frame; passes the previous one on if it is still open.
   SeenFrame& begin(Moment arrival);
   /// Passes the frame on if it is complete. Call it after each batch of pieces.
-  void hand_on_if_whole();
+  void pass_on_if_complete();
   void on_time(Moment now);
   [[nodiscard]] std::optional<Duration> next_wake() const;
   /// Makes the next frame wait for this body.
   void expect(std::string_view name);
   /// The same for a body whose piece arrived after its frame was passed on; adds it to frame().
-  void expect_also(std::string_view name);
+  void expect_late(std::string_view name);
 
  private:
-  void hand_on();
+  void pass_on();
 
   FrameSink sink_;
   SeenFrame frame_;

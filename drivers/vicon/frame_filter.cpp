@@ -22,7 +22,7 @@ constexpr std::size_t kNameBytesMax = 128;
 /// A jump to within this distance of another body is a swap of names.
 constexpr double kSwapDistance_m = 0.3;
 /// A body within this distance of its own prediction has its own name.
-constexpr double kOwnPlace_m = 0.05;
+constexpr double kOwnPosition_m = 0.05;
 /// Smallest reduction of the distances to the predictions, per name, that proves a swap of names.
 constexpr double kSwapGain_m = 0.05;
 constexpr std::size_t kComparedMax = 64;
@@ -210,7 +210,7 @@ void FrameFilter::compare(std::size_t body) {
 // long: one assignment, from the selection of the bodies to the marks
 void FrameFilter::find_swaps(Duration now) {
   const auto has_pose = [&](std::size_t i) {
-    return bodies_[i].seen != nullptr && bodies_[i].seen->sight == Sight::kSeen;
+    return bodies_[i].seen != nullptr && bodies_[i].seen->pose_state == PoseState::kSeen;
   };
   const auto position_m = [&](std::size_t i) -> const Eigen::Vector3d& {
     return bodies_[i].seen->world_from_body.translation_m;
@@ -228,7 +228,7 @@ void FrameFilter::find_swaps(Duration now) {
       continue;
     }
     double nearest_m = (position_m(i) - predicted_m_[i]).norm();
-    if (nearest_m <= kOwnPlace_m) {
+    if (nearest_m <= kOwnPosition_m) {
       continue;
     }
     std::size_t nearest = i;
@@ -292,16 +292,16 @@ void FrameFilter::place(const SeenBody& seen, Body& body, Duration now, models::
 }
 
 bool FrameFilter::is_good(const SeenBody& seen, Body& body, Duration now) {
-  switch (seen.sight) {
-    case Sight::kAbsent:
+  switch (seen.pose_state) {
+    case PoseState::kAbsent:
       return false;
-    case Sight::kZero:
+    case PoseState::kZero:
       ++counts_.poses_zero;
       return false;
-    case Sight::kNotAPose:
+    case PoseState::kNotAPose:
       ++counts_.poses_refused;
       return false;
-    case Sight::kSeen:
+    case PoseState::kSeen:
       break;
   }
   const auto is_other = [&](const Eigen::Vector3d& position_m) {

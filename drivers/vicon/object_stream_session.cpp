@@ -35,8 +35,9 @@ bool ObjectStreamSession::receive(Moment arrival, wire::vicon::Bytes datagram) {
   const bool is_block = wire::vicon::decode_object_block(datagram, block_);
   if (!is_block || block_.objects.empty() || block_.is_truncated) {
     // A packet of a DataStream may also look like the start of a frame.
-    const wire::vicon::Speaker speaker = wire::vicon::identify_datagram(datagram);
-    if (speaker == wire::vicon::Speaker::kDataStream || speaker == wire::vicon::Speaker::kVrpn) {
+    const wire::vicon::ServerType server_type = wire::vicon::identify_datagram(datagram);
+    if (server_type == wire::vicon::ServerType::kDataStream ||
+        server_type == wire::vicon::ServerType::kVrpn) {
       ++counts.broken_streams;
       return false;
     }
@@ -53,15 +54,15 @@ bool ObjectStreamSession::receive(Moment arrival, wire::vicon::Bytes datagram) {
   if (is_continued && !assembly_.is_open()) {
     // The frame was assumed complete. The missing bodies come one frame late, and in time from now
     // on.
-    bool is_news = false;
+    bool is_late = false;
     for (const wire::vicon::TrackerObject& object : block_.objects) {
       if (!assembly_.frame().has(object.name())) {
-        assembly_.expect_also(object.name());
-        is_news = true;
+        assembly_.expect_late(object.name());
+        is_late = true;
       }
     }
-    counts.late_blocks += is_news ? 1 : 0;
-    counts.duplicate_blocks += is_news ? 0 : 1;
+    counts.late_blocks += is_late ? 1 : 0;
+    counts.duplicate_blocks += is_late ? 0 : 1;
     return true;
   }
   SeenFrame& frame = is_continued ? assembly_.frame() : assembly_.begin(arrival);
@@ -72,7 +73,7 @@ bool ObjectStreamSession::receive(Moment arrival, wire::vicon::Bytes datagram) {
       set_body(frame.add(), object, is_y_up_);
     }
   }
-  assembly_.hand_on_if_whole();
+  assembly_.pass_on_if_complete();
   return true;
 }
 

@@ -62,7 +62,7 @@ bool PoseGate::continues_chain(Duration now, const Pose3& pose) const {
 
 Verdict PoseGate::accept(Duration now, const Pose3& pose) {
   const double passed_s = last_ ? to_seconds(now - last_time_) : 0.0;
-  if (candidate_ && is_believed(now)) {
+  if (candidate_ && is_accepted(now)) {
     velocity_mps_.setZero();  // unknown after a jump
   } else if (passed_s > 0.0) {
     const Eigen::Vector3d measured_mps = (pose.translation_m - last_->translation_m) / passed_s;
@@ -78,13 +78,13 @@ Verdict PoseGate::accept(Duration now, const Pose3& pose) {
   return Verdict::kGood;
 }
 
-bool PoseGate::is_believed(Duration now) const {
+bool PoseGate::is_accepted(Duration now) const {
   if (is_swap_) {
     return false;
   }
   return candidate_kind_ == Verdict::kUnconfirmed
              ? candidate_frames_ >= settings_.confirm_frames
-             : now - candidate_since_ >= settings_.believe_jump_after;
+             : now - candidate_since_ >= settings_.accept_jump_after;
 }
 
 }  // namespace vantage::drivers::vicon

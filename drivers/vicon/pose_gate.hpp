@@ -37,7 +37,7 @@ struct GateSettings {
   int confirm_frames = 5;  ///< consistent poses required of a lost body
   /// A jump is accepted after its poses were consistent for this time. By then a vehicle that uses
   /// this body has been without a pose for long enough to land (design §6).
-  Duration believe_jump_after{2'000'000};
+  Duration accept_jump_after{2'000'000};
   int stuck_frames = 3;  ///< repetitions; 0: not checked
 };
 
@@ -86,7 +86,7 @@ class PoseGate {
   [[nodiscard]] bool is_back(Duration now, const Pose3& pose) const;
   [[nodiscard]] bool is_repeated(const Pose3& pose);
   Verdict accept(Duration now, const Pose3& pose);
-  [[nodiscard]] bool is_believed(Duration now) const;
+  [[nodiscard]] bool is_accepted(Duration now) const;
   [[nodiscard]] bool is_near_prediction(Duration now, const Pose3& pose) const;
   [[nodiscard]] bool continues_chain(Duration now, const Pose3& pose) const;
 
@@ -136,7 +136,7 @@ Verdict PoseGate::judge(Duration now, const Pose3& pose, const IsOther& is_other
   candidate_ = pose;
   candidate_time_ = now;
   ++candidate_frames_;
-  return is_believed(now) ? accept(now, pose) : candidate_kind_;
+  return is_accepted(now) ? accept(now, pose) : candidate_kind_;
 }
 
 }  // namespace vantage::drivers::vicon

@@ -28,14 +28,14 @@ bool SeenFrame::has(std::string_view name) const {
 void set_pose(SeenBody& body, const Eigen::Vector3d& position_m,
               const std::optional<Quaternion>& rotation, bool is_zero, bool is_y_up) {
   if (is_zero) {
-    body.sight = Sight::kZero;
+    body.pose_state = PoseState::kZero;
     return;
   }
   if (!rotation || !(position_m.cwiseAbs().maxCoeff() <= kRoomMax_m) || !position_m.allFinite()) {
-    body.sight = Sight::kNotAPose;
+    body.pose_state = PoseState::kNotAPose;
     return;
   }
-  body.sight = Sight::kSeen;
+  body.pose_state = PoseState::kSeen;
   body.world_from_body = {position_m, *rotation};
   if (is_y_up) {
     body.world_from_body = wire::vicon::z_up_from_y_up(body.world_from_body);

@@ -23,7 +23,7 @@ struct Moment {
 inline constexpr double kMetresPerMillimetre = 1e-3;  ///< Vicon servers use millimetres
 
 /// State of one body in a server's frame.
-enum class Sight {
+enum class PoseState {
   kSeen,
   kAbsent,    ///< it exists, but has no pose in the frame
   kZero,      ///< a pose of exact zeros; some servers report unseen bodies this way
@@ -32,7 +32,7 @@ enum class Sight {
 
 struct SeenBody {
   std::string name;
-  Sight sight = Sight::kAbsent;
+  PoseState pose_state = PoseState::kAbsent;
   Pose3 world_from_body;  ///< z up, metres; valid if seen
 };
 

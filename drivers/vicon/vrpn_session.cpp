@@ -58,7 +58,7 @@ bool VrpnSession::receive(Moment arrival, wire::vicon::Bytes bytes) {
       stream_.consume(message.bytes);
     }
   }
-  assembly_.hand_on_if_whole();
+  assembly_.pass_on_if_complete();
   return true;
 }
 
@@ -163,7 +163,7 @@ void VrpnSession::on_pose(Moment arrival, const wire::vicon::VrpnHeader& header,
   const bool is_late = !assembly_.is_open() && !assembly_.frame().has(*name) &&
                        std::abs(stamp_us - frame_stamp_us_) <= kSameFrame_us;
   if (is_late) {  // the frame was assumed complete; the next one waits for this body
-    assembly_.expect_also(*name);
+    assembly_.expect_late(*name);
     ++counts.late_blocks;
     return;
   }

@@ -32,8 +32,8 @@ Eigen::Quaterniond rotation_of(const wire::vicon::VrpnPose& pose) {
 
 /// Returns the pose of a body that moved from `before` to `last`, extrapolated by `share` of that
 /// step.
-wire::vicon::VrpnPose moved_on(const wire::vicon::VrpnPose& before,
-                               const wire::vicon::VrpnPose& last, double share) {
+wire::vicon::VrpnPose extrapolated(const wire::vicon::VrpnPose& before,
+                                   const wire::vicon::VrpnPose& last, double share) {
   wire::vicon::VrpnPose out = last;
   out.position_m = last.position_m + share * (last.position_m - before.position_m);
   const Eigen::AngleAxisd turn(rotation_of(before).conjugate() * rotation_of(last));
@@ -152,8 +152,8 @@ void VrpnTrackers::add_held(std::int64_t stamp_us, SeenFrame& frame) const {
     SeenBody& body = frame.add();
     body.name = tracker.name;
     place(body,
-          is_moving ? moved_on(tracker.before.pose, tracker.last.pose,
-                               static_cast<double>(age_us) / static_cast<double>(step_us))
+          is_moving ? extrapolated(tracker.before.pose, tracker.last.pose,
+                                   static_cast<double>(age_us) / static_cast<double>(step_us))
                     : tracker.last.pose,
           is_y_up_);
   }

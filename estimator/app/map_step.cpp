@@ -139,7 +139,7 @@ MapReplayer::MapReplayer(bus::Bus& bus, const scenario::Scenario& scenario,
   }
 }
 
-bool MapReplayer::redo(const models::RobotMap& logged) {
+bool MapReplayer::recompute(const models::RobotMap& logged) {
   MapInput input;
   std::vector<const models::RangeScan*> scans;
   std::vector<const models::RobotMap*> teammates;
@@ -175,7 +175,7 @@ bool MapReplayer::redo(const models::RobotMap& logged) {
 
 void MapReplayer::work() {
   logged_.work([this](const models::RobotMap& logged, bool is_last_chance) {
-    const bool is_done = redo(logged);
+    const bool is_done = recompute(logged);
     incomplete_ += !is_done && is_last_chance ? 1 : 0;
     return is_done;
   });

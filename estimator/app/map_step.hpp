@@ -61,7 +61,7 @@ class MapReplayer {
  private:
   void work();
   /// Recomputes one map. Returns false while an input is missing.
-  bool redo(const models::RobotMap& logged);
+  bool recompute(const models::RobotMap& logged);
 
   bus::Bus& bus_;
   std::string robot_;

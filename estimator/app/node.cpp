@@ -57,7 +57,7 @@ EstimatorNode::EstimatorNode(bus::Bus& bus, const bus::Clock& clock,
 std::string EstimatorNode::name() const { return "ESTIMATOR_" + robot_; }
 
 void EstimatorNode::listen_to_looks_of(const std::string& looker) {
-  bus_.subscribe_shared<models::DetectionSet>(
+  bus_.subscribe_shared<models::RobotMeasurement>(
       bus::measurement_channel(looker),
       [this, looker](const auto&, const auto& look) { on_look(looker, look); });
 }
@@ -72,7 +72,7 @@ void EstimatorNode::listen_to(const std::string& teammate) {
 }
 
 void EstimatorNode::on_look(const std::string& looker,
-                            const std::shared_ptr<const models::DetectionSet>& look) {
+                            const std::shared_ptr<const models::RobotMeasurement>& look) {
   if (look->robot != looker) {
     ++misaddressed_;
     return;
@@ -112,7 +112,7 @@ void EstimatorNode::on_belief(const std::string& teammate,
 
 StepMaterial EstimatorNode::gather(Time t) {
   StepMaterial material;
-  std::deque<Heard<models::DetectionSet>> later;
+  std::deque<Heard<models::RobotMeasurement>> later;
   for (auto& look : looks_) {
     if (look.content->stamp.time <= t) {
       material.looks.push_back(std::move(look));

@@ -37,7 +37,7 @@ class EstimatorNode : public bus::Node {
   /// Returns the beliefs of the targets at t, by ascending target_id, after the observations of its
   /// step.
   using Believe = std::function<std::vector<models::TargetBelief>(
-      Time t, const std::vector<Heard<models::DetectionSet>>& looks)>;
+      Time t, const std::vector<Heard<models::RobotMeasurement>>& looks)>;
 
   /// @param believe  publishes its beliefs of the targets instead of the filter's; empty: the
   /// filter's
@@ -60,7 +60,8 @@ class EstimatorNode : public bus::Node {
  private:
   void listen_to_looks_of(const std::string& looker);
   void listen_to(const std::string& teammate);
-  void on_look(const std::string& looker, const std::shared_ptr<const models::DetectionSet>& look);
+  void on_look(const std::string& looker,
+               const std::shared_ptr<const models::RobotMeasurement>& look);
   void on_mocap(const models::MocapFrame& frame);
   void on_belief(const std::string& teammate,
                  const std::shared_ptr<const models::RobotBelief>& belief);
@@ -79,7 +80,7 @@ class EstimatorNode : public bus::Node {
   Time last_own_look_{};        ///< instant of the newest own observation
   Time last_own_look_heard_{};  ///< and its time of reception
   std::int64_t steps_ = 0;
-  std::deque<Heard<models::DetectionSet>> looks_;             ///< not used yet
+  std::deque<Heard<models::RobotMeasurement>> looks_;         ///< not used yet
   std::deque<Heard<OwnPose>> poses_;                          ///< newest last
   std::map<std::string, Heard<models::RobotBelief>> newest_;  ///< by teammate
   std::optional<MapPublisher> map_;                           ///< only in a mapping scenario

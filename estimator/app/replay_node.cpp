@@ -61,7 +61,7 @@ EstimatorReplayNode::EstimatorReplayNode(bus::Bus& bus, const bus::Clock& clock,
       beliefs_(kBeliefsKeptPerTeammate),
       next_tick_(clock.now() + bus::kReplayTick) {
   for (const scenario::RobotSpec& each : scenario.robots) {
-    bus_.subscribe_named<models::DetectionSet>(
+    bus_.subscribe_named<models::RobotMeasurement>(
         bus::measurement_channel(each.name), [this](const std::string& channel, const auto& look) {
           looks_.add(channel, look);
           work();
@@ -109,7 +109,7 @@ void EstimatorReplayNode::work() {
     if (missing > 0 && !is_last_chance) {
       return false;
     }
-    redo(logged, material, missing);
+    recompute(logged, material, missing);
     return true;
   });
 }
@@ -133,8 +133,8 @@ StepMaterial EstimatorReplayNode::gather(const models::RobotBelief& logged,
   return material;
 }
 
-void EstimatorReplayNode::redo(const models::RobotBelief& logged, const StepMaterial& material,
-                               std::int64_t missing) {
+void EstimatorReplayNode::recompute(const models::RobotBelief& logged, const StepMaterial& material,
+                                    std::int64_t missing) {
   const bool first = logged.step == 0;
   const bool next =
       last_done_ && last_done_->run_id == logged.stamp.run_id && logged.step == last_step_ + 1;

@@ -48,7 +48,8 @@ class EstimatorReplayNode : public bus::Node {
  private:
   void work();
   /// Repeats the step of `logged` from the available inputs; `missing` inputs are absent.
-  void redo(const models::RobotBelief& logged, const StepMaterial& material, std::int64_t missing);
+  void recompute(const models::RobotBelief& logged, const StepMaterial& material,
+                 std::int64_t missing);
   /// Returns the available inputs named by `logged`; `missing` receives the number of absent ones.
   StepMaterial gather(const models::RobotBelief& logged, std::int64_t& missing) const;
 
@@ -56,7 +57,7 @@ class EstimatorReplayNode : public bus::Node {
   FilterSpec spec_;
   DistributedFilter filter_;
   std::string robot_;
-  bus::InputStore<models::DetectionSet> looks_;
+  bus::InputStore<models::RobotMeasurement> looks_;
   bus::InputStore<models::MocapFrame> frames_;
   bus::InputStore<models::RobotBelief> beliefs_;
   bus::ReplayQueue<models::RobotBelief> logged_;  ///< not repeated yet

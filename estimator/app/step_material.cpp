@@ -18,8 +18,8 @@ std::optional<OwnPose> own_pose(const models::MocapFrame& frame, const std::stri
                  {flatten(body->world_from_body), body->world_from_body.translation_m.z()}};
 }
 
-bool has_viewpoint(const std::vector<Heard<models::DetectionSet>>& looks, const std::string& robot,
-                   Time t, Duration step) {
+bool has_viewpoint(const std::vector<Heard<models::RobotMeasurement>>& looks,
+                   const std::string& robot, Time t, Duration step) {
   return std::any_of(looks.begin(), looks.end(), [&](const auto& look) {
     return look.content->robot == robot && look.content->stamp.time > t - step &&
            look.content->stamp.time <= t;
@@ -30,7 +30,7 @@ models::RobotBelief make_step(DistributedFilter& filter, Time t, std::int64_t st
                               const StepMaterial& material) {
   StepInput input;
   input.time = t;
-  std::vector<const models::DetectionSet*> looks;
+  std::vector<const models::RobotMeasurement*> looks;
   std::vector<const models::RobotBelief*> beliefs;
   std::vector<models::InputRef> names;
   Time newest = t - from_seconds(filter.spec().step_s);

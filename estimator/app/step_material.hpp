@@ -29,7 +29,7 @@ struct OwnPose {
 /// All inputs of one step. Live and replayed steps are computed from it by the same function, so
 /// their results are equal.
 struct StepMaterial {
-  std::vector<Heard<models::DetectionSet>> looks;
+  std::vector<Heard<models::RobotMeasurement>> looks;
   std::optional<Heard<OwnPose>> pose;  ///< without an own observation
   std::vector<Heard<models::RobotBelief>> beliefs;
 };
@@ -44,8 +44,8 @@ std::optional<OwnPose> own_pose(const models::MocapFrame& frame, const std::stri
 
 /// True if one of `looks` is from `robot` and from the interval (t − τ, t], so that its viewpoint
 /// can be used for t.
-bool has_viewpoint(const std::vector<Heard<models::DetectionSet>>& looks, const std::string& robot,
-                   Time t, Duration step);
+bool has_viewpoint(const std::vector<Heard<models::RobotMeasurement>>& looks,
+                   const std::string& robot, Time t, Duration step);
 
 /// Advances `filter` to `t` and returns BELIEF_R, complete except for run id and sequence of its
 /// stamp. Inputs are named in order of use: observations, pose, beliefs.

@@ -28,7 +28,7 @@ class Analyst {
     metrics_.on_truth(truth);
     sets_.on_truth(truth);
   }
-  void on(const models::ContactReport& contact) { metrics_.on_contact(contact); }
+  void on(const models::CollisionReport& contact) { metrics_.on_contact(contact); }
   void on(const models::VehicleStatus& status) { metrics_.on_vehicle(status); }
   void on(const models::ProcessHealth& health) {
     metrics_.on_health(health);
@@ -51,8 +51,8 @@ class Analyst {
     latencies_s_["capture → log"].push_back(to_seconds(logged_ - frame.stamp.time));
   }
 
-  void on(const models::DetectionSet& look) {
-    looks_.add({std::string(channel_), look.stamp.run_id, look.stamp.sequence}, look.stamp.time);
+  void on(const models::RobotMeasurement& scan) {
+    scans_.add({std::string(channel_), scan.stamp.run_id, scan.stamp.sequence}, scan.stamp.time);
   }
 
   void on(const models::RobotBelief& belief) {
@@ -60,9 +60,9 @@ class Analyst {
     sets_.on_belief(belief);
     const models::InputRef name{std::string(channel_), belief.stamp.run_id, belief.stamp.sequence};
     beliefs_.add(name, belief.stamp.time);
-    if (const auto look = looks_.newest(belief.inputs)) {
-      latencies_s_["look → belief"].push_back(to_seconds(logged_ - *look));
-      looks_of_beliefs_.add(name, *look);
+    if (const auto scan = scans_.newest(belief.inputs)) {
+      latencies_s_["look → belief"].push_back(to_seconds(logged_ - *scan));
+      scans_of_beliefs_.add(name, *scan);
     }
     note_course(belief.step);
   }
@@ -72,8 +72,8 @@ class Analyst {
     if (const auto belief = beliefs_.newest(plan.inputs)) {
       latencies_s_["belief → plan"].push_back(to_seconds(plan.finish - *belief));
     }
-    if (const auto look = looks_of_beliefs_.newest(plan.inputs)) {
-      latencies_s_["look → plan"].push_back(to_seconds(plan.finish - *look));
+    if (const auto scan = scans_of_beliefs_.newest(plan.inputs)) {
+      latencies_s_["look → plan"].push_back(to_seconds(plan.finish - *scan));
     }
     DeadlineRecord& record = analysis_.deadlines[plan.robot];
     ++record.plans;
@@ -141,9 +141,9 @@ class Analyst {
   Time start_;
   std::string_view channel_;
   Time logged_{};
-  OriginTimes looks_;
+  OriginTimes scans_;
   OriginTimes beliefs_;
-  OriginTimes looks_of_beliefs_;
+  OriginTimes scans_of_beliefs_;
   std::int64_t newest_step_ = -1;
   std::map<std::string, std::vector<double>> latencies_s_;
   std::map<std::string, std::vector<double>> margins_s_;

@@ -6,7 +6,7 @@
 
 #include "bus/auth/trailer.hpp"
 #include "logs/file/log_event.hpp"
-#include "logs/file/wire_witness.hpp"
+#include "logs/file/wire_check.hpp"
 
 namespace vantage::logs {
 namespace {

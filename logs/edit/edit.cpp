@@ -82,7 +82,7 @@ EditCounts merge_logs(const std::vector<const IndexedLog*>& logs, const EventSin
                       const std::function<bool()>& stop) {
   struct Head {
     LogScan scan;
-    std::optional<PlacedEvent> event;
+    std::optional<LocatedEvent> event;
   };
   std::vector<Head> heads;
   for (const IndexedLog* log : logs) {

@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "logs/file/wire_witness.hpp"
+#include "logs/file/wire_check.hpp"
 #include "logs/json/wire_json.hpp"
 
 namespace vantage::logs {

@@ -13,7 +13,7 @@
 
 #include "core/check.hpp"
 #include "logs/export/csv.hpp"
-#include "logs/file/wire_witness.hpp"
+#include "logs/file/wire_check.hpp"
 
 namespace vantage::logs {
 namespace {

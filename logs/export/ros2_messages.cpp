@@ -90,17 +90,18 @@ std::string_view fields_of(std::string_view type) {
   return found->fields;
 }
 
-/// Appends the definition of each message type in `fields` that is not yet in `told`, followed by
-/// the definitions of its own parts.
-void append_parts(std::string_view fields, std::vector<std::string_view>& told, std::string& text) {
+/// Appends the definition of each message type in `fields` that is not yet in `appended`, followed
+/// by the definitions of its own parts.
+void append_parts(std::string_view fields, std::vector<std::string_view>& appended,
+                  std::string& text) {
   while (!fields.empty()) {
     const std::string_view type = fields.substr(0, fields.find_first_of(" ["));
     const bool is_message = type.find('/') != std::string_view::npos;
-    if (is_message && std::find(told.begin(), told.end(), type) == told.end()) {
-      told.push_back(type);
+    if (is_message && std::find(appended.begin(), appended.end(), type) == appended.end()) {
+      appended.push_back(type);
       text += std::string(80, '=') + "\nMSG: " + std::string(type) + "\n";
       text += fields_of(type);
-      append_parts(fields_of(type), told, text);
+      append_parts(fields_of(type), appended, text);
     }
     fields.remove_prefix(fields.find('\n') + 1);
   }
@@ -113,8 +114,8 @@ std::string definition_of(std::string_view type) {
   const std::string name = std::string(type.substr(0, package)) + "/" +
                            std::string(type.substr(package + std::string_view("/msg/").size()));
   std::string text{fields_of(name)};
-  std::vector<std::string_view> told;
-  append_parts(fields_of(name), told, text);
+  std::vector<std::string_view> appended;
+  append_parts(fields_of(name), appended, text);
   return text;
 }
 

@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "logs/file/survey_bytes.hpp"
-#include "logs/file/wire_witness.hpp"
+#include "logs/file/wire_check.hpp"
 
 namespace vantage::logs {
 namespace {
@@ -89,16 +89,16 @@ bool save_index(const std::string& log_path, std::span<const std::uint8_t> log,
   append_big_endian(hash_of(content), kHashBytes, content);
   // Write to a temporary name first: a process that opens the log meanwhile must find a complete
   // index or none.
-  const std::string passing = index_path(log_path) + "." + std::to_string(::getpid());
+  const std::string temporary_path = index_path(log_path) + "." + std::to_string(::getpid());
   {
-    std::ofstream out(passing, std::ios::binary);
+    std::ofstream out(temporary_path, std::ios::binary);
     out.write(reinterpret_cast<const char*>(content.data()), std::ssize(content));
     if (!out.flush()) {
-      std::remove(passing.c_str());
+      std::remove(temporary_path.c_str());
       return false;
     }
   }
-  return std::rename(passing.c_str(), index_path(log_path).c_str()) == 0;
+  return std::rename(temporary_path.c_str(), index_path(log_path).c_str()) == 0;
 }
 
 IndexedLog::IndexedLog(const std::string& path, const std::function<void(double)>& progress)
@@ -112,10 +112,10 @@ IndexedLog::IndexedLog(const std::string& path, const std::function<void(double)
   static_cast<void>(save_index(path, bytes(), survey_));
 }
 
-LogScan IndexedLog::scan() const { return LogScan(bytes(), wire_testimony); }
+LogScan IndexedLog::scan() const { return LogScan(bytes(), check_wire_data); }
 
 LogScan IndexedLog::scan_from(Time from) const {
-  return LogScan(bytes(), wire_testimony, seek_offset(bytes(), survey_, from));
+  return LogScan(bytes(), check_wire_data, seek_offset(bytes(), survey_, from));
 }
 
 }  // namespace vantage::logs

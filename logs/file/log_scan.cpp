@@ -14,7 +14,7 @@ namespace {
 constexpr std::int64_t kNear = 10'000;
 /// After this number of consecutive events with other numbers, these numbers become the usual ones:
 /// the log was concatenated from several logs.
-constexpr int kStrangersMax = 64;
+constexpr int kUnusualMax = 64;
 /// Maximum number of sync words examined inside one event. It keeps the time linear for a file that
 /// contains only headers.
 constexpr int kInsideMax = 200;
@@ -33,8 +33,8 @@ std::int64_t median(std::vector<std::int64_t> numbers) {
 
 }  // namespace
 
-LogScan::LogScan(std::span<const std::uint8_t> log, Witness witness, std::size_t offset)
-    : log_(log), witness_(std::move(witness)), position_(offset), end_of_last_(offset) {}
+LogScan::LogScan(std::span<const std::uint8_t> log, DataChecker checker, std::size_t offset)
+    : log_(log), checker_(std::move(checker)), position_(offset), end_of_last_(offset) {}
 
 // If an event that contains a log is damaged, the headers of the inner log become visible, and
 // their numbers must not be mistaken for the log's own. The median of recent and following numbers
@@ -64,14 +64,14 @@ void LogScan::remember(std::int64_t number) {
   last_number_ = number;
   const std::int64_t usual =
       usual_numbers_.empty() ? usual_number(position_) : median(usual_numbers_);
-  const bool is_stranger = !is_near(usual, number);
-  strangers_ = is_stranger ? strangers_ + 1 : 0;
-  if (is_stranger && strangers_ < kStrangersMax) {
+  const bool is_unusual = !is_near(usual, number);
+  unusual_in_a_row_ = is_unusual ? unusual_in_a_row_ + 1 : 0;
+  if (is_unusual && unusual_in_a_row_ < kUnusualMax) {
     return;
   }
-  if (is_stranger) {
+  if (is_unusual) {
     usual_numbers_.clear();
-    strangers_ = 0;
+    unusual_in_a_row_ = 0;
   } else if (usual_numbers_.size() == kRecent) {
     usual_numbers_.erase(usual_numbers_.begin());
   }
@@ -122,11 +122,11 @@ LogScan::Verdict LogScan::judge(const LogEvent& event, std::size_t offset) const
   const std::optional<LogEvent> follower = event_at(log_, end);
   const bool is_in_order =
       (counts_.events == 0 || event.number == last_number_ + 1) && runs_on(follower, event.number);
-  const Testimony testimony = witness_ ? witness_(event) : Testimony::kNone;
-  if (testimony == Testimony::kDamaged) {
+  const DataCheck check = checker_ ? checker_(event) : DataCheck::kNone;
+  if (check == DataCheck::kDamaged) {
     return Verdict::kRefused;
   }
-  if (testimony == Testimony::kWhole || (is_in_order && end_of_last_ == offset)) {
+  if (check == DataCheck::kComplete || (is_in_order && end_of_last_ == offset)) {
     return Verdict::kSound;
   }
   const bool is_followed = follower || end == log_.size();
@@ -148,7 +148,7 @@ void LogScan::close_stretch(std::size_t end) {
   }
 }
 
-std::optional<PlacedEvent> LogScan::next() {
+std::optional<LocatedEvent> LogScan::next() {
   while (position_ < log_.size()) {
     const std::optional<LogEvent> event = event_at(log_, position_);
     const Verdict verdict = event ? judge(*event, position_) : Verdict::kRefused;
@@ -157,11 +157,11 @@ std::optional<PlacedEvent> LogScan::next() {
       position_ = find_sync(log_, position_ + 1);
       continue;
     }
-    if (is_any_cut()) {
-      require_uncut(log_);
+    if (is_any_truncated()) {
+      require_not_truncated(log_);
     }
     close_stretch(position_);
-    PlacedEvent placed{*event, position_, verdict == Verdict::kDoubtful};
+    LocatedEvent placed{*event, position_, verdict == Verdict::kDoubtful};
     remember(event->number);
     ++counts_.events;
     counts_.doubtful += placed.is_doubtful ? 1 : 0;
@@ -169,7 +169,7 @@ std::optional<PlacedEvent> LogScan::next() {
     end_of_last_ = position_;
     return placed;
   }
-  require_uncut(log_);
+  require_not_truncated(log_);
   close_stretch(log_.size());
   end_of_last_ = log_.size();
   return std::nullopt;

@@ -15,18 +15,18 @@ namespace vantage::logs {
 inline constexpr std::int64_t kEventsPerReport = 1000;
 
 /// Result of checking the data of an event.
-enum class Testimony {
-  kNone,   ///< of an unknown type
-  kWhole,  ///< exactly one complete message of a known type
+enum class DataCheck {
+  kNone,      ///< of an unknown type
+  kComplete,  ///< exactly one complete message of a known type
   /// Begins with the fingerprint of a known type, but the lengths inside are inconsistent.
   kDamaged,
 };
 /// Function that checks the data of an event. If it is empty, no data are checked.
-using Witness = std::function<Testimony(const LogEvent&)>;
+using DataChecker = std::function<DataCheck(const LogEvent&)>;
 
-struct PlacedEvent : LogEvent {
+struct LocatedEvent : LogEvent {
   std::size_t offset = 0;  ///< of the header; bytes from the start of the file
-  /// True if no header follows directly and the witness did not confirm the length. The end of the
+  /// True if no header follows directly and the checker did not confirm the length. The end of the
   /// data may be missing.
   bool is_doubtful = false;
 };
@@ -51,7 +51,7 @@ struct ScanCounts {
 /// An event is accepted directly if a header follows its end and, in addition, the three numbers
 /// around it are consecutive or no sync word is inside its data. Otherwise its length may be wrong.
 /// The event is refused, and the search continues after its sync word, if
-///  - the witness reports damaged data; or, unless the witness reports whole data,
+///  - the checker reports damaged data; or, unless the checker reports whole data,
 ///  - a header inside its data has a number near the event's own number, or near the numbers that
 ///    are usual in this part of the log while the event's own number is not; or
 ///  - no header follows the event, and a header inside its data that is followed by its successor
@@ -62,18 +62,19 @@ struct ScanCounts {
 /// intact events are returned, with two exceptions where the bytes are ambiguous:
 ///  - The data contain a log with numbers near the event's own, the event's own number does not
 ///    continue both neighbours' numbers (one is damaged, or the logger does not count by one), and
-///    the witness does not know the type.
+///    the checker does not know the type.
 ///  - The event begins inside the wrong length of another event that both neighbours' numbers
 ///    confirm, so that nothing looks damaged there.
 class LogScan {
  public:
-  explicit LogScan(std::span<const std::uint8_t> log, Witness witness = {}, std::size_t offset = 0);
+  explicit LogScan(std::span<const std::uint8_t> log, DataChecker checker = {},
+                   std::size_t offset = 0);
 
   /// Returns the next event; nullopt at the end of the file. Reads the bytes that it passes once or
   /// twice.
   /// @throws std::runtime_error if the log is a MappedFile that has become shorter since it was
   /// opened.
-  std::optional<PlacedEvent> next();
+  std::optional<LocatedEvent> next();
   [[nodiscard]] const ScanCounts& counts() const { return counts_; }
   /// Returns the first damaged stretches, at most kStretchesKept; counts() counts all of them.
   [[nodiscard]] const std::vector<DamagedStretch>& stretches() const { return stretches_; }
@@ -96,12 +97,12 @@ class LogScan {
   void close_stretch(std::size_t end);
 
   std::span<const std::uint8_t> log_;
-  Witness witness_;
+  DataChecker checker_;
   std::size_t position_ = 0;
   std::size_t end_of_last_ = 0;   ///< end of the last accepted event, or start of the scan
   std::int64_t last_number_ = 0;  ///< number of the last accepted event
   std::vector<std::int64_t> usual_numbers_;  ///< recent event numbers that are near each other
-  int strangers_ = 0;                        ///< consecutive accepted events with other numbers
+  int unusual_in_a_row_ = 0;                 ///< consecutive accepted events with other numbers
   ScanCounts counts_;
   std::vector<DamagedStretch> stretches_;
 };

@@ -4,7 +4,7 @@
 
 #include "bus/convert/channels.hpp"
 #include "bus/node/stream_monitor.hpp"
-#include "logs/file/wire_witness.hpp"
+#include "logs/file/wire_check.hpp"
 
 namespace vantage::logs {
 namespace {
@@ -31,13 +31,13 @@ struct SurveyPass::Streams {
 };
 
 SurveyPass::SurveyPass(std::span<const std::uint8_t> log)
-    : size_bytes_(log.size()), scan_(log, wire_testimony), streams_(std::make_unique<Streams>()) {}
+    : size_bytes_(log.size()), scan_(log, check_wire_data), streams_(std::make_unique<Streams>()) {}
 SurveyPass::~SurveyPass() = default;
 SurveyPass::SurveyPass(SurveyPass&&) noexcept = default;
 
 std::size_t SurveyPass::position() const { return scan_.position(); }
 
-bool SurveyPass::go_on(std::size_t bytes) {
+bool SurveyPass::advance(std::size_t bytes) {
   const std::size_t until = scan_.position() + std::min(bytes, size_bytes_ - scan_.position());
   while (const auto event = scan_.next()) {
     add(*event);
@@ -71,7 +71,7 @@ void SurveyPass::finish() {
   }
 }
 
-void SurveyPass::add(const PlacedEvent& event) {
+void SurveyPass::add(const LocatedEvent& event) {
   add_times_and_number(event);
   add_to_block(event);
   add_to_channel(event);
@@ -79,7 +79,7 @@ void SurveyPass::add(const PlacedEvent& event) {
   ++events_;
 }
 
-void SurveyPass::add_times_and_number(const PlacedEvent& event) {
+void SurveyPass::add_times_and_number(const LocatedEvent& event) {
   if (events_ == 0) {
     survey_.first = survey_.last = event.time;
   } else {
@@ -98,7 +98,7 @@ void SurveyPass::add_times_and_number(const PlacedEvent& event) {
   last_time_ = event.time;
 }
 
-void SurveyPass::add_to_block(const PlacedEvent& event) {
+void SurveyPass::add_to_block(const LocatedEvent& event) {
   auto& blocks = survey_.blocks;
   if (blocks.empty() || event.offset - blocks.back().offset >= kBlockBytes) {
     blocks.push_back({event.offset, events_, event.time, event.time});
@@ -107,7 +107,7 @@ void SurveyPass::add_to_block(const PlacedEvent& event) {
   blocks.back().time_max = std::max(blocks.back().time_max, event.time);
 }
 
-void SurveyPass::add_to_channel(const PlacedEvent& event) {
+void SurveyPass::add_to_channel(const LocatedEvent& event) {
   const std::string name(event.channel);
   ChannelSurvey& channel = survey_.channels[name];
   const bus::WireSchema* schema = type_of(event.data);
@@ -134,7 +134,7 @@ void SurveyPass::add_to_channel(const PlacedEvent& event) {
 LogSurvey survey_log(std::span<const std::uint8_t> log,
                      const std::function<void(double)>& progress) {
   SurveyPass pass(log);
-  while (pass.go_on(log.size() / kProgressReports + 1)) {
+  while (pass.advance(log.size() / kProgressReports + 1)) {
     if (progress) {
       progress(static_cast<double>(pass.position()) / static_cast<double>(log.size()));
     }
@@ -151,7 +151,7 @@ std::size_t seek_offset(std::span<const std::uint8_t> log, const LogSurvey& surv
   if (block == survey.blocks.end()) {
     return log.size();
   }
-  LogScan scan(log, wire_testimony, block->offset);
+  LogScan scan(log, check_wire_data, block->offset);
   while (const auto event = scan.next()) {
     if (event->time >= time) {
       return event->offset;

@@ -79,20 +79,20 @@ class SurveyPass {
 
   /// Continues until the events of `bytes` more bytes have been read. Returns false at the end of
   /// the log.
-  bool go_on(std::size_t bytes);
+  bool advance(std::size_t bytes);
   /// Returns the current offset in the log.
   [[nodiscard]] std::size_t position() const;
   /// Returns the survey of the part that has been read. Its last block may still grow.
   [[nodiscard]] const LogSurvey& survey() const { return survey_; }
-  /// Returns the complete survey and ends the pass. Precondition: go_on() has returned false.
+  /// Returns the complete survey and ends the pass. Precondition: advance() has returned false.
   LogSurvey take() { return std::move(survey_); }
 
  private:
   struct Streams;
-  void add(const PlacedEvent& event);
-  void add_times_and_number(const PlacedEvent& event);
-  void add_to_block(const PlacedEvent& event);
-  void add_to_channel(const PlacedEvent& event);
+  void add(const LocatedEvent& event);
+  void add_times_and_number(const LocatedEvent& event);
+  void add_to_block(const LocatedEvent& event);
+  void add_to_channel(const LocatedEvent& event);
   void note_usual_times();
   void finish();
 

@@ -80,7 +80,8 @@ void handle_bus_errors() {
 }
 
 // Registers a mapping. Must be called before its first byte is read.
-Mapping* enlist(const std::string& path, const struct stat& status, const std::uint8_t* data) {
+Mapping* register_mapping(const std::string& path, const struct stat& status,
+                          const std::uint8_t* data) {
   const std::lock_guard lock(mappings_mutex);
   if (newest_mapping == nullptr) {
     handle_bus_errors();
@@ -107,9 +108,9 @@ Mapping* enlist(const std::string& path, const struct stat& status, const std::u
 
 }  // namespace
 
-bool is_any_cut() { return cuts.load(std::memory_order_relaxed) > 0; }
+bool is_any_truncated() { return cuts.load(std::memory_order_relaxed) > 0; }
 
-void require_uncut(std::span<const std::uint8_t> bytes) {
+void require_not_truncated(std::span<const std::uint8_t> bytes) {
   const std::lock_guard lock(mappings_mutex);
   for (const Mapping* each = newest_mapping; each != nullptr; each = each->next) {
     if (!each->has(bytes.data())) {
@@ -152,7 +153,7 @@ MappedFile::MappedFile(const std::string& path) : path_(path) {
   }
   data_ = static_cast<const std::uint8_t*>(mapped);
   if (data_ != nullptr) {
-    mapping_ = enlist(path, status, data_);
+    mapping_ = register_mapping(path, status, data_);
   }
 }
 

@@ -13,9 +13,9 @@ struct Mapping;  ///< data of a MappedFile that the signal handler uses
 /// than the memory. The length is fixed when the file is opened.
 ///
 /// If the file becomes shorter while it is mapped, or its disk fails, the missing bytes read as
-/// zeros from then on, and require_uncut() throws. The system reports such accesses by SIGBUS. The
-/// first MappedFile of a process installs a handler; faults in other memory are passed to the
-/// previous handler.
+/// zeros from then on, and require_not_truncated() throws. The system reports such accesses by
+/// SIGBUS. The first MappedFile of a process installs a handler; faults in other memory are passed
+/// to the previous handler.
 class MappedFile {
  public:
   /// @throws StartupError if `path` cannot be read or is not a regular file.
@@ -37,10 +37,10 @@ class MappedFile {
 };
 
 /// True once any MappedFile of this process has lost bytes. Cost: one load.
-bool is_any_cut();
+bool is_any_truncated();
 
 /// Throws std::runtime_error if `bytes` begin in a MappedFile that is shorter than when it was
 /// opened. Accepts all other memory. Cost: one stat call.
-void require_uncut(std::span<const std::uint8_t> bytes);
+void require_not_truncated(std::span<const std::uint8_t> bytes);
 
 }  // namespace vantage::logs

@@ -5,7 +5,7 @@
 #include "bus/convert/convert.hpp"
 #include "bus/convert/wire_walk.hpp"
 #include "logs/file/log_event.hpp"
-#include "logs/file/wire_witness.hpp"
+#include "logs/file/wire_check.hpp"
 
 namespace vantage::logs {
 
@@ -36,10 +36,10 @@ bool visit_message(const LogEvent& event, Visit&& visit) {
   };
   const auto attempt_all = [&]<class... Wire>() { (attempt.template operator()<Wire>(), ...); };
   attempt_all.template
-  operator()<vantage_lcm::vicon_frame_t, vantage_lcm::truth_t, vantage_lcm::measurement_t,
+  operator()<vantage_lcm::mocap_frame_t, vantage_lcm::truth_t, vantage_lcm::measurement_t,
              vantage_lcm::belief_t, vantage_lcm::mixture_t, vantage_lcm::scan_t, vantage_lcm::map_t,
              vantage_lcm::plan_t, vantage_lcm::proposal_t, vantage_lcm::team_proposal_t,
-             vantage_lcm::quadrotor_t, vantage_lcm::health_t, vantage_lcm::command_t,
+             vantage_lcm::vehicle_t, vantage_lcm::health_t, vantage_lcm::command_t,
              vantage_lcm::collision_t, vantage_lcm::attack_t, vantage_lcm::host_t,
              vantage_lcm::scenario_t>();
   return was_visited;

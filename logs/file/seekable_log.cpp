@@ -4,7 +4,7 @@
 
 #include "core/check.hpp"
 #include "logs/file/log_index.hpp"
-#include "logs/file/wire_witness.hpp"
+#include "logs/file/wire_check.hpp"
 
 namespace vantage::logs {
 namespace {
@@ -21,10 +21,10 @@ constexpr std::size_t kLookBackBytes = std::size_t{1} << 20U;
 constexpr std::size_t kBlocksRead = 32;
 constexpr Duration kTick{1};
 
-bool is_earlier(const PlacedEvent& a, const PlacedEvent& b) { return a.time < b.time; }
+bool is_earlier(const LocatedEvent& a, const LocatedEvent& b) { return a.time < b.time; }
 
 /// Stores `event` as the newest of its channel unless a newer one is known.
-void keep_newest(const PlacedEvent& event, std::map<std::string_view, PlacedEvent>& newest) {
+void keep_newest(const LocatedEvent& event, std::map<std::string_view, LocatedEvent>& newest) {
   const auto [known, is_new] = newest.try_emplace(event.channel, event);
   if (!is_new &&
       std::pair(known->second.time, known->second.offset) < std::pair(event.time, event.offset)) {
@@ -44,9 +44,9 @@ SeekableLog::SeekableLog(const std::string& path) : file_(path) {
     publish(true);
   } else {
     pass_.emplace(bytes());
-    bool is_more = go_on(kHeadBytes);
+    bool is_more = advance(kHeadBytes);
     while (is_more && survey().channels.empty()) {
-      is_more = go_on(kHeadBytes);
+      is_more = advance(kHeadBytes);
     }
     if (is_more) {
       read_end();
@@ -57,11 +57,11 @@ SeekableLog::SeekableLog(const std::string& path) : file_(path) {
   }
 }
 
-bool SeekableLog::go_on(std::size_t bytes) {
+bool SeekableLog::advance(std::size_t bytes) {
   if (!pass_) {
     return false;
   }
-  const bool is_more = pass_->go_on(bytes);
+  const bool is_more = pass_->advance(bytes);
   publish(!is_more);
   if (!is_more) {
     survey_ = pass_->take();
@@ -107,7 +107,7 @@ void SeekableLog::read_end() {
     }
     is_found = true;
     UsualTimes times;
-    scan_from(event->offset, [&](const PlacedEvent& each) {
+    scan_from(event->offset, [&](const LocatedEvent& each) {
       times.add(each.time);
       return true;
     });
@@ -128,7 +128,7 @@ double SeekableLog::surveyed_share() const {
 
 std::size_t SeekableLog::bytes_read() const {
   const std::lock_guard lock(mutex_);
-  return pass_bytes_ + asked_bytes_;
+  return pass_bytes_ + query_bytes_;
 }
 
 std::pair<Time, Time> SeekableLog::range() const {
@@ -138,10 +138,10 @@ std::pair<Time, Time> SeekableLog::range() const {
 
 template <class Take>
 void SeekableLog::scan_from(std::size_t offset, Take take) const {
-  LogScan scan(file_.bytes(), wire_testimony, offset);
+  LogScan scan(file_.bytes(), check_wire_data, offset);
   for (auto event = scan.next(); event && take(*event); event = scan.next()) {
   }
-  asked_bytes_ += scan.position() - offset;
+  query_bytes_ += scan.position() - offset;
 }
 
 std::size_t SeekableLog::block_end(std::size_t index) const {
@@ -157,7 +157,7 @@ const SeekableLog::Events& SeekableLog::read_block(std::size_t index) const {
   }
   Events events;
   const std::size_t end = block_end(index);
-  scan_from(blocks_[index].offset, [&](const PlacedEvent& event) {
+  scan_from(blocks_[index].offset, [&](const LocatedEvent& event) {
     if (event.offset < end) {
       events.push_back(event);
     }
@@ -171,7 +171,7 @@ const SeekableLog::Events& SeekableLog::read_block(std::size_t index) const {
   return read_.front().second;
 }
 
-std::optional<PlacedEvent> SeekableLog::sound_event(std::size_t offset) const {
+std::optional<LocatedEvent> SeekableLog::sound_event(std::size_t offset) const {
   const auto log = file_.bytes();
   const auto near = log.first(offset + std::min(kForeignBytesMax, log.size() - offset));
   for (std::size_t at = find_sync(near, offset); at < near.size();
@@ -179,11 +179,11 @@ std::optional<PlacedEvent> SeekableLog::sound_event(std::size_t offset) const {
     const std::optional<LogEvent> event = event_at(log, at);
     const std::size_t end = event ? at + event->size_bytes() : 0;
     if (event && (end == log.size() || event_at(log, end))) {
-      asked_bytes_ += end - offset;
-      return PlacedEvent{*event, at, false};
+      query_bytes_ += end - offset;
+      return LocatedEvent{*event, at, false};
     }
   }
-  asked_bytes_ += near.size() - offset;
+  query_bytes_ += near.size() - offset;
   return std::nullopt;
 }
 
@@ -202,21 +202,21 @@ std::size_t SeekableLog::offset_of(Time time) const {
   return low;
 }
 
-std::vector<PlacedEvent> SeekableLog::events(Time from, Time to) const {
+std::vector<LocatedEvent> SeekableLog::events(Time from, Time to) const {
   const std::lock_guard lock(mutex_);
   Events found;
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     if (blocks_[i].time_max < from || blocks_[i].time_min >= to) {
       continue;
     }
-    for (const PlacedEvent& event : read_block(i)) {
+    for (const LocatedEvent& event : read_block(i)) {
       if (event.time >= from && event.time < to) {
         found.push_back(event);
       }
     }
   }
   if (!is_surveyed_) {
-    scan_from(offset_of(from), [&](const PlacedEvent& event) {
+    scan_from(offset_of(from), [&](const LocatedEvent& event) {
       if (event.time >= from && event.time < to) {
         found.push_back(event);
       }
@@ -229,8 +229,8 @@ std::vector<PlacedEvent> SeekableLog::events(Time from, Time to) const {
 
 // Visits blocks by descending time of the newest event before `time` that they may contain. Each
 // channel is searched until no remaining block can contain a newer event.
-void SeekableLog::add_newest_of_blocks(Time time,
-                                       std::map<std::string_view, PlacedEvent>& newest) const {
+void SeekableLog::add_newest_from_blocks(Time time,
+                                         std::map<std::string_view, LocatedEvent>& newest) const {
   std::vector<std::pair<Time, std::size_t>> candidates;  // a heap
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     if (blocks_[i].time_min < time) {
@@ -253,7 +253,7 @@ void SeekableLog::add_newest_of_blocks(Time time,
                      [&, block = block](const auto& each) { return is_in(*each.second, block); })) {
       continue;
     }
-    for (const PlacedEvent& event : read_block(block)) {
+    for (const LocatedEvent& event : read_block(block)) {
       if (event.time < time) {
         keep_newest(event, newest);
       }
@@ -261,26 +261,26 @@ void SeekableLog::add_newest_of_blocks(Time time,
   }
 }
 
-std::vector<PlacedEvent> SeekableLog::newest_before(Time time) const {
+std::vector<LocatedEvent> SeekableLog::newest_before(Time time) const {
   const std::lock_guard lock(mutex_);
-  std::map<std::string_view, PlacedEvent> newest;
+  std::map<std::string_view, LocatedEvent> newest;
   if (!is_surveyed_) {
     const std::size_t until = offset_of(time);
     const std::size_t from = std::max(surveyed_bytes_, until - std::min(until, kLookBackBytes));
     const auto first = sound_event(from);
-    scan_from(first ? first->offset : until, [&](const PlacedEvent& event) {
+    scan_from(first ? first->offset : until, [&](const LocatedEvent& event) {
       if (event.time < time) {
         keep_newest(event, newest);
       }
       return event.offset < until || event.time < time;
     });
   }
-  add_newest_of_blocks(time, newest);
+  add_newest_from_blocks(time, newest);
   Events found;
   for (const auto& [channel, event] : newest) {
     found.push_back(event);
   }
-  std::sort(found.begin(), found.end(), [](const PlacedEvent& a, const PlacedEvent& b) {
+  std::sort(found.begin(), found.end(), [](const LocatedEvent& a, const LocatedEvent& b) {
     return std::pair(a.time, a.offset) < std::pair(b.time, b.offset);
   });
   return found;
@@ -289,7 +289,7 @@ std::vector<PlacedEvent> SeekableLog::newest_before(Time time) const {
 std::optional<Time> SeekableLog::next_time(Time from) const {
   const std::lock_guard lock(mutex_);
   std::optional<Time> next;
-  const auto take = [&](const PlacedEvent& event) {
+  const auto take = [&](const LocatedEvent& event) {
     if (event.time >= from && (!next || event.time < *next)) {
       next = event.time;
     }
@@ -306,7 +306,7 @@ std::optional<Time> SeekableLog::next_time(Time from) const {
     }
   }
   if (!is_surveyed_) {
-    scan_from(offset_of(from), [&](const PlacedEvent& event) {
+    scan_from(offset_of(from), [&](const LocatedEvent& event) {
       take(event);
       return event.time < from;
     });

@@ -26,7 +26,7 @@ namespace vantage::logs {
 ///
 /// Only the requested parts of the file are read. Memory: 32 bytes for each block of 256 KiB, one
 /// bit for each block and channel, and the headers of the most recently read blocks. Returned
-/// events are valid during the lifetime of this object. Thread-safe except for go_on() and
+/// events are valid during the lifetime of this object. Thread-safe except for advance() and
 /// survey().
 class SeekableLog {
  public:
@@ -40,9 +40,9 @@ class SeekableLog {
 
   /// Continues the first pass by `bytes` bytes. Returns false once the whole log has been read; the
   /// index is then stored next to the log if possible.
-  bool go_on(std::size_t bytes);
+  bool advance(std::size_t bytes);
   /// Returns the survey of the part that has been read. Must not be called while another thread is
-  /// in go_on().
+  /// in advance().
   [[nodiscard]] const LogSurvey& survey() const { return pass_ ? pass_->survey() : survey_; }
   [[nodiscard]] bool is_surveyed() const;
   /// Returns the share of the log that the first pass has read, in [0, 1].
@@ -55,14 +55,14 @@ class SeekableLog {
 
   /// Returns the events with from ≤ time < to, by ascending time; equal times keep their file
   /// order.
-  [[nodiscard]] std::vector<PlacedEvent> events(Time from, Time to) const;
+  [[nodiscard]] std::vector<LocatedEvent> events(Time from, Time to) const;
   /// Returns the newest event before `time` of each channel, in the order of events().
-  [[nodiscard]] std::vector<PlacedEvent> newest_before(Time time) const;
+  [[nodiscard]] std::vector<LocatedEvent> newest_before(Time time) const;
   /// Returns the least event time ≥ `from`; nullopt if there is none.
   [[nodiscard]] std::optional<Time> next_time(Time from) const;
 
  private:
-  using Events = std::vector<PlacedEvent>;
+  using Events = std::vector<LocatedEvent>;
 
   void publish(bool is_all);
   void read_end();
@@ -75,11 +75,11 @@ class SeekableLog {
   void scan_from(std::size_t offset, Take take) const;
   /// Returns the first event at or after `offset` that is followed by another event or the end of
   /// the file; nullopt if there is none within 8 MiB.
-  [[nodiscard]] std::optional<PlacedEvent> sound_event(std::size_t offset) const;
+  [[nodiscard]] std::optional<LocatedEvent> sound_event(std::size_t offset) const;
   /// Returns an offset in the unread part from which to search for the first event with time ≥
   /// `time`.
   [[nodiscard]] std::size_t offset_of(Time time) const;
-  void add_newest_of_blocks(Time time, std::map<std::string_view, PlacedEvent>& newest) const;
+  void add_newest_from_blocks(Time time, std::map<std::string_view, LocatedEvent>& newest) const;
 
   MappedFile file_;
   std::optional<SurveyPass> pass_;  ///< empty once the whole log has been read
@@ -93,7 +93,7 @@ class SeekableLog {
   Time first_{};
   Time last_{};
   std::size_t pass_bytes_ = 0;           ///< read by the first pass
-  mutable std::size_t asked_bytes_ = 0;  ///< read by queries
+  mutable std::size_t query_bytes_ = 0;  ///< read by queries
   /// Cached blocks, most recently used first.
   mutable std::list<std::pair<std::size_t, Events>> read_;
 };

@@ -47,7 +47,7 @@ void UsualTimes::add_to_others(Time time) {
     const auto least =
         std::min_element(groups_.begin(), groups_.end(),
                          [](const Group& a, const Group& b) { return a.events < b.events; });
-    forgotten_ += least->events;
+    dropped_events_ += least->events;
     groups_.erase(least);
   }
   groups_.insert(groups_.begin(), {time, time, 1});
@@ -63,7 +63,7 @@ UsualTimes::Span UsualTimes::span() const {
   const auto is_outlying = [&](const Group& group) {
     return group.events * kFewer <= most->events;
   };
-  Span span{most->begin, most->end, forgotten_};
+  Span span{most->begin, most->end, dropped_events_};
   for (const Group& group : groups_) {
     if (!is_outlying(group)) {
       span.begin = std::min(span.begin, group.begin);

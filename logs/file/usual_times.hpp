@@ -43,7 +43,7 @@ class UsualTimes {
   /// Separate groups; the first one contains the most recently added time.
   std::vector<Group> groups_;
   /// Events of the smallest groups, which are dropped when there are too many groups.
-  std::int64_t forgotten_ = 0;
+  std::int64_t dropped_events_ = 0;
 };
 
 }  // namespace vantage::logs

@@ -18,8 +18,8 @@ std::int64_t shown_round(const models::RobotPlan& plan) { return plan.round % 10
 
 }  // namespace
 
-Event event_of(const models::ContactReport& contact) {
-  const bool is_collision = contact.kind == models::ContactKind::kCollision;
+Event event_of(const models::CollisionReport& contact) {
+  const bool is_collision = contact.kind == models::CollisionKind::kCollision;
   return {contact.stamp.time, is_collision ? LogLevel::kFatal : LogLevel::kWarning,
           is_collision ? "collision" : "near_miss",
           fmt::format("{} and {} {} ({:.2f} m)", contact.body_a, contact.body_b,

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "logs/look/look.hpp"
+#include "logs/appearance/appearance.hpp"
 
 namespace vantage::logs::foxglove {
 namespace {
@@ -20,7 +20,7 @@ Colour of_paint(const Paint& paint, double alpha = 1.0) {
 }
 
 Colour of_role(const char* role, double alpha = 1.0) {
-  return of_paint(look().roles.at(role), alpha);
+  return of_paint(appearance().roles.at(role), alpha);
 }
 
 constexpr double kLabel_px = 13.0;
@@ -68,14 +68,14 @@ std::vector<Eigen::Vector3d> field_of_view(const models::SensorModel& sensor, do
 
 // Returns points along a trajectory including its ends, at most `step_s` apart. kPiecesMax limits
 // their number for implausibly long trajectories in foreign messages.
-std::vector<Eigen::Vector3d> points_of(const models::Trajectory& way, double step_s) {
-  const double length_s = to_seconds(models::end_time(way) - way.start_time);
+std::vector<Eigen::Vector3d> points_of(const models::Trajectory& trajectory, double step_s) {
+  const double length_s = to_seconds(models::end_time(trajectory) - trajectory.start_time);
   const int pieces = static_cast<int>(std::clamp(std::ceil(length_s / step_s), 1.0, kPiecesMax));
   std::vector<Eigen::Vector3d> points;
   for (int i = 0; i <= pieces; ++i) {
-    const Time at = way.start_time + from_seconds(length_s * i / pieces);
-    const Pose2 pose = models::at(way, at).world_from_body;
-    points.emplace_back(pose.x_m, pose.y_m, way.height_m);
+    const Time at = trajectory.start_time + from_seconds(length_s * i / pieces);
+    const Pose2 pose = models::at(trajectory, at).world_from_body;
+    points.emplace_back(pose.x_m, pose.y_m, trajectory.height_m);
   }
   return points;
 }
@@ -85,7 +85,7 @@ Json robot_entity(const scenario::RobotSpec& robot, const Colour& colour, bool i
   const double radius_m = robot.limits.radius_m;
   Json out = entity("robot/" + robot.name, robot.name, time, true);
   out["cylinders"].push_back(cylinder({}, {2.0 * radius_m, 2.0 * radius_m, 0.08}, colour));
-  const RobotLook looks = robot_look(index);
+  const RobotAppearance looks = robot_appearance(index);
   if (is_jammed || looks.core != looks.body) {
     // Keep the robot's colour in the core: red alone would not identify the robot.
     const Colour core = of_paint(is_jammed ? looks.body_paint() : looks.core_paint());
@@ -139,9 +139,9 @@ Json robots_as(const scenario::Scenario& scenario, const std::set<std::string>& 
   std::vector<Json> entities;
   for (std::size_t i = 0; i < scenario.robots.size(); ++i) {
     const bool is_jammed = jammed.contains(scenario.robots[i].name);
-    entities.push_back(make(scenario.robots[i],
-                            is_jammed ? of_role("jammed") : of_paint(robot_look(i).body_paint()),
-                            is_jammed, i));
+    entities.push_back(make(
+        scenario.robots[i],
+        is_jammed ? of_role("jammed") : of_paint(robot_appearance(i).body_paint()), is_jammed, i));
   }
   return scene_update(std::move(entities));
 }
@@ -150,8 +150,9 @@ Json robots_as(const scenario::Scenario& scenario, const std::set<std::string>& 
 
 std::optional<Colour> robot_colour(const scenario::Scenario& scenario, const std::string& robot) {
   const std::size_t index = index_of(scenario, robot);
-  return index < scenario.robots.size() ? std::optional(of_paint(robot_look(index).body_paint()))
-                                        : std::nullopt;
+  return index < scenario.robots.size()
+             ? std::optional(of_paint(robot_appearance(index).body_paint()))
+             : std::nullopt;
 }
 
 Json world_scene(const models::World& world, Time time) {
@@ -210,9 +211,10 @@ Json targets_scene(const scenario::Scenario& scenario, Time time) {
 Json plan_scene(const models::RobotPlan& plan, const std::optional<Colour>& of_robot) {
   const std::vector<Eigen::Vector3d> points = points_of(plan.trajectory, kPlanPiece_s);
   const bool is_searched = plan.source == models::PlanSource::kSearched;
-  const Colour colour = plan.late      ? of_role("late")
-                        : !is_searched ? of_role("fallback")
-                                       : of_robot.value_or(of_paint(robot_look(0).body_paint()));
+  const Colour colour = plan.late ? of_role("late")
+                        : !is_searched
+                            ? of_role("fallback")
+                            : of_robot.value_or(of_paint(robot_appearance(0).body_paint()));
   Json out = entity("plan/" + plan.robot, kWorldFrame, plan.stamp.time, false);
   out["lines"].push_back(line(LineType::kStrip, points, 2.5, colour));
   out["spheres"].push_back(
@@ -224,10 +226,10 @@ Json plan_scene(const models::RobotPlan& plan, const std::optional<Colour>& of_r
 }
 
 Json proposal_scene(const models::TeamProposal& proposal, const scenario::Scenario& scenario,
-                    Time heard) {
+                    Time received_at) {
   const std::size_t proposer = index_of(scenario, proposal.robot);
-  Json out = entity("proposal/" + proposal.robot, kWorldFrame, heard, false);
-  out["lifetime"] = to_json(proposal.stamp.time - heard);
+  Json out = entity("proposal/" + proposal.robot, kWorldFrame, received_at, false);
+  out["lifetime"] = to_json(proposal.stamp.time - received_at);
   std::vector<std::string> moved;
   for (const models::TeamChoice& choice : proposal.choices) {
     const std::vector<Eigen::Vector3d> points = points_of(choice.trajectory, kDash_s);
@@ -236,8 +238,8 @@ Json proposal_scene(const models::TeamProposal& proposal, const scenario::Scenar
       dashes.insert(dashes.end(), {points[i], points[i + 1]});
     }
     if (!dashes.empty()) {
-      out["lines"].push_back(
-          line(LineType::kList, dashes, 1.5, of_paint(robot_look(proposer).body_paint(), 0.9)));
+      out["lines"].push_back(line(LineType::kList, dashes, 1.5,
+                                  of_paint(robot_appearance(proposer).body_paint(), 0.9)));
     }
     moved.push_back(choice.robot);
   }
@@ -259,7 +261,7 @@ std::vector<Eigen::Vector3d> ellipse(const PositionEstimate& estimate, int count
     const Eigen::Vector2d unit(std::cos(angle_rad), std::sin(angle_rad));
     const Eigen::Vector2d p =
         estimate.mean_m.head<2>() +
-        look().ellipse_radius() * (axes.eigenvectors() * sigma.cwiseProduct(unit));
+        appearance().ellipse_radius() * (axes.eigenvectors() * sigma.cwiseProduct(unit));
     points.emplace_back(p.x(), p.y(), z_m);
   }
   return points;
@@ -315,8 +317,8 @@ Json track_entity(const std::string& body, const std::vector<Eigen::Vector3d>& p
   return out;
 }
 
-Json measurement_scene(const models::DetectionSet& detections, const models::SensorModel& sensor,
-                       int position_dim) {
+Json measurement_scene(const models::RobotMeasurement& detections,
+                       const models::SensorModel& sensor, int position_dim) {
   const models::Viewpoint& from = detections.viewpoint;
   const Eigen::Vector3d eye(from.world_from_body.x_m, from.world_from_body.y_m, from.height_m);
   std::vector<Eigen::Vector3d> points;

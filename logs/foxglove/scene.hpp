@@ -18,8 +18,8 @@
 namespace vantage::logs::foxglove {
 
 /// Returns the colour that identifies a robot in drawings and charts: the body colour of
-/// robot_look() (logs/look). It depends on the robot's index in the scenario, so the order of
-/// messages does not matter. nullopt if `robot` is not a robot of the scenario.
+/// robot_appearance() (logs/appearance). It depends on the robot's index in the scenario, so the
+/// order of messages does not matter. nullopt if `robot` is not a robot of the scenario.
 std::optional<Colour> robot_colour(const scenario::Scenario& scenario, const std::string& robot);
 
 /// Draws bounds, obstacles and regions.
@@ -43,11 +43,12 @@ Json targets_scene(const scenario::Scenario& scenario, Time time);
 Json plan_scene(const models::RobotPlan& plan, const std::optional<Colour>& of_robot);
 
 /// Draws all trajectories of a team proposal as thin dashes in the proposer's colour, from its
-/// reception at `heard` until they would start at the end of the round. Robots that are adjacent in
-/// the scenario have complementary dashes, so that equal trajectories remain distinguishable.
-/// Preconditions: `heard` < proposal.stamp.time, the proposer is a robot of the scenario.
+/// reception at `received_at` until they would start at the end of the round. Robots that are
+/// adjacent in the scenario have complementary dashes, so that equal trajectories remain
+/// distinguishable. Preconditions: `received_at` < proposal.stamp.time, the proposer is a robot of
+/// the scenario.
 Json proposal_scene(const models::TeamProposal& proposal, const scenario::Scenario& scenario,
-                    Time heard);
+                    Time received_at);
 
 /// One target as a robot or the team estimates it.
 struct EstimateView {
@@ -63,8 +64,8 @@ struct EstimateView {
 Json estimates_scene(const std::string& prefix, const std::vector<EstimateView>& estimates,
                      const std::vector<std::string>& gone, Time time);
 
-/// Returns `count` points of {p : (p − μ)ᵀ Σ⁻¹ (p − μ) = look().ellipse_radius()²} in the first two
-/// coordinates, at the third coordinate of the mean (0 for a planar mean).
+/// Returns `count` points of {p : (p − μ)ᵀ Σ⁻¹ (p − μ) = appearance().ellipse_radius()²} in the
+/// first two coordinates, at the third coordinate of the mean (0 for a planar mean).
 std::vector<Eigen::Vector3d> ellipse(const PositionEstimate& estimate, int count);
 
 /// Draws the past path of a body, oldest point first. `of_robot`: the robot's colour; nullopt for a
@@ -74,7 +75,7 @@ Json track_entity(const std::string& body, const std::vector<Eigen::Vector3d>& p
 
 /// Draws lines from a sensor to its detections. Detections without a full position (range or
 /// bearing only), or of another sensor kind, are left out.
-Json measurement_scene(const models::DetectionSet& detections, const models::SensorModel& sensor,
-                       int position_dim);
+Json measurement_scene(const models::RobotMeasurement& detections,
+                       const models::SensorModel& sensor, int position_dim);
 
 }  // namespace vantage::logs::foxglove

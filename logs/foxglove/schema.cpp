@@ -121,7 +121,7 @@ OrderedJson well_known(Schema schema) {
 }
 
 // long: a table, one entry per schema.
-OrderedJson ours(Schema schema) {
+OrderedJson vantage_schema(Schema schema) {
   const OrderedJson point = list_of(number());
   const OrderedJson rectangle = object({{"min_m", point}, {"max_m", point}});
   switch (schema) {
@@ -239,7 +239,7 @@ const std::string& json_schema(Schema schema) {
   static const std::map<Schema, std::string> texts = [] {
     std::map<Schema, std::string> made;
     for (const Schema each : kSchemas) {
-      OrderedJson document = each <= Schema::kLog ? well_known(each) : ours(each);
+      OrderedJson document = each <= Schema::kLog ? well_known(each) : vantage_schema(each);
       document["title"] = name_of(each);
       document["$schema"] = "https://json-schema.org/draft/2020-12/schema";
       made[each] = document.dump();

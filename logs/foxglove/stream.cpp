@@ -35,20 +35,20 @@ const char* name_of(models::OperatorAction action) {
 
 }  // namespace
 
-void Stream::put(const std::string& topic, Schema schema, Time heard, const auto& make,
+void Stream::put(const std::string& topic, Schema schema, Time received_at, const auto& make,
                  bool is_state) {
   if (sink_.wants(topic, schema, is_state)) {
-    sink_.write(topic, heard, make());
+    sink_.write(topic, received_at, make());
   }
 }
 
-void Stream::put_event(const std::optional<Event>& event, Time heard) {
+void Stream::put_event(const std::optional<Event>& event, Time received_at) {
   if (event) {
-    put("/events", Schema::kLog, heard, [&] { return log_json(*event); });
+    put("/events", Schema::kLog, received_at, [&] { return log_json(*event); });
   }
 }
 
-void Stream::on(const models::ScenarioNotice& notice, Time heard) {
+void Stream::on(const models::ScenarioNotice& notice, Time received_at) {
   if (scenario_ && scenario_->source_text == notice.yaml) {
     return;
   }
@@ -56,84 +56,85 @@ void Stream::on(const models::ScenarioNotice& notice, Time heard) {
     scenario_ = scenario::parse_scenario(notice.yaml, "SCENARIO");
   } catch (const StartupError& error) {
     ++scenarios_refused_;
-    put_event(Event{heard, LogLevel::kError, "scenario", error.what()}, heard);
+    put_event(Event{received_at, LogLevel::kError, "scenario", error.what()}, received_at);
     return;
   }
   scenario_->source_text = notice.yaml;
-  metrics_.emplace(*scenario_, heard);
+  metrics_.emplace(*scenario_, received_at);
   estimates_.clear();
   newest_step_ = -1;
   const Time time = notice.stamp.time;
   put(
-      "/scenario", Schema::kScenario, heard, [&] { return scenario_json(notice, *scenario_); },
-      true);
+      "/scenario", Schema::kScenario, received_at,
+      [&] { return scenario_json(notice, *scenario_); }, true);
   put(
-      "/world", Schema::kSceneUpdate, heard, [&] { return world_scene(scenario_->world, time); },
-      true);
+      "/world", Schema::kSceneUpdate, received_at,
+      [&] { return world_scene(scenario_->world, time); }, true);
   put(
-      "/targets", Schema::kSceneUpdate, heard, [&] { return targets_scene(*scenario_, time); },
-      true);
-  put_robots(heard, time);
+      "/targets", Schema::kSceneUpdate, received_at,
+      [&] { return targets_scene(*scenario_, time); }, true);
+  put_robots(received_at, time);
 }
 
-void Stream::put_robots(Time heard, Time time) {
+void Stream::put_robots(Time received_at, Time time) {
   if (!scenario_) {
     return;
   }
   const std::set<std::string> jammed =
       attack_ ? std::set(attack_->jammed.begin(), attack_->jammed.end()) : std::set<std::string>{};
   put(
-      "/robots", Schema::kSceneUpdate, heard,
+      "/robots", Schema::kSceneUpdate, received_at,
       [&] { return robots_scene(*scenario_, jammed, time); }, true);
   put(
-      "/views", Schema::kSceneUpdate, heard, [&] { return views_scene(*scenario_, jammed, time); },
-      true);
+      "/views", Schema::kSceneUpdate, received_at,
+      [&] { return views_scene(*scenario_, jammed, time); }, true);
 }
 
-void Stream::on(const models::MocapFrame& frame, Time heard) {
+void Stream::on(const models::MocapFrame& frame, Time received_at) {
   last_mocap_ = frame.stamp.time;
-  put("/transforms", Schema::kFrameTransforms, heard, [&] { return frame_transforms(frame); });
+  put("/transforms", Schema::kFrameTransforms, received_at,
+      [&] { return frame_transforms(frame); });
   for (const models::MocapBody& body : frame.bodies) {
     if (!body.occluded) {
-      follow(body.name, body.world_from_body.translation_m, frame.stamp.time);
+      extend_trail(body.name, body.world_from_body.translation_m, frame.stamp.time);
     }
   }
-  put_tracks(heard, frame.stamp.time);
-  flush_estimates(heard);
+  put_tracks(received_at, frame.stamp.time);
+  flush_estimates(received_at);
 }
 
-void Stream::on(const models::TruthFrame& truth, Time heard) {
+void Stream::on(const models::TruthFrame& truth, Time received_at) {
   if (metrics_) {
     metrics_->on_truth(truth);
   }
-  put("/truth/transforms", Schema::kFrameTransforms, heard,
+  put("/truth/transforms", Schema::kFrameTransforms, received_at,
       [&] { return frame_transforms(truth, "truth/"); });
   // If no motion capture is on the bus (in a filtered log), the truth moves the bodies.
   if (!last_mocap_ || truth.stamp.time - *last_mocap_ > kMocapSilence) {
-    put("/transforms", Schema::kFrameTransforms, heard,
+    put("/transforms", Schema::kFrameTransforms, received_at,
         [&] { return frame_transforms(truth, ""); });
     for (const models::TruthBody& body : truth.bodies) {
-      follow(body.name, body.world_from_body.translation_m, truth.stamp.time);
+      extend_trail(body.name, body.world_from_body.translation_m, truth.stamp.time);
     }
-    put_tracks(heard, truth.stamp.time);
+    put_tracks(received_at, truth.stamp.time);
   }
-  flush_estimates(heard);
+  flush_estimates(received_at);
 }
 
-void Stream::on(const models::DetectionSet& detections, Time heard) {
+void Stream::on(const models::RobotMeasurement& detections, Time received_at) {
   captures_.add(reference_to(bus::measurement_channel(detections.robot).name, detections.stamp),
                 detections.stamp.time);
   const scenario::RobotSpec* robot = scenario_ ? scenario_->find_robot(detections.robot) : nullptr;
   if (robot != nullptr) {
-    put("/measurement/" + detections.robot, Schema::kSceneUpdate, heard, [&] {
+    put("/measurement/" + detections.robot, Schema::kSceneUpdate, received_at, [&] {
       return measurement_scene(detections, robot->sensor,
                                scenario_->estimator.target_model.position_dim);
     });
   }
 }
 
-void Stream::on(const models::RobotBelief& belief, Time heard) {
-  put_grid(belief, heard);
+void Stream::on(const models::RobotBelief& belief, Time received_at) {
+  put_grid(belief, received_at);
   if (const auto capture = captures_.newest(belief.inputs)) {
     captures_of_beliefs_.add(reference_to(bus::belief_channel(belief.robot).name, belief.stamp),
                              *capture);
@@ -143,12 +144,12 @@ void Stream::on(const models::RobotBelief& belief, Time heard) {
   }
   metrics_->on_belief(belief);
   if (belief.step > newest_step_ || belief.step + 10 < newest_step_) {
-    flush_estimates(heard);
+    flush_estimates(received_at);
     newest_step_ = belief.step;
     estimates_.clear();
     put(
-        "/team", Schema::kTeam, heard, [&] { return team_json(*metrics_, belief.stamp.time); },
-        true);
+        "/team", Schema::kTeam, received_at,
+        [&] { return team_json(*metrics_, belief.stamp.time); }, true);
   }
   const int dim = scenario_->estimator.target_model.position_dim;
   std::vector<EstimateView> own;
@@ -169,10 +170,10 @@ void Stream::on(const models::RobotBelief& belief, Time heard) {
     }
   }
   estimates_time_ = belief.stamp.time;
-  put_estimates("/belief/" + belief.robot, "belief/" + belief.robot, own, heard);
+  put_estimates("/belief/" + belief.robot, "belief/" + belief.robot, own, received_at);
 }
 
-void Stream::flush_estimates(Time heard) {
+void Stream::flush_estimates(Time received_at) {
   if (!estimates_time_) {
     return;
   }
@@ -184,14 +185,14 @@ void Stream::flush_estimates(Time heard) {
     }
     views.push_back(view);
   }
-  put_estimates("/estimates", "estimate", views, heard);
+  put_estimates("/estimates", "estimate", views, received_at);
   estimates_time_.reset();
 }
 
 void Stream::put_estimates(const std::string& topic, const std::string& prefix,
-                           const std::vector<EstimateView>& views, Time heard) {
+                           const std::vector<EstimateView>& views, Time received_at) {
   put(
-      topic, Schema::kSceneUpdate, heard,
+      topic, Schema::kSceneUpdate, received_at,
       [&] {
         std::set<std::string> shown;
         for (const EstimateView& view : views) {
@@ -205,16 +206,16 @@ void Stream::put_estimates(const std::string& topic, const std::string& prefix,
             gone.push_back(target.name);
           }
         }
-        return estimates_scene(prefix, views, gone, heard);
+        return estimates_scene(prefix, views, gone, received_at);
       },
       true);
 }
 
-void Stream::put_grid(const models::RobotBelief& belief, Time heard) {
+void Stream::put_grid(const models::RobotBelief& belief, Time received_at) {
   if (belief.grid.size() == 0 || std::ssize(belief.last_seen_utime) != belief.grid.size()) {
     return;
   }
-  put("/belief/" + belief.robot + "/grid", Schema::kGrid, heard,
+  put("/belief/" + belief.robot + "/grid", Schema::kGrid, received_at,
       [&] { return visibility_grid(belief.grid, belief.last_seen_utime, belief.stamp.time); });
   // In neighbourhood mode a belief contains only the part of the grid around its robot.
   const bool is_part = scenario_ && scenario_->network.neighbourhood_m > 0.0;
@@ -231,33 +232,33 @@ void Stream::put_grid(const models::RobotBelief& belief, Time heard) {
                        std::numeric_limits<std::int64_t>::max());
   if (belief.step != grid_step_) {
     grid_step_ = belief.step;
-    put("/grid", Schema::kGrid, heard,
+    put("/grid", Schema::kGrid, received_at,
         [&] { return visibility_grid(grid_, last_seen_utime_, belief.stamp.time); });
   }
 }
 
-void Stream::on(const models::RobotMap& map, Time heard) {
+void Stream::on(const models::RobotMap& map, Time received_at) {
   if (!scenario_ || map.grid.size() == 0) {
     return;
   }
   metrics_->on_map(map);
   for (const std::string& topic : {std::string("/map"), "/map/" + map.robot}) {
-    put(topic, Schema::kGrid, heard, [&] { return occupancy_grid(map, scenario_->mapping); });
+    put(topic, Schema::kGrid, received_at, [&] { return occupancy_grid(map, scenario_->mapping); });
   }
 }
 
-void Stream::on(const models::RobotPlan& plan, Time heard) {
+void Stream::on(const models::RobotPlan& plan, Time received_at) {
   if (metrics_) {
     metrics_->on_plan(plan);
   }
   trace(plan);
   put(
-      "/plan/" + plan.robot, Schema::kSceneUpdate, heard,
+      "/plan/" + plan.robot, Schema::kSceneUpdate, received_at,
       [&] { return plan_scene(plan, colour_of(plan.robot)); }, true);
   put(
-      "/plan/" + plan.robot + "/status", Schema::kPlan, heard, [&] { return plan_json(plan); },
-      true);
-  put_event(event_of(plan), heard);
+      "/plan/" + plan.robot + "/status", Schema::kPlan, received_at,
+      [&] { return plan_json(plan); }, true);
+  put_event(event_of(plan), received_at);
 }
 
 void Stream::trace(const models::RobotPlan& plan) {
@@ -289,21 +290,21 @@ void Stream::note_latency(const models::VehicleStatus& status) {
   }
 }
 
-void Stream::on(const models::TeamProposal& proposal, Time heard) {
-  if (colour_of(proposal.robot) && heard < proposal.stamp.time) {
+void Stream::on(const models::TeamProposal& proposal, Time received_at) {
+  if (colour_of(proposal.robot) && received_at < proposal.stamp.time) {
     put(
-        "/proposal/" + proposal.robot, Schema::kSceneUpdate, heard,
-        [&] { return proposal_scene(proposal, *scenario_, heard); }, true);
+        "/proposal/" + proposal.robot, Schema::kSceneUpdate, received_at,
+        [&] { return proposal_scene(proposal, *scenario_, received_at); }, true);
   }
 }
 
-void Stream::on(const models::VehicleStatus& status, Time heard) {
+void Stream::on(const models::VehicleStatus& status, Time received_at) {
   if (metrics_) {
     metrics_->on_vehicle(status);
   }
   note_latency(status);
   put(
-      "/vehicle/" + status.robot, Schema::kVehicle, heard,
+      "/vehicle/" + status.robot, Schema::kVehicle, received_at,
       [&] {
         const auto latency = capture_to_setpoint_.find(status.robot);
         return vehicle_json(status, latency == capture_to_setpoint_.end()
@@ -312,45 +313,45 @@ void Stream::on(const models::VehicleStatus& status, Time heard) {
       },
       true);
   const auto before = vehicles_.find(status.robot);
-  put_event(event_of(before == vehicles_.end() ? nullptr : &before->second, status), heard);
+  put_event(event_of(before == vehicles_.end() ? nullptr : &before->second, status), received_at);
   vehicles_[status.robot] = status;
 }
 
-void Stream::on(const models::ProcessHealth& health, Time heard) {
+void Stream::on(const models::ProcessHealth& health, Time received_at) {
   if (metrics_) {
     metrics_->on_health(health);
   }
   put(
-      "/health/" + health.process, Schema::kHealth, heard, [&] { return health_json(health); },
-      true);
-  put_event(processes_[health.process].on(health), heard);
+      "/health/" + health.process, Schema::kHealth, received_at,
+      [&] { return health_json(health); }, true);
+  put_event(processes_[health.process].on(health), received_at);
 }
 
-void Stream::on(const models::HostReport& report, Time heard) {
+void Stream::on(const models::HostReport& report, Time received_at) {
   const auto before = hosts_.find(report.host);
-  put_event(event_of(before == hosts_.end() ? nullptr : &before->second, report), heard);
+  put_event(event_of(before == hosts_.end() ? nullptr : &before->second, report), received_at);
   hosts_[report.host] = report;
 }
 
-void Stream::on(const models::ContactReport& contact, Time heard) {
+void Stream::on(const models::CollisionReport& contact, Time received_at) {
   if (metrics_) {
     metrics_->on_contact(contact);
   }
-  put_event(event_of(contact), heard);
+  put_event(event_of(contact), received_at);
 }
 
-void Stream::on(const models::AttackNotice& attack, Time heard) {
+void Stream::on(const models::AttackNotice& attack, Time received_at) {
   put(
-      "/attack", Schema::kAttack, heard, [&] { return attack_json(attack); }, true);
+      "/attack", Schema::kAttack, received_at, [&] { return attack_json(attack); }, true);
   const auto event = event_of(attack_ ? &*attack_ : nullptr, attack);
-  put_event(event, heard);
+  put_event(event, received_at);
   attack_ = attack;
   if (event) {
-    put_robots(heard, attack.stamp.time);
+    put_robots(received_at, attack.stamp.time);
   }
 }
 
-void Stream::on(const models::OperatorCommand& command, Time heard) {
+void Stream::on(const models::OperatorCommand& command, Time received_at) {
   if (command.action == models::OperatorAction::kHeartbeat) {
     return;
   }
@@ -358,10 +359,10 @@ void Stream::on(const models::OperatorCommand& command, Time heard) {
   put_event(Event{command.stamp.time, is_stop ? LogLevel::kError : LogLevel::kInfo, "command",
                   fmt::format("operator: {} {}", name_of(command.action),
                               command.robot.empty() ? "all" : command.robot)},
-            heard);
+            received_at);
 }
 
-void Stream::follow(const std::string& body, const Eigen::Vector3d& position_m, Time time) {
+void Stream::extend_trail(const std::string& body, const Eigen::Vector3d& position_m, Time time) {
   Track& points = tracks_[body];
   if (!points.empty()) {
     const auto& [last_time, last_m] = points.back();
@@ -388,12 +389,12 @@ void Stream::follow(const std::string& body, const Eigen::Vector3d& position_m, 
   }
 }
 
-void Stream::put_tracks(Time heard, Time time) {
+void Stream::put_tracks(Time received_at, Time time) {
   if (next_tracks_ && time < *next_tracks_ && time >= *next_tracks_ - kTrackPeriod) {
     return;
   }
   next_tracks_ = time + kTrackPeriod;
-  put("/tracks", Schema::kSceneUpdate, heard, [&] {
+  put("/tracks", Schema::kSceneUpdate, received_at, [&] {
     std::vector<Json> entities;
     for (const auto& [body, track] : tracks_) {
       std::vector<Eigen::Vector3d> points;

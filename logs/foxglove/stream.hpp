@@ -57,25 +57,27 @@ class Stream {
  public:
   explicit Stream(Sink& sink) : sink_(sink) {}
 
-  /// `heard`: time of reception (live) or of logging.
-  void on(const models::ScenarioNotice& notice, Time heard);
-  void on(const models::MocapFrame& frame, Time heard);
-  void on(const models::TruthFrame& truth, Time heard);
-  void on(const models::DetectionSet& detections, Time heard);
-  void on(const models::RobotBelief& belief, Time heard);
-  void on(const models::BeliefMixture& /*mixture*/, Time /*heard*/) {}  // beliefs are shown instead
-  void on(const models::RangeScan& /*scan*/, Time /*heard*/) {}         // the map shows its content
-  void on(const models::RobotMap& map, Time heard);
-  void on(const models::RobotPlan& plan, Time heard);
-  void on(const models::PlanProposal& /*proposal*/, Time /*heard*/) {}  // plans are shown instead
-  void on(const models::TeamProposal& proposal, Time heard);
-  void on(const models::VehicleStatus& status, Time heard);
-  void on(const models::ProcessHealth& health, Time heard);
-  void on(const models::HostReport& report, Time heard);
-  void on(const models::ContactReport& contact, Time heard);
-  void on(const models::AttackNotice& attack, Time heard);
+  /// `received_at`: time of reception (live) or of logging.
+  void on(const models::ScenarioNotice& notice, Time received_at);
+  void on(const models::MocapFrame& frame, Time received_at);
+  void on(const models::TruthFrame& truth, Time received_at);
+  void on(const models::RobotMeasurement& detections, Time received_at);
+  void on(const models::RobotBelief& belief, Time received_at);
+  void on(const models::BeliefMixture& /*mixture*/, Time /*received_at*/) {
+  }                                                                    // beliefs are shown instead
+  void on(const models::RangeScan& /*scan*/, Time /*received_at*/) {}  // the map shows its content
+  void on(const models::RobotMap& map, Time received_at);
+  void on(const models::RobotPlan& plan, Time received_at);
+  void on(const models::PlanProposal& /*proposal*/, Time /*received_at*/) {
+  }  // plans are shown instead
+  void on(const models::TeamProposal& proposal, Time received_at);
+  void on(const models::VehicleStatus& status, Time received_at);
+  void on(const models::ProcessHealth& health, Time received_at);
+  void on(const models::HostReport& report, Time received_at);
+  void on(const models::CollisionReport& contact, Time received_at);
+  void on(const models::AttackNotice& attack, Time received_at);
   /// Operator commands. Heartbeats are ignored.
-  void on(const models::OperatorCommand& command, Time heard);
+  void on(const models::OperatorCommand& command, Time received_at);
 
   /// Returns the number of scenarios so far that could not be read.
   [[nodiscard]] std::int64_t scenarios_refused() const { return scenarios_refused_; }
@@ -83,17 +85,17 @@ class Stream {
  private:
   using Track = std::deque<std::pair<Time, Eigen::Vector3d>>;
 
-  void put(const std::string& topic, Schema schema, Time heard, const auto& make,
+  void put(const std::string& topic, Schema schema, Time received_at, const auto& make,
            bool is_state = false);
-  void put_event(const std::optional<Event>& event, Time heard);
-  void put_robots(Time heard, Time time);
+  void put_event(const std::optional<Event>& event, Time received_at);
+  void put_robots(Time received_at, Time time);
   void put_estimates(const std::string& topic, const std::string& prefix,
-                     const std::vector<EstimateView>& views, Time heard);
+                     const std::vector<EstimateView>& views, Time received_at);
   /// Publishes the team's estimates of the current step once, when its beliefs have arrived.
-  void flush_estimates(Time heard);
-  void put_grid(const models::RobotBelief& belief, Time heard);
-  void follow(const std::string& body, const Eigen::Vector3d& position_m, Time time);
-  void put_tracks(Time heard, Time time);
+  void flush_estimates(Time received_at);
+  void put_grid(const models::RobotBelief& belief, Time received_at);
+  void extend_trail(const std::string& body, const Eigen::Vector3d& position_m, Time time);
+  void put_tracks(Time received_at, Time time);
   /// Stores the capture time of the newest measurement that `plan` is based on.
   void trace(const models::RobotPlan& plan);
   /// Stores that measurement's age if `status` is the first one to report that its plan is

@@ -67,7 +67,7 @@ struct Event {
 /// Returns a foxglove.Log; the event's kind is in `name`.
 Json log_json(const Event& event);
 
-Event event_of(const models::ContactReport& contact);
+Event event_of(const models::CollisionReport& contact);
 /// Returns nullopt for a plan that was searched in time.
 std::optional<Event> event_of(const models::RobotPlan& plan);
 /// Returns the change; nullopt without a change, or if the first received status is normal.

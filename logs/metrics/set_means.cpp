@@ -15,13 +15,13 @@ void SetSums::on_truth(const models::TruthFrame& frame) {
 }
 
 void SetSums::on_belief(const models::RobotBelief& belief) {
-  Pending heard{belief.robot, belief.stamp.time, {}};
+  Pending received{belief.robot, belief.stamp.time, {}};
   for (const models::TargetBelief& target : belief.targets) {
     if (const auto estimate = position_estimate(target, belief.robot, belief.stamp.time, 2)) {
-      heard.estimates.push_back({target.target_id, estimate->mean_m.head<2>()});
+      received.estimates.push_back({target.target_id, estimate->mean_m.head<2>()});
     }
   }
-  pending_.push_back(std::move(heard));
+  pending_.push_back(std::move(received));
 }
 
 void SetSums::judge(const Pending& belief) {

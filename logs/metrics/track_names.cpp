@@ -10,14 +10,14 @@
 
 namespace vantage::logs {
 
-std::vector<models::TargetBelief> named_by_place(std::span<const models::TargetBelief> tracks,
-                                                 const TruthHistory& truth, int targets,
-                                                 Time time) {
-  std::vector<const models::TargetBelief*> told;
+std::vector<models::TargetBelief> assign_ids_by_position(
+    std::span<const models::TargetBelief> tracks, const TruthHistory& truth, int targets,
+    Time time) {
+  std::vector<const models::TargetBelief*> usable;
   std::vector<Eigen::Vector2d> told_m;
   for (const models::TargetBelief& track : tracks) {
     if (const auto estimate = position_estimate(track, "", time, 2)) {
-      told.push_back(&track);
+      usable.push_back(&track);
       told_m.emplace_back(estimate->mean_m.head<2>());
     }
   }
@@ -29,7 +29,7 @@ std::vector<models::TargetBelief> named_by_place(std::span<const models::TargetB
       true_m.emplace_back(at_m->head<2>());
     }
   }
-  const bool is_by_truth = ids.size() <= told.size();
+  const bool is_by_truth = ids.size() <= usable.size();
   const auto& rows_m = is_by_truth ? true_m : told_m;
   const auto& columns_m = is_by_truth ? told_m : true_m;
   std::vector<double> cost_m2;
@@ -44,7 +44,7 @@ std::vector<models::TargetBelief> named_by_place(std::span<const models::TargetB
   std::vector<models::TargetBelief> named;
   for (std::size_t row = 0; row < best.size(); ++row) {
     const std::size_t column = index(best[row]);
-    models::TargetBelief target = *told[is_by_truth ? column : row];
+    models::TargetBelief target = *usable[is_by_truth ? column : row];
     target.target_id = ids[is_by_truth ? row : column];
     named.push_back(target);
   }

@@ -13,7 +13,8 @@ namespace vantage::logs {
 /// sensors that report no ids. The ids come from the assignment of least squared distance to the
 /// true positions of the `targets` at `time`, without a distance limit. Surplus tracks are left
 /// out; so are all tracks if the truth at `time` is unknown.
-std::vector<models::TargetBelief> named_by_place(std::span<const models::TargetBelief> tracks,
-                                                 const TruthHistory& truth, int targets, Time time);
+std::vector<models::TargetBelief> assign_ids_by_position(
+    std::span<const models::TargetBelief> tracks, const TruthHistory& truth, int targets,
+    Time time);
 
 }  // namespace vantage::logs

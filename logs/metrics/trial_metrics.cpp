@@ -16,7 +16,7 @@ namespace {
 // count, and the simulator's truth, which has its own rate, has passed the step's time.
 constexpr std::int64_t kStepsOfGrace = 2;
 /// Maximum number of stored pairs of process and run with a count of lost messages.
-constexpr std::size_t kRunsMost = 4096;
+constexpr std::size_t kRunsMax = 4096;
 
 }  // namespace
 
@@ -58,14 +58,14 @@ void TrialMetrics::discover(int target_id, Time time) {
   first_s = std::min(first_s.value_or(time_s), time_s);
 }
 
-std::vector<models::TargetBelief> TrialMetrics::named(const Heard& heard) {
+std::vector<models::TargetBelief> TrialMetrics::named(const ReceivedBelief& received) {
   std::vector<models::TargetBelief> targets =
-      named_by_place(heard.targets, truth_, summary_.targets, heard.time);
+      assign_ids_by_position(received.targets, truth_, summary_.targets, received.time);
   for (const models::TargetBelief& target : targets) {
-    const auto at_m = truth_.target_position_m(target.target_id, heard.time);
-    const auto estimate = position_estimate(target, "", heard.time, 2);
+    const auto at_m = truth_.target_position_m(target.target_id, received.time);
+    const auto estimate = position_estimate(target, "", received.time, 2);
     if (at_m && estimate && (estimate->mean_m.head<2>() - at_m->head<2>()).norm() < kOspaCutoff_m) {
-      discover(target.target_id, heard.time);
+      discover(target.target_id, received.time);
     }
   }
   return targets;
@@ -90,12 +90,12 @@ void TrialMetrics::on_belief(const models::RobotBelief& belief) {
 void TrialMetrics::judge(const Step& step) {
   TeamEstimate team;
   step_of_robots_ = {};
-  for (const auto& [robot, heard] : step) {
-    const std::vector<models::TargetBelief> targets = has_ids_ ? heard.targets : named(heard);
-    robot_sums_.add(robot, heard.time, to_seconds(heard.time - start_), targets, truth_,
+  for (const auto& [robot, received] : step) {
+    const std::vector<models::TargetBelief> targets = has_ids_ ? received.targets : named(received);
+    robot_sums_.add(robot, received.time, to_seconds(received.time - start_), targets, truth_,
                     step_of_robots_);
     for (const models::TargetBelief& belief : targets) {
-      if (const auto estimate = position_estimate(belief, robot, heard.time, position_dim_)) {
+      if (const auto estimate = position_estimate(belief, robot, received.time, position_dim_)) {
         team.offer(belief.target_id, *estimate);
       }
     }
@@ -177,8 +177,8 @@ double TrialMetrics::energy_nats(const models::RobotPlan& plan) const {
   return used;
 }
 
-void TrialMetrics::on_contact(const models::ContactReport& contact) {
-  ++(contact.kind == models::ContactKind::kCollision ? collisions_ : separation_violations_);
+void TrialMetrics::on_contact(const models::CollisionReport& contact) {
+  ++(contact.kind == models::CollisionKind::kCollision ? collisions_ : separation_violations_);
 }
 
 void TrialMetrics::on_vehicle(const models::VehicleStatus& status) {
@@ -191,7 +191,7 @@ void TrialMetrics::on_health(const models::ProcessHealth& health) {
     lost += counter.name.ends_with(".lost") ? counter.count : 0;
   }
   const std::pair run(health.process, health.stamp.run_id);
-  if (lost_.contains(run) || lost_.size() < kRunsMost) {
+  if (lost_.contains(run) || lost_.size() < kRunsMax) {
     lost_[run] = lost;
   }
 }

@@ -37,8 +37,8 @@ struct RobotStatus {
 /// Evaluation of a trial from its messages. It has no side effects; messages are added one at a
 /// time in order of arrival. Beliefs are grouped by estimator step. A step is evaluated two steps
 /// later, when the surrounding truth and the other robots' beliefs have arrived. If the sensors
-/// report no ids, named_by_place() assigns each track to a target; the target counts as discovered
-/// if the track is within 1 m of it.
+/// report no ids, assign_ids_by_position() assigns each track to a target; the target counts as
+/// discovered if the track is within 1 m of it.
 class TrialMetrics {
  public:
   TrialMetrics(const scenario::Scenario& scenario, Time start);
@@ -47,7 +47,7 @@ class TrialMetrics {
   void on_belief(const models::RobotBelief& belief);
   void on_map(const models::RobotMap& map);
   void on_plan(const models::RobotPlan& plan);
-  void on_contact(const models::ContactReport& contact);
+  void on_contact(const models::CollisionReport& contact);
   void on_vehicle(const models::VehicleStatus& status);
   /// Counts the messages that a process reports as lost: its newest counters with names that end in
   /// ".lost". They are summed over the runs of a process, because a restarted process counts from
@@ -73,11 +73,11 @@ class TrialMetrics {
   [[nodiscard]] std::int64_t messages_lost() const;
 
  private:
-  struct Heard {
+  struct ReceivedBelief {
     Time time{};
     std::vector<models::TargetBelief> targets;
   };
-  using Step = std::map<std::string, Heard>;  ///< by robot
+  using Step = std::map<std::string, ReceivedBelief>;  ///< by robot
   struct TargetSums {
     double squared_error_m2 = 0.0;
     std::int64_t errors = 0;
@@ -88,7 +88,7 @@ class TrialMetrics {
   void judge_targets(const TeamEstimate& team);
   void discover(int target_id, Time time);
   /// Returns the tracks with target ids instead of labels, and marks the targets as discovered.
-  [[nodiscard]] std::vector<models::TargetBelief> named(const Heard& heard);
+  [[nodiscard]] std::vector<models::TargetBelief> named(const ReceivedBelief& received);
 
   /// Returns the priced energy of the steps of `plan` that are executed before the next plan.
   [[nodiscard]] double energy_nats(const models::RobotPlan& plan) const;

@@ -20,13 +20,14 @@ double log_likelihood(double squared_error, double variance) {
 }
 
 /// Prediction of one coordinate h ahead: mean a y + b ẏ, variance w.
-struct Foretold {
+struct Prediction {
   double a = 1.0;
   double b = 0.0;
   double w = 0.0;
 };
 
-Foretold foretell(const models::TargetModel& model, Eigen::Index axis, double horizon_s) {
+Prediction predict_coordinate(const models::TargetModel& model, Eigen::Index axis,
+                              double horizon_s) {
   const models::StateMatrix A = model.transition(horizon_s);
   const models::StateMatrix W = model.process_noise(horizon_s);
   return {A(axis, axis), model.has_velocity() ? A(axis, axis + 2) : 0.0, W(axis, axis)};
@@ -36,7 +37,7 @@ using Point = Eigen::Vector3d;
 
 /// Returns the minimum of `cost` near `start`, by a simplex search with initial edges of `edge`.
 template <class Cost>
-Point least(const Cost& cost, const Point& start, double edge) {
+Point minimise(const Cost& cost, const Point& start, double edge) {
   struct Corner {
     Point at;
     double cost;
@@ -113,18 +114,18 @@ void MotionSample::add(const TargetCourse& course, std::int64_t begin, std::int6
   };
   const std::int64_t first = at_share(from_share);
   const std::int64_t last = at_share(to_share);
-  const auto& places_m = course.places_m();
-  for (auto now = places_m.lower_bound(first + 1); now != places_m.end() && now->first <= last;
-       ++now) {
-    const auto before = places_m.find(now->first - 1);
-    if (before == places_m.end() || before->first < first) {
+  const auto& positions_m = course.positions_m();
+  for (auto now = positions_m.lower_bound(first + 1);
+       now != positions_m.end() && now->first <= last; ++now) {
+    const auto before = positions_m.find(now->first - 1);
+    if (before == positions_m.end() || before->first < first) {
       continue;
     }
     const Eigen::Vector2d velocity_mps =
         (now->second - before->second) / TargetCourse::kCourseStep_s;
     for (std::size_t h = 0; h < kHorizons; ++h) {
-      const auto later = places_m.find(now->first + steps_of(kHorizons_s[h]));
-      if (later == places_m.end() || later->first > last) {
+      const auto later = positions_m.find(now->first + steps_of(kHorizons_s[h]));
+      if (later == positions_m.end() || later->first > last) {
         continue;
       }
       for (Eigen::Index axis = 0; axis < 2; ++axis) {
@@ -142,7 +143,7 @@ MotionScore judge(const models::TargetModel& model, const MotionSample& sample) 
   MotionScore score;
   for (Eigen::Index axis = 0; axis < 2; ++axis) {
     for (std::size_t h = 0; h < kHorizons; ++h) {
-      const Foretold next = foretell(model, axis, kHorizons_s[h]);
+      const Prediction next = predict_coordinate(model, axis, kHorizons_s[h]);
       const MotionMoments& moments = sample.moments[static_cast<std::size_t>(axis)][h];
       const double error = moments.squared_error(next.a, next.b);
       score.nats += log_likelihood(error, next.w) / static_cast<double>(kHorizons);
@@ -160,7 +161,7 @@ models::TargetModel fit_free(models::TargetKind kind, const MotionSample& sample
   double sum = 0.0;
   for (Eigen::Index axis = 0; axis < 2; ++axis) {
     for (std::size_t h = 0; h < kHorizons; ++h) {
-      const Foretold next = foretell(model, axis, kHorizons_s[h]);
+      const Prediction next = predict_coordinate(model, axis, kHorizons_s[h]);
       sum +=
           sample.moments[static_cast<std::size_t>(axis)][h].squared_error(next.a, next.b) / next.w;
     }
@@ -178,7 +179,7 @@ models::TargetModel fit_oscillator(const MotionSample& sample) {
       const models::TargetModel model = oscillator(logarithms, axis);
       double sum = 0.0;
       for (std::size_t h = 0; h < kHorizons; ++h) {
-        const Foretold next = foretell(model, axis, kHorizons_s[h]);
+        const Prediction next = predict_coordinate(model, axis, kHorizons_s[h]);
         if (!(next.w > 0.0)) {
           return std::numeric_limits<double>::infinity();
         }
@@ -191,7 +192,7 @@ models::TargetModel fit_oscillator(const MotionSample& sample) {
     constexpr double kLeast = 1e-12;  // for targets that did not move
     const Point start(0.5 * std::log(std::max(mean(1, 1), kLeast)),
                       0.5 * std::log(std::max(mean(2, 2), kLeast)), 0.0);
-    const models::Surroundings best = oscillator(least(cost, start, 0.3), axis).surroundings;
+    const models::Surroundings best = oscillator(minimise(cost, start, 0.3), axis).surroundings;
     fitted.surroundings.position_sigma_m(axis) = best.position_sigma_m(axis);
     fitted.surroundings.velocity_sigma_mps(axis) = best.velocity_sigma_mps(axis);
     fitted.surroundings.damping_per_s(axis) = best.damping_per_s(axis);
@@ -208,9 +209,9 @@ std::vector<FittedMotion> fit_motion(std::span<const std::vector<TargetCourse>> 
     std::int64_t begin = std::numeric_limits<std::int64_t>::max();
     std::int64_t end = std::numeric_limits<std::int64_t>::min();
     for (const TargetCourse& course : courses) {
-      if (!course.places_m().empty()) {
-        begin = std::min(begin, course.places_m().begin()->first);
-        end = std::max(end, course.places_m().rbegin()->first);
+      if (!course.positions_m().empty()) {
+        begin = std::min(begin, course.positions_m().begin()->first);
+        end = std::max(end, course.positions_m().rbegin()->first);
       }
     }
     if (begin > end) {

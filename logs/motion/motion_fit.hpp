@@ -30,7 +30,7 @@ class TargetCourse {
   /// Adds a recorded position. One that is not later than the previous one is ignored.
   void add(Time time, const Eigen::Vector2d& position_m);
   /// Returns the positions by their time in steps.
-  [[nodiscard]] const std::map<std::int64_t, Eigen::Vector2d>& places_m() const {
+  [[nodiscard]] const std::map<std::int64_t, Eigen::Vector2d>& positions_m() const {
     return places_m_;
   }
 
@@ -68,8 +68,8 @@ struct MotionSample {
 
 /// Mean of (y(t+h) − y(t))²: the squared displacement of one coordinate within h.
 struct Displacement {
-  double seen_m2 = 0.0;      ///< observed
-  double foretold_m2 = 0.0;  ///< predicted by a model from the same positions and velocities
+  double observed_m2 = 0.0;   ///< observed
+  double predicted_m2 = 0.0;  ///< predicted by a model from the same positions and velocities
 };
 
 /// Quality of a model's position predictions for horizon h, from position and velocity: the

@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "logs/look/look.hpp"
+#include "logs/appearance/appearance.hpp"
 #include "models/world/world.hpp"
 
 namespace vantage::logs {
@@ -33,12 +33,14 @@ struct Layout {
 };
 
 /// Pictures have a white background, so they use the colours for a light background.
-inline std::string_view role_colour(const char* role) { return logs::look().roles.at(role).light; }
+inline std::string_view role_colour(const char* role) {
+  return logs::appearance().roles.at(role).light;
+}
 inline std::string_view robot_colour(std::size_t index) {
-  return logs::robot_look(index).body_paint().light;
+  return logs::robot_appearance(index).body_paint().light;
 }
 inline std::string_view robot_core_colour(std::size_t index) {
-  return logs::robot_look(index).core_paint().light;
+  return logs::robot_appearance(index).core_paint().light;
 }
 
 }  // namespace vantage::logs

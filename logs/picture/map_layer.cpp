@@ -154,7 +154,7 @@ void draw_estimates(Svg& svg, const Layout& layout, const Scene& scene) {
     const Eigen::Vector2d mean_px = layout.page_from_world(mean_m);
     const Eigen::Matrix2d covariance_m2 = target.estimate->covariance_m2.topLeftCorner<2, 2>();
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance_m2);
-    const Eigen::Vector2d half_px = logs::look().ellipse_radius() * layout.px_per_m *
+    const Eigen::Vector2d half_px = logs::appearance().ellipse_radius() * layout.px_per_m *
                                     axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
     // The page's y axis points down, so a counter-clockwise angle becomes negative.
     const double angle_deg =

@@ -11,7 +11,7 @@
 namespace vantage::logs {
 
 /// Returns the length in s of the strongly drawn last part of a track; earlier parts are faint.
-inline double recent_s() { return logs::look().trail_s; }
+inline double recent_s() { return logs::appearance().trail_s; }
 
 void draw_ground(Svg& svg, const Layout& layout, const scenario::Scenario& scenario,
                  const Scene& scene);

@@ -105,10 +105,11 @@ class Legend {
     svg_.text(at_px_ + Eigen::Vector2d(0, 14), "Legend", kHead);
     at_px_.y() += 36.0;
   }
-  /// Writes the text of look.json for `glyph` and `more`. Returns the centre of the entry's symbol.
+  /// Writes the text of appearance.json for `glyph` and `more`. Returns the centre of the entry's
+  /// symbol.
   Eigen::Vector2d entry(const char* glyph, std::string_view more = "") {
     svg_.text(at_px_ + Eigen::Vector2d(44, 4.5),
-              fmt::format("{}{}", logs::look().glyphs.at(glyph), more), kBody);
+              fmt::format("{}{}", logs::appearance().glyphs.at(glyph), more), kBody);
     const Eigen::Vector2d symbol_px = at_px_ + Eigen::Vector2d(16, 0);
     at_px_.y() += kLegendRow_px;
     return symbol_px;

@@ -31,18 +31,18 @@ std::string draw_picture(const scenario::Scenario& scenario, const Scene& scene,
 }
 
 Result<std::string> render_png(const std::string& svg_path, const std::string& png_path) {
-  const std::string passing = png_path + ".part";
+  const std::string temporary_path = png_path + ".part";
   Result<Child> child =
-      Child::start({"rsvg-convert", "--format=png", "--output=" + passing, svg_path});
+      Child::start({"rsvg-convert", "--format=png", "--output=" + temporary_path, svg_path});
   if (!child.ok()) {
     return Error{"no PNG: rsvg-convert is not installed (apt install librsvg2-bin)"};
   }
   const std::optional<ChildExit> ended = std::move(child).value().wait(std::chrono::seconds(30));
   if (!ended || !ended->is_success()) {
-    std::remove(passing.c_str());
+    std::remove(temporary_path.c_str());
     throw std::runtime_error(png_path + ": cannot be written: rsvg-convert failed on " + svg_path);
   }
-  if (std::rename(passing.c_str(), png_path.c_str()) != 0) {
+  if (std::rename(temporary_path.c_str(), png_path.c_str()) != 0) {
     throw std::runtime_error(png_path + ": cannot be written: " + std::strerror(errno));
   }
   return png_path;

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kThinning_s = 0.1;
 constexpr double kThinning_m = 0.02;
-constexpr std::size_t kBodiesMost = 4096;
+constexpr std::size_t kBodiesMax = 4096;
 // about seven minutes of motion with the initial thinning
 constexpr std::size_t kPointsMost = 4096;
 
@@ -40,8 +40,8 @@ void extend(std::vector<TrackPoint>& track, double& thinning_s, Time time,
 }  // namespace
 
 SceneRecorder::SceneRecorder(const scenario::Scenario& scenario)
-    : are_grids_parts_(scenario.network.neighbourhood_m > 0.0) {
-  if (are_grids_parts_) {
+    : has_partial_grids_(scenario.network.neighbourhood_m > 0.0) {
+  if (has_partial_grids_) {
     scene_.grid =
         models::GridGeometry::covering(scenario.world.bounds, scenario.estimator.grid_resolution_m);
     scene_.last_seen_utime.assign(static_cast<std::size_t>(scene_.grid.size()),
@@ -58,9 +58,9 @@ SceneRecorder::SceneRecorder(const scenario::Scenario& scenario)
 void SceneRecorder::on_truth(const models::TruthFrame& frame) {
   scene_.time = std::max(scene_.time, frame.stamp.time);
   for (const models::TruthBody& body : frame.bodies) {
-    const bool is_known = thinning_s_.contains(body.name) || thinning_s_.size() < kBodiesMost;
+    const bool is_known = thinning_s_.contains(body.name) || thinning_s_.size() < kBodiesMax;
     const bool has_room = body.target_id < 0 || scene_.targets.contains(body.target_id) ||
-                          scene_.targets.size() < kBodiesMost;
+                          scene_.targets.size() < kBodiesMax;
     if (!is_known || !has_room) {
       continue;
     }
@@ -78,7 +78,7 @@ void SceneRecorder::on_truth(const models::TruthFrame& frame) {
 
 void SceneRecorder::on_belief(const models::RobotBelief& belief) {
   scene_.time = std::max(scene_.time, belief.stamp.time);
-  if (!are_grids_parts_ && !(scene_.grid == belief.grid)) {
+  if (!has_partial_grids_ && !(scene_.grid == belief.grid)) {
     scene_.grid = belief.grid;
     scene_.last_seen_utime = belief.last_seen_utime;
     return;

@@ -63,7 +63,7 @@ class SceneRecorder {
   Scene scene_;
   std::map<std::string, double> thinning_s_;  ///< current thinning interval of each body's track
   /// True if beliefs cover parts of the world's grid only (neighbourhoods).
-  bool are_grids_parts_ = false;
+  bool has_partial_grids_ = false;
 };
 
 }  // namespace vantage::logs

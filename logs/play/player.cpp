@@ -95,7 +95,7 @@ void Player::seek(Time position) {
   next_ = scan_.next();
 }
 
-bool Player::obey(const PlayCommand& command) {
+bool Player::execute(const PlayCommand& command) {
   using Kind = PlayCommand::Kind;
   const std::int64_t now_ns = timer_.now_ns();
   const auto set_speed = [&](double speed) {
@@ -163,8 +163,8 @@ PlayReport Player::run(const std::function<std::optional<PlayCommand>()>& comman
     if (now_ns >= attention_ns) {
       attention_ns = now_ns + kAttentionNs;
       is_over_ |= stop();
-      while (const auto wish = command()) {
-        obey(*wish);
+      while (const auto request = command()) {
+        execute(*request);
       }
       if (on_position) {
         on_position(schedule_, schedule_.position(timer_.now_ns()));

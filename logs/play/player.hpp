@@ -69,7 +69,7 @@ class Player {
 
  private:
   /// Executes a command. Returns true if the position in the log has changed or playback ends.
-  bool obey(const PlayCommand& command);
+  bool execute(const PlayCommand& command);
   void seek(Time position);
   void publish(const LogEvent& event);
 
@@ -81,7 +81,7 @@ class Player {
   Time end_;  ///< end of the played range, behind its last event; seeks are limited to it
   PlaySchedule schedule_;
   LogScan scan_;
-  std::optional<PlacedEvent> next_;
+  std::optional<LocatedEvent> next_;
   bool is_over_ = false;
   PlayReport report_;
 };

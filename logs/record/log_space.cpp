@@ -27,10 +27,10 @@ LogRoom room_for_log(const scenario::Scenario& scenario, const std::string& path
   if (!free_bytes) {
     return {true, "log: the free disk space is unknown for " + path};
   }
-  const std::string words =
+  const std::string summary =
       fmt::format("log: {} are free for {}; {:g} s need at most {}", megabytes(*free_bytes), path,
                   scenario.duration_s + kLogSpareS, megabytes(needed_bytes));
-  return {*free_bytes >= needed_bytes, words};
+  return {*free_bytes >= needed_bytes, summary};
 }
 
 LogWatch::State LogWatch::judge(Time now) const {
@@ -42,18 +42,19 @@ LogWatch::State LogWatch::judge(Time now) const {
   return is_nearly_full ? State::kNearlyFull : State::kWritten;
 }
 
-std::optional<std::string> LogWatch::look(const Look& look, Time now) {
-  if (!grown_at_ || look.size_bytes > last_.size_bytes) {
+std::optional<std::string> LogWatch::update(const Observation& observation, Time now) {
+  if (!grown_at_ || observation.size_bytes > last_.size_bytes) {
     grown_at_ = now;
   }
-  last_ = look;
-  ++looks_;
+  last_ = observation;
+  ++observations_;
   const State before = state_;
   state_ = judge(now);
   if (state_ == before) {
     return std::nullopt;
   }
-  const std::string left = look.free_bytes ? megabytes(*look.free_bytes) : "an unknown amount";
+  const std::string left =
+      observation.free_bytes ? megabytes(*observation.free_bytes) : "an unknown amount";
   switch (state_) {
     case State::kUnwritten:
       ++times_unwritten_;
@@ -62,7 +63,7 @@ std::optional<std::string> LogWatch::look(const Look& look, Time now) {
           to_seconds(now - *grown_at_), left);
     case State::kNearlyFull:
       return fmt::format("log: only {} are left on its disk, for {:.0f} s of flight", left,
-                         static_cast<double>(look.free_bytes.value_or(0)) / bytes_per_s_);
+                         static_cast<double>(observation.free_bytes.value_or(0)) / bytes_per_s_);
     case State::kWritten:
       return fmt::format("log: written as usual, with {} free", left);
   }
@@ -76,7 +77,7 @@ models::ProcessHealth LogWatch::health(Time now) const {
   out.process = kLogHealth;
   out.state =
       state_ == State::kWritten ? models::ProcessState::kRunning : models::ProcessState::kDegraded;
-  out.loops = looks_;
+  out.loops = observations_;
   out.counters = {
       {"log.bytes", static_cast<std::int64_t>(last_.size_bytes)},
       {"log.free_bytes", static_cast<std::int64_t>(std::min(last_.free_bytes.value_or(0), kMost))},

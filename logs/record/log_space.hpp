@@ -22,7 +22,7 @@ std::uint64_t log_bytes_needed(const scenario::Scenario& scenario);
 /// Result of comparing free and needed space for a log, with a sentence that states both.
 struct LogRoom {
   bool is_enough = true;
-  std::string words;
+  std::string summary;
 };
 LogRoom room_for_log(const scenario::Scenario& scenario, const std::string& path,
                      std::optional<std::uint64_t> free_bytes);
@@ -38,13 +38,13 @@ class LogWatch {
   /// @param bytes_per_s  maximum growth of the log
   explicit LogWatch(double bytes_per_s) : bytes_per_s_(bytes_per_s) {}
 
-  struct Look {
+  struct Observation {
     std::uint64_t size_bytes = 0;
     std::optional<std::uint64_t> free_bytes;
     bool is_refused = false;  ///< the recorder reports that the disk refuses data
   };
   /// Returns a message to be shown immediately; nullopt if nothing has changed.
-  std::optional<std::string> look(const Look& look, Time now);
+  std::optional<std::string> update(const Observation& observation, Time now);
   [[nodiscard]] bool is_written() const { return state_ != State::kUnwritten; }
   /// Returns the content of HEALTH_LOG.
   [[nodiscard]] models::ProcessHealth health(Time now) const;
@@ -54,11 +54,11 @@ class LogWatch {
   [[nodiscard]] State judge(Time now) const;
 
   double bytes_per_s_;
-  Look last_;
+  Observation last_;
   std::optional<Time> grown_at_;
   State state_ = State::kWritten;
   std::int64_t times_unwritten_ = 0;
-  std::int64_t looks_ = 0;
+  std::int64_t observations_ = 0;
 };
 
 /// Process name of the log in HEALTH_<name>.

@@ -291,7 +291,7 @@ void LogSpool::note_written(std::span<const std::uint8_t> events) {
 }
 
 void LogSpool::sync_loop() {
-  std::int64_t said_us = std::chrono::microseconds(kAtRiskMax).count();
+  std::int64_t warned_us = std::chrono::microseconds(kAtRiskMax).count();
   Lock lock(mutex_);
   while (true) {
     wake_syncer_.wait(lock, [&] { return !unsynced_.empty() || is_written_out_; });
@@ -317,8 +317,8 @@ void LogSpool::sync_loop() {
     if (error && report_.sync_errors++ == 0) {
       news_.push_back("LOG NOT SAFE: " + error->message);
     }
-    if (at_risk_us > said_us) {
-      said_us = 2 * at_risk_us;
+    if (at_risk_us > warned_us) {
+      warned_us = 2 * at_risk_us;
       news_.push_back(report_.path + ": a power cut would have lost the last " +
                       std::to_string(at_risk_us / 1'000) + " ms");
     }

@@ -8,7 +8,7 @@
 
 #include "core/check.hpp"
 #include "logs/file/log_scan.hpp"
-#include "logs/file/wire_witness.hpp"
+#include "logs/file/wire_check.hpp"
 
 namespace vantage::logs {
 namespace {
@@ -39,7 +39,7 @@ Bytes read_from(const std::string& path, std::uint64_t offset, std::size_t bytes
 
 LogTail find_tail(std::span<const std::uint8_t> last_bytes) {
   LogTail tail;
-  LogScan scan(last_bytes, wire_testimony);
+  LogScan scan(last_bytes, check_wire_data);
   while (const auto event = scan.next()) {
     tail.whole_bytes = event->offset + event->size_bytes();
     tail.last = event->time;

@@ -26,14 +26,14 @@ Recorder::Recorder(bus::Transport& endpoint, const bus::Clock& clock, Log log,
                        if (!is_event_channel(channel)) {
                          ++names_refused_;
                        } else if (channels_.takes(channel)) {
-                         ++heard_;
+                         ++received_;
                          log_(clock.now(), channel, data);
                        }
                      });
 }
 
 RecorderNode::RecorderNode(bus::Transport& transport, const bus::Clock& clock, LogSpool& spool,
-                           ChannelFilter channels, std::function<void(const std::string&)> tell)
+                           ChannelFilter channels, std::function<void(const std::string&)> report)
     : spool_(spool),
       recorder_(
           transport, clock,
@@ -41,13 +41,13 @@ RecorderNode::RecorderNode(bus::Transport& transport, const bus::Clock& clock, L
             return spool.write(time, channel, data);
           },
           std::move(channels)),
-      tell_(std::move(tell)),
+      report_(std::move(report)),
       next_tick_(clock.now()) {}
 
 void RecorderNode::tick(Time now) {
   next_tick_ = now + kTickPeriod;
   for (const std::string& news : spool_.take_news()) {
-    tell_(news);
+    report_(news);
   }
 }
 

@@ -32,7 +32,7 @@ class Recorder {
   Recorder& operator=(Recorder&&) = delete;
   ~Recorder() = default;
 
-  [[nodiscard]] std::int64_t heard() const { return heard_; }
+  [[nodiscard]] std::int64_t received() const { return received_; }
   /// Returns the number of messages that were not recorded because their channel is not
   /// is_event_channel(). In a log they could not be distinguished from damage.
   [[nodiscard]] std::int64_t names_refused() const { return names_refused_; }
@@ -40,16 +40,16 @@ class Recorder {
  private:
   Log log_;
   ChannelFilter channels_;
-  std::int64_t heard_ = 0;
+  std::int64_t received_ = 0;
   std::int64_t names_refused_ = 0;
 };
 
 /// Process that records a bus and reports the state of its log on HEALTH_RECORDER.
 class RecorderNode : public bus::Node {
  public:
-  /// @param tell  called immediately for every failure of the log and for its end
+  /// @param report  called immediately for every failure of the log and for its end
   RecorderNode(bus::Transport& transport, const bus::Clock& clock, LogSpool& spool,
-               ChannelFilter channels, std::function<void(const std::string&)> tell);
+               ChannelFilter channels, std::function<void(const std::string&)> report);
 
   [[nodiscard]] std::string name() const override { return kName; }
   [[nodiscard]] Time next_tick() const override { return next_tick_; }
@@ -57,14 +57,14 @@ class RecorderNode : public bus::Node {
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
   /// Returns the counters that change in normal operation.
   [[nodiscard]] std::vector<models::NamedCount> traffic() const;
-  [[nodiscard]] std::int64_t heard() const { return recorder_.heard(); }
+  [[nodiscard]] std::int64_t received() const { return recorder_.received(); }
 
   static constexpr const char* kName = "RECORDER";
 
  private:
   LogSpool& spool_;
   Recorder recorder_;
-  std::function<void(const std::string&)> tell_;
+  std::function<void(const std::string&)> report_;
   Time next_tick_;
 };
 

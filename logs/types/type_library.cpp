@@ -10,7 +10,7 @@
 
 #include "core/check.hpp"
 #include "logs/file/log_event.hpp"
-#include "logs/file/wire_witness.hpp"
+#include "logs/file/wire_check.hpp"
 
 namespace vantage::logs {
 namespace {

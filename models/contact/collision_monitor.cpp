@@ -88,7 +88,7 @@ void CollisionMonitor::add(const Body& body) {
 CollisionMonitor::~CollisionMonitor() = default;
 
 void CollisionMonitor::update(Time now, std::span<const Eigen::Vector3d> centres_m,
-                              std::vector<ContactReport>& begun) {
+                              std::vector<CollisionReport>& new_contacts) {
   require(centres_m.size() == bodies_.size(),
           "the number of centres must equal the number of bodies");
   new_m_.assign(centres_m.begin(), centres_m.end());
@@ -106,10 +106,10 @@ void CollisionMonitor::update(Time now, std::span<const Eigen::Vector3d> centres
     geometry_->bodies[i].setTranslation(new_m_[i]);
     geometry_->bodies[i].computeAABB();
   }
-  check_pairs(now, begun);
+  check_pairs(now, new_contacts);
   for (std::size_t i = 0; i < new_m_.size(); ++i) {
     if (new_m_[i].allFinite()) {
-      check_surroundings(now, i, begun);
+      check_surroundings(now, i, new_contacts);
     }
   }
   old_m_.swap(new_m_);
@@ -141,7 +141,7 @@ double CollisionMonitor::watched_m() const {
   return std::max(2.0 * radius_m + kReleaseM, separation_m) + 2.0 * travelled_m + kRoundingM;
 }
 
-void CollisionMonitor::check_pairs(Time now, std::vector<ContactReport>& begun) {
+void CollisionMonitor::check_pairs(Time now, std::vector<CollisionReport>& new_contacts) {
   const std::vector<NearPairs::Pair>& near = near_.find(new_m_, watched_m());
   candidates_.clear();
   std::set_union(near.begin(), near.end(), in_contact_.begin(), in_contact_.end(),
@@ -149,7 +149,7 @@ void CollisionMonitor::check_pairs(Time now, std::vector<ContactReport>& begun) 
   in_contact_.clear();
   for (const auto& [i, j] : candidates_) {
     if (new_m_[i].allFinite() && new_m_[j].allFinite()) {
-      check_pair(now, i, j, begun);
+      check_pair(now, i, j, new_contacts);
     }
     const Contact& contact = pairs_[std::size_t{j} * (j - 1) / 2 + i];
     if (contact.touching || contact.near) {
@@ -159,20 +159,20 @@ void CollisionMonitor::check_pairs(Time now, std::vector<ContactReport>& begun) 
 }
 
 void CollisionMonitor::check_pair(Time now, std::size_t i, std::size_t j,
-                                  std::vector<ContactReport>& begun) {
+                                  std::vector<CollisionReport>& new_contacts) {
   const std::size_t pair = j * (j - 1) / 2 + i;
   const double radii_m = bodies_[i].radius_m + bodies_[j].radius_m;
   const double apart_m = closest_approach_m(old_m_[i], new_m_[i], old_m_[j], new_m_[j]);
   const Judgement judgement{fcl_hit(geometry_->bodies[i], geometry_->bodies[j]),
                             (new_m_[i] - new_m_[j]).norm() - radii_m, apart_m - radii_m};
-  judge(now, judgement, bodies_[i].name, bodies_[j].name, pairs_[pair], begun);
+  judge(now, judgement, bodies_[i].name, bodies_[j].name, pairs_[pair], new_contacts);
   if (bodies_[i].is_robot && bodies_[j].is_robot) {
-    watch_separation(now, i, j, apart_m, pairs_[pair], begun);
+    watch_separation(now, i, j, apart_m, pairs_[pair], new_contacts);
   }
 }
 
 void CollisionMonitor::check_surroundings(Time now, std::size_t i,
-                                          std::vector<ContactReport>& begun) {
+                                          std::vector<CollisionReport>& new_contacts) {
   const double radius_m = bodies_[i].radius_m;
   const double travelled_m = (new_m_[i] - old_m_[i]).norm();
   for (std::size_t k = 0; k < geometry_->boxes.size(); ++k) {
@@ -184,7 +184,7 @@ void CollisionMonitor::check_surroundings(Time now, std::size_t i,
             ? judgement.distance_m
             : swept_distance_m(geometry_->boxes[k], old_m_[i], new_m_[i]) - radius_m;
     judge(now, judgement, bodies_[i].name, obstacle_names_[k],
-          obstacles_[i * geometry_->boxes.size() + k], begun);
+          obstacles_[i * geometry_->boxes.size() + k], new_contacts);
   }
   Judgement judgement;
   for (const Object& wall : geometry_->walls) {
@@ -194,25 +194,25 @@ void CollisionMonitor::check_surroundings(Time now, std::size_t i,
   // The inside is convex, so the smallest distance of a straight motion is at one of its ends.
   judgement.swept_distance_m =
       std::min(judgement.distance_m, distance_to_bounds_m(world_, old_m_[i]) - radius_m);
-  judge(now, judgement, bodies_[i].name, "bounds", bounds_[i], begun);
+  judge(now, judgement, bodies_[i].name, "bounds", bounds_[i], new_contacts);
 }
 
 void CollisionMonitor::judge(Time now, const Judgement& judgement, const std::string& a,
                              const std::string& b, Contact& contact,
-                             std::vector<ContactReport>& begun) {
+                             std::vector<CollisionReport>& new_contacts) {
   if (judgement.fcl_hit != (judgement.distance_m <= 0.0) &&
       std::abs(judgement.distance_m) > kRoundingM) {
     ++disagreements_;
   }
   const bool hit = judgement.fcl_hit || judgement.swept_distance_m <= 0.0;
   if (hit && !contact.touching) {
-    ContactReport report;
+    CollisionReport report;
     report.stamp.time = now;
-    report.kind = ContactKind::kCollision;
+    report.kind = CollisionKind::kCollision;
     report.body_a = a;
     report.body_b = b;
     report.distance_m = std::min(judgement.swept_distance_m, 0.0);
-    begun.push_back(std::move(report));
+    new_contacts.push_back(std::move(report));
   }
   // Bodies that are apart at the end of the step are released, even if they touched during the
   // step.
@@ -221,17 +221,17 @@ void CollisionMonitor::judge(Time now, const Judgement& judgement, const std::st
 
 void CollisionMonitor::watch_separation(Time now, std::size_t i, std::size_t j,
                                         double centres_apart_m, Contact& contact,
-                                        std::vector<ContactReport>& begun) {
+                                        std::vector<CollisionReport>& new_contacts) {
   min_separation_m_ = std::min(min_separation_m_, centres_apart_m);
   const bool too_near = centres_apart_m < separation_m_;
   if (too_near && !contact.near) {
-    ContactReport report;
+    CollisionReport report;
     report.stamp.time = now;
-    report.kind = ContactKind::kNearMiss;
+    report.kind = CollisionKind::kNearMiss;
     report.body_a = bodies_[i].name;
     report.body_b = bodies_[j].name;
     report.distance_m = centres_apart_m - bodies_[i].radius_m - bodies_[j].radius_m;
-    begun.push_back(std::move(report));
+    new_contacts.push_back(std::move(report));
   }
   const double now_apart_m = (new_m_[i] - new_m_[j]).norm();
   contact.near = (too_near || contact.near) && now_apart_m <= separation_m_ + kReleaseM;

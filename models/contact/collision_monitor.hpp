@@ -49,10 +49,11 @@ class CollisionMonitor {
   void forget_motion() { old_m_.clear(); }
 
   /// Checks the bodies' centres at `now`, in the order in which the bodies were added. Appends the
-  /// contacts that began since the last call to `begun`. A centre that is not finite is counted and
-  /// excluded, because FCL reports some such poses as free. The first call has no motion before it.
+  /// contacts that began since the last call to `new_contacts`. A centre that is not finite is
+  /// counted and excluded, because FCL reports some such poses as free. The first call has no
+  /// motion before it.
   void update(Time now, std::span<const Eigen::Vector3d> centres_m,
-              std::vector<ContactReport>& begun);
+              std::vector<CollisionReport>& new_contacts);
 
   /// Returns the smallest distance so far between the centres of two robots, swept; ∞ without a
   /// pair.
@@ -74,15 +75,16 @@ class CollisionMonitor {
   };
 
   void judge(Time now, const Judgement& judgement, const std::string& a, const std::string& b,
-             Contact& contact, std::vector<ContactReport>& begun);
+             Contact& contact, std::vector<CollisionReport>& new_contacts);
   void watch_separation(Time now, std::size_t i, std::size_t j, double centres_apart_m,
-                        Contact& contact, std::vector<ContactReport>& begun);
-  void check_pairs(Time now, std::vector<ContactReport>& begun);
-  void check_pair(Time now, std::size_t i, std::size_t j, std::vector<ContactReport>& begun);
+                        Contact& contact, std::vector<CollisionReport>& new_contacts);
+  void check_pairs(Time now, std::vector<CollisionReport>& new_contacts);
+  void check_pair(Time now, std::size_t i, std::size_t j,
+                  std::vector<CollisionReport>& new_contacts);
   /// Returns the distance beyond which a pair cannot matter, whatever its motion since the last
   /// step.
   [[nodiscard]] double watched_m() const;
-  void check_surroundings(Time now, std::size_t i, std::vector<ContactReport>& begun);
+  void check_surroundings(Time now, std::size_t i, std::vector<CollisionReport>& new_contacts);
 
   World world_;
   std::vector<Body> bodies_;

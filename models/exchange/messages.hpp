@@ -68,7 +68,7 @@ struct Detection {
 
 /// The detections of one robot's sensor at one time (MEASUREMENT_R); empty when nothing was
 /// detected.
-struct DetectionSet {
+struct RobotMeasurement {
   Stamp stamp;
   std::string robot;
   Viewpoint viewpoint;  ///< of the sensor at the time of measurement
@@ -253,13 +253,13 @@ struct TruthFrame {
   std::vector<TruthBody> bodies;
 };
 
-enum class ContactKind { kCollision, kNearMiss };
+enum class CollisionKind { kCollision, kNearMiss };
 
 /// A contact, or a distance below the limit, between two bodies or a body and an obstacle
 /// (COLLISION).
-struct ContactReport {
+struct CollisionReport {
   Stamp stamp;
-  ContactKind kind = ContactKind::kNearMiss;
+  CollisionKind kind = CollisionKind::kNearMiss;
   std::string body_a;
   std::string body_b;       ///< a body, or "obstacle:<index>", or "bounds"
   double distance_m = 0.0;  ///< between surfaces; collision: ≤ 0

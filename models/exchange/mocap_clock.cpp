@@ -27,41 +27,42 @@ bool MocapClock::on_frame(const MocapFrame& frame, Time now) {
 std::shared_ptr<const MocapFrame> MocapClock::on_our_clock(
     const std::shared_ptr<const MocapFrame>& frame, Time now) {
   static_cast<void>(on_frame(*frame, now));
-  const Duration apart = captured() - frame->stamp.time;
-  if (apart == Duration{}) {
+  const Duration shift = captured() - frame->stamp.time;
+  if (shift == Duration{}) {
     return frame;
   }
   auto moved = std::make_shared<MocapFrame>(*frame);
-  moved->stamp.time += apart;
-  moved->arrival += apart;
+  moved->stamp.time += shift;
+  moved->arrival += shift;
   return moved;
 }
 
 bool MocapClock::on_frame(Time stamp, Time arrival, std::int64_t number, Duration stated) {
   const Duration raw = arrival - stamp;
-  const Duration as_before = raw - apart_;
+  const Duration latency_by_offset = raw - offset_;
   const Duration latency_max = kLatencyMax + stated;
   const std::int64_t frames = number - number_;
   const bool counts = has_frame_ && frames >= 1 && frames <= kFramesMax;
   // A clock that is set back by less than a second looks like latency when only this frame is seen.
-  const bool was_set_back = counts && stamp + stated < reached_;
-  const bool goes_on = as_before >= Duration{} && as_before <= latency_max && !was_set_back;
-  if (goes_on) {
+  const bool was_set_back = counts && stamp + stated < publisher_arrival_;
+  const bool is_continuous =
+      latency_by_offset >= Duration{} && latency_by_offset <= latency_max && !was_set_back;
+  if (is_continuous) {
     const Duration period = (stamp - stamp_) / (counts ? frames : 1);
     period_ = counts && period > Duration{} && period < kLatencyMax ? period : period_;
-    latency_ = as_before;
+    latency_ = latency_by_offset;
   } else {
     const Duration gap = has_frame_ ? arrival - arrival_ : Duration{};
     const Duration due = counts ? period_ * frames : Duration{};
     latency_ = std::clamp(latency_ + gap - due, Duration{}, latency_max);
-    apart_ = raw - latency_;
+    offset_ = raw - latency_;
   }
   has_frame_ = true;
   stamp_ = stamp;
-  reached_ = stamp + stated;
+  publisher_arrival_ = stamp + stated;
   arrival_ = arrival;
   number_ = number;
-  return goes_on;
+  return is_continuous;
 }
 
 }  // namespace vantage::models

@@ -39,11 +39,11 @@ class MocapClock {
   bool has_frame_ = false;
   std::int64_t run_id_ = 0;
   Time stamp_{};
-  Time reached_{};  ///< arrival of the frame at the publisher, by the stamping clock
+  Time publisher_arrival_{};  ///< arrival of the frame at the publisher, by the stamping clock
   Time arrival_{};
   std::int64_t number_ = 0;
   Duration period_{};  ///< between stamps; 0 before two frames by the same clock
-  Duration apart_{};   ///< offset: arrival's clock minus the stamp's
+  Duration offset_{};  ///< offset: arrival's clock minus the stamp's
   Duration latency_{};
 };
 

@@ -8,7 +8,7 @@ namespace vantage::models {
 namespace {
 
 // Returns KL(posterior ‖ prior) of a cell whose odds are multiplied by `ratio`, nats.
-double surprise_nats(double occupancy, double log_ratio, double ratio) {
+double kl_divergence_nats(double occupancy, double log_ratio, double ratio) {
   const double o = occupancy;
   if (o <= 0.0 || o >= 1.0) {
     return 0.0;
@@ -20,9 +20,10 @@ double surprise_nats(double occupancy, double log_ratio, double ratio) {
 double normal_cdf(double x) { return 0.5 * std::erfc(-x * 0.70710678118654752440); }
 
 // Returns ∫ C(z) N(z; mean, σ²) dz over the z within the cutoff, as a sum over the steps of C: C is
-// `told_nats[k]` from begin_m[k] on, and 0 before the first.
-double expected_nats(const std::vector<double>& begin_m, const std::vector<double>& told_nats,
-                     double mean_m, double sigma_m, double cutoff_sigmas, std::size_t& first) {
+// `information_nats[k]` from begin_m[k] on, and 0 before the first.
+double expected_nats(const std::vector<double>& begin_m,
+                     const std::vector<double>& information_nats, double mean_m, double sigma_m,
+                     double cutoff_sigmas, std::size_t& first) {
   const double cutoff_m = cutoff_sigmas * sigma_m;
   while (first + 1 < begin_m.size() && begin_m[first + 1] <= mean_m - cutoff_m) {
     ++first;
@@ -32,7 +33,7 @@ double expected_nats(const std::vector<double>& begin_m, const std::vector<doubl
   for (std::size_t k = first; k < begin_m.size() && begin_m[k] < mean_m + cutoff_m; ++k) {
     const double above =
         k + 1 == begin_m.size() ? 1.0 : normal_cdf((begin_m[k + 1] - mean_m) / sigma_m);
-    sum_nats += told_nats[k] * (above - below);
+    sum_nats += information_nats[k] * (above - below);
     below = above;
   }
   return sum_nats;
@@ -46,24 +47,25 @@ BeamInformation fsmi(const BeamProfile& beam, const BeamSensor& sensor,
     return {};
   }
   thread_local std::vector<double> begin_m;
-  thread_local std::vector<double> told_nats;
+  thread_local std::vector<double> information_nats;
   begin_m.assign(beam.enter_m.begin(), beam.enter_m.end());
   begin_m.push_back(beam.exit_m.back());
   for (double& edge_m : begin_m) {
     edge_m = std::min(edge_m, sensor.no_hit_range_m());
   }
-  told_nats.clear();
+  information_nats.clear();
   const double hit_ratio = std::exp(inverse.hit_log_odds);
   const double miss_ratio = std::exp(inverse.miss_log_odds);
   double misses_nats = 0.0;
-  double most_nats = 0.0;
+  double max_nats = 0.0;
   for (const double o : beam.occupancy) {
-    told_nats.push_back(misses_nats + surprise_nats(o, inverse.hit_log_odds, hit_ratio));
-    most_nats = std::max(most_nats, told_nats.back());
-    misses_nats += surprise_nats(o, inverse.miss_log_odds, miss_ratio);
+    information_nats.push_back(misses_nats +
+                               kl_divergence_nats(o, inverse.hit_log_odds, hit_ratio));
+    max_nats = std::max(max_nats, information_nats.back());
+    misses_nats += kl_divergence_nats(o, inverse.miss_log_odds, miss_ratio);
   }
-  told_nats.push_back(misses_nats);
-  most_nats = std::max(most_nats, misses_nats);
+  information_nats.push_back(misses_nats);
+  max_nats = std::max(max_nats, misses_nats);
 
   double sum_nats = 0.0;
   double reach = 1.0;
@@ -72,16 +74,17 @@ BeamInformation fsmi(const BeamProfile& beam, const BeamSensor& sensor,
     const double o = beam.occupancy[j];
     if (reach * o > 0.0) {
       const double mean_m = sensor.mean_range_m(0.5 * (beam.enter_m[j] + beam.exit_m[j]));
-      sum_nats += reach * o *
-                  expected_nats(begin_m, told_nats, mean_m, sensor.sigma_m, cutoff_sigmas, first);
+      sum_nats +=
+          reach * o *
+          expected_nats(begin_m, information_nats, mean_m, sensor.sigma_m, cutoff_sigmas, first);
     }
     reach *= 1.0 - o;
   }
   if (reach > 0.0) {
-    sum_nats += reach * expected_nats(begin_m, told_nats, sensor.range_max_m, sensor.sigma_m,
+    sum_nats += reach * expected_nats(begin_m, information_nats, sensor.range_max_m, sensor.sigma_m,
                                       cutoff_sigmas, first);
   }
-  return {sum_nats, most_nats * 2.0 * normal_cdf(-cutoff_sigmas)};
+  return {sum_nats, max_nats * 2.0 * normal_cdf(-cutoff_sigmas)};
 }
 
 }  // namespace vantage::models

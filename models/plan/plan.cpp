@@ -23,10 +23,11 @@ TrajectoryPoint along(const PlanSegment& segment, const Pose2& start, double ela
   }
   const double speed = std::abs(segment.control.speed_mps);
   const double t = std::min(elapsed_s, speed / segment.brake_mps2);
-  const double way_m = sign(segment.control.speed_mps) * (speed - 0.5 * segment.brake_mps2 * t) * t;
+  const double travelled_m =
+      sign(segment.control.speed_mps) * (speed - 0.5 * segment.brake_mps2 * t) * t;
   const double left_mps = sign(segment.control.speed_mps) * (speed - segment.brake_mps2 * t);
-  return {{start.x_m + way_m * std::cos(start.yaw_rad), start.y_m + way_m * std::sin(start.yaw_rad),
-           start.yaw_rad},
+  return {{start.x_m + travelled_m * std::cos(start.yaw_rad),
+           start.y_m + travelled_m * std::sin(start.yaw_rad), start.yaw_rad},
           {left_mps, 0.0}};
 }
 
@@ -67,7 +68,7 @@ class Walker {
         .position_m();
   }
   [[nodiscard]] double piece_end_s() const { return piece_end_s_; }
-  [[nodiscard]] bool rests() const { return segment_ == nullptr; }
+  [[nodiscard]] bool is_stationary() const { return segment_ == nullptr; }
   [[nodiscard]] double acceleration_mps2() const {
     if (segment_ == nullptr) {
       return 0.0;
@@ -185,7 +186,7 @@ bool keeps_separation(const Trajectory& a, const Trajectory& b, Time from, doubl
     if (std::isinf(change_s)) {  // both hover permanently
       return separate(walk_a, walk_b, height_difference_m, t_s, t_s, separation_m, 0);
     }
-    const bool both_rest = walk_a.rests() && walk_b.rests();
+    const bool both_rest = walk_a.is_stationary() && walk_b.is_stationary();
     const double next_s = both_rest ? change_s : std::min(change_s, t_s + piece_s);
     if (!separate(walk_a, walk_b, height_difference_m, t_s, next_s, separation_m, kHalvings)) {
       return false;
@@ -203,8 +204,8 @@ bool is_clear(const World& world, const Trajectory& trajectory, Time from, doubl
     if (std::isinf(walker.piece_end_s())) {
       return sweeps_clear(world, walker, t_s, t_s, radius_m, 0);
     }
-    const double next_s =
-        walker.rests() ? walker.piece_end_s() : std::min(walker.piece_end_s(), t_s + piece_s);
+    const double next_s = walker.is_stationary() ? walker.piece_end_s()
+                                                 : std::min(walker.piece_end_s(), t_s + piece_s);
     if (!sweeps_clear(world, walker, t_s, next_s, radius_m, kHalvings)) {
       return false;
     }

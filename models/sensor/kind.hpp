@@ -33,6 +33,6 @@ class SensorKind {
 /// models/sensor/kinds and a line in kinds.cpp.
 std::span<const SensorKind> all_sensor_kinds();
 /// Returns the kind with that scenario name; nullopt if unknown.
-std::optional<SensorKind> sensor_kind_called(std::string_view name);
+std::optional<SensorKind> find_sensor_kind(std::string_view name);
 
 }  // namespace vantage::models

@@ -20,12 +20,12 @@ struct SightLine {
 };
 
 /// Position information of a planar target if it only depends on the unit line of sight u: M =
-/// along · u uᵀ + across / r² · u⊥ u⊥ᵀ + all_ways · I. along and across are divided by
+/// along · u uᵀ + across / r² · u⊥ u⊥ᵀ + isotropic · I. along and across are divided by
 /// variance_growth().
 struct PlanarLaw {
   double along_per_m2 = 0.0;
   double across_per_rad2 = 0.0;
-  double all_ways_per_m2 = 0.0;
+  double isotropic_per_m2 = 0.0;
 };
 
 /// Distances from the sensor to a target over all viewpoints in a disc, rounded outwards.

@@ -117,7 +117,7 @@ GridGeometry GridGeometry::window(const Eigen::Vector2d& around_m, double half_m
           x.last - x.first + 1, y.last - y.first + 1};
 }
 
-std::optional<Eigen::Vector2i> GridGeometry::place_of(const GridGeometry& other) const {
+std::optional<Eigen::Vector2i> GridGeometry::cell_offset_of(const GridGeometry& other) const {
   constexpr double kCellsMax = 1e8;
   const Eigen::Vector2d cells = (other.origin_m - origin_m) / resolution_m;
   const Eigen::Vector2d whole = cells.array().round();
@@ -131,7 +131,7 @@ std::optional<Eigen::Vector2i> GridGeometry::place_of(const GridGeometry& other)
 bool merge_stamps(const GridGeometry& geometry, std::vector<std::int64_t>& stamps_utime,
                   const GridGeometry& their_geometry, const std::vector<std::int64_t>& theirs_utime,
                   std::int64_t limit_utime) {
-  const auto place = geometry.place_of(their_geometry);
+  const auto place = geometry.cell_offset_of(their_geometry);
   if (!place || std::ssize(theirs_utime) != their_geometry.size() ||
       std::ssize(stamps_utime) != geometry.size()) {
     return false;

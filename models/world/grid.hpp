@@ -30,7 +30,7 @@ struct GridGeometry {
   [[nodiscard]] GridGeometry window(const Eigen::Vector2d& around_m, double half_m) const;
   /// Returns (column, row) in this grid of the other grid's cell (0, 0), inside or outside; nullopt
   /// when the cells of the two grids do not coincide.
-  [[nodiscard]] std::optional<Eigen::Vector2i> place_of(const GridGeometry& other) const;
+  [[nodiscard]] std::optional<Eigen::Vector2i> cell_offset_of(const GridGeometry& other) const;
   friend bool operator==(const GridGeometry&, const GridGeometry&) = default;
 };
 

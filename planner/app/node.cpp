@@ -5,7 +5,7 @@
 
 #include "bus/convert/external_channels.hpp"
 #include "core/deadline.hpp"
-#include "models/exchange/attack_kept.hpp"
+#include "models/exchange/attack_timeout.hpp"
 #include "planner/robot/trajectory_tools.hpp"
 #include "scenario/node_budget.hpp"
 #include "scenario/search_name.hpp"
@@ -243,7 +243,7 @@ void PlannerNode::tick(Time now) {
   }
   is_asking_ = false;
   use_frames();
-  if (now - attack_heard_ > models::kAttackKept) {
+  if (now - attack_heard_ > models::kAttackTimeout) {
     inputs_.attack.reset();
   }
   if (slot_.is_proposal && spec_.team_algorithm == scenario::TeamAlgorithm::kLocalSearch) {

@@ -97,11 +97,9 @@ PlannerReplayNode::PlannerReplayNode(bus::Bus& bus, const bus::Clock& clock,
             logged_.add(m);
           }
         });
-    for (const auto& channel :
-         {bus::vehicle_channel(each.name), bus::old_vehicle_channel(each.name)}) {
-      bus_.subscribe_named<models::VehicleStatus>(
-          channel, [this](const std::string& name, const auto& m) { statuses_.add(name, m); });
-    }
+    bus_.subscribe_named<models::VehicleStatus>(
+        bus::vehicle_channel(each.name),
+        [this](const std::string& name, const auto& m) { statuses_.add(name, m); });
   }
 }
 

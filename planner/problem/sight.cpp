@@ -30,7 +30,7 @@ void SightTable::reset(const SearchProblem& problem) {
       const models::PlanarLaw law = planar_law(model);
       sensor.along_sight = law.along_per_m2;
       sensor.across_sight = law.across_per_rad2;
-      sensor.all_ways = law.all_ways_per_m2;
+      sensor.all_ways = law.isotropic_per_m2;
       sensor.tells_direction = law.along_per_m2 > 0.0 || law.across_per_rad2 > 0.0;
       sensor.asks_information = sensor.tells_direction && sensor.all_ways > 0.0;
       sensor.variance_grows = model.variance_grows_with_range;

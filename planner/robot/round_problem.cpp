@@ -232,7 +232,7 @@ void Builder::add_landmarks(const models::RobotBelief& belief) {
   const auto whole =
       models::GridGeometry::covering(scenario_.world.bounds, scenario_.estimator.grid_resolution_m);
   const bool is_one_grid = scenario_.network.neighbourhood_m > 0.0
-                               ? whole.place_of(belief.grid).has_value()
+                               ? whole.cell_offset_of(belief.grid).has_value()
                                : belief.grid == whole;
   if (!is_one_grid || std::ssize(belief.last_seen_utime) != belief.grid.size()) {
     ++round_.unusable_beliefs;

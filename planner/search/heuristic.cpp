@@ -148,7 +148,7 @@ LookBound InformationHeuristic::look_bound(int m, double nearest_m, double farth
     // Sensors that measure one direction only, or two perpendicular ones.
     const models::SensorLaw& law = sensor.kind.law();
     const bool pointed =
-        !in_space && law.planar_law != nullptr && law.planar_law(sensor).all_ways_per_m2 == 0.0;
+        !in_space && law.planar_law != nullptr && law.planar_law(sensor).isotropic_per_m2 == 0.0;
     if (!pointed) {
       bound.all_round += strongest;
       continue;

@@ -73,7 +73,7 @@ void LatticeBound::reset(const SearchProblem& problem, const BeliefTable& belief
     }
     const models::PlanarLaw planar = law.planar_law(model);
     sensors_.push_back({model.range_max_m, model.range_min_m, std::min(kPi, 0.5 * model.fov_rad),
-                        planar.along_per_m2, planar.across_per_rad2, planar.all_ways_per_m2,
+                        planar.along_per_m2, planar.across_per_rad2, planar.isotropic_per_m2,
                         1.0 / model.range_max_m, model.variance_floor,
                         model.variance_grows_with_range});
     sight_m_ = std::max(sight_m_, model.range_max_m);

@@ -147,7 +147,7 @@ class Tasks {
   }
 
   template <class Action>
-  auto alone(const Action& action) const {
+  auto exclusively(const Action& action) const {
     const py::gil_scoped_release release;
     const std::lock_guard lock(mutex_);
     return action(tasks_);
@@ -184,7 +184,7 @@ py::dict state_of(const Tasks& tasks, std::size_t index) {
     std::vector<experiments::TargetStep> targets;
     std::optional<models::OccupancyBelief> map;
   };
-  const State state = tasks.alone([&](const VectorTask& all) {
+  const State state = tasks.exclusively([&](const VectorTask& all) {
     const TeamTask& task = task_at(all, index);
     State now;
     now.jammed = task.jammed();
@@ -250,7 +250,7 @@ class Baseline {
 
   // Returns controls by [robot][step]; the lists may have different lengths.
   std::vector<std::vector<std::int64_t>> plan(std::size_t index) {
-    return tasks_->alone(
+    return tasks_->exclusively(
         [&](const VectorTask& all) { return planner_->plan(task_at(all, index)); });
   }
 

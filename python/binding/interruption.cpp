@@ -32,7 +32,7 @@ Interruption::Interruption()
 
 Interruption::~Interruption() { innermost = outer_; }
 
-bool Interruption::came() {
+bool Interruption::has_raised() {
   Interruption* const self = innermost;
   if (self == nullptr || self->came_ || coarse_ns() < self->next_ns_) {
     return self != nullptr && self->came_;

@@ -6,8 +6,8 @@ namespace vantage::python {
 
 /// Checks for Ctrl-C and other Python signals during work without the interpreter's lock. Create it
 /// under that lock in the working thread; it must live as long as the work. Python handles signals
-/// only in its main thread: there came() acquires the lock every 50 ms and runs the handlers. In
-/// other threads it stays false.
+/// only in its main thread: there has_raised() acquires the lock every 50 ms and runs the handlers.
+/// In other threads it stays false.
 class Interruption {
  public:
   Interruption();
@@ -19,7 +19,7 @@ class Interruption {
 
   /// True if a handler has raised since the newest object of this thread was created. For
   /// Deadline::unless.
-  static bool came();
+  static bool has_raised();
   /// Must be called under the lock after the work. @throws the exception of the handler, if any
   void rethrow() const;
 

@@ -18,7 +18,7 @@
 #include "core/check.hpp"
 #include "models/exchange/counts.hpp"
 #include "python/binding/bind.hpp"
-#include "python/binding/own_nodes.hpp"
+#include "python/binding/custom_nodes.hpp"
 #include "python/binding/scenario.hpp"
 
 namespace vantage::python {
@@ -53,7 +53,7 @@ class LiveBus {
   // Calls `action` with exclusive access to the bus, without the interpreter's lock. The mutex is
   // recursive because a handler may publish.
   template <class Action>
-  auto alone(const Action& action) {
+  auto exclusively(const Action& action) {
     const py::gil_scoped_release release;
     const std::lock_guard lock(mutex_);
     return action();
@@ -61,7 +61,7 @@ class LiveBus {
 
   void subscribe(const std::string& channel, const py::function& handler) {
     const KeptFunction call = kept(handler);
-    alone([&] {
+    exclusively([&] {
       transport_->subscribe(channel, [this, call](std::string_view name, const auto& payload) {
         const std::span<const std::uint8_t> bytes = payload;
         if (const auto said = opened(name, bytes)) {
@@ -79,7 +79,7 @@ class LiveBus {
     require(!channel.empty() && channel.size() <= kChannelMax,
             "channel: must have 1 to 63 bytes, has " + std::to_string(channel.size()));
     std::vector<std::uint8_t> bytes(text.begin(), text.end());
-    return alone([&] {
+    return exclusively([&] {
       if (authenticator_) {
         authenticator_->seal(channel, "", clock_.now(), bytes);
       }
@@ -89,7 +89,7 @@ class LiveBus {
 
   int handle(double timeout_s) {
     require(timeout_s >= 0.0 && timeout_s <= 3600.0, "timeout_s: must be ≥ 0 and ≤ 3600");
-    return alone([&] {
+    return exclusively([&] {
       require(!is_handling_, "handle: must not be called from the function of a subscription");
       is_handling_ = true;
       const Handling handling{is_handling_};
@@ -98,7 +98,7 @@ class LiveBus {
   }
 
   [[nodiscard]] std::vector<models::NamedCount> counters() {
-    return alone([&] {
+    return exclusively([&] {
       const bus::TransportStats stats = transport_->stats();
       std::vector<models::NamedCount> counts{
           {"transport.messages_sent", stats.messages_sent},

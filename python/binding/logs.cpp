@@ -9,7 +9,7 @@
 #include "core/check.hpp"
 #include "logs/columns/log_columns.hpp"
 #include "logs/file/log_index.hpp"
-#include "logs/file/wire_witness.hpp"
+#include "logs/file/wire_check.hpp"
 #include "python/binding/bind.hpp"
 
 namespace vantage::python {

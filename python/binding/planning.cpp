@@ -31,7 +31,7 @@ struct Plan {
 
 Plan plan_of(Planner& planner, const Problem& problem) {
   const Interruption interruption;
-  Plan plan = problem.alone([&](const tools::PlanningProblem& planning) {
+  Plan plan = problem.exclusively([&](const tools::PlanningProblem& planning) {
     Plan found;
     found.outcome = planner.solve(planning.problem);
     found.outcome.source = problem.source();
@@ -70,7 +70,7 @@ std::unique_ptr<Problem> problem_of(const py::object& source) {
 
 py::array_t<double> controls_array(const Problem& problem) {
   const auto controls =
-      problem.alone([](const tools::PlanningProblem& p) { return p.problem.controls; });
+      problem.exclusively([](const tools::PlanningProblem& p) { return p.problem.controls; });
   py::array_t<double> out({static_cast<py::ssize_t>(controls.size()), py::ssize_t{2}});
   for (std::size_t i = 0; i < controls.size(); ++i) {
     out.mutable_at(static_cast<py::ssize_t>(i), 0) = controls[i].speed_mps;
@@ -80,7 +80,7 @@ py::array_t<double> controls_array(const Problem& problem) {
 }
 
 std::vector<planner::SearchTarget> targets_of(const Problem& problem) {
-  return problem.alone([](const tools::PlanningProblem& p) { return p.problem.targets; });
+  return problem.exclusively([](const tools::PlanningProblem& p) { return p.problem.targets; });
 }
 
 py::array_t<double> means_array(const Problem& problem) {
@@ -145,7 +145,7 @@ double score(const Problem& problem, const Doubles& poses) {
   for (py::ssize_t t = 0; t < poses.shape(0); ++t) {
     along.push_back({poses.at(t, 0), poses.at(t, 1), poses.at(t, 2)});
   }
-  return problem.alone([&](const tools::PlanningProblem& p) {
+  return problem.exclusively([&](const tools::PlanningProblem& p) {
     require(std::ssize(along) == p.problem.horizon_steps,
             "poses: must have one row per step, " + std::to_string(p.problem.horizon_steps) +
                 ", got " + std::to_string(along.size()));
@@ -177,22 +177,24 @@ Invalid input raises StartupError with the message of `vantage plan`.)")
           },
           py::arg("text"), py::arg("name") = "problem",
           "Reads JSON text. Messages use `name` instead of a file name.")
-      .def_property_readonly(
-          "name",
-          [](const Problem& p) {
-            return p.alone([](const tools::PlanningProblem& planning) { return planning.name; });
-          })
+      .def_property_readonly("name",
+                             [](const Problem& p) {
+                               return p.exclusively([](const tools::PlanningProblem& planning) {
+                                 return planning.name;
+                               });
+                             })
       .def_property_readonly("source", &Problem::source)
       .def_property_readonly(
           "horizon_steps",
           [](const Problem& p) {
-            return p.alone([](const auto& planning) { return planning.problem.horizon_steps; });
+            return p.exclusively(
+                [](const auto& planning) { return planning.problem.horizon_steps; });
           },
           "Horizon T, steps.")
       .def_property_readonly(
           "step_s",
           [](const Problem& p) {
-            return p.alone([](const auto& planning) { return planning.problem.step_s; });
+            return p.exclusively([](const auto& planning) { return planning.problem.step_s; });
           },
           "Duration of each control, s.")
       .def_property_readonly("controls", &controls_array,
@@ -201,7 +203,7 @@ Invalid input raises StartupError with the message of `vantage plan`.)")
           "start",
           [](const Problem& p) {
             const Pose2 start =
-                p.alone([](const auto& planning) { return planning.problem.start; });
+                p.exclusively([](const auto& planning) { return planning.problem.start; });
             return array_of(Eigen::Vector3d(start.x_m, start.y_m, start.yaw_rad));
           },
           [](Problem& p, const Doubles& start) {
@@ -223,7 +225,7 @@ M may change. Raises UsageError unless each covariance is symmetric and positive
 
 Nats for cost logdet, m² for trace. Reachability and clearance of the poses are not checked.)")
       .def("__repr__", [](const Problem& p) {
-        return p.alone([&](const tools::PlanningProblem& planning) {
+        return p.exclusively([&](const tools::PlanningProblem& planning) {
           return "<vantage.Problem " + (planning.name.empty() ? p.source() : planning.name) + ": " +
                  std::to_string(planning.problem.targets.size()) + " targets, " +
                  std::to_string(planning.problem.horizon_steps) + " steps>";
@@ -333,7 +335,7 @@ A signal handler must not use the interrupted objects.)")
       .def(
           "prepare",
           [](Planner& self, const Problem& problem) {
-            problem.alone([&](const tools::PlanningProblem& p) { self.prepare(p.problem); });
+            problem.exclusively([&](const tools::PlanningProblem& p) { self.prepare(p.problem); });
           },
           py::arg("problem"), "Allocates the memory for problems of this size in advance.");
   module.def(
@@ -363,7 +365,7 @@ A signal handler must not use the interrupted objects.)")
 
 PlanOutcome Planner::solve(const planner::SearchProblem& problem) {
   const std::lock_guard lock(mutex_);
-  return solver_.solve(problem, Interruption::came);
+  return solver_.solve(problem, Interruption::has_raised);
 }
 
 void Planner::prepare(const planner::SearchProblem& problem) {

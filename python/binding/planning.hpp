@@ -43,7 +43,7 @@ class Problem {
 
   /// Calls `action` with exclusive access to the problem, without the interpreter's lock.
   template <class Action>
-  auto alone(const Action& action) const {
+  auto exclusively(const Action& action) const {
     const py::gil_scoped_release release;
     const std::lock_guard lock(mutex_);
     return action(planning_);

@@ -64,10 +64,8 @@ std::vector<planner::SearchProblem> problems_of(const py::sequence& sources, py:
   for (const py::handle each : sources) {
     kept.append(py::isinstance<Problem>(each) ? py::reinterpret_borrow<py::object>(each)
                                               : py::type::of<Problem>()(each));
-    problems.push_back(
-        py::cast<const Problem&>(kept[kept.size() - 1]).alone([](const tools::PlanningProblem& p) {
-          return p.problem;
-        }));
+    problems.push_back(py::cast<const Problem&>(kept[kept.size() - 1])
+                           .exclusively([](const tools::PlanningProblem& p) { return p.problem; }));
   }
   return problems;
 }
@@ -79,7 +77,7 @@ std::unique_ptr<Decision> decided(std::vector<planner::SearchProblem> problems, 
       return planner->solve(problem).result;
     };
   }
-  request.is_cancelled = Interruption::came;
+  request.is_cancelled = Interruption::has_raised;
   const Interruption interruption;
   std::unique_ptr<Decision> decision;
   {
@@ -180,7 +178,7 @@ All attacks are enumerated.)")
             double nats = 0.0;
             {
               const py::gil_scoped_release release;
-              nats = d.paths_bound(attacks_max, nodes, Interruption::came);
+              nats = d.paths_bound(attacks_max, nodes, Interruption::has_raised);
             }
             interruption.rethrow();
             return std::isfinite(nats) ? std::optional<double>(nats) : std::nullopt;

@@ -14,7 +14,7 @@
 #include "drivers/sensor/app/node.hpp"
 #include "estimator/app/node.hpp"
 #include "python/binding/bind.hpp"
-#include "python/binding/own_nodes.hpp"
+#include "python/binding/custom_nodes.hpp"
 #include "python/binding/scenario.hpp"
 #include "scenario/node_budget.hpp"
 #include "scenario/reader/overrides.hpp"
@@ -124,17 +124,17 @@ class Trial {
 
   // Calls `action` with exclusive access to the trial, without the interpreter's lock.
   template <class Action>
-  auto alone(const Action& action) const {
+  auto exclusively(const Action& action) const {
     const py::gil_scoped_release release;
     const std::lock_guard lock(mutex_);
     return action(*trial_);
   }
 
   [[nodiscard]] double time_s() const {
-    return alone([](trial::Trial& t) { return to_seconds(t.time() - t.start()); });
+    return exclusively([](trial::Trial& t) { return to_seconds(t.time() - t.start()); });
   }
   [[nodiscard]] bool is_over() const {
-    return alone([](trial::Trial& t) { return t.time() >= t.planned_end(); });
+    return exclusively([](trial::Trial& t) { return t.time() >= t.planned_end(); });
   }
   [[nodiscard]] const std::shared_ptr<Scenario>& scenario() const { return scenario_; }
 
@@ -152,7 +152,7 @@ class Trial {
 
 // Returns the poses of the newest TRUTH, of robots or of targets, in the scenario's order.
 py::array_t<double> truth_array(const Trial& trial, bool of_targets) {
-  const auto truth = trial.alone([](trial::Trial& t) { return t.observer().truth(); });
+  const auto truth = trial.exclusively([](trial::Trial& t) { return t.observer().truth(); });
   const scenario::Scenario& scenario = trial.scenario()->value;
   std::vector<std::string> names;
   for (const scenario::RobotSpec& robot : scenario.robots) {
@@ -338,7 +338,7 @@ In the order of scenario.robots; nan before the first instant.)")
       .def_property_readonly(
           "beliefs",
           [](const Trial& self) {
-            const auto [beliefs, start] = self.alone(
+            const auto [beliefs, start] = self.exclusively(
                 [](trial::Trial& t) { return std::pair(t.observer().beliefs(), t.start()); });
             py::dict out;
             for (const auto& [robot, belief] : beliefs) {
@@ -351,7 +351,7 @@ last_seen_s (K,) of its known targets; grid_last_seen_utime (rows, columns), 0 f
       .def_property_readonly(
           "plans",
           [](const Trial& self) {
-            const auto [robots, start] = self.alone([](trial::Trial& t) {
+            const auto [robots, start] = self.exclusively([](trial::Trial& t) {
               return std::pair(t.observer().metrics().robots(), t.start());
             });
             py::dict out;
@@ -367,7 +367,7 @@ cost and lower_bound in nats; source: searched, shifted or braking; nodes, round
       .def_property_readonly(
           "maps",
           [](const Trial& self) {
-            const auto [maps, start] = self.alone(
+            const auto [maps, start] = self.exclusively(
                 [](trial::Trial& t) { return std::pair(t.observer().maps(), t.start()); });
             py::dict out;
             for (const auto& [robot, map] : maps) {
@@ -380,7 +380,7 @@ scans that hit the cell minus the number that passed through it; entropy_nats.)"
       .def_property_readonly(
           "metrics",
           [](const Trial& self) {
-            return from_json(self.alone([](trial::Trial& t) {
+            return from_json(self.exclusively([](trial::Trial& t) {
               return logs::to_json(t.result().summary)
                   .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
             }));

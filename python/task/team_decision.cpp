@@ -214,10 +214,10 @@ std::vector<int> search_in_turn(std::vector<SearchProblem> problems, const TeamR
   by_default.nodes = request.nodes;
   tools::Solver solver(by_default);
   std::vector<SearchResult> plans(problems.size());
-  const auto plan = [&](int robot, const std::vector<int>& beside) {
+  const auto plan = [&](int robot, const std::vector<int>& teammate_ids) {
     SearchProblem& problem = problems[index(robot)];
     std::vector<planner::FixedTeammate> teammates;
-    for (const int other : beside) {
+    for (const int other : teammate_ids) {
       if (!team.candidates[index(other)].empty()) {
         const SearchProblem& theirs = problems[index(other)];
         teammates.push_back(

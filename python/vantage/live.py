@@ -1,10 +1,10 @@
 """Access to the running system's channels: any LCM type, on the stack's own transport.
 
     from vantage import live
-    from vantage_lcm import measurement_t, vicon_frame_t
+    from vantage_lcm import measurement_t, mocap_frame_t
 
     node = live.Node("DETECTOR", scenario="lab")
-    node.subscribe("VICON", vicon_frame_t, lambda channel, frame: ...)
+    node.subscribe("VICON", mocap_frame_t, lambda channel, frame: ...)
     node.every(0.5, lambda utime: node.publish("MEASUREMENT_Q1", message))
     node.run()
 
@@ -109,7 +109,7 @@ class Node(Bus):
         try:
             import vantage_lcm
             self._lcm = vantage_lcm
-            self.every(1.0, self._say_health)
+            self.every(1.0, self._publish_health)
         except ImportError:
             self._lcm = None
 
@@ -145,7 +145,7 @@ class Node(Bus):
         self._loops += 1
         self._worst_s = max(self._worst_s, time.monotonic() - begin)
 
-    def _say_health(self, utime):
+    def _publish_health(self, utime):
         health = self._lcm.health_t()
         health.utime = utime
         health.process = self.name

@@ -102,20 +102,20 @@ class Search:
         """Returns rows (T, 3) of speed, yaw rate and duration; None if no path is clear."""
         step_s = question["step_s"]
         height_m = question["height_m"]
-        ways = [(0.0, question["pose"], question["beliefs"], [])]
+        paths = [(0.0, question["pose"], question["beliefs"], [])]
         for step in range(1, question["horizon_steps"] + 1):
-            nexts = []
-            for cost, pose, beliefs, path in ways:
+            successors = []
+            for cost, pose, beliefs, path in paths:
                 predicted = {i: _predict(self.model, *belief, step_s) for i, belief in beliefs.items()}
                 for control in question["controls"]:
                     after = self._drive(pose, control, step, question)
                     if after is not None:
                         seen = {i: self._look(after, height_m, *belief) for i, belief in predicted.items()}
-                        nexts.append((cost + self.cost(after, seen, step), after, seen, path + [(*control, step_s)]))
-            if not nexts:
+                        successors.append((cost + self.cost(after, seen, step), after, seen, path + [(*control, step_s)]))
+            if not successors:
                 break
-            ways = sorted(nexts, key=lambda way: way[0])[:self.width]
-        path = ways[0][3]
+            paths = sorted(successors, key=lambda entry: entry[0])[:self.width]
+        path = paths[0][3]
         return numpy.array(path) if path else None
 
     def _drive(self, pose, control, step, question):

@@ -19,7 +19,7 @@ constexpr Duration kStatusPeriod{100'000};
 constexpr Duration kAttackPeriod{1'000'000};
 constexpr Duration kCatchUpPause{1'000};
 constexpr Duration kExchangePeriod = WorldSimulation::kStep;
-constexpr const char* kCure = ": run it with `vantage up`, or set device: direct";
+constexpr const char* kRemedy = ": run it with `vantage up`, or set device: direct";
 
 Time at_or_after(Time time, Duration period) {
   return from_utime((to_utime(time) + period.count() - 1) / period.count() * period.count());
@@ -35,7 +35,7 @@ std::vector<std::unique_ptr<WireVehicle>> wires_of(const scenario::Scenario& sce
     }
     if (!clock.is_real_time()) {
       throw StartupError("robot " + robot.name + " has device 'wire', which needs real time" +
-                         kCure);
+                         kRemedy);
     }
     if (robot.rover) {
       const auto boot = static_cast<std::uint32_t>(to_utime(start) / 1'000'000);
@@ -59,7 +59,7 @@ std::unique_ptr<vicon::SocketServer> mocap_server_of(const scenario::MocapSpec& 
     return nullptr;
   }
   if (!clock.is_real_time()) {
-    throw StartupError(std::string("mocap has device 'wire', which needs real time") + kCure);
+    throw StartupError(std::string("mocap has device 'wire', which needs real time") + kRemedy);
   }
   vicon::ServerSettings settings;
   settings.protocol = mocap.protocol;
@@ -108,7 +108,7 @@ SimNode::SimNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenari
       next_status_(at_or_after(world_.time(), kStatusPeriod)),
       next_exchange_(has_wire() ? at_or_after(world_.time(), kExchangePeriod) : Time::max()),
       last_tick_(world_.time() - Duration{1}),
-      said_(world_.quadrotors().size()) {
+      last_statuses_(world_.quadrotors().size()) {
   bus_.subscribe_named<models::RobotPlan>(
       bus::plan_channel("*"), [this](const std::string& channel, const models::RobotPlan& plan) {
         on_plan(channel, plan);
@@ -174,7 +174,7 @@ void SimNode::tick(Time now) {
 
 void SimNode::publish_instant(Time instant) {
   world_.advance_to(instant);
-  for (models::ContactReport& contact : world_.take_contacts()) {
+  for (models::CollisionReport& contact : world_.take_contacts()) {
     bus_.publish(bus::kCollision, std::move(contact));
   }
   if (instant == next_truth_) {
@@ -219,12 +219,13 @@ void SimNode::serve_wires(Time now) {
 }
 
 void SimNode::publish_statuses(Time instant, bool is_due) {
-  for (std::size_t i = 0; i < said_.size(); ++i) {
+  for (std::size_t i = 0; i < last_statuses_.size(); ++i) {
     const Quadrotor& quadrotor = world_.quadrotors()[i];
     const std::int64_t round = quadrotor.course().round(instant);
-    if (is_due || said_[i].state != quadrotor.state() || said_[i].round != round) {
+    if (is_due || last_statuses_[i].state != quadrotor.state() ||
+        last_statuses_[i].round != round) {
       bus_.publish(bus::vehicle_channel(quadrotor.name()), quadrotor.status(instant));
-      said_[i] = {quadrotor.state(), round};
+      last_statuses_[i] = {quadrotor.state(), round};
     }
   }
 }

@@ -62,7 +62,7 @@ class SimNode : public bus::Node {
   [[nodiscard]] Time next_instant() const;
   [[nodiscard]] bool has_wire() const { return !wires_.empty() || mocap_server_; }
 
-  struct Said {
+  struct LastStatus {
     models::FlightState state = models::FlightState::kIdle;
     std::int64_t round = -1;
   };
@@ -84,7 +84,7 @@ class SimNode : public bus::Node {
   std::deque<models::MocapFrame> frames_;       ///< captured and not yet delivered
   std::optional<models::AttackNotice> attack_;  ///< last published
   Time next_attack_{};
-  std::vector<Said> said_;  ///< last published status of each Quadrotor
+  std::vector<LastStatus> last_statuses_;  ///< last published status of each Quadrotor
   std::int64_t late_ticks_ = 0;
   std::int64_t chunks_ = 0;
   std::int64_t not_finite_ = 0;

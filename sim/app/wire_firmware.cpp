@@ -36,13 +36,13 @@ WireFirmware::WireFirmware(const scenario::RobotSpec& robot, const scenario::Win
 
 void WireFirmware::step(Time now, double dt_s) {
   const std::int64_t wanted_ns =
-      has_clock_ ? to_utime(now + from_seconds(dt_s)) * 1'000 + monotonic_less_clock_ns_
+      has_clock_ ? to_utime(now + from_seconds(dt_s)) * 1'000 + monotonic_minus_clock_ns_
                  : monotonic_ns();
   now_ = flight_.at(wanted_ns);
 }
 
 void WireFirmware::exchange(Time now) {
-  monotonic_less_clock_ns_ = monotonic_ns() - to_utime(now) * 1'000;
+  monotonic_minus_clock_ns_ = monotonic_ns() - to_utime(now) * 1'000;
   has_clock_ = true;
 }
 

@@ -37,7 +37,7 @@ class WireFirmware : public WireVehicle {
   double radius_m_;
   FirmwareFlight flight_;
   FirmwareFlight::Sample now_;
-  std::int64_t monotonic_less_clock_ns_ = 0;  ///< ns; monotonic clock minus the stack's clock
+  std::int64_t monotonic_minus_clock_ns_ = 0;  ///< ns; monotonic clock minus the stack's clock
   bool has_clock_ = false;
 };
 

@@ -6,8 +6,8 @@
 #include "core/axes.hpp"
 #include "core/check.hpp"
 #include "models/exchange/counts.hpp"
+#include "wire/mavlink/constants.hpp"
 #include "wire/mavlink/messages.hpp"
-#include "wire/mavlink/vocabulary.hpp"
 
 namespace vantage::sim {
 namespace {
@@ -70,10 +70,11 @@ void WireQuadrotor::step(Time now, double dt_s) {
 
 void WireQuadrotor::exchange(Time now) {
   // Keep the time within the emulator's present step; otherwise the emulator would skip steps.
-  const Time heard = std::clamp(now, stepped_, stepped_ + AutopilotEmulator::kStep - Duration{1});
+  const Time received_at =
+      std::clamp(now, stepped_, stepped_ + AutopilotEmulator::kStep - Duration{1});
   socket_.read_each([&](auto bytes, Time arrival) {
     watcher_.feed(bytes, [&](const wire::mavlink::Frame& frame) { measure(frame, arrival); });
-    emulator_.receive(bytes, heard);
+    emulator_.receive(bytes, received_at);
   });
   for (const std::vector<std::uint8_t>& datagram : emulator_.take_output()) {
     socket_.write(datagram);

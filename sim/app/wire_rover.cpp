@@ -23,11 +23,11 @@ RoverEmulatorSpec spec_of(const scenario::RobotSpec& robot, std::uint32_t boot) 
   spec.number = static_cast<std::uint32_t>(rover_of(robot).number);
   spec.boot = boot;
   spec.start = robot.start;
-  RoverParameters& can = spec.can;
-  can.speed_max_mps = std::max(can.speed_max_mps, kReserve * robot.limits.speed_max_mps);
-  can.brake_mps2 = std::max(can.brake_mps2, kReserve * robot.limits.brake_mps2);
-  can.yaw_rate_max_radps =
-      std::max(can.yaw_rate_max_radps, kReserve * robot.limits.yaw_rate_max_radps);
+  RoverParameters& limits = spec.limits;
+  limits.speed_max_mps = std::max(limits.speed_max_mps, kReserve * robot.limits.speed_max_mps);
+  limits.brake_mps2 = std::max(limits.brake_mps2, kReserve * robot.limits.brake_mps2);
+  limits.yaw_rate_max_radps =
+      std::max(limits.yaw_rate_max_radps, kReserve * robot.limits.yaw_rate_max_radps);
   return spec;
 }
 

@@ -27,7 +27,7 @@ Airframe::Airframe(const AirframeParameters& parameters, std::uint64_t seed,
 void Airframe::step(bool motors_on, const Eigen::Vector3d& acceleration_mps2, double yaw_rate_radps,
                     double dt_s) {
   const AirframeParameters& p = parameters_;
-  blow(dt_s);
+  step_gusts(dt_s);
   // Specific force for the acceleration: thrust points up, against z down.
   Eigen::Vector3d force = acceleration_mps2 - Eigen::Vector3d(0.0, 0.0, kGravityMps2);
   force.z() = std::min(force.z(), -0.2 * kGravityMps2);
@@ -65,7 +65,7 @@ void Airframe::step(bool motors_on, const Eigen::Vector3d& acceleration_mps2, do
       std::max(0.0, battery_share_ - dt_s * (thrust_mps2_ / kGravityMps2) / p.battery_endurance_s);
 }
 
-void Airframe::blow(double dt_s) {
+void Airframe::step_gusts(double dt_s) {
   const double keep = std::exp(-dt_s / parameters_.wind_memory_s);
   const double fresh = parameters_.wind_sigma_mps * std::sqrt(1.0 - keep * keep);
   std::normal_distribution<double> normal;

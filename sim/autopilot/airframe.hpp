@@ -56,7 +56,7 @@ class Airframe {
   void set_battery_share(double share) { battery_share_ = share; }
 
  private:
-  void blow(double dt_s);
+  void step_gusts(double dt_s);
 
   AirframeParameters parameters_;
   std::mt19937_64 rng_;

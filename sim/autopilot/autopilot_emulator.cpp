@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "wire/autopilot/parameter_rules.hpp"
-#include "wire/mavlink/vocabulary.hpp"
+#include "wire/mavlink/constants.hpp"
 
 namespace vantage::sim {
 namespace {
@@ -65,10 +65,10 @@ void AutopilotEmulator::take(const wire::mavlink::Frame& frame) {
     take_timesync(*timesync);
   } else if (const auto heartbeat = wire::mavlink::unpack<wire::mavlink::Heartbeat>(frame)) {
     if (heartbeat->type == wire::mavlink::type::kGroundStation) {
-      station_heard_ = now_;
+      station_heartbeat_ = now_;
     }
     controller_.take_heartbeat(frame.origin.system_id, now_);
-  } else if (take_parameter_talk(frame)) {
+  } else if (handle_parameter_message(frame)) {
     return;
   } else if (const auto origin = wire::mavlink::unpack<wire::mavlink::SetGpsGlobalOrigin>(frame)) {
     // The first origin is accepted and confirmed; later ones get no reply.
@@ -85,15 +85,15 @@ void AutopilotEmulator::take_command(const wire::mavlink::CommandLong& command,
                                      const wire::mavlink::Origin& from) {
   wire::mavlink::CommandAck ack;
   ack.command = command.command;
-  ack.result = obey(command);
+  ack.result = execute(command);
   ack.target_system = from.system_id;
   ack.target_component = from.component_id;
   // Send the texts with the reason before the refusal.
-  speak();
+  send_due();
   send(ack);
 }
 
-std::uint8_t AutopilotEmulator::obey(const wire::mavlink::CommandLong& command) {
+std::uint8_t AutopilotEmulator::execute(const wire::mavlink::CommandLong& command) {
   constexpr std::uint8_t kUnsupported = 3;
   const bool is_px4 = spec_.dialect == models::AutopilotDialect::kPx4;
   switch (command.command) {
@@ -157,7 +157,7 @@ void AutopilotEmulator::take_odometry(const wire::mavlink::Odometry& odometry) {
       text.severity = 2;
       const char* const words = "ODOMETRY: estimator_type unsupported";
       std::copy_n(words, std::strlen(words), text.text.begin());
-      say(text);
+      send_text(text);
     }
     ++ignored_;  // mocap is also ignored: the estimator does not read its topic
     return;
@@ -237,15 +237,15 @@ void AutopilotEmulator::set_parameter(const std::string& name, double value) {
   if (is_new && std::trunc(value) == value) {
     found->second.type = wire::mavlink::parameter_type::kInt32;
   }
-  obey_parameters();
+  apply_parameters();
 }
 
 void AutopilotEmulator::forget_parameter(const std::string& name) {
   parameters_.erase(name);
-  obey_parameters();
+  apply_parameters();
 }
 
-void AutopilotEmulator::obey_parameters() {
+void AutopilotEmulator::apply_parameters() {
   controller_.set_settings(
       settings_of(spec_.dialect, [this](const std::string& name) { return parameter(name); }));
 }
@@ -255,10 +255,10 @@ std::optional<double> AutopilotEmulator::parameter(const std::string& name) cons
   return found == parameters_.end() ? std::nullopt : std::optional(found->second.value);
 }
 
-bool AutopilotEmulator::take_parameter_talk(const wire::mavlink::Frame& frame) {
+bool AutopilotEmulator::handle_parameter_message(const wire::mavlink::Frame& frame) {
   if (const auto read = wire::mavlink::unpack<wire::mavlink::ParamRequestRead>(frame)) {
     if (is_for_me(read->target_system)) {
-      say_parameter(wire::mavlink::parameter_name(read->param_id));
+      send_parameter(wire::mavlink::parameter_name(read->param_id));
     }
     return true;
   }
@@ -270,13 +270,13 @@ bool AutopilotEmulator::take_parameter_talk(const wire::mavlink::Frame& frame) {
   if (is_for_me(set->target_system) && found != parameters_.end()) {
     found->second.value = wire::mavlink::decode_parameter(set->param_value, set->param_type,
                                                           wire::parameter_encoding(spec_.dialect));
-    obey_parameters();
-    say_parameter(found->first);
+    apply_parameters();
+    send_parameter(found->first);
   }
   return true;
 }
 
-void AutopilotEmulator::say_parameter(const std::string& name) {
+void AutopilotEmulator::send_parameter(const std::string& name) {
   const auto found = parameters_.find(name);
   if (found == parameters_.end()) {
     ++ignored_;  // as both firmwares do: no reply to an unknown name
@@ -298,7 +298,7 @@ void AutopilotEmulator::advance_to(Time now) {
   for (Time next = boot_ + ((now_ - boot_) / kStep + 1) * kStep; next <= now; next += kStep) {
     now_ = next;
     controller_.step(next, to_seconds(kStep));
-    speak();
+    send_due();
   }
 }
 

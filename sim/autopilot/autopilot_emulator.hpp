@@ -65,25 +65,25 @@ class AutopilotEmulator {
  private:
   void take(const wire::mavlink::Frame& frame);
   void take_command(const wire::mavlink::CommandLong& command, const wire::mavlink::Origin& from);
-  std::uint8_t obey(const wire::mavlink::CommandLong& command);
+  std::uint8_t execute(const wire::mavlink::CommandLong& command);
   std::uint8_t set_interval(const wire::mavlink::CommandLong& command);
   void take_odometry(const wire::mavlink::Odometry& odometry);
   void take_vision(const wire::mavlink::VisionPositionEstimate& vision);
   void take_target(const wire::mavlink::SetPositionTargetLocalNed& target);
   void take_timesync(const wire::mavlink::Timesync& message);
-  bool take_parameter_talk(const wire::mavlink::Frame& frame);
-  void say_parameter(const std::string& name);
+  bool handle_parameter_message(const wire::mavlink::Frame& frame);
+  void send_parameter(const std::string& name);
   /// Applies the present parameters to the controller.
-  void obey_parameters();
+  void apply_parameters();
   [[nodiscard]] bool is_for_me(std::uint8_t target_system) const {
     return target_system == 0 || target_system == spec_.system_id;
   }
   /// Converts host time to this vehicle's clock, using the vehicle's own estimate of the offset.
   [[nodiscard]] Time capture_time(std::uint64_t host_usec) const;
-  void speak();
-  void speak_once(std::uint32_t message_id);
+  void send_due();
+  void send_stream_message(std::uint32_t message_id);
   [[nodiscard]] bool has_listener() const;
-  void say(const wire::mavlink::Statustext& text);
+  void send_text(const wire::mavlink::Statustext& text);
   template <class Message>
   void send(const Message& message);
 
@@ -107,7 +107,7 @@ class AutopilotEmulator {
   };
   std::map<std::string, Parameter> parameters_;
   std::optional<std::int64_t> host_minus_own_ns_;
-  std::optional<Time> station_heard_;  ///< arrival of the ground station's newest heartbeat
+  std::optional<Time> station_heartbeat_;  ///< arrival of the ground station's newest heartbeat
   std::int64_t ignored_ = 0;
 };
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/angle.hpp"
-#include "wire/mavlink/vocabulary.hpp"
+#include "wire/mavlink/constants.hpp"
 
 namespace vantage::sim {
 namespace {
@@ -59,7 +59,7 @@ void FlightController::take_pose(Time now, Time capture, const Eigen::Vector3d& 
 
 void FlightController::take_heartbeat(int system_id, Time now) {
   if (system_id == settings_.station_id.value_or(system_id)) {
-    station_heard_ = now;
+    station_heartbeat_ = now;
     is_station_lost_ = false;
   }
 }
@@ -93,7 +93,7 @@ std::uint8_t FlightController::landed_state() const {
   return climb_to_m_ ? 3 : 2;
 }
 
-std::vector<std::string> FlightController::obstacles(Time now) const {
+std::vector<std::string> FlightController::arming_problems(Time now) const {
   std::vector<std::string> out;
   const auto add_if = [&out](bool is_so, const char* why) {
     if (is_so) {
@@ -125,14 +125,14 @@ std::uint8_t FlightController::arm(Time now) {
   if (is_armed_) {
     return kAccepted;
   }
-  const std::vector<std::string> why = obstacles(now);
+  const std::vector<std::string> why = arming_problems(now);
   for (const std::string& text : why) {
-    say(kCritical, text);
+    queue_text(kCritical, text);
   }
   if (!why.empty()) {
     return profile_.refusal;
   }
-  say(kInformation, profile_.words_of_arming);
+  queue_text(kInformation, profile_.arming_text);
   is_armed_ = true;
   is_blind_ = false;
   has_lifted_ = false;
@@ -143,7 +143,7 @@ std::uint8_t FlightController::arm(Time now) {
 
 std::uint8_t FlightController::disarm(bool is_forced) {
   if (!is_forced && is_armed_ && !airframe_.is_on_ground()) {
-    say(kCritical, "Disarming denied: not landed");
+    queue_text(kCritical, "Disarming denied: not landed");
     return profile_.refusal;
   }
   stop_motors();
@@ -166,11 +166,11 @@ std::uint8_t FlightController::set_mode(std::uint32_t mode, Time now) {
   // Before arming, both firmwares accept any mode and then refuse to arm in it.
   if (mode == profile_.follow_mode && mode_ != mode) {
     if (is_armed_ && !has_position(now)) {
-      say(kCritical, "Mode change failed: requires position");
+      queue_text(kCritical, "Mode change failed: requires position");
       return profile_.refusal;
     }
     if (is_armed_ && profile_.wants_proof_of_life && !has_proof_of_life(now)) {
-      say(kCritical, "Switching to Offboard is currently not available");
+      queue_text(kCritical, "Switching to Offboard is currently not available");
       return profile_.refusal;
     }
     if (!profile_.wants_proof_of_life) {
@@ -225,13 +225,13 @@ void FlightController::take_target(const FlightTarget& target, Time now) {
 }
 
 void FlightController::fail_safe(const std::string& why, Time now) {
-  say(kCritical, why);
+  queue_text(kCritical, why);
   enter_landing(now);
   descends_at_ = now + from_seconds(profile_.failsafe_pause_s);
 }
 
 void FlightController::watch(Time now) {
-  watch_speakers(now);
+  check_timeouts(now);
   const bool is_airborne = is_armed_ && !airframe_.is_on_ground();
   lost_since_ = estimator_.is_lost(now) ? std::optional(lost_since_.value_or(now)) : std::nullopt;
   const bool is_over_lost =
@@ -249,7 +249,7 @@ void FlightController::watch(Time now) {
   }
 }
 
-void FlightController::watch_speakers(Time now) {
+void FlightController::check_timeouts(Time now) {
   const double silent_s = to_seconds(now - target_time_) - profile_.setpoint_check_s;
   if (is_following() && silent_s > settings_.setpoint_loss_s) {
     if (is_armed_ && settings_.lands_on_setpoint_loss) {
@@ -267,12 +267,12 @@ void FlightController::watch_speakers(Time now) {
     return;
   }
   station_checked_ = now;
-  const bool is_silent = station_heard_ && settings_.heartbeat_loss_s &&
-                         to_seconds(now - *station_heard_) > *settings_.heartbeat_loss_s;
+  const bool is_silent = station_heartbeat_ && settings_.heartbeat_loss_s &&
+                         to_seconds(now - *station_heartbeat_) > *settings_.heartbeat_loss_s;
   if (is_silent && !is_station_lost_) {
     is_station_lost_ = true;
     if (is_armed_ && airframe_.is_on_ground()) {
-      say(kWarning, "GCS Failsafe: Disarming");
+      queue_text(kWarning, "GCS Failsafe: Disarming");
       stop_motors();
     } else if (is_armed_) {
       fail_safe("GCS Failsafe", now);
@@ -284,19 +284,19 @@ void FlightController::watch_ground(Time now) {
   has_lifted_ = has_lifted_ || !airframe_.is_on_ground();
   if (!has_lifted_ && settings_.idle_disarm_s &&
       to_seconds(now - armed_at_) > *settings_.idle_disarm_s) {
-    say(kInformation, profile_.words_of_idle);
+    queue_text(kInformation, profile_.idle_text);
     stop_motors();
   }
   const bool stands = has_lifted_ && airframe_.is_on_ground();
   touched_down_ = stands ? std::optional(touched_down_.value_or(now)) : std::nullopt;
   if (stands && mode_ == profile_.land_mode && settings_.land_disarm_s &&
       to_seconds(now - *touched_down_) > profile_.landed_delay_s + *settings_.land_disarm_s) {
-    say(kInformation, profile_.words_of_landed);
+    queue_text(kInformation, profile_.landed_text);
     stop_motors();
   }
 }
 
-Eigen::Vector3d FlightController::towards(const Eigen::Vector3d& position_m) const {
+Eigen::Vector3d FlightController::velocity_towards_mps(const Eigen::Vector3d& position_m) const {
   return cut(settings_.position_gain_per_s * (position_m - estimator_.position_m()),
              settings_.speed_max_mps, profile_.climb_max_mps);
 }
@@ -308,12 +308,13 @@ std::optional<Eigen::Vector3d> FlightController::wanted_velocity_mps(Time now) c
   Eigen::Vector3d wanted = Eigen::Vector3d::Zero();
   if (mode_ == profile_.land_mode) {
     // Without poses it holds its estimated position, so it moves against the drift.
-    wanted = is_blind_ ? Eigen::Vector3d(-estimator_.drift_mps()) : towards(landing_at_m_);
+    wanted =
+        is_blind_ ? Eigen::Vector3d(-estimator_.drift_mps()) : velocity_towards_mps(landing_at_m_);
     wanted.z() = now < descends_at_ ? 0.0 : settings_.land_speed_mps;
     return airframe_.is_on_ground() ? std::nullopt : std::optional(wanted);
   }
   if (climb_to_m_) {
-    return towards(*climb_to_m_);
+    return velocity_towards_mps(*climb_to_m_);
   }
   if (is_following() && target_) {
     if (target_->velocity_mps) {
@@ -324,7 +325,7 @@ std::optional<Eigen::Vector3d> FlightController::wanted_velocity_mps(Time now) c
           std::clamp(to_seconds(now - target_time_), 0.0, settings_.setpoint_loss_s);
       const Eigen::Vector3d moved_m =
           profile_.carries_targets_on ? Eigen::Vector3d(since_s * wanted) : Eigen::Vector3d::Zero();
-      wanted += towards(*target_->position_m + moved_m);
+      wanted += velocity_towards_mps(*target_->position_m + moved_m);
     }
     wanted = cut(wanted, profile_.cuts_whole_velocity ? settings_.speed_max_mps : kSpeedMaxMps,
                  profile_.climb_max_mps);

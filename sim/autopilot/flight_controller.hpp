@@ -25,7 +25,7 @@ struct FlightTarget {
   double yaw_rate_radps = 0.0;
 };
 
-struct SpokenText {
+struct StatusText {
   std::uint8_t severity = 6;
   std::string text;
 };
@@ -75,14 +75,14 @@ class FlightController {
   [[nodiscard]] Airframe& airframe() { return airframe_; }
   [[nodiscard]] const PoseEstimator& estimator() const { return estimator_; }
   /// Returns the status texts since the last call.
-  std::vector<SpokenText> take_texts() { return std::exchange(texts_, {}); }
+  std::vector<StatusText> take_texts() { return std::exchange(texts_, {}); }
 
  private:
-  void say(std::uint8_t severity, std::string text) {
+  void queue_text(std::uint8_t severity, std::string text) {
     texts_.push_back({severity, std::move(text)});
   }
   void watch(Time now);
-  void watch_speakers(Time now);
+  void check_timeouts(Time now);
   void watch_ground(Time now);
   void enter_landing(Time now);
   /// Lands by the autopilot's own decision and reports `why`.
@@ -90,11 +90,11 @@ class FlightController {
   void stop_motors();
   [[nodiscard]] bool has_proof_of_life(Time now) const;
   /// Returns the reasons against arming now, as the real autopilot words them.
-  [[nodiscard]] std::vector<std::string> obstacles(Time now) const;
+  [[nodiscard]] std::vector<std::string> arming_problems(Time now) const;
   [[nodiscard]] bool is_following() const { return mode_ == profile_.follow_mode; }
   /// Returns the velocity to command now; nullopt to stay on the ground.
   [[nodiscard]] std::optional<Eigen::Vector3d> wanted_velocity_mps(Time now) const;
-  [[nodiscard]] Eigen::Vector3d towards(const Eigen::Vector3d& position_m) const;
+  [[nodiscard]] Eigen::Vector3d velocity_towards_mps(const Eigen::Vector3d& position_m) const;
   void control(const std::optional<Eigen::Vector3d>& wanted_mps, double dt_s);
   [[nodiscard]] double wanted_yaw_rate_radps() const;
 
@@ -114,7 +114,7 @@ class FlightController {
   std::optional<Time> lost_since_;
   std::optional<FlightTarget> target_;
   Time target_time_{};
-  std::optional<Time> station_heard_;
+  std::optional<Time> station_heartbeat_;
   bool is_station_lost_ = false;
   Time station_checked_{};
   Time descends_at_{};                         ///< start of the descent in landing mode
@@ -126,7 +126,7 @@ class FlightController {
   Eigen::Vector3d commanded_mps2_ = Eigen::Vector3d::Zero();
   double yaw_rate_radps_ = 0.0;  ///< commanded to the airframe
   std::string fault_;
-  std::vector<SpokenText> texts_;
+  std::vector<StatusText> texts_;
 };
 
 }  // namespace vantage::sim

@@ -39,7 +39,7 @@ void PoseEstimator::fuse(Time now, Time capture, const Eigen::Vector3d& position
   const bool is_far = was_ready_ && !is_reset && (error_m - error_m_).norm() > traits_.gate_m;
   refused_since_ = is_far ? std::optional(refused_since_.value_or(now)) : std::nullopt;
   const bool is_overruled =
-      refused_since_ && to_seconds(now - *refused_since_) >= traits_.refuses_for_s;
+      refused_since_ && to_seconds(now - *refused_since_) >= traits_.reset_after_s;
   if (is_far && !is_overruled) {
     return;
   }
@@ -57,11 +57,11 @@ void PoseEstimator::fuse(Time now, Time capture, const Eigen::Vector3d& position
   was_ready_ = was_ready_ || to_seconds(now - *since_) >= traits_.converge_s;
 }
 
-bool PoseEstimator::is_believed(Time now) const {
-  const double limit_s = refused_since_ ? traits_.refused_loss_s : loss_s_;
+bool PoseEstimator::is_current(Time now) const {
+  const double limit_s = refused_since_ ? traits_.rejected_loss_s : loss_s_;
   return taken_ && to_seconds(now - *taken_) <= limit_s;
 }
 
-bool PoseEstimator::is_ready(Time now) const { return was_ready_ && is_believed(now); }
+bool PoseEstimator::is_ready(Time now) const { return was_ready_ && is_current(now); }
 
 }  // namespace vantage::sim

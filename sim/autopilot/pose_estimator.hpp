@@ -12,11 +12,11 @@ namespace vantage::sim {
 
 /// Parameters of an estimator that fuses external poses.
 struct PoseEstimatorTraits {
-  double converge_s = 0.0;      ///< duration of poses until it is ready
-  double wander_mps3 = 0.0;     ///< drift speed per square of the time without poses
-  double gate_m = 1.0;          ///< a pose farther than this from the estimate is rejected
-  double refuses_for_s = 0.0;   ///< rejection time after which a pose resets the estimate
-  double refused_loss_s = 0.0;  ///< rejection time after which the position is lost
+  double converge_s = 0.0;       ///< duration of poses until it is ready
+  double wander_mps3 = 0.0;      ///< drift speed per square of the time without poses
+  double gate_m = 1.0;           ///< a pose farther than this from the estimate is rejected
+  double reset_after_s = 0.0;    ///< rejection time after which a pose resets the estimate
+  double rejected_loss_s = 0.0;  ///< rejection time after which the position is lost
 };
 
 /// Position estimate of an autopilot that fuses external poses: the truth plus an error. Each pose
@@ -37,7 +37,7 @@ class PoseEstimator {
   /// True if poses arrived for long enough and have not stopped for too long.
   [[nodiscard]] bool is_ready(Time now) const;
   /// True if it was ready and has fused no pose for too long.
-  [[nodiscard]] bool is_lost(Time now) const { return was_ready_ && !is_believed(now); }
+  [[nodiscard]] bool is_lost(Time now) const { return was_ready_ && !is_current(now); }
   [[nodiscard]] std::int64_t poses() const { return poses_; }
   /// True if the newest pose, accepted or rejected, is at most `age_max_s` old.
   [[nodiscard]] bool is_fed(Time now, double age_max_s) const {
@@ -53,7 +53,7 @@ class PoseEstimator {
   };
 
   /// True if a pose was accepted recently enough.
-  [[nodiscard]] bool is_believed(Time now) const;
+  [[nodiscard]] bool is_current(Time now) const;
 
   PoseEstimatorTraits traits_;
   double loss_s_ = 0.0;

@@ -15,7 +15,7 @@ struct AutopilotProfile {
   std::uint32_t land_mode = 0;
   std::uint32_t start_mode = 0;
 
-  bool speaks_to_stations_alone = false;  ///< sends texts only with a ground station present
+  bool texts_need_station = false;  ///< sends texts only with a ground station present
 
   // Estimator, fed with external poses.
   PoseEstimatorTraits estimator;
@@ -31,10 +31,10 @@ struct AutopilotProfile {
   // Arming.
   double accelerometer_delay_s = 0.0;  ///< after boot, until the accelerometers agree
   double arm_delay_s = 0.0;            ///< after boot; minimum time until it arms (gyroscopes)
-  const char* words_of_arming = "";
-  const char* words_of_landed = "";  ///< text when the motors stop after a landing
-  const char* words_of_idle = "";    ///< text when the motors stop because it did not take off
-  std::uint8_t refusal = 1;          ///< result code of a command that is refused now
+  const char* arming_text = "";
+  const char* landed_text = "";  ///< text when the motors stop after a landing
+  const char* idle_text = "";    ///< text when the motors stop because it did not take off
+  std::uint8_t refusal = 1;      ///< result code of a command that is refused now
 
   // Loss of set-points and of the ground station.
   double setpoint_check_s = 0.0;     ///< delay of its detection that set-points have stopped

@@ -41,7 +41,7 @@ ArdupilotLink::ArdupilotLink(int instance) {
 ArdupilotLink::~ArdupilotLink() { close(fd_); }
 
 bool ArdupilotLink::send(const FirmwareSensors& sensors) {
-  if (!is_asked_) {
+  if (!has_unanswered_) {
     return false;
   }
   sitl::JsonSensors out;
@@ -52,7 +52,7 @@ bool ArdupilotLink::send(const FirmwareSensors& sensors) {
   out.velocity_local_mps = sensors.velocity_local_mps;
   out.local_from_body = sensors.local_from_body;
   const std::string text = sitl::format_json_sensors(out);
-  is_asked_ = false;
+  has_unanswered_ = false;
   return sendto(fd_, text.data(), text.size(), MSG_NOSIGNAL, as_sockaddr(*firmware_),
                 sizeof *firmware_) == static_cast<ssize_t>(text.size());
 }
@@ -76,7 +76,7 @@ std::optional<MotorCommand> ArdupilotLink::receive(Duration timeout) {
     const auto outputs = sitl::parse_servo_outputs({buffer_.data(), static_cast<std::size_t>(got)});
     if (outputs) {
       firmware_ = from;
-      is_asked_ = true;
+      has_unanswered_ = true;
       newest.emplace();
       for (std::size_t i = 0; i < kMotors; ++i) {
         newest->throttles[i] =

@@ -28,7 +28,7 @@ class ArdupilotLink : public FirmwareLink {
  private:
   int fd_ = -1;
   std::optional<sockaddr_in> firmware_;
-  bool is_asked_ = false;  ///< a datagram of the firmware is not yet answered
+  bool has_unanswered_ = false;  ///< a datagram of the firmware is not yet answered
   std::array<std::uint8_t, 256> buffer_{};
 };
 

@@ -45,7 +45,7 @@ void FirmwareFlight::run() {
   const std::int64_t period_ns = link_->period().count() * 1'000;
   Duration elapsed{0};                   // simulated time of the body
   std::int64_t due_ns = monotonic_ns();  // monotonic time at which the next step is due
-  std::int64_t heard_ns = due_ns;
+  std::int64_t received_ns = due_ns;
   Throttles throttles{};
   bool is_answered = !link_->is_lockstep();
   bool is_silent = true;
@@ -60,10 +60,10 @@ void FirmwareFlight::run() {
       throttles = command->throttles;
       is_answered = true;
       is_silent = false;
-      heard_ns = monotonic_ns();
+      received_ns = monotonic_ns();
     }
     const std::int64_t now_ns = monotonic_ns();
-    if (!is_silent && now_ns - heard_ns > kPatienceNs) {
+    if (!is_silent && now_ns - received_ns > kPatienceNs) {
       is_silent = true;
       throttles = {};
       ++counts.silences;
@@ -82,8 +82,8 @@ void FirmwareFlight::run() {
     body_.step(throttles, static_cast<double>(period_ns) * 1e-9);
     elapsed += link_->period();
     record(due_ns);
-    const bool is_told = link_->send(board_.sample(body_, elapsed));
-    is_answered = !link_->is_lockstep() || !is_told;
+    const bool is_sent = link_->send(board_.sample(body_, elapsed));
+    is_answered = !link_->is_lockstep() || !is_sent;
     ++counts.steps;
     const std::lock_guard lock(mutex_);
     counts_ = counts;

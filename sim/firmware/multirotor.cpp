@@ -30,7 +30,7 @@ Multirotor::Multirotor(const MultirotorParameters& parameters, std::uint64_t see
 
 void Multirotor::step(const Throttles& throttles, double dt_s) {
   const int steps = std::max(1, static_cast<int>(std::ceil(dt_s / kStepMaxS - 1e-9)));
-  blow(dt_s);
+  step_gusts(dt_s);
   for (int i = 0; i < steps; ++i) {
     substep(throttles, dt_s / steps);
   }
@@ -59,7 +59,7 @@ void Multirotor::substep(const Throttles& throttles, double dt_s) {
   const Quaternion& q = world_from_body_.rotation;
   const Eigen::Vector3d air_mps = p.wind_world_mps + gust_mps_;
   Eigen::Vector3d force_n = thrust_n() * (q * Eigen::Vector3d::UnitZ());
-  stand(force_n, torque_nm);
+  add_ground_forces(force_n, torque_nm);
   // Wind does not move a body that stands on the ground.
   if (!is_on_ground_) {
     force_n += p.mass_kg * p.drag_per_s * (air_mps - velocity_mps_);
@@ -79,7 +79,7 @@ void Multirotor::substep(const Throttles& throttles, double dt_s) {
 
 // Adds the forces of a spring and a damper under each foot. Each foot is held at its touch-down
 // point until friction is exceeded.
-void Multirotor::stand(Eigen::Vector3d& force_n, Eigen::Vector3d& torque_body_nm) {
+void Multirotor::add_ground_forces(Eigen::Vector3d& force_n, Eigen::Vector3d& torque_body_nm) {
   const MultirotorParameters& p = parameters_;
   const Quaternion& q = world_from_body_.rotation;
   const double sunk_m = p.mass_kg * kGravityMps2 / (4.0 * p.foot_stiffness_npm);
@@ -115,7 +115,7 @@ void Multirotor::stand(Eigen::Vector3d& force_n, Eigen::Vector3d& torque_body_nm
   }
 }
 
-void Multirotor::blow(double dt_s) {
+void Multirotor::step_gusts(double dt_s) {
   const double keep = std::exp(-dt_s / parameters_.gust_memory_s);
   const double fresh_mps = parameters_.gust_sigma_mps * std::sqrt(1.0 - keep * keep);
   const Eigen::Vector3d share(1.0, 1.0, 1.0 / 3.0);

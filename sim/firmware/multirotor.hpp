@@ -76,8 +76,8 @@ class Multirotor {
 
  private:
   void substep(const Throttles& throttles, double dt_s);
-  void blow(double dt_s);
-  void stand(Eigen::Vector3d& force_n, Eigen::Vector3d& torque_body_nm);
+  void step_gusts(double dt_s);
+  void add_ground_forces(Eigen::Vector3d& force_n, Eigen::Vector3d& torque_body_nm);
   [[nodiscard]] double thrust_n() const;
 
   MultirotorParameters parameters_;

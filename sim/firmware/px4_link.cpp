@@ -16,7 +16,7 @@
 #include "core/check.hpp"
 #include "core/deadline.hpp"
 #include "core/serial_line.hpp"
-#include "wire/mavlink/vocabulary.hpp"
+#include "wire/mavlink/constants.hpp"
 
 namespace vantage::sim {
 namespace {
@@ -64,7 +64,7 @@ int accept_newest(int listener) {
 
 float narrow(double value) { return static_cast<float>(value); }
 
-wire::mavlink::HilSensor words_of(const FirmwareSensors& sensors, std::int64_t sample) {
+wire::mavlink::HilSensor hil_sensor_of(const FirmwareSensors& sensors, std::int64_t sample) {
   wire::mavlink::HilSensor out;
   out.time_usec = static_cast<std::uint64_t>(sensors.since_start.count());
   out.xacc = narrow(sensors.specific_force_body_mps2.x());
@@ -188,13 +188,13 @@ bool Px4Link::send(const FirmwareSensors& sensors) {
   if (samples_ % kHeartbeatEvery == 0) {  // a board starts its USB line when it receives data
     write(wire::mavlink::heartbeat_of(wire::mavlink::type::kOnboardController));
   }
-  const wire::mavlink::HilSensor words = words_of(sensors, samples_++);
+  const wire::mavlink::HilSensor words = hil_sensor_of(sensors, samples_++);
   last_sent_usec_ = words.time_usec;
   newest_.reset();
   return line_ >= 0 && write(words);
 }
 
-void Px4Link::hear(const wire::mavlink::Frame& frame) {
+void Px4Link::handle(const wire::mavlink::Frame& frame) {
   const auto controls = wire::mavlink::unpack<wire::mavlink::HilActuatorControls>(frame);
   if (!controls) {
     return;
@@ -215,7 +215,7 @@ void Px4Link::read() {
     const ssize_t got = ::read(line_, buffer_.data(), buffer_.size());
     if (got > 0) {
       parser_.feed({buffer_.data(), static_cast<std::size_t>(got)},
-                   [this](const wire::mavlink::Frame& frame) { hear(frame); });
+                   [this](const wire::mavlink::Frame& frame) { handle(frame); });
     } else if (got < 0 && errno == EAGAIN) {
       return;
     } else if (got == 0 || errno != EINTR) {

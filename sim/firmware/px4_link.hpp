@@ -56,7 +56,7 @@ class Px4Link : public FirmwareLink {
   void hang_up();
   void connect();
   void read();
-  void hear(const wire::mavlink::Frame& frame);
+  void handle(const wire::mavlink::Frame& frame);
 
   int listener_;  ///< file descriptor; −1: none
   bool is_lockstep_;

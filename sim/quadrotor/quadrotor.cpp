@@ -106,7 +106,7 @@ void Quadrotor::step(Time now, double dt_s) {
     case FlightState::kFollow:
     case FlightState::kHold:
     case FlightState::kLand:
-      blow(dt_s);
+      step_gusts(dt_s);
       fly(now, dt_s);
       break;
   }
@@ -179,7 +179,7 @@ void Quadrotor::fall(double dt_s) {
   position_m_.z() = std::max(0.0, position_m_.z() + 0.5 * (old_mps + velocity_mps_.z()) * dt_s);
 }
 
-void Quadrotor::blow(double dt_s) {
+void Quadrotor::step_gusts(double dt_s) {
   // Exactly discretised Ornstein–Uhlenbeck process: stationary with the given σ for any step.
   const double keep = std::exp(-dt_s / parameters_.wind_memory_s);
   const double fresh = parameters_.wind_sigma_mps2 * std::sqrt(1.0 - keep * keep);

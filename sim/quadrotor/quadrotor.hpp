@@ -83,7 +83,7 @@ class Quadrotor : public Vehicle {
  private:
   void fly(Time now, double dt_s);
   void fall(double dt_s);
-  void blow(double dt_s);
+  void step_gusts(double dt_s);
   [[nodiscard]] Pose2 pose() const;
   [[nodiscard]] bool on_ground() const { return position_m_.z() <= 0.0; }
 

@@ -57,7 +57,7 @@ RoverFleet::RoverFleet(const models::World& world, const scenario::TargetTruthSp
               truth.speed_max_mps <= parameters.speed_max_mps,
           "target_truth: 0 < speed_min_mps <= speed_max_mps <= 1.4 must hold for rovers");
   rovers_.resize(starts.size());
-  around_.resize(starts.size());
+  reaches_.resize(starts.size());
   for (std::size_t i = 0; i < starts.size(); ++i) {
     Rover& rover = rovers_[i];
     rover.state.world_from_body = starts[i].world_from_body;
@@ -78,12 +78,14 @@ void RoverFleet::decide(double elapsed_s) {
   for (std::size_t i = 0; i < rovers_.size(); ++i) {
     supervise(i, elapsed_s);
     Rover& rover = rovers_[i];
-    const RoverCommand wish = desired(rover);
+    const RoverCommand desired_command = desired(rover);
     // Braking stays on the committed ground; turning on the spot sweeps no ground.
-    rover.command = RoverCommand{0.0, rover.state.speed_mps > 0.0 ? 0.0 : wish.yaw_rate_radps};
+    rover.command =
+        RoverCommand{0.0, rover.state.speed_mps > 0.0 ? 0.0 : desired_command.yaw_rate_radps};
     StoppingPath chosen(rover.state, rover.command, parameters_, kDecisionPeriodS);
     for (const auto& [share, turn_radps] : kVariations) {
-      const RoverCommand command{share * wish.speed_mps, wish.yaw_rate_radps + turn_radps};
+      const RoverCommand command{share * desired_command.speed_mps,
+                                 desired_command.yaw_rate_radps + turn_radps};
       const StoppingPath path(rover.state, command, parameters_, kDecisionPeriodS);
       if (is_safe(i, path)) {
         rover.command = command;
@@ -97,7 +99,7 @@ void RoverFleet::decide(double elapsed_s) {
 
 void RoverFleet::commit(std::size_t i, const StoppingPath& path) {
   rovers_[i].committed = path;
-  around_[i] = {path.points_m().front(), path.reach_m() + rovers_[i].radius_m};
+  reaches_[i] = {path.points_m().front(), path.reach_m() + rovers_[i].radius_m};
 }
 
 void RoverFleet::step(double dt_s) {
@@ -236,8 +238,8 @@ bool RoverFleet::is_safe(std::size_t i, const StoppingPath& path) const {
   }
   const double own_reach_m = path.reach_m() + rover.radius_m + kSafetyMarginM + kClearlyM;
   for (std::size_t j = 0; j < rovers_.size(); ++j) {
-    const double apart_m = (around_[j].first_m - points.front()).norm();
-    if (j == i || apart_m > own_reach_m + around_[j].reach_m) {
+    const double apart_m = (reaches_[j].first_m - points.front()).norm();
+    if (j == i || apart_m > own_reach_m + reaches_[j].reach_m) {
       continue;
     }
     const double needed_m = rover.radius_m + rovers_[j].radius_m + kSafetyMarginM;
@@ -246,9 +248,9 @@ bool RoverFleet::is_safe(std::size_t i, const StoppingPath& path) const {
     }
     const Eigen::Vector2d there_m = rovers_[j].state.world_from_body.position_m();
     const double now_m = (there_m - here_m).norm();
-    const bool withdraws = now_m < needed_m && (points.back() - there_m).norm() > now_m &&
-                           (rovers_[j].committed.points_m().back() - there_m).norm() < 1e-6;
-    if (!withdraws) {
+    const bool moves_away = now_m < needed_m && (points.back() - there_m).norm() > now_m &&
+                            (rovers_[j].committed.points_m().back() - there_m).norm() < 1e-6;
+    if (!moves_away) {
       return false;
     }
   }

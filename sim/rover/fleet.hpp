@@ -76,12 +76,12 @@ class RoverFleet {
   RoverParameters parameters_;
   RouteMap map_;
   /// Disc around a rover's committed path. Contiguous, for a fast search of near rovers.
-  struct Around {
+  struct Reach {
     Eigen::Vector2d first_m;
     double reach_m = 0.0;  ///< from first_m to the farthest point of the rover's body
   };
   std::vector<Rover> rovers_;
-  std::vector<Around> around_;  ///< one per rover
+  std::vector<Reach> reaches_;  ///< one per rover
   std::vector<Eigen::Vector2d> kept_out_m_;
   double keep_out_m_ = 0.0;
   std::int64_t way_points_reached_ = 0;

@@ -40,7 +40,7 @@ void RoverEmulator::step(double dt_s) {
     demand_ = {};
   }
   const Pose2 before = state_.world_from_body;
-  state_ = step_rover(state_, demand_, spec_.can, dt_s);
+  state_ = step_rover(state_, demand_, spec_.limits, dt_s);
   Pose2& pose = state_.world_from_body;
   pose.x_m = before.x_m + spec_.grip * (pose.x_m - before.x_m);
   pose.y_m = before.y_m + spec_.grip * (pose.y_m - before.y_m);
@@ -67,10 +67,10 @@ void RoverEmulator::receive(std::span<const std::uint8_t> datagram, Time now) {
     ++refused_;
     return;
   }
-  obey(command, now);
+  execute(command, now);
 }
 
-void RoverEmulator::obey(const wire::rover::Command& command, Time now) {
+void RoverEmulator::execute(const wire::rover::Command& command, Time now) {
   session_ = command.session;
   command_sequence_ = command.sequence;
   command_time_us_ = command.time_us;

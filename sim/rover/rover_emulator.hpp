@@ -17,7 +17,7 @@ struct RoverEmulatorSpec {
   std::uint32_t number = 1;
   std::uint32_t boot = 1;
   Pose2 start;  ///< world from body
-  RoverParameters can;
+  RoverParameters limits;
   double delay_s = 0.03;      ///< from the arrival of a command to its effect
   double grip = 0.97;         ///< distance travelled per distance turned by the wheels (slip)
   double drift_radps = 0.02;  ///< unmeasured left turn while moving
@@ -56,7 +56,7 @@ class RoverEmulator {
   };
   [[nodiscard]] bool is_watchdog_out() const;
   void step(double dt_s);
-  void obey(const wire::rover::Command& command, Time now);
+  void execute(const wire::rover::Command& command, Time now);
 
   RoverEmulatorSpec spec_;
   RoverState state_;

@@ -78,7 +78,7 @@ void DataStreamPeer::on_block(const wire::vicon::Block& block) {
   wire::vicon::RequestNextFrame next;
   wire::vicon::Ping ping;
   if (block.type == wire::vicon::kObjectEnums && decode(block.body, enums)) {
-    asked_ = enums;
+    requested_ = enums;
     is_static_due_ = true;
   } else if (block.type == wire::vicon::kRequestFrame && decode(block.body, request)) {
     is_streaming_ = request.streaming;
@@ -94,8 +94,9 @@ void DataStreamPeer::on_block(const wire::vicon::Block& block) {
   }
 }
 
-bool DataStreamPeer::is_asked(std::uint32_t type) const {
-  return std::find(asked_.types.begin(), asked_.types.end(), type) != asked_.types.end();
+bool DataStreamPeer::is_requested(std::uint32_t type) const {
+  return std::find(requested_.types.begin(), requested_.types.end(), type) !=
+         requested_.types.end();
 }
 
 bool DataStreamPeer::has_new_subjects(const EmulatedFrame& frame) {
@@ -122,7 +123,7 @@ void DataStreamPeer::on_frame(const EmulatedFrame& frame) {
   const bool has_static = has_new_subjects(frame) || is_static_due_;
   is_static_due_ = false;
   wire::vicon::PacketWriter packet(outgoing);
-  if (is_asked(wire::vicon::kContents)) {
+  if (is_requested(wire::vicon::kContents)) {
     append_contents(packet, frame, has_static);
   }
   if (has_static) {
@@ -137,7 +138,7 @@ void DataStreamPeer::on_frame(const EmulatedFrame& frame) {
 void DataStreamPeer::append_contents(wire::vicon::PacketWriter& packet, const EmulatedFrame& frame,
                                      bool has_static) const {
   wire::vicon::Contents contents;
-  for (const std::uint32_t type : asked_.types) {
+  for (const std::uint32_t type : requested_.types) {
     const bool is_of_static = std::find(kStatic.begin(), kStatic.end(), type) != kStatic.end();
     const bool is_each_subject =
         type == wire::vicon::kSubjectInfo || type == wire::vicon::kObjectQuality ||
@@ -156,26 +157,26 @@ void DataStreamPeer::append_contents(wire::vicon::PacketWriter& packet, const Em
 }
 
 void DataStreamPeer::append_static(wire::vicon::PacketWriter& packet) const {
-  if (is_asked(wire::vicon::kStreamInfo)) {
+  if (is_requested(wire::vicon::kStreamInfo)) {
     append(packet, wire::vicon::StreamInfo{
                        std::llround(wire::vicon::StreamInfo::kTicksPerSecond / settings_.rate_hz)});
   }
   for (std::size_t i = 0; i < subjects_.size(); ++i) {
-    if (is_asked(wire::vicon::kSubjectInfo)) {
+    if (is_requested(wire::vicon::kSubjectInfo)) {
       wire::vicon::SubjectInfo subject;
       subject.subject_id = subject_id(i);
       subject.name = subjects_[i];
       subject.segments = {{0, kRootSegment, {}, subjects_[i]}};
       append(packet, subject);
     }
-    if (is_asked(wire::vicon::kSubjectHealth)) {
+    if (is_requested(wire::vicon::kSubjectHealth)) {
       append(packet, wire::vicon::SubjectHealth{subject_id(i), 0.0, 1.0});
     }
-    if (is_asked(wire::vicon::kObjectQuality)) {
+    if (is_requested(wire::vicon::kObjectQuality)) {
       append(packet, wire::vicon::ObjectQuality{subject_id(i), 1.0});
     }
   }
-  if (is_asked(wire::vicon::kApplicationInfo)) {
+  if (is_requested(wire::vicon::kApplicationInfo)) {
     append(packet, wire::vicon::ApplicationInfo{settings_.is_y_up});
   }
 }
@@ -183,13 +184,13 @@ void DataStreamPeer::append_static(wire::vicon::PacketWriter& packet) const {
 void DataStreamPeer::append_dynamic(wire::vicon::PacketWriter& packet,
                                     const EmulatedFrame& frame) const {
   append(packet, wire::vicon::FrameInfo{frame.number});  // required in every frame
-  if (is_asked(wire::vicon::kHardwareFrameInfo)) {
+  if (is_requested(wire::vicon::kHardwareFrameInfo)) {
     append(packet, wire::vicon::HardwareFrameInfo{frame.number});
   }
-  if (is_asked(wire::vicon::kLatencyInfo)) {
+  if (is_requested(wire::vicon::kLatencyInfo)) {
     append(packet, latency_of(frame));
   }
-  if (is_asked(wire::vicon::kFrameRateInfo)) {
+  if (is_requested(wire::vicon::kFrameRateInfo)) {
     append(packet, wire::vicon::FrameRateInfo{{{"System Frame Rate", settings_.rate_hz}}});
   }
   append_poses(packet, frame);
@@ -210,13 +211,13 @@ void DataStreamPeer::append_poses(wire::vicon::PacketWriter& packet,
       light.poses = {{kRootSegment, (1e3 * pose.translation_m).cast<float>(),
                       (turn.angle() * turn.axis()).cast<float>()}};
     }
-    if (is_asked(wire::vicon::kGlobalSegments)) {
+    if (is_requested(wire::vicon::kGlobalSegments)) {
       append(packet, segments, wire::vicon::kGlobalSegments);
     }
-    if (is_asked(wire::vicon::kLocalSegments)) {  // equal to the global pose for a root segment
+    if (is_requested(wire::vicon::kLocalSegments)) {  // equal to the global pose for a root segment
       append(packet, segments, wire::vicon::kLocalSegments);
     }
-    if (is_asked(wire::vicon::kLightweightSegments)) {
+    if (is_requested(wire::vicon::kLightweightSegments)) {
       append(packet, light);
     }
   }

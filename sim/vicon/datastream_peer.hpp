@@ -23,7 +23,7 @@ class DataStreamPeer : public Peer {
 
  private:
   void on_block(const wire::vicon::Block& block);
-  [[nodiscard]] bool is_asked(std::uint32_t type) const;
+  [[nodiscard]] bool is_requested(std::uint32_t type) const;
   [[nodiscard]] bool has_new_subjects(const EmulatedFrame& frame);
   void append_contents(wire::vicon::PacketWriter& packet, const EmulatedFrame& frame,
                        bool has_static) const;
@@ -33,7 +33,7 @@ class DataStreamPeer : public Peer {
 
   ServerSettings settings_;
   wire::vicon::StreamBuffer stream_;
-  wire::vicon::ObjectEnums asked_;
+  wire::vicon::ObjectEnums requested_;
   std::vector<std::string> subjects_;
   bool is_static_due_ = true;
   bool is_streaming_ = false;

@@ -130,7 +130,7 @@ void SocketServer::accept_clients() {
   }
 }
 
-void SocketServer::on_callbacks() {
+void SocketServer::on_connection_requests() {
   std::array<std::uint8_t, 512> buffer{};
   for (;;) {
     sockaddr_in from{};
@@ -203,8 +203,8 @@ void SocketServer::wait(std::chrono::nanoseconds timeout) {
     polled.push_back({client->fd, static_cast<short>(is_waiting ? POLLIN | POLLOUT : POLLIN), 0});
   }
   polled.push_back({listener_, POLLIN, 0});
-  const bool hears = settings_.protocol == scenario::MocapProtocol::kVrpn;
-  polled.push_back({hears ? datagrams_ : -1, POLLIN, 0});
+  const bool is_vrpn = settings_.protocol == scenario::MocapProtocol::kVrpn;
+  polled.push_back({is_vrpn ? datagrams_ : -1, POLLIN, 0});
   const std::int64_t ns = std::max<std::int64_t>(timeout.count(), 0);
   const timespec limit{ns / 1'000'000'000, ns % 1'000'000'000};
   if (ppoll(polled.data(), polled.size(), &limit, nullptr) <= 0) {
@@ -219,8 +219,8 @@ void SocketServer::wait(std::chrono::nanoseconds timeout) {
   if (listener_ >= 0) {
     accept_clients();
   }
-  if (hears) {
-    on_callbacks();
+  if (is_vrpn) {
+    on_connection_requests();
   }
   for (const auto& client : clients_) {
     write(*client);

@@ -45,7 +45,7 @@ class SocketServer {
   struct Client;
   void listen_at(const std::string& host, int port);
   void accept_clients();
-  void on_callbacks();
+  void on_connection_requests();
   void add_client(int fd);
   [[nodiscard]] std::unique_ptr<Peer> make_peer() const;
   void read(Client& client);

@@ -64,7 +64,7 @@ WorldSimulation::WorldSimulation(const scenario::Scenario& scenario, std::uint64
       time_(start),
       decided_(start),
       quadrotors_(quadrotors_of(scenario, seed, start, vehicles)),
-      given_(vehicles),
+      external_vehicles_(vehicles),
       vehicles_(vehicles_of(scenario, quadrotors_, vehicles)),
       ground_(scenario, seed),
       camera_(scenario.mocap, seed),
@@ -85,7 +85,7 @@ void WorldSimulation::advance_to(Time time) {
 
 void WorldSimulation::keep_ground_free() {
   std::vector<Eigen::Vector2d> low_m;
-  for (const Vehicle* vehicle : given_) {
+  for (const Vehicle* vehicle : external_vehicles_) {
     const Eigen::Vector3d centre_m = vehicle->world_from_body().translation_m;
     if (centre_m.z() < kLowM) {
       low_m.emplace_back(centre_m.head<2>());
@@ -149,7 +149,7 @@ models::TruthFrame WorldSimulation::truth() const {
   return frame;
 }
 
-std::vector<models::ContactReport> WorldSimulation::take_contacts() {
+std::vector<models::CollisionReport> WorldSimulation::take_contacts() {
   return std::exchange(contacts_, {});
 }
 

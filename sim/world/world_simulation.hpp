@@ -51,7 +51,7 @@ class WorldSimulation {
   /// capture.
   models::MocapFrame capture() { return camera_.capture(truth()); }
   /// Returns the contacts that began since the last call.
-  std::vector<models::ContactReport> take_contacts();
+  std::vector<models::CollisionReport> take_contacts();
 
   [[nodiscard]] const MocapCamera& camera() const { return camera_; }
   [[nodiscard]] const std::vector<Quadrotor>& quadrotors() const { return quadrotors_; }
@@ -67,13 +67,13 @@ class WorldSimulation {
   Time time_;
   Time decided_;
   std::vector<Quadrotor> quadrotors_;
-  std::vector<Vehicle*> given_;     ///< vehicles of the caller
-  std::vector<Vehicle*> vehicles_;  ///< both kinds, in the scenario's order of robots
+  std::vector<Vehicle*> external_vehicles_;  ///< vehicles of the caller
+  std::vector<Vehicle*> vehicles_;           ///< both kinds, in the scenario's order of robots
   Ground ground_;
   MocapCamera camera_;
   models::CollisionMonitor collisions_;
   std::vector<Eigen::Vector3d> centres_m_;
-  std::vector<models::ContactReport> contacts_;
+  std::vector<models::CollisionReport> contacts_;
 };
 
 }  // namespace vantage::sim

@@ -88,8 +88,8 @@ void SecondOfADriver(benchmark::State& state) {
     lab.secure(test::authenticator(test::keys_of_a_trial()), clock);
     own.secure(test::authenticator(test::keys_of_a_trial()), clock);
   }
-  own.keep_time(clock);
-  own.answer_to("Q1");
+  own.use_clock(clock);
+  own.act_as_vehicle("Q1");
   std::int64_t heard = 0;
   own.subscribe<models::MocapFrame>(bus::kVicon, [&](const auto&) { ++heard; });
   own.subscribe<models::RobotPlan>(bus::plan_channel("*"), [&](const auto&) { ++heard; });

@@ -74,7 +74,7 @@ void measure_steps(const char* name, const models::TargetModel& model, int targe
   std::vector<double> step_us;
   std::vector<double> mixture_us;
   for (int k = 1; k <= kSteps; ++k) {
-    std::vector<models::DetectionSet> looks;
+    std::vector<models::RobotMeasurement> looks;
     for (Eigen::Vector2d& y_m : truth) {
       y_m += 0.2 * test::normal_vector(2, rng);
     }
@@ -89,7 +89,7 @@ void measure_steps(const char* name, const models::TargetModel& model, int targe
     }
     models::RobotBelief teammate = test::prior(test::instant(k - 1), start);
     teammate.robot = "Q1";
-    const models::DetectionSet* look_pointers[] = {&looks[0], &looks[1], &looks[2]};
+    const models::RobotMeasurement* look_pointers[] = {&looks[0], &looks[1], &looks[2]};
     const models::RobotBelief* belief_pointers[] = {&teammate};
     const double before_us = cpu_us();
     filter.advance({test::instant(k), test::at(0, 0), look_pointers, belief_pointers});

@@ -37,7 +37,7 @@ struct Arguments {
 
 // Throws if the list was edited or made for another family. The plain recursion is accurate to
 // about 1e-5 where a measurement from 2 mm loses eight digits; the search's own is exact.
-void require_true(const BestCosts& best, const std::vector<PlanningProblem>& problems) {
+void verify_best_costs(const BestCosts& best, const std::vector<PlanningProblem>& problems) {
   for (const PlanningProblem& drawn : problems) {
     const BestCosts::Entry* entry = best.find(drawn.name);
     if (entry == nullptr) {
@@ -60,7 +60,7 @@ void study(const Arguments& arguments) {
     problems.push_back(tools::load_problem(path));
   }
   BestCosts best(arguments.best_path);
-  require_true(best, problems);
+  verify_best_costs(best, problems);
   std::vector<StudyRun> runs;
   for (const std::string& name : arguments.methods) {
     // One object for all problems: at most 25 targets.

@@ -37,7 +37,7 @@ void make_log(const std::string& path, double gib) {
   constexpr std::size_t kOtherBytes = 20'000;
   constexpr std::size_t kBufferBytes = std::size_t{16} << 20U;
   constexpr int kBodies = 8;
-  vantage_lcm::vicon_frame_t frame{};
+  vantage_lcm::mocap_frame_t frame{};
   frame.num_bodies = kBodies;
   frame.bodies.resize(kBodies);
   for (auto& body : frame.bodies) {

@@ -23,13 +23,13 @@ namespace bench {
 namespace {
 
 /// The clock checks of the timed run.
-class Looks {
+class ClockChecks {
  public:
   void begin() {
     stretches_ns_.clear();
     last_ns_ = now_ns();
   }
-  std::int64_t look() {
+  std::int64_t check() {
     const std::int64_t now = now_ns();
     stretches_ns_.push_back(now - last_ns_);
     last_ns_ = now_ns();
@@ -47,8 +47,8 @@ class Looks {
   std::int64_t last_ns_ = 0;
 };
 
-Looks& looks() {
-  static Looks of_this_program;
+ClockChecks& clock_checks() {
+  static ClockChecks of_this_program;
   return of_this_program;
 }
 
@@ -68,10 +68,10 @@ std::vector<std::int64_t> stretches_of(planner::Search& search,
       Deadline::either(arguments.nodes, std::numeric_limits<std::int64_t>::max() - 1);
   std::vector<std::int64_t> shortest;
   for (int run = 0; run < arguments.runs; ++run) {
-    looks().begin();
+    clock_checks().begin();
     search.plan(problem, deadline);
-    looks().look();
-    const std::vector<std::int64_t>& these = looks().stretches_ns();
+    clock_checks().check();
+    const std::vector<std::int64_t>& these = clock_checks().stretches_ns();
     if (run == 0) {
       shortest = these;
     } else if (these.size() != shortest.size()) {
@@ -158,7 +158,7 @@ void run(const Arguments& arguments) {
 }  // namespace bench
 
 // Replaces core/deadline.cpp's function, which is not linked here: the clock that searches check.
-std::int64_t monotonic_ns() { return bench::looks().look(); }
+std::int64_t monotonic_ns() { return bench::clock_checks().check(); }
 
 }  // namespace vantage
 

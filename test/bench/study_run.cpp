@@ -37,7 +37,7 @@ StudyMethod make_method(const std::string& name, const planner::BeamOptions& bea
 StudyRun run_within(const tools::PlanningProblem& drawn, const StudyMethod& method, double budget_s,
                     double& nodes_per_s) {
   constexpr int kTriesMax = 5;
-  constexpr double kFewTries_s = 1.0;  // s; above it two runs, the first for the rate
+  constexpr double kTwoRunsAbove_s = 1.0;  // s; above it two runs, the first for the rate
   constexpr double kMost = 1.02;
   constexpr double kEnough = 0.93;
   StudyRun best;
@@ -45,7 +45,7 @@ StudyRun run_within(const tools::PlanningProblem& drawn, const StudyMethod& meth
   best.targets = static_cast<int>(drawn.problem.targets.size());
   best.method = method.name;
   best.budget_s = budget_s;
-  const bool is_long = budget_s >= kFewTries_s;
+  const bool is_long = budget_s >= kTwoRunsAbove_s;
   double nodes = nodes_per_s * budget_s;
   for (int tries = 0; tries < (is_long ? 2 : kTriesMax); ++tries) {
     const double start_s = thread_cpu_s();

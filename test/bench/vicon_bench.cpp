@@ -48,7 +48,7 @@ void serve(const Load& load, sim::vicon::SocketServer& server, std::vector<std::
          left_ns = due_ns - monotonic_ns()) {
       server.wait(std::chrono::nanoseconds(left_ns));
     }
-    source.look(time_s, frame);
+    source.fill(time_s, frame);
     frame.number = static_cast<std::uint32_t>(k);
     frame.captured = clock.now();
     sent_ns[k] = monotonic_ns();

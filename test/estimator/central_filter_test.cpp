@@ -36,9 +36,9 @@ models::Gaussian prior_at(double x_m, double y_m) {
 }
 
 // Returns the observations of two robots of those stationary targets that are in view.
-std::vector<models::DetectionSet> looks_at(const std::vector<Eigen::Vector2d>& targets_m, Time now,
-                                           std::mt19937_64& rng) {
-  std::vector<models::DetectionSet> looks(2);
+std::vector<models::RobotMeasurement> looks_at(const std::vector<Eigen::Vector2d>& targets_m,
+                                               Time now, std::mt19937_64& rng) {
+  std::vector<models::RobotMeasurement> looks(2);
   looks[0].viewpoint = test::at(-8.0, 0.0);
   looks[1].viewpoint = test::at(8.0, 4.0, kPi);
   for (std::size_t i = 0; i < looks.size(); ++i) {
@@ -100,7 +100,7 @@ TEST(CentralFilter, OnlyPredictsUnobservedTargets) {
 
 TEST(CentralFilter, MovesABeliefOutOfAnEmptyView) {
   const models::World world = square_world();
-  models::DetectionSet look;
+  models::RobotMeasurement look;
   look.viewpoint = test::at(0.0, 0.0);
   for (const double probability : {0.0, 0.5}) {
     CentralFilter filter({kModel, 0.5, probability, true}, world, {prior_at(14.8, 0.0)});

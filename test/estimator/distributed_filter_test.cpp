@@ -43,7 +43,7 @@ struct JointKalmanFilter {
     P = (A * P * A.transpose() + W).eval();
   }
 
-  void update(const models::SensorModel& sensor, const models::DetectionSet& look, int n) {
+  void update(const models::SensorModel& sensor, const models::RobotMeasurement& look, int n) {
     const int rows = sensor.measurement_dim(2);
     const int size = kTargets * rows;
     Eigen::MatrixXd H = Eigen::MatrixXd::Zero(size, mean.size());
@@ -128,7 +128,7 @@ TEST(DistributedFilter, OfOneRobotIsConsistentOnItsOwnModel) {
         y_m += std::sqrt(0.02 * 0.5) * test::normal_vector(2, rng);
       }
       // Every third instant has no scan, so that prediction is tested as well.
-      std::vector<models::DetectionSet> looks;
+      std::vector<models::RobotMeasurement> looks;
       if (k % 3 != 0) {
         looks.push_back(look_at(sensor, instant(k), wander(k), truth, rng));
       }
@@ -183,9 +183,9 @@ class LateMeasurements : public ::testing::Test {
     DistributedFilter late(spec);
     std::mt19937_64 rng(23);
     const std::vector<Eigen::Vector2d> truth = {{4.0, 1.0}, {-3.0, 3.0}, {0.0, -5.0}};
-    std::vector<models::DetectionSet> held;
+    std::vector<models::RobotMeasurement> held;
     for (int k = 1; k <= 30; ++k) {
-      models::DetectionSet look = look_at(sensor, instant(k), wander(k), truth, rng);
+      models::RobotMeasurement look = look_at(sensor, instant(k), wander(k), truth, rng);
       std::erase_if(look.detections, [&](const models::Detection& d) {
         return k % 4 == 1 ||  // the detector fails now and then
                !models::in_view(sensor, wander(k), truth[static_cast<std::size_t>(d.target_id)]);
@@ -197,7 +197,7 @@ class LateMeasurements : public ::testing::Test {
       teammate.degree = 1;
       const std::vector<models::RobotBelief> heard = {teammate};
       a_ = take_step(timely, instant(k), wander(k), {look}, heard);
-      std::vector<models::DetectionSet> arrived;
+      std::vector<models::RobotMeasurement> arrived;
       if (k % 7 == 3) {
         held.push_back(look);
       } else {
@@ -323,7 +323,7 @@ TEST(DistributedFilter, CountsAMeasurementOfItsStartOnce) {
   FilterSpec spec = open_spec({TargetKind::kStatic, 2, 0.0}, sensor, 1);
   spec.communication_range_m = 100.0;
   spec.team = {{"Q1", sensor}, {"Q2", sensor}};
-  models::DetectionSet look =
+  models::RobotMeasurement look =
       look_at(sensor, instant(0), at(0, 0), {Eigen::Vector2d(4.0, 0.0)}, rng);
   look.robot = "Q2";
   FilterSpec of_teammate = spec;
@@ -363,7 +363,7 @@ TEST(DistributedFilter, StepsWithoutAllocating) {
     seen.robot = "Q2";  // almost over a target
     models::RobotBelief teammate = test::prior(instant(k - 1), start);
     teammate.robot = "Q2";
-    const models::DetectionSet* looks[] = {&look, &seen};
+    const models::RobotMeasurement* looks[] = {&look, &seen};
     const models::RobotBelief* beliefs[] = {&teammate};
     const StepInput input{instant(k), wander(k), looks, beliefs};
     const vantage::test::AllocationCounter allocations;
@@ -380,7 +380,7 @@ TEST(DistributedFilter, MarksTheObservedCells) {
   spec.sensor = sensor;
   spec.estimator.grid_resolution_m = 0.5;
   DistributedFilter filter(spec);
-  models::DetectionSet look;
+  models::RobotMeasurement look;
   look.stamp.time = instant(0);
   look.viewpoint = at(0, 0);
   const auto belief = take_step(filter, instant(0), at(0, 0), {look});

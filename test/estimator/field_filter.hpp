@@ -52,9 +52,9 @@ inline FilterSpec field_spec(bool samples) {
 }
 
 /// Returns an empty scan of `robot` from that viewpoint.
-inline models::DetectionSet look_of(const std::string& robot, int step,
-                                    const models::Viewpoint& from) {
-  models::DetectionSet look;
+inline models::RobotMeasurement look_of(const std::string& robot, int step,
+                                        const models::Viewpoint& from) {
+  models::RobotMeasurement look;
   look.stamp.time = instant(step);
   look.robot = robot;
   look.viewpoint = from;

@@ -78,11 +78,11 @@ class MeanNees {
 };
 
 /// Returns a scan that reports every target of `positions_m` (by id) except those in `skip`.
-inline models::DetectionSet look_at(const models::SensorModel& sensor, Time time,
-                                    const models::Viewpoint& from,
-                                    const std::vector<Eigen::Vector2d>& positions_m,
-                                    std::mt19937_64& rng) {
-  models::DetectionSet look;
+inline models::RobotMeasurement look_at(const models::SensorModel& sensor, Time time,
+                                        const models::Viewpoint& from,
+                                        const std::vector<Eigen::Vector2d>& positions_m,
+                                        std::mt19937_64& rng) {
+  models::RobotMeasurement look;
   look.stamp.time = time;
   look.robot = "Q1";
   look.viewpoint = from;
@@ -105,16 +105,16 @@ inline models::RobotBelief prior(Time time, const std::vector<models::Gaussian>&
 }
 
 /// Messages that one robot of a team has received at a step.
-struct Heard {
-  std::vector<models::DetectionSet> looks;
+struct Received {
+  std::vector<models::RobotMeasurement> looks;
   std::vector<models::RobotBelief> beliefs;
 };
 /// Returns robot `self`'s own observation and, for each other robot with `hears(other)`, its
 /// observation and its belief if it has sent one.
 template <class Hears>
-Heard heard_by(std::size_t self, const std::vector<models::DetectionSet>& looks,
-               const std::vector<models::RobotBelief>& beliefs, const Hears& hears) {
-  Heard out;
+Received received_by(std::size_t self, const std::vector<models::RobotMeasurement>& looks,
+                     const std::vector<models::RobotBelief>& beliefs, const Hears& hears) {
+  Received out;
   for (std::size_t other = 0; other < looks.size(); ++other) {
     if (self == other || hears(other)) {
       out.looks.push_back(looks[other]);
@@ -128,9 +128,9 @@ Heard heard_by(std::size_t self, const std::vector<models::DetectionSet>& looks,
 
 inline models::RobotBelief take_step(DistributedFilter& filter, Time time,
                                      const models::Viewpoint& from,
-                                     const std::vector<models::DetectionSet>& looks,
+                                     const std::vector<models::RobotMeasurement>& looks,
                                      const std::vector<models::RobotBelief>& beliefs = {}) {
-  std::vector<const models::DetectionSet*> look_pointers;
+  std::vector<const models::RobotMeasurement*> look_pointers;
   std::vector<const models::RobotBelief*> belief_pointers;
   for (const auto& look : looks) {
     look_pointers.push_back(&look);

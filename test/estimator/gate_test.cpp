@@ -75,7 +75,7 @@ TEST(DistributedFilter, GateKeepsBothHypothesesUntilTheNextMeasurement) {
         take_step(filter, instant(k), at(0, 0), {look(k, here_m)});
       }
       const Gaussian sure = models::predict(known(filter, 0), model, 0.5);
-      const models::DetectionSet strange = look(10, there_m);
+      const models::RobotMeasurement strange = look(10, there_m);
       take_step(filter, instant(10), at(0, 0), {strange});
       const Gaussian doubted = known(filter, 0);
       EXPECT_EQ(filter.counters().gated, 1);

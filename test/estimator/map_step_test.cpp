@@ -28,7 +28,7 @@ class MapPublisherTest : public ::testing::Test {
   }
 
   // Publishes MAP_Q2 with `seen` observations of cell 0, from an estimator whose run is `run_id`.
-  models::InputRef say(std::int64_t run_id, int step, std::int16_t seen) {
+  models::InputRef publish(std::int64_t run_id, int step, std::int16_t seen) {
     models::RobotMap map;
     map.stamp.time = time_of(step);
     map.robot = "Q2";
@@ -105,11 +105,11 @@ class MapPublisherTest : public ::testing::Test {
 };
 
 TEST_F(MapPublisherTest, SumsTheNewestMapOfEachRunOfATeammate) {
-  say(10, 0, -3);
+  publish(10, 0, -3);
   EXPECT_EQ(step(0).team_looks[0], -3);
-  const models::InputRef of_first = say(10, 1, -4);
+  const models::InputRef of_first = publish(10, 1, -4);
   EXPECT_EQ(step(1).team_looks[0], -4);
-  const models::InputRef of_second = say(11, 2, -1);
+  const models::InputRef of_second = publish(11, 2, -1);
   const models::RobotMap map = step(2);
   EXPECT_EQ(map.team_looks[0], -5) << "its estimator has started again";
   for (const models::InputRef& ref : {of_first, of_second}) {
@@ -119,7 +119,7 @@ TEST_F(MapPublisherTest, SumsTheNewestMapOfEachRunOfATeammate) {
 
 TEST_F(MapPublisherTest, CountsMapsOfAnotherGrid) {
   grid_.resolution_m *= 2.0;
-  say(10, 0, -3);
+  publish(10, 0, -3);
   EXPECT_EQ(step(0).team_looks[0], 0);
   EXPECT_EQ(count("map.malformed_maps"), 1);
 }
@@ -128,7 +128,7 @@ TEST_F(MapPublisherTest, LimitsTheRunsOfATeammate) {
   models::RobotMap map;
   std::vector<models::InputRef> said;
   for (int run = 0; run < 40; ++run) {
-    said.push_back(say(100 + run * 7919 % 41, run, -1));
+    said.push_back(publish(100 + run * 7919 % 41, run, -1));
     map = step(run);
   }
   for (std::size_t run = 0; run < said.size(); ++run) {
@@ -149,7 +149,7 @@ TEST_F(MapPublisherTest, AssignsEachScanToTheStepOfItsTime) {
   EXPECT_EQ(map.step, 1);
   EXPECT_EQ(map.stamp.time, time_of(1));
   EXPECT_EQ(map.viewpoint.world_from_body, (Pose2{0.5, 0.25, 0.5}));
-  const models::InputRef theirs = say(10, 2, -3);
+  const models::InputRef theirs = publish(10, 2, -3);
   const models::RobotMap next = step(2);
   EXPECT_EQ(next.inputs,
             (std::vector<models::InputRef>{{"BELIEF_Q1", 1, 1}, {"MAP_Q1", 1, 0}, later, theirs}));
@@ -199,13 +199,13 @@ TEST_F(MapPublisherTest, MergesMapsWithinRadioRange) {
   std::vector<models::RobotMap> made;
   ear_.subscribe<models::RobotMap>(bus::map_channel("Q1"),
                                    [&](const auto& map) { made.push_back(map); });
-  say(10, 0, -3);
+  publish(10, 0, -3);
   far_bus.handle(0us);
   models::RobotBelief belief;
   belief.stamp.time = time_of(0);
   belief.viewpoint = {{0.4, 0.0, 0.0}, 0.0};
   far.step(belief, {"BELIEF_Q1", 1, 0});
-  say(10, 1, -4);
+  publish(10, 1, -4);
   far_bus.handle(0us);
   belief.stamp.time = time_of(1);
   belief.viewpoint = {{0.6, 0.0, 0.0}, 0.0};
@@ -225,7 +225,7 @@ TEST_F(MapPublisherTest, IsReproducedFromItsNamedInputs) {
   for (int k = 0; k < 6; ++k) {
     scan(k);
     if (k % 3 == 0) {
-      say(10, k, static_cast<std::int16_t>(-1 - k));
+      publish(10, k, static_cast<std::int16_t>(-1 - k));
     }
     if (k == 2) {
       scan(k);  // two scans in one step

@@ -317,7 +317,7 @@ TEST(MeetingsOfAFilter, ApplyToATeammatesBeliefOfTheLastStep) {
 
 TEST(MeetingsOfAFilter, AreIndependentOfTheArrivalOrder) {
   const auto look = [](int step) {
-    models::DetectionSet set;
+    models::RobotMeasurement set;
     set.stamp.time = instant(step);
     set.robot = "Q2";
     set.viewpoint = at(0, 0);
@@ -338,8 +338,8 @@ TEST(MeetingsOfAFilter, AreIndependentOfTheArrivalOrder) {
   DistributedFilter other = knows_as("Q2");
   DistributedFilter late = knows_as("Q1");
   for (int step = 1; step <= 6; ++step) {
-    const std::vector<models::DetectionSet> none;
-    const std::vector<models::DetectionSet> seen = {look(1)};
+    const std::vector<models::RobotMeasurement> none;
+    const std::vector<models::RobotMeasurement> seen = {look(1)};
     take_step(timely, instant(step), at(0, 0), step == 1 ? seen : none);
     take_step(other, instant(step), at(0, 0), step == 1 ? seen : none);
     take_step(late, instant(step), at(0, 0), step == 5 ? seen : none);

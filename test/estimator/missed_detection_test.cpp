@@ -142,7 +142,7 @@ TEST(DistributedFilter, WeightsAMissByTheSensorsMissProbability) {
     spec.detection.detection_probability = of_sensor;
     DistributedFilter filter(spec);
     filter.rebase(test::prior(test::instant(0), {before}));
-    models::DetectionSet nothing;
+    models::RobotMeasurement nothing;
     nothing.stamp.time = test::instant(1);
     nothing.robot = spec.robot;
     nothing.viewpoint = at(1.0, 0.3);
@@ -190,7 +190,7 @@ TEST(DistributedFilter, WeightsATeammatesMissByItsSensor) {
   const auto after = [&](const std::string& robot) {
     DistributedFilter filter(spec);
     filter.rebase(test::prior(test::instant(0), {before}));
-    models::DetectionSet nothing;
+    models::RobotMeasurement nothing;
     nothing.stamp.time = test::instant(1);
     nothing.robot = robot;
     nothing.viewpoint = from;

@@ -35,9 +35,9 @@ std::vector<Eigen::Vector2d> row_of_targets() {
   return row;
 }
 
-models::DetectionSet look_in_range(const FilterSpec& spec, int step, const models::Viewpoint& from,
-                                   std::mt19937_64& rng) {
-  models::DetectionSet look = look_at(spec.sensor, instant(step), from, row_of_targets(), rng);
+models::RobotMeasurement look_in_range(const FilterSpec& spec, int step,
+                                       const models::Viewpoint& from, std::mt19937_64& rng) {
+  models::RobotMeasurement look = look_at(spec.sensor, instant(step), from, row_of_targets(), rng);
   std::erase_if(look.detections, [&](const models::Detection& each) {
     return std::abs(5.0 * each.target_id - from.world_from_body.x_m) > spec.sensor.range_max_m;
   });
@@ -51,7 +51,7 @@ TEST(NeighbourhoodFilter, EqualsTheFullFilterInItsNeighbourhood) {
   std::mt19937_64 rng(4);
   for (int step = 0; step < 60; ++step) {
     const models::Viewpoint from = at(2.0 * step, 0.0);
-    const models::DetectionSet look = look_in_range(near, step, from, rng);
+    const models::RobotMeasurement look = look_in_range(near, step, from, rng);
     const models::RobotBelief told = take_step(some, instant(step), from, {look});
     const models::RobotBelief whole = take_step(all, instant(step), from, {look});
     for (const models::TargetBelief& target : whole.targets) {
@@ -89,7 +89,7 @@ TEST(NeighbourhoodFilter, ContinuesExactlyFromAnyOfItsBeliefs) {
   models::RobotBelief last;
   for (int step = 0; step < 60; ++step) {
     const models::Viewpoint from = at(2.0 * step, 0.0);
-    const models::DetectionSet look = look_in_range(spec, step, from, rng);
+    const models::RobotMeasurement look = look_in_range(spec, step, from, rng);
     if (step % 7 == 3) {
       second.rebase(last);
     }

@@ -72,8 +72,8 @@ class NodeTest : public ::testing::Test {
     clock_.set(time);
   }
 
-  models::DetectionSet look(const std::string& robot, Time time, const Pose2& pose) {
-    models::DetectionSet set;
+  models::RobotMeasurement look(const std::string& robot, Time time, const Pose2& pose) {
+    models::RobotMeasurement set;
     set.stamp.time = time;
     set.robot = robot;
     set.viewpoint = {pose, 1.0};
@@ -304,7 +304,7 @@ TEST_F(NodeTest, TakesItsPoseFromInputsOfThisStep) {
 
 TEST_F(NodeTest, PublishesTheConfiguredBeliefs) {
   std::vector<std::pair<Time, std::size_t>> asked;
-  const auto believe = [&](Time t, const std::vector<Heard<models::DetectionSet>>& looks) {
+  const auto believe = [&](Time t, const std::vector<Heard<models::RobotMeasurement>>& looks) {
     asked.emplace_back(t, looks.size());
     return std::vector<models::TargetBelief>{
         {2, {Eigen::Vector4d::Ones(), Eigen::Matrix4d::Identity()}, t}};
@@ -342,14 +342,14 @@ class Replay : public NodeTest {
     ear->subscribe("*", [&](std::string_view channel, std::span<const std::uint8_t> bytes) {
       log_.push_back({std::string(channel), {bytes.begin(), bytes.end()}});
     });
-    std::vector<models::DetectionSet> late;
+    std::vector<models::RobotMeasurement> late;
     for (int k = 0; k < steps; ++k) {
       const Time t = kStart + 400ms + k * 500ms;
       const std::map<std::string, Pose2> poses = {
           {"Q1", {2.0 * std::cos(0.3 * k), 2.0 * std::sin(0.3 * k), 0.1 * k}},
           {"Q2", {-2.0 * std::cos(0.2 * k), 1.0, wrap_to_pi(-0.2 * k)}}};
       world_.publish(bus::kVicon, frame_at(t - 10ms, poses));
-      for (models::DetectionSet& set : late) {
+      for (models::RobotMeasurement& set : late) {
         world_.publish(bus::measurement_channel("Q1"), set);
       }
       late.clear();

@@ -125,7 +125,7 @@ TEST(MixtureOfAFilter, ContainsUnseenWideTargets) {
   }
   const Eigen::Vector2d truth_m = told.mean.head<2>();
   const models::Viewpoint from = at(truth_m.x() - 5.0, truth_m.y(), 0.0);
-  models::DetectionSet look = test::look_of("Q1", 41, from);
+  models::RobotMeasurement look = test::look_of("Q1", 41, from);
   look.detections.push_back({0, test::seen(from, truth_m)});
   take_step(filter, instant(41), from, {look});
   EXPECT_TRUE(filter.mixture().targets.empty()) << "it has been seen";

@@ -284,7 +284,7 @@ TEST(SamplesOfAFilter, BecomeAGaussianWhenTheTargetIsSeen) {
     }
     ASSERT_GT(known(filter, 0).covariance(0, 0), 1.0);
     const models::Viewpoint from = at(truth_m.x() - 5.0, truth_m.y(), 0.0);
-    models::DetectionSet look = look_of("Q1", 13, from);
+    models::RobotMeasurement look = look_of("Q1", 13, from);
     look.detections.push_back({0, test::seen(from, truth_m)});
     take_step(filter, instant(13), from, {look});
     const Gaussian seen = known(filter, 0);
@@ -308,7 +308,7 @@ TEST(SamplesOfAFilter, AreIndependentOfLateArrival) {
       return look_of("Q2", step, at(kNearACorner.mean(0) + 1.0, kNearACorner.mean(1) - 6.0, 1.6));
     };
     take_step(timely, instant(k), from, {look_of("Q1", k, from), of_teammate(k)});
-    std::vector<models::DetectionSet> heard = {look_of("Q1", k, from)};
+    std::vector<models::RobotMeasurement> heard = {look_of("Q1", k, from)};
     if (k > 2) {
       heard.push_back(of_teammate(k - 2));
     }
@@ -355,10 +355,10 @@ TEST(SamplesOfAFilter, AllocateNothing) {
     GTEST_SKIP() << "the allocation counter is inert under sanitizers";
   }
   DistributedFilter filter = knows(kNearACorner);
-  const models::DetectionSet* looks[1] = {nullptr};
+  const models::RobotMeasurement* looks[1] = {nullptr};
   std::size_t allocations = 0;
   for (int k = 1; k <= 40; ++k) {
-    const models::DetectionSet look = look_of("Q1", k, beside(kNearACorner, k));
+    const models::RobotMeasurement look = look_of("Q1", k, beside(kNearACorner, k));
     looks[0] = &look;
     const StepInput input{instant(k), look.viewpoint, looks, {}};
     const vantage::test::AllocationCounter counter;

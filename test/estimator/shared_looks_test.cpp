@@ -29,7 +29,8 @@ struct SharedLooks {
   std::optional<DistributedFilter> central;
   std::vector<Eigen::Vector2d> truth;
   std::vector<models::RobotBelief> beliefs;
-  std::vector<std::vector<models::DetectionSet>> waiting;  ///< observations in transit to a robot
+  std::vector<std::vector<models::RobotMeasurement>>
+      waiting;  ///< observations in transit to a robot
   std::mt19937_64 rng;
   models::SensorModel sensor;
 
@@ -66,12 +67,12 @@ struct SharedLooks {
     for (Eigen::Vector2d& y_m : truth) {
       y_m += std::sqrt(0.1 * 0.5) * test::normal_vector(2, rng);
     }
-    std::vector<models::DetectionSet> looks;
+    std::vector<models::RobotMeasurement> looks;
     std::vector<models::Viewpoint> from;
     for (std::size_t i = 0; i < kRobots; ++i) {
       const double angle_rad = 0.3 * k + 1.6 * static_cast<double>(i);
       from.push_back(at(2.0 * std::cos(angle_rad), 2.0 * std::sin(angle_rad), angle_rad));
-      models::DetectionSet look = look_at(sensor, instant(k), from[i], truth, rng);
+      models::RobotMeasurement look = look_at(sensor, instant(k), from[i], truth, rng);
       look.robot = name(i);
       std::erase_if(look.detections, [&](const models::Detection& d) {
         return !models::in_view(sensor, from[i], truth[static_cast<std::size_t>(d.target_id)]);
@@ -81,9 +82,9 @@ struct SharedLooks {
     std::vector<models::RobotBelief> next;
     for (std::size_t i = 0; i < kRobots; ++i) {
       auto [used, heard] =
-          test::heard_by(i, looks, beliefs, [&](std::size_t j) { return hears(k, i, j); });
+          test::received_by(i, looks, beliefs, [&](std::size_t j) { return hears(k, i, j); });
       std::shuffle(used.begin(), used.end(), rng);
-      for (const models::DetectionSet& look : std::vector(used)) {
+      for (const models::RobotMeasurement& look : std::vector(used)) {
         if (k % 5 == 0 && look.robot != name(i)) {
           used.push_back(look);  // from another run of its sensor, which the bus accepts as new
         }
@@ -177,9 +178,9 @@ TEST(SharedMeasurements, ThatArriveLateGiveTheBeliefOfTimelyOnes) {
   for (DistributedFilter* filter : {&timely, &late, &maker, &central}) {
     filter->rebase(test::prior(instant(0), start));
   }
-  std::vector<models::DetectionSet> held;
+  std::vector<models::RobotMeasurement> held;
   for (int k = 1; k <= 12; ++k) {
-    models::DetectionSet look =
+    models::RobotMeasurement look =
         look_at(sensor, instant(k), at(0, 0), {Eigen::Vector2d(1.2, 0.8)}, rng);
     look.robot = "Q2";
     held.push_back(look);
@@ -189,7 +190,7 @@ TEST(SharedMeasurements, ThatArriveLateGiveTheBeliefOfTimelyOnes) {
     const bool is_due = k > 2;
     take_step(late, instant(k), at(0, 0),
               is_due ? std::vector{held[static_cast<std::size_t>(k - 3)]}
-                     : std::vector<models::DetectionSet>{},
+                     : std::vector<models::RobotMeasurement>{},
               {made});
     // Neither is more certain than a filter that received each observation once.
     for (const DistributedFilter* filter : {&timely, &late}) {
@@ -206,7 +207,7 @@ TEST(SharedMeasurements, OfTeammatesOutOfRangeAreIgnored) {
   FilterSpec spec = team.robots[0].spec();
   spec.communication_range_m = 1.0;
   DistributedFilter filter(spec);
-  models::DetectionSet look =
+  models::RobotMeasurement look =
       look_at(team.sensor, instant(1), at(5, 0), {Eigen::Vector2d(1.0, 1.0)}, team.rng);
   look.robot = "Q1";
   EXPECT_TRUE(take_step(filter, instant(1), at(0, 0), {look}).targets.empty());

@@ -108,10 +108,10 @@ TEST(OwnPose, IsTheVisiblePoseOfTheRobot) {
 TEST(HasViewpoint, IsTrueForAMeasurementWithinTheStep) {
   const Duration step = from_seconds(0.5);
   const auto has = [&](const char* robot, Time time) {
-    models::DetectionSet look;
+    models::RobotMeasurement look;
     look.robot = robot;
     look.stamp.time = time;
-    return has_viewpoint({{{}, std::make_shared<const models::DetectionSet>(look)}}, "Q1",
+    return has_viewpoint({{{}, std::make_shared<const models::RobotMeasurement>(look)}}, "Q1",
                          instant(3), step);
   };
   EXPECT_TRUE(has("Q1", instant(3)));
@@ -129,13 +129,13 @@ TEST(MakeStep, UsesTheLastViewpoint) {
   DistributedFilter filter(spec);
   StepMaterial material;
   const auto add = [&](const char* robot, Time time, double x_m) {
-    models::DetectionSet look;
+    models::RobotMeasurement look;
     look.robot = robot;
     look.stamp.time = time;
     look.viewpoint = test::at(x_m, 0.0);
     const auto number = static_cast<std::int64_t>(material.looks.size());
     material.looks.push_back(
-        {{"MEASUREMENT_Q1", 3, number}, std::make_shared<const models::DetectionSet>(look)});
+        {{"MEASUREMENT_Q1", 3, number}, std::make_shared<const models::RobotMeasurement>(look)});
   };
   add("Q1", instant(2), 1.0);  // belongs to the previous step
   add("Q1", instant(3) - Duration{9}, 2.0);

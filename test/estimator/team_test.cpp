@@ -41,15 +41,15 @@ class Team {
 
   /// Makes one step of all robots; `looks[i]` is what robot i observed from `from[i]`.
   void step(int k, const std::vector<models::Viewpoint>& from,
-            const std::vector<models::DetectionSet>& looks) {
+            const std::vector<models::RobotMeasurement>& looks) {
     std::vector<models::RobotBelief> next;
     for (std::size_t i = 0; i < filters_.size(); ++i) {
-      next.push_back(take_step(filters_[i], instant(k), from[i], {looks[i]}, heard_by(i)));
+      next.push_back(take_step(filters_[i], instant(k), from[i], {looks[i]}, received_by(i)));
     }
     beliefs_ = next;
   }
 
-  [[nodiscard]] std::vector<models::RobotBelief> heard_by(std::size_t i) const {
+  [[nodiscard]] std::vector<models::RobotBelief> received_by(std::size_t i) const {
     std::vector<models::RobotBelief> heard;
     for (std::size_t j = 0; j < filters_.size(); ++j) {
       if (j != i && !beliefs_[j].robot.empty()) {
@@ -95,7 +95,7 @@ TEST(Team, ConvergesOnAConnectedGraph) {
     team.start(start);
     std::size_t next = 0;
     for (int k = 1; k <= checkpoints.back(); ++k) {
-      std::vector<models::DetectionSet> looks;
+      std::vector<models::RobotMeasurement> looks;
       for (std::size_t i = 0; i < 5; ++i) {
         looks.push_back(look_at(sensors[i], instant(k), from[i], truth, rng));
       }
@@ -144,7 +144,7 @@ TEST(Team, IsNeverMoreCertainThanTheCentralFilter) {
     double least = 1.0;
     for (int k = 1; k <= 200; ++k) {
       std::vector<models::Viewpoint> from;
-      std::vector<models::DetectionSet> looks;
+      std::vector<models::RobotMeasurement> looks;
       for (Eigen::Matrix2d& omega : central) {
         omega = (omega.inverse() + 0.05 * 0.5 * Eigen::Matrix2d::Identity()).inverse().eval();
       }
@@ -154,7 +154,7 @@ TEST(Team, IsNeverMoreCertainThanTheCentralFilter) {
         std::erase_if(looks[i].detections, [&](const auto&) { return !sees(rng); });
         // Information that the observation adds to robot i's own step without it.
         DistributedFilter blind = team.filter(i);
-        take_step(blind, instant(k), from[i], {}, team.heard_by(i));
+        take_step(blind, instant(k), from[i], {}, team.received_by(i));
         for (const models::Detection& d : looks[i].detections) {
           const models::Information before = blind.track(d.target_id).information;
           models::Information after = before;
@@ -197,7 +197,7 @@ TEST(Team, IsConsistent) {
       for (Eigen::Vector2d& y_m : truth) {
         y_m += std::sqrt(0.02 * 0.5) * test::normal_vector(2, rng);
       }
-      std::vector<models::DetectionSet> looks;
+      std::vector<models::RobotMeasurement> looks;
       for (std::size_t i = 0; i < kRobots; ++i) {
         looks.push_back(look_at(sensors[i], instant(k), from[i], truth, rng));
         std::erase_if(looks[i].detections, [&](const auto&) { return !sees(rng); });

@@ -188,7 +188,7 @@ TEST(CentralFilter, AppliesMissesBeforeDetections) {
   const models::TargetModel model{TargetKind::kRandomWalk, 2, 0.1};
   const std::vector<Gaussian> priors = {around(5.0, 0.5, 0.6), around(-3.0, 1.0, 0.6)};
   std::mt19937_64 rng(4);
-  std::vector<models::DetectionSet> looks(3);
+  std::vector<models::RobotMeasurement> looks(3);
   looks[0].viewpoint = at(1.0, 0.0);
   looks[0].detections = {
       {0, models::sample(sensor, looks[0].viewpoint, Eigen::Vector2d(5.2, 0.4), rng)}};

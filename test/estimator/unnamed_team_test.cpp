@@ -57,12 +57,12 @@ class Scene {
  public:
   explicit Scene(unsigned seed) : rng_(seed) {}
 
-  std::vector<models::DetectionSet> looks(int k) {
+  std::vector<models::RobotMeasurement> looks(int k) {
     for (Eigen::Vector2d& y_m : targets_m_) {
       y_m += std::sqrt(0.02 * 0.5) * test::normal_vector(2, rng_);
       y_m = y_m.cwiseMax(-3.5).cwiseMin(3.5);
     }
-    std::vector<models::DetectionSet> out;
+    std::vector<models::RobotMeasurement> out;
     for (std::size_t i = 0; i < kRobots; ++i) {
       out.push_back(look(k, i));
     }
@@ -75,10 +75,10 @@ class Scene {
   std::mt19937_64& rng() { return rng_; }
 
  private:
-  models::DetectionSet look(int k, std::size_t robot) {
+  models::RobotMeasurement look(int k, std::size_t robot) {
     const FilterSpec spec = spec_of(robot);
     std::uniform_real_distribution<double> share(0.0, 1.0);
-    models::DetectionSet seen;
+    models::RobotMeasurement seen;
     seen.stamp.time = instant(k);
     seen.robot = spec.robot;
     seen.viewpoint = place(k, robot);
@@ -134,11 +134,11 @@ struct Team {
 
   template <class Hears>
   void step(int k, const Hears& hears) {
-    const std::vector<models::DetectionSet> looks = scene.looks(k);
+    const std::vector<models::RobotMeasurement> looks = scene.looks(k);
     std::vector<models::RobotBelief> next;
     for (std::size_t i = 0; i < kRobots; ++i) {
-      test::Heard heard =
-          test::heard_by(i, looks, beliefs, [&](std::size_t j) { return hears(k, i, j); });
+      test::Received heard =
+          test::received_by(i, looks, beliefs, [&](std::size_t j) { return hears(k, i, j); });
       if (!is_told_beliefs) {
         heard.beliefs.clear();
       }
@@ -176,8 +176,8 @@ TEST(UnnamedTeam, UsesEachMeasurementOnce) {
   DistributedFilter once(spec_of(0));
   DistributedFilter twice(spec_of(0));
   for (int k = 1; k <= 40; ++k) {
-    const std::vector<models::DetectionSet> looks = scene.looks(k);
-    std::vector<models::DetectionSet> repeated = looks;
+    const std::vector<models::RobotMeasurement> looks = scene.looks(k);
+    std::vector<models::RobotMeasurement> repeated = looks;
     repeated.insert(repeated.end(), looks.begin(), looks.end());
     const auto one = take_step(once, instant(k), Scene::place(k, 0), looks);
     expect_same(take_step(twice, instant(k), Scene::place(k, 0), repeated), one);
@@ -189,11 +189,11 @@ TEST(UnnamedTeam, UsesALateMeasurementAtItsTime) {
   Scene scene(3);
   DistributedFilter timely(spec_of(0));
   DistributedFilter late(spec_of(0));
-  std::vector<models::DetectionSet> held;
+  std::vector<models::RobotMeasurement> held;
   for (int k = 1; k <= 40; ++k) {
-    const std::vector<models::DetectionSet> looks = scene.looks(k);
+    const std::vector<models::RobotMeasurement> looks = scene.looks(k);
     const auto one = take_step(timely, instant(k), Scene::place(k, 0), looks);
-    std::vector<models::DetectionSet> arrived = held;
+    std::vector<models::RobotMeasurement> arrived = held;
     arrived.push_back(looks[0]);
     held = {looks[1], looks[2]};
     if (k == 1 || k == 40) {  // a filter has no history before its first step
@@ -342,7 +342,7 @@ TEST(UnnamedTeam, AllocatesNothing) {
   std::size_t allocations = 0;
   for (int k = 1; k <= 60; ++k) {
     const auto looks = scene.looks(k);
-    const std::vector<const models::DetectionSet*> pointers = {&looks[0], &looks[1], &looks[2]};
+    const std::vector<const models::RobotMeasurement*> pointers = {&looks[0], &looks[1], &looks[2]};
     const std::vector<const models::RobotBelief*> beliefs = {&heard};
     StepInput input{instant(k), Scene::place(k, 0), pointers, {}};
     if (k > 1) {

@@ -133,7 +133,7 @@ TEST_P(ViconFlights, ErrorsMatchTheFiltersCovariance) {
       const models::Viewpoint from{flatten(eye), eye.translation_m.z()};
       const std::vector<Eigen::Vector2d> truth = {{targets[0][i][1], targets[0][i][2]},
                                                   {targets[1][i][1], targets[1][i][2]}};
-      models::DetectionSet look;
+      models::RobotMeasurement look;
       look.stamp.time = t;
       look.viewpoint = from;
       for (int m = 0; m < 2; ++m) {

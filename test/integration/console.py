@@ -28,7 +28,7 @@ folder = tempfile.mkdtemp()
 subprocess.run(["sh", "-c", f"lcm-gen --python --ppath {folder} {types}/*.lcm"], check=True)
 sys.path.insert(0, folder)
 from vantage_lcm.command_t import command_t  # noqa: E402
-from vantage_lcm.quadrotor_t import quadrotor_t  # noqa: E402
+from vantage_lcm.vehicle_t import vehicle_t  # noqa: E402
 
 PATIENCE_S, SETTLE_S = 10, 2
 WORDS = ["beat", "arm", "take-off", "follow", "hold", "land", "estop"]
@@ -41,7 +41,7 @@ def speak():
     number = 0
     while not is_over:
         for robot in ("Q1", "Q2"):
-            status = quadrotor_t()
+            status = vehicle_t()
             status.utime, status.sequence, status.run_id = int(time.time() * 1e6), number, 7
             status.robot, status.battery_share, status.plan_round = robot, 1.0, -1
             say(sender, "VEHICLE_" + robot, status.encode())
@@ -196,7 +196,7 @@ try:
     console = (binary, "console", "--url", URL)
     for keys, is_full in (((b"\x13",), False), ((b"\x1a", b"\x1c"), False), ((), True)):
         check_terminal(keys, is_full, console, True)
-    up = (binary, "up", scenario, "--fly", "--no-log", "--duration-s", "60", "--beside-others")
+    up = (binary, "up", scenario, "--fly", "--no-log", "--duration-s", "60", "--ignore-others")
     for keys, is_full in (((b"\x13",), False), ((), True)):
         check_terminal(keys, is_full, up, False)
     for text, orders, code in (("estop Q1\n", ["estop Q1"], 0),

@@ -26,11 +26,11 @@ TEST(ContactsLink, PublishesCollisionOfRealVehicles) {
   bus::VirtualClock clock(from_utime(1'700'000'000'000'000));
   bus::Bus judge_bus(*judge_link, 11);
   bus::Bus lab_bus(*lab_link, 22);
-  judge_bus.keep_time(clock);
+  judge_bus.use_clock(clock);
   const drivers::ContactsNode node(judge_bus, clock, scenario);
-  std::vector<models::ContactReport> heard;
-  lab_bus.subscribe<models::ContactReport>(
-      bus::kCollision, [&](const models::ContactReport& contact) { heard.push_back(contact); });
+  std::vector<models::CollisionReport> heard;
+  lab_bus.subscribe<models::CollisionReport>(
+      bus::kCollision, [&](const models::CollisionReport& contact) { heard.push_back(contact); });
 
   const auto start = clock.now();
   models::VehicleStatus status;
@@ -54,8 +54,8 @@ TEST(ContactsLink, PublishesCollisionOfRealVehicles) {
   while (heard.size() < 2 && lab_bus.handle(test::kPatience) > 0) {
   }
   ASSERT_EQ(heard.size(), 2U);
-  EXPECT_EQ(heard[0].kind, models::ContactKind::kNearMiss);
-  EXPECT_EQ(heard[1].kind, models::ContactKind::kCollision);
+  EXPECT_EQ(heard[0].kind, models::CollisionKind::kNearMiss);
+  EXPECT_EQ(heard[1].kind, models::CollisionKind::kCollision);
   EXPECT_EQ(heard[1].body_a + " " + heard[1].body_b, "Q1 Q2");
   EXPECT_GE(heard[1].stamp.time - start, std::chrono::milliseconds(490));
 }

@@ -80,7 +80,7 @@ bool is_outage(const std::string& what) { return what.starts_with("outage:"); }
 bool is_stall(const std::string& what) { return what.starts_with("stall:"); }
 
 /// True if the affected vehicle lands because of the event. A pose counts as lost after 0.5 s.
-bool grounds(const std::string& what) {
+bool causes_landing(const std::string& what) {
   return what == "cut" || what == "battery" || what == "motor" || what.ends_with("quadrotor") ||
          what.ends_with("vicon") || ((is_outage(what) || is_stall(what)) && silence_s(what) > 0.4);
 }
@@ -100,7 +100,7 @@ class Drill {
         events_(events),
         transport_(bus::open_transport(scenario.network.url)),
         bus_(*transport_, bus::random_run_id()),
-        desk_(bus_, {}, clock_.now()),
+        sender_(bus_, {}, clock_.now()),
         robots_(tools::robots_with_driver(scenario)),
         program_(robots_),
         program_since_(clock_.now()) {
@@ -121,8 +121,8 @@ class Drill {
     while (to_seconds(clock_.now() - program_since_) < kGiveUpS) {
       bus_.handle(std::chrono::milliseconds(10));
       const Time now = clock_.now();
-      desk_.tick(now);
-      if (!desk_.station().beats()) {
+      sender_.tick(now);
+      if (!sender_.station().sends_heartbeat()) {
         continue;
       }
       if (left_ == 0 && !has_grounded_ && program_.is_down()) {
@@ -162,7 +162,7 @@ class Drill {
       return;
     }
     if (follow_at_ && now >= *follow_at_) {
-      desk_.send(now, OperatorAction::kFollow, held_);
+      sender_.send(now, OperatorAction::kFollow, held_);
       follow_at_.reset();
       program_since_ = now;
     } else if (next_ && now >= *next_) {
@@ -171,14 +171,14 @@ class Drill {
     } else if (!next_ && !follow_at_ && silences_.empty() && cut_until_.empty() &&
                taken_until_.empty() && all(FlightState::kFollow)) {
       if (left_ == 0) {
-        program_.bring_down();
+        program_.land_all();
       } else {
         next_ = now + from_seconds(std::uniform_real_distribution<double>(1.5, 4.0)(rng_));
       }
     }
     if (!follow_at_) {
       for (const auto& order : program_.due(now)) {
-        desk_.send(now, order.action, order.robot);
+        sender_.send(now, order.action, order.robot);
       }
     }
   }
@@ -207,10 +207,10 @@ class Drill {
       }
     }
     if (left_ == 0 && silences_.empty() && to_seconds(now - last_act_) > kSilenceS) {
-      program_.bring_down();
+      program_.land_all();
     }
     for (const auto& order : program_.due(now)) {
-      desk_.send(now, order.action, order.robot);
+      sender_.send(now, order.action, order.robot);
     }
   }
 
@@ -218,7 +218,7 @@ class Drill {
   bool do_to(Time now, const std::string& what, const std::string& robot) {
     last_act_ = now;
     if (what == "hold") {
-      desk_.send(now, OperatorAction::kHold, robot);
+      sender_.send(now, OperatorAction::kHold, robot);
     } else if (what == "plan-loss") {
       silences_.push_back({"planner", robot, now + from_seconds(kSilenceS)});
       lanes_->rest(robot, now + from_seconds(kSilenceS + 1.5));
@@ -248,7 +248,7 @@ class Drill {
       program_ = tools::FlightProgram(robots_);
       has_grounded_ = false;
       if (left_ == 0) {
-        program_.bring_down();
+        program_.land_all();
       }
       return;
     }
@@ -264,7 +264,7 @@ class Drill {
     if (since_s > until_others_land_s && now >= next_order_) {
       for (const auto& [robot, state] : states_) {
         if (state == FlightState::kFollow || state == FlightState::kHold) {
-          desk_.send(now, OperatorAction::kLand, robot);
+          sender_.send(now, OperatorAction::kLand, robot);
         }
       }
       next_order_ = now + from_seconds(1.0);
@@ -279,7 +279,7 @@ class Drill {
       if (state == FlightState::kKilled) {
         is_there = true;
         if (now >= next_order_) {
-          desk_.send(now, OperatorAction::kArm, robot);
+          sender_.send(now, OperatorAction::kArm, robot);
         }
       }
     }
@@ -293,7 +293,7 @@ class Drill {
       const std::size_t chosen =
           std::uniform_int_distribution<std::size_t>(0, robots_.size())(rng_);
       held_ = chosen < robots_.size() ? robots_[chosen] : "";
-      desk_.send(now, OperatorAction::kHold, held_);
+      sender_.send(now, OperatorAction::kHold, held_);
       note(now, held_.empty() ? robots_ : std::vector{held_}, "hold");
       follow_at_ = now + from_seconds(kRestS);
       return;
@@ -304,7 +304,7 @@ class Drill {
 
   void strike(Time now, const std::string& robot) {
     round_ = what();
-    has_grounded_ = grounds(round_);
+    has_grounded_ = causes_landing(round_);
     last_act_ = now;
     next_victim_ = now + from_seconds(std::uniform_real_distribution<double>(0.5, 1.5)(rng_));
     victims_.insert(robot);
@@ -458,7 +458,7 @@ class Drill {
   bus::SystemClock clock_;
   std::unique_ptr<bus::Transport> transport_;
   bus::Bus bus_;
-  tools::OperatorDesk desk_;
+  tools::OrderSender sender_;
   std::vector<std::string> robots_;
   tools::FlightProgram program_;
   Time program_since_;

@@ -17,8 +17,8 @@ from lcm_socket import receiver_and_sender, say, sent_by
 sys.path.insert(0, sys.argv[1])
 from vantage_lcm.command_t import command_t  # noqa: E402
 from vantage_lcm.plan_t import plan_t  # noqa: E402
-from vantage_lcm.quadrotor_t import quadrotor_t  # noqa: E402
-from vantage_lcm.vicon_frame_t import vicon_frame_t  # noqa: E402
+from vantage_lcm.vehicle_t import vehicle_t  # noqa: E402
+from vantage_lcm.mocap_frame_t import mocap_frame_t  # noqa: E402
 
 IDLE, FOLLOW, LAND, EMERGENCY_STOP, ARM = 0, 1, 5, 6, 1
 SPAN_S, WAIT_S = 8.0, 100.0
@@ -61,7 +61,7 @@ def forge(channel, message, true):
 
 
 def kinds(channel):
-    return (vicon_frame_t if channel == "VICON" else
+    return (mocap_frame_t if channel == "VICON" else
             command_t if channel == "COMMAND" else plan_t)
 
 
@@ -70,7 +70,7 @@ start = time.monotonic()
 give_up = start + WAIT_S
 for channel, payload in heard():
     if channel and channel.startswith("VEHICLE_"):
-        status = quadrotor_t.decode(payload)
+        status = vehicle_t.decode(payload)
         words = (status.state, *status.reasons)
         if said.get(status.robot) != words:
             changes.append(f"{time.monotonic() - start:7.2f} s {status.robot}: {words}")
@@ -91,7 +91,7 @@ for channel, payload in heard():
     if since_s > SPAN_S:
         break
     if channel == "VICON":
-        frame = vicon_frame_t.decode(payload)
+        frame = mocap_frame_t.decode(payload)
         frame.sequence += 1
         for body in frame.bodies:
             position = list(body.position_world_m)

@@ -16,14 +16,14 @@ fly() {
   for _ in 1 2 3; do
     status=0 forged=0
     rm -f "$dir/$1.lcmlog"
-    "$bin/vantage" up "$2" --fly --beside-load --url "$url" --log "$dir/$1.lcmlog" --json \
+    "$bin/vantage" up "$2" --fly --ignore-load --url "$url" --log "$dir/$1.lcmlog" --json \
       > "$dir/$1.json" 2> "$dir/$1.err" & up=$!
     python3 "$here/forge_live.py" "$dir/py" "$dir/$1.span" || forged=$?
     kill -INT "$up"
     wait "$up" || status=$?
     cat "$dir/$1.json"; echo
     if [[ $forged == 0 ]]; then
-      [[ $status == 0 ]] || is_the_machines "$1"
+      [[ $status == 0 ]] || is_machine_overload "$1"
       return
     fi
     [[ $forged == 3 ]] && "$bin/hil_check" --held-up "$dir/$1.lcmlog" || break

@@ -14,7 +14,7 @@ import sys
 
 sys.path.insert(0, sys.argv[1])
 from vantage_lcm.health_t import health_t  # noqa: E402
-from vantage_lcm.quadrotor_t import quadrotor_t  # noqa: E402
+from vantage_lcm.vehicle_t import vehicle_t  # noqa: E402
 
 # Reasons for which a driver lands when a stream is silent. A forged order has no reason, a false pose another.
 SILENCES = {"pose lost", "operator lost", "autopilot lost"}
@@ -39,7 +39,7 @@ refused = collections.defaultdict(dict)
 landed_for = {}  # reasons of each vehicle when it began to land
 for utime, channel, data in events(sys.argv[2]):
     if channel.startswith("VEHICLE_") and begin <= utime <= end:
-        status = quadrotor_t.decode(data)
+        status = vehicle_t.decode(data)
         seen[status.robot][NAMES[status.state]] += 1
         rounds[status.robot].add(status.plan_round)
         if NAMES[status.state] == "land" and status.robot not in landed_for:

@@ -6,7 +6,7 @@
 rounds=$3
 level=("${@:4}")
 
-"$bin/vantage" up "$scenario" --fly --beside-load --log "$dir/flight.lcmlog" --json > "$dir/flight.json" 2> "$dir/flight.err" &
+"$bin/vantage" up "$scenario" --fly --ignore-load --log "$dir/flight.lcmlog" --json > "$dir/flight.json" 2> "$dir/flight.err" &
 up=$!
 have_flown() { [[ -e $dir/flight.lcmlog ]] && "$bin/hil_check" --flown "$rounds" "$dir/flight.lcmlog"; }
 give_up=$((SECONDS + 110))
@@ -23,7 +23,7 @@ cat "$dir/flight.json" "$dir/flight.err"
 # 3, without other load, reached 1.14 to 1.173. Their drivers stop them at 1.3.
 "$bin/hil_check" --strict --speed-share 1.25 "$dir/flight.lcmlog" "${level[@]}"
 have_flown || "$bin/hil_check" --held-up "$dir/flight.lcmlog" || fail "not all robots have followed $rounds rounds"
-if [[ $status != 0 ]] && ! is_the_machines flight; then
+if [[ $status != 0 ]] && ! is_machine_overload flight; then
   echo "vantage up ended with $status"
   exit 1
 fi

@@ -77,7 +77,7 @@ void on_frame(const models::MocapFrame& frame, Seen& seen) {
 
 void take(const lcm::LogEvent& event, Seen& seen) {
   if (event.channel == "VICON") {
-    if (const auto frame = decode<models::MocapFrame, vantage_lcm::vicon_frame_t>(event)) {
+    if (const auto frame = decode<models::MocapFrame, vantage_lcm::mocap_frame_t>(event)) {
       on_frame(*frame, seen);
     }
   } else if (event.channel == "TRUTH") {
@@ -94,7 +94,7 @@ void take(const lcm::LogEvent& event, Seen& seen) {
       }
     }
   } else if (event.channel.starts_with("VEHICLE_")) {
-    if (const auto status = decode<models::VehicleStatus, vantage_lcm::quadrotor_t>(event)) {
+    if (const auto status = decode<models::VehicleStatus, vantage_lcm::vehicle_t>(event)) {
       Flight& flight = seen.flights[status->robot];
       flight.state = status->state;
       if (status->state == FlightState::kKilled || flight.rounds.empty()) {
@@ -176,8 +176,8 @@ void print_stops(const test::FlightRecord& record) {
     double beyond_m = -1e9;
     const drivers::SafetyLimits limits = drivers::limits_for(*record.scenario(), robot);
     for (const test::Stop& stop : stops) {
-      beyond_m =
-          std::max(beyond_m, stop.distance_m - drivers::stopping_way_m(limits, stop.speed_mps));
+      beyond_m = std::max(beyond_m,
+                          stop.distance_m - drivers::stopping_distance_m(limits, stop.speed_mps));
       if (stop.distance_m > farthest_m) {
         farthest_m = stop.distance_m;
         fastest_mps = stop.speed_mps;
@@ -233,13 +233,13 @@ constexpr double kMovingMps = 0.1;
 // Without an operator it also follows its plan until the absence is detected.
 double budget_m(const std::string& what, const drivers::SafetyLimits& limits, double speed_mps) {
   if (what == "hold") {
-    return drivers::stopping_way_m(limits, speed_mps);
+    return drivers::stopping_distance_m(limits, speed_mps);
   }
   if (what == "stop:up") {
     const double plan_mps = limits.vehicle.speed_max_mps;
-    return limits.operator_age_hold_s * plan_mps + drivers::stopping_way_m(limits, plan_mps);
+    return limits.operator_age_hold_s * plan_mps + drivers::stopping_distance_m(limits, plan_mps);
   }
-  return drivers::lost_way_m(limits, speed_mps);
+  return drivers::stopping_distance_after_loss_m(limits, speed_mps);
 }
 
 void judge_events(const std::string& path, const test::FlightRecord& record) {
@@ -295,7 +295,7 @@ void judge_events(const std::string& path, const test::FlightRecord& record) {
 
 struct Options {
   bool is_strict = false;
-  bool asks_held_up = false;
+  bool checks_held_up = false;
   bool asks_collisions = false;
   std::optional<std::size_t> flown_rounds;
   std::string events;
@@ -313,7 +313,7 @@ std::optional<Options> options_of(const std::vector<std::string>& arguments) {
     if (arguments[i] == "--strict") {
       out.is_strict = true;
     } else if (arguments[i] == "--held-up") {
-      out.asks_held_up = true;
+      out.checks_held_up = true;
     } else if (arguments[i] == "--collisions") {
       out.asks_collisions = true;
     } else if (arguments[i] == "--flown" && has_value) {
@@ -362,7 +362,7 @@ int main(int argc, char** argv) {
   if (held_up) {
     std::printf("HELD UP, so what takes time is not judged: %s\n", held_up->c_str());
   }
-  if (options->asks_held_up) {
+  if (options->checks_held_up) {
     return held_up ? 0 : 1;
   }
   const bool is_clear = judge_collisions(record, options->bounds);

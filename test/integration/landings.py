@@ -46,8 +46,8 @@ IDLE, KILLED = 0, 4
 class Witness:
     """Keeps the newest TRUTH and VEHICLE_* messages of the network."""
 
-    def __init__(self, truth_t, quadrotor_t):
-        self.types = {"TRUTH": truth_t, "VEHICLE": quadrotor_t}
+    def __init__(self, truth_t, vehicle_t):
+        self.types = {"TRUTH": truth_t, "VEHICLE": vehicle_t}
         self.receiver, _ = receiver_and_sender()
         self.receiver.settimeout(0.2)
         self.newest = {}
@@ -271,14 +271,14 @@ def main():
     with tempfile.TemporaryDirectory() as types:
         subprocess.run(["sh", "-c", f"lcm-gen --python --ppath {types} {arguments.types}/*.lcm"], check=True)
         sys.path.insert(0, types)
-        from vantage_lcm.quadrotor_t import quadrotor_t
+        from vantage_lcm.vehicle_t import vehicle_t
         from vantage_lcm.truth_t import truth_t
         failed = 0
         for event in arguments.events:
             for _ in range(arguments.times):
                 with tempfile.TemporaryDirectory() as folder:
                     try:
-                        Trial(arguments, folder, event, (truth_t, quadrotor_t)).run()
+                        Trial(arguments, folder, event, (truth_t, vehicle_t)).run()
                     except (AssertionError, StopIteration, subprocess.TimeoutExpired) as error:
                         failed += 1
                         print(f"{event}: FAILED: {error}", flush=True)

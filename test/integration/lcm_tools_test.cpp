@@ -190,7 +190,7 @@ TEST_F(LcmTools, KeepSignedMessagesAndReplayIsRefused) {
   bus::Bus witness(*witness_link, 2);  // has the same keys and a clock one minute later
   bus::VirtualClock later(clock.now() + std::chrono::minutes(1));
   witness.secure(test::authenticator(keys), later);
-  witness.keep_time(later);
+  witness.use_clock(later);
   int believed = 0;
   witness.subscribe<models::MocapFrame>(bus::kVicon, [&](const auto&) { ++believed; });
   const auto reader_link = bus::open_transport(test::kUrl);

@@ -34,7 +34,7 @@ struct Waiting {
     transport->subscribe("A", [this](std::string_view, const bus::Payload&) { ++heard; });
   }
   /// True if a message of its own comes back within a few tries.
-  bool hears_itself() {
+  bool receives_own_message() {
     const int before = heard;
     for (int i = 0; i < 100 && heard == before; ++i) {
       transport->publish("A", test::random_bytes(10, 1));
@@ -55,16 +55,16 @@ void ip(const std::string& words) { ASSERT_EQ(std::system(("ip " + words).c_str(
 
 TEST(UdpmWithoutRoute, JoinsWhenRouteAppearsAndAgainAfterLoss) {
   Waiting waiting;
-  EXPECT_FALSE(waiting.hears_itself());
+  EXPECT_FALSE(waiting.receives_own_message());
   ASSERT_EQ(waiting.reports.size(), 1U) << "once, however often it tries";
   EXPECT_NE(waiting.reports[0].find("cannot join"), std::string::npos) << waiting.reports[0];
   EXPECT_EQ(waiting.transport->stats().network_losses, 1);
   for (int loss = 1; loss <= 2; ++loss) {
     ip("route add 224.0.0.0/4 dev lo");
-    EXPECT_TRUE(waiting.hears_itself());
+    EXPECT_TRUE(waiting.receives_own_message());
     EXPECT_TRUE(waiting.reports_at_last("the network is back")) << waiting.reports.back();
     ip("route del 224.0.0.0/4 dev lo");
-    EXPECT_FALSE(waiting.hears_itself());
+    EXPECT_FALSE(waiting.receives_own_message());
     EXPECT_TRUE(waiting.reports_at_last("nothing can be sent")) << waiting.reports.back();
     EXPECT_EQ(waiting.transport->stats().network_losses, loss + 1);
   }
@@ -75,9 +75,9 @@ TEST(UdpmWithoutRoute, JoinsWhenRouteAppearsAndAgainAfterLoss) {
     ip("addr add 10.9.9.9/24 dev card");
     ip("link set card up multicast on");
     ip("route add 224.0.0.0/4 dev card");
-    EXPECT_TRUE(waiting.hears_itself()) << card;
+    EXPECT_TRUE(waiting.receives_own_message()) << card;
     ip("link del card");
-    EXPECT_FALSE(waiting.hears_itself());
+    EXPECT_FALSE(waiting.receives_own_message());
     ip("link add card type veth peer name other_end");
   }
   ip("link del card");

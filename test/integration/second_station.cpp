@@ -8,9 +8,9 @@
 #include <unistd.h>
 
 #include "drivers/quadrotor/dialect.hpp"
+#include "wire/mavlink/constants.hpp"
 #include "wire/mavlink/frame.hpp"
 #include "wire/mavlink/parameter.hpp"
-#include "wire/mavlink/vocabulary.hpp"
 
 namespace vantage::test {
 namespace {

@@ -56,7 +56,7 @@ int main(int argc, char** argv) {
   write_both<models::PlanProposal>(folder, "PROPOSAL_Q1", sampler);
   write_both<models::TeamProposal>(folder, "TEAM_PROPOSAL_Q1", sampler);
   write_both<models::VehicleStatus>(folder, "VEHICLE_Q1", sampler);
-  write_both<models::DetectionSet>(folder, "MEASUREMENT_Q1", sampler);
+  write_both<models::RobotMeasurement>(folder, "MEASUREMENT_Q1", sampler);
   write_both<models::RangeScan>(folder, "SCAN_Q1", sampler);
   write_both<models::RobotBelief>(folder, "BELIEF_Q1", sampler);
   write_both<models::BeliefMixture>(folder, "MIXTURE_Q1", sampler);
@@ -64,7 +64,7 @@ int main(int argc, char** argv) {
   write_both<models::AttackNotice>(folder, "ATTACK", sampler);
   write_both<models::ScenarioNotice>(folder, "SCENARIO", sampler);
   write_both<models::TruthFrame>(folder, "TRUTH", sampler);
-  write_both<models::ContactReport>(folder, "COLLISION", sampler);
+  write_both<models::CollisionReport>(folder, "COLLISION", sampler);
   write_both<models::ProcessHealth>(folder, "HEALTH_A", sampler);
   write_both<models::HostReport>(folder, "HOST_A", sampler);
   return 0;

@@ -23,7 +23,7 @@ subprocess.run(["sh", "-c", f"lcm-gen --python --ppath {folder} {types}/*.lcm"],
 sys.path.insert(0, str(folder))
 from vantage_lcm.collision_t import collision_t  # noqa: E402
 from vantage_lcm.host_t import host_t  # noqa: E402
-from vantage_lcm.quadrotor_t import quadrotor_t  # noqa: E402
+from vantage_lcm.vehicle_t import vehicle_t  # noqa: E402
 
 ESCAPE = "\x1b]0;owned\x07"
 MEMORY_MAX_KIB = 200_000
@@ -44,7 +44,7 @@ def forge():
         host.host = f"X{number % 6000}" + ESCAPE
         say(sender, "HOST_X", host.encode())
         say(sender, f"HOST_{host.host}"[:60], host.encode())
-        status = stamped(quadrotor_t(), number)
+        status = stamped(vehicle_t(), number)
         status.robot, status.plan_round = "Q9", -1
         say(sender, "VEHICLE_Q9", status.encode())
         contact = stamped(collision_t(), number)

@@ -128,7 +128,7 @@ class UdpmCards : public ::testing::Test {
       test::collect(*transport, "*", heard);
     }
     /// Publishes END; returns the channels that were received until END comes back.
-    std::string hear_all() {
+    std::string receive_until_end() {
       transport->publish("END", Bytes{1});
       test::handle_until(*transport, [&] { return !heard.empty() && heard.back().first == "END"; });
       std::string out;
@@ -152,10 +152,10 @@ TEST_F(UdpmCards, AreSeparate) {
   ASSERT_TRUE(b.transport->publish("B", Bytes{1}));
   ASSERT_TRUE(lo.transport->publish("LO", Bytes{1}));
   ASSERT_TRUE(a_by_address.transport->publish("A2", Bytes{1}));
-  EXPECT_EQ(lo.hear_all(), "LO END ");
-  EXPECT_EQ(b.hear_all(), "B END ");
-  EXPECT_EQ(a.hear_all(), "A A2 END ");
-  EXPECT_EQ(a_by_address.hear_all(), "A A2 END END ");
+  EXPECT_EQ(lo.receive_until_end(), "LO END ");
+  EXPECT_EQ(b.receive_until_end(), "B END ");
+  EXPECT_EQ(a.receive_until_end(), "A A2 END ");
+  EXPECT_EQ(a_by_address.receive_until_end(), "A A2 END END ");
 }
 
 TEST_F(UdpmCards, TransmitOverTheirCable) {
@@ -176,7 +176,7 @@ TEST_F(UdpmCards, TransmitOverTheirCable) {
   // Both ends of the cable belong to one host. Its kernel (early demultiplexing of multicast, with
   // accept_local) sometimes also delivers a datagram to the socket of the other end: END comes
   // twice. HERE was never on the cable, so it does not arrive.
-  EXPECT_EQ(far_b.hear_all().find("HERE"), std::string::npos)
+  EXPECT_EQ(far_b.receive_until_end().find("HERE"), std::string::npos)
       << "a time to live of 0 does not leave the host";
 }
 

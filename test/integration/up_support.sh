@@ -50,7 +50,7 @@ plans_go_on() {
 
 # True if the only remarks of `vantage up` (files $dir/$1.json, .err and .lcmlog) are effects of an overloaded
 # machine: a log that was late but is whole, or collisions that are then not judged.
-is_the_machines() {
+is_machine_overload() {
   local remarks
   remarks=$(grep '^vantage: ' "$dir/$1.err" || true)
   case $remarks in

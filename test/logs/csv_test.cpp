@@ -48,7 +48,7 @@ std::vector<std::vector<std::string>> parsed(const std::string& text) {
 }
 
 TEST(CsvTable, WritesOneLinePerElement) {
-  vantage_lcm::vicon_frame_t frame{};
+  vantage_lcm::mocap_frame_t frame{};
   frame.utime = 5;
   frame.sequence = 7;
   frame.num_bodies = 2;
@@ -57,7 +57,7 @@ TEST(CsvTable, WritesOneLinePerElement) {
   frame.bodies[1].name = "a \"b\", c";
   frame.bodies[1].position_world_m[2] = 1.25;
   frame.bodies[1].occluded = true;
-  const CsvTable table(schema_of("vicon_frame_t"));
+  const CsvTable table(schema_of("mocap_frame_t"));
   const auto lines = parsed(table.header() + table.lines(from_utime(9), test::encoded(frame)));
   ASSERT_EQ(lines.size(), 3U);
   const auto cell = [&](std::size_t line, const std::string& column) {
@@ -76,8 +76,8 @@ TEST(CsvTable, WritesOneLinePerElement) {
 }
 
 TEST(CsvTable, WritesOneLineForAnEmptyMessage) {
-  vantage_lcm::vicon_frame_t frame{};
-  const CsvTable table(schema_of("vicon_frame_t"));
+  vantage_lcm::mocap_frame_t frame{};
+  const CsvTable table(schema_of("mocap_frame_t"));
   const auto lines = parsed(table.lines(from_utime(9), test::encoded(frame)));
   ASSERT_EQ(lines.size(), 1U);
   EXPECT_EQ(lines[0].back(), "");

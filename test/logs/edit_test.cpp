@@ -166,7 +166,7 @@ TEST_F(Edit, RepairsAThousandDamagedLogs) {
     const Bytes bytes = test::read_file(mended);
     ASSERT_TRUE(survey_log(bytes).is_whole()) << "seed " << seed;
     LogScan scan(bytes);
-    std::optional<PlacedEvent> event = scan.next();
+    std::optional<LocatedEvent> event = scan.next();
     const auto is = [&](const LogEvent& wanted) {
       return event->time == wanted.time && event->channel == wanted.channel &&
              std::equal(event->data.begin(), event->data.end(), wanted.data.begin(),

@@ -143,7 +143,7 @@ TEST_F(ExportTest, ToRos2OmitsTypesWithoutCounterpart) {
 
 TEST_F(ExportTest, ToMcapContainsPicturesOnlyWithTheScene) {
   add<models::MocapFrame>("VICON");
-  add<models::ContactReport>("COLLISION");
+  add<models::CollisionReport>("COLLISION");
   const IndexedLog whole = log();
   ChannelFilter none({"NOBODY"}, {});
   EXPECT_EQ(export_mcap(whole, folder_.file("a.mcap"), none, false).messages, 0U);
@@ -185,13 +185,13 @@ std::vector<std::string> cells(const std::string& line) {
 }
 
 TEST(CsvTable, HasColumnsInFieldOrder) {
-  const CsvTable table(*bus::find_wire_schema("vicon_frame_t"));
+  const CsvTable table(*bus::find_wire_schema("mocap_frame_t"));
   EXPECT_EQ(table.header(),
             "log_utime,utime,run_id,sequence,arrival_utime,frame_number,num_bodies,bodies.name,"
             "bodies.position_world_m_0,bodies.position_world_m_1,bodies.position_world_m_2,"
             "bodies.quaternion_wxyz_0,bodies.quaternion_wxyz_1,bodies.quaternion_wxyz_2,"
             "bodies.quaternion_wxyz_3,bodies.occluded\r\n");
-  vantage_lcm::vicon_frame_t frame{};
+  vantage_lcm::mocap_frame_t frame{};
   frame.utime = 1;
   frame.run_id = 2;
   frame.sequence = 3;
@@ -201,7 +201,7 @@ TEST(CsvTable, HasColumnsInFieldOrder) {
   frame.num_bodies = 2;
   frame.bodies.resize(2);
   for (int i = 0; i < 2; ++i) {
-    vantage_lcm::body_t& body = frame.bodies[static_cast<std::size_t>(i)];
+    vantage_lcm::mocap_body_t& body = frame.bodies[static_cast<std::size_t>(i)];
     body.name = i == 0 ? "Q1" : "Q2";
     for (int k = 0; k < 3; ++k) {
       body.position_world_m[k] = 10 * i + k + 0.5;

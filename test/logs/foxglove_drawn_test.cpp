@@ -63,7 +63,7 @@ TEST(PlanScene, IsColouredByPlanKind) {
     return entity.at("lines")[0].at("color");
   };
   EXPECT_EQ(colour(own), to_json(own));
-  EXPECT_EQ(rgb(colour(std::nullopt)), robot_look(0).body_paint().middle());
+  EXPECT_EQ(rgb(colour(std::nullopt)), robot_appearance(0).body_paint().middle());
   plan.source = models::PlanSource::kShifted;
   EXPECT_EQ(rgb(colour(own)), role("fallback"));
   plan.late = true;
@@ -179,7 +179,7 @@ TEST(TrackEntity, IsThePathInTheRobotsColour) {
 TEST(MeasurementScene, HasALinePerPositionDetection) {
   models::SensorModel sensor;
   sensor.kind = models::SensorKind::kPosition;
-  models::DetectionSet looked;
+  models::RobotMeasurement looked;
   looked.robot = "Q1";
   looked.stamp.time = kTime;
   looked.viewpoint = {{1.0, 2.0, kPi / 2}, 1.5};

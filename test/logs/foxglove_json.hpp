@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "logs/appearance/appearance.hpp"
 #include "logs/foxglove/parts.hpp"
-#include "logs/look/look.hpp"
 
 // Helpers that read the JSON sent to viewers.
 
@@ -36,7 +36,7 @@ inline std::uint32_t rgb(const Json& colour) {
   return out;
 }
 
-inline std::uint32_t role(const char* name) { return look().roles.at(name).middle(); }
+inline std::uint32_t role(const char* name) { return appearance().roles.at(name).middle(); }
 
 inline std::string told(const Json& entity, const std::string& key) {
   for (const Json& each : entity.at("metadata")) {

@@ -100,7 +100,7 @@ TEST(RobotsScene, DrawsDiscsWithAHeadingMark) {
     EXPECT_EQ(robot.at("frame_id"), spec.name);
     EXPECT_EQ(robot.at("frame_locked"), true) << "moves with its body";
     EXPECT_EQ(robot.at("timestamp"), to_json(kTime));
-    const RobotLook looks = robot_look(i);
+    const RobotAppearance looks = robot_appearance(i);
     const Json& body = robot.at("cylinders").at(0);
     const Eigen::Vector3d size_m = xyz(body.at("size"));
     EXPECT_EQ(size_m.x(), 2.0 * radius_m);
@@ -213,8 +213,8 @@ TEST(ViewsScene, IsTheSensorsGroundSector) {
   const auto fill_of = [&](std::size_t i) { return entities[i].at("triangles").at(0).at("color"); };
   EXPECT_EQ(rgb(line_of(1).at("color")), role("jammed"));
   EXPECT_EQ(rgb(fill_of(1)), role("jammed"));
-  EXPECT_EQ(rgb(fill_of(0)), robot_look(0).body_paint().middle());
-  EXPECT_EQ(rgb(line_of(2).at("color")), robot_look(2).body_paint().middle());
+  EXPECT_EQ(rgb(fill_of(0)), robot_appearance(0).body_paint().middle());
+  EXPECT_EQ(rgb(line_of(2).at("color")), robot_appearance(2).body_paint().middle());
   EXPECT_GT(line_of(1).at("thickness"), line_of(0).at("thickness"));
   EXPECT_GT(fill_of(1).at("a"), fill_of(0).at("a"));
   EXPECT_LT(fill_of(1).at("a"), line_of(1).at("color").at("a"));

@@ -230,7 +230,7 @@ TEST(Stream, PublishesTheAgeOfTheMeasurementBehindEachAction) {
   Notebook notebook;
   Stream stream(notebook);
   stream.on(lab_notice(), Time{});
-  models::DetectionSet look;
+  models::RobotMeasurement look;
   look.robot = "Q1";
   look.stamp = {from_utime(1'000'000), 11, 3};
   stream.on(look, Time{});
@@ -275,7 +275,7 @@ TEST(Stream, PublishesAScenarioOnceAndRestartsWithAnother) {
   Stream stream(notebook);
   stream.on(lab_notice(), from_utime(7));
   stream.on(belief_of("Q1", 100, {known(0, 1.0, 0.0, 0.5)}), from_utime(8));
-  stream.on(models::ContactReport{}, from_utime(8));
+  stream.on(models::CollisionReport{}, from_utime(8));
   stream.on(lab_notice(), from_utime(9));
   for (const char* topic : {"/scenario", "/world", "/targets", "/robots", "/views"}) {
     EXPECT_EQ(notebook.of(topic).size(), 1U) << topic;
@@ -370,7 +370,7 @@ TEST(Stream, NamesTargetsAndTracks) {
 TEST(Stream, PublishesNoAgeWithoutAMeasurement) {
   Notebook notebook;
   Stream stream(notebook);
-  models::DetectionSet look;
+  models::RobotMeasurement look;
   look.robot = "Q1";
   look.stamp = {from_utime(1'000'000), 1, 3};
   stream.on(look, Time{});
@@ -404,7 +404,7 @@ TEST(Stream, KeepsTheInputsOfTheNewestSixteenPlans) {
   Notebook notebook;
   Stream stream(notebook);
   for (std::int64_t round = 0; round < 17; ++round) {
-    models::DetectionSet look;
+    models::RobotMeasurement look;
     look.robot = "Q1";
     look.stamp = {from_utime(1'000'000 * round), 1, round};
     stream.on(look, Time{});
@@ -438,8 +438,8 @@ TEST(Stream, PassesEveryMessageKindToTheMetrics) {
   Notebook notebook;
   Stream stream(notebook);
   stream.on(lab_notice(), Time{});
-  models::ContactReport contact;
-  contact.kind = models::ContactKind::kCollision;
+  models::CollisionReport contact;
+  contact.kind = models::CollisionKind::kCollision;
   stream.on(contact, Time{});
   models::RobotPlan plan;
   plan.robot = "Q1";
@@ -465,7 +465,7 @@ TEST(Stream, PassesEveryMessageKindToTheMetrics) {
 TEST(Stream, DrawsMeasurementsOfTheScenariosRobots) {
   Notebook notebook;
   Stream stream(notebook);
-  models::DetectionSet look;
+  models::RobotMeasurement look;
   look.robot = "Q1";
   stream.on(look, Time{});
   stream.on(lab_notice(), Time{});

@@ -69,16 +69,16 @@ TEST(JsonSchema, DescribesEveryMessage) {
   test::Sampler sampler(7);
   feed_samples<models::MocapFrame>(stream, sampler, 20);
   feed_samples<models::TruthFrame>(stream, sampler, 20);
-  feed_samples<models::DetectionSet>(stream, sampler, 20);
+  feed_samples<models::RobotMeasurement>(stream, sampler, 20);
   feed_samples<models::RobotBelief>(stream, sampler, 20);
   feed_samples<models::RobotPlan>(stream, sampler, 20);
   feed_samples<models::TeamProposal>(stream, sampler, 20);
   feed_samples<models::VehicleStatus>(stream, sampler, 20);
   feed_samples<models::ProcessHealth>(stream, sampler, 20);
-  feed_samples<models::ContactReport>(stream, sampler, 20);
+  feed_samples<models::CollisionReport>(stream, sampler, 20);
   feed_samples<models::AttackNotice>(stream, sampler, 20);
   feed_samples<models::OperatorCommand>(stream, sampler, 20);
-  models::DetectionSet looked = test::sample<models::DetectionSet>(sampler);
+  models::RobotMeasurement looked = test::sample<models::RobotMeasurement>(sampler);
   looked.robot = "Q1";
   looked.detections.resize(1);
   looked.detections[0].measurement.z = Eigen::Vector2d(0.5, 0.1);
@@ -157,7 +157,7 @@ TEST(PlanScene, HasTheTrajectorysEnds) {
 
 TEST(MeasurementScene, DrawsToTheTargetAndIgnoresOtherSensors) {
   const models::SensorModel sensor;  // range and bearing
-  models::DetectionSet looked;
+  models::RobotMeasurement looked;
   looked.robot = "Q1";
   looked.viewpoint = {{1.0, 2.0, 0.3}, 1.5};
   models::PositionVector target(2);

@@ -189,7 +189,7 @@ TEST_F(Tracks, ShowVisibleBodiesInTeamColours) {
   ASSERT_EQ(entities.size(), 2U);
   EXPECT_EQ(entities[0].at("id"), "track/Q2");
   EXPECT_EQ(entities[0].at("timestamp"), to_json(kStart));
-  EXPECT_EQ(rgb(entities[0].at("lines")[0].at("color")), robot_look(1).body_paint().middle());
+  EXPECT_EQ(rgb(entities[0].at("lines")[0].at("color")), robot_appearance(1).body_paint().middle());
   EXPECT_EQ(entities[1].at("id"), "track/R1");
   EXPECT_EQ(rgb(entities[1].at("lines")[0].at("color")), role("truth"));
 }

@@ -215,10 +215,10 @@ TEST(TeamJson, DescribesTheNewestEvaluatedStep) {
   metrics.on_belief(belief("Q2", step, {}));
   metrics.on_belief(belief("Q1", step + from_seconds(0.5), {}));
   metrics.on_belief(belief("Q1", step + from_seconds(1.0), {}));
-  models::ContactReport contact;
-  contact.kind = models::ContactKind::kCollision;
+  models::CollisionReport contact;
+  contact.kind = models::CollisionKind::kCollision;
   metrics.on_contact(contact);
-  contact.kind = models::ContactKind::kNearMiss;
+  contact.kind = models::CollisionKind::kNearMiss;
   metrics.on_contact(contact);
   metrics.on_contact(contact);
   models::RobotPlan plan;
@@ -288,10 +288,11 @@ void expect_event(const std::optional<Event>& event, LogLevel level, const std::
 }
 
 TEST(EventOf, ReportsBodiesAndDistanceOfAContact) {
-  models::ContactReport contact{{kTime, 0, 0}, models::ContactKind::kNearMiss, "Q1", "Q2", 0.123};
+  models::CollisionReport contact{
+      {kTime, 0, 0}, models::CollisionKind::kNearMiss, "Q1", "Q2", 0.123};
   expect_event(event_of(contact), LogLevel::kWarning, "near_miss",
                "Q1 and Q2 came too close (0.12 m)");
-  contact.kind = models::ContactKind::kCollision;
+  contact.kind = models::CollisionKind::kCollision;
   contact.distance_m = -0.02;
   expect_event(event_of(contact), LogLevel::kFatal, "collision", "Q1 and Q2 collided (-0.02 m)");
 }

@@ -16,7 +16,7 @@
 #include "bus/convert/convert.hpp"
 #include "core/check.hpp"
 #include "logs/file/seekable_log.hpp"
-#include "logs/file/wire_witness.hpp"
+#include "logs/file/wire_check.hpp"
 #include "test/logs/damage.hpp"
 #include "test/logs/file_support.hpp"
 
@@ -221,16 +221,16 @@ Bytes eventful_log() {
 LogSurvey survey_by_hand(const Bytes& log) {
   LogSurvey out;
   out.size_bytes = log.size();
-  LogScan scan(log, wire_testimony);
-  std::vector<PlacedEvent> events;
+  LogScan scan(log, check_wire_data);
+  std::vector<LocatedEvent> events;
   while (const auto event = scan.next()) {
     events.push_back(*event);
   }
   out.first = Time::max();
   out.last = Time::min();
-  std::map<std::string, std::vector<PlacedEvent>> by_channel;
+  std::map<std::string, std::vector<LocatedEvent>> by_channel;
   for (std::size_t i = 0; i < events.size(); ++i) {
-    const PlacedEvent& event = events[i];
+    const LocatedEvent& event = events[i];
     out.first = std::min(out.first, event.time);
     out.last = std::max(out.last, event.time);
     by_channel[std::string(event.channel)].push_back(event);
@@ -301,8 +301,8 @@ TEST(SurveyLog, MatchesAManualCount) {
 TEST(SurveyLog, DividesALogIntoDescribedBlocks) {
   for (const Bytes& log : {eventful_log(), large_log()}) {
     const LogSurvey survey = survey_log(log);
-    std::vector<PlacedEvent> events;
-    LogScan scan(log, wire_testimony);
+    std::vector<LocatedEvent> events;
+    LogScan scan(log, check_wire_data);
     while (const auto event = scan.next()) {
       events.push_back(*event);
     }

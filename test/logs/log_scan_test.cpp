@@ -15,8 +15,8 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-std::vector<PlacedEvent> all_events(LogScan& scan) {
-  std::vector<PlacedEvent> out;
+std::vector<LocatedEvent> all_events(LogScan& scan) {
+  std::vector<LocatedEvent> out;
   while (const auto event = scan.next()) {
     out.push_back(*event);
   }
@@ -102,7 +102,7 @@ std::int64_t expect_recovery(const test::DamagedLog& damaged, std::uint64_t seed
   std::map<std::size_t, std::size_t> found;
   std::size_t end = 0;
   std::uint64_t covered = 0;
-  for (const PlacedEvent& event : all_events(scan)) {
+  for (const LocatedEvent& event : all_events(scan)) {
     EXPECT_GE(event.offset, end) << "seed " << seed << ": events overlap";
     EXPECT_TRUE(damaged.headers.contains(event.offset))
         << "seed " << seed << ": invented an event at byte " << event.offset;
@@ -212,7 +212,7 @@ TEST(LogScan, ConfirmsALengthByTheNextEvent) {
   ASSERT_EQ(without.size(), 3U);
   EXPECT_TRUE(without[0].is_doubtful);
   LogScan witnessed(bytes, [](const LogEvent& event) {
-    return event.data.size() == 50 ? Testimony::kWhole : Testimony::kDamaged;
+    return event.data.size() == 50 ? DataCheck::kComplete : DataCheck::kDamaged;
   });
   EXPECT_EQ(all_events(witnessed).size(), 2U);
   EXPECT_EQ(witnessed.stretches().size(), 1U);

@@ -112,13 +112,13 @@ TEST_F(McapPeer, ReadsAnExportedLogOfEveryType) {
       }
     };
     add.template operator()<models::MocapFrame>("VICON");
-    add.template operator()<models::DetectionSet>("MEASUREMENT_Q1");
+    add.template operator()<models::RobotMeasurement>("MEASUREMENT_Q1");
     add.template operator()<models::RobotBelief>("BELIEF_Q1");
     add.template operator()<models::RobotPlan>("PLAN_Q1");
     add.template operator()<models::VehicleStatus>("VEHICLE_Q1");
     add.template operator()<models::OperatorCommand>("COMMAND");
     add.template operator()<models::TruthFrame>("TRUTH");
-    add.template operator()<models::ContactReport>("COLLISION");
+    add.template operator()<models::CollisionReport>("COLLISION");
     add.template operator()<models::AttackNotice>("ATTACK");
     add.template operator()<models::ProcessHealth>("HEALTH_SIM");
     add.template operator()<models::HostReport>("HOST_LAB");
@@ -132,7 +132,7 @@ TEST_F(McapPeer, ReadsAnExportedLogOfEveryType) {
   EXPECT_EQ(counts.left_out, (std::map<std::string, std::int64_t>{{"FOREIGN", 1}}));
   const std::string said = read(folder_.file("a.mcap"));
   for (const char* line :
-       {"summary VICON vantage_lcm.vicon_frame_t 20\n", "summary PLAN_Q1 vantage_lcm.plan_t 20\n",
+       {"summary VICON vantage_lcm.mocap_frame_t 20\n", "summary PLAN_Q1 vantage_lcm.plan_t 20\n",
         "summary SCENARIO vantage_lcm.scenario_t 20\n"}) {
     EXPECT_NE(said.find(line), std::string::npos) << line;
   }

@@ -37,7 +37,7 @@ TEST(Recorder, RecordsFilteredChannelsWithValidNames) {
   }
   ear->handle(std::chrono::microseconds(0));
   EXPECT_EQ(recorded, (std::vector<std::string>{"VICON", "PLAN_Q1"}));
-  EXPECT_EQ(recorder.heard(), 2);
+  EXPECT_EQ(recorder.received(), 2);
   EXPECT_EQ(recorder.names_refused(), 2);
 }
 
@@ -94,7 +94,7 @@ TEST(RecorderNode, ReportsWrittenEvents) {
     mouth->publish(channel, std::vector<std::uint8_t>(100));
   }
   ear->handle(std::chrono::microseconds(0));
-  EXPECT_EQ(node.heard(), 2);
+  EXPECT_EQ(node.received(), 2);
   spool.close();
   std::map<std::string, std::int64_t> counts;
   for (const auto& list : {node.counters(), node.traffic()}) {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/check.hpp"
-#include "logs/file/wire_witness.hpp"
+#include "logs/file/wire_check.hpp"
 #include "test/logs/damage.hpp"
 #include "test/logs/file_support.hpp"
 
@@ -38,34 +38,34 @@ std::vector<std::int64_t> first_numbers(std::size_t count) {
 }
 
 /// Offsets: what is asked of them.
-std::vector<std::size_t> offsets_of(const std::vector<PlacedEvent>& events) {
+std::vector<std::size_t> offsets_of(const std::vector<LocatedEvent>& events) {
   std::vector<std::size_t> offsets;
-  for (const PlacedEvent& event : events) {
+  for (const LocatedEvent& event : events) {
     offsets.push_back(event.offset);
   }
   return offsets;
 }
 
 /// All events of a log by time, as a pass over all of it finds them.
-std::vector<PlacedEvent> sorted_events(std::span<const std::uint8_t> bytes) {
-  std::vector<PlacedEvent> all;
-  LogScan scan(bytes, wire_testimony);
+std::vector<LocatedEvent> sorted_events(std::span<const std::uint8_t> bytes) {
+  std::vector<LocatedEvent> all;
+  LogScan scan(bytes, check_wire_data);
   while (const auto event = scan.next()) {
     all.push_back(*event);
   }
   std::stable_sort(all.begin(), all.end(),
-                   [](const PlacedEvent& a, const PlacedEvent& b) { return a.time < b.time; });
+                   [](const LocatedEvent& a, const LocatedEvent& b) { return a.time < b.time; });
   return all;
 }
 
-std::vector<PlacedEvent> between(const std::vector<PlacedEvent>& sorted, Time from, Time to) {
-  std::vector<PlacedEvent> out;
+std::vector<LocatedEvent> between(const std::vector<LocatedEvent>& sorted, Time from, Time to) {
+  std::vector<LocatedEvent> out;
   std::copy_if(sorted.begin(), sorted.end(), std::back_inserter(out),
-               [&](const PlacedEvent& each) { return each.time >= from && each.time < to; });
+               [&](const LocatedEvent& each) { return each.time >= from && each.time < to; });
   return out;
 }
 
-std::vector<std::size_t> newest(const std::vector<PlacedEvent>& sorted, Time time) {
+std::vector<std::size_t> newest(const std::vector<LocatedEvent>& sorted, Time time) {
   std::map<std::string_view, std::size_t> of_channel;
   for (std::size_t i = 0; i < sorted.size() && sorted[i].time < time; ++i) {
     of_channel[sorted[i].channel] = i;
@@ -83,7 +83,7 @@ std::vector<std::size_t> newest(const std::vector<PlacedEvent>& sorted, Time tim
 
 /// Checks that every query of a log gives the result of a complete pass, at `count` instants.
 void expect_as_in_one_pass(const SeekableLog& log, int count) {
-  const std::vector<PlacedEvent> sorted = sorted_events(log.bytes());
+  const std::vector<LocatedEvent> sorted = sorted_events(log.bytes());
   std::mt19937_64 rng(11);
   const auto [first, last] = log.range();
   EXPECT_EQ(first, sorted.front().time);
@@ -96,7 +96,7 @@ void expect_as_in_one_pass(const SeekableLog& log, int count) {
     ASSERT_EQ(offsets_of(log.events(from, to)), offsets_of(expected)) << to_utime(from);
     ASSERT_EQ(offsets_of(log.newest_before(from)), newest(sorted, from)) << to_utime(from);
     const auto next = std::find_if(sorted.begin(), sorted.end(),
-                                   [&](const PlacedEvent& each) { return each.time >= from; });
+                                   [&](const LocatedEvent& each) { return each.time >= from; });
     ASSERT_EQ(log.next_time(from), next == sorted.end() ? std::nullopt : std::optional(next->time));
   }
 }
@@ -234,14 +234,14 @@ TEST_F(LongLog, IsUsableDuringItsFirstPass) {
   EXPECT_EQ(offsets_of(log.newest_before(late)), newest(sorted, late));
   // Finally the whole index is known, and the next opening has it at once.
   double share = log.surveyed_share();
-  while (log.go_on(kMib)) {
+  while (log.advance(kMib)) {
     EXPECT_GT(log.surveyed_share(), share);
     share = log.surveyed_share();
     EXPECT_EQ(log.range(), std::pair(sorted.front().time, sorted.back().time)) << "all the while";
     ASSERT_EQ(offsets_of(log.newest_before(late)), newest(sorted, late)) << share;
   }
   EXPECT_TRUE(log.is_surveyed());
-  EXPECT_FALSE(log.go_on(kMib));
+  EXPECT_FALSE(log.advance(kMib));
   expect_as_in_one_pass(log, 50);
   const SeekableLog again(log.path());
   EXPECT_TRUE(again.is_surveyed());
@@ -262,7 +262,7 @@ TEST_F(LongLog, DetectsDecreasingTimesAfterItsFirstPass) {
   append_second(kStart_us - 5'000'000, 1, number, bytes_);
   SeekableLog log(write());
   EXPECT_EQ(log.range().first, from_utime(kStart_us)) << "as far as it was read";
-  while (log.go_on(kMib)) {
+  while (log.advance(kMib)) {
   }
   EXPECT_EQ(log.range().first, from_utime(kStart_us - 5'000'000));
   expect_as_in_one_pass(log, 50);
@@ -281,7 +281,7 @@ TEST_F(LongLog, OpensAndSeeksWithFewReads) {
     SeekableLog log(path);
     EXPECT_LT(log.bytes_read(), 8 * kMib + kMib / 8) << "its head and its end";
     EXPECT_LT(bytes_of_seek(log), 5 * kMib / 2) << "1 MiB back, some places and a few blocks";
-    while (log.go_on(kMib)) {
+    while (log.advance(kMib)) {
     }
     EXPECT_GT(log.bytes_read(), 30'000'000U);
   }
@@ -300,7 +300,7 @@ TEST_F(LongLog, ReportsProgressAndCounts) {
   EXPECT_GE(log.bytes_read(), 8 * kMib + 60 * 1024) << "its end, too";
   EXPECT_LT(log.bytes_read(), 8 * kMib + 70 * 1024);
   std::size_t read = log.bytes_read();
-  for (int i = 9; log.go_on(kMib); ++i) {
+  for (int i = 9; log.advance(kMib); ++i) {
     EXPECT_LE(bytes_surveyed(), i * (1.0 * kMib) + 30.0 * 1'100.0);
     EXPECT_GT(bytes_surveyed(), (i - 0.3) * kMib);
     EXPECT_NEAR(static_cast<double>(log.bytes_read() - read), 1.0 * kMib, 2'200.0);

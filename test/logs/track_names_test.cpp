@@ -59,7 +59,7 @@ TEST(NamedByPosition, UsesTheOptimalAssignment) {
       least_m2 = std::min(least_m2, sum_m2);
     } while (std::next_permutation(order.begin(), order.end()));
 
-    const auto named = named_by_place(tracks, truth, targets, kTime);
+    const auto named = assign_ids_by_position(tracks, truth, targets, kTime);
     ASSERT_EQ(named.size(), fewer);
     double sum_m2 = 0.0;
     for (std::size_t i = 0; i < named.size(); ++i) {
@@ -83,11 +83,12 @@ TEST(NamedByPosition, SkipsTracksAndTargetsWithoutPosition) {
   truth.add(frame);
   models::TargetBelief nothing = track(100, {4.0, 0.0});
   nothing.information.matrix.setZero();
-  const auto named = named_by_place(std::vector{nothing, track(101, {9.0, 9.0})}, truth, 3, kTime);
+  const auto named =
+      assign_ids_by_position(std::vector{nothing, track(101, {9.0, 9.0})}, truth, 3, kTime);
   ASSERT_EQ(named.size(), 1U);
   EXPECT_EQ(named[0].target_id, 2);
   EXPECT_EQ(named[0].last_seen, from_utime(101));
-  EXPECT_TRUE(named_by_place(std::vector{track(101, {9.0, 9.0})}, truth, 2, kTime).empty())
+  EXPECT_TRUE(assign_ids_by_position(std::vector{track(101, {9.0, 9.0})}, truth, 2, kTime).empty())
       << "the third target is none of two";
 }
 

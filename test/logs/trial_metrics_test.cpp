@@ -310,11 +310,11 @@ TEST(TrialMetrics, SumsPlannedEnergyUntilTheNextPlan) {
 
 TEST(TrialMetrics, DistinguishesCollisionsAndNearMisses) {
   TrialMetrics metrics(scenario(), at_s(0.0));
-  models::ContactReport contact;
-  contact.kind = models::ContactKind::kNearMiss;
+  models::CollisionReport contact;
+  contact.kind = models::CollisionKind::kNearMiss;
   metrics.on_contact(contact);
   metrics.on_contact(contact);
-  contact.kind = models::ContactKind::kCollision;
+  contact.kind = models::CollisionKind::kCollision;
   metrics.on_contact(contact);
   const TrialSummary summary = metrics.finish(at_s(1.0));
   EXPECT_EQ(summary.collisions, 1);

@@ -30,7 +30,7 @@ def is_property(function):
     return any(not isinstance(each, ast.Name) or each.id == "property" for each in function.decorator_list)
 
 
-def said_arguments(function):
+def docstring_arguments(function):
     """Parses pybind11's signature in the docstring: positional names, keyword-only names, whether any more are
     allowed."""
     said = inspect.getdoc(function).splitlines()[0]
@@ -58,7 +58,7 @@ class Stub(unittest.TestCase):
                 if not isinstance(each, ast.FunctionDef) or is_property(each):
                     continue
                 name = f"{getattr(owner, '__qualname__', '')}.{each.name}"
-                positional, keyword, takes_any = said_arguments(getattr(owner, each.name))
+                positional, keyword, takes_any = docstring_arguments(getattr(owner, each.name))
                 stub_positional = [arg.arg for arg in each.args.args if arg.arg != "self"]
                 stub_keyword = [arg.arg for arg in each.args.kwonlyargs]
                 if takes_any:  # then the stub names the keywords, or takes any as well
@@ -71,7 +71,7 @@ class Stub(unittest.TestCase):
     def test_reads_what_pybind11_says(self):
         def function():
             """f(self: m.C, a: Dict[str, function] = {}, b: float = 1.0, *, c: object = None, **kwargs) -> None"""
-        self.assertEqual(said_arguments(function), (["a", "b"], ["c"], True))
+        self.assertEqual(docstring_arguments(function), (["a", "b"], ["c"], True))
 
     def test_of_plan_is_that_of_its_planner(self):
         arguments = {node.name: node.args.kwonlyargs for node in STUB.body if isinstance(node, ast.FunctionDef)}

@@ -250,21 +250,21 @@ TEST(SimNode, NamesTheDeviceThatRequiresRealTime) {
 }
 
 /// A socket that receives datagrams at its own port.
-class Ear {
+class UdpReceiver {
  public:
-  Ear() : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+  UdpReceiver() : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
     sockaddr_in address = address_of(INADDR_LOOPBACK, 0);
     socklen_t size = sizeof address;
     EXPECT_EQ(bind(fd_, as_sockaddr(address), size), 0);
     EXPECT_EQ(getsockname(fd_, reinterpret_cast<sockaddr*>(&address), &size), 0);
     port = ntohs(address.sin_port);
   }
-  ~Ear() { close(fd_); }
-  Ear(const Ear&) = delete;
-  Ear& operator=(const Ear&) = delete;
-  Ear(Ear&&) = delete;
-  Ear& operator=(Ear&&) = delete;
-  std::vector<std::uint8_t> hear() {
+  ~UdpReceiver() { close(fd_); }
+  UdpReceiver(const UdpReceiver&) = delete;
+  UdpReceiver& operator=(const UdpReceiver&) = delete;
+  UdpReceiver(UdpReceiver&&) = delete;
+  UdpReceiver& operator=(UdpReceiver&&) = delete;
+  std::vector<std::uint8_t> read_reply() {
     std::vector<std::uint8_t> out(4096);
     const ssize_t got = recv(fd_, out.data(), out.size(), MSG_DONTWAIT);
     out.resize(static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
@@ -286,11 +286,11 @@ class StandingClock : public bus::Clock {
 
 TEST(SimNode, ServesMocapOnTheWire) {
   for (const bool is_y_up : {false, true}) {
-    Ear ear;
+    UdpReceiver receiver;
     scenario::Scenario scenario = test::lab_scenario();
     scenario.mocap.device = scenario::DeviceSource::kWire;
     scenario.mocap.protocol = scenario::MocapProtocol::kObjectStream;
-    scenario.mocap.port = ear.port;
+    scenario.mocap.port = receiver.port;
     scenario.mocap.block_bytes = 1024;
     scenario.mocap.position_sigma_m = 0.0;
     scenario.mocap.up_axis = is_y_up ? scenario::UpAxis::kY : scenario::UpAxis::kAsTold;
@@ -299,11 +299,11 @@ TEST(SimNode, ServesMocapOnTheWire) {
     SimNode node(net.own, clock, scenario);
     clock.time = kStart + Duration{4'999};
     node.tick(clock.time);
-    EXPECT_TRUE(ear.hear().empty()) << "the latency has not passed";
+    EXPECT_TRUE(receiver.read_reply().empty()) << "the latency has not passed";
     EXPECT_EQ(node.next_tick(), kStart + Duration{5'999}) << "a pause, and then";
     clock.time = kStart + Duration{6'000};
     node.tick(clock.time);
-    const std::vector<std::uint8_t> datagram = ear.hear();
+    const std::vector<std::uint8_t> datagram = receiver.read_reply();
     EXPECT_EQ(datagram.size(), 1024u);
     wire::vicon::ObjectBlock block;
     ASSERT_TRUE(wire::vicon::decode_object_block(datagram, block));
@@ -321,11 +321,11 @@ TEST(SimNode, ServesMocapOnTheWire) {
 
 // With vehicles on the wire the world follows the clock, and frames are sent after their latency.
 TEST(SimNode, KeepsUpWithTheClockForWireVehicles) {
-  Ear ear;
+  UdpReceiver receiver;
   scenario::Scenario scenario = test::lab_scenario();
   scenario.robots[1].device = scenario::DeviceSource::kWire;
   scenario.robots[1].autopilot.emplace();
-  scenario.robots[1].autopilot->url = "udp://127.0.0.1:" + std::to_string(ear.port);
+  scenario.robots[1].autopilot->url = "udp://127.0.0.1:" + std::to_string(receiver.port);
   StandingClock clock;
   test::BusPair net(11, 22);
   std::vector<models::MocapFrame> frames;
@@ -355,7 +355,7 @@ TEST(SimNode, KeepsUpWithTheClockForWireVehicles) {
   EXPECT_EQ(frames[0].bodies[1].name, "Q2");
   EXPECT_NEAR(frames[0].bodies[1].world_from_body.translation_m.z(), 0.0, 0.01) << "it stands";
   EXPECT_NEAR(frames[0].bodies[0].world_from_body.translation_m.z(), 1.0, 0.01);
-  EXPECT_FALSE(ear.hear().empty()) << "its autopilot speaks";
+  EXPECT_FALSE(receiver.read_reply().empty()) << "its autopilot speaks";
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ struct Lab {
   std::vector<Time> frames_published;
   std::vector<models::TruthFrame> truths;
   std::vector<models::VehicleStatus> statuses;
-  std::vector<models::ContactReport> contacts;
+  std::vector<models::CollisionReport> contacts;
 
   explicit Lab(const scenario::Scenario& scenario = test::lab_scenario())
       : node(sim_bus, clock, scenario) {
@@ -43,8 +43,8 @@ struct Lab {
     bus.subscribe<models::VehicleStatus>(
         bus::vehicle_channel("*"),
         [this](const models::VehicleStatus& status) { statuses.push_back(status); });
-    bus.subscribe<models::ContactReport>(
-        bus::kCollision, [this](const models::ContactReport& c) { contacts.push_back(c); });
+    bus.subscribe<models::CollisionReport>(
+        bus::kCollision, [this](const models::CollisionReport& c) { contacts.push_back(c); });
   }
 
   void run_until(Time end) {
@@ -170,8 +170,8 @@ TEST(SimNode, ReportsACollisionOnTheBus) {
   Lab lab(scenario);
   lab.run_until(kStart + Duration{100'000});
   ASSERT_EQ(lab.contacts.size(), 2u);
-  EXPECT_EQ(lab.contacts[0].kind, models::ContactKind::kCollision);
-  EXPECT_EQ(lab.contacts[1].kind, models::ContactKind::kNearMiss);
+  EXPECT_EQ(lab.contacts[0].kind, models::CollisionKind::kCollision);
+  EXPECT_EQ(lab.contacts[1].kind, models::CollisionKind::kNearMiss);
 }
 
 TEST(SimNode, CatchesUpInStepsAfterAStall) {

@@ -147,10 +147,10 @@ class Client {
   Client& operator=(const Client&) = delete;
   Client(Client&&) = delete;
   Client& operator=(Client&&) = delete;
-  void say(const std::vector<std::uint8_t>& bytes) const {
+  void transmit(const std::vector<std::uint8_t>& bytes) const {
     ASSERT_EQ(send(fd_, bytes.data(), bytes.size(), 0), static_cast<ssize_t>(bytes.size()));
   }
-  std::vector<std::uint8_t> hear() const {
+  std::vector<std::uint8_t> read_reply() const {
     std::vector<std::uint8_t> out;
     std::array<std::uint8_t, 4096> bytes{};
     ssize_t got = 0;
@@ -196,12 +196,12 @@ TEST(SimNode, ReportsRealStreamRateAndLatency) {
          vicon::ObjectEnums{{vicon::kStreamInfo, vicon::kFrameRateInfo, vicon::kLatencyInfo}});
   append(packet, vicon::RequestFrame{true});
   packet.finish();
-  client.say(asked);
+  client.transmit(asked);
   lab.run(1);
-  client.hear();  // the server's greeting
+  client.read_reply();  // the server's greeting
   const Time capture = run_up_to_a_frame(lab);
   lab.tick_at(capture + Duration{7'000});
-  const std::vector<std::uint8_t> heard = client.hear();
+  const std::vector<std::uint8_t> heard = client.read_reply();
   const vicon::Framed framed = vicon::next_packet(heard);
   ASSERT_EQ(framed.state, vicon::Framing::kWhole);
   EXPECT_EQ(framed.bytes, heard.size()) << "one frame";
@@ -230,12 +230,12 @@ TEST(SimNode, StampsVrpnWithTheCaptureTime) {
   const Client client(port);
   std::vector<std::uint8_t> cookie;
   vicon::append_vrpn_cookie(cookie);
-  client.say(cookie);
+  client.transmit(cookie);
   lab.run(3);
   const Time capture = run_up_to_a_frame(lab);
-  client.hear();
+  client.read_reply();
   lab.run(1);
-  const std::vector<std::uint8_t> heard = client.hear();
+  const std::vector<std::uint8_t> heard = client.read_reply();
   vicon::Bytes left(heard);
   int poses = 0;
   while (!left.empty()) {

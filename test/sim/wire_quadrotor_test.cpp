@@ -11,8 +11,8 @@
 
 #include "core/check.hpp"
 #include "test/sim/lab_scenario.hpp"
+#include "wire/mavlink/constants.hpp"
 #include "wire/mavlink/messages.hpp"
-#include "wire/mavlink/vocabulary.hpp"
 
 namespace vantage::sim {
 namespace {

@@ -15,8 +15,8 @@
 #include "sim/app/wire_rover.hpp"
 #include "test/sim/lab_scenario.hpp"
 #include "test/support/udp_port.hpp"
+#include "wire/mavlink/constants.hpp"
 #include "wire/mavlink/messages.hpp"
-#include "wire/mavlink/vocabulary.hpp"
 #include "wire/rover/packet.hpp"
 
 namespace vantage::sim {

@@ -33,7 +33,7 @@ TEST_P(LabFor300S, HasNoContact) {
     EXPECT_EQ(world.offer(circle_from(robot, kStart)), PlanVerdict::kAccepted);
   }
   world.advance_to(kStart + std::chrono::seconds(300));
-  for (const models::ContactReport& contact : world.take_contacts()) {
+  for (const models::CollisionReport& contact : world.take_contacts()) {
     ADD_FAILURE() << contact.body_a << " and " << contact.body_b << " at " << contact.distance_m
                   << " m";
   }
@@ -132,14 +132,14 @@ TEST(WorldSimulation, ReportsAVehicleThatFallsOnARoverBelow) {
   ASSERT_EQ(contacts.size(), 1u);
   EXPECT_EQ(contacts[0].body_a, "Q1");
   EXPECT_EQ(contacts[0].body_b, "ROVER1");
-  EXPECT_EQ(contacts[0].kind, models::ContactKind::kCollision);
+  EXPECT_EQ(contacts[0].kind, models::CollisionKind::kCollision);
   EXPECT_TRUE(world.take_contacts().empty());
 }
 
 /// An external vehicle that the test moves.
-class Puppet : public Vehicle {
+class MovableVehicle : public Vehicle {
  public:
-  explicit Puppet(std::string name, const Eigen::Vector3d& start_m)
+  explicit MovableVehicle(std::string name, const Eigen::Vector3d& start_m)
       : centre_m(start_m), name_(std::move(name)) {}
   [[nodiscard]] const std::string& name() const override { return name_; }
   [[nodiscard]] double radius_m() const override { return 0.25; }
@@ -159,7 +159,7 @@ class Puppet : public Vehicle {
 TEST(WorldSimulation, IncludesTheCallersVehicles) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.robots[1].device = scenario::DeviceSource::kWire;
-  Puppet puppet("Q2", {2.0, 4.0, 1.0});
+  MovableVehicle puppet("Q2", {2.0, 4.0, 1.0});
   puppet.velocity_mps = {-0.5, 0.0, 0.0};
   WorldSimulation world(scenario, 1, kStart, {&puppet});
   EXPECT_EQ(world.quadrotors().size(), 2u);
@@ -177,12 +177,12 @@ TEST(WorldSimulation, IncludesTheCallersVehicles) {
   const auto contacts = world.take_contacts();
   ASSERT_FALSE(contacts.empty());
   EXPECT_EQ(contacts.front().body_a, "Q2");
-  EXPECT_EQ(contacts.front().kind, models::ContactKind::kCollision);
+  EXPECT_EQ(contacts.front().kind, models::CollisionKind::kCollision);
 }
 
 TEST(WorldSimulation, KeepsTheGroundFreeOnlyUnderALowVehicle) {
   const scenario::Scenario scenario = test::lab_scenario();
-  Puppet puppet("Q2", {2.0, 4.0, 0.0});
+  MovableVehicle puppet("Q2", {2.0, 4.0, 0.0});
   // The starts are drawn clear of the robots' starts.
   scenario::Scenario moved = scenario;
   moved.robots[1].start = {2.0, 4.0, 0.0};

@@ -90,11 +90,12 @@ MadeUpFlight flight_that_touches(const std::string& other, double touches_s, std
   flight.besides = [=, before = flight.besides](double t_s, FlightRecord& record) {
     before(t_s, record);
     if (std::abs(t_s - touches_s) < 0.001) {
-      models::ContactReport contact;
+      models::CollisionReport contact;
       contact.stamp.time = MadeUpFlight::at(t_s);
       contact.body_a = "Q1";
       contact.body_b = other;
-      for (const auto kind : {models::ContactKind::kNearMiss, models::ContactKind::kCollision}) {
+      for (const auto kind :
+           {models::CollisionKind::kNearMiss, models::CollisionKind::kCollision}) {
         contact.kind = kind;
         MadeUpFlight::give(record, "COLLISION", contact.stamp.time, contact);
       }

@@ -43,7 +43,7 @@ double contact_m(const scenario::Scenario& scenario, const scenario::RobotSpec& 
 }
 
 // Judges the invariants that hold whatever the machine does.
-void judge_safety(const CourseKept& kept, double contact_m, const FlightBounds& bounds,
+void judge_safety(const CourseMetrics& kept, double contact_m, const FlightBounds& bounds,
                   Judge& judge) {
   judge.at_least("separation", kept.separation_least_m, contact_m, "m from another");
   judge.at_most("fence", kept.outside_max_m, bounds.outside_max_m, "m outside");
@@ -60,7 +60,8 @@ void judge_safety(const CourseKept& kept, double contact_m, const FlightBounds& 
 }
 
 // Judges the invariants that hold only if every process ran in time.
-void judge_course(const CourseKept& kept, bool may_hold, const FlightBounds& bounds, Judge& judge) {
+void judge_course(const CourseMetrics& kept, bool may_hold, const FlightBounds& bounds,
+                  Judge& judge) {
   if (!may_hold) {
     judge.at_least("following", kept.follow_share, bounds.follow_share_min, "of its time");
   }
@@ -70,7 +71,7 @@ void judge_course(const CourseKept& kept, bool may_hold, const FlightBounds& bou
   judge.at_most("turn", kept.turn_max_share, bounds.turn_max_share, "of its limit");
   judge.at_most("continuity", kept.setpoint_jump_max_m, bounds.setpoint_jump_max_m,
                 "m from one set-point to the next beyond its speed");
-  judge.at_most("ages", kept.said_gap_max_s, bounds.gap_max_s, "s without a word");
+  judge.at_most("ages", kept.status_gap_max_s, bounds.gap_max_s, "s without a word");
   judge.at_most("ages", kept.truth_gap_max_s, bounds.gap_max_s, "s without being seen");
 }
 

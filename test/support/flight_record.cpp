@@ -18,7 +18,7 @@ namespace {
 using models::FlightState;
 
 /// False for messages of an old log that was replayed during the flight.
-bool is_of_now(const models::Stamp& stamp, const lcm::LogEvent& event) {
+bool is_current(const models::Stamp& stamp, const lcm::LogEvent& event) {
   return std::abs(to_utime(stamp.time) - event.timestamp) < 2'000'000;
 }
 
@@ -45,7 +45,7 @@ void FlightRecord::take(const lcm::LogEvent& event) {
     }
   } else if (event.channel == "TRUTH") {
     const auto truth = decode<models::TruthFrame, vantage_lcm::truth_t>(event);
-    if (truth && is_of_now(truth->stamp, event) && is_of_flight(truth->stamp, "")) {
+    if (truth && is_current(truth->stamp, event) && is_of_flight(truth->stamp, "")) {
       for (const models::TruthBody& body : truth->bodies) {
         if (body.target_id < 0) {
           robots_[body.name].truth.push_back({truth->stamp.time, body.world_from_body.translation_m,
@@ -55,19 +55,19 @@ void FlightRecord::take(const lcm::LogEvent& event) {
       }
     }
   } else if (event.channel.starts_with("VEHICLE_")) {
-    const auto status = decode<models::VehicleStatus, vantage_lcm::quadrotor_t>(event);
-    if (status && is_of_now(status->stamp, event) && is_of_flight(status->stamp, status->robot)) {
+    const auto status = decode<models::VehicleStatus, vantage_lcm::vehicle_t>(event);
+    if (status && is_current(status->stamp, event) && is_of_flight(status->stamp, status->robot)) {
       robots_[status->robot].said.push_back(*status);
       has_anybody_followed_ = has_anybody_followed_ || status->state == FlightState::kFollow;
     }
   } else if (event.channel == "COLLISION") {
-    const auto contact = decode<models::ContactReport, vantage_lcm::collision_t>(event);
-    if (contact && contact->kind == models::ContactKind::kCollision) {
+    const auto contact = decode<models::CollisionReport, vantage_lcm::collision_t>(event);
+    if (contact && contact->kind == models::CollisionKind::kCollision) {
       take_contact(*contact);
     }
   } else if (event.channel.starts_with("HEALTH_") && has_anybody_followed_) {
     const auto health = decode<models::ProcessHealth, vantage_lcm::health_t>(event);
-    if (health && is_of_now(health->stamp, event)) {
+    if (health && is_current(health->stamp, event)) {
       take_health(*health);
     }
   }
@@ -94,7 +94,7 @@ void FlightRecord::take_health(const models::ProcessHealth& health) {
   before->second = now;
 }
 
-void FlightRecord::take_contact(const models::ContactReport& contact) {
+void FlightRecord::take_contact(const models::CollisionReport& contact) {
   const std::string& a = contact.body_a;
   const std::string& b = contact.body_b;
   const bool has_two_robots = robots_.count(a) > 0 && robots_.count(b) > 0;
@@ -162,8 +162,8 @@ std::optional<Eigen::Vector3d> FlightRecord::place(const Robot& robot, Time time
   return Eigen::Vector3d(before.position_m + share * (later->position_m - before.position_m));
 }
 
-CourseKept FlightRecord::summary(const std::string& name, const Robot& robot) const {
-  CourseKept out;
+CourseMetrics FlightRecord::summary(const std::string& name, const Robot& robot) const {
+  CourseMetrics out;
   const scenario::RobotSpec* const spec = scenario_ ? scenario_->find_robot(name) : nullptr;
   const auto follows = [](const models::VehicleStatus& said) {
     return said.state == FlightState::kFollow;
@@ -229,7 +229,7 @@ CourseKept FlightRecord::summary(const std::string& name, const Robot& robot) co
 }
 
 void FlightRecord::judge_words(const Robot& robot, Time begin, Time end, double speed_max_mps,
-                               CourseKept& out) {
+                               CourseMetrics& out) {
   out.runs = robot.runs;
   out.strangers = robot.strangers;
   const models::VehicleStatus* last = nullptr;
@@ -239,7 +239,7 @@ void FlightRecord::judge_words(const Robot& robot, Time begin, Time end, double 
     }
     if (last != nullptr) {
       const double gap_s = to_seconds(said.stamp.time - last->stamp.time);
-      out.said_gap_max_s = std::max(out.said_gap_max_s, gap_s);
+      out.status_gap_max_s = std::max(out.status_gap_max_s, gap_s);
       const double moved_m = (said.setpoint.position_m() - last->setpoint.position_m()).norm();
       // Braking starts at the vehicle's position, whatever the set-point before.
       if (last->state == FlightState::kFollow && said.state == FlightState::kFollow) {
@@ -252,7 +252,7 @@ void FlightRecord::judge_words(const Robot& robot, Time begin, Time end, double 
 }
 
 void FlightRecord::judge_turns(const Robot& robot, Time begin, Time end,
-                               const scenario::RobotSpec& spec, CourseKept& out) {
+                               const scenario::RobotSpec& spec, CourseMetrics& out) {
   constexpr double kWindowS = 0.1;
   std::size_t first = 0;  // first sample of the window that ends at each moment
   for (std::size_t i = 1; i < robot.truth.size(); ++i) {
@@ -313,7 +313,7 @@ std::optional<Stop> FlightRecord::stop_at(const Robot& robot, std::size_t said) 
   return from == nullptr ? std::nullopt : std::optional(out);
 }
 
-std::optional<Aftermath> FlightRecord::after(const std::string& name, Time event) const {
+std::optional<EventResponse> FlightRecord::after(const std::string& name, Time event) const {
   constexpr double kStopS = 3.0;
   constexpr double kWatchedS = 12.0;
   constexpr double kCourseS = 8.0;
@@ -330,7 +330,7 @@ std::optional<Aftermath> FlightRecord::after(const std::string& name, Time event
   if (begin == robot->second.truth.end()) {
     return std::nullopt;
   }
-  Aftermath out;
+  EventResponse out;
   out.separation_m = std::numeric_limits<double>::infinity();
   std::optional<FlightState> state;
   for (const models::VehicleStatus& said : robot->second.said) {
@@ -396,15 +396,15 @@ std::map<std::string, std::vector<Stop>> FlightRecord::stops() const {
   return out;
 }
 
-std::map<std::string, CourseKept> FlightRecord::summaries() const {
-  std::map<std::string, CourseKept> out;
+std::map<std::string, CourseMetrics> FlightRecord::summaries() const {
+  std::map<std::string, CourseMetrics> out;
   for (const auto& [name, robot] : robots_) {
     out[name] = summary(name, robot);
   }
   return out;
 }
 
-std::string to_text(const std::string& robot, const CourseKept& kept) {
+std::string to_text(const std::string& robot, const CourseMetrics& kept) {
   std::string out = fmt::format(
       "{}: followed {:.1f} % of {:.1f} s; set-point error {:.3f} m rms, {:.2f} at most, {:.2f} in "
       "hold; {:.2f} of the speed limit; {:.2f} m outside; {:.2f} m from others",

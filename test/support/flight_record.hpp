@@ -17,7 +17,7 @@ namespace vantage::test {
 
 /// Course of one vehicle compared with its commands, from its first plan to its final landing or
 /// the end of the log. Judged on the truth.
-struct CourseKept {
+struct CourseMetrics {
   double airborne_s = 0.0;
   double follow_share = 0.0;          ///< share of that time in FOLLOW
   double setpoint_error_rms_m = 0.0;  ///< m, in space, while following
@@ -30,10 +30,10 @@ struct CourseKept {
   /// m; jump of the set-point between two status messages while following, beyond the distance at
   /// the greatest speed.
   double setpoint_jump_max_m = 0.0;
-  double said_gap_max_s = 0.0;   ///< s, between two status messages
-  double truth_gap_max_s = 0.0;  ///< s, between two observations of its body
-  int runs = 0;                  ///< accepted runs of its driver
-  std::int64_t strangers = 0;    ///< status messages of another run while its own was alive
+  double status_gap_max_s = 0.0;  ///< s, between two status messages
+  double truth_gap_max_s = 0.0;   ///< s, between two observations of its body
+  int runs = 0;                   ///< accepted runs of its driver
+  std::int64_t strangers = 0;     ///< status messages of another run while its own was alive
   std::map<std::string, double> reasons;  ///< s in the air, by reason
 };
 
@@ -54,7 +54,7 @@ struct Reaction {
 };
 
 /// The response of a vehicle to an event.
-struct Aftermath {
+struct EventResponse {
   double speed_mps = 0.0;        ///< greatest horizontal speed within 0.2 s
   double distance_m = 0.0;       ///< m; greatest horizontal distance from the start within 3 s
   double outside_m = 0.0;        ///< m; centre beyond the bounds or in an obstacle, within 12 s
@@ -85,9 +85,9 @@ struct Collision {
 class FlightRecord {
  public:
   void take(const lcm::LogEvent& event);
-  [[nodiscard]] std::map<std::string, CourseKept> summaries() const;
+  [[nodiscard]] std::map<std::string, CourseMetrics> summaries() const;
   /// Returns nullopt for a robot that TRUTH does not show at that time.
-  [[nodiscard]] std::optional<Aftermath> after(const std::string& robot, Time event) const;
+  [[nodiscard]] std::optional<EventResponse> after(const std::string& robot, Time event) const;
   [[nodiscard]] const std::optional<scenario::Scenario>& scenario() const { return scenario_; }
   /// Number of TRUTH frames of another simulation while this one's were received.
   [[nodiscard]] std::int64_t truth_strangers() const { return truth_strangers_; }
@@ -112,7 +112,7 @@ class FlightRecord {
   };
   bool is_of_flight(const models::Stamp& stamp, const std::string& robot);
   void take_health(const models::ProcessHealth& health);
-  void take_contact(const models::ContactReport& contact);
+  void take_contact(const models::CollisionReport& contact);
   /// Returns the position and the last reported state of `body` if it is a robot.
   [[nodiscard]] std::string state_of(const std::string& body) const;
   [[nodiscard]] bool is_landed_blind(const std::string& body) const;
@@ -120,12 +120,12 @@ class FlightRecord {
   /// True for a flying vehicle that lands or takes off.
   [[nodiscard]] static bool is_low(const At& at, const scenario::RobotSpec& spec);
   [[nodiscard]] std::optional<Eigen::Vector3d> place(const Robot& robot, Time time) const;
-  [[nodiscard]] CourseKept summary(const std::string& name, const Robot& robot) const;
+  [[nodiscard]] CourseMetrics summary(const std::string& name, const Robot& robot) const;
   /// Judges the status messages from `begin` to `end`.
   static void judge_words(const Robot& robot, Time begin, Time end, double speed_max_mps,
-                          CourseKept& out);
+                          CourseMetrics& out);
   static void judge_turns(const Robot& robot, Time begin, Time end, const scenario::RobotSpec& spec,
-                          CourseKept& out);
+                          CourseMetrics& out);
 
   std::optional<scenario::Scenario> scenario_;
   std::map<std::string, Robot> robots_;
@@ -143,6 +143,6 @@ class FlightRecord {
 };
 
 /// Returns one line for people.
-std::string to_text(const std::string& robot, const CourseKept& kept);
+std::string to_text(const std::string& robot, const CourseMetrics& kept);
 
 }  // namespace vantage::test

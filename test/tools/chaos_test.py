@@ -57,11 +57,11 @@ def test_reactions_are_those_to_gaps_while_following():
 
 
 def test_healing_is_following_again_or_being_down():
-    assert CHAOS.has_healed([(9.0, "hold"), (12.0, "follow")], 10.0)
-    assert CHAOS.has_healed([(9.0, "land"), (12.0, "idle")], 10.0)
-    assert not CHAOS.has_healed([(9.0, "hold"), (12.0, "hold")], 10.0)
-    assert not CHAOS.has_healed([(9.0, "hold"), (17.0, "follow")], 10.0)
-    assert not CHAOS.has_healed([], 10.0)
+    assert CHAOS.has_recovered([(9.0, "hold"), (12.0, "follow")], 10.0)
+    assert CHAOS.has_recovered([(9.0, "land"), (12.0, "idle")], 10.0)
+    assert not CHAOS.has_recovered([(9.0, "hold"), (12.0, "hold")], 10.0)
+    assert not CHAOS.has_recovered([(9.0, "hold"), (17.0, "follow")], 10.0)
+    assert not CHAOS.has_recovered([], 10.0)
 
 
 def test_there_are_sixty_cells():

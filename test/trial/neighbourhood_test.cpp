@@ -43,7 +43,7 @@ scenario::Scenario crowd(int robots, const std::string& of_planner) {
 }
 
 /// Statistics of the messages published in a trial.
-struct Said {
+struct TrialMessages {
   std::size_t most_inputs = 0;
   double farthest_target_m = 0.0;
   std::size_t most_cells = 0;
@@ -56,28 +56,28 @@ Message decoded(std::span<const std::uint8_t> bytes) {
   return *bus::from_wire(*bus::decode_wire<Wire>(bytes));
 }
 
-Said what_was_said(const logs::IndexedLog& log) {
-  Said said;
+TrialMessages trial_messages(const logs::IndexedLog& log) {
+  TrialMessages messages;
   logs::LogScan scan = log.scan();
   while (const auto event = scan.next()) {
     if (event->channel.starts_with("BELIEF_")) {
       const auto belief = decoded<models::RobotBelief, vantage_lcm::belief_t>(event->data);
-      said.most_inputs = std::max(said.most_inputs, belief.inputs.size());
-      said.most_cells = std::max(said.most_cells, belief.last_seen_utime.size());
+      messages.most_inputs = std::max(messages.most_inputs, belief.inputs.size());
+      messages.most_cells = std::max(messages.most_cells, belief.last_seen_utime.size());
       for (const models::TargetBelief& target : belief.targets) {
         const auto gaussian = models::to_gaussian(target.information);
-        said.farthest_target_m = std::max(
-            said.farthest_target_m,
+        messages.farthest_target_m = std::max(
+            messages.farthest_target_m,
             (gaussian->mean.head<2>() - belief.viewpoint.world_from_body.position_m()).norm());
       }
     } else if (event->channel.starts_with("PLAN_")) {
       const auto plan = decoded<models::RobotPlan, vantage_lcm::plan_t>(event->data);
-      said.most_inputs = std::max(said.most_inputs, plan.inputs.size());
-      said.searched += plan.source == models::PlanSource::kSearched ? 1 : 0;
-      said.slots[plan.round].insert(plan.slot_start);
+      messages.most_inputs = std::max(messages.most_inputs, plan.inputs.size());
+      messages.searched += plan.source == models::PlanSource::kSearched ? 1 : 0;
+      messages.slots[plan.round].insert(plan.slot_start);
     }
   }
-  return said;
+  return messages;
 }
 
 class Neighbourhood : public ::testing::TestWithParam<std::string> {};
@@ -95,12 +95,12 @@ TEST_P(Neighbourhood, LimitsMessagesAndReplaysExactly) {
   EXPECT_GT(result.summary.discovered, 10);
 
   const logs::IndexedLog log(options.log_path);
-  const Said said = what_was_said(log);
-  EXPECT_LE(said.most_inputs, 60U) << "a plan and a status of each of some 20, and a few";
-  EXPECT_LE(said.farthest_target_m, kNeighbourhood_m);
-  EXPECT_LE(said.most_cells, 48U * 48U) << "2.5 neighbourhoods in 2 m";
-  EXPECT_GE(said.searched, 100U);
-  for (const auto& [round, slots] : said.slots) {
+  const TrialMessages messages = trial_messages(log);
+  EXPECT_LE(messages.most_inputs, 60U) << "a plan and a status of each of some 20, and a few";
+  EXPECT_LE(messages.farthest_target_m, kNeighbourhood_m);
+  EXPECT_LE(messages.most_cells, 48U * 48U) << "2.5 neighbourhoods in 2 m";
+  EXPECT_GE(messages.searched, 100U);
+  for (const auto& [round, slots] : messages.slots) {
     EXPECT_LE(slots.size(), GetParam().empty() ? 65U : 32U);
   }
   for (const char* node : {"planner:Q1", "planner:Q33", "estimator:Q33", "estimator:Q65"}) {

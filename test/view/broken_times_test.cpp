@@ -30,7 +30,7 @@ TEST(LogHistory, IgnoresInvalidStamp) {
     const std::string path = folder.file(std::to_string(broken));
     logs::test::write_file(path, bytes);
     logs::SeekableLog log(path);
-    while (log.go_on(bytes.size())) {
+    while (log.advance(bytes.size())) {
     }
     EXPECT_EQ(log.range().first, from_utime(kNow)) << broken;
     EXPECT_EQ(log.range().second, from_utime(kNow + 990'000)) << broken;

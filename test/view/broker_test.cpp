@@ -57,10 +57,10 @@ TEST(Outbox, SendsOneFrameOfAnySize) {
 TEST(Outbox, ClosesAViewerThatNeverReads) {
   Outbox outbox(100, 3);
   for (int i = 0; i < 4; ++i) {
-    EXPECT_FALSE(outbox.is_hopeless());
+    EXPECT_FALSE(outbox.is_overflowing());
     outbox.push(control("x"));
   }
-  EXPECT_TRUE(outbox.is_hopeless());
+  EXPECT_TRUE(outbox.is_overflowing());
 }
 
 TEST(Broker, SendsTopicsAndStatesToNewViewer) {
@@ -233,9 +233,9 @@ TEST(Broker, SendsStatusUntilWithdrawn) {
   const auto client = broker.connect(true);
   pop_text(*client);
   pop_text(*client);
-  broker.tell("reading", "3 % read");
-  broker.tell("other", "as well");
-  broker.tell("reading", "4 % read");
+  broker.set_status("reading", "3 % read");
+  broker.set_status("other", "as well");
+  broker.set_status("reading", "4 % read");
   for (const char* words : {"3 % read", "as well", "4 % read"}) {
     const json said = pop_text(*client);
     EXPECT_EQ(said["op"], "status");
@@ -248,7 +248,7 @@ TEST(Broker, SendsStatusUntilWithdrawn) {
   pop_text(*newcomer);
   EXPECT_EQ(pop_text(*newcomer)["message"], "as well");
   EXPECT_EQ(pop_text(*newcomer)["message"], "4 % read") << "the newest alone";
-  broker.tell("reading", "");
+  broker.set_status("reading", "");
   for (const auto& each : {client, newcomer}) {
     EXPECT_EQ(pop_text(*each), (json{{"op", "removeStatus"}, {"statusIds", {"reading"}}}));
     broker.disconnect(each);

@@ -20,9 +20,9 @@
 #include "tools/view/broker.hpp"
 #include "tools/view/feed.hpp"
 #include "tools/view/history.hpp"
-#include "tools/view/lead_up.hpp"
 #include "tools/view/playback.hpp"
 #include "tools/view/protocol.hpp"
+#include "tools/view/seek_preroll.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -156,8 +156,8 @@ TEST_F(SampleLog, SeekShowsStateOfFullReplay) {
     const auto endpoint = hub.connect();
     Feed feed(*endpoint, clock, whole, types);
     const Time from = instant - std::chrono::seconds(20);
-    const auto play = [&](const std::vector<logs::PlacedEvent>& events) {
-      for (const logs::PlacedEvent& event : events) {
+    const auto play = [&](const std::vector<logs::LocatedEvent>& events) {
+      for (const logs::LocatedEvent& event : events) {
         clock.set(event.time);
         source->publish(std::string(event.channel), event.data);
         feed.handle(std::chrono::microseconds(0));
@@ -316,28 +316,28 @@ TEST_F(SampleLog, StartsWhereRobotsPlansAndEstimatesExist) {
 TEST(SeekPreroll, CountsRecordsAndSendsLastOfEachTopic) {
   using logs::foxglove::Schema;
   Broker broker({"test", "s", std::pair(from_utime(0), from_utime(9))});
-  LeadUp lead_up(broker);
+  SeekPreroll preroll(broker);
   std::vector<int> made;
   const auto hear_three = [&] {
     for (const int value : {1, 2, 3}) {
-      if (lead_up.wants("/often", Schema::kTeam, false)) {
+      if (preroll.wants("/often", Schema::kTeam, false)) {
         made.push_back(value);
-        lead_up.write("/often", from_utime(value), json{{"known", value}});
+        preroll.write("/often", from_utime(value), json{{"known", value}});
       }
-      if (value == 2 && lead_up.wants("/once", Schema::kTeam, true)) {
+      if (value == 2 && preroll.wants("/once", Schema::kTeam, true)) {
         made.push_back(20);
-        lead_up.write("/once", from_utime(value), json{{"known", 20}});
+        preroll.write("/once", from_utime(value), json{{"known", 20}});
       }
     }
   };
-  lead_up.count();
+  preroll.count();
   hear_three();
   EXPECT_TRUE(made.empty());
   EXPECT_EQ(json::parse(broker.topics_text())["topics"], json::array()) << "nobody was asked";
-  lead_up.tell();
+  preroll.make_last();
   hear_three();
   EXPECT_EQ(made, (std::vector{20, 3}));
-  lead_up.end();
+  preroll.end();
   hear_three();
   EXPECT_EQ(made, (std::vector{20, 3, 1, 2, 20, 3})) << "each again";
   const json told = json::parse(broker.topics_text());

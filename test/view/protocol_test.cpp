@@ -8,7 +8,7 @@
 
 #include "test/view/viewer_words.hpp"
 #include "tools/view/feed.hpp"
-#include "tools/view/welcome.hpp"
+#include "tools/view/origin_check.hpp"
 
 namespace vantage::tools {
 namespace {

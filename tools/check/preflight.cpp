@@ -193,13 +193,14 @@ double speed_max_mps(const scenario::RobotSpec& robot) {
 }
 
 // Notes a separation or margin that is too small if a driver dies. Plans are checked with
-// stopping_way_m(), which is lost_way_m() without the autopilot's own time-out.
-void note_lost_way(const Scenario& scenario, std::vector<std::string>& notes) {
+// stopping_distance_m(), which is stopping_distance_after_loss_m() without the autopilot's own
+// time-out.
+void note_driver_loss(const Scenario& scenario, std::vector<std::string>& notes) {
   struct Lost {
     const scenario::RobotSpec* robot = nullptr;
     double speed_mps = 0.0;
-    double way_m = 0.0;     ///< m; distance until the vehicle hovers
-    double beyond_m = 0.0;  ///< m; part of it beyond the checked path
+    double distance_m = 0.0;  ///< m; distance until the vehicle hovers
+    double beyond_m = 0.0;    ///< m; part of it beyond the checked path
   };
   Lost worst;
   double radius_m = 0.0;
@@ -215,10 +216,10 @@ void note_lost_way(const Scenario& scenario, std::vector<std::string>& notes) {
       continue;  // check_safety() reports it
     }
     const double speed_mps = speed_max_mps(robot);
-    const double way_m = drivers::lost_way_m(limits, speed_mps);
-    const double beyond_m = way_m - drivers::stopping_way_m(limits, speed_mps);
+    const double distance_m = drivers::stopping_distance_after_loss_m(limits, speed_mps);
+    const double beyond_m = distance_m - drivers::stopping_distance_m(limits, speed_mps);
     if (worst.robot == nullptr || beyond_m > worst.beyond_m) {
-      worst = {&robot, speed_mps, way_m, beyond_m};
+      worst = {&robot, speed_mps, distance_m, beyond_m};
     }
   }
   if (worst.robot == nullptr) {
@@ -246,7 +247,7 @@ void note_lost_way(const Scenario& scenario, std::vector<std::string>& notes) {
     notes.push_back(fmt::format(
         "if a driver fails, its vehicle flies on: robot {} at {:g} m/s stops after {:.2f} m, "
         "{:.2f} m beyond the checked path. To avoid contact then, set {}, or fly slower",
-        worst.robot->name, worst.speed_mps, worst.way_m, worst.beyond_m,
+        worst.robot->name, worst.speed_mps, worst.distance_m, worst.beyond_m,
         fmt::join(changes, " and ")));
   }
 }
@@ -285,7 +286,8 @@ void note_wind(const Scenario& scenario, std::vector<std::string>& notes) {
 
 // With a static target model each measurement shrinks the covariance, also if it contradicts the
 // belief. After 20 s the belief may be 10⁹ times too confident.
-void note_targets_that_drive(const Scenario& scenario, std::vector<std::string>& notes) {
+void note_static_model_of_moving_targets(const Scenario& scenario,
+                                         std::vector<std::string>& notes) {
   const models::TargetModel& believed = scenario.estimator.target_model;
   const bool is_believed_to_stand =
       believed.kind == models::TargetKind::kStatic ||
@@ -349,10 +351,10 @@ Preflight check_preflight(const Scenario& scenario) {
   for (std::string& fault : device_faults(scenario)) {
     out.faults.push_back(std::move(fault));
   }
-  note_lost_way(scenario, out.notes);
+  note_driver_loss(scenario, out.notes);
   note_late_plans(scenario, out.notes);
   note_wind(scenario, out.notes);
-  note_targets_that_drive(scenario, out.notes);
+  note_static_model_of_moving_targets(scenario, out.notes);
   return out;
 }
 

@@ -33,7 +33,8 @@ inline constexpr double kLossSpareM = 0.1;
 /// - the combination of devices has a fault.
 ///
 /// Notes:
-/// - a separation or margin that is too small if a driver dies in motion (lost_way_m);
+/// - a separation or margin that is too small if a driver dies in motion
+/// (stopping_distance_after_loss_m);
 /// - plans that are published too late, and wind without effect;
 /// - moving targets that are modelled as static.
 Preflight check_preflight(const scenario::Scenario& scenario);
@@ -42,7 +43,7 @@ Preflight check_preflight(const scenario::Scenario& scenario);
 inline constexpr double kPlannerBytes = 120e6;
 struct MemoryRoom {
   bool is_enough = true;
-  std::string words;
+  std::string summary;
 };
 /// Compares the free memory with the need of the planners on the host that has most of them.
 MemoryRoom room_for_planners(const scenario::Scenario& scenario,

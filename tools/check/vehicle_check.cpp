@@ -24,7 +24,7 @@ VehicleCheck::VehicleCheck(const scenario::RobotSpec& robot,
                            const std::optional<wire::mavlink::SigningKey>& key, Time now)
     : robot_(robot.name), spec_(spec_of(robot)), link_(spec_, key), started_(now) {}
 
-void VehicleCheck::load() { link_.mend_parameters(); }
+void VehicleCheck::load() { link_.repair_parameters(); }
 
 bool VehicleCheck::is_done(Time now) const {
   if (link_.fault(now)) {
@@ -82,8 +82,9 @@ std::vector<std::string> describe(const VehicleCheck& vehicle, Time now) {
                   "effect of a wrong value")};
   for (const auto& [rule, actual, is_settled] : differences) {
     out.push_back(fmt::format("  {:<16} {:>9}  {:<20}  {}{}", rule.name,
-                              actual ? wire::parameter_text(*actual) : "missing", rule.wanted(),
-                              rule.otherwise, rule.is_advised ? " (recommended)" : ""));
+                              actual ? wire::parameter_text(*actual) : "missing",
+                              rule.requirement_text(), rule.effect,
+                              rule.is_advised ? " (recommended)" : ""));
   }
   return out;
 }

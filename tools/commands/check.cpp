@@ -45,7 +45,7 @@ void listen(const scenario::Scenario& scenario, double listen_s,
   const auto transport = bus::open_transport(scenario.network.url);
   bus::Bus bus(*transport, bus::random_run_id());
   const bus::SteadyClock clock;
-  bus.keep_time(clock);
+  bus.use_clock(clock);
   bus.secure(std::move(authenticator), clock);
   const ArmingWatch watch(bus, scenario);
   const Time end = clock.now() + from_seconds(listen_s);
@@ -95,13 +95,13 @@ int run(const CheckArguments& arguments) {
   const std::string log_path =
       arguments.log_path.empty() ? scenario.name + ".lcmlog" : arguments.log_path;
   const logs::LogRoom room = logs::room_for_log(scenario, log_path, logs::free_bytes_for(log_path));
-  (room.is_enough ? preflight.understood : preflight.faults).push_back(room.words);
+  (room.is_enough ? preflight.understood : preflight.faults).push_back(room.summary);
   preflight.understood.push_back(security_words(scenario));
   std::vector<std::string> security_faults = bus::auth::security_faults(scenario);
   const bool can_judge = security_faults.empty();
   std::ranges::move(security_faults, std::back_inserter(preflight.faults));
   const MemoryRoom memory = room_for_planners(scenario, free_memory_bytes());
-  (memory.is_enough ? preflight.understood : preflight.faults).push_back(memory.words);
+  (memory.is_enough ? preflight.understood : preflight.faults).push_back(memory.summary);
   if (arguments.is_live && can_judge) {
     listen(scenario, arguments.listen_s, bus::auth::authenticator_for(scenario), preflight.faults);
   }
@@ -155,7 +155,9 @@ void add_check_command(CLI::App& root, Runner& chosen) {
           ->add_flag("--load", arguments->vehicles.is_load,
                      "write the required values after confirmation, and read them back")
           ->needs(vehicles);
-  command->add_flag("--yes", arguments->vehicles.is_sure, "with --load: write without confirmation")
+  command
+      ->add_flag("--yes", arguments->vehicles.skips_confirmation,
+                 "with --load: write without confirmation")
       ->needs(load);
   command->footer(
       "Exit code 0: ready; 1: not ready, with the reasons; 2: the scenario cannot be read.\n"

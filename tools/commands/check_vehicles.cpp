@@ -66,7 +66,7 @@ std::vector<Vehicle> open(const scenario::Scenario& scenario, const std::string&
 }
 
 /// Runs the checks until each vehicle's parameters are read or have failed, or until Ctrl-C.
-void converse(std::vector<Vehicle>& vehicles, const bus::Clock& clock, bool shows_progress) {
+void run_checks(std::vector<Vehicle>& vehicles, const bus::Clock& clock, bool shows_progress) {
   Screen screen;
   bool is_done = false;
   while (!is_done && !stop_requested()) {
@@ -113,8 +113,8 @@ nlohmann::ordered_json to_json(const VehicleCheck& check, Time now) {
     if (actual) {
       one["is"] = *actual;
     }
-    one["wanted"] = rule.wanted();
-    one["otherwise"] = rule.otherwise;
+    one["wanted"] = rule.requirement_text();
+    one["otherwise"] = rule.effect;
     one["advised"] = rule.is_advised;
     out["differences"].push_back(std::move(one));
   }
@@ -136,7 +136,7 @@ VehicleReport check_vehicles(const scenario::Scenario& scenario,
   const bus::SystemClock clock;
   std::vector<Vehicle> vehicles = open(scenario, options.robot, clock.now());
   const bool shows_progress = !options.is_quiet && is_terminal();
-  converse(vehicles, clock, shows_progress);
+  run_checks(vehicles, clock, shows_progress);
   std::size_t differences = 0;
   for (const Vehicle& vehicle : vehicles) {
     const bool is_read = !vehicle.check->fault(clock.now());
@@ -146,13 +146,13 @@ VehicleReport check_vehicles(const scenario::Scenario& scenario,
     if (!options.is_quiet) {
       print_all(vehicles, clock.now());
     }
-    if (options.is_sure || is_confirmed(differences)) {
+    if (options.skips_confirmation || is_confirmed(differences)) {
       for (Vehicle& vehicle : vehicles) {
         if (!vehicle.check->fault(clock.now())) {
           vehicle.check->load();
         }
       }
-      converse(vehicles, clock, shows_progress);
+      run_checks(vehicles, clock, shows_progress);
       if (!options.is_quiet) {
         print_line("parameters written and read back; restart the autopilots, then check again:");
       }

@@ -10,10 +10,10 @@
 namespace vantage::tools {
 
 struct VehicleCheckOptions {
-  std::string robot;      ///< only robot to check; empty: all
-  bool is_load = false;   ///< write parameters that differ
-  bool is_sure = false;   ///< write without confirmation
-  bool is_quiet = false;  ///< print nothing on standard output
+  std::string robot;                ///< only robot to check; empty: all
+  bool is_load = false;             ///< write parameters that differ
+  bool skips_confirmation = false;  ///< write without confirmation
+  bool is_quiet = false;            ///< print nothing on standard output
 };
 
 struct VehicleReport {

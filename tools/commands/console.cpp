@@ -31,10 +31,10 @@ int run(const ConsoleArguments& arguments) {
   }
   const auto transport = bus::open_transport(url);
   bus::Bus bus(*transport, bus::random_run_id());
-  const DeskRules rules{arguments.is_second, authenticator.get()};
-  bus.keep_time(clock);
+  const StationOptions options{arguments.is_second, authenticator.get()};
+  bus.use_clock(clock);
   bus.secure(std::move(authenticator), clock);
-  return run_console(bus, clock, rules, stop_requested) ? 0 : 1;
+  return run_console(bus, clock, options, stop_requested) ? 0 : 1;
 }
 
 }  // namespace

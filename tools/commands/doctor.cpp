@@ -29,8 +29,8 @@ nlohmann::ordered_json to_json(const std::vector<ViconPort>& ports) {
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
   for (const ViconPort& port : ports) {
     nlohmann::ordered_json entry{{"port", port.port},
-                                 {"answers", port.answer == Answer::kSpeech},
-                                 {"speaker", wire::vicon::name_of(port.speaker)}};
+                                 {"answers", port.answer == Answer::kAccepted},
+                                 {"speaker", wire::vicon::name_of(port.server_type)}};
     if (port.observed) {
       entry["frames"] = port.observed->frames;
       entry["rate_hz"] = port.observed->rate_hz;
@@ -41,7 +41,7 @@ nlohmann::ordered_json to_json(const std::vector<ViconPort>& ports) {
           entry["bodies"][name]["rate_hz"] = body.rate_hz;
         }
       }
-      entry["troubles"] = port.observed->troubles;
+      entry["troubles"] = port.observed->errors;
     }
     out.push_back(std::move(entry));
   }

@@ -30,7 +30,7 @@ struct ExperimentArguments {
   experiments::Extent extent;
   experiments::SweepOptions options;
   bool is_on_slurm = false;
-  bool is_left_alone = false;
+  bool is_detached = false;
   experiments::SlurmOptions slurm;
 };
 
@@ -61,8 +61,8 @@ std::string only_text(const ExperimentArguments& arguments) {
 }
 
 // Prints which units are kept and the command that continues.
-void tell_stopped(const ExperimentArguments& arguments, const experiments::SweepIdentity& identity,
-                  const experiments::SweepProgress& progress) {
+void print_stopped(const ExperimentArguments& arguments, const experiments::SweepIdentity& identity,
+                   const experiments::SweepProgress& progress) {
   fmt::print(
       stderr,
       "stopped with {} of {} units done; their rows are kept. To continue: {} --out {}{}{}\n",
@@ -71,8 +71,8 @@ void tell_stopped(const ExperimentArguments& arguments, const experiments::Sweep
       arguments.shard.empty() ? "" : " --shard " + arguments.shard, only_text(arguments));
 }
 
-int tell(const ExperimentArguments& arguments, const experiments::SweepIdentity& identity,
-         const experiments::SweepOutcome& outcome) {
+int print_outcome(const ExperimentArguments& arguments, const experiments::SweepIdentity& identity,
+                  const experiments::SweepOutcome& outcome) {
   show_line("");
   for (const std::string& line : outcome.lines) {
     print_line(line);
@@ -80,7 +80,7 @@ int tell(const ExperimentArguments& arguments, const experiments::SweepIdentity&
   const std::string command = experiments::command_of(identity, arguments.extent.trials) +
                               " --out " + shell_quoted(arguments.options.directory);
   if (outcome.is_stopped) {
-    tell_stopped(arguments, identity, outcome.progress);
+    print_stopped(arguments, identity, outcome.progress);
     return 1;
   }
   if (!arguments.options.only.empty()) {
@@ -113,7 +113,7 @@ int run_as_jobs(ExperimentArguments& arguments, const experiments::SweepIdentity
   slurm.command.insert(slurm.command.end(),
                        {"--jobs", std::to_string(arguments.options.jobs), "--out", directory});
   slurm.cores_per_task = arguments.options.jobs;
-  slurm.is_waiting = !arguments.is_left_alone;
+  slurm.is_waiting = !arguments.is_detached;
   slurm.tell = [](const std::string& line) {
     show_line("");
     print_line(line);
@@ -155,15 +155,16 @@ int run(ExperimentArguments arguments) {
   arguments.options.progress = [&](const experiments::SweepProgress& progress) {
     show_line(progress.is_stopping ? "" : experiments::progress_text(progress));
     if (progress.is_stopping) {
-      tell_stopped(arguments, identity, progress);
+      print_stopped(arguments, identity, progress);
       std::_Exit(1);
     }
   };
   if (arguments.is_on_slurm) {
     return run_as_jobs(arguments, identity, sweep, experiment->what);
   }
-  return tell(arguments, identity,
-              experiments::run_sweep(sweep, identity, experiment->what, arguments.options));
+  return print_outcome(
+      arguments, identity,
+      experiments::run_sweep(sweep, identity, experiment->what, arguments.options));
 }
 
 // Adds --slurm and its options. `others` cannot be combined with --slurm.
@@ -181,7 +182,7 @@ void add_slurm_options(CLI::App& command, ExperimentArguments& arguments,
       ->capture_default_str()
       ->needs(slurm);
   command
-      .add_flag("--no-wait", arguments.is_left_alone,
+      .add_flag("--no-wait", arguments.is_detached,
                 "with --slurm: submit the jobs without waiting for them")
       ->needs(slurm);
   command

@@ -6,7 +6,7 @@ namespace vantage::tools {
 void add_log_command(CLI::App& root, Runner& run) {
   CLI::App* log = root.add_subcommand("log", "Inspect, repair, replay and convert LCM event logs.");
   log->require_subcommand(1);
-  add_log_look_commands(*log, run);
+  add_log_inspect_commands(*log, run);
   add_log_edit_commands(*log, run);
   add_log_metrics_commands(*log, run);
   add_log_fit_motion_command(*log, run);

@@ -33,8 +33,8 @@ struct UpArguments {
   std::string log_folder;
   bool no_log = false;
   bool fly = false;
-  bool beside_others = false;
-  bool beside_load = false;
+  bool ignore_others = false;
+  bool ignore_load = false;
   bool has_virtual_targets = false;
   bool as_json = false;
   RestartPolicy restarts;
@@ -96,8 +96,8 @@ int run(const UpArguments& arguments) {
   // Flights of vehicles with drivers end after a duration only if the user has given one.
   options.ends_by_duration =
       arguments.overrides.duration_s.has_value() || robots_with_driver(scenario).empty();
-  options.beside_others = arguments.beside_others;
-  options.beside_load = arguments.beside_load;
+  options.ignore_others = arguments.ignore_others;
+  options.ignore_load = arguments.ignore_load;
   options.has_virtual_targets = arguments.has_virtual_targets;
   options.host = arguments.host;
   options.log_path = log_path(scenario, arguments);
@@ -175,9 +175,9 @@ void add_up_command(CLI::App& root, Runner& chosen) {
   command->add_flag("--fly", arguments->fly,
                     "act as the operator: arm, take off, follow, and land at the end");
   command->add_flag(
-      "--beside-others", arguments->beside_others,
+      "--ignore-others", arguments->ignore_others,
       "start even if another supervisor, a simulator or vehicles are active on the network");
-  command->add_flag("--beside-load", arguments->beside_load,
+  command->add_flag("--ignore-load", arguments->ignore_load,
                     "with --fly: fly even if this host is busy and denies real-time priority to "
                     "drivers");
   command->add_flag("--virtual-targets", arguments->has_virtual_targets,

@@ -56,7 +56,7 @@ void survey(logs::SeekableLog& log) {
   constexpr std::size_t kStepBytes = std::size_t{16} << 20U;
   const EndsAtOnce reading;
   const auto progress = progress_line("reading " + log.path());
-  while (log.go_on(kStepBytes)) {
+  while (log.advance(kStepBytes)) {
     if (progress) {
       progress(log.surveyed_share());
     }

@@ -19,13 +19,13 @@
 namespace vantage::tools {
 namespace {
 
-constexpr double kHeardS = 1.0;
+constexpr double kSilentAfterS = 1.0;
 constexpr const char* kKeys =
     "keys: SPACE emergency stop of ALL;  selected robots: a arm  t take off  f follow  h hold  "
     "l land  e emergency stop;  select: 0 all  1-9 TAB one robot  r NAME ENTER any robot;  q quit";
 constexpr const char* kLines =
     "type: arm | take-off | follow | hold | land | estop [robot], help, quit";
-constexpr const char* kUnheard =
+constexpr const char* kLacksSignature =
     "vehicles that require signed commands ignore this station: it does not sign; start it with "
     "--scenario FILE";
 constexpr const char* kFarewell =
@@ -34,45 +34,45 @@ constexpr const char* kFarewell =
 /// One run of the console: reads input, sends orders and shows the vehicles.
 class ConsoleSession {
  public:
-  ConsoleSession(bus::Bus& bus, const bus::Clock& clock, const DeskRules& rules)
-      : desk_(bus, rules, clock.now()), clock_(clock) {
+  ConsoleSession(bus::Bus& bus, const bus::Clock& clock, const StationOptions& options)
+      : sender_(bus, options, clock.now()), clock_(clock) {
     print_line(terminal_.is_interactive() ? kKeys : kLines);
   }
 
   void step() {
-    if (desk_.tick(clock_.now())) {
-      say(explain(desk_.station().role()));
+    if (sender_.tick(clock_.now())) {
+      show(explain(sender_.station().role()));
     }
-    say(orders_.tick(clock_.now()));
-    if (desk_.is_unheard() && !std::exchange(was_unheard_, true)) {
-      say(kUnheard);
+    show(orders_.tick(clock_.now()));
+    if (sender_.lacks_signature() && !std::exchange(has_warned_, true)) {
+      show(kLacksSignature);
     }
     while (!is_over_) {
       const std::optional<std::string> input = terminal_.read();
       if (!input) {
         break;
       }
-      obey(*input);
+      handle(*input);
     }
     is_over_ |= terminal_.is_closed();
     if (terminal_.is_interactive() && clock_.now() >= next_redraw_) {
-      std::vector<std::string> lines = desk_.vehicle_table(clock_.now(), selected_);
+      std::vector<std::string> lines = sender_.vehicle_table(clock_.now(), selected_);
       lines.push_back(keys_.prompt().empty() ? note_ : keys_.prompt());
       screen_.redraw(lines);
       next_redraw_ = clock_.now() + std::chrono::milliseconds(250);
     }
   }
   /// Sends the repetitions that are due.
-  void finish() { desk_.tick(clock_.now()); }
-  [[nodiscard]] bool is_saying() const { return desk_.is_saying(); }
+  void finish() { sender_.tick(clock_.now()); }
+  [[nodiscard]] bool is_repeating() const { return sender_.is_repeating(); }
   [[nodiscard]] bool is_over() const { return is_over_ && !orders_.is_waiting(); }
   [[nodiscard]] bool was_refused() const { return was_refused_ || orders_.was_refused(); }
 
  private:
-  void obey(const std::string& input) {
+  void handle(const std::string& input) {
     if (terminal_.is_interactive()) {
-      if (const auto request = keys_.on_key(input, desk_.robots(), selected_)) {
-        obey(*request);
+      if (const auto request = keys_.on_key(input, sender_.robots(), selected_)) {
+        handle(*request);
       }
       next_redraw_ = {};
       return;
@@ -82,28 +82,28 @@ class ConsoleSession {
     }
     const Result<OperatorRequest> request = request_from_line(input);
     if (request.ok()) {
-      obey(request.value());
+      handle(request.value());
     } else {
       was_refused_ = true;
-      say(request.error().message);
+      show(request.error().message);
     }
   }
 
-  void obey(const OperatorRequest& request) {
+  void handle(const OperatorRequest& request) {
     switch (request.kind) {
       case OperatorRequest::Kind::kCommand:
-        say(orders_.ask({request.action, request.robot}, clock_.now()));
+        show(orders_.add({request.action, request.robot}, clock_.now()));
         break;
       case OperatorRequest::Kind::kSelect:
         selected_ = request.robot;
-        say("commands go to " + (selected_.empty() ? std::string("all") : selected_));
+        show("commands go to " + (selected_.empty() ? std::string("all") : selected_));
         break;
       case OperatorRequest::Kind::kNoRobot:
-        say("no robot, or more than one, has a name that begins with '" + request.robot +
-            "'; commands still go to " + (selected_.empty() ? std::string("all") : selected_));
+        show("no robot, or more than one, has a name that begins with '" + request.robot +
+             "'; commands still go to " + (selected_.empty() ? std::string("all") : selected_));
         break;
       case OperatorRequest::Kind::kHelp:
-        say(terminal_.is_interactive() ? kKeys : kLines);
+        show(terminal_.is_interactive() ? kKeys : kLines);
         break;
       case OperatorRequest::Kind::kQuit:
         is_over_ = true;
@@ -111,21 +111,21 @@ class ConsoleSession {
     }
   }
 
-  void say(const std::vector<std::string>& lines) {
+  void show(const std::vector<std::string>& lines) {
     for (const std::string& words : lines) {
-      say(words);
+      show(words);
     }
   }
 
-  void say(const std::string& words) {
+  void show(const std::string& words) {
     note_ = words;
     if (!terminal_.is_interactive()) {
       print_line(words);
     }
   }
 
-  OperatorDesk desk_;
-  OrderQueue orders_{desk_};
+  OrderSender sender_;
+  OrderQueue orders_{sender_};
   const bus::Clock& clock_;
   Terminal terminal_;
   KeyInput keys_;
@@ -133,17 +133,17 @@ class ConsoleSession {
   std::string selected_;
   std::string note_;
   bool was_refused_ = false;  // a line was not understood
-  bool was_unheard_ = false;
+  bool has_warned_ = false;
   Time next_redraw_{};
   bool is_over_ = false;
 };
 
 }  // namespace
 
-OperatorDesk::OperatorDesk(bus::Bus& bus, const DeskRules& rules, Time start)
+OrderSender::OrderSender(bus::Bus& bus, const StationOptions& options, Time start)
     : bus_(bus),
-      authenticator_(rules.authenticator),
-      station_(bus.run_id(), rules.is_allowed_second, start),
+      authenticator_(options.authenticator),
+      station_(bus.run_id(), options.is_allowed_second, start),
       now_(start) {
   bus_.subscribe<models::OperatorCommand>(
       bus::kCommand, [this](const models::OperatorCommand& command) {
@@ -170,7 +170,7 @@ OperatorDesk::OperatorDesk(bus::Bus& bus, const DeskRules& rules, Time start)
   bus_.subscribe<models::ProcessHealth>(bus::health_channel(logs::RecorderNode::kName), on_log);
 }
 
-bool OperatorDesk::make_room() {
+bool OrderSender::make_room() {
   if (vehicles_.size() < kVehiclesMax) {
     return true;
   }
@@ -184,33 +184,33 @@ bool OperatorDesk::make_room() {
   return true;
 }
 
-bool OperatorDesk::tick(Time now) {
+bool OrderSender::tick(Time now) {
   now_ = now;
   const bool changed = station_.tick(now);
-  say_again(now);
-  if (station_.beats() && now >= next_heartbeat_) {
+  repeat(now);
+  if (station_.sends_heartbeat() && now >= next_heartbeat_) {
     send(now, models::OperatorAction::kHeartbeat, "");
     next_heartbeat_ = now + from_seconds(kHeartbeatPeriod_s);
   }
   return changed;
 }
 
-bool OperatorDesk::send(Time now, models::OperatorAction action, const std::string& robot) {
-  if (!station_.may_say(action)) {
+bool OrderSender::send(Time now, models::OperatorAction action, const std::string& robot) {
+  if (!station_.may_send(action)) {
     return false;
   }
-  Order order{action, robot, now, ahead_of(now), 1, now + kSayAgain};
-  say(order);
+  Order order{action, robot, now, ahead_of(now), 1, now + kFirstPause};
+  publish_order(order);
   if (action != models::OperatorAction::kHeartbeat) {
-    std::erase_if(saying_, [&order](const Order& earlier) { return ends(order, earlier); });
+    std::erase_if(repeating_, [&order](const Order& earlier) { return ends(order, earlier); });
   }
   if (models::makes_safer(action)) {
-    saying_.push_back(order);
+    repeating_.push_back(order);
   }
   return true;
 }
 
-void OperatorDesk::say(const Order& order) {
+void OrderSender::publish_order(const Order& order) {
   const Duration ahead = order.ahead.value_or(Duration{});
   publish(order.given + ahead, order.action, order.robot);
   if (order.action == models::OperatorAction::kEmergencyStop && ahead != Duration{}) {
@@ -223,20 +223,20 @@ void OperatorDesk::say(const Order& order) {
   }
 }
 
-void OperatorDesk::say_again(Time now) {
-  for (Order& order : saying_) {
+void OrderSender::repeat(Time now) {
+  for (Order& order : repeating_) {
     if (now >= order.next) {
       order.ahead =
           order.ahead ? order.ahead : ahead_of(now);  // for orders given before any reception
-      say(order);
-      order.next += kSayAgain * (1 << order.said);
-      ++order.said;
+      publish_order(order);
+      order.next += kFirstPause * (1 << order.sent);
+      ++order.sent;
     }
   }
-  std::erase_if(saying_, [](const Order& order) { return order.said >= kSaid; });
+  std::erase_if(repeating_, [](const Order& order) { return order.sent >= kTransmissions; });
 }
 
-bool OperatorDesk::ends(const Order& later, const Order& earlier) {
+bool OrderSender::ends(const Order& later, const Order& earlier) {
   const bool is_of_all_its_vehicles = later.robot.empty() || later.robot == earlier.robot;
   const bool undoes = !models::makes_safer(later.action) &&
                       earlier.action != models::OperatorAction::kEmergencyStop;
@@ -245,7 +245,7 @@ bool OperatorDesk::ends(const Order& later, const Order& earlier) {
   return is_of_all_its_vehicles || (undoes && earlier.robot.empty());
 }
 
-void OperatorDesk::publish(Time stamp, models::OperatorAction action, const std::string& robot) {
+void OrderSender::publish(Time stamp, models::OperatorAction action, const std::string& robot) {
   models::OperatorCommand command;
   command.stamp.time = stamp;
   command.action = action;
@@ -253,50 +253,50 @@ void OperatorDesk::publish(Time stamp, models::OperatorAction action, const std:
   bus_.publish(bus::kCommand, command);
 }
 
-std::optional<Duration> OperatorDesk::ahead_of(Time now) const {
+std::optional<Duration> OrderSender::ahead_of(Time now) const {
   std::optional<Duration> least;
-  for (const auto& [name, heard] : vehicles_) {
-    const Duration ahead = heard.status.stamp.time - heard.at;
-    const bool is_heard = to_seconds(now - heard.at) <= kHeardS;
-    if (is_heard && (!least || std::chrono::abs(ahead) < std::chrono::abs(*least))) {
+  for (const auto& [name, received] : vehicles_) {
+    const Duration ahead = received.status.stamp.time - received.at;
+    const bool is_recent = to_seconds(now - received.at) <= kSilentAfterS;
+    if (is_recent && (!least || std::chrono::abs(ahead) < std::chrono::abs(*least))) {
       least = ahead;
     }
   }
   return least && std::abs(to_seconds(*least)) <= kApartMaxS ? Duration{} : least;
 }
 
-Duration OperatorDesk::vehicles_ahead(Time now) const { return ahead_of(now).value_or(Duration{}); }
+Duration OrderSender::vehicles_ahead(Time now) const { return ahead_of(now).value_or(Duration{}); }
 
-bool OperatorDesk::is_log_lost(Time now) const {
-  return std::any_of(log_lost_.begin(), log_lost_.end(), [now](const auto& said) {
-    return to_seconds(now - said.second) <= kLogHeardS;
+bool OrderSender::is_log_lost(Time now) const {
+  return std::any_of(log_lost_.begin(), log_lost_.end(), [now](const auto& report) {
+    return to_seconds(now - report.second) <= kLogReportS;
   });
 }
 
-std::vector<std::string> OperatorDesk::robots() const {
+std::vector<std::string> OrderSender::robots() const {
   std::vector<std::string> out;
-  for (const auto& [name, heard] : vehicles_) {
+  for (const auto& [name, received] : vehicles_) {
     out.push_back(name);
   }
   return out;
 }
 
-std::vector<std::string> OperatorDesk::vehicle_table(Time now, const std::string& selected) const {
+std::vector<std::string> OrderSender::vehicle_table(Time now, const std::string& selected) const {
   std::vector<std::string> out;
   out.push_back(fmt::format("  {:<8} {:>8} {:>8} {:>8} {:>7}  {}", "robot", "state", "battery",
                             "round", "age", "reasons"));
-  for (const auto& [name, heard] : vehicles_) {
-    const models::VehicleStatus& status = heard.status;
+  for (const auto& [name, received] : vehicles_) {
+    const models::VehicleStatus& status = received.status;
     std::string reasons;
     for (const std::string& reason : status.reasons) {
       reasons += (reasons.empty() ? "" : ", ") + readable(reason);
     }
-    const bool is_silent = to_seconds(now - heard.at) > kHeardS;
+    const bool is_silent = to_seconds(now - received.at) > kSilentAfterS;
     const bool is_selected = selected.empty() || selected == name;
     out.push_back(fmt::format(
         "{} {:<8} {:>8} {:>6.0f} % {:>8} {:>5.1f} s  {}", is_selected ? '>' : ' ', readable(name),
         is_silent ? "SILENT" : name_of(status.state), 100.0 * status.battery_share,
-        status.plan_round, to_seconds(now - heard.at), reasons));
+        status.plan_round, to_seconds(now - received.at), reasons));
   }
   if (vehicles_.empty()) {
     out.emplace_back("  no vehicle received yet");
@@ -305,13 +305,13 @@ std::vector<std::string> OperatorDesk::vehicle_table(Time now, const std::string
     if (const auto stale = authenticator_->stale_ahead(now)) {
       out.push_back(fmt::format(
           "! vehicle statuses refused: {:.1f} s ahead of this station's clock; a log is "
-          "played, or the clocks differ (such vehicles obey only hold, land and "
+          "played, or the clocks differ (such vehicles handle only hold, land and "
           "emergency stop)",
           to_seconds(*stale)));
     }
   }
-  if (is_unheard()) {
-    out.push_back(std::string("! ") + kUnheard);
+  if (lacks_signature()) {
+    out.push_back(std::string("! ") + kLacksSignature);
   }
   if (is_log_lost(now)) {
     out.emplace_back("! the log is not being written: this flight is not recorded");
@@ -319,17 +319,17 @@ std::vector<std::string> OperatorDesk::vehicle_table(Time now, const std::string
   return out;
 }
 
-bool run_console(bus::Bus& bus, const bus::Clock& clock, const DeskRules& rules,
+bool run_console(bus::Bus& bus, const bus::Clock& clock, const StationOptions& options,
                  const std::function<bool()>& stop) {
   bool was_refused = false;
   {
     const NonBlockingOutput output;
-    ConsoleSession session(bus, clock, rules);
+    ConsoleSession session(bus, clock, options);
     while (!session.is_over() && !stop()) {
       bus.handle(std::chrono::milliseconds(20));
       session.step();
     }
-    while (session.is_saying()) {
+    while (session.is_repeating()) {
       bus.handle(std::chrono::milliseconds(20));
       session.finish();
     }

@@ -17,9 +17,9 @@
 namespace vantage::tools {
 
 /// Options of an operator station.
-struct DeskRules {
+struct StationOptions {
   bool is_allowed_second = false;  ///< stand by while another station is in charge (see Station)
-  /// Authenticator of the bus, which must outlive the desk; nullptr: messages are not signed.
+  /// Authenticator of the bus, which must outlive the sender; nullptr: messages are not signed.
   const bus::auth::Authenticator* authenticator = nullptr;
 };
 
@@ -35,28 +35,28 @@ struct DeskRules {
 /// land and emergency stop are also sent with a stamp of those statuses' clock. A superfluous stop
 /// does no harm.
 ///
-/// Datagrams may get lost, so hold, land and emergency stop are sent kSaid times. The first pause
-/// is kSayAgain, and each further pause is twice as long. That outlasts a burst of losses of 0.5 s.
-/// A repetition has the same stamp as the first, except that an order sent before any vehicle was
-/// received is repeated in the vehicles' clock. A later order to the same vehicles ends the
-/// repetition, so that `hold`, `follow` ends with following. An emergency stop of all vehicles is
-/// not ended by an order to one of them.
-class OperatorDesk {
+/// Datagrams may get lost, so hold, land and emergency stop are sent kTransmissions times. The
+/// first pause is kFirstPause, and each further pause is twice as long. That outlasts a burst of
+/// losses of 0.5 s. A repetition has the same stamp as the first, except that an order sent before
+/// any vehicle was received is repeated in the vehicles' clock. A later order to the same vehicles
+/// ends the repetition, so that `hold`, `follow` ends with following. An emergency stop of all
+/// vehicles is not ended by an order to one of them.
+class OrderSender {
  public:
   static constexpr double kHeartbeatPeriod_s = 0.2;
   static constexpr double kApartMaxS = 1.0;
-  static constexpr double kLogHeardS = 3.0;
+  static constexpr double kLogReportS = 3.0;
   static constexpr std::size_t kVehiclesMax = 1024;
   static constexpr double kKeptS = 3.0;  ///< s; vehicles received within this time are not evicted
-  static constexpr int kSaid = 5;
-  static constexpr Duration kSayAgain = std::chrono::milliseconds(50);
+  static constexpr int kTransmissions = 5;
+  static constexpr Duration kFirstPause = std::chrono::milliseconds(50);
 
-  OperatorDesk(bus::Bus& bus, const DeskRules& rules, Time start);
-  OperatorDesk(const OperatorDesk&) = delete;
-  OperatorDesk& operator=(const OperatorDesk&) = delete;
-  OperatorDesk(OperatorDesk&&) = delete;
-  OperatorDesk& operator=(OperatorDesk&&) = delete;
-  ~OperatorDesk() = default;
+  OrderSender(bus::Bus& bus, const StationOptions& options, Time start);
+  OrderSender(const OrderSender&) = delete;
+  OrderSender& operator=(const OrderSender&) = delete;
+  OrderSender(OrderSender&&) = delete;
+  OrderSender& operator=(OrderSender&&) = delete;
+  ~OrderSender() = default;
 
   /// Sends the heartbeat and the repetitions that are due. Returns true if the station's role
   /// changed.
@@ -64,15 +64,15 @@ class OperatorDesk {
   /// Sends an order. Returns false and sends nothing if the station is not permitted to send it.
   bool send(Time now, models::OperatorAction action, const std::string& robot);
   /// True while repetitions are still to be sent.
-  [[nodiscard]] bool is_saying() const { return !saying_.empty(); }
+  [[nodiscard]] bool is_repeating() const { return !repeating_.empty(); }
   /// True if other processes sign their messages and this station does not: vehicles that require
   /// signatures ignore it.
-  [[nodiscard]] bool is_unheard() const { return bus_.hears_signed(); }
+  [[nodiscard]] bool lacks_signature() const { return bus_.receives_signed(); }
   [[nodiscard]] const Station& station() const { return station_; }
   /// Returns how far the vehicles' clock is ahead of ours; 0 if it is about the same or unknown.
   [[nodiscard]] Duration vehicles_ahead(Time now) const;
   [[nodiscard]] std::vector<std::string> robots() const;
-  /// True if a process that records reported within kLogHeardS that the log cannot be written.
+  /// True if a process that records reported within kLogReportS that the log cannot be written.
   [[nodiscard]] bool is_log_lost(Time now) const;
   /// Returns a heading and one line per vehicle, in which the selected ones are marked. A vehicle
   /// that was not received for 1 s is SILENT. Warnings follow: statuses refused as stale, unsigned
@@ -85,12 +85,12 @@ class OperatorDesk {
     std::string robot;
     Time given{};
     std::optional<Duration> ahead;  ///< of the vehicles' clock; nullopt until one was received
-    int said = 0;
+    int sent = 0;
     Time next{};
   };
   [[nodiscard]] std::optional<Duration> ahead_of(Time now) const;
-  void say(const Order& order);
-  void say_again(Time now);
+  void publish_order(const Order& order);
+  void repeat(Time now);
   [[nodiscard]] static bool ends(const Order& later, const Order& earlier);
   void publish(Time stamp, models::OperatorAction action, const std::string& robot);
   /// Makes room for one more vehicle, if necessary by evicting the one silent longest. Returns
@@ -98,17 +98,17 @@ class OperatorDesk {
   bool make_room();
 
   static constexpr std::size_t kLogsMax = 64;  ///< processes that report a log
-  std::vector<Order> saying_;
+  std::vector<Order> repeating_;
   bus::Bus& bus_;
   const bus::auth::Authenticator* authenticator_;
   Station station_;
   Time now_;
   Time next_heartbeat_{};
-  struct Heard {
+  struct ReceivedStatus {
     models::VehicleStatus status;
     Time at{};
   };
-  std::map<std::string, Heard> vehicles_;
+  std::map<std::string, ReceivedStatus> vehicles_;
   std::map<std::string, Time>
       log_lost_;  ///< time of the last report of an unwritten log, by process
 };
@@ -117,7 +117,7 @@ class OperatorDesk {
 /// through an OrderQueue. Each loop sends heartbeat and orders before it draws the screen, and
 /// output never blocks (NonBlockingOutput). Returns false if a request was refused or not
 /// understood.
-bool run_console(bus::Bus& bus, const bus::Clock& clock, const DeskRules& rules,
+bool run_console(bus::Bus& bus, const bus::Clock& clock, const StationOptions& options,
                  const std::function<bool()>& stop);
 
 }  // namespace vantage::tools

@@ -9,8 +9,8 @@ namespace vantage::tools {
 
 using models::OperatorAction;
 
-bool OrderQueue::is_heard(const std::string& robot) const {
-  const std::vector<std::string> robots = desk_.robots();
+bool OrderQueue::is_known(const std::string& robot) const {
+  const std::vector<std::string> robots = sender_.robots();
   return robot.empty() || std::find(robots.begin(), robots.end(), robot) != robots.end();
 }
 
@@ -19,25 +19,25 @@ std::string OrderQueue::refuse(std::string words) {
   return words;
 }
 
-std::string OrderQueue::say(const Order& order, Time now) {
-  if (!desk_.send(now, order.action, order.robot)) {
-    return refuse(std::string("not sent: ") + explain(desk_.station().role()));
+std::string OrderQueue::send(const Order& order, Time now) {
+  if (!sender_.send(now, order.action, order.robot)) {
+    return refuse(std::string("not sent: ") + explain(sender_.station().role()));
   }
   return "sent " + word_for(order.action) + " to " + (order.robot.empty() ? "all" : order.robot);
 }
 
-std::string OrderQueue::judge_unheard(const Order& order, Time now) {
-  if (is_heard(order.robot)) {
+std::string OrderQueue::check_unknown(const Order& order, Time now) {
+  if (is_known(order.robot)) {
     return {};
   }
   if (order.action == OperatorAction::kEmergencyStop) {
-    return say({order.action, ""}, now) + ": no message received from robot '" + order.robot + "'";
+    return send({order.action, ""}, now) + ": no message received from robot '" + order.robot + "'";
   }
   return refuse("no message received from robot '" + order.robot + "': " + word_for(order.action) +
                 " was sent anyway");
 }
 
-std::string OrderQueue::ask_now(const Order& order, Time now) {
+std::string OrderQueue::send_at_once(const Order& order, Time now) {
   std::erase_if(waiting_, [&order](const Order& earlier) {
     return order.robot.empty() || order.robot == earlier.robot;
   });
@@ -46,22 +46,22 @@ std::string OrderQueue::ask_now(const Order& order, Time now) {
                   [](const Order& earlier) { return earlier.robot.empty(); })) {
     waiting_.push_back(order);
   }
-  if (is_heard(order.robot) || !desk_.station().may_say(order.action)) {
-    return say(order, now);
+  if (is_known(order.robot) || !sender_.station().may_send(order.action)) {
+    return send(order, now);
   }
   if (is_listening()) {
-    unheard_.push_back(order);
-    return say(order, now);
+    unknown_.push_back(order);
+    return send(order, now);
   }
   if (order.action != OperatorAction::kEmergencyStop) {
-    say(order, now);
+    send(order, now);
   }
-  return judge_unheard(order, now);
+  return check_unknown(order, now);
 }
 
-std::vector<std::string> OrderQueue::ask(const Order& order, Time now) {
+std::vector<std::string> OrderQueue::add(const Order& order, Time now) {
   if (models::makes_safer(order.action)) {
-    return {ask_now(order, now)};
+    return {send_at_once(order, now)};
   }
   waiting_.push_back(order);
   return tick(now);
@@ -72,17 +72,17 @@ std::vector<std::string> OrderQueue::tick(Time now) {
   if (is_listening()) {
     return out;
   }
-  for (const Order& order : std::exchange(unheard_, {})) {
-    if (std::string words = judge_unheard(order, now); !words.empty()) {
+  for (const Order& order : std::exchange(unknown_, {})) {
+    if (std::string words = check_unknown(order, now); !words.empty()) {
       out.push_back(std::move(words));
     }
   }
   while (!waiting_.empty() && now >= next_) {
     const Order order = waiting_.front();
     waiting_.erase(waiting_.begin());
-    const bool is_known = is_heard(order.robot) || desk_.robots().empty();
-    out.push_back(is_known ? say(order, now)
-                           : refuse("unknown robot '" + order.robot + "': not sent"));
+    const bool may_exist = is_known(order.robot) || sender_.robots().empty();
+    out.push_back(may_exist ? send(order, now)
+                            : refuse("unknown robot '" + order.robot + "': not sent"));
     next_ = now + kPace;
   }
   return out;

@@ -26,31 +26,31 @@ class OrderQueue {
     std::string robot;  ///< empty: all
   };
 
-  explicit OrderQueue(OperatorDesk& desk) : desk_(desk) {}
+  explicit OrderQueue(OrderSender& sender) : sender_(sender) {}
 
   /// Sends or queues an order. Returns the lines to show to the operator.
-  std::vector<std::string> ask(const Order& order, Time now);
-  /// Sends waiting orders that are due. Call after each OperatorDesk::tick(). Returns the lines to
+  std::vector<std::string> add(const Order& order, Time now);
+  /// Sends waiting orders that are due. Call after each OrderSender::tick(). Returns the lines to
   /// show to the operator.
   std::vector<std::string> tick(Time now);
   /// True while orders wait to be sent, or names wait to be checked.
-  [[nodiscard]] bool is_waiting() const { return !waiting_.empty() || !unheard_.empty(); }
+  [[nodiscard]] bool is_waiting() const { return !waiting_.empty() || !unknown_.empty(); }
   /// True if an order was not sent, or was sent to a robot that was never received.
   [[nodiscard]] bool was_refused() const { return was_refused_; }
 
  private:
   [[nodiscard]] bool is_listening() const {
-    return desk_.station().role() == Station::Role::kListening;
+    return sender_.station().role() == Station::Role::kListening;
   }
-  [[nodiscard]] bool is_heard(const std::string& robot) const;
-  std::string ask_now(const Order& order, Time now);
-  std::string judge_unheard(const Order& order, Time now);
-  std::string say(const Order& order, Time now);
+  [[nodiscard]] bool is_known(const std::string& robot) const;
+  std::string send_at_once(const Order& order, Time now);
+  std::string check_unknown(const Order& order, Time now);
+  std::string send(const Order& order, Time now);
   std::string refuse(std::string words);
 
-  OperatorDesk& desk_;
+  OrderSender& sender_;
   std::vector<Order> waiting_;
-  std::vector<Order> unheard_;  ///< sent while listening, to robots not received yet
+  std::vector<Order> unknown_;  ///< sent while listening, to robots not received yet
   Time next_{};
   bool was_refused_ = false;
 };

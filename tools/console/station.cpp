@@ -8,32 +8,32 @@ void Station::on_command(const models::OperatorCommand& command, Time now) {
   if (command.stamp.run_id == run_id_ || command.action != OperatorAction::kHeartbeat) {
     return;
   }
-  if (!is_of_now(command.stamp.time, now)) {
+  if (!is_current(command.stamp.time, now)) {
     ++ignored_;
     return;
   }
-  other_heard_ = now;
+  other_heartbeat_ = now;
   other_run_id_ = command.stamp.run_id;
 }
 
 bool Station::tick(Time now) {
-  const bool hears_other = other_heard_ && to_seconds(now - *other_heard_) < kSilentS;
+  const bool is_other_active = other_heartbeat_ && to_seconds(now - *other_heartbeat_) < kSilentS;
   const Role before = role_;
   switch (role_) {
     case Role::kListening:
-      if (hears_other) {
+      if (is_other_active) {
         role_ = is_allowed_ ? Role::kSecond : Role::kRefused;
       } else if (to_seconds(now - start_) >= kListenS) {
         role_ = Role::kInCharge;
       }
       break;
     case Role::kInCharge:
-      if (hears_other && other_run_id_ < run_id_) {
+      if (is_other_active && other_run_id_ < run_id_) {
         role_ = is_allowed_ ? Role::kSecond : Role::kRefused;
       }
       break;
     case Role::kSecond:
-      if (!hears_other) {
+      if (!is_other_active) {
         role_ = Role::kInCharge;
       }
       break;
@@ -43,7 +43,7 @@ bool Station::tick(Time now) {
   return role_ != before;
 }
 
-bool Station::may_say(OperatorAction action) const {
+bool Station::may_send(OperatorAction action) const {
   switch (action) {
     case OperatorAction::kEmergencyStop:
       return true;

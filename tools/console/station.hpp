@@ -37,21 +37,21 @@ class Station {
   bool tick(Time now);
 
   /// True if `stamp` is within kFreshS of `now`.
-  [[nodiscard]] static bool is_of_now(Time stamp, Time now) {
+  [[nodiscard]] static bool is_current(Time stamp, Time now) {
     return std::abs(to_seconds(now - stamp)) <= kFreshS;
   }
   /// Returns the number of heartbeats ignored because they were not recent.
   [[nodiscard]] std::int64_t ignored() const { return ignored_; }
   [[nodiscard]] Role role() const { return role_; }
-  [[nodiscard]] bool beats() const { return role_ == Role::kInCharge; }
-  [[nodiscard]] bool may_say(models::OperatorAction action) const;
+  [[nodiscard]] bool sends_heartbeat() const { return role_ == Role::kInCharge; }
+  [[nodiscard]] bool may_send(models::OperatorAction action) const;
 
  private:
   std::int64_t run_id_;
   bool is_allowed_;
   Time start_;
   Role role_ = Role::kListening;
-  std::optional<Time> other_heard_;
+  std::optional<Time> other_heartbeat_;
   std::int64_t other_run_id_ = 0;
   std::int64_t ignored_ = 0;
 };

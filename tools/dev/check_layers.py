@@ -39,7 +39,7 @@ def sources(root, folder):
 
 
 def violations(root):
-    seen_by = collections.defaultdict(dict)  # folder -> included folder -> "file:line"
+    includes = collections.defaultdict(dict)  # folder -> included folder -> "file:line"
     for folder, allowed in MAY_INCLUDE.items():
         for path in sources(root, folder):
             rel = path.relative_to(root)
@@ -54,12 +54,12 @@ def violations(root):
                 if target.parts[0] not in may_see:
                     yield f"{rel}:{number}: {folder}/ may not include {target.parts[0]}/"
                 if str(target.parent) != str(rel.parent):
-                    seen_by[str(rel.parent)].setdefault(str(target.parent), f"{rel}:{number}")
-    yield from cycles(seen_by)
+                    includes[str(rel.parent)].setdefault(str(target.parent), f"{rel}:{number}")
+    yield from cycles(includes)
     yield from misplaced_tests(root)
 
 
-def cycles(seen_by):
+def cycles(includes):
     """Yields one cycle for each group of folders that include each other."""
     done = set()
 
@@ -67,15 +67,15 @@ def cycles(seen_by):
         if folder in way:
             ring = way[way.index(folder):]
             yield "folders include each other: " + ", ".join(
-                f"{a} sees {b} ({seen_by[a][b]})" for a, b in zip(ring, ring[1:] + ring[:1]))
+                f"{a} sees {b} ({includes[a][b]})" for a, b in zip(ring, ring[1:] + ring[:1]))
             return
         if folder in done:
             return
-        for target in sorted(seen_by.get(folder, ())):
+        for target in sorted(includes.get(folder, ())):
             yield from walk(target, way + [folder])
         done.add(folder)
 
-    for folder in sorted(seen_by):
+    for folder in sorted(includes):
         yield from walk(folder, [])
 
 

@@ -21,7 +21,7 @@ namespace {
 
 using drivers::vicon::Descriptor;
 using scenario::MocapProtocol;
-using wire::vicon::Speaker;
+using wire::vicon::ServerType;
 
 constexpr int kConnect_ms = 1500;
 constexpr int kGreeting_ms = 1500;
@@ -57,32 +57,32 @@ void probe(sockaddr_in address, ViconPort& port, const Stop& stop) {
     port.answer = error == ECONNREFUSED ? Answer::kRefused : Answer::kNone;
     return;
   }
-  port.answer = Answer::kSpeech;
+  port.answer = Answer::kAccepted;
   std::array<std::uint8_t, 64> buffer{};
   std::size_t heard = 0;
   polled.events = POLLIN;
-  while (port.speaker == Speaker::kTooFewBytes && wait_for(polled, kGreeting_ms, stop)) {
+  while (port.server_type == ServerType::kTooFewBytes && wait_for(polled, kGreeting_ms, stop)) {
     const ssize_t bytes = recv(line.fd(), buffer.data() + heard, buffer.size() - heard, 0);
     if (bytes <= 0) {
       return;
     }
     heard += static_cast<std::size_t>(bytes);
-    port.speaker = wire::vicon::identify_stream(wire::vicon::Bytes(buffer).first(heard));
+    port.server_type = wire::vicon::identify_stream(wire::vicon::Bytes(buffer).first(heard));
   }
 }
 
-std::optional<MocapProtocol> protocol_of(Speaker speaker) {
-  switch (speaker) {
-    case Speaker::kDataStream:
+std::optional<MocapProtocol> protocol_of(ServerType server_type) {
+  switch (server_type) {
+    case ServerType::kDataStream:
       return MocapProtocol::kDataStream;
-    case Speaker::kVrpn:
+    case ServerType::kVrpn:
       return MocapProtocol::kVrpn;
     default:
       return std::nullopt;
   }
 }
 
-void note_troubles(const drivers::vicon::ViconDriver& driver, Observation& observed) {
+void note_errors(const drivers::vicon::ViconDriver& driver, Observation& observed) {
   const auto& frame = driver.frame_counts();
   const auto& wire = driver.wire_counts();
   const std::map<std::string, std::int64_t> all{
@@ -96,7 +96,7 @@ void note_troubles(const drivers::vicon::ViconDriver& driver, Observation& obser
       {"names_refused", frame.names_refused}};
   for (const auto& [name, count] : all) {
     if (count != 0) {
-      observed.troubles[name] = count;
+      observed.errors[name] = count;
     }
   }
 }
@@ -142,7 +142,7 @@ Observation observe(const scenario::MocapSpec& spec, Duration listen, const Stop
     }
   }
   observed.status = driver.status();
-  note_troubles(driver, observed);
+  note_errors(driver, observed);
   return observed;
 }
 
@@ -167,7 +167,7 @@ std::vector<ViconPort> examine_vicon(const std::string& host, const std::vector<
                         ? MocapProtocol::kVrpn
                         : MocapProtocol::kDataStream;
     probe(address, port, stop);
-    if (const auto protocol = protocol_of(port.speaker)) {
+    if (const auto protocol = protocol_of(port.server_type)) {
       spec.protocol = *protocol;
       spec.port = number;
       port.observed = observe(spec, listen, stop);
@@ -184,8 +184,8 @@ std::vector<ViconPort> examine_vicon(const std::string& host, const std::vector<
   spec.port = udp_port;
   datagrams.observed = observe(spec, listen, stop);
   if (datagrams.observed->frames > 0) {
-    datagrams.answer = Answer::kSpeech;
-    datagrams.speaker = Speaker::kObjectStream;
+    datagrams.answer = Answer::kAccepted;
+    datagrams.server_type = ServerType::kObjectStream;
   }
   out.push_back(std::move(datagrams));
   return out;

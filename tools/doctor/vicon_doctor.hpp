@@ -17,9 +17,9 @@ namespace vantage::tools {
 
 /// Answer of one port.
 enum class Answer {
-  kNone,     ///< no answer: wrong host, cable, firewall
-  kRefused,  ///< the host refuses the connection: no server listens there
-  kSpeech,   ///< the connection is accepted; see ViconPort::speaker
+  kNone,      ///< no answer: wrong host, cable, firewall
+  kRefused,   ///< the host refuses the connection: no server listens there
+  kAccepted,  ///< the connection is accepted; see ViconPort::server_type
 };
 
 struct ObservedBody {
@@ -35,15 +35,15 @@ struct Observation {
   double rate_hz = 0.0;
   double latency_s = 0.0;  ///< s; mean of arrival time minus capture time
   std::map<std::string, ObservedBody> bodies;
-  std::map<std::string, std::int64_t> troubles;  ///< error counters that are not zero
-  std::string status;                            ///< status text of the driver
+  std::map<std::string, std::int64_t> errors;  ///< error counters that are not zero
+  std::string status;                          ///< status text of the driver
 };
 
 struct ViconPort {
   scenario::MocapProtocol expected = scenario::MocapProtocol::kDataStream;
   int port = 0;
   Answer answer = Answer::kNone;
-  wire::vicon::Speaker speaker = wire::vicon::Speaker::kTooFewBytes;
+  wire::vicon::ServerType server_type = wire::vicon::ServerType::kTooFewBytes;
   std::optional<Observation> observed;  ///< nullopt if the port has no mocap protocol
 };
 

@@ -14,7 +14,7 @@
 namespace vantage::tools {
 namespace {
 
-NonBlockingOutput* living = nullptr;
+NonBlockingOutput* current = nullptr;
 constexpr int kPollPatience_ms = 200;
 constexpr std::int64_t kLastPatience_ns = 1'000'000'000;
 
@@ -50,11 +50,11 @@ NonBlockingOutput::NonBlockingOutput() {
   std::fflush(stderr);
   open(out_);
   open(error_);
-  living = this;
+  current = this;
 }
 
 NonBlockingOutput::~NonBlockingOutput() {
-  living = nullptr;
+  current = nullptr;
   close(out_);
   close(error_);
   if (const std::int64_t dropped = out_.queue.dropped() + error_.queue.dropped(); dropped > 0) {
@@ -65,11 +65,11 @@ NonBlockingOutput::~NonBlockingOutput() {
 }
 
 OutputQueue* NonBlockingOutput::queue_of(std::FILE* stream) {
-  if (living == nullptr) {
+  if (current == nullptr) {
     return nullptr;
   }
-  return stream == stdout   ? &living->out_.queue
-         : stream == stderr ? &living->error_.queue
+  return stream == stdout   ? &current->out_.queue
+         : stream == stderr ? &current->error_.queue
                             : nullptr;
 }
 

@@ -18,14 +18,14 @@ namespace vantage::tools {
 namespace {
 
 constexpr std::string_view kPlain = "\x1b[0m";
-/// SGR sequences by Ink, and the one that ends them.
+/// SGR sequences by Emphasis, and the one that ends them.
 constexpr std::array<std::string_view, 5> kColours{"\x1b[32m", "\x1b[33m", "\x1b[1;31m", "\x1b[2m",
                                                    kPlain};
 
 }  // namespace
 
-std::string inked(const std::string& text, Ink ink) {
-  return fmt::format("{}{}{}", kColours[static_cast<std::size_t>(ink)], text, kPlain);
+std::string coloured(const std::string& text, Emphasis emphasis) {
+  return fmt::format("{}{}{}", kColours[static_cast<std::size_t>(emphasis)], text, kPlain);
 }
 
 std::string cut_to(const std::string& line, std::size_t columns) {
@@ -62,7 +62,7 @@ std::vector<std::string> fit(const std::vector<std::string>& lines, std::size_t 
 
 namespace {
 
-/// Applies printable() but keeps the colours of inked().
+/// Applies printable() but keeps the colours of coloured().
 std::string shown(const std::string& line) {
   std::string out;
   std::size_t begin = 0;

@@ -10,12 +10,12 @@
 namespace vantage::tools {
 
 /// Meaning of a colour.
-enum class Ink { kGood, kWarning, kBad, kQuiet };
+enum class Emphasis { kGood, kWarning, kBad, kQuiet };
 /// Returns `text` in a terminal's colour (SGR), with the sequence that ends it.
-std::string inked(const std::string& text, Ink ink);
+std::string coloured(const std::string& text, Emphasis emphasis);
 
-/// Returns the first `columns` characters (code points) of UTF-8 text. Colours of inked() are not
-/// counted, and are ended at the cut.
+/// Returns the first `columns` characters (code points) of UTF-8 text. Colours of coloured() are
+/// not counted, and are ended at the cut.
 std::string cut_to(const std::string& line, std::size_t columns);
 
 /// Returns the lines that fit on a screen, each cut to its width; the last one states the number of
@@ -27,8 +27,8 @@ std::vector<std::string> fit(const std::vector<std::string>& lines, std::size_t 
 /// terminal's size.
 class Screen {
  public:
-  /// Writes `lines` through printable(), with the colours of inked(). If a NonBlockingOutput exists
-  /// and the terminal has not accepted the previous screen, this one is dropped and counted.
+  /// Writes `lines` through printable(), with the colours of coloured(). If a NonBlockingOutput
+  /// exists and the terminal has not accepted the previous screen, this one is dropped and counted.
   void redraw(const std::vector<std::string>& lines);
 
  private:

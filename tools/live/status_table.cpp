@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "logs/look/look.hpp"
+#include "logs/appearance/appearance.hpp"
 #include "scenario/search_name.hpp"
 #include "tools/live/screen.hpp"
 
@@ -16,38 +16,38 @@ std::string cell(const std::optional<double>& value, int decimals, const char* u
 }
 
 // Colours a word of a table. The word is padded already, as colours change its length.
-std::string word(const std::string& padded, std::optional<Ink> ink, bool in_colour) {
-  return ink && in_colour ? inked(padded, *ink) : padded;
+std::string word(const std::string& padded, std::optional<Emphasis> emphasis, bool in_colour) {
+  return emphasis && in_colour ? coloured(padded, *emphasis) : padded;
 }
 
 // A target may have been discovered without an estimate now. The error is known only with a truth.
 std::string target_row(const logs::TargetStatus& target, bool in_colour) {
   std::optional<double> sigma_m;
   std::string by = target.discovered_s ? "no robot now" : "not found yet";
-  std::optional<Ink> ink = target.discovered_s ? Ink::kWarning : Ink::kQuiet;
+  std::optional<Emphasis> emphasis = target.discovered_s ? Emphasis::kWarning : Emphasis::kQuiet;
   if (target.estimate) {
     sigma_m = target.estimate->sigma_m();
     by = target.estimate->robot;
-    ink.reset();
+    emphasis.reset();
   }
   const bool is_too_sure = target.error_m && sigma_m && *target.error_m > kSure * *sigma_m;
-  return fmt::format("{:<8} {:>11}  {}{}{:>9} {:>10.2f} nat", target.name,
-                     cell(target.discovered_s, 1, "s"),
-                     word(fmt::format("{:<13}", by), ink, in_colour),
-                     word(fmt::format("{:>9}", cell(target.error_m, 2, "m")),
-                          is_too_sure ? std::optional(Ink::kWarning) : std::nullopt, in_colour),
-                     cell(sigma_m, 2, "m"), target.entropy_nats);
+  return fmt::format(
+      "{:<8} {:>11}  {}{}{:>9} {:>10.2f} nat", target.name, cell(target.discovered_s, 1, "s"),
+      word(fmt::format("{:<13}", by), emphasis, in_colour),
+      word(fmt::format("{:>9}", cell(target.error_m, 2, "m")),
+           is_too_sure ? std::optional(Emphasis::kWarning) : std::nullopt, in_colour),
+      cell(sigma_m, 2, "m"), target.entropy_nats);
 }
 
-std::optional<Ink> ink_of(models::FlightState state) {
+std::optional<Emphasis> emphasis_of(models::FlightState state) {
   switch (state) {
     case models::FlightState::kFollow:
-      return Ink::kGood;
+      return Emphasis::kGood;
     case models::FlightState::kHold:
     case models::FlightState::kLand:
-      return Ink::kWarning;
+      return Emphasis::kWarning;
     case models::FlightState::kKilled:
-      return Ink::kBad;
+      return Emphasis::kBad;
     default:
       return std::nullopt;
   }
@@ -55,7 +55,7 @@ std::optional<Ink> ink_of(models::FlightState state) {
 
 std::string robot_row(const std::string& name, const logs::RobotStatus& robot, bool in_colour) {
   const std::string state = word(fmt::format("{:>8}", robot.state ? name_of(*robot.state) : "-"),
-                                 robot.state ? ink_of(*robot.state) : std::nullopt, in_colour);
+                                 robot.state ? emphasis_of(*robot.state) : std::nullopt, in_colour);
   if (!robot.plan) {
     return fmt::format("{:<8} {} {:>7}", name, state, "-");
   }
@@ -63,18 +63,19 @@ std::string robot_row(const std::string& name, const logs::RobotStatus& robot, b
   const double slot_s = to_seconds(plan.deadline - plan.slot_start);
   const double used_s = to_seconds(plan.finish - plan.slot_start);
   const bool is_searched = plan.source == models::PlanSource::kSearched;
-  return fmt::format("{:<8} {} {:>7} {} {:>9.2f} {:>9} {}", name, state, plan.round % 100'000,
-                     word(fmt::format("{:>9}", name_of(plan.source)),
-                          is_searched ? std::nullopt : std::optional(Ink::kWarning), in_colour),
-                     plan.cost, plan.nodes,
-                     word(fmt::format("{:>8.0f} %", slot_s > 0.0 ? 100.0 * used_s / slot_s : 0.0),
-                          plan.late ? std::optional(Ink::kBad) : std::nullopt, in_colour));
+  return fmt::format(
+      "{:<8} {} {:>7} {} {:>9.2f} {:>9} {}", name, state, plan.round % 100'000,
+      word(fmt::format("{:>9}", name_of(plan.source)),
+           is_searched ? std::nullopt : std::optional(Emphasis::kWarning), in_colour),
+      plan.cost, plan.nodes,
+      word(fmt::format("{:>8.0f} %", slot_s > 0.0 ? 100.0 * used_s / slot_s : 0.0),
+           plan.late ? std::optional(Emphasis::kBad) : std::nullopt, in_colour));
 }
 
 // Returns "late 3", in colour if the number is not zero.
-std::string count(const char* what, std::int64_t number, bool in_colour, Ink ink) {
-  return word(fmt::format("{} {}", what, number), number > 0 ? std::optional(ink) : std::nullopt,
-              in_colour);
+std::string count(const char* what, std::int64_t number, bool in_colour, Emphasis emphasis) {
+  return word(fmt::format("{} {}", what, number),
+              number > 0 ? std::optional(emphasis) : std::nullopt, in_colour);
 }
 
 }  // namespace
@@ -82,14 +83,16 @@ std::string count(const char* what, std::int64_t number, bool in_colour, Ink ink
 std::vector<std::string> status_table(const scenario::Scenario& scenario,
                                       const logs::TrialMetrics& metrics, double elapsed_s,
                                       bool in_colour) {
-  const auto quiet = [&](const std::string& text) { return word(text, Ink::kQuiet, in_colour); };
+  const auto quiet = [&](const std::string& text) {
+    return word(text, Emphasis::kQuiet, in_colour);
+  };
   std::vector<std::string> out;
   out.push_back(fmt::format("{} with {}   {:.0f} s of {:g} s", scenario.name,
                             scenario::search_name(scenario.planner), elapsed_s,
                             scenario.duration_s));
   out.emplace_back();
   if (scenario.planner.objective == scenario::PlanObjective::kMapping) {
-    out.push_back(fmt::format("{} {}", logs::look().measures.at("map_entropy").name,
+    out.push_back(fmt::format("{} {}", logs::appearance().measures.at("map_entropy").name,
                               cell(metrics.map_entropy_nats(), 0, "nat")));
   } else {
     out.push_back(quiet(fmt::format("{:<8} {:>11}  {:<13}{:>9}{:>9} {:>14}", "target",
@@ -105,12 +108,12 @@ std::vector<std::string> status_table(const scenario::Scenario& scenario,
     out.push_back(robot_row(name, robot, in_colour));
   }
   out.emplace_back();
-  out.push_back(
-      fmt::format("rounds {}   {}   {}   {}   {}", metrics.rounds(),
-                  count("late", metrics.rounds_late(), in_colour, Ink::kWarning),
-                  count("collisions", metrics.collisions(), in_colour, Ink::kBad),
-                  count("near misses", metrics.separation_violations(), in_colour, Ink::kWarning),
-                  count("messages lost", metrics.messages_lost(), in_colour, Ink::kWarning)));
+  out.push_back(fmt::format(
+      "rounds {}   {}   {}   {}   {}", metrics.rounds(),
+      count("late", metrics.rounds_late(), in_colour, Emphasis::kWarning),
+      count("collisions", metrics.collisions(), in_colour, Emphasis::kBad),
+      count("near misses", metrics.separation_violations(), in_colour, Emphasis::kWarning),
+      count("messages lost", metrics.messages_lost(), in_colour, Emphasis::kWarning)));
   return out;
 }
 

@@ -14,7 +14,7 @@ constexpr std::size_t kRecentEvents = 6;
 
 }  // namespace
 
-void TrialDisplay::say(const std::string& words) {
+void TrialDisplay::show_event(const std::string& words) {
   switch (form_) {
     case Form::kTable:
       recent_.push_back("! " + words);

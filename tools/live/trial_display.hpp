@@ -18,7 +18,7 @@ class TrialDisplay {
   explicit TrialDisplay(Form form) : form_(form) {}
 
   /// Shows an event; if quiet, on standard error.
-  void say(const std::string& words);
+  void show_event(const std::string& words);
   /// True if show() should be called: not quiet, and the refresh period has passed.
   [[nodiscard]] bool is_due(Time now) const { return form_ != Form::kQuiet && now >= next_; }
   /// Shows the state of the trial. In a table `rows` and the last events follow below; in the form

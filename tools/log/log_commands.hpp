@@ -14,7 +14,7 @@
 namespace vantage::tools {
 
 // Each of these adds its subcommands to `vantage log`.
-void add_log_look_commands(CLI::App& log, Runner& run);  ///< info, check
+void add_log_inspect_commands(CLI::App& log, Runner& run);  ///< info, check
 void add_log_edit_commands(CLI::App& log, Runner& run);  ///< repair, slice, filter, rename, merge
 void add_log_replay_command(CLI::App& log, Runner& run);
 void add_log_export_command(CLI::App& log, Runner& run);

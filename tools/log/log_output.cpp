@@ -28,7 +28,7 @@ std::function<void(double)> progress_line(const std::string& what) {
 }
 
 std::string url_for_log(const std::string& url) {
-  return bus::with_udpm_option(bus::chosen_url(url), "max_message_size",
+  return bus::with_udpm_option(bus::url_or_default(url), "max_message_size",
                                std::to_string(kLogMessageBytesMax));
 }
 

@@ -13,7 +13,7 @@
 #include "core/check.hpp"
 #include "core/child.hpp"
 #include "core/write_file.hpp"
-#include "logs/look/look.hpp"
+#include "logs/appearance/appearance.hpp"
 #include "logs/picture/picture.hpp"
 
 namespace vantage::tools {
@@ -42,8 +42,8 @@ std::size_t place_of(const scenario::Scenario& scenario, const std::string& robo
       scenario.robots.begin());
 }
 
-const std::string& paint(const char* role) { return logs::look().roles.at(role).light; }
-std::string label(const char* measure) { return logs::look().measures.at(measure).title(); }
+const std::string& paint(const char* role) { return logs::appearance().roles.at(role).light; }
+std::string label(const char* measure) { return logs::appearance().measures.at(measure).title(); }
 
 }  // namespace
 
@@ -93,7 +93,7 @@ std::string plot_script(const logs::LogAnalysis& analysis, const scenario::Scena
       }
     }
     out += "EOD\n";
-    const logs::RobotLook looks = logs::robot_look(place_of(scenario, robot));
+    const logs::RobotAppearance looks = logs::robot_appearance(place_of(scenario, robot));
     const std::string style =
         fmt::format(" with linespoints pt 7 ps 0.4 lw 1 lc rgb '{}' dt {} title {}",
                     looks.body_paint().light, looks.dash + 1, gnuplot_text(robot));

@@ -28,9 +28,10 @@ std::string motion_plot_script(const std::vector<logs::FittedMotion>& fits,
       const auto of = [&](const logs::FittedMotion& fit) {
         return fit.held_back.displacements[axis][h];
       };
-      out += fmt::format("{:g} {:.9g}", logs::kHorizons_s[h], std::sqrt(of(fits.front()).seen_m2));
+      out +=
+          fmt::format("{:g} {:.9g}", logs::kHorizons_s[h], std::sqrt(of(fits.front()).observed_m2));
       for (const logs::FittedMotion& fit : fits) {
-        out += fmt::format(" {:.9g}", std::sqrt(of(fit).foretold_m2));
+        out += fmt::format(" {:.9g}", std::sqrt(of(fit).predicted_m2));
       }
       out += "\n";
     }

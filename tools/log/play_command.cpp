@@ -34,7 +34,7 @@ struct PlayArguments {
   std::vector<std::string> exclude;
   std::vector<std::string> renames;
   std::string prefix;
-  bool beside_others = false;
+  bool ignore_others = false;
   double gap_max_s = 60.0;
   bool loops = false;
   bool starts_paused = false;
@@ -63,7 +63,7 @@ logs::PlayOptions options_of(const PlayArguments& arguments, const logs::Indexed
 /// @throws StartupError if a flight is running on the network, as its vehicles might use the log's
 /// messages.
 void refuse_neighbours(const PlayArguments& arguments) {
-  if (arguments.beside_others || !arguments.prefix.empty()) {
+  if (arguments.ignore_others || !arguments.prefix.empty()) {
     return;
   }
   const auto transport = bus::open_transport(arguments.url);
@@ -72,7 +72,7 @@ void refuse_neighbours(const PlayArguments& arguments) {
   if (!rivals.empty()) {
     throw StartupError(rivals.front() +
                        ": play on another network (--url), under other names (--prefix), or skip "
-                       "this check with --beside-others");
+                       "this check with --ignore-others");
   }
 }
 
@@ -226,7 +226,7 @@ void add_log_play_command(CLI::App& log, Runner& chosen) {
                       "rename channels: OLD=NEW or OLD*=NEW*; the first matching rule applies");
   command->add_option("--prefix", arguments->prefix,
                       "text to put before the name of every channel");
-  command->add_flag("--beside-others", arguments->beside_others,
+  command->add_flag("--ignore-others", arguments->ignore_others,
                     "play even if vehicles, a supervisor or a simulator are active on the network");
   command->add_flag("--loop", arguments->loops, "start again when the end is reached");
   command->add_flag("--paused", arguments->starts_paused,

@@ -212,7 +212,7 @@ RangeRecording recording_of(const logs::IndexedLog& log, const std::string& robo
   logs::LogScan scan = log.scan();
   while (const auto event = scan.next()) {
     logs::visit_message(*event, [&]<class Message>(const Message& message) {
-      if constexpr (std::is_same_v<Message, models::DetectionSet>) {
+      if constexpr (std::is_same_v<Message, models::RobotMeasurement>) {
         for (const models::Detection& each : message.detections) {
           const auto target = static_cast<std::size_t>(each.target_id);
           if (!rangers.contains(message.robot) || target >= scenario.targets.size()) {

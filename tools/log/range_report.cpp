@@ -17,8 +17,9 @@
 namespace vantage::tools {
 namespace {
 
-std::optional<SurveyedBeacon> beside(const estimator::FittedBeacon& beacon, const std::string& name,
-                                     const std::vector<Survey>& surveys) {
+std::optional<SurveyedBeacon> compare_with_survey(const estimator::FittedBeacon& beacon,
+                                                  const std::string& name,
+                                                  const std::vector<Survey>& surveys) {
   const auto survey = std::find_if(surveys.begin(), surveys.end(),
                                    [&](const Survey& each) { return each.beacon == name; });
   if (survey == surveys.end()) {
@@ -92,11 +93,11 @@ RangeReport report_of(RangeRecording recording, const std::vector<Survey>& surve
   const std::vector<std::string>& names = report.recording.beacons;
   report.fit = estimator::fit_ranges(report.recording.ranges, static_cast<int>(names.size()));
   for (std::size_t b = 0; b < names.size(); ++b) {
-    report.surveys.push_back(beside(report.fit.beacons[b], names[b], surveys));
+    report.surveys.push_back(compare_with_survey(report.fit.beacons[b], names[b], surveys));
   }
   for (const Survey& survey : surveys) {
     if (std::find(names.begin(), names.end(), survey.beacon) == names.end()) {
-      report.unheard.push_back(survey.beacon);
+      report.not_fitted.push_back(survey.beacon);
     }
   }
   const SplitRecording parts = split(report.recording, fitted_share);
@@ -157,9 +158,9 @@ std::vector<std::string> to_lines(const RangeReport& report) {
   if (nees) {
     out.push_back(fmt::format("mean NEES of the beacons {:.2f} (expected 2)", *nees));
   }
-  if (!report.unheard.empty()) {
+  if (!report.not_fitted.empty()) {
     out.push_back(fmt::format("surveyed, but not located (too few ranges): {}",
-                              fmt::join(report.unheard, ", ")));
+                              fmt::join(report.not_fitted, ", ")));
   }
   if (report.held_back) {
     out.push_back(fmt::format(
@@ -212,7 +213,7 @@ nlohmann::ordered_json to_json(const RangeReport& report) {
   if (const auto nees = mean_nees(report)) {
     json["mean_nees"] = *nees;
   }
-  json["surveyed_not_found"] = report.unheard;
+  json["surveyed_not_found"] = report.not_fitted;
   if (report.held_back) {
     json["held_back"] = {{"honest", report.held_back->honest},
                          {"outliers", report.held_back->outliers},

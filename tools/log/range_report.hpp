@@ -23,7 +23,7 @@ struct RangeReport {
   RangeRecording recording;
   estimator::RangeFit fit;
   std::vector<std::optional<SurveyedBeacon>> surveys;  ///< one per beacon
-  std::vector<std::string> unheard;                    ///< surveyed beacons that were not fitted
+  std::vector<std::string> not_fitted;                 ///< surveyed beacons that were not fitted
   /// Score on the rest of the time of a fit to the first part; nullopt: too few ranges in a part.
   std::optional<estimator::InnovationScore> held_back;
 };

@@ -159,7 +159,7 @@ int run(const RecordArguments& arguments) {
   logs::RecorderNode node(*transport, clock, spool,
                           logs::ChannelFilter(arguments.include, arguments.exclude), tell);
   bus::Bus bus(*transport, bus::random_run_id());
-  bus.keep_time(clock);
+  bus.use_clock(clock);
   if (!arguments.scenario.empty()) {
     bus.secure(bus::auth::authenticator_for(scenario::load_scenario(arguments.scenario)), clock);
   }
@@ -170,7 +170,7 @@ int run(const RecordArguments& arguments) {
   };
   // Waits for the first message, so that the log begins with SCENARIO and not with this process's
   // health.
-  while (!is_over() && node.heard() == 0 && clock.now() < start + kFirstPatience) {
+  while (!is_over() && node.received() == 0 && clock.now() < start + kFirstPatience) {
     bus.handle(std::chrono::milliseconds(20));
   }
   RoomWatch room(arguments);

@@ -51,7 +51,7 @@ Course course_of(const planner::SearchProblem& problem, const planner::SearchTar
 void draw_ellipse(logs::Svg& svg, const logs::Layout& layout, const Eigen::Vector2d& mean_m,
                   const Eigen::Matrix2d& covariance_m2, std::string_view style) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance_m2);
-  const Eigen::Vector2d half_px = logs::look().ellipse_radius() * layout.px_per_m *
+  const Eigen::Vector2d half_px = logs::appearance().ellipse_radius() * layout.px_per_m *
                                   axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
   // The page's y axis points down, so a counter-clockwise angle is negative.
   const double angle_deg =
@@ -163,14 +163,14 @@ void draw_legend(logs::Svg& svg, const Eigen::Vector2d& corner_px, bool has_targ
   };
   Eigen::Vector2d p_px = entry("planned path, a mark at each step");
   svg.line(p_px - dx, p_px + dx, fmt::format("stroke=\"{}\" stroke-width=\"2.4\"", path_colour()));
-  p_px = entry(logs::look().glyphs.at("view") + " at each step");
+  p_px = entry(logs::appearance().glyphs.at("view") + " at each step");
   svg.circle(p_px, 9.0,
              fmt::format(R"(fill="{0}" fill-opacity="0.08" stroke="{0}" stroke-dasharray="4 3")",
                          path_colour()));
   if (!has_targets) {
     return;
   }
-  const std::string words = logs::look().ellipse_words();
+  const std::string words = logs::appearance().ellipse_label();
   p_px = entry("target before the plan (prior), " + words + " ellipse");
   svg.ellipse(p_px, {14, 8}, 0.0,
               fmt::format(R"(fill="none" stroke="{}" stroke-width="1.2" stroke-dasharray="4 4")",

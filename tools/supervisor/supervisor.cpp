@@ -43,7 +43,7 @@ std::string output_of(const ProcessSpec& spec) { return spec.folder + "/output.t
 
 /// Returns the last line of the process's output file, as "; it said '...' (FILE)"; "" if the
 /// process has no output file or the file is empty.
-std::string last_words(const ProcessSpec& spec) {
+std::string last_output_line(const ProcessSpec& spec) {
   constexpr std::streamoff kEnd_bytes = 400;
   if (spec.folder.empty()) {
     return "";
@@ -143,9 +143,9 @@ SupervisorEvent Supervisor::on_end(Supervised& process, const ChildExit& how, Na
   take_signs(process, now_ns);
   // After a failure in flight the vehicle needs a new driver. After a second request its autopilot
   // lands it instead.
-  const bool is_left = process.in_flight == InFlight::kYes && driver_requests_ == 1;
-  const bool was_asked = !process.spec.vehicle.empty() && driver_requests_ > 0;
-  if (was_asked && (how.is_success() || !is_left)) {
+  const bool is_left = process.in_flight == InFlight::kYes && end_requests_ == 1;
+  const bool was_requested = !process.spec.vehicle.empty() && end_requests_ > 0;
+  if (was_requested && (how.is_success() || !is_left)) {
     process.child.reset();
     process.last_end = how.describe();
     process.phase = SupervisedPhase::kEnded;
@@ -169,14 +169,14 @@ SupervisorEvent Supervisor::start_again_later(Supervised& process, const std::st
             fmt::format("{} ended ({}) and is given up: {} restarts within {:g} s did not help{}{}",
                         process.spec.name, how, policy.restarts_max, policy.window_s,
                         process.spec.is_essential ? "; the trial cannot continue without it" : "",
-                        last_words(process.spec))};
+                        last_output_line(process.spec))};
   }
   process.phase = SupervisedPhase::kWaiting;
   process.restart_at_ns = *restart_at_ns;
-  return {
-      process.spec.name, Kind::kEnded,
-      fmt::format("{} ended ({}); starting it again in {:.1f} s{}", process.spec.name, how,
-                  static_cast<double>(*restart_at_ns - now_ns) * 1e-9, last_words(process.spec))};
+  return {process.spec.name, Kind::kEnded,
+          fmt::format("{} ended ({}); starting it again in {:.1f} s{}", process.spec.name, how,
+                      static_cast<double>(*restart_at_ns - now_ns) * 1e-9,
+                      last_output_line(process.spec))};
 }
 
 SupervisorEvent Supervisor::restart(Supervised& process, Nanoseconds now_ns) {
@@ -191,8 +191,8 @@ SupervisorEvent Supervisor::restart(Supervised& process, Nanoseconds now_ns) {
   process.child.emplace(std::move(child).value());
   process.phase = SupervisedPhase::kRunning;
   watchdog_.on_start(process.spec.name, time_of(now_ns));
-  if (driver_requests_ > 0) {
-    ask_driver(process);
+  if (end_requests_ > 0) {
+    request_end(process);
   }
   return {process.spec.name, Kind::kStarted,
           fmt::format("{} started again (restart {}, {:.1f} s down in total)", process.spec.name,
@@ -219,22 +219,22 @@ std::vector<SupervisorEvent> Supervisor::poll(Nanoseconds monotonic_ns) {
 }
 
 // Sends two different signals, as the second of two equal pending signals would be lost.
-void Supervisor::ask_driver(Supervised& process) const {
+void Supervisor::request_end(Supervised& process) const {
   if (!process.spec.vehicle.empty() && process.child) {
     process.child->send(SIGTERM);
-    if (driver_requests_ > 1) {
+    if (end_requests_ > 1) {
       process.child->send(SIGINT);
     }
   }
 }
 
 void Supervisor::end_drivers() {
-  ++driver_requests_;
+  ++end_requests_;
   for (Supervised& process : processes_) {
-    ask_driver(process);
-    const bool waits_in_vain =
+    request_end(process);
+    const bool is_restart_needless =
         process.phase == SupervisedPhase::kWaiting && process.in_flight != InFlight::kYes;
-    if (!process.spec.vehicle.empty() && waits_in_vain) {
+    if (!process.spec.vehicle.empty() && is_restart_needless) {
       process.phase = SupervisedPhase::kEnded;
     }
   }

@@ -52,7 +52,7 @@ struct SupervisorEvent {
   enum class Kind { kEnded, kStarted, kGivenUp, kHung };
   std::string name;
   Kind kind = Kind::kEnded;
-  std::string words;
+  std::string text;
 };
 
 /// Supervisor of child processes: starts them, kills those that give no signs of life, restarts
@@ -108,11 +108,11 @@ class Supervisor {
   SupervisorEvent start_again_later(Supervised& process, const std::string& how,
                                     Nanoseconds now_ns);
   SupervisorEvent restart(Supervised& process, Nanoseconds now_ns);
-  void ask_driver(Supervised& process) const;
+  void request_end(Supervised& process) const;
 
   RestartPolicy policy_;
   Watchdog watchdog_;
-  int driver_requests_ = 0;  ///< number of calls of end_drivers()
+  int end_requests_ = 0;  ///< number of calls of end_drivers()
   std::vector<Supervised> processes_;
 };
 

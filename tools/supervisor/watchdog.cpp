@@ -7,7 +7,7 @@ namespace vantage::tools {
 void Watchdog::on_sign(const std::string& process, Time now) {
   const auto found = watched_.find(process);
   if (found != watched_.end()) {
-    found->second.has_lived = true;
+    found->second.has_given_sign = true;
     found->second.sign = now;
     found->second.start.reset();
   }
@@ -25,13 +25,13 @@ void Watchdog::on_start(const std::string& process, Time now) {
   const auto found = watched_.find(process);
   if (found != watched_.end()) {
     found->second.sign.reset();
-    found->second.start = found->second.has_lived ? std::optional(now) : std::nullopt;
+    found->second.start = found->second.has_given_sign ? std::optional(now) : std::nullopt;
   }
 }
 
-void Watchdog::leave_out_pause(Time now) {
-  const Duration pause = looked_ ? now - *looked_ - from_seconds(kLookS) : Duration{};
-  looked_ = now;
+void Watchdog::skip_pause(Time now) {
+  const Duration pause = last_poll_ ? now - *last_poll_ - from_seconds(kPollS) : Duration{};
+  last_poll_ = now;
   if (pause <= Duration{}) {
     return;
   }
@@ -45,12 +45,12 @@ void Watchdog::leave_out_pause(Time now) {
 }
 
 std::vector<std::string> Watchdog::overdue(Time now) {
-  leave_out_pause(now);
+  skip_pause(now);
   std::vector<std::string> out;
   for (auto& [process, watched] : watched_) {
     const bool is_silent = watched.sign && to_seconds(now - *watched.sign) > watched.patience_s;
-    const bool never_spoke = watched.start && to_seconds(now - *watched.start) > kFirstSignS;
-    if (is_silent || never_spoke) {
+    const bool has_no_first_sign = watched.start && to_seconds(now - *watched.start) > kFirstSignS;
+    if (is_silent || has_no_first_sign) {
       watched.sign.reset();
       watched.start.reset();
       out.push_back(process);

@@ -15,7 +15,7 @@ namespace vantage::tools {
 class Watchdog {
  public:
   /// s; most that the time between two calls of overdue() counts as silence.
-  static constexpr double kLookS = 0.25;
+  static constexpr double kPollS = 0.25;
   /// s; time for the first sign of a restarted process, if it gave signs before the restart.
   static constexpr double kFirstSignS = 15.0;
 
@@ -35,14 +35,14 @@ class Watchdog {
  private:
   struct Watched {
     double patience_s = 0.0;
-    bool has_lived = false;  ///< has given a sign; some programs never do
+    bool has_given_sign = false;  ///< has given a sign; some programs never do
     std::optional<Time> sign;
     std::optional<Time> start;  ///< restart whose first sign has not come yet
   };
-  void leave_out_pause(Time now);
+  void skip_pause(Time now);
 
   std::map<std::string, Watched> watched_;
-  std::optional<Time> looked_;
+  std::optional<Time> last_poll_;
 };
 
 }  // namespace vantage::tools

@@ -54,22 +54,23 @@ void FlightProgram::on_status(const models::VehicleStatus& status) {
 
 void FlightProgram::on_other_station(const models::OperatorCommand& command, Time now) {
   if (command.action == OperatorAction::kHeartbeat ||
-      !Station::is_of_now(command.stamp.time, now)) {
+      !Station::is_current(command.stamp.time, now)) {
     return;
   }
   for (auto& [name, vehicle] : vehicles_) {
-    vehicle.is_others = vehicle.is_others || command.robot.empty() || command.robot == name;
+    vehicle.has_other_station =
+        vehicle.has_other_station || command.robot.empty() || command.robot == name;
   }
 }
 
 std::optional<OperatorAction> FlightProgram::wanted(Vehicle& vehicle, Time now) const {
   const FlightState state = vehicle.status->state;
   if (is_over_) {
-    const bool is_silent = vehicle.was_told_to_land && is_at_rest(state);
-    vehicle.was_told_to_land = true;
+    const bool is_silent = vehicle.was_ordered_to_land && is_at_rest(state);
+    vehicle.was_ordered_to_land = true;
     return is_silent ? std::nullopt : std::optional(OperatorAction::kLand);
   }
-  if (vehicle.is_others) {
+  if (vehicle.has_other_station) {
     return std::nullopt;
   }
   if (state == FlightState::kIdle && !vehicle.has_lifted) {
@@ -109,7 +110,7 @@ std::vector<FlightProgram::Order> FlightProgram::due(Time now) {
 bool FlightProgram::is_down() const {
   return std::all_of(vehicles_.begin(), vehicles_.end(), [](const auto& each) {
     const Vehicle& vehicle = each.second;
-    return !vehicle.status || (vehicle.was_told_to_land && is_at_rest(vehicle.status->state));
+    return !vehicle.status || (vehicle.was_ordered_to_land && is_at_rest(vehicle.status->state));
   });
 }
 

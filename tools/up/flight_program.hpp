@@ -34,7 +34,7 @@ class FlightProgram {
   std::vector<Order> due(Time now);
 
   /// Lands all vehicles from now on.
-  void bring_down() { is_over_ = true; }
+  void land_all() { is_over_ = true; }
   /// True if every vehicle with a status is idle or killed and was ordered to land at least once.
   [[nodiscard]] bool is_down() const;
   /// Returns the vehicles that have followed a plan since the start.
@@ -43,9 +43,9 @@ class FlightProgram {
  private:
   struct Vehicle {
     std::optional<models::VehicleStatus> status;
-    bool is_others = false;   ///< another station has commanded it
-    bool has_lifted = false;  ///< it has left the idle state once
-    bool was_told_to_land = false;
+    bool has_other_station = false;  ///< another station has commanded it
+    bool has_lifted = false;         ///< it has left the idle state once
+    bool was_ordered_to_land = false;
     int ground_orders = 0;
     Time next_order{};
     std::optional<Time> holding_since;

@@ -58,7 +58,7 @@ HostBoard::HostBoard(const scenario::Scenario& scenario, std::string own, std::i
 
 std::optional<std::string> HostBoard::on_report(const models::HostReport& report, Time now) {
   if (report.host == own_ && report.stamp.run_id != own_run_id_) {
-    return std::exchange(has_rival_, true)
+    return std::exchange(has_duplicate_, true)
                ? std::nullopt
                : std::optional("another `vantage up` is running as host " + own_ +
                                ": all its processes run twice; end one of the two");
@@ -67,15 +67,15 @@ std::optional<std::string> HostBoard::on_report(const models::HostReport& report
     ++ignored_;
     return std::nullopt;
   }
-  Heard& heard = hosts_[report.host];
-  const bool was_restarted = heard.report && heard.report->stamp.run_id != report.stamp.run_id;
-  const bool was_silent = std::exchange(heard.is_silent, false);
-  const bool is_new = !heard.report && report.host != own_;
-  heard.report = report;
+  HostState& host = hosts_[report.host];
+  const bool was_restarted = host.report && host.report->stamp.run_id != report.stamp.run_id;
+  const bool was_silent = std::exchange(host.is_silent, false);
+  const bool is_new = !host.report && report.host != own_;
+  host.report = report;
   if (report.processes.size() > kProcessesMax) {
-    heard.report->processes.resize(kProcessesMax);
+    host.report->processes.resize(kProcessesMax);
   }
-  heard.at = now;
+  host.at = now;
   if (was_restarted) {
     return "host " + readable(report.host) + " was started again";
   }
@@ -87,12 +87,12 @@ std::optional<std::string> HostBoard::on_report(const models::HostReport& report
 
 std::vector<std::string> HostBoard::fallen_silent(Time now) {
   std::vector<std::string> out;
-  for (auto& [name, heard] : hosts_) {
-    const double age_s = to_seconds(now - heard.at);
-    if (name != own_ && !heard.is_silent && age_s > kSilentAfter_s) {
-      heard.is_silent = true;
+  for (auto& [name, host] : hosts_) {
+    const double age_s = to_seconds(now - host.at);
+    if (name != own_ && !host.is_silent && age_s > kSilentAfter_s) {
+      host.is_silent = true;
       out.push_back(fmt::format("host {} {} for {:.0f} s", readable(name),
-                                heard.report ? "has been silent" : "has sent no report", age_s));
+                                host.report ? "has been silent" : "has sent no report", age_s));
     }
   }
   return out;
@@ -102,13 +102,13 @@ std::vector<std::string> HostBoard::table(Time now) const {
   std::vector<std::string> out{fmt::format("{:<8} {:<14} {:>9} {:>9} {:>10} {:>8} {:>11}  {}",
                                            "host", "process", "state", "restarts", "down", "CPU",
                                            "memory", "last end")};
-  for (const auto& [name, heard] : hosts_) {
-    if (!heard.report || heard.is_silent) {
+  for (const auto& [name, host] : hosts_) {
+    if (!host.report || host.is_silent) {
       out.push_back(fmt::format("{:<8} {} for {:.0f} s", readable(name),
-                                heard.report ? "silent" : "no report", to_seconds(now - heard.at)));
+                                host.report ? "silent" : "no report", to_seconds(now - host.at)));
       continue;
     }
-    for (const models::SupervisedProcess& process : heard.report->processes) {
+    for (const models::SupervisedProcess& process : host.report->processes) {
       out.push_back(row_of(name, process));
     }
   }
@@ -118,14 +118,14 @@ std::vector<std::string> HostBoard::table(Time now) const {
 std::string HostBoard::line(Time now) const {
   std::string out;
   bool is_all_well = true;
-  for (const auto& [name, heard] : hosts_) {
+  for (const auto& [name, host] : hosts_) {
     out += out.empty() ? "" : ", ";
-    if (!heard.report || heard.is_silent) {
-      out += fmt::format("{} silent for {:.0f} s", readable(name), to_seconds(now - heard.at));
-      is_all_well = is_all_well && name == own_ && !heard.report;
+    if (!host.report || host.is_silent) {
+      out += fmt::format("{} silent for {:.0f} s", readable(name), to_seconds(now - host.at));
+      is_all_well = is_all_well && name == own_ && !host.report;
       continue;
     }
-    const auto& all = heard.report->processes;
+    const auto& all = host.report->processes;
     const auto running = std::count_if(all.begin(), all.end(), [](const auto& process) {
       return process.phase == SupervisedPhase::kRunning;
     });

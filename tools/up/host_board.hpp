@@ -65,15 +65,15 @@ class HostBoard {
   [[nodiscard]] std::string line(Time now) const;
 
  private:
-  struct Heard {
+  struct HostState {
     std::optional<models::HostReport> report;
     Time at{};
     bool is_silent = false;
   };
   std::string own_;
   std::int64_t own_run_id_;
-  bool has_rival_ = false;
-  std::map<std::string, Heard> hosts_;
+  bool has_duplicate_ = false;
+  std::map<std::string, HostState> hosts_;
   std::size_t hosts_max_ = 0;
   std::int64_t ignored_ = 0;
 };

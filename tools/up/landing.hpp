@@ -10,13 +10,13 @@ class Landing {
  public:
   static constexpr Duration kPatience = std::chrono::seconds(60);
   /// Time for the drivers to hand over to the autopilots' own landing after the second request.
-  static constexpr Duration kHurry = std::chrono::seconds(4);
+  static constexpr Duration kHurriedPatience = std::chrono::seconds(4);
 
   explicit Landing(Time begin) : give_up_(begin + kPatience) {}
 
   enum class Step {
     kWait,
-    kHurry,  ///< request the drivers to end once more
+    kRequestAgain,  ///< request the drivers to end once more
     kOver,
   };
   /// @param is_at_rest   all drivers have ended and all vehicles have landed

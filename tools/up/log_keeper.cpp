@@ -57,7 +57,7 @@ LogKeeper::LogKeeper(const ProcessSpec& recorder, const std::string& path,
   }
 }
 
-// A failure here must not end the flight, so it is only noted in is_spoilt_.
+// A failure here must not end the flight, so it is only noted in is_damaged_.
 logs::TrimmedLog LogKeeper::trim() {
   logs::TrimmedLog trimmed;
   try {
@@ -67,7 +67,7 @@ logs::TrimmedLog LogKeeper::trim() {
   }
   outcome_.bytes_dropped += trimmed.dropped_bytes;
   if (trimmed.size_bytes == 0) {  // the file always had an event since the constructor
-    is_spoilt_ = true;
+    is_damaged_ = true;
     last_before_.reset();
   }
   return trimmed;
@@ -98,7 +98,7 @@ std::vector<SupervisorEvent> LogKeeper::poll(Supervisor::Nanoseconds monotonic_n
   return supervisor_.poll(monotonic_ns);
 }
 
-bool LogKeeper::holds(std::span<const std::uint8_t> bytes) const {
+bool LogKeeper::tail_contains(std::span<const std::uint8_t> bytes) const {
   return logs::ends_with(path_, bytes);
 }
 
@@ -117,7 +117,7 @@ std::vector<std::string> LogKeeper::stop(milliseconds patience) {
 LogOutcome LogKeeper::outcome() const {
   LogOutcome out = outcome_;
   out.restarts = supervisor_.restarts();
-  out.is_good = out.is_good && !is_spoilt_;
+  out.is_good = out.is_good && !is_damaged_;
   return out;
 }
 

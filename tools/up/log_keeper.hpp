@@ -51,7 +51,7 @@ class LogKeeper {
   /// Restarts the recorder if it has died; see Supervisor::poll().
   std::vector<SupervisorEvent> poll(Supervisor::Nanoseconds monotonic_ns);
   /// True if the end of the file contains `bytes`, the last published message.
-  [[nodiscard]] bool holds(std::span<const std::uint8_t> bytes) const;
+  [[nodiscard]] bool tail_contains(std::span<const std::uint8_t> bytes) const;
   /// Ends the recorder, which first writes all that it has received. Returns the recorder's name if
   /// it had to be killed. Then its incomplete last event is cut off, and the outcome is not good.
   std::vector<std::string> stop(std::chrono::milliseconds patience);
@@ -69,7 +69,7 @@ class LogKeeper {
   LogOutcome outcome_;
   std::optional<Time> last_before_;  ///< last event before a restart, until the first one after it
   std::uint64_t size_before_bytes_ = 0;
-  bool is_spoilt_ = false;  ///< the file was missing, unreadable or could not be cut at a restart
+  bool is_damaged_ = false;  ///< the file was missing, unreadable or could not be cut at a restart
 };
 
 }  // namespace vantage::tools

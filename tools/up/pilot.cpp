@@ -6,7 +6,7 @@
 namespace vantage::tools {
 
 Pilot::Pilot(bus::Bus& bus, const scenario::Scenario& scenario, Time start)
-    : now_(start), desk_(bus, {true}, start), program_(robots_with_driver(scenario)) {
+    : now_(start), sender_(bus, {true}, start), program_(robots_with_driver(scenario)) {
   for (const scenario::RobotSpec& robot : scenario.robots) {
     if (robot.device == scenario::DeviceSource::kReal) {
       throw StartupError(
@@ -28,14 +28,14 @@ Pilot::Pilot(bus::Bus& bus, const scenario::Scenario& scenario, Time start)
 std::string Pilot::tick(Time now) {
   now_ = now;
   std::string news;
-  if (desk_.tick(now) && !desk_.station().beats()) {
-    news = std::string("operator: ") + explain(desk_.station().role());
+  if (sender_.tick(now) && !sender_.station().sends_heartbeat()) {
+    news = std::string("operator: ") + explain(sender_.station().role());
   }
-  if (desk_.station().role() == Station::Role::kListening) {
+  if (sender_.station().role() == Station::Role::kListening) {
     return news;
   }
   for (const FlightProgram::Order& order : program_.due(now)) {
-    desk_.send(now, order.action, order.robot);  // refused while another station is in charge
+    sender_.send(now, order.action, order.robot);  // refused while another station is in charge
   }
   return news;
 }

@@ -29,7 +29,7 @@ class Pilot {
 
  private:
   Time now_;
-  OperatorDesk desk_;
+  OrderSender sender_;
   FlightProgram program_;
 };
 

@@ -48,12 +48,12 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr Duration kReportPeriod = std::chrono::seconds(1);
-constexpr Duration kLogLookPeriod = milliseconds(500);
+constexpr Duration kLogCheckPeriod = milliseconds(500);
 // The whole end takes less than 2 s, except if the disk is slow: the last two syncs of the log may
 // take 2 s each.
 constexpr milliseconds kTeamPatience{1200};
 constexpr Duration kDrainPatience = milliseconds(200);
-constexpr Duration kSealPatience = milliseconds(300);
+constexpr Duration kFinishPatience = milliseconds(300);
 constexpr milliseconds kLoggerPatience{5000};
 
 bool is_zero(const models::ProcessHealth& health, const std::string& counter) {
@@ -64,8 +64,8 @@ bool is_zero(const models::ProcessHealth& health, const std::string& counter) {
 Time monotonic_now() { return from_utime(monotonic_ns() / 1'000); }
 
 /// Clock of the trial, handed on to child processes before the first one is started.
-struct HandedClock : bus::SteadyClock {
-  HandedClock() { hand_on(); }
+struct SharedClock : bus::SteadyClock {
+  SharedClock() { export_offset(); }
 };
 
 std::set<std::string> as_set(const std::vector<std::string>& names) {
@@ -79,7 +79,7 @@ bus::Bus& secured(bus::Bus& bus, const scenario::Scenario& scenario, const bus::
 }
 
 /// Prints claims without a valid signature. They do not prevent the start.
-void tell_unverified(const std::vector<std::string>& claims) {
+void print_unverified(const std::vector<std::string>& claims) {
   constexpr std::size_t kShown = 5;
   for (std::size_t i = 0; i < std::min(claims.size(), kShown); ++i) {
     print_line("! ignored, since its signature is missing or wrong: " + claims[i], stderr);
@@ -101,9 +101,9 @@ class Up {
     return options_.host.empty() || scenario_.runs_on(options_.host, scenario::kLoggerPart);
   }
   void listen();
-  void turn();
-  bool turn_well();
-  void take(const std::vector<SupervisorEvent>& events);
+  void run_once();
+  bool run_once_safely();
+  void handle(const std::vector<SupervisorEvent>& events);
   [[nodiscard]] std::vector<SupervisedStatus> statuses() const;
   models::HostReport report(Time now);
   void watch_log(Time now);
@@ -112,10 +112,10 @@ class Up {
   [[nodiscard]] bool has_lost_vehicles() const;
   void land();
   void stop_all();
-  void seal_log();
-  void tell(const std::optional<std::string>& words) {
+  void finish_log();
+  void show_event(const std::optional<std::string>& words) {
     if (words && !words->empty()) {
-      display_.say(*words);
+      display_.show_event(*words);
     }
   }
 
@@ -124,7 +124,7 @@ class Up {
   const std::string host_;
   const std::unique_ptr<bus::Transport> transport_;
   bus::Bus bus_;
-  const HandedClock clock_;
+  const SharedClock clock_;
   trial::Announcer announcer_;
   const ScenarioMemory file_;
   const ProcessPlaces places_;
@@ -135,7 +135,7 @@ class Up {
   UsageMeter meter_;
   logs::LogWatch log_watch_;
   bool is_log_refused_ = false;  ///< the recorder reports that the disk refuses the log
-  Time next_log_look_{};
+  Time next_log_check_{};
   Time next_log_health_{};
   TrialDisplay display_;
   std::unique_ptr<Pilot> pilot_;
@@ -144,7 +144,7 @@ class Up {
   std::set<std::string> drives_;  ///< vehicles with a driver on this host
   bool serves_flights_ = false;   ///< the simulator or the mocap driver runs here
   Time next_report_{};
-  int requests_heeded_ = 1;  ///< requests to end that were obeyed; more of them are urgent
+  int requests_obeyed_ = 1;  ///< requests to end that were obeyed; more of them are urgent
   UpResult result_;
 };
 
@@ -173,7 +173,7 @@ Up::Up(const scenario::Scenario& scenario, const UpOptions& options)
       pilot_(options.fly ? std::make_unique<Pilot>(bus_, scenario, start_) : nullptr),
       team_(options.restarts),
       flights_(as_set(robots_with_driver(scenario))) {
-  bus_.keep_time(clock_);
+  bus_.use_clock(clock_);
   listen();
   if (announces()) {
     announcer_.publish(start_);
@@ -189,12 +189,12 @@ Up::Up(const scenario::Scenario& scenario, const UpOptions& options)
 
 void Up::listen() {
   bus_.subscribe<models::HostReport>(bus::host_channel("*"), [this](const auto& heard) {
-    tell(board_.on_report(heard, clock_.now()));
+    show_event(board_.on_report(heard, clock_.now()));
   });
   bus_.subscribe<models::ScenarioNotice>(bus::kScenario, [this](const auto& notice) {
     if (notice.yaml != scenario_.source_text && !std::exchange(result_.has_other_scenario, true)) {
-      display_.say("another scenario file or other options are in use on this network (by " +
-                   readable(notice.process) + ", version " + readable(notice.version) + ")");
+      display_.show_event("another scenario file or other options are in use on this network (by " +
+                          readable(notice.process) + ", version " + readable(notice.version) + ")");
     }
   });
   bus_.subscribe<models::VehicleStatus>(
@@ -233,30 +233,31 @@ models::HostReport Up::report(Time now) {
   return report;
 }
 
-void Up::take(const std::vector<SupervisorEvent>& events) {
+void Up::handle(const std::vector<SupervisorEvent>& events) {
   for (const SupervisorEvent& event : events) {
-    display_.say(event.words);
+    display_.show_event(event.text);
     next_report_ = {};
     if (event.name == kSimProcess && event.kind == SupervisorEvent::Kind::kStarted) {
       ++result_.world_restarts;
-      display_.say("the simulator was restarted: robots and targets are back at their starts");
+      display_.show_event(
+          "the simulator was restarted: robots and targets are back at their starts");
     }
   }
 }
 
 // Publishes and prints a log that cannot be written at once. The flight continues.
 void Up::watch_log(Time now) {
-  if (!keeper_ || now < next_log_look_) {
+  if (!keeper_ || now < next_log_check_) {
     return;
   }
-  next_log_look_ = now + kLogLookPeriod;
+  next_log_check_ = now + kLogCheckPeriod;
   std::error_code error;
   const auto size = std::filesystem::file_size(options_.log_path, error);
   const bool was_written = log_watch_.is_written();
-  const auto words =
-      log_watch_.look({error ? 0 : size, logs::free_bytes_for(options_.log_path), is_log_refused_},
-                      monotonic_now());
-  tell(words);
+  const auto words = log_watch_.update(
+      {error ? 0 : size, logs::free_bytes_for(options_.log_path), is_log_refused_},
+      monotonic_now());
+  show_event(words);
   if (words || now >= next_log_health_) {
     bus_.publish(bus::health_channel(logs::kLogHealth), log_watch_.health(now));
     next_log_health_ = now + kReportPeriod;
@@ -265,10 +266,10 @@ void Up::watch_log(Time now) {
 }
 
 // Polls the processes first, so that they are kept alive even if the network is not usable.
-void Up::turn() {
-  take(team_.poll(monotonic_ns()));
+void Up::run_once() {
+  handle(team_.poll(monotonic_ns()));
   if (keeper_) {
-    take(keeper_->poll(monotonic_ns()));
+    handle(keeper_->poll(monotonic_ns()));
   }
   bus_.handle(milliseconds(pilot_ ? 10 : 50));
   const Time now = clock_.now();
@@ -276,10 +277,10 @@ void Up::turn() {
     announcer_.tick(now);
   }
   if (pilot_) {
-    tell(pilot_->tick(now));
+    show_event(pilot_->tick(now));
   }
   for (const std::string& words : board_.fallen_silent(now)) {
-    display_.say(words);
+    display_.show_event(words);
   }
   if (now >= next_report_) {
     bus_.publish(bus::host_channel(host_), report(now));
@@ -293,14 +294,15 @@ void Up::turn() {
 }
 
 // Catches errors of this program, so that vehicles are still landed and the result is reported.
-bool Up::turn_well() {
+bool Up::run_once_safely() {
   try {
-    turn();
+    run_once();
     return true;
   } catch (const std::exception& error) {
     if (result_.broken.empty()) {
       result_.broken = error.what();
-      display_.say(std::string("the trial ends because of an internal error: ") + error.what());
+      display_.show_event(std::string("the trial ends because of an internal error: ") +
+                          error.what());
     }
     // An error before the wait for messages would repeat thousands of times per second in land().
     std::this_thread::sleep_for(milliseconds(10));
@@ -336,10 +338,10 @@ bool Up::has_lost_vehicles() const {
 
 void Up::land() {
   if (pilot_) {
-    pilot_->program().bring_down();
+    pilot_->program().land_all();
   }
   if (!vehicles_in_flight().empty()) {
-    display_.say(
+    display_.show_event(
         fmt::format("waiting for the landing of {}; one more Ctrl-C leaves it to their "
                     "autopilots",
                     fmt::join(vehicles_in_flight(), ", ")));
@@ -351,18 +353,18 @@ void Up::land() {
     return team_.have_drivers_ended() && (others_in_flight().empty() || is_hurried);
   };
   while (!has_lost_vehicles()) {
-    const bool is_urgent = options_.stop_requests() > requests_heeded_;
+    const bool is_urgent = options_.stop_requests() > requests_obeyed_;
     const Landing::Step step = landing.step(is_at_rest(), is_urgent, clock_.now());
     if (step == Landing::Step::kOver) {
       break;
     }
-    if (step == Landing::Step::kHurry) {
+    if (step == Landing::Step::kRequestAgain) {
       is_hurried = true;
       team_.end_drivers();
     }
-    turn_well();
+    run_once_safely();
   }
-  requests_heeded_ = std::clamp(options_.stop_requests(), requests_heeded_, 2);
+  requests_obeyed_ = std::clamp(options_.stop_requests(), requests_obeyed_, 2);
   result_.left_flying = vehicles_in_flight();
   if (pilot_) {
     for (const std::string& robot : robots_with_driver(scenario_)) {
@@ -375,7 +377,7 @@ void Up::land() {
 
 // Publishes a last message after all other processes have ended. The log is complete if it contains
 // that message.
-void Up::seal_log() {
+void Up::finish_log() {
   models::HostReport last = report(clock_.now());
   const models::InputRef name = bus_.publish(bus::host_channel(host_), last);
   last.stamp.run_id = name.run_id;
@@ -383,15 +385,15 @@ void Up::seal_log() {
   const auto wire = bus::to_wire(last);
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(wire.getEncodedSize()));
   wire.encode(bytes.data(), 0, wire.getEncodedSize());
-  const Time give_up = clock_.now() + kSealPatience;
-  while (!keeper_->holds(bytes) && clock_.now() < give_up) {
+  const Time give_up = clock_.now() + kFinishPatience;
+  while (!keeper_->tail_contains(bytes) && clock_.now() < give_up) {
     bus_.handle(milliseconds(5));
   }
   for (std::string& name_killed : keeper_->stop(kLoggerPatience)) {
     result_.killed.push_back(std::move(name_killed));
   }
   result_.log = keeper_->outcome();
-  result_.log.is_to_the_end = keeper_->holds(bytes);
+  result_.log.is_to_the_end = keeper_->tail_contains(bytes);
 }
 
 void Up::stop_all() {
@@ -405,7 +407,7 @@ void Up::stop_all() {
     team_.send_to_ours(SIGINT);
   }
   std::vector<std::string> killed = team_.stop_all(kTeamPatience, [&] {
-    is_hurried = options_.stop_requests() > requests_heeded_;
+    is_hurried = options_.stop_requests() > requests_obeyed_;
     return is_hurried;
   });
   (is_hurried ? result_.cut_short : result_.killed) = std::move(killed);
@@ -425,7 +427,7 @@ void Up::stop_all() {
   while (bus_.handle(milliseconds(50)) > 0 && clock_.now() < give_up) {
   }
   if (keeper_) {
-    seal_log();
+    finish_log();
   }
   result_.stop_s = to_seconds(clock_.now() - begin);
 }
@@ -433,7 +435,7 @@ void Up::stop_all() {
 UpResult Up::run(const std::function<bool()>& stop) {
   const Time end = start_ + from_seconds(scenario_.duration_s);
   const auto is_over = [&] { return options_.ends_by_duration && clock_.now() >= end; };
-  while (!stop() && !is_over() && !team_.lost_essential() && turn_well()) {
+  while (!stop() && !is_over() && !team_.lost_essential() && run_once_safely()) {
   }
   result_.summary = observer_.metrics().finish(clock_.now());
   land();
@@ -464,24 +466,24 @@ UpResult run_up(const scenario::Scenario& scenario, const UpOptions& options,
     const logs::LogRoom room =
         logs::room_for_log(scenario, options.log_path, logs::free_bytes_for(options.log_path));
     if (!room.is_enough) {
-      throw StartupError(room.words +
+      throw StartupError(room.summary +
                          ": free disk space, write to another disk (--log), fly for a shorter "
                          "time (--duration-s), or do not record (--no-log)");
     }
   }
   const LoadMeter load;
-  if (!options.beside_others) {
+  if (!options.ignore_others) {
     const auto transport = bus::open_transport(scenario.network.url);
     const auto authenticator = bus::auth::authenticator_for(scenario);
     const bus::SteadyClock clock;
     const trial::HeardChannels heard = trial::hear_channels(*transport, trial::kListenToNeighbours,
                                                             stop, authenticator.get(), clock);
-    tell_unverified(trial::rivals_of_up(scenario, options.host, heard.unverified));
+    print_unverified(trial::rivals_of_up(scenario, options.host, heard.unverified));
     const auto rivals = trial::rivals_of_up(scenario, options.host, heard.accepted);
     if (!rivals.empty()) {
       throw StartupError(rivals.front() +
                          ": end it, use another network (--url), or start anyway with "
-                         "--beside-others");
+                         "--ignore-others");
     }
   }
   const UpOptions granted = with_priority(scenario, options, load);

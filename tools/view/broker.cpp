@@ -26,7 +26,7 @@ void Client::push(Frame frame) {
       return;
     }
     outbox_.push(std::move(frame));
-    is_closed_ = outbox_.is_hopeless();
+    is_closed_ = outbox_.is_overflowing();
   }
   changed_.notify_one();
 }
@@ -112,13 +112,13 @@ void Broker::name_type(const std::string& topic, const std::string& type) {
 void Broker::send(Client& client, std::uint32_t subscription_id, const Topic& topic) {
   client.push({topic.is_state ? Frame::Kind::kState : Frame::Kind::kFlow, false, subscription_id,
                message_head(subscription_id, topic.time), topic.newest});
-  tell_drops(client);
+  report_drops(client);
 }
 
-void Broker::tell_drops(Client& client) {
+void Broker::report_drops(Client& client) {
   const std::int64_t dropped = client.dropped();
-  if (dropped > 2 * client.dropped_told_) {
-    client.dropped_told_ = dropped;
+  if (dropped > 2 * client.drops_reported_) {
+    client.drops_reported_ = dropped;
     client.push(control(status_text(
         StatusLevel::kWarning,
         fmt::format("too slow: {} records were dropped for this viewer", dropped), "drops")));
@@ -181,12 +181,12 @@ void Broker::broadcast_playback(const PlaybackState& state) {
   }
 }
 
-void Broker::tell(const std::string& id, const std::string& message) {
+void Broker::set_status(const std::string& id, const std::string& message) {
   const std::lock_guard lock(mutex_);
   if (message.empty()) {
-    told_.erase(id);
+    statuses_.erase(id);
   } else {
-    told_[id] = message;
+    statuses_[id] = message;
   }
   for (const auto& client : clients_) {
     client->push(control(message.empty() ? remove_status_text(id)
@@ -203,12 +203,12 @@ void Broker::set_range(Time start, Time end) {
   info_.range = range;
   info_.session_id += "+";
   for (const auto& client : clients_) {
-    tell_channels(*client);
+    send_channels(*client);
   }
 }
 
 // Sends the server info and all channels.
-void Broker::tell_channels(Client& client) const {
+void Broker::send_channels(Client& client) const {
   client.push(control(server_info_text(info_, client.speaks_sdk_)));
   std::vector<ChannelInfo> channels;
   for (const std::string& topic : topic_of_) {
@@ -220,8 +220,8 @@ void Broker::tell_channels(Client& client) const {
 std::shared_ptr<Client> Broker::connect(bool speaks_sdk) {
   auto client = std::make_shared<Client>(Outbox(), speaks_sdk);
   const std::lock_guard lock(mutex_);
-  tell_channels(*client);
-  for (const auto& [id, message] : told_) {
+  send_channels(*client);
+  for (const auto& [id, message] : statuses_) {
     client->push(control(status_text(StatusLevel::kInfo, message, id)));
   }
   if (playback_) {
@@ -242,7 +242,7 @@ void Broker::disconnect(const std::shared_ptr<Client>& client) {
     topics_.at(topic_of_.at(channel - 1)).subscribers -= static_cast<int>(ids.size());
   }
   client->subscriptions_.clear();
-  dropped_by_the_gone_ += client->dropped();
+  dropped_by_disconnected_ += client->dropped();
   std::erase(clients_, client);
 }
 
@@ -333,7 +333,7 @@ std::size_t Broker::clients() const {
 
 std::int64_t Broker::dropped() const {
   const std::lock_guard lock(mutex_);
-  std::int64_t sum = dropped_by_the_gone_;
+  std::int64_t sum = dropped_by_disconnected_;
   for (const auto& client : clients_) {
     sum += client->dropped();
   }

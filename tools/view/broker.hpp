@@ -34,7 +34,7 @@ class Client {
   const bool speaks_sdk_;
   /// Subscription ids by channel id; guarded by the Broker.
   std::map<std::uint32_t, std::vector<std::uint32_t>> subscriptions_;
-  std::int64_t dropped_told_ = 0;  ///< last reported number of drops; guarded by the Broker
+  std::int64_t drops_reported_ = 0;  ///< last reported number of drops; guarded by the Broker
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
@@ -71,7 +71,7 @@ class Broker : public logs::foxglove::Sink {
 
   /// Shows a status message to all viewers, later ones included. It replaces the message with the
   /// same `id`; an empty message removes it.
-  void tell(const std::string& id, const std::string& message);
+  void set_status(const std::string& id, const std::string& message);
   /// Changes the range of the log. Viewers get a new session with that range.
   void set_range(Time start, Time end);
 
@@ -107,9 +107,9 @@ class Broker : public logs::foxglove::Sink {
     std::shared_ptr<const std::string> newest;  ///< newest record, if kept; else null
   };
 
-  void tell_channels(Client& client) const;
+  void send_channels(Client& client) const;
   void send(Client& client, std::uint32_t subscription_id, const Topic& topic);
-  void tell_drops(Client& client);
+  void report_drops(Client& client);
   [[nodiscard]] bool is_kept(const Topic& topic) const;
   void subscribe(Client& client, std::uint32_t subscription_id, std::uint32_t channel_id);
   void unsubscribe(Client& client, std::uint32_t subscription_id);
@@ -120,12 +120,12 @@ class Broker : public logs::foxglove::Sink {
   std::vector<std::string> topic_of_;  ///< topic by channel id − 1
   std::vector<std::shared_ptr<Client>> clients_;
   std::vector<PlaybackControl> controls_;
-  std::optional<PlaybackState> playback_;    ///< last broadcast state
-  std::map<std::string, std::string> told_;  ///< current status messages, by id
+  std::optional<PlaybackState> playback_;        ///< last broadcast state
+  std::map<std::string, std::string> statuses_;  ///< current status messages, by id
   bool is_holding_ = false;
   std::optional<Time> time_;  ///< last time given to reached() since the last jump
   std::int64_t jumps_ = 0;
-  std::int64_t dropped_by_the_gone_ = 0;
+  std::int64_t dropped_by_disconnected_ = 0;
   std::int64_t malformed_ = 0;
 };
 

@@ -81,7 +81,6 @@ Feed::Feed(bus::Transport& transport, const bus::Clock& clock, logs::foxglove::S
   listen(bus::plan_channel("*"));
   listen(bus::team_proposal_channel("*"));
   listen(bus::vehicle_channel("*"));
-  listen(bus::old_vehicle_channel("*"));  // only in old logs
   listen(bus::health_channel("*"));
   listen(bus::host_channel("*"));
   listen(bus::kCollision);

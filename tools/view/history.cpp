@@ -11,9 +11,9 @@ using logs::foxglove::Json;
 using logs::foxglove::Schema;
 
 constexpr const char* kBodies = "/transforms";
-constexpr const char* kWays = "/ways";
+constexpr const char* kPaths = "/paths";
 constexpr Duration kStatePeriod = std::chrono::seconds(1);
-constexpr Duration kWayPeriod = std::chrono::milliseconds(200);
+constexpr Duration kPathPeriod = std::chrono::milliseconds(200);
 
 // Returns the least time between two stored records of a topic; zero: all records are stored;
 // nullopt: none.
@@ -27,30 +27,30 @@ std::optional<Duration> period_of(const std::string& topic, Schema schema) {
     case Schema::kHealth:
       return kStatePeriod;
     case Schema::kFrameTransforms:
-      return topic == kBodies ? std::optional(kWayPeriod) : std::nullopt;
+      return topic == kBodies ? std::optional(kPathPeriod) : std::nullopt;
     default:
       return std::nullopt;
   }
 }
 
-Json places_of(const Json& transforms) {
+Json positions_of(const Json& transforms) {
   const auto to_cm = [](const Json& coordinate) {
     return 0.01 * std::round(100.0 * coordinate.get<double>());
   };
-  Json places = Json::object();
+  Json positions = Json::object();
   for (const Json& each : transforms.at("transforms")) {
     const Json& at = each.at("translation");
-    places[each.at("child_frame_id").get<std::string>()] = {to_cm(at.at("x")), to_cm(at.at("y")),
-                                                            to_cm(at.at("z"))};
+    positions[each.at("child_frame_id").get<std::string>()] = {to_cm(at.at("x")), to_cm(at.at("y")),
+                                                               to_cm(at.at("z"))};
   }
-  return places;
+  return positions;
 }
 
 }  // namespace
 
 bool History::wants(const std::string& topic, Schema schema, bool is_state) {
   const bool is_wanted_there = audience_.wants(topic, schema, is_state);
-  audience_wants_ = is_wanted_there && how_ == Audience::kHears;
+  audience_wants_ = is_wanted_there && forwarding_ == Forwarding::kRecords;
   const auto period = period_of(topic, schema);
   const auto last = written_.find(topic);
   is_due_ = period && (last == written_.end() || clock_.now() - last->second >= *period ||
@@ -62,7 +62,7 @@ void History::write(const std::string& topic, Time time, const Json& content) {
   if (is_due_) {
     written_[topic] = time;
     const bool is_bodies = topic == kBodies;
-    keep(is_bodies ? kWays : topic, time, is_bodies ? places_of(content) : content);
+    keep(is_bodies ? kPaths : topic, time, is_bodies ? positions_of(content) : content);
   }
   if (audience_wants_) {
     audience_.write(topic, time, content);

@@ -21,12 +21,12 @@ namespace vantage::tools {
 /// any.
 class History : public logs::foxglove::Sink {
  public:
-  enum class Audience { kHears, kIsAskedOnly };
+  enum class Forwarding { kRecords, kWantsOnly };
 
   /// @param clock  clock for the periods of the stored records
-  History(const bus::Clock& clock, logs::foxglove::Sink& audience, Audience how,
+  History(const bus::Clock& clock, logs::foxglove::Sink& audience, Forwarding forwarding,
           std::size_t bytes_max)
-      : clock_(clock), audience_(audience), how_(how), bytes_max_(bytes_max) {}
+      : clock_(clock), audience_(audience), forwarding_(forwarding), bytes_max_(bytes_max) {}
 
   bool wants(const std::string& topic, logs::foxglove::Schema schema, bool is_state) override;
   void write(const std::string& topic, Time time, const logs::foxglove::Json& content) override;
@@ -35,7 +35,7 @@ class History : public logs::foxglove::Sink {
   }
 
   /// Returns a JSON list of [topic, utime, content], oldest first. Positions of bodies are on topic
-  /// "/ways": {body: [x_m, y_m, z_m]}.
+  /// "/paths": {body: [x_m, y_m, z_m]}.
   [[nodiscard]] std::string text() const;
 
  private:
@@ -43,7 +43,7 @@ class History : public logs::foxglove::Sink {
 
   const bus::Clock& clock_;
   logs::foxglove::Sink& audience_;
-  const Audience how_;
+  const Forwarding forwarding_;
   const std::size_t bytes_max_;
   bool is_due_ = false;                  ///< store the record of the last wants()
   bool audience_wants_ = false;          ///< pass on the record of the last wants()

@@ -81,7 +81,7 @@ LiveView::LiveView(std::unique_ptr<bus::Transport> transport, const WebOptions& 
     : transport_(std::move(transport)),
       types_(std::move(types)),
       broker_({"vantage", new_session(), std::nullopt}),
-      history_(clock_, broker_, History::Audience::kHears, kLiveHistoryBytes),
+      history_(clock_, broker_, History::Forwarding::kRecords, kLiveHistoryBytes),
       server_(broker_, with_history(options, [this] { return history_.text(); })),
       thread_([this] { listen(); }) {}
 

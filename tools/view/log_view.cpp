@@ -14,10 +14,10 @@
 namespace vantage::tools {
 namespace {
 
-constexpr Duration kLeadUp = std::chrono::seconds(20);  // length of the bodies' displayed paths
+constexpr Duration kPreroll = std::chrono::seconds(20);  // length of the bodies' displayed paths
 constexpr std::int64_t kTimePeriod_ns = 50'000'000;
-constexpr Duration kOvertureMax = std::chrono::minutes(2);
-constexpr std::size_t kOvertureBytesMax = std::size_t{16} << 20U;
+constexpr Duration kFirstPictureMax = std::chrono::minutes(2);
+constexpr std::size_t kFirstPictureBytesMax = std::size_t{16} << 20U;
 constexpr Duration kSlice = std::chrono::seconds(1);  // part of a log that is read at once
 constexpr Duration kTick{1};
 constexpr Duration kStepMin = std::chrono::milliseconds(1);
@@ -58,7 +58,7 @@ class Series : public logs::foxglove::Sink {
 };
 
 /// Sink that counts which conditions of first_picture() are met.
-class Overture : public logs::foxglove::Sink {
+class FirstPictureConditions : public logs::foxglove::Sink {
  public:
   bool wants(const std::string& topic, logs::foxglove::Schema schema, bool /*is_state*/) override {
     using logs::foxglove::Schema;
@@ -107,11 +107,11 @@ class Overture : public logs::foxglove::Sink {
 /// Calls `take` with the events within the range of a log by ascending time, until it returns
 /// false.
 void read_through(const logs::SeekableLog& log,
-                  const std::function<bool(const logs::PlacedEvent&)>& take) {
+                  const std::function<bool(const logs::LocatedEvent&)>& take) {
   const auto [begin, end] = log.range();
   for (auto from = log.next_time(begin); from && *from <= end;) {
     const Time to = saturated_sum(*from, kSlice);
-    for (const logs::PlacedEvent& event : log.events(*from, to)) {
+    for (const logs::LocatedEvent& event : log.events(*from, to)) {
       if (!take(event)) {
         return;
       }
@@ -123,12 +123,12 @@ void read_through(const logs::SeekableLog& log,
 /// Plays a log from its start to a Sink as fast as possible, until `go_on` returns false.
 void play_through(const logs::SeekableLog& log, const logs::TypeLibrary& types,
                   bus::VirtualClock& clock, logs::foxglove::Sink& sink,
-                  const std::function<bool(const logs::PlacedEvent&)>& go_on) {
+                  const std::function<bool(const logs::LocatedEvent&)>& go_on) {
   bus::InProcessHub hub;
   const auto source = hub.connect();
   const auto endpoint = hub.connect();
   Feed feed(*endpoint, clock, sink, types);
-  read_through(log, [&](const logs::PlacedEvent& event) {
+  read_through(log, [&](const logs::LocatedEvent& event) {
     clock.set(std::min(event.time, kClockTimeMax));
     source->publish(std::string(event.channel), event.data);
     feed.handle(std::chrono::microseconds(0));
@@ -144,9 +144,9 @@ std::string log_history(const logs::SeekableLog& log, const logs::TypeLibrary& t
     return "[]";
   }
   bus::VirtualClock clock(log.range().first);
-  History history(clock, audience, History::Audience::kIsAskedOnly, kWholeBytesMax);
+  History history(clock, audience, History::Forwarding::kWantsOnly, kWholeBytesMax);
   play_through(log, types, clock, history,
-               [&](const logs::PlacedEvent& /*event*/) { return !stop(); });
+               [&](const logs::LocatedEvent& /*event*/) { return !stop(); });
   return history.text();
 }
 
@@ -159,11 +159,11 @@ std::string log_series(const logs::SeekableLog& log, const logs::TypeLibrary& ty
   if (!topic.starts_with(kRawTopics)) {
     bus::VirtualClock clock(log.range().first);
     play_through(log, types, clock, series,
-                 [](const logs::PlacedEvent& /*event*/) { return true; });
+                 [](const logs::LocatedEvent& /*event*/) { return true; });
     return series.text();
   }
   const std::string channel = topic.substr(kRawTopics.size());
-  read_through(log, [&](const logs::PlacedEvent& event) {
+  read_through(log, [&](const logs::LocatedEvent& event) {
     if (event.channel == channel) {
       series.write(topic, event.time, raw_message(event.data, types));
     }
@@ -173,33 +173,33 @@ std::string log_series(const logs::SeekableLog& log, const logs::TypeLibrary& ty
 }
 
 Time first_picture(const logs::SeekableLog& log, const std::function<bool()>& stop) {
-  Overture overture;
+  FirstPictureConditions conditions;
   bus::VirtualClock clock(log.range().first);
   const Time start = log.range().first;
   Time best = start;
   int parts = 0;
-  play_through(log, {}, clock, overture, [&](const logs::PlacedEvent& event) {
-    if (overture.parts() > parts) {
-      parts = overture.parts();
+  play_through(log, {}, clock, conditions, [&](const logs::LocatedEvent& event) {
+    if (conditions.parts() > parts) {
+      parts = conditions.parts();
       best = event.time;
     }
-    return !stop() && parts < Overture::kAll && event.time - start < kOvertureMax &&
-           event.offset < kOvertureBytesMax;
+    return !stop() && parts < FirstPictureConditions::kAll &&
+           event.time - start < kFirstPictureMax && event.offset < kFirstPictureBytesMax;
   });
   return best;
 }
 
 void read_first_pass(logs::SeekableLog& log, Broker& broker, const std::function<bool()>& stop) {
-  int told_percent = -1;
-  while (!stop() && log.go_on(kPassBytes)) {
+  int sent_percent = -1;
+  while (!stop() && log.advance(kPassBytes)) {
     const auto percent = static_cast<int>(100.0 * log.surveyed_share());
-    if (percent > told_percent) {
-      told_percent = percent;
-      broker.tell(kReading, fmt::format("{} % read", percent));
+    if (percent > sent_percent) {
+      sent_percent = percent;
+      broker.set_status(kReading, fmt::format("{} % read", percent));
     }
   }
-  if (told_percent >= 0) {
-    broker.tell(kReading, "");
+  if (sent_percent >= 0) {
+    broker.set_status(kReading, "");
   }
 }
 
@@ -208,7 +208,7 @@ LogView::LogView(const logs::SeekableLog& log, const logs::TypeLibrary& types, B
     : log_(log),
       types_(types),
       broker_(broker),
-      lead_up_(broker),
+      preroll_(broker),
       playback_(log.range().first, log.range().second),
       clock_(log.range().first) {
   playback_.control({false, 1.0F, begin, ""}, 0);
@@ -216,45 +216,45 @@ LogView::LogView(const logs::SeekableLog& log, const logs::TypeLibrary& types, B
   broker_.broadcast_playback(playback_.state(0));
 }
 
-void LogView::listen_anew() {
+void LogView::reset_feed() {
   feed_.reset();
   endpoint_.reset();
   source_.reset();
   hub_ = std::make_unique<bus::InProcessHub>();
   source_ = hub_->connect();
   endpoint_ = hub_->connect();
-  feed_ = std::make_unique<Feed>(*endpoint_, clock_, lead_up_, types_);
+  feed_ = std::make_unique<Feed>(*endpoint_, clock_, preroll_, types_);
 }
 
 void LogView::go_to(Time position) {
   broker_.hold();
   broker_.forget();
   is_exact_ = log_.is_surveyed();
-  const Time from = position - kLeadUp;
-  const std::vector<logs::PlacedEvent> known = log_.newest_before(from);
-  const std::vector<logs::PlacedEvent> since = log_.events(from, saturated_sum(position, kTick));
+  const Time from = position - kPreroll;
+  const std::vector<logs::LocatedEvent> known = log_.newest_before(from);
+  const std::vector<logs::LocatedEvent> since = log_.events(from, saturated_sum(position, kTick));
   const auto play = [&] {
-    listen_anew();
+    reset_feed();
     for (const auto* part : {&known, &since}) {
-      for (const logs::PlacedEvent& event : *part) {
+      for (const logs::LocatedEvent& event : *part) {
         feed(event);
       }
     }
   };
-  lead_up_.count();
+  preroll_.count();
   play();
-  lead_up_.tell();
+  preroll_.make_last();
   play();
-  lead_up_.end();
+  preroll_.end();
   shown_ = position;
   broker_.reached(position);
   broker_.release();
   broker_.broadcast_time(position);
 }
 
-void LogView::go_on_to(Time position) {
+void LogView::advance_to(Time position) {
   if (position > shown_) {
-    for (const logs::PlacedEvent& event :
+    for (const logs::LocatedEvent& event :
          log_.events(saturated_sum(shown_, kTick), saturated_sum(position, kTick))) {
       feed(event);
       broker_.reached(event.time);
@@ -264,7 +264,7 @@ void LogView::go_on_to(Time position) {
   }
 }
 
-void LogView::feed(const logs::PlacedEvent& event) {
+void LogView::feed(const logs::LocatedEvent& event) {
   clock_.set(std::min(event.time, kClockTimeMax));
   source_->publish(std::string(event.channel), event.data);
   feed_->handle(std::chrono::microseconds(0));
@@ -279,7 +279,7 @@ void LogView::on_surveyed(std::int64_t now_ns) {
   PlaybackState after = playback_.control(
       {before.status == PlaybackStatus::kPlaying, before.speed, before.time, ""}, now_ns);
   broker_.broadcast_playback(after);
-  status_told_ = after.status;
+  status_sent_ = after.status;
   go_to(after.time);
 }
 
@@ -294,22 +294,22 @@ void LogView::tick(std::int64_t now_ns) {
         after.did_seek && after.time - shown_ >= kStepMin && after.time - shown_ <= kStepMax;
     after.did_seek = after.did_seek && !is_step;
     broker_.broadcast_playback(after);
-    status_told_ = after.status;
+    status_sent_ = after.status;
     if (after.did_seek) {
       go_to(after.time);
     } else if (is_step) {
-      go_on_to(after.time);
+      advance_to(after.time);
       broker_.broadcast_time(after.time);
     }
   }
   const PlaybackState state = playback_.state(now_ns);
-  go_on_to(state.time);
-  if (state.status == PlaybackStatus::kPlaying && now_ns - time_told_ns_ >= kTimePeriod_ns) {
-    time_told_ns_ = now_ns;
+  advance_to(state.time);
+  if (state.status == PlaybackStatus::kPlaying && now_ns - time_sent_ns_ >= kTimePeriod_ns) {
+    time_sent_ns_ = now_ns;
     broker_.broadcast_time(state.time);
   }
-  if (state.status != status_told_) {
-    status_told_ = state.status;
+  if (state.status != status_sent_) {
+    status_sent_ = state.status;
     broker_.broadcast_time(state.time);
     broker_.broadcast_playback(state);
   }

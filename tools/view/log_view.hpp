@@ -11,8 +11,8 @@
 #include "logs/types/type_library.hpp"
 #include "tools/view/broker.hpp"
 #include "tools/view/feed.hpp"
-#include "tools/view/lead_up.hpp"
 #include "tools/view/playback.hpp"
+#include "tools/view/seek_preroll.hpp"
 
 namespace vantage::tools {
 
@@ -63,16 +63,16 @@ class LogView {
   /// Jumps to `position` and plays the messages before it.
   void go_to(Time position);
   /// Sends the records between the present position and `position`.
-  void go_on_to(Time position);
+  void advance_to(Time position);
   /// Replaces the feed, which discards everything received so far.
-  void listen_anew();
-  void feed(const logs::PlacedEvent& event);
+  void reset_feed();
+  void feed(const logs::LocatedEvent& event);
   void on_surveyed(std::int64_t now_ns);
 
   const logs::SeekableLog& log_;
   const logs::TypeLibrary& types_;
   Broker& broker_;
-  LeadUp lead_up_;
+  SeekPreroll preroll_;
   PlaybackClock playback_;
   bus::VirtualClock clock_;
   std::unique_ptr<bus::InProcessHub> hub_;
@@ -81,8 +81,8 @@ class LogView {
   std::unique_ptr<Feed> feed_;
   Time shown_{};           ///< all records up to this time have been sent
   bool is_exact_ = false;  ///< the first pass was complete at the last jump
-  std::int64_t time_told_ns_ = 0;
-  PlaybackStatus status_told_ = PlaybackStatus::kPaused;
+  std::int64_t time_sent_ns_ = 0;
+  PlaybackStatus status_sent_ = PlaybackStatus::kPaused;
 };
 
 }  // namespace vantage::tools

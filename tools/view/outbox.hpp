@@ -30,7 +30,7 @@ struct Frame {
 class Outbox {
  public:
   /// @param bytes_max   largest size of all flow frames; the newest frame is always kept
-  /// @param control_max number of waiting control messages above which is_hopeless() is true
+  /// @param control_max number of waiting control messages above which is_overflowing() is true
   explicit Outbox(std::size_t bytes_max = 8U << 20U, std::size_t control_max = 4096)
       : bytes_max_(bytes_max), control_max_(control_max) {}
 
@@ -43,7 +43,7 @@ class Outbox {
   /// Returns the number of flow frames dropped since the start.
   [[nodiscard]] std::int64_t dropped() const { return dropped_; }
   /// True if more than control_max control messages wait.
-  [[nodiscard]] bool is_hopeless() const { return control_waiting_ > control_max_; }
+  [[nodiscard]] bool is_overflowing() const { return control_waiting_ > control_max_; }
 
  private:
   void make_room();

@@ -20,7 +20,7 @@
 #include "core/child.hpp"
 #include "core/write_file.hpp"
 #include "tools/view/live_view.hpp"
-#include "tools/view/recording_desk.hpp"
+#include "tools/view/recording_receiver.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -32,16 +32,16 @@ constexpr const char* kBrowsers[] = {"chromium", "chromium-browser", "google-chr
 
 /// Temporary folder that is removed by the destructor. Killed processes may still write into it for
 /// a moment, so the removal is tried repeatedly.
-class PassingFolder {
+class TemporaryFolder {
  public:
-  PassingFolder() {
+  TemporaryFolder() {
     std::string name = (fs::temp_directory_path() / "vantage-record.XXXXXX").string();
     if (::mkdtemp(name.data()) == nullptr) {
       throw StartupError(name + ": cannot be created");
     }
     path_ = name;
   }
-  ~PassingFolder() {
+  ~TemporaryFolder() {
     std::error_code error;
     for (int tries = 0; tries < kTriesToRemove; ++tries) {
       fs::remove_all(path_, error);
@@ -51,10 +51,10 @@ class PassingFolder {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
   }
-  PassingFolder(const PassingFolder&) = delete;
-  PassingFolder& operator=(const PassingFolder&) = delete;
-  PassingFolder(PassingFolder&&) = delete;
-  PassingFolder& operator=(PassingFolder&&) = delete;
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  TemporaryFolder(TemporaryFolder&&) = delete;
+  TemporaryFolder& operator=(TemporaryFolder&&) = delete;
 
   [[nodiscard]] std::string file(const std::string& name) const { return path_ / name; }
 
@@ -64,7 +64,7 @@ class PassingFolder {
 };
 
 Child start_browser(const std::string& address, const RecordOptions& options,
-                    const PassingFolder& folder) {
+                    const TemporaryFolder& folder) {
   const char* named = std::getenv("CHROMIUM");
   std::vector<std::string> names(std::begin(kBrowsers), std::end(kBrowsers));
   if (named != nullptr) {
@@ -133,33 +133,33 @@ bool record_log(logs::SeekableLog& log, const logs::TypeLibrary& types, WebOptio
                     options.from_s, options.to_s.value_or(length_s), length_s));
   }
   require_writable(options.path);
-  const PassingFolder folder;
-  RecordingDesk desk(fmt::format("{:016x}", bus::random_run_id()), progress);
+  const TemporaryFolder folder;
+  RecordingReceiver receiver(fmt::format("{:016x}", bus::random_run_id()), progress);
   web.bind = "127.0.0.1";  // browsers encode video only for pages from a secure or local address
   web.port = 0;
-  web.recording = &desk;
+  web.recording = &receiver;
   std::optional<Child> browser;
   const auto begin = [&](const WebServer& server) {
     if (!server.has_page()) {
       throw StartupError(
           "videos need the viewer's page, which was not built: run tools/setup and build again");
     }
-    browser.emplace(start_browser(record_address(server.url(), desk.key(), options, length_s),
+    browser.emplace(start_browser(record_address(server.url(), receiver.key(), options, length_s),
                                   options, folder));
   };
   const auto is_over = [&] {
-    if (!desk.is_over() && browser && browser->wait(std::chrono::milliseconds(0))) {
-      desk.fail("the browser ended too early: " +
-                browser->wait(std::chrono::milliseconds(0))->describe());
+    if (!receiver.is_over() && browser && browser->wait(std::chrono::milliseconds(0))) {
+      receiver.fail("the browser ended too early: " +
+                    browser->wait(std::chrono::milliseconds(0))->describe());
     }
-    return desk.is_over() || stop();
+    return receiver.is_over() || stop();
   };
   serve_log(log, types, web, false, begin, is_over);
   browser.reset();
-  if (!desk.failure().empty()) {
-    throw std::runtime_error("no video was made: " + desk.failure());
+  if (!receiver.failure().empty()) {
+    throw std::runtime_error("no video was made: " + receiver.failure());
   }
-  const std::string video = desk.video();
+  const std::string video = receiver.video();
   if (video.empty()) {
     return false;
   }

@@ -24,7 +24,7 @@
 #include "core/check.hpp"
 #include "core/deadline.hpp"
 #include "tools/view/connection_table.hpp"
-#include "tools/view/welcome.hpp"
+#include "tools/view/origin_check.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -197,7 +197,7 @@ struct WebServer::State {
 
   // A foreign page in a browser of this network must not read the bus. The Host check prevents DNS
   // rebinding, the Origin check cross-origin requests.
-  static bool is_welcome(const mg_connection* socket, const WebOptions& options) {
+  static bool is_permitted(const mg_connection* socket, const WebOptions& options) {
     const char* host = mg_get_header(socket, "Host");
     if (host != nullptr && !is_our_host(host, options.hosts)) {
       return false;
@@ -220,7 +220,7 @@ struct WebServer::State {
     if (method != "GET" && method != "HEAD" && !is_recording) {
       return refuse(socket, 405, "Method Not Allowed", "this server is read-only");
     }
-    if (!is_welcome(socket, of(socket).options)) {
+    if (!is_permitted(socket, of(socket).options)) {
       ++of(socket).refused;
       return refuse(socket, 403, "Forbidden",
                     "host name or page origin not allowed; allow a name with --host, an origin "
@@ -335,18 +335,18 @@ struct WebServer::State {
 
   /// Receives the progress of the recording (done=SHARE), its failure (failed=1) or the video.
   static int on_recording(mg_connection* socket, void* state) {
-    RecordingDesk& desk = *static_cast<State*>(state)->options.recording;
-    if (!desk.is_key(parameter(socket, "key"))) {
+    RecordingReceiver& receiver = *static_cast<State*>(state)->options.recording;
+    if (!receiver.is_key(parameter(socket, "key"))) {
       return refuse(socket, 403, "Forbidden", "the key does not belong to this recording");
     }
     if (const std::string done = parameter(socket, "done"); !done.empty()) {
-      desk.tell_progress(std::strtod(done.c_str(), nullptr));
+      receiver.report_progress(std::strtod(done.c_str(), nullptr));
       answer(socket, "text/plain", "");
       return 200;
     }
     const long long size = mg_get_request_info(socket)->content_length;
     if (size <= 0 || size > kVideoBytesMax) {
-      desk.fail("the video has an invalid size: " + std::to_string(size) + " bytes");
+      receiver.fail("the video has an invalid size: " + std::to_string(size) + " bytes");
       return refuse(socket, 413, "Payload Too Large", "the video is empty or too large");
     }
     std::string body(static_cast<std::size_t>(size), '\0');
@@ -355,11 +355,11 @@ struct WebServer::State {
       part = std::max(0, mg_read(socket, body.data() + read, body.size() - read));
     }
     if (read < body.size()) {
-      desk.fail("the video was cut off during the upload");
+      receiver.fail("the video was cut off during the upload");
     } else if (parameter(socket, "failed") == "1") {
-      desk.fail(body);
+      receiver.fail(body);
     } else {
-      desk.take(std::move(body));
+      receiver.take(std::move(body));
     }
     answer(socket, "text/plain", "");
     return 200;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "tools/view/broker.hpp"
-#include "tools/view/recording_desk.hpp"
+#include "tools/view/recording_receiver.hpp"
 
 namespace vantage::tools {
 
@@ -28,7 +28,7 @@ struct WebOptions {
   /// one call at a time. Empty function: there is no log.
   std::function<std::string(const std::string& topic, const std::string& pointer)> series;
   /// Receives the video of a recording page (POST /api/recording?key=…); null: not accepted.
-  RecordingDesk* recording = nullptr;
+  RecordingReceiver* recording = nullptr;
 };
 
 /// HTTP and WebSocket server on one port (civetweb). It serves the page's files, and a Broker's

@@ -24,9 +24,7 @@ std::string host_in(const std::string& channel) {
   return after(bus::host_channel("").name, channel);
 }
 std::string vehicle_in(const std::string& channel) {
-  const std::string robot = after(bus::vehicle_channel("").name, channel);
-  // Vehicles of older versions use the old channel name.
-  return robot.empty() ? after(bus::old_vehicle_channel("").name, channel) : robot;
+  return after(bus::vehicle_channel("").name, channel);
 }
 
 }  // namespace

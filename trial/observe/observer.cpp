@@ -38,9 +38,9 @@ TrialObserver::TrialObserver(bus::Bus& bus, const scenario::Scenario& scenario, 
   }
   bus.subscribe<models::AttackNotice>(
       bus::kAttack, [this](const models::AttackNotice& attack) { recorder_.on_attack(attack); });
-  bus.subscribe<models::ContactReport>(
+  bus.subscribe<models::CollisionReport>(
       bus::kCollision,
-      [this](const models::ContactReport& contact) { metrics_.on_contact(contact); });
+      [this](const models::CollisionReport& contact) { metrics_.on_contact(contact); });
   bus.subscribe<models::VehicleStatus>(bus::vehicle_channel("*"),
                                        [this](const models::VehicleStatus& status) {
                                          if (robots_.contains(status.robot)) {

@@ -94,7 +94,7 @@ ParameterRule read_line(std::string_view line) {
   }
   out.value = values.front();
   read_rule(trim(line.substr(comment + 1, colon - comment - 1)), out);
-  out.otherwise = trim(line.substr(colon + 1));
+  out.effect = trim(line.substr(colon + 1));
   if (!out.accepts(out.value)) {
     throw StartupError(out.name + " violates its own rule");
   }
@@ -121,7 +121,7 @@ bool ParameterRule::accepts(double actual) const {
   return false;
 }
 
-std::string ParameterRule::wanted() const {
+std::string ParameterRule::requirement_text() const {
   switch (kind) {
     case Kind::kExactly:
       return parameter_text(value);
@@ -142,10 +142,10 @@ std::string ParameterRule::wanted() const {
   return "";
 }
 
-std::string ParameterRule::complaint(std::optional<double> actual) const {
-  return actual ? fmt::format("{} is {}, wanted is {}: {}", name, parameter_text(*actual), wanted(),
-                              otherwise)
-                : fmt::format("{} is missing, wanted is {}: {}", name, wanted(), otherwise);
+std::string ParameterRule::violation_text(std::optional<double> actual) const {
+  return actual ? fmt::format("{} is {}, wanted is {}: {}", name, parameter_text(*actual),
+                              requirement_text(), effect)
+                : fmt::format("{} is missing, wanted is {}: {}", name, requirement_text(), effect);
 }
 
 std::vector<ParameterRule> parse_parameter_rules(std::string_view text) {

@@ -19,19 +19,19 @@ struct ParameterRule {
   Kind kind = Kind::kExactly;
   std::vector<double> bounds;  ///< depends on `kind`: none, one, two, or all allowed values
   bool is_advised = false;     ///< a difference is only reported; it does not prevent flight
-  std::string otherwise;       ///< effect of a wrong value on the vehicle: "it flies on …"
+  std::string effect;          ///< effect of a wrong value on the vehicle: "it flies on …"
 
   /// True if `actual` satisfies the rule. Autopilots store single precision, so a relative
   /// difference of 1e-6 is allowed.
   [[nodiscard]] bool accepts(double actual) const;
   /// Returns the rule as text: "5", "at most 0.5", "0, 8 or 16".
-  [[nodiscard]] std::string wanted() const;
+  [[nodiscard]] std::string requirement_text() const;
   /// Returns a text such as "GUID_TIMEOUT is 3, wanted is at most 0.5: it flies on …"; without a
   /// value "… is not there".
-  [[nodiscard]] std::string complaint(std::optional<double> actual) const;
+  [[nodiscard]] std::string violation_text(std::optional<double> actual) const;
 };
 
-/// Parses lines `NAME VALUE  # RULE: OTHERWISE`; lines that are empty or begin with # are skipped.
+/// Parses lines `NAME VALUE  # RULE: EFFECT`; lines that are empty or begin with # are skipped.
 /// RULE is one of exactly, at most X, at least X, between X and Y, one of X Y …; it may be preceded
 /// by `advised, `.
 /// @throws StartupError with the number of a line that is malformed, repeats a name, or has a value

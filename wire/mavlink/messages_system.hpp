@@ -3,8 +3,8 @@
 #include <array>
 #include <cstdint>
 
+#include "wire/mavlink/constants.hpp"
 #include "wire/mavlink/field_list.hpp"
-#include "wire/mavlink/vocabulary.hpp"
 
 // Identity, status, parameters and texts of a vehicle. Members are in wire order, with the names,
 // units and types of the message definitions (common.xml, ardupilotmega.xml).

@@ -23,7 +23,7 @@ Signature read_signature(std::span<const std::uint8_t> bytes) {
 }
 
 /// Reads header and payload without checking the CRC.
-Frame read_unjudged(std::span<const std::uint8_t> bytes) {
+Frame read_without_crc_check(std::span<const std::uint8_t> bytes) {
   Frame frame;
   frame.is_v1 = bytes[0] == kMarkerV1;
   frame.payload_size = bytes[1];
@@ -98,7 +98,7 @@ std::optional<Frame> Parser::read_frame(bool& is_incomplete) {
     is_incomplete = true;
     return std::nullopt;
   }
-  Frame frame = read_unjudged(bytes.first(size));
+  Frame frame = read_without_crc_check(bytes.first(size));
   const MessageInfo* const message = find_message(frame.message_id);
   if (message == nullptr) {
     // Without its CRC_EXTRA the CRC cannot be checked; the next byte shows whether it was a frame.
@@ -127,7 +127,7 @@ std::optional<Frame> Parser::read_frame(bool& is_incomplete) {
   return frame;
 }
 
-void SequenceMonitor::see(const Origin& origin) {
+void SequenceMonitor::on_frame(const Origin& origin) {
   const auto sender = std::make_pair(origin.system_id, origin.component_id);
   const auto next = static_cast<std::uint8_t>(origin.sequence + 1);
   const auto found = expected_.find(sender);

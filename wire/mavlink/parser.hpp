@@ -71,7 +71,7 @@ class Parser {
 /// of 128 or more frames in a row looks like reordering. Stores at most kSendersMax senders.
 class SequenceMonitor {
  public:
-  void see(const Origin& origin);
+  void on_frame(const Origin& origin);
   [[nodiscard]] std::int64_t lost() const { return lost_; }
   [[nodiscard]] std::int64_t out_of_order() const { return out_of_order_; }
 

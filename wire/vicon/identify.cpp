@@ -14,7 +14,7 @@ namespace {
 constexpr std::string_view kVrpnStart = "vrpn: ver. ";
 constexpr std::string_view kQualisysStart = "QTM RT Interface";
 constexpr std::size_t kQualisysHeaderBytes = 8;  // size and type of the packet
-constexpr std::size_t kBytesToTell = 8;
+constexpr std::size_t kBytesToDecide = 8;
 constexpr double kCoordinateMax_mm = 1e7;
 
 std::string_view text_of(Bytes bytes) {
@@ -23,7 +23,7 @@ std::string_view text_of(Bytes bytes) {
 
 bool is_printable(char c) { return (c >= ' ' && c <= '~') || c == '\r' || c == '\n' || c == '\t'; }
 
-bool starts_alike(std::string_view a, std::string_view b) {
+bool has_common_start(std::string_view a, std::string_view b) {
   const std::size_t common = std::min(a.size(), b.size());
   return a.substr(0, common) == b.substr(0, common);
 }
@@ -41,53 +41,53 @@ bool is_object_block(Bytes datagram) {
 
 }  // namespace
 
-Speaker identify_stream(Bytes first_bytes) {
+ServerType identify_stream(Bytes first_bytes) {
   const std::string_view text = text_of(first_bytes);
   if (first_bytes.empty()) {
-    return Speaker::kTooFewBytes;
+    return ServerType::kTooFewBytes;
   }
   if (next_packet(first_bytes).state != Framing::kBroken) {
-    return first_bytes.size() < 4 ? Speaker::kTooFewBytes : Speaker::kDataStream;
+    return first_bytes.size() < 4 ? ServerType::kTooFewBytes : ServerType::kDataStream;
   }
-  if (starts_alike(text, kVrpnStart)) {
-    return text.size() < kVrpnStart.size() ? Speaker::kTooFewBytes : Speaker::kVrpn;
+  if (has_common_start(text, kVrpnStart)) {
+    return text.size() < kVrpnStart.size() ? ServerType::kTooFewBytes : ServerType::kVrpn;
   }
   if (text.size() > kQualisysHeaderBytes &&
-      starts_alike(text.substr(kQualisysHeaderBytes), kQualisysStart)) {
-    return Speaker::kQualisys;
+      has_common_start(text.substr(kQualisysHeaderBytes), kQualisysStart)) {
+    return ServerType::kQualisys;
   }
-  const std::string_view head = text.substr(0, kBytesToTell);
+  const std::string_view head = text.substr(0, kBytesToDecide);
   if (std::all_of(head.begin(), head.end(), is_printable)) {
-    return Speaker::kText;
+    return ServerType::kText;
   }
-  return first_bytes.size() < kBytesToTell ? Speaker::kTooFewBytes : Speaker::kUnknown;
+  return first_bytes.size() < kBytesToDecide ? ServerType::kTooFewBytes : ServerType::kUnknown;
 }
 
-Speaker identify_datagram(Bytes datagram) {
+ServerType identify_datagram(Bytes datagram) {
   if (datagram.size() >= 4 && next_packet(datagram).state != Framing::kBroken) {
-    return Speaker::kDataStream;
+    return ServerType::kDataStream;
   }
   if (decode_vrpn_callback(datagram)) {
-    return Speaker::kVrpn;
+    return ServerType::kVrpn;
   }
-  return is_object_block(datagram) ? Speaker::kObjectStream : Speaker::kUnknown;
+  return is_object_block(datagram) ? ServerType::kObjectStream : ServerType::kUnknown;
 }
 
-const char* name_of(Speaker speaker) {
-  switch (speaker) {
-    case Speaker::kUnknown:
+const char* name_of(ServerType server_type) {
+  switch (server_type) {
+    case ServerType::kUnknown:
       return "something unknown";
-    case Speaker::kTooFewBytes:
+    case ServerType::kTooFewBytes:
       return "a server that sends too few bytes to be identified";
-    case Speaker::kDataStream:
+    case ServerType::kDataStream:
       return "a Vicon DataStream server";
-    case Speaker::kVrpn:
+    case ServerType::kVrpn:
       return "a VRPN server";
-    case Speaker::kObjectStream:
+    case ServerType::kObjectStream:
       return "Vicon Tracker's UDP object stream";
-    case Speaker::kQualisys:
+    case ServerType::kQualisys:
       return "Qualisys Track Manager";
-    case Speaker::kText:
+    case ServerType::kText:
       return "a server that sends text (not motion capture)";
   }
   return "something unknown";

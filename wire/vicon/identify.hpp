@@ -5,7 +5,7 @@
 namespace vantage::wire::vicon {
 
 /// The type of server at the other end of a port.
-enum class Speaker {
+enum class ServerType {
   kUnknown,       ///< no known protocol
   kTooFewBytes,   ///< a valid start, but too short to decide
   kDataStream,    ///< Vicon DataStream (Tracker, Nexus, Blade, Shogun, Evoke)
@@ -16,11 +16,11 @@ enum class Speaker {
 };
 
 /// Identifies the server type from the first bytes that it sends over TCP.
-Speaker identify_stream(Bytes first_bytes);
+ServerType identify_stream(Bytes first_bytes);
 /// Identifies the server type from one datagram.
-Speaker identify_datagram(Bytes datagram);
+ServerType identify_datagram(Bytes datagram);
 
 /// Returns a name for use in sentences: "a Vicon DataStream server", …
-const char* name_of(Speaker speaker);
+const char* name_of(ServerType server_type);
 
 }  // namespace vantage::wire::vicon

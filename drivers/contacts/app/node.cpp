@@ -16,7 +16,7 @@ ContactsNode::ContactsNode(bus::Bus& bus, const bus::Clock& clock,
     : judge_(scenario), next_tick_(clock.now() + kIdle) {
   bus.subscribe<models::MocapFrame>(
       bus::kVicon, [this, &bus, &clock](const models::MocapFrame& frame) {
-        for (models::ContactReport& contact : judge_.on_frame(frame, clock.now())) {
+        for (models::CollisionReport& contact : judge_.on_frame(frame, clock.now())) {
           bus.publish(bus::kCollision, std::move(contact));
         }
       });

@@ -5,7 +5,7 @@
 
 #include "bus/convert/channels.hpp"
 #include "core/check.hpp"
-#include "models/exchange/attack_kept.hpp"
+#include "models/exchange/attack_timeout.hpp"
 #include "models/exchange/counts.hpp"
 
 namespace vantage::drivers {
@@ -22,17 +22,18 @@ models::InputRef ref_to(const std::string& channel, const models::Stamp& stamp) 
 }  // namespace
 
 SensorNode::SensorNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
-                       const std::string& robot, Look look)
+                       const std::string& robot, MeasureFunction measure)
     : bus_(bus),
       clock_(clock),
       robot_(robot),
-      look_(std::move(look)),
+      measure_(std::move(measure)),
       step_(from_seconds(scenario.planner.step_s)),
       next_tick_(clock.now() + kIdle) {
   require(step_ > Duration{0}, "planner: step_s must be positive");
-  if (!look_) {
-    look_ = [sensor = PoseSensor(scenario, robot)](const models::MocapFrame& frame, bool jammed) {
-      return sensor.look(frame, jammed);
+  if (!measure_) {
+    measure_ = [sensor = PoseSensor(scenario, robot)](const models::MocapFrame& frame,
+                                                      bool jammed) {
+      return sensor.measure(frame, jammed);
     };
   }
   if (scenario.planner.objective == scenario::PlanObjective::kMapping) {
@@ -42,7 +43,7 @@ SensorNode::SensorNode(bus::Bus& bus, const bus::Clock& clock, const scenario::S
       bus::kVicon, [this](const auto& /*name*/, const auto& frame) { on_frame(frame); });
   bus_.subscribe<models::AttackNotice>(bus::kAttack, [this](const models::AttackNotice& attack) {
     attack_ = attack;
-    attack_heard_ = clock_.now();
+    attack_received_at_ = clock_.now();
   });
 }
 
@@ -79,7 +80,7 @@ void SensorNode::on_frame(const std::shared_ptr<const models::MocapFrame>& recei
 }
 
 bool SensorNode::is_jammed() {
-  if (attack_ && clock_.now() - attack_heard_ > models::kAttackKept) {
+  if (attack_ && clock_.now() - attack_received_at_ > models::kAttackTimeout) {
     attack_.reset();
   }
   return attack_ &&
@@ -88,7 +89,7 @@ bool SensorNode::is_jammed() {
 
 void SensorNode::publish(const models::MocapFrame& frame, std::vector<models::InputRef> inputs) {
   const bool jammed = is_jammed();
-  std::optional<models::DetectionSet> seen = look_(frame, jammed);
+  std::optional<models::RobotMeasurement> seen = measure_(frame, jammed);
   if (!seen) {
     ++steps_without_own_pose_;
     return;

@@ -27,14 +27,14 @@ namespace vantage::drivers {
 /// the previous frame. A frame captured at kτ itself is used alone.
 class SensorNode : public bus::Node {
  public:
-  /// Measurement of a frame, as PoseSensor::look().
-  using Look = std::function<std::optional<models::DetectionSet>(const models::MocapFrame& frame,
-                                                                 bool jammed)>;
+  /// Measurement of a frame, as PoseSensor::measure().
+  using MeasureFunction = std::function<std::optional<models::RobotMeasurement>(
+      const models::MocapFrame& frame, bool jammed)>;
 
-  /// @param look  replaces the scenario's sensor; empty: PoseSensor
+  /// @param measure  replaces the scenario's sensor; empty: PoseSensor
   /// @throws UsageError for a robot that is not in the scenario or a step that is not positive.
   SensorNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
-             const std::string& robot, Look look = {});
+             const std::string& robot, MeasureFunction measure = {});
 
   [[nodiscard]] std::string name() const override { return "SENSOR_" + robot_; }
   /// All work is done when frames arrive; the tick does nothing.
@@ -51,14 +51,14 @@ class SensorNode : public bus::Node {
   bus::Bus& bus_;
   const bus::Clock& clock_;
   std::string robot_;
-  Look look_;
+  MeasureFunction measure_;
   std::optional<RangeScanner> scanner_;  ///< only in a scenario with mapping
   Duration step_;
   Time next_tick_;
   models::MocapClock mocap_clock_;
   std::shared_ptr<const models::MocapFrame> last_;
   std::optional<models::AttackNotice> attack_;
-  Time attack_heard_{};
+  Time attack_received_at_{};
   std::int64_t steps_without_frames_ = 0;
   std::int64_t steps_without_own_pose_ = 0;
   std::int64_t frames_out_of_order_ = 0;

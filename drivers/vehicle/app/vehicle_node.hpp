@@ -26,7 +26,7 @@ namespace vantage::drivers {
 /// Bus node of one vehicle of any type. It subscribes to VICON, PLAN_*, COMMAND and SCENARIO,
 /// publishes VEHICLE_R at 10 Hz and on change, and reads its port at each tick. A derived class
 /// passes received data to its driver and acts. Driver(scenario, robot, limits, own) has on_plan,
-/// on_map, on_other_version, on_processor_wait, take_news, status, counters, end and end_facts.
+/// on_map, on_other_version, on_processor_wait, take_changed, status, counters, end and end_facts.
 ///
 /// When requested to end, it first brings the vehicle to rest (DriverEnd). After a second request
 /// it only waits until the vehicle has confirmed that it lands itself.
@@ -53,7 +53,7 @@ class VehicleNode : public bus::Node {
       driver_.on_other_version(now);
     }
     act(now);
-    if (driver_.take_news() || now >= next_status_) {
+    if (driver_.take_changed() || now >= next_status_) {
       publish_status(now);
     }
   }
@@ -139,7 +139,7 @@ class VehicleNode : public bus::Node {
                                               }
                                             });
     }
-    bus_.answer_to(robot_);
+    bus_.act_as_vehicle(robot_);
     bus_.subscribe<models::OperatorCommand>(
         bus::kCommand, [this](const models::OperatorCommand& command) {
           on_command(command, clock_.now());

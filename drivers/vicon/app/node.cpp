@@ -12,7 +12,7 @@ namespace vantage::drivers {
 namespace {
 
 constexpr Duration kTickMin{200};
-constexpr std::size_t kSaidMax = 32;
+constexpr std::size_t kReportedMax = 32;
 constexpr Duration kTickMax = std::chrono::milliseconds(100);
 
 const scenario::MocapSpec& checked(const scenario::MocapSpec& spec) {
@@ -26,7 +26,7 @@ const scenario::MocapSpec& checked(const scenario::MocapSpec& spec) {
 }  // namespace
 
 ViconNode::ViconNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
-                     std::function<void(const std::string&)> say)
+                     std::function<void(const std::string&)> report)
     : bus_(bus),
       clock_(clock),
       driver_(
@@ -39,7 +39,7 @@ ViconNode::ViconNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Sce
           },
           scenario.planner.separation_m),
       link_(driver_, [this] { return moment(); }),
-      say_(std::move(say)),
+      report_(std::move(report)),
       next_tick_(clock.now()) {
   // Simulated mocap contains the simulated bodies already.
   if (scenario.mocap.device == scenario::DeviceSource::kReal) {
@@ -52,22 +52,23 @@ vicon::Moment ViconNode::moment() const { return {clock_.now(), Duration{monoton
 
 void ViconNode::tick(Time now) {
   link_.step();
-  tell(driver_.status());
+  report_status(driver_.status());
   next_tick_ = now + std::clamp(link_.next_wake() - moment().steady, kTickMin, kTickMax);
 }
 
-void ViconNode::tell(const std::string& status) {
+void ViconNode::report_status(const std::string& status) {
   if (status == status_) {
     return;
   }
   status_ = status;
   if (driver_.has_frames()) {
-    said_.clear();
+    reported_.clear();
   }
   // During repeated attempts each status is reported once.
-  if (std::find(said_.begin(), said_.end(), status) == said_.end() && said_.size() < kSaidMax) {
-    said_.push_back(status);
-    say_(status);
+  if (std::find(reported_.begin(), reported_.end(), status) == reported_.end() &&
+      reported_.size() < kReportedMax) {
+    reported_.push_back(status);
+    report_(status);
   }
 }
 

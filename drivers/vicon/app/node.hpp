@@ -18,13 +18,13 @@ namespace vantage::drivers {
 
 /// Bus node of vantage-vicon: reads the wire of a mocap server and publishes VICON. Bodies that a
 /// simulator publishes on TRUTH are added to the frames of a real mocap. Each new status is passed
-/// to `say` as one sentence.
+/// to `report` as one sentence.
 class ViconNode : public bus::Node {
  public:
   /// @throws StartupError for a scenario whose mocap is `direct`, since the simulator then
   /// publishes VICON.
   ViconNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
-            std::function<void(const std::string&)> say);
+            std::function<void(const std::string&)> report);
 
   [[nodiscard]] std::string name() const override { return "VICON"; }
   [[nodiscard]] Time next_tick() const override { return next_tick_; }
@@ -36,17 +36,17 @@ class ViconNode : public bus::Node {
 
  private:
   [[nodiscard]] vicon::Moment moment() const;
-  void tell(const std::string& status);
+  void report_status(const std::string& status);
 
   bus::Bus& bus_;
   const bus::Clock& clock_;
   vicon::VirtualBodies virtual_bodies_;
   vicon::ViconDriver driver_;
   vicon::SocketLink link_;
-  std::function<void(const std::string&)> say_;
+  std::function<void(const std::string&)> report_;
   LatencyRecord latency_;  ///< from the arrival of a frame to its publication
   std::string status_;
-  std::vector<std::string> said_;  ///< statuses reported since the last frames
+  std::vector<std::string> reported_;  ///< statuses reported since the last frames
   Time next_tick_;
 };
 

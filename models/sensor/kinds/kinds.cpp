@@ -22,7 +22,7 @@ std::span<const SensorKind> all_sensor_kinds() {
   return kAll;
 }
 
-std::optional<SensorKind> sensor_kind_called(std::string_view name) {
+std::optional<SensorKind> find_sensor_kind(std::string_view name) {
   const auto all = all_sensor_kinds();
   const auto found =
       std::find_if(all.begin(), all.end(), [&](SensorKind kind) { return kind.name() == name; });
@@ -62,7 +62,7 @@ Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 3> bearing_row(cons
   return row;
 }
 
-bool is_beside(const SensorModel& sensor, const SightLine& to) {
+bool has_bearing(const SensorModel& sensor, const SightLine& to) {
   return to.horizontal_m >= std::max(sensor.range_min_m, kLeastRange_m);
 }
 

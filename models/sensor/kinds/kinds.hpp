@@ -45,7 +45,7 @@ Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 3> range_row(const 
 Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 3> bearing_row(const SightLine& to,
                                                                             int position_dim);
 /// True if a bearing is defined: not directly above the sensor, and not within the minimum range.
-bool is_beside(const SensorModel& sensor, const SightLine& to);
+bool has_bearing(const SensorModel& sensor, const SightLine& to);
 
 /// Return upper bounds of the information of a range and of a bearing.
 double range_information(const SensorModel& sensor, const ReachedDistances& reached);

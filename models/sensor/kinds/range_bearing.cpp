@@ -9,7 +9,7 @@ namespace vantage::models::sensor_kinds {
 namespace {
 
 bool sees(const SensorModel& sensor, const Viewpoint& /*from*/, const SightLine& to) {
-  return is_beside(sensor, to);
+  return has_bearing(sensor, to);
 }
 
 MeasurementVector observe(const SensorModel& sensor, const Viewpoint& from, const SightLine& to,

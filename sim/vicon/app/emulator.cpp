@@ -100,7 +100,7 @@ std::unique_ptr<Source> make_source(const Arguments& arguments, Time start) {
 }
 
 /// Occludes the bodies in turn, each for `occluded_s` per period.
-void hide(double time_s, double occluded_s, EmulatedFrame& frame) {
+void occlude(double time_s, double occluded_s, EmulatedFrame& frame) {
   for (std::size_t i = 0; i < frame.bodies.size(); ++i) {
     const double shift_s =
         kOcclusionPeriod_s * static_cast<double>(i + 1) / static_cast<double>(frame.bodies.size());
@@ -137,10 +137,10 @@ int serve(const Arguments& arguments) {
     frame.number = static_cast<std::uint32_t>(k);
     frame.captured = clock.now() - from_seconds(arguments.latency_s);
     if ((arguments.duration_s > 0.0 && time_s >= arguments.duration_s) ||
-        !source->look(time_s, frame)) {
+        !source->fill(time_s, frame)) {
       break;
     }
-    hide(time_s, arguments.occluded_s, frame);
+    occlude(time_s, arguments.occluded_s, frame);
     server.publish(frame);
     ++sent;
   }

@@ -13,7 +13,7 @@ constexpr int kCirclesPerRow = 10;
 
 }  // namespace
 
-bool CirclingBodies::look(double time_s, EmulatedFrame& frame) {
+bool CirclingBodies::fill(double time_s, EmulatedFrame& frame) {
   frame.bodies.resize(static_cast<std::size_t>(count_));
   for (int i = 0; i < count_; ++i) {
     const double angle_rad = time_s + i;
@@ -41,7 +41,7 @@ Flights::Flights(const std::vector<std::string>& paths, bool is_endless) : is_en
   }
 }
 
-bool Flights::look(double time_s, EmulatedFrame& frame) {
+bool Flights::fill(double time_s, EmulatedFrame& frame) {
   if (time_s >= length_s_ && !is_endless_) {
     return false;
   }
@@ -59,7 +59,7 @@ bool Flights::look(double time_s, EmulatedFrame& frame) {
 ScenarioWorld::ScenarioWorld(const scenario::Scenario& scenario, Time start)
     : world_(scenario, scenario.seed, start), start_(start) {}
 
-bool ScenarioWorld::look(double time_s, EmulatedFrame& frame) {
+bool ScenarioWorld::fill(double time_s, EmulatedFrame& frame) {
   world_.advance_to(start_ + from_seconds(time_s));
   frame.bodies.clear();
   for (const models::MocapBody& body : world_.capture().bodies) {

@@ -21,14 +21,14 @@ class Source {
   Source(Source&&) = delete;
   Source& operator=(Source&&) = delete;
   /// Fills in the bodies at `time_s` after the start; false when the source is over.
-  virtual bool look(double time_s, EmulatedFrame& frame) = 0;
+  virtual bool fill(double time_s, EmulatedFrame& frame) = 0;
 };
 
 /// Bodies BODY0, BODY1, …, each on a separate circle.
 class CirclingBodies : public Source {
  public:
   explicit CirclingBodies(int count) : count_(count) {}
-  bool look(double time_s, EmulatedFrame& frame) override;
+  bool fill(double time_s, EmulatedFrame& frame) override;
 
  private:
   int count_;
@@ -39,7 +39,7 @@ class Flights : public Source {
  public:
   /// @param is_endless  restarts all flights at the end of the shortest
   Flights(const std::vector<std::string>& paths, bool is_endless);
-  bool look(double time_s, EmulatedFrame& frame) override;
+  bool fill(double time_s, EmulatedFrame& frame) override;
 
  private:
   std::vector<RecordedFlight> flights_;
@@ -51,7 +51,7 @@ class Flights : public Source {
 class ScenarioWorld : public Source {
  public:
   ScenarioWorld(const scenario::Scenario& scenario, Time start);
-  bool look(double time_s, EmulatedFrame& frame) override;
+  bool fill(double time_s, EmulatedFrame& frame) override;
 
  private:
   WorldSimulation world_;

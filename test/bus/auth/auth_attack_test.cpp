@@ -113,7 +113,7 @@ std::vector<Forged> unsigned_names() {
 Duration longest_wait(const std::vector<Forged>& attack, bool repeats_now) {
   const auto vehicle = process();
   const auto station = process();
-  vehicle->answer_to("Q1");
+  vehicle->act_as_vehicle("Q1");
   Time accepted = kNow;
   Duration longest{};
   Message last_order;
@@ -173,7 +173,7 @@ TEST(Stranger, DelaysOrdersByOnePeriodAtMostByReplays) {
 TEST(Stranger, UsesNoBudgetByReplayedCommands) {
   const auto vehicle = process();
   const auto station = process();
-  vehicle->answer_to("Q1");
+  vehicle->act_as_vehicle("Q1");
   std::vector<Message> recorded;
   EXPECT_TRUE(station->judge("VEHICLE_Q1", status_of(*vehicle, kNow), kNow).may_pass);
   for (int i = 0; i < 1'000; ++i) {
@@ -199,7 +199,7 @@ TEST(Authenticator, AcceptsALateStopOfAVerifiedStation) {
   for (const bool is_known : {false, true}) {
     const auto vehicle = process();
     const auto station = process();
-    vehicle->answer_to("Q1");
+    vehicle->act_as_vehicle("Q1");
     const auto passes = [&](const Message& message, Time now) {
       return vehicle->judge("COMMAND", message, now, claim_of("COMMAND", message, "Q1"), kStation)
           .may_pass;

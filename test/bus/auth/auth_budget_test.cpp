@@ -60,11 +60,11 @@ TEST(SignatureBudgets, VerifiedSenderHasOwnBudget) {
   SignatureBudgets budgets({Budget(0.0, 2.0), Budget(0.0, 2.0)}, {kNone, kNone}, {kAny, kAny});
   const Sender known{host(1, 5), 7};
   EXPECT_FALSE(budgets.take(known, false, kNow));
-  budgets.prove(known, kNow);
+  budgets.add_verified(known, kNow);
   EXPECT_FALSE(budgets.take({host(1, 6), 7}, false, kNow));
   EXPECT_FALSE(budgets.take({host(1, 5), 8}, false, kNow));
   EXPECT_TRUE(budgets.take(known, false, kNow));
-  budgets.prove(known, kNow);
+  budgets.add_verified(known, kNow);
   EXPECT_TRUE(budgets.take(known, false, kNow));
   EXPECT_FALSE(budgets.take(known, false, kNow)) << "being right again fills nothing up";
   EXPECT_TRUE(budgets.take(known, true, kNow)) << "stops have their own";
@@ -74,14 +74,14 @@ TEST(SignatureBudgets, ReplacesTheSenderSilentLongestAfterThreeSeconds) {
   SignatureBudgets budgets({kAny, kAny}, {kNone, kNone}, {kNone, kNone});
   const auto sender = [](int i) { return Sender{host(static_cast<std::uint64_t>(i)), 1}; };
   for (int i = 0; i < 16; ++i) {
-    budgets.prove(sender(i), kNow + milliseconds(i));
+    budgets.add_verified(sender(i), kNow + milliseconds(i));
   }
-  budgets.prove(sender(0), kNow + milliseconds(20));
+  budgets.add_verified(sender(0), kNow + milliseconds(20));
   const Time later = kNow + milliseconds(1) + SignatureBudgets::kKeptFor;
-  budgets.prove(sender(16), later);
+  budgets.add_verified(sender(16), later);
   EXPECT_FALSE(budgets.take(sender(16), false, later)) << "each was received within 3 s";
   EXPECT_TRUE(budgets.take(sender(1), false, later));
-  budgets.prove(sender(16), later + Duration{1});
+  budgets.add_verified(sender(16), later + Duration{1});
   EXPECT_FALSE(budgets.take(sender(1), false, later + milliseconds(1)));
   for (const int i : {0, 2, 15, 16}) {
     EXPECT_TRUE(budgets.take(sender(i), false, later + milliseconds(1))) << i;
@@ -155,7 +155,7 @@ TEST(Verify, AcceptsMessagesWithinTwoSecondsOfNow) {
   const Key station = test::key_of(Role::kOperator, 4);
   struct Row {
     std::int64_t off_us;
-    bool is_of_now;
+    bool is_current;
   };
   for (const Row& row : {Row{-2'000'001, false}, Row{-2'000'000, true}, Row{0, true},
                          Row{2'000'000, true}, Row{2'000'001, false}}) {
@@ -171,7 +171,8 @@ TEST(Verify, AcceptsMessagesWithinTwoSecondsOfNow) {
       return verify(keyring, channel, message, {scenario::TrialMode::kLive, kNow}, replays, budgets)
           .refusal;
     };
-    EXPECT_EQ(judged(key, "VICON"), row.is_of_now ? Refusal::kNone : Refusal::kStale) << row.off_us;
+    EXPECT_EQ(judged(key, "VICON"), row.is_current ? Refusal::kNone : Refusal::kStale)
+        << row.off_us;
     EXPECT_EQ(judged(station, "COMMAND"), Refusal::kNone) << "a station's clock may be wrong";
   }
 }

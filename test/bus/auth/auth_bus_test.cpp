@@ -39,8 +39,8 @@ struct Process {
                                          [this](const models::ProcessHealth&) { ++healths; });
     bus.subscribe<models::HostReport>(host_channel("*"),
                                       [this](const models::HostReport&) { ++hosts; });
-    bus.subscribe<models::ContactReport>(kCollision,
-                                         [this](const models::ContactReport&) { ++contacts; });
+    bus.subscribe<models::CollisionReport>(kCollision,
+                                           [this](const models::CollisionReport&) { ++contacts; });
   }
   void hear() {
     while (bus.handle(kNoWait) > 0) {
@@ -71,7 +71,7 @@ class SecuredBus : public ::testing::Test {
     tap_->subscribe("*", [this](std::string_view channel, std::span<const std::uint8_t> bytes) {
       heard_.push_back({std::string(channel), {bytes.begin(), bytes.end()}});
     });
-    vehicle_.bus.answer_to("Q1");
+    vehicle_.bus.act_as_vehicle("Q1");
   }
   void hear() {
     while (tap_->handle(kNoWait) > 0) {
@@ -121,13 +121,13 @@ class SecuredBus : public ::testing::Test {
 
 TEST_F(SecuredBus, IsReadableWithAndWithoutKeys) {
   Process viewer(hub_, clock_, 9, nullptr);
-  EXPECT_FALSE(viewer.bus.hears_signed());
+  EXPECT_FALSE(viewer.bus.receives_signed());
   lab_.bus.publish(kVicon, frame());
   hear();
   viewer.hear();
   ASSERT_EQ(vehicle_.frames.size(), 1U);
   EXPECT_EQ(viewer.frames.size(), 1U);
-  EXPECT_TRUE(viewer.bus.hears_signed());
+  EXPECT_TRUE(viewer.bus.receives_signed());
   EXPECT_EQ(vehicle_.count("VICON.fresh"), 1);
   // The payload is what it is without keys, byte for byte.
   models::MocapFrame sent = frame();
@@ -228,7 +228,7 @@ TEST_F(SecuredBus, RefusesAndCountsUnsignedMessagesOnCriticalChannels) {
   models::HostReport report;
   report.host = "LAB";
   check(host_channel("LAB"), report, vehicle_.hosts);
-  models::ContactReport contact;
+  models::CollisionReport contact;
   contact.body_a = "Q1";
   contact.body_b = "bounds";
   check(kCollision, contact, vehicle_.contacts);
@@ -322,7 +322,7 @@ TEST_F(SecuredBus, IgnoresCommandsToAnotherVehicle) {
 TEST_F(SecuredBus, RefusesCommandsOfAnEarlierSession) {
   tell_status(vehicle_.bus);
   Process again(hub_, clock_, 7, test::authenticator(keys_));
-  again.bus.answer_to("Q1");
+  again.bus.act_as_vehicle("Q1");
   say(OperatorAction::kArm, "Q1");
   again.hear();
   EXPECT_TRUE(again.commands.empty());

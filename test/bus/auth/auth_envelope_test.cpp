@@ -306,7 +306,7 @@ TEST(SignatureBudgets, HaveTheStatedBurstAndRate) {
         Row{Asker::kManyHosts, true, 50, 10}}) {
     SignatureBudgets budgets;
     if (row.asker == Asker::kProven) {
-      budgets.prove({std::uint64_t{1} << 16U, 7}, kNow);
+      budgets.add_verified({std::uint64_t{1} << 16U, 7}, kNow);
     }
     std::uint64_t host = 1;
     const auto taken = [&](Time now) {
@@ -332,7 +332,7 @@ struct Attack {
     captured.id = station.id;
   }
   /// Sends one forged stop or order from `source`; returns whether its signature was checked.
-  bool strike(Receiver& receiver, bool is_stop, std::uint64_t source, std::uint64_t session) {
+  bool send_forged(Receiver& receiver, bool is_stop, std::uint64_t source, std::uint64_t session) {
     receiver.expectation.is_emergency_stop = is_stop;
     receiver.expectation.source = source;
     const Refusal refusal = receiver.judge(
@@ -347,8 +347,8 @@ struct Attack {
 
 /// Sends one operator command per 0.1 s for 1 s from `source` during a flood; returns how many are
 /// accepted.
-int heard_in_a_flood(Receiver& receiver, const Key& station, bool is_stop, std::uint64_t source,
-                     const std::function<void()>& flood) {
+int accepted_during_flood(Receiver& receiver, const Key& station, bool is_stop,
+                          std::uint64_t source, const std::function<void()>& flood) {
   int heard = 0;
   for (int i = 0; i < 10'000; ++i) {
     receiver.expectation.now += Duration{100};
@@ -374,27 +374,27 @@ struct Flooded {
   int verified = 0;
 };
 Flooded flooded(bool is_stop, bool was_heard,
-                const std::function<bool(Attack&, Receiver&)>& strike) {
+                const std::function<bool(Attack&, Receiver&)>& send_forged) {
   const Key station = test::key_of(Role::kOperator, 4);
   Receiver receiver = receiver_of({Role::kOperator});
   Attack attack(station);
   if (was_heard) {
     receiver.expectation.source = kStation;
-    receiver.expectation.echoes_now = true;
+    receiver.expectation.echoes_current_nonce = true;
     EXPECT_EQ(
         receiver.judge("COMMAND", signed_by(station, "COMMAND", bytes_of("beat"), kNowCounter)),
         Refusal::kNone);
   }
   Flooded out;
-  out.heard = heard_in_a_flood(receiver, station, is_stop, kStation,
-                               [&] { out.verified += strike(attack, receiver) ? 1 : 0; });
+  out.heard = accepted_during_flood(receiver, station, is_stop, kStation,
+                                    [&] { out.verified += send_forged(attack, receiver) ? 1 : 0; });
   return out;
 }
 
 TEST(SignatureBudgets, FloodFromAnotherHostDelaysNoCommand) {
   for (const bool is_stop : {false, true}) {
     const Flooded out = flooded(is_stop, true, [&](Attack& attack, Receiver& receiver) {
-      return attack.strike(receiver, is_stop, kAttacker, kSession);
+      return attack.send_forged(receiver, is_stop, kAttacker, kSession);
     });
     EXPECT_EQ(out.heard, 10) << is_stop;
     EXPECT_LE(out.verified, 20 + 20) << "one host's, at most 2 ms of work in a second";
@@ -407,7 +407,7 @@ TEST(SignatureBudgets, FloodFromAnyAddressDelaysNoKnownStation) {
     std::mt19937_64 rng(7);
     const Flooded out = flooded(is_stop, true, [&](Attack& attack, Receiver& receiver) {
       const std::uint64_t session = rng() % 2 == 0 ? kSession : rng();
-      return attack.strike(receiver, is_stop, rng() >> 16U, session);
+      return attack.send_forged(receiver, is_stop, rng() >> 16U, session);
     });
     EXPECT_EQ(out.heard, 10) << is_stop;
     EXPECT_LE(out.verified, 50 + 100)
@@ -420,7 +420,7 @@ TEST(SignatureBudgets, NewStationIsAcceptedDuringAnotherHostsFlood) {
     std::mt19937_64 rng(8);
     const Flooded out = flooded(is_stop, false, [&](Attack& attack, Receiver& receiver) {
       const std::uint64_t source = kAttacker + rng() % 1'000;
-      return attack.strike(receiver, is_stop, source, rng());
+      return attack.send_forged(receiver, is_stop, source, rng());
     });
     EXPECT_EQ(out.heard, 10) << is_stop;
   }
@@ -464,26 +464,10 @@ TEST(Split, StaysWithinItsInput) {
 }
 
 TEST(Policy, CriticalChannelsMustBeSigned) {
-  for (const char* channel : {"VICON",
-                              "COMMAND",
-                              "PLAN_Q1",
-                              "PROPOSAL_Q1",
-                              "TEAM_PROPOSAL_Q1",
-                              "EXTERNAL_REQUEST_Q1",
-                              "EXTERNAL_PLAN_Q1",
-                              "VEHICLE_Q1",
-                              "QUADROTOR_Q1",
-                              "MEASUREMENT_Q1",
-                              "SCAN_Q1",
-                              "BELIEF_Q1",
-                              "MIXTURE_Q1",
-                              "MAP_Q1",
-                              "ATTACK",
-                              "SCENARIO",
-                              "TRUTH",
-                              "HEALTH_PLANNER_Q1",
-                              "HOST_A",
-                              "COLLISION"}) {
+  for (const char* channel :
+       {"VICON", "COMMAND", "PLAN_Q1", "PROPOSAL_Q1", "TEAM_PROPOSAL_Q1", "EXTERNAL_REQUEST_Q1",
+        "EXTERNAL_PLAN_Q1", "VEHICLE_Q1", "MEASUREMENT_Q1", "SCAN_Q1", "BELIEF_Q1", "MIXTURE_Q1",
+        "MAP_Q1", "ATTACK", "SCENARIO", "TRUTH", "HEALTH_PLANNER_Q1", "HOST_A", "COLLISION"}) {
     EXPECT_TRUE(must_be_signed(channel)) << channel;
   }
   for (const char* channel : {"CAMERA", "", "REPLAY_VICON", "VICONS", "HOST", "COLLISIONS"}) {

@@ -98,7 +98,7 @@ TEST(Policy, GivesEachChannelItsRole) {
       {Role::kOperator, {"COMMAND"}},
       {Role::kPlanner,
        {"PLAN_Q1", "PROPOSAL_Q1", "TEAM_PROPOSAL_Q1", "EXTERNAL_PLAN_Q1", "EXTERNAL_REQUEST_Q1"}},
-      {Role::kVehicle, {"VEHICLE_Q1", "QUADROTOR_Q1"}},
+      {Role::kVehicle, {"VEHICLE_Q1"}},
       {Role::kNode,
        {"MEASUREMENT_Q1", "SCAN_Q1", "BELIEF_Q1", "MIXTURE_Q1", "MAP_Q1", "ATTACK", "HEALTH_X",
         "SCENARIO", "TRUTH", "HOST_A", "COLLISION", "anything", "", "VICON_", "COMMANDS", "PLAN"}}};

@@ -111,7 +111,7 @@ TEST(Authenticator, NumbersIncreaseWithTheClockAndNeverDecrease) {
 /// A vehicle Q1 that requires a nonce, and a station.
 class Nonces : public ::testing::Test {
  protected:
-  Nonces() { vehicle_->answer_to("Q1"); }
+  Nonces() { vehicle_->act_as_vehicle("Q1"); }
   Message status(Time now) { return said(*vehicle_, "VEHICLE_Q1", now); }
   Refusal command(Time now) {
     const Message message = said(*station_, "COMMAND", now, "Q1");

@@ -83,14 +83,14 @@ TEST(Limits, HoldForTruthFrames) {
 }
 
 TEST(Limits, HoldForDetections) {
-  models::DetectionSet set;
+  models::RobotMeasurement set;
   set.inputs = {{"A", 1, 2}, {"B", 3, 4}};
   set.detections.resize(2);
   for (models::Detection& detection : set.detections) {
     detection.measurement.z = Eigen::Vector2d(1.0, 2.0);
     detection.measurement.V = Eigen::Matrix2d(Eigen::Vector2d(4.0, 1.0).asDiagonal());
   }
-  const Changed<models::DetectionSet> message(set);
+  const Changed<models::RobotMeasurement> message(set);
   message.text("robot", VANTAGE_FIELD(robot));
   message.finite("x", VANTAGE_FIELD(x_world_m));
   message.finite("y", VANTAGE_FIELD(y_world_m));

@@ -143,7 +143,7 @@ TEST(Limits, HoldForCommandsAndNotices) {
   const Changed<models::OperatorCommand> command(models::OperatorCommand{});
   command.text("robot", VANTAGE_FIELD(robot));
   command.whole("action", 0, VANTAGE_FIELD(action), 6);
-  const Changed<models::ContactReport> contact(models::ContactReport{});
+  const Changed<models::CollisionReport> contact(models::CollisionReport{});
   contact.whole("kind", 0, VANTAGE_FIELD(kind), 1);
   contact.text("first", VANTAGE_FIELD(body_a));
   contact.text("second", VANTAGE_FIELD(body_b));

@@ -90,45 +90,45 @@ TEST(FromWireMocapFrame, RefusesInvalidValues) {
   for (auto& body : good.bodies) {
     body.occluded = 0;
   }
-  expect_refused<wire::vicon_frame_t>(
-      good, [](wire::vicon_frame_t& w) { w.bodies[1].position_world_m[2] = kNan; }, "NaN position");
-  expect_refused<wire::vicon_frame_t>(
-      good, [](wire::vicon_frame_t& w) { w.bodies[0].quaternion_wxyz[3] = kInfinity; },
+  expect_refused<wire::mocap_frame_t>(
+      good, [](wire::mocap_frame_t& w) { w.bodies[1].position_world_m[2] = kNan; }, "NaN position");
+  expect_refused<wire::mocap_frame_t>(
+      good, [](wire::mocap_frame_t& w) { w.bodies[0].quaternion_wxyz[3] = kInfinity; },
       "quaternion");
-  expect_refused<wire::vicon_frame_t>(
+  expect_refused<wire::mocap_frame_t>(
       good,
-      [](wire::vicon_frame_t& w) {
+      [](wire::mocap_frame_t& w) {
         for (double& q : w.bodies[0].quaternion_wxyz) {
           q = 0.0;
         }
       },
       "zero quaternion");
-  expect_refused<wire::vicon_frame_t>(
+  expect_refused<wire::mocap_frame_t>(
       good,
-      [](wire::vicon_frame_t& w) {
+      [](wire::mocap_frame_t& w) {
         for (double& q : w.bodies[0].quaternion_wxyz) {
           q *= 1.002;
         }
       },
       "quaternion too long");
-  expect_refused<wire::vicon_frame_t>(
-      good, [](wire::vicon_frame_t& w) { w.bodies[0].occluded = 2; }, "boolean 2");
-  expect_refused<wire::vicon_frame_t>(
-      good, [](wire::vicon_frame_t& w) { w.bodies[0].name.assign(257, 'x'); }, "long name");
-  expect_refused<wire::vicon_frame_t>(
-      good, [](wire::vicon_frame_t& w) { w.bodies[0].name = std::string("a\0b", 3); },
+  expect_refused<wire::mocap_frame_t>(
+      good, [](wire::mocap_frame_t& w) { w.bodies[0].occluded = 2; }, "boolean 2");
+  expect_refused<wire::mocap_frame_t>(
+      good, [](wire::mocap_frame_t& w) { w.bodies[0].name.assign(257, 'x'); }, "long name");
+  expect_refused<wire::mocap_frame_t>(
+      good, [](wire::mocap_frame_t& w) { w.bodies[0].name = std::string("a\0b", 3); },
       "NUL in a name");
-  expect_refused<wire::vicon_frame_t>(
-      good, [](wire::vicon_frame_t& w) { w.bodies[0].name = "\xC3("; }, "not UTF-8");
-  expect_refused<wire::vicon_frame_t>(
-      good, [](wire::vicon_frame_t& w) { ++w.num_bodies; }, "count above the elements");
-  expect_refused<wire::vicon_frame_t>(
-      good, [](wire::vicon_frame_t& w) { w.num_bodies = -1; }, "negative count");
-  expect_refused<wire::vicon_frame_t>(
-      good, [](wire::vicon_frame_t& w) { w.arrival_utime = std::int64_t{1} << 62; }, "far future");
-  expect_refused<wire::vicon_frame_t>(
+  expect_refused<wire::mocap_frame_t>(
+      good, [](wire::mocap_frame_t& w) { w.bodies[0].name = "\xC3("; }, "not UTF-8");
+  expect_refused<wire::mocap_frame_t>(
+      good, [](wire::mocap_frame_t& w) { ++w.num_bodies; }, "count above the elements");
+  expect_refused<wire::mocap_frame_t>(
+      good, [](wire::mocap_frame_t& w) { w.num_bodies = -1; }, "negative count");
+  expect_refused<wire::mocap_frame_t>(
+      good, [](wire::mocap_frame_t& w) { w.arrival_utime = std::int64_t{1} << 62; }, "far future");
+  expect_refused<wire::mocap_frame_t>(
       good,
-      [](wire::vicon_frame_t& w) {
+      [](wire::mocap_frame_t& w) {
         w.bodies.resize(10'001, w.bodies[0]);
         w.num_bodies = 10'001;
       },
@@ -156,7 +156,7 @@ TEST(FromWireMocapFrame, DropsPosesOfOccludedBodies) {
 }
 
 TEST(FromWireMeasurement, RefusesInvalidValues) {
-  const auto good = rich_wire<models::DetectionSet>([](const auto& m) {
+  const auto good = rich_wire<models::RobotMeasurement>([](const auto& m) {
     return !m.inputs.empty() && m.detections.size() >= 2 &&
            m.detections[0].measurement.z.size() == 3;
   });
@@ -375,17 +375,17 @@ TEST(FromWirePlan, RefusesInvalidValues) {
 TEST(FromWireVehicle, RefusesInvalidValues) {
   const auto good =
       rich_wire<models::VehicleStatus>([](const auto& m) { return !m.reasons.empty(); });
-  const auto refused = [&](void (*spoil)(wire::quadrotor_t&), const char* what) {
+  const auto refused = [&](void (*spoil)(wire::vehicle_t&), const char* what) {
     expect_refused(good, spoil, what);
   };
-  refused([](wire::quadrotor_t& w) { w.state = 5; }, "unknown state");
-  refused([](wire::quadrotor_t& w) { w.battery_share = 1.01; }, "fuller than full");
-  refused([](wire::quadrotor_t& w) { w.battery_share = kNan; }, "NaN battery");
-  refused([](wire::quadrotor_t& w) { w.setpoint_y_world_m = kNan; }, "NaN set point");
-  refused([](wire::quadrotor_t& w) { w.setpoint_height_m = kInfinity; }, "infinite height");
-  refused([](wire::quadrotor_t& w) { w.plan_round = -2; }, "round -2");
-  refused([](wire::quadrotor_t& w) { w.reasons[0].assign(257, 'r'); }, "long reason");
-  refused([](wire::quadrotor_t& w) { w.num_reasons = 0; }, "reasons beyond the count");
+  refused([](wire::vehicle_t& w) { w.state = 5; }, "unknown state");
+  refused([](wire::vehicle_t& w) { w.battery_share = 1.01; }, "fuller than full");
+  refused([](wire::vehicle_t& w) { w.battery_share = kNan; }, "NaN battery");
+  refused([](wire::vehicle_t& w) { w.setpoint_y_world_m = kNan; }, "NaN set point");
+  refused([](wire::vehicle_t& w) { w.setpoint_height_m = kInfinity; }, "infinite height");
+  refused([](wire::vehicle_t& w) { w.plan_round = -2; }, "round -2");
+  refused([](wire::vehicle_t& w) { w.reasons[0].assign(257, 'r'); }, "long reason");
+  refused([](wire::vehicle_t& w) { w.num_reasons = 0; }, "reasons beyond the count");
 }
 
 TEST(FromWireCommand, RefusesInvalidValues) {
@@ -413,7 +413,7 @@ TEST(FromWireTruth, RefusesInvalidValues) {
 }
 
 TEST(FromWireCollision, RefusesInvalidValues) {
-  const auto good = rich_wire<models::ContactReport>([](const auto&) { return true; });
+  const auto good = rich_wire<models::CollisionReport>([](const auto&) { return true; });
   expect_refused<wire::collision_t>(
       good, [](wire::collision_t& w) { w.kind = 2; }, "unknown kind");
   expect_refused<wire::collision_t>(
@@ -484,7 +484,7 @@ TEST(FromWireScenario, LimitsTheFileSize) {
 }
 
 TEST(ToWireMeasurement, ReceiverRefusesAWrongCovarianceShape) {
-  models::DetectionSet set;
+  models::RobotMeasurement set;
   set.detections.resize(1);
   set.detections[0].measurement.z = Eigen::Vector2d(1.0, 2.0);
   set.detections[0].measurement.V = Eigen::Matrix<double, 1, 1>(1.0);

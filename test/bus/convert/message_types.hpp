@@ -11,10 +11,10 @@ namespace vantage::test {
 
 /// All message types of the bus.
 using MessageTypes =
-    ::testing::Types<models::MocapFrame, models::DetectionSet, models::RobotBelief,
+    ::testing::Types<models::MocapFrame, models::RobotMeasurement, models::RobotBelief,
                      models::BeliefMixture, models::RangeScan, models::RobotMap, models::RobotPlan,
                      models::PlanProposal, models::TeamProposal, models::VehicleStatus,
-                     models::OperatorCommand, models::TruthFrame, models::ContactReport,
+                     models::OperatorCommand, models::TruthFrame, models::CollisionReport,
                      models::AttackNotice, models::ProcessHealth, models::HostReport,
                      models::ScenarioNotice>;
 

@@ -98,8 +98,8 @@ inline models::MocapFrame sample(Sampler& s) {
 }
 
 template <>
-inline models::DetectionSet sample(Sampler& s) {
-  models::DetectionSet set{s.stamp(), s.text("Q"), s.viewpoint(), s.coin(), {}, s.inputs()};
+inline models::RobotMeasurement sample(Sampler& s) {
+  models::RobotMeasurement set{s.stamp(), s.text("Q"), s.viewpoint(), s.coin(), {}, s.inputs()};
   for (int i = s.small(0, 5); i > 0; --i) {
     models::Detection detection;
     const int dim = s.small(1, 3);
@@ -252,8 +252,8 @@ inline models::TruthFrame sample(Sampler& s) {
 }
 
 template <>
-inline models::ContactReport sample(Sampler& s) {
-  return {s.stamp(), static_cast<models::ContactKind>(s.small(0, 1)), s.text("Q"),
+inline models::CollisionReport sample(Sampler& s) {
+  return {s.stamp(), static_cast<models::CollisionKind>(s.small(0, 1)), s.text("Q"),
           s.text("obstacle:"), s.real()};
 }
 
@@ -377,7 +377,7 @@ class Flat {
   }
 
   void fields(const models::MocapFrame& x) { all(x.arrival, x.frame_number, x.bodies); }
-  void fields(const models::DetectionSet& x) {
+  void fields(const models::RobotMeasurement& x) {
     all(x.robot, x.viewpoint, x.jammed, x.detections, x.inputs);
   }
   void fields(const models::RobotBelief& x) {
@@ -414,7 +414,7 @@ class Flat {
   }
   void fields(const models::OperatorCommand& x) { all(static_cast<int>(x.action), x.robot); }
   void fields(const models::TruthFrame& x) { all(x.bodies); }
-  void fields(const models::ContactReport& x) {
+  void fields(const models::CollisionReport& x) {
     all(static_cast<int>(x.kind), x.body_a, x.body_b, x.distance_m);
   }
   void fields(const models::AttackNotice& x) { all(x.jammed); }

@@ -231,14 +231,14 @@ TEST(BusHandling, MeasuresTheTimeInHandlers) {
 TEST(BusSecurity, IsOffByDefault) {
   test::BusPair net(1, 2);
   EXPECT_FALSE(net.own.renew_session());
-  EXPECT_FALSE(net.own.hears_signed());
-  net.own.answer_to("Q1");
+  EXPECT_FALSE(net.own.receives_signed());
+  net.own.act_as_vehicle("Q1");
   int heard = 0;
   net.own.subscribe<models::OperatorCommand>(kCommand, [&](const auto&) { ++heard; });
   net.other.publish(kCommand, {{}, models::OperatorAction::kArm, "Q2"});
   net.own.handle(kNow);
   EXPECT_EQ(heard, 1) << "who does not judge hears all";
-  EXPECT_FALSE(net.own.hears_signed());
+  EXPECT_FALSE(net.own.receives_signed());
 }
 
 }  // namespace

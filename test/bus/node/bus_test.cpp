@@ -135,7 +135,7 @@ TEST(Bus, MonitorsEachChannelOfAPrefixSeparately) {
   const auto endpoint = hub.connect();
   Bus bus(*endpoint, 1);
   std::vector<std::string> names;
-  bus.subscribe_named<models::DetectionSet>(
+  bus.subscribe_named<models::RobotMeasurement>(
       measurement_channel("*"),
       [&](const std::string& name, const auto&) { names.push_back(name); });
   bus.publish(measurement_channel("Q1"), {});
@@ -239,7 +239,7 @@ void expect_first_is_kept(const Channel<Message>& channel, Message message) {
   Bus first(*first_side, 2);
   Bus second(*second_side, 3);
   VirtualClock clock(from_utime(1'700'000'000'000'000));
-  bus.keep_time(clock);
+  bus.use_clock(clock);
   std::vector<std::int64_t> heard;
   bus.subscribe<Message>(channel, [&](const Message& said) { heard.push_back(said.stamp.run_id); });
   const auto run = [&](double seconds, bool first_speaks) {

@@ -33,7 +33,7 @@ TEST(SteadyClock, StartsAtWallTimeAndAdvancesMonotonically) {
   EXPECT_EQ(machine.clock.now(), kStart);
   machine.pass(seconds(100));
   EXPECT_EQ(machine.clock.now(), kStart + seconds(100));
-  EXPECT_EQ(machine.clock.apart(), Duration{0});
+  EXPECT_EQ(machine.clock.wall_offset(), Duration{0});
 }
 
 TEST(SteadyClock, IgnoresASetWallClock) {
@@ -44,7 +44,7 @@ TEST(SteadyClock, IgnoresASetWallClock) {
       machine.pass(milliseconds(100));
       EXPECT_EQ(machine.clock.now(), kStart + (i + 1) * milliseconds(100));
     }
-    EXPECT_EQ(machine.clock.apart(), set);
+    EXPECT_EQ(machine.clock.wall_offset(), set);
   }
 }
 
@@ -64,7 +64,7 @@ TEST(SteadyClock, ApproachesANearWallClockWithoutGoingBack) {
     EXPECT_LE(std::abs(rate_s), SteadyClock::kSlewPerS * to_seconds(step) + 2e-6);
     last = now;
     if (i % 4000 == 3999) {
-      EXPECT_LE(std::abs(to_seconds(machine.clock.apart())), 2e-6);
+      EXPECT_LE(std::abs(to_seconds(machine.clock.wall_offset())), 2e-6);
     }
   }
 }
@@ -81,7 +81,7 @@ TEST(SteadyClock, ApproachesAtTheStatedRateAndRange) {
       machine.pass(seconds(4));
       const Duration drawn = sign * milliseconds(std::min(apart_ms, 4 * 5));
       EXPECT_EQ(machine.clock.now(), kStart + milliseconds(20) + seconds(4) + drawn) << apart_ms;
-      EXPECT_EQ(machine.clock.apart(), machine.set - drawn);
+      EXPECT_EQ(machine.clock.wall_offset(), machine.set - drawn);
     }
     Machine far;
     far.set = sign * (milliseconds(500) + Duration{1});
@@ -110,26 +110,26 @@ TEST(SteadyClock, PassesItsOffsetToChildren) {
   machine.pass(milliseconds(20));
   static_cast<void>(machine.clock.now());
   machine.pass(seconds(2));
-  machine.clock.hand_on();
+  machine.clock.export_offset();
   const Duration ahead = machine.clock.now() - Time{machine.since_boot};
-  EXPECT_EQ(std::string(std::getenv(SteadyClock::kHandedOn)), std::to_string(ahead.count()));
+  EXPECT_EQ(std::string(std::getenv(SteadyClock::kOffsetVariable)), std::to_string(ahead.count()));
   EXPECT_EQ(ahead, kStart.time_since_epoch() - hours(5) + milliseconds(10));
   for (const char* const other : {"-5000000", "5000000 ", "0x5", ""}) {
-    ASSERT_EQ(::setenv(SteadyClock::kHandedOn, other, 1), 0);
+    ASSERT_EQ(::setenv(SteadyClock::kOffsetVariable, other, 1), 0);
     const bool is_number = *other == '-';
     const double apart_s = to_seconds(SteadyClock().now() - Time{Duration{monotonic_ns() / 1'000}});
     EXPECT_EQ(std::abs(apart_s + 5.0) < 1.0, is_number) << other;
   }
-  ASSERT_EQ(::unsetenv(SteadyClock::kHandedOn), 0);
+  ASSERT_EQ(::unsetenv(SteadyClock::kOffsetVariable), 0);
 }
 
 TEST(SteadyClock, RefusesAnImpossibleOffset) {
   for (const char* const offset :
        {"9223372036854775807", "-9223372036854775808", "7258118400000001", "-100000000000001"}) {
-    ASSERT_EQ(::setenv(SteadyClock::kHandedOn, offset, 1), 0);
+    ASSERT_EQ(::setenv(SteadyClock::kOffsetVariable, offset, 1), 0);
     EXPECT_THROW(SteadyClock(), StartupError) << offset;
   }
-  ASSERT_EQ(::unsetenv(SteadyClock::kHandedOn), 0);
+  ASSERT_EQ(::unsetenv(SteadyClock::kOffsetVariable), 0);
 }
 
 TEST(Clocks, ReportWhetherTheyAreRealTime) {
@@ -144,18 +144,19 @@ TEST(Clocks, ReportWhetherTheyAreRealTime) {
 }
 
 TEST(SteadyClock, ContinuesFromAPassedOffset) {
-  ASSERT_EQ(::setenv(SteadyClock::kHandedOn, "3600000000", 1), 0);
+  ASSERT_EQ(::setenv(SteadyClock::kOffsetVariable, "3600000000", 1), 0);
   const SteadyClock parent;
-  parent.hand_on();
-  EXPECT_EQ(std::string(std::getenv(SteadyClock::kHandedOn)), "3600000000");
+  parent.export_offset();
+  EXPECT_EQ(std::string(std::getenv(SteadyClock::kOffsetVariable)), "3600000000");
   const Time before{Duration{monotonic_ns() / 1'000} + hours(1)};
   const Time now = parent.now();
   const Time after{Duration{monotonic_ns() / 1'000} + hours(1)};
   EXPECT_LE(before, now);
   EXPECT_LE(now, after);
-  ASSERT_EQ(::setenv(SteadyClock::kHandedOn, "soon", 1), 0);
-  EXPECT_LE(std::abs(to_seconds(SteadyClock().apart())), 0.5) << "what is no number is ignored";
-  ASSERT_EQ(::unsetenv(SteadyClock::kHandedOn), 0);
+  ASSERT_EQ(::setenv(SteadyClock::kOffsetVariable, "soon", 1), 0);
+  EXPECT_LE(std::abs(to_seconds(SteadyClock().wall_offset())), 0.5)
+      << "what is no number is ignored";
+  ASSERT_EQ(::unsetenv(SteadyClock::kOffsetVariable), 0);
 }
 
 }  // namespace

@@ -425,7 +425,7 @@ TEST(RunNodeBySteadyClock, TicksOnTimeWhenTheWallClockIsSet) {
   const SteadyClock clock([&] { return std::chrono::nanoseconds(machine.since_start).count(); },
                           [&] { return start + machine.since_start + machine.set(); });
   Bus bus(machine, 1);
-  bus.keep_time(clock);
+  bus.use_clock(clock);
   Ticker node(start + milliseconds(5), milliseconds(20));
   run_node(bus, node, clock, [&] { return machine.since_start >= milliseconds(7'985); });
   ASSERT_EQ(node.ticks.size(), 400U);

@@ -16,7 +16,7 @@
 namespace vantage::drivers {
 namespace {
 
-using models::ContactKind;
+using models::CollisionKind;
 using models::FlightState;
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
@@ -67,7 +67,7 @@ struct Judged {
   void fly(const std::string& robot) {
     judge.on_status(status_of(robot, FlightState::kFollow, now));
   }
-  std::vector<models::ContactReport> see(const Placed& bodies, Duration later = kFrame) {
+  std::vector<models::CollisionReport> see(const Placed& bodies, Duration later = kFrame) {
     now += later;
     models::MocapFrame frame = frame_of(now + mocap_clock, bodies);
     frame.frame_number = ++frames;
@@ -89,14 +89,14 @@ TEST(ContactJudge, ReportsANearMissAndThenACollisionOfTwoRealVehiclesOnceEach) {
   EXPECT_TRUE(lab.see({{"Q1", {1.0, 4.0, 1.0}}, {"Q2", {1.61, 4.0, 1.0}}}).empty());
   const auto near = lab.see({{"Q1", {1.0, 4.0, 1.0}}, {"Q2", {1.55, 4.0, 1.0}}});
   ASSERT_EQ(near.size(), 1U);
-  EXPECT_EQ(near[0].kind, ContactKind::kNearMiss);
+  EXPECT_EQ(near[0].kind, CollisionKind::kNearMiss);
   EXPECT_EQ(near[0].body_a, "Q1");
   EXPECT_EQ(near[0].body_b, "Q2");
   EXPECT_NEAR(near[0].distance_m, 0.05, 1e-9);
   EXPECT_EQ(near[0].stamp.time, lab.now);
   const auto hit = lab.see({{"Q1", {1.0, 4.0, 1.0}}, {"Q2", {1.49, 4.0, 1.0}}});
   ASSERT_EQ(hit.size(), 1U);
-  EXPECT_EQ(hit[0].kind, ContactKind::kCollision);
+  EXPECT_EQ(hit[0].kind, CollisionKind::kCollision);
   EXPECT_TRUE(lab.see({{"Q1", {1.0, 4.0, 1.0}}, {"Q2", {1.48, 4.0, 1.0}}}).empty());
 }
 
@@ -120,7 +120,7 @@ TEST(ContactJudge, FindsContactsBetweenFrames) {
   // They pass each other within 20 ms, so they touch at neither instant.
   const auto begun = lab.see({{"Q1", {2.0, 4.0, 1.0}}, {"Q2", {1.0, 4.0, 1.0}}});
   ASSERT_FALSE(begun.empty());
-  EXPECT_EQ(begun[0].kind, ContactKind::kCollision);
+  EXPECT_EQ(begun[0].kind, CollisionKind::kCollision);
 }
 
 TEST(ContactJudge, DoesNotInterpolateOverGaps) {
@@ -217,16 +217,16 @@ TEST(ContactsNode, PublishesItsContactsAndKeepsThoseOfTheSimulator) {
   bus::Bus lab_bus(*lab_side, 22);
   bus::Bus sim_bus(*sim_side, 33);
   ContactsNode node(judge_bus, clock, real_lab());
-  std::vector<models::ContactReport> heard;
-  lab_bus.subscribe<models::ContactReport>(
-      bus::kCollision, [&](const models::ContactReport& contact) { heard.push_back(contact); });
+  std::vector<models::CollisionReport> heard;
+  lab_bus.subscribe<models::CollisionReport>(
+      bus::kCollision, [&](const models::CollisionReport& contact) { heard.push_back(contact); });
 
   lab_bus.publish(bus::vehicle_channel("Q1"), status_of("Q1", FlightState::kHold));
   const Placed together = {{"Q1", {1.0, 4.0, 1.0}}, {"Q2", {1.1, 4.0, 1.0}}};
   clock.set(kStart + Duration{5'000});
   lab_bus.publish(bus::kVicon, frame_of(kStart, together));
   judge_bus.handle(std::chrono::microseconds(0));
-  models::ContactReport simulated;
+  models::CollisionReport simulated;
   simulated.stamp.time = kStart;
   simulated.body_a = "Q3";
   simulated.body_b = "bounds";
@@ -240,8 +240,8 @@ TEST(ContactsNode, PublishesItsContactsAndKeepsThoseOfTheSimulator) {
   while (lab_bus.handle(std::chrono::microseconds(0)) > 0) {
   }
   ASSERT_EQ(heard.size(), 4U) << "neither publisher silences the other";
-  EXPECT_EQ(heard[0].kind, ContactKind::kCollision);
-  EXPECT_EQ(heard[1].kind, ContactKind::kNearMiss);
+  EXPECT_EQ(heard[0].kind, CollisionKind::kCollision);
+  EXPECT_EQ(heard[1].kind, CollisionKind::kNearMiss);
   EXPECT_EQ(heard[2].body_a, "Q3");
   EXPECT_EQ(heard[3].body_b, "bounds");
 }

@@ -12,7 +12,7 @@
 
 #include "test/support/near.hpp"
 #include "test/support/random.hpp"
-#include "wire/mavlink/vocabulary.hpp"
+#include "wire/mavlink/constants.hpp"
 
 namespace vantage::drivers {
 namespace {
@@ -27,7 +27,7 @@ struct Bench {
                  scenario::ParameterPolicy parameters = scenario::ParameterPolicy::kIgnore)
       : link({dialect, "", 1, "", parameters}, key) {}
 
-  std::vector<wire::mavlink::Frame> said() {
+  std::vector<wire::mavlink::Frame> sent() {
     std::vector<wire::mavlink::Frame> out;
     for (const WireMessage& message : link.take_output()) {
       wire::mavlink::Parser parser;
@@ -36,9 +36,9 @@ struct Bench {
     return out;
   }
   template <class Message>
-  std::vector<Message> said_of() {
+  std::vector<Message> sent_of() {
     std::vector<Message> out;
-    for (const wire::mavlink::Frame& frame : said()) {
+    for (const wire::mavlink::Frame& frame : sent()) {
       if (const auto message = wire::mavlink::unpack<Message>(frame)) {
         out.push_back(*message);
       }
@@ -46,14 +46,15 @@ struct Bench {
     return out;
   }
   template <class Message>
-  void hear(const Message& message, Time now, std::uint8_t system = 1, std::uint8_t component = 1) {
+  void receive_message(const Message& message, Time now, std::uint8_t system = 1,
+                       std::uint8_t component = 1) {
     std::vector<std::uint8_t> bytes;
     wire::mavlink::append_bytes(wire::mavlink::pack(message, {system, component, sequence++}),
                                 bytes);
     link.receive(bytes, true, now);
   }
-  void hear_heartbeat(Time now, std::uint8_t autopilot = 12) {
-    hear(wire::mavlink::Heartbeat{0, 2, autopilot, 0, 3, 3}, now);
+  void receive_heartbeat(Time now, std::uint8_t autopilot = 12) {
+    receive_message(wire::mavlink::Heartbeat{0, 2, autopilot, 0, 3, 3}, now);
   }
 
   std::string fault(Time now) const { return link.fault(now).value_or("none"); }
@@ -71,8 +72,8 @@ TEST(AutopilotLink, SendsHeartbeatsAtFiveHertz) {
     for (int i = 0; i < 500; ++i) {
       bench.link.tick(kNow + i * Duration{20'000});
     }
-    const std::vector<wire::mavlink::Frame> frames = bench.said();
-    ASSERT_EQ(frames.size(), 50U) << "to a vehicle that is not heard nothing else is said";
+    const std::vector<wire::mavlink::Frame> frames = bench.sent();
+    ASSERT_EQ(frames.size(), 50U) << "to a vehicle that is not heard nothing else is sent";
     const auto heartbeat = wire::mavlink::unpack<wire::mavlink::Heartbeat>(frames[0]);
     ASSERT_TRUE(heartbeat.has_value());
     const bool is_px4 = dialect == AutopilotDialect::kPx4;
@@ -97,7 +98,7 @@ TEST(AutopilotLink, SendsPosesInTheEstimatorsFormat) {
     state.velocity_world_mps = random.vector<3>(-2.0, 2.0);
     state.resets = 3;
     bench.link.send_pose(state, kNow + Duration{7'000});
-    const auto poses = bench.said_of<wire::mavlink::Odometry>();
+    const auto poses = bench.sent_of<wire::mavlink::Odometry>();
     ASSERT_EQ(poses.size(), 1U);
     const wire::mavlink::Odometry& odometry = poses[0];
     EXPECT_EQ(odometry.frame_id, 20);
@@ -137,7 +138,7 @@ TEST(AutopilotLink, SendsPositionVelocityAndAccelerationInEachSetPoint) {
     standing.position_world_m = {1.0, 2.0, 3.0};
     bench.link.send_setpoint(moving, kNow);
     bench.link.send_setpoint(standing, kNow);
-    const auto targets = bench.said_of<wire::mavlink::SetPositionTargetLocalNed>();
+    const auto targets = bench.sent_of<wire::mavlink::SetPositionTargetLocalNed>();
     ASSERT_EQ(targets.size(), 2U);
     const wire::mavlink::SetPositionTargetLocalNed& t = targets[0];
     EXPECT_EQ(t.coordinate_frame, 1);
@@ -153,29 +154,29 @@ TEST(AutopilotLink, SendsPositionVelocityAndAccelerationInEachSetPoint) {
 
 TEST(AutopilotLink, SynchronisesWithTheVehicleClock) {
   Bench bench(AutopilotDialect::kPx4);
-  bench.hear_heartbeat(kNow);
+  bench.receive_heartbeat(kNow);
   wire::mavlink::Timesync request;
   request.ts1 = 42;
-  bench.hear(request, kNow);
-  auto said = bench.said_of<wire::mavlink::Timesync>();
-  ASSERT_EQ(said.size(), 1U);
-  EXPECT_EQ(said[0].tc1, to_utime(kNow) * 1000);
-  EXPECT_EQ(said[0].ts1, 42);
+  bench.receive_message(request, kNow);
+  auto sent = bench.sent_of<wire::mavlink::Timesync>();
+  ASSERT_EQ(sent.size(), 1U);
+  EXPECT_EQ(sent[0].tc1, to_utime(kNow) * 1000);
+  EXPECT_EQ(sent[0].ts1, 42);
 
   bench.link.tick(kNow);
-  said = bench.said_of<wire::mavlink::Timesync>();
-  ASSERT_EQ(said.size(), 1U);
-  EXPECT_EQ(said[0].tc1, 0);
+  sent = bench.sent_of<wire::mavlink::Timesync>();
+  ASSERT_EQ(sent.size(), 1U);
+  EXPECT_EQ(sent[0].tc1, 0);
   // The clock of the vehicle started 100 s ago; 2 ms for each direction.
   wire::mavlink::Timesync reply;
   reply.tc1 = 100'002'000'000;
-  reply.ts1 = said[0].ts1;
-  bench.hear(reply, kNow + Duration{4'000});
+  reply.ts1 = sent[0].ts1;
+  bench.receive_message(reply, kNow + Duration{4'000});
   EXPECT_EQ(bench.link.telemetry().clock_offset_ns(), 100'000'000'000 - to_utime(kNow) * 1000);
   // A reply to an unknown request is ignored.
   reply.tc1 = 5;
   reply.ts1 = 1;
-  bench.hear(reply, kNow + Duration{4'000});
+  bench.receive_message(reply, kNow + Duration{4'000});
   EXPECT_EQ(bench.link.telemetry().clock_offset_ns(), 100'000'000'000 - to_utime(kNow) * 1000);
 }
 
@@ -184,17 +185,17 @@ TEST(AutopilotLink, RequestsStreamsUntilTheyArrive) {
   std::map<int, int> asked;
   for (int i = 0; i < 400; ++i) {
     const Time now = kNow + i * Duration{20'000};
-    bench.hear_heartbeat(now);
-    bench.hear(wire::mavlink::LocalPositionNed{}, now);
-    bench.hear(wire::mavlink::EstimatorStatus{}, now);
+    bench.receive_heartbeat(now);
+    bench.receive_message(wire::mavlink::LocalPositionNed{}, now);
+    bench.receive_message(wire::mavlink::EstimatorStatus{}, now);
     bench.link.tick(now);
-    for (const auto& command : bench.said_of<wire::mavlink::CommandLong>()) {
+    for (const auto& command : bench.sent_of<wire::mavlink::CommandLong>()) {
       ASSERT_EQ(command.command, 511);
       EXPECT_GT(command.param2, 0.0F);
       ++asked[static_cast<int>(command.param1)];
       wire::mavlink::CommandAck ack;
       ack.command = 511;
-      bench.hear(ack, now);
+      bench.receive_message(ack, now);
     }
   }
   EXPECT_EQ(asked.count(32) + asked.count(230), 0U) << "these came by themselves";
@@ -209,30 +210,31 @@ TEST(AutopilotLink, SendsArdupilotAnOriginUntilConfirmed) {
     Bench bench(dialect);
     const auto origins_in = [&bench](int from_s, int to_s) {
       for (int i = from_s * 10; i < to_s * 10; ++i) {
-        bench.hear_heartbeat(kNow + i * Duration{100'000});
+        bench.receive_heartbeat(kNow + i * Duration{100'000});
         bench.link.tick(kNow + i * Duration{100'000});
       }
-      return bench.said_of<wire::mavlink::SetGpsGlobalOrigin>().size();
+      return bench.sent_of<wire::mavlink::SetGpsGlobalOrigin>().size();
     };
     const std::size_t wanted = dialect == AutopilotDialect::kPx4 ? 0U : 5U;
     EXPECT_EQ(origins_in(0, 5), wanted);
     // ArduCopter reports a position without an origin, but does not arm.
-    bench.hear(wire::mavlink::LocalPositionNed{}, kNow + std::chrono::seconds(5));
+    bench.receive_message(wire::mavlink::LocalPositionNed{}, kNow + std::chrono::seconds(5));
     EXPECT_EQ(origins_in(5, 10), wanted);
-    bench.hear(wire::mavlink::GpsGlobalOrigin{}, kNow + std::chrono::seconds(10));
+    bench.receive_message(wire::mavlink::GpsGlobalOrigin{}, kNow + std::chrono::seconds(10));
     EXPECT_EQ(origins_in(10, 15), 0U);
   }
 }
 
 TEST(AutopilotLink, AcceptsOnlyItsVehicle) {
   Bench bench(AutopilotDialect::kPx4);
-  bench.hear(wire::mavlink::Heartbeat{0, 2, 12, 128, 4, 3}, kNow, 9);
+  bench.receive_message(wire::mavlink::Heartbeat{0, 2, 12, 128, 4, 3}, kNow, 9);
   EXPECT_FALSE(bench.link.telemetry().heartbeat_time().has_value());
   EXPECT_STREQ(bench.fault(kNow).c_str(),
                "messages received, but none from an autopilot with this system id");
-  bench.hear(wire::mavlink::Heartbeat{0, 6, 8, 128, 4, 3}, kNow, 1, 190);  // ground station
+  bench.receive_message(wire::mavlink::Heartbeat{0, 6, 8, 128, 4, 3}, kNow, 1,
+                        190);  // ground station
   EXPECT_FALSE(bench.link.telemetry().heartbeat_time().has_value());
-  bench.hear_heartbeat(kNow);
+  bench.receive_heartbeat(kNow);
   EXPECT_FALSE(bench.link.fault(kNow).has_value());
   EXPECT_STREQ(bench.fault(kNow + std::chrono::seconds(3)).c_str(),
                "the autopilot's messages have stopped");
@@ -240,15 +242,15 @@ TEST(AutopilotLink, AcceptsOnlyItsVehicle) {
 
 TEST(AutopilotLink, AcceptsTheFirstAutopilotByDefault) {
   AutopilotLink link({AutopilotDialect::kArdupilot, "", 0, ""}, std::nullopt);
-  const auto hear = [&link](const wire::mavlink::Heartbeat& heartbeat, std::uint8_t system,
-                            std::uint8_t component) {
+  const auto receive_message = [&link](const wire::mavlink::Heartbeat& heartbeat,
+                                       std::uint8_t system, std::uint8_t component) {
     std::vector<std::uint8_t> bytes;
     wire::mavlink::append_bytes(wire::mavlink::pack(heartbeat, {system, component, 0}), bytes);
     link.receive(bytes, true, kNow);
   };
-  hear({0, 6, 8, 0, 4, 3}, 255, 190);  // not an autopilot
-  hear({0, 2, 3, 0, 4, 3}, 17, 0);     // a vehicle may start as component 0
-  hear({0, 2, 3, 128, 4, 3}, 18, 1);
+  receive_message({0, 6, 8, 0, 4, 3}, 255, 190);  // not an autopilot
+  receive_message({0, 2, 3, 0, 4, 3}, 17, 0);     // a vehicle may start as component 0
+  receive_message({0, 2, 3, 128, 4, 3}, 18, 1);
   EXPECT_TRUE(link.telemetry().heartbeat_time().has_value());
   EXPECT_FALSE(link.telemetry().is_armed()) << "it listened to the second one";
 }
@@ -275,9 +277,9 @@ TEST(AutopilotLink, IgnoresOtherComponentsOnceTheAutopilotIsKnown) {
   for (const Row& row : rows) {
     SCOPED_TRACE(row.what);
     Bench bench(AutopilotDialect::kPx4);
-    bench.hear(Heartbeat{6U << 16U, 2, 12, 128, 4, 3}, kNow);
+    bench.receive_message(Heartbeat{6U << 16U, 2, 12, 128, 4, 3}, kNow);
     ASSERT_TRUE(bench.link.telemetry().is_armed());
-    bench.hear(row.heartbeat, kNow + std::chrono::milliseconds(100), 1, row.component);
+    bench.receive_message(row.heartbeat, kNow + std::chrono::milliseconds(100), 1, row.component);
     EXPECT_TRUE(bench.link.telemetry().is_armed());
     EXPECT_EQ(bench.link.telemetry().mode(), 6U << 16U);
     EXPECT_EQ(bench.link.telemetry().heartbeat_time(), kNow);
@@ -287,7 +289,7 @@ TEST(AutopilotLink, IgnoresOtherComponentsOnceTheAutopilotIsKnown) {
 
 TEST(AutopilotLink, AcceptsOnlyHeartbeatsOfComponent0AndBeforeComponent1) {
   Bench bench(AutopilotDialect::kArdupilot);
-  bench.hear(wire::mavlink::Heartbeat{4, 2, 3, 0, 4, 3}, kNow, 1, 0);
+  bench.receive_message(wire::mavlink::Heartbeat{4, 2, 3, 0, 4, 3}, kNow, 1, 0);
   EXPECT_TRUE(bench.link.telemetry().heartbeat_time().has_value());
   wire::mavlink::LocalPositionNed position;
   position.x = 5.0F;
@@ -295,9 +297,9 @@ TEST(AutopilotLink, AcceptsOnlyHeartbeatsOfComponent0AndBeforeComponent1) {
   attitude.roll = 1.0F;
   wire::mavlink::BatteryStatus battery;
   battery.battery_remaining = 90;
-  bench.hear(position, kNow, 1, 0);
-  bench.hear(attitude, kNow, 1, 0);
-  bench.hear(battery, kNow, 1, 0);
+  bench.receive_message(position, kNow, 1, 0);
+  bench.receive_message(attitude, kNow, 1, 0);
+  bench.receive_message(battery, kNow, 1, 0);
   EXPECT_FALSE(bench.link.telemetry().position_world_m(kNow).has_value());
   EXPECT_FALSE(bench.link.telemetry().has_attitude(kNow));
   EXPECT_FALSE(bench.link.telemetry().battery_share().has_value());
@@ -319,7 +321,7 @@ TEST(AutopilotLink, ReportsMavlinkVersionOne) {
 TEST(AutopilotLink, SignsMessagesAndRefusesUnsignedOnes) {
   const wire::mavlink::SigningKey key{4, 5, 6};
   Bench bench(AutopilotDialect::kPx4, key);
-  bench.hear_heartbeat(kNow);
+  bench.receive_heartbeat(kNow);
   EXPECT_FALSE(bench.link.telemetry().heartbeat_time().has_value());
   wire::mavlink::Frame frame =
       wire::mavlink::pack(wire::mavlink::Heartbeat{0, 2, 12, 0, 3, 3}, {1, 1, 9});
@@ -330,32 +332,32 @@ TEST(AutopilotLink, SignsMessagesAndRefusesUnsignedOnes) {
   bench.link.receive(bytes, true, kNow);
   EXPECT_TRUE(bench.link.telemetry().heartbeat_time().has_value());
   bench.link.tick(kNow);
-  const std::vector<wire::mavlink::Frame> said = bench.said();
-  ASSERT_FALSE(said.empty());
-  for (const wire::mavlink::Frame& each : said) {
+  const std::vector<wire::mavlink::Frame> sent = bench.sent();
+  ASSERT_FALSE(sent.empty());
+  for (const wire::mavlink::Frame& each : sent) {
     EXPECT_EQ(vehicle.check(each, kNow), wire::mavlink::SignatureVerdict::kGood);
   }
 }
 
 TEST(AutopilotLink, JoinsLongTexts) {
   Bench bench(AutopilotDialect::kPx4);
-  bench.hear_heartbeat(kNow);
+  bench.receive_heartbeat(kNow);
   wire::mavlink::Statustext text;
   text.severity = 3;
   text.id = 5;
   text.text.fill('a');
   std::string whole(51, 'a');
   whole.back() = 'b';
-  bench.hear(text, kNow);
+  bench.receive_message(text, kNow);
   text.chunk_seq = 1;
   text.text.fill('\0');
   text.text[0] = 'b';
-  bench.hear(text, kNow);
+  bench.receive_message(text, kNow);
   EXPECT_EQ(bench.warning(), whole);
   text = {};
   text.severity = 6;
   text.text[0] = 'i';
-  bench.hear(text, kNow);
+  bench.receive_message(text, kNow);
   EXPECT_EQ(bench.warning(), whole) << "information is no warning";
 }
 
@@ -385,7 +387,7 @@ TEST(AutopilotLink, SurvivesRandomBytes) {
       bench.link.tick(kNow + i * Duration{1'000});
     }
     EXPECT_LE(bench.link.take_output().size(), 1024U);
-    bench.hear_heartbeat(kNow + std::chrono::seconds(60), 3);
+    bench.receive_heartbeat(kNow + std::chrono::seconds(60), 3);
     EXPECT_FALSE(bench.link.fault(kNow + std::chrono::seconds(60)).has_value());
   }
 }

@@ -36,7 +36,7 @@ TEST(BodyTracker, FindsTheVelocityOfASteadyFlightInNoise) {
     pose.translation_m +=
         0.001 * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
     const Time time = kStart + i * kFrame;
-    ASSERT_EQ(tracker.see(frame_at(time, pose), time, time, false), BodyVerdict::kTaken);
+    ASSERT_EQ(tracker.update(frame_at(time, pose), time, time, false), BodyVerdict::kTaken);
     if (i >= 100) {
       squares +=
           (tracker.state()->velocity_world_mps - Eigen::Vector3d(0.8, -0.3, 0.0)).squaredNorm();
@@ -51,34 +51,34 @@ TEST(BodyTracker, RefusesInvalidPoses) {
   BodyTracker tracker("Q1", 2.0);
   Pose3 bad = at(0, 0);
   bad.translation_m.x() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(tracker.see(frame_at(kStart, bad), kStart, kStart, true), BodyVerdict::kImpossible);
+  EXPECT_EQ(tracker.update(frame_at(kStart, bad), kStart, kStart, true), BodyVerdict::kImpossible);
   bad = at(0, 0);
   bad.rotation.coeffs().setZero();
-  EXPECT_EQ(tracker.see(frame_at(kStart, bad), kStart, kStart, true), BodyVerdict::kImpossible);
+  EXPECT_EQ(tracker.update(frame_at(kStart, bad), kStart, kStart, true), BodyVerdict::kImpossible);
   models::MocapFrame hidden = frame_at(kStart, at(0, 0));
   hidden.bodies[1].occluded = true;
-  EXPECT_EQ(tracker.see(hidden, kStart, kStart, true), BodyVerdict::kUnseen);
+  EXPECT_EQ(tracker.update(hidden, kStart, kStart, true), BodyVerdict::kUnseen);
   hidden.bodies.resize(1);
-  EXPECT_EQ(tracker.see(hidden, kStart, kStart, true), BodyVerdict::kUnseen);
+  EXPECT_EQ(tracker.update(hidden, kStart, kStart, true), BodyVerdict::kUnseen);
   EXPECT_FALSE(tracker.state().has_value());
-  EXPECT_EQ(tracker.see(frame_at(kStart, at(0, 0)), kStart, kStart, true), BodyVerdict::kTaken);
-  EXPECT_EQ(tracker.see(frame_at(kStart, at(0, 0)), kStart, kStart, true),
+  EXPECT_EQ(tracker.update(frame_at(kStart, at(0, 0)), kStart, kStart, true), BodyVerdict::kTaken);
+  EXPECT_EQ(tracker.update(frame_at(kStart, at(0, 0)), kStart, kStart, true),
             BodyVerdict::kOutOfOrder);
 }
 
 TEST(BodyTracker, RefusesAJumpInTheAir) {
   BodyTracker tracker("Q1", 2.0);
-  tracker.see(frame_at(kStart, at(0, 0)), kStart, kStart, false);
+  tracker.update(frame_at(kStart, at(0, 0)), kStart, kStart, false);
   for (int i = 1; i < 20; ++i) {
     const Time time = kStart + i * kFrame;
-    EXPECT_EQ(tracker.see(frame_at(time, at(1, 0)), time, time, false), BodyVerdict::kJumped);
+    EXPECT_EQ(tracker.update(frame_at(time, at(1, 0)), time, time, false), BodyVerdict::kJumped);
   }
   const Time time = kStart + 20 * kFrame;
-  EXPECT_EQ(tracker.see(frame_at(time, at(0.1, 0)), time, time, false), BodyVerdict::kTaken);
+  EXPECT_EQ(tracker.update(frame_at(time, at(0.1, 0)), time, time, false), BodyVerdict::kTaken);
   EXPECT_EQ(tracker.state()->resets, 0);
   Pose3 flipped = at(0.1, 0);
   flipped.rotation = Eigen::Quaterniond(0, 0, 0, 1);
-  EXPECT_EQ(tracker.see(frame_at(time + kFrame, flipped), time + kFrame, time + kFrame, false),
+  EXPECT_EQ(tracker.update(frame_at(time + kFrame, flipped), time + kFrame, time + kFrame, false),
             BodyVerdict::kJumped);
 }
 
@@ -90,7 +90,7 @@ TEST(BodyTracker, ContinuesAfterAMocapRestartInFlight) {
     Time now = kStart;
     const auto see = [&](std::int64_t run, Duration clock) {
       const double x_m = to_seconds(now - kStart);  // at 1 m/s
-      return tracker.see(frame_at(now + clock, at(x_m, 0.0), run), now + clock, now, false);
+      return tracker.update(frame_at(now + clock, at(x_m, 0.0), run), now + clock, now, false);
     };
     for (int i = 0; i < 50; ++i, now += kFrame) {
       ASSERT_EQ(see(1, Duration{}), BodyVerdict::kTaken);
@@ -101,18 +101,19 @@ TEST(BodyTracker, ContinuesAfterAMocapRestartInFlight) {
     }
     EXPECT_EQ(tracker.state()->resets, 0) << "it flew there";
     // A sudden other position is a jump.
-    EXPECT_EQ(tracker.see(frame_at(now, at(-2.0, 0.0), 3), now, now, false), BodyVerdict::kJumped);
+    EXPECT_EQ(tracker.update(frame_at(now, at(-2.0, 0.0), 3), now, now, false),
+              BodyVerdict::kJumped);
   }
 }
 
 TEST(BodyTracker, AcceptsACarriedBodyOnTheGround) {
   BodyTracker tracker("Q1", 2.0);
-  tracker.see(frame_at(kStart, at(0, 0)), kStart, kStart, true);
+  tracker.update(frame_at(kStart, at(0, 0)), kStart, kStart, true);
   int refused = 0;
   Time time = kStart;
   do {
     time += kFrame;
-  } while (tracker.see(frame_at(time, at(3, 0)), time, time, true) == BodyVerdict::kJumped &&
+  } while (tracker.update(frame_at(time, at(3, 0)), time, time, true) == BodyVerdict::kJumped &&
            ++refused < 200);
   EXPECT_NEAR(refused, 50, 2) << "half a second of frames";
   EXPECT_EQ(tracker.state()->resets, 1);
@@ -125,19 +126,19 @@ TEST(BodyTracker, RefusesIdenticalPosesInTheAir) {
   int taken = 0;
   for (int i = 0; i < 100 && verdict == BodyVerdict::kTaken; ++i, ++taken) {
     const Time time = kStart + i * kFrame;
-    verdict = tracker.see(frame_at(time, at(0, 0)), time, time, false);
+    verdict = tracker.update(frame_at(time, at(0, 0)), time, time, false);
   }
   EXPECT_EQ(verdict, BodyVerdict::kRepeated);
   EXPECT_NEAR(taken, 52, 2);
   const Time time = kStart + 100 * kFrame;
-  EXPECT_EQ(tracker.see(frame_at(time, at(0, 0)), time, time, true), BodyVerdict::kTaken);
+  EXPECT_EQ(tracker.update(frame_at(time, at(0, 0)), time, time, true), BodyVerdict::kTaken);
 }
 
 TEST(BodyTracker, MeasuresAgeByArrival) {
   BodyTracker tracker("Q1", 2.0);
   EXPECT_FALSE(tracker.age(kStart).has_value());
   const Time captured = kStart - Duration{50'000};
-  tracker.see(frame_at(captured, at(0, 0)), captured, kStart, false);
+  tracker.update(frame_at(captured, at(0, 0)), captured, kStart, false);
   EXPECT_EQ(tracker.age(kStart + Duration{30'000}), Duration{30'000});
 }
 

@@ -24,7 +24,7 @@ wire::mavlink::CommandAck ack(std::uint8_t result) {
 
 TEST(CommandSender, RepeatsWithAGrowingConfirmationAndGivesUp) {
   CommandSender sender;
-  sender.want(arm(1), kNow, kSecond);
+  sender.send_command(arm(1), kNow, kSecond);
   std::vector<int> confirmations;
   for (int i = 0; i < 50; ++i) {
     for (const auto& command : sender.due(kNow + i * Duration{100'000})) {
@@ -39,21 +39,21 @@ TEST(CommandSender, RepeatsWithAGrowingConfirmationAndGivesUp) {
 
 TEST(CommandSender, RepeatsOnlyAfterThePause) {
   CommandSender sender;
-  sender.want(arm(1), kNow, 2 * kSecond);
+  sender.send_command(arm(1), kNow, 2 * kSecond);
   EXPECT_EQ(sender.due(kNow).size(), 1U);
   sender.acknowledge(ack(4), kNow);
   EXPECT_EQ(sender.outcome(400)->result, 4);
-  sender.want(arm(1), kNow + kSecond, 2 * kSecond);
+  sender.send_command(arm(1), kNow + kSecond, 2 * kSecond);
   EXPECT_TRUE(sender.due(kNow + kSecond).empty());
-  sender.want(arm(1), kNow + 2 * kSecond, 2 * kSecond);
+  sender.send_command(arm(1), kNow + 2 * kSecond, 2 * kSecond);
   EXPECT_EQ(sender.due(kNow + 2 * kSecond).size(), 1U);
 }
 
 TEST(CommandSender, ReplacesACommandByItsOpposite) {
   CommandSender sender;
-  sender.want(arm(1), kNow, kSecond);
+  sender.send_command(arm(1), kNow, kSecond);
   EXPECT_EQ(sender.due(kNow).size(), 1U);
-  sender.want(arm(0), kNow, kSecond);
+  sender.send_command(arm(0), kNow, kSecond);
   const auto due = sender.due(kNow);
   ASSERT_EQ(due.size(), 1U);
   EXPECT_EQ(due[0].param1, 0.0F);
@@ -61,7 +61,7 @@ TEST(CommandSender, ReplacesACommandByItsOpposite) {
 
 TEST(CommandSender, WaitsLongerForACommandInProgress) {
   CommandSender sender;
-  sender.want(arm(1), kNow, kSecond);
+  sender.send_command(arm(1), kNow, kSecond);
   EXPECT_EQ(sender.due(kNow).size(), 1U);
   sender.acknowledge(ack(5), kNow + Duration{100'000});
   EXPECT_TRUE(sender.due(kNow + 2 * kSecond).empty());
@@ -74,7 +74,7 @@ TEST(CommandSender, RepeatsWhateverIsReplied) {
   int sent = 0;
   for (int i = 0; i < 100; ++i) {
     const Time now = kNow + i * Duration{20'000};
-    sender.insist(arm(0), now, Duration{100'000});
+    sender.send_command_periodically(arm(0), now, Duration{100'000});
     sent += static_cast<int>(sender.due(now).size());
     sender.acknowledge(ack(4), now);
   }

@@ -11,8 +11,8 @@
 #include <gtest/gtest.h>
 
 #include "drivers/safety/conditions.hpp"
-#include "test/drivers/quadrotor/reach_bench.hpp"
-#include "wire/mavlink/vocabulary.hpp"
+#include "test/drivers/quadrotor/reason_bench.hpp"
+#include "wire/mavlink/constants.hpp"
 
 namespace vantage::drivers {
 namespace {
@@ -21,17 +21,18 @@ namespace mavlink = wire::mavlink;
 using models::AutopilotDialect;
 using models::OperatorAction;
 using test::FlightBench;
-using test::kFree;
-using test::Reach;
+using test::kFreeAxis;
+using test::ReasonBench;
 
 struct Row {
   const char* name;
-  std::function<void(Reach&)> reach;
+  std::function<void(ReasonBench&)> reach;
 };
 
 /// Returns a reach function: hovers, calls `begin` and runs for `seconds`.
-std::function<void(Reach&)> hovering(double seconds, const std::function<void(Reach&)>& begin) {
-  return [seconds, begin](Reach& up) {
+std::function<void(ReasonBench&)> hovering(double seconds,
+                                           const std::function<void(ReasonBench&)>& begin) {
+  return [seconds, begin](ReasonBench& up) {
     up.hover();
     begin(up);
     up.run(seconds);
@@ -43,24 +44,24 @@ std::vector<Row> rows() {
   namespace id = mavlink;
   return {
       {"emergency stop",
-       hovering(0.1, [](Reach& up) { up.command(OperatorAction::kEmergencyStop); })},
-      {"tilt", hovering(1.0, [](Reach& up) { up.report_attitude(1.4, 0.0, 0.0); })},
-      {"fence far", hovering(3.0, [](Reach& up) { up.force(-1.5, kFree, 0.0); })},
+       hovering(0.1, [](ReasonBench& up) { up.command(OperatorAction::kEmergencyStop); })},
+      {"tilt", hovering(1.0, [](ReasonBench& up) { up.report_attitude(1.4, 0.0, 0.0); })},
+      {"fence far", hovering(3.0, [](ReasonBench& up) { up.set_velocity(-1.5, kFreeAxis, 0.0); })},
       {"pose lost low", hovering(3.0,
-                                 [](Reach& up) {
-                                   up.force(-1.5, kFree, 0.0);
+                                 [](ReasonBench& up) {
+                                   up.set_velocity(-1.5, kFreeAxis, 0.0);
                                    up.run_until([&] { return up.place_m().x() < -0.3; }, 5.0);
                                    up.has_mocap = false;
                                  })},
       {"body does not lift",
-       [](Reach& up) {
+       [](ReasonBench& up) {
          up.arm();
          up.stay_down();
          up.command(OperatorAction::kTakeOff);
          up.run(9.0);
        }},
       {"another body lifts",
-       [](Reach& up) {
+       [](ReasonBench& up) {
          up.add_robots();
          double height_m = FlightBench::kFloorM;
          up.show_other([&] { return height_m; });
@@ -72,43 +73,44 @@ std::vector<Row> rows() {
            height_m += 0.001;
            up.run(0.01);
          }
-         up.alters = nullptr;
+         up.alter_frame = nullptr;
        }},
       {"lift off course",
-       [](Reach& up) {
+       [](ReasonBench& up) {
          up.begin_take_off();
          up.run_until([&] { return up.height_m() > 0.12; }, 10.0);
-         up.force(0.6, kFree, kFree);
+         up.set_velocity(0.6, kFreeAxis, kFreeAxis);
          up.run(2.0);
        }},
       {"lift disagrees",
-       [](Reach& up) {
+       [](ReasonBench& up) {
          up.begin_take_off();
          up.run_until([&] { return up.height_m() > 0.12; }, 10.0);
          up.report_attitude(0.0, 0.0, 2.0);
          up.run(1.0);
        }},
       {"uncommanded rise",
-       [](Reach& up) {
+       [](ReasonBench& up) {
          up.arm();
-         up.force(kFree, kFree, 0.3);
+         up.set_velocity(kFreeAxis, kFreeAxis, 0.3);
          up.run(0.5);
        }},
-      {"pose lost", hovering(1.0, [](Reach& up) { up.has_mocap = false; })},
+      {"pose lost", hovering(1.0, [](ReasonBench& up) { up.has_mocap = false; })},
       {"fence",
-       [](Reach& up) {
+       [](ReasonBench& up) {
          up.hover();
-         up.force(-1.0, kFree, 0.0);
+         up.set_velocity(-1.0, kFreeAxis, 0.0);
          up.run_until([&] { return up.place_m().x() < -0.3; }, 5.0);
        }},
       {"separation breach", hovering(0.5,
-                                     [](Reach& up) {
+                                     [](ReasonBench& up) {
                                        up.walker_m = up.vehicle.world_from_body().translation_m +
                                                      Eigen::Vector3d(0.4, 0.0, 0.0);
                                      })},
-      {"tracking lost", hovering(1.5, [](Reach& up) { up.force(kFree, 3.0, 0.0); })},
+      {"tracking lost",
+       hovering(1.5, [](ReasonBench& up) { up.set_velocity(kFreeAxis, 3.0, 0.0); })},
       {"lift unproven",
-       [](Reach& up) {
+       [](ReasonBench& up) {
          up.begin_take_off();
          up.run_until([&] { return up.height_m() > 0.12; }, 10.0);
          const Eigen::Vector2d at_m = up.place_m();
@@ -120,20 +122,20 @@ std::vector<Row> rows() {
          };
          up.run(15.0);
        }},
-      {"battery empty", hovering(3.0, [](Reach& up) { up.charge(0.03); })},
-      {"battery critical", hovering(6.0, [](Reach& up) { up.charge(0.1); })},
-      {"battery silent", hovering(12.0, [](Reach& up) { up.mute_batteries(); })},
+      {"battery empty", hovering(3.0, [](ReasonBench& up) { up.charge(0.03); })},
+      {"battery critical", hovering(6.0, [](ReasonBench& up) { up.charge(0.1); })},
+      {"battery silent", hovering(12.0, [](ReasonBench& up) { up.drop_batteries(); })},
       {"battery stuck", hovering(62.0,
-                                 [](Reach& up) {
-                                   up.mute_batteries();
+                                 [](ReasonBench& up) {
+                                   up.drop_batteries();
                                    up.each_step = [&up](Time) {
                                      mavlink::BatteryStatus out;
                                      out.battery_remaining = 85;
-                                     up.insert(out);
+                                     up.deliver(out);
                                    };
                                  })},
       {"flight time",
-       [](Reach& up) {
+       [](ReasonBench& up) {
          SafetyLimits limits = limits_for(up.scenario, "Q1");
          limits.flight_max_s = 5.0;
          up.driver = std::make_unique<QuadrotorDriver>(up.scenario, "Q1", limits);
@@ -141,78 +143,82 @@ std::vector<Row> rows() {
          up.run(15.0);
        }},
       {"motor", hovering(0.3,
-                         [](Reach& up) {
+                         [](ReasonBench& up) {
                            if (up.is_px4()) {
                              mavlink::SysStatus out;
                              out.onboard_control_sensors_present = mavlink::kSensorMotorOutputs;
                              out.onboard_control_sensors_enabled = mavlink::kSensorMotorOutputs;
                              out.battery_remaining = 80;
-                             up.insert(out);
+                             up.deliver(out);
                            } else {
                              mavlink::Statustext out;
                              out.severity = 0;
                              constexpr std::string_view kText = "Potential Thrust Loss (3)";
                              std::copy(kText.begin(), kText.end(), out.text.begin());
-                             up.insert(out);
+                             up.deliver(out);
                            }
                          })},
-      {"autopilot lost", hovering(4.0, [](Reach& up) { up.is_deaf = true; })},
-      {"estimate lost", hovering(1.0, [](Reach& up) { up.report_motion(1.2, 0.0); })},
+      {"autopilot lost", hovering(4.0, [](ReasonBench& up) { up.driver_receives_nothing = true; })},
+      {"estimate lost", hovering(1.0, [](ReasonBench& up) { up.report_motion(1.2, 0.0); })},
       {"estimator failed",
-       hovering(4.0,
-                [](Reach& up) {
-                  up.mute({id::EstimatorStatus::kMessage.id, id::EkfStatusReport::kMessage.id});
-                })},
-      {"pose foreign", hovering(3.0, [](Reach& up) { up.report_motion(0.0, 1.0); })},
-      {"hover unsteady", hovering(4.0, [](Reach& up) { up.force(kFree, 0.3, 0.0); })},
+       hovering(
+           4.0,
+           [](ReasonBench& up) {
+             up.drop_messages({id::EstimatorStatus::kMessage.id, id::EkfStatusReport::kMessage.id});
+           })},
+      {"pose foreign", hovering(3.0, [](ReasonBench& up) { up.report_motion(0.0, 1.0); })},
+      {"hover unsteady",
+       hovering(4.0, [](ReasonBench& up) { up.set_velocity(kFreeAxis, 0.3, 0.0); })},
       {"does not sink", hovering(6.0,
-                                 [](Reach& up) {
-                                   up.alters = [k = 0](models::MocapFrame& frame) mutable {
+                                 [](ReasonBench& up) {
+                                   up.alter_frame = [k = 0](models::MocapFrame& frame) mutable {
                                      frame.bodies.front().world_from_body.translation_m.z() =
                                          1.0 + 1e-4 * (++k % 7);
                                    };
                                    up.command(OperatorAction::kLand);
                                  })},
-      {"operator lost", hovering(4.0, [](Reach& up) { up.has_operator = false; })},
-      {"short of processor", hovering(4.0, [](Reach& up) { up.driver->on_processor_wait(0.4); })},
-      {"ending", hovering(0.2, [](Reach& up) { up.driver->end(false); })},
-      {"pose stale", hovering(0.3, [](Reach& up) { up.has_mocap = false; })},
+      {"operator lost", hovering(4.0, [](ReasonBench& up) { up.has_operator = false; })},
+      {"short of processor",
+       hovering(4.0, [](ReasonBench& up) { up.driver->on_processor_wait(0.4); })},
+      {"ending", hovering(0.2, [](ReasonBench& up) { up.driver->end(false); })},
+      {"pose stale", hovering(0.3, [](ReasonBench& up) { up.has_mocap = false; })},
       {"pose late", hovering(3.0,
-                             [](Reach& up) {
+                             [](ReasonBench& up) {
                                up.has_mocap = false;  // frames take another path and are late
-                               up.alters = [&up](models::MocapFrame frame) {
+                               up.alter_frame = [&up](models::MocapFrame frame) {
                                  frame.arrival = frame.stamp.time;
                                  frame.stamp.time -= std::chrono::milliseconds(200);
                                  up.driver->on_mocap(frame, up.now);
                                };
                              })},
       {"pose implausible", hovering(0.3,
-                                    [](Reach& up) {
-                                      up.alters = [](models::MocapFrame& frame) {
+                                    [](ReasonBench& up) {
+                                      up.alter_frame = [](models::MocapFrame& frame) {
                                         frame.bodies.front().world_from_body.translation_m.x() +=
                                             1.0;
                                       };
                                     })},
-      {"fence ahead", hovering(2.5, [](Reach& up) { up.force(-1.0, kFree, 0.0); })},
+      {"fence ahead",
+       hovering(2.5, [](ReasonBench& up) { up.set_velocity(-1.0, kFreeAxis, 0.0); })},
       {"obstacle ahead",
-       [](Reach& up) {
+       [](ReasonBench& up) {
          up.scenario.world.obstacles = {{{{0.2, 1.0}, {0.6, 3.0}}, 3.0}};
          up.restart_driver();
          up.hover();
-         up.force(-1.0, kFree, 0.0);
+         up.set_velocity(-1.0, kFreeAxis, 0.0);
          up.run(2.0);
        }},
       {"separation", hovering(0.5,
-                              [](Reach& up) {
+                              [](ReasonBench& up) {
                                 up.walker_m = up.vehicle.world_from_body().translation_m +
                                               Eigen::Vector3d(0.53, 0.0, 0.0);
                               })},
-      {"tracking", hovering(1.5, [](Reach& up) { up.force(kFree, 1.2, 0.0); })},
-      {"too fast", hovering(1.0, [](Reach& up) { up.force(kFree, 1.8, 0.0); })},
-      {"found flying", hovering(3.0, [](Reach& up) { up.restart_driver(); })},
-      {"no plan", hovering(0.5, [](Reach& up) { up.command(OperatorAction::kFollow); })},
+      {"tracking", hovering(1.5, [](ReasonBench& up) { up.set_velocity(kFreeAxis, 1.2, 0.0); })},
+      {"too fast", hovering(1.0, [](ReasonBench& up) { up.set_velocity(kFreeAxis, 1.8, 0.0); })},
+      {"found flying", hovering(3.0, [](ReasonBench& up) { up.restart_driver(); })},
+      {"no plan", hovering(0.5, [](ReasonBench& up) { up.command(OperatorAction::kFollow); })},
       {"planner late",
-       [](Reach& up) {
+       [](ReasonBench& up) {
          up.hover();
          up.command(OperatorAction::kFollow);
          for (int i = 0; i < 4; ++i) {
@@ -222,54 +228,58 @@ std::vector<Row> rows() {
            up.run(0.2);
          }
        }},
-      {"map differs", hovering(0.1, [](Reach& up) { up.driver->on_map(false); })},
-      {"autopilot quiet", hovering(2.7, [](Reach& up) { up.is_deaf = true; })},
-      {"telemetry stale", hovering(1.6, [](Reach& up) { up.is_deaf = true; })},
-      {"estimate off", hovering(1.0, [](Reach& up) { up.report_motion(0.5, 0.0); })},
-      {"velocity disagrees", hovering(3.0, [](Reach& up) { up.report_motion(0.0, 0.5); })},
+      {"map differs", hovering(0.1, [](ReasonBench& up) { up.driver->on_map(false); })},
+      {"autopilot quiet",
+       hovering(2.7, [](ReasonBench& up) { up.driver_receives_nothing = true; })},
+      {"telemetry stale",
+       hovering(1.6, [](ReasonBench& up) { up.driver_receives_nothing = true; })},
+      {"estimate off", hovering(1.0, [](ReasonBench& up) { up.report_motion(0.5, 0.0); })},
+      {"velocity disagrees", hovering(3.0, [](ReasonBench& up) { up.report_motion(0.0, 0.5); })},
       {"estimator doubtful",
-       hovering(3.0,
-                [](Reach& up) {
-                  up.mute({id::EstimatorStatus::kMessage.id, id::EkfStatusReport::kMessage.id});
-                })},
+       hovering(
+           3.0,
+           [](ReasonBench& up) {
+             up.drop_messages({id::EstimatorStatus::kMessage.id, id::EkfStatusReport::kMessage.id});
+           })},
       {"autopilot disobeys", hovering(2.5,
-                                      [](Reach& up) {
+                                      [](ReasonBench& up) {
                                         up.vehicle.controller().set_mode(
                                             up.is_px4() ? 3U << 16U : 5U, up.now);
                                       })},
-      {"operator quiet", hovering(2.0, [](Reach& up) { up.has_operator = false; })},
+      {"operator quiet", hovering(2.0, [](ReasonBench& up) { up.has_operator = false; })},
       {"driver stalled",
-       hovering(0.1, [](Reach& up) { up.now += std::chrono::milliseconds(300); })},
-      {"waits for processor", hovering(0.2, [](Reach& up) { up.driver->on_processor_wait(0.4); })},
-      {"pose aging", hovering(0.09, [](Reach& up) { up.has_mocap = false; })},
-      {"pose unsettled", [](Reach& up) { up.run(0.3); }},
+       hovering(0.1, [](ReasonBench& up) { up.now += std::chrono::milliseconds(300); })},
+      {"waits for processor",
+       hovering(0.2, [](ReasonBench& up) { up.driver->on_processor_wait(0.4); })},
+      {"pose aging", hovering(0.09, [](ReasonBench& up) { up.has_mocap = false; })},
+      {"pose unsettled", [](ReasonBench& up) { up.run(0.3); }},
       {"body tilted",
-       [](Reach& up) {
-         up.alters = [](models::MocapFrame& frame) {
+       [](ReasonBench& up) {
+         up.alter_frame = [](models::MocapFrame& frame) {
            frame.bodies.front().world_from_body.rotation =
                frame.bodies.front().world_from_body.rotation *
                Quaternion(Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitX()));
          };
-         up.stand();
+         up.stay_on_ground();
        }},
       {"not at its start",
-       [](Reach& up) {
+       [](ReasonBench& up) {
          up.scenario.robots[0].start.y_m += 1.0;
          up.restart_driver();
-         up.stand();
+         up.stay_on_ground();
        }},
       {"attitude disagrees",
-       [](Reach& up) {
+       [](ReasonBench& up) {
          up.report_attitude(0.3, 0.0, 0.0);
-         up.stand();
+         up.stay_on_ground();
        }},
       {"yaw disagrees",
-       [](Reach& up) {
+       [](ReasonBench& up) {
          up.report_attitude(0.0, 0.5, 0.0);
-         up.stand();
+         up.stay_on_ground();
        }},
       {"another vehicle is lifting",
-       [](Reach& up) {
+       [](ReasonBench& up) {
          up.add_robots();
          up.show_other([] { return FlightBench::kFloorM; });
          up.arm();
@@ -282,7 +292,7 @@ std::vector<Row> rows() {
          up.run(1.0);
        }},
       {"body nearby",
-       [](Reach& up) {
+       [](ReasonBench& up) {
          up.arm();
          up.walker_m = up.vehicle.world_from_body().translation_m + Eigen::Vector3d(0.6, 0.0, 0.0);
          up.run(0.2);
@@ -290,24 +300,25 @@ std::vector<Row> rows() {
          up.run(0.5);
        }},
       {"planner silent",
-       hovering(4.0, [](Reach& up) { up.driver->on_plan(up.plan_on(0.3, 2.0), up.now); })},
+       hovering(4.0, [](ReasonBench& up) { up.driver->on_plan(up.plan_on(0.3, 2.0), up.now); })},
       {"two planners", hovering(0.1,
-                                [](Reach& up) {
+                                [](ReasonBench& up) {
                                   up.driver->on_plan(up.plan_on(0.3, 2.0), up.now);
                                   models::RobotPlan other = up.plan_on(0.3, 2.0);
                                   other.stamp.run_id += 1;
                                   up.driver->on_plan(other, up.now);
                                 })},
-      {"another version", hovering(0.1, [](Reach& up) { up.driver->on_other_version(up.now); })},
+      {"another version",
+       hovering(0.1, [](ReasonBench& up) { up.driver->on_other_version(up.now); })},
       {"plans refused",
-       hovering(0.1, [](Reach& up) { up.driver->on_plan(up.plan_on(9.0, 2.0), up.now); })},
-      {"battery low", hovering(3.0, [](Reach& up) { up.charge(0.2); })},
+       hovering(0.1, [](ReasonBench& up) { up.driver->on_plan(up.plan_on(9.0, 2.0), up.now); })},
+      {"battery low", hovering(3.0, [](ReasonBench& up) { up.charge(0.2); })},
       {"battery for take-off",
-       [](Reach& up) {
+       [](ReasonBench& up) {
          up.charge(0.2);
-         up.stand();
+         up.stay_on_ground();
        }},
-      {"host busy", hovering(0.2, [](Reach& up) { up.driver->on_processor_wait(0.2); })},
+      {"host busy", hovering(0.2, [](ReasonBench& up) { up.driver->on_processor_wait(0.2); })},
   };
 }
 
@@ -324,9 +335,9 @@ TEST_P(ConditionReach, EveryRowOfTheTableIsReachedFromOutside) {
       return std::string_view(each.name) == row.name;
     });
     ASSERT_NE(found, table.end()) << "no input is known that reaches this row";
-    Reach up(GetParam());
+    ReasonBench up(GetParam());
     found->reach(up);
-    EXPECT_TRUE(up.given.contains(row.name)) << "now: " << up.reasons();
+    EXPECT_TRUE(up.reasons_seen.contains(row.name)) << "now: " << up.reasons();
   }
 }
 

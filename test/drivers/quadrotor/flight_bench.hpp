@@ -52,7 +52,7 @@ class FlightBench : public SteppedBench {
   void command(models::OperatorAction action) { driver->on_command(order(action), now); }
   models::OperatorCommand order(models::OperatorAction action) { return next_command(action); }
   /// Returns a repetition of the same command: same time, new message.
-  models::OperatorCommand said_again(const models::OperatorCommand& earlier) {
+  models::OperatorCommand repeated(const models::OperatorCommand& earlier) {
     models::OperatorCommand out = next_command(earlier.action);
     out.stamp.time = earlier.stamp.time;
     return out;
@@ -126,13 +126,13 @@ class FlightBench : public SteppedBench {
   bool has_mocap = true;
   bool has_operator = true;
   bool is_wire_cut = false;
-  bool is_deaf = false;  ///< the driver receives nothing; the vehicle still does
+  bool driver_receives_nothing = false;  ///< the driver receives nothing; the vehicle still does
   using Loses = std::function<bool(const std::vector<std::uint8_t>& datagram)>;
-  Loses drops;                                      ///< selects lost datagrams of the vehicle
-  Loses drops_sent;                                 ///< selects lost datagrams of the driver
-  std::function<void(models::MocapFrame&)> alters;  ///< changes mocap frames
+  Loses loses_received;                                  ///< selects lost datagrams of the vehicle
+  Loses loses_sent;                                      ///< selects lost datagrams of the driver
+  std::function<void(models::MocapFrame&)> alter_frame;  ///< changes mocap frames
   /// Receives each captured frame instead of the driver; empty: the bench delivers it.
-  std::function<void(const models::MocapFrame&)> carries;
+  std::function<void(const models::MocapFrame&)> on_capture;
   std::optional<Eigen::Vector3d> walker_m;  ///< m; shown position of the first target
   std::function<void(Time)> on_step;
   std::vector<std::vector<std::uint8_t>> sent;  ///< by the driver in the last step
@@ -143,7 +143,8 @@ class FlightBench : public SteppedBench {
     ++ticks_;
     vehicle.advance_to(now);
     for (const auto& datagram : vehicle.take_output()) {
-      if (!is_wire_cut && !is_deaf && !(drops && drops(datagram))) {
+      if (!is_wire_cut && !driver_receives_nothing &&
+          !(loses_received && loses_received(datagram))) {
         driver->receive(datagram, true, now);
       }
     }
@@ -157,7 +158,7 @@ class FlightBench : public SteppedBench {
     driver->tick(now);
     sent = driver->take_output();
     for (const auto& datagram : sent) {
-      if (!is_wire_cut && !(drops_sent && drops_sent(datagram))) {
+      if (!is_wire_cut && !(loses_sent && loses_sent(datagram))) {
         vehicle.receive(datagram, now);
       }
     }
@@ -181,11 +182,11 @@ class FlightBench : public SteppedBench {
       body.world_from_body.translation_m = *walker_m;
       frame.bodies.push_back(body);
     }
-    if (alters) {
-      alters(frame);
+    if (alter_frame) {
+      alter_frame(frame);
     }
-    if (carries) {
-      carries(frame);
+    if (on_capture) {
+      on_capture(frame);
     } else {
       waiting_.push_back(frame);
     }

@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "test/drivers/quadrotor/flight_bench.hpp"
+#include "wire/mavlink/constants.hpp"
 #include "wire/mavlink/parser.hpp"
-#include "wire/mavlink/vocabulary.hpp"
 
 namespace vantage::drivers {
 namespace {
@@ -61,19 +61,19 @@ TEST_P(FlightFaults, IgnoresARejectedPose) {
   bench.has_mocap = false;
   bench.run(0.7);
   bench.has_mocap = true;
-  bench.alters = [](models::MocapFrame& frame) {
+  bench.alter_frame = [](models::MocapFrame& frame) {
     frame.bodies.front().world_from_body.translation_m.x() += 1.0;
   };
   bench.run(0.02);  // until earlier captures have arrived
   int poses = 0;
-  double told_off_m = 0.0;  // m; greatest distance of a sent position from the hover
+  double sent_offset_m = 0.0;  // m; greatest distance of a sent position from the hover
   bench.on_step = [&](Time) {
     for (const auto& datagram : bench.sent) {
       has(datagram, [&](const wire::mavlink::Frame& frame) {
         const auto see = [&](const auto& message, bool is_pose) {
           if (message) {
             const Eigen::Vector2d at_m = place_of(*message);
-            told_off_m = std::max(told_off_m, (at_m - place_m).norm());
+            sent_offset_m = std::max(sent_offset_m, (at_m - place_m).norm());
             poses += is_pose ? 1 : 0;
           }
         };
@@ -86,18 +86,18 @@ TEST_P(FlightFaults, IgnoresARejectedPose) {
   };
   bench.run(0.7);
   EXPECT_EQ(poses, 0);
-  EXPECT_LT(told_off_m, 0.3);
-  bench.alters = nullptr;
+  EXPECT_LT(sent_offset_m, 0.3);
+  bench.alter_frame = nullptr;
   bench.run(0.1);
   EXPECT_GT(poses, 0) << "its own again";
-  EXPECT_LT(told_off_m, 0.3);
+  EXPECT_LT(sent_offset_m, 0.3);
 }
 
 // A radio that fails in one direction: the vehicle still receives the driver and must not hover
 // permanently.
 TEST_P(FlightFaults, LandsAVehicleThatIsNoLongerReceived) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
-  bench.is_deaf = true;
+  bench.driver_receives_nothing = true;
   ASSERT_TRUE(bench.run_until([&] { return !bench.is_armed(); }, 60.0)) << height_m();
   EXPECT_NEAR(height_m(), 0.0, 1e-6);
 }
@@ -131,7 +131,7 @@ TEST_P(FlightFaults, DoesNotRepeatAWithdrawnArm) {
       20.0));
   int lost = 0;
   bool is_lossy = true;
-  bench.drops_sent = [&](const std::vector<std::uint8_t>& datagram) {
+  bench.loses_sent = [&](const std::vector<std::uint8_t>& datagram) {
     const bool is_arm = has(datagram, [](const wire::mavlink::Frame& frame) {
       const auto command = wire::mavlink::unpack<wire::mavlink::CommandLong>(frame);
       return command && command->command == wire::mavlink::command::kArmDisarm &&
@@ -161,7 +161,7 @@ TEST_P(FlightFaults, RepeatedCommandKeepsThePilotInControl) {
   const std::uint32_t theirs = bench.vehicle.controller().mode();
   for (int i = 0; i < 20; ++i) {
     bench.run(0.1);
-    bench.driver->on_command(bench.said_again(hold), bench.now);
+    bench.driver->on_command(bench.repeated(hold), bench.now);
     EXPECT_EQ(bench.vehicle.controller().mode(), theirs) << i;
   }
   bench.command(OperatorAction::kHold);
@@ -175,12 +175,13 @@ TEST_P(FlightFaults, RepeatedCommandKeepsThePilotInControl) {
 // second pilot.
 TEST_P(FlightFaults, KeepsTheModeOfAPilot) {
   for (const bool is_by_hand : {true, false}) {
-    for (const bool is_deaf : {true, false}) {
-      SCOPED_TRACE(testing::Message() << "by hand " << is_by_hand << ", deaf " << is_deaf);
+    for (const bool driver_receives_nothing : {true, false}) {
+      SCOPED_TRACE(testing::Message()
+                   << "by hand " << is_by_hand << ", deaf " << driver_receives_nothing);
       FlightBench up(GetParam());
       ASSERT_TRUE(up.take_off()) << up.reasons();
       int orders_to_land = 0;
-      up.drops_sent = [&](const std::vector<std::uint8_t>& datagram) {
+      up.loses_sent = [&](const std::vector<std::uint8_t>& datagram) {
         orders_to_land += has(datagram, [&](const wire::mavlink::Frame& frame) {
           const auto command = wire::mavlink::unpack<wire::mavlink::CommandLong>(frame);
           const auto land = land_command(GetParam());
@@ -197,7 +198,7 @@ TEST_P(FlightFaults, KeepsTheModeOfAPilot) {
       up.run(2.0);
       EXPECT_EQ(up.state(), FlightState::kHold);
       up.has_mocap = false;
-      up.is_deaf = is_deaf;
+      up.driver_receives_nothing = driver_receives_nothing;
       ASSERT_TRUE(up.run_until([&] { return up.state() == FlightState::kLand; }, 3.0));
       up.run(3.0);
       if (!is_by_hand) {
@@ -206,7 +207,7 @@ TEST_P(FlightFaults, KeepsTheModeOfAPilot) {
       }
       EXPECT_EQ(up.state(), FlightState::kLand) << up.reasons();
       EXPECT_EQ(orders_to_land, 0);
-      up.is_deaf = false;
+      up.driver_receives_nothing = false;
       up.has_mocap = true;
       for (int round = 0; round < 2; ++round) {  // repeated with the same vehicle
         takes_over();
@@ -295,7 +296,7 @@ TEST_P(FlightFaults, KeepsSetPointsDespiteComponent0) {
 TEST_P(FlightFaults, StopsAPilotedVehicleOnlyOnCommand) {
   using Breaks = std::function<void(FlightBench&)>;
   const Breaks shows_it_outside = [](FlightBench& up) {
-    up.alters = [](models::MocapFrame& frame) {
+    up.alter_frame = [](models::MocapFrame& frame) {
       frame.bodies.front().world_from_body.translation_m.x() -= 3.5;
     };
   };
@@ -332,7 +333,7 @@ TEST_P(FlightFaults, LandsWithoutAnAttitude) {
   for (const bool is_told_as_nan : {false, true}) {
     FlightBench up(GetParam());
     ASSERT_TRUE(up.take_off()) << up.reasons();
-    up.drops = [](const std::vector<std::uint8_t>& datagram) {
+    up.loses_received = [](const std::vector<std::uint8_t>& datagram) {
       return has(datagram, [](const wire::mavlink::Frame& frame) {
         return frame.message_id == wire::mavlink::Attitude::kMessage.id;
       });

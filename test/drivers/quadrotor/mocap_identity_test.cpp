@@ -47,7 +47,7 @@ TEST(MocapIdentity, LandsNearbyWhenAStationaryBodyHasItsName) {
       Eigen::Vector3d still_m = bench.vehicle.world_from_body().translation_m;
       still_m.x() += row.off_m;
       int frames = 0;
-      bench.alters = [&](models::MocapFrame& frame) {
+      bench.alter_frame = [&](models::MocapFrame& frame) {
         Eigen::Vector3d& place_m = frame.bodies.front().world_from_body.translation_m;
         place_m = still_m + Eigen::Vector3d(1e-4 * (++frames % 7), 0.0, 0.0);
       };
@@ -88,7 +88,7 @@ TEST(MocapIdentity, HidesSwappedNamesFromTheVehicle) {
     bool is_hidden = false;
     std::uint32_t number = 0;
     vicon::SeenFrame seen;
-    bench.carries = [&](const models::MocapFrame& frame) {
+    bench.on_capture = [&](const models::MocapFrame& frame) {
       seen.clear();
       seen.arrival = {bench.now, bench.now - FlightBench::kStart};
       seen.number = ++number;
@@ -97,7 +97,7 @@ TEST(MocapIdentity, HidesSwappedNamesFromTheVehicle) {
       const auto add = [&](const std::string& name, const Eigen::Vector3d& place_m) {
         vicon::SeenBody& body = seen.add();
         body.name = name;
-        body.sight = is_hidden ? vicon::Sight::kAbsent : vicon::Sight::kSeen;
+        body.pose_state = is_hidden ? vicon::PoseState::kAbsent : vicon::PoseState::kSeen;
         body.world_from_body = frame.bodies.front().world_from_body;
         body.world_from_body.translation_m = place_m;
       };
@@ -158,7 +158,7 @@ TEST(MocapIdentity, ForwardsPosesThroughAClockChange) {
       FlightBench bench(dialect);
       ASSERT_TRUE(bench.take_off()) << bench.reasons();
       bench.run(2.0);
-      bench.alters = [&](models::MocapFrame& frame) { frame.stamp.time += set; };
+      bench.alter_frame = [&](models::MocapFrame& frame) { frame.stamp.time += set; };
       PoseWatch watch;
       bench.on_step = [&](Time) { watch.look(bench); };
       bench.run(6.0);

@@ -37,7 +37,7 @@ class Line {
         settings_{protocol, 100.0},
         object_stream_(settings_),
         driver_(spec_of(protocol), [this](const models::MocapFrame& frame) { publish(frame); }) {
-    bench_.carries = [this](const models::MocapFrame& frame) { capture(frame); };
+    bench_.on_capture = [this](const models::MocapFrame& frame) { capture(frame); };
     bench_.on_step = [this](Time) { step(); };
   }
 

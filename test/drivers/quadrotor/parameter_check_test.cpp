@@ -77,7 +77,7 @@ TEST(ParameterCheck, RepeatsUnansweredRequestsThenGivesUp) {
   EXPECT_FALSE(bench.check.is_complete());
   bench.run(3.0);
   EXPECT_TRUE(bench.check.is_complete());
-  EXPECT_EQ(bench.asked["FS_GCS_ENABLE"], ParameterCheck::kAsksMax);
+  EXPECT_EQ(bench.asked["FS_GCS_ENABLE"], ParameterCheck::kRequestsMax);
   EXPECT_FALSE(bench.check.is_kept());
   EXPECT_EQ(bench.check.reasons(),
             std::vector<std::string>{"FS_GCS_ENABLE is missing, wanted is 5: it stays"});
@@ -135,7 +135,7 @@ TEST(ParameterCheck, SetsOnlyDifferingParameters) {
   bench.known.erase("VISO_DELAY_MS");
   bench.run(5.0);
   EXPECT_TRUE(bench.set.empty()) << "nothing is set unasked";
-  bench.check.mend();
+  bench.check.repair();
   EXPECT_FALSE(bench.check.is_complete());
   bench.run(2.0);
   EXPECT_TRUE(bench.check.is_complete());
@@ -147,10 +147,10 @@ TEST(ParameterCheck, GivesUpParametersThatCannotBeSet) {
   Bench bench;
   bench.known["GUID_TIMEOUT"] = 3.0;
   bench.run(2.0);
-  bench.check.mend();
+  bench.check.repair();
   bench.run(10.0, false);
   EXPECT_TRUE(bench.check.is_complete());
-  EXPECT_EQ(bench.set["GUID_TIMEOUT"], ParameterCheck::kAsksMax);
+  EXPECT_EQ(bench.set["GUID_TIMEOUT"], ParameterCheck::kRequestsMax);
   EXPECT_FALSE(bench.check.is_kept());
 }
 

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "test/drivers/quadrotor/flight_bench.hpp"
-#include "wire/mavlink/vocabulary.hpp"
+#include "wire/mavlink/constants.hpp"
 
 namespace vantage::drivers {
 namespace {
@@ -124,7 +124,7 @@ TEST_P(Flight, FollowsAPlanToItsHover) {
 }
 
 /// Returns the type masks of the set-points among `sent`.
-std::set<std::uint16_t> kinds_told(const std::vector<std::vector<std::uint8_t>>& sent) {
+std::set<std::uint16_t> sent_type_masks(const std::vector<std::vector<std::uint8_t>>& sent) {
   std::set<std::uint16_t> out;
   wire::mavlink::Parser parser;
   for (const auto& datagram : sent) {
@@ -152,7 +152,7 @@ TEST_P(Flight, StopsWithinTheBudgetedDistance) {
   double farthest_m = 0.0;
   double back_m = 0.0;
   bench.on_step = [&](Time) {
-    kinds.merge(kinds_told(bench.sent));
+    kinds.merge(sent_type_masks(bench.sent));
     const double away_m = (bench.place_m() - from_m).norm();
     farthest_m = std::max(farthest_m, away_m);
     back_m = std::max(back_m, farthest_m - away_m);
@@ -167,7 +167,8 @@ TEST_P(Flight, StopsWithinTheBudgetedDistance) {
     bench.command(OperatorAction::kHold);
     bench.run(3.0);
     EXPECT_EQ(bench.state(), FlightState::kHold) << bench.reasons();
-    EXPECT_LT(farthest_m, stopping_way_m(limits, speed_mps) + kRecordedM) << "from " << speed_mps;
+    EXPECT_LT(farthest_m, stopping_distance_m(limits, speed_mps) + kRecordedM)
+        << "from " << speed_mps;
     EXPECT_GT(farthest_m, 0.1) << "it was not in motion";
     EXPECT_LT(back_m, kRecordedM) << "it is thrown";
     EXPECT_LT(bench.speed_mps(), 0.1);

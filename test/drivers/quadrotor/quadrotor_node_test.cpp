@@ -36,14 +36,14 @@ struct NodeBench : test::VehicleNodeBench<QuadrotorNode, sim::AutopilotEndpoint>
 void fly(NodeBench& bench) {
   ASSERT_TRUE(bench.run_until(
       [&] { return !bench.statuses.empty() && bench.statuses.back().reasons.empty(); }, 20.0));
-  bench.say(OperatorAction::kArm);
+  bench.send_command(OperatorAction::kArm);
   ASSERT_TRUE(bench.run_until([&] { return bench.is_armed(); }, 40.0));
   bench.run(1.5);
-  bench.say(OperatorAction::kTakeOff);
+  bench.send_command(OperatorAction::kTakeOff);
   ASSERT_TRUE(bench.run_until([&] { return bench.height_m() > 0.9; }, 15.0));
   EXPECT_EQ(bench.statuses.back().state, models::FlightState::kHold);
   EXPECT_GT(bench.statuses.back().battery_share, 0.9);
-  bench.say(OperatorAction::kLand);
+  bench.send_command(OperatorAction::kLand);
   ASSERT_TRUE(bench.run_until([&] { return !bench.is_armed(); }, 30.0));
 }
 
@@ -99,12 +99,12 @@ bool hovers(NodeBench& bench) {
           [&] { return !bench.statuses.empty() && bench.statuses.back().reasons.empty(); }, 20.0)) {
     return false;
   }
-  bench.say(OperatorAction::kArm);
+  bench.send_command(OperatorAction::kArm);
   if (!bench.run_until([&] { return bench.is_armed(); }, 40.0)) {
     return false;
   }
   bench.run(1.5);
-  bench.say(OperatorAction::kTakeOff);
+  bench.send_command(OperatorAction::kTakeOff);
   return bench.run_until([&] { return bench.height_m() > 0.9; }, 15.0);
 }
 
@@ -150,7 +150,7 @@ TEST(QuadrotorNode, DisarmsAndEndsAtOnceOnTheGround) {
   ASSERT_TRUE(bench.run_until(
       [&] { return !bench.statuses.empty() && bench.statuses.back().reasons.empty(); }, 20.0));
   EXPECT_EQ(bench.node.in_flight(bench.clock.now()), InFlight::kNo);
-  bench.say(OperatorAction::kArm);
+  bench.send_command(OperatorAction::kArm);
   ASSERT_TRUE(bench.run_until([&] { return bench.is_armed(); }, 40.0));
   bench.node.on_stop_request(1, bench.clock.now());  // before a heartbeat reports it as armed
   EXPECT_FALSE(bench.node.may_end(bench.clock.now()));
@@ -177,7 +177,7 @@ TEST(QuadrotorNode, CountsFrameLatency) {
   models::MocapFrame dated = bench.see();
   for (const Time date : {Time::min(), Time::max(), Time{}}) {
     dated.arrival = date;
-    bench.forge(bus::kVicon, dated);
+    bench.publish_forged(bus::kVicon, dated);
   }
   bench.run(0.1);
   EXPECT_EQ(counted("frame_setpoint_max_us"), 2'000) << "no way through the stack is that long";

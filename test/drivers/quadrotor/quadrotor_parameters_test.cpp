@@ -67,7 +67,8 @@ TEST_P(Parameters, StopWithinTheBudgetWhenTheDriverDies) {
     farthest_m = std::max(farthest_m, (bench.place_m() - from_m).norm());
   };
   bench.run(4.0);
-  EXPECT_LT(farthest_m, lost_way_m(limits_for(bench.scenario, "Q1"), speed_mps) + 0.1);
+  EXPECT_LT(farthest_m,
+            stopping_distance_after_loss_m(limits_for(bench.scenario, "Q1"), speed_mps) + 0.1);
   EXPECT_GT(farthest_m, 0.3 * speed_mps) << "it was not cut off in motion";
 }
 

@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
+#include "wire/mavlink/constants.hpp"
 #include "wire/mavlink/messages.hpp"
 #include "wire/mavlink/single.hpp"
-#include "wire/mavlink/vocabulary.hpp"
 
 namespace vantage::drivers {
 namespace {

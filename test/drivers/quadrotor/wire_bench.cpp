@@ -82,7 +82,7 @@ bool passes(const VehicleKnobs& knobs, mavlink::Frame& frame) {
     alter<mavlink::SysStatus>(frame,
                               [](auto& message) { message.battery_remaining = kFrozenPercent; });
   }
-  if (knobs.says_disarmed) {
+  if (knobs.reports_disarmed) {
     alter<mavlink::Heartbeat>(frame, [](auto& message) {
       message.base_mode = static_cast<std::uint8_t>(message.base_mode & ~kArmedFlag);
     });
@@ -139,12 +139,13 @@ scenario::Scenario WireBench::wire_scenario(AutopilotDialect dialect) {
   return out;
 }
 
-WireBench::Seat::Seat(WireBench& bench, const scenario::RobotSpec& robot, std::uint64_t seed,
-                      Time start)
+WireBench::WiredVehicle::WiredVehicle(WireBench& bench, const scenario::RobotSpec& robot,
+                                      std::uint64_t seed, Time start)
     : side(bench.hub_.connect()),
       bus(*side, 100 + static_cast<std::int64_t>(seed)),
       port(new WirePort),
-      node(bus, bench.clock_, bench.flown(), robot.name, std::unique_ptr<drivers::Port>(port)),
+      node(bus, bench.clock_, bench.bench_scenario(), robot.name,
+           std::unique_ptr<drivers::Port>(port)),
       emulator(
           [&] {
             sim::AutopilotEmulatorSpec spec;
@@ -158,10 +159,11 @@ WireBench::Seat::Seat(WireBench& bench, const scenario::RobotSpec& robot, std::u
 WireBench::WireBench(std::uint64_t seed, AutopilotDialect dialect)
     : FlightBench(seed, wire_scenario(dialect), kWireLeadS),
       clock_(now()),
-      vicon_(flown().mocap, ViconBench::settings_for(flown().mocap)) {
+      vicon_(bench_scenario().mocap, ViconBench::settings_for(bench_scenario().mocap)) {
   vicon_.epoch = now();
-  for (std::size_t i = 0; i < flown().robots.size(); ++i) {
-    seats_.push_back(std::make_unique<Seat>(*this, flown().robots[i], seed + i, now()));
+  for (std::size_t i = 0; i < bench_scenario().robots.size(); ++i) {
+    wired_vehicles_.push_back(
+        std::make_unique<WiredVehicle>(*this, bench_scenario().robots[i], seed + i, now()));
   }
   lab_.subscribe<models::VehicleStatus>(
       bus::vehicle_channel("*"),
@@ -169,25 +171,25 @@ WireBench::WireBench(std::uint64_t seed, AutopilotDialect dialect)
 }
 
 bool WireBench::is_px4(const std::string& robot) const {
-  return flown().find_robot(robot)->autopilot->dialect == AutopilotDialect::kPx4;
+  return bench_scenario().find_robot(robot)->autopilot->dialect == AutopilotDialect::kPx4;
 }
 
-WireBench::Seat& WireBench::seat(const std::string& robot) {
-  return *seats_[static_cast<std::size_t>(&vehicle(robot) - vehicles().data())];
+WireBench::WiredVehicle& WireBench::wired_vehicle(const std::string& robot) {
+  return *wired_vehicles_[static_cast<std::size_t>(&vehicle(robot) - vehicles().data())];
 }
 
 sim::AutopilotEmulator& WireBench::emulator(const std::string& robot) {
-  return seat(robot).emulator;
+  return wired_vehicle(robot).emulator;
 }
 
 const std::vector<std::string>& WireBench::reasons_of(const std::string& robot) {
-  return seat(robot).reasons;
+  return wired_vehicle(robot).reasons;
 }
 
 void WireBench::on_status(const models::VehicleStatus& status) {
   Vehicle& of = vehicle(status.robot);
   of.out.state = status.state;
-  seat(status.robot).reasons = status.reasons;
+  wired_vehicle(status.robot).reasons = status.reasons;
   const auto rows = drivers::conditions();
   for (std::size_t i = 0; i < rows.size(); ++i) {
     of.out.reasons[i] = std::find(status.reasons.begin(), status.reasons.end(), rows[i].name) !=
@@ -196,10 +198,10 @@ void WireBench::on_status(const models::VehicleStatus& status) {
 }
 
 std::vector<models::NamedCount> WireBench::counts_of(const Vehicle& vehicle) const {
-  const Seat& of = *seats_[static_cast<std::size_t>(
-      std::find_if(flown().robots.begin(), flown().robots.end(),
+  const WiredVehicle& of = *wired_vehicles_[static_cast<std::size_t>(
+      std::find_if(bench_scenario().robots.begin(), bench_scenario().robots.end(),
                    [&](const auto& robot) { return robot.name == vehicle.name; }) -
-      flown().robots.begin())];
+      bench_scenario().robots.begin())];
   std::vector<models::NamedCount> out = of.node.counters();
   for (const models::NamedCount& each : of.bus.counters()) {
     out.push_back(each);
@@ -234,13 +236,13 @@ void WireBench::fly_up(double until_s) {
                                      [](const Vehicle& each) { return each.has_flown; });
     const std::int64_t tick_of_cycle = ticks() % kCycleTicks;
     if (std::abs(time_s() - 3.5) < 0.5 * kTickS) {
-      say(OperatorAction::kFollow);
+      send_command(OperatorAction::kFollow);
     } else if (!all_fly && time_s() < 0.0 && tick_of_cycle == 90) {
-      say(OperatorAction::kHold);
+      send_command(OperatorAction::kHold);
     } else if (!all_fly && time_s() < 0.0 && tick_of_cycle == 240) {
-      say(OperatorAction::kArm);
+      send_command(OperatorAction::kArm);
     } else if (!all_fly && time_s() < 0.0 && tick_of_cycle == 250) {
-      say(OperatorAction::kTakeOff);
+      send_command(OperatorAction::kTakeOff);
     }
     tick();
     if (all_fly) {
@@ -257,7 +259,7 @@ void WireBench::publish(const std::string& channel, const Message& message) {
   const auto wire = bus::to_wire(message);
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(wire.getEncodedSize()));
   wire.encode(bytes.data(), 0, wire.getEncodedSize());
-  stranger_->publish(channel, bytes);
+  planner_side_->publish(channel, bytes);
 }
 
 void WireBench::deliver(const models::MocapFrame& frame) {
@@ -281,28 +283,29 @@ void WireBench::deliver(const models::OperatorCommand& command) {
   publish(bus::kCommand.name, command);
 }
 
-void WireBench::change_vehicle(Vehicle& vehicle, Seat& seat, double dt_s) {
+void WireBench::change_vehicle(Vehicle& vehicle, WiredVehicle& wired_vehicle, double dt_s) {
   const VehicleKnobs& knobs = vehicle.knobs;
-  sim::FlightController& controller = seat.emulator.controller();
+  sim::FlightController& controller = wired_vehicle.emulator.controller();
   if (!controller.airframe().is_on_ground()) {
     controller.airframe().push(dt_s * turn_axes(push_mps2(vehicle)));
   }
-  if (knobs.battery_share && !seat.charge_share) {
-    seat.charge_share = controller.airframe().battery_share();
+  if (knobs.battery_share && !wired_vehicle.charge_share) {
+    wired_vehicle.charge_share = controller.airframe().battery_share();
   }
-  if (seat.charge_share) {
-    controller.airframe().set_battery_share(knobs.battery_share.value_or(*seat.charge_share));
+  if (wired_vehicle.charge_share) {
+    controller.airframe().set_battery_share(
+        knobs.battery_share.value_or(*wired_vehicle.charge_share));
   }
   if (knobs.motors_off) {
     controller.disarm(true);
   }
-  if (knobs.mode_left && !std::exchange(seat.was_mode_left, true)) {
+  if (knobs.mode_left && !std::exchange(wired_vehicle.was_mode_left, true)) {
     controller.set_mode(is_px4(vehicle.name) ? kPx4Position : kArducopterLoiter, clock_.now());
   }
 }
 
-void WireBench::pass_telemetry(const Vehicle& vehicle, Seat& seat) {
-  for (const auto& datagram : seat.emulator.take_output()) {
+void WireBench::pass_telemetry(const Vehicle& vehicle, WiredVehicle& wired_vehicle) {
+  for (const auto& datagram : wired_vehicle.emulator.take_output()) {
     if (vehicle.knobs.link_cut) {
       continue;
     }
@@ -318,18 +321,18 @@ void WireBench::pass_telemetry(const Vehicle& vehicle, Seat& seat) {
     };
     parser.feed(datagram, pass);
     if (!passed.empty()) {
-      seat.port->to_driver.push_back(std::move(passed));
+      wired_vehicle.port->to_driver.push_back(std::move(passed));
     }
   }
 }
 
-void WireBench::read_truth(Vehicle& vehicle, Seat& seat) {
-  const Pose3 pose = seat.emulator.world_from_body();
+void WireBench::read_truth(Vehicle& vehicle, WiredVehicle& wired_vehicle) {
+  const Pose3 pose = wired_vehicle.emulator.world_from_body();
   vehicle.position_m = pose.translation_m;
-  vehicle.velocity_mps = seat.emulator.velocity_world_mps();
+  vehicle.velocity_mps = wired_vehicle.emulator.velocity_world_mps();
   vehicle.yaw_rad = flatten(pose).yaw_rad;
-  vehicle.is_armed = seat.emulator.controller().is_armed();
-  vehicle.battery_share = seat.emulator.controller().airframe().battery_share();
+  vehicle.is_armed = wired_vehicle.emulator.controller().is_armed();
+  vehicle.battery_share = wired_vehicle.emulator.controller().airframe().battery_share();
   vehicle.has_flown = vehicle.has_flown || vehicle.position_m.z() > 0.5;
 }
 
@@ -350,28 +353,28 @@ void WireBench::move() {
   }
   for (Duration step{}; step < from_seconds(kTickS); step += kStep) {
     clock_.set(now() + step);
-    for (std::size_t i = 0; i < seats_.size(); ++i) {
-      Seat& seat = *seats_[i];
+    for (std::size_t i = 0; i < wired_vehicles_.size(); ++i) {
+      WiredVehicle& wired_vehicle = *wired_vehicles_[i];
       Vehicle& vehicle = vehicles()[i];
-      change_vehicle(vehicle, seat, to_seconds(kStep));
-      seat.emulator.advance_to(clock_.now());
-      pass_telemetry(vehicle, seat);
-      if (vehicle.knobs.is_ending && !std::exchange(seat.was_end_requested, true)) {
-        seat.node.on_stop_request(1, clock_.now());
+      change_vehicle(vehicle, wired_vehicle, to_seconds(kStep));
+      wired_vehicle.emulator.advance_to(clock_.now());
+      pass_telemetry(vehicle, wired_vehicle);
+      if (vehicle.knobs.is_ending && !std::exchange(wired_vehicle.was_end_requested, true)) {
+        wired_vehicle.node.on_stop_request(1, clock_.now());
       }
-      seat.node.on_processor_wait(vehicle.knobs.processor_wait_s);
+      wired_vehicle.node.on_processor_wait(vehicle.knobs.processor_wait_s);
       if (!vehicle.knobs.is_stalled) {
-        seat.bus.handle(std::chrono::microseconds(0));
-        if (clock_.now() >= seat.node.next_tick()) {
-          seat.node.tick(clock_.now());
+        wired_vehicle.bus.handle(std::chrono::microseconds(0));
+        if (clock_.now() >= wired_vehicle.node.next_tick()) {
+          wired_vehicle.node.tick(clock_.now());
         }
       }
-      for (const auto& datagram : std::exchange(seat.port->to_vehicle, {})) {
+      for (const auto& datagram : std::exchange(wired_vehicle.port->to_vehicle, {})) {
         if (!vehicle.knobs.link_cut) {
-          seat.emulator.receive(datagram, clock_.now());
+          wired_vehicle.emulator.receive(datagram, clock_.now());
         }
       }
-      read_truth(vehicle, seat);
+      read_truth(vehicle, wired_vehicle);
     }
     lab_.handle(std::chrono::microseconds(0));
     vicon_.pass(kStep);

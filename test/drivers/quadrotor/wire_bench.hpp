@@ -61,8 +61,9 @@ class WireBench : public FlightBench {
   void move() override;
 
  private:
-  struct Seat {
-    Seat(WireBench& bench, const scenario::RobotSpec& robot, std::uint64_t seed, Time start);
+  struct WiredVehicle {
+    WiredVehicle(WireBench& bench, const scenario::RobotSpec& robot, std::uint64_t seed,
+                 Time start);
 
     std::unique_ptr<bus::Transport> side;
     bus::Bus bus;
@@ -76,10 +77,10 @@ class WireBench : public FlightBench {
   };
   static scenario::Scenario wire_scenario(models::AutopilotDialect dialect);
   [[nodiscard]] bool is_px4(const std::string& robot) const;
-  [[nodiscard]] Seat& seat(const std::string& robot);
-  void change_vehicle(Vehicle& vehicle, Seat& seat, double dt_s);
-  void pass_telemetry(const Vehicle& vehicle, Seat& seat);
-  void read_truth(Vehicle& vehicle, Seat& seat);
+  [[nodiscard]] WiredVehicle& wired_vehicle(const std::string& robot);
+  void change_vehicle(Vehicle& vehicle, WiredVehicle& wired_vehicle, double dt_s);
+  void pass_telemetry(const Vehicle& vehicle, WiredVehicle& wired_vehicle);
+  void read_truth(Vehicle& vehicle, WiredVehicle& wired_vehicle);
   void on_status(const models::VehicleStatus& status);
   template <class Message>
   void publish(const std::string& channel, const Message& message);
@@ -88,12 +89,12 @@ class WireBench : public FlightBench {
   bus::VirtualClock clock_;
   std::unique_ptr<bus::Transport> mocap_side_ = hub_.connect();
   bus::Bus mocap_bus_{*mocap_side_, 33};
-  std::unique_ptr<bus::Transport> stranger_ = hub_.connect();  ///< publishes encoded plans,
-                                                               ///< commands
+  std::unique_ptr<bus::Transport> planner_side_ = hub_.connect();  ///< publishes encoded plans,
+                                                                   ///< commands
   std::unique_ptr<bus::Transport> lab_side_ = hub_.connect();
   bus::Bus lab_{*lab_side_, 44};
   ViconBench vicon_;
-  std::vector<std::unique_ptr<Seat>> seats_;
+  std::vector<std::unique_ptr<WiredVehicle>> wired_vehicles_;
 };
 
 }  // namespace vantage::test

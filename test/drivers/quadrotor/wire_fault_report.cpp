@@ -73,7 +73,7 @@ const Difference* difference_of(const Fault& fault) {
 // True if device bytes can carry the fault. Two faults need a plan check without teammates, which
 // no device can cause. Two need rotations that the matrices of DataStream cannot express
 // (quaternions of VRPN can: vicon_test).
-bool is_on_the_wire(const Fault& fault) {
+bool is_wire_fault(const Fault& fault) {
   const std::string name = fault.name;
   return !fault.trusts_plans && name != "no rotation" && name != "no unit rotation";
 }
@@ -132,7 +132,7 @@ const std::vector<Fault>& wire_faults(AutopilotDialect dialect) {
   static const auto all_of = [](AutopilotDialect of) {
     std::vector<Fault> all;
     for (const Fault& fault : fault_catalogue()) {
-      if (is_on_the_wire(fault)) {
+      if (is_wire_fault(fault)) {
         all.push_back(on_the_wire(fault, of));
       }
     }
@@ -143,12 +143,12 @@ const std::vector<Fault>& wire_faults(AutopilotDialect dialect) {
   return dialect == AutopilotDialect::kPx4 ? kPx4 : kArdupilot;
 }
 
-std::string why_different(const Fault& fault) {
+std::string difference_reason(const Fault& fault) {
   const Difference* const difference = difference_of(fault);
   return difference == nullptr ? "" : difference->why;
 }
 
-FaultRun fly_on_the_wire(const Fault& fault, AutopilotDialect dialect, std::uint64_t seed) {
+FaultRun fly_wire_fault(const Fault& fault, AutopilotDialect dialect, std::uint64_t seed) {
   WireBench bench(seed, dialect);
   bench.fly_up(kBeginS);
   const Fault* const one[] = {&fault};
@@ -190,9 +190,9 @@ std::string wire_fault_report() {
   for (std::size_t i = 0; i < px4.size(); ++i) {
     out += "| " + std::to_string(px4[i].number) + " | " + px4[i].name + " | " + px4[i].what +
            " | " + sign(px4[i]) + " | " +
-           cell(px4[i], fly_on_the_wire(px4[i], AutopilotDialect::kPx4, 1)) + " | " +
-           cell(ardupilot[i], fly_on_the_wire(ardupilot[i], AutopilotDialect::kArdupilot, 1)) +
-           " | " + why_different(px4[i]) + " |\n";
+           cell(px4[i], fly_wire_fault(px4[i], AutopilotDialect::kPx4, 1)) + " | " +
+           cell(ardupilot[i], fly_wire_fault(ardupilot[i], AutopilotDialect::kArdupilot, 1)) +
+           " | " + difference_reason(px4[i]) + " |\n";
   }
   return out;
 }

@@ -16,12 +16,12 @@ namespace vantage::test {
 const std::vector<Fault>& wire_faults(models::AutopilotDialect dialect);
 
 /// Returns how a row of wire_faults() differs from the catalogue; empty if it does not.
-std::string why_different(const Fault& fault);
+std::string difference_reason(const Fault& fault);
 
 /// Observation time of each fault, s.
 inline constexpr double kWireLastsS = 24.0;
 /// Flies up on a WireBench, starts the fault at kBeginS and continues for kWireLastsS.
-FaultRun fly_on_the_wire(const Fault& fault, models::AutopilotDialect dialect, std::uint64_t seed);
+FaultRun fly_wire_fault(const Fault& fault, models::AutopilotDialect dialect, std::uint64_t seed);
 
 /// Returns the rows of faults whose name contains `part_of_name`, with the reasons reported and the
 /// counters of Q1 that grew.

@@ -16,7 +16,7 @@ class WireFaults : public testing::TestWithParam<std::tuple<AutopilotDialect, st
 TEST_P(WireFaults, ReactInTimeAndEndAsStated) {
   const auto [dialect, index] = GetParam();
   const Fault& fault = wire_faults(dialect)[index];
-  const FaultRun run = fly_on_the_wire(fault, dialect, 2);  // the results page uses seed 1
+  const FaultRun run = fly_wire_fault(fault, dialect, 2);  // the results page uses seed 1
   const Outcome& outcome = run.outcomes.front();
   SCOPED_TRACE(std::string(fault.name) + ", reasons: " + list(outcome.reasons));
   EXPECT_TRUE(outcome.reacted);

@@ -101,8 +101,8 @@ class RoverBench : public SteppedBench {
   [[nodiscard]] Eigen::Vector2d place_m() const {
     return rover.state().world_from_body.position_m();
   }
-  [[nodiscard]] bool stands() const { return rover.state().speed_mps == 0.0; }
-  [[nodiscard]] bool says(const std::string& reason) const {
+  [[nodiscard]] bool is_stationary() const { return rover.state().speed_mps == 0.0; }
+  [[nodiscard]] bool has_reason(const std::string& reason) const {
     const auto reasons = driver.status(now).reasons;
     return std::find(reasons.begin(), reasons.end(), reason) != reasons.end();
   }
@@ -116,7 +116,7 @@ class RoverBench : public SteppedBench {
   bool commands_on = true;
   bool operator_on = true;
   bool driver_on = true;
-  std::optional<Pose3> seen_as;  ///< pose in mocap frames instead of the truth
+  std::optional<Pose3> shown_pose;  ///< pose in mocap frames instead of the truth
   std::optional<Eigen::Vector2d> target_m;
   std::function<drivers::RoverMessage(const drivers::RoverMessage&)> change;
 
@@ -129,7 +129,7 @@ class RoverBench : public SteppedBench {
     frame.frame_number = steps;
     models::MocapBody body;
     body.name = "R1";
-    body.world_from_body = seen_as.value_or(lift(rover.state().world_from_body, kMarkersM));
+    body.world_from_body = shown_pose.value_or(lift(rover.state().world_from_body, kMarkersM));
     body.world_from_body.translation_m += Eigen::Vector3d(noise_m(random), noise_m(random), 0.0);
     frame.bodies.push_back(body);
     if (target_m) {

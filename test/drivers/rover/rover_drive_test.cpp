@@ -74,7 +74,7 @@ TEST(RoverDriver, FollowsAPlanWithinTheStatedError) {
   EXPECT_LT(worst_m, kPlanErrorM);
   RecordProperty("set_off_mm", static_cast<int>(1000.0 * set_off_m));
   bench.run(1.0);
-  EXPECT_TRUE(bench.stands());
+  EXPECT_TRUE(bench.is_stationary());
   EXPECT_LT(error_m(bench, plan), 0.05);
   RecordProperty("worst_mm", static_cast<int>(1000.0 * worst_m));
 }
@@ -126,7 +126,7 @@ TEST(RoverDriver, DrivesThroughWaypoints) {
     least_m = std::min(least_m, (bench.place_m() - places[0].position_world_m).norm());
   }
   EXPECT_LT(least_m, 0.08);
-  EXPECT_TRUE(bench.stands());
+  EXPECT_TRUE(bench.is_stationary());
   EXPECT_LT((bench.place_m() - places[1].position_world_m).norm(), 0.08);
   const std::vector<Waypoint> outside = {{{-1.0, 2.0}, 0.5}};
   EXPECT_EQ(bench.driver.drive_through(outside, bench.now), PlanVerdict::kOutsideFence);
@@ -150,13 +150,13 @@ TEST(RoverDriver, LandStopsAndDisarms) {
   ASSERT_TRUE(bench.make_ready());
   ASSERT_EQ(bench.plan(RoverBench::straight(0.5, 6.0)), PlanVerdict::kAccepted);
   bench.run(2.0);
-  ASSERT_FALSE(bench.stands());
+  ASSERT_FALSE(bench.is_stationary());
   EXPECT_EQ(bench.command(OperatorAction::kLand), CommandVerdict::kObeyed);
   bench.run(0.1);
   EXPECT_EQ(bench.driver.state(), FlightState::kLand);
   EXPECT_TRUE(bench.run_until([&] { return bench.driver.state() == FlightState::kIdle; }, 0.6));
   bench.run(0.05);
-  EXPECT_TRUE(bench.stands());
+  EXPECT_TRUE(bench.is_stationary());
 }
 
 TEST(RoverDriver, TicksWithoutAllocating) {
@@ -198,7 +198,7 @@ TEST(RoverDriver, StopsBeforeACrossingPersonIsClose) {
         person_m -= 240.0 * step_m;  // starts far enough away
       }
       double least_m = 1e9;
-      for (int i = 0; i < 600 && !(i > 0 && bench.stands()); ++i) {
+      for (int i = 0; i < 600 && !(i > 0 && bench.is_stationary()); ++i) {
         person_m += step_m;
         bench.target_m = person_m;
         bench.step();

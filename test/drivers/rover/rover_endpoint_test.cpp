@@ -42,7 +42,7 @@ void drive(const std::string& url) {
   EXPECT_NEAR(static_cast<double>(link.telemetry().yaw_rate_radps), 0.2, 1e-6);
   EXPECT_TRUE(link.has_flag(wire::rover::kDriving));
   EXPECT_TRUE(link.is_ours());
-  EXPECT_LE(link.obeyed_age_s(now), 0.1);
+  EXPECT_LE(link.taken_command_age_s(now), 0.1);
   EXPECT_EQ(rover.emulator().refused(), 0);
 }
 

@@ -37,7 +37,7 @@ const Fault kFaults[] = {
      "pose stale"},
     {"MocapJumps",
      [](RoverBench& b) {
-       b.seen_as = lift({3.5, 7.0, 0.0}, RoverBench::kMarkersM);
+       b.shown_pose = lift({3.5, 7.0, 0.0}, RoverBench::kMarkersM);
      },
      0.12, FlightState::kHold, "pose implausible"},
     {"OperatorFallsSilent", [](RoverBench& b) { b.operator_on = false; }, 1.0, FlightState::kHold,
@@ -74,14 +74,14 @@ TEST_P(RoverFault, StopsItInTheStatedTime) {
   ASSERT_GT(bench.rover.state().speed_mps, 0.45);
   fault.begin(bench);
   const Time begin = bench.now;
-  ASSERT_TRUE(bench.run_until([&] { return bench.stands(); }, 6.0));
+  ASSERT_TRUE(bench.run_until([&] { return bench.is_stationary(); }, 6.0));
   const double took_s = to_seconds(bench.now - begin);
   EXPECT_LE(took_s, fault.seen_after_s + kBrakeS);
   RecordProperty("took_ms", static_cast<int>(1000.0 * took_s));
 
   bench.run(0.6);
   EXPECT_EQ(bench.driver.state(), fault.end);
-  EXPECT_TRUE(bench.says(fault.reason)) << fault.reason;
+  EXPECT_TRUE(bench.has_reason(fault.reason)) << fault.reason;
   const Eigen::Vector2d stood_m = bench.place_m();
   bench.run(1.0);
   EXPECT_EQ(bench.place_m(), stood_m) << "it goes on standing";
@@ -108,17 +108,17 @@ class RoverUnderWay : public ::testing::Test {
 TEST_F(RoverUnderWay, StopsWhenItsDriverEnds) {
   bench.driver_on = false;
   const Time begin = bench.now;
-  ASSERT_TRUE(bench.run_until([&] { return bench.stands(); }, 2.0));
+  ASSERT_TRUE(bench.run_until([&] { return bench.is_stationary(); }, 2.0));
   EXPECT_LE(to_seconds(bench.now - begin), kWatchdogS + 0.25 + 0.02);
 }
 
 TEST_F(RoverUnderWay, StopsAtTheEndOfTheLastPlan) {
-  ASSERT_TRUE(bench.run_until([&] { return bench.stands(); }, 10.0));
+  ASSERT_TRUE(bench.run_until([&] { return bench.is_stationary(); }, 10.0));
   bench.run(3.0);
-  EXPECT_TRUE(bench.stands());
+  EXPECT_TRUE(bench.is_stationary());
   EXPECT_NEAR(bench.place_m().y(), 1.0 + 0.5 * 9.0 + 0.0625, 0.06);
   EXPECT_EQ(bench.driver.state(), FlightState::kHold);
-  EXPECT_TRUE(bench.says("no plan"));
+  EXPECT_TRUE(bench.has_reason("no plan"));
 }
 
 TEST_F(RoverUnderWay, KeepsAnEmergencyStopUntilRearmed) {
@@ -192,7 +192,7 @@ TEST(RoverFence, IsNotCrossedWhenSteeringJams) {
     return wire::rover::encode(command);
   };
   bench.run(6.0);
-  EXPECT_TRUE(bench.stands());
+  EXPECT_TRUE(bench.is_stationary());
   EXPECT_GT(bench.place_m().y(), 1.8) << "it drove";
   EXPECT_LT(bench.place_m().y(), 3.0 - scenario.robots[0].limits.radius_m);
 }
@@ -201,7 +201,7 @@ TEST(RoverFence, ForbidsArmingOutside) {
   RoverBench bench;
   bench.rover.push_to({0.1, 1.0, kPi / 2});
   bench.run(1.0);
-  EXPECT_TRUE(bench.says("fence"));
+  EXPECT_TRUE(bench.has_reason("fence"));
   EXPECT_EQ(bench.command(OperatorAction::kArm), CommandVerdict::kRefused);
 }
 

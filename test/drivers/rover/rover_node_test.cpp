@@ -29,13 +29,13 @@ struct NodeBench : test::VehicleNodeBench<RoverNode, sim::RoverEndpoint> {
 
   /// Arms, commands `follow` and publishes a straight plan of round 5; returns false if the rover
   /// is not ready.
-  bool sets_off() {
+  bool start_plan() {
     if (!run_until([&] { return !statuses.empty() && statuses.back().reasons.empty(); }, 3.0)) {
       return false;
     }
-    say(OperatorAction::kArm);
+    send_command(OperatorAction::kArm);
     run(0.1);
-    say(OperatorAction::kFollow);
+    send_command(OperatorAction::kFollow);
     run(0.1);
     models::RobotPlan plan;
     plan.stamp.time = clock.now() + from_seconds(0.2);
@@ -49,13 +49,13 @@ struct NodeBench : test::VehicleNodeBench<RoverNode, sim::RoverEndpoint> {
 
 TEST(RoverNode, DrivesAPlanFromTheBusAndStopsOnCommand) {
   NodeBench bench;
-  ASSERT_TRUE(bench.sets_off());
+  ASSERT_TRUE(bench.start_plan());
   bench.run(2.2);
   EXPECT_EQ(bench.statuses.back().state, models::FlightState::kFollow);
   EXPECT_EQ(bench.statuses.back().plan_round, 5);
   EXPECT_GT(bench.statuses.back().battery_share, 0.8);
   EXPECT_NEAR(bench.vehicle.emulator().state().world_from_body.y_m, 2.0, 0.1);
-  bench.say(OperatorAction::kEmergencyStop);
+  bench.send_command(OperatorAction::kEmergencyStop);
   bench.run(0.4);
   EXPECT_EQ(bench.vehicle.emulator().state().speed_mps, 0.0);
   EXPECT_TRUE(bench.vehicle.emulator().is_stopped());
@@ -71,7 +71,7 @@ TEST(RoverNode, DrivesAPlanFromTheBusAndStopsOnCommand) {
 // `follow`.
 TEST(RoverNode, HoldsWhileItsProcessWaitsForAProcessor) {
   NodeBench bench;
-  ASSERT_TRUE(bench.sets_off());
+  ASSERT_TRUE(bench.start_plan());
   bench.run(1.0);
   EXPECT_EQ(bench.statuses.back().state, models::FlightState::kFollow);
   bench.node.on_processor_wait(0.31);
@@ -89,7 +89,7 @@ TEST(RoverNode, HoldsWhileItsProcessWaitsForAProcessor) {
 
 TEST(RoverNode, StopsBeforeItEnds) {
   NodeBench bench;
-  ASSERT_TRUE(bench.sets_off());
+  ASSERT_TRUE(bench.start_plan());
   bench.run(1.5);
   EXPECT_EQ(bench.node.in_flight(bench.clock.now()), InFlight::kYes);
   bench.node.on_stop_request(1, bench.clock.now());
@@ -102,7 +102,7 @@ TEST(RoverNode, StopsBeforeItEnds) {
 // An old log is replayed during the drive, with its mocap and its stop.
 TEST(RoverNode, IgnoresAnOldLogAndASecondMocap) {
   NodeBench bench;
-  ASSERT_TRUE(bench.sets_off());
+  ASSERT_TRUE(bench.start_plan());
   bench.each_step = [&, sequence = std::int64_t{0}]() mutable {
     if (bench.steps % 2 == 1) {
       models::MocapFrame frame = bench.see();
@@ -110,11 +110,11 @@ TEST(RoverNode, IgnoresAnOldLogAndASecondMocap) {
       frame.stamp.time -= bench.steps % 4 == 1 ? std::chrono::hours(24) : std::chrono::hours(0);
       frame.stamp.sequence = sequence++;
       frame.bodies[0].world_from_body.translation_m = {-1.0, -1.0, 0.2};
-      bench.forge(bus::kVicon, frame);
+      bench.publish_forged(bus::kVicon, frame);
       models::OperatorCommand stop;
       stop.stamp = {bench.clock.now() - std::chrono::hours(24), 5, sequence};
       stop.action = OperatorAction::kEmergencyStop;
-      bench.forge(bus::kCommand, stop);
+      bench.publish_forged(bus::kCommand, stop);
     }
   };
   bench.run(2.2);

@@ -5,7 +5,7 @@
 
 #include "core/angle.hpp"
 #include "drivers/rover/steering.hpp"
-#include "drivers/rover/way.hpp"
+#include "drivers/rover/waypoint_path.hpp"
 #include "drivers/safety/plan_check.hpp"
 #include "sim/rover/rover.hpp"
 
@@ -93,7 +93,7 @@ TEST(BrakeOnCircle, KeepsTheRadiusAndStopsInTime) {
 
 TEST(WayThrough, PassesEveryWaypointAndStops) {
   const std::vector<Waypoint> places = {{{2.0, 0.0}, 0.5}, {{2.0, 0.05}, 5.0}, {{-1.0, 1.0}, 1.0}};
-  const models::Trajectory way = way_through(places, {0.0, 0.0, 1.0}, 0.2, Time{}, kLimits);
+  const models::Trajectory way = waypoint_trajectory(places, {0.0, 0.0, 1.0}, 0.2, Time{}, kLimits);
   HeldPlan held;
   ASSERT_TRUE(hold_plan(way, held));
   SafetyLimits limits;
@@ -114,7 +114,7 @@ TEST(WayThrough, PassesEveryWaypointAndStops) {
 
 TEST(WayThrough, IsEmptyAtTheGoal) {
   const std::vector<Waypoint> here = {{{1.0, 1.0}, 0.5}};
-  EXPECT_TRUE(way_through(here, {1.0, 1.0, 0.0}, 0.2, Time{}, kLimits).segments.empty());
+  EXPECT_TRUE(waypoint_trajectory(here, {1.0, 1.0, 0.0}, 0.2, Time{}, kLimits).segments.empty());
 }
 
 }  // namespace

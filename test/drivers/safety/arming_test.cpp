@@ -24,7 +24,7 @@ class Arming : public testing::Test {
   void arm(const std::function<void()>& set_knobs = [] {}) {
     bench.run(1.0, set_knobs);
     set_knobs();
-    bench.say(OperatorAction::kArm);
+    bench.send_command(OperatorAction::kArm);
     bench.tick();
     bench.run(0.5, set_knobs);
   }
@@ -78,10 +78,10 @@ TEST_F(Arming, IsForbiddenAwayFromTheStart) {
 
 TEST_F(Arming, IsAllowedAtTheLandingPositionAfterAFlight) {
   arm();
-  bench.say(OperatorAction::kTakeOff);
+  bench.send_command(OperatorAction::kTakeOff);
   bench.run(20.0);
   ASSERT_EQ(q1.out.state, FlightState::kHold);
-  bench.say(OperatorAction::kLand);
+  bench.send_command(OperatorAction::kLand);
   bench.run(15.0);
   ASSERT_FALSE(q1.is_armed);
   q1.position_m.y() += 0.8;  // carried by a person
@@ -125,11 +125,11 @@ TEST_F(Arming, KeepsTheOrderWhileABodyPasses) {
   arm();
   ASSERT_TRUE(q1.is_armed);
   const Eigen::Vector3d beside_m = q1.position_m + Eigen::Vector3d(0.52, 0.0, 0.0);
-  bench.run(0.16, [&] { bench.room().walkers_m = {beside_m}; });
+  bench.run(0.16, [&] { bench.room().target_positions_m = {beside_m}; });
   EXPECT_FALSE(q1.is_armed) << "motors off while it is there";
   EXPECT_TRUE(has("arm pending"));
   EXPECT_TRUE(has("separation"));
-  bench.run(1.5, [&] { bench.room().walkers_m = {{3.5, 1.8, 0.0}}; });
+  bench.run(1.5, [&] { bench.room().target_positions_m = {{3.5, 1.8, 0.0}}; });
   EXPECT_TRUE(q1.is_armed);
   EXPECT_FALSE(has("arm pending"));
 }
@@ -137,12 +137,12 @@ TEST_F(Arming, KeepsTheOrderWhileABodyPasses) {
 TEST_F(Arming, DropsTheOrderAfterTheTimeLimit) {
   arm();
   const Eigen::Vector3d beside_m = q1.position_m + Eigen::Vector3d(0.52, 0.0, 0.0);
-  bench.run(11.0, [&] { bench.room().walkers_m = {beside_m}; });
-  bench.run(1.0, [&] { bench.room().walkers_m = {{3.5, 1.8, 0.0}}; });
+  bench.run(11.0, [&] { bench.room().target_positions_m = {beside_m}; });
+  bench.run(1.0, [&] { bench.room().target_positions_m = {{3.5, 1.8, 0.0}}; });
   EXPECT_FALSE(q1.is_armed);
   EXPECT_TRUE(has("arm refused: separation"));
-  bench.say(OperatorAction::kArm);
-  bench.run(0.5, [&] { bench.room().walkers_m = {{3.5, 1.8, 0.0}}; });
+  bench.send_command(OperatorAction::kArm);
+  bench.run(0.5, [&] { bench.room().target_positions_m = {{3.5, 1.8, 0.0}}; });
   EXPECT_TRUE(q1.is_armed);
   EXPECT_FALSE(has("arm refused: separation"));
 }
@@ -160,9 +160,9 @@ TEST_F(Arming, DropsTheOrderWhenTheOperatorIsSilent) {
 // Regression: `take-off` before the motors ran was dropped without a report.
 TEST_F(Arming, KeepsTakeOffUntilTheMotorsRun) {
   bench.run(1.0);
-  bench.say(OperatorAction::kArm);
+  bench.send_command(OperatorAction::kArm);
   bench.tick();
-  bench.say(OperatorAction::kTakeOff);
+  bench.send_command(OperatorAction::kTakeOff);
   bench.tick();
   bench.run(8.0);
   EXPECT_GT(q1.position_m.z(), 0.9);
@@ -170,10 +170,10 @@ TEST_F(Arming, KeepsTakeOffUntilTheMotorsRun) {
 
 TEST_F(Arming, RefusesTakeOffBeforeArm) {
   bench.run(1.0);
-  bench.say(OperatorAction::kTakeOff);
+  bench.send_command(OperatorAction::kTakeOff);
   bench.run(1.0);
   EXPECT_TRUE(has("take-off refused: not armed"));
-  bench.say(OperatorAction::kArm);
+  bench.send_command(OperatorAction::kArm);
   bench.run(2.0);
   EXPECT_EQ(q1.out.state, FlightState::kIdle);
   EXPECT_FALSE(has("take-off refused: not armed"));
@@ -185,23 +185,23 @@ TEST_F(Arming, TakeOffWaitsForNearBodies) {
     FlightBench room(5);
     Vehicle& vehicle = room.vehicle("Q1");
     room.run(1.0);
-    room.say(OperatorAction::kArm);
+    room.send_command(OperatorAction::kArm);
     const Eigen::Vector3d from_m = vehicle.position_m + Eigen::Vector3d(0.65 * side, 0.0, 0.0);
-    room.run(0.5, [&] { room.room().walkers_m = {from_m}; });
+    room.run(0.5, [&] { room.room().target_positions_m = {from_m}; });
     ASSERT_TRUE(vehicle.is_armed);
-    room.say(OperatorAction::kTakeOff, "Q1");
-    room.run(3.0, [&] { room.room().walkers_m = {from_m}; });
+    room.send_command(OperatorAction::kTakeOff, "Q1");
+    room.run(3.0, [&] { room.room().target_positions_m = {from_m}; });
     EXPECT_LT(vehicle.position_m.z(), 0.01);
     EXPECT_TRUE(FlightBench::has_reason(vehicle, "body nearby", room.now()));
     EXPECT_TRUE(vehicle.is_armed) << "it may stand there with its motors on";
     Eigen::Vector3d walker_m = from_m;
     room.run(8.0, [&] {
       walker_m.y() += 0.004;
-      room.room().walkers_m = {walker_m};
+      room.room().target_positions_m = {walker_m};
     });
     EXPECT_GT(vehicle.position_m.z(), 0.9);
     EXPECT_EQ(vehicle.out.state, FlightState::kHold);
-    room.run(1.0, [&] { room.room().walkers_m = {walker_m}; });
+    room.run(1.0, [&] { room.room().target_positions_m = {walker_m}; });
     EXPECT_TRUE(room.violations().empty());
   }
 }

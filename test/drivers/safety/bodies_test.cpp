@@ -21,14 +21,14 @@ OtherBody person_at(double ahead_m, double speed_mps, double above_m = 0.0) {
   OtherBody body;
   body.position_world_m = kHere_m + Eigen::Vector3d(ahead_m, 0.0, above_m);
   body.velocity_world_mps = body.planned_world_mps = {speed_mps, 0.0, 0.0};
-  body.went_mps = std::abs(speed_mps);
+  body.last_speed_mps = std::abs(speed_mps);
   return body;
 }
 
 double stop_m(const OtherBody& body, double own_mps, const SafetyLimits& limits) {
-  const BrakeWay way = BrakeWay::straight(kHere_m, {own_mps, 0.0, 0.0}, 0.0,
-                                          limits.vehicle.brake_mps2, limits.reaction_s);
-  return look_around(kHere_m, way, {&body, 1}, limits).separation_stop_m;
+  const BrakingPath way = BrakingPath::straight(kHere_m, {own_mps, 0.0, 0.0}, 0.0,
+                                                limits.vehicle.brake_mps2, limits.reaction_s);
+  return compute_surroundings(kHere_m, way, {&body, 1}, limits).separation_stop_m;
 }
 
 // Head-on: the distance shrinks by our braking distance v T + v²/2a and by the path of the person
@@ -38,7 +38,7 @@ TEST(LookAround, PredictsAPersonUntilTheVehicleStops) {
   for (const double own_mps : {0.0, 0.5, 1.0}) {
     for (const double person_mps : {0.0, 0.5, 1.0, 1.5}) {
       const double stands_s = limits.reaction_s + own_mps / limits.vehicle.brake_mps2;
-      const double left_m = 3.0 - stopping_way_m(limits, own_mps) - person_mps * stands_s -
+      const double left_m = 3.0 - stopping_distance_m(limits, own_mps) - person_mps * stands_s -
                             0.5 * limits.other_turn_mps2 * stands_s * stands_s;
       EXPECT_NEAR(stop_m(person_at(3.0, -person_mps), own_mps, limits), left_m, 1e-9)
           << own_mps << ' ' << person_mps;
@@ -54,7 +54,7 @@ TEST(LookAround, UsesTheDecelerationOfARobot) {
     body.brake_mps2 = brake_mps2;
     EXPECT_NEAR(stop_m(body, 0.0, limits), 3.0 - limits.reaction_s - 0.5 / brake_mps2, 1e-9);
     body.brake_mps2 = 0.0;  // unknown: as ours
-    EXPECT_NEAR(stop_m(body, 0.0, limits), 3.0 - stopping_way_m(limits, 1.0), 1e-9);
+    EXPECT_NEAR(stop_m(body, 0.0, limits), 3.0 - stopping_distance_m(limits, 1.0), 1e-9);
   }
 }
 
@@ -77,16 +77,16 @@ TEST(LookAround, AssumesAnOccludedPersonKeepsWalking) {
   const SafetyLimits limits = bench_limits();
   for (const double unseen_s : {0.1, 0.5, 0.9}) {
     OtherBody body = person_at(4.0, 0.0);
-    body.went_mps = 1.5;
+    body.last_speed_mps = 1.5;
     body.age_s = limits.pose_age_hold_s + unseen_s;
     const double stands_s = limits.reaction_s + 1.0 / limits.vehicle.brake_mps2;
-    const double left_m = 4.0 - stopping_way_m(limits, 1.0) - 1.5 * (unseen_s + stands_s) -
+    const double left_m = 4.0 - stopping_distance_m(limits, 1.0) - 1.5 * (unseen_s + stands_s) -
                           0.5 * limits.other_turn_mps2 * stands_s * stands_s;
     EXPECT_NEAR(stop_m(body, 1.0, limits), left_m, 1e-9) << unseen_s;
   }
 }
 
-// A person counts if the person will be below before touchdown, within sinking_look_s.
+// A person counts if the person will be below before touchdown, within descent_prediction_s.
 TEST(OccupiedBelow, PredictsAPerson) {
   const SafetyLimits limits = bench_limits();
   for (const double height_m : {0.2, 0.4, 1.0, 2.0}) {
@@ -99,9 +99,10 @@ TEST(OccupiedBelow, PredictsAPerson) {
         body.velocity_world_mps = {-speed_mps, 0.0, 0.0};
         return !is_occupied_below(hover_m, {&body, 1}, limits);
       });
-      EXPECT_NEAR(nearest_m,
-                  limits.landing_clearance_m + speed_mps * std::min(down_s, limits.sinking_look_s),
-                  1e-7)
+      EXPECT_NEAR(
+          nearest_m,
+          limits.landing_clearance_m + speed_mps * std::min(down_s, limits.descent_prediction_s),
+          1e-7)
           << height_m << ' ' << speed_mps;
     }
   }
@@ -128,11 +129,11 @@ TEST(IsWayTaken, CountsACrossingPerson) {
   const Eigen::Vector3d to_m(1.2, 0.0, 1.0);  // takes 2 s
   OtherBody body;
   body.position_world_m = {0.6, 1.0, 1.0};
-  EXPECT_FALSE(is_way_taken(from_m, to_m, {&body, 1}, limits));
+  EXPECT_FALSE(is_path_blocked(from_m, to_m, {&body, 1}, limits));
   body.velocity_world_mps = {0.0, -1.0, 0.0};
-  EXPECT_TRUE(is_way_taken(from_m, to_m, {&body, 1}, limits));
+  EXPECT_TRUE(is_path_blocked(from_m, to_m, {&body, 1}, limits));
   body.velocity_world_mps = {0.0, 1.0, 0.0};
-  EXPECT_FALSE(is_way_taken(from_m, to_m, {&body, 1}, limits));
+  EXPECT_FALSE(is_path_blocked(from_m, to_m, {&body, 1}, limits));
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ TEST(Course, FollowsAStopExactly) {
     course.follow(plan, after(begin_s));
     course.advance(after(begin_s), 0.01, 1.0);
     const double stop_s = random.uniform(0.5, 3.0);
-    const BrakeWay way = BrakeWay::along(plan, stop_s, 2.0, 0.2, random.vector<3>(-0.1, 0.1));
+    const BrakingPath way = BrakingPath::along(plan, stop_s, 2.0, 0.2, random.vector<3>(-0.1, 0.1));
     course.stop(way, after(begin_s + stop_s));
     if (time % 2 == 1) {
       course.follow(driving(random.pose2(1.0), kSpeedMps, 0.0, after(begin_s + 20.0)),
@@ -68,7 +68,7 @@ TEST(Course, FollowsAStopExactly) {
 TEST(Course, IsThePlanItselfWithoutAWindow) {
   Course course(0.0);
   const HeldPlan plan = driving({0.3, -0.2, 1.0}, kSpeedMps, 0.7, kStart);
-  course.stand({0.3, -0.2, 1.0}, 1.0, kStart);
+  course.hover({0.3, -0.2, 1.0}, 1.0, kStart);
   EXPECT_EQ(course.at(kStart).position_world_m, Eigen::Vector3d(0.3, -0.2, 1.0));
   course.follow(plan, kStart);
   for (int tick = 1; tick <= 100; ++tick) {
@@ -84,7 +84,7 @@ TEST(Course, IsThePlanItselfWithoutAWindow) {
 TEST(Course, FollowsAPlanFromItsStartTime) {
   Course course(kHalfWindowS);
   Eigen::Vector3d before_m(5.0, 5.0, 1.0);
-  course.stand(before_m, 0.3, kStart);
+  course.hover(before_m, 0.3, kStart);
   for (int i = 1; i <= 3; ++i) {
     const Time start = after(i);
     const Eigen::Vector3d begins_m(-1.0 * i, 2.0, 1.0);
@@ -115,7 +115,7 @@ TEST(Course, ChangesItsSpeedOnlyWithinTheWindow) {
   for (const double rate_radps : {2.0, -2.0}) {
     for (const double speed_mps : {kSpeedMps, 0.0}) {
       Course course(kHalfWindowS);
-      course.stand({0.0, 0.0, 1.0}, 0.0, kStart);
+      course.hover({0.0, 0.0, 1.0}, 0.0, kStart);
       const double turns_radps = speed_mps > 0.0 ? 0.0 : rate_radps;
       course.follow(driving({0.0, 0.0, 0.0}, speed_mps, turns_radps, after(1.0)), kStart);
       for (const double t_s : {-0.3, -0.250001, -0.25, -0.1, 0.0, 0.1, 0.249999, 0.25, 0.3}) {
@@ -140,7 +140,7 @@ TEST(Course, ShiftsFromWhereItIs) {
   constexpr double kW = kHalfWindowS;
   Course course(kHalfWindowS);
   Eigen::Vector3d here_m(0.3, -1.0, 1.0);
-  course.stand(here_m, -0.3, kStart);
+  course.hover(here_m, -0.3, kStart);
   double begin_s = 3.0;
   const auto expect_shift = [&](const Eigen::Vector3d& to_m) {
     course.shift(to_m, kShiftMps, after(begin_s));
@@ -163,7 +163,7 @@ TEST(Course, ShiftsFromWhereItIs) {
   };
   expect_shift({1.3, 1.0, 1.0});
   expect_shift({0.3, -1.0, 1.0});
-  const BrakeWay way = BrakeWay::straight({-1.0, 1.0, 1.0}, {0.6, 0.8, 0.0}, -0.3, 2.0, 0.2);
+  const BrakingPath way = BrakingPath::straight({-1.0, 1.0, 1.0}, {0.6, 0.8, 0.0}, -0.3, 2.0, 0.2);
   course.stop(way, after(begin_s));
   here_m = way.at(way.duration_s()).position_world_m;
   begin_s += 2.0;
@@ -183,7 +183,7 @@ TEST(Course, ShiftsAndStandsFromRest) {
     EXPECT_EQ(course.planned_at(after(t_s)).acceleration_world_mps2.norm(), 0.0) << t_s;
     EXPECT_EQ(course.planned_at(after(t_s)).yaw_rate_radps, 0.0) << t_s;
   }
-  course.stand({1.0, 1.0, 1.0}, 0.5, after(1.2));
+  course.hover({1.0, 1.0, 1.0}, 0.5, after(1.2));
   PlanPoint stands;
   stands.position_world_m = {1.0, 1.0, 1.0};
   stands.yaw_rad = 0.5;

@@ -38,7 +38,7 @@ TEST(Course, LimitsAccelerationByItsWindow) {
   for (int trial = 0; trial < 50; ++trial) {
     Course course(kHalfWindowS);
     const HeldPlan plan = random_plan(random, after(1.0));
-    course.stand({plan.start.x_m, plan.start.y_m, 1.0}, plan.start.yaw_rad, kStart);
+    course.hover({plan.start.x_m, plan.start.y_m, 1.0}, plan.start.yaw_rad, kStart);
     course.follow(plan, kStart);
     Eigen::Vector3d last_mps = Eigen::Vector3d::Zero();
     for (double t_s = 0.0; t_s < 6.0; t_s += 0.01) {
@@ -86,7 +86,7 @@ TEST(Course, SmoothsTheStartOfAPlanAsStated) {
   plan.count = 1;
   plan.segments[0] = {{kSpeedMps, 0.0}, 3.0, 0.0};
   Course course(kHalfWindowS);
-  course.stand(Eigen::Vector3d::Zero(), 0.0, kStart);
+  course.hover(Eigen::Vector3d::Zero(), 0.0, kStart);
   course.follow(plan, kStart);
   const double w_s = kHalfWindowS;
   for (const double t_s : {-0.25, -0.2, -0.1, 0.0, 0.1, 0.2, 0.25}) {
@@ -104,7 +104,7 @@ TEST(Course, DropsAPlanThatHasNotStarted) {
   const HeldPlan plan = random_plan(random, after(0.1));
   Course course(kHalfWindowS);
   const Eigen::Vector3d place_m(plan.start.x_m, plan.start.y_m, 1.0);
-  course.stand(place_m, 0.3, kStart);
+  course.hover(place_m, 0.3, kStart);
   course.follow(plan, kStart);
   EXPECT_TRUE(course.has_next());
   course.forget_next();
@@ -144,13 +144,13 @@ TEST(Course, ShiftsFromRestToRest) {
     const Eigen::Vector3d to_m = random.vector<3>(-1.0, 1.0);
     constexpr double kShiftMps = 0.4;
     Course course(kHalfWindowS);
-    course.stand(from_m, 0.3, kStart);
+    course.hover(from_m, 0.3, kStart);
     course.shift(to_m, kShiftMps, kStart);
     EXPECT_TRUE(test::is_near(course.at(kStart).position_world_m, from_m, 1e-12));
     EXPECT_EQ(course.at(kStart).velocity_world_mps.norm(), 0.0);
     Eigen::Vector3d last_mps = Eigen::Vector3d::Zero();
     double t_s = 0.0;
-    for (; !course.is_standing(after(t_s)); t_s += 0.01) {
+    for (; !course.is_hovering(after(t_s)); t_s += 0.01) {
       ASSERT_LT(t_s, 10.0);
       const Eigen::Vector3d now_mps = course.at(after(t_s)).velocity_world_mps;
       EXPECT_LE(now_mps.norm(), kShiftMps + 1e-9);
@@ -235,7 +235,7 @@ TEST(Course, ForgetsPlansBeforeAStop) {
       course.advance(after(begin_s + leg), 0.01, 1.0);
     }
     const Eigen::Vector3d place_m(5.0, 5.0, 1.0);
-    course.stand(place_m, 0.3, after(begin_s + 2.0));
+    course.hover(place_m, 0.3, after(begin_s + 2.0));
     HeldPlan next = driving(0.0, after(begin_s + 3.0));
     next.start = {place_m.x(), place_m.y(), 0.3};
     course.follow(next, after(begin_s + 3.0));
@@ -244,7 +244,7 @@ TEST(Course, ForgetsPlansBeforeAStop) {
       EXPECT_TRUE(test::is_near(here.position_world_m, place_m, 1e-12)) << before_s;
       EXPECT_EQ(here.velocity_world_mps.norm(), 0.0);
     }
-    course.stand(place_m, 0.3, after(begin_s + 4.0));
+    course.hover(place_m, 0.3, after(begin_s + 4.0));
   }
 }
 
@@ -299,14 +299,14 @@ TEST(Course, HasAPlanUntilItsHover) {
   const HeldPlan plan = driving(0.0, kStart);
   Course course(kHalfWindowS);
   EXPECT_FALSE(course.has_plan(kStart));
-  EXPECT_TRUE(course.is_standing(kStart));
+  EXPECT_TRUE(course.is_hovering(kStart));
   for (int time = 0; time < 2; ++time) {
     course.follow(plan, kStart);
     EXPECT_TRUE(course.is_on_plan());
     EXPECT_TRUE(course.has_plan(after(4.0)));
     EXPECT_FALSE(course.has_plan(after(4.0) + Duration{1}));
-    EXPECT_FALSE(course.is_standing(after(9.0)));
-    const BrakeWay way = BrakeWay::along(plan, 1.0, 2.0, 0.2, {0.1, 0.0, 0.0});
+    EXPECT_FALSE(course.is_hovering(after(9.0)));
+    const BrakingPath way = BrakingPath::along(plan, 1.0, 2.0, 0.2, {0.1, 0.0, 0.0});
     HeldPlan next = plan;
     next.start_time = after(8.0);
     course.follow(next, after(1.0));
@@ -314,16 +314,16 @@ TEST(Course, HasAPlanUntilItsHover) {
     EXPECT_FALSE(course.has_next()) << "a stop forgets every plan";
     EXPECT_FALSE(course.is_on_plan());
     EXPECT_FALSE(course.has_plan(after(1.0)));
-    EXPECT_FALSE(course.is_standing(after(1.69)));
-    EXPECT_TRUE(course.is_standing(after(1.70))) << "0.2 s and 1 m/s at 2 m/s²";
+    EXPECT_FALSE(course.is_hovering(after(1.69)));
+    EXPECT_TRUE(course.is_hovering(after(1.70))) << "0.2 s and 1 m/s at 2 m/s²";
     course.follow(next, after(2.0));
     course.shift({1.0, 0.0, 1.0}, 0.5, after(2.0));
     EXPECT_FALSE(course.has_next());
-    EXPECT_FALSE(course.is_standing(after(2.1)));
+    EXPECT_FALSE(course.is_hovering(after(2.1)));
     course.follow(next, after(2.0));
-    course.stand({1.0, 0.0, 1.0}, 0.0, after(5.0));
+    course.hover({1.0, 0.0, 1.0}, 0.0, after(5.0));
     EXPECT_FALSE(course.has_next());
-    EXPECT_TRUE(course.is_standing(after(5.0)));
+    EXPECT_TRUE(course.is_hovering(after(5.0)));
   }
 }
 
@@ -336,7 +336,7 @@ TEST(BrakeWay, MatchesTheEquationsOfMotion) {
     const Eigen::Vector3d from_m = random.vector<3>(-1.0, 1.0);
     const double brake_mps2 = random.uniform(0.5, 3.0);
     const double reaction_s = random.uniform(0.0, 0.4);
-    const BrakeWay way = BrakeWay::straight(from_m, v_mps, 0.4, brake_mps2, reaction_s);
+    const BrakingPath way = BrakingPath::straight(from_m, v_mps, 0.4, brake_mps2, reaction_s);
     EXPECT_NEAR(way.duration_s(), reaction_s + v_mps.norm() / brake_mps2, 1e-12);
     Eigen::Vector3d p_m = from_m;
     constexpr double kStepS = 1e-4;
@@ -368,7 +368,7 @@ TEST(BrakeWay, FollowsThePlanUntilRest) {
     const HeldPlan plan = random_plan(random, kStart);
     const double from_s = random.uniform(0.0, 3.9);
     const Eigen::Vector3d offset_m = random.vector<3>(-0.2, 0.2);
-    const BrakeWay way = BrakeWay::along(plan, from_s, 2.0, 0.2, offset_m);
+    const BrakingPath way = BrakingPath::along(plan, from_s, 2.0, 0.2, offset_m);
     const double fastest_mps = std::max(point_at(plan, from_s).velocity_world_mps.norm(),
                                         point_at(plan, from_s + 0.2).velocity_world_mps.norm());
     const double brake_s = fastest_mps / 2.0;
@@ -412,9 +412,9 @@ TEST(Course, IsInvariantUnderMirrorRotationAndTime) {
     };
     Course here(kHalfWindowS, 1.0);
     Course there(kHalfWindowS, 1.0);
-    here.stand({plan.start.x_m, plan.start.y_m, 1.0}, plan.start.yaw_rad, kStart);
+    here.hover({plan.start.x_m, plan.start.y_m, 1.0}, plan.start.yaw_rad, kStart);
     const HeldPlan seen_plan = seen(plan);
-    there.stand({seen_plan.start.x_m, seen_plan.start.y_m, 1.0}, seen_plan.start.yaw_rad,
+    there.hover({seen_plan.start.x_m, seen_plan.start.y_m, 1.0}, seen_plan.start.yaw_rad,
                 kStart + later);
     here.follow(plan, kStart);
     there.follow(seen_plan, kStart + later);
@@ -426,9 +426,10 @@ TEST(Course, IsInvariantUnderMirrorRotationAndTime) {
         there.follow(seen(next), t + later);
       } else if (tick == 350) {
         here.stop(
-            BrakeWay::along(here.plan(), here.elapsed_s(t), 2.0, 0.2, Eigen::Vector3d::Zero()), t);
-        there.stop(BrakeWay::along(there.plan(), there.elapsed_s(t + later), 2.0, 0.2,
-                                   Eigen::Vector3d::Zero()),
+            BrakingPath::along(here.plan(), here.elapsed_s(t), 2.0, 0.2, Eigen::Vector3d::Zero()),
+            t);
+        there.stop(BrakingPath::along(there.plan(), there.elapsed_s(t + later), 2.0, 0.2,
+                                      Eigen::Vector3d::Zero()),
                    t + later);
       }
       here.advance(t, 0.01, rate);

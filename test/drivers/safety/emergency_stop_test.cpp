@@ -53,7 +53,7 @@ class EmergencyStopInTakeOff : public testing::TestWithParam<Moment> {
     return std::any_of(all.begin(), all.end(), [](const Vehicle& each) { return each.is_armed; });
   }
   void stop_and_expect_all_off() {
-    bench.say(OperatorAction::kEmergencyStop);
+    bench.send_command(OperatorAction::kEmergencyStop);
     bench.run(kStopS);
     EXPECT_FALSE(any_armed());
     for (const Vehicle& each : bench.vehicles()) {
@@ -68,10 +68,10 @@ class EmergencyStopInTakeOff : public testing::TestWithParam<Moment> {
 TEST_P(EmergencyStopInTakeOff, StopsEveryMotorUntilRearmed) {
   const Vehicle& first = bench.vehicle("Q1");
   bench.run(1.0);
-  bench.say(OperatorAction::kArm);
+  bench.send_command(OperatorAction::kArm);
   ASSERT_TRUE(run_until([&] { return first.is_armed; }, 3.0));
   if (std::string(GetParam().name) != "MotorsIdle") {
-    bench.say(OperatorAction::kTakeOff);
+    bench.send_command(OperatorAction::kTakeOff);
   }
   ASSERT_TRUE(run_until([&] { return GetParam().has_come(first); }, 15.0));
   stop_and_expect_all_off();
@@ -80,7 +80,7 @@ TEST_P(EmergencyStopInTakeOff, StopsEveryMotorUntilRearmed) {
   int said = 0;
   bench.run(3.0, [&] {
     has_run = has_run || any_armed();
-    bench.say(++said % 2 == 0 ? OperatorAction::kTakeOff : OperatorAction::kFollow);
+    bench.send_command(++said % 2 == 0 ? OperatorAction::kTakeOff : OperatorAction::kFollow);
   });
   EXPECT_FALSE(has_run);
   for (const Vehicle& each : bench.vehicles()) {
@@ -88,11 +88,11 @@ TEST_P(EmergencyStopInTakeOff, StopsEveryMotorUntilRearmed) {
     EXPECT_EQ(each.position_m.z(), 0.0) << each.name;
   }
 
-  bench.say(OperatorAction::kArm);
+  bench.send_command(OperatorAction::kArm);
   bench.run(2.0);
   EXPECT_FALSE(any_armed());
   EXPECT_EQ(first.out.state, FlightState::kIdle);
-  bench.say(OperatorAction::kArm);
+  bench.send_command(OperatorAction::kArm);
   ASSERT_TRUE(run_until([&] { return first.is_armed; }, 3.0));
   stop_and_expect_all_off();
 }

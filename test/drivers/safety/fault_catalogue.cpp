@@ -10,7 +10,7 @@ using models::FlightState;
 
 namespace {
 
-// Faults with Fault::needs_quiet.
+// Faults with Fault::needs_undisturbed_flight.
 constexpr const char* kNeedQuiet[] = {"head-on at 2 m/s",
                                       "planner that keeps flying at a teammate",
                                       "pushed aside by a hand",
@@ -28,17 +28,18 @@ constexpr const char* kNeedQuiet[] = {"head-on at 2 m/s",
 const std::vector<Fault>& fault_catalogue() {
   static const std::vector<Fault> kAll = [] {
     std::vector<Fault> all;
-    std::vector<Fault> of_plans = faults::of_plans();
-    for (Fault& fault : of_plans) {
-      fault.strikes_by_plans = true;
+    std::vector<Fault> plan_faults = faults::plan_faults();
+    for (Fault& fault : plan_faults) {
+      fault.acts_through_plans = true;
     }
-    for (const auto& part :
-         {faults::of_mocap(), of_plans, faults::of_vehicles(), faults::of_operators()}) {
+    for (const auto& part : {faults::mocap_faults(), plan_faults, faults::vehicle_faults(),
+                             faults::operator_faults()}) {
       all.insert(all.end(), part.begin(), part.end());
     }
     for (Fault& fault : all) {
       for (const char* name : kNeedQuiet) {
-        fault.needs_quiet = fault.needs_quiet || std::string(fault.name) == name;
+        fault.needs_undisturbed_flight =
+            fault.needs_undisturbed_flight || std::string(fault.name) == name;
       }
     }
     std::stable_sort(all.begin(), all.end(),

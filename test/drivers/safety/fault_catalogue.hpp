@@ -37,8 +37,8 @@ struct Fault {
   double delays_s = 0.0;      ///< s; during this time no other fault can be detected either
   /// It only affects a vehicle that follows and is seen. Together with a fault that changes the
   /// state it may have no effect; then only the violations are checked.
-  bool needs_quiet = false;
-  bool strikes_by_plans = false;  ///< a missing or refused plan delays its effect
+  bool needs_undisturbed_flight = false;
+  bool acts_through_plans = false;  ///< a missing or refused plan delays its effect
 };
 
 /// Returns all faults, ordered by number.
@@ -59,20 +59,20 @@ struct Outcome {
 struct FaultRun {
   std::vector<Outcome> outcomes;  ///< one per fault
   std::vector<std::string> violations;
-  /// Jumps of set-points and returns to less severe states (WayWatch).
-  std::vector<std::string> missteps;
+  /// Jumps of set-points and returns to less severe states (SetpointMonitor).
+  std::vector<std::string> path_violations;
   double closest_m = 0.0;
 };
 
-class WayWatch;
+class SetpointMonitor;
 
 /// Time at which faults begin: in the middle of a planning round, with all vehicles on their lanes.
 inline constexpr double kBeginS = 6.4;
 inline constexpr double kStaggerS = 0.25;
-/// Starts the faults on a flying bench, kStaggerS apart, and runs for `lasts_s`. `way` (may be
+/// Starts the faults on a flying bench, kStaggerS apart, and runs for `lasts_s`. `monitor` (may be
 /// null) observes each tick.
 FaultRun fly(FlightBench& bench, std::span<const Fault* const> faults, double lasts_s,
-             WayWatch* way);
+             SetpointMonitor* monitor);
 /// Flies up, starts the faults kStaggerS apart, and runs for `lasts_s`.
 FaultRun fly_with(std::span<const Fault* const> faults, std::uint64_t seed, double lasts_s = 16.0);
 

@@ -14,7 +14,7 @@ constexpr double kFloorS = 10.0;     // s; time limit of a stage that ends on th
 constexpr std::size_t kOneIn = 4;    // 1 / share of the pairs flown by default
 constexpr std::size_t kSample = 11;  // seed that selects them
 
-constexpr const char* kSaysFollow = "first station lost, a second beats on";
+constexpr const char* kSecondStationFault = "first station lost, a second beats on";
 
 // Two faults by name, in either order, and the reason why a check is skipped.
 struct Exception {
@@ -39,7 +39,7 @@ constexpr Exception kOneHidesTheOther[] = {
      "the second planner's plans are in time"},
     {"operator station lost", "second station beats beside the first",
      "the second station takes charge"},
-    {"operator station lost", kSaysFollow, "the second station takes charge"},
+    {"operator station lost", kSecondStationFault, "the second station takes charge"},
     {"operator silent for 2 s", "second station beats beside the first",
      "the second station takes charge and says follow"},
     {"latency 5 to 155 ms", "mocap clock drifts by 1 %",
@@ -68,19 +68,19 @@ bool is_flown(std::size_t i, std::size_t j) {
 }
 
 void expect_as_alone(const Fault& fault, const Outcome& outcome, const Fault& other) {
-  if (fault.needs_quiet && !other.stages.empty()) {
+  if (fault.needs_undisturbed_flight && !other.stages.empty()) {
     return;
   }
   // A vehicle that lands before its motors would be stopped near the floor has landed.
   const bool ends_at_floor = !fault.stages.empty() && fault.stages.back().within_s >= kFloorS;
   // A hold that the operator may end is ended by a station that sends `follow`.
   const bool goes_on =
-      std::string(other.name) == kSaysFollow && fault.end == models::FlightState::kHold;
+      std::string(other.name) == kSecondStationFault && fault.end == models::FlightState::kHold;
   const int needed = goes_on ? 0 : std::min(severity_of(fault.end), ends_at_floor ? 2 : 3);
   EXPECT_GE(severity_of(outcome.end), needed)
       << fault.name << " ends in " << name_of(outcome.end) << " with " << other.name;
   // If the other fault suppresses the plan that would strike, the next plan strikes.
-  const double later_s = fault.strikes_by_plans && other.strikes_by_plans ? kRoundS : 0.0;
+  const double later_s = fault.acts_through_plans && other.acts_through_plans ? kRoundS : 0.0;
   for (std::size_t s = 0; s < fault.stages.size() - (ends_at_floor ? 1 : 0); ++s) {
     EXPECT_GE(outcome.stage_s[s], 0.0) << fault.name << " never reaches "
                                        << name_of(fault.stages[s].state) << " with " << other.name;
@@ -98,10 +98,10 @@ const char* hides_count(const Fault& fault, const Fault& other, bool is_first) {
   if (!is_first && is_of_cameras(fault)) {
     return "the first of two faults of the cameras may leave no frame, or no pose, to be wrong";
   }
-  if (fault.strikes_by_plans && other.strikes_by_plans) {
+  if (fault.acts_through_plans && other.acts_through_plans) {
     return "one plan is spoilt once";
   }
-  if (fault.strikes_by_plans && !other.stages.empty()) {
+  if (fault.acts_through_plans && !other.stages.empty()) {
     return "a plan for a vehicle that does not follow is refused for that";
   }
   return nullptr;
@@ -126,7 +126,7 @@ void expect_as_soon(const Fault& fault, const Outcome& alone, const Outcome& out
   constexpr double kTicksS = 0.03;
   for (std::size_t s = 0; s < fault.stages.size(); ++s) {
     const bool is_before_other = alone.stage_s[s] + fault.begins_s < kStaggerS;
-    const bool is_by_the_clock = !fault.needs_quiet && !fault.strikes_by_plans;
+    const bool is_by_the_clock = !fault.needs_undisturbed_flight && !fault.acts_through_plans;
     const bool waits_for_floor = fault.stages[s].within_s >= kFloorS;
     if (!waits_for_floor && (is_before_other || is_by_the_clock)) {
       EXPECT_LE(outcome.stage_s[s], alone.stage_s[s] + kTicksS + other.delays_s)
@@ -168,8 +168,8 @@ TEST_P(FaultPairs, ReactAsToEachFaultAlone) {
     for (const std::string& violation : run.violations) {
       ADD_FAILURE() << all[i].name << " + " << all[j].name << ": " << violation;
     }
-    for (const std::string& misstep : run.missteps) {
-      ADD_FAILURE() << all[i].name << " + " << all[j].name << ": " << misstep;
+    for (const std::string& violation : run.path_violations) {
+      ADD_FAILURE() << all[i].name << " + " << all[j].name << ": " << violation;
     }
     expect_as_far_apart(all[i], alone, all[j], run);
     if (!is_listed(kOneHidesTheOther, all[i], all[j])) {

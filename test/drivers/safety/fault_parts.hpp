@@ -24,7 +24,7 @@ inline VehicleKnobs& q1(FlightBench& bench) { return bench.vehicle("Q1").knobs; 
 inline VehicleKnobs& q2(FlightBench& bench) { return bench.vehicle("Q2").knobs; }
 
 /// Sets a plan fault; of two faults of one plan the first counts.
-inline void spoil(VehicleKnobs& knobs, PlanFault fault) {
+inline void corrupt(VehicleKnobs& knobs, PlanFault fault) {
   knobs.plan = knobs.plan == PlanFault::kNone ? fault : knobs.plan;
 }
 /// True during one tick only.
@@ -68,31 +68,39 @@ inline Act both(Act one, Act other) {
   };
 }
 /// Returns an act in which the operator sends one command.
-inline Act says(OperatorAction action, double at_s = 0.0) {
-  return at(at_s, sets(&RoomKnobs::says, action));
+inline Act sends_command(OperatorAction action, double at_s = 0.0) {
+  return at(at_s, sets(&RoomKnobs::command, action));
 }
 
 /// Expected reaction to a fault and the final state.
-struct Course {
+struct Expected {
   std::vector<Stage> stages;
   const char* reason = nullptr;
   const char* counter = nullptr;
   FlightState end = kFollow;
 };
-inline Course flies_on() { return {}; }
-inline Course flies_on_counting(const char* counter) { return {{}, nullptr, counter}; }
-inline Course flies_on_saying(const char* reason, const char* counter = nullptr) {
+inline Expected flies_on() { return {}; }
+inline Expected flies_on_counting(const char* counter) { return {{}, nullptr, counter}; }
+inline Expected flies_on_with_reason(const char* reason, const char* counter = nullptr) {
   return {{}, reason, counter};
 }
-inline Course ends(FlightState end, std::vector<Stage> stages, const char* reason = nullptr,
-                   const char* counter = nullptr) {
+inline Expected ends(FlightState end, std::vector<Stage> stages, const char* reason = nullptr,
+                     const char* counter = nullptr) {
   return {std::move(stages), reason, counter, end};
 }
 
 /// Returns a fault of Q1 that begins at once.
-inline Fault fault(int number, const char* name, const char* what, Act act, Course course) {
-  return {number,         name,          what,          "Q1",           0.0,
-          std::move(act), course.stages, course.reason, course.counter, course.end};
+inline Fault fault(int number, const char* name, const char* what, Act act, Expected expected) {
+  return {number,
+          name,
+          what,
+          "Q1",
+          0.0,
+          std::move(act),
+          expected.stages,
+          expected.reason,
+          expected.counter,
+          expected.end};
 }
 inline Fault on(const char* whom, Fault fault) {
   fault.whom = whom;
@@ -113,12 +121,12 @@ inline Fault trusting(Fault fault) {
 }
 
 /// Returns faults 1 … 12: cameras, their computer, their clock.
-std::vector<Fault> of_mocap();
+std::vector<Fault> mocap_faults();
 /// Returns faults 14, 15, 23 … 31, 42: plans, planners, maps.
-std::vector<Fault> of_plans();
+std::vector<Fault> plan_faults();
 /// Returns faults 29, 31 … 35, 37, 38, 45: the vehicle, its autopilot, its link, the driver.
-std::vector<Fault> of_vehicles();
+std::vector<Fault> vehicle_faults();
 /// Returns faults 17 and 36: the operator.
-std::vector<Fault> of_operators();
+std::vector<Fault> operator_faults();
 
 }  // namespace vantage::test::faults

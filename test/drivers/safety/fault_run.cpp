@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "test/drivers/safety/fault_catalogue.hpp"
-#include "test/drivers/safety/way_watch.hpp"
+#include "test/drivers/safety/setpoint_monitor.hpp"
 
 namespace vantage::test {
 namespace {
@@ -22,9 +22,9 @@ bool shows(const Vehicle& vehicle, const std::string& reason) {
 }
 
 // Observes one fault during a run.
-class Watch {
+class FaultObserver {
  public:
-  Watch(const Fault& fault, FlightBench& bench) : fault_(fault) {
+  FaultObserver(const Fault& fault, FlightBench& bench) : fault_(fault) {
     outcome_.stage_s.assign(fault.stages.size(), -1.0);
     outcome_.end = models::FlightState::kKilled;
     for (const Vehicle& vehicle : bench.vehicles()) {
@@ -33,7 +33,7 @@ class Watch {
     reasons_of_.assign(bench.vehicles().size(), false);
   }
 
-  void look(FlightBench& bench, double since_s) {
+  void observe(FlightBench& bench, double since_s) {
     const double after_s = since_s - fault_.begins_s;
     if (after_s < -1e-9) {
       return;
@@ -99,10 +99,10 @@ class Watch {
 }  // namespace
 
 FaultRun fly(FlightBench& bench, std::span<const Fault* const> faults, double lasts_s,
-             WayWatch* way) {
-  std::vector<Watch> watches;
+             SetpointMonitor* monitor) {
+  std::vector<FaultObserver> observers;
   for (const Fault* fault : faults) {
-    watches.emplace_back(*fault, bench);
+    observers.emplace_back(*fault, bench);
   }
   const auto ticks = static_cast<int>(lasts_s / FlightBench::kTickS);
   for (int i = 0; i < ticks; ++i) {
@@ -115,16 +115,16 @@ FaultRun fly(FlightBench& bench, std::span<const Fault* const> faults, double la
       }
     }
     bench.tick();
-    if (way != nullptr) {
-      way->look(bench);
+    if (monitor != nullptr) {
+      monitor->update(bench);
     }
     for (std::size_t k = 0; k < faults.size(); ++k) {
-      watches[k].look(bench, since_s(k));
+      observers[k].observe(bench, since_s(k));
     }
   }
   FaultRun run;
-  for (Watch& watch : watches) {
-    run.outcomes.push_back(watch.finish(bench));
+  for (FaultObserver& observer : observers) {
+    run.outcomes.push_back(observer.finish(bench));
   }
   run.violations = bench.violations();
   run.closest_m = bench.closest_m();
@@ -136,9 +136,9 @@ FaultRun fly_with(std::span<const Fault* const> faults, std::uint64_t seed, doub
                                         [](const Fault* fault) { return fault->trusts_plans; });
   FlightBench bench(seed, trusts_plans);
   bench.fly_up(kBeginS);
-  WayWatch way(bench);
-  FaultRun run = fly(bench, faults, lasts_s, &way);
-  run.missteps = way.missteps();
+  SetpointMonitor monitor(bench);
+  FaultRun run = fly(bench, faults, lasts_s, &monitor);
+  run.path_violations = monitor.path_violations();
   return run;
 }
 

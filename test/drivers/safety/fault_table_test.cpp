@@ -40,7 +40,7 @@ TEST_P(FaultTable, ReactsInTimeAndEndsAsStated) {
     }
     EXPECT_STREQ(name_of(outcome.end), name_of(fault.end));
     EXPECT_TRUE(run.violations.empty()) << list(run.violations);
-    EXPECT_TRUE(run.missteps.empty()) << list(run.missteps);
+    EXPECT_TRUE(run.path_violations.empty()) << list(run.path_violations);
     if (fault.stages.empty() && fault.end == FlightState::kFollow && !fault.trusts_plans) {
       EXPECT_GT(run.closest_m, 1.0);
     }

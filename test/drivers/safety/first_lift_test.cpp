@@ -83,9 +83,9 @@ TEST_P(FirstLift, StaysBelowTheProofHeightInAWrongSetup) {
     FlightBench bench(7);
     bench.wiring() = setup.wiring;
     bench.run(1.0);
-    bench.say(OperatorAction::kArm);
+    bench.send_command(OperatorAction::kArm);
     bench.run(0.5);
-    bench.say(OperatorAction::kTakeOff, whom);
+    bench.send_command(OperatorAction::kTakeOff, whom);
     double highest_m[3] = {};
     double farthest_m[3] = {};
     std::vector<Eigen::Vector3d> start_m;
@@ -134,9 +134,9 @@ TEST(FirstLiftOfThree, LiftsInTheOrderOfNames) {
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     FlightBench bench(seed);
     bench.run(1.0);
-    bench.say(OperatorAction::kArm);
+    bench.send_command(OperatorAction::kArm);
     bench.run(0.3);
-    bench.say(OperatorAction::kTakeOff);
+    bench.send_command(OperatorAction::kTakeOff);
     bool waited = false;
     bench.run(14.0, [&] {
       int lifting = 0;
@@ -162,10 +162,10 @@ TEST(FirstLiftOfThree, SkipsAVehicleThatCannotLift) {
     const auto knobs = [&] { bench.vehicle(broken).knobs.cannot_lift = true; };
     bench.run(1.0, knobs);
     knobs();
-    bench.say(OperatorAction::kArm);
+    bench.send_command(OperatorAction::kArm);
     bench.run(0.3, knobs);
     knobs();
-    bench.say(OperatorAction::kTakeOff);
+    bench.send_command(OperatorAction::kTakeOff);
     bench.run(30.0, knobs);
     for (const Vehicle& vehicle : bench.vehicles()) {
       if (vehicle.name == broken) {
@@ -184,11 +184,11 @@ TEST(FirstLiftOfThree, LiftsInTheOrderOfCommands) {
   for (const double later_s : {0.02, 0.3, 1.0, 2.0}) {
     FlightBench bench(4);
     bench.run(1.0);
-    bench.say(OperatorAction::kArm);
+    bench.send_command(OperatorAction::kArm);
     bench.run(0.3);
-    bench.say(OperatorAction::kTakeOff, "Q3");
+    bench.send_command(OperatorAction::kTakeOff, "Q3");
     bench.run(later_s);
-    bench.say(OperatorAction::kTakeOff, "Q1");
+    bench.send_command(OperatorAction::kTakeOff, "Q1");
     bench.run(10.0);
     for (const char* name : {"Q1", "Q3"}) {
       EXPECT_NEAR(bench.vehicle(name).position_m.z(), 1.0, 0.05) << name << " " << later_s;
@@ -201,7 +201,7 @@ TEST(FirstLiftOfThree, LiftsInTheOrderOfCommands) {
 TEST(FirstLiftOfThree, StopsABodyThatRisesWithoutAnOrder) {
   FlightBench bench(4);
   bench.run(1.0);
-  bench.say(OperatorAction::kArm);
+  bench.send_command(OperatorAction::kArm);
   bench.run(0.5);
   Vehicle& q1 = bench.vehicle("Q1");
   ASSERT_TRUE(q1.is_armed);
@@ -220,26 +220,26 @@ TEST(LiftQueue, WaitsForReportedLiftsThenGoesByName) {
   drivers::LiftQueue second(scenario, "Q2");
   drivers::LiftQueue third(scenario, "Q3");
   const auto look = [&](double at_s) {
-    second.look({}, limits, start + from_seconds(at_s));
-    third.look({}, limits, start + from_seconds(at_s));
+    second.update({}, limits, start + from_seconds(at_s));
+    third.update({}, limits, start + from_seconds(at_s));
   };
   for (const double begin_s : {0.0, 20.0}) {  // repeated later with the same queues
     look(begin_s);
-    EXPECT_FALSE(second.is_taken());
+    EXPECT_FALSE(second.is_blocked());
     for (int i = 0; i <= 40; ++i) {
       second.on_lifting("Q1", start + from_seconds(begin_s + 0.1 * i));
       third.on_lifting("Q1", start + from_seconds(begin_s + 0.1 * i));
       look(begin_s + 0.1 * i);
-      EXPECT_TRUE(second.is_taken());
-      EXPECT_TRUE(third.is_taken());
+      EXPECT_TRUE(second.is_blocked());
+      EXPECT_TRUE(third.is_blocked());
     }
     double second_s = 0.0;
     double third_s = 0.0;
     for (int i = 0; i <= 100; ++i) {
       const double at_s = begin_s + 4.0 + 0.02 * i;
       look(at_s);
-      second_s = second_s > 0.0 || second.is_taken() ? second_s : at_s;
-      third_s = third_s > 0.0 || third.is_taken() ? third_s : at_s;
+      second_s = second_s > 0.0 || second.is_blocked() ? second_s : at_s;
+      third_s = third_s > 0.0 || third.is_blocked() ? third_s : at_s;
     }
     EXPECT_GT(second_s, begin_s + 4.4);
     EXPECT_GT(third_s, second_s + 0.1) << "long enough for the third to hear of the second";
@@ -258,8 +258,8 @@ TEST(LiftQueue, StaggersSimultaneousStarts) {
     drivers::LiftQueue queue(scenario, names[i]);
     queue.begin_turn(start);
     for (int k = 1; k < 100 && begun_s[i] == 0.0; ++k) {
-      queue.look({}, limits, start + k * Duration{20'000});
-      begun_s[i] = queue.is_taken() ? 0.0 : 0.02 * k;
+      queue.update({}, limits, start + k * Duration{20'000});
+      begun_s[i] = queue.is_blocked() ? 0.0 : 0.02 * k;
     }
   }
   EXPECT_GT(begun_s[0], 0.0);
@@ -273,15 +273,15 @@ TEST(LiftQueue, WaitsTheStatedTimeForThePredecessor) {
   const scenario::Scenario scenario = FlightBench::scenario();
   const drivers::SafetyLimits limits = drivers::limits_for(scenario, "Q2");
   const Time start = from_utime(1'700'000'000'000'000);
-  constexpr double kSlackS = 6.0;       // s; allowance for the start of its motors
-  constexpr double kPolitenessS = 0.3;  // s; extra wait of the second by name
+  constexpr double kSlackS = 6.0;      // s; allowance for the start of its motors
+  constexpr double kTurnDelayS = 0.3;  // s; extra wait of the second by name
   drivers::LiftQueue queue(scenario, "Q2");
   drivers::OtherBody first;
   first.robot = 0;
   int tick = 0;
   for (const double risen_m : {0.0, limits.lift_risen_m + 0.01, 0.0}) {
     first.position_world_m.z() = 0.0;
-    queue.look({&first, 1}, limits, start + tick * Duration{20'000});
+    queue.update({&first, 1}, limits, start + tick * Duration{20'000});
     queue.forget_own();
     queue.on_take_off("Q1");
     queue.on_take_off("Q2");
@@ -289,10 +289,10 @@ TEST(LiftQueue, WaitsTheStatedTimeForThePredecessor) {
     const int told = tick;
     do {
       ++tick;
-      queue.look({&first, 1}, limits, start + tick * Duration{20'000});
-    } while (queue.is_taken() && tick - told < 2000);
+      queue.update({&first, 1}, limits, start + tick * Duration{20'000});
+    } while (queue.is_blocked() && tick - told < 2000);
     const double proof_s = risen_m > 0.0 ? limits.lift_proof_s : 0.0;
-    EXPECT_NEAR(0.02 * (tick - told), limits.lift_wait_s + kSlackS + proof_s + kPolitenessS, 0.1);
+    EXPECT_NEAR(0.02 * (tick - told), limits.lift_wait_s + kSlackS + proof_s + kTurnDelayS, 0.1);
   }
 }
 

@@ -108,7 +108,7 @@ TEST_F(FleetOfQ2, PredictsOtherBodiesAtConstantVelocity) {
   const auto courses = fleet.courses(at(0.49), limits);
   ASSERT_EQ(courses.size(), 1u);
   EXPECT_NEAR(courses[0].velocity_world_mps.x(), 1.2, 0.01);
-  EXPECT_EQ(courses[0].goes_on_s, limits.other_goes_on_s);
+  EXPECT_EQ(courses[0].prediction_s, limits.other_prediction_s);
   EXPECT_TRUE(courses[0].reaches_ground);
   EXPECT_EQ(fleet.courses(at(3.0), limits)[0].velocity_world_mps.norm(), 0.0) << "not seen";
 }
@@ -120,7 +120,7 @@ TEST_F(FleetOfQ2, KeepsBodiesWithUnknownNames) {
   ASSERT_EQ(bodies.size(), 1u);
   EXPECT_EQ(bodies[0].position_world_m, Eigen::Vector3d(1.5, 0, 1.7));
   EXPECT_EQ(bodies[0].robot, -1);
-  EXPECT_TRUE(bodies[0].goes_first);
+  EXPECT_TRUE(bodies[0].has_priority);
   EXPECT_EQ(fleet.unknown_bodies(), 2);
   EXPECT_EQ(fleet.courses(at(0.0), limits).size(), 1u);
   EXPECT_EQ(fleet.bodies(at(9.9), limits).size(), 1u) << "occluded, or gone";
@@ -132,7 +132,7 @@ TEST_F(FleetOfQ2, KeepsTheNearestUnknownBodiesAndCountsTheRest) {
   const auto add = [&](const std::string& name, double x_m) {
     places_m[name] = Eigen::Vector3d(x_m, 1.0, 0.0);
   };
-  for (int i = 0; i < static_cast<int>(Fleet::kStrangersMax); ++i) {
+  for (int i = 0; i < static_cast<int>(Fleet::kUnknownBodiesMax); ++i) {
     add("A" + std::to_string(i), 1.0 + 0.1 * i);
   }
   show(0.0, places_m);
@@ -143,7 +143,7 @@ TEST_F(FleetOfQ2, KeepsTheNearestUnknownBodiesAndCountsTheRest) {
   add("C", 0.5);
   show(0.02, places_m);
   const auto bodies = fleet.bodies(at(0.02), limits);
-  EXPECT_EQ(bodies.size(), Fleet::kStrangersMax);
+  EXPECT_EQ(bodies.size(), Fleet::kUnknownBodiesMax);
   EXPECT_TRUE(std::any_of(bodies.begin(), bodies.end(),
                           [](const OtherBody& body) { return body.position_world_m.x() == 0.5; }));
 }

@@ -189,11 +189,11 @@ TEST_F(FleetBodies, AreSeenBodiesWithPriorityByName) {
   const auto bodies = fleet.bodies(at(0.0), limits);
   ASSERT_EQ(bodies.size(), 3u) << "itself is no other";
   const double xs_m[] = {0.0, 2.0, 3.0};
-  const bool goes_first[] = {true, false, true};  // Q1 is before Q2; other bodies go first
-  const int robots[] = {0, 2, -1};                // indices in the scenario
+  const bool has_priority[] = {true, false, true};  // Q1 is before Q2; other bodies go first
+  const int robots[] = {0, 2, -1};                  // indices in the scenario
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(bodies[i].position_world_m.x(), xs_m[i]);
-    EXPECT_EQ(bodies[i].goes_first, goes_first[i]) << i;
+    EXPECT_EQ(bodies[i].has_priority, has_priority[i]) << i;
     EXPECT_EQ(bodies[i].robot, robots[i]) << i;
   }
   const auto courses = fleet.courses(at(0.0), limits);
@@ -285,12 +285,12 @@ TEST_F(FleetBodies, KeepMovingAndKeepTheirRadiusIfNotRobots) {
                {"W1", {0.0, -1.2 * t_s, 0.0}}});
   }
   for (const double t_s : {0.5, 1.5, 30.0}) {
-    EXPECT_EQ(body(t_s, 0).went_mps, 0.0);
-    EXPECT_EQ(body(t_s, 1).went_mps, 0.0);
-    EXPECT_NEAR(body(t_s, 2).went_mps, 1.2, 0.01);
-    EXPECT_NEAR(body(t_s, 0).larger_m, 0.05, 1e-12);
-    EXPECT_EQ(body(t_s, 1).larger_m, 0.0);
-    EXPECT_NEAR(body(t_s, 2).larger_m, 0.15, 1e-12);
+    EXPECT_EQ(body(t_s, 0).last_speed_mps, 0.0);
+    EXPECT_EQ(body(t_s, 1).last_speed_mps, 0.0);
+    EXPECT_NEAR(body(t_s, 2).last_speed_mps, 1.2, 0.01);
+    EXPECT_NEAR(body(t_s, 0).excess_radius_m, 0.05, 1e-12);
+    EXPECT_EQ(body(t_s, 1).excess_radius_m, 0.0);
+    EXPECT_NEAR(body(t_s, 2).excess_radius_m, 0.15, 1e-12);
   }
 }
 

@@ -90,11 +90,11 @@ Vehicle& FlightBench::vehicle(const std::string& name) {
 void FlightBench::fly_up(double until_s) {
   while (time_s() < until_s) {
     if (ticks_ == 80) {
-      room_.says = OperatorAction::kArm;
+      room_.command = OperatorAction::kArm;
     } else if (ticks_ == 90) {
-      room_.says = OperatorAction::kTakeOff;
+      room_.command = OperatorAction::kTakeOff;
     } else if (ticks_ == kLeadTicks + 350) {
-      room_.says = OperatorAction::kFollow;
+      room_.command = OperatorAction::kFollow;
     }
     tick();
   }
@@ -139,9 +139,9 @@ void FlightBench::run(double seconds, const std::function<void()>& set_knobs) {
   }
 }
 
-void FlightBench::say(OperatorAction action, const std::string& whom) {
-  room_.says = action;
-  room_.says_to = whom;
+void FlightBench::send_command(OperatorAction action, const std::string& whom) {
+  room_.command = action;
+  room_.command_recipient = whom;
 }
 
 bool FlightBench::has_reason(const Vehicle& vehicle, const std::string& reason, Time now) {
@@ -161,11 +161,11 @@ void FlightBench::mocap() {
       models::MocapBody body;
       body.name = vehicle.name;
       const Eigen::Vector3d noise_m = 0.0005 * random_.vector<3>(-1.0, 1.0);
-      body.world_from_body = shown(carrier_of(vehicle));
+      body.world_from_body = shown_pose(shown_vehicle(vehicle));
       body.world_from_body.translation_m += noise_m;
       frame.bodies.push_back(body);
     }
-    spoil(frame);
+    corrupt(frame);
     const Time arrives = now() + from_seconds(room_.mocap_latency_s +
                                               random_.uniform(0.0, 1.0) * room_.mocap_jitter_s);
     newest_arrival_ = std::max(newest_arrival_, arrives);  // the network keeps the order
@@ -181,7 +181,7 @@ void FlightBench::mocap() {
 void FlightBench::deliver(const models::MocapFrame& frame) {
   for (Vehicle& vehicle : vehicles_) {
     if (!vehicle.knobs.is_stalled) {
-      (void)vehicle.guard->on_mocap(frame, now() - 1'000 * Duration{room_.heard_before_ms});
+      (void)vehicle.guard->on_mocap(frame, now() - 1'000 * Duration{room_.mocap_age_ms});
     }
   }
 }
@@ -189,7 +189,7 @@ void FlightBench::deliver(const models::MocapFrame& frame) {
 bool FlightBench::deliver(Vehicle& vehicle, const models::RobotPlan& plan) {
   const bool is_taken = vehicle.guard->on_plan(plan, now()) == drivers::PlanVerdict::kAccepted;
   for (Vehicle& teammate : vehicles_) {
-    if (teammate.name != vehicle.name && !teammate.knobs.mute_teammates) {
+    if (teammate.name != vehicle.name && !teammate.knobs.drops_teammate_plans) {
       teammate.guard->on_teammate_plan(plan, now());
     }
   }
@@ -213,17 +213,17 @@ std::int64_t FlightBench::count_of(const Vehicle& vehicle, const std::string& co
   return -1;
 }
 
-Vehicle& FlightBench::driver_of(const Vehicle& vehicle) {
+Vehicle& FlightBench::connected_driver(const Vehicle& vehicle) {
   const bool is_swapped = wiring_.swaps_addresses && vehicle.name != "Q3";
   return this->vehicle(!is_swapped ? vehicle.name : vehicle.name == "Q1" ? "Q2" : "Q1");
 }
 
-Vehicle& FlightBench::carrier_of(const Vehicle& named) {
+Vehicle& FlightBench::shown_vehicle(const Vehicle& named) {
   const bool is_swapped = wiring_.swaps_names && named.name != "Q3";
   return vehicle(!is_swapped ? named.name : named.name == "Q1" ? "Q2" : "Q1");
 }
 
-Pose3 FlightBench::shown(const Vehicle& vehicle) const {
+Pose3 FlightBench::shown_pose(const Vehicle& vehicle) const {
   const Eigen::Matrix3d& turn = wiring_.mocap_from_world;
   Pose3 pose = lift({vehicle.position_m.x(), vehicle.position_m.y(), vehicle.yaw_rad},
                     vehicle.position_m.z());
@@ -236,7 +236,7 @@ Pose3 FlightBench::shown(const Vehicle& vehicle) const {
   return pose;
 }
 
-void FlightBench::spoil(models::MocapFrame& frame) {
+void FlightBench::corrupt(models::MocapFrame& frame) {
   const std::vector<models::MocapBody> honest = frame.bodies;
   for (std::size_t i = 0; i < vehicles_.size(); ++i) {
     Vehicle& vehicle = vehicles_[i];
@@ -299,16 +299,16 @@ void FlightBench::spoil(models::MocapFrame& frame) {
       frame.bodies.push_back(twin);
     }
   }
-  for (std::size_t i = 0; i < room_.walkers_m.size(); ++i) {
+  for (std::size_t i = 0; i < room_.target_positions_m.size(); ++i) {
     models::MocapBody walker;
     walker.name = scenario_.targets.at(i).name;
-    walker.world_from_body.translation_m = room_.walkers_m[i];
+    walker.world_from_body.translation_m = room_.target_positions_m[i];
     frame.bodies.push_back(walker);
   }
-  if (room_.stranger_m) {
+  if (room_.unknown_body_m) {
     models::MocapBody stranger;
     stranger.name = "STRANGER";
-    stranger.world_from_body.translation_m = *room_.stranger_m;
+    stranger.world_from_body.translation_m = *room_.unknown_body_m;
     frame.bodies.push_back(stranger);
   }
   if (room_.ghost_body) {
@@ -321,7 +321,7 @@ void FlightBench::spoil(models::MocapFrame& frame) {
 
 // Returns a plan along the lane to its end, a turn, and back. It starts at the predicted position
 // if the vehicle keeps to its plan, otherwise at the current one.
-models::RobotPlan FlightBench::honest_plan(Vehicle& vehicle, Time start) {
+models::RobotPlan FlightBench::nominal_plan(Vehicle& vehicle, Time start) {
   models::RobotPlan plan;
   plan.robot = vehicle.name;
   plan.stamp.run_id = kPlannerRun;
@@ -359,7 +359,7 @@ models::RobotPlan FlightBench::honest_plan(Vehicle& vehicle, Time start) {
   return plan;
 }
 
-void FlightBench::spoil(models::RobotPlan& plan, Vehicle& vehicle) {
+void FlightBench::corrupt(models::RobotPlan& plan, Vehicle& vehicle) {
   models::Trajectory& way = plan.trajectory;
   const Pose2 from = way.start;
   const auto turn_to = [&](const Eigen::Vector2d& goal_m) {
@@ -439,10 +439,10 @@ void FlightBench::plan() {
     if (vehicle.knobs.planner_dead) {
       continue;
     }
-    models::RobotPlan plan = honest_plan(vehicle, start);
+    models::RobotPlan plan = nominal_plan(vehicle, start);
     const models::RobotPlan honest = plan;
     if (vehicle.knobs.plan != PlanFault::kNone) {
-      spoil(plan, vehicle);
+      corrupt(plan, vehicle);
     }
     plan.late = plan.late || vehicle.knobs.plan_late;
     const bool is_heard = vehicle.knobs.plan != PlanFault::kDropped && !vehicle.knobs.is_stalled;
@@ -459,32 +459,32 @@ void FlightBench::plan() {
   }
 }
 
-void FlightBench::say(OperatorAction action, std::int64_t run_id, std::int64_t& sequence) {
+void FlightBench::send_command(OperatorAction action, std::int64_t run_id, std::int64_t& sequence) {
   models::OperatorCommand command;
   command.stamp = {now(), run_id, sequence++};
   command.action = action;
-  command.robot = run_id == kStationRun ? room_.says_to : "";
+  command.robot = run_id == kStationRun ? room_.command_recipient : "";
   deliver(command);
 }
 
 void FlightBench::operate() {
   if (ticks_ % 20 == 0 && !room_.operator_silent) {
-    const std::string whom = std::exchange(room_.says_to, "");
-    say(OperatorAction::kHeartbeat, kStationRun, command_sequence_);
-    room_.says_to = whom;
+    const std::string whom = std::exchange(room_.command_recipient, "");
+    send_command(OperatorAction::kHeartbeat, kStationRun, command_sequence_);
+    room_.command_recipient = whom;
   }
-  if (room_.says) {
-    say(*room_.says, kStationRun, command_sequence_);
+  if (room_.command) {
+    send_command(*room_.command, kStationRun, command_sequence_);
   }
   if (room_.second_station && ticks_ % 20 == 5) {
-    say(OperatorAction::kHeartbeat, kOtherStationRun, other_sequence_);
+    send_command(OperatorAction::kHeartbeat, kOtherStationRun, other_sequence_);
     if (room_.second_arms) {
-      say(OperatorAction::kArm, kOtherStationRun, other_sequence_);
+      send_command(OperatorAction::kArm, kOtherStationRun, other_sequence_);
     }
-    say(OperatorAction::kFollow, kOtherStationRun, other_sequence_);
+    send_command(OperatorAction::kFollow, kOtherStationRun, other_sequence_);
   }
-  if (room_.other_says) {
-    say(*room_.other_says, kOtherStationRun, other_sequence_);
+  if (room_.second_command) {
+    send_command(*room_.second_command, kOtherStationRun, other_sequence_);
   }
 }
 

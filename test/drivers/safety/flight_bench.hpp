@@ -73,7 +73,7 @@ struct VehicleKnobs {
   double body_tilt_rad = 0.0;        ///< rad; of the mocap body about its x axis
   double attitude_offset_rad = 0.0;  ///< rad; added to the roll that the autopilot reports
   double yaw_offset_rad = 0.0;       ///< rad; added to the yaw that the autopilot reports
-  bool says_disarmed = false;        ///< the autopilot reports disarmed motors
+  bool reports_disarmed = false;     ///< the autopilot reports disarmed motors
   bool estimator_bad = false;
   double estimate_offset_m = 0.0;
   double velocity_offset_mps = 0.0;  ///< m/s; added to the x velocity that the autopilot reports
@@ -89,26 +89,28 @@ struct VehicleKnobs {
   double processor_wait_s = 0.0;  ///< s; reported wait of the driver within the last second
   bool is_ending = false;         ///< the driver was requested to end
   bool map_differs = false;
-  bool mute_teammates = false;  ///< plans of teammates do not arrive
+  bool drops_teammate_plans = false;  ///< plans of teammates do not arrive
 };
 
 struct RoomKnobs {
-  int mocap_every = 1;      ///< ticks per frame
-  int heard_before_ms = 0;  ///< ms; age of mocap frames when a tick processes them
+  int mocap_every = 1;   ///< ticks per frame
+  int mocap_age_ms = 0;  ///< ms; age of mocap frames when a tick processes them
   double mocap_latency_s = 0.005;
   double mocap_jitter_s = 0.0;
   Duration mocap_clock{};
   double frame_loss = 0.0;  ///< probability
   bool mocap_dead = false;
   bool ghost_body = false;
-  std::vector<Eigen::Vector3d> walkers_m;     ///< m; shown positions of the first targets
-  std::optional<Eigen::Vector3d> stranger_m;  ///< m; shown position of a body with an unknown name
+  std::vector<Eigen::Vector3d> target_positions_m;  ///< m; shown positions of the first targets
+  std::optional<Eigen::Vector3d>
+      unknown_body_m;  ///< m; shown position of a body with an unknown name
   bool operator_silent = false;
-  std::string says_to;                               ///< recipient of `says`; empty: all
-  bool second_station = false;                       ///< it sends heartbeats and `follow`
-  bool second_arms = false;                          ///< it also sends `arm`
-  std::optional<models::OperatorAction> says;        ///< operator command at this tick
-  std::optional<models::OperatorAction> other_says;  ///< command of the second station at this tick
+  std::string command_recipient;                  ///< recipient of `command`; empty: all
+  bool second_station = false;                    ///< it sends heartbeats and `follow`
+  bool second_arms = false;                       ///< it also sends `arm`
+  std::optional<models::OperatorAction> command;  ///< operator command at this tick
+  std::optional<models::OperatorAction>
+      second_command;  ///< command of the second station at this tick
 };
 
 /// Set-up of the room, possibly wrong. It holds for the whole run.
@@ -136,14 +138,14 @@ struct Vehicle {
 
   // The autopilot.
   Eigen::Vector3d drift_m = Eigen::Vector3d::Zero();  ///< m; error of its position estimate
-  double blind_s = 0.0;
-  Eigen::Vector3d felt_mps = Eigen::Vector3d::Zero();  ///< m/s; its own velocity estimate
-  double turn_radps = 0.0;                             ///< rad/s; true value and gyroscope reading
+  double without_pose_s = 0.0;
+  Eigen::Vector3d estimated_mps = Eigen::Vector3d::Zero();  ///< m/s; its own velocity estimate
+  double turn_radps = 0.0;  ///< rad/s; true value and gyroscope reading
   double spool_s = 0.0;
   double ground_s = 0.0;
   double without_setpoint_s = 0.0;
   double battery_share = 0.9;
-  drivers::FlightSetpoint asked;
+  drivers::FlightSetpoint setpoint;
 
   // The planner.
   std::int64_t round = 0;
@@ -179,7 +181,7 @@ class FlightBench {
   void run(
       double seconds, const std::function<void()>& set_knobs = [] {});
   /// Sends an operator command at the next tick, to one vehicle or, if `whom` is empty, to all.
-  void say(models::OperatorAction action, const std::string& whom = "");
+  void send_command(models::OperatorAction action, const std::string& whom = "");
   /// True if the status of the vehicle contains `reason` now.
   [[nodiscard]] static bool has_reason(const Vehicle& vehicle, const std::string& reason, Time now);
 
@@ -212,7 +214,7 @@ class FlightBench {
   virtual void deliver(const models::OperatorCommand& command);
   /// Advances drivers, autopilots and vehicles by one tick.
   virtual void move();
-  [[nodiscard]] const scenario::Scenario& flown() const { return scenario_; }
+  [[nodiscard]] const scenario::Scenario& bench_scenario() const { return scenario_; }
   [[nodiscard]] std::int64_t ticks() const { return ticks_; }
 
  private:
@@ -221,19 +223,19 @@ class FlightBench {
     models::MocapFrame frame;
   };
   void mocap();
-  void spoil(models::MocapFrame& frame);
+  void corrupt(models::MocapFrame& frame);
   void plan();
-  models::RobotPlan honest_plan(Vehicle& vehicle, Time start);
-  void spoil(models::RobotPlan& plan, Vehicle& vehicle);
+  models::RobotPlan nominal_plan(Vehicle& vehicle, Time start);
+  void corrupt(models::RobotPlan& plan, Vehicle& vehicle);
   void operate();
-  void say(models::OperatorAction action, std::int64_t run_id, std::int64_t& sequence);
+  void send_command(models::OperatorAction action, std::int64_t run_id, std::int64_t& sequence);
   void autopilot(Vehicle& vehicle);
   /// Returns the pose of the vehicle as mocap shows it, without noise.
-  [[nodiscard]] Pose3 shown(const Vehicle& vehicle) const;
+  [[nodiscard]] Pose3 shown_pose(const Vehicle& vehicle) const;
   /// Returns the vehicle whose driver is connected to the autopilot of `vehicle`.
-  [[nodiscard]] Vehicle& driver_of(const Vehicle& vehicle);
+  [[nodiscard]] Vehicle& connected_driver(const Vehicle& vehicle);
   /// Returns the vehicle whose body mocap shows under the name of `named`.
-  [[nodiscard]] Vehicle& carrier_of(const Vehicle& named);
+  [[nodiscard]] Vehicle& shown_vehicle(const Vehicle& named);
   void fly(Vehicle& vehicle);
   void check();
 

@@ -13,7 +13,7 @@ using models::FlightState;
 namespace {
 
 constexpr double kSpeedMaxMps = 1.3;
-constexpr double kAnswerS = 0.1;  // s; equals SafetyLimits::setpoint_lead_s
+constexpr double kResponseS = 0.1;  // s; equals SafetyLimits::setpoint_lead_s
 constexpr double kLagS = 0.15;
 constexpr double kAccelerationMaxMps2 = 6.0;
 constexpr double kGravityMps2 = 9.81;
@@ -35,11 +35,11 @@ Eigen::Vector3d turned(const Eigen::Vector3d& v, double by_rad) {
 // Simulates the estimator and telemetry of the autopilot. Position and yaw come from the poses that
 // its driver sends, accelerations and turn rates from its own sensors.
 void FlightBench::autopilot(Vehicle& vehicle) {
-  Vehicle& driver = driver_of(vehicle);
+  Vehicle& driver = connected_driver(vehicle);
   const VehicleKnobs& knobs = driver.knobs;
   vehicle.battery_share -= vehicle.is_armed ? kTickS / 1200.0 : 0.0;
   const bool has_pose = driver.guard->inputs().pose_age_s < 0.05;
-  vehicle.blind_s = has_pose ? 0.0 : vehicle.blind_s + kTickS;
+  vehicle.without_pose_s = has_pose ? 0.0 : vehicle.without_pose_s + kTickS;
   vehicle.drift_m += has_pose ? Eigen::Vector3d(-0.05 * vehicle.drift_m)
                               : Eigen::Vector3d(kDriftMps * kTickS, 0.0, 0.0);
   if (knobs.is_stalled || knobs.link_cut) {
@@ -54,19 +54,19 @@ void FlightBench::autopilot(Vehicle& vehicle) {
     driver.guard->on_battery(knobs.battery_frozen ? 0.85 : share, now());
   }
   if (!knobs.telemetry_cut && ticks_ % 2 == 0) {
-    const Pose3 fed = shown(carrier_of(driver));
+    const Pose3 fed = shown_pose(shown_vehicle(driver));
     const double yaw_rad = wiring_.has_compass ? vehicle.yaw_rad : yaw_of(fed);
     drivers::AutopilotReport report;
-    report.armed = vehicle.is_armed && !knobs.says_disarmed;
+    report.armed = vehicle.is_armed && !knobs.reports_disarmed;
     report.obeys = !knobs.mode_left;
     report.is_in_our_mode = !knobs.mode_left;
-    report.estimator_good = !knobs.estimator_bad && vehicle.blind_s < kEstimatorBlindS;
+    report.estimator_good = !knobs.estimator_bad && vehicle.without_pose_s < kEstimatorBlindS;
     report.motor_failed = knobs.motor_failed;
     report.tilt_rad = knobs.tilt_rad;
     report.has_position = true;
     report.position_world_m = fed.translation_m + vehicle.drift_m;
     report.position_world_m.x() += knobs.estimate_offset_m;
-    report.velocity_world_mps = vehicle.felt_mps;
+    report.velocity_world_mps = vehicle.estimated_mps;
     report.velocity_world_mps.x() += knobs.velocity_offset_mps;
     report.has_attitude = true;
     report.world_from_body =
@@ -79,49 +79,51 @@ void FlightBench::autopilot(Vehicle& vehicle) {
 
 void FlightBench::fly(Vehicle& vehicle) {
   using Kind = drivers::FlightSetpoint::Kind;
-  Vehicle& driver = driver_of(vehicle);
+  Vehicle& driver = connected_driver(vehicle);
   const VehicleKnobs& knobs = driver.knobs;
   const bool hears = !knobs.is_stalled && !knobs.link_cut;
   if (hears) {
-    vehicle.asked = driver.out.setpoint;
+    vehicle.setpoint = driver.out.setpoint;
     vehicle.without_setpoint_s = 0.0;
     const bool on_ground = vehicle.position_m.z() <= 0.02;
     if (driver.out.wants_armed && !vehicle.is_armed) {
       vehicle.is_armed = true;
-    } else if (!driver.out.wants_armed && (on_ground || vehicle.asked.kind == Kind::kMotorsOff)) {
+    } else if (!driver.out.wants_armed &&
+               (on_ground || vehicle.setpoint.kind == Kind::kMotorsOff)) {
       vehicle.is_armed = false;
     }
   } else {
     vehicle.without_setpoint_s += kTickS;
   }
   vehicle.is_armed = vehicle.is_armed && !knobs.motors_off;
-  const Pose3 fed = shown(carrier_of(driver));
-  const Eigen::Vector3d fed_mps = wiring_.mocap_from_world * carrier_of(driver).velocity_mps;
+  const Pose3 fed = shown_pose(shown_vehicle(driver));
+  const Eigen::Vector3d fed_mps = wiring_.mocap_from_world * shown_vehicle(driver).velocity_mps;
   const double yaw_rad = wiring_.has_compass ? vehicle.yaw_rad : yaw_of(fed);
   Eigen::Vector3d ask_mps = Eigen::Vector3d::Zero();
   const bool lands_itself =
-      vehicle.without_setpoint_s > 1.0 || vehicle.asked.kind == Kind::kBlindLand;
+      vehicle.without_setpoint_s > 1.0 || vehicle.setpoint.kind == Kind::kBlindLand;
   vehicle.turn_radps = 0.0;
-  const bool is_tracking = vehicle.is_armed && vehicle.asked.kind == Kind::kTrack;
+  const bool is_tracking = vehicle.is_armed && vehicle.setpoint.kind == Kind::kTrack;
   vehicle.spool_s = is_tracking ? vehicle.spool_s + kTickS : vehicle.is_armed ? vehicle.spool_s : 0;
   if (vehicle.is_armed && lands_itself) {
     ask_mps = {0.0, 0.0, -0.5};
   } else if (is_tracking && vehicle.spool_s > kSpoolUpS && !knobs.cannot_lift) {
     // Set-points state the position at the time of the response.
     const Eigen::Vector3d believed_m =
-        fed.translation_m + vehicle.drift_m + kAnswerS * vehicle.velocity_mps;
-    ask_mps =
-        vehicle.asked.velocity_world_mps + 2.0 * (vehicle.asked.position_world_m - believed_m);
+        fed.translation_m + vehicle.drift_m + kResponseS * vehicle.velocity_mps;
+    ask_mps = vehicle.setpoint.velocity_world_mps +
+              2.0 * (vehicle.setpoint.position_world_m - believed_m);
     ask_mps *= std::min(1.0, kSpeedMaxMps / std::max(1e-9, ask_mps.norm()));
-    const double turn_rad = wrap_to_pi(vehicle.asked.yaw_rad - yaw_rad);
+    const double turn_rad = wrap_to_pi(vehicle.setpoint.yaw_rad - yaw_rad);
     vehicle.turn_radps = std::clamp(kYawGainPerS * turn_rad, -kTurnMaxRadps, kTurnMaxRadps);
     vehicle.yaw_rad = wrap_to_pi(vehicle.yaw_rad + vehicle.turn_radps * kTickS);
   }
   Eigen::Vector3d acceleration_mps2 = Eigen::Vector3d::Zero();
   const bool is_idling = !is_tracking && !lands_itself && vehicle.position_m.z() <= 0.0;
   if (vehicle.is_armed && !is_idling) {
-    acceleration_mps2 = turned((ask_mps - vehicle.felt_mps) / kLagS, vehicle.yaw_rad - yaw_rad) +
-                        knobs.runaway_mps / kLagS;
+    acceleration_mps2 =
+        turned((ask_mps - vehicle.estimated_mps) / kLagS, vehicle.yaw_rad - yaw_rad) +
+        knobs.runaway_mps / kLagS;
     acceleration_mps2 *=
         std::min(1.0, kAccelerationMaxMps2 / std::max(1e-9, acceleration_mps2.norm()));
     acceleration_mps2 += knobs.push_mps2;
@@ -140,8 +142,8 @@ void FlightBench::fly(Vehicle& vehicle) {
   } else {
     vehicle.ground_s = 0.0;
   }
-  vehicle.felt_mps += turned(vehicle.velocity_mps - before_mps, yaw_rad - vehicle.yaw_rad) +
-                      (fed_mps - vehicle.felt_mps) * (kTickS / kVelocityMemoryS);
+  vehicle.estimated_mps += turned(vehicle.velocity_mps - before_mps, yaw_rad - vehicle.yaw_rad) +
+                           (fed_mps - vehicle.estimated_mps) * (kTickS / kVelocityMemoryS);
   vehicle.position_m += vehicle.velocity_mps * kTickS;
   vehicle.position_m.z() = std::max(0.0, vehicle.position_m.z());
   vehicle.has_flown = vehicle.has_flown || vehicle.position_m.z() > 0.5;

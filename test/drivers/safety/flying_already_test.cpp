@@ -34,7 +34,7 @@ TEST_F(FlyingAlready, HoldsAfterARestartUntilFollow) {
   EXPECT_EQ(q1.out.state, FlightState::kHold) << "plans come, nobody said follow";
   EXPECT_LT((q1.position_m - place_m).norm(), 0.1);
   EXPECT_NEAR(q1.position_m.z(), 1.0, 0.1);
-  bench.say(OperatorAction::kFollow);
+  bench.send_command(OperatorAction::kFollow);
   bench.run(4.0);
   EXPECT_EQ(q1.out.state, FlightState::kFollow);
   EXPECT_TRUE(bench.violations().empty()) << bench.violations().front();
@@ -44,7 +44,7 @@ TEST_F(FlyingAlready, LandsOnCommandAfterARestart) {
   bench.fly_up(6.4);
   bench.restart_driver(q1);
   bench.run(1.0);
-  bench.say(OperatorAction::kLand);
+  bench.send_command(OperatorAction::kLand);
   bench.run(10.0);
   EXPECT_EQ(q1.out.state, FlightState::kIdle);
   EXPECT_FALSE(q1.is_armed);
@@ -78,7 +78,7 @@ TEST_F(FlyingAlready, IgnoresDisarmedReportsInTheAir) {
     room.fly_up(6.4);
     Vehicle& vehicle = room.vehicle("Q1");
     room.run(lasts_s, [&] {
-      vehicle.knobs.says_disarmed = true;
+      vehicle.knobs.reports_disarmed = true;
       EXPECT_NE(vehicle.out.state, FlightState::kIdle);
       EXPECT_TRUE(vehicle.is_armed);
     });
@@ -96,13 +96,13 @@ TEST_F(FlyingAlready, StaysArmedUnseenBeforeThreeHeartbeats) {
   bench.run(0.6, hide);
   bench.run(1.7, [&] {
     hide();
-    q1.knobs.says_disarmed = true;
+    q1.knobs.reports_disarmed = true;
     EXPECT_EQ(q1.out.state, FlightState::kLand);
     EXPECT_TRUE(q1.is_armed);
   });
   bench.run(1.2, [&] {
     hide();
-    q1.knobs.says_disarmed = true;
+    q1.knobs.reports_disarmed = true;
   });
   EXPECT_NE(q1.out.state, FlightState::kLand);
   EXPECT_FALSE(q1.is_armed);
@@ -117,7 +117,7 @@ TEST_F(FlyingAlready, IsDisarmedUnseenAtTheThirdHeartbeat) {
     if (beats == 2) {  // it was seen to fly until then
       q1.knobs.body = {BodyFault::kOccluded};
     }
-    q1.knobs.says_disarmed = true;
+    q1.knobs.reports_disarmed = true;
     bench.tick();
     beats += (ticks % 100 + 100) % 100 == 50 ? 1 : 0;
     if (drivers::is_airborne(q1.out.state)) {
@@ -141,7 +141,7 @@ TEST_F(FlyingAlready, IsDisarmedWhenItFalls) {
 
 TEST_F(FlyingAlready, IsIdleAtOnceWhenDisarmedOnTheGround) {
   bench.fly_up(6.4);
-  bench.say(OperatorAction::kLand);
+  bench.send_command(OperatorAction::kLand);
   while (q1.is_armed) {
     ASSERT_LT(bench.time_s(), 30.0);
     bench.tick();

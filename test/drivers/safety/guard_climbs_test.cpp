@@ -29,7 +29,7 @@ TEST(GuardClimb, ReachesLiftHeightThenFlightHeight) {
     one.begin_lift();
     ASSERT_EQ(one.state(), FlightState::kHold);
     EXPECT_TRUE(one.lifts());
-    one.say(OperatorAction::kFollow);
+    one.send_command(OperatorAction::kFollow);
     bool may_follow = false;
     double fastest_mps = 0.0;
     double before_m = asked_m(one);
@@ -49,7 +49,7 @@ TEST(GuardClimb, ReachesLiftHeightThenFlightHeight) {
     one.run(0.5);
     EXPECT_EQ(one.state(), FlightState::kFollow);
     EXPECT_NEAR(asked_m(one), 1.0, 1e-6);
-    one.say(OperatorAction::kLand);
+    one.send_command(OperatorAction::kLand);
     one.run(5.0);
     EXPECT_LT(one.position_m.z(), 0.06);
     EXPECT_GT(one.position_m.head<2>().norm(), 0.1);
@@ -57,7 +57,7 @@ TEST(GuardClimb, ReachesLiftHeightThenFlightHeight) {
     one.position_m.head<2>().setZero();
     one.yaw_rad = 0.0;
     one.drift_mps = Eigen::Vector3d::Zero();
-    one.stand();
+    one.place_on_ground();
     one.run(1.0);
     one.drift_mps.reset();
     ASSERT_EQ(one.state(), FlightState::kIdle);
@@ -81,7 +81,7 @@ TEST(GuardClimb, StartsAtTheGroundHeight) {
     one.run(0.4);
     EXPECT_NEAR(one.in().tracking_error_m, std::max(0.0, -off_m), 1e-6) << off_m;
   }
-  one.answers = false;
+  one.tracks_setpoint = false;
   one.drift_mps = Eigen::Vector3d::Zero();
   one.hold_at_height(0.3 + kLiftM + 0.15);
   one.run(0.4);
@@ -189,7 +189,7 @@ TEST(GuardClimb, ContinuesInLiftAndPlanBelowAnotherVehicle) {
     OneVehicle other;
     const auto fly_above = [&] { other.others = {other.body("Q2", {0.75, 0.0, 1.9})}; };
     fly_above();
-    other.wait_for_plan();
+    other.hover_without_plan();
     ASSERT_EQ(other.follow(0.05, 0.0, 1.0, height_m), PlanVerdict::kAccepted);
     fly_above();
     other.run(0.8, fly_above);
@@ -218,14 +218,14 @@ TEST(GuardClimb, EndsWhenALandingBegins) {
   const auto stand_by = [&] { one.others = {one.body("W1", {0.6, 0.0, 0.05})}; };
   stand_by();
   one.tick();
-  one.say(OperatorAction::kLand);
-  one.answers = false;
+  one.send_command(OperatorAction::kLand);
+  one.tracks_setpoint = false;
   one.tick();
   EXPECT_FALSE(one.out.is_sinking);
   one.hold_at_height(0.4);
   one.run(0.4, stand_by);
   EXPECT_FALSE(one.out.is_sinking);
-  const double level_m = (one.position_m.head<2>() - one.asked_m()).norm();
+  const double level_m = (one.position_m.head<2>() - one.setpoint_m()).norm();
   EXPECT_GT(one.in().tracking_error_m, std::hypot(level_m, 0.1)) << "lower than where it waits";
 }
 
@@ -234,7 +234,7 @@ TEST(GuardClimb, EndsWhenALandingBegins) {
 TEST(GuardClimb, ReachesTheHeightOfThePlan) {
   for (const double height_m : {1.2, 1.8}) {
     OneVehicle one;
-    one.wait_for_plan();
+    one.hover_without_plan();
     ASSERT_EQ(one.follow(0.5, 0.0, 2.0, height_m, 0.2), PlanVerdict::kAccepted);
     one.run(0.2);
     EXPECT_NEAR(asked_m(one), 1.5, 0.07);
@@ -246,7 +246,7 @@ TEST(GuardClimb, ReachesTheHeightOfThePlan) {
     one.run(0.8);
     EXPECT_NEAR(asked_m(one), height_m, 1e-6);
     EXPECT_NEAR(one.out.climb_to_m, height_m, 1e-9);
-    one.say(OperatorAction::kHold);
+    one.send_command(OperatorAction::kHold);
     one.run(0.4);
     EXPECT_NEAR(asked_m(one), height_m, 1e-6);
     one.others = {one.body("Q2", {one.position_m.x() + 0.7, one.position_m.y(), height_m + 0.2})};
@@ -259,7 +259,7 @@ TEST(GuardClimb, ReachesTheHeightOfThePlan) {
 // plan 0.1 s from now.
 TEST(GuardClimb, SetpointsLeadByATenthOfASecond) {
   OneVehicle one({0.0, 0.0, 1.5});
-  one.wait_for_plan();
+  one.hover_without_plan();
   ASSERT_EQ(one.follow(0.8, 0.6, 3.0, 1.5), PlanVerdict::kAccepted);
   one.run(1.0);
   for (const double at_s : {1.0, 1.5, 2.0}) {
@@ -274,7 +274,7 @@ TEST(GuardClimb, SetpointsLeadByATenthOfASecond) {
     EXPECT_LT((asked.acceleration_world_mps2.head<2>() - 0.8 * 0.6 * left).norm(), 0.01);
     const Eigen::Vector2d place_m =
         0.8 / 0.6 * Eigen::Vector2d(std::sin(turned_rad), 1.0 - std::cos(turned_rad));
-    EXPECT_LT((one.asked_m() - place_m).norm(), 0.01);
+    EXPECT_LT((one.setpoint_m() - place_m).norm(), 0.01);
     one.run(0.5);
   }
 }
@@ -282,11 +282,11 @@ TEST(GuardClimb, SetpointsLeadByATenthOfASecond) {
 // An idle vehicle gets no set-point, a killed vehicle only the motor stop.
 TEST(GuardClimb, SendsNoSetpointWhenIdleOrKilled) {
   OneVehicle one;
-  one.stand();
+  one.place_on_ground();
   one.run(0.2);
   EXPECT_EQ(one.out.setpoint.kind, FlightSetpoint::Kind::kNone);
   EXPECT_EQ(one.out.climb_to_m, 0.0);
-  one.say(OperatorAction::kEmergencyStop);
+  one.send_command(OperatorAction::kEmergencyStop);
   one.tick();
   EXPECT_EQ(one.state(), FlightState::kKilled);
   EXPECT_EQ(one.out.setpoint.kind, FlightSetpoint::Kind::kMotorsOff);
@@ -298,7 +298,7 @@ TEST(GuardClimb, SendsNoSetpointWhenIdleOrKilled) {
 TEST(GuardClimb, DoesNotFindAKilledVehicle) {
   OneVehicle one;
   one.run(0.2);
-  one.say(OperatorAction::kEmergencyStop);
+  one.send_command(OperatorAction::kEmergencyStop);
   one.run(0.2);
   EXPECT_EQ(one.state(), FlightState::kKilled);
   EXPECT_FALSE(one.in().is_found_flying);
@@ -311,7 +311,7 @@ TEST(GuardClimb, LiftEndsWithAStopOrLanding) {
     one.begin_lift();
     one.run(0.2);
     EXPECT_TRUE(one.lifts());
-    one.say(action);
+    one.send_command(action);
     one.tick();
     EXPECT_FALSE(one.lifts()) << static_cast<int>(action);
   }
@@ -324,22 +324,22 @@ TEST(GuardClimb, AcceptsPlansOnlyWhileWaitingForThem) {
   EXPECT_EQ(verdict(), PlanVerdict::kNotFollowing) << "idle";
   one.run(0.2);
   EXPECT_EQ(verdict(), PlanVerdict::kNotFollowing) << "holds, and was not told to follow";
-  one.say(OperatorAction::kFollow);
+  one.send_command(OperatorAction::kFollow);
   one.tick();
-  one.beats = false;
+  one.sends_heartbeats = false;
   one.run(1.6);
   EXPECT_EQ(one.state(), FlightState::kHold);
   EXPECT_EQ(verdict(), PlanVerdict::kNotFollowing) << "waits for a heartbeat, too";
-  one.beats = true;
+  one.sends_heartbeats = true;
   one.run(0.6);
   EXPECT_EQ(verdict(), PlanVerdict::kAccepted);
   one.run(0.4);
   EXPECT_EQ(one.state(), FlightState::kFollow);
   EXPECT_EQ(verdict(), PlanVerdict::kAccepted) << "and the next one";
-  one.say(OperatorAction::kHold);
+  one.send_command(OperatorAction::kHold);
   one.tick();
   EXPECT_EQ(verdict(), PlanVerdict::kNotFollowing);
-  one.say(OperatorAction::kLand);
+  one.send_command(OperatorAction::kLand);
   one.tick();
   EXPECT_EQ(verdict(), PlanVerdict::kNotFollowing);
 }

@@ -34,13 +34,13 @@ TEST(GuardCore, KeepsTheSafestOrderOfATick) {
   Time now = from_utime(1'000'000);
   do {
     for (const OperatorAction order : orders) {
-      EXPECT_EQ(core.ask(order), CommandVerdict::kObeyed);
+      EXPECT_EQ(core.request_action(order), CommandVerdict::kObeyed);
     }
-    core.look(now);
+    core.update_common_inputs(now);
     EXPECT_EQ(core.in.request, OperatorAction::kLand);
     core.end_tick(now);
     now += from_seconds(0.02);
-    core.look(now);
+    core.update_common_inputs(now);
     EXPECT_EQ(core.in.request, std::nullopt) << "what was answered is asked no more";
   } while (std::next_permutation(orders.begin(), orders.end()));
 }
@@ -53,11 +53,11 @@ TEST(GuardCore, ObeysCommandsThatNeedNoCheckAtOnce) {
   const auto answer = [&](OperatorAction action, const std::string& robot) {
     command.action = action;
     command.robot = robot;
-    return core.obey_at_once(command);
+    return core.execute_if_stateless(command);
   };
   EXPECT_EQ(answer(OperatorAction::kHeartbeat, ""), CommandVerdict::kObeyed);
   EXPECT_EQ(answer(OperatorAction::kHeartbeat, "Q1"), CommandVerdict::kObeyed);
-  EXPECT_EQ(answer(OperatorAction::kEmergencyStop, "Q2"), CommandVerdict::kNotForUs);
+  EXPECT_EQ(answer(OperatorAction::kEmergencyStop, "Q2"), CommandVerdict::kOtherRobot);
   EXPECT_FALSE(core.emergency_stop);
   for (const OperatorAction action :
        {OperatorAction::kArm, OperatorAction::kTakeOff, OperatorAction::kFollow,
@@ -143,13 +143,13 @@ TEST_F(SeenCore, CountsClockChanges) {
     clock_s += set_by_s;
     frames();
     EXPECT_EQ(core.clocks_set, ++times);
-    core.look(now);
+    core.update_common_inputs(now);
     EXPECT_NEAR(core.in.pose_latency_s, 0.02, 1e-6) << "it is no later for that";
   }
   latency_s += 0.1;
   frames();
   EXPECT_EQ(core.clocks_set, times);
-  core.look(now);
+  core.update_common_inputs(now);
   EXPECT_NEAR(core.in.pose_latency_s, 0.12, 1e-6);
 }
 
@@ -162,7 +162,7 @@ TEST_F(SeenCore, MeasuresLatencyOfEveryStage) {
       for (int i = 0; i < 20; ++i) {
         pass(0.01);
         ASSERT_TRUE(see(kFirst, here_m));
-        core.look(now);
+        core.update_common_inputs(now);
         EXPECT_NEAR(core.in.pose_latency_s, 0.02 + waits_s, 1e-6);
       }
     }
@@ -172,7 +172,7 @@ TEST_F(SeenCore, MeasuresLatencyOfEveryStage) {
 
 // Both counts are consecutive; without a frame they are 0.
 TEST_F(SeenCore, CountsAcceptedAndRejectedPoses) {
-  core.look(now);
+  core.update_common_inputs(now);
   EXPECT_EQ(core.in.poses_accepted, 0);
   EXPECT_EQ(core.in.poses_rejected, 0);
   for (int round = 0; round < 2; ++round) {  // repeated with the same state
@@ -180,14 +180,14 @@ TEST_F(SeenCore, CountsAcceptedAndRejectedPoses) {
     for (int i = 1; i <= 7; ++i) {
       pass(0.01);
       EXPECT_TRUE(see(kFirst, here_m, true, {true}));
-      core.look(now);
+      core.update_common_inputs(now);
       EXPECT_EQ(core.in.poses_accepted, before + i);
       EXPECT_EQ(core.in.poses_rejected, 0);
     }
     for (int i = 1; i <= 5; ++i) {
       pass(0.01);
       EXPECT_TRUE(see(kFirst, far_m, true, {true}));
-      core.look(now);
+      core.update_common_inputs(now);
       EXPECT_EQ(core.in.poses_accepted, 0);
       EXPECT_EQ(core.in.poses_rejected, i);
     }
@@ -202,7 +202,7 @@ TEST_F(SeenCore, FollowsAcceptedPlans) {
   plan.trajectory.height_m = 1.0;
   plan.trajectory.segments = {{{0.5, 0.0}, 1.0, 0.0}, models::brake(0.5, 2.0).front()};
   for (const bool may_take : {false, true}) {
-    core.course.stand({here_m.x(), here_m.y(), 1.0}, 0.0, now);
+    core.course.hover({here_m.x(), here_m.y(), 1.0}, 0.0, now);
     plan.stamp = {now, 100, plan.stamp.sequence + 1};
     plan.trajectory.start_time = now;
     EXPECT_EQ(core.on_plan(plan, may_take, 1.0, now),

@@ -26,7 +26,7 @@ void hover(OneVehicle& q1) {
 
 /// Commands `follow`, sends a plan that begins 0.1 s later, and runs until it begins.
 void follow(OneVehicle& q1, double speed_mps, double height_m) {
-  q1.say(OperatorAction::kFollow);
+  q1.send_command(OperatorAction::kFollow);
   q1.tick();
   models::RobotPlan plan = q1.plan(speed_mps, 0.0, 3.0, height_m, 0.1);
   plan.round = 41;
@@ -36,7 +36,7 @@ void follow(OneVehicle& q1, double speed_mps, double height_m) {
 
 /// Commands a landing, descends as commanded and switches the motors off on the ground.
 void land(OneVehicle& q1) {
-  q1.say(OperatorAction::kLand);
+  q1.send_command(OperatorAction::kLand);
   q1.run(5.0);
   EXPECT_EQ(q1.out.state, FlightState::kLand);
   EXPECT_LT(q1.position_m.z(), q1.limits.touch_height_m);
@@ -58,13 +58,13 @@ constexpr Phase kPhases[] = {
      [](OneVehicle& q1) {
        hover(q1);
        q1.others = {q1.body("W1", {kHigh.x(), kHigh.y(), 0.0})};
-       q1.say(OperatorAction::kLand);
+       q1.send_command(OperatorAction::kLand);
        q1.tick();
      }},
     {"sinking", true,
      [](OneVehicle& q1) {
        hover(q1);
-       q1.say(OperatorAction::kLand);
+       q1.send_command(OperatorAction::kLand);
        q1.tick();
      }},
     {"holding in a second flight", false,
@@ -92,7 +92,7 @@ TEST(GuardInTheAir, AcceptsALowerPoseOnlyAfterADescent) {
       q1.now += from_seconds(kUnseenS);
       q1.position_m.z() -= q1.limits.pose_gate_max_m + off_m;
       q1.position_m.z() -= phase.sinks ? kUnseenS * q1.limits.descent_mps : 0.0;
-      q1.see();
+      q1.deliver_mocap();
       const double seen_m = q1.guard.world_from_body().translation_m.z();
       EXPECT_NEAR(seen_m, off_m < 0.0 ? q1.position_m.z() : from_m, 1e-6) << phase.name;
     }
@@ -104,7 +104,7 @@ TEST(GuardInTheAir, AcceptsALowerPoseOnlyAfterADescent) {
 TEST(GuardInTheAir, AcceptsIdenticalPosesOnlyNearTheGround) {
   for (const double off_m : {-0.03, 0.03}) {
     OneVehicle q1({-2.0, -1.3, 0.3});
-    q1.answers = false;
+    q1.tracks_setpoint = false;
     hover(q1);
     while (q1.position_m.z() > q1.limits.safe_height_m + off_m + 1e-6) {
       q1.position_m.z() = std::max(q1.position_m.z() - 0.01, q1.limits.safe_height_m + off_m);
@@ -128,7 +128,7 @@ TEST(GuardInTheAir, RefusesIdenticalPosesInMotion) {
     follow(q1, speed_mps, kHigh.z());
     q1.run(0.5);
     ASSERT_EQ(q1.out.state, FlightState::kFollow);
-    q1.answers = false;
+    q1.tracks_setpoint = false;
     q1.is_frozen = true;
     q1.run(0.3);
     EXPECT_EQ(q1.count("pose.stuck") > 0, speed_mps > 0.1);
@@ -145,17 +145,17 @@ TEST(GuardInTheAir, SlowsThePlanInProportionToPoseAge) {
   hover(q1);
   follow(q1, kSpeedMps, kHigh.z());
   q1.run(0.5);
-  q1.answers = false;
+  q1.tracks_setpoint = false;
   const double warn_s = q1.limits.pose_age_warn_s;
   const double hold_s = q1.limits.pose_age_hold_s;
   for (const double age_s : {0.0, 0.4 * warn_s, warn_s, 0.06, 0.07, 0.085, 0.099}) {
     const double before_m = q1.guard.status(q1.now).setpoint.x_m;
     q1.now += from_seconds(kStepS - age_s);
     q1.position_m.x() = q1.guard.status(q1.now).setpoint.x_m;
-    q1.see();
+    q1.deliver_mocap();
     q1.now += from_seconds(age_s);
-    q1.say(OperatorAction::kHeartbeat);
-    q1.hear();
+    q1.send_command(OperatorAction::kHeartbeat);
+    q1.deliver_inputs();
     const drivers::GuardOutput out = q1.guard.tick(q1.now);
     ASSERT_EQ(out.state, FlightState::kFollow);
     EXPECT_NEAR(q1.guard.inputs().pose_age_s, age_s, 1e-6);
@@ -170,7 +170,7 @@ TEST(GuardInTheAir, DropsTheNextPlanAfterHold) {
   for (const bool is_told : {false, true}) {
     OneVehicle q1(kHigh);
     hover(q1);
-    q1.say(OperatorAction::kFollow);
+    q1.send_command(OperatorAction::kFollow);
     q1.tick();
     ASSERT_EQ(q1.out.state, FlightState::kHold) << "no plan yet";
     EXPECT_EQ(q1.guard.on_plan(q1.plan(0.3, 0.0, 3.0, kHigh.z(), 0.1), q1.now),
@@ -178,12 +178,12 @@ TEST(GuardInTheAir, DropsTheNextPlanAfterHold) {
     q1.run(0.05);
     EXPECT_FALSE(q1.guard.inputs().has_plan);
     if (is_told) {
-      q1.say(OperatorAction::kHold);
+      q1.send_command(OperatorAction::kHold);
     }
     q1.run(0.5);
     EXPECT_EQ(q1.guard.inputs().has_plan, !is_told);
     if (is_told) {
-      q1.say(OperatorAction::kFollow);
+      q1.send_command(OperatorAction::kFollow);
       q1.run(0.5);
       EXPECT_FALSE(q1.guard.inputs().has_plan);
     }
@@ -229,9 +229,9 @@ TEST(GuardInTheAir, MovesOffTheFenceWithoutMeetingATeammate) {
 // the rate of the commanded height.
 TEST(GuardInTheAir, VerticalSpeedMatchesHeight) {
   OneVehicle q1(kHigh);
-  q1.beside_m.z() = 0.01;  // avoids a jump of the set-point to the body
+  q1.setpoint_offset_m.z() = 0.01;  // avoids a jump of the set-point to the body
   hover(q1);
-  q1.say(OperatorAction::kLand);
+  q1.send_command(OperatorAction::kLand);
   double height_m = q1.guard.status(q1.now).setpoint_height_m;
   int low = 0;
   for (int tick = 0; tick < 125; ++tick) {
@@ -254,7 +254,7 @@ TEST(GuardInTheAir, VerticalSpeedMatchesHeight) {
 TEST(GuardInTheAir, SendsFiniteSetpointsWithoutElapsedTime) {
   OneVehicle q1(kHigh);
   hover(q1);
-  q1.say(OperatorAction::kLand);
+  q1.send_command(OperatorAction::kLand);
   q1.run(0.3);
   const double height_m = q1.guard.status(q1.now).setpoint_height_m;
   const FlightSetpoint twice = q1.guard.tick(q1.now).setpoint;
@@ -269,8 +269,8 @@ TEST(GuardInTheAir, SendsFiniteSetpointsWithoutElapsedTime) {
 TEST(GuardInTheAir, LimitsItsVerticalSpeed) {
   OneVehicle lifted(kHigh);
   hover(lifted);
-  lifted.answers = false;
-  lifted.say(OperatorAction::kLand);
+  lifted.tracks_setpoint = false;
+  lifted.send_command(OperatorAction::kLand);
   lifted.run(2.0);
   ASSERT_TRUE(lifted.out.is_sinking);
   lifted.position_m.z() += 0.1;
@@ -303,7 +303,7 @@ TEST(GuardInTheAir, ReportsEachChangeOnce) {
   EXPECT_FALSE(q1.out.changed);
   EXPECT_EQ(q1.reasons(), std::vector<std::string>());
   EXPECT_EQ(q1.guard.status(q1.now).plan_round, 41);
-  q1.say(OperatorAction::kHold);
+  q1.send_command(OperatorAction::kHold);
   q1.tick();
   EXPECT_EQ(q1.out.state, FlightState::kHold);
   EXPECT_TRUE(q1.out.reasons.none());
@@ -321,7 +321,7 @@ TEST(GuardInTheAir, ReportsEachChangeOnce) {
 // The status gives the set-point if there is one, otherwise the position.
 TEST(VehicleStatus, ReportsSetpointOrPosition) {
   OneVehicle q1(kHigh, 0.5);
-  q1.stand();
+  q1.place_on_ground();
   q1.battery_share = 0.7;
   q1.run(0.6);
   const auto expect_at = [&](double x_m, double y_m, double yaw_rad) {
@@ -335,7 +335,7 @@ TEST(VehicleStatus, ReportsSetpointOrPosition) {
     EXPECT_NEAR(status.setpoint.y_m, y_m, 1e-9);
     EXPECT_NEAR(status.setpoint.yaw_rad, yaw_rad, 1e-9);
   };
-  q1.answers = false;
+  q1.tracks_setpoint = false;
   q1.position_m += Eigen::Vector3d(0.02, 0.03, 0.0);
   q1.yaw_rad = 0.6;
   q1.run(0.02);
@@ -349,7 +349,7 @@ TEST(VehicleStatus, ReportsSetpointOrPosition) {
   q1.yaw_rad = 0.8;
   q1.run(0.1);
   expect_at(-1.98, -1.27, 0.6);
-  q1.say(OperatorAction::kEmergencyStop);
+  q1.send_command(OperatorAction::kEmergencyStop);
   q1.tick();
   ASSERT_EQ(q1.out.state, FlightState::kKilled);
   expect_at(-1.94, -1.22, 0.8);

@@ -21,7 +21,7 @@ using models::OperatorAction;
 TEST(Landing, DescendsAtTwoSpeeds) {
   OneVehicle one;
   for (int flight = 0; flight < 2; ++flight) {  // second flight with the same guard
-    one.land_from({0.5, -0.5, 2.0});
+    one.begin_landing_at({0.5, -0.5, 2.0});
     EXPECT_TRUE(one.out.is_sinking);
     EXPECT_LT(one.out.climb_to_m, 0.0);
     EXPECT_GE(one.out.climb_to_m, -1.0);
@@ -35,12 +35,12 @@ TEST(Landing, DescendsAtTwoSpeeds) {
         EXPECT_NEAR(one.out.setpoint.velocity_world_mps.z(), -mps, 1e-6) << ref_m;
         EXPECT_NEAR(before_m - asked_m, mps * 0.02, 1e-6);
       }
-      EXPECT_LT((one.asked_m() - Eigen::Vector2d(0.5, -0.5)).norm(), 1e-6);
+      EXPECT_LT((one.setpoint_m() - Eigen::Vector2d(0.5, -0.5)).norm(), 1e-6);
       EXPECT_LT(one.in().tracking_error_m, 0.01);
       before_m = asked_m;
     }
     EXPECT_FALSE(one.out.wants_armed);
-    one.come_to_rest();
+    one.finish_landing();
   }
 }
 
@@ -48,7 +48,7 @@ TEST(Landing, DescendsAtTwoSpeeds) {
 TEST(Landing, SetpointIsAtMostHalfAMetreBelow) {
   for (const double held_m : {0.3, 1.8}) {
     OneVehicle one;
-    one.land_from({0.0, 0.0, 2.0});
+    one.begin_landing_at({0.0, 0.0, 2.0});
     one.run(held_m < 1.0 ? 3.5 : 0.1);
     one.hold_at_height(held_m);
     one.run(2.2);  // limited: later the sinking check would act
@@ -63,12 +63,12 @@ TEST(Landing, StartsAtTheLowerOfPositionAndSetpoint) {
     OneVehicle one;
     one.position_m.z() = 1.5;
     one.run(0.4);
-    one.answers = false;
+    one.tracks_setpoint = false;
     one.drift_mps = Eigen::Vector3d(0.0, 0.0, off_m);
     one.run(1.0);
     one.drift_mps = Eigen::Vector3d::Zero();
     one.run(0.1);
-    one.say(OperatorAction::kLand);
+    one.send_command(OperatorAction::kLand);
     one.tick();
     const double from_m = 1.5 + std::min(0.0, off_m);
     EXPECT_NEAR(one.out.setpoint.position_world_m.z(), from_m - 0.6 * 0.12, 0.001);
@@ -79,10 +79,10 @@ TEST(Landing, StartsAtTheLowerOfPositionAndSetpoint) {
 // also holds after an earlier landing without a wait.
 TEST(Landing, WaitsAtTheSetpointHeightAfterAPushUp) {
   OneVehicle one;
-  one.land_from({0.0, 0.0, 1.5});
+  one.begin_landing_at({0.0, 0.0, 1.5});
   one.run(0.5);
   EXPECT_TRUE(one.out.is_sinking);
-  one.come_to_rest();
+  one.finish_landing();
   const auto walker = [&] { one.others = {one.body("W1", {0.1, 0.0, 0.2})}; };
   one.position_m = {0.0, 0.0, 1.5};
   one.report.armed = true;
@@ -91,7 +91,7 @@ TEST(Landing, WaitsAtTheSetpointHeightAfterAPushUp) {
   one.drift_mps = Eigen::Vector3d(0.0, 0.0, 0.3);
   one.run(1.0, walker);
   one.drift_mps = Eigen::Vector3d::Zero();
-  one.say(OperatorAction::kLand);
+  one.send_command(OperatorAction::kLand);
   one.run(0.1, walker);
   EXPECT_EQ(one.state(), FlightState::kLand);
   EXPECT_FALSE(one.out.is_sinking);
@@ -106,7 +106,7 @@ TEST(Landing, MovesAsideFromABodyBelow) {
     const Eigen::Vector3d from_m(0.5, -0.5 + flight, 1.5);
     const Eigen::Vector3d walker_m = from_m - Eigen::Vector3d(0.1, 0.0, 1.2);
     one.others = {one.body("W1", walker_m)};
-    one.land_from(from_m);
+    one.begin_landing_at(from_m);
     EXPECT_FALSE(one.out.is_sinking);
     double fastest_mps = 0.0;
     for (int i = 0; i < 400 && one.position_m.z() > 0.02; ++i) {
@@ -115,14 +115,14 @@ TEST(Landing, MovesAsideFromABodyBelow) {
       fastest_mps = std::max(fastest_mps, one.out.setpoint.velocity_world_mps.head<2>().norm());
       if (one.out.is_sinking) {
         EXPECT_GT((one.position_m - walker_m).head<2>().norm(), one.limits.landing_clearance_m);
-        EXPECT_LT((one.position_m.head<2>() - one.asked_m()).norm(), 0.01);
+        EXPECT_LT((one.position_m.head<2>() - one.setpoint_m()).norm(), 0.01);
       } else {
         EXPECT_NEAR(one.out.setpoint.position_world_m.z(), 1.5, 1e-6);
       }
     }
     EXPECT_LT(one.position_m.z(), 0.03);
     EXPECT_NEAR(fastest_mps, 0.6, 0.01);
-    one.come_to_rest();
+    one.finish_landing();
   }
 }
 
@@ -134,19 +134,19 @@ TEST(Landing, AvoidsBodiesBelowVehicleAndHover) {
     const Eigen::Vector3d walker_m(at_m, 0.0, 0.2);
     one.position_m = {0.0, 0.0, 1.5};
     one.run(0.4);
-    one.answers = false;
+    one.tracks_setpoint = false;
     one.drift_mps = Eigen::Vector3d(0.3, 0.0, 0.0);
     one.run(0.8);  // less than the pose gate, which the return in one tick must pass
     one.drift_mps = Eigen::Vector3d::Zero();
     one.others = {one.body("W1", walker_m)};
     one.run(0.1);
     one.others = {one.body("W1", walker_m)};
-    one.say(OperatorAction::kLand);
+    one.send_command(OperatorAction::kLand);
     one.tick();
     EXPECT_EQ(one.state(), FlightState::kLand);
     EXPECT_FALSE(one.out.is_sinking) << at_m;
     one.drift_mps.reset();
-    one.answers = true;
+    one.tracks_setpoint = true;
     for (int i = 0; i < 400 && one.position_m.z() > 0.1; ++i) {
       one.others = {one.body("W1", walker_m)};
       one.tick();
@@ -165,21 +165,21 @@ TEST(Landing, DescendsNextToAnUnreachedSpot) {
   const Eigen::Vector3d walker_m(-0.1, 0.0, 0.3);
   for (const double off_m : {0.24, 0.26, 0.24, 0.26}) {
     one.others = {one.body("W1", walker_m)};
-    one.land_from({0.0, 0.0, 1.5});
+    one.begin_landing_at({0.0, 0.0, 1.5});
     double waited_s = OneVehicle::kTickS;
     double moved_s = 0.0;
     while (!one.out.is_sinking && waited_s < 12.0) {
       one.others = {one.body("W1", walker_m)};
-      const Eigen::Vector2d away_m = one.asked_m() - walker_m.head<2>();
-      one.beside_m.head<2>() = std::min(off_m, 0.2 * waited_s) * away_m.normalized();
+      const Eigen::Vector2d away_m = one.setpoint_m() - walker_m.head<2>();
+      one.setpoint_offset_m.head<2>() = std::min(off_m, 0.2 * waited_s) * away_m.normalized();
       one.tick();
       waited_s += OneVehicle::kTickS;
       moved_s = one.out.setpoint.velocity_world_mps.head<2>().norm() > 1e-9 ? waited_s : moved_s;
     }
     EXPECT_LT(moved_s, 3.0);
     EXPECT_NEAR(waited_s, off_m < 0.25 ? moved_s + 0.1 : 6.04, 0.06) << off_m;
-    one.beside_m.setZero();
-    one.come_to_rest();
+    one.setpoint_offset_m.setZero();
+    one.finish_landing();
   }
 }
 
@@ -190,7 +190,7 @@ TEST(Landing, ProceedsAfterTheTimeLimit) {
   OneVehicle one({0.0, 0.0, 1.5}, 0.0, room);
   for (int flight = 0; flight < 2; ++flight) {
     one.others = {one.body("W1", {0.1, 0.0, 0.2})};
-    one.land_from({0.0, 0.0, 1.5});
+    one.begin_landing_at({0.0, 0.0, 1.5});
     double waited_s = 0.0;
     while (!one.out.is_sinking && waited_s < 30.0) {
       one.others = {one.body("W1", {0.1, 0.0, 0.2})};
@@ -205,7 +205,7 @@ TEST(Landing, ProceedsAfterTheTimeLimit) {
       EXPECT_TRUE(one.out.is_sinking);
       EXPECT_LT(one.out.setpoint.velocity_world_mps.z(), -0.3);
     });
-    one.come_to_rest();
+    one.finish_landing();
   }
 }
 
@@ -214,9 +214,9 @@ TEST(Landing, IgnoresBodiesWhenItBeginsLow) {
   OneVehicle one;
   for (const double from_m : {0.33, 0.37, 0.33, 0.37}) {
     one.others = {one.body("W1", {0.6, 0.0, 0.05})};
-    one.land_from({0.0, 0.0, from_m});
+    one.begin_landing_at({0.0, 0.0, from_m});
     EXPECT_EQ(one.out.is_sinking, from_m < 0.35) << from_m;
-    one.come_to_rest();
+    one.finish_landing();
   }
 }
 
@@ -227,12 +227,12 @@ TEST(Landing, PausesForABodyUntilItIsLow) {
     scenario::Scenario room = OneVehicle::room();
     room.world.bounds = {{-0.5, -0.5}, {0.5, 0.5}};
     OneVehicle one({0.0, 0.0, 1.5}, 0.0, room);
-    one.land_from({0.0, 0.0, 1.5});
+    one.begin_landing_at({0.0, 0.0, 1.5});
     for (int i = 0; i < 400 && one.position_m.z() > at_m; ++i) {
       one.tick();
     }
     const double here_m = one.position_m.z();
-    one.answers = false;
+    one.tracks_setpoint = false;
     one.drift_mps = Eigen::Vector3d::Zero();
     one.run(1.0, [&] { one.others = {one.body("W1", {0.1, 0.0, here_m - 0.1})}; });
     EXPECT_EQ(one.out.is_sinking, at_m < 0.15) << at_m;
@@ -250,7 +250,7 @@ TEST(Landing, StopsWhenThePathAsideIsBlocked) {
   OneVehicle one;
   const Eigen::Vector3d below_m(-0.1, 0.0, 0.3);
   one.others = {one.body("W1", below_m)};
-  one.land_from({0.0, 0.0, 1.5});
+  one.begin_landing_at({0.0, 0.0, 1.5});
   one.run(0.5, [&] { one.others = {one.body("W1", below_m)}; });
   const Eigen::Vector2d way_m = one.out.setpoint.velocity_world_mps.head<2>();
   ASSERT_GT(way_m.norm(), 0.3);
@@ -272,7 +272,7 @@ TEST(Landing, FliesAFreePathAsideWithoutAStop) {
   OneVehicle one;
   const Eigen::Vector3d below_m(-0.1, 0.0, 0.3);
   one.others = {one.body("W1", below_m)};
-  one.land_from({0.0, 0.0, 1.5});
+  one.begin_landing_at({0.0, 0.0, 1.5});
   bool has_moved = false;
   bool has_stopped = false;
   while (!one.out.is_sinking && one.ticks < 500) {
@@ -292,8 +292,8 @@ TEST(Landing, IsNotDecidedByAPushDown) {
   OneVehicle one;
   const auto walker = [&] { one.others = {one.body("W1", {0.65, 0.0, 0.1})}; };
   walker();
-  one.land_from({0.0, 0.0, 0.4});
-  one.answers = false;
+  one.begin_landing_at({0.0, 0.0, 0.4});
+  one.tracks_setpoint = false;
   one.drift_mps = Eigen::Vector3d(0.0, 0.0, -0.5);
   walker();
   one.run(0.54, walker);
@@ -309,14 +309,14 @@ TEST(Landing, StopsForBodiesBelowVehicleOrSpot) {
   for (const double at_m : {-0.55, 0.8}) {
     OneVehicle one;
     for (int i = 1; i <= 20; ++i) {
-      one.beside_m.x() = 0.01 * i;
+      one.setpoint_offset_m.x() = 0.01 * i;
       one.tick();
     }
-    one.land_from({0.2, 0.0, 1.5});
+    one.begin_landing_at({0.2, 0.0, 1.5});
     one.run(0.2);
     EXPECT_TRUE(one.out.is_sinking);
-    EXPECT_NEAR((one.position_m.head<2>() - one.asked_m()).norm(), 0.2, 1e-6);
-    const Eigen::Vector2d before_m = one.asked_m();
+    EXPECT_NEAR((one.position_m.head<2>() - one.setpoint_m()).norm(), 0.2, 1e-6);
+    const Eigen::Vector2d before_m = one.setpoint_m();
     const Eigen::Vector3d walker_m(before_m.x() + at_m, before_m.y(), 0.2);
     one.others = {one.body("W1", walker_m)};
     one.tick();
@@ -327,10 +327,10 @@ TEST(Landing, StopsForBodiesBelowVehicleOrSpot) {
         at_m > 0.0 ? one.position_m
                    : Eigen::Vector3d(before_m.x(), before_m.y(), one.position_m.z());
     const Eigen::Vector3d spot_m = drivers::landing_spot(from_m, {&walker, 1}, one.limits);
-    one.answers = false;
+    one.tracks_setpoint = false;
     one.drift_mps = Eigen::Vector3d::Zero();
     one.run(3.0, [&] { one.others = {one.body("W1", walker_m)}; });
-    EXPECT_LT((one.asked_m() - spot_m.head<2>()).norm(), 1e-3) << at_m;
+    EXPECT_LT((one.setpoint_m() - spot_m.head<2>()).norm(), 1e-3) << at_m;
   }
 }
 
@@ -338,14 +338,14 @@ TEST(Landing, StopsForBodiesBelowVehicleOrSpot) {
 TEST(Landing, KeepsItsSpotOnceDecided) {
   OneVehicle one;
   for (int i = 1; i <= 20; ++i) {
-    one.beside_m.x() = 0.01 * i;
+    one.setpoint_offset_m.x() = 0.01 * i;
     one.tick();
   }
-  one.land_from({0.2, 0.0, 0.8});
-  const Eigen::Vector2d place_m = one.asked_m();
+  one.begin_landing_at({0.2, 0.0, 0.8});
+  const Eigen::Vector2d place_m = one.setpoint_m();
   while (one.position_m.z() > 0.03 && one.ticks < 1000) {
     one.tick();
-    EXPECT_LT((one.asked_m() - place_m).norm(), 1e-6);
+    EXPECT_LT((one.setpoint_m() - place_m).norm(), 1e-6);
   }
   EXPECT_LT(one.position_m.z(), 0.04);
 }
@@ -356,7 +356,7 @@ TEST(Landing, DoesNotMoveAsideOnceLow) {
   OneVehicle one;
   const auto walker = [&] { one.others = {one.body("W1", {-0.62, 0.0, 0.1})}; };
   walker();
-  one.land_from({0.0, 0.0, 0.5});
+  one.begin_landing_at({0.0, 0.0, 0.5});
   one.run(0.5, walker);
   ASSERT_GT(one.out.setpoint.velocity_world_mps.head<2>().norm(), 0.05);
   one.report.estimator_good = false;
@@ -370,13 +370,13 @@ TEST(Landing, DoesNotMoveAsideOnceLow) {
   EXPECT_EQ(one.state(), FlightState::kLand);
   EXPECT_EQ(one.out.setpoint.kind, FlightSetpoint::Kind::kTrack);
   EXPECT_LT(one.out.setpoint.velocity_world_mps.head<2>().norm(), 1e-9);
-  EXPECT_LT((one.asked_m() - here_m).norm(), 0.05);
+  EXPECT_LT((one.setpoint_m() - here_m).norm(), 0.05);
 }
 
 // The 6 s to reach the spot count from the command to go to that spot.
 TEST(Landing, CountsTheTimeToEachSpotSeparately) {
   OneVehicle one;
-  one.land_from({0.0, 0.0, 1.5});
+  one.begin_landing_at({0.0, 0.0, 1.5});
   one.hold_at_height(1.5);
   one.run(2.0);
   EXPECT_TRUE(one.out.is_sinking);
@@ -384,8 +384,8 @@ TEST(Landing, CountsTheTimeToEachSpotSeparately) {
   double waited_s = 0.0;
   do {
     one.others = {one.body("W1", walker_m)};
-    const Eigen::Vector2d away_m = one.asked_m() - walker_m.head<2>();
-    one.beside_m.head<2>() = std::min(0.26, 0.2 * waited_s) * away_m.normalized();
+    const Eigen::Vector2d away_m = one.setpoint_m() - walker_m.head<2>();
+    one.setpoint_offset_m.head<2>() = std::min(0.26, 0.2 * waited_s) * away_m.normalized();
     one.tick();
     waited_s += OneVehicle::kTickS;
   } while (!one.out.is_sinking && waited_s < 10.0);
@@ -402,8 +402,8 @@ TEST(Landing, MovesInsideTheFenceWhenFoundOutside) {
     one.report.armed = true;
     one.run(2.0);
     EXPECT_EQ(one.state(), FlightState::kLand);
-    EXPECT_NEAR(one.asked_m().x(), 5.0 - 0.25 - 0.1, 1e-6) << flight;
-    one.come_to_rest();
+    EXPECT_NEAR(one.setpoint_m().x(), 5.0 - 0.25 - 0.1, 1e-6) << flight;
+    one.finish_landing();
   }
 }
 

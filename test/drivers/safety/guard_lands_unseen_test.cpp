@@ -17,7 +17,7 @@ using models::OperatorAction;
 // 0.2 s.
 TEST(LandingUnseen, BecomesBlindWhenTheEstimatorFails) {
   OneVehicle one;
-  one.land_from({0.0, 0.0, 1.5});
+  one.begin_landing_at({0.0, 0.0, 1.5});
   for (int time = 0; time < 2; ++time) {
     one.run(0.3);
     EXPECT_EQ(one.out.setpoint.kind, FlightSetpoint::Kind::kTrack);
@@ -43,8 +43,8 @@ TEST(LandingUnseen, BecomesBlindAfterTheTimeLimit) {
   one.others = {one.body("W1", {0.1, 0.0, 0.2})};
   one.tick();
   one.has_mocap = false;
-  one.answers = false;
-  one.tells = false;  // nor does its autopilot report its height
+  one.tracks_setpoint = false;
+  one.sends_telemetry = false;  // nor does its autopilot report its height
   double unseen_s = OneVehicle::kTickS;
   double blind_at_s = 0.0;
   for (; unseen_s < 2.0; unseen_s += OneVehicle::kTickS) {
@@ -64,12 +64,12 @@ TEST(LandingUnseen, BecomesBlindAfterTheTimeLimit) {
 // at the floor.
 TEST(LandingUnseen, EstimatesItsHeightWithoutMeasurements) {
   OneVehicle one;
-  one.land_from({0.0, 0.0, 1.5});
+  one.begin_landing_at({0.0, 0.0, 1.5});
   one.run(0.1);
   const double seen_m = one.position_m.z();
   one.has_mocap = false;
   one.run(0.1);
-  one.tells = false;
+  one.sends_telemetry = false;
   one.run(0.54);
   const double from_m = one.in().height_m;
   EXPECT_NEAR(from_m, seen_m - 0.4 * 0.6 * 0.6, 0.06);
@@ -81,8 +81,8 @@ TEST(LandingUnseen, EstimatesItsHeightWithoutMeasurements) {
 
 TEST(LandingUnseen, EstimatesNoHeightBelowTheFloor) {
   OneVehicle one;
-  one.land_from({0.0, 0.0, 0.2});
-  one.has_mocap = one.tells = false;
+  one.begin_landing_at({0.0, 0.0, 0.2});
+  one.has_mocap = one.sends_telemetry = false;
   double before_m = one.in().height_m;
   one.run(1.44, [&] {
     EXPECT_LE(one.in().height_m, before_m + 1e-6);
@@ -107,12 +107,12 @@ TEST(LandingUnseen, StaysAboveItsHover) {
     });
     one.has_mocap = false;
     one.run(0.2);
-    one.say(OperatorAction::kLand);
+    one.send_command(OperatorAction::kLand);
     one.run(0.4);
     EXPECT_EQ(one.state(), FlightState::kLand);
     EXPECT_EQ(one.out.is_sinking, is_free);
     EXPECT_EQ(one.out.setpoint.kind, FlightSetpoint::Kind::kTrack);
-    EXPECT_LT(one.asked_m().norm(), 1e-6);
+    EXPECT_LT(one.setpoint_m().norm(), 1e-6);
   }
 }
 
@@ -124,7 +124,7 @@ TEST(LandingUnseen, UsesAPoseUpToATenthOfASecondOld) {
   one.run(0.4, walker);
   one.has_mocap = false;
   one.run(0.02);
-  one.say(OperatorAction::kLand);
+  one.send_command(OperatorAction::kLand);
   one.run(0.06);
   EXPECT_GT(one.out.setpoint.velocity_world_mps.head<2>().norm(), 0.05);
 }
@@ -136,7 +136,7 @@ TEST(LandingUnseen, StartsAtTheReportedHeight) {
   one.report.is_landing_itself = true;
   one.run(0.5);
   ASSERT_EQ(one.state(), FlightState::kIdle);
-  one.answers = false;
+  one.tracks_setpoint = false;
   one.run(0.1);
   EXPECT_EQ(one.state(), FlightState::kLand);
   EXPECT_NEAR(one.out.setpoint.position_world_m.z(), 1.5 - 0.1 * 0.6, 0.07);

@@ -21,50 +21,50 @@ TEST(FirstLiftWatch, TimesTheRiseAndTheProof) {
   one.hold_at_height(0.0);
   one.begin_lift();
   one.run(0.98);
-  EXPECT_NEAR(one.in().unrisen_s, 0.98, 1e-6);
-  EXPECT_EQ(one.in().unproven_s, 0.0);
+  EXPECT_NEAR(one.in().no_rise_s, 0.98, 1e-6);
+  EXPECT_EQ(one.in().proof_pending_s, 0.0);
   one.hold_at_height(0.12);
   one.run(0.3);
-  EXPECT_EQ(one.in().unrisen_s, 0.0);
-  one.answers = false;
+  EXPECT_EQ(one.in().no_rise_s, 0.0);
+  one.tracks_setpoint = false;
   one.hold_at_height(kLiftM);
   one.run(0.2);
   one.drift_mps = Eigen::Vector3d::Zero();
   one.run(1.0);
-  EXPECT_GT(one.in().unproven_s, 0.9);
-  EXPECT_LT(one.in().unproven_s, 1.3);
+  EXPECT_GT(one.in().proof_pending_s, 0.9);
+  EXPECT_LT(one.in().proof_pending_s, 1.3);
 }
 
 // While it is armed on the ground, a rise is not due to an order. A body that is not seen has not
 // risen.
 TEST(FirstLiftWatch, MeasuresARiseWithoutAnOrder) {
   OneVehicle one;
-  one.stand();
+  one.place_on_ground();
   one.run(1.5);
-  one.say(OperatorAction::kArm);
+  one.send_command(OperatorAction::kArm);
   for (int i = 0; i < 100 && !one.out.wants_armed; ++i) {
     one.tick();
   }
   one.hold_at_height(0.04);  // its motors do not run yet
   one.run(0.2);
-  EXPECT_EQ(one.in().risen_untold_m, 0.0);
+  EXPECT_EQ(one.in().unordered_rise_m, 0.0);
   one.report.armed = one.report.is_in_our_mode = true;
   one.run(0.1);
-  EXPECT_NEAR(one.in().risen_untold_m, 0.0, 1e-6);
+  EXPECT_NEAR(one.in().unordered_rise_m, 0.0, 1e-6);
   one.hold_at_height(0.07);
   one.run(0.5);
-  EXPECT_NEAR(one.in().risen_untold_m, 0.03, 1e-4);
+  EXPECT_NEAR(one.in().unordered_rise_m, 0.03, 1e-4);
   one.has_mocap = false;
-  one.feels_m = Eigen::Vector3d(0.0, 0.0, 0.08);
+  one.estimate_m = Eigen::Vector3d(0.0, 0.0, 0.08);
   one.run(0.1);
-  EXPECT_NEAR(one.in().risen_untold_m, 0.03, 1e-4);
+  EXPECT_NEAR(one.in().unordered_rise_m, 0.03, 1e-4);
   one.tick();
-  EXPECT_EQ(one.in().risen_untold_m, 0.0);
+  EXPECT_EQ(one.in().unordered_rise_m, 0.0);
   OneVehicle carried;
   carried.arm();
   carried.position_m.z() = 0.3;
   carried.tick();
-  EXPECT_NEAR(carried.in().risen_untold_m, 0.3, 1e-6);
+  EXPECT_NEAR(carried.in().unordered_rise_m, 0.3, 1e-6);
   EXPECT_FALSE(carried.in().is_found_flying) << "it was told to turn its motors";
   EXPECT_EQ(carried.state(), FlightState::kKilled);
 }
@@ -93,21 +93,21 @@ TEST(FirstLiftWatch, MeasuresTheDistanceFromThePathNowAndSoon) {
   OneVehicle one;
   one.hold_at_height(0.0);
   one.begin_lift();
-  EXPECT_EQ(one.in().lift_astray_m, 0.0);
+  EXPECT_EQ(one.in().lift_deviation_m, 0.0);
   one.drift_mps = Eigen::Vector3d(-0.2, -0.2, 0.0);
   one.run(0.4);
   const double aside_m = one.position_m.head<2>().norm();
-  EXPECT_NEAR(one.in().lift_astray_m, aside_m + 0.2 * 0.2 * std::sqrt(2.0), 0.002);
+  EXPECT_NEAR(one.in().lift_deviation_m, aside_m + 0.2 * 0.2 * std::sqrt(2.0), 0.002);
   one.drift_mps = Eigen::Vector3d(0.2, 0.2, 0.0);
   one.run(0.2);
-  EXPECT_NEAR(one.in().lift_astray_m, one.position_m.head<2>().norm(), 0.002);
+  EXPECT_NEAR(one.in().lift_deviation_m, one.position_m.head<2>().norm(), 0.002);
   one.drift_mps = Eigen::Vector3d::Zero();
   one.run(0.3);
   one.is_seen = false;
   one.run(0.1);
-  EXPECT_NEAR(one.in().lift_astray_m, one.position_m.head<2>().norm(), 0.002);
+  EXPECT_NEAR(one.in().lift_deviation_m, one.position_m.head<2>().norm(), 0.002);
   one.tick();
-  EXPECT_EQ(one.in().lift_astray_m, 0.0);
+  EXPECT_EQ(one.in().lift_deviation_m, 0.0);
 }
 
 // Climb and turn rates of body and autopilot are compared while both report.
@@ -115,12 +115,12 @@ TEST(FirstLiftWatch, ComparesRatesWithTheAutopilot) {
   enum class Lacks { kNothing, kPosition, kTelemetry, kPose };
   for (const Lacks lacks : {Lacks::kNothing, Lacks::kPosition, Lacks::kTelemetry, Lacks::kPose}) {
     OneVehicle one;
-    one.climb_off_mps = 0.2;
-    one.turn_off_radps = 0.3;
+    one.climb_rate_error_mps = 0.2;
+    one.yaw_rate_error_radps = 0.3;
     one.hold_at_height(0.0);
     one.arm();
     EXPECT_EQ(one.in().lift_climb_error_mps, 0.0);
-    one.say(OperatorAction::kTakeOff);
+    one.send_command(OperatorAction::kTakeOff);
     one.run(0.6);
     ASSERT_TRUE(one.lifts());
     one.drift_mps = Eigen::Vector3d(0.0, 0.0, 0.1);
@@ -133,7 +133,7 @@ TEST(FirstLiftWatch, ComparesRatesWithTheAutopilot) {
     one.drift_mps = Eigen::Vector3d::Zero();
     one.turns_radps = 0.0;
     one.run(0.02);
-    one.tells = lacks != Lacks::kTelemetry;
+    one.sends_telemetry = lacks != Lacks::kTelemetry;
     one.is_seen = lacks != Lacks::kPose;
     one.run(0.1);
     EXPECT_EQ(one.in().lift_climb_error_mps > 0.1, lacks != Lacks::kPosition);
@@ -156,11 +156,11 @@ TEST(FirstLiftWatch, NeedsFreshPoses) {
     one.hold_at_height(0.18);
     one.position_m.z() = 0.18;
     one.now += from_seconds(0.02);
-    one.see();
-    one.hear();
+    one.deliver_mocap();
+    one.deliver_inputs();
     one.now += from_seconds(late_s);
     one.out = one.guard.tick(one.now);
-    EXPECT_EQ(one.asked_m().norm() > 0.1, late_s < 0.05);
+    EXPECT_EQ(one.setpoint_m().norm() > 0.1, late_s < 0.05);
   }
   OneVehicle one;
   one.begin_lift();
@@ -182,7 +182,7 @@ TEST(FirstLiftWatch, DoesNotMoveOffTheFence) {
   one.hold_at_height(0.0);
   one.begin_lift();
   ASSERT_EQ(one.state(), FlightState::kHold);
-  one.run(1.0, [&] { EXPECT_NEAR(one.asked_m().x(), 4.7, 1e-6); });
+  one.run(1.0, [&] { EXPECT_NEAR(one.setpoint_m().x(), 4.7, 1e-6); });
 }
 
 }  // namespace

@@ -26,12 +26,12 @@ CommandVerdict answer(bool is_airborne, OperatorAction action, const std::string
                       std::int64_t station) {
   OneVehicle q1;
   if (!is_airborne) {
-    q1.stand();
+    q1.place_on_ground();
   }
   q1.run(0.1);
   EXPECT_EQ(q1.out.state, is_airborne ? FlightState::kHold : FlightState::kIdle);
   const std::int64_t refused = q1.count("command.refused");
-  const CommandVerdict verdict = q1.say_to(whom, action, station);
+  const CommandVerdict verdict = q1.send_command_to(whom, action, station);
   // Commands for other vehicles and heartbeats are not counted as refused.
   const bool counts =
       verdict == CommandVerdict::kRefused ||
@@ -52,7 +52,7 @@ TEST(GuardOrders, AreRefusedInTheWrongState) {
       for (const char* const whom : {"", "Q1"}) {
         EXPECT_EQ(answer(is_airborne, action, whom, 7), due) << static_cast<int>(action);
       }
-      EXPECT_EQ(answer(is_airborne, action, "Q2", 7), CommandVerdict::kNotForUs);
+      EXPECT_EQ(answer(is_airborne, action, "Q2", 7), CommandVerdict::kOtherRobot);
     }
   }
 }
@@ -65,7 +65,7 @@ TEST(GuardOrders, AreAcceptedFromTheStationInCharge) {
       const CommandVerdict due =
           models::makes_safer(action) ? CommandVerdict::kObeyed : CommandVerdict::kNotInCharge;
       EXPECT_EQ(answer(is_airborne, action, "Q1", 8), due) << static_cast<int>(action);
-      EXPECT_EQ(answer(is_airborne, action, "Q2", 8), CommandVerdict::kNotForUs);
+      EXPECT_EQ(answer(is_airborne, action, "Q2", 8), CommandVerdict::kOtherRobot);
     }
   }
 }
@@ -74,11 +74,11 @@ TEST(GuardOrders, AreAcceptedFromTheStationInCharge) {
 TEST(GuardOrders, AreAcceptedFromAnotherStationAfterSilence) {
   for (const double off_s : {-0.01, 0.01}) {
     OneVehicle q1;
-    q1.stand();
+    q1.place_on_ground();
     q1.run(0.1);
-    q1.say(OperatorAction::kHeartbeat);
+    q1.send_command(OperatorAction::kHeartbeat);
     q1.now += from_seconds(q1.limits.operator_age_hold_s + off_s);
-    const CommandVerdict verdict = q1.say_to("", OperatorAction::kHeartbeat, 8);
+    const CommandVerdict verdict = q1.send_command_to("", OperatorAction::kHeartbeat, 8);
     EXPECT_EQ(verdict, off_s > 0.0 ? CommandVerdict::kObeyed : CommandVerdict::kNotInCharge);
     EXPECT_EQ(q1.count("operator.handovers"), off_s > 0.0 ? 1 : 0);
   }
@@ -87,12 +87,12 @@ TEST(GuardOrders, AreAcceptedFromAnotherStationAfterSilence) {
 // A take-off waits for the motors and then for the vehicle that lifts; the status shows both.
 TEST(GuardOrders, ReportWhatATakeOffWaitsFor) {
   OneVehicle q1;
-  q1.stand();
+  q1.place_on_ground();
   q1.run(1.2);
-  EXPECT_EQ(q1.say_to("", OperatorAction::kArm), CommandVerdict::kObeyed);
+  EXPECT_EQ(q1.send_command_to("", OperatorAction::kArm), CommandVerdict::kObeyed);
   q1.tick();
   EXPECT_EQ(q1.reasons(), std::vector<std::string>());
-  EXPECT_EQ(q1.say_to("Q1", OperatorAction::kTakeOff), CommandVerdict::kObeyed);
+  EXPECT_EQ(q1.send_command_to("Q1", OperatorAction::kTakeOff), CommandVerdict::kObeyed);
   q1.tick();
   EXPECT_EQ(q1.reasons(), std::vector<std::string>({"take-off pending: starting the motors"}));
   models::VehicleStatus q2;
@@ -117,7 +117,7 @@ TEST(GuardOrders, WaitForATeammateThatReportsItsLift) {
                                   FlightState::kLand, FlightState::kKilled}) {
     for (const bool says_so : {true, false}) {
       OneVehicle q1;
-      q1.stand();
+      q1.place_on_ground();
       q1.run(0.1);
       models::VehicleStatus q2;
       q2.robot = "Q2";
@@ -129,9 +129,9 @@ TEST(GuardOrders, WaitForATeammateThatReportsItsLift) {
       q1.guard.on_teammate_status(q2, q1.now);
       q1.tick();
       const bool lifts = says_so && drivers::is_airborne(state);
-      EXPECT_EQ(q1.guard.inputs().is_lift_taken, lifts) << models::name_of(state);
+      EXPECT_EQ(q1.guard.inputs().is_lift_blocked, lifts) << models::name_of(state);
       q1.run(1.0);
-      EXPECT_FALSE(q1.guard.inputs().is_lift_taken);
+      EXPECT_FALSE(q1.guard.inputs().is_lift_blocked);
     }
   }
 }
@@ -139,20 +139,20 @@ TEST(GuardOrders, WaitForATeammateThatReportsItsLift) {
 // Two take-off orders at once: the first by name lifts, and its turn ends with its lift.
 TEST(GuardOrders, EndTheTurnWithTheLift) {
   OneVehicle q1;
-  q1.stand();
+  q1.place_on_ground();
   q1.fastest_mps = 1.0;
   q1.fastest_radps = 0.4;
   q1.run(1.2);
-  EXPECT_EQ(q1.say_to("", OperatorAction::kArm), CommandVerdict::kObeyed);
+  EXPECT_EQ(q1.send_command_to("", OperatorAction::kArm), CommandVerdict::kObeyed);
   q1.tick();
   ASSERT_TRUE(q1.out.wants_armed);
   q1.report.armed = q1.report.is_in_our_mode = true;
   q1.run(0.3);
-  EXPECT_EQ(q1.say_to("", OperatorAction::kTakeOff), CommandVerdict::kObeyed);
+  EXPECT_EQ(q1.send_command_to("", OperatorAction::kTakeOff), CommandVerdict::kObeyed);
   int lifting = 0;
   for (q1.tick(); lifting < 250 && q1.has_reason("first lift"); q1.tick()) {
     EXPECT_EQ(q1.out.state, FlightState::kHold);
-    EXPECT_FALSE(q1.guard.inputs().is_lift_taken) << "it is its own turn";
+    EXPECT_FALSE(q1.guard.inputs().is_lift_blocked) << "it is its own turn";
     EXPECT_NEAR(q1.out.climb_to_m, q1.limits.lift_height_m, 1e-6);
     ++lifting;
   }
@@ -160,7 +160,7 @@ TEST(GuardOrders, EndTheTurnWithTheLift) {
   EXPECT_LT(lifting, 250);
   ASSERT_EQ(q1.out.state, FlightState::kHold);
   q1.run(0.1);
-  EXPECT_TRUE(q1.guard.inputs().is_lift_taken) << "Q2 was told, too";
+  EXPECT_TRUE(q1.guard.inputs().is_lift_blocked) << "Q2 was told, too";
   EXPECT_EQ(q1.out.climb_to_m, q1.limits.take_off_height_m);
   q1.run(3.0);
   EXPECT_NEAR(q1.position_m.z(), q1.limits.take_off_height_m, 1e-3);
@@ -172,7 +172,7 @@ TEST(GuardOrders, EndTheTurnWithTheLift) {
 // A wrong map counts until the right one is announced, another version for a limited time.
 TEST(GuardOnTheGround, ReportsAnotherMapOrVersion) {
   OneVehicle q1;
-  q1.stand();
+  q1.place_on_ground();
   q1.run(1.2);
   for (int time = 0; time < 2; ++time) {  // repeated with the same guard
     EXPECT_EQ(q1.reasons(), std::vector<std::string>());
@@ -200,7 +200,7 @@ TEST(GuardOnTheGround, ReportsAnotherMapOrVersion) {
 // Any finite number is accepted, however large.
 TEST(AutopilotReport, IsAcceptedWithLargeValues) {
   OneVehicle q1;
-  q1.stand();
+  q1.place_on_ground();
   drivers::AutopilotReport report;
   report.has_attitude = true;
   report.tilt_rad = report.yaw_rate_radps = std::numeric_limits<double>::max();

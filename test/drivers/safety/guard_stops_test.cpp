@@ -23,7 +23,7 @@ constexpr double kYawRad = 0.5;
 Eigen::Vector2d on_circle(double way_m) { return {std::sin(way_m), 1.0 - std::cos(way_m)}; }
 
 void follow_circle(OneVehicle& one, double seconds) {
-  one.wait_for_plan();
+  one.hover_without_plan();
   ASSERT_EQ(one.follow(1.0, 1.0, 3.0, 1.5), PlanVerdict::kAccepted);
   one.run(seconds);
   ASSERT_EQ(one.state(), FlightState::kFollow);
@@ -39,7 +39,7 @@ Eigen::Vector2d back(const Eigen::Vector2d& p_m) {
           -p_m.x() * std::sin(kYawRad) + p_m.y() * std::cos(kYawRad)};
 }
 void follow_straight(OneVehicle& one, double seconds) {
-  one.wait_for_plan();
+  one.hover_without_plan();
   ASSERT_EQ(one.follow(1.0, 0.0, 3.0, 1.5), PlanVerdict::kAccepted);
   one.run(seconds);
   ASSERT_EQ(one.state(), FlightState::kFollow);
@@ -56,12 +56,12 @@ TEST(GuardStop, FollowsThePlanWhileTracking) {
     one.has_mocap = false;
     one.run(unseen_s);
     one.has_mocap = unseen_s == 0.0;
-    one.say(OperatorAction::kHold);
+    one.send_command(OperatorAction::kHold);
     one.tick();
     one.has_mocap = true;
     one.run(1.5);
     EXPECT_EQ(one.state(), FlightState::kHold);
-    EXPECT_LT((one.asked_m() - on_circle(1.02 + unseen_s + 0.25)).norm(), 0.01);
+    EXPECT_LT((one.setpoint_m() - on_circle(1.02 + unseen_s + 0.25)).norm(), 0.01);
     EXPECT_NEAR(one.out.setpoint.yaw_rad, 1.02 + unseen_s + 0.25, 0.02);
   }
 }
@@ -73,16 +73,16 @@ TEST(GuardStop, StartsAtPositionAndSpeedWhereThePlanChanges) {
   for (const double after_s : {0.1, 0.2, 0.3, 1.0, 2.8, 3.0, 3.1}) {
     OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
     follow_straight(one, after_s);
-    one.say(OperatorAction::kHold);
+    one.send_command(OperatorAction::kHold);
     one.tick();
     const double speed_mps = one.in().speed_mps;  // estimated value
     const Eigen::Vector2d here_m = one.position_m.head<2>();
     const Eigen::Vector2d velocity_mps = one.out.setpoint.velocity_world_mps.head<2>();
-    const Eigen::Vector2d now_m = one.asked_m() - one.limits.setpoint_lead_s * velocity_mps;
+    const Eigen::Vector2d now_m = one.setpoint_m() - one.limits.setpoint_lead_s * velocity_mps;
     EXPECT_LT((now_m - here_m).norm(), 0.03) << after_s;
     EXPECT_LT(velocity_mps.norm(), speed_mps + 0.01) << after_s;
     one.run(1.5);
-    const double path_m = back(one.asked_m() - here_m).x();
+    const double path_m = back(one.setpoint_m() - here_m).x();
     EXPECT_NEAR(path_m, speed_mps * speed_mps / (2.0 * kBrakeMps2), 0.06) << after_s;
   }
 }
@@ -100,7 +100,7 @@ TEST(GuardStop, IsStraightAfterALongLoss) {
   EXPECT_EQ(one.state(), FlightState::kLand);
   one.run(0.6);
   const double on_s = 0.1 + std::hypot(1.0, 0.3) / (2.0 * kBrakeMps2);
-  EXPECT_LT((back(one.asked_m()) - seen_m - on_s * Eigen::Vector2d(1.0, 0.3)).norm(), 0.01);
+  EXPECT_LT((back(one.setpoint_m()) - seen_m - on_s * Eigen::Vector2d(1.0, 0.3)).norm(), 0.01);
 }
 
 // A velocity error of more than 0.6 m/s in any direction makes it stop straight on; below that it
@@ -114,16 +114,16 @@ TEST(GuardStop, IsStraightAfterAPush) {
     const Eigen::Vector2d mps = Eigen::Vector2d(1.0, 0.0) + push_mps;
     one.drift_mps = turned(mps.x(), mps.y());
     one.run(0.28);
-    one.say(OperatorAction::kHold);
+    one.send_command(OperatorAction::kHold);
     one.tick();
     const Eigen::Vector2d here_m = back(one.position_m.head<2>());
     one.drift_mps.reset();
-    one.answers = false;
+    one.tracks_setpoint = false;
     one.run(1.0);
     const Eigen::Vector2d way_m = push_mps.norm() < 0.6
                                       ? Eigen::Vector2d(1.0 / (2.0 * kBrakeMps2), 0.0)
                                       : Eigen::Vector2d(mps * mps.norm() / (2.0 * kBrakeMps2));
-    EXPECT_LT((back(one.asked_m()) - here_m - way_m).norm(), 0.02) << push_mps.transpose();
+    EXPECT_LT((back(one.setpoint_m()) - here_m - way_m).norm(), 0.02) << push_mps.transpose();
     EXPECT_NEAR(one.out.setpoint.yaw_rad, kYawRad, 1e-6);
   }
 }
@@ -141,15 +141,15 @@ TEST(GuardStop, IsStraightBeyondTheTrackingLimit) {
     });
     EXPECT_EQ(one.state(), is_far ? FlightState::kHold : FlightState::kFollow);
     if (!is_far) {
-      one.say(OperatorAction::kHold);
+      one.send_command(OperatorAction::kHold);
       one.tick();
       one.drift_mps = Eigen::Vector3d::Zero();
     }
     const double aside_m = back(one.position_m.head<2>()).y();
     EXPECT_GT(aside_m, is_far ? one.limits.tracking_hold_m : 0.3);
     one.run(1.0);
-    EXPECT_NEAR(back(one.asked_m()).y() - aside_m, is_far ? 0.3 * std::hypot(1.0, 0.3) / 4.0 : 0.0,
-                0.01);
+    EXPECT_NEAR(back(one.setpoint_m()).y() - aside_m,
+                is_far ? 0.3 * std::hypot(1.0, 0.3) / 4.0 : 0.0, 0.01);
   }
 }
 
@@ -159,7 +159,7 @@ TEST(GuardStop, PredictsADriftingHover) {
     OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
     if (has_flown_a_plan) {
       follow_straight(one, 1.0);
-      one.say(OperatorAction::kHold);
+      one.send_command(OperatorAction::kHold);
     }
     one.run(1.5);
     one.drift_mps = Eigen::Vector3d(0.4, 0.0, 0.0);
@@ -180,21 +180,21 @@ TEST(GuardStop, StaysWhenThePlanHasJustBegun) {
   for (const Case& c : {Case{0.0, 0.09, true}, Case{0.0, 0.11, false}, Case{0.3, 0.68, true},
                         Case{0.3, 0.72, false}, Case{0.2, 0.48, true}, Case{0.2, 0.52, false}}) {
     OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
-    one.wait_for_plan();
+    one.hover_without_plan();
     one.drift_mps = turned(c.own_mps, 0.0);
     one.run(0.4);
     // 0.26 s after its start the whole window of 0.5 s lies on the plan.
     ASSERT_EQ(one.follow(c.asked_mps, 0.0, 2.0, 1.5), PlanVerdict::kAccepted);
     one.run(0.24);
     ASSERT_EQ(one.state(), FlightState::kFollow);
-    one.say(OperatorAction::kHold);
+    one.send_command(OperatorAction::kHold);
     one.tick();
     ASSERT_EQ(one.state(), FlightState::kHold);
     const double here_m = back(one.position_m.head<2>()).x();
     one.drift_mps.reset();
-    one.answers = false;
+    one.tracks_setpoint = false;
     one.run(1.0);
-    const double off_m = back(one.asked_m()).x() - here_m - c.own_mps * c.own_mps / 4.0;
+    const double off_m = back(one.setpoint_m()).x() - here_m - c.own_mps * c.own_mps / 4.0;
     EXPECT_EQ(std::abs(off_m) > 2e-4, c.goes_on) << c.own_mps << " " << c.asked_mps << " " << off_m;
   }
 }
@@ -202,8 +202,8 @@ TEST(GuardStop, StaysWhenThePlanHasJustBegun) {
 // The braking path follows a plan that has just been commanded.
 TEST(GuardStop, PredictsAlongANewPlan) {
   OneVehicle one;
-  one.wait_for_plan();
-  one.answers = false;
+  one.hover_without_plan();
+  one.tracks_setpoint = false;
   ASSERT_EQ(one.follow(1.0, 0.0, 2.0, 1.5), PlanVerdict::kAccepted);
   one.run(0.04);
   ASSERT_EQ(one.state(), FlightState::kFollow);
@@ -215,11 +215,11 @@ TEST(GuardStop, PredictsAlongANewPlan) {
 TEST(GuardStop, HoversAtTheEndOfThePlan) {
   for (const bool has_next : {false, true}) {
     OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
-    one.wait_for_plan();
+    one.hover_without_plan();
     ASSERT_EQ(one.follow(0.5, 0.0, 1.0, 1.5), PlanVerdict::kAccepted);
     one.run(1.6);
     const Eigen::Vector2d end_m = turned(0.5 + 0.5 * 0.5 / 4.0, 0.0).head<2>();
-    EXPECT_LT((one.asked_m() - end_m).norm(), 1e-6);
+    EXPECT_LT((one.setpoint_m() - end_m).norm(), 1e-6);
     one.drift_mps = turned(0.0, 0.5);
     one.run(0.2);
     one.drift_mps = Eigen::Vector3d::Zero();
@@ -228,11 +228,11 @@ TEST(GuardStop, HoversAtTheEndOfThePlan) {
     if (has_next) {
       ASSERT_EQ(one.follow(0.5, 0.0, 1.0, 1.5, 0.6), PlanVerdict::kAccepted);
     }
-    one.say(OperatorAction::kHold);
+    one.send_command(OperatorAction::kHold);
     one.run(0.6);
     EXPECT_EQ(one.state(), FlightState::kHold);
     const Eigen::Vector2d stop_m = has_next ? Eigen::Vector2d(one.position_m.head<2>()) : end_m;
-    EXPECT_LT((one.asked_m() - stop_m).norm(), 1e-3) << has_next;
+    EXPECT_LT((one.setpoint_m() - stop_m).norm(), 1e-3) << has_next;
     EXPECT_NEAR(one.out.setpoint.yaw_rad, kYawRad, 1e-6);
   }
 }
@@ -242,12 +242,12 @@ TEST(GuardStop, StartsAtThePositionInAPlan) {
   OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
   follow_straight(one, 1.0);
   const double here_m = back(one.position_m.head<2>()).x();
-  one.say(OperatorAction::kLand);
+  one.send_command(OperatorAction::kLand);
   one.run(0.3);
   EXPECT_EQ(one.state(), FlightState::kLand);
   EXPECT_GT(one.out.setpoint.velocity_world_mps.norm(), 0.1) << "it brakes, and is not stopped";
   one.run(0.7);
-  EXPECT_NEAR(back(one.asked_m()).x() - here_m, 0.02 + 0.25, 0.01);
+  EXPECT_NEAR(back(one.setpoint_m()).x() - here_m, 0.02 + 0.25, 0.01);
   EXPECT_LT(one.out.setpoint.velocity_world_mps.head<2>().norm(), 1e-9);
 }
 
@@ -255,26 +255,26 @@ TEST(GuardStop, StartsAtThePositionInAPlan) {
 // position is kept.
 TEST(GuardStop, DropsAnAcceptedPlanWhenLanding) {
   OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
-  one.wait_for_plan();
+  one.hover_without_plan();
   ASSERT_EQ(one.follow(1.0, 0.0, 3.0, 1.5), PlanVerdict::kAccepted);
   ASSERT_EQ(one.state(), FlightState::kHold);
-  one.say(OperatorAction::kLand);
+  one.send_command(OperatorAction::kLand);
   one.run(1.5);
   EXPECT_EQ(one.state(), FlightState::kLand);
-  EXPECT_LT(one.asked_m().norm(), 0.01);
+  EXPECT_LT(one.setpoint_m().norm(), 0.01);
 }
 
 TEST(GuardStop, KeepsTheHoverWhenLanding) {
   OneVehicle one({0.3, -0.4, 1.5}, kYawRad);
   one.run(0.2);
-  one.answers = false;
+  one.tracks_setpoint = false;
   one.drift_mps = Eigen::Vector3d(0.3, 0.0, 0.0);
   one.run(0.4);
   one.drift_mps = Eigen::Vector3d::Zero();
   one.run(0.4);
-  one.say(OperatorAction::kLand);
+  one.send_command(OperatorAction::kLand);
   one.run(0.5);
-  EXPECT_LT((one.asked_m() - Eigen::Vector2d(0.3, -0.4)).norm(), 1e-6);
+  EXPECT_LT((one.setpoint_m() - Eigen::Vector2d(0.3, -0.4)).norm(), 1e-6);
 }
 
 // The flight time runs through all airborne states and starts at 0 in the next flight.
@@ -289,23 +289,23 @@ TEST(GuardStop, KeepsTheFlightTime) {
     EXPECT_NEAR(one.in().flight_s, flown_s, 1e-6);
   };
   goes_on(0.4, FlightState::kHold);
-  one.say(OperatorAction::kFollow);
+  one.send_command(OperatorAction::kFollow);
   goes_on(0.1, FlightState::kHold);
   ASSERT_EQ(one.follow(0.5, 0.0, 2.0, 1.5), PlanVerdict::kAccepted);
   goes_on(0.4, FlightState::kFollow);
-  one.say(OperatorAction::kHold);
+  one.send_command(OperatorAction::kHold);
   goes_on(0.4, FlightState::kHold);
-  one.say(OperatorAction::kLand);
+  one.send_command(OperatorAction::kLand);
   goes_on(0.4, FlightState::kLand);
 }
 
 // A pose up to 0.05 s old is fresh enough for a move away from the fence.
 TEST(GuardStop, MovesOffWithASlightlyOldPose) {
   OneVehicle one({5.0 - 0.25 - 0.05, 1.0, 1.5});
-  one.report.armed = one.beats = false;
+  one.report.armed = one.sends_heartbeats = false;
   one.run(0.1);
   one.has_mocap = false;
-  one.report.armed = one.beats = true;
+  one.report.armed = one.sends_heartbeats = true;
   one.tick();
   ASSERT_EQ(one.state(), FlightState::kHold);
   one.has_mocap = true;
@@ -320,13 +320,13 @@ TEST(GuardStop, MovesOffTheFence) {
   enum class Waits { kNot, kForMocap, kForEstimator };
   for (const Waits waits : {Waits::kNot, Waits::kForMocap, Waits::kForEstimator}) {
     OneVehicle one({5.0 - 0.25 - 0.05, 1.0, 1.5});
-    const auto is_off = [&] { return 5.0 - 0.25 - one.asked_m().x() > 0.0501; };
+    const auto is_off = [&] { return 5.0 - 0.25 - one.setpoint_m().x() > 0.0501; };
     if (waits == Waits::kForMocap) {
-      one.report.armed = one.beats = false;
+      one.report.armed = one.sends_heartbeats = false;
       one.tick();
       one.has_mocap = false;
       one.run(0.04);
-      one.report.armed = one.beats = true;
+      one.report.armed = one.sends_heartbeats = true;
     }
     one.report.estimator_good = waits != Waits::kForEstimator;
     one.run(waits == Waits::kForMocap ? 0.04 : 0.6, [&] {
@@ -341,8 +341,8 @@ TEST(GuardStop, MovesOffTheFence) {
       fastest_mps = std::max(fastest_mps, one.out.setpoint.velocity_world_mps.head<2>().norm());
     });
     EXPECT_NEAR(fastest_mps, 0.2, 0.01);
-    EXPECT_NEAR(5.0 - 0.25 - one.asked_m().x(), 0.15, 0.051);
-    EXPECT_GE(5.0 - 0.25 - one.asked_m().x(), 0.15 - 1e-9);
+    EXPECT_NEAR(5.0 - 0.25 - one.setpoint_m().x(), 0.15, 0.051);
+    EXPECT_GE(5.0 - 0.25 - one.setpoint_m().x(), 0.15 - 1e-9);
   }
 }
 

@@ -212,7 +212,7 @@ TEST_F(Inputs, MeasureARiseWithoutAnOrder) {
       (void)guard->on_command(command, at(t_s));
       out = guard->tick(at(t_s));
       EXPECT_EQ(out.wants_armed, tick >= 200) << tick;
-      EXPECT_NEAR(guard->inputs().risen_untold_m, risen_m, 1e-9) << tick;
+      EXPECT_NEAR(guard->inputs().unordered_rise_m, risen_m, 1e-9) << tick;
     }
     EXPECT_EQ(out.state, FlightState::kIdle);
   }
@@ -367,14 +367,14 @@ TEST(SecondFlight, IsMeasuredLikeTheFirst) {
     FlightBench bench(3);
     Vehicle& q1 = bench.vehicle("Q1");
     bench.fly_up(3.0);
-    bench.say(OperatorAction::kLand);
+    bench.send_command(OperatorAction::kLand);
     bench.run(12.0);
     ASSERT_EQ(q1.out.state, FlightState::kIdle);
     EXPECT_EQ(q1.guard->inputs().flight_s, 0.0);
     EXPECT_EQ(q1.guard->inputs().tracking_error_m, 0.0);
-    bench.say(OperatorAction::kArm, "Q1");
+    bench.send_command(OperatorAction::kArm, "Q1");
     bench.run(1.5);
-    bench.say(OperatorAction::kTakeOff, "Q1");
+    bench.send_command(OperatorAction::kTakeOff, "Q1");
     bench.tick();
     double left_s = bench.time_s();
     while (q1.out.state != FlightState::kHold && bench.time_s() < 40.0) {

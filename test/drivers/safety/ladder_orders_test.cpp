@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "drivers/safety/ladder.hpp"
-#include "test/drivers/safety/driven_ladder.hpp"
+#include "test/drivers/safety/stepped_ladder.hpp"
 
 // Orders after a flight ends, when a vehicle is found in the air, and while it may not lift yet.
 
@@ -24,12 +24,12 @@ class LadderOrders : public ::testing::Test {
     d.in.autopilot_armed = false;
     d.step(0.01, OperatorAction::kArm);
     d.in.autopilot_armed = true;
-    d.in.is_lift_taken = true;
+    d.in.is_lift_blocked = true;
     d.step(0.01, OperatorAction::kTakeOff);
     ASSERT_EQ(d.ladder.state, FlightState::kIdle);
     ASSERT_TRUE(d.ladder.arm.is_given && d.ladder.take_off.is_given);
   }
-  test::Driven d;
+  test::SteppedLadder d;
 };
 
 TEST_F(LadderOrders, EndWithTheFlight) {
@@ -99,7 +99,7 @@ TEST_F(LadderOrders, EachClearsTheLastRefusal) {
   // A new take-off order after one that was refused because a body stayed near for too long.
   d = {};
   wait_for_its_turn();
-  d.in.is_lift_taken = false;
+  d.in.is_lift_blocked = false;
   d.in.near_m = 0.1;
   d.wait(d.lim.arm_wait_s + 0.1);
   ASSERT_EQ(d.ladder.refusal.order, Refusal::Order::kTakeOff);
@@ -137,7 +137,7 @@ TEST_F(LadderOrders, TakeOffWaitsForNearBodies) {
   for (int time = 0; time < 2; ++time) {
     d = {};
     wait_for_its_turn();
-    d.in.is_lift_taken = false;
+    d.in.is_lift_blocked = false;
     d.in.near_m = 0.1;
     EXPECT_EQ(d.wait(1.0), FlightState::kIdle);
     EXPECT_TRUE(d.ladder.wants_armed) << "which forbids no motors";
@@ -151,10 +151,10 @@ TEST_F(LadderOrders, TakeOffWaitsForNearBodies) {
 TEST_F(LadderOrders, TakeOffWaitsForStoppingMotors) {
   wait_for_its_turn();
   for (int time = 0; time < 2; ++time) {
-    d.in.is_lift_taken = true;
+    d.in.is_lift_blocked = true;
     d.wait(d.lim.lift_idle_s + 5.0);  // unwanted for longer than they need to stop
     ASSERT_FALSE(d.ladder.wants_armed);
-    d.in.is_lift_taken = false;
+    d.in.is_lift_blocked = false;
     EXPECT_EQ(d.wait(2.45), FlightState::kIdle) << time;
     EXPECT_TRUE(d.ladder.wants_armed);
   }

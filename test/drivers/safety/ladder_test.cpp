@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "test/drivers/safety/driven_ladder.hpp"
+#include "test/drivers/safety/stepped_ladder.hpp"
 #include "test/support/allocation_counter.hpp"
 
 namespace vantage::drivers {
@@ -14,12 +14,12 @@ namespace {
 using models::FlightState;
 using models::OperatorAction;
 
-using test::Driven;
 using test::limits;
+using test::SteppedLadder;
 
 class StepLadder : public ::testing::Test {
  protected:
-  Driven d;
+  SteppedLadder d;
 };
 
 TEST_F(StepLadder, TakesOffIntoAHoldAndFollowsOnCommand) {
@@ -80,7 +80,7 @@ TEST_F(StepLadder, NeverLeavesALandingBeforeTheGround) {
 // armed.
 TEST_F(StepLadder, StaysArmedInALandingWithAnEstimatedHeight) {
   for (int time = 0; time < 2; ++time) {
-    d = Driven();
+    d = SteppedLadder();
     d.airborne();
     EXPECT_EQ(d.step(0.01, OperatorAction::kLand), FlightState::kLand);
     d.in.height_m = d.lim.touch_height_m - 0.001;
@@ -280,7 +280,7 @@ TEST_F(StepLadder, KillsABlindVehicleOnlyNearTheFloorOrOutside) {
 TEST_F(StepLadder, IsAsSevereAsItsWorstCondition) {
   test::Random random(11);
   for (int trial = 0; trial < 3000; ++trial) {
-    d = Driven();
+    d = SteppedLadder();
     d.airborne();
     d.in.pose_age_s = random.coin() ? 0.0 : random.uniform(0.0, 2.0);
     d.in.poses_rejected = random.coin() ? 0 : random.integer(0, 5);
@@ -315,7 +315,7 @@ TEST_F(StepLadder, LimitsIdlingWhileOthersLift) {
   d.in.autopilot_armed = false;
   d.step(0.01, OperatorAction::kArm);
   d.in.autopilot_armed = true;
-  d.in.is_lift_taken = true;
+  d.in.is_lift_blocked = true;
   d.step(0.01, OperatorAction::kTakeOff);
   d.wait(d.lim.lift_idle_s - 0.1);
   EXPECT_TRUE(d.ladder.wants_armed);
@@ -323,7 +323,7 @@ TEST_F(StepLadder, LimitsIdlingWhileOthersLift) {
   EXPECT_FALSE(d.ladder.wants_armed);
   EXPECT_EQ(d.ladder.state, FlightState::kIdle);
   d.in.autopilot_armed = false;
-  d.in.is_lift_taken = false;
+  d.in.is_lift_blocked = false;
   d.step();
   EXPECT_TRUE(d.ladder.wants_armed);
   d.wait(3.0);
@@ -338,11 +338,11 @@ TEST_F(StepLadder, DoesNotLiftWhileMotorsStop) {
   d.in.autopilot_armed = false;
   d.step(0.01, OperatorAction::kArm);
   d.in.autopilot_armed = true;
-  d.in.is_lift_taken = true;
+  d.in.is_lift_blocked = true;
   d.step(0.01, OperatorAction::kTakeOff);
   d.wait(d.lim.lift_idle_s + 0.5);
   ASSERT_FALSE(d.ladder.wants_armed);
-  d.in.is_lift_taken = false;  // the disarming is not yet reported
+  d.in.is_lift_blocked = false;  // the disarming is not yet reported
   d.wait(0.5);
   EXPECT_EQ(d.ladder.state, FlightState::kIdle);
   d.in.autopilot_armed = false;
@@ -355,9 +355,9 @@ TEST_F(StepLadder, DoesNotLiftWhileMotorsStop) {
 // Distances until a vehicle stops that was commanded to, and one that gets no more commands.
 TEST(SafetyLimits, GiveStoppingDistances) {
   const SafetyLimits lim = limits();  // brakes at 2 m/s²
-  EXPECT_NEAR(stopping_way_m(lim, 1.0), 0.20 + 0.25, 1e-12);
-  EXPECT_NEAR(lost_way_m(lim, 1.0), 0.50 + 0.25, 1e-12);
-  EXPECT_NEAR(stopping_way_m(lim, 2.0), 0.40 + 1.00, 1e-12);
+  EXPECT_NEAR(stopping_distance_m(lim, 1.0), 0.20 + 0.25, 1e-12);
+  EXPECT_NEAR(stopping_distance_after_loss_m(lim, 1.0), 0.50 + 0.25, 1e-12);
+  EXPECT_NEAR(stopping_distance_m(lim, 2.0), 0.40 + 1.00, 1e-12);
 }
 
 TEST_F(StepLadder, AllocatesNothing) {

@@ -70,14 +70,14 @@ TEST(IsWayTaken, CountsBodiesWithPriority) {
   const Eigen::Vector3d to_m(1.0, 0.0, 1.0);
   std::vector<OtherBody> others(1);
   others[0].position_world_m = {0.8, 0.3, 1.0};
-  EXPECT_TRUE(is_way_taken(from_m, to_m, others, limits));
-  others[0].goes_first = false;
-  EXPECT_FALSE(is_way_taken(from_m, to_m, others, limits));
-  others[0].goes_first = true;
+  EXPECT_TRUE(is_path_blocked(from_m, to_m, others, limits));
+  others[0].has_priority = false;
+  EXPECT_FALSE(is_path_blocked(from_m, to_m, others, limits));
+  others[0].has_priority = true;
   others[0].position_world_m.y() = limits.separation_hold_m + 0.01;
-  EXPECT_FALSE(is_way_taken(from_m, to_m, others, limits));
+  EXPECT_FALSE(is_path_blocked(from_m, to_m, others, limits));
   others[0].position_world_m = {-0.1, 0.0, 1.0};  // behind: not closer than it is now
-  EXPECT_FALSE(is_way_taken(from_m, to_m, others, limits));
+  EXPECT_FALSE(is_path_blocked(from_m, to_m, others, limits));
 }
 
 // A stationary robot lands there and does not give way, whatever its priority.
@@ -86,20 +86,20 @@ TEST(IsWayTaken, CountsStationaryRobotsAtAnyHeight) {
   const Eigen::Vector3d from_m(0.0, 0.0, 1.0);
   const Eigen::Vector3d to_m(1.0, 0.0, 1.0);
   std::vector<OtherBody> others(1);
-  others[0].goes_first = false;
+  others[0].has_priority = false;
   others[0].robot = 1;
   for (const double height_m : {0.4, 1.0, 1.6, 2.2}) {
     others[0].position_world_m = {0.8, 0.3, height_m};
     others[0].velocity_world_mps = {0.0, 0.0, -0.4};  // it sinks
-    EXPECT_TRUE(is_way_taken(from_m, to_m, others, limits)) << height_m;
+    EXPECT_TRUE(is_path_blocked(from_m, to_m, others, limits)) << height_m;
     others[0].velocity_world_mps = {0.2, 0.0, 0.0};  // it yields
-    EXPECT_FALSE(is_way_taken(from_m, to_m, others, limits)) << height_m;
-    others[0].goes_first = true;
-    EXPECT_TRUE(is_way_taken(from_m, to_m, others, limits)) << height_m;
-    others[0].goes_first = false;
+    EXPECT_FALSE(is_path_blocked(from_m, to_m, others, limits)) << height_m;
+    others[0].has_priority = true;
+    EXPECT_TRUE(is_path_blocked(from_m, to_m, others, limits)) << height_m;
+    others[0].has_priority = false;
     others[0].velocity_world_mps.setZero();
     others[0].position_world_m.y() = limits.separation_hold_m + 0.01;
-    EXPECT_FALSE(is_way_taken(from_m, to_m, others, limits)) << height_m;
+    EXPECT_FALSE(is_path_blocked(from_m, to_m, others, limits)) << height_m;
   }
 }
 
@@ -116,7 +116,7 @@ TEST(LandingSpot, AndItsPathAreNotBelowAnotherRobot) {
     for (int robot : {1, 2}) {
       OtherBody& body = others[static_cast<std::size_t>(robot)];
       body.robot = robot;
-      body.goes_first = robot == 1;
+      body.has_priority = robot == 1;
       body.position_world_m = {hover_m.x() + random.uniform(-2.0, 2.0),
                                hover_m.y() + random.uniform(-2.0, 2.0), random.uniform(1.0, 2.5)};
     }
@@ -167,10 +167,10 @@ Landing land_beside(test::FlightBench& bench, double give_s,
   const double start_s = bench.time_s();
   const Eigen::Vector3d start_m = vehicle.position_m;
   double paused_m = 0.0;
-  bench.room().says = models::OperatorAction::kLand;
+  bench.room().command = models::OperatorAction::kLand;
   while (out.took_s < give_s) {
     const Eigen::Vector3d walker_m = walk(out.took_s, vehicle.position_m);
-    bench.room().walkers_m = {walker_m};
+    bench.room().target_positions_m = {walker_m};
     bench.tick();
     out.took_s = bench.time_s() - start_s;
     out.closest_m = std::min(out.closest_m, (vehicle.position_m - walker_m).norm());
@@ -285,20 +285,20 @@ TEST(FlightGuard, KeepsSeparationInSimultaneousLandings) {
     test::FlightBench bench(seed, false, 0.5);
     test::Random random(seed);
     bench.fly_up(12.0 + random.uniform(0.0, 12.0));
-    std::vector<Eigen::Vector3d> walkers_m;
+    std::vector<Eigen::Vector3d> target_positions_m;
     for (const test::Vehicle& vehicle : bench.vehicles()) {
       for (int i = 0; i < 3; ++i) {
-        walkers_m.push_back(below(vehicle.position_m) + Eigen::Vector3d(random.uniform(-1.0, 1.0),
-                                                                        random.uniform(-1.0, 1.0),
-                                                                        0.0));
+        target_positions_m.push_back(
+            below(vehicle.position_m) +
+            Eigen::Vector3d(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), 0.0));
       }
     }
-    bench.room().says = models::OperatorAction::kLand;
+    bench.room().command = models::OperatorAction::kLand;
     double walkers_least_m = 1e9;
     bench.run(30.0, [&] {
-      bench.room().walkers_m = walkers_m;
+      bench.room().target_positions_m = target_positions_m;
       for (const test::Vehicle& vehicle : bench.vehicles()) {
-        for (const Eigen::Vector3d& walker_m : walkers_m) {
+        for (const Eigen::Vector3d& walker_m : target_positions_m) {
           walkers_least_m = std::min(walkers_least_m, (vehicle.position_m - walker_m).norm());
         }
       }
@@ -324,10 +324,10 @@ TEST(FlightGuard, LandsNextToABodyWithinTheTimeLimit) {
     ASSERT_NEAR(highest.position_m.z(), 2.0, 0.1) << seed;
     const Eigen::Vector3d from_m = highest.position_m;
     const Eigen::Vector3d walker_m = below(from_m + 0.5 * highest.velocity_mps);
-    bench.room().says = models::OperatorAction::kLand;
+    bench.room().command = models::OperatorAction::kLand;
     const double start_s = bench.time_s();
     while (highest.out.state != FlightState::kIdle && bench.time_s() < start_s + 30.0) {
-      bench.room().walkers_m = {walker_m};
+      bench.room().target_positions_m = {walker_m};
       bench.tick();
       EXPECT_GT((highest.position_m - walker_m).norm(), kTouchM) << seed;
     }
@@ -394,7 +394,7 @@ TEST(FlightGuard, WaitsForABodyBelowWithoutAPose) {
   const Eigen::Vector3d place_m = below(vehicle.position_m);
   for (double lost_s = 0.0; lost_s < 1.45; lost_s += test::FlightBench::kTickS) {
     vehicle.knobs.body = {test::BodyFault::kOccluded};
-    bench.room().walkers_m = {place_m};
+    bench.room().target_positions_m = {place_m};
     bench.tick();
     EXPECT_FALSE(vehicle.out.is_sinking) << lost_s;
   }
@@ -406,7 +406,7 @@ TEST(FlightGuard, KeepsTheLandingAfterOneBadReport) {
   test::FlightBench bench(1);
   bench.fly_up(6.4);
   test::Vehicle& vehicle = bench.vehicle("Q1");
-  bench.room().says = models::OperatorAction::kLand;
+  bench.room().command = models::OperatorAction::kLand;
   bench.tick();
   vehicle.knobs.estimator_bad = true;
   bench.tick();
@@ -436,13 +436,14 @@ TEST(FlightGuard, LandsAfterTheTimeLimitAboveBodies) {
   for (bool says = true; vehicle.out.state != FlightState::kIdle; says = false) {
     ASSERT_LT(crowded.time_s(), 60.0);
     if (says) {
-      crowded.room().says = models::OperatorAction::kLand;
+      crowded.room().command = models::OperatorAction::kLand;
     }
     if (crowded.time_s() < start_s + 1.0) {
       centre_m = below(vehicle.position_m);  // the crowd gathers where the vehicle stops
     }
     for (int i = 0; i < 9; ++i) {
-      crowded.room().walkers_m.emplace_back(centre_m + Eigen::Vector3d(i % 3 - 1, i / 3 - 1, 0.0));
+      crowded.room().target_positions_m.emplace_back(centre_m +
+                                                     Eigen::Vector3d(i % 3 - 1, i / 3 - 1, 0.0));
     }
     crowded.tick();
     EXPECT_TRUE(vehicle.position_m.z() > 0.7 || crowded.time_s() > start_s + 20.0);

@@ -94,10 +94,10 @@ TEST(Latches, MatchTheWholeHistory) {
       } else if (!holds && latched[i]) {
         ASSERT_TRUE(held_ever);
         const double wait_s = limits.clear_s + (rows[i].yields && inputs.yields ? 0.7 : 0.0);
-        const bool is_cleared =
-            rows[i].clearing == Clearing::kAtOnce ||
-            (rows[i].clearing == Clearing::kSelf && for_s >= wait_s) ||
-            (rows[i].clearing == Clearing::kOperator && asks(inputs, OperatorAction::kFollow));
+        const bool is_cleared = rows[i].clearing == Clearing::kAtOnce ||
+                                (rows[i].clearing == Clearing::kSelf && for_s >= wait_s) ||
+                                (rows[i].clearing == Clearing::kOperator &&
+                                 is_requested(inputs, OperatorAction::kFollow));
         cleared[static_cast<std::size_t>(rows[i].clearing)] += is_cleared ? 1 : 0;
         latched[i] = !is_cleared;
       }

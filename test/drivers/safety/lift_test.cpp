@@ -19,7 +19,7 @@ namespace {
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 constexpr double kClimbMps = 0.3;
-constexpr double kPolitenessS = 0.15;  // s; added per position in the scenario
+constexpr double kTurnDelayS = 0.15;  // s; added per position in the scenario
 
 Time after(double t_s) { return kStart + from_seconds(t_s); }
 
@@ -43,8 +43,8 @@ OtherBody body(int robot, double height_m, double climb_mps = 0.0) {
 /// `then`.
 LiftQueue seen(const std::vector<OtherBody>& rest, const std::vector<OtherBody>& then) {
   LiftQueue queue(team({"Q1", "Q2", "Q3"}), "Q1");
-  queue.look(rest, SafetyLimits{}, kStart);
-  queue.look(then, SafetyLimits{}, after(1.0));
+  queue.update(rest, SafetyLimits{}, kStart);
+  queue.update(then, SafetyLimits{}, after(1.0));
   return queue;
 }
 
@@ -84,28 +84,28 @@ TEST(LiftQueue, OrdersByCommandThenByName) {
     for (; !heard.empty(); heard.erase(heard.begin())) {
       for (const double later_s : {0.0, 1.0}) {  // longer than the extra wait of any vehicle
         for (LiftQueue& queue : queues) {
-          queue.look(bodies, limits, after(t_s + later_s));
+          queue.update(bodies, limits, after(t_s + later_s));
         }
       }
       for (std::size_t i = 0; i < names.size(); ++i) {
         if (!is_gone[i]) {
-          EXPECT_EQ(queues[i].is_taken(), names[i] != heard.front()) << names[i];
+          EXPECT_EQ(queues[i].is_blocked(), names[i] != heard.front()) << names[i];
         }
       }
       const auto first = static_cast<std::size_t>(
           std::find(names.begin(), names.end(), heard.front()) - names.begin());
       queues[first].forget_own();
       is_gone[first] = true;
-      bodies[first].position_world_m.z() += limits.lift_over_m + 0.01;
+      bodies[first].position_world_m.z() += limits.lift_done_m + 0.01;
       t_s += 2.0;
     }
     for (const double later_s : {0.0, 1.0}) {
       for (LiftQueue& queue : queues) {
-        queue.look(bodies, limits, after(t_s + later_s));
+        queue.update(bodies, limits, after(t_s + later_s));
       }
     }
     for (const LiftQueue& queue : queues) {
-      EXPECT_FALSE(queue.is_taken());
+      EXPECT_FALSE(queue.is_blocked());
     }
   }
 }
@@ -119,15 +119,15 @@ TEST(LiftQueue, WaitsTheStatedTimeAfterAReport) {
     for (const double begin_s : {0.0, 10.0}) {  // repeated later with the same queue
       queue.on_lifting(names[own], after(begin_s));
       queue.on_lifting("Q9", after(begin_s));
-      queue.look({}, SafetyLimits{}, after(begin_s));
-      EXPECT_FALSE(queue.is_taken());
+      queue.update({}, SafetyLimits{}, after(begin_s));
+      EXPECT_FALSE(queue.is_blocked());
       queue.on_lifting(names[(own + 1) % 3], after(begin_s));
       int ticks = 0;
       do {
         ++ticks;
-        queue.look({}, SafetyLimits{}, after(begin_s + 0.01 * ticks));
-      } while (queue.is_taken() && ticks < 300);
-      EXPECT_NEAR(0.01 * ticks, 0.5 + kPolitenessS * static_cast<double>(own + 1), 0.021);
+        queue.update({}, SafetyLimits{}, after(begin_s + 0.01 * ticks));
+      } while (queue.is_blocked() && ticks < 300);
+      EXPECT_NEAR(0.01 * ticks, 0.5 + kTurnDelayS * static_cast<double>(own + 1), 0.021);
     }
   }
 }
@@ -136,8 +136,8 @@ TEST(LiftQueue, WaitsTheStatedTimeAfterAReport) {
 TEST(LiftQueue, IsFreeAtTheStartOfTheClock) {
   LiftQueue queue(team({"Q1", "Q2"}), "Q1");
   for (const double t_s : {0.2, 0.3, 0.4}) {
-    queue.look({}, SafetyLimits{}, Time{} + from_seconds(t_s));
-    EXPECT_FALSE(queue.is_taken()) << t_s;
+    queue.update({}, SafetyLimits{}, Time{} + from_seconds(t_s));
+    EXPECT_FALSE(queue.is_blocked()) << t_s;
   }
 }
 
@@ -147,8 +147,8 @@ TEST(LiftQueue, WaitsForThePredecessorFromTheFirstTick) {
   static LiftQueue queue(team({"Q1", "Q2"}), "Q2");
   queue.on_take_off("Q1");
   for (const double t_s : {0.0, 1.0, 2.0}) {
-    queue.look({}, SafetyLimits{}, after(t_s));
-    EXPECT_TRUE(queue.is_taken()) << t_s;
+    queue.update({}, SafetyLimits{}, after(t_s));
+    EXPECT_TRUE(queue.is_blocked()) << t_s;
   }
 }
 
@@ -157,8 +157,8 @@ TEST(LiftQueue, IsFreeWithoutRobots) {
   queue.on_take_off("");
   queue.forget_own();
   queue.begin_own();
-  queue.look({}, SafetyLimits{}, kStart);
-  EXPECT_FALSE(queue.is_taken());
+  queue.update({}, SafetyLimits{}, kStart);
+  EXPECT_FALSE(queue.is_blocked());
   EXPECT_EQ(queue.other_risen_m(), 0.0);
 }
 
@@ -173,7 +173,7 @@ TEST(LiftQueue, TreatsALowClimbingBodyAsLifting) {
           then.velocity_world_mps.y() = climb_mps > 0.05 ? 0.0 : 1.0;
           const LiftQueue queue = seen({body(robot, rest_m)}, {then});
           const bool is_lifting = climb_mps > 0.05 && risen_m > 0.02 && risen_m < 0.5;
-          EXPECT_EQ(queue.is_taken(), robot != 0 && is_lifting)
+          EXPECT_EQ(queue.is_blocked(), robot != 0 && is_lifting)
               << rest_m << " " << risen_m << " " << climb_mps << " " << robot;
         }
       }
@@ -187,7 +187,7 @@ TEST(LiftQueue, SeesALiftWhateverOthersDo) {
       const int other = 3 - lifting;
       EXPECT_TRUE(seen({body(1, 0.2), body(2, 0.2)},
                        {body(lifting, 0.3, kClimbMps), body(other, 0.2 + far_up_m, kClimbMps)})
-                      .is_taken());
+                      .is_blocked());
     }
   }
 }
@@ -197,8 +197,8 @@ TEST(LiftQueue, UsesTheLowestHeightAsRest) {
   double t_s = 0.0;
   const auto takes = [&](double height_m, double climb_mps) {
     const OtherBody other = body(1, height_m, climb_mps);
-    queue.look({&other, 1}, SafetyLimits{}, after(t_s += 1.0));
-    return queue.is_taken();
+    queue.update({&other, 1}, SafetyLimits{}, after(t_s += 1.0));
+    return queue.is_blocked();
   };
   EXPECT_FALSE(takes(0.4, kClimbMps));
   EXPECT_TRUE(takes(0.43, kClimbMps));
@@ -213,7 +213,7 @@ TEST(LiftQueue, UsesPosesUpToTheMaximumAge) {
   for (const double age_s : {0.0, limits.pose_age_hold_s - 0.01, limits.pose_age_hold_s + 0.01}) {
     OtherBody then = body(1, 0.1, kClimbMps);
     then.age_s = age_s;
-    EXPECT_EQ(seen({body(1, 0.0)}, {then}).is_taken(), age_s < limits.pose_age_hold_s) << age_s;
+    EXPECT_EQ(seen({body(1, 0.0)}, {then}).is_blocked(), age_s < limits.pose_age_hold_s) << age_s;
   }
 }
 
@@ -227,7 +227,7 @@ TEST(LiftQueue, MeasuresTheRiseOfAnotherBody) {
     LiftQueue queue(team({"Q1", "Q2", "Q3", "Q4"}), "Q2");
     std::vector<OtherBody> bodies;
     std::vector<double> rest_m, begun_m;
-    const auto look = [&] { queue.look(bodies, limits, kStart); };
+    const auto look = [&] { queue.update(bodies, limits, kStart); };
     for (int i = 0; i < 4; ++i) {
       rest_m.push_back(random.uniform(0.0, 0.6));
       bodies.push_back(body(i, rest_m.back()));
@@ -268,7 +268,7 @@ TEST(LiftQueue, MeasuresARiseFromTheFirstPose) {
   queue.begin_own();
   for (const double height_m : {0.4, 0.43, 0.48}) {
     const OtherBody other = body(1, height_m, kClimbMps);
-    queue.look({&other, 1}, SafetyLimits{}, kStart);
+    queue.update({&other, 1}, SafetyLimits{}, kStart);
     EXPECT_NEAR(queue.other_risen_m(), height_m - 0.4, 1e-12);
   }
 }
@@ -280,16 +280,16 @@ TEST(LiftQueue, WaitsEquallyLongAtAnyGroundHeight) {
     for (const double risen_m : {0.0, 0.09, 0.11, 0.29}) {
       LiftQueue queue(team({"Q1", "Q2"}), "Q2");
       OtherBody first = body(0, rest_m);
-      queue.look({&first, 1}, limits, kStart);
+      queue.update({&first, 1}, limits, kStart);
       queue.on_take_off("");
       first = body(0, rest_m + risen_m);
       int ticks = 0;
       do {
         ++ticks;
-        queue.look({&first, 1}, limits, after(0.05 * ticks));
-      } while (queue.is_taken() && ticks < 1000);
+        queue.update({&first, 1}, limits, after(0.05 * ticks));
+      } while (queue.is_blocked() && ticks < 1000);
       const double proof_s = risen_m > limits.lift_risen_m ? limits.lift_proof_s : 0.0;
-      EXPECT_NEAR(0.05 * ticks, limits.lift_wait_s + 6.0 + proof_s + 2.0 * kPolitenessS, 0.11)
+      EXPECT_NEAR(0.05 * ticks, limits.lift_wait_s + 6.0 + proof_s + 2.0 * kTurnDelayS, 0.11)
           << rest_m << " " << risen_m;
     }
   }
@@ -363,7 +363,7 @@ TEST(Lift, StepsToTheRoomiestDiagonalAmongRandomBodies) {
   EXPECT_GT(*std::min_element(std::begin(least), std::end(least)), 50);
 }
 
-constexpr double kBeneathM = 0.06;  // m; below its hover, where the proof may begin
+constexpr double kProofHeightToleranceM = 0.06;  // m; below its hover, where the proof may begin
 
 /// A vehicle commanded to climb from its ground position, far from all walls.
 struct Flight {
@@ -387,26 +387,26 @@ TEST(Lift, TimesTheRiseAndTheProof) {
     for (const double rest_m : {0.0, 0.4, -0.3}) {
       Flight f(rest, rest_m);
       const double rises_m = f.limits.lift_risen_m;
-      const auto unrisen_s = [&](double by_m, double t_s) {
-        return f.own.unrisen_s(f.risen(by_m), f.limits, after(t_s));
+      const auto no_rise_s = [&](double by_m, double t_s) {
+        return f.own.no_rise_s(f.risen(by_m), f.limits, after(t_s));
       };
-      EXPECT_EQ(Lift{}.unrisen_s(f.risen(0.0), f.limits, after(1.0)), 0.0);
-      EXPECT_DOUBLE_EQ(unrisen_s(0.0, 2.0), 2.0);
-      EXPECT_DOUBLE_EQ(unrisen_s(rises_m - 0.01, 3.0), 3.0);
-      EXPECT_EQ(unrisen_s(rises_m + 0.01, 3.0), 0.0);
-      const double enough_m = f.limits.lift_height_m - kBeneathM;
+      EXPECT_EQ(Lift{}.no_rise_s(f.risen(0.0), f.limits, after(1.0)), 0.0);
+      EXPECT_DOUBLE_EQ(no_rise_s(0.0, 2.0), 2.0);
+      EXPECT_DOUBLE_EQ(no_rise_s(rises_m - 0.01, 3.0), 3.0);
+      EXPECT_EQ(no_rise_s(rises_m + 0.01, 3.0), 0.0);
+      const double enough_m = f.limits.lift_height_m - kProofHeightToleranceM;
       EXPECT_FALSE(
           f.own.step(f.risen(enough_m - 0.001), rest.yaw_rad, f.course, f.limits, after(3.0)));
       EXPECT_EQ(f.own.phase(), Lift::Phase::kRising);
-      EXPECT_EQ(f.own.unproven_s(after(3.5)), 0.0);
+      EXPECT_EQ(f.own.proof_pending_s(after(3.5)), 0.0);
       EXPECT_FALSE(
           f.own.step(f.risen(enough_m + 0.001), rest.yaw_rad, f.course, f.limits, after(4.0)));
       EXPECT_EQ(f.own.phase(), Lift::Phase::kProving);
-      EXPECT_DOUBLE_EQ(f.own.unproven_s(after(5.5)), 1.5);
-      EXPECT_EQ(unrisen_s(0.0, 5.5), 0.0) << "it had risen";
+      EXPECT_DOUBLE_EQ(f.own.proof_pending_s(after(5.5)), 1.5);
+      EXPECT_EQ(no_rise_s(0.0, 5.5), 0.0) << "it had risen";
       f.own.end();
-      EXPECT_EQ(f.own.unproven_s(after(5.5)), 0.0);
-      EXPECT_EQ(unrisen_s(0.0, 5.5), 0.0);
+      EXPECT_EQ(f.own.proof_pending_s(after(5.5)), 0.0);
+      EXPECT_EQ(no_rise_s(0.0, 5.5), 0.0);
     }
   }
 }
@@ -426,7 +426,7 @@ TEST(Lift, ProvesOnlyItsHover) {
       f.own.end();
     }
     const Eigen::Vector3d elsewhere_m(4.0, 4.0, 1.0);
-    f.course.stand(elsewhere_m, 1.5, kStart);
+    f.course.hover(elsewhere_m, 1.5, kStart);
     EXPECT_FALSE(step(asked.position_world_m, asked.yaw_rad));
     EXPECT_FALSE(f.own.is_under_way());
     EXPECT_EQ(f.course.planned_at(kStart).position_world_m, elsewhere_m);
@@ -442,7 +442,7 @@ TEST(Lift, ProvesOnlyItsHover) {
 // height. Before and after the lift the distance is 0.
 TEST(Lift, MeasuresItsDistanceFromThePath) {
   Flight f({1.0, -2.0, 0.5}, 0.1);
-  EXPECT_EQ(Lift{}.astray_m({3.0, 3.0, 3.0}), 0.0);
+  EXPECT_EQ(Lift{}.deviation_m({3.0, 3.0, 3.0}), 0.0);
   EXPECT_FALSE(f.own.step(f.risen(0.2), 0.5, f.course, f.limits, kStart));
   const Eigen::Vector2d to_m = f.course.planned_at(kStart).position_world_m.head<2>();
   test::Random random(34);
@@ -454,11 +454,11 @@ TEST(Lift, MeasuresItsDistanceFromThePath) {
           f.rest.position_m() + 1e-4 * i * (to_m - f.rest.position_m());
       least_m = std::min(least_m, (here_m.head<2>() - on_way_m).norm());
     }
-    EXPECT_NEAR(f.own.astray_m(here_m), least_m, 2e-5);
+    EXPECT_NEAR(f.own.deviation_m(here_m), least_m, 2e-5);
   }
-  EXPECT_NEAR(f.own.astray_m({to_m.x(), to_m.y(), 7.0}), 0.0, 1e-12);
+  EXPECT_NEAR(f.own.deviation_m({to_m.x(), to_m.y(), 7.0}), 0.0, 1e-12);
   f.own.end();
-  EXPECT_EQ(f.own.astray_m({3.0, 3.0, 3.0}), 0.0);
+  EXPECT_EQ(f.own.deviation_m({3.0, 3.0, 3.0}), 0.0);
 }
 
 }  // namespace

@@ -60,9 +60,9 @@ TEST(SafetyLimits, MatchTheDocuments) {
       {"other_pose_growth_mps", is.other_pose_growth_mps, 0.5},
       {"other_pose_growth_max_m", is.other_pose_growth_max_m, 0.5},
       {"other_turn_mps2", is.other_turn_mps2, 3.0},
-      {"other_goes_on_s", is.other_goes_on_s, 3.0},
-      {"landing_look_s", is.landing_look_s, 1.5},
-      {"sinking_look_s", is.sinking_look_s, 0.5},
+      {"other_prediction_s", is.other_prediction_s, 3.0},
+      {"landing_prediction_s", is.landing_prediction_s, 1.5},
+      {"descent_prediction_s", is.descent_prediction_s, 0.5},
       {"hover_clearance_m", is.hover_clearance_m, 0.1},
       {"landing_clearance_m", is.landing_clearance_m, 0.7},
       {"lateral_max_mps2", is.lateral_max_mps2, 10.0},
@@ -79,19 +79,19 @@ TEST(SafetyLimits, MatchTheDocuments) {
       {"start_off_arm_m", is.start_off_arm_m, 0.5},
       {"start_turn_arm_rad", is.start_turn_arm_rad, 0.3},  // 17°
       {"lift_height_m", is.lift_height_m, 0.2},
-      {"lift_over_m", is.lift_over_m, 0.3},
+      {"lift_done_m", is.lift_done_m, 0.3},
       {"lift_risen_m", is.lift_risen_m, 0.1},
       {"lift_wait_s", is.lift_wait_s, 6.0},
       {"lift_idle_s", is.lift_idle_s, 5.0},
       {"lift_proof_s", is.lift_proof_s, 8.0},
       {"lift_step_m", is.lift_step_m, 0.15},
       {"lift_turn_rad", is.lift_turn_rad, 0.2},
-      {"lift_astray_m", is.lift_astray_m, 0.3},
-      {"lift_other_m", is.lift_other_m, 0.06},
+      {"lift_deviation_m", is.lift_deviation_m, 0.3},
+      {"lift_other_rise_m", is.lift_other_rise_m, 0.06},
       {"lift_climb_error_mps", is.lift_climb_error_mps, 0.35},
       {"lift_turn_error_radps", is.lift_turn_error_radps, 0.8},
       {"arm_wait_s", is.arm_wait_s, 10.0},
-      {"take_off_look_s", is.take_off_look_s, 1.0},
+      {"take_off_prediction_s", is.take_off_prediction_s, 1.0},
       {"battery_arm_share", is.battery_arm_share, 0.30},
       {"battery_low_share", is.battery_low_share, 0.25},
       {"battery_land_share", is.battery_land_share, 0.15},
@@ -215,8 +215,8 @@ TEST_F(FromTheScenario, BudgetsReactionAndTimeOutPerDialect) {
     AutopilotDialect dialect;
     const char* time_out;
     double setpoint_loss_s;
-    double stopping_way_m;  // m; from 1 m/s, braking at 2 m/s²
-    double lost_way_m;
+    double stopping_distance_m;  // m; from 1 m/s, braking at 2 m/s²
+    double stopping_distance_after_loss_m;
   };
   scenario.robots[0].limits.brake_mps2 = 2.0;
   for (const Budget& stated :
@@ -227,8 +227,9 @@ TEST_F(FromTheScenario, BudgetsReactionAndTimeOutPerDialect) {
     const SafetyLimits is = of();
     EXPECT_EQ(is.reaction_s, 0.20);
     EXPECT_NEAR(is.setpoint_loss_s, stated.setpoint_loss_s, 1e-12);
-    EXPECT_NEAR(stopping_way_m(is, 1.0), stated.stopping_way_m, 1e-12);
-    EXPECT_NEAR(lost_way_m(is, 1.0), stated.lost_way_m, 1e-12);
+    EXPECT_NEAR(stopping_distance_m(is, 1.0), stated.stopping_distance_m, 1e-12);
+    EXPECT_NEAR(stopping_distance_after_loss_m(is, 1.0), stated.stopping_distance_after_loss_m,
+                1e-12);
     const auto& rules = wire::parameter_rules(stated.dialect);
     const auto rule = std::find_if(rules.begin(), rules.end(),
                                    [&](const auto& each) { return each.name == stated.time_out; });
@@ -265,10 +266,10 @@ TEST(CheckLimits, RefusesLimitsThatDoNotIncrease) {
       {&L::pose_age_land_s, &L::pose_age_kill_s},
       {&L::pose_gate_m, &L::pose_gate_max_m},
       {&L::tracking_hold_m, &L::tracking_land_m},
-      {&L::lift_other_m, &L::lift_risen_m},
+      {&L::lift_other_rise_m, &L::lift_risen_m},
       {&L::lift_risen_m, &L::lift_height_m},
-      {&L::lift_height_m, &L::lift_over_m},
-      {&L::lift_step_m, &L::lift_astray_m},
+      {&L::lift_height_m, &L::lift_done_m},
+      {&L::lift_step_m, &L::lift_deviation_m},
       {&L::low_descent_mps, &L::descent_mps},
       {&L::separation_land_m, &L::separation_hold_m},
       {&L::battery_empty_share, &L::battery_land_share},
@@ -310,9 +311,9 @@ TEST(CheckLimits, RefusesValuesThatAreNotPositiveAndFinite) {
       [](SafetyLimits& l) { return &l.climb_mps; },
       [](SafetyLimits& l) { return &l.low_height_m; },
       [](SafetyLimits& l) { return &l.other_turn_mps2; },
-      [](SafetyLimits& l) { return &l.other_goes_on_s; },
-      [](SafetyLimits& l) { return &l.landing_look_s; },
-      [](SafetyLimits& l) { return &l.sinking_look_s; },
+      [](SafetyLimits& l) { return &l.other_prediction_s; },
+      [](SafetyLimits& l) { return &l.landing_prediction_s; },
+      [](SafetyLimits& l) { return &l.descent_prediction_s; },
       [](SafetyLimits& l) { return &l.flight_max_s; },
       [](SafetyLimits& l) { return &l.lift_wait_s; },
       [](SafetyLimits& l) { return &l.lift_proof_s; },

@@ -41,10 +41,10 @@ TEST_F(Source, IsTheFirstPublisherOfTheBody) {
   EXPECT_EQ(hear(1, 0.0), Standing::kCandidate);
   shows_body = true;
   EXPECT_EQ(hear(2, 0.01), Standing::kCandidate);
-  EXPECT_EQ(hear(2, 0.02), Standing::kBelieved);
+  EXPECT_EQ(hear(2, 0.02), Standing::kAccepted);
   EXPECT_EQ(hear(1, 0.03), Standing::kRefused);
-  EXPECT_NE(source.complaint(at(0.1)), nullptr);
-  EXPECT_EQ(source.complaint(at(2.1)), nullptr);
+  EXPECT_NE(source.refusal_message(at(0.1)), nullptr);
+  EXPECT_EQ(source.refusal_message(at(2.1)), nullptr);
 }
 
 TEST_F(Source, IsReplacedWhenSilent) {
@@ -52,10 +52,10 @@ TEST_F(Source, IsReplacedWhenSilent) {
   EXPECT_EQ(hear(2, 0.29), Standing::kRefused);
   shows_body = false;
   EXPECT_EQ(hear(3, 0.35), Standing::kCandidate);
-  EXPECT_EQ(hear(1, 0.36), Standing::kBelieved) << "it is back before another has proved itself";
+  EXPECT_EQ(hear(1, 0.36), Standing::kAccepted) << "it is back before another has proved itself";
   shows_body = true;
   EXPECT_EQ(hear(2, 0.70), Standing::kCandidate);
-  EXPECT_EQ(hear(2, 0.71), Standing::kBelieved);
+  EXPECT_EQ(hear(2, 0.71), Standing::kAccepted);
   EXPECT_EQ(hear(1, 0.72), Standing::kRefused);
 }
 
@@ -63,7 +63,7 @@ TEST_F(Source, RefusesOldStamps) {
   for (const double ahead_s : {-24.0 * kHourS, -2.1, 2.1, 10.0 * 365.0 * 24.0 * kHourS}) {
     EXPECT_EQ(hear(1, 0.0, ahead_s), Standing::kRefused);
   }
-  EXPECT_NE(source.complaint(at(0.1)), nullptr);
+  EXPECT_NE(source.refusal_message(at(0.1)), nullptr);
   EXPECT_EQ(hear(1, 0.0, -1.9), Standing::kCandidate);
 }
 
@@ -73,11 +73,11 @@ TEST_F(Source, StaysAcceptedAfterAClockChange) {
   for (const double ahead_s : {-kHourS, 2.0 * kHourS, 0.0, -3.0}) {
     for (int i = 0; i < 100; ++i) {
       at_s += 0.01;
-      EXPECT_EQ(hear(1, at_s, ahead_s), Standing::kBelieved);
+      EXPECT_EQ(hear(1, at_s, ahead_s), Standing::kAccepted);
     }
   }
   EXPECT_EQ(hear(1, at_s, -kHourS, 5), Standing::kRefused) << "its own frames of an hour ago";
-  EXPECT_EQ(hear(1, at_s, -3.0, 5), Standing::kBelieved) << "it numbers them anew, by that clock";
+  EXPECT_EQ(hear(1, at_s, -3.0, 5), Standing::kAccepted) << "it numbers them anew, by that clock";
   EXPECT_EQ(hear(2, at_s + 1.0, -3.0), Standing::kRefused) << "a new one is held against ours";
   EXPECT_EQ(hear(2, at_s + 1.0), Standing::kCandidate);
 }
@@ -91,7 +91,7 @@ TEST_F(Source, AcceptsAClockChangeWhenFramesContinue) {
     EXPECT_EQ(hear(1, 0.1, ahead_s, far), Standing::kRefused) << "too many lost";
     EXPECT_EQ(hear(1, 0.1, ahead_s, number), Standing::kRefused) << "the same number again";
     number += std::max<std::int64_t>(1, lost);
-    EXPECT_EQ(hear(1, 0.1, ahead_s, number), Standing::kBelieved);
+    EXPECT_EQ(hear(1, 0.1, ahead_s, number), Standing::kAccepted);
     ahead_s = 2.0 * kHourS;
   }
 }
@@ -128,39 +128,39 @@ TEST_F(Source, HasTheStatedTimeLimits) {
     const double begin_s = 10.0 * static_cast<double>(run);
     shows_body = true;
     EXPECT_EQ(hear(run, begin_s), Standing::kCandidate);
-    EXPECT_EQ(hear(run, begin_s + 1.0), Standing::kBelieved);
+    EXPECT_EQ(hear(run, begin_s + 1.0), Standing::kAccepted);
     shows_body = false;
     EXPECT_EQ(hear(9, begin_s + 1.299), Standing::kRefused);
     EXPECT_EQ(hear(9, begin_s + 1.301), Standing::kCandidate);
   }
 }
 
-// The complaint names a second source first, then another clock; each for two seconds.
+// The message names a second source first, then another clock; each for two seconds.
 TEST_F(Source, ReportsRefusalsForTwoSeconds) {
   const std::string second = "messages from a second VICON source are rejected";
   const std::string other_time = "VICON messages from another clock or a log are rejected";
-  const auto complaint = [&](double at_s) {
-    const char* const text = source.complaint(at(at_s));
+  const auto refusal_message = [&](double at_s) {
+    const char* const text = source.refusal_message(at(at_s));
     return text == nullptr ? std::string() : text;
   };
-  EXPECT_EQ(complaint(0.0), "");
+  EXPECT_EQ(refusal_message(0.0), "");
   EXPECT_EQ(hear(1, 0.0), Standing::kCandidate);
-  EXPECT_EQ(complaint(0.0), "");
+  EXPECT_EQ(refusal_message(0.0), "");
   for (const double begin_s : {0.1, 10.1}) {
-    EXPECT_EQ(hear(1, begin_s), Standing::kBelieved);
+    EXPECT_EQ(hear(1, begin_s), Standing::kAccepted);
     EXPECT_EQ(hear(2, begin_s + 0.1, kHourS), Standing::kRefused);
-    EXPECT_EQ(complaint(begin_s + 0.1), other_time);
+    EXPECT_EQ(refusal_message(begin_s + 0.1), other_time);
     EXPECT_EQ(hear(2, begin_s + 0.2), Standing::kRefused);
-    EXPECT_EQ(complaint(begin_s + 0.2), second);
+    EXPECT_EQ(refusal_message(begin_s + 0.2), second);
     EXPECT_EQ(hear(2, begin_s + 0.25, kHourS), Standing::kRefused);
-    EXPECT_EQ(complaint(begin_s + 2.19), second);
-    EXPECT_EQ(complaint(begin_s + 2.21), other_time);
-    EXPECT_EQ(complaint(begin_s + 2.24), other_time);
-    EXPECT_EQ(complaint(begin_s + 2.26), "");
+    EXPECT_EQ(refusal_message(begin_s + 2.19), second);
+    EXPECT_EQ(refusal_message(begin_s + 2.21), other_time);
+    EXPECT_EQ(refusal_message(begin_s + 2.24), other_time);
+    EXPECT_EQ(refusal_message(begin_s + 2.26), "");
   }
   // The new source is no longer a second source.
   EXPECT_EQ(hear(2, 20.0), Standing::kCandidate);
-  EXPECT_EQ(complaint(20.0), "");
+  EXPECT_EQ(refusal_message(20.0), "");
 }
 
 // Frames of the source itself with an old stamp and a discontinuous number are counted and
@@ -169,27 +169,27 @@ TEST_F(Source, RefusesItsOwnFramesOfAnotherTime) {
   EXPECT_EQ(hear(1, 0.0, 0.0, 100), Standing::kCandidate);
   for (std::int64_t time = 1; time <= 2; ++time) {
     const double at_s = 10.0 * static_cast<double>(time);
-    EXPECT_EQ(hear(1, at_s, 0.0, 100 + time), Standing::kBelieved);
-    EXPECT_EQ(source.complaint(at(at_s)), nullptr);
+    EXPECT_EQ(hear(1, at_s, 0.0, 100 + time), Standing::kAccepted);
+    EXPECT_EQ(source.refusal_message(at(at_s)), nullptr);
     EXPECT_EQ(hear(1, at_s, -kHourS, 50), Standing::kRefused);
-    EXPECT_NE(source.complaint(at(at_s)), nullptr);
+    EXPECT_NE(source.refusal_message(at(at_s)), nullptr);
     std::vector<models::NamedCount> counts;
     source.count(counts);
     EXPECT_TRUE(std::any_of(counts.begin(), counts.end(), [&](const auto& each) {
       return each.name == "mocap.other_time" && each.count == time;
     }));
-    EXPECT_EQ(hear(1, at_s, 0.0, 50), Standing::kBelieved) << "numbered anew, and of now";
+    EXPECT_EQ(hear(1, at_s, 0.0, 50), Standing::kAccepted) << "numbered anew, and of now";
   }
 }
 
 // A changed clock is accepted until it is set back, and only for its own source.
 TEST_F(Source, AcceptsOneClockAtATime) {
   EXPECT_EQ(hear(1, 0.0, 0.0, 100), Standing::kCandidate);
-  EXPECT_EQ(hear(1, 0.1, kHourS, 101), Standing::kBelieved);
-  EXPECT_EQ(hear(1, 0.2, kHourS, 5), Standing::kBelieved) << "numbered anew, by that clock";
-  EXPECT_EQ(hear(1, 0.3, 0.0, 3), Standing::kBelieved) << "set back, and numbered anew";
+  EXPECT_EQ(hear(1, 0.1, kHourS, 101), Standing::kAccepted);
+  EXPECT_EQ(hear(1, 0.2, kHourS, 5), Standing::kAccepted) << "numbered anew, by that clock";
+  EXPECT_EQ(hear(1, 0.3, 0.0, 3), Standing::kAccepted) << "set back, and numbered anew";
   EXPECT_EQ(hear(1, 0.4, kHourS, 2), Standing::kRefused) << "which it was";
-  EXPECT_EQ(hear(1, 0.5, kHourS, 7), Standing::kBelieved) << "set again";
+  EXPECT_EQ(hear(1, 0.5, kHourS, 7), Standing::kAccepted) << "set again";
   EXPECT_EQ(hear(2, 1.0), Standing::kCandidate);
   EXPECT_EQ(hear(2, 1.1, kHourS, 0), Standing::kRefused) << "the clock of the one before it";
 }

@@ -62,7 +62,7 @@ TEST(FlightGuard, FollowsThePlanUntilTheRoundEnds) {
     if (i / 100 % 5 == 1) {  // lets plans end anywhere in a round
       q1.knobs.plan = PlanFault::kDropped;
     }
-    bench.room().heard_before_ms = 8;
+    bench.room().mocap_age_ms = 8;
     bench.tick();
     ASSERT_EQ(q1.out.state, FlightState::kFollow) << i;
     drivers::HeldPlan plan;

@@ -21,8 +21,8 @@
 namespace vantage::test {
 
 /// One guard, ticked at 50 Hz, with all its inputs set exactly by the test, while FlightBench
-/// simulates a room with noise. A body that answers is exactly at its set-point, unless its speed
-/// is limited.
+/// simulates a room with noise. A body with tracks_setpoint is exactly at its set-point, unless its
+/// speed is limited.
 struct OneVehicle {
   static constexpr double kTickS = 0.02;
 
@@ -54,17 +54,17 @@ struct OneVehicle {
   }
 
   /// Places the vehicle on the ground with its motors off.
-  void stand() {
+  void place_on_ground() {
     report.armed = report.is_in_our_mode = false;
     position_m.z() = 0.0;
   }
 
-  void say(models::OperatorAction action) {
-    (void)say_to(action == models::OperatorAction::kHeartbeat ? "" : own, action);
+  void send_command(models::OperatorAction action) {
+    (void)send_command_to(action == models::OperatorAction::kHeartbeat ? "" : own, action);
   }
   /// Sends a command for `whom` ("": all vehicles) from the given station.
-  drivers::CommandVerdict say_to(const std::string& whom, models::OperatorAction action,
-                                 std::int64_t station = 7) {
+  drivers::CommandVerdict send_command_to(const std::string& whom, models::OperatorAction action,
+                                          std::int64_t station = 7) {
     models::OperatorCommand command;
     command.stamp = {now, station, ++said};
     command.action = action;
@@ -73,7 +73,7 @@ struct OneVehicle {
   }
 
   /// Delivers a mocap frame of the current state.
-  void see() {
+  void deliver_mocap() {
     models::MocapFrame frame;
     frame.stamp = {now, 3, ++frames};
     frame.arrival = now;
@@ -92,17 +92,17 @@ struct OneVehicle {
     }
   }
   /// Delivers all other inputs: heartbeats, autopilot report, battery.
-  void hear() {
+  void deliver_inputs() {
     if (is_commanded && ticks % 10 == 0) {
-      say(models::OperatorAction::kHeartbeat);
+      send_command(models::OperatorAction::kHeartbeat);
     }
-    if (beats) {
+    if (sends_heartbeats) {
       guard.on_heartbeat(now);
     }
-    if (tells) {
-      report.position_world_m = feels_m.value_or(position_m);
+    if (sends_telemetry) {
+      report.position_world_m = estimate_m.value_or(position_m);
       report.velocity_world_mps = velocity_mps;
-      report.velocity_world_mps.z() += climb_off_mps;
+      report.velocity_world_mps.z() += climb_rate_error_mps;
       report.world_from_body = lift({0.0, 0.0, yaw_rad}, 0.0).rotation;
       guard.on_autopilot(report, now);
     }
@@ -117,9 +117,9 @@ struct OneVehicle {
     const double from_rad = yaw_rad;
     move();
     velocity_mps = (position_m - from_m) / kTickS;
-    report.yaw_rate_radps = wrap_to_pi(yaw_rad - from_rad) / kTickS + turn_off_radps;
-    see();
-    hear();
+    report.yaw_rate_radps = wrap_to_pi(yaw_rad - from_rad) / kTickS + yaw_rate_error_radps;
+    deliver_mocap();
+    deliver_inputs();
     out = guard.tick(now);
     ++ticks;
   }
@@ -137,10 +137,10 @@ struct OneVehicle {
     const double from_rad = yaw_rad;
     if (drift_mps) {
       position_m += kTickS * *drift_mps;
-    } else if (answers && out.setpoint.kind == drivers::FlightSetpoint::Kind::kTrack) {
+    } else if (tracks_setpoint && out.setpoint.kind == drivers::FlightSetpoint::Kind::kTrack) {
       position_m = out.setpoint.position_world_m +
                    (kTickS - limits.setpoint_lead_s) * out.setpoint.velocity_world_mps;
-      position_m += beside_m;
+      position_m += setpoint_offset_m;
       position_m.z() = std::max(0.0, position_m.z());
       yaw_rad = wrap_to_pi(out.setpoint.yaw_rad +
                            (kTickS - limits.setpoint_lead_s) * out.setpoint.yaw_rate_radps);
@@ -190,16 +190,16 @@ struct OneVehicle {
     return guard.on_plan(plan(speed_mps, turn_radps, seconds, height_m, start_in_s), now);
   }
   /// Puts the vehicle in the air at a position where mocap sees it, and commands it to land.
-  void land_from(const Eigen::Vector3d& from_m) {
+  void begin_landing_at(const Eigen::Vector3d& from_m) {
     position_m = from_m;
     report.armed = true;
     run(0.4);
-    say(models::OperatorAction::kLand);
+    send_command(models::OperatorAction::kLand);
     tick();
     EXPECT_EQ(out.state, models::FlightState::kLand);
   }
   /// Moves the body to the ground whatever is commanded, and stops its motors.
-  void come_to_rest() {
+  void finish_landing() {
     others.clear();
     drift_mps = Eigen::Vector3d(0.0, 0.0, -1.0);
     run(position_m.z());
@@ -212,9 +212,9 @@ struct OneVehicle {
   }
   /// Arms the vehicle on the ground by a command.
   void arm() {
-    stand();
+    place_on_ground();
     run(1.5);
-    say(models::OperatorAction::kArm);
+    send_command(models::OperatorAction::kArm);
     for (int i = 0; i < 100 && !out.wants_armed; ++i) {
       tick();
     }
@@ -224,7 +224,7 @@ struct OneVehicle {
   /// Arms, commands the take-off and runs until the first lift begins.
   void begin_lift() {
     arm();
-    say(models::OperatorAction::kTakeOff);
+    send_command(models::OperatorAction::kTakeOff);
     for (int i = 0; i < 100 && out.state == models::FlightState::kIdle; ++i) {
       tick();
     }
@@ -246,15 +246,15 @@ struct OneVehicle {
   [[nodiscard]] bool lifts() const { return has_reason("first lift"); }
 
   /// Lets it be seen flying and commands it to follow; it then waits for plans.
-  void wait_for_plan() {
+  void hover_without_plan() {
     run(0.1);
-    say(models::OperatorAction::kFollow);
+    send_command(models::OperatorAction::kFollow);
     run(0.1);
   }
 
   const drivers::SafetyInputs& in() const { return guard.inputs(); }
   models::FlightState state() const { return out.state; }
-  Eigen::Vector2d asked_m() const { return out.setpoint.position_world_m.head<2>(); }
+  Eigen::Vector2d setpoint_m() const { return out.setpoint.position_world_m.head<2>(); }
 
   drivers::SafetyLimits limits;
   drivers::FlightGuard guard;
@@ -266,22 +266,24 @@ struct OneVehicle {
   Eigen::Vector3d position_m;
   double yaw_rad;
   Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
-  bool answers = true;
+  bool tracks_setpoint = true;
   /// Limits of the speed towards the set-point.
   double fastest_mps = drivers::kNever, fastest_radps = drivers::kNever;
-  Eigen::Vector3d beside_m = Eigen::Vector3d::Zero();  ///< m; offset of the body from its set-point
-  std::optional<Eigen::Vector3d> drift_mps;            ///< m/s; replaces the motion
+  Eigen::Vector3d setpoint_offset_m =
+      Eigen::Vector3d::Zero();               ///< m; offset of the body from its set-point
+  std::optional<Eigen::Vector3d> drift_mps;  ///< m/s; replaces the motion
   double turns_radps = 0.0;
   bool rises = true;
   double held_m = 0.0;
   std::vector<models::MocapBody> others;
 
   // Inputs that arrive.
-  bool is_seen = true, has_mocap = true, is_commanded = true, beats = true, tells = true;
+  bool is_seen = true, has_mocap = true, is_commanded = true, sends_heartbeats = true,
+       sends_telemetry = true;
   bool is_frozen = false;  ///< mocap repeats the same pose bit for bit
   drivers::AutopilotReport report;
-  std::optional<Eigen::Vector3d> feels_m;            ///< m; own position estimate if different
-  double climb_off_mps = 0.0, turn_off_radps = 0.0;  ///< added to the reported rates
+  std::optional<Eigen::Vector3d> estimate_m;  ///< m; own position estimate if different
+  double climb_rate_error_mps = 0.0, yaw_rate_error_radps = 0.0;  ///< added to the reported rates
   std::optional<double> battery_share = 0.9;
   drivers::GuardOutput out;
 };

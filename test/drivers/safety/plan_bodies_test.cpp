@@ -54,9 +54,9 @@ TEST(CheckWay, AvoidsPredictedBodyPositions) {
     OtherCourse other;
     other.position_world_m = each.at_m;
     other.velocity_world_mps = each.velocity_mps;
-    other.goes_on_s = lim.other_goes_on_s;
+    other.prediction_s = lim.other_prediction_s;
     other.reaches_ground = true;
-    EXPECT_EQ(check_way(lane(), kStart, lim, {&other, 1}), each.verdict) << each.what;
+    EXPECT_EQ(check_path(lane(), kStart, lim, {&other, 1}), each.verdict) << each.what;
   }
 }
 
@@ -80,12 +80,12 @@ TEST(CheckWay, TakesFewStepsWithNinetyNineTeammates) {
   }
   int steps = 0;
   std::vector<OtherCourse> far(others.begin() + 1, others.end());
-  EXPECT_EQ(check_way(own, kStart, lim, far, &steps), PlanVerdict::kAccepted);
+  EXPECT_EQ(check_path(own, kStart, lim, far, &steps), PlanVerdict::kAccepted);
   EXPECT_LT(steps, 3'000);
   // Half a millimetre beyond the separation for a minute needs 60 000 steps; the check stops at its
   // limit.
-  EXPECT_EQ(check_way(own, kStart, lim, others, &steps), PlanVerdict::kTooCostly);
-  EXPECT_LE(steps, kWayStepsMax);
+  EXPECT_EQ(check_path(own, kStart, lim, others, &steps), PlanVerdict::kTooCostly);
+  EXPECT_LE(steps, kPathStepsMax);
 }
 
 // The states of a plan of 64 segments equal those of point_at(), on both sides of each segment end.

@@ -83,7 +83,7 @@ TEST(CheckWay, AgreesWithSamplesEveryMillisecond) {
     const double least_m =
         std::min({fence_m - lim.vehicle.radius_m, obstacle_m - lim.vehicle.radius_m,
                   apart_m - lim.plan_separation_m});
-    const bool passes = check_way(plan, kStart, lim, others) == PlanVerdict::kAccepted;
+    const bool passes = check_path(plan, kStart, lim, others) == PlanVerdict::kAccepted;
     if (std::abs(least_m) > 0.003) {
       EXPECT_EQ(passes, least_m > 0.0) << "least room " << least_m;
     }
@@ -101,7 +101,7 @@ TEST(CheckWay, AcceptsOnlyPathsThatAreClearInTheModels) {
   int accepted = 0;
   for (int i = 0; i < 2000; ++i) {
     const models::Trajectory way = random_way(random);
-    if (check_way(held(way), kStart, lim, {}) == PlanVerdict::kAccepted) {
+    if (check_path(held(way), kStart, lim, {}) == PlanVerdict::kAccepted) {
       ++accepted;
       EXPECT_TRUE(models::is_clear(lim.fence, way, kStart, lim.vehicle.radius_m - 0.003));
     }
@@ -120,8 +120,8 @@ TEST(CheckWay, IncludesTheHoverAfterTheEnd) {
   comes.segments = {{{1.0, 0.0}, 3.9, 0.0}, models::brake(1.0, 2.0).front()};
   const HeldPlan other = held(comes);
   const OtherCourse others[] = {{&other, Eigen::Vector3d::Zero()}};
-  EXPECT_EQ(check_way(held(still), kStart, lim, others), PlanVerdict::kTeammate);
-  EXPECT_EQ(check_way(held(still), kStart, lim, {}), PlanVerdict::kAccepted);
+  EXPECT_EQ(check_path(held(still), kStart, lim, others), PlanVerdict::kTeammate);
+  EXPECT_EQ(check_path(held(still), kStart, lim, {}), PlanVerdict::kAccepted);
 }
 
 TEST(CheckWay, KeepsBelowTheCeilingAndAboveTheGround) {
@@ -130,7 +130,7 @@ TEST(CheckWay, KeepsBelowTheCeilingAndAboveTheGround) {
   way.start_time = kStart;
   for (const double height_m : {-0.1, 0.0, 3.0, 5.0}) {
     way.height_m = height_m;
-    EXPECT_EQ(check_way(held(way), kStart, lim, {}), PlanVerdict::kOutsideFence) << height_m;
+    EXPECT_EQ(check_path(held(way), kStart, lim, {}), PlanVerdict::kOutsideFence) << height_m;
   }
 }
 
@@ -386,7 +386,7 @@ TEST(CheckWay, ChecksEveryPathToItsEnd) {
         const std::vector<OtherCourse> first = {other, {&over, {}}};
         const std::vector<OtherCourse> last = {{&over, {}}, other};
         for (const auto& others : {alone, first, last}) {
-          EXPECT_EQ(check_way(drives, kStart, lim, others), expected) << others.size();
+          EXPECT_EQ(check_path(drives, kStart, lim, others), expected) << others.size();
         }
       }
       const OtherCourse comes{&drives, {}};
@@ -394,13 +394,13 @@ TEST(CheckWay, ChecksEveryPathToItsEnd) {
       const std::vector<OtherCourse> first = {comes, {&over, {}}};
       const std::vector<OtherCourse> last = {{&over, {}}, comes};
       for (const auto& others : {alone, first, last}) {
-        EXPECT_EQ(check_way(stands, kStart, lim, others), expected) << others.size();
+        EXPECT_EQ(check_path(stands, kStart, lim, others), expected) << others.size();
       }
       // The same before a wall.
       SafetyLimits walled = open_limits();
       const double face_m = 3.25 + walled.vehicle.radius_m + (is_apart ? 0.01 : -0.01);
       walled.fence.obstacles = {{{{face_m, -1.0}, {face_m + 1.0, 1.0}}, 2.0}};
-      EXPECT_EQ(check_way(drives, kStart, walled, std::vector<OtherCourse>{{&over, {}}}),
+      EXPECT_EQ(check_path(drives, kStart, walled, std::vector<OtherCourse>{{&over, {}}}),
                 is_apart ? PlanVerdict::kAccepted : PlanVerdict::kObstacle);
     }
   }
@@ -414,12 +414,12 @@ TEST(CheckWay, IgnoresTheFlownPartOfTeammatePlans) {
   const OtherCourse others[] = {{&passes, {}}};
   const double since_s = test::last_accepted(3.0, 0.0, 1e-7, [&](double t_s) {
     const HeldPlan stands = hover(t_s - 0.1, 1.0, 0.0);
-    return check_way(stands, kStart + from_seconds(t_s), lim, others) == PlanVerdict::kAccepted;
+    return check_path(stands, kStart + from_seconds(t_s), lim, others) == PlanVerdict::kAccepted;
   });
   EXPECT_NEAR(since_s, 1.4, 5e-6);
   for (const double before_s : {0.0, 0.5, 4.0}) {
     const HeldPlan stands = hover(-before_s, 1.0, 0.0);
-    EXPECT_EQ(check_way(stands, kStart - from_seconds(before_s), lim, others),
+    EXPECT_EQ(check_path(stands, kStart - from_seconds(before_s), lim, others),
               PlanVerdict::kTeammate)
         << "it will come";
   }
@@ -437,10 +437,10 @@ TEST(CheckWay, FindsAThinWallAtAnySpeed) {
     way.segments = {{{speed_mps, 0.0}, 12.0 / speed_mps, 0.0}, {{}, 0.1, 0.0}};
     for (double wall_m = 0.5; wall_m < 12.0; wall_m += 0.37) {
       lim.fence.obstacles = {{{{wall_m, -0.1}, {wall_m + 0.01, 0.1}}, 2.0}};
-      EXPECT_EQ(check_way(held(way), kStart, lim, {}), PlanVerdict::kObstacle) << wall_m;
+      EXPECT_EQ(check_path(held(way), kStart, lim, {}), PlanVerdict::kObstacle) << wall_m;
       lim.fence.obstacles[0].footprint.min_m.y() = lim.vehicle.radius_m + 0.01;
       lim.fence.obstacles[0].footprint.max_m.y() = 1.0;
-      EXPECT_EQ(check_way(held(way), kStart, lim, {}), PlanVerdict::kAccepted) << wall_m;
+      EXPECT_EQ(check_path(held(way), kStart, lim, {}), PlanVerdict::kAccepted) << wall_m;
     }
   }
 }
@@ -457,7 +457,7 @@ TEST(CheckWay, FindsTwoMillimetresAtTwoMetresPerSecond) {
   way.segments = {{{2.0, 0.0}, 3.0, 0.0}, {{}, 0.1, 0.0}};
   for (int i = 0; i < 300; ++i) {
     const OtherCourse others[] = {{nullptr, {random.uniform(0.1, 5.9), 0.0, 1.0}}};
-    EXPECT_EQ(check_way(held(way), kStart, lim, others), PlanVerdict::kTeammate) << i;
+    EXPECT_EQ(check_path(held(way), kStart, lim, others), PlanVerdict::kTeammate) << i;
   }
 }
 

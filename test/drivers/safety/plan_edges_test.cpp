@@ -92,9 +92,9 @@ void expect_edge_at(double least_m, double& limit_m, const HeldPlan& plan, Time 
                     const SafetyLimits& limits, std::span<const OtherCourse> others,
                     PlanVerdict refusal) {
   limit_m = least_m - kStepM;
-  EXPECT_EQ(check_way(plan, now, limits, others), PlanVerdict::kAccepted) << least_m;
+  EXPECT_EQ(check_path(plan, now, limits, others), PlanVerdict::kAccepted) << least_m;
   limit_m = least_m + kStepM;
-  EXPECT_EQ(check_way(plan, now, limits, others), refusal) << least_m;
+  EXPECT_EQ(check_path(plan, now, limits, others), refusal) << least_m;
 }
 
 /// Calls look(i, random, plan, now) with random plans, at times around their start.
@@ -188,12 +188,12 @@ TEST(CheckWay, FindsConflictsOfTheStatedThickness) {
     const Time meets = kStart + from_seconds(random.uniform(0.5, 1.5));
     const OtherCourse body[] = {{nullptr, place_m(plan, meets)}};
     limits.plan_separation_m = 0.001;
-    EXPECT_EQ(check_way(plan, kStart, limits, body), PlanVerdict::kTeammate) << i;
+    EXPECT_EQ(check_path(plan, kStart, limits, body), PlanVerdict::kTeammate) << i;
     const HeldPlan comes = placed(held(kStart, {}, {{{1.0, 0.0}, 2.0, 0.0}, {{}, 0.1, 0.0}}), meets,
                                   place_m(plan, meets).head<2>(), plan.start.yaw_rad + kPi);
     const OtherCourse other[] = {{&comes, Eigen::Vector3d::Zero()}};
     limits.plan_separation_m = 0.002;
-    EXPECT_EQ(check_way(plan, kStart, limits, other), PlanVerdict::kTeammate) << i;
+    EXPECT_EQ(check_path(plan, kStart, limits, other), PlanVerdict::kTeammate) << i;
   }
 }
 
@@ -240,7 +240,7 @@ struct Scene {
       others.push_back({nullptr, body_m});
     }
     const PlanVerdict shape = check_shape(plan, limits);
-    return shape == PlanVerdict::kAccepted ? check_way(plan, now, limits, others) : shape;
+    return shape == PlanVerdict::kAccepted ? check_path(plan, now, limits, others) : shape;
   }
 };
 
@@ -437,7 +437,7 @@ TEST_F(ShapeEdges, FliesBetweenTheGroundAndTheCeiling) {
   const auto accepts_height = [&](double height_m) {
     HeldPlan plan = held(kStart, {1.0, -1.0, 0.0}, {});
     plan.height_m = height_m;
-    return check_way(plan, kStart, limits, {}) == PlanVerdict::kAccepted;
+    return check_path(plan, kStart, limits, {}) == PlanVerdict::kAccepted;
   };
   EXPECT_NEAR(test::last_accepted(1.0, -1.0, 1e-9, accepts_height), 0.0, 1e-8);
   EXPECT_NEAR(test::last_accepted(1.0, 9.0, 1e-9, accepts_height), limits.fence.ceiling_m, 1e-8);
@@ -451,7 +451,7 @@ TEST_F(ShapeEdges, IgnoresTheFlownPart) {
   const OtherCourse others[] = {{nullptr, {1.0, 0.3, 1.0}}};  // passed at 0.3 m after 1 s
   limits.plan_separation_m = 0.5;                             // its range ends at x = 1.4 m
   const double since_s = test::last_accepted(3.0, 0.0, 1e-7, [&](double t_s) {
-    return check_way(plan, kStart + from_seconds(t_s), limits, others) == PlanVerdict::kAccepted;
+    return check_path(plan, kStart + from_seconds(t_s), limits, others) == PlanVerdict::kAccepted;
   });
   EXPECT_NEAR(since_s, 1.4, 5e-6);
 }
@@ -461,9 +461,9 @@ TEST_F(ShapeEdges, ChecksEveryBody) {
   const HeldPlan plan = held(kStart, {1.0, -1.0, 0.0}, {});
   for (std::size_t near = 0; near < 4; ++near) {
     std::vector<OtherCourse> others(4, {nullptr, {1.0, 1.5, 1.0}});
-    EXPECT_EQ(check_way(plan, kStart, limits, others), PlanVerdict::kAccepted);
+    EXPECT_EQ(check_path(plan, kStart, limits, others), PlanVerdict::kAccepted);
     others[near].position_world_m = {1.3, -1.0, 1.0};
-    EXPECT_EQ(check_way(plan, kStart, limits, others), PlanVerdict::kTeammate) << near;
+    EXPECT_EQ(check_path(plan, kStart, limits, others), PlanVerdict::kTeammate) << near;
   }
 }
 
@@ -474,7 +474,7 @@ TEST_F(ShapeEdges, ToleratesAMicrometre) {
     return test::last_accepted(-0.01, 0.01, 1e-10, [&](double beyond_m) {
       const Eigen::Vector2d p_m = edge_m - beyond_m * inward;
       const HeldPlan plan = held(kStart, {p_m.x(), p_m.y(), 0.0}, {});
-      return check_way(plan, kStart, limits, others) == PlanVerdict::kAccepted;
+      return check_path(plan, kStart, limits, others) == PlanVerdict::kAccepted;
     });
   };
   const double radius_m = limits.vehicle.radius_m;

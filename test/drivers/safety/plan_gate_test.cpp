@@ -24,7 +24,7 @@ Time after(double t_s) { return kStart + from_seconds(t_s); }
 /// Plan gate of Q1, which hovers at (1, −1, 1) with a yaw near π, so that yaws cross ±π.
 class Gate : public testing::Test {
  protected:
-  Gate() { course.stand({1.0, -1.0, 1.0}, kYawRad, kStart); }
+  Gate() { course.hover({1.0, -1.0, 1.0}, kYawRad, kStart); }
 
   /// Returns a new plan of planner `run`: a hover at the position of the vehicle.
   models::RobotPlan news(double start_s, std::int64_t run = 1) {
@@ -175,7 +175,7 @@ TEST_F(Gate, RefusesAThirdPlan) {
     EXPECT_EQ(judge(news(at_s + 0.500001), at_s + 0.1), PlanVerdict::kTooFarAhead);
     EXPECT_EQ(judge(news(at_s + 0.5), at_s + 0.2), PlanVerdict::kAccepted) << "in its stead";
     EXPECT_EQ(judge(news(at_s + 1.5), at_s + 0.5), PlanVerdict::kAccepted) << "it has begun";
-    course.stand({1.0, -1.0, 1.0}, kYawRad, after(at_s + 0.6));
+    course.hover({1.0, -1.0, 1.0}, kYawRad, after(at_s + 0.6));
     EXPECT_EQ(judge(news(at_s + 2.5), at_s + 0.7), PlanVerdict::kAccepted) << "none waits";
   }
 }
@@ -263,9 +263,9 @@ TEST_F(Gate, RefusesPlansTooCloseToTeammates) {
 }
 
 TEST_F(Gate, CountsEachVerdictByName) {
-  const auto bad = [&](auto&& spoil) {
+  const auto bad = [&](auto&& corrupt) {
     models::RobotPlan plan = news(0.1);
-    spoil(plan);
+    corrupt(plan);
     return plan;
   };
   for (int time = 1; time <= 2; ++time) {

@@ -139,7 +139,7 @@ TEST(Runaway, FasterThanItsLimitIsHeld) {
 TEST(Runaway, UpwardsInALandingKeepsSpeedLimits) {
   FlightBench bench(3);
   bench.fly_up(3.0);
-  bench.say(models::OperatorAction::kLand);
+  bench.send_command(models::OperatorAction::kLand);
   bench.tick();
   bench.run(1.0);
   Vehicle& q1 = bench.vehicle("Q1");

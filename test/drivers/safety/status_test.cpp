@@ -106,7 +106,7 @@ TEST(VehicleStatus, ReportsSetpointAndPlan) {
   EXPECT_NEAR(fastest_mps, kSpeedMaxMps, 1e-6);
   EXPECT_GT(on_plans, 300);
   EXPECT_GT(lifting, 100);
-  bench.say(OperatorAction::kLand);
+  bench.send_command(OperatorAction::kLand);
   for (int tick = 0; tick < 1'000; ++tick) {
     bench.tick();
     look();
@@ -126,7 +126,7 @@ TEST(VehicleStatus, ReportsAllReasonsOfARefusal) {
   };
   bench.run(1.0, lie);
   EXPECT_FALSE(FlightBench::has_reason(q1, "arm pending", bench.now()));
-  bench.say(OperatorAction::kArm);
+  bench.send_command(OperatorAction::kArm);
   lie();
   bench.tick();
   EXPECT_TRUE(q1.out.changed) << "an order is news";
@@ -158,14 +158,14 @@ TEST(TakeOff, AcceptsPlansAfterTheClimb) {
   for (const double told_s : {-14.2, -13.9, -13.6}) {
     FlightBench bench(3);
     bench.run(0.5);
-    bench.say(OperatorAction::kArm);
+    bench.send_command(OperatorAction::kArm);
     bench.run(told_s - bench.time_s());
-    bench.say(OperatorAction::kTakeOff);
+    bench.send_command(OperatorAction::kTakeOff);
     bench.run(0.1);
     std::vector<bool> has_plan(3, false);
     for (int tick = 0; tick < 1'800; ++tick) {
       if (tick % 10 == 0) {
-        bench.say(OperatorAction::kFollow);
+        bench.send_command(OperatorAction::kFollow);
       }
       bench.tick();
       for (std::size_t i = 0; i < 3; ++i) {

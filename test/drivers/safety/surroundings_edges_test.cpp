@@ -29,9 +29,9 @@ SafetyLimits limits_in(const models::Rectangle& bounds) {
 }
 
 /// Returns the braking path of a vehicle that is commanded to stop at `p_m`.
-BrakeWay stop_from(const Eigen::Vector3d& p_m, const Eigen::Vector3d& v_mps,
-                   const SafetyLimits& limits) {
-  return BrakeWay::straight(p_m, v_mps, 0.0, limits.vehicle.brake_mps2, limits.reaction_s);
+BrakingPath stop_from(const Eigen::Vector3d& p_m, const Eigen::Vector3d& v_mps,
+                      const SafetyLimits& limits) {
+  return BrakingPath::straight(p_m, v_mps, 0.0, limits.vehicle.brake_mps2, limits.reaction_s);
 }
 
 // Two vehicles with equal speed pass each other head-on. The relative motion is a straight line.
@@ -50,7 +50,7 @@ TEST(LookAround, FindsTheSeparationOfAHeadOnPass) {
     body.robot = 0;
     body.position_world_m = here_m + between_m * ahead + beside_m * aside;
     body.age_s = random.uniform(0.0, 1.5);
-    const double closed_m = std::min(between_m, 2.0 * stopping_way_m(limits, v_mps.norm()));
+    const double closed_m = std::min(between_m, 2.0 * stopping_distance_m(limits, v_mps.norm()));
     const double tube_m = std::clamp(0.5 * (body.age_s - 0.1), 0.0, 0.5);
     const double least_m = std::hypot(between_m - closed_m, beside_m) - tube_m;
     // A planned velocity can only reduce the predicted separation.
@@ -60,7 +60,7 @@ TEST(LookAround, FindsTheSeparationOfAHeadOnPass) {
       body.velocity_world_mps = does * v_mps;
       body.planned_world_mps = plans * v_mps;
       const Surroundings seen =
-          look_around(here_m, stop_from(here_m, v_mps, limits), {&body, 1}, limits);
+          compute_surroundings(here_m, stop_from(here_m, v_mps, limits), {&body, 1}, limits);
       EXPECT_NEAR(seen.separation_stop_m, least_m, 1e-9) << does << " " << plans;
     }
   }
@@ -78,13 +78,13 @@ TEST(LookAround, FindsTheLeastSeparationToHalfAMillimetre) {
   test::Random random(52);
   for (int i = 0; i < 300; ++i) {
     const Eigen::Vector3d here_m(0.0, -1.0, 1.0);
-    const BrakeWay ours = stop_from(here_m, speed_mps(random), limits);
+    const BrakingPath ours = stop_from(here_m, speed_mps(random), limits);
     OtherBody body;
     body.robot = 0;
     body.position_world_m =
         here_m + Eigen::Vector3d(random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6), 0.0);
     body.velocity_world_mps = body.planned_world_mps = speed_mps(random);
-    const BrakeWay theirs = stop_from(body.position_world_m, body.velocity_world_mps, limits);
+    const BrakingPath theirs = stop_from(body.position_world_m, body.velocity_world_mps, limits);
     constexpr double kStepS = 2.5e-3;
     double least_m = 1e9;
     for (double t_s = 0.0; t_s < 0.75; t_s += kStepS) {
@@ -93,7 +93,8 @@ TEST(LookAround, FindsTheLeastSeparationToHalfAMillimetre) {
                        ours.at(t_s).position_world_m, ours.at(t_s + kStepS).position_world_m,
                        theirs.at(t_s).position_world_m, theirs.at(t_s + kStepS).position_world_m));
     }
-    EXPECT_NEAR(look_around(here_m, ours, {&body, 1}, limits).separation_stop_m, least_m, 5e-4);
+    EXPECT_NEAR(compute_surroundings(here_m, ours, {&body, 1}, limits).separation_stop_m, least_m,
+                5e-4);
   }
 }
 
@@ -114,9 +115,11 @@ TEST(LookAround, FindsTheLeastDistanceToWallsAtAnEnd) {
     limits.reaction_s = random.uniform(0.1, 1.0);
     const Eigen::Vector3d v_mps = random.vector<3>(-1.0, 1.0);
     const double speed_mps = v_mps.norm();
-    const Eigen::Vector3d end_m = here_m + stopping_way_m(limits, speed_mps) / speed_mps * v_mps;
+    const Eigen::Vector3d end_m =
+        here_m + stopping_distance_m(limits, speed_mps) / speed_mps * v_mps;
     const double radius_m = limits.vehicle.radius_m;
-    const Surroundings seen = look_around(here_m, stop_from(here_m, v_mps, limits), {}, limits);
+    const Surroundings seen =
+        compute_surroundings(here_m, stop_from(here_m, v_mps, limits), {}, limits);
     EXPECT_NEAR(seen.fence_centre_m, fence_m(here_m, 0.0), 1e-9);
     EXPECT_NEAR(seen.fence_now_m, fence_m(here_m, radius_m), 1e-9);
     EXPECT_NEAR(seen.fence_stop_m, std::min(seen.fence_now_m, fence_m(end_m, radius_m)), 1e-9);
@@ -129,12 +132,12 @@ TEST(LookAround, FindsAPostNextToThePath) {
   SafetyLimits limits = limits_in({{-8.0, -8.0}, {8.0, 8.0}});
   const Eigen::Vector3d here_m(1.0, -2.0, 1.0);
   for (const double v_mps : {0.5, -1.0}) {
-    const double way_m = std::copysign(stopping_way_m(limits, std::abs(v_mps)), v_mps);
+    const double way_m = std::copysign(stopping_distance_m(limits, std::abs(v_mps)), v_mps);
     for (double share = 0.0; share <= 1.0; share += 0.05) {
       const double post_x_m = here_m.x() + share * way_m;
       limits.fence.obstacles = {{{{post_x_m - 0.06, -1.4}, {post_x_m + 0.06, -1.3}}, 2.5}};
-      const BrakeWay way = stop_from(here_m, {v_mps, 0.0, 0.0}, limits);
-      EXPECT_NEAR(look_around(here_m, way, {}, limits).obstacle_stop_m,
+      const BrakingPath way = stop_from(here_m, {v_mps, 0.0, 0.0}, limits);
+      EXPECT_NEAR(compute_surroundings(here_m, way, {}, limits).obstacle_stop_m,
                   0.6 - limits.vehicle.radius_m, 1e-9);
     }
   }
@@ -150,8 +153,8 @@ TEST(NearSoon, ReturnsTheNearestBody) {
   others[2].position_world_m = {-3.0, -0.6, 0.0};
   others[2].velocity_world_mps = {8.0, 0.0, 0.0};  // passes us and moves away
   for (int i = 0; i < 3; ++i) {
-    EXPECT_NEAR(near_soon_m(here_m, others, 0.0), 3.0, 1e-12);
-    EXPECT_NEAR(near_soon_m(here_m, others, 1.0), 0.4, 1e-12);
+    EXPECT_NEAR(predicted_distance_m(here_m, others, 0.0), 3.0, 1e-12);
+    EXPECT_NEAR(predicted_distance_m(here_m, others, 1.0), 0.4, 1e-12);
     std::rotate(others.begin(), others.begin() + 1, others.end());
   }
 }
@@ -284,7 +287,7 @@ TEST(LandingSpot, PathKeepsTheStatedDistanceFromBodies) {
     return test::last_accepted(3.0, 0.1, 1e-9, [&](double beside_m) {
       Corridor corridor;
       OtherBody body;
-      body.goes_first = false;
+      body.has_priority = false;
       body.robot = robot;
       corridor.add(body, 0.5, beside_m, above_m);
       corridor.add(body, -0.5, beside_m, above_m);
@@ -325,9 +328,9 @@ TEST(IsWayTaken, IgnoresBodiesFarEnoughOrBehind) {
     body.robot = random.integer(-1, 2);
     body.position_world_m = from_m + random.uniform(0.0, 1.0) * ahead +
                             (random.coin() ? 1.0 : -1.0) * limits.separation_hold_m * aside;
-    EXPECT_FALSE(is_way_taken(from_m, from_m + ahead, {&body, 1}, limits));
+    EXPECT_FALSE(is_path_blocked(from_m, from_m + ahead, {&body, 1}, limits));
     body.position_world_m = from_m + random.uniform(0.05, 0.5) * aside;
-    EXPECT_FALSE(is_way_taken(from_m, from_m + ahead, {&body, 1}, limits));
+    EXPECT_FALSE(is_path_blocked(from_m, from_m + ahead, {&body, 1}, limits));
   }
 }
 
@@ -340,7 +343,7 @@ TEST(IsWayTaken, CountsRobotsAtAnyHeightAndOthersUnlessBelow) {
     OtherBody body;
     body.position_world_m = from_m + Eigen::Vector3d(1.0, 0.1, above_m);
     body.robot = robot;
-    return is_way_taken(from_m, from_m + Eigen::Vector3d(2.0, 0.0, 0.0), {&body, 1}, limits);
+    return is_path_blocked(from_m, from_m + Eigen::Vector3d(2.0, 0.0, 0.0), {&body, 1}, limits);
   };
   for (const double above_m : {-0.9, 0.9}) {
     EXPECT_EQ(is_taken(-1, above_m), above_m > 0.0);
@@ -360,7 +363,7 @@ TEST(IsClimbTaken, CountsRobotsWithinTwoSeconds) {
       body.position_world_m = {1.0 - x_m, -1.0, 1.0};
       body.velocity_world_mps = {speed_mps, 0.0, 0.0};
       body.robot = 0;
-      return !is_climb_taken({1.0, -1.0, 0.3}, 1.5, {&body, 1}, limits);
+      return !is_climb_blocked({1.0, -1.0, 0.3}, 1.5, {&body, 1}, limits);
     });
     EXPECT_NEAR(from_m, limits.separation_hold_m + 0.25 + 2.0 * speed_mps, 1e-8);
   }

@@ -81,10 +81,10 @@ TEST_P(Hovering, MovesAwayFromAnObstacle) {
   vehicle.position_m.y() = 1.07;  // the obstacle ends at 0.8 m, the radius is 0.25 m
   bench.tick();
   const auto tick = [&bench] {
-    bench.room().heard_before_ms = GetParam();
+    bench.room().mocap_age_ms = GetParam();
     bench.tick();
   };
-  bench.room().says = models::OperatorAction::kHold;
+  bench.room().command = models::OperatorAction::kHold;
   tick();
   ASSERT_EQ(vehicle.out.state, models::FlightState::kHold);
   for (const double until_s = bench.time_s() + 5.0; bench.time_s() < until_s;) {
@@ -93,7 +93,7 @@ TEST_P(Hovering, MovesAwayFromAnObstacle) {
   }
   EXPECT_EQ(vehicle.out.state, models::FlightState::kHold);
   EXPECT_GT(clearance_m(vehicle.position_m, limits), limits.hover_clearance_m);
-  bench.room().says = models::OperatorAction::kFollow;
+  bench.room().command = models::OperatorAction::kFollow;
   for (const double until_s = bench.time_s() + 5.0; bench.time_s() < until_s;) {
     tick();
   }
@@ -126,7 +126,7 @@ TEST(IsClimbTaken, CountsRobotsAboveNowOrSoon) {
     body.position_world_m = {x_m, 0.0, z_m};
     body.velocity_world_mps = {vx_mps, 0.0, 0.0};
     body.robot = robot;
-    return is_climb_taken(here_m, 2.0, {&body, 1}, limits);
+    return is_climb_blocked(here_m, 2.0, {&body, 1}, limits);
   };
   for (const double side : {1.0, -1.0}) {
     EXPECT_TRUE(is_taken(0.5 * side, 1.0, 0.0));
@@ -148,7 +148,7 @@ OtherBody random_body(test::Random& random) {
   body.planned_world_mps =
       random.coin() ? body.velocity_world_mps : Eigen::Vector3d(random.vector<3>(-1.0, 1.0));
   body.age_s = random.coin() ? 0.0 : random.uniform(0.0, 2.0);
-  body.goes_first = random.coin();
+  body.has_priority = random.coin();
   body.robot = random.coin() ? 1 : -1;
   return body;
 }
@@ -186,12 +186,12 @@ TEST(LookAround, FindsTheLeastSeparationOfBrakingVehicles) {
     body.velocity_world_mps = random.vector<3>(-1.5, 1.5);
     body.planned_world_mps =
         random.coin() ? body.velocity_world_mps : Eigen::Vector3d(random.vector<3>(-1.5, 1.5));
-    const BrakeWay way =
-        BrakeWay::straight(here_m, v_mps, 0.0, limits.vehicle.brake_mps2, limits.reaction_s);
+    const BrakingPath way =
+        BrakingPath::straight(here_m, v_mps, 0.0, limits.vehicle.brake_mps2, limits.reaction_s);
     const auto closest_m = [&](const Eigen::Vector3d& w_mps) {
       return stepped_closest_m(here_m, v_mps, body.position_world_m, w_mps, limits);
     };
-    const Surroundings seen = look_around(here_m, way, {&body, 1}, limits);
+    const Surroundings seen = compute_surroundings(here_m, way, {&body, 1}, limits);
     EXPECT_DOUBLE_EQ(seen.separation_now_m, (here_m - body.position_world_m).norm());
     EXPECT_NEAR(seen.separation_stop_m,
                 std::min(closest_m(body.velocity_world_mps), closest_m(body.planned_world_mps)),
@@ -204,14 +204,14 @@ TEST(LookAround, FindsTheLeastSeparationOfBrakingVehicles) {
 TEST(LookAround, AssumesAnUnseenBodyCloser) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d here_m(1.0, -1.0, 1.0);
-  const BrakeWay way =
-      BrakeWay::straight(here_m, Eigen::Vector3d::Zero(), 0.0, limits.vehicle.brake_mps2, 0.2);
+  const BrakingPath way =
+      BrakingPath::straight(here_m, Eigen::Vector3d::Zero(), 0.0, limits.vehicle.brake_mps2, 0.2);
   OtherBody body;
   body.robot = 0;
   body.position_world_m = here_m + Eigen::Vector3d(0.0, 2.0, 0.0);
   for (double age_s = 0.0; age_s < 2.0; age_s += 0.01) {
     body.age_s = age_s;
-    const Surroundings seen = look_around(here_m, way, {&body, 1}, limits);
+    const Surroundings seen = compute_surroundings(here_m, way, {&body, 1}, limits);
     const double grown_m = std::clamp(0.5 * (age_s - 0.1), 0.0, 0.5);
     EXPECT_NEAR(seen.separation_now_m, 2.0 - grown_m, 1e-12) << age_s;
     EXPECT_NEAR(seen.separation_stop_m, 2.0 - grown_m, 1e-12) << age_s;
@@ -221,24 +221,24 @@ TEST(LookAround, AssumesAnUnseenBodyCloser) {
 TEST(LookAround, ReportsTheNearestBodyAndItsPriority) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d here_m(1.0, -1.0, 1.0);
-  const BrakeWay way =
-      BrakeWay::straight(here_m, Eigen::Vector3d::Zero(), 0.0, limits.vehicle.brake_mps2, 0.2);
+  const BrakingPath way =
+      BrakingPath::straight(here_m, Eigen::Vector3d::Zero(), 0.0, limits.vehicle.brake_mps2, 0.2);
   for (std::size_t near = 0; near < 3; ++near) {
     std::vector<OtherBody> others(3);
     for (std::size_t i = 0; i < others.size(); ++i) {
       const double apart_m = i == near ? 0.8 : 1.5;
       others[i].position_world_m = here_m + Eigen::Vector3d(0.0, apart_m, 0.0);
-      others[i].goes_first = i == near;
+      others[i].has_priority = i == near;
       others[i].robot = static_cast<int>(i);
     }
-    Surroundings seen = look_around(here_m, way, others, limits);
+    Surroundings seen = compute_surroundings(here_m, way, others, limits);
     EXPECT_NEAR(seen.separation_now_m, 0.8, 1e-12);
     EXPECT_NEAR(seen.separation_stop_m, 0.8, 1e-12);
     EXPECT_TRUE(seen.yields);
     for (OtherBody& other : others) {
-      other.goes_first = !other.goes_first;
+      other.has_priority = !other.has_priority;
     }
-    seen = look_around(here_m, way, others, limits);
+    seen = compute_surroundings(here_m, way, others, limits);
     EXPECT_FALSE(seen.yields);
   }
 }
@@ -249,8 +249,8 @@ TEST(LookAround, FindsTheLeastDistanceToTheRoomWhileBraking) {
   for (int i = 0; i < 1000; ++i) {
     const Eigen::Vector3d here_m(random.uniform(-3.8, 3.8), random.uniform(-2.0, 2.0),
                                  random.uniform(0.2, 2.9));
-    const BrakeWay way = BrakeWay::straight(here_m, random.vector<3>(-1.0, 1.0), 0.0,
-                                            limits.vehicle.brake_mps2, limits.reaction_s);
+    const BrakingPath way = BrakingPath::straight(here_m, random.vector<3>(-1.0, 1.0), 0.0,
+                                                  limits.vehicle.brake_mps2, limits.reaction_s);
     double fence_m = 1e9;
     double obstacle_m = 1e9;
     for (int k = 0; k <= 1000; ++k) {
@@ -260,7 +260,7 @@ TEST(LookAround, FindsTheLeastDistanceToTheRoomWhileBraking) {
                           limits.fence.ceiling_m - p_m.z()});
       obstacle_m = std::min(obstacle_m, obstacle_distance_m(limits.fence, level_m) - 0.25);
     }
-    const Surroundings seen = look_around(here_m, way, {}, limits);
+    const Surroundings seen = compute_surroundings(here_m, way, {}, limits);
     EXPECT_NEAR(seen.fence_stop_m, fence_m, 1e-9);
     EXPECT_NEAR(seen.obstacle_stop_m, obstacle_m, 0.02);  // path sampled every 7 cm, past a corner
     const double centre_m = fence_distance_m(limits.fence, here_m.head<2>());
@@ -273,7 +273,7 @@ TEST(LookAround, FindsTheLeastDistanceToTheRoomWhileBraking) {
 /// The room and all bodies in transformed coordinates: `of(x, y)` maps positions and, without its
 /// shift of the origin, velocities.
 template <class Place>
-struct SeenOtherwise {
+struct TransformedRoom {
   Place of;
 
   [[nodiscard]] Eigen::Vector3d place(const Eigen::Vector3d& p_m) const {
@@ -305,7 +305,7 @@ struct SeenOtherwise {
 
 template <class Place>
 void expect_the_same(const Place& of, test::Random& random) {
-  const SeenOtherwise<Place> seen{of};
+  const TransformedRoom<Place> seen{of};
   const SafetyLimits limits = bench_limits();
   const SafetyLimits other_limits = seen.limits(limits);
   const Eigen::Vector3d here_m(random.uniform(-3.5, 3.5), random.uniform(-1.8, 1.8),
@@ -320,9 +320,9 @@ void expect_the_same(const Place& of, test::Random& random) {
   }
   const auto look = [&](const Eigen::Vector3d& p_m, const Eigen::Vector3d& speed_mps,
                         const std::vector<OtherBody>& around, const SafetyLimits& lim) {
-    const BrakeWay way =
-        BrakeWay::straight(p_m, speed_mps, 0.0, lim.vehicle.brake_mps2, lim.reaction_s);
-    return look_around(p_m, way, around, lim);
+    const BrakingPath way =
+        BrakingPath::straight(p_m, speed_mps, 0.0, lim.vehicle.brake_mps2, lim.reaction_s);
+    return compute_surroundings(p_m, way, around, lim);
   };
   const Surroundings a = look(here_m, v_mps, bodies, limits);
   const Surroundings b = look(seen.place(here_m), seen.way(v_mps), others, other_limits);
@@ -333,13 +333,14 @@ void expect_the_same(const Place& of, test::Random& random) {
   EXPECT_NEAR(a.separation_now_m, b.separation_now_m, 1e-9);
   EXPECT_NEAR(a.separation_stop_m, b.separation_stop_m, 1e-9);
   EXPECT_EQ(a.yields, b.yields);
-  EXPECT_NEAR(near_soon_m(here_m, bodies, 1.0), near_soon_m(seen.place(here_m), others, 1.0), 1e-9);
+  EXPECT_NEAR(predicted_distance_m(here_m, bodies, 1.0),
+              predicted_distance_m(seen.place(here_m), others, 1.0), 1e-9);
   EXPECT_EQ(is_occupied_below(here_m, bodies, limits),
             is_occupied_below(seen.place(here_m), others, other_limits));
-  EXPECT_EQ(is_way_taken(here_m, there_m, bodies, limits),
-            is_way_taken(seen.place(here_m), seen.place(there_m), others, other_limits));
-  EXPECT_EQ(is_climb_taken(here_m, 1.5, bodies, limits),
-            is_climb_taken(seen.place(here_m), 1.5, others, other_limits));
+  EXPECT_EQ(is_path_blocked(here_m, there_m, bodies, limits),
+            is_path_blocked(seen.place(here_m), seen.place(there_m), others, other_limits));
+  EXPECT_EQ(is_climb_blocked(here_m, 1.5, bodies, limits),
+            is_climb_blocked(seen.place(here_m), 1.5, others, other_limits));
   // Of several equally near spots any may be chosen; the distance is unique.
   EXPECT_NEAR((landing_spot(here_m, bodies, limits) - here_m).norm(),
               (landing_spot(seen.place(here_m), others, other_limits) - seen.place(here_m)).norm(),
@@ -369,44 +370,44 @@ TEST(Surroundings, GrowForMovingAndLargeBodies) {
   const Eigen::Vector3d here_m(0.0, -1.0, 1.0);
   OtherBody body;
   body.position_world_m = {2.5, -1.0, 1.0};
-  const auto now_m = [&](double went_mps, double age_s, double larger_m) {
-    body.went_mps = went_mps;
+  const auto now_m = [&](double last_speed_mps, double age_s, double excess_radius_m) {
+    body.last_speed_mps = last_speed_mps;
     body.age_s = age_s;
-    body.larger_m = larger_m;
-    return look_around(here_m, BrakeWay{}, {&body, 1}, limits).separation_now_m;
+    body.excess_radius_m = excess_radius_m;
+    return compute_surroundings(here_m, BrakingPath{}, {&body, 1}, limits).separation_now_m;
   };
-  for (const double larger_m : {0.0, 0.15}) {
-    for (const double went_mps : {0.0, 0.3, 0.5}) {
-      EXPECT_NEAR(now_m(went_mps, 0.6, larger_m), 2.5 - 0.25 - larger_m, 1e-9);
-      EXPECT_NEAR(now_m(went_mps, 9.0, larger_m), 2.5 - 0.5 - larger_m, 1e-9);
+  for (const double excess_radius_m : {0.0, 0.15}) {
+    for (const double last_speed_mps : {0.0, 0.3, 0.5}) {
+      EXPECT_NEAR(now_m(last_speed_mps, 0.6, excess_radius_m), 2.5 - 0.25 - excess_radius_m, 1e-9);
+      EXPECT_NEAR(now_m(last_speed_mps, 9.0, excess_radius_m), 2.5 - 0.5 - excess_radius_m, 1e-9);
     }
-    EXPECT_NEAR(now_m(1.2, 0.1, larger_m), 2.5 - larger_m, 1e-9);
-    EXPECT_NEAR(now_m(1.2, 0.6, larger_m), 2.5 - 0.6 - larger_m, 1e-9);
-    EXPECT_NEAR(now_m(1.2, 1.0, larger_m), 2.5 - 1.08 - larger_m, 1e-9);
-    EXPECT_NEAR(now_m(1.2, 9.0, larger_m), 2.5 - 1.2 - larger_m, 1e-9);
-    EXPECT_NEAR(near_soon_m(here_m, {&body, 1}, 1.0), 2.5 - larger_m, 1e-9);
+    EXPECT_NEAR(now_m(1.2, 0.1, excess_radius_m), 2.5 - excess_radius_m, 1e-9);
+    EXPECT_NEAR(now_m(1.2, 0.6, excess_radius_m), 2.5 - 0.6 - excess_radius_m, 1e-9);
+    EXPECT_NEAR(now_m(1.2, 1.0, excess_radius_m), 2.5 - 1.08 - excess_radius_m, 1e-9);
+    EXPECT_NEAR(now_m(1.2, 9.0, excess_radius_m), 2.5 - 1.2 - excess_radius_m, 1e-9);
+    EXPECT_NEAR(predicted_distance_m(here_m, {&body, 1}, 1.0), 2.5 - excess_radius_m, 1e-9);
   }
-  const auto nearest_m = [&](double larger_m, const auto& is_free) {
+  const auto nearest_m = [&](double excess_radius_m, const auto& is_free) {
     return test::last_accepted(3.0, 0.0, 1e-9, [&](double y_m) {
       OtherBody other;
-      other.larger_m = larger_m;
+      other.excess_radius_m = excess_radius_m;
       other.position_world_m = here_m + Eigen::Vector3d(1.0, y_m, 0.0);
       return is_free(other);
     });
   };
   const Eigen::Vector3d to_m = here_m + Eigen::Vector3d(2.0, 0.0, 0.0);
-  for (const double larger_m : {0.0, 0.15}) {
-    EXPECT_NEAR(nearest_m(larger_m,
+  for (const double excess_radius_m : {0.0, 0.15}) {
+    EXPECT_NEAR(nearest_m(excess_radius_m,
                           [&](const OtherBody& other) {
-                            return !is_way_taken(here_m, to_m, {&other, 1}, limits);
+                            return !is_path_blocked(here_m, to_m, {&other, 1}, limits);
                           }),
-                limits.separation_hold_m + larger_m, 1e-7);
-    EXPECT_NEAR(nearest_m(larger_m,
+                limits.separation_hold_m + excess_radius_m, 1e-7);
+    EXPECT_NEAR(nearest_m(excess_radius_m,
                           [&](const OtherBody& other) {
                             const Eigen::Vector3d above_m = here_m + Eigen::Vector3d(1.0, 0.0, 0.9);
                             return !is_occupied_below(above_m, {&other, 1}, limits);
                           }),
-                limits.landing_clearance_m + larger_m, 1e-7);
+                limits.landing_clearance_m + excess_radius_m, 1e-7);
   }
 }
 
@@ -432,14 +433,14 @@ TEST(Surroundings, HaveTheStatedMargins) {
         OtherBody body = at(x_m, 0.5);
         body.age_s = age_s;
         body.robot = 1;
-        return !is_climb_taken(here_m, 2.0, {&body, 1}, limits);
+        return !is_climb_blocked(here_m, 2.0, {&body, 1}, limits);
       });
       EXPECT_NEAR(above_m, limits.separation_hold_m + 0.25 + tube_m, 1e-8) << age_s;
     }
     // A robot at our height with priority counts as below; robots above do not block a landing.
-    const auto occupies = [&](double z_m, bool goes_first, int robot = 2) {
+    const auto occupies = [&](double z_m, bool has_priority, int robot = 2) {
       OtherBody body = at(0.2, z_m);
-      body.goes_first = goes_first;
+      body.has_priority = has_priority;
       body.robot = robot;
       return is_occupied_below(here_m, {&body, 1}, limits);
     };
@@ -456,24 +457,25 @@ TEST(Surroundings, HaveTheStatedMargins) {
     const double beside_m = test::last_accepted(2.0, 0.0, 1e-9, [&](double y_m) {
       OtherBody body;
       body.position_world_m = here_m + Eigen::Vector3d(1.0, side * y_m, 0.0);
-      return !is_way_taken(here_m, to_m, {&body, 1}, limits);
+      return !is_path_blocked(here_m, to_m, {&body, 1}, limits);
     });
     EXPECT_NEAR(beside_m, limits.separation_hold_m, 1e-7);
     // A passing body counts; a standing robot that waits for its turn does not.
     OtherBody walker = at(1.5, 0.4);
     walker.velocity_world_mps = {-side, 0.0, 0.3};
-    EXPECT_NEAR(near_soon_m(here_m, {&walker, 1}, 1.0), 0.5, 1e-9);
-    EXPECT_NEAR(near_soon_m(here_m, {&walker, 1}, 0.2), 1.3, 1e-9);
+    EXPECT_NEAR(predicted_distance_m(here_m, {&walker, 1}, 1.0), 0.5, 1e-9);
+    EXPECT_NEAR(predicted_distance_m(here_m, {&walker, 1}, 0.2), 1.3, 1e-9);
     walker.robot = 2;
-    EXPECT_NEAR(near_soon_m(here_m, {&walker, 1}, 1.0), 0.5, 1e-9);
+    EXPECT_NEAR(predicted_distance_m(here_m, {&walker, 1}, 1.0), 0.5, 1e-9);
     const double stands_mps = test::last_accepted(0.0, 0.5, 1e-9, [&](double v_mps) {
       walker.velocity_world_mps = {0.0, v_mps, 0.0};
-      return std::isinf(near_soon_m(here_m, {&walker, 1}, 1.0));
+      return std::isinf(predicted_distance_m(here_m, {&walker, 1}, 1.0));
     });
     EXPECT_NEAR(stands_mps, 0.1, 1e-8);
     walker.robot = -1;
     walker.velocity_world_mps.setZero();
-    EXPECT_NEAR(near_soon_m(here_m, {&walker, 1}, 1.0), 1.5, 1e-9) << "no robot waits its turn";
+    EXPECT_NEAR(predicted_distance_m(here_m, {&walker, 1}, 1.0), 1.5, 1e-9)
+        << "no robot waits its turn";
   }
 }
 
@@ -485,7 +487,7 @@ TEST(IsClimbTaken, HasTheStatedHeightLimits) {
     OtherBody body;
     body.position_world_m = {0.1, -1.0, z_m};
     body.robot = 0;
-    return is_climb_taken(here_m, 1.0, {&body, 1}, limits);
+    return is_climb_blocked(here_m, 1.0, {&body, 1}, limits);
   };
   EXPECT_NEAR(test::last_accepted(0.8, 0.0, 1e-9, is_taken), 0.3, 1e-8);
   EXPECT_NEAR(test::last_accepted(0.8, 3.0, 1e-9, is_taken), 1.0 + limits.separation_hold_m, 1e-8);

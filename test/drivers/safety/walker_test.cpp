@@ -42,13 +42,13 @@ class Flight {
  public:
   explicit Flight(std::uint64_t seed) : bench_(seed) {
     bench_.run(0.8);
-    bench_.say(OperatorAction::kArm, "Q2");
+    bench_.send_command(OperatorAction::kArm, "Q2");
     bench_.run(0.1);
-    bench_.say(OperatorAction::kTakeOff, "Q2");
+    bench_.send_command(OperatorAction::kTakeOff, "Q2");
     while (bench_.time_s() < 3.5) {
       bench_.tick();
     }
-    bench_.say(OperatorAction::kFollow, "Q2");
+    bench_.send_command(OperatorAction::kFollow, "Q2");
     bench_.tick();
   }
 
@@ -116,9 +116,9 @@ class Flight {
   }
   void show(const Eigen::Vector3d& person_m, bool is_stranger) {
     if (is_stranger) {
-      bench_.room().stranger_m = person_m;
+      bench_.room().unknown_body_m = person_m;
     } else {
-      bench_.room().walkers_m = {person_m};
+      bench_.room().target_positions_m = {person_m};
     }
   }
 
@@ -195,7 +195,7 @@ TEST(FlightGuard, FollowsAboveRovers) {
     Rovers rovers(seed);
     bench.fly_up(8.0);
     bench.run(20.0, [&] {
-      bench.room().walkers_m = rovers.move(test::FlightBench::kTickS);
+      bench.room().target_positions_m = rovers.move(test::FlightBench::kTickS);
       for (const test::Vehicle& vehicle : bench.vehicles()) {
         ASSERT_EQ(vehicle.out.state, FlightState::kFollow) << seed << ' ' << bench.time_s();
       }
@@ -215,13 +215,13 @@ TEST(FlightGuard, LandsAmongRoversOnStraightPaths) {
     test::FlightBench bench(seed, false, 0.5);
     Rovers rovers(seed);
     bench.fly_up(8.0);
-    bench.say(OperatorAction::kLand);
+    bench.send_command(OperatorAction::kLand);
     const double begin_s = bench.time_s();
     const test::Vehicle& vehicle = bench.vehicle("Q3");
     double least_m = 1e9;
     do {
       const std::vector<Eigen::Vector3d>& places_m = rovers.move(test::FlightBench::kTickS);
-      bench.room().walkers_m = places_m;
+      bench.room().target_positions_m = places_m;
       bench.tick();
       for (const Eigen::Vector3d& place_m : places_m) {
         const bool is_committed = vehicle.position_m.z() < 0.15;

@@ -54,7 +54,7 @@ TEST_P(EverySensor, HasItsStatedNoise) {
   double chi2 = 0.0;
   models::MeasurementVector mean = models::MeasurementVector::Zero(dim);
   for (int k = 0; k < kLooks; ++k) {
-    const auto seen = driver.look(frame_with({2.5, 4.3, 0.0}, kStart + Duration{k}), false);
+    const auto seen = driver.measure(frame_with({2.5, 4.3, 0.0}, kStart + Duration{k}), false);
     ASSERT_TRUE(seen);
     ASSERT_EQ(seen->detections.size(), 1u);
     const models::Measurement& measured = seen->detections[0].measurement;
@@ -81,7 +81,7 @@ TEST(PoseSensor, DetectsTargetsInRangeViewAndSight) {
   scenario.world.obstacles.push_back({{{2.4, 3.9}, {2.5, 4.1}}, 0.5});
   const PoseSensor sensor(scenario, "Q1");
   const auto sees = [&](double x_m, double y_m) {
-    return !sensor.look(frame_with({x_m, y_m, 0.0}), false)->detections.empty();
+    return !sensor.measure(frame_with({x_m, y_m, 0.0}), false)->detections.empty();
   };
   EXPECT_TRUE(sees(2.5, 4.3));
   EXPECT_FALSE(sees(2.0, 4.5)) << "beside it";
@@ -93,16 +93,16 @@ TEST(PoseSensor, IgnoresOccludedTargetsAndNeedsItsOwnPose) {
   const PoseSensor sensor(scenario_with(models::SensorKind::kRangeBearing), "Q1");
   models::MocapFrame frame = frame_with({2.5, 4.3, 0.0});
   frame.bodies[1].occluded = true;
-  EXPECT_TRUE(sensor.look(frame, false)->detections.empty());
+  EXPECT_TRUE(sensor.measure(frame, false)->detections.empty());
   frame.bodies[0].occluded = true;
-  EXPECT_FALSE(sensor.look(frame, false));
+  EXPECT_FALSE(sensor.measure(frame, false));
   frame.bodies.erase(frame.bodies.begin());
-  EXPECT_FALSE(sensor.look(frame, false));
+  EXPECT_FALSE(sensor.measure(frame, false));
 }
 
 TEST(PoseSensor, DoesNotMeasureWhenJammed) {
   const PoseSensor sensor(scenario_with(models::SensorKind::kRangeBearing), "Q1");
-  const auto jammed = sensor.look(frame_with({2.5, 4.3, 0.0}), true);
+  const auto jammed = sensor.measure(frame_with({2.5, 4.3, 0.0}), true);
   ASSERT_TRUE(jammed);
   EXPECT_TRUE(jammed->jammed);
   EXPECT_TRUE(jammed->detections.empty());
@@ -114,7 +114,7 @@ TEST(PoseSensor, NoiseDependsOnTheTime) {
     models::MocapFrame frame = frame_with({2.5, 4.3, 0.0}, time);
     frame.bodies.push_back(body("Q2", {2.0, 4.0, 0.0}, 1.5));
     return Eigen::VectorXd(
-        PoseSensor(scenario, robot).look(frame, false)->detections.at(0).measurement.z);
+        PoseSensor(scenario, robot).measure(frame, false)->detections.at(0).measurement.z);
   };
   const Eigen::VectorXd first = z("Q1", kStart);
   EXPECT_EQ(first, z("Q1", kStart));
@@ -136,7 +136,7 @@ struct Reports {
     const PoseSensor sensor(scenario, "Q1");
     double squares = 0.0;
     for (int k = 0; k < kLooks; ++k) {
-      const auto seen = sensor.look(frame_with({2.5, 4.3, 0.0}, kStart + Duration{k}), false);
+      const auto seen = sensor.measure(frame_with({2.5, 4.3, 0.0}, kStart + Duration{k}), false);
       const auto count = static_cast<double>(seen->detections.size());
       mean += count / kLooks;
       squares += count * count / kLooks;
@@ -172,12 +172,12 @@ TEST(PoseSensor, HidesWhichDetectionIsATarget) {
   double place = 0.0;
   for (int k = 0; k < 2000; ++k) {
     const models::MocapFrame frame = frame_with({2.5, 4.3, 0.0}, kStart + Duration{k});
-    const auto seen = sensor.look(frame, false)->detections;
+    const auto seen = sensor.measure(frame, false)->detections;
     EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end(), [](const auto& a, const auto& b) {
       return a.measurement.z(0) < b.measurement.z(0);
     }));
     // One of them is the measurement of the target, equal to that with known ids.
-    const auto own = naming.look(frame, false)->detections.at(0).measurement.z;
+    const auto own = naming.measure(frame, false)->detections.at(0).measurement.z;
     const auto at = std::find_if(seen.begin(), seen.end(),
                                  [&](const auto& each) { return each.measurement.z == own; });
     ASSERT_NE(at, seen.end());
@@ -198,7 +198,7 @@ TEST(PoseSensor, ReproducesFalseAlarmsPerInstant) {
   scenario.robots[0].detection = {0.9, 5.0, false};
   const PoseSensor sensor(scenario, "Q1");
   const auto seen = [&](Time time) {
-    return sensor.look(frame_with({2.5, 4.3, 0.0}, time), false)->detections;
+    return sensor.measure(frame_with({2.5, 4.3, 0.0}, time), false)->detections;
   };
   const auto first = seen(kStart);
   const auto again = seen(kStart);

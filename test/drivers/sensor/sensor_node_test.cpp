@@ -25,7 +25,7 @@ struct Bench {
   bus::Bus sensor_bus{*sensor_side, 11};
   bus::Bus bus{*mocap_side, 22};
   SensorNode node;
-  std::vector<models::DetectionSet> measured;
+  std::vector<models::RobotMeasurement> measured;
   std::vector<models::RangeScan> scanned;
   Duration mocap_clock{};  ///< offset of the publisher's clock
   std::int64_t frames = 0;
@@ -35,9 +35,9 @@ struct Bench {
     bus.subscribe<models::RangeScan>(
         bus::scan_channel("Q1"),
         [this](const models::RangeScan& scan) { scanned.push_back(scan); });
-    bus.subscribe<models::DetectionSet>(
+    bus.subscribe<models::RobotMeasurement>(
         bus::measurement_channel("Q1"),
-        [this](const models::DetectionSet& set) { measured.push_back(set); });
+        [this](const models::RobotMeasurement& set) { measured.push_back(set); });
   }
 
   /// Publishes a frame: Q1 moves along x at 1 m/s from (1, 4), and a rover stays 0.5 m ahead of it.
@@ -86,7 +86,7 @@ TEST(SensorNode, MeasuresAtMultiplesOfTheStep) {
   }
   ASSERT_EQ(bench.measured.size(), 5u);
   for (std::size_t k = 0; k < 5; ++k) {
-    const models::DetectionSet& set = bench.measured[k];
+    const models::RobotMeasurement& set = bench.measured[k];
     EXPECT_EQ(set.stamp.time, kStart + static_cast<int>(k) * Duration{500'000});
     EXPECT_EQ(set.robot, "Q1");
     EXPECT_NEAR(set.viewpoint.world_from_body.x_m, 1.0 + 0.5 * static_cast<double>(k), 1e-12);
@@ -107,7 +107,7 @@ TEST(SensorNode, PublishesDetectionsWithoutIdsWhenConfigured) {
   }
   ASSERT_EQ(bench.measured.size(), 21u);
   std::size_t detections = 0;
-  for (const models::DetectionSet& set : bench.measured) {
+  for (const models::RobotMeasurement& set : bench.measured) {
     detections += set.detections.size();
     for (const models::Detection& each : set.detections) {
       EXPECT_EQ(each.target_id, models::kNoTargetId);

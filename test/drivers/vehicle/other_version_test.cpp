@@ -21,7 +21,7 @@ constexpr const char* kReason = "another version";
 
 class OtherVersion : public ::testing::Test {
  protected:
-  [[nodiscard]] bool says_so() const {
+  [[nodiscard]] bool reports_other_version() const {
     const auto& reasons = bench_.statuses.back().reasons;
     return std::find(reasons.begin(), reasons.end(), kReason) != reasons.end();
   }
@@ -31,7 +31,9 @@ class OtherVersion : public ::testing::Test {
         [&] { return !bench_.statuses.empty() && bench_.statuses.back().reasons.empty(); }, 20.0));
   }
   /// Publishes a plan of another version: its type has another hash.
-  void speak_otherwise() { bench_.stranger->publish("PLAN_Q9", std::vector<std::uint8_t>(64, 7)); }
+  void publish_other_version() {
+    bench_.attacker->publish("PLAN_Q9", std::vector<std::uint8_t>(64, 7));
+  }
 
   test::VehicleNodeBench<QuadrotorNode, sim::AutopilotEndpoint> bench_{
       FlightBench::scenario_for(models::AutopilotDialect::kPx4),
@@ -44,31 +46,31 @@ class OtherVersion : public ::testing::Test {
 
 TEST_F(OtherVersion, ForbidsArmingUntilItIsSilent) {
   stand();
-  speak_otherwise();
+  publish_other_version();
   bench_.run(0.5);
-  EXPECT_TRUE(says_so());
-  bench_.say(OperatorAction::kArm);
+  EXPECT_TRUE(reports_other_version());
+  bench_.send_command(OperatorAction::kArm);
   bench_.run(3.0);
   EXPECT_FALSE(is_armed());
   bench_.run(3.0);
-  EXPECT_FALSE(says_so());
-  bench_.say(OperatorAction::kArm);
+  EXPECT_FALSE(reports_other_version());
+  bench_.send_command(OperatorAction::kArm);
   EXPECT_TRUE(bench_.run_until([&] { return is_armed(); }, 40.0));
 }
 
 TEST_F(OtherVersion, IsOnlyReportedInTheAir) {
   stand();
-  bench_.say(OperatorAction::kArm);
+  bench_.send_command(OperatorAction::kArm);
   ASSERT_TRUE(bench_.run_until([&] { return is_armed(); }, 40.0));
   bench_.run(1.5);
-  bench_.say(OperatorAction::kTakeOff);
+  bench_.send_command(OperatorAction::kTakeOff);
   ASSERT_TRUE(bench_.run_until(
       [&] { return bench_.vehicle.emulator().world_from_body().translation_m.z() > 0.9; }, 15.0));
   bench_.run(3.0);
-  bench_.each_step = [&] { speak_otherwise(); };
+  bench_.each_step = [&] { publish_other_version(); };
   bench_.statuses.clear();
   bench_.run(2.0);
-  EXPECT_TRUE(says_so());
+  EXPECT_TRUE(reports_other_version());
   for (const models::VehicleStatus& status : bench_.statuses) {
     EXPECT_EQ(status.state, models::FlightState::kHold);
   }

@@ -27,9 +27,9 @@ class ForgedInThisSession : public VehicleTrust {
 
   /// Forges poses in the name of the live publisher for three seconds.
   void forge_poses() {
-    const auto ear = listen();
+    const auto listener = listen();
     bench.each_step = [&] {
-      follow(*ear);
+      read_newest(*listener);
       if (bench.steps % 2 == 1) {
         models::MocapFrame frame = bench.see();
         frame.stamp = {bench.clock.now(), vicon_.run_id, vicon_.sequence + 1};
@@ -41,8 +41,8 @@ class ForgedInThisSession : public VehicleTrust {
     bench.each_step = nullptr;
   }
   void forge_order(OperatorAction action) {
-    const auto ear = listen();
-    bench.each_step = [&] { follow(*ear); };
+    const auto listener = listen();
+    bench.each_step = [&] { read_newest(*listener); };
     bench.run(0.5);
     bench.each_step = nullptr;
     send(bus::kCommand.name, bytes_of(command(action, command_.run_id, command_.sequence + 1, {})));
@@ -50,15 +50,15 @@ class ForgedInThisSession : public VehicleTrust {
   }
   /// Sends the payload alone, and with the newest trailer received on the channel.
   void send(const std::string& channel, const std::vector<std::uint8_t>& payload) {
-    bench.stranger->publish(channel, payload);
-    std::vector<std::uint8_t> dressed = payload;
+    bench.attacker->publish(channel, payload);
+    std::vector<std::uint8_t> with_trailer = payload;
     const std::vector<std::uint8_t>& whole = newest_[channel];
     const std::size_t trailer_bytes = whole.size() - bus::auth::payload_of(whole).size();
-    dressed.insert(dressed.end(), whole.end() - static_cast<std::ptrdiff_t>(trailer_bytes),
-                   whole.end());
+    with_trailer.insert(with_trailer.end(),
+                        whole.end() - static_cast<std::ptrdiff_t>(trailer_bytes), whole.end());
     if (trailer_bytes > 0) {
-      bench.stranger->publish(channel, dressed);
-      bench.stranger->publish(channel, whole);  // replay of the true message
+      bench.attacker->publish(channel, with_trailer);
+      bench.attacker->publish(channel, whole);  // replay of the true message
     }
   }
   template <class Message>
@@ -69,18 +69,19 @@ class ForgedInThisSession : public VehicleTrust {
     return bytes;
   }
   std::unique_ptr<bus::Transport> listen() {
-    auto ear = bench.hub.connect();
+    auto listener = bench.hub.connect();
     for (const std::string& channel : {bus::kVicon.name, bus::kCommand.name}) {
-      ear->subscribe(channel, [this](std::string_view name, std::span<const std::uint8_t> bytes) {
-        newest_[std::string(name)] = {bytes.begin(), bytes.end()};
-      });
+      listener->subscribe(channel,
+                          [this](std::string_view name, std::span<const std::uint8_t> bytes) {
+                            newest_[std::string(name)] = {bytes.begin(), bytes.end()};
+                          });
     }
-    return ear;
+    return listener;
   }
-  void follow(bus::Transport& ear) {
-    while (ear.handle(std::chrono::microseconds(0)) > 0) {
+  void read_newest(bus::Transport& listener) {
+    while (listener.handle(std::chrono::microseconds(0)) > 0) {
     }
-    if (const auto frame = bus::decode_wire<vantage_lcm::vicon_frame_t>(newest_["VICON"])) {
+    if (const auto frame = bus::decode_wire<vantage_lcm::mocap_frame_t>(newest_["VICON"])) {
       vicon_ = {from_utime(frame->utime), frame->run_id, frame->sequence};
     }
     if (const auto order = bus::decode_wire<vantage_lcm::command_t>(newest_["COMMAND"])) {
@@ -137,7 +138,7 @@ TEST_F(ForgedInThisSession, CommandsAreRefusedWithSignatures) {
   EXPECT_EQ(bench.count("COMMAND.unsigned"), 3);
   EXPECT_EQ(bench.count("COMMAND.bad_mac"), 3);
   EXPECT_EQ(bench.count("COMMAND.replayed"), 3);
-  bench.say(OperatorAction::kEmergencyStop);
+  bench.send_command(OperatorAction::kEmergencyStop);
   bench.run(0.05);
   EXPECT_EQ(bench.state(), FlightState::kKilled) << "the true one's is";
 }
@@ -175,7 +176,7 @@ TEST_F(ForgedInThisSession, LiveVehicleRefusesSimulationMessages) {
   EXPECT_TRUE(only_hovered());
   EXPECT_GT(bench.count("VICON.wrong_mode"), 500);
   EXPECT_GT(bench.count("COMMAND.wrong_mode"), 500);
-  EXPECT_FALSE(bench.says(kSecondSource));
+  EXPECT_FALSE(bench.has_reason(kSecondSource));
 }
 
 }  // namespace

@@ -38,15 +38,15 @@ class VehicleNodeBench {
         [this](const models::VehicleStatus& heard) { statuses.push_back(heard); });
   }
 
-  /// Makes node and lab sign and verify messages from now on; the stranger has no key.
+  /// Makes node and lab sign and verify messages from now on; the attacker has no key.
   void secure(const std::shared_ptr<const bus::auth::Keyring>& keys,
               const bus::auth::Authenticator::Rules& rules) {
     node_bus.secure(authenticator(keys, rules), clock);
-    node_bus.keep_time(clock);
+    node_bus.use_clock(clock);
     lab.secure(authenticator(keys, rules), clock);
   }
 
-  void say(models::OperatorAction action) {
+  void send_command(models::OperatorAction action) {
     models::OperatorCommand command;
     command.stamp.time = clock.now() + operator_clock;
     command.action = action;
@@ -54,11 +54,11 @@ class VehicleNodeBench {
   }
   /// Publishes a message of a third party, with the run id and sequence number that it contains.
   template <class Message>
-  void forge(const bus::Channel<Message>& channel, const Message& message) {
+  void publish_forged(const bus::Channel<Message>& channel, const Message& message) {
     const auto wire = bus::to_wire(message);
     std::vector<std::uint8_t> bytes(static_cast<std::size_t>(wire.getEncodedSize()));
     wire.encode(bytes.data(), 0, wire.getEncodedSize());
-    stranger->publish(channel.name, bytes);
+    attacker->publish(channel.name, bytes);
   }
   bool run_until(const std::function<bool()>& done, double seconds) {
     const Time end = clock.now() + from_seconds(seconds);
@@ -69,7 +69,7 @@ class VehicleNodeBench {
         mocap->publish(bus::kVicon, see());
       }
       if (steps % 40 == 0) {
-        say(models::OperatorAction::kHeartbeat);
+        send_command(models::OperatorAction::kHeartbeat);
       }
       if (each_step) {
         each_step();
@@ -109,7 +109,7 @@ class VehicleNodeBench {
   std::unique_ptr<bus::Transport> node_side = hub.connect();
   std::unique_ptr<bus::Transport> lab_side = hub.connect();
   bus::Bus node_bus{*node_side, 11};
-  std::unique_ptr<bus::Transport> stranger = hub.connect();
+  std::unique_ptr<bus::Transport> attacker = hub.connect();
   bus::Bus lab{*lab_side, 22};
   scenario::Scenario scenario;
   Node node;

@@ -44,7 +44,7 @@ struct FlightNodeBench : VehicleNodeBench<QuadrotorNode, sim::AutopilotEndpoint>
   [[nodiscard]] FlightState state() const {
     return statuses.empty() ? FlightState::kIdle : statuses.back().state;
   }
-  [[nodiscard]] bool says(const std::string& reason) const {
+  [[nodiscard]] bool has_reason(const std::string& reason) const {
     const auto& reasons = statuses.back().reasons;
     return std::find(reasons.begin(), reasons.end(), reason) != reasons.end();
   }
@@ -68,11 +68,11 @@ class VehicleTrust : public ::testing::Test {
   }
   void take_off() {
     stand();
-    bench.say(OperatorAction::kArm);
+    bench.send_command(OperatorAction::kArm);
     ASSERT_TRUE(
         bench.run_until([&] { return bench.vehicle.emulator().controller().is_armed(); }, 40.0));
     bench.run(1.5);
-    bench.say(OperatorAction::kTakeOff);
+    bench.send_command(OperatorAction::kTakeOff);
     ASSERT_TRUE(bench.run_until([&] { return bench.height_m() > 0.9; }, 15.0));
     bench.run(3.0);
     bench.statuses.clear();

@@ -26,19 +26,20 @@ using test::VehicleTrust;
 
 TEST_F(VehicleTrust, AcceptsAStopAfterForgedNumbers) {
   take_off();
-  bench.forge(bus::kCommand, command(OperatorAction::kHeartbeat, kLabRun, kFarAhead, {}));
-  bench.forge(bus::kCommand, command(OperatorAction::kHeartbeat, kLabRun,
-                                     std::numeric_limits<std::int64_t>::max(), Duration{1}));
+  bench.publish_forged(bus::kCommand, command(OperatorAction::kHeartbeat, kLabRun, kFarAhead, {}));
+  bench.publish_forged(bus::kCommand,
+                       command(OperatorAction::kHeartbeat, kLabRun,
+                               std::numeric_limits<std::int64_t>::max(), Duration{1}));
   bench.run(5.0);
   EXPECT_TRUE(only_hovered()) << "and the true heartbeat goes on counting";
-  bench.say(OperatorAction::kEmergencyStop);
+  bench.send_command(OperatorAction::kEmergencyStop);
   bench.run(0.05);
   EXPECT_EQ(bench.state(), FlightState::kKilled);
 }
 
 TEST_F(VehicleTrust, AcceptsAStopWithAnOldNumber) {
   take_off();
-  bench.forge(bus::kCommand, command(OperatorAction::kEmergencyStop, kLabRun, 3, {}));
+  bench.publish_forged(bus::kCommand, command(OperatorAction::kEmergencyStop, kLabRun, 3, {}));
   bench.run(0.05);
   EXPECT_EQ(bench.state(), FlightState::kKilled);
 }
@@ -47,7 +48,7 @@ TEST_F(VehicleTrust, IgnoresAStaleStop) {
   take_off();
   for (const OperatorAction action :
        {OperatorAction::kHold, OperatorAction::kLand, OperatorAction::kEmergencyStop}) {
-    bench.forge(bus::kCommand, command(action, kOtherRun, 0, hours(24)));
+    bench.publish_forged(bus::kCommand, command(action, kOtherRun, 0, hours(24)));
     bench.run(0.5);
     EXPECT_EQ(bench.state(), FlightState::kHold);
   }
@@ -60,13 +61,14 @@ TEST_F(VehicleTrust, IgnoresStopsOfAnOldLog) {
   std::int64_t sequence = 500;
   bench.each_step = [&] {
     if (bench.steps % 40 == 0) {
-      bench.forge(bus::kCommand,
-                  command(OperatorAction::kHeartbeat, kOtherRun, sequence++, hours(24)));
+      bench.publish_forged(bus::kCommand,
+                           command(OperatorAction::kHeartbeat, kOtherRun, sequence++, hours(24)));
     }
     if (bench.steps % 100 == 99) {
-      bench.forge(bus::kCommand,
-                  command(OperatorAction::kEmergencyStop, kOtherRun, sequence++, hours(24)));
-      bench.forge(bus::kCommand, command(OperatorAction::kLand, kOtherRun, sequence++, hours(24)));
+      bench.publish_forged(
+          bus::kCommand, command(OperatorAction::kEmergencyStop, kOtherRun, sequence++, hours(24)));
+      bench.publish_forged(bus::kCommand,
+                           command(OperatorAction::kLand, kOtherRun, sequence++, hours(24)));
     }
   };
   bench.run(5.0);
@@ -76,7 +78,7 @@ TEST_F(VehicleTrust, IgnoresStopsOfAnOldLog) {
 TEST_F(VehicleTrust, IgnoresReplayedCommandsOfTheOperator) {
   take_off();
   for (const OperatorAction action : {OperatorAction::kLand, OperatorAction::kEmergencyStop}) {
-    bench.forge(bus::kCommand, command(action, kLabRun, 5, std::chrono::seconds(30)));
+    bench.publish_forged(bus::kCommand, command(action, kLabRun, 5, std::chrono::seconds(30)));
     bench.run(0.2);
   }
   EXPECT_TRUE(only_hovered());
@@ -92,10 +94,10 @@ TEST_F(VehicleTrust, KeepsTheOperatorThroughAClockChange) {
   bench.operator_clock = -hours(2);
   bench.run(2.0);
   EXPECT_TRUE(only_hovered());
-  bench.say(OperatorAction::kLand);
+  bench.send_command(OperatorAction::kLand);
   bench.run(0.1);
   EXPECT_EQ(bench.state(), FlightState::kLand);
-  bench.say(OperatorAction::kEmergencyStop);
+  bench.send_command(OperatorAction::kEmergencyStop);
   bench.run(0.05);
   EXPECT_EQ(bench.state(), FlightState::kKilled);
 }
@@ -108,7 +110,7 @@ TEST_F(VehicleTrust, RefusesASecondMocap) {
   bench.run(3.0);
   EXPECT_TRUE(only_hovered());
   EXPECT_GT(bench.count("mocap.other_source"), 100);
-  EXPECT_TRUE(bench.says(kSecondSource)) << "the operator is told";
+  EXPECT_TRUE(bench.has_reason(kSecondSource)) << "the operator is told";
   bench.each_step = nullptr;
   bench.run(3.0);
   EXPECT_TRUE(only_hovered());
@@ -128,7 +130,7 @@ TEST_F(VehicleTrust, IgnoresTheMapOfASecondTrial) {
     notice.yaml = bench.scenario.source_text;
     bench.lab.publish(bus::kScenario, notice);
   };
-  bench.node_bus.keep_time(bench.clock);  // as the process of a node does
+  bench.node_bus.use_clock(bench.clock);  // as the process of a node does
   announce_ours();
   bench.run(0.1);
   bench.each_step = [&] {
@@ -146,7 +148,7 @@ TEST_F(VehicleTrust, IgnoresTheMapOfASecondTrial) {
   EXPECT_TRUE(only_hovered());
   is_announced = false;
   bench.run(14.0);
-  EXPECT_TRUE(bench.says("map differs"));
+  EXPECT_TRUE(bench.has_reason("map differs"));
 }
 
 // The second source must not stay in use after a dropout of the first.
@@ -158,7 +160,7 @@ TEST_F(VehicleTrust, ReturnsToTheFirstMocapAtOnce) {
   bench.mocap = &bench.lab;
   bench.run(2.0);
   EXPECT_EQ(bench.state(), FlightState::kHold);
-  EXPECT_TRUE(bench.says(kSecondSource));
+  EXPECT_TRUE(bench.has_reason(kSecondSource));
   bench.each_step = nullptr;
   bench.run(3.0);
   EXPECT_TRUE(hovers()) << words_of(bench.statuses.back().reasons);
@@ -181,7 +183,7 @@ TEST_F(VehicleTrust, IgnoresAFrameOfTheFarFuture) {
   for (const std::int64_t run : {kOtherRun, kLabRun}) {
     models::MocapFrame frame = bench.see();
     frame.stamp = {bench.clock.now() + hours(24 * 3652), run, 1'000'000};
-    bench.forge(bus::kVicon, frame);
+    bench.publish_forged(bus::kVicon, frame);
     bench.run(2.0);
   }
   EXPECT_TRUE(only_hovered());
@@ -191,7 +193,7 @@ TEST_F(VehicleTrust, AcceptsPosesAfterForgedNumbers) {
   take_off();
   models::MocapFrame frame = bench.see();
   frame.stamp = {bench.clock.now(), kLabRun, kFarAhead};
-  bench.forge(bus::kVicon, frame);
+  bench.publish_forged(bus::kVicon, frame);
   bench.run(2.0);
   EXPECT_TRUE(only_hovered());
   EXPECT_EQ(bench.count("VICON.too_far_ahead"), 1);
@@ -212,15 +214,15 @@ TEST_F(VehicleTrust, IgnoresMocapOfAnOldLogOnTheGround) {
   stand();
   bench.mocap = nullptr;
   bench.run(1.0);
-  ASSERT_TRUE(bench.says("pose lost"));
+  ASSERT_TRUE(bench.has_reason("pose lost"));
   const auto side = bench.hub.connect();
   bus::Bus log(*side, kOtherRun);
   bench.mocap = &log;
   bench.mocap_clock = -hours(24);
   bench.run(3.0);
-  EXPECT_TRUE(bench.says("pose lost"));
+  EXPECT_TRUE(bench.has_reason("pose lost"));
   EXPECT_GT(bench.count("mocap.other_time"), 100);
-  EXPECT_TRUE(bench.says(kOtherClock));
+  EXPECT_TRUE(bench.has_reason(kOtherClock));
   bench.mocap = &bench.lab;
   bench.mocap_clock = {};
   bench.run(3.0);
@@ -237,7 +239,7 @@ TEST_F(VehicleTrust, AcceptsAPlannerDespiteStalePlans) {
       plan.robot = bench.robot();
       plan.trajectory.start_time = bench.clock.now() - hours(24);
       plan.stamp = {plan.trajectory.start_time, kOtherRun, sequence++};
-      bench.forge(bus::plan_channel(bench.robot()), plan);
+      bench.publish_forged(bus::plan_channel(bench.robot()), plan);
     }
   };
   bench.run(5.0);
@@ -257,7 +259,7 @@ TEST_F(VehicleTrust, AcceptsAPlannerDespiteStalePlans) {
   EXPECT_EQ(bench.count("plan.no lease"), 0);
   EXPECT_EQ(bench.count("plan.not following"), 5) << "judged, as the vehicle only hovers";
   EXPECT_GT(bench.count("plan.stale"), 10);
-  EXPECT_FALSE(bench.says("two planners"));
+  EXPECT_FALSE(bench.has_reason("two planners"));
 }
 
 }  // namespace

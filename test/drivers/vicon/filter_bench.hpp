@@ -24,21 +24,23 @@ struct FilterBench {
     seen.echo.reset();
     return seen;
   }
-  void add(const std::string& name, const Pose3& pose, Sight sight = Sight::kSeen) {
+  void add(const std::string& name, const Pose3& pose, PoseState pose_state = PoseState::kSeen) {
     SeenBody& body = seen.add();
     body.name = name;
-    body.sight = sight;
+    body.pose_state = pose_state;
     body.world_from_body = pose;
   }
   /// Feeds one body in its own frame; returns whether it counts as seen.
-  bool is_seen(const Pose3& pose) {
+  bool is_accepted(const Pose3& pose) {
     begin();
     add("A", pose);
     filter.accept(seen);
     return !out.bodies.at(0).occluded;
   }
   /// Returns the pose of a body that moves along x at 1 m/s.
-  Pose3 moving() const { return {{to_seconds(elapsed), 0.0, 1.0}, Eigen::Quaterniond::Identity()}; }
+  Pose3 moving_pose() const {
+    return {{to_seconds(elapsed), 0.0, 1.0}, Eigen::Quaterniond::Identity()};
+  }
 
   models::MocapFrame out;
   FrameFilter filter;

@@ -42,7 +42,7 @@ TEST(ReadFlight, RequiresEvenTimesAndUnitQuaternions) {
 }
 
 /// Protocols and DataStream request modes under test.
-struct Way {
+struct StreamCase {
   std::string name;
   MocapProtocol protocol;
   scenario::StreamMode mode = scenario::StreamMode::kPush;
@@ -51,7 +51,7 @@ struct Way {
   std::size_t block_bytes = 256;
 };
 
-class ViconMode : public ::testing::TestWithParam<Way> {
+class ViconMode : public ::testing::TestWithParam<StreamCase> {
  protected:
   ViconMode() : spec(spec_of(GetParam().protocol)) {
     spec.mode = GetParam().mode;
@@ -103,7 +103,7 @@ TEST_P(ViconMode, DeliversEveryPoseOfSevenBodies) {
   EXPECT_EQ(bench.driver.link_counts().connections, 1);
 }
 
-const Way kWays[] = {
+const StreamCase kStreamCases[] = {
     {"DataStreamPush", MocapProtocol::kDataStream},
     {"DataStreamPull", MocapProtocol::kDataStream, scenario::StreamMode::kPull},
     {"DataStreamPreFetch", MocapProtocol::kDataStream, scenario::StreamMode::kPreFetch},
@@ -116,7 +116,7 @@ const Way kWays[] = {
     {"Vrpn", MocapProtocol::kVrpn},
     {"VrpnByteByByte", MocapProtocol::kVrpn, {}, 1},
     {"VrpnYUp", MocapProtocol::kVrpn, {}, 0, true}};
-INSTANTIATE_TEST_SUITE_P(Protocols, ViconWay, testing::ValuesIn(kWays),
+INSTANTIATE_TEST_SUITE_P(Protocols, ViconMode, testing::ValuesIn(kStreamCases),
                          [](const auto& way) { return way.param.name; });
 
 class ViconFlight : public ::testing::TestWithParam<MocapProtocol> {};

@@ -167,7 +167,7 @@ TEST(FrameFilter, KeepsBodiesByNameInAnyOrder) {
 
 TEST(FrameFilter, MarksAMissingBodyOccludedUntilForgotten) {
   FilterBench bench;
-  EXPECT_TRUE(bench.is_seen(bench.moving()));
+  EXPECT_TRUE(bench.is_accepted(bench.moving_pose()));
   for (int second = 0; second < 59; ++second) {
     bench.elapsed += std::chrono::seconds(1);
     bench.begin();
@@ -184,9 +184,9 @@ TEST(FrameFilter, MarksAMissingBodyOccludedUntilForgotten) {
 
 TEST(FrameFilter, RemovesAnUnlistedBodyAtOnce) {
   FilterBench bench;
-  EXPECT_TRUE(bench.is_seen(bench.moving()));
+  EXPECT_TRUE(bench.is_accepted(bench.moving_pose()));
   bench.begin().is_complete_list = true;
-  bench.add("B", bench.moving());
+  bench.add("B", bench.moving_pose());
   bench.filter.accept(bench.seen);
   ASSERT_EQ(bench.out.bodies.size(), 1u);
   EXPECT_EQ(bench.out.bodies[0].name, "B");
@@ -195,10 +195,10 @@ TEST(FrameFilter, RemovesAnUnlistedBodyAtOnce) {
 TEST(FrameFilter, RefusesZeroAndImpossiblePoses) {
   FilterBench bench;
   bench.begin();
-  bench.add("A", bench.moving(), Sight::kZero);
-  bench.add("B", bench.moving(), Sight::kNotAPose);
-  bench.add("C", bench.moving(), Sight::kAbsent);
-  bench.add("D", bench.moving());
+  bench.add("A", bench.moving_pose(), PoseState::kZero);
+  bench.add("B", bench.moving_pose(), PoseState::kNotAPose);
+  bench.add("C", bench.moving_pose(), PoseState::kAbsent);
+  bench.add("D", bench.moving_pose());
   bench.filter.accept(bench.seen);
   ASSERT_EQ(bench.out.bodies.size(), 4u);
   EXPECT_TRUE(bench.out.bodies[0].occluded && bench.out.bodies[1].occluded &&
@@ -211,21 +211,21 @@ TEST(FrameFilter, RefusesZeroAndImpossiblePoses) {
 
 TEST(FrameFilter, RefusesThePoseFromTheThirdRepetition) {
   FilterBench bench;
-  const Pose3 pose = bench.moving();
-  EXPECT_TRUE(bench.is_seen(pose));
-  EXPECT_TRUE(bench.is_seen(pose));
-  EXPECT_TRUE(bench.is_seen(pose));
-  EXPECT_FALSE(bench.is_seen(pose));
-  EXPECT_FALSE(bench.is_seen(pose));
+  const Pose3 pose = bench.moving_pose();
+  EXPECT_TRUE(bench.is_accepted(pose));
+  EXPECT_TRUE(bench.is_accepted(pose));
+  EXPECT_TRUE(bench.is_accepted(pose));
+  EXPECT_FALSE(bench.is_accepted(pose));
+  EXPECT_FALSE(bench.is_accepted(pose));
   EXPECT_EQ(bench.filter.counts().poses_stuck, 2);
   Pose3 alive = pose;
   alive.translation_m.x() += 1e-12;
-  EXPECT_TRUE(bench.is_seen(alive));
+  EXPECT_TRUE(bench.is_accepted(alive));
   GateSettings lenient;
   lenient.stuck_frames = 0;
   FilterBench patient(lenient);
   for (int k = 0; k < 100; ++k) {
-    EXPECT_TRUE(patient.is_seen(pose));
+    EXPECT_TRUE(patient.is_accepted(pose));
   }
 }
 
@@ -236,7 +236,7 @@ TEST(FrameFilter, RefusesInvalidNames) {
        {std::string("good"), std::string(), std::string("tab\t"), std::string("\xFF\xFE"),
         std::string("cut \xC3"), std::string("\xC0\xAF"), std::string("drohne \xC3\xA4"),
         std::string("good")}) {
-    Pose3 pose = bench.moving();
+    Pose3 pose = bench.moving_pose();
     bench.add(name, pose);
   }
   bench.filter.accept(bench.seen);
@@ -250,7 +250,7 @@ TEST(FrameFilter, LimitsItsMemory) {
   FilterBench bench;
   bench.begin();
   for (int i = 0; i < 2000; ++i) {
-    bench.add("BODY" + std::to_string(i), bench.moving());
+    bench.add("BODY" + std::to_string(i), bench.moving_pose());
   }
   bench.filter.accept(bench.seen);
   EXPECT_EQ(bench.out.bodies.size(), FrameFilter::kBodiesMax);
@@ -260,8 +260,8 @@ TEST(FrameFilter, LimitsItsMemory) {
     bench.begin();
     for (int i = 0; i < 100; ++i) {
       SeenBody& body = bench.seen.add();
-      body.sight = Sight::kSeen;
-      body.world_from_body = bench.moving();
+      body.pose_state = PoseState::kSeen;
+      body.world_from_body = bench.moving_pose();
       body.name.assign("BODY");
       body.name.push_back(static_cast<char>('0' + i / 10));
       body.name.push_back(static_cast<char>('0' + i % 10));

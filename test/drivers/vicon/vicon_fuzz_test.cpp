@@ -23,7 +23,7 @@ int inputs() {
   return wanted != nullptr ? std::atoi(wanted) : 100'000;
 }
 
-constexpr std::array<std::uint32_t, 8> kNastyNumbers{
+constexpr std::array<std::uint32_t, 8> kBoundaryValues{
     0, 1, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF, 0xFFFFFFFE, 0x40000000, 0x00010000};
 
 std::size_t place_in(const Sample& sample, Random& random) {
@@ -41,7 +41,7 @@ void mutate(Sample& sample, const std::vector<Sample>& samples, Random& random) 
       sample[at] = static_cast<std::uint8_t>(random.integer(0, 255));
       break;
     case 2: {  // a count or length in either byte order
-      const std::uint32_t number = kNastyNumbers[static_cast<std::size_t>(random.integer(0, 7))];
+      const std::uint32_t number = kBoundaryValues[static_cast<std::size_t>(random.integer(0, 7))];
       const bool is_big = random.coin();
       for (std::size_t i = 0; i < 4 && at + i < sample.size(); ++i) {
         sample[at + i] = static_cast<std::uint8_t>(number >> (8U * (is_big ? 3 - i : i)));

@@ -10,26 +10,26 @@ namespace {
 TEST(FrameFilter, RefusesAnOutlierAndContinues) {
   FilterBench bench;
   for (int k = 0; k < 20; ++k) {
-    EXPECT_TRUE(bench.is_seen(bench.moving()));
+    EXPECT_TRUE(bench.is_accepted(bench.moving_pose()));
   }
-  Pose3 outlier = bench.moving();
+  Pose3 outlier = bench.moving_pose();
   outlier.translation_m.y() += 1.0;
-  EXPECT_FALSE(bench.is_seen(outlier));
-  EXPECT_TRUE(bench.is_seen(bench.moving()));
+  EXPECT_FALSE(bench.is_accepted(outlier));
+  EXPECT_TRUE(bench.is_accepted(bench.moving_pose()));
   EXPECT_EQ(bench.filter.counts().poses_outlying, 1);
 }
 
 TEST(FrameFilter, RefusesAFlipUntilAVehicleHasLanded) {
   FilterBench bench;
   for (int k = 0; k < 20; ++k) {
-    EXPECT_TRUE(bench.is_seen(bench.moving()));
+    EXPECT_TRUE(bench.is_accepted(bench.moving_pose()));
   }
   const Eigen::Quaterniond half_turn(Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitZ()));
   int refused = 0;
   for (int k = 0; k < 300; ++k) {
-    Pose3 flipped = bench.moving();
+    Pose3 flipped = bench.moving_pose();
     flipped.rotation = half_turn;
-    refused += bench.is_seen(flipped) ? 0 : 1;
+    refused += bench.is_accepted(flipped) ? 0 : 1;
   }
   EXPECT_EQ(refused, 200) << "2 s at 100 Hz; then the markers must have been moved";
   EXPECT_EQ(bench.filter.counts().poses_flipped, 200);
@@ -40,8 +40,8 @@ TEST(FrameFilter, RefusesBothBodiesAfterASwap) {
   const Eigen::Vector3d apart(0.0, 2.0, 0.0);
   for (int k = 0; k < 1000; ++k) {
     bench.begin();
-    Pose3 a = bench.moving();
-    Pose3 b = bench.moving();
+    Pose3 a = bench.moving_pose();
+    Pose3 b = bench.moving_pose();
     (k < 20 ? b : a).translation_m += apart;
     bench.add("A", a);
     bench.add("B", b);
@@ -51,9 +51,9 @@ TEST(FrameFilter, RefusesBothBodiesAfterASwap) {
   }
   EXPECT_EQ(bench.filter.counts().poses_swapped, 2 * 980);
   bench.begin();  // both have their own names again
-  Pose3 b = bench.moving();
+  Pose3 b = bench.moving_pose();
   b.translation_m += apart;
-  bench.add("A", bench.moving());
+  bench.add("A", bench.moving_pose());
   bench.add("B", b);
   bench.filter.accept(bench.seen);
   EXPECT_TRUE(bench.out.bodies[0].occluded) << "it went 10 m unseen: five frames to be sure";
@@ -71,11 +71,12 @@ TEST(FrameFilter, AcceptsABodyAfterAWrongFrameAndAGap) {
       FilterBench bench;
       for (int k = 0; k < 100; ++k) {
         bench.begin();
-        Pose3 pose = bench.moving();
+        Pose3 pose = bench.moving_pose();
         pose.rotation = k == 20 ? wrong.rotation : pose.rotation;
         pose.translation_m += (k == 20 ? 1.0 : 0.0) * wrong.translation_m;
-        bench.add("A", pose, k > 20 && k <= 20 + gap_frames ? Sight::kAbsent : Sight::kSeen);
-        Pose3 other = bench.moving();
+        bench.add("A", pose,
+                  k > 20 && k <= 20 + gap_frames ? PoseState::kAbsent : PoseState::kSeen);
+        Pose3 other = bench.moving_pose();
         other.translation_m += of_other.translation_m;
         bench.add("B", other);
         bench.filter.accept(bench.seen);
@@ -95,15 +96,16 @@ TEST(FrameFilter, RefusesAnotherBodyAtAnEarlierPosition) {
       FilterBench bench;
       for (int k = 0; k < 400; ++k) {
         bench.begin();
-        Pose3 leader = bench.moving();
-        Pose3 follower = bench.moving();
+        Pose3 leader = bench.moving_pose();
+        Pose3 follower = bench.moving_pose();
         leader.translation_m.x() += behind_m;
         if (k >= 20) {
           std::swap(leader, follower);
         }
-        const Sight sight = k > 20 && k % period_frames != 0 ? Sight::kAbsent : Sight::kSeen;
-        bench.add("A", leader, sight);
-        bench.add("B", follower, sight);
+        const PoseState pose_state =
+            k > 20 && k % period_frames != 0 ? PoseState::kAbsent : PoseState::kSeen;
+        bench.add("A", leader, pose_state);
+        bench.add("B", follower, pose_state);
         bench.filter.accept(bench.seen);
         ASSERT_EQ(bench.out.bodies[0].occluded, k >= 20)
             << k << ", " << behind_m << " m behind, each " << period_frames;
@@ -114,12 +116,12 @@ TEST(FrameFilter, RefusesAnotherBodyAtAnEarlierPosition) {
 
 TEST(FrameFilter, AcceptsALongLostBodyAfterFiveFrames) {
   FilterBench bench;
-  EXPECT_TRUE(bench.is_seen(bench.moving()));
+  EXPECT_TRUE(bench.is_accepted(bench.moving_pose()));
   bench.elapsed += std::chrono::seconds(2);
   for (int k = 0; k < 4; ++k) {
-    EXPECT_FALSE(bench.is_seen(bench.moving())) << k;
+    EXPECT_FALSE(bench.is_accepted(bench.moving_pose())) << k;
   }
-  EXPECT_TRUE(bench.is_seen(bench.moving()));
+  EXPECT_TRUE(bench.is_accepted(bench.moving_pose()));
   EXPECT_EQ(bench.filter.counts().poses_unconfirmed, 4);
 }
 

@@ -24,7 +24,7 @@ TEST(ViconLimits, MatchTheDocument) {
       {"lost_after", to_seconds(gate.lost_after), 1.0},
       {"usual_divisor", static_cast<double>(gate.usual_divisor), 5.0},
       {"confirm_frames", static_cast<double>(gate.confirm_frames), 5.0},
-      {"believe_jump_after", to_seconds(gate.believe_jump_after), 2.0},
+      {"accept_jump_after", to_seconds(gate.accept_jump_after), 2.0},
       {"stuck_frames", static_cast<double>(gate.stuck_frames), 3.0},
       {"scenario: gate_speed_mps", mocap.gate_speed_mps, 10.0},
       {"scenario: gate_turn_radps", mocap.gate_turn_radps, 20.0},

@@ -259,9 +259,9 @@ TEST(DataStreamSession, ReusesOnlyUnchangedPoses) {
     append(packet, wire::vicon::Contents{{}, {wire::vicon::kGlobalSegments}});
     append(packet, wire::vicon::FrameInfo{2});
   });
-  EXPECT_EQ(server.bodies[0].sight, Sight::kSeen);
+  EXPECT_EQ(server.bodies[0].pose_state, PoseState::kSeen);
   server.send([](wire::vicon::PacketWriter& packet) { append(packet, wire::vicon::FrameInfo{3}); });
-  EXPECT_EQ(server.bodies[0].sight, Sight::kAbsent);
+  EXPECT_EQ(server.bodies[0].pose_state, PoseState::kAbsent);
 }
 
 TEST(DataStreamSession, DropsFramesBeforeItsRequestActs) {
@@ -277,7 +277,7 @@ TEST(DataStreamSession, DropsFramesBeforeItsRequestActs) {
     append(packet, wire::vicon::FrameInfo{2});
   });
   EXPECT_EQ(server.numbers, (std::vector<std::uint32_t>{2}));
-  EXPECT_EQ(server.bodies[0].sight, Sight::kAbsent);
+  EXPECT_EQ(server.bodies[0].pose_state, PoseState::kAbsent);
 }
 
 TEST(DataStreamSession, UsesTheRootSegmentOrTheObjectsOwn) {
@@ -333,7 +333,7 @@ TEST(DataStreamSession, SkipsBrokenBlocks) {
     append(packet, HandServer::pose(7, 1000.0));
   });
   ASSERT_EQ(server.bodies.size(), 1u);
-  EXPECT_EQ(server.bodies[0].sight, Sight::kSeen);
+  EXPECT_EQ(server.bodies[0].pose_state, PoseState::kSeen);
   EXPECT_EQ(server.session.counts.broken_blocks, 1);
 }
 

@@ -35,7 +35,7 @@ TEST(FrameFilter, StampsQueuedFramesAtCaptureOrDropsThem) {
           bench.seen.number.reset();
           bench.seen.server_time_us = 77'000'000'000 + captured.count();
         }
-        bench.add("A", bench.moving());
+        bench.add("A", bench.moving_pose());
         const std::int64_t before = bench.filter.counts().frames;
         bench.filter.accept(bench.seen);
         if (bench.filter.counts().frames == before) {

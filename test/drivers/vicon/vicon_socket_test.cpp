@@ -31,7 +31,7 @@ using scenario::MocapProtocol;
 using sim::vicon::EmulatedFrame;
 using sim::vicon::SocketServer;
 
-constexpr std::int64_t kPatience_ns = 60'000'000'000;  // ns; time limit of a wait
+constexpr std::int64_t kTimeLimit_ns = 60'000'000'000;  // ns; time limit of a wait
 
 struct SocketBench {
   explicit SocketBench(MocapProtocol protocol, const std::string& host = "127.0.0.1") {
@@ -52,10 +52,10 @@ struct SocketBench {
     server = std::make_unique<SocketServer>(settings, "127.0.0.1", scenario.mocap.port);
   }
 
-  /// Runs both sides until `is_done`, at most kPatience_ns; returns false on time-out.
+  /// Runs both sides until `is_done`, at most kTimeLimit_ns; returns false on time-out.
   template <class IsDone>
   bool until(const IsDone& is_done) {
-    const std::int64_t end_ns = monotonic_ns() + kPatience_ns;
+    const std::int64_t end_ns = monotonic_ns() + kTimeLimit_ns;
     while (!is_done()) {
       if (monotonic_ns() > end_ns) {
         return false;
@@ -271,7 +271,7 @@ TEST(SocketServer, SkipsFramesForAClientThatDoesNotRead) {
       return vicon::Moment{clock.now(), Duration{monotonic_ns() / 1'000}};
     }));
   }
-  const std::int64_t end_ns = monotonic_ns() + kPatience_ns;
+  const std::int64_t end_ns = monotonic_ns() + kTimeLimit_ns;
   EmulatedFrame frame = test::circling(100, 0.0);
   // The third client requests frames and then stops reading.
   while ((server.frames_skipped() == 0 || heard[0] < 100 || heard[1] < 100) &&
@@ -305,7 +305,7 @@ TEST(SocketServer, LimitsTheNumberOfClients) {
     ASSERT_EQ(connect(clients.back(), reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
   };
   const auto until = [&](const auto& is_done) {
-    const std::int64_t end_ns = monotonic_ns() + kPatience_ns;
+    const std::int64_t end_ns = monotonic_ns() + kTimeLimit_ns;
     while (!is_done() && monotonic_ns() < end_ns) {
       server.wait(std::chrono::microseconds(100));
     }

@@ -27,9 +27,9 @@ struct Pair {
       const double x_m = 0.7 * to_seconds(bench.elapsed);
       const Pose3 a{{x_m, 0.0, 1.0}, Eigen::Quaterniond::Identity()};
       const Pose3 b{{x_m, apart_m, 1.0}, Eigen::Quaterniond::Identity()};
-      const Sight sight = is_seen ? Sight::kSeen : Sight::kAbsent;
-      bench.add("A", is_swapped ? b : a, sight);
-      bench.add("B", is_swapped ? a : b, sight);
+      const PoseState pose_state = is_seen ? PoseState::kSeen : PoseState::kAbsent;
+      bench.add("A", is_swapped ? b : a, pose_state);
+      bench.add("B", is_swapped ? a : b, pose_state);
       bench.filter.accept(bench.seen);
       good = 0;
       for (const models::MocapBody& body : bench.out.bodies) {
@@ -87,12 +87,13 @@ TEST(FrameFilter, KeepsTheNamesOfPassingBodies) {
     FilterBench bench(Pair::gate());
     for (int k = 0; k < 400; ++k) {
       const double passed_s = to_seconds(bench.begin().arrival.steady) - 2.0;
-      const Sight sight = std::abs(passed_s) < 0.5 * gap_s ? Sight::kAbsent : Sight::kSeen;
-      bench.add("A", {{passed_s, 0.0, 1.0}, Eigen::Quaterniond::Identity()}, sight);
-      bench.add("B", {{-passed_s, 0.3, 1.0}, Eigen::Quaterniond::Identity()}, sight);
+      const PoseState pose_state =
+          std::abs(passed_s) < 0.5 * gap_s ? PoseState::kAbsent : PoseState::kSeen;
+      bench.add("A", {{passed_s, 0.0, 1.0}, Eigen::Quaterniond::Identity()}, pose_state);
+      bench.add("B", {{-passed_s, 0.3, 1.0}, Eigen::Quaterniond::Identity()}, pose_state);
       bench.filter.accept(bench.seen);
       for (const models::MocapBody& body : bench.out.bodies) {
-        EXPECT_EQ(body.occluded, sight == Sight::kAbsent) << passed_s;
+        EXPECT_EQ(body.occluded, pose_state == PoseState::kAbsent) << passed_s;
       }
     }
     EXPECT_EQ(bench.filter.counts().poses_swapped, 0);

@@ -15,14 +15,14 @@
 #include <vantage_lcm/map_t.hpp>
 #include <vantage_lcm/measurement_t.hpp>
 #include <vantage_lcm/mixture_t.hpp>
+#include <vantage_lcm/mocap_frame_t.hpp>
 #include <vantage_lcm/plan_t.hpp>
 #include <vantage_lcm/proposal_t.hpp>
-#include <vantage_lcm/quadrotor_t.hpp>
 #include <vantage_lcm/scan_t.hpp>
 #include <vantage_lcm/scenario_t.hpp>
 #include <vantage_lcm/team_proposal_t.hpp>
 #include <vantage_lcm/truth_t.hpp>
-#include <vantage_lcm/vicon_frame_t.hpp>
+#include <vantage_lcm/vehicle_t.hpp>
 
 #include "bus/convert/wire_walk.hpp"
 #include "bus/transport/udpm_packet.hpp"
@@ -66,9 +66,9 @@ struct Types {
 using All = Types<vantage_lcm::attack_t, vantage_lcm::belief_t, vantage_lcm::collision_t,
                   vantage_lcm::command_t, vantage_lcm::health_t, vantage_lcm::host_t,
                   vantage_lcm::map_t, vantage_lcm::measurement_t, vantage_lcm::mixture_t,
-                  vantage_lcm::plan_t, vantage_lcm::proposal_t, vantage_lcm::quadrotor_t,
+                  vantage_lcm::plan_t, vantage_lcm::proposal_t, vantage_lcm::vehicle_t,
                   vantage_lcm::scan_t, vantage_lcm::scenario_t, vantage_lcm::team_proposal_t,
-                  vantage_lcm::truth_t, vantage_lcm::vicon_frame_t>;
+                  vantage_lcm::truth_t, vantage_lcm::mocap_frame_t>;
 
 void hear(std::string_view channel, std::span<const std::uint8_t> bytes) {
   promise(!channel.empty() && channel.size() <= bus::udpm::kChannelBytesMax, "channels have names");

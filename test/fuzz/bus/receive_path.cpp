@@ -79,8 +79,8 @@ scenario::Scenario lab() {
 struct Vehicle {
   Vehicle() : bus(transport, 1), guard(scenario, "Q1", drivers::limits_for(scenario, "Q1")) {
     bus.secure(authenticator(keys), clock);
-    bus.keep_time(clock);
-    bus.answer_to("Q1");
+    bus.use_clock(clock);
+    bus.act_as_vehicle("Q1");
     const auto shared = [](auto channel) {
       channel.is_shared = true;
       return channel;

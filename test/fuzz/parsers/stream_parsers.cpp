@@ -10,8 +10,8 @@
 
 #include "logs/file/log_event.hpp"
 #include "logs/file/log_scan.hpp"
+#include "tools/view/origin_check.hpp"
 #include "tools/view/protocol.hpp"
-#include "tools/view/welcome.hpp"
 #include "wire/mavlink/messages.hpp"
 #include "wire/mavlink/parser.hpp"
 #include "wire/mavlink/signing.hpp"
@@ -54,7 +54,7 @@ void fuzz_mavlink(std::span<const std::uint8_t> input) {
     wire::mavlink::append_bytes(frame, again);
     frame_bytes += again.size();
     promise(again.size() <= 280, "a frame has its bounds");
-    sequence.see(frame.origin);
+    sequence.on_frame(frame.origin);
     unpack_all(frame, static_cast<wire::mavlink::AllMessages*>(nullptr));
     promise(frame.signature.has_value() ||
                 signer.check(frame, kNow) == wire::mavlink::SignatureVerdict::kUnsigned,

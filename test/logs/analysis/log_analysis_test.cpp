@@ -13,7 +13,7 @@
 #include "test/logs/file_support.hpp"
 #include "tools/log/log_plot.hpp"
 #include "tools/log/log_scenario.hpp"
-#include "tools/log/log_words.hpp"
+#include "tools/log/log_text.hpp"
 #include "trial/trial.hpp"
 
 namespace vantage::tools {

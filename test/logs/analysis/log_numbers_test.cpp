@@ -52,7 +52,7 @@ class LogNumbers : public ::testing::Test {
     log(s, "TRUTH", truth);
   }
   void add_look(const std::string& robot, double s, double logged_s, std::int64_t sequence) {
-    models::DetectionSet look;
+    models::RobotMeasurement look;
     look.stamp = {at_s(s), 11, sequence};
     look.robot = robot;
     log(logged_s, "MEASUREMENT_" + robot, look);

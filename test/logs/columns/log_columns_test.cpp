@@ -183,7 +183,7 @@ TYPED_TEST(LogColumnsOf, HoldWhatTheJsonOfTheSameMessagesSays) {
 }
 
 TEST(LogColumns, ReportTheShapeOfFixedArrays) {
-  LogColumns columns(*bus::find_wire_schema("vicon_frame_t"));
+  LogColumns columns(*bus::find_wire_schema("mocap_frame_t"));
   std::map<std::string, std::vector<std::size_t>> shapes;
   for (const LogColumn& column : columns.columns()) {
     shapes[column.name] = column.item_shape;

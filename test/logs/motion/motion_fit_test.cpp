@@ -59,9 +59,9 @@ TEST(TargetCourse, InterpolatesLinearly) {
   for (const double at_s : {0.0, 0.07, 0.21}) {
     course.add(instant(at_s), {at_s, 2.0 * at_s});
   }
-  ASSERT_EQ(course.places_m().size(), 2U);
-  EXPECT_NEAR(course.places_m().begin()->second.x(), 0.1, 1e-12);
-  EXPECT_NEAR(course.places_m().rbegin()->second.y(), 0.4, 1e-12);
+  ASSERT_EQ(course.positions_m().size(), 2U);
+  EXPECT_NEAR(course.positions_m().begin()->second.x(), 0.1, 1e-12);
+  EXPECT_NEAR(course.positions_m().rbegin()->second.y(), 0.4, 1e-12);
 }
 
 TEST(TargetCourse, DoesNotInterpolateGaps) {
@@ -69,7 +69,7 @@ TEST(TargetCourse, DoesNotInterpolateGaps) {
   for (const double at_s : {0.0, 0.1, 1.0, 1.1, 1.05}) {
     course.add(instant(at_s), {at_s, 0.0});
   }
-  EXPECT_EQ(course.places_m().size(), 2U);  // of 0.1 and 1.1 s
+  EXPECT_EQ(course.positions_m().size(), 2U);  // of 0.1 and 1.1 s
 }
 
 TEST(FitMotion, FindsTheTrueOscillator) {
@@ -92,8 +92,8 @@ TEST(FitMotion, FindsTheTrueOscillator) {
   for (std::size_t axis = 0; axis < 2; ++axis) {
     const Displacement& oscillates = fits[2].held_back.displacements[axis].back();
     const Displacement& goes_on = fits[1].held_back.displacements[axis].back();
-    EXPECT_NEAR(oscillates.foretold_m2 / oscillates.seen_m2, 1.0, 0.25);
-    EXPECT_GT(goes_on.foretold_m2, 2.0 * goes_on.seen_m2);
+    EXPECT_NEAR(oscillates.predicted_m2 / oscillates.observed_m2, 1.0, 0.25);
+    EXPECT_GT(goes_on.predicted_m2, 2.0 * goes_on.observed_m2);
   }
 }
 
@@ -103,8 +103,8 @@ TEST(FitMotion, FindsARandomWalksDensity) {
   EXPECT_NEAR(fits[0].model.q, 0.3, 0.03);
   for (const auto& of_coordinate : fits[0].held_back.displacements) {
     for (std::size_t h = 0; h < kHorizons_s.size(); ++h) {
-      EXPECT_NEAR(of_coordinate[h].foretold_m2, fits[0].model.q * kHorizons_s[h], 1e-12);
-      EXPECT_NEAR(of_coordinate[h].seen_m2, 0.3 * kHorizons_s[h], 0.075 * kHorizons_s[h]);
+      EXPECT_NEAR(of_coordinate[h].predicted_m2, fits[0].model.q * kHorizons_s[h], 1e-12);
+      EXPECT_NEAR(of_coordinate[h].observed_m2, 0.3 * kHorizons_s[h], 0.075 * kHorizons_s[h]);
     }
   }
   for (const double nees : fits[0].held_back.nees) {

@@ -37,16 +37,16 @@ TEST(TargetCourse, InterpolatesUpToAQuarterOfASecond) {
     course.add(from_utime(1'000'000 + gap_us), {1.0, 3.0});
     course.add(from_utime(1'000'000 + gap_us), {9.0, 9.0});  // not later
     course.add(from_utime(900'000), {9.0, 9.0});
-    ASSERT_EQ(course.places_m().size(), gap_us == 250'000 ? 2U : 0U);
+    ASSERT_EQ(course.positions_m().size(), gap_us == 250'000 ? 2U : 0U);
     if (gap_us == 250'000) {
-      EXPECT_NEAR(course.places_m().at(11).x(), 0.4, 1e-12);
-      EXPECT_NEAR(course.places_m().at(12).y(), 1.0 + 2.0 * 0.8, 1e-12);
+      EXPECT_NEAR(course.positions_m().at(11).x(), 0.4, 1e-12);
+      EXPECT_NEAR(course.positions_m().at(12).y(), 1.0 + 2.0 * 0.8, 1e-12);
     }
   }
   TargetCourse whole;  // samples at whole steps are kept exactly
   whole.add(from_utime(1'000'000), {5.0, 5.0});
   whole.add(from_utime(1'100'000), {6.0, 7.0});
-  EXPECT_EQ(whole.places_m(), (std::map<std::int64_t, Eigen::Vector2d>{{11, {6.0, 7.0}}}));
+  EXPECT_EQ(whole.positions_m(), (std::map<std::int64_t, Eigen::Vector2d>{{11, {6.0, 7.0}}}));
 }
 
 // By the definition: each instant of the selected part, with the previous step and the position h
@@ -140,8 +140,8 @@ TEST(Judge, ReturnsTheLikelihood) {
         nees += error_m * error_m / variance;
         nats -= 0.5 * (std::log(2.0 * kPi * variance) + error_m * error_m / variance) / 5.0;
         const Displacement& each = score.displacements[static_cast<std::size_t>(axis)][h];
-        EXPECT_NEAR(each.seen_m2, std::pow(later(axis) - now(axis), 2), 1e-12);
-        EXPECT_NEAR(each.foretold_m2, way_m * way_m + variance, 1e-9);
+        EXPECT_NEAR(each.observed_m2, std::pow(later(axis) - now(axis), 2), 1e-12);
+        EXPECT_NEAR(each.predicted_m2, way_m * way_m + variance, 1e-9);
       }
       EXPECT_NEAR(score.nees[h], nees, 1e-9);
     }

@@ -266,8 +266,8 @@ TEST(DrawEstimates, OrientsTheEllipseByTheCovariance) {
     ASSERT_EQ(ellipses.size(), 1U);
     const double rx = number(ellipses[0], "rx");
     const double ry = number(ellipses[0], "ry");
-    EXPECT_NEAR(std::max(rx, ry), 0.3 * look().ellipse_radius() * layout.px_per_m, 0.01);
-    EXPECT_NEAR(std::min(rx, ry), 0.1 * look().ellipse_radius() * layout.px_per_m, 0.01);
+    EXPECT_NEAR(std::max(rx, ry), 0.3 * appearance().ellipse_radius() * layout.px_per_m, 0.01);
+    EXPECT_NEAR(std::min(rx, ry), 0.1 * appearance().ellipse_radius() * layout.px_per_m, 0.01);
     double x = 0.0;
     double y = 0.0;
     double angle_deg = 0.0;

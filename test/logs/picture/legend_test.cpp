@@ -176,11 +176,11 @@ TEST_F(Legend, ShowsRobotsLikeTheMap) {
     EXPECT_NEAR(noses[i].box_px.center().y(), bodies[i].box_px.center().y(), 0.02);
   }
   EXPECT_LT(bodies[0].box_px.min().x(), left_px_ + 6.0) << "from the left of the panel on";
-  const auto jammed = beside(look().glyphs.at("jammed"));
+  const auto jammed = beside(appearance().glyphs.at("jammed"));
   ASSERT_EQ(jammed.size(), 3U) << "its body, its core and its nose";
   EXPECT_EQ(jammed[0].attributes.at("fill"), role_colour("jammed"));
   EXPECT_EQ(jammed[1].attributes.at("fill"), robot_colour(0));
-  expect_near(jammed[0].box_px.center(), middle_px(look().glyphs.at("jammed")));
+  expect_near(jammed[0].box_px.center(), middle_px(appearance().glyphs.at("jammed")));
 }
 
 // A way and a plan lead from the left to the right; where the plan ends there is its mark.
@@ -192,26 +192,26 @@ TEST_F(Legend, ShowsTracksPlansAndViewsLikeTheMap) {
     EXPECT_NEAR(number(it.attributes, "x2") - number(it.attributes, "x1"), 28.0, 0.02);
     EXPECT_EQ(it.attributes.at("stroke"), robot_colour(0));
   };
-  const auto trail = beside(look().glyphs.at("trail"));
+  const auto trail = beside(appearance().glyphs.at("trail"));
   ASSERT_EQ(trail.size(), 1U);
-  expect_way(trail[0], look().glyphs.at("trail"));
-  const auto plan = beside(look().glyphs.at("plan"));
+  expect_way(trail[0], appearance().glyphs.at("trail"));
+  const auto plan = beside(appearance().glyphs.at("plan"));
   ASSERT_EQ(plan.size(), 2U);
-  expect_way(plan[1], look().glyphs.at("plan"));
+  expect_way(plan[1], appearance().glyphs.at("plan"));
   EXPECT_NEAR(plan[0].box_px.center().x(), plan[1].box_px.max().x(), 0.02) << "at its end";
   EXPECT_NEAR(plan[0].box_px.center().y(), plan[1].box_px.max().y(), 0.02);
   EXPECT_GT(number(plan[0].attributes, "r"), 3.0);
   EXPECT_LT(number(plan[0].attributes, "r"), 6.0);
-  const auto view = beside(look().glyphs.at("view"));
+  const auto view = beside(appearance().glyphs.at("view"));
   ASSERT_EQ(view.size(), 1U);
-  expect_near(view[0].box_px.center(), middle_px(look().glyphs.at("view")));
+  expect_near(view[0].box_px.center(), middle_px(appearance().glyphs.at("view")));
   EXPECT_GT(number(view[0].attributes, "r"), 6.0);
   EXPECT_LE(number(view[0].attributes, "r"), 0.5 * kRow_px);
 }
 
 TEST_F(Legend, ShowsTargetsAndEstimatesLikeTheMap) {
   draw(false);
-  const auto truth = beside(look().glyphs.at("truth"));
+  const auto truth = beside(appearance().glyphs.at("truth"));
   ASSERT_EQ(truth.size(), 1U);
   // The symbol of the map, translated.
   Scene scene;
@@ -230,7 +230,7 @@ TEST_F(Legend, ShowsTargetsAndEstimatesLikeTheMap) {
     return out;
   };
   const auto wanted = corners(drawn, layout.page_from_world({1.0, 1.0}));
-  const auto found = corners(truth[0].attributes, middle_px(look().glyphs.at("truth")));
+  const auto found = corners(truth[0].attributes, middle_px(appearance().glyphs.at("truth")));
   ASSERT_EQ(wanted.size(), 4U);
   ASSERT_EQ(found.size(), 4U);
   for (std::size_t i = 0; i < 4; ++i) {
@@ -238,9 +238,9 @@ TEST_F(Legend, ShowsTargetsAndEstimatesLikeTheMap) {
   }
   EXPECT_EQ(truth[0].attributes.at("fill"), role_colour("truth"));
 
-  const auto estimate = beside(look().glyphs.at("estimate"));
+  const auto estimate = beside(appearance().glyphs.at("estimate"));
   ASSERT_EQ(estimate.size(), 3U) << "a cross in an ellipse";
-  const Eigen::Vector2d at_px = middle_px(look().glyphs.at("estimate"));
+  const Eigen::Vector2d at_px = middle_px(appearance().glyphs.at("estimate"));
   const Symbol& ellipse = estimate[2];
   ASSERT_EQ(ellipse.tag, "ellipse");
   const Eigen::Vector2d half_px = 0.5 * ellipse.box_px.sizes();
@@ -270,11 +270,11 @@ TEST_F(Legend, ShowsGroundsAsSwatches) {
     for (const std::string glyph :
          {"occupied", "free", "unknown", "seen", "stale", "unseen", "obstacle"}) {
       const bool is_of_map = glyph == "occupied" || glyph == "free" || glyph == "unknown";
-      const auto found = beside(look().glyphs.at(glyph));
+      const auto found = beside(appearance().glyphs.at(glyph));
       ASSERT_EQ(found.size(), glyph == "obstacle" || is_of_map == maps ? 1U : 0U) << glyph;
       if (!found.empty()) {
         EXPECT_EQ(found[0].tag, "rect");
-        expect_near(found[0].box_px.center(), middle_px(look().glyphs.at(glyph)));
+        expect_near(found[0].box_px.center(), middle_px(appearance().glyphs.at(glyph)));
         expect_near(found[0].box_px.sizes(), {28.0, 16.0});
       }
     }

@@ -21,7 +21,7 @@ TEST(RoomForLog, CoversTrialAndLandings) {
   EXPECT_TRUE(enough.is_enough);
   const LogRoom little = room_for_log(scenario, "lab.lcmlog", 89'900'000U);
   EXPECT_FALSE(little.is_enough);
-  EXPECT_EQ(little.words, "log: 89.9 MB are free for lab.lcmlog; 300 s need at most 90.0 MB");
+  EXPECT_EQ(little.summary, "log: 89.9 MB are free for lab.lcmlog; 300 s need at most 90.0 MB");
   EXPECT_TRUE(room_for_log(scenario, "lab.lcmlog", std::nullopt).is_enough) << "nobody knows";
 }
 
@@ -30,7 +30,7 @@ struct Watched {
   Time now = kStart;
   std::optional<std::string> look(std::uint64_t size_bytes, std::uint64_t free_bytes) {
     now += std::chrono::milliseconds(500);
-    return watch.look({size_bytes, free_bytes}, now);
+    return watch.update({size_bytes, free_bytes}, now);
   }
 };
 
@@ -63,10 +63,10 @@ TEST(LogWatch, ReportsAStallAndItsEndOnce) {
 
 TEST(LogWatch, ReportsARefusedRecorderAtOnce) {
   LogWatch watch{300e3};
-  EXPECT_EQ(watch.look({1000, 1'000'000'000}, kStart), std::nullopt);
-  EXPECT_TRUE(watch.look({1000, 0, true}, kStart).has_value());
+  EXPECT_EQ(watch.update({1000, 1'000'000'000}, kStart), std::nullopt);
+  EXPECT_TRUE(watch.update({1000, 0, true}, kStart).has_value());
   EXPECT_FALSE(watch.is_written());
-  EXPECT_TRUE(watch.look({1000, 1'000'000'000, false}, kStart).has_value());
+  EXPECT_TRUE(watch.update({1000, 1'000'000'000, false}, kStart).has_value());
   EXPECT_TRUE(watch.is_written());
 }
 
@@ -92,12 +92,12 @@ TEST(LogWatch, ReportsANearlyFullDisk) {
 
 TEST(RoomForLog, ReportsFreeAndRequiredSpace) {
   scenario::Scenario scenario = three_robots();
-  EXPECT_EQ(room_for_log(scenario, "a", std::nullopt).words,
+  EXPECT_EQ(room_for_log(scenario, "a", std::nullopt).summary,
             "log: the free disk space is unknown for a");
   scenario.duration_s = 0.5;
   scenario.robots.resize(1);
   EXPECT_EQ(log_bytes_needed(scenario), 6'050'000U);  // 100 kB/s · 60.5 s
-  EXPECT_EQ(room_for_log(scenario, "a", 6'050'000U).words,
+  EXPECT_EQ(room_for_log(scenario, "a", 6'050'000U).summary,
             "log: 6.0 MB are free for a; 60.5 s need at most 6.0 MB");
   EXPECT_TRUE(room_for_log(scenario, "a", 6'050'000U).is_enough);
   EXPECT_FALSE(room_for_log(scenario, "a", 6'049'999U).is_enough);
@@ -106,7 +106,7 @@ TEST(RoomForLog, ReportsFreeAndRequiredSpace) {
 TEST(LogWatch, ReportsAStallAfterThreeSeconds) {
   LogWatch watch{300e3};
   const auto at = [&](std::int64_t us, std::uint64_t size_bytes) {
-    return watch.look({size_bytes, 1'000'000'000}, kStart + Duration{us});
+    return watch.update({size_bytes, 1'000'000'000}, kStart + Duration{us});
   };
   EXPECT_FALSE(at(0, 1'000));
   EXPECT_FALSE(at(1'000'000, 1'001));
@@ -136,25 +136,25 @@ TEST(LogWatch, ReportsAStallAfterThreeSeconds) {
 TEST(LogWatch, ReportsWhenLessThanOneMinuteIsLeft) {
   for (const std::uint64_t free_bytes : {18'000'000U, 17'999'999U}) {
     LogWatch watch{300e3};
-    const auto words = watch.look({1, free_bytes}, kStart);
+    const auto words = watch.update({1, free_bytes}, kStart);
     EXPECT_EQ(words.has_value(), free_bytes < 18'000'000U);
     EXPECT_EQ(watch.health(kStart).counters.at(2).count, 1) << "written all the same";
   }
   LogWatch watch{300e3};
-  EXPECT_TRUE(watch.look({1, 1'000}, kStart));
-  EXPECT_EQ(watch.look({2, 900}, kStart), std::nullopt) << "once";
-  EXPECT_EQ(watch.look({3, 1'000'000'000}, kStart), "log: written as usual, with 1000.0 MB free");
+  EXPECT_TRUE(watch.update({1, 1'000}, kStart));
+  EXPECT_EQ(watch.update({2, 900}, kStart), std::nullopt) << "once";
+  EXPECT_EQ(watch.update({3, 1'000'000'000}, kStart), "log: written as usual, with 1000.0 MB free");
 }
 
 // Unknown free space gives no warning.
 TEST(LogWatch, WorksWithoutAFreeSpaceFigure) {
   LogWatch watch{300e3};
-  EXPECT_FALSE(watch.look({1, std::nullopt}, kStart));
+  EXPECT_FALSE(watch.update({1, std::nullopt}, kStart));
   EXPECT_EQ(
-      watch.look({1, std::nullopt, true}, kStart + Duration{1'600'000}),
+      watch.update({1, std::nullopt, true}, kStart + Duration{1'600'000}),
       "LOG NOT WRITTEN for 2 s, with an unknown amount free: the flight continues unrecorded");
   EXPECT_EQ(watch.health(kStart).counters.at(1).count, 0);
-  watch.look({1, ~std::uint64_t{0}}, kStart);
+  watch.update({1, ~std::uint64_t{0}}, kStart);
   EXPECT_EQ(watch.health(kStart).counters.at(1).count, INT64_MAX) << "as much as can be said";
 }
 

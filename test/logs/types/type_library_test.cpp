@@ -59,11 +59,12 @@ foreign::arm_t an_arm() {
 TEST(TypeLibrary, ComputesLcmGensFingerprints) {
   using namespace vantage_lcm;  // NOLINT(google-build-using-namespace): all of them
   const TypeLibrary house({kHouse});
-  expect_fingerprints<attack_t, belief_t, body_t, collision_t, command_t, counter_t, detection_t,
-                      health_t, host_t, input_ref_t, map_t, measurement_t, mixture_component_t,
-                      mixture_t, target_mixture_t, plan_segment_t, plan_t, proposal_t, quadrotor_t,
-                      scan_t, scenario_t, supervised_t, target_belief_t, team_choice_t,
-                      team_proposal_t, truth_body_t, truth_t, vicon_frame_t>(house, "vantage_lcm");
+  expect_fingerprints<attack_t, belief_t, mocap_body_t, collision_t, command_t, counter_t,
+                      detection_t, health_t, host_t, input_ref_t, map_t, measurement_t,
+                      mixture_component_t, mixture_t, target_mixture_t, plan_segment_t, plan_t,
+                      proposal_t, vehicle_t, scan_t, scenario_t, supervised_t, target_belief_t,
+                      team_choice_t, team_proposal_t, truth_body_t, truth_t, mocap_frame_t>(
+      house, "vantage_lcm");
   const TypeLibrary others({kForeign});
   EXPECT_EQ(others.size(), 4U);
   expect_fingerprints<foreign::arm_t, foreign::joint_t, foreign::point_t, foreign::tree_t>(

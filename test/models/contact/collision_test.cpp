@@ -25,9 +25,9 @@ std::vector<CollisionMonitor::Body> two_robots() {
   return {{"Q1", 0.25, true}, {"Q2", 0.25, true}};
 }
 
-std::vector<ContactReport> update(CollisionMonitor& monitor,
-                                  const std::vector<Eigen::Vector3d>& centres_m) {
-  std::vector<ContactReport> begun;
+std::vector<CollisionReport> update(CollisionMonitor& monitor,
+                                    const std::vector<Eigen::Vector3d>& centres_m) {
+  std::vector<CollisionReport> begun;
   monitor.update(kNow, centres_m, begun);
   return begun;
 }
@@ -69,7 +69,7 @@ TEST(CollisionMonitor, FclAndClosedFormAgreeOnRandomPoses) {
     const Eigen::Vector3d a(x(rng), y(rng), z(rng));
     const Eigen::Vector3d b = trial % 2 == 0 ? Eigen::Vector3d(x(rng), y(rng), z(rng))
                                              : Eigen::Vector3d(a.x() + 0.3 * z(rng), a.y(), a.z());
-    const std::vector<ContactReport> begun = update(monitor, {a, b});
+    const std::vector<CollisionReport> begun = update(monitor, {a, b});
     std::int64_t expected = (a - b).norm() <= 0.65 ? 1 : 0;
     for (const auto& [centre, radius] : {std::pair(a, 0.25), std::pair(b, 0.4)}) {
       for (const Obstacle& obstacle : world.obstacles) {
@@ -89,7 +89,7 @@ TEST(CollisionMonitor, DetectsContactBetweenTwoSteps) {
   EXPECT_TRUE(update(robots, {{1.0, 4.0, 1.0}, {3.0, 4.0, 1.0}}).empty());
   const auto crossed = update(robots, {{3.0, 4.0, 1.0}, {1.0, 4.0, 1.0}});
   ASSERT_EQ(crossed.size(), 1u);
-  EXPECT_EQ(crossed[0].kind, ContactKind::kCollision);
+  EXPECT_EQ(crossed[0].kind, CollisionKind::kCollision);
   EXPECT_NEAR(crossed[0].distance_m, -0.5, 1e-12);
   EXPECT_NEAR(robots.min_separation_m(), 0.0, 1e-12);
 
@@ -155,7 +155,7 @@ TEST(CollisionMonitor, ReportsNearMissesOfRobotsOnly) {
   const auto begun = update(
       monitor, {a, a + Eigen::Vector3d(0.0, 0.55, 0.0), a + Eigen::Vector3d(0.0, -0.35, 0.0)});
   ASSERT_EQ(begun.size(), 1u);
-  EXPECT_EQ(begun[0].kind, ContactKind::kNearMiss);
+  EXPECT_EQ(begun[0].kind, CollisionKind::kNearMiss);
   EXPECT_EQ(begun[0].body_a, "Q1");
   EXPECT_EQ(begun[0].body_b, "Q2");
   EXPECT_NEAR(begun[0].distance_m, 0.05, 1e-12);
@@ -260,11 +260,11 @@ class NaiveMonitor {
   std::vector<std::string> begun_;
 };
 
-std::vector<std::string> words_of(const std::vector<ContactReport>& reports) {
+std::vector<std::string> words_of(const std::vector<CollisionReport>& reports) {
   std::vector<std::string> words;
-  for (const ContactReport& report : reports) {
+  for (const CollisionReport& report : reports) {
     words.push_back(report.body_a + " " + report.body_b +
-                    (report.kind == ContactKind::kCollision ? " touch" : " near"));
+                    (report.kind == CollisionKind::kCollision ? " touch" : " near"));
   }
   std::sort(words.begin(), words.end());
   return words;
@@ -319,11 +319,11 @@ TEST(CollisionMonitor, EqualsCheckOfAllPairs) {
         seen_m[static_cast<std::size_t>(step / 10) % seen_m.size()].y() = NAN;
         ++lost;
       }
-      const std::vector<ContactReport> begun = update(monitor, seen_m);
+      const std::vector<CollisionReport> begun = update(monitor, seen_m);
       ASSERT_EQ(words_of(begun), naive.update(seen_m)) << trial << " at " << step;
-      for (const ContactReport& report : begun) {
+      for (const CollisionReport& report : begun) {
         EXPECT_EQ(report.stamp.time, kNow);
-        const bool touch = report.kind == ContactKind::kCollision;
+        const bool touch = report.kind == CollisionKind::kCollision;
         EXPECT_TRUE(touch ? report.distance_m <= 0.0 : report.distance_m < separation_m);
         (touch ? touches : nears) += 1;
       }

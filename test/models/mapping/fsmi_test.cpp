@@ -18,8 +18,8 @@ double divergence_nats(double posterior, double prior) {
 
 // Returns the information change of a reading z, summed over the cells, as the docstring defines
 // it.
-double told_by(const BeamProfile& beam, const BeamSensor& sensor, const InverseBeamModel& inverse,
-               double z_m) {
+double information_change(const BeamProfile& beam, const BeamSensor& sensor,
+                          const InverseBeamModel& inverse, double z_m) {
   double sum_nats = 0.0;
   const bool is_hit = z_m < sensor.no_hit_range_m() && z_m < beam.exit_m.back();
   if (is_hit && z_m < beam.enter_m.front()) {
@@ -58,7 +58,8 @@ double fsmi_by_enumeration(const BeamProfile& beam, const BeamSensor& sensor,
       };
       inside += map.probability * (cdf(edges_m[k + 1]) - cdf(edges_m[k]));
     }
-    sum_nats += inside * told_by(beam, sensor, inverse, 0.5 * (edges_m[k] + edges_m[k + 1]));
+    sum_nats +=
+        inside * information_change(beam, sensor, inverse, 0.5 * (edges_m[k] + edges_m[k + 1]));
   }
   return sum_nats;
 }

@@ -48,7 +48,7 @@ TEST(SensorLaw, PlanarLawEqualsInformation) {
       const Eigen::Matrix2d expected =
           (planar.along_per_m2 * along + planar.across_per_rad2 / (r_m * r_m) * (I - along)) /
               growth +
-          planar.all_ways_per_m2 * I;
+          planar.isotropic_per_m2 * I;
       ASSERT_TRUE(test::is_near(information(sensor, from, target), expected,
                                 1e-9 * (1.0 + expected.norm())))
           << kind.name();
@@ -98,7 +98,7 @@ TEST(SensorLaw, StatesItsMeasurement) {
     EXPECT_EQ(kind.law().measures_range, range) << kind.name();
     EXPECT_EQ(kind.law().measures_bearing, bearing) << kind.name();
     EXPECT_EQ(kind.law().is_linear, kind == SensorKind::kPosition) << kind.name();
-    EXPECT_EQ(sensor_kind_called(kind.name()), kind);
+    EXPECT_EQ(find_sensor_kind(kind.name()), kind);
     const SensorModel sensor = of_kind(kind);
     for (const int dim : {2, 3}) {
       const Viewpoint from{{0.0, 0.0, 0.0}, 2.0};
@@ -107,8 +107,8 @@ TEST(SensorLaw, StatesItsMeasurement) {
       EXPECT_EQ(sensor.measurement_dim(dim), noise_covariance(sensor, from, target).rows());
     }
   }
-  EXPECT_FALSE(sensor_kind_called("sonar"));
-  EXPECT_FALSE(sensor_kind_called(""));
+  EXPECT_FALSE(find_sensor_kind("sonar"));
+  EXPECT_FALSE(find_sensor_kind(""));
 }
 
 TEST(Viewpoints, DistanceIncludesHeight) {

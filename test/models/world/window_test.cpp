@@ -26,7 +26,7 @@ TEST(GridWindow, HasTheWorldsCellsThatOverlapTheSquare) {
     const Eigen::Vector2d around_m(random.uniform(-40, 60), random.uniform(-40, 60));
     const double half_m = random.uniform(0.0, 30.0);
     const GridGeometry part = whole.window(around_m, half_m);
-    const auto place = whole.place_of(part);
+    const auto place = whole.cell_offset_of(part);
     ASSERT_TRUE(place);
     ASSERT_GE(part.columns, 1);
     ASSERT_GE(part.rows, 1);
@@ -45,15 +45,15 @@ TEST(GridWindow, HasTheWorldsCellsThatOverlapTheSquare) {
 TEST(GridWindow, DetectsDifferentCells) {
   const GridGeometry whole = GridGeometry::covering(field().bounds, 0.7);
   GridGeometry other = whole.window({0.0, 0.0}, 5.0);
-  EXPECT_TRUE(whole.place_of(other));
+  EXPECT_TRUE(whole.cell_offset_of(other));
   other.origin_m.x() += 0.1;
-  EXPECT_FALSE(whole.place_of(other));
+  EXPECT_FALSE(whole.cell_offset_of(other));
   other = whole.window({0.0, 0.0}, 5.0);
   other.resolution_m = 0.35;
-  EXPECT_FALSE(whole.place_of(other));
+  EXPECT_FALSE(whole.cell_offset_of(other));
   other = whole;
   other.origin_m.x() = std::nan("");
-  EXPECT_FALSE(whole.place_of(other));
+  EXPECT_FALSE(whole.cell_offset_of(other));
 }
 
 // The offset in cells along each axis, in both directions. An offset that is too large to count has
@@ -64,18 +64,18 @@ TEST(GridWindow, ReturnsOffsetInCells) {
     for (const int rows : {-2, 0, 5}) {
       GridGeometry other = whole;
       other.origin_m += 0.5 * Eigen::Vector2d(columns, rows);
-      EXPECT_EQ(whole.place_of(other), Eigen::Vector2i(columns, rows));
+      EXPECT_EQ(whole.cell_offset_of(other), Eigen::Vector2i(columns, rows));
     }
   }
   for (int axis = 0; axis < 2; ++axis) {
     for (const double side : {1.0, -1.0}) {
       GridGeometry other = whole;
       other.origin_m(axis) += side * 0.5 * 0.99e8;
-      EXPECT_TRUE(whole.place_of(other));
+      EXPECT_TRUE(whole.cell_offset_of(other));
       other.origin_m(axis) += side * 0.5 * 0.02e8;
-      EXPECT_FALSE(whole.place_of(other));
+      EXPECT_FALSE(whole.cell_offset_of(other));
       other.origin_m(axis) = side * 1e300;
-      EXPECT_FALSE(whole.place_of(other));
+      EXPECT_FALSE(whole.cell_offset_of(other));
     }
   }
 }
@@ -175,16 +175,16 @@ TEST(MergeStamps, KeepsTheNewerStampOfSharedCells) {
 
 TEST(GridWindow, TreatsRoundedSquaresAsEqual) {
   const GridGeometry own{{0.0, 0.0}, 0.5, 3, 2};
-  const auto place_of = [&](double x_m, double y_m) {
-    return own.place_of({{x_m, y_m}, 0.5, 1, 1});
+  const auto cell_offset_of = [&](double x_m, double y_m) {
+    return own.cell_offset_of({{x_m, y_m}, 0.5, 1, 1});
   };
-  ASSERT_TRUE(place_of(1.0 + 5e-10, -1.5 - 5e-10));
-  EXPECT_EQ(*place_of(1.0, -1.5), Eigen::Vector2i(2, -3));
-  EXPECT_FALSE(place_of(1.0 + 5e-9, -1.5));
-  EXPECT_FALSE(place_of(1.0, -1.5 - 5e-9));
-  EXPECT_TRUE(place_of(0.49e8, 0.0));
-  EXPECT_FALSE(place_of(0.51e8, 0.0)) << "a hundred million cells away";
-  EXPECT_FALSE(place_of(0.0, -0.51e8));
+  ASSERT_TRUE(cell_offset_of(1.0 + 5e-10, -1.5 - 5e-10));
+  EXPECT_EQ(*cell_offset_of(1.0, -1.5), Eigen::Vector2i(2, -3));
+  EXPECT_FALSE(cell_offset_of(1.0 + 5e-9, -1.5));
+  EXPECT_FALSE(cell_offset_of(1.0, -1.5 - 5e-9));
+  EXPECT_TRUE(cell_offset_of(0.49e8, 0.0));
+  EXPECT_FALSE(cell_offset_of(0.51e8, 0.0)) << "a hundred million cells away";
+  EXPECT_FALSE(cell_offset_of(0.0, -0.51e8));
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ class ReplayTest : public test::PlannerNodeTest {
   }
 
   /// Starts the replay without a planner: the test publishes the logged messages.
-  void start_alone(const scenario::Scenario& scenario) {
+  void start_without_planner(const scenario::Scenario& scenario) {
     scenario_ = scenario;
     inputs_ = test::first_inputs(scenario, 0, 5);
     inputs_.belief->robot = "Q1";
@@ -297,7 +297,7 @@ TEST_F(ReplayTest, ReportsDifferentPlans) {
 
 // After a search that ended too late, the robot continued its committed motion.
 TEST_F(ReplayTest, ReproducesFallbacksOfLateSearches) {
-  start_alone(test::lab_scenario());
+  start_without_planner(test::lab_scenario());
   const auto belief = world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
   const auto mocap = world_.publish(bus::kVicon, *inputs_.mocap);
   RobotPlanner planner(scenario_, "Q1");
@@ -323,7 +323,7 @@ TEST_F(ReplayTest, ReproducesFallbacksOfLateSearches) {
 TEST_F(ReplayTest, PlansInTheLoggedSlot) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.slots = 2;
-  start_alone(scenario);
+  start_without_planner(scenario);
   const auto mocap = world_.publish(bus::kVicon, *inputs_.mocap);
   const RoundSchedule schedule(scenario.planner, 0, 3);
   std::vector<Time> begins;
@@ -345,7 +345,7 @@ TEST_F(ReplayTest, PlansInTheLoggedSlot) {
 // Inputs may be logged after the message that they led to. The replay waits two seconds for them
 // and then continues with the next message.
 TEST_F(ReplayTest, WaitsForMissingInputs) {
-  start_alone(test::lab_scenario());
+  start_without_planner(test::lab_scenario());
   EXPECT_EQ(replay_->next_tick(), clock_.now());
   log_plan({{"BELIEF_Q1", 100, 0}});
   log_plan({{"BELIEF_Q1", 100, 1}});
@@ -373,7 +373,7 @@ TEST_F(ReplayTest, WaitsForMissingInputs) {
 
 // Up to 30 messages may wait behind one whose inputs are missing.
 TEST_F(ReplayTest, SkipsMessageWith31Waiting) {
-  start_alone(test::lab_scenario());
+  start_without_planner(test::lab_scenario());
   log_plan({{"BELIEF_Q1", 100, 0}});
   for (int k = 0; k < 30; ++k) {
     log_plan({});
@@ -392,7 +392,7 @@ TEST_F(ReplayTest, KeepsLimitedMessagesPerChannel) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.objective = scenario::PlanObjective::kMapping;
   scenario.targets.clear();
-  start_alone(scenario);
+  start_without_planner(scenario);
   std::int64_t logged = 0;
   const auto expect_kept = [&](const std::string& channel, int count, const auto& say) {
     SCOPED_TRACE(channel);
@@ -430,7 +430,6 @@ TEST_F(ReplayTest, KeepsLimitedMessagesPerChannel) {
   models::VehicleStatus status;
   status.robot = "Q2";
   expect_kept("VEHICLE_Q2", 400, [&] { world_.publish(bus::vehicle_channel("Q2"), status); });
-  expect_kept("QUADROTOR_Q2", 400, [&] { world_.publish(bus::old_vehicle_channel("Q2"), status); });
   expect_kept("PROPOSAL_Q2", 64, [&] {
     world_.publish(bus::proposal_channel("Q2"), models::PlanProposal{{}, 1.0, plan_of("Q2")});
   });

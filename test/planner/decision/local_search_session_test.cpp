@@ -103,7 +103,7 @@ double value_of(const TeamOracle& oracle, const Choice& choice) {
 }
 
 // Returns the greatest rise of a deletion, an addition or a swap.
-double best_rise(const TeamOracle& oracle, const Choice& choice) {
+double largest_gain(const TeamOracle& oracle, const Choice& choice) {
   const double here = value_of(oracle, choice);
   double best = 0.0;
   for (int dropped = -1; dropped < oracle.robot_count(); ++dropped) {
@@ -192,7 +192,7 @@ TEST(LocalSearchSession, ConvergesToOneLocalOptimumWithoutLoss) {
     ASSERT_TRUE(outcome.is_finished) << "seed " << seed;
     const TeamOracle& oracle = team.oracle_of(0);
     const Choice choice = team.choice_held_by(0);
-    EXPECT_LE(best_rise(oracle, choice), LocalSearchSession::kLeastRise_nats + kRounding)
+    EXPECT_LE(largest_gain(oracle, choice), LocalSearchSession::kLeastRise_nats + kRounding)
         << "seed " << seed;
     for (int robot = 1; robot < team.size(); ++robot) {
       EXPECT_EQ(team.choice_held_by(robot), choice) << "seed " << seed;

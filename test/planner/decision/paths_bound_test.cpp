@@ -68,7 +68,7 @@ TeamProblem every_path(const std::vector<SearchProblem>& team, InformationMeasur
 }
 
 // The recursion starts from a covariance so small that eight digits are lost.
-double slack(double value) { return 1e-5 * std::max(1.0, value); }
+double tolerance(double value) { return 1e-5 * std::max(1.0, value); }
 
 constexpr InformationMeasure kMeasures[] = {InformationMeasure::kMutual,
                                             InformationMeasure::kLogDet};
@@ -90,7 +90,7 @@ TEST(PathsBound, IsAnUpperBound) {
       double before = kInfinity;
       for (const std::int64_t nodes : {kNodes / 4, kNodes}) {
         const auto answer = bound.of(team, robots, measure, Deadline::nodes(nodes));
-        ASSERT_GE(answer.information_nats, best - slack(best));
+        ASSERT_GE(answer.information_nats, best - tolerance(best));
         ASSERT_LE(answer.information_nats, before);  // more work, no looser bound
         before = answer.information_nats;
       }
@@ -132,7 +132,7 @@ TEST(PathsBound, UnderAttackIsAnUpperBound) {
       for (int attacks = 0; attacks < oracle.robot_count(); ++attacks) {
         const double best = exhaustive_max_min(oracle, attacks).value;
         const auto answer = bound.under_attack(team, attacks, measure, 2 * kNodes);
-        ASSERT_GE(answer.information_nats, best - slack(best)) << attacks;
+        ASSERT_GE(answer.information_nats, best - tolerance(best)) << attacks;
       }
       EXPECT_EQ(bound.under_attack(team, oracle.robot_count(), measure, kNodes).information_nats,
                 0.0);
@@ -167,7 +167,7 @@ TEST(PathsBound, IsInfiniteForUnsupportedProblems) {
 
 /// A robot that drives straight on from `x_m`. Each step it measures all targets within 20 m with
 /// information 1 / σ².
-SearchProblem seer(double x_m, double sigma_m) {
+SearchProblem observer_robot(double x_m, double sigma_m) {
   SearchProblem problem;
   problem.start = {x_m, 0.0, 0.0};
   problem.controls = {{0.1, 0.0}};
@@ -197,7 +197,9 @@ double known_nats(double told, InformationMeasure measure) {
 }
 
 // The first and the third robot see one target, the second the other.
-std::vector<SearchProblem> seers() { return {seer(0.0, 0.5), seer(100.0, 1.0), seer(1.0, 2.0)}; }
+std::vector<SearchProblem> observer_team() {
+  return {observer_robot(0.0, 0.5), observer_robot(100.0, 1.0), observer_robot(1.0, 2.0)};
+}
 
 void expect_known(double is, double known) {
   EXPECT_GE(is, known);
@@ -206,7 +208,7 @@ void expect_known(double is, double known) {
 
 TEST(PathsBound, IsExactWhenAllPathsSeeTheSame) {
   PathsBound bound(4, 5);
-  std::vector<SearchProblem> team = seers();
+  std::vector<SearchProblem> team = observer_team();
   for (const InformationMeasure measure : kMeasures) {
     const auto of = [&](const std::vector<int>& robots) {
       return bound.of(team, robots, measure, Deadline::nodes(kNodes));
@@ -228,13 +230,13 @@ TEST(PathsBound, IsExactWhenAllPathsSeeTheSame) {
           2, std::vector<models::PositionMatrix>(3, models::PositionMatrix::Identity(2, 2)));
       EXPECT_EQ(of({0, 1, 2}).information_nats, all.information_nats) << robot;
     }
-    team = seers();
+    team = observer_team();
   }
 }
 
 TEST(PathsBound, UnderAttackExcludesBestRobots) {
   PathsBound bound(4, 5);
-  const std::vector<SearchProblem> team = seers();
+  const std::vector<SearchProblem> team = observer_team();
   for (const InformationMeasure measure : kMeasures) {
     const auto left = [&](int attacks) {
       return bound.under_attack(team, attacks, measure, 2 * kNodes);
@@ -267,7 +269,7 @@ TEST(PathsBound, UnderAttackExcludesBestRobots) {
 
 TEST(PathsBound, IsInfiniteWithoutWork) {
   PathsBound bound(4, 5);
-  const std::vector<SearchProblem> team = seers();
+  const std::vector<SearchProblem> team = observer_team();
   const auto answer =
       bound.of(team, std::vector<int>{0, 1}, InformationMeasure::kMutual, Deadline::nodes(0));
   EXPECT_EQ(answer.information_nats, kInfinity);

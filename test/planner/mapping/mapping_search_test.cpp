@@ -162,8 +162,8 @@ TEST(MappingSearch, IsDeterministic) {
 }
 
 /// A bench whose four robots have planned by coordinate descent.
-struct Descended {
-  explicit Descended(unsigned seed) : random(seed) {}
+struct PlannedBench {
+  explicit PlannedBench(unsigned seed) : random(seed) {}
   test::Random random;
   Bench bench{random, 2, 0.5};
   MappingSearch search{bench.views, bench.drive, bench.options};
@@ -172,7 +172,7 @@ struct Descended {
 };
 
 TEST(MappingSearch, TeamValueIsOrderFreeAndZeroWhenEmpty) {
-  Descended all(4703);
+  PlannedBench all(4703);
   MappingSearch& search = all.search;
   const std::vector<MapRoute>& routes = all.routes;
   std::vector<const MapRoute*> team = pointers(routes);
@@ -387,7 +387,7 @@ TEST(CoordinateDescent, IsAtLeastHalfOfTheBestTeamOnAMap) {
 }
 
 TEST(ResilientMapping, WithoutAttacksEqualsCoordinateDescent) {
-  Descended all(4707);
+  PlannedBench all(4707);
   MappingSearch& search = all.search;
   const std::vector<MapRoute>& plain = all.routes;
   const std::vector<MapRoute> resilient = plan_mapping_resiliently(search, all.bench.starts, 0);

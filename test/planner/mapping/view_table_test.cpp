@@ -193,9 +193,9 @@ std::vector<Traced> traced(const OccupancyBelief& belief, const BeamSensor& sens
 }
 
 /// The information per cell so far, and the amount that another beam adds to it.
-class Told {
+class CellInformation {
  public:
-  Told(BeamDependence dependence, double dependent_share)
+  CellInformation(BeamDependence dependence, double dependent_share)
       : dependence_(dependence), dependent_share_(dependent_share) {}
 
   double add(const Traced& beam) {
@@ -239,7 +239,7 @@ TEST(ViewTable, AppliesItsTwoBeamRules) {
     const OccupancyBelief belief = test::random_map(random, kGrid, 0.05);
     ViewTable table(belief, sensor, options);
     MapCoverage coverage(kGrid.size());
-    Told team(options.dependence, options.dependent_share);
+    CellInformation team(options.dependence, options.dependent_share);
     std::int64_t cells = 0;
     std::set<std::pair<int, int>> views;
     for (int k = 0; k < 4; ++k) {
@@ -247,7 +247,7 @@ TEST(ViewTable, AppliesItsTwoBeamRules) {
       const int sector = i % 5 > 1 ? random.integer(-14, 14) : 0;
       const Eigen::Vector2d at_m = kGrid.centre_m(cell);
       const double yaw_rad = (sector + 28) % 28 * (2.0 * kPi / 28.0);
-      Told alone(options.dependence, options.dependent_share);
+      CellInformation alone(options.dependence, options.dependent_share);
       double nats = 0.0;
       double gain_nats = 0.0;
       for (const Traced& beam : traced(belief, sensor, at_m, yaw_rad, options.measure)) {

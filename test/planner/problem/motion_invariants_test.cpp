@@ -223,8 +223,8 @@ TEST(CanStop, NeedsFullStoppingDistance) {
 
 // Returns the greatest separation that is accepted for a robot hovering ahead, in the step that
 // begins `depth` steps later. The teammate comes along the x axis; a step is 0.5 s in five pieces.
-double nearest_let_m(const std::vector<models::PlanSegment>& segments, int depth,
-                     double started_s = 0.0, double x_m = 20.0, double y_m = 0.0) {
+double greatest_separation_m(const std::vector<models::PlanSegment>& segments, int depth,
+                             double started_s = 0.0, double x_m = 20.0, double y_m = 0.0) {
   SearchProblem problem;
   problem.start_time = kStart;
   problem.start.x_m = 100.0;
@@ -349,7 +349,7 @@ TEST(IsFree, AllowsForCurvatureOfTeammatePieceOnly) {
       for (models::PlanSegment& segment : segments) {
         segment.control.speed_mps *= side;
       }
-      EXPECT_NEAR(nearest_let_m(segments, each.depth, each.started_s, side * each.x_m),
+      EXPECT_NEAR(greatest_separation_m(segments, each.depth, each.started_s, side * each.x_m),
                   each.expected_m - kClock_m, 3e-6)
           << each.what << ' ' << side;
     }
@@ -361,8 +361,9 @@ TEST(IsFree, AllowsForCurvatureOfTeammatePieceOnly) {
     const double chord_m = std::cos(0.1);  // from the centre
     const Eigen::Vector2d out(std::sin(0.3), -std::cos(0.3));
     const Eigen::Vector2d there(20.0 * out.x(), side * (1.0 + 20.0 * out.y()));
-    EXPECT_NEAR(nearest_let_m({{{2.0, side * 2.0}, 9.0, 0.0}}, 0, 0.0, there.x(), there.y()),
-                20.0 - chord_m - bulge_m(4.0) - kClock_m, 3e-6)
+    EXPECT_NEAR(
+        greatest_separation_m({{{2.0, side * 2.0}, 9.0, 0.0}}, 0, 0.0, there.x(), there.y()),
+        20.0 - chord_m - bulge_m(4.0) - kClock_m, 3e-6)
         << side;
   }
 }

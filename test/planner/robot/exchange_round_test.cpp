@@ -63,7 +63,7 @@ class Round {
         }
         bases_.emplace_back(solutions_[robot]);
         solutions_[robot] = proposal;
-        said_.push_back(*proposal);
+        proposals_.push_back(*proposal);
       }
     }
   }
@@ -83,8 +83,8 @@ class Round {
   std::vector<std::unique_ptr<RobotPlanner>> planners_;
   std::vector<std::unique_ptr<TeamExchange>> exchanges_;
   std::vector<std::optional<models::TeamProposal>> solutions_;
-  std::vector<std::optional<models::TeamProposal>> bases_;  ///< the base of each of said_
-  std::vector<models::TeamProposal> said_;
+  std::vector<std::optional<models::TeamProposal>> bases_;  ///< the base of each of proposals_
+  std::vector<models::TeamProposal> proposals_;
   std::map<std::string, models::RobotPlan> plans_;
 };
 
@@ -131,7 +131,7 @@ TEST(RobotPlanner, FliesTeamSolution) {
     round.exchange(0.0);
     round.plan();
     expect_safe(round, "seed " + std::to_string(seed));
-    ASSERT_FALSE(round.said_.empty());
+    ASSERT_FALSE(round.proposals_.empty());
     for (std::size_t robot = 0; robot < scenario.robots.size(); ++robot) {
       ASSERT_TRUE(round.solutions_[robot]);
       EXPECT_EQ(round.solutions_[robot]->history, round.solutions_[0]->history) << "all agree";
@@ -185,21 +185,21 @@ TEST(RobotPlanner, ProposalIsReproducibleFromInputs) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     Round round(scenario, seed);
     round.exchange(0.3);
-    for (std::size_t i = 0; i < round.said_.size(); ++i) {
-      const models::TeamProposal& said = round.said_[i];
+    for (std::size_t i = 0; i < round.proposals_.size(); ++i) {
+      const models::TeamProposal& sent = round.proposals_[i];
       const auto robot =
-          static_cast<std::size_t>(scenario.find_robot(said.robot) - scenario.robots.data());
-      RobotPlanner fresh(scenario, said.robot);
+          static_cast<std::size_t>(scenario.find_robot(sent.robot) - scenario.robots.data());
+      RobotPlanner fresh(scenario, sent.robot);
       const auto exchange =
-          fresh.begin_exchange(first_inputs(scenario, robot, seed), Deadline::nodes(said.nodes));
+          fresh.begin_exchange(first_inputs(scenario, robot, seed), Deadline::nodes(sent.nodes));
       ASSERT_TRUE(exchange);
       if (round.bases_[i]) {
         ASSERT_EQ(exchange->hear(*round.bases_[i]), Heard::kTaken);
       }
       const auto proposal = exchange->improve(Deadline::never());
       ASSERT_TRUE(proposal);
-      EXPECT_EQ(proposal->value_nats, said.value_nats);
-      EXPECT_EQ(proposal->history, said.history);
+      EXPECT_EQ(proposal->value_nats, sent.value_nats);
+      EXPECT_EQ(proposal->history, sent.history);
       ++again;
     }
   }
@@ -210,24 +210,24 @@ TEST(RobotPlanner, RefusesInvalidProposals) {
   const scenario::Scenario scenario = energy_scenario();
   Round round(scenario, 3);
   round.exchange(0.0);
-  models::TeamProposal said = round.said_.back();
+  models::TeamProposal sent = round.proposals_.back();
   RobotPlanner fresh(scenario, "Q3");
   const auto exchange = fresh.begin_exchange(first_inputs(scenario, 2, 3),
                                              Deadline::nodes(scenario.planner.node_budget));
   ASSERT_TRUE(exchange);
   const std::vector<std::string> names{"Q1", "Q2", "Q3"};
-  ASSERT_FALSE(said.choices.empty());
-  ASSERT_FALSE(said.choices[0].trajectory.segments.empty());
-  models::TeamProposal endless = said;
+  ASSERT_FALSE(sent.choices.empty());
+  ASSERT_FALSE(sent.choices[0].trajectory.segments.empty());
+  models::TeamProposal endless = sent;
   endless.choices[0].trajectory.segments.back().duration_s = 1e12;
   endless.history.back() = fingerprint(names, endless.choices);
   EXPECT_EQ(exchange->hear(endless), Heard::kRefused);
-  models::TeamProposal forged = said;
+  models::TeamProposal forged = sent;
   forged.history.back() ^= 1;
   EXPECT_EQ(exchange->hear(forged), Heard::kRefused);
-  EXPECT_EQ(exchange->hear(said), Heard::kTaken);
-  EXPECT_EQ(exchange->hear(said), Heard::kNotBetter) << "than itself";
-  models::TeamProposal late = said;
+  EXPECT_EQ(exchange->hear(sent), Heard::kTaken);
+  EXPECT_EQ(exchange->hear(sent), Heard::kNotBetter) << "than itself";
+  models::TeamProposal late = sent;
   --late.round;
   EXPECT_EQ(exchange->hear(late), Heard::kOtherRound);
 }
@@ -268,8 +268,8 @@ TEST(RobotPlanner, PlansNoMotionForJammedRobot) {
     round.attack = models::AttackNotice{{}, {"Q2"}};
     round.exchange(0.0);
     round.plan();
-    for (const models::TeamProposal& said : round.said_) {
-      EXPECT_EQ(said.find("Q2"), nullptr);
+    for (const models::TeamProposal& sent : round.proposals_) {
+      EXPECT_EQ(sent.find("Q2"), nullptr);
     }
     EXPECT_TRUE(round.plans_.at("Q2").trajectory.segments.empty());
   }

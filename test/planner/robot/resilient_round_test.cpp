@@ -38,7 +38,7 @@ TEST(RoundSchedule, ReceivesAllProposalsBeforeTheFirstPlan) {
 }
 
 // Returns the sum of the information matrix traces of all targets; 0 when there is none.
-double told(const std::vector<std::vector<models::PositionMatrix>>& information) {
+double information_sum(const std::vector<std::vector<models::PositionMatrix>>& information) {
   double sum = 0.0;
   for (const auto& of_target : information) {
     for (const models::PositionMatrix& each : of_target) {
@@ -64,7 +64,8 @@ TEST(RobotPlanner, KeepsProposalsOfBaitAndPlansForTheRest) {
       const auto proposal = planners[i].propose(first_inputs(scenario, i, seed), deadline);
       ASSERT_TRUE(proposal);
       EXPECT_EQ(proposal->stamp.time, first_inputs(scenario, i, seed).slot.activation);
-      EXPECT_EQ(told(planners[i].problem().fixed_information), 0.0) << "as if nobody else looked";
+      EXPECT_EQ(information_sum(planners[i].problem().fixed_information), 0.0)
+          << "as if nobody else looked";
       proposals[name] = *proposal;
       if (proposal->value_nats > 0.0 &&
           (best.empty() || proposal->value_nats > proposals[best].value_nats)) {
@@ -87,7 +88,8 @@ TEST(RobotPlanner, KeepsProposalsOfBaitAndPlansForTheRest) {
           EXPECT_EQ(plan->nodes, 0);
           ++taken;
         } else {  // another robot's plan is in its way now
-          EXPECT_EQ(told(planners[i].problem().fixed_information), 0.0) << "searches alone again";
+          EXPECT_EQ(information_sum(planners[i].problem().fixed_information), 0.0)
+              << "searches alone again";
         }
       } else {
         EXPECT_EQ(planners[i].counts().baits, 0);
@@ -102,8 +104,8 @@ TEST(RobotPlanner, KeepsProposalsOfBaitAndPlansForTheRest) {
                                 : hover_at(robot.start, robot.height_m, inputs.slot.activation),
                             robot.sensor, robot.name == best});
         }
-        EXPECT_EQ(told(planners[i].problem().fixed_information),
-                  told(fixed_information(planners[i].problem(), others)));
+        EXPECT_EQ(information_sum(planners[i].problem().fixed_information),
+                  information_sum(fixed_information(planners[i].problem(), others)));
       }
       plans[name] = *plan;
     }

@@ -21,13 +21,13 @@ struct Place {
 
 // Two robots over several rounds. The first plans and is seen exactly on its plan; the other hovers
 // in place.
-class BesideAnother {
+class NearTeammate {
  public:
-  BesideAnother(const Place& own, const Place& other, const Eigen::Vector2d& target_m)
-      : BesideAnother(own, other, target_m, test::lab_scenario().planner.separation_m) {}
+  NearTeammate(const Place& own, const Place& other, const Eigen::Vector2d& target_m)
+      : NearTeammate(own, other, target_m, test::lab_scenario().planner.separation_m) {}
 
-  BesideAnother(const Place& own, const Place& other, const Eigen::Vector2d& target_m,
-                double separation_m)
+  NearTeammate(const Place& own, const Place& other, const Eigen::Vector2d& target_m,
+               double separation_m)
       : scenario_(scenario_of(own, other, separation_m)),
         other_(other),
         target_m_(target_m),
@@ -87,7 +87,7 @@ double asked_m() {
 // From every heading, the robot turns and leaves a teammate that came too near and stays.
 TEST(RobotPlanner, MovesAwayFromATooNearTeammate) {
   for (int i = 0; i < 8; ++i) {
-    BesideAnother robot({{0.75 * asked_m(), 0.0, wrap_to_pi(i * kPi / 4.0)}}, {}, {3.0, 1.0});
+    NearTeammate robot({{0.75 * asked_m(), 0.0, wrap_to_pi(i * kPi / 4.0)}}, {}, {3.0, 1.0});
     double apart_m = 0.0;
     for (int round = 0; round < 15; ++round) {
       const auto plan = robot.plan();
@@ -109,7 +109,7 @@ TEST(RobotPlanner, MovesAwayFromATooNearTeammate) {
 // stayed there.
 TEST(RobotPlanner, MovesAwayFromATeammateAtTheLimit) {
   for (int i = 0; i < 8; ++i) {
-    BesideAnother robot({{asked_m() + 0.004, 0.0, wrap_to_pi(i * kPi / 4.0)}}, {}, {3.0, 1.5});
+    NearTeammate robot({{asked_m() + 0.004, 0.0, wrap_to_pi(i * kPi / 4.0)}}, {}, {3.0, 1.5});
     for (int round = 0; round < 12; ++round) {
       ASSERT_TRUE(robot.plan().has_value());
     }
@@ -127,7 +127,7 @@ TEST(RobotPlanner, MovesAwayFromATeammateAtAnotherHeight) {
   for (const Eigen::Vector2d& target_m :
        {Eigen::Vector2d(3.0, 1.5), Eigen::Vector2d(-3.0, -1.5), Eigen::Vector2d(0.3, -1.0)}) {
     for (auto [own, other] : {std::pair(q2, q3), std::pair(q3, q2)}) {
-      BesideAnother robot(own, other, target_m, separation_m);
+      NearTeammate robot(own, other, target_m, separation_m);
       for (int round = 0; round < 12; ++round) {
         ASSERT_TRUE(robot.plan().has_value());
       }

@@ -68,8 +68,8 @@ TEST(RootBound, IsIndependentOfEarlierProblems) {
 }
 
 /// Returns the problem mirrored in the x axis if `is_mirrored`, then turned, then shifted.
-SearchProblem seen(const SearchProblem& problem, bool is_mirrored, double turn_rad,
-                   const Eigen::Vector2d& shift_m) {
+SearchProblem transformed(const SearchProblem& problem, bool is_mirrored, double turn_rad,
+                          const Eigen::Vector2d& shift_m) {
   const double side = is_mirrored ? -1.0 : 1.0;
   const Eigen::Matrix2d Q =
       Eigen::Rotation2Dd(turn_rad).toRotationMatrix() * Eigen::Vector2d(1.0, side).asDiagonal();
@@ -170,8 +170,8 @@ TEST(RootBound, IsInvariantToFrameAndTargetOrder) {
       EXPECT_NEAR(answers.any, plain.any, play(plain.any)) << what;
       EXPECT_NEAR(answers.moving, plain.moving, play(plain.moving)) << what;
     };
-    expect_alike(seen(problem, true, 0.0, {0.0, 0.0}), "mirrored");
-    expect_alike(seen(problem, false, uniform(rng, -kPi, kPi), {7.0, -9.0}), "turned");
+    expect_alike(transformed(problem, true, 0.0, {0.0, 0.0}), "mirrored");
+    expect_alike(transformed(problem, false, uniform(rng, -kPi, kPi), {7.0, -9.0}), "turned");
     SearchProblem renamed = problem;
     std::reverse(renamed.targets.begin(), renamed.targets.end());
     std::reverse(renamed.fixed_information.begin(), renamed.fixed_information.end());
@@ -334,7 +334,7 @@ TEST(LatticeBound, IsInvariantToTheFrame) {
     };
     const std::vector<double> plain = bounds_of(owned.problem);
     const std::vector<double> turned =
-        bounds_of(seen(owned.problem, false, 0.1 * static_cast<double>(seed), {11.0, -5.0}));
+        bounds_of(transformed(owned.problem, false, 0.1 * static_cast<double>(seed), {11.0, -5.0}));
     EXPECT_NEAR(turned[0], plain[0], 1e-4 * std::max(1.0, std::abs(plain[0])));
     for (std::size_t i = 1; i < plain.size(); ++i) {
       ++compared;

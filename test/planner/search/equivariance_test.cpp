@@ -60,7 +60,7 @@ SearchProblem problem_in_free_space(std::uint64_t seed) {
 }
 
 /// Returns the problem mirrored in the x axis if `is_mirrored`, and then turned.
-SearchProblem seen(const SearchProblem& problem, bool is_mirrored, double turn_rad) {
+SearchProblem transformed(const SearchProblem& problem, bool is_mirrored, double turn_rad) {
   const double side = is_mirrored ? -1.0 : 1.0;
   const Eigen::Matrix2d Q =
       Eigen::Rotation2Dd(turn_rad).toRotationMatrix() * Eigen::Vector2d(1.0, side).asDiagonal();
@@ -115,7 +115,7 @@ class Equivariance : public ::testing::TestWithParam<std::string> {
 
 TEST_P(Equivariance, HoldsForMirroring) {
   expect_alike(
-      [](const SearchProblem& problem, std::uint64_t) { return seen(problem, true, 0.0); });
+      [](const SearchProblem& problem, std::uint64_t) { return transformed(problem, true, 0.0); });
 }
 
 /// Turning or renaming changes sums in their last bits.
@@ -123,7 +123,7 @@ class EquivarianceButForBits : public Equivariance {};
 
 TEST_P(EquivarianceButForBits, HoldsForRotation) {
   expect_alike([](const SearchProblem& problem, std::uint64_t seed) {
-    return seen(problem, seed % 2 == 0, 0.1 + 0.1 * static_cast<double>(seed));
+    return transformed(problem, seed % 2 == 0, 0.1 + 0.1 * static_cast<double>(seed));
   });
 }
 

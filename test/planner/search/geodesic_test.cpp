@@ -128,7 +128,7 @@ TEST(GeodesicTable, IsAMetricForOverlappingBoxes) {
 }
 
 // Returns the position after the world is mirrored if `is_mirrored` and then turned by quarters.
-Eigen::Vector2d seen(const Eigen::Vector2d& p_m, bool is_mirrored, int quarters) {
+Eigen::Vector2d transformed(const Eigen::Vector2d& p_m, bool is_mirrored, int quarters) {
   Eigen::Vector2d out = is_mirrored ? Eigen::Vector2d(-p_m.x(), p_m.y()) : p_m;
   for (int i = 0; i < quarters; ++i) {
     out = Eigen::Vector2d(-out.y(), out.x());
@@ -136,9 +136,9 @@ Eigen::Vector2d seen(const Eigen::Vector2d& p_m, bool is_mirrored, int quarters)
   return out;
 }
 
-models::Rectangle seen(const models::Rectangle& box, bool is_mirrored, int quarters) {
-  const Eigen::Vector2d a = seen(box.min_m, is_mirrored, quarters);
-  const Eigen::Vector2d b = seen(box.max_m, is_mirrored, quarters);
+models::Rectangle transformed(const models::Rectangle& box, bool is_mirrored, int quarters) {
+  const Eigen::Vector2d a = transformed(box.min_m, is_mirrored, quarters);
+  const Eigen::Vector2d b = transformed(box.max_m, is_mirrored, quarters);
   return {a.cwiseMin(b), a.cwiseMax(b)};
 }
 
@@ -147,7 +147,7 @@ models::Rectangle seen(const models::Rectangle& box, bool is_mirrored, int quart
 TEST(GeodesicTable, HasNoPathBetweenBoxAndTouchedWall) {
   for (int which = 0; which < 8; ++which) {
     SCOPED_TRACE(which);
-    const auto turned = [&](const auto& it) { return seen(it, which >= 4, which % 4); };
+    const auto turned = [&](const auto& it) { return transformed(it, which >= 4, which % 4); };
     models::World world;
     world.bounds = turned(models::Rectangle{{0.0, 0.0}, {4.0, 6.0}});
     world.obstacles = {{turned(models::Rectangle{{1.0, 0.0}, {1.5, 3.0}}), 10.0}};

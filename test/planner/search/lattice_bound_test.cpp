@@ -35,7 +35,7 @@ std::uint64_t problem_count() {
 }
 
 // Returns the tolerance: at a millimetre's distance the search's recursion loses eight digits.
-double play(double cost) { return 1e-5 * std::max(1.0, std::abs(cost)); }
+double tolerance(double cost) { return 1e-5 * std::max(1.0, std::abs(cost)); }
 
 TEST(LatticeBound, IsBelowEveryCompletionOfEveryNode) {
   LatticeBound lattice(8, 8, kStates);
@@ -65,7 +65,7 @@ TEST(LatticeBound, IsBelowEveryCompletionOfEveryNode) {
                              reference.data(), 0.4, states, Deadline::never(), work_nodes);
       ASSERT_FALSE(answer.expired);
       bounded += answer.cost > -kInfinity ? 1U : 0U;
-      ASSERT_LE(node.cost + answer.cost, best[id] + play(best[id])) << "node " << id;
+      ASSERT_LE(node.cost + answer.cost, best[id] + tolerance(best[id])) << "node " << id;
       for (std::int64_t budget_nodes = 0; budget_nodes < work_nodes;
            budget_nodes += 1 + work_nodes / 3) {
         std::int64_t cut_nodes = 0;
@@ -116,7 +116,7 @@ void expect_bound_below_best(const std::vector<SearchTarget>& targets,
     const auto answer =
         lattice.cost_to_go(problem.start, 0, full.tree.posterior(0), reference.data(), 0.4, kStates,
                            Deadline::never(), work_nodes);
-    ASSERT_LE(answer.cost, best + play(best)) << i;
+    ASSERT_LE(answer.cost, best + tolerance(best)) << i;
     highest = std::max(highest, answer.cost);
   }
   EXPECT_GT(highest, best - 10.0) << "it is too low to say anything";
@@ -124,7 +124,7 @@ void expect_bound_below_best(const std::vector<SearchTarget>& targets,
 
 /// Returns a target 2 cm next to the robot's path, `ahead_m` from its start, that moves along the
 /// path.
-SearchTarget beside_the_way(double ahead_m, double speed_mps) {
+SearchTarget target_near_path(double ahead_m, double speed_mps) {
   SearchTarget target{{models::TargetKind::kDoubleIntegrator, 2, 1e-4}, {}};
   target.prior.mean = Eigen::Vector4d(40.0 + ahead_m, 30.021, speed_mps, 0.0);
   target.prior.covariance = Eigen::Vector4d(1.0, 1.0, 1e-4, 1e-4).asDiagonal();
@@ -135,8 +135,8 @@ SearchTarget beside_the_way(double ahead_m, double speed_mps) {
 // step leads from next to the rear target to next to the front one; no step leads back. A third
 // target is never met. Tested in every order of the targets.
 TEST(LatticeBound, AllowsStepBetweenNearbyTargets) {
-  const std::vector<SearchTarget> targets = {beside_the_way(0.5, 1.0), beside_the_way(1.0, 1.0),
-                                             beside_the_way(30.0, 1.0)};
+  const std::vector<SearchTarget> targets = {target_near_path(0.5, 1.0), target_near_path(1.0, 1.0),
+                                             target_near_path(30.0, 1.0)};
   std::vector<std::size_t> order = {0, 1, 2};
   do {
     SCOPED_TRACE(testing::Message() << order[0] << order[1] << order[2]);
@@ -152,7 +152,7 @@ TEST(LatticeBound, UsesShortestAndLongestStepInAnyOrder) {
     std::rotate(controls.begin(), controls.begin() + 1, controls.end());
     for (const double apart_m : {0.5, 1.0, 1.5, 2.0}) {
       SCOPED_TRACE(testing::Message() << turn << ' ' << apart_m);
-      expect_bound_below_best({beside_the_way(1.0, 0.0), beside_the_way(1.0 + apart_m, 0.0)},
+      expect_bound_below_best({target_near_path(1.0, 0.0), target_near_path(1.0 + apart_m, 0.0)},
                               controls);
     }
   }
@@ -160,7 +160,7 @@ TEST(LatticeBound, UsesShortestAndLongestStepInAnyOrder) {
 
 // Two targets overtake the robot side by side, at its position after one step.
 TEST(LatticeBound, AllowsBeingNearTwoTargetsAtOnce) {
-  expect_bound_below_best({beside_the_way(-1.0, 4.0), beside_the_way(-1.0, 4.0)});
+  expect_bound_below_best({target_near_path(-1.0, 4.0), target_near_path(-1.0, 4.0)});
 }
 
 // The first reference is a tenth of the isotropic mean information from half the range, for each
@@ -279,9 +279,9 @@ TEST(PrefixBound, ConvergesToTheOptimumFromBelow) {
       ASSERT_FALSE(answer.expired);
       ASSERT_GE(answer.cost, before);
       before = answer.cost;
-      ASSERT_LE(answer.cost, best + play(best));
+      ASSERT_LE(answer.cost, best + tolerance(best));
     }
-    EXPECT_GE(before, best - play(best));
+    EXPECT_GE(before, best - tolerance(best));
   }
 }
 
@@ -295,8 +295,8 @@ TEST(PrefixBound, ReturnsProvenBoundAtDeadline) {
       prefix.reset(owned.problem, full.expander);
       std::int64_t work_nodes = 0;
       const auto answer = prefix.raise(1'000'000'000, Deadline::nodes(budget_nodes), work_nodes);
-      ASSERT_LE(answer.cost, best + play(best));
-      EXPECT_TRUE(answer.expired || answer.cost >= best - play(best));
+      ASSERT_LE(answer.cost, best + tolerance(best));
+      EXPECT_TRUE(answer.expired || answer.cost >= best - tolerance(best));
     }
   }
 }

@@ -231,8 +231,8 @@ PoseEstimatorTraits traits_of(double converge_s) {
   out.converge_s = converge_s;
   out.wander_mps3 = 0.5;
   out.gate_m = 0.8;
-  out.refuses_for_s = 0.3;
-  out.refused_loss_s = 0.2;
+  out.reset_after_s = 0.3;
+  out.rejected_loss_s = 0.2;
   return out;
 }
 

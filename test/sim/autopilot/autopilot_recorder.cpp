@@ -13,7 +13,7 @@
 
 #include "core/process.hpp"
 #include "test/sim/autopilot/drill.hpp"
-#include "test/sim/autopilot/firmware_hand.hpp"
+#include "test/sim/autopilot/firmware_station.hpp"
 
 namespace {
 
@@ -28,13 +28,13 @@ int record(int count, char** words) {
   }
   const test::DrillCase& drill = test::drill_case(words[1]);
   const bool is_real = count >= 4;
-  std::unique_ptr<test::Hand> hand;
+  std::unique_ptr<test::ScriptedStation> station;
   if (is_real) {
-    hand = std::make_unique<test::FirmwareHand>(drill.dialect, words[2], words[3], 1);
+    station = std::make_unique<test::FirmwareStation>(drill.dialect, words[2], words[3], 1);
   } else {
-    hand = std::make_unique<test::EmulatorHand>(drill.dialect, Pose3{}, 0.1);
+    station = std::make_unique<test::EmulatorStation>(drill.dialect, Pose3{}, 0.1);
   }
-  test::Recording recording = test::play(drill, *hand);
+  test::Recording recording = test::play(drill, *station);
   const bool is_px4 = drill.dialect == models::AutopilotDialect::kPx4;
   recording.provenance = {
       is_real ? (is_px4 ? "PX4 1.18.0 (6a1c532983), simulator_mavlink in lockstep at 250 Hz"

@@ -48,8 +48,8 @@ Line braking(double t_s) {
 
 class Player {
  public:
-  Player(const DrillCase& drill, Hand& hand) : drill_(drill), hand_(hand) {
-    hand_.recording = &recording_;
+  Player(const DrillCase& drill, ScriptedStation& station) : drill_(drill), station_(station) {
+    station_.recording = &recording_;
   }
 
   Recording play() {
@@ -66,7 +66,7 @@ class Player {
           break;
         case Drill::kPosesStop:
           mark("poses stop");
-          hand_.sends_poses = false;
+          station_.sends_poses = false;
           wait_for_disarming(30.0);
           break;
         case Drill::kPosesJump:
@@ -76,19 +76,19 @@ class Player {
           stop_in_motion();
       }
     }
-    hand_.recording = nullptr;
+    station_.recording = nullptr;
     return recording_;
   }
 
  private:
-  void mark(const std::string& what) { recording_.note(hand_.time_s(), "mark", what); }
+  void mark(const std::string& what) { recording_.note(station_.time_s(), "mark", what); }
 
   void tick() {
-    hand_.tick();
-    if (is_on_path_ && hand_.time_s() >= next_moment_s_) {
-      next_moment_s_ = std::max(next_moment_s_ + kPathPeriodS, hand_.time_s());
-      const Hand::Body body = hand_.body();
-      recording_.path.push_back({hand_.time_s(), turn_axes(body.world_from_body.translation_m),
+    station_.tick();
+    if (is_on_path_ && station_.time_s() >= next_moment_s_) {
+      next_moment_s_ = std::max(next_moment_s_ + kPathPeriodS, station_.time_s());
+      const ScriptedStation::Body body = station_.body();
+      recording_.path.push_back({station_.time_s(), turn_axes(body.world_from_body.translation_m),
                                  turn_axes(body.velocity_world_mps),
                                  turn_yaw(flatten(body.world_from_body).yaw_rad)});
     }
@@ -97,30 +97,30 @@ class Player {
     run_until([] { return false; }, seconds);
   }
   bool run_until(const std::function<bool()>& done, double seconds) {
-    const double end_s = hand_.time_s() + seconds - 1e-6;
-    while (hand_.time_s() < end_s && !done()) {
+    const double end_s = station_.time_s() + seconds - 1e-6;
+    while (station_.time_s() < end_s && !done()) {
       tick();
     }
     return done();
   }
   void wait_for_disarming(double seconds) {
-    run_until([&] { return !hand_.says_armed(); }, seconds);
+    run_until([&] { return !station_.reports_armed(); }, seconds);
     run(1.0);
   }
 
   /// Sends a complete target (all fields), as the driver does.
   void tell(const Line& line) {
     wire::mavlink::SetPositionTargetLocalNed out =
-        Hand::position(f32(base_m_ + line.x_m), 0.0F, height_m_, yaw_rad_);
+        ScriptedStation::position(f32(base_m_ + line.x_m), 0.0F, height_m_, yaw_rad_);
     out.type_mask = wire::mavlink::mask::kNothingIgnored;
     out.vx = f32(line.v_mps);
     out.afx = f32(line.a_mps2);
-    hand_.target = out;
+    station_.target = out;
   }
   void follow(const std::function<Line(double)>& line, double seconds) {
-    const double begin_s = hand_.time_s();
-    while (hand_.time_s() - begin_s < seconds - 1e-6) {
-      tell(line(hand_.time_s() - begin_s));
+    const double begin_s = station_.time_s();
+    while (station_.time_s() - begin_s < seconds - 1e-6) {
+      tell(line(station_.time_s() - begin_s));
       tick();
     }
   }
@@ -129,30 +129,30 @@ class Player {
   }
 
   void wake_up() {
-    run_until([&] { return hand_.last_heartbeat.has_value(); }, 20.0);
+    run_until([&] { return station_.last_heartbeat.has_value(); }, 20.0);
     for (const auto id :
          {wire::mavlink::Heartbeat::kMessage.id, wire::mavlink::EstimatorStatus::kMessage.id,
           wire::mavlink::EkfStatusReport::kMessage.id, wire::mavlink::ExtendedSysState::kMessage.id,
           wire::mavlink::LocalPositionNed::kMessage.id}) {
-      hand_.command(wire::mavlink::command::kSetMessageInterval, static_cast<float>(id),
-                    100'000.0F);
+      station_.command(wire::mavlink::command::kSetMessageInterval, static_cast<float>(id),
+                       100'000.0F);
     }
     for (const auto& [name, value] : drill_.parameters) {
-      hand_.set_parameter(name, value);
+      station_.set_parameter(name, value);
     }
     mark("heartbeats");
-    hand_.sends_heartbeats = true;
+    station_.sends_heartbeats = true;
     run(1.0);
   }
 
   int ask_for_mode() {
     return drill_.dialect == AutopilotDialect::kPx4
-               ? hand_.command(wire::mavlink::command::kSetMode, 1, 6)
-               : hand_.command(wire::mavlink::command::kSetMode, 1, 4);
+               ? station_.command(wire::mavlink::command::kSetMode, 1, 6)
+               : station_.command(wire::mavlink::command::kSetMode, 1, 4);
   }
   void see_poses() {
     mark("poses");
-    hand_.sends_poses = true;
+    station_.sends_poses = true;
   }
   void stand_still() {
     height_m_ = drill_.drill == Drill::kArming ? 0.5F : 0.1F;  // below the ground
@@ -160,8 +160,8 @@ class Player {
   }
   /// Requests arming once a second, until it arms. @return true if it armed
   bool arm(double seconds) {
-    const double end_s = hand_.time_s() + seconds;
-    while (hand_.time_s() < end_s && !hand_.says_armed()) {
+    const double end_s = station_.time_s() + seconds;
+    while (station_.time_s() < end_s && !station_.reports_armed()) {
       if (drill_.dialect == AutopilotDialect::kArdupilot && !has_origin_) {
         mark("origin");
         wire::mavlink::SetGpsGlobalOrigin origin;
@@ -169,14 +169,14 @@ class Player {
         origin.longitude = -751'932'000;
         origin.altitude = 10'000;
         origin.target_system = 1;
-        hand_.send(origin);
+        station_.send(origin);
         has_origin_ = true;
       }
       ask_for_mode();
-      hand_.command(wire::mavlink::command::kArmDisarm, 1);
-      run_until([&] { return hand_.says_armed(); }, 1.0);
+      station_.command(wire::mavlink::command::kArmDisarm, 1);
+      run_until([&] { return station_.reports_armed(); }, 1.0);
     }
-    return hand_.says_armed();
+    return station_.reports_armed();
   }
 
   void arming() {
@@ -186,7 +186,7 @@ class Player {
       if (!is_px4) {
         ask_for_mode();
       }
-      hand_.command(wire::mavlink::command::kArmDisarm, 1);
+      station_.command(wire::mavlink::command::kArmDisarm, 1);
       run(1.0);
     }
     see_poses();
@@ -205,7 +205,7 @@ class Player {
     }
     // This comes last: in Offboard without set-points, PX4 does not wait for its simulator.
     if (is_px4) {
-      hand_.target.reset();
+      station_.target.reset();
       run(2.0);
       ask_without_targets();
     }
@@ -213,7 +213,7 @@ class Player {
   void ask_without_targets() {
     mark("no set-points");
     ask_for_mode();
-    hand_.command(wire::mavlink::command::kArmDisarm, 1);
+    station_.command(wire::mavlink::command::kArmDisarm, 1);
     run(1.0);
   }
 
@@ -229,7 +229,7 @@ class Player {
     }
     if (drill_.dialect == AutopilotDialect::kArdupilot) {
       mark("take off");
-      hand_.command(wire::mavlink::command::kTakeOff, 0, 0, 0, kHeightM);
+      station_.command(wire::mavlink::command::kTakeOff, 0, 0, 0, kHeightM);
       run(8.0);
       height_m_ = -kHeightM;
     } else {
@@ -242,7 +242,7 @@ class Player {
       height_m_ = -kHeightM;
       hold(3.0);
     }
-    return turn_axes(hand_.body().world_from_body.translation_m).z() <
+    return turn_axes(station_.body().world_from_body.translation_m).z() <
            -0.5 * static_cast<double>(kHeightM);
   }
 
@@ -260,7 +260,7 @@ class Player {
 
   void go_there_and_back(const char* name, double there_m) {
     mark(name);
-    hand_.target = Hand::position(f32(there_m), 0.0F, height_m_, 0.0F);
+    station_.target = ScriptedStation::position(f32(there_m), 0.0F, height_m_, 0.0F);
     run(5.0);
     go_back(there_m);
   }
@@ -279,10 +279,10 @@ class Player {
     go_there_and_back("place alone", kMovedM + kStopM);
 
     mark("velocity");
-    hand_.target = Hand::velocity(f32(kSpeedMps), 0.0F, 0.0F, 0.0F);
+    station_.target = ScriptedStation::velocity(f32(kSpeedMps), 0.0F, 0.0F, 0.0F);
     run(3.0);
     go_there_and_back("place after velocity",
-                      hand_.body().world_from_body.translation_m.x() + kStopM);
+                      station_.body().world_from_body.translation_m.x() + kStopM);
 
     // The kind of target changes while it brakes, when its tilt comes from braking and not from
     // wind.
@@ -294,12 +294,13 @@ class Player {
     go_there_and_back("place while braking", kMovedM + kStopM);
 
     mark("velocity once more");
-    hand_.target = Hand::velocity(f32(kSpeedMps), 0.0F, 0.0F, 0.0F);
+    station_.target = ScriptedStation::velocity(f32(kSpeedMps), 0.0F, 0.0F, 0.0F);
     run(3.0);
-    const double braked_m = hand_.body().world_from_body.translation_m.x() + kStopM;
-    const double begin_s = hand_.time_s();
-    while (hand_.time_s() - begin_s < kBrakedS) {
-      hand_.target = Hand::velocity(f32(braking(hand_.time_s() - begin_s).v_mps), 0.0F, 0.0F, 0.0F);
+    const double braked_m = station_.body().world_from_body.translation_m.x() + kStopM;
+    const double begin_s = station_.time_s();
+    while (station_.time_s() - begin_s < kBrakedS) {
+      station_.target = ScriptedStation::velocity(f32(braking(station_.time_s() - begin_s).v_mps),
+                                                  0.0F, 0.0F, 0.0F);
       tick();
     }
     go_there_and_back("place after braking velocity", braked_m);
@@ -312,24 +313,24 @@ class Player {
 
   void land() {
     mark("land");
-    hand_.target.reset();
+    station_.target.reset();
     if (drill_.dialect == AutopilotDialect::kPx4) {
-      hand_.command(wire::mavlink::command::kLand, 0);
+      station_.command(wire::mavlink::command::kLand, 0);
     } else {
-      hand_.command(wire::mavlink::command::kSetMode, 1, 9);
+      station_.command(wire::mavlink::command::kSetMode, 1, 9);
     }
     wait_for_disarming(20.0);
   }
 
   void jump() {
     mark("small jump");
-    hand_.pose_offset_m.x() = 0.3;
+    station_.pose_offset_m.x() = 0.3;
     hold(5.0);
     mark("small jump back");
-    hand_.pose_offset_m.x() = 0.0;
+    station_.pose_offset_m.x() = 0.0;
     hold(5.0);
     mark("great jump");
-    hand_.pose_offset_m.x() = 1.5;
+    station_.pose_offset_m.x() = 1.5;
     hold(8.0);
     land();
   }
@@ -341,17 +342,17 @@ class Player {
     const auto go_on = [](double t_s) { return Line{kSpeedMps * t_s, kSpeedMps, 0.0}; };
     if (drill_.drill == Drill::kSetpointsStop) {
       mark("set-points stop");
-      hand_.target.reset();
+      station_.target.reset();
       wait_for_disarming(12.0);
     } else if (drill_.drill == Drill::kEverythingStops) {
       mark("everything stops");
-      hand_.target.reset();
-      hand_.sends_heartbeats = false;
-      hand_.sends_poses = false;
+      station_.target.reset();
+      station_.sends_heartbeats = false;
+      station_.sends_poses = false;
       wait_for_disarming(30.0);
     } else {
       mark("heartbeats stop");
-      hand_.sends_heartbeats = false;
+      station_.sends_heartbeats = false;
       follow(go_on, 2.0);
       base_m_ += 2.0 * kSpeedMps;
       follow(braking, kRampS);
@@ -359,13 +360,13 @@ class Player {
       tell({});
       wait_for_disarming(10.0);
     }
-    if (hand_.says_armed()) {
+    if (station_.reports_armed()) {
       land();
     }
   }
 
   const DrillCase& drill_;
-  Hand& hand_;
+  ScriptedStation& station_;
   Recording recording_;
   bool is_on_path_ = false;
   bool has_origin_ = false;
@@ -414,6 +415,8 @@ const DrillCase& drill_case(const std::string& name) {
   return *found;
 }
 
-Recording play(const DrillCase& drill, Hand& hand) { return Player(drill, hand).play(); }
+Recording play(const DrillCase& drill, ScriptedStation& station) {
+  return Player(drill, station).play();
+}
 
 }  // namespace vantage::test

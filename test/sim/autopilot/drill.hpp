@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "test/sim/autopilot/hand.hpp"
 #include "test/sim/autopilot/recording.hpp"
+#include "test/sim/autopilot/scripted_station.hpp"
 
 namespace vantage::test {
 
@@ -40,6 +40,6 @@ const DrillCase& drill_case(const std::string& name);
 
 /// Plays the drill. It ends if the vehicle does not take off; the recording then has no mark
 /// "hover".
-Recording play(const DrillCase& drill, Hand& hand);
+Recording play(const DrillCase& drill, ScriptedStation& station);
 
 }  // namespace vantage::test

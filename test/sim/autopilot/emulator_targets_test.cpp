@@ -8,19 +8,19 @@
 #include <gtest/gtest.h>
 
 #include "core/axes.hpp"
-#include "test/sim/autopilot/desk.hpp"
+#include "test/sim/autopilot/emulator_bench.hpp"
 
 namespace vantage::sim {
 namespace {
 
 namespace mavlink = wire::mavlink;
 using models::AutopilotDialect;
-using test::Desk;
+using test::EmulatorBench;
 using test::flying;
 using test::spec_of;
 using test::target_of;
 
-constexpr Time kBoot = test::kDeskBoot;
+constexpr Time kBoot = test::kBenchBoot;
 
 mavlink::SetPositionTargetLocalNed velocity_of(double vx, double vy, double vz) {
   auto out = target_of(mavlink::mask::kVelocityAndYawRate);
@@ -31,16 +31,16 @@ mavlink::SetPositionTargetLocalNed velocity_of(double vx, double vy, double vz) 
 }
 
 /// Returns the position and yaw after 1.5 s with that target.
-Eigen::Vector4d place_after(Desk desk, const mavlink::SetPositionTargetLocalNed& target) {
-  desk.watch(1.5, &target);
-  const Eigen::Vector3d place_m = desk.place_m();
-  return {place_m.x(), place_m.y(), place_m.z(), desk.emulator.controller().airframe().yaw_rad()};
+Eigen::Vector4d place_after(EmulatorBench bench, const mavlink::SetPositionTargetLocalNed& target) {
+  bench.send_poses(1.5, &target);
+  const Eigen::Vector3d place_m = bench.place_m();
+  return {place_m.x(), place_m.y(), place_m.z(), bench.emulator.controller().airframe().yaw_rad()};
 }
 
 // Targets in body axes are turned by the yaw: forward, right, down. A position in body axes is
 // refused.
 TEST(EmulatorTargets, InBodyAxesAreRotatedByYaw) {
-  const Desk begin = flying();
+  const EmulatorBench begin = flying();
   const double yaw_rad = begin.emulator.controller().airframe().yaw_rad();
   ASSERT_NEAR(yaw_rad, -0.5, 0.01);
   for (const Eigen::Vector3d& wish :
@@ -63,33 +63,33 @@ TEST(EmulatorTargets, InBodyAxesAreRotatedByYaw) {
 }
 
 TEST(EmulatorTargets, InUnknownFramesAreIgnoredAndCounted) {
-  const Desk begin = flying();
+  const EmulatorBench begin = flying();
   auto stay = target_of(mavlink::mask::kPositionAndYaw);
   stay.x = 1.0F;
   stay.y = -2.0F;
   stay.z = -1.75F;
   stay.yaw = -0.5F;
   for (int frame = 0; frame <= 21; ++frame) {
-    Desk desk = begin;
+    EmulatorBench bench = begin;
     auto target = velocity_of(0.5, 0.0, 0.0);
     target.coordinate_frame = static_cast<std::uint8_t>(frame);
-    desk.send(target);
+    bench.send(target);
     const bool is_known = frame == mavlink::frame::kLocalNed || frame == mavlink::frame::kBodyNed;
-    EXPECT_EQ(desk.emulator.ignored(), is_known ? 0 : 1) << frame;
-    desk.run(0.1);
-    EXPECT_EQ(desk.emulator.velocity_world_mps().norm() > 0.02, is_known) << frame;
+    EXPECT_EQ(bench.emulator.ignored(), is_known ? 0 : 1) << frame;
+    bench.run(0.1);
+    EXPECT_EQ(bench.emulator.velocity_world_mps().norm() > 0.02, is_known) << frame;
   }
-  Desk desk = begin;
+  EmulatorBench bench = begin;
   auto force = velocity_of(0.5, 0.0, 0.0);
   force.type_mask |= mavlink::mask::kIsForce;
-  desk.send(force);
-  EXPECT_EQ(desk.emulator.ignored(), 1);
+  bench.send(force);
+  EXPECT_EQ(bench.emulator.ignored(), 1);
   auto others = velocity_of(0.5, 0.0, 0.0);
   others.target_system = 8;
-  desk.send(others);
-  EXPECT_EQ(desk.emulator.ignored(), 1) << "another's is not even looked at";
-  desk.watch(0.5, &stay);
-  EXPECT_LT(desk.emulator.velocity_world_mps().norm(), 0.02);
+  bench.send(others);
+  EXPECT_EQ(bench.emulator.ignored(), 1) << "another's is not even looked at";
+  bench.send_poses(0.5, &stay);
+  EXPECT_LT(bench.emulator.velocity_world_mps().norm(), 0.02);
 }
 
 // Each of the five parts is obeyed if and only if it is not masked out.
@@ -119,7 +119,7 @@ TEST(EmulatorTargets, ApplyAllUnmaskedFields) {
                          }},
                         {mavlink::mask::kIgnoreYaw, [](Target& t) { t.yaw = 0.3F; }},
                         {mavlink::mask::kIgnoreYawRate, [](Target& t) { t.yaw_rate = 0.4F; }}};
-  const Desk begin = flying();
+  const EmulatorBench begin = flying();
   const std::uint16_t all = mavlink::mask::kIgnorePosition | mavlink::mask::kIgnoreVelocity |
                             mavlink::mask::kIgnoreAcceleration | mavlink::mask::kIgnoreYaw |
                             mavlink::mask::kIgnoreYawRate;
@@ -136,20 +136,20 @@ TEST(EmulatorTargets, ApplyAllUnmaskedFields) {
 // --- clocks
 
 TEST(EmulatorMessages, AnswersAndSendsTimesync) {
-  Desk desk(AutopilotDialect::kPx4);
-  desk.run(0.5);
-  desk.frames.clear();
+  EmulatorBench bench(AutopilotDialect::kPx4);
+  bench.run(0.5);
+  bench.frames.clear();
   mavlink::Timesync asked;
   asked.ts1 = 123'456'789;
-  desk.send(asked);
-  const auto answers = desk.all<mavlink::Timesync>();
+  bench.send(asked);
+  const auto answers = bench.all<mavlink::Timesync>();
   ASSERT_EQ(answers.size(), 1u);
   EXPECT_EQ(answers[0].ts1, 123'456'789);
-  EXPECT_EQ(answers[0].tc1, (desk.now - kBoot).count() * 1'000);
-  desk.frames.clear();
+  EXPECT_EQ(answers[0].tc1, (bench.now - kBoot).count() * 1'000);
+  bench.frames.clear();
   asked.tc1 = 5;  // an answer
-  desk.send(asked);
-  EXPECT_TRUE(desk.all<mavlink::Timesync>().empty()) << "is not answered in turn";
+  bench.send(asked);
+  EXPECT_TRUE(bench.all<mavlink::Timesync>().empty()) << "is not answered in turn";
 }
 
 // The host's clock is five hours off. The answer gives the host's time half a round trip after the
@@ -157,54 +157,54 @@ TEST(EmulatorMessages, AnswersAndSendsTimesync) {
 TEST(EmulatorMessages, ConvertsPoseTimeFromHostClock) {
   constexpr Duration kOff = std::chrono::hours(5);
   for (const bool is_answered : {false, true}) {
-    Desk desk = flying();
+    EmulatorBench bench = flying();
     const auto flies_on = velocity_of(1.0, 0.0, 0.0);
-    desk.watch(2.0, &flies_on);
+    bench.send_poses(2.0, &flies_on);
     if (is_answered) {
       mavlink::Timesync answer;
-      answer.ts1 = (desk.now - kBoot).count() * 1'000;
-      answer.tc1 = to_utime(desk.now + kOff + Duration{20'000}) * 1'000;
-      desk.run(0.04);
-      desk.send(answer);
+      answer.ts1 = (bench.now - kBoot).count() * 1'000;
+      answer.tc1 = to_utime(bench.now + kOff + Duration{20'000}) * 1'000;
+      bench.run(0.04);
+      bench.send(answer);
       answer.ts1 += 1'000'000'000;  // answers a request that was not sent
       answer.tc1 += 9'000'000'000;
-      desk.send(answer);
+      bench.send(answer);
     }
     std::vector<Eigen::Vector3d> places_m;
     for (int k = 0; k < 100; ++k) {
-      places_m.push_back(desk.place_m());
+      places_m.push_back(bench.place_m());
       if (k >= 5) {
-        auto late = desk.pose(places_m[places_m.size() - 6]);
-        late.time_usec = static_cast<std::uint64_t>(to_utime(desk.now + kOff - Duration{100'000}));
-        desk.send(late);
+        auto late = bench.pose(places_m[places_m.size() - 6]);
+        late.time_usec = static_cast<std::uint64_t>(to_utime(bench.now + kOff - Duration{100'000}));
+        bench.send(late);
       }
-      desk.send(flies_on);
-      desk.run(0.02);
+      bench.send(flies_on);
+      bench.run(0.02);
     }
-    ASSERT_GT(desk.emulator.velocity_world_mps().x(), 0.85);
+    ASSERT_GT(bench.emulator.velocity_world_mps().x(), 0.85);
     const double behind_m =
-        desk.place_m().x() - desk.emulator.controller().estimator().position_m().x();
-    EXPECT_NEAR(behind_m, is_answered ? 0.0 : 0.1 * desk.emulator.velocity_world_mps().x(), 0.005);
+        bench.place_m().x() - bench.emulator.controller().estimator().position_m().x();
+    EXPECT_NEAR(behind_m, is_answered ? 0.0 : 0.1 * bench.emulator.velocity_world_mps().x(), 0.005);
   }
 }
 
 TEST(EmulatorMessages, ConfirmsOrigin) {
   for (const AutopilotDialect dialect : {AutopilotDialect::kPx4, AutopilotDialect::kArdupilot}) {
-    Desk desk(dialect);
-    desk.run(4.0);
+    EmulatorBench bench(dialect);
+    bench.run(4.0);
     mavlink::SetGpsGlobalOrigin origin{421'234'567, -710'987'654, 12'345, 8};
-    desk.frames.clear();
-    desk.send(origin);
-    EXPECT_TRUE(desk.all<mavlink::GpsGlobalOrigin>().empty()) << "another's";
-    EXPECT_FALSE(desk.emulator.controller().has_origin());
+    bench.frames.clear();
+    bench.send(origin);
+    EXPECT_TRUE(bench.all<mavlink::GpsGlobalOrigin>().empty()) << "another's";
+    EXPECT_FALSE(bench.emulator.controller().has_origin());
     origin.target_system = 9;
-    desk.send(origin);
-    const auto confirmed = desk.all<mavlink::GpsGlobalOrigin>();
+    bench.send(origin);
+    const auto confirmed = bench.all<mavlink::GpsGlobalOrigin>();
     ASSERT_EQ(confirmed.size(), 1u);
     EXPECT_EQ(confirmed[0].latitude, 421'234'567);
     EXPECT_EQ(confirmed[0].longitude, -710'987'654);
     EXPECT_EQ(confirmed[0].altitude, 12'345);
-    EXPECT_TRUE(desk.emulator.controller().has_origin());
+    EXPECT_TRUE(bench.emulator.controller().has_origin());
   }
 }
 
@@ -212,20 +212,20 @@ TEST(EmulatorMessages, ConfirmsOrigin) {
 
 // 50 letters per message. The pieces of one text share an id and are numbered.
 TEST(EmulatorMessages, SplitsLongTexts) {
-  Desk desk(AutopilotDialect::kPx4);
+  EmulatorBench bench(AutopilotDialect::kPx4);
   mavlink::Heartbeat station;
   station.type = mavlink::type::kGroundStation;
-  desk.watch(1.0);
+  bench.send_poses(1.0);
   std::uint16_t last_id = 0;
   for (const std::size_t letters : {49U, 50U, 51U, 100U, 101U, 130U}) {
     std::string why;
     for (std::size_t k = 0; k < letters; ++k) {
       why.push_back(static_cast<char>('a' + k % 23));
     }
-    desk.send(station);
-    desk.emulator.controller().set_fault(why);
-    EXPECT_EQ(desk.command(mavlink::command::kArmDisarm, 1.0F), 1);
-    const auto pieces = desk.all<mavlink::Statustext>();
+    bench.send(station);
+    bench.emulator.controller().set_fault(why);
+    EXPECT_EQ(bench.command(mavlink::command::kArmDisarm, 1.0F), 1);
+    const auto pieces = bench.all<mavlink::Statustext>();
     ASSERT_EQ(pieces.size(), (letters + 49) / 50);
     std::string said;
     for (std::size_t k = 0; k < pieces.size(); ++k) {
@@ -240,21 +240,21 @@ TEST(EmulatorMessages, SplitsLongTexts) {
     EXPECT_TRUE(letters <= 50 || pieces[0].id != last_id);
     last_id = pieces[0].id;
     // The reason comes before the refusal.
-    EXPECT_TRUE(mavlink::unpack<mavlink::CommandAck>(desk.frames.back()));
+    EXPECT_TRUE(mavlink::unpack<mavlink::CommandAck>(bench.frames.back()));
   }
 }
 
 // PX4 sends texts only to a ground station whose last heartbeat is at most 2.5 s old.
 TEST(EmulatorMessages, SendsTextsFor2_5SecondsAfterHeartbeat) {
   const auto texts_after = [](AutopilotDialect dialect, double silence_s) {
-    Desk desk(dialect);
-    desk.run(1.0);
+    EmulatorBench bench(dialect);
+    bench.run(1.0);
     mavlink::Heartbeat station;
     station.type = mavlink::type::kGroundStation;
-    desk.send(station);
-    desk.run(silence_s);
-    EXPECT_GT(desk.command(mavlink::command::kArmDisarm, 1.0F), 0);
-    return desk.all<mavlink::Statustext>().size();
+    bench.send(station);
+    bench.run(silence_s);
+    EXPECT_GT(bench.command(mavlink::command::kArmDisarm, 1.0F), 0);
+    return bench.all<mavlink::Statustext>().size();
   };
   EXPECT_GT(texts_after(AutopilotDialect::kPx4, 2.5), 0u);
   EXPECT_EQ(texts_after(AutopilotDialect::kPx4, 2.505), 0u);

@@ -4,56 +4,56 @@
 
 #include "sim/autopilot/pose_estimator.hpp"
 #include "sim/autopilot/profile.hpp"
-#include "test/sim/autopilot/hand.hpp"
+#include "test/sim/autopilot/scripted_station.hpp"
 
 namespace vantage::sim {
 namespace {
 
 using models::AutopilotDialect;
-using Hand = test::EmulatorHand;
+using Station = test::EmulatorStation;
 
 constexpr std::uint32_t kOffboard = 6U << 16U;
 constexpr std::uint32_t kPx4Land = 4U << 16U | 6U << 24U;
 
-void listen(Hand& hand) {
+void listen(Station& station) {
   for (const float id : {32.0F, 230.0F, 193.0F}) {
-    hand.command(511, id, 50'000.0F);
+    station.command(511, id, 50'000.0F);
   }
 }
 
-Hand flying_px4() {
-  Hand hand(AutopilotDialect::kPx4);
-  listen(hand);
-  hand.sends_poses = true;
-  hand.run(5.0);
-  hand.target = Hand::position(1.0F, -2.0F, -1.6F, -0.5F);
-  hand.run(1.5);
-  EXPECT_EQ(hand.command(176, 1, 6), 0);
-  EXPECT_EQ(hand.command(400, 1), 0);
-  hand.run(8.0);
-  EXPECT_NEAR(hand.height_m(), 1.5, 0.1);
-  return hand;
+Station flying_px4() {
+  Station station(AutopilotDialect::kPx4);
+  listen(station);
+  station.sends_poses = true;
+  station.run(5.0);
+  station.target = Station::position(1.0F, -2.0F, -1.6F, -0.5F);
+  station.run(1.5);
+  EXPECT_EQ(station.command(176, 1, 6), 0);
+  EXPECT_EQ(station.command(400, 1), 0);
+  station.run(8.0);
+  EXPECT_NEAR(station.height_m(), 1.5, 0.1);
+  return station;
 }
 
 // Returns an ArduPilot on the ground that receives poses and has its origin.
-Hand placed_ardupilot() {
-  Hand hand(AutopilotDialect::kArdupilot);
-  listen(hand);
-  hand.sends_poses = true;
-  hand.run(5.0);
-  hand.send(wire::mavlink::SetGpsGlobalOrigin{});
-  return hand;
+Station placed_ardupilot() {
+  Station station(AutopilotDialect::kArdupilot);
+  listen(station);
+  station.sends_poses = true;
+  station.run(5.0);
+  station.send(wire::mavlink::SetGpsGlobalOrigin{});
+  return station;
 }
 
-Hand flying_ardupilot() {
-  Hand hand = placed_ardupilot();
-  hand.run(21.0);
-  EXPECT_EQ(hand.command(176, 1, 4), 0);
-  EXPECT_EQ(hand.command(400, 1), 0);
-  EXPECT_EQ(hand.command(22, 0, 0, 0, 1.5F), 0);
-  hand.run(6.0);
-  EXPECT_NEAR(hand.height_m(), 1.5, 0.1);
-  return hand;
+Station flying_ardupilot() {
+  Station station = placed_ardupilot();
+  station.run(21.0);
+  EXPECT_EQ(station.command(176, 1, 4), 0);
+  EXPECT_EQ(station.command(400, 1), 0);
+  EXPECT_EQ(station.command(22, 0, 0, 0, 1.5F), 0);
+  station.run(6.0);
+  EXPECT_NEAR(station.height_m(), 1.5, 0.1);
+  return station;
 }
 
 // A late pose is compared with the vehicle's position at its capture time.
@@ -83,189 +83,189 @@ TEST(AutopilotProfile, ChecksStationAtTheRealRate) {
 }
 
 TEST(EmulatedPx4, IsReadySoonAfterTheFirstPose) {
-  Hand hand(AutopilotDialect::kPx4);
-  listen(hand);
-  hand.run(10.0);
-  EXPECT_EQ(hand.flags, 0x0A5);
-  EXPECT_EQ(hand.command(400, 1), 1);
-  hand.sends_poses = true;
-  hand.run(0.5);
-  EXPECT_EQ(hand.flags, 0x1AF);
-  EXPECT_EQ(hand.command(400, 1), 0);
+  Station station(AutopilotDialect::kPx4);
+  listen(station);
+  station.run(10.0);
+  EXPECT_EQ(station.flags, 0x0A5);
+  EXPECT_EQ(station.command(400, 1), 1);
+  station.sends_poses = true;
+  station.run(0.5);
+  EXPECT_EQ(station.flags, 0x1AF);
+  EXPECT_EQ(station.command(400, 1), 0);
 }
 
 // PX4 1.18 sends STATUSTEXT only where it receives a heartbeat of type GCS.
 TEST(EmulatedPx4, SendsReasonsOnlyToGroundStations) {
-  Hand hand(AutopilotDialect::kPx4);
-  listen(hand);
-  hand.run(1.0);
+  Station station(AutopilotDialect::kPx4);
+  listen(station);
+  station.run(1.0);
   wire::mavlink::Heartbeat heartbeat;
   heartbeat.type = wire::mavlink::type::kOnboardController;
-  hand.send(heartbeat);
-  EXPECT_EQ(hand.command(400, 1), 1);
-  EXPECT_TRUE(hand.last_text.empty());
+  station.send(heartbeat);
+  EXPECT_EQ(station.command(400, 1), 1);
+  EXPECT_TRUE(station.last_text.empty());
   heartbeat.type = wire::mavlink::type::kGroundStation;
-  hand.send(heartbeat);
-  EXPECT_EQ(hand.command(400, 1), 1);
-  EXPECT_FALSE(hand.last_text.empty());
+  station.send(heartbeat);
+  EXPECT_EQ(station.command(400, 1), 1);
+  EXPECT_FALSE(station.last_text.empty());
 }
 
 TEST(EmulatedPx4, IgnoresMocapPoses) {
-  Hand hand(AutopilotDialect::kPx4);
-  hand.sends_poses = true;
-  hand.estimator_type = 6;
-  hand.run(10.0);
-  EXPECT_EQ(hand.command(400, 1), 1);
-  EXPECT_EQ(hand.emulator.controller().estimator().poses(), 0);
+  Station station(AutopilotDialect::kPx4);
+  station.sends_poses = true;
+  station.estimator_type = 6;
+  station.run(10.0);
+  EXPECT_EQ(station.command(400, 1), 1);
+  EXPECT_EQ(station.emulator.controller().estimator().poses(), 0);
 }
 
 TEST(EmulatedPx4, ArmsInOffboardAfterOneSecondOfSetPoints) {
-  Hand hand(AutopilotDialect::kPx4);
-  hand.sends_poses = true;
-  hand.run(5.0);
-  EXPECT_EQ(hand.command(176, 1, 6), 0);
-  EXPECT_EQ(hand.mode(), kOffboard);
-  EXPECT_EQ(hand.command(400, 1), 1);
-  hand.target = Hand::position(1.0F, -2.0F, -1.6F, 0.0F);
-  hand.run(0.8);
-  EXPECT_EQ(hand.command(400, 1), 1);
-  hand.run(0.5);
-  EXPECT_EQ(hand.command(400, 1), 0);
+  Station station(AutopilotDialect::kPx4);
+  station.sends_poses = true;
+  station.run(5.0);
+  EXPECT_EQ(station.command(176, 1, 6), 0);
+  EXPECT_EQ(station.mode(), kOffboard);
+  EXPECT_EQ(station.command(400, 1), 1);
+  station.target = Station::position(1.0F, -2.0F, -1.6F, 0.0F);
+  station.run(0.8);
+  EXPECT_EQ(station.command(400, 1), 1);
+  station.run(0.5);
+  EXPECT_EQ(station.command(400, 1), 0);
 }
 
 // COM_OF_LOSS_T, with the default and set values.
 TEST(EmulatedPx4, LandsAfterComOfLossT) {
   for (const double timeout_s : {0.3, 1.0, 2.0}) {
-    Hand hand = flying_px4();
-    hand.set_parameter("COM_OF_LOSS_T", timeout_s);
-    hand.target.reset();
-    hand.run(timeout_s - 0.02);
-    EXPECT_EQ(hand.mode(), kOffboard);
-    hand.run(0.2);
-    EXPECT_EQ(hand.mode(), kPx4Land);
-    hand.run(12.0);
-    EXPECT_FALSE(hand.armed());
+    Station station = flying_px4();
+    station.set_parameter("COM_OF_LOSS_T", timeout_s);
+    station.target.reset();
+    station.run(timeout_s - 0.02);
+    EXPECT_EQ(station.mode(), kOffboard);
+    station.run(0.2);
+    EXPECT_EQ(station.mode(), kPx4Land);
+    station.run(12.0);
+    EXPECT_FALSE(station.armed());
   }
 }
 
 TEST(EmulatedPx4, HoldsOnSetPointLossUnlessConfiguredToLand) {
-  Hand hand = flying_px4();
-  hand.set_parameter("COM_OBL_RC_ACT", 0.0);
-  hand.target.reset();
-  hand.run(20.0);
-  EXPECT_EQ(hand.mode(), kOffboard);
-  EXPECT_TRUE(hand.armed());
+  Station station = flying_px4();
+  station.set_parameter("COM_OBL_RC_ACT", 0.0);
+  station.target.reset();
+  station.run(20.0);
+  EXPECT_EQ(station.mode(), kOffboard);
+  EXPECT_TRUE(station.armed());
 }
 
 TEST(EmulatedPx4, KeepsMotorsRunningWithANegativeDisarmDelay) {
-  Hand hand = flying_px4();
-  hand.set_parameter("COM_DISARM_LAND", -1.0);
-  EXPECT_EQ(hand.command(21, 0), 0);
-  hand.run(30.0);
-  EXPECT_TRUE(hand.armed());
+  Station station = flying_px4();
+  station.set_parameter("COM_DISARM_LAND", -1.0);
+  EXPECT_EQ(station.command(21, 0), 0);
+  station.run(30.0);
+  EXPECT_TRUE(station.armed());
 }
 
 TEST(EmulatedPx4, LosesHeightWithoutPosesAndBarometer) {
-  Hand hand = flying_px4();
-  hand.set_parameter("EKF2_BARO_CTRL", 0.0);
-  hand.sends_poses = false;
-  hand.run(2.0);
-  EXPECT_EQ(hand.flags, 0x00F);
-  hand.run(3.0);
-  EXPECT_EQ(hand.flags, 0x005);
+  Station station = flying_px4();
+  station.set_parameter("EKF2_BARO_CTRL", 0.0);
+  station.sends_poses = false;
+  station.run(2.0);
+  EXPECT_EQ(station.flags, 0x00F);
+  station.run(3.0);
+  EXPECT_EQ(station.flags, 0x005);
 }
 
 TEST(EmulatedPx4, FollowsVelocitiesSmoothly) {
-  Hand hand = flying_px4();
-  const Eigen::Vector3d before_m = hand.emulator.world_from_body().translation_m;
-  hand.target = Hand::velocity(0.5F, 0.0F, 0.0F, 0.0F);
-  hand.run(2.0);
-  const double at_two_m = hand.emulator.world_from_body().translation_m.x();
-  hand.run(2.0);
-  const double mean_mps = (hand.emulator.world_from_body().translation_m.x() - at_two_m) / 2.0;
+  Station station = flying_px4();
+  const Eigen::Vector3d before_m = station.emulator.world_from_body().translation_m;
+  station.target = Station::velocity(0.5F, 0.0F, 0.0F, 0.0F);
+  station.run(2.0);
+  const double at_two_m = station.emulator.world_from_body().translation_m.x();
+  station.run(2.0);
+  const double mean_mps = (station.emulator.world_from_body().translation_m.x() - at_two_m) / 2.0;
   EXPECT_GT(mean_mps, 0.43);
   EXPECT_LT(mean_mps, 0.51);
-  EXPECT_NEAR(hand.emulator.world_from_body().translation_m.y(), before_m.y(), 0.1);
+  EXPECT_NEAR(station.emulator.world_from_body().translation_m.y(), before_m.y(), 0.1);
 }
 
 TEST(EmulatedArdupilot, DoesNotArmWithoutAnOrigin) {
-  Hand hand(AutopilotDialect::kArdupilot);
-  listen(hand);
-  hand.sends_poses = true;
-  hand.run(4.9);
-  EXPECT_EQ(hand.positions, 0);
-  hand.run(1.1);
-  EXPECT_GT(hand.positions, 0);
-  EXPECT_EQ(hand.flags, 0x33F);
-  hand.run(20.0);
-  EXPECT_EQ(hand.command(400, 1), 4);
-  EXPECT_EQ(hand.last_text, "Arm: AHRS: waiting for home");
-  hand.send(wire::mavlink::SetGpsGlobalOrigin{});
-  EXPECT_EQ(hand.command(400, 1), 0);
+  Station station(AutopilotDialect::kArdupilot);
+  listen(station);
+  station.sends_poses = true;
+  station.run(4.9);
+  EXPECT_EQ(station.positions, 0);
+  station.run(1.1);
+  EXPECT_GT(station.positions, 0);
+  EXPECT_EQ(station.flags, 0x33F);
+  station.run(20.0);
+  EXPECT_EQ(station.command(400, 1), 4);
+  EXPECT_EQ(station.last_text, "Arm: AHRS: waiting for home");
+  station.send(wire::mavlink::SetGpsGlobalOrigin{});
+  EXPECT_EQ(station.command(400, 1), 0);
 }
 
 TEST(EmulatedArdupilot, RefusesAnOriginBeforeItsEstimatorRuns) {
-  Hand hand(AutopilotDialect::kArdupilot);
-  hand.run(3.0);
-  hand.send(wire::mavlink::SetGpsGlobalOrigin{});
-  EXPECT_EQ(hand.origins, 0);
-  hand.run(1.0);
-  hand.send(wire::mavlink::SetGpsGlobalOrigin{});
-  EXPECT_EQ(hand.origins, 1);  // it reports its origin once and accepts no other
-  hand.send(wire::mavlink::SetGpsGlobalOrigin{});
-  EXPECT_EQ(hand.origins, 1);
+  Station station(AutopilotDialect::kArdupilot);
+  station.run(3.0);
+  station.send(wire::mavlink::SetGpsGlobalOrigin{});
+  EXPECT_EQ(station.origins, 0);
+  station.run(1.0);
+  station.send(wire::mavlink::SetGpsGlobalOrigin{});
+  EXPECT_EQ(station.origins, 1);  // it reports its origin once and accepts no other
+  station.send(wire::mavlink::SetGpsGlobalOrigin{});
+  EXPECT_EQ(station.origins, 1);
 }
 
 TEST(EmulatedArdupilot, RefusesToArmFor22SecondsWithReason) {
-  Hand hand = placed_ardupilot();
-  hand.run(5.0);
-  EXPECT_EQ(hand.command(400, 1), 4);
-  EXPECT_EQ(hand.last_text, "Arm: Accels inconsistent");
-  hand.run(11.0);
-  EXPECT_EQ(hand.command(400, 1), 4);
-  EXPECT_EQ(hand.last_text, "Arm: Gyros inconsistent");
-  hand.run(2.0);
-  EXPECT_EQ(hand.command(400, 1), 0);
+  Station station = placed_ardupilot();
+  station.run(5.0);
+  EXPECT_EQ(station.command(400, 1), 4);
+  EXPECT_EQ(station.last_text, "Arm: Accels inconsistent");
+  station.run(11.0);
+  EXPECT_EQ(station.command(400, 1), 4);
+  EXPECT_EQ(station.last_text, "Arm: Gyros inconsistent");
+  station.run(2.0);
+  EXPECT_EQ(station.command(400, 1), 0);
 }
 
 TEST(EmulatedArdupilot, IgnoresPosesInOtherFrames) {
-  Hand hand(AutopilotDialect::kArdupilot);
-  hand.sends_poses = true;
-  hand.frame = wire::mavlink::frame::kLocalNed;
-  hand.run(7.0);
-  EXPECT_EQ(hand.emulator.controller().estimator().poses(), 0);
-  hand.frame = wire::mavlink::frame::kLocalFrd;
-  hand.run(2.0);
-  EXPECT_GT(hand.emulator.controller().estimator().poses(), 0);
+  Station station(AutopilotDialect::kArdupilot);
+  station.sends_poses = true;
+  station.frame = wire::mavlink::frame::kLocalNed;
+  station.run(7.0);
+  EXPECT_EQ(station.emulator.controller().estimator().poses(), 0);
+  station.frame = wire::mavlink::frame::kLocalFrd;
+  station.run(2.0);
+  EXPECT_GT(station.emulator.controller().estimator().poses(), 0);
 }
 
 // GUID_TIMEOUT, with the default and set values.
 TEST(EmulatedArdupilot, StopsAfterGuidTimeout) {
   for (const double timeout_s : {0.3, 3.0}) {
-    Hand hand = flying_ardupilot();
-    hand.set_parameter("GUID_TIMEOUT", timeout_s);
-    hand.target = Hand::velocity(0.5F, 0.0F, 0.0F, 0.0F);
-    hand.run(4.0);
-    EXPECT_NEAR(hand.emulator.velocity_world_mps().x(), 0.5, 0.03);
-    hand.target.reset();
-    hand.run(timeout_s - 0.1);
-    EXPECT_NEAR(hand.emulator.velocity_world_mps().x(), 0.5, 0.03);
-    hand.run(2.2);
-    EXPECT_NEAR(hand.emulator.velocity_world_mps().x(), 0.0, 0.1);
-    EXPECT_EQ(hand.mode(), 4U);
+    Station station = flying_ardupilot();
+    station.set_parameter("GUID_TIMEOUT", timeout_s);
+    station.target = Station::velocity(0.5F, 0.0F, 0.0F, 0.0F);
+    station.run(4.0);
+    EXPECT_NEAR(station.emulator.velocity_world_mps().x(), 0.5, 0.03);
+    station.target.reset();
+    station.run(timeout_s - 0.1);
+    EXPECT_NEAR(station.emulator.velocity_world_mps().x(), 0.5, 0.03);
+    station.run(2.2);
+    EXPECT_NEAR(station.emulator.velocity_world_mps().x(), 0.0, 0.1);
+    EXPECT_EQ(station.mode(), 4U);
   }
 }
 
 // FS_GCS_ENABLE, FS_GCS_TIMEOUT, SYSID_MYGCS. A station that never sent anything cannot be lost.
 TEST(EmulatedArdupilot, LandsOnStationLossIfConfigured) {
   const auto mode_after = [](double silence_s, const std::string& name, double value) {
-    Hand hand = flying_ardupilot();
-    hand.set_parameter(name, value);
-    hand.sends_heartbeats = true;
-    hand.run(2.0);
-    hand.sends_heartbeats = false;
-    hand.run(silence_s);
-    return hand.mode();
+    Station station = flying_ardupilot();
+    station.set_parameter(name, value);
+    station.sends_heartbeats = true;
+    station.run(2.0);
+    station.sends_heartbeats = false;
+    station.run(silence_s);
+    return station.mode();
   };
   EXPECT_EQ(mode_after(0.7, "FS_GCS_TIMEOUT", 1.0), 4U);
   EXPECT_EQ(mode_after(1.4, "FS_GCS_TIMEOUT", 1.0), 9U);
@@ -273,83 +273,83 @@ TEST(EmulatedArdupilot, LandsOnStationLossIfConfigured) {
   EXPECT_EQ(mode_after(3.4, "FS_GCS_TIMEOUT", 3.0), 9U);
   EXPECT_EQ(mode_after(10.0, "FS_GCS_ENABLE", 0.0), 4U);
   EXPECT_EQ(mode_after(10.0, "SYSID_MYGCS", 200.0), 4U);
-  Hand hand = flying_ardupilot();
-  hand.run(10.0);
-  EXPECT_EQ(hand.mode(), 4U);
+  Station station = flying_ardupilot();
+  station.run(10.0);
+  EXPECT_EQ(station.mode(), 4U);
 }
 
 TEST(EmulatedArdupilot, FollowsTheYawRate) {
-  Hand hand = flying_ardupilot();
-  hand.target = Hand::velocity(0.0F, 0.0F, 0.0F, 0.5F);
-  hand.run(2.0);
-  const double before_rad = flatten(hand.emulator.world_from_body()).yaw_rad;
-  hand.run(2.0);
-  const double after_rad = flatten(hand.emulator.world_from_body()).yaw_rad;
+  Station station = flying_ardupilot();
+  station.target = Station::velocity(0.0F, 0.0F, 0.0F, 0.5F);
+  station.run(2.0);
+  const double before_rad = flatten(station.emulator.world_from_body()).yaw_rad;
+  station.run(2.0);
+  const double after_rad = flatten(station.emulator.world_from_body()).yaw_rad;
   // Clockwise for an autopilot is negative here.
   EXPECT_NEAR(wrap_to_pi(after_rad - before_rad) / 2.0, -0.5, 0.01);
 }
 
 TEST(EmulatedArdupilot, LandsEightSecondsAfterTheLastPose) {
-  Hand hand = flying_ardupilot();
-  hand.target = Hand::position(1.0F, -2.0F, -1.6F, -0.5F);
-  hand.sends_poses = false;
-  hand.run(7.5);
-  EXPECT_EQ(hand.mode(), 4U);
-  hand.run(1.0);
-  EXPECT_EQ(hand.mode(), 9U);
-  EXPECT_EQ(hand.flags, 0x025);
+  Station station = flying_ardupilot();
+  station.target = Station::position(1.0F, -2.0F, -1.6F, -0.5F);
+  station.sends_poses = false;
+  station.run(7.5);
+  EXPECT_EQ(station.mode(), 4U);
+  station.run(1.0);
+  EXPECT_EQ(station.mode(), 9U);
+  EXPECT_EQ(station.flags, 0x025);
 }
 
 TEST(EmulatedArdupilot, DisarmsTenSecondsAfterArmingWithoutTakeOff) {
-  Hand hand = placed_ardupilot();
-  hand.run(21.0);
-  EXPECT_EQ(hand.command(176, 1, 4), 0);
-  EXPECT_EQ(hand.command(400, 1), 0);
-  hand.run(9.0);
-  EXPECT_TRUE(hand.armed());
-  hand.run(2.0);
-  EXPECT_FALSE(hand.armed());
+  Station station = placed_ardupilot();
+  station.run(21.0);
+  EXPECT_EQ(station.command(176, 1, 4), 0);
+  EXPECT_EQ(station.command(400, 1), 0);
+  station.run(9.0);
+  EXPECT_TRUE(station.armed());
+  station.run(2.0);
+  EXPECT_FALSE(station.armed());
 }
 
 TEST(EmulatedArdupilot, LandsAndDisarmsAutomatically) {
-  Hand hand = flying_ardupilot();
-  EXPECT_EQ(hand.command(176, 1, 9), 0);
-  hand.run(3.0);
-  EXPECT_TRUE(hand.armed());
-  hand.run(4.0);
-  EXPECT_FALSE(hand.armed());
-  EXPECT_NEAR(hand.height_m(), 0.0, 1e-9);
+  Station station = flying_ardupilot();
+  EXPECT_EQ(station.command(176, 1, 9), 0);
+  station.run(3.0);
+  EXPECT_TRUE(station.armed());
+  station.run(4.0);
+  EXPECT_FALSE(station.armed());
+  EXPECT_NEAR(station.height_m(), 0.0, 1e-9);
 }
 
 TEST(EmulatedAutopilot, RefusesToStopItsMotorsInTheAirUnlessForced) {
-  for (Hand hand : {flying_px4(), flying_ardupilot()}) {
-    EXPECT_NE(hand.command(400, 0), 0);
-    EXPECT_TRUE(hand.armed());
-    EXPECT_EQ(hand.command(400, 0, 21196.0F), 0);
-    EXPECT_FALSE(hand.armed());
-    hand.run(1.0);
-    EXPECT_NEAR(hand.height_m(), 0.0, 1e-9);
+  for (Station station : {flying_px4(), flying_ardupilot()}) {
+    EXPECT_NE(station.command(400, 0), 0);
+    EXPECT_TRUE(station.armed());
+    EXPECT_EQ(station.command(400, 0, 21196.0F), 0);
+    EXPECT_FALSE(station.armed());
+    station.run(1.0);
+    EXPECT_NEAR(station.height_m(), 0.0, 1e-9);
   }
 }
 
 TEST(EmulatedAutopilot, ReportsBatteryLikeTheRealOne) {
-  Hand hand(AutopilotDialect::kPx4);
-  hand.command(511, 147.0F, 50'000.0F);
-  hand.run(0.2);
-  ASSERT_TRUE(hand.last_battery);
-  EXPECT_EQ(hand.last_battery->voltages[0], 12'600) << "full, and nothing turns";
-  EXPECT_EQ(hand.last_battery->voltages[1], 0xFFFF) << "no cells are told apart";
-  EXPECT_EQ(hand.last_battery->current_battery, 0);
-  EXPECT_EQ(hand.last_battery->temperature, 2'500) << "25 degrees Celsius";
-  EXPECT_EQ(hand.last_battery->charge_state, 1);
+  Station station(AutopilotDialect::kPx4);
+  station.command(511, 147.0F, 50'000.0F);
+  station.run(0.2);
+  ASSERT_TRUE(station.last_battery);
+  EXPECT_EQ(station.last_battery->voltages[0], 12'600) << "full, and nothing turns";
+  EXPECT_EQ(station.last_battery->voltages[1], 0xFFFF) << "no cells are told apart";
+  EXPECT_EQ(station.last_battery->current_battery, 0);
+  EXPECT_EQ(station.last_battery->temperature, 2'500) << "25 degrees Celsius";
+  EXPECT_EQ(station.last_battery->charge_state, 1);
 }
 
 TEST(EmulatedAutopilot, IsDeterministic) {
   const auto fly = [] {
-    Hand hand = flying_px4();
-    hand.target = Hand::velocity(0.3F, -0.2F, 0.1F, 0.4F);
-    hand.run(3.0);
-    return hand.emulator.world_from_body().translation_m;
+    Station station = flying_px4();
+    station.target = Station::velocity(0.3F, -0.2F, 0.1F, 0.4F);
+    station.run(3.0);
+    return station.emulator.world_from_body().translation_m;
   };
   EXPECT_EQ(fly(), fly());
 }

@@ -145,7 +145,7 @@ TEST(FlightController, LandsAtItsSpeedAndStopsItsMotorsAfterDetection) {
     EXPECT_TRUE(pilot.controller.is_armed());
     pilot.run_while([&] { return pilot.controller.is_armed(); });
     EXPECT_NEAR(to_seconds(pilot.now - down), pilot.profile.landed_delay_s + 0.5, 0.011);
-    EXPECT_EQ(pilot.said.back(), pilot.profile.words_of_landed);
+    EXPECT_EQ(pilot.said.back(), pilot.profile.landed_text);
     EXPECT_EQ(pilot.controller.landed_state(), 1);
     // It can take off again from there.
     pilot.target.reset();
@@ -172,7 +172,7 @@ TEST(FlightController, KeepsMotorsRunningWithoutADisarmDelay) {
   EXPECT_EQ(idle.controller.arm(idle.now + Duration{1'000'000}), 0) << "it is armed already";
   idle.run_while([&] { return idle.controller.is_armed(); });
   EXPECT_NEAR(to_seconds(idle.now - armed), 3.005, 1e-9);
-  EXPECT_EQ(idle.said.back(), idle.profile.words_of_idle);
+  EXPECT_EQ(idle.said.back(), idle.profile.idle_text);
 }
 
 // It needs 10 % to arm and 3 % to continue flying.
@@ -214,7 +214,7 @@ TEST(FlightController, ArmsOnlyWithoutFaults) {
   pilot.controller.set_fault("");
   EXPECT_EQ(pilot.controller.arm(pilot.now), 0);
   pilot.step();
-  EXPECT_EQ(pilot.said.back(), pilot.profile.words_of_arming);
+  EXPECT_EQ(pilot.said.back(), pilot.profile.arming_text);
 }
 
 // All reasons in order; the set of reasons depends on the time since power-up.
@@ -328,7 +328,7 @@ TEST(FlightController, ReportsEstimatorFlags) {
   EXPECT_EQ(pilot.controller.estimator_flags(last + Duration{600'001}), 0x00F);
   pilot.run(4.0);
   EXPECT_EQ(pilot.controller.mode(), pilot.profile.follow_mode) << "its owner wants no landing";
-  EXPECT_TRUE(pilot.said.empty() || pilot.said.back() == pilot.profile.words_of_arming);
+  EXPECT_TRUE(pilot.said.empty() || pilot.said.back() == pilot.profile.arming_text);
 }
 
 // A station that is lost on the ground stops the motors. Once it is received again, it can be lost

@@ -50,7 +50,7 @@ struct Pilot {
     }
     now += Duration{5'000};
     controller.step(now, kPilotDtS);
-    for (const sim::SpokenText& text : controller.take_texts()) {
+    for (const sim::StatusText& text : controller.take_texts()) {
       said.push_back(text.text);
     }
   }

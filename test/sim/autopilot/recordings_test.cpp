@@ -38,8 +38,8 @@ const Pair& drill(const std::string& name) {
     }
     found->second.real = read_recording(file);
     const DrillCase& played = drill_case(name);
-    EmulatorHand hand(played.dialect, Pose3{}, 0.1);
-    found->second.emulated = play(played, hand);
+    EmulatorStation station(played.dialect, Pose3{}, 0.1);
+    found->second.emulated = play(played, station);
   }
   return found->second;
 }
@@ -73,7 +73,7 @@ std::vector<Recording::Moment> after(const Recording& recording, const std::stri
 }
 
 /// The motion of a vehicle along x between two marks.
-struct Way {
+struct MotionSummary {
   double begin_m = 0.0;
   double end_m = 0.0;
   double farthest_m = 0.0;
@@ -81,9 +81,9 @@ struct Way {
   double fastest_mps = 0.0;
   double fastest_back_mps = 0.0;
 };
-Way way(const Recording& recording, const std::string& mark) {
+MotionSummary motion_summary(const Recording& recording, const std::string& mark) {
   const std::vector<Recording::Moment> moments = after(recording, mark);
-  Way out;
+  MotionSummary out;
   out.begin_m = moments.front().position_m.x();
   out.end_m = moments.back().position_m.x();
   out.farthest_m = out.begin_m;
@@ -98,8 +98,8 @@ Way way(const Recording& recording, const std::string& mark) {
 
 void expect_way(const Pair& pair, const std::string& mark, double place_m, double speed_mps) {
   SCOPED_TRACE(mark);
-  const Way real = way(pair.real, mark);
-  const Way emulated = way(pair.emulated, mark);
+  const MotionSummary real = motion_summary(pair.real, mark);
+  const MotionSummary emulated = motion_summary(pair.emulated, mark);
   EXPECT_NEAR(emulated.begin_m, real.begin_m, place_m);
   EXPECT_NEAR(emulated.end_m, real.end_m, place_m);
   EXPECT_NEAR(emulated.farthest_m, real.farthest_m, place_m);
@@ -298,8 +298,8 @@ TEST(RecordedArdupilot, LandsWhenAllInputStops) {
   expect_delay(pair, "everything stops", "text", "GCS Failsafe", 0.5);
   expect_delay(pair, "everything stops", "landed", kOnGround, 0.6);
   expect_delay(pair, "everything stops", "text", "Disarming motors", 0.6);
-  EXPECT_NEAR(way(pair.emulated, "everything stops").farthest_m,
-              way(pair.real, "everything stops").farthest_m, 0.3);
+  EXPECT_NEAR(motion_summary(pair.emulated, "everything stops").farthest_m,
+              motion_summary(pair.real, "everything stops").farthest_m, 0.3);
 }
 
 TEST(RecordedPx4, LandsWhenAllInputStops) {

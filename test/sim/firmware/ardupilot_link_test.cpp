@@ -29,7 +29,7 @@ class ArdupilotLinkTest : public testing::Test {
   }
   ~ArdupilotLinkTest() override { close(fd_); }
 
-  void say(std::uint16_t first_us, std::uint16_t others_us) {
+  void transmit(std::uint16_t first_us, std::uint16_t others_us) {
     wire::sitl::ServoOutputs outputs;
     outputs.frame_rate_hz = 1200;
     outputs.frame_count = ++frames_;
@@ -55,7 +55,7 @@ TEST_F(ArdupilotLinkTest, MapsPulsesOfOneToTwoMillisecondsToThrottle) {
   };
   for (const Row row : {Row{1'000, 0.0}, Row{1'250, 0.25}, Row{1'500, 0.5}, Row{1'900, 0.9},
                         Row{2'000, 1.0}, Row{2'200, 1.0}, Row{900, 0.0}, Row{0, 0.0}}) {
-    say(row.pulse_us, 1'750);
+    transmit(row.pulse_us, 1'750);
     const auto motors = link->receive(kLong);
     ASSERT_TRUE(motors) << row.pulse_us;
     EXPECT_DOUBLE_EQ(motors->throttles[0], row.throttle) << row.pulse_us;
@@ -66,7 +66,7 @@ TEST_F(ArdupilotLinkTest, MapsPulsesOfOneToTwoMillisecondsToThrottle) {
 TEST_F(ArdupilotLinkTest, AnswersEachDatagramOnce) {
   EXPECT_FALSE(link->send({})) << "nobody has spoken";
   for (int time = 0; time < 2; ++time) {
-    say(1'000, 1'000);
+    transmit(1'000, 1'000);
     ASSERT_TRUE(link->receive(kLong));
     EXPECT_TRUE(link->send({}));
     EXPECT_FALSE(link->send({}));

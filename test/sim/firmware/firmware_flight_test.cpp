@@ -12,7 +12,7 @@ namespace vantage::sim {
 namespace {
 
 /// A firmware that answers at once with fixed throttles, until `is_silent` is set.
-class Obedient : public FirmwareLink {
+class ImmediateFirmware : public FirmwareLink {
  public:
   struct Shared {
     std::atomic<bool> is_silent{false};
@@ -20,7 +20,7 @@ class Obedient : public FirmwareLink {
     std::atomic<std::int64_t> told{0};
     std::atomic<std::int64_t> disorders{0};  ///< samples sent before the last was answered
   };
-  explicit Obedient(std::shared_ptr<Shared> shared) : shared_(std::move(shared)) {}
+  explicit ImmediateFirmware(std::shared_ptr<Shared> shared) : shared_(std::move(shared)) {}
   [[nodiscard]] Duration period() const override { return Duration{2'500}; }
   [[nodiscard]] bool is_lockstep() const override { return true; }
   bool send(const FirmwareSensors& sensors) override {
@@ -46,12 +46,12 @@ class Obedient : public FirmwareLink {
 };
 
 /// The same with a delay: a receive() that does not wait gets nothing.
-class Thoughtful : public Obedient {
+class SlowFirmware : public ImmediateFirmware {
  public:
-  using Obedient::Obedient;
+  using ImmediateFirmware::ImmediateFirmware;
   std::optional<MotorCommand> receive(Duration timeout) override {
     constexpr Duration kThinks{500};
-    return timeout < kThinks ? std::nullopt : Obedient::receive(timeout);
+    return timeout < kThinks ? std::nullopt : ImmediateFirmware::receive(timeout);
   }
 };
 
@@ -62,18 +62,18 @@ void wait_for(FirmwareFlight& flight, std::int64_t steps) {
 }
 
 TEST(FirmwareFlight, EachSensorIsAnsweredBeforeTheNextAndTheBodyFlies) {
-  auto shared = std::make_shared<Obedient::Shared>();
+  auto shared = std::make_shared<ImmediateFirmware::Shared>();
   shared->throttle = 0.8;
-  FirmwareFlight flight({}, {}, 1, {}, std::make_unique<Obedient>(shared));
+  FirmwareFlight flight({}, {}, 1, {}, std::make_unique<ImmediateFirmware>(shared));
   wait_for(flight, 200);
   EXPECT_EQ(shared->disorders, 0);
   EXPECT_GT(flight.at(monotonic_ns()).world_from_body.translation_m.z(), 0.2);
 }
 
 TEST(FirmwareFlight, WaitsForSlowFirmware) {
-  auto shared = std::make_shared<Obedient::Shared>();
+  auto shared = std::make_shared<ImmediateFirmware::Shared>();
   shared->throttle = 0.8;
-  FirmwareFlight flight({}, {}, 1, {}, std::make_unique<Thoughtful>(shared));
+  FirmwareFlight flight({}, {}, 1, {}, std::make_unique<SlowFirmware>(shared));
   wait_for(flight, 200);
   ASSERT_GT(flight.at(monotonic_ns()).world_from_body.translation_m.z(), 0.2);
   shared->is_silent = true;
@@ -88,9 +88,9 @@ TEST(FirmwareFlight, WaitsForSlowFirmware) {
 }
 
 TEST(FirmwareFlight, SilentFirmwareStopsTheMotors) {
-  auto shared = std::make_shared<Obedient::Shared>();
+  auto shared = std::make_shared<ImmediateFirmware::Shared>();
   shared->throttle = 0.8;
-  FirmwareFlight flight({}, {}, 1, {}, std::make_unique<Obedient>(shared));
+  FirmwareFlight flight({}, {}, 1, {}, std::make_unique<ImmediateFirmware>(shared));
   wait_for(flight, 200);
   shared->is_silent = true;
   wait_for(flight, flight.counts().steps + 1200);
@@ -99,9 +99,9 @@ TEST(FirmwareFlight, SilentFirmwareStopsTheMotors) {
 }
 
 TEST(FirmwareFlight, InterpolatesBetweenSamples) {
-  auto shared = std::make_shared<Obedient::Shared>();
+  auto shared = std::make_shared<ImmediateFirmware::Shared>();
   shared->throttle = 0.8;
-  FirmwareFlight flight({}, {}, 1, {}, std::make_unique<Obedient>(shared));
+  FirmwareFlight flight({}, {}, 1, {}, std::make_unique<ImmediateFirmware>(shared));
   wait_for(flight, 200);
   const std::int64_t now_ns = monotonic_ns();
   double last_m = -1.0;

@@ -24,9 +24,9 @@
 #include "sim/firmware/ardupilot_link.hpp"
 #include "sim/firmware/firmware_flight.hpp"
 #include "sim/firmware/px4_link.hpp"
+#include "wire/mavlink/constants.hpp"
 #include "wire/mavlink/messages.hpp"
 #include "wire/mavlink/parser.hpp"
-#include "wire/mavlink/vocabulary.hpp"
 #include "wire/sitl/json_physics.hpp"
 
 namespace vantage::sim {
@@ -51,18 +51,18 @@ struct Ardupilot {
   Ardupilot& operator=(const Ardupilot&) = delete;
   Ardupilot(Ardupilot&&) = delete;
   Ardupilot& operator=(Ardupilot&&) = delete;
-  void say(const std::vector<std::uint8_t>& bytes) const {
+  void transmit(const std::vector<std::uint8_t>& bytes) const {
     const sockaddr_in to = address_of(INADDR_LOOPBACK, port);
     ASSERT_EQ(sendto(fd, bytes.data(), bytes.size(), 0, as_sockaddr(to), sizeof to),
               static_cast<ssize_t>(bytes.size()));
   }
-  void ask(const std::array<std::uint16_t, 4>& pulses_us) const {
+  void send_pulses(const std::array<std::uint16_t, 4>& pulses_us) const {
     wire::sitl::ServoOutputs outputs;
     std::copy(pulses_us.begin(), pulses_us.end(), outputs.pulse_us.begin());
     const auto bytes = wire::sitl::format_servo_outputs(outputs);
-    say({bytes.begin(), bytes.end()});
+    transmit({bytes.begin(), bytes.end()});
   }
-  [[nodiscard]] std::string hear() const {
+  [[nodiscard]] std::string read_reply() const {
     std::string out(2048, '\0');
     const ssize_t got = recv(fd, out.data(), out.size(), MSG_DONTWAIT);
     out.resize(static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
@@ -76,7 +76,7 @@ struct Ardupilot {
 
 TEST(ArdupilotLink, SendsEverySensorByName) {
   Ardupilot firmware;
-  firmware.ask({1'500, 1'500, 1'500, 1'500});
+  firmware.send_pulses({1'500, 1'500, 1'500, 1'500});
   ASSERT_TRUE(firmware.link->receive(kLong));
   FirmwareSensors sensors;
   sensors.since_start = Duration{12'500'000};
@@ -93,23 +93,23 @@ TEST(ArdupilotLink, SendsEverySensorByName) {
   expected.position_local_m = sensors.position_local_m;
   expected.velocity_local_mps = sensors.velocity_local_mps;
   expected.local_from_body = sensors.local_from_body;
-  EXPECT_EQ(firmware.hear(), wire::sitl::format_json_sensors(expected));
+  EXPECT_EQ(firmware.read_reply(), wire::sitl::format_json_sensors(expected));
 }
 
 TEST(ArdupilotLink, ReturnsTheNewestThrottlePerMotor) {
   Ardupilot firmware;
   EXPECT_FALSE(firmware.link->receive(Duration{0}));
   EXPECT_FALSE(firmware.link->receive(Duration{1'500}));
-  firmware.ask({1'900, 1'900, 1'900, 1'900});
-  firmware.ask({1'100, 1'200, 1'300, 1'400});
-  firmware.say(std::vector<std::uint8_t>{1, 2, 3});  // not a packet
+  firmware.send_pulses({1'900, 1'900, 1'900, 1'900});
+  firmware.send_pulses({1'100, 1'200, 1'300, 1'400});
+  firmware.transmit(std::vector<std::uint8_t>{1, 2, 3});  // not a packet
   const auto motors = firmware.link->receive(kLong);
   ASSERT_TRUE(motors);
   for (std::size_t i = 0; i < kMotors; ++i) {
     EXPECT_NEAR(motors->throttles[i], 0.1 * static_cast<double>(i + 1), 1e-12);
   }
   EXPECT_FALSE(firmware.link->receive(Duration{0}));
-  firmware.say(std::vector<std::uint8_t>{1, 2, 3});
+  firmware.transmit(std::vector<std::uint8_t>{1, 2, 3});
   EXPECT_FALSE(firmware.link->receive(kLong)) << "and nothing else";
   EXPECT_TRUE(firmware.link->is_lockstep());
   EXPECT_EQ(firmware.link->period(), Duration{1'250});
@@ -153,7 +153,7 @@ struct Px4 {
     EXPECT_EQ(connect(fd, as_sockaddr(to), sizeof to), 0);
     parser = {};
   }
-  void say(std::uint64_t time_usec, float throttle) const {
+  void transmit(std::uint64_t time_usec, float throttle) const {
     wire::mavlink::HilActuatorControls controls;
     controls.time_usec = time_usec;
     controls.mode = wire::mavlink::kArmedFlag;
@@ -169,7 +169,7 @@ struct Px4 {
     ASSERT_EQ(write(fd, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
   }
   /// Returns the frames received since the last call.
-  std::vector<wire::mavlink::Frame> hear() {
+  std::vector<wire::mavlink::Frame> read_reply() {
     std::vector<wire::mavlink::Frame> out;
     std::array<std::uint8_t, 4096> bytes{};
     ssize_t got = 0;
@@ -197,7 +197,7 @@ TEST(Px4Link, SendsHeartbeatEachSecondAndNumbersFrames) {
   std::vector<wire::mavlink::Frame> frames;
   for (int k = 1; k <= 510; ++k) {
     ASSERT_TRUE(firmware.link->send(Px4::at(4'000 * k)));
-    for (const wire::mavlink::Frame& frame : firmware.hear()) {
+    for (const wire::mavlink::Frame& frame : firmware.read_reply()) {
       frames.push_back(frame);
     }
   }
@@ -228,14 +228,14 @@ TEST(Px4Link, ReturnsCommandsThatAnswerTheLastSensors) {
   ASSERT_TRUE(firmware.link->send(Px4::at(4'000)));
   firmware.send(wire::mavlink::Heartbeat{});  // no motors
   EXPECT_FALSE(firmware.link->receive(Duration{0}));
-  firmware.say(4'001, 0.125F);
+  firmware.transmit(4'001, 0.125F);
   const auto motors = firmware.link->receive(kLong);
   ASSERT_TRUE(motors);
   EXPECT_EQ(motors->throttles, (Throttles{0.125, 0.25, 0.375, 0.5}));
   ASSERT_TRUE(firmware.link->send(Px4::at(8'000)));
   EXPECT_FALSE(firmware.link->receive(Duration{0})) << "one answer is one answer";
   EXPECT_EQ(firmware.link->counts().stale, 0);
-  firmware.say(7'999, 0.2F);
+  firmware.transmit(7'999, 0.2F);
   EXPECT_FALSE(firmware.link->receive(Duration{2'000}));
   EXPECT_EQ(firmware.link->counts().stale, 1);
 }
@@ -253,7 +253,7 @@ TEST(Px4Link, DropsPartialFrameOfOldFirmware) {
   EXPECT_FALSE(firmware.link->receive(Duration{0}));
   firmware.connect_anew();
   ASSERT_TRUE(firmware.link->send(Px4::at(8'000)));
-  firmware.say(8'000, 0.25F);
+  firmware.transmit(8'000, 0.25F);
   const auto motors = firmware.link->receive(kLong);
   ASSERT_TRUE(motors);
   EXPECT_EQ(motors->throttles[3], 1.0);
@@ -276,13 +276,13 @@ TEST(Px4Link, ReportsInvalidBaudRate) {
 
 /// A firmware that turns a body and makes it climb. The test can make it pause for any time; its
 /// flight pauses meanwhile.
-class Thinker : public FirmwareLink {
+class PausableFirmware : public FirmwareLink {
  public:
   struct Shared {
     std::atomic<bool> thinks{false};
     std::atomic<bool> is_thinking{false};
   };
-  explicit Thinker(std::shared_ptr<Shared> shared) : shared_(std::move(shared)) {}
+  explicit PausableFirmware(std::shared_ptr<Shared> shared) : shared_(std::move(shared)) {}
   [[nodiscard]] Duration period() const override { return Duration{2'500}; }
   [[nodiscard]] bool is_lockstep() const override { return true; }
   bool send(const FirmwareSensors&) override { return true; }
@@ -302,8 +302,8 @@ TEST(FirmwareFlight, InterpolatesAndExtrapolatesBriefly) {
   constexpr std::int64_t kPeriodNs = 2'500'000;
   constexpr std::int64_t kFar = std::numeric_limits<std::int64_t>::max() / 2;
   for (int attempt = 0; attempt < 20; ++attempt) {
-    auto shared = std::make_shared<Thinker::Shared>();
-    FirmwareFlight flight({}, {}, 1, {1.0, 2.0, 3.0}, std::make_unique<Thinker>(shared));
+    auto shared = std::make_shared<PausableFirmware::Shared>();
+    FirmwareFlight flight({}, {}, 1, {1.0, 2.0, 3.0}, std::make_unique<PausableFirmware>(shared));
     const FirmwareFlight::Sample standing = flight.at(0);
     EXPECT_NEAR(flatten(standing.world_from_body).x_m, 1.0, 1e-3);
     while (flight.counts().steps < 150) {

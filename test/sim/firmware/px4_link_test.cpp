@@ -22,7 +22,7 @@
 #include "core/deadline.hpp"
 #include "core/write_file.hpp"
 #include "test/support/temporary_folder.hpp"
-#include "wire/mavlink/vocabulary.hpp"
+#include "wire/mavlink/constants.hpp"
 
 namespace vantage::sim {
 namespace {
@@ -49,7 +49,7 @@ class FakeFirmware {
     return fd;
   }
 
-  void say(std::uint64_t time_usec, std::array<float, 4> throttles, bool is_armed = true) {
+  void transmit(std::uint64_t time_usec, std::array<float, 4> throttles, bool is_armed = true) {
     wire::mavlink::HilActuatorControls controls;
     controls.time_usec = time_usec;
     controls.flags = 1;
@@ -60,7 +60,7 @@ class FakeFirmware {
     ASSERT_EQ(write(fd_, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
   }
   /// Returns the next sensors that the simulator sends.
-  wire::mavlink::HilSensor hear() {
+  wire::mavlink::HilSensor read_reply() {
     while (heard_.empty()) {
       pollfd polled{fd_, POLLIN, 0};
       std::array<std::uint8_t, 1024> bytes{};
@@ -140,7 +140,7 @@ TEST(Px4Link, SendsSensorsInFirmwareUnits) {
   EXPECT_FALSE(link->send(sensors_at(Duration{4'000})));  // no firmware is connected
   FakeFirmware firmware(FakeFirmware::connected_to(port));
   ASSERT_TRUE(link->send(sensors_at(Duration{8'000})));
-  const wire::mavlink::HilSensor heard = firmware.hear();
+  const wire::mavlink::HilSensor heard = firmware.read_reply();
   EXPECT_EQ(heard.time_usec, 8'000U);
   EXPECT_FLOAT_EQ(heard.xgyro, 0.1F);
   EXPECT_FLOAT_EQ(heard.ygyro, -0.2F);
@@ -166,7 +166,7 @@ TEST(Px4Link, FlagsInertialDataPerSampleAndOthersAt50Hz) {
   int barometric = 0;
   for (int i = 1; i <= 50; ++i) {
     ASSERT_TRUE(link->send(sensors_at(i * link->period())));
-    const std::uint32_t fields = firmware.hear().fields_updated;
+    const std::uint32_t fields = firmware.read_reply().fields_updated;
     EXPECT_EQ(fields & 0x3FU, 0x3FU);
     magnetic += (fields & 0x1C0U) == 0x1C0U ? 1 : 0;
     barometric += (fields & 0x1A00U) == 0x1A00U ? 1 : 0;
@@ -182,7 +182,7 @@ TEST(Px4Link, ReturnsTheMotorsForTheLastSensors) {
   FakeFirmware firmware(FakeFirmware::connected_to(port));
   ASSERT_TRUE(link->send(sensors_at(Duration{4'000})));
   EXPECT_EQ(link->receive(Duration{0}), std::nullopt);
-  firmware.say(4'000, {0.1F, 0.2F, 0.3F, 0.4F});
+  firmware.transmit(4'000, {0.1F, 0.2F, 0.3F, 0.4F});
   const auto command = link->receive(kLong);
   ASSERT_TRUE(command);
   EXPECT_FLOAT_EQ(static_cast<float>(command->throttles[0]), 0.1F);
@@ -190,8 +190,8 @@ TEST(Px4Link, ReturnsTheMotorsForTheLastSensors) {
   EXPECT_EQ(link->receive(Duration{0}), std::nullopt) << "one answer is one answer";
 
   ASSERT_TRUE(link->send(sensors_at(Duration{8'000})));
-  firmware.say(4'000, {0.9F, 0.9F, 0.9F, 0.9F});  // late
-  firmware.say(8'000, {0.5F, 0.5F, 0.5F, 0.5F});
+  firmware.transmit(4'000, {0.9F, 0.9F, 0.9F, 0.9F});  // late
+  firmware.transmit(8'000, {0.5F, 0.5F, 0.5F, 0.5F});
   const auto next = link->receive(kLong);
   ASSERT_TRUE(next);
   EXPECT_DOUBLE_EQ(next->throttles[0], 0.5);
@@ -202,13 +202,13 @@ TEST(Px4Link, StopsMotorsWhenDisarmedOrNotFinite) {
   const auto [link, port] = listen_somewhere();
   FakeFirmware firmware(FakeFirmware::connected_to(port));
   ASSERT_TRUE(link->send(sensors_at(Duration{4'000})));
-  firmware.say(4'000, {0.5F, 0.5F, 0.5F, 0.5F}, false);
+  firmware.transmit(4'000, {0.5F, 0.5F, 0.5F, 0.5F}, false);
   const auto disarmed = link->receive(kLong);
   ASSERT_TRUE(disarmed);
   EXPECT_EQ(disarmed->throttles, Throttles{});
 
   ASSERT_TRUE(link->send(sensors_at(Duration{8'000})));
-  firmware.say(8'000, {std::numeric_limits<float>::quiet_NaN(), -0.1F, 7.0F, 1.0F});
+  firmware.transmit(8'000, {std::numeric_limits<float>::quiet_NaN(), -0.1F, 7.0F, 1.0F});
   const auto odd = link->receive(kLong);
   ASSERT_TRUE(odd);
   EXPECT_EQ(odd->throttles, (Throttles{0.0, 0.0, 1.0, 1.0}));
@@ -220,9 +220,9 @@ TEST(Px4Link, AcceptsRestartedFirmware) {
   ASSERT_TRUE(link->send(sensors_at(Duration{4'000})));
   FakeFirmware fresh(FakeFirmware::connected_to(port));  // the old one is stuck but still connected
   ASSERT_TRUE(link->send(sensors_at(Duration{8'000})));
-  EXPECT_EQ(fresh.hear().time_usec, 8'000U);
+  EXPECT_EQ(fresh.read_reply().time_usec, 8'000U);
   EXPECT_TRUE(old.is_let_go());
-  fresh.say(8'000, {0.25F, 0.25F, 0.25F, 0.25F});
+  fresh.transmit(8'000, {0.25F, 0.25F, 0.25F, 0.25F});
   EXPECT_TRUE(link->receive(kLong));
 
   fresh.hang_up();
@@ -230,7 +230,7 @@ TEST(Px4Link, AcceptsRestartedFirmware) {
   EXPECT_FALSE(link->send(sensors_at(Duration{12'000})));
   FakeFirmware third(FakeFirmware::connected_to(port));
   EXPECT_TRUE(link->send(sensors_at(Duration{16'000})));
-  EXPECT_EQ(third.hear().time_usec, 16'000U);
+  EXPECT_EQ(third.read_reply().time_usec, 16'000U);
 }
 
 // The newest of several connections since the last check is used. The port is released afterwards.
@@ -240,7 +240,7 @@ TEST(Px4Link, UsesTheNewestMessageAndReleasesItsPort) {
   FakeFirmware second(FakeFirmware::connected_to(port));
   FakeFirmware third(FakeFirmware::connected_to(port));
   ASSERT_TRUE(link->send(sensors_at(Duration{4'000})));
-  EXPECT_EQ(third.hear().time_usec, 4'000U);
+  EXPECT_EQ(third.read_reply().time_usec, 4'000U);
   EXPECT_TRUE(first.is_let_go());
   EXPECT_TRUE(second.is_let_go());
   link.reset();
@@ -266,7 +266,7 @@ TEST(Px4Link, NeverBlocksOnAStalledFirmware) {
   std::uint64_t last_usec = 0;
   std::vector<std::uint64_t> heard_usec;
   for (int i = 0; i < told - 1; ++i) {
-    const wire::mavlink::HilSensor heard = firmware.hear();
+    const wire::mavlink::HilSensor heard = firmware.read_reply();
     ASSERT_GT(heard.time_usec, last_usec);
     last_usec = heard.time_usec;
     heard_usec.push_back(last_usec);
@@ -275,7 +275,7 @@ TEST(Px4Link, NeverBlocksOnAStalledFirmware) {
   ASSERT_TRUE(link->send(sensors_at(later)));
   told_usec.push_back(static_cast<std::uint64_t>(later.count()));
   while (last_usec < static_cast<std::uint64_t>(later.count())) {
-    const wire::mavlink::HilSensor heard = firmware.hear();
+    const wire::mavlink::HilSensor heard = firmware.read_reply();
     ASSERT_GT(heard.time_usec, last_usec);
     last_usec = heard.time_usec;
     heard_usec.push_back(last_usec);
@@ -310,9 +310,9 @@ TEST(Px4Link, SupportsBoardWithItsOwnClock) {
   const auto link = Px4Link::on_serial_line(board.device);
   EXPECT_FALSE(link->is_lockstep());
   ASSERT_TRUE(link->send(sensors_at(Duration{4'000})));
-  EXPECT_EQ(firmware.hear().time_usec, 4'000U);
+  EXPECT_EQ(firmware.read_reply().time_usec, 4'000U);
   ASSERT_TRUE(link->send(sensors_at(Duration{8'000})));
-  firmware.say(77, {0.5F, 0.5F, 0.5F, 0.5F});
+  firmware.transmit(77, {0.5F, 0.5F, 0.5F, 0.5F});
   const auto command = link->receive(kLong);
   ASSERT_TRUE(command);
   EXPECT_DOUBLE_EQ(command->throttles[0], 0.5);
@@ -329,7 +329,7 @@ TEST(Px4Link, OpensSerialLineAtGivenBaudRate) {
     FakeFirmware firmware(board.fd);
     const auto link = Px4Link::on_serial_line(board.device + row.behind);
     ASSERT_TRUE(link->send(sensors_at(Duration{4'000}))) << row.behind;
-    EXPECT_EQ(firmware.hear().time_usec, 4'000U);
+    EXPECT_EQ(firmware.read_reply().time_usec, 4'000U);
     termios line{};
     ASSERT_EQ(tcgetattr(board.fd, &line), 0);
     EXPECT_EQ(cfgetospeed(&line), row.speed) << row.behind;

@@ -33,7 +33,7 @@ struct Bench {
     out.drift_radps = 0.0;
     return out;
   }
-  void say(wire::Command command) {
+  void transmit(wire::Command command) {
     command.time_us = to_utime(now) - 5;
     rover.receive(wire::encode(command), now);
   }
@@ -42,11 +42,11 @@ struct Bench {
   }
   void drive_for(double seconds, float speed_mps, float yaw_rate_radps = 0.0F) {
     for (const Time end = now + from_seconds(seconds); now < end; now += Duration{20'000}) {
-      say(drive(speed_mps, yaw_rate_radps));
+      transmit(drive(speed_mps, yaw_rate_radps));
       rover.advance_to(now + Duration{20'000});
     }
   }
-  wire::Telemetry hear() {
+  wire::Telemetry read_telemetry() {
     wire::Telemetry out;
     now += Duration{50'000};
     rover.advance_to(now);
@@ -66,10 +66,10 @@ TEST(RoverEmulator, ExecutesCommandsAfterDelay) {
   RoverEmulatorSpec spec = Bench::exact();
   spec.delay_s = 0.1;
   Bench bench(spec);
-  bench.say(bench.drive(0.5F));
+  bench.transmit(bench.drive(0.5F));
   bench.now += Duration{50'000};
   bench.rover.advance_to(bench.now);
-  bench.say(bench.drive(0.2F, 1.0F));
+  bench.transmit(bench.drive(0.2F, 1.0F));
   bench.rover.advance_to(kStart + Duration{95'000});
   EXPECT_EQ(bench.rover.state().speed_mps, 0.0);
   bench.rover.advance_to(kStart + Duration{145'000});
@@ -88,7 +88,7 @@ TEST(RoverEmulator, IsIndependentOfTheStepLength) {
   for (int k = 0; k < 20; ++k) {
     for (Bench* bench : {&often, &seldom}) {
       bench->now = kStart + k * Duration{100'000};
-      bench->say(bench->drive(k % 3 == 0 ? 0.8F : 0.2F, k % 2 == 0 ? 1.0F : -0.5F));
+      bench->transmit(bench->drive(k % 3 == 0 ? 0.8F : 0.2F, k % 2 == 0 ? 1.0F : -0.5F));
     }
     for (int i = 0; i < 100; ++i) {
       often.now += Duration{1'000};
@@ -139,28 +139,28 @@ TEST(RoverEmulator, SendsTelemetryEvery50Ms) {
   Bench bench;
   ASSERT_TRUE(bench.rover.take_output()) << "at once";
   EXPECT_FALSE(bench.rover.take_output());
-  wire::Telemetry told = bench.hear();
-  EXPECT_EQ(told.robot, 7U);
-  EXPECT_EQ(told.boot, 99U);
-  EXPECT_EQ(told.sequence, 1U);
-  EXPECT_EQ(told.session, 0U);
-  EXPECT_EQ(told.command_sequence, 0U);
-  EXPECT_EQ(told.command_time_us, 0);
-  EXPECT_EQ(told.speed_mps, 0.0F);
-  EXPECT_EQ(told.flags, wire::kWatchdogOut);
-  EXPECT_EQ(told.refused, 0U);
+  wire::Telemetry telemetry = bench.read_telemetry();
+  EXPECT_EQ(telemetry.robot, 7U);
+  EXPECT_EQ(telemetry.boot, 99U);
+  EXPECT_EQ(telemetry.sequence, 1U);
+  EXPECT_EQ(telemetry.session, 0U);
+  EXPECT_EQ(telemetry.command_sequence, 0U);
+  EXPECT_EQ(telemetry.command_time_us, 0);
+  EXPECT_EQ(telemetry.speed_mps, 0.0F);
+  EXPECT_EQ(telemetry.flags, wire::kWatchdogOut);
+  EXPECT_EQ(telemetry.refused, 0U);
   bench.drive_for(1.0, 0.5F, -1.0F);
   const std::int64_t said_us = to_utime(bench.now) - 20'000 - 5;
-  told = bench.hear();
-  EXPECT_EQ(told.sequence, 2U) << "of those taken";
-  EXPECT_EQ(told.session, 11U);
-  EXPECT_EQ(told.command_sequence, bench.sequence);
-  EXPECT_EQ(told.command_time_us, said_us);
-  EXPECT_FLOAT_EQ(told.speed_mps, 0.5F);
-  EXPECT_FLOAT_EQ(told.yaw_rate_radps, -1.0F);
-  EXPECT_EQ(told.flags, wire::kDriving);
+  telemetry = bench.read_telemetry();
+  EXPECT_EQ(telemetry.sequence, 2U) << "of those taken";
+  EXPECT_EQ(telemetry.session, 11U);
+  EXPECT_EQ(telemetry.command_sequence, bench.sequence);
+  EXPECT_EQ(telemetry.command_time_us, said_us);
+  EXPECT_FLOAT_EQ(telemetry.speed_mps, 0.5F);
+  EXPECT_FLOAT_EQ(telemetry.yaw_rate_radps, -1.0F);
+  EXPECT_EQ(telemetry.flags, wire::kDriving);
   // 1.1 s of the battery's life of two hours.
-  EXPECT_NEAR(told.battery_share, 0.9 - 1.1 / 7200.0, 1e-6);
+  EXPECT_NEAR(telemetry.battery_share, 0.9 - 1.1 / 7200.0, 1e-6);
   bench.rover.advance_to(bench.now + Duration{49'999});
   EXPECT_FALSE(bench.rover.take_output());
   bench.rover.advance_to(bench.now + Duration{50'000});
@@ -171,21 +171,21 @@ TEST(RoverEmulator, ReportsWhyItDoesNotDrive) {
   Bench bench;
   bench.rover.take_output();
   bench.drive_for(0.5, 0.5F);
-  EXPECT_EQ(bench.hear().flags, wire::kDriving);
+  EXPECT_EQ(bench.read_telemetry().flags, wire::kDriving);
   bench.rover.press_stop();
-  EXPECT_EQ(bench.hear().flags, wire::kStopLatched);
+  EXPECT_EQ(bench.read_telemetry().flags, wire::kStopLatched);
   bench.now += Duration{200'000};
-  EXPECT_EQ(bench.hear().flags, wire::kStopLatched | wire::kWatchdogOut);
+  EXPECT_EQ(bench.read_telemetry().flags, wire::kStopLatched | wire::kWatchdogOut);
   wire::Command release = bench.drive(0.5F);
   release.flags = wire::kReleaseStop;
-  bench.say(release);
-  EXPECT_EQ(bench.hear().flags, 0U) << "heard, and not asked to drive";
+  bench.transmit(release);
+  EXPECT_EQ(bench.read_telemetry().flags, 0U) << "heard, and not asked to drive";
   bench.drive_for(0.5, 0.5F);
   EXPECT_NEAR(bench.rover.state().speed_mps, 0.5, 1e-6);
   bench.rover.fail_motor();
   bench.drive_for(0.5, 0.5F);
   EXPECT_EQ(bench.rover.state().speed_mps, 0.0);
-  EXPECT_EQ(bench.hear().flags, wire::kDriving | wire::kMotorFailed);
+  EXPECT_EQ(bench.read_telemetry().flags, wire::kDriving | wire::kMotorFailed);
 }
 
 // A command that requests the stop and also driving or the end of the stop is a stop.
@@ -198,9 +198,9 @@ TEST(RoverEmulator, StopOverridesOtherFlags) {
     bench.drive_for(0.5, 0.5F);
     wire::Command both = bench.drive(0.5F);
     both.flags = flags;
-    bench.say(both);
+    bench.transmit(both);
     EXPECT_TRUE(bench.rover.is_stopped());
-    EXPECT_EQ(bench.hear().flags, wire::kStopLatched);
+    EXPECT_EQ(bench.read_telemetry().flags, wire::kStopLatched);
     bench.rover.advance_to(bench.now + Duration{300'000});
     EXPECT_EQ(bench.rover.state().speed_mps, 0.0);
   }
@@ -212,7 +212,7 @@ TEST(RoverEmulator, DropsDelayedCommandsOnStop) {
   spec.delay_s = 0.3;
   Bench bench(spec);
   for (int i = 0; i < 15; ++i) {  // for as long as the delay
-    bench.say(bench.drive(0.5F));
+    bench.transmit(bench.drive(0.5F));
     bench.now += Duration{20'000};
     bench.rover.advance_to(bench.now);
   }
@@ -221,7 +221,7 @@ TEST(RoverEmulator, DropsDelayedCommandsOnStop) {
   bench.rover.advance_to(bench.now);
   wire::Command idle = bench.drive(0.0F);
   idle.flags = wire::kReleaseStop;
-  bench.say(idle);
+  bench.transmit(idle);
   bench.drive_for(0.28, 0.0F);
   EXPECT_EQ(bench.rover.state().speed_mps, 0.0);
 }
@@ -232,19 +232,19 @@ TEST(RoverEmulator, AcceptsAnotherDriverAfterItsWatchdog) {
   Bench bench;
   wire::Command other{7, 12, 1, 0, 0.1F, 0.0F, wire::kDrive};
   bench.sequence = 1000;
-  bench.say(bench.drive(0.1F));
+  bench.transmit(bench.drive(0.1F));
   bench.now = kStart + Duration{200'000};
-  bench.say(other);
+  bench.transmit(other);
   EXPECT_EQ(bench.rover.refused(), 1);
   bench.now += Duration{1};
-  bench.say(other);
+  bench.transmit(other);
   EXPECT_EQ(bench.rover.refused(), 1);
-  bench.say(bench.drive(0.1F));
+  bench.transmit(bench.drive(0.1F));
   EXPECT_EQ(bench.rover.refused(), 2) << "the first one has lost it";
-  EXPECT_EQ(bench.hear().session, 12U);
-  EXPECT_EQ(bench.hear().refused, 2U);
+  EXPECT_EQ(bench.read_telemetry().session, 12U);
+  EXPECT_EQ(bench.read_telemetry().refused, 2U);
   bench.rover.receive({}, bench.now);
-  EXPECT_EQ(bench.hear().refused, 3U) << "no command at all";
+  EXPECT_EQ(bench.read_telemetry().refused, 3U) << "no command at all";
 }
 
 TEST(RoverEmulator, HasDocumentedDefaults) {
@@ -258,7 +258,7 @@ TEST(RoverEmulator, HasDocumentedDefaults) {
   empty.battery_per_s = 0.01;
   Bench bench(empty);
   bench.now += Duration{1'000'000};
-  EXPECT_EQ(bench.hear().battery_share, 0.0F) << "and no less";
+  EXPECT_EQ(bench.read_telemetry().battery_share, 0.0F) << "and no less";
   bench.rover.push_to({4.0, 5.0, -1.0});
   EXPECT_EQ(bench.rover.state().world_from_body, (Pose2{4.0, 5.0, -1.0}));
 }

@@ -35,7 +35,7 @@ TEST(CirclingBodies, CircleTheirOwnCentres) {
   double lowest_m = 1e9;
   double highest_m = -1e9;
   for (int k = 0; k < 400; ++k) {
-    ASSERT_TRUE(source.look(0.1 * k, frame));
+    ASSERT_TRUE(source.fill(0.1 * k, frame));
     ASSERT_EQ(frame.bodies.size(), 23u);
     for (std::size_t i = 0; i < 23; ++i) {
       EXPECT_EQ(frame.bodies[i].name, "BODY" + std::to_string(i));
@@ -130,8 +130,8 @@ TEST(Flights, PlayUntilTheShortestEnds) {
   for (const Row& row : {Row{0.0, 0, 0, 0}, Row{0.049, 0, 0, 0}, Row{0.05, 1, 0, 0},
                          Row{0.3, 6, 3, 2}, Row{0.949, 18, 9, 6}, Row{0.999, 19, 9, 6}}) {
     for (const double later_s : {0.0, 1.0, 3.0}) {
-      ASSERT_EQ(once.look(row.time_s + later_s, frame), later_s == 0.0);
-      ASSERT_TRUE(endless.look(row.time_s + later_s, frame));
+      ASSERT_EQ(once.fill(row.time_s + later_s, frame), later_s == 0.0);
+      ASSERT_TRUE(endless.fill(row.time_s + later_s, frame));
       ASSERT_EQ(frame.bodies.size(), 3u);
       EXPECT_EQ(frame.bodies[0].name, "B");
       EXPECT_EQ(frame.bodies[0].world_from_body.translation_m.x(), row.b) << row.time_s;
@@ -149,7 +149,7 @@ TEST(ScenarioWorld, EqualsTheScenariosWorld) {
   WorldSimulation world(scenario, scenario.seed, start);
   EmulatedFrame frame;
   for (const double time_s : {0.5, 1.0, 3.0}) {
-    ASSERT_TRUE(source.look(time_s, frame));
+    ASSERT_TRUE(source.fill(time_s, frame));
     world.advance_to(start + from_seconds(time_s));
     const models::MocapFrame seen = world.capture();
     ASSERT_EQ(frame.bodies.size(), seen.bodies.size());

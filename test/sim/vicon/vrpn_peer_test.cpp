@@ -51,8 +51,8 @@ EmulatedFrame frame_of(double x_m) {
 }
 
 /// A client after the handshake, with the peer's ids of senders and types.
-struct Talk {
-  explicit Talk(OcclusionStyle style, bool is_y_up = false, std::size_t backlog = 1U << 20U)
+struct VrpnClient {
+  explicit VrpnClient(OcclusionStyle style, bool is_y_up = false, std::size_t backlog = 1U << 20U)
       : peer(settings_of(style, is_y_up, backlog)) {
     EXPECT_TRUE(peer.receive(cookie()));
     hear(true);
@@ -145,14 +145,14 @@ TEST(VrpnPeer, ClosesOnAnInvalidCookieOrMessage) {
 
 TEST(VrpnPeer, SendsEachBodyWithTheCaptureTime) {
   for (const bool is_y_up : {false, true}) {
-    Talk talk(OcclusionStyle::kAbsent, is_y_up);
+    VrpnClient client(OcclusionStyle::kAbsent, is_y_up);
     EmulatedFrame frame = frame_of(1.0);
     frame.bodies[1].is_occluded = false;
-    const auto poses = talk.show(frame);
-    EXPECT_EQ(talk.announced, 2);
+    const auto poses = client.show(frame);
+    EXPECT_EQ(client.announced, 2);
     ASSERT_EQ(poses.size(), 2u);
-    EXPECT_EQ(talk.last.seconds, 1'700'000'000U);
-    EXPECT_EQ(talk.last.microseconds, 123'456U);
+    EXPECT_EQ(client.last.seconds, 1'700'000'000U);
+    EXPECT_EQ(client.last.microseconds, 123'456U);
     for (const EmulatedBody& body : frame.bodies) {
       const wire::VrpnPose& told = poses.at(body.name);
       EXPECT_EQ(told.sensor, 0);
@@ -162,26 +162,26 @@ TEST(VrpnPeer, SendsEachBodyWithTheCaptureTime) {
       EXPECT_LT((pose.translation_m - body.world_from_body.translation_m).norm(), 1e-12);
       EXPECT_LT(pose.rotation.angularDistance(body.world_from_body.rotation), 1e-7);
     }
-    talk.show(frame);
-    EXPECT_EQ(talk.announced, 2) << "names are announced once";
+    client.show(frame);
+    EXPECT_EQ(client.announced, 2) << "names are announced once";
     frame.bodies.push_back({"LATE", lift({}, 0.0), false});
-    EXPECT_EQ(talk.show(frame).size(), 3u);
-    EXPECT_EQ(talk.announced, 3);
-    EXPECT_EQ(talk.senders.size(), 3u) << "each has a number of its own";
+    EXPECT_EQ(client.show(frame).size(), 3u);
+    EXPECT_EQ(client.announced, 3);
+    EXPECT_EQ(client.senders.size(), 3u) << "each has a number of its own";
   }
 }
 
 TEST(VrpnPeer, SendsHiddenBodiesInItsStyle) {
   EmulatedFrame seen = frame_of(1.0);
   seen.bodies[1].is_occluded = false;
-  Talk absent(OcclusionStyle::kAbsent);
+  VrpnClient absent(OcclusionStyle::kAbsent);
   absent.show(seen);
   EXPECT_EQ(absent.show(frame_of(2.0)).count("Q2"), 0u);
-  Talk zero(OcclusionStyle::kZero);
+  VrpnClient zero(OcclusionStyle::kZero);
   zero.show(seen);
   EXPECT_EQ(zero.show(frame_of(2.0)).at("Q2").position_m, Eigen::Vector3d::Zero());
   EXPECT_EQ(zero.show(frame_of(2.0)).at("Q1").position_m, Eigen::Vector3d(2.0, -2.0, 3.0));
-  Talk repeated(OcclusionStyle::kRepeated);
+  VrpnClient repeated(OcclusionStyle::kRepeated);
   EXPECT_EQ(repeated.show(frame_of(0.0)).at("Q2").position_m, Eigen::Vector3d::Zero());
   repeated.show(seen);
   for (int k = 0; k < 3; ++k) {
@@ -191,62 +191,62 @@ TEST(VrpnPeer, SendsHiddenBodiesInItsStyle) {
 
 // A ping to a body by name is answered by that body; ids are the client's own.
 TEST(VrpnPeer, AnswersPingsOfKnownBodies) {
-  Talk talk(OcclusionStyle::kAbsent);
-  talk.show(frame_of(1.0));
-  talk.name(wire::kVrpnSenderDescription, 5, "Q2");
-  talk.name(wire::kVrpnSenderDescription, 6, "Q1");
-  talk.name(wire::kVrpnSenderDescription, 7, "NOBODY");
-  talk.name(wire::kVrpnTypeDescription, 8, wire::kVrpnPingType);
-  talk.name(wire::kVrpnTypeDescription, 9, wire::kVrpnPongType);
-  talk.say(5, 8);
-  EXPECT_EQ(talk.pongs, std::vector<std::string>{"Q2"});
-  talk.say(6, 8);
-  EXPECT_EQ(talk.pongs, (std::vector<std::string>{"Q2", "Q1"}));
-  talk.say(7, 8);  // an unknown body
-  talk.say(5, 9);  // no ping
-  talk.say(5, 4);  // a type without a name
-  talk.say(4, 8);  // a sender without a name
-  EXPECT_EQ(talk.pongs.size(), 2u);
-  talk.name(wire::kVrpnSenderDescription, 5, "Q1");
-  talk.say(5, 8);
-  EXPECT_EQ(talk.pongs.back(), "Q1") << "named anew";
+  VrpnClient client(OcclusionStyle::kAbsent);
+  client.show(frame_of(1.0));
+  client.name(wire::kVrpnSenderDescription, 5, "Q2");
+  client.name(wire::kVrpnSenderDescription, 6, "Q1");
+  client.name(wire::kVrpnSenderDescription, 7, "NOBODY");
+  client.name(wire::kVrpnTypeDescription, 8, wire::kVrpnPingType);
+  client.name(wire::kVrpnTypeDescription, 9, wire::kVrpnPongType);
+  client.say(5, 8);
+  EXPECT_EQ(client.pongs, std::vector<std::string>{"Q2"});
+  client.say(6, 8);
+  EXPECT_EQ(client.pongs, (std::vector<std::string>{"Q2", "Q1"}));
+  client.say(7, 8);  // an unknown body
+  client.say(5, 9);  // no ping
+  client.say(5, 4);  // a type without a name
+  client.say(4, 8);  // a sender without a name
+  EXPECT_EQ(client.pongs.size(), 2u);
+  client.name(wire::kVrpnSenderDescription, 5, "Q1");
+  client.say(5, 8);
+  EXPECT_EQ(client.pongs.back(), "Q1") << "named anew";
 }
 
 TEST(VrpnPeer, LimitsAClientToAThousandNames) {
-  Talk talk(OcclusionStyle::kAbsent);
-  talk.show(frame_of(1.0));
-  talk.name(wire::kVrpnTypeDescription, 1, wire::kVrpnPingType);
+  VrpnClient client(OcclusionStyle::kAbsent);
+  client.show(frame_of(1.0));
+  client.name(wire::kVrpnTypeDescription, 1, wire::kVrpnPingType);
   for (int i = 0; i < 1023; ++i) {
-    talk.name(wire::kVrpnSenderDescription, i, "X");
+    client.name(wire::kVrpnSenderDescription, i, "X");
   }
-  talk.name(wire::kVrpnSenderDescription, 2000, "Q1");
-  talk.name(wire::kVrpnSenderDescription, 2001, "Q2");
-  talk.say(2000, 1);
-  EXPECT_EQ(talk.pongs, std::vector<std::string>{"Q1"}) << "1024";
-  talk.say(2001, 1);
-  EXPECT_EQ(talk.pongs.size(), 1u);
+  client.name(wire::kVrpnSenderDescription, 2000, "Q1");
+  client.name(wire::kVrpnSenderDescription, 2001, "Q2");
+  client.say(2000, 1);
+  EXPECT_EQ(client.pongs, std::vector<std::string>{"Q1"}) << "1024";
+  client.say(2001, 1);
+  EXPECT_EQ(client.pongs.size(), 1u);
 }
 
 TEST(VrpnPeer, SkipsFramesAndPingsWhileItsBacklogIsFull) {
-  Talk talk(OcclusionStyle::kAbsent, false, 200);
-  talk.show(frame_of(1.0));
-  talk.name(wire::kVrpnSenderDescription, 5, "Q2");
-  talk.name(wire::kVrpnTypeDescription, 8, wire::kVrpnPingType);
+  VrpnClient client(OcclusionStyle::kAbsent, false, 200);
+  client.show(frame_of(1.0));
+  client.name(wire::kVrpnSenderDescription, 5, "Q2");
+  client.name(wire::kVrpnTypeDescription, 8, wire::kVrpnPingType);
   Bytes ping;
   wire::append_vrpn_message(ping, {0, 0, 5, 8}, {});
-  talk.peer.outgoing.assign(201, 0);
-  talk.peer.on_frame(frame_of(2.0));
-  EXPECT_TRUE(talk.peer.receive(ping));
-  EXPECT_EQ(talk.peer.outgoing.size(), 201u);
-  EXPECT_EQ(talk.peer.frames_skipped, 1);
-  EXPECT_EQ(talk.peer.frames_sent, 1);
-  talk.peer.outgoing.assign(200, 0);
-  EXPECT_TRUE(talk.peer.receive(ping));
-  EXPECT_GT(talk.peer.outgoing.size(), 200u) << "it is no more than full";
-  talk.peer.outgoing.assign(200, 0);
-  talk.peer.on_frame(frame_of(3.0));
-  EXPECT_GT(talk.peer.outgoing.size(), 200u);
-  EXPECT_EQ(talk.peer.frames_sent, 2);
+  client.peer.outgoing.assign(201, 0);
+  client.peer.on_frame(frame_of(2.0));
+  EXPECT_TRUE(client.peer.receive(ping));
+  EXPECT_EQ(client.peer.outgoing.size(), 201u);
+  EXPECT_EQ(client.peer.frames_skipped, 1);
+  EXPECT_EQ(client.peer.frames_sent, 1);
+  client.peer.outgoing.assign(200, 0);
+  EXPECT_TRUE(client.peer.receive(ping));
+  EXPECT_GT(client.peer.outgoing.size(), 200u) << "it is no more than full";
+  client.peer.outgoing.assign(200, 0);
+  client.peer.on_frame(frame_of(3.0));
+  EXPECT_GT(client.peer.outgoing.size(), 200u);
+  EXPECT_EQ(client.peer.frames_sent, 2);
 }
 
 }  // namespace

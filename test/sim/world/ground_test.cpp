@@ -207,9 +207,9 @@ TEST(MocapCamera, KeepsBodyOrderAndRotatesAboutTheVertical) {
 // --- the world
 
 /// An external vehicle that counts its steps.
-class Counted : public Vehicle {
+class StepCounter : public Vehicle {
  public:
-  Counted(std::string name, double height_m) : name_(std::move(name)), height_m_(height_m) {}
+  StepCounter(std::string name, double height_m) : name_(std::move(name)), height_m_(height_m) {}
   [[nodiscard]] const std::string& name() const override { return name_; }
   [[nodiscard]] double radius_m() const override { return 0.25; }
   [[nodiscard]] Pose3 world_from_body() const override { return lift({2.0, 4.0, 0.0}, height_m_); }
@@ -226,7 +226,7 @@ class Counted : public Vehicle {
 
 // If the start and end are not multiples of the step, the first and last steps are shorter.
 TEST(WorldSimulation, StepsToWholeMultiplesAndTheGivenTime) {
-  Counted vehicle("Q2", 2.5);
+  StepCounter vehicle("Q2", 2.5);
   const Time start = kStart + Duration{1'200};
   WorldSimulation world(test::lab_scenario(), 1, start, {&vehicle});
   world.advance_to(start);
@@ -279,7 +279,7 @@ TEST(WorldSimulation, KeepsTheGroundFreeUnderLowVehicles) {
   for (const bool is_low : {true, false}) {
     scenario::Scenario scenario = test::lab_scenario();
     scenario.robots[1].start = {2.0, 4.0, 0.0};
-    Counted vehicle("Q2", is_low ? 0.89 : 0.9);
+    StepCounter vehicle("Q2", is_low ? 0.89 : 0.9);
     WorldSimulation world(scenario, 3, kStart, {&vehicle});
     double nearest_m = 1e9;
     for (int k = 0; k < 1600; ++k) {

@@ -107,7 +107,7 @@ TEST(RoomForPlanners, IsThatOfTheHostWithMostPlanners) {
   EXPECT_TRUE(room_for_planners(scenario, 400'000'000).is_enough);
   const MemoryRoom little = room_for_planners(scenario, 300'000'000);
   EXPECT_FALSE(little.is_enough);
-  EXPECT_EQ(little.words,
+  EXPECT_EQ(little.summary,
             "line " + std::to_string(scenario::line_of_key(scenario.source_text, "robots")) +
                 ": memory: 3 planners on one host need up to 0.4 GB; 0.3 GB are free on this host");
   scenario.hosts = {{"LAB", {"Q1"}}, {"AIR", {"Q2", "Q3"}}};

@@ -35,7 +35,7 @@ bool mentions(const std::vector<std::string>& lines, const std::string& words) {
   });
 }
 
-TEST(OperatorDesk, AllowsTheSecondStationOnlyAnEmergencyStop) {
+TEST(OrderSender, AllowsTheSecondStationOnlyAnEmergencyStop) {
   bus::InProcessHub hub;
   const auto link_a = hub.connect();
   const auto link_b = hub.connect();
@@ -46,12 +46,12 @@ TEST(OperatorDesk, AllowsTheSecondStationOnlyAnEmergencyStop) {
   std::vector<models::OperatorCommand> heard;
   vehicle.subscribe<models::OperatorCommand>(
       bus::kCommand, [&](const models::OperatorCommand& command) { heard.push_back(command); });
-  OperatorDesk first(bus_a, {}, kStart);
-  std::optional<OperatorDesk> second;
+  OrderSender first(bus_a, {}, kStart);
+  std::optional<OrderSender> second;
   for (int i = 0; i < 40; ++i) {
     const Time now = kStart + from_seconds(0.1 * i);
     if (i == 20) {
-      second.emplace(bus_b, DeskRules{}, now);
+      second.emplace(bus_b, StationOptions{}, now);
     }
     for (bus::Bus* each : {&bus_a, &bus_b, &vehicle}) {
       each->handle(std::chrono::microseconds(0));
@@ -81,16 +81,16 @@ TEST(OperatorDesk, AllowsTheSecondStationOnlyAnEmergencyStop) {
 }
 
 // The orders of a console with a wrong clock are accepted, since they carry the vehicles' time.
-TEST(OperatorDesk, StampsOrdersByVehicleClock) {
+TEST(OrderSender, StampsOrdersByVehicleClock) {
   for (const Duration off : {Duration(-std::chrono::hours(24)), Duration(std::chrono::hours(1)),
                              Duration(std::chrono::milliseconds(300))}) {
     test::BusPair net(11, 13);
-    bus::Bus& desk_bus = net.own;
+    bus::Bus& station_bus = net.own;
     bus::Bus& vehicle = net.other;
     std::vector<models::OperatorCommand> heard;
     vehicle.subscribe<models::OperatorCommand>(
         bus::kCommand, [&](const models::OperatorCommand& command) { heard.push_back(command); });
-    OperatorDesk desk(desk_bus, {}, kStart + off);
+    OrderSender sender(station_bus, {}, kStart + off);
     Time now = kStart;
     for (int i = 0; i < 30; ++i) {
       now = kStart + from_seconds(0.1 * i);
@@ -98,11 +98,11 @@ TEST(OperatorDesk, StampsOrdersByVehicleClock) {
       status.robot = "Q1";
       status.stamp.time = now;
       vehicle.publish(bus::vehicle_channel("Q1"), status);
-      desk_bus.handle(std::chrono::microseconds(0));
-      (void)desk.tick(now + off);
+      station_bus.handle(std::chrono::microseconds(0));
+      (void)sender.tick(now + off);
     }
     heard.clear();
-    EXPECT_TRUE(desk.send(now + off, OperatorAction::kEmergencyStop, ""));
+    EXPECT_TRUE(sender.send(now + off, OperatorAction::kEmergencyStop, ""));
     vehicle.handle(std::chrono::microseconds(0));
     ASSERT_FALSE(heard.empty());
     EXPECT_TRUE(std::any_of(heard.begin(), heard.end(), [&](const auto& command) {
@@ -112,40 +112,40 @@ TEST(OperatorDesk, StampsOrdersByVehicleClock) {
   }
 }
 
-TEST(OperatorDesk, ShowsALogError) {
+TEST(OrderSender, ShowsALogError) {
   test::BusPair net(11, 12);
-  bus::Bus& desk_bus = net.own;
+  bus::Bus& station_bus = net.own;
   bus::Bus& up_bus = net.other;
-  OperatorDesk desk(desk_bus, {}, kStart);
+  OrderSender sender(station_bus, {}, kStart);
   logs::LogWatch log(300e3);
   const auto tell = [&](Time now, std::uint64_t size_bytes) {
-    (void)log.look({size_bytes, 0}, now);
+    (void)log.update({size_bytes, 0}, now);
     up_bus.publish(bus::health_channel(logs::kLogHealth), log.health(now));
-    (void)desk.tick(now);
-    desk_bus.handle(std::chrono::microseconds(0));
-    return mentions(desk.vehicle_table(now, ""), "the log is not being written");
+    (void)sender.tick(now);
+    station_bus.handle(std::chrono::microseconds(0));
+    return mentions(sender.vehicle_table(now, ""), "the log is not being written");
   };
   EXPECT_FALSE(tell(kStart, 1000));
   EXPECT_TRUE(tell(kStart + std::chrono::seconds(3), 1000));
-  EXPECT_FALSE(desk.is_log_lost(kStart + std::chrono::seconds(7))) << "nobody says so any more";
+  EXPECT_FALSE(sender.is_log_lost(kStart + std::chrono::seconds(7))) << "nobody says so any more";
   EXPECT_FALSE(tell(kStart + std::chrono::seconds(8), 2000));
 }
 
 // In a one-way partition each end detects the fault by itself: vehicles by the missing heartbeat
 // (fault 17), the operator by the vehicles' silence.
-TEST(OperatorDesk, ShowsSilentVehicleInOneWayPartition) {
+TEST(OrderSender, ShowsSilentVehicleInOneWayPartition) {
   test::BusPair net(11, 13);
-  bus::Bus& desk_bus = net.own;
+  bus::Bus& station_bus = net.own;
   bus::Bus& vehicle = net.other;
-  OperatorDesk desk(desk_bus, {}, kStart);
+  OrderSender sender(station_bus, {}, kStart);
   models::VehicleStatus status;
   status.robot = "Q1";
   status.state = models::FlightState::kFollow;
   status.stamp.time = kStart;
   vehicle.publish(bus::vehicle_channel("Q1"), status);
-  desk_bus.handle(std::chrono::microseconds(0));
-  EXPECT_TRUE(mentions(desk.vehicle_table(kStart + from_seconds(0.9), ""), "follow"));
-  const auto later = desk.vehicle_table(kStart + from_seconds(1.1), "");
+  station_bus.handle(std::chrono::microseconds(0));
+  EXPECT_TRUE(mentions(sender.vehicle_table(kStart + from_seconds(0.9), ""), "follow"));
+  const auto later = sender.vehicle_table(kStart + from_seconds(1.1), "");
   EXPECT_TRUE(mentions(later, "SILENT"));
   EXPECT_FALSE(mentions(later, "follow"));
 }
@@ -154,7 +154,7 @@ TEST(OperatorDesk, ShowsSilentVehicleInOneWayPartition) {
 struct LossyDesk {
   test::BusPair net{11, 13};
   bus::Bus& vehicle = net.other;
-  OperatorDesk desk{net.own, {}, kStart};
+  OrderSender sender{net.own, {}, kStart};
   std::function<bool(Time)> is_lossy = [](Time) { return false; };
   std::vector<models::OperatorCommand> heard;
   Time now = kStart;
@@ -172,12 +172,12 @@ struct LossyDesk {
     const Time end = now + from_seconds(seconds);
     while (now < end) {
       now += std::chrono::milliseconds(10);
-      (void)desk.tick(now);
+      (void)sender.tick(now);
       vehicle.handle(std::chrono::microseconds(0));
     }
   }
   void send(OperatorAction action, const std::string& robot = "") {
-    EXPECT_TRUE(desk.send(now, action, robot));
+    EXPECT_TRUE(sender.send(now, action, robot));
     vehicle.handle(std::chrono::microseconds(0));
   }
   std::int64_t count(OperatorAction action, const std::string& robot = "") const {
@@ -187,7 +187,7 @@ struct LossyDesk {
   }
 };
 
-TEST(OperatorDesk, OrderArrivesDespiteHalfASecondOfLoss) {
+TEST(OrderSender, OrderArrivesDespiteHalfASecondOfLoss) {
   for (const OperatorAction action :
        {OperatorAction::kHold, OperatorAction::kLand, OperatorAction::kEmergencyStop}) {
     LossyDesk lab;
@@ -199,18 +199,18 @@ TEST(OperatorDesk, OrderArrivesDespiteHalfASecondOfLoss) {
     lab.pass(0.5);
     ASSERT_GE(lab.count(action), 1);
     EXPECT_EQ(lab.heard.back().action, OperatorAction::kHeartbeat) << "the station goes on";
-    EXPECT_FALSE(lab.desk.is_saying());
+    EXPECT_FALSE(lab.sender.is_repeating());
   }
 }
 
-TEST(OperatorDesk, RepeatsOrderForALimitedTime) {
+TEST(OrderSender, RepeatsOrderForALimitedTime) {
   LossyDesk lab;
   const Time given = lab.now;
   lab.send(OperatorAction::kEmergencyStop, "Q1");
   lab.pass(0.06);
   EXPECT_EQ(lab.count(OperatorAction::kEmergencyStop, "Q1"), 2) << "the second comes soon";
   lab.pass(10.0);
-  EXPECT_EQ(lab.count(OperatorAction::kEmergencyStop, "Q1"), OperatorDesk::kSaid);
+  EXPECT_EQ(lab.count(OperatorAction::kEmergencyStop, "Q1"), OrderSender::kTransmissions);
   for (const models::OperatorCommand& command : lab.heard) {
     if (command.action == OperatorAction::kEmergencyStop) {
       EXPECT_EQ(command.stamp.time, given);
@@ -222,7 +222,7 @@ TEST(OperatorDesk, RepeatsOrderForALimitedTime) {
   EXPECT_EQ(lab.count(OperatorAction::kArm), 1) << "what makes nothing safer is said once";
 }
 
-TEST(OperatorDesk, DoesNotRepeatRevokedOrder) {
+TEST(OrderSender, DoesNotRepeatRevokedOrder) {
   LossyDesk lab;
   lab.send(OperatorAction::kHold);
   lab.send(OperatorAction::kFollow, "Q1");
@@ -231,11 +231,11 @@ TEST(OperatorDesk, DoesNotRepeatRevokedOrder) {
   lab.send(OperatorAction::kHold, "Q2");
   lab.send(OperatorAction::kFollow, "Q1");
   lab.pass(2.0);
-  EXPECT_EQ(lab.count(OperatorAction::kHold, "Q2"), OperatorDesk::kSaid) << "Q1 is another";
+  EXPECT_EQ(lab.count(OperatorAction::kHold, "Q2"), OrderSender::kTransmissions) << "Q1 is another";
   lab.send(OperatorAction::kEmergencyStop);
   lab.send(OperatorAction::kArm, "Q1");
   lab.pass(2.0);
-  EXPECT_EQ(lab.count(OperatorAction::kEmergencyStop), OperatorDesk::kSaid);
+  EXPECT_EQ(lab.count(OperatorAction::kEmergencyStop), OrderSender::kTransmissions);
   lab.heard.clear();
   lab.send(OperatorAction::kEmergencyStop);
   lab.send(OperatorAction::kArm);
@@ -314,12 +314,12 @@ TEST(ArmingWatch, ReportsMessagesRefusedDuringArming) {
   EXPECT_FALSE(mentions(watch.blocks(), "lost"));
 }
 
-TEST(OperatorDesk, ReportsThatUnsignedOrdersAreRefused) {
+TEST(OrderSender, ReportsThatUnsignedOrdersAreRefused) {
   test::BusPair net(11, 13);
   bus::Bus& bus = net.own;
   bus::Bus& vehicle = net.other;
   const bus::VirtualClock clock(kStart);
-  const OperatorDesk desk(bus, {}, kStart);
+  const OrderSender sender(bus, {}, kStart);
   const auto tell = [&] {
     models::VehicleStatus status;
     status.robot = "Q1";
@@ -327,20 +327,20 @@ TEST(OperatorDesk, ReportsThatUnsignedOrdersAreRefused) {
     bus.handle(std::chrono::microseconds(0));
   };
   tell();
-  EXPECT_FALSE(desk.is_unheard());
+  EXPECT_FALSE(sender.lacks_signature());
   vehicle.secure(test::authenticator(test::keys_of_a_trial()), clock);
   tell();
-  EXPECT_TRUE(desk.is_unheard());
-  EXPECT_TRUE(mentions(desk.vehicle_table(kStart, ""), "--scenario"));
+  EXPECT_TRUE(sender.lacks_signature());
+  EXPECT_TRUE(mentions(sender.vehicle_table(kStart, ""), "--scenario"));
 }
 
 /// A console of a trial that requires signatures, and the network.
 struct SecuredConsole {
   explicit SecuredConsole(Time now) : clock(now) {
     auto authenticator = test::authenticator(test::keys_of_a_trial());
-    rules.authenticator = authenticator.get();
+    options.authenticator = authenticator.get();
     bus.secure(std::move(authenticator), clock);
-    desk.emplace(bus, rules, now);
+    sender.emplace(bus, options, now);
   }
   /// Advances the clock by `time` in steps and calls `each` in every step.
   void pass(Duration time, const std::function<void()>& each) {
@@ -349,7 +349,7 @@ struct SecuredConsole {
       each();
       while (bus.handle(std::chrono::microseconds(0)) > 0) {
       }
-      (void)desk->tick(clock.now());
+      (void)sender->tick(clock.now());
     }
   }
 
@@ -358,12 +358,12 @@ struct SecuredConsole {
   std::unique_ptr<bus::Transport> link = hub.connect();
   std::unique_ptr<bus::Transport> others = hub.connect();
   bus::Bus bus{*link, 11};
-  DeskRules rules;
-  std::optional<OperatorDesk> desk;
+  StationOptions options;
+  std::optional<OrderSender> sender;
 };
 
 // A signed trial was recorded and has ended; its log is replayed ten seconds later.
-TEST(OperatorDesk, IgnoresRobotsOfAPlayedLog) {
+TEST(OrderSender, IgnoresRobotsOfAPlayedLog) {
   SecuredConsole console(kStart + std::chrono::seconds(10));
   bus::VirtualClock then(kStart);
   const auto recorder = console.hub.connect();
@@ -386,25 +386,25 @@ TEST(OperatorDesk, IgnoresRobotsOfAPlayedLog) {
   std::size_t played = 0;
   console.pass(std::chrono::seconds(2),
                [&] { console.others->publish("VEHICLE_Q1", log[played++]); });
-  EXPECT_TRUE(console.desk->robots().empty());
-  const auto table = console.desk->vehicle_table(console.clock.now(), "");
+  EXPECT_TRUE(console.sender->robots().empty());
+  const auto table = console.sender->vehicle_table(console.clock.now(), "");
   EXPECT_TRUE(mentions(table, "no vehicle received"));
   EXPECT_TRUE(mentions(table, "vehicle statuses refused: -1"));
-  OrderQueue orders(*console.desk);
-  EXPECT_TRUE(mentions(orders.ask({OperatorAction::kLand, "Q1"}, console.clock.now()),
+  OrderQueue orders(*console.sender);
+  EXPECT_TRUE(mentions(orders.add({OperatorAction::kLand, "Q1"}, console.clock.now()),
                        "no message received from robot 'Q1'"));
   EXPECT_TRUE(orders.was_refused());
 }
 
 // A station whose clock is wrong refuses the vehicles' messages, but can still make the vehicles
 // safer.
-TEST(OperatorDesk, StampsStopByClockOfRefusedVehicles) {
+TEST(OrderSender, StampsStopByClockOfRefusedVehicles) {
   const Duration off = std::chrono::hours(1);
   SecuredConsole console(kStart + off);
   bus::VirtualClock true_clock(kStart);
   bus::Bus vehicle(*console.others, 13);
   vehicle.secure(test::authenticator(test::keys_of_a_trial()), true_clock);
-  vehicle.answer_to("Q1");
+  vehicle.act_as_vehicle("Q1");
   std::vector<models::OperatorCommand> received;
   vehicle.subscribe<models::OperatorCommand>(
       bus::kCommand, [&](const models::OperatorCommand& command) { received.push_back(command); });
@@ -415,9 +415,9 @@ TEST(OperatorDesk, StampsStopByClockOfRefusedVehicles) {
     status.stamp.time = true_clock.now();
     vehicle.publish(bus::vehicle_channel("Q1"), status);
   });
-  EXPECT_TRUE(console.desk->robots().empty());
+  EXPECT_TRUE(console.sender->robots().empty());
   received.clear();
-  EXPECT_TRUE(console.desk->send(console.clock.now(), OperatorAction::kLand, ""));
+  EXPECT_TRUE(console.sender->send(console.clock.now(), OperatorAction::kLand, ""));
   while (vehicle.handle(std::chrono::microseconds(0)) > 0) {
   }
   EXPECT_TRUE(std::any_of(received.begin(), received.end(), [&](const auto& command) {
@@ -426,11 +426,11 @@ TEST(OperatorDesk, StampsStopByClockOfRefusedVehicles) {
   }));
 }
 
-TEST(OperatorDesk, LimitsNumberOfVehicles) {
+TEST(OrderSender, LimitsNumberOfVehicles) {
   test::BusPair net(11, 13);
-  OperatorDesk desk(net.own, {}, kStart);
+  OrderSender sender(net.own, {}, kStart);
   const auto hear = [&](const std::string& robot, Time now) {
-    (void)desk.tick(now);
+    (void)sender.tick(now);
     models::VehicleStatus status;
     status.robot = robot;
     status.stamp.time = now;
@@ -441,10 +441,10 @@ TEST(OperatorDesk, LimitsNumberOfVehicles) {
   for (int i = 0; i < 1'100; ++i) {
     hear("X" + std::to_string(i), kStart);
   }
-  EXPECT_EQ(desk.robots().size(), OperatorDesk::kVehiclesMax);
+  EXPECT_EQ(sender.robots().size(), OrderSender::kVehiclesMax);
   hear("Q1", kStart + std::chrono::seconds(4));
-  const auto robots = desk.robots();
-  EXPECT_EQ(robots.size(), OperatorDesk::kVehiclesMax);
+  const auto robots = sender.robots();
+  EXPECT_EQ(robots.size(), OrderSender::kVehiclesMax);
   EXPECT_TRUE(std::find(robots.begin(), robots.end(), "Q1") != robots.end())
       << "in the place of one that fell silent";
 }

@@ -58,15 +58,15 @@ class OrderQueueTest : public ::testing::Test {
         vehicles_.publish(bus::kCommand, beat);
       }
       net_.own.handle(std::chrono::microseconds(0));
-      (void)desk_.tick(now);
+      (void)sender_.tick(now);
       for (std::string& words : orders.tick(now)) {
         said.push_back(std::move(words));
       }
       vehicles_.handle(std::chrono::microseconds(0));
     }
   }
-  void ask(OperatorAction action, const std::string& robot = "") {
-    for (std::string& words : orders.ask({action, robot}, now)) {
+  void add(OperatorAction action, const std::string& robot = "") {
+    for (std::string& words : orders.add({action, robot}, now)) {
       said.push_back(std::move(words));
     }
     vehicles_.handle(std::chrono::microseconds(0));
@@ -87,15 +87,15 @@ class OrderQueueTest : public ::testing::Test {
  private:
   test::BusPair net_{11, 13};
   bus::Bus& vehicles_ = net_.other;
-  OperatorDesk desk_{net_.own, {}, kStart};
+  OrderSender sender_{net_.own, {}, kStart};
 
  protected:
-  OrderQueue orders{desk_};
+  OrderQueue orders{sender_};
 };
 
 TEST_F(OrderQueueTest, SendsSafeOrdersAtOnceAndOthersWhenInCharge) {
-  ask(OperatorAction::kFollow, "Q2");
-  ask(OperatorAction::kHold, "Q1");
+  add(OperatorAction::kFollow, "Q2");
+  add(OperatorAction::kHold, "Q1");
   EXPECT_EQ(heard, Words{"hold Q1"});
   pass(0.6);
   EXPECT_EQ(heard, Words{"hold Q1"});
@@ -104,7 +104,7 @@ TEST_F(OrderQueueTest, SendsSafeOrdersAtOnceAndOthersWhenInCharge) {
   EXPECT_EQ(heard, (Words{"hold Q1", "follow Q2"}));
   EXPECT_FALSE(orders.is_waiting());
   EXPECT_FALSE(orders.was_refused());
-  ask(OperatorAction::kArm);
+  add(OperatorAction::kArm);
   EXPECT_EQ(heard.back(), "arm");
 }
 
@@ -113,9 +113,9 @@ TEST_F(OrderQueueTest, SaferOrderCancelsPendingOrders) {
   for (const OperatorAction safer :
        {OperatorAction::kHold, OperatorAction::kLand, OperatorAction::kEmergencyStop}) {
     for (const std::string whom : {"", "Q1"}) {
-      ask(OperatorAction::kArm, "Q1");
-      ask(OperatorAction::kFollow, "Q1");
-      ask(safer, whom);
+      add(OperatorAction::kArm, "Q1");
+      add(OperatorAction::kFollow, "Q1");
+      add(safer, whom);
       EXPECT_FALSE(std::count(heard.begin(), heard.end(), "follow Q1"));
     }
   }
@@ -124,9 +124,9 @@ TEST_F(OrderQueueTest, SaferOrderCancelsPendingOrders) {
 }
 
 TEST_F(OrderQueueTest, PendingBroadcastDoesNotUndoSaferOrderOfOneVehicle) {
-  ask(OperatorAction::kFollow);
-  ask(OperatorAction::kLand, "Q1");
-  ask(OperatorAction::kFollow, "Q2");
+  add(OperatorAction::kFollow);
+  add(OperatorAction::kLand, "Q1");
+  add(OperatorAction::kFollow, "Q2");
   EXPECT_EQ(heard, Words{"land Q1"});
   heard.clear();
   pass(0.75);
@@ -142,9 +142,9 @@ TEST_F(OrderQueueTest, SendsOneOrderPerTenthOfASecond) {
   pass(1.0);
   for (int round = 0; round < 2; ++round) {
     heard.clear();
-    ask(OperatorAction::kArm);
-    ask(OperatorAction::kTakeOff);
-    ask(OperatorAction::kFollow);
+    add(OperatorAction::kArm);
+    add(OperatorAction::kTakeOff);
+    add(OperatorAction::kFollow);
     EXPECT_EQ(heard, Words{"arm"});
     pass(0.08);
     EXPECT_EQ(heard, Words{"arm"});
@@ -157,9 +157,9 @@ TEST_F(OrderQueueTest, SendsOneOrderPerTenthOfASecond) {
 }
 
 TEST_F(OrderQueueTest, SendsOrderToRobotNotYetReceived) {
-  ask(OperatorAction::kEmergencyStop, "Q1");
-  ask(OperatorAction::kHold, "Q2");
-  ask(OperatorAction::kArm, "Q2");
+  add(OperatorAction::kEmergencyStop, "Q1");
+  add(OperatorAction::kHold, "Q2");
+  add(OperatorAction::kArm, "Q2");
   EXPECT_TRUE(orders.is_waiting());
   pass(2.0);
   EXPECT_EQ(heard, (Words{"estop Q1", "hold Q2", "arm Q2"}));
@@ -169,9 +169,9 @@ TEST_F(OrderQueueTest, SendsOrderToRobotNotYetReceived) {
 
 // Orders with typing errors: an emergency stop must still work.
 TEST_F(OrderQueueTest, RefusesUnknownRobotButStopsAllOnEmergencyStop) {
-  ask(OperatorAction::kEmergencyStop, "Q9");
-  ask(OperatorAction::kHold, "Q8");
-  ask(OperatorAction::kArm, "Q7");
+  add(OperatorAction::kEmergencyStop, "Q9");
+  add(OperatorAction::kHold, "Q8");
+  add(OperatorAction::kArm, "Q7");
   EXPECT_FALSE(orders.was_refused());
   pass(2.0);
   EXPECT_EQ(heard, (Words{"estop Q9", "hold Q8", "estop"}));
@@ -179,18 +179,18 @@ TEST_F(OrderQueueTest, RefusesUnknownRobotButStopsAllOnEmergencyStop) {
   EXPECT_TRUE(has_said("unknown robot 'Q7'"));
   EXPECT_TRUE(orders.was_refused());
   heard.clear();
-  ask(OperatorAction::kEmergencyStop, "Q6");
+  add(OperatorAction::kEmergencyStop, "Q6");
   EXPECT_EQ(heard, Words{"estop"}) << "at once";
 }
 
 TEST_F(OrderQueueTest, SendsOrderWithoutKnownVehicles) {
-  ask(OperatorAction::kLand);
+  add(OperatorAction::kLand);
   pass(1.0, {});
-  ask(OperatorAction::kArm, "Q1");
+  add(OperatorAction::kArm, "Q1");
   pass(1.0, {});
   EXPECT_EQ(heard, (Words{"land", "arm Q1"}));
   EXPECT_FALSE(orders.was_refused());
-  ask(OperatorAction::kLand, "q1");
+  add(OperatorAction::kLand, "q1");
   EXPECT_EQ(heard.back(), "land q1");
   EXPECT_TRUE(orders.was_refused());
 }
@@ -198,24 +198,24 @@ TEST_F(OrderQueueTest, SendsOrderWithoutKnownVehicles) {
 TEST_F(OrderQueueTest, RefusesOrderWhileAnotherStationIsInCharge) {
   hears_station = true;
   pass(1.0);
-  ask(OperatorAction::kHold, "Q9");
-  ask(OperatorAction::kHold, "Q1");
-  ask(OperatorAction::kArm, "Q1");
+  add(OperatorAction::kHold, "Q9");
+  add(OperatorAction::kHold, "Q1");
+  add(OperatorAction::kArm, "Q1");
   EXPECT_EQ(heard, Words{});
   EXPECT_FALSE(has_said("was sent anyway"));
   EXPECT_TRUE(has_said("not sent: refused"));
   EXPECT_TRUE(orders.was_refused());
-  ask(OperatorAction::kEmergencyStop, "Q9");
+  add(OperatorAction::kEmergencyStop, "Q9");
   EXPECT_EQ(heard, Words{"estop"});
 }
 
 // Vehicles accept only orders that are current by their clock, which the console does not know yet.
 TEST_F(OrderQueueTest, RestampsOrderOnceVehicleClockIsKnown) {
   ahead = std::chrono::hours(2);
-  ask(OperatorAction::kLand);
+  add(OperatorAction::kLand);
   ASSERT_EQ(stamps, std::vector<Time>{kStart});
   pass(2.0);
-  ASSERT_EQ(stamps.size(), static_cast<std::size_t>(OperatorDesk::kSaid));
+  ASSERT_EQ(stamps.size(), static_cast<std::size_t>(OrderSender::kTransmissions));
   for (std::size_t i = 1; i < stamps.size(); ++i) {
     EXPECT_LE(std::chrono::abs(stamps[i] - (kStart + ahead)), std::chrono::milliseconds(20));
   }

@@ -33,11 +33,11 @@ TEST(Station, TakesChargeWithoutOtherHeartbeat) {
   station.on_command(beat(5, kStart), kStart);  // its own heartbeat
   pass(station, 0.0, 0.6, 0);
   EXPECT_EQ(station.role(), Role::kListening);
-  EXPECT_FALSE(station.beats());
+  EXPECT_FALSE(station.sends_heartbeat());
   pass(station, 0.6, 1.0, 0);
   EXPECT_EQ(station.role(), Role::kInCharge);
-  EXPECT_TRUE(station.beats());
-  EXPECT_TRUE(station.may_say(OperatorAction::kArm));
+  EXPECT_TRUE(station.sends_heartbeat());
+  EXPECT_TRUE(station.may_send(OperatorAction::kArm));
 }
 
 TEST(Station, IsRefusedPermanentlyNextToAnother) {
@@ -46,9 +46,9 @@ TEST(Station, IsRefusedPermanentlyNextToAnother) {
   EXPECT_EQ(station.role(), Role::kRefused);
   pass(station, 1.0, 60.0, 0);
   EXPECT_EQ(station.role(), Role::kRefused);
-  EXPECT_FALSE(station.beats());
+  EXPECT_FALSE(station.sends_heartbeat());
   for (int action = 0; action <= static_cast<int>(OperatorAction::kLand); ++action) {
-    EXPECT_FALSE(station.may_say(static_cast<OperatorAction>(action))) << action;
+    EXPECT_FALSE(station.may_send(static_cast<OperatorAction>(action))) << action;
   }
 }
 
@@ -67,10 +67,10 @@ TEST(Station, IgnoresOutdatedHeartbeat) {
 TEST(Station, MayAlwaysStop) {
   for (const bool allowed : {false, true}) {
     Station station(5, allowed, kStart);
-    EXPECT_TRUE(station.may_say(OperatorAction::kEmergencyStop));
+    EXPECT_TRUE(station.may_send(OperatorAction::kEmergencyStop));
     for (int i = 0; i < 50; ++i) {
       pass(station, 0.1 * i, 0.1 * (i + 1), i % 3 == 0 ? 9 : 0);
-      EXPECT_TRUE(station.may_say(OperatorAction::kEmergencyStop));
+      EXPECT_TRUE(station.may_send(OperatorAction::kEmergencyStop));
     }
   }
 }
@@ -79,11 +79,11 @@ TEST(Station, WaitsAndTakesOverAfterSilence) {
   Station station(5, true, kStart);
   pass(station, 0.0, 10.0, 9);
   EXPECT_EQ(station.role(), Role::kSecond);
-  EXPECT_FALSE(station.beats());
-  EXPECT_TRUE(station.may_say(OperatorAction::kHold));
-  EXPECT_TRUE(station.may_say(OperatorAction::kLand));
-  EXPECT_FALSE(station.may_say(OperatorAction::kArm));
-  EXPECT_FALSE(station.may_say(OperatorAction::kFollow));
+  EXPECT_FALSE(station.sends_heartbeat());
+  EXPECT_TRUE(station.may_send(OperatorAction::kHold));
+  EXPECT_TRUE(station.may_send(OperatorAction::kLand));
+  EXPECT_FALSE(station.may_send(OperatorAction::kArm));
+  EXPECT_FALSE(station.may_send(OperatorAction::kFollow));
   pass(station, 10.0, 11.0, 0);
   EXPECT_EQ(station.role(), Role::kSecond);
   pass(station, 11.0, 12.0, 0);
@@ -97,13 +97,13 @@ TEST(Station, OneOfTwoSimultaneousStationsYields) {
   for (double t_s = 0.0; t_s < 5.0; t_s += 0.1) {
     (void)low.tick(at(t_s));
     (void)high.tick(at(t_s));
-    if (low.beats()) {
+    if (low.sends_heartbeat()) {
       high.on_command(beat(3, at(t_s)), at(t_s));
     }
-    if (high.beats()) {
+    if (high.sends_heartbeat()) {
       low.on_command(beat(4, at(t_s)), at(t_s));
     }
-    beating = (low.beats() ? 1 : 0) + (high.beats() ? 1 : 0);
+    beating = (low.sends_heartbeat() ? 1 : 0) + (high.sends_heartbeat() ? 1 : 0);
   }
   EXPECT_EQ(beating, 1);
   EXPECT_EQ(low.role(), Role::kInCharge);

@@ -16,7 +16,7 @@ namespace vantage::tools {
 namespace {
 
 using scenario::MocapProtocol;
-using wire::vicon::Speaker;
+using wire::vicon::ServerType;
 
 bool says(const std::vector<std::string>& lines, const std::string& words) {
   return std::any_of(lines.begin(), lines.end(), [&](const std::string& line) {
@@ -32,12 +32,12 @@ std::string all_of(const std::vector<std::string>& lines) {
   return text;
 }
 
-ViconPort stream_of(MocapProtocol protocol, Speaker speaker, int port) {
+ViconPort stream_of(MocapProtocol protocol, ServerType server_type, int port) {
   ViconPort out;
   out.expected = protocol;
   out.port = port;
-  out.answer = Answer::kSpeech;
-  out.speaker = speaker;
+  out.answer = Answer::kAccepted;
+  out.server_type = server_type;
   out.observed.emplace();
   out.observed->frames = 100;
   out.observed->rate_hz = 100.0;
@@ -47,7 +47,7 @@ ViconPort stream_of(MocapProtocol protocol, Speaker speaker, int port) {
 
 TEST(DescribeVicon, ListsSubjectsAndScenarioLines) {
   const std::vector<ViconPort> ports{
-      stream_of(MocapProtocol::kDataStream, Speaker::kDataStream, 801)};
+      stream_of(MocapProtocol::kDataStream, ServerType::kDataStream, 801)};
   const auto lines = describe("10.0.0.9", ports);
   EXPECT_TRUE(says(lines, "10.0.0.9:801: a Vicon DataStream server, 100.0 Hz, 1 bodies"));
   EXPECT_TRUE(says(lines, "QUAD: seen in 50 % of the frames, last at (1.000, 2.000, 3.000) m"));
@@ -56,14 +56,14 @@ TEST(DescribeVicon, ListsSubjectsAndScenarioLines) {
 }
 
 TEST(DescribeVicon, NamesTheProductAtAWrongPort) {
-  const std::vector<ViconPort> ports{stream_of(MocapProtocol::kDataStream, Speaker::kVrpn, 801)};
+  const std::vector<ViconPort> ports{stream_of(MocapProtocol::kDataStream, ServerType::kVrpn, 801)};
   const auto lines = describe("10.0.0.9", ports);
   EXPECT_TRUE(says(lines, "10.0.0.9:801: a VRPN server"));
   EXPECT_TRUE(says(lines, "protocol: vrpn, host: 10.0.0.9, port: 801"));
 }
 
 TEST(DescribeVicon, ExplainsMissingPoses) {
-  std::vector<ViconPort> ports{stream_of(MocapProtocol::kDataStream, Speaker::kDataStream, 801)};
+  std::vector<ViconPort> ports{stream_of(MocapProtocol::kDataStream, ServerType::kDataStream, 801)};
   ports[0].observed->bodies["QUAD"].seen = 0;
   EXPECT_TRUE(says(describe("h", ports), "Kinematic Fit"));
   EXPECT_FALSE(is_usable(ports));
@@ -75,7 +75,7 @@ TEST(DescribeVicon, ExplainsMissingPoses) {
 }
 
 TEST(DescribeVicon, ReportsATrackersOwnRate) {
-  std::vector<ViconPort> ports{stream_of(MocapProtocol::kVrpn, Speaker::kVrpn, 3883)};
+  std::vector<ViconPort> ports{stream_of(MocapProtocol::kVrpn, ServerType::kVrpn, 3883)};
   ports[0].observed->bodies["QUAD"].rate_hz = 50.0;
   EXPECT_TRUE(says(describe("h", ports), "QUAD: 50.0 Hz, seen in 50 % of the frames"));
 }
@@ -117,8 +117,8 @@ TEST(ExamineVicon, RecognisesAVrpnServer) {
   is_done = true;
   thread.join();
   ASSERT_EQ(ports.size(), 2u);
-  EXPECT_EQ(ports[0].answer, Answer::kSpeech);
-  EXPECT_EQ(ports[0].speaker, Speaker::kVrpn);
+  EXPECT_EQ(ports[0].answer, Answer::kAccepted);
+  EXPECT_EQ(ports[0].server_type, ServerType::kVrpn);
   const auto lines = describe("127.0.0.1", ports);
   EXPECT_TRUE(says(lines, "QUAD: ") && says(lines, " Hz, seen in 100 %")) << all_of(lines);
   EXPECT_TRUE(says(lines, "protocol: vrpn")) << all_of(lines);

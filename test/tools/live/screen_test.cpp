@@ -27,7 +27,7 @@ TEST(CutTo, CountsCharactersNotBytes) {
 }
 
 TEST(CutTo, IgnoresColourCodesAndResetsThem) {
-  const std::string line = "ab" + inked("cd", Ink::kBad) + "ef";
+  const std::string line = "ab" + coloured("cd", Emphasis::kBad) + "ef";
   EXPECT_EQ(cut_to(line, 6), line);
   EXPECT_EQ(cut_to(line, 3), "ab\x1b[1;31mc\x1b[0m");
   EXPECT_EQ(cut_to(line, 5), "ab\x1b[1;31mcd\x1b[0me\x1b[0m");

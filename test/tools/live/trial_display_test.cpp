@@ -36,12 +36,12 @@ TEST(TrialDisplay, SurvivesClosedTerminal) {
   ASSERT_GE(full, 0);
   dup2(full, STDERR_FILENO);
   TrialDisplay display(form_of(true, false));
-  EXPECT_NO_THROW(display.say("landing"));
+  EXPECT_NO_THROW(display.show_event("landing"));
   dup2(kept, STDERR_FILENO);
   close(full);
   close(kept);
   testing::internal::CaptureStderr();
-  display.say("landed");
+  display.show_event("landed");
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "! landed\n");
 }
 
@@ -50,7 +50,7 @@ TEST(TrialDisplay, ShowsRowsAndEventsBelowATable) {
   TrialDisplay display(form_of(false, true));
   testing::internal::CaptureStdout();
   for (int i = 0; i < 8; ++i) {
-    display.say("event " + std::to_string(i));
+    display.show_event("event " + std::to_string(i));
   }
   display.show(from_utime(1'000'000), lab.scenario, lab.metrics, 0.0, {"a row"}, "LAB 7/7");
   const std::string shown = testing::internal::GetCapturedStdout();
@@ -66,7 +66,7 @@ TEST(TrialDisplay, PrintsOnlyEventsWhenQuiet) {
   EXPECT_FALSE(display.is_due(from_utime(1'000'000)));
   testing::internal::CaptureStdout();
   testing::internal::CaptureStderr();
-  display.say("a motor fell off");
+  display.show_event("a motor fell off");
   EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "! a motor fell off\n");
 }

@@ -142,7 +142,7 @@ TEST(FitRangesOfPlaza, FindsScaleAndBeacons) {
   EXPECT_LT(report.fit.range_bias_sigma_m, 0.2);
   EXPECT_NEAR(report.fit.calibration.range_bias_m, 0.0, 3.0 * report.fit.range_bias_sigma_m);
   ASSERT_EQ(report.fit.beacons.size(), 4u);
-  EXPECT_TRUE(report.unheard.empty());
+  EXPECT_TRUE(report.not_fitted.empty());
   for (std::size_t b = 0; b < 4; ++b) {
     ASSERT_TRUE(report.surveys[b].has_value());
     EXPECT_LT(report.surveys[b]->error_m, 0.15);

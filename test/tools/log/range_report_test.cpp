@@ -36,7 +36,7 @@ TEST(RangeReport, ComparesWithSurveyAndHeldOutRanges) {
   EXPECT_EQ(report.surveys[0]->error_m, error_m.norm());
   EXPECT_FALSE(report.surveys[1].has_value());
   EXPECT_EQ(mean_nees(report), report.surveys[0]->nees);
-  EXPECT_EQ(report.unheard, std::vector<std::string>{"far"});
+  EXPECT_EQ(report.not_fitted, std::vector<std::string>{"far"});
   ASSERT_TRUE(report.held_back.has_value());
   EXPECT_NEAR(report.held_back->nees, 1.0, 0.5);
 }

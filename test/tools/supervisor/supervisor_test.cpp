@@ -114,7 +114,7 @@ TEST(Supervisor, RestartsAProcessAfterItsBackOff) {
   const auto ended = supervisor.poll(kSecond_ns);
   ASSERT_EQ(ended.size(), 1U);
   EXPECT_EQ(ended[0].kind, Kind::kEnded);
-  EXPECT_EQ(ended[0].words, "brief ended (exit 0); starting it again in 0.2 s");
+  EXPECT_EQ(ended[0].text, "brief ended (exit 0); starting it again in 0.2 s");
   EXPECT_EQ(supervisor.status(kSecond_ns)[0].phase, SupervisedPhase::kWaiting);
   EXPECT_EQ(supervisor.status(kSecond_ns)[0].pid, 0);
   EXPECT_TRUE(supervisor.poll(kSecond_ns + kSecond_ns / 10).empty());
@@ -123,7 +123,7 @@ TEST(Supervisor, RestartsAProcessAfterItsBackOff) {
   const auto started = supervisor.poll(2 * kSecond_ns);
   ASSERT_EQ(started.size(), 1U);
   EXPECT_EQ(started[0].kind, Kind::kStarted);
-  EXPECT_EQ(started[0].words, "brief started again (restart 1, 1.0 s down in total)");
+  EXPECT_EQ(started[0].text, "brief started again (restart 1, 1.0 s down in total)");
   EXPECT_EQ(supervisor.restarts(), 1);
   EXPECT_EQ(preparations, 1);
   const SupervisedStatus status = supervisor.status(3 * kSecond_ns)[0];
@@ -145,7 +145,7 @@ TEST(Supervisor, ReportsLastLineOfOutputFile) {
   const auto ended = supervisor.poll(kSecond_ns);
   ASSERT_EQ(ended.size(), 1U);
   EXPECT_EQ(
-      ended[0].words,
+      ended[0].text,
       "firmware ended (exit 3); starting it again in 0.2 s; last output: 'already running' (" +
           spec.folder + "/output.txt)");
 }
@@ -163,7 +163,7 @@ TEST(Supervisor, AbandonsAProcessAfterTheStatedRestarts) {
   }
   ASSERT_EQ(last.size(), 1U);
   EXPECT_EQ(last[0].kind, Kind::kGivenUp);
-  EXPECT_EQ(last[0].words,
+  EXPECT_EQ(last[0].text,
             "brief ended (exit 1) and is given up: 2 restarts within 60 s did not help; the trial "
             "cannot continue without it");
   EXPECT_TRUE(supervisor.any_given_up());
@@ -284,7 +284,7 @@ TEST(Supervisor, KillsAProcessWithoutHeartbeats) {
   Watched watched;
   watched.supervisor.start(ours("planner Q1", "sign(b'?')\ntime.sleep(1000)"), watched.now_ns);
   EXPECT_TRUE(watched.until([&] { return watched.count(Kind::kHung) == 1; }));
-  EXPECT_EQ(watched.events[0].words, "planner Q1 sent no sign of life: killing it");
+  EXPECT_EQ(watched.events[0].text, "planner Q1 sent no sign of life: killing it");
   EXPECT_TRUE(watched.until([&] { return watched.count(Kind::kEnded) == 1; }, 0));
   EXPECT_EQ(watched.status().last_end, "signal 9");
 }

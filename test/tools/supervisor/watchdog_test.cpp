@@ -11,7 +11,7 @@ constexpr Time at(double s) { return from_utime(static_cast<std::int64_t>(s * 1e
 using Names = std::vector<std::string>;
 
 /// Returns the processes found overdue by checks every 0.1 s from `begin_s` to `end_s`.
-Names looked_at(Watchdog& dog, double begin_s, double end_s) {
+Names overdue_between(Watchdog& dog, double begin_s, double end_s) {
   Names out;
   for (double now_s = begin_s; now_s < end_s + 0.05; now_s += 0.1) {
     for (const std::string& name : dog.overdue(at(std::min(now_s, end_s)))) {
@@ -27,18 +27,18 @@ TEST(Watchdog, ReportsASilentProcessOnce) {
   dog.watch("b", 3.0);
   dog.on_sign("a", at(0.0));
   dog.on_sign("b", at(0.0));
-  EXPECT_EQ(looked_at(dog, 0.0, 1.0), Names{});
+  EXPECT_EQ(overdue_between(dog, 0.0, 1.0), Names{});
   EXPECT_EQ(dog.overdue(at(1.001)), Names{"a"});
-  EXPECT_EQ(looked_at(dog, 1.1, 3.0), Names{});
+  EXPECT_EQ(overdue_between(dog, 1.1, 3.0), Names{});
   EXPECT_EQ(dog.overdue(at(3.001)), Names{"b"});
 }
 
 TEST(Watchdog, WaitsForTheFirstHeartbeatWithoutLimit) {
   Watchdog dog;
   dog.watch("a", 1.0);
-  EXPECT_EQ(looked_at(dog, 0.0, 100.0), Names{});
+  EXPECT_EQ(overdue_between(dog, 0.0, 100.0), Names{});
   dog.on_start("a", at(100.0));  // it may be a process that never reports
-  EXPECT_EQ(looked_at(dog, 100.0, 200.0), Names{});
+  EXPECT_EQ(overdue_between(dog, 100.0, 200.0), Names{});
 }
 
 // A planner that hangs again before its first sign must be found, too.
@@ -47,20 +47,21 @@ TEST(Watchdog, GivesRestartedProcessTimeForFirstSign) {
   dog.watch("a", 1.0);
   for (const double begin_s : {100.0, 200.0}) {  // the second round must give the same result
     dog.on_sign("a", at(begin_s));
-    EXPECT_EQ(looked_at(dog, begin_s, begin_s + 1.5), Names{"a"});
+    EXPECT_EQ(overdue_between(dog, begin_s, begin_s + 1.5), Names{"a"});
     dog.on_end("a");
-    EXPECT_EQ(looked_at(dog, begin_s + 1.6, begin_s + 40.0), Names{}) << "nothing runs";
+    EXPECT_EQ(overdue_between(dog, begin_s + 1.6, begin_s + 40.0), Names{}) << "nothing runs";
     for (const double start_s : {begin_s + 40.0, begin_s + 60.0}) {
       dog.on_start("a", at(start_s));
-      EXPECT_EQ(looked_at(dog, start_s, start_s + Watchdog::kFirstSignS), Names{});
+      EXPECT_EQ(overdue_between(dog, start_s, start_s + Watchdog::kFirstSignS), Names{});
       EXPECT_EQ(dog.overdue(at(start_s + Watchdog::kFirstSignS + 0.001)), Names{"a"});
-      EXPECT_EQ(looked_at(dog, start_s + Watchdog::kFirstSignS + 0.1, start_s + 19.9), Names{})
+      EXPECT_EQ(overdue_between(dog, start_s + Watchdog::kFirstSignS + 0.1, start_s + 19.9),
+                Names{})
           << "named once";
     }
     dog.on_start("a", at(begin_s + 80.0));
     dog.on_sign("a", at(begin_s + 81.0));
-    EXPECT_EQ(looked_at(dog, begin_s + 80.0, begin_s + 81.9), Names{});
-    EXPECT_EQ(looked_at(dog, begin_s + 82.0, begin_s + 82.1), Names{"a"})
+    EXPECT_EQ(overdue_between(dog, begin_s + 80.0, begin_s + 81.9), Names{});
+    EXPECT_EQ(overdue_between(dog, begin_s + 82.0, begin_s + 82.1), Names{"a"})
         << "its own patience from then on";
   }
 }
@@ -69,16 +70,16 @@ TEST(Watchdog, ARestartResetsTheTime) {
   Watchdog dog;
   dog.watch("a", 1.0);
   dog.on_sign("a", at(0.0));
-  EXPECT_EQ(looked_at(dog, 0.0, 0.5), Names{});
+  EXPECT_EQ(overdue_between(dog, 0.0, 0.5), Names{});
   dog.on_start("a", at(0.5));
-  EXPECT_EQ(looked_at(dog, 0.5, 10.0), Names{});
+  EXPECT_EQ(overdue_between(dog, 0.5, 10.0), Names{});
 }
 
 TEST(Watchdog, IgnoresSignsOfUnknownProcesses) {
   Watchdog dog;
   dog.watch("a", 1.0);
   dog.on_sign("x", at(0.0));
-  EXPECT_EQ(looked_at(dog, 0.0, 10.0), Names{});
+  EXPECT_EQ(overdue_between(dog, 0.0, 10.0), Names{});
 }
 
 // While the supervisor itself does not run (Ctrl-Z, suspend, no processor) it receives nothing.
@@ -92,14 +93,14 @@ TEST(Watchdog, DoesNotCountPausesOfTheSupervisorAsSilence) {
     dog.on_sign("a", at(now_s));
     dog.on_start("b", at(now_s));
     dog.on_sign("b", at(now_s));
-    EXPECT_EQ(looked_at(dog, now_s, now_s + 0.5), Names{});
+    EXPECT_EQ(overdue_between(dog, now_s, now_s + 0.5), Names{});
     now_s += 0.5 + away_s;
     EXPECT_EQ(dog.overdue(at(now_s)), Names{}) << "after " << away_s << " s";
     // Signs that arrived during the pause are handled after it; `b` is silent before and after the
     // pause.
     dog.on_sign("a", at(now_s));
-    const double left_s = 1.0 - 0.5 - Watchdog::kLookS;
-    EXPECT_EQ(looked_at(dog, now_s, now_s + left_s - 0.01), Names{});
+    const double left_s = 1.0 - 0.5 - Watchdog::kPollS;
+    EXPECT_EQ(overdue_between(dog, now_s, now_s + left_s - 0.01), Names{});
     EXPECT_EQ(dog.overdue(at(now_s + left_s + 0.01)), Names{"b"}) << "after " << away_s << " s";
     now_s += 100.0;
     EXPECT_EQ(dog.overdue(at(now_s)), Names{});
@@ -112,7 +113,7 @@ TEST(Watchdog, ClampsHeartbeatsToNow) {
   dog.watch("a", 1.0);
   EXPECT_EQ(dog.overdue(at(0.0)), Names{});
   dog.on_sign("a", at(5.0));
-  EXPECT_EQ(looked_at(dog, 5.0, 6.0), Names{});
+  EXPECT_EQ(overdue_between(dog, 5.0, 6.0), Names{});
   EXPECT_EQ(dog.overdue(at(6.01)), Names{"a"});
 }
 
@@ -121,10 +122,10 @@ TEST(Watchdog, CountsTimeOnlyWhileChecked) {
   dog.watch("a", 1.0);
   dog.on_sign("a", at(0.0));
   dog.on_start("a", at(0.0));
-  EXPECT_EQ(looked_at(dog, 0.0, 1.0), Names{});
+  EXPECT_EQ(overdue_between(dog, 0.0, 1.0), Names{});
   EXPECT_EQ(dog.overdue(at(101.0)), Names{}) << "a hundred seconds of nobody's";
-  const double left_s = Watchdog::kFirstSignS - 1.0 - Watchdog::kLookS;
-  EXPECT_EQ(looked_at(dog, 101.0, 101.0 + left_s - 0.01), Names{});
+  const double left_s = Watchdog::kFirstSignS - 1.0 - Watchdog::kPollS;
+  EXPECT_EQ(overdue_between(dog, 101.0, 101.0 + left_s - 0.01), Names{});
   EXPECT_EQ(dog.overdue(at(101.0 + left_s + 0.01)), Names{"a"});
 }
 

@@ -101,7 +101,7 @@ TEST(FlightProgram, TakesOffAndLandsEveryVehicle) {
   trial.run(20.0);
   EXPECT_EQ(trial.vehicles[1].state, FlightState::kFollow);
   EXPECT_EQ(trial.count(OperatorAction::kLand, "Q1"), 0);
-  trial.program.bring_down();
+  trial.program.land_all();
   EXPECT_FALSE(trial.program.is_down());
   trial.run(10.0);
   EXPECT_TRUE(trial.program.is_down());
@@ -139,7 +139,7 @@ TEST(FlightProgram, YieldsToAnotherStationButLandsAtTheEnd) {
   trial.run(30.0);
   EXPECT_EQ(trial.vehicles[0].state, FlightState::kFollow);
   EXPECT_EQ(trial.vehicles[1].state, FlightState::kHold);
-  trial.program.bring_down();
+  trial.program.land_all();
   trial.run(10.0);
   EXPECT_TRUE(trial.program.is_down());
 }
@@ -152,7 +152,7 @@ TEST(FlightProgram, DoesNotRestartALandedOrKilledVehicle) {
     trial.said.clear();
     trial.run(30.0);
     EXPECT_TRUE(trial.said.empty());
-    trial.program.bring_down();
+    trial.program.land_all();
     trial.run(2.0);
     EXPECT_TRUE(trial.program.is_down());
   }

@@ -18,16 +18,18 @@ TEST(Landing, EndsWhenAllVehiclesAreDown) {
 
 TEST(Landing, HurriesOnceOnRequest) {
   Landing landing(kStart);
-  EXPECT_EQ(landing.step(false, true, kStart + seconds(1)), Step::kHurry);
+  EXPECT_EQ(landing.step(false, true, kStart + seconds(1)), Step::kRequestAgain);
   EXPECT_EQ(landing.step(false, true, kStart + seconds(2)), Step::kWait);
-  EXPECT_EQ(landing.step(false, true, kStart + seconds(1) + Landing::kHurry), Step::kOver);
+  EXPECT_EQ(landing.step(false, true, kStart + seconds(1) + Landing::kHurriedPatience),
+            Step::kOver);
 }
 
 TEST(Landing, HurriesAfterOneMinute) {
   Landing landing(kStart);
   EXPECT_EQ(landing.step(false, false, kStart + Landing::kPatience - Duration{1}), Step::kWait);
-  EXPECT_EQ(landing.step(false, false, kStart + Landing::kPatience), Step::kHurry);
-  EXPECT_EQ(landing.step(false, false, kStart + Landing::kPatience + Landing::kHurry), Step::kOver);
+  EXPECT_EQ(landing.step(false, false, kStart + Landing::kPatience), Step::kRequestAgain);
+  EXPECT_EQ(landing.step(false, false, kStart + Landing::kPatience + Landing::kHurriedPatience),
+            Step::kOver);
 }
 
 }  // namespace

@@ -66,11 +66,11 @@ TEST_F(Observer, KeepsTheNewestTruthAndDrawsIt) {
 }
 
 TEST_F(Observer, ReportsContactsVehiclesLossesAndAttacks) {
-  models::ContactReport contact;
+  models::CollisionReport contact;
   contact.body_a = "Q1";
   contact.body_b = "bounds";
   say(bus::kCollision, contact);
-  contact.kind = models::ContactKind::kCollision;
+  contact.kind = models::CollisionKind::kCollision;
   contact.distance_m = -0.5;
   say(bus::kCollision, contact);
   say(bus::kCollision, contact);

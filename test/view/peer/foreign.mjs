@@ -56,7 +56,7 @@ await chart(page, "POWER", ["voltage_v"]);
 await line("/lcm/POWER voltage_v", "POWER");
 
 // Time stands, and where it stands is marked in a chart from its first picture on.
-await page.evaluate(() => vantage.be_at(21));
+await page.evaluate(() => vantage.seek_and_wait(21));
 await page.locator(`${topic("ARM_STATE")} [data-field="position_rad.2"]`).scrollIntoViewIfNeeded();
 const marked = await page.evaluate(async () => {
   document.querySelector('[data-topic="/lcm/ARM_STATE"] [data-field="position_rad.2"]').click();
@@ -87,7 +87,7 @@ for (let asked = 0; !(await page.evaluate(is_told)); ++asked) {
   assert(asked < 120, "no rate is told");
   await counted();
   if (await page.evaluate(() => vantage.state.is_playing)) continue;
-  await page.evaluate(() => vantage.be_at(1)); // a page that was late has come to the end of the log
+  await page.evaluate(() => vantage.seek_and_wait(1)); // a page that was late has come to the end of the log
   await page.click("#play");
   await until(page, () => vantage.state.is_playing);
 }

@@ -5,7 +5,7 @@ import assert from "node:assert";
 import { readFileSync } from "node:fs";
 import { finish, folder, kind, now, open as open_page, shot, until, url } from "./drive.mjs";
 
-const look = JSON.parse(readFileSync(new URL("../../../logs/look/look.json", import.meta.url)));
+const look = JSON.parse(readFileSync(new URL("../../../logs/appearance/appearance.json", import.meta.url)));
 
 async function open(...how) {
   const page = await open_page(...how);
@@ -475,7 +475,7 @@ async function check_layouts(page) {
   // A browser keeps it; a link carries what was taken away.
   await until(page, () => /without=lost/.test(location.href) && /plan_round/.test(location.href));
   await page.reload();
-  await until(page, () => window.vantage?.stats().entities > 10 && vantage.state.wanted === null);
+  await until(page, () => window.vantage?.stats().entities > 10 && vantage.state.pending_link === null);
   await until(page, (keys) => vantage.charts().map(({ key }) => key).join() === keys, kept.join());
   await page.evaluate(add_probes);
   await page.keyboard.press("n");

@@ -50,7 +50,7 @@ function add_text_of() {
 
 const drawn_at = async (page, since) =>
   Buffer.from(await page.evaluate(async (since) => {
-    await vantage.be_at(since);
+    await vantage.seek_and_wait(since);
     return text_of(vantage.painted().data);
   }, since), "base64");
 

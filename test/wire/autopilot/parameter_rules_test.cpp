@@ -32,10 +32,10 @@ TEST(ParameterRules, AreParsedFromLines) {
   EXPECT_EQ(rules[0].value, 0.3);
   EXPECT_EQ(rules[0].kind, Kind::kAtMost);
   EXPECT_FALSE(rules[0].is_advised);
-  EXPECT_EQ(rules[0].otherwise, "it flies on");
+  EXPECT_EQ(rules[0].effect, "it flies on");
   EXPECT_EQ(rules[1].name, "A");
   EXPECT_EQ(rules[1].value, -1.0);
-  EXPECT_EQ(rules[1].otherwise, "b: c");
+  EXPECT_EQ(rules[1].effect, "b: c");
   EXPECT_TRUE(rule("A 1 # advised, exactly: b").is_advised);
 }
 
@@ -103,23 +103,23 @@ TEST(ParameterRules, AllowARelativeErrorOfOneMillionth) {
 }
 
 TEST(ParameterRules, DescribeTheExpectedValue) {
-  EXPECT_EQ(rule("A 7.25 # exactly: b").wanted(), "7.25");
-  EXPECT_EQ(rule("A 7 # at most 8: b").wanted(), "at most 8");
-  EXPECT_EQ(rule("A 7 # at least -6: b").wanted(), "at least -6");
-  EXPECT_EQ(rule("A 7 # between 6 and 8: b").wanted(), "between 6 and 8");
-  EXPECT_EQ(rule("A 7 # one of 7: b").wanted(), "7");
-  EXPECT_EQ(rule("A 7 # one of 6 7: b").wanted(), "6 or 7");
-  EXPECT_EQ(rule("A 7 # one of 5 6 7 8: b").wanted(), "5, 6, 7 or 8");
+  EXPECT_EQ(rule("A 7.25 # exactly: b").requirement_text(), "7.25");
+  EXPECT_EQ(rule("A 7 # at most 8: b").requirement_text(), "at most 8");
+  EXPECT_EQ(rule("A 7 # at least -6: b").requirement_text(), "at least -6");
+  EXPECT_EQ(rule("A 7 # between 6 and 8: b").requirement_text(), "between 6 and 8");
+  EXPECT_EQ(rule("A 7 # one of 7: b").requirement_text(), "7");
+  EXPECT_EQ(rule("A 7 # one of 6 7: b").requirement_text(), "6 or 7");
+  EXPECT_EQ(rule("A 7 # one of 5 6 7 8: b").requirement_text(), "5, 6, 7 or 8");
   EXPECT_EQ(parameter_text(static_cast<double>(0.3F)), "0.3");
 }
 
 TEST(ParameterRules, ReportValueRuleAndConsequence) {
-  EXPECT_EQ(rule("GUID_TIMEOUT 0.3 # at most 0.5: it flies on").complaint(3.0),
+  EXPECT_EQ(rule("GUID_TIMEOUT 0.3 # at most 0.5: it flies on").violation_text(3.0),
             "GUID_TIMEOUT is 3, wanted is at most 0.5: it flies on");
-  EXPECT_EQ(rule("A 0 # one of 0 3 5: b").complaint(1.0), "A is 1, wanted is 0, 3 or 5: b");
-  EXPECT_EQ(rule("A 2 # between 1 and 3: b").complaint(std::nullopt),
+  EXPECT_EQ(rule("A 0 # one of 0 3 5: b").violation_text(1.0), "A is 1, wanted is 0, 3 or 5: b");
+  EXPECT_EQ(rule("A 2 # between 1 and 3: b").violation_text(std::nullopt),
             "A is missing, wanted is between 1 and 3: b");
-  EXPECT_EQ(rule("A 0.05 # exactly: b").complaint(static_cast<double>(0.2F)),
+  EXPECT_EQ(rule("A 0.05 # exactly: b").violation_text(static_cast<double>(0.2F)),
             "A is 0.2, wanted is 0.05: b");
 }
 
@@ -156,7 +156,7 @@ TEST(ParameterRules, NumberEveryLine) {
             "line 5: 'roughly' is not a rule");
   EXPECT_EQ(refusal("A 1 # exactly: b\nB 1 # exactly: b\nC 1 # exactly: b\nB 1 # exactly: c"),
             "line 4: B is listed twice");
-  EXPECT_EQ(parse_parameter_rules("A 1 # exactly: b\nB 2 # exactly: c").at(1).otherwise, "c");
+  EXPECT_EQ(parse_parameter_rules("A 1 # exactly: b\nB 2 # exactly: c").at(1).effect, "c");
   EXPECT_TRUE(parse_parameter_rules("").empty());
 }
 

@@ -8,8 +8,8 @@
 
 #include "test/wire/mavlink/hex.hpp"
 #include "test/wire/mavlink/random_message.hpp"
+#include "wire/mavlink/constants.hpp"
 #include "wire/mavlink/parser.hpp"
-#include "wire/mavlink/vocabulary.hpp"
 
 namespace vantage::wire::mavlink {
 namespace {

@@ -258,16 +258,16 @@ TEST(Parser, AccountsForEveryByte) {
 TEST(SequenceMonitor, CountsGapsPerSenderAcrossTheWrap) {
   SequenceMonitor monitor;
   for (int i = 250; i < 260; ++i) {
-    monitor.see({1, 1, static_cast<std::uint8_t>(i)});
-    monitor.see({2, 1, 0});  // another one that repeats itself
+    monitor.on_frame({1, 1, static_cast<std::uint8_t>(i)});
+    monitor.on_frame({2, 1, 0});  // another one that repeats itself
   }
   EXPECT_EQ(monitor.lost(), 0);
   EXPECT_EQ(monitor.out_of_order(), 9);
-  monitor.see({1, 1, 9});  // 4 … 8 are missing
+  monitor.on_frame({1, 1, 9});  // 4 … 8 are missing
   EXPECT_EQ(monitor.lost(), 5);
-  monitor.see({1, 1, 6});
+  monitor.on_frame({1, 1, 6});
   EXPECT_EQ(monitor.out_of_order(), 10);
-  monitor.see({1, 1, 10});
+  monitor.on_frame({1, 1, 10});
   EXPECT_EQ(monitor.lost(), 5);
 }
 
@@ -275,8 +275,8 @@ TEST(SequenceMonitor, CountsStepsBelowHalfTheRangeAsLoss) {
   for (int start = 0; start < 256; start += 51) {
     for (int step = 1; step < 256; ++step) {
       SequenceMonitor monitor;
-      monitor.see({1, 1, static_cast<std::uint8_t>(start)});
-      monitor.see({1, 1, static_cast<std::uint8_t>(start + step)});
+      monitor.on_frame({1, 1, static_cast<std::uint8_t>(start)});
+      monitor.on_frame({1, 1, static_cast<std::uint8_t>(start + step)});
       EXPECT_EQ(monitor.lost(), step <= 128 ? step - 1 : 0) << step;
       EXPECT_EQ(monitor.out_of_order(), step <= 128 ? 0 : 1) << step;
     }
@@ -287,8 +287,9 @@ TEST(SequenceMonitor, TracksSixtyFourSenders) {
   SequenceMonitor monitor;
   for (int round = 0; round < 2; ++round) {
     for (int sender = 0; sender < 80; ++sender) {  // by system and component, neither alone
-      monitor.see({static_cast<std::uint8_t>(sender / 9), static_cast<std::uint8_t>(sender % 9),
-                   static_cast<std::uint8_t>(sender + 3 * round)});
+      monitor.on_frame({static_cast<std::uint8_t>(sender / 9),
+                        static_cast<std::uint8_t>(sender % 9),
+                        static_cast<std::uint8_t>(sender + 3 * round)});
     }
   }
   EXPECT_EQ(monitor.lost(), 64 * 2);

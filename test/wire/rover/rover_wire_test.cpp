@@ -237,7 +237,7 @@ TEST(RoverLink, CountsRefusedDatagrams) {
     (void)link.command({}, 0, kNow);
   }
   EXPECT_TRUE(link.receive(kWorkedTelemetry, kNow));
-  EXPECT_EQ(link.obeyed_age_s(kNow + Duration{30'000}), 0.03);
+  EXPECT_EQ(link.taken_command_age_s(kNow + Duration{30'000}), 0.03);
   EXPECT_FALSE(link.receive(kWorkedTelemetry, kNow)) << "the same again";
   Telemetry other = worked_telemetry();
   other.robot = 8;
@@ -271,7 +271,7 @@ TEST(RoverLink, IgnoresCommandsOfAnotherDriver) {
   EXPECT_TRUE(link.is_ours());
   EXPECT_TRUE(link.receive(kWorkedTelemetry, kNow));
   EXPECT_FALSE(link.is_ours());
-  EXPECT_EQ(link.obeyed_age_s(kNow), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(link.taken_command_age_s(kNow), std::numeric_limits<double>::infinity());
 }
 
 /// A rover that receives commands of one driver.

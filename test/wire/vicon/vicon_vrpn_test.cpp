@@ -236,7 +236,8 @@ TEST(IdentifyStream, RecognisesPrintableText) {
   for (int c = 0; c < 256; ++c) {
     const std::string text(8, static_cast<char>(c));
     const bool is_text = (c >= 0x20 && c <= 0x7e) || c == '\r' || c == '\n' || c == '\t';
-    EXPECT_EQ(identify_stream(from_text(text)), is_text ? Speaker::kText : Speaker::kUnknown) << c;
+    EXPECT_EQ(identify_stream(from_text(text)), is_text ? ServerType::kText : ServerType::kUnknown)
+        << c;
   }
 }
 
@@ -245,46 +246,47 @@ TEST(IdentifyStream, DistinguishesTheServers) {
   PacketWriter packet(datastream);
   append(packet, ObjectEnums{{5, 9}});
   packet.finish();
-  EXPECT_EQ(identify_stream(datastream), Speaker::kDataStream);
-  EXPECT_EQ(identify_stream(Bytes(datastream).first(3)), Speaker::kTooFewBytes);
+  EXPECT_EQ(identify_stream(datastream), ServerType::kDataStream);
+  EXPECT_EQ(identify_stream(Bytes(datastream).first(3)), ServerType::kTooFewBytes);
   std::vector<std::uint8_t> cookie;
   append_vrpn_cookie(cookie);
-  EXPECT_EQ(identify_stream(cookie), Speaker::kVrpn);
-  EXPECT_EQ(identify_stream(Bytes(cookie).first(5)), Speaker::kTooFewBytes);
-  EXPECT_EQ(identify_stream(from_text("SSH-2.0-OpenSSH")), Speaker::kText);
+  EXPECT_EQ(identify_stream(cookie), ServerType::kVrpn);
+  EXPECT_EQ(identify_stream(Bytes(cookie).first(5)), ServerType::kTooFewBytes);
+  EXPECT_EQ(identify_stream(from_text("SSH-2.0-OpenSSH")), ServerType::kText);
   std::vector<std::uint8_t> qualisys = from_hex("0000002b 00000001");
   for (const char c : std::string("QTM RT Interface connected")) {
     qualisys.push_back(static_cast<std::uint8_t>(c));
   }
-  EXPECT_EQ(identify_stream(qualisys), Speaker::kQualisys);
-  EXPECT_EQ(identify_stream(from_hex("ff00ff00ff00ff00")), Speaker::kUnknown);
-  EXPECT_EQ(identify_stream({}), Speaker::kTooFewBytes);
+  EXPECT_EQ(identify_stream(qualisys), ServerType::kQualisys);
+  EXPECT_EQ(identify_stream(from_hex("ff00ff00ff00ff00")), ServerType::kUnknown);
+  EXPECT_EQ(identify_stream({}), ServerType::kTooFewBytes);
 }
 
 TEST(IdentifyStream, WaitsForEnoughBytes) {
   const auto magic = from_hex("0100 2B1A");
-  EXPECT_EQ(identify_stream(magic), Speaker::kDataStream);
+  EXPECT_EQ(identify_stream(magic), ServerType::kDataStream);
   const std::string cookie = "vrpn: ver. ";
   for (std::size_t bytes = 1; bytes <= cookie.size(); ++bytes) {
     EXPECT_EQ(identify_stream(from_text(cookie.substr(0, bytes))),
-              bytes < cookie.size() ? Speaker::kTooFewBytes : Speaker::kVrpn)
+              bytes < cookie.size() ? ServerType::kTooFewBytes : ServerType::kVrpn)
         << bytes;
   }
   for (std::size_t bytes = 1; bytes < 12; ++bytes) {
     EXPECT_EQ(identify_stream(std::vector<std::uint8_t>(bytes, 0xff)),
-              bytes < 8 ? Speaker::kTooFewBytes : Speaker::kUnknown)
+              bytes < 8 ? ServerType::kTooFewBytes : ServerType::kUnknown)
         << bytes;
     std::string text(12, 't');
     text[bytes] = '\x7f';  // only the beginning has to be text
-    EXPECT_EQ(identify_stream(from_text(text)), bytes < 8 ? Speaker::kUnknown : Speaker::kText)
+    EXPECT_EQ(identify_stream(from_text(text)),
+              bytes < 8 ? ServerType::kUnknown : ServerType::kText)
         << bytes;
   }
   std::vector<std::uint8_t> qualisys = from_hex("0000002b 00000001");
-  EXPECT_EQ(identify_stream(qualisys), Speaker::kUnknown) << "a header of anything";
+  EXPECT_EQ(identify_stream(qualisys), ServerType::kUnknown) << "a header of anything";
   qualisys.push_back('Q');
-  EXPECT_EQ(identify_stream(qualisys), Speaker::kQualisys);
+  EXPECT_EQ(identify_stream(qualisys), ServerType::kQualisys);
   qualisys.push_back('R');
-  EXPECT_EQ(identify_stream(qualisys), Speaker::kUnknown);
+  EXPECT_EQ(identify_stream(qualisys), ServerType::kUnknown);
 }
 
 TEST(IdentifyDatagram, RefusesOtherDatagrams) {
@@ -303,27 +305,27 @@ TEST(IdentifyDatagram, RefusesOtherDatagrams) {
       for (const double sign : {-1.0, 1.0}) {
         ObjectBlock changed = block;
         changed.objects[k].translation_mm(axis) = sign * 0.9e7;
-        EXPECT_EQ(identified(changed), Speaker::kObjectStream);
+        EXPECT_EQ(identified(changed), ServerType::kObjectStream);
         changed.objects[k].translation_mm(axis) = sign * 1.1e7;
-        EXPECT_EQ(identified(changed), Speaker::kUnknown);
+        EXPECT_EQ(identified(changed), ServerType::kUnknown);
       }
       ObjectBlock changed = block;
       changed.objects[k].translation_mm(axis) = std::nan("");
-      EXPECT_EQ(identified(changed), Speaker::kUnknown);
+      EXPECT_EQ(identified(changed), ServerType::kUnknown);
       changed = block;
       changed.objects[k].euler_xyz_rad(axis) = std::nan("");
-      EXPECT_EQ(identified(changed), Speaker::kUnknown);
+      EXPECT_EQ(identified(changed), ServerType::kUnknown);
     }
     ObjectBlock changed = block;
     changed.objects[k].set_name("");
-    EXPECT_EQ(identified(changed), Speaker::kUnknown) << "nameless";
+    EXPECT_EQ(identified(changed), ServerType::kUnknown) << "nameless";
   }
   std::vector<std::uint8_t> datagram;
   encode_object_block(block, 0, datagram);
-  EXPECT_EQ(identify_datagram(Bytes(datagram).first(datagram.size() - 1)), Speaker::kUnknown);
-  EXPECT_EQ(identify_datagram(from_hex("01000000 00")), Speaker::kUnknown) << "of no object";
-  EXPECT_EQ(identify_datagram(from_hex("0100 2B1A")), Speaker::kDataStream);
-  EXPECT_EQ(identify_datagram(from_hex("0100 2B")), Speaker::kUnknown);
+  EXPECT_EQ(identify_datagram(Bytes(datagram).first(datagram.size() - 1)), ServerType::kUnknown);
+  EXPECT_EQ(identify_datagram(from_hex("01000000 00")), ServerType::kUnknown) << "of no object";
+  EXPECT_EQ(identify_datagram(from_hex("0100 2B1A")), ServerType::kDataStream);
+  EXPECT_EQ(identify_datagram(from_hex("0100 2B")), ServerType::kUnknown);
 }
 
 TEST(IdentifyDatagram, DistinguishesTheStreams) {
@@ -333,33 +335,33 @@ TEST(IdentifyDatagram, DistinguishesTheStreams) {
   block.objects[1].set_name("b");
   std::vector<std::uint8_t> datagram;
   encode_object_block(block, 256, datagram);
-  EXPECT_EQ(identify_datagram(datagram), Speaker::kObjectStream);
+  EXPECT_EQ(identify_datagram(datagram), ServerType::kObjectStream);
   for (const double far_mm : {1.1e7, -1.1e7}) {  // nonsense; no room is as large
     ObjectBlock far = block;
     far.objects[1].translation_mm.y() = far_mm;
     datagram.clear();
     encode_object_block(far, 256, datagram);
-    EXPECT_EQ(identify_datagram(datagram), Speaker::kUnknown) << far_mm;
+    EXPECT_EQ(identify_datagram(datagram), ServerType::kUnknown) << far_mm;
   }
-  EXPECT_EQ(identify_datagram(from_text("10.0.0.7 4000")), Speaker::kVrpn);
-  EXPECT_EQ(identify_datagram(from_hex("0100 2B1A 00000000")), Speaker::kDataStream);
-  EXPECT_EQ(identify_datagram(from_hex("00 01 02 03 04 05 06 07")), Speaker::kUnknown);
+  EXPECT_EQ(identify_datagram(from_text("10.0.0.7 4000")), ServerType::kVrpn);
+  EXPECT_EQ(identify_datagram(from_hex("0100 2B1A 00000000")), ServerType::kDataStream);
+  EXPECT_EQ(identify_datagram(from_hex("00 01 02 03 04 05 06 07")), ServerType::kUnknown);
 }
 
 // Each name contains a distinct word.
 TEST(Speakers, HaveTheirNames) {
-  const std::vector<std::pair<Speaker, std::string>> words{
-      {Speaker::kUnknown, "unknown"},
-      {Speaker::kTooFewBytes, "sends too few bytes"},
-      {Speaker::kDataStream, "DataStream"},
-      {Speaker::kVrpn, "VRPN"},
-      {Speaker::kObjectStream, "object stream"},
-      {Speaker::kQualisys, "Qualisys"},
-      {Speaker::kText, "text"}};
-  for (const auto& [speaker, own] : words) {
-    const std::string name = name_of(speaker);
+  const std::vector<std::pair<ServerType, std::string>> words{
+      {ServerType::kUnknown, "unknown"},
+      {ServerType::kTooFewBytes, "sends too few bytes"},
+      {ServerType::kDataStream, "DataStream"},
+      {ServerType::kVrpn, "VRPN"},
+      {ServerType::kObjectStream, "object stream"},
+      {ServerType::kQualisys, "Qualisys"},
+      {ServerType::kText, "text"}};
+  for (const auto& [server_type, own] : words) {
+    const std::string name = name_of(server_type);
     for (const auto& [other, word] : words) {
-      EXPECT_EQ(name.find(word) != std::string::npos, speaker == other) << name << ": " << word;
+      EXPECT_EQ(name.find(word) != std::string::npos, server_type == other) << name << ": " << word;
     }
   }
 }

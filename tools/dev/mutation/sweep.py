@@ -8,7 +8,7 @@ import re
 import shutil
 
 from . import ledger, sites
-from .workshop import Trouble
+from .workshop import UserError
 
 VARIABLE = "VANTAGE_MUTANT"  # environment variable with the number; without it the original code runs
 CHOICE = "vantage_mutant"  # variable of the program with the same number
@@ -99,7 +99,7 @@ class Sweep:
     def compile(self, name, bodies, numbered):
         """Compiles each object of a file, without the mutations that do not compile."""
         source = (self.shop.root / name).read_bytes()
-        wanted = sorted({o for _, objects in self.shop.who_sees(name) for o in objects
+        wanted = sorted({o for _, objects in self.shop.programs_for(name) for o in objects
                          if self.shop.source_of[o] == name})
         left = list(numbered)
         for each in wanted:
@@ -112,7 +112,7 @@ class Sweep:
                 where = re.findall(rf"sources/{re.escape(name)}:(\d+):(?:\d+:)?\s+(?:error:|  required)", output)
                 bad = culprits(map(int, where), owners)
                 if not bad:
-                    raise Trouble(f"{name}: {output[-2000:]}")
+                    raise UserError(f"{name}: {output[-2000:]}")
                 self.errors |= {site.id: "does not compile" for number, site in left if number in bad}
                 left = [(number, site) for number, site in left if number not in bad]
             self.objects[each] = made
@@ -125,7 +125,7 @@ class Sweep:
             return ledger.NOT_BUILT, self.errors[site.id]
         chosen = ("env", f"{VARIABLE}={self.number_of[site.id]}")
         tried = []
-        for program, _ in self.shop.who_sees(site.file):
+        for program, _ in self.shop.programs_for(site.file):
             known = self.shop.known(program)
             if not known:
                 continue
@@ -138,13 +138,13 @@ class Sweep:
 
     def path_of(self, program):
         """Returns the path of the program with all mutations, which is linked at the first call."""
-        with self.shop.is_one_at_a_time:
+        with self.shop.mutex:
             if program not in self.paths:
                 path = self.place / os.path.basename(program)
                 mine = {o: made for o, made in self.objects.items()
                         if o in self.shop.programs[program] or o == "chooser"}
                 output, code = self.shop.link(program, mine, path)
                 if code != 0:
-                    raise Trouble(f"{program}: {output[-2000:]}")
+                    raise UserError(f"{program}: {output[-2000:]}")
                 self.paths[program] = path
             return self.paths[program]

@@ -35,7 +35,7 @@ CONFIGURATION = ("-G", "Ninja", "-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_CXX_FLAGS_D
                  "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON", "-DVANTAGE_BUILD_TESTS=ON")
 
 
-class Trouble(Exception):
+class UserError(Exception):
     """Problem that the user must fix first."""
 
 
@@ -150,7 +150,7 @@ class Workshop:
         self.compiled = {}
         self.running = set()
         self.is_stopped = False
-        self.is_one_at_a_time = threading.RLock()  # guards the data that all mutations share
+        self.mutex = threading.RLock()  # guards the data that all mutations share
 
     # --- the build ---
 
@@ -161,7 +161,7 @@ class Workshop:
         try:
             fcntl.flock(self.lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
-            raise Trouble("another process is using build/mutate; wait until it ends") from None
+            raise UserError("another process is using build/mutate; wait until it ends") from None
         shutil.rmtree(self.place / "work", ignore_errors=True)
         if not (self.build / "build.ninja").exists():
             self.say(f"configuring {self.build}")
@@ -181,7 +181,7 @@ class Workshop:
                 resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(cpu_limit_s),) * 2)
 
         if self.is_stopped:
-            raise Trouble("stopped")
+            raise UserError("stopped")
         process = subprocess.Popen([str(word) for word in words], stdout=subprocess.PIPE,
                                    stderr=subprocess.STDOUT, text=True, errors="replace", cwd=cwd,
                                    env=env, start_new_session=True, preexec_fn=limit)
@@ -201,9 +201,9 @@ class Workshop:
                 os.killpg(process.pid, signal.SIGKILL)
                 process.wait()
         if self.is_stopped:
-            raise Trouble("stopped")
+            raise UserError("stopped")
         if is_checked and code != 0:
-            raise Trouble(f"{' '.join(map(str, words))}\n{output[-3000:]}")
+            raise UserError(f"{' '.join(map(str, words))}\n{output[-3000:]}")
         return output, code
 
     def stop(self):
@@ -280,7 +280,7 @@ class Workshop:
                     new.append(reader)
         return seen
 
-    def who_sees(self, name):
+    def programs_for(self, name):
         """Returns the test programs that depend on the file, the nearest first, each with its objects that do."""
         readers = self.readers(name)
         out = []
@@ -339,7 +339,7 @@ class Workshop:
 
     def known(self, program):
         """Returns the tests of a program with their last known durations. Does not run tests for that."""
-        with self.is_one_at_a_time:
+        with self.mutex:
             if program not in self.tests:
                 self.ninja([program])
                 self.tests[program] = self.tests_of(program)
@@ -359,7 +359,7 @@ class Workshop:
 
     def is_sound(self, program, test):
         """Returns true if a test passes without mutation. Runs once per test, only for tests that noticed a mutation."""
-        with self.is_one_at_a_time:
+        with self.mutex:
             if test.name not in self.sound:
                 begun = time.monotonic()
                 output, code = self.try_tests(self.build / program, [test], WALL_LIMIT_S)
@@ -372,7 +372,7 @@ class Workshop:
     def tests_of(self, program):
         """Returns the tests of ctest that run this program."""
         out = []
-        for entry in self.told():
+        for entry in self.ctest_tests():
             words = entry.get("command", ())
             at = next((i for i, word in enumerate(words) if word.endswith(f"/{program}")), None)
             if at is not None and not (self.exclude_tests and re.search(self.exclude_tests, entry["name"])):
@@ -380,7 +380,7 @@ class Workshop:
                 out.append(Test(entry["name"], chosen[0] if chosen else "", place_of(entry), before=words[:at]))
         return out
 
-    def told(self):
+    def ctest_tests(self):
         """Returns ctest's description of all tests."""
         told, _ = self.command(["ctest", "--test-dir", self.build, "--show-only=json-v1",
                                 *(["--label-exclude", self.exclude_labels] if self.exclude_labels else [])])
@@ -388,12 +388,12 @@ class Workshop:
 
     def script_tests(self):
         """Returns the tests that are scripts and start SCRIPTED, the fastest first. They run after all others."""
-        with self.is_one_at_a_time:
+        with self.mutex:
             if SCRIPTED not in self.tests:
                 chosen = re.compile(self.scripts) if self.scripts else None
                 self.tests[SCRIPTED] = [
                     Test(entry["name"], "", place_of(entry), before=entry.get("command", ()))
-                    for entry in self.told() if chosen and chosen.search(entry["name"])]
+                    for entry in self.ctest_tests() if chosen and chosen.search(entry["name"])]
                 if self.tests[SCRIPTED]:
                     self.ninja([self.scripted[0]])
             return sorted(self.tests[SCRIPTED], key=lambda test: self.seconds.get(test.name, UNKNOWN_S))
@@ -418,13 +418,13 @@ class Workshop:
             return self.judge_in(place, site, killers)
         finally:
             shutil.rmtree(place, ignore_errors=True)
-            with self.is_one_at_a_time:
+            with self.mutex:
                 (self.place / "seconds.json").write_text(json.dumps(self.seconds, indent=0))
 
     def judge_in(self, place, site, killers):
         tried = []
         made = {}  # path of the mutated object, by object
-        for program, objects in self.who_sees(site.file):
+        for program, objects in self.programs_for(site.file):
             known = self.known(program)
             if not known:
                 continue
@@ -490,7 +490,7 @@ class Workshop:
         return self.command(words, WALL_LIMIT_S, is_checked=False, cpu_limit_s=cpu_limit_s, cwd=test.place)[1]
 
     def is_sound_script(self, test):
-        with self.is_one_at_a_time:
+        with self.mutex:
             if test.name not in self.sound:
                 begun = time.monotonic()
                 self.sound[test.name] = self.try_script(test) == 0
@@ -516,7 +516,7 @@ class Workshop:
 
     def unmutated(self, wanted, site):
         """Returns the hash of an object that is compiled in the same way without mutation."""
-        with self.is_one_at_a_time:
+        with self.mutex:
             if wanted not in self.compiled:
                 place = self.place / "work" / "unmutated"
                 made = place / "o"
@@ -559,7 +559,7 @@ class Workshop:
             limit_s = self.limit_slack_s + self.limit_factor * sum(t.seconds for t in group)
             output, code = self.try_tests(path, group, limit_s)
             passed = passes(output)
-            with self.is_one_at_a_time:
+            with self.mutex:
                 self.seconds |= {t.name: passed[t.key] for t in group if t.key in passed}
             if code == 0:
                 return ""

@@ -2,13 +2,13 @@
 
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
-import { kBeat_ms, on_beat } from "./beat.js";
-import { digits, kDashes, look, robot_css, robot_look, title_of } from "./look.js";
+import { kRefreshPeriod_ms, on_refresh } from "./refresh_timer.js";
+import { digits, kDashes, appearance, robot_css, robot_appearance, title_of } from "./appearance.js";
 
 const kWindow_s = 120; // displayed interval of a live view
 const kPoints = 20000; // most points per series
 const kRefresh_ms = 500; // period of each chart
-const kRead = 8; // most series whose values are shown under the cursor
+const kReadoutMax = 8; // most series whose values are shown under the cursor
 const kLeast_s = 0.2; // shortest displayed interval
 const kLeast_px = 236; // least width of a chart
 const kGap_px = 8;
@@ -27,13 +27,13 @@ const number = (x) => (typeof x === "boolean" ? Number(x) : typeof x === "number
 const robot_of = (topic) => topic.split("/")[2];
 
 /** Returns a `take` for a number of the team and the mean of the robots' numbers, each from the robot's own belief. */
-const of_both = (team, robot) => (r) => [["team", number(r[team])], ["robot mean", number(r[robot])]];
+const team_and_robot = (team, robot) => (r) => [["team", number(r[team])], ["robot mean", number(r[robot])]];
 
 /** All charts. `take` converts a record into a list of [series, value]; the value is null if it is missing. */
 const kCharts = [
-  { key: "entropy", measure: "entropy", topic: /^\/team$/, take: of_both("entropy_nats", "robot_entropy_nats") },
+  { key: "entropy", measure: "entropy", topic: /^\/team$/, take: team_and_robot("entropy_nats", "robot_entropy_nats") },
   { key: "map_entropy", measure: "map_entropy", topic: /^\/team$/, take: (r) => [["team", number(r.map_entropy_nats)]] },
-  { key: "rmse", measure: "rmse", topic: /^\/team$/, take: of_both("rmse_m", "robot_rmse_m"), zero: true },
+  { key: "rmse", measure: "rmse", topic: /^\/team$/, take: team_and_robot("rmse_m", "robot_rmse_m"), zero: true },
   {
     key: "nees",
     measure: "nees",
@@ -107,7 +107,7 @@ const axis_look = () => ({
 });
 
 /** Look of the series that do not belong to one robot. */
-const kOfTeam = { team: { colour: "--ink" }, "robot mean": { colour: "--quiet", dash: [5, 3] } };
+const kTeamStyles = { team: { colour: "--ink" }, "robot mean": { colour: "--quiet", dash: [5, 3] } };
 
 class Chart {
   constructor(box, spec, source) {
@@ -131,9 +131,9 @@ class Chart {
     this.body = document.createElement("div");
     this.body.setAttribute("role", "img");
     this.body.setAttribute("aria-label", `${this.title.textContent} over time`);
-    this.read = document.createElement("div");
-    this.read.className = "read";
-    this.read.hidden = true;
+    this.readout = document.createElement("div");
+    this.readout.className = "read";
+    this.readout.hidden = true;
     this.box.append(this.caption, this.body);
     box.append(this.box);
     this.show();
@@ -182,23 +182,23 @@ class Chart {
   }
 
   names() {
-    const [rank, teams] = [this.source.index_of, Object.keys(kOfTeam)];
+    const [rank, teams] = [this.source.index_of, Object.keys(kTeamStyles)];
     const of_team = (name) => teams.indexOf(name);
     return [...this.series.keys()].sort((a, b) => (rank(a) === rank(b) ? of_team(a) - of_team(b) || (a < b ? -1 : 1) : rank(a) - rank(b)));
   }
 
   colour(name) {
     const index = this.source.index_of(name);
-    if (index < Infinity) return robot_css(robot_look(index).body);
-    if (kOfTeam[name]) return css(kOfTeam[name].colour);
+    if (index < Infinity) return robot_css(robot_appearance(index).body);
+    if (kTeamStyles[name]) return css(kTeamStyles[name].colour);
     const others = [...this.series.keys()].filter((each) => this.source.index_of(each) === Infinity).sort();
-    if (others.length > 1) return robot_css(others.indexOf(name) % look.robots.length);
+    if (others.length > 1) return robot_css(others.indexOf(name) % appearance.robots.length);
     return css("--ink");
   }
 
   dash(name) {
     const index = this.source.index_of(name);
-    return index < Infinity ? kDashes[robot_look(index).dash] : (kOfTeam[name]?.dash ?? []);
+    return index < Infinity ? kDashes[robot_appearance(index).dash] : (kTeamStyles[name]?.dash ?? []);
   }
 
   make() {
@@ -219,7 +219,7 @@ class Chart {
           sync: { key: "charts", setSeries: false },
           points: { size: 6 },
         },
-        hooks: { setCursor: [() => this.tell()] },
+        hooks: { setCursor: [() => this.write_readout()] },
         scales: {
           x: { time: false, range: () => this.source.window() },
           y: {
@@ -254,7 +254,7 @@ class Chart {
     );
     this.mark = document.createElement("div");
     this.mark.className = "now";
-    this.plot.over.append(this.mark, this.read);
+    this.plot.over.append(this.mark, this.readout);
     this.listen(this.plot.over);
   }
 
@@ -293,11 +293,11 @@ class Chart {
   }
 
   /** Shows the values under the cursor; of many series only the nearest ones. */
-  tell() {
+  write_readout() {
     const { idx, top } = this.plot.cursor;
     const names = this.names();
     if (idx === null || idx === undefined || !(this.plot.cursor.left >= 0)) {
-      this.read.hidden = true;
+      this.readout.hidden = true;
       return;
     }
     const time = this.plot.data[0][idx];
@@ -308,9 +308,9 @@ class Chart {
       return { name, value: this.plot.data[i + 1][at] ?? null };
     }).filter(({ value }) => value !== null);
     const all = values.length;
-    if (all > kRead) {
+    if (all > kReadoutMax) {
       const under = this.plot.posToVal(top, "y");
-      values = values.sort((a, b) => Math.abs(a.value - under) - Math.abs(b.value - under)).slice(0, kRead);
+      values = values.sort((a, b) => Math.abs(a.value - under) - Math.abs(b.value - under)).slice(0, kReadoutMax);
     }
     const line = (text, colour) => {
       const each = document.createElement("div");
@@ -318,14 +318,14 @@ class Chart {
       if (colour) mark_of(each, colour);
       return each;
     };
-    const unit = look.measures[this.spec.measure]?.unit ?? "";
-    this.read.replaceChildren(
+    const unit = appearance.measures[this.spec.measure]?.unit ?? "";
+    this.readout.replaceChildren(
       line(`${time.toFixed(2)} s`),
       ...values.map(({ name, value }) => line(`${names.length > 1 ? `${name} ` : ""}${digits(value)} ${unit}`, this.colour(name))),
-      ...(all > kRead ? [line(`and ${all - kRead} more`)] : []),
+      ...(all > kReadoutMax ? [line(`and ${all - kReadoutMax} more`)] : []),
     );
-    this.read.hidden = false;
-    this.read.classList.toggle("left", this.plot.cursor.left > this.plot.over.clientWidth / 2);
+    this.readout.hidden = false;
+    this.readout.classList.toggle("left", this.plot.cursor.left > this.plot.over.clientWidth / 2);
   }
 
   /** Writes the names of the series, or their number if there is not room for all. */
@@ -391,7 +391,7 @@ class Chart {
     this.series.clear();
     this.destroy();
     this.show();
-    this.read.hidden = true;
+    this.readout.hidden = true;
   }
 }
 
@@ -438,7 +438,7 @@ class Histogram extends Chart {
     this.plot = new uPlot(
       {
         ...still_options(this.body),
-        hooks: { setCursor: [() => this.tell()] },
+        hooks: { setCursor: [() => this.write_readout()] },
         scales: {
           x: { time: false, range: () => [this.binned.starts[0] ?? 0, (this.binned.starts.at(-1) ?? 0) + this.binned.width] },
           y: { range: (_, low, high) => [0, Math.max(1, 1.08 * (high ?? 1))] },
@@ -449,17 +449,17 @@ class Histogram extends Chart {
       this.table(),
       this.body,
     );
-    this.plot.over.append(this.read);
+    this.plot.over.append(this.readout);
   }
 
-  tell() {
+  write_readout() {
     const { idx, left } = this.plot.cursor;
     const start = this.binned.starts[idx ?? -1];
-    this.read.hidden = start === undefined || !(left >= 0);
-    if (this.read.hidden) return;
-    const unit = look.measures[this.spec.measure].unit;
-    this.read.textContent = `${digits(start)} to ${digits(start + this.binned.width)} ${unit}: ${this.binned.counts[idx]}`;
-    this.read.classList.toggle("left", left > this.plot.over.clientWidth / 2);
+    this.readout.hidden = start === undefined || !(left >= 0);
+    if (this.readout.hidden) return;
+    const unit = appearance.measures[this.spec.measure].unit;
+    this.readout.textContent = `${digits(start)} to ${digits(start + this.binned.width)} ${unit}: ${this.binned.counts[idx]}`;
+    this.readout.classList.toggle("left", left > this.plot.over.clientWidth / 2);
   }
 
   write_legend() {
@@ -548,7 +548,7 @@ class ByAge extends Chart {
     this.plot = new uPlot(
       {
         ...still_options(this.body),
-        hooks: { setCursor: [() => this.tell()], draw: [(plot) => this.draw_bands(plot)] },
+        hooks: { setCursor: [() => this.write_readout()], draw: [(plot) => this.draw_bands(plot)] },
         scales: {
           x: { time: false, range: () => [-0.5, Math.max(0.5, this.judged.length - 0.5)] },
           y: { range: () => [0, this.top()] },
@@ -566,7 +566,7 @@ class ByAge extends Chart {
       this.table(),
       this.body,
     );
-    this.plot.over.append(this.read);
+    this.plot.over.append(this.readout);
   }
 
   /** Returns the upper limit of the axis. It is above all means and their bands (of which at most twice the mean counts), but
@@ -609,14 +609,14 @@ class ByAge extends Chart {
     ctx.restore();
   }
 
-  tell() {
+  write_readout() {
     const { left } = this.plot.cursor;
     const of = left >= 0 ? this.judged[Math.round(this.plot.posToVal(left, "x"))] : undefined;
-    this.read.hidden = of === undefined;
+    this.readout.hidden = of === undefined;
     if (!of) return;
     const band = of.half === null ? "" : ` ± ${digits(of.half)}`;
-    this.read.textContent = `unseen for ${of.age.replace("-", "–")} s: mean ${digits(of.mean)}${band}, ${of.samples} samples`;
-    this.read.classList.toggle("left", left > this.plot.over.clientWidth / 2);
+    this.readout.textContent = `unseen for ${of.age.replace("-", "–")} s: mean ${digits(of.mean)}${band}, ${of.samples} samples`;
+    this.readout.classList.toggle("left", left > this.plot.over.clientWidth / 2);
   }
 
   write_legend() {
@@ -636,7 +636,7 @@ class ByAge extends Chart {
 const kKinds = { histogram: Histogram, ages: ByAge };
 
 export class Charts {
-  /** @param source {now(), window(), seek(since), on_zoom([from, to] or null), on_change(), on_beyond(left, right)}; times in
+  /** @param source {now(), window(), seek(since), on_zoom([from, to] or null), on_change(), on_overflow(left, right)}; times in
       seconds since the start; left, right: numbers of charts beyond the edges */
   constructor(box, source) {
     this.box = box;
@@ -663,13 +663,13 @@ export class Charts {
     });
     this.sizes.observe(box);
     this.charts.forEach((chart) => this.sizes.observe(chart.body));
-    box.addEventListener("scroll", () => this.tell_beyond(), { passive: true });
-    on_beat((beat) => this.refresh(beat));
+    box.addEventListener("scroll", () => this.report_overflow(), { passive: true });
+    on_refresh((beat) => this.refresh(beat));
   }
 
   /** Refreshes some charts with each beat in turn, as all charts at once would be a visible pause. */
   refresh(beat) {
-    const turns = Math.ceil(kRefresh_ms / kBeat_ms);
+    const turns = Math.ceil(kRefresh_ms / kRefreshPeriod_ms);
     this.charts.forEach((chart, i) => (i % turns === beat % turns ? chart.refresh() : chart.mark_now()));
   }
 
@@ -730,15 +730,15 @@ export class Charts {
     const count = this.charts.filter(({ box }) => !box.hidden).length;
     const fitting = Math.max(1, Math.floor((this.box.clientWidth + kGap_px) / (kLeast_px + kGap_px)));
     this.box.style.setProperty("--shown", Math.max(1, Math.min(count, fitting)));
-    this.tell_beyond();
+    this.report_overflow();
   }
 
   /** Reports the numbers of charts beyond the left and right edges. */
-  tell_beyond() {
+  report_overflow() {
     const { left, right } = this.box.getBoundingClientRect();
     const boxes = this.charts.filter(({ box }) => !box.hidden).map(({ box }) => box.getBoundingClientRect());
     const middle = (at) => (at.left + at.right) / 2;
-    this.source.on_beyond(boxes.filter((at) => middle(at) < left).length, boxes.filter((at) => middle(at) > right).length);
+    this.source.on_overflow(boxes.filter((at) => middle(at) < left).length, boxes.filter((at) => middle(at) > right).length);
   }
 
   /** Scrolls by one page. @param way −1: left, 1: right */

@@ -9,7 +9,7 @@ const kPictures = new Set(["foxglove.SceneUpdate", "foxglove.FrameTransforms", "
 
 /** Of this topic one record per kWayPeriod_s (time of the records) is parsed even if pictures are drawn less often, as the
     trails are made only from these. */
-const kWays = "/transforms";
+const kBodies = "/transforms";
 const kWayPeriod_s = 0.2;
 const kPassedMax = 1000;
 
@@ -26,7 +26,7 @@ export class Connection {
     this.channels = new Map(); // advertised channel by topic
     this.subscriptions = new Map(); // topic by subscription id
     this.waiting = new Map(); // newest unparsed record of kPictures, by topic
-    this.passed = []; // records of kWays to parse before it
+    this.passed = []; // records of kBodies to parse before it
     this.passed_at = -Infinity; // time of the last one in `passed`
     this.next_id = 1;
     this.requests = 0;
@@ -39,8 +39,8 @@ export class Connection {
     this.socket.onopen = () => this.on.open();
     this.socket.onmessage = (event) =>
       typeof event.data === "string"
-        ? this.hear_text(JSON.parse(event.data))
-        : this.hear_binary(new DataView(event.data));
+        ? this.receive_text(JSON.parse(event.data))
+        : this.receive_binary(new DataView(event.data));
     this.socket.onclose = () => {
       this.channels.clear();
       this.subscriptions.clear();
@@ -51,7 +51,7 @@ export class Connection {
     };
   }
 
-  hear_text(message) {
+  receive_text(message) {
     if (message.op === "serverInfo") {
       this.on.info({
         name: message.name,
@@ -69,13 +69,13 @@ export class Connection {
     }
   }
 
-  hear_binary(view) {
+  receive_binary(view) {
     const kind = view.getUint8(0);
     if (kind === kMessage) {
       const topic = this.subscriptions.get(view.getUint32(1, true));
       if (topic === undefined) return;
       if (kPictures.has(this.channels.get(topic)?.schemaName)) {
-        if (topic === kWays) this.keep_way(this.waiting.get(topic));
+        if (topic === kBodies) this.keep_bodies(this.waiting.get(topic));
         this.waiting.delete(topic); // so that it is last in the order of the map
         this.waiting.set(topic, view);
       } else {
@@ -95,7 +95,7 @@ export class Connection {
 
   /** Keeps a record that a newer one replaces, if kWayPeriod_s has passed since the last kept one.
       @param view the record, or undefined */
-  keep_way(view) {
+  keep_bodies(view) {
     if (!view || this.passed.length >= kPassedMax) return;
     const time = seconds_at(view, 5);
     const since = time - this.passed_at;
@@ -111,12 +111,12 @@ export class Connection {
     else this.on.record(...record);
   }
 
-  /** Delays the delivery of records until go_on(). */
-  hold() {
+  /** Delays the delivery of records until resume(). */
+  pause() {
     this.held ??= [];
   }
 
-  go_on() {
+  resume() {
     const held = this.held ?? [];
     this.held = null;
     held.forEach((record) => this.on.record(...record));
@@ -126,7 +126,7 @@ export class Connection {
   read_waiting() {
     const waiting = [...this.waiting];
     this.waiting.clear();
-    this.passed.splice(0).forEach((view) => this.read(kWays, view));
+    this.passed.splice(0).forEach((view) => this.read(kBodies, view));
     waiting.forEach(([topic, view]) => this.read(topic, view));
   }
 

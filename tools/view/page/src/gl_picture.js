@@ -4,7 +4,7 @@ import * as THREE from "three";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
-import { shown } from "./look.js";
+import { shown } from "./appearance.js";
 import { corners_of, glyph_of, glyph_scale, lines_of, matrix_of, pixels_of } from "./shapes.js";
 
 function colour_of(color) {

@@ -1,6 +1,6 @@
 // Legend of the glyphs that are visible on the stage.
 
-import { css_of_role, look, robot_css } from "./look.js";
+import { css_of_role, appearance, robot_css } from "./appearance.js";
 import { make } from "./panels.js";
 
 const kSize = "0 0 30 18";
@@ -24,7 +24,7 @@ const kDrawn = {
 };
 
 /** Writes the legend into `box`.
-    @param glyphs names in look.json of the glyphs to explain
+    @param glyphs names in appearance.json of the glyphs to explain
     @param more text added to a glyph's explanation, by its name */
 export function write_legend(box, glyphs, more) {
   const said = glyphs.map((glyph) => `${glyph}${more[glyph] ?? ""}`).join();
@@ -37,7 +37,7 @@ export function write_legend(box, glyphs, more) {
     picture.setAttribute("viewBox", kSize);
     picture.setAttribute("aria-hidden", "true");
     picture.innerHTML = kDrawn[glyph](); // safe: the text is from this file
-    row.append(picture, make("span", "", `${look.glyphs[glyph]}${more[glyph] ?? ""}`));
+    row.append(picture, make("span", "", `${appearance.glyphs[glyph]}${more[glyph] ?? ""}`));
     return row;
   }));
 }

@@ -1,16 +1,16 @@
 // The page: passes received records to the world, the charts, the panels and the timeline.
 
 import "./style.css";
-import { on_beat } from "./beat.js";
+import { on_refresh } from "./refresh_timer.js";
 import { Charts, live_window } from "./charts.js";
 import { Connection, seconds_of } from "./connection.js";
 import { write_legend } from "./legend.js";
 import { Layouts } from "./layouts.js";
 import { read_link, save, write_link } from "./link.js";
-import { color_of_role, digits, look, set_ground } from "./look.js";
+import { color_of_role, digits, appearance, set_ground } from "./appearance.js";
 import { css_of } from "./outline.js";
 import { Events, Processes, Vehicles, make, write_inspect } from "./panels.js";
-import { film_live, film_log, hand_over, kFps } from "./recording.js";
+import { record_live, record_log, send_video, kFps } from "./recording.js";
 import { distance_words } from "./ruler.js";
 import { Timeline, kSpeeds } from "./timeline.js";
 import { Topics } from "./topics.js";
@@ -53,16 +53,16 @@ const state = {
   picked: null,
   log: null, // name of the log
   arrived: null, // last time received from the server
-  awaited: null, // {since, resolve} of the instant that be_at() waits for
+  awaited: null, // {since, resolve} of the instant that seek_and_wait() waits for
   theme: null, // chosen by the user; null: that of the system
   filming: null, // {is_over} while a video is made
   jammed: [],
   colors: new Map(), // colour by body
   newest: new Map(), // newest record of the topics of kNewest, by topic
-  heard_until: new Map(), // time of the newest live record from the history or the connection, by topic
-  trail_s: look.trail_s,
+  received_until: new Map(), // time of the newest live record from the history or the connection, by topic
+  trail_s: appearance.trail_s,
   side: "status",
-  wanted: read_link(location.hash), // content of the link, until it is applied
+  pending_link: read_link(location.hash), // content of the link, until it is applied
 };
 
 /** Way of drawing set by the address (?draw=gl or ?draw=canvas). */
@@ -90,7 +90,7 @@ const charts = new Charts(by_id("charts"), {
     by_id("window").textContent = zoomed === null ? "" : `${zoomed[0].toFixed(1)} to ${zoomed[1].toFixed(1)} s`;
     update_link();
   },
-  on_beyond: (left, right) => {
+  on_overflow: (left, right) => {
     for (const [id, count, words] of [["before", left, `‹ ${left} more`], ["after", right, `${right} more ›`]]) {
       by_id(id).hidden = count === 0;
       by_id(id).textContent = words;
@@ -146,7 +146,7 @@ function clear_all() {
   world.clear_all();
   [vehicles, processes, events, charts, timeline, trails, topics].forEach((part) => part.clear());
   state.newest.clear();
-  state.heard_until.clear();
+  state.received_until.clear();
   state.has_scenario = false;
   state.start = state.range?.[0] ?? null;
   state.now = null;
@@ -167,8 +167,8 @@ async function load_history(session) {
   state.has_history = state.range !== null && history.length > 0;
   for (const [topic, utime, record] of history) {
     const time = seconds_of(utime);
-    if (!state.range) state.heard_until.set(topic, time);
-    if (topic === "/ways") {
+    if (!state.range) state.received_until.set(topic, time);
+    if (topic === "/paths") {
       for (const [body, at] of Object.entries(record)) trails.add(body, time, ...at);
       state.trails_at = null; // draws the trails again even if the time does not change
     } else if (topic === "/events") {
@@ -180,30 +180,30 @@ async function load_history(session) {
     }
   }
   if (!state.range && history.length > 0) set_now(seconds_of(history.at(-1)[1]));
-  connection.go_on();
+  connection.resume();
   charts.fields().forEach(([topic, path]) => plot(topic, path));
-  give_wanted();
+  apply_link();
   if (kRecord) record();
 }
 
 /** Makes the video that the address requests. */
 async function record() {
   const from = Number(kQuery.get("from"));
-  await hand_over(kRecord, async (on_progress) => {
-    await be_at(from);
+  await send_video(kRecord, async (on_progress) => {
+    await seek_and_wait(from);
     while (state.wanted_cameras) await new Promise((resolve) => setTimeout(resolve, 20));
-    return film({ from, to: Math.min(Number(kQuery.get("to")), state.range[1] - state.range[0]), speed: Number(kQuery.get("speed")), fps: Number(kQuery.get("fps")), on_progress });
+    return make_video({ from, to: Math.min(Number(kQuery.get("to")), state.range[1] - state.range[0]), speed: Number(kQuery.get("speed")), fps: Number(kQuery.get("fps")), on_progress });
   });
 }
 
 /** True if a live record was already received, by the history or the connection. The server sends the newest record again
     after each subscription. */
-function was_heard(topic, time) {
+function was_received(topic, time) {
   if (state.range) return false;
-  const name = topic === "/transforms" ? "/ways" : topic; // topic of the bodies' positions in the history
-  const until = state.heard_until.get(name) ?? -Infinity;
+  const name = topic === "/transforms" ? "/paths" : topic; // topic of the bodies' positions in the history
+  const until = state.received_until.get(name) ?? -Infinity;
   if (time <= until && time > until - kSetBack_s) return true;
-  if (topic !== "/events") state.heard_until.set(name, time); // events may share a time, and the server keeps none of them
+  if (topic !== "/events") state.received_until.set(name, time); // events may share a time, and the server keeps none of them
   return false;
 }
 
@@ -219,7 +219,7 @@ function move(record, time, is_known) {
   for (const { child_frame_id, translation: { x, y, z } } of record.transforms) trails.add(child_frame_id, time, x, y, z);
 }
 
-const takers = [
+const handlers = [
   [/^\/transforms$/, (record, topic, time, is_known) => move(record, time, is_known)],
   [/^\/scenario$/, (record) => {
     const what = record.objective === "mapping" ? "mapping" : `${record.targets.length} targets`;
@@ -258,10 +258,10 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
       timeline.set_length(state.range ? state.range[1] - state.range[0] : null);
       if (state.range) set_now(state.range[0]);
       by_id("empty").textContent = state.range ? "The log is being read." : kNothingYet;
-      const of_another = state.wanted?.log && state.wanted.log !== state.log;
+      const of_another = state.pending_link?.log && state.pending_link.log !== state.log;
       by_id("note").hidden = !of_another;
-      if (of_another) by_id("note").textContent = `the link is for ${state.wanted.log}, but this server shows ${state.log ?? "live data"}`;
-      connection.hold();
+      if (of_another) by_id("note").textContent = `the link is for ${state.pending_link.log}, but this server shows ${state.log ?? "live data"}`;
+      connection.pause();
       load_history(info.session);
     }
     set_badge(state.range ? `log ${state.log}` : "live", "good");
@@ -293,7 +293,7 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
     set_now(now.time);
   },
   record: (topic, time, record) => {
-    const is_known = was_heard(topic, time);
+    const is_known = was_received(topic, time);
     if (!state.range) set_now(Math.max(time, (state.now ?? 0) + (state.start ?? time)));
     topics.take(topic, record);
     if (topic === "/events") {
@@ -307,7 +307,7 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
     if (!state.has_history && !is_known) charts.add(topic, time - state.start, record);
     charts.add_field(topic, time - state.start, record);
     if (kNewest.test(topic)) state.newest.set(topic, record);
-    takers.find(([pattern]) => pattern.test(topic))?.[1](record, topic, time, is_known);
+    handlers.find(([pattern]) => pattern.test(topic))?.[1](record, topic, time, is_known);
   },
 });
 
@@ -375,15 +375,15 @@ async function scenario_known() {
 }
 
 let plotted = Promise.resolve();
-let on_the_way = []; // [topic, path] of each requested field whose values have not come yet
+let requested_fields = []; // [topic, path] of each requested field whose values have not come yet
 /** Charts a number of a topic: of a log all of it, live from now on. The order of the charts is that of the requests,
     independent of the order of the answers. */
 function plot(topic, path) {
   const field = [topic, path];
-  on_the_way.push(field);
+  requested_fields.push(field);
   plotted = Promise.all([points_of(topic, path), plotted.catch(() => {}), scenario_known()]).then(([points]) => {
-    if (!on_the_way.includes(field)) return; // cancelled by another layout
-    on_the_way = on_the_way.filter((each) => each !== field);
+    if (!requested_fields.includes(field)) return; // cancelled by another layout
+    requested_fields = requested_fields.filter((each) => each !== field);
     charts.plot(topic, path, points);
   });
   return plotted;
@@ -393,14 +393,14 @@ function plot(topic, path) {
 function wanted_fields() {
   const charted = charts.fields();
   const names = new Set(charted.map((field) => field.join()));
-  return [...charted, ...on_the_way.filter((field) => !names.has(field.join()))];
+  return [...charted, ...requested_fields.filter((field) => !names.has(field.join()))];
 }
 
 function draw_trails() {
   state.trails_at = state.now;
   if (!kLayers.find(({ topic }) => topic.test(kTrails)).shown || state.now === null) return;
   const now = state.start + state.now;
-  for (const body of trails.ways.keys()) {
+  for (const body of trails.paths.keys()) {
     const points = trails.points(body, now, state.trail_s);
     const frame = world.frames.get(body);
     if (frame?.is_placed && points.length > 0) {
@@ -529,7 +529,7 @@ function refresh_inspect() {
   write_inspect(by_id("inspect"), id, world.followed === id, sections);
 }
 
-on_beat(() => state.picked && refresh_inspect());
+on_refresh(() => state.picked && refresh_inspect());
 by_id("inspect").onclick = (event) => {
   if (event.target.dataset.act === "close") pick(null);
   if (event.target.dataset.act === "follow") follow(world.followed === state.picked ? null : state.picked);
@@ -560,14 +560,14 @@ function refresh_legend() {
     world_ids.some((id) => id.startsWith("region")) && "region",
   ].filter(Boolean), { trail: state.trail_s > 1e8 ? " minutes" : ` ${state.trail_s} s`, stale: ` ${state.memory_s > 0 ? state.memory_s : 30} s` });
 }
-on_beat(refresh_legend, 2);
+on_refresh(refresh_legend, 2);
 
 let link_timer = null;
 /** Writes the present state into the address bar after a short delay. */
 function update_link() {
   link_timer ??= setTimeout(() => {
     link_timer = null;
-    if (!state.wanted) history.replaceState(null, "", `${location.search}#${link_text()}`);
+    if (!state.pending_link) history.replaceState(null, "", `${location.search}#${link_text()}`);
   }, 400);
 }
 
@@ -582,7 +582,7 @@ function link_text() {
     cameras: world.is_fitted ? null : world.cameras(),
     on: changed(true),
     off: changed(false),
-    trail_s: state.trail_s === look.trail_s ? null : state.trail_s,
+    trail_s: state.trail_s === appearance.trail_s ? null : state.trail_s,
     zoomed: charts.zoomed,
     charts_off: charts.off(),
     theme: state.theme,
@@ -594,9 +594,9 @@ function link_text() {
 }
 
 /** Applies the content of a link once the history is loaded. */
-function give_wanted() {
-  const { wanted } = state;
-  state.wanted = null;
+function apply_link() {
+  const { pending_link: wanted } = state;
+  state.pending_link = null;
   if (!wanted) return;
   if (wanted.theme) set_theme(wanted.theme);
   charts.set_off(wanted.charts_off);
@@ -625,8 +625,8 @@ function give_wanted() {
 }
 
 addEventListener("hashchange", () => {
-  state.wanted = read_link(location.hash);
-  give_wanted();
+  state.pending_link = read_link(location.hash);
+  apply_link();
 });
 
 async function share() {
@@ -634,14 +634,14 @@ async function share() {
   history.replaceState(null, "", address);
   try {
     await navigator.clipboard.writeText(address);
-    tell("link copied");
+    notify("link copied");
   } catch {
-    tell("not copied: the link is in the address bar");
+    notify("not copied: the link is in the address bar");
   }
 }
 
 /** Shows a message for 2.5 s. */
-function tell(words) {
+function notify(words) {
   by_id("note").textContent = words;
   by_id("note").hidden = false;
   setTimeout(() => (by_id("note").hidden = true), 2500);
@@ -665,7 +665,7 @@ function paint_stage(out) {
   pen.fillStyle = style.getPropertyValue("--quiet");
   pen.font = `${13 * ratio}px system-ui, sans-serif`;
   pen.textBaseline = "middle";
-  pen.fillText([by_id("scenario").textContent, state.log ?? "live", by_id("clock").textContent, `ellipses: ${100 * look.ellipse_probability} %`].join("   ·   "), 12 * ratio, height + line / 2);
+  pen.fillText([by_id("scenario").textContent, state.log ?? "live", by_id("clock").textContent, `ellipses: ${100 * appearance.ellipse_probability} %`].join("   ·   "), 12 * ratio, height + line / 2);
 }
 
 function take_shot() {
@@ -675,7 +675,7 @@ function take_shot() {
 }
 
 /** Seeks to an instant of a log; resolves once the world shows that instant. */
-function be_at(since) {
+function seek_and_wait(since) {
   return new Promise((resolve) => {
     state.awaited = { since, resolve };
     play(false, since);
@@ -689,10 +689,10 @@ function be_at(since) {
 /** Returns the interval of a video of a log: the zoomed interval of the charts, else from now to the end. */
 const film_stretch = () => charts.zoomed ?? [state.now, state.range[1] - state.range[0]];
 
-function film(how) {
+function make_video(how) {
   const common = { fps: kFps, paint: paint_stage, is_over: () => state.filming.is_over, ...how };
   state.filming = { is_over: false };
-  return state.range ? film_log({ speed: state.speed, go_to: be_at, ...common }) : film_live(common);
+  return state.range ? record_log({ speed: state.speed, go_to: seek_and_wait, ...common }) : record_live(common);
 }
 
 /** Begins a video, or ends it and saves the recorded part. */
@@ -707,9 +707,9 @@ async function toggle_video() {
   button.setAttribute("aria-pressed", true);
   const on_progress = (done) => (button.textContent = state.range ? `${Math.round(100 * done)} %` : `${done.toFixed(0)} s`);
   try {
-    save(name, new Blob([await film({ from, to, on_progress })], { type: "video/webm" }));
+    save(name, new Blob([await make_video({ from, to, on_progress })], { type: "video/webm" }));
   } catch (error) {
-    tell(`no video: ${error.message}`);
+    notify(`no video: ${error.message}`);
   }
   state.filming = null;
   button.setAttribute("aria-pressed", false);
@@ -762,19 +762,19 @@ function layout_text() {
   return text.toString();
 }
 
-function give_layout(text) {
-  on_the_way = [];
+function apply_layout(text) {
+  requested_fields = [];
   charts.forget_fields();
   follow(null);
   const wanted = read_link(text);
   if (!wanted.cameras) fit();
-  if (!wanted.trail_s) set_trail(look.trail_s);
+  if (!wanted.trail_s) set_trail(appearance.trail_s);
   show_side(wanted.side ?? "status");
-  state.wanted = wanted;
-  give_wanted();
+  state.pending_link = wanted;
+  apply_link();
 }
 
-const layouts = new Layouts(by_id("layouts"), { take: layout_text, give: give_layout, failed: tell });
+const layouts = new Layouts(by_id("layouts"), { take: layout_text, give: apply_layout, failed: notify });
 
 const other_theme = () => (document.documentElement.dataset.theme === "dark" ? "light" : "dark");
 
@@ -896,14 +896,14 @@ window.vantage = {
   csv: () => charts.csv(),
   histogram: (key) => charts.charts.find(({ spec }) => spec.key === key).bins(),
   ages: (key) => charts.charts.find(({ spec }) => spec.key === key).classes(),
-  trail: (body) => trails.ways.has(body) ? trails.points(body, state.start + state.now, state.trail_s).length : 0,
+  trail: (body) => trails.paths.has(body) ? trails.points(body, state.start + state.now, state.trail_s).length : 0,
   measured: () => world.measured,
   followed: () => world.followed,
   position: (id) => world.find(id)?.position.toArray() ?? null,
   pixel: (id) => world.pixel(id),
   draw_again: () => world.set_stale(),
   hear: (topic, record) => connection.on.record(topic, state.start + state.now, record),
-  be_at: (since) => be_at(since),
+  seek_and_wait: (since) => seek_and_wait(since),
   zoom: (from, to) => charts.zoom(from, to),
   /** Returns the pixels of the stage as in a video. */
   painted: () => {

@@ -1,6 +1,6 @@
 // Labels on a canvas. Drawing text is slow, so each label is drawn once with its halo and then copied as an image.
 
-import { shown } from "./look.js";
+import { shown } from "./appearance.js";
 
 const kPad = 3;
 const kKeptMax = 2000;

@@ -1,6 +1,6 @@
 // Lines and horizontal surfaces on a 2-D canvas, as a camera sees them.
 
-import { shown } from "./look.js";
+import { shown } from "./appearance.js";
 
 const kNear_m = 0.02; // distance of the near clipping plane
 const kStep_px = 0.7; // corners closer than this to the last one are left out

@@ -1,6 +1,6 @@
 // Panels of text: vehicles, processes, events, and details of the selected thing.
 
-import { on_beat } from "./beat.js";
+import { on_refresh } from "./refresh_timer.js";
 
 const kEventsShown = 200;
 const kCrowd = 12; // number of rows above which rows without a problem are hidden at first
@@ -18,7 +18,7 @@ export const in_order = new Intl.Collator("en", { numeric: true }).compare;
 /** Rows by key in a box. Rows are made once and updated with a beat if their text has changed. In a crowd the calm rows are
     hidden, and a heading shows the number of rows by state. */
 class Table {
-  /** @param of {row(key): the elements of a row and its title; is_calm(key): true if the row shows no problem;
+  /** @param of {row(key): the elements of a row and its title; is_normal(key): true if the row shows no problem;
       words(keys): text of the heading} */
   constructor(box, of) {
     this.of = of;
@@ -30,7 +30,7 @@ class Table {
     box.append(this.head, this.list);
     this.rows = new Map();
     this.changed = new Set();
-    on_beat(() => this.write());
+    on_refresh(() => this.write());
   }
 
   /** Shows all rows of a crowd, or only those with a problem. */
@@ -57,7 +57,7 @@ class Table {
     const is_folded = is_crowd && this.head.getAttribute("aria-expanded") !== "true";
     for (const key of this.changed) {
       const row = this.row(key);
-      row.hidden = is_folded && this.of.is_calm(key);
+      row.hidden = is_folded && this.of.is_normal(key);
       if (row.hidden) continue;
       const { elements, title } = this.of.row(key);
       const said = elements.map((element) => element.outerHTML).join("");
@@ -98,7 +98,7 @@ const kGood = { follow: "good", idle: "calm", hold: "warn", land: "warn", killed
 
 export class Vehicles {
   constructor(box) {
-    this.table = new Table(box, { row: (robot) => this.row(robot), is_calm: (robot) => this.is_calm(robot), words: (robots) => this.words(robots) });
+    this.table = new Table(box, { row: (robot) => this.row(robot), is_normal: (robot) => this.is_normal(robot), words: (robots) => this.words(robots) });
     this.plans = new Map();
     this.states = new Map();
   }
@@ -113,7 +113,7 @@ export class Vehicles {
     this.table.change(plan.robot);
   }
 
-  is_calm(robot) {
+  is_normal(robot) {
     const [state, plan] = [this.states.get(robot), this.plans.get(robot)];
     const is_planned = !plan || (!plan.late && plan.source === "searched");
     return is_planned && (!state || (state.reasons.length === 0 && ["follow", "idle"].includes(state.state)));
@@ -165,7 +165,7 @@ export class Processes {
   constructor(box) {
     this.table = new Table(box, {
       row: (process) => this.row(this.healths.get(process)),
-      is_calm: (process) => this.healths.get(process).state === "running",
+      is_normal: (process) => this.healths.get(process).state === "running",
       words: (processes) => counted(processes.map((process) => this.healths.get(process).state)),
     });
     this.healths = new Map();
@@ -202,7 +202,7 @@ export class Events {
   constructor(box, filter, on_seek) {
     this.box = box;
     this.filter = filter;
-    filter.oninput = () => [...box.children].forEach((item) => this.sift(item));
+    filter.oninput = () => [...box.children].forEach((item) => this.filter_item(item));
     this.on_seek = on_seek;
     this.open = new Map(); // element of the text of a trouble that has not ended, by process
   }
@@ -221,12 +221,12 @@ export class Events {
       key.stopPropagation();
       this.on_seek(event.since);
     };
-    this.sift(item);
+    this.filter_item(item);
     this.box.prepend(item);
     while (this.box.children.length > kEventsShown) this.box.lastChild.remove();
   }
 
-  sift(item) {
+  filter_item(item) {
     item.hidden = !item.textContent.toLowerCase().includes(this.filter.value.trim().toLowerCase());
   }
 

@@ -6,7 +6,7 @@ export const kFps = 25;
 
 /** Records a video of a log. @param how {from, to, speed, fps, go_to(since): resolves once that instant is displayed, paint(sheet),
     on_progress(share), is_over()} @returns the video's bytes */
-export async function film_log({ from, to, speed, fps, go_to, paint, on_progress, is_over }) {
+export async function record_log({ from, to, speed, fps, go_to, paint, on_progress, is_over }) {
   const sheet = document.createElement("canvas");
   await go_to(from);
   paint(sheet);
@@ -23,7 +23,7 @@ export async function film_log({ from, to, speed, fps, go_to, paint, on_progress
 
 /** Records the live stage until is_over() or until the stage's size changes.
     @param how {fps, paint(sheet), on_progress(since_s), is_over()} @returns the video's bytes */
-export async function film_live({ fps, paint, on_progress, is_over }) {
+export async function record_live({ fps, paint, on_progress, is_over }) {
   const sheet = document.createElement("canvas");
   paint(sheet);
   const { width, height } = sheet;
@@ -44,16 +44,16 @@ export async function film_live({ fps, paint, on_progress, is_over }) {
 
 /** Makes a video and sends it, its progress or its failure to the server that requested it.
     @param key of the recording @param make called with the function to report progress; resolves to the video's bytes */
-export async function hand_over(key, make) {
+export async function send_video(key, make) {
   const post = (query, body) => fetch(`api/recording?${new URLSearchParams({ key, ...query })}`, { method: "POST", body });
   let told = 0;
-  const tell = (share) => {
+  const report_progress = (share) => {
     if (share - told < 0.05) return;
     told = share;
     post({ done: share }, "");
   };
   try {
-    await post({}, await make(tell));
+    await post({}, await make(report_progress));
   } catch (error) {
     await post({ failed: 1 }, String(error.message ?? error) || "unknown reason");
   }

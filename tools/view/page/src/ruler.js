@@ -1,7 +1,7 @@
 // Drawings over or under the world: grid with numbers, scale bar, measured distance, ring around the selection.
 
 import * as THREE from "three";
-import { css_of_role } from "./look.js";
+import { css_of_role } from "./appearance.js";
 
 const kSpace_px = 72; // least distance between lines of the grid
 const kBar_px = 150; // greatest length of the scale bar

@@ -1,7 +1,7 @@
 // Corners and matrices of foxglove.SceneUpdate and foxglove.Grid, for both ways of drawing.
 
 import * as THREE from "three";
-import { channels_of } from "./look.js";
+import { channels_of } from "./appearance.js";
 
 const kStrip = 0;
 const kLoop = 1;

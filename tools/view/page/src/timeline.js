@@ -1,6 +1,6 @@
 // Bar at the bottom: position in the log, marks of events, and the controls of the player.
 
-import { on_beat } from "./beat.js";
+import { on_refresh } from "./refresh_timer.js";
 
 const kLive_s = 300; // displayed time of a live view
 export const kSpeeds = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20];
@@ -21,7 +21,7 @@ export class Timeline {
     this.length_s = null; // null: live
     this.now = 0;
     this.is_playing = false;
-    on_beat(() => this.write());
+    on_refresh(() => this.write());
     this.button.onclick = () => on.play(!this.is_playing);
     this.speeds.onchange = () => {
       on.speed(Number(this.speeds.value));

@@ -1,7 +1,7 @@
 // List of all topics of the server with their rates. An opened topic shows its newest message, whose numbers can be charted.
 
-import { on_beat } from "./beat.js";
-import { digits } from "./look.js";
+import { on_refresh } from "./refresh_timer.js";
+import { digits } from "./appearance.js";
 import { in_order, make } from "./panels.js";
 
 const kPoll_ms = 1000;
@@ -28,7 +28,7 @@ export class Topics {
     this.opened = new Map(); // newest record or null, by topic
     this.is_shown = false;
     setInterval(() => this.is_shown && !document.hidden && this.poll(), kPoll_ms);
-    on_beat(() => this.is_shown && this.write_opened(), kWriteBeats);
+    on_refresh(() => this.is_shown && this.write_opened(), kWriteBeats);
   }
 
   show(is_shown) {

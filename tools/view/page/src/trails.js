@@ -19,51 +19,51 @@ function after(times, time) {
 
 export class Trails {
   constructor() {
-    this.ways = new Map(); // {t, x, y, z} by body
+    this.paths = new Map(); // {t, x, y, z} by body
     this.seen = new Map(); // time when last seen, also without motion, by body
   }
 
   clear() {
-    this.ways.clear();
+    this.paths.clear();
     this.seen.clear();
   }
 
   add(body, time, x, y, z) {
-    if (!this.ways.has(body)) this.ways.set(body, { t: [], x: [], y: [], z: [] });
+    if (!this.paths.has(body)) this.paths.set(body, { t: [], x: [], y: [], z: [] });
     this.seen.set(body, time);
-    const way = this.ways.get(body);
-    const last = way.t.length - 1;
+    const path = this.paths.get(body);
+    const last = path.t.length - 1;
     if (last >= 0) {
-      if (time < way.t[last] - 1) Object.values(way).forEach((list) => (list.length = 0)); // the time went back: another run
-      else if (time - way.t[last] < kLeast_s || Math.hypot(x - way.x[last], y - way.y[last], z - way.z[last]) < kLeast_m) return;
+      if (time < path.t[last] - 1) Object.values(path).forEach((list) => (list.length = 0)); // the time went back: another run
+      else if (time - path.t[last] < kLeast_s || Math.hypot(x - path.x[last], y - path.y[last], z - path.z[last]) < kLeast_m) return;
     }
-    way.t.push(time);
-    way.x.push(x);
-    way.y.push(y);
-    way.z.push(z);
-    if (way.t.length > kPointsMax) Object.values(way).forEach((list) => list.splice(0, kPointsMax / 10));
+    path.t.push(time);
+    path.x.push(x);
+    path.y.push(y);
+    path.z.push(z);
+    if (path.t.length > kPointsMax) Object.values(path).forEach((list) => list.splice(0, kPointsMax / 10));
   }
 
   /** Returns the points of the path between `now` − `length_s` and `now`. */
   points(body, now, length_s) {
-    const way = this.ways.get(body);
-    const [from, to] = [after(way.t, now - length_s), after(way.t, now)];
-    return Array.from({ length: to - from }, (_, i) => ({ x: way.x[from + i], y: way.y[from + i], z: way.z[from + i] }));
+    const path = this.paths.get(body);
+    const [from, to] = [after(path.t, now - length_s), after(path.t, now)];
+    return Array.from({ length: to - from }, (_, i) => ({ x: path.x[from + i], y: path.y[from + i], z: path.z[from + i] }));
   }
 
   /** Returns the speed of a body at `now` [m/s], from its path of the last kSpeed_s; null if unknown. A path gets no points
       while its body is stationary, so a path without recent points gives 0. */
   speed(body, now) {
-    const way = this.ways.get(body);
-    if (!way || this.seen.get(body) < now - kGone_s) return null;
+    const path = this.paths.get(body);
+    if (!path || this.seen.get(body) < now - kGone_s) return null;
     const at = Math.min(now, this.seen.get(body));
-    const to = after(way.t, at) - 1;
+    const to = after(path.t, at) - 1;
     if (to < 1) return null;
-    if (way.t[to] < at - kSpeed_s) return 0;
-    const from = Math.min(after(way.t, at - kSpeed_s), to - 1);
+    if (path.t[to] < at - kSpeed_s) return 0;
+    const from = Math.min(after(path.t, at - kSpeed_s), to - 1);
     let length = 0;
-    for (let i = from; i < to; ++i) length += Math.hypot(way.x[i + 1] - way.x[i], way.y[i + 1] - way.y[i], way.z[i + 1] - way.z[i]);
-    return length / (way.t[to] - way.t[from]);
+    for (let i = from; i < to; ++i) length += Math.hypot(path.x[i + 1] - path.x[i], path.y[i + 1] - path.y[i], path.z[i + 1] - path.z[i]);
+    return length / (path.t[to] - path.t[from]);
   }
 }
 

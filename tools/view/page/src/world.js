@@ -248,8 +248,8 @@ export class World {
   }
 
   /** Moves the cameras with the followed thing. */
-  keep_up() {
-    const at = this.followed && this.place_of(this.followed);
+  follow_target() {
+    const at = this.followed && this.position_of(this.followed);
     if (!at) return;
     for (const { camera, controls } of [this.plan, this.space]) {
       const way = new THREE.Vector3(at.x - controls.target.x, at.y - controls.target.y, 0);
@@ -261,7 +261,7 @@ export class World {
   }
 
   /** Returns the position of an entity, or the mean position of the team for "team"; null if unknown. */
-  place_of(id) {
+  position_of(id) {
     if (id !== "team") return this.find(id)?.position ?? null;
     const placed = [...(this.layers.get("/robots")?.values() ?? [])].filter(({ frame }) => frame.is_placed);
     if (placed.length === 0) return null;
@@ -320,7 +320,7 @@ export class World {
 
   draw() {
     this.frames_drawn += 1;
-    this.keep_up();
+    this.follow_target();
     for (const eye of this.eyes()) this.aim(eye);
     this.update_grid_lines();
     for (const topic of this.changed) {

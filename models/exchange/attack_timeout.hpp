@@ -1,0 +1,13 @@
+#pragma once
+
+#include <chrono>
+
+#include "core/time.hpp"
+
+namespace vantage::models {
+
+/// Time after which an attack without further ATTACK messages is over. It is three repetitions of
+/// the simulator, which sends one per second (lcmtypes/README.md).
+inline constexpr Duration kAttackTimeout = std::chrono::seconds(3);
+
+}  // namespace vantage::models
