@@ -8,14 +8,13 @@
 // plan is followed. The named robots (ground robots, `direct` ones) may stay at their heights, but
 // must follow plans and move. A ground robot has no minimum share of time in FOLLOW: it is held
 // while a target that its planner does not know stands in its path. Prints its observations, and
-// the
-// latency of poses and set-points at the autopilots. Exit code 0 when all is well; with --strict
-// only if no flight invariant was broken (BROKEN) either; --speed-share is the bound of one of
-// them.
-// Timing is not judged where the machine held the flight up (HELD UP):
-// test/support/flight_invariants. FILE is the output of flight_drill: one line per event and
-// vehicle
-// and a table are then printed.
+// the latency of poses and set-points at the autopilots.
+//
+// Exit code 0 when all is well; with --strict only if no flight invariant was broken (BROKEN)
+// either; --speed-share is the bound of one of them. Timing is not judged where the machine held
+// the flight up (HELD UP): test/support/flight_invariants. FILE is the output of flight_drill: one
+// line per event and vehicle and a table are then printed.
+//
 // --held-up, --collisions, --flown check one thing only: whether the machine held the flight up;
 // whether no collision was judged; whether every robot of the scenario has followed plans of ROUNDS
 // rounds (the log may still be being written). Exit code 0 if so.
