@@ -69,7 +69,8 @@ class RoomWatch {
   void look(const logs::SpoolReport& report) {
     const bool is_little = report.free_bytes && *report.free_bytes < arguments_.free_mib * kMebi;
     if (is_little != std::exchange(was_little_, is_little)) {
-      print_line(fmt::format("record: {} MiB of disk space are left for {}",
+      print_line(fmt::format("record: {}, {} MiB of disk space are left for {}",
+                             is_little ? "the disk is nearly full" : "the disk has space again",
                              report.free_bytes.value_or(0) / kMebi, report.path),
                  stderr);
     }
