@@ -25,7 +25,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 template <class Message>
 class MessageLimits : public ::testing::Test {};
-TYPED_TEST_SUITE(EveryLimit, test::MessageTypes);
+TYPED_TEST_SUITE(MessageLimits, test::MessageTypes);
 
 TYPED_TEST(MessageLimits, StampEndsInYear2286AndSequenceStartsAtZero) {
   test::Sampler sampler(41);

@@ -97,7 +97,7 @@ TEST_P(EmergencyStopInTakeOff, StopsEveryMotorUntilRearmed) {
   stop_and_expect_all_off();
 }
 
-INSTANTIATE_TEST_SUITE_P(All, EmergencyStopOnTheWayUp, testing::ValuesIn(kMoments),
+INSTANTIATE_TEST_SUITE_P(All, EmergencyStopInTakeOff, testing::ValuesIn(kMoments),
                          [](const auto& each) { return std::string(each.param.name); });
 
 models::OperatorCommand stop_of(std::int64_t run_id, Time said_at) {
