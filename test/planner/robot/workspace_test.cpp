@@ -76,7 +76,7 @@ TEST(Workspace, HasCapacityForAnyRound) {
 
 // The longest plan that is accepted starts four horizons ahead, drives for four and then brakes.
 TEST(Workspace, AllocatesNothingForTheLongestAcceptedPlans) {
-  if (!test::AllocationCounter::is_active()) {
+  if (!vantage::test::AllocationCounter::is_active()) {
     GTEST_SKIP() << "the allocation counter is inert under sanitizers";
   }
   const scenario::Scenario scenario = test::lab_scenario();
@@ -104,7 +104,7 @@ TEST(Workspace, AllocatesNothingForTheLongestAcceptedPlans) {
       {{limits.speed_max_mps, 0.0}, limits.speed_max_mps / limits.brake_mps2, limits.brake_mps2}};
   ASSERT_TRUE(is_of_plan_length(longest, planner, scenario.robots));
   problem.teammates.assign(9 + kBodiesMax, longest);
-  const test::AllocationCounter allocations;
+  const vantage::test::AllocationCounter allocations;
   search->plan(problem, Deadline::nodes(50));
   EXPECT_EQ(allocations.count(), 0U);
 }
