@@ -237,8 +237,8 @@ INSTANTIATE_TEST_SUITE_P(, RecordedMotion, testing::Values("ardupilot_motion", "
 
 TEST(RecordedArdupilot, OvershootsByHalfAMetre) {
   const auto& [real, emulated] = drill("ardupilot_motion");
-  EXPECT_GT(way(real, "place while braking").back_m, 0.5);
-  EXPECT_GT(way(emulated, "place while braking").back_m, 0.5);
+  EXPECT_GT(motion_summary(real, "place while braking").back_m, 0.5);
+  EXPECT_GT(motion_summary(emulated, "place while braking").back_m, 0.5);
 }
 
 // --- loss of messages
