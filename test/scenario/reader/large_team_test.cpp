@@ -56,7 +56,8 @@ TEST(LargeTeam, HasSufficientNeighbourhoods) {
   EXPECT_EQ(parse_scenario(smallest_with(""), "smallest.yaml").network.neighbourhood_m, 0.0);
   for (const char* more : {"network: {neighbourhood_m: 500, communication_range_m: 501}\n",
                            "network: {neighbourhood_m: 0.1}\n"}) {
-    EXPECT_NE(refusal_of_smallest_with(more).find("must be 0 (off) or at least"), std::string::npos);
+    EXPECT_NE(refusal_of_smallest_with(more).find("must be 0 (off) or at least"),
+              std::string::npos);
   }
   for (const char* more :
        {"network: {communication_range_m: 3}\nplanner: {slots: 8}\n", "planner: {slots: 8}\n"}) {
