@@ -17,29 +17,30 @@ namespace vantage::drivers {
 
 /// Detector of contacts and near misses of real bodies from mocap frames, by a CollisionMonitor.
 ///
-/// A robot has the radius of its limits, a target that of the scenario, and any other body that of
-/// the largest robot. Bodies that are not seen are ignored.
+/// The radius of a robot is that of its limits, and the radius of a target that of the scenario.
+/// Any other body has the radius of the largest robot. Bodies without a pose are ignored.
 ///
 /// Only contacts that involve a vehicle in flight count; contacts between stationary bodies are
 /// assumed to be caused by handling. A robot counts as in flight from its driver's first status
-/// other than `idle` until `idle`, or until kFall after it was killed. Contacts without a real body
-/// are left to the simulator: robots are simulated if their device is not real, targets if TRUTH
-/// contains them. Pure; not thread-safe.
+/// other than `idle` until `idle`, or until kFall after it was killed. The simulator reports
+/// contacts without a real body. A robot is simulated if its device is not real, a target if TRUTH
+/// contains it. Pure; not thread-safe.
 class ContactJudge {
  public:
   static constexpr Duration kFall = std::chrono::seconds(3);
   /// Over a longer gap between two frames the motion of the bodies is unknown.
   static constexpr Duration kGapMax = std::chrono::milliseconds(200);
-  static constexpr std::size_t kOthersMax = 32;  ///< bodies that are not in the scenario
+  static constexpr std::size_t kOthersMax = 32;  ///< maximum number of bodies that are not in the
+                                                 ///< scenario
 
   explicit ContactJudge(const scenario::Scenario& scenario);
 
   void on_status(const models::VehicleStatus& status);
   void on_truth(const models::TruthFrame& truth);
-  /// Returns the contacts that began since the previous frame, with times by our clock
-  /// (MocapClock). A frame of another run, or after a gap, starts without earlier motion. A frame
-  /// that was not captured after the last one of its run is counted and ignored.
-  /// @param now  arrival of the frame
+  /// Returns the contacts that began since the previous frame, with times by the local clock
+  /// (MocapClock). After a gap, or for a frame of another run, earlier motion is ignored. A frame
+  /// captured no later than the last frame of its run is counted and ignored.
+  /// @param now  arrival time of the frame
   std::vector<models::CollisionReport> on_frame(const models::MocapFrame& frame, Time now);
 
   [[nodiscard]] std::vector<models::NamedCount> counters() const;

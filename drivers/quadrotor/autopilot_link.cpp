@@ -14,15 +14,15 @@ namespace {
 using wire::mavlink::f32;
 
 constexpr Duration kSecond = std::chrono::seconds(1);
-// Several heartbeats within the second after which an autopilot should detect their loss.
+// Several heartbeats per second: an autopilot detects their loss after one second.
 constexpr Duration kHeartbeatPeriod = std::chrono::milliseconds(200);
 constexpr Duration kStreamAgeMax = std::chrono::seconds(3);
 constexpr Duration kSerialPause = std::chrono::milliseconds(100);
-// messages that are not fetched; the oldest half is dropped
+// maximum number of messages to send; when it is exceeded, the oldest half is dropped
 constexpr std::size_t kOutputMax = 1024;
 constexpr std::uint8_t kLinkId = 1;
 constexpr float kNotGiven = std::numeric_limits<float>::quiet_NaN();
-// Any location with a well-defined tangent plane; poses are relative to it.
+// Arbitrary location with a well-defined tangent plane; poses are relative to this origin.
 constexpr std::int32_t kOriginLatitudeDegE7 = 399'522'000;
 constexpr std::int32_t kOriginLongitudeDegE7 = -751'932'000;
 constexpr std::int32_t kOriginAltitudeMm = 10'000;
@@ -62,7 +62,7 @@ AutopilotLink::AutopilotLink(const scenario::AutopilotSpec& spec,
 bool AutopilotLink::receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now) {
   const std::int64_t before = frames_of_vehicle_;
   const auto handle = [this, now](const wire::mavlink::Frame& frame) { take(frame, now); };
-  // After a pause of a serial line an incomplete frame will not be continued.
+  // After a pause on a serial line, an incomplete frame is not continued.
   if (!is_datagram && last_bytes_ && now - *last_bytes_ > kSerialPause) {
     parser_.flush(handle);
   }
@@ -80,8 +80,9 @@ bool AutopilotLink::is_of_vehicle(const wire::mavlink::Frame& frame) {
       !heartbeat || (heartbeat->autopilot != wire::mavlink::autopilot::kNone &&
                      wire::mavlink::type::is_vehicle(heartbeat->type));
   const std::uint8_t component = frame.origin.component_id;
-  // A heartbeat of component 0 counts until component 1 was received: a vehicle may begin so.
-  // Companions of any system send as component 0 by default, also in flight.
+  // A heartbeat of component 0 is accepted until component 1 was received, since a vehicle may
+  // start with component 0. Later it may be from a companion computer, which sends as component 0
+  // by default.
   const bool is_first = component == 0 && heartbeat && !has_component_;
   if (!is_autopilots || (component != wire::mavlink::kComponentAutopilot && !is_first)) {
     return false;
@@ -192,7 +193,7 @@ void AutopilotLink::request_streams(Time now) {
 
 void AutopilotLink::request_parameters(Time now) {
   if (telemetry_.is_armed()) {
-    return;  // in flight the link is reserved for flying
+    return;  // in flight, the link is reserved for flight control
   }
   ParameterCheck::Due due = parameters_.due(now);
   const auto address_and_send = [&](auto& message) {

@@ -21,7 +21,7 @@
 
 namespace vantage::drivers {
 
-/// Message to send: a datagram, or bytes of a serial line.
+/// Message to send: a datagram, or bytes for a serial line.
 using WireMessage = std::vector<std::uint8_t>;
 
 /// Pose and motion of a body by mocap.
@@ -35,8 +35,8 @@ struct BodyState {
   std::uint8_t resets = 0;  ///< number of jumps of the pose
 };
 
-/// Set-point for the autopilot, always with all fields. ArduPilot restarts its position controller
-/// when the set of fields changes, and then keeps the braking of that moment (docs/decisions/0009).
+/// Set-point for the autopilot, always with all fields. If the set of fields changes, ArduPilot
+/// restarts its position controller and keeps the present deceleration (docs/decisions/0009).
 struct Setpoint {
   Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();
@@ -46,7 +46,8 @@ struct Setpoint {
 };
 
 /// MAVLink connection with one autopilot: periodic messages (heartbeat, clock, streams, origin,
-/// poses), set-points and commands. It processes and returns bytes; the time is passed in.
+/// poses), set-points and commands. Received bytes and the time are passed in; bytes to send are
+/// returned.
 class AutopilotLink {
  public:
   /// Parameters are requested while the autopilot is not armed, unless `spec` ignores them.
@@ -73,7 +74,7 @@ class AutopilotLink {
   [[nodiscard]] const ParameterCheck& parameters() const { return parameters_; }
   /// Sets the parameters that violate their rules; nothing is set while the autopilot is armed.
   void repair_parameters() { parameters_.repair(); }
-  /// Returns why the connection does not work, in words; nullopt if it works.
+  /// Returns a text that states why the connection does not work; nullopt if it works.
   [[nodiscard]] std::optional<std::string> fault(Time now) const;
   /// Returns the counters of lost and refused messages.
   [[nodiscard]] std::vector<models::NamedCount> counters() const;

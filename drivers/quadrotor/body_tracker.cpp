@@ -11,7 +11,7 @@ namespace {
 constexpr double kAccelerationSigmaMps2 = 5.0;
 constexpr double kPositionSigmaM = 0.001;
 constexpr double kStartVelocitySigmaMps = 1.0;
-constexpr double kJumpM = 0.3;  // m beyond the reach at maximum speed
+constexpr double kJumpM = 0.3;  // m; allowance beyond the distance at maximum speed
 constexpr double kJumpRad = 0.8;
 constexpr double kTurnMaxRadps = 8.0;
 constexpr double kSamePositionM = 0.2;
@@ -37,7 +37,7 @@ BodyVerdict BodyTracker::update(const models::MocapFrame& frame, Time captured, 
     return BodyVerdict::kImpossible;
   }
   if (!state_ || frame.stamp.run_id != run_id_) {
-    // Uses arrival times, since another run may have another clock, and the body has moved since.
+    // Uses arrival times, since another run may have another clock.
     const bool is_elsewhere =
         state_ && is_jump(pose, state_->capture + std::max(Duration{}, now - arrival_));
     if (is_elsewhere && !is_resting) {

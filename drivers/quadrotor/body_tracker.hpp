@@ -14,12 +14,12 @@
 
 namespace vantage::drivers {
 
-/// Result of one mocap frame.
+/// Result of processing one mocap frame.
 enum class BodyVerdict {
   kTaken,
   kUnseen,      ///< the body is absent or occluded
-  kRepeated,    ///< identical for half a second in the air: treated as unseen
-  kOutOfOrder,  ///< captured no later than the newest, in the same run of the mocap driver
+  kRepeated,    ///< pose identical for half a second in the air: treated as unseen
+  kOutOfOrder,  ///< captured no later than the newest frame of the same run of the mocap driver
   kImpossible,  ///< not finite, or not a rotation
   kJumped       ///< farther from the newest pose than the body can have moved
 };
@@ -28,16 +28,17 @@ enum class BodyVerdict {
 /// velocity.
 ///
 /// Velocity: a Kalman filter per axis on (position, velocity) with white acceleration of 5 m/s²
-/// between frames and 1 mm of noise. The pose itself is passed on as measured.
+/// between frames and 1 mm of noise. The pose itself is not filtered.
 class BodyTracker {
  public:
   BodyTracker(std::string name, double speed_max_mps)
       : name_(std::move(name)), speed_max_mps_(speed_max_mps) {}
 
-  /// @param captured    capture of the frame by our clock; its stamp may be of a clock that was set
-  /// @param is_resting  the body is on the ground: it may be perfectly still or be carried. A pose
-  ///                    elsewhere is accepted after half a second of consistent poses, and counted
-  ///                    in `resets`
+  /// @param captured    capture time of the frame by the local clock; the clock of the frame's
+  /// stamp may have been set
+  /// @param is_resting  the body is on the ground: it may be stationary or be carried. A pose at
+  ///                    another position is accepted after half a second of consistent poses, and
+  ///                    counted in `resets`
   BodyVerdict update(const models::MocapFrame& frame, Time captured, Time now, bool is_resting);
 
   /// Returns the newest state; nullopt before the first.
@@ -54,7 +55,7 @@ class BodyTracker {
   double speed_max_mps_;
   std::optional<BodyState> state_;
   Time arrival_{};
-  Time changed_{};  ///< capture of the newest pose that differed from its predecessor
+  Time changed_{};  ///< capture time of the newest pose that differed from its predecessor
   std::int64_t run_id_ = 0;
   Eigen::Vector3d filtered_position_m_ = Eigen::Vector3d::Zero();
   Eigen::Matrix<double, 2, 2, kUnaligned> covariance_ = Eigen::Matrix2d::Zero();
@@ -63,7 +64,7 @@ class BodyTracker {
     Time since{};
     Time newest{};
   };
-  std::optional<Candidate> candidate_;  ///< pose to which it was apparently carried
+  std::optional<Candidate> candidate_;  ///< pose to which the body was apparently carried
 };
 
 }  // namespace vantage::drivers

@@ -11,22 +11,22 @@
 
 namespace vantage::drivers {
 
-/// Sender of commands that repeats each with a growing confirmation until it is acknowledged or
-/// given up. One command of each kind is pending at a time.
-/// Source: MAVLink developer guide, command protocol.
+/// Sender of commands. It repeats each command, with an increasing confirmation field, until the
+/// command is acknowledged or given up. One command of each kind is pending at a time. Source:
+/// MAVLink developer guide, command protocol.
 class CommandSender {
  public:
   /// Result of a command.
   struct Outcome {
-    std::optional<std::uint8_t> result;  ///< of the acknowledgement; nullopt: no answer
+    std::optional<std::uint8_t> result;  ///< result in the acknowledgement; nullopt: no answer
     Time time{};
     [[nodiscard]] bool is_accepted() const { return result && *result == 0; }
   };
 
-  /// Sends `command`, unless the same command is pending or ended less than `pause` ago. It
-  /// replaces another pending command of its kind.
+  /// Sends `command`, unless the same command is pending or ended less than `pause` ago. The
+  /// command replaces a different pending command of its kind.
   void send_command(const wire::mavlink::CommandLong& command, Time now, Duration pause);
-  /// Sends `command` every `period` as long as this is called, whatever the answer (emergency
+  /// Sends `command` every `period` while this function is called, regardless of answers (emergency
   /// stop).
   void send_command_periodically(const wire::mavlink::CommandLong& command, Time now,
                                  Duration period);
@@ -35,7 +35,7 @@ class CommandSender {
   std::vector<wire::mavlink::CommandLong> due(Time now);
 
   [[nodiscard]] bool is_under_way(std::uint16_t command) const;
-  /// Returns the result of the newest command of its kind that ended.
+  /// Returns the result of the newest completed command of this kind.
   [[nodiscard]] std::optional<Outcome> outcome(std::uint16_t command) const;
   /// Returns the number of commands given up without an answer.
   [[nodiscard]] std::int64_t unanswered() const { return unanswered_; }
@@ -49,7 +49,7 @@ class CommandSender {
     Time next_send{};
     std::optional<Outcome> outcome;
   };
-  std::map<std::uint16_t, Entry> entries_;  ///< by command; the driver uses a handful of kinds
+  std::map<std::uint16_t, Entry> entries_;  ///< by command id; the driver uses few kinds
   std::int64_t unanswered_ = 0;
 };
 

@@ -35,8 +35,8 @@ DialectTraits px4() {
   out.name = "PX4";
   out.autopilot_id = wire::mavlink::autopilot::kPx4;
   out.own_system_id = 254;
-  out.own_type = wire::mavlink::type::kGroundStation;  // PX4 reports the reason of a refusal to
-                                                       // ground stations only
+  out.own_type = wire::mavlink::type::kGroundStation;  // PX4 sends the reason of a refusal only to
+                                                       // ground stations
   out.follow_mode = px4_mode(6);
   out.land_mode = px4_mode(4, 6);
   out.wants_proof_of_life = true;
@@ -50,7 +50,7 @@ DialectTraits ardupilot() {
   DialectTraits out;
   out.name = "ArduPilot";
   out.autopilot_id = wire::mavlink::autopilot::kArdupilot;
-  out.own_system_id = 255;  // the id that its ground-station failsafe monitors
+  out.own_system_id = 255;  // ArduPilot's ground-station failsafe monitors this id
   out.own_type = wire::mavlink::type::kGroundStation;
   out.follow_mode = 4;
   out.land_mode = 9;
@@ -128,7 +128,7 @@ std::string mode_name(AutopilotDialect dialect, std::uint32_t custom_mode) {
   return dialect == AutopilotDialect::kPx4 ? name_in(kPx4Modes) : name_in(kArdupilotModes);
 }
 
-// After PX4's px4_custom_mode.h (1.18) and ArduCopter's mode.h (4.6).
+// Mode numbers as in PX4's px4_custom_mode.h (1.18) and ArduCopter's mode.h (4.6).
 bool is_flown_by_hand(AutopilotDialect dialect, std::uint32_t custom_mode) {
   if (dialect == AutopilotDialect::kPx4) {
     // manual, altitude, position, acro, stabilised, rattitude, altitude cruise

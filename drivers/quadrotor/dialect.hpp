@@ -19,41 +19,42 @@ struct WantedStream {
 /// Differences between PX4 and ArduCopter for this driver. Everything else is identical.
 struct DialectTraits {
   const char* name = "";
-  std::uint8_t autopilot_id = 0;   ///< in its HEARTBEAT
+  std::uint8_t autopilot_id = 0;   ///< value in its HEARTBEAT
   std::uint8_t own_system_id = 0;  ///< system id of the driver
   std::uint8_t own_type = 0;
-  std::uint32_t follow_mode = 0;  ///< custom_mode that takes set-points
+  std::uint32_t follow_mode = 0;  ///< custom_mode in which set-points are accepted
   std::uint32_t land_mode = 0;
   /// Set-points must arrive for more than a second before the mode can be entered.
   bool wants_proof_of_life = false;
-  /// It takes off by a command, and a set-point during take-off would end it.
+  /// The autopilot takes off by a command, and a set-point would end the take-off.
   bool takes_off_by_command = false;
-  /// Its estimator has no origin without a GPS, and publishes nothing before it has one.
+  /// Its estimator has no origin without a GPS, and publishes nothing without an origin.
   bool needs_origin = false;
   // Lead of the set-points, measured with our parameters.
-  double lead_s = 0.0;               ///< s; for position and velocity
-  double acceleration_lead_s = 0.0;  ///< s; for the acceleration, which requires a tilt first
+  double lead_s = 0.0;               ///< s; lead of position and velocity
+  double acceleration_lead_s = 0.0;  ///< s; lead of the acceleration, which requires a tilt first
   std::vector<WantedStream> streams;
 };
 
 const DialectTraits& traits_of(models::AutopilotDialect dialect);
 
-/// Return the command that enters follow_mode or lands.
+/// Return the command that enters follow_mode, or the command that lands.
 wire::mavlink::CommandLong follow_mode_command(models::AutopilotDialect dialect);
 wire::mavlink::CommandLong land_command(models::AutopilotDialect dialect);
 
 /// Returns the name of a mode: "offboard", "land", "mode 0x3040000".
 std::string mode_name(models::AutopilotDialect dialect, std::uint32_t custom_mode);
 
-/// True if a pilot flies the vehicle in that mode. The other modes (landing, return, autonomous
+/// True if a pilot controls the vehicle in that mode. The other modes (landing, return, autonomous
 /// hold) need no pilot.
 bool is_flown_by_hand(models::AutopilotDialect dialect, std::uint32_t custom_mode);
 
-/// Returns what the estimator lacks for a flight on external poses, in words; nullopt if nothing.
+/// Returns a text with the estimates that are missing for flight on external poses; nullopt if none
+/// is missing.
 std::optional<std::string> estimator_fault(models::AutopilotDialect dialect, std::uint16_t flags,
                                            bool is_airborne);
 
-/// Returns the name of a result: "denied", "temporarily rejected", …
+/// Returns the name of an acknowledgement result: "denied", "temporarily rejected", …
 const char* result_name(std::uint8_t ack_result);
 /// Returns the name of a command: "arm", "take-off", …
 std::string command_name(std::uint16_t command);

@@ -15,15 +15,17 @@ namespace {
 
 using models::FlightState;
 
-constexpr double kHandOverM = 0.35;  // m; below it the autopilot's own landing completes a landing
+constexpr double kHandOverM = 0.35;  // m; below this height the autopilot's landing mode completes
+                                     // a landing
 constexpr double kLowM = 0.1;
-constexpr double kSettledS = 0.25;  // s of poses before a blind landing is steered again
+constexpr double kSettledS = 0.25;  // s; time with poses before a blind landing is steered again
 constexpr double kSeenS = 0.1;      // s; feedback on an older pose would displace the set-point
 constexpr Duration kRefusalShown = std::chrono::seconds(10);
 constexpr Duration kTextAge = std::chrono::seconds(3);
 // longest delay between report and reception
 constexpr Duration kReportedBefore = std::chrono::milliseconds(500);
-constexpr Duration kPoseSlack{2'000};  // a frame that is early by this is not skipped
+constexpr Duration kPoseSlack{2'000};  // maximum time by which a frame may be early without being
+                                       // skipped
 
 const scenario::RobotSpec& robot_of(const scenario::Scenario& scenario, const std::string& robot) {
   const scenario::RobotSpec* const spec = scenario.find_robot(robot);
@@ -147,7 +149,7 @@ void QuadrotorDriver::on_command(const models::OperatorCommand& command, Time no
   const bool takes_mode = command.action == models::OperatorAction::kFollow ||
                           command.action == models::OperatorAction::kHold ||
                           command.action == models::OperatorAction::kLand;
-  // A repetition has the stamp of the order, which may be older than a pilot's takeover.
+  // A repeated command has the stamp of the first one, which may be older than a pilot's takeover.
   const bool is_new = !mode_ordered_at_ || command.stamp.time != *mode_ordered_at_;
   if (takes_mode) {
     mode_ordered_at_ = command.stamp.time;
@@ -196,8 +198,8 @@ bool QuadrotorDriver::is_nearly_down() const {
          tracker_.state()->world_from_body.translation_m.z() - ground_m_.value_or(0.0) < kHandOverM;
 }
 
-// True if the driver may steer a landing that began without poses: poses have returned, the height
-// allows it to avoid bodies below, and the autopilot is in the landing mode commanded by this
+// True if the driver may steer a landing that began without poses: poses are received again, the
+// height suffices to avoid bodies below, and the autopilot is in the landing mode commanded by this
 // driver.
 bool QuadrotorDriver::may_steer_landing() const {
   return lands_blind_ && settled_s_ >= kSettledS && !is_nearly_down() &&
@@ -212,7 +214,8 @@ FlightGoal QuadrotorDriver::goal(const GuardOutput& out) const {
     case FlightState::kHold:
       return FlightGoal::kFly;
     case FlightState::kLand: {
-      // A landing by the autopilot continues, unless it began blind and may be steered again.
+      // A landing by the autopilot continues, unless it began without poses and may be steered
+      // again.
       const bool goes_on = sequence_.goal() == FlightGoal::kLand && !may_steer_landing();
       const bool is_autopilots = out.setpoint.kind == FlightSetpoint::Kind::kBlindLand ||
                                  !out.wants_armed || (out.is_sinking && is_nearly_down()) ||
@@ -261,7 +264,7 @@ void QuadrotorDriver::fly(Time now) {
     const bool is_seen = age && to_seconds(*age) < kSeenS;
     link_.send_setpoint(steer(orders_.setpoint, is_seen ? body : std::nullopt, vehicle_), now);
   } else if (body) {
-    Setpoint here;  // on the ground: hold the position
+    Setpoint here;  // on the ground: hold the present position
     here.position_world_m = body->world_from_body.translation_m;
     here.yaw_rad = flatten(body->world_from_body).yaw_rad;
     link_.send_setpoint(here, now);
@@ -276,8 +279,8 @@ std::optional<std::string> QuadrotorDriver::refusal(Time now) const {
   std::uint16_t which = 0;
   std::array<std::optional<CommandSender::Outcome>, kCommands.size()> outcomes;
   for (std::size_t i = 0; i < kCommands.size(); ++i) {
-    // Take-off is commanded repeatedly because lifting takes seconds. An ArduCopter that lifts
-    // reports a later command as failed.
+    // Take-off is commanded repeatedly because the climb takes seconds. A climbing ArduCopter
+    // rejects the repeated command as failed.
     const bool is_done =
         kCommands[i] == wire::mavlink::command::kTakeOff && sequence_.has_climbed();
     outcomes[i] = link_.commands().outcome(kCommands[i]);

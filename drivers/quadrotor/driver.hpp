@@ -18,20 +18,21 @@
 
 namespace vantage::drivers {
 
-/// Driver of one quadrotor, without input and output: messages are passed in with their time of
-/// arrival, and messages to send are fetched. Flight safety (FlightGuard) decides where the vehicle
-/// must be. The driver executes this over MAVLink and reports the state of the vehicle.
+/// Driver of one quadrotor, without input and output: received messages are passed in with their
+/// arrival time, and messages to send are fetched by the caller. Flight safety (FlightGuard)
+/// computes the set-points. The driver sends them over MAVLink and reports the state of the
+/// vehicle.
 ///
-/// Times are the receiver's monotonic times, expressed in the stack's clock. The same calls give
-/// the same bytes.
+/// Times are the receiver's monotonic times, converted to the stack's clock. The same sequence of
+/// calls gives the same bytes.
 class QuadrotorDriver {
  public:
-  /// A set-point is sent with a pose if this time has passed since the last one, so that it is
-  /// computed from a new pose. Without poses it is sent by the clock.
+  /// A set-point is sent when a pose arrives and this time has passed since the last set-point. It
+  /// is thus computed from a new pose. Without poses it is sent periodically.
   static constexpr Duration kSetpointSpacing{15'000};
   static constexpr Duration kSetpointPeriod{20'000};  ///< 50 Hz
-  static constexpr Duration kPoseGrace{3'000};        ///< additional wait of the clock for a pose
-  static constexpr Duration kPosePeriod{20'000};      ///< least period between forwarded poses
+  static constexpr Duration kPoseGrace{3'000};        ///< maximum additional wait for a pose
+  static constexpr Duration kPosePeriod{20'000};      ///< minimum time between forwarded poses
 
   /// @throws UsageError for a robot that is not in the scenario or has no autopilot.
   QuadrotorDriver(const scenario::Scenario& scenario, const std::string& robot,
@@ -49,22 +50,22 @@ class QuadrotorDriver {
     guard_.on_teammate_status(status, now);
   }
   void on_command(const models::OperatorCommand& command, Time now);
-  /// Reports whether the scenario that others announce is the one flown here.
+  /// Reports whether the scenario announced by other processes equals this driver's scenario.
   void on_map(bool is_same) { guard_.on_map(is_same); }
   /// Reports a message of an unknown type, perhaps from another version of this program.
   void on_other_version(Time now) { guard_.on_other_version(now); }
-  /// Reports how long the driver's thread waited for a processor within the last second, s.
+  /// Reports the time that the driver's thread waited for a processor within the last second, s.
   void on_processor_wait(double wait_s) { guard_.on_processor_wait(wait_s); }
-  /// Ends the driver: lands the vehicle and keeps it from being armed. If `is_hurried`, the
-  /// autopilot's own landing is used from now on.
+  /// Ends the driver: lands the vehicle and prevents arming. If `is_hurried`, the autopilot's own
+  /// landing mode is used from now on.
   void end(bool is_hurried);
   [[nodiscard]] EndFacts end_facts(Time now) const;
   /// Performs all pending work. Call it about every 5 ms; set-points are sent at 50 Hz.
   void tick(Time now);
 
   [[nodiscard]] std::vector<WireMessage> take_output() { return link_.take_output(); }
-  /// Returns the status for VEHICLE_R: that of flight safety, with what the autopilot refuses or
-  /// waits for in its reasons.
+  /// Returns the status for VEHICLE_R: the status of flight safety. Its reasons also state the
+  /// refusals and pending actions of the autopilot.
   [[nodiscard]] models::VehicleStatus status(Time now) const;
   /// Returns true once after the state or the reasons have changed.
   [[nodiscard]] bool take_changed() { return std::exchange(has_changed_, false); }
@@ -89,9 +90,10 @@ class QuadrotorDriver {
   FlightSequence sequence_;
   models::VehicleLimits vehicle_;
   GuardOutput orders_;
-  /// m; height at which the body was last seen unarmed on the ground
+  /// m; last height of the unarmed body on the ground, by mocap
   std::optional<double> ground_m_;
-  std::optional<Time> mode_ordered_at_;  ///< stamp of the last order that may take the mode
+  std::optional<Time> mode_ordered_at_;  ///< stamp of the last operator command that may change the
+                                         ///< mode
   Time last_setpoint_{};
   Time next_setpoint_{};
   Time next_pose_{};
@@ -99,10 +101,10 @@ class QuadrotorDriver {
   std::optional<Time> battery_reported_;
   std::optional<Time> telemetry_reported_;
   bool has_changed_ = false;
-  bool lands_blind_ = false;  ///< the current landing by the autopilot began without poses
-  double settled_s_ = 0.0;    ///< s; time without a gap in the poses
-  bool is_hurried_ = false;   ///< ends without waiting for a steered landing
-  Time motors_wanted_at_{};   ///< last time that the motors were wanted
+  bool lands_blind_ = false;  ///< the autopilot's current landing began without poses
+  double settled_s_ = 0.0;    ///< s; time since the last gap in the poses
+  bool is_hurried_ = false;   ///< the driver ends without waiting for a steered landing
+  Time motors_wanted_at_{};   ///< last time at which running motors were requested
   std::int64_t poses_refused_ = 0;
   std::int64_t poses_unseen_ = 0;
 };

@@ -5,7 +5,7 @@
 namespace vantage::drivers {
 namespace {
 
-// More than a second of set-points before the mode is requested.
+// Duration of set-points before the mode is requested; PX4 requires more than a second.
 constexpr Duration kProofOfLife = std::chrono::milliseconds(1500);
 constexpr Duration kModePause = std::chrono::seconds(1);
 constexpr Duration kTakeOffPause = std::chrono::seconds(3);  // the motors spool up first
@@ -36,7 +36,8 @@ void FlightSequence::set_goal(FlightGoal goal) {
     had_mode_ = false;
     streaming_since_.reset();
   }
-  // Armed on the ground and flying use the same mode; the change does not retake a lost mode.
+  // The goals kArm and kFly use the same mode; changing between them does not request a lost mode
+  // again.
   const bool goes_on = goal_ == FlightGoal::kArm && goal == FlightGoal::kFly;
   if (!goes_on) {
     has_mode_ = false;
@@ -53,8 +54,8 @@ bool FlightSequence::step(AutopilotLink& link, const Situation& situation) {
   const Telemetry& telemetry = link.telemetry();
   waiting_for_.reset();
   if (!telemetry.is_connected(situation.now) && goal_ != FlightGoal::kKill) {
-    // Earlier commands may not have been received. A flying vehicle still gets set-points and the
-    // command to land, since only the direction from the autopilot to us may be broken.
+    // Earlier commands may be lost. A flying vehicle is still sent set-points and the command to
+    // land, since possibly only the link from the autopilot to the driver has failed.
     if (was_armed_ && goal_ == FlightGoal::kLand) {
       is_mode_lost_ = is_pilots(telemetry.mode());
       if (!is_mode_lost_) {
@@ -90,12 +91,12 @@ bool FlightSequence::stay_grounded(AutopilotLink& link, Time now) {
   streaming_since_.reset();
   has_climbed_ = false;
   if (link.commands().is_under_way(arm_command(true).command) && !link.telemetry().is_armed()) {
-    // A pending command to arm may still be received.
+    // An earlier command to arm may still arrive.
     link.send_command(arm_command(false), now, kArmPause);
   }
   disarm_on_ground(link, now, Duration{0});
-  // In the air and in our mode: an earlier run of this driver left it there. Flight safety holds it
-  // there if it knows the position; otherwise this landing is the only way down.
+  // The vehicle is in the air in follow_mode: an earlier run of this driver left it there. Flight
+  // safety makes it hover if the position is known; otherwise this landing ends the flight.
   const Telemetry& telemetry = link.telemetry();
   const bool is_left =
       telemetry.is_armed() && !telemetry.is_on_ground() && telemetry.mode() == traits_.follow_mode;
@@ -137,7 +138,7 @@ bool FlightSequence::fly(AutopilotLink& link, const Situation& situation) {
     come_into_mode();
   } else if (has_mode_ || is_pilots(telemetry.mode())) {
     is_mode_lost_ = true;
-    return traits_.wants_proof_of_life;  // required to take the mode again
+    return traits_.wants_proof_of_life;  // required to enter the mode again
   } else {
     waiting_for_ = mode_name(dialect_, traits_.follow_mode) + " mode";
     if (!streaming_since_) {
@@ -151,7 +152,7 @@ bool FlightSequence::fly(AutopilotLink& link, const Situation& situation) {
   if (goal_ == FlightGoal::kArm) {
     return traits_.wants_proof_of_life;
   }
-  // kClimbedM is too coarse for the first lift, which is small.
+  // kClimbedM is too large for the first lift, which is small.
   const double climbed_m = std::min(kClimbedM, 0.4 * situation.take_off_height_m);
   has_climbed_ = has_climbed_ || situation.height_error_m < climbed_m || situation.is_landing;
   if (has_climbed_) {
@@ -192,8 +193,7 @@ bool FlightSequence::land(AutopilotLink& link, Time now, bool is_armed) {
 }
 
 void FlightSequence::kill(AutopilotLink& link, Time now) {
-  // Heartbeats come at 1 Hz: the last one may be older than a command to arm that was obeyed since
-  // or is still pending.
+  // Heartbeats arrive at 1 Hz: the last one may be older than the latest command to arm.
   const Telemetry& telemetry = link.telemetry();
   kill_since_ = kill_since_.value_or(now);
   const bool is_reported_since =

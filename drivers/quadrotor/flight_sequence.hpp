@@ -14,47 +14,50 @@ enum class FlightGoal {
   kArm,       ///< on the ground, motors on
   kFly,       ///< in the air, following set-points
   kLand,
-  kKill,  ///< motors off at once, in any state
+  kKill,  ///< motors off immediately, in any state
 };
 
-/// State machine from the ground into the air and back. It decides which command is due and whether
-/// set-points are sent. Its state follows the autopilot's heartbeat; acknowledgements only end the
-/// repetition of commands.
+/// State machine for arming, take-off, flight and landing. It decides which command is due and
+/// whether set-points are sent. Its state follows the autopilot's heartbeat; acknowledgements only
+/// end the repetition of commands.
 ///
-/// It takes the mode once for each goal. If the autopilot leaves the mode later (a pilot's switch,
-/// a failsafe), this is reported and not reversed. Only an operator can take the mode from a pilot
-/// who flies by hand (retake_mode()). Motors that the autopilot stopped are not started again.
+/// It requests the autopilot's mode once for each goal. If the autopilot leaves the mode later (a
+/// pilot's switch, a failsafe), this is reported and not reversed. Only an operator can take
+/// control from a pilot (retake_mode()). Motors that the autopilot stopped are not started again.
 class FlightSequence {
  public:
   explicit FlightSequence(models::AutopilotDialect dialect)
       : traits_(traits_of(dialect)), dialect_(dialect) {}
 
-  /// Sets the goal; no effect if it is set already.
+  /// Sets the goal; no effect if the goal is unchanged.
   void set_goal(FlightGoal goal);
-  /// Takes the mode once more, on an operator's request.
+  /// Requests the mode once more, after an operator's command.
   void retake_mode() { has_mode_ = is_mode_lost_ = had_mode_ = false; }
   [[nodiscard]] FlightGoal goal() const { return goal_; }
 
   struct Situation {
     bool may_arm = false;            ///< all preconditions are met
-    double take_off_height_m = 1.0;  ///< m above its position on the ground
-    bool is_low = false;             ///< it has not lifted, by mocap
-    double height_error_m = 0.0;     ///< m; body height to the goal of the climb, ≥ 0
-    bool is_landing = false;         ///< landing: does not wait for a climb
-    /// it flies according to flight safety, whatever its heartbeat reports
+    double take_off_height_m = 1.0;  ///< m; height above the ground position
+    bool is_low = false;             ///< the vehicle has not lifted, by mocap
+    double height_error_m = 0.0;     ///< m, ≥ 0; distance of the body from the goal height of the
+                                     ///< climb
+    bool is_landing = false;         ///< the vehicle is landing: the sequence does not wait for a
+                                     ///< climb
+    /// the vehicle is flying according to flight safety, regardless of its heartbeat
     bool is_flying = false;
     Time now{};
   };
   /// Sends the due command. Returns true if set-points are to be sent now.
   bool step(AutopilotLink& link, const Situation& situation);
 
-  /// True if the height was reached since take-off.
+  /// True if the goal height was reached since take-off.
   [[nodiscard]] bool has_climbed() const { return has_climbed_; }
-  /// True if the autopilot left the mode that the goal needs, by itself or by a pilot.
+  /// True if the autopilot left the mode that the goal requires, for example by a failsafe or a
+  /// pilot's switch.
   [[nodiscard]] bool is_mode_lost() const { return is_mode_lost_; }
-  /// True if the motors stopped after they had run: the goal has ended.
+  /// True if the motors have run and stopped: the goal has ended.
   [[nodiscard]] bool is_over() const { return is_over_; }
-  /// Returns what it is waiting for, in words; nullopt if the goal is reached.
+  /// Returns a text that names the awaited event; nullopt if the goal is reached.
   [[nodiscard]] std::optional<std::string> waiting_for() const { return waiting_for_; }
 
  private:
@@ -72,7 +75,8 @@ class FlightSequence {
   FlightGoal goal_ = FlightGoal::kGrounded;
   std::optional<Time> streaming_since_;
   std::optional<Time> on_ground_since_;
-  std::optional<Time> left_since_;  ///< armed in the air without a goal of this driver
+  std::optional<Time> left_since_;  ///< since when the vehicle is armed in the air without a goal
+                                    ///< of this driver
   std::optional<Time> kill_since_;
   bool was_armed_ = false;
   bool has_climbed_ = false;

@@ -11,11 +11,12 @@
 
 namespace vantage::drivers {
 
-/// Reads all parameters of an autopilot for which there is a rule, checks them, and corrects them
-/// on request. It does no input or output.
+/// Check of all parameters of an autopilot that have a rule. It reads and compares them, and
+/// corrects them on request. It does no input or output.
 ///
-/// A few requests are pending at a time, so that a radio link is not flooded. Each is repeated a
-/// few times and then given up, since autopilots do not answer requests for unknown names.
+/// Only a few requests are pending simultaneously, so that a radio link is not flooded. Each
+/// request is repeated a few times and then given up, since autopilots do not answer requests for
+/// unknown names.
 class ParameterCheck {
  public:
   static constexpr Duration kAnswerWait = std::chrono::milliseconds(500);
@@ -25,39 +26,40 @@ class ParameterCheck {
 
   ParameterCheck(models::AutopilotDialect dialect, const std::vector<wire::ParameterRule>& rules);
 
-  /// Rule and the known value of its parameter.
+  /// Rule with the known value of its parameter.
   struct Entry {
     wire::ParameterRule rule;
-    std::optional<double> actual;  ///< nullopt: not answered yet, or no such parameter
-    bool is_settled = false;       ///< answered or given up
+    std::optional<double> actual;  ///< nullopt: no answer yet, or no such parameter
+    bool is_settled = false;       ///< the request was answered or given up
     [[nodiscard]] bool is_kept() const { return actual && rule.accepts(*actual); }
   };
 
-  /// Forgets all values: another or a restarted vehicle may answer from now on.
+  /// Deletes all values, because another or a restarted vehicle may answer from now on.
   void restart();
-  /// Takes a value from the autopilot, requested or not.
+  /// Processes a value from the autopilot, requested or not.
   void take(const wire::mavlink::ParamValue& value, Time now);
-  /// Requests that each existing parameter that violates its rule is set and read back.
+  /// Sets each existing parameter that violates its rule, and reads it back.
   void repair();
 
   struct Due {
     std::vector<wire::mavlink::ParamRequestRead> reads;
     std::vector<wire::mavlink::ParamSet> sets;
   };
-  /// Returns the messages to send now, without the target. Old values are requested again.
+  /// Returns the messages to send now; the caller sets the target. Old values are requested again.
   Due due(Time now);
 
-  /// True if all parameters are answered or given up.
+  /// True if each request was answered or given up.
   [[nodiscard]] bool is_complete() const { return settled() == entries_.size(); }
   [[nodiscard]] std::size_t settled() const;
   /// True if all rules that matter for safety are known to be met.
   [[nodiscard]] bool is_kept() const;
-  /// Returns the value of a parameter; nullopt without a rule, or if unknown.
+  /// Returns the value of a parameter; nullopt if the parameter has no rule or its value is
+  /// unknown.
   [[nodiscard]] std::optional<double> value(const std::string& name) const;
   /// Returns the entries in the order of the rules.
   [[nodiscard]] std::vector<Entry> entries() const;
-  /// Returns why the vehicle must not be armed, in words: a few differences, and the progress of
-  /// reading.
+  /// Returns texts that state why the vehicle must not be armed: a few rule violations, and the
+  /// progress of reading.
   [[nodiscard]] std::vector<std::string> reasons() const;
 
  private:

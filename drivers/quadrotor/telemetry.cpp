@@ -25,8 +25,9 @@ constexpr Duration kThrustLossAge = std::chrono::seconds(10);
 // Source: ArduCopter, crash_check.cpp: sent once, after a second of sinking, level, at full
 // throttle.
 constexpr std::string_view kThrustLoss = "Potential Thrust Loss";
-constexpr int kSystemBattery = 256;  // SYS_STATUS; the ids of BATTERY_STATUS are below
-// The best round trip is forgotten slowly, so that clock drift is followed.
+constexpr int kSystemBattery = 256;  // source id of SYS_STATUS; the ids in BATTERY_STATUS are less
+// ns; the shortest round trip is increased by this value per exchange, so that clock drift is
+// followed.
 constexpr std::int64_t kRoundTripForgettingNs = 20'000;
 
 }  // namespace
@@ -48,9 +49,9 @@ void Telemetry::take(const wire::mavlink::Frame& frame, Time now) {
     take_battery(kSystemBattery, system->battery_remaining,
                  system->voltage_battery == kNoVoltage ? 0.0 : system->voltage_battery / 1000.0,
                  now);
-    // PX4 reports errors of motors_escs here, motors that its failure detector gave up included.
-    // ArduPilot always reports motor outputs as healthy.
-    // Source: PX4, src/modules/mavlink/streams/SYS_STATUS.hpp.
+    // PX4 reports errors of motors_escs here, including motors that its failure detector found
+    // failed. ArduPilot always reports motor outputs as healthy. Source: PX4,
+    // src/modules/mavlink/streams/SYS_STATUS.hpp.
     are_motors_unhealthy_ =
         (system->onboard_control_sensors_present & system->onboard_control_sensors_enabled &
          ~system->onboard_control_sensors_health & wire::mavlink::kSensorMotorOutputs) != 0;

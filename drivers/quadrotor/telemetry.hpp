@@ -27,7 +27,7 @@ struct AutopilotText {
 /// times.
 class Telemetry {
  public:
-  /// @param battery  given: the charge is also estimated from the voltage
+  /// @param battery  if given, the charge is also estimated from the voltage
   explicit Telemetry(models::AutopilotDialect dialect,
                      const std::optional<scenario::BatterySpec>& battery = std::nullopt)
       : dialect_(dialect), battery_(battery) {}
@@ -41,39 +41,42 @@ class Telemetry {
   [[nodiscard]] std::uint32_t mode() const { return mode_; }
   [[nodiscard]] std::uint8_t autopilot() const { return autopilot_; }
   [[nodiscard]] std::optional<Time> heartbeat_time() const { return heartbeat_time_; }
-  /// Returns the number of heartbeats after a silence. The vehicle may have lost its settings.
+  /// Returns the number of reconnections: heartbeats after a gap. The vehicle may have lost its
+  /// settings.
   [[nodiscard]] std::int64_t reconnections() const { return reconnections_; }
 
   /// True if EXTENDED_SYS_STATE reports on ground; without such a report, true while disarmed.
   [[nodiscard]] bool is_on_ground() const;
-  /// Returns the lowest charge of all batteries that were reported in the last 10 s, in [0, 1];
-  /// nullopt before one is known. With a BatterySpec the charge of each is the lower of the
-  /// autopilot's count and the voltage: ArduPilot counts from full at each start.
+  /// Returns the lowest charge of all batteries reported in the last 10 s, in [0, 1]; nullopt if
+  /// none is known. With a BatterySpec, the charge of a battery is the lower of the autopilot's
+  /// value and the estimate from the voltage: ArduPilot assumes a full battery at each start.
   [[nodiscard]] std::optional<double> battery_share() const { return battery_share_; }
-  /// Returns when a charge was last reported; a battery message without a charge does not count.
+  /// Returns the time of the last message with a charge; nullopt before the first.
   [[nodiscard]] std::optional<Time> battery_time() const { return battery_time_; }
   [[nodiscard]] std::optional<std::uint16_t> estimator_flags(Time now) const;
-  /// Returns its own estimate in the world frame if it is at most 0.5 s old.
+  /// Returns the autopilot's position estimate in the world frame if it is at most 0.5 s old.
   [[nodiscard]] std::optional<Eigen::Vector3d> position_world_m(Time now) const;
   /// True if a finite attitude was received in the last 0.5 s.
   [[nodiscard]] bool has_attitude(Time now) const;
-  /// Returns the angle of its z axis to the vertical, by its own attitude, rad.
+  /// Returns the angle of the body z axis to the vertical by the autopilot's attitude estimate,
+  /// rad.
   [[nodiscard]] double tilt_rad() const { return tilt_rad_; }
-  /// Return its own estimates in the world frame; meaningless before the first message.
+  /// Return the autopilot's estimates in the world frame; meaningless before the first message.
   [[nodiscard]] const Eigen::Vector3d& velocity_world_mps() const { return velocity_world_mps_; }
   [[nodiscard]] const Quaternion& world_from_body() const { return world_from_body_; }
   [[nodiscard]] double yaw_rate_radps() const { return yaw_rate_radps_; }
-  /// True if the autopilot reported a motor or its speed controller as failed, or a loss of thrust,
-  /// and has not withdrawn it. PX4: in the last SYS_STATUS; ArduPilot: a text of the last 10 s.
+  /// True if the autopilot reports a failed motor or speed controller, or a loss of thrust. PX4: in
+  /// the last SYS_STATUS; ArduPilot: by a text within the last 10 s.
   [[nodiscard]] bool has_motor_fault(Time now) const;
-  /// True once the autopilot has confirmed its origin. A valid position does not imply it.
+  /// True once the autopilot has confirmed its origin. A valid position does not imply an origin.
   [[nodiscard]] bool has_origin() const { return has_origin_; }
-  /// Returns when a message of this kind was last received.
+  /// Returns the arrival time of the last message of this kind.
   [[nodiscard]] std::optional<Time> received_at(std::uint32_t message_id) const;
-  /// Returns its clock minus ours, ns, from the exchange with the shortest round trip so far.
+  /// Returns the autopilot's clock minus the local clock, ns, from the exchange with the shortest
+  /// round trip.
   [[nodiscard]] std::optional<std::int64_t> clock_offset_ns() const { return clock_offset_ns_; }
 
-  /// Returns the newest text of severity warning or worse, if it came in the last `age`.
+  /// Returns the newest text of severity warning or worse if it arrived within the last `age`.
   [[nodiscard]] std::optional<std::string> newest_warning(Time now, Duration age) const;
   [[nodiscard]] const std::deque<AutopilotText>& texts() const { return texts_; }
 
@@ -81,12 +84,12 @@ class Telemetry {
   void take_heartbeat(const wire::mavlink::Heartbeat& heartbeat, Time now);
   struct Battery {
     std::optional<double> share;
-    /// from the voltage, smoothed because propellers lower it briefly
+    /// charge from the voltage, smoothed because propeller loads lower the voltage briefly
     std::optional<double> rest_share;
     Time time{};  ///< time of the last message with a charge
   };
-  /// @param source     its id in BATTERY_STATUS, or kSystemBattery
-  /// @param voltage_v  of the whole battery, V; 0: not reported
+  /// @param source     battery id in BATTERY_STATUS, or kSystemBattery
+  /// @param voltage_v  V; voltage of the whole battery; 0: not reported
   void take_battery(int source, std::int8_t remaining_percent, double voltage_v, Time now);
   void take_timesync(const wire::mavlink::Timesync& reply, Time now);
   void take_text(const wire::mavlink::Statustext& message, Time now);
@@ -116,7 +119,7 @@ class Telemetry {
   std::optional<std::int64_t> clock_offset_ns_;
   std::int64_t round_trip_best_ns_ = 0;
   std::deque<AutopilotText> texts_;
-  std::uint16_t text_id_ = 0;  ///< id of the text that arrives in pieces
+  std::uint16_t text_id_ = 0;  ///< id of the text that is arriving in pieces
 };
 
 }  // namespace vantage::drivers

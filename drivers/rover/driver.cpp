@@ -16,12 +16,13 @@ using models::OperatorAction;
 
 namespace {
 
-// m/s off the course's velocity; then the rover is assumed to be pushed
+// m/s; maximum velocity error in normal motion; above it an external push is assumed
 constexpr double kSwerveMps = 0.6;
 constexpr double kMovingMps = 0.1;
 constexpr double kStandingMps = 0.02;
 constexpr double kStandingRadps = 0.05;
-constexpr double kReleaseS = 0.5;  // s; then `arm` must be sent again
+constexpr double kReleaseS = 0.5;  // s; time for the release of the rover's stop; then `arm` must
+                                   // be sent again
 constexpr double kSetOffS = 0.5;   // s; from the request of a motion to its start
 
 const scenario::RoverSpec& rover_of(const scenario::Scenario& scenario, const std::string& robot) {
@@ -79,7 +80,7 @@ CommandVerdict RoverDriver::on_command(const models::OperatorCommand& command, T
   }
   const FlightState state = core_.ladder.state;
   switch (command.action) {
-    case OperatorAction::kTakeOff:  // sent to all vehicles, meant for those that fly
+    case OperatorAction::kTakeOff:  // sent to all vehicles; only flying vehicles obey
       return CommandVerdict::kOtherRobot;
     case OperatorAction::kArm:
       if (is_driving(state) || (state == FlightState::kIdle && core_.reasons.any())) {
@@ -185,13 +186,14 @@ void RoverDriver::update_inputs(Time now) {
   in.motor_failed = link_.has_flag(wire::rover::kMotorFailed);
   in.battery_share =
       link_.has_telemetry() ? static_cast<double>(link_.telemetry().battery_share) : 1.0;
-  // In the killed state the rover's latched stop is released by `arm`, and is not a new reason.
+  // In the killed state, `arm` releases the rover's latched stop, so the latched stop is not a new
+  // reason.
   const bool is_new_stop =
       core_.ladder.state != FlightState::kKilled && link_.has_flag(wire::rover::kStopLatched);
   in.emergency_stop = in.emergency_stop || is_new_stop;
 }
 
-// Sets the course to the rover's position unless a plan is followed or about to begin.
+// Sets the course to the rover's position, unless it follows a plan or a plan is about to begin.
 void RoverDriver::keep_course(FlightState before, Time now) {
   const bool stops = before == FlightState::kFollow && core_.ladder.state != FlightState::kFollow;
   const bool waits =

@@ -22,38 +22,38 @@ using RoverMessage = std::array<std::uint8_t, wire::rover::kCommandBytes>;
 /// Driver of one rover. It receives all messages, checks them, and computes at each tick the
 /// command for the rover. Pure: time, messages and bytes are passed in, bytes are returned.
 ///
-/// `now` is the receiver's monotonic time expressed in the stack's clock and must not decrease.
+/// `now` is the receiver's monotonic time, converted to the stack's clock; it must not decrease.
 /// Call tick() at 50 Hz or more: the rover stops 0.2 s after the last command. In FOLLOW it steers
-/// back to the plan (steer()). Otherwise it brakes at the vehicle's deceleration on its present
-/// circle, which needs no pose. Only the constructor, status() and counters() allocate.
+/// back to the plan (steer()). In other states it brakes at the vehicle's deceleration on its
+/// present circle, which requires no pose. Only the constructor, status() and counters() allocate.
 class RoverDriver {
  public:
-  /// @param session  drawn at random at each start
+  /// @param session  random number, new at each start
   /// @throws UsageError for an unknown robot, one that is not a rover, or invalid limits.
   RoverDriver(const scenario::Scenario& scenario, const std::string& robot,
               const SafetyLimits& limits, std::uint32_t session);
 
   void on_mocap(const models::MocapFrame& frame, Time now);
-  /// Processes a plan of any robot: checks its own, stores a teammate's.
+  /// Processes a plan of any robot: checks this rover's plan, stores a teammate's plan.
   PlanVerdict on_plan(const models::RobotPlan& plan, Time now);
   CommandVerdict on_command(const models::OperatorCommand& command, Time now);
   void on_map(bool is_same) { core_.map_differs = !is_same; }
-  /// Ends the driver: stops the rover and keeps it from being armed.
+  /// Ends the driver: stops the rover and prevents arming.
   void end(bool /*is_hurried*/) { core_.is_ending = true; }
   [[nodiscard]] EndFacts end_facts(Time now) const;
   void on_other_version(Time now) { core_.other_version_at = now; }
-  /// Reports how long the driver's thread waited for a processor within the last second, s.
+  /// Reports the time that the driver's thread waited for a processor within the last second, s.
   void on_processor_wait(double wait_s) { core_.processor_wait_s = wait_s; }
-  /// Drives through way points instead of along a planner's plan, from the rover's present
-  /// position, starting half a second from now. The motion is checked like a plan, and refused
-  /// while a planner holds the lease.
+  /// Drives through way points instead of along a planner's plan. The motion begins at the rover's
+  /// present position half a second from now. It is checked like a plan, and refused while a
+  /// planner holds the lease.
   PlanVerdict drive_through(std::span<const Waypoint> waypoints, Time now);
   /// Processes one datagram. Returns true if it came from this rover.
   bool receive(std::span<const std::uint8_t> datagram, Time now);
 
   /// Returns the command to send.
   RoverMessage tick(Time now);
-  /// Returns true once after state or reasons changed.
+  /// Returns true once after the state or the reasons have changed.
   bool take_changed();
 
   [[nodiscard]] models::FlightState state() const { return core_.ladder.state; }
@@ -82,7 +82,7 @@ class RoverDriver {
   GuardCore core_;
   RoverLink link_;
   models::UnicycleControl control_;  ///< last command to the rover
-  std::int64_t run_id_;              ///< of the plans made by drive_through()
+  std::int64_t run_id_;              ///< run id of the plans made by drive_through()
   std::int64_t plans_made_ = 0;
   Time release_since_{};
   bool has_changed_ = true;

@@ -12,8 +12,8 @@
 
 namespace vantage::drivers {
 
-/// Driver side of the rover protocol. It numbers its commands, and accepts only new telemetry of
-/// its own rover. Only count() allocates.
+/// Driver side of the rover protocol. It numbers its commands and accepts only new telemetry of its
+/// rover. Only count() allocates.
 class RoverLink {
  public:
   /// @param session  any number; 0 is replaced by 1
@@ -21,19 +21,19 @@ class RoverLink {
 
   std::array<std::uint8_t, wire::rover::kCommandBytes> command(
       const models::UnicycleControl& control, std::uint32_t flags, Time now);
-  /// Processes a datagram. Returns true if it is new telemetry of our rover.
+  /// Processes a datagram. Returns true if the datagram is new telemetry of this rover.
   bool receive(std::span<const std::uint8_t> datagram, Time now);
 
   [[nodiscard]] bool has_telemetry() const { return has_telemetry_; }
-  /// Returns the newest telemetry; zeros before any.
+  /// Returns the newest telemetry; zeros before the first.
   [[nodiscard]] const wire::rover::Telemetry& telemetry() const { return telemetry_; }
   [[nodiscard]] bool has_flag(std::uint32_t flag) const { return (telemetry_.flags & flag) != 0; }
-  /// Returns the time since the arrival of the newest telemetry, s; infinite before any.
+  /// Returns the time since the arrival of the newest telemetry, s; infinite before the first.
   [[nodiscard]] double receive_age_s(Time now) const;
-  /// Returns the time since the sending of the newest command that the rover reports as taken, s: a
-  /// measure of both directions of the link. Infinite before any.
+  /// Returns the time since the newest command that the rover reports as accepted was sent, s;
+  /// infinite before the first. It covers both directions of the link.
   [[nodiscard]] double taken_command_age_s(Time now) const;
-  /// False while the rover reports that it takes commands from another session.
+  /// False while the rover reports that it accepts commands from another session.
   [[nodiscard]] bool is_ours() const;
   void count(std::vector<models::NamedCount>& out) const;
 
@@ -48,8 +48,8 @@ class RoverLink {
   Time taken_command_sent_at_{};
   std::array<std::int64_t, wire::rover::kVerdicts> verdicts_{};
   std::int64_t misaddressed_ = 0;
-  std::int64_t late_ = 0;      ///< not newer than earlier telemetry
-  std::int64_t restarts_ = 0;  ///< of the rover
+  std::int64_t late_ = 0;      ///< telemetry that was not newer than earlier telemetry
+  std::int64_t restarts_ = 0;  ///< number of restarts of the rover
 };
 
 }  // namespace vantage::drivers

@@ -107,7 +107,8 @@ bool OperatorAuthority::admit(const models::OperatorCommand& command, Time now, 
     station->stamp = stamp.time;
     station->received_at = now;
   } else if (is_late) {
-    station->sequence = stamp.sequence;  // accepted late only once, not on each repetition
+    station->sequence = stamp.sequence;  // accepts a late command only once; repetitions are
+                                         // refused
   }
   return counts || models::makes_safer(action);
 }

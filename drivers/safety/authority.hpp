@@ -10,14 +10,14 @@
 
 namespace vantage::drivers {
 
-/// Lease that selects one of several planners of a robot. The first planner received holds it until
-/// it has been silent for the lease time. The next planner received then takes over, and the
-/// earlier one is refused if it returns.
+/// Lease that selects one of several planners of a robot. The planner that sends the first plan
+/// holds the lease until it has sent nothing for the lease time. The next planner that sends a plan
+/// then takes the lease; later plans of the earlier planner are refused.
 class PlannerLease {
  public:
   /// True if a plan of `run_id` may be checked. The run then takes or renews the lease.
   [[nodiscard]] bool admit(std::int64_t run_id, Time now, double lease_s);
-  /// Returns the time since the holder's last message, s; kNever before any.
+  /// Returns the time since the holder's last message, s; kNever before the first.
   [[nodiscard]] double age_s(Time now) const;
   /// True if `run_id` holds the lease, or if no run does.
   [[nodiscard]] bool is_holder(std::int64_t run_id) const { return !is_held_ || run_id == holder_; }
@@ -34,22 +34,23 @@ class PlannerLease {
   std::int64_t takeovers_ = 0;
 };
 
-/// Selection of the operator station in charge: the first whose heartbeat is received, until it has
-/// been silent for `silent_s`. Any station may make the vehicle safer (hold, land, emergency stop).
-/// Only the station in charge may arm, take off or follow, and only its heartbeat counts.
+/// Selection of the operator station in charge: the first station that sends a heartbeat, until it
+/// has sent nothing for `silent_s`. Any station may make the vehicle safer (hold, land, emergency
+/// stop). Only the station in charge may arm, take off or follow, and only its heartbeat counts.
 ///
-/// A command is obeyed if it is current: stamped within kFreshS of our clock, or of the clock of a
-/// known station. A station becomes known by a heartbeat that is current by our clock. If its clock
-/// is set later, its next heartbeat with a continuing number gives the new offset, so the station
-/// stays accepted. A replayed log, an old packet and old messages of a live station are therefore
-/// refused. Hold, land and emergency stop of a known station are also accepted late, if their
-/// number is new.
+/// A command is obeyed only if its stamp is current: within kFreshS of the local clock or of the
+/// clock of a known station. A station becomes known by a heartbeat that is current by the local
+/// clock. If the station's clock is set later, its next heartbeat with a continuous sequence number
+/// gives the new offset, so the station stays accepted. Replayed logs, delayed packets and old
+/// messages of a live station are therefore refused. Hold, land and emergency stop of a known
+/// station are also accepted late, if their sequence number is new.
 class OperatorAuthority {
  public:
   static constexpr double kFreshS = 2.0;
   /// True if the command may act.
   [[nodiscard]] bool admit(const models::OperatorCommand& command, Time now, double silent_s);
-  /// Returns the time since the last heartbeat of the station in charge, s; kNever before any.
+  /// Returns the time since the last heartbeat of the station in charge, s; kNever before the
+  /// first.
   [[nodiscard]] double age_s(Time now) const;
   [[nodiscard]] std::int64_t handovers() const { return handovers_; }
   /// Appends the number of handovers, of messages refused because they were not current, and of
@@ -58,23 +59,24 @@ class OperatorAuthority {
 
  private:
   static constexpr std::size_t kStationsMax = 8;
-  static constexpr std::int64_t kGoesOnMax = 100;  ///< messages lost while a clock is set
+  static constexpr std::int64_t kGoesOnMax = 100;  ///< maximum number of messages lost while a
+                                                   ///< clock is set
 
-  /// Station with a received heartbeat in this session.
+  /// Station that has sent a heartbeat in this session.
   struct Station {
     std::int64_t run_id = 0;
-    std::int64_t sequence = 0;  ///< newest number received
-    Time stamp{};               ///< newest stamp, by its own clock
+    std::int64_t sequence = 0;  ///< newest sequence number received
+    Time stamp{};               ///< newest stamp, by the station's clock
     Time received_at{};
-    Duration ahead{};  ///< lag of our clock behind the station's
+    Duration ahead{};  ///< lag of the local clock behind the station's clock
   };
   Station* find(std::int64_t run_id);
-  /// Returns an entry for a new station: a free one, or that of the station silent longest that is
-  /// not in charge.
+  /// Returns an entry for a new station: a free entry, or the entry of the station with the oldest
+  /// last message. The station in charge keeps its entry.
   Station& new_station();
   [[nodiscard]] static bool is_current(Time stamp, Duration ahead, Time now);
-  /// Updates the clock offset of the sender or adds a new station. Returns nullptr if it is
-  /// unknown.
+  /// Updates the clock offset of the sender or adds a new station. Returns nullptr if the sender
+  /// remains unknown.
   Station* learn(const models::OperatorCommand& command, Time now);
 
   bool is_held_ = false;

@@ -3,8 +3,8 @@
 #include "drivers/safety/conditions.hpp"
 
 // Functions that build rows of condition tables, and the rows that all vehicle types share. The
-// table of a vehicle type contains shared rows and its own rows; it adapts shared rows where its
-// action or wording differs.
+// table of a vehicle type contains shared rows and its own rows. It adapts a shared row if its
+// reaction or text differs.
 
 namespace vantage::drivers {
 
@@ -13,7 +13,7 @@ inline constexpr const char* kOperatorRule = "fault ended, and the operator send
 inline constexpr const char* kGroundRule = "fault ended, landed and disarmed";
 inline constexpr const char* kRearmRule = "on the ground, fault ended, and the operator sends arm";
 
-/// Optional fields of a row, as in Condition.
+/// Optional fields of a row; Condition describes their meaning.
 struct RowOptions {
   bool blocks_arming = false;
   double after_s = 0.0;
@@ -61,8 +61,8 @@ constexpr Condition notes(const char* name, const char* limit, const RowOptions&
   return row_of(Severity::kNote, Clearing::kAtOnce, "at once", name, limit, options, when);
 }
 
-/// Returns `row` for a vehicle that stops instead of landing: it holds until the operator sends
-/// `follow`.
+/// Returns `row` for a vehicle that stops instead of landing: the vehicle holds until the operator
+/// sends `follow`.
 constexpr Condition held_for_operator(Condition row) {
   row.severity = Severity::kHold;
   row.clearing = Clearing::kOperator;
@@ -74,12 +74,12 @@ constexpr Condition limited(Condition row, const char* limit) {
   row.limit = limit;
   return row;
 }
-/// Returns `row` with another text for its clearing.
+/// Returns `row` with another text for the rule that clears it.
 constexpr Condition cleared(Condition row, const char* clears) {
   row.clears = clears;
   return row;
 }
-/// Returns `row` with another rule of clearing.
+/// Returns `row` with another rule that clears it, and its text.
 constexpr Condition cleared(Condition row, Clearing clearing, const char* clears) {
   row.clearing = clearing;
   row.clears = clears;

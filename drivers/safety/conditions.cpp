@@ -22,7 +22,7 @@ constexpr Condition kPoseLostLow = kills(
     "pose_age_s > pose_age_kill_s while below safe_height_m or outside the fence; off while a "
     "pilot flies or poses are distrusted",
     {}, [](const In& in, const Lim& lim) {
-      // The autopilot received the distrusted poses, so its height may be that of the other body.
+      // The autopilot received the distrusted poses, so its height may be the other body's height.
       return !in.is_pose_distrusted && in.autopilot_obeys && in.pose_age_s > lim.pose_age_kill_s &&
              (in.height_m < lim.safe_height_m || in.fence_centre_m < 0.0);
     });
@@ -226,7 +226,7 @@ constexpr auto kRows = std::to_array<Condition>({
     common::kOperatorQuiet,
     common::kOwnStall,
     common::kWaitsForProcessor,
-    // Reported, and slowed or forbidden on the ground, without a change of state
+    // Without a change of state: reported only, slows the plan, or forbids arming
     kPoseAging,
     common::kPoseUnsettled,
     kBodyTilted,

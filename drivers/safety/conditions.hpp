@@ -8,31 +8,33 @@
 
 namespace vantage::drivers {
 
-/// Action that a condition demands of the vehicle. The most severe condition that acts wins.
+/// Action that a condition demands of the vehicle. The most severe acting condition decides.
 enum class Severity { kNote, kHold, kLand, kKill };
 
 /// Rule that ends the action of a condition.
 enum class Clearing {
-  kAtOnce,    ///< as soon as the condition is gone
-  kSelf,      ///< when the condition has been gone for clear_s
-  kOperator,  ///< when it is gone and the operator sends `follow` (or `arm`, on the ground)
-  kGround,    ///< when it is gone and the vehicle is on the ground, disarmed
-  kRearm,     ///< on the ground, when the operator sends `arm` after it is gone
+  kAtOnce,    ///< as soon as the condition has ended
+  kSelf,      ///< clear_s after the condition has ended
+  kOperator,  ///< when the condition has ended and the operator sends `follow` (or `arm`, on the
+              ///< ground)
+  kGround,    ///< when the condition has ended and the vehicle is on the ground, disarmed
+  kRearm,     ///< on the ground, when the operator sends `arm` after the condition has ended
 };
 
-/// One row of the table of flight safety.
+/// Condition of flight safety: one row of the table.
 struct Condition {
-  const char* name;   ///< as in reasons and reports
-  Severity severity;  ///< in the air
+  const char* name;   ///< used in reasons and reports
+  Severity severity;  ///< action in the air
   Clearing clearing;
-  bool blocks_arming = false;  ///< and thus also taking off
-  double after_s = 0.0;        ///< s; must hold this long before it acts
-  const char* limit;           ///< the comparison, in words
-  const char* clears;          ///< the rule of clearing, in words
+  bool blocks_arming = false;  ///< forbids arming, and thus also taking off
+  double after_s = 0.0;        ///< s; the condition must hold this long before it acts
+  const char* limit;           ///< text: the comparison with its limit
+  const char* clears;          ///< text: the rule that clears the condition
   bool (*holds)(const SafetyInputs& inputs, const SafetyLimits& limits);
   bool yields = false;           ///< clears yield_s later for the vehicle that must yield
   bool blocks_take_off = false;  ///< forbids taking off, but not arming
-  bool spares_pilot = false;     ///< has no effect while a pilot flies the vehicle by hand
+  bool spares_pilot = false;     ///< has no effect while a pilot flies the vehicle by remote
+                                 ///< control
   bool distrusts_pose = false;   ///< stops the use of poses until the vehicle is disarmed
 };
 

@@ -33,7 +33,8 @@ BrakingPath BrakingPath::straight(const Eigen::Vector3d& position_m,
 }
 
 PlanPoint BrakingPath::at(double t_s) const {
-  // Uniform until the reaction, then s(u) = u − u²/(2 T): time that slows from rate 1 to 0.
+  // The plan's time advances at rate 1 until the reaction, then slows to rate 0: s(u) = u − u²/(2
+  // T).
   const double u = std::clamp(t_s - reaction_s_, 0.0, brake_s_);
   const double gone_s =
       std::clamp(t_s, 0.0, reaction_s_) + (brake_s_ > 0.0 ? u - 0.5 * u * u / brake_s_ : 0.0);

@@ -8,8 +8,8 @@
 
 namespace vantage::drivers {
 
-/// Path from the stop command to standstill in closed form: constant speed for the reaction time,
-/// then braking at the given deceleration, along the checked plan or straight.
+/// Path from the stop command to standstill, in closed form, along the checked plan or straight.
+/// The speed is constant for the reaction time, then decreases at the given deceleration.
 class BrakingPath {
  public:
   BrakingPath() = default;
@@ -21,7 +21,8 @@ class BrakingPath {
                               const Eigen::Vector3d& velocity_mps, double yaw_rad,
                               double brake_mps2, double reaction_s);
 
-  /// Returns the state `t_s` after the path began; at rest from duration_s() on.
+  /// Returns the state `t_s` after the start of the path; the vehicle is stationary from
+  /// duration_s() on.
   [[nodiscard]] PlanPoint at(double t_s) const;
   [[nodiscard]] double duration_s() const { return reaction_s_ + brake_s_; }
 
@@ -36,49 +37,52 @@ class BrakingPath {
 };
 
 /// Commanded horizontal motion of one vehicle: a plan and its successor, a stop with the hover
-/// after it, or a shift from one hover to another. Heights are handled elsewhere.
+/// after it, or a shift from one hover to another. The course contains no heights.
 ///
-/// Plans change their speed instantaneously, which no vehicle can. The course therefore commands
-/// the mean of the planned positions within ± `half_window_s`. It begins to slow before the plan
-/// does, and its velocity and acceleration are differences of planned positions. A speed v changes
-/// within the window at v / (2 half_window_s). The mean cuts a change of speed by at most v
-/// half_window_s / 4, and scales a circle's radius by sin(ω half_window_s)/(ω half_window_s).
+/// The speed of a plan changes instantaneously, but a vehicle's cannot. The course therefore
+/// commands the mean of the planned positions within ± `half_window_s`. It begins to slow before
+/// the plan does. Its velocity and acceleration are differences of planned positions: a stop from
+/// speed v becomes a deceleration of v / (2 half_window_s). The mean deviates from the plan by at
+/// most v half_window_s / 4 at a change of speed, and scales a circle's radius by sin(ω
+/// half_window_s)/(ω half_window_s).
 ///
-/// The part of a plan after its round will probably be replaced by the next plan, which arrives at
-/// the last moment. Until the next plan has arrived or is due, the course extrapolates straight
-/// from the end of the round. Otherwise it would begin a turn 0.35 s too soon that the next plan
-/// reverses.
+/// The next plan usually replaces the part of a plan after its round, and arrives shortly before
+/// the end of the round. Until the next plan has arrived or is due, the course extrapolates
+/// straight from the end of the round. Otherwise the course could begin a turn 0.35 s before that
+/// end which the next plan reverses.
 class Course {
  public:
   /// @param half_window_s  half the averaging window, s; 0: no averaging
-  /// @param round_s  after which the next plan takes over, s; 0: plans are flown to their end
+  /// @param round_s  s; time after which the next plan replaces a plan; 0: plans are flown to their
+  /// end
   explicit Course(double half_window_s, double round_s = 0.0)
       : half_window_s_(half_window_s), round_s_(round_s) {}
 
   /// Hovers at `position_m`.
   void hover(const Eigen::Vector3d& position_m, double yaw_rad, Time now);
-  /// Puts a checked plan on the course from its start time on.
+  /// Follows a checked plan from its start time on.
   void follow(const HeldPlan& plan, Time now);
   /// Drops the next plan if it has not begun.
   void forget_next() { has_next_ = false; }
   /// Stops along `path` and drops all plans.
   void stop(const BrakingPath& path, Time now);
-  /// Moves the hover after a stop to `to_m` at `speed_mps`, from rest to rest.
+  /// Moves the hover after a stop to `to_m` at `speed_mps`; the motion starts and ends at zero
+  /// speed.
   void shift(const Eigen::Vector3d& to_m, double speed_mps, Time now);
-  /// Advances by `dt_s`; the plan's own clock advances by `rate` · `dt_s`, with rate in [0, 1].
+  /// Advances by `dt_s`. The time within the plan advances by `rate` · `dt_s`, with rate in [0, 1].
   void advance(Time now, double dt_s, double rate);
 
   [[nodiscard]] PlanPoint at(Time time) const { return smoothed_at(time, lag_s_); }
-  /// Returns the same without the slow-down of the plan's clock.
+  /// Returns the commanded state without the slow-down by `rate`.
   [[nodiscard]] PlanPoint on_time(Time time) const { return smoothed_at(time, 0.0); }
   /// Returns the planned state, without averaging.
   [[nodiscard]] PlanPoint planned_at(Time time) const { return planned_at(time, lag_s_); }
-  /// True while a plan is flown that has not reached its hover.
+  /// True while the course follows a plan that has not reached its hover.
   [[nodiscard]] bool has_plan(Time now) const;
-  /// True if it hovers and a stop or shift is complete.
+  /// True if the course hovers and any stop or shift is complete.
   [[nodiscard]] bool is_hovering(Time now) const;
   [[nodiscard]] bool is_on_plan() const { return mode_ == Mode::kPlan; }
-  /// Fills the fields of `inputs` that describe the plan on the course.
+  /// Fills the fields of `inputs` that describe the current plan.
   void report(Time now, SafetyInputs& inputs) const {
     inputs.has_plan = is_on_plan();
     inputs.plan_ended = !has_plan(now);
@@ -97,10 +101,10 @@ class Course {
 
   double half_window_s_;
   double round_s_;
-  Time now_{};  ///< at the last advance()
+  Time now_{};  ///< time of the last advance()
   Mode mode_ = Mode::kHover;
   Time begin_{};
-  PlanPoint from_;  ///< for kHover and kShift
+  PlanPoint from_;  ///< hover, or start of the shift (kHover, kShift)
   Eigen::Vector3d to_m_ = Eigen::Vector3d::Zero();
   double shift_mps_ = 0.0;
   BrakingPath path_;
@@ -109,7 +113,7 @@ class Course {
   bool has_next_ = false;
   HeldPlan next_;
   bool has_past_ = false;
-  HeldPlan past_;  ///< flown before plan_ without a stop between
+  HeldPlan past_;  ///< plan flown before plan_, without a stop between them
   double past_lag_s_ = 0.0;
 };
 

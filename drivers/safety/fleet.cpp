@@ -7,10 +7,12 @@ namespace vantage::drivers {
 namespace {
 
 constexpr double kPredictOthersS = 0.5;
-constexpr double kTeammateSpare = 1.1;  // share of its vehicle's limits that a plan may use
+constexpr double kTeammateSpare = 1.1;  // ratio; a teammate's plan may exceed its vehicle's limits
+                                        // by 10 %
 constexpr double kForgottenS = 10.0;    // s; an unknown body unseen for longer has left the room
 constexpr std::size_t kNameMax = 64;    // bytes; name of an unknown body
-// A body that is elsewhere than expected is accepted again after this number of consecutive poses.
+// Number of consecutive rejected poses after which the track of a body restarts at the new
+// position.
 constexpr int kMovedAfter = 50;
 
 PoseVerdict judge(PoseMonitor& pose, const models::MocapBody* body, const SafetyLimits& limits,
@@ -24,8 +26,8 @@ models::VehicleLimits with_spare(const models::VehicleLimits& can) {
           can.brake_mps2 * kTeammateSpare, can.radius_m};
 }
 
-// Returns the body where it was last seen. A robot that has long not been seen has stopped, as it
-// must without a pose. The uncertainty radius covers the motion of any other body.
+// Returns the body, extrapolated from its last pose. A robot unseen for long is assumed to have
+// stopped, as it must without a pose. The uncertainty radius covers the motion of any other body.
 OtherBody body_of(const PoseMonitor& pose, const SafetyLimits& limits, Time now) {
   OtherBody body;
   body.position_world_m = pose.predict_m(now, limits.pose_age_hold_s);
@@ -38,7 +40,7 @@ OtherBody body_of(const PoseMonitor& pose, const SafetyLimits& limits, Time now)
   return body;
 }
 
-// Returns the straight course of a body; at rest if it was last seen longer ago than the
+// Returns the straight course of a body; stationary if its last pose is older than the longest
 // extrapolation.
 OtherCourse course_of(const PoseMonitor& pose, const SafetyLimits& limits, Time now) {
   OtherCourse course;
@@ -224,7 +226,8 @@ std::span<const OtherBody> Fleet::bodies(Time now, const SafetyLimits& limits) {
       body.excess_radius_m = std::max(0.0, member.can.radius_m - limits.vehicle.radius_m);
       body.last_speed_mps = member.is_robot ? 0.0 : body.last_speed_mps;
       if (member.is_robot && body.age_s <= limits.pose_age_hold_s) {
-        // A robot that starts to move is measured late; its plan gives the velocity at once.
+        // The measured velocity of a robot that starts to move lags; its plan gives the velocity
+        // immediately.
         const double ahead_s = to_seconds(now - member.plan.start_time) + limits.reaction_s;
         const Eigen::Vector3d planned_mps = point_at(member.plan, ahead_s).velocity_world_mps;
         if (member.has_plan && is_on_plan(member, now, limits) &&

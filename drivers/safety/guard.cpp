@@ -14,7 +14,7 @@ using models::FlightState;
 namespace {
 
 constexpr double kMovingMps = 0.1;
-// reason in a status that announces the first lift
+// reason in a status message that announces the first lift
 constexpr const char* kFirstLift = "first lift";
 
 bool is_sound(const AutopilotReport& report) {
@@ -119,7 +119,8 @@ CommandVerdict FlightGuard::on_command(const models::OperatorCommand& command, T
     return p.is_ours(command) ? CommandVerdict::kNotInCharge : CommandVerdict::kOtherRobot;
   }
   if (command.action == OperatorAction::kTakeOff) {
-    p.lift_queue.on_take_off(command.robot);  // for any robot, since robots lift one after another
+    p.lift_queue.on_take_off(command.robot);  // orders for every robot count: robots lift one after
+                                              // another
   }
   if (const auto verdict = p.execute_if_stateless(command)) {
     return *verdict;
@@ -174,7 +175,7 @@ void FlightGuard::on_end_request() { parts_->is_ending = true; }
 
 void FlightGuard::on_other_version(Time now) { parts_->other_version_at = now; }
 
-// long: one tick, kept in one place because the order matters; the steps are functions
+// long: the steps of one tick in their order; each step is a function
 GuardOutput FlightGuard::tick(Time now) {
   Parts& p = *parts_;
   const double dt_s = p.dt_s(now);
@@ -199,7 +200,7 @@ GuardOutput FlightGuard::tick(Time now) {
     p.on_state_change(before, now);
   }
   if (p.ladder.state == FlightState::kHold && !p.may_take_plans()) {
-    // A plan accepted before a condition forbade plans must not begin now.
+    // A plan accepted before a condition forbade plans must not start now.
     p.course.forget_next();
     if (p.course.is_on_plan()) {
       p.course.stop(p.braking_path(now, 0.0), now);

@@ -18,10 +18,10 @@
 
 namespace vantage::drivers {
 
-/// Last known report of the autopilot, passed whenever a field is updated.
+/// Newest state reported by the autopilot; passed to the guard whenever a field changes.
 struct AutopilotReport {
   bool armed = false;
-  bool obeys = true;  ///< in the mode that takes set-points, or that mode was not requested yet
+  bool obeys = true;  ///< in the mode that accepts set-points, or that mode was not requested yet
   bool estimator_good = false;
   bool motor_failed = false;
   double tilt_rad = 0.0;
@@ -30,17 +30,18 @@ struct AutopilotReport {
   Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();
   bool has_attitude = false;
   Quaternion world_from_body = Quaternion::Identity();  ///< its own estimate
-  double yaw_rate_radps = 0.0;                          ///< by its gyroscopes
-  bool is_flown_by_hand = false;                        ///< in a mode in which a pilot flies
-  bool is_in_our_mode = false;                          ///< in the mode that takes set-points
+  double yaw_rate_radps = 0.0;                          ///< rad/s; by its gyroscopes
+  bool is_flown_by_hand = false;                        ///< in a mode in which a pilot controls the
+                                                        ///< vehicle
+  bool is_in_our_mode = false;                          ///< in the mode that accepts set-points
   bool is_landing_itself = false;                       ///< in its landing mode
 };
 
 /// Set-point of the vehicle for this tick.
 struct FlightSetpoint {
   enum class Kind {
-    kNone,       ///< idle on the ground: no set-point; disarm if armed and not wanted
-    kTrack,      ///< position and velocity to reach setpoint_lead_s from now
+    kNone,       ///< idle on the ground: no set-point; disarm if armed without need
+    kTrack,      ///< position and velocity for the instant setpoint_lead_s from now
     kBlindLand,  ///< no usable position: the autopilot's own landing
     kMotorsOff,  ///< forced disarm, repeated at each tick
   };
@@ -59,17 +60,18 @@ struct GuardOutput {
   bool wants_armed = false;
   /// m; goal of the current climb: the first lift, then the flight height
   double climb_to_m = 0.0;
-  bool is_sinking = false;  ///< landing, at its spot, and not waiting for a body below
+  bool is_sinking = false;  ///< descending at its landing spot, with no body below
   bool changed = false;     ///< state, reasons or the status of an order changed
-  Reasons reasons;          ///< acting conditions (in the air), or those that block (on the ground)
+  Reasons reasons;          ///< in the air: acting conditions; on the ground: conditions that
+                            ///< forbid arming or taking off
 };
 
 /// Flight safety of one flying vehicle. It receives all messages, checks them, and computes at each
 /// tick what the vehicle must do. It is independent of the bus and of the autopilot's protocol.
 ///
-/// `now` is the receiver's monotonic time expressed in the stack's clock, in which plans are timed.
-/// It must not decrease between calls. Call tick() at 50 Hz or more in all circumstances. Only the
-/// constructor and the functions marked so allocate.
+/// `now` is the receiver's monotonic time, converted to the clock of plan stamps. It must not
+/// decrease between calls. Call tick() at 50 Hz or more in all circumstances. Only the constructor
+/// and the functions marked "Allocates" allocate memory.
 class FlightGuard {
  public:
   /// @throws UsageError for an unknown robot or invalid limits.
@@ -82,29 +84,30 @@ class FlightGuard {
   FlightGuard& operator=(FlightGuard&&) = delete;
 
   /// Processes a mocap frame. Returns false for a publisher that is not accepted (MocapSource).
-  /// Subscribe to VICON as a shared channel: the publisher is chosen here.
+  /// Subscribe to VICON as a shared channel: this function chooses the publisher.
   [[nodiscard]] bool on_mocap(const models::MocapFrame& frame, Time now);
-  /// Returns the capture time of the last frame of the accepted publisher, by our clock
+  /// Returns the capture time of the last frame of the accepted publisher, by the local clock
   /// (MocapClock).
   [[nodiscard]] Time captured() const;
   /// Returns the verdict about this vehicle's body in the last accepted frame.
   [[nodiscard]] PoseVerdict pose_verdict() const;
-  /// Checks a plan for this vehicle. Subscribe to PLAN_R as a shared channel: the lease decides
-  /// here.
+  /// Checks a plan for this vehicle. Subscribe to PLAN_R as a shared channel: the lease chooses the
+  /// publisher.
   PlanVerdict on_plan(const models::RobotPlan& plan, Time now);
-  /// Takes a teammate's plan; ignored for robots that are not in the scenario.
+  /// Processes a teammate's plan; plans of robots outside the scenario are ignored.
   void on_teammate_plan(const models::RobotPlan& plan, Time now);
-  /// Takes a teammate's status: that its driver reports, and whether it is in its first lift.
+  /// Processes a teammate's status: records that its driver is alive, and whether it is in its
+  /// first lift.
   void on_teammate_status(const models::VehicleStatus& status, Time now);
   CommandVerdict on_command(const models::OperatorCommand& command, Time now);
   void on_heartbeat(Time now);
   void on_autopilot(const AutopilotReport& report, Time now);
   void on_battery(double share, Time now);
-  /// Reports whether the scenario announced by others is the one flown here.
+  /// Reports whether the scenario announced by other processes equals this driver's scenario.
   void on_map(bool is_same);
-  /// Reports how long our own thread waited for a processor within the last second, s.
+  /// Reports the time that this thread waited for a processor within the last second, s.
   void on_processor_wait(double wait_s);
-  /// Requests the end of the driver: from now on the vehicle lands, and is not armed again.
+  /// Requests the end of the driver: the vehicle lands and is not armed again.
   void on_end_request();
   /// Reports a message of an unknown type on a channel of this stack.
   void on_other_version(Time now);
@@ -117,7 +120,7 @@ class FlightGuard {
   [[nodiscard]] std::vector<models::NamedCount> counters() const;
   /// Returns the inputs of the last tick.
   [[nodiscard]] const SafetyInputs& inputs() const;
-  /// Returns the last plausible pose; identity before the first.
+  /// Returns the last plausible pose; the identity before the first plausible pose.
   [[nodiscard]] Pose3 world_from_body() const;
 
  private:

@@ -11,7 +11,7 @@ bool GuardCore::on_mocap(const models::MocapFrame& frame, BodyContext context, b
     return false;
   }
   const NamedBody found = find_unique(frame, name);
-  // A source that takes over after arming must show the vehicle where it is.
+  // A source that takes over after arming must agree with the predicted pose of the vehicle.
   const bool is_candidate = standing == MocapSource::Standing::kCandidate;
   context.in_air = context.in_air || (is_candidate && is_armed);
   PoseMonitor judged = pose;

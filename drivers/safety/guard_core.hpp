@@ -27,9 +27,10 @@ inline constexpr double kPredictS = 0.1;  ///< s; longest extrapolation of the v
 
 /// Result of an operator command.
 enum class [[nodiscard]] CommandVerdict{
-    kObeyed,  ///< obeyed, or waiting until it can be; see the status
+    kObeyed,  ///< obeyed, or pending until it can be obeyed; the status shows which
     kOtherRobot,
-    kNotInCharge,  ///< another station is in charge; only hold, land and emergency stop are taken
+    kNotInCharge,  ///< another station is in charge; from this one only hold, land and emergency
+                   ///< stop are accepted
     kRefused,      ///< not possible in this state
 };
 
@@ -43,24 +44,24 @@ struct GuardCore {
             const Course& own_course)
       : name(robot), limits(given), fleet(scenario, robot), plans(robot), course(own_course) {}
 
-  /// Processes a mocap frame. Returns false for a publisher that is not accepted (MocapSource). A
-  /// publisher that takes over while the vehicle `is_armed` must show it where it is, as in the
-  /// air.
+  /// Processes a mocap frame. Returns false for a publisher that is not accepted (MocapSource).
+  /// While the vehicle `is_armed`, a new publisher is accepted only if its pose of the vehicle
+  /// agrees with the predicted pose, as in the air.
   [[nodiscard]] bool on_mocap(const models::MocapFrame& frame, BodyContext context, bool is_armed,
                               Time now);
-  /// Checks a plan for this vehicle at `height_m` and puts it on the course if it is accepted.
+  /// Checks a plan for this vehicle at `height_m`. The course follows the plan if it is accepted.
   PlanVerdict on_plan(const models::RobotPlan& plan, bool may_take, double height_m, Time now);
   void on_teammate_plan(const models::RobotPlan& plan, Time now) {
     (void)fleet.on_plan(plan, limits, now);  // the fleet counts refusals
   }
 
-  /// True if the station of `command` may give it now; counts refusals.
+  /// True if the sender of `command` may send it now; counts refusals.
   [[nodiscard]] bool admits(const models::OperatorCommand& command, Time now);
   [[nodiscard]] bool is_ours(const models::OperatorCommand& command) const {
     return command.robot.empty() || command.robot == name;
   }
-  /// Executes an admitted command if that needs no check of the vehicle's state. Returns nullopt if
-  /// it does.
+  /// Executes an admitted command if it needs no check of the vehicle's state; otherwise returns
+  /// nullopt.
   std::optional<CommandVerdict> execute_if_stateless(const models::OperatorCommand& command);
   /// Stores `action` for the next tick. Of several commands within one tick the safest is kept.
   CommandVerdict request_action(models::OperatorAction action);
@@ -72,10 +73,10 @@ struct GuardCore {
   [[nodiscard]] double dt_s(Time now) const {
     return has_ticked ? std::max(0.0, to_seconds(now - last_tick)) : 0.0;
   }
-  /// Fills the fields of `in` that all vehicle types share. Ages count from the last message
-  /// received, or are kNever.
+  /// Fills the fields of `in` that all vehicle types share. An age is the time since the last
+  /// message, or kNever without one.
   void update_common_inputs(Time now);
-  /// Ends the tick: forgets the commands that it has answered.
+  /// Ends the tick: clears the commands that it has processed.
   void end_tick(Time now);
   void count(std::vector<models::NamedCount>& out) const;
 

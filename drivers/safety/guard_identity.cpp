@@ -7,15 +7,16 @@ namespace vantage::drivers {
 
 namespace {
 
-/// Share by which a yaw error of 15°, the limit for arming, changes the reported motion.
+/// Relative error of the reported motion at a yaw error of 15°, the limit for arming.
 constexpr double kTurnedShare = 0.26;
-/// m; a vehicle that approaches its position by steps of this length is coming to rest.
+/// m; a vehicle counts as coming to a stop if it approaches its hover position by steps of this
+/// length.
 constexpr double kNearer_m = 0.03;
 constexpr double kComesToRestMax_s = 4.0;
 
 }  // namespace
 
-// Compares the motion of the body that bears the vehicle's name with the motion that the autopilot
+// Compares the motion of the body with the vehicle's name with the motion that the autopilot
 // reports. Distances are compared, not speeds: frames that jitter by 50 ms shift the body by a few
 // centimetres, but change its measured speed by metres per second.
 void FlightGuard::Parts::update_identity_inputs(Time now) {
@@ -34,7 +35,7 @@ void FlightGuard::Parts::update_identity_inputs(Time now) {
                            in.pose_latency_s <= limits.pose_latency_hold_s;
   const double apart_m = std::max(0.0, moved_apart_m.norm() - kTurnedShare * moved_m);
   in.velocity_error_mps = can_compare ? apart_m / limits.velocity_memory_s : 0.0;
-  // and not controlled by a pilot
+  // the driver controls the vehicle, not a pilot
   const bool is_ours = autopilot.is_in_our_mode && in.autopilot_obeys;
   const bool hovers = ladder.state == models::FlightState::kHold && is_ours &&
                       course.is_hovering(now) && !is_climbing && !lift.is_under_way();

@@ -14,19 +14,22 @@ using models::FlightState;
 
 namespace {
 
-// m/s off the course's velocity; then the vehicle is assumed to be pushed
+// m/s; maximum velocity error in normal flight; above it an external push is assumed
 constexpr double kSwerveMps = 0.6;
 constexpr double kSameSpeedMps = 0.1;     // m/s; speeds that differ by less count as equal
-constexpr double kClearanceMps = 0.2;     // m/s; speed away from fence or obstacle
-constexpr double kShiftPatienceS = 6.0;   // s; then it descends even if it is not over its spot
-constexpr double kAvoidPatienceS = 20.0;  // s; then it descends even if a body is below
-constexpr double kCommitM = 0.35;  // m; a landing that begins lower does not wait or move aside
-constexpr double kEstimatorGapMaxS = 0.2;  // s; longer than a single lost estimator report
+constexpr double kClearanceMps = 0.2;     // m/s; speed of a shift away from fence or obstacle
+constexpr double kShiftPatienceS = 6.0;   // s; then a landing descends even if the vehicle is not
+                                          // over its spot
+constexpr double kAvoidPatienceS = 20.0;  // s; then a landing descends even if a body is below
+constexpr double kCommitM = 0.35;  // m; a landing that begins lower descends without waiting or
+                                   // moving aside
+constexpr double kEstimatorGapMaxS = 0.2;  // s; longer than the gap of one lost estimator report
 constexpr double kOverSpotM = 0.25;
 constexpr double kFallsMps = 1.0;  // m/s; faster than any landing
 constexpr int kDisarmedBeats = 3;
-constexpr double kClimbedM = 0.15;    // m from its goal; then the climb is over
-constexpr double kClimbSlackS = 5.0;  // s; a climb is over after twice its duration plus this
+constexpr double kClimbedM = 0.15;    // m; the climb ends at this distance from its goal
+constexpr double kClimbSlackS = 5.0;  // s; a climb ends after twice its expected duration plus this
+                                      // time
 // assumed share of the descent rate while no measurement is available
 constexpr double kBlindSinkShare = 0.4;
 
@@ -40,12 +43,13 @@ bool FlightGuard::Parts::keeps_to_course(Time now) const {
              limits.tracking_hold_m;
 }
 
-// A stop follows the plan's curve only where the plan keeps one speed and the vehicle has reached
-// it. Elsewhere the set-points, which change their speed gradually, differ from the plan.
+// A stop follows the plan's curve only if the plan has constant speed there and the vehicle has
+// reached this speed. Otherwise the set-points, whose speed changes gradually, differ from the
+// plan.
 bool FlightGuard::Parts::has_planned_speed(Time now) const {
   const double commanded_mps = course.at(now).velocity_world_mps.norm();
   if (commanded_mps > 2.0 * pose.velocity_world_mps().norm() + kSameSpeedMps) {
-    return false;  // commanded to move a moment ago: it must not begin the plan in order to stop
+    return false;  // commanded to move a moment ago: the stop must not start the plan's motion
   }
   const double half_brake_s = 0.5 * commanded_mps / limits.vehicle.brake_mps2;
   const auto differs = [&](const PlanPoint& planned) {
@@ -66,8 +70,8 @@ BrakingPath FlightGuard::Parts::braking_path(Time now, double reaction_s) const 
                                limits.vehicle.brake_mps2, reaction_s);
 }
 
-// Returns false when the motors are accepted to be off. While the body is seen to fly, a report of
-// disarmed motors is ignored, since it may come from another vehicle. While it is not seen,
+// Returns false if the motors are assumed to be off. While mocap shows the body flying, a report of
+// disarmed motors is ignored, since it may come from another vehicle. Without a pose,
 // kDisarmedBeats reports are required.
 bool FlightGuard::Parts::is_assumed_armed(Time now) const {
   if (autopilot.armed || !in.autopilot_armed || !is_airborne(ladder.state)) {
@@ -80,8 +84,8 @@ bool FlightGuard::Parts::is_assumed_armed(Time now) const {
   return disarmed_beats < kDisarmedBeats;
 }
 
-// Returns the height error against the set-point, m. During take-off, which the autopilot may fly
-// by its own law, any height between start and goal counts as 0; so does a descent.
+// Returns the height error against the set-point, m. The error is 0 during a descent, and during a
+// take-off at any height between start and goal: the autopilot may choose its climb rate.
 double FlightGuard::Parts::height_error_m() const {
   if (ladder.state == FlightState::kLand && is_sinking) {
     return 0.0;
@@ -109,7 +113,8 @@ void FlightGuard::Parts::update_inputs(Time now) {
   } else {
     in.height_m = has_estimate ? autopilot.position_world_m.z() : blind_height_m;
   }
-  // Found in the air: by mocap or, after a long time without a pose, by the autopilot's estimate.
+  // Detects a vehicle in the air by mocap or, after a long time without a pose, by the autopilot's
+  // estimate.
   const bool is_unseen =
       std::min(in.pose_age_s, to_seconds(now - started_at)) > limits.pose_age_land_s;
   const bool is_found = ladder.state == FlightState::kIdle && !ladder.wants_armed &&
@@ -147,7 +152,8 @@ void FlightGuard::Parts::update_inputs(Time now) {
         compute_surroundings(here_m, braking_path(now, limits.reaction_s), bodies, limits);
     in.near_m = predicted_distance_m(here_m, bodies, limits.take_off_prediction_s);
     if (std::exchange(had_motors, in.autopilot_armed) != in.autopilot_armed) {
-      lift_queue.begin_turn(now);  // other motors may have changed at the same instant
+      lift_queue.begin_turn(now);  // the motors of another vehicle may have changed at the same
+                                   // instant
     }
     lift_queue.update(bodies, limits, now);
   }
@@ -163,7 +169,7 @@ void FlightGuard::Parts::update_inputs(Time now) {
       has_battery ? std::min(in.flight_s, to_seconds(now - battery_changed_at)) : 0.0;
 }
 
-// Fills the inputs from the autopilot's report, and its differences from mocap.
+// Fills the inputs from the autopilot's report, and from its differences to mocap.
 void FlightGuard::Parts::update_autopilot_inputs(Time now) {
   in.autopilot_obeys = autopilot.obeys;
   in.is_flown_by_hand = autopilot.is_flown_by_hand;
@@ -177,7 +183,8 @@ void FlightGuard::Parts::update_autopilot_inputs(Time now) {
   in.body_tilt_rad = pose.has_pose() ? std::acos(std::clamp((measured * up).z(), -1.0, 1.0)) : 0.0;
   in.start_off_m = in.start_turn_rad = 0.0;
   if (limits.start && pose.has_pose() && !has_flown) {
-    // No on-board instrument can detect a world that is turned as a whole.
+    // On-board sensors cannot detect a rotated mocap frame, so the start pose is compared with the
+    // scenario.
     const Pose2 here = flatten(pose.world_from_body());
     in.start_off_m = (here.position_m() - limits.start->position_m()).norm();
     in.start_turn_rad = std::abs(wrap_to_pi(here.yaw_rad - limits.start->yaw_rad));
@@ -200,7 +207,7 @@ void FlightGuard::Parts::update_autopilot_inputs(Time now) {
                                          flatten({Eigen::Vector3d::Zero(), estimated}).yaw_rad));
 }
 
-// Fills the inputs about our own take-off and those of others.
+// Fills the inputs about the take-offs of this vehicle and of others.
 void FlightGuard::Parts::update_lift_inputs(Time now) {
   const Eigen::Vector3d here_m = pose.predict_m(now, kPredictS);
   const bool has_recent_pose = in.pose_age_s <= limits.pose_age_hold_s;
@@ -226,7 +233,7 @@ void FlightGuard::Parts::update_lift_inputs(Time now) {
   }
 }
 
-// Starts the actions of a new state.
+// Performs the actions that a change of state requires.
 void FlightGuard::Parts::on_state_change(FlightState before, Time now) {
   const FlightState state = ladder.state;
   if (!is_airborne(before) && is_airborne(state)) {
@@ -242,7 +249,7 @@ void FlightGuard::Parts::on_state_change(FlightState before, Time now) {
   const bool leaves_plan = before == FlightState::kFollow || (lands && course.is_on_plan());
   if (leaves_plan && is_airborne(state)) {
     if (in.plan_ended && course.is_on_plan() && !course.has_next()) {
-      // The plan's final hover, which was checked with it.
+      // Hovers at the plan's final hover position, which was checked with the plan.
       const PlanPoint end = course.at(now);
       course.hover(end.position_world_m, end.yaw_rad, now);
     } else {
@@ -258,8 +265,7 @@ void FlightGuard::Parts::on_state_change(FlightState before, Time now) {
     landing_since = spot_since = now;
     has_spot = false;
     is_sinking = false;
-    // A climb ends here. During a climb near the ground, descending at once is the shortest
-    // landing.
+    // Ends a climb. Near the ground, an immediate descent is the shortest landing.
     height_ref_m = height_goal_m = std::min(height_ref_m, in.height_m);
     is_committed = in.height_m < kCommitM;
   }
@@ -274,13 +280,13 @@ void FlightGuard::Parts::lift_off(Time now) {
   climb_since = now;
 }
 
-// Moves a vehicle away from a fence or obstacle that a gust would make it touch.
+// Moves a hovering vehicle away from a fence or obstacle that a gust could make it touch.
 void FlightGuard::Parts::restore_clearance(Time now) {
   if (lift.is_under_way() || !course.is_hovering(now) || in.pose_age_s > limits.pose_age_warn_s ||
       !in.estimator_good) {
     return;
   }
-  // The course of a climb stays at the height of its start; the vehicle is higher.
+  // During a climb the course has the start height; the vehicle is higher.
   const Eigen::Vector3d hover_m = course.at(now).position_world_m;
   const Eigen::Vector3d here_m(hover_m.x(), hover_m.y(), in.height_m);
   if (const auto clear_m = clear_spot(here_m, fleet.bodies(now, limits), limits)) {
@@ -332,7 +338,7 @@ void FlightGuard::Parts::land(Time now, double dt_s) {
                          to_seconds(now - spot_since) > kShiftPatienceS);
   if ((is_there && is_free) || is_committed || is_blind()) {
     is_sinking = true;
-    // below the floor: contact with the ground ends the descent
+    // goal below the floor: contact with the ground ends the descent
     height_goal_m = -limits.descent_mps;
     const bool is_low = height_ref_m < limits.low_height_m;
     const double sink_m = (is_low ? limits.low_descent_mps : limits.descent_mps) * dt_s;
@@ -340,7 +346,7 @@ void FlightGuard::Parts::land(Time now, double dt_s) {
     blind_height_m = std::max(0.0, blind_height_m - kBlindSinkShare * sink_m);
   } else if (is_sinking) {
     is_sinking = false;
-    height_ref_m = std::max(height_ref_m, in.height_m);  // the set-point was lower already
+    height_ref_m = std::max(height_ref_m, in.height_m);  // the set-point was lower than the vehicle
   }
 }
 
@@ -390,8 +396,8 @@ FlightSetpoint FlightGuard::Parts::setpoint(Time now) const {
     case FlightState::kHold:
       break;
   }
-  // Position and velocity are of one instant, so that they are consistent. The acceleration has its
-  // own lead: the vehicle must tilt first, and a delay there becomes an unwanted speed.
+  // Position and velocity refer to the same instant, so they are consistent. The acceleration has a
+  // separate lead: the vehicle must tilt first, and a late acceleration causes a velocity error.
   const PlanPoint soon = course.at(now + from_seconds(limits.setpoint_lead_s));
   const PlanPoint then = course.at(now + from_seconds(limits.acceleration_lead_s));
   out.kind = FlightSetpoint::Kind::kTrack;

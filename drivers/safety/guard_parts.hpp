@@ -43,17 +43,17 @@ struct FlightGuard::Parts : GuardCore {
   Time started_at{};  ///< first tick
 
   // Heights.
-  bool had_motors = false;  ///< at the last tick
+  bool had_motors = false;  ///< motor state at the last tick
   bool has_flown = false;   ///< the first lift was completed, or the vehicle was found in the air
   double height_ref_m = 0.0;
   double height_rate_mps = 0.0;  ///< m/s; rate of height_ref_m at the last tick
   double height_goal_m = 0.0;
   double blind_height_m = 0.0;
   double unarmed_height_m = 0.0;   ///< m; height before the motors were started on the ground
-  std::optional<double> ground_m;  ///< m; last height seen with the motors off
+  std::optional<double> ground_m;  ///< m; last height measured with the motors off
   double climb_from_m = 0.0;
   Time climb_since{};
-  bool is_climbing = false;  ///< a take-off climbs, possibly by the autopilot's own law
+  bool is_climbing = false;  ///< a take-off is climbing; the autopilot may choose the climb rate
   Time landing_since{}, spot_since{};
   Eigen::Vector3d spot_m = Eigen::Vector3d::Zero();
   bool has_spot = false;
@@ -62,13 +62,16 @@ struct FlightGuard::Parts : GuardCore {
 
   // Received messages.
   AutopilotReport autopilot;
-  bool distrusts_pose = false;  ///< by an acting row
-  // Horizontal motion, forgotten within velocity_memory_s.
-  Eigen::Vector2d moved_apart_m = Eigen::Vector2d::Zero();  ///< m; reported motion less seen motion
-  double moved_m = 0.0;                                     ///< m; length of the reported motion
+  bool distrusts_pose = false;  ///< an acting condition distrusts poses
+  // Horizontal motion, averaged with the time constant velocity_memory_s.
+  Eigen::Vector2d moved_apart_m = Eigen::Vector2d::Zero();  ///< m; motion by the autopilot minus
+                                                            ///< motion by mocap
+  double moved_m = 0.0;                                     ///< m; length of the motion by the
+                                                            ///< autopilot
   Eigen::Vector2d compared_m = Eigen::Vector2d::Zero();     ///< m; position at the last comparison
-  double hover_deviation_s = 0.0;  ///< s during which it was commanded to hover and did not
-  /// m; farthest distance from its position since it last came nearer
+  double hover_deviation_s = 0.0;  ///< s; time that the vehicle has deviated from its commanded
+                                   ///< hover
+  /// m; maximum distance from the hover position since the vehicle last came nearer
   double farthest_off_m = 0.0;
   int disarmed_beats = 0;  ///< consecutive heartbeats that report disarmed motors
   Time heartbeat_at{}, telemetry_at{}, battery_at{}, battery_changed_at{}, airborne_at{},

@@ -10,7 +10,8 @@ namespace {
 using models::FlightState;
 using models::OperatorAction;
 
-constexpr double kStoppingS = 2.5;  // s; for a pending disarming and the heartbeat that reports it
+constexpr double kStoppingS = 2.5;  // s; time for a pending disarming and the heartbeat that
+                                    // reports it
 
 void reset_to(LadderState& next, FlightState state) {
   next.state = state;
@@ -28,11 +29,11 @@ void refuse(LadderState& next, Refusal::Order order, const Reasons& reasons) {
   }
 }
 
-// Takes new orders that are to be obeyed later.
+// Stores new commands that are obeyed later.
 void take_orders(LadderState& next, const SafetyInputs& inputs) {
   if (is_requested(inputs, OperatorAction::kArm)) {
     next.arm = {true, inputs.now};
-    next.forbidden_at = inputs.now - std::chrono::hours(1);  // earlier causes do not count
+    next.forbidden_at = inputs.now - std::chrono::hours(1);  // earlier conditions do not count
     next.refusal = {};
   } else if (is_requested(inputs, OperatorAction::kTakeOff)) {
     next.refusal = {};
@@ -70,8 +71,8 @@ void step_idle(LadderState& next, const SafetyInputs& inputs, const SafetyLimits
   const Reasons blocks = arming_blocks(inputs, limits);
   if (blocks.none()) {
     next.arm.waits_since = inputs.now;
-    // Motors idle for at most lift_idle_s while another lifts: autopilots stop idle motors, which
-    // ends an order.
+    // Motors idle for at most lift_idle_s while another vehicle lifts: autopilots stop idle motors,
+    // which ends the take-off command.
     const bool is_turn = !next.take_off.is_given || !inputs.is_lift_blocked;
     next.its_turn_at = is_turn ? inputs.now : next.its_turn_at;
     next.wants_armed =
@@ -92,7 +93,7 @@ void step_idle(LadderState& next, const SafetyInputs& inputs, const SafetyLimits
   const bool may_stop = next.is_stopping && to_seconds(inputs.now - next.unwanted_at) < kStoppingS;
   const Reasons near = take_off_blocks(inputs, limits);
   if (inputs.is_lift_blocked) {
-    next.take_off.waits_since = inputs.now;  // waiting for the turn does not count as forbidden
+    next.take_off.waits_since = inputs.now;  // time spent waiting for the turn does not count
   } else if (has_waited(next.take_off)) {
     refuse(next, Refusal::Order::kTakeOff, near | blocks);
   } else if (next.wants_armed && inputs.autopilot_armed && !may_stop && near.none()) {

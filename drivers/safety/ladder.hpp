@@ -11,15 +11,15 @@ namespace vantage::drivers {
 
 using Reasons = std::bitset<kConditionsMax>;  ///< by index into conditions()
 
-/// Operator order on the ground. It is obeyed as soon as nothing forbids it. It is dropped when
-/// something has forbidden it for arm_wait_s, or at once when only the operator can clear the
-/// cause.
+/// Operator command on the ground. It is obeyed as soon as no condition forbids it. It is dropped
+/// if a condition has forbidden it for arm_wait_s, or immediately if only the operator can clear
+/// the condition.
 struct GroundOrder {
   bool is_given = false;
-  Time waits_since{};  ///< since when something forbids it
+  Time waits_since{};  ///< time since which a condition forbids it
 };
 
-/// Last refused order and its reasons, kept until the next order.
+/// Last refused command and its reasons, stored until the next command.
 struct Refusal {
   enum class Order { kNone, kArm, kTakeOff };
   Order order = Order::kNone;
@@ -30,30 +30,32 @@ struct Refusal {
 /// State of the ladder between ticks.
 struct LadderState {
   models::FlightState state = models::FlightState::kIdle;
-  bool wants_armed = false;  ///< ordered, and nothing forbids it
+  bool wants_armed = false;  ///< arming was commanded, and no condition forbids it
   GroundOrder arm, take_off;
   Time forbidden_at{};  ///< last time that arming was forbidden
   Time its_turn_at{};   ///< last time that this vehicle had its turn to lift
   Refusal refusal;
-  bool wants_follow = false;  ///< `follow` was received, and nothing has revoked it since
-  Reasons latched;            ///< acting conditions; each ends by its own rule only
-  std::array<Time, kConditionsMax> since{};  ///< start of the current uninterrupted period
+  bool wants_follow = false;  ///< `follow` was received and has not been revoked
+  Reasons latched;            ///< acting conditions; each ends only by its clearing rule
+  std::array<Time, kConditionsMax> since{};  ///< per condition, start of the uninterrupted period
+                                             ///< in which it holds
   std::array<Time, kConditionsMax> gone_since{};
   Reasons held;  ///< conditions that held at the last tick
-  /// The running motors were not wanted and have not been seen to stop: they may stop at any
-  /// moment.
+  /// The running motors were commanded to stop, but are not reported as stopped: they may stop at
+  /// any moment.
   bool is_stopping = false;
   Time unwanted_at{};
 };
 
-/// Computes one tick of flight safety: FOLLOW → HOLD → LAND → KILL, the most severe condition wins.
+/// Computes one tick of flight safety: FOLLOW → HOLD → LAND → KILL. The most severe condition
+/// decides.
 ///
 /// The vehicle is on the ground when idle, and on the ground or falling when killed. A vehicle that
-/// is found armed and in the air without an order of this run begins in HOLD, or in LAND if its
-/// autopilot lands it. LAND ends only on the ground; KILL ends on the ground and by `arm`. HOLD
-/// becomes FOLLOW when no condition demands HOLD and the operator requests it; a missing plan is
-/// such a condition. An order never makes the state less severe than the latched conditions. Pure
-/// function; no allocation; constant time.
+/// is already armed and in the air when its driver starts begins in HOLD, or in LAND if its
+/// autopilot is landing it. LAND ends only on the ground; KILL ends on the ground and by `arm`.
+/// HOLD becomes FOLLOW when no condition demands HOLD and the operator requests it; a missing plan
+/// is such a condition. A command never makes the state less severe than the latched conditions
+/// require. Pure function; no allocation; constant time.
 LadderState step_ladder(const LadderState& before, const SafetyInputs& inputs,
                         const SafetyLimits& limits);
 

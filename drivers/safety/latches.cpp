@@ -21,7 +21,7 @@ bool is_cleared(const Condition& row, const LadderState& ladder, std::size_t i,
       return is_requested(inputs, OperatorAction::kFollow);
     case Clearing::kGround:
     case Clearing::kRearm:
-      return false;  // cleared by the change of state that ends them
+      return false;  // the change of state clears these conditions
   }
   return false;
 }

@@ -10,7 +10,7 @@
 
 namespace vantage::drivers {
 
-/// Updates which conditions hold, and since when.
+/// Updates the set of conditions that hold and the time since which each holds.
 void watch(LadderState& next, std::span<const Condition> rows, const SafetyInputs& inputs,
            const SafetyLimits& limits);
 /// Computes one tick of a ladder: calls watch(), then the function of the current state: `idle`,
@@ -41,9 +41,9 @@ void latch(LadderState& next, std::span<const Condition> rows, const SafetyInput
            const SafetyLimits& limits);
 /// True if a latched condition has this severity.
 bool acts(std::span<const Condition> rows, const Reasons& latched, Severity severity);
-/// True if a condition with this rule of clearing holds now.
+/// True if a condition with this clearing rule holds now.
 bool holds_any(std::span<const Condition> rows, const LadderState& ladder, Clearing clearing);
-/// True if a latched condition would not end when a plan begins.
+/// True if a latched condition would persist when a plan begins.
 bool waits_for_more_than_a_plan(std::span<const Condition> rows, const Reasons& latched);
 /// Returns the conditions that forbid arming now.
 Reasons arming_blocks(std::span<const Condition> rows, const SafetyInputs& inputs,
@@ -51,7 +51,7 @@ Reasons arming_blocks(std::span<const Condition> rows, const SafetyInputs& input
 /// Returns the conditions that forbid taking off but not arming.
 Reasons take_off_blocks(std::span<const Condition> rows, const SafetyInputs& inputs,
                         const SafetyLimits& limits);
-/// True if any of `reasons` can only be cleared by the operator.
+/// True if only the operator can clear at least one of `reasons`.
 bool needs_operator(std::span<const Condition> rows, const Reasons& reasons);
 
 }  // namespace vantage::drivers

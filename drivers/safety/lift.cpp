@@ -9,14 +9,16 @@
 namespace vantage::drivers {
 namespace {
 
-constexpr double kOnItsWayM = 0.02;  // m above its lowest height; a climbing body lifts above this
+constexpr double kOnItsWayM = 0.02;  // m; a climbing body counts as lifting above this rise
 constexpr double kStillLiftingM = 0.5;
 constexpr double kClimbsMps = 0.05;
-constexpr double kTurnSlackS = 6.0;     // s; for the start of its motors
+constexpr double kTurnSlackS = 6.0;     // s; additional time for the start of the motors
 constexpr double kReportAgeMaxS = 0.5;  // s; vehicles report at 10 Hz
 constexpr double kTurnDelayS = 0.15;
-constexpr double kShownShare = 0.3;              // share of a commanded step or turn
-constexpr double kProofHeightToleranceM = 0.06;  // m below the hover height; start of the proof
+constexpr double kShownShare = 0.3;              // share of a commanded step or turn that mocap
+                                                 // must show
+constexpr double kProofHeightToleranceM = 0.06;  // m; the verification starts at this distance
+                                                 // below the hover height
 
 }  // namespace
 
@@ -88,11 +90,11 @@ void LiftQueue::update(std::span<const OtherBody> bodies, const SafetyLimits& li
       continue;
     }
     if (risen_m > limits.lift_done_m) {
-      entry.is_ordered = false;  // its turn is over
+      entry.is_ordered = false;  // this body's turn is over
     }
     if (entry.climb_mps > kClimbsMps) {
       is_blocked_ = is_blocked_ || (risen_m > kOnItsWayM && risen_m < kStillLiftingM);
-      // A body that hovered before our lift began belongs to another vehicle.
+      // A body that hovered before this vehicle's lift began belongs to another vehicle.
       if (entry.begun_m - entry.rest_m < limits.lift_risen_m) {
         other_risen_m_ = std::max(other_risen_m_, entry.height_m - entry.begun_m);
       }
@@ -128,8 +130,8 @@ void Lift::begin(const Pose3& world_from_body, std::span<const OtherBody> others
   rest_m_ = world_from_body.translation_m;
   rest_yaw_rad_ = flatten(world_from_body).yaw_rad;
   height_m_ = std::min(rest_m_.z() + limits.lift_height_m, limits.take_off_height_m);
-  // The step goes along both axes, so that a world mirrored in either is detected. Of the four
-  // directions the one with the most room is chosen.
+  // The step goes along both axes, so that a mocap frame mirrored in either axis is detected. The
+  // direction with the largest clearance of the four is chosen.
   double roomiest_m = -std::numeric_limits<double>::infinity();
   for (const Eigen::Vector2d& sign : {Eigen::Vector2d(1.0, 1.0), Eigen::Vector2d(-1.0, 1.0),
                                       Eigen::Vector2d(-1.0, -1.0), Eigen::Vector2d(1.0, -1.0)}) {

@@ -32,7 +32,7 @@ double reaction_s(models::AutopilotDialect dialect) {
   return 0.20;
 }
 
-/// Returns the longest time-out without set-points with which an autopilot may be armed, s.
+/// Returns the longest set-point timeout with which an autopilot may be armed, s.
 double setpoint_timeout_max_s(models::AutopilotDialect dialect) {
   const char* const name =
       dialect == models::AutopilotDialect::kPx4 ? "COM_OF_LOSS_T" : "GUID_TIMEOUT";
@@ -45,8 +45,8 @@ double setpoint_timeout_max_s(models::AutopilotDialect dialect) {
   return rule->bounds[0];
 }
 
-/// Returns the additional time flown on after the last set-point, s: the time-out, and an allowance
-/// for the gentler braking of ArduPilot, measured with 15 kills of a driver for each autopilot.
+/// Returns the additional time of flight after the last set-point, s: the timeout, and an allowance
+/// for the gentler braking of ArduPilot. Measured by 15 kills of a driver for each autopilot.
 double setpoint_loss_s(models::AutopilotDialect dialect) {
   constexpr double kArdupilotGentleS = 0.15;
   return setpoint_timeout_max_s(dialect) +
@@ -84,17 +84,17 @@ SafetyLimits limits_for(const scenario::Scenario& scenario, const std::string& r
   }
   limits.take_off_height_m = spec->height_m;
   limits.start = spec->start;
-  // The planner ensures separation_m; the margin keeps rounding of messages from failing its plans.
+  // The planner ensures separation_m; the margin allows for rounding in messages.
   limits.plan_separation_m = scenario.planner.separation_m - 0.01;
   const double contact_m = 2.0 * spec->limits.radius_m;
   limits.separation_land_m = contact_m;
   limits.separation_hold_m =
       contact_m + 0.5 * std::max(0.02, scenario.planner.separation_m - contact_m);
   limits.landing_clearance_m = contact_m + 0.2;
-  // Less than half, so that an accepted pose is never as close to another body as to the vehicle.
+  // Less than half the separation: an accepted pose is closer to the vehicle than to other bodies.
   limits.pose_gate_max_m = std::min(0.6, 0.48 * limits.separation_hold_m);
   limits.pose_gate_m = std::min(limits.pose_gate_m, 0.95 * limits.pose_gate_max_m);
-  // Closer than this the planner finds no escape, and the vehicle would hover there forever.
+  // A closer vehicle would hover there forever, since the planner finds no path from there.
   limits.hover_clearance_m = std::max(0.05, scenario.planner.obstacle_margin_m);
   const double round_s = scenario.planner.execute_steps * scenario.planner.step_s;
   limits.round_s = round_s;

@@ -10,40 +10,41 @@
 namespace vantage::drivers {
 
 /// Selection of one of several publishers of VICON. Subscribe to VICON as a shared channel: the bus
-/// then orders the frames of each run separately, and the publisher is chosen here.
+/// then orders the frames of each run separately, and this class chooses the publisher.
 ///
-/// The source is the first run with a frame that passed as the vehicle's own pose (confirm()).
-/// While it is received, other runs are refused. After a silence of kSilentS, the next run with a
-/// frame that passes replaces it; in the air this requires that it shows the vehicle where it is.
-/// Until then the old source is accepted again as soon as it returns.
+/// The source is the first run whose frame contains an accepted pose of the vehicle (confirm()).
+/// While the source publishes, other runs are refused. After a gap of kSilentS, the next run whose
+/// frame contains an accepted pose replaces the source; in the air the pose must agree with the
+/// prediction. Until it is replaced, the old source is accepted again as soon as it publishes.
 ///
-/// A run is considered only if its stamps are within kFreshS of our own clock, so a replayed log is
-/// refused; hosts need a common clock (NTP or PTP). The source's clock may be set: the source stays
-/// accepted if its frame numbers continue, and its stamps are then compared with the new clock.
+/// A run is considered only if its stamps are within kFreshS of the local clock, so a replayed log
+/// is refused; hosts need a common clock (NTP or PTP). If the source's clock is set, the source
+/// stays accepted while its frame numbers continue. Its stamps are then compared with the new
+/// clock.
 class MocapSource {
  public:
-  /// s; longer than a pose is accepted, shorter than the time to land
+  /// s; longer than the maximum age of a pose, shorter than the time until landing
   static constexpr double kSilentS = 0.3;
   static constexpr double kFreshS = 2.0;
-  /// frames that may be lost while its clock is set
+  /// maximum number of frames lost while the source's clock is set
   static constexpr std::int64_t kGoesOnMax = 1000;
 
-  /// Treatment of a frame.
+  /// Decision about a frame.
   enum class [[nodiscard]] Standing{
-      kAccepted,   ///< of the source
-      kCandidate,  ///< of a run that may become the source: use it only if it passes as the own
-                   ///< pose
+      kAccepted,   ///< frame of the source
+      kCandidate,  ///< frame of a run that may become the source: use it only if its pose of the
+                   ///< vehicle is accepted
       kRefused,
   };
 
   Standing judge(const models::MocapFrame& frame, Time now);
-  /// Makes the run of a candidate's frame the source, after the frame has passed.
+  /// Makes the run of a candidate's frame the source, after the pose in the frame was accepted.
   void confirm(const models::MocapFrame& frame, Time now);
 
-  /// Returns a message about what was refused in the last kFreshS; nullptr if nothing was.
+  /// Returns a message about frames refused in the last kFreshS; nullptr if none was refused.
   [[nodiscard]] const char* refusal_message(Time now) const;
-  /// Appends the number of frames refused from other sources and with other times, and of
-  /// takeovers.
+  /// Appends the number of frames refused because of another source, the number refused because of
+  /// their time, and the number of takeovers.
   void count(std::vector<models::NamedCount>& out) const;
 
  private:
@@ -52,10 +53,11 @@ class MocapSource {
 
   std::optional<std::int64_t> run_id_;
   Time received_at_{};
-  std::int64_t number_ = 0;  ///< number of its newest frame
-  Duration ahead_{};         ///< lag of our clock behind the source's, since that was set
-  std::optional<Time> other_received_at_;       ///< last frame of another source
-  std::optional<Time> other_time_received_at_;  ///< last frame with another time
+  std::int64_t number_ = 0;                ///< number of the source's newest frame
+  Duration ahead_{};                       ///< lag of the local clock behind the source's clock
+  std::optional<Time> other_received_at_;  ///< time of the last frame of another source
+  std::optional<Time> other_time_received_at_;  ///< time of the last frame refused because of its
+                                                ///< stamp
   std::int64_t others_refused_ = 0;
   std::int64_t other_time_ = 0;
   std::int64_t takeovers_ = 0;

@@ -8,7 +8,7 @@
 namespace vantage::drivers {
 namespace {
 
-constexpr double kSlack = 1e-6;     // rounding in messages
+constexpr double kSlack = 1e-6;     // tolerance for rounding in messages
 constexpr double kStepMinS = 1e-3;  // s; 2 mm at 2 m/s
 constexpr double kFarM = 1e6;
 constexpr double kBodyStandsMps = 0.1;
@@ -24,7 +24,7 @@ bool is_finite(const HeldPlan& plan) {
              segment.brake_mps2 >= 0.0 && std::isfinite(segment.brake_mps2);
     sum_s += segment.duration_s;
   }
-  return finite && sum_s <= models::kFlownDurationMax_s;  // also false for NaN and infinity
+  return finite && sum_s <= models::kFlownDurationMax_s;  // false also for NaN and infinity
 }
 
 bool is_feasible(const HeldPlan& plan, const models::VehicleLimits& can, double lateral_max_mps2) {
@@ -66,7 +66,7 @@ double signed_distance_m(const models::Rectangle& box, const Eigen::Vector2d& p_
          std::min(std::max(out_x, out_y), 0.0);
 }
 
-// Distances between the vehicle and everything that does not move.
+// Distances between the vehicle and all static obstacles and the fence.
 struct Room {
   double fence_m;
   double obstacle_m;
@@ -78,7 +78,7 @@ Room room_at(const PlanPoint& here, const SafetyLimits& limits) {
           obstacle_distance_m(limits.fence, p_m) - limits.vehicle.radius_m};
 }
 
-// Checks the rest of the plan against everything that does not move. Times count from `now`.
+// Checks the rest of the plan against all static obstacles and the fence. Times count from `now`.
 PlanVerdict check_room(const HeldPlan& plan, Time now, const SafetyLimits& limits, int& steps) {
   const double offset_s = to_seconds(now - plan.start_time);
   const double end_s = std::max(0.0, duration_s(plan) - offset_s);
@@ -108,8 +108,8 @@ double apart_m(const Eigen::Vector3d& p_m, const Eigen::Vector3d& other_m, bool 
   return away_m.norm();
 }
 
-// Checks the rest of the plan and its final hover against another body until that has stopped as
-// well.
+// Checks the rest of the plan and its final hover against another body until that body has stopped
+// as well.
 PlanVerdict check_apart(const HeldPlan& plan, Time now, const SafetyLimits& limits,
                         const OtherCourse& other, int& steps) {
   const double offset_s = to_seconds(now - plan.start_time);

@@ -54,7 +54,7 @@ PlanVerdict PlanGate::check(const models::RobotPlan& plan, const PlanSituation& 
   if (!situation.may_take) {
     return PlanVerdict::kNotFollowing;
   }
-  // A later plan would replace the waiting one, and with it the path to its own start.
+  // A later plan would replace the pending plan, which leads to the start of the later plan.
   if (situation.course.has_next() && newest_start_ > now && out.start_time > newest_start_) {
     return PlanVerdict::kTooFarAhead;
   }

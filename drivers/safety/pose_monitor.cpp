@@ -71,7 +71,7 @@ PoseVerdict PoseMonitor::judge(const models::MocapBody* body, const BodyContext&
     return PoseVerdict::kAccepted;
   }
   if (is_stuck(pose, context, limits, now)) {
-    // It was stuck since the pose first appeared: the age counts from then.
+    // The pose has been stuck since it first appeared: its age counts from then.
     accepted_at_ = std::min(accepted_at_, identical_since_);
     velocity_mps_.setZero();
     accepted_ = 0;
@@ -112,7 +112,7 @@ void PoseMonitor::begin(const Pose3& pose, Time now) {
 
 // Sets the position as measured, and the velocity by an α–β filter with time constant
 // kVelocityMemoryS. The change of velocity is limited by kUnknownAccelerationMps2: a small jump of
-// the pose must not look like a motion at metres per second.
+// the pose must not appear as a speed of several metres per second.
 void PoseMonitor::update(const Pose3& pose, Time now) {
   const double gap_s = age_s(now);
   if (gap_s > 0.0) {
@@ -135,7 +135,8 @@ void PoseMonitor::update(const Pose3& pose, Time now) {
 
 bool PoseMonitor::is_stuck(const Pose3& pose, const BodyContext& context,
                            const SafetyLimits& limits, Time now) {
-  // Compares with the last accepted pose: a wrong pose in between does not make a repeated one new.
+  // Compares with the last accepted pose: a rejected pose in between does not make a repeated pose
+  // new.
   if (!is_same(pose, pose_) || context.may_be_stationary) {
     return false;
   }

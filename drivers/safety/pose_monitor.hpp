@@ -17,10 +17,10 @@ enum class [[nodiscard]] PoseVerdict{
     kAbsent,     ///< not in the frame, or occluded
     kDuplicate,  ///< the name occurs twice
     kMalformed,  ///< not finite, or not a rotation
-    kOutside,    ///< outside the room (wrong units or frame) and not reached from inside
+    kOutside,    ///< outside the room (wrong units or frame), without a track that leads there
     kJump,      kFlip,
     kStuck,    ///< identical for too long
-    kForeign,  ///< pose of another body: a row that distrusts poses has acted in this flight
+    kForeign,  ///< pose of another body: a condition that distrusts poses has acted in this flight
 };
 inline constexpr std::size_t kPoseVerdicts = 9;
 const char* name_of(PoseVerdict verdict);
@@ -28,25 +28,27 @@ const char* name_of(PoseVerdict verdict);
 /// Facts about the body that the check needs.
 struct BodyContext {
   bool in_air = false;            ///< jumps and flips are rejected
-  bool is_moving = false;         ///< commanded to move; repeated poses are detected sooner
+  bool is_moving = false;         ///< commanded to move; identical poses are detected sooner
   bool may_be_stationary = true;  ///< may be stationary without limit (on the ground)
-  double sunk_m = 0.0;            ///< m; possible descent while it was not seen, as commanded
-  bool is_distrusted = false;     ///< poses under its name belong to another body
+  double sunk_m = 0.0;            ///< m; commanded descent while the body was not seen
+  bool is_distrusted = false;     ///< poses with this body's name belong to another body
 };
 
-/// Checks the poses of one body frame by frame. Uses arrival times, since mocap clocks may jump.
+/// Check of the poses of one body, frame by frame. It uses arrival times, since mocap clocks may
+/// jump.
 ///
-/// A pose passes if it lies within pose_gate_m + ½ a t² of the constant-velocity prediction, at
-/// most pose_gate_max_m, where a is an unknown acceleration. A body on the ground may be carried:
-/// its track restarts at the new pose, with a count of one. A body in the air may leave the room: a
-/// continuous track is accepted anywhere, but must begin inside.
+/// A pose is accepted if its distance to the constant-velocity prediction is at most pose_gate_m +
+/// ½ a t² and at most pose_gate_max_m; a is the assumed unknown acceleration. A body on the ground
+/// may be carried: its track restarts at the new pose, and the count of accepted poses at one. A
+/// body in the air may leave the room: a continuous track is accepted anywhere, but must begin
+/// inside.
 class PoseMonitor {
  public:
   PoseVerdict judge(const models::MocapBody* body, const BodyContext& context,
                     const SafetyLimits& limits, Time now);
 
   [[nodiscard]] bool has_pose() const { return has_pose_; }
-  /// Returns the time since the arrival of the last accepted pose, s; kNever before any.
+  /// Returns the time since the arrival of the last accepted pose, s; kNever before the first.
   [[nodiscard]] double age_s(Time now) const;
   [[nodiscard]] const Pose3& world_from_body() const { return pose_; }
   [[nodiscard]] const Eigen::Vector3d& velocity_world_mps() const { return velocity_mps_; }
@@ -69,7 +71,7 @@ class PoseMonitor {
   Eigen::Vector3d velocity_mps_ = Eigen::Vector3d::Zero();
   double turn_radps_ = 0.0;
   Time accepted_at_{};
-  Time identical_since_{};  ///< when pose_ was first accepted
+  Time identical_since_{};  ///< time at which pose_ was first accepted
   int rejected_ = 0;
   int accepted_ = 0;
 };

@@ -11,13 +11,14 @@ namespace vantage::drivers {
 namespace {
 
 constexpr int kSamples = 16;     // samples along the braking path
-constexpr double kLevelM = 0.3;  // m; smaller differences count as the same height
+constexpr double kLevelM = 0.3;  // m; heights that differ by less count as equal
 constexpr double kStandsMps = 0.1;
-constexpr double kMovesOffS = 1.0;  // s; about the time that a hover takes to move away
+constexpr double kMovesOffS = 1.0;  // s; approximate time that a hovering vehicle needs to move
+                                    // away
 constexpr double kFenceSpareM = 0.1;
 constexpr double kObstacleSpareM = 0.05;
-constexpr double kHoverSpareM = 0.05;  // m beyond hover_clearance_m, at a new position
-constexpr double kBelowSpareM = 0.1;   // m beyond landing_clearance_m, at a new position
+constexpr double kHoverSpareM = 0.05;  // m; clearance of a new position beyond hover_clearance_m
+constexpr double kBelowSpareM = 0.1;   // m; clearance of a new position beyond landing_clearance_m
 
 bool is_robot(const OtherBody& body) { return body.robot >= 0; }
 
@@ -27,8 +28,8 @@ double unseen_s(const OtherBody& body, const SafetyLimits& limits) {
   return std::max(0.0, body.age_s - limits.pose_age_hold_s);
 }
 
-// Returns how far a body may be from where it was seen, m. A robot that is lost stops; any other
-// moving body may continue for a second.
+// Returns the uncertainty radius of a body around its extrapolated position, m. A robot without
+// poses stops; any other moving body may continue for a second.
 double strayed_m(const OtherBody& body, const SafetyLimits& limits) {
   constexpr double kGoesOnS = 1.0;
   const double growth_mps = std::max(limits.other_pose_growth_mps, body.last_speed_mps);
@@ -41,10 +42,10 @@ double tube_m(const OtherBody& body, const SafetyLimits& limits) {
   return strayed_m(body, limits) + body.excess_radius_m;
 }
 
-// Returns the least distance between a vehicle that moves from `from_m` to `to_m` and a moving body
-// that stands on the ground, m. The body moves meanwhile from `body_from_m` to `body_to_m`, and may
-// be `strayed_m` off that path; the space below its markers is occupied. Horizontal and vertical
-// distance are minimized separately, so the result is a lower bound.
+// Returns a lower bound of the distance between a vehicle that moves from `from_m` to `to_m` and a
+// moving body that reaches down to the ground, m. The body moves meanwhile from `body_from_m` to
+// `body_to_m`, and may be `strayed_m` off that path; the space below its markers is occupied.
+// Horizontal and vertical distance are minimized separately.
 double distance_to_standing_m(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
                               const Eigen::Vector3d& body_from_m, const Eigen::Vector3d& body_to_m,
                               double strayed_m) {
@@ -64,7 +65,7 @@ double obstacle_edge_m(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
   return obstacle_distance_m(limits.fence, p_m.head<2>()) - limits.vehicle.radius_m;
 }
 
-// Returns the least distance of the centres while this vehicle brakes along `path` and a robot
+// Returns the minimum distance of the centres while this vehicle brakes along `path` and a robot
 // brakes straight from `velocity_mps`, m.
 double closest_stop_m(const BrakingPath& path, const OtherBody& body,
                       const Eigen::Vector3d& velocity_mps, const SafetyLimits& limits) {
@@ -84,9 +85,9 @@ double closest_stop_m(const BrakingPath& path, const OtherBody& body,
   return least_m;
 }
 
-// Returns the least distance of the centres until this vehicle stops along `path`, m, to a body
-// that keeps its velocity. The body may leave its straight path; while it is not seen it may move
-// anywhere at its last speed.
+// Returns the minimum centre distance to a body that keeps its velocity, until this vehicle has
+// stopped along `path`, m. The body may leave its straight path. While not seen, the body may move
+// in any direction at its last speed.
 double closest_walk_m(const BrakingPath& path, const OtherBody& body, const SafetyLimits& limits) {
   const bool is_seen = unseen_s(body, limits) <= 0.0;
   const double strays_mps = is_seen ? 0.0 : body.last_speed_mps;
@@ -120,15 +121,16 @@ bool is_standing_robot(const OtherBody& body) {
   return is_robot(body) && level(body.velocity_world_mps).norm() < kStandsMps;
 }
 
-// Returns the position of a body in `t_s` for a landing. A robot is assumed to stay where it is.
+// Returns the predicted position of a body after `t_s`, for a landing. A robot is assumed to keep
+// its position.
 Eigen::Vector3d carried_on_m(const OtherBody& body, double t_s) {
   return is_robot(body) ? body.position_world_m
                         : Eigen::Vector3d(body.position_world_m + t_s * body.velocity_world_mps);
 }
 
 // True if the body would come closer to the straight path, flown at kShiftMps, than `apart_m` and
-// closer than it is now. Robots are compared horizontally, since they may land as well; so are
-// bodies that are not below.
+// closer than it is now. The distance to robots is horizontal, since they may land as well; so is
+// the distance to bodies that are not below.
 bool meets(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m, const OtherBody& body,
            double apart_m) {
   const bool is_below = body.position_world_m.z() < std::min(from_m.z(), to_m.z()) - kLevelM;
@@ -143,7 +145,7 @@ bool meets(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m, const Oth
 
 bool is_path_clear(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
                    std::span<const OtherBody> others, const SafetyLimits& limits) {
-  // A vehicle that hovers closer to an obstacle than the spare may still move away from it.
+  // A vehicle that already hovers closer to an obstacle than kObstacleSpareM may still move away.
   const double path_spare_m = std::min(kObstacleSpareM, obstacle_edge_m(from_m, limits));
   for (int i = 0; i <= kSamples; ++i) {
     const Eigen::Vector3d p_m = from_m + (to_m - from_m) * (static_cast<double>(i) / kSamples);
@@ -254,7 +256,7 @@ Eigen::Vector3d landing_spot(const Eigen::Vector3d& hover_m, std::span<const Oth
   if (is_free(home_m)) {
     return home_m;
   }
-  // A moving vehicle deviates, so spots with spare room are tried first.
+  // A moving vehicle deviates from its path, so spots with additional clearance are tried first.
   const double roomy_m = limits.hover_clearance_m + kHoverSpareM;
   for (const bool is_roomy : {true, false}) {
     for (int ring = 1; ring <= kRings; ++ring) {
@@ -277,7 +279,7 @@ Eigen::Vector3d landing_spot(const Eigen::Vector3d& hover_m, std::span<const Oth
 bool is_climb_blocked(const Eigen::Vector3d& position_m, double goal_m,
                       std::span<const OtherBody> others, const SafetyLimits& limits) {
   constexpr double kPredictionS = 2.0;
-  constexpr double kRoomM = 0.25;  // m; for a turn of the other body meanwhile
+  constexpr double kRoomM = 0.25;  // m; allowance for a turn of the other body meanwhile
   return std::any_of(others.begin(), others.end(), [&](const OtherBody& body) {
     const double z_m = body.position_world_m.z();
     const bool is_on_the_way =

@@ -9,17 +9,17 @@
 
 namespace vantage::drivers {
 
-/// Simulated range finder: the readings of the scenario's scanner from a pose in the scenario's
-/// world. Other robots and targets are invisible to it.
+/// Simulated range finder. It computes the ranges that the scenario's scanner measures from a pose
+/// in the scenario's world. It does not detect other robots and targets.
 ///
-/// Noise is a function of (seed, robot, instant) only, as in PoseSensor.
+/// Noise depends only on (seed, robot, instant), as in PoseSensor.
 class RangeScanner {
  public:
   /// @throws UsageError for an invalid scanner.
   RangeScanner(const scenario::Scenario& scenario, const std::string& robot);
 
-  /// Returns one scan at `time` from `viewpoint`; under attack without ranges and with `jammed`
-  /// set. The caller sets run id, sequence and inputs.
+  /// Returns one scan at `time` from `viewpoint`. Under attack, the scan has no ranges and `jammed`
+  /// is set. The caller sets run id, sequence and inputs.
   [[nodiscard]] models::RangeScan scan(Time time, const models::Viewpoint& viewpoint,
                                        bool jammed) const;
 

@@ -8,34 +8,36 @@
 
 namespace vantage::drivers {
 
-/// State of a vehicle whose driver is to end.
+/// State of a vehicle whose driver was requested to end.
 struct EndFacts {
-  InFlight in_flight = InFlight::kUnknown;  ///< kNo: at rest, its motors off
-  bool is_pilots = false;                   ///< a pilot flies it by hand
+  InFlight in_flight = InFlight::kUnknown;  ///< kNo: stationary, motors off
+  bool is_pilots = false;                   ///< a pilot controls the vehicle
   bool lands_itself = false;                ///< its autopilot has confirmed its own landing mode
 };
 
-/// Decision when the driver of a vehicle may end after it was requested to: once the vehicle is at
-/// rest, or, in a hurry, once its autopilot has confirmed that it lands the vehicle. Both waits are
-/// bounded. Pure.
+/// Decision when the driver of a vehicle may end after a request: once the vehicle is stationary
+/// with motors off, or, after a second request, once its autopilot has confirmed its own landing
+/// mode. Both waits are bounded. Pure.
 class DriverEnd {
  public:
   /// Time for which a new driver waits for its vehicle before it ends.
   static constexpr Duration kSearch = std::chrono::seconds(3);
-  /// Time for the autopilot's confirmation, in a hurry.
+  /// Time for the autopilot's confirmation after a second request.
   static constexpr Duration kHurry = std::chrono::seconds(3);
 
-  /// @param landing  time for the vehicle to come to rest; afterwards the driver hurries
+  /// @param landing  time for the vehicle to stop; afterwards the driver continues as after a
+  /// second request
   DriverEnd(Time started, Duration landing) : started_(started), landing_(landing) {}
 
-  /// Reports that the driver was requested to end, `requests` times so far.
+  /// Reports that the driver was requested to end; `requests` is the number of requests.
   void request(int requests, Time now);
   /// Updates the decision. Call it in each loop after a request.
   void step(const EndFacts& facts, Time now);
 
   [[nodiscard]] bool is_hurried() const { return hurried_at_.has_value(); }
   [[nodiscard]] bool may_end() const { return may_end_; }
-  /// Returns what could not be done before the end; empty: nothing, or it may not end yet.
+  /// Returns a text about what could not be done before the end; empty if all was done or the
+  /// driver may not end yet.
   [[nodiscard]] const std::string& fault() const { return fault_; }
 
  private:

@@ -26,8 +26,8 @@ class Port {
   [[nodiscard]] virtual bool is_datagram() const = 0;
   /// Reads received bytes into `buffer`. Returns their number; 0 if there are none.
   virtual std::size_t read(std::span<std::uint8_t> buffer, Time now) = 0;
-  /// Reports that the last bytes came from the vehicle. From now on only their sender is read and
-  /// answered, until it has been silent for three seconds.
+  /// Reports that the last bytes came from the vehicle. From now on only the sender of these bytes
+  /// is read and answered, until it has sent nothing for three seconds.
   virtual void accept(Time /*now*/) {}
   /// Sends one message completely or not at all.
   virtual void write(std::span<const std::uint8_t> message, Time now) = 0;
@@ -39,7 +39,7 @@ class Port {
 ///   udpout://HOST:PORT     sends first
 ///   serial:DEVICE[:BAUD]   default 921600 baud, at least 230400; reopened when it was lost
 /// @throws StartupError that names the fault in the URL, the address or the device's settings. A
-/// serial device that does not exist yet is waited for.
+/// serial device that does not exist yet is opened later.
 std::unique_ptr<Port> open_port(const std::string& url);
 
 std::unique_ptr<Port> open_udp_port(const std::string& host, std::uint16_t port, bool sends_first);

@@ -11,7 +11,7 @@
 namespace vantage::drivers {
 namespace {
 
-// About 0.2 s at the slowest rate; older messages are stale.
+// bytes; about 0.2 s of data at the slowest rate; older messages are outdated.
 constexpr std::size_t kWaitingMax = 4096;
 // Signed poses (258 bytes) and set-points (78 bytes), each 50 times per second, need 17 kB/s; a
 // byte takes ten bits on the line.
@@ -50,8 +50,8 @@ class SerialPort : public Port {
       waiting_.insert(waiting_.end(), message.begin(), message.end());
       sizes_.push_back(message.size());
     }
-    // Drops the oldest message that was not begun: the newest messages matter, and may be stop
-    // commands.
+    // Drops the oldest message that is not yet partly sent: newer messages matter more, and may be
+    // stop commands.
     while (waiting_.size() > kWaitingMax && sizes_.size() > 2) {
       const auto second = waiting_.begin() + static_cast<std::ptrdiff_t>(sizes_[0]);
       waiting_.erase(second, second + static_cast<std::ptrdiff_t>(sizes_[1]));
@@ -128,8 +128,9 @@ class SerialPort : public Port {
   int fd_ = -1;
   Time next_try_{};
   Duration retry_ = kRetryFirst;
-  std::vector<std::uint8_t> waiting_;  ///< bytes to send, starting with the rest of a begun message
-  std::deque<std::size_t> sizes_;      ///< bytes of each message in waiting_
+  std::vector<std::uint8_t> waiting_;  ///< bytes to send, starting with the rest of a partly sent
+                                       ///< message
+  std::deque<std::size_t> sizes_;      ///< size of each message in waiting_, bytes
   std::int64_t dropped_ = 0;
   std::int64_t losses_ = 0;
 };

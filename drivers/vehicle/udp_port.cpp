@@ -60,11 +60,12 @@ class UdpPort : public Port {
           recvfrom(fd_, buffer.data(), buffer.size(), 0, reinterpret_cast<sockaddr*>(&from), &size);
       if (got < 0) {
         if (errno == EINTR || errno == ECONNREFUSED) {
-          continue;  // a refusal belongs to an earlier datagram
+          continue;  // the error refers to an earlier datagram
         }
         return 0;
       }
-      if (peer_ && !is_same(*peer_, from)) {  // it was in the socket before the connection
+      if (peer_ && !is_same(*peer_, from)) {  // the datagram arrived before the socket was
+                                              // connected
         ++strangers_;
         continue;
       }
@@ -90,7 +91,7 @@ class UdpPort : public Port {
 
   void write(std::span<const std::uint8_t> message, Time) override {
     if (!peer_) {
-      return;  // the vehicle has not been received yet
+      return;  // no datagram of the vehicle was received yet
     }
     const ssize_t sent =
         sendto(fd_, message.data(), message.size(), 0, as_sockaddr(*peer_), sizeof *peer_);

@@ -11,7 +11,7 @@
 namespace vantage::drivers::vicon {
 namespace {
 
-/// Short enough that a pause of the server is not mistaken for a queue of kQueuedMax (FrameClock).
+/// Short enough that FrameClock does not mistake a pause of the server for a queue of kQueuedMax.
 constexpr Duration kPingPeriod = std::chrono::milliseconds(50);
 /// Frames without poses are accepted after this time: no body is visible, or the server has no
 /// poses.
@@ -84,7 +84,7 @@ bool DataStreamSession::receive(Moment arrival, wire::vicon::Bytes bytes) {
 template <class Value>
 void DataStreamSession::send(const Value& value) {
   if (outgoing.size() > kOutgoingMax) {
-    return;  // a server that sends requests but does not read
+    return;  // the server sends requests but does not read
   }
   wire::vicon::PacketWriter packet(outgoing);
   append(packet, value);
@@ -138,8 +138,8 @@ void DataStreamSession::on_packet(Moment arrival, wire::vicon::Bytes body) {
   }
 }
 
-// The id of a ping is its sending time, so that echoes slower than the ping period are measured
-// too.
+// The id of a ping is its sending time, so that echoes slower than the ping period can also be
+// measured.
 void DataStreamSession::on_ping(Moment arrival, const wire::vicon::Ping& ping) {
   const Duration sent{static_cast<std::int64_t>(ping.id)};
   if (sent >= opened_.steady && sent <= arrival.steady) {
@@ -203,8 +203,8 @@ void DataStreamSession::read_static(wire::vicon::Bytes packet) {
       read(*block, application_);
     }
   }
-  // A static set without subjects means that there are none, unless they are unchanged. Rate and
-  // axis stay as stated until they are stated again.
+  // Static content without subjects means that there are none, unless the subjects are marked as
+  // unchanged. Rate and axis keep their values until the server sends new ones.
   if (subjects > 0 || !contents_.is_unchanged(wire::vicon::kSubjectInfo)) {
     subjects_.resize(subjects);
   }
@@ -220,8 +220,8 @@ void DataStreamSession::on_subject(std::size_t index, const wire::vicon::Subject
   }
   subject.id = info.subject_id;
   subject.name = info.name;
-  // Tracker gives an object's only segment the name of the object; a skeleton is represented by its
-  // root.
+  // In Tracker, an object's only segment has the name of the object. A skeleton is represented by
+  // its root segment.
   const auto same_name = std::find_if(info.segments.begin(), info.segments.end(),
                                       [&](const auto& each) { return each.name == info.name; });
   const auto root = std::find_if(info.segments.begin(), info.segments.end(),
@@ -288,7 +288,7 @@ void DataStreamSession::set_segment(std::uint32_t subject_id, std::uint32_t segm
     return;
   }
   if (subject->body_segment != segment) {
-    return;  // a limb, not the body
+    return;  // the segment of a limb, not of the body
   }
   const bool is_zero =
       position_mm.isZero(0.0) && (world_from_body.isZero(0.0) || world_from_body.isIdentity(0.0));

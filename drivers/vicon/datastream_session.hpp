@@ -12,9 +12,10 @@ namespace vantage::drivers::vicon {
 
 /// Client of Vicon's DataStream.
 ///
-/// The server first announces its content. The client requests what poses need, then frames in the
-/// manner of `mode`. Content that a packet's Contents block calls unchanged is kept; static content
-/// is replaced as a whole. An occluded body is one that was described and has no pose in the frame.
+/// The server first announces its content. The client requests the content that contains poses,
+/// then frames as `mode` states. Content that a packet's Contents block marks as unchanged is kept;
+/// other static content is replaced completely. A body is occluded if it was described and has no
+/// pose in the frame.
 class DataStreamSession : public Session {
  public:
   DataStreamSession(scenario::StreamMode mode, scenario::UpAxis up_axis, FrameSink sink);
@@ -24,7 +25,7 @@ class DataStreamSession : public Session {
   void on_time(Moment now) override;
   [[nodiscard]] Duration next_wake() const override { return next_wake_; }
 
-  /// Returns the newest echo of a ping on this connection.
+  /// Returns the newest answer to a ping on this connection.
   [[nodiscard]] const std::optional<Echo>& echo() const { return echo_; }
   [[nodiscard]] double rate_hz() const { return stream_.rate_hz(); }
   [[nodiscard]] bool is_y_up() const;
@@ -68,7 +69,7 @@ class DataStreamSession : public Session {
   wire::vicon::FrameInfo frame_;
   wire::vicon::LatencyInfo latency_;
   bool has_latency_ = false;
-  bool has_set_ = false;  ///< frames contain the requested content
+  bool has_set_ = false;  ///< frames already contain the requested content
   std::vector<Subject> subjects_;
 
   Moment opened_;
@@ -76,7 +77,7 @@ class DataStreamSession : public Session {
   Duration next_wake_{Duration::max()};
   std::optional<Echo> echo_;
 
-  // Reused memory.
+  // Buffers whose memory is reused.
   wire::vicon::SubjectInfo subject_info_;
   wire::vicon::Segments segments_;
   wire::vicon::LightweightSegments light_segments_;

@@ -6,7 +6,7 @@
 
 namespace vantage::drivers::vicon {
 
-/// File descriptor that is closed with its owner; −1: none.
+/// File descriptor that the destructor closes; −1: none.
 class Descriptor {
  public:
   Descriptor() = default;

@@ -16,7 +16,8 @@ using scenario::MocapProtocol;
 constexpr Duration kBackOffMin = std::chrono::milliseconds(100);
 constexpr Duration kBackOffMax = std::chrono::seconds(2);
 constexpr Duration kOpeningMax = std::chrono::seconds(3);
-/// A streaming server is never silent for this long, and an idle one answers pings.
+/// A connection without data for this long is closed: a streaming server sends more often, and an
+/// idle one answers pings.
 constexpr Duration kSilenceMax = std::chrono::seconds(3);
 constexpr Duration kNoFrameHint = std::chrono::seconds(2);
 constexpr std::size_t kFirstBytes = 64;
@@ -34,7 +35,7 @@ std::unique_ptr<Session> make_session(const scenario::MocapSpec& spec, FrameSink
   return std::make_unique<DataStreamSession>(spec.mode, spec.up_axis, std::move(sink));
 }
 
-/// Largest distance from the prediction as a share of the separation; less than half.
+/// Ratio of the largest distance from the prediction to the separation; less than half.
 constexpr double kGateShare = 0.45;
 
 GateSettings gate_of(const scenario::MocapSpec& spec, double separation_m) {
@@ -48,7 +49,7 @@ GateSettings gate_of(const scenario::MocapSpec& spec, double separation_m) {
   return gate;
 }
 
-/// Returns the remedy for a port that belongs to another product.
+/// Returns the remedy for a server of another product at this port.
 std::string remedy_for(wire::vicon::ServerType server_type) {
   switch (server_type) {
     case wire::vicon::ServerType::kDataStream:
@@ -192,7 +193,8 @@ void ViconDriver::on_time(Moment now) {
   session_->on_time(now);
   if (now.steady - last_received_ > kSilenceMax) {
     if (is_datagram_) {
-      last_received_ = now.steady;  // report it only now and then
+      last_received_ = now.steady;  // the silence is not reported again until kSilenceMax has
+                                    // passed
       status_ = "no data received at " + address() +
                 "; in Tracker, turn on the UDP object stream to this host and port";
     } else {

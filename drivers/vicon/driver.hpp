@@ -17,23 +17,25 @@ namespace vantage::drivers::vicon {
 struct LinkCounts {
   std::int64_t connections = 0;
   std::int64_t connections_failed = 0;
-  std::int64_t connections_lost = 0;  ///< closed by the server, or broken
-  std::int64_t silences = 0;          ///< closed by us because nothing was received
-  std::int64_t backlogs = 0;          ///< closed by us to empty a queue of frames
+  std::int64_t connections_lost = 0;  ///< connections closed by the server, or broken
+  std::int64_t silences = 0;          ///< connections closed by this driver because nothing was
+                                      ///< received
+  std::int64_t backlogs = 0;          ///< connections closed by this driver to empty a queue of
+                                      ///< frames
 };
 
-/// Driver of a mocap server without its sockets. Connections, bytes and time are passed in; it
-/// returns frames, bytes to send, and requests to open or close the connection.
+/// Driver of a mocap server, without sockets. Connection events, bytes and time are passed in; the
+/// driver returns frames, bytes to send, and requests to open or close the connection.
 ///
-/// It requests a connection whenever there is none, without limit, and waits longer after each
-/// failure (0.1 s doubling to 2 s; a frame resets this). If frames wait in a queue, it closes the
-/// connection to empty the queue, at most once per kBacklogPeriod, and reconnects at once. The
-/// owner of the socket follows wants_open() and wants_close() and reports the result.
+/// It requests a connection whenever there is none. The wait after a failure doubles from 0.1 s to
+/// 2 s; a received frame resets it. If frames wait in a queue, the driver closes the connection to
+/// empty the queue, at most once per kBacklogPeriod, and reconnects immediately. The owner of the
+/// socket obeys wants_open() and wants_close() and reports the result.
 class ViconDriver {
  public:
   static constexpr Duration kBacklogPeriod = std::chrono::seconds(5);
 
-  /// @param publish  called with each good frame, within receive() or on_time()
+  /// @param publish  called with each accepted frame, within receive() or on_time()
   /// @param separation_m  distance that the scenario's plans keep between bodies, m; 0: unknown
   ViconDriver(const scenario::MocapSpec& spec, FrameFilter::Publish publish,
               double separation_m = 0.0);
@@ -58,9 +60,9 @@ class ViconDriver {
   /// Reports that an attempt to open has begun.
   void on_opening(Moment now);
   void on_opened(Moment now);
-  /// Reports that the attempt failed or the connection is lost; `why` in words.
+  /// Reports that the attempt failed or the connection was lost; `why` is a text for the status.
   void on_closed(Moment now, const std::string& why);
-  /// Processes the next bytes of the stream, split anywhere, or one datagram.
+  /// Processes the next bytes of the stream, split at any position, or one datagram.
   void receive(Moment arrival, wire::vicon::Bytes bytes);
   void on_time(Moment now);
   /// Returns the steady time at which on_time() must be called.
@@ -101,7 +103,8 @@ class ViconDriver {
   Duration last_received_{};
   Duration opened_at_{};
   std::int64_t frames_since_open_ = 0;
-  std::vector<std::uint8_t> first_bytes_;  ///< of this connection, to identify the server
+  std::vector<std::uint8_t> first_bytes_;  ///< first bytes of this connection, which identify the
+                                           ///< server
   std::string status_;
   LinkCounts link_counts_;
 };

@@ -13,9 +13,9 @@ namespace vantage::drivers::vicon {
 /// Assembly of a frame from an unknown number of pieces: datagrams with one frame number, or
 /// messages with one stamp.
 ///
-/// A frame is passed on as soon as it has each body of the previous frame. Otherwise it is passed
-/// on when the next one begins, or kPatience after its first piece; so is the very first frame. A
-/// body that vanishes thus delays one frame by kPatience.
+/// A frame is passed on as soon as it contains each body of the previous frame. Otherwise it is
+/// passed on when the next frame begins, or kPatience after its first piece. This also applies to
+/// the first frame. A body that vanishes thus delays one frame by kPatience.
 class FrameAssembly {
  public:
   static constexpr Duration kPatience{4'000};
@@ -25,7 +25,7 @@ class FrameAssembly {
   void clear();
   [[nodiscard]] bool is_open() const { return is_open_; }
   [[nodiscard]] SeenFrame& frame() { return frame_; }
-  /// Starts a frame; passes the previous one on if it is still open.
+  /// Starts a frame; passes the previous frame on if that is still incomplete.
   SeenFrame& begin(Moment arrival);
   /// Passes the frame on if it is complete. Call it after each batch of pieces.
   void pass_on_if_complete();
@@ -33,7 +33,8 @@ class FrameAssembly {
   [[nodiscard]] std::optional<Duration> next_wake() const;
   /// Makes the next frame wait for this body.
   void expect(std::string_view name);
-  /// The same for a body whose piece arrived after its frame was passed on; adds it to frame().
+  /// Adds a body that arrived after its frame was passed on to frame(), and makes the next frame
+  /// wait for it.
   void expect_late(std::string_view name);
 
  private:

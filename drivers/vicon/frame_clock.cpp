@@ -6,27 +6,27 @@
 namespace vantage::drivers::vicon {
 namespace {
 
-/// Largest difference of the least jitter of two stretches; over a span it gives the error of a
-/// pace.
+/// Largest difference of the minimum jitter of two intervals; divided by a time span, it gives the
+/// relative error of a tick period.
 constexpr double kJitter_s = 0.003;
-/// A pace learned from a stretch of this length is final.
+/// A tick period estimated from data of this duration is final.
 constexpr double kLearned_s = 10.0;
 constexpr double kFitPeriod_s = 1.0;
-/// Frames that are faster than the pace by a larger share for kBlock_s have another pace.
+/// The tick period is estimated again if frames arrive faster by a larger ratio for kBlock_s.
 constexpr double kFaster = 0.01;
 constexpr double kBlock_s = 1.0;
-/// Longest gap between frames over which the line rises by the error of the pace.
+/// Longest gap between frames over which the line rises by the error of the tick period.
 constexpr double kDriftGap_s = 0.1;
 constexpr double kLate_s = 0.02;
-/// A queue stands if the lateness has not fallen by kEmpties_s within this time and number of
-/// frames.
+/// A queue is not emptying if its lateness has not decreased by kEmpties_s within this time and
+/// number of frames.
 constexpr double kEmpties_s = 0.02;
 constexpr double kStands_s = 0.05;
 constexpr int kStandsFrames = 5;
-/// A slower echo counts as slow; half of this time is assumed without a queue.
+/// An echo with a longer round trip counts as slow; half of this time is assumed without a queue.
 constexpr double kSlowEcho_s = 0.1;
 constexpr Duration kSlowFor = std::chrono::seconds(2);
-/// A faster echo shows that the frames after it have not waited for long.
+/// After an echo with a shorter round trip, frames have not waited for long.
 constexpr double kFastEcho_s = 0.05;
 constexpr double kSamePace = 0.01;
 constexpr double kOtherPace = 0.003;
@@ -55,7 +55,7 @@ Duration FrameClock::lateness(const FrameTiming& frame, Duration arrival, Durati
   if (frame.stated_tick_s != stated_s_) {
     const double line_s = std::min(line_s_ + now.arrival_s - last_->arrival_s, now.arrival_s);
     begin(now, frame.stated_tick_s);
-    line_s_ = line_s;  // a new pace does not empty a queue
+    line_s_ = line_s;  // a new tick period does not empty a queue
   }
   const double passed_s = std::clamp(now.arrival_s - last_->arrival_s, 0.0, kDriftGap_s);
   line_s_ += tick_s_ * static_cast<double>(now.tick - last_->tick) + drift_ * passed_s;
@@ -83,7 +83,8 @@ void FrameClock::learn(const FrameMark& now, double late_s) {
     block_.reset();
     return;
   }
-  // If the first frame of the block did not wait, the pace is at most that of the block.
+  // If the block's first frame did not wait, the true tick period is at most that measured over the
+  // block.
   if (!block_) {
     block_ = now;
     block_late_s_ = late_s;
@@ -108,8 +109,8 @@ void FrameClock::learn(const FrameMark& now, double late_s) {
   }
   next_fit_s_ = span_s + kFitPeriod_s;
   const auto fitted_s = fit_.tick_s();
-  // A later fit may correct an earlier one within that one's error; a larger change is a growing
-  // queue.
+  // A later fit may correct an earlier fit within the error of the earlier one; a larger change is
+  // caused by a growing queue.
   if (fitted_s && *fitted_s > 0.0 &&
       (tick_s_ <= 0.0 || std::abs(*fitted_s - tick_s_) <= drift_ * tick_s_)) {
     tick_s_ = *fitted_s;
@@ -117,7 +118,8 @@ void FrameClock::learn(const FrameMark& now, double late_s) {
   }
 }
 
-// Frames after fast echoes have not waited for long: the pace between two of them is the server's.
+// Compares the stated tick period with that between two frames after fast echoes, which have not
+// waited for long.
 void FrameClock::check_stated(const FrameMark& now) {
   if (!is_after_echo_) {
     return;

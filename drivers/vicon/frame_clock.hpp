@@ -8,7 +8,7 @@
 
 namespace vantage::drivers::vicon {
 
-/// Time of a frame by its server, and a bound of it.
+/// Time of a frame by its server, and a lower bound of its sending time.
 struct FrameTiming {
   std::int64_t tick = 0;       ///< frame number, or the server's stamp
   double stated_tick_s = 0.0;  ///< s; time between two ticks stated by the server; 0: not stated
@@ -17,37 +17,37 @@ struct FrameTiming {
   std::optional<Duration> pinged;
 };
 
-/// Estimator of the time for which each frame waited in a queue between the server and this driver.
+/// Estimator of the time that each frame waited in a queue between the server and this driver.
 ///
-/// The server numbers or stamps its frames at an even pace. The pace gives a line: the arrival of
-/// each frame if it had not waited. A frame above the line has waited for the difference. An early
-/// frame lowers the line at once. The line rises with the pace, and with the possible error of the
-/// pace (kDrift); a queue that grows faster is reported as lateness.
+/// The server numbers or stamps its frames with a constant tick period. The period gives a line:
+/// the arrival time of each frame if it had not waited. A frame above the line has waited for the
+/// difference. An early frame lowers the line immediately. The line rises by the period, and by the
+/// possible error of the period (kDrift); a queue that grows faster is reported as lateness.
 ///
-/// With a line that is too low, a pause of the server would look like a queue, since the numbers
-/// stop in both cases. The echo of a ping distinguishes them, because the server sends it after the
-/// previous frames: each frame that arrives after the echo was sent after the ping.
+/// A pause of the server must not be mistaken for a queue: no frames arrive in both cases. The echo
+/// of a ping distinguishes the two, because the server sends it after the previous frames. Each
+/// frame that arrives after the echo was sent after the ping.
 ///
-/// The stated pace is used until echoes show for kRefuted_s that the numbers have another one. If
-/// no pace is stated, it is learned (PaceFit). Until it is known no frame is late, and a queue that
-/// exists from the first frame on is not detected.
+/// The period stated by the server is used until echoes show for kRefuted_s that it is wrong. If no
+/// period is stated, it is estimated (PaceFit). Until the period is known, lateness is 0, and a
+/// queue that exists from the first frame on is not detected.
 class FrameClock {
  public:
-  /// Largest relative error of a known pace.
+  /// Largest relative error of a known tick period.
   static constexpr double kDrift = 0.0005;
-  /// Shortest stretch from which a pace is learned, s.
+  /// Shortest duration of data from which a tick period is estimated, s.
   static constexpr double kLearn_s = 2.0;
   static constexpr double kRefuted_s = 3.0;
 
-  /// Returns the lateness of the frame with respect to the line; ≥ 0.
+  /// Returns the lateness of the frame relative to the line; ≥ 0.
   /// @param arrival  steady clock
-  /// @param latency  stated by the server; subtracted from `arrival`
+  /// @param latency  latency stated by the server; subtracted from `arrival`
   Duration lateness(const FrameTiming& frame, Duration arrival, Duration latency);
   /// Processes a new echo, which arrived after the newest frame. Consistently slow echoes reveal a
   /// queue that existed before the first frame.
   void on_echo(Duration sent, Duration arrived);
-  /// True if the newest frames are late and their lateness does not decrease: the queue stands. In
-  /// a queue that empties, newer frames follow at once.
+  /// True if the newest frames are late and their lateness does not decrease: the queue is not
+  /// emptying. In a queue that empties, newer frames arrive immediately.
   [[nodiscard]] bool is_standing() const { return is_standing_; }
   /// Restarts: the next frame is not late.
   void restart() { *this = {}; }
@@ -59,28 +59,33 @@ class FrameClock {
   void watch_queue(const FrameMark& now, double late_s);
 
   std::optional<FrameMark> last_;
-  double line_s_ = 0.0;    ///< s; arrival of `last_` if it had not waited
-  double tick_s_ = 0.0;    ///< s; pace in use; 0: unknown
-  double stated_s_ = 0.0;  ///< s; pace stated by the server; 0: not stated
+  double line_s_ = 0.0;    ///< s; arrival time of `last_` if that frame had not waited
+  double tick_s_ = 0.0;    ///< s; tick period in use; 0: unknown
+  double stated_s_ = 0.0;  ///< s; tick period stated by the server; 0: not stated
   double drift_ = kDrift;
-  bool is_learned_ = false;  ///< the pace is learned: none is stated, or the stated one is wrong
+  bool is_learned_ = false;  ///< the tick period is estimated: none is stated, or the stated one is
+                             ///< wrong
 
   PaceFit fit_;
   double next_fit_s_ = 0.0;         ///< s; span at which the fit is computed again
-  std::optional<FrameMark> block_;  ///< start of the interval in which too fast frames are detected
+  std::optional<FrameMark> block_;  ///< start of the interval over which a too long tick period is
+                                    ///< detected
   double block_late_s_ = 0.0;
 
   bool is_after_echo_ = false;          ///< a fast echo arrived since the last frame
-  double round_trip_s_ = 0.0;           ///< s; of that echo
+  double round_trip_s_ = 0.0;           ///< s; round trip of that echo
   std::optional<FrameMark> echo_mark_;  ///< first frame after a fast echo
-  double refuted_tick_s_ = 0.0;         ///< s; pace of the stretches that contradict the stated one
-  int refutations_ = 0;                 ///< consecutive
+  double refuted_tick_s_ = 0.0;         ///< s; tick period of the intervals that contradict the
+                                        ///< stated period
+  int refutations_ = 0;                 ///< number of consecutive intervals that contradict the
+                                        ///< stated period
 
   std::optional<Duration> slow_since_;  ///< sending time of the first of consecutive slow pings
   double least_slow_s_ = 0.0;
 
-  std::optional<double> window_begin_s_;  ///< start of the stretch in which the queue is watched
-  double window_late_s_ = 0.0;            ///< s; lateness at its start
+  std::optional<double> window_begin_s_;  ///< start of the interval over which the lateness is
+                                          ///< compared
+  double window_late_s_ = 0.0;            ///< s; lateness at the start of that interval
   int window_frames_ = 0;
   bool is_standing_ = false;
 };

@@ -9,21 +9,23 @@
 namespace vantage::drivers::vicon {
 namespace {
 
-/// Datagrams overtake each other by a few frames; a larger step back is a restart of the server.
+/// Datagrams may be reordered by a few frames; a larger step back is a restart of the server.
 constexpr std::int32_t kOvertakenMax = 10;
 constexpr int kOldNumbersMax = 3;
 /// A larger step ahead is a restart of the server, not a loss of frames.
 constexpr std::int32_t kLostMax = 10'000;
 constexpr Duration kForgetAfter = std::chrono::seconds(60);
-/// Largest correction of a capture time; a larger step back means that the stack's clock was set.
+/// Largest correction of a capture time that keeps capture times increasing; a larger step back
+/// means that the stack's clock was set.
 constexpr Duration kClockStep = std::chrono::seconds(1);
 constexpr double kMicrosecond_s = 1e-6;
 constexpr std::size_t kNameBytesMax = 128;
 /// A jump to within this distance of another body is a swap of names.
 constexpr double kSwapDistance_m = 0.3;
-/// A body within this distance of its own prediction has its own name.
+/// A body within this distance of its own prediction is assumed to have the correct name.
 constexpr double kOwnPosition_m = 0.05;
-/// Smallest reduction of the distances to the predictions, per name, that proves a swap of names.
+/// Minimum reduction per name of the distances to the predictions; a larger reduction proves a swap
+/// of names.
 constexpr double kSwapGain_m = 0.05;
 constexpr std::size_t kComparedMax = 64;
 
@@ -43,7 +45,7 @@ FrameFilter::FrameFilter(const GateSettings& gate, Duration latency_assumed, Pub
       latency_assumed_(latency_assumed),
       publish_(std::move(publish)),
       assignment_(static_cast<int>(kComparedMax), static_cast<int>(kComparedMax)) {
-  bodies_.reserve(kBodiesMax);  // keeps pointers into it valid
+  bodies_.reserve(kBodiesMax);  // pointers into `bodies_` stay valid
   compared_.reserve(kComparedMax);
   predicted_m_.reserve(kBodiesMax);
   cost_m_.reserve(kComparedMax * kComparedMax);
@@ -60,7 +62,7 @@ void FrameFilter::on_opened() {
 
 bool FrameFilter::is_next(std::uint32_t number) {
   if (last_number_) {
-    // modulo 2³², since the counter may wrap
+    // difference modulo 2³², since the counter may wrap
     const auto ahead = static_cast<std::int32_t>(number - *last_number_);
     if (ahead == 0) {
       ++counts_.frames_repeated;
@@ -83,7 +85,8 @@ bool FrameFilter::is_next(std::uint32_t number) {
   return true;
 }
 
-// A long latency is accepted as stated: with the assumed one an old frame would appear new.
+// Returns the stated latency even if it is long: with the assumed latency, an old frame would
+// appear new.
 Duration FrameFilter::latency_of(const SeenFrame& seen) {
   if (!seen.latency_s) {
     return latency_assumed_;
@@ -123,7 +126,7 @@ void FrameFilter::watch_backlog(Duration now) {
 
 Time FrameFilter::capture_time(Time arrival, Duration since_capture) {
   Time capture = arrival - since_capture;
-  // Latencies jump and frames may arrive together, but capture times must increase.
+  // Latencies may jump and frames may arrive simultaneously, but capture times must increase.
   const Time next = last_capture_ + Duration{1};
   if (capture < next && next - capture < kClockStep && next <= arrival) {
     capture = next;
@@ -134,7 +137,7 @@ Time FrameFilter::capture_time(Time arrival, Duration since_capture) {
 
 FrameFilter::Body* FrameFilter::find(const std::string& name, std::size_t hint) {
   if (hint < bodies_.size() && bodies_[hint].name == name) {
-    return &bodies_[hint];  // servers usually keep their order
+    return &bodies_[hint];  // servers usually send bodies in a constant order
   }
   const auto found = std::find_if(bodies_.begin(), bodies_.end(),
                                   [&](const Body& body) { return body.name == name; });
@@ -207,7 +210,7 @@ void FrameFilter::compare(std::size_t body) {
   }
 }
 
-// long: one assignment, from the selection of the bodies to the marks
+// long: one assignment problem, from the selection of bodies to the marks
 void FrameFilter::find_swaps(Duration now) {
   const auto has_pose = [&](std::size_t i) {
     return bodies_[i].seen != nullptr && bodies_[i].seen->pose_state == PoseState::kSeen;
@@ -221,7 +224,7 @@ void FrameFilter::find_swaps(Duration now) {
       predicted_m_[i] = bodies_[i].gate.predicted_m(now);
     }
   }
-  // Only a body away from its own prediction and nearer to another one can be swapped.
+  // Only a body that is away from its own prediction and nearer to another body's can be swapped.
   compared_.clear();
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     if (!has_pose(i) || !bodies_[i].gate.is_predicted(now)) {

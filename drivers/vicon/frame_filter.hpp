@@ -16,14 +16,15 @@ namespace vantage::drivers::vicon {
 
 /// Counters of the filter since its construction.
 struct FrameCounts {
-  std::int64_t frames = 0;           ///< published
+  std::int64_t frames = 0;           ///< published frames
   std::int64_t frames_lost = 0;      ///< missing frame numbers
   std::int64_t frames_repeated = 0;  ///< dropped: repeated frame number
-  std::int64_t frames_late = 0;      ///< dropped: overtaken by a newer one
+  std::int64_t frames_late = 0;      ///< dropped: arrived after a newer frame
   std::int64_t frames_queued = 0;  ///< dropped: waited longer than kQueuedMax in an emptying queue
-  std::int64_t frames_waited = 0;  ///< of `frames`: waited longer than kQueuedMax
+  std::int64_t frames_waited = 0;  ///< published, but waited longer than kQueuedMax
   std::int64_t server_restarts = 0;    ///< restarts of the numbering
-  std::int64_t latencies_refused = 0;  ///< not finite, negative or above kLatencyPossible_s
+  std::int64_t latencies_refused = 0;  ///< stated latencies that are not finite, negative or above
+                                       ///< kLatencyPossible_s
   std::int64_t poses_zero = 0;
   std::int64_t poses_refused = 0;  ///< not finite, not a rotation, or outside any room
   std::int64_t poses_stuck = 0;
@@ -35,20 +36,21 @@ struct FrameCounts {
   std::int64_t names_twice = 0;    ///< dropped: a second body of the same name in one frame
 };
 
-/// Filter that checks frames and converts them into messages. A message contains every body seen so
-/// far, or listed where a protocol lists all, in a stable order. A body without a good pose is
-/// occluded.
+/// Filter that checks frames and converts them into messages. A message contains every body seen
+/// since the start, or all listed bodies if the protocol sends a list, in a stable order. A body
+/// without an accepted pose is marked occluded.
 ///
-/// The capture time is the arrival less the latency, and less the time that the frame waited in a
-/// queue (FrameClock). The latency is the one that the server states, or `latency_assumed` if that
-/// is not in [0, kLatencyPossible_s]. Capture times increase from frame to frame unless that would
-/// exceed the arrival or the clock was set. While a queue empties, frames that waited longer than
-/// kQueuedMax are dropped, since newer ones follow at once. Frames of a standing queue are
-/// published with their latency. A frame does not allocate once all bodies are known.
+/// The capture time is the arrival time minus the latency and minus the time that the frame waited
+/// in a queue (FrameClock). The latency is that stated by the server, or `latency_assumed` if the
+/// stated one is not in [0, kLatencyPossible_s]. Capture times increase from frame to frame, unless
+/// they would exceed the arrival time or the clock was set. While a queue empties, frames that
+/// waited longer than kQueuedMax are dropped, since newer frames follow immediately. Frames of a
+/// queue that does not empty are published with their latency. A frame allocates no memory once all
+/// bodies are known.
 class FrameFilter {
  public:
-  /// Largest latency that is accepted, s; an overloaded server holds frames for seconds and states
-  /// it.
+  /// Largest accepted latency, s; an overloaded server may delay frames for seconds and states this
+  /// latency.
   static constexpr double kLatencyPossible_s = 10.0;
   static constexpr Duration kQueuedMax{100'000};
   static constexpr Duration kWaitedMax{10'000'000};  ///< a frame that waited longer is dropped
@@ -59,10 +61,10 @@ class FrameFilter {
   FrameFilter(const GateSettings& gate, Duration latency_assumed, Publish publish);
 
   void accept(const SeenFrame& seen);
-  /// Reports a new connection: the numbering restarts, bodies are kept.
+  /// Reports a new connection: the frame numbers restart, bodies are kept.
   void on_opened();
 
-  /// True if frames have waited longer than kQueuedMax for kBehindFor without a break. Only a new
+  /// True if all frames have waited longer than kQueuedMax for at least kBehindFor. Only a new
   /// connection empties such a queue.
   [[nodiscard]] bool is_behind() const { return is_behind_; }
   /// Returns the time that the newest frame waited in a queue.
@@ -76,8 +78,8 @@ class FrameFilter {
     PoseGate gate;
     Duration last_listed{};
     bool is_in_frame = false;
-    const SeenBody* seen = nullptr;  ///< pose in the current frame, if it has one
-    bool is_swapped = false;         ///< its pose fits another body's prediction better
+    const SeenBody* seen = nullptr;  ///< pose in the current frame; nullptr if it has none
+    bool is_swapped = false;         ///< its pose is closer to another body's prediction
   };
 
   [[nodiscard]] bool is_next(std::uint32_t number);
@@ -88,10 +90,10 @@ class FrameFilter {
   [[nodiscard]] Time capture_time(Time arrival, Duration since_capture);
   Body* find(const std::string& name, std::size_t hint);
   Body* add(const std::string& name);
-  /// Assigns the positions of the frame to the names by their predictions, over all bodies at once,
-  /// and marks the bodies whose position belongs to another name.
+  /// Assigns the positions of the frame to the predictions of the bodies, jointly for all bodies.
+  /// Marks each body whose position is assigned to another name.
   void find_swaps(Duration now);
-  /// Adds a body to those whose positions are assigned.
+  /// Adds a body to `compared_`.
   void compare(std::size_t body);
   void forget(const SeenFrame& seen);
   void place(const SeenBody& seen, Body& body, Duration now, models::MocapBody& out);
@@ -103,15 +105,16 @@ class FrameFilter {
   std::vector<Body> bodies_;  ///< bodies_[i] is out_.bodies[i]
   models::MocapFrame out_;
   std::optional<std::uint32_t> last_number_;
-  int old_numbers_ = 0;      ///< consecutive
-  std::int64_t number_ = 0;  ///< last number, without wraps
+  int old_numbers_ = 0;      ///< number of consecutive frames with older numbers
+  std::int64_t number_ = 0;  ///< last frame number, continued beyond wraps
   AssignmentSolver assignment_;
   std::vector<std::size_t> compared_;  ///< bodies whose positions are assigned; seen ones first
   std::vector<Eigen::Vector3d> predicted_m_;
   std::vector<double> cost_m_;
   FrameClock clock_;
   Duration waited_{};
-  std::optional<Duration> waits_since_;  ///< steady; since when frames wait longer than kQueuedMax
+  std::optional<Duration> waits_since_;  ///< steady time since which frames wait longer than
+                                         ///< kQueuedMax
   bool is_behind_ = false;
   Duration echo_taken_{};  ///< arrival of the newest echo passed to `clock_`
   Time last_capture_{};

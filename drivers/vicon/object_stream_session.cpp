@@ -34,7 +34,7 @@ void ObjectStreamSession::open(Moment /*now*/) {
 bool ObjectStreamSession::receive(Moment arrival, wire::vicon::Bytes datagram) {
   const bool is_block = wire::vicon::decode_object_block(datagram, block_);
   if (!is_block || block_.objects.empty() || block_.is_truncated) {
-    // A packet of a DataStream may also look like the start of a frame.
+    // A packet of a DataStream may also be a valid start of a frame.
     const wire::vicon::ServerType server_type = wire::vicon::identify_datagram(datagram);
     if (server_type == wire::vicon::ServerType::kDataStream ||
         server_type == wire::vicon::ServerType::kVrpn) {
@@ -48,12 +48,12 @@ bool ObjectStreamSession::receive(Moment arrival, wire::vicon::Bytes datagram) {
   }
   counts.broken_blocks += block_.is_truncated ? 1 : 0;
   if (block_.is_truncated && block_.objects.empty()) {
-    return true;  // noise, not even counted as a frame
+    return true;  // noise, not counted as a frame
   }
   const bool is_continued = last_number_ == block_.frame_number;
   if (is_continued && !assembly_.is_open()) {
-    // The frame was assumed complete. The missing bodies come one frame late, and in time from now
-    // on.
+    // The frame was assumed complete. The missing bodies are published one frame late, and without
+    // delay from now on.
     bool is_late = false;
     for (const wire::vicon::TrackerObject& object : block_.objects) {
       if (!assembly_.frame().has(object.name())) {

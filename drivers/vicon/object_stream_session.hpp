@@ -6,14 +6,15 @@
 
 namespace vantage::drivers::vicon {
 
-/// Receiver of Tracker's UDP object stream: one direction, frames of one or more datagrams.
+/// Receiver of Tracker's UDP object stream. It sends nothing; a frame consists of one or more
+/// datagrams.
 class ObjectStreamSession : public Session {
  public:
   ObjectStreamSession(bool is_y_up, FrameSink sink);
 
   void open(Moment now) override;
-  /// Processes one datagram. A foreign one is dropped and counted as a broken stream. Returns true
-  /// unless it is known to be from another product.
+  /// Processes one datagram. A datagram of another protocol is dropped and counted as a broken
+  /// stream. Returns false if the datagram is known to be from another product.
   [[nodiscard]] bool receive(Moment arrival, wire::vicon::Bytes datagram) override;
   void on_time(Moment now) override { assembly_.on_time(now); }
   [[nodiscard]] Duration next_wake() const override;

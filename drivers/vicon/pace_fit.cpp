@@ -32,7 +32,7 @@ std::optional<double> PaceFit::tick_s() const {
   if (size_ < kMarksMin) {
     return std::nullopt;
   }
-  // Andrew's monotone chain: the slopes of the hull grow.
+  // Andrew's monotone chain: the slopes of the hull increase.
   std::array<FrameMark, kMarksMax> hull{};
   std::size_t corners = 0;
   for (std::size_t i = 0; i < size_; ++i) {

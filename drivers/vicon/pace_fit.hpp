@@ -13,12 +13,12 @@ struct FrameMark {
   double arrival_s = 0.0;
 };
 
-/// Estimator of the time between two ticks from arrivals with jitter.
+/// Estimator of the tick period, the time between two ticks, from arrivals with jitter.
 ///
-/// Jitter only delays frames. The pace is therefore the slope of the line below all marks that
-/// touches two of them: the edge of their lower convex hull across the middle. Late frames at one
-/// of the ends do not change it. Memory is fixed: when it is full, every second mark is dropped,
-/// and from then on every second frame is kept.
+/// Jitter only delays frames. The tick period is therefore the slope of a line below all marks that
+/// touches two of them: the edge of their lower convex hull across the middle. Late frames at
+/// either end do not change the slope. The memory is fixed. When it is full, every second mark is
+/// dropped, and the stride between stored frames doubles.
 class PaceFit {
  public:
   void restart() { *this = {}; }
@@ -34,8 +34,8 @@ class PaceFit {
   static constexpr std::size_t kMarksMin = 10;
   std::array<FrameMark, kMarksMax> marks_{};
   std::size_t size_ = 0;
-  std::size_t stride_ = 1;   ///< one of this number of frames is kept
-  std::size_t skipped_ = 0;  ///< frames since the last one kept
+  std::size_t stride_ = 1;   ///< one of this number of frames is stored
+  std::size_t skipped_ = 0;  ///< number of frames since the last stored frame
 };
 
 }  // namespace vantage::drivers::vicon

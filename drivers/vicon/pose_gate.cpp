@@ -27,8 +27,8 @@ double PoseGate::margins_between(const Pose3& a, const Pose3& b) const {
   return settings_.turn_max_radps > 0.0 ? std::max(moved, turned) : moved;
 }
 
-// Nearness alone is not sufficient. Vehicles in a line pass the last good positions of each other.
-// A body with a swapped name is then closest to that position for one frame.
+// The smaller distance alone is not sufficient: vehicles in a line pass the last good positions of
+// each other. A body with a swapped name is then closest to such a position for one frame.
 bool PoseGate::is_back(Duration now, const Pose3& pose) const {
   const Duration usual = (now - candidate_time_) / settings_.usual_divisor;
   return reach(*candidate_, pose, usual) != Reach::kWithin &&
@@ -63,11 +63,11 @@ bool PoseGate::continues_chain(Duration now, const Pose3& pose) const {
 Verdict PoseGate::accept(Duration now, const Pose3& pose) {
   const double passed_s = last_ ? to_seconds(now - last_time_) : 0.0;
   if (candidate_ && is_accepted(now)) {
-    velocity_mps_.setZero();  // unknown after a jump
+    velocity_mps_.setZero();  // the velocity is unknown after a jump
   } else if (passed_s > 0.0) {
     const Eigen::Vector3d measured_mps = (pose.translation_m - last_->translation_m) / passed_s;
     velocity_mps_ += -std::expm1(-passed_s / kVelocityMemory_s) * (measured_mps - velocity_mps_);
-    // Bunched frames show impossible speeds.
+    // Frames that arrive in bursts cause impossible speeds.
     const double usual_mps = settings_.speed_max_mps / settings_.usual_divisor;
     const double speed_mps = velocity_mps_.norm();
     velocity_mps_ *= speed_mps > usual_mps ? usual_mps / speed_mps : 1.0;

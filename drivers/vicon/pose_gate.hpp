@@ -14,56 +14,57 @@ namespace vantage::drivers::vicon {
 /// Verdict of the gate on a pose.
 enum class Verdict {
   kGood,
-  kStuck,        ///< identical to previous poses too often for a live measurement
-  kOutlier,      ///< farther away than a body can move
-  kFlip,         ///< a larger turn than a body can make: markers were confused
-  kUnconfirmed,  ///< of a body that was long unseen, and not confirmed yet
+  kStuck,        ///< identical to the previous poses: not a new measurement
+  kOutlier,      ///< farther from the last good pose than a body can move
+  kFlip,         ///< larger rotation than a body can make: markers were confused
+  kUnconfirmed,  ///< pose of a body that was long unseen, not yet confirmed by further poses
 };
 
 struct GateSettings {
-  double speed_max_mps = 10.0;   ///< 0: no gate
-  double turn_max_radps = 20.0;  ///< 0: attitudes are not checked
-  double jump_margin_m = 0.15;   ///< m; in addition to the reach by speed: noise and bunched frames
-  double turn_margin_rad = 0.5;  ///< rad; the same for the attitude
-  Duration lost_after{1'000'000};  ///< a body unseen for longer may be anywhere
+  double speed_max_mps = 10.0;     ///< 0: no gate
+  double turn_max_radps = 20.0;    ///< 0: attitudes are not checked
+  double jump_margin_m = 0.15;     ///< m; allowance in addition to the distance by speed: noise and
+                                   ///< frames that arrive in bursts
+  double turn_margin_rad = 0.5;    ///< rad; allowance for the attitude
+  Duration lost_after{1'000'000};  ///< a body unseen for longer may be at any position
   /// Largest distance from the constant-velocity prediction for any gap, m. It is less than half of
   /// the separation between bodies, so that another body's pose does not pass.
   double predicted_max_m = std::numeric_limits<double>::infinity();
-  /// Longest gap after which a swap of names is certain; predictions are good for this long.
+  /// Longest gap after which a swap of names is certain; predictions are accurate for this time.
   Duration swap_certain{400'000};
-  /// Ratio of the limits to usual motions: 2 m/s and 4 rad/s, twice the values of flights in the
-  /// lab.
+  /// Ratio of the limits to usual motions. Usual are up to 2 m/s and 4 rad/s, twice the values of
+  /// flights in the lab.
   int usual_divisor = 5;
-  int confirm_frames = 5;  ///< consistent poses required of a lost body
-  /// A jump is accepted after its poses were consistent for this time. By then a vehicle that uses
-  /// this body has been without a pose for long enough to land (design §6).
+  int confirm_frames = 5;  ///< number of consistent poses required of a lost body
+  /// A jump is accepted after its poses were consistent for this time. By then, a vehicle with this
+  /// body has been without a pose for long enough to land (design §6).
   Duration accept_jump_after{2'000'000};
-  int stuck_frames = 3;  ///< repetitions; 0: not checked
+  int stuck_frames = 3;  ///< number of repetitions; 0: not checked
 };
 
-/// Gate that decides pose by pose whether a body can be where the server reports it.
+/// Gate that decides for each pose whether the body can be at the reported pose.
 ///
-/// A pose is good if it is within reach of the last good one. Any other pose starts a chain of
-/// candidates. Later poses within reach of the chain's end extend the chain, and are refused until
-/// the chain is accepted. A pose within reach of the last good one and outside the chain is good at
-/// once. So is a pose that is farther from the chain's end than bodies usually move, and nearer to
-/// the last good pose: the reach of the chain grows with each gap and may include the true
-/// position.
+/// A pose is good if the body can have moved there from the last good pose: it is "within reach".
+/// Any other pose starts a chain of candidates. Later poses within reach of the chain's end extend
+/// the chain, and are refused until the chain is accepted. A pose within reach of the last good
+/// pose is good immediately in two cases. Either it is out of reach of the chain, or it is nearer
+/// to the last good pose and farther from the chain's end than bodies usually move. The second case
+/// is needed because the chain's reach grows during gaps and may include the true position.
 ///
-/// Names have been swapped if a chain began at the position of another body (`is_other`), or after
-/// a short gap with a pose that fits another body's prediction better. Such a chain is never
-/// accepted. It ends when the body moves farther than bodies usually do, or is unseen for
-/// lost_after.
+/// A chain indicates swapped names if it began at the position of another body (`is_other`), or
+/// after a short gap with a pose closer to another body's prediction. Such a chain is never
+/// accepted. It ends when the body moves faster than usual, or is unseen for lost_after.
 class PoseGate {
  public:
   explicit PoseGate(const GateSettings& settings) : settings_(settings) {}
 
-  /// @param is_other    true for a position of another body now; called when a chain begins
-  /// @param is_swapped  the pose fits another body's prediction better than this one's
+  /// @param is_other    function that returns true for the current position of another body; called
+  /// when a chain begins
+  /// @param is_swapped  the pose is closer to another body's prediction than to this body's
   template <class IsOther>
   Verdict judge(Duration now, const Pose3& pose, const IsOther& is_other, bool is_swapped = false);
 
-  /// True if the body was good recently enough for a prediction.
+  /// True if the last good pose is recent enough for a prediction.
   [[nodiscard]] bool is_predicted(Duration now) const {
     return last_ && now - last_time_ <= settings_.lost_after;
   }
@@ -82,7 +83,8 @@ class PoseGate {
   [[nodiscard]] Reach reach(const Pose3& from, const Pose3& to, Duration elapsed) const;
   /// Returns the larger of the distances in position and attitude, in units of their margins.
   [[nodiscard]] double margins_between(const Pose3& a, const Pose3& b) const;
-  /// True if a pose within reach of both belongs to the last good one, not to the chain.
+  /// True if a pose within reach of both the last good pose and the chain belongs to the last good
+  /// pose.
   [[nodiscard]] bool is_back(Duration now, const Pose3& pose) const;
   [[nodiscard]] bool is_repeated(const Pose3& pose);
   Verdict accept(Duration now, const Pose3& pose);
@@ -100,7 +102,7 @@ class PoseGate {
   int candidate_frames_ = 0;
   Verdict candidate_kind_ = Verdict::kOutlier;  ///< verdict at the start of the chain
   bool is_swap_ = false;
-  std::optional<Pose3> previous_;  ///< previous pose, whatever its verdict
+  std::optional<Pose3> previous_;  ///< previous pose, with any verdict
   int repetitions_ = 0;
 };
 

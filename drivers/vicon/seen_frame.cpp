@@ -7,7 +7,7 @@
 namespace vantage::drivers::vicon {
 namespace {
 
-/// m; larger positions are millimetres mistaken for metres, or garbage.
+/// m; larger positions are invalid, or millimetres mistaken for metres.
 constexpr double kRoomMax_m = 500.0;
 
 }  // namespace

@@ -13,8 +13,8 @@
 
 namespace vantage::drivers::vicon {
 
-/// Instant on two clocks: the stack's, for content, and a steady one (with any origin) for ages and
-/// time-outs, which is not affected when the first is set.
+/// Instant on two clocks: the stack's clock for message content, and a steady clock (with any
+/// origin) for ages and timeouts. The steady clock does not change when the stack's clock is set.
 struct Moment {
   Time utime{};
   Duration steady{};
@@ -25,9 +25,9 @@ inline constexpr double kMetresPerMillimetre = 1e-3;  ///< Vicon servers use mil
 /// State of one body in a server's frame.
 enum class PoseState {
   kSeen,
-  kAbsent,    ///< it exists, but has no pose in the frame
+  kAbsent,    ///< the body exists, but has no pose in the frame
   kZero,      ///< a pose of exact zeros; some servers report unseen bodies this way
-  kNotAPose,  ///< not finite, not a rotation, or beyond any room
+  kNotAPose,  ///< not finite, not a rotation, or farther away than any room is large
 };
 
 struct SeenBody {
@@ -42,14 +42,14 @@ struct Echo {
   Duration arrived{};
 };
 
-/// Frame as a server sent it, unchecked. Its memory is reused for the next frame.
+/// Frame as the server sent it, not yet checked. Its memory is reused for the next frame.
 class SeenFrame {
  public:
   Moment arrival;
-  std::optional<std::uint32_t> number;  ///< of protocols with frame numbers
-  /// µs; of protocols with stamps, by the server's clock
+  std::optional<std::uint32_t> number;  ///< only in protocols with frame numbers
+  /// µs, by the server's clock; only in protocols with stamps
   std::optional<std::int64_t> server_time_us;
-  std::optional<double> latency_s;  ///< s; of protocols that state it; unchecked
+  std::optional<double> latency_s;  ///< s; only in protocols that state a latency; not yet checked
   double rate_hz = 0.0;      ///< Hz; rate of the frame numbers stated by the server; 0: not stated
   std::optional<Echo> echo;  ///< newest echo before this frame
   bool is_complete_list = false;  ///< bodies not in the list do not exist any more
@@ -64,8 +64,8 @@ class SeenFrame {
   std::size_t size_ = 0;
 };
 
-/// Sets the state and pose of `body` from a pose on the wire. `rotation` is nullopt if it was not a
-/// rotation. `is_zero`: all its numbers were exactly zero.
+/// Sets the state and pose of `body` from a received pose. `rotation` is nullopt if the received
+/// numbers were not a rotation. `is_zero`: all received numbers were exactly zero.
 void set_pose(SeenBody& body, const Eigen::Vector3d& position_m,
               const std::optional<Quaternion>& rotation, bool is_zero, bool is_y_up);
 

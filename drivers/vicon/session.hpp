@@ -17,19 +17,19 @@ struct WireCounts {
   std::int64_t broken_streams = 0;     ///< bytes that do not belong to the protocol
   std::int64_t broken_blocks = 0;      ///< parts of a frame that could not be read
   std::int64_t frames_before_set = 0;  ///< frames before the requested content begins
-  std::int64_t unnamed_bodies = 0;     ///< poses of subjects that were not described
+  std::int64_t unnamed_bodies = 0;     ///< poses of subjects without a description
   std::int64_t late_blocks = 0;        ///< parts of a frame that was assumed complete
   std::int64_t duplicate_blocks = 0;   ///< repeated parts of a frame
 };
 
-/// Rate at which a server reports a body separately.
+/// Rate at which a server reports one body.
 struct BodyRate {
   std::string name;
   double rate_hz = 0.0;  ///< 0: too few reports
 };
 
-/// Client of one protocol as a pure state machine: bytes and time are passed in; frames (to the
-/// sink, within the call) and bytes to send are returned.
+/// Client of one protocol, as a pure state machine. Bytes and time are passed in. Frames are passed
+/// to the sink within the call; bytes to send are stored in `outgoing`.
 class Session {
  public:
   Session() = default;
@@ -39,18 +39,18 @@ class Session {
   Session(Session&&) = delete;
   Session& operator=(Session&&) = delete;
 
-  /// Starts a new connection and forgets the state of the previous one.
+  /// Starts a new connection and clears the state of the previous one.
   virtual void open(Moment now) = 0;
-  /// Processes the next bytes of the stream, split anywhere, or one datagram. Returns false if the
-  /// bytes do not belong to this protocol and the connection is unusable.
+  /// Processes the next bytes of the stream, split at any position, or one datagram. Returns false
+  /// if the bytes do not belong to this protocol and the connection is unusable.
   [[nodiscard]] virtual bool receive(Moment arrival, wire::vicon::Bytes bytes) = 0;
   /// Performs the work that is due.
   virtual void on_time(Moment now) = 0;
   /// Returns the steady time at which on_time() has work to do.
   [[nodiscard]] virtual Duration next_wake() const = 0;
 
-  /// Returns the rate of each body in a protocol in which bodies report at separate instants;
-  /// otherwise empty.
+  /// Returns the rate of each body if the protocol reports bodies at separate instants; otherwise
+  /// empty.
   [[nodiscard]] virtual std::vector<BodyRate> rates() const { return {}; }
 
   /// Bytes for the server; the sender erases what it has sent.

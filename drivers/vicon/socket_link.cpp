@@ -16,16 +16,17 @@ namespace vantage::drivers::vicon {
 namespace {
 
 constexpr std::size_t kReadBytes = std::size_t{1} << 16U;  // largest datagram
-constexpr int kReceiveBufferBytes = 4 << 20;               // 4 s of 100 bodies at 100 Hz
+constexpr int kReceiveBufferBytes = 4 << 20;               // buffer for 4 s of 100 bodies at 100 Hz
 
 std::string reason(int error) { return std::system_category().message(error); }
 
 void set_option(int fd, int level, int name, int value) {
-  setsockopt(fd, level, name, &value, sizeof value);  // best effort: none is essential
+  setsockopt(fd, level, name, &value, sizeof value);  // errors are ignored: no option is essential
 }
 
 void enlarge_receive_buffer(int fd) {
-  // The privileged call may pass net.core.rmem_max; without the privilege the plain one is clamped.
+  // The privileged option may exceed net.core.rmem_max; without the privilege, the kernel limits
+  // the buffer to that value.
   const int bytes = kReceiveBufferBytes;
   if (setsockopt(fd, SOL_SOCKET, SO_RCVBUFFORCE, &bytes, sizeof bytes) != 0) {
     set_option(fd, SOL_SOCKET, SO_RCVBUF, bytes);
@@ -55,7 +56,7 @@ void SocketLink::watch(std::uint32_t events) {
 }
 
 void SocketLink::fail(const std::string& why) {
-  socket_.reset();  // also removes it from the epoll set
+  socket_.reset();  // closing also removes the socket from the epoll set
   watched_ = 0;
   is_opening_ = false;
   driver_.on_closed(now_(), why);
@@ -99,7 +100,8 @@ void SocketLink::open_datagram(Moment now) {
     sender_ = sender.value().sin_addr.s_addr;
   }
   socket_.reset(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-  set_option(socket_.fd(), SOL_SOCKET, SO_REUSEADDR, 1);  // others may receive a broadcast as well
+  set_option(socket_.fd(), SOL_SOCKET, SO_REUSEADDR, 1);  // other processes may also receive a
+                                                          // broadcast
   enlarge_receive_buffer(socket_.fd());
   const sockaddr_in address = address_of(INADDR_ANY, driver_.port());
   if (bind(socket_.fd(), as_sockaddr(address), sizeof address) != 0) {

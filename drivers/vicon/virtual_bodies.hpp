@@ -8,22 +8,22 @@
 
 namespace vantage::drivers::vicon {
 
-/// Simulated bodies, which no camera sees. In a trial with real and simulated vehicles they are
-/// added to the frames as if they were in the lab.
+/// Simulated bodies in a trial with real and simulated vehicles. They are added to the frames of
+/// the cameras as if they were in the lab.
 ///
-/// Their poses come from the simulator's TRUTH, which contains only simulated bodies, extrapolated
-/// to the instant of the frame by their velocity. A real body has priority over a simulated one of
-/// the same name. Real bodies do not depend on this: without a simulator, frames are unchanged.
+/// Their poses are those of the simulator's TRUTH message, which contains only simulated bodies.
+/// They are extrapolated to the instant of the frame by their velocity. A real body has priority
+/// over a simulated body of the same name. Without a simulator, frames are unchanged.
 class VirtualBodies {
  public:
-  /// A truth farther from the instant of the frame is ignored (the simulator has ended, or a log is
-  /// replayed).
+  /// A TRUTH message farther from the instant of the frame is ignored (the simulator has ended, or
+  /// a log is replayed).
   static constexpr Duration kAgeMax = std::chrono::milliseconds(200);
 
   void on_truth(const models::TruthFrame& truth) { truth_ = truth; }
   /// Adds the simulated bodies to a frame of the cameras.
   void add_to(models::MocapFrame& frame);
-  /// Returns the number of simulated bodies left out because a real body has their name.
+  /// Returns the number of simulated bodies omitted because a real body has the same name.
   [[nodiscard]] std::int64_t names_taken() const { return names_taken_; }
 
  private:

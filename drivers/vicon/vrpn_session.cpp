@@ -63,7 +63,7 @@ bool VrpnSession::receive(Moment arrival, wire::vicon::Bytes bytes) {
 }
 
 bool VrpnSession::read_cookie() {
-  // Wrong bytes are detected at once, before all 24 have arrived.
+  // Wrong bytes are detected immediately, before all 24 have arrived.
   constexpr std::string_view kStart = "vrpn: ver. ";
   const wire::vicon::Bytes view = stream_.view();
   const std::size_t common = std::min(view.size(), kStart.size());
@@ -133,7 +133,7 @@ void VrpnSession::on_message(Moment arrival, const wire::vicon::VrpnHeader& head
     assembly_.expect(*name);
   }
   if (!is_introduced_ && *name != kControlSender) {
-    // A ping must come from a sender with the name of its receiver.
+    // The sender of a ping must have the name of its receiver.
     wire::vicon::append_vrpn_name(outgoing, wire::vicon::kVrpnSenderDescription, kOwnId, *name);
     wire::vicon::append_vrpn_name(outgoing, wire::vicon::kVrpnTypeDescription, kOwnId,
                                   wire::vicon::kVrpnPingType);
@@ -150,7 +150,7 @@ void VrpnSession::on_pose(Moment arrival, const wire::vicon::VrpnHeader& header,
     return;
   }
   if (pose->sensor != 0) {
-    return;  // a limb, not the body
+    return;  // the pose of a limb, not of the body
   }
   const std::int64_t stamp_us =
       std::int64_t{header.seconds} * 1'000'000 + std::int64_t{header.microseconds};
@@ -162,7 +162,7 @@ void VrpnSession::on_pose(Moment arrival, const wire::vicon::VrpnHeader& header,
                              std::abs(stamp_us - frame_stamp_us_) <= kSameFrame_us;
   const bool is_late = !assembly_.is_open() && !assembly_.frame().has(*name) &&
                        std::abs(stamp_us - frame_stamp_us_) <= kSameFrame_us;
-  if (is_late) {  // the frame was assumed complete; the next one waits for this body
+  if (is_late) {  // the frame was assumed complete; the next frame waits for this body
     assembly_.expect_late(*name);
     ++counts.late_blocks;
     return;

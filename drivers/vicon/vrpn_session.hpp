@@ -12,9 +12,9 @@
 
 namespace vantage::drivers::vicon {
 
-/// Client of a VRPN server over TCP only. Each sender of poses is a body; sensor 0 is its pose,
-/// other sensors are limbs. A frame contains the poses with nearly the same stamp, and the
-/// extrapolated poses of trackers that report at other instants (VrpnTrackers).
+/// Client of a VRPN server over TCP only. Each sender of poses is a body; its sensor 0 gives the
+/// body's pose, other sensors give limbs. A frame contains the poses with nearly the same stamp,
+/// and the extrapolated poses of trackers that report at other instants (VrpnTrackers).
 class VrpnSession : public Session {
  public:
   VrpnSession(bool is_y_up, FrameSink sink);
@@ -50,9 +50,9 @@ class VrpnSession : public Session {
   std::optional<wire::vicon::VrpnVersion> version_;
   std::vector<Name> senders_;
   std::vector<Name> types_;
-  std::int32_t pose_type_ = 0;  ///< the server's number for poses, once announced
+  std::int32_t pose_type_ = 0;  ///< the server's type number of poses, once announced
   bool has_pose_type_ = false;
-  bool is_introduced_ = false;       ///< our names were sent
+  bool is_introduced_ = false;       ///< the client's names were sent
   std::int64_t frame_stamp_us_ = 0;  ///< stamp of the frame in progress
   Duration next_ping_{Duration::max()};
 };

@@ -9,9 +9,9 @@
 namespace vantage::drivers::vicon {
 namespace {
 
-/// A longer interval means that the tracker saw nothing; it is not its period.
+/// A longer interval is a loss of tracking, not the tracker's period.
 constexpr std::int64_t kStepMax_us = 250'000;
-/// Silence after which a leader with unknown period is replaced.
+/// µs; a leader with unknown period is replaced after this time without a report.
 constexpr std::int64_t kUnknownSilence_us = 100'000;
 constexpr int kApartReports = 3;
 constexpr int kTogetherReports = 1'000;
@@ -30,8 +30,8 @@ Eigen::Quaterniond rotation_of(const wire::vicon::VrpnPose& pose) {
   return Eigen::Quaterniond(q.w(), q.x(), q.y(), q.z()).normalized();
 }
 
-/// Returns the pose of a body that moved from `before` to `last`, extrapolated by `share` of that
-/// step.
+/// Returns the pose of a body that moved from `before` to `last`, extrapolated beyond `last` by
+/// `share` of that motion.
 wire::vicon::VrpnPose extrapolated(const wire::vicon::VrpnPose& before,
                                    const wire::vicon::VrpnPose& last, double share) {
   wire::vicon::VrpnPose out = last;
@@ -118,7 +118,7 @@ bool VrpnTrackers::take(const std::string& name, std::int64_t stamp_us,
   if (&tracker == &leader) {
     return false;
   }
-  // The reports of one instant may come in any order.
+  // The reports of one instant may arrive in any order.
   const bool is_together =
       is_near(stamp_us, leader.last.stamp_us) ||
       (tracker.reports > 1 && (is_near(tracker.before.stamp_us, leader.last.stamp_us) ||

@@ -11,31 +11,30 @@
 
 namespace vantage::drivers::vicon {
 
-/// Trackers of a VRPN server: when each reports, and where it is in between.
+/// Trackers of a VRPN server: the times of their reports, and their poses between two reports.
 ///
-/// Trackers with common instants form frames directly. A server may also have trackers that report
-/// at separate instants and rates. Then the reports of the fastest one form the frames. The others
-/// are held: their last two reports are extrapolated (forward or backward) to the instant of the
-/// frame. A held tracker is absent when its last report is older than 1.5 of its own periods. Pure;
-/// allocates only for a new tracker.
+/// Trackers that report at the same instants form frames directly. If trackers report at separate
+/// instants and rates, the reports of the fastest tracker, the leader, form the frames. The other
+/// trackers are "held": their last two reports are extrapolated (forward or backward) to the
+/// instant of the frame. A held tracker is absent if its last report is older than 1.5 of its own
+/// periods. Pure; allocates only for a new tracker.
 class VrpnTrackers {
  public:
   explicit VrpnTrackers(bool is_y_up) : is_y_up_(is_y_up) {}
 
   void clear();
-  /// Processes a report. Returns true if this tracker is held, so that its report belongs to no
-  /// frame.
+  /// Processes a report. Returns true if this tracker is held: its report does not form a frame.
   bool take(const std::string& name, std::int64_t stamp_us, const wire::vicon::VrpnPose& pose);
-  /// Adds the held trackers to the frame of `stamp_us`.
+  /// Adds the held trackers to the frame with stamp `stamp_us`.
   void add_held(std::int64_t stamp_us, SeenFrame& frame) const;
   /// Returns the report rate of each tracker.
   [[nodiscard]] std::vector<BodyRate> rates() const;
 
-  /// Sets the state of `body` from a pose on the wire.
+  /// Sets the state of `body` from a received pose.
   static void place(SeenBody& body, const wire::vicon::VrpnPose& pose, bool is_y_up);
 
-  /// The poses of a frame are stamped one after another; those of different frames are at least 1
-  /// ms apart.
+  /// µs; maximum stamp difference within a frame. Stamps of different frames are at least 1 ms
+  /// apart.
   static constexpr std::int64_t kSameFrame_us = 400;
 
  private:
@@ -50,9 +49,11 @@ class VrpnTrackers {
     Report before;
     int reports = 0;
     std::array<std::int64_t, kSteps> steps_us{};  ///< µs; newest intervals between its reports
-    std::size_t steps = 0;                        ///< number of intervals so far
-    int apart = 0;                                ///< consecutive reports apart from the leader's
-    int together = 0;                             ///< consecutive reports with the leader's
+    std::size_t steps = 0;                        ///< number of stored intervals
+    int apart = 0;                                ///< consecutive reports at other instants than
+                                                  ///< the leader's
+    int together = 0;                             ///< consecutive reports at the same instants as
+                                                  ///< the leader's
     bool is_held = false;
 
     /// Returns the median of the newest intervals, µs; 0 with too few.

@@ -1,4 +1,4 @@
-// vantage-contacts: publishes contacts and near misses of the bodies that cameras see. Subscribes
+// vantage-contacts: publishes contacts and near misses of the bodies that mocap tracks. Subscribes
 // to VICON, VEHICLE_* and TRUTH, publishes COLLISION; one process for a trial with real vehicles.
 
 #include <memory>

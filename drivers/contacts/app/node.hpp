@@ -14,7 +14,7 @@
 namespace vantage::drivers {
 
 /// Bus node of vantage-contacts: subscribes to VICON, VEHICLE_* and TRUTH, and publishes COLLISION
-/// for bodies that no simulator judges.
+/// for contacts of real bodies.
 class ContactsNode : public bus::Node {
  public:
   ContactsNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario);

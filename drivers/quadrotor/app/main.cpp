@@ -1,4 +1,4 @@
-// vantage-quadrotor: flies one quadrotor with a MAVLink autopilot. Subscribes to VICON, PLAN_*,
+// vantage-quadrotor: controls one quadrotor with a MAVLink autopilot. Subscribes to VICON, PLAN_*,
 // COMMAND and SCENARIO, publishes VEHICLE_R; one process per robot.
 
 #include <memory>

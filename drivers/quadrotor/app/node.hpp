@@ -13,11 +13,11 @@ namespace vantage::drivers {
 
 /// Returns the 32 bytes of a key file; nullopt for an empty name.
 /// @throws StartupError for a file that cannot be read, is not 32 bytes long, belongs to another
-/// user or may be read or changed by others (its mode must be 0600 or less).
+/// user, or can be read or changed by others (its mode must be 0600 or less).
 std::optional<wire::mavlink::SigningKey> load_key(const std::string& file);
 
-/// Bus node of vantage-quadrotor for one robot. It reads MAVLink from its port every 5 ms, forwards
-/// a pose at once, and obeys a command at once.
+/// Bus node of vantage-quadrotor for one robot. It reads MAVLink from its port every 5 ms. It
+/// forwards poses and obeys commands immediately.
 class QuadrotorNode : public VehicleNode<QuadrotorDriver> {
  public:
   /// @throws UsageError for a robot that is not in the scenario or has no autopilot.

@@ -11,7 +11,7 @@
 namespace vantage::drivers {
 
 /// Bus node of vantage-rover for one robot; publishes VEHICLE_R. It sends a command on its port
-/// every 20 ms, and at once after an operator command.
+/// every 20 ms, and immediately after an operator command.
 class RoverNode : public VehicleNode<RoverDriver> {
  public:
   /// @throws UsageError for a robot that is not in the scenario or not a rover.

@@ -60,7 +60,7 @@ void SensorNode::on_frame(const std::shared_ptr<const models::MocapFrame>& recei
     ++frames_out_of_order_;
     return;
   }
-  // The newest kτ up to this frame, and the number of such instants since the last frame.
+  // Computes the newest kτ up to this frame, and the number of instants kτ since the last frame.
   const std::int64_t step_us = step_.count();
   const std::int64_t newest = to_utime(frame.stamp.time) / step_us;
   const Time instant = from_utime(newest * step_us);

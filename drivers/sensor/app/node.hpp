@@ -22,12 +22,12 @@ namespace vantage::drivers {
 /// Bus node of vantage-sensor for one robot: subscribes to VICON and ATTACK, publishes
 /// MEASUREMENT_R and, in a scenario with mapping, SCAN_R.
 ///
-/// Measurements are made at the instants kτ since the epoch, with integer k and τ = planner.step_s.
-/// When the first frame captured at or after kτ arrives, the bodies are interpolated between it and
-/// the previous frame. A frame captured at kτ itself is used alone.
+/// Measurements refer to the instants kτ since the epoch, with integer k and τ = planner.step_s.
+/// When the first frame captured at or after kτ arrives, the bodies are interpolated between this
+/// frame and the previous one. A frame captured exactly at kτ is used without interpolation.
 class SensorNode : public bus::Node {
  public:
-  /// Measurement of a frame, as PoseSensor::measure().
+  /// Function that computes the measurement from a frame, like PoseSensor::measure().
   using MeasureFunction = std::function<std::optional<models::RobotMeasurement>(
       const models::MocapFrame& frame, bool jammed)>;
 
@@ -44,7 +44,7 @@ class SensorNode : public bus::Node {
 
  private:
   void on_frame(const std::shared_ptr<const models::MocapFrame>& received);
-  /// True if this robot is jammed according to the newest notice that is still valid.
+  /// True if the newest valid attack notice states that this robot is jammed.
   [[nodiscard]] bool is_jammed();
   void publish(const models::MocapFrame& frame, std::vector<models::InputRef> inputs);
 

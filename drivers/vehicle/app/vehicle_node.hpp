@@ -25,14 +25,15 @@ namespace vantage::drivers {
 
 /// Bus node of one vehicle of any type. It subscribes to VICON, PLAN_*, COMMAND and SCENARIO,
 /// publishes VEHICLE_R at 10 Hz and on change, and reads its port at each tick. A derived class
-/// passes received data to its driver and acts. Driver(scenario, robot, limits, own) has on_plan,
-/// on_map, on_other_version, on_processor_wait, take_changed, status, counters, end and end_facts.
+/// passes received data to its driver and sends the driver's output. Driver(scenario, robot,
+/// limits, own) has on_plan, on_map, on_other_version, on_processor_wait, take_changed, status,
+/// counters, end and end_facts.
 ///
-/// When requested to end, it first brings the vehicle to rest (DriverEnd). After a second request
-/// it only waits until the vehicle has confirmed that it lands itself.
+/// When requested to end, the node first stops the vehicle and its motors (DriverEnd). After a
+/// second request it only waits until the autopilot has confirmed its own landing mode.
 ///
 /// `now` is the stack's time, which never decreases (bus::SteadyClock), so that setting a clock
-/// does not move a vehicle.
+/// causes no motion of a vehicle.
 template <class Driver>
 class VehicleNode : public bus::Node {
  public:
@@ -92,10 +93,10 @@ class VehicleNode : public bus::Node {
   }
 
  protected:
-  /// @param name  of the process on HEALTH_<name>
-  /// @param landing  time for the vehicle to come to rest when the driver is requested to end
+  /// @param name  name of the process in HEALTH_<name>
+  /// @param landing  time for the vehicle to stop when the driver is requested to end
   /// @param own   last argument of Driver, after scenario, robot and limits
-  // long: every channel that a vehicle subscribes to, in one place.
+  // long: all subscriptions of a vehicle.
   template <class Own>
   VehicleNode(const std::string& name, Duration tick_period, Duration landing, bus::Bus& bus,
               const bus::Clock& clock, const scenario::Scenario& scenario, const std::string& robot,
@@ -116,7 +117,7 @@ class VehicleNode : public bus::Node {
       const Time now = clock_.now();
       on_mocap(frame, now);
       const Time answered = clock_.now();
-      // Otherwise the arrival is not set, or of another clock.
+      // Otherwise the arrival time is not set, or is of another clock.
       if (frame.arrival <= now && frame.arrival >= now - kWayMax) {
         frame_latency_.add(now - frame.arrival);
         answer_latency_.add(answered - now);
@@ -179,10 +180,12 @@ class VehicleNode : public bus::Node {
   }
 
   static constexpr Duration kStatusPeriod = std::chrono::milliseconds(100);
-  static constexpr Duration kMapLease = std::chrono::seconds(12);  ///< published every 5 s
-  /// longest plausible latency of a frame in the stack
+  static constexpr Duration kMapLease = std::chrono::seconds(12);  ///< SCENARIO is published every
+                                                                   ///< 5 s
+  /// longest plausible latency of a frame from the stack's reception to here
   static constexpr Duration kWayMax = std::chrono::seconds(10);
-  static constexpr int kReadsMax = 64;  ///< per tick: a flood must not delay the vehicle
+  static constexpr int kReadsMax = 64;  ///< maximum number of reads per tick: a flood of data must
+                                        ///< not delay the vehicle
 
   bus::Bus& bus_;
   const bus::Clock& clock_;
@@ -195,8 +198,9 @@ class VehicleNode : public bus::Node {
   Time next_status_{};
   DriverEnd end_;
   std::int64_t undecoded_ = 0;
-  LatencyRecord frame_latency_;  ///< from the arrival of a frame at the stack to its reception here
-  LatencyRecord answer_latency_;  ///< from then until the resulting messages are sent
+  LatencyRecord frame_latency_;  ///< time from the arrival of a frame at the stack to its reception
+                                 ///< in this process
+  LatencyRecord answer_latency_;  ///< time from the reception until the resulting messages are sent
   LatencyRecord stack_latency_;   ///< sum of both
   std::array<std::uint8_t, 2048> buffer_{};
 };

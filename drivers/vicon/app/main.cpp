@@ -1,5 +1,5 @@
-// vantage-vicon: reads the wire of a mocap server and publishes VICON. The scenario's `mocap` gives
-// the address of the server.
+// vantage-vicon: receives the frames of a mocap server and publishes VICON. The scenario's `mocap`
+// gives the address of the server.
 
 #include <cstdio>
 #include <memory>

@@ -16,9 +16,9 @@
 
 namespace vantage::drivers {
 
-/// Bus node of vantage-vicon: reads the wire of a mocap server and publishes VICON. Bodies that a
-/// simulator publishes on TRUTH are added to the frames of a real mocap. Each new status is passed
-/// to `report` as one sentence.
+/// Bus node of vantage-vicon: receives the frames of a mocap server and publishes VICON. Bodies
+/// that a simulator publishes on TRUTH are added to the frames of a real mocap. Each new status is
+/// passed to `report`.
 class ViconNode : public bus::Node {
  public:
   /// @throws StartupError for a scenario whose mocap is `direct`, since the simulator then
@@ -44,9 +44,9 @@ class ViconNode : public bus::Node {
   vicon::ViconDriver driver_;
   vicon::SocketLink link_;
   std::function<void(const std::string&)> report_;
-  LatencyRecord latency_;  ///< from the arrival of a frame to its publication
+  LatencyRecord latency_;  ///< time from the arrival of a frame to its publication
   std::string status_;
-  std::vector<std::string> reported_;  ///< statuses reported since the last frames
+  std::vector<std::string> reported_;  ///< statuses reported since frames were last received
   Time next_tick_;
 };
 
