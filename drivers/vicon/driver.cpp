@@ -193,8 +193,7 @@ void ViconDriver::on_time(Moment now) {
   session_->on_time(now);
   if (now.steady - last_received_ > kSilenceMax) {
     if (is_datagram_) {
-      last_received_ = now.steady;  // the silence is not reported again until kSilenceMax has
-                                    // passed
+      last_received_ = now.steady;  // the next report follows after kSilenceMax
       status_ = "no data received at " + address() +
                 "; in Tracker, turn on the UDP object stream to this host and port";
     } else {

@@ -19,7 +19,7 @@ bool is_about(double a, double b) {
   return std::abs(a - b) <= kPrecision * std::max({1.0, std::abs(a), std::abs(b)});
 }
 
-/// Removes `words` from the start of the text and returns true, if the text starts with them.
+/// Returns true if the text starts with `words`, and then removes them from the text.
 bool take(std::string_view& text, std::string_view words) {
   const bool is_there = text.starts_with(words);
   text.remove_prefix(is_there ? words.size() : 0);

@@ -14,15 +14,15 @@ namespace vantage::wire {
 struct ParameterRule {
   enum class Kind { kExactly, kAtMost, kAtLeast, kBetween, kOneOf };
 
-  std::string name;    ///< the autopilot's name for it, at most 16 characters
+  std::string name;    ///< the autopilot's name of the parameter, at most 16 characters
   double value = 0.0;  ///< the value to load; it satisfies the rule
   Kind kind = Kind::kExactly;
   std::vector<double> bounds;  ///< depends on `kind`: none, one, two, or all allowed values
   bool is_advised = false;     ///< a difference is only reported; it does not prevent flight
   std::string effect;          ///< effect of a wrong value on the vehicle: "it flies on …"
 
-  /// True if `actual` satisfies the rule. Autopilots store single precision, so a relative
-  /// difference of 1e-6 is allowed.
+  /// True if `actual` satisfies the rule. Autopilots store values in single precision, so a
+  /// relative difference of 1e-6 is allowed.
   [[nodiscard]] bool accepts(double actual) const;
   /// Returns the rule as text: "5", "at most 0.5", "0, 8 or 16".
   [[nodiscard]] std::string requirement_text() const;
@@ -49,7 +49,7 @@ constexpr mavlink::ParameterEncoding parameter_encoding(models::AutopilotDialect
                                                    : mavlink::ParameterEncoding::kCast;
 }
 
-/// Returns the number with as few digits as single precision needs: "3", "0.3".
+/// Returns the number with the fewest digits that single precision requires: "3", "0.3".
 std::string parameter_text(double value);
 
 }  // namespace vantage::wire

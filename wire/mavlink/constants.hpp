@@ -67,7 +67,8 @@ constexpr std::uint8_t kBodyFrd = 12;
 constexpr std::uint8_t kLocalFrd = 20;
 }  // namespace frame
 
-/// Bits of type_mask in a position target, which disable fields, and the combinations in use.
+/// Bits of type_mask in a position set-point, each of which disables fields, and the combinations
+/// in use.
 namespace mask {
 constexpr std::uint16_t kIgnorePosition = 7;
 constexpr std::uint16_t kIgnoreVelocity = 56;

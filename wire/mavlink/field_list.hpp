@@ -8,8 +8,8 @@
 
 #include "wire/mavlink/crc.hpp"
 
-// Each message is described once: a struct with its members and the list of them. Names, order,
-// lengths, encoding, decoding and CRC_EXTRA all follow from this description.
+// Each message is described once, by a struct and the list of its members. Names, order, lengths,
+// encoding, decoding and CRC_EXTRA all follow from this description.
 
 namespace vantage::wire::mavlink {
 
@@ -58,7 +58,8 @@ template <auto... first, auto... second>
 struct JoinedFields<FieldList<first...>, FieldList<second...>> {
   using Type = FieldList<first..., second...>;
 };
-/// The fields of `First`, then those of `Second`, for messages that share their first fields.
+/// List of the fields of `First`, then those of `Second`, for messages that share their first
+/// fields.
 template <class First, class Second>
 using Joined = typename JoinedFields<First, Second>::Type;
 
@@ -99,9 +100,9 @@ constexpr std::size_t full_bytes() {
   return base_bytes<Message>() + payload_bytes<Message, typename Message::Extensions>();
 }
 
-/// Returns a checksum over a message's name, field types and field names. It is part of each
-/// frame's CRC, so that two ends with different definitions reject each other's frames. Extensions
-/// are excluded. Source: MAVLink developer guide, serialization, CRC_EXTRA.
+/// Returns a checksum over a message's name, field types and field names. This checksum is part of
+/// each frame's CRC, so that two ends with different definitions reject each other's frames.
+/// Extensions are excluded. Source: MAVLink developer guide, serialization, CRC_EXTRA.
 template <class Message>
 constexpr std::uint8_t crc_extra() {
   Crc crc;

@@ -3,7 +3,7 @@
 namespace vantage::wire::mavlink {
 namespace {
 
-/// Appends everything between the marker and the CRC.
+/// Appends all bytes between the marker and the CRC.
 void append_body(const Frame& frame, std::vector<std::uint8_t>& out) {
   const auto id_byte = [&frame](unsigned i) {
     return static_cast<std::uint8_t>(frame.message_id >> (8 * i));

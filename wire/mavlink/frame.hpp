@@ -21,7 +21,7 @@ constexpr std::uint8_t kFlagSigned = 0x01;
 constexpr std::size_t kPayloadMax = 255;
 constexpr std::size_t kFrameMax = 10 + kPayloadMax + 2 + 13;
 
-/// The sender and its sequence number.
+/// Sender of a frame, and its sequence number.
 struct Origin {
   std::uint8_t system_id = 0;
   std::uint8_t component_id = 0;
@@ -31,7 +31,7 @@ struct Origin {
 
 struct Signature {
   std::uint8_t link_id = 0;
-  std::uint64_t timestamp_10us = 0;         ///< since 2015-01-01, 48 bits
+  std::uint64_t timestamp_10us = 0;         ///< 10 µs since 2015-01-01, 48 bits
   std::array<std::uint8_t, 6> truncated{};  ///< first 48 bits of the SHA-256
 };
 
@@ -42,7 +42,7 @@ struct Frame {
   std::uint8_t compatible_flags = 0;
   Origin origin;
   std::uint32_t message_id = 0;
-  std::uint8_t payload_size = 0;  ///< as sent: version 2 cuts trailing zeros
+  std::uint8_t payload_size = 0;  ///< size as sent: version 2 removes trailing zeros
   std::array<std::uint8_t, kPayloadMax> payload{};
   std::uint16_t crc = 0;
   std::optional<Signature> signature;
@@ -84,7 +84,7 @@ T element_at(const std::uint8_t* in) {
   return std::bit_cast<T>(static_cast<Bits>(bits));
 }
 
-/// Returns `message` in an unsigned version-2 frame, with trailing zeros cut.
+/// Returns `message` in an unsigned version-2 frame, with trailing zeros removed.
 template <class Message>
 Frame pack(const Message& message, const Origin& origin) {
   Frame frame;
@@ -114,8 +114,8 @@ Frame pack(const Message& message, const Origin& origin) {
   return frame;
 }
 
-/// Returns the message in `frame`; nullopt when it has another id. Bytes that were cut off read as
-/// zero, and bytes beyond the known fields are ignored.
+/// Returns the message in `frame`; nullopt if the frame has another message id. Removed trailing
+/// bytes are read as zero; bytes beyond the known fields are ignored.
 template <class Message>
 std::optional<Message> unpack(const Frame& frame) {
   if (frame.message_id != Message::kMessage.id) {

@@ -122,7 +122,7 @@ struct SetAttitudeTarget {
   using Extensions = FieldList<&SetAttitudeTarget::thrust_body>;
 };
 
-/// The common first fields of both position target messages.
+/// Common first fields of both position set-point messages.
 struct PositionTarget : LocalMotion {
   float afx = 0.0F;       ///< [m/s/s]
   float afy = 0.0F;       ///< [m/s/s]

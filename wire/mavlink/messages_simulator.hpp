@@ -5,8 +5,8 @@
 
 #include "wire/mavlink/field_list.hpp"
 
-// Messages between a simulator and the firmware that it drives. Members are in wire order, with the
-// names, units and types of the message definitions (common.xml).
+// Messages between a simulator and the firmware that flies in it. Members are in wire order, with
+// the names, units and types of the message definitions (common.xml).
 
 namespace vantage::wire::mavlink {
 

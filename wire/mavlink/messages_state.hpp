@@ -6,8 +6,9 @@
 #include "wire/mavlink/field_list.hpp"
 #include "wire/mavlink/messages_motion.hpp"
 
-// A vehicle's estimated state and its quality. Members are in wire order, with the names, units and
-// types of the message definitions (common.xml, ardupilotmega.xml).
+// Messages with a vehicle's estimated state and the quality of the estimate. Members are in wire
+// order, with the names, units and types of the message definitions (common.xml,
+// ardupilotmega.xml).
 
 namespace vantage::wire::mavlink {
 

@@ -8,7 +8,8 @@
 namespace vantage::wire::mavlink {
 namespace {
 
-/// Calls use(T{}) with the integer type of up to four bytes that `type` means; false for others.
+/// Calls use(T{}) with T, the integer type of up to four bytes that `type` denotes; returns false
+/// for other types.
 template <class Use>
 bool with_whole_type(std::uint8_t type, const Use& use) {
   switch (type) {
@@ -45,7 +46,7 @@ double decode_parameter(float wire, std::uint8_t type, ParameterEncoding encodin
   }
   double out = kNotThere;
   with_whole_type(type, [&](auto whole) {
-    // Little-endian: the low bytes come first.
+    // The bytes are little-endian: the low bytes are first.
     out = static_cast<double>(static_cast<decltype(whole)>(std::bit_cast<std::uint32_t>(wire)));
   });
   return out;

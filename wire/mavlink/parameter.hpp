@@ -9,7 +9,7 @@
 
 namespace vantage::wire::mavlink {
 
-/// The encoding of integers in a float field: converted to float (ArduPilot), or as bytes (PX4).
+/// Encoding of integers in a float field: converted to float (ArduPilot), or copied bytewise (PX4).
 /// Source: MAVLink developer guide, parameter protocol.
 enum class ParameterEncoding { kCast, kBytewise };
 
@@ -19,12 +19,14 @@ constexpr std::uint8_t kInt32 = 6;
 constexpr std::uint8_t kFloat = 9;
 }  // namespace parameter_type
 
-/// Returns the number encoded in `wire`; NaN for types of eight bytes, which do not fit.
+/// Returns the number encoded in the field `wire`; NaN for types of eight bytes, which do not fit
+/// into the field.
 double decode_parameter(float wire, std::uint8_t type, ParameterEncoding encoding);
 /// Returns the encoded value; for integer types it is rounded and clamped to their range.
 float encode_parameter(double value, std::uint8_t type, ParameterEncoding encoding);
 
-/// Returns the name as a wire field: cut at 16 characters, without a NUL when it fills the field.
+/// Returns the name as a message field: cut at 16 characters, without a NUL if the name fills the
+/// field.
 std::array<char, 16> parameter_id(std::string_view name);
 std::string parameter_name(const std::array<char, 16>& id);
 

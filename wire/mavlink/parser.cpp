@@ -56,7 +56,7 @@ std::size_t Parser::fill(std::span<const std::uint8_t> bytes) {
     end_ -= begin_;
     begin_ = 0;
   }
-  // next() leaves less than one frame in the buffer, so there is always room.
+  // next() leaves less than one frame in the buffer, so the buffer always has free bytes.
   const std::size_t taken = std::min(bytes.size(), kBufferBytes - end_);
   std::copy_n(bytes.begin(), taken, buffer_.begin() + static_cast<std::ptrdiff_t>(end_));
   end_ += taken;
@@ -101,7 +101,8 @@ std::optional<Frame> Parser::read_frame(bool& is_incomplete) {
   Frame frame = read_without_crc_check(bytes.first(size));
   const MessageInfo* const message = find_message(frame.message_id);
   if (message == nullptr) {
-    // Without its CRC_EXTRA the CRC cannot be checked; the next byte shows whether it was a frame.
+    // The CRC of a message without known CRC_EXTRA cannot be checked; the next byte shows whether
+    // these bytes were a frame.
     if (bytes.size() == size || is_marker(bytes[size])) {
       begin_ += size;
       ++counts_.unknown;

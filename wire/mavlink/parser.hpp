@@ -12,18 +12,19 @@
 
 namespace vantage::wire::mavlink {
 
-/// Counts of a Parser since its start.
+/// Counters of a Parser since its start.
 struct ParserCounts {
   std::int64_t frames = 0;         ///< delivered frames
-  std::int64_t frames_v1 = 0;      ///< of `frames`, those in version 1
+  std::int64_t frames_v1 = 0;      ///< delivered frames of version 1
   std::int64_t unknown = 0;        ///< complete frames of messages that are not in AllMessages
   std::int64_t unknown_flags = 0;  ///< frames dropped because of an unknown incompatible flag
   std::int64_t bytes_skipped = 0;  ///< bytes outside frames: noise, wrong CRC, truncated
 };
 
-/// Finder of frames in a byte stream that arrives in pieces of any size, with noise between and in
-/// them. Bounded: it stores at most kBufferBytes. After an invalid frame it resumes the search one
-/// byte after that start, so a bad frame cannot hide a good one.
+/// Parser that finds frames in a byte stream, which arrives in pieces of any size and may contain
+/// noise between and within frames. It stores at most kBufferBytes. After an invalid frame, it
+/// continues the search one byte after the start of that frame, so an invalid frame cannot hide a
+/// valid one.
 class Parser {
  public:
   /// Calls handle(const Frame&) for each frame that ends within `bytes`.
@@ -36,8 +37,8 @@ class Parser {
       }
     }
   }
-  /// Discards an incomplete frame when the rest of it cannot arrive: at the end of a datagram or in
-  /// a pause on a serial line. Valid frames within these bytes are still found.
+  /// Discards an incomplete frame whose rest cannot arrive: at the end of a datagram or after a
+  /// pause on a serial line. Valid frames within these bytes are still found.
   template <class Handle>
   void flush(const Handle& handle) {
     while (begin_ != end_) {
@@ -67,8 +68,8 @@ class Parser {
   ParserCounts counts_;
 };
 
-/// Counter of the lost frames of each sender, by its sequence numbers. They have 8 bits, so a loss
-/// of 128 or more frames in a row looks like reordering. Stores at most kSendersMax senders.
+/// Counter of lost frames per sender, by sequence numbers. The numbers have 8 bits, so a loss of
+/// 128 or more consecutive frames is mistaken for reordering. Stores at most kSendersMax senders.
 class SequenceMonitor {
  public:
   void on_frame(const Origin& origin);

@@ -38,7 +38,7 @@ enum class SignatureVerdict {
   kGood,
   kUnsigned,
   kWrong,          ///< not made with this key, or modified in transit
-  kReplayed,       ///< not newer than the last of its stream, or too old for a new stream
+  kReplayed,       ///< timestamp not newer than the last of its stream, or too old for a new stream
   kTooManyStreams  ///< the limit of streams per link is reached
 };
 
@@ -47,12 +47,12 @@ class Signer {
  public:
   Signer(const SigningKey& key, std::uint8_t link_id) : key_(key), link_id_(link_id) {}
 
-  /// Signs `frame`, which must be of version 2. Timestamps increase with each call even when `now`
-  /// stops or goes back.
+  /// Signs `frame`, which must be of version 2. Timestamps increase with each call, even if `now`
+  /// is constant or decreases.
   void sign(Frame& frame, Time now);
   /// Checks a frame that arrived at `now`. A stream is identified by (system, component, link id),
-  /// and its timestamps must increase. That of a new stream may be at most one minute behind this
-  /// end's.
+  /// and its timestamps must increase. The first timestamp of a new stream may be at most one
+  /// minute behind the newest timestamp of this end.
   SignatureVerdict check(const Frame& frame, Time now);
 
  private:

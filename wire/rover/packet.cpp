@@ -53,7 +53,8 @@ class Writer {
   std::size_t at_ = 0;
 };
 
-/// Checks the frame around the content. Sets `content` when the frame is accepted.
+/// Checks header, length and checksum of a datagram. Sets `content` to the bytes between them if
+/// the datagram is accepted.
 Verdict open(std::span<const std::uint8_t> datagram, std::uint8_t kind, std::size_t bytes,
              std::span<const std::uint8_t>& content) {
   Reader header(datagram);

@@ -14,14 +14,16 @@ inline constexpr std::uint16_t kMagic = 0x5256;  ///< the letters V, R in byte o
 inline constexpr std::uint8_t kProtocolVersion = 1;
 inline constexpr std::size_t kCommandBytes = 40;
 inline constexpr std::size_t kTelemetryBytes = 56;
-/// A rover without a valid command for this time brakes to a stop on its own.
+/// s; a rover that receives no valid command for this time brakes to a stop.
 inline constexpr double kWatchdogS = 0.2;
-/// Period of a rover's telemetry.
+/// s; period of a rover's telemetry.
 inline constexpr double kTelemetryPeriodS = 0.05;
 
 /// Bits of Command::flags.
-inline constexpr std::uint32_t kDrive = 1U << 0U;  ///< obey the speeds; without it they are ignored
-inline constexpr std::uint32_t kEmergencyStop = 1U << 1U;  ///< brake hardest; the rover latches it
+inline constexpr std::uint32_t kDrive = 1U << 0U;  ///< obey the speeds; they are ignored if this
+                                                   ///< bit is 0
+inline constexpr std::uint32_t kEmergencyStop = 1U << 1U;  ///< brake at the maximum deceleration;
+                                                           ///< the rover latches the stop
 inline constexpr std::uint32_t kReleaseStop = 1U << 2U;    ///< release a latched emergency stop
 
 /// Bits of Telemetry::flags.
@@ -35,9 +37,10 @@ struct Command {
   std::uint32_t robot = 0;      ///< the rover's number
   std::uint32_t session = 0;    ///< random for each start of a driver; never 0
   std::uint32_t sequence = 0;   ///< incremented for each command; wraps
-  std::int64_t time_us = 0;     ///< time of sending by the driver's clock; only echoed
-  float speed_mps = 0.0F;       ///< forwards positive
-  float yaw_rate_radps = 0.0F;  ///< left positive
+  std::int64_t time_us = 0;     ///< µs; sending time by the driver's clock; the rover only echoes
+                                ///< it
+  float speed_mps = 0.0F;       ///< m/s; positive forwards
+  float yaw_rate_radps = 0.0F;  ///< rad/s; positive to the left
   std::uint32_t flags = 0;
   friend bool operator==(const Command&, const Command&) = default;
 };
@@ -46,19 +49,20 @@ struct Command {
 struct Telemetry {
   std::uint32_t robot = 0;
   std::uint32_t boot = 0;              ///< random for each start of the rover
-  std::uint32_t sequence = 0;          ///< from 0 at each start
-  std::uint32_t session = 0;           ///< of the driver whose commands are obeyed; 0: none yet
-  std::uint32_t command_sequence = 0;  ///< of the newest accepted command
+  std::uint32_t sequence = 0;          ///< incremented for each message, from 0 at each start
+  std::uint32_t session = 0;           ///< session of the driver whose commands are obeyed; 0: none
+                                       ///< yet
+  std::uint32_t command_sequence = 0;  ///< sequence of the newest accepted command
   std::int64_t command_time_us = 0;    ///< time_us of that command
-  float speed_mps = 0.0F;              ///< measured at the wheels
-  float yaw_rate_radps = 0.0F;         ///< measured
+  float speed_mps = 0.0F;              ///< m/s; measured at the wheels
+  float yaw_rate_radps = 0.0F;         ///< rad/s; measured
   float battery_share = 0.0F;          ///< in [0, 1]
   std::uint32_t flags = 0;
   std::uint32_t refused = 0;  ///< datagrams refused since the start
   friend bool operator==(const Telemetry&, const Telemetry&) = default;
 };
 
-/// The result of decoding a datagram: the first that applies, in this order.
+/// Result of decoding a datagram: the first value that applies, in this order.
 enum class [[nodiscard]] Verdict{
     kAccepted, kForeign,  ///< not this protocol
     kVersion,  kKind,     ///< telemetry in place of a command, or the reverse
@@ -71,7 +75,8 @@ const char* name_of(Verdict verdict);
 
 std::array<std::uint8_t, kCommandBytes> encode(const Command& command);
 std::array<std::uint8_t, kTelemetryBytes> encode(const Telemetry& telemetry);
-/// Writes `out` only when the datagram is accepted. Constant time, no allocation.
+/// Decode a datagram into `out`, which is unchanged unless the datagram is accepted. Constant time,
+/// no allocation.
 Verdict decode(std::span<const std::uint8_t> datagram, Command& out);
 Verdict decode(std::span<const std::uint8_t> datagram, Telemetry& out);
 

@@ -13,7 +13,8 @@ constexpr std::size_t kHead = 8;
 constexpr std::size_t kBytes16 = kHead + 2 * 16;
 constexpr std::size_t kBytes32 = kHead + 2 * 32;
 
-// The firmware sends its own structs and runs on little-endian machines only, as this code does.
+// Returns the value at `offset`. The firmware sends structs from memory; the firmware and this code
+// run only on little-endian machines.
 template <class T>
 T at(std::span<const std::uint8_t> bytes, std::size_t offset) {
   T value{};

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-// Conversion between numbers and bytes in either byte order.
+// Conversion between numbers and bytes in little-endian or big-endian order.
 
 namespace vantage::wire::vicon {
 
@@ -30,7 +30,7 @@ class Reader {
   float f32() { return std::bit_cast<float>(u32()); }
   double f64() { return std::bit_cast<double>(u64()); }
 
-  /// Returns the next `count` bytes; none, with ok() false, when there are fewer.
+  /// Returns the next `count` bytes. If fewer remain, returns none and makes ok() false.
   Bytes take(std::size_t count) {
     if (count > rest_.size()) {
       is_ok_ = false;
@@ -45,8 +45,8 @@ class Reader {
     const Bytes taken = take(count);
     return {reinterpret_cast<const char*>(taken.data()), taken.size()};
   }
-  /// Reads a count of elements of at least `element_bytes` each. Returns 0, with ok() false, when
-  /// the remaining bytes cannot hold them.
+  /// Reads the number of the following elements, each of at least `element_bytes`. If the remaining
+  /// bytes are too few for this number, returns 0 and makes ok() false.
   std::uint32_t count(std::size_t element_bytes) {
     const std::uint32_t elements = u32();
     if (elements > rest_.size() / element_bytes) {
@@ -76,7 +76,8 @@ class Reader {
   bool is_ok_ = true;
 };
 
-/// Writer that appends numbers to a buffer; reusing a cleared buffer allocates nothing.
+/// Writer that appends numbers to a buffer. It does not allocate memory if a cleared buffer is
+/// reused.
 template <std::endian kOrder>
 class Writer {
  public:
@@ -93,7 +94,7 @@ class Writer {
   void text(std::string_view text) { out_.insert(out_.end(), text.begin(), text.end()); }
   void zeros(std::size_t count) { out_.insert(out_.end(), count, 0); }
 
-  /// Overwrites the four bytes at `offset`, for lengths that are only known at the end.
+  /// Overwrites the four bytes at `offset`, for lengths that are known only after the content.
   void patch_u32(std::size_t offset, std::uint32_t value) {
     for (std::size_t i = 0; i < sizeof value; ++i) {
       const std::size_t from_low = kOrder == std::endian::little ? i : sizeof value - 1 - i;

@@ -6,7 +6,7 @@
 namespace vantage::wire::vicon {
 namespace {
 
-// Source: the SDK's split into static and dynamic object types.
+// Source: the static and dynamic object types of the SDK.
 constexpr std::array<std::uint32_t, 17> kStaticTypes{1,  2,     3,  4,  14, 1401, 19, 20, 27,
                                                      28, 28001, 29, 33, 34, 37,   38, 40};
 

@@ -11,8 +11,7 @@
 
 // Framing of Vicon's DataStream (CGStream), TCP port 801, little-endian and packed:
 //   packet := u32 0x1A2B0001 | u32 bytes that follow | block*
-//   block  := u32 type | u32 bytes of body | body
-// The same in both directions.
+// block  := u32 type | u32 bytes of body | body Both directions use this format.
 
 namespace vantage::wire::vicon {
 
@@ -47,8 +46,8 @@ enum BlockType : std::uint32_t {
   kRequestNextFrame = 100008,
 };
 
-/// True for blocks that describe the scene and are sent when it changes. They form the static set,
-/// which any packet with a static block replaces as a whole.
+/// True for blocks that describe the scene and are sent only when the scene changes. They form the
+/// static set. A packet with a static block replaces the complete set.
 bool is_static(std::uint32_t type);
 /// True for blocks of a single frame; a packet without such a block is not a frame.
 bool is_dynamic(std::uint32_t type);
@@ -66,7 +65,8 @@ struct Block {
 class BlockCursor {
  public:
   explicit BlockCursor(Bytes packet_body) : reader_(packet_body) {}
-  /// Returns the next block; nullopt at the end, or when the rest is not a block (is_broken()).
+  /// Returns the next block; nullopt at the end, or if the remaining bytes are not a block
+  /// (is_broken()).
   std::optional<Block> next();
   [[nodiscard]] bool is_broken() const { return !reader_.ok(); }
 
@@ -80,7 +80,7 @@ class PacketWriter {
   explicit PacketWriter(std::vector<std::uint8_t>& out);
   void begin_block(std::uint32_t type);
   void end_block();
-  /// Writes the packet's length. Call it once, last.
+  /// Writes the packet's length. Call it once, after the last block.
   void finish();
 
   [[nodiscard]] Writer<std::endian::little>& body() { return writer_; }

@@ -10,9 +10,9 @@
 #include "wire/vicon/datastream.hpp"
 
 // Bodies of the blocks that are needed for poses. Each `decode` fills a value and reuses its
-// memory. It returns false for a body that is too short or has counts that do not fit; the value is
-// then unspecified. Bytes after the known fields are ignored, as in Vicon's own client. Each
-// `append` adds one block to a packet. Lengths are in mm in this protocol only.
+// memory. It returns false for a body that is too short or contains a count that exceeds its size;
+// the value is then unspecified. Bytes after the known fields are ignored, as in Vicon's client.
+// Each `append` adds one block to a packet. Lengths are in mm.
 
 namespace vantage::wire::vicon {
 
@@ -30,14 +30,15 @@ struct RequestFrame {
 bool decode(Bytes body, RequestFrame& out);
 void append(PacketWriter& packet, const RequestFrame& value);
 
-/// Block 100008.
+/// Block 100008: requests the next frames.
 struct RequestNextFrame {
   std::uint32_t count = 1;
 };
 bool decode(Bytes body, RequestNextFrame& out);
 void append(PacketWriter& packet, const RequestNextFrame& value);
 
-/// Block 100004: the block types in a packet, and those to keep from the packet before.
+/// Block 100004: the block types in a packet, and the block types that are unchanged since the
+/// previous packet.
 struct Contents {
   struct Entry {
     std::uint32_t type = 0;
@@ -51,7 +52,7 @@ struct Contents {
 bool decode(Bytes body, Contents& out);
 void append(PacketWriter& packet, const Contents& value);
 
-/// Block 42: echoed unchanged.
+/// Block 42; the server echoes it unchanged.
 struct Ping {
   std::uint64_t id = 0;
 };
@@ -62,7 +63,7 @@ void append(PacketWriter& packet, const Ping& value);
 struct StreamInfo {
   static constexpr double kTicksPerSecond = 135e6;
   std::int64_t period_ticks = 0;
-  /// Returns 0 when the rate is unknown.
+  /// Returns the frame rate, Hz; 0 if unknown.
   [[nodiscard]] double rate_hz() const;
 };
 bool decode(Bytes body, StreamInfo& out);
@@ -93,7 +94,8 @@ struct SubjectInfo {
 bool decode(Bytes body, SubjectInfo& out);
 void append(PacketWriter& packet, const SubjectInfo& value);
 
-/// Block 5. kNoFrame means that there is no frame number. Vicon's SDK reports the number plus one.
+/// Block 5: frame number. kNoFrame: the frame has no number. Vicon's SDK reports the number plus
+/// one.
 struct FrameInfo {
   static constexpr std::uint32_t kNoFrame = 0xFFFFFFFF;
   std::uint32_t frame_number = 0;
@@ -115,7 +117,8 @@ struct ApplicationInfo {
 bool decode(Bytes body, ApplicationInfo& out);
 void append(PacketWriter& packet, const ApplicationInfo& value);
 
-/// Blocks 9 (world poses) and 8 (relative to the parent segment; the root's is in the world).
+/// Blocks 9 (poses in the world frame) and 8 (poses relative to the parent segment; the root's pose
+/// is in the world frame).
 struct Segments {
   struct Pose {
     std::uint32_t segment_id = 0;
@@ -128,7 +131,8 @@ struct Segments {
 bool decode(Bytes body, Segments& out);
 void append(PacketWriter& packet, const Segments& value, BlockType type = kGlobalSegments);
 
-/// Block 901: as 8, in single precision, with rotations as axis times angle.
+/// Block 901: as block 8, in single precision, with rotations as rotation vectors (axis times
+/// angle).
 struct LightweightSegments {
   struct Pose {
     std::uint32_t segment_id = 0;
@@ -153,7 +157,7 @@ struct LatencyInfo {
 bool decode(Bytes body, LatencyInfo& out);
 void append(PacketWriter& packet, const LatencyInfo& value);
 
-/// Block 39: rates by name.
+/// Block 39: frame rates with their names.
 struct FrameRateInfo {
   struct Entry {
     std::string name;

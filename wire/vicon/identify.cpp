@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view kVrpnStart = "vrpn: ver. ";
 constexpr std::string_view kQualisysStart = "QTM RT Interface";
-constexpr std::size_t kQualisysHeaderBytes = 8;  // size and type of the packet
+constexpr std::size_t kQualisysHeaderBytes = 8;  // bytes; size and type of the packet
 constexpr std::size_t kBytesToDecide = 8;
 constexpr double kCoordinateMax_mm = 1e7;
 
@@ -28,7 +28,8 @@ bool has_common_start(std::string_view a, std::string_view b) {
   return a.substr(0, common) == b.substr(0, common);
 }
 
-/// True if counts, sizes and numbers are plausible for this stream; random data hardly ever passes.
+/// True if counts, sizes and numbers are plausible for this stream; random data are plausible very
+/// rarely.
 bool is_object_block(Bytes datagram) {
   ObjectBlock block;
   return decode_object_block(datagram, block) && !block.is_truncated && block.skipped_items == 0 &&

@@ -7,7 +7,7 @@ namespace vantage::wire::vicon {
 /// The type of server at the other end of a port.
 enum class ServerType {
   kUnknown,       ///< no known protocol
-  kTooFewBytes,   ///< a valid start, but too short to decide
+  kTooFewBytes,   ///< valid start, but too few bytes to decide
   kDataStream,    ///< Vicon DataStream (Tracker, Nexus, Blade, Shogun, Evoke)
   kVrpn,          ///< a VRPN server, from Vicon or another vendor
   kObjectStream,  ///< Vicon Tracker's UDP object stream

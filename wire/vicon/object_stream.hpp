@@ -10,7 +10,8 @@
 
 #include "wire/vicon/bytes.hpp"
 
-// Vicon Tracker's UDP object stream (destination port 51001): little-endian datagrams, one way.
+// Vicon Tracker's UDP object stream (destination port 51001): little-endian datagrams, from the
+// server only.
 
 namespace vantage::wire::vicon {
 
@@ -20,7 +21,7 @@ inline constexpr std::size_t kObjectNameBytes = 24;
 inline constexpr std::uint16_t kObjectItemBytes = 72;  ///< bytes: name, translation, rotation
 inline constexpr std::size_t kObjectsMax = 255;        ///< largest count in a datagram
 
-/// One tracker object in its wire layout.
+/// One tracker object, as encoded in a datagram.
 struct TrackerObject {
   std::array<char, kObjectNameBytes> padded_name{};  ///< NUL padded; a full name has no NUL
   Eigen::Vector3d translation_mm = Eigen::Vector3d::Zero();
@@ -35,13 +36,13 @@ struct TrackerObject {
 struct ObjectBlock {
   std::uint32_t frame_number = 0;
   std::vector<TrackerObject> objects;  ///< at most kObjectsMax, all with a name
-  int skipped_items = 0;               ///< of another kind, too short, or without a name
+  int skipped_items = 0;               ///< items of another kind, too short, or without a name
   bool is_truncated = false;           ///< the datagram ended within an announced item
 };
 
-/// Decodes a datagram into `block`, whose memory is reused. Returns false without decoding when it
-/// is shorter than a header. Items of an unknown kind or size are skipped by their length. Bytes
-/// after the last item are padding and ignored. Memory is constant: 255 objects.
+/// Decodes a datagram into `block`, whose memory is reused. Returns false without decoding if the
+/// datagram is shorter than a header. Items of an unknown kind or size are skipped by their length.
+/// Bytes after the last item are padding and ignored. Memory is constant: 255 objects.
 bool decode_object_block(Bytes datagram, ObjectBlock& block);
 
 /// Returns the number of objects that fit into `block_bytes`: 3, 6, 13 for 256, 512, 1024.

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kRotationErrorMax = 1e-3;
 
-/// Returns the rotation from y-up to z-up axes: a quarter turn about x.
+/// Returns the rotation from y-up to z-up axes: 90° about x.
 Quaternion quarter_turn() {
   const double half = std::sqrt(0.5);
   return {half, half, 0.0, 0.0};
@@ -29,8 +29,8 @@ Eigen::Vector3d euler_xyz_from_rotation(const Quaternion& world_from_body) {
   const Eigen::Matrix3d R = world_from_body.toRotationMatrix();
   const double a = std::atan2(-R(1, 2), R(2, 2));
   const double b = std::atan2(R(0, 2), std::hypot(R(0, 0), R(0, 1)));
-  // Removing a leaves Rx(a)ᵀ·R = Ry(b)·Rz(c), which determines c. Near |b| = π/2, where a is
-  // ill-determined, c compensates its error.
+  // Computes c from Rx(a)ᵀ·R = Ry(b)·Rz(c). Near |b| = π/2, where a is inaccurate, c compensates
+  // the error of a.
   const Eigen::RowVector3d left = std::cos(a) * R.row(1) + std::sin(a) * R.row(2);
   return {a, b, std::atan2(left(0), left(1))};
 }

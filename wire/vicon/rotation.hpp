@@ -16,12 +16,12 @@ namespace vantage::wire::vicon {
 /// Source: Vicon DataStream SDK, EulerXYZ.
 Quaternion rotation_from_euler_xyz(const Eigen::Vector3d& euler_rad);
 
-/// Returns angles with b in [−π/2, π/2] and a and c in [−π, π]. They reproduce R up to rounding
-/// everywhere, even at |b| = π/2, where only a ± c is determined.
+/// Returns the angles a, b, c with b in [−π/2, π/2] and a and c in [−π, π]. They reproduce R up to
+/// rounding, even at |b| = π/2, where only a ± c is determined.
 Eigen::Vector3d euler_xyz_from_rotation(const Quaternion& world_from_body);
 
-/// Returns the rotation nearest to `R`. nullopt when an entry of RᵀR is off by more than 1e-3, or
-/// when R is a reflection (det < 0).
+/// Returns the rotation nearest to `R`; nullopt if an entry of RᵀR differs from the identity by
+/// more than 1e-3, or if R is a reflection (det < 0).
 std::optional<Quaternion> rotation_from_matrix(const Eigen::Matrix3d& R);
 
 /// Returns the normalized quaternion; nullopt when its norm differs from 1 by more than 1e-3.

@@ -14,8 +14,8 @@ class StreamBuffer {
  public:
   explicit StreamBuffer(std::size_t capacity) : buffer_(capacity) {}
 
-  /// Appends as many of `bytes` as fit, and returns their number. 0 for a non-empty span means that
-  /// view() is full.
+  /// Appends the first bytes of `bytes` that fit, and returns their number. The result is 0 for a
+  /// non-empty span if view() is full.
   std::size_t push(Bytes bytes) {
     if (bytes.size() > buffer_.size() - end_ && begin_ > 0) {
       std::copy(buffer_.begin() + offset(begin_), buffer_.begin() + offset(end_), buffer_.begin());
@@ -50,13 +50,13 @@ class StreamBuffer {
 enum class Framing {
   kWhole,     ///< complete
   kNeedMore,  ///< incomplete
-  kBroken,    ///< not this protocol, or too long: the stream cannot be used any more
+  kBroken,    ///< not this protocol, or too long: the stream is unusable
 };
 
 /// The first packet or message of a stream.
 struct Framed {
   Framing state = Framing::kNeedMore;
-  Bytes body;             ///< of a complete one
+  Bytes body;             ///< content of a complete packet or message
   std::size_t bytes = 0;  ///< bytes to consume, header and padding included
 };
 

@@ -53,7 +53,7 @@ void header_to(const VrpnHeader& header, std::size_t payload_bytes, BigWriter& t
   to.u32(header.microseconds);
   to.i32(header.sender);
   to.i32(header.type);
-  to.u32(0);  // sequence number, unused by receivers
+  to.u32(0);  // sequence number; receivers ignore it
 }
 
 template <class Linear, class Quaternion>

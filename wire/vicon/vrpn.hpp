@@ -40,17 +40,18 @@ inline constexpr std::string_view kVrpnPongType = "vrpn_Base pong_message";
 
 /// Appends the cookie: "vrpn: ver. 07.35", two spaces, log mode "0", zeros; 24 bytes.
 void append_vrpn_cookie(std::vector<std::uint8_t>& out, int minor = 35);
-/// The version in a cookie, the first 24 bytes of a stream; decode returns nullopt for other bytes.
+/// Version in a cookie, the first 24 bytes of a stream. The decoder returns nullopt for other
+/// bytes.
 struct VrpnVersion {
   int major = 0;
   int minor = 0;
 };
 std::optional<VrpnVersion> decode_vrpn_cookie(Bytes bytes);
-/// Only the major version has to match.
+/// Required major version; the minor version may differ.
 inline constexpr int kVrpnMajor = 7;
 
 struct VrpnHeader {
-  std::uint32_t seconds = 0;  ///< of the sender's clock, since the Unix epoch
+  std::uint32_t seconds = 0;  ///< s since the Unix epoch, by the sender's clock
   std::uint32_t microseconds = 0;
   std::int32_t sender = 0;
   std::int32_t type = 0;
@@ -60,13 +61,14 @@ struct VrpnHeader {
 /// `body` is the payload without padding.
 Framed next_vrpn_message(Bytes stream, VrpnHeader& header);
 
-/// Appends a message with `payload` and its padding.
+/// Appends a message that contains `payload` and padding.
 void append_vrpn_message(std::vector<std::uint8_t>& out, const VrpnHeader& header, Bytes payload);
 
 /// Returns the name that a description (type −1 or −2) announces for header.sender, as a view into
-/// `payload`. nullopt unless it has 1 … 128 bytes.
+/// `payload`; nullopt unless the name has 1 … 128 bytes.
 std::optional<std::string_view> decode_vrpn_name(Bytes payload);
-/// Announces `name` under `id`; `type` is kVrpnSenderDescription or kVrpnTypeDescription.
+/// Appends a message that announces `name` for `id`; `type` is kVrpnSenderDescription or
+/// kVrpnTypeDescription.
 void append_vrpn_name(std::vector<std::uint8_t>& out, std::int32_t type, std::int32_t id,
                       std::string_view name);
 
@@ -91,7 +93,7 @@ std::optional<VrpnVelocity> decode_vrpn_velocity(Bytes payload);
 void append_vrpn_velocity(std::vector<std::uint8_t>& out, const VrpnHeader& header,
                           const VrpnVelocity& velocity);
 
-/// The datagram with which a client asks a server to connect to it: "<ip> <port>" and a NUL.
+/// Datagram by which a client requests a server to connect to the client: "<ip> <port>" and a NUL.
 struct VrpnCallback {
   std::string address;
   int port = 0;
