@@ -9,13 +9,13 @@
 
 namespace vantage::sim {
 
-/// A robot's body in the simulated world, whatever controls it: its true state and its motion.
+/// Body of a robot in the simulated world, with any kind of control: its true state and its motion.
 class Vehicle {
  public:
   virtual ~Vehicle() = default;
 
   [[nodiscard]] virtual const std::string& name() const = 0;
-  /// Returns the radius of the collision sphere around its centre.
+  /// Returns the radius of the collision sphere around the body's centre.
   [[nodiscard]] virtual double radius_m() const = 0;
   [[nodiscard]] virtual Pose3 world_from_body() const = 0;
   [[nodiscard]] virtual Eigen::Vector3d velocity_world_mps() const = 0;

@@ -12,7 +12,7 @@
 
 namespace vantage::sim {
 
-/// A simulated vehicle's end of the UDP wire to its driver, for any protocol. Never waits.
+/// Simulated vehicle's end of the UDP connection to its driver, for any protocol. It never blocks.
 class VehicleSocket {
  public:
   /// @param driver_url  URL by which the driver reaches its vehicle. With udp://[HOST]:PORT the
@@ -26,9 +26,9 @@ class VehicleSocket {
   VehicleSocket(VehicleSocket&&) = delete;
   VehicleSocket& operator=(VehicleSocket&&) = delete;
 
-  /// Calls take(bytes, arrival) for each received datagram. The arrival is the kernel's time stamp
-  /// in the machine's clock. Reads at most kReadsMax, so that a flood of datagrams cannot block the
-  /// vehicle.
+  /// Calls take(bytes, arrival) for each received datagram; arrival is the kernel's time stamp by
+  /// the machine's clock. Reads at most kReadsMax datagrams, so that a flood of datagrams cannot
+  /// block the vehicle.
   template <class Take>
   void read_each(const Take& take) {
     for (int i = 0; i < kReadsMax; ++i) {
@@ -41,8 +41,8 @@ class VehicleSocket {
   }
   void write(std::span<const std::uint8_t> datagram);
 
-  /// Returns the number of datagrams that could not be sent, except to a driver that does not
-  /// listen yet.
+  /// Returns the number of datagrams that could not be sent. Datagrams to a driver that does not
+  /// listen yet do not count.
   [[nodiscard]] std::int64_t send_errors() const { return send_errors_; }
 
  private:

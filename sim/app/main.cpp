@@ -1,6 +1,6 @@
 // vantage-sim: the simulated lab. Publishes TRUTH and COLLISION. For direct devices it receives
-// PLAN_* and COMMAND and publishes VICON and VEHICLE_R; for devices on the wire it runs a mocap
-// server and emulated autopilots and rovers.
+// PLAN_* and COMMAND and publishes VICON and VEHICLE_R; for `wire` devices it runs a mocap server
+// and emulated autopilots and rovers.
 
 #include <memory>
 

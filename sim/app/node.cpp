@@ -125,7 +125,7 @@ void SimNode::on_plan(const std::string& channel, const models::RobotPlan& plan)
   }
   const std::optional<PlanVerdict> verdict = world_.offer(plan);
   if (!verdict) {
-    return;  // a vehicle on the wire or a real one: its driver follows the plan
+    return;  // a `wire` or real vehicle: its driver follows the plan
   }
   switch (*verdict) {
     case PlanVerdict::kAccepted:

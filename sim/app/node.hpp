@@ -21,26 +21,26 @@ namespace vantage::sim {
 /// Bus node of vantage-sim: steps the world and simulates the devices that the scenario does not
 /// mark as `real`.
 ///
-/// TRUTH and COLLISION are published for all bodies, whatever their device. For `direct` devices
-/// the node itself publishes VICON and, for each robot that follows PLAN_R, VEHICLE_R. Devices on
-/// the `wire` use their own protocols on sockets (a mocap server, an autopilot per robot), and
-/// their drivers publish.
+/// TRUTH and COLLISION are published for all bodies, whatever their device. For `direct` devices,
+/// the node itself publishes VICON and, for each robot that follows PLAN_R, VEHICLE_R. Devices with
+/// `wire` use their own protocols on sockets (a mocap server, an autopilot per robot), and their
+/// drivers publish these messages.
 ///
-/// The world is stepped to each next instant of publication (a mocap capture, a truth frame, a
-/// status report) when the mocap latency has passed after that instant. A frame is therefore on the
-/// bus when a real one would be. The published messages do not depend on how often tick() is
-/// called, only on the plans and commands received before it. With a vehicle on the wire the world
-/// instead follows the clock in steps of 5 ms, and frames are held until the latency has passed.
+/// The world is stepped to the next instant of publication (a mocap capture, a truth frame, a
+/// status report) when the mocap latency has passed since that instant. A frame is therefore
+/// published when a real one would be. The published messages depend on the received plans and
+/// commands, not on the times of tick(). With a `wire` vehicle, the world instead follows the clock
+/// in steps of 5 ms, and frames are delayed until the latency has passed.
 class SimNode : public bus::Node {
  public:
-  /// @throws StartupError for a device on the wire under a clock that is not real time, or that
-  ///         cannot be simulated there; UsageError as WorldSimulation does.
+  /// @throws StartupError for a `wire` device if the clock is not real time or the device
+  /// cannot be emulated; UsageError as WorldSimulation does.
   SimNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario);
 
   [[nodiscard]] std::string name() const override { return "SIM"; }
   [[nodiscard]] Time next_tick() const override;
-  /// Publishes at most kInstantsMax instants: after a stall it catches up in pieces and receives
-  /// messages between them.
+  /// Publishes at most kInstantsMax instants per call: after a stall the node catches up in several
+  /// calls and receives messages between them.
   void tick(Time now) override;
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
   /// Returns the number of ticks that were more than a mocap period late.
@@ -72,17 +72,19 @@ class SimNode : public bus::Node {
   scenario::Scenario scenario_;
   Time start_;
   std::vector<std::unique_ptr<WireVehicle>> wires_;
-  std::unique_ptr<vicon::SocketServer> mocap_server_;  ///< mocap system on the wire; null otherwise
+  std::unique_ptr<vicon::SocketServer> mocap_server_;  ///< server if mocap is `wire`; null
+                                                       ///< otherwise
   WorldSimulation world_;
-  Duration lag_;           ///< delay of the world behind the clock
-  Duration truth_period_;  ///< mocap period if a real mocap's driver adds the simulated bodies
+  Duration lag_;           ///< delay of the world relative to the clock
+  Duration truth_period_;  ///< the mocap period if the driver of a real mocap adds the simulated
+                           ///< bodies
   Time next_capture_;
   Time next_truth_;
   Time next_status_;
-  Time next_exchange_;  ///< exchange with the devices on the wire
+  Time next_exchange_;  ///< time of the next exchange with the `wire` devices
   Time last_tick_;
-  std::deque<models::MocapFrame> frames_;       ///< captured and not yet delivered
-  std::optional<models::AttackNotice> attack_;  ///< last published
+  std::deque<models::MocapFrame> frames_;       ///< captured frames that are not yet delivered
+  std::optional<models::AttackNotice> attack_;  ///< last published notice
   Time next_attack_{};
   std::vector<LastStatus> last_statuses_;  ///< last published status of each Quadrotor
   std::int64_t late_ticks_ = 0;

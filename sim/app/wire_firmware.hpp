@@ -12,8 +12,8 @@
 
 namespace vantage::sim {
 
-/// A quadrotor that unmodified autopilot firmware flies. The simulator supplies the body; the
-/// firmware communicates with the driver directly. It stands on the ground at the robot's start.
+/// Quadrotor controlled by unmodified autopilot firmware. The simulator supplies the body, which
+/// begins on the ground at the robot's start. The firmware communicates with the driver directly.
 class WireFirmware : public WireVehicle {
  public:
   /// @param instance  instance number of the firmware, which selects its ports
@@ -27,7 +27,7 @@ class WireFirmware : public WireVehicle {
   [[nodiscard]] Eigen::Vector3d velocity_world_mps() const override {
     return now_.velocity_world_mps;
   }
-  /// Reads the state of the body, which FirmwareFlight moves on its own thread.
+  /// Reads the state of the body, which FirmwareFlight moves in a separate thread.
   void step(Time now, double dt_s) override;
   void exchange(Time now) override;
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;

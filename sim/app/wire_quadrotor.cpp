@@ -69,7 +69,7 @@ void WireQuadrotor::step(Time now, double dt_s) {
 }
 
 void WireQuadrotor::exchange(Time now) {
-  // Keep the time within the emulator's present step; otherwise the emulator would skip steps.
+  // Keeps the time within the emulator's present step; otherwise the emulator would skip steps.
   const Time received_at =
       std::clamp(now, stepped_, stepped_ + AutopilotEmulator::kStep - Duration{1});
   socket_.read_each([&](auto bytes, Time arrival) {

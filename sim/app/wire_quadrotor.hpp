@@ -16,12 +16,12 @@
 
 namespace vantage::sim {
 
-/// Returns the airframe parameters of an emulated vehicle in `wind`; without wind, the default
-/// light gusts.
+/// Returns the airframe parameters of an emulated vehicle in `wind`. Without a wind specification,
+/// the default light gusts apply.
 AirframeParameters airframe_in(const std::optional<scenario::WindSpec>& wind);
 
-/// A quadrotor on the wire: an emulated autopilot whose airframe is the vehicle's truth. It stands
-/// on the ground at the robot's start until its driver flies it.
+/// Quadrotor with an emulated autopilot on a socket. The state of the airframe is the vehicle's
+/// true state. It begins on the ground at the robot's start.
 class WireQuadrotor : public WireVehicle {
  public:
   /// @throws StartupError for a robot without an `autopilot`, with one that cannot be emulated, or
@@ -52,7 +52,7 @@ class WireQuadrotor : public WireVehicle {
   double radius_m_;
   AutopilotEmulator emulator_;
   VehicleSocket socket_;
-  Time stepped_;  ///< time of the emulator
+  Time stepped_;  ///< time to which the emulator was stepped
   wire::mavlink::Parser watcher_;
   Time newest_capture_{};
   LatencyRecord pose_age_;

@@ -16,7 +16,8 @@ const scenario::RoverSpec& rover_of(const scenario::RobotSpec& robot) {
   return *robot.rover;
 }
 
-// Gives the rover a little more than the scenario's limits, as a bought machine would have.
+// Returns a rover whose limits exceed those of the scenario by at least 10 %, as those of a real
+// rover may.
 RoverEmulatorSpec spec_of(const scenario::RobotSpec& robot, std::uint32_t boot) {
   constexpr double kReserve = 1.1;
   RoverEmulatorSpec spec;

@@ -12,11 +12,11 @@
 
 namespace vantage::sim {
 
-/// A ground robot on the wire: an emulated rover with the protocol of docs/guide/rovers.md. Its
-/// body is at the height of its markers.
+/// Ground robot with an emulated rover on a socket, which uses the protocol of
+/// docs/guide/rovers.md. Its body is at the height of its markers.
 class WireRover : public WireVehicle {
  public:
-  /// @param boot  boot number sent in its telemetry; different at each start
+  /// @param boot  boot number sent in the telemetry; must differ at each start
   /// @throws StartupError for a robot without a `rover`, or if a port cannot be opened.
   WireRover(const scenario::RobotSpec& robot, std::uint32_t boot, Time start);
 
@@ -35,7 +35,7 @@ class WireRover : public WireVehicle {
   double radius_m_;
   double height_m_;
   RoverEndpoint endpoint_;
-  Time stepped_;  ///< time of the emulator
+  Time stepped_;  ///< time to which the emulator was stepped
 };
 
 }  // namespace vantage::sim

@@ -8,15 +8,15 @@
 
 namespace vantage::sim {
 
-/// A robot of the scenario whose device is `wire`: its truth is the state of an emulated device on
-/// a UDP wire, which its driver commands.
+/// Robot of the scenario whose device is `wire`: its true state is that of an emulated device,
+/// which its driver commands over UDP.
 class WireVehicle : public Vehicle {
  public:
   /// Receives the driver's messages and sends the messages that are due. Call at `now`, after the
-  /// world has been stepped for this tick. Never waits.
+  /// world has been stepped for this tick. Never blocks.
   virtual void exchange(Time now) = 0;
 
-  /// Returns the error counters and measurements of the wire: `wire.ROBOT.…`.
+  /// Returns the error counters and latencies of the connection: `wire.ROBOT.…`.
   [[nodiscard]] virtual std::vector<models::NamedCount> counters() const = 0;
 };
 

@@ -28,7 +28,7 @@ void Airframe::step(bool motors_on, const Eigen::Vector3d& acceleration_mps2, do
                     double dt_s) {
   const AirframeParameters& p = parameters_;
   step_gusts(dt_s);
-  // Specific force for the acceleration: thrust points up, against z down.
+  // Computes the specific force for the acceleration; thrust is in the −z direction (up).
   Eigen::Vector3d force = acceleration_mps2 - Eigen::Vector3d(0.0, 0.0, kGravityMps2);
   force.z() = std::min(force.z(), -0.2 * kGravityMps2);
   const double level_max = -force.z() * std::tan(p.tilt_max_rad);

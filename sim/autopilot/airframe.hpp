@@ -11,8 +11,9 @@
 
 namespace vantage::sim {
 
-/// Parameters of a multirotor body: mass-specific thrust along its z axis, first-order lags of tilt
-/// and thrust, drag against a gusty wind, a battery that sags. Local frame: z down (NED), body FRD.
+/// Parameters of a multirotor body: thrust per mass along its z axis, first-order lags of tilt and
+/// thrust, drag in gusty wind, and a battery whose voltage drops under load. Local frame: z down
+/// (NED), body FRD.
 struct AirframeParameters {
   double tilt_lag_s = 0.10;
   double thrust_lag_s = 0.05;
@@ -21,13 +22,13 @@ struct AirframeParameters {
   double thrust_max_mps2 = 20.0;
   double drag_per_s = 0.25;
   Eigen::Vector3d wind_mean_mps = Eigen::Vector3d::Zero();
-  double wind_sigma_mps = 0.3;  ///< 1σ of gusts on each horizontal axis
+  double wind_sigma_mps = 0.3;  ///< m/s; 1σ of gusts on each horizontal axis
   double wind_memory_s = 2.0;
-  double battery_endurance_s = 900.0;  ///< hover time from full to empty
+  double battery_endurance_s = 900.0;  ///< s; hover time from full to empty
   double battery_start_share = 1.0;
   double battery_full_v = 12.6;
   double battery_empty_v = 10.5;
-  double battery_sag_v = 0.8;  ///< at hover thrust
+  double battery_sag_v = 0.8;  ///< V; voltage drop at hover thrust
 };
 
 class Airframe {
@@ -36,7 +37,7 @@ class Airframe {
            const Eigen::Vector3d& position_m, double yaw_rad);
 
   /// Steps by `dt_s` ≤ 0.01 s with a commanded acceleration (NED) and yaw rate (clockwise seen from
-  /// above). With the motors off it falls.
+  /// above). With the motors off the body falls.
   void step(bool motors_on, const Eigen::Vector3d& acceleration_mps2, double yaw_rate_radps,
             double dt_s);
 
@@ -48,10 +49,10 @@ class Airframe {
   [[nodiscard]] bool is_on_ground() const { return position_m_.z() >= ground_m_; }
   [[nodiscard]] double battery_share() const { return battery_share_; }
   [[nodiscard]] double battery_v() const;
-  /// Returns the thrust as a share of the maximum thrust.
+  /// Returns the ratio of the thrust to the maximum thrust.
   [[nodiscard]] double thrust_share() const { return thrust_mps2_ / parameters_.thrust_max_mps2; }
 
-  /// Adds `velocity_mps` to the velocity at once, as a hand, a gust or a tether would.
+  /// Adds `velocity_mps` to the velocity immediately, as a push by a hand, a gust or a tether.
   void push(const Eigen::Vector3d& velocity_mps) { velocity_mps_ += velocity_mps; }
   void set_battery_share(double share) { battery_share_ = share; }
 
@@ -60,7 +61,7 @@ class Airframe {
 
   AirframeParameters parameters_;
   std::mt19937_64 rng_;
-  double ground_m_;  ///< z of the body when it stands on the ground
+  double ground_m_;  ///< m; z of the body when it stands on the ground
   Eigen::Vector3d position_m_;
   Eigen::Vector3d velocity_mps_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d down_body_ = Eigen::Vector3d::UnitZ();  ///< unit; local frame; z axis of the body

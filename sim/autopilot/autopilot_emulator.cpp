@@ -88,7 +88,7 @@ void AutopilotEmulator::take_command(const wire::mavlink::CommandLong& command,
   ack.result = execute(command);
   ack.target_system = from.system_id;
   ack.target_component = from.component_id;
-  // Send the texts with the reason before the refusal.
+  // Sends the texts with the reason before the refusal.
   send_due();
   send(ack);
 }
@@ -159,7 +159,7 @@ void AutopilotEmulator::take_odometry(const wire::mavlink::Odometry& odometry) {
       std::copy_n(words, std::strlen(words), text.text.begin());
       send_text(text);
     }
-    ++ignored_;  // mocap is also ignored: the estimator does not read its topic
+    ++ignored_;  // mocap messages are also ignored: the estimator does not read their topic
     return;
   }
   constexpr std::uint8_t kLocalEnu = 4;
@@ -279,7 +279,7 @@ bool AutopilotEmulator::handle_parameter_message(const wire::mavlink::Frame& fra
 void AutopilotEmulator::send_parameter(const std::string& name) {
   const auto found = parameters_.find(name);
   if (found == parameters_.end()) {
-    ++ignored_;  // as both firmwares do: no reply to an unknown name
+    ++ignored_;  // no reply to an unknown name, as in both firmwares
     return;
   }
   const auto& [value, type] = found->second;
@@ -294,7 +294,7 @@ void AutopilotEmulator::send_parameter(const std::string& name) {
 }
 
 void AutopilotEmulator::advance_to(Time now) {
-  // Steps end on whole multiples of kStep after boot.
+  // Steps end at integer multiples of kStep after boot.
   for (Time next = boot_ + ((now_ - boot_) / kStep + 1) * kStep; next <= now; next += kStep) {
     now_ = next;
     controller_.step(next, to_seconds(kStep));

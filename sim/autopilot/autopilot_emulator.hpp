@@ -20,21 +20,21 @@ namespace vantage::sim {
 enum class BatteryReport {
   kShare,        ///< state of charge
   kVoltageOnly,  ///< no current sensor, so no charge
-  kFromFull,     ///< counts the charge used and assumes a full battery at power-up
+  kFromFull,     ///< charge by integration of the current; a full battery is assumed at power-up
 };
 
 struct AutopilotEmulatorSpec {
   models::AutopilotDialect dialect = models::AutopilotDialect::kPx4;
   std::uint8_t system_id = 1;
-  Pose3 start;  ///< world from body; it stands on the ground there
+  Pose3 start;  ///< world from body; pose on the ground at power-up
   std::uint64_t seed = 1;
   AirframeParameters airframe;
   BatteryReport battery = BatteryReport::kShare;
 };
 
-/// A vehicle with a simulated autopilot on a MAVLink wire. It reacts only to the received bytes,
-/// replies as the recorded real autopilots did, and flies as commanded. Time is an argument and
-/// virtual: the same bytes at the same times produce the same output.
+/// Vehicle with an emulated autopilot that communicates by MAVLink. It reacts only to the received
+/// bytes, replies as the recorded real autopilots did, and flies as commanded. Time is an argument:
+/// the same bytes at the same times produce the same output.
 class AutopilotEmulator {
  public:
   static constexpr Duration kStep{5'000};
@@ -44,7 +44,7 @@ class AutopilotEmulator {
   void receive(std::span<const std::uint8_t> bytes, Time now);
   /// Steps to `now`, a whole number of steps after boot, and queues the messages that became due.
   void advance_to(Time now);
-  /// Sets or creates a parameter. The initial ones are those that config/autopilot loads.
+  /// Sets or creates a parameter. The initial parameters are those in config/autopilot.
   void set_parameter(const std::string& name, double value);
   /// Removes a parameter; requests for it get no reply.
   void forget_parameter(const std::string& name);
@@ -58,8 +58,7 @@ class AutopilotEmulator {
   [[nodiscard]] Eigen::Vector3d velocity_world_mps() const;
   [[nodiscard]] const FlightController& controller() const { return controller_; }
   [[nodiscard]] FlightController& controller() { return controller_; }
-  /// Returns the number of received frames that were ignored because the real autopilot ignores
-  /// them too.
+  /// Returns the number of received frames that were ignored as the real autopilot ignores them.
   [[nodiscard]] std::int64_t ignored() const { return ignored_; }
 
  private:

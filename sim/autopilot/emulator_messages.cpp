@@ -1,4 +1,5 @@
-// Messages that the emulated autopilot sends unprompted: streams, and the texts of its controller.
+// Messages that the emulated autopilot sends without a request: streams, and the texts of its
+// controller.
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +13,7 @@ namespace {
 
 using wire::mavlink::f32;
 
-constexpr std::size_t kOutputMax = 1024;  // datagrams; when full, the older half is dropped
+constexpr std::size_t kOutputMax = 1024;  // datagrams; if there are more, the older half is dropped
 constexpr std::uint8_t kQuadrotor = 2;
 constexpr std::uint8_t kStandby = 3;
 constexpr std::uint16_t kNoVoltage = 0xFFFF;
@@ -67,7 +68,7 @@ void AutopilotEmulator::send_due() {
     text.severity = text_to_send.severity;
     const std::size_t room = text.text.size();
     if (text_to_send.text.size() > room) {
-      text.id = ++next_text_;  // several chunks
+      text.id = ++next_text_;  // the text is sent in several chunks
     }
     for (std::size_t begin = 0; begin < text_to_send.text.size(); begin += room) {
       text.text.fill('\0');
@@ -110,7 +111,7 @@ void AutopilotEmulator::send_stream_message(std::uint32_t message_id) {
       if (!is_fed && profile_.needs_origin) {
         return;
       }
-      // Without poses PX4 reports the position where it was switched on.
+      // Without poses, PX4 reports the position at power-up.
       const Eigen::Vector3d position_m =
           is_fed ? controller_.estimator().position_m() : Eigen::Vector3d::Zero();
       const Eigen::Vector3d velocity_mps =
@@ -148,7 +149,7 @@ void AutopilotEmulator::send_stream_message(std::uint32_t message_id) {
       return send(out);
     }
     default:
-      return;  // accepted but never sent, like a message without a source
+      return;  // the request is accepted, but the message is never sent
   }
 }
 

@@ -9,15 +9,16 @@
 
 namespace vantage::sim {
 
-/// An emulated autopilot on a UDP socket at the address that its driver's URL expects. It sends
-/// first to a driver that listens (udp://[HOST]:PORT), and waits for a driver that sends first
+/// Emulated autopilot on a UDP socket at the address that its driver's URL expects. It sends first
+/// to a driver that listens (udp://[HOST]:PORT), and waits for a driver that sends first
 /// (udpout://HOST:PORT).
 class AutopilotEndpoint {
  public:
   /// @throws StartupError as VehicleSocket does.
   AutopilotEndpoint(const AutopilotEmulatorSpec& spec, const std::string& driver_url, Time boot);
 
-  /// Receives all datagrams, flies to `now` and sends the messages that became due. Never waits.
+  /// Receives all datagrams, simulates the flight until `now` and sends the messages that became
+  /// due. Never blocks.
   void run_to(Time now);
 
   [[nodiscard]] AutopilotEmulator& emulator() { return emulator_; }

@@ -14,7 +14,8 @@ constexpr std::uint8_t kCritical = 2;
 constexpr std::uint8_t kWarning = 4;
 constexpr std::uint8_t kInformation = 6;
 constexpr std::uint16_t kFlagsNotReady = 0x0A5;  // attitude, vertical velocity, height; no position
-constexpr Duration kTargetGapMax = std::chrono::milliseconds(500);  // 2 Hz
+constexpr Duration kTargetGapMax = std::chrono::milliseconds(500);  // set-points must arrive at
+                                                                    // more than 2 Hz
 constexpr Duration kProofOfLife = std::chrono::seconds(1);
 constexpr double kBatteryToArm = 0.10;
 constexpr double kBatteryToFly = 0.03;
@@ -174,7 +175,7 @@ std::uint8_t FlightController::set_mode(std::uint32_t mode, Time now) {
       return profile_.refusal;
     }
     if (!profile_.wants_proof_of_life) {
-      target_.reset();  // target of an earlier period in this mode
+      target_.reset();  // set-point of an earlier period in this mode
     }
   }
   if (mode == profile_.land_mode) {
@@ -207,11 +208,12 @@ void FlightController::take_target(const FlightTarget& target, Time now) {
     targets_since_ = now;
   }
   target_time_ = now;
-  // On the ground ArduPilot waits for its take-off command; in the air a target ends the take-off.
+  // On the ground, ArduPilot waits for its take-off command; in the air, a set-point ends the
+  // take-off.
   if (profile_.takes_off_by_command && airframe_.is_on_ground()) {
     return;
   }
-  // When the kind of target changes, the controller restarts and attributes its present
+  // When the kind of set-point changes, the controller restarts and attributes its present
   // acceleration to the wind (ArduCopter 4.6, pva_control_start and init_xy_controller).
   const bool is_other_kind = !target_ ||
                              target.position_m.has_value() != target_->position_m.has_value() ||
@@ -307,7 +309,8 @@ std::optional<Eigen::Vector3d> FlightController::wanted_velocity_mps(Time now) c
   }
   Eigen::Vector3d wanted = Eigen::Vector3d::Zero();
   if (mode_ == profile_.land_mode) {
-    // Without poses it holds its estimated position, so it moves against the drift.
+    // Without poses the autopilot holds its estimated position, so the vehicle moves against the
+    // drift.
     wanted =
         is_blind_ ? Eigen::Vector3d(-estimator_.drift_mps()) : velocity_towards_mps(landing_at_m_);
     wanted.z() = now < descends_at_ ? 0.0 : settings_.land_speed_mps;

@@ -16,7 +16,7 @@
 
 namespace vantage::sim {
 
-/// Content of a position target; local frame.
+/// Content of a position set-point; local frame.
 struct FlightTarget {
   std::optional<Eigen::Vector3d> position_m;
   std::optional<Eigen::Vector3d> velocity_mps;
@@ -30,19 +30,19 @@ struct StatusText {
   std::string text;
 };
 
-/// Flight control of a simulated autopilot: modes, arming, failsafes and control of an Airframe. It
-/// rejects commands and triggers failsafes under the conditions recorded from the real autopilot of
-/// its profile. Time is an argument.
+/// Flight control of an emulated autopilot: modes, arming, failsafes and control of an Airframe. It
+/// rejects commands and triggers failsafes under the conditions observed in recordings of the real
+/// autopilot. Time is an argument.
 class FlightController {
  public:
   FlightController(const AutopilotProfile& profile, const AutopilotSettings& settings,
                    const AirframeParameters& airframe, std::uint64_t seed,
                    const Eigen::Vector3d& position_m, double yaw_rad, Time boot);
 
-  /// Applies the owner's settings from now on.
+  /// Applies the user's settings from now on.
   void set_settings(const AutopilotSettings& settings);
 
-  /// Each returns the result code of an acknowledgement: 0 is accepted.
+  /// Each of these functions returns the result code of an acknowledgement; 0: accepted.
   std::uint8_t arm(Time now);
   std::uint8_t disarm(bool is_forced);
   std::uint8_t set_mode(std::uint32_t mode, Time now);
@@ -55,7 +55,7 @@ class FlightController {
   /// Sets a fault that prevents arming; an empty text clears it.
   void set_fault(std::string why) { fault_ = std::move(why); }
   void set_origin() { has_origin_ = true; }
-  /// True if its estimator has started, so that it accepts an origin.
+  /// True if the estimator has started, so that it accepts an origin.
   [[nodiscard]] bool has_estimator(Time now) const {
     return to_seconds(now - boot_) >= profile_.estimator_boot_s;
   }
@@ -85,11 +85,11 @@ class FlightController {
   void check_timeouts(Time now);
   void watch_ground(Time now);
   void enter_landing(Time now);
-  /// Lands by the autopilot's own decision and reports `why`.
+  /// Starts a failsafe landing and sends the text `why`.
   void fail_safe(const std::string& why, Time now);
   void stop_motors();
   [[nodiscard]] bool has_proof_of_life(Time now) const;
-  /// Returns the reasons against arming now, as the real autopilot words them.
+  /// Returns the reasons against arming now, in the words of the real autopilot.
   [[nodiscard]] std::vector<std::string> arming_problems(Time now) const;
   [[nodiscard]] bool is_following() const { return mode_ == profile_.follow_mode; }
   /// Returns the velocity to command now; nullopt to stay on the ground.
@@ -106,11 +106,12 @@ class FlightController {
   Time now_;
   std::uint32_t mode_;
   bool is_armed_ = false;
-  bool has_lifted_ = false;  ///< since arming
+  bool has_lifted_ = false;  ///< the vehicle has lifted since arming
   bool has_origin_ = false;
   bool is_blind_ = false;
   Time armed_at_{};
-  std::optional<Time> touched_down_;  ///< since when it has stood on the ground after a flight
+  std::optional<Time> touched_down_;  ///< time since which the vehicle is on the ground after a
+                                      ///< flight
   std::optional<Time> lost_since_;
   std::optional<FlightTarget> target_;
   Time target_time_{};
@@ -118,13 +119,14 @@ class FlightController {
   bool is_station_lost_ = false;
   Time station_checked_{};
   Time descends_at_{};                         ///< start of the descent in landing mode
-  std::optional<Time> targets_since_;          ///< start of the present gapless stream of targets
+  std::optional<Time> targets_since_;          ///< start of the current uninterrupted stream of
+                                               ///< set-points
   std::optional<Eigen::Vector3d> climb_to_m_;  ///< goal of a commanded take-off
   Eigen::Vector3d landing_at_m_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d shaped_mps_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d integral_mps2_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d commanded_mps2_ = Eigen::Vector3d::Zero();
-  double yaw_rate_radps_ = 0.0;  ///< commanded to the airframe
+  double yaw_rate_radps_ = 0.0;  ///< yaw rate commanded to the airframe
   std::string fault_;
   std::vector<StatusText> texts_;
 };

@@ -6,7 +6,7 @@ namespace vantage::sim {
 namespace {
 
 constexpr Duration kMemory = std::chrono::seconds(1);
-constexpr double kGap_s = 0.2;  // a longer gap interrupts fusion
+constexpr double kGap_s = 0.2;  // s; a longer gap interrupts fusion
 constexpr double kGain = 0.3;   // weight of each pose
 
 }  // namespace

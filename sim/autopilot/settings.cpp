@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kRadPerDeg = M_PI / 180.0;
 
-/// Returns `seconds`, or nullopt (never) if it is zero or less.
+/// Returns `seconds`; nullopt (never) if the value is zero or less.
 std::optional<double> if_positive(double seconds) {
   return seconds > 0.0 ? std::optional(seconds) : std::nullopt;
 }
@@ -24,11 +24,11 @@ AutopilotSettings px4(const ParameterValue& value) {
   if (std::lround(of("NAV_DLL_ACT", 0.0)) == kLinkLand) {
     out.heartbeat_loss_s = of("COM_DL_LOSS_T", 10.0);
   }
-  constexpr double kBeforeNoAidS = 0.4;  // PX4 reports the loss this much earlier
+  constexpr double kBeforeNoAidS = 0.4;  // s; PX4 reports the loss earlier by this time
   out.pose_loss_s = 1e-6 * of("EKF2_NOAID_TOUT", 5e6) - kBeforeNoAidS;
   out.has_barometer = of("EKF2_BARO_CTRL", 1.0) > 0.0;
   if (const auto idle_s = if_positive(of("COM_DISARM_PRFLT", 10.0))) {
-    constexpr double kSpoolUpS = 1.0;  // PX4 counts from the end of spool-up
+    constexpr double kSpoolUpS = 1.0;  // s; PX4 counts from the end of spool-up
     out.idle_disarm_s = *idle_s + kSpoolUpS;
   }
   out.land_disarm_s = if_positive(of("COM_DISARM_LAND", 2.0));

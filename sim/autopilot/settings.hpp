@@ -8,20 +8,22 @@
 
 namespace vantage::sim {
 
-/// Settings of the vehicle's owner that an emulated autopilot obeys. An absent time means that the
-/// autopilot never does it.
+/// Settings that the user of an emulated autopilot can change. An absent time means that the
+/// autopilot never performs the action.
 struct AutopilotSettings {
   // Loss of set-points, heartbeats and poses.
   double setpoint_loss_s = 0.0;
-  bool lands_on_setpoint_loss = false;     ///< otherwise it brakes to a stop and stays in the mode
-  std::optional<double> heartbeat_loss_s;  ///< ground station silent, until it lands
-  std::optional<int> station_id;           ///< system id of its ground station; absent: any
-  double pose_loss_s = 0.0;                ///< without poses, until its position is lost
+  bool lands_on_setpoint_loss = false;     ///< if false, the vehicle brakes to a stop and stays in
+                                           ///< the mode
+  std::optional<double> heartbeat_loss_s;  ///< s; time without a heartbeat of the ground station
+                                           ///< until the vehicle lands
+  std::optional<int> station_id;           ///< system id of the ground station; absent: any station
+  double pose_loss_s = 0.0;                ///< s; time without poses until the position is lost
   bool lands_on_pose_loss = true;
-  bool has_barometer = true;  ///< keeps the height estimate without poses
+  bool has_barometer = true;  ///< the height estimate remains valid without poses
   // On the ground.
-  std::optional<double> idle_disarm_s;  ///< armed without take-off, until it disarms
-  std::optional<double> land_disarm_s;  ///< from the detected landing to disarming
+  std::optional<double> idle_disarm_s;  ///< s; time from arming without take-off until disarming
+  std::optional<double> land_disarm_s;  ///< s; time from the detected landing to disarming
   // Motion.
   double speed_max_mps = 3.0;
   double land_speed_mps = 0.5;

@@ -63,7 +63,8 @@ std::optional<MotorCommand> ArdupilotLink::receive(Duration timeout) {
   if (ppoll(&polled, 1, &limit, nullptr) <= 0) {
     return std::nullopt;
   }
-  // Keep only the newest command: after a silence the firmware repeats the last one.
+  // Keeps only the newest command: the firmware repeats its last command when it receives no
+  // answer.
   std::optional<MotorCommand> newest;
   while (true) {
     sockaddr_in from{};

@@ -19,7 +19,8 @@ class ArdupilotLink : public FirmwareLink {
   explicit ArdupilotLink(int instance);
   ~ArdupilotLink() override;
 
-  /// 800 Hz: ArduPilot does not arm below 1.8 times its loop rate of 400 Hz.
+  /// Returns the period for 800 Hz: ArduPilot requires at least 1.8 times its loop rate of 400 Hz
+  /// to arm.
   [[nodiscard]] Duration period() const override { return Duration{1'250}; }
   [[nodiscard]] bool is_lockstep() const override { return true; }
   bool send(const FirmwareSensors& sensors) override;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::int64_t kPatienceNs = FirmwareFlight::kPatience.count() * 1'000;
 constexpr std::int64_t kCarryOnNs = 20'000'000;
-constexpr Duration kSlice{20'000};  // between two checks of is_over_
+constexpr Duration kSlice{20'000};  // maximum time between two checks of is_over_
 
 void sleep_until_ns(std::int64_t monotonic_ns) {
   const timespec due{monotonic_ns / 1'000'000'000, monotonic_ns % 1'000'000'000};
@@ -51,8 +51,8 @@ void FirmwareFlight::run() {
   bool is_silent = true;
   Counts counts;
   while (!is_over_) {
-    // In lockstep the next motor command is the answer to the last sensors. A firmware that was
-    // silent may answer until the next sensors are due; later answers do not count.
+    // In lockstep, the next motor command answers the last sensor message. After a gap, the
+    // firmware may answer until the next sensor message is due; later answers are ignored.
     const std::int64_t spare_ns = std::max<std::int64_t>(0, due_ns + period_ns - monotonic_ns());
     const Duration wait = is_silent ? Duration{spare_ns / 1'000} : kSlice;
     if (const auto command =
@@ -69,7 +69,7 @@ void FirmwareFlight::run() {
       ++counts.silences;
     }
     if (link_->is_lockstep() && !is_answered && !is_silent) {
-      continue;  // the firmware still computes its answer
+      continue;  // the firmware is still computing its answer
     }
     if (now_ns - due_ns > 2 * kPatienceNs) {
       due_ns = now_ns;

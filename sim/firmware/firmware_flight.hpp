@@ -17,17 +17,18 @@
 
 namespace vantage::sim {
 
-/// One vehicle that real firmware flies: a Multirotor and its sensors on a separate thread, in step
-/// with the firmware at the other end of a link and with the machine's monotonic clock.
+/// Vehicle controlled by real firmware: a Multirotor and its sensors in a separate thread. The
+/// simulation is synchronised with the firmware at the other end of a link and with the machine's
+/// monotonic clock.
 ///
-/// While the firmware is late, the body waits for at most kPatience and then catches up. After a
-/// longer silence the motors are assumed lost, and the body falls. If the thread itself was
-/// suspended for more than twice kPatience, the missed time is skipped.
+/// If the firmware is late, the simulation waits for at most kPatience and then catches up. After a
+/// longer gap the motors are assumed off, and the body falls. If the thread itself was suspended
+/// for more than twice kPatience, the missed time is skipped.
 class FirmwareFlight {
  public:
   static constexpr Duration kPatience{250'000};
 
-  /// A body at one instant of the monotonic clock.
+  /// State of the body at one instant of the monotonic clock.
   struct Sample {
     std::int64_t monotonic_ns = 0;
     Pose3 world_from_body;
@@ -35,8 +36,9 @@ class FirmwareFlight {
   };
   struct Counts {
     std::int64_t steps = 0;
-    std::int64_t silences = 0;  ///< silences of the firmware longer than kPatience
-    std::int64_t resumed = 0;   ///< suspensions of the thread whose time was skipped
+    std::int64_t silences = 0;  ///< gaps longer than kPatience without a message of the firmware
+    std::int64_t resumed = 0;   ///< suspensions of the thread after which the missed time was
+                                ///< skipped
   };
 
   FirmwareFlight(const MultirotorParameters& parameters, const SensorNoise& noise,
@@ -67,7 +69,7 @@ class FirmwareFlight {
   Counts counts_;
   double battery_share_ = 1.0;
   std::atomic<bool> is_over_{false};
-  std::thread thread_;  ///< last member: it uses all others
+  std::thread thread_;  ///< last member, since the thread uses all others
 };
 
 }  // namespace vantage::sim

@@ -14,8 +14,8 @@ struct MotorCommand {
   Throttles throttles{};
 };
 
-/// Simulator's end of the link to the firmware of one autopilot: sends sensors, receives motor
-/// commands. Used by one thread.
+/// Simulator's end of the link to the firmware of one autopilot: sends sensor values, receives
+/// motor commands. Used by one thread.
 class FirmwareLink {
  public:
   FirmwareLink() = default;
@@ -25,10 +25,10 @@ class FirmwareLink {
   FirmwareLink(FirmwareLink&&) = delete;
   FirmwareLink& operator=(FirmwareLink&&) = delete;
 
-  /// Returns the period at which the firmware expects its sensors.
+  /// Returns the period at which the firmware expects sensor values.
   [[nodiscard]] virtual Duration period() const = 0;
-  /// True if the firmware's clock advances only with the sensors: each sensor message is answered
-  /// by one motor command.
+  /// True if the firmware's clock advances only with sensor messages: the firmware answers each
+  /// sensor message with one motor command.
   [[nodiscard]] virtual bool is_lockstep() const = 0;
   /// Sends the sensor values to the firmware; false if no firmware is connected.
   virtual bool send(const FirmwareSensors& sensors) = 0;

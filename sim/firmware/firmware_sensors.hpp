@@ -22,7 +22,7 @@ struct FirmwareSensors {
   double pressure_hpa = 1013.25;
   double pressure_altitude_m = 0.0;
   double temperature_c = 20.0;
-  // True state, for firmware that simulates some of its sensors itself.
+  // True state, for firmware that simulates some sensors itself.
   Eigen::Vector3d position_local_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_local_mps = Eigen::Vector3d::Zero();
   Quaternion local_from_body = Quaternion::Identity();
@@ -31,7 +31,7 @@ struct FirmwareSensors {
   double battery_share = 1.0;
 };
 
-/// Sensor errors: 1σ of the white noise of each sample and of the constant offsets.
+/// Sensor errors: 1σ of the white noise per sample and of the constant offsets.
 struct SensorNoise {
   double gyro_sigma_radps = 0.003;
   double gyro_bias_sigma_radps = 0.002;
@@ -41,7 +41,7 @@ struct SensorNoise {
   double barometer_sigma_m = 0.15;
 };
 
-/// An inertial unit, a magnetometer and a barometer on a Multirotor.
+/// Inertial unit, magnetometer and barometer of a Multirotor.
 class SensorBoard {
  public:
   SensorBoard(const SensorNoise& noise, std::uint64_t seed);

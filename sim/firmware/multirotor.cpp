@@ -14,7 +14,8 @@ constexpr double kGravityMps2 = 9.81;
 struct Mount {
   double x;     ///< forward; in arm lengths
   double y;     ///< to the left; in arm lengths
-  double spin;  ///< sign of the torque on the body about z, opposite to the propeller's turn
+  double spin;  ///< sign of the torque on the body about z; the propeller turns in the opposite
+                ///< direction
 };
 constexpr std::array<Mount, kMotors> kMounts{
     {{1.0, -1.0, -1.0}, {-1.0, 1.0, -1.0}, {1.0, 1.0, 1.0}, {-1.0, -1.0, 1.0}}};
@@ -105,7 +106,7 @@ void Multirotor::add_ground_forces(Eigen::Vector3d& force_n, Eigen::Vector3d& to
     Eigen::Vector2d grip_n = -p.foot_stiffness_npm * (foot_m.head<2>() - foot.anchor_m) -
                              p.foot_damping_nspm * foot_mps.head<2>();
     const double grip_max_n = p.friction * load_n;
-    if (grip_n.norm() > grip_max_n) {  // slides: the held point moves along
+    if (grip_n.norm() > grip_max_n) {  // the foot slides: its contact point moves along
       grip_n *= grip_max_n / grip_n.norm();
       foot.anchor_m = foot_m.head<2>() + grip_n / p.foot_stiffness_npm;
     }

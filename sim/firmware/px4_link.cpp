@@ -21,11 +21,12 @@
 namespace vantage::sim {
 namespace {
 
-// fields_updated of HIL_SENSOR.
+// Bits of fields_updated in HIL_SENSOR.
 constexpr std::uint32_t kInertialFields = 0x3F;
 constexpr std::uint32_t kMagneticFields = 0x1C0;
 constexpr std::uint32_t kBarometerFields = 0x1A00;  // pressure, its altitude, temperature
-// Magnetometer and barometer are slower than the inertial unit: alternately, at 50 Hz each.
+// Magnetometer and barometer are sampled less often than the inertial unit: at 50 Hz each,
+// alternately.
 constexpr std::int64_t kSlowEvery = 5;
 constexpr std::int64_t kBarometerTurn = 2;
 
@@ -165,7 +166,7 @@ bool Px4Link::write_some() {
 
 template <class Message>
 bool Px4Link::write(const Message& message) {
-  // Finish a partly sent frame first; otherwise the next frame is lost as well.
+  // Sends the rest of a partly sent frame first; otherwise the next frame would be lost as well.
   if (!waiting_.empty() && (!write_some() || !waiting_.empty())) {
     ++counts_.unsent;
     return false;

@@ -14,10 +14,10 @@
 
 namespace vantage::sim {
 
-/// PX4's simulator interface: sends HIL_SENSOR and receives HIL_ACTUATOR_CONTROLS, as MAVLink on a
-/// byte stream. A PX4 process is the client of a TCP port; its clock is that of the sensors, and it
-/// answers each HIL_SENSOR once (lockstep). A board with SYS_HITL set uses a serial line or USB and
-/// its own clock; the link does not wait for its answers.
+/// Link to PX4's simulator interface: sends HIL_SENSOR and receives HIL_ACTUATOR_CONTROLS, as
+/// MAVLink on a byte stream. A PX4 process connects to a TCP port. It takes its time from the
+/// sensor messages and answers each HIL_SENSOR once (lockstep). A board with SYS_HITL set uses a
+/// serial line or USB and its own clock; the link does not wait for its answers.
 class Px4Link : public FirmwareLink {
  public:
   static constexpr int kPort = 4560;
@@ -35,9 +35,9 @@ class Px4Link : public FirmwareLink {
   [[nodiscard]] Duration period() const override { return Duration{4'000}; }
   [[nodiscard]] bool is_lockstep() const override { return is_lockstep_; }
   bool send(const FirmwareSensors& sensors) override;
-  /// Returns the newest motor command. In lockstep only the answer to the sensors sent last is
-  /// accepted; late answers to earlier sensors are dropped. Motors that are not armed get throttle
-  /// 0.
+  /// Returns the newest motor command. In lockstep only the answer to the last sensor message is
+  /// accepted; late answers to earlier messages are dropped. Throttles are 0 while the motors are
+  /// not armed.
   std::optional<MotorCommand> receive(Duration timeout) override;
 
   /// Numbers of frames that could not be sent in time and of answers that were too late.
@@ -49,7 +49,7 @@ class Px4Link : public FirmwareLink {
 
  private:
   Px4Link(int listener, bool is_lockstep, std::function<int()> open);
-  /// Writes as much of the waiting bytes as the line accepts; false if it accepts none.
+  /// Writes as many of the waiting bytes as the line accepts; returns false if it accepts none.
   bool write_some();
   template <class Message>
   bool write(const Message& message);

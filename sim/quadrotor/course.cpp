@@ -6,7 +6,8 @@
 namespace vantage::sim {
 namespace {
 
-// Past that is kept: the controller reads slightly earlier course points to smooth corners.
+// Time for which past legs are kept: the controller reads slightly earlier course points to smooth
+// corners.
 constexpr Duration kMemory{1'000'000};
 
 }  // namespace

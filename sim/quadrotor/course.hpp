@@ -19,8 +19,8 @@ struct CoursePoint {
   double yaw_rate_radps = 0.0;
 };
 
-/// The accepted plans of a vehicle, laid end to end in time. At each instant the plan with the
-/// latest start counts.
+/// Sequence of the accepted plans of a vehicle. At each instant, of the plans that have started,
+/// the one with the latest start applies.
 class Course {
  public:
   /// Creates a course that hovers at `hover`.
@@ -28,18 +28,18 @@ class Course {
 
   [[nodiscard]] CoursePoint at(Time time) const;
   [[nodiscard]] double height_m(Time time) const;
-  /// Returns the round of the plan that counts at `time`, −1 for a hover.
+  /// Returns the round of the plan that applies at `time`; −1 for a hover.
   [[nodiscard]] std::int64_t round(Time time) const;
-  /// Returns the start of the newest plan on the course; without a plan, that of the hover.
+  /// Returns the start time of the newest plan; without a plan, that of the hover.
   [[nodiscard]] Time newest_start() const;
 
-  /// Follows `trajectory` from its start_time on; drops plans that would start later.
+  /// Follows `trajectory` from its start_time on; drops plans that start later.
   void follow(const models::Trajectory& trajectory, std::int64_t round);
-  /// Brakes from `now` on in a straight line at `brake_mps2` along `velocity_world_mps`, keeps the
-  /// heading, and then hovers. Drops every plan.
+  /// Brakes from `now` on along `velocity_world_mps` at `brake_mps2` with constant heading, and
+  /// then hovers. Drops every plan.
   void stop(Time now, const Pose2& world_from_body, const Eigen::Vector2d& velocity_world_mps,
             double height_m, double brake_mps2);
-  /// Removes legs that no longer affect the course at or after `now`.
+  /// Removes legs that do not affect the course at or after `now`.
   void prune(Time now);
 
  private:
@@ -50,7 +50,7 @@ class Course {
   };
   [[nodiscard]] const Leg& leg(Time time) const;
 
-  std::vector<Leg> legs_;  ///< by start time, never empty
+  std::vector<Leg> legs_;  ///< in order of start time, never empty
 };
 
 }  // namespace vantage::sim

@@ -14,8 +14,8 @@ namespace {
 using models::FlightState;
 
 constexpr double kGravityMps2 = 9.81;
-constexpr double kDragPerS = 0.25;       // deceleration per speed through the air
-constexpr double kSegmentMaxS = 3600.0;  // prevents overflow of Time by sums of durations
+constexpr double kDragPerS = 0.25;       // 1/s; deceleration per speed through the air
+constexpr double kSegmentMaxS = 3600.0;  // s; prevents overflow of Time by sums of durations
 
 bool is_sound(const models::Trajectory& trajectory) {
   bool sound = std::isfinite(trajectory.start.x_m) && std::isfinite(trajectory.start.y_m) &&
@@ -180,7 +180,7 @@ void Quadrotor::fall(double dt_s) {
 }
 
 void Quadrotor::step_gusts(double dt_s) {
-  // Exactly discretised Ornstein–Uhlenbeck process: stationary with the given σ for any step.
+  // Ornstein–Uhlenbeck process, exactly discretised: its σ is stationary for any step.
   const double keep = std::exp(-dt_s / parameters_.wind_memory_s);
   const double fresh = parameters_.wind_sigma_mps2 * std::sqrt(1.0 - keep * keep);
   std::normal_distribution<double> normal;

@@ -18,31 +18,32 @@ namespace vantage::sim {
 /// Dynamics of a simulated quadrotor. The planner does not know these values.
 struct QuadrotorParameters {
   double velocity_lag_s = 0.15;
-  double acceleration_max_mps2 = 10.0;  ///< horizontal: a tilt of 45°
+  double acceleration_max_mps2 = 10.0;  ///< m/s², horizontal; a tilt of 45°
   double yaw_rate_lag_s = 0.08;
   double yaw_acceleration_max_radps2 = 60.0;
   double climb_max_mps = 0.5;
   double position_gain_per_s = 2.0;
   double yaw_gain_per_s = 4.0;
   double height_gain_per_s = 2.0;
-  double corner_window_s = 0.12;  ///< the controller smooths corners over ± this time
-  double command_reserve = 1.3;   ///< commands are limited to this multiple of the vehicle's limits
-  Eigen::Vector2d wind_mean_mps2 = Eigen::Vector2d::Zero();  ///< mean acceleration by the wind
-  double wind_sigma_mps2 = 0.15;  ///< 1σ per axis of the gusts' acceleration, limited to 3σ
+  double corner_window_s = 0.12;  ///< s; the controller averages the reference over ± this time
+  double command_reserve = 1.3;   ///< ratio of the command limits to the vehicle's limits
+  Eigen::Vector2d wind_mean_mps2 = Eigen::Vector2d::Zero();  ///< m/s²; mean acceleration by the
+                                                             ///< wind
+  double wind_sigma_mps2 = 0.15;  ///< m/s²; 1σ per axis of the gusts' acceleration, limited to 3σ
   double wind_memory_s = 2.0;
-  double endurance_s = 1200.0;  ///< battery from full to empty
+  double endurance_s = 1200.0;  ///< s; flight time from a full to an empty battery
 };
 
-/// Returns the parameters of a vehicle in `wind`, which drag turns into acceleration; without wind,
-/// the default light gusts.
+/// Returns the parameters of a vehicle in `wind`, whose drag acts as an acceleration. Without a
+/// wind specification, the default light gusts apply.
 QuadrotorParameters parameters_in(const std::optional<scenario::WindSpec>& wind);
 
 /// Result of offering a plan to a vehicle.
 enum class [[nodiscard]] PlanVerdict{
     kAccepted,
-    kNotFinite,      ///< or an invalid duration or deceleration
+    kNotFinite,      ///< a number is not finite, or a duration or deceleration is invalid
     kDiscontinuous,  ///< starts too far from the vehicle's course
-    kStale,          ///< older than the plan already accepted
+    kStale,          ///< older than the last accepted plan
     kNotFollowing,   ///< the vehicle holds, lands, is idle or was stopped
 };
 
@@ -52,17 +53,18 @@ enum class [[nodiscard]] PlanVerdict{
 ///   v̇ = (v_cmd − v)/T_v + wind,  ω̇ = (ω_cmd − ω)/T_ω,
 ///   v_cmd = v_s + T_v a_s + k (p_ref − p),  ω_cmd = ω_s + T_ω α_s + k_yaw (θ_ref − θ)
 ///
-/// The reference's velocity and acceleration are averaged over ± corner_window_s: jumps of speed
-/// and yaw rate between primitives become ramps that begin before the jump. The vehicle can move
-/// sideways, as a multirotor does; its heading is controlled independently of its motion.
+/// The index s marks the reference's velocity, yaw rate and their derivatives averaged over ±
+/// corner_window_s. Jumps of speed and yaw rate between primitives thus become ramps that begin
+/// before the jump. The vehicle can move sideways, as a multirotor does; its heading is controlled
+/// independently of its motion.
 class Quadrotor : public Vehicle {
  public:
   /// Starts in hover at its start position, in the state kFollow.
   Quadrotor(const scenario::RobotSpec& spec, double tracking_tolerance_m, std::uint64_t seed,
             Time start, const QuadrotorParameters& parameters = {});
 
-  /// Accepts a plan if it is finite, not older than the newest one, and its state at max(its start,
-  /// `now`) lies within twice the tracking tolerance (in space) of the course.
+  /// Accepts a plan if it is finite, not older than the newest one, and its position at the later
+  /// of its start and `now` is within twice the tracking tolerance of the course.
   PlanVerdict offer(const models::RobotPlan& plan, Time now);
   void command(models::OperatorAction action, Time now);
   /// Steps from `now` by `dt_s` ≤ 0.02 s. Allocates only when old plans are removed.

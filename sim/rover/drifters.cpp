@@ -40,7 +40,7 @@ void Drifters::step(double dt_s) {
       discs_[i].centre_m += v_mps * dt_s;
       continue;
     }
-    // A wall or box face turns one component back; a corner or another disc turns both.
+    // A wall or a box face reverses one velocity component; a corner or another disc reverses both.
     const Eigen::Vector2d mirrored_x(-v_mps.x(), v_mps.y());
     const Eigen::Vector2d mirrored_y(v_mps.x(), -v_mps.y());
     if (is_free(i, here_m + mirrored_x * dt_s)) {

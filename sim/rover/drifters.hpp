@@ -10,15 +10,15 @@
 
 namespace vantage::sim {
 
-/// Discs with white acceleration of density q, v ← v + √(q dt) n, that bounce off walls, obstacles
-/// and each other. Their speed is limited. They start at rest.
+/// Discs with white acceleration of density q, v ← v + √(q dt) n with standard normal n. They
+/// bounce off walls, obstacles and each other. Their speed is limited; they start at zero speed.
 class Drifters {
  public:
   Drifters(const models::World& world, std::vector<Disc> starts, double acceleration_q_m2ps3,
            double speed_max_mps, std::uint64_t seed);
 
-  /// Moves each disc in turn. If a move would end within a millimetre of anything, the disc stays
-  /// and its velocity is reversed instead, so that discs never touch.
+  /// Moves each disc in turn. If the motion would end within 1 mm of a wall, an obstacle or another
+  /// disc, the disc does not move and its velocity is reflected. Discs therefore never touch.
   void step(double dt_s);
 
   [[nodiscard]] std::size_t size() const { return discs_.size(); }

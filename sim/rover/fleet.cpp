@@ -13,19 +13,23 @@
 namespace vantage::sim {
 namespace {
 
-constexpr double kSafetyMarginM = 0.03;  // kept between surfaces, on top of all prediction errors
-constexpr double kRouteMarginM = 0.1;    // clearance of a route from other rovers
-constexpr double kNeighbourhoodM = 1.5;  // routes avoid rovers nearer than this
-constexpr double kLookAheadM = 0.6;      // distance of the point that a rover steers to
-constexpr double kArrivalM = 0.15;       // a way point nearer than this counts as reached
-constexpr double kHeadwayM = 0.1;        // a rover that moves less than this is stuck
-constexpr double kRerouteS = 1.0;        // time stuck after which it searches a new route
-constexpr double kPatienceS = 4.0;       // time stuck after which it chooses another way point
+constexpr double kSafetyMarginM = 0.03;  // m; distance between surfaces, in addition to all
+                                         // prediction errors
+constexpr double kRouteMarginM = 0.1;    // m; clearance of a route from other rovers
+constexpr double kNeighbourhoodM = 1.5;  // m; routes avoid rovers nearer than this
+constexpr double kLookAheadM = 0.6;      // m; largest distance of the point towards which a rover
+                                         // steers
+constexpr double kArrivalM = 0.15;       // m; a way point nearer than this is reached
+constexpr double kHeadwayM = 0.1;        // m; a rover that moves less than this is stuck
+constexpr double kRerouteS = 1.0;        // s; a rover that is stuck for longer searches a new route
+constexpr double kPatienceS = 4.0;       // s; a rover that is stuck for longer chooses another way
+                                         // point
 constexpr double kTurnGainPerS = 3.0;
 constexpr double kRoundingM = 1e-9;
-constexpr double kClearlyM = 1e-6;  // added to the bound that skips exact distances
+constexpr double kClearlyM = 1e-6;  // m; margin of the bound below which exact distances are
+                                    // computed
 constexpr int kDrawsMax = 40;
-// Variations on the desired command, gentlest first: share of speed, added yaw rate.
+// Variations of the desired command, smallest first: factor of the speed, additional yaw rate.
 constexpr std::array<std::array<double, 2>, 8> kVariations{{{1.0, 0.0},
                                                             {0.6, 0.0},
                                                             {0.7, 1.2},
@@ -79,7 +83,7 @@ void RoverFleet::decide(double elapsed_s) {
     supervise(i, elapsed_s);
     Rover& rover = rovers_[i];
     const RoverCommand desired_command = desired(rover);
-    // Braking stays on the committed ground; turning on the spot sweeps no ground.
+    // A braking rover stays within its stopping area. Turning in place sweeps no additional ground.
     rover.command =
         RoverCommand{0.0, rover.state.speed_mps > 0.0 ? 0.0 : desired_command.yaw_rate_radps};
     StoppingPath chosen(rover.state, rover.command, parameters_, kDecisionPeriodS);
@@ -174,7 +178,7 @@ void RoverFleet::choose_way_point(std::size_t i) {
   const double needed_m = map_.clearance_needed_m(rover.radius_m);
   for (int draw = 0; draw < kDrawsMax && rover.path.empty(); ++draw) {
     const models::Rectangle& bounds = world_.bounds;
-    // Draw in separate statements: the order of evaluation of arguments depends on the compiler.
+    // Separate statements, because the evaluation order of arguments depends on the compiler.
     const double y_m = uniform(rover.rng, bounds.min_m.y(), bounds.max_m.y());
     const double x_m = uniform(rover.rng, bounds.min_m.x(), bounds.max_m.x());
     const Eigen::Vector2d goal_m(x_m, y_m);
@@ -182,7 +186,7 @@ void RoverFleet::choose_way_point(std::size_t i) {
       rover.path = map_.route(here_m, goal_m, rover.radius_m, blocked);
     }
   }
-  if (rover.path.empty()) {  // enclosed: wait a little and draw again
+  if (rover.path.empty()) {  // no route: waits for a short time, then draws another way point
     rover.pause_s = uniform(rover.rng, 0.1, 1.0);
   }
 }
@@ -193,7 +197,7 @@ RoverCommand RoverFleet::desired(Rover& rover) const {
   }
   const Pose2& pose = rover.state.world_from_body;
   const Eigen::Vector2d here_m = pose.position_m();
-  // Steer to the farthest point of the path, within the look-ahead, that is reachable in a straight
+  // Steers to the farthest point of the path within kLookAheadM that is reachable in a straight
   // line.
   std::size_t aim = rover.passed;
   for (std::size_t k = rover.passed; k < rover.path.size(); ++k) {
@@ -210,7 +214,9 @@ RoverCommand RoverFleet::desired(Rover& rover) const {
   const double error_rad = wrap_to_pi(std::atan2(to_aim_m.y(), to_aim_m.x()) - pose.yaw_rad);
   const double ahead = std::max(0.0, std::cos(error_rad));
   const double left_m = (rover.path.back() - here_m).norm();
-  const double arrive_mps = std::sqrt(parameters_.brake_mps2 * left_m);  // half of full braking
+  const double arrive_mps = std::sqrt(parameters_.brake_mps2 * left_m);  // m/s; allows a stop at
+                                                                         // half the maximum
+                                                                         // deceleration
   return {std::min(rover.leg_speed_mps, arrive_mps) * ahead * ahead * ahead,
           std::clamp(kTurnGainPerS * error_rad, -parameters_.yaw_rate_max_radps,
                      parameters_.yaw_rate_max_radps)};
@@ -219,7 +225,7 @@ RoverCommand RoverFleet::desired(Rover& rover) const {
 bool RoverFleet::is_safe(std::size_t i, const StoppingPath& path) const {
   const Rover& rover = rovers_[i];
   const Eigen::Vector2d here_m = rover.state.world_from_body.position_m();
-  // A distance that is too small from the start may only not decrease further.
+  // A rover that is already too close to a wall or obstacle must not come closer.
   const double wall_m =
       std::min(rover.radius_m + kSafetyMarginM, models::clearance_m(world_, here_m));
   const auto points = path.points_m();

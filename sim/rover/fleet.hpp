@@ -15,14 +15,14 @@ namespace vantage::sim {
 
 /// Rovers that drive to random way points around obstacles and each other.
 ///
-/// Every decision keeps one invariant. The *stopping area* of a rover is the ground that it sweeps
-/// until it has stopped if it brakes from now on. It touches no obstacle and no other rover's
-/// stopping area. A new command is accepted only if it keeps the invariant; braking always does.
-/// Hence a rover never touches anything from which it was clear at the start, at the price of an
-/// occasional stop.
+/// Every decision preserves one invariant. The *stopping area* of a rover is the ground that it
+/// sweeps if it brakes to a stop from now on. This area is clear of all obstacles and of all other
+/// stopping areas. A new command is accepted only if it preserves the invariant; braking always
+/// does. A rover that was clear of all bodies and obstacles at the start therefore never touches
+/// one, but it may stop occasionally.
 class RoverFleet {
  public:
-  /// Time for which a command is held.
+  /// s; time for which a command is applied.
   static constexpr double kDecisionPeriodS = 0.05;
 
   struct Start {
@@ -34,12 +34,12 @@ class RoverFleet {
              const std::vector<Start>& starts, std::uint64_t seed,
              const RoverParameters& parameters = {});
 
-  /// Keeps rovers at least `distance_m`, centre to centre, from these points from now on. A rover
-  /// that is already nearer comes no nearer.
+  /// Keeps the centres of rovers at least `distance_m` from these points from now on. A rover that
+  /// is already nearer does not come nearer.
   void keep_out(std::vector<Eigen::Vector2d> centres_m, double distance_m);
-  /// Chooses the commands for the next period. Call every kDecisionPeriodS or earlier.
+  /// Chooses the commands for the next period. Call this at least every kDecisionPeriodS.
   void decide(double elapsed_s);
-  /// Drives all rovers for `dt_s`.
+  /// Moves all rovers for `dt_s`.
   void step(double dt_s);
 
   [[nodiscard]] std::size_t size() const { return rovers_.size(); }
@@ -55,11 +55,11 @@ class RoverFleet {
     StoppingPath committed;
     double radius_m = 0.0;
     std::mt19937_64 rng;
-    std::vector<Eigen::Vector2d> path;  ///< to the way point; empty while the rover waits
+    std::vector<Eigen::Vector2d> path;  ///< path to the way point; empty while the rover waits
     std::size_t passed = 0;             ///< number of points of `path` already passed
     double leg_speed_mps = 0.0;
     double pause_s = 0.0;
-    double stuck_s = 0.0;  ///< since its last progress
+    double stuck_s = 0.0;  ///< s; time since the rover's last progress
     bool rerouted = false;
     Eigen::Vector2d headway_m = Eigen::Vector2d::Zero();
   };
@@ -75,10 +75,11 @@ class RoverFleet {
   scenario::TargetTruthSpec truth_;
   RoverParameters parameters_;
   RouteMap map_;
-  /// Disc around a rover's committed path. Contiguous, for a fast search of near rovers.
+  /// Disc around a rover's stopping path. All discs are in one array, for a fast search of near
+  /// rovers.
   struct Reach {
     Eigen::Vector2d first_m;
-    double reach_m = 0.0;  ///< from first_m to the farthest point of the rover's body
+    double reach_m = 0.0;  ///< m; distance from first_m to the farthest point of the rover's body
   };
   std::vector<Rover> rovers_;
   std::vector<Reach> reaches_;  ///< one per rover

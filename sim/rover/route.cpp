@@ -29,11 +29,12 @@ RouteMap::RouteMap(const models::World& world)
 }
 
 double RouteMap::clearance_needed_m(double radius_m) const {
-  // Half a diagonal step: the largest distance of a point between two centres from the nearer one.
+  // Adds half a diagonal step, the largest distance of a point between two centres from the nearer
+  // centre.
   return radius_m + kMarginM + geometry_.resolution_m / std::numbers::sqrt2;
 }
 
-// long: one grid search with its own costs and parents.
+// long: one grid search with its costs and parents.
 std::vector<Eigen::Vector2d> RouteMap::route(const Eigen::Vector2d& from_m,
                                              const Eigen::Vector2d& to_m, double radius_m,
                                              const std::vector<Disc>& blocked) const {
@@ -43,7 +44,8 @@ std::vector<Eigen::Vector2d> RouteMap::route(const Eigen::Vector2d& from_m,
     return {};
   }
   const double needed_m = clearance_needed_m(radius_m);
-  // A disc may start nearer to obstacles than a route allows; let it leave from there.
+  // A disc may start closer to obstacles than a route allows; near the start, less clearance is
+  // required.
   const double departure_m = std::max(kDepartureM, 1.5 * geometry_.resolution_m);
   const auto is_open = [&](int index) {
     const Eigen::Vector2d centre_m = geometry_.centre_m(index);
@@ -63,7 +65,7 @@ std::vector<Eigen::Vector2d> RouteMap::route(const Eigen::Vector2d& from_m,
   const auto cells = static_cast<std::size_t>(geometry_.size());
   std::vector<double> cost(cells, std::numeric_limits<double>::infinity());
   std::vector<int> parent(cells, -1);
-  using Entry = std::pair<double, int>;  // cost + distance to go, cell
+  using Entry = std::pair<double, int>;  // (cost + remaining distance, cell)
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
   const auto to_go = [&](int index) {
     return (geometry_.centre_m(index) - geometry_.centre_m(goal)).norm();

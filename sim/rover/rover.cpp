@@ -10,7 +10,7 @@ namespace vantage::sim {
 namespace {
 
 constexpr double kPredictionStepS = 0.05;
-constexpr double kFarM = 2.0;  // beyond this a lower bound suffices
+constexpr double kFarM = 2.0;  // m; beyond this distance a lower bound suffices
 
 double ramp(double from, double to, double up, double down) {
   return to >= from ? std::min(to, from + up) : std::max(to, from - down);

@@ -12,7 +12,7 @@ namespace vantage::sim {
 
 /// Limits of a small indoor rover.
 struct RoverParameters {
-  double speed_max_mps = 1.4;  ///< never exceeded
+  double speed_max_mps = 1.4;  ///< m/s; never exceeded
   double acceleration_mps2 = 1.0;
   double brake_mps2 = 2.0;
   double yaw_rate_max_radps = 2.0;
@@ -32,12 +32,13 @@ struct RoverCommand {
   double yaw_rate_radps = 0.0;
 };
 
-/// Returns the state after `dt_s` of ramping towards `command` at the given accelerations.
+/// Returns the state after `dt_s`, during which speed and yaw rate change towards `command` with
+/// the accelerations of `parameters`.
 RoverState step_rover(const RoverState& state, const RoverCommand& command,
                       const RoverParameters& parameters, double dt_s);
 
-/// Path of a rover's centre when it follows a command for one decision period and then stops as
-/// fast as it can: points from the present position to the stop.
+/// Path of a rover's centre while the rover follows a command for one decision period and then
+/// stops at its maximum deceleration. It consists of points from the present position to the stop.
 class StoppingPath {
  public:
   StoppingPath() = default;
@@ -46,7 +47,7 @@ class StoppingPath {
                const RoverParameters& parameters, double period_s);
 
   [[nodiscard]] std::span<const Eigen::Vector2d> points_m() const { return {points_m_.data(), n_}; }
-  /// Returns the largest distance of a point of the path from its first.
+  /// Returns the largest distance of a point of the path from the path's first point, m.
   [[nodiscard]] double reach_m() const { return reach_m_; }
 
  private:
@@ -58,9 +59,9 @@ class StoppingPath {
   double reach_m_ = 0.0;
 };
 
-/// Returns the distance between two paths regardless of time, with points joined by straight
-/// pieces. It is the least distance from a point of one to a piece of the other: exact unless the
-/// paths cross (then at most half a piece). For paths far apart it is a lower bound.
+/// Returns the distance between two paths of straight segments, regardless of time, m. It is the
+/// minimum distance from a point of one path to a segment of the other. The result is exact unless
+/// the paths cross (then it is at most half a segment) or are far apart (then it is a lower bound).
 double distance_m(const StoppingPath& a, const StoppingPath& b);
 
 }  // namespace vantage::sim

@@ -58,7 +58,7 @@ void RoverEmulator::receive(std::span<const std::uint8_t> datagram, Time now) {
     ++refused_;
     return;
   }
-  // An emergency stop counts from any session and however late it arrives.
+  // An emergency stop is obeyed from any session, with any delay.
   is_stopped_ = is_stopped_ || (command.flags & wire::rover::kEmergencyStop) != 0;
   const bool takes_over = command.session != session_ && is_watchdog_out();
   const bool goes_on =

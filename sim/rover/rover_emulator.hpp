@@ -18,20 +18,21 @@ struct RoverEmulatorSpec {
   std::uint32_t boot = 1;
   Pose2 start;  ///< world from body
   RoverParameters limits;
-  double delay_s = 0.03;      ///< from the arrival of a command to its effect
-  double grip = 0.97;         ///< distance travelled per distance turned by the wheels (slip)
-  double drift_radps = 0.02;  ///< unmeasured left turn while moving
+  double delay_s = 0.03;      ///< s; time from the arrival of a command to its effect
+  double grip = 0.97;         ///< ratio of the distance driven to the distance by wheel rotation
+                              ///< (slip)
+  double drift_radps = 0.02;  ///< rad/s; unmeasured left turn rate while moving
   double battery_share = 0.9;
   double battery_per_s = 1.0 / 7200.0;
 };
 
-/// A rover with the protocol of docs/guide/rovers.md. Time and bytes are arguments; `now` never
-/// decreases.
+/// Emulated rover with the protocol of docs/guide/rovers.md. Time and bytes are arguments; `now`
+/// must not decrease.
 class RoverEmulator {
  public:
   RoverEmulator(const RoverEmulatorSpec& spec, Time start);
 
-  /// Drives to `now`.
+  /// Simulates the motion until `now`.
   void advance_to(Time now);
   /// Processes a datagram that arrived at `now`.
   void receive(std::span<const std::uint8_t> datagram, Time now);
@@ -61,7 +62,7 @@ class RoverEmulator {
   RoverEmulatorSpec spec_;
   RoverState state_;
   Time now_;
-  std::deque<Demand> demands_;  ///< received, not yet in effect
+  std::deque<Demand> demands_;  ///< received commands that are not yet in effect
   RoverCommand demand_;
   bool is_driving_ = false;
   bool is_stopped_ = false;

@@ -9,7 +9,7 @@
 
 namespace vantage::sim {
 
-/// An emulated rover on a UDP socket at the address that its driver's URL expects. It waits for a
+/// Emulated rover on a UDP socket at the address that its driver's URL expects. It waits for a
 /// driver that sends first (udpout://HOST:PORT), and sends first to a driver that listens
 /// (udp://[HOST]:PORT).
 class RoverEndpoint {
@@ -17,8 +17,8 @@ class RoverEndpoint {
   /// @throws StartupError as VehicleSocket does.
   RoverEndpoint(const RoverEmulatorSpec& spec, const std::string& driver_url, Time start);
 
-  /// Drives to `now`, processes the received datagrams and sends telemetry if it is due. Never
-  /// waits.
+  /// Simulates the motion until `now`, processes the received datagrams and sends telemetry if it
+  /// is due. Never blocks.
   void run_to(Time now);
 
   [[nodiscard]] RoverEmulator& emulator() { return emulator_; }

@@ -48,7 +48,7 @@ bool DataStreamPeer::receive(wire::vicon::Bytes bytes) {
   while (!bytes.empty()) {
     const std::size_t taken = stream_.push(bytes);
     if (taken == 0) {
-      return false;  // larger than any packet of a client
+      return false;  // the packet is larger than any packet of a client
     }
     bytes = bytes.subspan(taken);
     for (;;) {

@@ -10,10 +10,10 @@ namespace vantage::sim::vicon {
 
 /// Server side of one client's connection to the emulated DataStream.
 ///
-/// It announces the available contents and answers pings at once. It sends the requested contents,
-/// either streamed or one frame per request. Static content (subjects, rate, axis, quality) is sent
-/// once after each change of the request or of the subjects; later Contents blocks mark it as
-/// unchanged.
+/// It announces the available contents and answers pings immediately. It sends the requested
+/// contents, either streamed or one frame per request. Static content (subjects, rate, axis,
+/// quality) is sent once after each change of the request or of the subjects; later Contents blocks
+/// mark it as unchanged.
 class DataStreamPeer : public Peer {
  public:
   explicit DataStreamPeer(const ServerSettings& settings);
@@ -37,7 +37,8 @@ class DataStreamPeer : public Peer {
   std::vector<std::string> subjects_;
   bool is_static_due_ = true;
   bool is_streaming_ = false;
-  std::uint32_t frames_wanted_ = 0;  ///< number of frames requested one by one
+  std::uint32_t frames_wanted_ = 0;  ///< number of individually requested frames that are not yet
+                                     ///< sent
 };
 
 }  // namespace vantage::sim::vicon

@@ -24,20 +24,20 @@ struct EmulatedFrame {
   std::vector<EmulatedBody> bodies;
 };
 
-/// Representation of an occluded body on the wire. A DataStream always omits it.
+/// Representation of an occluded body in the protocol. A DataStream always omits occluded bodies.
 enum class OcclusionStyle {
   kAbsent,
   kZero,      ///< pose and orientation all zero
-  kRepeated,  ///< its last pose, repeated
+  kRepeated,  ///< the body's last pose, repeated
 };
 
 struct ServerSettings {
   scenario::MocapProtocol protocol = scenario::MocapProtocol::kDataStream;
   double rate_hz = 100.0;
   std::size_t block_bytes = 256;  ///< datagram size of an object stream: 256, 512 or 1024
-  bool is_y_up = false;           ///< sends a y-up world, as Nexus and Blade do
+  bool is_y_up = false;           ///< sends poses with y up, as Nexus and Blade do
   OcclusionStyle occlusion = OcclusionStyle::kAbsent;
-  /// Limit of unsent bytes for a client that does not read; beyond it frames are skipped.
+  /// Maximum number of unsent bytes for a client that does not read; above it frames are skipped.
   std::size_t backlog_bytes_max = std::size_t{4} << 20U;
 };
 

@@ -10,8 +10,8 @@
 
 namespace vantage::sim::vicon {
 
-/// Tracker's UDP object stream: a frame is split into datagrams of a fixed size, all with its
-/// number.
+/// Encoder of Tracker's UDP object stream: a frame is split into datagrams of a fixed size, all
+/// with the frame's number.
 class ObjectStreamServer {
  public:
   explicit ObjectStreamServer(const ServerSettings& settings) : settings_(settings) {}

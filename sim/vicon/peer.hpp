@@ -8,7 +8,8 @@
 
 namespace vantage::sim::vicon {
 
-/// Server side of one client's connection as a pure state machine: bytes and frames in, bytes out.
+/// Server side of one client's connection, as a pure state machine: received bytes and frames are
+/// passed in, bytes to send are stored in `outgoing`.
 class Peer {
  public:
   Peer() = default;
@@ -21,7 +22,7 @@ class Peer {
   /// Processes bytes of the client, split at any point. Returns false if they break the protocol;
   /// the connection must then be closed.
   [[nodiscard]] virtual bool receive(wire::vicon::Bytes bytes) = 0;
-  /// Takes the newest frame and queues it if the client has requested it.
+  /// Processes the newest frame; queues it if the client has requested a frame.
   virtual void on_frame(const EmulatedFrame& frame) = 0;
 
   std::vector<std::uint8_t> outgoing;  ///< the sender erases the bytes that it has sent

@@ -145,8 +145,8 @@ void SocketServer::on_connection_requests() {
     if (!callback) {
       continue;
     }
-    // Connect to the requested port, but at the sender's real address, so that no third party can
-    // be contacted.
+    // Connects to the requested port at the datagram's source address, so that a client cannot make
+    // the server contact a third host.
     from.sin_port = htons(static_cast<std::uint16_t>(callback->port));
     const int fd = socket(AF_INET, SOCK_STREAM | kSocketFlags, 0);
     if (connect(fd, as_sockaddr(from), sizeof from) == 0 || errno == EINPROGRESS) {

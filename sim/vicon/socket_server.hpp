@@ -11,7 +11,7 @@
 
 namespace vantage::sim::vicon {
 
-/// The emulated server on real sockets, for up to kClientsMax clients.
+/// Emulated mocap server on real sockets, for up to kClientsMax clients.
 ///
 /// A DataStream or VRPN server listens at `port` (VRPN also by UDP, and then connects back to the
 /// client); an object stream is sent to `host` and `port`. Only wait() blocks.
@@ -19,7 +19,7 @@ class SocketServer {
  public:
   static constexpr std::size_t kClientsMax = 64;
 
-  /// @param port  0: any free port; see port()
+  /// @param port  port number; 0: any free port, returned by port()
   /// @param host  address to listen at, or to which an object stream is sent (may be a broadcast
   ///              address)
   /// @throws StartupError if the port cannot be opened.
@@ -36,7 +36,7 @@ class SocketServer {
   [[nodiscard]] std::int64_t frames_skipped() const { return frames_skipped_; }
   [[nodiscard]] std::int64_t send_errors() const { return send_errors_; }
 
-  /// Serves the clients, and waits up to `timeout` for one to send something.
+  /// Serves the clients; waits up to `timeout` for data from a client.
   void wait(std::chrono::nanoseconds timeout);
   /// Sends a frame to all clients that request it.
   void publish(const EmulatedFrame& frame);

@@ -8,7 +8,8 @@
 namespace vantage::sim {
 namespace {
 
-// Speed limit of a double integrator: that of the fastest target in the dissertation's experiments.
+// Speed limit of a double integrator: the speed of the fastest target in the dissertation's
+// experiments.
 constexpr double kDrifterSpeedMaxMps = 2.0;
 
 }  // namespace

@@ -13,20 +13,20 @@
 
 namespace vantage::sim {
 
-/// True motion of the scenario's targets, for every kind of motion.
+/// True motion of the scenario's targets, for all kinds of motion.
 class Ground {
  public:
   Ground(const scenario::Scenario& scenario, std::uint64_t seed);
 
-  /// Keeps rovers at least `distance_m`, centre to centre, from these points from now on.
+  /// Keeps the centres of rovers at least `distance_m` from these points from now on.
   void keep_out(std::vector<Eigen::Vector2d> centres_m, double distance_m);
   void decide(double elapsed_s);
   void step(double dt_s);
 
-  /// In the scenario's order of targets.
+  /// Returns the pose of target `i`, in the scenario's order of targets.
   [[nodiscard]] Pose2 world_from_body(std::size_t i) const;
   [[nodiscard]] Eigen::Vector2d velocity_mps(std::size_t i) const;
-  /// Null unless the targets are rovers.
+  /// Returns the rovers; null if the targets are not rovers.
   [[nodiscard]] const RoverFleet* rovers() const { return rovers_ ? &*rovers_ : nullptr; }
 
  private:

@@ -10,17 +10,17 @@
 
 namespace vantage::sim {
 
-/// Returns a draw from N(0, L D Lᵀ), which may be singular; `root` is the decomposition of the
-/// covariance.
+/// Returns a sample of N(0, P), where `root` is the LDLᵀ decomposition of the covariance P, which
+/// may be singular.
 models::StateVector draw_gaussian(const Eigen::LDLT<models::StateMatrix>& root,
                                   std::mt19937_64& rng);
 
-/// Targets that move exactly as their model: x ← A x + w, w ~ N(0, W) of one step. A target that
-/// leaves the bounds is reflected back.
+/// Targets that move exactly by their model: in each step x ← A x + w, w ~ N(0, W). A target that
+/// would leave the bounds is reflected.
 class LinearTargets {
  public:
   /// @param starts  position and velocity, 4 components
-  /// @param rng  engine used only for their noise
+  /// @param rng  engine used only for the process noise
   LinearTargets(const models::TargetModel& model, double step_s, const models::Rectangle& bounds,
                 std::vector<models::StateVector> starts, const std::mt19937_64& rng);
 

@@ -9,9 +9,9 @@
 
 namespace vantage::sim {
 
-/// A motion-capture system. It captures all bodies at whole multiples of its period since the
-/// epoch, with independent Gaussian noise on each coordinate and on yaw. Frames arrive a fixed
-/// latency later.
+/// Simulated motion-capture system. It captures all bodies at integer multiples of its period since
+/// the epoch, with independent Gaussian noise on each coordinate and on yaw. Frames arrive after a
+/// fixed latency.
 class MocapCamera {
  public:
   /// @throws UsageError for a rate outside (0, 1000] Hz, a negative noise or latency.
@@ -22,8 +22,8 @@ class MocapCamera {
   [[nodiscard]] Duration latency() const { return latency_; }
   /// Returns the first instant of capture at or after `time`.
   [[nodiscard]] Time capture_at_or_after(Time time) const;
-  /// Returns the captured frame of `truth`; its capture time is truth's, and its frame number
-  /// counts periods since the epoch. Draws random numbers.
+  /// Returns a noisy frame of `truth` with the same time. The frame number is the number of periods
+  /// since the epoch. Draws random numbers.
   models::MocapFrame capture(const models::TruthFrame& truth);
 
  private:

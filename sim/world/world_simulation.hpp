@@ -16,36 +16,40 @@
 
 namespace vantage::sim {
 
-/// The simulated lab: vehicles, moving targets, and their contacts.
+/// Simulated lab: vehicles, moving targets, and their contacts.
 ///
-/// A robot is either a Quadrotor that follows plans, or a vehicle of the caller, whose truth is
-/// used as it is. Robots whose device is real are not simulated.
+/// A robot is either a Quadrotor that follows plans, or a vehicle supplied by the caller, which
+/// computes its true state. Robots whose device is real are not simulated.
 ///
 /// Deterministic: the same scenario, seed, start, plans and commands at the same times give the
-/// same bytes. Time is an argument; physics runs in steps that end on each whole multiple of kStep
-/// since the epoch. Targets keep away from the caller's vehicles while these are low, as people
-/// keep the ground free where a vehicle starts or lands.
+/// same bytes. Time is an argument; physics steps end at each integer multiple of kStep since the
+/// epoch. Targets keep away from the caller's vehicles while these are low, as people keep the
+/// ground clear where a vehicle starts or lands.
 class WorldSimulation {
  public:
   static constexpr Duration kStep{5'000};
-  static constexpr double kLowM = 0.9;      ///< height below which targets keep away from a vehicle
-  static constexpr double kKeepOutM = 1.0;  ///< distance between its centre and a target's
+  static constexpr double kLowM = 0.9;      ///< m; height of a vehicle below which targets keep
+                                            ///< away from it
+  static constexpr double kKeepOutM = 1.0;  ///< m; minimum distance between the centres of such a
+                                            ///< vehicle and a target
 
-  /// @param vehicles  replace the Quadrotors of the same names; must outlive the world
+  /// @param vehicles  vehicles that replace the Quadrotors of the same names; they must outlive the
+  /// world
   /// @throws UsageError for a scenario that cannot be simulated, with the value and the rule.
   WorldSimulation(const scenario::Scenario& scenario, std::uint64_t seed, Time start,
                   const std::vector<Vehicle*>& vehicles = {});
 
-  /// Steps to `time` exactly; does nothing if it is past.
+  /// Steps to `time` exactly; does nothing if `time` is in the past.
   void advance_to(Time time);
   [[nodiscard]] Time time() const { return time_; }
 
-  /// Offers a plan to its robot now; nullopt if that robot is not a Quadrotor of this world.
+  /// Offers a plan to its robot now; returns nullopt if that robot is not a Quadrotor of this
+  /// world.
   std::optional<PlanVerdict> offer(const models::RobotPlan& plan);
   /// Applies a command to one Quadrotor or, with an empty name, to all.
   void command(const models::OperatorCommand& command);
 
-  /// Returns all bodies now: robots first, then targets, each in the scenario's order.
+  /// Returns the true state of all bodies now: robots, then targets, each in the scenario's order.
   [[nodiscard]] models::TruthFrame truth() const;
   /// Returns a noisy capture of all bodies now. Draws random numbers: call it once per instant of
   /// capture.
@@ -68,7 +72,8 @@ class WorldSimulation {
   Time decided_;
   std::vector<Quadrotor> quadrotors_;
   std::vector<Vehicle*> external_vehicles_;  ///< vehicles of the caller
-  std::vector<Vehicle*> vehicles_;           ///< both kinds, in the scenario's order of robots
+  std::vector<Vehicle*> vehicles_;           ///< Quadrotors and the caller's vehicles, in the
+                                             ///< scenario's order of robots
   Ground ground_;
   MocapCamera camera_;
   models::CollisionMonitor collisions_;

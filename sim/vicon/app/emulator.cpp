@@ -126,8 +126,8 @@ int serve(const Arguments& arguments) {
   std::int64_t sent = 0;
   for (std::int64_t k = 0; !stop_requested(); ++k) {
     const double time_s = static_cast<double>(k) / arguments.settings.rate_hz;
-    // A real server delivers a frame after its latency; here due_ns is the delivery, and the
-    // capture time is set earlier by the latency.
+    // A real server delivers a frame after its latency. Here due_ns is the time of delivery, and
+    // the capture time is earlier by the latency.
     const std::int64_t due_ns = start_ns + std::llround(time_s * 1e9);
     for (std::int64_t left_ns = due_ns - monotonic_ns(); left_ns > 0 && !stop_requested();
          left_ns = due_ns - monotonic_ns()) {

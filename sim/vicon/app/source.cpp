@@ -45,7 +45,7 @@ bool Flights::fill(double time_s, EmulatedFrame& frame) {
   if (time_s >= length_s_ && !is_endless_) {
     return false;
   }
-  // Add a little, because rounding could select the row before.
+  // Adds 1 ns, because rounding could select the previous row.
   const double at_s = std::fmod(time_s, length_s_) + 1e-9;
   frame.bodies.resize(flights_.size());
   for (std::size_t i = 0; i < flights_.size(); ++i) {

@@ -20,7 +20,8 @@ class Source {
   Source& operator=(const Source&) = delete;
   Source(Source&&) = delete;
   Source& operator=(Source&&) = delete;
-  /// Fills in the bodies at `time_s` after the start; false when the source is over.
+  /// Sets the bodies of `frame` to those at `time_s` after the start. Returns false after the end
+  /// of the source.
   virtual bool fill(double time_s, EmulatedFrame& frame) = 0;
 };
 
@@ -34,10 +35,10 @@ class CirclingBodies : public Source {
   int count_;
 };
 
-/// Recorded flights, all from their beginning; the newest row at each instant.
+/// Recorded flights, all started at their first row. At each instant the newest row applies.
 class Flights : public Source {
  public:
-  /// @param is_endless  restarts all flights at the end of the shortest
+  /// @param is_endless  restarts all flights when the shortest one ends
   Flights(const std::vector<std::string>& paths, bool is_endless);
   bool fill(double time_s, EmulatedFrame& frame) override;
 
@@ -47,7 +48,7 @@ class Flights : public Source {
   bool is_endless_;
 };
 
-/// A scenario's world without planners: robots hover, targets move.
+/// World of a scenario without planners: robots hover, targets move.
 class ScenarioWorld : public Source {
  public:
   ScenarioWorld(const scenario::Scenario& scenario, Time start);
