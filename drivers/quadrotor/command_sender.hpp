@@ -12,8 +12,8 @@
 namespace vantage::drivers {
 
 /// Sender of commands. It repeats each command, with an increasing confirmation field, until the
-/// command is acknowledged or given up. One command of each kind is pending at a time. Source:
-/// MAVLink developer guide, command protocol.
+/// command is acknowledged or given up. One command of each kind is pending at a time.
+/// Source: MAVLink developer guide, command protocol.
 class CommandSender {
  public:
   /// Result of a command.

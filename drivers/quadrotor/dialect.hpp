@@ -30,7 +30,7 @@ struct DialectTraits {
   bool takes_off_by_command = false;
   /// Its estimator has no origin without a GPS, and publishes nothing without an origin.
   bool needs_origin = false;
-  // Lead of the set-points, measured with our parameters.
+  // Lead of the set-points, measured with the parameters of config/autopilot.
   double lead_s = 0.0;               ///< s; lead of position and velocity
   double acceleration_lead_s = 0.0;  ///< s; lead of the acceleration, which requires a tilt first
   std::vector<WantedStream> streams;

@@ -194,7 +194,7 @@ void QuadrotorDriver::tick(Time now) {
 }
 
 bool QuadrotorDriver::is_nearly_down() const {
-  return tracker_.state() &&  // without a known ground height, 0 is assumed
+  return tracker_.state() &&  // an unknown ground height is assumed to be 0
          tracker_.state()->world_from_body.translation_m.z() - ground_m_.value_or(0.0) < kHandOverM;
 }
 

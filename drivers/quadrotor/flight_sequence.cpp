@@ -54,8 +54,8 @@ bool FlightSequence::step(AutopilotLink& link, const Situation& situation) {
   const Telemetry& telemetry = link.telemetry();
   waiting_for_.reset();
   if (!telemetry.is_connected(situation.now) && goal_ != FlightGoal::kKill) {
-    // Earlier commands may be lost. A flying vehicle is still sent set-points and the command to
-    // land, since possibly only the link from the autopilot to the driver has failed.
+    // Earlier commands may be lost. Set-points and the command to land are still sent to a flying
+    // vehicle: possibly only the link from the autopilot to the driver has failed.
     if (was_armed_ && goal_ == FlightGoal::kLand) {
       is_mode_lost_ = is_pilots(telemetry.mode());
       if (!is_mode_lost_) {

@@ -95,7 +95,7 @@ ParameterCheck::Due ParameterCheck::due(Time now) {
       set.param_id = wire::mavlink::parameter_id(rule.name);
     } else {
       wire::mavlink::ParamRequestRead& read = out.reads.emplace_back();
-      read.param_index = -1;  // by name
+      read.param_index = -1;  // −1: the parameter is requested by name
       read.param_id = wire::mavlink::parameter_id(rule.name);
     }
   }

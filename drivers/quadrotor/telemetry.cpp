@@ -50,8 +50,8 @@ void Telemetry::take(const wire::mavlink::Frame& frame, Time now) {
                  system->voltage_battery == kNoVoltage ? 0.0 : system->voltage_battery / 1000.0,
                  now);
     // PX4 reports errors of motors_escs here, including motors that its failure detector found
-    // failed. ArduPilot always reports motor outputs as healthy. Source: PX4,
-    // src/modules/mavlink/streams/SYS_STATUS.hpp.
+    // failed. ArduPilot always reports motor outputs as healthy.
+    // Source: PX4, src/modules/mavlink/streams/SYS_STATUS.hpp.
     are_motors_unhealthy_ =
         (system->onboard_control_sensors_present & system->onboard_control_sensors_enabled &
          ~system->onboard_control_sensors_health & wire::mavlink::kSensorMotorOutputs) != 0;

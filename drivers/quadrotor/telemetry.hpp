@@ -95,7 +95,7 @@ class Telemetry {
   void take_text(const wire::mavlink::Statustext& message, Time now);
 
   models::AutopilotDialect dialect_;
-  std::map<std::uint32_t, Time> received_at_;  ///< by message id
+  std::map<std::uint32_t, Time> received_at_;  ///< arrival time of the last message, by message id
   std::optional<Time> heartbeat_time_;
   std::int64_t reconnections_ = 0;
   bool is_armed_ = false;
@@ -104,7 +104,7 @@ class Telemetry {
   std::uint8_t landed_state_ = 0;
   std::optional<scenario::BatterySpec> battery_;
   std::optional<double> battery_share_;
-  std::map<int, Battery> batteries_;  ///< by source; at most 256 ids and SYS_STATUS
+  std::map<int, Battery> batteries_;  ///< by source; at most 256 battery ids and SYS_STATUS
   std::optional<Time> battery_time_;
   std::uint16_t estimator_flags_ = 0;
   bool are_motors_unhealthy_ = false;  ///< according to the last SYS_STATUS

@@ -48,7 +48,7 @@ class RoverDriver {
   /// present position half a second from now. It is checked like a plan, and refused while a
   /// planner holds the lease.
   PlanVerdict drive_through(std::span<const Waypoint> waypoints, Time now);
-  /// Processes one datagram. Returns true if it came from this rover.
+  /// Processes one datagram. Returns true if this rover sent it.
   bool receive(std::span<const std::uint8_t> datagram, Time now);
 
   /// Returns the command to send.

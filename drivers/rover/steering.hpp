@@ -18,12 +18,12 @@ struct SteeringGains {
 
 /// Returns the command that brings a unicycle at `world_from_body` to `reference`, with feedforward
 /// of the reference's velocity and yaw rate:
-/// v = v_r cos θ_e + K_x x_e,   ω = ω_r + K_y v_r y_e + K_θ (|v_r| + v_p) sin θ_e, (x_e, y_e, θ_e)
-/// is the reference in the body's frame; v_p is 0 unless the reference turns or moves. The command
-/// is within the vehicle's limits, and its speed never has the opposite sign of the reference's.
-/// The reference's velocity is assumed to be along its yaw. Source: Kanayama, Kimura, Miyazaki,
-/// Noguchi, A stable tracking control method for an autonomous mobile robot (1990), eq. 8, with v_p
-/// added.
+///   v = v_r cos θ_e + K_x x_e,   ω = ω_r + K_y v_r y_e + K_θ (|v_r| + v_p) sin θ_e,
+/// (x_e, y_e, θ_e) is the reference in the body's frame; v_p is 0 unless the reference turns or
+/// moves. The command is within the vehicle's limits, and its speed never has the opposite sign of
+/// the reference's. The reference's velocity is assumed to be along its yaw.
+/// Source: Kanayama, Kimura, Miyazaki, Noguchi, A stable tracking control method for an autonomous
+/// mobile robot (1990), eq. 8, with v_p added.
 models::UnicycleControl steer(const Pose2& world_from_body, const PlanPoint& reference,
                               const models::VehicleLimits& limits, const SteeringGains& gains = {});
 

@@ -36,7 +36,8 @@ class PlannerLease {
 
 /// Selection of the operator station in charge: the first station that sends a heartbeat, until it
 /// has sent nothing for `silent_s`. Any station may make the vehicle safer (hold, land, emergency
-/// stop). Only the station in charge may arm, take off or follow, and only its heartbeat counts.
+/// stop). Only the station in charge may send arm, take-off and follow, and only its heartbeat
+/// counts.
 ///
 /// A command is obeyed only if its stamp is current: within kFreshS of the local clock or of the
 /// clock of a known station. A station becomes known by a heartbeat that is current by the local

@@ -144,7 +144,7 @@ PlanPoint Course::planned_at(Time time, double lag_s) const {
       PlanPoint out = from_;
       const Eigen::Vector3d shift_m = to_m_ - from_.position_world_m;
       const double length_m = shift_m.norm();
-      // Starts half a window late, so that the averaged motion starts at rest.
+      // Starts half a window late, so that the averaged motion starts at zero speed.
       const double gone_m = shift_mps_ * std::max(0.0, to_seconds(time - begin_) - half_window_s_);
       if (gone_m >= length_m) {
         out.position_world_m = to_m_;

@@ -46,7 +46,7 @@ bool distrusts_pose(const Reasons& latched) {
   return false;
 }
 
-// Appends the status of the orders `arm` and `take-off` on the ground.
+// Appends the status of the commands `arm` and `take-off` on the ground.
 void append_order_status(const LadderState& ladder, const SafetyInputs& in,
                          std::vector<std::string>& reasons) {
   if (ladder.arm.is_given && !ladder.wants_armed) {
@@ -119,8 +119,8 @@ CommandVerdict FlightGuard::on_command(const models::OperatorCommand& command, T
     return p.is_ours(command) ? CommandVerdict::kNotInCharge : CommandVerdict::kOtherRobot;
   }
   if (command.action == OperatorAction::kTakeOff) {
-    p.lift_queue.on_take_off(command.robot);  // orders for every robot count: robots lift one after
-                                              // another
+    p.lift_queue.on_take_off(command.robot);  // commands to every robot count, since robots lift
+                                              // one by one
   }
   if (const auto verdict = p.execute_if_stateless(command)) {
     return *verdict;

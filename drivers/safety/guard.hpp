@@ -21,20 +21,20 @@ namespace vantage::drivers {
 /// Newest state reported by the autopilot; passed to the guard whenever a field changes.
 struct AutopilotReport {
   bool armed = false;
-  bool obeys = true;  ///< in the mode that accepts set-points, or that mode was not requested yet
+  bool obeys = true;  ///< in the mode that accepts set-points, or this mode was not requested yet
   bool estimator_good = false;
   bool motor_failed = false;
   double tilt_rad = 0.0;
   bool has_position = false;
-  Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();  ///< its own estimate
+  Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();  ///< m; estimate of the autopilot
   Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();
   bool has_attitude = false;
-  Quaternion world_from_body = Quaternion::Identity();  ///< its own estimate
+  Quaternion world_from_body = Quaternion::Identity();  ///< estimate of the autopilot
   double yaw_rate_radps = 0.0;                          ///< rad/s; by its gyroscopes
-  bool is_flown_by_hand = false;                        ///< in a mode in which a pilot controls the
-                                                        ///< vehicle
-  bool is_in_our_mode = false;                          ///< in the mode that accepts set-points
-  bool is_landing_itself = false;                       ///< in its landing mode
+  bool is_flown_by_hand = false;                        ///< a pilot controls the vehicle
+  bool is_in_our_mode = false;                          ///< the autopilot is in the mode that
+                                                        ///< accepts set-points
+  bool is_landing_itself = false;                       ///< the autopilot is in its landing mode
 };
 
 /// Set-point of the vehicle for this tick.
@@ -42,7 +42,7 @@ struct FlightSetpoint {
   enum class Kind {
     kNone,       ///< idle on the ground: no set-point; disarm if armed without need
     kTrack,      ///< position and velocity for the instant setpoint_lead_s from now
-    kBlindLand,  ///< no usable position: the autopilot's own landing
+    kBlindLand,  ///< no usable position: the autopilot's landing mode
     kMotorsOff,  ///< forced disarm, repeated at each tick
   };
   Kind kind = Kind::kNone;

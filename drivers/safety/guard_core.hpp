@@ -23,7 +23,7 @@
 
 namespace vantage::drivers {
 
-inline constexpr double kPredictS = 0.1;  ///< s; longest extrapolation of the vehicle's own pose
+inline constexpr double kPredictS = 0.1;  ///< s; longest extrapolation of this vehicle's pose
 
 /// Result of an operator command.
 enum class [[nodiscard]] CommandVerdict{
@@ -63,7 +63,7 @@ struct GuardCore {
   /// Executes an admitted command if it needs no check of the vehicle's state; otherwise returns
   /// nullopt.
   std::optional<CommandVerdict> execute_if_stateless(const models::OperatorCommand& command);
-  /// Stores `action` for the next tick. Of several commands within one tick the safest is kept.
+  /// Stores `action` for the next tick. Of several commands within one tick, the safest is stored.
   CommandVerdict request_action(models::OperatorAction action);
   CommandVerdict refuse() {
     ++commands_refused;
@@ -91,7 +91,7 @@ struct GuardCore {
   Course course;
   LadderState ladder;
   SafetyInputs in;
-  Reasons reasons;  ///< at the last tick
+  Reasons reasons;  ///< reasons at the last tick
   Time last_tick{};
   bool has_ticked = false;
   bool map_differs = false;
@@ -101,7 +101,8 @@ struct GuardCore {
   bool is_ending = false;  ///< the driver was requested to end
   std::optional<models::OperatorAction> request;
   std::array<std::int64_t, kPoseVerdicts> pose_counts{};
-  PoseVerdict pose_verdict = PoseVerdict::kAbsent;  ///< in the last accepted frame
+  PoseVerdict pose_verdict = PoseVerdict::kAbsent;  ///< verdict on this vehicle's pose in the last
+                                                    ///< accepted frame
   std::int64_t clocks_set = 0, commands_refused = 0;
 };
 

@@ -71,8 +71,8 @@ BrakingPath FlightGuard::Parts::braking_path(Time now, double reaction_s) const 
 }
 
 // Returns false if the motors are assumed to be off. While mocap shows the body flying, a report of
-// disarmed motors is ignored, since it may come from another vehicle. Without a pose,
-// kDisarmedBeats reports are required.
+// disarmed motors is ignored, since it may be from another vehicle. Without a pose, kDisarmedBeats
+// reports are required.
 bool FlightGuard::Parts::is_assumed_armed(Time now) const {
   if (autopilot.armed || !in.autopilot_armed || !is_airborne(ladder.state)) {
     return autopilot.armed;
@@ -299,8 +299,8 @@ bool FlightGuard::Parts::is_blind() const {
          to_seconds(in.now - estimator_good_at) > kEstimatorGapMaxS;
 }
 
-// Stops, moves to a landing spot and descends. Stops the descent when a body enters below, unless
-// the landing is committed (low or long under way) or blind.
+// Stops, moves to a landing spot and descends. Stops the descent if a body enters below, unless the
+// landing is committed (low or of long duration) or blind.
 void FlightGuard::Parts::land(Time now, double dt_s) {
   const Eigen::Vector3d here_m = pose.predict_m(now, kPredictS);
   const bool has_recent_pose = in.pose_age_s <= limits.pose_age_hold_s;
@@ -369,7 +369,7 @@ void FlightGuard::Parts::move_height(double dt_s) {
   const bool climbs_on = is_climbing && !lift.is_under_way() && height_ref_m < height_goal_m;
   if (climbs_on && is_climb_blocked(pose.predict_m(in.now, kPredictS), height_goal_m,
                                     fleet.bodies(in.now, limits), limits)) {
-    climb_since = in.now;  // the other vehicle goes first
+    climb_since = in.now;  // the other vehicle climbs first
     return;
   }
   // Descends no faster than the velocity in the set-point.

@@ -73,7 +73,7 @@ struct FlightGuard::Parts : GuardCore {
                                    ///< hover
   /// m; maximum distance from the hover position since the vehicle last came nearer
   double farthest_off_m = 0.0;
-  int disarmed_beats = 0;  ///< consecutive heartbeats that report disarmed motors
+  int disarmed_beats = 0;  ///< number of consecutive heartbeats that report disarmed motors
   Time heartbeat_at{}, telemetry_at{}, battery_at{}, battery_changed_at{}, airborne_at{},
       estimator_good_at{};
   bool has_heartbeat = false, has_telemetry = false, has_battery = false;

@@ -37,8 +37,8 @@ struct SafetyInputs : Surroundings {
   double pose_age_s = 0.0;        ///< s since the arrival of the last plausible pose
   double pose_latency_s = 0.0;    ///< s; arrival time minus capture time, if the clocks can be
                                   ///< compared
-  int poses_rejected = 0;         ///< consecutive implausible poses
-  int poses_accepted = 1000;      ///< consecutive plausible poses
+  int poses_rejected = 0;         ///< number of consecutive implausible poses
+  int poses_accepted = 1000;      ///< number of consecutive plausible poses
   double height_m = 0.0;          ///< m above the ground, by the best source available
   double tracking_error_m = 0.0;  ///< m from the reference, height included; 0 without a reference
   double speed_mps = 0.0;         ///< m/s; horizontal, by mocap

@@ -9,7 +9,7 @@
 
 namespace vantage::drivers {
 
-using Reasons = std::bitset<kConditionsMax>;  ///< by index into conditions()
+using Reasons = std::bitset<kConditionsMax>;  ///< set of conditions, by index into conditions()
 
 /// Operator command on the ground. It is obeyed as soon as no condition forbids it. It is dropped
 /// if a condition has forbidden it for arm_wait_s, or immediately if only the operator can clear

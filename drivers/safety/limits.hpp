@@ -21,8 +21,8 @@ struct SafetyLimits {
   double safe_height_m = 0.15;   ///< m; below this height the motors may stop without damage
   double touch_height_m = 0.06;  ///< m; a landing is complete below this height
   double pose_latency_hold_s = 0.10;
-  int pose_rejected_hold = 3;     ///< consecutive implausible poses
-  int pose_frames_to_arm = 50;    ///< consecutive plausible poses
+  int pose_rejected_hold = 3;     ///< number of consecutive implausible poses
+  int pose_frames_to_arm = 50;    ///< number of consecutive plausible poses
   double pose_gate_m = 0.25;      ///< m; largest error against the prediction at short gaps
   double pose_gate_max_m = 0.26;  ///< m; upper limit of the gate; < separation_hold_m / 2
   double pose_flip_rad = 1.0;     ///< rad; larger than any turn of a vehicle between two poses
@@ -152,7 +152,7 @@ struct SafetyLimits {
   /// host with free processors.
   double processor_wait_hold_s = 0.30;
   double processor_wait_arm_s = 0.15;  ///< s; limit of the waiting time per second for arming
-  double clear_s = 0.5;  ///< s; a condition that clears by itself must be gone for this long
+  double clear_s = 0.5;  ///< s; a condition that clears by itself must have ended this long ago
   double yield_s = 2.0;  ///< s; additional time for the vehicle that must yield
 };
 
@@ -167,7 +167,7 @@ double stopping_distance_after_loss_m(const SafetyLimits& limits, double speed_m
 double half_window_s(const models::VehicleLimits& vehicle);
 
 /// Returns the defaults with the scenario's world, separation, tracking tolerance and round, the
-/// robot's own limits, and the reaction of its autopilot.
+/// robot's limits, and the reaction time of its autopilot.
 /// @throws UsageError for an unknown robot, or if check_limits() fails.
 SafetyLimits limits_for(const scenario::Scenario& scenario, const std::string& robot);
 

@@ -23,7 +23,7 @@ enum class [[nodiscard]] PlanVerdict{
     kTooFarAhead,   ///< starts too long after now, or after an accepted plan that has not begun
     kNotFinite,     ///< a number is not finite, or a count, duration or deceleration is impossible
     kInfeasible,    ///< beyond the vehicle's speed, turn rate or braking
-    kNoHover,       ///< does not end at rest
+    kNoHover,       ///< the plan does not end stationary
     kNoLease,       ///< another planner holds the lease
     kNotFollowing,  ///< the vehicle does not accept plans now
     kDiscontinuous, kOutsideFence, kObstacle,
@@ -97,8 +97,8 @@ PlanVerdict check_shape(const HeldPlan& plan, const SafetyLimits& limits);
 /// Checks the plan of another vehicle against that vehicle's limits.
 PlanVerdict check_shape(const HeldPlan& plan, const models::VehicleLimits& can,
                         double lateral_max_mps2);
-/// Checks the rest of the plan from `now` on. Returns kAccepted, or the first that applies of
-/// kOutsideFence, kObstacle, kTeammate and kTooCostly. Steps are as long as the remaining distance
+/// Checks the rest of the plan from `now` on. Returns kAccepted, or the first of kOutsideFence,
+/// kObstacle, kTeammate and kTooCostly that applies. Steps are as long as the remaining distance
 /// allows, but at least 1 ms: at 2 m/s a violation along less than 2 mm may be missed. `steps`, if
 /// given, receives the number of steps.
 PlanVerdict check_path(const HeldPlan& plan, Time now, const SafetyLimits& limits,

@@ -40,8 +40,8 @@ struct BodyContext {
 /// A pose is accepted if its distance to the constant-velocity prediction is at most pose_gate_m +
 /// ½ a t² and at most pose_gate_max_m; a is the assumed unknown acceleration. A body on the ground
 /// may be carried: its track restarts at the new pose, and the count of accepted poses at one. A
-/// body in the air may leave the room: a continuous track is accepted anywhere, but must begin
-/// inside.
+/// body in the air may leave the volume: a continuous track is accepted at any position, but must
+/// begin inside.
 class PoseMonitor {
  public:
   PoseVerdict judge(const models::MocapBody* body, const BodyContext& context,

@@ -15,8 +15,8 @@ namespace vantage::drivers {
 struct OtherBody {
   Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();    ///< extrapolated to now
   Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();  ///< as measured
-  /// m/s; velocity that its plan will command next; without a plan the measured velocity. The worse
-  /// of both velocities is used.
+  /// m/s; velocity that its plan will command next; without a plan the measured velocity. The
+  /// prediction uses the velocity that brings the body nearer.
   Eigen::Vector3d planned_world_mps = Eigen::Vector3d::Zero();
   double brake_mps2 = 0.0;  ///< m/s²; braking deceleration of a robot; 0: that of this vehicle
   double excess_radius_m = 0.0;  ///< m, ≥ 0; excess of its radius over this vehicle's radius

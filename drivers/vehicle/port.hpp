@@ -22,12 +22,12 @@ class Port {
   Port(Port&&) = delete;
   Port& operator=(Port&&) = delete;
 
-  /// True if read() returns whole datagrams.
+  /// True if read() returns complete datagrams.
   [[nodiscard]] virtual bool is_datagram() const = 0;
   /// Reads received bytes into `buffer`. Returns their number; 0 if there are none.
   virtual std::size_t read(std::span<std::uint8_t> buffer, Time now) = 0;
-  /// Reports that the last bytes came from the vehicle. From now on only the sender of these bytes
-  /// is read and answered, until it has sent nothing for three seconds.
+  /// Reports that the last bytes were sent by the vehicle. From now on only the sender of these
+  /// bytes is read and answered, until it has sent nothing for three seconds.
   virtual void accept(Time /*now*/) {}
   /// Sends one message completely or not at all.
   virtual void write(std::span<const std::uint8_t> message, Time now) = 0;

@@ -14,7 +14,7 @@ namespace {
 // bytes; about 0.2 s of data at the slowest rate; older messages are outdated.
 constexpr std::size_t kWaitingMax = 4096;
 // Signed poses (258 bytes) and set-points (78 bytes), each 50 times per second, need 17 kB/s; a
-// byte takes ten bits on the line.
+// byte requires ten bits on a serial line.
 constexpr int kBaudMin = 230'400;
 constexpr Duration kRetryFirst = std::chrono::milliseconds(250);
 constexpr Duration kRetryMax = std::chrono::seconds(4);

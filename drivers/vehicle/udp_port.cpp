@@ -81,7 +81,7 @@ class UdpPort : public Port {
     if (peer_ || !sender_) {
       return;
     }
-    // From now on the kernel drops the datagrams of all other senders, whatever their number.
+    // From now on the kernel drops all datagrams of other senders.
     if (connect(fd_, as_sockaddr(*sender_), sizeof *sender_) == 0) {
       peer_ = sender_;
     } else {

@@ -155,7 +155,7 @@ void ViconDriver::receive(Moment arrival, wire::vicon::Bytes bytes) {
                               : std::string("is ") + wire::vicon::name_of(server_type) + ", not " +
                                     wire::vicon::name_of(expected) + remedy_for(server_type);
   if (is_datagram_) {
-    // other hosts may send to this port as well: keep listening
+    // other hosts may also send to this port: continue to receive
     status_ = address() + " " + problem;
   } else {
     close_because(problem);

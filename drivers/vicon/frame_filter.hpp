@@ -26,7 +26,7 @@ struct FrameCounts {
   std::int64_t latencies_refused = 0;  ///< stated latencies that are not finite, negative or above
                                        ///< kLatencyPossible_s
   std::int64_t poses_zero = 0;
-  std::int64_t poses_refused = 0;  ///< not finite, not a rotation, or outside any room
+  std::int64_t poses_refused = 0;  ///< not finite, not a rotation, or an impossibly large position
   std::int64_t poses_stuck = 0;
   std::int64_t poses_outlying = 0;
   std::int64_t poses_flipped = 0;

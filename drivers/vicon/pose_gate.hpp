@@ -21,8 +21,8 @@ enum class Verdict {
 };
 
 struct GateSettings {
-  double speed_max_mps = 10.0;     ///< 0: no gate
-  double turn_max_radps = 20.0;    ///< 0: attitudes are not checked
+  double speed_max_mps = 10.0;     ///< m/s; 0: no gate
+  double turn_max_radps = 20.0;    ///< rad/s; 0: attitudes are not checked
   double jump_margin_m = 0.15;     ///< m; allowance in addition to the distance by speed: noise and
                                    ///< frames that arrive in bursts
   double turn_margin_rad = 0.5;    ///< rad; allowance for the attitude
@@ -51,9 +51,9 @@ struct GateSettings {
 /// to the last good pose and farther from the chain's end than bodies usually move. The second case
 /// is needed because the chain's reach grows during gaps and may include the true position.
 ///
-/// A chain indicates swapped names if it began at the position of another body (`is_other`), or
-/// after a short gap with a pose closer to another body's prediction. Such a chain is never
-/// accepted. It ends when the body moves faster than usual, or is unseen for lost_after.
+/// A chain indicates swapped names in two cases: it began at the position of another body
+/// (`is_other`), or after a short gap at a pose closer to another body's prediction. Such a chain
+/// is never accepted. It ends when the body moves faster than usual, or is unseen for lost_after.
 class PoseGate {
  public:
   explicit PoseGate(const GateSettings& settings) : settings_(settings) {}

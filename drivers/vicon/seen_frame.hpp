@@ -26,8 +26,8 @@ inline constexpr double kMetresPerMillimetre = 1e-3;  ///< Vicon servers use mil
 enum class PoseState {
   kSeen,
   kAbsent,    ///< the body exists, but has no pose in the frame
-  kZero,      ///< a pose of exact zeros; some servers report unseen bodies this way
-  kNotAPose,  ///< not finite, not a rotation, or farther away than any room is large
+  kZero,      ///< a pose of exact zeros; some servers report unseen bodies so
+  kNotAPose,  ///< not finite, not a rotation, or an impossibly large position
 };
 
 struct SeenBody {

@@ -21,10 +21,10 @@ namespace vantage::sim {
 /// Bus node of vantage-sim: steps the world and simulates the devices that the scenario does not
 /// mark as `real`.
 ///
-/// TRUTH and COLLISION are published for all bodies, whatever their device. For `direct` devices,
-/// the node itself publishes VICON and, for each robot that follows PLAN_R, VEHICLE_R. Devices with
-/// `wire` use their own protocols on sockets (a mocap server, an autopilot per robot), and their
-/// drivers publish these messages.
+/// TRUTH and COLLISION are published for all simulated bodies. For `direct` devices, the node
+/// itself publishes VICON and, for each robot that follows PLAN_R, VEHICLE_R. Devices with `wire`
+/// use their own protocols on sockets (a mocap server, an autopilot per robot), and their drivers
+/// publish these messages.
 ///
 /// The world is stepped to the next instant of publication (a mocap capture, a truth frame, a
 /// status report) when the mocap latency has passed since that instant. A frame is therefore
@@ -33,8 +33,8 @@ namespace vantage::sim {
 /// in steps of 5 ms, and frames are delayed until the latency has passed.
 class SimNode : public bus::Node {
  public:
-  /// @throws StartupError for a `wire` device if the clock is not real time or the device
-  /// cannot be emulated; UsageError as WorldSimulation does.
+  /// @throws StartupError for a `wire` device if the clock is not real time or the device cannot be
+  ///         emulated; UsageError as WorldSimulation does.
   SimNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario);
 
   [[nodiscard]] std::string name() const override { return "SIM"; }

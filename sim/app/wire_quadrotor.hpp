@@ -40,9 +40,9 @@ class WireQuadrotor : public WireVehicle {
   void exchange(Time now) override;
 
   [[nodiscard]] const AutopilotEmulator& emulator() const { return emulator_; }
-  /// Returns error counters and the age of received messages: `.pose_…_us` is the time from the
-  /// capture stated in an external pose to its arrival, `.setpoint_…_us` from the capture of the
-  /// newest such pose to the arrival of a set-point.
+  /// Returns error counters and ages of received messages, µs. `.pose_…_us` is the time from the
+  /// capture of an external pose to its arrival. `.setpoint_…_us` is the time from the capture of
+  /// the newest such pose to the arrival of a set-point.
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
 
  private:

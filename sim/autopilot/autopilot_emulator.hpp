@@ -77,7 +77,7 @@ class AutopilotEmulator {
   [[nodiscard]] bool is_for_me(std::uint8_t target_system) const {
     return target_system == 0 || target_system == spec_.system_id;
   }
-  /// Converts host time to this vehicle's clock, using the vehicle's own estimate of the offset.
+  /// Converts host time to this vehicle's clock by the vehicle's estimate of the clock offset.
   [[nodiscard]] Time capture_time(std::uint64_t host_usec) const;
   void send_due();
   void send_stream_message(std::uint32_t message_id);

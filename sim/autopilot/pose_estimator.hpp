@@ -30,7 +30,7 @@ class PoseEstimator {
 
   /// Records the true position. The estimate moves by the same distance, as with inertial sensors.
   void move(Time now, const Eigen::Vector3d& truth_m, double dt_s);
-  /// Fuses an external pose captured at `capture`, in the vehicle's own clock.
+  /// Fuses an external pose captured at `capture`, by the vehicle's clock.
   void fuse(Time now, Time capture, const Eigen::Vector3d& position_m, std::uint8_t resets);
 
   [[nodiscard]] Eigen::Vector3d position_m() const { return truth_m_ + error_m_; }

@@ -63,8 +63,8 @@ class Quadrotor : public Vehicle {
   Quadrotor(const scenario::RobotSpec& spec, double tracking_tolerance_m, std::uint64_t seed,
             Time start, const QuadrotorParameters& parameters = {});
 
-  /// Accepts a plan if it is finite, not older than the newest one, and its position at the later
-  /// of its start and `now` is within twice the tracking tolerance of the course.
+  /// Accepts a plan if it is finite, not older than the newest plan, and begins near the course:
+  /// its position at max(start, `now`) is within twice the tracking tolerance.
   PlanVerdict offer(const models::RobotPlan& plan, Time now);
   void command(models::OperatorAction action, Time now);
   /// Steps from `now` by `dt_s` ≤ 0.02 s. Allocates only when old plans are removed.

@@ -16,8 +16,9 @@ struct Disc {
 };
 
 /// Planner of routes for discs over free ground: A* over the centres of square cells with eight
-/// neighbours each. Source: Hart, Nilsson, Raphael, A formal basis for the heuristic determination
-/// of minimum cost paths (1968).
+/// neighbours each.
+/// Source: Hart, Nilsson, Raphael, A formal basis for the heuristic determination of minimum cost
+/// paths (1968).
 class RouteMap {
  public:
   explicit RouteMap(const models::World& world);

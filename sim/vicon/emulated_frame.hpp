@@ -19,8 +19,8 @@ struct EmulatedBody {
 /// Bodies captured at one instant.
 struct EmulatedFrame {
   std::uint32_t number = 0;
-  Time captured{};         ///< on the server's clock
-  double latency_s = 0.0;  ///< from capture to the server
+  Time captured{};         ///< by the server's clock
+  double latency_s = 0.0;  ///< s; time from capture to sending by the server
   std::vector<EmulatedBody> bodies;
 };
 

@@ -41,7 +41,7 @@ struct FieldShape<std::array<T, n>> {
   static constexpr std::size_t kBytes = n * sizeof(T);
 };
 
-/// Pointers to members of one message, in wire order.
+/// Pointers to members of one message, in the order of transmission.
 template <auto... members>
 struct FieldList {
   /// Calls visit(name, reference) with each field of `message`.

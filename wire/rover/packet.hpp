@@ -20,10 +20,9 @@ inline constexpr double kWatchdogS = 0.2;
 inline constexpr double kTelemetryPeriodS = 0.05;
 
 /// Bits of Command::flags.
-inline constexpr std::uint32_t kDrive = 1U << 0U;  ///< obey the speeds; they are ignored if this
-                                                   ///< bit is 0
-inline constexpr std::uint32_t kEmergencyStop = 1U << 1U;  ///< brake at the maximum deceleration;
-                                                           ///< the rover latches the stop
+inline constexpr std::uint32_t kDrive = 1U << 0U;          ///< obey the speeds; 0: ignore them
+inline constexpr std::uint32_t kEmergencyStop = 1U << 1U;  ///< maximum braking; the rover latches
+                                                           ///< it
 inline constexpr std::uint32_t kReleaseStop = 1U << 2U;    ///< release a latched emergency stop
 
 /// Bits of Telemetry::flags.
@@ -37,8 +36,7 @@ struct Command {
   std::uint32_t robot = 0;      ///< the rover's number
   std::uint32_t session = 0;    ///< random for each start of a driver; never 0
   std::uint32_t sequence = 0;   ///< incremented for each command; wraps
-  std::int64_t time_us = 0;     ///< µs; sending time by the driver's clock; the rover only echoes
-                                ///< it
+  std::int64_t time_us = 0;     ///< µs; sending time by the driver's clock; echoed
   float speed_mps = 0.0F;       ///< m/s; positive forwards
   float yaw_rate_radps = 0.0F;  ///< rad/s; positive to the left
   std::uint32_t flags = 0;
@@ -50,8 +48,7 @@ struct Telemetry {
   std::uint32_t robot = 0;
   std::uint32_t boot = 0;              ///< random for each start of the rover
   std::uint32_t sequence = 0;          ///< incremented for each message, from 0 at each start
-  std::uint32_t session = 0;           ///< session of the driver whose commands are obeyed; 0: none
-                                       ///< yet
+  std::uint32_t session = 0;           ///< of the obeyed driver; 0: none yet
   std::uint32_t command_sequence = 0;  ///< sequence of the newest accepted command
   std::int64_t command_time_us = 0;    ///< time_us of that command
   float speed_mps = 0.0F;              ///< m/s; measured at the wheels
@@ -65,7 +62,7 @@ struct Telemetry {
 /// Result of decoding a datagram: the first value that applies, in this order.
 enum class [[nodiscard]] Verdict{
     kAccepted, kForeign,  ///< not this protocol
-    kVersion,  kKind,     ///< telemetry in place of a command, or the reverse
+    kVersion,  kKind,     ///< telemetry instead of a command, or a command instead of telemetry
     kLength,   kChecksum,
     kValue,  ///< a number that is not finite, a session 0, or a battery outside [0, 1]
 };

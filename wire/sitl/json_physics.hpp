@@ -13,13 +13,12 @@
 
 // ArduPilot's "JSON" physics back end, which connects firmware compiled for a computer to an
 // external simulator. Datagrams carry motor outputs to the simulator and sensor values to the
-// firmware. Both run in lockstep: the firmware's clock waits for the sensor values. Source:
-// ArduPilot, libraries/SITL/SIM_JSON and examples/JSON/readme.
+// firmware. Both run in lockstep: the firmware's clock waits for the sensor values.
+// Source: ArduPilot, libraries/SITL/SIM_JSON and examples/JSON/readme.
 
 namespace vantage::wire::sitl {
 
-inline constexpr std::uint16_t kJsonPort = 9002;  ///< port of instance 0; plus 10 for each further
-                                                  ///< instance
+inline constexpr std::uint16_t kJsonPort = 9002;  ///< plus 10 × instance
 
 /// The datagram from the firmware.
 struct ServoOutputs {

@@ -11,7 +11,8 @@
 
 // Framing of Vicon's DataStream (CGStream), TCP port 801, little-endian and packed:
 //   packet := u32 0x1A2B0001 | u32 bytes that follow | block*
-// block  := u32 type | u32 bytes of body | body Both directions use this format.
+//   block  := u32 type | u32 bytes of body | body
+// Both directions use this format.
 
 namespace vantage::wire::vicon {
 

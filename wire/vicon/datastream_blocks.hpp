@@ -123,7 +123,7 @@ struct Segments {
   struct Pose {
     std::uint32_t segment_id = 0;
     Eigen::Vector3d translation_mm = Eigen::Vector3d::Zero();
-    Eigen::Matrix3d world_from_body = Eigen::Matrix3d::Identity();  ///< row major on the wire
+    Eigen::Matrix3d world_from_body = Eigen::Matrix3d::Identity();  ///< row-major in the message
   };
   std::uint32_t subject_id = 0;
   std::vector<Pose> poses;  ///< visible segments only; occluded ones are absent

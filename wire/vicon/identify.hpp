@@ -4,7 +4,7 @@
 
 namespace vantage::wire::vicon {
 
-/// The type of server at the other end of a port.
+/// Type of the server at a port.
 enum class ServerType {
   kUnknown,       ///< no known protocol
   kTooFewBytes,   ///< valid start, but too few bytes to decide

@@ -35,7 +35,7 @@ struct TrackerObject {
 /// One datagram.
 struct ObjectBlock {
   std::uint32_t frame_number = 0;
-  std::vector<TrackerObject> objects;  ///< at most kObjectsMax, all with a name
+  std::vector<TrackerObject> objects;  ///< at most kObjectsMax objects, all with a name
   int skipped_items = 0;               ///< items of another kind, too short, or without a name
   bool is_truncated = false;           ///< the datagram ended within an announced item
 };

@@ -152,7 +152,7 @@ class VehicleNode : public bus::Node {
             next_status_ = bus_.renew_session() ? Time{} : next_status_;
           }
         });
-    // A second trial on the same network announces its own scenario.
+    // A second trial on the same network announces another scenario.
     bus::Channel<models::ScenarioNotice> maps = bus::kScenario;
     maps.lease = kMapLease;
     bus_.subscribe<models::ScenarioNotice>(
@@ -163,7 +163,7 @@ class VehicleNode : public bus::Node {
 
   virtual void on_mocap(const models::MocapFrame& frame, Time now) = 0;
   virtual void on_command(const models::OperatorCommand& command, Time now) = 0;
-  /// Processes bytes that the port has read. Returns true if they came from the vehicle.
+  /// Processes bytes that the port has read. Returns true if the vehicle sent them.
   virtual bool receive(std::span<const std::uint8_t> bytes, Time now) = 0;
   /// Performs and sends all pending work.
   virtual void act(Time now) = 0;
