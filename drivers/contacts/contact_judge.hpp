@@ -30,8 +30,7 @@ class ContactJudge {
   static constexpr Duration kFall = std::chrono::seconds(3);
   /// Over a longer gap between two frames the motion of the bodies is unknown.
   static constexpr Duration kGapMax = std::chrono::milliseconds(200);
-  static constexpr std::size_t kOthersMax = 32;  ///< maximum number of bodies that are not in the
-                                                 ///< scenario
+  static constexpr std::size_t kOthersMax = 32;  ///< maximum number of bodies outside the scenario
 
   explicit ContactJudge(const scenario::Scenario& scenario);
 

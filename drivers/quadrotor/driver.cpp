@@ -15,8 +15,7 @@ namespace {
 
 using models::FlightState;
 
-constexpr double kHandOverM = 0.35;  // m; below this height the autopilot's landing mode completes
-                                     // a landing
+constexpr double kHandOverM = 0.35;  // m; below it the autopilot's landing mode completes a landing
 constexpr double kLowM = 0.1;
 constexpr double kSettledS = 0.25;  // s; time with poses before a blind landing is steered again
 constexpr double kSeenS = 0.1;      // s; feedback on an older pose would displace the set-point
@@ -24,8 +23,7 @@ constexpr Duration kRefusalShown = std::chrono::seconds(10);
 constexpr Duration kTextAge = std::chrono::seconds(3);
 // longest delay between report and reception
 constexpr Duration kReportedBefore = std::chrono::milliseconds(500);
-constexpr Duration kPoseSlack{2'000};  // maximum time by which a frame may be early without being
-                                       // skipped
+constexpr Duration kPoseSlack{2'000};  // maximum earliness of a frame that is not skipped
 
 const scenario::RobotSpec& robot_of(const scenario::Scenario& scenario, const std::string& robot) {
   const scenario::RobotSpec* const spec = scenario.find_robot(robot);

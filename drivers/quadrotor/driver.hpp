@@ -92,8 +92,7 @@ class QuadrotorDriver {
   GuardOutput orders_;
   /// m; last height of the unarmed body on the ground, by mocap
   std::optional<double> ground_m_;
-  std::optional<Time> mode_ordered_at_;  ///< stamp of the last operator command that may change the
-                                         ///< mode
+  std::optional<Time> mode_ordered_at_;  ///< stamp of the last command that may change the mode
   Time last_setpoint_{};
   Time next_setpoint_{};
   Time next_pose_{};

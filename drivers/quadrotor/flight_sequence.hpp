@@ -39,10 +39,8 @@ class FlightSequence {
     bool may_arm = false;            ///< all preconditions are met
     double take_off_height_m = 1.0;  ///< m; height above the ground position
     bool is_low = false;             ///< the vehicle has not lifted, by mocap
-    double height_error_m = 0.0;     ///< m, ≥ 0; distance of the body from the goal height of the
-                                     ///< climb
-    bool is_landing = false;         ///< the vehicle is landing: the sequence does not wait for a
-                                     ///< climb
+    double height_error_m = 0.0;     ///< m, ≥ 0; body height to the goal height of the climb
+    bool is_landing = false;         ///< landing: the sequence does not wait for a climb
     /// the vehicle is flying according to flight safety, regardless of its heartbeat
     bool is_flying = false;
     Time now{};
@@ -75,8 +73,7 @@ class FlightSequence {
   FlightGoal goal_ = FlightGoal::kGrounded;
   std::optional<Time> streaming_since_;
   std::optional<Time> on_ground_since_;
-  std::optional<Time> left_since_;  ///< since when the vehicle is armed in the air without a goal
-                                    ///< of this driver
+  std::optional<Time> left_since_;  ///< start of armed flight without a goal of this driver
   std::optional<Time> kill_since_;
   bool was_armed_ = false;
   bool has_climbed_ = false;

@@ -21,8 +21,7 @@ constexpr double kSwerveMps = 0.6;
 constexpr double kMovingMps = 0.1;
 constexpr double kStandingMps = 0.02;
 constexpr double kStandingRadps = 0.05;
-constexpr double kReleaseS = 0.5;  // s; time for the release of the rover's stop; then `arm` must
-                                   // be sent again
+constexpr double kReleaseS = 0.5;  // s; time for the release; then `arm` must be sent again
 constexpr double kSetOffS = 0.5;   // s; from the request of a motion to its start
 
 const scenario::RoverSpec& rover_of(const scenario::Scenario& scenario, const std::string& robot) {

@@ -107,8 +107,7 @@ bool OperatorAuthority::admit(const models::OperatorCommand& command, Time now, 
     station->stamp = stamp.time;
     station->received_at = now;
   } else if (is_late) {
-    station->sequence = stamp.sequence;  // accepts a late command only once; repetitions are
-                                         // refused
+    station->sequence = stamp.sequence;  // accept a late command only once
   }
   return counts || models::makes_safer(action);
 }

@@ -15,10 +15,9 @@ enum class Severity { kNote, kHold, kLand, kKill };
 enum class Clearing {
   kAtOnce,    ///< as soon as the condition has ended
   kSelf,      ///< clear_s after the condition has ended
-  kOperator,  ///< when the condition has ended and the operator sends `follow` (or `arm`, on the
-              ///< ground)
-  kGround,    ///< when the condition has ended and the vehicle is on the ground, disarmed
-  kRearm,     ///< on the ground, when the operator sends `arm` after the condition has ended
+  kOperator,  ///< after the condition has ended, by `follow` (on the ground also by `arm`)
+  kGround,    ///< after the condition has ended, on the ground and disarmed
+  kRearm,     ///< after the condition has ended, by `arm` on the ground
 };
 
 /// Condition of flight safety: one row of the table.
@@ -33,8 +32,7 @@ struct Condition {
   bool (*holds)(const SafetyInputs& inputs, const SafetyLimits& limits);
   bool yields = false;           ///< clears yield_s later for the vehicle that must yield
   bool blocks_take_off = false;  ///< forbids taking off, but not arming
-  bool spares_pilot = false;     ///< has no effect while a pilot flies the vehicle by remote
-                                 ///< control
+  bool spares_pilot = false;     ///< has no effect while a pilot controls the vehicle
   bool distrusts_pose = false;   ///< stops the use of poses until the vehicle is disarmed
 };
 

@@ -7,10 +7,8 @@ namespace vantage::drivers {
 namespace {
 
 constexpr double kPredictOthersS = 0.5;
-constexpr double kTeammateSpare = 1.1;  // ratio; a teammate's plan may exceed its vehicle's limits
-                                        // by 10 %
-constexpr double kForgottenS = 10.0;    // s; an unknown body unseen for longer is assumed to have
-                                        // left
+constexpr double kTeammateSpare = 1.1;  // ratio of a plan's limits to its vehicle's limits
+constexpr double kForgottenS = 10.0;    // s; an unknown body unseen for longer is deleted
 constexpr std::size_t kNameMax = 64;    // bytes; name of an unknown body
 // Number of consecutive rejected poses after which the track of a body restarts at the new
 // position.

@@ -29,8 +29,8 @@ inline constexpr double kPredictS = 0.1;  ///< s; longest extrapolation of this 
 enum class [[nodiscard]] CommandVerdict{
     kObeyed,  ///< obeyed, or pending until it can be obeyed; the status shows which
     kOtherRobot,
-    kNotInCharge,  ///< another station is in charge; from this one only hold, land and emergency
-                   ///< stop are accepted
+    kNotInCharge,  ///< sent by a station not in charge, which may only send hold, land and
+                   ///< emergency stop
     kRefused,      ///< not possible in this state
 };
 

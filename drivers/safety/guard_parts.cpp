@@ -18,18 +18,15 @@ namespace {
 constexpr double kSwerveMps = 0.6;
 constexpr double kSameSpeedMps = 0.1;     // m/s; speeds that differ by less count as equal
 constexpr double kClearanceMps = 0.2;     // m/s; speed of a shift away from fence or obstacle
-constexpr double kShiftPatienceS = 6.0;   // s; then a landing descends even if the vehicle is not
-                                          // over its spot
+constexpr double kShiftPatienceS = 6.0;   // s; then a landing descends even if not over its spot
 constexpr double kAvoidPatienceS = 20.0;  // s; then a landing descends even if a body is below
-constexpr double kCommitM = 0.35;  // m; a landing that begins lower descends without waiting or
-                                   // moving aside
+constexpr double kCommitM = 0.35;  // m; a landing that begins lower does not wait or move aside
 constexpr double kEstimatorGapMaxS = 0.2;  // s; longer than the gap of one lost estimator report
 constexpr double kOverSpotM = 0.25;
 constexpr double kFallsMps = 1.0;  // m/s; faster than any landing
 constexpr int kDisarmedBeats = 3;
 constexpr double kClimbedM = 0.15;    // m; the climb ends at this distance from its goal
-constexpr double kClimbSlackS = 5.0;  // s; a climb ends after twice its expected duration plus this
-                                      // time
+constexpr double kClimbSlackS = 5.0;  // s; a climb ends after twice its duration plus this
 // assumed share of the descent rate while no measurement is available
 constexpr double kBlindSinkShare = 0.4;
 
@@ -152,8 +149,7 @@ void FlightGuard::Parts::update_inputs(Time now) {
         compute_surroundings(here_m, braking_path(now, limits.reaction_s), bodies, limits);
     in.near_m = predicted_distance_m(here_m, bodies, limits.take_off_prediction_s);
     if (std::exchange(had_motors, in.autopilot_armed) != in.autopilot_armed) {
-      lift_queue.begin_turn(now);  // the motors of another vehicle may have changed at the same
-                                   // instant
+      lift_queue.begin_turn(now);  // another vehicle's motors may have changed simultaneously
     }
     lift_queue.update(bodies, limits, now);
   }

@@ -64,13 +64,10 @@ struct FlightGuard::Parts : GuardCore {
   AutopilotReport autopilot;
   bool distrusts_pose = false;  ///< an acting condition distrusts poses
   // Horizontal motion, averaged with the time constant velocity_memory_s.
-  Eigen::Vector2d moved_apart_m = Eigen::Vector2d::Zero();  ///< m; motion by the autopilot minus
-                                                            ///< motion by mocap
-  double moved_m = 0.0;                                     ///< m; length of the motion by the
-                                                            ///< autopilot
+  Eigen::Vector2d moved_apart_m = Eigen::Vector2d::Zero();  ///< m; autopilot's minus mocap's motion
+  double moved_m = 0.0;                                     ///< m; length of the autopilot's motion
   Eigen::Vector2d compared_m = Eigen::Vector2d::Zero();     ///< m; position at the last comparison
-  double hover_deviation_s = 0.0;  ///< s; time that the vehicle has deviated from its commanded
-                                   ///< hover
+  double hover_deviation_s = 0.0;  ///< s; duration of the deviation from the commanded hover
   /// m; maximum distance from the hover position since the vehicle last came nearer
   double farthest_off_m = 0.0;
   int disarmed_beats = 0;  ///< number of consecutive heartbeats that report disarmed motors

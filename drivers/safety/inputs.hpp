@@ -35,8 +35,7 @@ struct SafetyInputs : Surroundings {
 
   // Pose.
   double pose_age_s = 0.0;        ///< s since the arrival of the last plausible pose
-  double pose_latency_s = 0.0;    ///< s; arrival time minus capture time, if the clocks can be
-                                  ///< compared
+  double pose_latency_s = 0.0;    ///< s; arrival minus capture time, if the clocks are comparable
   int poses_rejected = 0;         ///< number of consecutive implausible poses
   int poses_accepted = 1000;      ///< number of consecutive plausible poses
   double height_m = 0.0;          ///< m above the ground, by the best source available
@@ -46,10 +45,10 @@ struct SafetyInputs : Surroundings {
   bool is_pose_distrusted = false;  ///< a condition that distrusts poses has acted in this flight
   double sink_error_m = 0.0;        ///< m above the commanded height during a descent in the air
   double body_tilt_rad = 0.0;       ///< rad; angle of the body z axis to the vertical, by mocap
-  double start_off_m = 0.0;         ///< m; distance from the scenario's start position, before the
-                                    ///< first flight
-  double start_turn_rad = 0.0;      ///< rad; yaw difference from the scenario's start pose, before
-                                    ///< the first flight
+  double start_off_m = 0.0;         ///< m; distance from the scenario's start, before the first
+                                    ///< flight
+  double start_turn_rad = 0.0;      ///< rad; yaw difference from that start, before the first
+                                    ///< flight
 
   // Plan.
   bool has_plan = true;                 ///< the course follows a checked plan
@@ -63,15 +62,13 @@ struct SafetyInputs : Surroundings {
   double other_version_age_s = kNever;  ///< s since a message of an unknown type was received
 
   // Taking off.
-  bool is_lift_blocked = false;  ///< another vehicle is in its first lift, or must lift before this
-                                 ///< one
+  bool is_lift_blocked = false;  ///< another vehicle is lifting, or must lift before this one
   double no_rise_s = 0.0;        ///< s; time since the take-off command; 0 once the body has risen
   double proof_pending_s = 0.0;  ///< s; time in the hover of the first lift
   double other_risen_m = 0.0;    ///< m; rise of another robot's body before this one has risen
   /// m; horizontal distance from the path of the first lift, now or after reaction_s
   double lift_deviation_m = 0.0;
-  double lift_climb_error_mps = 0.0;  ///< m/s; difference between mocap and autopilot in the first
-                                      ///< lift
+  double lift_climb_error_mps = 0.0;  ///< m/s; mocap minus autopilot, in the first lift
   double lift_turn_error_radps = 0.0;
   double unordered_rise_m = 0.0;  ///< m; rise while armed without a take-off command
   double near_m = kNever;         ///< m; minimum horizontal distance to a body within
@@ -87,10 +84,8 @@ struct SafetyInputs : Surroundings {
   double heartbeat_age_s = 0.0;
   double telemetry_age_s = 0.0;
   bool estimator_good = true;
-  double estimate_error_m = 0.0;    ///< m; distance between autopilot and mocap position, height
-                                    ///< included
-  double velocity_error_mps = 0.0;  ///< m/s; horizontal velocity difference between autopilot and
-                                    ///< mocap, in flight
+  double estimate_error_m = 0.0;    ///< m; 3D distance between autopilot and mocap position
+  double velocity_error_mps = 0.0;  ///< m/s; horizontal, between autopilot and mocap, in flight
   double attitude_error_rad = 0.0;  ///< rad; difference of the vertical between autopilot and mocap
   double yaw_error_rad = 0.0;       ///< rad; yaw difference between autopilot and mocap
   double tilt_rad = 0.0;

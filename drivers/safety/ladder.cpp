@@ -10,8 +10,7 @@ namespace {
 using models::FlightState;
 using models::OperatorAction;
 
-constexpr double kStoppingS = 2.5;  // s; time for a pending disarming and the heartbeat that
-                                    // reports it
+constexpr double kStoppingS = 2.5;  // s; time for disarming and the heartbeat that reports it
 
 void reset_to(LadderState& next, FlightState state) {
   next.state = state;

@@ -37,8 +37,7 @@ struct LadderState {
   Refusal refusal;
   bool wants_follow = false;  ///< `follow` was received and has not been revoked
   Reasons latched;            ///< acting conditions; each ends only by its clearing rule
-  std::array<Time, kConditionsMax> since{};  ///< per condition, start of the uninterrupted period
-                                             ///< in which it holds
+  std::array<Time, kConditionsMax> since{};  ///< time since which each condition holds
   std::array<Time, kConditionsMax> gone_since{};
   Reasons held;  ///< conditions that held at the last tick
   /// The running motors were commanded to stop, but are not reported as stopped: they may stop at

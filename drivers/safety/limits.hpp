@@ -80,8 +80,7 @@ struct SafetyLimits {
   double lateral_max_mps2 = 10.0;
   double take_off_height_m = 1.0;
   double setpoint_lead_s = 0.1;      ///< s; a set-point describes the state this far ahead
-  double acceleration_lead_s = 0.1;  ///< s; the acceleration of a set-point is that of this time
-                                     ///< ahead
+  double acceleration_lead_s = 0.1;  ///< s; lead of the acceleration in a set-point
   double climb_mps = 0.5;
   double descent_mps = 0.6;
   /// m/s; descent speed below low_height_m, slow enough to stop above a person who steps below
@@ -100,8 +99,8 @@ struct SafetyLimits {
   double lift_height_m = 0.2;  ///< m above the ground position; hover height of the first lift
   double lift_done_m = 0.3;    ///< m; the next vehicle may lift when this vehicle has risen more
   double lift_risen_m = 0.1;
-  double lift_wait_s = 6.0;  ///< s; maximum time from take-off to lift_risen_m, including the start
-                             ///< of the motors
+  double lift_wait_s = 6.0;  ///< s; maximum time from take-off to lift_risen_m, with the start of
+                             ///< the motors
   /// s; longest motor idling while another vehicle lifts; autopilots stop idle motors after 10 s
   double lift_idle_s = 5.0;
   double lift_proof_s = 8.0;  ///< s; longest hover of the first lift until step and turn are seen
@@ -109,14 +108,10 @@ struct SafetyLimits {
   double lift_turn_rad = 0.2;
   /// m; horizontal distance from the segment between the start and the step goal
   double lift_deviation_m = 0.3;
-  double lift_other_rise_m = 0.06;     ///< m; rise of another body, or of this one without a
-                                       ///< command
-  double lift_climb_error_mps = 0.35;  ///< m/s; climb rate difference between mocap and the
-                                       ///< autopilot
-  double lift_turn_error_radps = 0.8;  ///< rad/s; yaw rate difference between mocap and the
-                                       ///< autopilot's gyroscopes
-  double arm_wait_s = 10.0;            ///< s; a command that is still forbidden after this time is
-                                       ///< dropped
+  double lift_other_rise_m = 0.06;     ///< m; rise of another body, or of this one uncommanded
+  double lift_climb_error_mps = 0.35;  ///< m/s; climb rate error between mocap and autopilot
+  double lift_turn_error_radps = 0.8;  ///< rad/s; yaw rate error between mocap and gyroscopes
+  double arm_wait_s = 10.0;            ///< s; a command that is forbidden for longer is dropped
   double take_off_prediction_s = 1.0;  ///< s; prediction time of bodies that approach a take-off
 
   double battery_arm_share = 0.30;

@@ -86,8 +86,7 @@ struct OtherCourse {
   const HeldPlan* plan = nullptr;  ///< nullptr: use position_world_m
   Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();  ///< used without a plan
-  double prediction_s = 0.0;    ///< s; prediction time of a moving body, which is ignored
-                                ///< afterwards
+  double prediction_s = 0.0;    ///< s; prediction time of a moving body; then it is ignored
   bool reaches_ground = false;  ///< the space below it counts as occupied
 };
 

@@ -13,8 +13,7 @@ namespace {
 constexpr int kSamples = 16;     // samples along the braking path
 constexpr double kLevelM = 0.3;  // m; heights that differ by less count as equal
 constexpr double kStandsMps = 0.1;
-constexpr double kMovesOffS = 1.0;  // s; approximate time that a hovering vehicle needs to move
-                                    // away
+constexpr double kMovesOffS = 1.0;  // s; approximate time to move away from a hover
 constexpr double kFenceSpareM = 0.1;
 constexpr double kObstacleSpareM = 0.05;
 constexpr double kHoverSpareM = 0.05;  // m; clearance of a new position beyond hover_clearance_m

@@ -85,8 +85,7 @@ std::optional<models::RobotMeasurement> PoseSensor::measure(const models::MocapF
   if (!seen || jammed) {
     return seen;
   }
-  std::size_t next = 0;  // bodies are in the scenario's order, so the search continues at the next
-                         // body
+  std::size_t next = 0;  // bodies have the scenario's order: continue at the next body
   for (const scenario::TargetSpec& target : targets_) {
     const models::MocapBody* const body = frame.find(target.name, next);
     next = body == nullptr ? next : static_cast<std::size_t>(body - frame.bodies.data()) + 1;

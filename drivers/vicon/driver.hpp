@@ -18,10 +18,8 @@ struct LinkCounts {
   std::int64_t connections = 0;
   std::int64_t connections_failed = 0;
   std::int64_t connections_lost = 0;  ///< connections closed by the server, or broken
-  std::int64_t silences = 0;          ///< connections closed by this driver because nothing was
-                                      ///< received
-  std::int64_t backlogs = 0;          ///< connections closed by this driver to empty a queue of
-                                      ///< frames
+  std::int64_t silences = 0;          ///< connections closed here because nothing was received
+  std::int64_t backlogs = 0;          ///< connections closed here to empty a queue of frames
 };
 
 /// Driver of a mocap server, without sockets. Connection events, bytes and time are passed in; the
@@ -103,8 +101,7 @@ class ViconDriver {
   Duration last_received_{};
   Duration opened_at_{};
   std::int64_t frames_since_open_ = 0;
-  std::vector<std::uint8_t> first_bytes_;  ///< first bytes of this connection, which identify the
-                                           ///< server
+  std::vector<std::uint8_t> first_bytes_;  ///< first bytes received, which identify the server
   std::string status_;
   LinkCounts link_counts_;
 };

@@ -63,29 +63,24 @@ class FrameClock {
   double tick_s_ = 0.0;    ///< s; tick period in use; 0: unknown
   double stated_s_ = 0.0;  ///< s; tick period stated by the server; 0: not stated
   double drift_ = kDrift;
-  bool is_learned_ = false;  ///< the tick period is estimated: none is stated, or the stated one is
-                             ///< wrong
+  bool is_learned_ = false;  ///< the tick period is estimated: none or a wrong one is stated
 
   PaceFit fit_;
   double next_fit_s_ = 0.0;         ///< s; span at which the fit is computed again
-  std::optional<FrameMark> block_;  ///< start of the interval over which a too long tick period is
-                                    ///< detected
+  std::optional<FrameMark> block_;  ///< start of the check for a too long tick period
   double block_late_s_ = 0.0;
 
   bool is_after_echo_ = false;          ///< a fast echo arrived since the last frame
   double round_trip_s_ = 0.0;           ///< s; round trip of that echo
   std::optional<FrameMark> echo_mark_;  ///< first frame after a fast echo
-  double refuted_tick_s_ = 0.0;         ///< s; tick period of the intervals that contradict the
-                                        ///< stated period
-  int refutations_ = 0;                 ///< number of consecutive intervals that contradict the
-                                        ///< stated period
+  double refuted_tick_s_ = 0.0;         ///< s; tick period that contradicts the stated period
+  int refutations_ = 0;                 ///< consecutive intervals with that tick period
 
   std::optional<Duration> slow_since_;  ///< sending time of the first of consecutive slow pings
   double least_slow_s_ = 0.0;
 
-  std::optional<double> window_begin_s_;  ///< start of the interval over which the lateness is
-                                          ///< compared
-  double window_late_s_ = 0.0;            ///< s; lateness at the start of that interval
+  std::optional<double> window_begin_s_;  ///< start of the check for a decreasing lateness
+  double window_late_s_ = 0.0;            ///< s; lateness at the start of that check
   int window_frames_ = 0;
   bool is_standing_ = false;
 };

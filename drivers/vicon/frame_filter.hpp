@@ -23,7 +23,7 @@ struct FrameCounts {
   std::int64_t frames_queued = 0;  ///< dropped: waited longer than kQueuedMax in an emptying queue
   std::int64_t frames_waited = 0;  ///< published, but waited longer than kQueuedMax
   std::int64_t server_restarts = 0;    ///< restarts of the numbering
-  std::int64_t latencies_refused = 0;  ///< stated latencies that are not finite, negative or above
+  std::int64_t latencies_refused = 0;  ///< latencies not finite, negative or above
                                        ///< kLatencyPossible_s
   std::int64_t poses_zero = 0;
   std::int64_t poses_refused = 0;  ///< not finite, not a rotation, or an impossibly large position
@@ -113,8 +113,7 @@ class FrameFilter {
   std::vector<double> cost_m_;
   FrameClock clock_;
   Duration waited_{};
-  std::optional<Duration> waits_since_;  ///< steady time since which frames wait longer than
-                                         ///< kQueuedMax
+  std::optional<Duration> waits_since_;  ///< start of the period in which frames wait > kQueuedMax
   bool is_behind_ = false;
   Duration echo_taken_{};  ///< arrival of the newest echo passed to `clock_`
   Time last_capture_{};

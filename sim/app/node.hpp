@@ -76,8 +76,7 @@ class SimNode : public bus::Node {
                                                        ///< otherwise
   WorldSimulation world_;
   Duration lag_;           ///< delay of the world relative to the clock
-  Duration truth_period_;  ///< the mocap period if the driver of a real mocap adds the simulated
-                           ///< bodies
+  Duration truth_period_;  ///< equals the mocap period if a real mocap's driver uses TRUTH
   Time next_capture_;
   Time next_truth_;
   Time next_status_;

@@ -110,8 +110,7 @@ class FlightController {
   bool has_origin_ = false;
   bool is_blind_ = false;
   Time armed_at_{};
-  std::optional<Time> touched_down_;  ///< time since which the vehicle is on the ground after a
-                                      ///< flight
+  std::optional<Time> touched_down_;  ///< since when the vehicle is on the ground after a flight
   std::optional<Time> lost_since_;
   std::optional<FlightTarget> target_;
   Time target_time_{};

@@ -39,8 +39,7 @@ struct AutopilotProfile {
   // Loss of set-points and of the ground station.
   double setpoint_check_s = 0.0;     ///< s; delay of the detection that set-points have stopped
   double station_check_s = 0.0;      ///< s; period of the check of the ground station's heartbeat
-  bool wants_proof_of_life = false;  ///< set-points are required for arming in follow_mode and for
-                                     ///< entering this mode
+  bool wants_proof_of_life = false;  ///< set-points are required to enter follow_mode or arm in it
   bool takes_off_by_command = false;
   /// Between two set-points, extrapolates the position at the velocity of the last set-point.
   bool carries_targets_on = false;
@@ -52,19 +51,15 @@ struct AutopilotProfile {
   double velocity_shaping_s = 0.0;  ///< s; first-order lag of velocity set-points
   double climb_gain_per_s = 4.0;    ///< PX4: MPC_Z_VEL_P_ACC
   double velocity_integral_per_s2 = 0.15;
-  double feed_forward = 0.0;         ///< ratio in [0, 1]; share of the shaped acceleration that is
-                                     ///< commanded
-  bool cuts_whole_velocity = false;  ///< the limit applies to the whole velocity, not only to the
-                                     ///< correction
+  double feed_forward = 0.0;         ///< factor of the shaped acceleration, 0 to 1
+  bool cuts_whole_velocity = false;  ///< limits the total velocity, not only the correction
   double climb_max_mps = 0.7;
   double acceleration_max_mps2 = 3.0;
   double yaw_gain_per_s = 2.5;
-  double yaw_lag_s = 0.0;         ///< s; lag of the yaw rate controller, in addition to that of the
-                                  ///< airframe
+  double yaw_lag_s = 0.0;         ///< s; lag of the yaw rate controller without the airframe
   double spool_up_s = 2.0;        ///< s; time that the motors turn before they lift
   double landed_delay_s = 1.0;    ///< s; from touch-down to its detection
-  double landing_ahead_s = 0.0;   ///< s; the landing point is the position extrapolated by this
-                                  ///< time
+  double landing_ahead_s = 0.0;   ///< s; extrapolation of the position to the landing point
   double failsafe_pause_s = 0.0;  ///< s; from a failsafe's change to landing mode to the descent
 };
 

@@ -13,8 +13,7 @@ namespace vantage::sim {
 struct AutopilotSettings {
   // Loss of set-points, heartbeats and poses.
   double setpoint_loss_s = 0.0;
-  bool lands_on_setpoint_loss = false;     ///< if false, the vehicle brakes to a stop and stays in
-                                           ///< the mode
+  bool lands_on_setpoint_loss = false;     ///< false: brakes to a stop and stays in the mode
   std::optional<double> heartbeat_loss_s;  ///< s; time without a heartbeat of the ground station
                                            ///< until the vehicle lands
   std::optional<int> station_id;           ///< system id of the ground station; absent: any station

@@ -37,8 +37,7 @@ class FirmwareFlight {
   struct Counts {
     std::int64_t steps = 0;
     std::int64_t silences = 0;  ///< gaps longer than kPatience without a message of the firmware
-    std::int64_t resumed = 0;   ///< suspensions of the thread after which the missed time was
-                                ///< skipped
+    std::int64_t resumed = 0;   ///< suspensions of the thread; the missed time was skipped
   };
 
   FirmwareFlight(const MultirotorParameters& parameters, const SensorNoise& noise,

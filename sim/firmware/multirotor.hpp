@@ -38,8 +38,7 @@ struct MultirotorParameters {
   double friction = 0.7;
   // Air.
   Eigen::Vector3d wind_world_mps = Eigen::Vector3d::Zero();
-  double gust_sigma_mps = 0.1;  ///< m/s; 1σ on each horizontal axis; a third of this on the
-                                ///< vertical axis
+  double gust_sigma_mps = 0.1;  ///< m/s; 1σ on each horizontal axis; vertical: a third of this
   double gust_memory_s = 2.0;
   // Battery.
   double battery_endurance_s = 900.0;  ///< s; hover time from full to empty

@@ -13,21 +13,17 @@
 namespace vantage::sim {
 namespace {
 
-constexpr double kSafetyMarginM = 0.03;  // m; distance between surfaces, in addition to all
-                                         // prediction errors
+constexpr double kSafetyMarginM = 0.03;  // m; between surfaces, in addition to prediction errors
 constexpr double kRouteMarginM = 0.1;    // m; clearance of a route from other rovers
 constexpr double kNeighbourhoodM = 1.5;  // m; routes avoid rovers nearer than this
-constexpr double kLookAheadM = 0.6;      // m; largest distance of the point towards which a rover
-                                         // steers
+constexpr double kLookAheadM = 0.6;      // m; largest distance of the point that a rover steers to
 constexpr double kArrivalM = 0.15;       // m; a way point nearer than this is reached
 constexpr double kHeadwayM = 0.1;        // m; a rover that moves less than this is stuck
-constexpr double kRerouteS = 1.0;        // s; a rover that is stuck for longer searches a new route
-constexpr double kPatienceS = 4.0;       // s; a rover that is stuck for longer chooses another way
-                                         // point
+constexpr double kRerouteS = 1.0;        // s; a rover stuck for longer searches a new route
+constexpr double kPatienceS = 4.0;       // s; a rover stuck for longer chooses another way point
 constexpr double kTurnGainPerS = 3.0;
 constexpr double kRoundingM = 1e-9;
-constexpr double kClearlyM = 1e-6;  // m; margin of the bound below which exact distances are
-                                    // computed
+constexpr double kClearlyM = 1e-6;  // m; margin of the bound that avoids exact distances
 constexpr int kDrawsMax = 40;
 // Variations of the desired command, smallest first: factor of the speed, additional yaw rate.
 constexpr std::array<std::array<double, 2>, 8> kVariations{{{1.0, 0.0},

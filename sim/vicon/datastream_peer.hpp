@@ -37,8 +37,7 @@ class DataStreamPeer : public Peer {
   std::vector<std::string> subjects_;
   bool is_static_due_ = true;
   bool is_streaming_ = false;
-  std::uint32_t frames_wanted_ = 0;  ///< number of individually requested frames that are not yet
-                                     ///< sent
+  std::uint32_t frames_wanted_ = 0;  ///< number of single requested frames not yet sent
 };
 
 }  // namespace vantage::sim::vicon

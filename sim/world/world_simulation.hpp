@@ -28,10 +28,9 @@ namespace vantage::sim {
 class WorldSimulation {
  public:
   static constexpr Duration kStep{5'000};
-  static constexpr double kLowM = 0.9;      ///< m; height of a vehicle below which targets keep
-                                            ///< away from it
-  static constexpr double kKeepOutM = 1.0;  ///< m; minimum distance between the centres of such a
-                                            ///< vehicle and a target
+  static constexpr double kLowM = 0.9;      ///< m; targets keep away from vehicles below this
+                                            ///< height
+  static constexpr double kKeepOutM = 1.0;  ///< m; distance of their centres from such a vehicle
 
   /// @param vehicles  vehicles that replace the Quadrotors of the same names; they must outlive the
   /// world

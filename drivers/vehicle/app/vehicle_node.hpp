@@ -184,8 +184,8 @@ class VehicleNode : public bus::Node {
                                                                    ///< 5 s
   /// longest plausible latency of a frame from the stack's reception to here
   static constexpr Duration kWayMax = std::chrono::seconds(10);
-  static constexpr int kReadsMax = 64;  ///< maximum number of reads per tick: a flood of data must
-                                        ///< not delay the vehicle
+  static constexpr int kReadsMax = 64;  ///< reads per tick: a flood of data must not delay the
+                                        ///< vehicle
 
   bus::Bus& bus_;
   const bus::Clock& clock_;
@@ -198,9 +198,8 @@ class VehicleNode : public bus::Node {
   Time next_status_{};
   DriverEnd end_;
   std::int64_t undecoded_ = 0;
-  LatencyRecord frame_latency_;  ///< time from the arrival of a frame at the stack to its reception
-                                 ///< in this process
-  LatencyRecord answer_latency_;  ///< time from the reception until the resulting messages are sent
+  LatencyRecord frame_latency_;   ///< latency from a frame's arrival at the stack to here
+  LatencyRecord answer_latency_;  ///< latency from here to the sending of the resulting messages
   LatencyRecord stack_latency_;   ///< sum of both
   std::array<std::uint8_t, 2048> buffer_{};
 };
