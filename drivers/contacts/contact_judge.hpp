@@ -56,7 +56,7 @@ class ContactJudge {
   void place(const models::MocapFrame& frame);
 
   double other_radius_m_ = 0.0;
-  std::map<std::string, std::size_t> bodies_;  ///< index in the monitor, by name
+  std::map<std::string, std::size_t> bodies_;  ///< index of a body in the monitor, by name
   std::size_t named_ = 0;                      ///< number of bodies in the scenario
   std::set<std::string> simulated_;
   std::set<std::string> targets_;

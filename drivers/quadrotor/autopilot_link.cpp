@@ -172,7 +172,7 @@ void AutopilotLink::tick(Time now) {
 
 void AutopilotLink::request_streams(Time now) {
   if (commands_.is_under_way(wire::mavlink::command::kSetMessageInterval)) {
-    return;  // acknowledgements do not name the message, so requests are sent one at a time
+    return;  // acknowledgements do not name the message: send one request at a time
   }
   for (const WantedStream& stream : traits_.streams) {
     const std::optional<Time> received_at = telemetry_.received_at(stream.message_id);

@@ -32,7 +32,7 @@ struct BodyState {
   double position_sigma_m = 0.01;
   double attitude_sigma_rad = 0.01;
   double velocity_sigma_mps = 0.05;
-  std::uint8_t resets = 0;  ///< number of jumps of the pose
+  std::uint8_t resets = 0;  ///< number of jumps of the pose, sent as reset_counter
 };
 
 /// Set-point for the autopilot, always with all fields. If the set of fields changes, ArduPilot
@@ -107,7 +107,7 @@ class AutopilotLink {
   Time next_heartbeat_{};
   Time next_second_{};
   Time now_{};
-  bool has_component_ = false;  ///< a frame of component 1 was received
+  bool has_component_ = false;  ///< a frame of component 1 (the autopilot) was received
   std::int64_t frames_of_vehicle_ = 0;
   std::int64_t strangers_ = 0;  ///< frames of other systems and components
   std::int64_t signatures_refused_ = 0;

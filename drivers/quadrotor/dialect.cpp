@@ -65,7 +65,7 @@ DialectTraits ardupilot() {
 wire::mavlink::CommandLong set_mode(std::uint32_t main, std::uint32_t sub = 0) {
   wire::mavlink::CommandLong out;
   out.command = wire::mavlink::command::kSetMode;
-  out.param1 = 1.0F;  // custom mode
+  out.param1 = 1.0F;  // 1: use the custom mode
   out.param2 = static_cast<float>(main);
   out.param3 = static_cast<float>(sub);
   return out;
@@ -131,11 +131,11 @@ std::string mode_name(AutopilotDialect dialect, std::uint32_t custom_mode) {
 // Mode numbers as in PX4's px4_custom_mode.h (1.18) and ArduCopter's mode.h (4.6).
 bool is_flown_by_hand(AutopilotDialect dialect, std::uint32_t custom_mode) {
   if (dialect == AutopilotDialect::kPx4) {
-    // manual, altitude, position, acro, stabilised, rattitude, altitude cruise
+    // modes manual, altitude, position, acro, stabilised, rattitude, altitude cruise
     static constexpr std::array<std::uint32_t, 7> kByHand{1, 2, 3, 5, 7, 8, 11};
     return std::find(kByHand.begin(), kByHand.end(), custom_mode >> 16U & 0xFFU) != kByHand.end();
   }
-  // stabilize, acro, alt-hold, loiter, drift, sport, pos-hold, flow-hold
+  // modes stabilize, acro, alt-hold, loiter, drift, sport, pos-hold, flow-hold
   static constexpr std::array<std::uint32_t, 8> kByHand{0, 1, 2, 5, 11, 13, 16, 22};
   return std::find(kByHand.begin(), kByHand.end(), custom_mode) != kByHand.end();
 }

@@ -10,7 +10,7 @@
 
 namespace vantage::drivers {
 
-/// Message that the driver requests, with its rate.
+/// Message that the driver requests from the autopilot, with its rate.
 struct WantedStream {
   std::uint32_t message_id = 0;
   double rate_hz = 0.0;

@@ -18,7 +18,7 @@ using models::FlightState;
 constexpr double kHandOverM = 0.35;  // m; below it the autopilot's landing mode completes a landing
 constexpr double kLowM = 0.1;
 constexpr double kSettledS = 0.25;  // s; time with poses before a blind landing is steered again
-constexpr double kSeenS = 0.1;      // s; feedback on an older pose would displace the set-point
+constexpr double kSeenS = 0.1;      // s; maximum age of a pose that may correct a set-point
 constexpr Duration kRefusalShown = std::chrono::seconds(10);
 constexpr Duration kTextAge = std::chrono::seconds(3);
 // longest delay between report and reception

@@ -8,7 +8,8 @@ namespace {
 // Duration of set-points before the mode is requested; PX4 requires more than a second.
 constexpr Duration kProofOfLife = std::chrono::milliseconds(1500);
 constexpr Duration kModePause = std::chrono::seconds(1);
-constexpr Duration kTakeOffPause = std::chrono::seconds(3);  // the motors spool up first
+constexpr Duration kTakeOffPause = std::chrono::seconds(3);  // longer, because the motors spool up
+                                                             // first
 constexpr Duration kArmPause = std::chrono::seconds(2);
 constexpr Duration kKillPeriod = std::chrono::milliseconds(100);
 // longest delay between report and reception

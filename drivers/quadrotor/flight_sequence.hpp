@@ -78,7 +78,7 @@ class FlightSequence {
   bool was_armed_ = false;
   bool has_climbed_ = false;
   bool has_mode_ = false;  ///< the mode of the goal was reached
-  bool had_mode_ = false;  ///< the mode of some goal was reached since the last kGrounded or retake
+  bool had_mode_ = false;  ///< the mode of any goal was reached since kGrounded or a retake
   bool is_mode_lost_ = false;
   bool is_over_ = false;
   std::optional<std::string> waiting_for_;

@@ -66,7 +66,7 @@ class ParameterCheck {
   struct Item {
     Entry known;
     std::uint8_t type = wire::mavlink::parameter_type::kFloat;
-    int requests = 0;  ///< requests since it was last settled
+    int requests = 0;  ///< number of requests since the entry was last settled
     std::optional<Time> next_request;
     Time answered{};
     bool is_to_be_set = false;

@@ -22,7 +22,7 @@ constexpr std::uint16_t kNoVoltage = 0xFFFF;
 constexpr double kVoltageSmoothingS = 5.0;
 constexpr Duration kBatteryAgeMax = std::chrono::seconds(10);
 constexpr Duration kThrustLossAge = std::chrono::seconds(10);
-// Source: ArduCopter, crash_check.cpp: sent once, after a second of sinking, level, at full
+// Source: ArduCopter, crash_check.cpp: sent once, after the level vehicle has sunk for 1 s at full
 // throttle.
 constexpr std::string_view kThrustLoss = "Potential Thrust Loss";
 constexpr int kSystemBattery = 256;  // source id of SYS_STATUS; the ids in BATTERY_STATUS are less
@@ -134,7 +134,7 @@ void Telemetry::take_battery(int source, std::int8_t remaining_percent, double v
 void Telemetry::take_timesync(const wire::mavlink::Timesync& reply, Time now) {
   const std::int64_t now_ns = to_utime(now) * 1000;
   if (reply.tc1 == 0 || reply.ts1 > now_ns || reply.ts1 < now_ns - 1'000'000'000) {
-    return;  // a request, or a reply to no request of the last second
+    return;  // a request, or a reply without a request in the last second
   }
   const std::int64_t round_trip_ns = now_ns - reply.ts1;
   if (!clock_offset_ns_ || round_trip_ns <= round_trip_best_ns_) {

@@ -44,7 +44,7 @@ RoverDriver::RoverDriver(const scenario::Scenario& scenario, const std::string& 
 void RoverDriver::on_mocap(const models::MocapFrame& frame, Time now) {
   const bool is_moving = std::abs(control_.speed_mps) > kMovingMps;
   const BodyContext context{is_driving(core_.ladder.state), is_moving, !is_moving};
-  (void)core_.on_mocap(frame, context, false, now);  // counted by the core
+  (void)core_.on_mocap(frame, context, false, now);  // the core counts refusals
 }
 
 PlanVerdict RoverDriver::on_plan(const models::RobotPlan& plan, Time now) {

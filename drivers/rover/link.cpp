@@ -43,7 +43,7 @@ bool RoverLink::receive(std::span<const std::uint8_t> datagram, Time now) {
   has_telemetry_ = true;
   telemetry_ = received;
   received_at_ = now;
-  // The reported command must be one that this session sent.
+  // True only for a command that this session has sent.
   const bool was_sent =
       received.session == session_ && !wire::rover::is_after(received.command_sequence, sequence_);
   const Time sent = from_utime(received.command_time_us);

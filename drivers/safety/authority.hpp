@@ -48,7 +48,7 @@ class PlannerLease {
 class OperatorAuthority {
  public:
   static constexpr double kFreshS = 2.0;
-  /// True if the command may act.
+  /// True if the command may be executed.
   [[nodiscard]] bool admit(const models::OperatorCommand& command, Time now, double silent_s);
   /// Returns the time since the last heartbeat of the station in charge, s; kNever before the
   /// first.

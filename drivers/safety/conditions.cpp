@@ -63,8 +63,8 @@ constexpr Condition kBatteryStuck = lands(
 constexpr Condition kFlightTime =
     lands("flight time", "in the air for flight_max_s", {},
           [](const In& in, const Lim& lim) { return in.flight_s > lim.flight_max_s; });
-// Not KILL: autopilots report a hot speed controller or a weak motor in the same way. A vehicle
-// that can no longer fly tilts, and `tilt` acts.
+// LAND instead of KILL, because autopilots also report a hot speed controller or a weak motor so.
+// If the vehicle cannot fly, it tilts and the condition `tilt` acts.
 constexpr Condition kMotor =
     lands("motor", "the autopilot reports a failed motor or a loss of thrust",
           {.blocks_arming = true}, [](const In& in, const Lim&) { return in.motor_failed; });

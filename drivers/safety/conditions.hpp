@@ -30,8 +30,8 @@ struct Condition {
   const char* limit;           ///< text: the comparison with its limit
   const char* clears;          ///< text: the rule that clears the condition
   bool (*holds)(const SafetyInputs& inputs, const SafetyLimits& limits);
-  bool yields = false;           ///< clears yield_s later for the vehicle that must yield
-  bool blocks_take_off = false;  ///< forbids taking off, but not arming
+  bool yields = false;           ///< clears later by yield_s for the vehicle that must yield
+  bool blocks_take_off = false;  ///< forbids take-off, but not arming
   bool spares_pilot = false;     ///< has no effect while a pilot controls the vehicle
   bool distrusts_pose = false;   ///< stops the use of poses until the vehicle is disarmed
 };

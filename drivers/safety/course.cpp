@@ -166,7 +166,7 @@ PlanPoint Course::smoothed_at(Time time, double lag_s) const {
   if (!(half_window_s_ > 0.0) || !changes_speed) {
     return out;
   }
-  // Trapezoidal rule over the window: positions, and yaw relative to its start.
+  // Averages over the window by the trapezoidal rule: positions, and yaw relative to the first yaw.
   const PlanPoint first = planned_at(time - from_seconds(half_window_s_), lag_s);
   PlanPoint last = first;
   Eigen::Vector3d sum_m = 0.5 * first.position_world_m;

@@ -13,10 +13,11 @@ namespace vantage::drivers {
 class BrakingPath {
  public:
   BrakingPath() = default;
-  /// Path along `plan` from `elapsed_s` after its start; positions are shifted by `offset_m`.
+  /// Returns the path along `plan` from `elapsed_s` after the plan's start; positions are shifted
+  /// by `offset_m`.
   static BrakingPath along(const HeldPlan& plan, double elapsed_s, double brake_mps2,
                            double reaction_s, const Eigen::Vector3d& offset_m);
-  /// Straight path from `position_m` at `velocity_mps`.
+  /// Returns the straight path from `position_m` with initial velocity `velocity_mps`.
   static BrakingPath straight(const Eigen::Vector3d& position_m,
                               const Eigen::Vector3d& velocity_mps, double yaw_rad,
                               double brake_mps2, double reaction_s);
@@ -52,7 +53,7 @@ class BrakingPath {
 /// end which the next plan reverses.
 class Course {
  public:
-  /// @param half_window_s  half the averaging window, s; 0: no averaging
+  /// @param half_window_s  s; half the averaging window; 0: no averaging
   /// @param round_s  s; time after which the next plan replaces a plan; 0: plans are flown to their
   /// end
   explicit Course(double half_window_s, double round_s = 0.0)

@@ -9,7 +9,7 @@ namespace {
 constexpr double kPredictOthersS = 0.5;
 constexpr double kTeammateSpare = 1.1;  // ratio of a plan's limits to its vehicle's limits
 constexpr double kForgottenS = 10.0;    // s; an unknown body unseen for longer is deleted
-constexpr std::size_t kNameMax = 64;    // bytes; name of an unknown body
+constexpr std::size_t kNameMax = 64;    // bytes; maximum length of an unknown body's name
 // Number of consecutive rejected poses after which the track of a body restarts at the new
 // position.
 constexpr int kMovedAfter = 50;
@@ -258,7 +258,7 @@ std::span<const OtherCourse> Fleet::courses(Time now, const SafetyLimits& limits
     if (!member.has_plan && !is_seen) {
       continue;
     }
-    // The autopilot of a vehicle without a driver lands it straight down.
+    // The autopilot of a vehicle without a driver lands vertically.
     const bool is_silent =
         is_seen && member.reported_at && to_seconds(now - *member.reported_at) > kSilentS;
     OtherCourse course;

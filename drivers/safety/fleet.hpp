@@ -66,11 +66,11 @@ class Fleet {
     std::int64_t plan_run = 0;
     std::int64_t plan_sequence = -1;
     PlannerLease lease{};
-    std::optional<Time> reported_at{};  ///< last report of its driver
+    std::optional<Time> reported_at{};  ///< time of the last report of its driver
   };
   /// Body whose name is not in the scenario; an empty name marks a free entry.
   struct UnknownBody {
-    std::string name;  ///< with reserved capacity
+    std::string name;  ///< memory is reserved at construction
     PoseMonitor pose;
   };
   bool take(const models::RobotPlan& plan, const SafetyLimits& limits, Time now);

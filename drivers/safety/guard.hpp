@@ -56,12 +56,12 @@ struct FlightSetpoint {
 struct GuardOutput {
   models::FlightState state = models::FlightState::kIdle;
   FlightSetpoint setpoint;
-  /// arm the autopilot if true and it is disarmed; disarm it if false and it is armed
+  /// the autopilot must be armed (true) or disarmed (false)
   bool wants_armed = false;
   /// m; goal of the current climb: the first lift, then the flight height
   double climb_to_m = 0.0;
   bool is_sinking = false;  ///< descending at its landing spot, with no body below
-  bool changed = false;     ///< state, reasons or the status of an order changed
+  bool changed = false;     ///< state, reasons or the status of a command changed
   Reasons reasons;          ///< in the air: acting conditions; on the ground: conditions that
                             ///< forbid arming or taking off
 };

@@ -95,7 +95,7 @@ struct GuardCore {
   Time last_tick{};
   bool has_ticked = false;
   bool map_differs = false;
-  double processor_wait_s = 0.0;  ///< s; as last reported
+  double processor_wait_s = 0.0;  ///< s; value of the last report
   std::optional<Time> other_version_at;
   bool emergency_stop = false;
   bool is_ending = false;  ///< the driver was requested to end

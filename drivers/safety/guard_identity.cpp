@@ -30,7 +30,7 @@ void FlightGuard::Parts::update_identity_inputs(Time now) {
   moved_apart_m = kept * (moved_apart_m + reported_m - (seen_m - compared_m));
   moved_m = kept * (moved_m + reported_m.norm());
   compared_m = seen_m;
-  // Poses that are late show where the vehicle was before it braked.
+  // Late poses are not compared: they show the vehicle before it braked.
   const bool can_compare = has_estimate && in.pose_age_s <= limits.pose_age_warn_s &&
                            in.pose_latency_s <= limits.pose_latency_hold_s;
   const double apart_m = std::max(0.0, moved_apart_m.norm() - kTurnedShare * moved_m);

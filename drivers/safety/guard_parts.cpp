@@ -93,8 +93,7 @@ double FlightGuard::Parts::height_error_m() const {
   return std::abs(in.height_m - height_ref_m);
 }
 
-// Fills `in` with the state at `now`.
-// long: later inputs use earlier ones
+// Fills `in` with the state at `now`. long: later inputs use earlier inputs
 void FlightGuard::Parts::update_inputs(Time now) {
   started_at = has_ticked ? started_at : now;
   in.autopilot_armed = is_assumed_armed(now);
@@ -368,7 +367,7 @@ void FlightGuard::Parts::move_height(double dt_s) {
     climb_since = in.now;  // the other vehicle climbs first
     return;
   }
-  // Descends no faster than the velocity in the set-point.
+  // The descent is limited to the velocity of the set-point.
   const double up_m = limits.climb_mps * dt_s;
   const double down_m = std::min(limits.climb_mps, limits.descent_mps) * dt_s;
   height_ref_m += std::clamp(height_goal_m - height_ref_m, -down_m, up_m);

@@ -40,7 +40,7 @@ struct FlightGuard::Parts : GuardCore {
 
   LiftQueue lift_queue;
   Lift lift;
-  Time started_at{};  ///< first tick
+  Time started_at{};  ///< time of the first tick
 
   // Heights.
   bool had_motors = false;  ///< motor state at the last tick
@@ -49,7 +49,7 @@ struct FlightGuard::Parts : GuardCore {
   double height_rate_mps = 0.0;  ///< m/s; rate of height_ref_m at the last tick
   double height_goal_m = 0.0;
   double blind_height_m = 0.0;
-  double unarmed_height_m = 0.0;   ///< m; height before the motors were started on the ground
+  double unarmed_height_m = 0.0;   ///< m; height on the ground before the motors started
   std::optional<double> ground_m;  ///< m; last height measured with the motors off
   double climb_from_m = 0.0;
   Time climb_since{};

@@ -28,19 +28,19 @@ struct Surroundings {
 /// monotonic clock; kNever before the first message. The defaults describe a healthy vehicle on the
 /// ground.
 struct SafetyInputs : Surroundings {
-  Time now{};  ///< monotonic; only differences matter
+  Time now{};  ///< monotonic time; only differences are used
   double since_last_tick_s = 0.0;
   /// s; time in the last second that this thread waited for a processor; 0 if not measured
   double processor_wait_s = 0.0;
 
   // Pose.
-  double pose_age_s = 0.0;        ///< s since the arrival of the last plausible pose
-  double pose_latency_s = 0.0;    ///< s; arrival minus capture time, if the clocks are comparable
-  int poses_rejected = 0;         ///< number of consecutive implausible poses
-  int poses_accepted = 1000;      ///< number of consecutive plausible poses
-  double height_m = 0.0;          ///< m above the ground, by the best source available
-  double tracking_error_m = 0.0;  ///< m from the reference, height included; 0 without a reference
-  double speed_mps = 0.0;         ///< m/s; horizontal, by mocap
+  double pose_age_s = 0.0;          ///< s since the arrival of the last plausible pose
+  double pose_latency_s = 0.0;      ///< s; arrival minus capture time, if the clocks are comparable
+  int poses_rejected = 0;           ///< number of consecutive implausible poses
+  int poses_accepted = 1000;        ///< number of consecutive plausible poses
+  double height_m = 0.0;            ///< m above the ground, by the best available source
+  double tracking_error_m = 0.0;    ///< m; 3D distance from the set-point; 0 without a set-point
+  double speed_mps = 0.0;           ///< m/s; horizontal speed by mocap
   bool is_hover_deviating = false;  ///< commanded to hover, but moves or is off its position
   bool is_pose_distrusted = false;  ///< a condition that distrusts poses has acted in this flight
   double sink_error_m = 0.0;        ///< m above the commanded height during a descent in the air
@@ -58,14 +58,15 @@ struct SafetyInputs : Surroundings {
   int plans_late = 0;                   ///< number of consecutive late plans
   int plans_refused = 0;                ///< number of consecutive refused plans
   bool second_planner = false;          ///< a run without the lease published within the lease time
-  bool map_differs = false;             ///< planner and vehicle use different scenarios
-  double other_version_age_s = kNever;  ///< s since a message of an unknown type was received
+  bool map_differs = false;             ///< planner and driver use different scenarios
+  double other_version_age_s = kNever;  ///< s since the last message of an unknown type
 
   // Taking off.
   bool is_lift_blocked = false;  ///< another vehicle is lifting, or must lift before this one
   double no_rise_s = 0.0;        ///< s; time since the take-off command; 0 once the body has risen
   double proof_pending_s = 0.0;  ///< s; time in the hover of the first lift
-  double other_risen_m = 0.0;    ///< m; rise of another robot's body before this one has risen
+  double other_risen_m = 0.0;    ///< m; rise of another robot's body while this vehicle has not
+                                 ///< risen
   /// m; horizontal distance from the path of the first lift, now or after reaction_s
   double lift_deviation_m = 0.0;
   double lift_climb_error_mps = 0.0;  ///< m/s; mocap minus autopilot, in the first lift

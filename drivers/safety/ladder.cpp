@@ -107,7 +107,7 @@ void step_airborne(LadderState& next, const SafetyInputs& inputs, const SafetyLi
     reset_to(next, FlightState::kKilled);
     return;
   }
-  if (!inputs.autopilot_armed) {  // landed, or disarmed by the pilot
+  if (!inputs.autopilot_armed) {  // the vehicle has landed, or a pilot disarmed it
     reset_to(next, FlightState::kIdle);
     next.latched.reset();
     return;

@@ -32,8 +32,8 @@ struct LadderState {
   models::FlightState state = models::FlightState::kIdle;
   bool wants_armed = false;  ///< arming was commanded, and no condition forbids it
   GroundOrder arm, take_off;
-  Time forbidden_at{};  ///< last time that arming was forbidden
-  Time its_turn_at{};   ///< last time that this vehicle had its turn to lift
+  Time forbidden_at{};  ///< last time at which arming was forbidden
+  Time its_turn_at{};   ///< last time at which it was this vehicle's turn to lift
   Refusal refusal;
   bool wants_follow = false;  ///< `follow` was received and has not been revoked
   Reasons latched;            ///< acting conditions; each ends only by its clearing rule

@@ -58,7 +58,7 @@ class LiftQueue {
     std::int64_t order = 0;
     bool is_seen = false;
     double height_m = 0.0;
-    double rest_m = 0.0;   ///< m; lowest height seen
+    double rest_m = 0.0;   ///< m; lowest measured height
     double begun_m = 0.0;  ///< m; height when this vehicle's lift began
     double climb_mps = 0.0;
     bool has_reported = false;
@@ -83,7 +83,7 @@ class Lift {
   enum class Phase {
     kNone,     ///< on the ground, or after the first lift
     kRising,   ///< commanded to climb
-    kProving,  ///< hovers; commanded to step aside and to turn
+    kProving,  ///< hovers; commanded to make a step and to turn
   };
 
   /// Begins the climb from the current pose. The step goes in the direction with the largest

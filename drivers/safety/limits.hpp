@@ -23,8 +23,8 @@ struct SafetyLimits {
   double pose_latency_hold_s = 0.10;
   int pose_rejected_hold = 3;     ///< number of consecutive implausible poses
   int pose_frames_to_arm = 50;    ///< number of consecutive plausible poses
-  double pose_gate_m = 0.25;      ///< m; largest error against the prediction at short gaps
-  double pose_gate_max_m = 0.26;  ///< m; upper limit of the gate; < separation_hold_m / 2
+  double pose_gate_m = 0.25;      ///< m; largest distance from the prediction after a short gap
+  double pose_gate_max_m = 0.26;  ///< m; upper limit of that distance; < separation_hold_m / 2
   double pose_flip_rad = 1.0;     ///< rad; larger than any turn of a vehicle between two poses
   double pose_stuck_moving_s = 0.05;
   double pose_stuck_hover_s = 0.5;
@@ -44,13 +44,13 @@ struct SafetyLimits {
   /// s; time without a message of another version that is required for arming
   double other_version_clear_s = 5.0;
   double planner_lease_s = 2.0;
-  double tracking_hold_m = 0.4;  ///< m; three-dimensional error
+  double tracking_hold_m = 0.4;  ///< m; 3D tracking error
   double tracking_land_m = 1.0;
 
   // Position and stopping position of the vehicle.
   models::World fence;  ///< bounds, ceiling, obstacles
   double fence_land_m = 0.0;
-  double fence_kill_m = 1.0;  ///< m; distance of the centre outside the bounds or above the ceiling
+  double fence_kill_m = 1.0;  ///< m; distance of the centre beyond the bounds or the ceiling
   /// s; time of flight before braking begins: age of the pose and of the set-point, plus the
   /// autopilot's lag.
   double reaction_s = 0.20;
@@ -67,7 +67,7 @@ struct SafetyLimits {
   /// m/s²; horizontal acceleration with which a body other than a robot may leave its straight
   /// path. A person walking at 1.5 m/s can turn by 90° within 0.8 s, or start to walk.
   double other_turn_mps2 = 3.0;
-  double other_prediction_s = 3.0;  ///< s; straight prediction of such a body in the plan check
+  double other_prediction_s = 3.0;  ///< s; prediction time of such a body in the plan check
   /// s; prediction time of bodies near a landing spot, at most until touchdown
   double landing_prediction_s = 1.5;
   double descent_prediction_s = 0.5;  ///< s; prediction time of bodies below a descending vehicle
@@ -79,7 +79,7 @@ struct SafetyLimits {
   models::VehicleLimits vehicle;
   double lateral_max_mps2 = 10.0;
   double take_off_height_m = 1.0;
-  double setpoint_lead_s = 0.1;      ///< s; a set-point describes the state this far ahead
+  double setpoint_lead_s = 0.1;      ///< s; a set-point is the state this time ahead
   double acceleration_lead_s = 0.1;  ///< s; lead of the acceleration in a set-point
   double climb_mps = 0.5;
   double descent_mps = 0.6;
@@ -103,7 +103,7 @@ struct SafetyLimits {
                              ///< the motors
   /// s; longest motor idling while another vehicle lifts; autopilots stop idle motors after 10 s
   double lift_idle_s = 5.0;
-  double lift_proof_s = 8.0;  ///< s; longest hover of the first lift until step and turn are seen
+  double lift_proof_s = 8.0;  ///< s; maximum hover in the first lift until step and turn are seen
   double lift_step_m = 0.15;  ///< m; size of the step along each horizontal axis
   double lift_turn_rad = 0.2;
   /// m; horizontal distance from the segment between the start and the step goal
@@ -141,7 +141,7 @@ struct SafetyLimits {
   bool needs_operator = true;
   double operator_age_hold_s = 1.0;
   double operator_age_land_s = 3.0;
-  double stall_hold_s = 0.25;  ///< s between two ticks of this driver
+  double stall_hold_s = 0.25;  ///< s; maximum time between two ticks of this driver
   /// s; time per second that this thread waited for a processor. stall_hold_s and the age of poses
   /// detect single long waits; this sum detects a permanently busy host. It is 0.03 to 0.05 s on a
   /// host with free processors.
@@ -166,7 +166,7 @@ double half_window_s(const models::VehicleLimits& vehicle);
 /// @throws UsageError for an unknown robot, or if check_limits() fails.
 SafetyLimits limits_for(const scenario::Scenario& scenario, const std::string& robot);
 
-/// Checks that thresholds rise from one severity to the next, and that other limits are finite and
+/// Checks the order of thresholds of different severity, and that other limits are finite and
 /// positive.
 /// @throws UsageError with the name and the rule of the first limit that fails.
 void check_limits(const SafetyLimits& limits);

@@ -9,7 +9,7 @@ namespace vantage::drivers {
 namespace {
 
 constexpr double kSlack = 1e-6;     // tolerance for rounding in messages
-constexpr double kStepMinS = 1e-3;  // s; 2 mm at 2 m/s
+constexpr double kStepMinS = 1e-3;  // s; minimum step, 2 mm at 2 m/s
 constexpr double kFarM = 1e6;
 constexpr double kBodyStandsMps = 0.1;
 

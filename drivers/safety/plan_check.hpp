@@ -47,11 +47,11 @@ struct HeldPlan {
   std::array<models::PlanSegment, kSegmentsMax> segments{};
 };
 
-/// State on a plan.
+/// State of the vehicle on a plan.
 struct PlanPoint {
   Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();
-  Eigen::Vector3d acceleration_world_mps2 = Eigen::Vector3d::Zero();  ///< set by a course only
+  Eigen::Vector3d acceleration_world_mps2 = Eigen::Vector3d::Zero();  ///< only set by Course
   double yaw_rad = 0.0;
   double yaw_rate_radps = 0.0;
 };
@@ -83,9 +83,9 @@ class PlanWalk {
 
 /// Predicted course of another body: along its plan, or straight from its position.
 struct OtherCourse {
-  const HeldPlan* plan = nullptr;  ///< nullptr: use position_world_m
+  const HeldPlan* plan = nullptr;  ///< plan of the body; nullptr: use position_world_m
   Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
-  Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();  ///< used without a plan
+  Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();  ///< m/s; used without a plan
   double prediction_s = 0.0;    ///< s; prediction time of a moving body; then it is ignored
   bool reaches_ground = false;  ///< the space below it counts as occupied
 };

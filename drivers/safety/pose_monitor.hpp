@@ -19,15 +19,15 @@ enum class [[nodiscard]] PoseVerdict{
     kMalformed,  ///< not finite, or not a rotation
     kOutside,    ///< outside the room (wrong units or frame), without a track that leads there
     kJump,      kFlip,
-    kStuck,    ///< identical for too long
+    kStuck,    ///< pose identical for too long
     kForeign,  ///< pose of another body: a condition that distrusts poses has acted in this flight
 };
 inline constexpr std::size_t kPoseVerdicts = 9;
 const char* name_of(PoseVerdict verdict);
 
-/// Facts about the body that the check needs.
+/// State of the body that the check requires.
 struct BodyContext {
-  bool in_air = false;            ///< jumps and flips are rejected
+  bool in_air = false;            ///< in the air: jumps and flips are rejected
   bool is_moving = false;         ///< commanded to move; identical poses are detected sooner
   bool may_be_stationary = true;  ///< may be stationary without limit (on the ground)
   double sunk_m = 0.0;            ///< m; commanded descent while the body was not seen

@@ -13,8 +13,8 @@ namespace vantage::drivers {
 
 /// Another body, extrapolated from its last observation.
 struct OtherBody {
-  Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();    ///< extrapolated to now
-  Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();  ///< as measured
+  Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();    ///< m; extrapolated to now
+  Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();  ///< m/s; measured velocity
   /// m/s; velocity that its plan will command next; without a plan the measured velocity. The
   /// prediction uses the velocity that brings the body nearer.
   Eigen::Vector3d planned_world_mps = Eigen::Vector3d::Zero();
@@ -27,7 +27,7 @@ struct OtherBody {
   int robot = -1;            ///< index among the scenario's robots; −1: no robot
 };
 
-inline constexpr double kShiftMps = 0.6;  ///< m/s; speed of a landing towards its spot
+inline constexpr double kShiftMps = 0.6;  ///< m/s; horizontal speed towards a landing spot
 
 /// Measures the distances along the braking path to the fence, obstacles and every other body.
 /// Robots brake straight at their own deceleration, from the measured or the planned velocity,

@@ -12,7 +12,7 @@ namespace vantage::drivers {
 struct EndFacts {
   InFlight in_flight = InFlight::kUnknown;  ///< kNo: stationary, motors off
   bool is_pilots = false;                   ///< a pilot controls the vehicle
-  bool lands_itself = false;                ///< its autopilot has confirmed its own landing mode
+  bool lands_itself = false;                ///< the autopilot has confirmed its landing mode
 };
 
 /// Decision when the driver of a vehicle may end after a request: once the vehicle is stationary
@@ -20,7 +20,7 @@ struct EndFacts {
 /// mode. Both waits are bounded. Pure.
 class DriverEnd {
  public:
-  /// Time for which a new driver waits for its vehicle before it ends.
+  /// Time for which a new driver waits for a message of its vehicle before it ends.
   static constexpr Duration kSearch = std::chrono::seconds(3);
   /// Time for the autopilot's confirmation after a second request.
   static constexpr Duration kHurry = std::chrono::seconds(3);

@@ -120,7 +120,7 @@ class UdpPort : public Port {
 
   int fd_;
   std::optional<sockaddr_in> sender_;  ///< sender of the last datagram
-  std::optional<sockaddr_in> peer_;    ///< the vehicle
+  std::optional<sockaddr_in> peer_;    ///< address of the vehicle
   bool is_peer_fixed_ = false;
   Time accepted_{};
   std::int64_t send_errors_ = 0;

@@ -93,7 +93,7 @@ class ViconDriver {
   std::unique_ptr<Session> session_;
   State state_ = State::kClosed;
   bool wants_close_ = false;
-  bool is_backlog_ = false;  ///< reason of wants_close_
+  bool is_backlog_ = false;  ///< wants_close_ is set because of a backlog
   std::optional<Duration> backlog_closed_;
   Duration next_attempt_{};
   Duration back_off_;

@@ -27,7 +27,7 @@ class FrameAssembly {
   [[nodiscard]] SeenFrame& frame() { return frame_; }
   /// Starts a frame; passes the previous frame on if that is still incomplete.
   SeenFrame& begin(Moment arrival);
-  /// Passes the frame on if it is complete. Call it after each batch of pieces.
+  /// Passes on the frame if it is complete. Call it after each batch of pieces.
   void pass_on_if_complete();
   void on_time(Moment now);
   [[nodiscard]] std::optional<Duration> next_wake() const;
@@ -44,7 +44,7 @@ class FrameAssembly {
   SeenFrame frame_;
   bool is_open_ = false;
   bool is_first_ = true;
-  /// memory is reused; the first expected_size_ entries are valid
+  /// names of the awaited bodies; the first expected_size_ entries are valid
   std::vector<std::string> expected_;
   std::size_t expected_size_ = 0;
 };

@@ -40,7 +40,7 @@ class FrameClock {
   static constexpr double kRefuted_s = 3.0;
 
   /// Returns the lateness of the frame relative to the line; ≥ 0.
-  /// @param arrival  steady clock
+  /// @param arrival  arrival time by the steady clock
   /// @param latency  latency stated by the server; subtracted from `arrival`
   Duration lateness(const FrameTiming& frame, Duration arrival, Duration latency);
   /// Processes a new echo, which arrived after the newest frame. Consistently slow echoes reveal a
@@ -66,7 +66,7 @@ class FrameClock {
   bool is_learned_ = false;  ///< the tick period is estimated: none or a wrong one is stated
 
   PaceFit fit_;
-  double next_fit_s_ = 0.0;         ///< s; span at which the fit is computed again
+  double next_fit_s_ = 0.0;         ///< s; time span of data at which the fit is computed again
   std::optional<FrameMark> block_;  ///< start of the check for a too long tick period
   double block_late_s_ = 0.0;
 
@@ -76,7 +76,7 @@ class FrameClock {
   double refuted_tick_s_ = 0.0;         ///< s; tick period that contradicts the stated period
   int refutations_ = 0;                 ///< consecutive intervals with that tick period
 
-  std::optional<Duration> slow_since_;  ///< sending time of the first of consecutive slow pings
+  std::optional<Duration> slow_since_;  ///< sending time of the first of the consecutive slow pings
   double least_slow_s_ = 0.0;
 
   std::optional<double> window_begin_s_;  ///< start of the check for a decreasing lateness

@@ -20,7 +20,7 @@ constexpr Duration kForgetAfter = std::chrono::seconds(60);
 constexpr Duration kClockStep = std::chrono::seconds(1);
 constexpr double kMicrosecond_s = 1e-6;
 constexpr std::size_t kNameBytesMax = 128;
-/// A jump to within this distance of another body is a swap of names.
+/// A jump to within this distance of another body counts as a swap of names.
 constexpr double kSwapDistance_m = 0.3;
 /// A body within this distance of its own prediction is assumed to have the correct name.
 constexpr double kOwnPosition_m = 0.05;

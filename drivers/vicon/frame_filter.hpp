@@ -17,12 +17,12 @@ namespace vantage::drivers::vicon {
 /// Counters of the filter since its construction.
 struct FrameCounts {
   std::int64_t frames = 0;           ///< published frames
-  std::int64_t frames_lost = 0;      ///< missing frame numbers
+  std::int64_t frames_lost = 0;      ///< number of missing frame numbers
   std::int64_t frames_repeated = 0;  ///< dropped: repeated frame number
   std::int64_t frames_late = 0;      ///< dropped: arrived after a newer frame
   std::int64_t frames_queued = 0;  ///< dropped: waited longer than kQueuedMax in an emptying queue
   std::int64_t frames_waited = 0;  ///< published, but waited longer than kQueuedMax
-  std::int64_t server_restarts = 0;    ///< restarts of the numbering
+  std::int64_t server_restarts = 0;    ///< restarts of the frame numbers
   std::int64_t latencies_refused = 0;  ///< latencies not finite, negative or above
                                        ///< kLatencyPossible_s
   std::int64_t poses_zero = 0;
@@ -30,9 +30,9 @@ struct FrameCounts {
   std::int64_t poses_stuck = 0;
   std::int64_t poses_outlying = 0;
   std::int64_t poses_flipped = 0;
-  std::int64_t poses_swapped = 0;  ///< not in poses_outlying: at another body's position
+  std::int64_t poses_swapped = 0;  ///< outliers at another body's position (not in poses_outlying)
   std::int64_t poses_unconfirmed = 0;
-  std::int64_t names_refused = 0;  ///< empty, not UTF-8, or too many
+  std::int64_t names_refused = 0;  ///< names that are empty, not UTF-8, or too many
   std::int64_t names_twice = 0;    ///< dropped: a second body of the same name in one frame
 };
 
@@ -102,13 +102,13 @@ class FrameFilter {
   GateSettings gate_;
   Duration latency_assumed_;
   Publish publish_;
-  std::vector<Body> bodies_;  ///< bodies_[i] is out_.bodies[i]
+  std::vector<Body> bodies_;  ///< bodies_[i] belongs to out_.bodies[i]
   models::MocapFrame out_;
   std::optional<std::uint32_t> last_number_;
   int old_numbers_ = 0;      ///< number of consecutive frames with older numbers
-  std::int64_t number_ = 0;  ///< last frame number, continued beyond wraps
+  std::int64_t number_ = 0;  ///< last frame number, with wraps of the counter removed
   AssignmentSolver assignment_;
-  std::vector<std::size_t> compared_;  ///< bodies whose positions are assigned; seen ones first
+  std::vector<std::size_t> compared_;  ///< bodies whose positions are assigned; seen bodies first
   std::vector<Eigen::Vector3d> predicted_m_;
   std::vector<double> cost_m_;
   FrameClock clock_;

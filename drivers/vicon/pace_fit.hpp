@@ -7,7 +7,7 @@
 
 namespace vantage::drivers::vicon {
 
-/// Arrival of a frame.
+/// Arrival of one frame.
 struct FrameMark {
   std::int64_t tick = 0;  ///< frame number, or the server's stamp
   double arrival_s = 0.0;

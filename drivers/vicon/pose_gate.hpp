@@ -96,7 +96,7 @@ class PoseGate {
   std::optional<Pose3> last_;
   Eigen::Vector3d velocity_mps_ = Eigen::Vector3d::Zero();
   Duration last_time_{};
-  std::optional<Pose3> candidate_;  ///< end of the chain
+  std::optional<Pose3> candidate_;  ///< last pose of the chain
   Duration candidate_time_{};
   Duration candidate_since_{};
   int candidate_frames_ = 0;

@@ -20,7 +20,7 @@ struct Moment {
   Duration steady{};
 };
 
-inline constexpr double kMetresPerMillimetre = 1e-3;  ///< Vicon servers use millimetres
+inline constexpr double kMetresPerMillimetre = 1e-3;  ///< m/mm; Vicon servers use millimetres
 
 /// State of one body in a server's frame.
 enum class PoseState {
@@ -36,7 +36,7 @@ struct SeenBody {
   Pose3 world_from_body;  ///< z up, metres; valid if seen
 };
 
-/// Answer to a ping, by the steady clock.
+/// Answer to a ping: sending and arrival times by the steady clock.
 struct Echo {
   Duration sent{};
   Duration arrived{};
@@ -52,7 +52,7 @@ class SeenFrame {
   std::optional<double> latency_s;  ///< s; only in protocols that state a latency; not yet checked
   double rate_hz = 0.0;      ///< Hz; rate of the frame numbers stated by the server; 0: not stated
   std::optional<Echo> echo;  ///< newest echo before this frame
-  bool is_complete_list = false;  ///< bodies not in the list do not exist any more
+  bool is_complete_list = false;  ///< the frame lists all existing bodies
 
   void clear() { size_ = 0; }
   SeenBody& add();

@@ -25,7 +25,7 @@ struct WireCounts {
 /// Rate at which a server reports one body.
 struct BodyRate {
   std::string name;
-  double rate_hz = 0.0;  ///< 0: too few reports
+  double rate_hz = 0.0;  ///< Hz; 0: too few reports
 };
 
 /// Client of one protocol, as a pure state machine. Bytes and time are passed in. Frames are passed

@@ -15,7 +15,7 @@
 namespace vantage::drivers::vicon {
 namespace {
 
-constexpr std::size_t kReadBytes = std::size_t{1} << 16U;  // largest datagram
+constexpr std::size_t kReadBytes = std::size_t{1} << 16U;  // bytes; size of the largest datagram
 constexpr int kReceiveBufferBytes = 4 << 20;               // buffer for 4 s of 100 bodies at 100 Hz
 
 std::string reason(int error) { return std::system_category().message(error); }

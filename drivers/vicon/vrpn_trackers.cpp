@@ -37,7 +37,7 @@ wire::vicon::VrpnPose extrapolated(const wire::vicon::VrpnPose& before,
   wire::vicon::VrpnPose out = last;
   out.position_m = last.position_m + share * (last.position_m - before.position_m);
   const Eigen::AngleAxisd turn(rotation_of(before).conjugate() * rotation_of(last));
-  double angle_rad = turn.angle();  // the shorter rotation
+  double angle_rad = turn.angle();  // rad; angle of the shorter rotation
   angle_rad -= angle_rad > kPi ? 2.0 * kPi : 0.0;
   out.quaternion_xyzw =
       (rotation_of(last) * Eigen::AngleAxisd(share * angle_rad, turn.axis())).coeffs();
@@ -127,7 +127,7 @@ bool VrpnTrackers::take(const std::string& name, std::int64_t stamp_us,
   tracker.together = is_together ? tracker.together + 1 : 0;
   const bool is_slower = tracker.period_us() > 0 && leader.period_us() > 0 &&
                          2 * tracker.period_us() > 3 * leader.period_us();
-  // A new leader with unknown period holds no other tracker, since it may vanish again.
+  // A new leader with unknown period may vanish again, so no other tracker is held because of it.
   if ((tracker.apart >= kApartReports && leader.period_us() > 0) || is_slower) {
     tracker.is_held = true;
   } else if (tracker.together >= kTogetherReports) {

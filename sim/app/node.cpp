@@ -81,7 +81,7 @@ vicon::EmulatedFrame emulated(const models::MocapFrame& frame, Time now) {
   vicon::EmulatedFrame out;
   out.number = static_cast<std::uint32_t>(frame.frame_number);
   out.captured = frame.stamp.time;
-  out.latency_s = to_seconds(now - frame.stamp.time);  // measured latency, not the nominal one
+  out.latency_s = to_seconds(now - frame.stamp.time);  // measured latency, not the nominal latency
   out.bodies.reserve(frame.bodies.size());
   for (const models::MocapBody& body : frame.bodies) {
     out.bodies.push_back({body.name, body.world_from_body, body.occluded});

@@ -71,7 +71,7 @@ void AutopilotEmulator::take(const wire::mavlink::Frame& frame) {
   } else if (handle_parameter_message(frame)) {
     return;
   } else if (const auto origin = wire::mavlink::unpack<wire::mavlink::SetGpsGlobalOrigin>(frame)) {
-    // The first origin is accepted and confirmed; later ones get no reply.
+    // The first origin is accepted and confirmed; later origins get no reply.
     if (is_for_me(origin->target_system) && controller_.has_estimator(now_) &&
         !controller_.has_origin()) {
       controller_.set_origin();
@@ -149,7 +149,8 @@ void AutopilotEmulator::take_odometry(const wire::mavlink::Odometry& odometry) {
                           odometry.reset_counter);
     return;
   }
-  constexpr std::uint8_t kLastFused = 3;  // unknown, naive, vision, visual-inertial
+  constexpr std::uint8_t kLastFused = 3;  // last fused estimator type: unknown, naive, vision,
+                                          // visual-inertial
   constexpr std::uint8_t kMocap = 6;
   if (odometry.estimator_type > kLastFused) {
     if (odometry.estimator_type != kMocap) {

@@ -19,7 +19,7 @@ namespace vantage::sim {
 /// Battery information that an autopilot reports.
 enum class BatteryReport {
   kShare,        ///< state of charge
-  kVoltageOnly,  ///< no current sensor, so no charge
+  kVoltageOnly,  ///< only the voltage: no current sensor, so no charge
   kFromFull,     ///< charge by integration of the current; a full battery is assumed at power-up
 };
 
@@ -42,7 +42,8 @@ class AutopilotEmulator {
   AutopilotEmulator(const AutopilotEmulatorSpec& spec, Time boot);
 
   void receive(std::span<const std::uint8_t> bytes, Time now);
-  /// Steps to `now`, a whole number of steps after boot, and queues the messages that became due.
+  /// Steps to `now`, an integer number of steps after boot, and queues the messages that became
+  /// due.
   void advance_to(Time now);
   /// Sets or creates a parameter. The initial parameters are those in config/autopilot.
   void set_parameter(const std::string& name, double value);

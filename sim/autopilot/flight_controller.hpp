@@ -120,7 +120,7 @@ class FlightController {
   Time descends_at_{};                         ///< start of the descent in landing mode
   std::optional<Time> targets_since_;          ///< start of the current uninterrupted stream of
                                                ///< set-points
-  std::optional<Eigen::Vector3d> climb_to_m_;  ///< goal of a commanded take-off
+  std::optional<Eigen::Vector3d> climb_to_m_;  ///< m; goal of a commanded take-off
   Eigen::Vector3d landing_at_m_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d shaped_mps_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d integral_mps2_ = Eigen::Vector3d::Zero();

@@ -7,7 +7,7 @@ namespace {
 
 constexpr Duration kMemory = std::chrono::seconds(1);
 constexpr double kGap_s = 0.2;  // s; a longer gap interrupts fusion
-constexpr double kGain = 0.3;   // weight of each pose
+constexpr double kGain = 0.3;   // weight of a new pose
 
 }  // namespace
 

@@ -49,7 +49,7 @@ struct AutopilotProfile {
 
   // Motion.
   double velocity_shaping_s = 0.0;  ///< s; first-order lag of velocity set-points
-  double climb_gain_per_s = 4.0;    ///< PX4: MPC_Z_VEL_P_ACC
+  double climb_gain_per_s = 4.0;    ///< 1/s; PX4 parameter MPC_Z_VEL_P_ACC
   double velocity_integral_per_s2 = 0.15;
   double feed_forward = 0.0;         ///< factor of the shaped acceleration, 0 to 1
   bool cuts_whole_velocity = false;  ///< limits the total velocity, not only the correction

@@ -12,8 +12,8 @@ namespace {
 constexpr double kGravityMps2 = 9.81;
 
 struct Mount {
-  double x;     ///< forward; in arm lengths
-  double y;     ///< to the left; in arm lengths
+  double x;     ///< position forward, in arm lengths
+  double y;     ///< position to the left, in arm lengths
   double spin;  ///< sign of the torque on the body about z; the propeller turns in the opposite
                 ///< direction
 };

@@ -25,7 +25,7 @@ struct MultirotorParameters {
   Eigen::Vector3d inertia_kgm2{0.006, 0.006, 0.010};
   double motor_thrust_max_n = 6.0;
   double motor_lag_s = 0.035;  ///< s; first-order lag of the thrust
-  /// Thrust is T_max (e u² + (1 − e) u) of the throttle u.
+  /// e in thrust = T_max (e u² + (1 − e) u), with throttle u.
   double thrust_expo = 0.65;
   double torque_per_thrust_m = 0.016;  ///< m; ratio of yaw torque to thrust of one propeller
   double drag_per_s = 0.25;            ///< 1/s; deceleration per speed through the air
@@ -50,8 +50,8 @@ struct MultirotorParameters {
 
 /// Quadrotor as a rigid body with six degrees of freedom, four motors, wind and ground contact.
 ///
-///   m v̇ = Σ T_i R e_z − m g e_z − m d (v − w) + feet,   J ω̇ = τ − ω × J ω,   Ṫ_i = (T(u_i) −
-///   T_i)/T_m
+///   m v̇ = Σ T_i R e_z − m g e_z − m d (v − w) + feet,
+///   J ω̇ = τ − ω × J ω,   Ṫ_i = (T(u_i) − T_i)/T_m
 ///
 /// World z up, body x forward, y left, z up. The integration is semi-implicit, and deterministic
 /// for a seed.

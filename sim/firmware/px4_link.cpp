@@ -24,7 +24,7 @@ namespace {
 // Bits of fields_updated in HIL_SENSOR.
 constexpr std::uint32_t kInertialFields = 0x3F;
 constexpr std::uint32_t kMagneticFields = 0x1C0;
-constexpr std::uint32_t kBarometerFields = 0x1A00;  // pressure, its altitude, temperature
+constexpr std::uint32_t kBarometerFields = 0x1A00;  // pressure, pressure altitude, temperature
 // Magnetometer and barometer are sampled less often than the inertial unit: at 50 Hz each,
 // alternately.
 constexpr std::int64_t kSlowEvery = 5;
@@ -207,7 +207,7 @@ void Px4Link::handle(const wire::mavlink::Frame& frame) {
   newest_.emplace();
   for (std::size_t i = 0; i < kMotors && (controls->mode & wire::mavlink::kArmedFlag) != 0; ++i) {
     const double throttle = controls->controls[i];
-    newest_->throttles[i] = throttle > 0.0 ? std::min(throttle, 1.0) : 0.0;  // NaN: off
+    newest_->throttles[i] = throttle > 0.0 ? std::min(throttle, 1.0) : 0.0;  // a NaN means off
   }
 }
 

@@ -80,7 +80,7 @@ std::vector<Eigen::Vector2d> RouteMap::route(const Eigen::Vector2d& from_m,
     }
     const double here = cost[static_cast<std::size_t>(cell)];
     if (priority > here + to_go(cell) + 1e-9) {
-      continue;  // obsolete entry, replaced by a cheaper one
+      continue;  // obsolete entry: a cheaper entry replaced it
     }
     const int column = cell % geometry_.columns;
     const int row = cell / geometry_.columns;

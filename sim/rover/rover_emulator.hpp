@@ -16,7 +16,7 @@ namespace vantage::sim {
 struct RoverEmulatorSpec {
   std::uint32_t number = 1;
   std::uint32_t boot = 1;
-  Pose2 start;  ///< world from body
+  Pose2 start;  ///< pose (world from body) at the start
   RoverParameters limits;
   double delay_s = 0.03;      ///< s; time from the arrival of a command to its effect
   double grip = 0.97;         ///< distance driven per distance by wheel rotation (slip)

@@ -214,7 +214,7 @@ void DataStreamPeer::append_poses(wire::vicon::PacketWriter& packet,
     if (is_requested(wire::vicon::kGlobalSegments)) {
       append(packet, segments, wire::vicon::kGlobalSegments);
     }
-    if (is_requested(wire::vicon::kLocalSegments)) {  // equal to the global pose for a root segment
+    if (is_requested(wire::vicon::kLocalSegments)) {  // equals the global pose for a root segment
       append(packet, segments, wire::vicon::kLocalSegments);
     }
     if (is_requested(wire::vicon::kLightweightSegments)) {

@@ -27,7 +27,7 @@ struct EmulatedFrame {
 /// Representation of an occluded body in the protocol. A DataStream always omits occluded bodies.
 enum class OcclusionStyle {
   kAbsent,
-  kZero,      ///< pose and orientation all zero
+  kZero,      ///< position and orientation all zero
   kRepeated,  ///< the body's last pose, repeated
 };
 

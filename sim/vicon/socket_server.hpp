@@ -54,8 +54,9 @@ class SocketServer {
 
   ServerSettings settings_;
   int port_ = 0;
-  int listener_ = -1;   ///< TCP
-  int datagrams_ = -1;  ///< UDP: sends an object stream, receives VRPN's connection requests
+  int listener_ = -1;   ///< TCP socket for connections; −1: none
+  int datagrams_ = -1;  ///< UDP socket: sends an object stream or receives VRPN's connection
+                        ///< requests
   ObjectStreamServer object_stream_;
   std::vector<std::unique_ptr<Client>> clients_;
   std::int64_t frames_skipped_ = 0;

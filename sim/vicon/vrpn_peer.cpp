@@ -11,7 +11,7 @@ constexpr std::int32_t kPongType = 1;
 constexpr std::int64_t kMicrosecondsPerSecond = 1'000'000;
 
 wire::vicon::VrpnPose pose_of(const Pose3& pose) {
-  return {0, pose.translation_m, pose.rotation.coeffs()};  // Eigen's order is x y z w, like VRPN's
+  return {0, pose.translation_m, pose.rotation.coeffs()};  // both Eigen and VRPN order x, y, z, w
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ class MocapCamera {
   /// @throws UsageError for a rate outside (0, 1000] Hz, a negative noise or latency.
   MocapCamera(const scenario::MocapSpec& spec, std::uint64_t seed);
 
-  /// Returns 1/rate to the nearest microsecond.
+  /// Returns 1/rate, rounded to microseconds.
   [[nodiscard]] Duration period() const { return period_; }
   [[nodiscard]] Duration latency() const { return latency_; }
   /// Returns the first instant of capture at or after `time`.

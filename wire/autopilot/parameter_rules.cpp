@@ -11,7 +11,7 @@
 namespace vantage::wire {
 namespace {
 
-constexpr double kPrecision = 1e-6;  // relative; single precision has seven digits
+constexpr double kPrecision = 1e-6;  // relative tolerance; single precision has seven digits
 
 using Kind = ParameterRule::Kind;
 

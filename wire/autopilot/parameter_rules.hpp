@@ -10,7 +10,7 @@
 
 namespace vantage::wire {
 
-/// The required value of one autopilot parameter, and the effect of another value.
+/// Required value of one autopilot parameter, and the effect of a wrong value.
 struct ParameterRule {
   enum class Kind { kExactly, kAtMost, kAtLeast, kBetween, kOneOf };
 

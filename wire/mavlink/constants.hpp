@@ -31,9 +31,11 @@ constexpr std::uint8_t kGroundStation = 6;
 constexpr std::uint8_t kOnboardController = 18;
 constexpr std::uint8_t kGimbal = 26;
 constexpr std::uint8_t kAdsb = 27;
-constexpr std::uint8_t kFirstAccessory = 30;  ///< camera, charging station, FLARM, servo, ODID
+constexpr std::uint8_t kFirstAccessory = 30;  ///< first of the types camera, charging station,
+                                              ///< FLARM, servo, ODID
 constexpr std::uint8_t kLastAccessory = 34;
-constexpr std::uint8_t kFirstPart = 36;  ///< battery, parachute, log, OSD, IMU, GPS, winch
+constexpr std::uint8_t kFirstPart = 36;  ///< first of the types battery, parachute, log, OSD, IMU,
+                                         ///< GPS, winch
 
 /// True if MAV_TYPE `type` is a vehicle; false for a station, a companion computer or a part.
 constexpr bool is_vehicle(std::uint8_t type) {
@@ -90,7 +92,7 @@ constexpr std::uint16_t kRelativePosition = 8;
 constexpr std::uint16_t kAbsolutePosition = 16;
 constexpr std::uint16_t kHeight = 32;
 constexpr std::uint16_t kConstantPosition = 128;
-constexpr std::uint16_t kUninitialised = 1024;  ///< EKF_STATUS_REPORT only
+constexpr std::uint16_t kUninitialised = 1024;  ///< only in EKF_STATUS_REPORT
 }  // namespace estimator
 
 }  // namespace vantage::wire::mavlink

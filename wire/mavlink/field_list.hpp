@@ -27,7 +27,7 @@ constexpr std::string_view field_name() {
   return text.substr(text.rfind(':') + 1);
 }
 
-/// The element type, count and size of a field, which may be an array.
+/// Element type, count and size of a field, which may be an array.
 template <class T>
 struct FieldShape {
   using Element = T;

@@ -32,7 +32,7 @@ struct Origin {
 struct Signature {
   std::uint8_t link_id = 0;
   std::uint64_t timestamp_10us = 0;         ///< 10 µs since 2015-01-01, 48 bits
-  std::array<std::uint8_t, 6> truncated{};  ///< first 48 bits of the SHA-256
+  std::array<std::uint8_t, 6> truncated{};  ///< first 48 bits of the SHA-256 hash
 };
 
 /// One frame with a valid CRC.

@@ -28,8 +28,8 @@ struct MessageInfo {
   std::string_view name;
   std::uint32_t id = 0;
   std::uint8_t crc_extra = 0;
-  std::uint8_t base_bytes = 0;  ///< without extensions
-  std::uint8_t full_bytes = 0;  ///< with extensions; both sizes are before truncation
+  std::uint8_t base_bytes = 0;  ///< payload size without extensions
+  std::uint8_t full_bytes = 0;  ///< payload size with extensions; both sizes are before truncation
 };
 
 /// Returns the properties of the message with this id; null when it is not in AllMessages.

@@ -18,7 +18,7 @@ namespace vantage::wire::mavlink {
 /// Overwrites a secret with zeros; compilers cannot optimize it away.
 void wipe(std::span<std::uint8_t> secret);
 
-/// The shared secret of a link. Every copy is wiped on destruction.
+/// Shared secret of a link. Every copy is overwritten with zeros on destruction.
 struct SigningKey : std::array<std::uint8_t, 32> {
   constexpr ~SigningKey() {
     if (!std::is_constant_evaluated()) {
@@ -42,7 +42,7 @@ enum class SignatureVerdict {
   kTooManyStreams  ///< the limit of streams per link is reached
 };
 
-/// One end of a signed link: signs outgoing frames and checks incoming ones.
+/// One end of a signed link: signs outgoing frames and checks incoming frames.
 class Signer {
  public:
   Signer(const SigningKey& key, std::uint8_t link_id) : key_(key), link_id_(link_id) {}

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-// The rover protocol: one datagram in each direction, fixed layouts, little-endian.
+// Rover protocol: one kind of datagram per direction, fixed layouts, little-endian.
 // docs/guide/rovers.md describes the bytes and the rules.
 
 namespace vantage::wire::rover {
@@ -27,11 +27,12 @@ inline constexpr std::uint32_t kReleaseStop = 1U << 2U;    ///< release a latche
 
 /// Bits of Telemetry::flags.
 inline constexpr std::uint32_t kDriving = 1U << 0U;      ///< speeds are obeyed
-inline constexpr std::uint32_t kStopLatched = 1U << 1U;  ///< emergency stop by command or button
+inline constexpr std::uint32_t kStopLatched = 1U << 1U;  ///< an emergency stop by command or button
+                                                         ///< is latched
 inline constexpr std::uint32_t kWatchdogOut = 1U << 2U;  ///< no command within kWatchdogS
 inline constexpr std::uint32_t kMotorFailed = 1U << 3U;
 
-/// A driver's command to a rover.
+/// Command of a driver to a rover.
 struct Command {
   std::uint32_t robot = 0;      ///< the rover's number
   std::uint32_t session = 0;    ///< random for each start of a driver; never 0
@@ -43,7 +44,7 @@ struct Command {
   friend bool operator==(const Command&, const Command&) = default;
 };
 
-/// The state of a rover.
+/// State of a rover.
 struct Telemetry {
   std::uint32_t robot = 0;
   std::uint32_t boot = 0;              ///< random for each start of the rover

@@ -20,7 +20,7 @@ namespace vantage::wire::sitl {
 
 inline constexpr std::uint16_t kJsonPort = 9002;  ///< plus 10 × instance
 
-/// The datagram from the firmware.
+/// Content of a datagram from the firmware.
 struct ServoOutputs {
   std::uint16_t frame_rate_hz = 0;  ///< Hz; requested rate of answers
   std::uint32_t frame_count = 0;

@@ -59,7 +59,7 @@ struct Ping {
 bool decode(Bytes body, Ping& out);
 void append(PacketWriter& packet, const Ping& value);
 
-/// Block 1.
+/// Block 1: frame period.
 struct StreamInfo {
   static constexpr double kTicksPerSecond = 135e6;
   std::int64_t period_ticks = 0;
@@ -103,14 +103,14 @@ struct FrameInfo {
 bool decode(Bytes body, FrameInfo& out);
 void append(PacketWriter& packet, const FrameInfo& value);
 
-/// Block 36.
+/// Block 36: hardware frame number.
 struct HardwareFrameInfo {
   std::uint32_t frame_number = 0;
 };
 bool decode(Bytes body, HardwareFrameInfo& out);
 void append(PacketWriter& packet, const HardwareFrameInfo& value);
 
-/// Block 37.
+/// Block 37: vertical axis.
 struct ApplicationInfo {
   bool is_y_up = false;  ///< false: z is up
 };
@@ -176,7 +176,7 @@ struct ObjectQuality {
 bool decode(Bytes body, ObjectQuality& out);
 void append(PacketWriter& packet, const ObjectQuality& value);
 
-/// Block 29.
+/// Block 29: marker error of one subject.
 struct SubjectHealth {
   std::uint32_t subject_id = 0;
   double marker_error = 0.0;
@@ -185,7 +185,7 @@ struct SubjectHealth {
 bool decode(Bytes body, SubjectHealth& out);
 void append(PacketWriter& packet, const SubjectHealth& value);
 
-/// Block 23.
+/// Block 23: time code.
 struct Timecode {
   std::uint8_t hours = 0;
   std::uint8_t minutes = 0;

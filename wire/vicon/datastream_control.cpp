@@ -3,7 +3,7 @@
 #include "wire/vicon/datastream_blocks.hpp"
 #include "wire/vicon/datastream_parts.hpp"
 
-// Blocks that control the stream, and blocks with a single number.
+// Functions for blocks that control the stream, and for blocks with a single number.
 
 namespace vantage::wire::vicon {
 

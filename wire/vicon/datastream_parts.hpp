@@ -5,7 +5,7 @@
 #include "wire/vicon/bytes.hpp"
 #include "wire/vicon/datastream.hpp"
 
-// Parts that the bodies of several blocks share.
+// Functions for parts that are common to the bodies of several blocks.
 
 namespace vantage::wire::vicon::parts {
 

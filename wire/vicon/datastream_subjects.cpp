@@ -1,7 +1,7 @@
 #include "wire/vicon/datastream_blocks.hpp"
 #include "wire/vicon/datastream_parts.hpp"
 
-// Blocks that describe subjects, and lists of named numbers.
+// Functions for blocks that describe subjects, and for lists of named numbers.
 
 namespace vantage::wire::vicon {
 

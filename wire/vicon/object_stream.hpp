@@ -18,8 +18,9 @@ namespace vantage::wire::vicon {
 inline constexpr int kObjectStreamPort = 51001;
 inline constexpr std::size_t kObjectHeaderBytes = 5;
 inline constexpr std::size_t kObjectNameBytes = 24;
-inline constexpr std::uint16_t kObjectItemBytes = 72;  ///< bytes: name, translation, rotation
-inline constexpr std::size_t kObjectsMax = 255;        ///< largest count in a datagram
+inline constexpr std::uint16_t kObjectItemBytes = 72;  ///< bytes; size of name, translation and
+                                                       ///< rotation
+inline constexpr std::size_t kObjectsMax = 255;        ///< maximum number of objects in a datagram
 
 /// One tracker object, as encoded in a datagram.
 struct TrackerObject {
@@ -32,7 +33,7 @@ struct TrackerObject {
   void set_name(std::string_view name);
 };
 
-/// One datagram.
+/// Content of one datagram.
 struct ObjectBlock {
   std::uint32_t frame_number = 0;
   std::vector<TrackerObject> objects;  ///< at most kObjectsMax objects, all with a name

@@ -9,7 +9,7 @@
 
 namespace vantage::wire::vicon {
 
-/// The bytes of a stream that have arrived but are not yet decoded, in a buffer of fixed size.
+/// Buffer of fixed size for the bytes of a stream that have arrived but are not yet decoded.
 class StreamBuffer {
  public:
   explicit StreamBuffer(std::size_t capacity) : buffer_(capacity) {}
@@ -46,18 +46,18 @@ class StreamBuffer {
   std::size_t end_ = 0;
 };
 
-/// The state of the first packet or message in a byte stream.
+/// State of the first packet or message in a byte stream.
 enum class Framing {
   kWhole,     ///< complete
   kNeedMore,  ///< incomplete
   kBroken,    ///< not this protocol, or too long: the stream is unusable
 };
 
-/// The first packet or message of a stream.
+/// First packet or message of a stream.
 struct Framed {
   Framing state = Framing::kNeedMore;
   Bytes body;             ///< content of a complete packet or message
-  std::size_t bytes = 0;  ///< bytes to consume, header and padding included
+  std::size_t bytes = 0;  ///< number of bytes to consume, including header and padding
 };
 
 }  // namespace vantage::wire::vicon

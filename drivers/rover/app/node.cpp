@@ -20,7 +20,7 @@ void RoverNode::on_mocap(const models::MocapFrame& frame, Time now) {
 }
 
 void RoverNode::on_command(const models::OperatorCommand& command, Time now) {
-  static_cast<void>(driver().on_command(command, now));  // counted by the driver
+  static_cast<void>(driver().on_command(command, now));  // the driver counts refusals
   if (command.action != models::OperatorAction::kHeartbeat) {
     act(now);
   }

@@ -11,7 +11,7 @@
 namespace vantage::drivers {
 namespace {
 
-// Over a longer gap between frames the motion of the bodies is unknown.
+// Maximum gap between two frames for interpolation.
 constexpr Duration kGapMax{200'000};
 constexpr Duration kIdle = std::chrono::seconds(1);
 

@@ -82,7 +82,7 @@ class VehicleNode : public bus::Node {
     if (!end_.may_end()) {
       return false;
     }
-    publish_status(now);  // the last status reports the final state
+    publish_status(now);  // publishes the final state
     return true;
   }
   [[nodiscard]] std::string end_fault() const override {
@@ -128,7 +128,7 @@ class VehicleNode : public bus::Node {
     bus::Channel<models::RobotPlan> plans = bus::plan_channel("*");
     plans.is_shared = true;
     bus_.subscribe<models::RobotPlan>(plans, [this](const models::RobotPlan& plan) {
-      static_cast<void>(driver_.on_plan(plan, clock_.now()));  // counted by the driver
+      static_cast<void>(driver_.on_plan(plan, clock_.now()));  // the driver counts refusals
     });
     if constexpr (requires(Driver & driver, const models::VehicleStatus& status) {
                     driver.on_teammate_status(status, Time{});
@@ -200,7 +200,7 @@ class VehicleNode : public bus::Node {
   std::int64_t undecoded_ = 0;
   LatencyRecord frame_latency_;   ///< latency from a frame's arrival at the stack to here
   LatencyRecord answer_latency_;  ///< latency from here to the sending of the resulting messages
-  LatencyRecord stack_latency_;   ///< sum of both
+  LatencyRecord stack_latency_;   ///< sum of both latencies
   std::array<std::uint8_t, 2048> buffer_{};
 };
 

@@ -64,7 +64,7 @@ void ViconNode::report_status(const std::string& status) {
   if (driver_.has_frames()) {
     reported_.clear();
   }
-  // During repeated attempts each status is reported once.
+  // Each status is reported only once during repeated attempts.
   if (std::find(reported_.begin(), reported_.end(), status) == reported_.end() &&
       reported_.size() < kReportedMax) {
     reported_.push_back(status);
