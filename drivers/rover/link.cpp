@@ -43,7 +43,7 @@ bool RoverLink::receive(std::span<const std::uint8_t> datagram, Time now) {
   has_telemetry_ = true;
   telemetry_ = received;
   received_at_ = now;
-  // True only for a command that this session has sent.
+  // True if this session has sent the reported command.
   const bool was_sent =
       received.session == session_ && !wire::rover::is_after(received.command_sequence, sequence_);
   const Time sent = from_utime(received.command_time_us);

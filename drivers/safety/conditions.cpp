@@ -63,7 +63,7 @@ constexpr Condition kBatteryStuck = lands(
 constexpr Condition kFlightTime =
     lands("flight time", "in the air for flight_max_s", {},
           [](const In& in, const Lim& lim) { return in.flight_s > lim.flight_max_s; });
-// LAND instead of KILL, because autopilots also report a hot speed controller or a weak motor so.
+// LAND instead of KILL: autopilots report a hot speed controller or a weak motor as a failed motor.
 // If the vehicle cannot fly, it tilts and the condition `tilt` acts.
 constexpr Condition kMotor =
     lands("motor", "the autopilot reports a failed motor or a loss of thrust",

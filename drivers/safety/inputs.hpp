@@ -15,11 +15,11 @@ inline constexpr double kNever = std::numeric_limits<double>::infinity();
 struct Surroundings {
   double fence_now_m = kNever;
   double fence_centre_m = kNever;  ///< m; from the vehicle's centre to bounds and ceiling
-  double fence_stop_m = kNever;    ///< m; minimum along the braking path
+  double fence_stop_m = kNever;    ///< m; minimum distance along the braking path
   double obstacle_stop_m = kNever;
   double separation_now_m = kNever;  ///< m; centre distance to the nearest body, minus its
                                      ///< uncertainty and its excess radius
-  /// m; minimum while this vehicle brakes and the others brake or continue
+  /// m; minimum distance while this vehicle brakes and the others brake or continue
   double separation_stop_m = kNever;
   bool yields = false;  ///< the nearest body is a vehicle with priority
 };

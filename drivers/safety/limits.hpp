@@ -93,7 +93,8 @@ struct SafetyLimits {
   /// rad; largest difference of the vertical between mocap and the autopilot
   double attitude_error_arm_rad = 0.17;
   double yaw_error_arm_rad = 0.26;  ///< rad; largest yaw difference between mocap and the autopilot
-  std::optional<Pose2> start;       ///< pose at which the first flight must begin
+  std::optional<Pose2> start;       ///< scenario's start pose, near which the first flight must
+                                    ///< begin
   double start_off_arm_m = 0.5;     ///< m; largest distance from `start` before the first flight
   double start_turn_arm_rad = 0.3;
   double lift_height_m = 0.2;  ///< m above the ground position; hover height of the first lift

@@ -26,14 +26,14 @@ inline constexpr double kMetresPerMillimetre = 1e-3;  ///< m/mm; Vicon servers u
 enum class PoseState {
   kSeen,
   kAbsent,    ///< the body exists, but has no pose in the frame
-  kZero,      ///< a pose of exact zeros; some servers report unseen bodies so
+  kZero,      ///< exact zeros, by which some servers report unseen bodies
   kNotAPose,  ///< not finite, not a rotation, or an impossibly large position
 };
 
 struct SeenBody {
   std::string name;
   PoseState pose_state = PoseState::kAbsent;
-  Pose3 world_from_body;  ///< z up, metres; valid if seen
+  Pose3 world_from_body;  ///< m, z up; valid only if the state is kSeen
 };
 
 /// Answer to a ping: sending and arrival times by the steady clock.
