@@ -13,18 +13,18 @@ namespace vantage::models {
 /// Placement and number of exploration landmarks.
 struct ExplorationSpec {
   double landmark_sigma_m = 1.0;    ///< 1σ of the Gaussian prior (l, Σ_l) of each pseudo-target
-  double landmark_spacing_m = 1.0;  ///< minimum distance of two landmarks
-  int landmarks_max = 12;           ///< maximum number; the nearest to the robot are used
-  /// If true, landmarks are only used while a robot has found fewer targets than exist: the missing
-  /// ones may be in unexplored areas. If false, also where targets may have moved unseen.
+  double landmark_spacing_m = 1.0;  ///< minimum distance between two landmarks
+  int landmarks_max = 12;  ///< maximum number of landmarks; those nearest to the robot are used
+  /// If true, landmarks are used only until the robot has found all targets. If false, landmarks
+  /// are always used, because targets may have moved unseen.
   bool until_found = false;
 };
 
 /// Returns exploration landmarks: static planar pseudo-targets N(l, landmark_sigma_m² I₂) at the
-/// frontiers of the explored area. They are the `landmarks_max` nearest to `from_m`, by ascending
-/// distance (ties: in grid order). A plan that sees a landmark gains information, so the planner
-/// explores. Landmarks only depend on the grid, so an explored one is gone at the next call. Empty
-/// when `landmarks_max` ≤ 0 or everything is explored. Allocates.
+/// frontiers of the explored area. Returns the `landmarks_max` landmarks nearest to `from_m`, by
+/// ascending distance (ties: in grid order). A plan that observes a landmark gains information, so
+/// the planner explores. Landmarks depend only on the grid, so a landmark disappears once its area
+/// is explored. Empty when `landmarks_max` ≤ 0 or everything is explored. Allocates.
 /// Source: dissertation 3.4, Alg. 5.
 std::vector<Gaussian> exploration_landmarks(const VisibilityGrid& grid, const ExplorationSpec& spec,
                                             const Eigen::Vector2d& from_m, Time now);

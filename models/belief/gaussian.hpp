@@ -7,10 +7,10 @@
 #include "models/sensor/sensor.hpp"
 #include "models/target/target_model.hpp"
 
-// One block of a block-diagonal belief. Targets are independent, and each measurement is of one
+// One block of a block-diagonal belief. Targets are independent, and each measurement concerns one
 // target. The joint covariance therefore stays block diagonal and is never formed. Planner and
-// estimator call the same two functions, so the uncertainty predicted by a plan is that of the
-// filter.
+// estimator call the same predict and update functions, so a plan predicts the uncertainty that the
+// filter computes.
 
 namespace vantage::models {
 
@@ -26,26 +26,27 @@ struct Information {
   StateMatrix matrix;
 };
 
-/// Convert between the two forms; nullopt when the matrix cannot be inverted (not positive definite
-/// by Cholesky). Do not allocate.
+/// Convert between covariance and information form; nullopt when the matrix cannot be inverted (not
+/// positive definite by Cholesky). Do not allocate.
 std::optional<Information> to_information(const Gaussian& belief);
 std::optional<Gaussian> to_gaussian(const Information& belief);
 
-/// Returns ρᵖ: mean A y, covariance A Σ Aᵀ + W. Does not allocate.
+/// Returns the prediction ρᵖ: mean A y, covariance A Σ Aᵀ + W. Does not allocate.
 Gaussian predict(const Gaussian& belief, const StateMatrix& A, const StateMatrix& W);
 /// Returns the prediction with the model's A and W for `dt_s`; the mean is c + A (y − c).
 Gaussian predict(const Gaussian& belief, const TargetModel& model, double dt_s);
-/// As above, for a target that was last seen `unseen_s` before the time of the belief. Growing
-/// uncertainty counts in steps of `step_s`. Estimators and planners both use this function.
+/// As above, for a target that was last seen `unseen_s` before the time of the belief. Models with
+/// growing uncertainty count the unseen time in steps of `step_s`. Estimators and planners both use
+/// this function.
 Gaussian predict_unseen(const Gaussian& belief, const TargetModel& model, double dt_s,
                         double unseen_s, double step_s);
 /// Returns (A Ω⁻¹ Aᵀ + W)⁻¹ with the vector of the mean A ŷ; nullopt when Ω is singular.
 std::optional<Information> predict(const Information& belief, const StateMatrix& A,
                                    const StateMatrix& W);
 
-/// Returns ρᵉ of the covariance: (Σ⁻¹ + M)⁻¹, where M acts on the position components only.
-/// Computed as Σ − Σ_{:p} (I + M Σ_pp)⁻¹ M Σ_{p:}, symmetrised. Works for singular M and never
-/// inverts Σ.
+/// Returns the measurement update ρᵉ of the covariance: (Σ⁻¹ + M)⁻¹, where M acts on the position
+/// components only. Computed as Σ − Σ_{:p} (I + M Σ_pp)⁻¹ M Σ_{p:}, symmetrised. Works for singular
+/// M and never inverts Σ.
 StateMatrix update_covariance(const StateMatrix& covariance, const PositionMatrix& M);
 /// Returns log det of the covariance by Cholesky; −∞ when it is singular.
 double log_det(const StateMatrix& covariance);

@@ -119,8 +119,8 @@ double CollisionMonitor::watched_m() const {
   double radius_m = 0.0;
   double travelled_m = 0.0;
   int robots = 0;
-  // Distance of any pair of robots. It bounds the smallest distance, so that the first call does
-  // not have to check all pairs.
+  // Distance between some pair of robots: an upper bound of the smallest distance, so the first
+  // call does not have to check all pairs.
   double some_pair_m = min_separation_m_;
   std::size_t last = 0;
   for (std::size_t i = 0; i < new_m_.size(); ++i) {
@@ -191,7 +191,8 @@ void CollisionMonitor::check_surroundings(Time now, std::size_t i,
     judgement.fcl_hit = fcl_hit(geometry_->bodies[i], wall) || judgement.fcl_hit;
   }
   judgement.distance_m = distance_to_bounds_m(world_, new_m_[i]) - radius_m;
-  // The inside is convex, so the smallest distance of a straight motion is at one of its ends.
+  // The space inside the bounds is convex, so a straight motion is nearest to them at one of its
+  // ends.
   judgement.swept_distance_m =
       std::min(judgement.distance_m, distance_to_bounds_m(world_, old_m_[i]) - radius_m);
   judge(now, judgement, bodies_[i].name, "bounds", bounds_[i], new_contacts);
@@ -214,8 +215,8 @@ void CollisionMonitor::judge(Time now, const Judgement& judgement, const std::st
     report.distance_m = std::min(judgement.swept_distance_m, 0.0);
     new_contacts.push_back(std::move(report));
   }
-  // Bodies that are apart at the end of the step are released, even if they touched during the
-  // step.
+  // The contact ends if the bodies are apart at the end of the step, even if they touched during
+  // it.
   contact.touching = (hit || contact.touching) && judgement.distance_m <= kReleaseM;
 }
 

@@ -15,13 +15,14 @@
 
 namespace vantage::models {
 
-/// Detector of contacts between spheres, boxes, walls and a ceiling, and of robots that are nearer
-/// to each other than allowed.
+/// Detects contacts between spheres, boxes, walls and a ceiling, and robots that are nearer to each
+/// other than allowed.
 ///
-/// Two methods check every pair at every step: FCL at the current positions, and closed forms over
-/// the straight motion since the last step, so that fast contacts are not missed. Either can report
-/// a collision; differences between the two are counted. A contact is reported once, when it
-/// begins. It is reported again only after the two have been apart by more than kReleaseM.
+/// Two methods check every pair at every step: the FCL library at the current positions, and closed
+/// forms over the straight motion since the last step. The latter detect contacts that begin and
+/// end within a step. Either method can report a collision; differences between the two are
+/// counted. A contact is reported once, when it begins. It is reported again only after the two
+/// bodies have been more than kReleaseM apart.
 ///
 /// Positions come from the simulator's truth or from the cameras. FCL objects are created in the
 /// constructor and by add(). Not copyable, not thread-safe.
@@ -44,19 +45,19 @@ class CollisionMonitor {
 
   /// Adds a body at the end of the order. Precondition: radius_m > 0.
   void add(const Body& body);
-  /// Makes the next update() ignore the motion before it, for bodies that were not observed
-  /// meanwhile.
+  /// Makes the next update() check positions only, without the motion since the last update(). For
+  /// use after a time in which the bodies were not observed.
   void forget_motion() { old_m_.clear(); }
 
   /// Checks the bodies' centres at `now`, in the order in which the bodies were added. Appends the
   /// contacts that began since the last call to `new_contacts`. A centre that is not finite is
-  /// counted and excluded, because FCL reports some such poses as free. The first call has no
-  /// motion before it.
+  /// counted and excluded, because FCL reports some such poses as free. The first call checks
+  /// positions only.
   void update(Time now, std::span<const Eigen::Vector3d> centres_m,
               std::vector<CollisionReport>& new_contacts);
 
-  /// Returns the smallest distance so far between the centres of two robots, swept; ∞ without a
-  /// pair.
+  /// Returns the smallest distance so far between the centres of two robots, including the motion
+  /// between steps; ∞ without a pair.
   [[nodiscard]] double min_separation_m() const { return min_separation_m_; }
   [[nodiscard]] std::int64_t non_finite() const { return non_finite_; }
   /// Returns how often FCL and the closed form differed by more than rounding (1 µm).
@@ -70,8 +71,8 @@ class CollisionMonitor {
   };
   struct Judgement {
     bool fcl_hit = false;
-    double distance_m = 0.0;        ///< between surfaces, now
-    double swept_distance_m = 0.0;  ///< the smallest since the last step
+    double distance_m = 0.0;        ///< between surfaces at the current step
+    double swept_distance_m = 0.0;  ///< smallest distance since the last step
   };
 
   void judge(Time now, const Judgement& judgement, const std::string& a, const std::string& b,
@@ -81,8 +82,8 @@ class CollisionMonitor {
   void check_pairs(Time now, std::vector<CollisionReport>& new_contacts);
   void check_pair(Time now, std::size_t i, std::size_t j,
                   std::vector<CollisionReport>& new_contacts);
-  /// Returns the distance beyond which a pair cannot matter, whatever its motion since the last
-  /// step.
+  /// Returns the distance beyond which a pair cannot have been in contact or too close since the
+  /// last step.
   [[nodiscard]] double watched_m() const;
   void check_surroundings(Time now, std::size_t i, std::vector<CollisionReport>& new_contacts);
 

@@ -20,7 +20,7 @@
 
 namespace vantage::models {
 
-/// The name of one message; run id and sequence number are unique on a channel.
+/// Reference to one message; run id and sequence number are unique on a channel.
 struct InputRef {
   std::string channel;
   std::int64_t run_id = 0;
@@ -39,13 +39,13 @@ struct Stamp {
 struct MocapBody {
   std::string name;
   Pose3 world_from_body;
-  bool occluded = false;  ///< then the pose is meaningless
+  bool occluded = false;  ///< true: the pose is meaningless
 };
 
 /// The poses of all bodies at one time (VICON).
 struct MocapFrame {
   Stamp stamp;     ///< stamp.time: capture time
-  Time arrival{};  ///< at the publisher
+  Time arrival{};  ///< time at which the publisher received the frame
   std::int64_t frame_number = 0;
   std::vector<MocapBody> bodies;
 
@@ -56,13 +56,13 @@ struct MocapFrame {
 
 /// Id of a detection from a sensor that does not identify targets.
 inline constexpr int kNoTargetId = -1;
-/// Smallest label of a track. Ids from here on are labels, not target ids. When sensors do not
-/// identify targets, it is unknown which track is which target of the scenario.
+/// Smallest label of a track. Ids from this value on are labels, not target ids. When sensors do
+/// not identify targets, it is unknown which track is which target of the scenario.
 inline constexpr int kTrackLabelMin = 1 << 30;
 
 /// One detected target, or a false alarm.
 struct Detection {
-  int target_id = 0;  ///< or kNoTargetId
+  int target_id = 0;  ///< kNoTargetId if the sensor does not identify targets
   Measurement measurement;
 };
 
@@ -81,7 +81,7 @@ struct RobotMeasurement {
 struct TargetBelief {
   int target_id = 0;        ///< target id, or a track's label (≥ kTrackLabelMin)
   Information information;  ///< at the message's time
-  Time last_seen{};         ///< newest measurement of any robot that was used
+  Time last_seen{};         ///< time of the newest measurement used, by any robot
 };
 
 /// All beliefs of one robot (BELIEF_R).
@@ -104,12 +104,13 @@ struct TargetMixture {
   Mixture components;      ///< at least one; weights sum to 1
 };
 
-/// The mixtures whose moments are in the robot's belief of the same time (MIXTURE_R).
+/// The mixtures of one robot (MIXTURE_R). Their means and covariances are in the robot's belief of
+/// the same time.
 struct BeliefMixture {
   Stamp stamp;
   std::string robot;
   std::int64_t step = 0;               ///< as in the belief
-  std::vector<TargetMixture> targets;  ///< by ascending target_id; others have no mixture
+  std::vector<TargetMixture> targets;  ///< by ascending target_id; other targets have no mixture
 };
 
 /// True if the mixture belongs to this belief.
@@ -137,8 +138,8 @@ struct RobotMap {
   GridGeometry grid;
   std::vector<std::int16_t> own_looks;   ///< per cell, from this run's own scans
   std::vector<std::int16_t> team_looks;  ///< per cell, own scans plus those received from teammates
-  double entropy_nats = 0.0;             ///< of the map from team_looks
-  std::vector<InputRef> inputs;  ///< belief (its pose), previous own map, scans, team's maps
+  double entropy_nats = 0.0;             ///< entropy of the map from team_looks
+  std::vector<InputRef> inputs;  ///< belief (for the pose), previous own map, scans, team's maps
 };
 
 /// The origin of a published plan; lower is better.
@@ -161,10 +162,10 @@ struct RobotPlan {
   int horizon_steps = 0;     ///< T
   double step_s = 0.5;       ///< τ
   double cost = 0.0;         ///< J_T of the search, nats; NaN without a search
-  double lower_bound = 0.0;  ///< of J_T, nats; −∞ when nothing is proven
-  double epsilon = 0.0;      ///< of the last finished pass; ∞ for the greedy pass
+  double lower_bound = 0.0;  ///< proven lower bound of J_T, nats; −∞ without one
+  double epsilon = 0.0;      ///< ε of the last completed pass; ∞ for the greedy pass
   double delta_m = 0.0;
-  std::int64_t passes = 0;  ///< finished
+  std::int64_t passes = 0;  ///< completed passes of the search
   std::int64_t nodes = 0;   ///< nodes expanded; as a node budget it reproduces the search exactly
   Time slot_start{};
   Time deadline{};    ///< end of the slot
@@ -185,12 +186,12 @@ struct PlanProposal {
 struct TeamChoice {
   std::string robot;
   Trajectory trajectory;
-  double information_nats = 0.0;  ///< information gain of this robot alone, computed by itself
+  double information_nats = 0.0;  ///< information gain of this robot alone, computed by that robot
   double energy_nats = 0.0;       ///< cost of its motion
 };
 
-/// The team's solution after a local operation (TEAM_PROPOSAL_R). It is complete, so a receiver
-/// does not need the earlier ones.
+/// The team's solution after a local operation (TEAM_PROPOSAL_R). Each message contains the
+/// complete solution, so a receiver does not need earlier messages.
 struct TeamProposal {
   Stamp stamp;        ///< time: start of the trajectories, t_{k+1}
   std::string robot;  ///< sender of the proposal
@@ -199,7 +200,7 @@ struct TeamProposal {
   /// sender.
   double value_nats = 0.0;
   std::vector<TeamChoice> choices;    ///< at most one per robot; robots without an entry hover
-  std::vector<std::int64_t> history;  ///< fingerprints of the solutions so far, with this one
+  std::vector<std::int64_t> history;  ///< fingerprints of all solutions up to this one, inclusive
   std::int64_t nodes = 0;             ///< node budget that reproduces the search for candidates
   /// Inputs of the candidates; the last is the proposal that this one improves, if any.
   std::vector<InputRef> inputs;
@@ -226,7 +227,7 @@ struct VehicleStatus {
 
 enum class OperatorAction { kHeartbeat, kArm, kTakeOff, kFollow, kHold, kLand, kEmergencyStop };
 
-/// True for commands that any station may send at any time: hold, land, emergency stop.
+/// True for the commands that any console may send at any time: hold, land, emergency stop.
 constexpr bool makes_safer(OperatorAction action) {
   return action == OperatorAction::kHold || action == OperatorAction::kLand ||
          action == OperatorAction::kEmergencyStop;

@@ -20,7 +20,8 @@ struct BeamSensor {
   /// Returns the bearing of beam k in the body frame, in (−π, π], rad.
   [[nodiscard]] double bearing_rad(int beam) const;
   /// Returns the mean of a reading when the nearest obstacle is at `distance_m`: 0 below
-  /// range_min_m, range_max_m beyond that, otherwise the distance. Source: dissertation 4.13.
+  /// range_min_m, range_max_m beyond range_max_m, otherwise the distance. Source: dissertation
+  /// 4.13.
   [[nodiscard]] double mean_range_m(double distance_m) const;
   /// Returns the smallest reading that means "nothing hit": range_max_m − 3 σ.
   [[nodiscard]] double no_hit_range_m() const { return range_max_m - 3.0 * sigma_m; }
@@ -29,7 +30,7 @@ struct BeamSensor {
 /// Throws UsageError if a parameter of `sensor` is out of range.
 void require_valid(const BeamSensor& sensor);
 
-/// The cells that one beam may hit, nearest first. A value to reuse for many beams.
+/// The cells that one beam may hit, nearest first. The object can be reused for many beams.
 struct BeamProfile {
   std::vector<int> cell;
   std::vector<double> occupancy;  ///< o_j in [0, 1]
@@ -42,8 +43,8 @@ struct BeamProfile {
 };
 
 /// Stores in `out` the cells that a beam from `from_m` may hit within the sensor's range. The first
-/// cell is left out, because the vehicle is in it. Ends after the first cell that is certainly
-/// occupied. Only allocates while `out` grows.
+/// cell is left out, because the vehicle is in it. The list ends after the first cell that is
+/// certainly occupied. Only allocates while `out` grows.
 void trace_beam(const OccupancyBelief& belief, const BeamSensor& sensor,
                 const Eigen::Vector2d& from_m, double bearing_rad, BeamProfile& out);
 

@@ -10,8 +10,8 @@ struct BeamInformation {
   double error_nats = 0.0;  ///< |nats − exact value| is at most this, except for rounding
 };
 
-/// Distance of two Gaussians, in σ, at which their overlap counts as zero. At 10 σ, the neglected
-/// product of two of them is at most e^−25 of its peak.
+/// Distance between two Gaussians, in σ, beyond which their overlap counts as zero. At 10 σ, the
+/// neglected product of two of them is at most e^−25 of its peak.
 inline constexpr double kCutoffSigmas = 10.0;
 
 /// Returns the Cauchy–Schwarz quadratic mutual information between the map and one reading z of the
@@ -23,12 +23,12 @@ inline constexpr double kCutoffSigmas = 10.0;
 /// over the events e_j "the first occupied cell is j" and e_0 "no cell is occupied". p are their
 /// probabilities, and w their probabilities when every cell's odds are squared. μ_j is the mean
 /// reading at the middle of cell j, and μ_0 = range_max. This is the form of Charrow et al. with
-/// every sum divided by Π_i (o_i² + (1 − o_i)²). That factor cancels, and would underflow on long
-/// beams.
+/// every sum divided by Π_i (o_i² + (1 − o_i)²). The factor cancels in I; without the division it
+/// would underflow on long beams.
 ///
 /// ≥ 0; 0 when every cell is certain. Pairs of events farther apart than `cutoff_sigmas` σ are
-/// neglected, and error_nats bounds the effect. The time is linear in the cells (times the cells in
-/// that window). Each thread only allocates until its longest beam so far.
+/// neglected; error_nats bounds the effect. Cost: cells of the beam × cells within the cutoff. A
+/// thread allocates only for a beam longer than all its earlier beams.
 /// Source: Charrow et al., Information-theoretic mapping using CSQMI (ICRA 2015), eq. 10–15.
 BeamInformation csqmi(const BeamProfile& beam, const BeamSensor& sensor,
                       double cutoff_sigmas = kCutoffSigmas);
@@ -36,7 +36,7 @@ BeamInformation csqmi(const BeamProfile& beam, const BeamSensor& sensor,
 /// Changes of a cell's log-odds by a scan: `hit` where the beam ended, `miss` before it.
 struct InverseBeamModel {
   double hit_log_odds = 2.944;    ///< log(0.95 / 0.05)
-  double miss_log_odds = -2.944;  ///< minus the same
+  double miss_log_odds = -2.944;  ///< log(0.05 / 0.95)
 };
 
 /// Returns the fast Shannon mutual information: the expected sum over the cells of the

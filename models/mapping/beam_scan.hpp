@@ -11,7 +11,7 @@ namespace vantage::models {
 
 /// Returns the exact distance from `from_m` along `bearing_rad` to the first obstacle or wall; 0
 /// inside an obstacle or outside the bounds. Closed form, O(obstacles). It uses no grid, so
-/// simulated scans do not share the assumptions of the map made from them.
+/// simulated scans contain no discretisation errors of the map's grid.
 double ray_distance_m(const World& world, const Eigen::Vector2d& from_m, double bearing_rad);
 
 /// Returns one reading of every beam from `world_from_body`: N(mean_range_m(distance), σ²).

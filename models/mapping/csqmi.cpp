@@ -17,7 +17,7 @@ struct Event {
 void list_events(const BeamProfile& beam, const BeamSensor& sensor, std::vector<Event>& events) {
   events.clear();
   double reach = 1.0;          // probability that no earlier cell is occupied
-  double squared_reach = 1.0;  // the same with squared odds
+  double squared_reach = 1.0;  // as `reach`, with squared odds
   for (std::size_t j = 0; j < beam.occupancy.size(); ++j) {
     const double o = beam.occupancy[j];
     const double q = o * o / (o * o + (1.0 - o) * (1.0 - o));
@@ -55,7 +55,7 @@ BeamInformation csqmi(const BeamProfile& beam, const BeamSensor& sensor, double 
       pKw += K * (far.p * near.w + near.p * far.w);
     }
   }
-  // Each sum lacks at most ε, because the probabilities sum to 1.
+  // The neglected part of each sum is at most ε, because the probabilities sum to 1.
   const double epsilon = dropped ? std::exp(-0.25 * cutoff_sigmas * cutoff_sigmas) : 0.0;
   return {std::max(0.0, std::log(pKp) - 2.0 * std::log(pKw)),
           std::max(std::log1p(epsilon / pKp), 2.0 * std::log1p(epsilon / pKw))};

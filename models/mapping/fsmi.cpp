@@ -69,7 +69,7 @@ BeamInformation fsmi(const BeamProfile& beam, const BeamSensor& sensor,
 
   double sum_nats = 0.0;
   double reach = 1.0;
-  std::size_t first = 0;  // means ascend, so the window only moves forward
+  std::size_t first = 0;  // means ascend, so the first cell within the cutoff only increases
   for (std::size_t j = 0; j < beam.occupancy.size(); ++j) {
     const double o = beam.occupancy[j];
     if (reach * o > 0.0) {

@@ -13,11 +13,11 @@ double log_odds_of(double probability);
 /// Returns −p log p − (1 − p) log(1 − p), nats; 0 at 0 and at 1.
 double binary_entropy_nats(double probability);
 
-/// The belief of a grid with cells that are occupied or free, independently of each other.
+/// Belief about a grid of cells, each occupied or free independently of the others.
 ///
 /// A cell with log-odds at the clamp is *settled*: more scans give no information, and occupancy()
 /// returns 0 or 1. Without this, robots would keep scanning known cells, because the small
-/// remaining entropy of each one adds up over many beams.
+/// remaining entropies of many cells add up along many beams.
 /// Source: dissertation 4 F.2; Moravec and Elfes (1985); the clamp: Hornung et al., OctoMap (2013).
 class OccupancyBelief {
  public:
@@ -34,10 +34,10 @@ class OccupancyBelief {
   [[nodiscard]] bool is_settled(int cell) const {
     return occupancy(cell) == 0.0 || occupancy(cell) == 1.0;
   }
-  /// Returns the entropy of one cell from its log-odds, nats; a settled cell keeps that of the
-  /// clamp.
+  /// Returns the entropy of one cell from its log-odds, nats; a settled cell has the entropy of the
+  /// clamp value.
   [[nodiscard]] double entropy_nats(int cell) const;
-  /// Returns the sum over the cells, nats. O(cells).
+  /// Returns the sum of the cells' entropies, nats. O(cells).
   [[nodiscard]] double entropy_nats() const;
   [[nodiscard]] const GridGeometry& geometry() const { return geometry_; }
 

@@ -13,7 +13,7 @@ struct Axis {
   double pitch_m = std::numeric_limits<double>::infinity();
 };
 
-// `place`: start in cells. `cosine`: component of the ray's direction along this axis.
+// `place`: start coordinate in cells. `cosine`: component of the ray's direction along this axis.
 Axis axis_of(double place, int cell, double cosine, double resolution_m) {
   if (std::abs(cosine) < 1e-12) {
     return {};  // crosses no edge of this axis within the grid

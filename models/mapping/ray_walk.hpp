@@ -11,9 +11,9 @@ namespace vantage::models {
 ///   for (RayWalk walk(geometry, from_m, bearing_rad, 1.5); walk.next();) { use walk.cell(); }
 ///
 /// Starts in the cell that contains `from_m` (no cells if that is outside the grid), and ends at
-/// `range_max_m` or at the grid's edge. Spans are closed at enter_m, open at exit_m, and tile [0,
-/// end). A ray through a corner crosses one of the two adjacent cells, with a span of length 0 or
-/// of rounding size. No allocation, O(1) per cell.
+/// `range_max_m` or at the grid's edge. Each cell has the span [enter_m, exit_m) along the ray; the
+/// spans cover [0, end) without gaps. A ray through a corner crosses one of the two adjacent cells,
+/// with a span of length 0 or of rounding size. No allocation, O(1) per cell.
 /// Source: Amanatides and Woo, A fast voxel traversal algorithm for ray tracing (1987).
 class RayWalk {
  public:
@@ -39,9 +39,9 @@ class RayWalk {
   bool begun_ = false;
   bool ended_ = false;
   double enter_m_ = 0.0;
-  double next_column_m_ = 0.0;  ///< along the ray, to the next column's edge
+  double next_column_m_ = 0.0;  ///< distance along the ray to the next column's edge
   double next_row_m_ = 0.0;
-  double column_pitch_m_ = 0.0;  ///< along the ray, between column edges
+  double column_pitch_m_ = 0.0;  ///< distance along the ray between column edges
   double row_pitch_m_ = 0.0;
   double range_max_m_ = 0.0;
 };

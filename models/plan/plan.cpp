@@ -42,7 +42,7 @@ class Walker {
     advance_to(0.0);
   }
 
-  // Makes the piece that begins at or contains `t_s` current. Never goes back.
+  // Makes the piece that begins at or contains `t_s` the current one. Moves forward in time only.
   void advance_to(double t_s) {
     while (piece_end_s_ <= t_s) {
       const std::size_t next = next_segment_;
@@ -60,7 +60,7 @@ class Walker {
       }
     }
   }
-  // Precondition: `t_s` is in the current piece, its end included.
+  // Precondition: `t_s` is in the current piece or at its end.
   [[nodiscard]] Eigen::Vector2d position_m(double t_s) const {
     return (segment_ == nullptr
                 ? piece_start_
@@ -176,7 +176,7 @@ bool keeps_separation(const Trajectory& a, const Trajectory& b, Time from, doubl
   constexpr double kSlack_m = 1.0;  // deviation of arcs from their pieces is only centimetres
   if ((a.start.position_m() - b.start.position_m()).norm() >
       length_at_most_m(a) + length_at_most_m(b) + separation_m + kSlack_m) {
-    return true;  // the usual case in a large team
+    return true;  // too far apart at all times: the usual case in a large team
   }
   Walker walk_a(a, from);
   Walker walk_b(b, from);

@@ -22,8 +22,8 @@ namespace vantage::models {
 struct PlanSegment {
   UnicycleControl control;  ///< at the segment's start
   double duration_s = 0.0;
-  /// Forward deceleration: 0 for a primitive. For the stop at the end it is the vehicle's brake
-  /// deceleration, and the yaw rate is 0.
+  /// Forward deceleration: 0 for a primitive. For the stop at the end: the vehicle's brake
+  /// deceleration, with zero yaw rate.
   double brake_mps2 = 0.0;
 };
 
@@ -59,8 +59,9 @@ std::vector<PlanSegment> brake(double speed_mps, double brake_mps2);
 inline constexpr double kPlanPiece_s = 0.1;
 
 /// True if two trajectories, each at its own height, keep at least `separation_m` in space at all
-/// times from `from` on, hovers included. `from_above`: heights are ignored. Conservative: pieces
-/// of at most `piece_s` are treated as straight, and the sagitta of each arc is subtracted.
+/// times from `from` on, hovers included. If `from_above`, only horizontal distances count.
+/// Conservative: pieces of at most `piece_s` are treated as straight, and the sagitta of each arc
+/// is subtracted.
 bool keeps_separation(const Trajectory& a, const Trajectory& b, Time from, double separation_m,
                       double piece_s = kPlanPiece_s, bool from_above = false);
 

@@ -16,8 +16,9 @@ struct DetectionModel {
   bool detects_ids = true;             ///< each detection has its target's id
 };
 
-/// Returns the area of the ground in view without regard to walls, m². The result for a tilted
-/// camera is exact to about one percent. Cost: constant; some 50 µs for kinds with SensorLaw::sees.
+/// Returns the area of the ground in view, m², if no walls block the view. The result for a tilted
+/// camera is exact to about one percent. Constant computation time; about 50 µs for kinds with
+/// SensorLaw::sees.
 double view_area_m2(const SensorModel& sensor, const Viewpoint& from);
 
 /// Returns the false alarms of one measurement. Their number is Poisson distributed with mean

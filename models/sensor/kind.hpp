@@ -8,8 +8,8 @@ namespace vantage::models {
 
 struct SensorLaw;
 
-/// A kind of sensor: a handle to its law, compared by identity. User-defined kinds are made from a
-/// SensorLaw, which must outlive them.
+/// A kind of sensor: a pointer to its law; two kinds are equal if they point to the same law.
+/// User-defined kinds are made from a SensorLaw, which must outlive them.
 class SensorKind {
  public:
   constexpr explicit SensorKind(const SensorLaw& law) : law_(&law) {}

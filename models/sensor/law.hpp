@@ -7,8 +7,8 @@
 
 #include "models/sensor/sensor.hpp"
 
-// The law of a sensor kind. Simulator, planner and estimator only use the law and never test for a
-// kind.
+// The law of a sensor kind: its measurement model. Simulator, planner and estimator use the law
+// only and never test for a specific kind.
 
 namespace vantage::models {
 
@@ -16,11 +16,11 @@ namespace vantage::models {
 struct SightLine {
   Eigen::Vector3d offset_world_m;  ///< z: true height difference, even for planar targets
   double horizontal_m;
-  double range_m;  ///< horizontal for planar targets, otherwise in space
+  double range_m;  ///< horizontal distance for planar targets, otherwise distance in space
 };
 
-/// Position information of a planar target if it only depends on the unit line of sight u: M =
-/// along · u uᵀ + across / r² · u⊥ u⊥ᵀ + isotropic · I. along and across are divided by
+/// Position information of a planar target if M depends only on the unit line of sight u: M = along
+/// · u uᵀ + across / r² · u⊥ u⊥ᵀ + isotropic · I. The caller divides `along` and `across` by
 /// variance_growth().
 struct PlanarLaw {
   double along_per_m2 = 0.0;
@@ -40,9 +40,9 @@ struct ReachedDistances {
 /// One kind of sensor. Functions are pure and do not allocate; noise covariances are diagonal.
 struct SensorLaw {
   std::string_view name;  ///< name in scenarios
-  /// z is only the calibrated range, the bearing (wrapped), or both in that order. A kind that
-  /// measures anything else has both flags false. A range has no direction at the sensor itself,
-  /// and a bearing has none directly above or below it.
+  /// z is the calibrated range, the wrapped bearing, or both in this order. Both flags are false
+  /// for a kind that measures anything else. A range has no direction at the sensor itself, and a
+  /// bearing has none directly above or below the sensor.
   bool measures_range = false;
   bool measures_bearing = false;
   /// z = H (target − sensor), where H only depends on the heading: a Kalman update is exact.
@@ -68,14 +68,14 @@ struct SensorLaw {
   PlanarLaw (*planar_law)(const SensorModel&) = nullptr;
   /// For sensors that only measure the direction to a target and need a minimum depth. Returns the
   /// depth per metre of distance in the direction `bearing_rad` (from body x) with `up`, the sine
-  /// of the elevation. Null: not such a sensor.
+  /// of the elevation. Null for other sensors.
   double (*depth_per_m)(const SensorModel&, double bearing_rad, double cos_elevation,
                         double up) = nullptr;
 };
 
 /// Returns the factor on range and bearing variances at `range_m`.
 double variance_growth(const SensorModel& sensor, double range_m);
-/// True if the field of view is a full turn.
+/// True if the field of view is a full circle.
 bool sees_all_around(const SensorModel& sensor);
 SightLine sight_line(const Viewpoint& from, const PositionVector& target_world_m);
 /// Returns the bearing from body x, wrapped, rad.

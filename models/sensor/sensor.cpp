@@ -53,7 +53,7 @@ bool in_view(const SensorModel& sensor, const Viewpoint& from,
   const Eigen::Vector2d d = target_world_m.head<2>() - from.world_from_body.position_m();
   const double range2_max_m2 = square(sensor.range_max_m);
   if (d.squaredNorm() > range2_max_m2 * (1.0 + 1e-12)) {
-    return false;  // cheap exit for most targets
+    return false;  // fast exit for most targets
   }
   const SensorLaw& law = sensor.kind.law();
   const SightLine to = sight_line(from, target_world_m);
@@ -118,7 +118,7 @@ double information_bound(const SensorModel& sensor, const Viewpoint& from, doubl
   const SightLine to = sight_line(from, target_world_m);
   const bool in_space = target_world_m.rows() == 3;
   const double dz_m = in_space ? to.offset_world_m.z() : 0.0;
-  // Range of horizontal distances in the disc, rounded outwards.
+  // Smallest and largest distance over the disc, rounded outwards.
   ReachedDistances reached;
   reached.horizontal_near_m = std::max(0.0, to.horizontal_m - reach_m - kLeastRange_m);
   reached.horizontal_far_m = to.horizontal_m + reach_m + kLeastRange_m;

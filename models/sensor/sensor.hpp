@@ -10,9 +10,10 @@
 #include "models/sensor/kind.hpp"
 #include "models/target/target_model.hpp"
 
-// Gaussian sensors, z = h(x, y) + v with v ~ N(0, V(x, y)): the five of the dissertation and any
-// other with a law (models/sensor/law.hpp). All of them only measure a target's position. It is
-// planar (2 rows: on the ground, z = 0) or in space (3 rows). No function allocates.
+// Gaussian sensors, z = h(x, y) + v with v ~ N(0, V(x, y)): the five sensors of the dissertation
+// and any other with a law (models/sensor/law.hpp). All of them measure only a target's position.
+// The position is planar (2 rows: on the ground, z = 0) or in space (3 rows). No function
+// allocates.
 
 namespace vantage::models {
 
@@ -22,7 +23,7 @@ using PositionMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eig
 using MeasurementVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 3, 1>;
 using MeasurementMatrix =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 3, 3>;
-/// ∂z/∂state or ∂z/∂position: up to 3 × 4.
+/// ∂z/∂state or ∂z/∂position, at most 3 × 4.
 using MeasurementJacobian =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, kUnaligned, 3, kMaxTargetDim>;
 
@@ -44,17 +45,17 @@ struct RangeCalibration {
 /// three coordinates. Angles are in the horizontal plane.
 struct SensorModel {
   SensorKind kind = SensorKind::kRangeBearing;  ///< determines which other fields are used
-  double range_max_m = 10.0;   ///< targets at this range or beyond are not measured
-  double range_min_m = 0.0;    ///< nearer targets are not measured; a bearing sensor needs > 0, and
-                               ///< compares it with the horizontal distance (it is singular at 0)
-  double fov_rad = 2.0 * kPi;  ///< full angle φ; targets with |bearing| ≥ φ/2 are not seen
-                               ///< (except with a full turn)
-  double range_sigma_m = 0.15;              ///< 1σ of a range
+  double range_max_m = 10.0;    ///< targets at this range or beyond are not measured
+  double range_min_m = 0.0;     ///< nearer targets are not measured; for a bearing sensor: > 0 and
+                                ///< a horizontal distance, because bearings are singular at 0
+  double fov_rad = 2.0 * kPi;   ///< full angle φ; targets with |bearing| ≥ φ/2 are not seen
+                                ///< (except with a full circle)
+  double range_sigma_m = 0.15;  ///< 1σ of a range
   double bearing_sigma_rad = radians(5.0);  ///< 1σ of a bearing
   double position_sigma_m = 0.1;            ///< 1σ of each coordinate of a position
   double pixel_sigma = 1.0;                 ///< 1σ of each image coordinate
   double focal_length_pixels = 500.0;       ///< K = diag(f, f) with the principal point at 0
-  double camera_tilt_rad = kPi / 2;         ///< 0 is along body x, π/2 straight down
+  double camera_tilt_rad = kPi / 2;         ///< 0: along body x; π/2: straight down
   double depth_min_m = 0.05;                ///< minimum depth along the camera's axis
   /// Range and bearing variances grow linearly in range, V = V_max · max(floor, r / range_max),
   /// up to the full σ² at range_max (dissertation after eq. 3.8); false: constant.
@@ -78,8 +79,8 @@ struct Measurement {
 bool in_view(const SensorModel& sensor, const Viewpoint& from,
              const PositionVector& target_world_m);
 
-/// Returns h(x, y), calibrated: the measurement of a noise-free sensor. Precondition: in_view, or
-/// at least a target that is not at the sensor itself.
+/// Returns h(x, y), calibrated: the measurement of a noise-free sensor. Precondition: the target is
+/// not at the sensor's own position (in_view() implies this).
 MeasurementVector observe(const SensorModel& sensor, const Viewpoint& from,
                           const PositionVector& target_world_m);
 
@@ -101,10 +102,11 @@ PositionMatrix information(const SensorModel& sensor, const Viewpoint& from,
                            const PositionVector& target_world_m);
 
 /// Returns an upper bound of information() over all viewpoints within `reach_m` (horizontally) of
-/// `from` and all headings. The bound is a multiple of the identity; the multiple is returned. It
-/// is 0 if no such viewpoint can see the target. It is +∞ for a bearing sensor without a minimum
-/// range that may be above the target. Rounded outwards by a nanometre, so that accumulated step
-/// errors stay inside. Source: dissertation app. G with the corrections of 2.29 (r² for r).
+/// `from` and all headings. The bound is a multiple of the identity; its factor is returned. The
+/// factor is 0 if no such viewpoint can see the target. It is +∞ for a bearing sensor without a
+/// minimum range that may be above the target. `reach_m` is enlarged by a nanometre to cover
+/// accumulated rounding errors. Source: dissertation app. G with the corrections of 2.29 (r² for
+/// r).
 double information_bound(const SensorModel& sensor, const Viewpoint& from, double reach_m,
                          const PositionVector& target_world_m);
 
@@ -112,10 +114,10 @@ double information_bound(const SensorModel& sensor, const Viewpoint& from, doubl
 Measurement sample(const SensorModel& sensor, const Viewpoint& from,
                    const PositionVector& target_world_m, std::mt19937_64& rng);
 
-/// Returns the target position that explains `z` exactly. nullopt for sensors that cannot determine
-/// it (only range or only bearing) and for a z without such a position. Where a target in space is
-/// undetermined (camera ray; range and bearing without elevation), it is placed on the ground
-/// plane.
+/// Returns the target position for which a noise-free measurement equals `z`. nullopt for sensors
+/// that cannot determine it (only range or only bearing), and if no position gives `z`. If `z` does
+/// not determine a position in space (camera ray; range and bearing without elevation), the target
+/// is assumed to be on the ground plane.
 std::optional<PositionVector> position_from(const SensorModel& sensor, const Viewpoint& from,
                                             const MeasurementVector& z, int position_dim);
 

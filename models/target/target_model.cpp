@@ -96,7 +96,7 @@ StateMatrix TargetModel::process_noise(double dt_s, int steps_unseen) const {
     case TargetKind::kGrowingUncertainty:
       W.diagonal().setConstant(q * steps_unseen);
       break;
-    case TargetKind::kDampedOscillator:  // W restores the stationary spread that A reduces
+    case TargetKind::kDampedOscillator:  // W restores the stationary covariance that A reduces
       for (Eigen::Index i = 0; i < 2; ++i) {
         const AxisStep step = axis_step(surroundings, i, dt_s);
         const double p = surroundings.position_sigma_m(i) * surroundings.position_sigma_m(i);
@@ -118,7 +118,7 @@ StateMatrix TargetModel::grown_noise(double from_steps, double to_steps) const {
 TargetModel TargetModel::as_planned(double steps_unseen, double step_s) const {
   TargetModel planned = *this;
   if (kind == TargetKind::kGrowingUncertainty) {
-    constexpr double kRounding = 1e-6;  // instants are rounded to microseconds
+    constexpr double kRounding = 1e-6;  // times are rounded to microseconds
     planned.kind = TargetKind::kRandomWalk;
     planned.q *= std::floor(steps_unseen + kRounding) / step_s;
   }

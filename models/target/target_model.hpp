@@ -20,12 +20,12 @@ enum class TargetKind {
   kDoubleIntegrator,    ///< (y₁, y₂, ẏ₁, ẏ₂) with white acceleration of density q
   kGrowingUncertainty,  ///< y' = y + w, W = q k I; k: number of steps since the target was last
                         ///< seen, at the start of the step
-  kDampedOscillator,  ///< (y₁, y₂, ẏ₁, ẏ₂), confined to its surroundings; see Surroundings
+  kDampedOscillator,    ///< (y₁, y₂, ẏ₁, ẏ₂), confined to an area; see Surroundings
 };
 
 /// Parameters of a damped oscillator on each axis: ÿ = −(σ_v²/σ_p²)(y − c) − γ ẏ + white noise of
 /// density 2 γ σ_v². Its stationary distribution has position N(c, σ_p²) and velocity N(0, σ_v²),
-/// which are independent.
+/// independent of each other.
 struct Surroundings {
   Eigen::Vector2d center_m = Eigen::Vector2d::Zero();            ///< m; c
   Eigen::Vector2d position_sigma_m = Eigen::Vector2d::Ones();    ///< m; σ_p
@@ -42,7 +42,8 @@ struct Surroundings {
 struct TargetModel {
   TargetKind kind = TargetKind::kRandomWalk;
   int position_dim = 2;  ///< 2 or 3; models with a velocity are planar
-  double q = 0.0;  ///< noise: m²/s for a random walk, m²/s³ for a double integrator, m² for growing
+  double q = 0.0;  ///< process noise: m²/s for a random walk, m²/s³ for a double integrator, m² for
+                   ///< growing
   Surroundings surroundings = {};  ///< damped oscillator only
 
   bool operator==(const TargetModel&) const = default;

@@ -35,7 +35,7 @@ float rounded_down(double value) {
              : std::nextafter(nearest, -std::numeric_limits<float>::infinity());
 }
 
-// Greedy thinning with a hash of squares of side `spacing_m`: kept points that are too near can
+// Greedy thinning with a hash of squares of side `spacing_m`: selected points that are too near can
 // only be in the 3 × 3 squares around a point.
 class Thinner {
  public:
@@ -73,7 +73,7 @@ class Thinner {
   int columns_;
   int rows_;
   std::vector<int> newest_;  // per bucket, index into kept_
-  std::vector<int> older_;   // per kept point, the next one of its bucket
+  std::vector<int> older_;   // per selected point, the next one in its bucket
   std::vector<Eigen::Vector2d> kept_;
 };
 
@@ -176,7 +176,7 @@ DistanceField::DistanceField(const World& world, double resolution_m)
   const double half_diagonal_m = resolution_m * std::sqrt(0.5) + kSlack_m;
   distance_m_.reserve(at_index(geometry_.size()));
   for (int index = 0; index < geometry_.size(); ++index) {
-    // clearance_m is 1-Lipschitz, so it is at least this everywhere in the cell.
+    // clearance_m is 1-Lipschitz, so it is at least this value everywhere in the cell.
     const double least_m = clearance_m(world, geometry_.centre_m(index)) - half_diagonal_m;
     distance_m_.push_back(rounded_down(least_m));
   }

@@ -25,8 +25,8 @@ struct GridGeometry {
   [[nodiscard]] Eigen::Vector2d centre_m(int index) const;
   /// Returns the index of the cell that contains `p_m`, or −1 outside.
   [[nodiscard]] int index_of(const Eigen::Vector2d& p_m) const;
-  /// Returns the grid of the whole cells that overlap the square of half side `half_m` around
-  /// `around_m`; at least one cell, the nearest.
+  /// Returns the sub-grid of the cells that overlap the square of half side `half_m` around
+  /// `around_m`; at least the cell nearest to `around_m`.
   [[nodiscard]] GridGeometry window(const Eigen::Vector2d& around_m, double half_m) const;
   /// Returns (column, row) in this grid of the other grid's cell (0, 0), inside or outside; nullopt
   /// when the cells of the two grids do not coincide.
@@ -35,8 +35,8 @@ struct GridGeometry {
 };
 
 /// Stores the newer of both stamps in each cell that both grids have. Stamps in `theirs` are
-/// limited to `limit_utime`. Returns false without any change when the cells do not coincide, or
-/// when a number of stamps is not that of its cells.
+/// limited to `limit_utime`. Returns false without any change if the cells do not coincide, or if
+/// the number of stamps of a grid differs from its number of cells.
 bool merge_stamps(const GridGeometry& geometry, std::vector<std::int64_t>& stamps_utime,
                   const GridGeometry& their_geometry, const std::vector<std::int64_t>& theirs_utime,
                   std::int64_t limit_utime);
@@ -48,8 +48,8 @@ struct OccupancyGrid {
 };
 OccupancyGrid rasterise(const World& world, double resolution_m);
 
-/// A lower bound of clearance_m() by one look-up: the exact clearance at each cell's centre minus
-/// half the cell's diagonal. The disc of this radius around a point is free.
+/// Table of lower bounds of clearance_m(): per cell the exact clearance at the centre minus half
+/// the cell's diagonal. A disc of this radius around any point of the cell is free.
 class DistanceField {
  public:
   DistanceField() = default;
@@ -93,15 +93,15 @@ class VisibilityGrid {
   }
   /// Returns the share of the free cells that are explored, in [0, 1].
   [[nodiscard]] double explored_share(Time now) const;
-  /// Returns the centres of unexplored free cells next to an explored free cell (4 neighbours).
-  /// They are thinned in index order to a distance ≥ `spacing_m`, hence deterministic. While no
-  /// cell is explored, every free cell counts as a frontier.
+  /// Returns the centres of unexplored free cells next to an explored free cell (4 neighbours). A
+  /// centre nearer than `spacing_m` to one already selected is skipped, in index order, so the
+  /// result is deterministic. While no cell is explored, every free cell counts as a frontier.
   [[nodiscard]] std::vector<Eigen::Vector2d> frontiers(Time now, double spacing_m) const;
 
   [[nodiscard]] const GridGeometry& geometry() const { return geometry_; }
-  /// Returns the utime at which each cell was last seen, or kNeverSeen; for the wire.
+  /// Returns the utime at which each cell was last seen, or kNeverSeen; as in messages.
   [[nodiscard]] const std::vector<std::int64_t>& last_seen_utime() const { return last_seen_; }
-  /// Replaces the stamps (from the wire). Precondition: geometry().size() entries.
+  /// Replaces the stamps by those of a message. Precondition: geometry().size() entries.
   void set_last_seen(std::vector<std::int64_t> last_seen_utime);
 
  private:

@@ -10,17 +10,17 @@
 namespace vantage::models {
 
 /// Finder of nearby pairs among many bodies that move little between calls. It keeps the bodies
-/// sorted by x, so that a body is only compared with those in its strip.
+/// sorted by x and compares only bodies whose x differ by at most the distance.
 class NearPairs {
  public:
   using Pair = std::pair<std::uint32_t, std::uint32_t>;  ///< i < j
 
   /// Returns at least all pairs with centres no farther apart than `within_m` (∞: all), ascending.
-  /// Bodies with a centre that is not finite are excluded. Valid until the next call.
+  /// Bodies with a non-finite centre are excluded. The reference is valid until the next call.
   const std::vector<Pair>& find(std::span<const Eigen::Vector3d> centres_m, double within_m);
 
  private:
-  std::vector<std::uint32_t> order_;  ///< by ascending x at the last call
+  std::vector<std::uint32_t> order_;  ///< body indices by ascending x at the last call
   std::vector<Pair> pairs_;
 };
 

@@ -22,7 +22,7 @@ struct Obstacle {
   double height_m = 10.0;
 };
 
-/// A part of the ground with its own cost (mud for wheels, wind for aircraft).
+/// A region of the ground with an additional cost per step (mud for wheels, wind for aircraft).
 struct Region {
   std::string name;
   Rectangle footprint;
@@ -48,10 +48,10 @@ struct NearbyObstacles {
   bool is_complete = true;  ///< false: more than kMax obstacles are near, so all must be checked
   std::uint32_t indices[kMax] = {};
 };
-/// Returns the obstacles with bounding boxes within `reach_m` of `p_m`. At a distance d from there,
-/// the others do not affect clearances below reach_m − d.
+/// Returns the obstacles with bounding boxes within `reach_m` of `p_m`. At a distance d from `p_m`,
+/// other obstacles do not affect clearances below reach_m − d.
 NearbyObstacles nearby_obstacles(const World& world, const Eigen::Vector2d& p_m, double reach_m);
-/// As above, for the obstacles in `nearby` and the walls only.
+/// As above, but considers only the obstacles in `nearby` and the walls.
 double clearance_m(const World& world, const NearbyObstacles& nearby, const Eigen::Vector2d& p_m);
 
 /// True if the closed segment from `a_m` to `b_m` does not cross the interior of any obstacle.
@@ -60,9 +60,9 @@ bool line_of_sight(const World& world, const Eigen::Vector2d& a_m, const Eigen::
 /// Returns the sum of cost_per_step over the regions that contain `p_m`.
 double region_cost(const World& world, const Eigen::Vector2d& p_m);
 
-/// Returns the exact minimum distance of two points that move linearly during the same time: min
-/// over s in [0, 1] of ‖(a0 − b0) + s ((a1 − a0) − (b1 − b0))‖. Closed form; detects contacts that
-/// sampling would miss.
+/// Returns the exact minimum distance between two points that move linearly during the same time:
+/// min over s in [0, 1] of ‖(a0 − b0) + s ((a1 − a0) − (b1 − b0))‖. Closed form; detects contacts
+/// that sampling would miss.
 double closest_approach_m(const Eigen::Vector3d& a0_m, const Eigen::Vector3d& a1_m,
                           const Eigen::Vector3d& b0_m, const Eigen::Vector3d& b1_m);
 

@@ -6,14 +6,14 @@
 
 namespace vantage::models::sensor_kinds {
 
-// Registered in kinds.cpp.
+// The list of all laws is in kinds.cpp.
 extern const SensorLaw position;
 extern const SensorLaw range;
 extern const SensorLaw bearing;
 extern const SensorLaw range_bearing;
 extern const SensorLaw camera;
 
-/// Returns a law with the functions that every kind has; set optional fields on the result.
+/// Returns a law with the required functions; the caller sets the optional fields.
 constexpr SensorLaw law_of(std::string_view name, decltype(SensorLaw::measurement_dim) dim,
                            decltype(SensorLaw::observe) observe,
                            decltype(SensorLaw::jacobian) jacobian,
@@ -44,10 +44,11 @@ Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 3> range_row(const 
 /// Returns ∂bearing / ∂position, a row.
 Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 3> bearing_row(const SightLine& to,
                                                                             int position_dim);
-/// True if a bearing is defined: not directly above the sensor, and not within the minimum range.
+/// True if a bearing is defined: the target is not directly above or below the sensor, and is
+/// farther than the minimum range.
 bool has_bearing(const SensorModel& sensor, const SightLine& to);
 
-/// Return upper bounds of the information of a range and of a bearing.
+/// Return upper bounds of the information from a range and from a bearing.
 double range_information(const SensorModel& sensor, const ReachedDistances& reached);
 double bearing_information(const SensorModel& sensor, const ReachedDistances& reached);
 

@@ -32,7 +32,7 @@ MeasurementVector variances(const SensorModel& sensor, const Viewpoint& /*from*/
                          square(sensor.bearing_sigma_rad) * growth);
 }
 
-// Range and bearing inform about orthogonal directions, so λ_max is the larger of the two.
+// Range and bearing give information in orthogonal directions, so λ_max is the larger of the two.
 double bound(const SensorModel& sensor, const ReachedDistances& reached) {
   if (reached.horizontal_far_m < sensor.range_min_m) {
     return 0.0;
