@@ -19,12 +19,13 @@
 namespace vantage::planner {
 
 /// Connects a RobotPlanner to the bus. Inputs: BELIEF_R with its MIXTURE_R (and MAP_R in mapping),
-/// VICON, teammates' PLAN_* and ATTACK. Output: PLAN_R, once per round in this robot's slot. In
-/// addition: PROPOSAL_* in and out if the team expects attacks; TEAM_PROPOSAL_* in and out with
-/// local search; EXTERNAL_REQUEST_R out and EXTERNAL_PLAN_R in with planner.algorithm `external`.
+/// VICON, teammates' PLAN_* and ATTACK. Output: PLAN_R, once per round in this robot's slot. If the
+/// team expects attacks, it also receives and publishes PROPOSAL_*; with local search,
+/// TEAM_PROPOSAL_*. With planner.algorithm `external` it publishes EXTERNAL_REQUEST_R and receives
+/// EXTERNAL_PLAN_R.
 ///
-/// With a neighbourhood (network.neighbourhood_m) it subscribes only to teammates within it. If the
-/// clock is not real time, the budget is planner.node_budget nodes.
+/// With a neighbourhood (network.neighbourhood_m) the node subscribes only to teammates within that
+/// distance. If the clock is not real time, the search budget is planner.node_budget nodes.
 class PlannerNode : public bus::Node {
  public:
   PlannerNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
@@ -43,20 +44,21 @@ class PlannerNode : public bus::Node {
   /// differs from its channel); unusable_plans (of teammates: too long, or too far in the future);
   /// proposals_refused (inconsistent, in a round of local search). With an external planner:
   /// external_rounds (answered in time), external_missing (not answered), external_late (answers
-  /// after the deadline), external_unasked (answers to no request, or duplicates), external_refused
-  /// (not a valid plan of their slot; unsafe ones count as plan_checks_failed). With shared slots:
-  /// yielded_rounds. With more bodies in the way than a plan can avoid: bodies_dropped. For a robot
-  /// with a driver: rounds_short_of_processor (it brakes instead of searching).
+  /// after the deadline), external_unasked (answers without a request, or duplicates),
+  /// external_refused (not a valid plan of its slot; unsafe plans count as plan_checks_failed).
+  /// With shared slots: yielded_rounds. bodies_dropped: bodies in the way in excess of the number
+  /// that a plan can avoid. For a robot with a driver: rounds_short_of_processor (it brakes instead
+  /// of searching).
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
   [[nodiscard]] std::int64_t deadlines_missed() const override { return late_; }
 
  private:
-  /// Calls take() for each message on `channel` that is of `robot`; counts the others.
+  /// Calls take() for each message on `channel` that names `robot`; counts the others.
   template <class Message>
   void subscribe_to(const bus::Channel<Message>& channel, const std::string& robot,
                     std::function<void(const Message&)> take);
   void take_frame(const std::shared_ptr<const models::MocapFrame>& frame);
-  /// Makes the newest frame an input, and an earlier one if bodies are in the way.
+  /// Makes the newest mocap frame an input, and also an earlier frame if bodies are in the way.
   void use_frames();
   void take_plan(const models::RobotPlan& plan);
   [[nodiscard]] Deadline deadline_of(Time now) const;
@@ -66,16 +68,16 @@ class PlannerNode : public bus::Node {
   void propose(Time now);
   /// Local search: starts the exchange of the slot's round.
   void begin_exchange(Time now);
-  /// Searches for a limited time and publishes its result.
+  /// Continues the local search for a limited time and publishes its result.
   void exchange(Time now);
   void listen_to_status_of(const std::string& name);
   void listen_to(const std::string& name);
   void hear(const models::TeamProposal& proposal);
-  /// Requests the slot's plan from the external process; false if nothing can be requested.
+  /// Requests the slot's plan from the external process; false if no request can be made.
   bool ask(Time now);
   void hear_answer(const models::RobotPlan& answer);
   void plan(Time now);
-  /// Selects the robot's first slot after that time.
+  /// Selects the robot's first slot that begins after `after`.
   void move_on(Time after);
 
   bus::Bus& bus_;
@@ -89,20 +91,20 @@ class PlannerNode : public bus::Node {
   RoundSchedule::Slot slot_;
   PlanInputs inputs_;
   Time attack_heard_{};
-  std::shared_ptr<const models::MocapFrame> mocap_;  ///< newest; input from the slot on
+  std::shared_ptr<const models::MocapFrame> mocap_;  ///< newest frame; input once the slot begins
   /// Earlier frames, at least kVelocityTime apart, for the velocity of bodies.
   std::shared_ptr<const models::MocapFrame> mocap_before_, mocap_between_;
-  std::optional<models::BeliefMixture> mixture_;  ///< newest; arrives before its belief
+  std::optional<models::BeliefMixture> mixture_;  ///< newest mixture; arrives before its belief
   std::optional<bus::NeighbourWatch> neighbours_;
   // State of an exchange:
-  std::unique_ptr<TeamExchange> exchange_;  ///< the last one started
+  std::unique_ptr<TeamExchange> exchange_;  ///< exchange started last
   Time next_exchange_ = Time::max();
   Time exchange_end_{};
   std::vector<models::InputRef> exchange_inputs_;          ///< inputs of the candidates
-  std::map<std::string, models::TeamProposal> overheard_;  ///< newest of each teammate
+  std::map<std::string, models::TeamProposal> overheard_;  ///< newest proposal of each teammate
   // For planner.algorithm `external`:
   bool is_asking_ = false;
-  Time answer_due_{};  ///< after this the robot plans without an answer
+  Time answer_due_{};  ///< deadline of the answer; then the robot plans without it
   std::int64_t asked_round_ = -1;
   std::int64_t answers_ = 0;
   std::int64_t answers_missing_ = 0;
@@ -112,7 +114,7 @@ class PlannerNode : public bus::Node {
   std::int64_t late_ = 0;
   std::int64_t slots_skipped_ = 0;
   std::int64_t short_of_processor_ = 0;
-  double processor_wait_s_ = 0.0;  ///< over the last second
+  double processor_wait_s_ = 0.0;  ///< time waiting for a processor during the last second
   std::int64_t misaddressed_ = 0;
   std::int64_t unusable_plans_ = 0;
 };

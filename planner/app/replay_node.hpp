@@ -14,9 +14,9 @@
 
 namespace vantage::planner {
 
-/// Replans what a log contains: each logged PLAN_R (and, with local search, each TEAM_PROPOSAL_R)
-/// names its inputs and its node budget, so the same planner must give the same result. Publishes
-/// its results under the bus's prefix and counts the differences.
+/// Computes the plans of a log again. Each logged PLAN_R (and, with local search, each
+/// TEAM_PROPOSAL_R) names its inputs and its node budget, so the same planner must give the same
+/// result. Publishes its results under the bus's prefix and counts the differences.
 class PlannerReplayNode : public bus::Node {
  public:
   PlannerReplayNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
@@ -49,7 +49,7 @@ class PlannerReplayNode : public bus::Node {
   bus::InputStore<models::PlanProposal> proposals_{64};
   bus::InputStore<models::AttackNotice> attacks_{64};
   bus::InputStore<models::TeamProposal> team_proposals_{500};
-  /// Capacity for bursts of proposals.
+  /// Logged decisions to compare; the capacity covers bursts of proposals.
   bus::ReplayQueue<std::variant<models::RobotPlan, models::TeamProposal>> logged_{31};
   std::int64_t same_ = 0;
   std::int64_t different_ = 0;

@@ -8,11 +8,11 @@
 
 namespace vantage::planner {
 
-/// An attack: robots that lose their sensors, and the value left to the team. Attacked robots still
-/// move and communicate.
+/// An attack: the robots that lose their sensors, and the value of the team without them. Attacked
+/// robots still move and communicate.
 struct Attack {
   std::vector<int> robots;  ///< ascending
-  double value = 0.0;       ///< J of the others' trajectories, nats
+  double value = 0.0;       ///< J of the other robots' trajectories, nats
   std::int64_t oracle_calls = 0;
 };
 
@@ -26,8 +26,8 @@ Attack worst_attack(const TeamOracle& oracle, const Choice& choice, int attacks_
 Attack greedy_attack(const TeamOracle& oracle, const Choice& choice, int attacks_max);
 
 /// Returns the attack on the `attacks_max` robots whose trajectories have the greatest value alone.
-/// Ties: the lower numbers. RTP selects its bait by the same criterion, which ignores overlap with
-/// other robots. Cost: α oracle calls.
+/// Ties: the lower numbers. Robust trajectory planning selects its bait by the same criterion,
+/// which ignores overlap with other robots. Cost: α oracle calls.
 Attack attack_on_best_alone(const TeamOracle& oracle, const Choice& choice, int attacks_max);
 
 /// Returns the attack on robots whose trajectories have the greatest value together, selected
@@ -50,7 +50,7 @@ Attack attack_by(Attacker attacker, const TeamOracle& oracle, const Choice& choi
 /// result is the same on every machine. Precondition: 0 ≤ attacks ≤ robot_count.
 std::vector<int> random_attack(int robot_count, int attacks, std::mt19937_64& rng);
 
-/// One line of an attack script: these robots are attacked in steps [begin, end).
+/// One line of an attack script: `robots` are attacked in steps [begin, end).
 struct AttackInterval {
   std::int64_t begin_step = 0;
   std::int64_t end_step = 0;

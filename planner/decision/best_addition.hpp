@@ -8,20 +8,19 @@
 
 namespace vantage::planner {
 
-/// One robot's best candidate to add to a solution that only grows.
-///
-/// Lazy mode: gains for earlier, smaller solutions are upper bounds of the present gains, so only
-/// candidates that may still be best are evaluated (Minoux's accelerated greedy). Sound for
-/// submodular J.
+/// Finds one robot's best candidate to add to a team solution to which candidates are only added.
+/// Lazy mode: gains computed for earlier, smaller solutions are upper bounds of the present gains,
+/// so only candidates that may still be best are evaluated (Minoux's accelerated greedy). Correct
+/// for submodular J only.
 class BestAddition {
  public:
-  /// `oracle` must outlive this.
+  /// `oracle` must outlive this object.
   BestAddition(const TeamOracle& oracle, int robot, bool lazy);
 
   /// Returns the candidate with the greatest gain for `team`, even if the gain is not positive; no
   /// proposal if there is no candidate. `excluded` marks candidates to skip, by id; empty: none.
-  /// Ties: the lowest id. Precondition: the robot has no candidate in `team`, which contains the
-  /// sets of all earlier calls.
+  /// Ties: the lowest id. Precondition: the robot has no candidate in `team`, and `team` contains
+  /// the sets of all earlier calls.
   Proposal find(TeamSet& team, std::span<const char> excluded);
 
  private:

@@ -9,26 +9,27 @@ namespace vantage::planner {
 
 /// Options of coordinate descent.
 struct DescentOptions {
-  std::vector<int> order;  ///< robots in order of choice; empty: 0, 1, …; others get none
-  int rounds_max = 1;      ///< maximum rounds; ends earlier after a round without change
-  /// Tries candidates by descending value alone and stops at the first whose value alone is below
+  std::vector<int> order;  ///< robots in order of choice; empty: 0, 1, …; others get no candidate
+  int rounds_max = 1;      ///< maximum number of rounds; ends earlier after a round without change
+  /// Tries candidates by descending individual value and stops at the first whose value is below
   /// the best gain found. Same result; ignored unless the information is submodular.
   bool lazy = true;
 };
 
-/// Coordinate descent: each robot in turn takes the candidate with the greatest positive gain,
-/// given the choices of the robots before it, or none. In later rounds each robot chooses again
-/// with all others fixed; J never decreases. Ties: the better candidate alone, then the lowest id.
-/// For monotone submodular J: J ≥ ½ J*, in any order. The deadline counts oracle calls as nodes.
-/// When it expires, the robot in turn takes the best candidate found so far, or keeps its former
-/// one if that is better; robots after it keep theirs.
+/// Coordinate descent: each robot in turn chooses the candidate with the greatest positive gain,
+/// given the choices of the robots before it; no candidate if no gain is positive. In later rounds
+/// each robot chooses again with all others fixed; J never decreases. Ties: the candidate with the
+/// greater individual value, then the lowest id. For monotone submodular J: J ≥ ½ J*, in any order.
+/// The deadline counts oracle calls as nodes. When it expires, the current robot takes the best
+/// candidate found so far, or keeps its previous one if that is better. Later robots keep their
+/// candidates.
 /// Source: dissertation 3 B and D; Atanasov et al. 2015. Cost: ≤ N oracle calls per round.
 TeamDecision coordinate_descent(const TeamOracle& oracle, const DescentOptions& options,
                                 const Deadline& deadline = Deadline::never());
 
 /// Team-wide greedy: repeatedly adds the candidate with the greatest positive gain among robots
-/// without one. Same bound as coordinate descent, without an order. Uses stale gains (Minoux) if
-/// the information is submodular.
+/// without one. Same bound as coordinate descent, without an order. If the information is
+/// submodular, gains from earlier iterations serve as upper bounds (Minoux).
 TeamDecision greedy(const TeamOracle& oracle);
 
 }  // namespace vantage::planner

@@ -12,16 +12,16 @@ namespace vantage::planner {
 struct TeamDecision {
   Choice choice;
   double value = 0.0;             ///< J, nats
-  std::int64_t oracle_calls = 0;  ///< without the TeamOracle::calls() that value single candidates
+  std::int64_t oracle_calls = 0;  ///< excluding TeamOracle::calls() for single candidates
   std::int64_t adopted = 0;       ///< adopted changes of the team's solution
   std::int64_t messages = 0;      ///< broadcasts of all robots, including empty proposals
   bool finished = true;           ///< false: the deadline expired first
-  std::vector<Choice> optima;     ///< of a local search: the result of each round
+  std::vector<Choice> optima;     ///< only after a local search: result of each round
 };
 
 /// Condition under which a local operation counts as an improvement: g' ≥ (1 + α/N⁴) g with g = J +
-/// O ≥ 0, and a strict increase of J. From N ≈ 10⁴ on, α/N⁴ is below the resolution of a double;
-/// the first condition alone could then cycle among equal solutions.
+/// O ≥ 0, and a strict increase of J. For N above about 10⁴, α/N⁴ is below the resolution of a
+/// double; with the first condition alone the search could then cycle among equal solutions.
 /// Source: dissertation Alg. 6 and eq. 3.18.
 class ImprovementRule {
  public:
@@ -33,7 +33,7 @@ class ImprovementRule {
     return after > before && after >= before + least_rise_ &&
            after + offset_ >= factor_ * (before + offset_);
   }
-  /// Returns a lower bound, to rounding, of every J that improves on `before`.
+  /// Returns the least J that improves on `before`, up to rounding.
   [[nodiscard]] double least(double before) const {
     return std::max(before + least_rise_, factor_ * (before + offset_) - offset_);
   }
@@ -54,9 +54,9 @@ struct Proposal {
 };
 
 /// True if `a` precedes `b` in the tie rule that all robots share: greater value first; then the
-/// lowest added candidate; last, a deletion without addition, of the lowest robot. This is a strict
-/// order of the proposals for one solution, so all robots adopt the same one whatever the order of
-/// arrival.
+/// lowest added candidate; last, a deletion without addition, with the lowest robot first. This is
+/// a strict order of the proposals for one solution, so all robots adopt the same one whatever the
+/// order of arrival.
 bool is_preferred(const Proposal& a, const Proposal& b);
 
 /// Returns `choice` after applying `proposal`.

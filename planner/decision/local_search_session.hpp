@@ -28,26 +28,26 @@ struct SessionSetup {
   std::function<Candidate(const models::TeamChoice&)> effect_of;
   /// True if both motions may be flown at the same time; empty: always true.
   std::function<bool(const models::TeamChoice&, const models::TeamChoice&)> keep_apart;
-  /// Choices that teammates are committed to, if any. The search then starts from them instead of
+  /// Choices to which teammates are committed, if any. The search then starts from them instead of
   /// the empty solution, and values count only what is added to them.
   std::optional<std::vector<models::TeamChoice>> committed = std::nullopt;
 };
 
 /// One robot's part in a round of distributed local search by messages that may be lost, delayed,
-/// duplicated or reordered. Every message is a whole solution with its value. A robot holds the
-/// best solution that it has received or found: greater value, then the earlier proposer, then the
-/// lower fingerprint (the shared tie rule). It searches for a local operation on that solution with
-/// its own candidates and proposes the result. Taking the maximum is idempotent and independent of
-/// order: robots that received the same messages hold the same solution, and a later message
-/// repairs an earlier loss.
+/// duplicated or reordered. Every message is a complete solution with its value. A robot keeps the
+/// best solution that it has received or found: the one with the greater value, then the earlier
+/// proposer, then the lower fingerprint (the shared tie rule). It searches for a local operation on
+/// that solution with its own candidates and proposes the result. The maximum is idempotent and
+/// independent of order: robots that received the same messages have the same solution, and a later
+/// message compensates for a lost one.
 ///
-/// The value of a proposal is the value of its base solution plus the increase on the proposer's
-/// beliefs, at least kLeastRise_nats. So values increase along every chain of proposals even if
-/// beliefs differ. No proposal returns to a solution in its own history, so the search cannot
-/// cycle. With equal beliefs and no loss it ends in a local optimum (to the least increase) of the
-/// neighbourhood of distributed_local_search, restricted to one round. It starts from the empty
-/// solution, uses best additions while the robot has no candidate, then the first deletion,
-/// addition or swap that improves.
+/// The value of a proposal is the value of its base solution plus the increase computed from the
+/// proposer's beliefs, at least kLeastRise_nats. Values therefore increase along every chain of
+/// proposals even if beliefs differ. No proposal returns to a solution in its own history, so the
+/// search cannot cycle. With equal beliefs and no lost messages it ends in a local optimum (up to
+/// kLeastRise_nats) of the neighbourhood of distributed_local_search, restricted to one round. The
+/// search starts from the empty solution. It uses best additions while the robot has no candidate
+/// in the solution, then the first deletion, addition or swap that improves.
 ///
 /// Reads no clock; the caller limits the work. A proposal depends only on the setup and its base
 /// solution, not on the time of reception.
@@ -57,7 +57,7 @@ class LocalSearchSession {
   static constexpr double kLeastRise_nats = 1e-6;
   static constexpr std::size_t kHistoryMax = 256;
 
-  /// Writes the gain of each own candidate alone into its choice.
+  /// Writes the individual information gain of each own candidate into its choice.
   /// @throws UsageError as TeamOracle does, when the numbers of candidates and choices differ, or
   /// when a committed choice belongs to this robot or to an unknown one
   explicit LocalSearchSession(SessionSetup setup);
@@ -67,31 +67,32 @@ class LocalSearchSession {
   LocalSearchSession(LocalSearchSession&&) = delete;
   LocalSearchSession& operator=(LocalSearchSession&&) = delete;
 
-  /// Takes a proposal of a teammate (or an earlier one of this robot) if it is better than the held
-  /// one; returns whether it was taken. Rejects a proposal of another round, with unknown robots,
-  /// or with a history that does not end in its own solution. Also rejects one with a motion of
-  /// this robot that it does not have, because it has restarted since.
+  /// Adopts a proposal of a teammate (or an earlier one of this robot) if it is better than the
+  /// best known one; returns true if it was adopted. Rejects a proposal of another round, with
+  /// unknown robots, or with a history that does not end in its own solution. Also rejects a
+  /// proposal that assigns this robot a motion that it does not have, because it has restarted.
   bool hear(const models::TeamProposal& heard);
 
-  /// True if `heard` belongs to this round, or if its content is consistent, respectively.
+  /// True if `heard` belongs to this round.
   [[nodiscard]] bool is_of_round(const models::TeamProposal& heard) const;
+  /// True if the content of `heard` is consistent.
   [[nodiscard]] bool can_be(const models::TeamProposal& heard) const;
 
-  /// Returns the next proposal, which becomes the held one. nullopt: none exists, or none found yet
-  /// (then is_searching()). `deadline` counts this call's oracle calls as nodes and is checked
-  /// after each. Sets robot, round, time, value, choices and history.
+  /// Returns the next proposal, which becomes the best known one. nullopt: none exists, or none was
+  /// found yet (then is_searching() is true). `deadline` counts this call's oracle calls as nodes
+  /// and is checked after each. Sets robot, round, time, value, choices and history.
   std::optional<models::TeamProposal> improve(const Deadline& deadline);
 
   [[nodiscard]] bool is_searching() const { return phase_ != Phase::kDone; }
   /// Returns the best known solution, or the committed choices; nullopt: the empty solution.
   [[nodiscard]] const std::optional<models::TeamProposal>& held() const { return held_; }
-  /// Returns the oracle calls so far, without those that value single candidates.
+  /// Returns the oracle calls so far, excluding those for single candidates.
   [[nodiscard]] std::int64_t calls() const { return calls_; }
 
  private:
   enum class Phase { kAdding, kSearching, kDone };
 
-  /// Starts a search around the held solution.
+  /// Starts a search around the best known solution.
   void begin();
   void begin_beside(const std::vector<models::TeamChoice>& committed);
   std::optional<models::TeamProposal> try_proposal(const Proposal& found);
@@ -103,12 +104,12 @@ class LocalSearchSession {
   SessionSetup setup_;
   std::map<std::int64_t, std::size_t> own_;               ///< index by fingerprint
   using Said = std::tuple<std::int64_t, double, double>;  ///< fingerprint, information, energy
-  std::map<Said, Candidate> effects_;                     ///< of teammates' choices
+  std::map<Said, Candidate> effects_;                     ///< candidates of teammates' choices
   std::optional<models::TeamProposal> held_;
   Phase phase_ = Phase::kDone;
   std::int64_t calls_ = 0;
 
-  // State of the search around the held solution; each member refers to those before it.
+  // State of the search around the best known solution; each member refers to those before it.
   std::unique_ptr<TeamOracle> oracle_;
   std::unique_ptr<ImprovementRule> rule_;
   std::unique_ptr<TeamSet> team_;
@@ -118,7 +119,7 @@ class LocalSearchSession {
 };
 
 /// Returns a 64-bit hash of a robot's motion, or of a solution's motions in the order of `robots`.
-/// Equal bits give equal hashes on all machines of one byte order.
+/// Equal bits give equal hashes on all machines with the same byte order.
 std::int64_t fingerprint(const models::TeamChoice& choice);
 std::int64_t fingerprint(const std::vector<std::string>& robots,
                          const std::vector<models::TeamChoice>& choices);

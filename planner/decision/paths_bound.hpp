@@ -13,11 +13,11 @@ namespace vantage::planner {
 
 /// Upper bound of the team's information over all paths, independent of candidate sets. Around a
 /// reference, the team's joint information is additive over robots (LinearisedCost). Each robot's
-/// best path over its own lattice (LatticeBound) therefore bounds its part, and the reference moves
-/// towards the joint information of those paths. A path is any sequence of a robot's controls, one
-/// per step; a robot may also do nothing. Walls, separation from teammates and motion costs are
-/// ignored, since they only reduce the value. Gives no bound for spatial targets, or for controls
-/// with turns that LatticeBound does not support.
+/// best path over its own lattice (LatticeBound) therefore bounds its part. In each iteration the
+/// reference moves towards the joint information of those paths. A path is any sequence of a
+/// robot's controls, one per step; a robot may also stay without measuring. Walls, separation from
+/// teammates and motion costs are ignored, since they only reduce the value. Gives no bound for
+/// spatial targets, or for controls with turns that LatticeBound does not support.
 ///
 /// Reserves about 60 MB of memory. One iteration per robot takes a lattice of 10⁵ to 10⁶ cells and
 /// 1 to 15 ms. Source: ours; Frank & Wolfe 1956.
@@ -26,8 +26,8 @@ class PathsBound {
   PathsBound(int targets_max, int horizon_max);
 
   struct Answer {
-    double information_nats = 0.0;  ///< no paths give more; ∞: no bound found
-    std::vector<double> parts;      ///< its part per robot, at the reference of the best bound
+    double information_nats = 0.0;  ///< upper bound for all paths; ∞: no bound found
+    std::vector<double> parts;      ///< share of each robot in the best bound
     std::int64_t work_nodes = 0;
   };
   /// Returns the smallest bound for the paths of `robots` (indices into `problems`) found until
@@ -37,10 +37,10 @@ class PathsBound {
   Answer of(std::span<const SearchProblem> problems, std::span<const int> robots,
             InformationMeasure measure, const Deadline& deadline);
 
-  /// Bounds what the worst attack on `attacks_max` robots leaves of any paths: the bound for the
-  /// other robots when those with the largest parts are attacked. Half of `nodes` is spent on
-  /// selecting the attacked robots. `parts` refers to the others, ascending. `is_cancelled` is as
-  /// in Deadline::unless.
+  /// Returns an upper bound of the information of any paths after the worst attack on `attacks_max`
+  /// robots. It is the bound for the other robots when those with the largest parts are attacked.
+  /// Half of `nodes` is spent on selecting the attacked robots. `parts` are those of the other
+  /// robots, by ascending index. `is_cancelled` is as in Deadline::unless.
   Answer under_attack(std::span<const SearchProblem> problems, int attacks_max,
                       InformationMeasure measure, std::int64_t nodes,
                       bool (*is_cancelled)() = nullptr);

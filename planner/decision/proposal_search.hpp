@@ -13,7 +13,8 @@ namespace vantage::planner {
 ///
 /// Order: additions; then, for the robot's own trajectory and for each teammate's by number, the
 /// deletion and the swaps with it. Lazy mode (submodular J): candidates are tried by descending
-/// value alone until J({a}) is below the required gain; no later candidate can reach it either.
+/// individual value until J({a}) is below the required gain. Later candidates cannot reach it
+/// either.
 /// Source: dissertation Alg. 8, with deletion proposed for d ≠ NOP only.
 class ProposalSearch {
  public:
@@ -22,8 +23,8 @@ class ProposalSearch {
   /// `oracle` and `rule` must outlive this object.
   ProposalSearch(const TeamOracle& oracle, const ImprovementRule& rule, int robot, bool lazy);
 
-  /// Restarts around the team's solution, of value J = `value`. `excluded` marks candidates removed
-  /// from the ground set; it must stay valid until the next begin().
+  /// Restarts from the team's solution `choice`, which has the value J = `value`. `excluded` marks
+  /// candidates removed from the ground set; it must stay valid until the next begin().
   void begin(const Choice& choice, double value, std::span<const char> excluded);
 
   /// Makes at most one more oracle call.
@@ -37,7 +38,8 @@ class ProposalSearch {
   [[nodiscard]] CandidateId chosen_by(int robot) const {
     return choice_[static_cast<std::size_t>(robot)];
   }
-  /// Advances to the next d; false if there is none. Evaluates the deletion unless d = NOP.
+  /// Advances to the next deletion d; false if there is none. Evaluates the deletion unless d =
+  /// NOP.
   bool turn_to_next_deletion();
   void end_additions();
   State propose(CandidateId add, double value);
@@ -51,7 +53,7 @@ class ProposalSearch {
   std::span<const char> excluded_;
   Choice choice_;
   double value_ = 0.0;
-  int turn_ = 0;  ///< index of the deletion: NOP, own, then the teammates'
+  int turn_ = 0;  ///< index of the deletion: none (NOP), own, then the teammates'
   int drop_robot_ = -1;
   bool is_adding_ = false;
   std::size_t next_addition_ = 0;

@@ -8,22 +8,23 @@
 
 namespace vantage::planner {
 
-/// Returns the bait: the `attacks_max` robots whose plans have the greatest value alone, ascending;
-/// all robots if there are no more. Ties: the lower numbers.
+/// Returns the bait: the `attacks_max` robots whose plans have the greatest individual value,
+/// ascending; all robots if the team has no more than `attacks_max`. Ties: the lower numbers.
 std::vector<int> bait_robots(std::span<const double> values_alone, int attacks_max);
 
-/// Split of the team into bait and the others in a round of robust trajectory planning. It depends
-/// only on the values alone, so robots with the same values make the same split. Robots on the bus
-/// exchange the values and use this class as plan_resiliently() does. Source: dissertation Alg. 10.
+/// Split of the team into bait and the others in a round of robust trajectory planning. The split
+/// depends only on the robots' individual values, so robots with the same values make the same
+/// split. Robots on the bus exchange these values and use this class in the same way as
+/// plan_resiliently(). Source: dissertation Alg. 10.
 class ResilientRound {
  public:
   /// @throws UsageError when attacks_max < 0
   ResilientRound(std::span<const double> values_alone, int attacks_max);
 
-  /// Returns the bait robots, which keep their plans alone. Ascending.
+  /// Returns the bait robots, ascending. They keep the plans that they made alone.
   [[nodiscard]] const std::vector<int>& bait() const { return bait_; }
-  /// Returns the other robots, which plan together as if the bait did not exist. Ascending, which
-  /// is their order in coordinate descent.
+  /// Returns the other robots, ascending, which is their order in coordinate descent. They plan
+  /// together as if the bait did not exist.
   [[nodiscard]] const std::vector<int>& rest() const { return rest_; }
   [[nodiscard]] bool is_bait(int robot) const;
   /// Returns the robots whose sensors the plan of `robot` ignores: all robots if it is bait,
@@ -50,14 +51,14 @@ using PlanRobot = std::function<double(int robot, const std::vector<int>& beside
 std::vector<int> plan_resiliently(int robot_count, int attacks_max, const PlanAlone& alone,
                                   const PlanTogether& together);
 
-/// The same for robots that search for their plans and plan together by coordinate descent, each
-/// given the plans before it. The first robot reuses its plan alone.
+/// As above, for robots that search for their plans. They plan together by coordinate descent, each
+/// given the plans of the robots before it. The first robot reuses the plan that it made alone.
 std::vector<int> plan_resiliently(int robot_count, int attacks_max, const PlanRobot& plan);
 
 /// Method by which robots outside the bait choose candidates.
 enum class SubSolver { kCoordinateDescent, kExhaustive };
 
-/// The same for robots that choose from candidates; all costs must be zero. With the exhaustive
+/// As above, for robots that choose from candidates; all costs must be zero. With the exhaustive
 /// sub-solver, for the worst attack A*:
 ///   J(V \ A*) ≥ max(1 − κ, 1 / (1 + α)) · max min J for submodular J (kMutual),
 ///   J(V \ A*) ≥ (1 − c)² · max min J otherwise.
@@ -66,7 +67,8 @@ enum class SubSolver { kCoordinateDescent, kExhaustive };
 /// Source: dissertation Thm 1, Prop. 1.
 TeamDecision plan_resiliently(const TeamOracle& oracle, int attacks_max, SubSolver sub_solver);
 
-/// Returns the value of each robot's best candidate alone, nats; 0 for a robot without candidates.
+/// Returns the individual value of each robot's best candidate, nats; 0 for a robot without
+/// candidates.
 std::vector<double> best_alone(const TeamOracle& oracle);
 
 }  // namespace vantage::planner

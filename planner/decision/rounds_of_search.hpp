@@ -13,8 +13,8 @@ using SearchRound = std::function<Choice(const Choice& start, std::span<const ch
                                          TeamDecision& decision)>;
 
 /// Runs two rounds of local search, the common part of centralised and distributed search. Each
-/// starts from the best single trajectory left; the second excludes the choices of the first.
-/// Returns the better result.
+/// round starts from the best single trajectory available; the second excludes the choices of the
+/// first. Returns the better result.
 /// Source: dissertation Alg. 6, 7.
 TeamDecision search_in_two_rounds(const TeamOracle& oracle, const SearchRound& round);
 

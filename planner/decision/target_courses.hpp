@@ -16,10 +16,11 @@ struct Look {
   PackedInformation information;
 };
 
-/// Evolution of the belief in each target under the robots' measurements, and its information gain.
+/// Computes each target's belief over time under the robots' measurements, and the information
+/// gain.
 class TargetCourses {
  public:
-  /// Takes the targets of `problem`, their motion, the horizon and the teammates' fixed
+  /// Copies from `problem` the targets, their motion, the horizon and the teammates' fixed
   /// information.
   TargetCourses(const SearchProblem& problem, InformationMeasure measure);
 
@@ -28,7 +29,7 @@ class TargetCourses {
   /// One target's belief after a step and the gain accumulated until then.
   struct Course {
     double block[kMaxPacked] = {};
-    LogProduct gained;  ///< product of e^{2 · nats}
+    LogProduct gained;  ///< information gain, as a product of e^{2 · nats}
     bool is_seen = false;
   };
   /// One robot's measurements of one target, by step.
@@ -37,10 +38,10 @@ class TargetCourses {
   /// Returns the course after `step` without any measurement.
   [[nodiscard]] Course unseen(int target, int step = 0) const;
   /// Carries `course` from step `from` through the measurements of several robots, summed in the
-  /// order given; returns the nats gained by the end. If `kept` is not null, writes the course
-  /// after each step t > from to kept[t]. The result is a pure function of the measurements, bit
-  /// for bit, whatever `from` it starts at; therefore no search in planner/decision can cycle.
-  /// Consumes the spans of `looks`.
+  /// order given; returns the information gained at the end, nats. If `kept` is not null, writes
+  /// the course after each step t > from to kept[t]. The result is a pure function of the
+  /// measurements, bit for bit, independent of `from`; therefore no search in planner/decision can
+  /// cycle. Advances the spans of `looks` to their ends.
   double follow(int target, int from, Course course, std::span<Looks> looks, Course* kept) const;
 
  private:
@@ -49,8 +50,8 @@ class TargetCourses {
   InformationMeasure measure_;
 };
 
-/// Calls of(target, its looks) for every measured target, in order.
-/// Precondition: `looks` are ordered by target.
+/// Calls of(target, looks of the target) for every measured target, in order. Precondition: `looks`
+/// are sorted by target.
 template <class Of>
 void for_each_target(std::span<const Look> looks, Of&& of) {
   for (std::size_t begin = 0; begin < looks.size();) {

@@ -10,11 +10,12 @@
 
 namespace vantage::planner {
 
-/// Index of a candidate among all candidates of the team, robot after robot.
+/// Index of a candidate among all candidates of the team, sorted by robot.
 using CandidateId = std::int32_t;
 inline constexpr CandidateId kNoCandidate = -1;
 
-/// S: the candidate of each robot, or kNoCandidate. At most one per robot (a partition matroid).
+/// The set S: for each robot its candidate or kNoCandidate. At most one candidate per robot (a
+/// partition matroid).
 using Choice = std::vector<CandidateId>;
 
 /// A team's decision problem: choose at most one candidate per robot such that J(S) = I(S) − C(S)
@@ -28,8 +29,8 @@ struct TeamProblem {
   std::vector<std::vector<Candidate>> candidates;  ///< [robot]
 };
 
-/// Everything about a team problem that does not depend on S: candidates by id, target motion, the
-/// value of each candidate alone. TeamSet evaluates sets.
+/// Everything about a team problem that does not depend on S: candidates by id, target motion, and
+/// the individual value of each candidate. TeamSet evaluates sets.
 class TeamOracle {
  public:
   /// Evaluates every candidate alone, with one oracle call for each that lacks
@@ -48,7 +49,7 @@ class TeamOracle {
 
   /// Returns J({id}), nats; J(∅) = 0.
   [[nodiscard]] double alone(CandidateId id) const { return alone_[index(id)]; }
-  /// Returns the robot's candidates by descending value alone; equal values by id.
+  /// Returns the robot's candidates by descending individual value; equal values by id.
   [[nodiscard]] std::span<const CandidateId> by_value(int robot) const;
   /// Returns O = Σ_i max_a r_i C_i(a), so that g = J + O ≥ 0 everywhere.
   [[nodiscard]] double offset() const { return offset_; }
@@ -59,7 +60,7 @@ class TeamOracle {
   [[nodiscard]] int target_count() const { return courses_.beliefs().target_count(); }
 
   [[nodiscard]] const TargetCourses& courses() const { return courses_; }
-  /// Returns the oracle calls spent on candidates alone.
+  /// Returns the number of oracle calls spent on single candidates.
   [[nodiscard]] std::int64_t calls() const { return calls_; }
 
  private:
@@ -68,7 +69,7 @@ class TeamOracle {
   const TeamProblem* problem_;
   TargetCourses courses_;
   std::int64_t calls_ = 0;
-  std::vector<CandidateId> begin_;  ///< per robot, and one end
+  std::vector<CandidateId> begin_;  ///< first id per robot; the last entry is the end
   std::vector<int> robot_of_;
   std::vector<const Candidate*> candidates_;
   std::vector<double> alone_;

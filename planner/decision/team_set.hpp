@@ -7,15 +7,15 @@
 
 namespace vantage::planner {
 
-/// Gains that differ by no more than this are equal, nats; far above the rounding error of a sum.
+/// nats; gains whose difference is at most this value count as equal. Far above the rounding error
+/// of a sum.
 inline constexpr double kGainRounding_nats = 1e-9;
 
-/// A set S of at most one candidate per robot, with the state that makes neighbouring sets cheap to
-/// evaluate: each target's belief after every step, and its gain.
-///
-/// Evaluating a neighbour costs only the targets that the candidate measures, from its first
-/// measurement on: O(looks · robots that measure them) and one addition per target. Values are pure
-/// functions of the set, bit for bit: neither the history of S nor the query affects them.
+/// A set S of at most one candidate per robot. It stores each target's belief after every step, and
+/// its gain, so that sets with one candidate more or less are cheap to evaluate. An evaluation only
+/// processes the targets that the added or removed candidate measures, from its first measurement
+/// on. Cost: O(looks · robots that measure the same targets) and one addition per target. Values
+/// are pure functions of the set, bit for bit: neither the history of S nor the query affects them.
 /// Allocates nothing after construction, except when a target is measured by more robots than
 /// before.
 class TeamSet {
@@ -42,7 +42,7 @@ class TeamSet {
   double value_without(int robot);
   /// Returns I(S ∪ {id}) − I(S), nats, even if its robot has another candidate: one oracle call.
   double information_gain(CandidateId id);
-  /// Returns the oracle calls so far.
+  /// Returns the number of oracle calls.
   [[nodiscard]] std::int64_t calls() const { return calls_; }
 
  private:
@@ -53,8 +53,8 @@ class TeamSet {
   [[nodiscard]] TargetCourses::Course* courses(int target) {
     return &courses_[static_cast<std::size_t>(target) * depths_];
   }
-  /// Returns the gain of `target` when its measuring robots are those of S without `left_out` and
-  /// with `added`. `first` is the step of the earliest changed measurement.
+  /// Returns the information gain about `target` if it is measured by the robots of S without
+  /// `left_out` and with `added`. `first` is the step of the earliest changed measurement.
   double value_of_target(int target, int left_out, const Seer& added, int first, bool keep);
   /// Sums over targets and robots in their fixed order, with `id` added or `robot` left out.
   double sum_with(CandidateId id, int left_out);
@@ -65,7 +65,7 @@ class TeamSet {
   Choice choice_;
   double value_ = 0.0;
   std::int64_t calls_ = 0;
-  std::vector<std::vector<Seer>> seers_;        ///< per target, by robot
+  std::vector<std::vector<Seer>> seers_;        ///< per target, sorted by robot
   std::vector<TargetCourses::Course> courses_;  ///< [target][step]
   std::vector<double> values_;                  ///< per target, nats
   std::vector<TargetCourses::Looks> scratch_;

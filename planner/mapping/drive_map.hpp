@@ -11,8 +11,8 @@ namespace vantage::planner {
 
 struct DriveOptions {
   double radius_m = 0.2;
-  /// Cells at least this likely to be occupied are avoided. Just above 1/2: unknown cells may be
-  /// entered (a robot with a bumper); below 1/2: only observed cells.
+  /// Cells at least this likely to be occupied are avoided. Just above 1/2: the robot may enter
+  /// unknown cells (it has a bumper). Below 1/2: it enters only observed cells.
   double occupied_from = 0.51;
   /// Cells at most this likely to be occupied are known to be free.
   double free_up_to = 0.35;
@@ -24,17 +24,17 @@ class DriveMap {
   DriveMap(const models::OccupancyBelief& belief, const DriveOptions& options);
 
   /// False if the disc touches an occupied cell or the grid's edge anywhere along the arc. A robot
-  /// that is already too near (the map may have been wrong) may leave, over cells that are not
-  /// occupied themselves; it must be clear within its radius plus two cells. Sound where it is
-  /// clear: the tested points are at most half a cell apart, and the disc is enlarged by a quarter
-  /// of a cell.
+  /// that is already too near to an occupied cell (the map may have been wrong) may leave over
+  /// cells that are not occupied. It must be clear after moving its radius plus two cells.
+  /// Conservative where the robot is clear: the tested points are at most half a cell apart, and
+  /// the disc is enlarged by a quarter of a cell.
   [[nodiscard]] bool is_free(const Pose2& from, const models::UnicycleControl& control,
                              double duration_s) const;
   [[nodiscard]] bool is_free(const Eigen::Vector2d& p_m) const;
 
-  /// Returns the path length from the cell of `p_m` to the nearest frontier, over cells where the
-  /// disc may be, by steps to the 8 neighbours, m. A frontier is such a cell that is not known to
-  /// be free but has a known free cell among its 4 neighbours. Infinite if there is no path; 0 at a
+  /// Returns the path length from the cell of `p_m` to the nearest frontier, m, in steps to the 8
+  /// neighbours over cells where the disc may be. A frontier is such a cell that is not known to be
+  /// free but has a known free cell among its 4 neighbours. Infinite if there is no path; 0 at a
   /// frontier.
   [[nodiscard]] double to_frontier_m(const Eigen::Vector2d& p_m) const;
 
@@ -45,7 +45,7 @@ class DriveMap {
   models::GridGeometry geometry_;
   DriveOptions options_;
   std::vector<std::uint8_t> occupied_;
-  std::vector<std::uint8_t> near_;  ///< 1 if the disc may touch something from inside the cell
+  std::vector<std::uint8_t> near_;  ///< 1 if a disc centred in the cell may touch an occupied cell
   std::vector<double> to_frontier_m_;
 };
 

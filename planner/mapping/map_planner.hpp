@@ -14,24 +14,24 @@ namespace vantage::planner {
 
 /// A plan that gains information about a map.
 struct MapPlan {
-  /// Cost is the negative of the plan's value, nats: its information less the frontier penalty. A
-  /// completed search proves it optimal over the controls: bound = cost.
+  /// The cost is the frontier penalty minus the information gain, nats. If the search completed,
+  /// the plan is optimal over the controls: bound = cost.
   SearchResult result;
-  double gain_nats = 0.0;  ///< gain over the fixed measurements; ≥ 0
+  double gain_nats = 0.0;  ///< gain in addition to the fixed measurements; ≥ 0
 };
 
 /// Searches one robot's problem for the plan with the greatest information gain about the map.
 ///
 /// The problem defines the allowed motion: the known world, teammates, and a stop at the end. Every
-/// robot scans each step_s of the common time. Scans at the own start and along the teammates'
-/// fixed motion over the horizon count as taken; their information is not counted again.
+/// robot scans once per step_s of the common time. The scans at the robot's start and along the
+/// teammates' fixed motion are fixed; their information is not counted again.
 class MapPlanner {
  public:
   /// @throws UsageError for an invalid scanner.
   explicit MapPlanner(const scenario::Scenario& scenario);
 
-  /// Plans with the map measurements `looks`, one count per cell of the scenario's map; empty:
-  /// everything is unknown. Jammed teammates give no information but are still obstacles.
+  /// Plans with the look counts `looks`, one per cell of the scenario's map; empty: all cells are
+  /// unknown. Jammed teammates give no information but are still obstacles.
   /// @throws UsageError when `looks` has another number of cells.
   MapPlan plan(const SearchProblem& problem, const models::Looks& looks,
                const std::vector<FixedTeammate>& teammates, const Deadline& deadline);

@@ -22,10 +22,10 @@ struct MapRoute {
   Pose2 start;
   std::vector<int> controls;  ///< indices into the primitives, one per step; empty: stay
   std::vector<Pose2> poses;   ///< at the end of each step, where a scan is taken
-  double gain_nats = 0.0;     ///< information added to that of the fixed scans
-  std::int64_t nodes = 0;     ///< of the search tree
+  double gain_nats = 0.0;     ///< information in addition to that of the fixed scans
+  std::int64_t nodes = 0;     ///< nodes of the search tree
   double worth_nats = 0.0;    ///< gain_nats less the frontier penalty
-  std::int64_t tried = 0;     ///< steps examined, allowed or not: unit of node budgets
+  std::int64_t tried = 0;     ///< examined steps, allowed or not: unit of node budgets
   bool is_cut = false;        ///< the deadline expired: there may be better routes
 };
 
@@ -33,19 +33,19 @@ struct MappingSearchOptions {
   std::vector<models::UnicycleControl> controls = mapping_primitives();
   int horizon_steps = 4;
   double step_s = 1.0;
-  /// Minimum distance between robots at any time, each step taken as straight; 0: no separation.
+  /// Minimum distance between robots at any time, where each step counts as straight; 0: no
+  /// separation.
   double separation_m = 0.0;
-  /// Penalty per metre of distance from the route's end to the frontier. Without it a robot that
-  /// gains nothing within its horizon would never move. Not part of gain_nats.
+  /// Penalty per metre of distance from the route's end to the frontier. Without the penalty, a
+  /// robot that gains nothing within its horizon would never move. Not part of gain_nats.
   double frontier_nats_per_m = 0.5;
 
-  /// Predicate of a pose, the control by which the robot leaves or reached it (−1: none) and the
-  /// number of steps taken so far.
+  /// Predicate of a pose, a control (−1: none) and the number of steps from the start.
   using MotionRule = std::function<bool(const Pose2& at, int control, int steps)>;
-  /// True if the control may be driven from there. Empty: DriveMap and separation_m decide.
+  /// True if the control may be driven from the pose. Empty: DriveMap and separation_m decide.
   MotionRule may_drive;
-  /// True if a route may end there. Empty: always. With a rule, a robot without a full-length route
-  /// takes the longest one that may end and stays at its end.
+  /// True if a route may end at the pose, reached by the control. Empty: always. With a rule, a
+  /// robot without a full-length route takes the longest route that may end, and stays at its end.
   MotionRule may_end;
 };
 
@@ -58,20 +58,20 @@ class MappingSearch {
   /// steps.
   MappingSearch(ViewTable& views, const DriveMap& drive, const MappingSearchOptions& options);
 
-  /// Returns the best of all |U|^T routes from `start`, given that the scans of `fixed` are taken.
-  /// Excludes routes that may not be driven or come too near to a fixed route. Ties: the first in
-  /// the order of the controls. If nothing is allowed, the robot stays: no controls. Exhaustive
-  /// except for leaves that a bound excludes. O(|U|^T) times the cells of a view.
+  /// Returns the best of all |U|^T routes from `start`, given the scans of the routes `fixed`.
+  /// Excludes routes that may not be driven or that come too near to a fixed route. Ties: the first
+  /// in the order of the controls. If nothing is allowed, the robot stays: no controls. The search
+  /// is exhaustive except for leaves excluded by a bound. Cost: O(|U|^T) times the cells of a view.
   ///
   /// The deadline is checked before each examined step; between two checks at most one view is
-  /// computed (tens of µs, only the first time). If it expires, returns the best route so far, or
-  /// the greedy route, which is tried first, if that is better.
+  /// computed (tens of µs). If the deadline expires, returns the best route so far; the greedy
+  /// route is tried first.
   MapRoute plan(const Pose2& start, std::span<const MapRoute* const> fixed,
                 const Deadline& deadline = Deadline::never());
 
   /// Returns the information of all scans of `routes` together, nats; ≥ 0, 0 for none. Depends only
-  /// on the set under BeamDependence::kBestOfCell, otherwise also on the order. Null entries are
-  /// robots without sensing.
+  /// on the set under BeamDependence::kBestOfCell, otherwise also on the order. Null entries stand
+  /// for robots without sensing.
   double value(std::span<const MapRoute* const> routes);
 
   /// Plans the robots in the given order, each given the routes before it; result by index of
@@ -90,7 +90,8 @@ class MappingSearch {
   [[nodiscard]] bool may_end(const Pose2& at, int control, std::size_t steps) const;
   void push(int control, const Pose2& to);
   void pop(std::size_t mark);
-  /// Returns the route of the best single steps; empty if it ends where no route may end.
+  /// Returns the greedy route: the best single step, repeatedly. Empty if no route may end at its
+  /// end.
   MapRoute greedy_route(const Pose2& start);
   void expand(const Pose2& at, double so_far_nats);
   void offer_stop(int control, double gain_nats);

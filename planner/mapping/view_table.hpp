@@ -36,7 +36,7 @@ struct ViewOptions {
   models::InverseBeamModel inverse = {};  ///< for kFsmi
 };
 
-/// Information of a scan from one position, without the dependent beams inside the scan.
+/// Information of one scan from one position. Dependent beams within the scan count once.
 struct BeamView {
   struct Share {
     int cell = 0;
@@ -47,19 +47,20 @@ struct BeamView {
     std::uint32_t begin = 0;  ///< its cells are shares[begin … end)
     std::uint32_t end = 0;
   };
-  double nats = 0.0;  ///< sum; upper bound of the gain over any other scans
+  double nats = 0.0;  ///< sum; upper bound of the gain in addition to any other scans
   std::vector<Beam> beams;
   std::vector<Share> shares;
 };
 
-/// The best information about each cell from a set of scans. Additions can be undone, last first.
+/// Stores the best information about each cell from a set of scans. Additions can be undone in
+/// reverse order.
 class MapCoverage {
  public:
   explicit MapCoverage(int cells) : told_nats_(static_cast<std::size_t>(cells), 0.0) {}
 
   /// Adds `view`; returns the increase of information, in [0, view.nats].
   double add(const BeamView& view, const ViewOptions& options);
-  /// Returns a mark for take_back().
+  /// Returns the present state's mark, to which take_back() can return.
   [[nodiscard]] std::size_t mark() const { return undo_.size(); }
   void take_back(std::size_t mark);
 
@@ -72,7 +73,7 @@ class MapCoverage {
   std::vector<Undo> undo_;
 };
 
-/// The views of one belief, each computed at its first query.
+/// Cache of the views of one belief; each view is computed at its first query.
 ///
 /// A view is taken from the centre of the robot's cell. Its beams have fixed world bearings (full
 /// circle), or its heading is rounded to 1/(4 · beams) of a circle (smaller field of view).
@@ -101,8 +102,8 @@ class ViewTable {
   models::BeamSensor sensor_;
   ViewOptions options_;
   int sectors_ = 1;              ///< number of distinct headings
-  std::int64_t beam_cells_ = 0;  ///< cells of all beams so far: the work done
-  MapCoverage within_;           ///< for one scan
+  std::int64_t beam_cells_ = 0;  ///< number of cells of all computed beams: the work done
+  MapCoverage within_;           ///< coverage within one scan
   models::BeamProfile profile_;
   std::vector<double> weight_;  ///< per cell of the beam
   std::unordered_map<std::int64_t, BeamView> views_;

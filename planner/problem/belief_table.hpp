@@ -11,7 +11,7 @@
 
 namespace vantage::planner {
 
-/// Depth-dependent quantities that all nodes of a depth share: predicted target positions, their
+/// Table of the quantities that all nodes of a depth share: predicted target positions, their
 /// open-loop covariances and the open-loop cost. "Open loop" means without measurements of this
 /// search, but with the teammates' fixed information.
 ///
@@ -41,7 +41,8 @@ class BeliefTable {
     return stage_costs_[static_cast<std::size_t>(t)];
   }
 
-  /// Predicts a block from depth t − 1 to depth t, including the teammates' information at t.
+  /// Predicts the block of target m from depth t − 1 to depth t, including the teammates'
+  /// information at t.
   void predict_into(int m, int t, const double* in, double* out) const;
 
   [[nodiscard]] CostKind cost() const { return cost_; }

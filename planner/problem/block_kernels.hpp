@@ -15,7 +15,7 @@
 //   kPlanar  (x, y)            [Pxx Pxy Pyy]
 //   kSpatial (x, y, z)         [Pxx Pxy Pxz Pyy Pyz Pzz]
 //   kMoving  (x, y, ẋ, ẏ)      [Pxx Pxy Pyy  Cxx Cxy Cyx Cyy  Vxx Vxy Vyy]
-// Results agree with models/belief to rounding (tested); models/belief is more general.
+// Results agree with the more general models/belief up to rounding (tested).
 
 namespace vantage::planner {
 
@@ -66,8 +66,8 @@ StepMotion step_motion(const models::TargetModel& model, double step_s);
 
 inline double det2(const double* p) { return p[0] * p[2] - p[1] * p[1]; }
 
-/// Computes the determinant by pivots. Cofactors would cancel for a block that is certain in two
-/// directions and uncertain in the third (a camera's).
+/// Computes the determinant by pivots. Cofactors would lose precision for a block that is certain
+/// in two directions and uncertain in the third (after a camera's measurement).
 inline double det3(const double* p) {
   const double l1 = p[1] / p[0];
   const double l2 = p[2] / p[0];
@@ -113,7 +113,7 @@ inline double trace(BlockLayout layout, const double* b) {
   return b[0] + b[2] + b[7] + b[9];
 }
 
-/// Predicts a moving block whose axes have their own A and W.
+/// Predicts a moving block with separate A and W for each axis.
 inline void predict_bound(const AxisMotion& x, const AxisMotion& y, const double* in, double* out) {
   const double p0 = in[0];
   const double p1 = in[1];
@@ -202,8 +202,8 @@ inline void pack3(const Eigen::Matrix3d& full, double* p) {
   p[5] = full(2, 2);
 }
 
-/// Returns the Cholesky factor of I + Lᵀ M L with P = L Lᵀ, spatial. The matrix is symmetric and ≥
-/// I however precise the measurement is.
+/// Returns the Cholesky factor of I + Lᵀ M L with P = L Lᵀ, spatial. The matrix is symmetric and ⪰
+/// I for any precision of the measurement.
 inline Eigen::LLT<Eigen::Matrix3d> whitened_gain3(const double* m, const Eigen::Matrix3d& L) {
   return Eigen::LLT<Eigen::Matrix3d>(Eigen::Matrix3d::Identity() + L.transpose() * unpack3(m) * L);
 }
@@ -289,8 +289,8 @@ inline double trace_reduction(BlockLayout layout, const double* m, const double*
   return g[0] * s.xx + 2.0 * g[1] * s.xy + g[2] * s.yy;
 }
 
-/// True only if a + εI − b is positive semidefinite. Uses Cholesky with a tolerance that can only
-/// turn true into false, so that pruning by this test is sound.
+/// True only if a + εI − b is positive semidefinite. Uses Cholesky with a tolerance that can make
+/// the result false but never wrongly true, so pruning by this test is safe.
 bool dominates(BlockLayout layout, const double* a, double epsilon, const double* b);
 
 }  // namespace vantage::planner

@@ -14,7 +14,7 @@ namespace vantage::planner {
 struct FixedTeammate {
   models::Trajectory trajectory;
   models::SensorModel sensor;
-  bool jammed = false;    ///< true: its sensor gives nothing, but it is still an obstacle
+  bool jammed = false;    ///< true: its sensor gives no information; it is still an obstacle
   std::size_t robot = 0;  ///< index among the scenario's robots
 };
 

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <cstring>
 
-// Four doubles in the compiler's own vector type. Every lane does the same exact IEEE operations,
-// so a result does not depend on its lane or on the other lanes. Without AVX the compiler uses two
-// halves or four scalars.
+// Four doubles in the compiler's vector type. Every lane executes the same IEEE operations, so a
+// result depends neither on its lane nor on other lanes. Without AVX the compiler uses two halves
+// or four scalars.
 
 namespace vantage::planner {
 

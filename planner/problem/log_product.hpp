@@ -7,8 +7,9 @@ namespace vantage::planner {
 /// A product of factors beyond this limit is replaced by its logarithm.
 inline constexpr double kProductMax = 1e150;
 
-/// A sum of logarithms, computed as the logarithm of a product. The logarithm is taken whenever the
-/// product might leave the range of a double. A single factor may be between 1e−150 and 1e150.
+/// A sum of logarithms, computed as the logarithm of a product. The product is replaced by its
+/// logarithm whenever it might leave the range of a double. A single factor may be between 1e−150
+/// and 1e150.
 class LogProduct {
  public:
   void multiply(double factor) {

@@ -12,16 +12,15 @@ namespace vantage::planner {
 
 /// The controls of a problem, precomputed in the body frame, and their collision checks: against
 /// the world's obstacles and walls (a disc) and the teammates' committed motion (a distance in
-/// space).
-///
-/// Provides everything about a child node except its information. reset() allocates only up to the
-/// sizes given to the constructor; the queries allocate nothing.
+/// space). Provides the poses and the feasibility of child nodes, but not their information.
+/// reset() allocates only up to the sizes given to the constructor; the queries allocate nothing.
 class MotionTable {
  public:
   static constexpr int kPieces = 5;  ///< straight pieces per arc, for separation
   static constexpr int kParts = 16;  ///< parts of an arc in distance field checks
 
-  /// `steps_max`: steps from the start until every teammate hovers and the own last stop has ended.
+  /// `steps_max`: steps from the start until every teammate hovers and this robot's last stop has
+  /// ended.
   MotionTable(int controls_max, int steps_max, int teammates_max);
 
   /// Tabulates `problem`, which must outlive the queries.
@@ -34,7 +33,8 @@ class MotionTable {
             from.y_m + sin_yaw * p.end.x_m + cos_yaw * p.end.y_m,
             wrap_turn(from.yaw_rad + p.end.yaw_rad)};
   }
-  /// Computes positions and headings after every control, by lanes: child() without the yaw.
+  /// Computes positions and heading vectors after every control, four at a time: child() without
+  /// the yaw.
   void children(const Pose2& from, double cos_yaw, double sin_yaw, Views& out) const;
   /// Returns the yaw after control `c`, rad.
   [[nodiscard]] double child_yaw_rad(const Pose2& from, int c) const {
@@ -50,7 +50,7 @@ class MotionTable {
   [[nodiscard]] bool can_stop(const Pose2& at, int c, int depth) const {
     return can_stop_at(at, primitives_[static_cast<std::size_t>(c)].control.speed_mps, depth);
   }
-  /// The same at the start pose, with the problem's start speed.
+  /// As can_stop(), at the start pose with the problem's start speed.
   [[nodiscard]] bool can_stop_from_start() const {
     return can_stop_at(problem_->start, problem_->start_speed_mps, 0);
   }
@@ -63,7 +63,7 @@ class MotionTable {
   [[nodiscard]] double reach_m() const { return reach_m_; }
 
  private:
-  /// Same result as wrap_to_pi, bit for bit, without a division if the argument is a sum of two
+  /// Same result as wrap_to_pi, bit for bit. Needs no division if the argument is a sum of two
   /// wrapped angles.
   [[nodiscard]] static double wrap_turn(double sum_rad) {
     const double wrapped = sum_rad > kPi     ? sum_rad - 2.0 * kPi
@@ -90,14 +90,14 @@ class MotionTable {
   [[nodiscard]] bool is_apart(const Pose2& from, double cos_yaw, double sin_yaw,
                               const Primitive& primitive, int depth) const;
 
-  /// True if parts `begin` … `end` are clear of the world. Uses the distance field where it
-  /// decides, exact distances elsewhere.
+  /// True if parts `begin` … `end` are clear of the world. Uses the distance field, and exact
+  /// distances where the field does not decide.
   [[nodiscard]] bool is_clear(const Pose2& from, double cos_yaw, double sin_yaw,
                               const Primitive& primitive, int begin, int end) const;
 
   const SearchProblem* problem_ = nullptr;
   std::vector<Primitive> primitives_;
-  Views ends_;  ///< the primitives' ends in the body frame, by lanes
+  Views ends_;  ///< end poses of the controls in the body frame
   double reach_m_ = 0.0;
   int pieces_each_ = 0;                         ///< pieces per teammate: until all vehicles hover
   std::vector<TeammatePiece> teammate_pieces_;  ///< [teammate][depth][piece]

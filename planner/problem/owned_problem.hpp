@@ -8,8 +8,8 @@
 
 namespace vantage::planner {
 
-/// A problem and the world that it points to, if any. Can be moved safely: world and field keep
-/// their addresses.
+/// A problem with ownership of the world that it points to, if any. A move is safe, because world
+/// and field keep their addresses.
 struct OwnedProblem {
   std::unique_ptr<models::World> world;
   std::unique_ptr<models::DistanceField> field;

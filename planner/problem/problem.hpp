@@ -42,7 +42,7 @@ struct SearchProblem {
   std::vector<models::UnicycleControl> controls;
   int horizon_steps = 12;
   double step_s = 0.5;
-  std::vector<models::SensorModel> sensors;  ///< all on this robot; their information adds up
+  std::vector<models::SensorModel> sensors;  ///< all sensors on this robot; information adds up
   std::vector<SearchTarget> targets;
   CostKind cost = CostKind::kLogDet;
 
@@ -51,7 +51,7 @@ struct SearchProblem {
   std::vector<std::vector<models::PositionMatrix>> fixed_information;
 
   const models::World* world = nullptr;          ///< null: unbounded and empty
-  const models::DistanceField* field = nullptr;  ///< of `world`; null: same results, slower
+  const models::DistanceField* field = nullptr;  ///< field of `world`; null: same results, slower
   double clearance_m = 0.0;           ///< m; radius of the disc around the robot that must be free
   bool obstacles_block_sight = true;  ///< false: sensors see over or through them
 
@@ -64,7 +64,7 @@ struct SearchProblem {
   /// required.
   double brake_mps2 = 0.0;
   double start_speed_mps = 0.0;  ///< speed at `start`, for the stop of a plan without motion
-  std::uint64_t seed = 0;        ///< of randomised searches
+  std::uint64_t seed = 0;        ///< random seed of randomised searches
 };
 
 /// Returns the world that blocks sight between sensors and targets, or null.
@@ -79,21 +79,21 @@ inline double kept_height_m(const SearchProblem& problem, const models::Trajecto
 }
 
 /// Returns the distance that a plan must keep from teammate i: `separation_m`, or the distance at
-/// the plan's start less 1 cm if that is smaller. A robot that is too close may thus move away but
-/// come no closer.
+/// the plan's start minus 1 cm if that is smaller. A robot that is too close may thus move away,
+/// but not closer.
 double kept_separation_m(const SearchProblem& problem, std::size_t i);
-/// The same for any two motions that begin when the plan does.
+/// As above, for any two motions that begin at the plan's start.
 double kept_separation_m(const SearchProblem& problem, const models::Trajectory& own,
                          const models::Trajectory& other);
 
-/// Throws UsageError that names the violated rule: sizes, finite numbers, positive steps, forward
-/// controls, definite symmetric priors, information for every step. A search calls this once per
-/// problem. Allocates nothing unless it throws.
+/// Throws UsageError with the violated rule. Rules: matching sizes, finite numbers, positive steps,
+/// forward controls, symmetric positive definite priors, information for every step. A search calls
+/// this once per problem. Allocates nothing unless it throws.
 void require_valid(const SearchProblem& problem);
 
 /// Reason why a search ended.
 enum class StopReason {
-  kFinished,   ///< nothing left to do: the result is optimal over the controls
+  kFinished,   ///< search complete: the result is optimal over the controls
   kDeadline,   ///< time or nodes were used up
   kMemory,     ///< the arena is full
   kConverged,  ///< the requested (ε, δ) pass is complete
@@ -114,11 +114,11 @@ struct SearchResult {
   std::vector<Pose2> poses;   ///< at the end of each of the horizon's steps
   double cost = 0.0;          ///< J_T
   /// Number of leading steps taken from `controls`. It is less than the horizon if no complete
-  /// sequence was feasible; `controls` then has only these steps, after which the robot stops and
+  /// sequence was feasible; `controls` then has only these steps. After them the robot stops and
   /// hovers.
   int moving_steps = 0;
   double lower_bound = 0.0;  ///< proven, ≤ the optimum; −∞: no bound
-  double epsilon = 0.0;      ///< of the last completed pass
+  double epsilon = 0.0;      ///< ε of the last completed pass
   double delta_m = 0.0;
   std::int64_t passes = 0;  ///< completed passes
   std::int64_t nodes_generated = 0;
@@ -137,12 +137,12 @@ struct SearchResult {
   }
 };
 
-/// Returns the motion of `result`: its primitives, the stop, the hover.
+/// Returns the motion of `result`: its primitives, then the stop, then the hover.
 models::Trajectory to_trajectory(const SearchProblem& problem, const SearchResult& result);
 models::Trajectory to_trajectory(const SearchProblem& problem, std::span<const int> controls);
 
-/// Returns J_T for `poses` (one per step) by the plain recursion of models/belief: the reference
-/// for tests of the searches. O(T·M).
+/// Returns J_T for `poses` (one per step) by the plain recursion of models/belief: reference for
+/// tests of the searches. O(T·M).
 double score(const SearchProblem& problem, const std::vector<Pose2>& poses);
 
 }  // namespace vantage::planner

@@ -10,7 +10,7 @@
 
 namespace vantage::planner {
 
-/// Viewpoints of the children of one node, by lanes.
+/// Viewpoints of the children of one node, in groups of four lanes.
 struct Views {
   int count = 0;
   alignas(32) double x_m[kMaxControls] = {};
@@ -50,15 +50,15 @@ class SightTable {
   [[nodiscard]] bool look(const Eigen::Vector3d& target_m, bool spatial, const Pose2& at,
                           double cos_yaw, double sin_yaw, PackedInformation& out) const;
 
-  /// Computes the information about a planar target from the views 4·group …, and returns which of
-  /// them see it. Other views get zero. Does not check the line of sight. Precondition:
-  /// has_lanes().
+  /// Computes the information about a planar target from the four views of `group`, and returns the
+  /// mask of views that see it. Other views get zero. Does not check the line of sight.
+  /// Precondition: has_lanes().
   [[nodiscard]] LaneMask look_at(const Eigen::Vector3d& target_m, const Views& views, int group,
                                  InformationLanes& out) const;
 
   /// True if obstacles exist, so that line_of_sight() must be called.
   [[nodiscard]] bool has_obstacles() const { return has_obstacles_; }
-  /// Same as models::line_of_sight(), using the distance field where it decides.
+  /// Same result as models::line_of_sight(), but faster where the distance field decides.
   [[nodiscard]] bool line_of_sight(const Eigen::Vector2d& a_m, const Eigen::Vector2d& b_m) const;
 
  private:

@@ -26,9 +26,9 @@ class CandidatePlanner : public SlotPlanner {
                                          std::optional<std::vector<models::TeamChoice>> committed,
                                          const Deadline& deadline);
 
-  /// Returns a turn on the spot if the robot stays where no motion can begin: a turn to a heading
-  /// where one can. nullopt otherwise: where a motion can begin, staying may be best because no
-  /// motion is worth its energy. `own`: the robot's assigned motion, or null.
+  /// Returns a turn on the spot to a heading from which a motion can begin, if the robot would stay
+  /// and no motion can begin at its present heading. nullopt otherwise, because staying may then be
+  /// optimal. `own`: the robot's assigned motion, or null.
   [[nodiscard]] std::optional<models::RobotPlan> turned(SlotTask& task,
                                                         const models::TeamChoice* own) const;
 
@@ -39,8 +39,8 @@ class CandidatePlanner : public SlotPlanner {
 };
 
 /// Planner of a robot with an energy price: coordinate descent over candidates, including their
-/// costs. The robot stays if no candidate has a positive value. The candidate search gets a third
-/// of the time; the rest takes tens of milliseconds.
+/// costs. The robot stays if no candidate has a positive value. The candidate search uses a third
+/// of the time; the other steps take tens of milliseconds.
 class WorthPlanner : public CandidatePlanner {
  public:
   WorthPlanner(Workspace& workspace, std::size_t robot) : CandidatePlanner(workspace, robot) {}
@@ -48,7 +48,7 @@ class WorthPlanner : public CandidatePlanner {
 };
 
 /// Planner of a team that uses local search. Flies the robot's motion in the solution of its inputs
-/// if the motion passes the closing check. A robot without one stops and stays. Source:
+/// if the motion passes the closing check. A robot without such a motion stops and hovers. Source:
 /// docs/decisions/0006.
 class AgreedPlanner : public CandidatePlanner {
  public:

@@ -8,15 +8,16 @@
 
 namespace vantage::planner {
 
-/// True if `motion` keeps the required separation from the teammates of `problem`, to `rounding_m`.
+/// True if `motion` keeps the required separation from the teammates of `problem`, with a tolerance
+/// of `rounding_m`.
 bool keeps_apart(const SearchProblem& problem, const models::Trajectory& motion, double rounding_m);
 
-/// Closing check of every published motion: clear of the world and separated from all teammates, to
-/// 2 cm. Precondition: the problem has a world.
+/// Closing check of every motion before publication: true if it is clear of obstacles and separated
+/// from all teammates, with a tolerance of 2 cm. Precondition: the problem has a world.
 bool is_safe(const SearchProblem& problem, const models::Trajectory& motion);
 
-/// Returns the index of the nearest teammate that is closer than the required separation; nullopt:
-/// none.
+/// Returns the index of the nearest teammate that is closer than the required separation; nullopt
+/// if there is none.
 std::optional<std::size_t> too_near(const SearchProblem& problem);
 
 }  // namespace vantage::planner

@@ -9,7 +9,7 @@
 
 namespace vantage::planner {
 
-/// Motion that a robot flies when the plan of a slot begins, whatever that plan is.
+/// Motion that a robot flies when the plan of a slot begins; it does not depend on that plan.
 struct Commitment {
   enum class Known {
     kMotion,
@@ -17,14 +17,14 @@ struct Commitment {
     kUnknownPlan,  ///< it flies a plan from before its planner's restart
   };
   Known known = Known::kMotion;
-  models::Trajectory motion;  ///< from t_{k+1} on; only if kMotion
-  bool is_off_plan = false;   ///< off its plan by more than the tolerance
+  models::Trajectory motion;  ///< motion from t_{k+1} on; valid only for kMotion
+  bool is_off_plan = false;   ///< farther from its plan than the tolerance
 };
 
-/// Returns the commitment of robot `robot` (by index) in the slot of `inputs`: the rest of its last
-/// plan, or a hover at the vehicle's position if it holds off its plan or is far from it. A robot
-/// without a plan hovers at its observed pose, once it cannot be flying a plan from before a
-/// restart.
+/// Returns the commitment of robot `robot` (by index) in the slot of `inputs`: the remaining part
+/// of its last plan. If the vehicle holds away from its plan or is far from it, the commitment is a
+/// hover at the vehicle's position. A robot without a plan hovers at its observed pose, after any
+/// plan from before a restart must have ended.
 Commitment commitment_of(const scenario::Scenario& scenario, std::size_t robot,
                          const PlanInputs& inputs);
 

@@ -12,16 +12,17 @@
 
 namespace vantage::planner {
 
-/// Returns an empty plan of that slot: no motion, no cost, no bound.
+/// Returns an empty plan of a slot, without motion, cost or bound.
 models::RobotPlan blank_plan(const scenario::PlannerSpec& planner, const std::string& robot,
                              const RoundSchedule::Slot& slot);
 
 /// Chooses the motion to publish in a slot: a found motion if it passes the closing check;
-/// otherwise the last plan, shifted and checked again; otherwise braking to a hover. A step that is
-/// not feasible returns nullopt; fall_back() always succeeds. Counts the choice.
+/// otherwise the last plan, shifted and checked again; otherwise braking to a hover. Functions
+/// return nullopt if their motion is not feasible; fall_back() always succeeds. Each choice is
+/// counted.
 class PlanLadder {
  public:
-  /// All but `blank` must outlive this object. `committed` is the robot's motion from the problem's
+  /// All references must outlive this object. `committed` is the robot's motion from the problem's
   /// start.
   PlanLadder(const SearchProblem& problem, const models::Trajectory& committed,
              models::RobotPlan blank, PlannerCounts& counts)
@@ -32,12 +33,14 @@ class PlanLadder {
 
   /// Returns the plan of a search result; nullopt if nothing was found or it is not safe.
   [[nodiscard]] std::optional<models::RobotPlan> searched(const SearchResult& result);
-  /// Returns the plan of a chosen or answered motion; nullopt if it is not safe.
+  /// Returns the plan of a motion that was chosen or that an external planner answered; nullopt if
+  /// it is not safe.
   [[nodiscard]] std::optional<models::RobotPlan> chosen(const models::Trajectory& motion);
-  /// Returns the plan of the robot's own proposal; nullopt (not counted) if it was not searched or
-  /// is not safe now.
+  /// Returns the plan of the robot's own proposal; nullopt (not counted) if the proposal is not
+  /// from a search or is not safe now.
   [[nodiscard]] std::optional<models::RobotPlan> proposed(const models::RobotPlan& proposal) const;
-  /// Returns the plan to stop and stay, as the result of a search; nullopt if it is not safe.
+  /// Returns the plan to stop and hover, marked as the result of a search; nullopt if it is not
+  /// safe.
   [[nodiscard]] std::optional<models::RobotPlan> rest();
   /// Returns a turn on the spot, which is safe wherever hovering is.
   [[nodiscard]] models::RobotPlan turned(models::Trajectory turning);

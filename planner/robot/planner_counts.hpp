@@ -10,17 +10,17 @@ struct PlannerCounts {
   std::int64_t fallbacks_braking = 0;
   std::int64_t off_plan = 0;       ///< vehicle farther from its plan than the tolerance
   std::int64_t checks_failed = 0;  ///< searched plans rejected by the closing check
-  std::int64_t turns_away = 0;     ///< turns on the spot: a teammate or wall blocks the way ahead
+  std::int64_t turns_away = 0;     ///< turns on the spot, because a teammate or wall is ahead
   std::int64_t baits = 0;          ///< rounds in which this robot was bait
   std::int64_t rests = 0;          ///< rounds in which no motion was worth its energy
-  std::int64_t yields = 0;         ///< rounds in which it did not own its slot, or only claimed it
+  std::int64_t yields = 0;         ///< rounds without a search because its slot is shared
   std::int64_t no_pose = 0;        ///< rounds without a known pose
   std::int64_t unknown_plan = 0;   ///< rounds spent flying a plan from before a restart
   /// Targets that cannot be predicted (e.g. from a clock that was ahead) or are not in the
   /// scenario, and grids of another geometry.
   std::int64_t unusable_beliefs = 0;
   std::int64_t bodies_dropped = 0;   ///< bodies in the way beyond the nearest kBodiesMax
-  std::int64_t unusable_maps = 0;    ///< of another grid than the scenario's
+  std::int64_t unusable_maps = 0;    ///< maps of a grid other than the scenario's
   std::int64_t answers_refused = 0;  ///< not a valid plan of their slot (motion_of_answer())
 };
 

@@ -20,27 +20,26 @@
 
 namespace vantage::planner {
 
-/// One robot's share of a planning round, as a function of its inputs (and, for the sweeping
-/// baseline, of the sweep's progress). Reads no clock: the caller decides whether it was late.
+/// One robot's part of a planning round, as a function of its inputs (and, for the sweeping
+/// baseline, of the sweep's progress). Reads no clock: the caller decides whether a plan is late.
 ///
 /// The robot plans from its committed position at t_{k+1} (commitment_of()) with the method that
 /// the scenario selects (make_slot_planner()). The problem contains the teammates' newest plans,
 /// their information and their swept motion (problem_of_round()). A silent teammate is assumed to
 /// continue its last plan, which ends in a hover. If a teammate reports that it does not follow
 /// plans, its present position is kept free as well. The published plan is the first safe one of:
-/// the found plan, the last plan shifted, braking to a hover (PlanLadder).
+/// the found plan, the last plan shifted, braking to a hover (PlanLadder). A restarted planner does
+/// not know the plan that its robot flies, but every teammate does. The planner waits until that
+/// plan has ended in its hover, and plans from the hover.
 ///
-/// A restarted planner does not know what its robot flies, but every teammate does. It waits until
-/// that plan has ended in its hover, and plans from there.
-///
-/// With shared slots it continues its committed motion without a search in two cases: a neighbour
-/// of lower index has the same slot, or this is the first round after it took the slot.
+/// With shared slots the robot continues its committed motion without a search in two cases: a
+/// neighbour of lower index has the same slot, or this is its first round in a new slot.
 ///
 /// If the team expects attacks (planner.attacks_max = α > 0), each robot first proposes its plan
-/// alone. The α robots with the most valuable proposals are the bait and fly these; the others plan
-/// as if the bait had no sensors. Source: dissertation Alg. 9, 10 (RAIN). In a team that plans by
-/// local search (planner.team_algorithm) robots exchange proposals instead, and each plan flies the
-/// robot's part of the solution in its inputs.
+/// alone. The α robots with the most valuable proposals are the bait and fly their proposals; the
+/// others plan as if the bait had no sensors. Source: dissertation Alg. 9, 10 (RAIN). In a team
+/// with local search (planner.team_algorithm) robots exchange team solutions instead; each robot
+/// flies its part of the best known solution.
 class RobotPlanner {
  public:
   RobotPlanner(const scenario::Scenario& scenario, const std::string& robot);
@@ -50,36 +49,37 @@ class RobotPlanner {
   /// Commits the search's memory, so that no page fault occurs later. For real time.
   void prefault() { workspace_->prefault(); }
 
-  /// Returns the plan of this slot. nullopt while the robot's pose was never known, and while it
+  /// Returns the plan of this slot. nullopt until the robot's pose is known, and while the robot
   /// flies a plan from before a restart.
   std::optional<models::RobotPlan> plan(const PlanInputs& inputs, const Deadline& deadline);
 
   /// Returns the robot's plan for this slot's round as if no other robot had sensors; it still
-  /// avoids the teammates' committed motions. nullopt if plan() returns nullopt, and for a robot
-  /// that does not search for itself.
+  /// avoids the teammates' committed motions. nullopt if plan() returns nullopt, and for planning
+  /// methods without proposals.
   std::optional<models::PlanProposal> propose(const PlanInputs& inputs, const Deadline& deadline);
 
   /// Local search: starts the robot's part in the exchange of this slot's round, with candidates
-  /// found by `deadline`. This planner must outlive it. Null if plan() returns nullopt, and in
-  /// teams without local search.
+  /// found by `deadline`. This planner must outlive the result. Null if plan() returns nullopt, and
+  /// in teams without local search.
   std::unique_ptr<TeamExchange> begin_exchange(const PlanInputs& inputs, const Deadline& deadline);
 
-  /// For planner.algorithm `external`: returns the request to the external process, that is, the
-  /// committed motion from t_{k+1} on as an unsearched plan; an answer must start where it does.
-  /// nullopt if plan() returns nullopt. Counts nothing.
+  /// For planner.algorithm `external`: returns the request to the external process. The request is
+  /// the committed motion from t_{k+1} on, as a plan without a search; an answer must start at the
+  /// same pose and time. nullopt if plan() returns nullopt. Counts nothing.
   [[nodiscard]] std::optional<models::RobotPlan> question(const PlanInputs& inputs) const;
 
-  /// Returns the plan to publish when the search ended after its slot. Teammates may already rely
-  /// on the old plan, with which every other committed plan is compatible.
+  /// Returns the plan to publish when the search ended after its slot. The result continues the old
+  /// plan, on which teammates may already rely and with which every other committed plan is
+  /// compatible.
   std::optional<models::RobotPlan> plan_without_search(const PlanInputs& inputs);
 
   /// Returns braking to a hover instead of a search, before the deadline, because the process gets
-  /// too little processor time to keep its commitments. It is published as `late` before its
-  /// deadline, like no other plan, so replays recognise it.
+  /// too little processor time to keep its commitments. It is published with `late` set although it
+  /// is before its deadline; replays recognise it by this combination.
   std::optional<models::RobotPlan> plan_to_stop(const PlanInputs& inputs);
 
-  /// Returns the robot's slot of the next round, after it has published in its last one; nullopt if
-  /// slots are not shared.
+  /// Returns the robot's slot in the next round, for use after publication in its current one;
+  /// nullopt if slots are not shared.
   [[nodiscard]] std::optional<int> next_place(const PlanInputs& inputs) const;
 
   [[nodiscard]] const PlannerCounts& counts() const { return counts_; }
@@ -93,19 +93,19 @@ class RobotPlanner {
   [[nodiscard]] models::RobotPlan blank_plan_of(const PlanInputs& inputs) const;
   /// Returns the robot's committed motion; nullopt, and counted, if it has none.
   std::optional<models::Trajectory> committed_motion(const PlanInputs& inputs);
-  /// Returns the slot's task, for a problem without the information of the `unseeing` robots.
+  /// Returns the slot's task for a problem that ignores the sensors of the `unseeing` robots.
   SlotTask task_of(const PlanInputs& inputs, const models::Trajectory& committed,
                    const std::vector<int>& unseeing);
-  /// Returns the slot's task for a plan without search, given the proposals.
+  /// Returns the slot's task for a plan without a search; received proposals are used.
   SlotTask task_without_search(const PlanInputs& inputs, const models::Trajectory& committed);
-  /// Returns the resilient round given by the received proposals of the slot's round.
+  /// Computes the resilient round from the received proposals of the slot's round.
   [[nodiscard]] ResilientRound resilient_round_of(const PlanInputs& inputs) const;
   [[nodiscard]] std::vector<int> all_robots() const;
 
   std::shared_ptr<Workspace> workspace_;
-  const scenario::Scenario& scenario_;  ///< the workspace's
+  const scenario::Scenario& scenario_;  ///< scenario of the workspace
   std::size_t robot_ = 0;               ///< index
-  std::optional<SharedSlots> slots_;    ///< if slots are shared
+  std::optional<SharedSlots> slots_;    ///< set only if slots are shared
   std::unique_ptr<SlotPlanner> slot_planner_;
   RoundProblem round_;
   PlannerCounts counts_;

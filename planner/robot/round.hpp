@@ -13,7 +13,7 @@ namespace vantage::planner {
 ///
 /// Round k starts at t_k = k · n_exec · τ on the common clock. The team's budget B lies at the end
 /// of the round, [t_{k+1} − m − B, t_{k+1} − m), so that plans use recent beliefs. Robot i of N
-/// owns the i-th of N equal parts of it. All robots switch to their new plans at t_{k+1}.
+/// owns the i-th of N equal parts of the budget. All robots switch to their new plans at t_{k+1}.
 ///
 /// A team larger than planner.slots, S > 0, divides the budget into S parts, whatever N is. Each
 /// slot is shared by robots that are not near each other, and a robot's slot can change
@@ -33,7 +33,7 @@ class RoundSchedule {
     std::int64_t round = 0;
     Time begin{};
     Time end{};         ///< deadline to publish the plan
-    Time activation{};  ///< t_{k+1}, when the plan starts
+    Time activation{};  ///< t_{k+1}, start of the plan
     bool is_proposal = false;
     int place = 0;  ///< slot number within the round
   };
@@ -49,7 +49,7 @@ class RoundSchedule {
   [[nodiscard]] int slots() const { return slots_; }
   /// Returns the robot's initial slot, used until a conflict is received.
   [[nodiscard]] int first_place() const { return place_; }
-  /// Returns the slot number in which `plan` was made; nullopt: of another schedule.
+  /// Returns the slot number in which `plan` was made; nullopt if it was made in another schedule.
   [[nodiscard]] std::optional<int> place_of(const models::RobotPlan& plan) const;
   /// Returns this robot's slot for proposals. Precondition: the team expects attacks or plans by
   /// local search.

@@ -15,11 +15,11 @@ namespace vantage::planner {
 
 /// One robot's decision problem in a slot, as a value.
 struct RoundProblem {
-  SearchProblem search;  ///< its world belongs to the workspace
-  /// The first entries of search.teammates: those that contribute information. After them come
-  /// positions of teammates that wait, and bodies other than robots.
+  SearchProblem search;  ///< search problem; its world belongs to the workspace
+  /// The first entries of search.teammates: those that contribute information. The later entries
+  /// are positions of waiting teammates, and bodies other than robots.
   std::vector<FixedTeammate> teammates;
-  models::Looks looks;                ///< of the scenario's map; empty if no map was received
+  models::Looks looks;                ///< look counts of the map; empty if none was received
   std::int64_t unusable_beliefs = 0;  ///< see PlannerCounts
   std::int64_t unusable_maps = 0;
   std::int64_t bodies_dropped = 0;
@@ -31,11 +31,12 @@ bool shows_bodies_in_the_way(const Workspace& workspace, std::size_t robot,
                              const models::MocapFrame& frame);
 
 /// Returns the problem of robot `robot` (by index) in the slot of `inputs`, starting where its
-/// `committed` motion begins. It contains: the believed targets and the landmarks of unexplored
-/// areas (or the map, when mapping); the teammates' newest plans; their information, except from
-/// jammed robots and the robots `unseeing` (by index); the positions of teammates that do not
-/// follow plans, are off them or have an old status; and the bodies in the way, moving straight on
-/// at their velocity. Equal inputs give equal problems; the workspace only caches computations.
+/// `committed` motion begins. It contains the believed targets and the landmarks of unexplored
+/// areas (or the map, in mapping). It contains the teammates' newest plans and their information,
+/// except from jammed robots and the robots `unseeing` (by index). Also the positions of teammates
+/// that do not follow plans, are off them or have an old status. Bodies in the way are assumed to
+/// move at constant velocity. Equal inputs give equal problems; the workspace only caches
+/// computations.
 RoundProblem problem_of_round(Workspace& workspace, std::size_t robot, const PlanInputs& inputs,
                               const models::Trajectory& committed,
                               const std::vector<int>& unseeing);

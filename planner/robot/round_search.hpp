@@ -19,7 +19,7 @@ class RoundSearch {
   RoundSearch(RoundSearch&&) = delete;
   RoundSearch& operator=(RoundSearch&&) = delete;
 
-  /// Result of a search; valid until the next one.
+  /// Result of a search; valid until the next search.
   struct Found {
     const SearchResult& result;
     bool is_boxed_in = false;  ///< no motion can begin at this pose

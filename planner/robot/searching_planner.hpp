@@ -10,10 +10,10 @@
 
 namespace vantage::planner {
 
-/// Searches given the teammates' newest plans (coordinate descent) or, in a team that expects
-/// attacks, given the plans outside the bait; a bait robot flies its proposal. If the robot is
-/// stationary and finds no motion, it turns towards a free direction. Source: dissertation Alg. 9,
-/// 10 (RAIN).
+/// Planner that searches, given the teammates' newest plans (coordinate descent). In a team that
+/// expects attacks, it ignores the sensors of the bait; a bait robot flies its proposal. A
+/// stationary robot without a feasible motion turns towards a free direction. Source: dissertation
+/// Alg. 9, 10 (RAIN).
 class SearchingPlanner : public SlotPlanner {
  public:
   /// `workspace` must outlive this object.

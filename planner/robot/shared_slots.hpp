@@ -9,17 +9,16 @@
 
 namespace vantage::planner {
 
-/// Assignment of one robot's slot if robots share slots, from its own and its neighbours' newest
-/// plans.
+/// Selects one robot's slot from its own and its neighbours' newest plans, if robots share slots.
 class SharedSlots {
  public:
   /// Precondition: the scenario's slots are shared. `workspace` must outlive this object.
   SharedSlots(const Workspace& workspace, int robot);
 
-  /// True if this robot may search in the slot of `inputs`: its last plan was made in it, and no
-  /// neighbour of lower index holds it.
+  /// True if this robot may search in the slot of `inputs`: its last plan was made in this slot,
+  /// and no neighbour of lower index uses the slot.
   [[nodiscard]] bool has_slot(const PlanInputs& inputs) const;
-  /// Returns the robot's slot of the next round, after it has published in its last one.
+  /// Returns the robot's slot in the next round, for use after publication in its current one.
   [[nodiscard]] int next_place(const PlanInputs& inputs) const;
 
  private:

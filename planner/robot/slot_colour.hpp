@@ -16,19 +16,19 @@ struct SlotHolder {
 //
 //   A robot keeps its slot until it receives a plan made in that slot by a neighbour of lower
 //   index.
-//   It then takes a slot that no neighbour holds. Its first plan there is its committed motion: a
-//   claim that informs all neighbours before it searches.
+// It then takes a slot that no neighbour uses. Its first plan in the new slot is its committed
+// motion, which informs all neighbours of the new slot before the robot searches.
 //
-// So of two neighbours that have received each other's last plan at most one searches in a slot. If
-// every robot has fewer neighbours than there are slots, the colouring becomes permanent once the
-// graph stops changing: the lowest robot that wants a slot keeps it. With fewer slots, the
-// higher-numbered robots continue their committed motion, which is safe.
+// So if two neighbours have received each other's last plan, at most one of them searches in a
+// slot. If every robot has fewer neighbours than there are slots, the colouring becomes permanent
+// once the graph stops changing: the robot of lowest index among those in a slot keeps it. With
+// fewer slots, the higher-numbered robots continue their committed motion, which is safe.
 
-/// True if `own` may search in its slot. Precondition: its newest plan was made in that slot, too.
+/// True if `own` may search in its slot. Precondition: its newest plan was also made in that slot.
 bool may_search(const SlotHolder& own, std::span<const SlotHolder> neighbours);
 
-/// Returns own's slot of the next round: the same if may_search(), otherwise one that no neighbour
-/// holds (spread over the free slots by robot index); the same if none is free.
+/// Returns the slot of `own` in the next round. It is the same slot if may_search() or if no slot
+/// is free; otherwise one that no neighbour uses, selected by robot index.
 int next_slot(const SlotHolder& own, std::span<const SlotHolder> neighbours, int slots);
 
 }  // namespace vantage::planner

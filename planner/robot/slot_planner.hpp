@@ -15,7 +15,7 @@
 
 namespace vantage::planner {
 
-/// Task of a slot once the robot's committed motion is known. Used for one call.
+/// Task of one slot, with the robot's committed motion. Used for one call only.
 struct SlotTask {
   const PlanInputs& inputs;
   const models::Trajectory& committed;
@@ -37,17 +37,18 @@ class SlotPlanner {
 
   /// Returns the slot's plan.
   virtual models::RobotPlan plan(SlotTask& task, const Deadline& deadline) = 0;
-  /// Returns the robot's plan alone, for a task without other robots' sensors; nullopt: the method
-  /// makes no proposals.
+  /// Returns the plan of the robot as if it were alone, for a task without other robots' sensors;
+  /// nullopt if the method makes no proposals.
   virtual std::optional<models::PlanProposal> propose(SlotTask& task, const Deadline& deadline);
-  /// Starts its part in the round's exchange, for the same task; null: the team exchanges nothing.
+  /// Starts the robot's part in the round's exchange, for the same task; null if the team exchanges
+  /// nothing.
   virtual std::unique_ptr<TeamExchange> begin_exchange(const SlotTask& task,
                                                        const Deadline& deadline);
 };
 
 /// Creates the planner that the scenario selects: an external process for planner.algorithm
-/// `external`, the agreed solution for local search, weighing of candidates for a robot with an
-/// energy price, otherwise a search. `workspace` must outlive the result.
+/// `external`, the agreed solution for local search, WorthPlanner for a robot with an energy price,
+/// otherwise a search. `workspace` must outlive the result.
 std::unique_ptr<SlotPlanner> make_slot_planner(Workspace& workspace, std::size_t robot);
 
 }  // namespace vantage::planner

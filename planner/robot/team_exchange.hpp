@@ -15,21 +15,21 @@ namespace vantage::planner {
 
 /// Outcome of a received proposal.
 enum class Heard {
-  kTaken,       ///< it is now the best known
-  kNotBetter,   ///< not better than the best known
+  kTaken,       ///< adopted: it is now the best known proposal
+  kNotBetter,   ///< not better than the best known proposal
   kOtherRound,  ///< of another round
   kRefused,     ///< inconsistent or too long
 };
 
 /// One robot's round of local search on its own beliefs: makes its candidates, evaluates teammates'
 /// motions with their sensors, and rejects proposed motions that come too close. It exists from the
-/// round's begin to its end; no proposal is made or taken without it.
+/// start to the end of the round; outside this time no proposal is made or accepted.
 class TeamExchange {
  public:
   /// Inputs of a round in addition to the problem.
   struct Start {
     std::int64_t round = 0;
-    /// Stopping and hovering, which is also a candidate because it may gain information.
+    /// The motion that stops and hovers. It is also a candidate, because it may gain information.
     models::Trajectory rest;
     std::vector<std::string> jammed;  ///< robots without sensing
     /// As in SessionSetup.
@@ -37,7 +37,7 @@ class TeamExchange {
   };
   /// Candidates are the search results found by `deadline` that pass the closing check. They avoid
   /// the teammates of `problem`, whose fixed information, if any, guides the search. `scenario` and
-  /// the world of `problem` must outlive this object; `search` is free for others after
+  /// the world of `problem` must outlive this object; other objects may use `search` after
   /// construction.
   TeamExchange(const scenario::Scenario& scenario, int robot, ReducedValueIteration& search,
                const SearchProblem& problem, const Start& start, const Deadline& deadline);
@@ -51,7 +51,7 @@ class TeamExchange {
   [[nodiscard]] Heard hear(const models::TeamProposal& proposal);
   [[nodiscard]] std::optional<models::TeamProposal> improve(const Deadline& deadline);
 
-  /// Returns the node budget that repeats the candidate search.
+  /// Returns the node budget that reproduces the candidate search.
   [[nodiscard]] std::int64_t nodes() const { return nodes_; }
 
  private:

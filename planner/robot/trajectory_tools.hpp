@@ -8,10 +8,11 @@
 namespace vantage::planner {
 
 /// Returns the part of `trajectory` from `start` on, as a trajectory that starts then; the same
-/// motion to rounding. Precondition: start ≥ trajectory.start_time, otherwise the wait is lost.
+/// motion up to rounding. Precondition: start ≥ trajectory.start_time, because the wait before the
+/// start is not represented.
 models::Trajectory rest_of(const models::Trajectory& trajectory, Time start);
 
-/// Returns a stop that starts at once from the state of `trajectory` at `start`, then hovers.
+/// Returns a motion that brakes from the state of `trajectory` at `start`, then hovers.
 models::Trajectory stop_from(const models::Trajectory& trajectory, Time start, double brake_mps2);
 
 /// Returns a hover at `pose` from `start` on.
@@ -20,8 +21,8 @@ models::Trajectory hover_at(const Pose2& pose, double height_m, Time start);
 /// True if `motion` stays where it starts: it hovers or turns on the spot.
 bool rests(const models::Trajectory& motion);
 
-/// A plan of a teammate starts and drives for at most this number of horizons; its stop comes on
-/// top. Longer motions would take unbounded time to process.
+/// Maximum time until a teammate's plan starts, and maximum duration of its motion without the
+/// stop, in horizons. Longer motions would take unbounded time to process.
 inline constexpr int kPlanHorizonsMax = 4;
 
 /// Returns the number of steps from now until every acceptable plan of `robots` has ended and a

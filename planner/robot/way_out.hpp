@@ -7,17 +7,17 @@
 
 namespace vantage::planner {
 
-/// True if some motion can begin at the stationary robot's position after a turn by `turned_rad`.
+/// True if some motion can begin at the position of the stationary robot after a turn by
+/// `turned_rad`.
 bool has_way_out(const SearchProblem& problem, double turned_rad);
 
 /// Returns a turn on the spot by an eighth of a circle for a stationary robot whose search found no
-/// motion; a motion may begin after it. Turning moves no disc, so it is safe wherever hovering is.
-///
-/// If a teammate is too near, the robot turns away from it. Once it faces away, it keeps turning
-/// until some heading allows a motion. If walls or teammates ahead block every motion, it turns
-/// towards the nearest heading that allows one. nullopt if the present heading allows one, unless
-/// the search disagrees (`is_boxed_in`), or if no heading does; with `is_boxed_in` it then keeps
-/// turning left.
+/// motion; after the turn, a motion may be possible. Turning does not move the robot's disc, so it
+/// is safe wherever hovering is. If a teammate is too near, the robot turns away from the teammate.
+/// When it faces away, it continues to turn until its heading allows a motion. If walls or
+/// teammates ahead block every motion, it turns towards the nearest heading that allows one.
+/// nullopt if the present heading allows a motion or if no heading does. If the search found no
+/// motion (`is_boxed_in`), the robot always turns: left if no other heading allows a motion.
 std::optional<models::Trajectory> turn_to_a_way_out(const SearchProblem& problem, bool is_boxed_in,
                                                     double yaw_rate_max_radps);
 

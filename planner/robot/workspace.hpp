@@ -15,7 +15,7 @@
 
 namespace vantage::planner {
 
-/// Maximum number of bodies other than robots that one plan avoids: the nearest.
+/// Maximum number of bodies other than robots that one plan avoids; the nearest bodies count.
 inline constexpr std::size_t kBodiesMax = 8;
 
 /// Returns the maximum number of mixture components used in planning beyond one per target; targets
@@ -23,8 +23,8 @@ inline constexpr std::size_t kBodiesMax = 8;
 /// most 256, since the search's memory is allocated once.
 std::size_t parts_max(const scenario::Scenario& scenario);
 
-/// Shared resources of the planners of one thread, so that a team in one process needs them only
-/// once: the scenario, its world's distance field, and the searches with their memory.
+/// Shared resources of the planners of one thread, so that a team in one process needs only one
+/// copy: the scenario, its world's distance field, and the searches with their memory.
 ///
 /// Planners take turns: a search result must be used before the next search begins. A search keeps
 /// no state between plans, so its result does not depend on earlier users.
@@ -39,11 +39,11 @@ class Workspace {
   /// Returns the scenario's search, for all planners that do not need their own
   /// (Algorithm::remembers). Created at the first call, like reduced().
   Search& search();
-  /// Creates a search for that robot alone.
+  /// Creates a search for one robot's own use.
   [[nodiscard]] std::unique_ptr<Search> make_search(int robot_index) const;
-  /// Returns the search that makes the candidates of a team's decision.
+  /// Returns the search that generates the candidates of a team decision.
   ReducedValueIteration& reduced();
-  /// Returns that part of the ground with its last-seen stamps, one per cell; valid until the next
+  /// Returns the `part` of the ground with the last-seen stamps, one per cell; valid until the next
   /// call. Recomputes the free cells only if another part is requested.
   const models::VisibilityGrid& ground(const models::GridGeometry& part,
                                        const std::vector<std::int64_t>& last_seen_utime);
@@ -53,7 +53,7 @@ class Workspace {
 
  private:
   scenario::Scenario scenario_;
-  std::unordered_map<std::string, std::size_t> indices_;  ///< of robots, by name
+  std::unordered_map<std::string, std::size_t> indices_;  ///< index of each robot, by name
   models::DistanceField field_;
   models::VisibilityGrid ground_;  ///< the part requested last
   std::optional<ReducedValueIteration> reduced_;

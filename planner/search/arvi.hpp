@@ -16,13 +16,13 @@ namespace vantage::planner {
 enum class ReducedSearch {
   kAnytime,     ///< ARVI: ε = δ = ∞ first, then the schedule, finally ε = δ = 0
   kSinglePass,  ///< RVI with the given ε and δ
-  kGreedy,      ///< only the first pass of ARVI: the best next step, T times
+  kGreedy,      ///< first pass of ARVI only: the best next step, T times
   kExhaustive,  ///< FVI: no pruning
 };
 
 struct ReducedOptions {
   ReducedSearch search = ReducedSearch::kAnytime;
-  double epsilon = 1.0;  ///< of the first finite pass (kAnytime) or the single pass
+  double epsilon = 1.0;  ///< ε of the first finite pass (kAnytime) or the single pass
   double delta_m = 1.0;
   int halvings = 12;  ///< number of finite passes before (0, 0); each halves ε and δ
   double yaw_weight_m_per_rad = 0.3;
@@ -30,16 +30,16 @@ struct ReducedOptions {
 
 /// Forward, reduced and anytime reduced value iteration (FVI, RVI, ARVI) over one persistent tree.
 ///
-/// S, O and C of the dissertation persist between passes, so no child is computed twice. The nodes
-/// of a depth are considered by ascending accumulated cost J. A node is left out of O if an opened
-/// node with J' ≤ J lies within δ and ε-dominates it (single-node test: sound). At δ = 0 both nodes
-/// must have the same position and heading, whatever the yaw weight. Leaves are never pruned: the
-/// best leaf that can stop safely is the plan.
+/// The node sets S, O and C of the dissertation persist between passes, so each child is computed
+/// once. The nodes of a depth are considered by ascending accumulated cost J. A node is excluded
+/// from O if an opened node with J' ≤ J lies within δ and ε-dominates it (a test by a single node,
+/// which is safe). At δ = 0 both nodes must have the same position and heading, independent of the
+/// yaw weight. Leaves are never pruned: the best leaf that can stop safely is the plan.
 ///
 /// Guarantees: a plan exists as soon as one depth-T node has been generated; its cost never
 /// increases; a completed pass at (ε, δ) satisfies the bound (6.1); a completed pass at ε = δ = 0
-/// is optimal. Can be interrupted at each node; stops at the same node under
-/// Deadline::nodes(work_nodes). plan() allocates nothing while the problem fits the capacity.
+/// is optimal. The search can be interrupted at each node. With Deadline::nodes(work_nodes) it
+/// stops at the same node again. plan() allocates nothing while the problem fits the capacity.
 /// Source: dissertation Alg. 1 and 2, Thm 3; Vasquez et al. / Atanasov et al. for RVI.
 class ReducedValueIteration : private TreeSearch {
  public:
@@ -60,21 +60,21 @@ class ReducedValueIteration : private TreeSearch {
 
  private:
   struct Level {
-    NodeList pending;             ///< considered in earlier passes and left out, by ascending cost
+    NodeList pending;             ///< nodes excluded in earlier passes, by ascending cost
     NodeList open;                ///< O_t
     NodeId unexpanded = kNoNode;  ///< first member of `open` that is not in C_t
   };
   enum class Progress { kDone, kDeadline, kMemory };
 
   Progress improve_path(double epsilon, double delta_m, bool prune);
-  /// Generates the depth-t children of all nodes opened since the last call, into O_t if nothing is
-  /// pruned, otherwise into fresh_.
+  /// Generates the depth-t children of all nodes opened since the last call. Stores them in O_t if
+  /// nothing is pruned, otherwise in fresh_.
   Progress expand_level(int t, bool prune);
   Progress open_level(int t, double epsilon, double delta_m);
   /// Sets `pruned` if an opened node makes `id` redundant; kDeadline or kMemory end the search.
   Progress is_pruned(NodeId id, double epsilon, double delta_m, const Level& level, bool& pruned);
   void offer_leaf(NodeId id);
-  /// Plan when no depth-T node can stop safely: stop at the deepest safe node and hover.
+  /// Sets the plan if no depth-T node can stop safely: stop at the deepest safe node and hover.
   void fall_back_to_hover();
   void open_node(Level& level, NodeId id);
   /// Removes the cheapest of the pending and the new nodes; kNoNode if none is left.
@@ -83,7 +83,7 @@ class ReducedValueIteration : private TreeSearch {
   RootBound root_bound_;
   CrossingIndex index_;
   std::vector<Level> levels_;
-  CostOrder fresh_;  ///< generated and not yet considered; of one depth at a time
+  CostOrder fresh_;  ///< nodes of one depth, generated but not yet considered
   std::size_t fresh_peak_ = 0;
   std::size_t index_peak_ = 0;
   PoseMetric metric_;

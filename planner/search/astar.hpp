@@ -15,8 +15,8 @@
 namespace vantage::planner {
 
 enum class BestFirst {
-  kAStar,          ///< least g + h first, until no open node can be better
-  kWeightedAStar,  ///< least g' + w h' first, until the plan is within w of the optimum
+  kAStar,          ///< expands the least g + h first, until no open node can be better
+  kWeightedAStar,  ///< least g' + w h' first, until the plan is within factor w of the optimum
   kAegis,          ///< least g' + w h' first, without (ε, δ)-dominated nodes, until OPEN is empty
 };
 
@@ -37,26 +37,25 @@ struct BestFirstOptions {
   int dive_every = 64;
 };
 
-/// A*, weighted A* and AEGIS on the tree, nodes and expansion that all searches share.
+/// A*, weighted A* and AEGIS, on the common tree and node expansion.
 ///
 /// The search starts with a dive to a leaf, so that a plan exists, and then repeatedly expands the
-/// least open node. A node gets its own h when it is first selected; until then it has its parent's
-/// f, which is not larger (h is consistent). A node whose g + h is not below the best plan's cost
-/// is dropped.
+/// least open node. The h of a node is computed when the node is first selected. Until then the
+/// node uses its parent's f, which is not larger (h is consistent). A node whose g + h is not below
+/// the best plan's cost is dropped.
 ///
 /// The certificate is unweighted: lower_bound = min(cost, least g + h over OPEN and over all nodes
-/// that AEGIS discarded as dominated). A node discarded with ε = δ = 0 does not count, because it
-/// has an equal or better twin. So AEGIS(0, 0) ends at the optimum with gap 0, like A*. A node is
-/// compared with expanded nodes (the CLOSED of Alg. 4): no node in OPEN can be better before it is
-/// selected.
+/// that AEGIS discarded as dominated). A node discarded with ε = δ = 0 does not count, because an
+/// equal or better node exists at the same pose. So AEGIS(0, 0) ends at the optimum with gap 0,
+/// like A*. A node is compared with expanded nodes (the CLOSED of Alg. 4): no node in OPEN can be
+/// better before it is selected.
 ///
-/// Weights require costs ≥ 0, but log det can be negative. So w multiplies h' = h − Σ_{k>t} L_k,
-/// and g' is g − Σ_{k≤t} L_k, where L_k is the least possible cost of the stage at depth k
-/// (InformationHeuristic::stage_floor). Weighted A* thus guarantees J − L ≤ w (J* − L), where L =
-/// Σ_k L_k is the heuristic of the root.
-///
-/// Can be interrupted at each node; stops at the same node under Deadline::nodes(work_nodes).
-/// plan() allocates nothing while the problem fits the capacity.
+/// Weights require costs ≥ 0, but log det can be negative. The weight w therefore multiplies h' = h
+/// − Σ_{k>t} L_k, and g' is g − Σ_{k≤t} L_k, where L_k is the least possible cost of the stage at
+/// depth k (InformationHeuristic::stage_floor). Weighted A* thus guarantees J − L ≤ w (J* − L),
+/// where L = Σ_k L_k is the heuristic of the root. The search can be interrupted at each node. With
+/// Deadline::nodes(work_nodes) it stops at the same node again. plan() allocates nothing while the
+/// problem fits the capacity.
 /// Source: dissertation Alg. 3, 4, Thm 6, Cor. 7.
 class BestFirstSearch : private TreeSearch {
  public:
@@ -96,13 +95,13 @@ class BestFirstSearch : private TreeSearch {
   void clean_floors();
   [[nodiscard]] double key(NodeId id) const;
   [[nodiscard]] double least_open() const;
-  /// Plan when no depth-T node can stop safely: stop at the deepest safe node and hover.
+  /// Sets the plan if no depth-T node can stop safely: stop at the deepest safe node and hover.
   void fall_back_to_hover();
 
   InformationHeuristic heuristic_;
   SequencingBound sequencing_;
   CrossingIndex index_;
-  std::vector<float> child_f_;  ///< f of future children of sequenced nodes, rounded down
+  std::vector<float> child_f_;               ///< f of children that do not exist yet, rounded down
   ReservedArray<std::uint32_t> child_f_at_;  ///< per node: index into child_f_; 0: none
   ReservedArray<double> f_;                  ///< per node: lower bound of every plan through it
   std::vector<Entry> open_;                  ///< a heap, least key first

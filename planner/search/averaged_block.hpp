@@ -4,15 +4,16 @@
 
 namespace vantage::planner {
 
-/// A planar block averaged over all rotations and reflections of the plane: the same for each axis.
+/// A planar block averaged over all rotations and reflections of the plane. The average is the same
+/// for each axis.
 ///
 /// Averaging the information matrix Ω over O(2) gives a lower bound of every cost. The Riccati step
-/// is operator concave and monotone in Ω and isotropic. So the average of the true Ω_k is at most
-/// the recursion's result from the averages, where each measurement M enters as ½ tr M · I; and log
-/// det Ω is concave, tr Ω⁻¹ convex. The bound thus needs only half of the information in every
-/// direction, where M̄ = λ_max I takes all of it. The step is isotropic if A is the same on both
-/// axes. If W differs between the axes, the smaller one is used; it bounds both, since with the
-/// same A they differ by a factor.
+/// is operator concave and monotone in Ω and isotropic. The recursion on averages uses ½ tr M · I
+/// for each measurement M; its result is at least the average of the true Ω_k. Also, log det Ω is
+/// concave and tr Ω⁻¹ is convex. For a measurement in one direction the bound uses half of its
+/// information in every direction; M̄ = λ_max I uses all of it. The step is isotropic if A is the
+/// same on both axes. If W differs between the axes, the smaller W is used. It bounds both, because
+/// with equal A the two W differ by a factor.
 /// Source: ours; concavity of the Riccati map as in Anderson & Duffin 1969 (parallel sum).
 class AveragedBlock {
  public:

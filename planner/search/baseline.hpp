@@ -7,8 +7,8 @@
 #include "planner/problem/problem.hpp"
 #include "planner/search/arvi.hpp"
 
-// Baseline planners for comparison. They obey the search's rules: no collision with obstacles or
-// teammates, and a safe stop at the end.
+// Baseline planners for comparison. As in the other searches, plans do not collide with obstacles
+// or teammates and end with a safe stop.
 
 namespace vantage::planner {
 
@@ -26,15 +26,15 @@ class RandomWalk {
   SearchResult result_;
 };
 
-/// The part of the world that a robot sweeps.
+/// The strip of the world that one robot sweeps.
 struct SweepShare {
   int index = 0;  ///< strip number, of `count` strips
   int count = 1;
 };
 
 /// Follows the waypoints of a lawn-mower sweep with a two-step look-ahead; rows are 1.6 ranges of
-/// the first sensor apart. Stores its progress, so each robot needs its own. Allocates; ignores
-/// deadlines (5000 tries at most). plan() throws UsageError when the problem has no world.
+/// the first sensor apart. Stores its progress, so each robot needs its own object. Allocates;
+/// ignores deadlines (5000 tries at most). plan() throws UsageError when the problem has no world.
 class LawnMower {
  public:
   explicit LawnMower(const SearchCapacity& /*capacity*/) {}
@@ -48,7 +48,7 @@ class LawnMower {
 };
 
 /// Returns the waypoints of a lawn-mower sweep of robot `index` of `count`: the world's longer side
-/// is cut into `count` strips, each swept in rows `spacing_m` apart, forth and back.
+/// is cut into `count` strips, each swept back and forth in rows `spacing_m` apart.
 std::vector<Eigen::Vector2d> lawn_mower_waypoints(const models::Rectangle& bounds, int index,
                                                   int count, double spacing_m, double margin_m);
 

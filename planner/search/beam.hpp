@@ -15,26 +15,27 @@ namespace vantage::planner {
 
 /// Options of a refining beam. The defaults are the result of the planner study.
 struct BeamOptions {
-  int first_width = 16;       ///< nodes kept per depth in the pass after the greedy one
+  int first_width = 16;       ///< nodes kept per depth in the pass after the greedy pass
   double growth = 2.0;        ///< factor of the width from pass to pass
   double cell_m = 1.0;        ///< edge of the diversity cells at the first width, m
   double cell_rad = 1.0;      ///< extent of the diversity cells in yaw at the first width
-  double shrink = 0.82;       ///< factor of both from pass to pass
+  double shrink = 0.82;       ///< factor of cell_m and cell_rad from pass to pass
   double alternation = 0.6;   ///< extra factor of cell_m in every second pass
-  double breadth = 0.3;       ///< share of the width reserved for the best of each region
+  double breadth = 0.3;       ///< share of the width for the best nodes of each region
   double anticipation = 0.3;  ///< share of a first sighting's expected value credited in advance
   double persistence = 0.5;   ///< share of a depth's information gain expected to last
 };
 
 /// Refining beam search: passes of a beam whose width grows and whose diversity cells shrink.
 ///
-/// A pass goes depth by depth. Of all children in one cell over (x, y, yaw) only the most promising
-/// stays. The beam then keeps the most promising child of each region (4 × 4 × 4 cells), up to a
-/// share of the width. The rest of the width goes to the most promising of all. The rank, lower is
-/// better, is the accumulated cost, less the expected later value of the depth's information. While
-/// no target has been seen, it also subtracts the value of the target that can be sighted soonest.
-/// The first pass has width 1, so a plan exists after T expansions. Every pass starts at the root
-/// and keeps only the best plan, so memory is that of one beam.
+/// A pass proceeds depth by depth. Of all children in one cell over (x, y, yaw) it keeps only the
+/// most promising. The beam then keeps the most promising child of each region (4 × 4 × 4 cells),
+/// up to a share of the width. The remaining width is filled with the most promising of all other
+/// children. Children are ranked by accumulated cost minus the expected later value of the depth's
+/// information (lower is better). Until a target has been seen, the value of the target that can be
+/// seen first is also subtracted. The first pass has width 1, so a plan exists after T expansions.
+/// Every pass starts at the root and keeps only the best plan, so the search needs memory for one
+/// beam only.
 ///
 /// The widths depend on the pass, not on the clock: a search stopped by the clock is replayed bit
 /// for bit under Deadline::nodes(work_nodes). If a pass discarded nothing, its best leaf is the
@@ -42,8 +43,8 @@ struct BeamOptions {
 ///
 /// Guarantees: the cost never increases with the budget; the deadline is checked at each expansion
 /// and every few hundred candidates; plan() allocates nothing while the problem fits the capacity.
-/// Until a pass is exhaustive, lower_bound is RootBound's; after RootBound::kWorthAfterNodes of
-/// work it is RootBound's for moving plans.
+/// Until a pass is exhaustive, lower_bound is RootBound's; after RootBound::kWorthAfterNodes nodes
+/// of work it is the RootBound of moving plans.
 class RefiningBeam : private TreeSearch {
  public:
   explicit RefiningBeam(const SearchCapacity& capacity);
@@ -75,14 +76,14 @@ class RefiningBeam : private TreeSearch {
     std::size_t width_of_leaders = 0;
     double cell_m = 0.0;  ///< 0: every child has its own cell
     double cell_rad = 0.0;
-    double offset = 0.0;     ///< of the cells' corners, in cells
+    double offset = 0.0;     ///< offset of the cells' corners, in cells
     bool merged = false;     ///< two children fell into one cell
     bool truncated = false;  ///< more cells than the width
   };
   enum class Progress { kDone, kDeadline, kMemory };
 
   void run_passes(const BeamOptions& options, std::size_t width_max);
-  /// Works on the bound in proportion to the passes so far; false: out of time.
+  /// Improves the bound for a time in proportion to the passes so far; false: the deadline expired.
   bool raise_bound();
   Progress run(Pass& pass);
   Progress expand_level(Pass& pass, int t);
@@ -90,10 +91,10 @@ class RefiningBeam : private TreeSearch {
   void offer_candidate(Pass& pass, Candidate& candidate, double rank);
   /// Adds the `width` best candidates to the tree as nodes of depth t.
   Progress select(Pass& pass, int t);
-  /// Marks the `room` best candidates of mark `from` with kKept; false: out of time.
+  /// Marks the `room` best of the candidates marked `from` as kKept; false: the deadline expired.
   bool keep_best(std::size_t room, Mark from);
   void offer_leaf(const Candidate& leaf);
-  /// Plan when no depth-T node can stop safely: stop at the deepest safe node and hover.
+  /// Sets the plan if no depth-T node can stop safely: stop at the deepest safe node and hover.
   void fall_back_to_hover();
   /// Counts one unit of work; true if the search has to stop.
   bool work() {
@@ -108,14 +109,14 @@ class RefiningBeam : private TreeSearch {
   int levels_ = 0;
   ReservedArray<Candidate> candidates_;
   std::size_t candidate_count_ = 0;
-  ReservedArray<double> ranks_;  ///< of each candidate
-  ReservedArray<Mark> marks_;    ///< of each candidate
-  ReservedArray<Cell> cells_;    ///< open addressing; entries of another epoch are empty
+  ReservedArray<double> ranks_;  ///< rank of each candidate
+  ReservedArray<Mark> marks_;    ///< mark of each candidate
+  ReservedArray<Cell> cells_;    ///< hash table; entries of another epoch count as empty
   ReservedArray<Cell> regions_;  ///< the same for regions
   std::size_t cell_mask_ = 0;
   std::uint32_t epoch_ = 0;
   SightingValue sighting_;
-  double moving_bound_ = 0.0;  ///< of plans that move at every step
+  double moving_bound_ = 0.0;  ///< lower bound of plans that move at every step
   std::int64_t raised_at_nodes_ = 0;
   const BeamOptions* options_ = nullptr;
 };

@@ -10,14 +10,14 @@
 
 namespace vantage::planner {
 
-/// Spatial index of the targets that may be seen near a position at a depth. With it a node's cost
-/// does not depend on the number of targets elsewhere.
+/// Spatial index of the targets that may be seen near a position at a depth. With this index, the
+/// time to evaluate a node is independent of the number of targets elsewhere.
 ///
 /// At each depth only targets that may be in range from a reachable position are relevant. A square
 /// grid lists, for each cell, those in range. A cell's list is made at its first query, in
-/// O(relevant targets). Lists are complete but not exact, so their members must be tested.
-/// Allocates nothing after construction; if the pool is full, a query returns all relevant targets
-/// of the depth.
+/// O(relevant targets). Lists are complete but may contain targets out of range, so their members
+/// must be tested. Allocates nothing after construction; if the pool is full, a query returns all
+/// relevant targets of the depth.
 class CandidateGrid {
  public:
   CandidateGrid(int targets_max, int horizon_max);

@@ -14,8 +14,8 @@ struct SearchCapacity {
   int targets_max = 64;
   int horizon_max = 32;
   int teammates_max = 16;
-  /// Steps from the start until every teammate hovers and the own last stop has ended; 0: three
-  /// horizons. A problem that needs more is planned too, but reset() allocates then.
+  /// Steps from the start until every teammate hovers and the robot's last stop has ended; 0: three
+  /// horizons. A problem that needs more steps is accepted, but reset() then allocates memory.
   int motion_steps_max = 0;
 };
 

@@ -24,7 +24,8 @@ struct AlgorithmOptions {
   SweepShare sweep;
 };
 
-/// One robot's search with its arena. plan() allocates nothing if the algorithm documents so.
+/// One robot's search with its memory. plan() allocates nothing if the documentation of the
+/// algorithm states this.
 class Search {
  public:
   Search() = default;
@@ -45,8 +46,8 @@ class Search {
 /// One entry of the table of algorithms.
 struct Algorithm {
   std::string_view name;
-  std::string_view what;  ///< one line for --help
-  double kept_share;      ///< share of the generated nodes that it keeps, at most
+  std::string_view what;  ///< description for --help, one line
+  double kept_share;      ///< maximum share of the generated nodes kept in memory
   bool remembers;         ///< keeps state between plans, so each robot needs its own
   bool makes_candidates;  ///< its tree yields many trajectories for a team decision
   std::function<std::unique_ptr<Search>(const SearchCapacity&, const AlgorithmOptions&)> make;
@@ -58,14 +59,14 @@ const std::vector<Algorithm>& all_algorithms();
 /// Returns the algorithm `name`. @throws UsageError with all names when it is unknown.
 const Algorithm& algorithm_called(std::string_view name);
 /// Returns the best algorithm for problems of this family: "astar" for range-only mapping of static
-/// targets, where its sequencing bound soon proves the optimum; otherwise "beam".
+/// targets, where its sequencing bound quickly proves the optimum; otherwise "beam".
 std::string_view default_algorithm(const SearchProblem& problem);
 
 /// Returns the capacity that `algorithm` needs for `problem` if it generates at most `nodes_max`
 /// nodes, limited to about `memory_bytes`.
 SearchCapacity capacity_for(const Algorithm& algorithm, const SearchProblem& problem,
                             std::size_t memory_bytes, std::size_t nodes_max);
-/// Returns an upper bound of the nodes generated within the budget, to size the arena.
+/// Returns an upper bound of the nodes generated within the time budget, for the size of the arena.
 std::size_t nodes_within(double budget_s);
 
 }  // namespace vantage::planner

@@ -11,7 +11,7 @@
 namespace vantage::planner {
 
 /// Queue of nodes by ascending cost, stable for equal costs. Uses a radix sort in bounded steps, so
-/// that a search can stop in the middle. O(n), about 15 ns per node. Allocates nothing after
+/// that a search can stop during the sort. O(n), about 15 ns per node. Allocates nothing after
 /// construction.
 class CostOrder {
  public:
@@ -49,14 +49,14 @@ class CostOrder {
     std::uint64_t key = 0;
     NodeId id = kNoNode;
   };
-  /// Maps `cost` to an integer of the same order, including negative numbers.
+  /// Maps `cost` to an integer with the same order; valid also for negative costs.
   static std::uint64_t key_of(double cost);
   static std::size_t digit_of(std::uint64_t key, int digit) {
     return (key >> (kDigitBits * digit)) & (kRadix - 1);
   }
   void sort_few();
   void count_digits(std::size_t begin, std::size_t end);
-  /// Turns the counts of `digit` into positions; false if all entries share the digit.
+  /// Converts the counts of `digit` into start positions; false if all entries have the same digit.
   bool place(int digit);
   void scatter(int digit, std::size_t begin, std::size_t end);
 

@@ -19,9 +19,9 @@ struct PoseMetric {
     turn *= yaw_weight_m_per_rad;
     return dx * dx + dy * dy + turn * turn;
   }
-  /// True if d(a, b) ≤ δ. At δ = 0 the whole poses must be equal. Otherwise, with w = 0 or w² = 0
-  /// in double precision, two headings at one position would cross, although their sensors see
-  /// different targets.
+  /// True if d(a, b) ≤ δ. At δ = 0 the poses must be equal, including the heading. Without this
+  /// rule, two headings at the same position would cross if w² is 0 in double precision, although
+  /// their sensors see different targets.
   [[nodiscard]] bool crosses(const Pose2& a, const Pose2& b, double delta_m) const {
     return delta_m > 0.0 ? squared(a, b) <= delta_m * delta_m : a == b;
   }
@@ -43,7 +43,8 @@ class CrossingIndex {
   bool insert(const Pose2& pose, NodeId id);
   [[nodiscard]] std::size_t size() const { return count_ - 1; }
   [[nodiscard]] static std::size_t bytes_per_entry() { return sizeof(Entry); }
-  /// Calls `visit(id)` for the inserted nodes in the cells around `pose` until it returns false.
+  /// Calls `visit(id)` for the inserted nodes in the cells around `pose` until `visit` returns
+  /// false.
   template <class Visit>
   void near(const Pose2& pose, Visit&& visit) const;
 
@@ -59,7 +60,7 @@ class CrossingIndex {
 
   double cell_m_ = 1.0;
   std::uint32_t epoch_ = 0;
-  ReservedArray<std::uint32_t> heads_;  ///< index into entries_, valid if epochs_ matches
+  ReservedArray<std::uint32_t> heads_;  ///< index into entries_; valid only if epochs_ matches
   ReservedArray<std::uint32_t> epochs_;
   ReservedArray<Entry> entries_;
   std::size_t count_ = 1;

@@ -31,12 +31,13 @@ struct Children {
   }
 };
 
-/// Node expansion: collision-free motion, information of every sensor about every visible target,
-/// accumulated cost. All searches share it; they differ in the nodes that they expand and prune.
+/// Expands nodes: collision-free motion, information of every sensor about every visible target,
+/// accumulated cost. All searches use this class; they differ in the nodes that they expand and
+/// prune.
 ///
-/// A parent is predicted once for all children. A child costs one small determinant per visible
-/// target; its covariances are computed only when it is expanded or compared. Allocates nothing
-/// after construction.
+/// A parent is predicted once for all children. For a child, one small determinant per visible
+/// target is computed; its covariances are computed only when it is expanded or compared. Allocates
+/// nothing after construction.
 class Expander {
  public:
   /// `motion_steps_max`: see SearchCapacity.
@@ -60,8 +61,8 @@ class Expander {
   [[nodiscard]] double cost_of_hovering(const Tree& tree, NodeId id);
 
   /// True if every block of a, plus εI, dominates (⪰) that of b, that is, b has at least as much
-  /// information. Exact; see planner::dominates. Precondition: both have the same depth and
-  /// posteriors.
+  /// information. The test is conservative; see planner::dominates. Precondition: both have the
+  /// same depth and posteriors.
   [[nodiscard]] bool is_redundant(const Tree& tree, NodeId a, double epsilon, NodeId b) const;
 
   [[nodiscard]] const MotionTable& motion() const { return motion_; }
@@ -70,8 +71,8 @@ class Expander {
  private:
   /// Information gain of all children of one node, by child.
   struct Gains {
-    alignas(32) double product[kMaxControls];  ///< of det(I + M P); moved into sum beyond 1e150
-    alignas(32) double sum[kMaxControls];      ///< nats, or m² for the trace
+    alignas(32) double product[kMaxControls];  ///< of det(I + M P); moved to `sum` beyond 1e150
+    alignas(32) double sum[kMaxControls];      ///< sum of gains, nats, or m² for the trace
   };
   bool keep_posterior(Tree& tree, NodeId id, double cos_yaw, double sin_yaw);
   /// Computes the feasible children's controls, poses and views.
@@ -93,7 +94,8 @@ class Expander {
     std::size_t targets = 0;
     std::size_t doubles = 0;
   };
-  /// Updates the predicted blocks with the information from `at` at depth t, into `room`.
+  /// Updates the predicted blocks with the information from `at` at depth t, and writes them to
+  /// `room`.
   Kept update_blocks(const Pose2& at, double cos_yaw, double sin_yaw, int t, Tree::Room room);
 
   const SearchProblem* problem_ = nullptr;

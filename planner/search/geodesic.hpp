@@ -10,14 +10,13 @@
 namespace vantage::planner {
 
 /// Shortest path lengths around obstacles, between fixed points and from any position: a lower
-/// bound of a robot's travel. A shortest path among boxes is taut and bends only at their corners.
-/// So a visibility graph of the corners, with its transitive closure, answers a query exactly.
-///
-/// Every answer is a lower bound for a disc of any radius. Boxes are shrunk by some nanometres
-/// against rounding, and walls only exclude corners beyond them. Only the kBoxesMax largest boxes
-/// are kept; leaving one out can only shorten paths. Boxes that only touch thus leave a gap of the
-/// shrinking width; overlapping boxes leave none. reset() is O((4 boxes)³) and allocates up to the
-/// size given to the constructor; the queries allocate nothing.
+/// bound of a robot's path length. A shortest path around boxes bends only at their corners. A
+/// visibility graph of the corners, with all shortest paths between them, therefore answers a query
+/// exactly. Every answer is a lower bound for a disc of any radius. Boxes are shrunk by up to 0.2
+/// µm to allow for rounding, and walls only exclude the corners outside them. Only the kBoxesMax
+/// largest boxes are used; omitting a box can only shorten paths. Because of the shrinking, paths
+/// can pass between boxes that only touch, but not between overlapping boxes. reset() is O((4
+/// boxes)³) and allocates up to the size given to the constructor; the queries allocate nothing.
 class GeodesicTable {
  public:
   static constexpr int kBoxesMax = 8;
@@ -58,7 +57,7 @@ class GeodesicTable {
   models::Rectangle walls_;
   int box_count_ = 0;
   int corner_count_ = 0;
-  models::Rectangle boxes_[kBoxesMax];  ///< shrunk twice; these block sight
+  models::Rectangle boxes_[kBoxesMax];  ///< boxes shrunk twice; these block the line of sight
   Eigen::Vector2d corners_[kCornersMax];
   std::vector<double> corner_ways_;  ///< [corner][corner]
   std::vector<Eigen::Vector2d> points_;

@@ -16,23 +16,23 @@ namespace vantage::planner {
 /// Lower bound of a search node's cost-to-go, admissible and consistent, from the node's belief and
 /// the robot's reachable positions.
 ///
-/// h(x, Σ, t) = Σ_{k=t+1..T} c(Σ̄_k), Σ̄_k = (ρᵖ(Σ̄_{k−1})⁻¹ + M̄ᵏ⁻ᵗ(x))⁻¹, with M̄ʲ over all
-/// positions within j steps. For targets that stay, distances go around obstacles. For planar
-/// targets that stay, a sum of rank-one information over the measurements replaces M̄ = λ_max I.
-/// Let a ≤ b be the eigenvalues of the present information and E that of the measurements so far.
-/// The determinant is at most (a + E) b after one measurement or while a + E ≤ b, else ((a + b +
-/// E)/2)². For all other planar targets the direction-averaged block (AveragedBlock) gives a second
-/// bound; the larger is used.
+/// h(x, Σ, t) = Σ_{k=t+1..T} c(Σ̄_k), Σ̄_k = (ρᵖ(Σ̄_{k−1})⁻¹ + M̄ᵏ⁻ᵗ(x))⁻¹, where M̄ʲ bounds the
+/// information from all positions within j steps. For static targets, distances are path lengths
+/// around obstacles. For planar static targets, a sum of rank-one information over the measurements
+/// replaces M̄ = λ_max I. Let a ≤ b be the eigenvalues of the present information and E that of the
+/// measurements so far. The determinant is at most (a + E) b after one measurement or while a + E ≤
+/// b, else ((a + b + E)/2)². For all other planar targets the direction-averaged block
+/// (AveragedBlock) gives a second bound; the larger is used.
 ///
-/// Targets that the node's history has not touched use a table by distance (rings of a quarter
-/// step, rounded inwards), filled on demand. A target out of reach costs no computation. Allocates
-/// nothing after construction.
+/// For targets not yet measured on the path to the node, values are stored in a table by distance
+/// (rings of a quarter step, rounded inwards), filled on demand. Targets out of reach need no
+/// computation. Allocates nothing after construction.
 /// Source: dissertation Thm 6 and app. G; the rank-one bound is ours (interlacing and Fiedler).
 class InformationHeuristic {
  public:
   InformationHeuristic(int targets_max, int horizon_max);
 
-  /// Tabulates `problem`. `beliefs` must be those of `problem`; both must outlive the queries.
+  /// Tabulates `problem`. `beliefs` must belong to `problem`; both must outlive the queries.
   void reset(const SearchProblem& problem, const BeliefTable& beliefs);
 
   /// Returns h of a node at `at` and `depth` with these blocks; −∞ if the information is unbounded
@@ -40,7 +40,7 @@ class InformationHeuristic {
   [[nodiscard]] double cost_to_go(const Pose2& at, int depth, const Blocks& blocks) {
     return cost_to_go(at, depth, blocks, nullptr).all;
   }
-  /// h, and the part of it from the targets that `apart` marks with 1.
+  /// The value h, and the part of h from the targets marked 1 in `apart`.
   struct Parts {
     double all = 0.0;
     double apart = 0.0;
@@ -72,8 +72,8 @@ class InformationHeuristic {
     return open_loop_rests_[at(m, depth)];
   }
   [[nodiscard]] double open_loop_rest(int depth) const { return total_rests_[index(depth)]; }
-  /// Returns a bound of one measurement of target m when the path length to it is between these
-  /// values, m, and `steps` steps are made first.
+  /// Returns a bound of one measurement of target m after `steps` steps, if the path length to the
+  /// target is between `nearest_m` and `farthest_m`.
   [[nodiscard]] LookBound look_bound(int m, double nearest_m, double farthest_m, int steps) const;
 
  private:
@@ -89,13 +89,14 @@ class InformationHeuristic {
     double farthest_m = 0.0;
   };
   /// Calls emit(k, measure) for k = t + 1 … T with the least trace or determinant of target m.
-  /// way(k) bounds the path length to its mean at depth k. False if it is unbounded.
+  /// way(k) bounds the path length to the target's mean at depth k. Returns false if the
+  /// information is unbounded.
   template <class WayAt, class Emit>
   bool for_each_step(int m, int t, const double* block, const WayAt& way, const Emit& emit) const;
   template <class WayAt>
   double rest(int m, int t, const double* block, const WayAt& way) const;
   double untouched_rest(int m, int t, double way_m);
-  /// Returns the ring that contains the path length `way_m`, or the path lengths in a ring.
+  /// Return the ring that contains the path length `way_m`, and the path lengths of a ring.
   [[nodiscard]] int ring_of(double way_m) const;
   [[nodiscard]] Way ways_of(int ring) const;
 
