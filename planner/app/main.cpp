@@ -8,7 +8,7 @@
 #include "planner/app/replay_node.hpp"
 
 int main(int argc, char** argv) {
-  using namespace vantage;  // NOLINT(google-build-using-namespace): main alone
+  using namespace vantage;  // NOLINT(google-build-using-namespace): only main()
   return bus::node_main(
       {"vantage-planner", "Plans the motion of one robot in each planning round.", true, true},
       argc, argv,

@@ -13,21 +13,21 @@
 namespace vantage::planner {
 namespace {
 
-// Time reserved at the end of a slot. The search must be finished, checked and sent before the slot
+// Time reserved at the end of a slot. The plan must be complete, checked and sent before the slot
 // ends, despite scheduler stalls (8 ms is usual on a virtual machine, 24 ms under load).
 constexpr Duration kClosing{20'000};
 
 // Maximum processor wait within one second, s: twice the wait at which a driver holds its vehicle.
-// A search that loses more is cut short repeatedly, and drivers need the processor time.
+// A search that waits longer is cut short repeatedly, and drivers need the processor time.
 constexpr double kProcessorWaitMaxS = 0.2;
 
 Duration closing_of(const RoundSchedule::Slot& slot) {
   return std::min(kClosing, (slot.end - slot.begin) / 5);
 }
 
-// Listening time after a restart. A planner first needs its vehicle's status, published at 10 Hz,
-// and a plan of every teammate, since one without a received plan is assumed to hover. All
-// teammates have a slot in the round before the planner's own.
+// Time for which a planner only receives after a restart. It first needs its vehicle's status,
+// published at 10 Hz, and a plan of every teammate; a teammate without a plan is assumed to hover.
+// All teammates have a slot in the round before the planner's own.
 constexpr Duration kListening{350'000};
 
 Time end_of_listening(const bus::Clock& clock, const RoundSchedule& schedule) {
@@ -139,7 +139,7 @@ void PlannerNode::subscribe_to(const bus::Channel<Message>& channel, const std::
 void PlannerNode::take_frame(const std::shared_ptr<const models::MocapFrame>& frame) {
   const bool goes_back = mocap_ && frame->stamp.time < mocap_->stamp.time;
   mocap_ = frame;
-  if (goes_back) {  // another publisher, or a changed clock
+  if (goes_back) {  // the frame is from another publisher, or a clock was set
     mocap_before_ = mocap_between_ = nullptr;
   }
   if (!mocap_between_ || frame->stamp.time - mocap_between_->stamp.time >= kVelocityTime) {
@@ -265,7 +265,7 @@ void PlannerNode::propose(Time now) {
   std::optional<models::PlanProposal> proposal = planner_.propose(inputs_, deadline_of(now));
   const Time finish = clock_.is_real_time() ? clock_.now() : slot_.end - closing_of(slot_);
   if (finish > slot_.end) {
-    ++late_;  // others choose the bait without it
+    ++late_;  // the other robots choose the bait without this proposal
     return;
   }
   if (proposal) {
@@ -280,7 +280,7 @@ void PlannerNode::propose(Time now) {
 
 void PlannerNode::begin_exchange(Time now) {
   inputs_.solution.reset();
-  // Candidates get a third of the time, proposals the rest.
+  // The candidate search gets a third of the time, the local search the rest.
   Deadline deadline =
       Deadline::nodes(spec_.node_budget > 0 ? spec_.node_budget : scenario::kDefaultNodeBudget);
   if (clock_.is_real_time()) {
@@ -366,7 +366,7 @@ void PlannerNode::hear_answer(const models::RobotPlan& answer) {
   }
 }
 
-// A robot without a driver is simulated: a busy machine slows its trial but is not dangerous.
+// A robot without a driver is simulated: a busy machine delays the trial but is not dangerous.
 bool PlannerNode::is_short_of_processor() const {
   const scenario::RobotSpec& robot = robots_[static_cast<std::size_t>(planner_.robot_index())];
   return robot.device != scenario::DeviceSource::kDirect && processor_wait_s_ > kProcessorWaitMaxS;
@@ -383,7 +383,7 @@ void PlannerNode::plan(Time now) {
   const Time finish = clock_.is_real_time() ? clock_.now() : slot_.end - closing_of(slot_);
   const bool late = finish > slot_.end;
   if (late) {
-    // Teammates already plan given the old motion: no new motion may be published now.
+    // Teammates already plan with the old motion, so no new motion may be published now.
     ++late_;
     plan = planner_.plan_without_search(inputs_);
   }

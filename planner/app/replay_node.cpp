@@ -115,7 +115,7 @@ bool PlannerReplayNode::gather(const RoundSchedule::Slot& slot,
     } else if (const auto* map = maps_.find(name)) {
       inputs.map = *map;
     } else if (const auto* frame = frames_.find(name)) {
-      (inputs.mocap ? inputs.mocap_before : inputs.mocap) = *frame;  // in the order of names_of()
+      (inputs.mocap ? inputs.mocap_before : inputs.mocap) = *frame;  // mocap is listed first
     } else if (const auto* attack = attacks_.find(name)) {
       inputs.attack = *attack;
     } else if (const auto* proposal = proposals_.find(name)) {
@@ -150,7 +150,7 @@ PlannerReplayNode::Outcome PlannerReplayNode::replay(const models::RobotPlan& lo
   const bool is_in_time = logged.finish <= logged.deadline;
   auto plan = logged.late && is_in_time ? planner_.plan_to_stop(inputs)
                                         : planner_.plan(inputs, Deadline::nodes(logged.nodes));
-  if (logged.late && !is_in_time) {  // after a search that ended too late
+  if (logged.late && !is_in_time) {  // this plan replaced a search that ended too late
     plan = planner_.plan_without_search(inputs);
   }
   if (!plan) {

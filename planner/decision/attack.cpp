@@ -154,8 +154,8 @@ std::vector<int> random_attack(int robot_count, int attacks, std::mt19937_64& rn
   std::vector<int> robots(static_cast<std::size_t>(robot_count));
   std::iota(robots.begin(), robots.end(), 0);
   for (std::size_t i = 0; i < static_cast<std::size_t>(attacks); ++i) {
-    // Rejection sampling from a multiple of the number of robots left, so that all sets are equally
-    // likely.
+    // Rejection sampling: draws from a multiple of the number of remaining robots, so that all sets
+    // are equally likely.
     const std::uint64_t left = robots.size() - i;
     const std::uint64_t fair = std::mt19937_64::max() - std::mt19937_64::max() % left;
     std::uint64_t draw = rng();

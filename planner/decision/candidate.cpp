@@ -16,7 +16,7 @@ namespace {
 // Packed covariances of all targets at the end of a trajectory.
 using LastBlocks = std::vector<double>;
 
-// Makes candidates of one problem; computes its predicted means once.
+// Makes candidates for one problem; computes the problem's predicted means once.
 class CandidateMaker {
  public:
   CandidateMaker(const SearchProblem& problem, const EnergyModel& energy)
@@ -39,7 +39,7 @@ class CandidateMaker {
         const Eigen::Vector3d& mean_m = beliefs_.mean_m(m, static_cast<int>(t) + 1);
         if ((mean_m.head<2>() - poses[t].position_m()).squaredNorm() >=
             range_max_m_ * range_max_m_) {
-          continue;  // out of range: a range is at least the distance in the plane
+          continue;  // out of range: the distance in space is at least this distance
         }
         const models::PositionVector target_m = mean_m.head(spatial ? 3 : 2);
         const models::PositionMatrix M =
@@ -57,7 +57,8 @@ class CandidateMaker {
     return candidate;
   }
 
-  // Follows `candidate` alone to the horizon's end: returns the beliefs there and sets its gain.
+  // Propagates the beliefs to the horizon's end with the measurements of `candidate` alone. Returns
+  // the final beliefs and sets the candidate's gain.
   LastBlocks follow(Candidate& candidate) {
     LastBlocks blocks(static_cast<std::size_t>(beliefs_.target_count()) * kMaxPacked);
     for (int m = 0; m < beliefs_.target_count(); ++m) {
@@ -99,7 +100,7 @@ class CandidateMaker {
 };
 
 struct Leaf {
-  double order = 0.0;  ///< ascending
+  double order = 0.0;  ///< sort key, ascending
   NodeId id = kNoNode;
 };
 

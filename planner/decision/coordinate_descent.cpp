@@ -10,8 +10,8 @@
 namespace vantage::planner {
 namespace {
 
-// Returns the robot's candidate with the greatest positive gain for `team`, in which it has none,
-// as far as the deadline allows; kNoCandidate if no gain is positive.
+// Returns the robot's candidate with the greatest positive gain found by the deadline; kNoCandidate
+// if no gain is positive. Precondition: the robot has no candidate in `team`.
 CandidateId best_beside(const TeamOracle& oracle, TeamSet& team, int robot, bool lazy,
                         const Deadline& deadline) {
   const double before = team.value();
@@ -57,7 +57,7 @@ TeamDecision coordinate_descent(const TeamOracle& oracle, const DescentOptions& 
       if (best != kNoCandidate) {
         team.add(best);
       }
-      if (had != kNoCandidate && !(team.value() > value_before)) {  // no better than before
+      if (had != kNoCandidate && !(team.value() > value_before)) {  // previous one is as good
         if (best != kNoCandidate) {
           team.drop(robot);
         }

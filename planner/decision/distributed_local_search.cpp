@@ -27,7 +27,7 @@ class TeamRound {
 
   Choice run(const Choice& start, std::span<const char> excluded, bool warm_start) {
     team_.become(start);
-    decision_.messages += oracle_.robot_count();  // |Mᵢ| and the best single
+    decision_.messages += oracle_.robot_count();  // each sends |Mᵢ| and its best candidate
     if (warm_start) {
       add_greedily(excluded);
     }
@@ -56,7 +56,7 @@ class TeamRound {
   }
 
   // Robots without a trajectory propose their best additions one after another; a robot that has
-  // received a better proposal sends none. Adopts the best.
+  // received a better proposal sends none. The best one is adopted.
   void add_greedily(std::span<const char> excluded) {
     std::vector<BestAddition> additions;
     for (int robot = 0; robot < oracle_.robot_count(); ++robot) {

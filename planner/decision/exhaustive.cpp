@@ -10,7 +10,8 @@
 namespace vantage::planner {
 namespace {
 
-// Calls of(team) for every choice of one candidate (or none, if `may_rest`) for robots[at …].
+// Calls of(team) for every choice of one candidate (or none, if `may_rest`) for robots[at] and
+// later.
 void for_each_choice(const TeamOracle& oracle, const std::vector<int>& robots, std::size_t at,
                      bool may_rest, TeamSet& team, const std::function<void(TeamSet&)>& of) {
   if (at == robots.size()) {

@@ -11,8 +11,8 @@
 namespace vantage::planner {
 namespace {
 
-// α of the improvement rule. It is negligible because its N would be the whole team's, which is
-// unknown; only the least increase counts.
+// α of the improvement rule. Its N is the number of candidates of the whole team, which is unknown.
+// α is therefore negligible, and only kLeastRise_nats is effective.
 constexpr double kAlpha = 1e-12;
 
 // FNV-1a hash, 64 bits.

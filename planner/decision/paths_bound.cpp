@@ -11,9 +11,10 @@ namespace vantage::planner {
 namespace {
 
 constexpr std::size_t kStatesMax = 1'700'000;
-constexpr double kFloatRounding = 1e-5;  // relative, of float sums and the reference
+constexpr double kFloatRounding = 1e-5;  // relative rounding error of float sums and the reference
 
-// Returns the lattice size of an iteration: coarse at first, when Frank-Wolfe steps gain most.
+// Returns the lattice size of an iteration: coarse in the first iterations, in which Frank-Wolfe
+// steps improve the bound most.
 std::size_t states_of_turn(int turn) {
   constexpr std::size_t kStates[] = {100'000, 100'000, 300'000, 300'000, 300'000, 700'000};
   constexpr int kTurns = static_cast<int>(std::size(kStates));
@@ -74,7 +75,7 @@ PathsBound::Answer PathsBound::of(std::span<const SearchProblem> problems,
       const auto path = lattice_.best_path(own[i].start, 0, cost_, looked_.data(), states, deadline,
                                            best.work_nodes);
       if (path.expired || (path.gained == kInfinity && states == kStatesMax)) {
-        return best;  // out of time, or the path is too long for any lattice
+        return best;  // deadline expired, or the path is too long for any lattice
       }
       parts[i] = 0.5 * path.gained;
       least -= path.gained + kFloatRounding * (1.0 + path.gained);

@@ -41,7 +41,7 @@ bool ProposalSearch::turn_to_next_deletion() {
       }
       continue;
     }
-    // Own first, then the others in ascending order.
+    // This robot first, then the others in ascending order.
     drop_robot_ = turn == 1 ? robot_ : turn - 2 < robot_ ? turn - 2 : turn - 1;
     if (chosen_by(drop_robot_) != kNoCandidate) {
       return true;

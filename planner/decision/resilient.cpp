@@ -64,7 +64,7 @@ std::vector<int> plan_resiliently(int robot_count, int attacks_max, const PlanRo
   const auto in_turn = [&](const std::vector<int>& robots) {
     std::vector<int> planned;
     for (const int robot : robots) {
-      if (attacks_max == 0 || !planned.empty()) {  // otherwise it has just planned alone
+      if (attacks_max == 0 || !planned.empty()) {  // otherwise the robot has just planned alone
         plan(robot, planned);
       }
       planned.push_back(robot);
@@ -94,7 +94,7 @@ TeamDecision plan_resiliently(const TeamOracle& oracle, int attacks_max, SubSolv
   TeamSet team(oracle);
   team.become(decision.choice);
   decision.value = team.value();
-  decision.messages = 2 * oracle.robot_count();  // one for the value alone, one for the choice
+  decision.messages = 2 * oracle.robot_count();  // each sends its value alone and its choice
   return decision;
 }
 

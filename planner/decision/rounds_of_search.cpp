@@ -6,7 +6,7 @@
 namespace vantage::planner {
 namespace {
 
-// Returns the best single trajectory left; an empty choice if there is none.
+// Returns the best single trajectory that is not excluded; an empty choice if there is none.
 Choice best_single(const TeamOracle& oracle, std::span<const char> excluded) {
   CandidateId best = kNoCandidate;
   for (CandidateId id = 0; id < oracle.candidate_count(); ++id) {

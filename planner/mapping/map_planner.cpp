@@ -17,8 +17,8 @@ int controls_max(const scenario::Scenario& scenario) {
   return static_cast<int>(most);
 }
 
-// Returns the scans that are taken anyway: at the start, and along the plans of teammates that
-// sense.
+// Returns the scans that do not depend on the plan: at the start, and along the plans of teammates
+// with sensing.
 std::vector<MapRoute> routes_taken(const SearchProblem& problem,
                                    const std::vector<FixedTeammate>& teammates) {
   std::vector<MapRoute> routes(1);
@@ -56,7 +56,8 @@ MapPlan MapPlanner::plan(const SearchProblem& problem, const models::Looks& look
       models::belief_of(geometry_, looks.empty() ? models::Looks(cells, 0) : looks, spec_);
   ViewTable views(belief, planned_, {});
   DriveOptions drive_options;
-  // Only for distances to the frontier; the problem defines the allowed motion.
+  // The drive map is used only for distances to the frontier; the problem defines the allowed
+  // motion.
   drive_options.radius_m = std::max(problem.clearance_m, 0.5 * spec_.resolution_m);
   const DriveMap drive(belief, drive_options);
   motion_.reset(problem);

@@ -114,7 +114,7 @@ BeamView ViewTable::look(const Eigen::Vector2d& from_m, double yaw_rad) {
       reach *= 1.0 - o;
     }
     if (weights <= 0.0) {
-      continue;  // everything on the beam is known
+      continue;  // all cells of the beam are known
     }
     const double nats =
         options_.measure == BeamMeasure::kCsqmi

@@ -67,8 +67,8 @@ bool dominates(BlockLayout layout, const double* a, double epsilon, const double
     }
   }
   const double magnitude = trace(layout, a) + trace(layout, b) + epsilon;
-  // Cholesky. A pivot must exceed its own rounding error, or be exactly zero together with its
-  // whole column (if two blocks share entries). Only then is the answer certain.
+  // Cholesky. A pivot must exceed its rounding error, or be exactly zero together with its column
+  // (if two blocks share entries). Only then is the result certain.
   constexpr double kRounding = 1e-14;
   for (int j = 0; j < n; ++j) {
     const double scale = d[j][j];

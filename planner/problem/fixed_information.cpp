@@ -17,7 +17,7 @@ models::Rectangle around_targets(const SearchProblem& problem) {
                            Eigen::Vector2d::Constant(-kInfinity)};
   for (const SearchTarget& target : problem.targets) {
     models::StateVector mean = target.prior.mean;
-    for (int t = 0; t <= problem.horizon_steps; ++t) {  // a mean may move along a curve
+    for (int t = 0; t <= problem.horizon_steps; ++t) {  // the mean's path can be a curve
       const Eigen::Vector2d at_m = mean.head<2>();
       around.min_m = around.min_m.cwiseMin(at_m);
       around.max_m = around.max_m.cwiseMax(at_m);
@@ -27,7 +27,8 @@ models::Rectangle around_targets(const SearchProblem& problem) {
   return around;
 }
 
-// False if no target is in range from the teammate's whole path, as for most of a large team.
+// False if no target is in range from any point of the teammate's path, as for most teammates in a
+// large team.
 bool may_see(const FixedTeammate& teammate, const models::Rectangle& around) {
   constexpr double kSlack_m = 1e-3;
   const Eigen::Array2d within_m = Eigen::Array2d::Constant(

@@ -7,7 +7,7 @@ models::PositionMatrix look(const models::World* world,
                             const models::Viewpoint& from, const models::PositionVector& target_m) {
   const auto p = target_m.size();
   models::PositionMatrix M = models::PositionMatrix::Zero(p, p);
-  bool is_asked = false;  // line of sight checked; once for all sensors
+  bool is_asked = false;  // true: line of sight was checked (once for all sensors)
   for (const models::SensorModel& sensor : sensors) {
     if (!models::in_view(sensor, from, target_m)) {
       continue;

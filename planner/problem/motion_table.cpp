@@ -12,16 +12,16 @@ double sagitta_of(double length_m, double angle_rad) {
   return 0.125 * length_m * std::abs(angle_rad);  // r(1 − cos(a/2)) ≤ r a²/8
 }
 
-// Position error from times rounded to whole microseconds: 0.5 µs at up to 20 m/s.
+// Position error due to times rounded to whole microseconds: 0.5 µs at up to 20 m/s.
 constexpr double kClockRounding_m = 1e-5;
 
-// Rounding of the surrounding arithmetic; the bounds themselves are proven.
+// Allowance for rounding in the arithmetic around the proven bounds.
 constexpr double kChordSlack = 1.0 + 1e-6;
 
 // Returns an upper bound of the deviation of `trajectory`, at any time between `from_s` and `to_s`,
-// from uniform motion between its positions at both. A velocity that changes by at most a per
-// second contributes a Δ²/8; a jump J after a share s of the interval contributes J s (1 − s) Δ.
-// The deviation is linear in the velocity, so the contributions add.
+// from uniform motion between its positions at these times. A velocity that changes by at most a
+// per second contributes a Δ²/8; a jump J after a share s of the interval contributes J s (1 − s)
+// Δ. The deviation is linear in the velocity, so the contributions add.
 double piece_slack_m(const models::Trajectory& trajectory, double from_s, double to_s) {
   const double duration_s = to_s - from_s;
   double acceleration_mps2 = 0.0;
@@ -103,7 +103,7 @@ void MotionTable::reset(const SearchProblem& problem) {
     const double left_s = to_seconds(models::end_time(teammate) - problem.start_time);
     steps = std::max(steps, static_cast<int>(std::ceil(left_s / problem.step_s)) + 1);
   }
-  if (problem.brake_mps2 > 0.0) {  // the robot's own last stop may end later
+  if (problem.brake_mps2 > 0.0) {  // this robot's last stop may end later
     const double speed_mps = std::max(reach_m_ / problem.step_s, problem.start_speed_mps);
     steps += static_cast<int>(std::ceil(speed_mps / problem.brake_mps2 / problem.step_s));
   }
@@ -166,7 +166,7 @@ bool MotionTable::is_free(const Pose2& from, double cos_yaw, double sin_yaw, int
 bool MotionTable::is_clear(const Pose2& from, double cos_yaw, double sin_yaw,
                            const Primitive& primitive, int begin, int end) const {
   constexpr double kOutside_m = -1.0;  // value outside the field
-  constexpr double kRounding = 1e-6;   // the field rounds down
+  constexpr double kRounding = 1e-6;   // allowance for the field's rounding down
   constexpr double kSlack_m = 1e-4;
   const models::DistanceField& field = *problem_->field;
   const int middle = (begin + end) / 2;
@@ -197,7 +197,7 @@ bool MotionTable::is_apart(const Pose2& from, double cos_yaw, double sin_yaw,
   for (std::size_t i = 0; i < problem_->teammates.size(); ++i) {
     const TeammatePiece* pieces = &teammate_pieces_[i * static_cast<std::size_t>(pieces_each_) +
                                                     static_cast<std::size_t>(depth * kPieces)];
-    // Too far apart to meet within one step: each moves at most this far.
+    // Too far apart to meet within one step: the robots move at most these distances.
     const double far_m = kept_m_[i] + primitive.length_m +
                          step_ways_m_[i * static_cast<std::size_t>(pieces_each_ / kPieces) +
                                       static_cast<std::size_t>(depth)];
@@ -230,8 +230,8 @@ bool MotionTable::can_stop_at(const Pose2& at, double speed_mps, int depth) cons
       !arc_is_clear(*problem_->world, at, {way_m, 0.0}, 1.0, problem_->clearance_m)) {
     return false;
   }
-  // The stop, then the hover, checked against the teammates' remaining motion: their tables extend
-  // until all of them hover.
+  // Checks the stop and the hover against the teammates' remaining motion. The teammates' tables
+  // extend until all of them hover.
   const double piece_s = problem_->step_s / kPieces;
   const double slack_m = 0.125 * problem_->brake_mps2 * piece_s * piece_s;
   const double cos_yaw = std::cos(at.yaw_rad);
@@ -261,7 +261,7 @@ bool MotionTable::can_stop_at(const Pose2& at, double speed_mps, int depth) cons
 bool arc_is_clear(const models::World& world, const Pose2& from,
                   const models::UnicycleControl& control, double duration_s, double radius_m) {
   constexpr double kResolution_m = 1e-6;
-  // Parts still to be proven, as an explicit stack of bisections: start and length in seconds.
+  // Parts of the arc not yet checked, as a stack of bisections: start and length in seconds.
   struct Part {
     double start_s;
     double length_s;

@@ -71,7 +71,8 @@ void require_valid_information(const SearchProblem& problem) {
 
 double kept_from_m(const SearchProblem& problem, const Pose2& start, double height_m,
                    const models::Trajectory& other) {
-  // Steps are checked by chords, whose rounding must not forbid every motion away.
+  // Steps are checked along chords. This margin ensures that their deviation does not forbid every
+  // motion away from the teammate.
   constexpr double kChords_m = 0.01;
   const double other_height_m = problem.separation_from_above ? height_m : other.height_m;
   Eigen::Vector3d away_m;

@@ -54,7 +54,7 @@ bool SightTable::look_planar(const Sensor& sensor, double dx_m, double dy_m, dou
     return false;
   }
   const bool all_around = sensor.cos_half_fov < -1.0;
-  if (r2 == 0.0) {  // no direction: only an all-round position sensor sees it
+  if (r2 == 0.0) {  // no direction: only an all-round position sensor sees the target
     if (sensor.tells_direction || !all_around) {
       return false;
     }
@@ -170,7 +170,7 @@ bool SightTable::line_of_sight(const Eigen::Vector2d& a_m, const Eigen::Vector2d
   if (problem_->field != nullptr) {  // advance through obstacle-free discs while they are large
     constexpr int kDiscsMax = 8;
     constexpr double kLeast_m = 0.1;
-    constexpr double kInwards = 1.0 - 1e-6;  // the field stores floats
+    constexpr double kInwards = 1.0 - 1e-6;  // allowance for the field's float rounding
     const Eigen::Vector2d d_m = b_m - a_m;
     const double length_m = d_m.norm();
     double gone_m = 0.0;

@@ -39,7 +39,7 @@ models::RobotPlan WorthPlanner::plan(SlotTask& task, const Deadline& deadline) {
   for (const FixedTeammate& teammate : task.round.teammates) {
     others.push_back({scenario().robots[teammate.robot].name, teammate.trajectory, 0.0, 0.0});
   }
-  // The steps after the search do not read the clock, so that the same nodes give the same plan.
+  // The steps after the search do not read the clock, so the same node budget gives the same plan.
   const std::unique_ptr<TeamExchange> round = round_of(task, std::move(others), deadline.third());
   task.ladder.set_nodes(round->nodes());
   const auto best = round->improve(Deadline::never());

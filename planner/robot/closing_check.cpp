@@ -3,7 +3,8 @@
 namespace vantage::planner {
 namespace {
 
-// The search's margins are tighter than the closing check's by rounding and finer pieces.
+// Tolerance of the closing check. The check uses finer pieces than the search and rounds
+// differently, so it can find slightly smaller distances.
 constexpr double kRounding_m = 0.02;
 
 }  // namespace

@@ -15,8 +15,8 @@ const models::VehicleStatus* own_status(const scenario::RobotSpec& robot,
 }
 
 // Returns the vehicle's hold set-point if it holds off its plan. A vehicle on hold stays where its
-// driver stopped it and does not return to its plan by itself. The next plan must begin there,
-// otherwise it would always be refused.
+// driver stopped it and does not return to its plan by itself. The next plan must begin at this
+// position, otherwise the driver would always refuse it.
 std::optional<Pose2> hover_off_plan(const scenario::PlannerSpec& planner,
                                     const scenario::RobotSpec& robot, const PlanInputs& inputs) {
   constexpr double kTurnMaxRad = 0.4;
@@ -43,9 +43,10 @@ bool flies_unknown_plan(const scenario::PlannerSpec& planner, const scenario::Ro
   }
   const std::int64_t rounds = inputs.slot.round - own->plan_round;
   if (rounds < 0) {
-    return false;  // of another schedule
+    return false;  // the plan is from another schedule
   }
-  // Time from that plan's start to this slot's begin, when the vehicle must be stationary.
+  // Time from the start of the reported plan to the start of this slot, at which the vehicle must
+  // be stationary.
   const double since_s = static_cast<double>(rounds * planner.execute_steps) * planner.step_s -
                          to_seconds(inputs.slot.activation - inputs.slot.begin);
   return since_s < planner.horizon_steps * planner.step_s +
@@ -75,8 +76,8 @@ Commitment commitment_of(const scenario::Scenario& scenario, std::size_t robot,
           (expected.position_m() - flatten(body->world_from_body).position_m()).norm();
       if (off_m > planner.tracking_tolerance_m) {
         commitment.is_off_plan = true;
-        // Far off its plan, the vehicle has not followed it at all (for example, its operator held
-        // it): plan anew from its position. At smaller errors its own feedback returns it to the
+        // Far off its plan, the vehicle has not followed it (for example, an operator held it):
+        // plan from its position. At smaller errors the vehicle's controller returns it to the
         // plan.
         on_plan = off_m <= 3.0 * planner.tracking_tolerance_m;
       }

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kSamePlace_m = 1e-3;
 constexpr double kSameYaw_rad = 1e-3;
-constexpr double kRounding = 1e-9;  // relative, for results of another program
+constexpr double kRounding = 1e-9;  // relative; for values computed by another program
 
 // These conditions are false for NaN.
 bool is_from_zero_to(double value, double most) {
@@ -52,7 +52,7 @@ std::optional<models::Trajectory> motion_of_answer(const models::RobotPlan& answ
   }
   motion.start = committed.start;
   motion.height_m = committed.height_m;
-  double drive_s = 0.0;  // without braking
+  double drive_s = 0.0;  // duration of the segments without braking, s
   double stop_s = 0.0;
   for (const models::PlanSegment& segment : motion.segments) {
     if (!is_flyable(segment, limits)) {

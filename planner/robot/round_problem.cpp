@@ -31,18 +31,19 @@ double nearest_height_m(double other_m, double one_m, double two_m) {
 // A driver reports 10 times per second. After this time without a status it is assumed to be dead.
 constexpr double kSilent_s = 0.5;
 
-// Bodies other than robots are assumed to move straight on for this time, then to stop.
+// Bodies other than robots are assumed to move at constant velocity for this time, then to stop.
 constexpr double kGoesOn_s = 3.0;
 constexpr double kStands_mps = 0.1;
-constexpr double kFastest_mps = 4.0;  // a faster body was mistaken for another one
+constexpr double kFastest_mps = 4.0;  // at a higher speed, two bodies were confused
 
-// Returns how far the markers of a body are below a vehicle, m; 0: at the same height or higher.
-// The space below the markers counts as occupied.
+// Returns the height of a vehicle above the markers of a body, m; 0 if the markers are at the same
+// height or higher. The space below the markers counts as occupied.
 double gap_below_m(const scenario::RobotSpec& robot, const models::MocapBody& body) {
   return std::max(0.0, robot.height_m - body.world_from_body.translation_m.z());
 }
 
-// A body within the robot's own radius is carried by it, so it is not in the way.
+// True if the robot must avoid the body. A body within the robot's own radius is carried by the
+// robot and does not count.
 bool is_in_the_way(const Workspace& workspace, std::size_t robot, const models::MocapFrame& frame,
                    const models::MocapBody& body) {
   const scenario::RobotSpec& spec = workspace.scenario().robots[robot];
@@ -56,10 +57,10 @@ bool is_in_the_way(const Workspace& workspace, std::size_t robot, const models::
              spec.limits.radius_m;
 }
 
-// Minimum weight of a mixture component to be planned for separately.
+// Minimum weight of a mixture component that is planned for separately.
 constexpr double kWorthAPart = 1.0 / 32.0;
 
-// True if a search can process this prior: its products of such numbers stay finite.
+// True if a search can process this prior, that is, products of its entries stay finite.
 bool is_searchable(const models::Gaussian& prior) {
   constexpr double kLargest = 1e30;  // m or m/s, and their squares
   return prior.mean.cwiseAbs().maxCoeff() <= kLargest &&
@@ -116,7 +117,8 @@ class Builder {
   void add_teammates(const std::vector<int>& unseeing);
   void add_places_of_those_who_wait();
   void add_bodies();
-  /// Returns a straight motion from the observed position, at the velocity between the two frames.
+  /// Returns a straight motion from the observed position, at the velocity computed from the two
+  /// frames.
   [[nodiscard]] models::Trajectory motion_of(const models::MocapBody& body, std::size_t hint) const;
   /// True if a teammate is farther from its plan than flight safety allows.
   [[nodiscard]] bool is_off_plan(const scenario::RobotSpec& robot,
@@ -171,7 +173,7 @@ void Builder::add_targets(const models::RobotBelief& belief) {
   const double ahead_s = to_seconds(inputs_.slot.activation - belief.stamp.time);
   const double step_s = scenario_.planner.step_s;
   std::size_t planned = 0;
-  std::size_t room = parts_max(scenario_);  // beyond one per target
+  std::size_t room = parts_max(scenario_);  // number of components in addition to one per target
   for (const models::TargetBelief& target : belief.targets) {
     const auto gaussian = target.information.vector.size() == model.dim() && ahead_s >= 0.0
                               ? models::to_gaussian(target.information)
@@ -267,7 +269,8 @@ void Builder::add_teammates(const std::vector<int>& unseeing) {
     if (plan != inputs_.team_plans.end()) {
       teammate.trajectory = plan->second.trajectory;
     } else {
-      // No plan received: it hovers where motion capture sees it, or at its start in the scenario.
+      // Without a received plan, the teammate is assumed to hover at its observed position, or at
+      // its start in the scenario.
       const models::MocapBody* body = seen_body(inputs_, robot.name, i);
       const Pose2 pose = body != nullptr ? flatten(body->world_from_body) : robot.start;
       if (!is_near(pose)) {
@@ -282,7 +285,7 @@ void Builder::add_teammates(const std::vector<int>& unseeing) {
 
 // Adds the positions of teammates that do not follow plans, are off their plan, or whose status is
 // older than kSilent_s. For a teammate without any status it adds only its position on the ground;
-// add_teammates() has added the position where it will fly.
+// add_teammates() has added its flight position.
 void Builder::add_places_of_those_who_wait() {
   for (std::size_t i = 0; i < scenario_.robots.size(); ++i) {
     const scenario::RobotSpec& robot = scenario_.robots[i];
@@ -299,20 +302,21 @@ void Builder::add_places_of_those_who_wait() {
     if (state == models::FlightState::kFollow && !is_lost) {
       continue;
     }
-    // Its plan, if any, is also kept: it may begin to follow it at any moment.
+    // The teammate's plan, if any, is also avoided: the teammate may begin to follow it at any
+    // time.
     const Pose2 place = flatten(body->world_from_body);
     if (!is_heard && !is_near(place)) {
       continue;
     }
     const double here_m = body->world_from_body.translation_m.z();
     double height_m = robot.height_m;
-    if (is_lost && state != models::FlightState::kIdle) {  // its autopilot may land it
+    if (is_lost && state != models::FlightState::kIdle) {  // the autopilot may land the vehicle
       height_m = nearest_height_m(spec_.height_m, 0.0, here_m);
-    } else if (state == models::FlightState::kHold) {  // it may be climbing to its height
+    } else if (state == models::FlightState::kHold) {  // the vehicle may be climbing
       height_m = nearest_height_m(spec_.height_m, here_m, robot.height_m);
     } else if (state == models::FlightState::kLand) {
       height_m = nearest_height_m(spec_.height_m, 0.0, here_m);
-    } else if (here_m < 0.5 * robot.height_m) {  // it is on the ground and may take off
+    } else if (here_m < 0.5 * robot.height_m) {  // on the ground; may take off
       round_.search.teammates.push_back(hover_at(place, here_m, inputs_.slot.activation));
     }
     if (is_heard) {
@@ -361,7 +365,7 @@ void Builder::add_bodies() {
     return;
   }
   const std::vector<models::MocapBody>& bodies = inputs_.mocap->bodies;
-  std::vector<std::pair<double, std::size_t>> near_m;  // distance, index in the frame
+  std::vector<std::pair<double, std::size_t>> near_m;  // (distance, index in the frame)
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const Pose2 place = flatten(bodies[i].world_from_body);
     if (is_in_the_way(workspace_, robot_, *inputs_.mocap, bodies[i]) && is_near(place)) {

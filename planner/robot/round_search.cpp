@@ -32,7 +32,7 @@ class TargetSearch : public RoundSearch {
 
   Found plan(const RoundProblem& round, const Deadline& deadline) override {
     const SearchResult& result = search_->plan(round.search, deadline);
-    // Boxed in: the search ended without a single child.
+    // Boxed in: the search ended without generating a child.
     return {result, result.nodes_generated == 0 && result.stop_reason != StopReason::kDeadline};
   }
 
@@ -41,8 +41,8 @@ class TargetSearch : public RoundSearch {
   }
 
  private:
-  std::unique_ptr<Search> own_search_;  ///< if the algorithm remembers
-  Search* search_ = nullptr;            ///< the workspace's, or own_search_
+  std::unique_ptr<Search> own_search_;  ///< only if the algorithm keeps state between plans
+  Search* search_ = nullptr;            ///< the search of the workspace, or own_search_
 };
 
 class MapSearch : public RoundSearch {

@@ -11,7 +11,7 @@
 namespace vantage::planner {
 namespace {
 
-// Maximum leaves of the search that are examined; about 10 µs each.
+// Maximum number of leaves of the search that are examined; about 10 µs per leaf.
 constexpr std::size_t kLeavesMax = 2000;
 
 CandidateOptions options_of(const scenario::PlannerSpec& planner) {

@@ -60,7 +60,8 @@ bool rests(const models::Trajectory& motion) {
 
 int motion_steps_max(const scenario::PlannerSpec& planner,
                      const std::vector<scenario::RobotSpec>& robots) {
-  // MotionTable rounds the end of the motion and the own stop up to whole steps, and adds one.
+  // MotionTable rounds the end of the motion and the robot's own stop up to whole steps, and adds
+  // one step.
   const double stops = 2.0 * std::ceil(longest_stop_s(robots) / planner.step_s);
   return 2 * kPlanHorizonsMax * planner.horizon_steps + static_cast<int>(stops) + 2;
 }

@@ -40,7 +40,8 @@ bool has_way_out(const SearchProblem& problem, double turned_rad) {
     for (const auto& stop : models::brake(control.speed_mps, problem.brake_mps2)) {
       step.segments.push_back(stop);
     }
-    // Requires no more than the search does, since there may be no more room at this position.
+    // Uses exactly the checks of the search, because this position may have no clearance beyond
+    // them.
     return control.speed_mps > 0.0 &&
            models::is_clear(*problem.world, step, step.start_time, problem.clearance_m) &&
            keeps_apart(problem, step, 0.0);
@@ -54,7 +55,7 @@ std::optional<models::Trajectory> turn_to_a_way_out(const SearchProblem& problem
                 yaw_rate_max_radps);
   }
   if (!is_boxed_in && has_way_out(problem, 0.0)) {
-    return std::nullopt;  // staying may be best
+    return std::nullopt;  // staying may be optimal
   }
   for (const double turn_rad : {kTurn_rad, 2.0 * kTurn_rad, 3.0 * kTurn_rad, kPi}) {
     for (const double off_rad : {turn_rad, -turn_rad}) {

@@ -6,15 +6,15 @@ namespace vantage::planner {
 namespace {
 
 constexpr double kFieldResolution_m = 0.05;
-constexpr double kFieldCells_max = 500.0;  // cells along the longer side
+constexpr double kFieldCells_max = 500.0;  // maximum number of cells along the longer side
 
 SearchCapacity capacity_for(const scenario::Scenario& scenario) {
   SearchCapacity capacity;
   capacity.targets_max = static_cast<int>(scenario.targets.size() + parts_max(scenario)) +
                          std::max(0, scenario.planner.exploration.landmarks_max);
   capacity.horizon_max = scenario.planner.horizon_steps;
-  // Three per robot: its plan, its position on the ground, its hover or future flight position. In
-  // addition, the bodies.
+  // Three entries per robot: its plan, its position on the ground, and its hover or future flight
+  // position. In addition, the bodies.
   capacity.teammates_max = static_cast<int>(3 * scenario.robots.size() + kBodiesMax);
   capacity.motion_steps_max = motion_steps_max(scenario.planner, scenario.robots);
   return capacity;

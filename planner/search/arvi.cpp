@@ -51,7 +51,7 @@ const SearchResult& ReducedValueIteration::plan(const SearchProblem& problem,
   double moving_bound = result_.lower_bound;
   open_node(levels_[0], tree_.add(expander_.root()));
 
-  // The schedule, as far as the search kind uses it: (∞, ∞), the finite passes, (0, 0).
+  // The passes of the schedule that the search kind uses: (∞, ∞), the finite passes, (0, 0).
   Progress progress = Progress::kDone;
   const auto pass = [&](double epsilon, double delta_m, bool prune) {
     progress = improve_path(epsilon, delta_m, prune);
@@ -108,7 +108,7 @@ const SearchResult& ReducedValueIteration::plan(const SearchProblem& problem,
   } else {
     fall_back_to_hover();
   }
-  result_.lower_bound = std::min(result_.lower_bound, result_.cost);  // against rounding
+  result_.lower_bound = std::min(result_.lower_bound, result_.cost);  // corrects rounding
   result_.peak_bytes = tree_.bytes_used() + fresh_peak_ * CostOrder::bytes_per_entry() +
                        index_peak_ * CrossingIndex::bytes_per_entry();
   return result_;
@@ -134,7 +134,7 @@ ReducedValueIteration::Progress ReducedValueIteration::expand_level(int t, bool 
   const bool is_last = t == problem_->horizon_steps;
   fresh_.clear();
   for (NodeId parent = parents.unexpanded; parent != kNoNode; parent = parents.unexpanded) {
-    ++result_.work_nodes;  // before each check, so that no two checks see the same count
+    ++result_.work_nodes;  // counted before each check, so that each check sees another count
     if (expired()) {
       return Progress::kDeadline;
     }
@@ -230,7 +230,7 @@ ReducedValueIteration::Progress ReducedValueIteration::is_pruned(NodeId id, doub
   const double cost = tree_[id].cost;
   const Pose2 pose = tree_[id].world_from_body;
   Progress progress = Progress::kDone;
-  constexpr int kAskEvery = 64;  // of nodes whose blocks are not compared: a few µs
+  constexpr int kAskEvery = 64;  // nodes compared without blocks between deadline checks: a few µs
   int passed_by = 0;
   const auto go_on_after = [&](NodeId other) {
     if (++passed_by % kAskEvery == 0) {

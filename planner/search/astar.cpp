@@ -61,7 +61,7 @@ void BestFirstSearch::start(const SearchProblem& problem, const BestFirstOptions
   heuristic_.reset(problem, expander_.beliefs());
   sequencing_.reset(problem, expander_.beliefs(), heuristic_);
   index_.reset(options.delta_m);
-  child_f_.assign(1, 0.0F);  // index 0 means none
+  child_f_.assign(1, 0.0F);  // index 0 means that there are none
   open_.clear();
   floors_.clear();
   open_peak_ = 0;
@@ -199,8 +199,8 @@ BestFirstSearch::Progress BestFirstSearch::evaluate_sequence(NodeId id) {
     node.state = kSequenced;
     return Progress::kGoOn;
   }
-  // Compute the bound only far enough to separate the node from those selected next; further if it
-  // is selected again.
+  // Computes the bound only as far as needed to compare the node with the next ones; farther if the
+  // node is selected again.
   constexpr double kShare = 0.3;
   const double least = std::max(f_[id], open_.empty() ? f_[id] : open_.front().key);
   const double enough = node.state == kEvaluated
@@ -230,7 +230,7 @@ BestFirstSearch::Progress BestFirstSearch::evaluate_sequence(NodeId id) {
 
 // long: one expansion; its parts share half of the state.
 BestFirstSearch::Progress BestFirstSearch::step() {
-  ++result_.work_nodes;  // before each check, so that no two checks see the same count
+  ++result_.work_nodes;  // counted before each check, so that each check sees another count
   if (expired()) {
     return Progress::kDeadline;
   }
@@ -254,7 +254,7 @@ BestFirstSearch::Progress BestFirstSearch::step() {
   if (f_[id] >= result_.cost) {
     if (!weighted_ && !diving) {
       push(id);
-      return Progress::kDone;  // all other open nodes cost at least as much
+      return Progress::kDone;  // no other open node can cost less
     }
     tree_[id].state = kClosed;
     return Progress::kGoOn;
@@ -304,7 +304,7 @@ BestFirstSearch::Progress BestFirstSearch::step() {
 BestFirstSearch::Progress BestFirstSearch::is_dominated(NodeId id, bool& dominated) {
   const Node node = tree_[id];
   Progress progress = Progress::kGoOn;
-  constexpr int kAskEvery = 64;  // of nodes whose blocks are not compared: a few µs
+  constexpr int kAskEvery = 64;  // nodes compared without blocks between deadline checks: a few µs
   int passed_by = 0;
   index_.near(node.world_from_body, [&](NodeId other) {
     if (++passed_by % kAskEvery == 0) {

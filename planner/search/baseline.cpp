@@ -14,7 +14,8 @@ namespace vantage::planner {
 namespace {
 
 // Depth-first descent with the children of each step in the order of `rank`. Backtracks from dead
-// ends; ends in a leaf that can stop. Bounded: a hopeless position is left to the round's fallback.
+// ends; ends in a leaf that can stop. The number of tries is bounded; if none succeeds, the round
+// uses its fallback.
 class Descent {
  public:
   using Rank = std::function<void(const Pose2& at, int depth, std::vector<int>& controls)>;
@@ -83,7 +84,8 @@ class Descent {
 // Plans through the waypoints from `next` on; advances `next` as they are reached.
 SearchResult plan_through(const SearchProblem& problem,
                           const std::vector<Eigen::Vector2d>& waypoints, std::size_t& next) {
-  // A waypoint counts as reached within the tightest turn of a typical primitive.
+  // A waypoint counts as reached within this distance, about the tightest turn of a typical
+  // primitive.
   constexpr double kReached_m = 0.5;
   const auto aim = [&](const Pose2& at) {
     for (std::size_t tried = 0;
@@ -123,7 +125,7 @@ SearchResult plan_through(const SearchProblem& problem,
   SearchResult result = Descent(problem, rank).run();
   next = result.moving_steps > 0 ? after_start : start;
   if (waypoints.size() > 1 && result.moving_steps == 0) {
-    next = (next + 1) % waypoints.size();  // unreachable: skip it
+    next = (next + 1) % waypoints.size();  // skip an unreachable waypoint
   }
   return result;
 }

@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kChunk = 128;  // candidates between two deadline checks: some µs
 constexpr int kPassesMax = 100;
 constexpr unsigned kRegionBits = 2;                 // a region has 4 cells in each of x, y, yaw
-constexpr double kGoldenShare = 0.618033988749895;  // keeps the cells of two passes unaligned
+constexpr double kGoldenShare = 0.618033988749895;  // offset; cells of two passes do not align
 
 std::uint64_t cell_index(double value, double cell, double offset) {
   constexpr double kCentre = 1'048'576.0;  // 2²⁰: 21 bits per coordinate
@@ -84,7 +84,7 @@ const SearchResult& RefiningBeam::plan(const SearchProblem& problem, const BeamO
   } else {
     result_.lower_bound = std::max(result_.lower_bound, moving_bound_);
   }
-  result_.lower_bound = std::min(result_.lower_bound, result_.cost);  // against rounding
+  result_.lower_bound = std::min(result_.lower_bound, result_.cost);  // corrects rounding
   return result_;
 }
 
@@ -92,7 +92,7 @@ void RefiningBeam::run_passes(const BeamOptions& options, std::size_t width_max)
   double width = 1.0;
   double cell_m = options.cell_m;
   double cell_rad = options.cell_rad;
-  bool split = false;  // every child has its own cell, since all fit
+  bool split = false;  // true: every child has its own cell, because all fit
   for (int k = 0; k < kPassesMax; ++k) {
     const double narrowed = k % 2 == 0 ? options.alternation : 1.0;
     Pass pass;
@@ -202,7 +202,7 @@ RefiningBeam::Progress RefiningBeam::expand_level(Pass& pass, int t) {
     result_.work_nodes += children_.count;
     const double cost_before = tree_[parent].cost;
     const bool blind = tree_.posterior(parent).targets.empty();
-    if (blind && work()) {  // sighting values take as long again
+    if (blind && work()) {  // sighting values double the work
       return Progress::kDeadline;
     }
     for (int i = 0; i < children_.count; ++i) {
@@ -276,12 +276,12 @@ bool RefiningBeam::keep_best(std::size_t room, Mark from) {
   using Histogram = std::array<std::uint32_t, kBins>;
   struct Scale {
     double low = 0.0;
-    double per_bin = 0.0;  ///< inverse width
+    double per_bin = 0.0;  ///< inverse width of a bin
     [[nodiscard]] std::size_t bin(double rank) const {
       return std::min(kBins - 1, static_cast<std::size_t>(std::max(0.0, (rank - low) * per_bin)));
     }
   };
-  // Calls take(i) for every candidate in question; checks the deadline in between.
+  // Calls take(i) for every candidate marked `from`; checks the deadline between candidates.
   const auto for_all = [&](const auto& take) {
     for (std::size_t i = 0; i < candidate_count_; ++i) {
       if (i % kChunk == 0 && work()) {
@@ -293,7 +293,8 @@ bool RefiningBeam::keep_best(std::size_t room, Mark from) {
     }
     return true;
   };
-  // Returns the bin in which the count exceeds `left`; reduces `left` to the rest for that bin.
+  // Returns the bin in which the count exceeds `left`; reduces `left` to the number of candidates
+  // still to take from that bin.
   const auto edge_of = [](const Histogram& histogram, std::size_t& left) {
     std::size_t bin = 0;
     while (bin + 1 < kBins && histogram[bin] <= left) {

@@ -29,7 +29,8 @@ void CandidateGrid::reset(const BeliefTable& beliefs, const Eigen::Vector2d& sta
   relevant_begin_.clear();
   relevant_.clear();
   for (int t = 1; t <= horizon_steps; ++t) {
-    // A query at depth t comes from at most t steps away and may look one step further.
+    // A query at depth t comes from at most t steps away and may consider positions one step
+    // further.
     const double within_m = kRounding * (far_m_ + t * reach_m);
     cell_m_.push_back(2.0 * kRounding * t * reach_m / kSide);
     relevant_begin_.push_back(static_cast<std::uint32_t>(relevant_.size()));
@@ -76,7 +77,7 @@ std::span<const std::uint16_t> CandidateGrid::near(const Eigen::Vector2d& p_m, i
   const double column = std::floor((p_m.x() - corner_m.x()) / cell_m);
   const double row = std::floor((p_m.y() - corner_m.y()) / cell_m);
   if (!(column >= 0.0 && column < kSide && row >= 0.0 && row < kSide)) {
-    return relevant(t);  // rounding at the edge, or no motion
+    return relevant(t);  // outside the grid by rounding, or no motion
   }
   const int at = ((t - 1) * kSide + static_cast<int>(row)) * kSide + static_cast<int>(column);
   Cell& cell = cells_[index(at)];

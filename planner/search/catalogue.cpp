@@ -38,7 +38,7 @@ using BeamAdapter = Adapter<RefiningBeam, BeamOptions>;
 using RandomWalkAdapter = Adapter<RandomWalk, RandomWalkOptions>;
 using LawnMowerAdapter = Adapter<LawnMower, SweepShare>;
 
-/// Makes an algorithm that takes ε and δ; `tell` sets its further options.
+/// Makes an algorithm with the options ε and δ; `tell` sets its other options.
 template <class Planner, class Options>
 Algorithm told_bounds(std::string_view name, std::string_view what, bool makes_candidates,
                       const Options& own, void (*tell)(const AlgorithmOptions&, Options&)) {

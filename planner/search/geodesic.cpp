@@ -8,16 +8,16 @@
 namespace vantage::planner {
 namespace {
 
-// Paths bend at corners of boxes shrunk once, and boxes shrunk twice block sight, so that rounding
-// never blocks a leg that touches a corner.
+// Paths bend at the corners of boxes shrunk once. Boxes shrunk twice block the line of sight, so
+// that rounding never blocks a leg that touches a corner.
 constexpr double kShrink_m = 1e-7;
 
 models::Rectangle shrunk(const models::Rectangle& box, double by_m) {
   return {box.min_m.array() + by_m, box.max_m.array() - by_m};
 }
 
-// Extends a box that touches a wall beyond the wall: no path passes between the two, and with
-// everything inside the walls no line of sight does either.
+// Extends a box that touches a wall to beyond the wall, so that no path or line of sight passes
+// between the box and the wall.
 models::Rectangle into_the_walls(models::Rectangle box, const models::Rectangle& walls) {
   constexpr double kBeyond_m = 1.0;
   for (int axis = 0; axis < 2; ++axis) {
@@ -33,7 +33,7 @@ models::Rectangle into_the_walls(models::Rectangle box, const models::Rectangle&
 
 double area_m2(const models::Rectangle& box) { return (box.max_m - box.min_m).prod(); }
 
-// True if the segment passes through the box's interior: clipping slab by slab.
+// True if the segment passes through the box's interior. Clips the segment axis by axis.
 bool passes_through(const models::Rectangle& box, const Eigen::Vector2d& a,
                     const Eigen::Vector2d& d) {
   double enter = 0.0;

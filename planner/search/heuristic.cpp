@@ -132,7 +132,7 @@ LookBound InformationHeuristic::look_bound(int m, double nearest_m, double farth
                                            int steps) const {
   LookBound bound;
   const bool in_space = beliefs_->position_dim(m) == 3;
-  // Only the distance matters: place the target at the origin and the robot on the x axis.
+  // Only the distance matters, so the target is at the origin and the robot on the x axis.
   const double middle_m = 0.5 * (nearest_m + farthest_m);
   const models::Viewpoint from{{middle_m, 0.0, 0.0}, problem_->height_m};
   models::PositionVector target = models::PositionVector::Zero(in_space ? 3 : 2);

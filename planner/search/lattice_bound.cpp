@@ -15,7 +15,7 @@ constexpr double kEdge_m = ReachLattice::kEdge_m;
 constexpr double kFloatRounding = 1e-5;  // relative rounding error of float sums
 constexpr std::size_t kCellNodes = 4;    // nodes of work per view from a cell
 
-// Part of the information that counts linearly, and e to the power of the excess's gain per state.
+// The linearly counted part of the information, and exp(gain of the excess per state).
 struct Capped {
   double kept = 0.0;
   double more = 1.0;
@@ -92,7 +92,7 @@ void LatticeBound::find_rare() {
   if (sensors_.size() > 1) {
     return;  // add_rewards() takes only the maximum rare gain of one sensor
   }
-  // Distances covered in one and in two steps.
+  // Smallest and largest distances covered in one and in two steps.
   double least_m[kWaitsMax] = {0.0, kInfinity, kInfinity};
   double most_m[kWaitsMax] = {};
   for (const Pose2& first : reach_.ends()) {
@@ -105,8 +105,8 @@ void LatticeBound::find_rare() {
       most_m[2] = std::max(most_m[2], way_m);
     }
   }
-  // Returns the radius sum below which no controls lead from (i, k) to (j, k + steps); negative:
-  // some always do.
+  // Returns the sum of radii below which no controls lead from (i, k) to (j, k + steps); negative
+  // if some controls always do.
   const auto slack_m = [&](int i, int j) {
     double slack = kInfinity;
     for (int steps = i == j ? 1 : 0; steps < kWaitsMax; ++steps) {

@@ -18,20 +18,21 @@ namespace vantage::planner {
 
 /// Lower bound of the cost-to-go of plans that move at every step, for planar targets, log det
 /// costs and turns that are integer multiples of one angle. It bounds the gain of the best single
-/// path, where Thm 6 lets a separate robot measure every target in all directions.
+/// path. Thm 6 is weaker: it assumes a separate robot for every target that measures in all
+/// directions.
 ///
 /// Around a reference R the cost is additive over steps (LinearisedCost). Dynamic programming over
-/// a lattice (ReachLattice) finds the path with the greatest linearised gain. A cell stands for the
-/// best measurement from any position in it (distance, field of view). A control leads to every
-/// cell that the moved square touches. Information b along a direction counts linearly only up to
-/// some b'. The excess gives at most ln((b + p)/(b' + p)) about the state at its step, where p is
-/// the information without measurements. By data processing along the Markov chain the same holds
-/// for each later state.
+/// a lattice (ReachLattice) finds the path with the greatest linearised gain. The value of a cell
+/// is the best measurement from any position in it (distance, field of view). A control leads to
+/// every cell that the moved square touches. Information b along a direction counts linearly only
+/// up to a limit b'. The excess adds at most ln((b + p)/(b' + p)) nats about the state at its step,
+/// where p is the information without measurements. By data processing along the Markov chain the
+/// same bound holds for each later state.
 ///
 /// Measurements very close to a target have the greatest gain. If no controls lead from one such
-/// position to another within two steps, the lattice counts such a gain at most every third step.
-/// Repeated calls move R towards the information of the best path: Frank-Wolfe steps to a tighter
-/// bound.
+/// position to another within two steps, the lattice counts this rare gain at most every third
+/// step. Repeated calls move R towards the information of the best path; these Frank-Wolfe steps
+/// tighten the bound.
 ///
 /// Allocates nothing after construction. Source: ours; Frank & Wolfe 1956.
 class LatticeBound {
@@ -56,9 +57,9 @@ class LatticeBound {
     double cost = 0.0;     ///< −∞: no bound
     bool expired = false;  ///< the deadline expired
   };
-  /// Bounds the cost of the steps after `depth` for a robot at `at` with the belief `blocks`. Moves
-  /// `reference` by `share` towards the measurements of the lattice's best path. The lattice has at
-  /// most `states` states. Adds the time spent to `work_nodes`, converted to nodes.
+  /// Returns a lower bound of the cost of the steps after `depth` for a robot at `at` with the
+  /// belief `blocks`. Also moves `reference` by `share` towards the measurements of the lattice's
+  /// best path. The lattice has at most `states` states. Adds its work to `work_nodes`, in nodes.
   Answer cost_to_go(const Pose2& at, int depth, const Blocks& blocks, float* reference,
                     double share, std::size_t states, const Deadline& deadline,
                     std::int64_t& work_nodes);
@@ -71,7 +72,7 @@ class LatticeBound {
     bool expired = false;
   };
   /// Bounds the gain, as linearised by `cost`, of all paths from `at` after `depth`. If `looked` is
-  /// not null, adds the information of the lattice's best path to it; its size is that of a
+  /// not null, adds the information of the lattice's best path to `looked`, which has the size of a
   /// reference.
   Path best_path(const Pose2& at, int depth, const LinearisedCost& cost, float* looked,
                  std::size_t states, const Deadline& deadline, std::int64_t& work_nodes);
@@ -79,8 +80,9 @@ class LatticeBound {
  private:
   static constexpr float kNever = -1e30F;  ///< the cell is not reachable
   static constexpr int kWaitsMax = 3;
-  static constexpr std::size_t kTargetNodes = 200;  ///< work to linearise a target or follow a step
-  static constexpr std::size_t kMovesANode = 150;   ///< moves to a cell per node of work
+  static constexpr std::size_t kTargetNodes =
+      200;                                         ///< nodes per target linearised or step followed
+  static constexpr std::size_t kMovesANode = 150;  ///< moves to a cell that count as one node
 
   /// Information of a sensor about a planar target.
   struct Sensor {
@@ -94,8 +96,8 @@ class LatticeBound {
     double variance_floor = 0.0;
     bool grows = false;
   };
-  /// Value of measurements of a target at one depth, in the frame of the query pose. Direction θ of
-  /// the gradient has the value mean + half_difference cos 2θ + xy sin 2θ.
+  /// Value of measurements of a target at one depth, in the frame of the query pose. Information in
+  /// direction θ has the value mean + half_difference cos 2θ + xy sin 2θ.
   struct Price {
     Eigen::Vector2d at_m = Eigen::Vector2d::Zero();  ///< expected target position
     double mean = 0.0;
@@ -106,7 +108,7 @@ class LatticeBound {
     double known = 0.0;
     double beside_m = 0.0;
   };
-  /// Best measurement of one sensor from a cell, and the part of it that counts linearly.
+  /// Best measurement of one sensor from a cell, and the linearly counted part of its information.
   struct Look {
     double reward = 0.0;
     double beside = 0.0;  ///< extra gain when very close, which is rare
@@ -122,16 +124,16 @@ class LatticeBound {
   static Look look(const Price& price, const Sensor& sensor, double dx_m, double dy_m,
                    double half_cell_m);
   bool gather(int t);
-  /// Computes the best gain after each cell of a row with heading n, if `rests` more steps have no
-  /// rare gain.
+  /// Computes the best gain after each cell of a row with heading n, if the next `rests` steps have
+  /// no rare gain.
   void take_next(int t, int n, int j, ReachLattice::Row row, int rests, float* most) const;
   static void take_squares(const float* here, const ReachLattice::Plane& plane, float* out);
   [[nodiscard]] double best_first_step() const;
   bool follow_best(float* looked);
   /// Returns the cell that a control leads to from the start.
   [[nodiscard]] ReachLattice::Shift first_cell(std::size_t control) const;
-  /// Returns the offset of the gains from level t on with heading n, if `rests` more steps have no
-  /// rare gain.
+  /// Returns the offset of the gains from level t on with heading n, if the next `rests` steps have
+  /// no rare gain.
   [[nodiscard]] std::size_t begin_of(int t, int rests, int n) const {
     const ReachLattice::Level& level = layout_->levels[index(t)];
     return index(waits_) * level.begin + index(rests) * level.size + layout_->plane(t, n).begin;
@@ -143,25 +145,25 @@ class LatticeBound {
   const Deadline* deadline_ = nullptr;
   std::int64_t* work_nodes_ = nullptr;
   bool applies_ = false;
-  int waits_ = 1;  ///< minimum steps from one rare event to the next
+  int waits_ = 1;  ///< minimum number of steps between rare gains
   int targets_ = 0;
   int horizon_ = 0;
   double sight_m_ = 0.0;
   std::vector<Sensor> sensors_;
   std::vector<models::Rectangle> arounds_;  ///< per target: bounding box of its expected positions
-  std::vector<double> beside_m_;  ///< per target: closer is a rare event; 0: not known to be rare
+  std::vector<double> beside_m_;  ///< per target: distance below which a gain is rare; 0: none
   ReachLattice reach_;
 
   // State of one query.
   Pose2 from_;
   int depth_ = 0;
   LinearisedCost cost_;                   ///< of cost_to_go()
-  const LinearisedCost* told_ = nullptr;  ///< the cost of this query
+  const LinearisedCost* told_ = nullptr;  ///< the cost used by this query
   const ReachLattice::Layout* layout_ = nullptr;
   std::vector<float> looked_;       ///< of cost_to_go()
-  ReservedArray<float> states_;     ///< [level][rests][heading]: gain from there on
-  ReservedArray<float> squares_;    ///< of one level: maximum of 2 × 2 cells
-  ReservedArray<float> looks_;      ///< of one level: gain, [heading]
+  ReservedArray<float> states_;     ///< [level][rests][heading]: gain from this level on
+  ReservedArray<float> squares_;    ///< of one level: maximum gain over 2 × 2 cells
+  ReservedArray<float> looks_;      ///< of one level: gain, by [heading]
   ReservedArray<float> all_round_;  ///< of one level: gain independent of the heading
   ReservedArray<float> rare_;       ///< of one level: extra gain very close to a target
   std::vector<float> row_;

@@ -31,8 +31,8 @@ void LatticeBound::take_next(int t, int n, int j, ReachLattice::Row row, int res
 bool LatticeBound::gather(int t) {
   const ReachLattice::Level& level = layout_->levels[index(t)];
   const std::size_t controls = reach_.ends().size();
-  // With one rest left, the gain is that of no rest without a rare event now. A state without rest
-  // takes the better of that and a rare event.
+  // The gain with one rest left is that with no rest left and no rare gain in this step. With no
+  // rest left, the better of no rare gain and a rare gain counts.
   const bool has_rare = waits_ > 1;
   for (int rests = has_rare ? 1 : 0; rests < waits_; ++rests) {
     for (int n = -level.turns; n <= level.turns; ++n) {
@@ -76,7 +76,7 @@ bool LatticeBound::gather(int t) {
       }
     }
   }
-  // Maxima of 2 × 2 cells, for the level before.
+  // Maxima of 2 × 2 cells, for the previous level.
   for (int rests = 0; rests < waits_; ++rests) {
     for (int n = -level.turns; n <= level.turns; ++n) {
       const ReachLattice::Plane& plane = layout_->plane(t, n);

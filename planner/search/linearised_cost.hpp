@@ -32,7 +32,7 @@ class LinearisedCost {
 
   /// Returns the number of floats in a reference.
   [[nodiscard]] std::size_t reference_size() const { return 3 * index(targets_) * index(horizon_); }
-  /// Returns the index of target m at depth k ≥ 1 in a reference, in matrices.
+  /// Returns the index in a reference of the matrix of target m at depth k ≥ 1.
   [[nodiscard]] std::size_t at(int m, int k) const {
     return index(m) * index(horizon_) + index(k - 1);
   }
@@ -55,10 +55,11 @@ class LinearisedCost {
   };
   /// Returns G of target m at depth k.
   [[nodiscard]] const Gradient& gradient(int m, int k) const { return gradients_[at(m, k)]; }
-  /// Returns the least position information without any measurement, 1/m².
+  /// Returns the least eigenvalue of target m's position information at depth k without
+  /// measurements, 1/m².
   [[nodiscard]] double known(int m, int k) const { return known_[at(m, k)]; }
   /// Returns w: a measurement at depth k that raises the information of a direction by a factor f
-  /// lowers the cost by at most w ln f. J_T sums over the states from this step on. By data
+  /// lowers the cost by at most w ln f. J_T sums over the states from depth k on. By data
   /// processing along the Markov chain no later state gains more than the state at k.
   [[nodiscard]] double weight(int k) const {
     return measure_ == InformationMeasure::kLogDet ? 1.0 + horizon_ - k : 1.0;
@@ -76,8 +77,8 @@ class LinearisedCost {
   std::vector<Gradient> gradients_;           ///< [m][k]
   std::vector<double> known_;                 ///< [m][k]
   std::vector<std::uint8_t> reached_;         ///< [m][k]
-  std::vector<Eigen::Matrix4d> covariances_;  ///< [k], updated
-  std::vector<Eigen::Matrix4d> predicted_;    ///< [k]
+  std::vector<Eigen::Matrix4d> covariances_;  ///< [k], after the measurements
+  std::vector<Eigen::Matrix4d> predicted_;    ///< [k], before the measurements
 };
 
 }  // namespace vantage::planner

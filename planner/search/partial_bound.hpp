@@ -12,12 +12,12 @@ namespace vantage::planner {
 /// set of covered targets. Thm 6 covers the others.
 class PartialBound {
  public:
-  /// 1 for each target that takes part.
+  /// Returns 1 for each covered target, otherwise 0.
   [[nodiscard]] const std::vector<std::uint8_t>& takes_part() const { return takes_part_; }
   [[nodiscard]] bool is_empty() const { return targets_.empty(); }
 
  protected:
-  /// Sets the inputs; no target takes part yet.
+  /// Sets the inputs; initially no target is covered.
   void begin(const SearchProblem& problem, const BeliefTable& beliefs,
              const InformationHeuristic& heuristic) {
     problem_ = &problem;

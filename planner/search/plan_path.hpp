@@ -8,14 +8,15 @@
 
 namespace vantage::planner {
 
-/// The cheapest node at which a robot can stop and hover for the rest of the horizon: the plan of a
-/// search that finds no complete sequence. Takes nodes of one depth; allocates nothing.
+/// Selects the cheapest node at which a robot can stop and hover for the rest of the horizon. This
+/// is the plan of a search that finds no complete sequence. All offered nodes have the same depth;
+/// allocates nothing.
 class HoverChoice {
  public:
   HoverChoice(Expander& expander, Tree& tree) : expander_(expander), tree_(tree) {}
 
-  /// Takes `id` if stopping there is safe and cheaper than the earlier offers. Its parent must have
-  /// been expanded. Costs one update per remaining step.
+  /// Chooses `id` if stopping at it is safe and cheaper than at earlier offers. Its parent must
+  /// have been expanded. Costs one update per remaining step.
   void offer(NodeId id);
 
   /// Returns the chosen node; kNoNode if no offered node is suitable.
@@ -34,7 +35,7 @@ class HoverChoice {
 /// size. O(horizon_steps).
 void write_path(const Tree& tree, NodeId last, int horizon_steps, SearchResult& result);
 
-/// The same with one more control, which leads from `parent` to `leaf` at the horizon's end.
+/// As above, with one more control that leads from `parent` to `leaf` at the horizon's end.
 void write_path(const Tree& tree, NodeId parent, int control, const Pose2& leaf,
                 SearchResult& result);
 

@@ -6,8 +6,8 @@
 
 namespace vantage::planner {
 
-/// Bound of one measurement over all reachable positions: M ⪯ `all_round` I + Σ of `pointed_count`
-/// rank-one terms whose strengths add up to `pointed`. All in m⁻².
+/// Bound of one measurement over all reachable positions: M ⪯ `all_round` I + a sum of
+/// `pointed_count` rank-one terms with total strength `pointed`. Units: m⁻².
 struct LookBound {
   double all_round = 0.0;
   double pointed = 0.0;
@@ -18,11 +18,11 @@ struct LookBound {
   [[nodiscard]] double average() const { return all_round + 0.5 * pointed; }
 };
 
-/// Greatest information that measurements in the best directions can give about a planar target
-/// that stays. Let a ≤ b be the eigenvalues of the present information, with all-round measurements
-/// added to both, and E the sum of the pointed measurements. Then det Ω ≤ (a + E) b after one
-/// measurement or while a + E ≤ b, else ((a + b + E)/2)²; tr Ω = a + b + E. The bound is attained:
-/// any such Ω is a sum of two or more equal measurements.
+/// Greatest information that measurements in the best directions can give about a static planar
+/// target. Let a ≤ b be the eigenvalues of the present information, with all-round measurements
+/// added to both, and let E be the sum of the rank-one measurements. Then det Ω ≤ (a + E) b after
+/// one measurement or while a + E ≤ b, else ((a + b + E)/2)²; tr Ω = a + b + E. The bound is
+/// attained: any such Ω is a sum of two or more equal measurements.
 /// Source: Fiedler 1971 (determinant of a sum), Schur–Horn (directions that attain it).
 class PointedInformation {
  public:

@@ -17,7 +17,7 @@ constexpr std::size_t kStatesMax = 1'700'000;
 // Frank-Wolfe steps gain more there than a fine lattice.
 struct Turn {
   std::size_t states = 0;
-  double share = 0.0;  // of the step towards the best path's information
+  double share = 0.0;  // size of the step towards the best path's information
 };
 constexpr Turn kOfRoot[] = {{300'000, 0.67}, {300'000, 0.5},  {300'000, 0.4},
                             {300'000, 0.33}, {700'000, 0.29}, {kStatesMax, 0.25}};
@@ -87,7 +87,7 @@ bool PrefixBound::step(const Deadline& deadline, std::int64_t& work_nodes) {
   const Entry least = open_.front();
   const Node& node = tree_[least.id];
   if (node.depth == problem_->horizon_steps) {
-    full_ = true;  // a complete plan, and no plan costs less
+    full_ = true;  // the least node is a complete plan, so no plan costs less
     return true;
   }
   return node.state < turns_of(node).size() ? better(least, deadline, work_nodes)
@@ -145,7 +145,7 @@ bool PrefixBound::expand(Entry least, const Deadline& deadline, std::int64_t& wo
     const NodeId id = tree_.add(child);
     children_.cost[i] = std::max(least.f, child.cost + cost_to_go(id, deadline, work_nodes));
     if (expired_ || full_) {
-      return false;  // the parent's bound covers them
+      return false;  // the parent's bound covers the children
     }
   }
   std::pop_heap(open_.begin(), open_.end(), kLater);

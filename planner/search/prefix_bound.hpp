@@ -11,10 +11,10 @@
 
 namespace vantage::planner {
 
-/// Anytime lower bound for plans that move at every step: a best-first search over exact first
-/// steps of the plans, with LatticeBound for the rest. Each open node has its own bound, so the
-/// least of them bounds all plans. For the least node, first its reference is improved, then its
-/// children are evaluated with that reference.
+/// Anytime lower bound for plans that move at every step. A best-first search evaluates the first
+/// steps of the plans exactly and uses LatticeBound for the later steps. Each open node has its own
+/// bound, so the least of them bounds all plans. The node with the least bound is processed: first
+/// its reference is improved, then its children are evaluated with this reference.
 ///
 /// Allocates nothing after construction. Source: ours.
 class PrefixBound {
@@ -44,7 +44,8 @@ class PrefixBound {
   };
 
   void push(NodeId id, double f);
-  /// Works on the least open node. False if the deadline expired or memory is used up.
+  /// Processes the open node with the least bound. False if the deadline expired or memory is used
+  /// up.
   bool step(const Deadline& deadline, std::int64_t& work_nodes);
   bool better(Entry least, const Deadline& deadline, std::int64_t& work_nodes);
   bool expand(Entry least, const Deadline& deadline, std::int64_t& work_nodes);
@@ -63,7 +64,7 @@ class PrefixBound {
   std::size_t reference_count_ = 0;
   double proven_ = 0.0;
   bool expired_ = false;
-  bool full_ = false;  ///< no work left, or no memory for it
+  bool full_ = false;  ///< no nodes left to process, or no memory
 };
 
 }  // namespace vantage::planner

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kPlanesMax = 2048;
 constexpr std::size_t kHeadingsMax = 1024;
-constexpr int kMargin = 2;  // cells around the reachable ones
+constexpr int kMargin = 2;  // number of cells around the reachable cells
 
 // Directions: 0 is +x, a quarter of the count is +y, and so on.
 struct Direction {

@@ -19,7 +19,7 @@ class ReachLattice {
   /// Cells per length of the longest step; finest first.
   static constexpr std::array<double, 10> kCellsPerStep = {24.0, 16.0, 12.0, 8.0, 6.0,
                                                            4.0,  3.0,  2.0,  1.5, 1.0};
-  static constexpr double kEdge_m = 1e-6;  ///< m; margin added to cells, ranges and path lengths
+  static constexpr double kEdge_m = 1e-6;  ///< margin added to cells, ranges and path lengths, m
 
   explicit ReachLattice(int horizon_max);
 
@@ -29,12 +29,13 @@ class ReachLattice {
 
   [[nodiscard]] double unit_rad() const { return unit_rad_; }
   [[nodiscard]] double step_m() const { return step_m_; }
-  /// By control: end pose in the body frame, and its turn in units.
+  /// Return, by control, the end pose in the body frame and the turn in units.
   [[nodiscard]] const std::vector<Pose2>& ends() const { return ends_; }
   [[nodiscard]] int turn(std::size_t control) const { return turns_[control]; }
 
-  /// Cells of one heading at one depth: those of a box; row() returns the reachable ones. A moved
-  /// cell lies within four cells of the plane, if they can be reached.
+  /// Cells of one heading at one depth. The cells of a box are stored; row() returns the reachable
+  /// ones. A control moves a cell onto four cells, which belong to the plane if they can be
+  /// reached.
   struct Plane {
     int left = 0;
     int bottom = 0;
@@ -84,7 +85,7 @@ class ReachLattice {
     }
   };
   /// Returns the finest layout with at most `cells_max` cells over `steps` steps and
-  /// `level_cells_max` per depth; null: none.
+  /// `level_cells_max` per depth; null if there is none.
   [[nodiscard]] const Layout* layout(int steps, std::size_t cells_max,
                                      std::size_t level_cells_max) const;
   [[nodiscard]] const Shift& shift(const Layout& layout, int n, std::size_t control) const {
@@ -106,13 +107,13 @@ class ReachLattice {
   int horizon_ = 0;
   bool is_tabled_ = false;
 
-  int turn_most_ = 0;   ///< of one control, in units
-  int most_turns_ = 0;  ///< after all steps, in units
+  int turn_most_ = 0;   ///< largest turn of one control, in units
+  int most_turns_ = 0;  ///< largest turn after all steps, in units
   double unit_rad_ = 0.0;
   double step_m_ = 0.0;  ///< m; length of the longest step
   std::vector<int> turns_;
   std::vector<Pose2> ends_;
-  std::vector<Support> supports_;  ///< of planes, level after level from 0 on
+  std::vector<Support> supports_;  ///< supports of the planes, by level from 0 on
   std::array<Layout, kCellsPerStep.size()> layouts_;
 };
 

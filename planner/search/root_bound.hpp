@@ -16,9 +16,9 @@ class RootBound {
  public:
   /// Nodes of search work after which of_moving_plan() is worth its time.
   static constexpr std::int64_t kWorthAfterNodes = 50'000;
-  /// Nodes of search work after which raise() is worth its time. It first gets kRaiseAtFirstNodes,
-  /// then a share of the search's nodes. In long searches, whose passes find little more, it gets
-  /// as many nodes as they do.
+  /// Nodes of search work after which raise() is worth its time. raise() first gets
+  /// kRaiseAtFirstNodes nodes, then a share of the search's nodes. In long searches, where further
+  /// passes improve little, it gets as many nodes as the passes.
   static constexpr std::int64_t kRaiseAfterNodes = 300'000;
   static constexpr std::int64_t kRaiseAtFirstNodes = 500'000;
   static constexpr double kRaiseShare = 0.25;
@@ -32,17 +32,17 @@ class RootBound {
   double of_any_plan(const SearchProblem& problem, const BeliefTable& beliefs);
 
   /// Lower bound of every plan that takes all steps from the controls, for the problem last
-  /// tabulated. At least of_any_plan(), because the robot can neither measure everywhere at once
-  /// nor be very close to every target. Takes up to `states_max` / 3 µs, plus NearBound's bounded
-  /// number of steps. If the deadline expires, returns the bound so far, and the search must stop.
-  /// Adds the expanded states to `work_nodes`.
+  /// tabulated. It is at least of_any_plan(), because it also uses that the robot cannot measure or
+  /// be close to all targets at the same time. Takes up to `states_max` / 3 µs, plus NearBound's
+  /// bounded number of steps. If the deadline expires, returns the bound so far, and the search
+  /// must stop. Adds the expanded states to `work_nodes`.
   struct Answer {
     double cost = 0.0;
     bool expired = false;
   };
   Answer of_moving_plan(const Deadline& deadline, std::int64_t& work_nodes);
 
-  /// The same, raised by PrefixBound until `work_nodes` reaches `until_nodes`; continues from the
+  /// As above, improved by PrefixBound until `work_nodes` reaches `until_nodes`; continues from the
   /// last call. `expander` must be reset to the problem last tabulated.
   Answer raise(Expander& expander, std::int64_t until_nodes, const Deadline& deadline,
                std::int64_t& work_nodes);

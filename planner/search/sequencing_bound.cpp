@@ -12,7 +12,7 @@ namespace {
 constexpr double kAnywhere_m = 1e9;
 constexpr double kRounding = 1e-9;
 
-// Least f first; ties: the later step.
+// Order: least f first; ties: the later step first.
 constexpr auto kAfter = [](const auto& a, const auto& b) {
   return a.f > b.f || (a.f == b.f && a.state < b.state);
 };
@@ -179,7 +179,7 @@ void SequencingBound::fill_costs(int i, int depth, const double* block) {
   const int left = steps_left_;
   PackedInformation look;
   look.m[0] = look.m[2] = strength;
-  // Best sums of n measurements, whatever their times.
+  // Best sums of n measurements at any times.
   double summed[256];
   if (by_sum) {
     PointedInformation sum(block);
@@ -229,7 +229,7 @@ void SequencingBound::fill_rests(int i) {
     double* rest = &rests_[cell(i, n, 0)];
     double passed = 0.0;
     for (int next = n + 1; next <= left + 1; ++next) {
-      rest[next] = passed;  // of the steps before `next`
+      rest[next] = passed;  // cost of the steps before `next`
       passed += next <= left ? costs_[cell(i, n, next)] : 0.0;
     }
   }
@@ -417,7 +417,7 @@ SequencingBound::Answer SequencingBound::cost_to_go(const Pose2& at, int depth,
     std::pop_heap(open_.begin(), open_.end(), kAfter);
     open_.pop_back();
     if (!expand(state, cutoff)) {
-      return answer(least, false);  // a complete sequence, and none is cheaper
+      return answer(least, false);  // this sequence is complete, and no other is cheaper
     }
   }
   return answer(cutoff, false);

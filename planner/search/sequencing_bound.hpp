@@ -11,27 +11,21 @@
 
 namespace vantage::planner {
 
-/// Lower bound of the cost-to-go that accounts for travel time. Thm 6 lets the robot measure every
-/// target in reach at every step; here it has to travel between the regions from which they are
-/// visible.
-///
-/// The relaxed problem, over planar targets that stay: choose at which steps which targets are
-/// measured, subject to three rules.
+/// Lower bound of the cost-to-go that accounts for travel time. Thm 6 assumes that the robot
+/// measures every target in reach at every step. This bound requires travel between the regions
+/// from which the targets are visible. The relaxed problem, over static planar targets: choose at
+/// which steps which targets are measured, subject to three rules.
 ///   (1) After a first control, a target is measured no earlier than the path to its disc of
 ///       visibility takes.
 ///   (2) Between measurements of two targets, the path between their discs must be travelled.
 ///   (3) Targets measured at one step have discs that meet.
 /// After n measurements by step k a target costs at least c(k, n): the best possible measurements,
-/// in the best directions, at the last n steps.
-///
-/// A best-first search over (numbers of measurements, earliest next measurements) solves this
-/// problem. Its least open f is a sound bound at any moment. So it can be cut off after
-/// `states_max` states or by a deadline, and never grows exponentially. If discs overlap in more
-/// than kStopsMax combinations, overlapping discs are merged into one region that sees all their
-/// targets.
-///
-/// Sound for every problem, for plans that move at every step (hovering plans are bounded by Thm
-/// 6). Allocates nothing after construction.
+/// in the best directions, at the last n steps. A best-first search over (numbers of measurements,
+/// earliest next measurements) solves this problem. Its least open f is a valid bound at any time.
+/// The search can therefore be stopped after `states_max` states or by a deadline. If discs overlap
+/// in more than kStopsMax combinations, overlapping discs are merged into one region that sees all
+/// their targets. Valid for every problem and all plans that move at every step (hovering plans are
+/// bounded by Thm 6). Allocates nothing after construction.
 /// Source: ours, after the observation that travel, not sensing, limits mapping with a short-range
 /// sensor.
 class SequencingBound : public PartialBound {
@@ -46,7 +40,7 @@ class SequencingBound : public PartialBound {
              const InformationHeuristic& heuristic);
 
   struct Answer {
-    double cost = 0.0;     ///< of the targets that take part, over the steps after `depth`
+    double cost = 0.0;     ///< cost of the covered targets over the steps after `depth`
     bool expired = false;  ///< the deadline expired; `cost` is a valid bound nevertheless
   };
   /// Returns the bound of a node before the last depth. Ends early when the bound is certain to
@@ -54,7 +48,7 @@ class SequencingBound : public PartialBound {
   /// states.
   Answer cost_to_go(const Pose2& at, int depth, const Blocks& blocks, double cutoff,
                     const Deadline& deadline, std::int64_t& work_nodes);
-  /// Returns the bound of the last answer if control `c` comes next; at least the answer's cost.
+  /// Returns the bound of the last answer if control `c` is next; at least the answer's cost.
   [[nodiscard]] double cost_after(int c) const { return after_[index(c)]; }
 
  private:
@@ -76,7 +70,7 @@ class SequencingBound : public PartialBound {
     std::uint32_t state = 0;
   };
 
-  /// Computes c(k, n) of the i-th target that takes part, and rests_ from it.
+  /// Computes c(k, n) of the i-th covered target, and rests_ from c.
   void fill_costs(int i, int depth, const double* block);
   void fill_rests(int i);
   /// Returns, by `next`, Σ_{k < next} c(k, n) + c(next, n + 1) + c(next + 1, n + 2) + …: up to a
@@ -107,7 +101,7 @@ class SequencingBound : public PartialBound {
   bool expand(const State& state, double cutoff);
 
   int steps_left_ = 0;
-  bool any_member_ = false;  ///< stops are merged: one member of a stop is sufficient
+  bool any_member_ = false;  ///< true: regions are merged; one member of a stop is sufficient
   std::vector<LookBound> looks_;
   std::uint32_t meets_[kTargetsMax] = {};
   std::uint8_t steps_between_[kTargetsMax][kTargetsMax] = {};

@@ -22,7 +22,7 @@ void SightingValue::reset(const SearchProblem& problem, const Expander& expander
     range_max_m_ = std::max(range_max_m_, sensor.range_max_m);
     half_fov_rad_ = std::max(half_fov_rad_, 0.5 * sensor.fov_rad);
   }
-  // One measurement from half the range, straight ahead, half way through the plan.
+  // Gain of one measurement from half the range, straight ahead, at half the horizon.
   const BeliefTable& beliefs = expander_->beliefs();
   const int t = (problem_->horizon_steps + 1) / 2;
   for (int m = 0; m < beliefs.target_count(); ++m) {
@@ -63,7 +63,8 @@ double SightingValue::value(const Pose2& pose, int t) const {
         std::abs(wrap_to_pi(std::atan2(dy_m, dx_m) - pose.yaw_rad)) - half_fov_rad_;
     const double travel_s = speed_max_mps_ > 0.0 ? std::max(0.0, way_m) / speed_max_mps_ : 0.0;
     const double turn_s = turn_max_radps_ > 0.0 ? std::max(0.0, turn_rad) / turn_max_radps_ : 0.0;
-    // At the earliest at the next step; fractions of a step rank neighbouring poses.
+    // The first sighting is at the next step or later; fractions of a step distinguish neighbouring
+    // poses.
     const double steps = std::max(1.0, (travel_s + turn_s) / problem_->step_s);
     if (steps > steps_left) {
       continue;

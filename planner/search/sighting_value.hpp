@@ -9,8 +9,8 @@
 namespace vantage::planner {
 
 /// Heuristic value of approaching a target that is not yet visible. It ranks nodes and is not a
-/// bound. Assumes that every measurement has the gain of one from half the range, half way through
-/// the plan.
+/// bound. Assumes that every measurement gains as much as one from half the range at half the
+/// horizon.
 class SightingValue {
  public:
   explicit SightingValue(int targets_max) : look_values_(static_cast<std::size_t>(targets_max)) {}

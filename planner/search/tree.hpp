@@ -18,16 +18,16 @@ struct Node {
   double cost = 0.0;  ///< accumulated J
   NodeId parent = kNoNode;
   std::uint32_t posterior = 0;  ///< index of its blocks in Tree; 0: not computed yet
-  NodeId next = kNoNode;        ///< for the algorithm: link in the node's list
+  NodeId next = kNoNode;        ///< used by the algorithm: link in the node's list
   std::int16_t control = -1;    ///< control that led here
   std::uint8_t depth = 0;
-  std::uint8_t state = 0;  ///< for the algorithm: flags
+  std::uint8_t state = 0;  ///< used by the algorithm: flags
 };
 
 static_assert(sizeof(Node) == 48);
 
-/// The blocks that a node's own measurements changed, by ascending target. All other targets have
-/// the open-loop prediction that all nodes of the depth share.
+/// The blocks that the measurements on the path to a node changed, by ascending target. All other
+/// targets have the open-loop prediction of the depth.
 struct Blocks {
   std::span<const std::uint16_t> targets;
   const double* packed = nullptr;  ///< consecutive, packed_size(layout) doubles each
@@ -35,7 +35,7 @@ struct Blocks {
 
 /// Arena of one search: nodes and blocks in flat arrays sized at construction, without pointers and
 /// freed only by clear(). 48 bytes per node; blocks only for nodes that were expanded or compared.
-/// Memory is taken at its first use, unless prefault() takes all of it.
+/// Memory pages are committed at their first use, or all at once by prefault().
 class Tree {
  public:
   Tree(std::size_t nodes_max, std::size_t block_doubles_max);

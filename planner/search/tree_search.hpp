@@ -28,8 +28,8 @@ class TreeSearch {
 
   [[nodiscard]] bool expired() const { return deadline_->expired(result_.work_nodes); }
 
-  /// Sets the plan when no complete sequence can stop safely: the best hover of the deepest depth
-  /// below `depths` that has one. `offer(depth, choice)` offers the search's nodes of a depth.
+  /// Sets the plan if no complete sequence can stop safely: the best hover at the deepest depth
+  /// below `depths` where one exists. `offer(depth, choice)` offers the search's nodes of a depth.
   /// Leaves the result unchanged if there is none.
   template <class Offer>
   void hover_as_late_as_safe(int depths, const Offer& offer) {
