@@ -22,13 +22,13 @@ using planner::SearchResult;
 
 constexpr int kStarts = 100;  // as in the dissertation
 constexpr std::array<double, 2> kBudgets_s = {0.01, 0.1};
-constexpr double kProof_s = 1.0;  // s; for A* only; the source used 10 s
+constexpr double kProof_s = 1.0;  // s; planning time of A*; 10 s in the dissertation
 constexpr double kEpsilon = 1.0;  // as in Fig. 2.5
 constexpr double kDelta_m = 0.1;
 constexpr double kHeatMap_m = 0.05;
 
-// A search and its rate of nodes per second on the reference machine (one core of a 2-core virtual
-// machine, release preset). The rate converts time budgets into nodes.
+// A search and its rate in nodes per second, which converts time budgets into nodes. The reference
+// machine is one core of a 2-core virtual machine with the release preset.
 struct Method {
   const char* name;
   double nodes_per_s;
@@ -74,10 +74,10 @@ struct Searches {
   }
 };
 
-// Returns the calling thread's searches. They are kept because their 1 GB takes longer to prepare
-// than a search. Earlier searches do not affect later ones.
+// Returns the calling thread's searches. They are reused, because their 1 GB of memory takes longer
+// to prepare than one search. Earlier searches do not affect later ones.
 Searches& searches() {
-  // On the heap, because thread-local objects take space on the stack of every thread.
+  // The object is on the heap, because thread-local objects use stack space of every thread.
   thread_local const auto own = std::make_unique<Searches>();
   return *own;
 }
@@ -188,7 +188,7 @@ std::map<std::string, PlanSamples> samples_of(const SweepPlan& plan, const Table
     PlanSamples& of = samples[plan.settings[record.unit.setting].cells];
     const double cost = record.number(3);
     if (!std::isfinite(cost)) {
-      continue;  // no sequence of primitives from this start avoids the wall
+      continue;  // no sequence of primitives from this start avoids the walls
     }
     of.cost.add(cost);
     of.gap.add(cost - record.number(4));

@@ -6,14 +6,14 @@
 
 namespace vantage::experiments {
 
-/// An attacker of the experiments, with its table cell and its description.
+/// An attacker of the experiments, with its text in tables and its description.
 struct NamedAttacker {
   planner::Attacker attacker;
   const char* name;
   const char* text;
 };
 
-/// The first one is the attacker of the source.
+/// The first attacker is that of the dissertation.
 inline constexpr std::array<NamedAttacker, 2> kAttackers = {
     {{planner::Attacker::kGreedy, "greedy", "greatest loss to the team, greedily"},
      {planner::Attacker::kBestAlone, "best_alone", "robots whose single plans gain most"}}};

@@ -22,7 +22,7 @@ models::MeasurementVector variances(const SensorModel& sensor, const models::Vie
                          square(sensor.bearing_sigma_rad) * growth);
 }
 
-// The reached disc contains all headings, so any bearing may have the least variance.
+// The viewpoints include all headings, so every target can be at the bearing of least variance.
 double bound(const SensorModel& sensor, const models::ReachedDistances& reached) {
   SensorModel constant = sensor;
   constant.variance_grows_with_range = false;

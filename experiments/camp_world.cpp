@@ -11,7 +11,7 @@ constexpr double kAboveRoof_m = 1.0;
 constexpr double kTrunk_m = 1.5;  // m; edge of a tree's box, crown included
 
 struct Building {
-  double x_m, y_m, width_m, depth_m, height_m;  // x, y: lower corner
+  double x_m, y_m, width_m, depth_m, height_m;  // x, y: minimum corner
 };
 
 constexpr std::array<Building, 15> kBuildings = {{
@@ -33,7 +33,7 @@ constexpr std::array<Building, 15> kBuildings = {{
 }};
 
 struct Tree {
-  double x_m, y_m, height_m;  // x, y: the middle
+  double x_m, y_m, height_m;  // x, y: centre
 };
 
 constexpr std::array<Tree, 24> kTrees = {{

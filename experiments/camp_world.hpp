@@ -9,9 +9,9 @@
 namespace vantage::experiments {
 
 /// Returns a camp of 120 × 90 m for surveillance: fifteen buildings of 3 to 9 m around a parade
-/// ground, and two dozen trees along its roads, each with a base of 1.5 m. All are boxes, like all
-/// obstacles. The buildings come first. The layout is ours, because the source's camp is not public
-/// and its picture has no scale.
+/// ground, and two dozen trees along its roads, each with a base of 1.5 m × 1.5 m. Buildings and
+/// trees are boxes; the buildings are first in the list. The layout is our choice, because the
+/// dissertation's camp is not public and its picture has no scale.
 /// Source: dissertation Fig. 4.6.
 models::World camp_world();
 

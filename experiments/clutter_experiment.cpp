@@ -22,7 +22,7 @@ models::DetectionModel detection_of(std::size_t setting) {
   return {kDetection[setting % kDetection.size()], kClutter[setting / kDetection.size()]};
 }
 
-// Columns of a row; column 0 is the method's name.
+// Columns of a table row; column 0 is the method's name.
 enum Column : std::size_t { kOspa = 1, kSwaps, kRmse, kTracks, kColumnsEnd };
 
 using MethodSamples = std::map<std::string, std::array<Sample, kColumnsEnd>>;

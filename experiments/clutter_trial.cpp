@@ -79,8 +79,8 @@ class ClutterTrial {
     }
   }
 
-  // Sends each robot to the untaken target with the largest position variance for its distance, or
-  // to a random position if there is none.
+  // Assigns to each robot the unassigned target with the largest ratio of position variance to
+  // distance, or a random position if there is none.
   void plan() {
     goals_m_.clear();
     std::vector<char> is_taken(scenario_.targets.size(), 0);
@@ -247,7 +247,7 @@ class ClutterTrial {
   models::DetectionModel detection_;
   double step_s_;
   int steps_;
-  int settling_;  ///< first steps, not evaluated
+  int settling_;  ///< number of first steps that are not evaluated
   int step_ = 0;  ///< current step, from 1
   sim::Ground ground_;
   std::mt19937_64 rng_;

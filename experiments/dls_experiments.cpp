@@ -69,11 +69,12 @@ Summary summarise_savings(const Tables& tables) {
   return summary;
 }
 
-// DLS minus the better order of coordinate descent, over the trials of each team size.
+// J of distributed local search (DLS) minus J of the better order of coordinate descent, over the
+// trials of each team size.
 struct Gaps {
   std::map<int, Sample> of_dls;
   std::map<int, Sample> of_best_share;
-  Sample slope;  ///< by trial: slope of DLS's gap over the number of robots, least squares
+  Sample slope;  ///< by trial: least-squares slope of the gap over the number of robots
 };
 
 double slope_of(const std::map<int, double>& gap_by_robots) {

@@ -53,8 +53,8 @@ Decided descent(const std::string& method, const TeamOracle& oracle, bool is_las
 }
 
 planner::ReducedValueIteration& own_search() {
-  // Earlier searches do not affect later ones. It is on the heap, because thread-local objects take
-  // space on the stack of every thread.
+  // Earlier searches do not affect later ones. The object is on the heap, because thread-local
+  // objects use stack space of every thread.
   thread_local const auto own = std::make_unique<planner::ReducedValueIteration>(kCapacity);
   return *own;
 }

@@ -7,13 +7,13 @@
 
 namespace vantage::experiments {
 
-/// Cost and result of one decision method in one trial.
+/// Effort and result of one decision method in one trial.
 struct Decided {
   std::string method;
   planner::Choice choice;
   double value = 0.0;  ///< J, nats
   double calls_per_candidate =
-      0.0;  ///< oracle calls, including those for each candidate alone where the method needs them
+      0.0;  ///< oracle calls, including those for single candidates if the method needs them
   double adopted = 0.0;
   double messages = 0.0;
   double cpu_s = 0.0;
@@ -23,8 +23,8 @@ Decided local_search(const std::string& method, const planner::TeamOracle& oracl
 /// Runs coordinate descent in the robots' order, or in the reverse order.
 Decided descent(const std::string& method, const planner::TeamOracle& oracle, bool is_last_first);
 
-/// Returns the calling thread's candidate search, with capacity for every energy trial. It is kept
-/// per thread because its 0.6 GB take longer to prepare than a trial.
+/// Returns the calling thread's candidate search, with capacity for every energy trial. Each thread
+/// keeps its own search, because its 0.6 GB take longer to prepare than a trial.
 planner::ReducedValueIteration& own_search();
 
 }  // namespace vantage::experiments

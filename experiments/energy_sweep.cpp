@@ -17,8 +17,8 @@ constexpr int kRobotsMin = 2;
 constexpr int kRobotsMax = 10;
 constexpr int kRobotsMaxSmoke = 4;
 
-// Returns the CPU seconds of one oracle call without caching: every target from the first step on,
-// for full teams of random candidates.
+// Returns the CPU time of one oracle call without caching, s. Every target is evaluated from the
+// first step on, for full teams of random candidates.
 double from_scratch_call_s(const TeamOracle& oracle, std::uint64_t seed) {
   constexpr int kCalls = 300;
   std::vector<planner::TargetCourses::Looks> looks;
@@ -40,7 +40,7 @@ double from_scratch_call_s(const TeamOracle& oracle, std::uint64_t seed) {
       sink += oracle.courses().follow(m, 0, oracle.courses().unseen(m), looks, nullptr);
     }
   }
-  // Uses the result, so that the compiler cannot remove the computation.
+  // The result is used, so that the compiler cannot remove the computation.
   return (thread_cpu_s() - start_s + 0.0 * sink) / kCalls;
 }
 

@@ -20,7 +20,7 @@ Sweep energy_sweep(const Extent& extent,
 /// Returns the number of robots of a setting.
 int robots_of(std::size_t setting);
 
-/// Returns our choices where the source leaves the trials open.
+/// Returns our choices for parameters that the dissertation does not state.
 std::vector<std::string> energy_choices();
 
 /// Samples of all trials of one decision method.

@@ -10,13 +10,13 @@
 
 namespace vantage::experiments {
 
-/// Parameters of both scenarios that the text of the dissertation leaves open.
+/// Parameters of both scenarios that the dissertation does not state.
 struct EnergyTrialOptions {
   double prior_position_sigma_m = 1.0;
   double prior_velocity_sigma_mps = 1.0;
   double acceleration_q = 0.1;  ///< m²/s³; acceleration noise density of the targets
-  /// m/rad; weight of the yaw in the metric of δ = 2 m. Chosen such that N of ten robots is near
-  /// the text's 12500.
+  /// m/rad; weight of the yaw in the metric of δ = 2 m. Chosen such that N, the number of
+  /// candidates of ten robots, is near the dissertation's 12500.
   double yaw_weight_m_per_rad = 1.7;
 };
 
@@ -29,9 +29,9 @@ struct EnergyTrial {
 };
 
 /// Draws a trial of scenario 1, "multi-robot dynamic target tracking": n ground robots and n
-/// targets in a square of 40 m (n = 2) to 60 m (n = 10). The i-th robot's motion costs i times that
-/// of the first. `seed` and `n` alone determine the positions of robots and targets, on every
-/// machine.
+/// targets in a square of 40 m (n = 2) to 60 m (n = 10). The motion cost of the i-th robot is i
+/// times that of the first. `seed` and `n` alone determine the positions of robots and targets, on
+/// every machine.
 /// Source: dissertation 3 D.2, Table 3.1.
 EnergyTrial draw_energy_trial(int n, std::uint64_t seed, const EnergyTrialOptions& options,
                               planner::ReducedValueIteration& search);
@@ -51,8 +51,8 @@ EnergyTrial draw_heterogeneous_trial(std::uint64_t seed, const HeterogeneousTria
 /// Returns the world of scenario 2 with its regions of mud and wind, which overlap.
 models::World heterogeneous_world();
 
-/// Returns `team` reduced to the best `share` of each robot's candidates by individual value, at
-/// least one each.
+/// Returns the team problem with only the best `share` of each robot's candidates by individual
+/// value; at least one candidate per robot.
 planner::TeamProblem best_share(const planner::TeamOracle& oracle, double share);
 
 }  // namespace vantage::experiments

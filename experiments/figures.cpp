@@ -167,8 +167,7 @@ std::string resilient_mapping_figures() {
 
 namespace {
 
-// Common parts of the figures of active mapping: the size of the world, and the boxes for the
-// figures that have some.
+// Common parts of the figures of active mapping: the size of the world, and the obstacle boxes.
 const char* const kMappingArea = R"gp(
   set xrange [0:10]; set yrange [0:10]; set size ratio -1
   set xlabel "x [m]"; set ylabel "y [m]"
@@ -292,11 +291,11 @@ std::string resilient_hardware_figure() {
 std::string team_figure(const std::string& name, const std::string& axis,
                         const std::string& columns) {
   const bool is_pair = columns.find(',') != std::string::npos;
-  // After the index, the setting's columns and the trials, the columns are pairs of mean and
-  // interval.
+  // The first columns are the index, the setting's columns and the number of trials; then follow
+  // pairs of mean and interval.
   const std::string label = is_pair ? "strcol(2).', '.strcol(3)" : "strcol(2)";
   const int first = is_pair ? 5 : 4;
-  // A line between two planners would have no meaning.
+  // Without lines, because a line between two planners has no meaning.
   const std::string style = columns == "planner" ? "yerrorbars" : "yerrorlines";
   const auto panel = [&](int measure, const std::string& what) {
     return "  set ylabel '" + what +
@@ -317,7 +316,7 @@ std::string tracking_clutter_figure(std::span<const char* const> methods) {
   const auto panel = [&](int column, const std::string& what) {
     std::string out = "  set ylabel '" + what + "'\n  plot ";
     for (std::size_t i = 0; i < methods.size(); ++i) {
-      // Shifted sideways so that the intervals do not overlap.
+      // The points are shifted sideways so that the intervals do not overlap.
       out += fmt::format(
           "{}'summary.csv' every {}::{} using ($0 + {}):{}:{}{} with yerrorlines lw 2 pt 7 "
           "lc rgb '{}' title '{}'",

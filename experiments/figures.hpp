@@ -15,24 +15,25 @@ std::string dls_objective_figure();
 /// `world` (Fig. 3.9) under `titles`, each in quotes.
 std::string heterogeneous_figures(const models::World& world, const std::string& titles);
 std::string resilient_tracking_figure();
-/// Draws the mean errors of each combination compared with the printed ones, from table.csv.
+/// Draws the mean errors of each combination and the printed ones, from table.csv.
 std::string resilient_tracking_choices_figure();
 /// Draws maps of the first trial of RAIN with two attacks (Fig. 4.4), and entropy over time (Fig.
 /// 4.5).
 std::string resilient_mapping_figures();
 /// Draws the heuristic (Fig. 2.3), search trees (2.2, 2.5) and the cost of their paths (2.4).
 std::string active_mapping_figures();
-/// Draws means with their intervals of a sweep of team trials (Fig. 3.3, 3.4). `columns` name a
-/// setting.
+/// Draws the means and confidence intervals of a sweep of team trials (Fig. 3.3, 3.4). `columns`
+/// are the columns that name a setting.
 std::string team_figure(const std::string& name, const std::string& axis,
                         const std::string& columns);
 
-/// Draws OSPA and swaps of each of `methods` at each setting of tracking-clutter, from summary.csv.
-/// Its rows are the methods of each setting, in the order of `methods`.
+/// Draws the OSPA distance and the number of track swaps of each of `methods` at each setting of
+/// tracking-clutter. The rows of summary.csv are the methods of each setting, in the order of
+/// `methods`.
 std::string tracking_clutter_figure(std::span<const char* const> methods);
 
-/// Draws, for surveillance, the measures against T_REPLAN from summary.csv, α = 2; the camp and the
-/// paths of one trial.
+/// Draws, for surveillance, the measures as a function of T_REPLAN for α = 2, from summary.csv.
+/// Also draws the camp and the paths of one trial.
 std::string surveillance_figures();
 /// Draws, for resilient-hardware, the paths of one trial and the distances to both targets, for
 /// both planners.

@@ -85,7 +85,7 @@ class Summarised {
     return text;
   }
 
-  // Returns, over the trials, J of DLS minus `other`(trial).
+  // Returns for each trial J of DLS minus `other`(trial).
   template <class Other>
   [[nodiscard]] Sample gap(const std::string& price, const Other& other) const {
     Sample sample;
@@ -123,7 +123,7 @@ class Summarised {
   }
 
   void compare(Summary& summary, const HeterogeneousMethod& method) const {
-    Sample above;  // DLS's curve minus the points of `method`, nats
+    Sample above;  // curve of DLS minus the points of `method`, nats
     int higher = 0;
     int better = 0;
     int surely_better = 0;
@@ -163,7 +163,7 @@ class Summarised {
     return text + fmt::format(" DLS minus the better order of CD per trial {}", mean_text(gain));
   }
 
-  // Returns the trial with the largest gain of DLS over the better order.
+  // Returns the trial in which DLS gains most over the better order of coordinate descent.
   [[nodiscard]] int pictured_trial() const {
     const auto& dls = curves_.at("dls").at(kPicturedPrice).by_trial;
     const auto gain = [&](const auto& of) {
@@ -192,7 +192,7 @@ class Summarised {
     summary.figures = {"heterogeneous", "heterogeneous-ways"};
   }
 
-  // Returns the rows of a table that begin with `keys`, without these cells.
+  // Returns the rows of a table that begin with the cells `keys`, without these cells.
   [[nodiscard]] std::string block(const char* table, int trial,
                                   const std::vector<std::string>& keys) const {
     std::string text;

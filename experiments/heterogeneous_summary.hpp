@@ -12,10 +12,10 @@ struct HeterogeneousMethod {
 };
 inline constexpr std::array<HeterogeneousMethod, 3> kMethods = {
     {{"cd uav first", "CD, UAV first"}, {"cd ugvs first", "CD, UGVs first"}, {"dls", "DLS"}}};
-/// Price of the setting that writes the tables "ways" and "targets", that of Fig. 3.9.
+/// Energy price of Fig. 3.9; only this setting writes the tables "ways" and "targets".
 inline constexpr const char* kPicturedPrice = "0.20";
 
-/// Result of one method in one trial: the columns of "trials" after its name.
+/// Result of one method in one trial: the columns of the table "trials" after the method's name.
 struct HeterogeneousOutcome {
   double value = 0.0;        ///< J, nats
   double information = 0.0;  ///< I, nats
@@ -24,8 +24,8 @@ struct HeterogeneousOutcome {
   [[nodiscard]] double energy() const { return energy_ugvs + energy_uav; }
 };
 
-/// Returns the summary without the choices. The picture shows the trial with the largest gain of
-/// DLS over the better order of coordinate descent.
+/// Returns the summary without the choices. The picture shows the trial in which distributed local
+/// search gains most over the better order of coordinate descent.
 Summary summarise_heterogeneous(const SweepPlan& plan, const Tables& tables);
 
 }  // namespace vantage::experiments

@@ -11,10 +11,12 @@ namespace vantage::experiments {
 /// the ten standard primitives, T = 12, trace cost. The robot starts at `start`.
 planner::OwnedProblem landmark_problem(const Pose2& start);
 
-/// Returns the same with a random free start, determined by `seed`.
+/// Returns the problem of landmark_problem() with a random obstacle-free start, determined by
+/// `seed`.
 planner::OwnedProblem random_start_problem(std::uint64_t seed);
 
-/// Returns the problem of Fig. 2.5: one moving target, a range sensor of 2 m, no obstacles, T = 6.
+/// Returns the problem of Fig. 2.5: one moving target, a sensor with 2 m range, no obstacles, T =
+/// 6.
 planner::OwnedProblem moving_target_problem();
 
 }  // namespace vantage::experiments

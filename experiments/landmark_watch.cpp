@@ -23,7 +23,7 @@ class Mean {
     sum_ += value;
     count_ += 1.0;
   }
-  // NaN without values.
+  // Returns the mean; NaN without values.
   [[nodiscard]] double value() const {
     return count_ > 0.0 ? sum_ / count_ : std::numeric_limits<double>::quiet_NaN();
   }
@@ -121,7 +121,7 @@ class LandmarkWatch {
   [[nodiscard]] const WatchRun& run() const { return run_; }
 
  private:
-  // Obstacles that block a robot.
+  // The obstacles that block one robot.
   struct Surroundings {
     models::World world;
     models::DistanceField field;
@@ -152,9 +152,9 @@ class LandmarkWatch {
     return targets;
   }
 
-  // The search continues only from the cheapest of the poses within δ of each other, whatever its
-  // belief. Plans thus differ in their destinations: a path to a landmark out of sight brings no
-  // information until the landmark is seen.
+  // Of all poses within δ of each other the search keeps only the cheapest, independent of its
+  // belief. The kept plans thus have different destinations. This is needed because a path to a
+  // distant landmark gives no information until the landmark is in view.
   [[nodiscard]] planner::ReducedOptions reduction() const {
     planner::ReducedOptions options;
     options.search = planner::ReducedSearch::kSinglePass;
@@ -172,7 +172,7 @@ class LandmarkWatch {
   std::vector<Surroundings> surroundings_;  ///< by robot
   SearchingTeam team_;
   std::vector<char> attacked_;
-  std::vector<char> seen_;  ///< by landmark, in the last observation
+  std::vector<char> seen_;  ///< by landmark: nonzero if seen in the last observation
   WatchRun run_;
 };
 

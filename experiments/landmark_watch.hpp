@@ -21,9 +21,9 @@ struct WatchSetting {
   double overfly_m = 1.0;
   double clearance_m = 0.5;  ///< m; radius of the free disc around a robot
   std::vector<models::PositionVector> landmarks_m;
-  models::TargetModel landmark_model;  ///< growth of each landmark's uncertainty
+  models::TargetModel landmark_model;  ///< model of the growth of each landmark's uncertainty
   double prior_sigma_m = 1.0;          ///< 1σ of each coordinate at the start
-  models::SensorModel sensor;          ///< obstacles do not hide a landmark; only range counts
+  models::SensorModel sensor;          ///< visibility depends only on range, not on obstacles
   std::vector<models::UnicycleControl> controls;
   double step_s = 1.0;
   int task_steps = 300;
@@ -41,21 +41,20 @@ struct WatchSetting {
 struct WatchRun {
   std::vector<std::vector<Pose2>> poses;    ///< [0 … steps][robot]
   std::vector<std::vector<char>> attacked;  ///< [step][robot]
-  /// [step][landmark], observed by a robot that is not attacked
+  /// [step][landmark]; nonzero if observed by a robot that is not attacked
   std::vector<std::vector<char>> seen;
-  std::vector<double> entropy_nats;  ///< [step], mean over landmarks
-  int turns_on_the_spot = 0;         ///< robot steps without any free control
+  std::vector<double> entropy_nats;  ///< [step]; mean entropy over landmarks
+  int turns_on_the_spot = 0;         ///< number of robot steps without any collision-free control
 };
 
 /// Simulates surveillance. Every `replan_steps` all robots plan `plan_steps` ahead. A resilient
 /// team uses RAIN: the bait robots plan alone, the others by coordinate descent as if the bait did
 /// not exist. Other teams use coordinate descent. Then the attacker chooses. Beliefs are those of a
-/// team that shares everything, with covariances only: the means are the known positions of the
-/// landmarks. Nothing is random. Robots are separated only by their heights. A robot without any
-/// free control turns on the spot.
-///
-/// Growing uncertainty adds q k I in the step after k steps unseen, and nothing to landmarks in
-/// view. A plan uses each landmark's k at the time of planning for all of its steps.
+/// team that shares all observations. Only covariances are estimated, because the landmark
+/// positions are known. Nothing is random. Robots are separated only by their heights. A robot
+/// without any collision-free control turns on the spot. Growing uncertainty adds q k I in the step
+/// after k steps without observation; it adds nothing for landmarks in view. A plan uses each
+/// landmark's k at the time of planning for all steps.
 /// @throws UsageError when a start is not free or the search refuses its problem
 /// Source: dissertation Alg. 9, 10, ch. 4 F.3, F.4.
 WatchRun watch(const WatchSetting& setting, std::span<const models::Viewpoint> starts,
@@ -65,16 +64,16 @@ WatchRun watch(const WatchSetting& setting, std::span<const models::Viewpoint> s
 models::World world_at(const WatchSetting& setting, double height_m);
 
 /// Times for which landmarks are unobserved, in steps. A landmark observed at step k and next at
-/// step k + l has an interval of l; one that stays in view has intervals of 1.
+/// step k + l has an interval of l. A landmark that stays in view has intervals of 1.
 struct Revisits {
   double interval = 0.0;  ///< mean interval between two observations; NaN if there is none
-  /// The same, also counting the time from the start to the first observation and from the last one
-  /// to the end as intervals. Thus a landmark that is never seen counts.
+  /// As `interval`, but the times from the start to the first observation and from the last
+  /// observation to the end also count as intervals. Landmarks that are never observed thus count.
   double interval_with_ends = 0.0;
-  /// Mean over landmarks of each one's mean interval, with the ends.
+  /// Mean over landmarks of each landmark's mean interval, with the ends.
   double interval_by_landmark = 0.0;
   double age = 0.0;      ///< mean over landmarks and steps of the steps since the last observation
-  double absence = 0.0;  ///< mean of the intervals above 1, from losing a landmark to its return
+  double absence = 0.0;  ///< mean of the intervals above 1, in which a landmark was out of view
   int longest = 0;       ///< longest interval, with the ends
   int never_seen = 0;    ///< number of landmarks never observed
 };

@@ -45,12 +45,12 @@ struct MappingCase {
   Variant variant = Variant::kPlain;
   bool is_rain = false;
 
-  // For these cases the values of both planners' plans are recorded in each round.
+  // True if the values of both planners' plans are recorded in each round.
   [[nodiscard]] bool is_compared() const {
     return !is_corridors && attack == AttackKind::kWorstCase && attacks == kDrawnAttacks &&
            variant == Variant::kPlain;
   }
-  // For these cases maps and paths are stored.
+  // True if maps and paths are stored.
   [[nodiscard]] bool is_drawn() const {
     return is_rain && attack == AttackKind::kWorstCase && attacks == kDrawnAttacks &&
            variant == Variant::kPlain;
@@ -66,7 +66,7 @@ struct MappingCase {
   [[nodiscard]] std::string cells() const { return group() + (is_rain ? ",rain" : ",descent"); }
 };
 
-// Two cases per setting: 2i is coordinate descent, 2i + 1 RAIN.
+// Two cases per setting: case 2i uses coordinate descent, case 2i + 1 RAIN.
 std::vector<MappingCase> all_cases() {
   std::vector<MappingCase> cases;
   for (const bool is_corridors : {false, true}) {
@@ -163,7 +163,7 @@ UnitRows run_unit(const MappingCase& of, bool is_smoke, std::uint64_t seed) {
   return rows;
 }
 
-// Entropy at the end and half-way of one setting, by trial.
+// Entropy at the end and after half of the steps of one setting, by trial.
 struct EndSamples {
   Sample halfway_nats;
   Sample end_nats;
@@ -183,8 +183,8 @@ std::vector<EndSamples> ends_of(const Tables& tables, std::size_t settings) {
   return ends;
 }
 
-// Returns RAIN minus coordinate descent by trial; both use the same start, noise and random
-// attacks.
+// Returns the final entropy of RAIN minus that of coordinate descent, by trial. Both use the same
+// start, noise and random attacks.
 Sample rain_less_descent(const EndSamples& descent, const EndSamples& rain) {
   Sample difference;
   for (std::size_t trial = 0; trial < rain.end_by_trial_nats.size(); ++trial) {

@@ -10,7 +10,8 @@
 #include "models/mapping/occupancy_belief.hpp"
 #include "models/world/world.hpp"
 
-// Maps and paths of resilient mapping as rows, and the files that gnuplot draws.
+// Conversion of maps and paths of resilient mapping to table rows, and to the input files of
+// gnuplot.
 
 namespace vantage::experiments {
 
@@ -24,13 +25,13 @@ void add_way_rows(UnitRows& rows, const MappingOutcome& outcome);
 /// Returns the cells that name a setting: "squares,worst,2,plain,rain".
 using SettingCells = std::function<std::string(std::size_t)>;
 
-/// Returns, for each of `worlds`, WORLD_truth.txt, and for the first trial of its setting that
-/// stores maps WORLD_half.txt, WORLD_end.txt and WORLD_ways.txt.
+/// Returns files by name. For each of `worlds`: WORLD_truth.txt, and from the first trial of the
+/// setting that stores maps WORLD_half.txt, WORLD_end.txt and WORLD_ways.txt.
 std::map<std::string, std::string> map_files(const Tables& tables,
                                              const std::map<std::string, models::World>& worlds,
                                              const SettingCells& setting_cells);
 
-/// Returns the entropy by step, mean and interval over the trials, as CSV.
+/// Returns the entropy by step as CSV: mean and confidence interval over the trials.
 std::string entropy_curves(const Tables& tables, const SettingCells& setting_cells);
 
 }  // namespace vantage::experiments

@@ -119,7 +119,7 @@ class MappingTrial {
         continue;
       }
       ++known;
-      // A cell crossed by an obstacle's edge may be either.
+      // A cell crossed by an obstacle's edge may be occupied or free.
       const double clearance_m = models::clearance_m(setup_.world, map.geometry().centre_m(cell));
       const double edge_m = 0.71 * map.geometry().resolution_m;
       wrong += (o < 0.5 && clearance_m < -edge_m) || (o > 0.5 && clearance_m > edge_m) ? 1 : 0;
@@ -137,7 +137,7 @@ class MappingTrial {
   std::vector<MapRoute> routes_;
   std::vector<bool> stopped_;  ///< by robot
   std::vector<int> attacked_;
-  std::vector<int> chosen_before_;  ///< for kPreviousPlans: chosen by the previous plans
+  std::vector<int> chosen_before_;  ///< for kPreviousPlans: robots chosen from the previous plans
   MappingOutcome outcome_;
 };
 
@@ -153,7 +153,7 @@ MappedWorld::MappedWorld(const MappingSetup& setup, std::uint64_t seed)
   poses_ = draw_starts(setup, starts);
 }
 
-// The robot moves as close as it can: otherwise its scans might never show the obstacle, and it
+// The robot moves close to the obstacle. Otherwise its scans might never show the obstacle, and it
 // would repeat the same attempt.
 bool MappedWorld::drive(std::size_t robot, const models::UnicycleControl& control) {
   constexpr int kParts = 16;
@@ -191,7 +191,7 @@ std::vector<MapRoute> plan_by_coordinate_descent(planner::MappingSearch& search,
 MappingOutcome run_mapping_trial(const MappingSetup& setup, std::uint64_t seed) {
   require(setup.robots >= 1 && setup.steps >= 1, "a mapping trial must have robots and steps");
   MappingTrial task(setup, seed);
-  task.look();  // from the start
+  task.look();  // scan at the start pose
   task.judge();
   run_team_task(task, setup.steps, setup.search.horizon_steps);
   return task.outcome();

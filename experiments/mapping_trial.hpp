@@ -15,7 +15,7 @@
 
 namespace vantage::experiments {
 
-/// Returns one route for each of `starts`, prepared for attacks on up to `attacks` robots.
+/// Returns one route for each of `starts`, planned for attacks on up to `attacks` robots.
 using MappingTeamPlanner = std::function<std::vector<planner::MapRoute>(
     planner::MappingSearch& search, std::span<const Pose2> starts, int attacks)>;
 
@@ -24,7 +24,8 @@ std::vector<planner::MapRoute> plan_by_coordinate_descent(planner::MappingSearch
                                                           std::span<const Pose2> starts,
                                                           int attacks);
 
-/// Parameters of a trial of resilient mapping. Values that the source leaves open are ours.
+/// Parameters of a trial of resilient mapping. Values that the dissertation does not state are our
+/// choice.
 /// Source: dissertation 4 F.2.
 struct MappingSetup {
   models::World world;
@@ -35,7 +36,7 @@ struct MappingSetup {
   AttackKind attack = AttackKind::kWorstCase;
   MappingTeamPlanner planner = plan_by_coordinate_descent;
   models::BeamSensor scanner{96, 2.0 * kPi, 0.0, 1.5, 0.01};  ///< scanner used for mapping
-  int planned_beams = 48;  ///< number of its beams used for planning
+  int planned_beams = 48;  ///< number of the scanner's beams used for planning
   models::InverseBeamModel inverse = {};
   double clamp_log_odds = 4.595;  ///< log(0.99 / 0.01)
   planner::ViewOptions views = {};
@@ -44,18 +45,19 @@ struct MappingSetup {
 };
 
 /// Simulated world and shared map of a mapping team: the truth, the robots, and one map from all
-/// scans of robots that are not attacked. `setup` must outlive it; its planner and attack are not
-/// used.
+/// scans of robots that are not attacked. `setup` must outlive this object; its planner and attack
+/// are not used.
 class MappedWorld {
  public:
   /// Places the robots together at a random position.
-  /// @throws UsageError when the world has no room for that.
+  /// @throws UsageError when the world is too narrow for all robots.
   MappedWorld(const MappingSetup& setup, std::uint64_t seed);
 
-  /// Moves `robot` along the control. Stops a sixteenth of a step before contact with the true
-  /// world; returns false then.
+  /// Moves `robot` along the control. If it would touch an obstacle of the true world, it stops up
+  /// to two sixteenths of a step before contact, and the function returns false.
   bool drive(std::size_t robot, const models::UnicycleControl& control);
-  /// Scans with every robot; the map uses the scans of those not in `attacked`, which is sorted.
+  /// Scans with every robot; the map uses only the scans of robots that are not in `attacked`
+  /// (sorted).
   void look(std::span<const int> attacked);
 
   [[nodiscard]] const std::vector<Pose2>& poses() const { return poses_; }
@@ -70,7 +72,7 @@ class MappedWorld {
 };
 
 struct MappingStep {
-  double entropy_nats = 0.0;  ///< nats; of the team's map
+  double entropy_nats = 0.0;  ///< entropy of the team's map, nats
   std::vector<Pose2> poses;   ///< by robot
   std::vector<int> attacked;  ///< robots attacked in this step
 };
@@ -78,12 +80,12 @@ struct MappingStep {
 struct MappingOutcome {
   std::vector<MappingStep> steps;  ///< the first is after the scan at the start
   std::int64_t stopped = 0;        ///< steps cut short to avoid contact
-  std::int64_t nodes = 0;          ///< of all searches
-  std::int64_t beam_cells = 0;     ///< of all views used for planning
+  std::int64_t nodes = 0;          ///< search nodes of all searches
+  std::int64_t beam_cells = 0;     ///< beam cells of all views used for planning
   /// Share of wrong cells among those with an occupancy < 0.1 or > 0.9, judged at the cell's
   /// centre.
   double wrong_share = 0.0;
-  models::OccupancyBelief map;  ///< at the end
+  models::OccupancyBelief map;  ///< map at the end of the trial
   models::OccupancyBelief halfway;
 };
 

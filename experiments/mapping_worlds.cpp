@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kHeight_m = 3.0;
 
-constexpr double kDrawn_m = 24.0;  // m; side for which the boxes below are given
+constexpr double kDrawn_m = 24.0;  // m; side of the square to which the box coordinates below refer
 
 models::World scaled(models::World world, double side_m) {
   const double scale = side_m / kDrawn_m;

@@ -5,13 +5,13 @@
 namespace vantage::experiments {
 
 /// Returns a square room with sixteen square obstacles, each a twelfth of its side wide, slightly
-/// off a regular lattice. The source's map is a picture without a scale, almost complete after 50
-/// steps. With a side of 16 m this holds here, too.
+/// off a regular lattice. In the dissertation the map is a picture without a scale, and it is
+/// almost complete after 50 steps. With a side of 16 m the same holds here.
 /// Source: dissertation Fig. 4.4, top row.
 models::World square_obstacles_world(double side_m = 16.0);
 
 /// Returns corridors, an eighth of the side wide, around two solid blocks and two rooms with a door
-/// each. The layout is ours, for the same reason.
+/// each. The layout is our choice, because the dissertation's picture has no scale.
 /// Source: dissertation Fig. 4.4, bottom row.
 models::World corridor_world(double side_m = 16.0);
 

@@ -14,7 +14,7 @@ namespace {
 constexpr int kTrials = 10;
 constexpr int kSmokeSteps = 12;
 
-// The jammed robot; −1: chosen by the attacker.
+// The jammed robot (index); −1: chosen by the attacker.
 struct Jam {
   const char* name;
   int robot;
@@ -29,7 +29,7 @@ struct JamCase {
   [[nodiscard]] std::string cells() const { return fmt::format("{},{}", jam.name, method()); }
 };
 
-// Returns each of kJams by coordinate descent, then by RAIN.
+// Returns two cases for each of kJams: coordinate descent, then RAIN.
 std::vector<JamCase> all_cases() {
   std::vector<JamCase> cases;
   for (const Jam& jam : kJams) {
@@ -68,7 +68,7 @@ UnitRows run_unit(const JamCase& of, bool is_smoke, std::uint64_t seed) {
   return rows;
 }
 
-// long: one row of the page after another.
+// long: adds one row of the page after another.
 Summary summarise(const Tables& tables) {
   struct Trials {
     std::array<Sample, 2> switches;

@@ -19,8 +19,8 @@ namespace {
 constexpr double kSide_m = 64.0;
 constexpr double kStep_s = 0.5;
 constexpr double kGridResolution_m = 0.5;
-// Share of the beam width, see BeamOptions::breadth. With less, plans of 25 steps stay with their
-// first target.
+// Share of the beam width, see BeamOptions::breadth. With a smaller share, plans of 25 steps stay
+// near their first target.
 constexpr double kBreadth = 0.6;
 
 models::SensorModel tracking_sensor(BearingNoise bearing_noise) {

@@ -10,7 +10,8 @@
 
 namespace vantage::experiments {
 
-/// Growth of the bearing's variance, up to σ_b²; the text allows both readings.
+/// Growth of the bearing's variance, up to σ_b²; the text of the dissertation allows both
+/// interpretations.
 enum class BearingNoise {
   kByRange,    ///< like the range's variance: σ_b² at the largest range
   kByBearing,  ///< linear in |bearing|: σ_b² at the edge of view (bearing_noise.hpp)
@@ -25,15 +26,15 @@ struct TrackingSetting {
   int task_steps = 500;
   int plan_steps = 25;                    ///< T_PLAN = T_REPLAN
   std::int64_t nodes_per_plan = 100'000;  ///< search nodes per robot and plan
-  // Parameters that the text leaves open.
+  // Parameters that the dissertation does not state.
   double start_side_m = 64.0;  ///< m; side of the centred square in which robots and targets start
   double prior_position_sigma_m = 1.0;
-  /// Targets start at rest; √(q τ), the growth of one step.
+  /// 1σ of the prior velocity. Targets start at rest; the value is √(q τ), the growth of one step.
   double prior_velocity_sigma_mps = 0.02;
   double detection_probability = 0.05;  ///< see TargetSetting
-  /// Least range of the observations that plans count. A bearing from r gives information ∝ 1/r²
-  /// about a target at its expected position, but the position is known only to decimetres. Without
-  /// this limit robots would stay for information that no observation provides.
+  /// Minimum range of observations in plans. The information of a bearing from a distance r is
+  /// proportional to 1/r², but the target position is known only to decimetres. Without this limit
+  /// robots would stay close to targets for information that no observation provides.
   double plan_range_min_m = 3.0;
   BearingNoise bearing_noise = BearingNoise::kByRange;  ///< for the sensor and for the plans
   bool beliefs_stay_inside = true;                      ///< see TargetSetting
@@ -49,10 +50,10 @@ struct TrackingRun {
   std::vector<std::vector<TargetStep>> targets;  ///< [step][target]
 };
 
-/// Simulates tracking in a square of 64 m under attacks on the sensors of α robots, chosen anew in
-/// each planning period. Robots that are not attacked share everything. A resilient team plans by
-/// RAIN, others by coordinate descent. Targets, their priors and the robots' starts depend only on
-/// `seed`, so they are the same for both.
+/// Simulates tracking in a square of 64 m under attacks on the sensors of α robots, chosen again in
+/// each planning period. Robots that are not attacked share all observations. A resilient team
+/// plans by RAIN, other teams by coordinate descent. Targets, their priors and the robots' starts
+/// depend only on `seed`, so they are the same for both methods.
 /// Source: dissertation 4 F.1.
 TrackingRun track_under_attack(const TrackingSetting& setting, bool is_resilient,
                                std::uint64_t seed);

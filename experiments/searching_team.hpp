@@ -19,14 +19,14 @@ struct SearchingTeam {
   std::vector<planner::SearchProblem> problems;
   std::vector<planner::SearchResult> plans;  ///< by robot: its latest plan
 
-  /// Plans with all robots for `targets`: by RAIN prepared for `attacks_max` attacks, or by
-  /// coordinate descent if it is 0.
+  /// Plans with all robots for `targets`: by RAIN for `attacks_max` attacks, or by coordinate
+  /// descent if attacks_max is 0.
   void plan(const std::vector<planner::SearchTarget>& targets, int attacks_max,
             const Search& search);
-  /// Returns, by robot, nonzero if the attacker takes its sensor; at most `attacks` are.
+  /// Returns, by robot, nonzero if its sensor is attacked; at most `attacks` sensors are.
   [[nodiscard]] std::vector<char> attacked(planner::Attacker attacker, int attacks) const;
   /// Moves all robots by step `step_of_plan` (from 0) of their plans. A robot without such a step
-  /// stays and turns by `idle_turn_radps`. Returns the number of these robots.
+  /// stays and turns by `idle_turn_radps`. Returns the number of robots without such a step.
   int move(int step_of_plan, double idle_turn_radps);
   [[nodiscard]] std::vector<Pose2> poses() const;
 };

@@ -24,7 +24,7 @@ constexpr int kDrawnReplan = 5;
 constexpr int kSmokeSteps = 20;
 constexpr double kSmokeDelta_m = 4.0;
 
-// Settings are pairs: coordinate descent, then RAIN.
+// Settings are in pairs: coordinate descent, then RAIN.
 struct WatchCase {
   NamedAttacker attacker;
   int replan_steps;
@@ -40,7 +40,7 @@ struct WatchCase {
   }
 };
 
-// Attacker and number of attacks of a comparison over all values of T_REPLAN.
+// Attacker and number of attacks that are compared for all values of T_REPLAN.
 struct Attacked {
   NamedAttacker attacker;
   int attacks;
@@ -48,7 +48,8 @@ struct Attacked {
 constexpr std::array<Attacked, 3> kAttacked = {
     {{kAttackers[0], kAttacks}, {kAttackers[1], kAttacks}, {kAttackers[0], kAttacks + 1}}};
 
-// Returns, for each of kAttacked, all values of T_REPLAN; then one attack by the first attacker.
+// Returns the cases of all values of T_REPLAN for each of kAttacked. The last pair has one attack,
+// by the first attacker.
 std::vector<WatchCase> all_cases() {
   std::vector<WatchCase> cases;
   const auto add = [&](const NamedAttacker& attacker, int replan_steps, int attacks) {
@@ -117,7 +118,7 @@ UnitRows run_unit(const WatchCase& of, bool is_smoke, std::uint64_t seed) {
   return rows;
 }
 
-// Values of one setting, by measure and trial; NaN where there is none.
+// Values of one setting, by measure and trial; NaN for a missing value.
 using Runs = std::array<std::vector<double>, kMeasures>;
 
 Sample sample_of(const std::vector<double>& values) {
@@ -130,7 +131,7 @@ Sample sample_of(const std::vector<double>& values) {
   return sample;
 }
 
-// Returns the reduction by RAIN, trial by trial; both methods have the same starts.
+// Returns the reduction by RAIN for each trial; both methods have the same starts.
 Sample less_by_rain(const std::vector<double>& descent, const std::vector<double>& rain) {
   std::vector<double> less;
   for (std::size_t i = 0; i < std::min(descent.size(), rain.size()); ++i) {

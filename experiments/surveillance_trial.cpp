@@ -27,7 +27,7 @@ WatchSetting surveillance_setting(int replan_steps, int attacks) {
 
 std::vector<models::Viewpoint> surveillance_starts(const WatchSetting& setting, int robots,
                                                    std::uint64_t seed) {
-  constexpr double kRoom_m = 2.0;  // m; distance to obstacles, so that no start is a trap
+  constexpr double kRoom_m = 2.0;  // m; distance to obstacles; every robot can leave its start
   std::mt19937_64 rng(seed);
   const models::Rectangle& bounds = setting.world.bounds;
   std::uniform_real_distribution<double> x_m(bounds.min_m.x(), bounds.max_m.x());

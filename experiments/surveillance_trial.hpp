@@ -7,14 +7,14 @@
 
 namespace vantage::experiments {
 
-/// Returns the setting of the camp surveillance of the text, with T_REPLAN = `replan_steps` and α =
-/// `attacks`. The text leaves open the camp, the range noise (here that of its tracking), the prior
-/// and the nodes.
+/// Returns the setting of the camp surveillance with T_REPLAN = `replan_steps` and α = `attacks`.
+/// The dissertation does not state the camp, the range noise (here that of its tracking
+/// experiment), the prior and the number of nodes.
 /// Source: dissertation 4 F.3.
 WatchSetting surveillance_setting(int replan_steps, int attacks);
 
-/// Returns random free starts in the camp with random headings, at the robots' heights; determined
-/// by `seed`.
+/// Returns random obstacle-free starts in the camp with random headings, at the robots' heights;
+/// determined by `seed`.
 std::vector<models::Viewpoint> surveillance_starts(const WatchSetting& setting, int robots,
                                                    std::uint64_t seed);
 

@@ -21,7 +21,7 @@ struct TeamCase {
   TeamTrial trial;
 };
 
-// Trend of a measure from the first to the last setting, as printed.
+// Trend of a measure from the first to the last setting, as printed in the dissertation.
 struct Trend {
   std::size_t column;  ///< index into kTeamTrialColumns
   const char* what;
@@ -29,14 +29,14 @@ struct Trend {
   const char* printed;
 };
 
-// A sweep over trials of one scenario.
+// A sweep over one or several parameters of one scenario.
 struct TeamSweep {
   std::string columns;  ///< columns of the swept values
   std::string axis;     ///< axis label in the figure
   std::string figure;
   std::vector<TeamCase> cases;
   std::vector<Trend> trends;
-  bool is_improving = true;  ///< the text states an improvement from the first case to the last
+  bool is_improving = true;  ///< true: the dissertation states an improvement over the cases
   std::vector<std::string> choices;
 };
 
@@ -235,7 +235,8 @@ Sweep hardware(const Extent& extent) {
   sweep.columns = "planner";
   sweep.axis = "planner";
   sweep.figure = "hardware";
-  // ARVI is the planner that the source flew. The text gives no trend from random walk to ARVI.
+  // ARVI is the planner used in the dissertation's flights. The dissertation states no trend from
+  // random walk to ARVI.
   for (const char* planner : {"random_walk", "lawn_mower", "greedy", "arvi"}) {
     sweep.cases.push_back({planner, {.file = "lab.yaml", .planner = planner}});
   }

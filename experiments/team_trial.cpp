@@ -17,8 +17,8 @@
 namespace vantage::experiments {
 namespace {
 
-// Returns the robots' YAML: evenly on a circle around the centre, facing outwards, at staggered
-// heights.
+// Returns the robots' entries in YAML. Robots are evenly spaced on a circle around the centre, face
+// outwards and have different heights.
 std::string circle_of_robots(int count) {
   constexpr double kRadius_m = 4.0;
   std::string robots;

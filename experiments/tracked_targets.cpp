@@ -8,7 +8,7 @@
 namespace vantage::experiments {
 
 struct TrackedTargets::Starts {
-  std::mt19937_64 rng;  ///< generator of the starts; continued for the targets' motion
+  std::mt19937_64 rng;  ///< random generator of the starts, then of the targets' motion
   std::vector<models::StateVector> truth;
   std::vector<models::Gaussian> priors;
 

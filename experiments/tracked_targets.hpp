@@ -18,10 +18,10 @@ namespace vantage::experiments {
 struct TargetStep {
   double error_m = 0.0;  ///< m; position error
   double nees = 0.0;  ///< eᵀ Σ⁻¹ e of position and velocity; mean 4 for a consistent filter
-  bool is_seen = false;  ///< by a robot that is not attacked
+  bool is_seen = false;  ///< observed by a robot that is not attacked
 };
 
-/// Start of the targets and use of observations.
+/// Start of the targets and processing of observations.
 struct TargetSetting {
   int count = 10;
   double start_side_m = 64.0;  ///< m; side of the centred square in which targets start
@@ -30,23 +30,24 @@ struct TargetSetting {
   double prior_position_sigma_m = 1.0;
   double prior_velocity_sigma_mps = 0.02;
   double detection_probability = 0.05;  ///< see estimator::CentralFilterSpec
-  bool beliefs_stay_inside = true;      ///< beliefs are mirrored at the walls; targets always are
+  bool beliefs_stay_inside = true;  ///< true: beliefs are reflected at walls; targets always are
 };
 
 /// Targets that move as double integrators in a square world, mirrored at its walls, and the
-/// central filter of a team that shares everything.
+/// central filter of a team that shares all observations.
 ///
-/// Targets start at rest. Each prior mean is drawn around the truth with the prior's covariance, so
-/// that the filter is consistent from the beginning. The targets' motion depends only on `seed`;
-/// the beliefs depend on `seed` and on the robots' poses.
+/// Targets start at rest. Each prior mean is drawn around the true state with the prior's
+/// covariance, so that the filter is consistent from the start. The targets' motion depends only on
+/// `seed`; the beliefs depend on `seed` and on the robots' poses.
 class TrackedTargets {
  public:
-  /// `world` must outlive this.
+  /// `world` must outlive this object.
   TrackedTargets(const TargetSetting& setting, const models::World& world, std::uint64_t seed);
 
   /// Moves the targets and predicts the beliefs by one step.
   void move();
-  /// Uses the observations of all robots at once, except those with a nonzero `is_blind`.
+  /// Updates the beliefs with the observations of all robots at the present time, except robots
+  /// with a nonzero `is_blind`.
   void look(const models::SensorModel& sensor, const std::vector<Pose2>& poses,
             const std::vector<char>& is_blind);
 

@@ -17,10 +17,10 @@ namespace {
 
 constexpr int kRuns = 10;  // as in the dissertation
 constexpr int kSmokeNodes = 500;
-// (5, 10, 2), (10, 5, 4) and (10, 10, 4).
+// Rows of Table 4.1 (robots, targets, attacks): (5, 10, 2), (10, 5, 4) and (10, 10, 4).
 constexpr std::array<std::size_t, 3> kRows = {1, 4, 7};
 
-// Alternatives of each choice. The first is the one used for Table 4.1 elsewhere.
+// Alternatives of each choice. The experiment for Table 4.1 uses the first one.
 constexpr std::array<std::pair<BearingNoise, const char*>, 2> kBearingNoise = {
     {{BearingNoise::kByRange, "range"}, {BearingNoise::kByBearing, "bearing"}}};
 constexpr std::array<NamedAttacker, 2> kChosenAttackers = {
@@ -109,7 +109,7 @@ std::vector<CaseSamples> samples_of(const Tables& tables, std::size_t cases) {
   return samples;
 }
 
-// Factor between our values and the printed ones, in either direction: exp of the mean |log|.
+// Mean factor between our values and the printed ones, in either direction: exp(mean |log ratio|).
 class Factor {
  public:
   void add(double ours, double printed) { logs_.add(std::abs(std::log(ours / printed))); }

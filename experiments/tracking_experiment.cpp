@@ -98,7 +98,7 @@ std::string table_csv(const TableSamples& samples) {
   return text;
 }
 
-// Returns the drawn quantities by step, as means over the runs.
+// Returns the quantities of the figure by step, as means over the runs.
 std::string curves_csv(const Tables& tables) {
   std::map<std::pair<std::size_t, int>, std::pair<Sample, Sample>> curves;
   for (const Record& record : tables.at("steps")) {

@@ -4,7 +4,7 @@
 
 namespace vantage::experiments {
 
-/// A row of Table 4.1 with the values printed for coordinate descent and for RAIN.
+/// A row of Table 4.1 with the printed values for coordinate descent (CD) and for RAIN.
 struct TrackingTableRow {
   int robots;
   int targets;

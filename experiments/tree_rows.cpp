@@ -10,7 +10,7 @@
 namespace vantage::experiments {
 namespace {
 
-// Returns a motion as four straight segments: "plan,3,x y x y x y".
+// Returns a motion as a row with four straight segments: "plan,3,x y x y x y".
 std::string motion_row(const char* part, const planner::SearchProblem& problem, const Pose2& from,
                        int control, int depth) {
   constexpr int kPieces = 4;

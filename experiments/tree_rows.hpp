@@ -7,13 +7,14 @@
 #include "planner/problem/problem.hpp"
 #include "planner/search/tree.hpp"
 
-// Search trees and heuristic values as rows, and the files that gnuplot draws.
+// Conversion of search trees and heuristic values to table rows, and to the input files of gnuplot.
 
 namespace vantage::experiments {
 
 /// Returns the cost per step of an average path in the tree. It is the mean of g(n)/t over the
-/// nodes of each depth t = 1 … T − 1, averaged over the depths. Thus a tree with many deep nodes
-/// has no advantage. Leaves are excluded, because best-first searches keep none.
+/// nodes of each depth t = 1 … T − 1, averaged over the depths. The average over depths prevents an
+/// advantage of trees with many deep nodes. Leaves are excluded, because best-first searches store
+/// none.
 double cost_per_path(const planner::Tree& tree, int horizon_steps);
 
 /// Adds the motions of the tree's first `nodes_max` nodes, and of the plan, to the table "motions".
@@ -25,7 +26,7 @@ void add_tree_rows(UnitRows& rows, const planner::SearchProblem& problem, const 
 void add_heat_map_rows(UnitRows& rows, const planner::SearchProblem& problem, double resolution_m);
 
 /// Returns tree_PROBLEM_METHOD.txt (polylines "x y depth", the plan as a second block) for each
-/// setting "PROBLEM,METHOD" with motions, and heat_map.txt.
+/// setting "PROBLEM,METHOD" with a table of motions, and heat_map.txt.
 std::map<std::string, std::string> tree_files(const SweepPlan& plan, const Tables& tables);
 
 }  // namespace vantage::experiments

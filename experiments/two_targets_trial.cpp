@@ -27,7 +27,7 @@ WatchSetting two_targets_setting(int jammed_robot) {
 }
 
 std::vector<models::Viewpoint> two_targets_starts(const WatchSetting& setting, std::uint64_t seed) {
-  constexpr double kMargin_m = 0.6;  // m; to the walls and between the halves
+  constexpr double kMargin_m = 0.6;  // m; distance to the walls and to the middle
   std::mt19937_64 rng(seed);
   const models::Rectangle& bounds = setting.world.bounds;
   std::uniform_real_distribution<double> off_m(kMargin_m, bounds.max_m.x() - kMargin_m);

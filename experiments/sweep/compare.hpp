@@ -12,10 +12,10 @@ namespace vantage::experiments {
 /// Compares `ours` and its 95 % interval ("8.34 ± 1.6 m") with one printed number.
 Compared compare_number(const std::string& what, const Sample& ours, double printed,
                         const std::string& unit);
-/// Compares with a printed range, both ends included.
+/// Compares `ours` with a printed range, both ends included.
 Compared compare_range(const std::string& what, double ours, double low, double high,
                        const std::string& unit);
-/// Compares with a printed statement, which holds or not.
+/// Compares with a printed statement; `holds` is true if our results confirm it.
 Compared compare_claim(const std::string& what, const std::string& ours, const std::string& printed,
                        bool holds);
 

@@ -23,7 +23,7 @@ namespace {
 
 constexpr const char* kName = "manifest.json";
 
-// Returns the plan without the number of trials as JSON.
+// Returns the plan as JSON, without the number of trials.
 nlohmann::ordered_json settings_json(const SweepPlan& plan) {
   nlohmann::ordered_json json;
   json["parameters"] = plan.parameters;
@@ -62,8 +62,8 @@ std::filesystem::path write_beside(const std::string& directory,
   return path;
 }
 
-// True if the directory contains only manifests. One that is still being written, by this or
-// another shard, is ignored.
+// True if the directory contains no files other than manifests. Manifests that are still being
+// written by any shard do not count.
 bool is_free(const std::string& directory) {
   for (const auto& entry : std::filesystem::directory_iterator(directory)) {
     if (entry.path().filename().string().rfind(kName, 0) != 0) {
@@ -148,12 +148,13 @@ void claim_directory(const std::string& directory, const SweepIdentity& identity
   }
   const std::filesystem::path manifest = std::filesystem::path(directory) / kName;
   if (!std::filesystem::exists(manifest)) {
-    // Another shard may have created it meanwhile and begun its rows.
+    // Another shard may have created the manifest in the meantime and begun its rows.
     if (!is_free(directory) && !std::filesystem::exists(manifest)) {
       throw StartupError(directory +
                          ": is not empty and has no manifest.json; choose another --out");
     }
-    // Among shards that start together, one creates the name; the others then compare.
+    // If several shards start at the same time, one creates the file; the others compare theirs
+    // with it.
     const std::filesystem::path written = write_beside(directory, manifest_json(identity, plan));
     const int linked = ::link(written.c_str(), manifest.c_str());
     const int why = errno;

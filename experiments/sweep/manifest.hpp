@@ -7,7 +7,8 @@
 #include "experiments/sweep/row_files.hpp"
 #include "experiments/sweep/sweep.hpp"
 
-// DIRECTORY/manifest.json: the experiment of a directory, its version and its machines.
+// The file DIRECTORY/manifest.json names the experiment of a directory, its version and its
+// machines.
 
 namespace vantage::experiments {
 
@@ -19,14 +20,14 @@ std::string settings_hash(const SweepPlan& plan);
 /// Returns the identity of this run as JSON: experiment, version, seed, smoke, planning_share,
 /// settings_sha256.
 std::string identity_text(const SweepIdentity& identity, const SweepPlan& plan);
-/// Returns the first difference between `theirs`, JSON with at least the same keys, and this run:
-/// "different version: "1.0", but this run has "1.1"". Empty if both are the same run.
+/// Returns the first difference between this run and `theirs`, JSON with at least the same keys:
+/// "different version: "1.0", but this run has "1.1"". Empty if both describe the same run.
 std::string difference_of(const std::string& theirs, const SweepIdentity& identity,
                           const SweepPlan& plan);
 
-/// Claims `directory` for this run, and creates it if needed. One process writes the manifest; all
-/// others, now and later, compare theirs with it.
-/// @throws StartupError that names the difference, or when the directory contains something else
+/// Reserves `directory` for this run, and creates it if needed. One process writes the manifest;
+/// all other processes of the run, also later ones, compare their manifest with this file.
+/// @throws StartupError that names the difference, or when the directory contains other files
 void claim_directory(const std::string& directory, const SweepIdentity& identity,
                      const SweepPlan& plan);
 
@@ -37,7 +38,7 @@ void finish_manifest(const std::string& directory, const SweepIdentity& identity
 
 std::string host_name();
 
-/// Returns this process with its machine: name of the CPU, cores, time of day.
+/// Returns this process with its machine: CPU name, number of cores, start time.
 RowProcess this_process(int jobs, const Shard& shard);
 
 }  // namespace vantage::experiments

@@ -8,7 +8,7 @@
 namespace vantage::experiments {
 
 /// Returns report.md: the command, the figures, the comparison with the printed values, and the
-/// choices. The same rows give the same page.
+/// choices. Equal rows give equal pages.
 std::string report_page(const SweepIdentity& identity, const std::string& what,
                         const SweepPlan& plan, const Summary& summary);
 

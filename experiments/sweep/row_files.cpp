@@ -182,7 +182,7 @@ void RowWriter::append(const std::string& line) {
     }
     if (count < 0) {
       const int why = errno;
-      // Other units must not be appended to an incomplete line.
+      // The incomplete line is removed, so that other units are not appended to it.
       if (::ftruncate(descriptor_, whole_bytes_) != 0) {
         ::close(std::exchange(descriptor_, -1));
       }

@@ -10,16 +10,16 @@
 
 namespace vantage::experiments {
 
-/// Job of the array of shards, and the job that collects their rows.
+/// The array job that runs the shards, and the job that collects their rows.
 struct SlurmJobs {
   std::string array;      ///< format of job_of(); empty: nothing was submitted
-  std::string collector;  ///< likewise
+  std::string collector;  ///< format of job_of(); empty: nothing was submitted
   int shards = 0;         ///< number of shards of the sweep
   /// Returns "jobs 12 and 13 are".
   [[nodiscard]] std::string are() const;
 };
 
-/// States of both jobs in Slurm, known until a few minutes after their end.
+/// States of both jobs in Slurm. Slurm reports them until a few minutes after the jobs' end.
 struct SlurmQueue {
   std::map<int, std::string> tasks;  ///< state by shard
   std::string collector;             ///< state; empty: unknown
@@ -33,13 +33,14 @@ struct SlurmQueue {
 /// @throws StartupError with Slurm's message when it refuses the job, or sbatch is not installed
 std::string submit_job(const std::vector<std::string>& options, const std::string& script);
 
-/// Queries the cluster of the jobs. Returns squeue's Error when the query fails.
+/// Queries the states of the jobs on their cluster. Returns an Error with the message of squeue if
+/// the query fails.
 Result<SlurmQueue> ask_queue(const SlurmJobs& jobs);
 
 /// Cancels the job on its cluster, with additional options for scancel. Errors are ignored: the job
 /// may have ended already.
 void cancel_job(const std::string& job, const std::vector<std::string>& options = {});
-/// Returns the command that cancels both.
+/// Returns the command that cancels both jobs.
 std::string cancel_command(const SlurmJobs& jobs);
 
 }  // namespace vantage::experiments

@@ -12,7 +12,7 @@ namespace vantage::experiments {
 
 /// Scripts of both jobs.
 struct SlurmScripts {
-  std::string shards;   ///< for the array's tasks: each runs the shard of its number
+  std::string shards;   ///< script of the array's tasks: task k runs shard k
   std::string collect;  ///< the same command without a shard
 };
 /// Returns the scripts. `command` is the program with its arguments except --shard; the shell
@@ -23,17 +23,18 @@ SlurmScripts slurm_scripts(const std::vector<std::string>& command, int shards);
 std::vector<int> shards_lacking(const SweepPlan& plan, int of,
                                 const std::map<Unit, UnitRows>& done);
 
-/// Returns ascending numbers as for sbatch --array: "1-3,7".
+/// Returns ascending numbers in the format of sbatch --array: "1-3,7".
 std::string array_text(const std::vector<int>& numbers);
 
-/// Returns the job from the output of `sbatch --parsable`, which may contain warnings: "12", or
+/// Extracts the job from the output of `sbatch --parsable`, which may contain warnings: "12", or
 /// "12;east" if Slurm named the cluster; "" if there is none.
 std::string job_of(const std::string& answer);
-/// Return the parts of a job; an unnamed cluster is "".
+/// Return the job's number and its cluster; "" for an unnamed cluster.
 std::string number_of(const std::string& job);
 std::string cluster_of(const std::string& job);
-/// Returns the option that makes squeue, scancel and sbatch use the cluster of `job`; empty if it
-/// is unnamed. A number alone could be a different job on the default cluster.
+/// Returns the option that makes squeue, scancel and sbatch use the cluster of `job`; empty if the
+/// cluster is unnamed. Without this option, the number could refer to a different job on the
+/// default cluster.
 std::vector<std::string> cluster_option(const std::string& job);
 /// Returns "12" or "12 on cluster east".
 std::string job_text(const std::string& job);
@@ -41,11 +42,12 @@ std::string job_text(const std::string& job);
 /// Parses the output of `squeue --noheader --array --format=%i|%T`. Returns the states by job:
 /// "12_3" for an array task, "13" for other jobs.
 std::map<std::string, std::string> states_of(const std::string& answer);
-/// True if a job in that state may still write, now or after being requeued; false for "". This
-/// includes COMPLETING: until its node has responded, squeue does not report whether the job will
-/// run again.
+/// True if a job in this state may still write, now or after being requeued; false for "". The
+/// state COMPLETING is included, because squeue does not report whether the job will run again
+/// until the node has responded.
 bool is_live(const std::string& state);
-/// The same without COMPLETING: sufficient to wait for when no unit is missing.
+/// As is_live(), but false for COMPLETING. If no unit is missing, only jobs in these states must be
+/// waited for.
 bool is_at_work(const std::string& state);
 /// True if the job ended without success.
 bool is_failure(const std::string& state);

@@ -97,13 +97,13 @@ class SlurmRun {
     return now.value().has_task(is_live) || is_live(now.value().collector);
   }
 
-  // Returns the job, submitted to the cluster of `near` if it is named: a dependency cannot refer
-  // to another cluster.
+  // Submits a job and returns it. Uses the cluster of `near` if it is named, because a dependency
+  // cannot refer to another cluster.
   [[nodiscard]] std::string sbatch(std::vector<std::string> options, const char* script,
                                    const std::string& near) const {
     options.push_back("--chdir=" + folder_.string());
     options.push_back("--job-name=vantage-" + identity_.experiment);
-    options.emplace_back("--requeue");  // run again if its node fails, whatever the site's default
+    options.emplace_back("--requeue");  // run again after a node failure, despite the default
     options.insert(options.end(), slurm_.sbatch.begin(), slurm_.sbatch.end());
     const std::vector<std::string> cluster = cluster_option(near);
     options.insert(options.end(), cluster.begin(), cluster.end());
@@ -118,7 +118,7 @@ class SlurmRun {
     write_file(folder_ / "collect.sh", scripts.collect);
     for (const int shard : lacking) {
       fs::remove(log_of(shard),
-                 error);  // log of an earlier job, which could be mistaken for the new one
+                 error);  // removes an earlier job's log, which could be mistaken for the new one
     }
     submitted_ = {"", "", slurm_.shards};
     submitted_.array = sbatch({"--array=" + array_text(lacking), "--output=shard_%a.log",
@@ -171,8 +171,8 @@ class SlurmRun {
     return progress;
   }
 
-  // Returns a short period at first, for short jobs, and a longer one later to limit the load on
-  // the cluster.
+  // Returns a short period in the beginning, for short jobs, and a longer period later, to limit
+  // the load on the cluster.
   [[nodiscard]] std::chrono::milliseconds poll_period() const {
     using std::chrono::milliseconds;
     return std::clamp(std::chrono::duration_cast<milliseconds>(Clock::now() - start_) / 10,
@@ -201,7 +201,8 @@ class SlurmRun {
       } else if (now.ok()) {
         ended = ended.value_or(Clock::now());
         if (!is_whole) {
-          // The collecting job is cancelled if a task fails or is cancelled before it begins.
+          // Slurm cancels the collecting job if a task fails or is cancelled before the collecting
+          // job begins.
           const bool has_failed = is_failure(now.value().collector) ||
                                   std::any_of(last.begin(), last.end(), [](const auto& task) {
                                     return is_failure(task.second);

@@ -13,7 +13,7 @@ struct SlurmOptions {
   std::vector<std::string> command;  ///< see slurm_scripts()
   int shards = 8;
   int cores_per_task = 1;
-  std::vector<std::string> sbatch;  ///< options passed unchanged to sbatch, after ours
+  std::vector<std::string> sbatch;  ///< options passed unchanged to sbatch, after our options
   bool is_waiting = true;
   std::function<void(const std::string& line)> tell;
   /// Called about once per query of the queue; the text describes the jobs' states.
@@ -28,10 +28,10 @@ enum class SlurmEnd {
 
 /// Runs `sweep` in options.directory, which all nodes must share. It submits an array of jobs, one
 /// per shard with missing units, and a job that collects the results after them. Jobs that are
-/// still in the queue from an earlier call are waited for, not submitted again. If all units are
-/// done, it collects here without a job. Once the array has ended, a waiting caller collects here.
-/// `options.stop` only ends the waiting. DIRECTORY/slurm/ contains scripts, logs and numbers of the
-/// jobs.
+/// still in the queue from an earlier call are not submitted again, but waited for. If all units
+/// are done, or after the array has ended while the caller waits, this process collects the results
+/// itself. `options.stop` ends only the waiting, not the jobs. DIRECTORY/slurm/ contains the
+/// scripts, logs and numbers of the jobs.
 /// @throws StartupError with Slurm's message when it refuses a job or cannot be queried, and as
 /// run_sweep() does
 SlurmEnd run_on_slurm(const Sweep& sweep, const SweepIdentity& identity, const std::string& what,

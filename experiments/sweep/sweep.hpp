@@ -11,10 +11,10 @@
 
 namespace vantage::experiments {
 
-/// Extent of an experiment's run.
+/// Size of an experiment's run.
 struct Extent {
-  int trials = 0;  ///< per setting; 0: as in the dissertation
-  /// Two trials and shortened horizons with the same code, to test that it runs.
+  int trials = 0;  ///< number of trials per setting; 0: as in the dissertation
+  /// True: two trials and shortened horizons with the same code, to test that the experiment runs.
   bool is_smoke = false;
   /// Share, in (0, 1], of the dissertation's planning time, for experiments that convert this time
   /// into nodes.
@@ -27,8 +27,8 @@ struct Extent {
 
 /// One setting of the trials.
 struct Setting {
-  std::string cells;     ///< its cells in the columns that name a setting: "10,2,rain"; unique
-  bool is_once = false;  ///< only the first trial, because nothing in it is random
+  std::string cells;     ///< values in the columns that name a setting: "10,2,rain"; unique
+  bool is_once = false;  ///< true: only one trial, because the setting has no randomness
 };
 
 /// Settings and trials of a sweep, and the parameters in its manifest.
@@ -36,9 +36,9 @@ struct SweepPlan {
   std::string setting_columns;  ///< "robots,attacks,method"
   std::vector<Setting> settings;
   int trials = 0;
-  /// All inputs of a unit's rows in addition to setting, seed and trial.
+  /// All inputs that affect a unit's rows, in addition to setting, seed and trial.
   std::map<std::string, std::string> parameters;
-  /// Columns of each table of rows, without those of setting and trial.
+  /// By table name: its columns, without those of setting and trial.
   std::map<std::string, std::string> tables;
 };
 
@@ -61,9 +61,9 @@ struct Unit {
 
 /// Results of a unit.
 struct UnitRows {
-  /// By table name: rows of comma-separated cells, without setting and trial.
+  /// By table name: its rows of comma-separated cells, without setting and trial.
   std::map<std::string, std::vector<std::string>> tables;
-  /// CPU seconds of its parts, the only values that differ between runs.
+  /// CPU time of each part of the unit, s; the only values that differ between runs.
   std::vector<std::pair<std::string, double>> times_s;
 };
 
@@ -72,15 +72,15 @@ struct Record {
   Unit unit;
   std::vector<std::string> cells;
   /// Returns a cell as a number.
-  /// @throws std::runtime_error when that cell is not a number
+  /// @throws std::runtime_error when the cell is not a number
   [[nodiscard]] double number(std::size_t column) const;
 };
 
 /// Rows of all units by table, ordered by setting, trial and the order within the unit. The table
-/// "times" has (part, CPU seconds).
+/// "times" has the columns part and CPU seconds.
 using Tables = std::map<std::string, std::vector<Record>>;
 
-/// Comparison of one of our values with the dissertation's.
+/// Comparison of one of our values with the value in the dissertation.
 struct Compared {
   std::string what;
   std::string ours;
@@ -88,22 +88,23 @@ struct Compared {
   std::string deviation;
 };
 
-/// Results computed from all rows. All members except `time_lines` are a function of the rows
-/// without "times".
+/// Results computed from all rows. All members except `time_lines` are independent of the table
+/// "times".
 struct Summary {
   std::map<std::string, std::string> files;  ///< by name: CSV files and the inputs of the figures
   std::string figure_script;  ///< gnuplot script, to be run in the files' directory; may be empty
   std::vector<std::string> figures;  ///< names of the SVG and PNG files that it draws
   std::vector<Compared> compared;
-  std::vector<std::string> choices;  ///< choices where the source is open, and deviations from it
+  std::vector<std::string> choices;  ///< choices for unstated parameters, and deviations
   std::vector<std::string> lines;    ///< lines to print at the end
   std::vector<std::string> time_lines;
 };
 
-/// An experiment at one extent.
+/// An experiment with a given extent.
 struct Sweep {
   SweepPlan plan;
-  /// A pure function of the setting and `seed` except for the times. Called from several threads.
+  /// Runs one unit. The result depends only on the setting and `seed`, except for the times. Called
+  /// from several threads.
   std::function<UnitRows(std::size_t setting, std::uint64_t seed)> run;
   std::function<Summary(const Tables& tables)> summarise;
 };
@@ -115,8 +116,8 @@ struct Shard {
 };
 
 /// Returns the units of `shard` in the order of execution: the first trial of every setting, then
-/// the second and so on. Thus the remaining time can be estimated early. Every shard has a part of
-/// each setting; together the shards contain each unit once.
+/// the second and so on. This order allows an early estimate of the remaining time. Every shard
+/// contains units of each setting; together the shards contain each unit once.
 std::vector<Unit> units_of(const SweepPlan& plan, const Shard& shard);
 
 /// True if the cells of `setting` equal or begin with one of `beginnings`, cell by cell: "a,1"

@@ -96,7 +96,7 @@ void check_beginnings(const SweepPlan& plan, const std::vector<std::string>& beg
   }
 }
 
-// Returns the units of the share that are in no file, and sets the progress.
+// Returns the units of the share that are not yet in a file, and sets the progress.
 std::vector<Unit> units_left(const Sweep& sweep, const SweepOptions& options,
                              const StoredRows& stored, SweepProgress& progress) {
   std::vector<Unit> left;

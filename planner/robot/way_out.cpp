@@ -40,8 +40,7 @@ bool has_way_out(const SearchProblem& problem, double turned_rad) {
     for (const auto& stop : models::brake(control.speed_mps, problem.brake_mps2)) {
       step.segments.push_back(stop);
     }
-    // Uses exactly the checks of the search, because this position may have no clearance beyond
-    // them.
+    // Requires only the search's own clearance and separation; this position may not allow more.
     return control.speed_mps > 0.0 &&
            models::is_clear(*problem.world, step, step.start_time, problem.clearance_m) &&
            keeps_apart(problem, step, 0.0);

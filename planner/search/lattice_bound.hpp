@@ -80,9 +80,8 @@ class LatticeBound {
  private:
   static constexpr float kNever = -1e30F;  ///< the cell is not reachable
   static constexpr int kWaitsMax = 3;
-  static constexpr std::size_t kTargetNodes =
-      200;                                         ///< nodes per target linearised or step followed
-  static constexpr std::size_t kMovesANode = 150;  ///< moves to a cell that count as one node
+  static constexpr std::size_t kTargetNodes = 200;  ///< nodes per linearised target or step
+  static constexpr std::size_t kMovesANode = 150;   ///< moves to a cell that count as one node
 
   /// Information of a sensor about a planar target.
   struct Sensor {
