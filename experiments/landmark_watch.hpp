@@ -52,9 +52,10 @@ struct WatchRun {
 /// not exist. Other teams use coordinate descent. Then the attacker chooses. Beliefs are those of a
 /// team that shares all observations. Only covariances are estimated, because the landmark
 /// positions are known. Nothing is random. Robots are separated only by their heights. A robot
-/// without any collision-free control turns on the spot. Growing uncertainty adds q k I in the step
-/// after k steps without observation; it adds nothing for landmarks in view. A plan uses each
-/// landmark's k at the time of planning for all steps.
+/// without any collision-free control turns on the spot.
+///
+/// Growing uncertainty adds q k I in the step after k steps without observation; it adds nothing
+/// for landmarks in view. A plan uses each landmark's k at the time of planning for all steps.
 /// @throws UsageError when a start is not free or the search refuses its problem
 /// Source: dissertation Alg. 9, 10, ch. 4 F.3, F.4.
 WatchRun watch(const WatchSetting& setting, std::span<const models::Viewpoint> starts,

@@ -9,6 +9,7 @@
 namespace vantage::planner {
 
 /// Finds one robot's best candidate to add to a team solution to which candidates are only added.
+///
 /// Lazy mode: gains computed for earlier, smaller solutions are upper bounds of the present gains,
 /// so only candidates that may still be best are evaluated (Minoux's accelerated greedy). Correct
 /// for submodular J only.

@@ -12,12 +12,13 @@ namespace vantage::planner {
 inline constexpr double kGainRounding_nats = 1e-9;
 
 /// A set S of at most one candidate per robot. It stores each target's belief after every step, and
-/// its gain, so that sets with one candidate more or less are cheap to evaluate. An evaluation only
-/// processes the targets that the added or removed candidate measures, from its first measurement
-/// on. Cost: O(looks · robots that measure the same targets) and one addition per target. Values
-/// are pure functions of the set, bit for bit: neither the history of S nor the query affects them.
-/// Allocates nothing after construction, except when a target is measured by more robots than
-/// before.
+/// its gain, so that sets with one candidate more or less are cheap to evaluate.
+///
+/// An evaluation only processes the targets that the added or removed candidate measures, from its
+/// first measurement on. Cost: O(looks · robots that measure the same targets) and one addition per
+/// target. Values are pure functions of the set, bit for bit: neither the history of S nor the
+/// query affects them. Allocates nothing after construction, except when a target is measured by
+/// more robots than before.
 class TeamSet {
  public:
   /// Creates the empty set. `oracle` must outlive this object.

@@ -12,8 +12,10 @@ namespace vantage::planner {
 
 /// The controls of a problem, precomputed in the body frame, and their collision checks: against
 /// the world's obstacles and walls (a disc) and the teammates' committed motion (a distance in
-/// space). Provides the poses and the feasibility of child nodes, but not their information.
-/// reset() allocates only up to the sizes given to the constructor; the queries allocate nothing.
+/// space).
+///
+/// Provides the poses and the feasibility of child nodes, but not their information. reset()
+/// allocates only up to the sizes given to the constructor; the queries allocate nothing.
 class MotionTable {
  public:
   static constexpr int kPieces = 5;  ///< straight pieces per arc, for separation

@@ -13,11 +13,13 @@ bool has_way_out(const SearchProblem& problem, double turned_rad);
 
 /// Returns a turn on the spot by an eighth of a circle for a stationary robot whose search found no
 /// motion; after the turn, a motion may be possible. Turning does not move the robot's disc, so it
-/// is safe wherever hovering is. If a teammate is too near, the robot turns away from the teammate.
-/// When it faces away, it continues to turn until its heading allows a motion. If walls or
-/// teammates ahead block every motion, it turns towards the nearest heading that allows one.
-/// nullopt if the present heading allows a motion or if no heading does. If the search found no
-/// motion (`is_boxed_in`), the robot always turns: left if no other heading allows a motion.
+/// is safe wherever hovering is.
+///
+/// If a teammate is too near, the robot turns away from the teammate. When it faces away, it
+/// continues to turn until its heading allows a motion. If walls or teammates ahead block every
+/// motion, it turns towards the nearest heading that allows one. nullopt if the present heading
+/// allows a motion or if no heading does. If the search found no motion (`is_boxed_in`), the robot
+/// always turns: left if no other heading allows a motion.
 std::optional<models::Trajectory> turn_to_a_way_out(const SearchProblem& problem, bool is_boxed_in,
                                                     double yaw_rate_max_radps);
 

@@ -53,9 +53,10 @@ struct BestFirstOptions {
 /// Weights require costs ≥ 0, but log det can be negative. The weight w therefore multiplies h' = h
 /// − Σ_{k>t} L_k, and g' is g − Σ_{k≤t} L_k, where L_k is the least possible cost of the stage at
 /// depth k (InformationHeuristic::stage_floor). Weighted A* thus guarantees J − L ≤ w (J* − L),
-/// where L = Σ_k L_k is the heuristic of the root. The search can be interrupted at each node. With
-/// Deadline::nodes(work_nodes) it stops at the same node again. plan() allocates nothing while the
-/// problem fits the capacity.
+/// where L = Σ_k L_k is the heuristic of the root.
+///
+/// The search can be interrupted at each node. With Deadline::nodes(work_nodes) it stops at the
+/// same node again. plan() allocates nothing while the problem fits the capacity.
 /// Source: dissertation Alg. 3, 4, Thm 6, Cor. 7.
 class BestFirstSearch : private TreeSearch {
  public:

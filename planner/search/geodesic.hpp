@@ -12,11 +12,13 @@ namespace vantage::planner {
 /// Shortest path lengths around obstacles, between fixed points and from any position: a lower
 /// bound of a robot's path length. A shortest path around boxes bends only at their corners. A
 /// visibility graph of the corners, with all shortest paths between them, therefore answers a query
-/// exactly. Every answer is a lower bound for a disc of any radius. Boxes are shrunk by up to 0.2
-/// µm to allow for rounding, and walls only exclude the corners outside them. Only the kBoxesMax
-/// largest boxes are used; omitting a box can only shorten paths. Because of the shrinking, paths
-/// can pass between boxes that only touch, but not between overlapping boxes. reset() is O((4
-/// boxes)³) and allocates up to the size given to the constructor; the queries allocate nothing.
+/// exactly.
+///
+/// Every answer is a lower bound for a disc of any radius. Boxes are shrunk by up to 0.2 µm to
+/// allow for rounding, and walls only exclude the corners outside them. Only the kBoxesMax largest
+/// boxes are used; omitting a box can only shorten paths. Because of the shrinking, paths can pass
+/// between boxes that only touch, but not between overlapping boxes. reset() is O((4 boxes)³) and
+/// allocates up to the size given to the constructor; the queries allocate nothing.
 class GeodesicTable {
  public:
   static constexpr int kBoxesMax = 8;

@@ -13,19 +13,24 @@ namespace vantage::planner {
 
 /// Lower bound of the cost-to-go that accounts for travel time. Thm 6 assumes that the robot
 /// measures every target in reach at every step. This bound requires travel between the regions
-/// from which the targets are visible. The relaxed problem, over static planar targets: choose at
-/// which steps which targets are measured, subject to three rules.
+/// from which the targets are visible.
+///
+/// The relaxed problem, over static planar targets: choose at which steps which targets are
+/// measured, subject to three rules.
 ///   (1) After a first control, a target is measured no earlier than the path to its disc of
 ///       visibility takes.
 ///   (2) Between measurements of two targets, the path between their discs must be travelled.
 ///   (3) Targets measured at one step have discs that meet.
 /// After n measurements by step k a target costs at least c(k, n): the best possible measurements,
-/// in the best directions, at the last n steps. A best-first search over (numbers of measurements,
-/// earliest next measurements) solves this problem. Its least open f is a valid bound at any time.
-/// The search can therefore be stopped after `states_max` states or by a deadline. If discs overlap
-/// in more than kStopsMax combinations, overlapping discs are merged into one region that sees all
-/// their targets. Valid for every problem and all plans that move at every step (hovering plans are
-/// bounded by Thm 6). Allocates nothing after construction.
+/// in the best directions, at the last n steps.
+///
+/// A best-first search over (numbers of measurements, earliest next measurements) solves this
+/// problem. Its least open f is a valid bound at any time. The search can therefore be stopped
+/// after `states_max` states or by a deadline. If discs overlap in more than kStopsMax
+/// combinations, overlapping discs are merged into one region that sees all their targets.
+///
+/// Valid for every problem and all plans that move at every step (hovering plans are bounded by Thm
+/// 6). Allocates nothing after construction.
 /// Source: ours, after the observation that travel, not sensing, limits mapping with a short-range
 /// sensor.
 class SequencingBound : public PartialBound {
