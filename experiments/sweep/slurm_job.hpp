@@ -13,7 +13,7 @@ namespace vantage::experiments {
 /// Scripts of both jobs.
 struct SlurmScripts {
   std::string shards;   ///< script of the array's tasks: task k runs shard k
-  std::string collect;  ///< the same command without a shard
+  std::string collect;  ///< script of the collecting job: the command without a shard
 };
 /// Returns the scripts. `command` is the program with its arguments except --shard; the shell
 /// expands nothing in it.

@@ -20,7 +20,7 @@ struct Gaussian {
   StateMatrix covariance;  ///< symmetric, positive definite
 };
 
-/// The same belief in information form: matrix Ω = Σ⁻¹, vector ω = Ω y. Ω = 0: no information.
+/// A Gaussian belief in information form: matrix Ω = Σ⁻¹, vector ω = Ω y. Ω = 0: no information.
 struct Information {
   StateVector vector;
   StateMatrix matrix;

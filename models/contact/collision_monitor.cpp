@@ -136,7 +136,8 @@ double CollisionMonitor::watched_m() const {
       travelled_m = std::max(travelled_m, (new_m_[i] - old_m_[i]).norm());
     }
   }
-  // Pairs that stay farther apart than min_separation_m_ during the whole step change no result.
+  // Pairs that stay farther apart than min_separation_m_ during the complete step do not affect the
+  // result.
   const double separation_m = robots < 2 ? 0.0 : std::max(some_pair_m, separation_m_ + kReleaseM);
   return std::max(2.0 * radius_m + kReleaseM, separation_m) + 2.0 * travelled_m + kRoundingM;
 }

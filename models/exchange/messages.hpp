@@ -71,7 +71,7 @@ struct Detection {
 struct RobotMeasurement {
   Stamp stamp;
   std::string robot;
-  Viewpoint viewpoint;  ///< of the sensor at the time of measurement
+  Viewpoint viewpoint;  ///< pose of the sensor at the time of measurement
   bool jammed = false;  ///< true: attacked, so it made no measurement
   std::vector<Detection> detections;
   std::vector<InputRef> inputs;

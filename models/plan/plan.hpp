@@ -45,7 +45,8 @@ struct TrajectoryPoint {
   UnicycleControl control;  ///< applied at this time; zero in the hover
 };
 
-/// Returns the state at `time`: the start at rest before the start time, the hover after the end.
+/// Returns the state at `time`: stationary at the start pose before the start time, hovering after
+/// the end.
 TrajectoryPoint at(const Trajectory& trajectory, Time time);
 /// Returns the time at which the vehicle has stopped.
 Time end_time(const Trajectory& trajectory);

@@ -231,7 +231,7 @@ void PlannerNode::tick(Time now) {
     return;
   }
   next_exchange_ = Time::max();
-  if (now >= slot_.end && !is_asking_) {  // missed the whole slot
+  if (now >= slot_.end && !is_asking_) {  // the slot has passed
     ++slots_skipped_;
     ++late_;
     move_on(now);
@@ -280,7 +280,7 @@ void PlannerNode::propose(Time now) {
 
 void PlannerNode::begin_exchange(Time now) {
   inputs_.solution.reset();
-  // The candidate search gets a third of the time, the local search the rest.
+  // The candidate search gets a third of the time, the local search the remaining time.
   Deadline deadline =
       Deadline::nodes(spec_.node_budget > 0 ? spec_.node_budget : scenario::kDefaultNodeBudget);
   if (clock_.is_real_time()) {

@@ -187,7 +187,7 @@ Candidate make_candidate(const SearchProblem& problem, const models::SensorModel
   return candidate;
 }
 
-// long: one loop over the leaves, each compared with all kept ones, which share state.
+// long: one loop over the leaves; each leaf is compared with all selected ones.
 std::vector<Candidate> candidate_trajectories(const SearchProblem& problem,
                                               const EnergyModel& energy,
                                               ReducedValueIteration& search,

@@ -16,7 +16,7 @@ ImprovementRule::ImprovementRule(const TeamOracle& oracle, double alpha, double 
 }
 
 bool is_preferred(const Proposal& a, const Proposal& b) {
-  // Cast to unsigned, −1 ("none") comes last.
+  // As an unsigned number, −1 ("none") is the largest and therefore last.
   const auto order = [](const Proposal& p) {
     return std::tuple(-p.value, static_cast<std::uint32_t>(p.add),
                       static_cast<std::uint32_t>(p.drop_robot));

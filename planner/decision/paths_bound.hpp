@@ -19,8 +19,8 @@ namespace vantage::planner {
 /// teammates and motion costs are ignored, since they only reduce the value. Gives no bound for
 /// spatial targets, or for controls with turns that LatticeBound does not support.
 ///
-/// Reserves about 60 MB of memory. One iteration per robot takes a lattice of 10⁵ to 10⁶ cells and
-/// 1 to 15 ms. Source: ours; Frank & Wolfe 1956.
+/// Reserves about 60 MB of memory. One iteration per robot uses a lattice of 10⁵ to 10⁶ cells and
+/// takes 1 to 15 ms. Source: ours; Frank & Wolfe 1956.
 class PathsBound {
  public:
   PathsBound(int targets_max, int horizon_max);

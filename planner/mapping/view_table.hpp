@@ -31,9 +31,9 @@ enum class BeamDependence {
 struct ViewOptions {
   BeamMeasure measure = BeamMeasure::kCsqmi;
   BeamDependence dependence = BeamDependence::kBestOfCell;
-  double dependent_share = 0.5;           ///< for kDropBeams, in (0, 1]
+  double dependent_share = 0.5;           ///< used by kDropBeams, in (0, 1]
   double cutoff_sigmas = 6.0;             ///< neglects e^−9 of a Gaussian product's peak
-  models::InverseBeamModel inverse = {};  ///< for kFsmi
+  models::InverseBeamModel inverse = {};  ///< used by kFsmi
 };
 
 /// Information of one scan from one position. Dependent beams within the scan count once.

@@ -287,7 +287,7 @@ bool arc_is_clear(const models::World& world, const Pose2& from,
       return false;
     }
     if (control.yaw_rate_radps == 0.0) {
-      // A straight line along a wall may be barely clear all the way and need thousands of
+      // A straight line along a wall may be barely clear over its full length and need thousands of
       // bisections, but its clearance has a closed form. (An arc is near a wall only at one
       // position.)
       const Pose2 end = models::step_unicycle(from, control, duration_s);

@@ -80,7 +80,7 @@ class MotionTable {
     Eigen::Vector2d piece_end_m[kPieces];  ///< in the body frame at the start
     Pose2 along[kParts];                   ///< in the body frame, after k parts of kParts
     double length_m = 0.0;
-    double sagitta_m = 0.0;  ///< of one piece, m: deviation of the arc from its chord
+    double sagitta_m = 0.0;  ///< m; deviation of one piece of the arc from its chord
     models::UnicycleControl control;
   };
   struct TeammatePiece {

@@ -13,8 +13,8 @@ namespace vantage::planner {
 struct Commitment {
   enum class Known {
     kMotion,
-    kNoPose,       ///< its pose was never received
-    kUnknownPlan,  ///< it flies a plan from before its planner's restart
+    kNoPose,       ///< the robot's pose was never received
+    kUnknownPlan,  ///< the robot flies a plan from before its planner's restart
   };
   Known known = Known::kMotion;
   models::Trajectory motion;  ///< motion from t_{k+1} on; valid only for kMotion

@@ -12,7 +12,7 @@ namespace vantage::planner {
 /// All inputs of one robot's plan of one round. An absent input was not received.
 struct PlanInputs {
   RoundSchedule::Slot slot;
-  std::optional<models::RobotBelief> belief;     ///< of this robot
+  std::optional<models::RobotBelief> belief;     ///< belief of this robot
   std::optional<models::BeliefMixture> mixture;  ///< mixture of this robot, same step as `belief`
   std::optional<models::RobotMap> map;           ///< map of this robot, in a mapping scenario
   std::optional<models::MocapFrame> mocap;       ///< poses of all bodies

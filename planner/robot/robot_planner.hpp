@@ -27,10 +27,10 @@ namespace vantage::planner {
 /// the scenario selects (make_slot_planner()). The problem contains the teammates' newest plans,
 /// their information and their swept motion (problem_of_round()). A silent teammate is assumed to
 /// continue its last plan, which ends in a hover. If a teammate reports that it does not follow
-/// plans, its present position is kept free as well. The published plan is the first safe one of:
-/// the found plan, the last plan shifted, braking to a hover (PlanLadder). A restarted planner does
-/// not know the plan that its robot flies, but every teammate does. The planner waits until that
-/// plan has ended in its hover, and plans from the hover.
+/// plans, its present position is also avoided. The published plan is the first safe one of: the
+/// found plan, the last plan shifted, braking to a hover (PlanLadder). A restarted planner does not
+/// know the plan that its robot flies, but every teammate does. The planner waits until that plan
+/// has ended in its hover, and plans from the hover.
 ///
 ///
 /// With shared slots the robot continues its committed motion without a search in two cases: a

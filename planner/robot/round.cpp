@@ -56,7 +56,7 @@ std::optional<int> RoundSchedule::place_of(const models::RobotPlan& plan) const 
     return std::nullopt;
   }
   const auto near = static_cast<int>((into.count() * slots_ + length.count() / 2) / length.count());
-  for (const int place : {near - 1, near, near + 1}) {  // slots begin at whole microseconds
+  for (const int place : {near - 1, near, near + 1}) {  // slot starts are rounded to microseconds
     if (place >= 0 && place < slots_ && slot(plan.round, place).begin == plan.slot_start) {
       return place;
     }

@@ -15,8 +15,8 @@ namespace vantage::planner {
 /// of the round, [t_{k+1} − m − B, t_{k+1} − m), so that plans use recent beliefs. Robot i of N
 /// owns the i-th of N equal parts of the budget. All robots switch to their new plans at t_{k+1}.
 ///
-/// A team larger than planner.slots, S > 0, divides the budget into S parts, whatever N is. Each
-/// slot is shared by robots that are not near each other, and a robot's slot can change
+/// A team larger than planner.slots, S > 0, divides the budget into S parts, for any N. Each slot
+/// is shared by robots that are not near each other, and a robot's slot can change
 /// (planner/robot/slot_colour).
 ///
 /// In a team that expects attacks the first half of the budget is divided in the same way for

@@ -17,7 +17,7 @@ namespace vantage::planner {
 enum class Heard {
   kTaken,       ///< adopted: it is now the best known proposal
   kNotBetter,   ///< not better than the best known proposal
-  kOtherRound,  ///< of another round
+  kOtherRound,  ///< belongs to another round
   kRefused,     ///< inconsistent or too long
 };
 

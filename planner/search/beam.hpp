@@ -112,7 +112,7 @@ class RefiningBeam : private TreeSearch {
   ReservedArray<double> ranks_;  ///< rank of each candidate
   ReservedArray<Mark> marks_;    ///< mark of each candidate
   ReservedArray<Cell> cells_;    ///< hash table; entries of another epoch count as empty
-  ReservedArray<Cell> regions_;  ///< the same for regions
+  ReservedArray<Cell> regions_;  ///< hash table of regions, as cells_
   std::size_t cell_mask_ = 0;
   std::uint32_t epoch_ = 0;
   SightingValue sighting_;

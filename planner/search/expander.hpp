@@ -107,7 +107,7 @@ class Expander {
   std::vector<std::uint16_t> touched_;  ///< by ascending target
   std::vector<double> predicted_;
   std::span<const std::uint16_t> candidates_;
-  Views views_;  ///< of the children under construction
+  Views views_;  ///< views of the children under construction
   std::vector<std::uint16_t> result_targets_;
   std::vector<double> result_;
 };

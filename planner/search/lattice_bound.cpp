@@ -242,7 +242,7 @@ LatticeBound::Look LatticeBound::look(const Price& price, const Sensor& sensor, 
     const double sin_2 = 2.0 * dx_m * dy_m / center2_m2;
     const double here = price.half_difference * cos_2 + price.xy * sin_2;
     const double turned = std::abs(price.xy * cos_2 - price.half_difference * sin_2);
-    const double cos_spread = 1.0 - 2.0 * sin2_spread;  // of twice the angle
+    const double cos_spread = 1.0 - 2.0 * sin2_spread;  // cosine of twice the spread
     const double sin_spread = 2.0 * std::sqrt(sin2_spread * (1.0 - sin2_spread));
     if (here < amplitude * cos_spread) {
       most = here * cos_spread + turned * sin_spread;

@@ -59,7 +59,7 @@ class PrefixBound {
   Expander* expander_ = nullptr;
   Children children_;
   std::vector<Entry> open_;          ///< a heap, least f first
-  ReservedArray<float> references_;  ///< of improved nodes, indexed by Node::next
+  ReservedArray<float> references_;  ///< references of improved nodes, indexed by Node::next
   std::vector<float> scratch_;
   std::size_t reference_count_ = 0;
   double proven_ = 0.0;

@@ -13,7 +13,7 @@ constexpr std::size_t kPlanesMax = 2048;
 constexpr std::size_t kHeadingsMax = 1024;
 constexpr int kMargin = 2;  // number of cells around the reachable cells
 
-// Directions: 0 is +x, a quarter of the count is +y, and so on.
+// A unit direction. Index 0 is +x; a quarter of the number of directions is +y.
 struct Direction {
   double cos = 1.0;
   double sin = 0.0;

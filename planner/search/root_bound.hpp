@@ -14,11 +14,11 @@ namespace vantage::planner {
 /// nothing after construction.
 class RootBound {
  public:
-  /// Nodes of search work after which of_moving_plan() is worth its time.
+  /// Search work, in nodes, after which of_moving_plan() is used.
   static constexpr std::int64_t kWorthAfterNodes = 50'000;
-  /// Nodes of search work after which raise() is worth its time. raise() first gets
-  /// kRaiseAtFirstNodes nodes, then a share of the search's nodes. In long searches, where further
-  /// passes improve little, it gets as many nodes as the passes.
+  /// Search work, in nodes, after which raise() is used. raise() first gets kRaiseAtFirstNodes
+  /// nodes, then a share of the search's nodes. In long searches, where further passes improve
+  /// little, it gets as many nodes as the passes.
   static constexpr std::int64_t kRaiseAfterNodes = 300'000;
   static constexpr std::int64_t kRaiseAtFirstNodes = 500'000;
   static constexpr double kRaiseShare = 0.25;

@@ -120,7 +120,7 @@ class SequencingBound : public PartialBound {
   std::vector<double> gains_;  ///< [i][n]: gain of the next measurement by the hull, non-increasing
   std::vector<double> row_blocks_;
   std::vector<AveragedBlock> row_averages_;
-  std::vector<Eigen::Vector2d> ends_;  ///< of the controls, in the body frame
+  std::vector<Eigen::Vector2d> ends_;  ///< end positions of the controls, in the body frame
   std::vector<double> after_;
   std::vector<std::pair<double, int>> nearest_;
   std::size_t states_max_;
