@@ -13,7 +13,7 @@ namespace vantage::experiments {
 /// Growth of the bearing's variance, up to σ_b²; the text of the dissertation allows both
 /// interpretations.
 enum class BearingNoise {
-  kByRange,    ///< like the range's variance: σ_b² at the largest range
+  kByRange,    ///< linear in range: σ_b² at the largest range
   kByBearing,  ///< linear in |bearing|: σ_b² at the edge of view (bearing_noise.hpp)
 };
 
@@ -46,7 +46,7 @@ std::map<std::string, std::string> parameters_of(const TrackingSetting& setting)
 /// Record of a run after each step.
 struct TrackingRun {
   std::vector<double> rmse_m;        ///< √ mean over targets of the squared position error
-  std::vector<double> entropy_nats;  ///< mean over targets
+  std::vector<double> entropy_nats;  ///< mean entropy over targets
   std::vector<std::vector<TargetStep>> targets;  ///< [step][target]
 };
 

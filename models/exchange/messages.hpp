@@ -142,7 +142,7 @@ struct RobotMap {
   std::vector<InputRef> inputs;  ///< belief (for the pose), previous own map, scans, team's maps
 };
 
-/// The origin of a published plan; lower is better.
+/// The origin of a published plan. Lower values are better.
 enum class PlanSource {
   kSearched = 0,  ///< the best complete plan of this slot's search
   kShifted = 1,   ///< previous plan, shifted and checked again
@@ -187,7 +187,7 @@ struct TeamChoice {
   std::string robot;
   Trajectory trajectory;
   double information_nats = 0.0;  ///< information gain of this robot alone, computed by that robot
-  double energy_nats = 0.0;       ///< cost of its motion
+  double energy_nats = 0.0;       ///< energy cost of this robot's motion
 };
 
 /// The team's solution after a local operation (TEAM_PROPOSAL_R). Each message contains the

@@ -6,8 +6,8 @@
 
 // Both checks below divide trajectories into pieces of time. During a piece of length Δ, a motion
 // with ‖p̈‖ ≤ a stays within a Δ²/8 of uniform motion between the ends of the piece. For an arc a =
-// |ν ω|, which covers its sagitta; for braking a is the deceleration. A piece that this bound
-// cannot decide is halved.
+// |ν ω|, which covers its sagitta; for braking a is the deceleration. If this bound does not decide
+// a check, the piece is halved.
 
 namespace vantage::models {
 namespace {

@@ -67,8 +67,8 @@ struct SensorLaw {
   /// for each measurement, and bounds count its information in all directions.
   PlanarLaw (*planar_law)(const SensorModel&) = nullptr;
   /// For sensors that only measure the direction to a target and need a minimum depth. Returns the
-  /// depth per metre of distance in the direction `bearing_rad` (from body x) with `up`, the sine
-  /// of the elevation. Null for other sensors.
+  /// depth per metre of distance, in the direction `bearing_rad` from body x. `up` is the sine of
+  /// the elevation. Null for other sensors.
   double (*depth_per_m)(const SensorModel&, double bearing_rad, double cos_elevation,
                         double up) = nullptr;
 };

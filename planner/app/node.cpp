@@ -346,7 +346,7 @@ bool PlannerNode::ask(Time now) {
   question->deadline = answer_due_;
   question->finish = now;
   question->inputs = names_of(inputs_, robot_);
-  is_asking_ = true;  // the answer may arrive before publish() returns
+  is_asking_ = true;  // set first, because the answer may arrive during publish()
   asked_round_ = slot_.round;
   bus_.publish(bus::external_request_channel(robot_), *question);
   return true;

@@ -7,8 +7,8 @@
 
 namespace vantage::planner {
 
-/// nats; gains whose difference is at most this value count as equal. Far above the rounding error
-/// of a sum.
+/// Largest difference of two gains that count as equal, nats. It is far above the rounding error of
+/// a sum.
 inline constexpr double kGainRounding_nats = 1e-9;
 
 /// A set S of at most one candidate per robot. It stores each target's belief after every step, and

@@ -165,7 +165,7 @@ bool MotionTable::is_free(const Pose2& from, double cos_yaw, double sin_yaw, int
 
 bool MotionTable::is_clear(const Pose2& from, double cos_yaw, double sin_yaw,
                            const Primitive& primitive, int begin, int end) const {
-  constexpr double kOutside_m = -1.0;  // value outside the field
+  constexpr double kOutside_m = -1.0;  // field value outside the bounds
   constexpr double kRounding = 1e-6;   // allowance for the field's rounding down
   constexpr double kSlack_m = 1e-4;
   const models::DistanceField& field = *problem_->field;

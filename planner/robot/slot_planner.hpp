@@ -20,7 +20,7 @@ struct SlotTask {
   const PlanInputs& inputs;
   const models::Trajectory& committed;
   const RoundProblem& round;
-  PlanLadder ladder;  ///< for the slot's plan
+  PlanLadder ladder;  ///< selects the slot's plan
   PlannerCounts& counts;
   bool is_bait = false;  ///< the robot flies its proposal
 };

@@ -15,7 +15,7 @@
 
 namespace vantage::planner {
 
-/// Maximum number of bodies other than robots that one plan avoids; the nearest bodies count.
+/// Maximum number of bodies other than robots that one plan avoids. The nearest bodies are avoided.
 inline constexpr std::size_t kBodiesMax = 8;
 
 /// Returns the maximum number of mixture components used in planning beyond one per target; targets

@@ -32,7 +32,7 @@ class InformationHeuristic {
  public:
   InformationHeuristic(int targets_max, int horizon_max);
 
-  /// Tabulates `problem`. `beliefs` must belong to `problem`; both must outlive the queries.
+  /// Tabulates `problem`. `beliefs` must belong to `problem`. Both must outlive the queries.
   void reset(const SearchProblem& problem, const BeliefTable& beliefs);
 
   /// Returns h of a node at `at` and `depth` with these blocks; −∞ if the information is unbounded

@@ -42,7 +42,7 @@ class LatticeBound {
   /// Commits the reserved arrays.
   void prefault();
 
-  /// Tabulates `problem`; both must outlive the queries.
+  /// Tabulates `problem`. `problem` and `beliefs` must outlive the queries.
   void reset(const SearchProblem& problem, const BeliefTable& beliefs);
 
   /// True if this problem cannot be bounded.
@@ -156,15 +156,15 @@ class LatticeBound {
   // State of one query.
   Pose2 from_;
   int depth_ = 0;
-  LinearisedCost cost_;                   ///< of cost_to_go()
+  LinearisedCost cost_;                   ///< linearised cost in cost_to_go()
   const LinearisedCost* told_ = nullptr;  ///< the cost used by this query
   const ReachLattice::Layout* layout_ = nullptr;
-  std::vector<float> looked_;       ///< of cost_to_go()
+  std::vector<float> looked_;       ///< measurements of the best path in cost_to_go()
   ReservedArray<float> states_;     ///< [level][rests][heading]: gain from this level on
-  ReservedArray<float> squares_;    ///< of one level: maximum gain over 2 × 2 cells
-  ReservedArray<float> looks_;      ///< of one level: gain, by [heading]
-  ReservedArray<float> all_round_;  ///< of one level: gain independent of the heading
-  ReservedArray<float> rare_;       ///< of one level: extra gain very close to a target
+  ReservedArray<float> squares_;    ///< one level: maximum gain over 2 × 2 cells
+  ReservedArray<float> looks_;      ///< one level: gain, by [heading]
+  ReservedArray<float> all_round_;  ///< one level: gain independent of the heading
+  ReservedArray<float> rare_;       ///< one level: extra gain very close to a target
   std::vector<float> row_;
   std::vector<float> rare_row_;
 };

@@ -26,8 +26,8 @@ class LinearisedCost {
  public:
   LinearisedCost(int targets_max, int horizon_max);
 
-  /// Tabulates the targets of `problem`; both must outlive the queries. The cost is J_T for kLogDet
-  /// and −2 I for kMutual.
+  /// Tabulates the targets of `problem`. `problem` and `beliefs` must outlive the queries. The cost
+  /// is J_T for kLogDet and −2 I for kMutual.
   void reset(const SearchProblem& problem, const BeliefTable& beliefs, InformationMeasure measure);
 
   /// Returns the number of floats in a reference.

@@ -28,7 +28,7 @@ class NearBound : public PartialBound {
  public:
   NearBound(int targets_max, int horizon_max);
 
-  /// Tabulates `problem`; all three must outlive the queries.
+  /// Tabulates `problem`. All three arguments must outlive the queries.
   void reset(const SearchProblem& problem, const BeliefTable& beliefs,
              const InformationHeuristic& heuristic);
 
@@ -73,8 +73,8 @@ class NearBound : public PartialBound {
   bool expired_ = false;
   Hop hops_[kHopsMax + 1];
   std::vector<double> radii_m_;  ///< ρ, [i][k]
-  std::vector<double> near_;     ///< [i][k]: best information inside; 0: out of reach
-  std::vector<double> afar_;     ///< [i][k]: best information from ρ or farther
+  std::vector<double> near_;     ///< [i][k]: most information from inside the disc; 0: out of reach
+  std::vector<double> afar_;     ///< [i][k]: most information from ρ or farther
   std::vector<double> savings_;  ///< b, [i][k]
   mutable std::vector<double> chains_;
 };

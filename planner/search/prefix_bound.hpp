@@ -24,7 +24,8 @@ class PrefixBound {
   /// Commits the reserved arrays.
   void prefault();
 
-  /// Tabulates `problem`; both must outlive the queries, and `expander` must be reset to `problem`.
+  /// Tabulates `problem`. Both arguments must outlive the queries, and `expander` must be reset to
+  /// `problem`.
   void reset(const SearchProblem& problem, Expander& expander);
 
   /// True if this problem cannot be bounded.

@@ -40,7 +40,7 @@ class SequencingBound : public PartialBound {
 
   SequencingBound(int targets_max, int horizon_max, int states_max);
 
-  /// Tabulates `problem`; all three must outlive the queries.
+  /// Tabulates `problem`. All three arguments must outlive the queries.
   void reset(const SearchProblem& problem, const BeliefTable& beliefs,
              const InformationHeuristic& heuristic);
 
