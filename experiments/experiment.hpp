@@ -26,19 +26,15 @@ Sweep tracking_noise(const Extent& extent);
 Sweep tracking_clutter(const Extent& extent);
 /// Fig. 3.4: the lab trial, simulated, compared with three planners without look-ahead.
 Sweep hardware(const Extent& extent);
-/// Fig. 3.6: oracle calls and proposals of distributed local search: naive, lazy, with warm start,
-/// and with both.
+/// Fig. 3.6: oracle calls and proposals of distributed local search, naive, lazy, warm or both.
 Sweep dls_savings(const Extent& extent);
-/// Fig. 3.7: J of distributed local search compared with coordinate descent in both orders.
+/// Fig. 3.7: J of distributed local search and of coordinate descent in both orders.
 Sweep dls_objective(const Extent& extent);
-/// Fig. 3.8, 3.9: two UGVs and a UAV in a world with mud and wind: information as a function of
-/// energy.
+/// Fig. 3.8, 3.9: two UGVs and a UAV in mud and wind; information as a function of energy.
 Sweep heterogeneous(const Extent& extent);
-/// Table 4.1 and Fig. 4.3: tracking under worst-case attacks, RAIN compared with coordinate
-/// descent.
+/// Table 4.1 and Fig. 4.3: tracking under worst-case attacks with RAIN and coordinate descent.
 Sweep resilient_tracking(const Extent& extent);
-/// Three rows of Table 4.1 for the eight combinations of three choices that the dissertation does
-/// not state.
+/// Three rows of Table 4.1 for eight combinations of choices that the dissertation leaves open.
 Sweep resilient_tracking_choices(const Extent& extent);
 /// Fig. 4.4 and 4.5: mapping under attack, RAIN compared with coordinate descent.
 Sweep resilient_mapping(const Extent& extent);

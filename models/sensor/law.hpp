@@ -32,7 +32,7 @@ struct PlanarLaw {
 struct ReachedDistances {
   double horizontal_near_m;
   double horizontal_far_m;
-  double range_near_m;  ///< ≥ range_min_m
+  double range_near_m;  ///< smallest range, ≥ range_min_m
   double drop_m;        ///< height of the sensor above the target; a planar target is on the ground
   int position_dim;
 };

@@ -21,7 +21,7 @@ double cross(const Eigen::Vector2d& u, const Eigen::Vector2d& v) {
 }
 
 // Tests the separating axes of a closed segment and an open rectangle: x, y and the segment's
-// normal. Without division, so that grazing along an edge or through a corner is decided exactly.
+// normal. No division is used, so a segment along an edge or through a corner is decided exactly.
 bool crosses_interior(const Rectangle& box, const Eigen::Vector2d& a_m,
                       const Eigen::Vector2d& b_m) {
   if (std::max(a_m.x(), b_m.x()) <= box.min_m.x() || std::min(a_m.x(), b_m.x()) >= box.max_m.x() ||

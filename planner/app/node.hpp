@@ -102,7 +102,7 @@ class PlannerNode : public bus::Node {
   Time exchange_end_{};
   std::vector<models::InputRef> exchange_inputs_;          ///< inputs of the candidates
   std::map<std::string, models::TeamProposal> overheard_;  ///< newest proposal of each teammate
-  // For planner.algorithm `external`:
+  // State of a request with planner.algorithm `external`.
   bool is_asking_ = false;
   Time answer_due_{};  ///< deadline of the answer; then the robot plans without it
   std::int64_t asked_round_ = -1;

@@ -225,7 +225,7 @@ std::vector<Candidate> candidate_trajectories(const SearchProblem& problem,
   CrossingIndex index(leaves.size());
   index.reset(options.delta_m);
   std::vector<Candidate> candidates;
-  std::vector<LastBlocks> blocks;  // per candidate
+  std::vector<LastBlocks> blocks;  // by candidate: covariances at the end
   std::vector<NodeId> places;      // per candidate: its leaf in the tree
   for (const auto& [order, leaf] : leaves) {
     if (candidates.size() == options.candidates_max) {

@@ -59,7 +59,7 @@ class LocalSearchSession {
 
   /// Writes the individual information gain of each own candidate into its choice.
   /// @throws UsageError as TeamOracle does, when the numbers of candidates and choices differ, or
-  /// when a committed choice belongs to this robot or to an unknown one
+  /// when a committed choice belongs to this robot or to an unknown robot
   explicit LocalSearchSession(SessionSetup setup);
   ~LocalSearchSession() = default;
   LocalSearchSession(const LocalSearchSession&) = delete;  // members refer to setup_

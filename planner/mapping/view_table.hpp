@@ -36,7 +36,8 @@ struct ViewOptions {
   models::InverseBeamModel inverse = {};  ///< used by kFsmi
 };
 
-/// Information of one scan from one position. Dependent beams within the scan count once.
+/// Information of one scan from one position. Information that several beams of the scan share is
+/// not counted twice.
 struct BeamView {
   struct Share {
     int cell = 0;
@@ -105,7 +106,7 @@ class ViewTable {
   std::int64_t beam_cells_ = 0;  ///< number of cells of all computed beams: the work done
   MapCoverage within_;           ///< coverage within one scan
   models::BeamProfile profile_;
-  std::vector<double> weight_;  ///< per cell of the beam
+  std::vector<double> weight_;  ///< weight of each cell of the beam
   std::unordered_map<std::int64_t, BeamView> views_;
 };
 

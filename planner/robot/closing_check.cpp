@@ -3,8 +3,8 @@
 namespace vantage::planner {
 namespace {
 
-// Tolerance of the closing check. The check uses finer pieces than the search and rounds
-// differently, so it can find slightly smaller distances.
+// Tolerance of the closing check. It covers rounding, and the different pieces into which the
+// search and the check divide arcs.
 constexpr double kRounding_m = 0.02;
 
 }  // namespace

@@ -83,7 +83,7 @@ class RefiningBeam : private TreeSearch {
   enum class Progress { kDone, kDeadline, kMemory };
 
   void run_passes(const BeamOptions& options, std::size_t width_max);
-  /// Improves the bound for a time in proportion to the passes so far; false: the deadline expired.
+  /// Improves the bound with work in proportion to the passes so far; false: the deadline expired.
   bool raise_bound();
   Progress run(Pass& pass);
   Progress expand_level(Pass& pass, int t);
