@@ -112,9 +112,9 @@ void Association::set_group_probability(int row, int column, double probability)
   probabilities_[at(track, detection)] = probability;
 }
 
-// F_r(S): sum over all assignments of the rows before r that use exactly the columns S. B_r(S): the
-// same for the rows from r on, with S already used. β_rc = odds_rc Σ_{S ∌ c} F_r(S) B_{r+1}(S ∪ c)
-// / F(all).
+// F_r(S): sum over all assignments of the rows before r that use exactly the columns S. B_r(S): sum
+// over all assignments of the rows from r on, when the columns S are already used. β_rc = odds_rc
+// Σ_{S ∌ c} F_r(S) B_{r+1}(S ∪ c) / F(all).
 void Association::solve_exactly() {
   const int rows = static_cast<int>(std::max(group_tracks_.size(), group_detections_.size()));
   const int columns = static_cast<int>(std::min(group_tracks_.size(), group_detections_.size()));
@@ -178,8 +178,8 @@ void Association::solve_exactly() {
 // propagation (2014).
 void Association::solve_by_messages() {
   const std::size_t m = group_detections_.size();
-  forward_.assign(group_tracks_.size() * m, 1.0);   // to track i from detection j
-  backward_.assign(group_tracks_.size() * m, 0.0);  // to detection j from track i
+  forward_.assign(group_tracks_.size() * m, 1.0);   // messages to track i from detection j
+  backward_.assign(group_tracks_.size() * m, 0.0);  // messages to detection j from track i
   const auto v = [&](std::size_t i, std::size_t j) {
     return odds(group_tracks_[i], group_detections_[j]);
   };

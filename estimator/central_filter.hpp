@@ -23,23 +23,22 @@ struct CentralFilterSpec {
   bool targets_stay_inside = true;  ///< beliefs are reflected at the world's bounds
 };
 
-/// Central filter of a team that shares all observations at once and knows all targets, by number,
-/// from the beginning. It runs one extended Kalman filter per target, in moments, step by step, as
-/// the simulations of chapter 4 of the source require. A robot that must discover targets, or
-/// receives others' messages late or never, runs a DistributedFilter.
+/// Central filter of a team that shares all observations without delay. All targets are known from
+/// the beginning and are numbered. One extended Kalman filter in moment form estimates each target,
+/// as in the simulations of chapter 4 of the dissertation. For targets that must be discovered, and
+/// for late or lost messages, see DistributedFilter.
 class CentralFilter {
  public:
   /// `world` must outlive this.
-  /// @param priors  of target 0, 1, …, each of the model's dimension
+  /// @param priors prior beliefs of target 0, 1, …, each of the model's dimension
   CentralFilter(const CentralFilterSpec& spec, const models::World& world,
                 std::vector<models::Gaussian> priors);
 
   /// Predicts all beliefs by one step.
   void predict();
   /// Uses the observations of one instant: one per robot that was not jammed. For each target,
-  /// observations that do not report it come first, then those that report it, in their order.
-  /// Missed detections thus do not depend on a measurement, and do not change a belief that a
-  /// measurement has narrowed next to a field of view.
+  /// observations that do not report it are used first, then those that report it, in their order.
+  /// The effect of missed detections thus does not depend on the measurements of the same instant.
   void look(const models::SensorModel& sensor, std::span<const models::RobotMeasurement> looks);
 
   [[nodiscard]] const models::TargetModel& model() const { return spec_.model; }

@@ -35,7 +35,7 @@ bool are_all_inside(const ProductRule& rule, const Eigen::Vector2d& mean_m,
 Folded fold(double position_m, double min_m, double max_m) {
   const double width_m = max_m - min_m;
   double along_m = position_m - min_m;
-  if (!(std::abs(along_m) < 2.0 * width_m)) {  // else fmod() would return it unchanged
+  if (!(std::abs(along_m) < 2.0 * width_m)) {  // for smaller values fmod() has no effect
     along_m = std::fmod(along_m, 2.0 * width_m);
   }
   if (along_m < 0.0) {

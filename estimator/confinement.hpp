@@ -8,13 +8,13 @@ namespace vantage::estimator {
 /// A coordinate after reflection at the walls.
 struct Folded {
   double position_m = 0.0;
-  double sign = 1.0;  ///< −1: its direction is reversed
+  double sign = 1.0;  ///< −1: the direction of the axis is reversed
 };
 /// Reflects a coordinate at both walls, as often as needed.
 Folded fold(double position_m, double min_m, double max_m);
 
 /// Returns the free space of a disc's centre: walls and obstacles grow by the radius, with sharp
-/// corners. Bounds that would become empty are kept.
+/// corners. Bounds that would become empty are not changed.
 models::World inset(const models::World& world, double radius_m);
 
 /// Conditions a belief on the target staying within the world's bounds and outside of obstacles. A
@@ -25,17 +25,17 @@ models::World inset(const models::World& world, double radius_m);
 /// Conditioning computes the moments of N(y; μ, P) · 1[y free] / Z. See reweighted() for the method
 /// and for the cases that it leaves unchanged.
 ///
-/// Without it the belief about a target that is long unseen spreads over positions where the target
-/// cannot be. Its mean would stay at the wall where the target was last seen. Applied at every
-/// step, it settles near the middle of the world, as wide as the world allows.
+/// Without this, the belief of a target that is unseen for a long time spreads over positions where
+/// the target cannot be, and its mean stays where the target was last seen. With it, the mean
+/// approaches the middle of the world, and the covariance the size of the world.
 /// Cost: at most 343 rectangle tests per obstacle, no allocation.
 models::Gaussian confine(const models::Gaussian& belief, const models::World& world);
 
-/// Returns the Gaussian with the mean and covariance of the belief about position and velocity (4
-/// components) folded into `bounds`. A prediction beyond a wall is mirrored to the inside and its
-/// velocity across the wall is reversed, as often as needed. A confident belief that crosses a wall
-/// thus loses the direction of the target until the next detection. Conditioning on the inside
-/// instead would conclude, with confidence, that the target stopped at the wall.
+/// Returns the Gaussian with the mean and covariance of the belief after reflection at `bounds`. A
+/// position beyond a wall is mirrored to the inside and its velocity across the wall is reversed,
+/// as often as needed. A confident belief that crosses a wall thus loses the direction of the
+/// target until the next detection. Conditioning on the inside instead would conclude, with
+/// confidence, that the target stopped at the wall.
 ///
 /// The moments come from the product rule of moment_matching.hpp on the position, with the exact
 /// Gaussian of the velocity at each of its points. The belief is returned unchanged when its

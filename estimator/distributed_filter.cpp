@@ -18,9 +18,9 @@ namespace {
 constexpr std::size_t kTeammatesReserved = 64;
 constexpr int kOwnLooksReserved = 4;
 
-/// Returns the grid of the world or, in a neighbourhood, of the robot's surroundings. It stays the
-/// same while the robot is within one square of half the neighbourhood. Thus it changes seldom and
-/// depends only on the robot's position.
+/// Returns the grid of the world or, with a neighbourhood, of the robot's surroundings. The grid is
+/// the same for all positions in a square with sides of half the neighbourhood. It therefore
+/// changes seldom and depends only on the robot's position.
 models::GridGeometry grid_around(const FilterSpec& spec, const Eigen::Vector2d& place_m) {
   const auto whole =
       models::GridGeometry::covering(spec.world.bounds, spec.estimator.grid_resolution_m);
@@ -48,8 +48,8 @@ bool is_same(const models::Gaussian& a, const models::Gaussian& b) {
   return a.mean == b.mean && a.covariance == b.covariance;
 }
 
-/// Sets the track's information from `belief`. Returns false, counted and unchanged, when the
-/// covariance is singular.
+/// Sets the track's information from `belief`. If the covariance is singular, counts it, changes
+/// nothing and returns false.
 bool tell(KnownTrack& known, const models::Gaussian& belief, FilterCounters& count) {
   const auto information = models::to_information(belief);
   if (information) {
@@ -60,19 +60,19 @@ bool tell(KnownTrack& known, const models::Gaussian& belief, FilterCounters& cou
   return information.has_value();
 }
 
-/// The same with the moments of its samples.
+/// Sets the track's information from the moments of its samples; otherwise like tell().
 bool tell_samples(KnownTrack& known, FilterCounters& count) {
   return tell(known, known.samples.moments(), count);
 }
 
-/// Marks the track as updated by a detection of `time`.
+/// Marks the track as updated by a detection made at `time`.
 void saw(Track& track, Time time) {
   track.last_seen = std::max(track.last_seen, time);
   track.doubted = {};
 }
 
-/// Returns the key that pairs samples with noise: the same for all robots, different at each
-/// instant.
+/// Returns the key that determines which sample receives which noise. It is the same for all robots
+/// and differs between instants.
 std::uint64_t noise_key(int target_id, Time at) {
   return (static_cast<std::uint64_t>(to_utime(at)) << 10U) + static_cast<std::uint64_t>(target_id);
 }
@@ -100,7 +100,7 @@ DistributedFilter::DistributedFilter(FilterSpec spec)
   }
   records_.resize(static_cast<std::size_t>(spec_.history_steps));
   const bool has_ids = spec_.detection.detects_ids;
-  for (StepRecord& r : records_) {  // copying a vector does not copy its reserved capacity
+  for (StepRecord& r : records_) {  // a copied vector has no reserved capacity
     r = StepRecord(has_ids ? spec_.target_count : kLabelledDetections, looks);
   }
   if (!has_ids) {
@@ -222,7 +222,7 @@ int DistributedFilter::file(const models::RobotMeasurement& look, Time now) {
     ++counters_.late_measurements;
   }
   const models::SensorModel& sensor = sensor_of(looker);
-  if (is_own) {  // teammates' scanned cells come with their grids
+  if (is_own) {  // the grids of teammates contain the cells that they scanned
     grid_.see(sensor, look.viewpoint, spec_.world, at);
   }
   Look& filed = record(age).insert(at, looker);
@@ -254,7 +254,7 @@ void DistributedFilter::run(StepRecord& record) {
   if (record.from < record.to) {
     reconcile_labels(record, record.from);
   }
-  fuse(record.heard_of_start);  // first, so that the step's prediction acts on received beliefs too
+  fuse(record.heard_of_start);  // before the prediction, so that it also acts on received beliefs
   for (; next < record.look_count && look(next).time < record.to; ++next) {
     propagate_all(at, look(next).time);
     at = look(next).time;

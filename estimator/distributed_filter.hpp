@@ -31,20 +31,20 @@ struct FilterSpec {
   std::string robot;
   models::SensorModel sensor;
   models::DetectionModel detection{};  ///< detects_ids applies to the whole team
-  /// Robots that provide observations in addition to the own ones, in the same order for all
-  /// robots. The robot itself may be among them.
+  /// Robots whose observations are used in addition to this robot's own, in the same order for all
+  /// robots. This robot may be included.
   std::vector<Looker> team;
   models::Viewpoint start;  ///< assumed own viewpoint until the first pose arrives
   scenario::EstimatorSpec estimator;
   models::World world;
   int target_count = 0;  ///< ids are 0 … target_count − 1
-  /// m; smallest radius of the targets, 0: points. Centres keep this distance from walls and twice
-  /// it from each other.
+  /// m; smallest radius of the targets, 0: points. Centres stay this distance away from walls, and
+  /// twice this distance away from each other.
   double target_radius_m = 0.0;
   double step_s = 0.5;                 ///< τ
   double communication_range_m = 0.0;  ///< m; ≤ 0: no communication
-  /// m; targets farther away than this are forgotten and left to other robots, and the grid covers
-  /// only this surrounding. 0: unlimited.
+  /// m; radius of the neighbourhood. Tracks of targets farther away are deleted and left to other
+  /// robots; the grid covers only the neighbourhood. 0: unlimited.
   double neighbourhood_m = 0.0;
   double belief_age_max_s = 1.5;  ///< s; older beliefs of teammates are ignored
   int history_steps = 8;  ///< number of past steps into which a late observation can be inserted
@@ -59,9 +59,9 @@ struct StepInput {
   Time time{};                                 ///< t; later than the previous step's
   std::optional<models::Viewpoint> viewpoint;  ///< own, at t; absent: as in the previous step
   /// Own and teammates' observations, of any instants ≤ t. Those of a robot that is not in
-  /// FilterSpec::team count as own.
+  /// FilterSpec::team are used as this robot's own.
   std::span<const models::RobotMeasurement* const> looks;
-  std::span<const models::RobotBelief* const> beliefs;  ///< newest of each teammate
+  std::span<const models::RobotBelief* const> beliefs;  ///< newest belief of each teammate
 };
 
 /// Numbers of dropped or unusable inputs since construction.
@@ -70,16 +70,16 @@ struct FilterCounters {
   std::int64_t stale_beliefs = 0;         ///< older than belief_age_max_s
   std::int64_t future_beliefs = 0;        ///< their instant is after t
   std::int64_t out_of_range_beliefs = 0;  ///< teammate beyond communication_range_m
-  std::int64_t out_of_range_looks = 0;    ///< teammate's observation from beyond it
-  std::int64_t repeated_looks = 0;        ///< same robot and instant as one in use
+  std::int64_t out_of_range_looks = 0;    ///< teammate beyond communication_range_m
+  std::int64_t repeated_looks = 0;        ///< same robot and instant as an observation already used
   std::int64_t malformed_beliefs = 0;     ///< a target's block has the wrong dimension
   std::int64_t grid_mismatches = 0;       ///< a teammate's grid geometry differs
   std::int64_t late_measurements = 0;  ///< older than the previous step, inserted at their instant
   std::int64_t too_late_measurements = 0;  ///< older than the history: dropped
   std::int64_t future_measurements = 0;    ///< their instant is after t: dropped
   std::int64_t jammed_looks = 0;
-  std::int64_t malformed_detections = 0;  ///< wrong dimension, or the second of one target
-  std::int64_t surplus_detections = 0;    ///< of an observation without ids: beyond the capacity
+  std::int64_t malformed_detections = 0;  ///< wrong dimension, or a second one of the same target
+  std::int64_t surplus_detections = 0;    ///< without ids: beyond the capacity per observation
   std::int64_t gated = 0;
   std::int64_t unknown_ids = 0;     ///< neither a target of the scenario nor a track label
   std::int64_t undiscoverable = 0;  ///< first detected by a sensor that does not measure position
@@ -87,59 +87,60 @@ struct FilterCounters {
   std::int64_t missed_detections = 0;  ///< belief updates by missed detections
   Reconciled reconciled;               ///< reconciliation of tracks without ids
 
-  /// Returns the nonzero counters that indicate problems, by name. Left out are
-  /// out_of_range_beliefs, out_of_range_looks, missed_detections and reconciled, which count normal
-  /// events.
+  /// Returns the nonzero counters that indicate problems, by name. It omits out_of_range_beliefs,
+  /// out_of_range_looks, missed_detections and reconciled, which count normal events.
   [[nodiscard]] std::vector<models::NamedCount> named() const;
 };
 
 /// One robot's part of the team's distributed information filter.
 ///
 /// Robots broadcast their observations, and a robot uses those of teammates within communication
-/// range like its own. Each robot uses each measurement once; where every robot receives all
-/// observations, each robot equals the central filter. Information from observations that were not
-/// received arrives through teammates' beliefs.
+/// range like its own. Each robot uses each measurement once. If every robot receives all
+/// observations, each robot has the estimate of the central filter. Information from observations
+/// that were not received arrives through teammates' beliefs.
 ///
-/// step(t) first fuses the own tracks with every received belief of the previous step's instant,
-/// per target:
+/// For each target, step(t) first fuses the own track with all received beliefs of the previous
+/// step's instant:
 ///   Ω ← (1 − κ) Ω + κ Σ_j w_j Ω_j / Σ_j w_j,  ω likewise,  w_j = √det Ω_j,
 /// over the teammates that know the target. κ in [0, 1] maximises det Ω (covariance intersection);
-/// it is 0 when the teammates add no information. A target that is unknown here is adopted whole.
-/// Then all tracks are predicted to t, so that walls and collisions act on the received information
-/// too, and the measurements of t are added. A belief of an instant after the previous step is
-/// fused in the same way at t. Observations between two steps are used at their own time, with the
-/// fusion of the earlier step before and that of the later step after them. A late observation is
-/// inserted at its instant: the steps from there on are repeated with the beliefs received then,
-/// and the result equals that of timely arrival. For missed detections see missed_detection(), for
-/// the free space see confine(). With gate_sigma, a detection outside its target's gate is not used
-/// but doubted, see doubt(). Only sensors that measure position have a gate. A swapped or false id
-/// thus moves no mean. A target that moved unexpectedly, or a track started by a false id, is
-/// followed from the next consistent detection on.
+/// it is 0 when the teammates add no information. If the target is unknown, the teammates' belief
+/// is used unchanged. Then all tracks are predicted to t, so that walls and collisions act on the
+/// received information too. Then the measurements of t are added. A belief of an instant after the
+/// previous step is fused in the same way at t. Observations between two steps are used at their
+/// own time: after the fusion of the earlier step and before that of the later step. A late
+/// observation is inserted at its instant. All steps after it are repeated with the beliefs that
+/// they used, and the result equals that of timely arrival. For missed detections see
+/// missed_detection(), for the free space see confine(). With gate_sigma, a detection outside its
+/// target's gate is not used but doubted, see doubt(). Only sensors that measure position have a
+/// gate. A swapped or false id thus does not change a mean. After an unexpected motion, or if a
+/// false id started the track, the track follows its target from the next consistent detection on.
 ///
-/// A convex combination of conservative beliefs is conservative whatever they have in common.
-/// Observations are never added to a belief that contains them: those of t come after the fusion
-/// only where no received belief is of t, and a repeated observation is dropped. Thus nothing is
-/// counted twice, whatever the network repeats, reorders or loses. Covariances of unseen targets
-/// grow to the damped oscillator's surroundings. With other models they grow until the world's
-/// bounds confine them, or without limit if targets_stay_inside is off.
+/// A convex combination of conservative beliefs is conservative, whatever information they share.
+/// Observations are never added to a belief that contains them. Those of t are used after the
+/// fusion only if no received belief is of t, and a repeated observation is dropped. Thus no
+/// observation is counted twice, even if the network repeats, reorders or loses messages. The
+/// covariance of an unseen target grows to the stationary covariance of the damped oscillator. With
+/// other models it grows until the world's bounds limit it, or without limit if targets_stay_inside
+/// is off.
 ///
 /// Where sensors report no ids (FilterSpec::detection), observations are exchanged, stored and
 /// inserted in the same way, but a MultiTargetFilter uses them. Tracks are named by labels from
 /// kTrackLabelMin on (track_labels.hpp). Robots that have used the same observations have the same
-/// tracks, to the last bit. A teammate's belief of the previous or of this step's instant, or
-/// between them, is reconciled with the own tracks; an older one is not used. After rebase(), each
-/// track is the one Gaussian of the belief, so the result differs from that of the filter that
-/// published it.
+/// tracks, bit for bit. A teammate's belief of the previous or of this step's instant, or between
+/// them, is reconciled with the own tracks; an older belief is not used. After rebase(), each track
+/// is a single Gaussian, so later results differ from those of the filter that published the
+/// belief.
 ///
-/// With EstimatorSpec::samples, a target with a velocity is represented by Samples after a wall,
-/// another target (Meetings) or a missed detection changed its belief. A detection, or the belief
-/// of a teammate with a newer detection, makes it a Gaussian again. belief() contains the samples'
-/// moments, mixture() a mixture. After rebase(), only the moments remain.
+/// With EstimatorSpec::samples, a target with a velocity is represented by Samples after a wall, a
+/// collision with another target (Meetings) or a missed detection has changed its belief. A
+/// detection, or the belief of a teammate with a newer detection, makes it a Gaussian again.
+/// belief() contains the samples' moments, mixture() a mixture. After rebase(), only the moments
+/// remain.
 ///
-/// In a neighbourhood, a belief is complete: targets beyond it are neither published nor kept.
-/// Another filter can therefore continue from any of the beliefs (rebase()).
+/// With a neighbourhood, targets beyond it are deleted and not published. A published belief thus
+/// contains all tracks, and another filter can continue from it (rebase()).
 ///
-/// A value: copies are independent. Pure: same inputs, same result.
+/// Copies are independent. The same inputs give the same result.
 /// Source: dissertation 3.3, 3.4, Thm 9; covariance intersection: Julier, Uhlmann (1997).
 class DistributedFilter {
  public:
@@ -148,23 +149,23 @@ class DistributedFilter {
 
   /// Calls advance(), then returns belief().
   models::RobotBelief step(const StepInput& input);
-  /// Performs one step. It allocates only for more than four observations and one per teammate, or
-  /// more than 64 teammates, in one step; for more detections than StepRecord has room for; for
-  /// teammates' grids; and for obstacles near an observation.
+  /// Performs one step. It allocates only in these cases: more than four observations plus one per
+  /// teammate in one step, more than 64 teammates, more detections than the capacity of StepRecord,
+  /// teammates' grids, and obstacles near an observation.
   void advance(const StepInput& input);
-  /// Returns the mixtures of the targets that no Gaussian describes: the content of MIXTURE_R
-  /// without run id, sequence and step. Targets with samples in only one part are left out. Without
-  /// ids, all confirmed tracks are included.
+  /// Returns the mixtures of the targets with a belief that is not Gaussian: the content of
+  /// MIXTURE_R without run id, sequence and step. Targets whose samples form only one part are
+  /// omitted. Without ids, all confirmed tracks are included.
   [[nodiscard]] models::BeliefMixture mixture() const;
   /// Returns the current estimate: the content of BELIEF_R without run id, sequence, step and
   /// inputs.
   [[nodiscard]] models::RobotBelief belief() const;
-  /// Continues from `belief` as if this filter had made it; forgets the history of steps. Also used
-  /// to set a prior.
+  /// Continues from `belief` as if this filter had computed it, and deletes the history of steps.
+  /// Also used to set a prior.
   void rebase(const models::RobotBelief& belief);
 
-  /// Returns a copy, because tracks move in memory when another target is discovered. An unknown
-  /// target gives a default Track.
+  /// Returns a copy of the track, because tracks move in memory when another target is discovered.
+  /// For an unknown target it returns a default Track.
   [[nodiscard]] Track track(int target_id) const {
     const KnownTrack* known = tracks_.find(target_id);
     return known == nullptr ? Track{} : known->track;
@@ -177,21 +178,21 @@ class DistributedFilter {
 
  private:
   void listen(const StepInput& input, StepRecord& record);
-  /// Returns the information confined to the free space; nullopt when it is then singular.
+  /// Returns the belief conditioned on the free space; nullopt if its covariance is then singular.
   [[nodiscard]] std::optional<models::Information> kept_inside(
       const models::Information& information) const;
   void hear(const models::RobotBelief& belief, StepRecord& record);
   /// Like hear(), for sensors without ids.
   void hear_labels(const models::RobotBelief& belief, StepRecord& record);
   void merge_grid(const models::RobotBelief& belief);
-  /// Returns the index in spec_.team of the robot that made an observation; for a robot outside the
-  /// team, that of this robot. −1 if neither is there.
+  /// Returns the index in spec_.team of the robot that made an observation. For a robot outside the
+  /// team it returns the index of this robot, or −1 if this robot is not in the team either.
   [[nodiscard]] int looker_of(const models::RobotMeasurement& look) const;
   [[nodiscard]] const models::SensorModel& sensor_of(int looker) const;
   [[nodiscard]] const models::DetectionModel& detection_of(int looker) const;
   [[nodiscard]] bool is_self(int looker) const;
-  /// Stores an observation in the record of its step. Returns that step's age in records, −1 if
-  /// dropped.
+  /// Stores an observation in the record of its step. Returns the number of records after that
+  /// step, −1 if the observation was dropped.
   int file(const models::RobotMeasurement& look, Time now);
   void run(StepRecord& record);
   void rebase_tracks(const models::RobotBelief& belief);
@@ -216,7 +217,7 @@ class DistributedFilter {
 
   FilterSpec spec_;
   models::World room_;        ///< free space of the targets' centres
-  std::optional<Time> time_;  ///< of tracks_; absent before the first step
+  std::optional<Time> time_;  ///< instant of tracks_; absent before the first step
   models::Viewpoint viewpoint_;
   int degree_ = 0;
   TrackTable tracks_;
@@ -225,7 +226,7 @@ class DistributedFilter {
   std::vector<LabelledTrack> labelled_;            ///< replaces tracks_ for sensors without ids
   std::vector<HeardLabel> heard_labels_;           ///< scratch of reconcile_labels()
   models::VisibilityGrid grid_;
-  std::vector<StepRecord> records_;  ///< ring
+  std::vector<StepRecord> records_;  ///< ring buffer of past steps
   int newest_ = 0;
   int recorded_ = 0;
   std::unordered_map<std::string, int> lookers_;      ///< indices into spec_.team

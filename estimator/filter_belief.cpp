@@ -7,8 +7,9 @@
 namespace vantage::estimator {
 namespace {
 
-/// Size of a part of an unseen target's belief: this share of the sensor's range in σ. It is so
-/// small that one observation decides whether the target is there. Measured (docs/decisions/0025).
+/// Largest σ of a part of an unseen target's belief, as a share of the sensor's range. It is so
+/// small that one observation decides whether the target is in the part. Determined by experiment
+/// (docs/decisions/0025).
 constexpr double kPartShare = 0.2;
 
 }  // namespace

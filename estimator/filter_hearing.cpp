@@ -20,7 +20,7 @@ double weight_of(const models::StateMatrix& Omega) {
 }
 
 /// Returns the κ in [0, 1] that maximises det((1 − κ) A + κ B). log det is concave in κ, so its
-/// slope tr((B − A) Ω⁻¹) falls; bisection finds its zero to 1/4096.
+/// slope tr((B − A) Ω⁻¹) decreases. Bisection finds the zero of the slope to 1/4096.
 double intersection_weight(const models::StateMatrix& A, const models::StateMatrix& B) {
   const models::StateMatrix D = B - A;
   const auto is_rising = [&](double kappa) {
@@ -83,8 +83,8 @@ std::optional<models::Information> DistributedFilter::kept_inside(
 }
 
 void DistributedFilter::hear(const models::RobotBelief& belief, StepRecord& record) {
-  // In the first step the tracks at its start are empty, and the belief may contain observations
-  // made since.
+  // The first step (no time_) starts without tracks, and the belief may contain observations made
+  // since the start of the step.
   const bool is_of_start = time_ && belief.stamp.time <= record.from;
   const Time now = is_of_start ? record.from : record.to;
   HeardTable& all_heard = is_of_start ? record.heard_of_start : record.heard;
@@ -101,8 +101,7 @@ void DistributedFilter::hear(const models::RobotBelief& belief, StepRecord& reco
     }
     auto now_known = propagate(spec_.estimator.target_model, spec_.step_s, target.information,
                                target.last_seen, belief.stamp.time, now);
-    // Without this, a belief predicted into a wall would be more confident than one that was
-    // reflected.
+    // Without this, a belief predicted into a wall would be more confident than a reflected one.
     if (now_known && belief.stamp.time < now) {
       now_known = kept_inside(*now_known);
     }
@@ -133,9 +132,10 @@ void DistributedFilter::hear(const models::RobotBelief& belief, StepRecord& reco
 void DistributedFilter::hear_labels(const models::RobotBelief& belief, StepRecord& record) {
   const Time told_at = belief.stamp.time;
   if (told_at < record.from) {
-    return;  // of a step that was reconciled already, or too old
+    return;  // belief of a step that was reconciled already, or too old
   }
-  // A belief of `from` contains no observation of this step. A later one is used after all of them.
+  // A belief of instant `from` contains no observation of this step and is used before them. A
+  // later belief is used after all of them.
   const Time at = told_at == record.from && record.from < record.to ? record.from : record.to;
   const models::TargetModel& model = spec_.estimator.target_model;
   const int teller = record.heard_labels.empty() ? 0 : record.heard_labels.back().teller + 1;
@@ -146,7 +146,7 @@ void DistributedFilter::hear_labels(const models::RobotBelief& belief, StepRecor
     if (target.target_id < models::kTrackLabelMin) {
       ++counters_.unknown_ids;
     } else if (!believed || record.heard_labels.size() >= spec_.team.size() * labelled_.size()) {
-      ++counters_.malformed_beliefs;  // a team that conforms to the scenario never sends that many
+      ++counters_.malformed_beliefs;  // more tracks than any teammate in this scenario sends
     } else {
       record.heard_labels.push_back(
           {teller, at, target.target_id,
@@ -180,10 +180,10 @@ void DistributedFilter::fuse(const HeardTable& all_heard) {
     }
     Track& own = known->track;
     if (heard.last_seen < own.doubted) {
-      continue;  // it is older than the doubt and would remove it
+      continue;  // it is older than the doubted detection and would undo doubt()
     }
-    // Without a newer detection, teammates can have only other missed detections. They publish
-    // moments, and of two different moments the more confident ones are more likely to be wrong.
+    // Without a newer detection, the teammates' beliefs differ only in missed detections. Beliefs
+    // contain only moments; if moments differ, the more confident ones are more likely to be wrong.
     if (!known->samples.empty() && heard.last_seen <= own.last_seen) {
       continue;
     }

@@ -3,7 +3,7 @@
 #include "core/check.hpp"
 #include "estimator/distributed_filter.hpp"
 
-// Makes the filter's spec from a scenario, and names its counters.
+// Builds a FilterSpec from a scenario, and names the filter's counters.
 
 namespace vantage::estimator {
 

@@ -11,20 +11,20 @@
 #include "estimator/posterior_moments.hpp"
 #include "estimator/view_limits.hpp"
 
-// The quadrature of posterior_moments() for sensors for which integration along rays is unsuitable.
+// Quadrature of posterior_moments() for sensors to which integration along rays does not apply.
 
 namespace vantage::estimator {
 
-/// Moments of the product of prior, measurement likelihood and view limits.
+/// Moments of the product p of prior, measurement likelihood and view probability.
 struct IntegratedMoments {
-  models::PositionVector mean_m;  ///< relative to the sensor; from a GroundGrid in the world frame
+  models::PositionVector mean_m;  ///< relative to the sensor; of a GroundGrid: in the world frame
   models::PositionMatrix covariance_m2;
   double mahalanobis2 = 0.0;
   double share_in_view = 1.0;
 };
 
-/// Quadrature for any sensor of targets on the ground, in particular a camera. p is evaluated on a
-/// grid along the axes of the posterior linearised at its mode.
+/// Quadrature for any sensor that measures targets on the ground, in particular a camera. The
+/// density p is evaluated on a grid along the axes of the posterior linearised at its mode.
 class GroundGrid {
  public:
   GroundGrid(const PositionPrior& prior, const models::SensorModel& sensor,

@@ -10,10 +10,10 @@
 namespace vantage::estimator {
 namespace {
 
-/// A target farther than this many σ from its mean is neglected.
+/// The probability that a target is farther than this from its mean, in σ, is neglected.
 constexpr double kReach_sigma = 4.0;
 
-/// Returns kReach_sigma times the larger σ of two coordinates, from `first` on.
+/// Returns kReach_sigma times the larger σ of the coordinates `first` and `first` + 1.
 double reach_of(const models::Gaussian& belief, Eigen::Index first) {
   return kReach_sigma * std::sqrt(belief.covariance.diagonal().segment<2>(first).maxCoeff());
 }

@@ -13,23 +13,22 @@ namespace vantage::estimator {
 /// another one turns back. Where beliefs allow a collision, samples represent the result, which is
 /// not Gaussian (docs/decisions/0024).
 ///
-/// A value; the members are only scratch. It does not allocate for up to TrackTable::kReserved
-/// targets.
+/// The members are scratch only. Nothing is allocated for up to TrackTable::kReserved targets.
 class Meetings {
  public:
-  /// Reserves room for `target_count` targets; their centres are at least `distance_m` apart.
+  /// Reserves storage for `target_count` targets, whose centres are at least `distance_m` apart.
   Meetings(int target_count, double distance_m);
 
   /// Applies the collisions of the next dt_s. If a sample of a track collides with another track's
-  /// sample, the track is represented by samples from now on. The samples are moved such that a
-  /// prediction by dt_s puts them where they are after the collision. The tracks' information is
-  /// not changed. `key` selects which sample is paired with which; the same key and targets give
-  /// the same pairs.
+  /// sample, the track is represented by samples afterwards. The samples are moved such that a
+  /// prediction by dt_s gives their states after the collision. The tracks' information is not
+  /// changed. `key` selects which sample is paired with which; the same key and targets give the
+  /// same pairs.
   /// Precondition: a model with a velocity.
   void let_meet(TrackTable& tracks, double dt_s, std::uint64_t key);
 
  private:
-  /// A target and the disc that it leaves with negligible probability within dt_s.
+  /// A target with a disc that contains it, with nearly certain probability, for the next dt_s.
   struct Party {
     int target_id = 0;
     Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();

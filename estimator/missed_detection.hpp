@@ -6,15 +6,16 @@
 
 namespace vantage::estimator {
 
-/// True if an observation from `from` may report a target at `target_m`: it is in view
+/// True if an observation from `from` can report a target at `target_m`: the target is in view
 /// (models::in_view) and in line of sight.
 bool can_report(const models::SensorModel& sensor, const models::Viewpoint& from,
                 const models::World& world, const models::PositionVector& target_m);
 
-/// Returns a belief updated with an observation that did not report the target ("negative
+/// Returns the belief updated with an observation that did not report the target ("negative
 /// information"). It has the moments of N(y; μ, P) · (1 − p_D · 1[y in view]) / Z, where "in view"
-/// is can_report(). See reweighted() for the method and for the cases that are returned unchanged.
-/// p_D ≤ 0 and a belief beyond the sensor's range are unchanged as well.
+/// is can_report(). See reweighted() for the method and for the cases in which the belief is
+/// returned unchanged. It is also unchanged if p_D ≤ 0 or if the belief is beyond the sensor's
+/// range.
 ///
 /// @param probability  if not null: receives Z, the probability that the observation does not
 /// report the target

@@ -16,7 +16,7 @@ double distance2(const Component& from, const models::StateVector& to) {
   return off.dot(from.belief.covariance.llt().solve(off));
 }
 
-/// Merges `other` into `one`, keeping the moments of both.
+/// Merges `other` into `one`; the result has the moments of the two together.
 void merge(Component& one, const Component& other) {
   const double weight = one.weight + other.weight;
   const double share = other.weight / weight;

@@ -43,7 +43,7 @@ struct ProductRule {
     spacing = point[1] - point[0];
   }
 
-  /// Returns the rule with 15 points per coordinate in the plane, 7 in space.
+  /// Returns the rule for `position_dim`: 15 points per coordinate in the plane, 7 in space.
   static const ProductRule& of(Eigen::Index position_dim) {
     static const ProductRule planar(15);
     static const ProductRule spatial(7);
@@ -61,16 +61,17 @@ struct ProductRule {
 ///
 /// The moments come from a fixed product rule on ±3σ of the position ellipse. It is scaled to have
 /// the Gaussian's own first two moments, so a constant likelihood changes nothing. The covariance
-/// may shrink (one side is excluded) or grow (the middle is excluded). In no direction does it fall
-/// below the variance of one cell of the rule, so it stays positive definite.
+/// may shrink (one side is excluded) or grow (the middle is excluded). In every direction it is at
+/// least the variance of one cell of the rule, so it stays positive definite.
 ///
-/// The belief is returned unchanged when the likelihood is 1 at every point, when it contradicts
-/// the belief (Z < 1e−6), or when the covariance is not positive definite.
+/// The belief is returned unchanged in three cases: the likelihood is 1 at every point, the
+/// likelihood contradicts the belief (Z < 1e−6), or the covariance is not positive definite.
 /// Cost: 225 (plane) or 343 (space) calls of `likelihood`, no allocation.
 /// @param share  if not null: receives Z, or 1 if the likelihood is 1 at every point; not written
 /// when the covariance is not positive definite
 /// Source: assumed-density filtering; Ristic, Arulampalam, Gordon, Beyond the Kalman Filter (2004).
-// long: one integral: its points, their moments and the cases that leave the belief unchanged.
+// long: computes one integral: points, their moments, and the cases in which the belief does not
+// change.
 template <class Likelihood>
 models::Gaussian reweighted(const models::Gaussian& belief, const Likelihood& likelihood,
                             double* share = nullptr) {

@@ -21,20 +21,20 @@ namespace {
 /// Existence probability below which a track is deleted or not started.
 constexpr double kExistenceMin = 0.01;
 constexpr double kConfirmed = 0.5;
-/// Least assumed number of targets without a track. With zero, a target that is tracked wrongly
-/// would never be found again.
+/// Least assumed number of targets without a track. With zero, a target whose track is wrong would
+/// never be found again.
 constexpr double kUntrackedMin = 0.05;
-/// Least number of false alarms per observation. With zero, a single outlier would start a
+/// Least assumed number of false alarms per observation. With zero, a single outlier would start a
 /// confirmed track.
 constexpr double kClutterMin = 1e-3;
 constexpr double kDetectionMax = 0.99;
-// Mixture reduction: merge distance, least weight, and the weight from which a posterior is
-// computed by quadrature.
+// Mixture reduction: merge distance, least weight of a component, and least weight for which a
+// posterior is computed by quadrature.
 constexpr double kMerge_sigma = 1.0;
 constexpr double kWeightMin = 1e-3;
 constexpr double kExactFrom = 0.02;
-// Hit counts: hits to confirm a track, and consecutive missed detections that delete a tentative or
-// a confirmed track.
+// Number of hits that confirm a track, and numbers of consecutive missed detections that delete a
+// tentative or a confirmed track.
 constexpr int kHitsToConfirm = 3;
 constexpr int kMissesOfTentative = 2;
 constexpr int kMissesOfConfirmed = 5;
@@ -322,8 +322,8 @@ void MultiTargetFilter::count_hits(std::vector<LabelledTrack>& tracks, const Loo
   }
 }
 
-// P(i exists | at most N) = r_i P(at most N − 1 of the others) / P(at most N). The others are those
-// before i and those after it.
+// P(track i exists | at most N exist) = r_i P(at most N − 1 of the other tracks exist) / P(at most
+// N exist).
 void MultiTargetFilter::keep_to_number(std::vector<LabelledTrack>& tracks) {
   const std::size_t counts = index(spec_.targets) + 1;
   const std::size_t n = tracks.size();

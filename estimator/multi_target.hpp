@@ -21,21 +21,21 @@ enum class Tracker {
   /// observation updates, and a mixture over its possible associations. A detection that no track
   /// explains starts a track with the probability that it is not a false alarm.
   kLabelled,
-  kJpda,     ///< joint probabilistic data association: one Gaussian; hit counts confirm and delete
-  kNearest,  ///< global nearest neighbour: only the most likely association; hit counts
+  kJpda,     ///< joint probabilistic data association: one Gaussian per track, hit counts
+  kNearest,  ///< global nearest neighbour: uses only the most likely association, and hit counts
 };
 
 struct MultiTargetSpec {
   scenario::EstimatorSpec estimator;
   models::World world;
-  models::DetectionModel detection;  ///< of observations passed without a DetectionModel
+  models::DetectionModel detection;  ///< for look() without a DetectionModel
   double step_s = 0.5;
   int targets = 5;          ///< number of targets in the world, found or not
   int tracks_max = 10;      ///< more than targets, because some tracks are false
-  int detections_max = 32;  ///< per observation; the rest is not used
-  int components_max = 6;   ///< of a track's mixture; 1 for kJpda and kNearest
+  int detections_max = 32;  ///< per observation; further ones are not used
+  int components_max = 6;   ///< maximum per track; 1 for kJpda and kNearest
   Tracker tracker = Tracker::kLabelled;
-  /// Gate: a detection farther than this from the prediction is not associated.
+  /// Gate, in σ: a detection farther than this from a track's prediction is not associated with it.
   double gate_sigma = 4.0;
 };
 
@@ -43,9 +43,9 @@ struct MultiTargetSpec {
 struct LabelledTrack {
   double existence = 0.0;  ///< probability of existence; 0: unused slot
   Mixture mixture;         ///< state if the target exists; weights sum to 1, the heaviest first
-  Time last_seen{};        ///< newest observation that detected it with a probability > 0.5
+  Time last_seen{};        ///< newest observation that detected the target with probability > 0.5
   int label = 0;           ///< label of the detection that started the track, see first_label()
-  int hits = 0;            ///< observations that detected it
+  int hits = 0;            ///< observations that detected the target
   /// Observations since the last hit in which a detection was expected and missing.
   int misses = 0;
 };
@@ -56,8 +56,8 @@ struct Glance {
   const models::DetectionModel& detection;
   const models::Viewpoint& from;
   Time at;
-  /// Label of a track started by the first detection. Each further detection has the next label, in
-  /// an order that depends only on the detections.
+  /// Label of a track that the first detection starts. Each further detection has the next label.
+  /// The order of the detections depends only on their content.
   int first_label = 0;
 };
 
@@ -66,28 +66,28 @@ struct MultiTargetCounters {
   std::int64_t births = 0;
   std::int64_t deaths = 0;
   std::int64_t beyond_capacity = 0;  ///< detections or births beyond the capacity
-  std::int64_t malformed = 0;        ///< of the wrong dimension, or without a posterior position
+  std::int64_t malformed = 0;        ///< of wrong dimension, or without possible position
 };
 
 /// Multi-target filter for detections without target ids, with false alarms.
 ///
-/// For tracks i with existence r_i and belief p_i, one observation gives the weights w_i0 = 1 − r_i
-/// p_D P_i(in view) of no detection, and w_ij = r_i p_D p(z_j | p_i) of detection j. The latter is
-/// divided by the intensity of other detections: false alarms (uniform over the area in view) and
+/// Track i has existence probability r_i and belief p_i. One observation gives it the weight w_i0 =
+/// 1 − r_i p_D P_i(in view) of no detection, and w_ij = r_i p_D p(z_j | p_i) / λ_j of detection j.
+/// λ_j is the intensity of other detections: false alarms (uniform over the area in view) and
 /// targets without a track (uniform over the world; their number is `targets` minus the sum of
 /// r_i). The joint association probabilities β (class Association) update existence: r_i ← Σ_j β_ij
 /// + β_i0 r_i (1 − p_D P_i) / w_i0, conditioned on at most `targets` targets. Belief i becomes the
-/// mixture of its posteriors for each detection and for none, reduced. Detection j starts a track
-/// with 1 − Σ_i β_ij. The weights use a detection as a Gaussian of its position without prior.
-/// Posteriors of relevant weight use measure(); missed detections use missed_detection(), motion
-/// propagate().
+/// reduced mixture of its posteriors for each detection and for none. Detection j starts a track in
+/// proportion to 1 − Σ_i β_ij. For the weights, a detection is the Gaussian of its position without
+/// prior. Posteriors of relevant weight are computed by measure(), missed detections by
+/// missed_detection() and motion by propagate().
 ///
 /// kLabelled first assigns each detection to at most one track, by the most likely association.
-/// Without this, two lost tracks would share one target that is found again, and neither would
-/// release it. A detection that stays unassigned is open to all tracks.
+/// Without this, two lost tracks would permanently share one target that is detected again. A
+/// detection that remains unassigned can belong to any track.
 ///
-/// Pure: the caller owns the tracks, the members are scratch. The order of detections does not
-/// change the result. Allocates nothing. Requires planar targets and a sensor that measures
+/// The caller owns the tracks; the members are scratch only. The order of detections does not
+/// change the result. Nothing is allocated. Requires planar targets and a sensor that measures
 /// position (not range or bearing alone).
 /// Source: Reuter, Vo, Vo, Dietmayer, The labeled multi-Bernoulli filter (2014); Williams, Marginal
 /// multi-Bernoulli filters: RFS derivation of MHT, JIPDA and association-based MeMBer (2015); JPDA:
@@ -101,7 +101,7 @@ class MultiTargetFilter {
   [[nodiscard]] std::vector<LabelledTrack> no_tracks() const;
   /// Predicts the tracks from `from` to `to` ≥ `from`.
   void propagate(std::vector<LabelledTrack>& tracks, Time from, Time to);
-  /// Updates the tracks with one observation made at their instant.
+  /// Updates the tracks with one observation made at the instant of the tracks.
   /// Precondition: the size of `tracks` is that of no_tracks().
   void look(std::vector<LabelledTrack>& tracks, const Glance& glance,
             std::span<const models::Detection> detections);
@@ -124,7 +124,7 @@ class MultiTargetFilter {
   void sort_detections(const Look& look, std::span<const models::Detection> detections);
   void expect_misses(const std::vector<LabelledTrack>& tracks, const Look& look);
   void weigh(const std::vector<LabelledTrack>& tracks, const Look& look);
-  /// Reserves each detection for the track that has it in the most likely association.
+  /// Assigns each detection to the track that has it in the most likely association.
   void share_out(bool is_exclusive);
   void mix(std::size_t i, LabelledTrack& track, const Look& look);
   /// Returns the posterior of a component's belief given detection j.
@@ -142,14 +142,14 @@ class MultiTargetFilter {
   MultiTargetCounters counters_;
   double world_area_m2_;
   Association association_;
-  // By detection: the measurement, and the moments of its position without prior.
+  // By detection: measurement, and mean and covariance of the position given the measurement alone.
   std::vector<models::Measurement> seen_;
   std::vector<PositionMoments> found_;
-  // By track and component: belief and weight if the track is not detected.
+  // By track and component: belief and weight in the case that the track is not detected.
   std::vector<Component> missed_;
   std::vector<double> missed_probability_;  ///< by track
   std::vector<double> fit_per_m2_;  ///< density of detection j given a component, by at(i, k), j
-  Mixture mixture_;                 ///< before reduction
+  Mixture mixture_;                 ///< a track's posterior before reduction
   std::vector<double> before_;      ///< P(n of the tracks before i exist), by i and n
   std::vector<double> after_;       ///< P(at most n of the tracks from i on exist), by i and n
 };

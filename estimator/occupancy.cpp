@@ -34,7 +34,7 @@ bool OccupancyFusion::mark_beam(const models::GridGeometry& geometry, const Pose
     if (may_hit && walk.exit_m() > range_m + 2.0 * sensor_.sigma_m) {
       if (walk.enter_m() > 0.0) {
         mark(walk.cell(), Mark::kHit);
-      }  // else the surface is within the vehicle's own cell
+      }  // otherwise the surface is in the vehicle's own cell
       return true;
     }
     if (walk.enter_m() == 0.0 || 0.5 * (walk.enter_m() + walk.exit_m()) < range_m) {

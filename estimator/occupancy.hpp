@@ -22,11 +22,11 @@ struct ScanCounts {
 
 /// Fusion of range scans into an occupancy belief by log-odds.
 ///
-/// A reading z marks as hit the cell that contains the range z + 2 σ. A surface is at the near side
-/// of its cell, and with z itself noise would put half of the hits one cell too near. The cells
-/// before it are marked as missed if their middle is nearer than z. The sensor's cell is missed. A
-/// scan changes a cell once, and a hit overrides a miss; otherwise beams that graze a wall would
-/// erase it.
+/// A range z marks the cell at range z + 2 σ along the beam as hit. With z itself, noise would move
+/// half of the hits one cell too near, because a surface is at the near side of its cell. The cells
+/// before it are marked as missed if their centres are nearer than z. The sensor's own cell is
+/// marked as missed. A scan changes a cell only once, and a hit overrides a miss; otherwise beams
+/// almost parallel to a wall would erase the wall.
 /// Source: log-odds of the inverse sensor model: Moravec and Elfes (1985); once a scan, hits first:
 /// Hornung et al., OctoMap (2013), IV-B.
 class OccupancyFusion {
@@ -35,7 +35,7 @@ class OccupancyFusion {
   /// does not lower them.
   OccupancyFusion(const models::BeamSensor& sensor, const models::InverseBeamModel& inverse);
 
-  /// Updates `belief` with one reading of every beam, taken at `world_from_body`.
+  /// Updates `belief` with one range per beam, measured at pose `world_from_body`.
   /// Precondition: `ranges_m` has one entry per beam (otherwise the whole scan is ignored and
   /// counted).
   ScanCounts fuse(const Pose2& world_from_body, std::span<const double> ranges_m,
@@ -49,7 +49,7 @@ class OccupancyFusion {
   void mark(int cell, Mark as);
   bool mark_beam(const models::GridGeometry& geometry, const Pose2& world_from_body, int beam,
                  double range_m);
-  /// Fills touched_ and the marks of its cells.
+  /// Fills touched_ and sets the marks of the touched cells.
   ScanCounts mark_scan(const models::GridGeometry& geometry, const Pose2& world_from_body,
                        std::span<const double> ranges_m);
   [[nodiscard]] bool is_hit(int cell) const {

@@ -19,7 +19,7 @@ namespace {
 using models::PositionMatrix;
 using models::PositionVector;
 
-/// Exponents this far below the largest one (5σ of a Gaussian) are neglected.
+/// Terms whose exponent is this much below the largest exponent (5σ of a Gaussian) are neglected.
 constexpr double kNegligible = 12.5;
 constexpr int kZoomsMax = 10;
 /// Share of the mass in view below which the limits are assumed to be wrong.
@@ -34,15 +34,15 @@ struct Interval {
   [[nodiscard]] double width() const { return high - low; }
 };
 
-/// Integrals of p along one ray, times exp(−top): of 1, of the distance r, of r², and of 1 within
-/// the limits.
+/// Integrals along one ray, times exp(−top): of p, of p r, of p r², and of p within the limits; r
+/// is the distance.
 struct RayIntegral {
   double top = -std::numeric_limits<double>::infinity();
   double mass = 0.0;
   double first = 0.0;
   double second = 0.0;
   double in_view = 0.0;
-  /// Log of the mass without the factor exp(−top).
+  /// Logarithm of the mass without the factor exp(−top).
   double log_mass = -std::numeric_limits<double>::infinity();
 };
 
@@ -89,7 +89,7 @@ class Rays {
  private:
   [[nodiscard]] bool sees_all_around() const { return models::sees_all_around(sensor_); }
 
-  /// Returns the angle beyond the field of view up to which p is not negligible, rad.
+  /// Returns the angle beyond the edge of the field of view up to which p is not negligible, rad.
   [[nodiscard]] double softest_rad() const {
     const double reach = std::sqrt(2.0 * kNegligible);
     const double nearest_m =
@@ -97,9 +97,9 @@ class Rays {
     return reach * std::hypot(soft_.angle_rad, soft_.distance_m / nearest_m);
   }
 
-  /// Returns the distance beyond a limit, known to `sigma_m`, at which exp(slope x − ½ a x²) times
-  /// the limit's own tail, exp(−½ x²/σ²), becomes negligible. `slope` is the outward slope of the
-  /// exponent at the limit.
+  /// Returns the distance x beyond a limit of uncertainty `sigma_m` at which exp(slope x − ½ a x²)
+  /// times the tail of the limit, exp(−½ x²/σ²), becomes negligible. `slope` is the outward slope
+  /// of the exponent at the limit.
   [[nodiscard]] static double softness_m(double slope, double a, double sigma_m) {
     if (!(sigma_m > 0.0)) {
       return 0.0;
@@ -108,13 +108,14 @@ class Rays {
     return std::max(0.0, slope / steep) + std::sqrt(2.0 * kNegligible / steep);
   }
 
-  /// Returns the interval of possible bearings from body x.
+  /// Returns the interval of possible bearings, measured from the body's x axis.
   [[nodiscard]] Interval bearings_rad(bool is_limited) const {
     const double half_rad = is_limited && !sees_all_around()
                                 ? std::min(kPi, 0.5 * sensor_.fov_rad + softest_rad())
                                 : kPi;
     if (!law_.measures_bearing) {
-      // The full turn begins opposite to the prior mean, so that it can be narrowed around it.
+      // The full circle is cut opposite to the prior mean, so that the interval can be narrowed
+      // around the mean.
       const double middle_rad = half_rad == kPi ? believed_rad_ : 0.0;
       return {middle_rad - half_rad, middle_rad + half_rad};
     }
@@ -122,7 +123,8 @@ class Rays {
     const double reach_rad =
         std::min(kPi, std::sqrt(2.0 * kNegligible / W_(z_.rows() - 1, z_.rows() - 1)));
     const Interval noise{z_rad - reach_rad, z_rad + reach_rad};
-    // Past ±π the intersection of the noise interval and the field of view could be two pieces.
+    // Beyond ±π the intersection of the noise interval and the field of view could be two
+    // intervals.
     if (half_rad == kPi || noise.low < -kPi || noise.high > kPi) {
       return half_rad == kPi ? noise : Interval{-half_rad, half_rad};
     }
@@ -141,8 +143,8 @@ class Rays {
     return r;
   }
 
-  /// Integrates along the ray of unit vector `u`, `bearing_rad` from body x. long: one integrand,
-  /// case by case.
+  /// Integrates along the ray with unit vector `u`, at `bearing_rad` from the body's x axis. long:
+  /// distinguishes the cases of one integrand.
   [[nodiscard]] RayIntegral along(const PositionVector& u, double bearing_rad, double cos_elevation,
                                   bool is_limited) const {
     RayIntegral out;
@@ -214,7 +216,7 @@ class Rays {
       return estimator::view_probability(sensor_, soft_, r_m, r_m * cos_elevation, bearing_rad,
                                          depth_per_m * r_m);
     };
-    // Separate loop, so that the sums stay in registers.
+    // A separate loop lets the compiler keep the sums in registers.
     std::array<double, kLegendrePoints> shares;
     for (std::size_t i = 0; i < kLegendrePoints; ++i) {
       const double from_peak_m =
@@ -238,7 +240,8 @@ class Rays {
     return out;
   }
 
-  // long: one integral over an array of rays, narrowed to the directions that contain the mass.
+  // long: integrates over an array of rays that is narrowed to the directions that contain the
+  // mass.
   template <std::size_t Bearings, std::size_t Elevations>
   [[nodiscard]] std::optional<IntegratedMoments> integrate_over(bool is_limited) const {
     std::array<RayIntegral, Bearings * Elevations> rays;
@@ -343,12 +346,12 @@ class Rays {
   const models::MeasurementMatrix W_;  // V⁻¹
   const LimitSoftness soft_;
   const Eigen::Index dim_;
-  // Gaussian part in the offset from the sensor: the prior, and a linear measurement
+  // Gaussian part of p as a function of the offset from the sensor: prior and linear measurement
   PositionMatrix Omega_;
   PositionVector linear_;
   double constant_ = 0.0;
   PositionVector eye_m_;
-  double believed_rad_ = 0.0;  // bearing of the prior's mean from body x
+  double believed_rad_ = 0.0;  // bearing of the prior's mean from the body's x axis
 };
 
 template <class Integral>

@@ -7,8 +7,8 @@
 
 namespace vantage::estimator {
 
-/// Prior of a position: exp(−½ (y − mean)ᵀ Ω (y − mean)), Ω positive semidefinite; Ω = 0 is no
-/// information.
+/// Prior of a position: exp(−½ (y − mean)ᵀ Ω (y − mean)), Ω positive semidefinite. Ω = 0 means no
+/// prior information.
 struct PositionPrior {
   models::PositionVector mean_m;
   models::PositionMatrix information;  ///< Ω, m⁻²
@@ -23,24 +23,25 @@ struct PositionMoments {
   double mahalanobis2 = 0.0;
 };
 
-/// True if posterior_moments() supports `sensor` for targets with `position_dim` coordinates. In
-/// space, only linear sensors and those of ranges, bearings or directions are supported.
+/// True if posterior_moments() supports `sensor` for targets with `position_dim` coordinates. For
+/// targets in space, only linear sensors and sensors of ranges, bearings or directions are
+/// supported.
 bool can_integrate(const models::SensorModel& sensor, Eigen::Index position_dim);
 
-/// Computes the moments of p(y) ∝ prior(y) · N(z; h(y), V) · P(y in view) by quadrature on the
-/// sensor's own geometry. The target was reported, so it was in view, as far as the view limits are
-/// known (view_limits.hpp). If less than a thousandth of the mass of prior and measurement lies in
-/// view, the limits are assumed to be wrong and are ignored.
+/// Computes the moments of p(y) ∝ prior(y) · N(z; h(y), V) · P(y in view) by quadrature in the
+/// sensor's coordinates. The target was reported, so it was in view; view_limits.hpp defines P(y in
+/// view). If less than a thousandth of the mass of prior and measurement is in view, the limits are
+/// assumed to be wrong and are ignored.
 ///
-/// Along each ray from the sensor, prior and range are one Gaussian, and bearings (and a camera's
-/// image) are constant. So p is integrated along each ray by 12 Gauss-Legendre nodes over the
-/// interval where it is not negligible. This interval ends a few σ beyond the limits of range and
-/// depth. Over the rays the midpoint rule is used: 64 bearings in the plane, 32 × 32 directions in
-/// space. The fan of rays starts as wide as view and bearing noise allow and is narrowed (at most
-/// 10 times) to the relevant directions. Thus neither a distant beacon nor a target under the robot
-/// is missed. The image of a target on the ground varies along the rays, and other kinds of
-/// measurement may vary too. For these, p is integrated on 31 × 31 points along the axes of the
-/// linearised posterior.
+/// Along each ray from the sensor, the product of prior and range likelihood is a Gaussian, and
+/// bearings (and a camera's image) are constant. So p is integrated along each ray by 12
+/// Gauss-Legendre nodes over the interval where p is not negligible. This interval ends a few σ
+/// beyond the limits of range and depth. The midpoint rule is used over the rays: 64 bearings in
+/// the plane, 32 × 32 directions in space. The fan of rays starts as wide as view and bearing noise
+/// allow and is narrowed (at most 10 times) to the relevant directions. Thus neither a distant
+/// beacon nor a target under the robot is missed. The image of a target on the ground varies along
+/// the rays, and other kinds of measurement may vary too. For these, p is integrated on 31 × 31
+/// points along the axes of the linearised posterior.
 ///
 /// Returns nullopt if !can_integrate(), V is not positive definite, no position is compatible with
 /// z, or y is unbounded.

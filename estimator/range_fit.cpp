@@ -17,7 +17,7 @@
 namespace vantage::estimator {
 namespace {
 
-/// Number of evenly drawn ranges per beacon on which starts are computed.
+/// Number of evenly spaced ranges per beacon from which starts are computed.
 constexpr std::size_t kDrawn = 300;
 constexpr std::array kScales = {0.8, 0.9, 1.0, 1.12, 1.25};
 constexpr std::array kBiases_m = {-1.5, 0.0, 1.5};
@@ -77,7 +77,7 @@ Places places_by(const std::vector<TakenRange>& ranges, const RangeOnlySpec& spe
   return out;
 }
 
-/// Fit of one beacon with fixed calibration.
+/// Fit of one beacon with fixed calibration, and its log posterior.
 struct Alone {
   RangeState state;
   double nats = 0.0;
@@ -140,8 +140,8 @@ class Search {
   RangeState start(const models::RangeCalibration& calibration, double wider) {
     RangeOnlySpec spec;
     spec.calibration = calibration;
-    // Calibrations within the grid differ by at most 6 % from one of its scales and by 0.75 m from
-    // one of its biases.
+    // Every calibration in the range of the grid is within 6 % of a scale and 0.75 m of a bias of
+    // the grid.
     spec.range_sigma_m = wider * std::hypot(0.04 * median_m_, 0.4);
     spec.outlier_share = 0.2;
     spec.outlier_span_m = whole_.outlier_span_m;
@@ -159,7 +159,7 @@ class Search {
     return state;
   }
 
-  /// Refines one beacon from `place_m`, with the calibration of `state` fixed.
+  /// Refines the position of one beacon from `place_m`, with the calibration of `state` fixed.
   static Alone alone(const RangeProblem& like, std::vector<TakenRange> ranges,
                      const RangeState& state, const Eigen::Vector2d& place_m) {
     for (TakenRange& range : ranges) {
@@ -173,7 +173,7 @@ class Search {
     return out;
   }
 
-  /// Returns the distinct local maxima reached from the positions of all starts.
+  /// Returns the distinct local maxima that are reached from the beacon's positions of all starts.
   std::vector<Alone> tops(const RangeState& state, std::size_t beacon) const {
     std::vector<Alone> out;
     const auto add = [&](const Eigen::Vector2d& from_m) {
@@ -216,8 +216,8 @@ class Search {
     return moved;
   }
 
-  /// Computes the probabilities of the alternative positions from the drawn ranges; positions that
-  /// coincide count once.
+  /// Computes the probabilities of the alternative positions from the drawn ranges. Positions that
+  /// coincide are counted once.
   void weigh_others(const RangeState& state, int beacon, RangeFit& fit) const {
     const std::vector<Alone> all = tops(state, index(beacon));
     FittedBeacon& of = fit.beacons[index(beacon)];

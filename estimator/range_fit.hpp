@@ -9,8 +9,8 @@
 #include "core/linear.hpp"
 #include "models/sensor/sensor.hpp"
 
-// Joint estimation of static beacons and the calibration of the ranging sensor from a whole
-// recording in which the robot's positions are known.
+// Joint estimation of static beacons and of the ranging sensor's calibration from a complete
+// recording with known robot positions.
 
 namespace vantage::estimator {
 
@@ -23,20 +23,20 @@ struct TakenRange {
 
 /// Prior of the calibration.
 struct RangeFitSpec {
-  double range_scale_sigma = 0.2;   ///< 1σ about 1
-  double range_bias_sigma_m = 2.0;  ///< 1σ about 0
+  double range_scale_sigma = 0.2;   ///< 1σ; the mean is 1
+  double range_bias_sigma_m = 2.0;  ///< m, 1σ; the mean is 0
 };
 
-/// (range_scale, range_bias_m, x of a beacon, y of it): the order of `FittedBeacon::joint`.
+/// Covariance of (range_scale, range_bias_m, x of a beacon, y of this beacon), in this order.
 using CalibratedCovariance = Eigen::Matrix<double, 4, 4, kUnaligned>;
 
 struct FittedBeacon {
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
   CalibratedCovariance joint = CalibratedCovariance::Zero();
-  double range_sigma_m = 0.0;  ///< 1σ of its ranges without the outliers
-  double outlier_share = 0.0;  ///< share of outliers among its ranges
-  double probability = 1.0;    ///< probability of position_m against the alternative positions
-  /// m; the most likely alternative position, if there is one
+  double range_sigma_m = 0.0;  ///< m; 1σ of this beacon's ranges without the outliers
+  double outlier_share = 0.0;  ///< share of outliers among this beacon's ranges
+  double probability = 1.0;    ///< of position_m; the alternative positions have the rest
+  /// m; most likely alternative position, if any
   std::optional<Eigen::Vector2d> other;
 
   [[nodiscard]] Eigen::Matrix2d covariance_m2() const { return joint.bottomRightCorner<2, 2>(); }
@@ -46,30 +46,31 @@ struct RangeFit {
   models::RangeCalibration calibration;
   double range_scale_sigma = 0.0;   ///< 1σ
   double range_bias_sigma_m = 0.0;  ///< 1σ
-  /// Number of ranges with the information of one independent range; ≥ 1.
+  /// Number of correlated ranges that have the information of one independent range; ≥ 1.
   double correlation = 1.0;
   std::vector<FittedBeacon> beacons;
 };
 
-/// Largest range and robot coordinate that fit_ranges() accepts: squares of larger numbers overflow
-/// or hide all others.
+/// m; largest range and robot coordinate that fit_ranges() accepts. Squares of larger numbers
+/// overflow, or all other terms are lost by rounding.
 inline constexpr double kRangeBound_m = 1e6;
-/// True if fit_ranges() accepts the range: finite and within the bound.
+/// True if fit_ranges() accepts the range: it is finite and within the bound.
 bool is_within_bound(const TakenRange& range);
 
-/// Least number of ranges per beacon that fit_ranges() accepts; fewer do not determine it.
+/// Least number of ranges per beacon that fit_ranges() accepts; fewer do not determine the
+/// position.
 inline constexpr int kRangesOfBeaconMin = 10;
 
 /// Computes the most likely calibration and positions of `beacons` beacons, with covariances.
 ///
 /// The error v is either an inlier or an outlier. Inliers follow Student's t of 5 degrees of
 /// freedom with a separate width per beacon. Outliers are uniform over a span given by the 95 %
-/// quantile of the ranges, with a separate share per beacon. Starts come from RangeOnlyFilter, for
-/// each of a grid of calibrations. The best one is refined by expectation maximisation with
-/// Gauss-Newton steps, and every beacon is tried at each position that any start gave. The
-/// covariances are those of the estimate, whatever the noise is: A⁻¹ B A⁻¹ with A from the slope
-/// and B from the square of the residuals' scores; B is multiplied by `correlation`. The ranges of
-/// one beacon must be in the order of time. Deterministic.
+/// quantile of the ranges, with a separate share per beacon. RangeOnlyFilter gives one start for
+/// each calibration of a grid. The best start is refined by expectation maximisation with
+/// Gauss-Newton steps, and every beacon is tried at each position found by any start. The
+/// covariances are valid for any noise distribution: A⁻¹ B A⁻¹, with A from the slopes and B from
+/// the squares of the residuals' scores; B is multiplied by `correlation`. The ranges of one beacon
+/// must be sorted by time. Deterministic.
 /// Cost: O(beacons · 300) for the starts, then O(ranges) per step and O(beacons³).
 /// @throws UsageError for a range that is not within the bound, a beacon out of range or one with
 /// fewer than kRangesOfBeaconMin ranges, and when no start has a likelihood.
@@ -79,9 +80,9 @@ RangeFit fit_ranges(std::span<const TakenRange> ranges, int beacons, const Range
 
 /// Innovations of ranges that were not used in the fit, normalised by the σ that the fit predicts.
 struct InnovationScore {
-  int honest = 0;    ///< ranges within 4σ of the prediction
-  int outliers = 0;  ///< the others; not part of nees
-  /// Mean of ν²/(H Σ Hᵀ + σ²) over the honest ranges; 1 if the fit is consistent.
+  int honest = 0;    ///< number of ranges within 4σ of the prediction
+  int outliers = 0;  ///< number of the other ranges; not part of nees
+  /// Mean of ν²/(H Σ Hᵀ + σ²) over the ranges counted in `honest`; 1 if the fit is consistent.
   double nees = 0.0;
 };
 InnovationScore judge(const RangeFit& fit, std::span<const TakenRange> ranges);

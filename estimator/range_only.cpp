@@ -76,8 +76,8 @@ double RangeOnlyFilter::update(BeaconHypothesis& hypothesis, const Eigen::Vector
   const double scale = spec_.calibration.range_scale;
   const Eigen::RowVector2d H = scale * away_m.transpose() / distance_m;
   const Eigen::Matrix2d& P = hypothesis.covariance_m2;
-  // Second-order correction: the range is curved along the tangent. The effect is negligible for a
-  // narrow hypothesis and amounts to metres on a new ring.
+  // Second-order correction for the curvature of the range along the tangent. It is negligible for
+  // a narrow hypothesis, but metres for a hypothesis of a new ring.
   const Eigen::Vector2d across(-away_m.y() / distance_m, away_m.x() / distance_m);
   const double curve_m = 0.5 * scale * across.dot(P * across) / distance_m;
   const double S =
@@ -126,8 +126,7 @@ void RangeOnlyFilter::normalise_and_drop() {
 
 void RangeOnlyFilter::merge() {
   const double limit = spec_.merge_distance_sigma * spec_.merge_distance_sigma;
-  // Two hypotheses this close are merged however narrow they are, because no single range
-  // distinguishes them.
+  // Hypotheses within this distance are always merged, because no single range distinguishes them.
   const double same_m = spec_.merge_distance_sigma * spec_.range_sigma_m;
   for (std::size_t i = 0; i < hypotheses_.size(); ++i) {
     for (std::size_t j = hypotheses_.size(); j-- > i + 1;) {

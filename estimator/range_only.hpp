@@ -10,19 +10,19 @@
 
 namespace vantage::estimator {
 
-/// Distance below which the direction to a beacon is undefined.
+/// m; distance below which the direction to a beacon is undefined.
 inline constexpr double kRangeNearest_m = 1e-6;
 
 struct RangeOnlySpec {
   models::RangeCalibration calibration;
-  double range_sigma_m = 0.5;     ///< 1σ of an honest range
+  double range_sigma_m = 0.5;     ///< m; 1σ of a range that is no outlier
   double outlier_share = 0.05;    ///< share of ranges that are outliers
   double outlier_span_m = 100.0;  ///< m; outliers are uniform over this span
-  int hypotheses = 48;            ///< Gaussians on the first ring; also the maximum number
+  int hypotheses = 48;            ///< number of Gaussians on the first ring; also the maximum
   double weight_min = 1e-4;       ///< lighter hypotheses are dropped
-  /// Hypotheses nearer than this, in σ of their own or of a range, are merged.
+  /// Distance below which two hypotheses are merged, in σ of the hypotheses or of a range.
   double merge_distance_sigma = 0.5;
-  int restart_window = 30;  ///< ranges; restart if most in one window match no hypothesis
+  int restart_window = 30;  ///< number of ranges; restart if most in a window match no hypothesis
 };
 
 /// One hypothesis of a Gaussian sum for a beacon's position.
@@ -35,12 +35,12 @@ struct BeaconHypothesis {
 /// Filter that locates a static planar beacon from ranges alone, r = range_scale ‖y − p‖ +
 /// range_bias_m + v, with known positions p of the robot.
 ///
-/// The first range puts the beacon on a ring: `hypotheses` Gaussians around the robot. Every
-/// further range updates each of them by an EKF. Its innovation is either honest, N(0, S), or an
-/// outlier (uniform). With posterior probability β of being honest, the update is that of
-/// probabilistic data association: x + βKν, P − βKSKᵀ + β(1 − β) KννᵀKᵀ. The weight follows the
-/// mixture's likelihood. Hypotheses of small weight are dropped and similar ones merged until one
-/// remains. Sequential, one pass.
+/// The first range gives a ring of `hypotheses` Gaussians around the robot. Every further range
+/// updates each of them by an EKF. A range is either an outlier (uniform) or an inlier with
+/// innovation N(0, S). With β the posterior probability of an inlier, the update is that of
+/// probabilistic data association: x + βKν, P − βKSKᵀ + β(1 − β) KννᵀKᵀ. Each weight is multiplied
+/// by the likelihood of the range, outliers included. Hypotheses of small weight are dropped and
+/// similar ones are merged until one remains. Each range is used once, in sequence.
 /// Cost: O(hypotheses) per range, and O(hypotheses²) while there are several.
 /// Source: Alspach, Sorenson (1972), Gaussian sums; Bar-Shalom, Li, Kirubarajan (2001), 3.4 PDA;
 /// Djugash, Hamner, Roth (2009) for rings of range-only hypotheses.
@@ -53,9 +53,9 @@ class RangeOnlyFilter {
   /// maps to zero or below, are counted and dropped.
   void update(const Eigen::Vector2d& robot_m, double range_m);
 
-  /// Returns the heaviest hypothesis; weight 0 before the first range.
+  /// Returns the hypothesis of the largest weight. Its weight is 0 before the first range.
   [[nodiscard]] BeaconHypothesis best() const;
-  /// Returns all hypotheses, heaviest first; weights sum to 1.
+  /// Returns all hypotheses, sorted by decreasing weight; weights sum to 1.
   [[nodiscard]] const std::vector<BeaconHypothesis>& hypotheses() const { return hypotheses_; }
   [[nodiscard]] std::int64_t refused() const { return refused_; }
   [[nodiscard]] std::int64_t restarts() const { return restarts_; }
@@ -68,8 +68,8 @@ class RangeOnlyFilter {
 
   RangeOnlySpec spec_;
   std::vector<BeaconHypothesis> hypotheses_;
-  int window_ = 0;       ///< ranges in the current window
-  double honest_ = 0.0;  ///< Σ β over it, each range's largest β of all hypotheses
+  int window_ = 0;       ///< number of ranges in the current window
+  double honest_ = 0.0;  ///< Σ of the window's β, the largest of all hypotheses per range
   std::int64_t refused_ = 0;
   std::int64_t restarts_ = 0;
 };

@@ -17,8 +17,8 @@ namespace {
 
 constexpr double kFreedom = 5.0;              ///< degrees of freedom of Student's t
 constexpr double kPeak = 0.3796066898224944;  ///< density of Student's t at 0: Γ(3)/(Γ(5/2) √(5π))
-/// Weight of the pooled noise of all beacons in each beacon's noise, in ranges. It matters for a
-/// beacon with few ranges.
+/// Weight of the noise pooled over all beacons in the noise of each beacon, as a number of ranges.
+/// It matters for a beacon with few ranges.
 constexpr double kBorrowed = 20.0;
 
 Eigen::Index row_of(int beacon) { return 2 + 2 * Eigen::Index{beacon}; }
@@ -31,7 +31,7 @@ Eigen::Vector4d jacobian(const RangeState& state, const TakenRange& range) {
   return {distance_m, 1.0, H.x(), H.y()};
 }
 
-/// Adds c J Jᵀ to the blocks of the calibration and of this beacon.
+/// Adds c J Jᵀ to the blocks of `sum` that belong to the calibration and to this beacon.
 void add_outer(Eigen::MatrixXd& sum, int beacon, double c, const Eigen::Vector4d& J) {
   const Eigen::Index row = row_of(beacon);
   const Eigen::Matrix4d outer = c * J * J.transpose();
@@ -96,8 +96,8 @@ RangeState moved(const RangeState& from, const Eigen::VectorXd& step) {
   return to;
 }
 
-/// Makes one Gauss-Newton step, halved until the posterior rises. Returns the length of the step
-/// made in σ; 0 if none rises.
+/// Makes one Gauss-Newton step, halved until the posterior increases. Returns the length of the
+/// step in σ, or 0 if no step increases the posterior.
 double climb(const RangeProblem& problem, RangeState& state, double& height) {
   const Eigen::Index size = row_of(static_cast<int>(state.places_m.size()));
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(size, size);
@@ -129,13 +129,14 @@ double climb(const RangeProblem& problem, RangeState& state, double& height) {
   return 0.0;
 }
 
-/// Standardised scores of one beacon's ranges in the order of time, and the robot's positions.
+/// Standardised scores of one beacon's ranges, sorted by time, with the robot's positions.
 struct ScoreSeries {
   std::vector<double> scores;
   std::vector<Eigen::Vector2d> robots_m;
 };
 
-/// Returns 1 + 2 Σ ρ over the lags while the sums of adjacent pairs exceed the level of chance.
+/// Returns 1 + 2 Σ ρ, with ρ the autocorrelation of the scores. The sum ends at the first lag where
+/// the sum of two adjacent ρ is not significant.
 double correlation_in_time(const std::vector<ScoreSeries>& series, double squares, double count) {
   const auto correlation = [&](std::size_t lag) {
     double sum = 0.0;
@@ -177,17 +178,17 @@ double usual_way_m(const std::vector<ScoreSeries>& series) {
   return *middle;
 }
 
-/// Returns the same over pairs of ranges of one beacon, binned by the distance between the robot's
-/// positions. Errors caused by a position recur when the robot returns to it. Uses at most kPaired
-/// random ranges per beacon. Regular subsampling of a periodic path would select the same few
-/// positions every lap.
+/// Returns the correlation over pairs of ranges of one beacon, binned by the distance between the
+/// robot's positions. Errors caused by a position recur when the robot returns to it. Uses at most
+/// kPaired random ranges per beacon: regular subsampling of a periodic path would select the same
+/// few positions in every lap.
 double correlation_in_space(const std::vector<ScoreSeries>& series, double squares, double count) {
   constexpr std::size_t kPaired = 800;
   constexpr std::size_t kBins = 200;
   struct Bin {
     double pairs = 0.0;
     double products = 0.0;
-    double all_products = 0.0;  ///< estimate for all ranges, as if all were paired
+    double all_products = 0.0;  ///< sum extrapolated from the drawn to all ranges
   };
   std::vector<Bin> bins(kBins);
   const double bin_m = std::max(usual_way_m(series), kRangeNearest_m);
@@ -223,8 +224,8 @@ double correlation_in_space(const std::vector<ScoreSeries>& series, double squar
     if (bin.pairs == 0.0) {
       continue;
     }
-    // Pairs of recurring errors are not independent: the number of independent pairs is at most
-    // that of the errors.
+    // Pairs of recurring errors are not independent; there are at most as many independent pairs as
+    // independent errors.
     const double independent = std::min(bin.pairs, paired) / space;
     if (bin.products * count / squares < 2.0 * bin.pairs / std::sqrt(independent)) {
       break;
@@ -256,7 +257,7 @@ struct Shape {
   double honest = 0.0;
   double scores = 0.0;      ///< Σ ψ², in 1/width²
   double slopes = 0.0;      ///< Σ ψ′, in 1/width²
-  double squares_m2 = 0.0;  ///< Σ r² of the honest
+  double squares_m2 = 0.0;  ///< Σ of r² times the weight of the fit
 
   void add(const Shape& other, double share) {
     ranges += share * other.ranges;
@@ -340,8 +341,8 @@ double log_posterior(const RangeProblem& problem, const RangeState& state) {
 }
 
 double refine(const RangeProblem& problem, RangeState& state, int rounds) {
-  constexpr double kStill = 1e-4;  // in σ; length of a step that counts as converged
-  constexpr double kLevel = 1e-6;  // nats; rise that counts as converged
+  constexpr double kStill = 1e-4;  // in σ; shorter steps count as converged
+  constexpr double kLevel = 1e-6;  // nats; a smaller increase counts as converged
   double before = -std::numeric_limits<double>::infinity();
   for (int round = 0; round < rounds; ++round) {
     update_noise(problem, state);
@@ -370,7 +371,7 @@ RangeFit fit_at(const RangeProblem& problem, const RangeState& state) {
   std::vector<double> square(state.places_m.size());
   for (int b = 0; b < beacons; ++b) {
     Shape shape = residuals.shapes[index(b)];
-    const double spent = 2.0 + 2.0 / beacons;  // parameters fitted by these ranges
+    const double spent = 2.0 + 2.0 / beacons;  // number of parameters fitted to these ranges
     const double told = shape.honest / fit.correlation;
     const double small = told / std::max(told - spent, 1.0);
     shape.add(all, kBorrowed / all.ranges);

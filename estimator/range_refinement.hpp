@@ -8,8 +8,7 @@
 #include "estimator/range_fit.hpp"
 #include "models/sensor/sensor.hpp"
 
-// Refinement step of fit_ranges(): climbs from a start to the nearest local maximum of the
-// posterior.
+// Refinement step of fit_ranges(): moves from a start to a local maximum of the posterior.
 
 namespace vantage::estimator {
 
@@ -22,7 +21,7 @@ struct RangeNoise {
 struct RangeProblem {
   std::span<const TakenRange> ranges;
   double outlier_span_m = 1.0;
-  models::RangeCalibration prior;  ///< the calibration's mean before any range
+  models::RangeCalibration prior;  ///< prior mean of the calibration
   RangeFitSpec spec;               ///< 1σ of that prior
 };
 
@@ -35,7 +34,7 @@ struct RangeState {
 /// Log density of one residual and its derivatives.
 struct ResidualVerdict {
   double nats = 0.0;    ///< log density
-  double honest = 1.0;  ///< probability that it is an inlier
+  double honest = 1.0;  ///< probability that the range is an inlier
   double score = 0.0;   ///< ψ = −d nats/d residual, 1/m
   double slope = 0.0;   ///< dψ/d residual, 1/m²
   double weight = 0.0;  ///< ψ/residual, 1/m²; positive
@@ -45,18 +44,17 @@ ResidualVerdict verdict_of(double residual_m, const RangeNoise& noise, double ou
 /// Returns the residual r − (range_scale ‖y − p‖ + range_bias_m), m.
 double residual_m(const RangeState& state, const TakenRange& range);
 
-/// Sets the noise of `state` from its residuals, as a start.
+/// Sets initial noise parameters of `state` from its residuals.
 void guess_noise(const RangeProblem& problem, RangeState& state);
 
 /// Returns the log density of all ranges and of the calibration.
 double log_posterior(const RangeProblem& problem, const RangeState& state);
 
-/// Moves `state` to the local maximum near it, in at most `rounds` rounds. Returns its log
-/// posterior.
+/// Moves `state` to a local maximum near it, in at most `rounds` iterations. Returns the log
+/// posterior of the result.
 double refine(const RangeProblem& problem, RangeState& state, int rounds);
 
-/// Returns the fit with its covariances at a refined state. Alternative positions are not filled
-/// in.
+/// Returns the fit and its covariances at a refined state. Alternative positions are not set.
 RangeFit fit_at(const RangeProblem& problem, const RangeState& state);
 
 }  // namespace vantage::estimator

@@ -23,9 +23,9 @@ using State = Samples::State;
 constexpr std::size_t kSize = Samples::kCount;
 using Weights = std::array<double, kSize>;
 
-/// Returns points of N(0, I), each with its negative, of mean 0 and covariance I exactly.
-/// Low-discrepancy points in the unit cube: Roberts (2018), multiples of the powers of 1/φ₄.
-/// Transformed by Box and Muller (1958).
+/// Returns points of N(0, I) with exact mean 0 and covariance I; for each point, its negative is
+/// included. They are low-discrepancy points in the unit cube (Roberts 2018, multiples of the
+/// powers of 1/φ₄), transformed by Box and Muller (1958).
 std::array<State, kSize> standard_points() {
   constexpr double kPhi = 1.1673039782614187;  // φ⁵ = φ + 1
   std::array<State, kSize> points;
@@ -68,8 +68,8 @@ std::uint64_t mixed(std::uint64_t key) {
   return key ^ (key >> 31U);
 }
 
-/// Pairing of kSize items with kSize others: i is paired with a i + b, a odd, so that each is used
-/// once.
+/// Pairing of kSize items with kSize others. Item i is paired with a i + b; a is odd, so that each
+/// item is used once.
 class Pairing {
  public:
   explicit Pairing(std::uint64_t bits) : a_((bits >> 8U) | 1U), b_(bits >> 40U) {}
@@ -82,14 +82,16 @@ class Pairing {
 
 /// Number of partners tried for a sample that overlaps its partner.
 constexpr std::size_t kPairsTried = 4;
-/// Shift of duplicates as a share of σ of all samples. Measured (docs/decisions/0023).
+/// Random shift of duplicates, as a share of the σ of all samples. Determined by experiment
+/// (docs/decisions/0023).
 constexpr double kSmear = 0.3;
-/// Odd, so that each point is used once, and large compared with the distance between duplicates.
+/// Step through the table of points: odd, so that each point is used once, and large compared with
+/// the number of duplicates of a sample.
 constexpr std::size_t kSmearStep = 101;
 
-/// Applies a collision at_s from now to a state that moves against the unit vector `away`: reverses
-/// one component of its velocity, the one that takes it away. The position is changed as if it had
-/// moved with the new velocity from the start.
+/// Applies a collision, at_s from now, to a state that moves against the unit vector `away`:
+/// reverses the velocity component along `away`. The position is changed as if the state had moved
+/// with the new velocity from the start.
 void turn_back_from(State& state, const Eigen::Vector2d& away, double at_s) {
   const Eigen::Vector2d v_mps = state.tail<2>();
   const Eigen::Vector2d by_x(-v_mps.x(), v_mps.y());
@@ -98,12 +100,12 @@ void turn_back_from(State& state, const Eigen::Vector2d& away, double at_s) {
   state.tail<2>() = turned_mps;
 }
 
-/// Returns squared distance minus distance_m²; below 0 the two overlap.
+/// Returns the squared distance of the two minus distance_m², m²; they overlap if it is negative.
 double beyond(const State& one, const State& other, double distance_m) {
   return (one - other).head<2>().squaredNorm() - distance_m * distance_m;
 }
 
-/// Time and direction of the first collision of `one` with `other`, within dt_s from now.
+/// Time and direction of the first collision of a sample with its partner.
 struct Contact {
   double at_s;
   Eigen::Vector2d away;  ///< unit vector from the other to this one
@@ -114,14 +116,14 @@ std::optional<Contact> contact(const State& one, const State& other, double dist
   const Eigen::Vector2d change_mps = one.tail<2>() - other.tail<2>();
   const double closing = -apart_m.dot(change_mps);
   const double square = change_mps.squaredNorm();
-  // First solution of |apart + change t| = distance.
+  // First solution t of |apart + change t| = distance.
   const double discriminant = closing * closing - square * beyond(one, other, distance_m);
   if (closing <= 0.0 || discriminant <= 0.0) {
     return std::nullopt;
   }
   const double at_s = (closing - std::sqrt(discriminant)) / square;
   const Eigen::Vector2d away = (apart_m + at_s * change_mps).normalized();
-  // The contact is too late, or the other one runs into this one.
+  // The contact is too late, or the partner runs into this sample.
   if (at_s > dt_s || one.tail<2>().dot(away) >= 0.0) {
     return std::nullopt;
   }
@@ -156,7 +158,8 @@ struct Part {
     widest_m2 = axes.eigenvalues()(1);
     along = axes.eigenvectors().col(1);
   }
-  /// Returns the approximate reduction of variance by a split; 0 if it is not wider than sigma_m.
+  /// Returns the approximate reduction of variance by a split; 0 if the part is at most sigma_m
+  /// wide.
   [[nodiscard]] double worth_splitting(double sigma_m) const {
     return widest_m2 > sigma_m * sigma_m ? weight * widest_m2 : 0.0;
   }
@@ -268,7 +271,8 @@ void Samples::predict(const models::TargetModel& model, double dt_s, std::uint64
   const Eigen::Vector4d scale = factors.vectorD().cwiseMax(0.0).cwiseSqrt();
   Eigen::Matrix4d root = factors.transpositionsP().transpose() *
                          (Eigen::Matrix4d(factors.matrixL()) * scale.asDiagonal());
-  // Each sample gets the noise of one of the points; all share one of 16 sign patterns.
+  // Each sample receives the noise of one point of the table. One of 16 sign patterns is applied to
+  // all points.
   const std::uint64_t bits = mixed(key);
   const Pairing noise_of(bits);
   for (Eigen::Index axis = 0; axis < 4; ++axis) {

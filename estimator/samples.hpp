@@ -15,13 +15,14 @@
 namespace vantage::estimator {
 
 /// Weighted samples of the position and velocity of one planar target with a belief that is not
-/// Gaussian. Walls turn each sample back. Observations that did not report the target reduce the
-/// weight of the samples that they cover. The shape is kept, because it is not approximated by a
-/// Gaussian in between. With a detection, moments are sufficient (docs/decisions/0023).
+/// Gaussian. Walls reflect each sample. An observation that did not report the target reduces the
+/// weight of the samples in its view. Because no Gaussian approximation is made between steps, the
+/// shape of the belief is preserved. After a detection, moments are sufficient
+/// (docs/decisions/0023).
 ///
 /// The samples are deterministic: samples and noise come from one table of points with exactly the
 /// moments of N(0, I). The same operations at the same instants give the same samples. Copying an
-/// empty object is cheap. Nothing allocates except parts().
+/// empty object is cheap. Only parts() allocates.
 /// Source: Gordon, Salmond, Smith, Novel approach to nonlinear/non-Gaussian Bayesian state
 /// estimation (1993); systematic resampling: Kitagawa (1996).
 class Samples {
@@ -34,11 +35,11 @@ class Samples {
   Samples& operator=(const Samples& other);
   ~Samples() = default;
 
-  /// True if there are no samples: the belief is the Gaussian stored next to them.
+  /// True if there are no samples. The belief is then the Gaussian that the track stores.
   [[nodiscard]] bool empty() const { return size_ == 0; }
   void clear() { size_ = 0; }
-  /// Sets samples of N(mean, covariance), with exactly these moments. A covariance that is not
-  /// positive definite leaves no samples.
+  /// Sets samples of N(mean, covariance), with exactly these moments. If the covariance is not
+  /// positive definite, there are no samples afterwards.
   /// Precondition: 4 components.
   void spread(const models::Gaussian& belief);
 
@@ -47,44 +48,46 @@ class Samples {
   /// Returns mean and covariance, 4 components.
   [[nodiscard]] models::Gaussian moments() const;
   /// Returns the samples as a mixture of Gaussians. Starting with one part, the part with the
-  /// largest weight times variance is split through its mean across its widest direction. This ends
-  /// when no part has more than `sigma_m` in any direction or there are kPartsMax. The weights sum
-  /// to 1; the moments are moments(), apart from the kGrain terms. Allocates.
+  /// largest weight times variance is split at its mean, across its widest direction. This ends
+  /// when every part has at most `sigma_m` in every direction, or at kPartsMax parts. The weights
+  /// sum to 1; the moments are moments(), apart from the kGrain terms. Allocates.
   [[nodiscard]] models::Mixture parts(double sigma_m) const;
   static constexpr int kPartsMax = 8;
   /// m² and m²/s²; added to each part's covariance, which is singular for few samples.
   static constexpr double kGrain_m2 = 0.01;
   static constexpr double kGrain_m2ps2 = 1e-4;
-  /// Predicts by dt_s with a model with a velocity. `key` selects which sample gets which noise.
+  /// Predicts the samples by dt_s with a model that has a velocity. `key` determines which noise
+  /// each sample receives.
   void predict(const models::TargetModel& model, double dt_s, std::uint64_t key);
   /// Reflects samples outside of `bounds` at the walls, as often as needed.
   void turn_back(const models::Rectangle& bounds);
-  /// Removes samples inside obstacles. Returns false, without a change, if no sample would remain.
+  /// Removes samples inside obstacles. Returns false and changes nothing if no sample would remain.
   bool keep_out_of(const std::vector<models::Obstacle>& obstacles);
   /// Uses an observation from `from` that did not report the target: multiplies the weight of each
   /// sample in view and in line of sight by 1 − p_D. Returns false if there is no such sample.
   bool miss(const models::SensorModel& sensor, const models::Viewpoint& from,
             const models::World& world, double detection_probability);
-  /// Uses a measurement of the target. Returns false, without a change, if fewer than kExplainMin
-  /// effective samples remain, or all are farther than gate_sigma (> 0) from it by its own noise.
-  /// Then only the moments can be used.
+  /// Uses a measurement of the target. Returns false and changes nothing in two cases: the
+  /// effective number of samples would be below kExplainMin, or all samples are farther than
+  /// gate_sigma (> 0), in σ of the noise, from the measurement. The caller must then use the
+  /// moments.
   bool measure(const models::SensorModel& sensor, const models::Viewpoint& from,
                const models::Measurement& measurement, double gate_sigma);
   /// Applies collisions with another target; the distance of the centres is at least `distance_m`.
-  /// Each sample is paired with a sample of `others`, drawn in proportion to weight and selected by
-  /// `key`. A sample that runs into its partner within the next dt_s turns back there: the
-  /// component of its velocity that takes it away is reversed. The partner continues unchanged. The
-  /// sample is moved such that a prediction by dt_s puts it at its position after the collision.
-  /// Returns false, without a change, if no sample collides.
+  /// Each sample is paired with a sample of `others`, drawn in proportion to its weight; `key`
+  /// determines the pairs. A sample that reaches its partner within the next dt_s is reflected: the
+  /// x or y component of its velocity is reversed, whichever makes it move away. The partner's
+  /// velocity is unchanged. The sample is moved such that a prediction by dt_s gives its position
+  /// after the collision. Returns false and changes nothing if no sample collides.
   bool walk_into(const Samples& others, double distance_m, double dt_s, std::uint64_t key);
-  /// Least effective number of samples with which measure() succeeds.
+  /// Least effective number of samples for which measure() succeeds.
   static constexpr double kExplainMin = 32.0;
 
  private:
   template <class Likelihood>
   std::array<double, kCount> weighed(const Likelihood& likelihood) const;
   /// Normalises and sets the weights. Returns false if the effective number of samples is below
-  /// `least`. If it is below half of kCount, the samples are resampled.
+  /// `least`. If this number is below half of kCount, the samples are resampled.
   bool take(std::array<double, kCount> weights, double least);
   /// Separates the duplicates made by resampling.
   /// Source: Musso, Oudjane, Le Gland, Improving regularised particle filters (2001).

@@ -27,12 +27,13 @@ MeasurementJacobian state_jacobian(const MeasurementJacobian& by_position, Eigen
 
 Eigen::Index position_rows(Eigen::Index state_rows) { return state_rows == 3 ? 3 : 2; }
 
-/// Distance along each axis of the belief of the corners at which h is compared with its tangent.
+/// Distance from the mean, along each axis of the belief, of the corners at which h is compared
+/// with its tangent.
 constexpr double kCorner_sigma = 1.5;
-/// Distance from the mean within which a linearised posterior must be in view to be independent of
-/// the limits.
+/// Distance from the mean within which a linearised posterior must be in view. The limits then have
+/// no effect on it.
 constexpr double kClear_sigma = 3.0;
-/// Φ(3): the corresponding view probability for soft limits.
+/// View probability that corresponds to kClear_sigma for soft limits: Φ(3).
 constexpr double kClear = 0.99865;
 
 /// Linearisation of h at a belief's mean.
@@ -42,9 +43,9 @@ struct Tangent {
   MeasurementJacobian H;  ///< ∂h/∂position
 };
 
-/// Calls `visit` with y = mean + L u for the corners u of a cube of half side `reach`, and
-/// `with_axes` also for points on the axes at the corners' distance. Stops and returns false when
-/// `visit` returns false.
+/// Calls `visit` with y = mean + L u for the corners u of a cube of half side `reach`. If
+/// `with_axes`, also calls it for the points on the axes at the distance of the corners. Stops and
+/// returns false when `visit` returns false.
 template <class Visit>
 bool for_all_around(const models::PositionVector& mean_m, const models::PositionMatrix& L,
                     double reach, bool with_axes, const Visit& visit) {
@@ -137,7 +138,7 @@ bool shift_position(Information& belief, const PositionPrior& prior,
 std::optional<Information> propagate(const models::TargetModel& model, double step_s,
                                      const Information& information, Time last_seen, Time from,
                                      Time to) {
-  // A static belief must not accumulate rounding errors of an inversion that changes nothing.
+  // For a static target the inversion would change nothing but add rounding errors.
   if (to == from || model.kind == models::TargetKind::kStatic) {
     return information;
   }

@@ -17,13 +17,14 @@ static_assert(kLabels == models::kTrackLabelMin, "labels are the upper half of w
 
 constexpr double kSameWithin_sigma = 3.0;
 constexpr double kTellsMore_nats = 0.5;
-/// Least existence of an own track that is matched with a teammate's confirmed track.
+/// Least existence probability at which an own track is matched with a teammate's confirmed track.
 constexpr double kPlausible = 0.1;
 constexpr double kConfirmed = 0.5;
-/// Existence of a track that a teammate confirmed; beliefs do not contain the exact value.
+/// Existence probability of a track that a teammate confirmed; beliefs do not contain the exact
+/// value.
 constexpr double kHeardExistence = 0.9;
 
-/// Sorts by target_id and keeps the first entry of each.
+/// Sorts the entries by target_id and removes all but the first entry of each target.
 template <class List>
 void order(List& list) {
   std::stable_sort(list.begin(), list.end(),
@@ -43,7 +44,8 @@ void set_belief(LabelledTrack& track, const models::Gaussian& belief, Time last_
   track.last_seen = last_seen;
 }
 
-/// Replaces the track of the lowest existence; false when all are confirmed.
+/// Replaces the track with the lowest existence probability. Returns false if all tracks are
+/// confirmed.
 bool add(std::vector<LabelledTrack>& tracks, int label, const models::Gaussian& belief,
          Time last_seen) {
   const auto least = std::min_element(tracks.begin(), tracks.end(),
@@ -66,8 +68,8 @@ double mahalanobis2(const models::Gaussian& a, const models::Gaussian& b) {
   return off_m.dot(S_m2.llt().solve(off_m));
 }
 
-/// Gives the older label to both tracks of the nearest pair with labels that the other side does
-/// not have; false if there is no such pair.
+/// Finds the nearest pair of an own and a received track whose labels are unknown to the other
+/// side, and gives both the older label. Returns false if there is no such pair.
 bool join_nearest(std::vector<LabelledTrack>& tracks, std::span<HeardLabel> heard,
                   Reconciled& done) {
   LabelledTrack* own = nullptr;

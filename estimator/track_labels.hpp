@@ -8,23 +8,23 @@
 #include "estimator/multi_target.hpp"
 #include "models/exchange/messages.hpp"
 
-// Labels of tracks without target ids, and their agreement in a team without negotiation. The label
-// names the detection that started the track, so all robots that received that observation use the
-// same label. A robot that found the target by a later observation learns the label from a
-// teammate's belief: of two labels of one target, the older one is kept.
+// Labels of tracks without target ids, on which a team agrees without negotiation. The label names
+// the detection that started the track, so all robots that received that observation use the same
+// label. A robot that found the target by a later observation receives the label in a teammate's
+// belief. Of two labels of one target, the older one is used.
 
 namespace vantage::estimator {
 
-/// Observations of one robot that are at least this far apart have different labels.
+/// Observations of one robot at least this time apart have different labels.
 inline constexpr Duration kLabelTick{20'000};
-/// Numbers of robots, and of detections per observation, that have distinct labels.
+/// Maximum number of robots, and of detections per observation, for which labels are distinct.
 inline constexpr int kLabelledRobots = 32;
 inline constexpr int kLabelledDetections = 32;
 
-/// Returns the label of a track started by the first detection of an observation; each further
-/// detection has the next label. It encodes the instant in ticks modulo 2^20 (5.8 hours), the robot
-/// and the detection. Labels are compared on the assumption that they are at most half of that
-/// period apart.
+/// Returns the label of a track started by the first detection of an observation. Each further
+/// detection has the next label. A label encodes the instant in ticks modulo 2^20 (5.8 hours), the
+/// robot and the detection. The comparison of labels assumes that their instants differ by at most
+/// half of that period.
 /// @throws UsageError unless 0 ≤ robot < kLabelledRobots.
 int first_label(Time of_look, int robot);
 /// True if `label` names an earlier detection than `than`: of an earlier instant or, at the same
@@ -33,7 +33,7 @@ bool is_older(int label, int than);
 
 /// A track in a teammate's belief.
 struct HeardLabel {
-  int teller = 0;  ///< index of the teammate; its tracks are reconciled together
+  int teller = 0;  ///< index of the teammate that sent the belief
   Time at{};       ///< instant of `belief`
   int label = 0;
   models::Gaussian belief;
@@ -47,27 +47,27 @@ struct Reconciled {
   std::int64_t taken_over = 0;  ///< own tracks that took a teammate's more informative belief
 };
 
-/// Reconciles `tracks` with those of one teammate, of the same instant. It must run before any
-/// observation is used that is not in `heard`. `heard` is modified.
+/// Reconciles `tracks` with those of one teammate, of the same instant. Must be called before
+/// observations that are not contained in `heard` are used. `heard` is modified.
 ///
 /// An own and a received track may be the same target if neither side has the label of the other.
-/// They are taken to be one if their positions are nearest to each other by Mahalanobis distance,
-/// and within 3. Both get the older label; the teammate does the same when it receives this robot's
-/// belief. A received track with a label that is still unknown is added if there is room. For a
-/// track that both have, the received belief replaces the own one if its entropy is lower by more
-/// than half a nat. A choice between two beliefs never counts an observation twice, whatever they
-/// have in common. Robots that used the same observations have nothing to reconcile. Allocates
-/// nothing.
+/// They are assumed to be one target if their positions are nearest to each other and their
+/// Mahalanobis distance is at most 3. Both receive the older label; the teammate does the same when
+/// it receives this robot's belief. A received track whose label is still unknown is added if there
+/// is a free slot or an unconfirmed track. For a track that both have, the received belief replaces
+/// the own one if its entropy is lower by more than half a nat. Choosing one of two beliefs never
+/// counts an observation twice, whatever information they share. Robots that used the same
+/// observations have nothing to reconcile. Nothing is allocated.
 Reconciled reconcile(std::vector<LabelledTrack>& tracks, std::span<HeardLabel> heard);
 
 /// Returns the confirmed tracks as Gaussians, by ascending label.
 std::vector<models::TargetBelief> told(const MultiTargetFilter& filter,
                                        const std::vector<LabelledTrack>& tracks);
-/// Returns the same tracks' mixtures and existence probabilities.
+/// Returns the mixtures and existence probabilities of the confirmed tracks.
 std::vector<models::TargetMixture> told_mixtures(const MultiTargetFilter& filter,
                                                  const std::vector<LabelledTrack>& tracks);
-/// Replaces `tracks` by those of `told`, with one Gaussian and an existence of 0.9 each. Beliefs
-/// without `dim` components are left out.
+/// Replaces `tracks` by the beliefs in `told`, each with one Gaussian and an existence probability
+/// of 0.9. Beliefs with a number of components other than `dim` are omitted.
 void set_told(std::vector<LabelledTrack>& tracks, std::span<const models::TargetBelief> told,
               int dim);
 

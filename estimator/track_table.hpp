@@ -9,12 +9,12 @@
 
 namespace vantage::estimator {
 
-/// Table of entries sorted by target id. Its size is the number of known targets, not of all
-/// targets. `Kept` has a target_id.
+/// Table of entries sorted by target id. It contains only known targets. `Kept` must have a member
+/// target_id.
 template <class Kept>
 class TargetTable {
  public:
-  /// Largest number of entries reserved at construction; up to it nothing is allocated later.
+  /// Number of entries reserved at construction. Up to this number nothing is allocated later.
   static constexpr std::size_t kReserved = 128;
   explicit TargetTable(int target_count = 0) {
     kept_.reserve(std::min(static_cast<std::size_t>(std::max(0, target_count)), kReserved));
@@ -58,7 +58,7 @@ class TargetTable {
 struct KnownTrack {
   int target_id = 0;
   Track track;
-  Samples samples = {};  ///< if not empty, the track's information has their moments
+  Samples samples = {};  ///< if not empty, track.information has the samples' moments
 };
 using TrackTable = TargetTable<KnownTrack>;
 

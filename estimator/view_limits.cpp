@@ -9,7 +9,7 @@
 namespace vantage::estimator {
 namespace {
 
-/// Returns Φ(clearance / σ).
+/// Returns Φ(clearance / sigma), the view probability of one limit.
 double within(double clearance, double sigma) {
   if (!(std::abs(clearance) < kViewCertain_sigma * sigma)) {
     return clearance > 0.0 ? 1.0 : 0.0;

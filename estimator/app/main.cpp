@@ -1,4 +1,4 @@
-// vantage-estimator: the estimator process, one per robot. Inputs: MEASUREMENT_R, VICON and the
+// vantage-estimator: estimator process of one robot. Inputs: MEASUREMENT_R, VICON and the
 // teammates' BELIEF_*. Outputs: MIXTURE_R and BELIEF_R.
 
 #include <memory>
@@ -8,7 +8,7 @@
 #include "estimator/app/replay_node.hpp"
 
 int main(int argc, char** argv) {
-  using namespace vantage;  // NOLINT(google-build-using-namespace): main alone
+  using namespace vantage;  // NOLINT(google-build-using-namespace): only in this main file
   return bus::node_main(
       {"vantage-estimator", "Estimates the targets with the information available to one robot.",
        true, true},

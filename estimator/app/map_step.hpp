@@ -18,9 +18,9 @@
 
 namespace vantage::estimator {
 
-/// Bus interface of a TeamMap: SCAN_R and the teammates' MAP_* in, MAP_R out, once after each
-/// BELIEF_R. Each message names its inputs: the belief, the own previous map, the scans and the
-/// teammates' maps. It can be reproduced from these alone.
+/// Bus interface of a TeamMap. Inputs are SCAN_R and the teammates' MAP_*; MAP_R is published once
+/// after each BELIEF_R. Each MAP_R names its inputs: the belief, this robot's previous map, the
+/// scans and the teammates' maps. The message can be reproduced from these alone.
 class MapPublisher {
  public:
   MapPublisher(bus::Bus& bus, const scenario::Scenario& scenario, const std::string& robot);
@@ -40,7 +40,7 @@ class MapPublisher {
   bus::Bus& bus_;
   std::string robot_;
   TeamMap map_;
-  std::deque<Heard<models::RangeScan>> scans_;             ///< not used yet
+  std::deque<Heard<models::RangeScan>> scans_;             ///< not used in a step yet
   std::map<std::string, Heard<models::RobotMap>> newest_;  ///< by teammate, in range or not
   std::map<Run, Heard<models::RobotMap>> taken_;           ///< newest map in range, by run
   std::optional<Heard<models::RobotMap>> own_;
@@ -69,8 +69,8 @@ class MapReplayer {
   bus::InputStore<models::RobotBelief> beliefs_{64};
   bus::InputStore<models::RangeScan> scans_{256};
   bus::InputStore<models::RobotMap> maps_;
-  /// Maps of teammates used by the previous step, kept because a log may reference them long after
-  /// reception.
+  /// Teammates' maps used by the previous step, stored because the log may reference them again
+  /// long after their reception.
   std::vector<std::pair<models::InputRef, models::RobotMap>> standing_;
   bus::ReplayQueue<models::RobotMap> logged_;  ///< not recomputed yet
   std::int64_t incomplete_ = 0;

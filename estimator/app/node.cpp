@@ -140,7 +140,7 @@ Time EstimatorNode::next_tick() const {
   const Time latest = next_instant_ + lag_max_;
   const Duration since_look = next_instant_ - last_own_look_;
   if (since_look >= 2 * step_) {
-    return soonest;  // no observation of the last instant either: do not wait
+    return soonest;  // no observation of the last instant arrived: do not wait
   }
   const bool is_awaited = since_look >= step_;
   return is_awaited ? latest : std::clamp(last_own_look_heard_ + step_ / 100, soonest, latest);
@@ -165,7 +165,8 @@ void EstimatorNode::tick(Time now) {
     map_->step(made, published);
   }
 
-  // A belief is counted as stale once; then the last message of a silent teammate is dropped.
+  // Counts a stale belief once, then drops it, so that a silent teammate's last message is not
+  // kept.
   const Duration age_max = from_seconds(filter_.spec().belief_age_max_s);
   std::erase_if(newest_,
                 [&](const auto& entry) { return t - entry.second.content->stamp.time > age_max; });

@@ -26,20 +26,20 @@ namespace vantage::estimator {
 /// mapping scenario, MAP_R. The filter decides which teammates' observations are in range; with a
 /// neighbourhood, the node subscribes only to the teammates in it.
 ///
-/// A step belongs to the instant t = kτ of absolute time and is made τ/10 later, so that the
-/// measurement of t has arrived. Own observations may arrive later, because they need a mocap frame
-/// that is old on arrival. The step then waits for the own observation, and τ/100 more for the
-/// teammates', but no longer than τ/6 after t. The published belief has `utime` = t, `step` = the
-/// number of steps since the start, and the names of all messages used. Later observations are used
-/// in the next step. The newest beliefs are used until they are stale.
+/// A step belongs to the instant t = kτ of absolute time and is computed τ/10 later, so that the
+/// measurement of t has arrived. The robot's own observation may arrive later, because it needs a
+/// mocap frame, which has latency. The step then waits for this observation, and τ/100 more for the
+/// teammates' observations, but at most until t + τ/6. The published belief has `utime` = t, `step`
+/// = the number of steps since the start, and the names of all messages used. Later observations
+/// are used in the next step. The newest beliefs are used until they are stale.
 class EstimatorNode : public bus::Node {
  public:
-  /// Returns the beliefs of the targets at t, by ascending target_id, after the observations of its
-  /// step.
+  /// Returns the beliefs of the targets at time t, sorted by target_id, including the observations
+  /// of the step.
   using Believe = std::function<std::vector<models::TargetBelief>(
       Time t, const std::vector<Heard<models::RobotMeasurement>>& looks)>;
 
-  /// @param believe  publishes its beliefs of the targets instead of the filter's; empty: the
+  /// @param believe if not empty, the node publishes its beliefs of the targets instead of the
   /// filter's
   /// @throws UsageError when `scenario` has no such robot.
   EstimatorNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
@@ -49,7 +49,7 @@ class EstimatorNode : public bus::Node {
   [[nodiscard]] Time next_tick() const override;
   void tick(Time now) override;
   /// Returns the filter's counters and three more. looks_overflowed: observations dropped from the
-  /// full queue. misaddressed: messages with a robot name other than that of their channel.
+  /// full queue. misaddressed: messages whose robot name differs from that of their channel.
   /// viewpoint_unknown: steps that used the robot's last known viewpoint.
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
   /// Returns the number of instants kτ without a step.
@@ -72,17 +72,17 @@ class EstimatorNode : public bus::Node {
   DistributedFilter filter_;
   Believe believe_;
   std::string robot_;
-  std::size_t mocap_index_;  ///< likely index of the robot in frames
+  std::size_t mocap_index_;  ///< index at which the robot is searched first in mocap frames
   Duration step_;
   Duration lag_;
   Duration lag_max_;
   Time next_instant_{};
-  Time last_own_look_{};        ///< instant of the newest own observation
-  Time last_own_look_heard_{};  ///< and its time of reception
+  Time last_own_look_{};        ///< instant of the robot's newest own observation
+  Time last_own_look_heard_{};  ///< time of its reception
   std::int64_t steps_ = 0;
-  std::deque<Heard<models::RobotMeasurement>> looks_;         ///< not used yet
-  std::deque<Heard<OwnPose>> poses_;                          ///< newest last
-  std::map<std::string, Heard<models::RobotBelief>> newest_;  ///< by teammate
+  std::deque<Heard<models::RobotMeasurement>> looks_;         ///< not used in a step yet
+  std::deque<Heard<OwnPose>> poses_;                          ///< robot's mocap poses, newest last
+  std::map<std::string, Heard<models::RobotBelief>> newest_;  ///< newest belief, by teammate
   std::optional<MapPublisher> map_;                           ///< only in a mapping scenario
   std::optional<bus::NeighbourWatch> neighbours_;
   std::int64_t instants_missed_ = 0;

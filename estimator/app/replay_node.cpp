@@ -17,7 +17,7 @@ constexpr std::size_t kFramesKept = 2048;
 constexpr std::size_t kBeliefsKeptPerTeammate = 64;
 constexpr double kTolerance = 1e-9;
 
-/// Returns a non-owning pointer into a store, which outlives the step.
+/// Returns a non-owning pointer to a message in a store; the store outlives the step.
 template <class Content>
 std::shared_ptr<const Content> borrowed(const Content* content) {
   return {std::shared_ptr<const Content>{}, content};
@@ -29,7 +29,7 @@ bool close(const Eigen::MatrixBase<A>& a, const Eigen::MatrixBase<B>& b, double 
          ((a - b).array().abs() <= tolerance * (1.0 + b.array().abs())).all();
 }
 
-// True if an observation belongs to a step before the filter continued from the log.
+// True if an observation belongs to a step before the last rebase of the filter.
 bool reaches_behind(const StepMaterial& material, const std::optional<Time>& rebased_to) {
   return rebased_to &&
          std::any_of(material.looks.begin(), material.looks.end(),

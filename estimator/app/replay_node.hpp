@@ -18,15 +18,16 @@
 namespace vantage::estimator {
 
 /// Bus node that repeats the steps of a logged estimator. For each logged BELIEF_R, in order of
-/// `step`, it computes the step from exactly the inputs named in it. It publishes the result, and
-/// MIXTURE_R, under the bus's prefix. The result does not depend on the delivery times of the log
-/// player.
+/// `step`, it computes the step from exactly the inputs named in it. It publishes the resulting
+/// BELIEF_R and MIXTURE_R under the bus's prefix. The result does not depend on when the log player
+/// delivers messages.
 ///
-/// A step waits for inputs that are still to come, see ReplayQueue. When inputs are missing
+/// A step waits for inputs that have not arrived yet, see ReplayQueue. When inputs are missing
 /// permanently, or steps are missing from the log, the step is not published. The filter then
-/// continues from the logged content (it is rebased), so that one loss does not affect all later
-/// steps. The first step received is treated in this way unless it is step 0. So is a step with an
-/// observation at or before the last rebase, because the steps to repeat with it are unknown.
+/// continues from the logged belief (it is rebased), so that one loss does not affect all later
+/// steps. The filter is also rebased at the first step received, unless that is step 0. The same
+/// holds for a step that uses an observation made at or before the last rebase: the steps into
+/// which it would be inserted are not available.
 class EstimatorReplayNode : public bus::Node {
  public:
   /// @throws UsageError when `scenario` has no such robot.
@@ -36,8 +37,9 @@ class EstimatorReplayNode : public bus::Node {
   [[nodiscard]] std::string name() const override;
   [[nodiscard]] Time next_tick() const override { return next_tick_; }
   void tick(Time now) override;
-  /// Returns the filter's counters and: steps_rebased, inputs_missing, and differences (repeated
-  /// steps that differ from the logged ones by more than 1e−9, relative to 1 + |x|).
+  /// Returns the filter's counters and: steps_rebased, inputs_missing and differences. The latter
+  /// counts recomputed steps that differ from the logged ones by more than 1e−9 relative to 1 +
+  /// |x|.
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
 
   [[nodiscard]] std::int64_t steps_redone() const { return steps_redone_; }
@@ -47,7 +49,8 @@ class EstimatorReplayNode : public bus::Node {
 
  private:
   void work();
-  /// Repeats the step of `logged` from the available inputs; `missing` inputs are absent.
+  /// Recomputes the step of `logged` from its inputs. If `missing` > 0, it rebases the filter
+  /// instead.
   void recompute(const models::RobotBelief& logged, const StepMaterial& material,
                  std::int64_t missing);
   /// Returns the available inputs named by `logged`; `missing` receives the number of absent ones.
@@ -60,7 +63,7 @@ class EstimatorReplayNode : public bus::Node {
   bus::InputStore<models::RobotMeasurement> looks_;
   bus::InputStore<models::MocapFrame> frames_;
   bus::InputStore<models::RobotBelief> beliefs_;
-  bus::ReplayQueue<models::RobotBelief> logged_;  ///< not repeated yet
+  bus::ReplayQueue<models::RobotBelief> logged_;  ///< not recomputed yet
   std::optional<models::Stamp> last_done_;
   std::int64_t last_step_ = -1;
   std::optional<Time> rebased_to_;  ///< instant at which the filter last continued from the log
@@ -72,8 +75,8 @@ class EstimatorReplayNode : public bus::Node {
   std::optional<MapReplayer> map_;  ///< only in a mapping scenario
 };
 
-/// True if the two have the same targets and cells with equal content, numbers within `tolerance` ·
-/// (1 + |x|).
+/// True if both beliefs have the same targets and grid cells, and all numbers agree within
+/// `tolerance` · (1 + |x|).
 bool same_content(const models::RobotBelief& a, const models::RobotBelief& b, double tolerance);
 
 }  // namespace vantage::estimator

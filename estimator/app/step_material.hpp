@@ -13,7 +13,7 @@
 
 namespace vantage::estimator {
 
-/// A received message and the name by which other messages refer to it.
+/// A received message with the name by which other messages refer to it.
 template <class Content>
 struct Heard {
   models::InputRef ref;
@@ -30,30 +30,30 @@ struct OwnPose {
 /// their results are equal.
 struct StepMaterial {
   std::vector<Heard<models::RobotMeasurement>> looks;
-  std::optional<Heard<OwnPose>> pose;  ///< without an own observation
+  std::optional<Heard<OwnPose>> pose;  ///< used if the step has no own observation
   std::vector<Heard<models::RobotBelief>> beliefs;
 };
 
-/// Returns the name of a message received on `channel`.
+/// Returns the name (channel, run, sequence number) of a message received on `channel`.
 models::InputRef name_of(const std::string& channel, const models::Stamp& stamp);
 
 /// Returns the pose of `robot` in `frame`; nullopt when it is missing or occluded.
-/// @param hint  likely index of the robot in `frame`
+/// @param hint index in `frame` at which the robot is searched first
 std::optional<OwnPose> own_pose(const models::MocapFrame& frame, const std::string& robot,
                                 std::size_t hint = 0);
 
-/// True if one of `looks` is from `robot` and from the interval (t − τ, t], so that its viewpoint
-/// can be used for t.
+/// True if one of `looks` was made by `robot` in the interval (t − τ, t], so that its viewpoint can
+/// be used at time t.
 bool has_viewpoint(const std::vector<Heard<models::RobotMeasurement>>& looks,
                    const std::string& robot, Time t, Duration step);
 
-/// Advances `filter` to `t` and returns BELIEF_R, complete except for run id and sequence of its
-/// stamp. Inputs are named in order of use: observations, pose, beliefs.
+/// Advances `filter` to `t` and returns BELIEF_R; only run id and sequence number of its stamp are
+/// not set. Inputs are named in order of use: observations, pose, beliefs.
 models::RobotBelief make_step(DistributedFilter& filter, Time t, std::int64_t step,
                               const StepMaterial& material);
 
-/// Returns MIXTURE_R of the step of `made`, complete except for run id and sequence; nullopt if it
-/// is empty.
+/// Returns MIXTURE_R of the step that gave `made`; only run id and sequence number are not set.
+/// Returns nullopt if it contains no target.
 std::optional<models::BeliefMixture> mixture_of(const DistributedFilter& filter,
                                                 const models::RobotBelief& made);
 
