@@ -10,7 +10,7 @@
 
 namespace vantage {
 
-/// Host (empty: any) and port, 1 to 65535.
+/// Host name or address (empty: any host) and port, 1 to 65535.
 struct HostAndPort {
   std::string host;
   int port = 0;

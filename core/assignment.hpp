@@ -6,16 +6,16 @@
 namespace vantage {
 
 /// Solver of linear assignment problems: assigns a different column to each row so that the sum of
-/// costs is minimal. Storage is reused: solve() allocates only for a problem larger than all
-/// before.
+/// costs is minimal. Storage is reused: solve() allocates only for a problem that is larger than
+/// all previous ones.
 class AssignmentSolver {
  public:
   AssignmentSolver() = default;
   /// Reserves memory for problems with up to this number of rows and columns.
   AssignmentSolver(int rows_max, int columns_max);
 
-  /// Returns the column of each row; valid until the next call. Ties are resolved equally on every
-  /// machine.
+  /// Returns the column of each row; valid until the next call. Ties are resolved in the same way
+  /// on every machine.
   /// @param cost  rows × columns, row-major, finite. Give a forbidden pair a cost above the sum of
   ///         all others.
   /// Precondition: 0 ≤ rows ≤ columns. Cost: O(rows² · columns).
@@ -27,7 +27,7 @@ class AssignmentSolver {
  private:
   std::vector<int> column_of_row_;
   std::vector<int> row_of_column_;  // −1: free
-  std::vector<int> way_;            // row from which a column was reached
+  std::vector<int> way_;            // by column: row from which the column was reached
   std::vector<char> is_done_;
   std::vector<double> row_price_;
   std::vector<double> column_price_;

@@ -7,8 +7,8 @@
 
 // Conversion between the axes of this stack and of autopilots; no other code converts axes. Here
 // the world has z up and bodies have x forward, y left, z up (FLU). An autopilot's local frame is
-// the same world rotated by half a turn about x: x unchanged, y to the right, z down (FRD; its
-// north is x). Body frames are rotated likewise.
+// this world frame rotated by half a turn about x: x is unchanged (the autopilot's north), y points
+// right, z points down (FRD). Body frames are rotated in the same way.
 
 namespace vantage {
 
@@ -20,7 +20,7 @@ inline Eigen::Vector3d turn_axes(const Eigen::Vector3d& v) { return {v.x(), -v.y
 /// the reverse.
 inline Quaternion turn_axes(const Quaternion& q) { return {q.w(), q.x(), -q.y(), -q.z()}; }
 
-/// Returns the negated yaw or yaw rate: the axis of rotation points down in the other frame.
+/// Returns the negated yaw or yaw rate, because the z axes of the two conventions are opposite.
 inline double turn_yaw(double yaw) { return -yaw; }
 
 }  // namespace vantage

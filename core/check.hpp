@@ -11,13 +11,14 @@ class UsageError : public std::logic_error {
   using std::logic_error::logic_error;
 };
 
-/// Unusable file, flag or device that the process was started with.
+/// Error at the start of a process: an unusable file, flag or device.
 class StartupError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Throws UsageError(`rule`) unless `holds`. For constructors and loaders, never in a loop.
+/// Throws UsageError(`rule`) unless `holds`. For constructors and loaders only, because every call
+/// may allocate.
 void require(bool holds, const std::string& rule);
 
 /// As require(), without an allocation while `holds` is true.

@@ -47,7 +47,7 @@ namespace {
   }
   if (place.folder.empty() || ::chdir(place.folder.c_str()) == 0) {
     ::execvpe(arguments[0], const_cast<char* const*>(arguments),  // NOLINT: exec only reads
-              const_cast<char* const*>(environment));             // NOLINT: the same
+              const_cast<char* const*>(environment));             // NOLINT: exec only reads
   }
   const int error = errno;
   [[maybe_unused]] const auto written = ::write(report_fd, &error, sizeof(error));
@@ -87,7 +87,7 @@ Result<Child> Child::start(const std::vector<std::string>& arguments, const Chil
   }
   pointers.push_back(nullptr);
   const std::vector<const char*> environment = environment_with(place.environment);
-  // The write end is closed when exec succeeds; otherwise it carries errno.
+  // A successful exec closes the write end. If exec fails, the child writes errno to it.
   std::array<int, 2> pipe_fds{};
   if (::pipe2(pipe_fds.data(), O_CLOEXEC) != 0) {
     return Error{std::string("pipe: ") + std::strerror(errno)};
@@ -129,8 +129,8 @@ Child::~Child() { end(); }
 
 void Child::end() {
   if (pid_ > 0 && !exit_) {
-    ::kill(-pid_, SIGKILL);  // its group: descendants, for example of a browser, would go on
-    send(SIGKILL);           // if it left its group
+    ::kill(-pid_, SIGKILL);  // its group: descendants, for example of a browser, would continue
+    send(SIGKILL);           // in case the child has left its group
     ::waitpid(pid_, nullptr, 0);
   }
   if (pidfd_ >= 0) {

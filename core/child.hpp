@@ -12,15 +12,15 @@
 
 namespace vantage {
 
-/// Environment of a process to start, and the signal that ends it.
+/// Settings for the start of a child process.
 struct ChildPlace {
   int output = -1;           ///< descriptor for stdout and stderr; negative: those of this process
   std::string folder;        ///< working folder; empty: that of this process
-  int end_signal = SIGTERM;  ///< sent by the kernel if the supervisor dies
+  int end_signal = SIGTERM;  ///< signal that the kernel sends if the supervisor dies
   std::vector<std::string> environment = {};  ///< "NAME=value"; added to this process's environment
-  std::vector<int> keep_open = {};            ///< descriptors inherited under the same numbers
-  /// True: stop signals are blocked until the process handles them (run_process), so that they do
-  /// not kill it during its start.
+  std::vector<int> keep_open = {};            ///< inherited descriptors; the numbers do not change
+  /// True: stop signals are blocked until the process handles them (run_process). They then cannot
+  /// kill the process during its start.
   bool blocks_stop_signals = false;
 };
 
@@ -29,7 +29,7 @@ struct ChildExit {
   int code = 0;    ///< meaningless if a signal ended the process
   int signal = 0;  ///< 0: it exited without a signal
   [[nodiscard]] bool is_success() const { return signal == 0 && code == 0; }
-  /// Returns "exit 1", "signal 9".
+  /// Returns text such as "exit 1" or "signal 9".
   [[nodiscard]] std::string describe() const;
 };
 
@@ -38,8 +38,8 @@ struct ChildExit {
 /// kernel sends it a signal if the supervisor dies.
 class Child {
  public:
-  /// Starts `arguments[0]`, searched in PATH if it has no slash. The Error covers failures of fork,
-  /// of exec (no such file) and of entering the folder.
+  /// Starts `arguments[0]`, which is searched in PATH if it has no slash. Returns an Error if fork
+  /// or exec (no such file) fails, or if the folder cannot be entered.
   static Result<Child> start(const std::vector<std::string>& arguments,
                              const ChildPlace& place = {});
 
@@ -50,9 +50,10 @@ class Child {
   ~Child();
 
   [[nodiscard]] pid_t pid() const { return pid_; }
-  /// Waits up to `timeout` for its end; returns the exit status, nullopt if it still runs.
+  /// Waits up to `timeout` for the end of the child. Returns the exit status, nullopt if the child
+  /// still runs.
   std::optional<ChildExit> wait(std::chrono::milliseconds timeout);
-  /// Sends `signal` if it has not ended.
+  /// Sends `signal` if the child has not ended.
   void send(int signal);
 
  private:

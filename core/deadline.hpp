@@ -6,12 +6,12 @@
 
 namespace vantage {
 
-/// Returns the monotonic clock, ns: for deadlines, ages and loop statistics, never for message
-/// content.
+/// Returns the time of the monotonic clock, ns. For deadlines, ages and loop statistics; not for
+/// message content.
 std::int64_t monotonic_ns();
 
-/// End of a computation: an instant of the monotonic clock, an amount of work counted in nodes, or
-/// whichever comes first.
+/// Limit of a computation: an instant of the monotonic clock, a number of nodes, or the earlier of
+/// the two.
 ///
 /// With a node budget alone the computation is a pure function of its inputs. A computation that
 /// the clock stopped after N nodes stops at the same point under Deadline::nodes(N). This requires
@@ -19,7 +19,7 @@ std::int64_t monotonic_ns();
 /// Exact replay of a flight depends on this.
 class Deadline {
  public:
-  /// Expires when `budget_nodes` nodes are done, independent of the clock.
+  /// Expires when `budget_nodes` nodes have been processed, independent of the clock.
   static Deadline nodes(std::int64_t budget_nodes) { return {budget_nodes, kNever}; }
   /// Expires when monotonic_ns() reaches `instant_ns`.
   static Deadline at(std::int64_t instant_ns) { return {kNever, instant_ns}; }
@@ -29,8 +29,8 @@ class Deadline {
   }
   static Deadline never() { return {kNever, kNever}; }
   /// Returns this deadline with cancellation: it also expires when `is_cancelled` returns true, for
-  /// example when a user aborts. It is called as often as the clock is read; it must be cheap and
-  /// stay true.
+  /// example when a user aborts. `is_cancelled` is called as often as the clock is read. It must be
+  /// cheap and, once true, stay true.
   [[nodiscard]] Deadline unless(bool (*is_cancelled)()) const {
     Deadline out = *this;
     out.is_cancelled_ = is_cancelled;
@@ -49,8 +49,8 @@ class Deadline {
     return out;
   }
 
-  /// True once it is time to stop. Reads the clock once (about 30 ns) unless there is only a node
-  /// budget.
+  /// True if the computation must stop. Reads the clock once (about 30 ns) unless there is only a
+  /// node budget.
   [[nodiscard]] bool expired(std::int64_t nodes_done) const {
     return nodes_done >= budget_nodes_ ||
            (instant_ns_ != kNever && monotonic_ns() >= instant_ns_) ||

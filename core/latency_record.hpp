@@ -7,17 +7,18 @@
 
 namespace vantage {
 
-/// Record of durations; percentiles from a histogram of fixed size. Adding does not allocate.
+/// Record of durations in a histogram of fixed size, for percentiles. Adding does not allocate.
 class LatencyRecord {
  public:
-  static constexpr std::int64_t kStepUs = 10;  ///< width of a bin, and the error of percentiles
+  static constexpr std::int64_t kStepUs = 10;  ///< bin width, and maximum error of percentiles
   static constexpr std::size_t kBins = 10'000;
 
-  /// Adds a latency. Negative values count as 0; values beyond the last bin count in it and in the
-  /// maximum.
+  /// Adds a latency. Negative values count as 0; values beyond the last bin are counted in the last
+  /// bin, and exactly in the maximum.
   void add(Duration latency);
   [[nodiscard]] std::int64_t count() const { return count_; }
-  /// Returns the `share` quantile as the upper edge of its bin; 0 if nothing was added.
+  /// Returns the quantile `share` (0 to 1), rounded up to the edge of its bin; 0 if nothing was
+  /// added.
   [[nodiscard]] std::int64_t percentile_us(double share) const;
   [[nodiscard]] std::int64_t max_us() const { return max_us_; }
 

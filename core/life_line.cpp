@@ -30,7 +30,8 @@ char byte_of(InFlight in_flight) {
   return kUnknownByte;
 }
 
-// Returns the descriptor named in the environment if it is the write end of a pipe; −1 otherwise.
+// Returns the descriptor number in the environment variable if it is the write end of a pipe,
+// otherwise −1.
 int handed_on() {
   const char* const given = std::getenv(LifeSign::kHandedOn);
   if (given == nullptr) {

@@ -10,12 +10,12 @@ namespace vantage {
 /// Flight state of a driver's vehicle (in the air or moving), as far as the driver knows.
 enum class InFlight { kUnknown, kNo, kYes };
 
-/// Process end of the pipe that shows the supervisor that the process is alive. Writes one byte per
-/// loop, at most every kPeriod; the byte also contains the flight state. Never blocks.
+/// Process end of the pipe by which a process shows its supervisor that it is alive. It writes at
+/// most one byte per loop and per kPeriod. The byte also contains the flight state. Never blocks.
 class LifeSign {
  public:
   static constexpr Duration kPeriod = std::chrono::milliseconds(100);
-  /// Environment variable with the number of the descriptor to write to.
+  /// Environment variable that contains the number of the descriptor to write to.
   static constexpr const char* kHandedOn = "VANTAGE_LIFE_FD";
 
   /// Uses the descriptor named in the environment; without one nothing is written.
@@ -28,8 +28,8 @@ class LifeSign {
   LifeSign(LifeSign&&) = delete;
   LifeSign& operator=(LifeSign&&) = delete;
 
-  /// Call in each loop. Writes when kPeriod has passed since the last sign, or when `in_flight`
-  /// differs from the last one.
+  /// Must be called in each loop. Writes when kPeriod has passed since the last byte, or when
+  /// `in_flight` has changed.
   void on_loop(Time now, InFlight in_flight);
 
  private:
@@ -48,18 +48,18 @@ class LifeLine {
   LifeLine(LifeLine&& other) noexcept;
   LifeLine& operator=(LifeLine&& other) noexcept;
 
-  /// Opens a new pipe whose ends are non-blocking and closed by exec. False if the system grants
-  /// none.
+  /// Opens a new pipe whose ends are non-blocking and closed by exec. Returns false if the system
+  /// refuses it.
   [[nodiscard]] bool open();
   /// Returns the end for the process; −1 after close_child_end().
   [[nodiscard]] int child_end() const { return write_; }
   /// Closes the process's end in the supervisor, so that only the process has it open.
   void close_child_end();
 
-  /// Signs received since the last call of take().
+  /// Content of the bytes received since the last call of take().
   struct Signs {
     bool any = false;
-    InFlight in_flight = InFlight::kUnknown;  ///< newest known state; kUnknown if none
+    InFlight in_flight = InFlight::kUnknown;  ///< newest known flight state; kUnknown if none
   };
   [[nodiscard]] Signs take();
 

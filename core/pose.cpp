@@ -5,8 +5,8 @@
 namespace vantage {
 namespace {
 
-// Angles below which the next term of the series is less than the rounding error. 1 − cos is not
-// used because it cancels.
+// Below these angles a series is used; its next term is less than the rounding error. 1 − cos ω is
+// not used because of cancellation.
 constexpr double kSmallAngle_rad = 1e-4;
 constexpr double kSmallAngleOfCube_rad = 0.03;
 constexpr double kVertical = 1e-12;
@@ -121,7 +121,7 @@ Pose3 lift(const Pose2& world_from_body, double height_m) {
 
 Pose2 flatten(const Pose3& world_from_body) {
   const Eigen::Vector3d forward = world_from_body.rotation * Eigen::Vector3d::UnitX();
-  // For a vertical axis the horizontal direction is only rounding error; atan2(0, 0) is 0.
+  // If the axis is vertical, its horizontal direction is only rounding error, so 0 is returned.
   const bool is_vertical = forward.head<2>().norm() < kVertical;
   return {world_from_body.translation_m.x(), world_from_body.translation_m.y(),
           is_vertical ? 0.0 : std::atan2(forward.y(), forward.x())};

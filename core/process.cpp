@@ -21,8 +21,8 @@ void on_signal(int signal) {
   ++stop_count;
 }
 
-// A closing terminal sends SIGHUP more than once, to its shell and to the programs in it. All of
-// them count as one request, so never as the urgent second one.
+// A closing terminal sends SIGHUP more than once, to its shell and to the programs in it. All these
+// signals count as one stop request; otherwise the second one would mean an urgent stop.
 void on_hang_up(int signal) {
   last_signal = signal;
   int none = 0;
@@ -44,7 +44,7 @@ void handle(int signal, Handler handler) {
   sigaction(signal, &action, nullptr);
 }
 
-// Unblocks the stop signals, which a supervisor blocks until they are handled here.
+// Unblocks the stop signals, which a supervisor blocks until this process handles them.
 void let_in_stop_signals() {
   sigset_t signals;
   sigemptyset(&signals);
@@ -81,8 +81,8 @@ int run_process(const std::string& name, const std::function<int()>& body) {
   }
   let_in_stop_signals();
   std::signal(SIGPIPE, SIG_IGN);
-  std::signal(SIGCHLD, SIG_DFL);  // inherited SIG_IGN would hide the exit codes of children
-  std::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is then an error of write()
+  std::signal(SIGCHLD, SIG_DFL);  // an inherited SIG_IGN would hide the exit codes of children
+  std::signal(SIGXFSZ, SIG_IGN);  // write() then returns an error at the file size limit
   try {
     return body();
   } catch (const StartupError& e) {

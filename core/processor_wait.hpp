@@ -8,20 +8,20 @@
 
 namespace vantage {
 
-/// Time that a thread waited for a processor within the last second, from readings of the kernel's
-/// counter. Pure; constant memory; no allocation.
+/// Computes how long a thread waited for a processor in the last second, from readings of the
+/// kernel's counter. Constant memory, no allocation.
 class ProcessorWait {
  public:
   static constexpr Duration kWindow = std::chrono::seconds(1);
 
-  /// Adds a reading of the counter at `now`. A reading that is lower than the one before, or not
-  /// later, starts anew: it is from another counter.
-  /// @param waited_us  since the start of the thread
+  /// Adds a reading of the counter at `now`. A reading with a lower value than the previous one, or
+  /// not later, is from another counter: all previous readings are discarded.
+  /// @param waited_us waiting time since the start of the thread, µs
   void add(Time now, std::int64_t waited_us);
 
-  /// Returns the waiting time, s, between the newest reading and the last one that is at least
-  /// kWindow older; 0 before two readings. After a gap in the readings this covers more than a
-  /// second.
+  /// Returns the waiting time, s, between the newest reading and the last reading that is at least
+  /// kWindow older; 0 if there are fewer than two readings. After a gap in the readings, this
+  /// interval is longer than a second.
   [[nodiscard]] double recent_s() const;
 
  private:

@@ -27,7 +27,7 @@ int number_of(const char* option, const char* text, int least, int most) {
   return value;
 }
 
-/// Sets SCHED_FIFO for the calling thread; returns an error number if refused, otherwise 0.
+/// Sets SCHED_FIFO for the calling thread. Returns 0, or an error number if the system refuses it.
 int set_fifo(int priority) {
   sched_param parameters{};
   parameters.sched_priority = priority;

@@ -15,11 +15,11 @@ struct RealTime {
 RealTime take_real_time(int& argc, char** argv);
 
 /// Applies the settings to the calling thread (memory: to the whole process).
-/// @throws StartupError naming the refused setting and the remedy.
+/// @throws StartupError that names the refused setting and the remedy.
 void apply(const RealTime& real_time);
 
-/// True if a thread of this process may get SCHED_FIFO with `priority`; tries it on a temporary
-/// thread.
+/// True if the system grants SCHED_FIFO with `priority` to a thread of this process; tries it on a
+/// temporary thread.
 bool grants_fifo(int priority);
 
 }  // namespace vantage

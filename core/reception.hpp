@@ -12,12 +12,12 @@
 
 namespace vantage {
 
-/// One datagram from recvmsg(): sender, size, and one ancillary value of the kernel (`Word`, as
-/// with SO_TIMESTAMPNS or SO_RXQ_OVFL).
+/// One datagram from recvmsg(): sender, size, and one ancillary value of type `Word` from the
+/// kernel, for example of SO_TIMESTAMPNS or SO_RXQ_OVFL.
 template <class Word>
 class Reception {
  public:
-  /// Receives into `buffer`; blocks according to `flags` and the socket.
+  /// Receives into `buffer`. `flags` and the mode of the socket determine whether it blocks.
   Reception(int fd, std::span<std::uint8_t> buffer, int flags)
       : piece_{buffer.data(), buffer.size()} {
     message_.msg_name = &from_;

@@ -6,12 +6,12 @@
 
 namespace vantage {
 
-/// Address space of a fixed size. It reads as zeros, and the system commits a page on the first
-/// write to it. So memory that is sized for the worst case costs only the part in use.
+/// Address space of a fixed size. It reads as zeros, and the system commits a page at the first
+/// write to the page. So memory that is reserved for the worst case costs only the part in use.
 class ReservedBytes {
  public:
   ReservedBytes() = default;
-  /// @throws std::bad_alloc when the system grants no such space.
+  /// @throws std::bad_alloc when the system refuses the address space.
   explicit ReservedBytes(std::size_t size);
   ~ReservedBytes();
   ReservedBytes(const ReservedBytes&) = delete;
@@ -26,7 +26,7 @@ class ReservedBytes {
 
   [[nodiscard]] void* begin() const { return begin_; }
   [[nodiscard]] std::size_t size() const { return size_; }
-  /// Commits all pages, so that no page fault occurs later. The content is kept.
+  /// Commits all pages, so that no page fault occurs later. The content does not change.
   void prefault();
   /// Returns the committed bytes, in whole pages. For tests and reports; needs a system call.
   [[nodiscard]] std::size_t committed_bytes() const;
@@ -36,8 +36,7 @@ class ReservedBytes {
   std::size_t size_ = 0;
 };
 
-/// Fixed-size array in ReservedBytes. All bytes are zero at first; write another value before it is
-/// read.
+/// Fixed-size array in ReservedBytes. All bytes are initially zero; no constructor of T is called.
 template <class T>
 class ReservedArray {
   static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);

@@ -6,7 +6,8 @@
 
 namespace vantage {
 
-/// Reason why an operation returned no value, written so that the reader of a log can act on it.
+/// Reason why an operation returned no value, as a text that tells the reader of a log how to
+/// react.
 struct Error {
   std::string message;
 };

@@ -6,7 +6,7 @@
 
 #include "core/time.hpp"
 
-// Arithmetic on times from outside, such as those in a log: any 64-bit number can occur.
+// Arithmetic on times from outside sources, such as logs, in which any 64-bit number can occur.
 
 namespace vantage {
 
@@ -27,11 +27,11 @@ inline Duration saturated_seconds(double seconds_s) {
                                 : from_seconds(seconds_s);
 }
 
-/// Latest time that a clock may be set to by an external number: adding durations of up to a
-/// century does not overflow.
+/// Latest time to which an external number may set a clock. Adding durations of up to a century to
+/// it does not overflow.
 inline constexpr Time kClockTimeMax = Time::max() - std::chrono::hours(24 * 36'525);
 
-/// Largest number of nanoseconds for readers with signed numbers (year 2262).
+/// Largest number of nanoseconds since 1970 that fits a signed 64-bit number (year 2262).
 inline constexpr std::int64_t kNanosecondsMax = std::numeric_limits<std::int64_t>::max();
 
 /// True if nanoseconds_of(t) is exactly `t`.

@@ -39,7 +39,7 @@ bool set_up(int fd, speed_t speed) {
   cfmakeraw(&settings);
   settings.c_cflag |= CLOCAL | CREAD;
   settings.c_cflag &= ~static_cast<tcflag_t>(CRTSCTS);
-  settings.c_cc[VMIN] = 1;  // reading an empty line gives EAGAIN, not end of file
+  settings.c_cc[VMIN] = 1;  // reading without available data gives EAGAIN, not end of file
   settings.c_cc[VTIME] = 0;
   cfsetispeed(&settings, speed);
   cfsetospeed(&settings, speed);

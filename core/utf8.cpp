@@ -25,8 +25,8 @@ bool is_hidden_control(std::string_view text, std::size_t at, std::size_t length
   return first == 0x7FU;
 }
 
-/// Returns `text` with \xNN for bytes outside UTF-8, for is_hidden_control() characters, and for
-/// characters whose first byte `is_hidden`.
+/// Returns `text` with \xNN in place of bytes outside UTF-8, is_hidden_control() characters, and
+/// characters for whose first byte `is_hidden` returns true.
 template <class IsHidden>
 std::string escaped(std::string_view text, IsHidden is_hidden) {
   constexpr const char* kDigits = "0123456789ABCDEF";

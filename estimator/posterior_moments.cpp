@@ -143,8 +143,8 @@ class Rays {
     return r;
   }
 
-  /// Integrates along the ray with unit vector `u`, at `bearing_rad` from the body's x axis. long:
-  /// distinguishes the cases of one integrand.
+  /// Integrates along the ray with unit vector `u`, at `bearing_rad` from the body's x axis.
+  /// long: distinguishes the cases of one integrand.
   [[nodiscard]] RayIntegral along(const PositionVector& u, double bearing_rad, double cos_elevation,
                                   bool is_limited) const {
     RayIntegral out;
