@@ -17,8 +17,8 @@ namespace {
 
 constexpr std::string_view kStatusPrefix = "VEHICLE_";
 constexpr std::string_view kNoKey = "no_key";
-/// Limit of the counts by channel, so that invented names cannot exhaust memory. Further channels
-/// share one entry.
+/// Maximum number of channels that are counted separately, so that invented names cannot exhaust
+/// memory. Further channels share one entry.
 constexpr std::size_t kCountedChannelsMax = 1024;
 constexpr std::string_view kOtherChannels = "(other)";
 
@@ -32,7 +32,7 @@ std::uint64_t random_session() {
 }
 
 /// Returns the count of `channel`. Invented names may fill the table, but channels with a fixed
-/// name (VICON, COMMAND, …) always get an entry.
+/// name (VICON, COMMAND, …) always have their own entry.
 template <class Count>
 Count& entry_of(std::map<std::string, Count, std::less<>>& counts, std::string_view channel) {
   const auto found = counts.find(channel);
@@ -63,8 +63,8 @@ bool lacks_required_security(const scenario::Scenario& scenario) {
 }
 
 /// True if there are more vehicles than one command can address. The others could not be armed and
-/// would treat the operator as silent. Every robot requests an echo; only those with drivers act on
-/// it.
+/// would detect a loss of the operator. Every robot requests an echo; only robots with drivers
+/// check it.
 bool has_too_many_vehicles(const scenario::Scenario& scenario) {
   return scenario.security.mode == scenario::SecurityMode::kRequire &&
          scenario.robots.size() > kEchoesMax &&
@@ -179,8 +179,8 @@ void Authenticator::record_nonce(std::string_view robot, const Foot& foot, Time 
   }
 }
 
-// If a vehicle was silent for longer than its lease, any nonce of it is accepted anyway, so
-// forgetting it loses no protection.
+// After a silence longer than its lease, any nonce of a vehicle is accepted, so its entry can be
+// removed without loss of protection.
 bool Authenticator::make_room(Time now) {
   if (requested_.size() < kEchoesMax) {
     return true;
@@ -212,9 +212,9 @@ bool Authenticator::echoes_current_nonce(const SignedParts& parts, Time now) con
   });
 }
 
-// A recording of an earlier session echoes old nonces and has old stamps. A current command is
-// verified whatever it echoes, so that its counter is recorded. A command that makes a vehicle
-// safer may be late if its session was verified before.
+// A recording of an earlier session echoes old nonces and has old time stamps. A command with a
+// current time stamp is verified whatever it echoes, so that its counter is recorded. A command
+// that makes a vehicle safer may be late if its session was verified before.
 Refusal Authenticator::judge_before_signature(const SignedParts& parts, Time now,
                                               const std::optional<CommandClaim>& claim) const {
   const bool is_late_but_known =

@@ -18,21 +18,20 @@
 
 namespace vantage::bus::auth {
 
-/// The state of one process on an authenticated bus: its session, the replay windows and nonces of
-/// other sessions, and the counts of refusals. Times are parameters. Not thread-safe.
+/// State of one process on an authenticated bus: its session, the replay windows and nonces of
+/// other sessions, and the numbers of refused messages. Times are parameters. Not thread-safe.
 class Authenticator {
  public:
   struct Rules {
     scenario::SecurityMode mode = scenario::SecurityMode::kRequire;
     scenario::TrialMode trial = scenario::TrialMode::kLive;
-    bool is_replay = false;  ///< signs everything as kReplay, accepts everything
-    bool is_of_log = false;  ///< checks recorded messages: by signature, not by time
+    bool is_replay = false;  ///< signs all messages as kReplay, accepts all messages
+    bool is_of_log = false;  ///< checks signatures but not times, for recorded messages
   };
-  /// Time for which a vehicle still accepts its previous nonce.
+  /// Time for which a vehicle still accepts its previous nonce after a change.
   static constexpr Duration kNonceGrace = std::chrono::seconds(1);
-  /// While the last status with a vehicle's nonce is more recent than this, another nonce is only
-  /// accepted from a newer status. So replayed old statuses cannot displace the nonce of a live
-  /// vehicle.
+  /// Age of the last status with a vehicle's nonce up to which another nonce is only accepted from
+  /// a newer status. So replayed old statuses cannot replace the nonce of a live vehicle.
   static constexpr Duration kNonceLease = std::chrono::seconds(2);
 
   Authenticator(std::shared_ptr<const Keyring> keyring, const Rules& rules);
@@ -45,54 +44,56 @@ class Authenticator {
 
   /// Appends the trailer that signs the payload in `message`, if this process has the key of the
   /// channel's role; otherwise counts the message. `robot`: addressee of a command; empty: all
-  /// vehicles that are received.
+  /// vehicles whose statuses are received.
   void seal(std::string_view channel, std::string_view robot, Time now,
             std::vector<std::uint8_t>& message);
 
   struct Judged {
     bool may_pass = false;
     Bytes payload;
-    Refusal echo = Refusal::kNone;  ///< of a command that passes: result of the check against this
+    Refusal echo = Refusal::kNone;  ///< of an accepted command: result of the check against this
                                     ///< vehicle's nonce
   };
-  /// The unverified content of a command.
+  /// Unverified content of a command.
   struct CommandClaim {
     Time stamp{};
     bool makes_safer = false;  ///< hold, land or emergency stop
     bool is_emergency_stop = false;
     bool is_for_another = false;  ///< addressed to another vehicle
   };
-  /// Decides whether `message` may pass, and counts the reason if not. Its time is compared with
-  /// `now`, except with is_of_log; with is_replay everything passes. `claim`: of a command with a
-  /// readable payload. `source`: the sender, as far as visible (Payload::source).
+  /// Decides whether `message` is accepted, and counts the reason of a refusal. The message's time
+  /// is compared with `now`, except with is_of_log. With is_replay every message is accepted.
+  /// `claim`: for a command with a readable payload. `source`: sender, as far as visible
+  /// (Payload::source).
   Judged judge(std::string_view channel, Bytes message, Time now,
                const std::optional<CommandClaim>& claim = std::nullopt, std::uint64_t source = 0);
 
-  /// Counts a refusal. Returns true if the message may pass nevertheless: any mode but kRequire.
+  /// Counts a refusal. Returns true if the message is accepted nevertheless: in every mode except
+  /// kRequire.
   bool refuse(std::string_view channel, Refusal refusal);
   /// Appends "<channel>.<reason>" for each reason that refused a message, and "<channel>.no_key".
   void count(std::vector<models::NamedCount>& out) const;
 
   [[nodiscard]] std::uint64_t session() const { return session_; }
   [[nodiscard]] bool is_replay() const { return rules_.is_replay; }
-  /// Returns how far the statuses refused as stale within the last second are ahead of our clock:
-  /// the smallest difference. nullopt: none was refused.
+  /// Returns the smallest lead over this process's clock among the statuses that were refused as
+  /// stale within the last second; nullopt if there is none.
   [[nodiscard]] std::optional<Duration> stale_ahead(Time now) const;
 
  private:
-  /// The nonce that a vehicle's statuses request.
+  /// Nonce that a vehicle's statuses request.
   struct RequestedNonce {
     std::uint64_t nonce = 0;
     std::uint64_t counter = 0;  ///< of the newest status with this nonce
     Time received_at{};
   };
   void record_nonce(std::string_view robot, const Foot& foot, Time now);
-  /// Makes room for the nonce of another vehicle, if need be by removing a silent one; returns
-  /// false when there is none.
+  /// Frees an entry for the nonce of another vehicle, if necessary by removing that of a silent
+  /// vehicle. Returns false if no entry can be freed.
   [[nodiscard]] bool make_room(Time now);
   [[nodiscard]] Refusal judge_nonce(const SignedParts& parts, Time now) const;
-  /// True if the command echoes a nonce that is valid now: ours, or that of a vehicle which this
-  /// process receives.
+  /// True if the command echoes a nonce that is valid now: that of this process, or of a vehicle
+  /// whose statuses it receives.
   [[nodiscard]] bool echoes_current_nonce(const SignedParts& parts, Time now) const;
   /// Returns the reason to refuse a command before its signature is verified; kNone: verify it.
   [[nodiscard]] Refusal judge_before_signature(const SignedParts& parts, Time now,
@@ -105,7 +106,7 @@ class Authenticator {
   std::uint64_t session_before_ = 0;
   std::optional<Time> renewed_;
   std::uint64_t counter_ = 0;
-  std::optional<std::uint32_t> destination_;           ///< of the vehicle that this process is
+  std::optional<std::uint32_t> destination_;           ///< if this process is a vehicle
   std::map<std::uint32_t, RequestedNonce> requested_;  ///< by destination
   std::optional<Duration> stale_ahead_;
   Time stale_received_{};
@@ -115,8 +116,8 @@ class Authenticator {
   std::map<std::string, std::int64_t, std::less<>> without_key_;
 };
 
-/// The channel and the reason of a counter from count(); parse_refusal() returns nullopt for
-/// others.
+/// Channel and reason of a counter from count(). parse_refusal() returns nullopt for other
+/// counters.
 struct RefusalCount {
   std::string channel;
   std::string reason;

@@ -30,7 +30,7 @@ Mac mac_of(const Secret& key, std::string_view channel, std::initializer_list<By
   return mac;
 }
 
-/// Returns the signed bytes in one piece, as Ed25519 needs them.
+/// Returns the signed bytes in one contiguous buffer, as Ed25519 requires.
 std::vector<std::uint8_t> signed_text(std::string_view channel,
                                       std::initializer_list<Bytes> parts) {
   std::vector<std::uint8_t> text;
@@ -42,8 +42,8 @@ std::vector<std::uint8_t> signed_text(std::string_view channel,
   return text;
 }
 
-/// Adds `one` to `all` if there is room. Otherwise it replaces the entry that has been silent
-/// longest, if that is longer than kKeptFor. Returns nullptr when no entry can be replaced.
+/// Adds `one` to `all` if `all` is not full. Otherwise replaces the entry that has been silent
+/// longest, if it was silent for more than kKeptFor. Returns nullptr when no entry can be replaced.
 template <class One>
 One* added(One one, std::vector<One>& all, std::size_t count_max) {
   if (all.size() < count_max) {
@@ -262,7 +262,7 @@ bool SignatureBudgets::take(const Sender& sender, bool is_stop, Time now) {
   const auto take_from = [is_stop, now](Rates& rates) {
     return (is_stop ? rates.stops : rates.orders).take(now);
   };
-  // A forger of the address and the session must use up the other budgets as well.
+  // A sender that forges address and session is also limited by the other budgets.
   if (VerifiedSender* const verified = find(sender);
       verified != nullptr && take_from(verified->left)) {
     return true;

@@ -30,7 +30,7 @@ namespace vantage::bus::auth {
 void sign(const Key& key, std::string_view channel, Foot foot, std::span<const Echo> echoes,
           std::vector<std::uint8_t>& message);
 
-/// The reason why a message is refused.
+/// Reason why a message is refused.
 enum class Refusal : std::uint8_t {
   kNone,
   kUnsigned,
@@ -38,27 +38,28 @@ enum class Refusal : std::uint8_t {
   kWrongRole,         ///< the key's role may not publish on the channel
   kBadMac,            ///< not made with the named key, or modified in transit
   kBadSignature,      ///< wrong or missing signature of an operator
-  kOverBudget,        ///< not verified: too many signatures
-  kWrongMode,         ///< of another kind of trial, such as a simulation or a replay
+  kOverBudget,        ///< signature not verified: the rate limit is exceeded
+  kWrongMode,         ///< from another kind of trial, such as a simulation or a replay
   kStale,             ///< the time of sending is too far from now
-  kReplayed,          ///< received before, or overtaken by too many
-  kWrongSession,      ///< the command echoes another nonce than the vehicle's
+  kReplayed,          ///< received before, or older than the replay window
+  kWrongSession,      ///< the command does not echo the vehicle's nonce
   kWrongDestination,  ///< the command is not addressed to this vehicle
 };
 inline constexpr std::size_t kRefusals = 12;
 /// Returns the name used in counters: "unsigned", "unknown_key", "wrong_role", …
 const char* name_of(Refusal refusal);
 
-/// The counters received in each session, so that no message is accepted twice. Remembers the
-/// newest 64 counters of each session. Older ones count as replayed; missing ones in between are
-/// still accepted. At most 256 sessions; a new one replaces the one that was silent longest.
+/// Record of the message counters received in each session, so that no message is accepted twice.
+/// It stores the newest 64 counters of each session. Older counters are refused as replayed;
+/// missing counters between stored ones are accepted. It stores at most 256 sessions; a new session
+/// replaces the one that was silent longest.
 class ReplayGuard {
  public:
   static constexpr std::size_t kWindow = 64;
   static constexpr std::size_t kSessionsMax = 256;
 
-  /// Returns true once for each counter, from 1. Only call it for messages that are proven to come
-  /// from the holder of the key.
+  /// Returns true at the first call with each counter ≥ 1. Must only be called for messages that
+  /// are verified with the key.
   bool admit(std::uint32_t key_id, std::uint64_t session, std::uint64_t counter);
   /// True if admit() would refuse the counter; changes nothing.
   [[nodiscard]] bool refuses(std::uint32_t key_id, std::uint64_t session,
@@ -72,7 +73,7 @@ class ReplayGuard {
     std::uint32_t key_id = 0;
     std::uint64_t session = 0;
     std::uint64_t used_last = 0;
-    std::uint64_t forgotten = 0;      ///< newest counter that is no longer remembered; 0: none
+    std::uint64_t forgotten = 0;      ///< newest counter that was removed from `seen`; 0: none
     std::vector<std::uint64_t> seen;  ///< ascending
   };
   [[nodiscard]] const Session* find(std::uint32_t key_id, std::uint64_t session) const;
@@ -82,7 +83,7 @@ class ReplayGuard {
   std::uint64_t uses_ = 0;
 };
 
-/// A token bucket for signature checks: limits the rate per second and the burst.
+/// Token bucket for signature checks: limits the rate per second and the burst.
 class Budget {
  public:
   Budget(double rate_per_s, double burst) : rate_per_s_(rate_per_s), burst_(burst), left_(burst) {}
@@ -96,27 +97,27 @@ class Budget {
   std::optional<Time> last_take_;
 };
 
-/// The sender of a message, as far as visible before verification.
+/// Sender of a message, as far as visible before verification.
 struct Sender {
-  std::uint64_t source = 0;  ///< address and port, bus::Payload::source
+  std::uint64_t source = 0;  ///< address and port as in bus::Payload::source
   std::uint64_t session = 0;
 };
 
 /// Limits the number of signatures that a process verifies, by sender. Only commands with a valid
 /// MAC that are current or echo a current nonce are verified (Expectation::early_refusal). So
-/// recorded commands of an earlier session use up no budget. A sender has its own budgets once its
-/// signature was valid. The others share one budget per host and one for all hosts. Emergency stops
-/// have separate budgets everywhere.
+/// recorded commands of an earlier session do not reduce a budget. A sender has its own budgets
+/// after its first valid signature. The other senders share one budget per host and one for all
+/// hosts. Emergency stops have separate budgets everywhere.
 class SignatureBudgets {
  public:
-  /// Budgets for signature checks: of ordinary orders, and of emergency stops.
+  /// Budgets for signature checks: of ordinary commands and of emergency stops.
   struct Rates {
     Budget orders;
     Budget stops;
   };
-  static constexpr std::size_t kVerifiedMax = 16;  ///< a new one replaces the longest silent one
-  static constexpr std::size_t kHostsMax = 64;     ///< likewise
-  /// A sender or host that was received within this time is never replaced.
+  static constexpr std::size_t kVerifiedMax = 16;  ///< senders; the longest silent is replaced
+  static constexpr std::size_t kHostsMax = 64;     ///< hosts; replaced in the same way
+  /// A sender or host with a message within this time is never replaced.
   static constexpr Duration kKeptFor = std::chrono::seconds(3);
 
   SignatureBudgets()
@@ -143,7 +144,7 @@ class SignatureBudgets {
     Time received{};
   };
   [[nodiscard]] VerifiedSender* find(const Sender& sender);
-  /// Returns the entry of the sender's host; nullptr when all entries are in use by others.
+  /// Returns the entry of the sender's host; nullptr when all entries are used by other hosts.
   [[nodiscard]] Host* host_of(const Sender& sender, Time now);
 
   Rates verified_;  ///< initial budgets of each sender
@@ -153,25 +154,25 @@ class SignatureBudgets {
   std::vector<Host> hosts_;
 };
 
-/// Largest difference between the sender's time and ours.
+/// Largest accepted difference between the sender's time and the receiver's time.
 inline constexpr Duration kClockDifferenceMax = std::chrono::seconds(2);
 
-/// The expected properties of a message.
+/// Expected properties of a message.
 struct Expectation {
   scenario::TrialMode mode = scenario::TrialMode::kLive;
   Time now{};                      ///< by the receiver's steady clock
   bool is_emergency_stop = false;  ///< according to the payload, before verification
   std::uint64_t source = 0;  ///< sender's address and port, as far as visible: Payload::source
   /// Reason to refuse a command without verifying its signature. It is derived from the echoes and
-  /// the payload, which the MAC covers.
+  /// the payload, both of which are protected by the MAC.
   Refusal early_refusal = Refusal::kNone;
-  bool echoes_current_nonce = false;  ///< a command with a current nonce, so not from a recording
-  bool is_of_log = false;             ///< recorded: its time is not checked
+  bool echoes_current_nonce = false;  ///< true: a command with a current nonce, not a recording
+  bool is_of_log = false;             ///< recorded message: its time is not checked
 };
 
 struct Verdict {
   Refusal refusal = Refusal::kNone;
-  Bytes payload;                     ///< the message without its trailer, for every verdict
+  Bytes payload;                     ///< message without its trailer; set for every verdict
   std::optional<SignedParts> parts;  ///< nullopt: unsigned
 };
 

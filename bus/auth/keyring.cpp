@@ -35,7 +35,7 @@ std::size_t file_bytes_of(Role role) {
   return role == Role::kOperator ? kMacKeyBytes + kPublicKeyBytes : kMacKeyBytes;
 }
 
-/// Returns the content of the key's file.
+/// Returns the bytes of the key's file.
 Secret contents_of(const Key& key) {
   Secret out(file_bytes_of(key.role));
   std::copy(key.mac.bytes().begin(), key.mac.bytes().end(), out.bytes().begin());
@@ -46,7 +46,7 @@ Secret contents_of(const Key& key) {
   return out;
 }
 
-/// The parts of a key's file name; parse_name() returns nullopt for other files.
+/// Parts of a key's file name. parse_name() returns nullopt for other files.
 struct FileName {
   Role role;
   std::uint32_t id;
@@ -286,7 +286,8 @@ void end_rotation(const std::string& folder, std::optional<Role> role) {
     throw StartupError(folder + ": no new key to sign with; create one: vantage keys rotate " +
                        folder);
   }
-  for (const KeyUse use : {KeyUse::kSigns, KeyUse::kNext}) {  // never two signing keys at once
+  for (const KeyUse use :
+       {KeyUse::kSigns, KeyUse::kNext}) {  // in this order: never two signing keys
     for (const Key& key : keyring.keys()) {
       if (key.use == use && is_meant(key, role) && has_next(key.role)) {
         const fs::path path = path_of(folder, key);

@@ -11,11 +11,11 @@
 #include "bus/auth/secret.hpp"
 #include "bus/auth/trailer.hpp"
 
-// The keys of a trial, in a separate folder that no log and no scenario contains:
+// Keys of a trial. They are in a separate folder; logs and scenarios do not contain them.
 //
 //   ROLE-ID.key     key that this role signs with. 32 bytes; operator: 64, MAC key and public key
-//   ROLE-ID.next    the same, accepted only: the next signing key during a rotation
-//   ROLE-ID.old     the same, accepted only: the previous signing key
+//   ROLE-ID.next    as .key, but not used for signing: the next key during a rotation
+//   ROLE-ID.old     as .key, but not used for signing: the previous key
 //   operator-ID.sign  32 bytes, the seed of the Ed25519 pair; only on operator stations
 //
 // ID has eight hexadecimal digits and is derived from the key, so a renamed file is detected.
@@ -51,10 +51,10 @@ std::uint32_t destination_of(std::string_view robot);
 /// Returns a name such as "mocap-0a1b2c3d".
 std::string key_name(const Key& key);
 
-/// The keys of a process, loaded once at its start.
+/// Keys of a process, loaded once at its start.
 class Keyring {
  public:
-  /// @throws UsageError when two keys have one id, or one role has two signing keys.
+  /// @throws UsageError when two keys have the same id, or a role has two signing keys.
   void add(Key key);
   [[nodiscard]] const Key* find(std::uint32_t id) const;
   /// Returns the key with which this process signs as `role`; nullptr: none.
@@ -65,7 +65,8 @@ class Keyring {
   std::vector<Key> keys_;
 };
 
-/// Returns a new key from the system's random numbers; an operator's has both halves.
+/// Returns a new key from the system's random numbers. An operator's key includes the public and
+/// the signing key.
 Key make_key(Role role);
 /// Sets the Ed25519 pair derived from `seed` in an operator's key. Precondition: 32 bytes.
 void set_seed(Key& key, std::span<const std::uint8_t> seed);
@@ -88,7 +89,7 @@ void begin_rotation(const std::string& folder, std::optional<Role> role);
 /// them from their next start on.
 /// @throws StartupError when there is no new key.
 void end_rotation(const std::string& folder, std::optional<Role> role);
-/// Removes the key with that id or name. @throws StartupError when there is none.
+/// Removes the key with the id or name `name`. @throws StartupError when there is none.
 void revoke_key(const std::string& folder, const std::string& name);
 
 }  // namespace vantage::bus::auth

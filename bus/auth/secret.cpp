@@ -15,7 +15,7 @@ namespace {
 
 std::string reason(int error) { return std::system_category().message(error); }
 
-/// A file descriptor that is closed on destruction.
+/// File descriptor that is closed on destruction.
 class File {
  public:
   explicit File(int fd) : fd_(fd) {}

@@ -11,9 +11,9 @@ namespace vantage::bus::auth {
 /// Initializes libsodium; cheap after the first call. @throws StartupError on failure.
 void start_sodium();
 
-/// A secret in its own memory pages: locked against swapping (as far as RLIMIT_MEMLOCK allows),
-/// excluded from core dumps, between guard pages, and wiped on destruction. Can be moved, not
-/// copied. Not for loops, because construction takes system calls.
+/// Secret in its own memory pages. They are locked against swapping (as far as RLIMIT_MEMLOCK
+/// allows), excluded from core dumps, enclosed by guard pages, and wiped on destruction. Can be
+/// moved but not copied. Not for use in loops, because construction needs system calls.
 class Secret {
  public:
   /// Creates `size` zero bytes. @throws StartupError when there is no memory.
@@ -26,14 +26,14 @@ class Secret {
   struct Wipe {
     void operator()(std::uint8_t* bytes) const;
   };
-  std::unique_ptr<std::uint8_t[], Wipe> bytes_;  // NOLINT(modernize-avoid-c-arrays): libsodium's
+  std::unique_ptr<std::uint8_t[], Wipe> bytes_;  // NOLINT(modernize-avoid-c-arrays): libsodium
   std::size_t size_ = 0;
 };
 
 /// Reads `file` into `out`; `what` names it in messages ("signing key").
-/// @throws StartupError for a file that cannot be read, is a link or no regular file, or has
-/// another length than `out`. Also if it belongs to another user, or is accessible to others (its
-/// mode must be 0600 or less). `out` is then wiped.
+/// @throws StartupError if the file cannot be read, is a link or not a regular file, or does not
+/// have the length of `out`. Also if the file belongs to another user or is accessible to others
+/// (mode must be 0600 or less). `out` is then wiped.
 void read_secret_file(const std::string& file, std::span<std::uint8_t> out,
                       const std::string& what);
 

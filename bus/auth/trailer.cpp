@@ -26,9 +26,10 @@ struct Family {
   bool must_be_signed;
 };
 
-// Channels that are not listed here are for display only. TRUTH is listed because simulated bodies
-// reach VICON through it when the cameras are real. HEALTH_ is listed because the supervisor ends
-// silent processes. COLLISION decides the exit code of `vantage up`, and HOST_ whether it starts.
+// Channel families. Channels that are not listed are for display only. TRUTH is listed because it
+// brings simulated bodies into VICON when the cameras are real. HEALTH_ is listed because the
+// supervisor ends silent processes. COLLISION determines the exit code of `vantage up`, and HOST_
+// whether it starts.
 constexpr std::array kFamilies{
     Family{"VICON", Role::kMocap, true},
     Family{"COMMAND", Role::kOperator, true},

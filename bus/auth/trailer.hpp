@@ -10,8 +10,8 @@
 
 #include "scenario/security_spec.hpp"
 
-// Encodes and decodes the trailer of a signed message, which follows the payload. Pure functions,
-// no cryptography. LCM's tools forward it unread, and decoders from lcm-gen ignore it in every
+// Encodes and decodes the trailer of a signed message, which follows the payload. No cryptography.
+// LCM's tools forward the trailer unchanged, and the decoders of lcm-gen ignore it in every
 // language. All numbers are big-endian, as in LCM.
 //
 //   payload    as lcm-gen encodes it
@@ -23,22 +23,22 @@
 
 namespace vantage::bus::auth {
 
-/// The role of a publisher. Each role has its own keys; role_of() gives the role of a channel.
+/// Role of a publisher. Each role has its own keys; role_of() returns the role of a channel.
 enum class Role : std::uint8_t {
   kMocap = 1,     ///< VICON
   kPlanner = 2,   ///< PLAN_*, PROPOSAL_*, TEAM_PROPOSAL_*
   kVehicle = 3,   ///< VEHICLE_*
-  kOperator = 4,  ///< COMMAND, which also has a signature
-  kNode = 5,      ///< everything else
+  kOperator = 4,  ///< COMMAND, whose messages also have a signature
+  kNode = 5,      ///< all other channels
 };
 inline constexpr std::array kRoles{Role::kMocap, Role::kPlanner, Role::kVehicle, Role::kOperator,
                                    Role::kNode};
 /// Returns "mocap", "planner", "vehicle", "operator" or "node".
 const char* name_of(Role role);
 
-/// The addressee of a command and the nonce that this vehicle requests.
+/// Addressee of a command and the nonce that this vehicle requests.
 struct Echo {
-  std::uint32_t destination = 0;  ///< destination_of() the vehicle's name
+  std::uint32_t destination = 0;  ///< destination_of(name of the vehicle)
   std::uint64_t nonce = 0;        ///< session of the vehicle's newest status
   friend bool operator==(const Echo&, const Echo&) = default;
 };
@@ -46,7 +46,7 @@ struct Echo {
 struct Foot {
   std::uint32_t key_id = 0;
   std::uint64_t session = 0;  ///< random, new at each process start and at each arming of a vehicle
-  std::uint64_t counter = 0;  ///< sender's time, µs since the Unix epoch, but strictly increasing
+  std::uint64_t counter = 0;  ///< sender's time, µs since the Unix epoch; made strictly increasing
   Role role = Role::kNode;
   scenario::TrialMode mode = scenario::TrialMode::kLive;
   friend bool operator==(const Foot&, const Foot&) = default;
@@ -60,7 +60,7 @@ inline constexpr std::size_t kFootBytes = 32;
 
 using Bytes = std::span<const std::uint8_t>;
 
-/// The parts of a signed message; views into it, valid as long as it is.
+/// Parts of a signed message: views that are valid as long as the message exists.
 struct SignedParts {
   Bytes payload;
   Bytes echoes;
@@ -69,7 +69,8 @@ struct SignedParts {
   Bytes foot_bytes;
   Foot foot;
 
-  /// Returns the nonce echoed to `destination`; nullopt if the command is not addressed to it.
+  /// Returns the nonce echoed to `destination`; nullopt if the command is not addressed to
+  /// `destination`.
   [[nodiscard]] std::optional<std::uint64_t> echo_for(std::uint32_t destination) const;
 };
 
@@ -77,7 +78,7 @@ struct SignedParts {
 /// nothing outside `message`.
 std::optional<SignedParts> split(Bytes message);
 
-/// Returns `message` without its trailer, if it has one. Decoders that check every byte need it.
+/// Returns `message` without its trailer, if any. Decoders that check every byte need this.
 Bytes payload_of(Bytes message);
 
 /// Appends the number as `width` bytes, big-endian.

@@ -8,28 +8,29 @@
 
 namespace vantage::bus {
 
-/// A channel name and the only message type that may be sent on it. A name that ends in '*' matches
-/// every channel with that prefix, for subscribing only.
+/// Channel name with the only message type that may be sent on it. A name that ends in '*' matches
+/// every channel with that prefix; it is for subscribing only.
 ///
-/// LCM cannot distinguish two structs whose fields have the same names and types. The pairs are
-/// therefore defined here, once, and the compiler checks them at every publish() and subscribe().
+/// LCM cannot distinguish two structs whose fields have the same names and types. Therefore the
+/// pairs of name and type are defined only here, and the compiler checks them at every publish()
+/// and subscribe().
 template <class Message>
 struct Channel {
   std::string name;
-  bool is_shared = false;  ///< several processes may publish on it at once; see SharedStreamMonitor
+  bool is_shared = false;  ///< several processes may publish; see SharedStreamMonitor
   /// Time without a message after which another publisher may replace the current one; see
   /// StreamRules.
   Duration lease{};
 };
 
-/// Lease of a channel: receivers keep their publisher, so a second mocap or simulation cannot
-/// replace it.
+/// Lease of channels with one publisher: receivers accept only the current publisher, so a second
+/// mocap or simulation cannot replace it.
 inline constexpr Duration kLease = std::chrono::milliseconds(500);
 inline const Channel<models::MocapFrame> kVicon{"VICON", false, kLease};
 inline const Channel<models::TruthFrame> kTruth{"TRUTH"};
 inline const Channel<models::CollisionReport> kCollision{"COLLISION", true};  // sim and contacts
 inline const Channel<models::AttackNotice> kAttack{"ATTACK"};
-inline const Channel<models::OperatorCommand> kCommand{"COMMAND", true};  // any console
+inline const Channel<models::OperatorCommand> kCommand{"COMMAND", true};  // publisher: any console
 inline const Channel<models::ScenarioNotice> kScenario{"SCENARIO"};
 
 /// `robot` "*" subscribes to the channels of all robots.
@@ -65,9 +66,9 @@ inline Channel<models::HostReport> host_channel(const std::string& host) {
   return {"HOST_" + host};
 }
 
-/// True if a message is delivered although it is overtaken, duplicated or misnumbered. This holds
-/// for commands that make a vehicle safer: receivers check each one, and obeying it twice does no
-/// harm.
+/// True if a message is delivered even if it is overtaken, duplicated or has a wrong sequence
+/// number. This is so for commands that make a vehicle safer: receivers check each one, and it is
+/// safe to obey it twice.
 template <class Message>
 bool passes_every_filter(const Message& /*message*/) {
   return false;

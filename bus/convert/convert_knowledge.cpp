@@ -7,7 +7,7 @@
 
 namespace vantage::bus {
 
-using namespace parts;  // NOLINT(google-build-using-namespace): this room's own words
+using namespace parts;  // NOLINT(google-build-using-namespace): names of the converters
 
 namespace {
 

@@ -4,7 +4,7 @@
 
 namespace vantage::bus {
 
-using namespace parts;  // NOLINT(google-build-using-namespace): this room's own words
+using namespace parts;  // NOLINT(google-build-using-namespace): names of the converters
 
 vantage_lcm::scan_t to_wire(const models::RangeScan& scan) {
   auto wire = stamped<vantage_lcm::scan_t>(scan.stamp);

@@ -4,7 +4,7 @@
 
 namespace vantage::bus {
 
-using namespace parts;  // NOLINT(google-build-using-namespace): this room's own words
+using namespace parts;  // NOLINT(google-build-using-namespace): names of the converters
 
 vantage_lcm::mocap_frame_t to_wire(const models::MocapFrame& frame) {
   vantage_lcm::mocap_frame_t wire{};
@@ -34,7 +34,7 @@ std::optional<models::MocapFrame> from_wire(const vantage_lcm::mocap_frame_t& wi
     if (!is_text(body.name) || !is_boolean(body.occluded) || (!pose && body.occluded == 0)) {
       return std::nullopt;
     }
-    // The pose of an occluded body is meaningless. Replace an invalid one, so that it is not
+    // The pose of an occluded body is meaningless. An invalid pose is replaced, so that it is not
     // forwarded.
     frame.bodies.push_back({body.name, pose.value_or(Pose3{}), body.occluded != 0});
   }

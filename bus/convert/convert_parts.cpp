@@ -23,7 +23,7 @@ std::string to_wire_text(std::string text) {
   if (text.size() > kTextBytesMax) {
     text.resize(kTextBytesMax - kMore.size());
     while (!is_utf8(text)) {
-      text.pop_back();  // removes a character that was cut in two
+      text.pop_back();  // removes an incomplete character at the end
     }
     text += kMore;
   }
@@ -38,7 +38,7 @@ std::optional<Pose2> pose2_from(double x_m, double y_m, double yaw_rad) {
   if (!are_finite(x_m, y_m, yaw_rad)) {
     return std::nullopt;
   }
-  return Pose2{x_m, y_m, wrap_to_pi(yaw_rad)};  // exact for an angle in (−π, π]
+  return Pose2{x_m, y_m, wrap_to_pi(yaw_rad)};  // unchanged for an angle in (−π, π]
 }
 
 std::optional<Pose3> pose3_from(const double (&position_m)[3], const double (&quaternion_wxyz)[4]) {
@@ -50,7 +50,8 @@ std::optional<Pose3> pose3_from(const double (&position_m)[3], const double (&qu
   if (!position.allFinite() || !(std::abs(norm - 1.0) <= kQuaternionNormErrorMax)) {
     return std::nullopt;
   }
-  // Keep a quaternion that is unit up to rounding, so that a replayed log gives the same bits.
+  // A quaternion of unit norm up to rounding is not normalised again, so that a replayed log gives
+  // the same bits.
   constexpr double kRounding = 1e-12;
   if (std::abs(norm - 1.0) > kRounding) {
     rotation.normalize();
@@ -87,7 +88,7 @@ std::optional<SmallMatrix> definite_from(const Rows& rows, int dim) {
     return std::nullopt;
   }
   const Eigen::LLT<SmallMatrix> cholesky(M);
-  // LLT lets a NaN pivot (infinity minus infinity) pass.
+  // LLT does not report a NaN pivot (infinity minus infinity).
   if (cholesky.info() != Eigen::Success || !cholesky.matrixLLT().allFinite()) {
     return std::nullopt;
   }

@@ -23,16 +23,17 @@ namespace vantage::bus::parts {
 
 inline constexpr std::size_t kTextBytesMax = 256;
 inline constexpr std::size_t kYamlBytesMax = std::size_t{1} << 20U;
-inline constexpr std::size_t kItemsMax = 10'000;  ///< targets, segments, bodies, inputs, …
+inline constexpr std::size_t kItemsMax = 10'000;  ///< limit of targets, segments, bodies, inputs, …
 inline constexpr std::size_t kCellsMax = 1'000'000;
-/// The year 2286, µs. Differences of two such times do not overflow.
+/// µs since 1970; latest accepted time, in the year 2286. Differences of two accepted times do not
+/// overflow.
 inline constexpr std::int64_t kUtimeMax = 10'000'000'000'000'000;
 /// Limits of a motion: distance from the origin, duration, and rate (m/s, rad/s, m/s²). Results
 /// computed from values within these limits stay finite.
 inline constexpr double kPositionMax_m = 1e6;
 inline constexpr double kMotionMax_s = 3600.0;
 inline constexpr double kRateMax = 1e3;
-inline constexpr double kAsymmetryMax = 1e-9;  ///< relative to the largest entry
+inline constexpr double kAsymmetryMax = 1e-9;  ///< of a matrix, relative to its largest entry
 inline constexpr double kQuaternionNormErrorMax = 1e-3;
 
 /// Matrix of up to 4×4 without heap memory, for covariances of measurements and information of
@@ -43,10 +44,10 @@ using Rows = std::vector<std::vector<double>>;
 bool is_utime(std::int64_t utime);
 /// True if `text` is at most `bytes_max` bytes of UTF-8 without NUL.
 bool is_text(const std::string& text, std::size_t bytes_max = kTextBytesMax);
-/// Returns `text` in a form that is_text() accepts: made readable() if it is not UTF-8, and cut
-/// with a final "…" if it is too long.
+/// Returns `text` in a form that is_text() accepts: converted by readable() if it is not UTF-8, and
+/// truncated with a final "…" if it is too long.
 std::string to_wire_text(std::string text);
-/// True if the count on the wire is the number of elements and within the cap.
+/// True if the count in the message equals the number of elements and is at most `cap`.
 bool is_count(std::int64_t count, std::size_t elements, std::size_t cap = kItemsMax);
 template <class... Doubles>
 bool are_finite(Doubles... values) {
@@ -60,8 +61,8 @@ void pose3_to(const Pose3& pose, double (&position_m)[3], double (&quaternion_wx
 /// Returns the matrix if it is symmetric positive definite with dim × dim entries; otherwise
 /// nullopt.
 std::optional<SmallMatrix> definite_from(const Rows& rows, int dim);
-/// Returns the rows of `M`. Entries that `M` lacks of dim × dim become NaN, which no receiver
-/// accepts.
+/// Returns the dim × dim rows of `M`. Entries that `M` does not have become NaN, which receivers
+/// refuse.
 Rows rows_to(const SmallMatrix& M, int dim);
 
 std::optional<std::vector<models::InputRef>> inputs_from(
@@ -70,7 +71,7 @@ std::vector<vantage_lcm::input_ref_t> inputs_to(const std::vector<models::InputR
 
 inline std::int32_t count_of(std::size_t elements) { return static_cast<std::int32_t>(elements); }
 
-/// Reads the input references of a message that has them.
+/// Returns the input references of a message that names its inputs.
 template <class Wire>
 auto inputs_from(const Wire& wire) {
   return inputs_from(wire.num_inputs, wire.inputs);

@@ -6,11 +6,11 @@
 
 namespace vantage::bus {
 
-using namespace parts;  // NOLINT(google-build-using-namespace): this room's own words
+using namespace parts;  // NOLINT(google-build-using-namespace): names of the converters
 
 namespace {
 
-// False for NaN.
+// True if |value| ≤ largest; false for NaN.
 bool is_within(double value, double largest) { return std::abs(value) <= largest; }
 
 bool is_segment(const vantage_lcm::plan_segment_t& segment) {
@@ -19,8 +19,8 @@ bool is_segment(const vantage_lcm::plan_segment_t& segment) {
          segment.duration_s >= 0.0 && segment.brake_mps2 >= 0.0;
 }
 
-/// True if the search results are possible. NaN cost: no search; −∞ bound: nothing proven; +∞
-/// epsilon: the greedy pass.
+/// True if the search results have possible values. Special values: cost NaN (no search), bound −∞
+/// (nothing proven), epsilon +∞ (greedy pass).
 bool is_quality(const vantage_lcm::plan_t& wire) {
   const bool has_cost = !std::isinf(wire.cost_nat);
   const bool has_bound = std::isfinite(wire.lower_bound_nat) ||
@@ -28,7 +28,8 @@ bool is_quality(const vantage_lcm::plan_t& wire) {
   return has_cost && has_bound && wire.epsilon >= 0.0 && wire.delta_m >= 0.0;  // no NaN
 }
 
-/// Copies the fields that every wire type with a trajectory has; the time is the message's.
+/// Copies the fields that every wire type with a trajectory has. The trajectory's time is that of
+/// the message.
 template <class Wire>
 void trajectory_to(const models::Trajectory& trajectory, Wire& wire) {
   wire.start_x_world_m = trajectory.start.x_m;
@@ -69,7 +70,7 @@ std::optional<models::Trajectory> trajectory_from(const Wire& wire, Time start_t
   return trajectory;
 }
 
-/// Calls copy(plan's, wire's) for each number that both have.
+/// Calls copy(number of the plan, number of the wire struct) for each number that both have.
 template <class Plan, class Wire, class Copy>
 void each_number(Plan& plan, Wire& wire, const Copy& copy) {
   copy(plan.round, wire.round);
@@ -110,7 +111,7 @@ std::optional<models::RobotPlan> from_wire(const vantage_lcm::plan_t& wire) {
   const auto stamp = stamp_from(wire);
   const auto source = enumerator_from(wire.source, models::PlanSource::kBraking);
   auto inputs = inputs_from(wire);
-  // The message and its trajectory share one time on the wire.
+  // In the wire struct, the message and its trajectory share one time.
   auto trajectory = stamp ? trajectory_from(wire, stamp->time) : std::nullopt;
   if (!trajectory || !source || !inputs || !is_text(wire.robot) || !are_numbers_possible(wire)) {
     return std::nullopt;

@@ -5,7 +5,7 @@
 
 namespace vantage::bus {
 
-using namespace parts;  // NOLINT(google-build-using-namespace): this room's own words
+using namespace parts;  // NOLINT(google-build-using-namespace): names of the converters
 
 namespace {
 
@@ -113,7 +113,7 @@ vantage_lcm::health_t to_wire(const models::ProcessHealth& health) {
   wire.counters.resize(health.counters.size());
   for (std::size_t i = 0; i < health.counters.size(); ++i) {
     wire.counters[i].name =
-        to_wire_text(health.counters[i].name);  // may have a foreign channel name
+        to_wire_text(health.counters[i].name);  // may contain a channel name from the network
     wire.counters[i].count = health.counters[i].count;
   }
   wire.loops = health.loops;

@@ -2,16 +2,17 @@
 
 #include "bus/convert/channels.hpp"
 
-// Channels of planner.algorithm `external`: a robot's request to another process, and the answer.
+// Channels of planner.algorithm `external`: a robot requests a plan from another process, which
+// answers.
 
 namespace vantage::bus {
 
-/// The request: the robot's committed motion from the start of the next round, as a plan without a
-/// search.
+/// Returns the channel of the request: the robot's committed motion from the start of the next
+/// round, as a plan without search results.
 inline Channel<models::RobotPlan> external_request_channel(const std::string& robot) {
   return {"EXTERNAL_REQUEST_" + robot};
 }
-/// The answer: the same plan with other segments.
+/// Returns the channel of the answer: the requested plan with other segments.
 inline Channel<models::RobotPlan> external_plan_channel(const std::string& robot) {
   return {"EXTERNAL_PLAN_" + robot};
 }

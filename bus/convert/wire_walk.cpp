@@ -8,8 +8,8 @@ namespace {
 
 constexpr int kMaxDepth = 8;
 
-/// Returns the product, or the largest number on overflow, so that a large count never becomes
-/// small.
+/// Returns the product, or the largest number on overflow, so that an overflow cannot give a small
+/// count.
 std::uint64_t saturating_product(std::uint64_t a, std::uint64_t b) {
   constexpr auto kMost = std::numeric_limits<std::uint64_t>::max();
   return b != 0 && a > kMost / b ? kMost : a * b;
@@ -23,7 +23,7 @@ class Walker {
     if (depth > kMaxDepth || schema.fields.size() > kWireFieldsMax) {
       return false;
     }
-    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): each is set before it is read
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): each element is set before it is read
     std::array<std::int64_t, kWireFieldsMax> integers;
     for (std::size_t i = 0; i < schema.fields.size(); ++i) {
       integers[i] = 0;
@@ -36,7 +36,7 @@ class Walker {
         if (length < 0) {
           return false;
         }
-        // Also limit the product of the dimensions in the message: n rows of zero elements take no
+        // Also limits the product of the dimensions in the message: n rows of zero elements need no
         // bytes, but allocate n vectors.
         if (dim.field >= 0 && length > 0) {
           rows = saturating_product(rows, static_cast<std::uint64_t>(length));
@@ -84,7 +84,7 @@ class Walker {
     if (left_.size() < kLengthBytes) {
       return false;
     }
-    const std::int64_t length = integer(kLengthBytes);  // counts the NUL
+    const std::int64_t length = integer(kLengthBytes);  // includes the NUL
     left_ = left_.subspan(kLengthBytes);
     if (length < 1 || length > left_bytes()) {
       return false;

@@ -14,7 +14,7 @@
 namespace vantage::bus {
 
 enum class WireKind : std::uint8_t { kBytes, kInteger, kString, kStruct };
-/// The number type of one element; kNone for strings and structs.
+/// Number type of one element; kNone for strings and structs.
 enum class WireNumber : std::uint8_t {
   kNone,
   kBoolean,
@@ -32,9 +32,9 @@ std::int64_t signed_value(WireNumber number, std::uint64_t bits);
 
 struct WireSchema;
 
-/// Limits of a layout; lcm-gen has none.
-inline constexpr std::size_t kWireDims = 4;         ///< dimensions of an array
-inline constexpr std::size_t kWireFieldsMax = 256;  ///< fields of a type
+/// Limits of a layout. lcm-gen itself has no limits.
+inline constexpr std::size_t kWireDims = 4;         ///< maximum number of dimensions of an array
+inline constexpr std::size_t kWireFieldsMax = 256;  ///< maximum number of fields of a type
 
 /// One array dimension: the value of integer field number `field`, or `constant` if `field` is −1.
 struct WireDim {
@@ -45,15 +45,15 @@ struct WireDim {
 struct WireField {
   WireKind kind;
   std::int32_t least_bytes;  ///< smallest size of one element; exact for kBytes and kInteger
-  const WireSchema* nested;  ///< of a kStruct
+  const WireSchema* nested;  ///< layout of the elements of a kStruct
   std::array<WireDim, kWireDims> dims;  ///< {1, −1} for unused dimensions
   std::string_view name;
   WireNumber number;
   std::int32_t rank;  ///< number of used `dims`; 0 for a scalar
 };
 
-/// Layout of one wire type after its fingerprint. The tables are generated from lcmtypes/ at build
-/// time by bus/convert/wire_schema.py.
+/// Layout of one wire type, without the fingerprint before it. bus/convert/wire_schema.py generates
+/// the tables from lcmtypes/ at build time.
 struct WireSchema {
   std::string_view name;
   std::span<const WireField> fields;
@@ -63,14 +63,13 @@ struct WireSchema {
 const WireSchema* find_wire_schema(std::string_view type);
 
 /// True if `body` (a message after its fingerprint) is exactly one value of `schema`: counts are
-/// not negative and fit into the remaining bytes, strings end in NUL, no byte is missing or left
-/// over.
+/// not negative and fit into the remaining bytes, strings end in NUL, and the size is exact.
 /// Cost: one pass over the strings and structs, no allocation.
 [[nodiscard]] bool is_well_formed(const WireSchema& schema, std::span<const std::uint8_t> body);
 
 /// Decodes `message`. Returns nullopt when it is not exactly one value of `Wire`: wrong fingerprint
-/// (another type or version), inconsistent lengths, truncated, or with bytes left over. A signature
-/// trailer (bus/auth/trailer) is removed first, without a check.
+/// (another type or version), inconsistent lengths, truncated, or too long. A signature trailer
+/// (bus/auth/trailer) is removed first; it is not checked.
 template <class Wire>
 std::optional<Wire> decode_wire(std::span<const std::uint8_t> message);
 

@@ -11,8 +11,8 @@
 namespace vantage::bus {
 namespace {
 
-/// Limit of the counts by channel, so that invented names cannot exhaust memory. Further channels
-/// share one entry.
+/// Maximum number of channels that are counted separately, so that invented names cannot exhaust
+/// memory. Further channels share one entry.
 constexpr std::size_t kCountedChannelsMax = 1024;
 constexpr const char* kOtherChannels = "(other)";
 
@@ -22,8 +22,8 @@ void add_nonzero(std::vector<models::NamedCount>& counts, std::string name, std:
   }
 }
 
-/// Maximum number of streams reported individually. Beyond it, one sum per kind ("PLAN_*") is
-/// reported, so that the report of a process does not grow with the team.
+/// Maximum number of streams reported individually. If there are more, one sum per kind ("PLAN_*")
+/// is reported, so that the report does not grow with the team.
 constexpr std::size_t kNamedStreamsMax = 256;
 
 std::map<std::string, StreamCounts> reported(std::map<std::string, StreamCounts> streams) {
@@ -43,7 +43,7 @@ std::map<std::string, StreamCounts> reported(std::map<std::string, StreamCounts>
     sum.runs += std::max<std::int64_t>(0, stream.runs - 1);
   }
   for (auto& [name, sum] : kinds) {
-    ++sum.runs;  // each kind's number of runs is one more than its restarts
+    ++sum.runs;  // makes "runs" of the kind one more than its restarts
   }
   return kinds;
 }
@@ -130,7 +130,8 @@ bool Bus::send(const std::string& channel, std::span<const std::uint8_t> bytes) 
 
 void Bus::add_subscription(Subscription subscription) {
   const bool is_new = !index_.contains(subscription.pattern);
-  // Reserve the entry now, so that a flood of other names cannot use up the limit of streams.
+  // Creates the entry now, so that a flood of other names cannot exhaust the limit of streams
+  // first.
   if (!subscription.pattern.ends_with('*')) {
     if (subscription.is_shared) {
       shared_streams_.try_emplace(subscription.pattern);
@@ -173,7 +174,7 @@ void Bus::unsubscribe(const std::string& name) {
 }
 
 // The transport calls this once for each distinct pattern that matches a message. Only the call for
-// the first pattern serves all subscriptions, so that the stream is checked once.
+// the first pattern delivers to all subscriptions, so that the stream is checked once.
 void Bus::on_message(const std::string& pattern, std::string_view name, const Payload& bytes) {
   const auto first = index_.next(name, 0);
   if (!first || subscriptions_[*first].pattern != pattern) {
@@ -182,7 +183,7 @@ void Bus::on_message(const std::string& pattern, std::string_view name, const Pa
   const std::int64_t start_ns = monotonic_ns();
   Delivery delivery{std::string(name), bytes};
   delivery.source = bytes.source;
-  delivery.decoded = authenticator_ ? nullptr : bytes.decoded;  // signed: each Bus decodes its own
+  delivery.decoded = authenticator_ ? nullptr : bytes.decoded;  // signed: decoded per Bus
   if (!open(delivery)) {
     handling_ns_ += monotonic_ns() - start_ns;
     return;

@@ -30,14 +30,14 @@ enum class Refusal : std::uint8_t;
 /// Returns a random, positive id for one start of a process.
 std::int64_t random_run_id();
 
-/// Typed publish and subscribe over one Transport.
+/// Publisher and subscriber of typed messages on one Transport.
 ///
 /// handle() runs the handlers on the thread that calls it. Each message carries the run id of its
 /// publisher and a sequence number per channel, which starts at 0. publish() sets both.
 /// Receivers count gaps, duplicates, reordering and old runs. They drop duplicates, overtaken
-/// messages and messages of a replaced run. Messages that pass every filter (passes_every_filter)
-/// are delivered nevertheless. On a shared channel, no run replaces another. Not thread-safe: use
-/// one Bus per thread.
+/// messages and messages of a replaced run. Messages for which passes_every_filter() is true are
+/// always delivered. On a shared channel, no run replaces another. Not thread-safe: use one Bus per
+/// thread.
 class Bus {
  public:
   /// @param publish_prefix  prepended to the name of every channel published on, so that a replay
@@ -51,23 +51,23 @@ class Bus {
 
   /// Gives the Bus a clock, so that a run is only replaced after the lease of its channel has
   /// expired. `clock` must outlive the Bus. Without a clock, for example for a log, a run is
-  /// replaced at once.
+  /// replaced immediately.
   void use_clock(const Clock& clock) { clock_ = &clock; }
 
-  /// Signs published messages, and verifies received ones by their signature and by `clock`. Also
-  /// calls use_clock(), except with an authenticator from replay_authenticator_for(), which only
-  /// signs. `clock` must outlive the Bus (docs/guide/security.md). nullptr: no effect.
+  /// From this call on, signs published messages and verifies the signatures and times of received
+  /// ones. Also calls use_clock(), except with an authenticator from replay_authenticator_for(),
+  /// which only signs. `clock` must outlive the Bus (docs/guide/security.md). nullptr: no effect.
   void secure(std::unique_ptr<auth::Authenticator> authenticator, const Clock& clock);
   /// Declares this process to be the vehicle `robot`: commands must be addressed to it and echo its
   /// session. Commands that make it safer are always delivered. No effect without secure().
   void act_as_vehicle(const std::string& robot);
-  /// Begins a new session, which commands must echo; a vehicle calls it when it is armed. Returns
-  /// false without secure(), which provides the sessions.
+  /// Begins a new session, whose nonce commands must echo. A vehicle calls this when it is armed.
+  /// Returns false without secure(), because there are no sessions then.
   bool renew_session();
   /// True if signed messages were received although this Bus has no authenticator.
   [[nodiscard]] bool receives_signed() const { return receives_signed_; }
 
-  /// Sets the run id and the next sequence number of the channel in `message`, and sends it. The
+  /// Sets the run id and the channel's next sequence number in `message`, and publishes it. The
   /// caller sets the time of the content. Returns the name by which other messages can refer to it.
   template <class Message>
   models::InputRef publish(const Channel<Message>& channel, Message message);
@@ -78,20 +78,20 @@ class Bus {
   template <class Message>
   void subscribe(const Channel<Message>& channel, std::function<void(const Message&)> handler);
 
-  /// As above; the handler also gets the full channel name, for prefix subscriptions.
+  /// As above. The handler also receives the full channel name, for prefix subscriptions.
   template <class Message>
   void subscribe_named(const Channel<Message>& channel,
                        std::function<void(const std::string& name, const Message&)> handler);
 
-  /// As above, for handlers that store the message: all handlers share one copy.
+  /// As above, for handlers that store the message. All handlers share one copy.
   template <class Message>
   void subscribe_shared(
       const Channel<Message>& channel,
       std::function<void(const std::string& name, const std::shared_ptr<const Message>&)> handler);
 
-  /// Removes every handler of exactly that channel name, and its stream. After a new subscription
-  /// the stream starts anew, and messages sent in between do not count as lost. A handler of
-  /// another channel may call it.
+  /// Removes every handler of exactly the channel `name`, and its stream. A later subscription
+  /// begins a new stream, so messages sent in between are not counted as lost. A handler of another
+  /// channel may call this.
   void unsubscribe(const std::string& name);
 
   /// Waits up to `timeout`, then dispatches the messages that have arrived. Returns their number,
@@ -109,7 +109,7 @@ class Bus {
   [[nodiscard]] double handling_s() const { return static_cast<double>(handling_ns_) * 1e-9; }
 
  private:
-  static constexpr std::size_t kStreamsMax = 16'384;  ///< enough for a thousand robots
+  static constexpr std::size_t kStreamsMax = 16'384;  ///< sufficient for a thousand robots
 
   /// One message while it is passed to the matching subscriptions.
   struct Delivery {
@@ -117,7 +117,7 @@ class Bus {
     std::span<const std::uint8_t> bytes;
     std::optional<bool> is_fresh = std::nullopt;  ///< nullopt: not checked yet
     bool is_shared = false;                       ///< several publishers are expected
-    Duration lease{};                             ///< of the channel
+    Duration lease{};                             ///< lease of the channel
     Decoded* decoded = nullptr;  ///< decoded message, shared with other subscribers
     bool is_faulty = false;      ///< does not decode or has impossible values; counted
     std::uint64_t source = 0;    ///< sender's address and port; 0: unknown
@@ -137,13 +137,13 @@ class Bus {
   void seal(const std::string& channel, const std::string& robot);
   /// Removes the signature from delivery.bytes; returns false when the message is refused.
   bool open(Delivery& delivery);
-  /// True if this process may act on the command, by its addressee and its echoed nonce.
+  /// True if the command's addressee and echoed nonce allow this process to obey the command.
   bool is_addressed_to_us(Delivery& delivery, const models::OperatorCommand& command);
   bool send(const std::string& channel, std::span<const std::uint8_t> bytes);
   void add_subscription(Subscription subscription);
   void on_message(const std::string& pattern, std::string_view name, const Payload& bytes);
-  /// Returns the decoded message; null (and counted) when it does not decode or has impossible
-  /// values.
+  /// Returns the decoded message. If it does not decode or has impossible values, counts it and
+  /// returns null.
   template <class Message>
   std::shared_ptr<const Message> message_of(Delivery& delivery);
   bool is_fresh(Delivery& delivery, const models::Stamp& stamp);

@@ -20,7 +20,7 @@ Time wall_clock() {
   return Time{std::chrono::duration_cast<Duration>(since_epoch)};
 }
 
-// Lower bound: the wall clock started at 1970. Upper bound: the year 2200.
+// Lower bound: allows a wall clock that started in 1970. Upper bound: the year 2200.
 constexpr Duration::rep kOffsetMin_us = -100'000'000'000'000;
 constexpr Duration::rep kOffsetMax_us = 7'258'118'400'000'000;
 

@@ -8,8 +8,8 @@
 
 namespace vantage::bus {
 
-/// Source of the time for the whole stack. Only nodes read it; they pass the time to the code they
-/// call.
+/// Source of time for the complete stack. Only nodes read a clock; they pass the time to the code
+/// that they call.
 class Clock {
  public:
   Clock() = default;
@@ -34,16 +34,16 @@ class SystemClock : public Clock {
 /// by the machine's monotonic clock, which cannot be set. It never goes back.
 ///
 /// While the wall clock is within kFollowMax of this time, this time is slewed towards it by at
-/// most kSlewPerS. So NTP and PTP keep the hosts of a trial synchronous. A wall clock that is
-/// farther away was set. This process never follows it; wall_offset() returns the difference.
-/// Processes of one host share one time, even those started after the wall clock was set: the first
-/// process, usually `vantage up`, passes its offset from the monotonic clock to its children
+/// most kSlewPerS. So NTP and PTP keep the hosts of a trial synchronous. A larger difference means
+/// that the wall clock was set; it is then not followed, and wall_offset() returns the difference.
+/// All processes of a host share one time, even those started after the wall clock was set: the
+/// first process, usually `vantage up`, passes its offset from the monotonic clock to its children
 /// (export_offset()). Thread-safe.
 class SteadyClock : public Clock {
  public:
   static constexpr Duration kFollowMax = std::chrono::milliseconds(500);
   static constexpr double kSlewPerS = 0.005;
-  /// Environment variable: the stack's time minus the monotonic clock, µs.
+  /// Environment variable that contains the stack's time minus the monotonic clock, µs.
   static constexpr const char* kOffsetVariable = "VANTAGE_CLOCK_OFFSET_US";
 
   using MonotonicNs = std::function<std::int64_t()>;
@@ -74,7 +74,7 @@ class SteadyClock : public Clock {
   mutable Duration slew_{};    ///< change of offset_ still to be made after compared_
 };
 
-/// A clock that only advances when it is set.
+/// Clock that only advances when it is set.
 class VirtualClock : public Clock {
  public:
   explicit VirtualClock(Time start) : now_(start) {}

@@ -11,15 +11,15 @@
 
 namespace vantage::bus {
 
-/// The vehicles that are flying or driving, according to their last status (VEHICLE_*).
+/// Set of vehicles that are flying or driving, according to their last status (VEHICLE_*).
 class Flights {
  public:
-  /// Maximum age of a status; older ones are ignored.
+  /// Maximum age of a status; older statuses are ignored.
   static constexpr Duration kKnownFor = std::chrono::seconds(1);
 
   explicit Flights(std::set<std::string> robots) : robots_(std::move(robots)) {}
 
-  /// `now`: arrival time of the status. Statuses of other robots are ignored.
+  /// Uses a status that arrived at `now`. Statuses of robots outside the set are ignored.
   void on_status(const models::VehicleStatus& status, Time now);
   /// Returns the names of the vehicles that are flying or driving.
   [[nodiscard]] std::vector<std::string> in_flight(Time now) const;
@@ -29,13 +29,13 @@ class Flights {
   std::map<std::string, Time> seen_in_flight_;
 };
 
-/// Delay of the first stop request of a process that vehicles depend on, until they have landed.
+/// Delay of the first stop request to a process that vehicles need, until the vehicles have landed.
 class EndAfterFlights {
  public:
   /// Maximum delay of the first request.
   static constexpr Duration kPatience = std::chrono::seconds(60);
 
-  /// Returns the number of requests to obey now; `requests` is the number of requests made so far.
+  /// Returns the number of stop requests to obey now. `requests` is the number received so far.
   int requests(int requests, bool is_any_in_flight, Time now);
 
  private:

@@ -10,13 +10,14 @@
 
 namespace vantage::bus {
 
-/// The newest messages of one kind on each channel, from which a replayed node is given exactly the
-/// inputs of the original. A node keeps naming the last message of a silent sender as its input.
-/// Bounded: the oldest message of a channel is dropped.
+/// Store of the newest messages of one type per channel. A replayed node takes from it exactly the
+/// inputs of the original node. The messages are stored per channel, because the last message of a
+/// silent sender can remain an input for a long time. When a channel is full, its oldest message is
+/// dropped.
 template <class Message>
 class InputStore {
  public:
-  /// @param capacity  messages kept per channel; > 0
+  /// @param capacity maximum number of messages per channel; > 0
   explicit InputStore(std::size_t capacity) : capacity_(capacity) {}
 
   void add(const std::string& channel, const Message& message) {
@@ -27,8 +28,8 @@ class InputStore {
     messages.push_back(message);
   }
 
-  /// Returns the message `name`; nullptr when it was never received or was dropped. Searches from
-  /// the newest: O(age).
+  /// Returns the message with name `name`; nullptr when it was never received or was dropped.
+  /// Searches backwards from the newest message.
   [[nodiscard]] const Message* find(const models::InputRef& name) const {
     const auto found = messages_.find(name.channel);
     if (found == messages_.end()) {

@@ -25,8 +25,8 @@ NeighbourWatch::NeighbourWatch(const scenario::Scenario& scenario, const std::st
 }
 
 void NeighbourWatch::on_frame(const models::MocapFrame& frame) {
-  // A time stamp long before the last update means that its time was wrong or that the clock was
-  // reset. Accept such a frame.
+  // A time stamp long before the last update means that the last update's time was wrong or that
+  // the clock was reset. Such a frame is used.
   const Duration since = updated_at_ ? frame.stamp.time - *updated_at_ : step_;
   if (robots_.empty() || (since < step_ && since > -step_)) {
     return;

@@ -13,16 +13,17 @@
 
 namespace vantage::bus {
 
-/// The set of robots that a robot's process subscribes to: the whole team or, if the scenario
-/// states a neighbourhood, the robots that mocap shows within it. The set is updated once per
-/// planning step. It is empty until the first frame that contains the robot itself.
+/// Set of teammates that a robot's process subscribes to. Without a neighbourhood in the scenario
+/// it is the complete team. With a neighbourhood it contains the robots within it according to
+/// mocap. It is then empty until the first frame that contains the robot, and updated once per
+/// planning step.
 class NeighbourWatch {
  public:
   using Action = std::function<void(const std::string& teammate)>;
 
-  /// Calls `on_enter` for each teammate to subscribe to from now on. Without a neighbourhood it
-  /// does so at once for all teammates. Calls `on_leave` for each teammate that has left the
-  /// neighbourhood. Both may subscribe and unsubscribe. Precondition: `robot` is in the scenario.
+  /// Calls `on_enter` for each teammate that enters the set, and `on_leave` for each that leaves
+  /// the neighbourhood. Without a neighbourhood the constructor calls `on_enter` for all teammates.
+  /// Both functions may subscribe and unsubscribe. Precondition: `robot` is in the scenario.
   NeighbourWatch(const scenario::Scenario& scenario, const std::string& robot, Action on_enter,
                  Action on_leave);
   void on_frame(const models::MocapFrame& frame);
@@ -34,7 +35,7 @@ class NeighbourWatch {
   Action on_enter_;
   Action on_leave_;
   std::vector<std::string> robots_;
-  std::vector<std::uint8_t> is_near_;  ///< of robots_, at the last update
+  std::vector<std::uint8_t> is_near_;  ///< for each of robots_, at the last update
   std::vector<std::uint8_t> was_near_;
   std::optional<Time> updated_at_;  ///< time of the frame of the last update
 };

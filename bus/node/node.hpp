@@ -14,9 +14,10 @@
 
 namespace vantage::bus {
 
-/// The behaviour of one process: it subscribes in its constructor, wakes at times that it chooses,
-/// and publishes. In flight each node has a process (run_node). In virtual time many nodes share a
-/// thread and a VirtualClock. A node cannot detect which of the two applies.
+/// Behaviour of one process on the bus. A node subscribes in its constructor, is called at times
+/// that it chooses, and publishes. In flight each node has its own process (run_node). In virtual
+/// time many nodes share a thread and a VirtualClock. A node cannot detect in which of the two it
+/// runs.
 class Node {
  public:
   Node() = default;
@@ -28,13 +29,13 @@ class Node {
 
   /// Returns the name used on HEALTH_<name>, for example "ESTIMATOR_Q1".
   [[nodiscard]] virtual std::string name() const = 0;
-  /// Returns the time of the next call of tick(). After a tick at t it must be later than t.
+  /// Returns the time of the next call of tick(). After tick(t) it must be later than t.
   [[nodiscard]] virtual Time next_tick() const = 0;
   /// Does the periodic work. `now` ≥ next_tick(); the delay depends on the machine.
   virtual void tick(Time now) = 0;
-  /// Returns a descriptor that makes tick() due as soon as it is readable, before next_tick(); −1:
-  /// none. With a descriptor, bus messages are only handled when it is readable or next_tick() has
-  /// come. It is meant for nodes that process the data of a device.
+  /// Returns a descriptor; when it is readable, tick() is called even before next_tick(). −1: none.
+  /// With a descriptor, bus messages are only handled when it is readable or at next_tick(). It is
+  /// for nodes that process the data of a device.
   [[nodiscard]] virtual int wakes_on() const { return -1; }
   /// Reports how long the node's thread waited for a processor in the last second, s. Called before
   /// a tick in real time if the kernel counts it; never in virtual time.
@@ -43,14 +44,14 @@ class Node {
   [[nodiscard]] virtual std::vector<models::NamedCount> counters() const { return {}; }
   [[nodiscard]] virtual std::int64_t deadlines_missed() const { return 0; }
 
-  // Shutdown. A node of a vehicle needs time for it; most nodes end at once.
-  /// Called when the process was asked to end. `requests`: number of requests so far; more than one
-  /// means that the end is urgent.
+  // Shutdown. A vehicle's node needs time to end; most other nodes end immediately.
+  /// Called when the process receives a stop request. `requests`: number received so far; more than
+  /// one means that the stop is urgent.
   virtual void on_stop_request(int /*requests*/, Time /*now*/) {}
   /// Called in each loop after a stop request; returns true once the process may end.
   virtual bool may_end(Time /*now*/) { return true; }
-  /// Called after may_end(): returns in one sentence what could not be done before the end, or
-  /// nothing.
+  /// Called after may_end(). Returns one sentence that states what could not be completed before
+  /// the end, or an empty text.
   [[nodiscard]] virtual std::string end_fault() const { return ""; }
   /// Returns whether the node's vehicle may be flying or moving.
   [[nodiscard]] virtual InFlight in_flight(Time /*now*/) const { return InFlight::kUnknown; }
@@ -63,19 +64,19 @@ using Usage = std::function<std::vector<models::NamedCount>()>;
 /// if the kernel does not count it (ThreadWait).
 using WaitCounter = std::function<std::optional<std::int64_t>()>;
 
-/// Publisher of HEALTH_<name>, every second and when a counter other than plain traffic changed (at
-/// most ten times per second). The caller passes the duration of each loop. The state is "degraded"
-/// while something was dropped or missed since the report of the last full second.
+/// Publisher of HEALTH_<name>: every second, and when a counter that indicates a fault has changed
+/// (at most ten times per second). The caller passes the duration of each loop. The state is
+/// "degraded" if anything was dropped or missed since the last regular report.
 class HealthReporter {
  public:
-  /// @param usage  additional counters, of the machine rather than the node; may be empty
+  /// @param usage returns additional counters of the resources used; may be empty
   HealthReporter(Bus& bus, const Node& node, Usage usage = {});
   void on_loop(Time now, double loop_s);
   /// Publishes a report immediately.
   void publish(Time now, models::ProcessState state);
 
  private:
-  /// Returns the sum of all counters that should stay 0. It changes when something was dropped or
+  /// Returns the sum of all counters that should stay 0. It changes when anything was dropped or
   /// missed.
   [[nodiscard]] std::int64_t fault_sum() const;
 
@@ -90,12 +91,12 @@ class HealthReporter {
   double loop_worst_s_ = 0.0;
 };
 
-/// Runs `node` on `bus` in real time until its log has ended, or until stop_requests() is not 0 and
-/// the node may end. Then publishes a last HEALTH. Bus messages are handled while it waits for
-/// next_tick() (see also Node::wakes_on()). stop_requests() returns the number of requests so far;
-/// it is called at least every 50 ms. Exceptions of handlers and of the node are passed on to the
-/// caller.
-/// @param life  written to in each loop; may be null
+/// Runs `node` on `bus` in real time until the log behind the bus has ended, or until
+/// stop_requests() is not 0 and the node may end. Then publishes a last HEALTH. Bus messages are
+/// handled while waiting for next_tick() (see also Node::wakes_on()). stop_requests() returns the
+/// number of stop requests so far; it is called at least every 50 ms. Exceptions of handlers and of
+/// the node are passed on to the caller.
+/// @param life receives a sign of life in each loop; may be null
 /// @param wait  read every 50 ms for Node::on_processor_wait(); may be empty
 void run_node(Bus& bus, Node& node, const Clock& clock, const std::function<int()>& stop_requests,
               const Usage& usage = {}, LifeSign* life = nullptr, const WaitCounter& wait = {});

@@ -30,8 +30,8 @@ std::set<std::string> robots_with_driver(const scenario::Scenario& scenario) {
   return out;
 }
 
-/// Counter of the stop requests that the process obeys. A process that serves vehicles waits for
-/// their landing.
+/// Counter of the stop requests that the process obeys. A process that serves vehicles delays the
+/// first one until they have landed.
 class StopRequests {
  public:
   StopRequests(Bus& bus, const Clock& clock, const scenario::Scenario& scenario, bool serves)
@@ -56,7 +56,7 @@ class StopRequests {
 
 }  // namespace
 
-// long: the whole life of a process, in order.
+// long: start, loop and end of a process, in order.
 int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode& make_node) {
   return run_process(program.name, [&]() -> int {
     LifeSign life;
@@ -94,7 +94,7 @@ int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode&
     if (program.needs_robot && scenario.find_robot(arguments.robot) == nullptr) {
       throw StartupError("no robot '" + arguments.robot + "' in " + arguments.scenario);
     }
-    // Drivers, and the processes that serve them, must also run without a network.
+    // Drivers and the processes that serve vehicles must also run without a network.
     const auto transport = open_waiting_transport(
         arguments.url.empty() ? scenario.network.url : arguments.url,
         [&](const std::string& words) { std::cerr << program.name << ": " << words << '\n'; });
@@ -106,7 +106,7 @@ int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode&
       bus.secure(auth::authenticator_for(scenario), clock);
       bus.use_clock(clock);
     }
-    apply(real_time);  // after the network's own threads, before the node prepares its memory
+    apply(real_time);  // after the transport's threads start, before the node allocates
     const std::unique_ptr<Node> node = make_node(bus, clock, scenario, arguments);
     StopRequests requests(bus, clock, scenario, program.serves_vehicles);
     const ThreadWait wait;

@@ -11,19 +11,19 @@
 
 namespace vantage::bus {
 
-/// The properties of one node executable that node_main() needs.
+/// Properties of a node executable that node_main() needs.
 struct NodeProgram {
   std::string name;         ///< of the executable
   std::string description;  ///< one sentence for --help
   bool needs_robot = false;
   bool can_replay = false;
-  bool serves_vehicles = false;  ///< vehicles need the process to land; see EndAfterFlights
+  bool serves_vehicles = false;  ///< vehicles need it until they land; see EndAfterFlights
 };
 
 struct NodeArguments {
   std::string scenario;
   std::string robot;
-  std::string url;  ///< empty: the scenario's
+  std::string url;  ///< empty: URL of the scenario
   std::string publish_prefix;
   bool replay = false;
 };

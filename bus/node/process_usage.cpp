@@ -16,7 +16,8 @@
 namespace vantage::bus {
 namespace {
 
-// Fields of /proc/PID/stat counted from the one after the name (proc(5): state is field 3).
+// Indices of fields of /proc/PID/stat, counted from the field after the name, the state (field 3 in
+// proc(5)).
 constexpr std::size_t kUserTicks = 11;
 constexpr std::size_t kSystemTicks = 12;
 constexpr std::size_t kResidentPages = 21;
@@ -26,7 +27,7 @@ std::int64_t micros(const timeval& time) {
   return std::int64_t{time.tv_sec} * 1'000'000 + time.tv_usec;
 }
 
-/// Returns an empty text when the file cannot be read.
+/// Returns the content of the file; empty when it cannot be read.
 std::string text_of(const std::filesystem::path& path) {
   std::ifstream file(path);
   return {std::istreambuf_iterator<char>(file), {}};
@@ -36,7 +37,7 @@ std::string text_of(const std::filesystem::path& path) {
 
 std::optional<ProcessUsage> usage_from_stat(std::string_view stat, std::int64_t ticks_per_s,
                                             std::int64_t page_bytes) {
-  const std::size_t name_end = stat.rfind(')');  // a name may contain any character, brackets too
+  const std::size_t name_end = stat.rfind(')');  // a name may contain any character, also ')'
   if (name_end == std::string_view::npos || ticks_per_s <= 0) {
     return std::nullopt;
   }
@@ -49,7 +50,7 @@ std::optional<ProcessUsage> usage_from_stat(std::string_view stat, std::int64_t 
     }
     rest.remove_prefix(begin);
     const std::size_t size = std::min(rest.find(' '), rest.size());
-    if (i > 0) {  // the state is a letter
+    if (i > 0) {  // field 0, the state, is a letter
       const auto parsed = std::from_chars(rest.data(), rest.data() + size, fields[i]);
       if (parsed.ptr != rest.data() + size) {
         return std::nullopt;
@@ -92,7 +93,7 @@ std::optional<std::int64_t> waited_us_of(int pid) {
   for (std::filesystem::directory_iterator task(tasks, gone), end; task != end;
        task.increment(gone)) {
     const auto waited_us = waited_us_from_schedstat(text_of(task->path() / "schedstat"));
-    if (waited_us) {  // otherwise the thread has ended meanwhile
+    if (waited_us) {  // otherwise the thread has just ended
       sum_us = sum_us.value_or(0) + *waited_us;
     }
   }

@@ -10,15 +10,15 @@
 
 namespace vantage::bus {
 
-/// Processor time and memory that one process uses.
+/// Processor time and memory used by one process.
 struct ProcessUsage {
-  std::int64_t cpu_us = 0;             ///< processor time of all its threads since its start, µs
-  std::int64_t memory_bytes = 0;       ///< resident memory now
+  std::int64_t cpu_us = 0;             ///< µs; processor time of all threads since the start
+  std::int64_t memory_bytes = 0;       ///< resident memory at present
   std::int64_t memory_most_bytes = 0;  ///< largest resident memory so far; 0: unknown
 };
 
-/// Parses the text of /proc/PID/stat; nullopt when it is malformed. `memory_most_bytes` is not in
-/// it.
+/// Parses the text of /proc/PID/stat; nullopt when it is malformed. The text does not contain
+/// `memory_most_bytes`, which is left 0.
 /// @param ticks_per_s  unit of the processor time in the text, sysconf(_SC_CLK_TCK)
 std::optional<ProcessUsage> usage_from_stat(std::string_view stat, std::int64_t ticks_per_s,
                                             std::int64_t page_bytes);
@@ -32,12 +32,12 @@ std::optional<ProcessUsage> usage_of(int pid);
 std::optional<std::int64_t> waited_us_from_schedstat(std::string_view schedstat);
 
 /// Returns the sum over all threads that the process `pid` has now, µs; a thread that has just
-/// ended is left out. nullopt: the process has ended, or its kernel does not count it. Cost: reads
+/// ended is omitted. nullopt: the process has ended, or its kernel does not count it. Cost: reads
 /// one file per thread, about 7 µs each.
 std::optional<std::int64_t> waited_us_of(int pid);
 
-/// The waiting time of the calling thread, for frequent reads without a search of /proc. Cost: one
-/// pread on an open descriptor, about 2 µs.
+/// Reader of the time that the calling thread waited for a processor, for frequent reads without a
+/// search of /proc. Cost: one pread on an open descriptor, about 2 µs.
 class ThreadWait {
  public:
   /// Opens the counter of the calling thread.
@@ -56,7 +56,7 @@ class ThreadWait {
   int descriptor_ = -1;
 };
 
-/// Returns the usage of this process as HEALTH carries it: process.cpu_us, process.memory_bytes,
+/// Returns the usage of this process as counters for HEALTH: process.cpu_us, process.memory_bytes,
 /// process.memory_most_bytes and, if the kernel counts it, process.waited_us.
 std::vector<models::NamedCount> usage_counters();
 

@@ -12,20 +12,21 @@ namespace vantage::bus {
 /// Interval at which a node that replays a log calls ReplayQueue::tick().
 inline constexpr Duration kReplayTick = std::chrono::milliseconds(100);
 
-/// The logged outputs that a replay must recompute, in their order. The first output waits for
-/// inputs that may still arrive. The wait ends when more than `later_max` outputs are queued, or
-/// after two seconds of ticks. Then the output is recomputed from the inputs present.
+/// Queue of the logged outputs that a replay must recompute, in their original order. The first
+/// output in the queue waits for inputs that may still arrive. The wait ends when more than
+/// `later_max` outputs are queued, or after two seconds of ticks. Then the output is recomputed
+/// from the available inputs.
 template <class Logged>
 class ReplayQueue {
  public:
   explicit ReplayQueue(std::size_t later_max = 3) : later_max_(later_max) {}
 
   void add(const Logged& logged) { waiting_.push_back(logged); }
-  /// Call once per kReplayTick, followed by work().
+  /// Must be called once per kReplayTick, followed by work().
   void tick() { ticks_ = waiting_.empty() ? 0 : ticks_ + 1; }
-  /// Passes the queued outputs to recompute(logged, is_last_chance), one after another while it
-  /// returns true (output is done). If it returns false, it is called again later, except after the
-  /// last chance.
+  /// Passes the queued outputs in order to recompute(logged, is_last_chance), until it returns
+  /// false because an input is missing. It is then called again later with the same output, unless
+  /// is_last_chance was true.
   template <class Recompute>
   void work(const Recompute& recompute) {
     while (!waiting_.empty()) {

@@ -6,7 +6,7 @@
 namespace vantage::bus {
 namespace {
 
-/// Adds without overflow: a forged sequence number can claim 2⁶³ lost messages, more than once.
+/// Adds without overflow, because a forged sequence number can claim 2⁶³ lost messages repeatedly.
 void add_saturating(std::int64_t& sum, std::int64_t more) {
   constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
   sum = more > kMax - sum ? kMax : sum + more;
@@ -84,8 +84,9 @@ void StreamMonitor::begin_run(const models::Stamp& stamp) {
       retired_runs_.erase(retired_runs_.begin());
     }
   }
-  // Messages before the first one received are not counted for the first run, or for one that
-  // returns. Any other run starts at 0, unless its first number is implausibly large.
+  // For the first run and for a returning run, messages before the first one received are not
+  // counted as lost. Any other run is assumed to start at 0, unless its first number is implausibly
+  // large.
   const bool was_retired = std::erase(retired_runs_, stamp.run_id) > 0;
   const bool is_late = !has_received_ || was_retired || stamp.sequence >= kStepMax;
   first_sequence_ = is_late ? stamp.sequence : 0;

@@ -10,29 +10,29 @@
 
 namespace vantage::bus {
 
-/// The classification of one message of a stream.
+/// Classification of one message of a stream.
 enum class [[nodiscard]] Arrival{
     kFresh,       kDuplicate, kReordered,
-    kOldRun,       ///< of a replaced run, or of a run that competes with a live one
+    kOldRun,       ///< from a replaced run, or from a run that competes with a live one
     kTooFarAhead,  ///< its sequence number is not accepted
 };
 
-/// The receiver's time, and how long a run keeps the channel.
+/// Receiver's time, and the lease of the channel.
 struct StreamRules {
   std::optional<Time> now;  ///< receiver's clock; nullopt when it has none (a log)
   /// A run is not replaced while its last message is more recent than this. Without a lease or a
-  /// clock, another run replaces it at once.
+  /// clock, another run replaces it immediately.
   Duration lease{};
 };
 
 struct StreamCounts {
   std::int64_t fresh = 0;
-  std::int64_t lost = 0;  ///< sequence numbers skipped and not received since
+  std::int64_t lost = 0;  ///< sequence numbers that were skipped and have not arrived later
   std::int64_t duplicates = 0;
   std::int64_t reordered = 0;  ///< arrived after a newer one; subtracted from `lost`
-  std::int64_t old_runs = 0;   ///< of a replaced run, or one that may not replace the current
+  std::int64_t old_runs = 0;   ///< messages with Arrival::kOldRun
   std::int64_t too_far_ahead = 0;
-  std::int64_t runs = 0;  ///< distinct runs received
+  std::int64_t runs = 0;  ///< number of distinct runs received
 
   /// Adds the counts; each sum saturates.
   void add(const StreamCounts& more);
@@ -43,19 +43,21 @@ struct StreamCounts {
 /// A new run id replaces the current run if its content is not older. From then on the old run is
 /// refused permanently. Sequence numbers start at 0. Messages before the first received one of the
 /// first run are not counted as lost, because the receiver may have started later. A run that
-/// replaces another is expected to start at 0. The newest 256 missing numbers are remembered. A
-/// message that arrives later than that counts as a duplicate, and stays counted as lost.
+/// replaces another is expected to start at 0. The newest 256 missing numbers are stored. A late
+/// message whose number is no longer stored is counted as a duplicate, and also as lost.
 ///
 /// A number more than kStepMax beyond the newest is refused, so that one forged number cannot
-/// silence a sender. It is accepted after kAcceptSteps consecutive ones, and (with a clock) if the
-/// run was otherwise silent for kAcceptSilence. After a shorter gap that exceeds the remembered
-/// numbers, a number inside the gap with a newer time is accepted: the gap was forged.
+/// silence a sender. It is accepted after kAcceptSteps consecutive such numbers and, with a clock,
+/// only if the run was otherwise silent for kAcceptSilence. A shorter gap may exceed the stored
+/// numbers; if a number inside it then arrives with a newer time, it is accepted, because the gap
+/// was forged.
 class StreamMonitor {
  public:
   static constexpr std::int64_t kStepMax = 10'000;
   static constexpr int kAcceptSteps = 10;
   static constexpr Duration kAcceptSilence = std::chrono::seconds(2);
-  /// Largest lead of a stamp over the receiver's clock that counts when runs are compared by time.
+  /// Largest lead of a time stamp over the receiver's clock. When runs are compared by time, larger
+  /// leads are reduced to it.
   static constexpr Duration kFutureMax = std::chrono::seconds(2);
 
   /// Classifies a message. Precondition: stamp.sequence ≥ 0 (from_wire ensures it). Cost: constant,
@@ -78,7 +80,7 @@ class StreamMonitor {
   std::int64_t first_sequence_ = 0;
   std::int64_t newest_sequence_ = -1;
   Time newest_time_{};
-  std::optional<Time> received_at_;  ///< of the run's last fresh message; receiver's clock
+  std::optional<Time> received_at_;  ///< receiver's time at the run's last fresh message
   std::int64_t gap_begin_ = -1;  ///< newest number before a gap that is longer than kMissingKept
   std::int64_t gap_lost_ = 0;
   std::int64_t refused_sequence_ = 0;  ///< newest number that was too far ahead
@@ -89,10 +91,10 @@ class StreamMonitor {
 };
 
 /// Checker of a channel on which several processes may publish. Each run is a separate stream, and
-/// none replaces another. So a second operator console does not silence the first.
+/// runs do not replace each other. So a second operator console does not silence the first.
 ///
-/// At most 32 runs are remembered. A new one replaces the run without a message for the longest
-/// count of messages.
+/// At most 32 runs are stored. A new run replaces the one whose last message is followed by the
+/// largest number of messages of other runs.
 class SharedStreamMonitor {
  public:
   /// Classifies a message. Precondition: stamp.sequence ≥ 0. Cost: bounded time and memory.
@@ -109,7 +111,7 @@ class SharedStreamMonitor {
   };
   std::vector<Run> runs_;
   std::int64_t judged_ = 0;
-  StreamCounts forgotten_;  ///< of runs that were replaced
+  StreamCounts forgotten_;  ///< counts of the runs that were replaced
 };
 
 }  // namespace vantage::bus

@@ -26,11 +26,13 @@ template <class Value>
 using ByName = std::unordered_map<std::string, Value, NameHash, std::equal_to<>>;
 
 /// Index from channel names to numbered subscriptions. Exact names are found by hash, at a cost
-/// independent of the other subscriptions. Patterns ("PREFIX*") are searched one by one, so there
-/// should be few. A removed number is reused, so numbers stay below the largest count so far.
+/// independent of the other subscriptions. Patterns ("PREFIX*") are compared one by one, so there
+/// should be few. Removed numbers are reused, so all numbers are less than the largest number of
+/// entries that existed simultaneously.
 class ChannelIndex {
  public:
-  /// Adds the pattern and returns its number: the one removed last, or else the next of 0, 1, …
+  /// Adds the pattern and returns its number: the number removed last, otherwise the next of 0, 1,
+  /// …
   std::size_t add(const std::string& pattern) {
     const std::size_t number = free_.empty() ? count_++ : free_.back();
     if (!free_.empty()) {
@@ -63,7 +65,7 @@ class ChannelIndex {
     return numbers;
   }
 
-  /// True if exactly this pattern was added.
+  /// True if the index contains exactly this pattern.
   [[nodiscard]] bool contains(const std::string& pattern) const {
     return exact_.contains(pattern) ||
            std::any_of(prefixes_.begin(), prefixes_.end(),

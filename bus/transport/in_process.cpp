@@ -24,10 +24,11 @@ struct InProcessHub::State {
   class Endpoint;
 
   std::size_t queue_capacity = 0;
-  /// Held during a whole publish, so that all endpoints receive all messages in the same order.
-  /// Always locked before an endpoint's own mutex.
+  /// Locked during a complete publish, so that all endpoints receive all messages in the same
+  /// order. Always locked before an endpoint's own mutex.
   std::mutex mutex;
-  /// Subscribed endpoints, by channel name and by pattern. An endpoint is once in each list.
+  /// Subscribed endpoints, by channel name and by pattern. Each list contains an endpoint at most
+  /// once.
   ByName<std::vector<Endpoint*>> listeners;
   std::vector<Endpoint*> pattern_listeners;
 };
@@ -105,14 +106,14 @@ class InProcessHub::State::Endpoint : public Transport {
     return true;
   }
 
-  // Messages published by handlers wait for the next handle(). Otherwise two nodes that answer each
-  // other could keep this call from returning.
+  // Messages published by handlers are delivered at the next handle(). Otherwise this call might
+  // never return when two nodes answer each other.
   int handle(std::chrono::microseconds timeout) override {
     std::size_t batch = 0;
     {
       std::unique_lock lock(mutex_);
-      // Do not sleep with a zero timeout. A timed wait of zero still costs the kernel's timer
-      // rounding, and virtual time calls this thousands of times per second.
+      // Does not wait with a zero timeout: even a wait of zero sleeps for the kernel's timer slack,
+      // and virtual time calls this thousands of times per second.
       if (queue_.empty() && timeout.count() > 0) {
         arrived_.wait_for(lock, timeout, [&] { return !queue_.empty(); });
       }

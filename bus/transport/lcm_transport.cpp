@@ -57,8 +57,8 @@ bool LcmTransport::publish(const std::string& channel, std::span<const std::uint
   return is_sent;
 }
 
-// Called from C code, which cannot propagate an exception. The exception is stored and rethrown
-// after the C frames have returned.
+// Called from C code, through which an exception cannot propagate. It is stored and rethrown after
+// the C code has returned.
 void LcmTransport::on_message(const lcm_recv_buf_t* buffer, const char* channel,
                               void* subscription) {
   auto& self = *static_cast<Subscription*>(subscription);
@@ -78,7 +78,7 @@ int LcmTransport::handle(std::chrono::microseconds timeout) {
   if (has_ended_) {
     return kSourceEnded;
   }
-  // Rounded up: a wait of 0.5 ms must not become a busy loop.
+  // Rounded up, so that a wait of less than 1 ms does not become a busy loop.
   auto wait = std::chrono::ceil<std::chrono::milliseconds>(std::max(timeout, {}));
   int handled = 0;
   is_handling_ = true;

@@ -11,10 +11,11 @@
 
 namespace vantage::bus {
 
-/// liblcm's own providers memq:// and file://, which have no receive thread exposed to the network.
+/// Transport by liblcm's providers memq:// and file://, which have no receive thread exposed to the
+/// network.
 ///
-/// Names subscribed to may only have letters, digits and "_:/-", because liblcm reads them as
-/// regular expressions. "PREFIX*" becomes "PREFIX.*".
+/// Names of subscriptions may only contain letters, digits and "_:/-", because liblcm interprets
+/// them as regular expressions. "PREFIX*" becomes "PREFIX.*".
 class LcmTransport : public Transport {
  public:
   /// @throws StartupError when liblcm cannot open `url`.
@@ -45,7 +46,7 @@ class LcmTransport : public Transport {
     void operator()(lcm_t* lcm) const { lcm_destroy(lcm); }
   };
   std::unique_ptr<lcm_t, Close> lcm_;
-  std::deque<Subscription> subscriptions_;  ///< liblcm keeps pointers to them
+  std::deque<Subscription> subscriptions_;  ///< liblcm stores pointers to the elements
   std::exception_ptr pending_;
   bool has_ended_ = false;
   bool is_handling_ = false;

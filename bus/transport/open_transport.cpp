@@ -10,7 +10,7 @@ namespace vantage::bus {
 
 namespace {
 
-/// @param report  nullptr: a missing network is an error
+/// @param report called when the network is lost or returns; nullptr: a missing network is an error
 std::unique_ptr<Transport> open(const std::string& url, ReportNetwork report) {
   const std::string chosen = url_or_default(url);
   const Url parsed = parse_url(chosen);

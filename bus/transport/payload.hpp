@@ -9,10 +9,12 @@
 
 namespace vantage::bus {
 
-/// The decoded message of shared bytes: the first subscriber decodes it for all. Thread-safe.
+/// Decoded message of bytes that several subscribers share: the first subscriber decodes it for
+/// all. Thread-safe.
 class Decoded {
  public:
-  /// Returns the decoded message; null when the bytes were not decoded yet, or to another type.
+  /// Returns the decoded message; null when the bytes were not decoded yet, or were decoded to
+  /// another type.
   template <class Message>
   [[nodiscard]] std::shared_ptr<const Message> get() const {
     const std::lock_guard lock(mutex_);
@@ -38,7 +40,7 @@ class Decoded {
   std::shared_ptr<const void> message_;
 };
 
-/// The bytes of a message as a handler receives them.
+/// Bytes of a message as a handler receives them.
 struct Payload : std::span<const std::uint8_t> {
   Payload(std::span<const std::uint8_t> bytes, Decoded* decoded_once = nullptr)  // NOLINT: as it is
       : std::span<const std::uint8_t>(bytes), decoded(decoded_once) {}

@@ -12,29 +12,29 @@
 
 namespace vantage::bus {
 
-/// Counts of traffic and errors that a transport detected since it was opened.
+/// Numbers of messages and errors of a transport since it was opened.
 struct TransportStats {
   std::int64_t messages_sent = 0;
   std::int64_t messages_received = 0;
   std::int64_t send_errors = 0;
-  std::int64_t malformed_datagrams = 0;  ///< not LCM, or with inconsistent lengths
-  std::int64_t incomplete_messages = 0;  ///< discarded with fragments missing
-  std::int64_t queue_overflows = 0;      ///< oldest messages dropped for newer ones
-  std::int64_t oversized_messages = 0;   ///< refused because they announce more than the size limit
-  std::int64_t duplicate_fragments = 0;  ///< ignored
-  std::int64_t kernel_drops = 0;         ///< datagrams for which the socket buffer had no room
-  std::int64_t receive_buffer_bytes = 0;  ///< size that the kernel granted; 0 without a socket
+  std::int64_t malformed_datagrams = 0;   ///< not in LCM's format, or with inconsistent lengths
+  std::int64_t incomplete_messages = 0;   ///< discarded with fragments missing
+  std::int64_t queue_overflows = 0;       ///< oldest messages dropped for newer ones
+  std::int64_t oversized_messages = 0;    ///< refused: announced size above the limit
+  std::int64_t duplicate_fragments = 0;   ///< fragments received twice and ignored
+  std::int64_t kernel_drops = 0;          ///< datagrams dropped because the socket buffer was full
+  std::int64_t receive_buffer_bytes = 0;  ///< granted by the kernel; 0 without a socket
   std::int64_t receive_buffer_short_bytes = 0;  ///< requested but not granted (net.core.rmem_max)
-  std::int64_t network_losses = 0;  ///< times that the route or the network card was lost
+  std::int64_t network_losses = 0;  ///< number of losses of the route or the network card
 };
 
-/// Result of handle() once no more messages can arrive.
+/// Result of handle() when no more messages can arrive.
 inline constexpr int kSourceEnded = -1;
 
-/// Transfer of bytes under channel names. Only this interface has to be implemented again to
-/// replace LCM.
+/// Interface for the transfer of bytes under channel names. Another implementation of it is
+/// sufficient to replace LCM.
 ///
-/// Not thread-safe unless a class states otherwise: one owner, one thread.
+/// Not thread-safe unless a class states otherwise.
 class Transport {
  public:
   using Handler = std::function<void(std::string_view channel, const Payload& bytes)>;
@@ -47,37 +47,39 @@ class Transport {
   Transport& operator=(Transport&&) = delete;
 
   /// Registers `handler` for every message on `channel`; handle() calls it. A name that ends in '*'
-  /// matches every channel with that prefix ("*": all).
+  /// matches every channel with that prefix; "*" matches all channels.
   virtual void subscribe(const std::string& channel, Handler handler) = 0;
-  /// Removes the handlers of exactly that name or pattern. A handler may call it only for names
-  /// that it is not subscribed to itself.
+  /// Removes the handlers of exactly that name or pattern. A handler must not remove its own
+  /// subscription.
   virtual void unsubscribe(const std::string& channel) = 0;
   /// Returns false when the message could not be handed to the network (counted).
   virtual bool publish(const std::string& channel, std::span<const std::uint8_t> bytes) = 0;
-  /// Waits up to `timeout` for a message, then dispatches all that have arrived. Returns their
-  /// number, or kSourceEnded once no more can arrive (a log was read to its end). An exception of a
-  /// handler is passed on to the caller and leaves the transport usable. Must not be called from a
-  /// handler.
+  /// Waits up to `timeout` for a message, then dispatches all messages that have arrived. Returns
+  /// their number, or kSourceEnded if no more can arrive (a log was read to its end). An exception
+  /// of a handler is passed on to the caller and leaves the transport usable. Must not be called
+  /// from a handler.
   virtual int handle(std::chrono::microseconds timeout) = 0;
   [[nodiscard]] virtual TransportStats stats() const = 0;
 };
 
 /// Opens a transport by URL: "udpm://239.255.76.67:7667?ttl=1&interface=eth1" (LCM's multicast with
-/// our own bounded receiver; other options in bus/transport/url), "memq://" (one process) or
-/// "file://LOG?mode=r" (LCM's). An empty URL means $LCM_DEFAULT_URL, or else LCM's default.
+/// the bounded receiver of this stack; other options in bus/transport/url), "memq://" (one process)
+/// or "file://LOG?mode=r" (a log, read by liblcm). An empty URL means $LCM_DEFAULT_URL, or else
+/// LCM's default.
 /// @throws StartupError that names the problem (no multicast route, no such card, unknown scheme,
 /// no such file).
 std::unique_ptr<Transport> open_transport(const std::string& url);
 
-/// Called with one sentence when the network is lost, and when it has returned.
+/// Function that is called with one sentence when the network is lost, and when it has returned.
 using ReportNetwork = std::function<void(const std::string& words)>;
 /// As open_transport(), but a missing udpm network (no multicast route, no such card) is no error.
 /// Until it is present, nothing is sent or received, and handle() retries. For processes that must
 /// run without a network, above all the driver of a vehicle.
 std::unique_ptr<Transport> open_waiting_transport(const std::string& url, ReportNetwork report);
 
-/// A bus inside one process. Every endpoint receives, in order, what any endpoint publishes, itself
-/// included. Thread-safe across endpoints; each endpoint has its own bounded queue.
+/// Bus within one process. Every endpoint receives the messages of all endpoints, including its
+/// own, in order of publication. Thread-safe across endpoints; each endpoint has its own bounded
+/// queue.
 class InProcessHub {
  public:
   explicit InProcessHub(std::size_t queue_capacity = 10'000);

@@ -18,7 +18,8 @@ std::uint32_t number(std::span<const std::uint8_t> bytes, std::size_t at, std::s
   return value;
 }
 
-/// Moves the channel name at the start of `rest` to `channel`; returns false when there is none.
+/// Removes the channel name from the start of `rest` and stores it in `channel`. Returns false when
+/// there is no valid name.
 bool take_channel(std::span<const std::uint8_t>& rest, std::string_view& channel) {
   const auto searched = rest.first(std::min(rest.size(), kChannelBytesMax + 1));
   const auto nul = std::find(searched.begin(), searched.end(), std::uint8_t{0});

@@ -7,7 +7,7 @@
 #include <span>
 #include <string_view>
 
-// Encodes and decodes LCM's datagrams. Pure functions. All numbers are big-endian on the wire.
+// Encodes and decodes LCM's datagrams. All numbers in a datagram are big-endian.
 //
 //   short     "LC02", u32 sequence, channel, NUL, payload
 //   fragment  "LC03", u32 sequence, u32 message bytes, u32 fragment offset, u16 fragment number,
@@ -17,32 +17,34 @@
 namespace vantage::bus::udpm {
 
 inline constexpr std::size_t kChannelBytesMax = 63;
-/// Largest channel, NUL and payload of a message in one datagram, bytes.
+/// Maximum total size of channel name, NUL and payload of a message in one datagram, bytes.
 inline constexpr std::size_t kShortBytesMax = 65'499;
-/// Largest channel and NUL (first fragment only) and payload of a fragment, bytes.
+/// Maximum total size of a fragment's payload and, in the first fragment, channel name and NUL,
+/// bytes.
 inline constexpr std::size_t kFragmentBytesMax = 65'487;
 inline constexpr std::size_t kShortHeaderBytes = 8;
 inline constexpr std::size_t kFragmentHeaderBytes = 20;
 inline constexpr std::size_t kDatagramBytesMax = 65'507;
 
-/// A datagram with consistent header fields; holds views into it that are valid as long as it is.
+/// Parsed datagram with consistent header fields. It contains views that are valid as long as the
+/// datagram.
 struct Packet {
   bool is_fragment = false;
-  std::uint32_t sequence = 0;         ///< of the message, per sender
-  std::uint32_t message_bytes = 0;    ///< size of the whole payload
-  std::uint32_t fragment_offset = 0;  ///< position of this payload in the whole one
+  std::uint32_t sequence = 0;         ///< sequence number of the message, per sender
+  std::uint32_t message_bytes = 0;    ///< size of the message's complete payload
+  std::uint32_t fragment_offset = 0;  ///< offset of this fragment in the payload
   std::uint16_t fragment_number = 0;
   std::uint16_t fragment_count = 1;
   std::string_view channel;  ///< empty in fragments after the first
   std::span<const std::uint8_t> payload;
 };
 
-/// Parses `datagram`. Returns nullopt when it is not LCM's or is inconsistent: too short; channel
-/// empty, longer than 63 bytes or without NUL; fragment number not below the count; fragment empty
-/// or reaching beyond its message. Reads nothing outside `datagram`.
+/// Parses `datagram`. Returns nullopt when it is not in LCM's format or is inconsistent: too short;
+/// channel name empty, longer than 63 bytes or without NUL; fragment number not below the count;
+/// fragment empty or beyond the end of its message. Reads nothing outside `datagram`.
 std::optional<Packet> parse_packet(std::span<const std::uint8_t> datagram);
 
-/// The part of a datagram before its payload: the header, and channel with NUL if it has one.
+/// Part of a datagram before the payload: header and, if present, channel name with NUL.
 class PacketHead {
  public:
   static PacketHead of_short(std::uint32_t sequence, std::string_view channel);
@@ -65,7 +67,7 @@ class PacketHead {
 /// True for a name that LCM can carry: 1 to 63 bytes without NUL.
 bool is_channel_name(std::string_view channel);
 
-/// The division of a message into fragments; 1 fragment means a short message.
+/// Division of a message into fragments; 1 fragment means a short message.
 struct Cut {
   std::size_t fragments = 1;
   std::size_t first_bytes = 0;  ///< payload bytes in the first fragment

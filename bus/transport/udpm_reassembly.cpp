@@ -6,19 +6,20 @@
 namespace vantage::bus::udpm {
 namespace {
 
-/// Allocator and container overhead charged for each message and each piece kept.
+/// Overhead of allocator and containers that is added to the memory of each stored message and
+/// piece, bytes.
 constexpr std::size_t kMessageOverheadBytes = 256;
 constexpr std::size_t kPieceOverheadBytes =
     128;  // sizeof(Piece) is 64; twice that, because the vector grows by doubling
 
-/// One in this many messages, those with the newest fragments, is spared from eviction.
+/// 1 / kSparedShare of the messages, those with the newest fragments, are not evicted.
 constexpr std::size_t kSparedShare = 8;
 
 }  // namespace
 
 Reassembler::Reassembler(const ReassemblyLimits& limits) : limits_(limits) {}
 
-// long: one fragment passes every limit in order; each check may end it.
+// long: checks one fragment against every limit in order; each check may refuse it.
 std::optional<AssembledMessage> Reassembler::add(std::uint64_t source, const Packet& packet,
                                                  std::int64_t now_ns) {
   if (packet.message_bytes > limits_.message_bytes_max) {
@@ -139,13 +140,13 @@ bool Reassembler::is_finished(const Identity& identity, std::int64_t now_ns) con
   });
 }
 
-// Evicts one message of `source`, or of any source.
+// Evicts one message of `source`; nullopt: of any source.
 bool Reassembler::evict(const std::optional<std::uint64_t>& source, const Partial* keep) {
   const std::size_t spared = std::min(limits_.messages_max / kSparedShare, partials_.size());
   auto least = partials_.end();
   std::size_t index = 0;
   for (auto each = partials_.begin(); each != partials_.end(); ++each, ++index) {
-    // Spare the newest messages, which are probably still arriving, if there are others.
+    // Does not evict the newest messages, which are probably still arriving, if there are others.
     if (least != partials_.end() && index >= partials_.size() - spared) {
       break;
     }
@@ -190,7 +191,8 @@ void Reassembler::drop(Partials::iterator partial) {
   partials_.erase(partial);
 }
 
-// The pieces must cover the message exactly, in the order of their numbers, without gap or overlap.
+// Assembles the message from its pieces, which must cover it in the order of their numbers without
+// gap or overlap.
 std::optional<AssembledMessage> Reassembler::assemble(Partial& partial) {
   std::sort(partial.pieces.begin(), partial.pieces.end(),
             [](const Piece& a, const Piece& b) { return a.number < b.number; });

@@ -16,25 +16,25 @@ namespace vantage::bus::udpm {
 /// Limits on the memory that untrusted senders can make a Reassembler use.
 struct ReassemblyLimits {
   std::size_t message_bytes_max = std::size_t{4} << 20U;
-  std::size_t source_bytes_max = std::size_t{8} << 20U;  ///< for one sender
+  std::size_t source_bytes_max = std::size_t{8} << 20U;  ///< limit per sender
   std::size_t total_bytes_max = std::size_t{32} << 20U;
-  std::size_t messages_max = 256;           ///< incomplete messages
-  std::int64_t age_max_ns = 1'000'000'000;  ///< since the newest fragment
+  std::size_t messages_max = 256;           ///< maximum number of incomplete messages
+  std::int64_t age_max_ns = 1'000'000'000;  ///< ns; maximum age of a message's newest fragment
 };
 
 struct ReassemblyCounts {
   std::int64_t completed = 0;
-  std::int64_t incomplete = 0;          ///< discarded: too old, or no room
+  std::int64_t incomplete = 0;          ///< messages discarded because of age or memory limits
   std::int64_t oversized = 0;           ///< refused fragments of messages above the size limit
   std::int64_t oversized_messages = 0;  ///< first fragments among `oversized`
   std::int64_t duplicates = 0;          ///< fragments already stored, or of a completed message
-  std::int64_t conflicting = 0;         ///< contradict others with the same sequence number
+  std::int64_t conflicting = 0;         ///< fragments that contradict others of the same message
 };
 
 /// Messages on one channel that were refused because of their size.
 struct OversizedChannel {
   std::int64_t messages = 0;
-  std::uint32_t bytes_max = 0;  ///< size of the largest one
+  std::uint32_t bytes_max = 0;  ///< size of the largest refused message
 };
 
 /// A complete message assembled from fragments.
@@ -46,20 +46,21 @@ struct AssembledMessage {
 
 /// Assembler of fragments that arrive in any order and any number of times.
 ///
-/// Memory is only used for bytes that have arrived, never for sizes that a header announces, so
-/// false claims cost little. When there is no room, the message with the fewest bytes is evicted,
-/// the oldest first. The eighth of the messages with the newest fragments is spared. So a flood of
-/// first fragments, or of nearly complete messages, evicts itself rather than honest traffic.
+/// Memory is only used for bytes that have arrived, not for sizes that a header announces, so false
+/// sizes cost little memory. When the memory is full, the message with the fewest bytes is evicted;
+/// of equal ones, the oldest. The eighth of the messages with the newest fragments is not evicted.
+/// So in a flood of first fragments, or of nearly complete messages, the messages of the flood are
+/// evicted rather than honest ones.
 ///
-/// Fragments of different senders are never combined. A forger of a sender's address can only
-/// spoil the message whose sequence number, size and fragment count it copies. Pure: times are
-/// parameters, no socket.
+/// Fragments of different senders are never combined. A sender that forges an address can only
+/// damage a message whose sequence number, size and fragment count it copies. Uses no clock and no
+/// socket; times are parameters.
 class Reassembler {
  public:
   explicit Reassembler(const ReassemblyLimits& limits = {});
 
   /// Adds one fragment from `source` (address and port as a number). Returns the message if it is
-  /// complete now. Precondition: packet.is_fragment, from parse_packet.
+  /// complete now. Precondition: parse_packet() returned `packet`, and packet.is_fragment.
   std::optional<AssembledMessage> add(std::uint64_t source, const Packet& packet,
                                       std::int64_t now_ns);
   /// Discards messages without a new fragment for age_max_ns.
@@ -107,8 +108,8 @@ class Reassembler {
   Partials::iterator find(const Identity& identity);
   [[nodiscard]] bool is_disputed(const Identity& identity) const;
   [[nodiscard]] bool is_finished(const Identity& identity, std::int64_t now_ns) const;
-  /// Evicts messages until `bytes` more fit into message `keep` (null: a new one). Never evicts
-  /// `keep` itself. Returns false when there cannot be enough room.
+  /// Evicts messages until `bytes` more fit into message `keep` (null: into a new message). Never
+  /// evicts `keep`. Returns false when the limits do not permit this.
   bool make_room(std::uint64_t source, std::size_t bytes, const Partial* keep);
   bool evict(const std::optional<std::uint64_t>& source, const Partial* keep);
   void drop(Partials::iterator partial);
@@ -124,7 +125,7 @@ class Reassembler {
   std::map<std::string, OversizedChannel, std::less<>> oversized_;
   Partials partials_;  ///< ordered by their newest fragment
   std::size_t bytes_kept_ = 0;
-  std::vector<Finished> finished_;  ///< ring buffer: late duplicates must not start a message again
+  std::vector<Finished> finished_;  ///< ring buffer of completed messages; detects late duplicates
   std::size_t finished_next_ = 0;
 };
 

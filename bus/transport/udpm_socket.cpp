@@ -65,7 +65,7 @@ MulticastSocket::MulticastSocket(const UdpmAddress& address, Absence absence)
       receiver_(open_udp()),
       sender_(open_udp()),
       buffer_(kDatagramBytesMax + 1) {
-  // The third socket checks that join() can open its probe.
+  // The temporary third socket checks that join() will be able to open its probe socket.
   if (receiver_.fd() < 0 || sender_.fd() < 0 || Descriptor(open_udp()).fd() < 0) {
     throw StartupError("LCM udpm: cannot create a socket: " + reason());
   }
@@ -88,7 +88,7 @@ MulticastSocket::~MulticastSocket() = default;
 std::string MulticastSocket::find_interface() {
   const std::string& interface = address_.interface;
   if (interface.empty() || inet_pton(AF_INET, interface.c_str(), &membership_.imr_address) == 1) {
-    return "";  // the kernel refuses an address that is not this host's
+    return "";  // the kernel refuses an address that this host does not have
   }
   membership_.imr_ifindex = static_cast<int>(if_nametoindex(interface.c_str()));
   return membership_.imr_ifindex != 0 ? ""
@@ -106,8 +106,8 @@ std::string MulticastSocket::join() {
       errno != EADDRINUSE) {
     return "LCM udpm: cannot join " + address_.group + ": " + reason() + advice(address_);
   }
-  // connect() sends nothing, but checks the route at once. It needs a separate socket, because a
-  // connected one would keep its route when the interface changes.
+  // connect() sends nothing, but checks the route immediately. It needs a separate socket, because
+  // a connected socket does not change its route when the interface changes.
   const Descriptor probe(open_udp());
   const std::string cannot_send = "LCM udpm: nothing can be sent to " + address_.group + ": ";
   if (probe.fd() < 0) {
@@ -135,19 +135,20 @@ bool MulticastSocket::keep_joined(std::int64_t monotonic_ns) {
 
 void MulticastSocket::open_receiver(const UdpmAddress& address) {
   const int fd = receiver_.fd();
-  // Set both: liblcm shares its port by SO_REUSEADDR, and two of our sockets must share it as well.
+  // Both options are set: liblcm shares its port by SO_REUSEADDR, and two sockets of this class
+  // must share it as well.
   require_option(fd, SOL_SOCKET, SO_REUSEADDR, 1, "SO_REUSEADDR");
   require_option(fd, SOL_SOCKET, SO_REUSEPORT, 1, "SO_REUSEPORT");
-  // The privileged option may exceed net.core.rmem_max; the plain one is clamped to it.
+  // SO_RCVBUFFORCE needs privileges and may exceed net.core.rmem_max; SO_RCVBUF is limited to it.
   if (!set_option(fd, SOL_SOCKET, SO_RCVBUFFORCE, address.recv_buf_bytes)) {
     require_option(fd, SOL_SOCKET, SO_RCVBUF, address.recv_buf_bytes, "SO_RCVBUF");
   }
-  int doubled = 0;  // the kernel returns twice the requested size, overhead included
+  int doubled = 0;  // the kernel reports twice the requested size, including overhead
   socklen_t size = sizeof doubled;
   getsockopt(fd, SOL_SOCKET, SO_RCVBUF, &doubled, &size);
   receive_buffer_bytes_ = doubled / 2;
-  set_option(fd, SOL_SOCKET, SO_RXQ_OVFL, 1);       // best effort: counts drops
-  set_option(fd, IPPROTO_IP, IP_MULTICAST_ALL, 0);  // only the group that this socket joined
+  set_option(fd, SOL_SOCKET, SO_RXQ_OVFL, 1);       // counts drops; optional
+  set_option(fd, IPPROTO_IP, IP_MULTICAST_ALL, 0);  // only messages of the joined group
   // Bound to the group address, so datagrams to this host's own addresses are not received.
   if (bind(fd, as_sockaddr(group_), sizeof group_) != 0) {
     throw StartupError("LCM udpm: cannot listen on " + address.group + ":" +
@@ -160,13 +161,13 @@ void MulticastSocket::open_sender(const UdpmAddress& address) {
   require_option(fd, IPPROTO_IP, IP_MULTICAST_TTL, static_cast<std::uint8_t>(address.ttl),
                  "IP_MULTICAST_TTL");
   require_option(fd, IPPROTO_IP, IP_MULTICAST_LOOP, std::uint8_t{1}, "IP_MULTICAST_LOOP");
-  set_option(fd, SOL_SOCKET, SO_SNDBUF, kSendBufferBytes);  // the kernel may clamp it
+  set_option(fd, SOL_SOCKET, SO_SNDBUF, kSendBufferBytes);  // the kernel may grant less
   require_option(fd, SOL_SOCKET, SO_SNDTIMEO, timeval{0, kSendTimeoutUs}, "SO_SNDTIMEO");
 }
 
 bool MulticastSocket::send(std::span<const std::uint8_t> head,
                            std::span<const std::uint8_t> payload) {
-  // sendmsg does not write through these pointers, but its C interface is not const.
+  // sendmsg() only reads through these pointers, but its C interface requires non-const ones.
   std::array<iovec, 2> pieces{
       iovec{const_cast<std::uint8_t*>(head.data()), head.size()},         // NOLINT
       iovec{const_cast<std::uint8_t*>(payload.data()), payload.size()}};  // NOLINT

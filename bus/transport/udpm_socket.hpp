@@ -20,15 +20,15 @@ struct Datagram {
   std::span<const std::uint8_t> bytes;
 };
 
-/// A pair of sockets on one multicast group: one receives from the group, one sends to it.
+/// Pair of sockets for one multicast group: one receives from the group, the other sends to it.
 ///
-/// Opening does not block. Datagrams are looped back to this host, the sender included.
+/// Opening does not block. Sent datagrams are also received on this host, including by the sender.
 ///
 /// The network may disappear and return, for example a deleted route or a removed card.
 /// keep_joined() then joins the group again, because a new card does not have the old membership.
 class MulticastSocket {
  public:
-  /// The behaviour when no route or card leads to the group at opening: throw, or wait.
+  /// Behaviour when no route or network card leads to the group at opening: throw, or wait for it.
   enum class Absence { kError, kWait };
   static constexpr std::int64_t kRetryPeriodNs = 500'000'000;
 
@@ -41,15 +41,15 @@ class MulticastSocket {
   MulticastSocket(MulticastSocket&&) = delete;
   MulticastSocket& operator=(MulticastSocket&&) = delete;
 
-  /// Sends `head` and `payload` as one datagram. Returns false when the network refuses it, or has
-  /// had no room for 100 ms.
+  /// Sends `head` and `payload` as one datagram. Returns false when the network refuses it, or when
+  /// the send buffer stays full for 100 ms.
   bool send(std::span<const std::uint8_t> head, std::span<const std::uint8_t> payload);
   /// After a loss of the network, tries to join the group again, at most once per kRetryPeriodNs.
   /// Returns true while the network is present.
   bool keep_joined(std::int64_t monotonic_ns);
-  /// Returns the error of the last attempt to join; empty: it succeeded.
+  /// Returns the error text of the last attempt to join the group; empty: it succeeded.
   [[nodiscard]] const std::string& fault() const { return fault_; }
-  /// Returns how often the network was lost, or missing at the start.
+  /// Returns the number of times that the network was lost, or was missing at the start.
   [[nodiscard]] std::int64_t network_losses() const { return network_losses_; }
   /// Waits up to `timeout`; returns true when a datagram can be received.
   bool wait(std::chrono::nanoseconds timeout);
@@ -58,7 +58,7 @@ class MulticastSocket {
 
   /// Returns the size of the receive buffer that the kernel granted.
   [[nodiscard]] std::int64_t receive_buffer_bytes() const { return receive_buffer_bytes_; }
-  /// Returns the number of datagrams dropped since opening because that buffer was full.
+  /// Returns the number of datagrams dropped since opening because the receive buffer was full.
   [[nodiscard]] std::int64_t kernel_drops() const { return kernel_drops_; }
 
  private:
@@ -78,7 +78,7 @@ class MulticastSocket {
 
   void open_receiver(const UdpmAddress& address);
   void open_sender(const UdpmAddress& address);
-  /// Joins the group. Returns the error text; empty: the group is joined and can be sent to.
+  /// Joins the group. Returns the error text; empty: the group is joined and sending is possible.
   std::string join();
   std::string find_interface();
 

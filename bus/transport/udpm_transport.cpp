@@ -11,7 +11,7 @@ namespace vantage::bus::udpm {
 namespace {
 
 constexpr int kMessagesPerHandle = 4096;
-constexpr int kDatagramsPerTaking = 256;  // limit, so that a flood of junk cannot delay handlers
+constexpr int kDatagramsPerTaking = 256;  // limit per read, so that a flood cannot delay handlers
 constexpr std::int64_t kOvertimeNs = 5'000'000;  // allowed beyond the caller's timeout
 constexpr std::int64_t kTakePeriodNs = 100'000;  // longest time between reads from the kernel
 constexpr std::size_t kQueuedOverheadBytes = 128;
@@ -55,7 +55,8 @@ UdpmTransport::UdpmTransport(const UdpmAddress& address, ReportNetwork report)
   keep_network();
 }
 
-// A loss that ends before the next attempt to join is not reported.
+// Reports the loss and return of the network. A loss that ends before the next attempt to join is
+// not reported.
 void UdpmTransport::keep_network() {
   const bool is_up = socket_.keep_joined(monotonic_ns());
   if (report_ && is_up == is_loss_reported_) {
@@ -84,7 +85,8 @@ void UdpmTransport::unsubscribe(const std::string& channel) {
 }
 
 bool UdpmTransport::publish(const std::string& channel, std::span<const std::uint8_t> bytes) {
-  // Refuse here what our own receivers would refuse, so that the caller learns of it.
+  // Refuses messages that receivers of this class would refuse, so that the caller receives an
+  // error.
   const bool is_possible = is_channel_name(channel) && bytes.size() <= message_bytes_max_;
   const auto cut = is_possible ? cut_message(channel.size(), bytes.size()) : std::nullopt;
   if (!cut) {
@@ -131,7 +133,7 @@ int UdpmTransport::handle(std::chrono::microseconds timeout) {
     }
     if (arrived_.empty()) {
       const std::int64_t left_ns = deadline_ns - monotonic_ns();
-      // Junk and unwanted channels must not end the wait.
+      // Malformed datagrams and channels without a subscription must not end the wait.
       if (handled > 0 || left_ns <= 0 || !socket_.wait(std::chrono::nanoseconds(left_ns))) {
         break;
       }
@@ -142,7 +144,7 @@ int UdpmTransport::handle(std::chrono::microseconds timeout) {
     arrived_bytes_ -= cost_of(message);
     ++handled;
     dispatch(message);
-    // A flood must not block the caller.
+    // A flood of messages must not block the caller.
     if (monotonic_ns() - deadline_ns > kOvertimeNs) {
       break;
     }

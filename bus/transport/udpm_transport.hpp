@@ -9,14 +9,15 @@
 
 namespace vantage::bus::udpm {
 
-/// LCM's UDP multicast, compatible on the wire but without liblcm. One datagram can crash liblcm's
-/// receive thread, and it waits up to 10 s on a network that filters. This class has no thread: all
-/// work is done inside handle(), on bytes that were checked first.
+/// Transport by LCM's UDP multicast, with the datagram format of LCM but without liblcm. A single
+/// datagram can crash liblcm's receive thread, and liblcm waits up to 10 s on a network that
+/// filters multicast. This class has no thread: all work is done inside handle(), on bytes that
+/// were checked first.
 ///
 /// Arrived datagrams are read from the kernel before and between handler calls, into a queue of
 /// recv_buf_size bytes (at least max_message_size). A full queue drops its oldest messages. The
-/// kernel's own buffer drops the newest ones instead and is seldom granted in full. It only
-/// overflows while one handler runs for long.
+/// kernel's own buffer drops the newest messages instead and is seldom granted in the requested
+/// size. It overflows only during a long handler call.
 class UdpmTransport : public Transport {
  public:
   /// @param report  enables waiting for a missing network, as open_waiting_transport(); nullptr: a
@@ -61,7 +62,7 @@ class UdpmTransport : public Transport {
   std::deque<AssembledMessage> arrived_;
   std::size_t arrived_bytes_ = 0;
   std::int64_t taken_at_ns_ = 0;            ///< time of the last read from the kernel
-  std::deque<Subscription> subscriptions_;  ///< a deque: handlers may subscribe
+  std::deque<Subscription> subscriptions_;  ///< a deque, so that handlers may subscribe
   std::uint32_t next_sequence_ = 0;
   bool is_handling_ = false;
   TransportStats stats_;
