@@ -2,8 +2,9 @@
 
 namespace vantage::scenario {
 
-/// Kind of a device. kDirect: the simulator publishes the device's channel itself. kWire: simulated
-/// device behind its real protocol and driver. kReal: real device.
+/// Kind of a device. kDirect: simulated; the simulator publishes the channel of the device. kWire:
+/// simulated; the real driver receives the simulated device by its real protocol. kReal: real
+/// device.
 enum class DeviceSource { kDirect, kWire, kReal };
 
 }  // namespace vantage::scenario

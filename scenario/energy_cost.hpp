@@ -8,8 +8,8 @@
 
 namespace vantage::scenario {
 
-/// Returns c_ctrl(u) + c_state(x): the cost of a step of `control` that begins at `at_m`, without
-/// price_nats. `world` may be null: no regions.
+/// Returns c_ctrl(u) + c_state(x), the motion cost of a step with `control` that begins at `at_m`,
+/// not multiplied by price_nats. If `world` is null, there are no regions.
 double step_cost(const EnergySpec& energy, const models::World* world,
                  const models::UnicycleControl& control, const Eigen::Vector2d& at_m);
 

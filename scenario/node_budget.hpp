@@ -4,8 +4,8 @@
 
 namespace vantage::scenario {
 
-/// Nodes per slot in virtual time, where time budgets do not apply, if a scenario states no node
-/// budget.
+/// Number of search nodes per slot in virtual time if the scenario contains no node budget. Time
+/// budgets do not apply in virtual time.
 inline constexpr std::int64_t kDefaultNodeBudget = 20'000;
 
 }  // namespace vantage::scenario

@@ -22,7 +22,7 @@
 #include "scenario/mocap_spec.hpp"
 #include "scenario/security_spec.hpp"
 
-// Content of one scenario file as values. Read from YAML by scenario/reader/scenario_yaml.
+// Content of a scenario file as values. scenario/reader/scenario_yaml reads it from YAML.
 
 namespace vantage::scenario {
 
@@ -33,38 +33,39 @@ enum class ParameterPolicy {
   kIgnore,  ///< do not check
 };
 
-/// Battery whose charge is computed from its voltage alone. Volts per cell, under the load of a
-/// hover.
+/// Battery whose state of charge is computed from its voltage alone. Voltages are per cell, V,
+/// under the load of a hover.
 struct BatterySpec {
   int cells = 3;
   double empty_v = 3.3;
   double full_v = 4.1;
 };
 
-/// Connection of a robot's driver to its autopilot, and the autopilot's properties.
+/// Connection of a robot's driver to its autopilot, and properties of the autopilot.
 struct AutopilotSpec {
   models::AutopilotDialect dialect = models::AutopilotDialect::kPx4;
   std::string url;       ///< udp://[HOST]:PORT, udpout://HOST:PORT or serial:DEVICE[:BAUD]
   int system_id = 0;     ///< MAVLink system id of the vehicle; 0: the first autopilot that sends
-  std::string key_file;  ///< file with the 32-byte key that signs every message; empty: unsigned
+  std::string key_file;  ///< file with the 32-byte MAVLink signing key; empty: no signatures
   ParameterPolicy parameters = ParameterPolicy::kVerify;
-  /// Used if the autopilot reports no percentage, or one that starts at full after each power-up.
+  /// Used if the autopilot reports no percentage, or a percentage that starts at 100 % after each
+  /// power-up.
   std::optional<BatterySpec> battery = std::nullopt;
 };
 
 /// Real autopilot firmware that flies a simulated vehicle of `device: wire`. The autopilot's
 /// dialect selects the firmware.
 struct FirmwareSpec {
-  std::string binary;           ///< started and supervised by `vantage up`; empty: started by hand
-  std::string parameters;       ///< parameter file at start; empty: those of config/autopilot
-  std::optional<int> instance;  ///< determines its ports; absent: the robot's index
+  std::string binary;           ///< `vantage up` starts and supervises it; empty: the user does
+  std::string parameters;       ///< parameter file loaded at start; empty: that of config/autopilot
+  std::optional<int> instance;  ///< determines the firmware's ports; absent: robot's index
   std::string serial;           ///< DEVICE[:BAUD] of a board in hardware-in-the-loop mode (PX4)
 };
 
 /// Connection of a ground robot's driver to its rover.
 struct RoverSpec {
   std::string url;  ///< udpout://HOST:PORT, or udp://[HOST]:PORT if the rover sends first
-  int number = 1;   ///< number of the rover, part of every datagram
+  int number = 1;   ///< id of the rover, contained in every datagram
 };
 
 struct RobotSpec {
@@ -83,15 +84,15 @@ struct RobotSpec {
 };
 
 enum class TargetMotion {
-  kRandomWaypoint,  ///< a rover that drives to random way points around obstacles and other bodies
-  kDoubleIntegrator,  ///< white acceleration, reflected at the border
+  kRandomWaypoint,    ///< rover that drives to random way points and avoids obstacles and bodies
+  kDoubleIntegrator,  ///< white-noise acceleration, reflected at the bounds
   kStill,
 };
 
 struct TargetSpec {
   std::string name;
   int id = 0;                  ///< target id on every channel, 0 … n−1
-  std::optional<Pose2> start;  ///< absent: drawn from free space with the seed
+  std::optional<Pose2> start;  ///< absent: random position in free space, from the seed
   double radius_m = 0.2;
 };
 
@@ -99,50 +100,51 @@ struct TargetSpec {
 struct TargetTruthSpec {
   TargetMotion motion = TargetMotion::kRandomWaypoint;
   double speed_min_mps = 0.2;
-  double speed_max_mps = 0.6;  ///< speed of a leg, drawn anew at each way point
+  double speed_max_mps = 0.6;  ///< maximum speed; each leg has a random speed
   double pause_max_s = 2.0;
   double acceleration_q = 0.001;  ///< m²/s³; double integrator only
 };
 
 struct EstimatorSpec {
   models::TargetModel target_model;
-  double prior_position_sigma_m = 1.0;  ///< at first detection, in unmeasured directions
+  double prior_position_sigma_m = 1.0;  ///< 1σ at first detection, in unmeasured directions
   double prior_velocity_sigma_mps = 0.5;
-  /// Prior of an undetected target; its entropy is counted until the discovery.
+  /// Prior of an undetected target. The entropy of this prior is counted until the target is
+  /// discovered.
   double undiscovered_position_sigma_m = 4.0;
   double grid_resolution_m = 0.25;
-  double grid_memory_s = 30.0;  ///< s until a cell counts as unexplored again; ≤ 0: never
-  /// Gate for innovations, σ; 0: no gate. A detection beyond the gate is counted and not fused; it
-  /// increases the covariance instead. Applies to sensors whose measurement determines a position.
+  double grid_memory_s = 30.0;  ///< s; then a cell counts as unexplored again; ≤ 0: never
+  /// Gate for innovations, σ; 0: no gate. A detection beyond the gate is counted and increases the
+  /// covariance, but is not fused. Only for sensors whose measurement determines a position.
   double gate_sigma = 4.0;
   /// Assumed probability that a scan detects a target in view. A scan without the expected
-  /// detection moves the belief away from the scanned area. 0 switches that off.
+  /// detection reduces the probability of the scanned area. 0: such scans are not used.
   double detection_probability = 0.9;
   /// True: targets are assumed to stay within the world's bounds and outside obstacles. Beliefs are
-  /// confined accordingly, and those with a velocity are reflected at the bounds.
+  /// conditioned on this; those with a velocity are reflected at the bounds.
   bool targets_stay_inside = true;
-  /// True: beliefs that walls, scans without a detection or other targets have shaped are
-  /// represented by samples until the next detection. Requires targets with a velocity and sensors
-  /// that report ids.
+  /// True: after a wall, a scan without a detection or another target has changed a belief, samples
+  /// represent it until the next detection. Requires targets with a velocity and sensors that
+  /// report ids.
   bool samples = false;
 };
 
-/// Information that plans maximise.
+/// Quantity about which plans maximise information.
 enum class PlanObjective {
-  kTracking,  ///< about the targets' states
-  kMapping,   ///< about the occupancy of the ground's cells
+  kTracking,  ///< states of the targets
+  kMapping,   ///< occupancy of the ground cells
 };
 
-/// Names of the searches that a robot may plan with: those of planner/search/catalogue. A test
-/// checks that both agree.
+/// Names of the search algorithms for robots. A test checks that they agree with
+/// planner/search/catalogue.
 inline constexpr std::array<std::string_view, 10> kSearchWords = {
     "arvi",  "beam",   "rvi",   "fvi",         "greedy",
     "astar", "wastar", "aegis", "random_walk", "lawn_mower"};
 
 /// Method by which the robots of a team agree on their plans.
 enum class TeamAlgorithm {
-  kCoordinateDescent,  ///< one after another, each given the newest plans of the others
-  kLocalSearch,        ///< by proposals for one solution (docs/decisions/0006)
+  kCoordinateDescent,  ///< robots plan in turn, each given the newest plans of the others
+  kLocalSearch,        ///< robots propose changes of a team solution (docs/decisions/0006)
 };
 
 struct PlannerSpec {
@@ -150,45 +152,45 @@ struct PlannerSpec {
   std::string algorithm = "arvi";  ///< one of kSearchWords, or kExternalSearch
   int horizon_steps = 12;          ///< T: number of steps of a plan
   double step_s = 0.5;             ///< τ: duration of one control
-  int execute_steps = 6;           ///< n_exec: a round lasts execute_steps · step_s
-  double team_budget_s = 0.5;      ///< T_ARVI, divided equally among the robots
-  double publish_margin_s = 0.05;  ///< m: between the end of the last slot and the end of the round
+  int execute_steps = 6;           ///< n_exec; a round lasts execute_steps · step_s
+  double team_budget_s = 0.5;      ///< T_ARVI; planning time per round, divided among the slots
+  double publish_margin_s = 0.05;  ///< m; from the end of the last slot to the end of the round
   /// Number of slots in a round, shared by robots that are not near each other
   /// (planner/robot/slot_colour). 0: one per robot.
   int slots = 0;
-  std::int64_t node_budget = 0;  ///< > 0: nodes per slot instead of a time budget
+  std::int64_t node_budget = 0;  ///< > 0: search nodes per slot, instead of a time budget
   double epsilon_initial = 1.0;  ///< ε of the first finite pass; halved in each pass
   double delta_initial_m = 1.0;
-  double yaw_weight_m_per_rad = 0.3;  ///< metric on SE(2): hypot(distance, weight · |Δyaw|)
+  double yaw_weight_m_per_rad = 0.3;  ///< weight w of the metric hypot(distance, w · |Δyaw|)
   TeamAlgorithm team_algorithm = TeamAlgorithm::kCoordinateDescent;
-  int candidates_max = 200;   ///< trajectories per robot that local search chooses from
+  int candidates_max = 200;   ///< maximum number of trajectories per robot in local search
   int attacks_max = 0;        ///< α: largest number of sensors jammed at once; > 0: use RAIN
   double separation_m = 0.6;  ///< minimum distance between two vehicles in space, at all times
-  /// True: plans keep separation_m horizontally. No vehicle is then above another, because the
-  /// upper one may come down at any time.
+  /// True: plans keep separation_m horizontally. Then no vehicle is above another one, and an
+  /// emergency landing cannot hit a vehicle below.
   bool separation_from_above = false;
-  double obstacle_margin_m = 0.1;     ///< added to the vehicle's radius
+  double obstacle_margin_m = 0.1;     ///< minimum distance of vehicle's disc to obstacles
   double tracking_tolerance_m = 0.2;  ///< allowed distance between a vehicle and its plan
   models::ExplorationSpec exploration;
 };
 
 struct NetworkSpec {
-  double communication_range_m = 0.0;  ///< largest range of beliefs; ≤ 0: not exchanged
-  /// Horizontal distance; a robot ignores robots and targets that are farther away. 0: no limit
-  /// (scenario/neighbourhood).
+  double communication_range_m = 0.0;  ///< range of exchanged beliefs; ≤ 0: no exchange
+  /// Horizontal distance beyond which a robot ignores robots and targets. 0: no limit. See
+  /// scenario/neighbourhood.
   double neighbourhood_m = 0.0;
   std::string url = "udpm://239.255.76.67:7667?ttl=0";
 };
 
-/// Simulated attack that jams the sensors of some robots for a time.
+/// Simulated attack that jams the sensors of some robots for a limited time.
 struct AttackSpec {
-  double from_s = 0.0;  ///< after the simulator's start
+  double from_s = 0.0;  ///< start, s after the simulator's start
   double to_s = 0.0;
   std::vector<std::string> robots;
 };
 
-/// Wind of a simulated lab, for all flying vehicles. Without it each kind of simulated vehicle has
-/// its own light gusts.
+/// Wind of a simulated lab, for all flying vehicles. If absent, each kind of simulated vehicle has
+/// its default light gusts.
 struct WindSpec {
   double x_mps = 0.0;           ///< mean wind along the world's x axis
   double y_mps = 0.0;           ///< mean wind along the world's y axis
@@ -210,9 +212,9 @@ struct Scenario {
   NetworkSpec network;
   SecuritySpec security;
   MocapSpec mocap;
-  models::MappingSpec mapping;  ///< used by the objective kMapping
+  models::MappingSpec mapping;  ///< only used by the objective kMapping
   std::vector<AttackSpec> attacks;
-  std::vector<HostSpec> hosts;  ///< empty: one host runs everything
+  std::vector<HostSpec> hosts;  ///< empty: one host runs all parts
 
   /// True if `host` runs `part` (a robot's name, kSimPart, …). The first host runs the parts that
   /// no host names. Without hosts, always true.
@@ -223,7 +225,7 @@ struct Scenario {
   [[nodiscard]] int firmware_instance(const RobotSpec& robot) const;
 };
 
-/// Returns the kind of trial that the devices of `scenario` make; never kReplay.
+/// Returns the kind of trial that follows from the devices of `scenario`; never kReplay.
 TrialMode trial_mode(const Scenario& scenario);
 
 }  // namespace vantage::scenario

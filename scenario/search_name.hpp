@@ -7,8 +7,8 @@
 
 namespace vantage::scenario {
 
-/// planner.algorithm of a robot without a search: a process on the bus is requested for each plan.
-/// Not in kSearchWords because no catalogue has an entry for it.
+/// Value of planner.algorithm with which a user-supplied process on the bus computes each plan. It
+/// is not in kSearchWords, because the search catalogue does not contain it.
 inline constexpr std::string_view kExternalSearch = "external";
 
 inline bool is_external(const PlannerSpec& planner) { return planner.algorithm == kExternalSearch; }

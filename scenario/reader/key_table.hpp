@@ -5,19 +5,20 @@
 
 namespace vantage::scenario {
 
-/// Rule of one key of a file: place, allowed values, default.
+/// Rule of one key of a file: path, allowed values and default.
 struct KeyRule {
   std::string path;          ///< "robots[].sensor.range_max_m"
   std::string values;        ///< "above 0 and at most 360", "one of arvi, beam", "list"
-  std::string initial;       ///< value if the key is absent; empty: none, or set by another rule
+  std::string initial;       ///< default value; empty: none, or determined by another key
   bool is_required = false;  ///< the reader refuses a file without it
   int line = 0;  ///< line of the key in the file, from 1; 0 if the file does not have it
 };
 
-/// List of all keys that a reader asks for, in the order in which it first does.
+/// List of all keys that a reader reads, in the order of the first read.
 class KeyTable {
  public:
-  /// Adds `rule`, or completes the rule of the same path. Indices in the path become "[]".
+  /// Adds `rule`, or completes the existing rule with the same path. Indices in the path are
+  /// replaced by "[]".
   void note(KeyRule rule);
   [[nodiscard]] const std::vector<KeyRule>& rules() const { return rules_; }
 

@@ -18,8 +18,8 @@ Value child(const Value& parent, std::size_t entry) {
                   parent.node->value(entry));
 }
 
-/// Refuses duplicate keys, because a parser keeps both or only one of them, and keys that are not
-/// words.
+/// Refuses keys that are not words, and duplicate keys, of which parsers silently use only one or
+/// both.
 void check_keys(const Value& mapping) {
   const Node& node = *mapping.node;
   if (node.kind != Node::Kind::kMapping) {

@@ -10,9 +10,9 @@
 
 namespace vantage::scenario {
 
-/// Keys of one mapping of the file, read one by one. The mapping has layers: for each key the first
-/// layer that has it is used, recursively for nested mappings. So robot_defaults lie under every
-/// robot, while each value keeps its own line number for errors.
+/// Reader of the keys of one mapping of the file. The mapping consists of layers: each key is read
+/// from the first layer that has it, recursively for nested mappings. So robot_defaults is the
+/// second layer of every robot, and each value has its own line number for errors.
 ///
 /// An absent key leaves the variable unchanged. Objects are created by read_mapping().
 class Mapping {
@@ -42,14 +42,14 @@ class Mapping {
       value = found->word(vocabulary);
     }
   }
-  /// Calls `read` with the mapping under `key` if there is one; true if there is.
+  /// If there is a mapping under `key`, calls `read` with it and returns true.
   bool section(std::string_view key, const std::function<void(Mapping&)>& read);
 
   /// Returns the value under `key` in the first layer that has it.
   [[nodiscard]] std::optional<Value> find(std::string_view key);
   /// As find(). If the key is absent, finish() reports it and this returns nullopt.
   [[nodiscard]] std::optional<Value> find_required(std::string_view key);
-  /// Makes finish() refuse the mapping when `key` is absent.
+  /// Declares `key` as required: finish() refuses the mapping when it is absent.
   void require(std::string_view key);
 
   /// Declares keys that are read later, so that finish() may be called first.

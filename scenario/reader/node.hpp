@@ -12,13 +12,13 @@
 
 namespace vantage::scenario {
 
-/// One node of the tree.
+/// Node of the tree.
 struct Node {
   enum class Kind : std::uint8_t {
     kNothing,  ///< null, or a key without a value
     kText,     ///< quoted text
     kLiteral,  ///< JSON only: number, true or false; not a text
-    kWord,     ///< YAML without quotes: text, number, true or false
+    kWord,     ///< YAML scalar without quotes: text, number, true or false
     kList,
     kMapping
   };
@@ -26,7 +26,7 @@ struct Node {
   Kind kind = Kind::kNothing;
   int line = 0;                    ///< from 1; 0: unknown
   std::string text;                ///< content of a scalar
-  std::vector<const Node*> items;  ///< elements of a list; for a mapping key, value, key, value, …
+  std::vector<const Node*> items;  ///< elements; of a mapping: key, value, key, value, …
 
   [[nodiscard]] bool is_scalar() const {
     return kind == Kind::kText || kind == Kind::kLiteral || kind == Kind::kWord;
@@ -36,7 +36,7 @@ struct Node {
   [[nodiscard]] const Node& value(std::size_t entry) const { return *items[2 * entry + 1]; }
 };
 
-/// Builder of a tree in the order in which a parser finds its parts.
+/// Builder of a tree. Nodes are added in the order in which a parser finds them.
 class TreeBuilder {
  public:
   /// `file` is the file name in error messages.

@@ -26,8 +26,8 @@ struct Overrides {
   [[nodiscard]] bool is_empty() const;
 };
 
-/// Returns the scenario text with the overrides written into it; the text itself if there are none.
-/// So the SCENARIO message in the log contains exactly the scenario that runs.
+/// Returns the scenario text with the overrides inserted; without overrides the text is unchanged.
+/// The SCENARIO message in the log then contains exactly the scenario that is used.
 std::string apply_overrides(const std::string& yaml, const Overrides& overrides);
 
 /// Reads a scenario file and applies the overrides; the result's `source_text` includes them.

@@ -22,7 +22,8 @@ constexpr std::size_t kPrimitivesMax = 64;
 constexpr double kSpeedMaxMps = 50.0;
 constexpr double kYawRateMaxRadps = 20.0;
 
-/// Refuses a name that another body has: it is both a channel suffix and a mocap subject.
+/// Refuses a name that another body has, because names are used as channel suffixes and mocap
+/// subjects.
 void check_name(Mapping& from, const std::string& name, const Scenario& scenario) {
   if (!is_channel_suffix(name)) {
     from.refuse("name", "must contain only A-Z and 0-9, is '" + name + "'");
@@ -43,7 +44,8 @@ void read_pose(Mapping& from, Pose2& pose) {
   pose.yaw_rad = wrap_to_pi(pose.yaw_rad);
 }
 
-/// Refuses a start whose disc of `clearance_needed_m` touches a wall or an obstacle.
+/// Refuses a start if a disc of radius `clearance_needed_m` around it touches a wall or an
+/// obstacle.
 void check_start(Mapping& from, const models::World& world, const Pose2& start,
                  double clearance_needed_m) {
   const Eigen::Vector2d position_m = start.position_m();
@@ -68,7 +70,8 @@ void check_sensor(Mapping& from, const SensorModel& sensor) {
                                            sensor.range_max_m, sensor.range_min_m));
   }
   if (sensor.kind.law().measures_bearing && sensor.range_min_m <= 0.0) {
-    // The information of a bearing grows as 1/r²: without a minimum range its bound is infinite.
+    // The information of a bearing at range r is proportional to 1/r², so without a minimum range
+    // it has no finite bound.
     from.refuse("range_min_m", "must be above 0 for a sensor that measures bearings, is 0");
   }
 }
@@ -231,7 +234,7 @@ Eigen::Vector3d start_in_space_m(const RobotSpec& robot) {
 }
 
 /// Checks that separation_m covers the radii and that the robots start at least separation_m apart,
-/// because the planner keeps that distance from the first instant on.
+/// because plans must have that distance from their first instant on.
 void check_separation(Mapping& from, const RobotSpec& robot, const Scenario& scenario) {
   for (const RobotSpec& other : scenario.robots) {
     const double separation_m = scenario.planner.separation_m;
@@ -251,8 +254,8 @@ void check_separation(Mapping& from, const RobotSpec& robot, const Scenario& sce
   }
 }
 
-/// Refuses plans that are too long for drivers if a robot has one. Drivers also receive the plans
-/// of teammates, to keep clear of them.
+/// If a robot has a driver, refuses plans that are too long for drivers. Drivers also receive the
+/// plans of teammates, to avoid collisions.
 void check_plans(Mapping& top, const Scenario& scenario) {
   constexpr int kStepsMax = static_cast<int>(models::kFlownSegmentsMax) - 1;
   constexpr double kRounding_s = 1e-6;

@@ -15,11 +15,12 @@ bool is_channel_suffix(const std::string& name);
 
 void read_device(Mapping& from, DeviceSource& device);
 
-/// Reads `robots` over `robot_defaults`. Checks each robot against the world, the planner's
-/// distances and the robots before it. Precondition: scenario.world and scenario.planner are read.
+/// Reads `robots`, with missing keys from `robot_defaults`. Checks each robot against the world,
+/// the planner's distances and the previous robots in the list. Precondition: scenario.world and
+/// scenario.planner have been read.
 void read_robots(Mapping& top, Scenario& scenario);
 
-/// Reads `targets`: a count or a list. Precondition: the world and the robots are read.
+/// Reads `targets`: a count or a list. Precondition: the world and the robots have been read.
 void read_targets(Mapping& top, Scenario& scenario);
 
 }  // namespace vantage::scenario

@@ -6,8 +6,8 @@
 namespace vantage::scenario {
 
 /// Reads the list `attacks`: each attack has a time span and the robots whose sensors it jams.
-/// Checks that planner.attacks_max is less than the number of robots. Precondition: the robots are
-/// read.
+/// Checks that planner.attacks_max is less than the number of robots. Precondition: the robots have
+/// been read.
 void read_attacks(Mapping& top, Scenario& scenario);
 
 }  // namespace vantage::scenario

@@ -11,7 +11,7 @@ namespace vantage::scenario {
 
 void read_detection(Mapping& from, const models::SensorModel& sensor,
                     models::DetectionModel& detection) {
-  // A scan holds at most 32 detections (estimator/track_labels).
+  // A scan has at most 32 detections (estimator/track_labels).
   constexpr double kClutterMax = 20.0;
   from.flag("detects_ids", detection.detects_ids);
   from.number("clutter_per_look", detection.clutter_per_look, from_to(0.0, kClutterMax));

@@ -6,7 +6,7 @@
 namespace vantage::scenario {
 
 /// Reads the list `hosts`: names of A-Z and 0-9, each with the parts that it runs. A part may be
-/// listed only once. Precondition: the robots are read.
+/// listed only once. Precondition: the robots have been read.
 void read_hosts(Mapping& top, Scenario& scenario);
 
 }  // namespace vantage::scenario

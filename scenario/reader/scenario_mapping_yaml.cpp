@@ -10,8 +10,8 @@ namespace {
 using models::MappingSpec;
 
 constexpr int kBeamsMax = 10'000;
-/// Largest number of cells of a map: its message has 200 kB, about the usual size of a socket
-/// buffer.
+/// Largest number of cells of a map. The MAP_R message then has 200 kB, about the usual size of a
+/// socket buffer.
 constexpr double kMapCellsMax = 50'000;
 
 void read_scanner(Mapping& from, models::BeamSensor& scanner) {

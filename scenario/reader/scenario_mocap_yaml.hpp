@@ -5,7 +5,7 @@
 
 namespace vantage::scenario {
 
-/// Reads the section `mocap`: noise of a simulated system, and connection of a driver to the
+/// Reads the section `mocap`: noise of a simulated system, and connection of the driver to the
 /// server.
 void read_mocap(Mapping& from, MocapSpec& mocap);
 

@@ -27,8 +27,8 @@ namespace {
 
 constexpr double kDurationMaxS = 86'400.0;
 constexpr double kGridCellsMax = 4e6;
-// Size limits of a BELIEF message, which contains all targets and cells; a message has at most 4
-// MiB.
+// Size limits, bytes, of a BELIEF message, which contains all targets and grid cells. A message has
+// at most 4 MiB.
 constexpr double kBeliefBytesMax = 4e6;
 constexpr double kTargetBytes = 200.0;
 constexpr double kCellBytes = 8.0;
@@ -104,8 +104,8 @@ void read_target_truth(Mapping& from, TargetTruthSpec& truth) {
   }
 }
 
-/// Reads the parameters; the defaults are the mean and sigma of a uniform distribution over the
-/// world's bounds.
+/// Reads the parameters of the targets' stationary distribution. Defaults are mean and σ of a
+/// uniform distribution over the world's bounds.
 void read_surroundings(Mapping& from, const models::World& world,
                        models::Surroundings& surroundings) {
   const auto pair = [&](const char* key, Eigen::Vector2d& value, const Range& range) {
@@ -174,7 +174,8 @@ void read_estimator(Mapping& from, Scenario& scenario) {
   from.number("grid_resolution_m", estimator.grid_resolution_m, above(0.0));
   from.number("grid_memory_s", estimator.grid_memory_s, from_to(-1.0, kDurationMaxS));
   from.number("gate_sigma", estimator.gate_sigma, at_least(0.0));
-  // Below 1: at 1 a scan without a detection would be proof of absence, with an infinite logarithm.
+  // Must be below 1: with 1, a scan without a detection would give probability 0, whose logarithm
+  // is infinite.
   from.number("detection_probability", estimator.detection_probability, from_below(0.0, 1.0));
   from.flag("targets_stay_inside", estimator.targets_stay_inside);
   from.flag("samples", estimator.samples);
@@ -261,7 +262,7 @@ void read_planner(Mapping& from, PlannerSpec& planner) {
   check_team(from, planner);
 }
 
-/// Refuses a neighbourhood with algorithms that use the messages of the whole team.
+/// Refuses a neighbourhood together with algorithms that use the messages of the complete team.
 void check_neighbourhood(Mapping& from, const Scenario& scenario) {
   const double neighbourhood_m = scenario.network.neighbourhood_m;
   const PlannerSpec& planner = scenario.planner;

@@ -8,22 +8,22 @@
 
 namespace vantage::scenario {
 
-/// Reads a scenario file. Keys are the field names of scenario/scenario.hpp, units included.
+/// Reads a scenario file. Keys are the field names of scenario/scenario.hpp, including units.
 /// @throws StartupError "file:line: key: what is wrong and what was expected" for an unknown or
 ///         duplicate key, a wrong type or unit, a value out of range, a missing file.
 Scenario load_scenario(const std::string& path);
 
 /// Returns the line, from 1, of the key at `path` ("targets", "network.url") in a valid scenario
-/// text. If the text has only a part of the path, returns the line of the innermost key present; 0
-/// if it has none.
+/// text. If the text contains only the first keys of the path, returns the line of the last of
+/// these; 0 if it contains none.
 int line_of_key(const std::string& text, const std::string& path);
 
-/// Reads a scenario from text; `name` stands for the file in messages.
+/// Reads a scenario from text. `name` is used as the file name in error messages.
 Scenario parse_scenario(const std::string& yaml, const std::string& name);
 
-/// Returns the rules of all keys that the reader of the scenario file at `path` asks for. Keys of
-/// a section or list that the file does not have are missing. `robot_defaults` is merged into
-/// `robots[]`, which takes the same keys.
+/// Returns the rules of all keys that are read for the scenario file at `path`. Keys of absent
+/// sections and lists are omitted. `robot_defaults` is merged into `robots[]`, which has the same
+/// keys.
 /// @throws StartupError as load_scenario()
 std::vector<KeyRule> keys_of_scenario(const std::string& path);
 

@@ -8,7 +8,7 @@ namespace vantage::scenario {
 
 /// Requirements on a text file.
 struct TextRule {
-  std::string_view expected;  ///< for error messages: "a scenario"
+  std::string_view expected;  ///< kind of file in error messages: "a scenario"
   std::size_t bytes_max = 0;
   bool may_have_tabs = false;
   bool may_be_pipe = false;
@@ -17,7 +17,7 @@ struct TextRule {
 inline constexpr TextRule kScenarioText{.expected = "a scenario",
                                         .bytes_max = std::size_t{1} << 20};
 
-/// Returns the whole content of the file at `path`.
+/// Returns the content of the file at `path`, after check_text().
 std::string read_text_file(const std::string& path, const TextRule& rule = kScenarioText);
 
 /// Checks `text` of the file `name`.

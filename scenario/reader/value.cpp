@@ -15,7 +15,7 @@
 namespace vantage::scenario {
 namespace {
 
-/// Returns a description of the node for the second half of an error message.
+/// Returns a description of the node for an error message: the part that states what was found.
 std::string found(const Node& node) {
   switch (node.kind) {
     case Node::Kind::kList:

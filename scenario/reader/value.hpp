@@ -52,7 +52,7 @@ struct Value {
   std::string file;
   std::string path;          ///< "robots[1].sensor.range_max_m"; empty for the whole file
   int line = 1;              ///< line of the key, or of the item in a list
-  KeyTable* keys = nullptr;  ///< receives the rule of each key that is read; nullptr: none
+  KeyTable* keys = nullptr;  ///< records the rule of each key that is read; may be null
 
   /// Throws StartupError as one line; control characters in `what` and the path are escaped.
   [[noreturn]] void refuse(const std::string& what) const;
@@ -71,18 +71,18 @@ struct Value {
   [[nodiscard]] std::string text() const;
   /// Returns a text, which may be empty.
   [[nodiscard]] std::string text_or_empty() const;
-  /// Returns [x, y], each in `range`.
+  /// Returns a point [x, y] with both coordinates in `range`.
   [[nodiscard]] Eigen::Vector2d point(const Range& range) const;
   /// Returns the items of a list.
   [[nodiscard]] std::vector<Value> items() const;
   /// Returns the items of a list of length `count`; `shape` describes them in errors: "two numbers
   /// [x, y]".
   [[nodiscard]] std::vector<Value> items(std::size_t count, std::string_view shape) const;
-  /// As items(), as numbers in `range`.
+  /// As items(), converted to numbers in `range`.
   [[nodiscard]] std::vector<double> numbers(std::size_t count, std::string_view shape,
                                             const Range& range) const;
 
-  /// Returns the enumerator of the word.
+  /// Returns the enumerator that the word names.
   template <class Enum>
   [[nodiscard]] Enum word(
       std::initializer_list<std::pair<std::string_view, Enum>> vocabulary) const {
@@ -103,11 +103,11 @@ struct Value {
   [[nodiscard]] std::string plain_number() const;
 };
 
-/// Returns the value of `node`, a child of `parent` in the same tree, at `path`; its line is that
+/// Returns the value of `node`, a child of `parent` in the same tree, with path `path` and the line
 /// of `place` (the key or the list item).
 Value child_of(const Value& parent, std::string path, const Node& place, const Node& node);
 
-/// Returns the text, or its first characters and "…".
+/// Returns the text; if it is longer than `bytes_max`, its first characters and "…".
 std::string shortened(std::string_view text, std::size_t bytes_max = 40);
 
 /// Returns "a, b, c".

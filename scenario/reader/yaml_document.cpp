@@ -67,7 +67,7 @@ class YamlEvents : public YAML::EventHandler {
 }  // namespace
 
 Value parse_yaml(const std::string& text, const std::string& name) {
-  // Required because yaml-cpp silently replaces invalid bytes and accepts some tabs.
+  // Needed because yaml-cpp silently replaces invalid bytes and accepts some tabs.
   check_text(text, name, kScenarioText);
   YamlEvents events(name);
   try {

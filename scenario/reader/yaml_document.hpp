@@ -6,7 +6,8 @@
 
 namespace vantage::scenario {
 
-/// Parses `text`, which must be one YAML document; `name` stands for the file in messages.
+/// Parses `text`, which must be one YAML document. `name` is used as the file name in error
+/// messages.
 /// @throws StartupError as check_text(), and "name:line: …" for tabs, invalid YAML, and for no or
 ///         several documents.
 Value parse_yaml(const std::string& text, const std::string& name);
