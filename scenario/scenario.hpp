@@ -154,7 +154,7 @@ struct PlannerSpec {
   double step_s = 0.5;             ///< τ: duration of one control
   int execute_steps = 6;           ///< n_exec; a round lasts execute_steps · step_s
   double team_budget_s = 0.5;      ///< T_ARVI; planning time per round, divided among the slots
-  double publish_margin_s = 0.05;  ///< m; from the end of the last slot to the end of the round
+  double publish_margin_s = 0.05;  ///< s; from the end of the last slot to the end of the round
   /// Number of slots in a round, shared by robots that are not near each other
   /// (planner/robot/slot_colour). 0: one per robot.
   int slots = 0;

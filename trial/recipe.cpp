@@ -25,7 +25,7 @@ MakeFor from(const scenario::Scenario& scenario) {
 MakeFor planners_of(const scenario::Scenario& scenario) {
   return [workspace = std::make_shared<planner::Workspace>(scenario)](
              bus::Bus& bus, const bus::Clock& clock, const std::string& robot) {
-    // In real time each node has its own thread, and planners search concurrently.
+    // In real time each node has its own thread, so each planner needs its own workspace.
     auto own = clock.is_real_time() ? std::make_shared<planner::Workspace>(workspace->scenario())
                                     : workspace;
     return std::make_unique<planner::PlannerNode>(bus, clock, std::move(own), robot);

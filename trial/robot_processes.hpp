@@ -5,14 +5,14 @@
 
 namespace vantage::trial {
 
-/// Processes of every robot, whatever its devices: the words in the program names (vantage-sensor),
-/// in the order in which nodes that are due at the same instant are executed.
+/// Processes that every robot has, by the last part of their program name (vantage-sensor). Nodes
+/// that are due at the same instant are executed in this order.
 inline constexpr std::array<const char*, 3> kRobotProcesses = {"sensor", "estimator", "planner"};
 
 /// Returns the display name of a process: "planner Q1".
 std::string process_name(const std::string& word, const std::string& robot);
 
-/// Returns the name of a process's node, as on HEALTH_*: "PLANNER_Q1" for "planner Q1".
+/// Returns the node name of a process, which HEALTH_<name> contains: "PLANNER_Q1" for "planner Q1".
 std::string node_name(std::string process);
 
 }  // namespace vantage::trial

@@ -2,8 +2,8 @@
 
 namespace vantage::trial {
 
-// FNV-1a over the seed's bytes and the name, then the finaliser of SplitMix64, because FNV alone
-// gives similar hashes for similar names.
+// Computes FNV-1a over the bytes of seed and name, then applies the finaliser of SplitMix64,
+// because FNV-1a alone gives similar hashes for similar names.
 std::int64_t deterministic_run_id(std::uint64_t seed, const std::string& node_name) {
   std::uint64_t hash = 0xcbf29ce484222325ULL;
   const auto mix = [&hash](std::uint64_t byte) { hash = (hash ^ byte) * 0x100000001b3ULL; };

@@ -66,7 +66,7 @@ TrialResult Trial::result() {
     log_error = log_->error();
     unrecorded = log_->events_lost() + recorded_->stats().queue_overflows;
   }
-  logs::TrialMetrics metrics = observer_->metrics();  // a copy: finish() evaluates pending steps
+  logs::TrialMetrics metrics = observer_->metrics();  // copied: finish() evaluates pending steps
   TrialResult result;
   result.summary = metrics.finish(now_, loop_.messages_lost() + unrecorded);
   result.scene = observer_->scene();

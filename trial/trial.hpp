@@ -22,25 +22,25 @@ namespace vantage::trial {
 
 struct TrialOptions {
   std::string log_path;  ///< LCM event log of all messages, a new file; empty: none
-  /// Called with the completed share of the trial, about a hundred times.
+  /// Called about a hundred times with the completed share of the trial, 0 to 1.
   std::function<void(double)> progress;
-  /// Called about twice per second of the trial; true ends the trial. The log and the summary are
-  /// complete up to that instant.
+  /// Called about twice per second of virtual time. If it returns true, the trial ends; log and
+  /// summary are complete up to that instant.
   std::function<bool()> stop;
 };
 
 struct TrialResult {
   logs::TrialSummary summary;
   logs::Scene scene;
-  bool was_stopped = false;                       ///< ended before the scenario's duration
+  bool was_stopped = false;                       ///< true: ended before the scenario's duration
   std::optional<Error> log_error = std::nullopt;  ///< why the log is incomplete; ended the trial
 };
 
-/// Trial in virtual time that is executed in parts. Messages, log and summary do not depend on how
-/// it is divided.
+/// Trial in virtual time that is executed in parts. Messages, log and summary do not depend on the
+/// division into parts.
 class Trial {
  public:
-  /// `scenario` must outlive it. Writes a log if `log_path` is not empty.
+  /// Creates the nodes, and a log if `log_path` is not empty. `scenario` must outlive the trial.
   /// Precondition: the scenario's planner.node_budget is positive.
   /// @throws StartupError when the log cannot be created or already exists, or a node refuses the
   ///         scenario.
@@ -52,7 +52,7 @@ class Trial {
   Trial(Trial&&) = delete;
   Trial& operator=(Trial&&) = delete;
 
-  /// Executes everything before `end`, at most to planned_end().
+  /// Executes all instants before `end`, but at most to planned_end().
   void advance_to(Time end);
   [[nodiscard]] Time time() const { return now_; }
   [[nodiscard]] Time start() const { return start_; }
@@ -77,9 +77,9 @@ class Trial {
 /// Returns the start of virtual time: 1 700 000 000 s, rounded up to a whole planning round.
 Time trial_start(const scenario::Scenario& scenario);
 
-/// Executes one trial in virtual time: a pure function of the scenario (its seed included) and the
-/// nodes. A log that can no longer be written ends the trial as `stop` does; the file ends with a
-/// whole event.
+/// Executes one trial in virtual time. The result depends only on the scenario (including its seed)
+/// and the nodes. If the log can no longer be written, the trial ends as with `stop`; the file then
+/// ends with a complete event.
 /// Precondition: the scenario's planner.node_budget is positive.
 /// @throws StartupError when the log cannot be created or already exists, or a node refuses the
 ///         scenario.

@@ -32,8 +32,8 @@ std::size_t VirtualTimeLoop::next_waiting(std::size_t from) const {
       waiting_.begin());
 }
 
-// Handles participants repeatedly in the order of connection, skipping those without messages; the
-// result is the same as if all were handled.
+// Repeatedly handles the participants that have messages, in the order of connection. The result is
+// the same as if all participants were handled.
 void VirtualTimeLoop::deliver() {
   while (waiting_count_ > 0) {
     for (std::size_t i = next_waiting(0); i < participants_.size() && waiting_count_ > 0;

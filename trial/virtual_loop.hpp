@@ -14,28 +14,29 @@
 namespace vantage::trial {
 
 /// Event loop for many nodes in one thread and virtual time. Between two instants every message is
-/// delivered to all subscribers, in the order of connection. At each instant the due nodes are
-/// executed in the order of add_node(); the messages of each are delivered before the next is
-/// executed. So a run is a pure function of the nodes and their seeds.
+/// delivered to all subscribers, in the order in which they were connected. At each instant the due
+/// nodes are executed in the order of add_node(). The messages of each node are delivered before
+/// the next node is executed. So a run depends only on the nodes and their seeds.
 class VirtualTimeLoop {
  public:
   explicit VirtualTimeLoop(Time start) : clock_(start) {}
 
   [[nodiscard]] const bus::Clock& clock() const { return clock_; }
-  /// Returns an endpoint for raw bytes that its owner handles; it receives all messages published
-  /// from now on.
+  /// Returns an endpoint for raw bytes. Its caller must call handle(). It receives all messages
+  /// published after this call.
   std::unique_ptr<bus::Transport> connect() { return hub_.connect(); }
-  /// Adds a bus that this loop handles.
+  /// Adds a bus, whose handle() this loop calls.
   bus::Bus& add_bus(std::int64_t run_id);
-  /// Creates a node and runs it from now on, including its HEALTH reports.
+  /// Creates a node, which this loop executes from now on, including its HEALTH reports.
   void add_node(const NodeRecipe& recipe, std::int64_t run_id);
-  /// Sets an action after each delivery, for example to drain a recorder.
+  /// Sets an action that is called after each delivery, for example to empty the queue of a
+  /// recorder.
   void on_delivered(std::function<void()> action) { on_delivered_ = std::move(action); }
 
   /// Processes every instant before `end`, then sets the clock to `end`.
   /// @throws std::logic_error when a node's next tick does not advance.
   void run_until(Time end);
-  /// Delivers messages until no queue has any.
+  /// Delivers messages until all queues are empty.
   void deliver();
   /// Returns the number of messages lost: gaps in the streams of all buses, and messages dropped by
   /// full queues.
@@ -48,8 +49,8 @@ class VirtualTimeLoop {
     std::unique_ptr<bus::Node> node;  ///< may be null
     std::unique_ptr<bus::HealthReporter> health;
   };
-  /// Returns the first participant, from `from` on, with a message in its queue;
-  /// participants_.size() if none.
+  /// Returns the index ≥ `from` of the first participant with a message in its queue;
+  /// participants_.size() if there is none.
   [[nodiscard]] std::size_t next_waiting(std::size_t from) const;
 
   bus::VirtualClock clock_;

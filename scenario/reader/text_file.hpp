@@ -17,7 +17,8 @@ struct TextRule {
 inline constexpr TextRule kScenarioText{.expected = "a scenario",
                                         .bytes_max = std::size_t{1} << 20};
 
-/// Returns the content of the file at `path`, after check_text().
+/// Returns the content of the file at `path`. @throws StartupError when it cannot be read or is too
+/// large.
 std::string read_text_file(const std::string& path, const TextRule& rule = kScenarioText);
 
 /// Checks `text` of the file `name`.

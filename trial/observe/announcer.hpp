@@ -9,14 +9,14 @@
 
 namespace vantage::trial {
 
-/// Returns the version of this build: project version and commit.
+/// Returns the version of this build: project version and commit hash.
 std::string version();
 
-/// Publisher of SCENARIO, repeated every 5 s, so that a log begins with it and later subscribers
-/// receive it.
+/// Publisher of SCENARIO, immediately and every 5 s. A log thus begins with this message, and later
+/// subscribers receive it too.
 class Announcer {
  public:
-  /// `process` names the publisher, for example "trial".
+  /// @param process name of the publisher in the message, for example "trial"
   Announcer(bus::Bus& bus, const scenario::Scenario& scenario, std::string process);
   /// Publishes if a publication is due; the first call always publishes.
   void tick(Time now);

@@ -15,7 +15,7 @@ namespace {
 constexpr std::chrono::milliseconds kStep{50};
 constexpr std::size_t kChannelsMax = 10'000;
 
-/// Returns the part of the channel's name after `prefix`; empty for another channel.
+/// Returns the part of the channel name after `prefix`; empty if it does not begin with `prefix`.
 std::string after(const std::string& prefix, const std::string& channel) {
   return channel.starts_with(prefix) ? channel.substr(prefix.size()) : "";
 }

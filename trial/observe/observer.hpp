@@ -14,9 +14,9 @@
 
 namespace vantage::trial {
 
-/// Observer of a whole trial on a bus: collects metrics and a scene for the display. Messages of
-/// robots that are not in the scenario are ignored, so that its tables stay bounded. The bus must
-/// outlive it; the owner of the bus handles it.
+/// Observer of a complete trial on a bus: collects metrics and a scene for the display. Messages of
+/// robots that are not in the scenario are ignored, so that the memory use is bounded. The bus must
+/// outlive the observer; the owner of the bus calls its handle().
 class TrialObserver {
  public:
   TrialObserver(bus::Bus& bus, const scenario::Scenario& scenario, Time start);
@@ -28,7 +28,8 @@ class TrialObserver {
 
   [[nodiscard]] logs::TrialMetrics& metrics() { return metrics_; }
   [[nodiscard]] const logs::TrialMetrics& metrics() const { return metrics_; }
-  /// The newest messages received; nullopt or empty before the first.
+  /// These functions return the newest messages received; nullopt or empty before the first
+  /// message.
   [[nodiscard]] const std::optional<models::TruthFrame>& truth() const { return truth_; }
   [[nodiscard]] const std::map<std::string, models::RobotBelief>& beliefs() const {
     return beliefs_;
@@ -40,7 +41,7 @@ class TrialObserver {
  private:
   logs::TrialMetrics metrics_;
   logs::SceneRecorder recorder_;
-  std::set<std::string> robots_;  ///< names in the scenario
+  std::set<std::string> robots_;  ///< names of the scenario's robots
   std::optional<models::TruthFrame> truth_;
   std::map<std::string, models::RobotBelief> beliefs_;  ///< by robot
   std::map<std::string, models::RobotMap> maps_;        ///< by robot

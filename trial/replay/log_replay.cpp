@@ -18,8 +18,8 @@ namespace {
 
 constexpr const char* kPrefix = "REPLAY_";
 constexpr std::int64_t kRunId = 1;
-/// Virtual time after the end of the log, until the node stops waiting for inputs that are not in
-/// the log.
+/// Virtual time that the replay continues after the end of the log, so that the node stops waiting
+/// for inputs that the log lacks.
 constexpr Duration kClosing{5'000'000};
 constexpr Duration kClosingStep{100'000};
 constexpr std::int64_t kEventsPerReport = 1000;
@@ -36,7 +36,7 @@ ReplayTarget parse_replay_target(const std::string& text, const scenario::Scenar
   return {kind == "planner" ? ReplayTarget::Kind::kPlanner : ReplayTarget::Kind::kEstimator, robot};
 }
 
-// long: creates, in order, the objects that must outlive later ones.
+// long: creates objects in the order in which they depend on each other.
 ReplayReport replay_log(const logs::IndexedLog& log, const scenario::Scenario& scenario,
                         const ReplayTarget& target, const std::function<void(double)>& progress) {
   const bool is_planner = target.kind == ReplayTarget::Kind::kPlanner;
@@ -55,8 +55,8 @@ ReplayReport replay_log(const logs::IndexedLog& log, const scenario::Scenario& s
   bus::InProcessHub hub;
   const auto source = hub.connect();
   const auto ear = hub.connect();
-  // The node republishes mixtures with its beliefs. Logs of older versions or with lost messages
-  // lack them, so a mixture is compared only if the log has it.
+  // The node also publishes mixtures. A mixture is compared only if the log contains it, because
+  // logs of older versions, or with lost messages, may not.
   const std::string said_if_logged = kPrefix + bus::mixture_channel(target.robot).name;
   for (const std::string& output : outputs) {
     ear->subscribe(kPrefix + output,
@@ -89,7 +89,7 @@ ReplayReport replay_log(const logs::IndexedLog& log, const scenario::Scenario& s
   logs::LogScan scan = log.scan();
   while (const auto event = scan.next()) {
     clock.set(std::clamp(event->time, clock.now(), end));
-    // The log also contains forged messages, which the processes in flight refused.
+    // The log may also contain forged messages, which the processes refused in flight.
     if (judge && !judge->judge(event->channel, event->data, event->time).may_pass) {
       ++report.refused;
       continue;

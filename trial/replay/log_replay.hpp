@@ -11,14 +11,14 @@
 
 namespace vantage::trial {
 
-/// The planner or estimator of one robot.
+/// Node to replay: the planner or the estimator of one robot.
 struct ReplayTarget {
   enum class Kind { kPlanner, kEstimator };
   Kind kind = Kind::kPlanner;
   std::string robot;
 };
 
-/// Parses "planner:Q1" or "estimator:Q1". @throws UsageError for anything else, or when `scenario`
+/// Parses "planner:Q1" or "estimator:Q1". @throws UsageError for other texts, or when `scenario`
 /// has no such robot.
 ReplayTarget parse_replay_target(const std::string& text, const scenario::Scenario& scenario);
 
@@ -26,8 +26,8 @@ struct ReplayReport {
   OutputComparison outputs;
   std::vector<models::NamedCount> counters;  ///< counters of the replaying node
   std::int64_t events = 0;                   ///< log events passed to the node
-  std::int64_t refused = 0;  ///< left out: no valid signature, where the flight required one
-  bool lacks_keys = false;   ///< the flight's keys are absent: refused messages are passed, too
+  std::int64_t refused = 0;  ///< events without the signature that the flight required; not passed
+  bool lacks_keys = false;   ///< true: no keys of the flight, so forged messages are passed
   /// Returns the number of logged outputs that were not reproduced because an input is not in the
   /// log.
   [[nodiscard]] std::int64_t not_replayed() const {
@@ -35,9 +35,9 @@ struct ReplayReport {
   }
 };
 
-/// Reproduces the outputs of one node: runs the node's own code in virtual time on exactly the
-/// inputs that each logged output names, with the node budget that it states. Compares the results
-/// with the log, bit for bit.
+/// Reproduces the outputs of one node: runs its code in virtual time on exactly the inputs, and
+/// with the node budget, that each logged output contains. Compares the results with the log, bit
+/// for bit.
 ReplayReport replay_log(const logs::IndexedLog& log, const scenario::Scenario& scenario,
                         const ReplayTarget& target,
                         const std::function<void(double)>& progress = {});

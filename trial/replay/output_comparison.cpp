@@ -13,11 +13,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kFingerprintBytes = 8;
-/// Bytes of the run id and the sequence number, after the fingerprint and utime.
+/// Offset of run id and sequence number in a message, bytes: they follow fingerprint and utime.
 constexpr std::size_t kOriginBegin = 16;
 constexpr std::size_t kOriginEnd = 32;
 
-/// Calls `visit` for each innermost value that differs.
+/// Calls `visit` for each scalar that differs between `a` and `b`.
 void for_each_difference(const Json& a, const Json& b, const std::string& path, const auto& visit) {
   if (a.type() == b.type() && a.is_object()) {
     for (const auto& [name, value] : a.items()) {

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kSuffix = ".yaml";
 
-// Returns the possible folders, by descending priority.
+// Returns the possible folders of scenario files, in the order of preference.
 std::array<fs::path, 2> places() {
   std::error_code error;
   const fs::path programs = fs::read_symlink("/proc/self/exe", error).parent_path();
