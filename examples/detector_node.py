@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""detector_node.py SCENARIO ROBOT: a custom sensor on the network that replaces vantage-sensor. ROBOT's estimator
-uses its detections. Put your detector into find()."""
+"""detector_node.py SCENARIO ROBOT: custom sensor on the network that replaces vantage-sensor. ROBOT's estimator
+uses its detections. Replace find() by your detector."""
 import sys
 import numpy
 from vantage import live
 from vantage_lcm import detection_t, measurement_t
 
-def find():  # {target id: (range, m; bearing from the robot's heading, rad)}
+def find():  # returns {target id: (range, m; bearing from the robot's heading, rad)}
     return {3: (1.0, 0.5)}
 
 def measure(utime):

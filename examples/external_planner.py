@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""external_planner.py SCENARIO ROBOT…: sends the plans of a team with planner.algorithm: external. Each robot turns
+"""external_planner.py SCENARIO ROBOT…: computes the plans of a team with planner.algorithm: external. Each robot turns
 to its least certain target and drives towards it for a second. Replace answer() by your own (learned) policy."""
 import sys
 import numpy

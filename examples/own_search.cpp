@@ -1,4 +1,4 @@
-// A custom search: the cheapest of many random walks. Needs component planner (only Eigen).
+// Custom search: returns the cheapest of many random walks. Needs component planner (only Eigen).
 #include <cstdio>
 #include <random>
 
@@ -8,7 +8,7 @@ using namespace vantage::planner;
 
 SearchResult best_walk(const SearchProblem& problem, int walks) {
   Expander expander(static_cast<int>(problem.targets.size()), problem.horizon_steps, 0);
-  Tree tree(100, 10'000);  // capacity for one walk: nodes; doubles of beliefs
+  Tree tree(100, 10'000);  // capacity for one walk: nodes, numbers of beliefs
   expander.reset(problem);
   std::mt19937_64 rng(1);
   SearchResult best;
@@ -18,7 +18,7 @@ SearchResult best_walk(const SearchProblem& problem, int walks) {
     Children next;
     for (std::uint8_t t = 1; t <= problem.horizon_steps && expander.expand(tree, at, next); ++t) {
       if (next.count == 0)
-        break;  // every control collides
+        break;  // every control leads to a collision
       const std::size_t i = rng() % static_cast<std::size_t>(next.count);
       at = tree.add({next.world_from_body[i], next.cost[i], at, 0, kNoNode, next.control[i], t});
     }

@@ -1,4 +1,5 @@
-// A custom sensor: how far ahead of the robot a target is. Needs component planner (only Eigen).
+// Custom sensor that measures how far ahead of the robot a target is. Needs component planner (only
+// Eigen).
 #include <cmath>
 #include <cstdio>
 
@@ -22,7 +23,7 @@ const SensorLaw kDepth{
                    int dim) -> MeasurementJacobian { return ahead(from).head(dim).transpose(); },
     .variances = [](const SensorModel&, const Viewpoint&, const SightLine&,
                     int) { return row(kVariance_m2); },
-    .information_bound = [](const SensorModel&,  // maximum for any look; bounds of plans use it
+    .information_bound = [](const SensorModel&,  // maximum of information; bounds of plans use it
                             const ReachedDistances&) { return 1.0 / kVariance_m2; }};
 
 int main() {

@@ -1,4 +1,4 @@
-// Plans the path on which a robot learns most about two targets. Needs component planner (Eigen).
+// Plans the path with the most information about two targets. Needs component planner (Eigen).
 #include <cstdio>
 
 #include <vantage/planner/search/arvi.hpp>

@@ -1,5 +1,5 @@
-// Reads a log, even a damaged one. Prints the message count of each channel and the last belief of
-// each robot. Needs component logs.
+// Reads a log, even if it is damaged. Prints the number of messages on each channel and the last
+// belief of each robot. Needs component logs.
 #include <cstdio>
 #include <map>
 #include <string>

@@ -13,13 +13,14 @@
 #include "core/pose.hpp"
 
 // Shared parts of the module's bindings. Work longer than a few microseconds runs without the
-// interpreter's lock and with a separate mutex. Never wait for that mutex while holding the lock.
+// interpreter's lock, but with a mutex per object. A thread that holds the interpreter's lock must
+// not wait for such a mutex.
 
 namespace vantage::python {
 
 namespace py = pybind11;
 
-/// C-ordered array argument; other arrays are converted.
+/// C-ordered array of doubles as argument; other arrays are converted.
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 void bind_planning(py::module_& module);
@@ -30,15 +31,16 @@ void bind_logs(py::module_& module);
 void bind_models(py::module_& module);
 void bind_env(py::module_& module);
 
-/// Returns `value` as JSON text; numpy numbers and arrays are allowed. @throws TypeError of Python.
+/// Returns `value` as JSON text; numpy numbers and arrays are allowed. @throws Python's TypeError
+/// for other types.
 inline std::string json_text(const py::object& value) {
   return py::cast<std::string>(py::module_::import("vantage._arguments").attr("to_json")(value));
 }
-/// Parses JSON text; the inverse of json_text().
+/// Returns the Python object of a JSON text; the inverse of json_text().
 inline py::object from_json(const std::string& text) {
   return py::module_::import("json").attr("loads")(text);
 }
-/// Returns the path in a str or os.PathLike.
+/// Returns the path given as str or os.PathLike.
 inline std::string path_text(const py::object& path) {
   return py::cast<std::string>(py::module_::import("os").attr("fspath")(path));
 }
@@ -57,7 +59,7 @@ inline void require_shape(const Doubles& array, const std::vector<py::ssize_t>& 
   }
 }
 
-/// Returns the value of `word`. @throws UsageError that lists the valid names.
+/// Returns the enumerator named `word`. @throws UsageError that lists the valid names.
 template <class Kind>
 Kind kind_of(const std::string& word, const std::map<std::string, Kind>& kinds,
              const char* argument = "kind") {
@@ -86,7 +88,7 @@ py::array_t<double> array_of(const Vector& vector) {
   return out;
 }
 
-/// Converts to an array (rows, columns).
+/// Converts a matrix to an array (rows, columns).
 template <class Matrix>
 py::array_t<double> matrix_array(const Matrix& matrix) {
   py::array_t<double> out(
@@ -100,7 +102,7 @@ py::array_t<double> matrix_array(const Matrix& matrix) {
   return out;
 }
 
-/// Converts to an array (n, 3): x, y in m, yaw in rad.
+/// Converts the first `count` poses to an array (count, 3): x, y in m, yaw in rad.
 inline py::array_t<double> poses_array(const std::vector<Pose2>& poses, std::size_t count) {
   py::array_t<double> out({static_cast<py::ssize_t>(count), py::ssize_t{3}});
   auto view = out.mutable_unchecked<2>();

@@ -13,7 +13,8 @@
 
 namespace vantage::python {
 
-// The deleter acquires the interpreter's lock, whichever thread releases the last reference.
+// Returns a shared function whose deleter acquires the interpreter's lock, because any thread may
+// release the last reference.
 KeptFunction kept(const py::function& function) {
   return {new py::function(function), [](py::function* each) {
             const py::gil_scoped_acquire acquire;

@@ -12,12 +12,12 @@
 #include "python/binding/bind.hpp"
 #include "scenario/scenario.hpp"
 
-// Sensors, filters and planners of a trial that are Python functions. The trial's thread runs them
-// without the interpreter's lock; each acquires the lock for its calls.
+// Sensors, filters and planners of a trial that are Python functions. The trial's thread runs
+// without the interpreter's lock; each of these nodes acquires the lock for its Python calls.
 
 namespace vantage::python {
 
-/// Python function that may be copied and freed without the interpreter's lock.
+/// Shared Python function that may be copied and freed without the interpreter's lock.
 using KeptFunction = std::shared_ptr<py::function>;
 KeptFunction kept(const py::function& function);
 
@@ -59,7 +59,7 @@ class PythonPlannerNode : public bus::Node {
 
  private:
   void reply(const models::RobotPlan& request);
-  /// Returns the function's argument. Requires the interpreter's lock.
+  /// Returns the argument of the Python function for `request`. Requires the interpreter's lock.
   [[nodiscard]] py::dict request_dict(const models::RobotPlan& request) const;
 
   bus::Bus& bus_;

@@ -17,7 +17,7 @@
 namespace vantage::python {
 namespace {
 
-// Reader of named options from a dict. finish() throws for names that were not taken.
+// Reader of named options from a dict. finish() throws for names that were not read.
 class Options {
  public:
   explicit Options(const py::dict& options) : left_(options.attr("copy")()) {}
@@ -172,8 +172,8 @@ const TeamTask& task_at(const VectorTask& tasks, std::size_t index) {
   return tasks.task(index);
 }
 
-// Returns the knowledge of one task and its true errors, for pictures and tests.
-// long: one key after another.
+// Returns the team's estimates in one task and their true errors, for pictures and tests.
+// long: fills a dict, key by key.
 py::dict state_of(const Tasks& tasks, std::size_t index) {
   struct State {
     std::vector<Pose2> poses;

@@ -14,7 +14,8 @@ constexpr std::int64_t kEvery_ns = 50'000'000;
 
 thread_local Interruption* innermost = nullptr;
 
-// Coarse to a few milliseconds but cheap, because searches call it at each node.
+// Returns the time of a monotonic clock with a resolution of a few milliseconds. It is cheap,
+// because searches call it at each node.
 std::int64_t coarse_ns() {
   timespec now{};
   ::clock_gettime(CLOCK_MONOTONIC_COARSE, &now);
@@ -38,7 +39,7 @@ bool Interruption::has_raised() {
     return self != nullptr && self->came_;
   }
   const py::gil_scoped_acquire lock;
-  self->came_ = PyErr_CheckSignals() != 0;  // the exception is kept until rethrow()
+  self->came_ = PyErr_CheckSignals() != 0;  // Python stores the exception until rethrow()
   self->next_ns_ = coarse_ns() + kEvery_ns;
   return self->came_;
 }

@@ -4,10 +4,10 @@
 
 namespace vantage::python {
 
-/// Checks for Ctrl-C and other Python signals during work without the interpreter's lock. Create it
-/// under that lock in the working thread; it must live as long as the work. Python handles signals
-/// only in its main thread: there has_raised() acquires the lock every 50 ms and runs the handlers.
-/// In other threads it stays false.
+/// Check for Ctrl-C and other Python signals during work without the interpreter's lock. It must be
+/// created with the lock in the working thread and exist as long as the work. Python handles
+/// signals only in its main thread: there has_raised() acquires the lock every 50 ms and runs the
+/// signal handlers. In other threads has_raised() is always false.
 class Interruption {
  public:
   Interruption();
@@ -17,14 +17,15 @@ class Interruption {
   Interruption(Interruption&&) = delete;
   Interruption& operator=(Interruption&&) = delete;
 
-  /// True if a handler has raised since the newest object of this thread was created. For
-  /// Deadline::unless.
+  /// True if a signal handler has raised an exception since the newest object of this thread was
+  /// created. For use with Deadline::unless().
   static bool has_raised();
-  /// Must be called under the lock after the work. @throws the exception of the handler, if any
+  /// Must be called with the interpreter's lock after the work. @throws the exception of the signal
+  /// handler, if any
   void rethrow() const;
 
  private:
-  Interruption* outer_;  ///< previous object of the same thread: a handler may start a plan, too
+  Interruption* outer_;  ///< previous object of this thread: a handler may also start a plan
   std::int64_t next_ns_;
   bool came_ = false;
 };

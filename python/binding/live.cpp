@@ -24,13 +24,13 @@
 namespace vantage::python {
 namespace {
 
-// Decodes a channel name. Names of foreign channels may contain any bytes.
+// Converts a channel name to a str. Names from other systems may contain any bytes.
 py::str text_of(std::string_view name) {
   return py::reinterpret_steal<py::str>(
       PyUnicode_DecodeUTF8(name.data(), static_cast<Py_ssize_t>(name.size()), "surrogateescape"));
 }
 
-// Transport of bytes by channel name; vantage.live converts them to messages.
+// Transport of bytes under channel names. The Python module vantage.live converts them to messages.
 class LiveBus {
  public:
   LiveBus(const std::string& url, std::shared_ptr<Scenario> scenario)
@@ -124,7 +124,7 @@ class LiveBus {
     ~Handling() { flag = false; }
   };
 
-  // Returns the payload of an accepted message without its signature; nullopt if it is rejected.
+  // Returns the payload of a message without the signature; nullopt if the message is refused.
   std::optional<std::span<const std::uint8_t>> opened(std::string_view channel,
                                                       std::span<const std::uint8_t> bytes) {
     if (!authenticator_) {

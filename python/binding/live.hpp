@@ -4,7 +4,7 @@
 
 namespace vantage::python {
 
-/// Adds vantage.live: the channels of the running system.
+/// Adds the classes of vantage.live, which gives access to the channels of the running system.
 void bind_live(pybind11::module_& module);
 
 }  // namespace vantage::python

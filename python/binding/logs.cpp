@@ -15,7 +15,7 @@
 namespace vantage::python {
 namespace {
 
-// Returns a numpy array that takes over the vector's memory without a copy.
+// Returns a numpy array that takes ownership of the vector's memory, without a copy.
 template <class Number>
 py::array owning_array(std::vector<Number>&& values, const std::vector<std::size_t>& item_shape,
                        const py::dtype& type) {
@@ -57,7 +57,8 @@ class Log {
  public:
   explicit Log(const std::string& path) : log_(path) {}
 
-  // Returns (type name or None, messages, first utime, last utime) by channel. Reads the whole log.
+  // Returns by channel: (type name or None, number of messages, first utime, last utime). Reads the
+  // complete log.
   py::dict channels() const {
     struct Seen {
       const bus::WireSchema* type = nullptr;

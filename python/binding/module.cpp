@@ -5,7 +5,7 @@
 
 PYBIND11_MODULE(_vantage, module) {
   namespace py = pybind11;
-  using namespace vantage::python;  // NOLINT(google-build-using-namespace): this file is its list
+  using namespace vantage::python;  // NOLINT(google-build-using-namespace): lists its functions
   module.doc() = "Compiled part of the package vantage; see help(vantage).";
   module.attr("__version__") = vantage::trial::version();
   py::register_exception<vantage::StartupError>(module, "StartupError", PyExc_ValueError).doc() =

@@ -20,7 +20,7 @@ namespace {
 using planner::SearchResult;
 using tools::PlanOutcome;
 
-// A plan, independent of the lifetime of its problem.
+// Value of Python's vantage.Plan. It remains valid after its problem is deleted.
 struct Plan {
   PlanOutcome outcome;
   int horizon_steps = 0;

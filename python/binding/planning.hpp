@@ -14,8 +14,8 @@
 
 namespace vantage::python {
 
-/// Mutex that throws instead of deadlocking if its own thread locks it again. This happens when a
-/// signal handler uses the object that it interrupted.
+/// Mutex that throws instead of deadlocking if the thread that holds it locks it again. This
+/// happens when a signal handler uses the object whose work it interrupted.
 class WorkMutex {
  public:
   /// @throws UsageError in the thread that already holds it
@@ -48,7 +48,7 @@ class Problem {
     const std::lock_guard lock(mutex_);
     return action(planning_);
   }
-  /// Lets `action` change the problem. @throws UsageError if the result breaks a rule; the problem
+  /// Changes the problem by `action`. @throws UsageError if the result violates a rule; the problem
   /// is then unchanged.
   template <class Action>
   void change(const Action& action) {
@@ -74,8 +74,8 @@ class Problem {
   std::string source_;
 };
 
-/// Value of Python's vantage.Planner: a search with its memory, for one problem at a time. Called
-/// without the interpreter's lock.
+/// Value of Python's vantage.Planner: a search with its memory, which solves one problem at a time.
+/// Its functions are called without the interpreter's lock.
 class Planner {
  public:
   explicit Planner(const tools::PlanRequest& request) : solver_(request) {}

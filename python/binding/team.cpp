@@ -21,7 +21,7 @@ namespace vantage::python {
 namespace {
 
 using Costs = std::map<std::string, double>;
-using TeamCosts = std::variant<Costs, std::vector<Costs>>;  // one for all robots, or one per robot
+using TeamCosts = std::variant<Costs, std::vector<Costs>>;  // common to all robots, or per robot
 
 planner::EnergyModel energy_of(const Costs& costs) {
   planner::EnergyModel energy;
@@ -58,7 +58,8 @@ planner::InformationMeasure measure_of(const std::string& word) {
   return kind_of(word, kMeasures, "measure");
 }
 
-// Returns the problems. `kept` owns the objects with the worlds that the problems refer to.
+// Returns the search problems in `sources`. `kept` receives references to the objects that own the
+// problems' worlds.
 std::vector<planner::SearchProblem> problems_of(const py::sequence& sources, py::list& kept) {
   std::vector<planner::SearchProblem> problems;
   for (const py::handle each : sources) {
@@ -88,7 +89,8 @@ std::unique_ptr<Decision> decided(std::vector<planner::SearchProblem> problems, 
   return decision;
 }
 
-// Applies `of` to the chosen candidate of each robot, or to an empty one if it has no choice.
+// Applies `of` to the chosen candidate of each robot; for a robot without a choice, to an empty
+// candidate.
 template <class Of>
 py::list per_robot(const Decision& decision, const Of& of) {
   static const planner::Candidate kNothing;

@@ -24,10 +24,9 @@
 namespace vantage::python {
 namespace {
 
-using Functions = std::map<std::string, py::function>;  // by robot
+using Functions = std::map<std::string, py::function>;  // by robot name
 
-// Returns the scenario with a node budget, and for external planners with planner.algorithm
-// external.
+// Returns the scenario with a node budget and, if `has_planners`, with planner.algorithm: external.
 std::shared_ptr<Scenario> as_run(const std::shared_ptr<Scenario>& scenario, bool has_planners) {
   scenario::Overrides overrides;
   if (scenario->value.planner.node_budget <= 0) {
@@ -144,13 +143,13 @@ class Trial {
     ~AtWork() { flag = false; }
   };
   std::shared_ptr<Scenario> scenario_;
-  /// Recursive: a Python sensor may query the trial that it is part of.
+  /// Recursive, because a Python sensor may call functions of the trial that runs it.
   mutable std::recursive_mutex mutex_;
   std::atomic<bool> is_at_work_ = false;
   std::unique_ptr<trial::Trial> trial_;
 };
 
-// Returns the poses of the newest TRUTH, of robots or of targets, in the scenario's order.
+// Returns the poses of the robots or of the targets in the newest TRUTH, in the scenario's order.
 py::array_t<double> truth_array(const Trial& trial, bool of_targets) {
   const auto truth = trial.exclusively([](trial::Trial& t) { return t.observer().truth(); });
   const scenario::Scenario& scenario = trial.scenario()->value;

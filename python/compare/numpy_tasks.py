@@ -1,8 +1,8 @@
-"""The environments' tasks in plain numpy, written as a user would: a reference for speed and results.
+"""The environments' tasks in plain numpy, as a user would write them: reference for speed and results.
 
-Motion, sensors, filters, rewards and observations are the same, vectorised over targets, beams and cells
-where that is natural. The random numbers differ. At a wall this code mirrors only a belief's mean, which is
-less work than the library's moments of the folded Gaussian.
+Motion, sensors, filters, rewards and observations are the same as in the library, vectorised over targets,
+beams and cells where possible. The random numbers differ. At a wall this code mirrors only a belief's mean,
+which is less work than the library's moments of the reflected Gaussian.
 """
 import numpy
 

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""speed.py [--seconds S] [--vantage BINARY] [--scenario FILE] [WHAT…]: measures the speed of the module.
+"""speed.py [--seconds S] [--vantage BINARY] [--scenario FILE] [WHAT…]: measures the speed of the Python module.
 
   env    steps per second of each environment compared with numpy_tasks.py, the same task in plain
          numpy: the rows of docs/guide/python.md
-  plan   time of a call of Planner.plan() in addition to the search
-  trial  a trial stepped from Python compared with `vantage trial`, in alternation
+  plan   overhead of a call of Planner.plan(): its time minus that of the search
+  trial  time of a trial stepped from Python compared with `vantage trial`, run alternately
 
-Without WHAT: all three.
+Without WHAT, all three are measured.
 
 Set PYTHONPATH to the module's folder (build/release/python). Results are medians of several
 repetitions, in CPU time unless stated otherwise, because wall time is unreliable on a busy machine.
@@ -91,7 +91,7 @@ def plain(name):
 
 
 def three_figures(number):
-    """Returns 54 612.3 as "54 600": three significant digits, thousands separated."""
+    """Returns a number as text with three significant digits and separated thousands: 54 612.3 as "54 600"."""
     digits = max(0, len(str(int(number))) - 3)
     return f"{round(number, -digits):,.0f}".replace(",", " ")
 
@@ -103,7 +103,7 @@ def compare_env(seconds):
     print("| task | numpy | one environment | × | 256 together | × |")
     print("|---|---|---|---|---|---|")
     for name in vantage.env.tasks:
-        # Measured within a few seconds, so that other load of the machine affects all alike.
+        # Measured within a few seconds, so that other load of the machine affects all of them equally.
         slow, one, together = (rate(run, seconds) for run in (plain(name), single(name), many(name, 256, 1)))
         clocked[name] = three_figures(rate(many(name, 256, threads), seconds, time.perf_counter))
         print(f"| `{name}` | {three_figures(slow)} | {three_figures(one)} | {one / slow:.0f} "

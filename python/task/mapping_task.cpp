@@ -77,7 +77,7 @@ double MappingTask::learn_around(std::size_t robot) {
   const models::OccupancyBelief& map = ground_->map();
   const models::GridGeometry& grid = map.geometry();
   const Eigen::Vector2d at_m = ground_->poses()[robot].position_m() - grid.origin_m;
-  // A hit marks cells up to two σ behind the measured range.
+  // A hit marks the cell at up to 2 σ beyond the measured range, which itself has noise.
   const double reach_m = setup_.scanner.range_max_m + 3.0 * setup_.scanner.sigma_m;
   const auto cell_of = [&](double along_m, int count) {
     return std::clamp(static_cast<int>(std::floor(along_m / grid.resolution_m)), 0, count - 1);

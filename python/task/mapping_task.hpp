@@ -11,27 +11,28 @@
 namespace vantage::python {
 
 /// Exploration by a team that initially knows only the outer walls of its world. The defaults are
-/// those of dissertation 4 F.2 with fewer robots.
+/// those of the dissertation (4 F.2), but with fewer robots.
 struct MappingTaskSpec {
   int robots = 2;
-  std::string world = "pillars";  ///< or "corridors"
+  std::string world = "pillars";  ///< "pillars" or "corridors"
   double side_m = 16.0;
-  int patch_cells = 32;  ///< side of the observed part of the map around a robot, cells
+  int patch_cells = 32;  ///< cells; side of the map section that a robot observes
   int episode_steps = 100;
   JammerSpec jammer;
 };
 
-/// Mapping task. Reward: decrease of the map's entropy, nats. Robots stop at obstacles.
+/// Mapping task. The reward is the decrease of the map's entropy, nats. Robots stop at obstacles.
 class MappingTask final : public TeamTask {
  public:
-  /// @throws UsageError for an invalid spec, with the rule.
+  /// @throws UsageError for an invalid spec; the text states the rule.
   explicit MappingTask(const MappingTaskSpec& spec);
 
   [[nodiscard]] int actions() const override {
     return static_cast<int>(setup_.search.controls.size());
   }
-  /// "self" (5), "teammates" (robots − 1, 4), "map" (patch_cells, patch_cells): rows from south to
-  /// north, columns from west to east about the robot's cell, 2 P(occupied) − 1; 1 outside.
+  /// Returns the parts "self" (5), "teammates" (robots − 1, 4) and "map" (patch_cells,
+  /// patch_cells). The map has the robot's cell in the middle, rows from south to north and columns
+  /// from west to east. Its entries are 2 P(occupied) − 1, and 1 outside the world.
   [[nodiscard]] std::vector<ObservationPart> observation_parts() const override;
   [[nodiscard]] int observation_size() const override;
   void observe(int robot, std::span<float> out) const override;
@@ -46,7 +47,8 @@ class MappingTask final : public TeamTask {
   void on_reset(std::uint64_t seed) override;
   double on_step(std::span<const std::int64_t> actions) override;
   void look();
-  /// Updates cell_nats_ within the range of `robot`. Returns the decrease of the entropy, nats.
+  /// Updates cell_nats_ within the sensor range of `robot`. Returns the decrease of the map's
+  /// entropy, nats.
   double learn_around(std::size_t robot);
 
   MappingTaskSpec spec_;

@@ -27,9 +27,10 @@ class ObservationWriter {
 inline constexpr int kSelfEntries = 5;
 inline constexpr int kTeammateEntries = 4;
 
-/// Appends the robot itself: x, y relative to the world's centre in half side lengths, cos and sin
-/// of the yaw, jammed (1) or not (0). Then for each teammate: position in the body frame in
-/// diagonals of the world, cos and sin of the heading in that frame.
+/// Appends the state of the robot: x, y relative to the world's centre in half side lengths, cos
+/// and sin of the yaw, and 1 if jammed, otherwise 0. Then appends for each teammate: position in
+/// the body frame in units of the world's diagonal, and cos and sin of the heading in the body
+/// frame.
 inline void add_team(ObservationWriter& out, const models::Rectangle& bounds,
                      const std::vector<Pose2>& poses, std::size_t robot, bool is_jammed) {
   const Eigen::Vector2d middle_m = 0.5 * (bounds.min_m + bounds.max_m);

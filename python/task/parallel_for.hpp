@@ -10,10 +10,10 @@
 
 namespace vantage::python {
 
-/// Thread pool that distributes the indices of a loop. The calling thread takes part.
+/// Thread pool that distributes the indices of a loop. The calling thread also processes indices.
 class ParallelFor {
  public:
-  /// @param threads  ≥ 1, including the caller's
+  /// @param threads number of threads including the calling one, ≥ 1
   explicit ParallelFor(int threads);
   ~ParallelFor();
   ParallelFor(const ParallelFor&) = delete;
@@ -22,12 +22,12 @@ class ParallelFor {
   ParallelFor& operator=(ParallelFor&&) = delete;
 
   /// Calls body(i) once for each i < count, in any order and on any of the threads. Rethrows the
-  /// first exception at the end. Must not be called by two threads at once.
+  /// first exception at the end. Must not be called by two threads simultaneously.
   void run(std::size_t count, const std::function<void(std::size_t)>& body);
 
  private:
   void work();
-  /// Processes indices until none is left. `lock` is held on entry and on return.
+  /// Processes indices until all are done. `lock` is locked at the call and on return.
   void share(std::unique_lock<std::mutex>& lock);
 
   std::mutex mutex_;
@@ -36,8 +36,8 @@ class ParallelFor {
   const std::function<void(std::size_t)>* body_ = nullptr;
   std::size_t count_ = 0;
   std::size_t next_ = 0;
-  std::size_t pieces_ = 1;   ///< number of indices taken at once
-  std::size_t working_ = 0;  ///< threads within share()
+  std::size_t pieces_ = 1;   ///< number of indices that a thread takes at a time
+  std::size_t working_ = 0;  ///< number of threads within share()
   std::exception_ptr thrown_;
   bool is_ending_ = false;
   std::vector<std::thread> threads_;

@@ -34,7 +34,7 @@ using planner::TeamProblem;
 
 constexpr std::string_view kRain = "rain";
 constexpr std::string_view kExhaustive = "exhaustive";
-// Maximum number of sets that are evaluated one by one, which takes some seconds.
+// Maximum number of sets that are evaluated one by one; evaluating that number takes some seconds.
 constexpr double kMostSets = 1e6;
 
 bool has(const TeamAlgorithm& algorithm, std::string_view option) {
@@ -133,7 +133,8 @@ void require_few(const char* argument, double sets) {
                       argument, sets, kMostSets));
 }
 
-// Returns the number of choices of one candidate per robot, or of none if `may_rest`.
+// Returns the number of ways to choose one candidate per robot; if `may_rest`, a robot may also
+// have none.
 double choices(const TeamOracle& oracle, const std::vector<int>& robots, bool may_rest) {
   double product = 1.0;
   for (const int robot : robots) {
@@ -196,7 +197,7 @@ std::vector<planner::Candidate> candidates_of(const SearchProblem& problem,
                                               const planner::EnergyModel& energy,
                                               const TeamRequest& request) {
   constexpr std::size_t kMemoryMost = std::size_t{512} << 20U;
-  constexpr std::size_t kLeavesMax = 2'000;  // about 10 µs each
+  constexpr std::size_t kLeavesMax = 2'000;  // number of leaves; about 10 µs each
   planner::CandidateOptions options = request.candidates;
   options.is_anytime = true;
   options.leaves_max = std::max(kLeavesMax, options.candidates_max);
@@ -207,7 +208,7 @@ std::vector<planner::Candidate> candidates_of(const SearchProblem& problem,
 }
 
 // Searches the robots' plans in turn, each given the plans of its teammates. The last plan of each
-// robot is its only candidate in `team`. Returns the bait.
+// robot becomes its only candidate in `team`. Returns the bait robots.
 std::vector<int> search_in_turn(std::vector<SearchProblem> problems, const TeamRequest& request,
                                 TeamProblem& team) {
   tools::PlanRequest by_default;
@@ -303,8 +304,8 @@ Decision::Decision(std::vector<SearchProblem> problems, const TeamRequest& reque
       const bool is_planned = !team_.candidates[index(robot)].empty();
       decided_.choice.push_back(is_planned ? oracle_->begin(robot) : planner::kNoCandidate);
     }
-    // As in plan_resiliently(): one message for the value alone, if there are attacks, and one for
-    // the choice.
+    // As in plan_resiliently(): each robot sends one message with its choice and, if there are
+    // attacks, one with the value of its own plan.
     decided_.messages = (request.attacks_max > 0 ? 2 : 1) * oracle_->robot_count();
   } else if (has(called(algorithm_), "attacks_max")) {
     const planner::ResilientRound round(best_alone(*oracle_), request.attacks_max);

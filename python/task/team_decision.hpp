@@ -19,7 +19,7 @@ namespace vantage::python {
 struct TeamAlgorithm {
   std::string_view name;
   std::string_view what;  ///< description in one line
-  /// Fields of TeamRequest that the algorithm uses in addition.
+  /// Names of the optional TeamRequest fields that the algorithm uses.
   std::vector<std::string_view> options;
 };
 const std::vector<TeamAlgorithm>& team_algorithms();
@@ -28,24 +28,24 @@ const std::vector<TeamAlgorithm>& team_algorithms();
 struct TeamRequest {
   std::string algorithm = "coordinate_descent";
   planner::InformationMeasure measure = planner::InformationMeasure::kMutual;
-  planner::CandidateOptions candidates;  ///< is_anytime is ignored: always true
+  planner::CandidateOptions candidates;  ///< is_anytime is ignored and assumed true
   std::int64_t nodes = 20'000;           ///< budget of work nodes for each robot's search
   int attacks_max = 0;
-  std::vector<int> order;  ///< order in coordinate descent; empty: 0, 1, 2, …
+  std::vector<int> order;  ///< order of robots in coordinate descent; empty: 0, 1, 2, …
   int rounds_max = 1;
-  double alpha = 1.0;  ///< local search: minimum gain factor 1 + α/N⁴, N candidates
-  std::vector<planner::EnergyModel> energy;  ///< empty: motion costs nothing; else one per robot
+  double alpha = 1.0;  ///< local search: α; minimum gain factor 1 + α/N⁴, N candidates
+  std::vector<planner::EnergyModel> energy;  ///< one per robot; empty: no motion cost
   /// Search of one robot's plan, for algorithms that search; empty: the default search with
   /// `nodes`.
   std::function<planner::SearchResult(const planner::SearchProblem&)> search;
   bool (*is_cancelled)() = nullptr;  ///< see Deadline::unless
 };
 
-/// A team's decision and the candidates it was chosen from.
+/// Decision of a team, with the candidates from which it was chosen.
 class Decision {
  public:
-  /// Decides for the robots in the order of `problems`. Their fixed information is ignored.
-  /// @throws UsageError that names the argument that breaks a rule
+  /// Computes the decision for the robots in the order of `problems`. The fixed information of the
+  /// problems is ignored. @throws UsageError that names the argument that violates a rule
   Decision(std::vector<planner::SearchProblem> problems, const TeamRequest& request);
   ~Decision() = default;
   Decision(const Decision&) = delete;  // the oracle refers to the team
@@ -68,7 +68,7 @@ class Decision {
   /// @throws UsageError if there are too many attacks to enumerate
   [[nodiscard]] planner::Attack worst_attack(int attacks_max) const;
   /// Returns a proven upper bound, nats, of J over all paths that the robots' controls allow. With
-  /// attacks it bounds the value that remains after the worst one. ∞: no bound is known.
+  /// attacks it bounds the value that remains after the worst attack. ∞: no bound is known.
   /// @throws UsageError that names the argument that breaks a rule
   [[nodiscard]] double paths_bound(int attacks_max, std::int64_t nodes,
                                    bool (*is_cancelled)()) const;
@@ -78,7 +78,7 @@ class Decision {
   std::vector<int> bait_;
   planner::TeamDecision decided_;
   planner::TeamProblem team_;
-  /// Without their worlds, which may no longer exist.
+  /// Problems without their worlds, which may no longer exist.
   std::vector<planner::SearchProblem> problems_;
   std::unique_ptr<planner::TeamOracle> oracle_;
   double value_ = 0.0;

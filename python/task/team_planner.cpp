@@ -94,7 +94,7 @@ class MappingPlanner final : public TeamPlanner {
 
 std::unique_ptr<TeamPlanner> make_team_planner(const TeamTask& task, const TeamPlannerSpec& spec) {
   const bool is_mapping = dynamic_cast<const MappingTask*>(&task) != nullptr;
-  const int longest = is_mapping ? 8 : 64;  // forward search is exhaustive
+  const int longest = is_mapping ? 8 : 64;  // in mapping, forward search is exhaustive and slow
   require(spec.horizon_steps >= 1 && spec.horizon_steps <= longest,
           fmt::format("horizon_steps: must be ≥ 1 and ≤ {}, got {}", longest, spec.horizon_steps));
   if (is_mapping) {

@@ -12,12 +12,13 @@
 
 namespace vantage::python {
 
-/// Planner as a policy for a task: the robots plan in order, each given the plans of the robots
-/// before it (coordinate descent).
+/// Planner as a policy for a task: the robots plan in order, each given the plans of the previous
+/// robots (coordinate descent).
 class TeamPlanner {
  public:
   virtual ~TeamPlanner() = default;
-  /// Returns the controls of each robot from its current pose, [robot][step]; empty without a plan.
+  /// Returns the controls of each robot from its current pose on, [robot][step]; empty for a robot
+  /// without a plan.
   virtual std::vector<std::vector<std::int64_t>> plan(const TeamTask& task) = 0;
 };
 
@@ -29,8 +30,9 @@ struct TeamPlannerSpec {
 };
 
 /// Creates a planner for tasks like `task`. In tracking the searches use the team's beliefs instead
-/// of the truth, and ignore observations from less than 3 m (reason: experiments::TrackingSetting).
-/// @throws UsageError for an algorithm that this kind of task does not have.
+/// of the truth, and ignore observations from less than 3 m (see experiments::TrackingSetting for
+/// the reason).
+/// @throws UsageError for an algorithm that does not exist for this kind of task.
 std::unique_ptr<TeamPlanner> make_team_planner(const TeamTask& task, const TeamPlannerSpec& spec);
 
 }  // namespace vantage::python

@@ -8,11 +8,11 @@
 
 namespace vantage::python {
 
-/// Temporary loss of robots' sensors.
+/// Simulated attack: temporary loss of some robots' sensors.
 struct JammerSpec {
-  int attacks = 0;        ///< α: number of robots jammed at a time
-  int period_steps = 25;  ///< steps after which other robots are chosen
-  bool is_greedy = true;  ///< choose the robots that saw most in the last period; else random ones
+  int attacks = 0;        ///< α: number of robots jammed simultaneously
+  int period_steps = 25;  ///< steps; duration until other robots are jammed
+  bool is_greedy = true;  ///< true: jam the robots that saw most in the last period; false: random
 };
 
 /// Contiguous part of an observation.
@@ -21,9 +21,9 @@ struct ObservationPart {
   std::vector<int> shape;  ///< row-major; the product is the number of entries
 };
 
-/// Cooperative task in steps: each robot chooses one of its controls, all move, all observe, and
-/// the team is rewarded for its knowledge. Base of the Python environments. A task depends only on
-/// the seed and the actions. Not thread-safe.
+/// Cooperative task in discrete steps: each robot chooses one of its controls, all robots move and
+/// observe, and the team receives a reward for its information. Base of the Python environments. An
+/// episode depends only on the seed and the actions. Not thread-safe.
 class TeamTask {
  public:
   TeamTask(int robots, int steps_max, const JammerSpec& jammer);
@@ -53,17 +53,16 @@ class TeamTask {
   [[nodiscard]] virtual int observation_size() const = 0;
   /// Writes the observation of `robot`, entries in [−1, 1]; `out` has observation_size() entries.
   virtual void observe(int robot, std::span<float> out) const = 0;
-  /// Writes the observations of all robots in order. Precondition: robots() · observation_size()
-  /// entries.
+  /// Writes the observations of all robots in order. Precondition: `out` has robots() ·
+  /// observation_size() entries.
   void observe(std::span<float> out) const;
-  /// Returns the uncertainty, nats: in tracking the mean over the targets, in mapping that of the
-  /// map.
+  /// Returns the entropy, nats: in tracking the mean over the targets, in mapping that of the map.
   [[nodiscard]] virtual double entropy_nats() const = 0;
 
  protected:
   virtual void on_reset(std::uint64_t seed) = 0;
-  /// Moves the robots and lets them observe. Adds the amount that each robot saw to seen(). Returns
-  /// the reward.
+  /// Moves the robots and simulates their observations. Adds the amount that each robot observed to
+  /// seen(). Returns the reward.
   virtual double on_step(std::span<const std::int64_t> actions) = 0;
   [[nodiscard]] std::vector<double>& seen() { return seen_; }
 
@@ -75,7 +74,7 @@ class TeamTask {
   JammerSpec jammer_;
   int steps_ = 0;
   std::vector<char> jammed_;
-  std::vector<double> seen_;  ///< in the current period, by robot
+  std::vector<double> seen_;  ///< amount observed in the current period, by robot
   std::mt19937_64 attacker_;
 };
 

@@ -14,8 +14,8 @@
 
 namespace vantage::python {
 
-/// Tracking of double integrators by a team in a square field. Sensor, primitives and targets are
-/// those of dissertation 4 F.1, in a smaller field.
+/// Parameters of the tracking of double integrators by a team in a square field. Sensor, motion
+/// primitives and targets are those of the dissertation (4 F.1); the field is smaller.
 struct TrackingSpec {
   int robots = 1;
   double side_m = 40.0;
@@ -29,26 +29,26 @@ struct TrackingSpec {
   double detection_probability = 0.0;
   models::SensorModel sensor;
   std::vector<models::UnicycleControl> controls = models::standard_primitives();
-  double radius_m = 0.25;  ///< radius of the robot's disc, which must not touch a wall
+  double radius_m = 0.25;  ///< m; radius of the robot's disc, which must not touch a wall
   int episode_steps = 200;
   JammerSpec jammer;
 
   TrackingSpec();
 };
 
-/// Tracking task. Reward: negative mean over the targets of the entropy of position and velocity,
-/// nats. The cost of planner::SearchProblem is an affine function of its sum. A robot that
-/// would touch a wall keeps its position and only turns. Robots do not occlude or collide with each
-/// other.
+/// Tracking task. The reward is minus the mean over the targets of the entropy of position and
+/// velocity, nats. The cost of planner::SearchProblem is an affine function of the sum of rewards.
+/// A robot that would touch a wall only turns and does not move. Robots do not occlude or collide
+/// with each other.
 class TrackingTask final : public TeamTask {
  public:
   /// @throws UsageError for an invalid spec, with the rule.
   explicit TrackingTask(const TrackingSpec& spec);
 
   [[nodiscard]] int actions() const override { return static_cast<int>(spec_.controls.size()); }
-  /// "self" (5), "teammates" (robots − 1, 4), "targets" (targets, 6): for each estimated target its
-  /// position in the body frame in diagonals of the field, its velocity in that frame in units of 2
-  /// m/s, its entropy in units of 10 nats, and whether the team sees it now.
+  /// Returns the parts "self" (5), "teammates" (robots − 1, 4) and "targets" (targets, 6). For each
+  /// estimated target: position in the body frame in units of the field's diagonal, velocity in
+  /// that frame in units of 2 m/s, entropy in units of 10 nats, and 1 if the team detects it now.
   [[nodiscard]] std::vector<ObservationPart> observation_parts() const override;
   [[nodiscard]] int observation_size() const override;
   void observe(int robot, std::span<float> out) const override;

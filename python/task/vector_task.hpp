@@ -11,8 +11,8 @@
 
 namespace vantage::python {
 
-/// Tasks of one kind that are stepped together on several threads. The result of each depends only
-/// on its seed and its actions, not on the number of threads.
+/// Tasks of one kind that are stepped simultaneously on several threads. The result of each task
+/// depends only on its seed and its actions, not on the number of threads.
 class VectorTask {
  public:
   using Make = std::function<std::unique_ptr<TeamTask>()>;
@@ -21,13 +21,13 @@ class VectorTask {
 
   /// Starts new episodes of all tasks, each with its own seed.
   void reset(std::span<const std::uint64_t> seeds);
-  /// Steps all tasks. If an episode was over, its task starts the next one instead: its actions are
-  /// ignored and its reward is 0. The next seed follows from the previous one.
-  /// @param actions  [task][robot]; all are checked before any task moves
+  /// Steps all tasks. A task whose episode was over starts the next episode instead: its actions
+  /// are ignored and its reward is 0. next_episode_seed() gives the next seed.
+  /// @param actions [task][robot]; all are checked before the first task is stepped
   /// @param rewards, is_over  one per task
   void step(std::span<const std::int64_t> actions, std::span<double> rewards,
             std::span<bool> is_over);
-  /// Writes the observations of all tasks: [task][robot][entry].
+  /// Writes the observations of all tasks as [task][robot][entry].
   void observe(std::span<float> out);
 
   [[nodiscard]] std::size_t size() const { return tasks_.size(); }
@@ -40,7 +40,7 @@ class VectorTask {
   ParallelFor parallel_;
 };
 
-/// Returns the seed of the episode after that of `seed`.
+/// Returns the seed of the episode that follows the episode with `seed`.
 std::uint64_t next_episode_seed(std::uint64_t seed);
 
 }  // namespace vantage::python

@@ -1,4 +1,4 @@
-"""vantage: active information acquisition by teams of robots.
+"""vantage: active information acquisition with teams of robots.
 
 Plans      Problem, Planner, Plan, plan(), algorithms()
 Teams      decide(), Decision, team_algorithms(): joint plans of a team of robots

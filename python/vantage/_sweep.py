@@ -12,7 +12,7 @@ _KEYS = ("duration_s", "planner", "communication_range_m", "node_budget")
 
 
 class _Stopped(Exception):
-    """Raised in a trial that was cancelled."""
+    """Exception raised in a trial that was cancelled."""
 
 
 def sweep(scenario, parameters, seeds, *, threads=None, progress=None):
@@ -21,8 +21,8 @@ def sweep(scenario, parameters, seeds, *, threads=None, progress=None):
     sweep(scenario, {"node_budget": [200, 2000]}, seeds=range(10)): `scenario` as for Trial. The keys of
     `parameters` are options of Scenario.replace(), the values are lists. Seeds vary fastest. The result is a
     dict with one row per trial in each column: the keys, seed, and every number of Trial.metrics under its
-    name ("rmse_m", "per_robot.entropy", …), nan if absent; lists are left out. The result is identical to the
-    bit for any number of `threads` (default: one per core). The calling thread calls progress(share) after
+    name ("rmse_m", "per_robot.entropy", …), nan if absent; lists are omitted. The result is bit-identical
+    for any number of `threads` (default: one per core). The calling thread calls progress(share) after
     each trial.
 
     All arguments are checked before the first trial starts. A sweep ends early after Ctrl-C or an exception of
@@ -72,7 +72,7 @@ def sweep(scenario, parameters, seeds, *, threads=None, progress=None):
 
 
 def _rows(parameters, seeds):
-    """Returns the replaced options of each trial."""
+    """Returns the options of Scenario.replace() for each trial."""
     for key, values in parameters.items():
         if key not in _KEYS:
             raise UsageError(f"parameters: unknown key {key}; valid keys are {', '.join(_KEYS)}")

@@ -19,14 +19,14 @@ __all__ = ["Bus", "Node"]
 
 
 class Bus:
-    """Connection of one process to the bus. Calls from several threads wait for each other.
+    """Connection of one process to the bus. Thread-safe: simultaneous calls are executed one after another.
 
     url: as in network.url ("": $LCM_DEFAULT_URL, else the default of LCM). scenario: a Scenario or its source.
     If `url` is "", its network.url is used. Its security applies: published messages are signed with the key
     of the channel's role, and received messages are verified (docs/guide/security.md). Without a scenario,
     messages are not verified.
 
-    Raises StartupError if there is no such network or the keys are invalid.
+    Raises StartupError if the network is missing or the keys are invalid.
     """
 
     def __init__(self, url="", scenario=None):
@@ -88,12 +88,12 @@ class Bus:
 
     @property
     def counters(self):
-        """{name: count} of messages sent, received, lost, and rejected by signature; zeros are left out."""
+        """{name: count} of messages sent, received, lost, and refused because of their signature; zeros are omitted."""
         return {**self._bus.counters(), **self._decode_errors}
 
 
 class Node(Bus):
-    """A process on the bus: handles messages and runs periodic actions until Ctrl-C.
+    """Process on the bus: handles messages and runs periodic actions until Ctrl-C.
 
     If vantage_lcm is installed, it publishes its state once per second on HEALTH_<name>, as every process does.
     """

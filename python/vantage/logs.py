@@ -10,7 +10,7 @@ __all__ = ["Columns", "Log"]
 
 
 class Columns(collections.abc.Mapping):
-    """The messages of one channel: a numpy array for each field of its .lcm file.
+    """Messages of one channel: a numpy array for each field of its .lcm file.
 
     For n messages a scalar field is (n,), a field of constant size (n, k); text has dtype object. Integers are
     int64 and floating-point numbers float64, whatever their width in the message.
@@ -58,7 +58,7 @@ Channel = collections.namedtuple("Channel", "type messages first_utime last_utim
 
 
 class Log:
-    """An LCM event log. Of a damaged log, all intact events are read.
+    """LCM event log. If the log is damaged, all intact events are read.
 
     log["PLAN_Q1"] reads a channel; read() reads a part of one. log.channels contains all channels.
     Raises StartupError if the file cannot be read.

@@ -2,7 +2,7 @@
 
 A target model is any object with transition(dt_s) and process_noise(dt_s), both (n, n), like
 vantage.TargetModel. If it also has expected(mean, dt_s), it may be nonlinear; transition(dt_s, mean=mean)
-is then the Jacobian at `mean`. n is that of the scenario's model, with the position first.
+is then the Jacobian at `mean`. n is the dimension of the scenario's model; the state begins with the position.
 
     trial = vantage.Trial(scenario,
                           filters={r: own.Filter(scenario, r, model=Mine()) for r in scenario.robots},
@@ -20,7 +20,7 @@ __all__ = ["Filter", "Search", "uncertainty"]
 
 
 def uncertainty(pose, beliefs, step):
-    """Returns the stack's stage cost: the sum of log det Σ over the targets, nats."""
+    """Returns the stage cost that the stack uses: the sum of log det Σ over the targets, nats."""
     return sum(numpy.linalg.slogdet(covariance)[1] for _, covariance in beliefs.values())
 
 
@@ -82,10 +82,10 @@ class Search:
     """A beam search with a custom target model and stage cost: for Trial(planners=…).
 
     cost(pose (3,), beliefs {id: (mean, covariance)}, step 1…T) is summed over the steps and minimised. Each step
-    keeps the `width` best paths. Motions keep the scenario's margin to walls and `separation_m` to the predicted
+    keeps the `width` best paths. Paths keep the scenario's margin to walls, and `separation_m` to the predicted
     positions of teammates. The robot checks every result again.
 
-    A custom planner is any function of the same question: a dict with robot, round, time_s (start of the plan,
+    A custom planner is any function with the same argument, a dict with robot, round, time_s (start of the plan,
     since the Unix epoch), pose (3,) and speed_mps at that time, height_m, horizon_steps, step_s, controls (U, 2),
     beliefs {id: (mean, covariance)} predicted to that time by the scenario's model, and team
     {robot: poses (T + 1, 3)}.
@@ -99,7 +99,7 @@ class Search:
         self.cost, self.width, self.separation_m = cost, width, separation_m
 
     def __call__(self, question):
-        """Returns rows (T, 3) of speed, yaw rate and duration; None if no path is clear."""
+        """Returns rows (T, 3) of speed, yaw rate and duration; None if every path leads to a collision."""
         step_s = question["step_s"]
         height_m = question["height_m"]
         paths = [(0.0, question["pose"], question["beliefs"], [])]
@@ -119,9 +119,9 @@ class Search:
         return numpy.array(path) if path else None
 
     def _drive(self, pose, control, step, question):
-        """Returns the pose after one step; None if the pose, the path to it or the stop after it is not clear."""
+        """Returns the pose after one step; None if it, the path to it or the stop after it is in collision."""
         half_s = question["step_s"] / 2
-        stop_m = control[0]**2 / 4  # at 2 m/s²
+        stop_m = control[0]**2 / 4  # m; stopping distance at 2 m/s²
         along = [_vantage.step_unicycle(pose, control, half_s)]
         along.append(_vantage.step_unicycle(along[0], control, half_s))
         ahead = numpy.array([numpy.cos(along[1][2]), numpy.sin(along[1][2])])

@@ -2,7 +2,7 @@
 
     make(name, **options)         gymnasium.Env: one agent controls all robots
     make_team(name, **options)    pettingzoo.ParallelEnv: one agent per robot
-    make_vector(name, num_envs)   gymnasium.vector.VectorEnv: many tasks on several threads
+    make_vector(name, num_envs)   gymnasium.vector.VectorEnv: many tasks in parallel on several threads
 
 Neither package needs to be installed. If Gymnasium is installed,
 gymnasium.make("vantage/TargetTracking-v0") also works after import vantage.env. `tasks` contains the
@@ -14,8 +14,8 @@ start_side_m, q_m2ps3, step_s, prior_position_sigma_m, prior_velocity_sigma_mps,
 range_max_m, range_sigma_m, fov_deg, bearing_sigma_deg.
 Mapping: robots with range finders explore an unknown world. Reward: decrease of the map's entropy, nats.
 Options: robots, world (pillars or corridors), side_m, patch_cells.
-Both: episode_steps; attacks (number of robots with jammed sensors at a time), attack_period_steps
-(steps until other robots are chosen), attacker (greedy: the robots that saw most; random).
+Both: episode_steps; attacks (number of robots whose sensors are jammed simultaneously), attack_period_steps
+(steps until other robots are jammed), attacker (greedy: the robots that saw most; random).
 """
 from . import baselines
 from .single import TaskEnv

@@ -1,4 +1,4 @@
-"""Policies without learning, as a baseline for learned ones.
+"""Policies without learning, as a baseline for learned policies.
 
     env = vantage.env.make("TargetTracking")
     policy = vantage.env.baselines.Planner(env, "beam")
@@ -33,13 +33,13 @@ class Random:
 
 
 class Planner:
-    """The stack's planners as a policy: the robots plan in order, each given the plans of those before it.
+    """The stack's planners as a policy: the robots plan in order, each given the plans of the previous ones.
 
     algorithm: in tracking a name of vantage.algorithms() ("beam", "arvi", "greedy", …) with a budget of
-    `nodes` per robot and plan; in mapping "forward", exhaustive over its horizon, or "greedy", the best next
+    `nodes` per robot and plan; in mapping "forward", an exhaustive search over its horizon, or "greedy", the best next
     step. None: beam or forward.
     A plan is followed for replan_steps. The planner uses the team's beliefs (snapshot()) instead of the
-    observations, which contain less, and never the truth.
+    observations, which contain less information. It never uses the truth.
     """
 
     def __init__(self, env, algorithm=None, *, horizon_steps=None, nodes=20_000, replan_steps=None):

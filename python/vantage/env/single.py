@@ -78,7 +78,7 @@ class Parts:
                 for name, (where, shape) in self.observation_parts.items()}
 
     def snapshot(self, index=0):
-        """Returns the present state of knowledge in task `index`: poses (N, 3), jammed (N,), entropy_nats, steps.
+        """Returns the team's current estimates in task `index`: poses (N, 3), jammed (N,), entropy_nats, steps.
         Tracking adds means (M, 4), covariances (M, 4, 4), seen (M,) and errors_m (M,) against the truth.
         Mapping adds map (rows, columns), the occupancy probabilities, and map_resolution_m.
         """
@@ -86,7 +86,7 @@ class Parts:
 
 
 class TaskEnv(Parts, _Env):
-    """A task as gymnasium.Env: one agent chooses a control for every robot.
+    """Task as a gymnasium.Env: one agent chooses a control for every robot.
 
     Observation: float32 in [−1, 1], (D,) for one robot, (N, D) for a team; observation_parts describes the
     entries. Action: Discrete for one robot, MultiDiscrete for a team. Episodes are truncated after

@@ -28,7 +28,7 @@ except ImportError:
 
 
 class TeamEnv(Parts, _ParallelEnv):
-    """A task as pettingzoo.ParallelEnv: agents robot_0, robot_1, … with a common reward.
+    """Task as a pettingzoo.ParallelEnv: agents robot_0, robot_1, … with a common reward.
 
     Each agent observes float32 (D,) in [−1, 1] (observation_parts describes the entries); its action space is
     Discrete. All agents are truncated together after episode_steps. reset(seed=s) starts the same episode for
@@ -43,7 +43,7 @@ class TeamEnv(Parts, _ParallelEnv):
         self.render_mode = None
         self.possible_agents = [f"robot_{i}" for i in range(self.robots)]
         self.agents = []
-        # The interface requires the same object at each call, because a space contains its seed.
+        # The interface requires the same object at each call, because a space has its own random state.
         self.observation_spaces = {
             agent: spaces.Box(-1.0, 1.0, (self._tasks.observation_size,), numpy.float32)
             for agent in self.possible_agents}
@@ -68,7 +68,7 @@ class TeamEnv(Parts, _ParallelEnv):
         return self._by_agent(self._observations), {agent: {} for agent in self.agents}
 
     def step(self, actions):
-        """Takes {agent: action} of all agents. Other keys are ignored, as PettingZoo's tests require."""
+        """Steps with {agent: action} of all agents. Other keys are ignored, as PettingZoo's tests require."""
         if not self.agents:
             raise RuntimeError("reset() must be called before the first step() and after the end of an episode")
         try:
