@@ -28,7 +28,7 @@ class Meetings {
   void let_meet(TrackTable& tracks, double dt_s, std::uint64_t key);
 
  private:
-  /// A target with a disc that contains it, with nearly certain probability, for the next dt_s.
+  /// A target, with a disc that the target leaves within dt_s only with negligible probability.
   struct Party {
     int target_id = 0;
     Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();

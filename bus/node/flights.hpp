@@ -19,7 +19,8 @@ class Flights {
 
   explicit Flights(std::set<std::string> robots) : robots_(std::move(robots)) {}
 
-  /// Uses a status that arrived at `now`. Statuses of robots outside the set are ignored.
+  /// Uses a status that arrived at `now`. Statuses of robots that are not in `robots` (constructor)
+  /// are ignored.
   void on_status(const models::VehicleStatus& status, Time now);
   /// Returns the names of the vehicles that are flying or driving.
   [[nodiscard]] std::vector<std::string> in_flight(Time now) const;
