@@ -39,7 +39,7 @@ class Analyst {
   void on(const models::AttackNotice& /*attack*/) {}
   void on(const models::PlanProposal& /*proposal*/) {}
   void on(const models::TeamProposal& /*proposal*/) {}
-  void on(const models::BeliefMixture& /*mixture*/) {}  // its belief is evaluated instead
+  void on(const models::BeliefMixture& /*mixture*/) {}  // RobotBelief is evaluated instead
   void on(const models::RangeScan& /*scan*/) {}
   void on(const models::RobotMap& map) { metrics_.on_map(map); }
   void on(const models::OperatorCommand& /*command*/) {}

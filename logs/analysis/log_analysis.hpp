@@ -33,15 +33,15 @@ Spread spread_of(std::vector<double> values_s);
 struct DeadlineRecord {
   std::int64_t plans = 0;
   std::int64_t late = 0;
-  std::int64_t fallbacks = 0;  ///< plans that did not come from the search of their own slot
-  Spread margin;               ///< deadline − finish; negative if late
-  Spread search;               ///< finish − start of the slot
+  std::int64_t fallbacks = 0;  ///< number of plans not found by the search in their own slot
+  Spread margin;               ///< s; deadline minus the time when a plan was finished
+  Spread search;               ///< s; from the start of the slot to the end of the search
 };
 
-/// Latency of one section of the stack as a process measured it, over the trial until its last
-/// HEALTH.
+/// Latency of one section of the stack, as measured by a process from the start of the trial to the
+/// last HEALTH message of that process.
 struct Hop {
-  std::string name;  ///< "frame_setpoint": from the first to the second event
+  std::string name;  ///< first and last event of the section: "frame_setpoint"
   std::int64_t p50_us = 0;
   std::int64_t p99_us = 0;
   std::int64_t max_us = 0;
@@ -49,7 +49,7 @@ struct Hop {
 /// Returns the hops in the process's counters NAME_p50_us, NAME_p99_us and NAME_max_us, in order.
 std::vector<Hop> hops_of(const models::ProcessHealth& health);
 
-/// Values at one instant of the trial. Times are seconds since the log's begin.
+/// Values at one instant of the trial. Times are seconds since the start of the log.
 struct CoursePoint {
   double at_s = 0.0;
   std::optional<double> rmse_m;  ///< m; of the team's estimates of known targets
@@ -66,14 +66,14 @@ struct PlanPoint {
 struct LogAnalysis {
   TrialSummary summary;
   std::optional<SetMeans> sets;  ///< nullopt without truth
-  /// Latencies through the stack, from the first named event to the last: "capture → arrival" and
-  /// "capture → log" (VICON), "look → belief" (newest measurement in a belief until the belief was
-  /// logged), "belief → plan" and "look → plan" (until the plan was finished).
+  /// Latencies from the first named event to the last: "capture → arrival" and "capture → log"
+  /// (VICON); "look → belief" (from the newest measurement in a belief until the belief was
+  /// logged); "belief → plan" and "look → plan" (until the plan was finished).
   std::map<std::string, Spread> latencies;
   std::map<std::string, std::vector<Hop>> hops;     ///< by process
   std::map<std::string, DeadlineRecord> deadlines;  ///< by robot
   std::map<std::string, std::int64_t> lost;         ///< messages missing in the log, by channel
-  std::int64_t times_outlying = 0;  ///< events left out because of outlying times (UsualTimes)
+  std::int64_t times_outlying = 0;  ///< events with outlying times, ignored (UsualTimes)
   std::vector<CoursePoint> course;  ///< one point per evaluated estimator step
   std::vector<PlanPoint> plans;
 };

@@ -50,9 +50,9 @@ struct Appearance {
 /// Returns the table. Lookups by .at() throw if a name is missing in appearance.json.
 const Appearance& appearance();
 
-/// Appearance that identifies robot `index` of a scenario in all drawings. The body has one colour
-/// of appearance().robots. From the ninth robot on, a core has another colour. In charts the line
-/// has one of 8 dash patterns. It distinguishes 64 robots.
+/// Appearance that identifies robot `index` of a scenario in all drawings. The body has a colour of
+/// appearance().robots. From the ninth robot on, the body has a core of another colour. In charts
+/// the robot's line has one of 8 dash patterns. Up to 64 robots are distinguishable.
 struct RobotAppearance {
   std::size_t body = 0;  ///< index into appearance().robots
   std::size_t core = 0;  ///< index into appearance().robots; equal to `body`: no core

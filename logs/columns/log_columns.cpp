@@ -69,7 +69,7 @@ class LogColumns::Reader {
   }
 
  private:
-  /// Returns the value if it may be an array size, else 0.
+  /// Reads one element. Returns its value if it may be an array size, else 0.
   std::size_t read_element(const Field& field) {
     if (field.wire->kind == WireKind::kStruct) {
       read(field.nested);

@@ -19,22 +19,23 @@ struct LogColumn {
                               std::vector<std::uint8_t>, std::vector<std::string>>;
   std::string name;       ///< "cost", "segments.duration_s"
   bool is_truth = false;  ///< true for booleans
-  /// Shape of an array of constant size; empty: one value per row.
+  /// Shape of the array in each row if its size is constant; empty: one value per row.
   std::vector<std::size_t> item_shape;
-  int list = -1;  ///< list that contains the rows as elements; −1: the messages
+  int list = -1;  ///< index of the list whose elements are the rows; −1: one row per message
   Values values;
 };
 
 /// List of variable length within messages.
 struct LogList {
   std::string name;  ///< "segments", or the name of its only column
-  int parent = -1;   ///< list with elements that each contain such a list; −1: the messages
+  int parent = -1;   ///< index of the list whose elements contain this one; −1: in messages
   /// Row i of the parent has the elements [offsets[i], offsets[i + 1]).
   std::vector<std::int64_t> offsets{0};
 };
 
 /// Messages of one type as columns. It uses layouts that are generated from lcmtypes/, so a new
-/// type needs no code here. Lists are concatenated, with offsets; two-dimensional ones row by row.
+/// type needs no code here. The lists of all messages are concatenated, with offsets to separate
+/// them; two-dimensional lists are stored row by row.
 class LogColumns {
  public:
   explicit LogColumns(const bus::WireSchema& schema);
@@ -52,8 +53,8 @@ class LogColumns {
   /// Destination of the values of one field.
   struct Field {
     const bus::WireField* wire = nullptr;
-    int column = -1;  ///< of numbers and text; −1: none
-    int list = -1;    ///< of fields of variable length, and of structs in any array; −1: none
+    int column = -1;  ///< column of a number or text; −1: none
+    int list = -1;    ///< list of a variable-length field or of structs in an array; −1: none
     std::vector<Field> nested;
   };
   class Reader;
@@ -63,7 +64,7 @@ class LogColumns {
   const bus::WireSchema& schema_;
   std::vector<LogColumn> columns_;
   std::vector<LogList> lists_;
-  std::vector<Field> fields_;  ///< used after plan() has filled the columns
+  std::vector<Field> fields_;  ///< destinations of the message's fields, from plan()
   std::vector<std::int64_t> logged_utime_;
 };
 

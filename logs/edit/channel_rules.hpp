@@ -9,13 +9,13 @@
 
 namespace vantage::logs {
 
-/// Selection of channels of a log. Each rule is a regular expression that must match the whole
-/// name, as everywhere in LCM ("VICON" is one channel, ".*VICON.*" all names that contain it).
+/// Selection of channels of a log. Each rule is a regular expression that must match the complete
+/// name, as in LCM ("VICON" selects one channel, ".*VICON.*" all names that contain VICON).
 class ChannelFilter {
  public:
   /// Selects a channel if it matches one of `include` (or if `include` is empty) and none of
   /// `exclude`.
-  /// @throws UsageError if one is not a regular expression.
+  /// @throws UsageError if a rule is not a regular expression.
   ChannelFilter(const std::vector<std::string>& include, const std::vector<std::string>& exclude);
   ChannelFilter() = default;
 

@@ -9,8 +9,8 @@
 namespace vantage::logs {
 namespace {
 
-/// Search range for the newest SCENARIO before a part (it is published every 5 s): this time before
-/// the part; if there is none, this number of events from the beginning.
+/// Ranges in which the newest SCENARIO before the selected part is searched: this time before the
+/// part (SCENARIO is published every 5 s), then this number of events from the log's start.
 constexpr Duration kScenarioAge{15'000'000};
 constexpr int kScenarioWithin = 1000;
 

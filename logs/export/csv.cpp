@@ -36,7 +36,7 @@ bool has_constant_size(const WireField& field) {
 
 using Cell = std::function<void(const std::string& name, const Json& value)>;
 
-/// Calls `visit` once per column of `field`; with a null `value` for the names only.
+/// Calls `visit` once per column of `field`. A null `value` gives null cells with their names.
 void for_each_cell(const WireField& field, const std::string& name, const Json& value,
                    const Cell& visit) {
   if (field.rank == 0 || !has_constant_size(field)) {
@@ -59,8 +59,8 @@ void for_each_cell(const WireField& field, const std::string& name, const Json& 
   }
 }
 
-/// Calls `visit` once per column of the table; with null `message` and `element` for the names
-/// only.
+/// Calls `visit` once per column of the table. A null `message` or `element` gives null cells with
+/// their names.
 void for_each_column(const WireSchema& schema, const WireField* rows, const Json& message,
                      const Json& element, const Cell& visit) {
   const Json nothing;

@@ -15,7 +15,7 @@ struct ExportCounts {
   /// Number of events on selected channels that are not a complete message of this version, by
   /// channel.
   std::map<std::string, std::int64_t> left_out;
-  /// Messages with times out of range (McapWriter::times_held).
+  /// Number of messages with times out of range (McapWriter::times_held).
   std::int64_t times_held = 0;
   bool is_stopped = false;  ///< ended early by the caller's request
   std::string failure;      ///< reason of an incomplete export, with the file's name; else empty

@@ -60,7 +60,7 @@ class McapWriter {
     std::uint16_t schema = 0;
     std::uint64_t messages = 0;
   };
-  /// Times of the current chunk: for each topic (time, offset in the chunk) of each message.
+  /// Index of the current chunk: (time, offset in the chunk) of each message, by topic.
   using ChunkTimes = std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>>;
   struct TimeSpan {
     std::uint64_t first_ns = 0;

@@ -54,7 +54,7 @@ std::size_t event_bytes_at(std::span<const std::uint8_t> events, std::size_t off
 /// Division of a sequence of complete events at a number of written bytes.
 struct WholeEvents {
   std::size_t bytes = 0;           ///< size of the events that end within the written bytes
-  std::int64_t events_beyond = 0;  ///< events that do not
+  std::int64_t events_beyond = 0;  ///< number of events that end after the written bytes
 };
 WholeEvents whole_events(std::span<const std::uint8_t> events, std::size_t written);
 

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr std::uint64_t kFormat = 0x564C494E44455803ULL;  // "VLINDEX", 3
+constexpr std::uint64_t kFormat = 0x564C494E44455803ULL;  // "VLINDEX" and format version 3
 constexpr std::size_t kEndBytes = 4096;
 constexpr std::size_t kHashBytes = 8;  ///< hash of all preceding bytes, at the end of the index
 
@@ -30,7 +30,7 @@ std::uint64_t hash_of(std::span<const std::uint8_t> bytes) {  // FNV-1a
   return hash;
 }
 
-/// Returns bytes that identify this log: the start of its index.
+/// Returns the bytes that identify this log, with which its index begins.
 Bytes identity_of(const std::string& path, std::span<const std::uint8_t> log) {
   std::error_code error;
   const auto changed = fs::last_write_time(path, error).time_since_epoch().count();

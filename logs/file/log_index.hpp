@@ -13,8 +13,8 @@ namespace vantage::logs {
 /// A log and its survey, which is stored next to the log as LOG.index. Later openings and seeks
 /// then need no pass over the log. An index is valid only for an unchanged log: if the log's size,
 /// its time of modification or the bytes at its ends differ, the log is surveyed again. An index
-/// that is damaged, forged or of another version is ignored and replaced. A read-only folder is no
-/// error: each opening then reads the log.
+/// that is damaged, forged or of another version is ignored and replaced. In a read-only folder no
+/// index is stored, so each opening reads the log.
 class IndexedLog {
  public:
   /// @throws StartupError when `path` cannot be read.

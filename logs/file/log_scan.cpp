@@ -12,8 +12,8 @@ namespace {
 /// Largest difference between the numbers of nearby events of one log. (Numbers are ≥ 0, so their
 /// differences cannot overflow.)
 constexpr std::int64_t kNear = 10'000;
-/// After this number of consecutive events with other numbers, these numbers become the usual ones:
-/// the log was concatenated from several logs.
+/// After this number of consecutive events whose numbers are unusual, these numbers become the
+/// usual ones: the log was concatenated from several logs.
 constexpr int kUnusualMax = 64;
 /// Maximum number of sync words examined inside one event. It keeps the time linear for a file that
 /// contains only headers.
@@ -38,7 +38,7 @@ LogScan::LogScan(std::span<const std::uint8_t> log, DataChecker checker, std::si
 
 // If an event that contains a log is damaged, the headers of the inner log become visible, and
 // their numbers must not be mistaken for the log's own. The median of recent and following numbers
-// decides. Headers inside an event that its own successor follows are not counted.
+// decides. Headers inside an event are not counted if the event's own successor follows it.
 std::int64_t LogScan::usual_number(std::size_t offset) const {
   constexpr std::size_t kHeadersAhead = 64;
   constexpr std::size_t kBytesAhead = std::size_t{1}

@@ -16,7 +16,7 @@ inline constexpr std::int64_t kEventsPerReport = 1000;
 
 /// Result of checking the data of an event.
 enum class DataCheck {
-  kNone,      ///< of an unknown type
+  kNone,      ///< unknown type, not checked
   kComplete,  ///< exactly one complete message of a known type
   /// Begins with the fingerprint of a known type, but the lengths inside are inconsistent.
   kDamaged,
@@ -25,7 +25,7 @@ enum class DataCheck {
 using DataChecker = std::function<DataCheck(const LogEvent&)>;
 
 struct LocatedEvent : LogEvent {
-  std::size_t offset = 0;  ///< of the header; bytes from the start of the file
+  std::size_t offset = 0;  ///< bytes from the start of the file to the header
   /// True if no header follows directly and the checker did not confirm the length. The end of the
   /// data may be missing.
   bool is_doubtful = false;
@@ -48,15 +48,15 @@ struct ScanCounts {
 
 /// Reads the events of a log in file order and tolerates any damage. Always terminates.
 ///
-/// An event is accepted directly if a header follows its end and, in addition, the three numbers
-/// around it are consecutive or no sync word is inside its data. Otherwise its length may be wrong.
+/// An event is accepted directly if a header follows its end and either its number and those of its
+/// neighbours are consecutive, or its data contain no sync word. Otherwise its length may be wrong.
 /// The event is refused, and the search continues after its sync word, if
-///  - the checker reports damaged data; or, unless the checker reports whole data,
+///  - the checker reports damaged data; or, unless the checker reports complete data,
 ///  - a header inside its data has a number near the event's own number, or near the numbers that
 ///    are usual in this part of the log while the event's own number is not; or
-///  - no header follows the event, and a header inside its data that is followed by its successor
-///    reaches beyond the event's end. If the event's number is usual, the successors must also
-///    continue to the end of the file.
+///  - no header follows the event, and its data contain the header of an inner event that ends
+///    beyond it and is followed by its successor. If the outer event's number is usual, successors
+///    of the inner event must also continue to the end of the file.
 /// Therefore sync words, headers and complete logs inside data do not split an event, and a wrong
 /// length does not hide other events. An event is intact if all of its bytes are present. All
 /// intact events are returned, with two exceptions where the bytes are ambiguous:
@@ -64,7 +64,7 @@ struct ScanCounts {
 ///    continue both neighbours' numbers (one is damaged, or the logger does not count by one), and
 ///    the checker does not know the type.
 ///  - The event begins inside the wrong length of another event that both neighbours' numbers
-///    confirm, so that nothing looks damaged there.
+///    confirm, so that no damage is visible there.
 class LogScan {
  public:
   explicit LogScan(std::span<const std::uint8_t> log, DataChecker checker = {},

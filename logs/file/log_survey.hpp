@@ -23,11 +23,11 @@ struct ChannelSurvey {
   std::uint64_t data_bytes = 0;
   Time first{};  ///< time of the first event, clamped to the log's begin and end
   Time last{};   ///< time of the last event, clamped likewise
-  /// Longest time between two consecutive events, gaps of a day or more left out.
+  /// Longest time between two consecutive events. Gaps of a day or more are ignored.
   Duration gap_max{};
   Time gap_at{};                   ///< start of that gap
   std::int64_t messages_lost = 0;  ///< missing sequence numbers of vantage messages
-  std::int64_t other_types = 0;    ///< events of another type
+  std::int64_t other_types = 0;    ///< events of another type than the first
   /// Bit b % 8 of byte b / 8: an event of this channel begins in block b. The last byte is that of
   /// the channel's last block.
   std::vector<std::uint8_t> in_block;
@@ -47,13 +47,13 @@ struct LogSurvey {
   ScanCounts scan;
   std::vector<DamagedStretch> stretches;  ///< the first LogScan::kStretchesKept
   Time first{};                           ///< least event time
-  Time last{};                            ///< greatest
+  Time last{};                            ///< greatest event time
   Time begin{};                           ///< least event time that is not outlying (UsualTimes)
-  Time end{};                             ///< greatest of these
+  Time end{};                             ///< greatest event time that is not outlying
   std::int64_t times_outlying = 0;        ///< events before begin or after end
-  /// Numbers skipped by the logger's count (after filtering or loss).
+  /// Event numbers that are missing in the sequence (after filtering or loss).
   std::int64_t numbers_missing = 0;
-  /// Number of times that the count goes back (concatenated logs).
+  /// Number of times that the event numbers do not increase (concatenated logs).
   std::int64_t number_restarts = 0;
   std::int64_t times_backward = 0;  ///< events earlier than the preceding one
   Duration backward_max{};
@@ -107,14 +107,13 @@ class SurveyPass {
   Time last_time_{};
 };
 
-/// Surveys the whole of `log`. Calls `progress` about 100 times with the completed share, in [0,
-/// 1].
+/// Surveys all of `log`. Calls `progress` about 100 times with the completed share, in [0, 1].
 LogSurvey survey_log(std::span<const std::uint8_t> log,
                      const std::function<void(double)>& progress = {});
 
 /// Returns the offset of the first event, in file order, with time ≥ `time`; log.size() if there is
-/// none. `survey` must be of `log`. Cost: a search through the blocks, then about one block of
-/// reading.
+/// none. `survey` must be the survey of `log`. Searches the list of blocks, then reads about one
+/// block.
 std::size_t seek_offset(std::span<const std::uint8_t> log, const LogSurvey& survey, Time time);
 
 }  // namespace vantage::logs

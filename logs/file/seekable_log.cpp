@@ -10,13 +10,13 @@ namespace vantage::logs {
 namespace {
 
 constexpr std::size_t kHeadBytes = std::size_t{8} << 20U;
-/// Size of the first attempt to find an event at the end.
+/// Bytes at the end of the file that are searched first for an event.
 constexpr std::size_t kTailBytes = std::size_t{64} << 10U;
-/// Largest size of these attempts, to skip foreign bytes.
+/// Maximum of these bytes: a failed search is extended to skip foreign bytes.
 constexpr std::size_t kTailBytesMax = std::size_t{16} << 20U;
 constexpr std::size_t kProbeBytes = std::size_t{64} << 10U;  ///< smallest range of the bisection
 constexpr std::size_t kForeignBytesMax = std::size_t{8} << 20U;
-/// Searched before an instant for the newest event of each channel.
+/// Bytes before an instant that are searched for the newest event of each channel.
 constexpr std::size_t kLookBackBytes = std::size_t{1} << 20U;
 constexpr std::size_t kBlocksRead = 32;
 constexpr Duration kTick{1};

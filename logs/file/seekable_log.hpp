@@ -18,11 +18,11 @@
 
 namespace vantage::logs {
 
-/// Events of a log by ascending time, whatever their order in the file, with random access. The log
-/// can be used at once, however long it is: with its index, or without one while the first pass is
-/// still running. Results are exact in the part that the pass has read. Beyond it, bisection of the
-/// file finds an instant, which assumes ascending times there; the newest message of a channel with
-/// rare messages may then be missing.
+/// Events of a log by ascending time, whatever their order in the file, with random access. A log
+/// of any length can be used immediately: with its index, or without one while the first pass is
+/// still running. Results are exact in the part that the pass has read. Beyond that part, an
+/// instant is found by bisection of the file, which assumes ascending times; the newest message of
+/// a channel with rare messages may then be missing.
 ///
 /// Only the requested parts of the file are read. Memory: 32 bytes for each block of 256 KiB, one
 /// bit for each block and channel, and the headers of the most recently read blocks. Returned
@@ -92,8 +92,8 @@ class SeekableLog {
   std::map<std::string, std::vector<std::uint8_t>, std::less<>> in_block_;  ///< by channel
   Time first_{};
   Time last_{};
-  std::size_t pass_bytes_ = 0;           ///< read by the first pass
-  mutable std::size_t query_bytes_ = 0;  ///< read by queries
+  std::size_t pass_bytes_ = 0;           ///< bytes read by the first pass
+  mutable std::size_t query_bytes_ = 0;  ///< bytes read by queries
   /// Cached blocks, most recently used first.
   mutable std::list<std::pair<std::size_t, Events>> read_;
 };

@@ -24,8 +24,8 @@ Colour of_role(const char* role, double alpha = 1.0) {
 }
 
 constexpr double kLabel_px = 13.0;
-constexpr double kCrossLeast_m = 0.1;  // m; half size of the cross at an estimate's mean, minimum
-constexpr double kCrossShare = 0.25;   // half size per sigma
+constexpr double kCrossLeast_m = 0.1;  // m; minimum half size of the cross at a mean
+constexpr double kCrossShare = 0.25;   // half size divided by sigma
 constexpr int kFanPieces = 32;
 constexpr double kPlanPiece_s = 0.1;
 constexpr double kDash_s = 0.2;

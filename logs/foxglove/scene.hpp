@@ -39,7 +39,7 @@ Json targets_scene(const scenario::Scenario& scenario, Time time);
 
 /// Draws one committed trajectory: a line at its height, and a mark at its end. Grey if the plan
 /// was shifted or braked instead of searched, orange if it was late.
-/// @param of_robot  the robot's colour; nullopt until a scenario is known: the first robot's colour
+/// @param of_robot  the robot's colour; nullopt (no scenario yet): the first robot's colour is used
 Json plan_scene(const models::RobotPlan& plan, const std::optional<Colour>& of_robot);
 
 /// Draws all trajectories of a team proposal as thin dashes in the proposer's colour, from its

@@ -19,7 +19,7 @@ enum class Schema : std::uint8_t {
   kVehicle,   ///< state of one vehicle with reasons
   kHealth,    ///< state of one process
   kAttack,    ///< jammed robots
-  kLcm,       ///< a bus message as it is, with the names of its .lcm file
+  kLcm,       ///< an unchanged bus message, with the names of its .lcm file
 };
 
 inline constexpr Schema kSchemas[] = {

@@ -21,7 +21,7 @@ constexpr double kTrackPoint_m = 0.02;
 constexpr double kTrackBend_m = 0.01;
 constexpr Duration kTrackPieceMax = std::chrono::seconds(2);
 constexpr Duration kMocapSilence = std::chrono::seconds(1);
-constexpr std::size_t kPlansTraced = 16;  // newest plans of each robot
+constexpr std::size_t kPlansTraced = 16;  // newest plans kept per robot
 
 models::InputRef reference_to(const std::string& channel, const models::Stamp& stamp) {
   return {channel, stamp.run_id, stamp.sequence};
@@ -198,8 +198,8 @@ void Stream::put_estimates(const std::string& topic, const std::string& prefix,
         for (const EstimateView& view : views) {
           shown.insert(view.name);
         }
-        // List all missing targets, not only new ones: a viewer that missed a message must not keep
-        // one.
+        // List all missing targets, not only new ones: a viewer may have missed the message that
+        // deleted a target.
         std::vector<std::string> gone;
         for (const scenario::TargetSpec& target : scenario_->targets) {
           if (!shown.contains(target.name)) {
@@ -280,7 +280,7 @@ void Stream::note_latency(const models::VehicleStatus& status) {
   }
   capture_to_setpoint_.erase(status.robot);
   const auto rounds = captures_of_plans_.find(status.robot);
-  // After the first status of a vehicle it is unknown since when it has followed its plan.
+  // The first status of a vehicle does not show since when the vehicle has followed its plan.
   if (before == vehicles_.end() || rounds == captures_of_plans_.end()) {
     return;
   }
@@ -367,7 +367,7 @@ void Stream::extend_trail(const std::string& body, const Eigen::Vector3d& positi
   if (!points.empty()) {
     const auto& [last_time, last_m] = points.back();
     if (time < last_time) {
-      points.clear();  // another run
+      points.clear();  // a new run has begun
     } else if (time - last_time < kTrackPointPeriod ||
                (position_m - last_m).norm() < kTrackPoint_m) {
       return;

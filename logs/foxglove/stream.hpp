@@ -79,7 +79,7 @@ class Stream {
   /// Operator commands. Heartbeats are ignored.
   void on(const models::OperatorCommand& command, Time received_at);
 
-  /// Returns the number of scenarios so far that could not be read.
+  /// Returns the number of scenarios that could not be read.
   [[nodiscard]] std::int64_t scenarios_refused() const { return scenarios_refused_; }
 
  private:

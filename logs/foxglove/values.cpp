@@ -10,7 +10,7 @@
 namespace vantage::logs::foxglove {
 namespace {
 
-constexpr int kFloat32 = 7;  // foxglove.PackedElementField
+constexpr int kFloat32 = 7;  // FLOAT32 in foxglove.PackedElementField
 
 void set_if_finite(Json& object, const char* key, double value) {
   if (std::isfinite(value)) {

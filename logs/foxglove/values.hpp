@@ -20,7 +20,7 @@ namespace vantage::logs::foxglove {
 
 /// Returns world_from_body of every visible body; child frames have the names of the bodies.
 Json frame_transforms(const models::MocapFrame& frame);
-/// Same for the simulator's truth. `prefix` is prepended to each name.
+/// Returns the true poses of all bodies from the simulator. `prefix` is prepended to each name.
 Json frame_transforms(const models::TruthFrame& truth, const std::string& prefix);
 
 /// Returns the time since any robot saw each cell, as of `time`: one f32 field "age_s" in s, −1 for
@@ -68,9 +68,10 @@ struct Event {
 Json log_json(const Event& event);
 
 Event event_of(const models::CollisionReport& contact);
-/// Returns nullopt for a plan that was searched in time.
+/// Returns the event of a late plan or a fallback; nullopt for a plan that was searched in time.
 std::optional<Event> event_of(const models::RobotPlan& plan);
-/// Returns the change; nullopt without a change, or if the first received status is normal.
+/// Returns the change of a vehicle's state; nullopt without a change, or if the first received
+/// status is normal.
 std::optional<Event> event_of(const models::VehicleStatus* before,
                               const models::VehicleStatus& status);
 std::optional<Event> event_of(const models::AttackNotice* before,

@@ -13,7 +13,7 @@
 
 namespace vantage::logs {
 
-/// Store of one instant for each of the newest kKept messages, by the message's name.
+/// Store of one time per message for the newest kKept messages, keyed by message name.
 class OriginTimes {
  public:
   void add(const models::InputRef& name, Time time) {
@@ -27,7 +27,7 @@ class OriginTimes {
     }
   }
 
-  /// Returns the latest instant among the known messages of `names`; nullopt if none is known.
+  /// Returns the latest stored time of the messages in `names`; nullopt if none of them is stored.
   [[nodiscard]] std::optional<Time> newest(std::span<const models::InputRef> names) const {
     std::optional<Time> newest;
     for (const models::InputRef& name : names) {

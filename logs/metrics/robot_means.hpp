@@ -22,7 +22,7 @@ class TruthHistory;
 struct RobotMeans {
   /// Mean over time of the position RMSE of the robot's known targets.
   std::optional<double> rmse_m;
-  /// Mean over time and targets; unknown targets count with their prior.
+  /// Mean over time and targets; an unknown target has the entropy of its prior.
   double entropy_nats = 0.0;
   double discovered = 0.0;  ///< targets that a robot has ever known
   /// Mean time until a robot knows a target; the trial's duration if it never does.

@@ -31,7 +31,7 @@ class SetSums {
 
   void on_truth(const models::TruthFrame& frame);
   void on_belief(const models::RobotBelief& belief);
-  /// Returns nullopt if truth was available for no belief.
+  /// Returns the means; nullopt if truth was missing for all beliefs.
   [[nodiscard]] std::optional<SetMeans> means() const;
 
  private:

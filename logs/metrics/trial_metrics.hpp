@@ -60,7 +60,7 @@ class TrialMetrics {
 
   [[nodiscard]] const std::vector<TargetStatus>& targets() const { return targets_; }
   [[nodiscard]] const std::map<std::string, RobotStatus>& robots() const { return robots_; }
-  /// Returns the newest evaluated step, each robot evaluated by its own belief.
+  /// Returns the newest evaluated step, with each robot evaluated by its own belief.
   [[nodiscard]] const RobotStep& step_of_robots() const { return step_of_robots_; }
   /// Returns the number of position coordinates n: the mean NEES of a consistent estimator.
   [[nodiscard]] int position_dim() const { return position_dim_; }

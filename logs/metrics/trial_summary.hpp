@@ -23,19 +23,19 @@ struct TrialSummary {
   int targets = 0;
   std::vector<std::optional<double>> discovery_time_s;  ///< s, by target id; nullopt: never
   std::optional<double> rmse_m;  ///< m; mean over time of the known targets' position RMSE
-  /// Mean over time and targets; unknown targets count with their prior.
+  /// Mean over time and targets; an unknown target has the entropy of its prior.
   double entropy_nats = 0.0;
   std::int64_t rounds = 0;       ///< planning rounds in which some robot published a plan
   std::int64_t rounds_late = 0;  ///< rounds in which some plan was finished after its deadline
-  std::int64_t fallbacks = 0;    ///< plans that did not come from the search of their own slot
+  std::int64_t fallbacks = 0;    ///< number of plans not found by the search in their own slot
   std::int64_t messages_lost = 0;
 
   std::string scenario;
   std::string algorithm;
   std::int64_t plans = 0;
   std::int64_t plans_missing = 0;  ///< rounds · robots − plans
-  /// Priced energy of the planned motion of all robots; each plan counts until the next
-  /// (models/scenario).
+  /// Priced energy of the planned motion of all robots (models/scenario). Each plan counts until
+  /// the next plan begins.
   double energy_nats = 0.0;
   double undiscovered_share = 0.0;  ///< mean over time of the share of targets that no robot knows
   /// RMSE over the time in which the target was known, m.

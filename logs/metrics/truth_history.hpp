@@ -23,7 +23,7 @@ class TruthHistory {
   void add(const models::TruthFrame& frame);
 
   /// Returns the position of a target at `time`, interpolated linearly between frames; nullopt
-  /// outside the remembered time.
+  /// outside the stored time.
   [[nodiscard]] std::optional<Eigen::Vector3d> target_position_m(int target_id, Time time) const;
 
   /// Returns the least distance so far between the centres of two robots, in 3-D. The motion

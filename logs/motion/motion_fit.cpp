@@ -19,7 +19,7 @@ double log_likelihood(double squared_error, double variance) {
   return -0.5 * (std::log(2.0 * kPi * variance) + squared_error / variance);
 }
 
-/// Prediction of one coordinate h ahead: mean a y + b ẏ, variance w.
+/// Prediction of one coordinate y for the time t + h: mean a y + b ẏ, variance w.
 struct Prediction {
   double a = 1.0;
   double b = 0.0;
@@ -187,9 +187,9 @@ models::TargetModel fit_oscillator(const MotionSample& sample) {
       }
       return sum;
     };
-    // Start at the spread and speed of the sample, with a damping of 1/s.
+    // Start at the root mean squares of position and velocity, with a damping of 1/s.
     const Eigen::Matrix3d mean = moments.front().sum / static_cast<double>(moments.front().samples);
-    constexpr double kLeast = 1e-12;  // for targets that did not move
+    constexpr double kLeast = 1e-12;  // of a mean square, for targets that did not move
     const Point start(0.5 * std::log(std::max(mean(1, 1), kLeast)),
                       0.5 * std::log(std::max(mean(2, 2), kLeast)), 0.0);
     const models::Surroundings best = oscillator(minimise(cost, start, 0.3), axis).surroundings;

@@ -98,7 +98,7 @@ struct FittedMotion {
 
 /// Fits random walk, double integrator and damped oscillator about `center_m`.
 /// @param fitted_share  share of the time from the first to the last position, over all courses of
-/// a log, that is used for the fit; the rest is held back
+/// a log, that is used for the fit; the rest is used only for the evaluation
 /// @throws UsageError if a horizon has no prediction in one of the parts.
 std::vector<FittedMotion> fit_motion(std::span<const std::vector<TargetCourse>> logs,
                                      const Eigen::Vector2d& center_m, double fitted_share = 0.7);

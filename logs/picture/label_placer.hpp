@@ -8,7 +8,8 @@
 namespace vantage::logs {
 
 /// Placement of labels next to their points so that they cover neither each other nor areas that
-/// must stay visible. Greedy: of a ring of candidates the one with the least covered area.
+/// must stay visible. Greedy: each label takes the candidate position around its point that covers
+/// the least area.
 class LabelPlacer {
  public:
   explicit LabelPlacer(const Eigen::AlignedBox2d& page_px) : page_px_(page_px) {}

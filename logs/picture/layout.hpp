@@ -10,7 +10,7 @@
 
 namespace vantage::logs {
 
-/// Positions of the parts on the page, and the map from the world to the page.
+/// Positions of the parts on the page, and the transform from world to page coordinates.
 struct Layout {
   static constexpr double kMargin_px = 56.0;
   static constexpr double kHeader_px = 92.0;

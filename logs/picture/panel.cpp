@@ -28,7 +28,7 @@ std::string number_or_dash(const std::optional<double>& value, std::string_view 
 }
 
 struct Column {
-  double x_px;  ///< right end, from the table's left
+  double x_px;  ///< px; right end of the column, from the table's left end
   const char* head;
 };
 

@@ -47,8 +47,8 @@ struct Scene {
 };
 
 /// Collector of a Scene from the messages of a trial. Tracks are thinned to one point per 0.1 s or
-/// 2 cm, whichever is rarer. A track that reaches 4096 points is thinned by half from then on. So
-/// tracks stay complete and their memory is bounded for trials of any length.
+/// 2 cm, whichever is rarer. When a track reaches 4096 points, every second point is removed and
+/// the interval is doubled. So tracks stay complete with bounded memory in trials of any length.
 class SceneRecorder {
  public:
   explicit SceneRecorder(const scenario::Scenario& scenario);

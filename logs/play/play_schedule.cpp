@@ -9,7 +9,7 @@ namespace vantage::logs {
 namespace {
 
 constexpr double kNsPerUs = 1e3;
-constexpr double kAheadMax_ns = 4e18;  ///< 127 years; larger values would overflow
+constexpr double kAheadMax_ns = 4e18;  ///< ns; 127 years, larger values would overflow
 
 }  // namespace
 

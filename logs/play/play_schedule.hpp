@@ -32,7 +32,7 @@ class PlaySchedule {
   Time position_;
   double speed_;
   bool is_paused_ = true;
-  std::int64_t since_ns_ = 0;  ///< time at which position_ was valid
+  std::int64_t since_ns_ = 0;  ///< ns; clock time at which position_ was valid
 };
 
 }  // namespace vantage::logs

@@ -78,7 +78,7 @@ class Player {
   PlayTimer timer_;
   EventSink sink_;
   Time begin_;
-  Time end_;  ///< end of the played range, behind its last event; seeks are limited to it
+  Time end_;  ///< end of the played range, after its last event; limit of seeks
   PlaySchedule schedule_;
   LogScan scan_;
   std::optional<LocatedEvent> next_;

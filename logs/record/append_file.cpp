@@ -86,7 +86,7 @@ class DiskFile : public AppendFile {
   int fd_;
   std::string path_;
   std::uint64_t size_bytes_;
-  bool is_named_ = false;  ///< its directory entry is on the disk
+  bool is_named_ = false;  ///< true once the file's directory entry is on the disk
 };
 
 }  // namespace

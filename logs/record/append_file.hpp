@@ -12,8 +12,8 @@
 
 namespace vantage::logs {
 
-/// File that is only extended at its end. Each call may wait for the disk, for seconds if the disk
-/// is slow. Errors contain the file's name and the reason.
+/// Append-only file. Each call may block on the disk, for seconds if the disk is slow. Errors state
+/// the file's name and the reason.
 class AppendFile {
  public:
   AppendFile() = default;
@@ -45,7 +45,7 @@ using OpenFile =
 /// Opens or creates the file at `path` on this machine.
 Result<std::unique_ptr<AppendFile>> open_append_file(const std::string& path, Existing existing);
 
-/// "lab.lcmlog", 3 → "lab-3.lcmlog".
+/// Returns `path` with a number: "lab-3.lcmlog" for "lab.lcmlog" and 3.
 std::string numbered_path(const std::string& path, int number);
 /// Returns `path` if it does not exist, else its first unused numbered variant from 2 on.
 std::string unused_path(const std::string& path);

@@ -31,9 +31,10 @@ LogRoom room_for_log(const scenario::Scenario& scenario, const std::string& path
 /// no side effects.
 class LogWatch {
  public:
-  /// Time without growth, s, that counts as a failure: messages are published every second.
+  /// s; a log that does not grow for this time is not written: messages arrive every second.
   static constexpr double kUnwrittenS = 3.0;
-  static constexpr double kNearlyFullS = 60.0;  ///< s of flight for which space is left
+  static constexpr double kNearlyFullS =
+      60.0;  ///< s; warning if space is left for less flight time
 
   /// @param bytes_per_s  maximum growth of the log
   explicit LogWatch(double bytes_per_s) : bytes_per_s_(bytes_per_s) {}

@@ -42,7 +42,7 @@ struct SpoolReport {
   std::int64_t sync_errors = 0;
   std::int64_t syncs_late = 0;        ///< syncs that left data at risk for longer than kAtRiskMax
   std::int64_t at_risk_worst_us = 0;  ///< longest time from write() until the data were synced
-  std::uint64_t queue_bytes = 0;      ///< not yet in a file
+  std::uint64_t queue_bytes = 0;      ///< size of the events that are not yet in a file
   std::optional<std::uint64_t> free_bytes;  ///< free space of the disk
   bool is_written = true;
   bool is_full = false;             ///< limit_bytes is reached
@@ -109,10 +109,10 @@ class LogSpool {
   std::condition_variable wake_syncer_;
   std::vector<std::uint8_t> queued_;  ///< complete events
   std::int64_t queued_since_ns_ = 0;  ///< time of the oldest queued event
-  std::size_t taken_bytes_ = 0;       ///< being written by the writer
+  std::size_t taken_bytes_ = 0;       ///< bytes that the writer thread is writing
   std::int64_t taken_since_ns_ = 0;   ///< time of the oldest event being written
   std::vector<std::shared_ptr<AppendFile>> unsynced_;
-  std::int64_t unsynced_since_ns_ = 0;  ///< time of the oldest unsynced event in them
+  std::int64_t unsynced_since_ns_ = 0;  ///< time of the oldest event in unsynced_
   std::int64_t syncing_since_ns_ = 0;   ///< time of the oldest event being synced
   std::vector<std::string> news_;
   SpoolReport report_;
@@ -122,7 +122,7 @@ class LogSpool {
 
   // Used by the writer thread only.
   std::shared_ptr<AppendFile> file_;
-  std::uint64_t bytes_before_ = 0;      ///< in all files at the start
+  std::uint64_t bytes_before_ = 0;      ///< bytes in all files at the start
   std::int64_t next_number_ = 0;        ///< number of the next event in this file
   std::vector<std::uint8_t> scenario_;  ///< the newest SCENARIO, as an event
   int path_number_ = 1;

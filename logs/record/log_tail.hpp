@@ -12,7 +12,7 @@ namespace vantage::logs {
 
 /// End of the last complete event in the last bytes of a log, and the time at which it was logged.
 struct LogTail {
-  std::size_t whole_bytes = 0;  ///< from the first of these bytes; 0: no complete event
+  std::size_t whole_bytes = 0;  ///< bytes up to the end of that event; 0: no complete event
   std::optional<Time> last;
 };
 
@@ -26,7 +26,8 @@ struct TrimmedLog {
 
 /// Removes an event that a killed logger left incomplete at the end, so that more can be appended.
 /// A file without a complete event in its last 8 MiB, or an empty file, is not changed.
-/// Precondition: no process writes to the file. @throws StartupError if it cannot be read or cut.
+/// Precondition: no process writes to the file. @throws StartupError if the file cannot be read or
+/// cut.
 TrimmedLog trim_log(const std::string& path);
 
 /// Returns the logging time of the event at `offset`; nullopt if it is incomplete or unreadable.

@@ -33,8 +33,8 @@ class Recorder {
   ~Recorder() = default;
 
   [[nodiscard]] std::int64_t received() const { return received_; }
-  /// Returns the number of messages that were not recorded because their channel is not
-  /// is_event_channel(). In a log they could not be distinguished from damage.
+  /// Returns the number of messages that were not recorded because is_event_channel() refuses their
+  /// channel: in a log these messages could not be distinguished from damage.
   [[nodiscard]] std::int64_t names_refused() const { return names_refused_; }
 
  private:

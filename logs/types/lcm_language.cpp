@@ -230,9 +230,9 @@ class Parser {
   std::string_view token_;
   std::size_t next_line_ = 1;   ///< line of the unread text
   std::size_t token_line_ = 1;  ///< line of token_
-  std::size_t line_ = 1;        ///< line of the token that was taken last
+  std::size_t line_ = 1;        ///< line of the token that was read last
   std::string package_;
-  /// Type and value by name, of this struct.
+  /// Constants of the current struct: type and value by name.
   std::map<std::string, std::pair<std::string, std::string>> constants_;
   std::vector<LcmStruct> structs_;
 };

@@ -21,9 +21,9 @@ class TypeLibrary {
   /// Contains vantage's own types only.
   TypeLibrary() = default;
   /// Contains vantage's types and those of `paths`: .lcm files, or folders (searched recursively).
-  /// @throws StartupError if a path does not exist or contains no .lcm file, if a file breaks the
-  /// language ("PATH:LINE: reason"), if the type of a member is in no file, or if two different
-  /// types have one name.
+  /// @throws StartupError if a path does not exist or contains no .lcm file, if a file is not valid
+  /// ("PATH:LINE: reason"), if the type of a member is undefined, or if two different types have
+  /// the same name.
   explicit TypeLibrary(const std::vector<std::string>& paths);
 
   /// Returns the type with the fingerprint at the start of `message`; nullptr if there is none. If
