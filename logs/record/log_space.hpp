@@ -33,8 +33,8 @@ class LogWatch {
  public:
   /// s; a log that does not grow for this time is not written: messages arrive every second.
   static constexpr double kUnwrittenS = 3.0;
-  static constexpr double kNearlyFullS =
-      60.0;  ///< s; warning if space is left for less flight time
+  /// s; a disk with free space for less flight time than this is nearly full.
+  static constexpr double kNearlyFullS = 60.0;
 
   /// @param bytes_per_s  maximum growth of the log
   explicit LogWatch(double bytes_per_s) : bytes_per_s_(bytes_per_s) {}

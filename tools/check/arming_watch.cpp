@@ -13,7 +13,7 @@
 namespace vantage::tools {
 namespace {
 
-/// Returns the explanation of a refusal reason of bus::auth for the user who must fix it.
+/// Returns a sentence for the operator that explains why bus::auth refused a message.
 const char* explain(std::string_view reason) {
   constexpr std::array<std::pair<std::string_view, const char*>, 12> kWords{{
       {"unsigned", "not signed: the sender runs without security, or does not belong to the trial"},
@@ -65,7 +65,7 @@ ArmingWatch::ArmingWatch(bus::Bus& bus, const scenario::Scenario& scenario)
       bus::health_channel("*"), [this](const models::ProcessHealth& health) { on_health(health); });
 }
 
-// Counters begin at the start of each process, so only their growth since the first message counts.
+// Each process counts from its start, so only the growth since its first received message counts.
 void ArmingWatch::on_health(const models::ProcessHealth& health) {
   if (!processes_.contains(health.process) && processes_.size() >= kProcessesMax) {
     return;

@@ -21,7 +21,7 @@ namespace vantage::tools {
 /// - the reasons that each driver reports.
 class ArmingWatch {
  public:
-  /// `bus` and `scenario` must outlive it.
+  /// `bus` and `scenario` must outlive this object.
   ArmingWatch(bus::Bus& bus, const scenario::Scenario& scenario);
   ArmingWatch(const ArmingWatch&) = delete;
   ArmingWatch& operator=(const ArmingWatch&) = delete;
@@ -29,7 +29,8 @@ class ArmingWatch {
   ArmingWatch& operator=(ArmingWatch&&) = delete;
   ~ArmingWatch() = default;
 
-  /// Returns one line per reason, from the messages received so far; empty: all may be armed.
+  /// Returns one line per reason found in the messages received so far; empty: all vehicles may be
+  /// armed.
   [[nodiscard]] std::vector<std::string> blocks() const;
 
  private:
@@ -39,7 +40,7 @@ class ArmingWatch {
     std::int64_t last = 0;
   };
   static constexpr std::size_t kProcessesMax = 1024;
-  static constexpr std::size_t kRefusalsMax = 256;  ///< counters per process
+  static constexpr std::size_t kRefusalsMax = 256;  ///< maximum number of counters per process
   void on_health(const models::ProcessHealth& health);
   void append_refusals(std::vector<std::string>& out) const;
 
@@ -49,8 +50,9 @@ class ArmingWatch {
   std::map<std::string, int> frames_with_;  ///< number of frames in which the body is not occluded
   int frames_ = 0;
   int heartbeats_ = 0;
-  std::map<std::string, bool> processes_;                          ///< true once received
-  std::map<std::string, std::map<std::string, Growth>> refusals_;  ///< by process and counter
+  std::map<std::string, bool> processes_;  ///< by name; true once a message was received
+  std::map<std::string, std::map<std::string, Growth>>
+      refusals_;  ///< refused messages, by process and counter
 };
 
 }  // namespace vantage::tools

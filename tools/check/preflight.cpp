@@ -131,7 +131,7 @@ void check_safety(const Scenario& scenario, std::vector<std::string>& faults) {
   }
 }
 
-// Prefixes the line of a key in the file: "line 12: …", as the reader of the file does.
+// Returns `words` after the line of a key in the scenario file: "line 12: …".
 std::string at_line(const Scenario& scenario, const std::string& key, const std::string& words) {
   const int line =
       scenario.source_text.empty() ? 0 : scenario::line_of_key(scenario.source_text, key);
@@ -200,20 +200,20 @@ void note_driver_loss(const Scenario& scenario, std::vector<std::string>& notes)
     const scenario::RobotSpec* robot = nullptr;
     double speed_mps = 0.0;
     double distance_m = 0.0;  ///< m; distance until the vehicle hovers
-    double beyond_m = 0.0;    ///< m; part of it beyond the checked path
+    double beyond_m = 0.0;    ///< m; part of distance_m that is beyond the checked path
   };
   Lost worst;
   double radius_m = 0.0;
   for (const scenario::RobotSpec& robot : scenario.robots) {
     radius_m = std::max(radius_m, robot.limits.radius_m);
     if (robot.device == scenario::DeviceSource::kDirect) {
-      continue;  // it has no driver
+      continue;  // a direct robot has no driver
     }
     drivers::SafetyLimits limits;
     try {
       limits = drivers::limits_for(scenario, robot.name);
     } catch (const UsageError&) {
-      continue;  // check_safety() reports it
+      continue;  // check_safety() reports invalid limits
     }
     const double speed_mps = speed_max_mps(robot);
     const double distance_m = drivers::stopping_distance_after_loss_m(limits, speed_mps);
@@ -252,8 +252,8 @@ void note_driver_loss(const Scenario& scenario, std::vector<std::string>& notes)
   }
 }
 
-// A vehicle cannot change its speed at once, so it begins before its plan does (drivers::Course). A
-// plan that is published after that is not considered in time.
+// A vehicle cannot change its motion instantly, so it starts to do so before its plan begins
+// (drivers::Course). It deviates farther from a plan that is published after this time.
 void note_late_plans(const Scenario& scenario, std::vector<std::string>& notes) {
   double early_s = 0.0;
   for (const scenario::RobotSpec& robot : scenario.robots) {

@@ -17,12 +17,12 @@ struct Preflight {
   [[nodiscard]] bool is_ready() const { return faults.empty(); }
 };
 
-/// m; spare distance for tracking errors when a driver dies. The obstacle margin that then prevents
-/// a contact is this plus the distance flown without set-points beyond the checked path. The
-/// separation must be two radii larger.
+/// m; allowance for tracking errors when a driver dies. To prevent a contact, the obstacle margin
+/// must be this allowance plus the distance flown without set-points beyond the checked path. The
+/// separation must be larger by two radii.
 inline constexpr double kLossSpareM = 0.1;
 
-/// Checks what the reader of the file does not check. Faults:
+/// Checks a scenario for problems that the parser of its file does not detect. Faults:
 /// - a robot's start is closer to obstacles or walls than its radius plus the planner's margin, or
 ///   two starts are closer than the separation;
 /// - a given target start is not free, or no free starts are found for drawn targets (with the
@@ -39,13 +39,13 @@ inline constexpr double kLossSpareM = 0.1;
 /// - moving targets that are modelled as static.
 Preflight check_preflight(const scenario::Scenario& scenario);
 
-/// Bytes; most memory of one robot's planner. Measured: 50 in one process took 5.7 GB.
+/// Bytes; maximum memory of one robot's planner. Measured: 50 planners in one process used 5.7 GB.
 inline constexpr double kPlannerBytes = 120e6;
 struct MemoryRoom {
   bool is_enough = true;
   std::string summary;
 };
-/// Compares the free memory with the need of the planners on the host that has most of them.
+/// Compares the free memory with the need of the planners on the host that runs most planners.
 MemoryRoom room_for_planners(const scenario::Scenario& scenario,
                              std::optional<std::uint64_t> free_bytes);
 /// Returns the available memory of this machine in bytes; nullopt if unknown.

@@ -9,8 +9,8 @@
 namespace vantage::tools {
 namespace {
 
-// Returns the robot's autopilot with the policy to verify parameters, independent of the scenario's
-// policy.
+// Returns the robot's autopilot settings with the policy `verify` for parameters instead of the
+// scenario's policy.
 scenario::AutopilotSpec spec_of(const scenario::RobotSpec& robot) {
   require(robot.autopilot.has_value(), "vehicle check: robot " + robot.name + " has no autopilot");
   scenario::AutopilotSpec out = *robot.autopilot;

@@ -10,9 +10,9 @@
 
 namespace vantage::tools {
 
-/// Check of a vehicle's autopilot without flying it: reads its parameters, and corrects them after
-/// load(). Bytes in, bytes out; the caller passes the time. It never arms, and writes nothing to an
-/// armed vehicle.
+/// Check of a vehicle's autopilot without a flight. It reads the parameters, and after load()
+/// corrects them. The caller transfers the bytes and passes the time. The check never arms a
+/// vehicle, and writes nothing to an armed one.
 class VehicleCheck {
  public:
   /// Longest wait for the first message of an autopilot.
@@ -22,7 +22,7 @@ class VehicleCheck {
   VehicleCheck(const scenario::RobotSpec& robot,
                const std::optional<wire::mavlink::SigningKey>& key, Time now);
 
-  /// Returns true if a frame of the vehicle was complete with these bytes.
+  /// Handles received bytes. Returns true if they complete a frame of the vehicle.
   bool receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now) {
     return link_.receive(bytes, is_datagram, now);
   }

@@ -34,7 +34,8 @@ CLI::Validator number_that(const std::string& what, Rule holds) {
       "NUMBER");
 }
 
-// Returns the command that `words` choose; `used`: the number of words that name it.
+// Returns the command that `words` choose. Sets `used` to the number of words that name the
+// command.
 const CLI::App* chosen_command(const CLI::App& root, const std::vector<std::string>& words,
                                std::size_t& used) {
   const CLI::App* app = &root;

@@ -37,8 +37,8 @@ struct CheckArguments {
   VehicleCheckOptions vehicles;
 };
 
-/// Appends the reports of the running system that prevent arming. `authenticator`: nullptr without
-/// security.
+/// Listens to the running system and appends the reasons that prevent arming. `authenticator`:
+/// nullptr without security.
 void listen(const scenario::Scenario& scenario, double listen_s,
             std::unique_ptr<bus::auth::Authenticator> authenticator,
             std::vector<std::string>& faults) {

@@ -21,7 +21,7 @@ namespace vantage::tools {
 namespace {
 
 constexpr auto kPause = std::chrono::milliseconds(5);
-constexpr int kReadsMax = 64;  // consecutive reads per vehicle
+constexpr int kReadsMax = 64;  // maximum number of consecutive reads per vehicle
 
 struct Vehicle {
   std::unique_ptr<drivers::Port> port;

@@ -13,7 +13,7 @@
 
 namespace vantage::tools {
 
-// Each of these adds one subcommand to `root`. The subcommand sets `run` when it is chosen.
+// Each function adds one subcommand to `root`. The subcommand sets `run` when it is chosen.
 void add_trial_command(CLI::App& root, Runner& run);
 void add_demo_command(CLI::App& root, Runner& run);
 void add_up_command(CLI::App& root, Runner& run);

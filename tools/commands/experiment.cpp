@@ -60,7 +60,7 @@ std::string only_text(const ExperimentArguments& arguments) {
   return text;
 }
 
-// Prints which units are kept and the command that continues.
+// Prints the number of completed units and the command that continues the experiment.
 void print_stopped(const ExperimentArguments& arguments, const experiments::SweepIdentity& identity,
                    const experiments::SweepProgress& progress) {
   fmt::print(

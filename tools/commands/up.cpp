@@ -93,7 +93,7 @@ int run(const UpArguments& arguments) {
   options.quiet = arguments.as_json;
   options.live_table = is_terminal() && !options.quiet;
   options.fly = arguments.fly;
-  // Flights of vehicles with drivers end after a duration only if the user has given one.
+  // If vehicles have drivers, the flight ends after a duration only if the user has given one.
   options.ends_by_duration =
       arguments.overrides.duration_s.has_value() || robots_with_driver(scenario).empty();
   options.ignore_others = arguments.ignore_others;

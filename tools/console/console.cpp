@@ -132,7 +132,7 @@ class ConsoleSession {
   Screen screen_;
   std::string selected_;
   std::string note_;
-  bool was_refused_ = false;  // a line was not understood
+  bool was_refused_ = false;  // an input line could not be parsed
   bool has_warned_ = false;
   Time next_redraw_{};
   bool is_over_ = false;
@@ -226,8 +226,9 @@ void OrderSender::publish_order(const Order& order) {
 void OrderSender::repeat(Time now) {
   for (Order& order : repeating_) {
     if (now >= order.next) {
-      order.ahead =
-          order.ahead ? order.ahead : ahead_of(now);  // for orders given before any reception
+      order.ahead = order.ahead
+                        ? order.ahead
+                        : ahead_of(now);  // for orders given before any vehicle was received
       publish_order(order);
       order.next += kFirstPause * (1 << order.sent);
       ++order.sent;

@@ -18,7 +18,7 @@ namespace vantage::tools {
 
 /// Options of an operator station.
 struct StationOptions {
-  bool is_allowed_second = false;  ///< stand by while another station is in charge (see Station)
+  bool is_allowed_second = false;  ///< wait while another station is in charge (Station)
   /// Authenticator of the bus, which must outlive the sender; nullptr: messages are not signed.
   const bus::auth::Authenticator* authenticator = nullptr;
 };
@@ -27,20 +27,20 @@ struct StationOptions {
 /// to send. While the station is in charge it also sends the heartbeat, without which every vehicle
 /// lands. Learns the robots from VEHICLE_*.
 ///
-/// Vehicles obey only recent commands, so commands are stamped in the vehicles' clock. Its offset
-/// is that of the vehicle closest to our clock, of those received within the last second; up to
-/// kApartMaxS it counts as zero. An emergency stop is also sent with our own clock's stamp.
+/// Vehicles obey only recent commands, so commands are stamped in the vehicles' clock. The offset
+/// of that clock is the smallest offset of the vehicles received within the last second; an offset
+/// up to kApartMaxS counts as zero. An emergency stop is also sent with the stamp of our own clock.
 ///
-/// Statuses are refused as stale if the station's clock is wrong or a log is played. Then hold,
-/// land and emergency stop are also sent with a stamp of those statuses' clock. A superfluous stop
+/// Vehicle statuses are refused as stale if the station's clock is wrong or a log is played. Then
+/// hold, land and emergency stop are also sent with the clock of these statuses. A superfluous stop
 /// does no harm.
 ///
 /// Datagrams may get lost, so hold, land and emergency stop are sent kTransmissions times. The
-/// first pause is kFirstPause, and each further pause is twice as long. That outlasts a burst of
-/// losses of 0.5 s. A repetition has the same stamp as the first, except that an order sent before
-/// any vehicle was received is repeated in the vehicles' clock. A later order to the same vehicles
-/// ends the repetition, so that `hold`, `follow` ends with following. An emergency stop of all
-/// vehicles is not ended by an order to one of them.
+/// first pause is kFirstPause, and each further pause is twice as long. The repetitions outlast a
+/// burst of losses of 0.5 s. A repetition has the stamp of the first transmission, unless no
+/// vehicle had been received then: such an order is repeated in the vehicles' clock. A later order
+/// to the same vehicles ends the repetition, so that `hold`, `follow` ends with following. An order
+/// to one vehicle does not end the repetition of an emergency stop of all vehicles.
 class OrderSender {
  public:
   static constexpr double kHeartbeatPeriod_s = 0.2;
@@ -84,7 +84,7 @@ class OrderSender {
     models::OperatorAction action = models::OperatorAction::kHold;
     std::string robot;
     Time given{};
-    std::optional<Duration> ahead;  ///< of the vehicles' clock; nullopt until one was received
+    std::optional<Duration> ahead;  ///< offset of the vehicles' clock; nullopt: none received
     int sent = 0;
     Time next{};
   };
@@ -93,11 +93,11 @@ class OrderSender {
   void repeat(Time now);
   [[nodiscard]] static bool ends(const Order& later, const Order& earlier);
   void publish(Time stamp, models::OperatorAction action, const std::string& robot);
-  /// Makes room for one more vehicle, if necessary by evicting the one silent longest. Returns
-  /// false if there is no room.
+  /// Frees an entry for one more vehicle, if necessary by evicting the vehicle that has been silent
+  /// longest. Returns false if no entry is free.
   bool make_room();
 
-  static constexpr std::size_t kLogsMax = 64;  ///< processes that report a log
+  static constexpr std::size_t kLogsMax = 64;  ///< maximum number of processes that report a log
   std::vector<Order> repeating_;
   bus::Bus& bus_;
   const bus::auth::Authenticator* authenticator_;
@@ -115,8 +115,8 @@ class OrderSender {
 
 /// Runs the console on standard input and output until quit, end of input or `stop`. Orders go
 /// through an OrderQueue. Each loop sends heartbeat and orders before it draws the screen, and
-/// output never blocks (NonBlockingOutput). Returns false if a request was refused or not
-/// understood.
+/// output never blocks (NonBlockingOutput). Returns false if a request was refused or could not be
+/// parsed.
 bool run_console(bus::Bus& bus, const bus::Clock& clock, const StationOptions& options,
                  const std::function<bool()>& stop);
 

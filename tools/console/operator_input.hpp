@@ -15,7 +15,7 @@ struct OperatorRequest {
   enum class Kind {
     kCommand,
     kSelect,
-    kNoRobot,  ///< a typed name that fits no robot, or several
+    kNoRobot,  ///< a typed name that matches no robot, or several robots
     kQuit,
     kHelp
   };
@@ -29,8 +29,8 @@ struct OperatorRequest {
 /// emergency stop. Selection: 0 all, 1 to 9 the first nine, TAB the next, r and a name any robot. q
 /// quits.
 ///
-/// After r the keys spell a name until ENTER selects it or ESC cancels. The beginning of a name is
-/// enough if only one robot has it; letter case is ignored.
+/// After r the keys spell a name until ENTER selects the robot or ESC cancels. The beginning of a
+/// name is enough if it is unique among the robots; letter case is ignored.
 class KeyInput {
  public:
   /// Returns the request of a key; nullopt if there is none.
@@ -50,7 +50,7 @@ class KeyInput {
 /// expected.
 Result<OperatorRequest> request_from_line(const std::string& line);
 
-/// Returns the word for an action that request_from_line() reads.
+/// Returns the word by which request_from_line() recognises an action.
 std::string word_for(models::OperatorAction action);
 
 }  // namespace vantage::tools

@@ -41,7 +41,8 @@ std::string OrderQueue::send_at_once(const Order& order, Time now) {
   std::erase_if(waiting_, [&order](const Order& earlier) {
     return order.robot.empty() || order.robot == earlier.robot;
   });
-  // A waiting order to all would cancel this one, so this one is sent again after it.
+  // A waiting order to all vehicles would cancel this order, so this order is sent again
+  // afterwards.
   if (std::any_of(waiting_.begin(), waiting_.end(),
                   [](const Order& earlier) { return earlier.robot.empty(); })) {
     waiting_.push_back(order);

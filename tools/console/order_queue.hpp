@@ -8,14 +8,14 @@
 
 namespace vantage::tools {
 
-/// Queue of an operator's orders. Hold, land and emergency stop are sent at once. Other orders wait
-/// until the station has listened and are then sent in sequence, one per kPace. A safer order to
-/// the same vehicles removes waiting ones.
+/// Queue of an operator's orders. Hold, land and emergency stop are sent immediately. Other orders
+/// wait until the station has listened for others, and are then sent in sequence, one per kPace.
+/// Hold, land and emergency stop remove waiting orders to the same vehicles.
 ///
 /// The name of a robot that was never received is assumed to be a typing error. An emergency stop
 /// then goes to all vehicles, hold and land are sent to that name and reported, and other orders
-/// are refused. This is decided only after the station has listened, as robots may not have
-/// published before.
+/// are refused. The queue decides this only after the station has listened, because robots may not
+/// have published earlier.
 class OrderQueue {
  public:
   /// Time between two orders: vehicles take one order per cycle.
@@ -50,7 +50,7 @@ class OrderQueue {
 
   OrderSender& sender_;
   std::vector<Order> waiting_;
-  std::vector<Order> unknown_;  ///< sent while listening, to robots not received yet
+  std::vector<Order> unknown_;  ///< orders sent during listening, to robots not yet received
   Time next_{};
   bool was_refused_ = false;
 };

@@ -38,7 +38,7 @@ bool Station::tick(Time now) {
       }
       break;
     case Role::kRefused:
-      break;  // permanent: the station was not started to stand by
+      break;  // permanent: the station was not started as an allowed second one
   }
   return role_ != before;
 }

@@ -10,8 +10,8 @@
 namespace vantage::tools {
 
 /// Role of one operator station among several. Any number of stations may publish on COMMAND, and
-/// vehicles accept an emergency stop from each. So the stations themselves follow these rules, and
-/// every vehicle enforces them (drivers::OperatorAuthority).
+/// vehicles accept an emergency stop from each station. Stations follow the rules below, and
+/// vehicles enforce them (drivers::OperatorAuthority).
 ///
 /// A station first listens for kListenS. If it receives no other station, it takes charge: it sends
 /// heartbeats and may send every order. If it receives another one, it is refused and may only send
@@ -22,9 +22,9 @@ namespace vantage::tools {
 /// stays. Only recent heartbeats count, so that a played log is not mistaken for a station.
 class Station {
  public:
-  static constexpr double kFreshS = 2.0;   ///< s; as drivers::OperatorAuthority::kFreshS
-  static constexpr double kListenS = 0.7;  ///< s; more than three heartbeats
-  static constexpr double kSilentS = 1.5;  ///< s; every vehicle holds by then
+  static constexpr double kFreshS = 2.0;   ///< s; equal to drivers::OperatorAuthority::kFreshS
+  static constexpr double kListenS = 0.7;  ///< s; longer than three heartbeat periods
+  static constexpr double kSilentS = 1.5;  ///< s; after this silence every vehicle holds
 
   enum class Role { kListening, kInCharge, kSecond, kRefused };
 

@@ -9,9 +9,9 @@
 
 namespace vantage::tools {
 
-/// Returns the number of bytes of the first key in `typed`; 0 if more bytes are needed. Arrows and
-/// function keys are one key of several bytes each (ESC [ … X, ESC O X, and Linux's ESC [ [ X). A
-/// byte that cannot belong to such a key begins another one, so SPACE is always a key.
+/// Returns the number of bytes of the first key in `typed`; 0 if more bytes are needed. An arrow or
+/// function key is a sequence of several bytes (ESC [ … X, ESC O X, and Linux's ESC [ [ X). A byte
+/// that cannot belong to such a sequence begins another key, so SPACE is always a key.
 std::size_t key_bytes(std::string_view typed);
 
 /// Standard input of an operator: key by key from a terminal, line by line otherwise. At a terminal
@@ -30,7 +30,7 @@ class Terminal {
   /// Returns a key (see key_bytes()), or a line without its end; nullopt if there is none yet.
   /// Never waits.
   std::optional<std::string> read();
-  /// True once all input has been read and no more will come.
+  /// True once the input has ended and all of it has been read.
   [[nodiscard]] bool is_closed() const { return is_closed_ && pending_.empty(); }
 
  private:

@@ -151,7 +151,7 @@ Observation observe(const scenario::MocapSpec& spec, Duration listen, const Stop
 std::vector<ViconPort> examine_vicon(const std::string& host, const std::vector<int>& tcp_ports,
                                      int udp_port, Duration listen, const Stop& stop) {
   const sockaddr_in address = [&host] {
-    const EndsAtOnce looking_up;  // looking up a name may block for a long time
+    const EndsAtOnce looking_up;  // a name look-up may block for a long time
     return require_host(host, 0);
   }();
   std::vector<ViconPort> out;

@@ -15,16 +15,16 @@
 
 namespace vantage::tools {
 
-/// Answer of one port.
+/// Response of one port to a connection.
 enum class Answer {
-  kNone,      ///< no answer: wrong host, cable, firewall
+  kNone,      ///< no response: wrong host, cable, firewall
   kRefused,   ///< the host refuses the connection: no server listens there
   kAccepted,  ///< the connection is accepted; see ViconPort::server_type
 };
 
 struct ObservedBody {
   std::int64_t frames = 0;  ///< frames that list the body
-  std::int64_t seen = 0;    ///< frames in which it is not occluded
+  std::int64_t seen = 0;    ///< frames in which the body is not occluded
   Eigen::Vector3d last_world_m = Eigen::Vector3d::Zero();
   double rate_hz = 0.0;  ///< Hz; rate of the body's reports if each body has its own, else 0
 };
@@ -48,8 +48,8 @@ struct ViconPort {
 };
 
 /// Identifies the mocap servers of `host` at `tcp_ports`, and the object stream that arrives at
-/// `udp_port`. Receives each stream for `listen`. Takes that time and up to 3 s per port. After
-/// `stop` it returns within 0.1 s, without the ports not examined yet.
+/// `udp_port`. Receives each stream for the time `listen`; each port takes up to 3 s longer. After
+/// `stop` the function returns within 0.1 s, without the ports that have not been examined yet.
 /// @throws StartupError if the host is unknown.
 std::vector<ViconPort> examine_vicon(
     const std::string& host, const std::vector<int>& tcp_ports, int udp_port, Duration listen,
@@ -58,7 +58,7 @@ std::vector<ViconPort> examine_vicon(
 /// Returns the findings as text, then the remedy: the scenario's `mocap` if a server was found.
 std::vector<std::string> describe(const std::string& host, const std::vector<ViconPort>& ports);
 
-/// True if a stream has a body that was seen.
+/// True if a stream contains a body that was visible.
 bool is_usable(const std::vector<ViconPort>& ports);
 
 }  // namespace vantage::tools

@@ -136,7 +136,7 @@ DemoResult run_demo(const scenario::Scenario& scenario,
           own_transport->stats().queue_overflows;
   result.summary = observer.metrics().finish(ended, lost);
   tell();
-  if (!recording.is_good()) {  // warnings of a slow disk are no failure if nothing is lost
+  if (!recording.is_good()) {  // a slow disk without losses is not a failure
     std::ranges::move(said, std::back_inserter(result.failures));
   }
   draw(scenario, observer.scene(), result);

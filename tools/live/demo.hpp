@@ -19,7 +19,7 @@ struct DemoOptions {
   /// Called with the trial's bus before anything is published on it, to attach a viewer. The
   /// returned object lives until the trial ends.
   std::function<std::shared_ptr<void>(bus::InProcessHub&)> attach;
-  /// Called at once with warnings of the log while the trial goes on.
+  /// Called immediately with warnings about the log; the trial continues.
   std::function<void(const std::string&)> warn = [](const std::string&) {};
 };
 
@@ -27,15 +27,15 @@ struct DemoResult {
   logs::TrialSummary summary;
   std::string log_path;
   std::string svg_path;               ///< empty if it could not be written
-  std::string png_path;               ///< empty if it could not be made
-  std::string png_error;              ///< why the PNG could not be made, e.g. a missing program
+  std::string png_path;               ///< empty if it could not be rendered
+  std::string png_error;              ///< reason of a missing PNG, e.g. a program is missing
   std::vector<std::string> failures;  ///< exceptions of nodes, and files that were not written
 };
 
 /// Runs and records a trial in real time in this process. Each node has its own thread and
-/// transport. Ends after scenario.duration_s, or at once if `stop` returns true or a node fails;
-/// everything sent until then is recorded and summarised. If the log cannot be written, it warns
-/// and the trial goes on.
+/// transport. Ends after scenario.duration_s, or immediately if `stop` returns true or a node
+/// fails; all messages sent until the end are recorded and summarised. If the log cannot be
+/// written, calls options.warn and continues the trial.
 /// @throws StartupError if a file cannot be created or a node refuses the scenario.
 DemoResult run_demo(const scenario::Scenario& scenario,
                     const std::vector<trial::NodeRecipe>& recipes, const DemoOptions& options,

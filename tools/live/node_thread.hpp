@@ -13,8 +13,8 @@
 
 namespace vantage::tools {
 
-/// One node with its bus and its thread. The owner's thread may use it before start() and after
-/// join(); in between only the node's thread uses it.
+/// One node with its bus and its thread. The owner's thread may use the node before start() and
+/// after join(); between these calls only the node's own thread may use it.
 class NodeThread {
  public:
   NodeThread(bus::InProcessHub& hub, const bus::Clock& clock, const trial::NodeRecipe& recipe);

@@ -78,7 +78,7 @@ void NonBlockingOutput::open(Stream& stream) {
   if (::fstat(stream.descriptor, &status) != 0 || S_ISREG(status.st_mode)) {
     return;
   }
-  // Opens a new file description, as O_NONBLOCK of the old one would also affect the shell.
+  // Opens a new file description, because O_NONBLOCK on the old one would also affect the shell.
   const std::string path = fmt::format("/proc/self/fd/{}", stream.descriptor);
   const int own = ::open(path.c_str(), O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
   if (own >= 0) {

@@ -8,8 +8,8 @@
 
 namespace vantage::tools {
 
-/// Queue of text for a descriptor that may not accept it at once. It never waits. It keeps up to
-/// kBytesMax; a text that does not fit is dropped as a whole and counted.
+/// Queue of text for a descriptor that may not accept text immediately. It never blocks. It stores
+/// up to kBytesMax; a text that does not fit is dropped completely and counted.
 class OutputQueue {
  public:
   static constexpr std::size_t kBytesMax = 65'536;
@@ -17,7 +17,7 @@ class OutputQueue {
   explicit OutputQueue(int descriptor) : descriptor_(descriptor) {}
 
   void write(std::string_view text);
-  /// Writes what the descriptor accepts now. Returns true if nothing is left.
+  /// Writes as much as the descriptor accepts now. Returns true if the queue is then empty.
   bool flush();
   /// Counts a text that the caller dropped because an earlier one is still waiting.
   void count_dropped() { ++dropped_; }
@@ -29,12 +29,12 @@ class OutputQueue {
   std::int64_t dropped_ = 0;
 };
 
-/// Makes standard output and standard error non-blocking while it exists, for this process and the
-/// processes that it starts. So a stopped terminal (Ctrl-S) or a missing reader does not delay
+/// Guard that makes standard output and standard error non-blocking during its lifetime, for this
+/// process and its children. So a stopped terminal (Ctrl-S) or a missing reader does not delay
 /// heartbeats, orders or drivers. print_line() and Screen then write through OutputQueues.
-/// Terminals and pipes are opened again for that, so that the shell keeps its settings; files stay
-/// unchanged. The destructor prints the number of dropped texts. At most one may exist. Only the
-/// main thread may create and destroy it and print.
+/// Terminals and pipes are opened a second time, so that the shell keeps its settings; files stay
+/// unchanged. The destructor prints the number of dropped texts. At most one object may exist. Only
+/// the main thread may create it, destroy it and print.
 class NonBlockingOutput {
  public:
   NonBlockingOutput();
@@ -44,15 +44,15 @@ class NonBlockingOutput {
   NonBlockingOutput(NonBlockingOutput&&) = delete;
   NonBlockingOutput& operator=(NonBlockingOutput&&) = delete;
 
-  /// Returns the queue of `stream`; nullptr if no NonBlockingOutput exists or for another stream,
-  /// whose writes may block.
+  /// Returns the queue of `stream`; nullptr if writes to `stream` may block, i.e. for other streams
+  /// or if no NonBlockingOutput exists.
   static OutputQueue* queue_of(std::FILE* stream);
 
  private:
   struct Stream {
     int descriptor;
-    int saved = -1;        ///< duplicate of the original descriptor; -1: not replaced
-    int saved_flags = -1;  ///< original flags if it was made non-blocking in place; -1: it was not
+    int saved = -1;        ///< copy of the original descriptor; -1: not replaced
+    int saved_flags = -1;  ///< original flags if set non-blocking in place; -1: it was not
     OutputQueue queue{descriptor};
   };
   static void open(Stream& stream);

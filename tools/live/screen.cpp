@@ -18,7 +18,7 @@ namespace vantage::tools {
 namespace {
 
 constexpr std::string_view kPlain = "\x1b[0m";
-/// SGR sequences by Emphasis, and the one that ends them.
+/// SGR sequences by Emphasis, and the sequence that resets the colour.
 constexpr std::array<std::string_view, 5> kColours{"\x1b[32m", "\x1b[33m", "\x1b[1;31m", "\x1b[2m",
                                                    kPlain};
 
@@ -47,7 +47,7 @@ std::string cut_to(const std::string& line, std::size_t columns) {
 std::vector<std::string> fit(const std::vector<std::string>& lines, std::size_t rows,
                              std::size_t columns) {
   std::vector<std::string> out = lines;
-  // The cursor needs one row.
+  // Leave one row for the cursor.
   if (rows > 2 && lines.size() > rows - 1) {
     out.resize(rows - 2);
     out.push_back(fmt::format("... {} more lines", lines.size() - (rows - 2)));

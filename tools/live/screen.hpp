@@ -18,13 +18,14 @@ std::string coloured(const std::string& text, Emphasis emphasis);
 /// not counted, and are ended at the cut.
 std::string cut_to(const std::string& line, std::size_t columns);
 
-/// Returns the lines that fit on a screen, each cut to its width; the last one states the number of
-/// missing lines. Lines that wrap or scroll could not be replaced. 0 rows or columns: no limit.
+/// Returns the lines that fit on a screen, each cut to the screen's width. If lines are missing,
+/// the last line states their number. (Lines that wrap or scroll could not be replaced.) 0 rows or
+/// columns: no limit.
 std::vector<std::string> fit(const std::vector<std::string>& lines, std::size_t rows,
                              std::size_t columns);
 
-/// Lines on standard output that are replaced by the next ones without scrolling, cut to the
-/// terminal's size.
+/// Block of lines on standard output, cut to the terminal's size. The next block replaces it
+/// without scrolling.
 class Screen {
  public:
   /// Writes `lines` through printable(), with the colours of coloured(). If a NonBlockingOutput

@@ -9,18 +9,19 @@
 namespace vantage::tools {
 namespace {
 
-constexpr double kSure = 3.0;  // standard deviations; a larger error is inconsistent
+constexpr double kSure = 3.0;  // standard deviations; a larger error is marked as inconsistent
 
 std::string cell(const std::optional<double>& value, int decimals, const char* unit) {
   return value ? fmt::format("{:.{}f} {}", *value, decimals, unit) : "-";
 }
 
-// Colours a word of a table. The word is padded already, as colours change its length.
+// Colours a word of a table. The word must be padded already, because colours change its length.
 std::string word(const std::string& padded, std::optional<Emphasis> emphasis, bool in_colour) {
   return emphasis && in_colour ? coloured(padded, *emphasis) : padded;
 }
 
-// A target may have been discovered without an estimate now. The error is known only with a truth.
+// Returns the row of a target. A discovered target may have no estimate now. Its error is known
+// only if the true position is published.
 std::string target_row(const logs::TargetStatus& target, bool in_colour) {
   std::optional<double> sigma_m;
   std::string by = target.discovered_s ? "no robot now" : "not found yet";

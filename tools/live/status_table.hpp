@@ -9,8 +9,8 @@
 
 namespace vantage::tools {
 
-/// Returns the state of a running trial as lines of text: one per target, one per robot, one of
-/// totals. A team that maps has one line for the map. The number of lines is constant in a trial.
+/// Returns the state of a running trial as lines of text: one per target, one per robot, one with
+/// totals, and for a mapping team one for the map. The number of lines is constant in a trial.
 /// With `in_colour`, good states, warnings and errors are coloured.
 std::vector<std::string> status_table(const scenario::Scenario& scenario,
                                       const logs::TrialMetrics& metrics, double elapsed_s,

@@ -17,12 +17,12 @@ class TrialDisplay {
   enum class Form { kQuiet, kLines, kTable };
   explicit TrialDisplay(Form form) : form_(form) {}
 
-  /// Shows an event; if quiet, on standard error.
+  /// Shows an event. If quiet, writes it to standard error.
   void show_event(const std::string& words);
   /// True if show() should be called: not quiet, and the refresh period has passed.
   [[nodiscard]] bool is_due(Time now) const { return form_ != Form::kQuiet && now >= next_; }
-  /// Shows the state of the trial. In a table `rows` and the last events follow below; in the form
-  /// of lines `words` is appended.
+  /// Shows the state of the trial. A table is followed by `rows` and the last events; a line is
+  /// followed by `words`.
   void show(Time now, const scenario::Scenario& scenario, const logs::TrialMetrics& metrics,
             double elapsed_s, const std::vector<std::string>& rows = {},
             const std::string& words = "");

@@ -25,7 +25,7 @@ struct ExportArguments {
   bool force = false;
 };
 
-// Prints one line per channel, for at most kNamed channels.
+// Prints one line for each channel with events left out, for at most kNamed channels.
 void tell_left_out(const logs::IndexedLog& log, const logs::ExportCounts& counts) {
   constexpr int kNamed = 20;
   int named = 0;

@@ -13,7 +13,7 @@
 
 namespace vantage::tools {
 
-// Each of these adds its subcommands to `vantage log`.
+// Each function adds its subcommands to `vantage log`.
 void add_log_inspect_commands(CLI::App& log, Runner& run);  ///< info, check
 void add_log_edit_commands(CLI::App& log, Runner& run);  ///< repair, slice, filter, rename, merge
 void add_log_replay_command(CLI::App& log, Runner& run);
@@ -24,32 +24,32 @@ void add_log_fit_ranges_command(CLI::App& log, Runner& run);
 void add_log_play_command(CLI::App& log, Runner& run);
 void add_log_record_command(CLI::App& log, Runner& run);
 
-/// Bytes; largest message of `record` and `play` unless the URL sets another limit: twice the
-/// memory that LCM has for incomplete messages. The other processes accept 4 MiB.
+/// Bytes; largest message of `record` and `play` unless the URL sets another limit: twice LCM's
+/// buffer for incomplete messages. The other processes accept 4 MiB.
 inline constexpr int kLogMessageBytesMax = 32 << 20;
-/// Returns `url`, or the default URL if it is empty, with that max_message_size.
+/// Returns `url`, or the default URL if `url` is empty, with max_message_size=kLogMessageBytesMax.
 std::string url_for_log(const std::string& url);
 
-/// Returns a function that shows the progress of `what` on stderr; empty if that is no terminal.
+/// Returns a function that shows the progress of `what` on stderr; empty if stderr is no terminal.
 std::function<void(double)> progress_line(const std::string& what);
 
-/// Opens the log at `path`. Without an index it is read completely, with a progress line; SIGINT
-/// and SIGTERM end the process meanwhile. @throws StartupError if it cannot be read.
+/// Opens the log at `path`. A log without an index is read completely, with a progress line; SIGINT
+/// and SIGTERM end the process meanwhile. @throws StartupError if the log cannot be read.
 logs::IndexedLog open_log(const std::string& path);
-/// Returns the names of a log's channels for a sentence; at most 20.
+/// Returns the names of a log's channels as text for a sentence; at most 20 names.
 std::string channel_names(const logs::LogSurvey& survey);
 /// Prints the `expressions` that match no channel of `log`, and its channels. @throws StartupError
 /// if there are expressions and none of them matches.
 void require_channels(const logs::IndexedLog& log, const std::vector<std::string>& expressions);
 
-/// Log to write, which must differ from the logs that are read.
+/// Output log, which must differ from all input logs.
 class OutputLog {
  public:
   /// @throws StartupError if `path` is one of `inputs`, exists (without `force`), or cannot be
   ///         written.
   OutputLog(const std::string& path, const std::vector<std::string>& inputs, bool force);
   logs::EventSink sink();
-  /// Writes everything and closes the file. Returns an error with the file's name, or "".
+  /// Writes buffered events and closes the file. Returns an error with the file's name, or "".
   std::string finish();
   [[nodiscard]] std::int64_t events() const { return writer_.events(); }
 

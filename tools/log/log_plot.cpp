@@ -103,7 +103,7 @@ std::string plot_script(const logs::LogAnalysis& analysis, const scenario::Scena
     ++robot_index;
   }
   const bool has_plans = !analysis.deadlines.empty();
-  // A legend of many names has several columns.
+  // A legend with many names has several columns.
   const std::size_t key_columns = robot_index / 13 + 1;
   // All charts have equal margins, so that an instant is at the same x position in each of them.
   // The legend is outside, where it covers no line.

@@ -11,8 +11,9 @@ namespace vantage::tools {
 std::string kind_word(const models::TargetModel& model);
 
 /// Returns a gnuplot script with its data that draws into `picture_path`. The plot shows the
-/// displacement of targets within a lag in the held-back time, measured and predicted by each
-/// model, as root mean squares of both coordinates. Pure. @throws StartupError as plot_terminal().
+/// root mean square displacement of targets over the prediction horizon, as measured in the
+/// held-out part of the logs and as predicted by each model. Pure.
+/// @throws StartupError as plot_terminal().
 std::string motion_plot_script(const std::vector<logs::FittedMotion>& fits,
                                const std::string& title, const std::string& picture_path);
 

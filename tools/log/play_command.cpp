@@ -60,8 +60,8 @@ logs::PlayOptions options_of(const PlayArguments& arguments, const logs::Indexed
   return options;
 }
 
-/// @throws StartupError if a flight is running on the network, as its vehicles might use the log's
-/// messages.
+/// @throws StartupError if a flight is running on the network, because its vehicles might use the
+/// log's messages.
 void refuse_neighbours(const PlayArguments& arguments) {
   if (arguments.ignore_others || !arguments.prefix.empty()) {
     return;

@@ -42,7 +42,7 @@ std::string small_letters(std::string_view text) {
 
 struct Unit {
   std::string_view word;
-  double factor;  ///< to seconds or metres
+  double factor;  ///< conversion to seconds or metres
 };
 constexpr std::array kTimes = {Unit{"s", 1.0},   Unit{"sec", 1.0},  Unit{"seconds", 1.0},
                                Unit{"ms", 1e-3}, Unit{"us", 1e-6},  Unit{"µs", 1e-6},
@@ -74,7 +74,8 @@ std::string plain(std::string_view heading) {
   return out;
 }
 
-/// Returns the factor to s or m of the numbers under `heading`; nullopt if it is not `column`.
+/// Returns the factor that converts numbers under `heading` to s or m; nullopt if `heading` is not
+/// a name of `column`.
 std::optional<double> factor_of(const std::string& heading, const ColumnSpec& column) {
   for (const std::string_view name : column.names) {
     if (heading == name) {
@@ -137,7 +138,7 @@ class Reader {
         take_order(content);
       }
       if (content == header_) {
-        continue;  // concatenated files
+        continue;  // repeated header: the file was concatenated
       }
       take_row(content, is_whole, table);
     }
@@ -170,8 +171,8 @@ class Reader {
                       : std::string_view(";,\t").find(c) != std::string_view::npos;
   }
 
-  /// Removes the next record from the text and returns it: one line, or several if a quoted cell
-  /// has ends of lines. Sets has_end_ and ends_in_record_.
+  /// Removes the next record from the text and returns it. A record has several lines if a quoted
+  /// cell contains ends of lines. Sets has_end_ and ends_in_record_.
   std::string_view take_record() {
     std::size_t end = std::min(text_.find('\n'), text_.size());
     ends_in_record_ = 0;

@@ -39,11 +39,11 @@ struct Table {
 /// exactly `columns`, in that order. Skips other columns, empty lines, lines that begin with # or
 /// %, repetitions of the header, and a byte order mark. Accepts CRLF. A quoted cell may contain
 /// separators, ends of lines and doubled quotes (RFC 4180).
-/// @throws StartupError "FILE:LINE: what it is and what was expected".
+/// @throws StartupError "FILE:LINE: …" with the found and the expected content.
 Table parse_table(std::string_view text, const std::string& name,
                   std::span<const ColumnSpec> columns);
 
-/// Reads a table from a file. @throws StartupError also if it cannot be read or exceeds 256 MiB.
+/// Reads a table from a file. @throws StartupError also if the file is unreadable or above 256 MiB.
 Table read_table(const std::string& path, std::span<const ColumnSpec> columns);
 
 }  // namespace vantage::tools

@@ -32,7 +32,7 @@ ColumnSpec length_column(std::vector<std::string_view> names) {
 ColumnSpec x_column() { return length_column({"x", "x_world", "pos_x", "position_x", "px"}); }
 ColumnSpec y_column() { return length_column({"y", "y_world", "pos_y", "position_y", "py"}); }
 
-/// One range with the beacon's name, before beacons have numbers.
+/// One range with the beacon's name, before beacons are numbered.
 struct NamedRange {
   double time_s = 0.0;
   std::string beacon;
@@ -42,7 +42,7 @@ struct NamedRange {
   [[nodiscard]] auto key() const { return std::tie(time_s, beacon, range_m); }
 };
 
-/// Orders names: numbers by value, then words.
+/// True if name `a` is sorted before `b`: numeric names by value, then the other names.
 bool comes_before(const std::string& a, const std::string& b) {
   const auto number = [](const std::string& word) -> std::optional<double> {
     double out = 0.0;

@@ -15,15 +15,15 @@ namespace vantage::tools {
 
 /// Ranges to beacons with the robot's positions, in the order of time.
 struct RangeRecording {
-  std::vector<std::string> beacons;  ///< names; numbers by value, then words
-  std::vector<double> times_s;       ///< times of `ranges`
+  std::vector<std::string> beacons;  ///< sorted: numeric names by value, then others
+  std::vector<double> times_s;       ///< s; time of each range
   std::vector<estimator::TakenRange> ranges;
 
-  // Rows left out, each counted once.
+  // Numbers of rows left out, by reason. Each row counts once.
   std::int64_t not_finite = 0;       ///< a number or the beacon is missing
   std::int64_t doubled = 0;          ///< repetitions of the same time, beacon and range
-  std::int64_t outside_poses = 0;    ///< before the first pose or after the last
-  std::int64_t in_gaps = 0;          ///< between poses too far apart in time
+  std::int64_t outside_poses = 0;    ///< ranges before the first pose or after the last
+  std::int64_t in_gaps = 0;          ///< ranges between poses that are too far apart in time
   std::int64_t poses_left_out = 0;   ///< poses that are not finite, or repeat a time
   std::int64_t too_far = 0;          ///< range or position beyond estimator::kRangeBound_m
   std::vector<std::string> too_few;  ///< beacons with fewer than kRangesOfBeaconMin ranges
@@ -37,13 +37,13 @@ Table read_poses(const std::string& path);
 
 /// Assigns the robot's position to each range, by linear interpolation between the pose before and
 /// the pose after it. Rows may be in any order.
-/// @param gap_max_s  s; poses farther apart in time are not interpolated. nullopt: five times their
-///                   median distance, and at least 1 s
+/// @param gap_max_s  s; poses farther apart in time are not interpolated. nullopt: five times the
+///                   median time between poses, and at least 1 s
 RangeRecording place_ranges(Table ranges, Table poses, std::optional<double> gap_max_s);
 
-/// Returns the ranges to targets in a log and the positions from which they were measured, by the
-/// range and range-bearing sensors of all robots or only of `robot`.
-/// @throws StartupError if there is no such robot or sensor.
+/// Returns the ranges to targets in a log, measured by the range and range-bearing sensors of
+/// `robot` (empty: all robots), and the positions from which they were measured.
+/// @throws StartupError if the log contains no such robot or sensor.
 RangeRecording recording_of(const logs::IndexedLog& log, const std::string& robot);
 
 struct Survey {

@@ -30,7 +30,7 @@ std::optional<SurveyedBeacon> compare_with_survey(const estimator::FittedBeacon&
                         error_m.dot(beacon.covariance_m2().inverse() * error_m)};
 }
 
-/// Returns the numbers of ranges left out, by reason; empty if there are none.
+/// Returns text with the numbers of ranges left out, by reason; empty if there are none.
 std::string left_out(const RangeRecording& recording) {
   std::vector<std::string> words;
   const auto count = [&](std::int64_t number, const char* what) {

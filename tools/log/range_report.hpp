@@ -24,11 +24,12 @@ struct RangeReport {
   estimator::RangeFit fit;
   std::vector<std::optional<SurveyedBeacon>> surveys;  ///< one per beacon
   std::vector<std::string> not_fitted;                 ///< surveyed beacons that were not fitted
-  /// Score on the rest of the time of a fit to the first part; nullopt: too few ranges in a part.
+  /// Score of a fit to the first part of the time, on the rest of the time (held out); nullopt if a
+  /// part has too few ranges.
   std::optional<estimator::InnovationScore> held_back;
 };
 
-/// Fits the ranges and compares the fit with the survey and with held-back ranges.
+/// Fits the ranges and compares the fit with the survey and with held-out ranges.
 /// @throws StartupError if no beacon has enough ranges, with the reasons why ranges were left out.
 RangeReport report_of(RangeRecording recording, const std::vector<Survey>& surveys,
                       double fitted_share, const std::string& source);

@@ -81,7 +81,7 @@ class RoomWatch {
   bool was_little_ = false;
 };
 
-/// Messages that were sent but not recorded, as far as the transport knows.
+/// Messages that were sent but not recorded, as far as the transport can detect.
 struct Losses {
   std::int64_t for_want_of_room = 0;
   std::int64_t incomplete = 0;

@@ -16,8 +16,8 @@ namespace {
 
 using scenario::Node;
 
-/// Scanner that finds the lines of tokens. It follows the parser through the text, as the parser
-/// does not report positions.
+/// Scanner that finds the lines of tokens. It reads the text in parallel with the parser, because
+/// the parser does not report positions.
 class Tokens {
  public:
   explicit Tokens(std::string_view text) : text_(text) {

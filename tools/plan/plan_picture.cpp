@@ -110,9 +110,9 @@ void draw_path(logs::Svg& svg, const logs::Layout& layout, const planner::Search
 constexpr std::string_view kHead = R"(font-size="15" font-weight="bold" fill="#202124")";
 constexpr std::string_view kKey = R"(font-size="12.5" fill="#5f6368")";
 constexpr std::string_view kBody = R"(font-size="12.5" fill="#202124")";
-constexpr double kValue_px = 78.0;  // x position of values
+constexpr double kValue_px = 78.0;  // px; x position of values
 constexpr double kRow_px = 20.0;
-constexpr std::size_t kValueColumns = 40;  // characters that fit next to the keys
+constexpr std::size_t kValueColumns = 40;  // number of characters that fit to the right of the keys
 
 struct Row {
   std::string key;

@@ -19,7 +19,7 @@ bool is_complete(const planner::SearchProblem& problem, const planner::SearchRes
 /// Returns the object that `vantage plan --json` prints (keys: docs/guide/planning-problems.md).
 /// Infinite and unknown values are null.
 nlohmann::ordered_json to_json(const PlanningProblem& problem, const PlanOutcome& outcome);
-/// Returns the same as text, one line per entry.
+/// Returns the entries of to_json() as text, one line per entry.
 std::vector<std::string> to_lines(const PlanningProblem& problem, const PlanOutcome& outcome);
 /// Draws map, obstacles, predicted targets with their uncertainty before and after the plan, the
 /// path, and the field of view at each step. Returns SVG.

@@ -25,10 +25,10 @@ constexpr double kFar_m = 1e6;
 constexpr double kFastest_mps = 1e3;
 constexpr double kLongest_s = 3600.0;
 constexpr double kLeastSigma = 1e-6;
-// m; nearer targets are not seen. The information of a bearing grows without limit towards zero
-// distance; this keeps it finite, and so the lower bound.
+// m; closer targets are not observed. The information of a bearing grows without limit towards zero
+// distance. This minimum keeps the information finite, and therefore also the lower bound.
 constexpr double kLeastBearingRange_m = 1e-3;
-// The distance field only speeds up exact tests; 10⁶ cells are enough for that.
+// The distance field only accelerates exact tests; 10⁶ cells are enough.
 constexpr double kFieldCellsMax = 1e6;
 constexpr double kFieldColumnsMax = 1e5;
 

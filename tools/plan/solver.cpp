@@ -57,7 +57,7 @@ Solver::Solver(PlanRequest request) : request_(std::move(request)) {
 }
 
 void Solver::prepare(const planner::SearchProblem& problem) {
-  constexpr std::size_t kSlackNodes = 64;  // nodes that the last piece of work may add
+  constexpr std::size_t kSlackNodes = 64;  // nodes that the last work unit may add
   const planner::Algorithm& algorithm = planner::algorithm_called(
       request_.algorithm == kDefault ? planner::default_algorithm(problem)
                                      : std::string_view(request_.algorithm));

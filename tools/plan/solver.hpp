@@ -15,11 +15,11 @@ inline constexpr double kLongestBudget_s = 86'400.0;
 /// Options for solving a planning problem.
 struct PlanRequest {
   std::string algorithm =
-      "default";  ///< a name of planner::all_algorithms(), or "default": chosen by the problem
-  double budget_s = 1.0;              ///< s; time for the search only
-  std::optional<std::int64_t> nodes;  ///< nodes instead of time: the result is reproducible
+      "default";  ///< name in planner::all_algorithms(), or "default": chosen for the problem
+  double budget_s = 1.0;              ///< s; time limit of the search alone
+  std::optional<std::int64_t> nodes;  ///< node limit instead of time: reproducible result
   planner::AlgorithmOptions options;
-  std::size_t memory_mb = 512;  ///< MiB; most memory of the search
+  std::size_t memory_mb = 512;  ///< MiB; maximum memory of the search
 };
 
 /// Result of one search with its cost.
@@ -27,9 +27,9 @@ struct PlanOutcome {
   std::string source;  ///< file of the problem; set by the caller
   std::string algorithm;
   planner::SearchResult result;
-  double elapsed_s = 0.0;       ///< s; wall-clock time of the search only
-  double cpu_s = 0.0;           ///< s; processor time of the searching thread in that span
-  std::size_t peak_bytes = 0;   ///< bytes; nodes, blocks and lists in use
+  double elapsed_s = 0.0;       ///< s; wall-clock time of the search alone
+  double cpu_s = 0.0;           ///< s; processor time of the search thread during elapsed_s
+  std::size_t peak_bytes = 0;   ///< bytes; maximum size of nodes, blocks and lists in use
   bool is_interrupted = false;  ///< cancelled by the user before the budget was spent
 };
 

@@ -8,10 +8,10 @@ namespace vantage::tools {
 
 /// Rules for restarting a process that has ended.
 struct RestartPolicy {
-  double backoff_first_s = 0.2;  ///< s; doubled with each end of the process
+  double backoff_first_s = 0.2;  ///< s; doubled at each end of the process
   double backoff_max_s = 5.0;
   double settled_s = 10.0;  ///< s; a run at least this long resets the back-off
-  int restarts_max = 5;     ///< within window_s; a process that ends more often is given up
+  int restarts_max = 5;     ///< within window_s; after more ends the process is given up
   double window_s = 60.0;
 };
 
@@ -24,7 +24,7 @@ class RestartSchedule {
 
   /// Notes that the process was started, for the first time or again.
   void on_start(Nanoseconds now_ns);
-  /// s; largest back-off with `is_needed`.
+  /// s; maximum back-off of a process that `is_needed`.
   static constexpr double kNeededBackoffMaxS = 1.0;
   /// Notes that the process ended or could not be started. Returns when to start it again; nullopt
   /// if it is given up permanently. A process that `is_needed`, because its vehicle may be in
@@ -34,7 +34,7 @@ class RestartSchedule {
   [[nodiscard]] const RestartPolicy& policy() const { return policy_; }
   /// Returns the number of starts after the first.
   [[nodiscard]] int restarts() const { return restarts_; }
-  /// Returns how long the process was not running since its first start, s.
+  /// Returns the time in s for which the process was not running since its first start.
   [[nodiscard]] double down_s(Nanoseconds now_ns) const;
 
  private:

@@ -141,8 +141,8 @@ void Supervisor::kill_hung(Nanoseconds now_ns, std::vector<SupervisorEvent>& eve
 
 SupervisorEvent Supervisor::on_end(Supervised& process, const ChildExit& how, Nanoseconds now_ns) {
   take_signs(process, now_ns);
-  // After a failure in flight the vehicle needs a new driver. After a second request its autopilot
-  // lands it instead.
+  // If a driver fails in flight, its vehicle needs a new driver. After a second request to end, the
+  // autopilot lands the vehicle instead.
   const bool is_left = process.in_flight == InFlight::kYes && end_requests_ == 1;
   const bool was_requested = !process.spec.vehicle.empty() && end_requests_ > 0;
   if (was_requested && (how.is_success() || !is_left)) {

@@ -26,7 +26,7 @@ struct ProcessSpec {
   /// Working folder, created if missing; the output of the process is appended to its `output.txt`.
   /// Empty: working folder and output of the supervisor.
   std::string folder = {};
-  std::map<std::string, std::string> files = {};  ///< content by name, written there at each start
+  std::map<std::string, std::string> files = {};  ///< content by name, written to `folder`
   int end_signal = SIGTERM;                       ///< signal that ends the process
   /// s; longest time without a sign of life (core/life_line) before the process is killed and
   /// restarted. 0: a foreign program, which gives no signs of life and is not watched.
@@ -39,9 +39,9 @@ struct SupervisedStatus {
   std::string name;
   models::SupervisedPhase phase = models::SupervisedPhase::kRunning;
   int restarts = 0;
-  double down_s = 0.0;        ///< s; time in which it was not running since its first start
-  std::string last_end = {};  ///< how it last ended, such as "exit 1"; empty: it never ended
-  pid_t pid = 0;              ///< 0 while it is not running
+  double down_s = 0.0;        ///< s; time without the process since its first start
+  std::string last_end = {};  ///< last end, such as "exit 1"; empty: it never ended
+  pid_t pid = 0;              ///< 0 while the process is not running
   bool is_essential = false;
   std::string vehicle = {};                 ///< vehicle that the process drives; empty: none
   InFlight in_flight = InFlight::kUnknown;  ///< state of the vehicle in the last sign of life
@@ -55,11 +55,11 @@ struct SupervisorEvent {
   std::string text;
 };
 
-/// Supervisor of child processes: starts them, kills those that give no signs of life, restarts
-/// those that end, and ends them all. Each process sends its signs of life by its own pipe, so that
-/// they do not depend on the network. The driver of a vehicle that may be in flight is restarted
-/// without limit. Single-threaded. The caller passes the time of the monotonic clock, so that tests
-/// of the back-off need not wait.
+/// Supervisor of child processes. It starts the processes, kills those without signs of life,
+/// restarts those that end, and stops all of them at the end. Each process sends its signs of life
+/// by its own pipe, independent of the network. The driver of a vehicle that may be in flight is
+/// restarted without limit. Single-threaded. The caller passes the monotonic clock's time, so that
+/// tests of the back-off do not wait.
 class Supervisor {
  public:
   using Nanoseconds = RestartSchedule::Nanoseconds;
@@ -67,19 +67,19 @@ class Supervisor {
 
   /// Starts a process. @throws StartupError if it cannot be executed.
   void start(const ProcessSpec& spec, Nanoseconds monotonic_ns);
-  /// Reads signs of life, kills processes without them, reaps those that have ended and restarts
-  /// those whose back-off is over. Returns the events in that order.
+  /// Reads signs of life, kills processes without them, reaps processes that have ended and
+  /// restarts processes whose back-off is over. Returns the events in this order.
   std::vector<SupervisorEvent> poll(Nanoseconds monotonic_ns);
   /// Requests the vehicle drivers to end; each further call is one more request. A driver that ends
-  /// after that is not restarted, except if it failed after a single request while its vehicle may
-  /// be in flight. A restarted driver gets the requests as soon as it has started.
+  /// after a request is restarted only if it failed after a single request while its vehicle may be
+  /// in flight. A restarted driver receives the requests as soon as it has started.
   void end_drivers();
   [[nodiscard]] bool have_drivers_ended() const;
   /// Sends `signal` to all running processes that give signs of life, i.e. not to firmware.
   void send_to_ours(int signal);
   /// Sends each process its end signal in reverse order of starting and waits for all of them.
-  /// Kills those that are alive after `patience`, or as soon as `hurry` (polled) returns true.
-  /// Returns the names of the killed processes. Nothing is restarted after that.
+  /// Kills the remaining processes after `patience`, or as soon as `hurry` (polled) returns true.
+  /// Returns the names of the killed processes. No process is restarted afterwards.
   std::vector<std::string> stop_all(std::chrono::milliseconds patience,
                                     const std::function<bool()>& hurry = {});
 

@@ -9,14 +9,14 @@
 
 namespace vantage::tools {
 
-/// Detects processes that hang: they gave signs of life and have stopped. Pure; `now` is monotonic.
-/// A long pause between two calls of overdue() (the caller was delayed or suspended) does not count
-/// as silence of the processes.
+/// Detector of processes that hang, i.e. whose signs of life have stopped. Pure; `now` is
+/// monotonic. A long pause between two calls of overdue() (the caller was delayed or suspended)
+/// does not count as silence of the processes.
 class Watchdog {
  public:
-  /// s; most that the time between two calls of overdue() counts as silence.
+  /// s; maximum time between two calls of overdue() that counts as silence.
   static constexpr double kPollS = 0.25;
-  /// s; time for the first sign of a restarted process, if it gave signs before the restart.
+  /// s; time limit for the first sign of a restarted process, if it gave signs before the restart.
   static constexpr double kFirstSignS = 15.0;
 
   /// Starts to watch `process`. After its first sign it must give one at least every `patience_s`.
@@ -35,9 +35,9 @@ class Watchdog {
  private:
   struct Watched {
     double patience_s = 0.0;
-    bool has_given_sign = false;  ///< has given a sign; some programs never do
+    bool has_given_sign = false;  ///< true once it has given a sign; some never do
     std::optional<Time> sign;
-    std::optional<Time> start;  ///< restart whose first sign has not come yet
+    std::optional<Time> start;  ///< time of a restart, until the first sign after it
   };
   void skip_pause(Time now);
 

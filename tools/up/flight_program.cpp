@@ -12,8 +12,8 @@ using models::OperatorAction;
 
 constexpr Duration kOrderPeriod = std::chrono::milliseconds(500);
 constexpr Duration kHoldPatience = std::chrono::seconds(3);
-// One ground order of this number is a hold, which clears the order to arm. Only after that a
-// driver restarts motors that the autopilot has stopped.
+// Every 60th ground order is a hold, which clears the order to arm. A driver restarts motors that
+// the autopilot has stopped only after such a hold.
 constexpr int kOrdersToStartAnew = 60;
 
 bool is_at_rest(FlightState state) {

@@ -15,8 +15,8 @@ namespace vantage::tools {
 /// end. Chooses its orders from the vehicle statuses (VEHICLE_*). Uses neither a clock nor the bus.
 ///
 /// Repeats each order until the vehicle obeys. A vehicle that another station has commanded gets
-/// only the order to land at the end. A vehicle that has landed, been killed or become idle again
-/// stays down.
+/// only the order to land at the end. A vehicle that has landed, was killed or is idle again does
+/// not take off again.
 class FlightProgram {
  public:
   struct Order {
@@ -27,8 +27,7 @@ class FlightProgram {
   explicit FlightProgram(const std::vector<std::string>& robots);
 
   void on_status(const models::VehicleStatus& status);
-  /// Handles a command of another station. Ignores heartbeats, and old commands (a log that is
-  /// played).
+  /// Handles a command of another station. Ignores heartbeats and old commands (from a played log).
   void on_other_station(const models::OperatorCommand& command, Time now);
   /// Returns the orders to send now. Call about every 100 ms.
   std::vector<Order> due(Time now);
@@ -43,8 +42,8 @@ class FlightProgram {
  private:
   struct Vehicle {
     std::optional<models::VehicleStatus> status;
-    bool has_other_station = false;  ///< another station has commanded it
-    bool has_lifted = false;         ///< it has left the idle state once
+    bool has_other_station = false;  ///< another station has commanded the vehicle
+    bool has_lifted = false;         ///< the vehicle has left the idle state once
     bool was_ordered_to_land = false;
     int ground_orders = 0;
     Time next_order{};

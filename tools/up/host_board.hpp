@@ -14,7 +14,7 @@
 
 namespace vantage::tools {
 
-/// Name on HOST_* of the only host of a scenario without `hosts`.
+/// Host name in HOST_* if the scenario has no `hosts`: one host runs everything.
 inline constexpr const char* kOnlyHost = "LOCAL";
 
 /// Converts readings of used processor time into shares of a processor. Pure.
@@ -44,8 +44,8 @@ class UsageMeter {
 class HostBoard {
  public:
   static constexpr double kSilentAfter_s = 3.0;
-  static constexpr std::size_t kOtherHostsMax = 32;   ///< hosts that the scenario does not name
-  static constexpr std::size_t kProcessesMax = 1024;  ///< processes kept per report
+  static constexpr std::size_t kOtherHostsMax = 32;   ///< hosts that the scenario does not contain
+  static constexpr std::size_t kProcessesMax = 1024;  ///< processes stored per report
 
   /// @param own  name of this supervisor's host
   HostBoard(const scenario::Scenario& scenario, std::string own, std::int64_t own_run_id,
@@ -60,8 +60,8 @@ class HostBoard {
   [[nodiscard]] std::vector<std::string> table(Time now) const;
   /// Returns the number of reports ignored because their hosts were beyond the limit.
   [[nodiscard]] std::int64_t ignored() const { return ignored_; }
-  /// Returns the running and all processes per host: "LAB 7/7, AIR silent for 4 s". Empty if there
-  /// is one host and all its processes run.
+  /// Returns the number of running and of all processes per host: "LAB 7/7, AIR silent for 4 s".
+  /// Empty if there is one host and all its processes run.
   [[nodiscard]] std::string line(Time now) const;
 
  private:

@@ -94,7 +94,7 @@ UpOptions with_priority(const scenario::Scenario& scenario, UpOptions options,
   }
   const bool is_granted = grants_fifo(kDriverPriority);
   options.driver_priority = is_granted ? kDriverPriority : 0;
-  if (!is_granted && options.ignore_others) {  // otherwise run_up() has measured while it listened
+  if (!is_granted && options.ignore_others) {  // otherwise run_up() has listened for this time
     std::this_thread::sleep_for(trial::kListenToNeighbours);
   }
   const auto fault = is_granted ? std::nullopt : host_fault({false, load.free_processors()});

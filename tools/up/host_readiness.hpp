@@ -10,7 +10,7 @@
 
 namespace vantage::tools {
 
-/// Time that all processors of a machine have spent since its start, clock ticks.
+/// Processor time since the start of a machine, summed over its processors, in clock ticks.
 struct ProcessorTimes {
   std::int64_t free = 0;  ///< idle, waiting for a disk, or in processes of low priority (nice)
   std::int64_t total = 0;
@@ -19,16 +19,16 @@ struct ProcessorTimes {
 /// Parses the text of /proc/stat; nullopt if it has another format.
 std::optional<ProcessorTimes> processor_times(std::string_view stat);
 
-/// Whether a host can run drivers on time: with a real-time priority or with free processors.
+/// Ability of a host to run drivers in time: by a real-time priority or by free processors.
 struct HostReadiness {
-  bool grants_priority = false;  ///< SCHED_FIFO with kDriverPriority
+  bool grants_priority = false;  ///< the system grants SCHED_FIFO with kDriverPriority
   /// Mean number of processors that were free while `vantage up` listened; nullopt: not measured.
   std::optional<double> free_processors;
 };
 
 /// SCHED_FIFO priority of vehicle drivers and of the mocap driver.
 inline constexpr int kDriverPriority = 50;
-/// Least number of free processors where no priority is granted.
+/// Minimum number of free processors on a host that grants no priority.
 inline constexpr double kFreeProcessorsMin = 0.5;
 
 /// Returns the mean number of free processors between two readings of a machine with `processors`;
@@ -36,8 +36,8 @@ inline constexpr double kFreeProcessorsMin = 0.5;
 std::optional<double> free_processors(const ProcessorTimes& before, const ProcessorTimes& after,
                                       unsigned processors);
 
-/// Returns why drivers would be late on this host and what helps; nullopt if they have what they
-/// need, or if that could not be measured.
+/// Returns why drivers would be late on this host, and the remedy; nullopt if they would be in time
+/// or if this could not be measured.
 std::optional<std::string> host_fault(const HostReadiness& host);
 
 /// Measures the mean number of free processors of this machine since its construction.

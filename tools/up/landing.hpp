@@ -16,11 +16,11 @@ class Landing {
 
   enum class Step {
     kWait,
-    kRequestAgain,  ///< request the drivers to end once more
+    kRequestAgain,  ///< request the end of the drivers once more
     kOver,
   };
   /// @param is_at_rest   all drivers have ended and all vehicles have landed
-  /// @param is_urgent    the user has requested the end once more
+  /// @param is_urgent    the user has requested the end a second time
   Step step(bool is_at_rest, bool is_urgent, Time now);
 
  private:

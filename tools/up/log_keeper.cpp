@@ -26,7 +26,7 @@ ProcessSpec recorder_process(const ProcessPlaces& places, const std::string& log
   return process;
 }
 
-// A file that is not empty proves that the recorder receives.
+// A non-empty file shows that the recorder receives messages.
 LogKeeper::LogKeeper(const ProcessSpec& recorder, const std::string& path,
                      const RestartPolicy& policy, trial::Announcer& announcer,
                      const bus::Clock& clock)
@@ -57,7 +57,7 @@ LogKeeper::LogKeeper(const ProcessSpec& recorder, const std::string& path,
   }
 }
 
-// A failure here must not end the flight, so it is only noted in is_damaged_.
+// A failure to trim must not end the flight, so it only sets is_damaged_.
 logs::TrimmedLog LogKeeper::trim() {
   logs::TrimmedLog trimmed;
   try {
@@ -66,7 +66,7 @@ logs::TrimmedLog LogKeeper::trim() {
     trimmed = {};
   }
   outcome_.bytes_dropped += trimmed.dropped_bytes;
-  if (trimmed.size_bytes == 0) {  // the file always had an event since the constructor
+  if (trimmed.size_bytes == 0) {  // the file has had an event since the constructor
     is_damaged_ = true;
     last_before_.reset();
   }

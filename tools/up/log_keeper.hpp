@@ -18,8 +18,8 @@ namespace vantage::tools {
 /// Process name of the recorder.
 inline constexpr const char* kRecorderProcess = "recorder";
 
-/// Returns `vantage log record` that appends to `log_path`. Signatures follow the scenario of
-/// `places`.
+/// Returns the process `vantage log record` that appends to `log_path`. It signs and verifies
+/// messages as the scenario of `places` requires.
 ProcessSpec recorder_process(const ProcessPlaces& places, const std::string& log_path);
 
 /// Result of recording a trial.
@@ -34,8 +34,8 @@ struct LogOutcome {
   bool is_good = true;
 };
 
-/// Keeps a recorder running that writes one file. When the recorder dies, its incomplete last event
-/// is cut off and a new recorder appends. The file stays valid; event numbers begin again there.
+/// Supervisor of a recorder that writes one file. When the recorder dies, its incomplete last event
+/// is cut off and a new recorder appends. The file stays valid; its event numbers restart there.
 class LogKeeper {
  public:
   /// Starts the recorder. Publishes SCENARIO until the recorder has written it as the first event.
@@ -52,8 +52,8 @@ class LogKeeper {
   std::vector<SupervisorEvent> poll(Supervisor::Nanoseconds monotonic_ns);
   /// True if the end of the file contains `bytes`, the last published message.
   [[nodiscard]] bool tail_contains(std::span<const std::uint8_t> bytes) const;
-  /// Ends the recorder, which first writes all that it has received. Returns the recorder's name if
-  /// it had to be killed. Then its incomplete last event is cut off, and the outcome is not good.
+  /// Ends the recorder, which first writes all received messages. Returns the recorder's name if it
+  /// had to be killed. In that case its incomplete last event is cut off, and is_good is false.
   std::vector<std::string> stop(std::chrono::milliseconds patience);
 
   [[nodiscard]] const Supervisor& supervisor() const { return supervisor_; }
@@ -67,7 +67,7 @@ class LogKeeper {
   std::string path_;
   Supervisor supervisor_;
   LogOutcome outcome_;
-  std::optional<Time> last_before_;  ///< last event before a restart, until the first one after it
+  std::optional<Time> last_before_;  ///< last event before a restart; empty after the next event
   std::uint64_t size_before_bytes_ = 0;
   bool is_damaged_ = false;  ///< the file was missing, unreadable or could not be cut at a restart
 };

@@ -72,7 +72,7 @@ constexpr const char* kArdupilotAirframe =
     "FRAME_CLASS 1\nFRAME_TYPE 1\nATC_ACCEL_Y_MAX 30000\nLOG_BACKEND_TYPE 0\n"
     "BATT_MONITOR 4\nBATT_CAPACITY 5600\nBATT_VOLT_PIN 13\nBATT_CURR_PIN 12\n"
     "BATT_VOLT_MULT 10.1\nBATT_AMP_PERVLT 17\n"
-    "SIM_VIB_MOT_MASK 15\n";  // motors that draw from the simulated battery; the default is none
+    "SIM_VIB_MOT_MASK 15\n";  // motors that load the simulated battery; the default is none
 
 ProcessSpec ardupilot_process(const scenario::RobotSpec& robot, int instance, int system_id,
                               const ProcessPlaces& places) {
@@ -89,7 +89,7 @@ ProcessSpec ardupilot_process(const scenario::RobotSpec& robot, int instance, in
   }
   out.arguments.insert(out.arguments.end(), {"--defaults", defaults});
   out.folder = absolute(places.firmware_folder) + "/" + robot.name;
-  out.end_signal = SIGKILL;  // it ignores other signals when its simulator has ended
+  out.end_signal = SIGKILL;  // ArduPilot ignores other signals when its simulator has ended
   return out;
 }
 

@@ -11,15 +11,15 @@ namespace vantage::tools {
 /// Process name of the simulator.
 inline constexpr const char* kSimProcess = "sim";
 
-/// Longest time without a sign of life. The first is for drivers and the mocap driver, as vehicles
-/// need poses within 0.5 s; the second is for all other processes.
+/// s; longest time without a sign of life. The first constant is for vehicle drivers and the mocap
+/// driver, because vehicles need poses within 0.5 s; the second is for all other processes.
 inline constexpr double kDriverPatienceS = 0.8;
 inline constexpr double kPatienceS = 3.2;
 
 /// Files, network and settings of the processes of a trial.
 struct ProcessPlaces {
   std::string executables;    ///< folder of the vantage-* programs
-  std::string scenario_path;  ///< scenario file that each of them reads
+  std::string scenario_path;  ///< scenario file that each process reads
   std::string url;
   std::string host;                  ///< host of scenario.hosts to run; empty: everything
   bool has_virtual_targets = false;  ///< targets are simulated although every device is real
@@ -35,8 +35,8 @@ std::vector<std::string> robots_with_driver(const scenario::Scenario& scenario);
 /// flown.
 std::vector<std::string> device_faults(const scenario::Scenario& scenario);
 
-/// Returns the processes of a trial on this host. They may be started in any order; this one is
-/// chosen for readers:
+/// Returns the processes of a trial on this host. They may be started in any order and are returned
+/// in this order:
 /// - the simulator, if anything is simulated;
 /// - the firmware of simulated vehicles;
 /// - the mocap driver, if its device is not `direct`;

@@ -49,8 +49,8 @@ using std::chrono::milliseconds;
 
 constexpr Duration kReportPeriod = std::chrono::seconds(1);
 constexpr Duration kLogCheckPeriod = milliseconds(500);
-// The whole end takes less than 2 s, except if the disk is slow: the last two syncs of the log may
-// take 2 s each.
+// The times below let a trial end within 2 s. On a slow disk it takes longer: each of the last two
+// syncs of the log may take 2 s.
 constexpr milliseconds kTeamPatience{1200};
 constexpr Duration kDrainPatience = milliseconds(200);
 constexpr Duration kFinishPatience = milliseconds(300);
@@ -140,11 +140,11 @@ class Up {
   TrialDisplay display_;
   std::unique_ptr<Pilot> pilot_;
   Supervisor team_;
-  bus::Flights flights_;          ///< all vehicles with a driver, by their published statuses
+  bus::Flights flights_;          ///< flight states of all vehicles with a driver, from VEHICLE_*
   std::set<std::string> drives_;  ///< vehicles with a driver on this host
   bool serves_flights_ = false;   ///< the simulator or the mocap driver runs here
   Time next_report_{};
-  int requests_obeyed_ = 1;  ///< requests to end that were obeyed; more of them are urgent
+  int requests_obeyed_ = 1;  ///< number of obeyed requests to end; further ones are urgent
   UpResult result_;
 };
 
@@ -245,7 +245,7 @@ void Up::handle(const std::vector<SupervisorEvent>& events) {
   }
 }
 
-// Publishes and prints a log that cannot be written at once. The flight continues.
+// Publishes and prints immediately that the log cannot be written. The flight continues.
 void Up::watch_log(Time now) {
   if (!keeper_ || now < next_log_check_) {
     return;
@@ -375,8 +375,8 @@ void Up::land() {
   }
 }
 
-// Publishes a last message after all other processes have ended. The log is complete if it contains
-// that message.
+// Publishes a last message after all other processes have ended. A log that contains this message
+// is complete.
 void Up::finish_log() {
   models::HostReport last = report(clock_.now());
   const models::InputRef name = bus_.publish(bus::host_channel(host_), last);
@@ -402,8 +402,8 @@ void Up::stop_all() {
   result_.processes = statuses();
   bool is_hurried = false;
   if (!result_.left_flying.empty()) {
-    // Processes that vehicles depend on delay the first request until all vehicles have landed
-    // (bus::EndAfterFlights). This is the first one, so that they obey the second one at once.
+    // Processes that vehicles depend on obey the first request only after all landings
+    // (bus::EndAfterFlights), but a second one immediately. Send the first one here.
     team_.send_to_ours(SIGINT);
   }
   std::vector<std::string> killed = team_.stop_all(kTeamPatience, [&] {
@@ -422,7 +422,7 @@ void Up::stop_all() {
       result_.ended_badly.push_back(ended[i].name + " (" + how + ")");
     }
   }
-  // Receives the last HEALTH of each process. The time is bounded, as other hosts go on sending.
+  // Receives the last HEALTH of each process. The time is bounded because other hosts keep sending.
   const Time give_up = clock_.now() + kDrainPatience;
   while (bus_.handle(milliseconds(50)) > 0 && clock_.now() < give_up) {
   }

@@ -26,21 +26,21 @@ struct UpOptions {
   int driver_priority = 0;           ///< see ProcessPlaces; set by run_up() if it is granted
   bool has_virtual_targets = false;  ///< simulate the targets although every device is real
   RestartPolicy restarts;
-  /// Returns the number of requests to end so far. The second one ends the wait for landings: the
-  /// autopilots land what still flies. The next one, or the second if no vehicle is to land, kills
-  /// the processes that have not ended yet.
+  /// Returns the number of requests to end so far. The second request ends the wait for landings:
+  /// the autopilots land the vehicles still in flight. The third request, or the second if no
+  /// vehicle has to land, kills the processes that have not ended yet.
   std::function<int()> stop_requests = [] { return 0; };
 };
 
 struct UpResult {
   logs::TrialSummary summary;
-  std::vector<SupervisedStatus> processes;  ///< at the end of the trial; the recorder is the last
+  std::vector<SupervisedStatus> processes;  ///< state at the end of the trial; the recorder is last
   LogOutcome log;
   bool log_was_unwritten = false;        ///< the log could not be written for some time
   int world_restarts = 0;                ///< restarts of the simulator, which reset the world
   bool has_other_scenario = false;       ///< another host flies another scenario file
   std::string broken;                    ///< error of this program; empty: none
-  double stop_s = 0.0;                   ///< s, from the end of the landings to the last process's
+  double stop_s = 0.0;                   ///< s; from the last landing to the end of all processes
   std::vector<std::string> killed;       ///< processes that did not end in time
   std::vector<std::string> cut_short;    ///< processes killed because of a further request to end
   std::vector<std::string> ended_badly;  ///< crashed or failed while ending: "sim (signal 6)"
@@ -53,23 +53,23 @@ struct UpResult {
 /// processes that die. Ends after scenario.duration_s (if ends_by_duration), when `stop` returns
 /// true, or when an essential process is given up.
 ///
-/// At the end the vehicle drivers are ended first, which land or stop their vehicles. Everything
-/// else keeps running meanwhile, for at most 60 s. Collisions, separation violations and lost
+/// At the end the vehicle drivers are ended first; they land or stop their vehicles. All other
+/// processes keep running meanwhile, for at most 60 s. Collisions, separation violations and lost
 /// messages during the landings are counted; the rest of the summary covers the trial only. The log
 /// begins with SCENARIO and ends with the last published message.
 ///
-/// Publishes the processes on HOST_<host> and receives the reports of other hosts, which may start
-/// and end at any time.
+/// Publishes the states of the processes on HOST_<host> and receives the reports of other hosts,
+/// which may start and end at any time.
 ///
-/// With `fly` it is the operator of the vehicles that have drivers. Its commands and heartbeats are
-/// in the log. Any other station may still hold, land or stop a vehicle.
+/// With `fly`, acts as the operator of the vehicles that have drivers. Its commands and heartbeats
+/// are in the log. Any other station may still hold, land or stop a vehicle.
 ///
 /// Listens to the network for kListenToNeighbours first (unless ignore_others). Drivers get
 /// SCHED_FIFO if the system grants it. If it does not and the host is busy, `fly` is refused unless
 /// ignore_load is set; without `fly` a warning is printed.
 /// @throws StartupError
 /// - if other processes are alive (rivals_of_up) and ignore_others is not set;
-/// - if there is no room for the log;
+/// - if the disk has too little space for the log;
 /// - if the network, the recorder or a program cannot be used;
 /// - if the combination of devices or the security of the scenario has a fault;
 /// - if `fly` is set for a real robot, which only a person may arm.

@@ -10,7 +10,7 @@
 
 namespace vantage::tools {
 
-/// True if all of this holds:
+/// True if all of these conditions hold:
 /// - no process was given up, killed or ended badly, and this program had no error;
 /// - nothing collided, and all vehicles have flown and landed;
 /// - the simulator was not restarted (other processes may be);

@@ -8,8 +8,8 @@
 namespace vantage::tools {
 namespace {
 
-constexpr std::size_t kSubscriptionsMax = 10'000;  // per viewer
-constexpr std::size_t kControlsMax = 1000;         // playback requests that wait for the player
+constexpr std::size_t kSubscriptionsMax = 10'000;  // maximum per viewer
+constexpr std::size_t kControlsMax = 1000;         // maximum number of waiting playback requests
 /// Subscription id of time frames in the Outbox; viewers must not use it.
 constexpr std::uint32_t kNoSubscription = 0xFFFFFFFFU;
 
@@ -289,7 +289,8 @@ void Broker::subscribe(Client& client, std::uint32_t subscription_id, std::uint3
   Topic& topic = topics_.at(topic_of_.at(channel_id - 1));
   client.subscriptions_[channel_id].push_back(subscription_id);
   ++topic.subscribers;
-  if (topic.newest && !is_holding_) {  // during hold() the record precedes the seek position
+  if (topic.newest &&
+      !is_holding_) {  // between hold() and release() the record precedes the seek position
     send(client, subscription_id, topic);
   }
 }

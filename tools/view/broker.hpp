@@ -16,8 +16,9 @@
 
 namespace vantage::tools {
 
-/// One connected viewer with its outgoing frames. The threads of the bus and of the connection fill
-/// it. Its own writer thread empties it, so that a stalled viewer does not delay others.
+/// One connected viewer with its queue of outgoing frames. The threads of the bus and of the
+/// connection fill the queue. A separate writer thread per viewer empties it, so that a stalled
+/// viewer does not delay others.
 class Client {
  public:
   Client(Outbox outbox, bool speaks_sdk) : speaks_sdk_(speaks_sdk), outbox_(std::move(outbox)) {}
@@ -42,24 +43,25 @@ class Client {
   bool is_closed_ = false;
 };
 
-/// Channels, viewers and their subscriptions. Thread-safe: the bus's thread writes records, the
+/// Channels, viewers and their subscriptions. Thread-safe: the bus's thread writes records, and the
 /// threads of the connections pass requests.
 class Broker : public logs::foxglove::Sink {
  public:
-  /// With info.range (a log) the broker keeps the newest record of every topic except events, as a
-  /// paused log sends nothing else. It keeps raw messages only while a viewer subscribes to them.
-  /// Without info.range (live) it keeps states only. Other records are made only for subscribers.
+  /// With info.range (a log) the broker stores the newest record of every topic except events,
+  /// because a paused log sends no new records. Raw messages are stored only while a viewer
+  /// subscribes to them. Without info.range (live) only states are stored. Other records are made
+  /// only for subscribers.
   explicit Broker(ServerInfo info);
 
   bool wants(const std::string& topic, logs::foxglove::Schema schema, bool is_state) override;
   void write(const std::string& topic, Time time, const logs::foxglove::Json& content) override;
   void name_type(const std::string& topic, const std::string& type) override;
 
-  /// Keeps records without sending them from now on: used for the records before a seek position.
+  /// Stores records without sending them until release(): for the records before a seek position.
   void hold();
-  /// Sends the newest record of each kept topic to its subscribers and ends hold().
+  /// Sends the newest stored record of each topic to its subscribers and ends hold().
   void release();
-  /// Discards the kept records before a jump in the log. The channels stay.
+  /// Discards the stored records before a jump in the log. The channels stay.
   void forget();
 
   /// Notes that all records of the log up to `time` have been counted.
@@ -76,7 +78,7 @@ class Broker : public logs::foxglove::Sink {
   void set_range(Time start, Time end);
 
   /// Adds a viewer and sends it the server info, channels and status messages. A viewer that does
-  /// not support the newer subprotocol gets no playback states, which it could not interpret.
+  /// not support the newer subprotocol gets no playback states, because it cannot interpret them.
   std::shared_ptr<Client> connect(bool speaks_sdk);
   void disconnect(const std::shared_ptr<Client>& client);
   void on_request(Client& client, const Request& request);
@@ -85,8 +87,9 @@ class Broker : public logs::foxglove::Sink {
 
   /// Returns JSON {topics, jumps, time_s}.
   /// - topics: list of {topic, schema, count, type}; count is the number of records since the
-  ///   start, made or not; type is absent if the schema implies it.
-  /// - jumps: number of jumps in the log. Two answers with the same number give rates.
+  ///   start, including those that were not made for lack of subscribers; type is absent if the
+  ///   schema implies it.
+  /// - jumps: number of jumps in the log. Rates can be computed from two answers with equal jumps.
   /// - time_s: instant of the log up to which records have been counted, s since the Unix epoch;
   ///   null during a jump, and without a log.
   [[nodiscard]] std::string topics_text() const;
@@ -102,9 +105,9 @@ class Broker : public logs::foxglove::Sink {
     std::string type;  ///< message type on the topic; empty: implied by the schema
     bool is_state = false;
     int subscribers = 0;
-    std::int64_t count = 0;                     ///< number of records, made or not
+    std::int64_t count = 0;                     ///< number of records, including those not made
     Time time{};                                ///< time of the newest record
-    std::shared_ptr<const std::string> newest;  ///< newest record, if kept; else null
+    std::shared_ptr<const std::string> newest;  ///< newest record; null if not stored
   };
 
   void send_channels(Client& client) const;
@@ -123,7 +126,7 @@ class Broker : public logs::foxglove::Sink {
   std::optional<PlaybackState> playback_;        ///< last broadcast state
   std::map<std::string, std::string> statuses_;  ///< current status messages, by id
   bool is_holding_ = false;
-  std::optional<Time> time_;  ///< last time given to reached() since the last jump
+  std::optional<Time> time_;  ///< time of the last reached() since the last jump
   std::int64_t jumps_ = 0;
   std::int64_t dropped_by_disconnected_ = 0;
   std::int64_t malformed_ = 0;

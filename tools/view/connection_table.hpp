@@ -10,10 +10,10 @@
 
 namespace vantage::tools {
 
-/// Decides which connections of a web server to end, so that slow ones leave room for others. Ends
-/// a connection if its request has not come within kHeaderPatience. Above kOfOneAddressMax it ends
-/// the oldest connections of the address; above kOfAllMax the oldest of the address that has most.
-/// Viewers (WebSocket) do not count. Pure.
+/// Policy that ends slow connections of a web server, so that others can connect. A connection is
+/// ended if its request does not arrive within kHeaderPatience. If an address has more than
+/// kOfOneAddressMax connections, its oldest ones are ended; above kOfAllMax in total, the oldest
+/// ones of the address with most connections. Viewers (WebSocket) do not count. Pure.
 class ConnectionTable {
  public:
   static constexpr std::size_t kOfOneAddressMax = 32;
@@ -27,10 +27,10 @@ class ConnectionTable {
     auto operator<=>(const Peer&) const = default;
   };
 
-  /// Returns the `open` connections to end, each one once, and forgets closed ones. Call a few
-  /// times per second.
+  /// Returns the `open` connections to end, each of them once, and removes closed connections from
+  /// the table. Call a few times per second.
   std::vector<Peer> update(const std::set<Peer>& open, Time now);
-  /// Notes that the request of `peer` has come.
+  /// Notes that the request of `peer` has arrived.
   void on_request(const Peer& peer, Time now) { entry(peer, now).has_request = true; }
   /// Notes that `peer` has become a viewer.
   void on_viewer(const Peer& peer, Time now) { entry(peer, now).counts = false; }

@@ -15,8 +15,8 @@ constexpr const char* kPaths = "/paths";
 constexpr Duration kStatePeriod = std::chrono::seconds(1);
 constexpr Duration kPathPeriod = std::chrono::milliseconds(200);
 
-// Returns the least time between two stored records of a topic; zero: all records are stored;
-// nullopt: none.
+// Returns the minimum time between two stored records of a topic. Zero: all records are stored;
+// nullopt: no records are stored.
 std::optional<Duration> period_of(const std::string& topic, Schema schema) {
   switch (schema) {
     case Schema::kTeam:
@@ -54,7 +54,7 @@ bool History::wants(const std::string& topic, Schema schema, bool is_state) {
   const auto period = period_of(topic, schema);
   const auto last = written_.find(topic);
   is_due_ = period && (last == written_.end() || clock_.now() - last->second >= *period ||
-                       clock_.now() < last->second);  // the time went back: another run
+                       clock_.now() < last->second);  // the time decreased: a new run has begun
   return is_due_ || audience_wants_;
 }
 

@@ -12,13 +12,13 @@
 
 namespace vantage::tools {
 
-/// Stores the records that viewers need after a late connection, for charts, marks and body paths:
+/// Storage of the records that viewers need after a late connection, for charts, marks and paths:
 /// - all records of the team, of plans and of events;
 /// - at most one record per second of each vehicle and process;
-/// - five times per second the positions of all bodies.
-/// Its size is bounded; the oldest records are removed first. Passes all records on to another
-/// Sink, or only calls its wants(), so that it knows every topic. Written by one thread, read by
-/// any.
+/// - the positions of all bodies five times per second.
+/// Its size is bounded; the oldest records are removed first. All records are passed on to another
+/// Sink, or only its wants() is called, so that this Sink knows every topic. One thread writes; any
+/// thread may read.
 class History : public logs::foxglove::Sink {
  public:
   enum class Forwarding { kRecords, kWantsOnly };

@@ -26,7 +26,7 @@ WebOptions with_history(WebOptions options, std::function<std::string()> history
   return options;
 }
 
-/// First exception of several threads, for the thread that waits for them.
+/// First exception thrown in several threads, for the thread that joins them.
 class Failure {
  public:
   /// Calls `work` and stores the exception that it throws.
@@ -51,7 +51,7 @@ class Failure {
   std::exception_ptr first_;
 };
 
-/// Continues a log's first pass in its own thread until it is destroyed.
+/// Thread that continues a log's first pass until this object is destroyed.
 class FirstPass {
  public:
   FirstPass(logs::SeekableLog& log, Broker& broker, Failure& failure)
@@ -112,7 +112,7 @@ void serve_log(logs::SeekableLog& log, const logs::TypeLibrary& types, const Web
   Broker broker({"vantage " + log.path(), new_session(), log.range()});
   WebOptions of_log =
       with_history(options, [text = log_history(log, types, broker, stop)] { return text; });
-  Failure failure;  // the log became shorter while one of the server's threads read it
+  Failure failure;  // e.g. the log became shorter while a thread of the server read it
   of_log.series = [&](const std::string& topic, const std::string& pointer) {
     std::string series = "[]";
     failure.guard([&] { series = log_series(log, types, topic, pointer); });

@@ -33,7 +33,7 @@ class LiveView {
 
   [[nodiscard]] const WebServer& server() const { return server_; }
   [[nodiscard]] const Broker& broker() const { return broker_; }
-  /// Returns why it no longer receives; empty while it does.
+  /// Returns the error that ended the reception; empty while the server receives.
   [[nodiscard]] std::string failure() const;
 
  private:
@@ -51,8 +51,8 @@ class LiveView {
   std::thread thread_;
 };
 
-/// Serves a log until `stop` returns true. Begins at first_picture(), paused unless `is_playing`.
-/// Calls `ready` with the server before that. If the first pass over the log is not complete, it
+/// Serves a log until `stop` returns true. Calls `ready` with the server, then begins at
+/// first_picture(), paused unless `is_playing`. If the first pass over the log is not complete, it
 /// continues in another thread, and viewers see its progress.
 /// @throws StartupError if the address cannot be used.
 void serve_log(logs::SeekableLog& log, const logs::TypeLibrary& types, const WebOptions& options,

@@ -18,7 +18,7 @@ constexpr Duration kPreroll = std::chrono::seconds(20);  // length of the bodies
 constexpr std::int64_t kTimePeriod_ns = 50'000'000;
 constexpr Duration kFirstPictureMax = std::chrono::minutes(2);
 constexpr std::size_t kFirstPictureBytesMax = std::size_t{16} << 20U;
-constexpr Duration kSlice = std::chrono::seconds(1);  // part of a log that is read at once
+constexpr Duration kSlice = std::chrono::seconds(1);  // part of a log that one step reads
 constexpr Duration kTick{1};
 constexpr Duration kStepMin = std::chrono::milliseconds(1);
 constexpr Duration kStepMax = std::chrono::seconds(1);
@@ -99,7 +99,7 @@ class FirstPictureConditions : public logs::foxglove::Sink {
   [[nodiscard]] bool is_placed() const { return !robots_.empty() && missing_.empty(); }
 
   std::set<std::string> robots_;
-  std::set<std::string> missing_;  ///< robots without a position so far
+  std::set<std::string> missing_;  ///< robots that have no position yet
   std::set<std::string> planned_;
   bool is_known_ = false;
 };
@@ -270,7 +270,7 @@ void LogView::feed(const logs::LocatedEvent& event) {
   feed_->handle(std::chrono::microseconds(0));
 }
 
-// Seeks to the present instant again, with the range of the whole log.
+// Seeks to the current position again, with the range of the complete log.
 void LogView::on_surveyed(std::int64_t now_ns) {
   const PlaybackState before = playback_.state(now_ns);
   const auto [start, end] = log_.range();
@@ -289,7 +289,7 @@ void LogView::tick(std::int64_t now_ns) {
   }
   for (const PlaybackControl& request : broker_.take_controls()) {
     PlaybackState after = playback_.control(request, now_ns);
-    // A seek to the present position makes that instant again, so it is not a step.
+    // A seek to the current position reproduces the same state, so it does not count as a step.
     const bool is_step =
         after.did_seek && after.time - shown_ >= kStepMin && after.time - shown_ <= kStepMax;
     after.did_seek = after.did_seek && !is_step;

@@ -16,27 +16,27 @@
 
 namespace vantage::tools {
 
-/// Bytes; log_history() and log_series() do not read longer logs.
+/// Bytes; log_history() and log_series() do not read larger logs.
 inline constexpr std::size_t kWholeBytesMax = std::size_t{256} << 20U;
 
-/// Returns History::text() of a whole log. Returns "[]" for a log above 256 MiB, which would take
-/// too long, and if the log's first pass is not complete. Only calls wants() and name_type() of
-/// `audience`, so that it knows all topics. Ends early if `stop` returns true.
+/// Returns History::text() of a complete log. Returns "[]" for a log above 256 MiB, which would
+/// take too long, and if the log's first pass is not complete. Calls only wants() and name_type()
+/// of `audience`, so that the audience knows all topics. Ends early if `stop` returns true.
 std::string log_history(
     const logs::SeekableLog& log, const logs::TypeLibrary& types, logs::foxglove::Sink& audience,
     const std::function<bool()>& stop = [] { return false; });
 
-/// Returns one number of a topic over a whole log, as a JSON list of [utime, value]. `pointer` (RFC
-/// 6901) selects the member of the content: a number, or true (1) and false (0). Records without it
-/// are left out. Returns "[]" for a log above 256 MiB. Reads the log once; for topics /lcm/ it
-/// decodes only that channel.
+/// Returns one number of a topic over a complete log, as a JSON list of [utime, value]. `pointer`
+/// (RFC 6901) selects the member of the content: a number, or true (1) and false (0). Records
+/// without this member are left out. Returns "[]" for a log above 256 MiB. Reads the log once; for
+/// a topic /lcm/CHANNEL decodes only that channel.
 std::string log_series(const logs::SeekableLog& log, const logs::TypeLibrary& types,
                        const std::string& topic, const std::string& pointer);
 
-/// Returns the first instant at which there is a picture of a trial. Then every robot of the
-/// scenario has a position and a plan, and a target estimate or a map exists. If that does not
-/// occur within the first 2 min and 16 MiB, returns the first instant that meets most of these
-/// conditions. Returns the start of a log without a scenario. Ends early if `stop` returns true.
+/// Returns the first instant with a complete picture of a trial: every robot of the scenario has a
+/// position and a plan, and a target estimate or a map exists. If no instant within the first 2 min
+/// and 16 MiB meets all these conditions, returns the first one that meets most of them. Returns
+/// the start of a log without a scenario. Ends early if `stop` returns true.
 Time first_picture(
     const logs::SeekableLog& log, const std::function<bool()>& stop = [] { return false; });
 
@@ -45,8 +45,8 @@ Time first_picture(
 void read_first_pass(logs::SeekableLog& log, Broker& broker, const std::function<bool()>& stop);
 
 /// Player of a log that sends records to a broker and obeys the playback requests of its viewers.
-/// The log's first pass may run in another thread; when it is complete, the present picture is made
-/// again from the whole log. Single-threaded.
+/// The log's first pass may run in another thread; when that pass is complete, the current picture
+/// is built again from the complete log. Single-threaded.
 class LogView {
  public:
   /// Starts paused at `begin`. The arguments must outlive this object.
@@ -55,14 +55,14 @@ class LogView {
   /// Begins to play in real time.
   void play(std::int64_t now_ns) { playback_.control({true, 1.0F, std::nullopt, ""}, now_ns); }
 
-  /// Obeys the requests of viewers and sends the records since the last call. A seek of at most 1 s
-  /// forward sends the records between and does not reset the viewers.
+  /// Obeys the requests of viewers and sends the records since the last call. A seek forward by at
+  /// most 1 s sends the records in between and does not reset the viewers.
   void tick(std::int64_t now_ns);
 
  private:
-  /// Jumps to `position` and plays the messages before it.
+  /// Jumps to `position`. Plays the messages before it to restore the state at this position.
   void go_to(Time position);
-  /// Sends the records between the present position and `position`.
+  /// Sends the records between the current position and `position`.
   void advance_to(Time position);
   /// Replaces the feed, which discards everything received so far.
   void reset_feed();

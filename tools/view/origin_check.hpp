@@ -8,12 +8,12 @@
 
 namespace vantage::tools {
 
-/// True if a Host header ("lab-pc:8765") contains an address, localhost, this host's own name (with
-/// or without .local) or one of `more`. Other names may belong to an attacker who lets them resolve
-/// to our address (DNS rebinding).
+/// True if a Host header ("lab-pc:8765") contains an IP address, localhost, this host's own name
+/// (with or without .local) or one of `more`. Other names may belong to an attacker who makes them
+/// resolve to this server's address (DNS rebinding).
 bool is_our_host(std::string_view header, std::span<const std::string> more);
 
-/// True if an Origin header is that of our own page (from `host`), of a page of localhost, of
+/// True if an Origin header names this server's own page (from `host`), a page of localhost,
 /// Foxglove's application or site, or one of `more`.
 bool is_known_origin(std::string_view origin, std::string_view host,
                      std::span<const std::string> more);

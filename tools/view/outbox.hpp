@@ -13,8 +13,8 @@ namespace vantage::tools {
 struct Frame {
   enum class Kind : std::uint8_t {
     kControl,  ///< never dropped
-    kState,    ///< replaced by a newer one of the same subscription
-    kFlow,     ///< dropped when too much waits, the oldest first
+    kState,    ///< replaced by a newer frame of the same subscription
+    kFlow,     ///< dropped when the queue is full, the oldest first
   };
   Kind kind = Kind::kControl;
   bool is_text = false;
@@ -29,7 +29,7 @@ struct Frame {
 /// frames and outdated states, but never a control message. Not thread-safe.
 class Outbox {
  public:
-  /// @param bytes_max   largest size of all flow frames; the newest frame is always kept
+  /// @param bytes_max   maximum size of all flow frames together; the newest one is always kept
   /// @param control_max number of waiting control messages above which is_overflowing() is true
   explicit Outbox(std::size_t bytes_max = 8U << 20U, std::size_t control_max = 4096)
       : bytes_max_(bytes_max), control_max_(control_max) {}
@@ -51,8 +51,8 @@ class Outbox {
   std::size_t bytes_max_;
   std::size_t control_max_;
   std::deque<Frame> frames_;
-  std::size_t bytes_ = 0;       ///< all frames
-  std::size_t flow_bytes_ = 0;  ///< flow frames
+  std::size_t bytes_ = 0;       ///< size of all frames
+  std::size_t flow_bytes_ = 0;  ///< size of the flow frames
   std::size_t control_waiting_ = 0;
   std::int64_t dropped_ = 0;
 };

@@ -7,7 +7,7 @@
 
 namespace vantage::tools {
 
-/// Position of a log player. While it plays, position = anchor + speed · (now − time of the last
+/// Position of a log player. During playback, position = anchor + speed · (now − time of the last
 /// control), clamped to the log's range. Pure: the caller passes the time of its monotonic clock.
 class PlaybackClock {
  public:
@@ -22,7 +22,7 @@ class PlaybackClock {
   [[nodiscard]] Time position(std::int64_t now_ns) const;
   [[nodiscard]] PlaybackState state(std::int64_t now_ns) const;
   /// Obeys a request and returns the new state with the request's id. A request to play at the end
-  /// begins at the start. Speeds are clamped to [0.01, 100].
+  /// of the log starts from its beginning. Speeds are clamped to [0.01, 100].
   PlaybackState control(const PlaybackControl& request, std::int64_t now_ns);
 
  private:

@@ -43,7 +43,7 @@ struct PlaybackState {
   Time time{};
   float speed = 1.0F;
   bool did_seek = false;
-  std::string request_id;  ///< id of the request that it answers; empty if there is none
+  std::string request_id;  ///< id of the answered request; empty if there is none
 };
 
 /// Return text frames.
@@ -70,7 +70,7 @@ struct PlaybackControl {
   std::optional<Time> seek;
   std::string request_id;
 };
-/// Well-formed request for a function that this server does not have.
+/// Well-formed request for a function that this server does not offer.
 struct Declined {
   std::string what;
 };

@@ -30,8 +30,8 @@ namespace fs = std::filesystem;
 constexpr const char* kBrowsers[] = {"chromium", "chromium-browser", "google-chrome",
                                      "google-chrome-stable"};
 
-/// Temporary folder that is removed by the destructor. Killed processes may still write into it for
-/// a moment, so the removal is tried repeatedly.
+/// Temporary folder that is removed by the destructor. Killed processes may write into the folder
+/// for a short time, so the removal is tried repeatedly.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -59,7 +59,7 @@ class TemporaryFolder {
   [[nodiscard]] std::string file(const std::string& name) const { return path_ / name; }
 
  private:
-  static constexpr int kTriesToRemove = 500;  // 5 s; the browser's children cannot be waited for
+  static constexpr int kTriesToRemove = 500;  // 5 s; the browser's children cannot be joined
   fs::path path_;
 };
 
@@ -78,18 +78,11 @@ Child start_browser(const std::string& address, const RecordOptions& options,
   std::optional<Child> browser;
   for (const std::string& name : names) {
     std::vector<std::string> words = {
-        name,
-        "--headless",
-        "--no-first-run",
-        "--mute-audio",
-        "--hide-scrollbars",
-        "--disable-extensions",
-        "--disable-background-networking",
-        "--disable-component-update",
-        "--disable-sync",
-        "--no-proxy-server",
-        "--force-device-scale-factor=1",
-        "--remote-debugging-port=0",  // without it the browser ends once the page is loaded
+        name, "--headless", "--no-first-run", "--mute-audio", "--hide-scrollbars",
+        "--disable-extensions", "--disable-background-networking", "--disable-component-update",
+        "--disable-sync", "--no-proxy-server", "--force-device-scale-factor=1",
+        "--remote-debugging-port=0",  // without this option the browser ends once the page is
+                                      // loaded
         "--user-data-dir=" + folder.file("profile"),
         fmt::format("--window-size={},{}", options.width, options.height)};
     if (::geteuid() == 0) {

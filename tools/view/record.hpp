@@ -23,14 +23,14 @@ struct RecordOptions {
   std::string link;  ///< part of a page link after its '#': view, cameras, layers
 };
 
-/// Returns the address of the page for a browser that records.
+/// Returns the address of the page for the recording browser.
 std::string record_address(const std::string& url, const std::string& key,
                            const RecordOptions& options, double length_s);
 
-/// Makes the video. Serves the log to this host only and starts a browser without a window, which
-/// draws each picture at its instant. The time per picture is not limited. Writes the file when the
-/// video is complete. Calls `progress` with the completed share in [0, 1]. Returns false if `stop`
-/// returned true before the video was complete.
+/// Makes the video. Serves the log to this host only and starts a headless browser, which draws the
+/// picture of each instant without a time limit. Writes the file when the video is complete. Calls
+/// `progress` with the completed share in [0, 1]. Returns false if `stop` returned true before the
+/// video was complete.
 /// @throws StartupError if there is no browser or page, or the file cannot be written;
 ///   std::runtime_error if the browser fails.
 bool record_log(logs::SeekableLog& log, const logs::TypeLibrary& types, WebOptions web,

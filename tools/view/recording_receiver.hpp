@@ -8,7 +8,7 @@
 
 namespace vantage::tools {
 
-/// Receiver of the video from the page of a recording browser, which must send the key.
+/// Receiver of the video from the page of a recording browser. The page must send the key.
 /// Thread-safe.
 class RecordingReceiver {
  public:
@@ -23,7 +23,7 @@ class RecordingReceiver {
   void take(std::string video);
   void fail(std::string why);
 
-  /// True once there is a video or a failure.
+  /// True once a video or a failure was received.
   [[nodiscard]] bool is_over() const;
   /// Returns the video; empty if there is none.
   [[nodiscard]] std::string video() const;

@@ -9,9 +9,9 @@
 namespace vantage::tools {
 
 /// Filter in front of a Sink for the messages before a seek position, which are played twice. The
-/// first pass counts the records of each topic; the second pass makes only the last one of each
-/// topic, as viewers see no other. Making a record costs many times as much as counting it. Both
-/// passes handle all messages.
+/// first pass counts the records of each topic; the second pass makes only the last record of each
+/// topic, because viewers see no other. Making a record costs many times as much as counting it.
+/// Both passes handle all messages.
 class SeekPreroll : public logs::foxglove::Sink {
  public:
   explicit SeekPreroll(logs::foxglove::Sink& audience) : audience_(audience) {}
@@ -51,7 +51,7 @@ class SeekPreroll : public logs::foxglove::Sink {
 
   logs::foxglove::Sink& audience_;
   Stage stage_ = Stage::kPassesOn;
-  std::unordered_map<std::string, std::int64_t> left_;  ///< remaining records, by topic
+  std::unordered_map<std::string, std::int64_t> left_;  ///< number of remaining records, by topic
 };
 
 }  // namespace vantage::tools

@@ -50,9 +50,9 @@ struct Connection {
   std::shared_ptr<Client> client;
   std::thread writer;
   std::string text;  ///< received part of a message of several frames
-  int opcode = 0;    ///< opcode of its first frame
+  int opcode = 0;    ///< opcode of the first frame of `text`
 
-  /// Ends the writer. Nothing is sent after it returns.
+  /// Ends the writer thread. No frame is sent after this function returns.
   void end_writing() {
     client->close();
     if (writer.joinable()) {
@@ -92,7 +92,7 @@ void answer(mg_connection* socket, const char* type, const std::string& body) {
   mg_write(socket, body.data(), body.size());
 }
 
-// Writes the headers itself, as civetweb writes none in answer to a WebSocket request.
+// Refuses a request. Writes the headers, because civetweb writes none to a WebSocket request.
 int refuse(mg_connection* socket, int code, const char* reason, const char* why) {
   mg_printf(socket,
             "HTTP/1.1 %d %s\r\nContent-Type: text/plain\r\nContent-Length: %zu\r\n"
@@ -137,7 +137,7 @@ std::optional<ConnectionTable::Peer> peer_at(int descriptor, int port) {
 }
 
 /// Returns this process's connections to `port` with their descriptors. Reads them from /proc, as
-/// civetweb reports a connection only after its request has come.
+/// civetweb reports a connection only after its request has arrived.
 std::map<ConnectionTable::Peer, int> connections_to(int port) {
   std::map<ConnectionTable::Peer, int> out;
   std::error_code error;
@@ -196,7 +196,7 @@ struct WebServer::State {
   }
 
   // A foreign page in a browser of this network must not read the bus. The Host check prevents DNS
-  // rebinding, the Origin check cross-origin requests.
+  // rebinding; the Origin check prevents cross-origin requests.
   static bool is_permitted(const mg_connection* socket, const WebOptions& options) {
     const char* host = mg_get_header(socket, "Host");
     if (host != nullptr && !is_our_host(host, options.hosts)) {
@@ -207,8 +207,8 @@ struct WebServer::State {
            is_known_origin(origin, host == nullptr ? "" : host, options.origins);
   }
 
-  // Refuses requests with an answer where civetweb would only close the connection. Returns 0 if
-  // the request is permitted.
+  // Checks a new request. A refused request gets an answer, because civetweb alone would only close
+  // the connection. Returns 0 if the request is permitted.
   static int on_begin(mg_connection* socket) {
     {
       const std::lock_guard lock(of(socket).connections_mutex);
@@ -325,7 +325,7 @@ struct WebServer::State {
 
   static int on_series(mg_connection* socket, void* state) {
     auto& self = *static_cast<State*>(state);
-    // One call at a time: each reads the whole log, which the player reads as well.
+    // One call at a time, because each call reads the complete log in addition to the player.
     const std::lock_guard lock(self.series_mutex);
     const auto& series = self.options.series;
     answer(socket, "application/json",
@@ -391,7 +391,7 @@ struct WebServer::State {
 
 namespace {
 
-// Returns `host` as URLs and port lists write it: an IPv6 address is in brackets.
+// Returns `host` in the form for URLs and port lists: an IPv6 address is in brackets.
 std::string in_brackets(const std::string& host) {
   return host.find(':') == std::string::npos ? host : "[" + host + "]";
 }
@@ -409,7 +409,7 @@ WebServer::WebServer(Broker& broker, const WebOptions& options)
                             address.c_str(),
                             "num_threads",
                             kThreads,
-                            "request_timeout_ms",  // also limits a write
+                            "request_timeout_ms",  // also the time limit of a write
                             "30000",
                             "websocket_timeout_ms",
                             "20000",

@@ -13,27 +13,28 @@ namespace vantage::tools {
 
 struct WebOptions {
   std::string bind = "127.0.0.1";
-  int port = 8765;          ///< 0: any free port
-  std::string page_folder;  ///< folder of the built page; without index.html a note is served
+  int port = 8765;  ///< 0: any free port
+  std::string
+      page_folder;  ///< folder of the built page; without index.html a note is served instead
   /// Further host names that requests may use, in addition to addresses, localhost and this host's
   /// own name.
   std::vector<std::string> hosts;
-  /// Pages of other servers that may connect, such as "https://viewer.example". Foxglove's pages
-  /// and those of this host (Lichtblick) may always connect.
+  /// Other servers whose pages may connect, such as "https://viewer.example". Pages of Foxglove and
+  /// of this host (Lichtblick) may always connect.
   std::vector<std::string> origins;
   /// Answers GET /api/history: JSON of past records for charts, marks and paths. Called on any
   /// thread.
   std::function<std::string()> history;
-  /// Answers GET /api/series?topic=…&field=…: one number over the whole log. Called on any thread,
-  /// one call at a time. Empty function: there is no log.
+  /// Answers GET /api/series?topic=…&field=…: one number over the complete log. Called on any
+  /// thread, one call at a time. Empty function: live, without a log.
   std::function<std::string(const std::string& topic, const std::string& pointer)> series;
   /// Receives the video of a recording page (POST /api/recording?key=…); null: not accepted.
   RecordingReceiver* recording = nullptr;
 };
 
 /// HTTP and WebSocket server on one port (civetweb). It serves the page's files, and a Broker's
-/// frames to a bounded number of viewers. One thread per connection reads, another one writes. It
-/// writes only to its sockets.
+/// frames to a bounded number of viewers. Each connection has one thread that reads and one that
+/// writes. The server writes only to its sockets.
 class WebServer {
  public:
   /// @throws StartupError if the address cannot be used.
