@@ -1,4 +1,4 @@
-// Colours and names of things, from the table that pictures, plots and the terminal use as well.
+// Colours and names of displayed items, from the table that pictures, plots and the terminal also use.
 
 import table from "../../../../logs/appearance/appearance.json";
 
@@ -6,7 +6,7 @@ export const appearance = table;
 
 const channels = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
 
-/** Colours for a light and a dark background, by the mean of both, which is the colour in the stream. */
+/** Colours for a light and a dark background. The key is the mean of both, which is the colour in the stream. */
 const by_middle = new Map(
   [...table.robots, ...Object.values(table.roles)].map((paint) => {
     const [light, dark] = [channels(paint.light), channels(paint.dark)];
@@ -21,7 +21,7 @@ export function set_ground(name) {
   theme = name;
 }
 
-/** Converts a colour of the stream into the one for the present background. Unknown colours stay unchanged. */
+/** Converts a colour of the stream into the colour for the current background. Unknown colours stay unchanged. */
 export function shown(color) {
   const paint = by_middle.get([color.r, color.g, color.b].map((c) => Math.round(255 * c)).join());
   if (!paint) return color;
@@ -36,7 +36,7 @@ export function color_of_role(role) {
   return { r, g, b, a: 1 };
 }
 
-/** Returns red, green and blue of a role for the present background, each in [0, 255]. */
+/** Returns red, green and blue of a role for the current background, each in [0, 255]. */
 export const channels_of = (role) => channels(table.roles[role][theme]);
 
 /** Returns a role's colour for CSS. */

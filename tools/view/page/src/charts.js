@@ -5,12 +5,12 @@ import "uplot/dist/uPlot.min.css";
 import { kRefreshPeriod_ms, on_refresh } from "./refresh_timer.js";
 import { digits, kDashes, appearance, robot_css, robot_appearance, title_of } from "./appearance.js";
 
-const kWindow_s = 120; // displayed interval of a live view
-const kPoints = 20000; // most points per series
-const kRefresh_ms = 500; // period of each chart
-const kReadoutMax = 8; // most series whose values are shown under the cursor
-const kLeast_s = 0.2; // shortest displayed interval
-const kLeast_px = 236; // least width of a chart
+const kWindow_s = 120; // s; displayed interval of a live view
+const kPoints = 20000; // maximum number of points per series
+const kRefresh_ms = 500; // ms; refresh period of each chart
+const kReadoutMax = 8; // maximum number of series whose values are shown under the cursor
+const kLeast_s = 0.2; // s; shortest displayed interval
+const kLeast_px = 236; // minimum width of a chart
 const kGap_px = 8;
 const kPadding = [6, 10, 0, 0]; // pixels around a plot: above, right, below, left
 
@@ -26,10 +26,10 @@ const still_options = (body) => ({
 const number = (x) => (typeof x === "boolean" ? Number(x) : typeof x === "number" && Number.isFinite(x) ? x : null);
 const robot_of = (topic) => topic.split("/")[2];
 
-/** Returns a `take` for a number of the team and the mean of the robots' numbers, each from the robot's own belief. */
+/** Returns a `take` for two series: a number of the team, and the mean of this number over the robots' own beliefs. */
 const team_and_robot = (team, robot) => (r) => [["team", number(r[team])], ["robot mean", number(r[robot])]];
 
-/** All charts. `take` converts a record into a list of [series, value]; the value is null if it is missing. */
+/** Built-in charts. `take` converts a record into a list of [series, value]; the value is null if it is missing. */
 const kCharts = [
   { key: "entropy", measure: "entropy", topic: /^\/team$/, take: team_and_robot("entropy_nats", "robot_entropy_nats") },
   { key: "map_entropy", measure: "map_entropy", topic: /^\/team$/, take: (r) => [["team", number(r.map_entropy_nats)]] },
@@ -106,7 +106,7 @@ const axis_look = () => ({
   stroke: css("--quiet"), font: "11px system-ui", gap: 3, grid: { stroke: css("--line"), width: 1 }, ticks: { stroke: css("--line"), width: 1, size: 4 },
 });
 
-/** Look of the series that do not belong to one robot. */
+/** Line styles of the series that do not belong to one robot. */
 const kTeamStyles = { team: { colour: "--ink" }, "robot mean": { colour: "--quiet", dash: [5, 3] } };
 
 class Chart {
@@ -204,7 +204,7 @@ class Chart {
   make() {
     const axis = axis_look();
     const { zero, range, count } = this.spec;
-    this.write_legend(); // before the size is read, which depends on it
+    this.write_legend(); // first, because the size of the plot depends on the legend
     this.plot = new uPlot(
       {
         width: Math.max(80, this.body.clientWidth),
@@ -227,7 +227,7 @@ class Chart {
               if (range) return range;
               if (low === null) return [0, 1];
               if (zero) [low, high] = [Math.min(0, low), Math.max(0, high)];
-              if (count) return [0, Math.max(4, 1.08 * high)]; // numbers of things: whole ticks
+              if (count) return [0, Math.max(4, 1.08 * high)]; // a count has integer ticks
               const pad = Math.max(1e-6, 0.08 * (high - low || Math.abs(high) || 1));
               return [low < 0 || !zero ? low - pad : 0, high + pad];
             },
@@ -262,7 +262,7 @@ class Chart {
   listen(over) {
     const time_at = (event) => {
       const box = over.getBoundingClientRect();
-      const [from, to] = this.source.window(); // newer than the plot's scale, which changes when it is drawn
+      const [from, to] = this.source.window(); // the plot's scale is updated only when the plot is drawn
       return from + ((event.clientX - box.left) / box.width) * (to - from);
     };
     over.addEventListener("wheel", (event) => {
@@ -292,7 +292,7 @@ class Chart {
     over.addEventListener("dblclick", () => this.source.zoom(null));
   }
 
-  /** Shows the values under the cursor; of many series only the nearest ones. */
+  /** Shows the values under the cursor. If there are many series, shows only those nearest to the cursor. */
   write_readout() {
     const { idx, top } = this.plot.cursor;
     const names = this.names();
@@ -301,7 +301,7 @@ class Chart {
       return;
     }
     const time = this.plot.data[0][idx];
-    // Series are sampled at different instants, so the newest value up to the cursor is taken from each.
+    // Series are sampled at different instants, so each one shows its newest value up to the cursor.
     let values = names.map((name, i) => {
       let at = idx;
       while (at > 0 && (this.plot.data[i + 1][at] ?? null) === null) at -= 1;
@@ -328,7 +328,7 @@ class Chart {
     this.readout.classList.toggle("left", this.plot.cursor.left > this.plot.over.clientWidth / 2);
   }
 
-  /** Writes the names of the series, or their number if there is not room for all. */
+  /** Writes the names of the series, or their number if there is too little space. */
   write_legend() {
     const names = this.names();
     const label = (name) => {
@@ -351,8 +351,8 @@ class Chart {
     return lines.length === 0 ? [[], []] : uPlot.join(lines.map((line) => [line.t, line.v]));
   }
 
-  /** Marks the present position in a log with an element over the plot, so that the plot is not drawn again. The position is
-      computed without the plot's scale, which is valid only after drawing. */
+  /** Marks the current position in a log by an element over the plot, so that the plot is not drawn again. The mark is placed
+      without the plot's scale, which is valid only after drawing. */
   mark_now() {
     if (!this.mark) return; // no plot yet
     const now = this.source.now();
@@ -397,7 +397,7 @@ class Chart {
 
 const kBins = 24; // approximate number of bins of a histogram
 
-/** Returns the width of bins so that a range has about kBins or fewer: 1, 2 or 5 times a power of ten. */
+/** Returns the width of bins, 1, 2 or 5 times a power of ten, so that a range has at most about kBins bins. */
 function bin_width(range) {
   const least = Math.max(range, 1e-9) / kBins;
   const power = 10 ** Math.floor(Math.log10(least));
@@ -486,8 +486,8 @@ class Histogram extends Chart {
   }
 }
 
-const kMostShown = 8; // largest displayed value, times the expected one; larger means are marked at the edge
-const kBatch_s = 5; // length of a batch, which counts as one sample because its steps are correlated
+const kMostShown = 8; // times the expected value: upper limit of the axis; larger means are marked at the edge
+const kBatch_s = 5; // s; length of a batch, which counts as one sample because its steps are correlated
 
 /** Returns the half width of the 95 % band of a mean in standard errors (Student's t).
     Source: Abramowitz and Stegun 26.7.5 (for 3 degrees of freedom 0.7 % too little); 1 and 2 exactly. */
@@ -497,8 +497,8 @@ export function t_95(freedom) {
   return z + (z ** 3 + z) / (4 * freedom) + (5 * z ** 5 + 16 * z ** 3 + 3 * z) / (96 * freedom ** 2) + (3 * z ** 7 + 19 * z ** 5 + 17 * z ** 3 - 15 * z) / (384 * freedom ** 3);
 }
 
-/** Mean NEES of the robots' beliefs in the displayed interval, by the time since the target was last seen, with the 95 % band
-    of the mean and the value expected of consistent estimators. */
+/** Chart of the mean NEES of the robots' beliefs in the displayed interval, by the time since the target was last seen, with
+    the 95 % band of the mean and the value expected of consistent estimators. */
 class ByAge extends Chart {
   constructor(...how) {
     super(...how);
@@ -506,7 +506,7 @@ class ByAge extends Chart {
   }
 
   /** Returns {age, samples, mean, half} of each class; half: half width of the band, null with fewer than two batches.
-      Consecutive steps are correlated, so the band is that of the means of batches, weighted by their samples. */
+      Consecutive steps are correlated, so the band is computed from the means of batches, weighted by their samples. */
   classes() {
     const [from, to] = this.source.window();
     return [...this.series].sort(([a], [b]) => parseFloat(a) - parseFloat(b)).map(([age, { t, v }]) => {
@@ -537,7 +537,7 @@ class ByAge extends Chart {
   table() {
     this.judged = this.classes();
     const places = this.judged.map((_, i) => i);
-    // Half a class beyond both ends, so that the line of the expected value crosses the whole plot.
+    // Half a class beyond both ends, so that the line of the expected value crosses the complete plot.
     const all = places.length === 0 ? [] : [-0.5, ...places, places.length - 0.5];
     return [all, all.map(() => this.expected()), all.map((i) => this.judged[i]?.mean ?? null)];
   }
@@ -569,8 +569,8 @@ class ByAge extends Chart {
     this.plot.over.append(this.readout);
   }
 
-  /** Returns the upper limit of the axis. It is above all means and their bands (of which at most twice the mean counts), but
-      between 2 and kMostShown times the expected value. */
+  /** Returns the upper limit of the axis: above all means and bands (a band counts up to twice its mean), but between 2 and
+      kMostShown times the expected value. */
   top() {
     const expected = this.expected() ?? 1;
     const most = Math.max(2 * expected, ...this.judged.map(({ mean, half }) => Math.min(mean + (half ?? 0), 2 * mean)));
@@ -591,7 +591,7 @@ class ByAge extends Chart {
     this.judged.forEach(({ mean, half }, i) => {
       const x = plot.valToPos(i, "x", true);
       if (mean > top) {
-        // Only an arrow; the value is shown under the cursor.
+        // Draw only an arrow; the value is shown under the cursor.
         ctx.moveTo(x - 5 * ratio, bbox.top + 9 * ratio);
         ctx.lineTo(x, bbox.top + 2 * ratio);
         ctx.lineTo(x + 5 * ratio, bbox.top + 9 * ratio);
@@ -636,13 +636,13 @@ class ByAge extends Chart {
 const kKinds = { histogram: Histogram, ages: ByAge };
 
 export class Charts {
-  /** @param source {now(), window(), seek(since), on_zoom([from, to] or null), on_change(), on_overflow(left, right)}; times in
-      seconds since the start; left, right: numbers of charts beyond the edges */
+  /** @param source {now(), window(), seek(since), on_zoom([from, to] or null), on_change(), on_overflow(left, right)}. Times
+      are seconds since the start. left, right: numbers of charts beyond the edges */
   constructor(box, source) {
     this.box = box;
     this.source = source;
     this.robots = [];
-    this.zoomed = null; // displayed interval; null: all
+    this.zoomed = null; // displayed interval; null: all times
     const own = {
       now: source.now,
       seek: source.seek,
@@ -656,7 +656,7 @@ export class Charts {
     };
     this.own = own;
     this.charts = kCharts.map((spec) => new (kKinds[spec.kind] ?? Chart)(box, spec, own));
-    // Observes each chart, as the others become smaller when one is added.
+    // Observe each chart, because a new chart makes the others smaller.
     this.sizes = new ResizeObserver(() => {
       this.arrange();
       this.charts.forEach((chart) => chart.resize());
@@ -667,13 +667,13 @@ export class Charts {
     on_refresh((beat) => this.refresh(beat));
   }
 
-  /** Refreshes some charts with each beat in turn, as all charts at once would be a visible pause. */
+  /** Refreshes some charts with each beat in turn, because refreshing all charts together would cause a visible pause. */
   refresh(beat) {
     const turns = Math.ceil(kRefresh_ms / kRefreshPeriod_ms);
     this.charts.forEach((chart, i) => (i % turns === beat % turns ? chart.refresh() : chart.mark_now()));
   }
 
-  /** Shows an interval of time in all charts; null: all of it. */
+  /** Shows an interval of time in all charts; null: all times. */
   zoom(from, to) {
     const [first, last] = this.source.window();
     let next = null;
@@ -706,7 +706,7 @@ export class Charts {
   }
 
   /** Charts a number of a topic. Topics that differ only in the robot share one chart.
-      @param path ["a", "0", "b"] @param points [since, value] of a whole log; null: added as records come */
+      @param path ["a", "0", "b"] @param points [since, value] of a complete log; null: points are added from records */
   plot(topic, path, points) {
     const [family, name] = family_of(topic, this.robots);
     const key = `${family} ${path.join(".")}`;
@@ -725,7 +725,7 @@ export class Charts {
     this.source.on_change();
   }
 
-  /** Sets the number of charts that are displayed side by side, so that none is cut. */
+  /** Sets the number of charts that are displayed side by side, so that every displayed chart is completely visible. */
   arrange() {
     const count = this.charts.filter(({ box }) => !box.hidden).length;
     const fitting = Math.max(1, Math.floor((this.box.clientWidth + kGap_px) / (kLeast_px + kGap_px)));
@@ -741,7 +741,7 @@ export class Charts {
     this.source.on_overflow(boxes.filter((at) => middle(at) < left).length, boxes.filter((at) => middle(at) > right).length);
   }
 
-  /** Scrolls by one page. @param way −1: left, 1: right */
+  /** Scrolls by one page. @param way direction: −1 left, 1 right */
   scroll(way) {
     this.box.scrollBy({ left: way * (this.box.clientWidth + kGap_px) });
   }

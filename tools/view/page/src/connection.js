@@ -4,16 +4,17 @@ const kMessage = 0x01;
 const kTime = 0x02;
 const kPlayback = 0x05;
 const kRetry_ms = 1500;
-/** Schemas whose record replaces the whole topic: of those received between two pictures only the newest is parsed. */
+/** Schemas whose record replaces all earlier ones of its topic. Of several records between two pictures, only the newest is
+    parsed. */
 const kPictures = new Set(["foxglove.SceneUpdate", "foxglove.FrameTransforms", "foxglove.Grid"]);
 
-/** Of this topic one record per kWayPeriod_s (time of the records) is parsed even if pictures are drawn less often, as the
-    trails are made only from these. */
+/** Topic of the bodies' poses, from which the trails are made. One record per kWayPeriod_s (in the time of the records) is
+    parsed even if pictures are drawn less often. */
 const kBodies = "/transforms";
 const kWayPeriod_s = 0.2;
 const kPassedMax = 1000;
 
-/** Converts microseconds since the epoch into seconds. All times use it, so that equal times are equal numbers. */
+/** Converts microseconds since the epoch into seconds. All times are converted here, so that equal times are equal numbers. */
 export const seconds_of = (utime) => utime / 1e6;
 const seconds_at = (view, offset) => seconds_of(Number(view.getBigUint64(offset, true) / 1000n));
 export const seconds = (time) => time.sec + time.nsec * 1e-9;
@@ -26,8 +27,8 @@ export class Connection {
     this.channels = new Map(); // advertised channel by topic
     this.subscriptions = new Map(); // topic by subscription id
     this.waiting = new Map(); // newest unparsed record of kPictures, by topic
-    this.passed = []; // records of kBodies to parse before it
-    this.passed_at = -Infinity; // time of the last one in `passed`
+    this.passed = []; // earlier records of kBodies, parsed before the newest one
+    this.passed_at = -Infinity; // time of the last record in `passed`
     this.next_id = 1;
     this.requests = 0;
     this.connect();
@@ -76,7 +77,7 @@ export class Connection {
       if (topic === undefined) return;
       if (kPictures.has(this.channels.get(topic)?.schemaName)) {
         if (topic === kBodies) this.keep_bodies(this.waiting.get(topic));
-        this.waiting.delete(topic); // so that it is last in the order of the map
+        this.waiting.delete(topic); // so that the topic is moved to the end of the map
         this.waiting.set(topic, view);
       } else {
         this.read(topic, view);
@@ -93,8 +94,8 @@ export class Connection {
     }
   }
 
-  /** Keeps a record that a newer one replaces, if kWayPeriod_s has passed since the last kept one.
-      @param view the record, or undefined */
+  /** Keeps a record that a newer one replaces, if kWayPeriod_s has passed since the last record that was kept.
+      @param view the replaced record, or undefined */
   keep_bodies(view) {
     if (!view || this.passed.length >= kPassedMax) return;
     const time = seconds_at(view, 5);
@@ -136,7 +137,7 @@ export class Connection {
     this.passed.length = 0;
   }
 
-  /** Subscribes to a known topic, or unsubscribes, unless that is already the case. */
+  /** Subscribes to a known topic or unsubscribes from it. Does nothing if this is already the case. */
   want(topic, is_wanted) {
     const channel = this.channels.get(topic);
     const known = [...this.subscriptions].find(([, name]) => name === topic);

@@ -1,19 +1,19 @@
-// The world painted on a 2-D canvas, far things first. Many times faster than WebGL if WebGL is drawn by the processor or
-// missing.
+// The world painted on a 2-D canvas, far items first. This is many times faster than WebGL that is drawn by the processor, and
+// works without WebGL.
 //
-// Things are sorted by their height; those farthest from the camera's height are painted first. That is exact for horizontal
-// things (fields of view, ellipses, plans, discs). Everything behind an obstacle is painted before it. A line that is partly
-// hidden by an obstacle is drawn as a whole before or after it, depending on its middle.
+// Items are sorted by height; those farthest from the camera's height are painted first. This order is exact for horizontal
+// items (fields of view, ellipses, plans, discs). Items behind an obstacle are painted before the obstacle. A line that is
+// partly hidden by an obstacle is painted completely before or after the obstacle, depending on the line's middle.
 
 import * as THREE from "three";
 import { Line, Surface, edges_of } from "./outline.js";
 import { corners_of, enlarged, glyph_of, lines_of, matrix_of, pixels_of } from "./shapes.js";
 import { Ball, Block, Disc } from "./solids.js";
 
-const kLevel_m = 0.02; // heights closer than this count as equal
-const kLow_m = 0.1; // lower boxes are not treated as obstacles
-const kCrowd = 250; // number of things above which thin lines are simplified
-const kFar_m = 1e5; // distance of the camera of a parallel projection
+const kLevel_m = 0.02; // m; heights closer than this count as equal
+const kLow_m = 0.1; // m; lower boxes are not treated as obstacles
+const kCrowd = 250; // number of items above which thin lines are simplified
+const kFar_m = 1e5; // m; assumed distance of the camera of a parallel projection
 
 const origin = new THREE.Vector3();
 const large = new THREE.Matrix4();
@@ -23,7 +23,7 @@ class View {
   constructor(camera, at) {
     this.at = at;
     const [half_width, half_height] = [at.width / 2, at.height / 2];
-    /** From metres of the world to pixels of the stage, homogeneous (times the distance). */
+    /** Matrix from metres in the world to homogeneous pixels of the stage (multiplied by the distance). */
     this.stage_from_world = new THREE.Matrix4()
       .set(half_width, 0, 0, at.x + half_width, 0, -half_height, 0, at.y + half_height, 0, 0, 1, 0, 0, 0, 0, 1)
       .multiply(camera.projectionMatrix)
@@ -35,7 +35,7 @@ class View {
     this.frames = new Map();
   }
 
-  /** Returns the matrix elements from metres of a frame to pixels. */
+  /** Returns the elements of the matrix from metres in a frame to pixels. */
   through(frame) {
     if (!this.frames.has(frame)) {
       this.frames.set(frame, new THREE.Matrix4().multiplyMatrices(this.stage_from_world, frame.matrix).elements);
@@ -43,7 +43,7 @@ class View {
     return this.frames.get(frame);
   }
 
-  /** Returns the same for a body that is enlarged so that it stays visible. @param glyph_m radius of the body */
+  /** Returns the elements for a body that is enlarged so that it stays visible. @param glyph_m radius of the body */
   through_glyph(frame, glyph_m) {
     const scale = enlarged(glyph_m, this.pixels_at(origin.setFromMatrixPosition(frame.matrix)));
     if (scale === 1) return this.through(frame);
@@ -61,7 +61,7 @@ class View {
   }
 }
 
-/** Grid as a coloured floor. Its image is kept until the grid or the view changes. */
+/** Grid, drawn as a coloured floor. Its image is kept until the grid or the view changes. */
 class Floor {
   constructor(frame, grid) {
     this.frame = frame;
@@ -133,7 +133,7 @@ const from_far = (a, b) => a.level - b.level || a.rank - b.rank || b.distance - 
 export class FlatPicture {
   constructor() {
     this.is_kept = true; // areas that are not drawn keep their last picture
-    this.things = new Map(); // things by topic
+    this.things = new Map(); // painted items by topic
   }
 
   resize() {}

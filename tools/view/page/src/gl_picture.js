@@ -14,7 +14,7 @@ function colour_of(color) {
 
 const materials = new Map(); // materials by class, then by options
 
-/** Returns a material, shared for equal options, as a new material costs WebGL more than an object. */
+/** Returns a material, shared for equal options, because a new material costs WebGL more time than an object. */
 function material_of(kind, options) {
   if (!materials.has(kind)) materials.set(kind, new Map());
   const known = materials.get(kind);
@@ -45,7 +45,7 @@ function make_lines({ color, thickness, scale_invariant }, positions, colours) {
   return { object: new LineSegments2(geometry, material), buffer: geometry.attributes.instanceStart.data };
 }
 
-/** Triangles or lines of one kind in one object. Their corners follow their frames. */
+/** All triangles or lines of one kind in one object. Their corners move with their frames. */
 class Corners {
   constructor(shape, make) {
     this.shape = shape;
@@ -75,7 +75,7 @@ class Corners {
     for (const { frame, corners, glyph_m } of this.pieces) {
       const scale = glyph_scale(camera, height_px, frame, glyph_m);
       for (const corner of corners) {
-        // All corners of a frame without a position get the same point, so that nothing is visible.
+        // In a frame without a position all corners get the same point, so that the shape is invisible.
         if (frame.is_placed) at.set(scale * corner.x, scale * corner.y, corner.z).applyMatrix4(frame.matrix);
         at.toArray(this.buffer.array, next);
         next += 3;
@@ -90,7 +90,7 @@ class Corners {
   }
 }
 
-/** Bodies of one kind in one object. */
+/** All bodies of one kind in one object. */
 class Bodies {
   constructor(geometry, alpha) {
     this.geometry = geometry;
@@ -121,11 +121,11 @@ class Bodies {
 
   dispose() {
     this.object.removeFromParent();
-    this.object.dispose(); // only the object's buffers: the geometry is shared
+    this.object.dispose(); // frees only the object's buffers, because the geometry is shared
   }
 }
 
-/** Grid as a coloured floor. */
+/** Grid, drawn as a coloured floor. */
 class Floor {
   constructor(frame, grid) {
     this.frame = frame;
@@ -137,7 +137,7 @@ class Floor {
     const [width, height] = [columns * grid.cell_size.x, rows * grid.cell_size.y];
     const material = new THREE.MeshBasicMaterial({ map: this.texture, transparent: true, depthWrite: false });
     const geometry = new THREE.PlaneGeometry(width, height).translate(width / 2, height / 2, 0);
-    this.matrix = matrix_of(grid).premultiply(new THREE.Matrix4().makeTranslation(0, 0, -0.01)); // 1 cm below things at z = 0
+    this.matrix = matrix_of(grid).premultiply(new THREE.Matrix4().makeTranslation(0, 0, -0.01)); // 1 cm below items at z = 0
     this.object = new THREE.Mesh(geometry, material);
     this.object.renderOrder = -1;
     this.object.matrixAutoUpdate = false;
@@ -160,7 +160,7 @@ const cube = new THREE.BoxGeometry(1, 1, 1);
 const sphere = new THREE.SphereGeometry(0.5, 16, 12);
 const cylinder = new THREE.CylinderGeometry(0.5, 0.5, 1, 24).rotateX(Math.PI / 2);
 
-/** Makes one object per kind of shape from many items, as the cost of drawing grows with the number of objects. */
+/** Makes one object per kind of shape from many items, because the cost of drawing grows with the number of objects. */
 function batches_of(topic, items) {
   const batches = new Map();
   const batch = (key, make) => {
@@ -196,7 +196,7 @@ export class GlPicture {
   constructor(canvas) {
     this.is_kept = false; // each picture must draw all areas
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true });
-    this.renderer.debug.checkShaderErrors = import.meta.env.DEV; // not in production: the check waits for the GPU
+    this.renderer.debug.checkShaderErrors = import.meta.env.DEV; // off in production, because the check waits for the GPU
     this.renderer.setScissorTest(true);
     this.scene = new THREE.Scene();
     this.scene.add(new THREE.HemisphereLight(0xffffff, 0x888888, 2.2));
@@ -226,7 +226,7 @@ export class GlPicture {
     this.renderer.setClearColor(background);
   }
 
-  /** Draws all objects at the present positions of their frames, enlarged so that they stay visible to this camera. */
+  /** Draws all objects at the current positions of their frames, enlarged so that they stay visible to this camera. */
   draw(camera, at) {
     this.batches.forEach((batches) => batches.forEach((each) => each.follow(camera, at.height)));
     const bottom = this.height - at.y - at.height;

@@ -1,7 +1,7 @@
-// Placement of labels next to their things without overlap. Each label takes its last position if that is free, else the
-// first free one. A label without a free position is not drawn.
+// Placement of labels next to their items without overlap. Each label takes its last position if that is free, else the
+// first free position. A label without a free position is not drawn.
 
-/** Positions of a label's centre relative to the thing's centre, in units of half the label's size plus the thing's radius. */
+/** Positions of a label's centre relative to the item's centre, in units of half the label's size plus the item's radius. */
 const kPlaces = [[0, -1], [1, 0], [-1, 0], [0, 1], [0.8, -0.8], [-0.8, -0.8], [0.8, 0.8], [-0.8, 0.8]];
 const kGap_px = 2;
 
@@ -12,7 +12,7 @@ export class Labels {
 
   /** Places labels and returns their boxes.
       @param wanted [{key, x, y, radius_px, width, height, rank}]: lower ranks first
-      @param at the area that they must stay in
+      @param at the area in which the labels must stay
       @param write called with (label, left, top) of each placed label */
   place(wanted, at, write) {
     const taken = [];

@@ -1,4 +1,4 @@
-// Named layouts, stored in this browser: the content of a link without log and time.
+// Named layouts, stored in this browser. A layout is the content of a link without log and time.
 
 import { make } from "./panels.js";
 
@@ -9,12 +9,12 @@ function kept() {
     const found = JSON.parse(localStorage.getItem(kKept) ?? "{}");
     return Object.fromEntries(Object.entries(found).filter(([, text]) => typeof text === "string"));
   } catch {
-    return {}; // written by another page, or storage is not permitted
+    return {}; // invalid content, or the storage is not permitted
   }
 }
 
 export class Layouts {
-  /** @param on {take(): returns the present layout as text, give(text): applies a layout, failed(words)} */
+  /** @param on {take(): returns the current layout as text, give(text): applies a layout, failed(words): reports an error} */
   constructor(dialog, on) {
     this.dialog = dialog;
     this.on = on;

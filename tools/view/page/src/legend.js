@@ -5,7 +5,7 @@ import { make } from "./panels.js";
 
 const kSize = "0 0 30 18";
 
-/** SVG content of each glyph's picture, 30 × 18. */
+/** SVG content of each glyph's picture, 30 × 18 pixels. */
 const kDrawn = {
   robot: () => `<circle cx="13" cy="9" r="6" fill="${robot_css(0)}"/><path d="M20 9l-5 4v-8z" transform="translate(4 0)" fill="${robot_css(0)}"/>`,
   jammed: () => `<circle cx="13" cy="9" r="6" fill="${css_of_role("jammed")}"/><circle cx="13" cy="9" r="3" fill="${robot_css(0)}"/><path d="M20 9l-5 4v-8z" transform="translate(4 0)" fill="${css_of_role("jammed")}"/>`,

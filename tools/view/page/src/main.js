@@ -25,17 +25,17 @@ const kLayers = [
   { name: "views", topic: /^\/views$/, key: "f", shown: true },
   { name: "plans", topic: /^\/plan\/[^/]+$/, key: "p", shown: true },
   { name: "proposals", topic: /^\/proposal\/[^/]+$/, key: "s", shown: true },
-  { name: "trails", topic: /^\/trails$/, key: "t", shown: true }, // made by the page instead of /tracks, with selectable length
+  { name: "trails", topic: /^\/trails$/, key: "t", shown: true }, // made by the page with selectable length; replaces /tracks
   { name: "estimates", topic: /^\/estimates$/, key: "e", shown: true },
   { name: "truth", topic: /^\/targets$/, key: "o", shown: true },
   { name: "looks", topic: /^\/measurement\/[^/]+$/, key: "m", shown: false },
   { name: "beliefs", topic: /^\/belief\/[^/]+$/, key: "b", shown: false },
 ];
-/** Topics that are always subscribed: poses, the scene, and those of charts and panels. */
+/** Topics that are always subscribed: poses, the scene, and the topics of charts and panels. */
 const kAlways = [/^\/transforms$/, /^\/world$/, /^\/robots$/, /^\/scenario$/, /^\/attack$/, /^\/team$/,
   /^\/events$/, /^\/vehicle\//, /^\/health\//, /^\/plan\/[^/]+\/status$/];
 const kTrails = "/trails";
-const kSetBack_s = 60; // a live record older than the newest by this much means that a clock was set back
+const kSetBack_s = 60; // s; if a live record is older than the newest by this time, a clock was set back
 const kTrailPeriod_s = 0.2;
 const kShortStep_s = 0.1;
 const kTrailLengths_s = [2, 5, 10, 20, 60, 300];
@@ -52,10 +52,10 @@ const state = {
   has_scenario: false,
   picked: null,
   log: null, // name of the log
-  arrived: null, // last time received from the server
+  arrived: null, // last time in a time frame from the server
   awaited: null, // {since, resolve} of the instant that seek_and_wait() waits for
-  theme: null, // chosen by the user; null: that of the system
-  filming: null, // {is_over} while a video is made
+  theme: null, // theme chosen by the user; null: theme of the system
+  filming: null, // {is_over} while a video is recorded; else null
   jammed: [],
   colors: new Map(), // colour by body
   newest: new Map(), // newest record of the topics of kNewest, by topic
@@ -65,10 +65,10 @@ const state = {
   pending_link: read_link(location.hash), // content of the link, until it is applied
 };
 
-/** Way of drawing set by the address (?draw=gl or ?draw=canvas). */
+/** Parameters of the page's address. ?draw=gl or ?draw=canvas sets the method of drawing. */
 const kQuery = new URLSearchParams(location.search);
 const kDraw = { gl: false, canvas: true }[kQuery.get("draw")] ?? null;
-/** Key of the recording for which this page was opened; then only the stage is shown. */
+/** Key of the recording for which this page was opened; null: none. With a key only the stage is shown. */
 const kRecord = kQuery.get("record");
 if (kRecord) {
   document.body.dataset.shown = "stage";
@@ -114,7 +114,7 @@ const trails = new Trails();
 const topics = new Topics(by_id("topics"), {
   open: (topic, is_open) => {
     subscribe(topic);
-    // A paused log sends nothing, so seeking makes it send the newest message.
+    // A paused log sends no messages; a seek to the current position makes the server send the newest one.
     if (is_open && state.range && !state.is_playing) seek(state.now);
   },
   plot: (topic, path) => plot(topic, path),
@@ -154,7 +154,7 @@ function clear_all() {
   by_id("empty").hidden = false;
 }
 
-/** Loads the history by HTTP: of a log all of it, live the part that the server has kept. */
+/** Loads the history by HTTP: for a log all records, in a live view those that the server has stored. */
 async function load_history(session) {
   let history = [];
   try {
@@ -196,14 +196,14 @@ async function record() {
   });
 }
 
-/** True if a live record was already received, by the history or the connection. The server sends the newest record again
-    after each subscription. */
+/** True if a live record was already received, in the history or by the connection. (The server sends the newest record
+    again after each subscription.) */
 function was_received(topic, time) {
   if (state.range) return false;
   const name = topic === "/transforms" ? "/paths" : topic; // topic of the bodies' positions in the history
   const until = state.received_until.get(name) ?? -Infinity;
   if (time <= until && time > until - kSetBack_s) return true;
-  if (topic !== "/events") state.received_until.set(name, time); // events may share a time, and the server keeps none of them
+  if (topic !== "/events") state.received_until.set(name, time); // events may share a time; the server repeats none
   return false;
 }
 
@@ -273,7 +273,7 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
     else if (level > 0) set_badge(message, "warn");
   },
   time: (time) => {
-    state.arrived = time; // all records up to that instant came before it
+    state.arrived = time; // all records up to this instant have been received
     set_now(time);
     if (state.awaited && Math.abs(state.now - state.awaited.since) < 2e-6) {
       state.awaited.resolve();
@@ -313,7 +313,7 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
 
 const kNothingYet = by_id("empty").textContent;
 
-/** Hides the world of a log without a scenario; its messages can still be read and charted. */
+/** Hides the stage for a log without a scenario, whose messages can still be read and charted. */
 function update_scene() {
   const has_none = state.range !== null && connection.channels.size > 0 && !connection.channels.has("/scenario");
   if (has_none === (document.body.dataset.scene === "none")) return;
@@ -354,8 +354,8 @@ function toggle(layer) {
   update_link();
 }
 
-/** Returns a field's values of a whole log; null if live, if the log is too large, or on failure: then records are added as
-    they come. */
+/** Returns a field's values over a complete log. Returns null if live, if the log is too large, or on failure: values are
+    then added when records arrive. */
 async function points_of(topic, path) {
   if (!state.range) return null;
   const field = path.map((key) => `/${key.replaceAll("~", "~0").replaceAll("/", "~1")}`).join("");
@@ -375,9 +375,9 @@ async function scenario_known() {
 }
 
 let plotted = Promise.resolve();
-let requested_fields = []; // [topic, path] of each requested field whose values have not come yet
-/** Charts a number of a topic: of a log all of it, live from now on. The order of the charts is that of the requests,
-    independent of the order of the answers. */
+let requested_fields = []; // [topic, path] of each requested field whose values have not arrived yet
+/** Charts a number of a topic: over a complete log, or live from now on. The charts are in the order of the requests, even if
+    the answers arrive in another order. */
 function plot(topic, path) {
   const field = [topic, path];
   requested_fields.push(field);
@@ -535,7 +535,7 @@ by_id("inspect").onclick = (event) => {
   if (event.target.dataset.act === "follow") follow(world.followed === state.picked ? null : state.picked);
 };
 
-/** Writes the legend of what is visible now. */
+/** Writes the legend of the glyphs that are visible now. */
 function refresh_legend() {
   const sizes = Object.entries(world.sizes()).filter(([, size]) => size > 0).map(([topic]) => topic);
   const has = (pattern) => sizes.some((topic) => pattern.test(topic));
@@ -563,7 +563,7 @@ function refresh_legend() {
 on_refresh(refresh_legend, 2);
 
 let link_timer = null;
-/** Writes the present state into the address bar after a short delay. */
+/** Writes the current state of the page into the address bar after a short delay. */
 function update_link() {
   link_timer ??= setTimeout(() => {
     link_timer = null;
@@ -612,7 +612,7 @@ function apply_link() {
   if (wanted.picked) pick(wanted.picked);
   if (wanted.side) show_side(wanted.side);
   if (wanted.cameras) {
-    // Waits for the world's size, which fits the cameras and would override the link's.
+    // Apply the link's cameras only after the world's size is known, because fitting to the size would override them.
     state.wanted_cameras = wanted.cameras;
     const look_when_known = () => {
       if (!world.layers.has("/world") || !state.has_scenario) return setTimeout(look_when_known, 50);
@@ -686,7 +686,7 @@ function seek_and_wait(since) {
   });
 }
 
-/** Returns the interval of a video of a log: the zoomed interval of the charts, else from now to the end. */
+/** Returns the interval of a video of a log: the zoomed interval of the charts, else from the current position to the end. */
 const film_stretch = () => charts.zoomed ?? [state.now, state.range[1] - state.range[0]];
 
 function make_video(how) {
@@ -755,7 +755,7 @@ function set_theme(theme) {
   refresh_legend();
 }
 
-/** Returns the present layout as text: a link without log, time, interval and selection. */
+/** Returns the current layout as text: a link without log, time, interval and selection. */
 function layout_text() {
   const text = new URLSearchParams(link_text());
   ["log", "t", "win", "pick"].forEach((key) => text.delete(key));
@@ -778,7 +778,7 @@ const layouts = new Layouts(by_id("layouts"), { take: layout_text, give: apply_l
 
 const other_theme = () => (document.documentElement.dataset.theme === "dark" ? "light" : "dark");
 
-/** Switches the theme. Only a theme chosen by the user is in links, not that of the system. */
+/** Switches the theme. Links contain only a theme that the user has chosen, not the system's theme. */
 function choose_theme() {
   state.theme = other_theme();
   set_theme(state.theme);
@@ -879,7 +879,7 @@ function loop() {
 }
 loop();
 
-// For tests: the content of the screen as numbers.
+// Interface for tests: the content of the screen as numbers.
 window.vantage = {
   state,
   stats: () => ({ entities: world.entities(), layers: world.sizes(), frames: world.frames_drawn, series: charts.lines().map((c) => c.series.size) }),
@@ -905,7 +905,7 @@ window.vantage = {
   hear: (topic, record) => connection.on.record(topic, state.start + state.now, record),
   seek_and_wait: (since) => seek_and_wait(since),
   zoom: (from, to) => charts.zoom(from, to),
-  /** Returns the pixels of the stage as in a video. */
+  /** Returns the pixels of the stage, as they appear in a video. */
   painted: () => {
     const sheet = document.createElement("canvas");
     paint_stage(sheet);

@@ -31,7 +31,7 @@ export class Names {
     this.known = new WeakMap();
   }
 
-  /** Begins a picture. @param halo colour of the halos */
+  /** Begins a new picture. @param halo colour of the halos */
   begin(halo) {
     if (halo !== this.halo || this.stamps.size > kKeptMax) this.forget();
     this.halo = halo;

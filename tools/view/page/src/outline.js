@@ -2,9 +2,9 @@
 
 import { shown } from "./appearance.js";
 
-const kNear_m = 0.02; // distance of the near clipping plane
-const kStep_px = 0.7; // corners closer than this to the last one are left out
-const kThin_px = 1.5; // thinner lines are drawn 1 pixel wide if there are many things, which halves the time
+const kNear_m = 0.02; // m; distance of the near clipping plane
+const kStep_px = 0.7; // corners closer than this to the last drawn corner are left out
+const kThin_px = 1.5; // thinner lines are drawn 1 pixel wide if there are many items, which halves the time
 
 let last_x = 0;
 let last_y = 0;
@@ -16,9 +16,9 @@ function go(pen, x, y, is_move) {
   last_y = y;
 }
 
-/** Adds the part of a line, or of the edge of a surface, that is in front of the camera to the pen's path.
-    @param e elements of the matrix from the corners' frame to pixels of the stage, homogeneous (times the distance)
-    @param corners x, y, z of each */
+/** Adds the visible part of a line or of a surface's edge, i.e. the part in front of the camera, to the pen's path.
+    @param e elements of the matrix from the corners' frame to homogeneous pixels of the stage (multiplied by the distance)
+    @param corners x, y, z of each corner */
 export function trace(pen, e, corners, is_surface) {
   const count = corners.length;
   let is_first = true;
@@ -109,8 +109,8 @@ export class Surface {
 
 const name_of = (corner) => `${corner.x} ${corner.y} ${corner.z}`;
 
-/** Returns the outline of the union of triangles, without the edges that two triangles share. Triangles that are painted one
-    by one would show seams. @param corners three per triangle */
+/** Returns the outline of the union of triangles, without the edges that two triangles share. (Seams would be visible between
+    triangles that are painted one by one.) @param corners three per triangle */
 export function edges_of(corners) {
   const ways = new Map(); // directed edges by the names of both ends
   for (let i = 0; i + 2 < corners.length; i += 3) {

@@ -1,4 +1,4 @@
-// Panels of text: vehicles, processes, events, and details of the selected thing.
+// Panels of text: vehicles, processes, events, and details of the selected item.
 
 import { on_refresh } from "./refresh_timer.js";
 
@@ -15,8 +15,8 @@ export function make(tag, className, text) {
 /** Compares names in natural order: Q2 before Q10. */
 export const in_order = new Intl.Collator("en", { numeric: true }).compare;
 
-/** Rows by key in a box. Rows are made once and updated with a beat if their text has changed. In a crowd the calm rows are
-    hidden, and a heading shows the number of rows by state. */
+/** Rows by key in a box. Rows are made once and updated with a beat if their text has changed. With more than kCrowd rows,
+    those without a problem are hidden, and a heading shows the number of rows by state. */
 class Table {
   /** @param of {row(key): the elements of a row and its title; is_normal(key): true if the row shows no problem;
       words(keys): text of the heading} */
@@ -33,7 +33,7 @@ class Table {
     on_refresh(() => this.write());
   }
 
-  /** Shows all rows of a crowd, or only those with a problem. */
+  /** Shows all rows of a crowded box, or only the rows with a problem. */
   unfold(is_open) {
     this.head.setAttribute("aria-expanded", is_open);
     this.rows.forEach((_, key) => this.changed.add(key));
@@ -51,7 +51,7 @@ class Table {
     if (is_crowd) {
       const said = this.of.words([...this.rows.keys()]);
       if (this.head.textContent !== said) this.head.textContent = said;
-      if (this.head.hidden) this.rows.forEach((_, key) => this.changed.add(key)); // it has just become a crowd
+      if (this.head.hidden) this.rows.forEach((_, key) => this.changed.add(key)); // kCrowd has just been exceeded
     }
     this.head.hidden = !is_crowd;
     const is_folded = is_crowd && this.head.getAttribute("aria-expanded") !== "true";
@@ -87,7 +87,7 @@ class Table {
   }
 }
 
-/** Counts words, the most frequent first: "48 follow, 2 hold" of ["follow", "hold", …]. */
+/** Counts words, the most frequent first: "48 follow, 2 hold" for ["follow", "hold", …]. */
 function counted(words) {
   const counts = new Map();
   words.forEach((word) => counts.set(word, (counts.get(word) ?? 0) + 1));
@@ -204,7 +204,7 @@ export class Events {
     this.filter = filter;
     filter.oninput = () => [...box.children].forEach((item) => this.filter_item(item));
     this.on_seek = on_seek;
-    this.open = new Map(); // element of the text of a trouble that has not ended, by process
+    this.open = new Map(); // text element of the last health problem, if not ended, by process
   }
 
   add(event) {
@@ -230,7 +230,7 @@ export class Events {
     item.hidden = !item.textContent.toLowerCase().includes(this.filter.value.trim().toLowerCase());
   }
 
-  /** Returns true if an event ends a displayed trouble, and appends it to that line. */
+  /** If an event ends a displayed health problem, appends it to the problem's line and returns true. */
   is_end(event) {
     const words = this.open.get(who_of(event));
     this.open.delete(who_of(event));
@@ -245,7 +245,7 @@ export class Events {
   }
 }
 
-/** Shows the details of one thing.
+/** Shows the details of one item.
     @param sections [title, [[key, value]]] */
 export function write_inspect(box, id, is_followed, sections) {
   box.hidden = id === null;

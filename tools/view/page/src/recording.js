@@ -1,4 +1,4 @@
-// Videos of the stage. Of a log each picture is drawn at its instant, without a time limit; live pictures are taken in real time.
+// Videos of the stage. From a log, the picture of each instant is drawn without a time limit; live views are in real time.
 
 import { Video } from "./video.js";
 

@@ -1,5 +1,5 @@
-// Common refresh timer: text, charts and the clock change together, five times per second. Between these beats only the stage
-// changes. A browser composites the bounding box of all changes again, so this keeps that box small.
+// Common refresh timer: text, charts and the clock change together, five times per second (a beat). Between beats only the stage
+// changes. A browser composites the bounding box of all changes again, so that box is usually only the stage.
 
 export const kRefreshPeriod_ms = 200;
 

@@ -3,8 +3,8 @@
 import * as THREE from "three";
 import { css_of_role } from "./appearance.js";
 
-const kSpace_px = 72; // least distance between lines of the grid
-const kBar_px = 150; // greatest length of the scale bar
+const kSpace_px = 72; // minimum distance between lines of the grid
+const kBar_px = 150; // maximum length of the scale bar
 const kFont = '11px system-ui, "DejaVu Sans", sans-serif';
 
 /** Returns the least number of 1, 2, 5, 10, … (times a power of ten) that is ≥ `least`. */
@@ -41,7 +41,7 @@ export function grid_entity({ min_m, max_m }, spacing) {
   };
 }
 
-/** Writes the numbers next to the world's edges; in the plan they stay in view. */
+/** Writes the coordinates next to the world's edges; in the plan view they stay within the picture. */
 export function write_numbers(pen, project, at, { min_m, max_m }, spacing, is_plan) {
   pen.font = kFont;
   pen.fillStyle = css_of_role("wall");
@@ -73,7 +73,7 @@ export function write_numbers(pen, project, at, { min_m, max_m }, spacing, is_pl
   }, "y [m]");
 }
 
-/** Writes the name of a view, and a line at its left edge if another view is there. */
+/** Writes the name of a view, and a line at its left edge if another view is to the left. */
 export function draw_caption(pen, at, words) {
   pen.font = kFont;
   pen.fillStyle = css_of_role("wall");
@@ -119,7 +119,7 @@ export function draw_ring(pen, point, radius_px) {
   pen.setLineDash([]);
 }
 
-/** Returns length and direction between two points of the ground as text. */
+/** Returns the distance and direction between two points on the ground as text. */
 export function distance_words(a, b) {
   const [dx, dy] = [b[0] - a[0], b[1] - a[1]];
   const degrees = (180 / Math.PI) * Math.atan2(dy, dx);
@@ -183,7 +183,7 @@ export function fit_perspective(camera, target, corners, { width, height }, room
     const larger = Math.max((box.right - box.left) / (free.right - free.left), (box.top - box.bottom) / (free.top - free.bottom));
     distance *= 1 + 0.7 * (larger - 1);
     const seen = box_of();
-    // Moves along the axes of the picture, so that both centres coincide.
+    // Move along the axes of the picture, so that the centres of the box and of the free area coincide.
     const off_x = (seen.left + seen.right - free.left - free.right) / 2;
     const off_y = (seen.bottom + seen.top - free.bottom - free.top) / 2;
     const side = new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, 0);

@@ -1,16 +1,16 @@
-// Corners and matrices of foxglove.SceneUpdate and foxglove.Grid, for both ways of drawing.
+// Corners and matrices of foxglove.SceneUpdate and foxglove.Grid, for both methods of drawing.
 
 import * as THREE from "three";
 import { channels_of } from "./appearance.js";
 
 const kStrip = 0;
 const kLoop = 1;
-const kGlyph_px = 7; // least half width of a body
-const kLeast_px = new Map([["/robots", kGlyph_px], ["/targets", 5]]); // least half width by topic; larger for robots
+const kGlyph_px = 7; // minimum half width of a body
+const kLeast_px = new Map([["/robots", kGlyph_px], ["/targets", 5]]); // minimum half width by topic; larger for robots
 
-let memory_s = 30; // s after which seen ground is stale
+let memory_s = 30; // s; time after which observed ground is stale
 
-/** Sets the time after which seen ground is stale. @param of_scenario the estimators' memory, s; 0: unlimited, 30 s are used */
+/** Sets the time after which observed ground is stale. @param of_scenario s; the estimators' memory; 0: unlimited, 30 s are used */
 export function set_memory(of_scenario) {
   memory_s = of_scenario > 0 ? of_scenario : 30;
 }
@@ -67,8 +67,8 @@ export const glyph_scale = (camera, height_px, frame, glyph_m) =>
 
 const mix = (from, to, share) => from.map((c, i) => c + (to[i] - c) * share);
 
-/** Returns the function from a grid field's value to red, green and blue. age_s: from seen to stale. occupancy: from free
-    over undecided to occupied. */
+/** Returns the function from a grid field's value to red, green and blue. Field age_s: from just observed to stale. Field
+    occupancy: from free over undecided to occupied. */
 function colours_of(field) {
   const [seen, stale, unseen, free, occupied] = ["seen", "stale", "unseen", "free", "occupied"].map(channels_of);
   return {

@@ -2,7 +2,7 @@
 
 import { on_refresh } from "./refresh_timer.js";
 
-const kLive_s = 300; // displayed time of a live view
+const kLive_s = 300; // s; displayed time of a live view
 export const kSpeeds = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20];
 
 export class Timeline {
@@ -25,7 +25,7 @@ export class Timeline {
     this.button.onclick = () => on.play(!this.is_playing);
     this.speeds.onchange = () => {
       on.speed(Number(this.speeds.value));
-      this.speeds.blur(); // so that keys go to the page again
+      this.speeds.blur(); // so that the page receives the keys again
     };
     this.bar.onmousemove = (event) => {
       const box = this.bar.getBoundingClientRect();
@@ -52,7 +52,7 @@ export class Timeline {
       };
       this.bar.onpointerup = (up) => {
         this.bar.onpointermove = this.bar.onpointerup = null;
-        if (up.clientX !== at_px) seek(up); // a second seek to the same instant would only clear the picture
+        if (up.clientX !== at_px) seek(up); // not twice to the same instant, which would only clear the picture
       };
     };
   }
@@ -70,7 +70,7 @@ export class Timeline {
 
   set_now(since) {
     this.now = since;
-    if (this.length_s !== null && !this.is_playing) this.write(); // otherwise the next beat writes it
+    if (this.length_s !== null && !this.is_playing) this.write(); // live or during playback the next beat does this
   }
 
   write() {
@@ -97,7 +97,7 @@ export class Timeline {
     }
   }
 
-  /** Marks the interval that the charts show; null: all. */
+  /** Marks the interval that the charts show; null: all times. */
   set_span(zoomed) {
     this.zoomed = zoomed;
     this.span.hidden = zoomed === null;

@@ -1,4 +1,4 @@
-// List of all topics of the server with their rates. An opened topic shows its newest message, whose numbers can be charted.
+// List of all topics of the server with their rates. An opened topic shows its newest message; its numbers can be charted.
 
 import { on_refresh } from "./refresh_timer.js";
 import { digits } from "./appearance.js";
@@ -6,9 +6,9 @@ import { in_order, make } from "./panels.js";
 
 const kPoll_ms = 1000;
 const kWriteBeats = 2;
-const kCounted_s = 0.2; // least time over which a rate is computed
-const kElements = 24; // most displayed elements of a list
-const kText = 80; // most displayed characters of a text
+const kCounted_s = 0.2; // s; minimum time over which a rate is computed
+const kElements = 24; // maximum number of displayed elements of a list
+const kText = 80; // maximum number of displayed characters of a text
 
 export class Topics {
   /** @param on {open(topic, is_open), plot(topic, path), is_log()} */
@@ -24,7 +24,7 @@ export class Topics {
     this.box.append(this.filter, this.list);
     this.rows = new Map(); // {row, rate, body} by topic
     this.counts = new Map(); // {type, count, hz} by topic
-    this.counted = null; // {time_s, jumps} of the last poll; time_s is the log's time if there is a log. No rates across a jump
+    this.counted = null; // {time_s, jumps} of the last poll; time_s: time of the log, or clock if live. No rates across a jump
     this.opened = new Map(); // newest record or null, by topic
     this.is_shown = false;
     setInterval(() => this.is_shown && !document.hidden && this.poll(), kPoll_ms);
@@ -41,7 +41,7 @@ export class Topics {
     try {
       known = await (await fetch("api/topics")).json();
     } catch {
-      return; // the badge of the connection shows the failure
+      return; // the connection's badge shows the failure
     }
     const now = { jumps: known.jumps, time_s: this.on.is_log() ? known.time_s : performance.now() / 1e3 };
     const is_known = now.time_s !== null && this.counted !== null && this.counted.time_s !== null;
@@ -169,7 +169,7 @@ function shape_of(value) {
 }
 
 function words_of(value) {
-  if (typeof value === "number") return Number.isSafeInteger(value) ? String(value) : digits(value); // all digits of time stamps
+  if (typeof value === "number") return Number.isSafeInteger(value) ? String(value) : digits(value); // all digits of integers
   const text = String(value);
   return text.length > kText ? `${text.slice(0, kText)}… (${text.length} characters)` : text;
 }

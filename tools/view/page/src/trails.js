@@ -1,10 +1,10 @@
-// Paths of bodies, displayed over a selectable time.
+// Past paths of bodies, displayed for a selectable time.
 
 const kLeast_s = 0.15;
 const kLeast_m = 0.02;
-const kSpeed_s = 1.2; // part of the path from which the speed is computed
-const kGone_s = 5; // the speed of a body not seen for this time is unknown
-const kPointsMax = 40_000; // per body
+const kSpeed_s = 1.2; // s; last part of the path, from which the speed is computed
+const kGone_s = 5; // s; the speed of a body that was not visible for this time is unknown
+const kPointsMax = 40_000; // maximum number of points per body
 
 /** Returns the first index whose time is after `time`. */
 function after(times, time) {
@@ -20,7 +20,7 @@ function after(times, time) {
 export class Trails {
   constructor() {
     this.paths = new Map(); // {t, x, y, z} by body
-    this.seen = new Map(); // time when last seen, also without motion, by body
+    this.seen = new Map(); // s; time when each body was last visible, with or without motion
   }
 
   clear() {
@@ -34,7 +34,7 @@ export class Trails {
     const path = this.paths.get(body);
     const last = path.t.length - 1;
     if (last >= 0) {
-      if (time < path.t[last] - 1) Object.values(path).forEach((list) => (list.length = 0)); // the time went back: another run
+      if (time < path.t[last] - 1) Object.values(path).forEach((list) => (list.length = 0)); // the time decreased: a new run has begun
       else if (time - path.t[last] < kLeast_s || Math.hypot(x - path.x[last], y - path.y[last], z - path.z[last]) < kLeast_m) return;
     }
     path.t.push(time);

@@ -1,9 +1,9 @@
-// Video of pictures of a canvas. The time of each picture is given, so drawing it may take any time.
+// Encoder of a video from pictures of a canvas. Each picture has its own time stamp, so drawing it may take any time.
 
 import { webm } from "./webm.js";
 
-const kKeyPeriod_s = 2; // between key frames, to which a player can seek
-const kWaiting = 8; // most pictures that wait for the encoder
+const kKeyPeriod_s = 2; // s; time between key frames, to which a player can seek
+const kWaiting = 8; // maximum number of pictures that wait for the encoder
 const kBitsAPixel = 0.14;
 const kCodecs = [["vp09.00.40.08", "V_VP9"], ["vp8", "V_VP8"]];
 

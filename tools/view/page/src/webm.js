@@ -1,4 +1,4 @@
-// Writer of a WebM file of encoded pictures. Players can seek in it: it contains its length and an index of the key frames.
+// Writer of a WebM file of encoded pictures. The file contains its length and an index of the key frames, so players can seek.
 // Pure: numbers and bytes in, bytes out.
 // Source: RFC 8794 (EBML), RFC 9559 (Matroska), of which WebM is a part.
 

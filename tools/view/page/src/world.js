@@ -12,12 +12,12 @@ import { glyph_of, glyph_scale, pixels_a_metre, set_memory } from "./shapes.js";
 
 const kWorld = "world";
 const kGrid = "/grid-lines"; // made by the page, treated as a topic
-const kRoom = { left: 44, right: 20, top: 30, bottom: 58 }; // pixels kept free around the world for numbers and the scale bar
-/** Labels of topics with lower ranks are placed first. */
+const kRoom = { left: 44, right: 20, top: 30, bottom: 58 }; // pixels; margins around the world for coordinates and the scale bar
+/** Rank by topic. Labels of topics with lower ranks are placed first. */
 const kRanks = { "/robots": 0, "/targets": 1, "/estimates": 2 };
 
-/** True if WebGL is drawn by a GPU. WebGL drawn by the processor, as in a virtual machine or a remote desktop, is slower
-    than painting on a canvas. */
+/** True if a GPU draws WebGL. If the processor draws it, as in a virtual machine or a remote desktop, WebGL is slower than
+    painting on a 2-D canvas. */
 function has_graphics() {
   const gl = document.createElement("canvas").getContext("webgl2");
   const names = gl?.getExtension("WEBGL_debug_renderer_info");
@@ -147,7 +147,7 @@ export class World {
       if (now < passing.until) continue;
       this.passing.delete(passing);
       const { topic, id, item } = passing;
-      if (this.layers.get(topic)?.get(id) !== item) continue; // it was replaced
+      if (this.layers.get(topic)?.get(id) !== item) continue; // the item was replaced by a newer one
       this.remove(topic, id);
       this.set_stale();
     }
@@ -184,7 +184,7 @@ export class World {
     return true;
   }
 
-  /** Moves the cameras so that the whole world is visible as large as possible. */
+  /** Moves the cameras so that the complete world is visible and as large as possible. */
   fit() {
     this.followed = null;
     const { min_m, max_m } = this.bounds;
@@ -214,7 +214,7 @@ export class World {
     this.on_view?.();
   }
 
-  /** Keeps the whole world in view unless the user has moved a camera. */
+  /** Keeps the complete world visible unless the user has moved a camera. */
   on_resize() {
     if (this.is_fitted) this.fit();
     else this.resize();
@@ -247,7 +247,7 @@ export class World {
     this.set_stale();
   }
 
-  /** Moves the cameras with the followed thing. */
+  /** Moves the cameras with the followed item. */
   follow_target() {
     const at = this.followed && this.position_of(this.followed);
     if (!at) return;
@@ -280,7 +280,7 @@ export class World {
     this.set_stale();
   }
 
-  /** Makes everything again after a change of the background. */
+  /** Rebuilds all items after a change of the background. */
   repaint() {
     [...this.layers.keys()].forEach((topic) => this.changed.add(topic));
     this.names.forget();
@@ -307,7 +307,7 @@ export class World {
     return (this.plan.at.height / 2 / this.plan.half_height) * this.plan.camera.zoom;
   }
 
-  /** Makes the grid again if the scale of the plan needs another spacing; without a plan, that of the 3-D view. */
+  /** Rebuilds the grid lines if the scale of the plan view (or else of the 3-D view) requires another spacing. */
   update_grid_lines() {
     const pixels_a_m = this.view === "space" ? pixels_a_metre(this.space.camera, this.space.at.height, { matrix: new THREE.Matrix4().setPosition(this.space.controls.target) }) : this.plan_scale();
     const spacing = this.has_grid && pixels_a_m > 0 && Number.isFinite(pixels_a_m) ? spacing_of(pixels_a_m) : null;
@@ -433,7 +433,7 @@ export class World {
     this.set_stale();
   }
 
-  /** Returns [x, y] of the ground under the pointer, or of a thing under it; null: the sky. */
+  /** Returns [x, y] of the item under the pointer, or else of the ground under it; null: the pointer is on the sky. */
   ground_at(eye, event) {
     const id = this.pick(eye, event, 12);
     if (id) {
@@ -472,7 +472,7 @@ export class World {
     return best;
   }
 
-  /** Returns the newest entity with an id and its present position; null if there is none. */
+  /** Returns the newest entity with an id and its current position; null if there is none. */
   find(id) {
     for (const layer of this.layers.values()) {
       if (layer.has(id)) {
