@@ -26,9 +26,9 @@ MAY_INCLUDE = {
     "python": TRIAL | {"experiments", "tools", "python"},
     "test": None,  # may include everything
 }
-# The folders `app` connect a process to the bus, so only they may include it in addition.
+# Folders `app` connect a process to the bus, so they may include the bus in addition.
 APP_EXTRA = {"bus"}
-# Folders of tests without a subject of the same path: networks, benchmarks, whole programs, shared parts.
+# Folders of tests that do not test a folder of the same path: networks, benchmarks, complete programs, shared code.
 TESTS_OF_NO_FOLDER = {"bench", "data", "docs", "examples", "fuzz", "guard", "integration", "mutation", "support", "view"}
 INCLUDE = re.compile(r'^\s*#include "([^"]+)"')
 LCM = re.compile(r'^\s*#include <lcm/')
@@ -60,7 +60,7 @@ def violations(root):
 
 
 def cycles(includes):
-    """Yields one cycle for each group of folders that include each other."""
+    """Yields one cycle for each group of folders that include each other, directly or indirectly."""
     done = set()
 
     def walk(folder, way):

@@ -10,7 +10,7 @@ import sys
 
 FUNCTION_LINES_MAX = 60
 FILE_LINES_MAX = 500
-# Keywords of statements and types that open a brace as well.
+# Keywords of statements and types with braces, which are not function definitions.
 NO_FUNCTION = re.compile(r"^(if|for|while|switch|do|else|namespace|class|struct|enum|union|case|default|try|catch|extern|return|using)\b")
 LAMBDA = re.compile(r"\[[^\]]*\](\s*\(|\s*\{|\s*mutable)")
 HEAD = re.compile(r"^[\w~:<>,*&\[\]()\s\"=.!+\-/|^%]*\)[\w\s&:(){},.<>*]*\{$")

@@ -3,9 +3,9 @@
 comments, pages, messages (string literals of at least three words) and test names, and on titles of new
 commits that are not `area: imperative phrase`.
 
-A line that is right has an entry in tools/dev/words_allowed.tsv: path, a part of the line, the reason. An
-entry that no line needs is a fault, too. Files in SKIPPED are generated from other texts, or inputs that must
-not change.
+A line that matches a pattern but is correct has an entry in tools/dev/words_allowed.tsv: path, a part of the
+line, the reason. An entry without such a line is a fault, too. Files in SKIPPED are generated from other texts,
+or are inputs that must not change.
 """
 import pathlib
 import re
@@ -22,20 +22,20 @@ CODE = re.compile(r"`[^`]*`")
 TEST = re.compile(r"^(?:TYPED_)?TEST(?:_F|_P)?\((\w+), (\w+)\)")
 LITERAL = re.compile(r'"((?:[^"\\]|\\.)*)"')
 WORDS = re.compile(r"[a-z']{2,} [^ ]+ [a-z']{2,}", re.I)
-FIRST_COMMIT = "fe0e1134aba7bf3c0931a0032477bd8eee6e22f8"  # titles of older commits stay as they are
+FIRST_COMMIT = "fe0e1134aba7bf3c0931a0032477bd8eee6e22f8"  # titles of older commits are not checked
 TITLE = re.compile(r"^[A-Za-z0-9_./,{}* -]+: [a-z`\"'{/.<-]")
 TITLE_MAX = 72
 
 
 def patterns(page):
-    """The table under "Wording to avoid": compiled pattern and the wording to use instead."""
+    """Returns the table under "Wording to avoid": [(compiled pattern, wording to use instead)]."""
     text = page.read_text().partition("## Wording to avoid")[2].partition("\n## ")[0]
     rows = (ROW.match(line) for line in text.splitlines())
     return [(re.compile(row["pattern"].replace("\\|", "|"), re.I), row["instead"].strip()) for row in rows if row]
 
 
 def texts_of(path, line):
-    """The parts of a line that people read."""
+    """Returns the parts of a line that people read: comment, test name, messages."""
     if path.suffix == ".md":
         return [line]
     mark = COMMENT.get(path.suffix, "#" if path.name == "CMakeLists.txt" else None)
@@ -59,7 +59,7 @@ def faults_of(path, number, line, avoid):
 
 
 def faults_of_titles(root):
-    """Commits after FIRST_COMMIT; nothing in a copy without this history."""
+    """Yields a fault for each invalid title of a commit after FIRST_COMMIT; none in a copy without this history."""
     log = subprocess.run(["git", "log", "--no-merges", "--format=%h %s", f"{FIRST_COMMIT}..HEAD"], cwd=root,
                          capture_output=True, text=True)
     for line in log.stdout.splitlines() if log.returncode == 0 else []:

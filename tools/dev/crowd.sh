@@ -1,8 +1,8 @@
 #!/bin/bash
 # crowd.sh [SECONDS [READERS [STALLED]]]: flies config/lab.yaml for SECONDS (600) and serves it by
-# `vantage view`. READERS viewers (2) read everything, STALLED viewers (1) never read.
-# Prints every 10 s the server's memory and what the first reader received; at the end the
-# trial's summary. Runs in a separate network namespace and leaves nothing behind.
+# `vantage view`. READERS viewers (2) read all records, STALLED viewers (1) never read.
+# Every 10 s prints the server's memory and the data received by the first reader; at the end prints
+# the trial's summary. Runs in a separate network namespace and leaves no files behind.
 # BIN: the folder of the programs, build/release/bin unless set.
 set -euo pipefail
 cd "$(dirname "$0")/../.."

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Prints a scenario with many robots and targets.
 
-Without options it is meant for measuring the viewer's frame rate: 80 m × 80 m, with the planner
-lawn_mower. With --area-m2 it is meant for measuring how the cost grows with the team
+The default scenario serves to measure the viewer's frame rate: 80 m × 80 m, with the planner
+lawn_mower. A scenario with --area-m2 serves to measure how the computing cost grows with the team
 (test/bench/trial_bench): the field grows with the team, so that the number of neighbours per robot is
 constant.
 """

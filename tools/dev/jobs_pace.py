@@ -3,10 +3,10 @@
 
   tools/dev/jobs_pace.py VANTAGE EXPERIMENT [--trials N] [--jobs J] [--pairs P]
 
-Runs both in turn. Prints for each pair the wall time, the CPU time, the cores used by other programs, and
-the speed-up corrected for those programs. For the correction, the time in which a thread was ready
-without a core (/proc/PID/task/*/schedstat) is subtracted from its wall time. The rest is its work and its
-own waiting, for locks and for the slowest thread at the end."""
+Runs both in turn. Prints for each pair the wall time, the CPU time, the number of cores used by other
+programs, and the speed-up corrected for those programs. For the correction, the time in which a thread was
+ready without a core (/proc/PID/task/*/schedstat) is subtracted from its wall time. The rest is the thread's
+work and its waits for locks and, at the end, for the slowest thread."""
 
 import argparse
 import glob
@@ -25,8 +25,8 @@ def busy_s():
 
 
 def run(arguments, jobs):
-    """Runs once and returns (wall time in s, CPU time in s, cores used by other programs, core time available to this
-    run in s)."""
+    """Runs the experiment once. Returns (wall time in s, CPU time in s, number of cores used by other programs, core
+    time in s that was available to this run)."""
     waited_s = {}
     ran_s = {}
     with tempfile.TemporaryDirectory() as folder:

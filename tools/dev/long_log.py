@@ -2,8 +2,8 @@
 """long_log.py LOG GIGABYTES OUT: writes repetitions of LOG to OUT as one long log.
 
 In each repetition the numbers and times of the events, the sequence numbers of their messages and all
-instants in them continue those of the previous one. For measuring how long logs are opened and sought
-in (see docs/results/viewer.md and test/view/peer/seek.mjs).
+instants in the messages continue those of the previous repetition. Serves to measure the opening of and
+seeking in long logs (see docs/results/viewer.md and test/view/peer/seek.mjs).
 """
 import os
 import pathlib
@@ -12,8 +12,8 @@ import sys
 
 HEADER = struct.Struct(">IqqII")  # sync word, number, time, lengths of channel and data
 NUMBER = struct.Struct(">q")
-STAMP_BYTES = 32                  # every message begins with fingerprint, utime, run_id, sequence
-AROUND_US = 3_600_000_000         # us; largest distance of instants in messages to the log's times
+STAMP_BYTES = 32                  # bytes; each message begins with fingerprint, utime, run_id, sequence
+AROUND_US = 3_600_000_000         # us; maximum difference of instants in messages from the log's times
 
 
 def events(log):
@@ -27,8 +27,8 @@ def events(log):
 
 
 def instants(log, first_us, last_us):
-    """Yields the offsets of all big-endian 64-bit integers that are instants in or around the log. It is
-    very unlikely that other data have such a value."""
+    """Yields the offsets of all big-endian 64-bit integers whose values are instants during the log, AROUND_US
+    included. Other data are very unlikely to have such a value."""
     low, high = (NUMBER.pack(each) for each in (first_us - AROUND_US, last_us + AROUND_US))
     prefix = os.path.commonprefix([low, high])
     at = log.find(prefix)

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""play_pace.py [LOG [ROUNDS]]: measures how exactly `vantage log play` and lcm-logplayer keep a log's times.
+"""play_pace.py [LOG [ROUNDS]]: measures the timing errors of `vantage log play` and lcm-logplayer.
 
 Both play the same log in turn, ROUNDS times each (3), to a socket with time stamps of the kernel. The
-error of an event is its arrival time minus its logged time, relative to the median of the run. The drift
-of a run is the median difference of its last tenth minus that of its first tenth. LOG: the first 15 s of
-the sample unless given. BIN: the folder of the programs, build/release/bin unless set. Runs in a separate
-network namespace and leaves nothing behind.
+delay of an event is its arrival time minus its logged time; its error is its delay minus the median delay
+of the run. The drift of a run is the median delay of its last tenth minus that of its first tenth. LOG: the
+first 15 s of the sample unless given. BIN: the folder of the programs, build/release/bin unless set. Runs in
+a separate network namespace and leaves no files behind.
 """
 import os
 import pathlib

@@ -1,9 +1,9 @@
 #!/bin/bash
 # replay_trials.sh [TRIALS [STRESSED [SECONDS [SCENARIO]]]]: flies TRIALS real-time trials of SCENARIO
-# with one process per node (`vantage up`), seeds from 1, the last STRESSED of them with stress-ng on
+# with one process per node (`vantage up`) and seeds from 1. The last STRESSED trials run with stress-ng on
 # every core. Computes all plans and beliefs again from the logs (`vantage log replay`) and prints a
-# table; exit code 1 unless all bits of all outputs are equal. Defaults: 10, 2, 30 s, config/lab.yaml.
-# Runs in a separate network namespace and leaves nothing behind.
+# table. Exit code 1 unless all outputs are bit-identical. Defaults: 10, 2, 30 s, config/lab.yaml.
+# Runs in a separate network namespace and leaves no files behind.
 # BIN: the folder of the programs, build/release/bin unless set.
 set -euo pipefail
 cd "$(dirname "$0")/../.."

@@ -1,5 +1,5 @@
 #!/bin/bash
-# scale.sh [OUT [ROBOTS…]]: measures the cost of trials by team size, with one target and 400 m² of field
+# scale.sh [OUT [ROBOTS…]]: measures the computing cost of trials by team size, with one target and 400 m²
 # (20 m × 20 m) per robot. Writes OUT/cost.csv, OUT/traffic.csv (bytes per second that a robot publishes,
 # by channel) and OUT/scale.png. Defaults: build/scale; 3 10 30 100 300 1000.
 # Needs an otherwise idle machine for about 10 min, and 4 GB. BIN: the folder of the programs,

@@ -9,20 +9,20 @@ import random
 from . import sites
 
 # Outcomes of a mutation. Only the first three count in the score.
-KILLED = "killed"  # noticed: `by` a test that failed or exceeded the time limit
+KILLED = "killed"  # noticed by a test (field `by`) that failed or exceeded the time limit
 SURVIVED = "survived"
 EQUIVALENT = "equivalent"  # with a `reason` that a person has written
 SAME_CODE = "same code"  # the object code is unchanged
 NOT_BUILT = "not built"  # does not compile
-GONE = "gone"  # the source has changed and no longer contains it
+GONE = "gone"  # the source has changed and no longer contains the site
 PENDING = "pending"
 OUTCOMES = (KILLED, SURVIVED, EQUIVALENT, SAME_CODE, NOT_BUILT, GONE, PENDING)
 
 
 class Ledger:
-    """Rows of drawn mutations. A row is a dictionary: id, draw, seed, file, line, operator, before, after,
-    outcome; optionally by, reason, commit (of the outcome) and first (the first outcome, if it was
-    another)."""
+    """Rows of drawn mutations. A row is a dictionary with the keys id, draw, seed, file, line, operator, before,
+    after, outcome; optionally by, reason, commit (of the outcome) and first (the first outcome, if it
+    differs)."""
 
     def __init__(self, path):
         self.path = pathlib.Path(path)
@@ -107,7 +107,7 @@ def table(rows, key):
     for name, group in groups.items():
         count = collections.Counter(row["outcome"] for row in group)
         first = collections.Counter(row.get("first", row["outcome"]) for row in group)
-        first[EQUIVALENT] = count[EQUIVALENT]  # equivalent mutations were so from the beginning
+        first[EQUIVALENT] = count[EQUIVALENT]  # mutations marked as equivalent later were so at first, too
         first[SURVIVED] -= sum(1 for row in group
                                if row["outcome"] == EQUIVALENT and row.get("first") == SURVIVED)
         idle = count[SAME_CODE] + count[NOT_BUILT] + count[GONE]

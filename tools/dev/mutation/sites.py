@@ -1,19 +1,19 @@
-"""Finds the places of a C++ file where one small bug can be put, on the syntax tree of libclang.
+"""Finds the places in a C++ file where one small bug can be inserted, from the syntax tree of libclang.
 
 A site is one mutation: a part of the source and its replacement. The operators are kinds of bugs that
 programmers make and tests miss:
 
-  comparison  a < b -> a > b; also a <= b, but not of floating point (an edge of measure zero); !a -> a
+  comparison  a < b -> a > b; also -> a <= b, except for floating point (equality is too rare); !a -> a
   sign        a + b -> a - b, a += b -> a -= b, -a -> a
-  term        a + b -> a, -> b; a * b, a && b, a || b the same; c ? a : b -> a, -> b
-  constant    a number doubled or halved
-  minmax      min <-> max, also of Eigen and of elements; clamp(x, low, high) -> x
+  term        a + b -> a, -> b; likewise a * b, a && b, a || b; c ? a : b -> a, -> b
+  constant    a number is doubled or halved
+  minmax      min <-> max, also Eigen's and element-wise ones; clamp(x, low, high) -> x
   abs         abs(x) -> x
   index       a[i] -> a[i + 1], a[i - 1]; x() <-> y(), z() -> y(); front() <-> back()
-  return      an early return, a continue, or a break out of a loop, removed
-  reset       an assignment (=, +=, ++, ...), .reset(), .clear() or the like, removed
-  swap        two neighbouring arguments or initialisers of one type, swapped
-  unit        a value with a unit in its name, scaled to another unit; a factor 1e3, 1e-6, 60, ... removed
+  return      an early return, a continue, or a break out of a loop is removed
+  reset       an assignment (=, +=, ++, ...), .reset(), .clear() or the like is removed
+  swap        two neighbouring arguments or initialisers of the same type are swapped
+  unit        a value with a unit in its name is scaled to another unit; a factor 1e3, 1e-6, 60, ... is removed
 
   Not mutated: comments and string literals, log messages, static assertions, declarations (parameters,
   template arguments, case labels, enumerators, bounds of arrays), and expansions of macros.
@@ -49,7 +49,7 @@ OTHER_EXTREME |= {big: small for small, big in OTHER_EXTREME.items()}
 NEIGHBOUR = {"x": "y", "y": "x", "z": "y", "front": "back", "back": "front"}
 RESETS = {"reset", "clear", "fill", "setZero", "erase", "pop_front", "pop_back"}
 SYMMETRIC = {"min", "max", "fmin", "fmax", "hypot", "swap"}
-# Unit suffix of a name, and the factor by which a value is wrong in a similar unit.
+# Factor by unit suffix of a name: the error if a value has a similar unit instead.
 UNIT_FACTORS = {"s": "1e-3", "ms": "1e3", "us": "1e3", "ns": "1e3", "m": "1e3", "mm": "1e-3",
                 "rad": "57.29577951308232", "deg": "0.017453292519943295", "mps": "3.6",
                 "radps": "57.29577951308232", "share": "100", "hz": "1e-3"}
@@ -74,7 +74,7 @@ class Site:
     operator: str
     before: str  # the expression or statement that is changed, in one line
     after: str
-    begin: int  # offsets of the replaced bytes in the file
+    begin: int  # byte offset in the file where the replaced part begins
     end: int
     replacement: bytes
 
@@ -162,8 +162,8 @@ def _parsed(path, name, arguments):
 
 
 def _named(found, source, name):
-    """Returns the sites with ids. An id is a hash of function, expression, change and the index among equal ones, so
-    that it stays the same when other lines change."""
+    """Returns the sites with ids. An id is a hash of function, expression, change and the index among equal changes. It
+    does not depend on other lines."""
     sites = []
     same = collections.Counter()
     places = {}  # only the first of equal changes at a place is kept
@@ -226,7 +226,7 @@ def _is_number(type_):
 
 
 def _is_text_or_place(type_):
-    """Returns true for a string, pointer or iterator, whose + and - are not arithmetic."""
+    """Returns true for a string, pointer, path or iterator, whose + and - are not arithmetic."""
     canonical = type_.get_canonical()
     name = canonical.spelling
     return canonical.kind in (TypeKind.POINTER, TypeKind.CONSTANTARRAY, TypeKind.INCOMPLETEARRAY) or \
@@ -284,7 +284,7 @@ class _Finder:
         if kind == Kind.CALL_EXPR and LOG.match(self.text_of(cursor)):
             return
         if kind in FUNCTIONS:
-            # Only the initialisers of members and the body are executed; the rest is a declaration.
+            # Only the initialisers of members and the body are executed. The rest is the declaration, which is skipped.
             children = [c for c in children if c.extent.start.offset > cursor.location.offset and
                         (c.kind.is_expression() or c.kind.is_statement())]
         elif kind in (Kind.VAR_DECL, Kind.FIELD_DECL):
@@ -361,7 +361,7 @@ class _Finder:
 
     @staticmethod
     def fits(part, whole):
-        """Returns true if the type of the part can replace that of the whole, unlike an instant and a difference of two."""
+        """Returns true if an expression `part` can replace `whole`. (A time cannot replace a difference of two times.)"""
         names = _plain(part.type), _plain(whole.type)
         return all(_is_number(c.type) or "Eigen" in name for c, name in zip((part, whole), names)) or \
             names[0] == names[1]
@@ -387,7 +387,7 @@ class _Finder:
             return
         if any(c.kind == Kind.ARRAY_SUBSCRIPT_EXPR or c.spelling in ("operator[]", "operator()")
                for c in stack[-3:]):
-            return  # an index, which index() mutates
+            return  # a number that is an index is mutated by index()
         digits = match.group(1).replace("'", "")
         if digits.isdigit() and not digits.startswith("0"):
             doubled, halved = (f"{n}{match.group(2)}" for n in (2 * int(digits), int(digits) // 2))
@@ -527,7 +527,7 @@ class _Finder:
         if cursor.kind == Kind.RETURN_STMT:
             last = list(inner[0].get_children())[-1]
             is_last = self.extent(last) == self.extent(cursor)
-            # Without this return the function must still end in another return.
+            # A return may be removed only if the function then still ends in another return.
             if is_last or (list(cursor.get_children()) and last.kind != Kind.RETURN_STMT):
                 return
             if self.extent(last)[0] <= self.extent(cursor)[0] < self.extent(last)[1] and \

@@ -1,5 +1,5 @@
-"""Builds all mutations of a file into one object: each function contains a copy of its body per mutation,
-and a number from the environment selects the copy. So a file is compiled once instead of once per mutation."""
+"""Builds all mutations of a file into one object, so that the file is compiled once instead of once per mutation.
+Each function contains one copy of its body per mutation; a number from the environment selects the copy."""
 
 import bisect
 import collections
@@ -12,8 +12,8 @@ from .workshop import UserError
 
 VARIABLE = "VANTAGE_MUTANT"  # environment variable with the number; without it the original code runs
 CHOICE = "vantage_mutant"  # variable of the program with the same number
-OPTIONS = ("-w", "-D_GLIBCXX_ASSERTIONS")  # assertions make an index out of range noticeable
-# Runs before all other constructors of the program, as those register tests and make their inputs.
+OPTIONS = ("-w", "-D_GLIBCXX_ASSERTIONS")  # assertions detect an index out of range
+# Runs before all other constructors of the program, because those register tests and make their inputs.
 CHOOSER = f"""#include <cstdlib>
 extern "C" int {CHOICE} = -1;
 __attribute__((constructor(101))) static void choose() {{
@@ -23,8 +23,8 @@ __attribute__((constructor(101))) static void choose() {{
 
 
 def text_of(source, bodies, numbered):
-    """Returns the source with a copy of a function's body per mutation in it, and the owners of its lines. The owners are
-    a list of (first line, number of the mutation or None) in order. `numbered`: list of (number, site)."""
+    """Returns the source with one copy of a function's body per mutation, and the owners of its lines: a list of (first
+    line, number of the mutation or None) in order. `numbered`: list of (number, site)."""
     pieces = [f'extern "C" int {CHOICE};\n'.encode()]
     owners = [(1, None)]
     line = 2
@@ -120,7 +120,7 @@ class Sweep:
         self.shop.say(f"{name}: {len(left)} of {len(numbered)} in one object")
 
     def judge(self, site, killers=()):
-        """Returns the outcome and the test that noticed the mutation, or the programs that did not."""
+        """Returns the outcome, and the test that noticed the mutation or the programs that did not notice it."""
         if site.id in self.errors:
             return ledger.NOT_BUILT, self.errors[site.id]
         chosen = ("env", f"{VARIABLE}={self.number_of[site.id]}")
@@ -137,7 +137,7 @@ class Sweep:
         return (ledger.PENDING, "") if self.shop.quick_s is not None else (ledger.SURVIVED, " ".join(tried))
 
     def path_of(self, program):
-        """Returns the path of the program with all mutations, which is linked at the first call."""
+        """Returns the path of the program with all mutations. Links this program at the first call."""
         with self.shop.mutex:
             if program not in self.paths:
                 path = self.place / os.path.basename(program)

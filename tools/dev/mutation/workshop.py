@@ -1,6 +1,6 @@
 """Builds and tests mutations: compiles mutated objects in build/mutate and links them with the other
 objects of the checkout's build folder. The checkout and its build are only read, so no mutation can
-remain in them if this process is killed."""
+remain there if this process is killed."""
 
 import dataclasses
 import fcntl
@@ -23,13 +23,13 @@ from . import ledger, sites
 INCLUDE = re.compile(rb'^[ \t]*#[ \t]*include[ \t]*"([^"]+)"', re.M)
 GENERATED = "vantage_lcm_gen"  # target of the headers that must exist before a file can be parsed
 BUILD_LIMIT_S = 1800.0
-TIERS_S = (0.03, 0.5, 3.0, math.inf)  # upper limits of duration; the fastest tests run first
+TIERS_S = (0.03, 0.5, 3.0, math.inf)  # maximum duration of a test in each tier; the fastest tests run first
 QUICK_S = TIERS_S[1]  # longest test with --quick
-KILLERS = 12  # largest number of tests that run first because they noticed a mutation nearby
+KILLERS = 12  # maximum number of tests that run first because they noticed a mutation nearby
 UNKNOWN_S = 0.1  # assumed duration of a test that has not been timed
 SCRIPTED = "vantage"  # program that scripts start
-WALL_LIMIT_S = 900  # longest wait of a run of tests without using the processor
-LEAST_SHARE = 0.002  # processors; a process that used this share or more is not waiting
+WALL_LIMIT_S = 900  # longest time that a test run may use no CPU before it is stopped
+LEAST_SHARE = 0.002  # CPU seconds per second; a process that used at least this share is not waiting
 # Configuration of a new build: little optimisation, with assertions, without debug information.
 CONFIGURATION = ("-G", "Ninja", "-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_CXX_FLAGS_DEBUG=-O1 -D_GLIBCXX_ASSERTIONS",
                  "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON", "-DVANTAGE_BUILD_TESTS=ON")
@@ -79,15 +79,15 @@ def source_files(root, path):
 
 
 def processor_time(session):
-    """Returns the processor time in s of all processes of a session and of their ended children, and whether one of
-    them is ready to run."""
+    """Returns the processor time in s of all processes of a session (ended children included), and true if one of these
+    processes is ready to run."""
     ticks = 0
     wants_more = False
     for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
         try:
             fields = stat.read_text().rpartition(")")[2].split()
         except OSError:
-            continue  # it has ended
+            continue  # the process has ended
         if int(fields[3]) == session:
             ticks += sum(int(field) for field in fields[11:15])
             wants_more = wants_more or fields[0] == "R"
@@ -95,8 +95,8 @@ def processor_time(session):
 
 
 def output_of(process, limit_s):
-    """Returns the output of a process when it ends. Raises TimeoutExpired if it has not used the processor for
-    `limit_s`. Wall time alone is no measure, as a working process may get little time on a busy machine."""
+    """Waits for a process and returns its output. Raises TimeoutExpired if the process has not used the processor for
+    `limit_s`. Wall time alone is not checked, because a process may get little time on a busy machine."""
     used_s = 0.0
     while True:
         try:
@@ -113,8 +113,8 @@ def hash_of(path):
 
 
 def has_every_file_alone(build):
-    """Returns true if a build exists that compiles each file separately (no unity build), as a mutated object
-    replaces that of one file."""
+    """Returns true if `build` is a build that compiles each file separately (no unity build). This is required because a
+    mutated object replaces the object of one file."""
     cache = build / "CMakeCache.txt"
     return (build / "build.ninja").exists() and not (
         cache.exists() and "VANTAGE_UNITY:BOOL=ON" in cache.read_text())
@@ -134,7 +134,7 @@ class Workshop:
         self.exclude_labels = exclude_labels
         self.exclude_tests = exclude_tests
         self.only = only
-        self.quick_s = quick_s  # longer tests are not run, and mutations that survive stay pending
+        self.quick_s = quick_s  # longer tests are not run, so mutations that survive remain pending
         self.scripts = scripts
         self.jobs = jobs
         self.limit_factor = limit_factor
@@ -155,7 +155,7 @@ class Workshop:
     # --- the build ---
 
     def open(self, is_for_tests):
-        """Opens a session. Only one at a time is permitted, as sessions would disturb each other's timings."""
+        """Opens a session. Only one at a time is permitted, because sessions would disturb each other's timings."""
         self.place.mkdir(parents=True, exist_ok=True)
         self.lock = open(self.place / "lock", "w")
         try:
@@ -174,8 +174,8 @@ class Workshop:
     # --- commands, which end with this process ---
 
     def command(self, words, limit_s=BUILD_LIMIT_S, is_checked=True, cpu_limit_s=None, cwd=None, env=None):
-        """Runs a command. Returns its output and exit code; the code is None if it was killed because it waited for
-        `limit_s`. `cpu_limit_s` limits the CPU time of each process, as wall time is not useful on a busy machine."""
+        """Runs a command. Returns its output and exit code; the code is None if the command was killed because it used no CPU
+        for `limit_s`. `cpu_limit_s` limits the CPU time of each process, because wall time depends on the machine's load."""
         def limit():
             if cpu_limit_s is not None:
                 resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(cpu_limit_s),) * 2)
@@ -271,7 +271,7 @@ class Workshop:
             return json.load(file)
 
     def readers(self, name):
-        """Returns the file and all files that include it directly or indirectly."""
+        """Returns the file `name` and all files that include it directly or indirectly."""
         seen, new = {name}, [name]
         while new:
             for reader in self.includers.get(new.pop(), ()):
@@ -281,7 +281,7 @@ class Workshop:
         return seen
 
     def programs_for(self, name):
-        """Returns the test programs that depend on the file, the nearest first, each with its objects that do."""
+        """Returns the test programs that depend on the file, the nearest first, each with its dependent objects."""
         readers = self.readers(name)
         out = []
         near = set(pathlib.PurePath(name).parts)
@@ -319,7 +319,7 @@ class Workshop:
             yield from self.sites[name]
 
     def kept_sites(self, name, arguments):
-        """Returns the sites of a file from a cache by its content, as libclang needs seconds per file."""
+        """Returns the sites of a file from a cache keyed by content, because libclang needs seconds per file."""
         finder = pathlib.Path(sites.__file__).read_bytes()
         text = (self.root / name).read_bytes()
         key = hashlib.sha256(b"\0".join((name.encode(), finder, text))).hexdigest()[:24]
@@ -338,7 +338,7 @@ class Workshop:
     # --- the unmutated tests ---
 
     def known(self, program):
-        """Returns the tests of a program with their last known durations. Does not run tests for that."""
+        """Returns the tests of a program with their last known durations. Does not run the tests."""
         with self.mutex:
             if program not in self.tests:
                 self.ninja([program])
@@ -346,7 +346,7 @@ class Workshop:
             return [test.timed(self.seconds.get(test.name, UNKNOWN_S)) for test in self.tests[program]]
 
     def read_seconds(self):
-        """Returns the durations of tests from ctest's notes and from earlier sessions."""
+        """Returns the durations of tests from ctest's records and from earlier sessions."""
         out = {}
         notes = self.build / "Testing" / "Temporary" / "CTestCostData.txt"
         if notes.exists():
@@ -358,7 +358,7 @@ class Workshop:
         return out | (json.loads(kept.read_text()) if kept.exists() else {})
 
     def is_sound(self, program, test):
-        """Returns true if a test passes without mutation. Runs once per test, only for tests that noticed a mutation."""
+        """Returns true if a test passes without mutation. Checks each test that noticed a mutation once."""
         with self.mutex:
             if test.name not in self.sound:
                 begun = time.monotonic()
@@ -387,7 +387,7 @@ class Workshop:
         return json.loads(told)["tests"]
 
     def script_tests(self):
-        """Returns the tests that are scripts and start SCRIPTED, the fastest first. They run after all others."""
+        """Returns the tests that are scripts and start SCRIPTED, the fastest first. Scripts run after all other tests."""
         with self.mutex:
             if SCRIPTED not in self.tests:
                 chosen = re.compile(self.scripts) if self.scripts else None
@@ -412,7 +412,7 @@ class Workshop:
     # --- one mutation ---
 
     def judge(self, site, killers=()):
-        """Returns the outcome and the test that noticed the mutation, or the programs that did not."""
+        """Returns the outcome, and the test that noticed the mutation or the programs that did not notice it."""
         place = self.place / "work" / site.id
         try:
             return self.judge_in(place, site, killers)
@@ -443,7 +443,7 @@ class Workshop:
             path.unlink()
             if killer:
                 return ledger.KILLED, killer
-            # A killed mutation has other code, so the unmutated object is compiled only for the others.
+            # A killed mutation must have changed the object, so only other mutations are compared with the unmutated object.
             if len(tried) == 1 and site.file.endswith(".cpp") and all(
                     hash_of(made[o]) == self.unmutated(o, site) for o in objects):
                 return ledger.SAME_CODE, ""
@@ -452,7 +452,7 @@ class Workshop:
         return self.judge_by_scripts(place, site, made, tried)
 
     def judge_by_scripts(self, place, site, made, tried):
-        """Judges a mutation that no test program noticed by scripts, which start the mutated SCRIPTED program."""
+        """Runs scripts with the mutated SCRIPTED program, to judge a mutation that no test program noticed."""
         name, inputs = self.scripted or ("", set())
         readers = self.readers(site.file)
         objects = {o for o in inputs if self.source_of.get(o) in readers}
@@ -475,7 +475,7 @@ class Workshop:
                 return ledger.NOT_BUILT, first_error(output)
             tried.append(SCRIPTED)
         for test in scripts:
-            # Runs it unmutated first, which also measures its duration.
+            # Runs the script without mutation first, which also measures its duration.
             if not self.is_sound_script(test):
                 continue
             limit_s = self.limit_slack_s + self.limit_factor * self.seconds[test.name]
@@ -515,7 +515,7 @@ class Workshop:
         return self.command(words, is_checked=False, cwd=self.build)
 
     def unmutated(self, wanted, site):
-        """Returns the hash of an object that is compiled in the same way without mutation."""
+        """Returns the hash of the object that is compiled with the same command without mutation."""
         with self.mutex:
             if wanted not in self.compiled:
                 place = self.place / "work" / "unmutated"
@@ -526,7 +526,7 @@ class Workshop:
             return self.compiled[wanted]
 
     def link(self, program, made, path):
-        """Links a program with the mutated objects, which are placed before the archives that contain the others."""
+        """Links a program with the mutated objects, which precede the archives with the unmutated ones."""
         if program not in self.links:
             last = self.command(["ninja", "-C", self.build, "-t", "commands", program])[0].splitlines()[-1]
             step = next(s for s in last.split(" && ") if f" -o {program}" in s)
@@ -538,7 +538,7 @@ class Workshop:
         return self.command(words, is_checked=False, cwd=self.build)
 
     def killer(self, program, path, known, killers):
-        """Returns the first test that fails, or "". Tests that noticed other mutations nearby run first."""
+        """Returns the first test that fails, or "". Tests in `killers`, which noticed mutations nearby, run first."""
         if self.quick_s is not None:
             known = [t for t in known if t.seconds <= self.quick_s]
         old = [t for k in killers for t in known if t.name == k and t.seconds <= TIERS_S[-2]][:KILLERS]
@@ -554,7 +554,7 @@ class Workshop:
         return ""
 
     def failing(self, program, path, group):
-        """Returns the first test of a group that fails twice (against sporadic failures) and passes unmutated."""
+        """Returns the first test of a group that fails twice (to exclude sporadic failures) and passes without mutation."""
         while group:
             limit_s = self.limit_slack_s + self.limit_factor * sum(t.seconds for t in group)
             output, code = self.try_tests(path, group, limit_s)
