@@ -1,11 +1,11 @@
 # cmake -D ARCHIVE=libvantage_x.a -D LINKER=ld -D NM=nm -D OBJCOPY=objcopy -D AR=ar -P
 # SealArchive.cmake
 #
-# Merges an archive into one object and makes its template instances and inline functions local,
-# mostly those of Eigen. Such functions have the same names whatever flags they were compiled with,
-# and a linker keeps only one of each. Without sealing, a program built with -mavx2 would share them
-# with libraries built with EIGEN_DONT_VECTORIZE. Either side would then call code compiled for the
-# other's alignment (docs/decisions/0010). Sealing twice has no further effect.
+# Merges an archive into one object and makes its template instances and inline functions (mostly
+# Eigen's) local. These functions have the same names for all compiler flags, and a linker keeps only
+# one copy of each. Without sealing, a program built with -mavx2 would share them with libraries built
+# with EIGEN_DONT_VECTORIZE, and one of both would call code compiled for the other's alignment
+# (docs/decisions/0010). Sealing an archive again has no effect.
 cmake_minimum_required(VERSION 3.25)
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE code ERROR_VARIABLE said OUTPUT_QUIET)
@@ -16,12 +16,12 @@ endfunction()
 
 set(object "${ARCHIVE}.o")
 set(shared_names "${ARCHIVE}.names")
-# A linker keeps one copy of each section group; the option turns groups into plain sections.
+# A linker keeps one copy of each section group; --force-group-allocation makes groups plain sections.
 run(${LINKER} -r --force-group-allocation -o "${object}" --whole-archive "${ARCHIVE}")
 execute_process(
   COMMAND ${NM} --defined-only --format=posix "${object}"
   OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)
-# V, W: defined and weak; u: unique in the process.
+# Symbol types of nm. V, W: defined and weak; u: unique in the process.
 string(REGEX MATCHALL "[^\n ]+ [VWu] " shared "${symbols}")
 list(TRANSFORM shared REPLACE " . $" "")
 # Virtual tables and type information of vantage's classes are weak even if only one file has them;

@@ -1,13 +1,13 @@
-# Components of vantage that other projects may use separately: their libraries, the components that
-# they need, and their Debian packages. Read by the build and, once installed, by
-# find_package(vantage).
+# Components of vantage that other projects may use separately, each with its libraries, the
+# components that it needs, and the packages that it needs. Read by the build and, after the
+# installation, by find_package(vantage).
 include_guard()
 
 set(vantage_components core models wire scenario planner estimator scenario_reader drivers bus logs)
 
-# vantage_<component>_libraries: its libraries; if none has the component's name, an interface
-# library of that name links all of them. …_needs: other components. …_packages: see
-# vantage_find_package().
+# vantage_<component>_libraries: libraries of the component. If no library has the component's name,
+# an interface library with that name links all of them. …_needs: components that it needs.
+# …_packages: packages that it needs (vantage_find_package()).
 set(vantage_core_libraries core)
 set(vantage_core_needs)
 set(vantage_core_packages Eigen3)
@@ -50,8 +50,8 @@ set(vantage_logs_libraries
 set(vantage_logs_needs bus scenario_reader)
 set(vantage_logs_packages nlohmann_json fmt ZSTD)
 
-# vantage_with_needs(<variable> <component>…): sets <variable> to the components and all that they
-# need, in order.
+# vantage_with_needs(<variable> <component>…): sets <variable> to the components and all components
+# that these need, in the order of vantage_components.
 function(vantage_with_needs variable)
   set(wanted ${ARGN})
   set(all)
@@ -71,8 +71,8 @@ function(vantage_with_needs variable)
   set(${variable} ${ordered} PARENT_SCOPE)
 endfunction()
 
-# vantage_find_package(<name>): sets <name>_FOUND and creates the targets that libraries link. The
-# Debian package names are for the error message about a missing package.
+# vantage_find_package(<name>): sets <name>_FOUND and creates the package's targets for the libraries.
+# vantage_debian_<name>: Debian packages for the error message if the package is missing.
 set(vantage_debian_Eigen3 libeigen3-dev)
 set(vantage_debian_yaml-cpp libyaml-cpp-dev)
 set(vantage_debian_fmt libfmt-dev)

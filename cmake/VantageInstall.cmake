@@ -1,6 +1,6 @@
-# Rules of `cmake --install`, by parts: runtime (commands, scenarios, page), dev (libraries,
-# headers, find_package), lcmtypes (the messages for other languages), doc. tools/dev/package makes
-# a Debian package of each part.
+# Rules of `cmake --install`, by part: runtime (commands, scenarios, page), dev (libraries, headers,
+# find_package), lcmtypes (messages for other languages), doc. tools/dev/package makes a Debian package
+# of each part.
 include_guard()
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
@@ -67,7 +67,7 @@ add_custom_target(vantage_headers ALL DEPENDS ${PROJECT_BINARY_DIR}/headers.stam
 install(DIRECTORY ${PROJECT_BINARY_DIR}/include/vantage
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev)
 
-# Before 1.0 any minor version may break the code of users.
+# Before version 1.0, any minor version may break user code.
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/vantageConfigVersion.cmake
   COMPATIBILITY SameMinorVersion)
 install(
@@ -115,7 +115,7 @@ endif()
 
 # --- runtime: commands, scenarios, the viewer's page, systemd's unit ---
 if(VANTAGE_EVERYTHING)
-  # Written by tools/dev/package from --help.
+  # tools/dev/package writes the manual pages from --help.
   install(DIRECTORY ${PROJECT_BINARY_DIR}/packaging/man1
     DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT runtime OPTIONAL)
   install(TARGETS
@@ -137,7 +137,7 @@ if(VANTAGE_EVERYTHING)
         COMMAND_ERROR_IS_FATAL ANY)" COMPONENT runtime)
   endif()
   install(DIRECTORY ${PROJECT_BINARY_DIR}/page DESTINATION ${data} COMPONENT runtime OPTIONAL)
-  # The unit contains the installed paths of the programs, which a package knows only at install
+  # The systemd unit contains the installed paths of the programs, which are known only at install
   # time.
   set(pages ${CMAKE_INSTALL_DATADIR}/doc/vantage)
   foreach(part runtime doc)
@@ -155,8 +155,8 @@ if(VANTAGE_EVERYTHING)
     DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME vantage
     COMPONENT runtime)
 
-  # Copied with the folder structure of the sources and with the linked files, so that links are
-  # valid (docs.links).
+  # Copied with the sources' folder structure and with the linked files, so that links stay valid
+  # (test docs.links).
   install(DIRECTORY docs examples DESTINATION ${pages} COMPONENT doc
     PATTERN systemd EXCLUDE PATTERN __pycache__ EXCLUDE)
   install(DIRECTORY ${PROJECT_BINARY_DIR}/site/ DESTINATION ${pages}/html COMPONENT doc OPTIONAL)

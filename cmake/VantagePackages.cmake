@@ -1,5 +1,5 @@
-# Debian packages of the installed files (tools/dev/package): one for each part of VantageInstall,
-# and python3-vantage if python/ installs a part of that name.
+# Debian packages of the installed files (tools/dev/package): one package for each part of
+# VantageInstall, and python3-vantage if python/ installs a part of that name.
 set(CPACK_GENERATOR DEB)
 set(VANTAGE_MAINTAINER "vantage developers <vantage@localhost>" CACHE STRING
   "Maintainer that the packages name")
@@ -42,7 +42,7 @@ macro(vantage_package part)
   file(CONFIGURE OUTPUT ${papers}/copyright CONTENT "${license}\n${copyright}" @ONLY)
   install(FILES ${papers}/copyright
     DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${PACKAGE_NAME} COMPONENT ${part})
-  # Written by tools/dev/package.
+  # tools/dev/package writes the changelog.
   install(FILES ${PROJECT_BINARY_DIR}/packaging/changelog.gz
     DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${PACKAGE_NAME} COMPONENT ${part} OPTIONAL)
 endmacro()

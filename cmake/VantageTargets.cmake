@@ -7,31 +7,31 @@ option(VANTAGE_OWN_LIBM "Compute sin, exp, log, … identically on every machine
   ${PROJECT_IS_TOP_LEVEL})
 option(VANTAGE_HARDENED
   "For packages: harden stack and libraries, and keep build paths out of the binaries" OFF)
-# VANTAGE_UNITY is set by tools/demo and tools/test in a new build folder. It is not for daily work:
-# a changed file is compiled together with seven others, and missing includes are not detected.
+# tools/demo and tools/test set VANTAGE_UNITY in a new build folder. Do not use it for development: a
+# changed file is compiled together with up to seven others, and missing includes are not detected.
 option(VANTAGE_UNITY "Compile up to eight files of a library as one: a clean build takes half the time" OFF)
 option(VANTAGE_WARNINGS_AS_ERRORS "Treat warnings as errors" OFF)
 
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
 find_program(CCACHE ccache)
 if(CCACHE)
-  # ccache requires this sloppiness for precompiled headers.
+  # With precompiled headers, ccache requires this sloppiness.
   set(CMAKE_CXX_COMPILER_LAUNCHER
     ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
 endif()
 
 # Warnings, standard and instruction set, linked PRIVATE by every target of this project.
-# EIGEN_MAX_ALIGN_BYTES=16 keeps the layout of Eigen members equal to that of Debian's FCL. Without
-# it FCL silently returns wrong contacts once AVX is enabled.
-# EIGEN_DONT_VECTORIZE: Eigen's loops over matrices of run-time size peel by the alignment of the
-# address. The last bits of a result would then depend on stack addresses, and no replay would be
+# EIGEN_MAX_ALIGN_BYTES=16 keeps the layout of Eigen members equal to that in Debian's FCL. Without
+# this option FCL silently returns wrong contacts if AVX is enabled.
+# EIGEN_DONT_VECTORIZE: Eigen splits loops over matrices of run-time size by the alignment of their
+# address. The last bits of a result would then depend on stack addresses, and a replay would not be
 # exact. The compiler vectorises the project's own hot loops (docs/decisions/0004).
 add_library(vantage_build_flags INTERFACE)
 target_compile_features(vantage_build_flags INTERFACE cxx_std_20)
 target_compile_definitions(vantage_build_flags INTERFACE
   EIGEN_MAX_ALIGN_BYTES=16 EIGEN_MAX_STATIC_ALIGN_BYTES=16 EIGEN_DONT_VECTORIZE)
 # Results are bit-identical for every compiler, flag, processor and C library (docs/decisions/0014).
-# Products and sums are not contracted to one rounding. sin, exp, log, … come from core/libm, and
+# A product and a sum are not fused into one operation. sin, exp, log, … are those of core/libm, and
 # the compiler must not evaluate them at compile time.
 target_compile_options(vantage_build_flags INTERFACE -ffp-contract=off)
 if(VANTAGE_OWN_LIBM)
@@ -43,16 +43,16 @@ if(VANTAGE_OWN_LIBM)
     ${PROJECT_SOURCE_DIR}/core/libm/first)
 endif()
 target_compile_options(vantage_build_flags INTERFACE
-  -pthread  # everywhere: otherwise precompiled headers do not match in libraries that require it
-  # Everywhere, so that the Python module consists of the same object files as the processes in
-  # flight; without interposition the compiler inlines as without -fPIC.
+  -pthread  # for all targets: precompiled headers must match in libraries that require it
+  # For all targets, so that the Python module consists of the same object files as the processes
+  # in flight. Without interposition the compiler inlines as it does without -fPIC.
   -fPIC -fno-semantic-interposition
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion
   -Wold-style-cast -Wnon-virtual-dtor -Woverloaded-virtual
   -Wdouble-promotion -Wimplicit-fallthrough
-  # With optimisation, as in every preset, GCC 12 reports these warnings wrongly for strings,
-  # Eigen's bounded matrices, vectors and recursions; the sanitizer tests detect the real cases. A
-  # unity file is not a header, hence the last option.
+  # With optimisation, as in every preset, GCC 12 reports these warnings falsely for strings,
+  # Eigen's bounded matrices, vectors and recursions. The sanitizer tests detect real cases. Last
+  # option: GCC treats the sources in a unity file as headers with anonymous namespaces.
   "$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized;-Wno-array-bounds;-Wno-stringop-overflow>"
   "$<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overread;-Wno-restrict>"
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:${VANTAGE_UNITY}>>:-Wno-subobject-linkage>
@@ -60,7 +60,7 @@ target_compile_options(vantage_build_flags INTERFACE
   $<$<CXX_COMPILER_ID:Clang>:-fconstexpr-steps=100000000>
   $<$<BOOL:${VANTAGE_WARNINGS_AS_ERRORS}>:-Werror>)
 if(VANTAGE_HARDENED)
-  # Same sources give the same bytes, whatever the folders of sources and build
+  # Equal sources give equal bytes, independent of the source and build folders
   # (test/tools/same_bytes.sh).
   target_compile_options(vantage_build_flags INTERFACE
     -ffile-prefix-map=${PROJECT_BINARY_DIR}=build -ffile-prefix-map=${PROJECT_SOURCE_DIR}=vantage
@@ -69,8 +69,8 @@ if(VANTAGE_HARDENED)
   target_link_options(vantage_build_flags INTERFACE -Wl,-z,relro -Wl,-z,now -Wl,-z,noexecstack)
 endif()
 if(NOT VANTAGE_PORTABLE AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
-  # Without FMA: even with -ffp-contract=off, GCC 12 fuses if it combines additions and subtractions
-  # in one vector.
+  # Without FMA, because GCC 12 fuses even with -ffp-contract=off if it combines additions and
+  # subtractions in one vector.
   target_compile_options(vantage_build_flags INTERFACE -march=x86-64-v3 -mno-fma)
 endif()
 if(NOT PROJECT_IS_TOP_LEVEL)
@@ -81,8 +81,8 @@ if(NOT PROJECT_IS_TOP_LEVEL)
 endif()
 
 # vantage_precompiled(<name> <header>…): compiles headers once, for target_precompile_headers(…
-# REUSE_FROM <name>). Uses CONFIGURE, not WRITE: rewriting an unchanged file would rebuild
-# everything.
+# REUSE_FROM <name>). Uses CONFIGURE because WRITE would rewrite an unchanged file and so cause a
+# complete rebuild.
 file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/precompiled.cpp
   CONTENT "// carries the precompiled headers\n" @ONLY)
 function(vantage_precompiled name)
@@ -92,7 +92,7 @@ function(vantage_precompiled name)
   target_precompile_headers(${name} PRIVATE ${ARGN})
 endfunction()
 
-# Headers that nearly every file includes, and in addition those of tests and of commands.
+# Headers that nearly every file includes, and those that tests and commands include in addition.
 set(vantage_common_headers
   <algorithm> <cmath> <cstdint> <functional> <map> <memory> <optional> <random> <string> <vector>
   <Eigen/Core> <Eigen/Geometry> <Eigen/LU>)
@@ -117,9 +117,9 @@ endfunction()
 #
 # Creates static library `vantage_<name>` with alias `vantage::<name>`. A unit is a header and the
 # source of the same name: a.hpp and a.cpp. Includes are relative to the root
-# ("models/sensor/sensor.hpp"); for other projects they are below vantage/ (VantageInstall). The
-# headers are listed so that `all_verify_interface_header_sets` checks that each compiles on its
-# own. If only some components are built (VANTAGE_COMPONENTS), a library with missing dependencies
+# ("models/sensor/sensor.hpp"); in other projects they begin with vantage/ (VantageInstall). The
+# headers are listed so that `all_verify_interface_header_sets` checks that each of them compiles
+# alone. If only some components are built (VANTAGE_COMPONENTS), a library with missing dependencies
 # is not created.
 function(vantage_library name)
   cmake_parse_arguments(ARG "" "" "UNITS;HEADERS;SOURCES;DEPS;PRIVATE_DEPS" ${ARGN})
@@ -161,8 +161,8 @@ function(vantage_library name)
   list(TRANSFORM ARG_HEADERS PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
   set_target_properties(vantage_${name} PROPERTIES VANTAGE_HEADERS "${ARG_HEADERS}")
   if(PROJECT_IS_TOP_LEVEL)
-    # A separate target: an exported target must not have headers that are installed in a changed
-    # form.
+    # The headers have a separate target, because an exported target must not have headers that are
+    # installed in a changed form.
     add_library(vantage_${name}_headers INTERFACE)
     target_sources(vantage_${name}_headers
       INTERFACE FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${ARG_HEADERS})
@@ -175,9 +175,8 @@ endfunction()
 
 # vantage_app(<name> [COMMAND] SOURCES main.cpp DEPS vantage::estimator) -> executable `<name>`
 #
-# COMMAND: most files of the program use the command-line parser and JSON directly, so both are
-# precompiled. (The parser's header alone adds ten seconds to the compilation of a main() of twenty
-# lines.)
+# COMMAND: most files of the program use the command-line parser and JSON directly, so the headers
+# of both are precompiled. (The parser's header adds ten seconds to the compilation of each file.)
 function(vantage_app name)
   cmake_parse_arguments(ARG "COMMAND" "" "SOURCES;DEPS" ${ARGN})
   if(NOT VANTAGE_EVERYTHING)
@@ -214,9 +213,9 @@ endfunction()
 
 # vantage_test(<room> SOURCES x_test.cpp DEPS vantage::models [LABEL unit] [TIMEOUT 60])
 #
-# One executable per folder; every TEST() is a ctest entry, named <room>.<Suite>.<Case>. The tested
-# code is compiled as for flight. The tests use -O1, which halves their compilation time (results
-# are bit-identical: decision 14).
+# Creates one test executable for the folder <room>. Every TEST() is a ctest entry, named
+# <room>.<Suite>.<Case>. The tested code is compiled as for flight. The tests use -O1, which halves
+# their compilation time (results are bit-identical: decision 14).
 set(vantage_test_options $<$<CONFIG:Release>:-O1>)
 function(vantage_test name)
   cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "SOURCES;DEPS" ${ARGN})
@@ -240,7 +239,7 @@ function(vantage_test name)
   target_compile_options(${name}_test PRIVATE ${vantage_test_options})
   target_link_libraries(${name}_test
     PRIVATE ${ARG_DEPS} GTest::gtest_main vantage_build_flags)
-  # Real measurements are next to the checkout, if present; tests that need them skip otherwise.
+  # Folder next to the checkout with real measurements; tests that need them are skipped without it.
   target_compile_definitions(${name}_test PRIVATE
     VANTAGE_DATA_DIR="${PROJECT_SOURCE_DIR}/../shared/data"
     VANTAGE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")

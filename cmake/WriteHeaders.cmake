@@ -1,14 +1,14 @@
 # cmake -D SOURCE=dir -D OUTPUT=dir/include -D LIST=file -P WriteHeaders.cmake
 #
-# Copies the headers named in LIST (one per line, relative to SOURCE) to OUTPUT/vantage and adapts
-# their includes to that folder. In the sources includes are relative to the root, whose folder
-# names could conflict with those of other projects.
+# Copies the headers named in LIST (one per line, relative to SOURCE) to OUTPUT/vantage and prefixes
+# their includes with vantage/. In the sources, includes are relative to the root; its folder names
+# could conflict with those of other projects.
 cmake_minimum_required(VERSION 3.25)
 file(STRINGS "${LIST}" headers)
 foreach(header IN LISTS headers)
   file(READ "${SOURCE}/${header}" text)
   string(REGEX REPLACE "#include \"([a-z_]+/)" "#include \"vantage/\\1" text "${text}")
-  string(REPLACE "\"vantage/vantage_lcm/" "\"vantage_lcm/" text "${text}")  # installed in its own folder
+  string(REPLACE "\"vantage/vantage_lcm/" "\"vantage_lcm/" text "${text}")  # installed in a separate folder
   set(old)
   if(EXISTS "${OUTPUT}/vantage/${header}")
     file(READ "${OUTPUT}/vantage/${header}" old)

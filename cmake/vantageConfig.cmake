@@ -1,6 +1,6 @@
-# find_package(vantage 0.1 COMPONENTS planner bus …): targets vantage::<component>. Searches only
-# the packages that the requested components need. Without COMPONENTS: planner and estimator, which
-# need only Eigen.
+# find_package(vantage 0.1 COMPONENTS planner bus …): creates the targets vantage::<component> and
+# searches only the packages that these components need. Without COMPONENTS: planner and estimator,
+# which need only Eigen.
 include(${CMAKE_CURRENT_LIST_DIR}/VantageComponents.cmake)
 
 set(vantage_asked ${vantage_FIND_COMPONENTS})

@@ -1,4 +1,4 @@
-# Completion of `vantage` for bash: commands and flags, from the output of --help; otherwise files.
+# Bash completion of `vantage`: commands and flags from the output of --help, otherwise file names.
 _vantage() {
   local word said current=${COMP_WORDS[COMP_CWORD]} commands=()
   for word in "${COMP_WORDS[@]:1:COMP_CWORD-1}"; do
