@@ -34,7 +34,7 @@ class ChannelRenames {
   explicit ChannelRenames(const std::vector<std::string>& rules);
   ChannelRenames() = default;
 
-  /// Returns the new name of `channel`; nullopt if it would be empty or longer than LCM permits.
+  /// Returns the new name of `channel`; nullopt if the new name would be empty or too long for LCM.
   [[nodiscard]] std::optional<std::string> rename(std::string_view channel) const;
 
  private:

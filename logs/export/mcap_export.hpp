@@ -24,8 +24,8 @@ struct ExportCounts {
 /// Writes `log` as an MCAP file. Each channel that `channels` selects becomes a topic of the same
 /// name with schema "vantage_lcm.<type>". With `with_scene`, it adds the drawings, events and
 /// numbers of the viewer in the Foxglove schemas. Names that are not UTF-8 are written as
-/// readable() converts them. After a stop (`stop` is called for each event) the file is short but
-/// complete.
+/// readable() converts them. After a stop (`stop` is called for each event) the file is valid and
+/// contains the events before the stop.
 /// @throws StartupError if `path` cannot be written.
 ExportCounts export_mcap(
     const IndexedLog& log, const std::string& path, ChannelFilter& channels, bool with_scene,

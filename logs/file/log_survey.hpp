@@ -18,7 +18,7 @@ namespace vantage::logs {
 
 /// One channel of a log.
 struct ChannelSurvey {
-  std::string type;  ///< of the first message; empty if it is not a vantage type
+  std::string type;  ///< type of the first message; empty if not vantage's
   std::int64_t events = 0;
   std::uint64_t data_bytes = 0;
   Time first{};  ///< time of the first event, clamped to the log's begin and end

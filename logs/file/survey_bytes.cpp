@@ -100,7 +100,7 @@ void append_channel(const std::string& name, const ChannelSurvey& channel, Write
   out.bytes(channel.in_block);
 }
 
-// Braces fix the order of the reads to that of the members.
+// Braced initialisation reads the values in the order of the members.
 std::pair<std::string, ChannelSurvey> read_channel(Reader& in) {
   std::string name = in.text();
   ChannelSurvey channel{in.text(),     in.integer(), in.number(),  in.time(),    in.time(),

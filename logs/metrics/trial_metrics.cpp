@@ -13,7 +13,7 @@ namespace vantage::logs {
 namespace {
 
 // Number of newer steps that must have begun before a step is evaluated. Late messages then still
-// count, and the simulator's truth, which has its own rate, has passed the step's time.
+// count, and the simulator's truth, which has another rate, has passed the step's time.
 constexpr std::int64_t kStepsOfGrace = 2;
 /// Maximum number of stored pairs of process and run with a count of lost messages.
 constexpr std::size_t kRunsMax = 4096;

@@ -16,7 +16,7 @@ namespace vantage::logs {
 struct PlayCommand {
   enum class Kind { kPause, kResume, kToggle, kSeek, kStep, kSpeed, kFaster, kSlower, kQuit };
   Kind kind = Kind::kToggle;
-  /// kSeek: s since the log's begin (LogSurvey); kStep: s forward (> 0) or back; kSpeed: factor.
+  /// kSeek: s since LogSurvey::begin; kStep: s forward (> 0) or back (< 0); kSpeed: factor.
   double value = 0.0;
 };
 

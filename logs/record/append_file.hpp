@@ -47,7 +47,7 @@ Result<std::unique_ptr<AppendFile>> open_append_file(const std::string& path, Ex
 
 /// Returns `path` with a number: "lab-3.lcmlog" for "lab.lcmlog" and 3.
 std::string numbered_path(const std::string& path, int number);
-/// Returns `path` if it does not exist, else its first unused numbered variant from 2 on.
+/// Returns `path` if no such file exists, else the first unused numbered_path() from 2 on.
 std::string unused_path(const std::string& path);
 
 /// Returns the free space of the file system of `path`; nullopt if unknown.

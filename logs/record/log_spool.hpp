@@ -62,9 +62,9 @@ struct SpoolReport {
 /// that do not fit into the queue meanwhile are lost and counted. The newest are dropped first, so
 /// that a log has one gap instead of many.
 ///
-/// Files after the first, `path` numbered from 2 on, begin with the newest earlier SCENARIO. No
-/// file is deleted or overwritten: numbers of existing files are skipped. When a log is continued,
-/// an event that a killed logger left incomplete at its end is removed.
+/// Further files are named `path` with a number from 2 on, and begin with the newest earlier
+/// SCENARIO. No file is deleted or overwritten: numbers of existing files are skipped. When a log
+/// is continued, an event that a killed logger left incomplete at the log's end is removed.
 class LogSpool {
  public:
   /// Longest time for which data may be lost by a power failure.

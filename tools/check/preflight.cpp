@@ -95,8 +95,7 @@ void check_robots(const Scenario& scenario, std::vector<std::string>& faults) {
   }
 }
 
-// Finds settings that the vehicle's flight safety would refuse, or that would make it stop a
-// flight.
+// Finds settings that a vehicle's flight safety would refuse, or for which it would end a flight.
 void check_safety(const Scenario& scenario, std::vector<std::string>& faults) {
   for (const scenario::RobotSpec& robot : scenario.robots) {
     if (scenario.planner.separation_m <= 2.0 * robot.limits.radius_m) {
@@ -150,7 +149,7 @@ void check_network(const Scenario& scenario, std::vector<std::string>& faults) {
   }
 }
 
-// Finds scenarios for which the simulator could not place its targets.
+// Adds a fault if the simulator could not find free positions for the targets.
 void check_free_ground(const Scenario& scenario, std::vector<std::string>& faults) {
   try {
     static_cast<void>(sim::target_starts(scenario, scenario.seed));
@@ -192,9 +191,9 @@ double speed_max_mps(const scenario::RobotSpec& robot) {
   return out;
 }
 
-// Notes a separation or margin that is too small if a driver dies. Plans are checked with
-// stopping_distance_m(), which is stopping_distance_after_loss_m() without the autopilot's own
-// time-out.
+// Adds a note if a separation or margin is too small for the death of a driver. Plans are checked
+// with stopping_distance_m(). stopping_distance_after_loss_m() also includes the distance flown
+// during the autopilot's time-out.
 void note_driver_loss(const Scenario& scenario, std::vector<std::string>& notes) {
   struct Lost {
     const scenario::RobotSpec* robot = nullptr;
@@ -284,8 +283,8 @@ void note_wind(const Scenario& scenario, std::vector<std::string>& notes) {
   }
 }
 
-// With a static target model each measurement shrinks the covariance, also if it contradicts the
-// belief. After 20 s the belief may be 10⁹ times too confident.
+// With a static target model each measurement shrinks the covariance, even if the measurement
+// contradicts the belief. After 20 s the belief may be 10⁹ times too confident.
 void note_static_model_of_moving_targets(const Scenario& scenario,
                                          std::vector<std::string>& notes) {
   const models::TargetModel& believed = scenario.estimator.target_model;

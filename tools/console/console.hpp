@@ -29,7 +29,7 @@ struct StationOptions {
 ///
 /// Vehicles obey only recent commands, so commands are stamped in the vehicles' clock. The offset
 /// of that clock is the smallest offset of the vehicles received within the last second; an offset
-/// up to kApartMaxS counts as zero. An emergency stop is also sent with the stamp of our own clock.
+/// up to kApartMaxS counts as zero. An emergency stop is also stamped with this station's clock.
 ///
 /// Vehicle statuses are refused as stale if the station's clock is wrong or a log is played. Then
 /// hold, land and emergency stop are also sent with the clock of these statuses. A superfluous stop
@@ -69,7 +69,7 @@ class OrderSender {
   /// signatures ignore it.
   [[nodiscard]] bool lacks_signature() const { return bus_.receives_signed(); }
   [[nodiscard]] const Station& station() const { return station_; }
-  /// Returns how far the vehicles' clock is ahead of ours; 0 if it is about the same or unknown.
+  /// Returns the offset of the vehicles' clock from this station's clock; 0 if small or unknown.
   [[nodiscard]] Duration vehicles_ahead(Time now) const;
   [[nodiscard]] std::vector<std::string> robots() const;
   /// True if a process that records reported within kLogReportS that the log cannot be written.

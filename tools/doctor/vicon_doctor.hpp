@@ -26,7 +26,7 @@ struct ObservedBody {
   std::int64_t frames = 0;  ///< frames that list the body
   std::int64_t seen = 0;    ///< frames in which the body is not occluded
   Eigen::Vector3d last_world_m = Eigen::Vector3d::Zero();
-  double rate_hz = 0.0;  ///< Hz; rate of the body's reports if each body has its own, else 0
+  double rate_hz = 0.0;  ///< Hz; report rate of the body if bodies have separate rates, else 0
 };
 
 /// Result of receiving a stream with the mocap driver.

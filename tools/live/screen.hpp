@@ -29,7 +29,7 @@ std::vector<std::string> fit(const std::vector<std::string>& lines, std::size_t 
 class Screen {
  public:
   /// Writes `lines` through printable(), with the colours of coloured(). If a NonBlockingOutput
-  /// exists and the terminal has not accepted the previous screen, this one is dropped and counted.
+  /// exists and the terminal has not accepted the previous lines, `lines` are dropped and counted.
   void redraw(const std::vector<std::string>& lines);
 
  private:

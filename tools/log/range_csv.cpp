@@ -194,8 +194,9 @@ class Reader {
     return record;
   }
 
-  /// Returns the end of the record at the beginning of the text; npos if it is within quotes. A
-  /// quote opens a cell only at its beginning; two quotes in a quoted cell mean one.
+  /// Returns the end of the record at the beginning of the text; npos if the text ends within
+  /// quotes. A quote opens a cell only at the cell's beginning; two quotes in a quoted cell mean
+  /// one.
   [[nodiscard]] std::size_t end_of_quoted_record() const {
     bool is_quoted = false;
     bool may_open = true;

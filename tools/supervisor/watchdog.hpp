@@ -29,7 +29,8 @@ class Watchdog {
   void on_end(const std::string& process);
   /// Notes that the process has been restarted.
   void on_start(const std::string& process, Time now);
-  /// Returns the overdue processes. Each is returned once until it gives a sign or is restarted.
+  /// Returns the overdue processes. A process is returned only once until it gives a sign or is
+  /// restarted.
   std::vector<std::string> overdue(Time now);
 
  private:

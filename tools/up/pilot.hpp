@@ -14,7 +14,7 @@ namespace vantage::tools {
 class Pilot {
  public:
   /// Commands all robots that have a driver.
-  /// @throws StartupError if one of them is real: only a person may arm it.
+  /// @throws StartupError if one of these robots is real: only a person may arm it.
   Pilot(bus::Bus& bus, const scenario::Scenario& scenario, Time start);
   Pilot(const Pilot&) = delete;
   Pilot& operator=(const Pilot&) = delete;

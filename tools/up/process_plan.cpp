@@ -67,7 +67,7 @@ Result<int> driver_port(const scenario::RobotSpec& robot) {
   return address.ok() ? Result<int>(address.value().port) : Result<int>(Error{refusal});
 }
 
-// Parameters of the simulated airframe; wire::parameter_file() has the rest.
+// Parameters of the simulated airframe; wire::parameter_file() contains the other parameters.
 constexpr const char* kArdupilotAirframe =
     "FRAME_CLASS 1\nFRAME_TYPE 1\nATC_ACCEL_Y_MAX 30000\nLOG_BACKEND_TYPE 0\n"
     "BATT_MONITOR 4\nBATT_CAPACITY 5600\nBATT_VOLT_PIN 13\nBATT_CURR_PIN 12\n"
@@ -95,8 +95,8 @@ ProcessSpec ardupilot_process(const scenario::RobotSpec& robot, int instance, in
 
 constexpr int kPx4Port = 14'540;  // UDP port to which instance 0 sends; instance n: + n
 
-// Parameters of the simulated airframe (sim/firmware/multirotor); wire::parameter_file() has the
-// rest.
+// Parameters of the simulated airframe (sim/firmware/multirotor); wire::parameter_file() contains
+// the other parameters.
 constexpr std::array kPx4Airframe{
     "PX4_PARAM_CA_ROTOR0_PX=0.12",  "PX4_PARAM_CA_ROTOR0_PY=0.12",  "PX4_PARAM_CA_ROTOR0_KM=0.016",
     "PX4_PARAM_CA_ROTOR1_PX=-0.12", "PX4_PARAM_CA_ROTOR1_PY=-0.12", "PX4_PARAM_CA_ROTOR1_KM=0.016",

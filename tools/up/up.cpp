@@ -89,8 +89,8 @@ void print_unverified(const std::vector<std::string>& claims) {
   }
 }
 
-/// Running trial. The members are in the order of starting. Only the position of the log matters:
-/// it starts before all processes and, also if the constructor throws, is destroyed after them.
+/// Running trial. The members are in the order of starting. Only the log's position matters: the
+/// log starts before all processes and is destroyed after them, even if the constructor throws.
 class Up {
  public:
   Up(const scenario::Scenario& scenario, const UpOptions& options);

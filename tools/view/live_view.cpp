@@ -26,7 +26,7 @@ WebOptions with_history(WebOptions options, std::function<std::string()> history
   return options;
 }
 
-/// First exception thrown in several threads, for the thread that joins them.
+/// First exception of several threads, for the thread that waits for these threads.
 class Failure {
  public:
   /// Calls `work` and stores the exception that it throws.
