@@ -37,8 +37,8 @@ struct EditCounts {
 
 /// Passes the events of `log` that `rules` select to `sink`, in file order.
 ///
-/// If the selection begins later than the log and includes SCENARIO, it starts with the newest
-/// SCENARIO from before it, stamped with `rules.from`, so that every log contains its scenario.
+/// If the selection begins later than the log and includes SCENARIO, the output starts with the
+/// newest earlier SCENARIO, stamped with `rules.from`, so that every log contains its scenario.
 EditCounts edit_log(const IndexedLog& log, EditRules& rules, const EventSink& sink);
 
 /// Passes the events of all `logs` to `sink` by ascending time. Events with equal times are in the

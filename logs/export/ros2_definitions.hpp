@@ -9,7 +9,7 @@ namespace vantage::logs::ros2 {
 
 struct Definition {
   std::string_view type;    ///< package/Name
-  std::string_view fields;  ///< one per line
+  std::string_view fields;  ///< one field per line
 };
 
 inline constexpr std::array kDefinitions{

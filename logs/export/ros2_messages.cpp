@@ -161,7 +161,7 @@ std::vector<Message> to_ros2(const models::RangeScan& scan) {
   for (const double range_m : scan.ranges_m) {
     out.number(static_cast<float>(range_m));
   }
-  out.count(0);  // no intensities
+  out.count(0);  // number of intensities
   return {{"/" + scan.robot + "/scan", "sensor_msgs/msg/LaserScan", scan.stamp.time, out.bytes()}};
 }
 

@@ -28,8 +28,8 @@ struct ChannelSurvey {
   Time gap_at{};                   ///< start of that gap
   std::int64_t messages_lost = 0;  ///< missing sequence numbers of vantage messages
   std::int64_t other_types = 0;    ///< events of another type than the first
-  /// Bit b % 8 of byte b / 8: an event of this channel begins in block b. The last byte is that of
-  /// the channel's last block.
+  /// Bit b % 8 of byte b / 8 is 1 if an event of this channel begins in block b. The last byte is
+  /// that of the channel's last block.
   std::vector<std::uint8_t> in_block;
 };
 

@@ -116,7 +116,7 @@ class Stream {
   std::map<std::string, Track> tracks_;
   std::optional<Time> next_tracks_;
   OriginTimes captures_;             ///< capture times of measurements
-  OriginTimes captures_of_beliefs_;  ///< of the newest measurement in each belief
+  OriginTimes captures_of_beliefs_;  ///< of each belief's newest measurement
   std::map<std::string, std::map<std::int64_t, Time>> captures_of_plans_;  ///< by robot and round
   std::map<std::string, Duration> capture_to_setpoint_;  ///< of the plan that the robot follows
   std::map<int, EstimateView> estimates_;                ///< best of the newest step, by target

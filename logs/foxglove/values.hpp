@@ -90,7 +90,7 @@ class HealthStory {
 
  private:
   std::optional<models::ProcessHealth> last_;
-  /// Start and newest degraded report of an open degraded period.
+  /// Start of a degraded period that has not ended, and the time of its newest degraded report.
   std::optional<std::pair<Time, Time>> degraded_;
 };
 

@@ -11,7 +11,7 @@
 
 namespace vantage::logs {
 
-/// Results of one trial. Means are over the estimator steps of the whole trial.
+/// Results of one trial. Means are over all estimator steps of the trial.
 struct TrialSummary {
   std::uint64_t seed = 0;
   double duration_s = 0.0;

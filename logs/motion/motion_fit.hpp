@@ -29,7 +29,7 @@ class TargetCourse {
 
   /// Adds a recorded position. One that is not later than the previous one is ignored.
   void add(Time time, const Eigen::Vector2d& position_m);
-  /// Returns the positions by their time in steps.
+  /// Returns the positions, keyed by time in steps of kCourseStep_s.
   [[nodiscard]] const std::map<std::int64_t, Eigen::Vector2d>& positions_m() const {
     return places_m_;
   }

@@ -27,7 +27,7 @@ struct LcmMember {
 };
 
 struct LcmStruct {
-  std::string name;  ///< with its package
+  std::string name;  ///< full name: "package.name_t"
   std::vector<LcmMember> members;
   std::size_t line = 0;  ///< first line in the file, from 1
 };

@@ -12,7 +12,7 @@ namespace vantage::tools {
 /// Result of checking a scenario before a flight.
 struct Preflight {
   std::vector<std::string> understood;  ///< summary of the trial
-  std::vector<std::string> faults;      ///< reasons why it must not fly
+  std::vector<std::string> faults;      ///< reasons why the scenario must not be flown
   std::vector<std::string> notes;       ///< risks and unused settings, with remedies
   [[nodiscard]] bool is_ready() const { return faults.empty(); }
 };

@@ -241,8 +241,8 @@ bool OrderSender::ends(const Order& later, const Order& earlier) {
   const bool is_of_all_its_vehicles = later.robot.empty() || later.robot == earlier.robot;
   const bool undoes = !models::makes_safer(later.action) &&
                       earlier.action != models::OperatorAction::kEmergencyStop;
-  // An order to all that was revoked for one vehicle is not repeated: that would cancel the
-  // revocation.
+  // An order to all vehicles that was revoked for one vehicle is not repeated, because the
+  // repetition would cancel the revocation.
   return is_of_all_its_vehicles || (undoes && earlier.robot.empty());
 }
 

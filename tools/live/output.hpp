@@ -52,7 +52,7 @@ class NonBlockingOutput {
   struct Stream {
     int descriptor;
     int saved = -1;        ///< copy of the original descriptor; -1: not replaced
-    int saved_flags = -1;  ///< original flags if set non-blocking in place; -1: it was not
+    int saved_flags = -1;  ///< original flags if changed in place; -1: not changed
     OutputQueue queue{descriptor};
   };
   static void open(Stream& stream);

@@ -16,7 +16,7 @@ std::vector<std::string> status_table(const scenario::Scenario& scenario,
                                       const logs::TrialMetrics& metrics, double elapsed_s,
                                       bool in_colour = false);
 
-/// Returns a summary of the same state in one line.
+/// Returns the state of a running trial as one line of text.
 std::string status_line(const logs::TrialMetrics& metrics, double elapsed_s);
 
 /// Returns the result of a trial as a table of text.

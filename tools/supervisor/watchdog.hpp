@@ -36,7 +36,7 @@ class Watchdog {
  private:
   struct Watched {
     double patience_s = 0.0;
-    bool has_given_sign = false;  ///< true once it has given a sign; some never do
+    bool has_given_sign = false;  ///< some programs never give a sign
     std::optional<Time> sign;
     std::optional<Time> start;  ///< time of a restart, until the first sign after it
   };

@@ -76,7 +76,7 @@ logs::TrimmedLog LogKeeper::trim() {
 void LogKeeper::prepare_restart() {
   note_first_event();
   const logs::TrimmedLog trimmed = trim();
-  // If the recorder dies again before it has written anything, the gap continues.
+  // If the recorder dies again before it has written an event, the same gap continues.
   if (!last_before_) {
     last_before_ = trimmed.last;
   }

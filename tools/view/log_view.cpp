@@ -23,7 +23,7 @@ constexpr Duration kTick{1};
 constexpr Duration kStepMin = std::chrono::milliseconds(1);
 constexpr Duration kStepMax = std::chrono::seconds(1);
 constexpr std::size_t kPassBytes = std::size_t{1} << 20U;
-constexpr const char* kReading = "reading";  // id of the status with the first pass's progress
+constexpr const char* kReading = "reading";  // id of the status for the first pass's progress
 
 /// Sink that collects one number of one topic.
 class Series : public logs::foxglove::Sink {
