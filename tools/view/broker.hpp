@@ -16,9 +16,9 @@
 
 namespace vantage::tools {
 
-/// One connected viewer with its queue of outgoing frames. The threads of the bus and of the
-/// connection fill the queue. A separate writer thread per viewer empties it, so that a stalled
-/// viewer does not delay others.
+/// Connected viewer with its queue of outgoing frames. The threads of the bus and of the connection
+/// fill the queue. The viewer's writer thread empties it, so a stalled viewer does not delay
+/// others.
 class Client {
  public:
   Client(Outbox outbox, bool speaks_sdk) : speaks_sdk_(speaks_sdk), outbox_(std::move(outbox)) {}
