@@ -24,7 +24,7 @@ Gaussian random_belief(test::Random& random, int n) {
   return belief;
 }
 
-// Returns information about a position of the given rank.
+// Returns a random p × p position information matrix of the given rank.
 Eigen::MatrixXd random_information(test::Random& random, int p, int rank) {
   const Eigen::MatrixXd B = Eigen::MatrixXd::NullaryExpr(p, rank, [&] { return random.normal(); });
   return B * B.transpose() * std::pow(10.0, random.uniform(-3.0, 3.0));
@@ -83,7 +83,8 @@ TEST(UpdateCovariance, IsExactlySymmetricAndNeverGrows) {
   }
 }
 
-// Joseph form with measurement noise compared with ω + Hᵀ V⁻¹ z̃, Ω + Hᵀ V⁻¹ H.
+// update() must give the mean and covariance of the information form: Ω + Hᵀ V⁻¹ H and ω + Hᵀ V⁻¹
+// z̃.
 TEST(Update, EqualsTheInformationForm) {
   test::Random random(24);
   for (const int n : {2, 3, 4}) {
@@ -243,7 +244,8 @@ TEST(Belief, AllocatesNothing) {
   }
 }
 
-// The prediction uses the target's A and W; for an oscillator, relative to its centre.
+// The prediction uses the model's transition matrix A and noise W. An oscillator's mean is
+// predicted relative to its centre.
 TEST(Predict, UsesTheTargetsModel) {
   TargetModel swings{TargetKind::kDampedOscillator, 2};
   swings.surroundings.center_m = {3.0, -2.0};
@@ -265,13 +267,13 @@ TEST(Predict, UsesTheTargetsModel) {
   }
 }
 
-// The noise continues from the current step count: it is q Σ j over the unseen steps, and two parts
-// give the same as one.
+// The noise is q Σ j over the numbers j of the unseen steps. A prediction in two parts equals one
+// prediction.
 TEST(PredictUnseen, GrowsSinceTheLastObservation) {
   const TargetModel model{TargetKind::kGrowingUncertainty, 2, 0.3};
   test::Random random(32);
   const Gaussian belief = random_belief(random, 2);
-  const Gaussian once = predict_unseen(belief, model, 2.0, 1.0, 0.5);  // of steps 2, 3, 4 and 5
+  const Gaussian once = predict_unseen(belief, model, 2.0, 1.0, 0.5);  // j = 2, 3, 4 and 5
   const double grown = 0.3 * (2.0 + 3.0 + 4.0 + 5.0);
   EXPECT_TRUE(test::is_near(
       once.covariance, (belief.covariance + grown * Eigen::Matrix2d::Identity()).eval(), 1e-12));

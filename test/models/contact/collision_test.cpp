@@ -63,7 +63,8 @@ TEST(CollisionMonitor, FclAndClosedFormAgreeOnRandomPoses) {
   std::uniform_real_distribution<double> z(-0.2, 3.3);
   const World world = lab();
   std::int64_t hits = 0;
-  // A new monitor for each draw: no motion and no hysteresis, so a report equals the geometry.
+  // A new monitor knows no earlier positions and contacts, so its report depends on these poses
+  // only.
   for (int trial = 0; trial < 3000; ++trial) {
     CollisionMonitor monitor(world, {{"A", 0.25, false}, {"B", 0.4, false}}, 0.6);
     const Eigen::Vector3d a(x(rng), y(rng), z(rng));
@@ -123,8 +124,8 @@ TEST(CollisionMonitor, ReportsAContactOnce) {
   EXPECT_EQ(beside(-0.01), 1u);
 }
 
-// While bodies stay closer than the distance that ends a contact, it is one contact; tested three
-// times.
+// A near miss or contact is reported once. It ends only when the bodies are clearly farther apart
+// than the distance at which it began.
 TEST(CollisionMonitor, KeepsAContactUntilItEnds) {
   CollisionMonitor monitor(lab(), two_robots(), 0.6);
   const Eigen::Vector3d still(1.0, 4.0, 1.0);
@@ -270,8 +271,8 @@ std::vector<std::string> words_of(const std::vector<CollisionReport>& reports) {
   return words;
 }
 
-// Robots and rovers of all sizes that wander, flee, jump, appear late and are lost for a while. The
-// reports equal those of a check of all pairs at each step.
+// Robots and rovers of all sizes wander, flee, jump, appear late and are temporarily not observed.
+// The reports must equal those of a check of all pairs at each step.
 TEST(CollisionMonitor, EqualsCheckOfAllPairs) {
   std::mt19937_64 rng(17);
   std::uniform_real_distribution<double> u(0.0, 1.0);

@@ -21,7 +21,7 @@ void expect_names(const std::vector<Kind>& kinds, const std::vector<std::string>
   EXPECT_EQ(std::set<std::string>(names.begin(), names.end()).size(), names.size());
 }
 
-// Logs, viewer pages and people read these names.
+// Logs and viewer pages contain these names, so a change of a name breaks their readers.
 TEST(Names, AreAsStated) {
   expect_names<PlanSource>({PlanSource::kSearched, PlanSource::kShifted, PlanSource::kBraking},
                            {"searched", "shifted", "braking"});
@@ -39,7 +39,7 @@ TEST(Names, AreAsStated) {
 MocapBody body(const std::string& name, double x_m, double y_m, bool occluded = false) {
   MocapBody out;
   out.name = name;
-  out.world_from_body.translation_m = {x_m, y_m, 5.0 * x_m};  // heights do not count
+  out.world_from_body.translation_m = {x_m, y_m, 5.0 * x_m};  // heights must have no effect
   out.occluded = occluded;
   return out;
 }

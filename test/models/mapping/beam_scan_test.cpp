@@ -37,7 +37,7 @@ TEST(RayDistance, AgreesWithLineOfSight) {
     const Eigen::Vector2d beyond_m = from_m + (distance_m + 1e-4) * along;
     ASSERT_TRUE(models::line_of_sight(kWorld, from_m, short_m));
     ASSERT_NEAR(models::clearance_m(kWorld, short_m), 0.0, 1e-6);
-    // The point beyond is not free, unless the ray only clips a corner.
+    // The point behind the hit is inside an obstacle, or the ray has clipped a corner.
     if (models::clearance_m(kWorld, beyond_m) > 0.0) {
       ASSERT_FALSE(models::line_of_sight(kWorld, from_m, beyond_m));
     }
@@ -59,10 +59,10 @@ TEST(BeamScan, ClampsDistancesToTheSensorsRange) {
       squares += std::pow((ranges_m[static_cast<std::size_t>(beam)] - mean_m) / 0.01, 2);
     }
   }
-  EXPECT_NEAR(squares / 7'200, 1.0, 0.07);  // 4 σ of χ²
+  EXPECT_NEAR(squares / 7'200, 1.0, 0.07);  // 4 σ of the mean of 7200 χ²₁ values
 }
 
-// Exact along the axes in both directions: past a box, along its edge, and up to it.
+// Rays parallel to an axis, in both directions, that pass a box, follow its edge or hit it.
 TEST(RayDistance, IsExactAlongAxes) {
   const double up = kPi / 2.0;
   EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {2.5, 1.0}, up), 1.0);

@@ -20,8 +20,8 @@ BeamProfile beam_of(const std::vector<double>& occupancies, double width_m) {
   return beam;
 }
 
-// The definition by enumeration of maps: −log of the squared Cauchy–Schwarz ratio of p(m, z) and
-// p(m) p(z).
+// Computes the definition by enumerating all maps: −log of the squared Cauchy–Schwarz ratio of p(m,
+// z) and p(m) p(z).
 double csqmi_by_enumeration(const EnumeratedBeam& beam) {
   double joint = 0.0;
   double apart = 0.0;
@@ -36,7 +36,7 @@ double csqmi_by_enumeration(const EnumeratedBeam& beam) {
   return std::log(joint) + std::log(apart) - 2.0 * std::log(cross);
 }
 
-// The closed form as published, with w_l and the product over all cells.
+// Computes the published closed form, with w_l and the product over all cells.
 double csqmi_as_printed(const BeamProfile& beam, const BeamSensor& sensor) {
   const std::size_t cells = beam.occupancy.size();
   const auto square = [](double o) { return o * o + (1.0 - o) * (1.0 - o); };
@@ -81,7 +81,8 @@ TEST(Csqmi, IsOneBitForOneUnknownCell) {
 }
 
 TEST(Csqmi, EqualsClosedFormForOneCell) {
-  // p = (o, 1 − o), w = (o², (1 − o)²)/s, s = o² + (1 − o)²: I = log s − 2 log((o³ + (1 − o)³)/s).
+  // Hit probabilities p = (o, 1 − o) and weights w = (o², (1 − o)²)/s, s = o² + (1 − o)²: I = log s
+  // − 2 log((o³ + (1 − o)³)/s).
   const BeamSensor sensor{1, 1.0, 0.0, 10.0, 0.01};
   for (const double o : {0.01, 0.2, 0.7, 0.999}) {
     const double s = o * o + (1.0 - o) * (1.0 - o);
@@ -166,7 +167,7 @@ TEST(Csqmi, IgnoresCellsBehindAnOccupiedCell) {
 TEST(Csqmi, IsFiniteForTenThousandUnknownCells) {
   const BeamSensor sensor{1, 1.0, 0.0, 1001.0, 0.01};
   const BeamProfile beam = beam_of(std::vector<double>(10'000, 0.5), 0.1);
-  // p = w, geometric: I = −log Σ 4^−j = log 3.
+  // At o = ½ hit probabilities and weights are 2^−j, so I = −log Σ 4^−j = log 3.
   EXPECT_NEAR(csqmi(beam, sensor).nats, std::log(3.0), 1e-9);
 }
 

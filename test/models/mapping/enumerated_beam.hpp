@@ -22,7 +22,7 @@ class EnumeratedBeam {
   [[nodiscard]] const std::vector<Map>& maps() const { return maps_; }
   /// Returns N(z; mean of `map`, σ²).
   [[nodiscard]] double density(const Map& map, double z_m) const;
-  /// Returns Σ_m p(m) density.
+  /// Returns Σ_m p(m) N(z; mean of m, σ²).
   [[nodiscard]] double density(double z_m) const;
   /// Returns ∫ f(z) dz over the readings of all maps. `f` must vanish 10 σ away from them.
   [[nodiscard]] double integral(const std::function<double(double)>& f) const;

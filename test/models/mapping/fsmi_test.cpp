@@ -16,8 +16,7 @@ double divergence_nats(double posterior, double prior) {
   return part(posterior, prior) + part(1.0 - posterior, 1.0 - prior);
 }
 
-// Returns the information change of a reading z, summed over the cells, as the docstring defines
-// it.
+// Returns the information change by a reading z, summed over the cells, as documented at fsmi().
 double information_change(const BeamProfile& beam, const BeamSensor& sensor,
                           const InverseBeamModel& inverse, double z_m) {
   double sum_nats = 0.0;
@@ -39,7 +38,8 @@ double information_change(const BeamProfile& beam, const BeamSensor& sensor,
   return sum_nats;
 }
 
-// Returns ∫ p(z) told(z) dz with all maps enumerated; the integral is cut at the cell edges.
+// Returns ∫ p(z) information_change(z) dz, with p(z) from all maps. The integrand is constant
+// between cell edges.
 double fsmi_by_enumeration(const BeamProfile& beam, const BeamSensor& sensor,
                            const InverseBeamModel& inverse) {
   const EnumeratedBeam oracle(beam, sensor);
@@ -64,7 +64,7 @@ double fsmi_by_enumeration(const BeamProfile& beam, const BeamSensor& sensor,
   return sum_nats;
 }
 
-// I(m; z) = Σ_m p(m) ∫ p(z|m) log(p(z|m)/p(z)) dz.
+// Returns I(m; z) = Σ_m p(m) ∫ p(z|m) log(p(z|m)/p(z)) dz.
 double shannon_by_enumeration(const EnumeratedBeam& beam) {
   return beam.integral([&](double z_m) {
     const double density = beam.density(z_m);

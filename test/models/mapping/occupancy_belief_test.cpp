@@ -60,8 +60,8 @@ TEST(OccupancyBelief, SaturatesAtTheClampReversibly) {
 }
 
 TEST(OccupancyBelief, EntropyFallsInExpectation) {
-  // An observation is right with probability 1/(1 + e^−l). The expected entropy falls by the mutual
-  // information of a binary channel.
+  // An observation is correct with probability 1/(1 + e^−l). The expected entropy falls by the
+  // mutual information of a binary channel.
   test::Random random(4402);
   for (int i = 0; i < 1'000; ++i) {
     const double l = random.uniform(0.05, 4.0);
@@ -116,7 +116,7 @@ TEST(BeamSensor, RefusesInvalidValues) {
   EXPECT_THROW(require_valid(BeamSensor{1, 1.0, 0.0, 1.0, 0.0}), UsageError);
 }
 
-// Each rule at its limit, on both sides.
+// Checks each rule just within and just beyond its limit.
 TEST(BeamSensor, AcceptsValuesUpToTheirLimits) {
   const auto is_valid = [](const BeamSensor& sensor) {
     try {
@@ -141,7 +141,7 @@ TEST(BeamSensor, AcceptsValuesUpToTheirLimits) {
 }
 
 // The beams of a full circle are spread evenly, those of a fan from end to end, and a single one is
-// straight ahead. Distances outside the range read as its ends.
+// straight ahead. A distance outside the range gives the reading of the nearer limit.
 TEST(BeamSensor, HasTheStatedDefaults) {
   for (const int beams : {1, 2, 5, 8}) {
     const BeamSensor circle{beams, 2.0 * kPi, 0.0, 1.0, 0.01};
@@ -160,7 +160,7 @@ TEST(BeamSensor, HasTheStatedDefaults) {
   EXPECT_EQ(sensor.mean_range_m(9.0), 2.0);
   EXPECT_EQ(sensor.mean_range_m(1.3), 1.3);
   EXPECT_NEAR(sensor.no_hit_range_m(), 1.7, 1e-12);
-  // The defaults of a scenario.
+  // Default values in a scenario.
   EXPECT_EQ(BeamSensor{}.beams, 48);
   EXPECT_EQ(BeamSensor{}.field_of_view_rad, 2.0 * kPi);
   EXPECT_EQ(BeamSensor{}.range_min_m, 0.0);
@@ -168,8 +168,8 @@ TEST(BeamSensor, HasTheStatedDefaults) {
   EXPECT_EQ(BeamSensor{}.sigma_m, 0.01);
 }
 
-// From outside the grid the profile is empty, whatever it held before; from the last cell outwards,
-// too.
+// A ray from outside the grid, or from the last cell outwards, empties the profile, whatever the
+// profile contained.
 TEST(TraceBeam, IsEmptyForAnEmptyRay) {
   const OccupancyBelief belief(kGrid, 2.0);
   const BeamSensor sensor{1, 1.0, 0.0, 10.0, 0.01};

@@ -14,7 +14,7 @@ namespace {
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 constexpr double kBrake_mps2 = 2.0;
 
-// Returns a few primitives and, half of the time, a stop at the end.
+// Returns a trajectory of up to five primitives; every second one, on average, ends with a stop.
 Trajectory random_trajectory(test::Random& random, double half_side_m) {
   Trajectory trajectory;
   trajectory.start_time = kStart + from_seconds(random.uniform(-2.0, 2.0));
@@ -159,8 +159,8 @@ TEST(KeepsSeparation, AgreesWithDenseSampling) {
     if (least_m < kSeparation_m) {
       ASSERT_FALSE(keeps) << "sampled " << least_m;
     }
-    // Samples miss at most 6 m/s · 2.5 ms; the check itself is conservative by less than a
-    // millimetre.
+    // The sampled distance is too large by at most 6 m/s · 2.5 ms = 15 mm. The check itself is
+    // conservative by less than a millimetre.
     if (least_m > kSeparation_m + 0.018) {
       ASSERT_TRUE(keeps) << "sampled " << least_m;
       ++decided;
@@ -217,7 +217,7 @@ TEST(KeepsSeparation, CountsHoverBeforeStartAndAfterEnd) {
   const Trajectory waits{
       kStart + from_seconds(3600.0), {0.0, 0.1, 0.0}, 1.0, {{{3.0, 0.0}, 2.0, 0.0}}};
   EXPECT_FALSE(keeps_separation(passes, waits, kStart, 0.5));
-  // After it has passed, only later motion counts: the other one flies over its hover position.
+  // `joins` later drives past the hover position of `passes`, and with a yaw of −0.3 rad over it.
   Trajectory joins = waits;
   joins.start.y_m = 0.6;
   EXPECT_TRUE(keeps_separation(passes, joins, kStart, 0.5));

@@ -54,7 +54,7 @@ TEST(SampleClutter, IsPoissonAndUniformOverTheAreaInView) {
   constexpr int kLooks = 20'000;
   double count = 0.0;
   double square = 0.0;
-  double near_half = 0.0;  // of the area
+  double near_half = 0.0;  // false alarms in the nearer half of the area
   for (int i = 0; i < kLooks; ++i) {
     const auto alarms = sample_clutter(sensor, from, 1.7, rng);
     count += static_cast<double>(alarms.size());
@@ -92,8 +92,8 @@ TEST(SampleClutter, IsEmptyAtRateZero) {
   EXPECT_TRUE(sample_clutter(sensor_of(SensorKind::kBearing), {}, 0.0, rng).empty());
 }
 
-// Clutter is as frequent left as right and near as far, from the least range on and over the whole
-// field of view. This also holds for a sensor with a full circle.
+// False alarms are equally frequent in each quarter of the field of view, also for a sensor that
+// sees a full circle.
 TEST(SampleClutter, CoversBothSidesOfTheHeading) {
   SensorModel sensor = sensor_of(SensorKind::kPosition);
   sensor.position_sigma_m = 1e-9;
@@ -102,7 +102,7 @@ TEST(SampleClutter, CoversBothSidesOfTheHeading) {
     const Viewpoint from{{1.0, 2.0, 2.9}, 0.0};
     std::mt19937_64 rng(3);
     double count = 0.0;
-    double sides[4] = {};  // quarters of the field of view
+    double sides[4] = {};  // false alarms per quarter of the field of view
     for (int i = 0; i < 3'000; ++i) {
       for (const Measurement& z : sample_clutter(sensor, from, 2.0, rng)) {
         const double bearing_rad = std::atan2(z.z(1), z.z(0));
@@ -116,19 +116,19 @@ TEST(SampleClutter, CoversBothSidesOfTheHeading) {
   }
 }
 
-// The area of a ring between two ranges within a field of view of any width, with and without a
-// camera.
+// The area is that between the minimum and the maximum range within the field of view. A camera
+// also needs a minimum depth.
 TEST(ViewArea, IsTheRingSectorInView) {
   SensorModel sensor = sensor_of(SensorKind::kRange);
   sensor.fov_rad = 2.0 * kPi;
   EXPECT_NEAR(view_area_m2(sensor, {}), kPi * (9.0 - 0.25), 1e-12);
-  sensor.fov_rad = 7.0;  // more than a turn counts as one
+  sensor.fov_rad = 7.0;  // rad; more than a full turn counts as a full turn
   EXPECT_NEAR(view_area_m2(sensor, {}), kPi * (9.0 - 0.25), 1e-12);
   sensor.kind = SensorKind::kCamera;
   sensor.camera_tilt_rad = kPi / 2.0;
   sensor.fov_rad = 1.5;
   EXPECT_NEAR(view_area_m2(sensor, {{}, 1.0}), 0.75 * (9.0 - 0.25), 1e-9);
-  sensor.camera_tilt_rad = 0.0;  // it sees only what is at least a metre ahead
+  sensor.camera_tilt_rad = 0.0;  // rad; horizontal: sees only points at least 1 m ahead
   sensor.depth_min_m = 1.0;
   sensor.fov_rad = 2.0 * kPi;
   const double cap_m2 = 9.0 * std::acos(1.0 / 3.0) - std::sqrt(8.0);

@@ -46,8 +46,8 @@ Question random_question(test::Random& random) {
   return {{random.pose2(3.0), random.uniform(0.0, 3.0)}, random.uniform(0.0, 3.0), target};
 }
 
-// Returns a viewpoint in the disc. Every other one is on the rim or as near to the target as
-// possible, where information is largest.
+// Returns a reachable viewpoint. Half of them, on average, are at the full reach or as near to the
+// target as possible, where information is largest.
 Viewpoint reached(test::Random& random, const Question& question) {
   const Pose2& from = question.from.world_from_body;
   const Eigen::Vector2d to_target = question.target.head<2>() - from.position_m();
@@ -124,7 +124,8 @@ TEST(InformationBound, IsZeroForAnInvisibleTarget) {
   }
 }
 
-// A target far below has no bearing until the reach leads far enough to the side.
+// The bearing of a target directly below is undefined. The bound is 0 until the reach allows enough
+// lateral distance.
 TEST(InformationBound, IsZeroDirectlyAboveTarget) {
   for (const SensorKind kind : {SensorKind::kRangeBearing, SensorKind::kBearing}) {
     SensorModel sensor;
@@ -195,13 +196,13 @@ TEST(InformationBound, IsReachedOnCameraAxis) {
   sensor.pixel_sigma = 2.0;
   for (const double tilt_rad : {0.4, 0.9, kPi / 2}) {
     sensor.camera_tilt_rad = tilt_rad;
-    // Straight below there is no bearing.
+    // The bearing of a target directly below is undefined, so its field of view is a full circle.
     sensor.fov_rad = tilt_rad < 1.0 ? 1e-3 : 2.0 * kPi;
     for (const double height_m : {1.0, 2.5}) {
       const double depth_m = height_m / std::sin(tilt_rad);
       const double ahead_m = height_m / std::tan(tilt_rad);
       const double expected = std::pow(400.0 / (2.0 * depth_m), 2.0);
-      for (const double above_m : {0.0, 1.5}) {  // height of the target
+      for (const double above_m : {0.0, 1.5}) {  // m; height of the target
         const Viewpoint from{{0.5, -1.0, 1.2}, height_m + above_m};
         const Eigen::Vector2d there_m(0.5 + ahead_m * std::cos(1.2),
                                       -1.0 + ahead_m * std::sin(1.2));

@@ -65,7 +65,7 @@ TEST(ObservationJacobian, AgreesWithFiniteDifferences) {
   }
 }
 
-// Nearly above the target, nearly at the least depth, and across the wrap of the bearing.
+// Viewpoints almost above the target, a camera almost at its minimum depth, and bearings near ±π.
 TEST(ObservationJacobian, AgreesWithFiniteDifferencesNearItsSingularPoints) {
   test::Random random(62);
   for (const SensorKind kind : kKinds) {
@@ -107,8 +107,8 @@ TEST(Observe, IsInvariantToRigidMotions) {
 }
 
 TEST(Observe, ReturnsTargetInBodyFrame) {
-  const Viewpoint from{{1.0, 2.0, kPi / 2}, 3.0};  // looks along world y; left is −x
-  const Eigen::Vector2d planar(0.0, 6.0);          // 4 ahead, 1 to the left
+  const Viewpoint from{{1.0, 2.0, kPi / 2}, 3.0};  // faces world y; −x is to its left
+  const Eigen::Vector2d planar(0.0, 6.0);          // m; 4 m ahead, 1 m to the left
   const Eigen::Vector3d spatial(0.0, 6.0, 1.0);
   EXPECT_TRUE(test::is_near(observe(of_kind(SensorKind::kPosition), from, planar),
                             Eigen::Vector2d(4.0, 1.0), 1e-14));
@@ -127,13 +127,13 @@ TEST(Observe, PutsImageXToTheRightAndImageYDown) {
   camera.focal_length_pixels = 100.0;
   const Viewpoint from{{0.0, 0.0, 0.0}, 2.0};
   const Eigen::Vector2d ahead_and_left(0.5, 1.0);
-  // Straight down: ahead is up in the image and left is left; depth 2.
+  // The camera faces straight down, depth 2 m: ahead is up in the image, left is left.
   EXPECT_TRUE(
       test::is_near(observe(camera, from, ahead_and_left), Eigen::Vector2d(-50.0, -25.0), 1e-12));
-  camera.camera_tilt_rad = 0.0;  // along body x: the ground is below the horizon; depth 4
+  camera.camera_tilt_rad = 0.0;  // rad; faces body x: depth 4 m, ground below the horizon
   const Eigen::Vector2d ahead(4.0, -1.0);
   EXPECT_TRUE(test::is_near(observe(camera, from, ahead), Eigen::Vector2d(25.0, 50.0), 1e-12));
-  camera.camera_tilt_rad = kPi / 4;  // the axis meets the ground 2 m ahead
+  camera.camera_tilt_rad = kPi / 4;  // rad; the optical axis meets the ground 2 m ahead
   EXPECT_TRUE(test::is_near(observe(camera, from, Eigen::Vector2d(2.0, 0.0)),
                             Eigen::Vector2d(0.0, 0.0), 1e-12));
 }
@@ -158,7 +158,7 @@ TEST(InView, ExcludesItsLimits) {
   EXPECT_TRUE(in_view(sensor, from, Eigen::Vector2d(std::nextafter(5.0, 0.0), 0.0)));
   EXPECT_TRUE(in_view(sensor, from, Eigen::Vector2d(1.0, 0.0)));
   EXPECT_FALSE(in_view(sensor, from, Eigen::Vector2d(std::nextafter(1.0, 0.0), 0.0)));
-  EXPECT_TRUE(in_view(sensor, from, Eigen::Vector2d(-2.0, 0.0)));  // a full turn sees behind
+  EXPECT_TRUE(in_view(sensor, from, Eigen::Vector2d(-2.0, 0.0)));  // field of view 2π: sees behind
   sensor.fov_rad = kPi;
   EXPECT_FALSE(in_view(sensor, from, Eigen::Vector2d(0.0, 2.0)));  // at exactly φ/2
   EXPECT_TRUE(in_view(sensor, from, Eigen::Vector2d(0.001, 2.0)));
@@ -185,7 +185,7 @@ TEST(InView, NeedsMinimumDepthForCamera) {
   camera.camera_tilt_rad = 0.0;
   EXPECT_TRUE(in_view(camera, {{}, 1.0}, Eigen::Vector2d(0.6, 0.0)));
   EXPECT_FALSE(in_view(camera, {{}, 1.0}, Eigen::Vector2d(0.4, 3.0)));
-  EXPECT_FALSE(in_view(camera, {{}, 1.0}, Eigen::Vector2d(-2.0, 0.0)));  // behind the image
+  EXPECT_FALSE(in_view(camera, {{}, 1.0}, Eigen::Vector2d(-2.0, 0.0)));  // behind the image plane
 }
 
 TEST(InView, IsFalseWhereTheJacobianIsUndefined) {
@@ -251,7 +251,7 @@ TEST(Innovation, WrapsTheBearing) {
   const Eigen::Matrix<double, 1, 1> beyond_pi(-kPi + 0.2);
   EXPECT_NEAR(innovation(bearing, almost_pi, beyond_pi)(0), -0.3, 1e-12);
   EXPECT_NEAR(innovation(bearing, beyond_pi, almost_pi)(0), 0.3, 1e-12);
-  const SensorModel range = of_kind(SensorKind::kRange);  // a range of 7 m is not an angle
+  const SensorModel range = of_kind(SensorKind::kRange);  // a range must not be wrapped
   EXPECT_EQ(
       innovation(range, Eigen::Matrix<double, 1, 1>(7.0), Eigen::Matrix<double, 1, 1>(0.5))(0),
       6.5);
@@ -268,7 +268,7 @@ TEST(Sample, HasTheModelsMeanAndVariance) {
     SensorModel sensor = of_kind(kind);
     sensor.variance_grows_with_range = true;
     const Viewpoint from{{0.0, 0.0, 0.3}, 2.0};
-    const Eigen::Vector3d target(-3.0 * std::cos(0.3), -3.0 * std::sin(0.3), 0.0);  // wraps
+    const Eigen::Vector3d target(-3.0 * std::cos(0.3), -3.0 * std::sin(0.3), 0.0);  // near ±π
     const MeasurementVector expected = observe(sensor, from, target);
     const MeasurementMatrix V = noise_covariance(sensor, from, target);
     const Eigen::Index rows = expected.rows();
@@ -308,7 +308,7 @@ TEST(PositionFrom, InvertsObserve) {
         const Viewpoint from{random.pose2(4.0), random.uniform(0.5, 3.0)};
         PositionVector target = random_target(random, dim, 4.0);
         if (dim == 3 && kind != SensorKind::kPosition) {
-          target(2) = 0.0;  // the third coordinate is that of the ground
+          target(2) = 0.0;  // m; position_from() assumes a target on the ground
         }
         if (!in_view(sensor, from, target)) {
           continue;

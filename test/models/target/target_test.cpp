@@ -44,7 +44,7 @@ TEST(TargetModel, HasTheDimensionOfItsState) {
 TEST(TargetModel, IsIndependentOfStepPartition) {
   for (const TargetModel& model : kModels) {
     if (model.kind == TargetKind::kGrowingUncertainty) {
-      continue;  // counted in steps, by definition
+      continue;  // its noise depends on the number of steps
     }
     const StateMatrix A = model.transition(0.7);
     EXPECT_TRUE(test::is_near((A * model.transition(0.3)).eval(), model.transition(1.0), 1e-14));
@@ -117,7 +117,7 @@ TEST(DampedOscillator, SolvesItsDifferentialEquation) {
   }
 }
 
-// A wide and slowly damped oscillator with the same q = 2 γ σ_v².
+// A wide, slowly damped oscillator approaches a double integrator with the same q = 2 γ σ_v².
 TEST(DampedOscillator, TendsToADoubleIntegrator) {
   constexpr double kDamping_per_s = 1e-5;
   const double sigma_mps = std::sqrt(0.3 / (2.0 * kDamping_per_s));

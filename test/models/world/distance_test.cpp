@@ -199,7 +199,7 @@ TEST(ClosestApproach, DetectsASwapOfPositions) {
   EXPECT_EQ(closest_approach_m(left, right, left, right), 0.0);
 }
 
-// Next to each of the four sides, and on each of them.
+// Points next to each of the four sides, and on each side.
 TEST(Rectangle, IncludesItsEdges) {
   const Rectangle box{{-1.0, 2.0}, {3.0, 4.5}};
   for (const double x_m : {-1.1, -1.0, 0.5, 3.0, 3.1}) {
@@ -241,7 +241,7 @@ TEST(NearbyObstacles, ReportOverflow) {
   nearby = nearby_obstacles(world, {0.0, 0.0}, 5.0);
   EXPECT_FALSE(nearby.is_complete);
   EXPECT_NEAR(clearance_m(world, nearby, {0.0, 0.0}), std::sqrt(2.0), 1e-12) << "of all of them";
-  // On each side, just within and just beyond reach.
+  // The box is just within and just beyond the distance, on each of its sides.
   const World one{{{-50, -50}, {50, 50}}, 3.0, {{{{-1, -2}, {1, 2}}, 1.0}}, {}};
   for (const double side : {-1.0, 1.0}) {
     for (const double beyond_m : {-1e-9, 1e-9}) {
@@ -262,7 +262,7 @@ TEST(SweptClearance, EqualsTheClosedFormAroundOneBox) {
   EXPECT_DOUBLE_EQ(swept_clearance_m(world, {3, 0}, {9.5, 0}), 0.5) << "the wall is nearer";
   EXPECT_DOUBLE_EQ(swept_clearance_m(world, {9.5, 1}, {3, 1}), 0.5);
   EXPECT_DOUBLE_EQ(swept_clearance_m(world, {4, -6}, {4, -6}), 2.0);
-  // Past each corner on a slanted line: the corner's distance from the line.
+  // A slanted path past each corner: the clearance is the corner's distance from the line.
   for (const double sx : {-1.0, 1.0}) {
     for (const double sy : {-1.0, 1.0}) {
       EXPECT_NEAR(swept_clearance_m(world, {sx * 4.0, sy * 1.0}, {sx * 0.0, sy * 5.0}),

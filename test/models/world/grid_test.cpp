@@ -21,7 +21,7 @@ World world_with_boxes() {
 TEST(GridGeometry, CoversTheBoundsWithWholeCells) {
   const GridGeometry grid = GridGeometry::covering({{-1.0, 2.0}, {7.0, 6.3}}, 0.25);
   EXPECT_EQ(grid.columns, 32);
-  EXPECT_EQ(grid.rows, 18);  // 17.2 cells
+  EXPECT_EQ(grid.rows, 18);  // 17.2 cells, rounded up
   EXPECT_EQ(grid.size(), 576);
   EXPECT_EQ(GridGeometry::covering({{0, 0}, {0.3, 0.9}}, 0.1).columns, 3);  // not 4 by rounding
 }
@@ -106,7 +106,7 @@ TEST(DistanceField, IsALowerBoundOfTheClearance) {
       const double exact_m = clearance_m(world, p_m);
       const double bound_m = field.lower_bound_m(p_m);
       ASSERT_LE(bound_m, exact_m);
-      ASSERT_GE(bound_m, exact_m - resolution_m * std::sqrt(2.0) - 1e-5);  // and it is tight
+      ASSERT_GE(bound_m, exact_m - resolution_m * std::sqrt(2.0) - 1e-5);  // the bound is tight
     }
   }
 }

@@ -180,8 +180,8 @@ TEST(Frontiers, LieOutsideTheViewAndInsideTheBounds) {
   }
 }
 
-// Also where the seen area reaches the grid's edges: the end of a row is not adjacent to the start
-// of the next.
+// The visible area reaches the grid's edge. The end of a row is not adjacent to the start of the
+// next row.
 TEST(Frontiers, StayWithinTheGrid) {
   const World world{{{0, 0}, {2.0, 1.5}}, 3.0, {}, {}};
   test::Random random(52);

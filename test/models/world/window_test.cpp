@@ -7,7 +7,7 @@
 #include "models/world/grid.hpp"
 #include "test/support/random.hpp"
 
-// Grids that are a part of the world's grid.
+// Windows: grids that are a part of the world's grid.
 
 namespace vantage::models {
 namespace {
@@ -126,7 +126,8 @@ TEST(GridWindow, RefusesStampsOfOtherCells) {
       << "none is later than the limit";
 }
 
-// All cells reach into the square, except for the nearest cell if the square is outside the grid.
+// Each cell of the window overlaps the square. If the square is outside the grid, the window is the
+// nearest cell.
 TEST(GridWindow, HasOnlyCellsThatOverlapTheSquare) {
   const GridGeometry whole = GridGeometry::covering(field().bounds, 0.7);
   test::Random random(9);
