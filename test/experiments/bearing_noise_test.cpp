@@ -92,7 +92,7 @@ TEST(BearingNoise, IsEqualInPlannerAndFilter) {
   problem.controls = models::standard_primitives();
   problem.horizon_steps = 1;
   models::StateMatrix prior = models::StateMatrix::Zero(4, 4);
-  prior.diagonal() << 1e-4, 2e-4, 1e-4, 1e-4;  // so certain that the measurement is linear
+  prior.diagonal() << 1e-4, 2e-4, 1e-4, 1e-4;  // small, so that the measurement is almost linear
   planner::SightTable sight;
   test::Random random(6);
   for (int i = 0; i < 1'000; ++i) {

@@ -79,7 +79,7 @@ TEST(HeterogeneousTrial, DiffersBetweenPricesInEnergyOnly) {
   }
 }
 
-// J = I − r C in every row, so that J is the information alone where r = 0.
+// Every row satisfies J = I − r C: value, information, energy price and energy.
 TEST(Heterogeneous, ValueIsInformationMinusPricedEnergy) {
   const Sweep sweep = heterogeneous({0, true});
   for (std::size_t setting = 0; setting < sweep.plan.settings.size(); ++setting) {

@@ -20,21 +20,21 @@ WatchSetting short_setting(int attacks) {
   return setting;
 }
 
-// One landmark seen at steps 2, 3 and 7 of 10, one never.
+// One landmark is seen at steps 2, 3 and 7 of 10, the other never.
 TEST(Revisits, CountIntervalsWithAndWithoutTheEnds) {
   std::vector<std::vector<char>> seen(10, {0, 0});
   seen[1][0] = seen[2][0] = seen[6][0] = 1;
   const Revisits result = revisits(seen);
-  EXPECT_DOUBLE_EQ(result.interval, 2.5);                     // 1, 4
-  EXPECT_DOUBLE_EQ(result.interval_with_ends, 20.0 / 5.0);    // 2, 1, 4, 3 and 10
-  EXPECT_DOUBLE_EQ(result.interval_by_landmark, 0.5 * 12.5);  // 2.5 and 10
+  EXPECT_DOUBLE_EQ(result.interval, 2.5);                     // mean of 1 and 4 steps
+  EXPECT_DOUBLE_EQ(result.interval_with_ends, 20.0 / 5.0);    // mean of 2, 1, 4, 3 and 10
+  EXPECT_DOUBLE_EQ(result.interval_by_landmark, 0.5 * 12.5);  // mean of 2.5 and 10
   EXPECT_DOUBLE_EQ(result.age, (13.0 + 55.0) / 20.0);
   EXPECT_DOUBLE_EQ(result.absence, 4.0);
   EXPECT_EQ(result.longest, 10);
   EXPECT_EQ(result.never_seen, 1);
 }
 
-// Intervals with their ends fill the time of every landmark, whatever was seen.
+// For each landmark, the intervals including both ends sum to the duration, for any observations.
 TEST(Revisits, WithEndsSumToTheDuration) {
   std::mt19937_64 rng(7);
   for (int i = 0; i < 200; ++i) {
@@ -118,7 +118,7 @@ TEST(Watch, KeepsClearanceAndControlLimits) {
   }
 }
 
-// With every sensor jammed, Σ is (σ² + q n (n − 1)/2) I after n steps: k is 0 in the first.
+// With every sensor jammed, Σ is (σ² + q n (n − 1)/2) I after n steps; the first adds no noise.
 TEST(Watch, UncertaintyGrowsWhenAllAreAttacked) {
   const WatchSetting setting = short_setting(2);
   const WatchRun run = watch(setting, surveillance_starts(setting, 2, 4), true);
@@ -138,7 +138,7 @@ TEST(Watch, RefusesAStartInABuilding) {
   EXPECT_THROW(watch(setting, {&in_a_tower, 1}, false), UsageError);
 }
 
-// The result of the hardware experiment, in which the robot that plans first is jammed.
+// As in the hardware experiment, the robot that plans first is jammed.
 TEST(TwoTargets, AreExchangedOnlyWithResilience) {
   WatchSetting setting = two_targets_setting(0);
   setting.task_steps = 120;

@@ -23,8 +23,8 @@ TEST(RestrictedMean, OfCensoredWaitsIsItsLimit) {
   EXPECT_DOUBLE_EQ(restricted_mean({}, 20), 20.0);
 }
 
-// Computed by hand: S = 1, 3/4 from 1 on, 1/2 from 2 on. The wait censored at 3 leaves one, which
-// ends at 4.
+// The survival function S is 1, then 3/4 from t = 1 and 1/2 from t = 2. After the censoring at t =
+// 3 one wait remains, which ends at t = 4.
 TEST(RestrictedMean, IncludesCensoredWaitsUntilTheirEnd) {
   const std::vector<Wait> waits = {{2}, {1}, {4}, {3, false}};
   EXPECT_DOUBLE_EQ(restricted_mean(waits, 10), 1.0 + 0.75 + 2 * 0.5);
@@ -34,7 +34,7 @@ TEST(RestrictedMean, IncludesCensoredWaitsUntilTheirEnd) {
 }
 
 // Waits end with probability p per step and are censored independently with probability c: Σ_{t <
-// τ} (1 − p)^t = (1 − (1 − p)^τ) / p, the exponential distribution in steps.
+// τ} (1 − p)^t = (1 − (1 − p)^τ) / p, the mean of a geometric distribution up to τ.
 TEST(RestrictedMean, IsUnbiasedForExponentialWaits) {
   constexpr int kWaits = 200'000;
   std::mt19937_64 rng(3);
@@ -60,14 +60,14 @@ TEST(RestrictedMean, IsUnbiasedForExponentialWaits) {
   }
 }
 
-// One landmark seen at steps 2, 3 and 7 of 10, one never.
+// One landmark is seen at steps 2, 3 and 7 of 10, the other never.
 TEST(TimeUnobserved, CensorsTheLastWaits) {
   std::vector<std::vector<char>> seen(10, {0, 0});
   seen[1][0] = seen[2][0] = seen[6][0] = 1;
   const TimeUnobserved result = time_unobserved(seen);
-  // Waits of 2, 1 and 4, one cut off at 3 (2.75, see above); and one cut off at 10.
+  // Landmark 0: waits of 2, 1, 4 and one censored at 3, mean 2.75. Landmark 1: one censored at 10.
   EXPECT_DOUBLE_EQ(result.by_landmark, 0.5 * (2.75 + 10.0));
-  // S = 1, 4/5, 3/5, the last two of which go on until one of them ends at 4: 3/10 until 10.
+  // S is 1, then 4/5 from t = 1, 3/5 from t = 2, and 3/10 from t = 4 to 10.
   EXPECT_DOUBLE_EQ(result.pooled, 1.0 + 0.8 + 2 * 0.6 + 6 * 0.3);
 }
 

@@ -28,7 +28,8 @@ models::SensorModel range_bearing(double range_max_m, double fov_rad) {
   return sensor;
 }
 
-// Sentries on a grid of 16 m that turn by 3° a step: each target is in view now and then.
+// Returns the poses of sentries on a 16 m grid that turn by 3° per step. Each target is in view at
+// times.
 std::vector<Pose2> sentries(int step) {
   std::vector<Pose2> poses;
   for (int i = 0; i < 16; ++i) {
@@ -39,7 +40,7 @@ std::vector<Pose2> sentries(int step) {
   return poses;
 }
 
-// Means over targets, steps and seeds.
+// Mean values over targets, steps and seeds.
 struct Consistency {
   double nees_seen = 0.0;
   double nees_unseen = 0.0;
@@ -77,7 +78,8 @@ TEST(TrackedTargets, ErrorsMatchTheFiltersCovariance) {
   EXPECT_NEAR(mean.nees_unseen, 4.0, 0.5);
 }
 
-// Shows why the setting is not the sensor's detection probability.
+// Successive empty scans are not independent. The sensor's true detection probability would count
+// them too strongly, so the setting is lower.
 TEST(TrackedTargets, AreOverconfidentWhenMeasurementsCountTwice) {
   TargetSetting setting;
   setting.detection_probability = 0.9;
@@ -102,8 +104,8 @@ TEST(TrackedTargets, HaveSmallErrorsWithUnlimitedView) {
   }
 }
 
-// Without measurements, a belief that may leave the world is the predicted prior, and it does
-// leave.
+// Without measurements, a belief that may leave the world equals the predicted prior. Some beliefs
+// then leave the world.
 TEST(TrackedTargets, MayBeEstimatedBeyondWallsIfAllowed) {
   const models::World world = square_world();
   TargetSetting setting;
@@ -159,7 +161,8 @@ TEST(TrackedTargets, AreOnlyPredictedByABlindTeam) {
       watched_m2 += std::pow(watched.steps()[m].error_m, 2);
     }
   }
-  // q t³/3 in each of two coordinates, 200 targets: 5 % of the square root is two sigmas.
+  // 400 coordinates of variance q t³/3: the root mean square has a relative standard error of 3.5
+  // %.
   EXPECT_NEAR(std::sqrt(squared_m2 / 400.0), drift_sigma_m, 0.15 * drift_sigma_m);
   EXPECT_LT(std::sqrt(watched_m2 / 400.0), 0.1 * drift_sigma_m);
 }

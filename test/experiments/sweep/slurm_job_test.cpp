@@ -18,7 +18,7 @@
 namespace vantage::experiments {
 namespace {
 
-// Returns the output of `script` in a shell, as the task of that number.
+// Runs `script` in a shell as array task `task` and returns its output.
 std::string said_by(const std::string& script, const std::string& task) {
   const Result<ChildAnswer> answer =
       ask({"env", "SLURM_ARRAY_TASK_ID=" + task, "sh", "-c", script.substr(script.find('\n'))});
@@ -90,7 +90,7 @@ TEST(StatesOf, ReportWhichJobsMayStillWrite) {
   EXPECT_FALSE(is_failure(""));
 }
 
-// The node of a completing job has not answered yet: the job may have ended, or may be about to run
+// The node of a completing job has not answered yet: the job may have ended, or Slurm may run it
 // again.
 TEST(SlurmState, CompletingJobIsNotReportedAsEnded) {
   EXPECT_TRUE(is_live("COMPLETING"));
