@@ -217,8 +217,8 @@ TEST_F(ExternalTest, IsReplayedFromItsInputs) {
   EXPECT_TRUE(is_same_decision(*again, plans_[0]));
 }
 
-// The plan drives straight at a box, 1.2 m away. The planner accepts a plan that stops up to 2 cm
-// (rounding) inside the margin of a search. It refuses a plan that stops closer.
+// The plan drives straight at a box, 1.2 m away. The planner accepts a stop up to 2 cm inside the
+// clearance that searches keep, and refuses a stop that is closer.
 TEST(RobotPlanner, RefusesAnswerInsideMarginByTwoCentimetres) {
   scenario::Scenario scenario = external_scenario();
   scenario.robots.resize(1);

@@ -14,7 +14,7 @@
 
 namespace vantage::planner::test {
 
-/// A planner node of Q1 on an in-process bus, and a second bus end for the messages of the world.
+/// A planner node of Q1 on an in-process bus, and a second bus end that publishes its inputs.
 class PlannerNodeTest : public ::testing::Test {
  protected:
   void deliver() {

@@ -9,8 +9,8 @@
 #include "planner/app/replay_node.hpp"
 #include "test/planner/app/node_fixture.hpp"
 
-// Planner nodes with a real-time clock: how long they listen and search, and what they do when they
-// are late.
+// Tests of planner nodes with a real-time clock: the time for which they wait and search, and their
+// behaviour when they are late.
 
 namespace vantage::planner {
 namespace {

@@ -11,7 +11,8 @@
 #include "scenario/node_budget.hpp"
 #include "test/planner/app/node_fixture.hpp"
 
-// When a planner node works, which inputs its plans name, and what it counts.
+// Tests of the times at which a planner node works, the inputs that its plans name, and its
+// counters.
 
 namespace vantage::planner {
 namespace {
@@ -323,8 +324,8 @@ TEST_F(PlannerNodeTest, YieldsSlotToLowerRobot) {
 
 // ---- A team that solves its problem jointly ----
 
-// Ticks fill the first half of the budget, 250 ms, except for the last 20 ms, in which the last
-// proposals arrive.
+// The node ticks every 5 ms in the first half of the budget, 250 ms. In the last 20 ms of it the
+// node waits for the last proposals.
 TEST_F(PlannerNodeTest, PollsProposalsEveryFiveMilliseconds) {
   start(team_that_agrees());
   world_.publish(bus::belief_channel("Q1"), *inputs_.belief);

@@ -42,8 +42,8 @@ TEST_F(PlannerNodeTest, RefusesMessageWhoseRobotDiffersFromChannel) {
   EXPECT_EQ(count("misaddressed"), 5);
 }
 
-// Attack notices are repeated each second, so an old one must expire. Without that, a teammate
-// counted as jammed for the rest of the flight.
+// Attack notices are repeated each second, so an old one must expire. Otherwise a teammate would
+// count as jammed for the rest of the flight.
 TEST_F(PlannerNodeTest, DropsAttackNoticeAfterThreeSeconds) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.execute_steps = 2;  // one round lasts 1 s
@@ -168,8 +168,8 @@ TEST_F(PlannerNodeTest, ContinuesWithoutAnInvalidBelief) {
   EXPECT_EQ(plan_on(belief), 1);
 }
 
-/// Returns how many mixtures the plan names as inputs for a belief of step 3 when the mixture is of
-/// `step_of_mixture`.
+/// A planner node that receives a belief of step 3 and a mixture of any step. `mixtures_named` is
+/// the number of mixtures among the inputs that its plan names.
 class PlannerNodeByMixtures : public PlannerNodeTest {
  protected:
   std::int64_t mixtures_named(std::int64_t step_of_mixture) {

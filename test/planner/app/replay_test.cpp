@@ -15,7 +15,7 @@
 namespace vantage::planner {
 namespace {
 
-/// A replay of Q1 that receives all messages of a planner of Q1 and of the world around it.
+/// A replay of Q1 that receives all messages from and to a planner of Q1.
 class ReplayTest : public test::PlannerNodeTest {
  protected:
   void start_replay() {
@@ -73,7 +73,7 @@ class ReplayTest : public test::PlannerNodeTest {
     world_.publish(bus::plan_channel("Q1"), plan);
   }
 
-  /// Runs `count` rounds of the planner and calls `tell` before each.
+  /// Runs `count` rounds of the planner and calls `tell` before each round.
   void rounds(int count, const std::function<void()>& tell) {
     for (int k = 0; k < count; ++k) {
       tell();
@@ -221,8 +221,8 @@ TEST_F(ReplayTest, ReproducesExternalPlans) {
   expect_all_again(2, {"EXTERNAL_PLAN_Q1"});
 }
 
-// The replay repeats the robot's own proposals, the first of which improves on a teammate's, and
-// the resulting plan.
+// The replay repeats the robot's own proposals, and the resulting plan. The first proposal improves
+// on a teammate's.
 TEST_F(ReplayTest, ReplaysOwnProposals) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.team_algorithm = scenario::TeamAlgorithm::kLocalSearch;
@@ -251,8 +251,8 @@ TEST_F(ReplayTest, ReplaysOwnProposals) {
     EXPECT_EQ(said_again_[i].nodes, said_[i].nodes);
     EXPECT_EQ(said_again_[i].inputs, said_[i].inputs);
   }
-  // These differ: a proposal of another value, one on a base that cannot be improved, one on a base
-  // of another round, and one without inputs.
+  // The replay must differ from proposals with a changed value, with a base that cannot be
+  // improved, with a base of another round, and without inputs.
   models::TeamProposal other = said_.back();
   other.value_nats += 1.0;
   robot_bus_.publish(bus::team_proposal_channel("Q1"), other);
@@ -440,7 +440,7 @@ TEST_F(ReplayTest, KeepsLimitedMessagesPerChannel) {
   said.history = {1};
   expect_kept("TEAM_PROPOSAL_Q2", 500,
               [&] { world_.publish(bus::team_proposal_channel("Q2"), said); });
-  // Plans that are logged do not count: they are on another channel.
+  // The logged plans of Q1 have their own channel, so they do not displace messages of Q2.
   expect_kept("PLAN_Q2", 64, [&] { world_.publish(bus::plan_channel("Q2"), plan_of("Q2")); });
 }
 

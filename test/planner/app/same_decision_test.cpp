@@ -8,7 +8,7 @@
 #include "planner/app/replay_node.hpp"
 
 // Two decisions are the same when every number of the motion and of its certificate has the same
-// bits. Each number is changed alone, in lists the last one.
+// bits. The tests change one number at a time; in a list, the last number.
 
 namespace vantage::planner {
 namespace {

@@ -116,8 +116,8 @@ TEST_F(KeptFrom, MovingBodiesAtTheirPredictedPosition) {
   }
 }
 
-// The velocity is unknown for a body whose name was on another body in the earlier frame, and for a
-// body that was occluded in it.
+// The velocity is unknown for a body whose name belonged to a different body in the earlier frame,
+// and for a body that was occluded in it.
 TEST_F(KeptFrom, BodyOfUnknownVelocityAtItsPosition) {
   add("SWAPPED", {-1.0, 1.0, 1.0}, {9.0, 0.0, 0.0});
   add("NEW", {1.0, 1.0, 1.0}, {1.0, 0.0, 0.0});
@@ -138,7 +138,7 @@ TEST_F(KeptFrom, TheNearestBodiesAndCountsTheRest) {
   for (const models::Trajectory& other : others) {
     EXPECT_LT(other.start.x_m, 3.0 - 0.25 * 2.5);
   }
-  // The workspace has memory for all of them.
+  // The workspace has memory for all these obstacles.
   Workspace workspace(scenario);
   models::Trajectory committed;
   committed.start_time = inputs.slot.activation;

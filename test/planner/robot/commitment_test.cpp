@@ -14,9 +14,9 @@
 namespace vantage::planner {
 namespace {
 
-// A vehicle that its driver stopped holds its set-point, here turned away from its plan, and does
-// not return to the plan. In a flight, 49 plans in a row began at the plan's heading and were
-// refused.
+// A vehicle that was stopped by its driver holds its set-point and does not return to its plan.
+// Here the set-point is turned away from the plan. In a flight, 49 plans in a row began at the
+// plan's heading and were refused.
 TEST(RobotPlanner, StartsWhereItsVehicleHolds) {
   const scenario::Scenario scenario = test::lab_scenario();
   PlanInputs inputs = test::first_inputs(scenario, 0);
@@ -38,7 +38,7 @@ TEST(RobotPlanner, StartsWhereItsVehicleHolds) {
     const Pose2 held = start(models::FlightState::kHold, off);
     EXPECT_LT((held.position_m() - status.setpoint.position_m()).norm(), 1e-9);
     EXPECT_NEAR(wrap_to_pi(held.yaw_rad - status.setpoint.yaw_rad), 0.0, 1e-9);
-    EXPECT_EQ(start(models::FlightState::kFollow, off), planned);  // its controller returns it
+    EXPECT_EQ(start(models::FlightState::kFollow, off), planned);  // returns to plan
   }
   EXPECT_EQ(start(models::FlightState::kHold, {0.1, 0.1, 0.3}), planned);  // within the tolerance
 }
@@ -74,14 +74,14 @@ TEST(RobotPlanner, StartsOnItsPlanWithinTheTolerance) {
   for (const double side : {1.0, -1.0}) {
     EXPECT_NEAR(last({0.0, 0.0, side}), 0.4, 1e-3);
   }
-  // This applies only to the hold state.
+  // In FOLLOW and LAND the plan begins on the last plan at this deviation, too.
   for (const auto state : {models::FlightState::kFollow, models::FlightState::kLand}) {
     status.state = state;
     EXPECT_TRUE(begins_on_plan({0.3, 0.0, 1.2})) << name_of(state);
   }
 }
 
-// In successive rounds the vehicle is held and turned, flies on, and is held and turned again.
+// In successive rounds the vehicle is held and turned, flies, and is held and turned again.
 TEST(RobotPlanner, StartsWhereItsVehicleHoldsInEachRound) {
   const scenario::Scenario scenario = test::lab_scenario();
   const RoundSchedule schedule(scenario.planner, 0, 3);
@@ -145,7 +145,8 @@ class CommitmentOfADriver : public ::testing::Test {
 };
 
 // Within the tolerance the vehicle counts as on its plan. Beyond it, the vehicle is off its plan
-// but continues it. Beyond three tolerances it begins anew where it is. Holds in every direction.
+// but continues it. Beyond three tolerances its commitment is a hover at its observed position. The
+// limits are equal in all directions.
 TEST_F(CommitmentOfADriver, ContinuesUpToThreeTolerances) {
   const double tolerance_m = scenario_.planner.tracking_tolerance_m;
   for (int bearing = 0; bearing < 8; ++bearing) {
@@ -188,7 +189,8 @@ TEST_F(CommitmentOfADriver, IsComparedWithTheSeenPose) {
   EXPECT_TRUE(is_on_plan());
 }
 
-// Without a plan it hovers where it is seen; if it is not seen either, its motion is unknown.
+// A vehicle without a plan hovers at its observed pose. If the vehicle is not observed either, its
+// motion is unknown.
 TEST_F(CommitmentOfADriver, HoversAtItsSeenPoseWithoutAPlan) {
   see({0.3, -0.4, 1.0});
   inputs_.own_plan.reset();
@@ -281,7 +283,7 @@ TEST(RobotPlanner, KeepsClearOfGroundedTeammateAtBothHeights) {
   for (const auto state : {models::FlightState::kIdle, models::FlightState::kKilled}) {
     EXPECT_EQ(kept_at_m(state, 0.0), (Heights{0.0, 1.5}));
     EXPECT_EQ(kept_at_m(state, 0.74), (Heights{0.74, 1.5}));
-    EXPECT_EQ(kept_at_m(state, 0.75), Heights{1.5});  // as for a vehicle without take-off
+    EXPECT_EQ(kept_at_m(state, 0.75), Heights{1.5});  // at half height: in flight
     EXPECT_EQ(kept_at_m(state, 1.5), Heights{1.5});
   }
   EXPECT_EQ(kept_at_m(models::FlightState::kFollow, 0.0), Heights{});
@@ -295,7 +297,7 @@ TEST(RobotPlanner, KeepsClearOfGroundedTeammateWithoutStatus) {
   RobotPlanner planner(scenario, "Q1");
   ASSERT_TRUE(planner.plan(inputs, Deadline::nodes(500)));
   const auto& teammates = planner.problem().teammates;
-  ASSERT_EQ(teammates.size(), 3U);  // both at their flight heights, and Q2 where it stands
+  ASSERT_EQ(teammates.size(), 3U);  // Q2 and Q3 at their flight heights, and Q2 on the ground
   EXPECT_DOUBLE_EQ(teammates[0].height_m, 1.5);
   EXPECT_DOUBLE_EQ(teammates[1].height_m, 2.0);
   EXPECT_DOUBLE_EQ(teammates[2].height_m, 0.1);
@@ -340,8 +342,8 @@ TEST(RobotPlanner, TurnsOnTheSpotNearAWall) {
                              Pose2{0.0, -2.0 + nearest_m + 0.06, -kPi / 2 + inward.yaw_rad},
                              Pose2{4.0 - nearest_m - 0.06, 2.0 - nearest_m - 0.06, kPi / 4},
                              Pose2{-4.0 + nearest_m + 0.06, 0.0, kPi},
-                             // From a flight: at the smallest allowed distance, within the rounding
-                             // of other checks.
+                             // Poses from a flight, at the smallest allowed clearance within the
+                             // rounding of other checks.
                              Pose2{4.0 - nearest_m - 0.011, -2.0 + nearest_m + 0.012, 0.0},
                              Pose2{0.0, 2.0 - nearest_m - 0.003, kPi / 2}}) {
     PlanInputs inputs = test::first_inputs(scenario, 0, 7);

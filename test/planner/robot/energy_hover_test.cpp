@@ -1,5 +1,5 @@
-// When hovering robots that weigh information gain against energy turn towards free space, and when
-// they do not.
+// Conditions under which hovering robots that weigh information gain against energy turn towards
+// free space.
 
 #include <algorithm>
 #include <utility>
@@ -16,8 +16,8 @@ namespace {
 using test::energy_scenario;
 using test::first_inputs;
 
-/// The first robot of an energy scenario over several rounds. It is seen exactly on its plans. Its
-/// teammates stay where `first_inputs` has them and send nothing.
+/// The first robot of an energy scenario over several rounds. Mocap reports the robot exactly on
+/// its plans. Its teammates hover at their poses of `first_inputs` and publish nothing.
 class AloneAtRest {
  public:
   AloneAtRest(const scenario::Scenario& scenario, const Pose2& start)
@@ -26,7 +26,7 @@ class AloneAtRest {
         at_(start),
         planner_(scenario, "Q1") {}
 
-  /// Returns its plan of the next round, after the exchange if its team algorithm has one.
+  /// Returns the robot's plan of the next round, after the exchange if its team algorithm has one.
   models::RobotPlan plan() {
     const Deadline deadline = Deadline::nodes(20'000);
     inputs_.mocap->stamp.time = inputs_.belief->stamp.time = inputs_.slot.begin;
@@ -93,7 +93,8 @@ TEST_P(EnergyAtRest, IsPaidForTurnsNearAWall) {
   }
 }
 
-// Once it faces free space, it hovers for as long as no motion is worth its energy.
+// Once the robot faces free space, it hovers until a motion gains more information than its energy
+// costs.
 TEST_P(EnergyAtRest, StopsTurningOnceItFacesFreeSpace) {
   set_price_nats(1e6);
   AloneAtRest robot(scenario_, {-4.0 + nearest_m_ + 0.06, 0.0, kPi});

@@ -303,9 +303,8 @@ TEST(RobotPlanner, IncludesEnergyInCoordinateDescent) {
   EXPECT_GE(moving, 4);
 }
 
-// Only the search checks the deadline; the work after it does not and must also end in time. A busy
-// machine may delay the checks, hence the repetitions. Without the rule the search would check
-// until the deadline.
+// The work after the search does not check the deadline but must end before it, so the search stops
+// after a third of the time. The test repeats because a busy machine may delay the checks.
 TEST(RobotPlanner, SearchesForAThirdOfItsTimeBeforeAnExchange) {
   static std::int64_t asked_ns = 0;
   constexpr std::int64_t kTime_ns = 200'000'000;
@@ -355,7 +354,8 @@ TEST(RobotPlanner, HoversWithoutCurrentSolution) {
       RobotPlanner planner(scenario, "Q1");
       const auto plan = planner.plan(inputs, Deadline::never());
       ASSERT_TRUE(plan);
-      // One robot hovers in front of a box, too near to begin any motion.
+      // The robot has no motion in this case: it hovers, or turns in front of a box that is too
+      // near.
       EXPECT_EQ(planner.counts().rests + planner.counts().turns_away, 1);
       const double way_m = (models::at(plan->trajectory, Time::max()).world_from_body.position_m() -
                             plan->trajectory.start.position_m())

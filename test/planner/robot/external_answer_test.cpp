@@ -14,7 +14,8 @@ namespace {
 
 constexpr double kHair = 1e-6;  // relative; 1e-9 is tolerated
 
-/// Answers are checked against plans of 4 steps of 0.5 s, by a vehicle whose limits all differ.
+/// Checks answers to a planner with 4 steps of 0.5 s, for a vehicle with a different value for each
+/// limit.
 class MotionOfAnswer : public ::testing::Test {
  protected:
   MotionOfAnswer() {
@@ -127,8 +128,8 @@ TEST_F(MotionOfAnswer, ToleratesRoundingOfABillionth) {
   }
 }
 
-// The driven segments may last as long as the horizon, in any number of pieces. The braking
-// segments may last as long again.
+// The driven segments may last as long as the horizon in total. The braking segments may last as
+// long again.
 TEST_F(MotionOfAnswer, LastsOneHorizonAndAStop) {
   const auto drive = [](double s) { return models::PlanSegment{{1.0, 0.0}, s, 0.0}; };
   const auto stop = [](double s) { return models::PlanSegment{{2.0, 0.0}, s, 0.1}; };
@@ -148,8 +149,8 @@ TEST_F(MotionOfAnswer, LastsOneHorizonAndAStop) {
   EXPECT_FALSE(motion(driven(std::vector<models::PlanSegment>(64, drive(0.1)))));
 }
 
-// A remaining speed is reduced to 0 with the vehicle's own brake. A motion that already ends at
-// speed 0 gets no stop.
+// A remaining speed is reduced to 0 with the vehicle's configured deceleration. A motion that
+// already ends at speed 0 gets no stop.
 TEST_F(MotionOfAnswer, EndsInAStop) {
   const auto stop_of = [&](const std::vector<models::PlanSegment>& segments) {
     const auto motion = this->motion(driven(segments));

@@ -160,8 +160,8 @@ TEST_F(Ladder, FliesItsProposal) {
   expect_counts(0, 0, 0, 0, 0);
 }
 
-// It stops within v² / 2a = 0.25 m. Where there is no room for that, the last fallback still gives
-// a plan.
+// The robot stops within v² / 2a = 0.25 m. If the wall is nearer, the last fallback still gives a
+// plan.
 TEST_F(Ladder, HoversOrFallsBack) {
   {
     PlanLadder ladder = begin(5.0);
@@ -194,8 +194,8 @@ TEST_F(Ladder, HoversOrFallsBack) {
   expect_counts(0, 1, 0, 0, 1);
 }
 
-// A planner without a processor brakes where that is safe. Where it is not, because a teammate
-// passes the stop position, it continues the last plan.
+// A planner that gets no processor time brakes if that is safe. If a teammate passes the stop
+// position, the planner continues the last plan.
 TEST_F(Ladder, StopsAtOnceIfSafe) {
   {
     PlanLadder ladder = begin(5.0);
@@ -215,8 +215,8 @@ TEST_F(Ladder, StopsAtOnceIfSafe) {
   expect_counts(0, 0, 0, 1, 0);
 }
 
-// Returns the nearest teammate that is closer than the required separation, at any index; none if
-// all keep it.
+// The result is the nearest teammate within the required separation, at any index, or none if all
+// are farther away.
 TEST(TooNear, ReturnsTheNearestTeammate) {
   SearchProblem problem;
   problem.start_time = kStart;
@@ -240,8 +240,8 @@ TEST(TooNear, ReturnsTheNearestTeammate) {
   EXPECT_EQ(too_near(problem), 0U);
 }
 
-// Each teammate must be as far away as required, less the given rounding. With separation from
-// above, heights do not count.
+// Each teammate must be as far away as required, less the given rounding. If the separation applies
+// from above, heights have no effect.
 TEST(KeepsApart, RequiresSeparationFromEachTeammate) {
   SearchProblem problem;
   problem.start_time = kStart;
@@ -280,7 +280,7 @@ TEST(IsSafe, AllowsTwoCentimetres) {
     EXPECT_EQ(is_safe(problem, hover_at({0.0, -x_m, 0.0}, 0.0, kStart)), nearer_m < 0.0);
     SearchProblem beside = problem;
     beside.teammates = {hover_at({0.98 - nearer_m, 0.0, 0.0}, 0.0, kStart)};
-    beside.start.x_m = -5.0;  // it begins far from the wall
+    beside.start.x_m = -5.0;  // starts far from the wall
     EXPECT_EQ(is_safe(beside, hover_at({0.0, 0.0, 0.0}, 0.0, kStart)), nearer_m < 0.0);
   }
 }

@@ -83,11 +83,11 @@ TEST(RobotPlanner, KeepsProposalsOfBaitAndPlansForTheRest) {
       if (name == best) {
         ++baits;
         EXPECT_EQ(planners[i].counts().baits, 1);
-        if (i == 0 || plan->nodes == 0) {  // no other robot has planned since
+        if (i == 0 || plan->nodes == 0) {  // no robot has planned after its proposal
           EXPECT_EQ(plan->cost, proposals[name].plan.cost);
           EXPECT_EQ(plan->nodes, 0);
           ++taken;
-        } else {  // another robot's plan is in its way now
+        } else {  // a teammate's plan blocks the proposal
           EXPECT_EQ(information_sum(planners[i].problem().fixed_information), 0.0)
               << "searches alone again";
         }

@@ -12,8 +12,8 @@
 namespace vantage::planner {
 namespace {
 
-// The noise of a target grows with the number of steps for which it is unseen. It is counted until
-// the plan begins, not only until the time of the belief.
+// The noise of a target grows with the number of steps for which it is unseen. These steps are
+// counted until the plan begins, not only until the time of the belief.
 TEST(ProblemOfRound, CountsUnseenStepsUntilPlanBegins) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.estimator.target_model = {models::TargetKind::kGrowingUncertainty, 2, 0.1};
@@ -29,7 +29,7 @@ TEST(ProblemOfRound, CountsUnseenStepsUntilPlanBegins) {
   committed.start = scenario.robots[0].start;
   const RoundProblem round = problem_of_round(workspace, 0, inputs, committed, {});
   ASSERT_GE(round.search.targets.size(), 2U);
-  const double whole_steps[] = {4.0, 2.0};  // of 2.1 s and of 1.2 s
+  const double whole_steps[] = {4.0, 2.0};  // in 2.1 s and in 1.2 s
   for (std::size_t m = 0; m < 2; ++m) {
     EXPECT_EQ(round.search.targets[m].model.kind, models::TargetKind::kRandomWalk);
     EXPECT_NEAR(round.search.targets[m].model.q, 0.1 * whole_steps[m] / 0.5, 1e-12) << m;
@@ -65,7 +65,7 @@ class PlansByMixtures : public ::testing::Test {
     }
     inputs_.mixture->targets.push_back(target);
   }
-  /// Returns the mean positions of the problem's targets, m, in ascending y per column.
+  /// Returns the mean positions of the problem's targets, m, one per column, sorted by y.
   [[nodiscard]] std::vector<Eigen::Vector2d> places_m() const {
     Workspace workspace(scenario_);
     models::Trajectory committed;
@@ -95,7 +95,7 @@ TEST(ProblemOfRound, ExploresUntilFoundIfConfigured) {
                                     scenario.estimator.grid_memory_s);
   inputs.belief->grid = grid.geometry();
   inputs.belief->last_seen_utime = grid.last_seen_utime();
-  inputs.belief->last_seen_utime[0] = to_utime(inputs.belief->stamp.time);  // a frontier
+  inputs.belief->last_seen_utime[0] = to_utime(inputs.belief->stamp.time);  // makes a frontier
   const auto landmarks = [&] {
     Workspace workspace(scenario);
     models::Trajectory committed;
@@ -116,7 +116,8 @@ TEST(ProblemOfRound, ExploresUntilFoundIfConfigured) {
   EXPECT_EQ(landmarks(), all);
 }
 
-// All numbers differ. The problem is that of the requested robot, from its committed motion.
+// All numbers of the scenario differ. The problem must use those of the requested robot, and begin
+// on its committed motion.
 TEST(ProblemOfRound, MatchesScenario) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.horizon_steps = 7;
@@ -181,9 +182,9 @@ TEST(ProblemOfRound, DrawsItsOwnRandomNumbers) {
   EXPECT_EQ(seeds.size(), 27U);
 }
 
-// A teammate moves along its plan if one was received, at any distance. Otherwise it hovers where
-// it is seen or, if unseen, at its start. Hovering teammates count only within the neighbourhood,
-// its edge included.
+// A teammate moves along its plan if one was received, at any distance. Otherwise it hovers at its
+// observed position or, if not observed, at its start. Hovering teammates count only within or on
+// the edge of the neighbourhood.
 TEST(ProblemOfRound, HasTheRelevantTeammates) {
   scenario::Scenario scenario = test::lab_scenario();
   for (const double neighbourhood_m : {0.0, 2.0}) {
@@ -243,7 +244,7 @@ TEST(ProblemOfRound, CountsUnusableBeliefs) {
   inputs.belief->grid =
       models::GridGeometry::covering(scenario.world.bounds, scenario.estimator.grid_resolution_m);
   inputs.belief->last_seen_utime.assign(static_cast<std::size_t>(inputs.belief->grid.size()),
-                                        to_utime(inputs.slot.begin));  // all seen: no landmarks
+                                        to_utime(inputs.slot.begin));  // all explored: no landmarks
   const auto unusable = [&] {
     models::Trajectory committed;
     committed.start_time = inputs.slot.activation;

@@ -69,8 +69,8 @@ TEST(RoundSchedule, RefusesAnUnknownRobot) {
 }
 
 // Round 9 of 1.5 s begins at 13.5 s and ends at 15 s. The budget of 0.6 s ends 0.1 s before that.
-// It is cut into three slots, or its first half into three proposal slots and its second half into
-// three slots.
+// It contains three slots, or three proposal slots in its first half and three slots in its second
+// half.
 TEST(RoundSchedule, CutsTheBudgetAtTheEndOfTheRound) {
   scenario::PlannerSpec spec;
   spec.step_s = 0.5;
@@ -113,7 +113,7 @@ TEST(RoundSchedule, CutsTheBudgetAtTheEndOfTheRound) {
   }
 }
 
-// Compares with a search over all slots and proposal slots around the time.
+// Compares the result with a search over all slots and proposal slots around the time.
 TEST(RoundSchedule, FindsTheNextOfBothKinds) {
   std::mt19937_64 rng(4);
   for (const int attacks_max : {0, 1}) {
@@ -156,8 +156,7 @@ TEST(RoundSchedule, FindsTheNextOfBothKinds) {
   }
 }
 
-// Slots begin at whole microseconds for any budget. Each slot is identified by its exact begin
-// only.
+// Slots begin at whole microseconds for any budget. Only the exact begin time identifies a slot.
 TEST(RoundSchedule, FindsTheSlotOfAPlan) {
   scenario::PlannerSpec spec;
   spec.execute_steps = 2;

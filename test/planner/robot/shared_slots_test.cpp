@@ -55,7 +55,7 @@ struct Case {
 TEST_F(SharedSlotsTest, BelongToLowestReceivedRobot) {
   const Workspace workspace(scenario_);
   const std::vector<Case> cases = {
-      {0, 0, {-1, -1, -1}, false, 0},  // not claimed yet
+      {0, 0, {-1, -1, -1}, false, 0},  // no robot has used the slot
       {1, 1, {-1, -1, -1}, false, 1}, {2, 0, {-1, -1, -1}, false, 0},
       {0, 0, {0, -1, -1}, true, 0},   {1, 1, {-1, 1, -1}, true, 1},
       {2, 0, {-1, -1, 0}, true, 0},   {0, 0, {0, 1, 0}, true, 0},  // Q3 must move
@@ -126,8 +126,8 @@ TEST(MaySearch, IsTrueForTheLowestRobotOfASlot) {
     for (int slot = 0; slot < 4; ++slot) {
       const bool is_lowest = slot == 3 || robot <= (slot == 0 ? 3 : slot == 1 ? 5 : 9);
       EXPECT_EQ(may_search({robot, slot}, holders), is_lowest) << robot << ' ' << slot;
-      // Of six slots 3, 4 and 5 are free. Robots that look for one in the same slot choose
-      // different ones.
+      // Of six slots, 3, 4 and 5 are free. Robots of the same slot that need a new one choose
+      // different slots.
       EXPECT_EQ(next_slot({robot, slot}, holders, 6), is_lowest ? slot : 3 + robot % 3);
       EXPECT_EQ(next_slot({robot, slot}, holders, 3), slot) << "none is free";
     }

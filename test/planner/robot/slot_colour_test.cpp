@@ -12,7 +12,8 @@
 namespace vantage::planner {
 namespace {
 
-/// Random robots in a square, neighbours when they are near. Each knows its neighbours' last slots.
+/// Random robots in a square. Near robots are neighbours; each robot knows its neighbours' last
+/// slots.
 class Team {
  public:
   Team(int robots, double side_m, double near_m, int slots, unsigned seed)
@@ -43,8 +44,8 @@ class Team {
     return most;
   }
 
-  /// Runs one round and returns which robots search. All robots of a slot decide on what was known
-  /// when it began.
+  /// Runs one round and returns which robots search. All robots of a slot decide by the plans that
+  /// were published before the slot began.
   std::vector<bool> round() {
     std::vector<bool> searches(slot_.size(), false);
     const std::vector<int> before = slot_;
@@ -56,7 +57,7 @@ class Team {
           next_[i] = next_slot(own, neighbours(i), slots_);
         }
       }
-      for (std::size_t i = 0; i < slot_.size(); ++i) {  // published
+      for (std::size_t i = 0; i < slot_.size(); ++i) {  // publish the slots
         if (planned_[i] == slot) {
           slot_[i] = slot;
           claimed_[i] = true;

@@ -37,8 +37,8 @@ inline scenario::Scenario lab_scenario() {
   return scenario;
 }
 
-/// Returns the lab scenario with wind in the middle, for a team that pays for its energy and plans
-/// by local search.
+/// Returns the lab scenario with wind in the middle. The team's objective includes energy, and its
+/// team algorithm is local search.
 inline scenario::Scenario energy_scenario() {
   scenario::Scenario scenario = lab_scenario();
   scenario.world.regions = {{"wind", {{-0.8, -2.0}, {0.8, 2.0}}, 2.0}};

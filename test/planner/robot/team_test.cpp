@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::int64_t kFirstRound = 1'700'000'000;  // rounds of 1 s since the epoch
 
-// A team that plans in successive rounds on beliefs drawn from a seed. Mocap sees every robot
+// A team that plans in successive rounds on beliefs drawn from a seed. Mocap reports every robot
 // exactly on its plan.
 class Team {
  public:
@@ -202,7 +202,7 @@ TEST(RobotPlanner, ContinuesItsPlanAfterALateSearch) {
   Team team(test::lab_scenario(), 5);
   ASSERT_NO_FATAL_FAILURE(team.run_round(kFirstRound, 0.0));
   const auto before = team.plans();
-  ASSERT_NO_FATAL_FAILURE(team.run_round(kFirstRound + 1, 1.1));  // all robots without messages
+  ASSERT_NO_FATAL_FAILURE(team.run_round(kFirstRound + 1, 1.1));  // no robot receives messages
   for (const auto& [name, plan] : team.plans()) {
     EXPECT_EQ(plan.round, before.at(name).round);
   }
@@ -299,7 +299,7 @@ TEST(RobotPlanner, KeepsPositionOfNonFollowingTeammateFree) {
 // A restarted planner does not know the plan that its robot flies and that its teammates plan
 // around.
 TEST(RobotPlanner, WaitsForTheEndOfAnUnknownPlan) {
-  const scenario::Scenario scenario = test::lab_scenario();  // plans of 6 rounds
+  const scenario::Scenario scenario = test::lab_scenario();  // a plan lasts 6 rounds
   PlanInputs inputs = test::first_inputs(scenario, 0);
   models::VehicleStatus& status = inputs.team_statuses["Q1"];
   status.state = models::FlightState::kFollow;
@@ -320,8 +320,8 @@ TEST(RobotPlanner, WaitsForTheEndOfAnUnknownPlan) {
     EXPECT_FALSE(plans_in(rounds)) << rounds;
   }
   EXPECT_TRUE(plans_in(8));
-  // The plan brakes for half a second after its 6 s of steps. The vehicle is seen when the slot
-  // begins.
+  // The plan brakes for half a second after its 6 s of steps. The pose is that at the begin of the
+  // slot.
   inputs.slot.begin = inputs.slot.activation - from_seconds(0.49);
   EXPECT_TRUE(plans_in(7));
   inputs.slot.begin = inputs.slot.activation - from_seconds(0.51);

@@ -48,8 +48,8 @@ TEST(RestOf, IsTheRemainingMotion) {
   }
 }
 
-// A cut at a segment boundary keeps the following segments whole. A cut while braking keeps the
-// rest of the brake, from the current speed.
+// A cut at a segment boundary keeps the following segments unchanged. A cut while braking keeps the
+// remaining braking, from the current speed.
 TEST(RestOf, KeepsRemainingMotion) {
   models::Trajectory whole;
   whole.start_time = from_utime(1'700'000'000'000'000);
@@ -67,8 +67,8 @@ TEST(RestOf, KeepsRemainingMotion) {
   EXPECT_TRUE(rest_of(whole, whole.start_time + from_seconds(1.5)).segments.empty());
 }
 
-// The stop begins at the current pose and speed and leads straight ahead. A hovering vehicle gets
-// no segment.
+// The stop begins at the current pose and speed and is straight. For a hovering vehicle it has no
+// segment.
 TEST(StopFrom, BrakesFromTheCurrentSpeed) {
   std::mt19937_64 rng(12);
   for (int i = 0; i < 50; ++i) {

@@ -1,4 +1,4 @@
-// The direction in which a robot turns if no motion is feasible where it hovers.
+// Tests of the direction in which a robot turns when no motion is feasible from its hover pose.
 
 #include <algorithm>
 #include <cmath>
@@ -61,7 +61,7 @@ TEST_F(TurnToAWayOut, TurnsAwayFromTooNearTeammate) {
   std::uniform_real_distribution<double> place(-5.0, 5.0);
   for (int i = 0; i < 200; ++i) {
     const Pose2 start{place(rng), place(rng), any(rng)};
-    const double off_rad = any(rng);  // rad; from ahead to the direction away from it
+    const double off_rad = any(rng);  // rad; of the direction away, from ahead
     const auto at = [&](double bearing_rad, double distance_m) {
       return Eigen::Vector2d(start.x_m + distance_m * std::cos(bearing_rad),
                              start.y_m + distance_m * std::sin(bearing_rad));
@@ -86,7 +86,7 @@ TEST_F(TurnToAWayOut, TurnsAwayFromTooNearTeammate) {
   EXPECT_EQ(side_of({0.0, 0.0, 0.0}, false, 0.5), 1) << "as fast as it can turn";
 }
 
-// The robot may stay if that is best. If the search found nothing, it turns left.
+// In free space the robot keeps its heading. If the search found no plan, the robot turns left.
 TEST_F(TurnToAWayOut, KeepsItsHeadingInFreeSpace) {
   for (int i = 0; i < 8; ++i) {
     const Pose2 start{0.0, 0.0, wrap_to_pi(0.25 * kPi * i)};

@@ -19,8 +19,8 @@ struct Place {
   double height_m = 1.0;
 };
 
-// Two robots over several rounds. The first plans and is seen exactly on its plan; the other hovers
-// in place.
+// Two robots over several rounds. The first plans and is observed exactly on its plan; the other
+// hovers.
 class NearTeammate {
  public:
   NearTeammate(const Place& own, const Place& other, const Eigen::Vector2d& target_m)
@@ -34,7 +34,7 @@ class NearTeammate {
         at_(own.pose),
         planner_(scenario_, scenario_.robots[0].name) {}
 
-  /// Returns its plan of the next round. @pre the last call returned a plan
+  /// Returns the first robot's plan of the next round. @pre the last call returned a plan
   std::optional<models::RobotPlan> plan() {
     inputs_.slot = RoundSchedule(scenario_.planner, 0, 2).slot(round_++);
     if (inputs_.own_plan && inputs_.own_plan->trajectory.start_time <= inputs_.slot.begin) {
@@ -52,7 +52,7 @@ class NearTeammate {
     return inputs_.own_plan;
   }
 
-  /// Returns its greatest distance from where it began, m.
+  /// Returns the first robot's greatest distance from its start, m.
   [[nodiscard]] double gone_m() const { return gone_m_; }
   [[nodiscard]] std::int64_t turns_away() const { return planner_.counts().turns_away; }
 
@@ -84,7 +84,7 @@ double asked_m() {
   return spec.separation_m + 2.0 * spec.tracking_tolerance_m;
 }
 
-// From every heading, the robot turns and leaves a teammate that came too near and stays.
+// From every heading, the robot turns and moves away from a hovering teammate that is too near.
 TEST(RobotPlanner, MovesAwayFromATooNearTeammate) {
   for (int i = 0; i < 8; ++i) {
     NearTeammate robot({{0.75 * asked_m(), 0.0, wrap_to_pi(i * kPi / 4.0)}}, {}, {3.0, 1.0});

@@ -126,7 +126,7 @@ TEST(PartsMax, IsSevenPerTargetUpToItsLimit) {
   }
 }
 
-// The workspace makes its own search once; make_search() returns a separate one.
+// The workspace creates its own search once; make_search() returns a separate one.
 TEST(Workspace, SharesItsSearches) {
   Workspace workspace(test::lab_scenario());
   workspace.prefault();  // no search exists yet
@@ -163,8 +163,8 @@ TEST(Workspace, UsesScenarioSearchOptions) {
   EXPECT_EQ(finite.front().delta_m, 0.6);
 }
 
-// The grid shows the last observation, for any part and any earlier content. Observations expire
-// after the memory time.
+// The grid has the given time stamps and the world's free cells, for any part and any previous
+// content. Observations expire after the memory time.
 TEST(Workspace, ReturnsTheRequestedPartOfTheGrid) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.estimator.grid_memory_s = 10.0;
