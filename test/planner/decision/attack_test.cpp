@@ -12,7 +12,7 @@
 #include "planner/decision/team_set.hpp"
 #include "test/planner/decision/team_instance.hpp"
 
-// Attacks compared with every set of robots, and the number of oracle calls of each attack.
+// Compares each attack with all sets of robots, and checks its number of oracle calls.
 
 namespace vantage::planner {
 namespace {
@@ -58,7 +58,7 @@ std::vector<std::vector<int>> sets_of(const std::vector<int>& robots, int most) 
   return sets;
 }
 
-/// Calls look() for each drawn team, once as drawn and once with equal candidates, so that ties are
+/// Calls look() twice for each random team: unchanged, and with equal candidates, so that ties are
 /// frequent.
 template <class Look>
 void for_each_team(const Look& look) {
@@ -157,8 +157,8 @@ TEST(AttackOnBestAlone, PrefersLowerIndexAndTakesNoneForZeroAttacks) {
   });
 }
 
-// Each round takes the first of the best robots, even if it adds nothing. It evaluates all robots
-// that are left.
+// Each round takes the first of the best robots, even if it adds nothing. It evaluates all
+// remaining robots.
 TEST(AttackOnBestTogether, PrefersLowerIndexAndCountsOracleCalls) {
   for_each_team([](const TeamOracle& oracle, const Choice& choice) {
     const std::vector<int> robots = robots_of(choice);

@@ -38,7 +38,7 @@ TeamProblem team_of(const SearchProblem& problem, InformationMeasure measure) {
   return team;
 }
 
-// ½ (J without measurements − J of the search) is the log-det information of its best plan.
+// The log-det information of the best plan is ½ (J without measurements − J of the search).
 TEST(CandidateTrajectories, ContainTheBestPlanOfTheSearch) {
   ReducedValueIteration search({20'000, 400'000, 16, 16, 4});
   int planned = 0;
@@ -113,7 +113,7 @@ TEST(CandidateTrajectories, SupplyStandAloneGain) {
     for (CandidateId id = 0; id < asked.candidate_count(); ++id) {
       EXPECT_EQ(brought.alone(id), asked.alone(id)) << "seed " << seed;
     }
-    team.measure = InformationMeasure::kLogDet;  // the supplied gains are of the other measure
+    team.measure = InformationMeasure::kLogDet;  // the supplied gains are mutual information
     EXPECT_EQ(TeamOracle(team).calls(), asked.candidate_count());
   }
   EXPECT_GT(gaining, 100);
@@ -139,7 +139,7 @@ TEST(CandidateTrajectories, SupplyNoGainWithFixedInformation) {
       EXPECT_EQ(of.mutual_nats.has_value(), !is_fixed);
       made += is_fixed ? 1 : 0;
     }
-    // Teammates that see nothing fix nothing, even if the table of fixed information is allocated.
+    // If the table of fixed information contains only zeros, gains are supplied.
     for (auto& of_target : problem.fixed_information) {
       for (models::PositionMatrix& M : of_target) {
         M.setZero();
@@ -215,7 +215,7 @@ void expect_same_looks(const Candidate& a, const Candidate& b) {
 }
 
 // The measurements are the sums over all sensors, per target and step, at the expected target
-// positions. They are ordered by target and step and contain only what is visible.
+// positions. They are ordered by target and step and contain visible targets only.
 TEST(MakeCandidate, HasMeasurementsOfAllVisibleTargets) {
   int seen = 0;
   int hidden = 0;
@@ -257,8 +257,7 @@ TEST(MakeCandidate, HasMeasurementsOfAllVisibleTargets) {
   EXPECT_GT(hidden, 300);
 }
 
-// A candidate is the same if it is made from controls, from a search result or from a teammate's
-// trajectory.
+// Controls, a search result and a teammate's trajectory of the same motion give the same candidate.
 TEST(MakeCandidate, IsSameFromSearchAndFromMotion) {
   ReducedValueIteration search({20'000, 400'000, 16, 16, 4});
   const EnergyModel energy{0.3, 0.0, 1.0, 2.0, {}};
@@ -279,7 +278,8 @@ TEST(MakeCandidate, IsSameFromSearchAndFromMotion) {
     expect_same_looks(found, made);
     looks += static_cast<int>(made.looks.size());
 
-    // The sensor and height of the moving robot count, not those of the robot that evaluates it.
+    // The candidate uses the sensor and height of the moving robot, not those of the evaluating
+    // robot.
     const models::SensorModel sensor = problem.sensors.back();
     const models::Trajectory motion = to_trajectory(problem, result.controls);
     SearchProblem own = problem;
@@ -369,9 +369,9 @@ double least_lead(const PlainLeaf& leaf, const PlainLeaf& kept) {
   return least;
 }
 
-// Leaves are compared with all kept ones in ascending order. A leaf is dropped if it is within δ of
-// a kept leaf and its covariance is not smaller by more than ε. Compared with the tree that the
-// search leaves behind.
+// The expected candidates are computed from the tree of the search. Leaves are processed in
+// ascending order. A leaf is dropped if it is within δ of a kept leaf and its covariance is not
+// smaller than that leaf's by more than ε.
 TEST(CandidateTrajectories, AreTheNonRedundantLeaves) {
   ReducedValueIteration search({20'000, 400'000, 16, 16, 4});
   const EnergyModel energy{0.3, 0.1, 1.0, 2.0, {}};
@@ -398,7 +398,7 @@ TEST(CandidateTrajectories, AreTheNonRedundantLeaves) {
       std::vector<PlainLeaf> leaves = leaves_of(problem, energy, search.tree(), of.is_anytime);
       leaves.resize(std::min(leaves.size(), of.leaves_max));
       std::vector<const PlainLeaf*> kept;
-      bool is_on_an_edge = false;  // rounding decides
+      bool is_on_an_edge = false;  // result depends on rounding
       for (std::size_t i = 0; i < leaves.size() && kept.size() < of.candidates_max; ++i) {
         const PlainLeaf& leaf = leaves[i];
         is_on_an_edge |=

@@ -23,8 +23,8 @@ constexpr Time kActivation{Duration{1'000'000}};
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
-// Returns the choice of candidate `id`. Candidates of a drawn team have no motion, so start.x_m
-// holds the number.
+// Returns the choice of candidate `id`. Candidates of a random team have no motion, so start.x_m
+// contains the id.
 models::TeamChoice choice_of(const TeamOracle& oracle, CandidateId id,
                              const std::vector<std::string>& robots) {
   models::TeamChoice choice;
@@ -34,7 +34,7 @@ models::TeamChoice choice_of(const TeamOracle& oracle, CandidateId id,
   return choice;
 }
 
-// A whole team of sessions. All robots have the same problem, or each has its own.
+// A session for each robot of a team. The robots have one common problem or separate problems.
 class Team {
  public:
   // `problems`: one per robot, with the same numbers of candidates, or one for all.
@@ -102,7 +102,7 @@ double value_of(const TeamOracle& oracle, const Choice& choice) {
   return fresh.value();
 }
 
-// Returns the greatest rise of a deletion, an addition or a swap.
+// Returns the largest increase in value by a deletion, an addition or a swap.
 double largest_gain(const TeamOracle& oracle, const Choice& choice) {
   const double here = value_of(oracle, choice);
   double best = 0.0;
@@ -137,8 +137,8 @@ struct Outcome {
   std::vector<models::TeamProposal> said;
 };
 
-// Runs the sessions in random order, `calls` oracle calls per step. It ends when no session
-// searches and no message is under way, or after `steps_max` steps.
+// Runs the sessions in random order, `calls` oracle calls per step. Ends when no session searches
+// and no message is in transit, or after `steps_max` steps.
 Outcome run(Team& team, const Network& network, std::uint64_t seed, std::int64_t calls,
             int steps_max) {
   std::mt19937_64 rng(seed);
@@ -216,8 +216,7 @@ TEST(LocalSearchSession, EndsAndNeverLosesValueOnAnyNetwork) {
     const Outcome outcome = run(team, {0.4, 0.4, 30}, seed, 3, 1'000'000);
     ASSERT_TRUE(outcome.is_finished) << "seed " << seed;
     for (int robot = 0; robot < team.size(); ++robot) {
-      // Each session holds a choice of its team with the stated value; other sessions may hold
-      // better ones.
+      // Each session has a choice with the stated value. Other sessions may have better choices.
       const Choice choice = team.choice_held_by(robot);
       const double value = value_of(team.oracle_of(robot), choice);
       EXPECT_NEAR(team[robot].held() ? team[robot].held()->value_nats : 0.0, value, 1e-8);
@@ -300,7 +299,7 @@ TEST(LocalSearchSession, NeedsOnlyNewestMessage) {
   EXPECT_GE(heard, 200);
 }
 
-// Coordinate descent: the choices of the others are fixed, and the robot adds its best candidate.
+// Coordinate descent: the teammates' choices are committed, and the robot adds its best candidate.
 TEST(LocalSearchSession, AddsBestToCommittedChoices) {
   int added = 0;
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
@@ -367,7 +366,7 @@ TEST(LocalSearchSession, RefusesOtherRoundTeamOrRobot) {
   EXPECT_TRUE(is_refused(1, [](auto& p) { p.history.clear(); }));
   EXPECT_TRUE(is_refused(1, [](auto& p) { p.choices[0].trajectory.start.x_m += 1e-9; }));
   EXPECT_TRUE(is_refused(1, [](auto& p) { p.value_nats = -p.value_nats; }));
-  // A choice of its own robot with a motion that it does not have, as after a restart.
+  // A choice of the session's own robot with an unknown motion, as after a restart.
   EXPECT_TRUE(is_refused(0, [&](auto& p) {
     p.choices[0].trajectory.start.x_m += 100.0;
     p.history.back() = fingerprint(team.names(), p.choices);
@@ -379,7 +378,7 @@ TEST(LocalSearchSession, KeepsSeparationInProposals) {
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     const TeamProblem problem = drawn(seed);
     const TeamOracle oracle(problem);
-    // Candidates may go together only if their numbers differ by an even number.
+    // Candidates are compatible only if their ids differ by an even number.
     const auto apart = [](const models::TeamChoice& a, const models::TeamChoice& b) {
       return static_cast<int>(a.trajectory.start.x_m - b.trajectory.start.x_m) % 2 == 0;
     };
@@ -438,8 +437,8 @@ TEST(LocalSearchSession, CountsUnsharedInformation) {
   }
 }
 
-// The stated effect of its own robot's motion may change, for example after a restart with another
-// belief.
+// The information that a proposal states for a motion may differ between proposals, for example
+// after its robot restarted with another belief. The session uses the newest value.
 TEST(LocalSearchSession, UsesMotionEffectOfHeldSolution) {
   const auto session = [] {
     SessionSetup setup;

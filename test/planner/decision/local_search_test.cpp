@@ -30,7 +30,7 @@ std::vector<DistributedOptions> all_variants(double alpha) {
 }
 
 // True if no deletion, addition or swap with the candidates that are not excluded improves on
-// `choice`. Values are computed without increments.
+// `choice`. Each value is computed from scratch.
 bool is_local_optimum(const TeamOracle& oracle, const Choice& choice,
                       const std::vector<char>& excluded, const ImprovementRule& rule) {
   const auto value_of = [&](const Choice& of) {
@@ -210,8 +210,8 @@ TEST(LocalSearch, EndsAtALocalOptimum) {
   }
 }
 
-// 10 robots of 1250 candidates, nearly all equal in value. α/N⁴ vanishes in 1 + α/N⁴, so a search
-// that adopts equal values would not end.
+// 10 robots of 1250 candidates, nearly all equal in value. 1 + α/N⁴ rounds to 1, so a search that
+// adopts equal values would not end.
 TEST(LocalSearch, EndsWhenAlphaOverN4Vanishes) {
   TeamProblem problem = test::random_instance(3, {1, 1, 0.0}, {});
   problem.horizon_steps = 3;

@@ -91,7 +91,7 @@ TEST(PathsBound, IsAnUpperBound) {
       for (const std::int64_t nodes : {kNodes / 4, kNodes}) {
         const auto answer = bound.of(team, robots, measure, Deadline::nodes(nodes));
         ASSERT_GE(answer.information_nats, best - tolerance(best));
-        ASSERT_LE(answer.information_nats, before);  // more work, no looser bound
+        ASSERT_LE(answer.information_nats, before);  // more work never weakens the bound
         before = answer.information_nats;
       }
       if (before < kInfinity) {
@@ -101,7 +101,7 @@ TEST(PathsBound, IsAnUpperBound) {
     }
   }
   EXPECT_GT(told, static_cast<int>(team_count()));
-  EXPECT_LT(least, 0.05);  // the bound is nearly tight somewhere
+  EXPECT_LT(least, 0.05);  // almost tight for at least one team
 }
 
 TEST(PathsBound, CountsOnlyGivenRobots) {
@@ -140,7 +140,7 @@ TEST(PathsBound, UnderAttackIsAnUpperBound) {
   }
 }
 
-// The lattice cannot hold the horizon, and there is no deadline.
+// The horizon exceeds the capacity of the lattice, and there is no deadline.
 TEST(PathsBound, EndsWithoutALattice) {
   constexpr int kSteps = 44;
   PathsBound bound(4, kSteps);
@@ -163,10 +163,10 @@ TEST(PathsBound, IsInfiniteForUnsupportedProblems) {
       kInfinity);
 }
 
-// ---- All paths see the same, so that the bound is known ----
+// ---- Teams in which all paths have the same measurements, so that the bound is known ----
 
-/// A robot that drives straight on from `x_m`. Each step it measures all targets within 20 m with
-/// information 1 / σ².
+/// Returns a robot that drives straight from `x_m`. In each step it measures all targets within 20
+/// m with information 1 / σ².
 SearchProblem observer_robot(double x_m, double sigma_m) {
   SearchProblem problem;
   problem.start = {x_m, 0.0, 0.0};
@@ -196,7 +196,7 @@ double known_nats(double told, InformationMeasure measure) {
              : std::log(1.0 + told) + std::log(1.0 + 2.0 * told) + std::log(1.0 + 3.0 * told);
 }
 
-// The first and the third robot see one target, the second the other.
+// Returns a team in which the first and third robot see one target and the second robot the other.
 std::vector<SearchProblem> observer_team() {
   return {observer_robot(0.0, 0.5), observer_robot(100.0, 1.0), observer_robot(1.0, 2.0)};
 }
@@ -224,7 +224,7 @@ TEST(PathsBound, IsExactWhenAllPathsSeeTheSame) {
     const PathsBound::Answer turned = of({2, 1, 0});
     EXPECT_NEAR(turned.information_nats, all.information_nats, 1e-3);
     EXPECT_NEAR(turned.parts[0], all.parts[2], 1e-3 * all.parts[0]);
-    // Fixed information of teammates does not count for the robots.
+    // Fixed information must not change the bound of the team.
     for (std::size_t robot = 0; robot < team.size(); ++robot) {
       team[robot].fixed_information.assign(
           2, std::vector<models::PositionMatrix>(3, models::PositionMatrix::Identity(2, 2)));
@@ -246,7 +246,8 @@ TEST(PathsBound, UnderAttackExcludesBestRobots) {
                    known_nats(4.25, measure) + known_nats(1.0, measure));
     }
     EXPECT_EQ(left(0).parts.size(), 3U);
-    // The robot with the greatest part is attacked. The information that it alone sees is lost.
+    // The robot with the largest part of the bound is attacked. The information that it alone sees
+    // is lost.
     const std::vector<double> parts =
         bound.of(team, std::vector<int>{0, 1, 2}, measure, Deadline::nodes(kNodes)).parts;
     const bool is_first = parts[0] > parts[1];
@@ -259,7 +260,7 @@ TEST(PathsBound, UnderAttackExcludesBestRobots) {
     EXPECT_EQ(left(3).information_nats, 0.0);
     EXPECT_EQ(left(9).information_nats, 0.0);
     EXPECT_TRUE(left(3).parts.empty());
-    // Half of the work finds the attacked robots, half bounds the others.
+    // Half of the work determines the attacked robots, half computes the bound of the others.
     EXPECT_GE(left(1).work_nodes, 2 * kNodes);
     EXPECT_LE(left(1).work_nodes, 3 * kNodes);
     EXPECT_GE(left(3).work_nodes, kNodes);

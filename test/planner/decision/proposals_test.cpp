@@ -13,8 +13,8 @@
 #include "planner/decision/local_search_session.hpp"
 #include "test/planner/decision/team_instance.hpp"
 
-// Proposals between robots: the stated motions, their fingerprints, which of two proposals is held,
-// and when a session stops.
+// Tests of proposals: fingerprints of motions, stated gains, the preference between two proposals,
+// and the end of a session.
 
 namespace vantage::planner {
 namespace {
@@ -48,8 +48,8 @@ models::TeamChoice choice() {
   return choice;
 }
 
-// Each character and each number is one word of eight bytes, least significant first. Words follow
-// the motion: start, height, and per segment speed, yaw rate, duration and braking.
+// Each character and each number is one word of eight bytes, least significant first. A motion
+// consists of start, height, and per segment speed, yaw rate, duration and deceleration.
 TEST(Fingerprint, IsIndependentOfTheMachine) {
   std::vector<unsigned char> bytes;
   add_word(bytes, 'Q');
@@ -102,7 +102,7 @@ TEST(Fingerprint, DependsOnMotionAndNotOnValue) {
 
 // ---- Sessions ----
 
-/// A candidate of Q2 that measures one static target: information m brings log(1 + m) nats.
+/// A candidate of Q2 that measures one static target with information m, a gain of log(1 + m) nats.
 struct Own {
   double m = 0.0;
   double cost = 0.0;
@@ -175,7 +175,7 @@ TEST(LocalSearchSession, StatesStandAloneGainAndCost) {
   EXPECT_NEAR(proposal->choices[0].information_nats, std::log(4.0) + 0.25, 1e-12);
   EXPECT_EQ(proposal->choices[0].energy_nats, 0.5);
   EXPECT_EQ(proposal->history, (std::vector<std::int64_t>{fingerprint(kTeam, proposal->choices)}));
-  // It evaluates its deletion and then the swap with the other candidate.
+  // The session evaluates the deletion and then the swap with the other candidate.
   EXPECT_TRUE(session.is_searching());
   EXPECT_FALSE(session.improve(Deadline::never()));
   EXPECT_FALSE(session.is_searching());
@@ -189,7 +189,7 @@ TEST(LocalSearchSession, HoversWhenNoMotionIsWorthItsCost) {
   EXPECT_FALSE(session.held());
 }
 
-// A rise of kLeastRise_nats is proposed; a smaller one is not.
+// An increase in value by kLeastRise_nats is proposed; a smaller one is not.
 TEST(LocalSearchSession, ProposesRisesOfAtLeast1e6Nats) {
   EXPECT_EQ(LocalSearchSession::kLeastRise_nats, 1e-6);
   LocalSearchSession below(setup_of({{std::expm1(0.9e-6), 0.0, 0.0}}));
@@ -212,8 +212,8 @@ TEST(LocalSearchSession, RefusesForeignTeamAndUnknownMotions) {
   EXPECT_THROW(LocalSearchSession{std::move(fewer)}, UsageError);
 }
 
-// The greater value is held, then the sender that is first in the team, then the lower fingerprint.
-// Sessions that received the same proposals in any order hold the same one.
+// A session prefers the greater value, then the sender that is first in the team, then the lower
+// fingerprint. It selects the same proposal for any order of arrival.
 TEST(LocalSearchSession, HoldsSameProposalInAnyOrder) {
   models::TeamProposal low = said_by("Q3", 1.0, 1.0);
   models::TeamProposal high = said_by("Q3", 1.0, 2.0);
@@ -221,7 +221,7 @@ TEST(LocalSearchSession, HoldsSameProposalInAnyOrder) {
     std::swap(low, high);
   }
   const std::vector<std::pair<models::TeamProposal, models::TeamProposal>> pairs = {
-      {said_by("Q3", 2.0), said_by("Q1", 1.0)},  // the better, the worse
+      {said_by("Q3", 2.0), said_by("Q1", 1.0)},  // better, worse
       {said_by("Q1", 1.0), said_by("Q3", 1.0)},
       {low, high},
   };
@@ -273,7 +273,7 @@ TEST(LocalSearchSession, ChecksRoundAndValidityOfProposals) {
   EXPECT_EQ(with("Q9", 5.0), Verdict(true, false));
 }
 
-// Chains of proposals are bounded: a robot stops proposing at 256.
+// A history has at most 256 solutions; then a robot proposes no further solution.
 TEST(LocalSearchSession, LimitsTheHistoryTo256) {
   for (const std::size_t before : {std::size_t{254}, std::size_t{255}}) {
     LocalSearchSession session(setup_of({{3.0, 0.0, 0.0}}));
@@ -310,7 +310,7 @@ TEST(LocalSearchSession, ProposesNoEarlierSolution) {
   }
 }
 
-// Committed choices have value 0; values count what is added to them.
+// Values are gains relative to the committed choices, which have value 0.
 TEST(LocalSearchSession, BeginsFromCommittedChoices) {
   SessionSetup setup = setup_of({{3.0, 0.0, 0.0}});
   setup.committed = said_by("Q3", 5.0).choices;

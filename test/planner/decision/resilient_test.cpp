@@ -25,8 +25,8 @@ double value_of(const TeamOracle& oracle, const Choice& choice) {
   return team.value();
 }
 
-// Returns κ of J restricted to the trajectories of `choice`, which is at most that of the ground
-// set.
+// Returns the curvature κ of J restricted to the trajectories of `choice`, at most the κ of the
+// ground set.
 double curvature(const TeamOracle& oracle, const Choice& choice) {
   TeamSet team(oracle);
   team.become(choice);
@@ -40,8 +40,8 @@ double curvature(const TeamOracle& oracle, const Choice& choice) {
   return 1.0 - least;
 }
 
-// Returns the total curvature c over the ground set. Sets with several candidates of one robot
-// count.
+// Returns the total curvature c over the ground set, including sets with several candidates of one
+// robot.
 double total_curvature(const TeamProblem& problem, const TeamOracle& oracle) {
   const auto n = static_cast<unsigned>(oracle.candidate_count());
   std::vector<double> values(std::size_t{1} << n);
@@ -151,7 +151,8 @@ TEST(AttackOnBestAlone, TakesRobotsWithHighestStandAloneValue) {
   }
 }
 
-// Bait robots keep their best stand-alone candidates, and the attack on the best alone takes these.
+// Bait robots keep their best stand-alone candidates, and the attack on the best alone attacks
+// these robots.
 TEST(AttackOnBestAlone, AttacksTheBait) {
   for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
     const TeamProblem problem = test::random_instance(seed, {4, 4, 0.0}, {});
@@ -313,7 +314,7 @@ TEST(BaitRobots, HaveHighestValueThenLowerIndex) {
   EXPECT_EQ(bait_robots(values, 9), (std::vector<int>{0, 1, 2, 3, 4}));
 }
 
-// The attack that the experiments call worst case, compared with all attacks.
+// Compares the greedy attack, the worst case of the experiments, with all attacks.
 TEST(GreedyAttack, NearlyAlwaysEqualsTheWorstAttack) {
   int all_apart = 0;
   for (const InformationMeasure measure :

@@ -12,7 +12,7 @@
 #include "test/planner/decision/team_instance.hpp"
 #include "test/planner/problem/random_problem.hpp"
 
-// The parts of team searches, compared with their documented order.
+// Compares the parts of team searches with plain implementations of their documented order.
 
 namespace vantage::planner {
 namespace {
@@ -36,8 +36,8 @@ std::vector<char> drawn_exclusion(const TeamOracle& oracle, std::uint64_t seed) 
 
 // ---- The improvement rule and ties ----
 
-// A change improves if g' ≥ (1 + α/N⁴) g, with g = J + O and O the sum of the highest costs per
-// robot, and if J rises.
+// A change improves if J increases and g' ≥ (1 + α/N⁴) g, where g = J + O and O is the sum of the
+// highest cost of each robot.
 TEST(ImprovementRule, RequiresShareOfValueAndCosts) {
   const TeamProblem one = made_team(1, {{{0, 1.0, 3.0}}});
   const TeamOracle of_one(one);
@@ -57,7 +57,7 @@ TEST(ImprovementRule, RequiresShareOfValueAndCosts) {
   EXPECT_FALSE(with_rise.improves(4.0, 4.499));
   EXPECT_TRUE(with_rise.improves(4.0, 4.5));
   EXPECT_DOUBLE_EQ(with_rise.least(4.0), 4.5);
-  // No robot has candidates: N is 0, and a value without a rise is still no improvement.
+  // If no robot has candidates, N is 0. An unchanged value is still no improvement.
   const TeamProblem none = made_team(1, std::vector<std::vector<test::Made>>(1));
   const TeamOracle of_none(none);
   EXPECT_FALSE(ImprovementRule(of_none, 1.0).improves(0.0, 0.0));
@@ -100,8 +100,8 @@ TEST(TieRule, PrefersValueThenLowNumbersThenDeletions) {
 
 // ---- Additions ----
 
-// Returns the best addition of a robot, even if it adds nothing; of equal ones the lowest number.
-// With bounds the results are the same for fewer calls.
+// The best addition of a robot may add nothing; of equal candidates it has the lowest id. Lazy
+// evaluation with bounds has the same result with fewer calls.
 TEST(BestAddition, IsFirstBestCandidateAsSolutionGrows) {
   std::int64_t calls = 0;
   std::int64_t lazy_calls = 0;
@@ -153,8 +153,8 @@ struct Asked {
   std::int64_t calls = 0;
 };
 
-// Evaluates additions first, then for the robot's own trajectory and each teammate's the deletion
-// and the swaps.
+// Evaluates the additions, then the deletion and the swaps of the robot's own and of each
+// teammate's trajectory.
 Asked first_by_the_order(const TeamOracle& oracle, const ImprovementRule& rule, int robot,
                          const Choice& choice, const std::vector<char>& excluded,
                          const std::vector<CandidateId>& candidates) {
@@ -224,7 +224,7 @@ TEST(ProposalSearch, ProposesFirstImprovementInOrder) {
           const Choice choice = test::random_choice(oracle, 10 * seed + again);
           const std::vector<char> excluded = drawn_exclusion(oracle, seed + again);
           const Asked first = first_by_the_order(oracle, rule, robot, choice, excluded, numbers);
-          // The search is abandoned in the middle of another choice, as when a teammate proposes.
+          // A search from another choice is interrupted, as by a teammate's proposal.
           const std::vector<char> no_exclusion(excluded.size(), 0);
           const Choice other = test::random_choice(oracle, 10 * seed + again + 5);
           search.begin(other, value_of(oracle, other), no_exclusion);
@@ -252,8 +252,8 @@ TEST(ProposalSearch, ProposesFirstImprovementInOrder) {
   EXPECT_GT(nothing, 100);
 }
 
-// The search goes through the candidates from the best stand-alone value down. It stops where none
-// can gain enough, and so misses no improvement.
+// The search evaluates candidates in descending order of stand-alone value. It stops when none of
+// the rest can gain enough, so it misses no improvement.
 TEST(ProposalSearch, StopsEarlyOnlyWithoutImprovement) {
   std::int64_t calls = 0;
   std::int64_t all_calls = 0;

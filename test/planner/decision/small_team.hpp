@@ -33,7 +33,7 @@ inline planner::Choice changed(const planner::TeamOracle& oracle, planner::Choic
 }
 
 /// A candidate that measures one static target with information `nats`. Candidates of one target
-/// bring less than their sum.
+/// gain less than the sum of their information.
 struct Made {
   int target = 0;
   double nats = 0.0;

@@ -13,8 +13,8 @@
 #include "test/planner/decision/small_team.hpp"
 #include "test/planner/decision/team_instance.hpp"
 
-// Team searches on problems small enough to follow by hand: calls, messages and changes of each.
-// Drawn problems are compared with plain implementations.
+// Team searches with calls, messages and changes that are known in advance for small problems.
+// Results for random problems are compared with plain implementations.
 
 namespace vantage::planner {
 namespace {
@@ -27,12 +27,12 @@ using test::value_of;
 
 constexpr std::uint64_t kInstances = 200;
 
-// ---- Searches that can be followed by hand ----
+// ---- Searches with known calls and messages ----
 
-// One robot with a better and a worse trajectory. Central search: it evaluates the deletion and
-// both swaps, then for the worse one its deletion and itself. Distributed search: it sends its
-// candidate count and best value, then that it proposes nothing. It evaluates deletion and swap,
-// then the deletion alone.
+// One robot with a better and a worse trajectory. The central search evaluates the deletion and
+// both swaps, then the deletion of the worse one and its swap with itself. In the distributed
+// search the robot sends its candidate count and best value, then that it proposes nothing. It
+// evaluates deletion and swap, then the deletion only.
 TEST(LocalSearch, CallsPerMoveForOneRobot) {
   const TeamProblem problem = made_team(1, {{{0, 1.0}, {0, 2.0}}});
   const TeamOracle oracle(problem);
@@ -55,8 +55,8 @@ TEST(LocalSearch, CallsPerMoveForOneRobot) {
 }
 
 // Two robots with one trajectory each and separate targets. The better trajectory is the initial
-// choice. The other is added (one call, one message). Then both robots evaluate both deletions and
-// report that they propose nothing. The second round has no candidates left.
+// choice. The other one is added (one call, one message). Then both robots evaluate both deletions
+// and report that they propose nothing. The second round has no candidates left.
 TEST(LocalSearch, AddsSecondRobotOnce) {
   const TeamProblem problem = made_team(2, {{{0, 1.0}}, {{1, 2.0}}});
   const TeamOracle oracle(problem);
@@ -70,7 +70,7 @@ TEST(LocalSearch, AddsSecondRobotOnce) {
     EXPECT_EQ(warm.messages, (2 + 1 + 2) + (2 + 2));
     EXPECT_EQ(warm.adopted, 1);
     EXPECT_NEAR(warm.value, 3.0, 1e-12);
-    // Without the warm start, the other robot evaluates its deletion meanwhile.
+    // Without the warm start, the other robot also evaluates its deletion.
     const TeamDecision cold =
         distributed_local_search(oracle, {1.0, lazy, false}, Deadline::never());
     EXPECT_EQ(cold.optima, warm.optima);
@@ -78,8 +78,8 @@ TEST(LocalSearch, AddsSecondRobotOnce) {
     EXPECT_EQ(cold.messages, (2 + 1 + 2) + (2 + 2));
     EXPECT_EQ(cold.adopted, 1);
   }
-  // Central search: one deletion and the addition, then two deletions and the swap of each with
-  // itself.
+  // The central search evaluates one deletion and the addition, then two deletions and the swap of
+  // each candidate with itself.
   const TeamDecision central = centralised_local_search(oracle, 1.0, Deadline::never());
   EXPECT_EQ(central.optima, (std::vector<Choice>{both, nobody}));
   EXPECT_EQ(central.oracle_calls, (1 + 1) + (2 + 2));
@@ -135,7 +135,8 @@ TEST(LocalSearch, IsOverWithOneCallMoreThanItTakes) {
 
 // ---- Coordinate descent ----
 
-// Each turn evaluates all candidates of one robot. The search ends after a round without a change.
+// In each turn, all candidates of one robot are evaluated. The search ends after a round without a
+// change.
 TEST(CoordinateDescent, EndsAfterATurnThatChangesNothingAndCountsEveryTurn) {
   for (const InformationMeasure measure : kMeasures) {
     for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
@@ -197,7 +198,8 @@ TEST(CoordinateDescent, EndsInASingleRobotOptimum) {
   EXPECT_GT(kept, 500);
 }
 
-// Each step adds the candidate, of any robot without one, that adds most; of equal ones the first.
+// Each step adds the candidate with the largest gain among the robots without a candidate; of equal
+// ones the first.
 TEST(Greedy, AddsBestCandidateWhileItGains) {
   for (const InformationMeasure measure : kMeasures) {
     std::int64_t calls = 0;
@@ -243,7 +245,7 @@ TEST(Greedy, AddsBestCandidateWhileItGains) {
 
 // ---- Against attacks ----
 
-// Bait robots take their best stand-alone candidates; the others plan together.
+// Bait robots use their best stand-alone candidates; the others plan together.
 TEST(PlanResiliently, GivesBaitTheirBestWithTwoMessagesEach) {
   // Robots 1 and 2 see one target, robots 0 and 3 another.
   const TeamProblem problem = made_team(
@@ -272,8 +274,8 @@ TEST(PlanResiliently, GivesBaitTheirBestWithTwoMessagesEach) {
 
 // ---- Bounds on the value ----
 
-// Robots with separate targets, with costs and unshared information: the bound is the optimum for
-// any choice. For two robots that see the same target it is less than their sum.
+// For robots with separate targets the bound equals the optimum, from any choice. For two robots
+// that see the same target it is I(S) plus the gains of both.
 TEST(ValueBound, EqualsTheOptimumForIndependentRobots) {
   TeamProblem problem =
       made_team(3, {{{0, 1.0, 0.25}, {0, 2.0, 1.5}}, {{1, 1.0, 3.0}}, {{2, 0.5}}});
@@ -289,7 +291,7 @@ TEST(ValueBound, EqualsTheOptimumForIndependentRobots) {
   const double both = std::log(1.0 + 2.0 * std::expm1(2.0));
   const double all_three = std::log(1.0 + 3.0 * std::expm1(2.0));
   EXPECT_NEAR(value_bound(of_same, {kNoCandidate, kNoCandidate}), 2.0 + 2.0, 1e-12);
-  // I(S) plus the gain of each of the two candidates, also that of the chosen robot.
+  // I(S) plus the gain of each of the two candidates, including the candidate of a chosen robot.
   EXPECT_NEAR(value_bound(of_same, {0, kNoCandidate}), 2.0 + 2.0 * (both - 2.0), 1e-12);
   EXPECT_NEAR(value_bound(of_same, {0, 1}), both + 2.0 * (all_three - both), 1e-12);
 }

@@ -12,16 +12,16 @@ struct InstanceLimits {
   int robots_max = 4;
   int candidates_max = 4;   ///< per robot; some robots have none
   double cost_max = 0.0;    ///< nats; 0: trajectories cost nothing
-  int candidates_all = 99;  ///< of the whole team
+  int candidates_all = 99;  ///< sum over the team
 };
 
 /// Returns a small team problem drawn by `seed`. Targets are planar, spatial or moving, and
-/// measurements have any rank. Some candidates see nothing, and some are equal.
+/// measurements have any rank. Some candidates have no measurements, and some are equal.
 planner::TeamProblem random_instance(std::uint64_t seed, const InstanceLimits& limits,
                                      planner::InformationMeasure measure);
 
-/// Returns J of any set of candidates, also several of one robot, by the plain recursion of
-/// models/belief from the first step. It is the reference for all other computations.
+/// Returns J of any set of candidates (several per robot are allowed), computed by the recursion of
+/// models/belief from the first step. It is the reference for all faster computations.
 double plain_value(const planner::TeamProblem& problem,
                    const std::vector<const planner::Candidate*>& chosen);
 

@@ -97,7 +97,7 @@ TEST(TeamSet, CountsOneCallForEachValueThatIsAskedFor) {
   EXPECT_EQ(team.calls(), oracle.candidate_count() + 1);
 }
 
-// I(S ∪ {a}) − I(S) never grows with S. Lazy searches and all guarantees need this.
+// I(S ∪ {a}) − I(S) never grows with S. Lazy searches and all guarantees require this property.
 TEST(MutualInformation, NeverGainsMoreFromALargerSet) {
   for (std::uint64_t seed = 0; seed < 500; ++seed) {
     const TeamProblem problem = test::random_instance(seed, {5, 3, 0.0}, {});
@@ -212,7 +212,7 @@ TEST(TeamOracle, RanksCandidatesByStandAloneValue) {
       for (Candidate& candidate : of_robot) {
         candidate.unshared_nats = test::pick(rng, 0, 1) * test::uniform(rng, 0.0, 2.0);
         if (test::pick(rng, 0, 2) == 0) {
-          candidate.mutual_nats = test::uniform(rng, 0.0, 5.0);  // which is trusted
+          candidate.mutual_nats = test::uniform(rng, 0.0, 5.0);  // used without a check
         }
         const bool is_known =
             candidate.mutual_nats && problem.measure == InformationMeasure::kMutual;
