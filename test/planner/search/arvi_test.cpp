@@ -43,7 +43,7 @@ void for_oracle_problems(const Check& check) {
 void expect_optimal(std::uint64_t seed, const SearchProblem& problem,
                     const test::OracleAnswer& best, const SearchResult& result) {
   EXPECT_EQ(result.stop_reason == StopReason::kMemory, false);
-  if (!best.found) {  // the robot can only stop on the way
+  if (!best.found) {  // the robot has to stop before the horizon
     EXPECT_LT(result.moving_steps, problem.horizon_steps) << "seed " << seed;
     return;
   }
@@ -60,7 +60,7 @@ TEST(Exhaustive, EqualsOracle) {
             search.plan(problem, options(ReducedSearch::kExhaustive), Deadline::never());
         EXPECT_EQ(result.stop_reason, StopReason::kFinished);
         // Work is counted before each check of the deadline: one per generated node and one per
-        // expansion. Where nothing is pruned, no candidate nodes are considered.
+        // expansion. Without pruning, no pruning candidates are compared.
         EXPECT_EQ(result.work_nodes - result.nodes_generated, result.nodes_expanded);
         EXPECT_GE(result.peak_bytes, static_cast<std::size_t>(result.nodes_generated) * 48);
         expect_optimal(seed, problem, best, result);
@@ -165,7 +165,7 @@ TEST(LowerBound, IsAtMostTheOptimum) {
   EXPECT_GE(finite, 150);
 }
 
-// With δ = ∞ all nodes are δ-crossing, so only ε decides about pruning.
+// With δ = ∞ all nodes are δ-crossing, so pruning depends on ε only.
 TEST(Reduced, TestsRedundancyWhenAllPosesCross) {
   ReducedValueIteration search(small_capacity());
   int opened = 0;
@@ -217,8 +217,8 @@ TEST(Reduced, AllocatesNothingForANewProblem) {
   }
 }
 
-// Memory that is reserved for the worst case is only used when needed. A planner in flight touches
-// all of it at the start. (A few pages of code or stack may be touched for the first time.)
+// Memory that is reserved for the worst case is committed on first use. A planner in flight touches
+// all of it at the start. (A few pages of code or stack may also be touched for the first time.)
 TEST(Reduced, CommitsMemoryOnUseUnlessPrefaulted) {
   if (!test::AllocationCounter::is_active()) {
     GTEST_SKIP() << "the sanitizer has its own memory";
@@ -234,7 +234,7 @@ TEST(Reduced, CommitsMemoryOnUseUnlessPrefaulted) {
   ReducedValueIteration lean{SearchCapacity{}};
   EXPECT_LT(faults.count(), 1'000);  // 4 MB; 113 MB are reserved
   EXPECT_GT(faults_of(lean), kFew);
-  EXPECT_LE(faults_of(lean), kFew);  // it keeps its memory
+  EXPECT_LE(faults_of(lean), kFew);  // memory is reused
   ReducedValueIteration ready{SearchCapacity{}};
   ready.prefault();
   EXPECT_LE(faults_of(ready), kFew);

@@ -33,7 +33,7 @@ BestFirstOptions options(BestFirst search, double weight = 1.0, double epsilon =
 
 const std::vector<test::SolvedProblem>& solved() { return test::solved_problems(1000, 400); }
 
-// Returns Σ_k L_k, the floor that weights leave unchanged.
+// Returns Σ_k L_k, the part of the bound that weights do not change.
 double floor_of(const SearchProblem& problem) {
   BeliefTable beliefs(8, 8);
   beliefs.reset(problem);
@@ -309,8 +309,8 @@ TEST(BestFirst, ReportsFullArenaWithPlanAndBound) {
   EXPECT_LE(result.lower_bound, optimum);
 }
 
-// Returns the bound of Theorem 6 as in the text: M̄ = λ_max I for every target, over everything in
-// reach.
+// Returns the bound of Theorem 6 as published: M̄ = λ_max I for every target, with λ_max over all
+// reachable poses.
 double isotropic_bound(const SearchProblem& problem) {
   double bound = 0.0;
   double step_m = 0.0;
@@ -345,7 +345,7 @@ double isotropic_bound(const SearchProblem& problem) {
   return bound;
 }
 
-// The bound is not above the cost of any plan, hovering included, and mostly tighter than the
+// The bound is at most the cost of any plan, including hovering, and usually tighter than the
 // isotropic bound.
 TEST(RootBound, IsBelowEveryPlanAndUsuallyTighterThanIsotropic) {
   RootBound root(8, 8);
@@ -364,7 +364,7 @@ TEST(RootBound, IsBelowEveryPlanAndUsuallyTighterThanIsotropic) {
     if (each.best.found) {
       EXPECT_LE(moving_plan, each.best.cost + slack(each.best.cost));
     }
-    // Stopping and hovering at once is also a plan.
+    // An immediate stop followed by a hover is also a plan.
     const SearchResult& plan = greedy.plan(problem, how, Deadline::nodes(0));
     if (plan.found) {
       EXPECT_LE(any_plan, plan.cost + slack(plan.cost));

@@ -78,8 +78,8 @@ void expect_like(const AveragedBlock& block, const models::StateMatrix& covarian
   EXPECT_NEAR(std::log(block.determinant()), models::log_det(covariance), 1e-8) << what;
 }
 
-// The block stays the mean information over all turns and mirror images of the plane, through all
-// updates.
+// After each update, the block is the mean information over all rotations and reflections of the
+// plane.
 TEST(AveragedBlock, IsTheMeanOverAllPlanarSymmetries) {
   std::mt19937_64 rng(41);
   for (int i = 0; i < 300; ++i) {
@@ -89,7 +89,7 @@ TEST(AveragedBlock, IsTheMeanOverAllPlanarSymmetries) {
     const double step_s = uniform(rng, 0.1, 1.5);
     const StepMotion motion = step_motion(model, step_s);
     ASSERT_TRUE(motion.is_alike());
-    // The axis with the smaller noise counts.
+    // The averaged block uses the axis with the smaller noise.
     models::TargetModel least = model;
     const Eigen::Index calm =
         model.surroundings.position_sigma_m(0) <= model.surroundings.position_sigma_m(1) ? 0 : 1;
@@ -146,7 +146,7 @@ Eigen::Matrix2d along(double angle_rad, double strength) {
   return strength * u * u.transpose();
 }
 
-// Compared with the best of many directions of one or two measurements.
+// Compares the result with the best of many directions of one or two measurements.
 TEST(PointedInformation, EqualsBestMeasurementDirections) {
   std::mt19937_64 rng(43);
   int stretched = 0;
@@ -183,7 +183,7 @@ TEST(PointedInformation, EqualsBestMeasurementDirections) {
         least_trace_twice = std::min(least_trace_twice, both.inverse().trace());
       }
     }
-    // Above all tried directions, and by no more than the spacing of the tried angles explains.
+    // At least the best tested direction. The tolerance covers the spacing of the tested angles.
     EXPECT_GE(once.determinant(), most_once * (1.0 - 1e-9));
     EXPECT_LE(once.determinant(), most_once * 1.01);
     EXPECT_LE(once.covariance_trace(), least_trace_once * (1.0 + 1e-9));

@@ -7,12 +7,13 @@
 #include "test/planner/search/exhaustive_oracle.hpp"
 #include "test/planner/search/solved_problems.hpp"
 
-// Paths of the baselines that do not search, compared with all paths that exist.
+// Compares paths of the baselines that do not search with all feasible paths.
 
 namespace vantage::planner {
 namespace {
 
-// With and without walls, the walk is a collision-free path along its controls whenever one exists.
+// With and without walls, the walk is collision-free and follows its controls whenever such a path
+// exists.
 TEST(RandomWalk, FindsCollisionFreePathIfOneExists) {
   RandomWalk walk(test::small_capacity());
   int walked = 0;

@@ -36,7 +36,7 @@ TEST(LawnMower, CoversTheWholeFloor) {
   }
 }
 
-// The row spacing is the range of the first sensor, whatever the other sensors are.
+// The row spacing is the range of the first sensor, for any other sensors.
 TEST(LawnMower, SpacesItsRowsByTheFirstSensor) {
   models::World world;
   world.bounds = {{-6.0, -4.0}, {6.0, 4.0}};
@@ -58,7 +58,7 @@ TEST(LawnMower, SpacesItsRowsByTheFirstSensor) {
     LawnMower search(SearchCapacity{});
     std::vector<int> way;
     SearchProblem next = problem;
-    for (int round = 0; round < 8; ++round) {  // far enough to have changed rows
+    for (int round = 0; round < 8; ++round) {  // long enough to reach the next row
       const SearchResult& result = search.plan(next, {}, Deadline::never());
       way.insert(way.end(), result.controls.begin(), result.controls.end());
       if (!result.poses.empty()) {
@@ -72,15 +72,15 @@ TEST(LawnMower, SpacesItsRowsByTheFirstSensor) {
   EXPECT_NE(way_with({4.0}), way_with({1.0}));
 }
 
-// The longer side of the area is cut into strips. Each strip is swept row by row and back from its
-// lower edge, with a margin to walls and neighbouring strips.
+// The longer side of the area is cut into strips. Each strip is swept row by row from its lower
+// edge and back, with a margin to walls and neighbouring strips.
 TEST(LawnMower, SweepsItsStripInBothDirections) {
   for (const bool is_wide : {false, true}) {
     const auto at = [&](double across, double along) {
       return is_wide ? Eigen::Vector2d(along, across) : Eigen::Vector2d(across, along);
     };
     const models::Rectangle bounds{at(-2.0, 1.0), at(4.0, 13.0)};
-    const auto way = lawn_mower_waypoints(bounds, 1, 3, 1.5, 0.5);  // the strip from 5 to 9
+    const auto way = lawn_mower_waypoints(bounds, 1, 3, 1.5, 0.5);  // strip from 5 m to 9 m
     std::vector<Eigen::Vector2d> expected{at(-1.5, 5.5), at(3.5, 5.5),  at(3.5, 7.0),
                                           at(-1.5, 7.0), at(-1.5, 8.5), at(3.5, 8.5)};
     expected.insert(expected.end(), expected.rbegin(), expected.rend());
@@ -160,7 +160,7 @@ TEST(LawnMower, SkipsUnreachableWaypoint) {
     EXPECT_TRUE(result.controls.empty());
     EXPECT_NEAR(result.cost, score(problem, result.poses), 1e-12);
   }
-  // At the fourth waypoint it turns to the fifth at once.
+  // At the fourth waypoint the robot immediately turns to the fifth.
   problem = free;
   problem.start = {way[3].x(), way[3].y(), 0.0};
   const SearchResult& result = search.plan(problem, {}, Deadline::never());

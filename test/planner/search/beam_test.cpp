@@ -46,8 +46,8 @@ TEST(RefiningBeam, ReportsOptimum) {
   EXPECT_GE(solvable, 300);
 }
 
-// At every budget there is a plan once a pass is complete. Its cost never rises with the budget,
-// and the lower bound is below every plan.
+// At every budget with a complete pass there is a plan. Its cost never rises with the budget, and
+// the lower bound is below every plan.
 TEST(RefiningBeam, BoundHoldsAndCostNeverRises) {
   RefiningBeam search(small_capacity());
   int worse = 0;
@@ -83,7 +83,7 @@ TEST(RefiningBeam, IsBitIdenticalOverAThousandRepetitions) {
   const Deadline budget = Deadline::nodes(1'000);
   const SearchResult first = search.plan(owned.problem, narrow(), budget);
   for (std::uint64_t i = 0; i < 1'000; ++i) {
-    if (i % 10 == 0) {  // earlier plans must leave no trace
+    if (i % 10 == 0) {  // earlier plans must have no effect
       used.plan(test::random_problem(i).problem, narrow(), Deadline::nodes(100));
     }
     test::expect_same(first, used.plan(owned.problem, narrow(), budget));

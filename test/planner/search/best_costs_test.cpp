@@ -12,7 +12,7 @@
 namespace vantage::bench {
 namespace {
 
-// A list of best costs in a file per test, which is removed at the end.
+// A temporary file with a list of best costs, one per test.
 class BestCostsFile : public ::testing::Test {
  protected:
   BestCostsFile()
@@ -29,7 +29,7 @@ TEST_F(BestCostsFile, CostsNeverIncrease) {
   EXPECT_TRUE(first.offer("a", {-10.0, "beam", {1, 2}}));
   EXPECT_FALSE(first.offer("a", {-9.0, "arvi", {3, 4}}));
   first.save();
-  // A second run that has not read the file of the first must not raise a cost in it.
+  // A second run that has not read the file of the first run must not increase a cost in the file.
   BestCosts second(path_);
   BestCosts third(path_);
   EXPECT_TRUE(second.offer("a", {-12.0, "rvi", {5, 6}}));

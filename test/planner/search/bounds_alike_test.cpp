@@ -12,8 +12,8 @@
 #include "test/planner/problem/random_problem.hpp"
 #include "test/planner/search/lattice_problem.hpp"
 
-// Bounds must not depend on earlier problems or on the frame. For a robot that has not moved yet,
-// they must not depend on its step in a longer plan.
+// Bounds must not depend on earlier problems or on the frame. A bound at a depth of a plan must
+// equal the bound of a problem that begins there.
 
 namespace vantage::planner {
 namespace {
@@ -185,8 +185,7 @@ TEST(RootBound, IsInvariantToFrameAndTargetOrder) {
   EXPECT_GT(above, 30);
 }
 
-// The rest of a plan is a plan: what is left at a depth, without own measurements, equals the
-// problem that begins there.
+// Returns the problem that begins at `depth`, after a part of the plan without own measurements.
 SearchProblem rest_of(const SearchProblem& problem, int depth) {
   SearchProblem out = problem;
   out.horizon_steps -= depth;
@@ -220,7 +219,7 @@ TEST(InformationHeuristic, AtDepthEqualsProblemFromThere) {
     for (std::size_t m = 0; m < problem.fixed_information.size(); ++m) {
       const int p = problem.targets[m].model.position_dim;
       for (models::PositionMatrix& M : problem.fixed_information[m]) {
-        M = random_spd(rng, p, 5.0, 1.0);  // at each step, so that some is left
+        M = random_spd(rng, p, 5.0, 1.0);  // at each step, also after `depth`
       }
     }
     if (problem.horizon_steps == 1) {
@@ -257,7 +256,8 @@ std::vector<double> lattice_bounds(LatticeBound& lattice, const SearchProblem& p
   return out;
 }
 
-/// Lattice problem whose targets all move alike, so that their relative positions never change.
+/// Returns a lattice problem in which all targets move equally, so that their relative positions
+/// are constant.
 SearchProblem moving_alike(std::uint64_t seed, std::mt19937_64& rng) {
   SearchProblem problem = lattice_problem(seed).problem;
   problem.horizon_steps = 5;
@@ -311,8 +311,8 @@ TEST(LatticeBound, AtDepthEqualsProblemFromThere) {
   }
 }
 
-// A lattice works in the frame of its start pose. Its bound is the same after all positions are
-// turned and shifted, both at first and after its reference is improved by what its best path sees.
+// A lattice uses the frame of its start pose. A rotation and shift of all positions does not change
+// its bound, neither the first one nor those with an improved reference.
 TEST(LatticeBound, IsInvariantToTheFrame) {
   LatticeBound lattice(8, 8, kStates);
   BeliefTable beliefs(8, 8);
@@ -342,8 +342,8 @@ TEST(LatticeBound, IsInvariantToTheFrame) {
     }
     risen += *std::max_element(plain.begin(), plain.end()) - plain[0];
   }
-  EXPECT_GT(alike, 0.95 * compared);  // rounding decides between equally good paths
-  EXPECT_GT(risen, 20.0);             // half a nat each
+  EXPECT_GT(alike, 0.95 * compared);  // equally good paths differ by rounding
+  EXPECT_GT(risen, 20.0);             // nats; about 0.5 nats per problem
 }
 
 }  // namespace

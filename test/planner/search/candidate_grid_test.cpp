@@ -30,8 +30,8 @@ SearchProblem scattered(std::mt19937_64& rng, int targets, double half_m, int ho
   return problem;
 }
 
-// Queries all over the reachable disc: each target that may be seen is listed. Returns the mean
-// length of the lists.
+// Expects the list at random positions of the reachable disc to contain each target that may be
+// visible. Returns the mean length of the lists.
 double expect_complete(const SearchProblem& problem, double reach_m, double range_m,
                        CandidateGrid& grid, std::mt19937_64& rng) {
   BeliefTable beliefs(static_cast<int>(problem.targets.size()), problem.horizon_steps);
@@ -73,7 +73,7 @@ TEST(CandidateGrid, ListsEveryTargetInSight) {
 
 TEST(CandidateGrid, ListsEveryTargetWhenPoolIsFull) {
   std::mt19937_64 rng(32);
-  CandidateGrid grid(3'000, 12);  // all see all: 3000 per cell
+  CandidateGrid grid(3'000, 12);  // all targets visible: 3000 per cell
   const SearchProblem scene = scattered(rng, 3'000, 10.0, 6);
   expect_complete(scene, 1.5, 40.0, grid, rng);
 }
@@ -96,7 +96,7 @@ TEST(CandidateGrid, FiltersOnlyAboveFourTargets) {
     SearchProblem problem;
     problem.horizon_steps = 2;
     problem.controls = models::standard_primitives();
-    for (int m = 0; m < count + 1; ++m) {  // the last is out of reach at the first step
+    for (int m = 0; m < count + 1; ++m) {  // the last one is out of reach
       const double x_m = m == count ? 6.5 : m % 2 == 0 ? 3.5 : -3.5;
       problem.targets.push_back({{models::TargetKind::kStatic, 2, 0.0},
                                  {Eigen::Vector2d(x_m, 0.0), Eigen::Matrix2d::Identity()}});
@@ -104,7 +104,7 @@ TEST(CandidateGrid, FiltersOnlyAboveFourTargets) {
     BeliefTable beliefs(8, 2);
     beliefs.reset(problem);
     CandidateGrid grid(8, 2);
-    grid.reset(beliefs, {0.0, 0.0}, 2, 2.0, 1.0);  // 3 m from its position, 2 m per step
+    grid.reset(beliefs, {0.0, 0.0}, 2, 2.0, 1.0);  // 2 m per step; lists within 3 m
     for (const double side : {1.0, -1.0}) {
       const std::span<const std::uint16_t> near = grid.near({1.9 * side, 0.0}, 1);
       std::vector<std::uint16_t> expected;

@@ -44,8 +44,8 @@ TEST(Catalogue, RefusesUnknownNamesWithTheList) {
   }
 }
 
-// The reported poses are those of the controls, the cost is that of the poses, and no lower bound
-// is above it.
+// The reported poses follow from the controls, the cost follows from the poses, and the lower bound
+// is at most the cost.
 TEST(Catalogue, ResultsMatchTheirPlans) {
   for (const Algorithm& algorithm : all_algorithms()) {
     int found = 0;
@@ -109,7 +109,7 @@ TEST(Catalogue, UsesTheProblemsSeed) {
   EXPECT_GT(ways.size(), 2U);
 }
 
-// Options reach each search: ε and δ where it prunes, the weight where it is weighted.
+// Each search receives its options: ε and δ if it prunes, the weight if it is weighted.
 TEST(Catalogue, PassesOptionsToEachSearch) {
   AlgorithmOptions options;
   options.epsilon = 0.6;
@@ -179,14 +179,14 @@ SearchProblem turning_problem() {
   return problem;
 }
 
-// With a yaw weight of 0, or one whose square is 0 in double precision, poses of one position and
-// different headings have the distance 0.
+// If the yaw weight or its square is 0 in double precision, poses at one position with different
+// headings have distance 0.
 TEST(Catalogue, ProvesNoFalseOptimumForAnyYawWeight) {
   const auto expect_true_proofs = [](const SearchProblem& problem, const test::OracleAnswer& best,
                                      const std::string& label) {
     for (const Algorithm& algorithm : all_algorithms()) {
       if (algorithm.name == "lawn_mower" && problem.world == nullptr) {
-        continue;  // it refuses problems without a world
+        continue;  // refuses problems without a world
       }
       for (const double weight_m_per_rad : {0.0, 1e-200, 0.3}) {
         AlgorithmOptions options;
@@ -264,8 +264,8 @@ TEST(DefaultAlgorithm, IsAStarForRangesOfStaticTargets) {
   }
 }
 
-// The nodes are those that are kept of the generated ones: at least 20,000, and at most what fits
-// into the memory at 260 bytes per node plus twelve numbers of nine bytes.
+// The capacity is the number of nodes that are kept: at least 20,000, and at most what fits into
+// memory at 260 bytes per node plus twelve numbers of nine bytes.
 TEST(CapacityFor, FitsKeptNodesIntoMemory) {
   SearchProblem problem;
   problem.targets.resize(3);

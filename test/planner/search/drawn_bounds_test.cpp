@@ -18,7 +18,7 @@
 #include "tools/plan/solver.hpp"
 
 // No lower bound is above the best cost found by any search, on random problems of both families.
-// VANTAGE_BOUND_PROBLEMS sets their number; default 300.
+// VANTAGE_BOUND_PROBLEMS sets the number of problems; default 300.
 
 namespace vantage::planner {
 namespace {
@@ -35,7 +35,7 @@ tools::Solver solver_by(const char* algorithm) {
   return tools::Solver(request);
 }
 
-/// The bounds that `vantage plan` prints, and the root bounds from which they are made.
+/// The bounds that `vantage plan` prints, and the root bounds from which they are computed.
 class Bounds {
  public:
   [[nodiscard]] int plans() const { return plans_; }
@@ -62,7 +62,7 @@ class Bounds {
     const std::int64_t until_nodes = work_nodes + kRaiseNodes;
     bounds_[kRaised] = root_.raise(expander_, until_nodes, Deadline::never(), work_nodes).cost;
     if (cost == kInfinity) {
-      return;  // walled in
+      return;  // the robot is enclosed
     }
     ++plans_;
     for (int i = 0; i < kBounds; ++i) {
@@ -106,7 +106,7 @@ double expect_below_every_plan(const Draw& draw) {
 TEST(DrawnBounds, AreBelowEveryTrackingPlan) {
   const double share = expect_below_every_plan([](std::mt19937_64& rng, std::uint64_t seed) {
     const int targets = test::pick(rng, 1, 25);
-    // Every second problem has the field of view of its family, the others a random one.
+    // Every second problem has the standard field of view, 94°, the others a random one.
     const double fov_deg = seed % 2 == 0 ? 94.0 : test::uniform(rng, 40.0, 360.0);
     return bench::tracking_problem(targets, seed, fov_deg);
   });
@@ -117,7 +117,7 @@ TEST(DrawnBounds, AreBelowEveryMappingPlan) {
   const double share = expect_below_every_plan([](std::mt19937_64& rng, std::uint64_t seed) {
     return test::random_landmark_problem(seed, test::pick(rng, 1, 12));
   });
-  EXPECT_GT(share, 0.5);  // from some starts no path leads past the walls
+  EXPECT_GT(share, 0.5);  // from some starts no path is feasible
 }
 
 }  // namespace

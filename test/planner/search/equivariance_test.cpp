@@ -11,8 +11,8 @@
 #include "test/planner/search/solved_problems.hpp"
 
 // In free space, search results do not depend on left or right, on north or east, or on the order
-// of targets. A problem that is mirrored, turned or with targets renamed has a plan of the same
-// cost and the same bound. (Except for the lawn mower, whose rows are those of the world.)
+// of targets. A problem that is mirrored or turned, or has its targets reordered, has a plan of the
+// same cost and the same bound. (Except for the lawn mower, whose rows are those of the world.)
 
 namespace vantage::planner {
 namespace {
@@ -20,8 +20,8 @@ namespace {
 using test::pick;
 using test::uniform;
 
-// No prior is isotropic, so that no two measurements have the same gain and no search decides by
-// the last bit. The problem is small enough for each search to finish.
+// No prior is isotropic, so no two measurements have the same gain, and no choice depends on the
+// last bit. The problem is small enough for each search to finish.
 SearchProblem problem_in_free_space(std::uint64_t seed) {
   std::mt19937_64 rng(0xA24BAED4963EE407U * (seed + 1));
   SearchProblem problem;
@@ -91,7 +91,7 @@ class Equivariance : public ::testing::TestWithParam<std::string> {
     const Algorithm& algorithm = algorithm_called(GetParam());
     AlgorithmOptions options;
     options.epsilon = 0.37;
-    options.delta_m = 0.83;  // no two primitives end so far apart
+    options.delta_m = 0.83;  // m; differs from all distances between primitive ends
     constexpr std::size_t kNodesMax = 20'000;
     SearchProblem largest = problem_in_free_space(0);
     largest.targets.resize(4);
@@ -106,7 +106,7 @@ class Equivariance : public ::testing::TestWithParam<std::string> {
       ASSERT_TRUE(plain.found && other.found);
       EXPECT_EQ(plain.stop_reason, other.stop_reason);
       EXPECT_NEAR(plain.cost, other.cost, test::slack(plain.cost));
-      if (plain.lower_bound != other.lower_bound) {  // −∞ where there is none
+      if (plain.lower_bound != other.lower_bound) {  // −∞ without a bound
         EXPECT_NEAR(plain.lower_bound, other.lower_bound, test::slack(plain.lower_bound));
       }
     }
@@ -146,7 +146,7 @@ std::vector<std::string> all_but(const std::vector<std::string>& left_out) {
 
 INSTANTIATE_TEST_SUITE_P(Planner, Equivariance, ::testing::ValuesIn(all_but({"lawn_mower"})),
                          [](const auto& each) { return each.param; });
-// Paths on which nothing is seen have equal costs up to the last bit. AEGIS keeps the first of them
+// Paths without measurements have equal costs up to the last bit. AEGIS keeps the first of them
 // that it finds, within (ε, δ), so it is excluded.
 INSTANTIATE_TEST_SUITE_P(Planner, EquivarianceButForBits,
                          ::testing::ValuesIn(all_but({"lawn_mower", "aegis"})),

@@ -93,8 +93,8 @@ TEST(RootBound, NeedsOnlyExactCapacity) {
   });
 }
 
-// The cheapest of the nodes that may stop is chosen; of equal ones the first, whatever the order in
-// which they are offered.
+// Among the nodes that may stop, the cheapest is chosen; of equal ones the first node, for any
+// order of the offers.
 TEST(HoverChoice, IsTheCheapestSafeHover) {
   int chosen = 0;
   int none = 0;
@@ -102,7 +102,7 @@ TEST(HoverChoice, IsTheCheapestSafeHover) {
     SCOPED_TRACE(seed);
     OwnedProblem owned = test::random_problem(seed);
     if (seed % 3 == 0) {
-      owned.problem.brake_mps2 = 0.02;  // so that many may not stop
+      owned.problem.brake_mps2 = 0.02;  // so that many nodes may not stop
     }
     test::FullTree full(owned.problem);
     ASSERT_TRUE(full.complete);

@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kUndecided_m = 1e-6;
 
-// True if the robot can stop from `at`; nullopt if rounding decides.
+// True if the robot can stop from `at`; nullopt if the result depends on rounding.
 std::optional<bool> can_stop(const planner::SearchProblem& problem, const Pose2& at,
                              double speed_mps) {
   if (problem.brake_mps2 <= 0.0 || problem.world == nullptr) {

@@ -7,9 +7,9 @@
 #include "models/belief/gaussian.hpp"
 #include "planner/problem/problem.hpp"
 
-// Reference for all searches that shares no code with them: every control sequence, depth first,
-// using only the beliefs, sensors and worlds of models/. The motion of teammates is left out (their
-// separation is a conservative test, see motion_table_test).
+// Reference for all searches that shares no code with them. It evaluates every control sequence,
+// depth first, and uses only the beliefs, sensors and worlds of models/. The motion of teammates is
+// not included (their separation is a conservative test, see motion_table_test).
 
 namespace vantage::test {
 
@@ -21,10 +21,10 @@ struct OracleState {
 };
 
 struct OracleAnswer {
-  bool found = false;         ///< some sequence is feasible and can stop at its end
+  bool found = false;         ///< a sequence is feasible and can stop at its end
   double cost = 0.0;          ///< least cost of the steps after `depth`
-  std::vector<int> controls;  ///< with the least cost
-  /// True if a motion came so near to an obstacle that rounding decides about its clearance.
+  std::vector<int> controls;  ///< sequence with the least cost
+  /// True if a motion is so near to an obstacle that its clearance depends on rounding.
   bool undecided = false;
 };
 
@@ -34,8 +34,8 @@ OracleState start_of(const planner::SearchProblem& problem);
 /// Returns the cheapest completion from `state` to the horizon. O(|U|^T · M).
 OracleAnswer best_completion(const planner::SearchProblem& problem, const OracleState& state);
 
-/// Returns the beliefs after one step: predicted, then updated with the teammates' and the own
-/// information.
+/// Returns the beliefs after one step: predicted, then updated with the information of the
+/// teammates and of the robot.
 std::vector<models::Gaussian> look_from(const planner::SearchProblem& problem,
                                         const std::vector<models::Gaussian>& beliefs,
                                         const Pose2& pose, int depth);
@@ -44,8 +44,8 @@ std::vector<models::Gaussian> look_from(const planner::SearchProblem& problem,
 double stage_cost(const planner::SearchProblem& problem,
                   const std::vector<models::Gaussian>& beliefs);
 
-/// True if a disc carried along `control` stays clear. Chords are cut until the sagitta decides;
-/// nullopt within a micrometre of contact.
+/// True if a disc carried along `control` stays clear. The arc is divided until its sagitta is
+/// small enough; nullopt within a micrometre of contact.
 std::optional<bool> arc_clear(const planner::SearchProblem& problem, const Pose2& from,
                               const models::UnicycleControl& control, double duration_s);
 

@@ -56,7 +56,7 @@ TEST(Expander, CovariancesEqualTheModels) {
   }
 }
 
-// Products of determinants must not leave the range of a double.
+// Products of determinants must neither overflow nor underflow.
 TEST(Expander, KeepsRangeForSharpMeasurements) {
   for (const models::TargetKind kind :
        {models::TargetKind::kRandomWalk, models::TargetKind::kDoubleIntegrator}) {
@@ -167,7 +167,7 @@ TEST(IsRedundant, ImpliesThatTheJointCovarianceDominates) {
   EXPECT_GT(tested - redundant, 300);
 }
 
-// The reason why pruning is allowed: with less information no completion is cheaper.
+// This property allows pruning: with less information no completion is cheaper.
 TEST(IsRedundant, ImpliesThatNoCompletionIsBetter) {
   std::mt19937_64 rng(23);
   int compared = 0;
@@ -182,7 +182,7 @@ TEST(IsRedundant, ImpliesThatNoCompletionIsBetter) {
           !full.expander.is_redundant(full.tree, a, 0.0, b)) {
         return;
       }
-      // Both beliefs, continued from the same pose.
+      // Both beliefs are continued from the same pose.
       test::OracleState from_a = test::start_of(owned.problem);
       test::OracleState from_b = from_a;
       for (const Pose2& pose : full.path(a)) {

@@ -48,7 +48,7 @@ struct FullTree {
     return poses;
   }
 
-  /// Returns the covariance of target m at `id`: the node's own one or the shared prediction.
+  /// Returns the covariance of target m at `id`: the node's own posterior or the shared prediction.
   [[nodiscard]] models::StateMatrix covariance(planner::NodeId id, int m) const {
     const planner::Blocks blocks = tree.posterior(id);
     const planner::BeliefTable& beliefs = expander.beliefs();
@@ -62,7 +62,7 @@ struct FullTree {
     return planner::unpack(beliefs.layout(m), beliefs.open_loop(m, tree[id].depth));
   }
 
-  /// Returns the joint covariance, which no search forms.
+  /// Returns the joint covariance of all targets, which no search computes.
   [[nodiscard]] Eigen::MatrixXd joint_covariance(planner::NodeId id) const {
     Eigen::Index rows = 0;
     for (int m = 0; m < expander.beliefs().target_count(); ++m) {

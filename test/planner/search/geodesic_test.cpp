@@ -12,8 +12,8 @@ namespace {
 
 using test::uniform;
 
-// Distances on a fine lattice whose edges lead to all cells within three. They exceed the shortest
-// distance, by at most 1.3 % in free space.
+// Reference distances on a fine lattice with edges to all cells within three cells. They exceed the
+// shortest distance, by at most 1.3 % in free space.
 constexpr double kCell_m = 0.05;
 constexpr int kSide = 121;
 
@@ -121,7 +121,7 @@ TEST(GeodesicTable, IsAMetricForOverlappingBoxes) {
       }
     }
   }
-  // The path leads around the top of the wall: there is none below it.
+  // The path leads around the top of the wall: no path leads below it.
   table.reset(&world, {{0.5, 0.5}, {2.0, 1.0}});
   const double around_m = std::hypot(0.5, 2.5) + 2.0 + 1.0 + std::hypot(1.0, 1.0);
   EXPECT_NEAR(table.between_m(0, 1), around_m, 1e-6);
@@ -142,8 +142,9 @@ models::Rectangle transformed(const models::Rectangle& box, bool is_mirrored, in
   return {a.cwiseMin(b), a.cwiseMax(b)};
 }
 
-// No path leads between a box and the wall that it touches, for any wall. The path leads around the
-// other end, past two corners. For a point outside the walls there is one.
+// No path leads between a box and a wall that it touches, for any wall. The path leads around the
+// other end of the box, past two corners. If a point lies outside the walls, paths outside them
+// exist.
 TEST(GeodesicTable, HasNoPathBetweenBoxAndTouchedWall) {
   for (int which = 0; which < 8; ++which) {
     SCOPED_TRACE(which);
@@ -162,7 +163,7 @@ TEST(GeodesicTable, HasNoPathBetweenBoxAndTouchedWall) {
     EXPECT_NEAR(table.between_m(2, 3), std::hypot(2.5, 0.5), 1e-9);
     EXPECT_NEAR(table.between_m(0, 2), 4.5, 1e-9);
     EXPECT_NEAR(table.between_m(2, 1), std::hypot(1.0, 2.0) + std::hypot(0.5, 2.0), 1e-6);
-    // From any position, not only from the points.
+    // Distances are also available from positions other than the points.
     GeodesicTable::Outlook outlook;
     table.look_around(turned(Eigen::Vector2d(0.9, 0.1)), outlook);
     EXPECT_NEAR(table.way_m(outlook, 1), std::hypot(0.1, 2.9) + 0.5 + std::hypot(0.5, 2.0), 1e-6);
@@ -173,7 +174,7 @@ TEST(GeodesicTable, HasNoPathBetweenBoxAndTouchedWall) {
     const double below_m = std::hypot(0.5, 0.5) + 0.5 + std::hypot(0.5, 1.0);
     EXPECT_NEAR(table.between_m(0, 1), below_m, 1e-6);
     EXPECT_NEAR(table.between_m(0, 4), std::hypot(0.5, 0.5) + std::hypot(1.0, 0.5), 1e-6);
-    // Again as at first, then without a world.
+    // Resets the table with the same world, then without a world.
     table.reset(&world, points);
     EXPECT_EQ(table.point_count(), 4);
     EXPECT_NEAR(table.between_m(0, 1), around_m, 1e-6);
@@ -210,8 +211,7 @@ TEST(GeodesicTable, ReportsBlockedPositions) {
   expect_edges(world.obstacles[1].footprint, true);
 }
 
-// If there are too many boxes, the largest are kept, in any order. A wall without a width is
-// ignored.
+// If there are too many boxes, the largest are kept, for any order. A box without width is ignored.
 TEST(GeodesicTable, KeepsTheLargestBoxes) {
   for (const int first : {0, 3, 8}) {
     models::World world;
@@ -227,7 +227,7 @@ TEST(GeodesicTable, KeepsTheLargestBoxes) {
       points.emplace_back(10.0 * size - 40.0, -2.0);
       points.emplace_back(10.0 * size - 40.0, 2.0);
     }
-    world.obstacles.push_back({{{-45.0, 1.0}, {45.0, 1.0}}, 10.0});  // a line
+    world.obstacles.push_back({{{-45.0, 1.0}, {45.0, 1.0}}, 10.0});  // without width
     GeodesicTable table(32);
     table.reset(&world, points);
     for (int size = 0; size < 9; ++size) {

@@ -11,8 +11,8 @@
 #include "planner/search/heuristic.hpp"
 #include "test/planner/problem/random_problem.hpp"
 
-// Cases in which the bound of Theorem 6 has a closed form: measurements that are isotropic, with a
-// known number of them. A bound below it is weak, one above it is false.
+// Cases in which the bound of Theorem 6 has a closed form: a known number of isotropic
+// measurements. A bound below that value is weak; a bound above it is wrong.
 
 namespace vantage::planner {
 namespace {
@@ -22,7 +22,7 @@ using test::pick;
 using test::random_spd;
 using test::uniform;
 
-constexpr double kStep_m = 0.5;  // 1 m/s for half a second
+constexpr double kStep_m = 0.5;  // 1 m/s for 0.5 s
 
 /// Targets of every kind around a robot whose sensors measure position equally well in all
 /// coordinates.
@@ -56,14 +56,14 @@ SearchProblem all_round_problem(std::mt19937_64& rng) {
     }
     const int n = model.dim();
     SearchTarget target{model, {models::StateVector::Zero(n), random_spd(rng, n, 2.0, 1.0)}};
-    // In the middle between two steps, so that rounding does not decide.
+    // Midway between two steps, so that rounding has no effect.
     const double away_m = (pick(rng, 0, 12) + 0.6) * kStep_m;
     const double bearing_rad = uniform(rng, -kPi, kPi);
     target.prior.mean.head<2>() =
         problem.start.position_m() +
         away_m * Eigen::Vector2d(std::cos(bearing_rad), std::sin(bearing_rad));
     if (n == 3) {
-      target.prior.mean(2) = problem.height_m;  // distances are those in the plane
+      target.prior.mean(2) = problem.height_m;  // so that distances are horizontal
     } else if (n == 4) {
       target.prior.mean.tail<2>() = Eigen::Vector2d(uniform(rng, -1, 1), uniform(rng, -1, 1));
     }
@@ -71,7 +71,7 @@ SearchProblem all_round_problem(std::mt19937_64& rng) {
     if (has_fixed) {
       problem.fixed_information.emplace_back(index(problem.horizon_steps));
       const int p = model.position_dim;
-      // Information in one step only; for one target in the last step.
+      // Teammates' information in one step only; the last step if there is one target.
       const int k = problem.targets.size() == 1 ? problem.horizon_steps - 1 : pick(rng, 0, 5);
       problem.fixed_information.back()[index(k)] = random_spd(rng, p, 5.0, 1.0);
     }
@@ -80,7 +80,7 @@ SearchProblem all_round_problem(std::mt19937_64& rng) {
 }
 
 /// Returns the cost of each step after `depth` for target m with belief `belief`, if every sensor
-/// that can be in range from `at` sees it. The first is at [depth + 1].
+/// that can be in range from `at` sees it. The first cost is at index depth + 1.
 std::vector<double> stages(const SearchProblem& problem, int m, const Pose2& at, int depth,
                            models::Gaussian belief, bool nobody_looks = false) {
   const models::TargetModel& model = problem.targets[index(m)].model;
@@ -129,7 +129,7 @@ models::Gaussian open_loop(const SearchProblem& problem, int m, int depth) {
   return belief;
 }
 
-/// True if a distance at some step is so near to a limit that rounding decides.
+/// True if a distance at some step is so near to a limit that the result depends on rounding.
 bool is_close(const SearchProblem& problem, const Pose2& at, int depth) {
   for (int m = 0; m < static_cast<int>(problem.targets.size()); ++m) {
     const bool rounds = problem.targets[index(m)].model.dim() < 4;  // rounded to quarters of a step
@@ -155,8 +155,8 @@ class InformationHeuristicTest : public ::testing::Test {
   }
 };
 
-// Near and far targets, with and without earlier measurements, from every depth. `apart` is the
-// part of the selected targets.
+// Near and far targets, with and without earlier measurements, from every depth. `apart` returns
+// the part of selected targets.
 TEST_F(InformationHeuristicTest, EqualsClosedFormForIsotropicMeasurements) {
   std::mt19937_64 rng(51);
   int compared = 0;
@@ -205,7 +205,7 @@ TEST_F(InformationHeuristicTest, EqualsClosedFormForIsotropicMeasurements) {
     const auto parts = heuristic_.cost_to_go(at, depth, blocks, apart.data());
     EXPECT_NEAR(parts.all, all, play);
     EXPECT_NEAR(parts.apart, some, play);
-    // Again, now that the tables are filled.
+    // A second call uses the filled tables.
     EXPECT_EQ(heuristic_.cost_to_go(at, depth, blocks, apart.data()).all, parts.all);
     EXPECT_EQ(heuristic_.cost_to_go(at, problem.horizon_steps, blocks), 0.0);
   }
@@ -296,8 +296,8 @@ TEST_F(InformationHeuristicTest, CountsFromFirstStepInRange) {
           }
           expected += models::log_det(belief.covariance);
         }
-        // A target with own information is not read from a table by distance, so its distance is
-        // exact.
+        // A target with measurements of its own is not looked up in the distance table, so its
+        // distance is exact.
         double packed[kMaxPacked];
         pack(beliefs_.layout(0), target.prior.covariance, packed);
         const std::uint16_t touched[] = {0};
@@ -331,7 +331,7 @@ SearchProblem round_about(const models::TargetModel& model, models::SensorModel 
 }
 
 // A range measures one direction. For a static target all measurements add up in the best
-// directions. For a moving one each counts half in both directions.
+// directions. For a moving target each measurement counts half in each of two directions.
 TEST_F(InformationHeuristicTest, EqualsClosedFormForRanges) {
   constexpr double kStrength = 16.0;
   models::SensorModel range;
@@ -342,7 +342,7 @@ TEST_F(InformationHeuristicTest, EqualsClosedFormForRanges) {
     reset(still);
     double expected = 0.0;
     for (int k = 1; k <= still.horizon_steps; ++k) {
-      const double trace = 2.0 + k * kStrength;  // of the information
+      const double trace = 2.0 + k * kStrength;  // trace of the information
       const double det = k == 1 ? 1.0 + kStrength : 0.25 * trace * trace;
       expected += cost == CostKind::kTrace ? trace / det : -std::log(det);
     }
@@ -367,7 +367,7 @@ TEST_F(InformationHeuristicTest, EqualsClosedFormForRanges) {
       EXPECT_NEAR(heuristic_.cost_to_go(moving.start, 0, {}), half, 1e-9 * std::abs(half));
     }
 
-    // For a target that spreads slowly, either form may be larger at each step.
+    // For a slow random walk, either form may be the larger one at a step.
     const SearchProblem spreads = round_about({TargetKind::kRandomWalk, 2, 0.1}, range, cost);
     reset(spreads);
     models::Gaussian belief = spreads.targets[0].prior;
@@ -386,8 +386,8 @@ TEST_F(InformationHeuristicTest, EqualsClosedFormForRanges) {
   }
 }
 
-// The greatest information of one measurement from between two distances and some steps nearer, per
-// sensor.
+// The greatest information of one measurement, per sensor, from a distance in an interval and up to
+// some steps nearer.
 TEST_F(InformationHeuristicTest, BoundsOneMeasurementAsInClosedForm) {
   constexpr double kPlay = 1e-6;
   models::SensorModel sensor;
@@ -430,19 +430,19 @@ TEST_F(InformationHeuristicTest, BoundsOneMeasurementAsInClosedForm) {
   expect(look({Kind::kRange}, 0, 2.0, 2.5, 0), 0.0, range, 1);
   expect(look({Kind::kBearing}, 0, 2.0, 2.5, 0), 0.0, bearing(2.0), 1);
   expect(look({Kind::kBearing}, 0, 2.0, 2.5, 2), 0.0, bearing(1.0), 1);
-  expect(look({Kind::kBearing}, 0, 2.0, 2.5, 9), 0.0, bearing(0.2), 1);  // its least range
-  // Far away the range has more information, nearby the bearing. The weaker of the two counts in
-  // all directions.
+  expect(look({Kind::kBearing}, 0, 2.0, 2.5, 9), 0.0, bearing(0.2), 1);  // at minimum range
+  // Far away the range has more information, nearby the bearing. The weaker counts in all
+  // directions.
   expect(look({Kind::kRangeBearing}, 0, 2.0, 2.5, 0), bearing(2.0), range - bearing(2.0), 1);
   expect(look({Kind::kRangeBearing}, 0, 1.0, 2.5, 0), range, bearing(1.0) - range, 1);
-  // Several sensors add up; in space all information counts in all directions.
+  // Information of several sensors adds up. For a spatial target it counts in all directions.
   expect(look({Kind::kRange, Kind::kPosition, Kind::kBearing}, 0, 2.0, 2.5, 0), position,
          range + bearing(2.0), 2);
   expect(look({Kind::kRange, Kind::kBearing}, 1, 2.0, 2.5, 0), range + bearing(2.0), 0.0, 0);
-  // Just out of sight, and just in sight.
+  // Just outside and just within the range.
   expect(look({Kind::kRange}, 0, 4.0 + 1e-6, 4.5, 2), 0.0, 0.0, 0);
   expect(look({Kind::kRange}, 0, 4.0 - 1e-6, 4.5, 2), 0.0, range, 1);
-  // All distances in the interval are below the least range.
+  // In the first case all distances of the interval are below the minimum range.
   expect(look({Kind::kRange}, 0, 0.0, 0.1, 0), 0.0, 0.0, 0);
   expect(look({Kind::kRange}, 0, 0.0, 0.3, 0), 0.0, range, 1);
 }
@@ -484,13 +484,13 @@ TEST_F(InformationHeuristicTest, HasNoBoundForUnlimitedInformation) {
   SearchProblem problem =
       round_about({TargetKind::kDoubleIntegrator, 2, 0.1}, sensor, CostKind::kLogDet);
   const double infinity = std::numeric_limits<double>::infinity();
-  problem.targets[0].prior.mean(0) = 1.2;  // is reached in the third step
+  problem.targets[0].prior.mean(0) = 1.2;  // m; reached in the third step
   reset(problem);
   EXPECT_EQ(heuristic_.cost_to_go(problem.start, 0, {}), -infinity);
   for (int k = 1; k <= problem.horizon_steps; ++k) {
     EXPECT_EQ(heuristic_.stage_floor(k), -infinity) << k;
   }
-  problem.targets[0].prior.mean(0) = 9.0;  // is not reached
+  problem.targets[0].prior.mean(0) = 9.0;  // m; not reached
   reset(problem);
   EXPECT_TRUE(std::isfinite(heuristic_.cost_to_go(problem.start, 0, {})));
   EXPECT_TRUE(std::isfinite(heuristic_.stage_floor(1)));

@@ -15,7 +15,7 @@ namespace {
 
 using test::FullTree;
 
-constexpr std::int64_t kNodes = 100'000;  // per sensor
+constexpr std::int64_t kNodes = 100'000;  // number of nodes per sensor
 
 OwnedProblem problem_with(models::SensorKind kind, std::uint64_t seed) {
   OwnedProblem owned = test::random_problem(seed);
@@ -75,11 +75,11 @@ TEST_P(Heuristic, IsAdmissibleAndConsistent) {
       ++nodes;
     }
   }
-  EXPECT_GT(informed, nodes / 6);  // three in four are leaves
+  EXPECT_GT(informed, nodes / 6);  // three of four nodes are leaves
 }
 
-// A slow robot is nearer to its target than the least range and gets just far enough in the last
-// steps. The bound must count these measurements.
+// A slow robot begins within the minimum range of its target and leaves it in the last steps. The
+// bound must count the measurements of these steps.
 TEST(StepsAhead, IncludeMeasurementsFromTheMinimumRange) {
   InformationHeuristic heuristic(8, 8);
   for (const models::SensorKind kind : {models::SensorKind::kPosition, models::SensorKind::kRange,
@@ -90,7 +90,7 @@ TEST(StepsAhead, IncludeMeasurementsFromTheMinimumRange) {
       SearchProblem& problem = owned.problem;
       problem.horizon_steps = 3;
       problem.start = {away_m, 0.0, 0.0};
-      problem.controls = {{0.2, 0.0}, {0.2, 1.0}, {0.2, -1.0}};  // a tenth of a metre per step
+      problem.controls = {{0.2, 0.0}, {0.2, 1.0}, {0.2, -1.0}};  // 0.1 m per step
       models::SensorModel sensor;
       sensor.kind = kind;
       sensor.range_min_m = 0.5;
@@ -110,8 +110,8 @@ TEST(StepsAhead, IncludeMeasurementsFromTheMinimumRange) {
   }
 }
 
-// A target above or below is visible within the horizontal distance that the slant range leaves. It
-// is never visible if the height difference exceeds the range.
+// A target above or below the robot is visible within the horizontal distance that corresponds to
+// the maximum range. It is never visible if the height difference exceeds the range.
 TEST(InformationHeuristic, IsSymmetricInHeight) {
   constexpr double kRange_m = 3.0;
   InformationHeuristic heuristic(4, 8);

@@ -16,7 +16,7 @@ using test::uniform;
 
 SearchCapacity small_capacity() { return {60'000, 3'000'000, 16, 16, 4}; }
 
-// Returns a tracking problem like those in the field, too large for any budget here.
+// Returns a realistic tracking problem that is too large for any budget of these tests.
 SearchProblem tracking_problem(std::uint64_t seed) {
   std::mt19937_64 rng(seed);
   SearchProblem problem;
@@ -100,7 +100,7 @@ TEST(Interruption, IsBitIdenticalOverAThousandRepetitions) {
   const SearchProblem other = tracking_problem(9);
   const SearchResult first = search.plan(problem, anytime(), Deadline::nodes(1'000));
   for (int i = 0; i < 1'000; ++i) {
-    if (i % 10 == 0) {  // earlier plans must leave no trace
+    if (i % 10 == 0) {  // earlier plans must have no effect
       used.plan(other, anytime(), Deadline::nodes(100 + i));
     }
     test::expect_same(first, used.plan(problem, anytime(), Deadline::nodes(1'000)));
@@ -117,7 +117,7 @@ TEST(Interruption, IsReproducedFromAnyDeadlineCheck) {
   ReducedOptions options;
   options.search = ReducedSearch::kSinglePass;
   options.epsilon = 0.0;
-  options.delta_m = 0.0;  // so that hardly any node is pruned
+  options.delta_m = 0.0;  // few nodes are pruned
   ReducedValueIteration search(small_capacity());
   constexpr std::int64_t kSortedAtOnce = 160;
   std::int64_t generated = 0;  // work up to the third level: one per node and one per expansion

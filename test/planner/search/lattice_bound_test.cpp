@@ -34,7 +34,7 @@ std::uint64_t problem_count() {
   return asked != nullptr ? std::stoull(asked) : 250;
 }
 
-// Returns the tolerance: at a millimetre's distance the search's recursion loses eight digits.
+// Returns the tolerance. At a distance of 1 mm the recursion of the search loses eight digits.
 double tolerance(double cost) { return 1e-5 * std::max(1.0, std::abs(cost)); }
 
 TEST(LatticeBound, IsBelowEveryCompletionOfEveryNode) {
@@ -87,7 +87,7 @@ TEST(LatticeBound, IsBelowEveryCompletionOfEveryNode) {
   EXPECT_GT(bounded, 4 * problem_count());
 }
 
-/// Expects the highest bound to lie below the best plan of all, for a robot that drives 1 m per
+/// Expects the highest bound to be below the cost of the best plan, for a robot that drives 1 m per
 /// step along x or uses `controls`.
 void expect_bound_below_best(const std::vector<SearchTarget>& targets,
                              const std::vector<models::UnicycleControl>& controls = {
@@ -131,9 +131,9 @@ SearchTarget target_near_path(double ahead_m, double speed_mps) {
   return target;
 }
 
-// Two targets drive one behind the other at half the robot's speed and are met at 1 m and 2 m. A
-// step leads from next to the rear target to next to the front one; no step leads back. A third
-// target is never met. Tested in every order of the targets.
+// Two targets drive one behind the other at half the robot's speed. The robot reaches them at 1 m
+// and 2 m. One step leads from the rear target to the front one, and no step leads back. A third
+// target is never reached. The bound must hold for every order of the targets.
 TEST(LatticeBound, AllowsStepBetweenNearbyTargets) {
   const std::vector<SearchTarget> targets = {target_near_path(0.5, 1.0), target_near_path(1.0, 1.0),
                                              target_near_path(30.0, 1.0)};
@@ -144,8 +144,8 @@ TEST(LatticeBound, AllowsStepBetweenNearbyTargets) {
   } while (std::next_permutation(order.begin(), order.end()));
 }
 
-// Of controls that go one metre or half of that, in any order, one leads from next to one target to
-// next to the other. It may be the shortest or the longest control, and it takes one step or two.
+// The controls drive up to 1 m per step, in any order. The shortest or the longest control leads
+// from one target to the other, in one or two steps.
 TEST(LatticeBound, UsesShortestAndLongestStepInAnyOrder) {
   std::vector<models::UnicycleControl> controls = {{2.0, 0.0}, {1.5, 0.8}, {1.0, 0.0}};
   for (int turn = 0; turn < 3; ++turn) {
@@ -158,13 +158,13 @@ TEST(LatticeBound, UsesShortestAndLongestStepInAnyOrder) {
   }
 }
 
-// Two targets overtake the robot side by side, at its position after one step.
+// Two targets side by side overtake the robot at its position after one step.
 TEST(LatticeBound, AllowsBeingNearTwoTargetsAtOnce) {
   expect_bound_below_best({target_near_path(-1.0, 4.0), target_near_path(-1.0, 4.0)});
 }
 
-// The first reference is a tenth of the isotropic mean information from half the range, for each
-// target that can be in range at the step. It is 0 for the rest.
+// The first reference is a tenth of the mean information of a measurement from half the range, and
+// isotropic. It is 0 for targets that cannot be in range at the step.
 TEST(LatticeBound, BeginsFromWeakReferenceForReachableTargets) {
   for (const models::SensorKind kind :
        {models::SensorKind::kRangeBearing, models::SensorKind::kBearing, models::SensorKind::kRange,
@@ -178,7 +178,7 @@ TEST(LatticeBound, BeginsFromWeakReferenceForReachableTargets) {
     sensor.kind = kind;
     sensor.range_max_m = 3.0;
     problem.sensors = {sensor};
-    const double away_m = sensor.range_max_m + 2.25 * problem.step_s;  // in reach from step 3 on
+    const double away_m = sensor.range_max_m + 2.25 * problem.step_s;  // m; visible from step 3 on
     for (const double x_m : {0.5 + 1.0, 0.5 - away_m}) {
       problem.targets.push_back({{models::TargetKind::kStatic, 2, 0.0},
                                  {Eigen::Vector2d(x_m, -1.0), Eigen::Matrix2d::Identity()}});
@@ -249,9 +249,9 @@ TEST(LatticeBound, IsInvariantToReflection) {
     const bool stands = std::any_of(controls.begin(), controls.end(),
                                     [](const auto& control) { return control.speed_mps == 0.0; });
     if (stands || seed % 3 == 0) {
-      continue;  // static targets touch cells on one side; oscillators have own sides
+      continue;  // asymmetric in the lattice: static targets and oscillators
     }
-    controls[0].yaw_rate_radps = controls[2].yaw_rate_radps;  // and so does straight driving
+    controls[0].yaw_rate_radps = controls[2].yaw_rate_radps;  // straight driving is asymmetric, too
     const auto [cost, work_nodes] = bound_of(owned.problem);
     const auto [turned, turned_nodes] = bound_of(mirrored(owned.problem));
     ++compared;
@@ -260,7 +260,7 @@ TEST(LatticeBound, IsInvariantToReflection) {
     EXPECT_NEAR(turned_nodes, work_nodes, 0.02 * work_nodes) << seed;
   }
   EXPECT_GT(compared, 30);
-  EXPECT_GT(same, 0.9 * compared);  // a chord along cell edges touches one side, too
+  EXPECT_GT(same, 0.9 * compared);  // chords along cell edges are asymmetric
 }
 
 TEST(PrefixBound, ConvergesToTheOptimumFromBelow) {
@@ -301,7 +301,7 @@ TEST(PrefixBound, ReturnsProvenBoundAtDeadline) {
   }
 }
 
-// With 150 targets in sight, the blocks of a node take 1500 numbers.
+// With 150 visible targets, the blocks of a node have 1500 numbers.
 TEST(PrefixBound, UsesWholeBudgetWithManyTargets) {
   std::mt19937_64 rng(5);
   OwnedProblem owned;

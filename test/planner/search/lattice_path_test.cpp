@@ -11,8 +11,8 @@
 #include "test/planner/problem/random_problem.hpp"
 #include "test/planner/search/lattice_problem.hpp"
 
-// The best path of the lattice and its bound in limit cases: where nothing is seen, and where there
-// is only one path.
+// Tests of the lattice's best path and bound in limit cases: without measurements, and with a
+// single path.
 
 namespace vantage::planner {
 namespace {
@@ -46,7 +46,7 @@ SearchProblem all_alike(std::mt19937_64& rng) {
     models::SensorModel sensor;
     sensor.kind = kKinds[pick(rng, 0, 3)];
     sensor.range_max_m = uniform(rng, 2.0, 6.0);
-    sensor.range_min_m = 0.3;  // no target is right next to it
+    sensor.range_min_m = 0.3;  // m; no target is that near to the robot
     sensor.variance_grows_with_range = pick(rng, 0, 1) == 0;
     sensor.fov_rad = pick(rng, 0, 2) == 0 ? 2.0 * kPi : radians(uniform(rng, 30.0, 330.0));
     problem.sensors.push_back(sensor);
@@ -58,9 +58,9 @@ SearchProblem all_alike(std::mt19937_64& rng) {
   return problem;
 }
 
-// Around a reference with far more information than any measurement, every measurement counts in
-// full. With isotropic beliefs the best path gains exactly what it gathers, for any cell width.
-// Other paths gather less, and what they do not see adds nothing.
+// If the reference has far more information than any measurement, every measurement has its full
+// gain. With isotropic beliefs the gathered gain of the best path equals the gain of its
+// measurements, for any cell width. Other paths gather less.
 TEST(LatticeBound, BestPathInformationEqualsItsGain) {
   LatticeBound lattice(8, 8, kStates);
   BeliefTable beliefs(8, 8);
@@ -84,7 +84,7 @@ TEST(LatticeBound, BestPathInformationEqualsItsGain) {
     for (int m = 0; m < beliefs.target_count(); ++m) {
       cost.linearise(m, depth, beliefs.open_loop(m, depth), reference.data());
     }
-    constexpr float kBefore = 3.0F;  // the path's information is added to what is there
+    constexpr float kBefore = 3.0F;  // the path's information is added to this value
     std::vector<float> looked(reference.size(), kBefore);
     std::int64_t work_nodes = 0;
     const std::size_t states = pick(rng, 0, 1) == 0 ? kStates : 20'000;
@@ -107,7 +107,7 @@ TEST(LatticeBound, BestPathInformationEqualsItsGain) {
     }
     EXPECT_NEAR(seen - before, path.gained, 1e-4 * path.gained + 1e-5 * before);
     gathered += path.gained > 100.0 * before * 1e-5 ? 1 : 0;
-    // Without the output of what it sees, the gathered gain is the same.
+    // Without the output of the measurements, the gathered gain is the same.
     const auto again = lattice.best_path(problem.start, depth, cost, nullptr, states,
                                          Deadline::never(), work_nodes);
     EXPECT_EQ(again.gained, path.gained);
@@ -123,8 +123,8 @@ double open_loop_cost(const BeliefTable& beliefs, int horizon_steps) {
   return cost;
 }
 
-/// The highest bound after several rounds, in each of which the reference moves towards what the
-/// best path sees.
+/// The highest bound after several rounds, in each of which the reference is moved towards the
+/// measurements of the best path.
 class BestBound {
  public:
   double of(const SearchProblem& problem, int rounds) {
@@ -151,8 +151,8 @@ class BestBound {
 };
 
 // If no step can see anything, the bound is the cost without measurements. The target is too near,
-// too far in every reachable direction, or outside the field of view. With slightly larger limits
-// it would be seen.
+// too far in every reachable direction, or outside the field of view. With slightly wider limits
+// the target is visible.
 TEST(LatticeBound, EqualsOpenLoopCostWhenNothingIsSeen) {
   BestBound bound;
   for (const models::SensorKind kind : kKinds) {
@@ -161,7 +161,7 @@ TEST(LatticeBound, EqualsOpenLoopCostWhenNothingIsSeen) {
       SearchProblem problem;
       problem.start = {5.0, -3.0, yaw_rad};
       problem.horizon_steps = 3;
-      problem.controls = {{1.0, 0.0}};  // half a metre per step
+      problem.controls = {{1.0, 0.0}};  // 0.5 m per step
       models::SensorModel sensor;
       sensor.kind = kind;
       const auto sees = [&](double ahead_m, double left_m, double range_min_m, double range_max_m,
@@ -181,18 +181,18 @@ TEST(LatticeBound, EqualsOpenLoopCostWhenNothingIsSeen) {
       };
       const double all_round_rad = 2.0 * kPi;
       for (const double side : {1.0, -1.0}) {
-        // Positions at 0.5, 1 and 1.5 m along its path, with cells of 1/24 of a step.
-        const double nearest_m = 2.0;  // opposite its position after the second step
+        // The robot's positions are at 0.5, 1 and 1.5 m; cells have 1/24 of a step.
+        const double nearest_m = 2.0;  // m; from the position after the second step
         EXPECT_TRUE(sees(1.0, side * nearest_m, 0.3, nearest_m + 0.1, all_round_rad));
         EXPECT_FALSE(sees(1.0, side * nearest_m, 0.3, nearest_m - 0.1, all_round_rad));
-        const double farthest_m = std::hypot(0.5, nearest_m);  // after its first and third step
+        const double farthest_m = std::hypot(0.5, nearest_m);  // after steps 1 and 3
         EXPECT_TRUE(sees(1.0, side * nearest_m, farthest_m - 0.1, 9.0, all_round_rad));
         EXPECT_FALSE(sees(1.0, side * nearest_m, farthest_m + 0.1, 9.0, all_round_rad));
-        // From there the target is seen to the side, and 45° ahead of and behind that.
-        const double first_rad = 0.25 * kPi;  // after its first step, 2 m ahead
+        // After step 1 the target is 2 m ahead, so it is 45° ahead, at 90°, and 45° behind.
+        const double first_rad = 0.25 * kPi;  // rad; bearing after step 1
         EXPECT_TRUE(sees(2.5, side * 2.0, 0.3, 2.9, 2.0 * first_rad + 0.2));
         EXPECT_FALSE(sees(2.5, side * 2.0, 0.3, 2.9, 2.0 * std::atan2(2.0, 2.0) - 0.2));
-        // Behind it from its first step on.
+        // The target is behind the robot from step 1 on.
         EXPECT_FALSE(sees(0.2, side * 0.4, 0.1, 9.0, kPi));
         EXPECT_TRUE(sees(0.2, side * 0.4, 0.1, 9.0, 2.0 * kPi - 0.4));
       }
@@ -204,8 +204,8 @@ TEST(LatticeBound, EqualsOpenLoopCostWhenNothingIsSeen) {
   }
 }
 
-// A robot on rails has only one plan. The bound lies just below its cost, by no more than the blur
-// of a cell's width.
+// A robot on rails has only one plan. The bound is below its cost by at most the effect of a cell's
+// width.
 TEST(LatticeBound, IsTightForASinglePath) {
   BestBound bound;
   std::mt19937_64 rng(92);
@@ -259,8 +259,8 @@ TEST(LatticeBound, IsTightForASinglePath) {
   EXPECT_EQ(compared, 60);
 }
 
-// The bound is the reference's cost minus what the best path gathers, minus the rounding error of
-// that number of float sums.
+// The bound is the cost at the reference, minus the gathered gain of the best path, minus the
+// rounding error of the float sums.
 TEST(LatticeBound, IncludesFloatRounding) {
   LatticeBound lattice(8, 8, kStates);
   BeliefTable beliefs(8, 8);
@@ -292,8 +292,8 @@ TEST(LatticeBound, IncludesFloatRounding) {
   }
 }
 
-// The bound uses the best position of a cell. A measurement from any position of the cell, of a
-// target hardly a cell away, must not have more information.
+// The bound uses the best position of a cell. No position of the cell may have more information,
+// even if the target is only about a cell away.
 TEST(LatticeBound, IsBelowMeasurementFromAnywhereInCell) {
   LatticeBound lattice(2, 2, kStates);
   BeliefTable beliefs(2, 2);
@@ -310,7 +310,7 @@ TEST(LatticeBound, IsBelowMeasurementFromAnywhereInCell) {
     models::SensorModel sensor;
     sensor.kind = kKinds[pick(rng, 0, 2)];
     sensor.range_min_m = 0.02;
-    sensor.range_max_m = 0.3;  // nothing is seen from the end of the long path
+    sensor.range_max_m = 0.3;  // m; nothing is visible from the end of the long path
     sensor.range_sigma_m = uniform(rng, 0.01, 0.3);
     problem.sensors = {sensor};
     std::vector<Pose2> ends;
@@ -339,13 +339,13 @@ TEST(LatticeBound, IsBelowMeasurementFromAnywhereInCell) {
   }
 }
 
-// A lattice with exact capacity for steps and targets has the finest cells there are. Its results
+// A lattice with exact capacity for steps and targets has the finest possible cells. Its results
 // equal those of one with more capacity.
 TEST(LatticeBound, HasCapacityForItsFinestLattice) {
   for (const int steps : {1, 2, 3}) {
     SearchProblem problem;
     problem.horizon_steps = steps;
-    // With these turns and one drive it gets nearly as far in all directions.
+    // With these controls the robot reaches about the same distance in all directions.
     problem.controls = {{3.0, 0.0}, {0.0, kPi}, {0.0, -kPi}, {0.0, 2.0 * kPi}, {0.0, 0.0}};
     models::SensorModel sensor;
     sensor.range_max_m = 9.0;
@@ -378,7 +378,7 @@ TEST(LatticeBound, HasCapacityForItsFinestLattice) {
   }
 }
 
-// A search that is cut off before its last work reports it, whether or not it follows its path.
+// A search that is cut off before its end reports that, with or without the output of its path.
 // With one more node it is not cut off.
 TEST(LatticeBound, ReportsCutOff) {
   LatticeBound lattice(8, 8, 20'000);

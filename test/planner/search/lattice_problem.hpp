@@ -6,8 +6,8 @@
 
 namespace vantage::test {
 
-/// Returns a robot among planar targets of every kind that a lattice bounds, drawn by `seed`. Some
-/// targets are on the path of a control, so that measurements from a millimetre occur.
+/// Returns a problem drawn by `seed`: a robot among planar targets of all kinds that the lattice
+/// bound supports. Some targets are on the path of a control, so that measurements from 1 mm occur.
 OwnedProblem lattice_problem(std::uint64_t seed);
 
 }  // namespace vantage::test

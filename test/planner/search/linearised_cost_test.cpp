@@ -116,8 +116,8 @@ std::vector<InformationMeasure> measures_of(const SearchProblem& problem) {
 
 double slack(double cost) { return 1e-6 * std::max(1.0, std::abs(cost)); }
 
-// The linear form is tangent to the cost at the reference and lies below it elsewhere. Tested from
-// every depth, with and without teammates, noise and oscillators.
+// The linear form is tangent to the cost at the reference and lies below it elsewhere. This holds
+// from every depth, with and without teammates, noise and oscillators.
 TEST(LinearisedCost, IsATangentLowerBound) {
   int far = 0;
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
@@ -155,7 +155,8 @@ TEST(LinearisedCost, IsATangentLowerBound) {
   EXPECT_GT(far, 500);
 }
 
-// G = −∂J/∂M: each entry at each depth compared with a small change of that measurement.
+// G = −∂J/∂M: each entry at each depth is compared with the effect of a small change of that
+// measurement.
 TEST(LinearisedCost, HasTheGradientOfTheCost) {
   constexpr double kSmall = 1e-4;
   Eigen::Matrix2d directions[3];
@@ -195,8 +196,8 @@ TEST(LinearisedCost, HasTheGradientOfTheCost) {
   }
 }
 
-// At a depth at which no robot can come near a target, the reference has no effect. If none ever
-// comes near, the cost is that without measurements.
+// If the robot cannot come near a target at a depth, the reference at that depth has no effect. If
+// it can never come near, the cost is that without measurements.
 TEST(LinearisedCost, UsesReferencesOnlyNearTargets) {
   const OwnedProblem owned = test::lattice_problem(1);
   const SearchProblem& problem = owned.problem;
@@ -228,8 +229,8 @@ TEST(LinearisedCost, UsesReferencesOnlyNearTargets) {
   }
 }
 
-// The information without measurements is the least of any direction. A measurement that raises it
-// by a factor f lowers the cost by at most weight · ln f.
+// The reported information without measurements is that of the direction with the least
+// information. A measurement that raises it by a factor f lowers the cost by at most weight · ln f.
 TEST(LinearisedCost, BoundsGainOfOneMeasurement) {
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     SCOPED_TRACE(seed);

@@ -19,8 +19,8 @@ using test::OwnedProblem;
 using test::pick;
 using test::uniform;
 
-// Returns a problem with targets around the start, in which bearings from right next to a target
-// dominate.
+// Returns a problem with targets around the start, in which bearing measurements from very near a
+// target dominate.
 OwnedProblem crowded_problem(std::uint64_t seed) {
   std::mt19937_64 rng(0xBF58476D1CE4E5B9U * (seed + 1));
   OwnedProblem owned;
@@ -102,11 +102,11 @@ class Bounds {
 TEST(NearBound, IsBelowEveryMovingPlanAndOftenTighter) {
   Bounds bounds;
   int tighter = 0;
-  double gained = 0.0;  // sum of nats and m²
+  double gained = 0.0;  // sum over costs in nats and in m²
   for (std::uint64_t seed = 0; seed < 600; ++seed) {
     SCOPED_TRACE(seed);
     const OwnedProblem owned = crowded_problem(seed);
-    // The reference recursion loses digits right next to a target.
+    // The reference recursion loses digits very near a target.
     ASSERT_NO_FATAL_FAILURE(bounds.expect_below_every_plan(owned.problem, 1e-4));
     tighter += bounds.is_tighter() ? 1 : 0;
     gained += bounds.moving_plan - bounds.any_plan;
@@ -118,12 +118,12 @@ TEST(NearBound, IsBelowEveryMovingPlanAndOftenTighter) {
     }
   }
   EXPECT_GT(tighter, 150);
-  // Measured: 15 178, and 13 884 with discs of half the largest radius.
+  // Measured: 15 178; 13 884 if the discs have half the largest radius.
   EXPECT_GT(gained, 15'000.0);
 }
 
-// A robot that moves a metre per step is next to a target once; one that can hover stays longer.
-// The bound distinguishes both at every step of the horizon.
+// A robot that moves 1 m per step is near a target at one step; a robot that can hover may stay.
+// The bound must distinguish both at every step of the horizon.
 TEST(NearBound, AllowsOneNearStepToMovingRobot) {
   RootBound root(8, 8);
   BeliefTable beliefs(8, 8);
@@ -152,8 +152,8 @@ TEST(NearBound, AllowsOneNearStepToMovingRobot) {
   }
 }
 
-// Several targets half a metre to a metre apart, and a slow robot among them that stays near all of
-// them at every step. With overlapping discs the bound would let it be near one target at a time.
+// Returns a problem with several targets 0.5 m to 1 m apart and a slow robot that stays near all of
+// them at every step. With overlapping discs the bound would count one near target at a time only.
 OwnedProblem slow_among_targets(std::uint64_t seed) {
   std::mt19937_64 rng(0x94D049BB133111EBU * (seed + 1));
   OwnedProblem owned;
@@ -162,7 +162,8 @@ OwnedProblem slow_among_targets(std::uint64_t seed) {
   const double speed_mps = uniform(rng, 0.02, 0.2);
   problem.controls = {{speed_mps, 0.0}, {speed_mps, 2.0}, {speed_mps, -2.0}};
   problem.cost = pick(rng, 0, 2) == 0 ? CostKind::kTrace : CostKind::kLogDet;
-  // Isotropic information: the bound ignores directions, so it is nearly the cost of such a plan.
+  // The bound ignores directions. With isotropic information it is therefore almost the cost of
+  // such a plan.
   models::SensorModel sensor;
   sensor.kind = models::SensorKind::kPosition;
   sensor.position_sigma_m = uniform(rng, 0.05, 0.5);
@@ -205,9 +206,9 @@ TEST(NearBound, IsBelowPlansNearSeveralTargets) {
   EXPECT_GT(tight, 20);
 }
 
-// A robot circles close around one of several targets, any of them, and is near it at every step.
-// It stays just beyond its least range, where range and bearing have equal information, so its plan
-// saves all that the bound allows.
+// A robot circles around one of several targets and is near it at every step. Its distance is just
+// above the minimum range, where range and bearing have equal information. Its plan therefore has
+// the full gain that the bound allows.
 TEST(NearBound, AllowsEveryStepNearWhenRobotStays) {
   Bounds bounds;
   std::mt19937_64 rng(71);
@@ -256,9 +257,10 @@ double cost_of(const SearchProblem& problem, const SearchTarget& target,
   return cost;
 }
 
-// A robot on rails, 1.1 m per step, among targets far apart can be near one of them at one step at
-// most. All other measurements come from the nearest position reachable by then, or the edge of the
-// disc. The best of three disc sizes counts. Beliefs are isotropic, so this is the whole bound.
+// A robot on rails, 1.1 m per step, among distant targets can be near one of them at one step at
+// most. All other measurements are from the nearest position that is reachable by then, or from the
+// edge of the disc. The bound uses the best of three disc sizes. Beliefs are isotropic, so the
+// bound has a closed form.
 TEST(NearBound, CountsOneNearMeasurementAndOthersFromAfar) {
   std::mt19937_64 rng(72);
   BeliefTable beliefs(8, 8);
@@ -275,7 +277,7 @@ TEST(NearBound, CountsOneNearMeasurementAndOthersFromAfar) {
     problem.horizon_steps = pick(rng, 1, 4);
     problem.step_s = 0.5;
     problem.cost = trial % 2 == 0 ? CostKind::kLogDet : CostKind::kTrace;
-    constexpr double kStep_m = 1.1;  // longer than any disc is wide
+    constexpr double kStep_m = 1.1;  // m; larger than any disc
     problem.controls = {{kStep_m / problem.step_s, 0.0}};
     problem.start = {uniform(rng, -9.0, 9.0), uniform(rng, -9.0, 9.0), uniform(rng, -kPi, kPi)};
     models::SensorModel sensor;
@@ -287,7 +289,7 @@ TEST(NearBound, CountsOneNearMeasurementAndOthersFromAfar) {
     problem.sensors = {sensor};
     const int count = pick(rng, 1, 3);
     for (int m = 0; m < count; ++m) {
-      // In a ring around the start; no two targets are nearer than the ring is wide.
+      // Targets around the start, far apart from each other.
       const double away_m = uniform(rng, 0.5, 8.0) + (m == 0 ? 0.0 : 12.0);
       const double bearing_rad = problem.start.yaw_rad + 2.5 * m + uniform(rng, -0.3, 0.3);
       SearchTarget target{{models::TargetKind::kDoubleIntegrator, 2, 0.02}, {}};
@@ -349,7 +351,8 @@ TEST(NearBound, CountsOneNearMeasurementAndOthersFromAfar) {
   EXPECT_GT(never, 15);
 }
 
-/// A target that a robot passes over in its first step, and the bound for its controls after that.
+/// A target that the robot passes over in its first step, and the bound for its controls
+/// afterwards.
 class PassedOver : public ::testing::Test {
  protected:
   PassedOver() {
@@ -383,13 +386,13 @@ class PassedOver : public ::testing::Test {
   NearBound near_{8, 32};
 };
 
-// A robot that has been next to a target returns after one, two or three steps only if controls
-// lead back in that number: a metre there and back, around a triangle, or never.
+// A robot leaves a target. The bound counts a return after one, two or three steps only if the
+// controls allow it: a hover, 1 m forth and back, a triangle, or none of these.
 TEST_F(PassedOver, ReturnsOnlyAfterStepsOfControls) {
   const double never = bound_with({{1.0, 0.0}});
   const double after_two = bound_with({{1.0, 0.0}, {1.0, kPi}});
   const double third_rad = 2.0 * kPi / 3.0;
-  // Chords of a metre along a circle that closes after three.
+  // Three arcs with chords of 1 m form a full circle.
   const double chord = 0.5 * third_rad / std::sin(0.5 * third_rad);
   problem_.targets = {spread(0.5, std::sqrt(0.75))};
   const double after_three = bound_with({{chord, third_rad}});
@@ -402,8 +405,8 @@ TEST_F(PassedOver, ReturnsOnlyAfterStepsOfControls) {
   EXPECT_GT(after_two, always + kOneLook);
 }
 
-// With more than a dozen controls, three-step returns are not computed: the robot may then be
-// anywhere.
+// With more than a dozen controls, three-step returns are not computed. The bound then allows a
+// return to any position.
 TEST_F(PassedOver, HasManyControlsReachAnyPoseInThreeSteps) {
   std::vector<models::UnicycleControl> controls(12, {1.0, 0.0});
   const double few = bound_with(controls);
@@ -412,7 +415,7 @@ TEST_F(PassedOver, HasManyControlsReachAnyPoseInThreeSteps) {
   EXPECT_LT(bound_with(controls), few - 3.0);
 }
 
-// Only planar targets that move or spread, over at most thirty steps.
+// The bound applies only to planar targets that move or have noise, over at most 30 steps.
 TEST_F(PassedOver, AppliesToMovingOrSpreadingTargets) {
   problem_.targets = {spread(1.0, 0.0), spread(2.0, 0.0), spread(3.0, 0.0), spread(4.0, 0.0)};
   problem_.targets[0].model.kind = models::TargetKind::kStatic;
@@ -437,8 +440,8 @@ TEST_F(PassedOver, AppliesToMovingOrSpreadingTargets) {
   EXPECT_TRUE(near_.is_empty()) << "teammates look at all of them";
 }
 
-// If a step leads from one target to the other, the robot may be next to both; otherwise only to
-// one of them.
+// If a step leads from one target to the other, the robot may be near both; otherwise near one of
+// them only.
 TEST_F(PassedOver, IsNearSecondTargetOnlyIfAStepLeadsThere) {
   const auto bound_of = [&](double apart_m) {
     problem_.targets = {spread(1.0, 0.0), spread(1.0 + apart_m, 0.0)};

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kDirections = 16;
 
-/// Returns the support of some positions in one of the directions of the lattice, m.
+/// Returns the support function of the positions in one of the lattice's directions, m.
 double support_m(const std::vector<Eigen::Vector2d>& places_m, int direction) {
   const double angle_rad = 2.0 * kPi * direction / kDirections;
   double most_m = -std::numeric_limits<double>::infinity();
@@ -27,7 +27,8 @@ double support_m(const std::vector<Eigen::Vector2d>& places_m, int direction) {
   return most_m;
 }
 
-/// Returns all positions after a number of steps, by heading, and all of them under kAny.
+/// Returns all positions after `steps` steps by heading; key kAny has the positions of all
+/// headings.
 constexpr int kAny = 1'000;
 std::map<int, std::vector<Eigen::Vector2d>> places_after(const ReachLattice& lattice, int steps) {
   std::vector<std::pair<Pose2, int>> nodes{{Pose2{}, 0}};
@@ -48,8 +49,8 @@ std::map<int, std::vector<Eigen::Vector2d>> places_after(const ReachLattice& lat
   return out;
 }
 
-/// Expects the rows to contain the cells of all these positions, and none beyond them in a
-/// direction.
+/// Expects the plane's rows to contain the cells of all positions, and no cell beyond their support
+/// in any direction.
 void expect_cells_of(const std::vector<Eigen::Vector2d>& places_m, double cell_m,
                      const ReachLattice::Plane& plane) {
   for (const Eigen::Vector2d& place_m : places_m) {
@@ -131,7 +132,7 @@ TEST(ReachLattice, FindsTheCommonTurnAngle) {
   expect({0.0, 0.3, -0.45}, 0.15, {0, 2, -3});
   expect({0.0, -0.3, 0.4}, 0.1, {0, -3, 4});
   expect({0.0, 0.4, 0.5}, 0.1, {0, 4, 5});
-  for (const double side : {1.0, -1.0}) {  // to one side only, and where that is the least
+  for (const double side : {1.0, -1.0}) {  // turns to one side only
     expect({0.0, side * 0.3}, 0.3, {0, static_cast<int>(side)});
     expect({0.0, side * 0.4, side * 0.6}, 0.2,
            {0, static_cast<int>(2 * side), static_cast<int>(3 * side)});
@@ -227,8 +228,8 @@ TEST(ReachLattice, IsAsFineAsItsCapacityAllows) {
   }
 }
 
-// From any position in a cell, a control ends in one of the four cells to which it leads. These are
-// on the plane of the next depth.
+// From any position in a cell, a control ends in one of its four successor cells on the plane of
+// the next depth.
 TEST(ReachLattice, SuccessorsAreTheFourOverlappedCells) {
   const SearchProblem problem = with_turns({0.0, 0.7, -1.4}, 4);
   ReachLattice lattice(8);

@@ -15,7 +15,7 @@
 #include "test/planner/search/full_tree.hpp"
 #include "test/planner/search/solved_problems.hpp"
 
-// The options of searches and the counts that they report.
+// Tests of the options of searches and of the counts that searches report.
 
 namespace vantage::planner {
 namespace {
@@ -26,7 +26,8 @@ using test::small_capacity;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// A search that receives each number in turn: values within the limits are accepted.
+/// Sets one option at a time and expects values within its limits to be accepted and others
+/// refused.
 template <class Search, class Options>
 class Told {
  public:
@@ -82,7 +83,7 @@ TEST(RefiningBeam, AcceptsOptionsWithinTheirLimits) {
   told.expect(&BeamOptions::shrink, {kLittle, 1.0}, {0.0, 1.0 + kLittle, kNaN});
 }
 
-// The exact capacity is enough, and one less is refused.
+// The exact capacity is accepted; a capacity that is smaller by one is refused.
 TEST(SearchCapacity, IsAnExactLimit) {
   SearchProblem problem;
   problem.horizon_steps = 3;
@@ -123,7 +124,7 @@ TEST(SearchCapacity, IsAnExactLimit) {
   EXPECT_THROW(plan_by_all(just), UsageError) << "whatever else it is";
 }
 
-// One pass with the given options is reported; a pass that is cut off does not count.
+// A finished pass is reported with its options; a pass that is cut off is not reported.
 TEST(BestFirst, ReportsItsOptions) {
   BestFirstSearch search(small_capacity());
   int converged = 0;
@@ -163,7 +164,8 @@ TEST(BestFirst, ReportsItsOptions) {
   EXPECT_GT(converged, 20);
 }
 
-// Peak bytes count the tree, and the widest depth of generated and of expanded nodes.
+// The peak memory is that of the tree plus the largest depth levels of generated and of expanded
+// nodes.
 TEST(Reduced, ReportsPeakMemory) {
   ReducedValueIteration search(small_capacity());
   int pruned = 0;
@@ -210,8 +212,8 @@ TEST(Reduced, ReportsPeakMemory) {
   EXPECT_GT(pruned, 20);
 }
 
-// If no complete path can stop safely, the plan hovers as late as possible, at the cheapest of the
-// nodes that can.
+// If no complete path can stop safely, the plan hovers as late as possible, at the cheapest node
+// that can stop.
 TEST(Hovering, StartsAsLateAsSafeAtTheCheapestPose) {
   ReducedValueIteration reduced(small_capacity());
   BestFirstSearch best_first(small_capacity());
@@ -265,7 +267,7 @@ TEST(Hovering, StartsAsLateAsSafeAtTheCheapestPose) {
         EXPECT_EQ(result.controls.size(), index(latest));
         EXPECT_EQ(result.poses.size(), index(problem.horizon_steps));
         EXPECT_GE(result.cost, cheapest - slack(cheapest)) << each.seed;
-        if (count <= 16) {  // larger sets are only sampled
+        if (count <= 16) {  // larger sets are sampled
           EXPECT_NEAR(result.cost, cheapest, slack(cheapest)) << each.seed;
         }
         EXPECT_LE(result.lower_bound, result.cost);
@@ -276,7 +278,7 @@ TEST(Hovering, StartsAsLateAsSafeAtTheCheapestPose) {
   EXPECT_GT(later, 1);
 }
 
-/// Returns a tracking problem that no budget here finishes.
+/// Returns a tracking problem that is too large for any budget of these tests.
 SearchProblem tracking_problem(std::uint64_t seed) {
   std::mt19937_64 rng(seed);
   SearchProblem problem;
@@ -308,8 +310,8 @@ std::size_t first_pass_at(const SearchResult& result, std::int64_t work_nodes, s
 }
 
 // A search without its own certificate first reports the bound of any plan. From 50,000 nodes on it
-// reports the bound of moving plans. From 300,000 nodes on a beam raises that bound, with half a
-// million nodes and a quarter of the work done so far.
+// reports the bound of moving plans. From 300,000 nodes on, a beam search raises that bound with
+// 500,000 nodes and a quarter of the previous work.
 TEST(Certificate, IsImprovedAfterTheStatedWork) {
   const SearchProblem problem = tracking_problem(3);
   const SearchCapacity capacity{100'000, 3'000'000, 8, 8, 1};

@@ -11,8 +11,8 @@
 #include "planner/search/sequencing_bound.hpp"
 #include "test/planner/problem/random_problem.hpp"
 
-// The sequencing bound compared with the relaxed problem that it solves, here by exhaustive search:
-// which target is seen at which step if the distances between discs of sight take time.
+// Compares the sequencing bound with an exhaustive solution of its relaxed problem: which target is
+// observed at which step if travel between the discs of visibility takes time.
 
 namespace vantage::planner {
 namespace {
@@ -25,8 +25,8 @@ using test::uniform;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSight_m = 1.0;
 
-/// Returns a problem with an isotropic position sensor, so that all measurements are equally good,
-/// and static targets, some with noise or with information of teammates.
+/// Returns a problem with an isotropic position sensor, so that all measurements have equal
+/// information. Its static targets partly have noise or information of teammates.
 SearchProblem all_round_problem(std::mt19937_64& rng) {
   SearchProblem problem;
   problem.start = {uniform(rng, -2.0, 2.0), uniform(rng, -2.0, 2.0), uniform(rng, -kPi, kPi)};
@@ -59,7 +59,7 @@ SearchProblem all_round_problem(std::mt19937_64& rng) {
   return problem;
 }
 
-/// The relaxed problem after `depth` from `at`, with the targets that take part.
+/// The relaxed problem after `depth` from pose `at`, with the included targets.
 class Relaxed {
  public:
   Relaxed(const SearchProblem& problem, const std::vector<std::uint8_t>& takes_part,
@@ -77,7 +77,7 @@ class Relaxed {
     }
   }
 
-  /// Returns the least cost if `control` is the next.
+  /// Returns the least cost with `control` as the next control.
   [[nodiscard]] double best_after(const models::UnicycleControl& control) const {
     const Eigen::Vector2d end_m = models::step_unicycle(at_, control, problem_.step_s).position_m();
     std::vector<int> next;
@@ -212,7 +212,7 @@ TEST(SequencingBound, EqualsTheRelaxedOptimum) {
       EXPECT_GE(sequencing.cost_after(static_cast<int>(c)), whole.cost);
       EXPECT_LE(sequencing.cost_after(static_cast<int>(c)), after[c] + slack(after[c]));
     }
-    // With a higher cutoff the bound stays the same; with a lower one it ends at the cutoff.
+    // With a higher cutoff the bound stays the same; with a lower one it is limited to the cutoff.
     const auto above = bound(best + 1.0);
     EXPECT_NEAR(above.cost, best, slack(best));
     const auto below = bound(best - 0.3);
@@ -224,8 +224,8 @@ TEST(SequencingBound, EqualsTheRelaxedOptimum) {
   EXPECT_GT(late, 30);
 }
 
-// Of many targets the sixteen nearest take part, in any order. A target that is just out of reach,
-// moves or has a height does not.
+// Of many targets the sixteen nearest are included, for any order. Unreachable, moving and spatial
+// targets are not included.
 TEST(SequencingBound, UsesTheNearestReachableStaticTargets) {
   constexpr int kTargets = 24;
   InformationHeuristic heuristic(kTargets, 8);
@@ -248,7 +248,7 @@ TEST(SequencingBound, UsesTheNearestReachableStaticTargets) {
     return target;
   };
   const models::TargetModel still{TargetKind::kStatic, 2, 0.0};
-  // Range plus four steps: three metres.
+  // The reach is the range plus four steps, 3 m.
   problem.targets = {at(3.0 + 1e-5, still), at(1.0, {TargetKind::kDoubleIntegrator, 2, 0.0}),
                      at(1.0, {TargetKind::kStatic, 3, 0.0}), at(3.0 - 1e-5, still)};
   beliefs.reset(problem);
@@ -295,7 +295,7 @@ TEST(SequencingBound, RespectsObstaclesAndWalls) {
     sensor.kind = models::SensorKind::kPosition;
     sensor.range_max_m = kSight_m;
     problem.sensors = {sensor};
-    // Just ahead of a position that it may not enter.
+    // The targets are just ahead of a position that the robot cannot reach.
     const Pose2 there = start * Pose2{1.1, 0.9, 0.0};
     problem.targets = {
         {{TargetKind::kStatic, 2, 0.0}, {there.position_m(), Eigen::Matrix2d::Identity()}}};

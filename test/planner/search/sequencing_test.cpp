@@ -22,8 +22,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using test::slack;
 
-// Returns a robot with a short range among boxes and more static targets than it can reach: every
-// planar sensor, both costs, with and without noise and teammates' information.
+// Returns a problem with a short-range robot among boxes and more static targets than it can reach.
+// It has any planar sensor, either cost, and optionally noise and teammates' information.
 OwnedProblem short_sighted_problem(std::uint64_t seed) {
   std::mt19937_64 rng(0xA0761D6478BD642FU * (seed + 1));
   OwnedProblem owned;
@@ -84,8 +84,8 @@ struct Bounds {
   double reached = 0.0;
 };
 
-// Tests at least 10⁵ nodes. No bound of a node or of a control is above the cost of the best path
-// through it. This also holds if the bound is cut off after a few states.
+// Tests at least `nodes_min` nodes. No bound of a node or of a control exceeds the cost of the best
+// path through it. This also holds if the bound is cut off after a few states.
 void expect_admissible(int states_max, std::int64_t nodes_min, double& gained) {
   InformationHeuristic heuristic(16, 8);
   SequencingBound sequencing(16, 8, states_max);
@@ -171,7 +171,7 @@ TEST(SequencingBound, KeepsTheOptimum) {
 }
 
 // Four targets around a robot that can observe one at a time. Even without memory for sequences,
-// together they cost more than separately.
+// the common bound exceeds the sum of the bounds of the single targets.
 TEST(SequencingBound, ObservesOnePlaceAtATimeAfterAnyCutOff) {
   InformationHeuristic heuristic(8, 8);
   SequencingBound sequencing(8, 8, 1);
@@ -180,7 +180,7 @@ TEST(SequencingBound, ObservesOnePlaceAtATimeAfterAnyCutOff) {
     SearchProblem problem;
     problem.horizon_steps = 8;
     problem.step_s = 1.0;
-    for (int c = 0; c < 40; ++c) {  // the bounds of these controls use all the memory
+    for (int c = 0; c < 40; ++c) {  // these bounds use all memory
       problem.controls.push_back({0.6, kPi * (c - 20) / 40.0});
     }
     models::SensorModel sensor;
@@ -207,8 +207,8 @@ TEST(SequencingBound, ObservesOnePlaceAtATimeAfterAnyCutOff) {
   EXPECT_GT(bound_of(ring_m), each + 40.0);
 }
 
-// Two clusters of targets, each merged into one place and reachable only late in a long horizon.
-// After the first there is no time for the second.
+// Two clusters of targets, each merged into one place, are reachable only late in a long horizon.
+// After the first cluster there is no time for the second.
 TEST(SequencingBound, ExcludesTwoFarPlaces) {
   constexpr int kSteps = 200;
   InformationHeuristic heuristic(16, kSteps);
@@ -261,8 +261,7 @@ TEST(SequencingBound, AcceptsAnyNumberOfTargets) {
   }
 }
 
-// Returns J_T with 1 mm added to the range in the denominator of H, as the known value was
-// computed.
+// Returns J_T with 1 mm added to the range in the denominator of H, as for the known value.
 double regularised_score(const SearchProblem& problem, const std::vector<Pose2>& poses) {
   double cost = 0.0;
   for (const SearchTarget& target : problem.targets) {

@@ -10,8 +10,8 @@
 namespace vantage::planner {
 namespace {
 
-// A robot that drives 1 m/s, turns at 2 rad/s and sees 3 m far in a quarter circle; one target at
-// the origin.
+// A robot with 1 m/s, 2 rad/s, a range of 3 m and a field of view of 90°, and one target at the
+// origin.
 class Sighting : public ::testing::Test {
  protected:
   Sighting() {
@@ -42,8 +42,8 @@ class Sighting : public ::testing::Test {
   SightingValue value_{8};
 };
 
-// The value per step is ln det(I + M P) for a measurement from half the range, with P halfway
-// there: for a static target its prior.
+// The value per step is ln det(I + M P) for a measurement from half the range, with the covariance
+// P at half the travel time. For a static target P is the prior.
 TEST_F(Sighting, ValuesMeasurementsFromHalfTheRange) {
   const models::PositionVector target_m = Eigen::Vector2d::Zero();
   const Eigen::Matrix2d M = models::information(sensor_, {{-1.5, 0.0, 0.0}, 0.0}, target_m);
@@ -58,8 +58,8 @@ TEST_F(Sighting, ValuesMeasurementsFromHalfTheRange) {
   EXPECT_NEAR(at(1.0, 0.0, 0), less_m2 * problem_.horizon_steps, 1e-9);
 }
 
-// Each step of driving and turning at full speed costs one measurement. The first is at the next
-// step at the earliest. Left and right are equal.
+// Each step of driving or turning at full speed delays the measurements by one step. The first is
+// at the next step at the earliest. Left and right are equal.
 TEST_F(Sighting, IsDelayedByPathAndTurn) {
   const double look = at(1.0, 0.0, 0) / problem_.horizon_steps;
   int late = 0;
@@ -80,8 +80,8 @@ TEST_F(Sighting, IsDelayedByPathAndTurn) {
   EXPECT_GT(late, 50);
 }
 
-// The best target counts. Information adds up over the sensors; the longest range and the widest
-// view decide when it is seen.
+// The value is that of the best target. Information adds up over the sensors. The longest range and
+// the widest field of view determine when the target is visible.
 TEST_F(Sighting, UsesTheBestTargetAndAllSensors) {
   const double near = at(4.0, 1.0, 2);
   ASSERT_GT(near, 0.0);
@@ -113,21 +113,22 @@ TEST_F(Sighting, UsesTheBestTargetAndAllSensors) {
       std::reverse(problem_.sensors.begin(), problem_.sensors.end());
     }
     reset();
-    Eigen::Matrix2d M = Eigen::Matrix2d::Zero();  // each from half its own range
+    Eigen::Matrix2d M = Eigen::Matrix2d::Zero();  // each from half its sensor's range
     for (const models::SensorModel& each : problem_.sensors) {
       M += models::information(each, {{-0.5 * each.range_max_m, 0.0, 0.0}, 0.0}, target_m);
     }
     const double look = std::log((Eigen::Matrix2d::Identity() + M).determinant());
     EXPECT_NEAR(at(1.0, 0.0, 0), look * 12.0, 1e-9);
-    // 1.5 m beyond a range of 5 m and 0.5 rad beyond a quarter turn.
+    // The target is 1.5 m beyond the range of 5 m and 0.5 rad outside the quarter-turn field of
+    // view.
     const double steps = (1.5 + 0.5 / 2.0) / problem_.step_s;
     EXPECT_NEAR(at(6.5, 0.5 * kPi + 0.5, 0), look * (13.0 - steps), 1e-9);
     EXPECT_NEAR(at(6.5, -0.5 * kPi - 0.5, 0), look * (13.0 - steps), 1e-9);
   }
 }
 
-// A spatial target is measured from the robot's height. A robot that cannot drive gains only what
-// it already sees.
+// A spatial target is measured from the robot's height. A robot that cannot drive gains only from
+// targets that are already visible.
 TEST_F(Sighting, UsesTheRobotsHeightAndReach) {
   problem_.height_m = 1.2;
   Eigen::Vector3d place_m(0.0, 0.0, 0.5);

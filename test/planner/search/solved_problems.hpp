@@ -27,8 +27,8 @@ struct SolvedProblem {
   OracleAnswer best;
 };
 
-/// Returns those of the `count` random problems from `first_seed` on that exhaustive search can
-/// decide. They are computed once per `first_seed`.
+/// Returns the problems among `count` random ones from `first_seed` on that exhaustive search can
+/// solve. They are computed once per `first_seed`.
 inline const std::vector<SolvedProblem>& solved_problems(std::uint64_t first_seed,
                                                          std::uint64_t count) {
   static std::map<std::uint64_t, std::vector<SolvedProblem>> known;

@@ -58,7 +58,7 @@ double substitution_bound(const FullTree& full, const std::vector<double>& best_
           !std::isfinite(best_through[left])) {
         continue;
       }
-      // Costs of the best completions from this depth on.
+      // Difference of the costs of the best completions from this depth on.
       const double lost = (best_through[kept] - a.cost) - (best_through[left] - b.cost);
       if (lost <= loss[b.depth] ||
           metric.squared(a.world_from_body, b.world_from_body) > delta2_m2) {
@@ -133,7 +133,7 @@ TEST(FinishedPass, StaysWithinTheSubstitutionBound) {
   }
   EXPECT_GE(passes, 6 * 200);
   EXPECT_GE(finite, passes * 8 / 10);
-  EXPECT_GE(lossy, 100);  // the bound has losses to cover
+  EXPECT_GE(lossy, 100);  // cases in which pruning lost something
 }
 
 double eigenvalue(const models::StateMatrix& X, bool largest) {
@@ -163,7 +163,7 @@ double lipschitz_bound(const SearchProblem& problem, const Pass& pass) {
     const models::StateMatrix A = target.model.transition(problem.step_s);
     const models::StateMatrix W = target.model.process_noise(problem.step_s);
     const Eigen::Index n = target.model.dim();
-    // Least distance of the target to any point between two compared poses.
+    // Least distance of the target from any point between two compared poses.
     double nearest_m = kInfinity;
     models::Gaussian moving = target.prior;
     for (int t = 0; t <= T; ++t) {

@@ -48,7 +48,7 @@ TEST(Tree, KeepsTheBlocksOfEachNode) {
       EXPECT_FALSE(tree.has_posterior(id));
       packed.emplace_back(doubles[i]);
       std::generate(packed[i].begin(), packed[i].end(), [&] { return next++; });
-      if (i == 3) {  // room for all but one more
+      if (i == 3) {  // one number too many
         EXPECT_EQ(tree.room_for_posterior(3, doubles[i] + 1).targets, nullptr);
         EXPECT_NE(tree.room_for_posterior(3, doubles[i]).targets, nullptr);
       }
@@ -61,7 +61,7 @@ TEST(Tree, KeepsTheBlocksOfEachNode) {
                              targets[id].end()));
       EXPECT_TRUE(std::equal(packed[id].begin(), packed[id].end(), blocks.packed));
     }
-    // Nodes with their poses and costs, one record of three numbers per node, targets and doubles.
+    // Sum of nodes, one record of three numbers per node, targets and doubles.
     EXPECT_EQ(tree.bytes_used(), 4 * sizeof(Node) + 5 * 12 + 6 * 2 + kDoubles * 8);
     const double one[] = {0.0};
     EXPECT_FALSE(tree.keep_posterior(0, {}, {}));  // one record per node, and all are used
@@ -103,8 +103,8 @@ TEST(NodeList, IsAQueue) {
   EXPECT_EQ(other.pop(tree), 1U);
 }
 
-// The path from the root, step by step, then a hover until the horizon; it overwrites an earlier
-// result.
+// The result is the path from the root and then a hover until the horizon. An earlier result is
+// overwritten.
 TEST(WritePath, WritesThePathFromTheRootAndAHover) {
   Tree tree(8, 3);
   tree.add(node(kNoNode, -1, 0, 0.0));
