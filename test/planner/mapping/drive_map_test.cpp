@@ -85,7 +85,7 @@ TEST(DriveMap, LetsTooNearRobotLeaveOnly) {
   EXPECT_TRUE(map.is_free(beside, {1.0, 0.0}, 1.0));
   EXPECT_FALSE(map.is_free({beside.x_m, beside.y_m, kPi}, {1.0, 0.0}, 1.0));
   EXPECT_FALSE(map.is_free({post_m.x() + 1.0, post_m.y(), kPi}, {1.0, 0.0}, 1.0));
-  // Inside the cell of the post the robot may only leave at once, not drive on over it.
+  // From within the post's cell the robot may leave directly but must not drive across the post.
   EXPECT_TRUE(map.is_free({post_m.x() - 0.1, post_m.y(), kPi}, {1.0, 0.0}, 1.0));
   EXPECT_FALSE(map.is_free({post_m.x() + 0.1, post_m.y(), kPi}, {1.0, 0.0}, 1.0));
   EXPECT_TRUE(map.is_free(beside, {0.0, 2.0}, 1.0)) << "it may turn on the spot";
@@ -104,7 +104,7 @@ TEST(DriveMap, MeasuresDistanceToUnknown) {
   EXPECT_TRUE(std::isinf(map.to_frontier_m({-9.0, 0.0})));
 }
 
-// Mirrored left to right and top to bottom.
+// A map that is mirrored left to right or top to bottom gives mirrored results.
 TEST(DriveMap, IsMirrorSymmetric) {
   test::Random random(4603);
   const int columns = kGrid.columns;
@@ -157,7 +157,7 @@ TEST(DriveMap, MeasuresDistanceAroundWallsOrNone) {
   EXPECT_TRUE(std::isinf(DriveMap(belief, {}).to_frontier_m(kGrid.centre_m(3 * 30 + 10))));
 }
 
-// Returns the gap between the squares of two cells, m. A cell beyond the grid stands for the grid's
+// Returns the gap between the squares of two cells, m. A cell beyond the grid represents the grid's
 // edge.
 double gap_m(int a, int b_column, int b_row) {
   const int columns = std::abs(a % kGrid.columns - b_column);
@@ -165,8 +165,8 @@ double gap_m(int a, int b_column, int b_row) {
   return 0.25 * std::hypot(std::max(0, columns - 1), std::max(0, rows - 1));
 }
 
-// A cell is blocked if and only if the disc, enlarged by a quarter of a cell, would touch something
-// from a point in the cell.
+// A cell is blocked if and only if the disc, enlarged by a quarter of a cell, would touch an
+// obstacle or the edge from a point in the cell.
 TEST(DriveMap, IsFreeIfAndOnlyIfNothingIsNear) {
   test::Random random(4604);
   int free = 0;
@@ -202,7 +202,7 @@ TEST(DriveMap, IsFreeIfAndOnlyIfNothingIsNear) {
   }
 }
 
-// Compared with relaxation of all paths until none becomes shorter.
+// Compares the distances with a relaxation of all paths until no path becomes shorter.
 TEST(DriveMap, MeasuresShortestDistanceToNearestFrontier) {
   test::Random random(4605);
   constexpr double kNoWay_m = std::numeric_limits<double>::infinity();
@@ -261,8 +261,8 @@ TEST(DriveMap, MeasuresShortestDistanceToNearestFrontier) {
   EXPECT_GT(on_the_way, 60);
 }
 
-// Between two walls a robot is too near throughout, and clear from half a metre beyond their end.
-// It may drive out if it becomes clear within its radius plus two cells, 0.7 m.
+// Between two walls a robot is too near everywhere, and clear from 0.5 m beyond their end. It may
+// drive out if it becomes clear within its radius plus two cells, 0.7 m.
 TEST(DriveMap, LetsTooNearRobotLeaveWithinRadiusAndTwoCells) {
   for (const bool is_upright : {false, true}) {
     OccupancyBelief belief(kGrid, 3.0);
@@ -273,7 +273,7 @@ TEST(DriveMap, LetsTooNearRobotLeaveWithinRadiusAndTwoCells) {
     }
     const DriveMap map(belief, {});
     for (const double side : {1.0, -1.0}) {
-      const double clear_from_m = side > 0.0 ? 17 * 0.25 : 7 * 0.25;  // from the grid's corner
+      const double clear_from_m = side > 0.0 ? 17 * 0.25 : 7 * 0.25;  // m; from the grid's corner
       const auto may_drive = [&](double before_m, double way_m) {
         const double along_m = clear_from_m - side * before_m;
         const double across_m = 11.5 * 0.25 + 0.02;
@@ -288,7 +288,7 @@ TEST(DriveMap, LetsTooNearRobotLeaveWithinRadiusAndTwoCells) {
         EXPECT_TRUE(may_drive(before_m, before_m + 0.9)) << before_m << ' ' << side << is_upright;
         EXPECT_FALSE(may_drive(before_m, before_m - 0.02)) << "it is not out at the end";
       }
-      for (const double before_m : {0.84, 1.0, 1.2}) {  // it samples every half cell
+      for (const double before_m : {0.84, 1.0, 1.2}) {  // m; samples every half cell
         EXPECT_FALSE(may_drive(before_m, before_m + 0.9)) << before_m << ' ' << side << is_upright;
       }
     }
@@ -296,7 +296,7 @@ TEST(DriveMap, LetsTooNearRobotLeaveWithinRadiusAndTwoCells) {
 }
 
 // The path cuts the outer corner of the blocked area around a post. It is sampled every half cell,
-// so that 18 cm inside the area are found for any start. A path outside is accepted.
+// so 18 cm inside the area are detected for any start. A path outside the area is accepted.
 TEST(DriveMap, SamplesEveryHalfCell) {
   OccupancyBelief belief(kGrid, 3.0);
   belief.add_log_odds(12 * 30 + 10, 9.0);

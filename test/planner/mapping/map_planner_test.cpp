@@ -44,7 +44,8 @@ models::RobotMap map_in_patches(const scenario::Scenario& scenario, Random& rand
   return map;
 }
 
-// Robot 0 of the lab at a random position, moving, with two teammates that continue their motion.
+// A round of robot 0 in the lab: the robot moves from a random position, and two teammates continue
+// their motion.
 struct Bench {
   Bench(const scenario::Scenario& lab, Random& random)
       : scenario(lab), field(scenario.world, 0.05), map(map_in_patches(scenario, random)) {
@@ -81,7 +82,8 @@ struct Bench {
   std::vector<FixedTeammate> teammates;
 };
 
-// Returns the routes of fixed scans: the own start, and the teammate that is not jammed.
+// Returns the routes of fixed scans: the robot's own start, and the route of the teammate that is
+// not jammed.
 std::vector<MapRoute> fixed_routes(const Bench& bench) {
   std::vector<MapRoute> routes(2);
   routes[0].poses = {bench.problem.start};
@@ -226,7 +228,7 @@ TEST(MapPlanner, ImprovesMonotonicallyWithBudget) {
 }
 
 // The result is optimal if the search finished with all steps; otherwise it has no bound. The
-// reported counts are those of the work done.
+// reported counts match the work.
 TEST(MapPlanner, ReportsItsCertificate) {
   Random random(5405);
   const scenario::Scenario scenario = mapping_scenario();
@@ -256,8 +258,8 @@ TEST(MapPlanner, ReportsItsCertificate) {
   EXPECT_GT(proven, 2);
 }
 
-// At 1 m/s the robot stops within 25 cm: 40 cm before the wall there is no plan; at rest there is
-// one.
+// At 1 m/s the robot stops within 25 cm. 40 cm before the wall no plan exists at 1 m/s, but one
+// exists at rest.
 TEST(MapPlanner, FindsNothingWhereItCannotStop) {
   Random random(5406);
   const scenario::Scenario scenario = mapping_scenario();
@@ -327,7 +329,7 @@ TEST(RobotPlanner, IncludesScansOfTeammatesExceptTheBait) {
   scenario::Scenario scenario = mapping_scenario();
   scenario.planner.attacks_max = 1;
   const Deadline deadline = Deadline::nodes(20'000);
-  // Q2 plans the same route as Q1; only the heights keep them apart.
+  // Q2 plans the same route as Q1; only their heights differ.
   scenario.robots[1].start = scenario.robots[0].start;
   scenario.robots[1].height_m = 2.5;
   PlanInputs inputs = test::first_inputs(scenario, 0);

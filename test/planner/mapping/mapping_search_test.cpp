@@ -22,7 +22,7 @@ using models::OccupancyBelief;
 
 const GridGeometry kGrid{{0.0, 0.0}, 0.25, 32, 32};
 
-// A random map, all that a search needs on it, and a team whose robots are close together.
+// A random map with the tables for a search, and a team with robots close together.
 struct Bench {
   Bench(test::Random& random, int horizon_steps, double frontier_nats_per_m,
         BeamDependence dependence = BeamDependence::kBestOfCell)
@@ -104,7 +104,8 @@ TEST(MappingSearch, FindsTheBestOfAllRoutes) {
   }
 }
 
-// With a budget for the greedy route only, the result is that route: the best next step each time.
+// With a budget for the greedy route only, the result is that route: the best next step at each
+// pose.
 TEST(MappingSearch, ReturnsTheGreedyRouteAtAnEarlyDeadline) {
   test::Random random(4711);
   int greedy_routes = 0;
@@ -136,7 +137,7 @@ TEST(MappingSearch, ReturnsTheGreedyRouteAtAnEarlyDeadline) {
       greedy = *best;
     }
     if (greedy.controls.size() < 3) {
-      continue;  // the greedy route gets stuck
+      continue;  // the greedy route has no next step
     }
     ++greedy_routes;
     const auto controls = static_cast<std::int64_t>(bench.options.controls.size());
@@ -161,7 +162,7 @@ TEST(MappingSearch, IsDeterministic) {
   EXPECT_EQ(first.gain_nats, again.gain_nats);
 }
 
-/// A bench whose four robots have planned by coordinate descent.
+/// A bench with routes for four robots by coordinate descent.
 struct PlannedBench {
   explicit PlannedBench(unsigned seed) : random(seed) {}
   test::Random random;
@@ -207,7 +208,7 @@ TEST(MappingSearch, KeepsSeparationFromTeammates) {
     const std::vector<MapRoute> routes =
         search.coordinate_descent(std::span(bench.starts).first(2), std::vector<int>{0, 1});
     if (routes[1].controls.empty()) {
-      continue;  // the robot is enclosed and stays
+      continue;  // the robot is enclosed and does not move
     }
     for (std::size_t t = 0; t < 3; ++t) {
       ASSERT_GE((routes[0].poses[t].position_m() - routes[1].poses[t].position_m()).norm(), 0.5);
@@ -215,8 +216,8 @@ TEST(MappingSearch, KeepsSeparationFromTeammates) {
   }
 }
 
-// Both robots drive each step straight and uniformly; the distance is sampled there. A robot
-// without a route, or whose route has ended, does not block the others.
+// Both robots drive straight and at constant speed in each step, where their distance is sampled. A
+// robot without a route, or whose route has ended, does not block the others.
 TEST(MappingSearch, FindsTheBestSeparatedRoute) {
   test::Random random(4712);
   int refused = 0;
@@ -253,7 +254,7 @@ TEST(MappingSearch, FindsTheBestSeparatedRoute) {
     bool is_close = false;
     for (const MapRoute& route : all_routes(bench, bench.starts[1])) {
       const double apart_m = least_m(route);
-      is_close = is_close || std::abs(apart_m - 0.5) < 1e-4;  // within the sampling error
+      is_close = is_close || std::abs(apart_m - 0.5) < 1e-4;  // m; within the sampling error
       refused += apart_m < 0.5 ? 1 : 0;
       best_nats = apart_m < 0.5 ? best_nats : std::max(best_nats, worth_nats(route));
     }
@@ -272,9 +273,9 @@ TEST(MappingSearch, FindsTheBestSeparatedRoute) {
   EXPECT_GT(refused, 50);
 }
 
-// If only some routes may end, the search returns the best full-length route that may. Otherwise it
-// returns the best of the longest that may, after which the robot stands still. Otherwise the robot
-// stays.
+// If routes may end at some poses only, the search returns the best full-length route that ends at
+// such a pose. If none exists, it returns the best of the longest such routes, after which the
+// robot stops. If none exists either, the robot does not move.
 TEST(MappingSearch, EndsRoutesAtAllowedPoses) {
   test::Random random(4713);
   std::vector<int> ended(4, 0);
@@ -319,7 +320,7 @@ TEST(MappingSearch, EndsRoutesAtAllowedPoses) {
       EXPECT_NEAR(worth_nats(plan), best_nats, 1e-9) << i;
     }
     EXPECT_FALSE(plan.is_cut);
-    // A search that is cut off after the greedy route also ends where it may.
+    // A search that is cut off after the greedy route also ends at an allowed pose.
     const MapRoute cut = search.plan(bench.starts[0], {}, Deadline::nodes(12));
     if (cut.controls.size() == 3) {
       EXPECT_TRUE(may_end(cut.poses.back(), cut.controls.back(), 3)) << i;
@@ -330,8 +331,8 @@ TEST(MappingSearch, EndsRoutesAtAllowedPoses) {
   }
 }
 
-// Each robot plans against those before it in the given order. A robot that is not listed has no
-// route.
+// Each robot plans with the routes of the robots before it in the given order. A robot that is not
+// listed has no route.
 TEST(MappingSearch, PlansRobotsInTheGivenOrder) {
   test::Random random(4714);
   Bench bench(random, 2, 0.5);

@@ -1,4 +1,4 @@
-// The step counts and the defaults of a mapping search.
+// Tests of the step counts and the defaults of a mapping search.
 
 #include <algorithm>
 
@@ -14,8 +14,8 @@ using models::GridGeometry;
 using models::OccupancyBelief;
 
 // Three controls, three steps, all allowed: the greedy route evaluates 3 · 3 steps, the tree 3 + 9
-// + 27. All cells are known, so nothing is gained and there is no frontier. The frontier distance
-// is then the sum of both sides of the ground. Of the leaves only the first improves the result.
+// + 27. All cells are known, so no step gains information and no frontier exists. The frontier
+// distance is then the sum of both sides of the ground. Only the first leaf improves the result.
 TEST(MappingSearch, CountsEvaluatedSteps) {
   const GridGeometry ground{{0.0, 0.0}, 0.25, 40, 20};
   OccupancyBelief belief(ground, 3.0);

@@ -107,7 +107,7 @@ TEST(ViewTable, KeepsTheFieldOfView) {
   OccupancyBelief belief(kGrid, 3.0);
   for (int cell = 0; cell < kGrid.size(); ++cell) {
     if (kGrid.centre_m(cell).x() < 4.0) {
-      belief.add_log_odds(cell, -9.0);  // known in the west
+      belief.add_log_odds(cell, -9.0);  // the western cells are known
     }
   }
   ViewTable table(belief, {9, 1.0, 0.0, 1.5, 0.01}, options_of(BeamDependence::kBestOfCell));
@@ -160,10 +160,10 @@ TEST(MapCoverage, GainIsAtMostTheWholeView) {
 /// beam reaches the cell) · o (1 − o).
 struct Traced {
   double nats = 0.0;
-  std::map<int, double> nats_of;  ///< by cell
+  std::map<int, double> nats_of;  ///< by cell index
 };
 
-/// Returns the beams of a scan from the centre of a cell that bring information.
+/// Returns the beams of a scan from the centre of a cell that have information.
 std::vector<Traced> traced(const OccupancyBelief& belief, const BeamSensor& sensor,
                            const Eigen::Vector2d& from_m, double yaw_rad, BeamMeasure measure) {
   std::vector<Traced> beams;
@@ -192,7 +192,7 @@ std::vector<Traced> traced(const OccupancyBelief& belief, const BeamSensor& sens
   return beams;
 }
 
-/// The information per cell so far, and the amount that another beam adds to it.
+/// Accumulates the information per cell and returns the amount that another beam adds.
 class CellInformation {
  public:
   CellInformation(BeamDependence dependence, double dependent_share)
@@ -223,8 +223,8 @@ class CellInformation {
   std::map<int, double> nats_of_;
 };
 
-// A scan, and successive scans, follow the two documented rules; with a limited field of view also
-// at several headings.
+// The gains of single and successive scans follow the two documented rules, also at several
+// headings with a limited field of view.
 TEST(ViewTable, AppliesItsTwoBeamRules) {
   test::Random random(4507);
   for (int i = 0; i < 36; ++i) {
@@ -254,7 +254,7 @@ TEST(ViewTable, AppliesItsTwoBeamRules) {
         const double rise_nats = alone.add(beam);
         nats += rise_nats;
         if (options.dependence == BeamDependence::kBestOfCell || rise_nats > 0.0) {
-          gain_nats += team.add(beam);  // beams dropped in their scan are not counted
+          gain_nats += team.add(beam);  // dropped beams of a scan do not count
         }
       }
       const BeamView& view = table.view({at_m.x(), at_m.y(), sector * (2.0 * kPi / 28.0)});
@@ -273,7 +273,8 @@ TEST(ViewTable, AppliesItsTwoBeamRules) {
   }
 }
 
-// Five beams: headings are rounded to twentieths of a turn, and the last is the first again.
+// With five beams, headings are rounded to multiples of 1/20 turn. The last multiple equals the
+// first.
 TEST(ViewTable, RoundsHeadingsByBeamSpacing) {
   const OccupancyBelief belief(kGrid, 3.0);
   const Eigen::Vector2d at_m = kGrid.centre_m(820);

@@ -22,8 +22,8 @@ using test::is_near;
 using test::pick;
 using test::uniform;
 
-// One table is reused for all problems. It holds the model's prediction for each target and depth,
-// and nothing of the previous problem.
+// One table is reused for all problems. It contains the model's prediction for each target and
+// depth, and no value of the previous problem.
 TEST(BeliefTable, EqualsModelPredictionAtEachDepth) {
   BeliefTable table(6, 5);
   int fixed = 0;
@@ -141,8 +141,8 @@ TEST(Look, SumsVisibleSensorsAndNoneThroughWalls) {
   }
 }
 
-// The sum over sensing teammates of the information from each teammate's position at the end of
-// each step, at the expected target position. Distance does not matter.
+// Fixed information is the sum over all teammates with sensors. It is evaluated at the end of each
+// step, at the expected target position, and for teammates at any distance from the robot.
 TEST(FixedInformation, SumsTeammatesMeasurementsPerStep) {
   std::mt19937_64 rng(54);
   int seen = 0;
@@ -189,8 +189,8 @@ TEST(FixedInformation, SumsTeammatesMeasurementsPerStep) {
   EXPECT_GT(unseen, 100);
 }
 
-// A teammate comes into range only at the end of the last step, from any side. Or the target comes
-// into the range of a hovering teammate. A second target that is not seen changes nothing.
+// A teammate comes into range only at the end of the last step, from any side, or the target comes
+// into the range of a hovering teammate. A second, invisible target changes nothing.
 TEST(FixedInformation, CountsTargetsThatJustComeIntoRange) {
   for (int side = 0; side < 4; ++side) {
     const double to_rad = 0.5 * kPi * side;
@@ -228,7 +228,7 @@ TEST(FixedInformation, CountsTargetsThatJustComeIntoRange) {
   }
 }
 
-// Equals the sum of logarithms where the product itself exceeds the range of a double.
+// The result equals the sum of logarithms even if the product exceeds the range of a double.
 TEST(LogProduct, EqualsTheSumOfLogarithms) {
   std::mt19937_64 rng(53);
   for (int i = 0; i < 100; ++i) {

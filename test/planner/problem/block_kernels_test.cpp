@@ -29,7 +29,7 @@ BlockLayout position_layout(BlockLayout layout) {
   return layout == BlockLayout::kSpatial ? BlockLayout::kSpatial : BlockLayout::kPlanar;
 }
 
-// Returns information of rank 0 to p; each rank has 10^-2 to 10^most.
+// Returns random information of rank 0 to p, with 10^-2 to 10^most in each rank.
 models::PositionMatrix random_information(std::mt19937_64& rng, int p, double most = 2.0) {
   models::PositionMatrix M = models::PositionMatrix::Zero(p, p);
   const int rank = pick(rng, 0, p);
@@ -207,7 +207,7 @@ TEST(Dominates, IsFalseForAnIndefiniteDifference) {
     const int n = state_dim(layout);
     for (int i = 0; i < 4000; ++i) {
       const models::StateMatrix b = random_spd(rng, n, 1.0, 1.0);
-      // Differences that are singular within rounding, on either side.
+      // Differences that are singular up to rounding, with either sign.
       const Eigen::MatrixXd Q = random_spd(rng, n, 1.0, 0.5);
       const double size = std::pow(10.0, uniform(rng, -15.0, 0.0));
       const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> frame(Q);

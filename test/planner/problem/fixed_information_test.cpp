@@ -25,7 +25,7 @@ TEST(FixedInformation, SendsTheSecondRobotToTheOtherTarget) {
   problem.controls = scenario.robots[1].primitives;
   problem.horizon_steps = 6;
   problem.sensors = {scenario.robots[1].sensor};
-  for (const double x_m : {-2.0, 1.8}) {  // the right target is nearer to both
+  for (const double x_m : {-2.0, 1.8}) {  // m; the second target is nearer to both robots
     problem.targets.push_back({scenario.estimator.target_model,
                                {Eigen::Vector2d(x_m, 0.0), Eigen::Matrix2d::Identity()}});
   }

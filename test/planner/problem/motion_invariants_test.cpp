@@ -1,4 +1,4 @@
-// Invariances of a motion table, and limits that have a closed form.
+// Tests of the invariances of a motion table, and of limits with a closed form.
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +24,7 @@ using test::uniform;
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
-// Returns a problem whose start is so far from the teammates that the full separation is required.
+// Returns a problem with a start so far from the teammates that the full separation is required.
 SearchProblem crowded_problem(std::mt19937_64& rng) {
   SearchProblem problem;
   problem.start_time = kStart;
@@ -122,7 +122,7 @@ TEST(MotionTable, LaterStepEqualsLaterStart) {
       });
 }
 
-// Mirrored left to right. (Distances differ by rounding; no case is that close.)
+// A mirrored problem has the same answers; rounding affects none of these cases.
 TEST(MotionTable, IsMirrorSymmetric) {
   for_crowded_problems(
       [](const SearchProblem& problem, const Pose2& from, int depth, const Answers& answers) {
@@ -144,9 +144,9 @@ TEST(MotionTable, IsMirrorSymmetric) {
       });
 }
 
-// Compared with sampling: a robot that may stop keeps the separation from teammates that move
-// during and after the stop. A refused stop exceeds the limit by no more than the error of the
-// chords.
+// Compares the answers with sampled distances. A robot that may stop keeps the separation from
+// teammates that move during and after the stop. A refused stop exceeds the limit by no more than
+// the error of the chords.
 TEST(CanStop, KeepsSeparationFromMovingTeammates) {
   for_crowded_problems([](const SearchProblem& problem, const Pose2& from, int depth,
                           const Answers& answers) {
@@ -164,8 +164,8 @@ TEST(CanStop, KeepsSeparationFromMovingTeammates) {
             std::min(least_m, std::hypot(offset_m.norm(), teammate.height_m - problem.height_m));
       }
     }
-    // The allowance covers what a chord hides, twice: arcs of 3 m/s and 3 rad/s 11 mm, a jump by 3
-    // m/s 75 mm, the brake 5 mm. In addition 6 m/s for half of 10 ms between samples.
+    // The allowance is twice the chord error: 11 mm for arcs at 3 m/s and 3 rad/s, 75 mm for a
+    // speed jump of 3 m/s, 5 mm for braking. Sampling adds 6 m/s for half of 10 ms.
     if (answers.may_stop) {
       EXPECT_GE(least_m, problem.separation_m);
     } else {
@@ -200,7 +200,7 @@ TEST(CanStop, FromTheStartUsesItsSpeed) {
   EXPECT_LT(stops, 60);
 }
 
-// A stop of length v²/2a ends with the disc just clear of the wall ahead.
+// After a stop of length v²/2a, the robot's disc is just clear of the wall ahead.
 TEST(CanStop, NeedsFullStoppingDistance) {
   models::World world;
   world.bounds = {{-10.0, -10.0}, {10.0, 10.0}};
@@ -222,7 +222,8 @@ TEST(CanStop, NeedsFullStoppingDistance) {
 }
 
 // Returns the greatest separation that is accepted for a robot hovering ahead, in the step that
-// begins `depth` steps later. The teammate comes along the x axis; a step is 0.5 s in five pieces.
+// begins `depth` steps later. The teammate approaches along the x axis; a step of 0.5 s has five
+// pieces.
 double greatest_separation_m(const std::vector<models::PlanSegment>& segments, int depth,
                              double started_s = 0.0, double x_m = 20.0, double y_m = 0.0) {
   SearchProblem problem;
@@ -242,9 +243,9 @@ double greatest_separation_m(const std::vector<models::PlanSegment>& segments, i
   });
 }
 
-// Each piece is treated as straight and uniform. Where that is exact, only the clock's rounding is
-// added. Otherwise Δ²/8 of an acceleration and J s (1 − s) Δ of a jump are added, and no more: a
-// larger allowance would leave a team no room.
+// Each piece is treated as straight and uniform. If that is exact, only the clock's rounding is
+// added. Otherwise the allowance is exactly a Δ²/8 for an acceleration a and J s (1 − s) Δ for a
+// speed jump J.
 TEST(IsFree, AllowsForCurvatureOfTeammatePieceOnly) {
   constexpr double kPiece_s = 0.1;
   constexpr double kClock_m = 1e-5;
@@ -344,7 +345,7 @@ TEST(IsFree, AllowsForCurvatureOfTeammatePieceOnly) {
        20.0 - 0.25 - bulge_m(2.0)},
   };
   for (const Case& each : cases) {
-    for (const double side : {1.0, -1.0}) {  // and the same driven in reverse
+    for (const double side : {1.0, -1.0}) {  // the same in reverse
       std::vector<models::PlanSegment> segments = each.segments;
       for (models::PlanSegment& segment : segments) {
         segment.control.speed_mps *= side;
@@ -354,11 +355,11 @@ TEST(IsFree, AllowsForCurvatureOfTeammatePieceOnly) {
           << each.what << ' ' << side;
     }
   }
-  // Driven around a circle of 1 m about (0, ±1) at 2 rad/s, 0.2 rad per piece. The second piece is
-  // 0.2 to 0.4 rad past the nearest point to the x axis. The hover is far outside, opposite the
-  // middle of that piece's chord.
+  // The teammate drives around a circle of radius 1 m about (0, ±1) at 2 rad/s, 0.2 rad per piece.
+  // The second piece is 0.2 to 0.4 rad past the nearest point to the x axis. The hover is far
+  // outside, opposite the middle of that piece's chord.
   for (const double side : {1.0, -1.0}) {
-    const double chord_m = std::cos(0.1);  // from the centre
+    const double chord_m = std::cos(0.1);  // m; distance of the chord from the centre
     const Eigen::Vector2d out(std::sin(0.3), -std::cos(0.3));
     const Eigen::Vector2d there(20.0 * out.x(), side * (1.0 + 20.0 * out.y()));
     EXPECT_NEAR(
@@ -368,9 +369,8 @@ TEST(IsFree, AllowsForCurvatureOfTeammatePieceOnly) {
   }
 }
 
-// Two robots that drive towards each other may come as near as the separation at the end of the
-// step. The same holds for one that follows a returning teammate. No teammate is skipped as too far
-// away.
+// Two robots that drive towards each other may reach exactly the separation at the end of the step,
+// and so may a robot that follows a returning teammate. No distant teammate may be skipped.
 TEST(IsFree, ChecksTheEndOfAStep) {
   for (const double side : {1.0, -1.0}) {
     for (const int depth : {0, 1, 3}) {
@@ -397,7 +397,7 @@ TEST(IsFree, ChecksTheEndOfAStep) {
   }
 }
 
-// For the robot's own arc the chord's sagitta ν ω Δ²/8 is allowed in both directions, and no more.
+// For the robot's own arc the chord's sagitta ν ω Δ²/8 is allowed, exactly, in both directions.
 TEST(IsFree, AddsExactlyItsOwnArc) {
   for (const double side : {1.0, -1.0}) {
     SearchProblem problem;
@@ -407,7 +407,7 @@ TEST(IsFree, AddsExactlyItsOwnArc) {
     problem.controls = {{2.0, side * 2.0}};
     models::Trajectory hover;
     hover.start_time = kStart;
-    // As for the circling teammate above: opposite the middle of the second piece's chord.
+    // The hover is opposite the middle of the second piece's chord, as above.
     hover.start = {20.0 * std::sin(0.3), side * (1.0 - 20.0 * std::cos(0.3)), 0.0};
     problem.teammates = {hover};
     MotionTable motion(64, 16, 4);
@@ -472,7 +472,7 @@ TEST(MotionTable, ReachEqualsTheFastestControl) {
     const double last_m = last_accepted(0.0, 9.9, 1e-6, [&](double x_m) {
       return motion.is_open_space({x_m, 0.05});
     });
-    // The field is a lower bound, at most a cell diagonal too low.
+    // The distance field is a lower bound and too low by at most a cell diagonal.
     EXPECT_LE(last_m, 10.0 - 0.5 - 0.4 * speed_mps);
     EXPECT_GE(last_m, 10.0 - 0.5 - 0.4 * speed_mps - 0.15);
   }

@@ -119,7 +119,7 @@ TEST(IsFree, IsTrueIfAndOnlyIfClear) {
           ++freed;
           EXPECT_GT(sampled_m, problem.clearance_m);
         } else {
-          ++refused;  // between samples, clearance may drop by half their distance
+          ++refused;  // clearance may drop between samples
           EXPECT_LE(sampled_m, problem.clearance_m + 1.5 / 500.0 + 1e-5);
         }
       }
@@ -129,8 +129,8 @@ TEST(IsFree, IsTrueIfAndOnlyIfClear) {
   EXPECT_GT(refused, 1000);
 }
 
-// Starts where the choice between the field and exact distances lies within a cell of contact. The
-// answer must be that of arc_is_clear(), and never less strict.
+// The starts are within a cell of contact, where the table selects the distance field or exact
+// distances. The answer must equal that of arc_is_clear() and never be less strict.
 TEST(IsFree, FieldNeverAcceptsWhatExactDistancesRefuse) {
   std::mt19937_64 rng(33);
   int grazing = 0;
@@ -148,7 +148,7 @@ TEST(IsFree, FieldNeverAcceptsWhatExactDistancesRefuse) {
     motion.reset(problem);
     for (int k = 0; k < 100; ++k) {
       Pose2 from = random_pose(rng);
-      for (int nearer = 0; nearer < 8; ++nearer) {  // down the field until it almost touches
+      for (int nearer = 0; nearer < 8; ++nearer) {  // along the field until near contact
         const Eigen::Vector2d p_m = from.position_m();
         const double spare_m = models::clearance_m(world, p_m) - problem.clearance_m;
         const Eigen::Vector2d dx(1e-6, 0.0);
@@ -231,7 +231,7 @@ struct TeamProblem {
 };
 
 // Teammates in a small arena that start at other times and with other steps than the robot. Some
-// continue long after its horizon, so that their pieces do not align with its own.
+// continue long after its horizon, so their pieces do not align with those of the robot.
 std::unique_ptr<TeamProblem> team_problem(std::uint64_t seed) {
   std::mt19937_64 rng(seed);
   auto team = std::make_unique<TeamProblem>();
@@ -338,14 +338,14 @@ TEST(Plans, MoveAwayFromATooNearTeammate) {
     problem.targets = {
         {{models::TargetKind::kStatic, 2, 0.0},
          {3.0 * Eigen::Vector2d(std::cos(to_rad), std::sin(to_rad)), Eigen::Matrix2d::Identity()}}};
-    models::Trajectory hover;  // behind it and above
+    models::Trajectory hover;  // behind and above the robot
     hover.start_time = problem.start_time;
     hover.height_m = 2.0;
     hover.start = {-0.6 * std::cos(to_rad), -0.6 * std::sin(to_rad), 0.0};
     problem.teammates = {hover};
     const double now_m = std::hypot(0.6, 0.5);
     EXPECT_NEAR(kept_separation_m(problem, 0), now_m - 0.01, 1e-12);
-    models::Trajectory own;  // two motions keep what a plan keeps from a teammate
+    models::Trajectory own;  // a motion keeps the separation of a plan
     own.start = problem.start;
     own.height_m = problem.height_m;
     EXPECT_EQ(kept_separation_m(problem, own, hover), kept_separation_m(problem, 0));
@@ -358,7 +358,7 @@ TEST(Plans, MoveAwayFromATooNearTeammate) {
     hover.start.x_m *= 2.0;
     hover.start.y_m *= 2.0;
     problem.teammates = {hover};
-    EXPECT_EQ(kept_separation_m(problem, 0), problem.separation_m);  // as required, from afar
+    EXPECT_EQ(kept_separation_m(problem, 0), problem.separation_m);  // far away: as required
   }
 }
 
@@ -378,7 +378,7 @@ TEST(ArcIsClear, IsSymmetricInDirection) {
       constexpr double kDuration_s = 0.7;
       const Pose2 to = models::step_unicycle(from, there, kDuration_s);
       if (std::abs(sampled_clearance_m(world, from, there, kDuration_s) - radius_m) < 0.01) {
-        continue;  // rounding might decide
+        continue;  // within rounding
       }
       const bool is_clear = arc_is_clear(world, from, there, kDuration_s, radius_m);
       EXPECT_EQ(arc_is_clear(world, to, back, kDuration_s, radius_m), is_clear) << i << ' ' << k;

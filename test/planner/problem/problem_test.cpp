@@ -115,7 +115,7 @@ std::vector<Fault> faults() {
   };
 }
 
-// Returns faults of single numbers of a sensor or an oscillator, in any of several.
+// Returns faults of a single number of one sensor or oscillator among several.
 std::vector<Fault> faults_of_one_number() {
   std::vector<Fault> faults;
   for (const double wrong : {0.0, -1.0, kInfinity, kNan}) {
@@ -179,7 +179,7 @@ TEST(RequireValid, RefusesEachInvalidNumber) {
   }
 }
 
-// The extreme allowed values, on every side that has a limit.
+// Values exactly at each limit are accepted.
 TEST(RequireValid, AcceptsLimits) {
   static const models::World world;
   static const models::DistanceField field;
@@ -359,7 +359,7 @@ TEST(Score, EqualsHandComputation) {
   problem.sensors = {sensor};
   problem.targets = {{{models::TargetKind::kStatic, 2, 0.0},
                       {Eigen::Vector2d(1.0, 0.0), Eigen::Matrix2d::Identity()}}};
-  const std::vector<Pose2> poses{{0.0, 0.0, 0.0}, {100.0, 0.0, 0.0}};  // sees, does not see
+  const std::vector<Pose2> poses{{0.0, 0.0, 0.0}, {100.0, 0.0, 0.0}};  // visible, then not visible
   EXPECT_NEAR(score(problem, poses), -4.0 * std::log(5.0), 1e-12);
   problem.cost = CostKind::kTrace;
   EXPECT_NEAR(score(problem, poses), 4.0 / 5.0, 1e-12);
@@ -385,7 +385,7 @@ TEST(ToTrajectory, EndsInTheCheckedStop) {
 }
 
 // The trajectory starts at the problem's start, with one step per control in order, then brakes
-// from the speed of the last control. Compared with the unicycle model.
+// from the speed of the last control. The poses equal those of the unicycle model.
 TEST(ToTrajectory, FollowsItsControls) {
   std::mt19937_64 rng(51);
   for (int i = 0; i < 50; ++i) {
@@ -429,8 +429,8 @@ TEST(ToTrajectory, FollowsItsControls) {
   }
 }
 
-// The kept separation is the distance at the plan's start less a centimetre, for each teammate. It
-// is at most the required separation and at least 0.
+// The kept separation from each teammate is the distance at the plan's start minus 1 cm. It is at
+// most the required separation and at least 0.
 TEST(KeptSeparation, IsDistanceAtPlanStart) {
   std::mt19937_64 rng(52);
   int nearer = 0;
@@ -469,7 +469,7 @@ TEST(KeptSeparation, IsDistanceAtPlanStart) {
   }
   EXPECT_GT(nearer, 50);
   EXPECT_GT(farther, 50);
-  SearchProblem one;  // two at one position keep no separation
+  SearchProblem one;  // robots at one position: separation 0
   one.separation_m = 1.0;
   one.teammates.resize(1);
   EXPECT_EQ(kept_separation_m(one, 0), 0.0);

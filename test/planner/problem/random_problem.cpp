@@ -18,7 +18,7 @@ models::SensorModel random_sensor(std::mt19937_64& rng) {
   sensor.range_sigma_m = uniform(rng, 0.05, 0.4);
   sensor.bearing_sigma_rad = radians(uniform(rng, 2.0, 10.0));
   sensor.position_sigma_m = uniform(rng, 0.05, 0.5);
-  sensor.pixel_sigma = uniform(rng, 30.0, 100.0);  // large: the update subtracts and loses digits
+  sensor.pixel_sigma = uniform(rng, 30.0, 100.0);  // large: little loss of digits
   sensor.depth_min_m = 1.0;
   sensor.camera_tilt_rad = radians(uniform(rng, 20.0, 90.0));
   sensor.variance_grows_with_range = pick(rng, 0, 1) == 1;
@@ -54,7 +54,7 @@ planner::SearchTarget random_target(std::mt19937_64& rng) {
 }
 
 std::vector<models::UnicycleControl> random_controls(std::mt19937_64& rng, int count) {
-  // With hovering and turns on the spot, paths meet again exactly.
+  // Because of hovering and turns on the spot, different paths reach equal poses.
   std::vector<models::UnicycleControl> pool = models::standard_primitives();
   for (const double yaw_rate_radps : {0.0, 1.0, -1.0}) {
     pool.push_back({0.0, yaw_rate_radps});
@@ -140,7 +140,7 @@ models::Surroundings random_surroundings(std::mt19937_64& rng) {
   around.damping_per_s.setConstant(uniform(rng, 0.1, 1.5));
   for (Eigen::Index i = 0; i < 2; ++i) {
     around.center_m(i) = uniform(rng, -1.0, 1.0);
-    // With powers of two, σ_v/σ_p and so A stay exactly the same.
+    // Powers of two keep σ_v/σ_p, and therefore A, exactly equal.
     around.position_sigma_m(i) =
         is_alike ? std::pow(2.0, pick(rng, -1, 2)) : uniform(rng, 0.5, 4.0);
     around.velocity_sigma_mps(i) = omega * around.position_sigma_m(i);
@@ -188,7 +188,7 @@ OwnedProblem random_problem(std::uint64_t seed) {
   if (pick(rng, 0, 2) == 0) {
     add_fixed_information(rng, problem);
   }
-  if (seed % 2 == 0) {  // last, so that other draws stay the same
+  if (seed % 2 == 0) {  // drawn last: other draws do not change
     let_oscillate(rng, problem);
   }
   return owned;

@@ -9,8 +9,8 @@ namespace vantage::test {
 
 using planner::OwnedProblem;
 
-/// Returns a small problem drawn by `seed`: one or two of the five sensors, every target model in
-/// every dimension, 1–6 targets, 1–5 steps, both costs. World, distance field, required stop and
+/// Returns a small problem drawn by `seed`: one or two of the five sensor kinds, all target models
+/// in all dimensions, 1–6 targets, 1–5 steps, both costs. World, distance field, required stop and
 /// teammates' information are optional. |U|^T ≤ 700, so that exhaustive search is cheap.
 OwnedProblem random_problem(std::uint64_t seed);
 
@@ -23,7 +23,7 @@ OwnedProblem smooth_problem(std::uint64_t seed);
 models::Trajectory random_teammate(std::mt19937_64& rng, Time around, int steps, double step_s);
 
 double uniform(std::mt19937_64& rng, double low, double high);
-int pick(std::mt19937_64& rng, int low, int high);  ///< both ends included
+int pick(std::mt19937_64& rng, int low, int high);  ///< includes both limits
 /// Returns the surroundings of a damped oscillator. Every second one has the same A on both axes.
 models::Surroundings random_surroundings(std::mt19937_64& rng);
 /// Turns the double integrators of `problem` into damped oscillators.

@@ -117,7 +117,7 @@ TEST(SightTable, LineOfSightIsIndependentOfTheField) {
     }
     sight.reset(owned.problem);
     ASSERT_TRUE(sight.has_obstacles());
-    for (int i = 0; i < 200; ++i) {  // some are outside the walls, where the field ends
+    for (int i = 0; i < 200; ++i) {  // some are outside the walls, beyond the field
       const Eigen::Vector2d a_m(uniform(rng, -7.0, 7.0), uniform(rng, -7.0, 7.0));
       const Eigen::Vector2d b_m(uniform(rng, -7.0, 7.0), uniform(rng, -7.0, 7.0));
       const bool expected = models::line_of_sight(*owned.world, a_m, b_m);

@@ -1,4 +1,4 @@
-// A motion table compared with the committed motion of teammates, piece by piece.
+// Compares a motion table with the committed motion of teammates, piece by piece.
 
 #include <algorithm>
 #include <cmath>
@@ -65,7 +65,7 @@ TEST(IsFree, AccountsForTurnsWithinATeammatesPiece) {
     problem.start_time = from_utime(1'700'000'000'000'000);
     problem.horizon_steps = 2;
     problem.controls = {{0.0, 0.0}, {1.0, 0.0}};
-    problem.start.x_m = 100.0;  // far enough at the start
+    problem.start.x_m = 100.0;  // m; far from the teammate
     models::Trajectory teammate;
     teammate.start_time = problem.start_time;
     teammate.start = {-1.5, 0.0, 0.0};
@@ -89,12 +89,12 @@ TEST(IsFree, AccountsForTurnsWithinATeammatesPiece) {
                                      models::at(teammate, t).world_from_body.position_m())
                                         .norm());
       }
-      // With a required separation slightly above the actual one, it must refuse.
+      // A required separation slightly above the actual one must be refused.
       problem.separation_m = least_m + 1e-4;
       MotionTable motion(64, 16, 4);
       motion.reset(problem);
       EXPECT_FALSE(motion.is_free(from, std::cos(from.yaw_rad), std::sin(from.yaw_rad), c, 0));
-      if (least_m > 0.6) {  // the allowance is bounded
+      if (least_m > 0.6) {  // limits the allowance
         problem.separation_m = least_m - 0.6;
         motion.reset(problem);
         EXPECT_TRUE(motion.is_free(from, std::cos(from.yaw_rad), std::sin(from.yaw_rad), c, 0));
@@ -103,8 +103,8 @@ TEST(IsFree, AccountsForTurnsWithinATeammatesPiece) {
   }
 }
 
-// A stop that lasts longer than any teammate's motion, next to a hovering teammate. Every instant
-// of the stop counts.
+// A stop that lasts longer than any teammate's motion, next to a hovering teammate. All instants of
+// the stop must be checked.
 TEST(CanStop, DetectsHoverNextToEndOfLongStop) {
   std::mt19937_64 rng(34);
   int stops = 0;
@@ -115,7 +115,7 @@ TEST(CanStop, DetectsHoverNextToEndOfLongStop) {
     problem.horizon_steps = pick(rng, 1, 4);
     problem.controls = {{1.0, 0.0}, {0.5, 0.0}};
     problem.brake_mps2 = uniform(rng, 0.1, 1.0);  // the stop takes up to ten seconds
-    problem.start.x_m = 100.0;                    // far enough at the start
+    problem.start.x_m = 100.0;                    // m; far from the teammate
     models::Trajectory hover;
     hover.start_time = problem.start_time;
     problem.teammates = {hover};
@@ -203,7 +203,7 @@ TEST(IsFree, AccountsForTheBulgeOfItsArc) {
     problem.separation_m = least_m + 1e-4;
     motion.reset(problem);
     EXPECT_FALSE(motion.is_free(from, std::cos(from.yaw_rad), std::sin(from.yaw_rad), 0, 0)) << i;
-    problem.separation_m = least_m - 0.05;  // the allowance is bounded
+    problem.separation_m = least_m - 0.05;  // limits the allowance
     motion.reset(problem);
     accepted += motion.is_free(from, std::cos(from.yaw_rad), std::sin(from.yaw_rad), 0, 0) ? 1 : 0;
   }
